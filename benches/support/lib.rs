@@ -1,0 +1,1 @@
+//! Scenes and clocks that the benchmarks share.

@@ -1,0 +1,2 @@
+//! The program `texmap`.
+fn main() {}

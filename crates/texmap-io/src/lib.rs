@@ -1,0 +1,2 @@
+//! texmap-io
+#![forbid(unsafe_code)]

@@ -1,0 +1,2 @@
+//! texmap-lab
+#![forbid(unsafe_code)]

@@ -1,0 +1,4 @@
+//! texmap-raster
+#![cfg_attr(not(feature = "std"), no_std)]
+#![forbid(unsafe_code)]
+extern crate alloc;

@@ -1,0 +1,2 @@
+//! texmap-render
+#![forbid(unsafe_code)]

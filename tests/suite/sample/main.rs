@@ -1,0 +1,1 @@
+//! Laws and regressions of this area.
