@@ -1,0 +1,1 @@
+//! The truth, the failure cases and the demos.
