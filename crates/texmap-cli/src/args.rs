@@ -1,0 +1,36 @@
+//! The command line. Each verb's arguments stand in its module under `cmd`.
+
+use clap::{Parser, Subcommand};
+
+use crate::cmd;
+
+/// Textured scenes to pictures on the CPU, the same bytes on every machine.
+#[derive(Debug, Parser)]
+#[command(
+    name = "texmap",
+    version,
+    propagate_version = true,
+    max_term_width = 100
+)]
+pub(crate) struct Cli {
+    #[command(subcommand)]
+    pub(crate) verb: Verb,
+}
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum Verb {
+    Render(cmd::render::RenderArgs),
+    Info(cmd::info::InfoArgs),
+    Demo(cmd::demo::DemoArgs),
+}
+
+impl Verb {
+    /// Whether the caller asked for JSON on standard output.
+    pub(crate) fn json(&self) -> bool {
+        match self {
+            Self::Render(a) => a.json,
+            Self::Info(a) => a.json,
+            Self::Demo(a) => a.json,
+        }
+    }
+}

@@ -1,0 +1,5 @@
+//! One module per verb: its arguments and what it does.
+
+pub(crate) mod demo;
+pub(crate) mod info;
+pub(crate) mod render;

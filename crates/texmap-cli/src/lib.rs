@@ -1,0 +1,92 @@
+//! The program `texmap` as a library with one function, [`main`].
+//!
+//! Conventions: data goes to standard output, words and progress to standard error. Every file
+//! is written under a temporary name and renamed. Exit codes: 0 done, 1 a comparison or claim
+//! failed, 2 usage, 3 some of several items failed, 4 bad input or output, 5 over a budget,
+//! 6 internal error.
+#![forbid(unsafe_code)]
+
+use std::ffi::OsString;
+use std::panic::{self, AssertUnwindSafe};
+use std::process::ExitCode;
+
+use clap::Parser;
+
+use crate::args::{Cli, Verb};
+use crate::failure::{Exit, Failure};
+
+mod args;
+mod cmd;
+mod failure;
+mod values;
+
+/// Runs the program on the arguments of this process and returns its exit code.
+#[must_use]
+pub fn main() -> ExitCode {
+    let arguments: Vec<OsString> = std::env::args_os().collect();
+    let exit = guarded(|| run(&arguments));
+    ExitCode::from(exit as u8)
+}
+
+fn run(arguments: &[OsString]) -> Exit {
+    let (json, result) = match Cli::try_parse_from(arguments) {
+        Ok(cli) => (cli.verb.json(), dispatch(cli.verb)),
+        Err(refusal) => {
+            if !refusal.use_stderr() {
+                // `--help` and `--version` are answers, not errors.
+                failure::print(&refusal.render().to_string());
+                return Exit::Done;
+            }
+            let json = arguments.iter().any(|a| a == "--json");
+            (json, Err(Failure::from(refusal)))
+        }
+    };
+    result.unwrap_or_else(|failure| {
+        failure.report(json);
+        failure.exit
+    })
+}
+
+fn dispatch(verb: Verb) -> Result<Exit, Failure> {
+    match verb {
+        Verb::Render(args) => cmd::render::run(&args),
+        Verb::Info(args) => cmd::info::run(&args),
+        Verb::Demo(args) => cmd::demo::run(&args),
+    }
+}
+
+/// A panic is a bug of texmap: it is reported as one, with its place, and ends with exit code 6.
+fn guarded(body: impl FnOnce() -> Exit) -> Exit {
+    panic::set_hook(Box::new(|info| {
+        let place = info
+            .location()
+            .map_or_else(String::new, |l| format!(" at {}:{}", l.file(), l.line()));
+        let message = info
+            .payload()
+            .downcast_ref::<&str>()
+            .map(|s| (*s).to_owned())
+            .or_else(|| info.payload().downcast_ref::<String>().cloned())
+            .unwrap_or_default();
+        Failure::internal(format!("texmap stopped{place}: {message}")).report(false);
+    }));
+    panic::catch_unwind(AssertUnwindSafe(body)).unwrap_or(Exit::Internal)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_panic_ends_with_the_internal_exit_code() {
+        let exit = guarded(|| panic!("on purpose, to see exit code 6"));
+        let _ = panic::take_hook();
+        assert_eq!(exit as u8, 6);
+    }
+
+    #[test]
+    fn usage_errors_end_with_two_and_help_with_zero() {
+        let args = |list: &[&str]| list.iter().map(OsString::from).collect::<Vec<_>>();
+        assert_eq!(run(&args(&["texmap", "paint"])) as u8, 2);
+        assert_eq!(run(&args(&["texmap", "--version"])) as u8, 0);
+    }
+}

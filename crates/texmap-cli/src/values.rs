@@ -1,0 +1,162 @@
+//! Values of flags: sizes, points, colours. Each refusal says what would be accepted.
+
+use std::str::FromStr;
+
+/// `1920x1080` or `1920,1080`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Resolution {
+    pub(crate) width: u32,
+    pub(crate) height: u32,
+}
+
+/// Largest width and height of a picture.
+pub(crate) const MAX_SIDE: u32 = 16_384;
+
+impl FromStr for Resolution {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let side = |s: &str| {
+            s.trim()
+                .parse::<u32>()
+                .ok()
+                .filter(|n| (1..=MAX_SIDE).contains(n))
+        };
+        text.split_once(['x', 'X', ','])
+            .and_then(|(w, h)| {
+                Some(Self {
+                    width: side(w)?,
+                    height: side(h)?,
+                })
+            })
+            .ok_or_else(|| {
+                format!("expected WIDTHxHEIGHT, each 1 to {MAX_SIDE}, such as 1920x1080")
+            })
+    }
+}
+
+/// `x,y,z`, finite.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Triple(pub(crate) [f64; 3]);
+
+impl FromStr for Triple {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let values = numbers(text)?;
+        <[f64; 3]>::try_from(values)
+            .map(Self)
+            .map_err(|v| format!("expected three numbers x,y,z, got {}", v.len()))
+    }
+}
+
+/// Horizontal field of view in degrees, between 0 and 180.
+pub(crate) fn fov(text: &str) -> Result<f64, String> {
+    text.parse::<f64>()
+        .ok()
+        .filter(|d| *d > 0.0 && *d < 180.0)
+        .ok_or_else(|| "expected degrees between 0 and 180 (horizontal)".to_owned())
+}
+
+/// `#rrggbb`, `#rrggbbaa`, `r,g,b`, `r,g,b,a` (0 to 1) or `transparent`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Background(pub(crate) [f32; 4]);
+
+impl FromStr for Background {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        const EXPECTED: &str =
+            "expected #rrggbb, #rrggbbaa, r,g,b or r,g,b,a (0 to 1), or transparent";
+        if text == "transparent" {
+            return Ok(Self([0.0; 4]));
+        }
+        if let Some(hex) = text.strip_prefix('#') {
+            if !matches!(hex.len(), 6 | 8) || !hex.bytes().all(|b| b.is_ascii_hexdigit()) {
+                return Err(EXPECTED.to_owned());
+            }
+            let byte = |i: usize| {
+                u8::from_str_radix(&hex[2 * i..2 * i + 2], 16).map_or(1.0, |b| f32::from(b) / 255.0)
+            };
+            return Ok(Self([
+                byte(0),
+                byte(1),
+                byte(2),
+                if hex.len() == 8 { byte(3) } else { 1.0 },
+            ]));
+        }
+        let values = numbers(text).map_err(|_| EXPECTED.to_owned())?;
+        if !matches!(values.len(), 3 | 4) || values.iter().any(|v| !(0.0..=1.0).contains(v)) {
+            return Err(EXPECTED.to_owned());
+        }
+        let part = |i: usize| values.get(i).map_or(1.0, |v| *v as f32);
+        Ok(Self([part(0), part(1), part(2), part(3)]))
+    }
+}
+
+/// Comma-separated finite numbers.
+fn numbers(text: &str) -> Result<Vec<f64>, String> {
+    text.split(',')
+        .map(|s| {
+            s.trim()
+                .parse::<f64>()
+                .ok()
+                .filter(|n| n.is_finite())
+                .ok_or_else(|| format!("`{}` is not a finite number", s.trim()))
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_resolution_takes_both_spellings_and_refuses_the_rest() {
+        let hd = Resolution {
+            width: 1920,
+            height: 1080,
+        };
+        assert_eq!("1920x1080".parse(), Ok(hd));
+        assert_eq!("1920,1080".parse(), Ok(hd));
+        for bad in [
+            "", "1920", "0x4", "4x0", "16385x4", "-4x4", "4x4x4", "axb", "1e3x4",
+        ] {
+            assert!(bad.parse::<Resolution>().is_err(), "{bad} was taken");
+        }
+    }
+
+    #[test]
+    fn points_and_angles_are_finite() {
+        assert_eq!("-1, 2.5,3e1".parse(), Ok(Triple([-1.0, 2.5, 30.0])));
+        for bad in ["1,2", "1,2,3,4", "1,2,nan", "inf,0,0", ""] {
+            assert!(bad.parse::<Triple>().is_err(), "{bad} was taken");
+        }
+        assert_eq!(fov("60"), Ok(60.0));
+        for bad in ["0", "180", "-5", "nan", "x"] {
+            assert!(fov(bad).is_err(), "{bad} was taken");
+        }
+    }
+
+    #[test]
+    fn a_background_is_hex_parts_or_transparent() {
+        assert_eq!(
+            "#ff0080".parse(),
+            Ok(Background([1.0, 0.0, 128.0 / 255.0, 1.0]))
+        );
+        assert_eq!("#00000000".parse(), Ok(Background([0.0; 4])));
+        assert_eq!("transparent".parse(), Ok(Background([0.0; 4])));
+        assert_eq!("0,0.5,1".parse(), Ok(Background([0.0, 0.5, 1.0, 1.0])));
+        for bad in [
+            "#fff",
+            "#ggggggg",
+            "#éé00",
+            "1,2,3",
+            "0,0",
+            "red",
+            "0,0,0,0,0",
+        ] {
+            assert!(bad.parse::<Background>().is_err(), "{bad} was taken");
+        }
+    }
+}
