@@ -1,0 +1,204 @@
+//! The pinhole camera: right-handed, looks along -Z of view space, +Y up, reversed depth.
+
+use core::fmt;
+
+use glam::{DMat4, DVec3, DVec4};
+
+use crate::det;
+
+/// A camera. Angles in radians, lengths in world units.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Camera {
+    /// Where the eye is.
+    pub eye: DVec3,
+    /// The point it looks at.
+    pub look: DVec3,
+    /// A direction that appears upwards; any length, not parallel to the line of sight.
+    pub up: DVec3,
+    /// Horizontal field of view, in (0, pi).
+    pub fov_x: f64,
+    /// Distance of the near plane, above 0.
+    pub near: f64,
+    /// Distance of the far plane, above `near`; may be infinite.
+    pub far: f64,
+}
+
+/// Why a camera cannot be used.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum CameraError {
+    /// A coordinate is NaN or infinite.
+    NonFinite,
+    /// `eye` and `look` are the same point.
+    EyeIsLook {
+        /// That point.
+        eye: DVec3,
+    },
+    /// `up` is zero or parallel to the line of sight.
+    UpParallel {
+        /// The given `up`.
+        up: DVec3,
+    },
+    /// The field of view is not inside (0, pi).
+    FieldOfView {
+        /// The given angle, radians.
+        fov_x: f64,
+    },
+    /// Not `0 < near < far`.
+    NearFar {
+        /// The given near distance.
+        near: f64,
+        /// The given far distance.
+        far: f64,
+    },
+}
+
+impl fmt::Display for CameraError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NonFinite => write!(f, "camera: eye, look and up must be finite numbers"),
+            Self::EyeIsLook { eye } => write!(
+                f,
+                "camera: eye and look are the same point ({}, {}, {})",
+                eye.x, eye.y, eye.z
+            ),
+            Self::UpParallel { up } => {
+                write!(
+                    f,
+                    "camera: up ({}, {}, {}) is zero or parallel to the line of sight",
+                    up.x, up.y, up.z
+                )
+            }
+            Self::FieldOfView { fov_x } => {
+                write!(
+                    f,
+                    "camera: a field of view of {} degrees is not between 0 and 180",
+                    fov_x.to_degrees()
+                )
+            }
+            Self::NearFar { near, far } => write!(
+                f,
+                "camera: need 0 < near < far, got near {near} and far {far}"
+            ),
+        }
+    }
+}
+
+impl core::error::Error for CameraError {}
+
+/// Unit vectors of a viewer: to the right, up and forward.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Axes {
+    pub(crate) right: DVec3,
+    pub(crate) up: DVec3,
+    pub(crate) forward: DVec3,
+}
+
+impl Axes {
+    pub(crate) fn new(eye: DVec3, look: DVec3, up: DVec3) -> Result<Self, CameraError> {
+        if !(eye.is_finite() && look.is_finite() && up.is_finite()) {
+            return Err(CameraError::NonFinite);
+        }
+        let forward = unit(look - eye).ok_or(CameraError::EyeIsLook { eye })?;
+        let parallel = CameraError::UpParallel { up };
+        let side = forward.cross(unit(up).ok_or(parallel)?);
+        // Below 1e-9 radians the direction of `side` is rounding.
+        if side.length_squared() < 1e-18 {
+            return Err(parallel);
+        }
+        let right = unit(side).ok_or(parallel)?;
+        Ok(Self {
+            right,
+            up: right.cross(forward),
+            forward,
+        })
+    }
+}
+
+/// `v` over its length; scaled first, so that neither 1e-200 nor 1e200 is lost. None for zero and for a difference that overflowed.
+fn unit(v: DVec3) -> Option<DVec3> {
+    let largest = v.abs().max_element();
+    if !(largest > 0.0 && largest.is_finite()) {
+        return None;
+    }
+    let v = v / largest;
+    Some(v / v.length())
+}
+
+impl Camera {
+    /// The matrix from world to view space.
+    ///
+    /// # Errors
+    /// [`CameraError`] names what makes the camera unusable; all fields are checked.
+    pub fn view(&self) -> Result<DMat4, CameraError> {
+        let axes = self.axes()?;
+        let (r, u, b) = (axes.right, axes.up, -axes.forward);
+        Ok(DMat4::from_cols(
+            DVec4::new(r.x, u.x, b.x, 0.0),
+            DVec4::new(r.y, u.y, b.y, 0.0),
+            DVec4::new(r.z, u.z, b.z, 0.0),
+            DVec4::new(-r.dot(self.eye), -u.dot(self.eye), -b.dot(self.eye), 1.0),
+        ))
+    }
+
+    /// The matrix from view to clip space for a picture of `aspect` = width / height. Clip w is the distance along the line of
+    /// sight; clip z is w at the near plane and 0 at the far plane (or at infinity), so depth z/w is 1 near and 0 far.
+    #[must_use]
+    pub fn projection(&self, aspect: f64) -> DMat4 {
+        let x = 1.0 / det::tan(0.5 * self.fov_x);
+        let (z, t) = if self.far.is_finite() {
+            let z = self.near / (self.far - self.near);
+            (z, z * self.far)
+        } else {
+            (0.0, self.near)
+        };
+        DMat4::from_cols(
+            DVec4::new(x, 0.0, 0.0, 0.0),
+            DVec4::new(0.0, x * aspect, 0.0, 0.0),
+            DVec4::new(0.0, 0.0, z, -1.0),
+            DVec4::new(0.0, 0.0, t, 0.0),
+        )
+    }
+
+    /// The matrix from world to clip space.
+    ///
+    /// # Errors
+    /// As [`Camera::view`].
+    pub fn clip_from_world(&self, aspect: f64) -> Result<DMat4, CameraError> {
+        Ok(self.projection(aspect) * self.view()?)
+    }
+
+    /// World direction, not normalised, from the eye through the picture position (`x`, `y`) in pixels: y grows downwards, 0.5 is the
+    /// centre of the first pixel. Its component along the line of sight is 1.
+    ///
+    /// # Errors
+    /// As [`Camera::view`].
+    pub fn ray(&self, width: u32, height: u32, x: f64, y: f64) -> Result<DVec3, CameraError> {
+        let axes = self.axes()?;
+        let (width, height) = (f64::from(width), f64::from(height));
+        let tan = det::tan(0.5 * self.fov_x);
+        let right = tan * (2.0 * x / width - 1.0);
+        let up = tan * (height - 2.0 * y) / width;
+        Ok(axes.forward + axes.right * right + axes.up * up)
+    }
+
+    fn axes(&self) -> Result<Axes, CameraError> {
+        let axes = Axes::new(self.eye, self.look, self.up)?;
+        check_fov(self.fov_x)?;
+        if !(self.near > 0.0 && self.near < self.far && self.near.is_finite()) {
+            return Err(CameraError::NearFar {
+                near: self.near,
+                far: self.far,
+            });
+        }
+        Ok(axes)
+    }
+}
+
+pub(crate) fn check_fov(fov_x: f64) -> Result<(), CameraError> {
+    if fov_x > 0.0 && fov_x < core::f64::consts::PI {
+        Ok(())
+    } else {
+        Err(CameraError::FieldOfView { fov_x })
+    }
+}

@@ -1,0 +1,106 @@
+//! Colour transfer: the sRGB curve (IEC 61966-2-1:1999) and its 8-bit tables, all made by this crate's own power function.
+
+use crate::det;
+use crate::float::floor_f32;
+
+/// sRGB value to linear light. Below 0 the linear piece goes on, above 1 the curve; NaN passes.
+#[must_use]
+pub fn srgb_to_linear(c: f32) -> f32 {
+    decode(c as f64) as f32
+}
+
+/// Linear light to an sRGB value. Below 0 the linear piece goes on, above 1 the curve; NaN passes.
+#[must_use]
+pub fn linear_to_srgb(c: f32) -> f32 {
+    let c = f64::from(c);
+    (if c <= 0.003_130_8 {
+        c * 12.92
+    } else {
+        1.055 * det::pow(c, 1.0 / 2.4) - 0.055
+    }) as f32
+}
+
+/// An 8-bit sRGB value to linear light in `[0, 1]`, by table.
+#[inline]
+#[must_use]
+pub fn srgb8_to_linear(c: u8) -> f32 {
+    SRGB8_TO_LINEAR[c as usize]
+}
+
+/// An 8-bit sRGB value to linear light in 16 bits, by table, rounded to nearest; all 256 differ.
+#[inline]
+#[must_use]
+pub fn srgb8_to_linear16(c: u8) -> u16 {
+    SRGB8_TO_LINEAR16[c as usize]
+}
+
+/// Linear light to the nearest 8-bit sRGB value: the table's thresholds are exact to one f32. NaN gives 0.
+#[must_use]
+pub fn linear_to_srgb8(c: f32) -> u8 {
+    // How many of the 255 rising thresholds are at or below c.
+    let mut count = 0;
+    let mut step = 128;
+    while step > 0 {
+        if c >= SRGB8_THRESHOLDS[count + step - 1] {
+            count += step;
+        }
+        step /= 2;
+    }
+    count as u8
+}
+
+/// `[0, 1]` to 8 bits, nearest, halves up: clamped by comparison, NaN gives 0.
+#[inline(always)]
+#[must_use]
+pub fn unit_to_u8(c: f32) -> u8 {
+    let c = if c > 0.0 { c } else { 0.0 };
+    let c = if c < 1.0 { c } else { 1.0 };
+    floor_f32(c * 255.0 + 0.5) as u8
+}
+
+/// Linear light of each 8-bit sRGB value.
+pub static SRGB8_TO_LINEAR: [f32; 256] = {
+    let mut table = [0.0; 256];
+    let mut i = 0;
+    while i < 256 {
+        table[i] = decode(i as f64 / 255.0) as f32;
+        i += 1;
+    }
+    table
+};
+
+/// Linear light of each 8-bit sRGB value, times 65535, rounded.
+pub static SRGB8_TO_LINEAR16: [u16; 256] = {
+    let mut table = [0; 256];
+    let mut i = 0;
+    while i < 256 {
+        table[i] = (decode(i as f64 / 255.0) * 65535.0 + 0.5) as u16;
+        i += 1;
+    }
+    table
+};
+
+/// The least f32 whose nearest 8-bit sRGB value is `i + 1`.
+static SRGB8_THRESHOLDS: [f32; 255] = {
+    let mut table = [0.0; 255];
+    let mut i = 0;
+    while i < 255 {
+        let exact = decode((i as f64 + 0.5) / 255.0);
+        let near = exact as f32;
+        table[i] = if (near as f64) < exact {
+            near.next_up()
+        } else {
+            near
+        };
+        i += 1;
+    }
+    table
+};
+
+const fn decode(c: f64) -> f64 {
+    if c <= 0.040_45 {
+        c / 12.92
+    } else {
+        det::pow((c + 0.055) / 1.055, 2.4)
+    }
+}
