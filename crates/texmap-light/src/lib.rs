@@ -1,4 +1,37 @@
-//! texmap-light
+//! Shading and lighting effects as pure functions over points and normals: no scene, no renderer, no
+//! texture reads of their own unless an effect is one.
+//!
+//! # Conventions
+//! Right-handed space, any unit. Colours are linear light, `[r, g, b]`, 1 is white; results are clipped
+//! at 1 where that is said. Directions need not be of unit length. Points, normals and the eye share one
+//! space (the renderer uses world space).
+//!
+//! Every function has a scalar form, a form over slices with the same bits, and an f64 reference in
+//! [`mod@reference`] that is written for reading. Only IEEE `+ - * / sqrt`, comparisons and
+//! `texmap_math::det32` are used, so that the bits are equal on every machine.
+//!
+//! ```
+//! use texmap_light::{Light, Surface, illuminate};
+//! let lights = [
+//!     Light::Ambient { color: [0.1; 3] },
+//!     Light::Directional { color: [1.0; 3], direction: [0.0, -1.0, 0.0] }, // shines down
+//! ];
+//! let matte = Surface { color: [0.5, 0.25, 1.0], ka: 1.0, kd: 0.8, ks: 0.0, ns: 1.0 };
+//! let lit = illuminate(&matte, &lights, [0.0; 3], [0.0, 1.0, 0.0], [0.0, 3.0, 4.0]);
+//! for (value, expected) in lit.into_iter().zip([0.45, 0.225, 0.9]) {
+//!     assert!((value - expected).abs() < 1e-6);
+//! }
+//! ```
 #![cfg_attr(not(feature = "std"), no_std)]
 #![forbid(unsafe_code)]
 extern crate alloc;
+
+mod error;
+pub mod reference;
+mod shade;
+mod surface;
+mod vector;
+
+pub use error::LightError;
+pub use shade::{Terms, illuminate, illuminate_slice, illuminate_two_sided, terms, terms_slice};
+pub use surface::{Light, Surface};

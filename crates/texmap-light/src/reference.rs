@@ -1,0 +1,44 @@
+//! The same formulae in f64, one point at a time, written for reading. Finite input is assumed.
+
+use texmap_math::det;
+use texmap_math::glam::DVec3;
+
+use crate::{Light, Surface};
+
+/// Diffuse and highlight terms; see [`crate::terms`].
+#[must_use]
+pub fn terms(surface: &Surface, lights: &[Light], point: DVec3, normal: DVec3, eye: DVec3) -> (DVec3, DVec3) {
+    let vector = |a: [f32; 3]| DVec3::new(a[0].into(), a[1].into(), a[2].into());
+    let n = normal.normalize_or_zero();
+    let v = (eye - point).normalize_or_zero();
+    let (mut diffuse, mut highlight) = (DVec3::ZERO, DVec3::ZERO);
+    for light in lights {
+        let (color, l) = match *light {
+            Light::Ambient { color } => {
+                diffuse += vector(color) * f64::from(surface.ka);
+                continue;
+            }
+            Light::Directional { color, direction } => (color, -vector(direction)),
+            Light::Point { color, position } => (color, vector(position) - point),
+        };
+        let l = l.normalize_or_zero();
+        let n_l = n.dot(l);
+        if n_l > 0.0 {
+            let r = 2.0 * n_l * n - l;
+            diffuse += vector(color) * f64::from(surface.kd) * n_l;
+            let v_r = v.dot(r);
+            if v_r > 0.0 {
+                highlight += vector(color) * f64::from(surface.ks) * det::pow(v_r, f64::from(surface.ns));
+            }
+        }
+    }
+    (diffuse, highlight)
+}
+
+/// Colour clipped at 1; see [`crate::illuminate`].
+#[must_use]
+pub fn illuminate(surface: &Surface, lights: &[Light], point: DVec3, normal: DVec3, eye: DVec3) -> DVec3 {
+    let (diffuse, highlight) = terms(surface, lights, point, normal, eye);
+    let base = DVec3::new(surface.color[0].into(), surface.color[1].into(), surface.color[2].into());
+    (base * diffuse + highlight).min(DVec3::ONE)
+}
