@@ -18,8 +18,15 @@ pub enum LightError {
 impl fmt::Display for LightError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Length { what, found, expected } => {
-                write!(f, "{what} has {found} entries but the output has {expected}: pass slices of one length")
+            Self::Length {
+                what,
+                found,
+                expected,
+            } => {
+                write!(
+                    f,
+                    "{what} has {found} entries but the output has {expected}: pass slices of one length"
+                )
             }
         }
     }
@@ -28,6 +35,18 @@ impl fmt::Display for LightError {
 impl core::error::Error for LightError {}
 
 /// Refuses a slice whose length differs from the output's.
-pub(crate) fn same_length(what: &'static str, found: usize, expected: usize) -> Result<(), LightError> {
-    if found == expected { Ok(()) } else { Err(LightError::Length { what, found, expected }) }
+pub(crate) fn same_length(
+    what: &'static str,
+    found: usize,
+    expected: usize,
+) -> Result<(), LightError> {
+    if found == expected {
+        Ok(())
+    } else {
+        Err(LightError::Length {
+            what,
+            found,
+            expected,
+        })
+    }
 }

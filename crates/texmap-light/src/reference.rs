@@ -7,7 +7,13 @@ use crate::{Light, Surface};
 
 /// Diffuse and highlight terms; see [`crate::terms`].
 #[must_use]
-pub fn terms(surface: &Surface, lights: &[Light], point: DVec3, normal: DVec3, eye: DVec3) -> (DVec3, DVec3) {
+pub fn terms(
+    surface: &Surface,
+    lights: &[Light],
+    point: DVec3,
+    normal: DVec3,
+    eye: DVec3,
+) -> (DVec3, DVec3) {
     let vector = |a: [f32; 3]| DVec3::new(a[0].into(), a[1].into(), a[2].into());
     let n = normal.normalize_or_zero();
     let v = (eye - point).normalize_or_zero();
@@ -28,7 +34,8 @@ pub fn terms(surface: &Surface, lights: &[Light], point: DVec3, normal: DVec3, e
             diffuse += vector(color) * f64::from(surface.kd) * n_l;
             let v_r = v.dot(r);
             if v_r > 0.0 {
-                highlight += vector(color) * f64::from(surface.ks) * det::pow(v_r, f64::from(surface.ns));
+                highlight +=
+                    vector(color) * f64::from(surface.ks) * det::pow(v_r, f64::from(surface.ns));
             }
         }
     }
@@ -37,8 +44,18 @@ pub fn terms(surface: &Surface, lights: &[Light], point: DVec3, normal: DVec3, e
 
 /// Colour clipped at 1; see [`crate::illuminate`].
 #[must_use]
-pub fn illuminate(surface: &Surface, lights: &[Light], point: DVec3, normal: DVec3, eye: DVec3) -> DVec3 {
+pub fn illuminate(
+    surface: &Surface,
+    lights: &[Light],
+    point: DVec3,
+    normal: DVec3,
+    eye: DVec3,
+) -> DVec3 {
     let (diffuse, highlight) = terms(surface, lights, point, normal, eye);
-    let base = DVec3::new(surface.color[0].into(), surface.color[1].into(), surface.color[2].into());
+    let base = DVec3::new(
+        surface.color[0].into(),
+        surface.color[1].into(),
+        surface.color[2].into(),
+    );
     (base * diffuse + highlight).min(DVec3::ONE)
 }

@@ -38,7 +38,13 @@ impl Terms {
 /// output; error against [`reference::terms`](crate::reference::terms) below 2e-5 for `ns <= 128` and
 /// terms up to 1.
 #[must_use]
-pub fn terms(surface: &Surface, lights: &[Light], point: [f32; 3], normal: [f32; 3], eye: [f32; 3]) -> Terms {
+pub fn terms(
+    surface: &Surface,
+    lights: &[Light],
+    point: [f32; 3],
+    normal: [f32; 3],
+    eye: [f32; 3],
+) -> Terms {
     let normal = normalize(normal);
     let view = normalize(sub(eye, point));
     let mut sum = Terms::default();
@@ -62,7 +68,11 @@ pub fn terms(surface: &Surface, lights: &[Light], point: [f32; 3], normal: [f32;
             let mirrored = sub(scale(normal, 2.0 * facing), toward);
             let along = dot(view, mirrored);
             if along > 0.0 {
-                add(&mut sum.highlight, color, surface.ks * det32::pow(along, surface.ns));
+                add(
+                    &mut sum.highlight,
+                    color,
+                    surface.ks * det32::pow(along, surface.ns),
+                );
             }
         }
     }
@@ -93,7 +103,13 @@ pub fn illuminate_two_sided(
     eye: [f32; 3],
 ) -> [f32; 3] {
     let away = dot(normal, sub(eye, point)) < 0.0;
-    illuminate(surface, lights, point, if away { scale(normal, -1.0) } else { normal }, eye)
+    illuminate(
+        surface,
+        lights,
+        point,
+        if away { scale(normal, -1.0) } else { normal },
+        eye,
+    )
 }
 
 /// [`terms`] for every point of a slice: the same bits, entry by entry.
@@ -139,5 +155,196 @@ pub fn illuminate_slice(
 fn add(sum: &mut [f32; 3], color: [f32; 3], k: f32) {
     for (sum, color) in sum.iter_mut().zip(color) {
         *sum += color * k;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::reference;
+    use alloc::vec::Vec;
+    use texmap_math::glam::DVec3;
+
+    const SURFACE: Surface = Surface {
+        color: [0.5, 0.25, 0.75],
+        ka: 0.5,
+        kd: 0.6,
+        ks: 0.4,
+        ns: 20.0,
+    };
+
+    /// Deterministic numbers in -1..1.
+    fn noise(seed: &mut u32) -> f32 {
+        *seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        (*seed >> 8) as f32 / 8_388_608.0 - 1.0
+    }
+
+    fn vector(seed: &mut u32) -> [f32; 3] {
+        [noise(seed), noise(seed), noise(seed)]
+    }
+
+    fn wide(a: [f32; 3]) -> DVec3 {
+        DVec3::from(a.map(f64::from))
+    }
+
+    #[test]
+    fn scalar_is_within_its_bound_of_the_reference() {
+        let mut seed = 1;
+        let mut worst = 0.0f64;
+        for _ in 0..20_000 {
+            let lights = [
+                Light::Ambient {
+                    color: [0.2, 0.1, 0.3],
+                },
+                Light::Directional {
+                    color: [0.3, 0.4, 0.2],
+                    direction: vector(&mut seed),
+                },
+                Light::Point {
+                    color: [0.3, 0.2, 0.4],
+                    position: vector(&mut seed).map(|x| x * 3.0),
+                },
+            ];
+            let surface = Surface {
+                ns: 64.0 + 64.0 * noise(&mut seed),
+                ..SURFACE
+            };
+            let (point, normal) = (vector(&mut seed), vector(&mut seed));
+            let eye = vector(&mut seed).map(|x| x * 5.0);
+            let got = terms(&surface, &lights, point, normal, eye);
+            let (diffuse, highlight) =
+                reference::terms(&surface, &lights, wide(point), wide(normal), wide(eye));
+            let error = (wide(got.diffuse) - diffuse)
+                .abs()
+                .max((wide(got.highlight) - highlight).abs());
+            worst = worst.max(error.max_element());
+        }
+        assert!(worst < 2e-5, "{worst:e}");
+        assert!(worst > 1e-9, "the comparison compares nothing");
+    }
+
+    #[test]
+    fn the_highlight_takes_the_colour_of_the_light() {
+        let light = [Light::Directional {
+            color: [1.0, 0.5, 0.0],
+            direction: [0.0, 0.0, -1.0],
+        }];
+        let t = terms(&SURFACE, &light, [0.0; 3], [0.0, 0.0, 1.0], [0.0, 0.0, 9.0]);
+        assert_eq!(t.highlight, [0.4, 0.2, 0.0]);
+        assert_eq!(t.diffuse, [0.6, 0.3, 0.0]);
+        // Twice as far: a point light is not attenuated.
+        let near = [Light::Point {
+            color: [1.0; 3],
+            position: [0.0, 0.0, 2.0],
+        }];
+        let far = [Light::Point {
+            color: [1.0; 3],
+            position: [0.0, 0.0, 4.0],
+        }];
+        let shade = |lights: &[Light]| {
+            illuminate(&SURFACE, lights, [0.0; 3], [0.0, 0.0, 1.0], [0.0, 0.0, 9.0])
+        };
+        assert_eq!(shade(&near), shade(&far));
+    }
+
+    #[test]
+    fn light_from_behind_gives_nothing_and_colours_clip_at_one() {
+        let behind = [Light::Directional {
+            color: [9.0; 3],
+            direction: [0.0, 0.0, 1.0],
+        }];
+        let at =
+            |lights: &[Light], eye| illuminate(&SURFACE, lights, [0.0; 3], [0.0, 0.0, 1.0], eye);
+        assert_eq!(at(&behind, [0.0, 0.0, 5.0]), [0.0; 3]);
+        let bright = [Light::Directional {
+            color: [9.0; 3],
+            direction: [0.0, 0.0, -1.0],
+        }];
+        assert_eq!(at(&bright, [0.0, 0.0, 5.0]), [1.0; 3]);
+    }
+
+    #[test]
+    fn two_sided_lights_the_side_that_is_seen() {
+        let light = [Light::Directional {
+            color: [1.0; 3],
+            direction: [0.0, 0.0, 1.0],
+        }];
+        let (normal, eye) = ([0.0, 0.0, 1.0], [1.0, 0.0, -5.0]);
+        assert_eq!(
+            illuminate(&SURFACE, &light, [0.0; 3], normal, eye),
+            [0.0; 3]
+        );
+        let seen = illuminate_two_sided(&SURFACE, &light, [0.0; 3], normal, eye);
+        assert_eq!(
+            seen,
+            illuminate(&SURFACE, &light, [0.0; 3], [0.0, 0.0, -1.0], eye)
+        );
+        assert!(seen[0] > 0.3);
+    }
+
+    #[test]
+    fn degenerate_directions_are_not_nan() {
+        let lights = [
+            Light::Ambient { color: [0.5; 3] },
+            Light::Point {
+                color: [1.0; 3],
+                position: [0.0; 3],
+            },
+            Light::Directional {
+                color: [1.0; 3],
+                direction: [0.0; 3],
+            },
+        ];
+        let ambient = [0.125, 0.0625, 0.1875];
+        let up = [0.0, 0.0, 1.0];
+        assert_eq!(
+            illuminate(&SURFACE, &lights, [0.0; 3], up, [0.0; 3]),
+            ambient,
+            "light and eye in the point"
+        );
+        for normal in [[0.0; 3], [f32::NAN; 3], [f32::INFINITY, 0.0, 0.0]] {
+            assert_eq!(
+                illuminate(&SURFACE, &lights, [1.0; 3], normal, [0.0; 3]),
+                ambient,
+                "{normal:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn slices_have_the_bits_of_the_scalar_form() {
+        let mut seed = 7;
+        let points: Vec<_> = (0..37).map(|_| vector(&mut seed)).collect();
+        let normals: Vec<_> = (0..37).map(|_| vector(&mut seed)).collect();
+        let lights = [Light::Point {
+            color: [1.0; 3],
+            position: [0.0, 2.0, 3.0],
+        }];
+        let eye = [0.0, 0.0, 4.0];
+        let mut out = alloc::vec![[0.0; 3]; 37];
+        illuminate_slice(&SURFACE, &lights, &points, &normals, eye, &mut out).unwrap();
+        for i in 0..37 {
+            assert_eq!(
+                out[i],
+                illuminate(&SURFACE, &lights, points[i], normals[i], eye)
+            );
+        }
+        let mut short = [Terms::default(); 3];
+        let error = terms_slice(
+            &SURFACE,
+            &lights,
+            &points[..3],
+            &normals[..2],
+            eye,
+            &mut short,
+        );
+        assert_eq!(
+            error,
+            Err(LightError::Length {
+                what: "normals",
+                found: 2,
+                expected: 3
+            })
+        );
     }
 }

@@ -16,7 +16,13 @@ pub struct Surface {
 impl Default for Surface {
     /// The defaults of the MIT 6.837 scene format: grey 0.5, `ka = kd = ks = 1`, `ns = 5`.
     fn default() -> Self {
-        Self { color: [0.5; 3], ka: 1.0, kd: 1.0, ks: 1.0, ns: 5.0 }
+        Self {
+            color: [0.5; 3],
+            ka: 1.0,
+            kd: 1.0,
+            ks: 1.0,
+            ns: 5.0,
+        }
     }
 }
 
@@ -25,7 +31,9 @@ impl Surface {
     #[must_use]
     pub fn is_valid(&self) -> bool {
         let [r, g, b] = self.color;
-        [r, g, b, self.ka, self.kd, self.ks, self.ns].iter().all(|x| x.is_finite() && *x >= 0.0)
+        [r, g, b, self.ka, self.kd, self.ks, self.ns]
+            .iter()
+            .all(|x| x.is_finite() && *x >= 0.0)
     }
 }
 

@@ -23,6 +23,10 @@ pub(crate) fn normalize(a: [f32; 3]) -> [f32; 3] {
     }
     let a = [a[0] / largest, a[1] / largest, a[2] / largest];
     let length = sqrt_f32(dot(a, a));
+    // A NaN component passes `max` and shows here.
+    if !(length > 0.0) {
+        return [0.0; 3];
+    }
     [a[0] / length, a[1] / length, a[2] / length]
 }
 
@@ -34,7 +38,10 @@ mod tests {
     fn normalize_survives_every_magnitude() {
         for k in [1e-38, 1e-20, 1.0, 1e20, 1e38] {
             let n = normalize([3.0 * k, 0.0, -3.0 * k]);
-            assert!((n[0] - 0.5f32.sqrt()).abs() < 1e-6 && n[0] == -n[2], "{k}: {n:?}");
+            assert!(
+                (n[0] - 0.5f32.sqrt()).abs() < 1e-6 && n[0] == -n[2],
+                "{k}: {n:?}"
+            );
         }
         assert_eq!(normalize([0.0, -0.0, 0.0]), [0.0; 3]);
         assert_eq!(normalize([f32::NAN, 1.0, 0.0]), [0.0; 3]);
