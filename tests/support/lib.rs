@@ -1,1 +1,3 @@
 //! What the suites share: SIMD levels, strategies, scenes, golden images.
+
+pub mod levels;

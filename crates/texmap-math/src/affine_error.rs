@@ -120,9 +120,9 @@ fn fewest(
     while high - low > 1 {
         let middle = low + (high - low) / 2;
         if fits(middle) {
-            high = middle
+            high = middle;
         } else {
-            low = middle
+            low = middle;
         }
     }
     Some(high)

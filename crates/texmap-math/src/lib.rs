@@ -18,6 +18,8 @@ pub mod footprint;
 pub mod frame;
 pub mod homography;
 pub mod interp;
+#[doc(hidden)]
+pub mod lanes;
 pub mod plane;
 pub mod projector;
 

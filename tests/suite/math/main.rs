@@ -1,1 +1,3 @@
-//! Laws and regressions of this area.
+//! Laws and regressions of texmap-math.
+
+mod lanes;

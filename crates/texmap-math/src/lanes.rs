@@ -1,0 +1,88 @@
+//! Helpers over sixteen lanes for kernels that are generic over the SIMD level ([`fearless_simd`]); outside semantic versioning.
+//!
+//! Each gives the bits of its scalar twin in every lane, on every level: only IEEE operations, comparisons, integers, and
+//! conversions of values in range. Never use `mul_add`, `approximate_recip`, `min`/`max` or an out-of-range `to_int` of
+//! fearless_simd in a kernel: they differ by level.
+
+use fearless_simd::prelude::*;
+use fearless_simd::{f32x16, i32x16, u32x16};
+
+mod gather;
+
+pub use gather::{Words, gather, gather_by_loads};
+
+/// Lanes of every kernel, on every level.
+pub const LANES: usize = 16;
+
+/// 0, 1, ... 15.
+#[inline(always)]
+pub fn iota<S: Simd>(s: S) -> i32x16<S> {
+    i32x16::from_slice(s, &[0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15])
+}
+
+/// `x` within `[low, high]` by comparison and selection; NaN gives `low`.
+#[inline(always)]
+pub fn clamp<S: Simd>(x: f32x16<S>, low: f32x16<S>, high: f32x16<S>) -> f32x16<S> {
+    let x = x.simd_gt(low).select(x, low);
+    x.simd_lt(high).select(x, high)
+}
+
+/// [`clamp`] for one lane.
+#[inline(always)]
+#[must_use]
+pub fn clamp_scalar(x: f32, low: f32, high: f32) -> f32 {
+    let x = if x > low { x } else { low };
+    if x < high { x } else { high }
+}
+
+/// `a (1 - t) + b t`, as [`crate::interp::lerp_two_product`].
+#[inline(always)]
+pub fn lerp_two_product<S: Simd>(a: f32x16<S>, b: f32x16<S>, t: f32x16<S>) -> f32x16<S> {
+    a * (1.0 - t) + b * t
+}
+
+/// `floor(x)` as integers, for `|x| < 2^31`: a truncating conversion and a comparison, since SSE2 has no floor.
+#[inline(always)]
+pub fn floor_to_i32<S: Simd>(s: S, x: f32x16<S>) -> i32x16<S> {
+    let cut = x.to_int::<i32x16<S>>();
+    let above = cut.to_float::<f32x16<S>>().simd_gt(x);
+    cut - above.select(i32x16::splat(s, 1), i32x16::splat(s, 0))
+}
+
+/// [`floor_to_i32`] for one lane.
+#[inline(always)]
+#[must_use]
+pub fn floor_to_i32_scalar(x: f32) -> i32 {
+    let cut = x as i32;
+    cut - i32::from(cut as f32 > x)
+}
+
+/// `[0, 1]` to `0..=255`, nearest, as [`crate::color::unit_to_u8`].
+#[inline(always)]
+pub fn unit_to_u8<S: Simd>(s: S, x: f32x16<S>) -> u32x16<S> {
+    let x = clamp(x, f32x16::splat(s, 0.0), f32x16::splat(s, 1.0));
+    (x * 255.0 + 0.5).to_int::<u32x16<S>>()
+}
+
+/// Sixteen values, or what there is of them, the rest filled with the last (0 for none).
+#[inline(always)]
+pub fn load_tail<S: Simd>(s: S, values: &[f32]) -> f32x16<S> {
+    if let Some(full) = values.first_chunk::<LANES>() {
+        return f32x16::from_slice(s, full);
+    }
+    let mut lanes = [values.last().copied().unwrap_or(0.0); LANES];
+    lanes[..values.len()].copy_from_slice(values);
+    f32x16::from_slice(s, &lanes)
+}
+
+/// Stores the first `out.len()` lanes, at most sixteen.
+#[inline(always)]
+pub fn store_tail<S: Simd>(x: f32x16<S>, out: &mut [f32]) {
+    if let Some(full) = out.first_chunk_mut::<LANES>() {
+        x.store_slice(full);
+        return;
+    }
+    let mut lanes = [0.0; LANES];
+    x.store_slice(&mut lanes);
+    out.copy_from_slice(&lanes[..out.len()]);
+}

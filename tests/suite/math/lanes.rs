@@ -1,0 +1,109 @@
+//! Lane helpers give the bits of their scalar twins on every level.
+
+use texmap_math::color;
+use texmap_math::fearless_simd::{Simd, dispatch, f32x16, i32x16, prelude::*, u32x16};
+use texmap_math::lanes;
+use texmap_tests::levels::levels;
+
+const HARD: [f32; 16] = [
+    0.0,
+    -0.0,
+    0.5,
+    -0.5,
+    0.999_999_94,
+    -1e-30,
+    1.0,
+    -1.0,
+    2.5,
+    -2.5,
+    8_388_607.5,
+    -8_388_607.5,
+    2_147_483_500.0,
+    -2_147_483_500.0,
+    1e-45,
+    -255.5,
+];
+
+#[test]
+fn gathers_read_the_same_words_and_stay_inside() {
+    let data: Vec<u32> = (0..1000u32).map(|i| i.wrapping_mul(0x9e37_79b9)).collect();
+    let words = lanes::Words::new(&data).expect("not empty");
+    let one = lanes::Words::new(&data[..1]).expect("not empty");
+    assert!(lanes::Words::new(&[]).is_none());
+    let indices = [
+        0,
+        1,
+        2,
+        999,
+        1000,
+        1001,
+        0x7fff_ffff,
+        0x8000_0000,
+        u32::MAX,
+        u32::MAX - 1,
+        500,
+        499,
+        7,
+        7,
+        7,
+        998,
+    ];
+    for (name, level) in levels() {
+        for source in [words, one] {
+            let want = indices.map(|i| source.get(i));
+            let (hardware, loads) = dispatch!(level, s => {
+                let index = u32x16::from_slice(s, &indices);
+                (<[u32; 16]>::from(lanes::gather(s, source, index)), <[u32; 16]>::from(lanes::gather_by_loads(s, source, index)))
+            });
+            assert_eq!(hardware, want, "{name}");
+            assert_eq!(loads, want, "{name}");
+        }
+    }
+}
+
+#[inline(always)]
+fn helpers<S: Simd>(s: S, x: [f32; 16]) -> ([i32; 16], [u32; 16], [f32; 16], [f32; 16]) {
+    let x = f32x16::from_slice(s, &x);
+    let floor: i32x16<S> = lanes::floor_to_i32(s, x);
+    let unit = lanes::unit_to_u8(s, x);
+    let clamped = lanes::clamp(x, f32x16::splat(s, -0.25), f32x16::splat(s, 3.0));
+    let lerp = lanes::lerp_two_product(x, f32x16::splat(s, 7.0), f32x16::splat(s, 0.3));
+    (floor.into(), unit.into(), clamped.into(), lerp.into())
+}
+
+#[test]
+fn helpers_equal_their_scalar_twins() {
+    for (name, level) in levels() {
+        let (floor, unit, clamped, lerp) = dispatch!(level, s => helpers(s, HARD));
+        for (i, x) in HARD.into_iter().enumerate() {
+            assert_eq!(floor[i], lanes::floor_to_i32_scalar(x), "{name} {x}");
+            assert_eq!(
+                i64::from(floor[i]),
+                f64::from(x).floor() as i64,
+                "{name} {x}"
+            );
+            assert_eq!(unit[i], u32::from(color::unit_to_u8(x)), "{name} {x}");
+            assert_eq!(
+                clamped[i].to_bits(),
+                lanes::clamp_scalar(x, -0.25, 3.0).to_bits(),
+                "{name} {x}"
+            );
+            let want = texmap_math::interp::lerp_two_product(x, 7.0, 0.3);
+            assert_eq!(lerp[i].to_bits(), want.to_bits(), "{name} {x}");
+        }
+        let nan = dispatch!(level, s => helpers(s, [f32::NAN; 16]));
+        assert_eq!(nan.1, [0; 16], "{name}: NaN stores as 0");
+        assert_eq!(nan.2, [-0.25; 16], "{name}: NaN clamps to the low end");
+    }
+}
+
+#[test]
+fn tails_keep_their_values() {
+    for (name, level) in levels() {
+        for n in 0..=16 {
+            let mut out = vec![0.0; n];
+            dispatch!(level, s => lanes::store_tail(lanes::load_tail(s, &HARD[..n]), &mut out));
+            assert_eq!(out, HARD[..n], "{name}");
+        }
+    }
+}
