@@ -1,0 +1,210 @@
+//! What to draw: targets, draws and their named choices.
+use glam::DMat4;
+
+use crate::RasterError;
+
+/// Most attributes a vertex can carry.
+pub const MAX_ATTRIBUTES: usize = 16;
+
+/// Most parts a side for [`Interp::Subdivided`].
+pub const MAX_PARTS: u32 = 256;
+
+/// Size of a target in pixels, each side in 1..=[`TargetSize::MAX`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct TargetSize {
+    width: u32,
+    height: u32,
+}
+
+impl TargetSize {
+    /// Longest side in pixels.
+    pub const MAX: u32 = 16384;
+
+    /// A target of `width` x `height` pixels.
+    ///
+    /// # Errors
+    /// [`RasterError::ZeroTarget`] or [`RasterError::TargetTooLarge`].
+    pub fn new(width: u32, height: u32) -> Result<Self, RasterError> {
+        if width == 0 || height == 0 {
+            return Err(RasterError::ZeroTarget { width, height });
+        }
+        if width > Self::MAX || height > Self::MAX {
+            return Err(RasterError::TargetTooLarge { width, height });
+        }
+        Ok(Self { width, height })
+    }
+
+    /// Width in pixels.
+    #[must_use]
+    pub fn width(self) -> u32 {
+        self.width
+    }
+
+    /// Height in pixels.
+    #[must_use]
+    pub fn height(self) -> u32 {
+        self.height
+    }
+}
+
+/// How attributes are interpolated between the vertices.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum Interp {
+    /// Exact per pixel: planes of u/w and 1/w and one divide.
+    #[default]
+    Perspective,
+    /// Linear on the screen within each triangle: wrong under perspective, by the amount of
+    /// `max |error| = |du| |sqrt(r) - 1| / (sqrt(r) + 1)`, r the ratio of w at the vertices.
+    Affine,
+    /// Each triangle split into n x n in space before clipping, affine within the parts. Parts of a
+    /// side are the same in both triangles that share it, so no T-joint is made. 1..=[`MAX_PARTS`].
+    Subdivided(u32),
+    /// Exact at every n-th pixel of the triangle's row and at the row's last pixel, linear between
+    /// (the runs of Brackeen 2003, chapter 8, but never evaluated outside the triangle).
+    Span(u32),
+    /// Linear between nodes that lie so that no pixel of the first two attributes is off by more than this,
+    /// in attribute units divided by [`Draw::interp_scale`]. The nodes come from the closed form: a span from w = a to
+    /// w = b (w here 1/z) is off by at most `K (a^-1/2 - b^-1/2)^2`, K constant along a row.
+    WithinError(f32),
+}
+
+/// Which triangles are dropped. Front faces are counter-clockwise for the viewer.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Cull {
+    /// Both sides are drawn.
+    #[default]
+    None,
+    /// Back faces are dropped.
+    Back,
+    /// Front faces are dropped.
+    Front,
+}
+
+/// When a fragment passes the depth test. The buffer is reversed: 1 is the near plane, 0 the far plane.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum DepthTest {
+    /// Strictly nearer than what is there.
+    #[default]
+    Less,
+    /// As near or nearer: the later of two equals wins.
+    LessOrEqual,
+    /// Always.
+    Always,
+}
+
+/// When a draw takes part.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Pass {
+    /// Decides visibility; every covered pixel counts.
+    #[default]
+    Opaque,
+    /// Decides visibility where the [`AlphaTest`](crate::AlphaTest) keeps the fragment.
+    CutOut,
+    /// Drawn after visibility is known, in submitted order; writes no depth.
+    Blended,
+}
+
+/// One mesh to draw. Slices are borrowed; nothing is copied.
+///
+/// Clip space has z in 0..w, reversed: z = w at the near plane and 0 at the far plane, and x, y in -w..w with y up.
+#[derive(Debug, Clone, Copy)]
+pub struct Draw<'a> {
+    /// Vertex positions in object space.
+    pub positions: &'a [[f32; 3]],
+    /// Three vertex indices a triangle.
+    pub indices: &'a [[u32; 3]],
+    /// Object space to clip space.
+    pub clip_from_object: DMat4,
+    /// `attribute_count` values for vertex 0, then for vertex 1, ... A triangle with a NaN or infinite value is not drawn.
+    pub attributes: &'a [f32],
+    /// Values a vertex, at most [`MAX_ATTRIBUTES`].
+    pub attribute_count: usize,
+    /// Bit k set: attribute k is interpolated linearly on the screen (Gouraud), whatever `interp` says.
+    pub screen_linear: u32,
+    /// How the other attributes are interpolated.
+    pub interp: Interp,
+    /// [`Interp::WithinError`] compares its tolerance with the error of attributes 0 and 1 times this (the size of a
+    /// texture, to give the tolerance in texels).
+    pub interp_scale: f32,
+    /// Which sides are dropped.
+    pub cull: Cull,
+    /// The depth test.
+    pub depth_test: DepthTest,
+    /// Whether a fragment that passes writes its depth. Ignored by [`Pass::Blended`], which never does.
+    pub depth_write: bool,
+    /// When the draw takes part.
+    pub pass: Pass,
+}
+
+impl Default for Draw<'_> {
+    fn default() -> Self {
+        Self {
+            positions: &[],
+            indices: &[],
+            clip_from_object: DMat4::IDENTITY,
+            attributes: &[],
+            attribute_count: 0,
+            screen_linear: 0,
+            interp: Interp::Perspective,
+            interp_scale: 1.0,
+            cull: Cull::None,
+            depth_test: DepthTest::Less,
+            depth_write: true,
+            pass: Pass::Opaque,
+        }
+    }
+}
+
+impl Draw<'_> {
+    pub(crate) fn check(&self, draw: usize) -> Result<(), RasterError> {
+        let vertices = self.positions.len();
+        if self.attribute_count > MAX_ATTRIBUTES {
+            return Err(RasterError::TooManyAttributes { draw, count: self.attribute_count });
+        }
+        let expected = vertices.saturating_mul(self.attribute_count);
+        if self.attributes.len() != expected {
+            return Err(RasterError::AttributeLength { draw, expected, found: self.attributes.len() });
+        }
+        match self.interp {
+            Interp::Subdivided(parts) if parts == 0 || parts > MAX_PARTS => {
+                return Err(RasterError::Parts { draw, parts });
+            }
+            Interp::Span(0) => return Err(RasterError::ZeroSpan { draw }),
+            Interp::WithinError(tolerance) => {
+                let scale = self.interp_scale;
+                let positive = |v: f32| v > 0.0 && v.is_finite();
+                if !positive(tolerance) || !positive(scale) {
+                    return Err(RasterError::Tolerance { draw, tolerance, scale });
+                }
+            }
+            _ => {}
+        }
+        for (triangle, corners) in self.indices.iter().enumerate() {
+            for &index in corners {
+                if index as usize >= vertices {
+                    return Err(RasterError::IndexOutOfRange { draw, triangle, index, vertices });
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// What became of the submitted triangles.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Stats {
+    /// Triangles in the draws' `indices`.
+    pub submitted: usize,
+    /// Triangles dropped because a position or an attribute was NaN or infinite, or overflowed in the matrix.
+    pub non_finite: usize,
+    /// Triangles (parts, where subdivided) wholly outside the view.
+    pub outside: usize,
+    /// Triangles (parts, where subdivided) dropped by [`Cull`].
+    pub culled: usize,
+    /// Triangles (parts, where subdivided) without area once snapped to 1/256 pixel.
+    pub degenerate: usize,
+    /// Triangles (parts, where subdivided) that were cut.
+    pub clipped: usize,
+    /// Pieces that reached a tile.
+    pub binned: usize,
+}

@@ -1,0 +1,395 @@
+//! From a triangle to what a pixel needs: planes about the centre of a 64x64 tile, hulls, and the way to evaluate them.
+use crate::clip::Hom;
+use crate::edge::{Edge, row_span};
+use crate::planes::{Plane, Solver};
+use crate::{Interp, MAX_ATTRIBUTES};
+
+/// Side of a tile in pixels, whatever the target's size: planes are anchored at tile centres, so this decides bits.
+pub const TILE: u32 = 64;
+
+/// Half a tile: how far a pixel can be from the anchor.
+const REACH: f64 = TILE as f64 / 2.0;
+
+/// Between these sizes f32 planes neither overflow nor underflow where it matters.
+const LARGEST: f64 = (1u64 << 60) as f64;
+const SMALLEST: f64 = 1.0 / (1u64 << 60) as f64;
+
+/// What is known of a fragment.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Fragment {
+    /// Attribute values, within the hull of the triangle's vertex values.
+    pub values: [f32; MAX_ATTRIBUTES],
+    /// Change of each value per pixel to the right.
+    pub ddx: [f32; MAX_ATTRIBUTES],
+    /// Change of each value per pixel down.
+    pub ddy: [f32; MAX_ATTRIBUTES],
+    /// 1 / clip w.
+    pub inv_w: f32,
+    /// Reversed depth: 1 at the near plane, 0 at the far plane.
+    pub depth: f32,
+    /// Whether the triangle's front (counter-clockwise) side is seen.
+    pub front: bool,
+    /// How many attributes are valid; the rest are 0.
+    pub count: usize,
+}
+
+impl Default for Fragment {
+    fn default() -> Self {
+        Self {
+            values: [0.0; MAX_ATTRIBUTES],
+            ddx: [0.0; MAX_ATTRIBUTES],
+            ddy: [0.0; MAX_ATTRIBUTES],
+            inv_w: 0.0,
+            depth: 0.0,
+            front: true,
+            count: 0,
+        }
+    }
+}
+
+/// A triangle as the front end left it.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Shape<'a> {
+    /// The vertices whose planes carry the perspective attributes; some may lie behind the eye.
+    pub outer: [Hom; 3],
+    /// The corners of the piece that is drawn: in front of the eye, in the fixed-point range.
+    pub piece: [Hom; 3],
+    /// Weights of each corner of the piece over the triangle's vertices; `None` where the piece is the triangle.
+    pub weights: Option<[[f64; 3]; 3]>,
+    /// Attributes of the triangle's three vertices.
+    pub attributes: [&'a [f32]; 3],
+    /// Bit k: attribute k is linear on the screen.
+    pub screen_linear: u32,
+    pub front: bool,
+    /// The piece's edges, and the target's width, for the interpolations that work along rows.
+    pub edges: [Edge; 3],
+    pub width: i32,
+    pub interp: Interp,
+    pub interp_scale: f32,
+}
+
+/// A triangle set up for one tile.
+#[derive(Debug, Clone, Copy)]
+pub struct TriangleSetup {
+    /// Tile centre in pixels.
+    origin: [i32; 2],
+    w: Ranged,
+    z: Ranged,
+    attributes: [Ranged; MAX_ATTRIBUTES],
+    count: usize,
+    screen_linear: u32,
+    front: bool,
+    /// f32 planes would lose digits here (the horizon in the tile, extreme values): evaluate in f64.
+    precise: bool,
+    rows: Rows,
+}
+
+/// A plane and the hull its values are clamped to.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Ranged {
+    plane: Plane,
+    /// The plane's coefficients rounded to f32.
+    near: [f32; 3],
+    lo: f32,
+    hi: f32,
+}
+
+impl Ranged {
+    fn new(plane: Plane, hull: [f32; 3]) -> Self {
+        let near = [plane.a as f32, plane.b as f32, plane.c as f32];
+        let (mut lo, mut hi) = (hull[0], hull[0]);
+        for v in hull {
+            if v < lo {
+                lo = v;
+            }
+            if v > hi {
+                hi = v;
+            }
+        }
+        Self { plane, near, lo, hi }
+    }
+
+    /// Multiply, then add; never stepped, never fused.
+    fn at(&self, x: f32, y: f32) -> f32 {
+        (self.near[2] + self.near[1] * y) + self.near[0] * x
+    }
+
+    fn clamp(&self, v: f32) -> f32 {
+        let v = if v > self.lo { v } else { self.lo };
+        if v < self.hi { v } else { self.hi }
+    }
+
+    fn clamp_wide(&self, v: f64) -> f64 {
+        let (lo, hi) = (f64::from(self.lo), f64::from(self.hi));
+        let v = if v > lo { v } else { lo };
+        if v < hi { v } else { hi }
+    }
+}
+
+/// How perspective attributes are evaluated.
+#[derive(Debug, Clone, Copy)]
+enum Rows {
+    /// At the pixel.
+    Exact,
+    /// Between exact nodes on the row.
+    Nodes { edges: [Edge; 3], width: i32, spacing: Spacing },
+}
+
+#[derive(Debug, Clone, Copy)]
+enum Spacing {
+    Pixels(u32),
+    /// Tolerance of attributes 0 and 1.
+    Error(f64),
+}
+
+impl TriangleSetup {
+    /// `tile_x`, `tile_y`: the tile's place in the grid of [`TILE`].
+    pub(crate) fn new(shape: &Shape<'_>, tile_x: u32, tile_y: u32) -> Self {
+        let origin = [tile_x, tile_y].map(|t| (t * TILE + TILE / 2) as i32);
+        let [ox, oy] = origin.map(f64::from);
+        let flat = shape.piece.map(|p| Hom { x: p.x / p.w, y: p.y / p.w, z: p.z / p.w, w: 1.0 });
+        // A triangle whose snapped form has area while its own has none is set up from its middle: constant planes.
+        let outer = Solver::new(&shape.outer, ox, oy);
+        let screen = Solver::new(&flat, ox, oy);
+        let solve = |solver: &Option<Solver>, v: [f64; 3], middle: f64| {
+            let plane = solver.as_ref().map(|s| s.plane(v)).filter(|p| p.is_finite());
+            plane.unwrap_or(Plane { a: 0.0, b: 0.0, c: middle })
+        };
+        let mean = |v: [f64; 3]| v[0] / 3.0 + v[1] / 3.0 + v[2] / 3.0;
+
+        let inv_w = shape.piece.map(|p| 1.0 / p.w);
+        let depths = flat.map(|p| p.z);
+        let middle_w = mean(inv_w);
+        let w = Ranged::new(solve(&outer, [1.0; 3], middle_w), inv_w.map(|v| v as f32));
+        let z = Ranged::new(solve(&outer, shape.outer.map(|p| p.z), mean(depths)), depths.map(|v| v as f32));
+
+        let count = shape.attributes[0].len().min(MAX_ATTRIBUTES);
+        let mut attributes = [Ranged::default(); MAX_ATTRIBUTES];
+        for (k, slot) in attributes.iter_mut().enumerate().take(count) {
+            let vertex = [0, 1, 2].map(|i| shape.attributes[i][k]);
+            let value = vertex.map(f64::from);
+            *slot = if shape.screen_linear >> k & 1 == 1 {
+                let corner = match &shape.weights {
+                    Some(rows) => rows.map(|r| r[0] * value[0] + r[1] * value[1] + r[2] * value[2]),
+                    None => value,
+                };
+                Ranged::new(solve(&screen, corner, mean(corner)), vertex)
+            } else {
+                Ranged::new(solve(&outer, value, mean(value) * middle_w), vertex)
+            };
+        }
+        let mut setup = Self {
+            origin,
+            w,
+            z,
+            attributes,
+            count,
+            screen_linear: shape.screen_linear,
+            front: shape.front,
+            precise: false,
+            rows: rows(shape),
+        };
+        setup.precise = setup.needs_f64();
+        setup
+    }
+
+    /// Whether f32 planes about the tile's centre are too coarse. Decided from the triangle and its fixed tile alone.
+    fn needs_f64(&self) -> bool {
+        let lowest = self.w.plane.smallest(REACH).max(f64::from(self.w.lo));
+        let w_is_steep = !(self.w.plane.largest(REACH) <= 2.0 * lowest);
+        let z_is_steep = !(self.z.plane.largest(REACH) <= 1.0);
+        let extreme = |r: &Ranged| {
+            let size = f64::from(r.lo.abs()).max(f64::from(r.hi.abs()));
+            let in_range = size == 0.0 || (size >= SMALLEST && size <= LARGEST);
+            !(in_range && r.plane.largest(REACH) <= LARGEST)
+        };
+        w_is_steep || z_is_steep || extreme(&self.w) || self.attributes[..self.count].iter().any(extreme)
+    }
+
+    /// Depth at a pixel's centre.
+    #[must_use]
+    pub fn depth(&self, x: u32, y: u32) -> f32 {
+        let (px, py) = self.local(x, y);
+        if self.precise {
+            self.z.clamp(self.z.plane.at(f64::from(px), f64::from(py)) as f32)
+        } else {
+            self.z.clamp(self.z.at(px, py))
+        }
+    }
+
+    /// Everything at a pixel's centre.
+    pub fn evaluate(&self, x: u32, y: u32, out: &mut Fragment) {
+        out.depth = self.depth(x, y);
+        out.front = self.front;
+        out.count = self.count;
+        let (px, py) = self.local(x, y);
+        if let Rows::Nodes { edges, width, spacing } = &self.rows {
+            self.between_nodes(edges, *width, *spacing, x, y, out);
+        } else if self.precise {
+            self.at_f64(f64::from(px), f64::from(py), out);
+        } else {
+            self.at_f32(px, py, out);
+        }
+    }
+
+    /// The pixel's centre from the origin; exact.
+    fn local(&self, x: u32, y: u32) -> (f32, f32) {
+        ((x as i32 - self.origin[0]) as f32 + 0.5, (y as i32 - self.origin[1]) as f32 + 0.5)
+    }
+
+    fn is_linear(&self, k: usize) -> bool {
+        self.screen_linear >> k & 1 == 1
+    }
+
+    fn at_f32(&self, px: f32, py: f32, out: &mut Fragment) {
+        let w = self.w.clamp(self.w.at(px, py));
+        let r = 1.0 / w;
+        out.inv_w = w;
+        for (k, plane) in self.attributes[..self.count].iter().enumerate() {
+            if self.is_linear(k) {
+                out.values[k] = plane.clamp(plane.at(px, py));
+                out.ddx[k] = plane.near[0];
+                out.ddy[k] = plane.near[1];
+            } else {
+                let u = plane.clamp(plane.at(px, py) * r);
+                out.values[k] = u;
+                out.ddx[k] = (plane.near[0] - u * self.w.near[0]) * r;
+                out.ddy[k] = (plane.near[1] - u * self.w.near[1]) * r;
+            }
+        }
+    }
+
+    fn at_f64(&self, px: f64, py: f64, out: &mut Fragment) {
+        let w = self.w.clamp_wide(self.w.plane.at(px, py));
+        let r = 1.0 / w;
+        out.inv_w = w as f32;
+        for (k, ranged) in self.attributes[..self.count].iter().enumerate() {
+            let plane = &ranged.plane;
+            if self.is_linear(k) {
+                out.values[k] = ranged.clamp(plane.at(px, py) as f32);
+                out.ddx[k] = finite(plane.a);
+                out.ddy[k] = finite(plane.b);
+            } else {
+                let u = ranged.clamp_wide(plane.at(px, py) * r);
+                out.values[k] = u as f32;
+                out.ddx[k] = finite((plane.a - u * self.w.plane.a) * r);
+                out.ddy[k] = finite((plane.b - u * self.w.plane.b) * r);
+            }
+        }
+    }
+
+    /// Exact at two nodes on the row, linear between them.
+    fn between_nodes(&self, edges: &[Edge; 3], width: i32, spacing: Spacing, x: u32, y: u32, out: &mut Fragment) {
+        let (px, py) = self.local(x, y);
+        let (px, py) = (f64::from(px), f64::from(py));
+        self.at_f64(px, py, out);
+        let Some((first, last)) = row_span(edges, y as i32, 0, width - 1) else {
+            return;
+        };
+        // Node positions from the origin, and the pixel's place between them.
+        let [first, last] = [first, last].map(|x| f64::from(x - self.origin[0]) + 0.5);
+        let [a, b] = match spacing {
+            Spacing::Pixels(n) => {
+                let n = f64::from(n);
+                let start = first + ((px - first) / n).trunc_to_int() * n;
+                let end = start + n;
+                [start, if end < last { end } else { last }]
+            }
+            Spacing::Error(tolerance) => self.error_nodes(first, last, px, py, tolerance),
+        };
+        let length = b - a;
+        if length.is_nan() || length <= 0.0 {
+            return;
+        }
+        let t = (px - a) / length;
+        let [wa, wb] = [a, b].map(|x| self.w.clamp_wide(self.w.plane.at(x, py)));
+        for (k, ranged) in self.attributes[..self.count].iter().enumerate() {
+            if self.is_linear(k) {
+                continue;
+            }
+            let [ua, ub] = [(a, wa), (b, wb)].map(|(x, w)| ranged.clamp_wide(ranged.plane.at(x, py) / w));
+            out.values[k] = ranged.clamp((ua * (1.0 - t) + ub * t) as f32);
+            out.ddx[k] = finite((ub - ua) / length);
+        }
+    }
+
+    /// The two nodes about `px` such that attributes 0 and 1 are off by at most the tolerance between any two nodes.
+    ///
+    /// Between nodes with W = a and W = b (W linear along the row) an affine span is off by at most
+    /// `|du| |sqrt b - sqrt a| / (sqrt b + sqrt a)`. With `du = K (1/a - 1/b)`, K = (U_x W - U W_x) / W_x constant along
+    /// the row, that is `K (a^-1/2 - b^-1/2)^2`: nodes at equal steps of W^-1/2 share the error evenly.
+    fn error_nodes(&self, first: f64, last: f64, px: f64, py: f64, tolerance: f64) -> [f64; 2] {
+        let slope = self.w.plane.a;
+        let at = |x: f64| self.w.clamp_wide(self.w.plane.at(x, py));
+        let (w1, w2) = (at(first), at(last));
+        if slope == 0.0 || w1 == w2 {
+            return [first, last];
+        }
+        let mut largest = 0.0;
+        for (k, ranged) in self.attributes[..self.count.min(2)].iter().enumerate() {
+            if !self.is_linear(k) {
+                let turn = ranged.plane.a * w1 - ranged.plane.at(first, py) * slope;
+                let size = (turn / slope).abs();
+                if size > largest {
+                    largest = size;
+                }
+            }
+        }
+        let root = |w: f64| 1.0 / texmap_math::float::sqrt(w);
+        let (g1, g2) = (root(w1), root(w2));
+        // The nodes are exact only to rounding: a hair below the tolerance keeps the sum below it.
+        let parts = (g2 - g1).abs() * texmap_math::float::sqrt(largest / (tolerance * 0.999));
+        let limit = last - first + 1.0;
+        let parts = if parts < limit { parts } else { limit };
+        let parts = parts.trunc_to_int() + 1.0;
+        let node = |k: f64| {
+            if k <= 0.0 {
+                first
+            } else if k >= parts {
+                last
+            } else {
+                let g = g1 + (g2 - g1) * (k / parts);
+                let x = first + (1.0 / (g * g) - w1) / slope;
+                let x = if x > first { x } else { first };
+                if x < last { x } else { last }
+            }
+        };
+        let g = root(at(px));
+        let k = ((g - g1) / (g2 - g1) * parts).trunc_to_int();
+        // Rounding may put the pixel a hair outside its part; the neighbouring part then holds it.
+        if px < node(k) {
+            [node(k - 1.0), node(k)]
+        } else if px > node(k + 1.0) {
+            [node(k + 1.0), node(k + 2.0)]
+        } else {
+            [node(k), node(k + 1.0)]
+        }
+    }
+}
+
+fn rows(shape: &Shape<'_>) -> Rows {
+    let spacing = match shape.interp {
+        Interp::Span(n) => Spacing::Pixels(n),
+        Interp::WithinError(tolerance) => Spacing::Error(f64::from(tolerance) / f64::from(shape.interp_scale)),
+        Interp::Perspective | Interp::Affine | Interp::Subdivided(_) => return Rows::Exact,
+    };
+    Rows::Nodes { edges: shape.edges, width: shape.width, spacing }
+}
+
+/// Derivatives may exceed f32 at a horizon.
+fn finite(v: f64) -> f32 {
+    let largest = f64::from(f32::MAX);
+    let v = if v > -largest { v } else { -largest };
+    (if v < largest { v } else { largest }) as f32
+}
+
+trait Truncate {
+    /// Towards zero, for values in the range of i64.
+    fn trunc_to_int(self) -> Self;
+}
+
+impl Truncate for f64 {
+    fn trunc_to_int(self) -> Self {
+        self as i64 as Self
+    }
+}
