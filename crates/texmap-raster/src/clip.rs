@@ -29,12 +29,19 @@ pub(crate) struct Hom {
 impl Hom {
     /// False for NaN, infinity and values whose products could overflow.
     pub(crate) fn is_usable(self) -> bool {
-        [self.x, self.y, self.z, self.w].iter().all(|v| v.abs() < 1e90)
+        [self.x, self.y, self.z, self.w]
+            .iter()
+            .all(|v| v.abs() < 1e90)
     }
 
     pub(crate) fn blend(a: Self, b: Self, t: f64) -> Self {
         let s = 1.0 - t;
-        Self { x: a.x * s + b.x * t, y: a.y * s + b.y * t, z: a.z * s + b.z * t, w: a.w * s + b.w * t }
+        Self {
+            x: a.x * s + b.x * t,
+            y: a.y * s + b.y * t,
+            z: a.z * s + b.z * t,
+            w: a.w * s + b.w * t,
+        }
     }
 }
 
@@ -91,7 +98,9 @@ pub(crate) fn region(v: &[Hom; 3], width: f64, height: f64) -> Region {
     }
     let epsilon = w_epsilon(v);
     let planes = planes(epsilon);
-    if v.iter().all(|p| planes.iter().all(|plane| plane.distance(*p) >= 0.0)) {
+    if v.iter()
+        .all(|p| planes.iter().all(|plane| plane.distance(*p) >= 0.0))
+    {
         Region::Inside
     } else {
         Region::Crossing
@@ -100,7 +109,10 @@ pub(crate) fn region(v: &[Hom; 3], width: f64, height: f64) -> Region {
 
 /// The part of the triangle inside all planes; fewer than three corners when nothing is left.
 pub(crate) fn clip(v: &[Hom; 3]) -> Polygon {
-    let mut polygon = Polygon { corners: [Corner::default(); MAX_CORNERS], len: 0 };
+    let mut polygon = Polygon {
+        corners: [Corner::default(); MAX_CORNERS],
+        len: 0,
+    };
     for (i, &at) in v.iter().enumerate() {
         let mut weights = [0.0; 3];
         weights[i] = 1.0;
@@ -113,7 +125,10 @@ pub(crate) fn clip(v: &[Hom; 3]) -> Polygon {
 }
 
 fn cut(polygon: &Polygon, plane: Plane) -> Polygon {
-    let mut out = Polygon { corners: [Corner::default(); MAX_CORNERS], len: 0 };
+    let mut out = Polygon {
+        corners: [Corner::default(); MAX_CORNERS],
+        len: 0,
+    };
     let corners = polygon.corners();
     for (i, &current) in corners.iter().enumerate() {
         let next = corners[(i + 1) % corners.len()];
@@ -122,14 +137,20 @@ fn cut(polygon: &Polygon, plane: Plane) -> Polygon {
             out.push(current);
         }
         if (here >= 0.0) != (there >= 0.0) {
-            let (inner, outer, di, d_o) =
-                if here >= 0.0 { (current, next, here, there) } else { (next, current, there, here) };
+            let (inner, outer, di, d_o) = if here >= 0.0 {
+                (current, next, here, there)
+            } else {
+                (next, current, there, here)
+            };
             let t = di / (di - d_o);
             let mut weights = [0.0; 3];
             for (k, w) in weights.iter_mut().enumerate() {
                 *w = inner.weights[k] * (1.0 - t) + outer.weights[k] * t;
             }
-            out.push(Corner { at: Hom::blend(inner.at, outer.at, t), weights });
+            out.push(Corner {
+                at: Hom::blend(inner.at, outer.at, t),
+                weights,
+            });
         }
     }
     out
@@ -174,5 +195,9 @@ fn w_epsilon(v: &[Hom; 3]) -> f64 {
     }
     // Never zero: the smallest normal number keeps every division finite.
     let epsilon = largest * W_EPSILON;
-    if epsilon > f64::MIN_POSITIVE { epsilon } else { f64::MIN_POSITIVE }
+    if epsilon > f64::MIN_POSITIVE {
+        epsilon
+    } else {
+        f64::MIN_POSITIVE
+    }
 }

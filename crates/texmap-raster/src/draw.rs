@@ -1,5 +1,5 @@
 //! What to draw: targets, draws and their named choices.
-use glam::DMat4;
+use texmap_math::glam::DMat4;
 
 use crate::RasterError;
 
@@ -159,11 +159,18 @@ impl Draw<'_> {
     pub(crate) fn check(&self, draw: usize) -> Result<(), RasterError> {
         let vertices = self.positions.len();
         if self.attribute_count > MAX_ATTRIBUTES {
-            return Err(RasterError::TooManyAttributes { draw, count: self.attribute_count });
+            return Err(RasterError::TooManyAttributes {
+                draw,
+                count: self.attribute_count,
+            });
         }
         let expected = vertices.saturating_mul(self.attribute_count);
         if self.attributes.len() != expected {
-            return Err(RasterError::AttributeLength { draw, expected, found: self.attributes.len() });
+            return Err(RasterError::AttributeLength {
+                draw,
+                expected,
+                found: self.attributes.len(),
+            });
         }
         match self.interp {
             Interp::Subdivided(parts) if parts == 0 || parts > MAX_PARTS => {
@@ -174,7 +181,11 @@ impl Draw<'_> {
                 let scale = self.interp_scale;
                 let positive = |v: f32| v > 0.0 && v.is_finite();
                 if !positive(tolerance) || !positive(scale) {
-                    return Err(RasterError::Tolerance { draw, tolerance, scale });
+                    return Err(RasterError::Tolerance {
+                        draw,
+                        tolerance,
+                        scale,
+                    });
                 }
             }
             _ => {}
@@ -182,7 +193,12 @@ impl Draw<'_> {
         for (triangle, corners) in self.indices.iter().enumerate() {
             for &index in corners {
                 if index as usize >= vertices {
-                    return Err(RasterError::IndexOutOfRange { draw, triangle, index, vertices });
+                    return Err(RasterError::IndexOutOfRange {
+                        draw,
+                        triangle,
+                        index,
+                        vertices,
+                    });
                 }
             }
         }

@@ -12,14 +12,21 @@ pub(crate) type Snapped = [i32; 2];
 
 /// Nearest 1/256 pixel, halves up. `at` must lie within the guard band with w > 0.
 pub(crate) fn snap(at: Hom) -> Snapped {
-    [round(at.x / at.w * ONE as f64), round(at.y / at.w * ONE as f64)]
+    [
+        round(at.x / at.w * ONE as f64),
+        round(at.y / at.w * ONE as f64),
+    ]
 }
 
 fn round(v: f64) -> i32 {
     let shifted = v + 0.5;
     // `as` saturates, so a value out of range cannot overflow.
     let truncated = shifted as i32;
-    if f64::from(truncated) > shifted { truncated - 1 } else { truncated }
+    if f64::from(truncated) > shifted {
+        truncated - 1
+    } else {
+        truncated
+    }
 }
 
 /// Twice the area in square units; positive when clockwise on the screen (y down).
@@ -43,7 +50,11 @@ impl Edge {
         let [qx, qy] = q.map(i64::from);
         let (a, b) = (py - qy, qx - px);
         let top_left = a > 0 || (a == 0 && b > 0);
-        Self { a, b, c: -(a * px + b * py) - i64::from(!top_left) }
+        Self {
+            a,
+            b,
+            c: -(a * px + b * py) - i64::from(!top_left),
+        }
     }
 
     /// The value at a pixel's centre.
@@ -63,7 +74,11 @@ pub(crate) fn edges(v: &[Snapped; 3]) -> Option<[Edge; 3]> {
     if area == 0 {
         return None;
     }
-    let (p, q, r) = if area > 0 { (v[0], v[1], v[2]) } else { (v[0], v[2], v[1]) };
+    let (p, q, r) = if area > 0 {
+        (v[0], v[1], v[2])
+    } else {
+        (v[0], v[2], v[1])
+    };
     Some([Edge::new(p, q), Edge::new(q, r), Edge::new(r, p)])
 }
 
@@ -89,7 +104,12 @@ impl PixelBox {
         if x.is_empty() || y.is_empty() {
             return None;
         }
-        Some(Self { x0: *x.start(), y0: *y.start(), x1: *x.end(), y1: *y.end() })
+        Some(Self {
+            x0: *x.start(),
+            y0: *y.start(),
+            x1: *x.end(),
+            y1: *y.end(),
+        })
     }
 
     pub(crate) fn intersect(self, other: Self) -> Option<Self> {
@@ -160,9 +180,18 @@ mod tests {
         let edges = edges(&v).unwrap();
         for y in 0..48 {
             let mut seen = None;
-            cover(&edges, PixelBox { x0: 0, y0: y, x1: 63, y1: y }, |x, _| {
-                seen = Some(seen.map_or((x, x), |(first, _)| (first, x)));
-            });
+            cover(
+                &edges,
+                PixelBox {
+                    x0: 0,
+                    y0: y,
+                    x1: 63,
+                    y1: y,
+                },
+                |x, _| {
+                    seen = Some(seen.map_or((x, x), |(first, _)| (first, x)));
+                },
+            );
             assert_eq!(row_span(&edges, y, 0, 63), seen, "row {y}");
         }
     }

@@ -75,18 +75,30 @@ impl fmt::Display for RasterError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match *self {
             Self::ZeroTarget { width, height } => {
-                write!(f, "target of {width}x{height} pixels has no area; both sides must be at least 1")
+                write!(
+                    f,
+                    "target of {width}x{height} pixels has no area; both sides must be at least 1"
+                )
             }
             Self::TargetTooLarge { width, height } => write!(
                 f,
                 "target of {width}x{height} pixels is too large; no side may exceed {}",
                 crate::TargetSize::MAX
             ),
-            Self::IndexOutOfRange { draw, triangle, index, vertices } => write!(
+            Self::IndexOutOfRange {
+                draw,
+                triangle,
+                index,
+                vertices,
+            } => write!(
                 f,
                 "draw {draw}, triangle {triangle}: vertex index {index} is out of range, there are {vertices} vertices"
             ),
-            Self::AttributeLength { draw, expected, found } => write!(
+            Self::AttributeLength {
+                draw,
+                expected,
+                found,
+            } => write!(
                 f,
                 "draw {draw}: {found} attribute values, {expected} needed (vertices times attribute_count)"
             ),
@@ -101,12 +113,19 @@ impl fmt::Display for RasterError {
                 crate::MAX_PARTS
             ),
             Self::ZeroSpan { draw } => write!(f, "draw {draw}: a span of 0 pixels; use at least 1"),
-            Self::Tolerance { draw, tolerance, scale } => write!(
+            Self::Tolerance {
+                draw,
+                tolerance,
+                scale,
+            } => write!(
                 f,
                 "draw {draw}: tolerance {tolerance} with scale {scale}; both must be positive numbers"
             ),
             Self::TooManyTriangles => {
-                write!(f, "more than 2^32 - 2 triangles after subdivision and clipping; split the draws")
+                write!(
+                    f,
+                    "more than 2^32 - 2 triangles after subdivision and clipping; split the draws"
+                )
             }
         }
     }

@@ -53,12 +53,20 @@ impl Solver {
     pub(crate) fn plane(&self, v: [f64; 3]) -> Plane {
         let r = &self.rows;
         let k = |i: usize| (v[0] * r[0][i] + v[1] * r[1][i] + v[2] * r[2][i]) * self.inverse;
-        Plane { a: k(0), b: k(1), c: k(2) }
+        Plane {
+            a: k(0),
+            b: k(1),
+            c: k(2),
+        }
     }
 }
 
 fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+    [
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    ]
 }
 
 /// Twice the signed area of the triangle times the product of the three w: its sign is the facing, also where some w are

@@ -106,7 +106,12 @@ impl Ranged {
                 hi = v;
             }
         }
-        Self { plane, near, lo, hi }
+        Self {
+            plane,
+            near,
+            lo,
+            hi,
+        }
     }
 
     /// Multiply, then add; never stepped, never fused.
@@ -132,7 +137,11 @@ enum Rows {
     /// At the pixel.
     Exact,
     /// Between exact nodes on the row.
-    Nodes { edges: [Edge; 3], width: i32, spacing: Spacing },
+    Nodes {
+        edges: [Edge; 3],
+        width: i32,
+        spacing: Spacing,
+    },
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -147,13 +156,25 @@ impl TriangleSetup {
     pub(crate) fn new(shape: &Shape<'_>, tile_x: u32, tile_y: u32) -> Self {
         let origin = [tile_x, tile_y].map(|t| (t * TILE + TILE / 2) as i32);
         let [ox, oy] = origin.map(f64::from);
-        let flat = shape.piece.map(|p| Hom { x: p.x / p.w, y: p.y / p.w, z: p.z / p.w, w: 1.0 });
+        let flat = shape.piece.map(|p| Hom {
+            x: p.x / p.w,
+            y: p.y / p.w,
+            z: p.z / p.w,
+            w: 1.0,
+        });
         // A triangle whose snapped form has area while its own has none is set up from its middle: constant planes.
         let outer = Solver::new(&shape.outer, ox, oy);
         let screen = Solver::new(&flat, ox, oy);
         let solve = |solver: &Option<Solver>, v: [f64; 3], middle: f64| {
-            let plane = solver.as_ref().map(|s| s.plane(v)).filter(|p| p.is_finite());
-            plane.unwrap_or(Plane { a: 0.0, b: 0.0, c: middle })
+            let plane = solver
+                .as_ref()
+                .map(|s| s.plane(v))
+                .filter(|p| p.is_finite());
+            plane.unwrap_or(Plane {
+                a: 0.0,
+                b: 0.0,
+                c: middle,
+            })
         };
         let mean = |v: [f64; 3]| v[0] / 3.0 + v[1] / 3.0 + v[2] / 3.0;
 
@@ -161,7 +182,10 @@ impl TriangleSetup {
         let depths = flat.map(|p| p.z);
         let middle_w = mean(inv_w);
         let w = Ranged::new(solve(&outer, [1.0; 3], middle_w), inv_w.map(|v| v as f32));
-        let z = Ranged::new(solve(&outer, shape.outer.map(|p| p.z), mean(depths)), depths.map(|v| v as f32));
+        let z = Ranged::new(
+            solve(&outer, shape.outer.map(|p| p.z), mean(depths)),
+            depths.map(|v| v as f32),
+        );
 
         let count = shape.attributes[0].len().min(MAX_ATTRIBUTES);
         let mut attributes = [Ranged::default(); MAX_ATTRIBUTES];
@@ -203,7 +227,10 @@ impl TriangleSetup {
             let in_range = size == 0.0 || (size >= SMALLEST && size <= LARGEST);
             !(in_range && r.plane.largest(REACH) <= LARGEST)
         };
-        w_is_steep || z_is_steep || extreme(&self.w) || self.attributes[..self.count].iter().any(extreme)
+        w_is_steep
+            || z_is_steep
+            || extreme(&self.w)
+            || self.attributes[..self.count].iter().any(extreme)
     }
 
     /// Depth at a pixel's centre.
@@ -211,7 +238,8 @@ impl TriangleSetup {
     pub fn depth(&self, x: u32, y: u32) -> f32 {
         let (px, py) = self.local(x, y);
         if self.precise {
-            self.z.clamp(self.z.plane.at(f64::from(px), f64::from(py)) as f32)
+            self.z
+                .clamp(self.z.plane.at(f64::from(px), f64::from(py)) as f32)
         } else {
             self.z.clamp(self.z.at(px, py))
         }
@@ -223,7 +251,12 @@ impl TriangleSetup {
         out.front = self.front;
         out.count = self.count;
         let (px, py) = self.local(x, y);
-        if let Rows::Nodes { edges, width, spacing } = &self.rows {
+        if let Rows::Nodes {
+            edges,
+            width,
+            spacing,
+        } = &self.rows
+        {
             self.between_nodes(edges, *width, *spacing, x, y, out);
         } else if self.precise {
             self.at_f64(f64::from(px), f64::from(py), out);
@@ -234,7 +267,10 @@ impl TriangleSetup {
 
     /// The pixel's centre from the origin; exact.
     fn local(&self, x: u32, y: u32) -> (f32, f32) {
-        ((x as i32 - self.origin[0]) as f32 + 0.5, (y as i32 - self.origin[1]) as f32 + 0.5)
+        (
+            (x as i32 - self.origin[0]) as f32 + 0.5,
+            (y as i32 - self.origin[1]) as f32 + 0.5,
+        )
     }
 
     fn is_linear(&self, k: usize) -> bool {
@@ -279,7 +315,15 @@ impl TriangleSetup {
     }
 
     /// Exact at two nodes on the row, linear between them.
-    fn between_nodes(&self, edges: &[Edge; 3], width: i32, spacing: Spacing, x: u32, y: u32, out: &mut Fragment) {
+    fn between_nodes(
+        &self,
+        edges: &[Edge; 3],
+        width: i32,
+        spacing: Spacing,
+        x: u32,
+        y: u32,
+        out: &mut Fragment,
+    ) {
         let (px, py) = self.local(x, y);
         let (px, py) = (f64::from(px), f64::from(py));
         self.at_f64(px, py, out);
@@ -307,7 +351,8 @@ impl TriangleSetup {
             if self.is_linear(k) {
                 continue;
             }
-            let [ua, ub] = [(a, wa), (b, wb)].map(|(x, w)| ranged.clamp_wide(ranged.plane.at(x, py) / w));
+            let [ua, ub] =
+                [(a, wa), (b, wb)].map(|(x, w)| ranged.clamp_wide(ranged.plane.at(x, py) / w));
             out.values[k] = ranged.clamp((ua * (1.0 - t) + ub * t) as f32);
             out.ddx[k] = finite((ub - ua) / length);
         }
@@ -370,10 +415,16 @@ impl TriangleSetup {
 fn rows(shape: &Shape<'_>) -> Rows {
     let spacing = match shape.interp {
         Interp::Span(n) => Spacing::Pixels(n),
-        Interp::WithinError(tolerance) => Spacing::Error(f64::from(tolerance) / f64::from(shape.interp_scale)),
+        Interp::WithinError(tolerance) => {
+            Spacing::Error(f64::from(tolerance) / f64::from(shape.interp_scale))
+        }
         Interp::Perspective | Interp::Affine | Interp::Subdivided(_) => return Rows::Exact,
     };
-    Rows::Nodes { edges: shape.edges, width: shape.width, spacing }
+    Rows::Nodes {
+        edges: shape.edges,
+        width: shape.width,
+        spacing,
+    }
 }
 
 /// Derivatives may exceed f32 at a horizon.
