@@ -1,1 +1,7 @@
-//! Laws and regressions of this area.
+//! Laws and regressions of the sampler.
+
+mod filters;
+mod levels;
+mod light;
+mod support;
+mod wraps;

@@ -1,0 +1,138 @@
+//! The filters in f32, one sample at a time. The lanes repeat these operations in the same order.
+
+mod anisotropic;
+mod cubic;
+mod ewa;
+
+use crate::{
+    lod::{TexelFootprint, log2, log2_sqrt_fixed},
+    sampler::{Filter, Mip, Precision, Sampler, Texel},
+    texels::{Chain, Level},
+    wrap::{OUTSIDE, Wrap, index, reduce},
+};
+use texmap_math::{float, footprint::Footprint};
+
+/// What [`Filter`] comes down to where no axis of the footprint matters.
+pub(crate) fn gl_of(filter: Filter) -> (Texel, Texel, Mip) {
+    match filter {
+        // Cubics have their own kernel on level 0.
+        Filter::Bilinear | Filter::Bicubic(_) => (Texel::Linear, Texel::Linear, Mip::None),
+        Filter::Nearest => (Texel::Nearest, Texel::Nearest, Mip::None),
+        Filter::MipNearest => (Texel::Nearest, Texel::Nearest, Mip::Nearest),
+        Filter::BilinearMipNearest => (Texel::Linear, Texel::Linear, Mip::Nearest),
+        Filter::Trilinear | Filter::Anisotropic(_) | Filter::Ewa(_) => {
+            (Texel::Linear, Texel::Linear, Mip::Linear)
+        }
+        Filter::Gl { mag, min, mip } => (mag, min, mip),
+    }
+}
+
+pub(crate) fn sample_grad(s: &Sampler, t: &Chain<'_>, uv: [f32; 2], d: Footprint) -> [f32; 4] {
+    let d = TexelFootprint::new(d, &t.levels[0]);
+    match s.filter {
+        Filter::Nearest | Filter::Bilinear | Filter::Bicubic(_) => sample_lod(s, t, uv, 0.0),
+        Filter::Anisotropic(most) => anisotropic::sample(s, t, uv, d, most),
+        Filter::Ewa(most) => ewa::sample(s, t, uv, d, most),
+        _ => sample_lod(s, t, uv, s.limit_lod(level_of(s, d.rho_max_squared()))),
+    }
+}
+
+/// Level of detail of a squared length in texels.
+pub(crate) fn level_of(s: &Sampler, rho2: f32) -> f32 {
+    match s.precision {
+        Precision::Exact => 0.5 * log2(rho2),
+        Precision::Fast => log2_sqrt_fixed(rho2) as f32 / 256.0,
+    }
+}
+
+/// `lod` has its bias and limits behind it.
+pub(crate) fn sample_lod(s: &Sampler, t: &Chain<'_>, uv: [f32; 2], lod: f32) -> [f32; 4] {
+    let scale = t.format.scale();
+    unscaled_lod(s, t, uv, lod).map(|c| c * scale)
+}
+
+/// As [`sample_lod`] before the scale of the format.
+fn unscaled_lod(s: &Sampler, t: &Chain<'_>, uv: [f32; 2], lod: f32) -> [f32; 4] {
+    if let Filter::Bicubic(kernel) = s.filter {
+        return cubic::sample(s, t, uv, kernel);
+    }
+    let (mag, min, mip) = gl_of(s.filter);
+    if lod <= 0.0 {
+        return in_level(s, t, 0, uv, mag);
+    }
+    let last = t.levels.len() - 1;
+    let lod = if lod > last as f32 { last as f32 } else { lod };
+    match mip {
+        Mip::None => in_level(s, t, 0, uv, min),
+        // ceil(lod + 0.5) - 1: halves go to the finer level.
+        Mip::Nearest => in_level(s, t, float::ceil_f32(lod + 0.5) as usize - 1, uv, min),
+        Mip::Linear => {
+            let fine = lod as usize;
+            let weight = lod - fine as f32;
+            let a = in_level(s, t, fine, uv, min);
+            if weight > 0.0 {
+                mix(a, in_level(s, t, fine + 1, uv, min), weight)
+            } else {
+                a
+            }
+        }
+    }
+}
+
+fn in_level(s: &Sampler, t: &Chain<'_>, level: usize, uv: [f32; 2], texel: Texel) -> [f32; 4] {
+    let level = &t.levels[level];
+    match texel {
+        Texel::Nearest => nearest(s, t, level, uv),
+        Texel::Linear => bilinear(s, t, level, uv),
+    }
+}
+
+fn nearest(s: &Sampler, t: &Chain<'_>, level: &Level, uv: [f32; 2]) -> [f32; 4] {
+    let x = floor(reduce(uv[0], s.wrap_u) * level.width as f32);
+    let y = floor(reduce(uv[1], s.wrap_v) * level.height as f32);
+    tap(
+        s,
+        t,
+        level,
+        index(x, level.width, s.wrap_u),
+        index(y, level.height, s.wrap_v),
+    )
+}
+
+fn bilinear(s: &Sampler, t: &Chain<'_>, level: &Level, uv: [f32; 2]) -> [f32; 4] {
+    let (x0, x1, fx) = linear_axis(uv[0], level.width, s.wrap_u);
+    let (y0, y1, fy) = linear_axis(uv[1], level.height, s.wrap_v);
+    let top = mix(tap(s, t, level, x0, y0), tap(s, t, level, x1, y0), fx);
+    let bottom = mix(tap(s, t, level, x0, y1), tap(s, t, level, x1, y1), fx);
+    mix(top, bottom, fy)
+}
+
+/// The two texels around a coordinate and the weight of the second.
+pub(crate) fn linear_axis(u: f32, n: i32, wrap: Wrap) -> (i32, i32, f32) {
+    let x = reduce(u, wrap) * n as f32 - 0.5;
+    let i = floor(x);
+    (index(i, n, wrap), index(i + 1, n, wrap), x - i as f32)
+}
+
+/// A texel at wrapped indices, or the border, unscaled.
+#[inline(always)]
+fn tap(s: &Sampler, t: &Chain<'_>, level: &Level, x: i32, y: i32) -> [f32; 4] {
+    if x == OUTSIDE || y == OUTSIDE {
+        s.border.map(|c| c * t.format.units())
+    } else {
+        t.fetch(level, x, y, 0)
+    }
+}
+
+/// `a + (b - a) w`: exact where both are equal.
+#[inline(always)]
+pub(crate) fn mix(a: [f32; 4], b: [f32; 4], w: f32) -> [f32; 4] {
+    [0, 1, 2, 3].map(|k| a[k] + (b[k] - a[k]) * w)
+}
+
+/// Floor of a number within +-2^30.
+#[inline(always)]
+pub(crate) fn floor(x: f32) -> i32 {
+    let i = x as i32;
+    i - i32::from(i as f32 > x)
+}

@@ -1,0 +1,99 @@
+use super::unscaled_lod;
+use crate::{
+    lod::{TexelFootprint, log2},
+    sampler::Sampler,
+    texels::Chain,
+};
+use texmap_math::float::{ceil_f32, sqrt_f32};
+
+/// Axes of the ellipse that a unit circle of pixels maps to.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Axes {
+    /// Squared half axes in texels.
+    pub(crate) major2: f32,
+    pub(crate) minor2: f32,
+    /// The long half axis as a vector in texels.
+    pub(crate) major: [f32; 2],
+}
+
+impl Axes {
+    /// The singular values of the Jacobian (Heckbert 1989, section 3.5.9): the columns of a sheared
+    /// Jacobian are not the axes. `J J^T = [p q; q r]`.
+    pub(crate) fn new(d: &TexelFootprint) -> Self {
+        let p = d.ux * d.ux + d.uy * d.uy;
+        let r = d.vx * d.vx + d.vy * d.vy;
+        let q = d.ux * d.vx + d.uy * d.vy;
+        let half = 0.5 * (p - r);
+        let mean = 0.5 * (p + r);
+        let root = sqrt_f32(half * half + q * q);
+        let major2 = mean + root;
+        // The determinant gives the short axis without the cancellation of mean - root.
+        let det = d.ux * d.vy - d.uy * d.vx;
+        let minor2 = if major2 > 0.0 {
+            det * (det / major2)
+        } else {
+            0.0
+        };
+        // An eigenvector from the better conditioned row.
+        let (x, y) = if half >= 0.0 {
+            (half + root, q)
+        } else {
+            (q, root - half)
+        };
+        let length2 = x * x + y * y;
+        let major = if length2 > 0.0 {
+            let k = sqrt_f32(major2) / sqrt_f32(length2);
+            [x * k, y * k]
+        } else {
+            [sqrt_f32(major2), 0.0]
+        };
+        Self {
+            major2,
+            minor2,
+            major,
+        }
+    }
+
+    /// How many probes of a round filter cover the ellipse, at most `most`.
+    pub(crate) fn probes(&self, most: u8) -> f32 {
+        let most = f32::from(most.clamp(1, 16));
+        if self.major2 >= most * most * self.minor2 {
+            return if self.major2 > 0.0 { most } else { 1.0 };
+        }
+        let n = ceil_f32(sqrt_f32(self.major2 / self.minor2));
+        if n > 1.0 { n } else { 1.0 }
+    }
+}
+
+/// Box-weighted trilinear probes along the true long axis (EXT_texture_filter_anisotropic with the
+/// orthogonalised footprint that the Direct3D 11.3 specification asks for).
+pub(super) fn sample(
+    s: &Sampler,
+    t: &Chain<'_>,
+    uv: [f32; 2],
+    d: TexelFootprint,
+    most: u8,
+) -> [f32; 4] {
+    let axes = Axes::new(&d);
+    let n = axes.probes(most);
+    let lod = s.limit_lod(0.5 * log2(axes.major2 / (n * n)));
+    let level = &t.levels[0];
+    let step = [
+        axes.major[0] / (level.width as f32 * n),
+        axes.major[1] / (level.height as f32 * n),
+    ];
+    let first = unscaled_lod(s, t, probe(uv, step, 0.5 * (1.0 - n)), lod);
+    let mut sum = [0.0; 4];
+    for k in 1..n as u32 {
+        let c = unscaled_lod(s, t, probe(uv, step, k as f32 + 0.5 * (1.0 - n)), lod);
+        for i in 0..4 {
+            sum[i] += c[i] - first[i];
+        }
+    }
+    let scale = t.format.scale();
+    [0, 1, 2, 3].map(|i| (first[i] + sum[i] / n) * scale)
+}
+
+fn probe(uv: [f32; 2], step: [f32; 2], k: f32) -> [f32; 2] {
+    [uv[0] + step[0] * k, uv[1] + step[1] * k]
+}

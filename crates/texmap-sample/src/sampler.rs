@@ -1,0 +1,213 @@
+use crate::{filter, lod::TexelFootprint, texture::Texture2d, wrap::Wrap};
+use core::str::FromStr;
+use texmap_math::footprint::Footprint;
+
+/// Kernel of a bicubic filter.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Cubic {
+    /// Interpolating, sharp, overshoots (a = -1/2; Keys 1981).
+    CatmullRom,
+    /// B = C = 1/3: a little blur, little ringing (Mitchell and Netravali 1988).
+    Mitchell,
+    /// The smoothing cubic B-spline; never leaves the range of its texels.
+    BSpline,
+}
+
+/// How texels of one level are chosen, in the terms of OpenGL.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Texel {
+    /// The texel that holds the coordinate.
+    Nearest,
+    /// Four texels weighted by distance.
+    Linear,
+}
+
+/// How levels are chosen, in the terms of OpenGL.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Mip {
+    /// Level 0 only.
+    None,
+    /// The nearest level.
+    Nearest,
+    /// The two levels around, blended.
+    Linear,
+}
+
+/// How a colour is made from texels.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Filter {
+    /// The nearest texel of level 0.
+    Nearest,
+    /// Bilinear on level 0.
+    Bilinear,
+    /// Sixteen texels of level 0.
+    Bicubic(Cubic),
+    /// The nearest texel of the nearest level.
+    MipNearest,
+    /// Bilinear in the nearest level.
+    BilinearMipNearest,
+    /// Bilinear in the two levels around.
+    #[default]
+    Trilinear,
+    /// Up to this many (2 to 16) trilinear probes along the long axis of the footprint.
+    Anisotropic(u8),
+    /// The elliptical weighted average (Heckbert 1989) with at most this ratio of axes (1 to 16).
+    Ewa(u8),
+    /// Any of OpenGL's combinations: `mag` where the texture is magnified, else `min` with `mip`.
+    Gl {
+        /// Texels where one texel covers a pixel or more.
+        mag: Texel,
+        /// Texels elsewhere.
+        min: Texel,
+        /// Levels elsewhere.
+        mip: Mip,
+    },
+}
+
+/// How finely weights are computed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Precision {
+    /// f32 weights, exact logarithm, anisotropic probes on two blended levels.
+    #[default]
+    Exact,
+    /// 8-bit weights on 8-bit results, integer logarithm, anisotropic probes on one level.
+    Fast,
+}
+
+/// Shifts and limits the level of detail: `clamp(lod + bias, min, max)`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lod {
+    /// Added to every level, cut to +-32.
+    pub bias: f32,
+    /// Smallest level.
+    pub min: f32,
+    /// Largest level.
+    pub max: f32,
+}
+
+impl Default for Lod {
+    fn default() -> Self {
+        Self {
+            bias: 0.0,
+            min: 0.0,
+            max: 1000.0,
+        }
+    }
+}
+
+/// Everything about a look-up but the texture and the place.
+///
+/// Results are linear light, premultiplied. No call allocates.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Sampler {
+    /// How a colour is made from texels.
+    pub filter: Filter,
+    /// Outside `[0, 1)` in u.
+    pub wrap_u: Wrap,
+    /// Outside `[0, 1)` in v.
+    pub wrap_v: Wrap,
+    /// Linear premultiplied colour of [`Wrap::ClampToBorder`].
+    pub border: [f32; 4],
+    /// Level of detail.
+    pub lod: Lod,
+    /// How finely weights are computed.
+    pub precision: Precision,
+}
+
+impl Sampler {
+    /// The colour at `uv` on level 0 (a pixel as large as a texel).
+    pub fn sample(&self, t: &Texture2d<'_>, uv: [f32; 2]) -> [f32; 4] {
+        self.sample_lod(t, uv, 0.0)
+    }
+
+    /// The colour at `uv` where one pixel step moves uv by the footprint.
+    pub fn sample_grad(&self, t: &Texture2d<'_>, uv: [f32; 2], d: Footprint) -> [f32; 4] {
+        filter::sample_grad(self, &t.chain, uv, d)
+    }
+
+    /// The colour at `uv` with a level of detail of the caller's (bias and limits apply).
+    ///
+    /// An anisotropic or EWA filter takes a round footprint of that level.
+    pub fn sample_lod(&self, t: &Texture2d<'_>, uv: [f32; 2], lod: f32) -> [f32; 4] {
+        filter::sample_lod(self, &t.chain, uv, self.limit_lod(lod))
+    }
+
+    /// The level of detail of a footprint: log2 of the longer column of the Jacobian in texels,
+    /// plus bias, between the limits; not cut to the levels that the texture has.
+    pub fn lod(&self, t: &Texture2d<'_>, d: Footprint) -> f32 {
+        let rho2 = TexelFootprint::new(d, &t.chain.levels[0]).rho_max_squared();
+        self.limit_lod(filter::level_of(self, rho2))
+    }
+
+    /// Bias and limits; NaN reads as 0.
+    pub(crate) fn limit_lod(&self, lod: f32) -> f32 {
+        let bias = if self.lod.bias.is_nan() {
+            0.0
+        } else {
+            self.lod.bias.clamp(-32.0, 32.0)
+        };
+        let biased = if lod.is_nan() { bias } else { lod + bias };
+        let low = if biased > self.lod.min {
+            biased
+        } else {
+            self.lod.min
+        };
+        if low > self.lod.max {
+            self.lod.max
+        } else {
+            low
+        }
+    }
+}
+
+/// `nearest`, `bilinear`, `bicubic:mitchell`, `mip-nearest`, `bilinear-mip-nearest`, `trilinear`,
+/// `anisotropic:16`, `ewa:8`.
+impl FromStr for Filter {
+    type Err = &'static str;
+
+    fn from_str(s: &str) -> Result<Self, Self::Err> {
+        let (name, parameter) = s.split_once(':').map_or((s, None), |(n, p)| (n, Some(p)));
+        let ratio = |low: u8| match parameter {
+            None => Ok(16),
+            Some(p) => match p.parse::<u8>() {
+                Ok(n) if (low..=16).contains(&n) => Ok(n),
+                _ => Err("the ratio must be a whole number up to 16, as in anisotropic:16"),
+            },
+        };
+        match (name, parameter) {
+            ("nearest", None) => Ok(Self::Nearest),
+            ("bilinear", None) => Ok(Self::Bilinear),
+            ("mip-nearest", None) => Ok(Self::MipNearest),
+            ("bilinear-mip-nearest", None) => Ok(Self::BilinearMipNearest),
+            ("trilinear", None) => Ok(Self::Trilinear),
+            ("bicubic", None | Some("catmull-rom")) => Ok(Self::Bicubic(Cubic::CatmullRom)),
+            ("bicubic", Some("mitchell")) => Ok(Self::Bicubic(Cubic::Mitchell)),
+            ("bicubic", Some("b-spline")) => Ok(Self::Bicubic(Cubic::BSpline)),
+            ("anisotropic", _) => ratio(2).map(Self::Anisotropic),
+            ("ewa", _) => ratio(1).map(Self::Ewa),
+            _ => Err(
+                "know nearest, bilinear, bicubic:catmull-rom|mitchell|b-spline, mip-nearest, \
+                      bilinear-mip-nearest, trilinear, anisotropic:2..16, ewa:1..16",
+            ),
+        }
+    }
+}
+
+/// `repeat`, `mirrored-repeat`, `clamp-to-edge`, `clamp-to-border`, `mirror-clamp-to-edge`.
+impl FromStr for Wrap {
+    type Err = &'static str;
+
+    fn from_str(s: &str) -> Result<Self, Self::Err> {
+        match s {
+            "repeat" => Ok(Self::Repeat),
+            "mirrored-repeat" => Ok(Self::MirroredRepeat),
+            "clamp-to-edge" => Ok(Self::ClampToEdge),
+            "clamp-to-border" => Ok(Self::ClampToBorder),
+            "mirror-clamp-to-edge" => Ok(Self::MirrorClampToEdge),
+            _ => Err(
+                "know repeat, mirrored-repeat, clamp-to-edge, clamp-to-border, mirror-clamp-to-edge",
+            ),
+        }
+    }
+}

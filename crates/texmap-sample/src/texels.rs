@@ -1,0 +1,173 @@
+//! How texels lie in memory: one allocation of 32-bit words for all levels and layers.
+
+use alloc::{sync::Arc, vec::Vec};
+
+/// Texels as they come from a decoder: rows top to bottom, channels together.
+#[derive(Clone, Copy, Debug)]
+#[non_exhaustive]
+pub enum Texels<'a> {
+    /// 0..255 stands for 0..1.
+    U8(&'a [u8]),
+    /// 0..65535 stands for 0..1.
+    U16(&'a [u16]),
+    /// Any finite value within +-2^120.
+    F32(&'a [f32]),
+}
+
+impl Texels<'_> {
+    pub(crate) fn len(&self) -> usize {
+        match self {
+            Self::U8(t) => t.len(),
+            Self::U16(t) => t.len(),
+            Self::F32(t) => t.len(),
+        }
+    }
+
+    /// Value `i` on the 0..1 scale of integers, as it is for floats.
+    pub(crate) fn value(&self, i: usize) -> f32 {
+        match self {
+            Self::U8(t) => f32::from(t[i]) / 255.0,
+            Self::U16(t) => f32::from(t[i]) / 65535.0,
+            Self::F32(t) => t[i],
+        }
+    }
+}
+
+/// Layout of one texel, chosen at upload so that the look-up needs no conversion but a scale.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Format {
+    /// One word: bytes r, g, b, a from the low end.
+    Rgba8,
+    /// Two words: r | g << 16, b | a << 16.
+    Rgba16,
+    /// Four words of f32 bits.
+    Rgba32,
+    /// One word of f32 bits, read as (x, x, x, 1).
+    R32,
+}
+
+impl Format {
+    pub(crate) const fn words(self) -> usize {
+        match self {
+            Self::Rgba8 | Self::R32 => 1,
+            Self::Rgba16 => 2,
+            Self::Rgba32 => 4,
+        }
+    }
+
+    /// What one unit of a fetched value stands for. Filters run on the unscaled values (small
+    /// integers are exact in f32) and scale once at the end.
+    pub(crate) const fn scale(self) -> f32 {
+        match self {
+            Self::Rgba8 => 1.0 / 255.0,
+            Self::Rgba16 => 1.0 / 65535.0,
+            Self::Rgba32 | Self::R32 => 1.0,
+        }
+    }
+
+    /// The factor back to unscaled values.
+    pub(crate) const fn units(self) -> f32 {
+        match self {
+            Self::Rgba8 => 255.0,
+            Self::Rgba16 => 65535.0,
+            Self::Rgba32 | Self::R32 => 1.0,
+        }
+    }
+
+    /// Appends one texel given in unscaled values (integers are rounded half up and clamped).
+    pub(crate) fn push(self, words: &mut Vec<u32>, c: [f32; 4]) {
+        match self {
+            Self::Rgba8 => {
+                let [r, g, b, a] = c.map(|x| round_clamped(x, 255.0));
+                words.push(r | g << 8 | b << 16 | a << 24);
+            }
+            Self::Rgba16 => {
+                let [r, g, b, a] = c.map(|x| round_clamped(x, 65535.0));
+                words.push(r | g << 16);
+                words.push(b | a << 16);
+            }
+            Self::Rgba32 => words.extend(c.map(f32::to_bits)),
+            Self::R32 => words.push(c[0].to_bits()),
+        }
+    }
+
+    /// Unscaled texel that starts at word `i`.
+    #[inline(always)]
+    pub(crate) fn fetch(self, words: &[u32], i: usize) -> [f32; 4] {
+        match self {
+            Self::Rgba8 => {
+                let w = words[i];
+                [w & 255, w >> 8 & 255, w >> 16 & 255, w >> 24].map(|x| x as f32)
+            }
+            Self::Rgba16 => {
+                let (a, b) = (words[i], words[i + 1]);
+                [a & 65535, a >> 16, b & 65535, b >> 16].map(|x| x as f32)
+            }
+            Self::Rgba32 => {
+                [words[i], words[i + 1], words[i + 2], words[i + 3]].map(f32::from_bits)
+            }
+            Self::R32 => {
+                let x = f32::from_bits(words[i]);
+                [x, x, x, 1.0]
+            }
+        }
+    }
+}
+
+fn round_clamped(x: f32, max: f32) -> u32 {
+    if x >= max {
+        max as u32
+    } else if x > 0.0 {
+        (x + 0.5) as u32
+    } else {
+        0
+    }
+}
+
+#[derive(Clone, Debug)]
+pub(crate) enum Words<'a> {
+    Owned(Arc<Vec<u32>>),
+    Borrowed(&'a [u32]),
+}
+
+/// One mip level of a [`Chain`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Level {
+    /// First word.
+    pub(crate) offset: usize,
+    pub(crate) width: i32,
+    pub(crate) height: i32,
+    /// Slices of a volume, faces of a cube; 1 otherwise.
+    pub(crate) depth: i32,
+}
+
+/// All texels of a texture.
+#[derive(Clone, Debug)]
+pub(crate) struct Chain<'a> {
+    pub(crate) words: Words<'a>,
+    pub(crate) format: Format,
+    pub(crate) levels: Vec<Level>,
+    /// Rows count from the bottom.
+    pub(crate) flip: bool,
+    /// Every alpha is one.
+    pub(crate) opaque: bool,
+}
+
+impl Chain<'_> {
+    #[inline(always)]
+    pub(crate) fn words(&self) -> &[u32] {
+        match &self.words {
+            Words::Owned(w) => w,
+            Words::Borrowed(w) => w,
+        }
+    }
+
+    /// Unscaled texel at integer coordinates that are inside the level.
+    #[inline(always)]
+    pub(crate) fn fetch(&self, level: &Level, x: i32, y: i32, z: i32) -> [f32; 4] {
+        let y = if self.flip { level.height - 1 - y } else { y };
+        let row = z as usize * level.height as usize + y as usize;
+        let i = level.offset + (row * level.width as usize + x as usize) * self.format.words();
+        self.format.fetch(self.words(), i)
+    }
+}

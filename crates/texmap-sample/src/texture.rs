@@ -1,0 +1,391 @@
+use crate::{
+    error::SampleError,
+    mip,
+    texels::{Chain, Format, Level, Texels, Words},
+};
+use alloc::{sync::Arc, vec, vec::Vec};
+use texmap_math::color;
+
+/// How colour channels encode light. Alpha is always linear.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum ColorSpace {
+    /// The sRGB transfer curve of IEC 61966-2-1; decoded before filtering.
+    #[default]
+    Srgb,
+    /// Values proportional to light, or data.
+    Linear,
+}
+
+/// Which row `v = 0` touches.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Origin {
+    /// The first row in memory (glTF, Direct3D).
+    #[default]
+    TopLeft,
+    /// The last row in memory (OBJ, OpenGL images).
+    BottomLeft,
+}
+
+/// What the last of 2 or 4 channels means.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Alpha {
+    /// Opacity, not yet multiplied into the colour; done at upload.
+    #[default]
+    Straight,
+    /// Opacity, already multiplied into the (linear) colour.
+    Premultiplied,
+    /// Just another number: two channels read as (x, y, 0, 1), four stay independent.
+    Data,
+}
+
+/// A decoded image to make a texture of.
+///
+/// One channel reads as (x, x, x, 1), two as (x, x, x, alpha), three as (r, g, b, 1).
+#[derive(Clone, Copy, Debug)]
+pub struct Image<'a> {
+    /// Columns.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// 1 to 4.
+    pub channels: u32,
+    /// `width * height * channels` values, rows top to bottom.
+    pub texels: Texels<'a>,
+    /// Encoding of the colour channels.
+    pub color: ColorSpace,
+    /// Meaning of the last channel.
+    pub alpha: Alpha,
+    /// Which row `v = 0` touches.
+    pub origin: Origin,
+}
+
+/// A two-dimensional texture with its mip chain in one allocation.
+///
+/// Texels are kept premultiplied and linear: linear opaque 8-bit images keep their bytes, other
+/// integer images become linear 16-bit, floats stay floats. Cloning shares the texels.
+#[derive(Clone, Debug)]
+pub struct Texture2d<'a> {
+    pub(crate) chain: Chain<'a>,
+}
+
+impl Texture2d<'static> {
+    /// From straight-alpha RGBA bytes, rows top to bottom.
+    ///
+    /// # Errors
+    /// A side out of range or a slice of the wrong length.
+    pub fn from_rgba8(
+        width: u32,
+        height: u32,
+        texels: Vec<u8>,
+        color: ColorSpace,
+        origin: Origin,
+    ) -> Result<Self, SampleError> {
+        Self::new(&Image {
+            width,
+            height,
+            channels: 4,
+            texels: Texels::U8(&texels),
+            color,
+            alpha: Alpha::Straight,
+            origin,
+        })
+    }
+
+    /// From any decoded image.
+    ///
+    /// # Errors
+    /// A side out of range, a slice of the wrong length, more than four channels, a float texel
+    /// that is not finite.
+    pub fn new(image: &Image<'_>) -> Result<Self, SampleError> {
+        Ok(Self {
+            chain: upload(image, 1)?,
+        })
+    }
+
+    /// From 8-bit indices into a palette of straight-alpha RGBA bytes. The palette is applied here,
+    /// per texel, so that no filter can ever blend indices.
+    ///
+    /// # Errors
+    /// As [`Texture2d::new`]; an index beyond the palette names its texel.
+    pub fn from_palette(
+        width: u32,
+        height: u32,
+        indices: &[u8],
+        palette: &[[u8; 4]],
+        color: ColorSpace,
+        origin: Origin,
+    ) -> Result<Self, SampleError> {
+        check_size(width, height)?;
+        check_length(width as usize * height as usize, indices.len())?;
+        let mut texels = Vec::with_capacity(indices.len() * 4);
+        for (i, &index) in indices.iter().enumerate() {
+            let Some(entry) = palette.get(usize::from(index)) else {
+                let (x, y) = (i as u32 % width, i as u32 / width);
+                return Err(SampleError::PaletteIndex {
+                    x,
+                    y,
+                    index,
+                    entries: palette.len(),
+                });
+            };
+            texels.extend_from_slice(entry);
+        }
+        Self::from_rgba8(width, height, texels, color, origin)
+    }
+}
+
+impl<'a> Texture2d<'a> {
+    /// Longest side of any texture.
+    pub const MAX_SIDE: u32 = 32768;
+
+    /// Linear opaque RGBA8 texels used in place (r in the low byte); alpha must be 255.
+    ///
+    /// # Errors
+    /// A side out of range or a slice of the wrong length.
+    pub fn borrow_rgba8(
+        width: u32,
+        height: u32,
+        texels: &'a [u32],
+        origin: Origin,
+    ) -> Result<Self, SampleError> {
+        Self::borrow_words(width, height, texels, Format::Rgba8, origin)
+    }
+
+    /// One float a texel used in place, read as (x, x, x, 1): heights, depths.
+    ///
+    /// # Errors
+    /// A side out of range, a slice of the wrong length, a value that is not finite.
+    pub fn borrow_r32(
+        width: u32,
+        height: u32,
+        texels: &'a [f32],
+        origin: Origin,
+    ) -> Result<Self, SampleError> {
+        check_finite(&Texels::F32(texels), width, 1)?;
+        Self::borrow_words(
+            width,
+            height,
+            bytemuck::cast_slice(texels),
+            Format::R32,
+            origin,
+        )
+    }
+
+    fn borrow_words(
+        width: u32,
+        height: u32,
+        words: &'a [u32],
+        format: Format,
+        origin: Origin,
+    ) -> Result<Self, SampleError> {
+        check_size(width, height)?;
+        check_length(
+            width as usize * height as usize * format.words(),
+            words.len(),
+        )?;
+        let level = Level {
+            offset: 0,
+            width: width as i32,
+            height: height as i32,
+            depth: 1,
+        };
+        let chain = Chain {
+            words: Words::Borrowed(words),
+            format,
+            levels: vec![level],
+            flip: origin == Origin::BottomLeft,
+            opaque: true,
+        };
+        Ok(Self { chain })
+    }
+
+    /// The same image with its whole mip chain: every level is the area-weighted mean of the base,
+    /// in linear light and premultiplied, for odd sizes too. A borrowed texture is copied.
+    #[must_use]
+    pub fn with_mips(self) -> Texture2d<'static> {
+        Texture2d {
+            chain: mip::build(self.chain, mip::Reduce::Mean),
+        }
+    }
+
+    /// The same texels with `v = 0` on the other row. Costs nothing.
+    #[must_use]
+    pub fn with_origin(mut self, origin: Origin) -> Self {
+        self.chain.flip = origin == Origin::BottomLeft;
+        self
+    }
+
+    /// Columns of level 0.
+    pub fn width(&self) -> u32 {
+        self.chain.levels[0].width as u32
+    }
+
+    /// Rows of level 0.
+    pub fn height(&self) -> u32 {
+        self.chain.levels[0].height as u32
+    }
+
+    /// Levels of the chain, 1 without mips.
+    pub fn levels(&self) -> u32 {
+        self.chain.levels.len() as u32
+    }
+
+    /// Columns and rows of a level; `None` past the chain.
+    pub fn level_size(&self, level: u32) -> Option<(u32, u32)> {
+        self.chain
+            .levels
+            .get(level as usize)
+            .map(|l| (l.width as u32, l.height as u32))
+    }
+
+    /// Whether any texel is not fully opaque.
+    pub fn has_alpha(&self) -> bool {
+        !self.chain.opaque
+    }
+
+    /// Which row `v = 0` touches.
+    pub fn origin(&self) -> Origin {
+        if self.chain.flip {
+            Origin::BottomLeft
+        } else {
+            Origin::TopLeft
+        }
+    }
+
+    /// One texel, linear and premultiplied; rows count from the origin. `None` outside.
+    pub fn texel(&self, level: u32, x: u32, y: u32) -> Option<[f32; 4]> {
+        let l = self.chain.levels.get(level as usize)?;
+        if x >= l.width as u32 || y >= l.height as u32 {
+            return None;
+        }
+        let scale = self.chain.format.scale();
+        Some(
+            self.chain
+                .fetch(l, x as i32, y as i32, 0)
+                .map(|c| c * scale),
+        )
+    }
+}
+
+pub(crate) fn check_size(width: u32, height: u32) -> Result<(), SampleError> {
+    let range = 1..=Texture2d::MAX_SIDE;
+    if range.contains(&width) && range.contains(&height) {
+        Ok(())
+    } else {
+        Err(SampleError::Size { width, height })
+    }
+}
+
+fn check_length(expected: usize, got: usize) -> Result<(), SampleError> {
+    if expected == got {
+        Ok(())
+    } else {
+        Err(SampleError::Length { expected, got })
+    }
+}
+
+fn check_finite(texels: &Texels<'_>, width: u32, channels: u32) -> Result<(), SampleError> {
+    const LIMIT: f32 = 1.329_228e36; // 2^120: differences and cubic weights stay finite.
+    let Texels::F32(values) = texels else {
+        return Ok(());
+    };
+    match values.iter().position(|v| !(v.abs() <= LIMIT)) {
+        None => Ok(()),
+        Some(i) => {
+            let texel = i as u32 / channels;
+            Err(SampleError::Texel {
+                x: texel % width.max(1),
+                y: texel / width.max(1),
+            })
+        }
+    }
+}
+
+/// Checks, decodes and packs `depth` images that stand one after the other.
+pub(crate) fn upload(image: &Image<'_>, depth: u32) -> Result<Chain<'static>, SampleError> {
+    let Image {
+        width,
+        height,
+        channels,
+        texels,
+        ..
+    } = *image;
+    check_size(width, height)?;
+    if !(1..=4).contains(&channels) {
+        return Err(SampleError::Channels(channels));
+    }
+    let count = width as usize * height as usize * depth as usize;
+    if count > 1 << 29 {
+        return Err(SampleError::TooLarge { width, height });
+    }
+    check_length(count * channels as usize, texels.len())?;
+    check_finite(&texels, width, channels)?;
+    let format = choose_format(image);
+    // A chain adds at most a third (2D) to the words; gather indices are 31-bit.
+    if count * format.words() > 3 << 28 {
+        return Err(SampleError::TooLarge { width, height });
+    }
+    let mut words = Vec::with_capacity(count * format.words());
+    let mut opaque = true;
+    for i in 0..count {
+        let c = read_texel(image, i);
+        opaque &= c[3] >= 1.0;
+        format.push(&mut words, c.map(|x| x * format.units()));
+    }
+    let level = Level {
+        offset: 0,
+        width: width as i32,
+        height: height as i32,
+        depth: depth as i32,
+    };
+    Ok(Chain {
+        words: Words::Owned(Arc::new(words)),
+        format,
+        levels: vec![level],
+        flip: image.origin == Origin::BottomLeft,
+        opaque: opaque || image.alpha == Alpha::Data,
+    })
+}
+
+/// Texel `i`, linear and premultiplied.
+fn read_texel(image: &Image<'_>, i: usize) -> [f32; 4] {
+    let n = image.channels as usize;
+    let value = |k: usize| image.texels.value(i * n + k);
+    let light = |k: usize| match (image.color, image.texels) {
+        (ColorSpace::Linear, _) => value(k),
+        (ColorSpace::Srgb, Texels::U8(t)) => color::srgb8_to_linear(t[i * n + k]),
+        (ColorSpace::Srgb, _) => color::srgb_to_linear(value(k)),
+    };
+    let [r, g, b, a] = match (n, image.alpha) {
+        (1, _) => [light(0), light(0), light(0), 1.0],
+        (2, Alpha::Data) => [light(0), light(1), 0.0, 1.0],
+        (2, _) => [light(0), light(0), light(0), value(1)],
+        (3, _) => [light(0), light(1), light(2), 1.0],
+        _ => [light(0), light(1), light(2), value(3)],
+    };
+    if image.alpha == Alpha::Straight {
+        [r * a, g * a, b * a, a]
+    } else {
+        [r, g, b, a]
+    }
+}
+
+/// Bytes stay bytes when decoding and premultiplying change none of them.
+fn choose_format(image: &Image<'_>) -> Format {
+    match image.texels {
+        Texels::F32(_) if image.channels == 1 => Format::R32,
+        Texels::F32(_) => Format::Rgba32,
+        Texels::U16(_) => Format::Rgba16,
+        Texels::U8(_) if image.color == ColorSpace::Srgb => Format::Rgba16,
+        Texels::U8(t) => {
+            let has_alpha = image.alpha == Alpha::Straight && image.channels % 2 == 0;
+            let n = image.channels as usize;
+            let soft = |texel: &[u8]| !matches!(texel[n - 1], 0 | 255);
+            if has_alpha && t.chunks_exact(n).any(soft) {
+                Format::Rgba16
+            } else {
+                Format::Rgba8
+            }
+        }
+    }
+}
