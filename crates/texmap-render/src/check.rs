@@ -1,0 +1,311 @@
+//! Everything is checked before the first pixel.
+
+use texmap_math::glam::DVec3;
+
+use crate::{Aov, Material, Mesh, RenderError, Scene, Settings, Shading, TextureSlot};
+
+/// The largest picture side in samples.
+const MAX_SIDE: u64 = 16384;
+
+impl Scene {
+    /// Checks every number and index of the scene and returns warnings: one sentence for each thing that
+    /// can be drawn but is hardly meant. [`render`](crate::render) calls it first.
+    ///
+    /// # Errors
+    /// The first fault found, by mesh, material, vertex, triangle and face.
+    pub fn check(&self) -> Result<Vec<String>, RenderError> {
+        let camera = &self.camera;
+        let place = || "camera".to_owned();
+        for (what, v) in [
+            ("eye", camera.eye),
+            ("look", camera.look),
+            ("up", camera.up),
+        ] {
+            finite(place, || what.to_owned(), &v.to_array())?;
+        }
+        finite(place, || "near".to_owned(), &[camera.near])?;
+        camera.view().map_err(RenderError::Camera)?;
+        unit_range(|| "background".to_owned(), "channel", &self.background)?;
+        for (index, light) in self.lights.iter().enumerate() {
+            if !light.is_valid() {
+                return Err(RenderError::Value {
+                    place: format!("light {index}"),
+                    what: "it".to_owned(),
+                    value: format!("{light:?}"),
+                    expected: "numbers must be finite, intensities not negative, directions not zero",
+                });
+            }
+        }
+        for material in &self.materials {
+            self.check_material(material)?;
+        }
+        let mut warnings = Vec::new();
+        for mesh in &self.meshes {
+            self.check_mesh(mesh, &mut warnings)?;
+        }
+        Ok(warnings)
+    }
+
+    fn check_material(&self, material: &Material) -> Result<(), RenderError> {
+        let place = || format!("material '{}'", material.name);
+        if !material.surface.is_valid() {
+            return Err(RenderError::Value {
+                place: place(),
+                what: "surface".to_owned(),
+                value: format!("{:?}", material.surface),
+                expected: "numbers must be finite and not negative",
+            });
+        }
+        unit_range(place, "opacity", &[material.opacity])?;
+        if let crate::AlphaMode::Test(threshold) = material.alpha {
+            unit_range(place, "alpha threshold", &[threshold])?;
+        }
+        for slot in material.base_color.iter().chain(&material.opacity_map) {
+            self.check_slot(slot, place)?;
+        }
+        Ok(())
+    }
+
+    fn check_slot(
+        &self,
+        slot: &TextureSlot,
+        place: impl Fn() -> String,
+    ) -> Result<(), RenderError> {
+        index(&place, "texture", slot.texture as u64, self.textures.len())?;
+        let t = &slot.transform;
+        finite(
+            &place,
+            || "texture transform".to_owned(),
+            &[t.offset[0], t.offset[1], t.scale[0], t.scale[1], t.rotation],
+        )?;
+        finite(&place, || "border colour".to_owned(), &slot.sampler.border)?;
+        let lod = &slot.sampler.lod;
+        if lod.bias.is_finite() && lod.min <= lod.max {
+            return Ok(());
+        }
+        Err(RenderError::Value {
+            place: place(),
+            what: "level-of-detail limits".to_owned(),
+            value: format!("{lod:?}"),
+            expected: "bias must be finite and min <= max",
+        })
+    }
+
+    fn check_mesh(&self, mesh: &Mesh, warnings: &mut Vec<String>) -> Result<(), RenderError> {
+        let place = || format!("mesh '{}'", mesh.name);
+        index(
+            place,
+            "material",
+            mesh.material as u64,
+            self.materials.len(),
+        )?;
+        let vertices = mesh.positions.len();
+        per(mesh, "normals", mesh.normals.len(), "vertices", vertices)?;
+        per(mesh, "uvs", mesh.uvs.len(), "vertices", vertices)?;
+        per(mesh, "colours", mesh.colors.len(), "vertices", vertices)?;
+        per(
+            mesh,
+            "face numbers",
+            mesh.faces.len(),
+            "triangles",
+            mesh.triangles.len(),
+        )?;
+        all_finite(mesh, "position", mesh.positions.as_flattened(), 3)?;
+        all_finite(mesh, "normal", mesh.normals.as_flattened(), 3)?;
+        all_finite(mesh, "uv", mesh.uvs.as_flattened(), 2)?;
+        all_finite(mesh, "colour", mesh.colors.as_flattened(), 3)?;
+        for (t, triangle) in mesh.triangles.iter().enumerate() {
+            for vertex in triangle {
+                let place = || {
+                    format!(
+                        "mesh '{}' triangle {t} (face {})",
+                        mesh.name,
+                        mesh.face(t as u32)
+                    )
+                };
+                index(place, "vertex", u64::from(*vertex), vertices)?;
+            }
+        }
+        let matrix = mesh.world_from_object;
+        finite(place, || "transform".to_owned(), &matrix.to_cols_array())?;
+        let determinant = matrix.determinant();
+        if !(determinant.is_finite() && determinant != 0.0) {
+            return Err(RenderError::Value {
+                place: place(),
+                what: "determinant of the transform".to_owned(),
+                value: format!("{determinant}"),
+                expected: "it must be finite and not 0: a scale of 0 flattens the mesh",
+            });
+        }
+        let material = &self.materials[mesh.material];
+        let textured = material.base_color.is_some() || material.opacity_map.is_some();
+        if textured && mesh.uvs.is_empty() && mesh.frame.is_none() && !mesh.triangles.is_empty() {
+            return Err(RenderError::MissingUv {
+                mesh: mesh.name.clone(),
+                material: material.name.clone(),
+            });
+        }
+        if let Some(angle) = mesh.frame_tilt().filter(|angle| *angle > FLAT) {
+            warnings.push(format!(
+                "mesh '{}': its texture frame leaves the plane of the polygon by {:.3} degrees; the texture will swim as the eye moves",
+                mesh.name,
+                angle.to_degrees(),
+            ));
+        }
+        if mesh.triangles.is_empty() {
+            warnings.push(format!("mesh '{}' has no triangles", mesh.name));
+        }
+        Ok(())
+    }
+}
+
+/// Frames closer to the polygon's plane than this (radians) are taken to lie in it: f32 positions of a
+/// tilted polygon are no more exact.
+const FLAT: f64 = 1e-5;
+
+impl Mesh {
+    /// Angle (radians, 0 to pi/2) between the plane of [`frame`](Self::frame) and that of the mesh's first
+    /// triangle with an area; `None` without a frame or without such a triangle. Beyond 0 the texture lies
+    /// in another plane than the polygon (Brackeen 2003: "at an angle when seen head on").
+    #[must_use]
+    pub fn frame_tilt(&self) -> Option<f64> {
+        let frame = self.frame?.normal().normalize_or_zero();
+        let normal = self
+            .triangles
+            .iter()
+            .map(|t| self.cross(*t).normalize_or_zero())
+            .find(|n| *n != DVec3::ZERO)?;
+        Some(texmap_math::det::atan2(
+            frame.cross(normal).length(),
+            frame.dot(normal).abs(),
+        ))
+    }
+
+    /// Cross product of two edges: the normal, twice the area long. Zero if an index is out of range.
+    pub(crate) fn cross(&self, triangle: [u32; 3]) -> DVec3 {
+        let vertex = |i: u32| {
+            self.positions
+                .get(i as usize)
+                .map(|p| DVec3::new(p[0].into(), p[1].into(), p[2].into()))
+        };
+        match triangle.map(vertex) {
+            [Some(a), Some(b), Some(c)] => (b - a).cross(c - a),
+            _ => DVec3::ZERO,
+        }
+    }
+}
+
+impl Settings {
+    pub(crate) fn check(&self) -> Result<(), RenderError> {
+        let side_fits =
+            |side: u32| (1..=MAX_SIDE).contains(&(u64::from(side) * u64::from(self.supersample)));
+        if !side_fits(self.width) || !side_fits(self.height) {
+            let (width, height, supersample) = (self.width, self.height, self.supersample);
+            return Err(RenderError::Size {
+                width,
+                height,
+                supersample,
+            });
+        }
+        if self.threads == Some(0) {
+            return Err(RenderError::Threads {
+                threads: 0,
+                reason: "give at least 1".to_owned(),
+            });
+        }
+        Ok(())
+    }
+
+    /// Whether an AOV is asked for.
+    pub(crate) fn wants(&self, aov: Aov) -> bool {
+        self.aovs.contains(&aov)
+    }
+}
+
+impl Material {
+    /// Whether light reaches any pixel: it does not through an opaque-textured decal.
+    pub(crate) fn lit(&self, shows_surface: bool) -> bool {
+        self.shading != Shading::Unlit && shows_surface
+    }
+}
+
+fn finite<T: Copy + Into<f64>>(
+    place: impl Fn() -> String,
+    what: impl Fn() -> String,
+    values: &[T],
+) -> Result<(), RenderError> {
+    match values
+        .iter()
+        .map(|v| (*v).into())
+        .find(|v: &f64| !v.is_finite())
+    {
+        None => Ok(()),
+        Some(v) => Err(RenderError::Value {
+            place: place(),
+            what: what(),
+            value: v.to_string(),
+            expected: "it must be finite",
+        }),
+    }
+}
+
+fn all_finite(mesh: &Mesh, what: &str, values: &[f32], channels: usize) -> Result<(), RenderError> {
+    match values.iter().position(|v| !v.is_finite()) {
+        None => Ok(()),
+        Some(i) => Err(RenderError::Value {
+            place: format!("mesh '{}' vertex {}", mesh.name, i / channels),
+            what: what.to_owned(),
+            value: values[i].to_string(),
+            expected: "it must be finite",
+        }),
+    }
+}
+
+fn unit_range(place: impl Fn() -> String, what: &str, values: &[f32]) -> Result<(), RenderError> {
+    match values.iter().find(|v| !(0.0..=1.0).contains(*v)) {
+        None => Ok(()),
+        Some(v) => Err(RenderError::Value {
+            place: place(),
+            what: what.to_owned(),
+            value: v.to_string(),
+            expected: "it must be 0 to 1",
+        }),
+    }
+}
+
+fn index(
+    place: impl Fn() -> String,
+    what: &'static str,
+    index: u64,
+    count: usize,
+) -> Result<(), RenderError> {
+    if index < count as u64 {
+        Ok(())
+    } else {
+        Err(RenderError::Index {
+            place: place(),
+            what,
+            index,
+            count,
+        })
+    }
+}
+
+fn per(
+    mesh: &Mesh,
+    what: &'static str,
+    found: usize,
+    of: &'static str,
+    expected: usize,
+) -> Result<(), RenderError> {
+    if found == 0 || found == expected {
+        return Ok(());
+    }
+    Err(RenderError::Count {
+        mesh: mesh.name.clone(),
+        what,
+        found,
+        of,
+        expected,
+    })
+}

@@ -1,0 +1,104 @@
+use texmap_math::camera::CameraError;
+use texmap_raster::RasterError;
+
+/// Why a scene was not drawn. Everything is checked before the first pixel.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum RenderError {
+    /// A picture of no or too many pixels.
+    #[error(
+        "a picture of {width} x {height} pixels at {supersample} x {supersample} samples: each side times the samples must be 1..=16384"
+    )]
+    Size {
+        /// Pixels.
+        width: u32,
+        /// Pixels.
+        height: u32,
+        /// Samples per pixel and axis.
+        supersample: u32,
+    },
+    /// No thread, or the system gave none.
+    #[error("cannot run on {threads} threads: {reason}")]
+    Threads {
+        /// The number asked for.
+        threads: usize,
+        /// What stood in the way.
+        reason: String,
+    },
+    /// The camera has no view.
+    #[error("camera: {0}")]
+    Camera(CameraError),
+    /// A number of the scene that must be finite (or in a range) is not.
+    #[error("{place}: {what} is {value}; {expected}")]
+    Value {
+        /// Which mesh, material, light or setting.
+        place: String,
+        /// Which of its numbers.
+        what: String,
+        /// The offending value, printed.
+        value: String,
+        /// What would do.
+        expected: &'static str,
+    },
+    /// An index without a target.
+    #[error("{place}: {what} {index} does not exist; there are {count}")]
+    Index {
+        /// Which mesh or material.
+        place: String,
+        /// What is named by the index.
+        what: &'static str,
+        /// The offending index.
+        index: u64,
+        /// How many there are: indices are below it.
+        count: usize,
+    },
+    /// Per-vertex or per-triangle values that do not match in number.
+    #[error("mesh '{mesh}': {found} {what} for {expected} {of}; give one each or none")]
+    Count {
+        /// Mesh name.
+        mesh: String,
+        /// Which values.
+        what: &'static str,
+        /// How many there are.
+        found: usize,
+        /// What they belong to.
+        of: &'static str,
+        /// How many of these there are.
+        expected: usize,
+    },
+    /// A textured material on a mesh without coordinates.
+    #[error(
+        "mesh '{mesh}' has no texture coordinates but its material '{material}' has a texture: give it uvs, or project them (Mesh::project_uvs)"
+    )]
+    MissingUv {
+        /// Mesh name.
+        mesh: String,
+        /// Material name.
+        material: String,
+    },
+    /// The rasterizer refused a draw.
+    #[error("mesh '{mesh}': {error}")]
+    Raster {
+        /// Mesh name, or a word for the whole frame.
+        mesh: String,
+        /// What it said.
+        error: RasterError,
+    },
+}
+
+impl RenderError {
+    /// A stable name for programs.
+    #[must_use]
+    pub fn code(&self) -> &'static str {
+        match self {
+            Self::Size { .. } => "render-size",
+            Self::Threads { .. } => "render-threads",
+            Self::Camera(_) => "render-camera",
+            Self::Value { .. } => "render-value",
+            Self::Index { .. } => "render-index",
+            Self::Count { .. } => "render-count",
+            Self::MissingUv { .. } => "render-missing-uv",
+            Self::Raster { .. } => "render-raster",
+        }
+    }
+}

@@ -1,0 +1,143 @@
+use std::fmt;
+use std::str::FromStr;
+
+use texmap_math::Level;
+use texmap_raster::Interp;
+use texmap_sample::{Filter, Wrap};
+
+/// How a scene becomes a picture. No setting but the size, `supersample`, and the three overrides changes
+/// a pixel.
+#[derive(Clone, Debug)]
+pub struct Settings {
+    /// Pixels, 1..=16384.
+    pub width: u32,
+    /// Pixels, 1..=16384.
+    pub height: u32,
+    /// Worker threads; `None` takes rayon's global pool.
+    pub threads: Option<usize>,
+    /// Samples per pixel and axis, from 1: `n x n` samples, averaged in linear light. Width and height
+    /// times this must not exceed 16384.
+    pub supersample: u32,
+    /// Which buffers to return beside the colour.
+    pub aovs: Vec<Aov>,
+    /// SIMD level; the pixels do not depend on it.
+    pub level: Level,
+    /// Replaces the filter of every sampler.
+    pub filter: Option<Filter>,
+    /// Replaces both wrap modes of every sampler.
+    pub wrap: Option<Wrap>,
+    /// Replaces the interpolation of every material.
+    pub interp: Option<Interp>,
+}
+
+impl Settings {
+    /// One sample a pixel, the best SIMD level of this machine, no AOV, nothing overridden.
+    #[must_use]
+    pub fn new(width: u32, height: u32) -> Self {
+        Self {
+            width,
+            height,
+            threads: None,
+            supersample: 1,
+            aovs: Vec::new(),
+            level: Level::new(),
+            filter: None,
+            wrap: None,
+            interp: None,
+        }
+    }
+}
+
+/// A buffer beside the colour. Each describes the nearest opaque or cut-out surface at the centre of the
+/// pixel, whatever the supersampling; blended surfaces leave no trace. Where no surface is, or the surface
+/// lacks the value, every channel is the f32 with bits 0x7fc00000 (NaN), or `u32::MAX`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Aov {
+    /// The depth buffer: 1 at the near plane, falling to 0 at the far plane or infinity. 1 channel, f32.
+    Depth,
+    /// 1 / clip w, which is 1 / distance along the view axis. 1 channel, f32.
+    InvW,
+    /// Texture coordinates as interpolated: the file's own values, neither transformed nor wrapped.
+    /// 2 channels, f32.
+    Uv,
+    /// Level of detail of the base colour's look-up after bias and clamp. 1 channel, f32.
+    Lod,
+    /// Source face, [`Mesh::face`](crate::Mesh::face). 1 channel, u32.
+    Face,
+    /// Unit normal in world space, on the side that is seen. 3 channels, f32.
+    Normal,
+    /// Position in world space. 3 channels, f32.
+    Position,
+}
+
+impl Aov {
+    /// Every AOV.
+    pub const ALL: [Self; 7] = [
+        Self::Depth,
+        Self::InvW,
+        Self::Uv,
+        Self::Lod,
+        Self::Face,
+        Self::Normal,
+        Self::Position,
+    ];
+
+    /// The name in files and flags.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Depth => "depth",
+            Self::InvW => "inv_w",
+            Self::Uv => "uv",
+            Self::Lod => "lod",
+            Self::Face => "face",
+            Self::Normal => "normal",
+            Self::Position => "position",
+        }
+    }
+
+    /// Values per pixel.
+    #[must_use]
+    pub fn channels(self) -> usize {
+        match self {
+            Self::Depth | Self::InvW | Self::Lod | Self::Face => 1,
+            Self::Uv => 2,
+            Self::Normal | Self::Position => 3,
+        }
+    }
+}
+
+impl fmt::Display for Aov {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+impl FromStr for Aov {
+    type Err = UnknownAov;
+
+    fn from_str(s: &str) -> Result<Self, UnknownAov> {
+        Self::ALL
+            .into_iter()
+            .find(|aov| aov.name() == s)
+            .ok_or_else(|| UnknownAov(s.to_owned()))
+    }
+}
+
+/// A name that is not an AOV's.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("unknown AOV '{0}': choose from depth, inv_w, uv, lod, face, normal, position")]
+pub struct UnknownAov(pub String);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_round_trip() {
+        for aov in Aov::ALL {
+            assert_eq!(aov.name().parse(), Ok(aov));
+        }
+        assert_eq!("uvw".parse::<Aov>(), Err(UnknownAov("uvw".into())));
+    }
+}
