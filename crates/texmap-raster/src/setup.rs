@@ -31,6 +31,8 @@ pub struct Fragment {
     pub front: bool,
     /// How many attributes are valid; the rest are 0.
     pub count: usize,
+    /// The pixel, from the left and from the top: what computes its own values per pixel needs it.
+    pub pixel: [u32; 2],
 }
 
 impl Default for Fragment {
@@ -43,6 +45,7 @@ impl Default for Fragment {
             depth: 0.0,
             front: true,
             count: 0,
+            pixel: [0; 2],
         }
     }
 }
@@ -250,6 +253,7 @@ impl TriangleSetup {
         out.depth = self.depth(x, y);
         out.front = self.front;
         out.count = self.count;
+        out.pixel = [x, y];
         let (px, py) = self.local(x, y);
         if let Rows::Nodes {
             edges,
