@@ -1,2 +1,12 @@
-//! texmap-io
+//! Files in and out: the scene language, OBJ/MTL, images and `.npy` arrays.
 #![forbid(unsafe_code)]
+
+pub mod atomic;
+mod camera_path;
+mod error;
+mod files;
+pub mod image_io;
+pub mod npy;
+
+pub use camera_path::{CameraPath, Stop};
+pub use error::{IoError, Place};

@@ -1,0 +1,144 @@
+//! Camera paths: the walk of `--path CAMERA.json --frames N`.
+
+use std::path::Path;
+
+use serde::Deserialize;
+use texmap_math::camera::Camera;
+use texmap_math::glam::DVec3;
+
+use crate::{IoError, Place, files};
+
+/// One stop of a walk, as in the JSON file.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Stop {
+    /// Where the eye is.
+    pub eye: [f64; 3],
+    /// The point it looks at.
+    pub look: [f64; 3],
+    /// What is up; the scene's own where it is left out.
+    pub up: Option<[f64; 3]>,
+    /// Horizontal field of view in degrees; the scene's own where it is left out.
+    pub fov: Option<f64>,
+}
+
+/// A walk: straight lines from stop to stop, equal shares of the frames for each.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CameraPath {
+    stops: Vec<Stop>,
+}
+
+impl CameraPath {
+    /// Reads a JSON list of stops, at least one.
+    ///
+    /// # Errors
+    /// File errors, and [`IoError::BrokenPath`] with the place: no such list, a number that is not finite, a field of
+    /// view outside of 0 to 180 degrees.
+    pub fn read(path: &Path) -> Result<Self, IoError> {
+        let text = files::read_text(path, None)?;
+        let stops: Vec<Stop> = serde_json::from_str(&text).map_err(|e| IoError::BrokenPath {
+            place: Place::new(path, e.line() as u32, e.column() as u32),
+            problem: e.to_string(),
+        })?;
+        let broken = |problem: String| IoError::BrokenPath { place: Place::new(path, 1, 1), problem };
+        if stops.is_empty() {
+            return Err(broken("the list is empty".into()));
+        }
+        for (i, stop) in stops.iter().enumerate() {
+            let numbers = [stop.eye, stop.look, stop.up.unwrap_or_default()];
+            if !numbers.as_flattened().iter().all(|x| x.is_finite()) {
+                return Err(broken(format!("stop {i}: a number is not finite")));
+            }
+            if stop.fov.is_some_and(|f| !(f > 0.0 && f < 180.0)) {
+                return Err(broken(format!("stop {i}: fov must be more than 0 and less than 180 degrees")));
+            }
+        }
+        Ok(Self { stops })
+    }
+
+    /// The stops in order.
+    pub fn stops(&self) -> &[Stop] {
+        &self.stops
+    }
+
+    /// The camera of frame `frame` of `frames`; the first frame stands on the first stop, the last on the last.
+    pub fn camera(&self, scene: &Camera, frame: u32, frames: u32) -> Camera {
+        let last = self.stops.len() - 1;
+        let along = if frames > 1 { f64::from(frame.min(frames - 1)) * last as f64 / f64::from(frames - 1) } else { 0.0 };
+        let leg = (along as usize).min(last.saturating_sub(1));
+        let t = along - leg as f64;
+        let (a, b) = (at(&self.stops[leg], scene), at(&self.stops[(leg + 1).min(last)], scene));
+        let mix = |a: DVec3, b: DVec3| a * (1.0 - t) + b * t;
+        Camera {
+            eye: mix(a.eye, b.eye),
+            look: mix(a.look, b.look),
+            up: mix(a.up, b.up),
+            fov_x: a.fov_x * (1.0 - t) + b.fov_x * t,
+            ..*scene
+        }
+    }
+}
+
+fn at(stop: &Stop, scene: &Camera) -> Camera {
+    Camera {
+        eye: DVec3::from(stop.eye),
+        look: DVec3::from(stop.look),
+        up: stop.up.map_or(scene.up, DVec3::from),
+        fov_x: stop.fov.map_or(scene.fov_x, f64::to_radians),
+        ..*scene
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn scene() -> Camera {
+        Camera {
+            eye: DVec3::ZERO,
+            look: DVec3::X,
+            up: DVec3::Z,
+            fov_x: 1.0,
+            near: 1e-4,
+            far: f64::INFINITY,
+        }
+    }
+
+    fn read(text: &str) -> Result<CameraPath, IoError> {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("walk.json");
+        std::fs::write(&path, text).unwrap();
+        CameraPath::read(&path)
+    }
+
+    #[test]
+    fn frames_run_from_the_first_stop_to_the_last() {
+        let walk = read(
+            r#"[{"eye":[0,0,0],"look":[1,0,0]}, {"eye":[4,0,0],"look":[5,0,0],"fov":90},
+                {"eye":[4,8,0],"look":[5,8,0],"up":[0,1,0]}]"#,
+        )
+        .unwrap();
+        let eye = |i, n| walk.camera(&scene(), i, n).eye.to_array();
+        assert_eq!([eye(0, 5), eye(1, 5), eye(2, 5), eye(3, 5), eye(4, 5)], [
+            [0.0, 0.0, 0.0],
+            [2.0, 0.0, 0.0],
+            [4.0, 0.0, 0.0],
+            [4.0, 4.0, 0.0],
+            [4.0, 8.0, 0.0]
+        ]);
+        assert_eq!(walk.camera(&scene(), 0, 1).fov_x, 1.0);
+        assert_eq!(walk.camera(&scene(), 2, 5).fov_x, 90_f64.to_radians());
+        assert_eq!(walk.camera(&scene(), 4, 5).up, DVec3::Y);
+        let one = read(r#"[{"eye":[1,2,3],"look":[0,0,0]}]"#).unwrap();
+        assert_eq!(one.camera(&scene(), 7, 9).eye.to_array(), [1.0, 2.0, 3.0]);
+    }
+
+    #[test]
+    fn broken_paths_are_refused() {
+        for text in ["", "[]", "{}", r#"[{"eye":[0,0],"look":[1,0,0]}]"#, r#"[{"eye":[0,0,0],"look":[1,0,0],"fov":180}]"#] {
+            assert_eq!(read(text).unwrap_err().code(), "broken-camera-path", "{text}");
+        }
+        let error = read("[\n{\"eye\":[0,0,0],\"luck\":[1,0,0]}]").unwrap_err();
+        assert_eq!(error.place().map(|p| p.line), Some(2));
+    }
+}

@@ -1,0 +1,199 @@
+//! Images in (PNG, JPEG, GIF) and out (PNG).
+
+use std::io::{self, Cursor};
+use std::path::Path;
+
+use image::codecs::png::PngEncoder;
+use image::{DynamicImage, ExtendedColorType, ImageEncoder, ImageReader, Limits};
+use texmap_sample::{Alpha, ColorSpace, Image, Origin, Texels, Texture2d};
+
+use crate::{IoError, Place, atomic, files};
+
+/// The largest width and height of an image.
+pub const MAX_SIDE: u32 = Texture2d::MAX_SIDE;
+
+/// The most texels of an image: 2^28, 16384 x 16384.
+pub const MAX_TEXELS: u64 = 1 << 28;
+
+/// A decoded image: RGBA with straight alpha, rows from top to bottom.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Rgba {
+    /// Columns, 1 or more.
+    pub width: u32,
+    /// Rows, 1 or more.
+    pub height: u32,
+    /// Four values a texel.
+    pub texels: Depth,
+}
+
+/// The values of an image in the depth of its file.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Depth {
+    /// 8 bits a channel.
+    U8(Vec<u8>),
+    /// 16 bits a channel (PNG).
+    U16(Vec<u16>),
+}
+
+/// Decodes a PNG, JPEG or GIF file; its content decides which, not its name.
+///
+/// Grey images become RGB, images without alpha opaque. The transparent index of a GIF becomes alpha 0; of an animated
+/// GIF the first picture is taken. Embedded colour profiles and orientations are not applied.
+///
+/// # Errors
+/// File errors, [`IoError::BrokenImage`], [`IoError::ImageSize`].
+pub fn read_image(path: &Path) -> Result<Rgba, IoError> {
+    read_named(path, None)
+}
+
+/// Decodes an image file to a texture of one level, top-left origin. Colours are sRGB or taken as they are.
+///
+/// # Errors
+/// As [`read_image`].
+pub fn read_texture(path: &Path, color: ColorSpace) -> Result<Texture2d<'static>, IoError> {
+    texture(path, None, &read_image(path)?, color)
+}
+
+pub(crate) fn read_named(path: &Path, named_by: Option<&Place>) -> Result<Rgba, IoError> {
+    let bytes = files::read(path, named_by)?;
+    let broken = |problem: String| IoError::BrokenImage {
+        path: path.to_path_buf(),
+        named_by: named_by.cloned(),
+        problem,
+    };
+    let size_error = |(width, height)| IoError::ImageSize {
+        path: path.to_path_buf(),
+        named_by: named_by.cloned(),
+        width,
+        height,
+    };
+    // Decoders call a size of zero "broken"; say what it is.
+    if let Some(size @ (0, _) | size @ (_, 0)) = header_size(&bytes) {
+        return Err(size_error(size));
+    }
+    let reader = || {
+        let mut reader = ImageReader::new(Cursor::new(&bytes)).with_guessed_format().map_err(|e| broken(e.to_string()))?;
+        let mut limits = Limits::default();
+        limits.max_alloc = Some(8 * MAX_TEXELS);
+        reader.limits(limits);
+        Ok(reader)
+    };
+    let size @ (width, height) = reader()?.into_dimensions().map_err(|e| broken(e.to_string()))?;
+    let texels = u64::from(width) * u64::from(height);
+    if texels == 0 || texels > MAX_TEXELS || width > MAX_SIDE || height > MAX_SIDE {
+        return Err(size_error(size));
+    }
+    let texels = match reader()?.decode().map_err(|e| broken(e.to_string()))? {
+        deep @ (DynamicImage::ImageLuma16(_)
+        | DynamicImage::ImageLumaA16(_)
+        | DynamicImage::ImageRgb16(_)
+        | DynamicImage::ImageRgba16(_)) => Depth::U16(deep.into_rgba16().into_raw()),
+        other => Depth::U8(other.into_rgba8().into_raw()),
+    };
+    Ok(Rgba { width, height, texels })
+}
+
+pub(crate) fn texture(
+    path: &Path,
+    named_by: Option<&Place>,
+    image: &Rgba,
+    color: ColorSpace,
+) -> Result<Texture2d<'static>, IoError> {
+    let &Rgba { width, height, ref texels } = image;
+    Texture2d::new(&Image {
+        width,
+        height,
+        channels: 4,
+        texels: match texels {
+            Depth::U8(t) => Texels::U8(t),
+            Depth::U16(t) => Texels::U16(t),
+        },
+        color,
+        alpha: Alpha::Straight,
+        origin: Origin::TopLeft,
+    })
+    .map_err(|e| IoError::BrokenImage {
+        path: path.to_path_buf(),
+        named_by: named_by.cloned(),
+        problem: e.to_string(),
+    })
+}
+
+/// Writes RGBA bytes (straight alpha, rows from top to bottom) as PNG, whole or not at all.
+///
+/// # Errors
+/// [`IoError::Write`], also when `rgba` does not hold `4 * width * height` bytes or a side is zero.
+pub fn write_png(path: &Path, width: u32, height: u32, rgba: &[u8]) -> Result<(), IoError> {
+    atomic::write(path, |out| {
+        if width == 0 || height == 0 || rgba.len() as u64 != 4 * u64::from(width) * u64::from(height) {
+            let problem = format!("{} bytes for {width} x {height} RGBA pixels", rgba.len());
+            return Err(io::Error::new(io::ErrorKind::InvalidInput, problem));
+        }
+        PngEncoder::new(out).write_image(rgba, width, height, ExtendedColorType::Rgba8).map_err(io::Error::other)
+    })
+}
+
+/// Width and height as the header of a PNG or GIF file states them.
+fn header_size(bytes: &[u8]) -> Option<(u32, u32)> {
+    if bytes.starts_with(b"\x89PNG\r\n\x1a\n") {
+        let side = |at: usize| bytes.get(at..at + 4)?.try_into().ok().map(u32::from_be_bytes);
+        Some((side(16)?, side(20)?))
+    } else if bytes.starts_with(b"GIF8") {
+        let side = |at: usize| bytes.get(at..at + 2)?.try_into().ok().map(u16::from_le_bytes).map(u32::from);
+        Some((side(6)?, side(8)?))
+    } else {
+        None
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::fs;
+
+    #[test]
+    fn png_round_trip_keeps_every_byte() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("a.png");
+        let texels: Vec<u8> = (0..3 * 2 * 4).map(|i| (i * 10) as u8).collect();
+        write_png(&path, 3, 2, &texels).unwrap();
+        assert_eq!(read_image(&path).unwrap(), Rgba { width: 3, height: 2, texels: Depth::U8(texels) });
+        assert_eq!(write_png(&path, 3, 3, &[0; 4]).unwrap_err().code(), "write-failed");
+        assert_eq!(read_image(&path).unwrap().height, 2, "the old file is left");
+    }
+
+    #[test]
+    fn sixteen_bits_stay_sixteen() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("a.png");
+        let deep = image::ImageBuffer::<image::Luma<u16>, _>::from_raw(2, 1, vec![257_u16, 513]).unwrap();
+        deep.save(&path).unwrap();
+        let Depth::U16(texels) = read_image(&path).unwrap().texels else { panic!("16-bit PNG") };
+        assert_eq!(texels, [257, 257, 257, 65535, 513, 513, 513, 65535]);
+    }
+
+    #[test]
+    fn every_truncation_is_an_error_not_a_panic() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("a.png");
+        write_png(&path, 4, 4, &[77; 64]).unwrap();
+        let whole = fs::read(&path).unwrap();
+        for cut in 0..whole.len() - 12 {
+            fs::write(&path, &whole[..cut]).unwrap();
+            assert_eq!(read_image(&path).unwrap_err().code(), "broken-image", "cut at {cut}");
+        }
+    }
+
+    #[test]
+    fn zero_sizes_are_named() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("a.png");
+        write_png(&path, 4, 4, &[77; 64]).unwrap();
+        let mut bytes = fs::read(&path).unwrap();
+        bytes[16..20].fill(0);
+        fs::write(&path, bytes).unwrap();
+        assert_eq!(read_image(&path).unwrap_err().code(), "image-size");
+        fs::write(&path, b"GIF89a\0\0\x04\0\0\0\0;").unwrap();
+        assert_eq!(read_image(&path).unwrap_err().code(), "image-size");
+    }
+}
