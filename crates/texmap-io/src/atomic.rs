@@ -21,10 +21,7 @@ pub fn write(
     })
 }
 
-fn try_write(
-    path: &Path,
-    write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
-) -> io::Result<()> {
+fn try_write(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
     if path.is_dir() {
         return Err(io::Error::new(
             io::ErrorKind::IsADirectory,
@@ -75,8 +72,14 @@ mod tests {
     #[test]
     fn directories_are_refused() {
         let dir = tempfile::tempdir().unwrap();
-        assert_eq!(write(dir.path(), |_| Ok(())).unwrap_err().code(), "write-failed");
+        assert_eq!(
+            write(dir.path(), |_| Ok(())).unwrap_err().code(),
+            "write-failed"
+        );
         let missing = dir.path().join("no/such/dir.png");
-        assert_eq!(write(&missing, |_| Ok(())).unwrap_err().code(), "write-failed");
+        assert_eq!(
+            write(&missing, |_| Ok(())).unwrap_err().code(),
+            "write-failed"
+        );
     }
 }

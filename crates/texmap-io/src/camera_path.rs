@@ -40,7 +40,10 @@ impl CameraPath {
             place: Place::new(path, e.line() as u32, e.column() as u32),
             problem: e.to_string(),
         })?;
-        let broken = |problem: String| IoError::BrokenPath { place: Place::new(path, 1, 1), problem };
+        let broken = |problem: String| IoError::BrokenPath {
+            place: Place::new(path, 1, 1),
+            problem,
+        };
         if stops.is_empty() {
             return Err(broken("the list is empty".into()));
         }
@@ -50,7 +53,9 @@ impl CameraPath {
                 return Err(broken(format!("stop {i}: a number is not finite")));
             }
             if stop.fov.is_some_and(|f| !(f > 0.0 && f < 180.0)) {
-                return Err(broken(format!("stop {i}: fov must be more than 0 and less than 180 degrees")));
+                return Err(broken(format!(
+                    "stop {i}: fov must be more than 0 and less than 180 degrees"
+                )));
             }
         }
         Ok(Self { stops })
@@ -64,10 +69,17 @@ impl CameraPath {
     /// The camera of frame `frame` of `frames`; the first frame stands on the first stop, the last on the last.
     pub fn camera(&self, scene: &Camera, frame: u32, frames: u32) -> Camera {
         let last = self.stops.len() - 1;
-        let along = if frames > 1 { f64::from(frame.min(frames - 1)) * last as f64 / f64::from(frames - 1) } else { 0.0 };
+        let along = if frames > 1 {
+            f64::from(frame.min(frames - 1)) * last as f64 / f64::from(frames - 1)
+        } else {
+            0.0
+        };
         let leg = (along as usize).min(last.saturating_sub(1));
         let t = along - leg as f64;
-        let (a, b) = (at(&self.stops[leg], scene), at(&self.stops[(leg + 1).min(last)], scene));
+        let (a, b) = (
+            at(&self.stops[leg], scene),
+            at(&self.stops[(leg + 1).min(last)], scene),
+        );
         let mix = |a: DVec3, b: DVec3| a * (1.0 - t) + b * t;
         Camera {
             eye: mix(a.eye, b.eye),
@@ -119,13 +131,16 @@ mod tests {
         )
         .unwrap();
         let eye = |i, n| walk.camera(&scene(), i, n).eye.to_array();
-        assert_eq!([eye(0, 5), eye(1, 5), eye(2, 5), eye(3, 5), eye(4, 5)], [
-            [0.0, 0.0, 0.0],
-            [2.0, 0.0, 0.0],
-            [4.0, 0.0, 0.0],
-            [4.0, 4.0, 0.0],
-            [4.0, 8.0, 0.0]
-        ]);
+        assert_eq!(
+            [eye(0, 5), eye(1, 5), eye(2, 5), eye(3, 5), eye(4, 5)],
+            [
+                [0.0, 0.0, 0.0],
+                [2.0, 0.0, 0.0],
+                [4.0, 0.0, 0.0],
+                [4.0, 4.0, 0.0],
+                [4.0, 8.0, 0.0]
+            ]
+        );
         assert_eq!(walk.camera(&scene(), 0, 1).fov_x, 1.0);
         assert_eq!(walk.camera(&scene(), 2, 5).fov_x, 90_f64.to_radians());
         assert_eq!(walk.camera(&scene(), 4, 5).up, DVec3::Y);
@@ -135,8 +150,18 @@ mod tests {
 
     #[test]
     fn broken_paths_are_refused() {
-        for text in ["", "[]", "{}", r#"[{"eye":[0,0],"look":[1,0,0]}]"#, r#"[{"eye":[0,0,0],"look":[1,0,0],"fov":180}]"#] {
-            assert_eq!(read(text).unwrap_err().code(), "broken-camera-path", "{text}");
+        for text in [
+            "",
+            "[]",
+            "{}",
+            r#"[{"eye":[0,0],"look":[1,0,0]}]"#,
+            r#"[{"eye":[0,0,0],"look":[1,0,0],"fov":180}]"#,
+        ] {
+            assert_eq!(
+                read(text).unwrap_err().code(),
+                "broken-camera-path",
+                "{text}"
+            );
         }
         let error = read("[\n{\"eye\":[0,0,0],\"luck\":[1,0,0]}]").unwrap_err();
         assert_eq!(error.place().map(|p| p.line), Some(2));

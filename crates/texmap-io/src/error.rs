@@ -435,7 +435,10 @@ fn line_of(place: &Option<Place>) -> String {
 }
 
 fn index_help(place: &Place, count: usize) -> String {
-    let one_based = place.file.extension().is_some_and(|e| e.eq_ignore_ascii_case("obj"));
+    let one_based = place
+        .file
+        .extension()
+        .is_some_and(|e| e.eq_ignore_ascii_case("obj"));
     match (one_based, count) {
         (_, 0) => "none is defined above this line; list them before the faces".into(),
         (true, n) => format!("indices count from 1 to {n}, or from -1 back to -{n}"),

@@ -15,10 +15,19 @@ pub(crate) fn regular(path: &Path, named_by: Option<&Place>) -> Result<Metadata,
     match fs::metadata(&path) {
         Ok(metadata) if metadata.is_file() => Ok(metadata),
         Ok(_) => Err(IoError::NotAFile { path, named_by }),
-        Err(e) if matches!(e.kind(), io::ErrorKind::NotFound | io::ErrorKind::NotADirectory) => {
+        Err(e)
+            if matches!(
+                e.kind(),
+                io::ErrorKind::NotFound | io::ErrorKind::NotADirectory
+            ) =>
+        {
             Err(IoError::FileMissing { path, named_by })
         }
-        Err(source) => Err(IoError::Read { path, named_by, source }),
+        Err(source) => Err(IoError::Read {
+            path,
+            named_by,
+            source,
+        }),
     }
 }
 
@@ -57,6 +66,7 @@ pub(crate) fn read_text(path: &Path, named_by: Option<&Place>) -> Result<String,
 }
 
 /// `name` as seen from the directory of `file`; a backslash separates folders too.
+#[expect(dead_code, reason = "used by the loaders")]
 pub(crate) fn beside(file: &Path, name: &str) -> PathBuf {
     let directory = file.parent().unwrap_or(Path::new(""));
     let path = directory.join(name);

@@ -41,7 +41,10 @@ impl View {
 
     /// Its word.
     pub fn name(self) -> &'static str {
-        Self::ALL.iter().find(|(_, view)| *view == self).map_or("", |(name, _)| name)
+        Self::ALL
+            .iter()
+            .find(|(_, view)| *view == self)
+            .map_or("", |(name, _)| name)
     }
 
     /// From the model to the eye, any length.
@@ -71,7 +74,9 @@ impl FromStr for View {
 
     fn from_str(word: &str) -> Result<Self, Self::Err> {
         let found = Self::ALL.iter().find(|(name, _)| *name == word);
-        found.map(|(_, view)| *view).ok_or("know front, back, left, right, top, bottom, iso")
+        found
+            .map(|(_, view)| *view)
+            .ok_or("know front, back, left, right, top, bottom, iso")
     }
 }
 
@@ -90,13 +95,18 @@ impl Bounds {
         let points = || {
             scene.meshes.iter().flat_map(|mesh| {
                 let used = mesh.triangles.as_flattened().iter();
-                used.map(|&i| mesh.world_from_object.transform_point3(DVec3::from(mesh.positions[i as usize].map(f64::from))))
+                used.map(|&i| {
+                    mesh.world_from_object
+                        .transform_point3(DVec3::from(mesh.positions[i as usize].map(f64::from)))
+                })
             })
         };
         let first = points().next()?;
         let (low, high) = points().fold((first, first), |(low, high), p| (low.min(p), high.max(p)));
         let center = (low + high) * 0.5;
-        let radius = points().fold(0.0_f64, |r, p| r.max((p - center).length_squared())).sqrt();
+        let radius = points()
+            .fold(0.0_f64, |r, p| r.max((p - center).length_squared()))
+            .sqrt();
         Some(Self { center, radius })
     }
 
@@ -126,8 +136,14 @@ pub const AUTO_FOV: f64 = 40.0 * core::f64::consts::PI / 180.0;
 pub fn auto_lights() -> Vec<Light> {
     vec![
         Light::Ambient { color: [0.35; 3] },
-        Light::Directional { color: [0.65; 3], direction: [0.5, -0.8, -0.7] },
-        Light::Directional { color: [0.25; 3], direction: [-0.6, -0.3, 0.7] },
+        Light::Directional {
+            color: [0.65; 3],
+            direction: [0.5, -0.8, -0.7],
+        },
+        Light::Directional {
+            color: [0.25; 3],
+            direction: [-0.6, -0.3, 0.7],
+        },
     ]
 }
 
@@ -137,7 +153,10 @@ mod tests {
 
     #[test]
     fn the_whole_sphere_is_inside_the_picture_from_every_side() {
-        let bounds = Bounds { center: DVec3::new(3.0, -2.0, 7.0), radius: 2.5 };
+        let bounds = Bounds {
+            center: DVec3::new(3.0, -2.0, 7.0),
+            radius: 2.5,
+        };
         for (name, view) in View::ALL {
             assert_eq!(name.parse(), Ok(view));
             assert_eq!(view.name(), name);
@@ -154,7 +173,10 @@ mod tests {
                             }
                             let p = bounds.center + d / d.length() * bounds.radius;
                             let c = clip * p.extend(1.0);
-                            assert!(c.w > camera.near && c.x.abs() <= c.w && c.y.abs() <= c.w, "{name} {aspect}");
+                            assert!(
+                                c.w > camera.near && c.x.abs() <= c.w && c.y.abs() <= c.w,
+                                "{name} {aspect}"
+                            );
                         }
                     }
                 }
@@ -164,7 +186,10 @@ mod tests {
 
     #[test]
     fn a_camera_a_little_too_near_would_fail_that_test() {
-        let bounds = Bounds { center: DVec3::ZERO, radius: 1.0 };
+        let bounds = Bounds {
+            center: DVec3::ZERO,
+            radius: 1.0,
+        };
         let mut camera = bounds.camera(View::Front, AUTO_FOV, 1.0);
         camera.eye *= 0.6;
         let c = camera.clip_from_world(1.0).unwrap() * DVec3::X.extend(1.0);

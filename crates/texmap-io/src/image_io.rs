@@ -72,13 +72,17 @@ pub(crate) fn read_named(path: &Path, named_by: Option<&Place>) -> Result<Rgba, 
         return Err(size_error(size));
     }
     let reader = || {
-        let mut reader = ImageReader::new(Cursor::new(&bytes)).with_guessed_format().map_err(|e| broken(e.to_string()))?;
+        let mut reader = ImageReader::new(Cursor::new(&bytes))
+            .with_guessed_format()
+            .map_err(|e| broken(e.to_string()))?;
         let mut limits = Limits::default();
         limits.max_alloc = Some(8 * MAX_TEXELS);
         reader.limits(limits);
         Ok(reader)
     };
-    let size @ (width, height) = reader()?.into_dimensions().map_err(|e| broken(e.to_string()))?;
+    let size @ (width, height) = reader()?
+        .into_dimensions()
+        .map_err(|e| broken(e.to_string()))?;
     let texels = u64::from(width) * u64::from(height);
     if texels == 0 || texels > MAX_TEXELS || width > MAX_SIDE || height > MAX_SIDE {
         return Err(size_error(size));
@@ -90,7 +94,11 @@ pub(crate) fn read_named(path: &Path, named_by: Option<&Place>) -> Result<Rgba, 
         | DynamicImage::ImageRgba16(_)) => Depth::U16(deep.into_rgba16().into_raw()),
         other => Depth::U8(other.into_rgba8().into_raw()),
     };
-    Ok(Rgba { width, height, texels })
+    Ok(Rgba {
+        width,
+        height,
+        texels,
+    })
 }
 
 pub(crate) fn texture(
@@ -99,7 +107,11 @@ pub(crate) fn texture(
     image: &Rgba,
     color: ColorSpace,
 ) -> Result<Texture2d<'static>, IoError> {
-    let &Rgba { width, height, ref texels } = image;
+    let &Rgba {
+        width,
+        height,
+        ref texels,
+    } = image;
     Texture2d::new(&Image {
         width,
         height,
@@ -125,21 +137,39 @@ pub(crate) fn texture(
 /// [`IoError::Write`], also when `rgba` does not hold `4 * width * height` bytes or a side is zero.
 pub fn write_png(path: &Path, width: u32, height: u32, rgba: &[u8]) -> Result<(), IoError> {
     atomic::write(path, |out| {
-        if width == 0 || height == 0 || rgba.len() as u64 != 4 * u64::from(width) * u64::from(height) {
+        if width == 0
+            || height == 0
+            || rgba.len() as u64 != 4 * u64::from(width) * u64::from(height)
+        {
             let problem = format!("{} bytes for {width} x {height} RGBA pixels", rgba.len());
             return Err(io::Error::new(io::ErrorKind::InvalidInput, problem));
         }
-        PngEncoder::new(out).write_image(rgba, width, height, ExtendedColorType::Rgba8).map_err(io::Error::other)
+        PngEncoder::new(out)
+            .write_image(rgba, width, height, ExtendedColorType::Rgba8)
+            .map_err(io::Error::other)
     })
 }
 
 /// Width and height as the header of a PNG or GIF file states them.
 fn header_size(bytes: &[u8]) -> Option<(u32, u32)> {
     if bytes.starts_with(b"\x89PNG\r\n\x1a\n") {
-        let side = |at: usize| bytes.get(at..at + 4)?.try_into().ok().map(u32::from_be_bytes);
+        let side = |at: usize| {
+            bytes
+                .get(at..at + 4)?
+                .try_into()
+                .ok()
+                .map(u32::from_be_bytes)
+        };
         Some((side(16)?, side(20)?))
     } else if bytes.starts_with(b"GIF8") {
-        let side = |at: usize| bytes.get(at..at + 2)?.try_into().ok().map(u16::from_le_bytes).map(u32::from);
+        let side = |at: usize| {
+            bytes
+                .get(at..at + 2)?
+                .try_into()
+                .ok()
+                .map(u16::from_le_bytes)
+                .map(u32::from)
+        };
         Some((side(6)?, side(8)?))
     } else {
         None
@@ -157,8 +187,18 @@ mod tests {
         let path = dir.path().join("a.png");
         let texels: Vec<u8> = (0..3 * 2 * 4).map(|i| (i * 10) as u8).collect();
         write_png(&path, 3, 2, &texels).unwrap();
-        assert_eq!(read_image(&path).unwrap(), Rgba { width: 3, height: 2, texels: Depth::U8(texels) });
-        assert_eq!(write_png(&path, 3, 3, &[0; 4]).unwrap_err().code(), "write-failed");
+        assert_eq!(
+            read_image(&path).unwrap(),
+            Rgba {
+                width: 3,
+                height: 2,
+                texels: Depth::U8(texels)
+            }
+        );
+        assert_eq!(
+            write_png(&path, 3, 3, &[0; 4]).unwrap_err().code(),
+            "write-failed"
+        );
         assert_eq!(read_image(&path).unwrap().height, 2, "the old file is left");
     }
 
@@ -166,9 +206,12 @@ mod tests {
     fn sixteen_bits_stay_sixteen() {
         let dir = tempfile::tempdir().unwrap();
         let path = dir.path().join("a.png");
-        let deep = image::ImageBuffer::<image::Luma<u16>, _>::from_raw(2, 1, vec![257_u16, 513]).unwrap();
+        let deep =
+            image::ImageBuffer::<image::Luma<u16>, _>::from_raw(2, 1, vec![257_u16, 513]).unwrap();
         deep.save(&path).unwrap();
-        let Depth::U16(texels) = read_image(&path).unwrap().texels else { panic!("16-bit PNG") };
+        let Depth::U16(texels) = read_image(&path).unwrap().texels else {
+            panic!("16-bit PNG")
+        };
         assert_eq!(texels, [257, 257, 257, 65535, 513, 513, 513, 65535]);
     }
 
@@ -180,7 +223,11 @@ mod tests {
         let whole = fs::read(&path).unwrap();
         for cut in 0..whole.len() - 12 {
             fs::write(&path, &whole[..cut]).unwrap();
-            assert_eq!(read_image(&path).unwrap_err().code(), "broken-image", "cut at {cut}");
+            assert_eq!(
+                read_image(&path).unwrap_err().code(),
+                "broken-image",
+                "cut at {cut}"
+            );
         }
     }
 

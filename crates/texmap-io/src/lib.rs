@@ -5,8 +5,10 @@ pub mod atomic;
 mod camera_path;
 mod error;
 mod files;
+pub mod framing;
 pub mod image_io;
 pub mod npy;
+pub mod scene_file;
 
 pub use camera_path::{CameraPath, Stop};
 pub use error::{IoError, Place};

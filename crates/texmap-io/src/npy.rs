@@ -108,7 +108,10 @@ pub fn read(path: &Path) -> Result<Array, IoError> {
         .ok_or_else(|| broken(path, "shape overflows"))?;
     let start = 8 + length_bytes as u64 + length;
     if metadata.len() - start.min(metadata.len()) < expected as u64 {
-        return Err(broken(path, format!("shape {shape:?} needs {expected} bytes of data; the file ends before")));
+        return Err(broken(
+            path,
+            format!("shape {shape:?} needs {expected} bytes of data; the file ends before"),
+        ));
     }
     let mut bytes = vec![0; expected];
     input.read_exact(&mut bytes).map_err(fail)?;
@@ -168,7 +171,9 @@ fn parse_header(text: &str) -> Result<(String, Vec<usize>), String> {
 }
 
 fn element_count(shape: &[usize]) -> Option<usize> {
-    shape.iter().try_fold(1_usize, |n, &axis| n.checked_mul(axis))
+    shape
+        .iter()
+        .try_fold(1_usize, |n, &axis| n.checked_mul(axis))
 }
 
 fn write_words<const N: usize>(
@@ -182,7 +187,12 @@ fn write_words<const N: usize>(
 }
 
 fn words<const N: usize, T>(bytes: &[u8], from: impl Fn([u8; N]) -> T) -> Vec<T> {
-    bytes.as_chunks::<N>().0.iter().map(|&chunk| from(chunk)).collect()
+    bytes
+        .as_chunks::<N>()
+        .0
+        .iter()
+        .map(|&chunk| from(chunk))
+        .collect()
 }
 
 fn broken(path: &Path, problem: impl Into<String>) -> IoError {
@@ -211,16 +221,25 @@ mod tests {
         write(&path, &[2, 2], Values::F32(&[1.0, -0.5, f32::NAN, 4.0])).unwrap();
         let array = read(&path).unwrap();
         assert_eq!(array.shape, [2, 2]);
-        let Data::F32(v) = array.data else { panic!("f32 was written") };
+        let Data::F32(v) = array.data else {
+            panic!("f32 was written")
+        };
         assert!(v[0] == 1.0 && v[1] == -0.5 && v[2].is_nan() && v[3] == 4.0);
         write(&path, &[3], Values::U32(&[1, 2, u32::MAX])).unwrap();
         assert_eq!(read(&path).unwrap().data, Data::U32(vec![1, 2, u32::MAX]));
 
-        assert_eq!(write(&path, &[4], Values::U32(&[1])).unwrap_err().code(), "broken-array");
+        assert_eq!(
+            write(&path, &[4], Values::U32(&[1])).unwrap_err().code(),
+            "broken-array"
+        );
         let whole = std::fs::read(&path).unwrap();
         for cut in [0, 5, 9, 40, whole.len() - 1] {
             std::fs::write(&path, &whole[..cut]).unwrap();
-            assert_eq!(read(&path).unwrap_err().code(), "broken-array", "cut at {cut}");
+            assert_eq!(
+                read(&path).unwrap_err().code(),
+                "broken-array",
+                "cut at {cut}"
+            );
         }
         let fortran = String::from_utf8_lossy(&whole[10..]).replace("False", "True ");
         let mut bytes = whole[..10].to_vec();

@@ -18,7 +18,13 @@ pub(super) struct Args<'a> {
 
 impl<'a> Args<'a> {
     pub(super) fn new(file: &'a Path, command: &'static str, line: u32, column: u32) -> Self {
-        Self { command, line, column, file, tokens: Vec::new() }
+        Self {
+            command,
+            line,
+            column,
+            file,
+            tokens: Vec::new(),
+        }
     }
 
     pub(super) fn extend(&mut self, line: u32, tokens: &[Token<'a>]) {
@@ -58,7 +64,12 @@ impl<'a> Args<'a> {
         }
     }
 
-    pub(super) fn within(&self, least: usize, most: usize, expected: &'static str) -> Result<(), IoError> {
+    pub(super) fn within(
+        &self,
+        least: usize,
+        most: usize,
+        expected: &'static str,
+    ) -> Result<(), IoError> {
         if (least..=most).contains(&self.len()) {
             return Ok(());
         }
@@ -88,7 +99,11 @@ impl<'a> Args<'a> {
         Ok(direction)
     }
 
-    pub(super) fn one_number(&self, valid: impl Fn(f64) -> bool, allowed: &'static str) -> Result<f64, IoError> {
+    pub(super) fn one_number(
+        &self,
+        valid: impl Fn(f64) -> bool,
+        allowed: &'static str,
+    ) -> Result<f64, IoError> {
         self.exactly(1, "1 number")?;
         let [x] = self.numbers(0)?;
         self.check(0, valid(x), allowed)?;
@@ -99,7 +114,7 @@ impl<'a> Args<'a> {
     pub(super) fn numbers<const N: usize>(&self, first: usize) -> Result<[f64; N], IoError> {
         let mut values = [0.0; N];
         for (i, value) in values.iter_mut().enumerate() {
-            *value = self.parse(first + i)?;
+            *value = self.parse::<f64>(first + i)?;
             // Positions become 32-bit floats, so that is the limit for all.
             if value.is_nan() || value.abs() > f64::from(f32::MAX) {
                 return Err(self.not_finite(first + i));
@@ -120,7 +135,10 @@ impl<'a> Args<'a> {
         Ok(values)
     }
 
-    pub(super) fn positive_floats<const N: usize>(&self, first: usize) -> Result<[f32; N], IoError> {
+    pub(super) fn positive_floats<const N: usize>(
+        &self,
+        first: usize,
+    ) -> Result<[f32; N], IoError> {
         let values = self.floats(first)?;
         for (i, value) in values.iter().enumerate() {
             self.check(first + i, *value >= 0.0, "0 or more")?;
@@ -129,7 +147,11 @@ impl<'a> Args<'a> {
     }
 
     /// All values, `N` of them, each 0 to 1.
-    pub(super) fn unit_floats<const N: usize>(&self, first: usize, expected: &'static str) -> Result<[f32; N], IoError> {
+    pub(super) fn unit_floats<const N: usize>(
+        &self,
+        first: usize,
+        expected: &'static str,
+    ) -> Result<[f32; N], IoError> {
         self.exactly(first + N, expected)?;
         let values = self.floats(first)?;
         for (i, value) in values.iter().enumerate() {
@@ -157,10 +179,16 @@ impl<'a> Args<'a> {
         Ok(self.text(0))
     }
 
-    pub(super) fn one_of<T: Copy>(&self, table: &[(&str, T)], allowed: &'static str) -> Result<T, IoError> {
+    pub(super) fn one_of<T: Copy>(
+        &self,
+        table: &[(&str, T)],
+        allowed: &'static str,
+    ) -> Result<T, IoError> {
         let word = self.single_word("1 word")?;
         let found = table.iter().find(|(name, _)| *name == word);
-        found.map(|(_, value)| *value).ok_or_else(|| self.unknown(0, allowed))
+        found
+            .map(|(_, value)| *value)
+            .ok_or_else(|| self.unknown(0, allowed))
     }
 
     pub(super) fn path(&self) -> Result<String, IoError> {
@@ -169,7 +197,12 @@ impl<'a> Args<'a> {
         Ok(path.into())
     }
 
-    pub(super) fn check(&self, i: usize, valid: bool, allowed: &'static str) -> Result<(), IoError> {
+    pub(super) fn check(
+        &self,
+        i: usize,
+        valid: bool,
+        allowed: &'static str,
+    ) -> Result<(), IoError> {
         if valid {
             return Ok(());
         }
@@ -191,7 +224,11 @@ impl<'a> Args<'a> {
     }
 
     pub(super) fn too_few_corners(&self, found: usize) -> IoError {
-        IoError::TooFewCorners { place: self.word_place(), command: self.command, found }
+        IoError::TooFewCorners {
+            place: self.word_place(),
+            command: self.command,
+            found,
+        }
     }
 
     fn parse<T: FromStr>(&self, i: usize) -> Result<T, IoError> {
@@ -202,10 +239,18 @@ impl<'a> Args<'a> {
     }
 
     fn not_a_number(&self, i: usize) -> IoError {
-        IoError::NotANumber { place: self.place(i), command: self.command, text: self.text(i).into() }
+        IoError::NotANumber {
+            place: self.place(i),
+            command: self.command,
+            text: self.text(i).into(),
+        }
     }
 
     fn not_finite(&self, i: usize) -> IoError {
-        IoError::NotFinite { place: self.place(i), command: self.command, text: self.text(i).into() }
+        IoError::NotFinite {
+            place: self.place(i),
+            command: self.command,
+            text: self.text(i).into(),
+        }
     }
 }

@@ -40,7 +40,11 @@ impl FromIterator<Command> for SceneFile {
         let statements = commands
             .into_iter()
             .zip(1..)
-            .map(|(command, line)| Statement { command, line, column: 1 })
+            .map(|(command, line)| Statement {
+                command,
+                line,
+                column: 1,
+            })
             .collect();
         Self { statements }
     }
@@ -170,7 +174,13 @@ pub struct Surf {
 impl Default for Surf {
     /// The course loader's: `surf 0.5 0.5 0.5 1 1 1 5`.
     fn default() -> Self {
-        Self { color: [0.5; 3], ka: 1.0, kd: 1.0, ks: 1.0, ns: 5.0 }
+        Self {
+            color: [0.5; 3],
+            ka: 1.0,
+            kd: 1.0,
+            ks: 1.0,
+            ns: 5.0,
+        }
     }
 }
 

@@ -21,12 +21,19 @@ use crate::{IoError, Place};
 /// number that is none, not finite or out of range, an index without a vertex above, a face of fewer than three
 /// corners, an unbalanced `push` or `pop`.
 pub fn parse(file: &Path, text: &str) -> Result<SceneFile, IoError> {
-    let mut parser = Parser { file, scene: SceneFile::default(), vertices: 0, open: Vec::new() };
+    let mut parser = Parser {
+        scene: SceneFile::default(),
+        vertices: 0,
+        open: Vec::new(),
+    };
     let mut args: Option<Args<'_>> = None;
     for (content, line) in text.lines().zip(1..) {
-        let tokens = token::words(content)
-            .map_err(|column| IoError::StrayQuote { place: Place::new(file, line, column) })?;
-        let Some((&first, rest)) = tokens.split_first() else { continue };
+        let tokens = token::words(content).map_err(|column| IoError::StrayQuote {
+            place: Place::new(file, line, column),
+        })?;
+        let Some((&first, rest)) = tokens.split_first() else {
+            continue;
+        };
         if first.begins_number() {
             let Some(args) = &mut args else {
                 return Err(IoError::StrayNumber {
@@ -56,31 +63,69 @@ pub fn parse(file: &Path, text: &str) -> Result<SceneFile, IoError> {
 
 /// Every command, for suggestions and for the list of words.
 const WORDS: [&str; 34] = [
-    "eye", "look", "up", "fov", "near", "far", "background", "color", "la", "ld", "lp", "surf", "v", "f", "texture",
-    "tf", "frame", "ff", "filter", "wrap", "border", "interp", "cull", "alpha", "shade", "gouraud", "translate",
-    "rotate", "scale", "push", "pop", "missing", "obj", "include",
+    "eye",
+    "look",
+    "up",
+    "fov",
+    "near",
+    "far",
+    "background",
+    "color",
+    "la",
+    "ld",
+    "lp",
+    "surf",
+    "v",
+    "f",
+    "texture",
+    "tf",
+    "frame",
+    "ff",
+    "filter",
+    "wrap",
+    "border",
+    "interp",
+    "cull",
+    "alpha",
+    "shade",
+    "gouraud",
+    "translate",
+    "rotate",
+    "scale",
+    "push",
+    "pop",
+    "missing",
+    "obj",
+    "include",
 ];
 
-struct Parser<'a> {
-    file: &'a Path,
+struct Parser {
     scene: SceneFile,
     vertices: usize,
     /// The `push` lines that wait for their `pop`.
     open: Vec<Place>,
 }
 
-impl Parser<'_> {
+impl Parser {
     fn statement(&mut self, args: &Args<'_>) -> Result<(), IoError> {
         let command = self.command(args)?;
         match command {
             Command::Vertex(_) => self.vertices += 1,
             Command::Push => self.open.push(args.word_place()),
             Command::Pop if self.open.pop().is_none() => {
-                return Err(IoError::NeedsAbove { place: args.word_place(), command: "pop", needs: "push" });
+                return Err(IoError::NeedsAbove {
+                    place: args.word_place(),
+                    command: "pop",
+                    needs: "push",
+                });
             }
             _ => {}
         }
-        self.scene.statements.push(Statement { command, line: args.line, column: args.column });
+        self.scene.statements.push(Statement {
+            command,
+            line: args.line,
+            column: args.column,
+        });
         Ok(())
     }
 
@@ -89,16 +134,24 @@ impl Parser<'_> {
             "eye" => Command::Eye(args.point()?),
             "look" => Command::Look(args.point()?),
             "up" => Command::Up(args.direction()?),
-            "fov" => Command::Fov(args.one_number(|x| x > 0.0 && x < 180.0, "more than 0 and less than 180 degrees")?),
+            "fov" => Command::Fov(args.one_number(
+                |x| x > 0.0 && x < 180.0,
+                "more than 0 and less than 180 degrees",
+            )?),
             "near" => Command::Near(args.one_number(|x| x > 0.0, "a distance above 0")?),
             "far" if args.single_word("1 distance")? == "infinite" => Command::Far(f64::INFINITY),
-            "far" => Command::Far(args.one_number(|x| x > 0.0, "a distance above 0, or `infinite`")?),
+            "far" => {
+                Command::Far(args.one_number(|x| x > 0.0, "a distance above 0, or `infinite`")?)
+            }
             "background" if args.len() == 3 => {
                 let [r, g, b] = args.unit_floats::<3>(0, "3 or 4 numbers (r g b [a])")?;
                 Command::Background([r, g, b, 1.0])
             }
             "background" => Command::Background(args.unit_floats(0, "3 or 4 numbers (r g b [a])")?),
-            "color" => Command::Color(args.one_of(&[("srgb", ColorMode::Srgb), ("raw", ColorMode::Raw)], "srgb, raw")?),
+            "color" => Command::Color(args.one_of(
+                &[("srgb", ColorMode::Srgb), ("raw", ColorMode::Raw)],
+                "srgb, raw",
+            )?),
             "la" => {
                 args.exactly(3, "3 numbers (r g b)")?;
                 Command::AmbientLight(args.positive_floats(0)?)
@@ -107,11 +160,17 @@ impl Parser<'_> {
                 args.exactly(6, "6 numbers (r g b x y z)")?;
                 let direction = args.floats(3)?;
                 args.check(3, direction != [0.0; 3], "a direction that is not zero")?;
-                Command::DirectionalLight { color: args.positive_floats(0)?, direction }
+                Command::DirectionalLight {
+                    color: args.positive_floats(0)?,
+                    direction,
+                }
             }
             "lp" => {
                 args.exactly(6, "6 numbers (r g b x y z)")?;
-                Command::PointLight { color: args.positive_floats(0)?, position: args.floats(3)? }
+                Command::PointLight {
+                    color: args.positive_floats(0)?,
+                    position: args.floats(3)?,
+                }
             }
             "surf" => surf(args)?,
             "v" => Command::Vertex(args.point()?),
@@ -127,22 +186,35 @@ impl Parser<'_> {
             "wrap" => {
                 let count = args.len();
                 args.within(1, 2, "1 or 2 modes (U [V])")?;
-                let wrap = |i| args.text(i).parse().map_err(|_| args.unknown(i, words::WRAPS));
+                let wrap = |i| {
+                    args.text(i)
+                        .parse()
+                        .map_err(|_| args.unknown(i, words::WRAPS))
+                };
                 Command::Wrap(wrap(0)?, wrap(count - 1)?)
             }
             "border" => Command::Border(args.unit_floats(0, "4 numbers (r g b a)")?),
             "interp" => {
                 let name = args.single_word("1 method")?;
-                Command::Interp(words::parse_interp(name).ok_or_else(|| args.unknown(0, words::INTERPS))?)
+                Command::Interp(
+                    words::parse_interp(name).ok_or_else(|| args.unknown(0, words::INTERPS))?,
+                )
             }
             "cull" => {
-                let table = [("none", Cull::None), ("back", Cull::Back), ("front", Cull::Front)];
+                let table = [
+                    ("none", Cull::None),
+                    ("back", Cull::Back),
+                    ("front", Cull::Front),
+                ];
                 Command::Cull(args.one_of(&table, "none, back, front")?)
             }
             "alpha" => alpha(args)?,
             "shade" => shade(args)?,
             "gouraud" => {
-                let table = [("screen", Gouraud::ScreenLinear), ("perspective", Gouraud::Perspective)];
+                let table = [
+                    ("screen", Gouraud::ScreenLinear),
+                    ("perspective", Gouraud::Perspective),
+                ];
                 Command::Gouraud(args.one_of(&table, "screen, perspective")?)
             }
             "translate" => Command::Translate(args.point()?),
@@ -156,11 +228,16 @@ impl Parser<'_> {
             "scale" => scale(args)?,
             "push" | "pop" => {
                 args.exactly(0, "no values")?;
-                if args.command == "push" { Command::Push } else { Command::Pop }
+                if args.command == "push" {
+                    Command::Push
+                } else {
+                    Command::Pop
+                }
             }
-            "missing" => {
-                Command::Missing(args.one_of(&[("error", Missing::Error), ("warn", Missing::Warn)], "error, warn")?)
-            }
+            "missing" => Command::Missing(args.one_of(
+                &[("error", Missing::Error), ("warn", Missing::Warn)],
+                "error, warn",
+            )?),
             "obj" => Command::Obj(args.path()?),
             // `known_word` lets no other word through.
             _ => Command::Include(args.path()?),
@@ -171,7 +248,9 @@ impl Parser<'_> {
         if args.len() < 3 {
             return Err(args.too_few_corners(args.len()));
         }
-        (0..args.len()).map(|i| args.index(i, self.vertices)).collect()
+        (0..args.len())
+            .map(|i| args.index(i, self.vertices))
+            .collect()
     }
 
     fn textured_face(&self, args: &Args<'_>) -> Result<Vec<TexturedCorner>, IoError> {
@@ -183,7 +262,12 @@ impl Parser<'_> {
         }
         (0..args.len())
             .step_by(3)
-            .map(|i| Ok(TexturedCorner { vertex: args.index(i, self.vertices)?, uv: args.floats(i + 1)? }))
+            .map(|i| {
+                Ok(TexturedCorner {
+                    vertex: args.index(i, self.vertices)?,
+                    uv: args.floats(i + 1)?,
+                })
+            })
             .collect()
     }
 }
@@ -195,7 +279,13 @@ fn surf(args: &Args<'_>) -> Result<Command, IoError> {
     for (i, c) in color.iter().enumerate() {
         args.check(i, (0.0..=1.0).contains(c), "0 to 1")?;
     }
-    Ok(Command::Surf(Surf { color, ka, kd, ks, ns }))
+    Ok(Command::Surf(Surf {
+        color,
+        ka,
+        kd,
+        ks,
+        ns,
+    }))
 }
 
 fn texture(args: &Args<'_>) -> Result<Command, IoError> {
@@ -207,8 +297,12 @@ fn texture(args: &Args<'_>) -> Result<Command, IoError> {
 fn frame(args: &Args<'_>) -> Result<Command, IoError> {
     args.exactly(9, "9 numbers (O, U, V)")?;
     let (o, u, v) = (args.numbers(0)?, args.numbers(3)?, args.numbers(6)?);
-    TextureFrame::new(DVec3::from(o), DVec3::from(u), DVec3::from(v))
-        .map_err(|e| IoError::DegenerateFrame { place: args.word_place(), problem: e.to_string() })?;
+    TextureFrame::new(DVec3::from(o), DVec3::from(u), DVec3::from(v)).map_err(|e| {
+        IoError::DegenerateFrame {
+            place: args.word_place(),
+            problem: e.to_string(),
+        }
+    })?;
     Ok(Command::Frame { o, u, v })
 }
 
@@ -250,7 +344,12 @@ fn shade(args: &Args<'_>) -> Result<Command, IoError> {
 }
 
 fn scale(args: &Args<'_>) -> Result<Command, IoError> {
-    let factors = if args.len() == 1 { [args.numbers::<1>(0)?[0]; 3] } else { args.exactly(3, "1 or 3 numbers").and_then(|()| args.numbers(0))? };
+    let factors = if args.len() == 1 {
+        [args.numbers::<1>(0)?[0]; 3]
+    } else {
+        args.exactly(3, "1 or 3 numbers")
+            .and_then(|()| args.numbers(0))?
+    };
     for (i, f) in factors.iter().enumerate() {
         args.check(i.min(args.len() - 1), *f != 0.0, "any number but 0")?;
     }
@@ -345,7 +444,10 @@ mod tests {
 
     #[test]
     fn lines_that_begin_with_a_number_continue_the_command_above() {
-        let a = scene("v 0 0 0\nv 1 0 0 # corner\n\nv 1\n  1 0\ntf 0 0 0\n   1 1 0\n# between\n   2 1 1\n").unwrap();
+        let a = scene(
+            "v 0 0 0\nv 1 0 0 # corner\n\nv 1\n  1 0\ntf 0 0 0\n   1 1 0\n# between\n   2 1 1\n",
+        )
+        .unwrap();
         let b = scene("v 0 0 0\nv 1 0 0\nv 1 1 0\ntf 0 0 0 1 1 0 2 1 1").unwrap();
         assert!(a.commands().eq(b.commands()));
         assert_eq!((a.statements[3].line, a.statements[3].column), (6, 1));
@@ -365,7 +467,16 @@ mod tests {
                 _ => Some("not a texture"),
             })
             .collect();
-        assert_eq!(names, [Some("tex/wall_1.gif"), Some("2nd.png"), Some("a b.png"), None, Some("none")]);
+        assert_eq!(
+            names,
+            [
+                Some("tex/wall_1.gif"),
+                Some("2nd.png"),
+                Some("a b.png"),
+                None,
+                Some("none")
+            ]
+        );
         assert_eq!(commands[6], Command::Far(f64::INFINITY));
     }
 
@@ -420,7 +531,11 @@ mod tests {
             ("tf 0 0 0 1 1 0 2 1", "argument-count", 4, 1),
             ("tf 0 0 0 1 1 0 2 1 nan", "not-finite", 4, 20),
         ] {
-            assert_eq!(error(&format!("{three}{text}")), (code, line, column), "{text}");
+            assert_eq!(
+                error(&format!("{three}{text}")),
+                (code, line, column),
+                "{text}"
+            );
         }
     }
 

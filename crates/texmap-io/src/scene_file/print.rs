@@ -33,7 +33,11 @@ fn line(out: &mut String, command: &Command) {
         Command::Color(ColorMode::Srgb) => out.push_str(" srgb"),
         Command::Color(ColorMode::Raw) => out.push_str(" raw"),
         Command::AmbientLight(color) => floats(out, color),
-        Command::DirectionalLight { color, direction: v } | Command::PointLight { color, position: v } => {
+        Command::DirectionalLight {
+            color,
+            direction: v,
+        }
+        | Command::PointLight { color, position: v } => {
             floats(out, color);
             floats(out, v);
         }
@@ -117,9 +121,12 @@ fn texture_name(out: &mut String, name: &str) {
 }
 
 fn path(out: &mut String, name: &str) {
-    let plain = !name.is_empty()
-        && !name.contains(|c: char| c.is_whitespace() || c == '#');
-    let _ = if plain { write!(out, " {name}") } else { write!(out, " \"{name}\"") };
+    let plain = !name.is_empty() && !name.contains(|c: char| c.is_whitespace() || c == '#');
+    let _ = if plain {
+        write!(out, " {name}")
+    } else {
+        write!(out, " \"{name}\"")
+    };
 }
 
 fn numbers(out: &mut String, numbers: &[f64]) {

@@ -58,12 +58,16 @@ pub(super) fn cull(cull: Cull) -> &'static str {
 
 /// `None` for a word that names no method or for a parameter out of range.
 pub(super) fn parse_interp(text: &str) -> Option<Interp> {
-    let (name, parameter) = text.split_once(':').map_or((text, None), |(n, p)| (n, Some(p)));
+    let (name, parameter) = text
+        .split_once(':')
+        .map_or((text, None), |(n, p)| (n, Some(p)));
     let whole = || parameter?.parse::<u32>().ok();
     match (name, parameter) {
         ("perspective", None) => Some(Interp::Perspective),
         ("affine", None) => Some(Interp::Affine),
-        ("subdivided", _) => whole().filter(|n| (1..=texmap_raster::MAX_PARTS).contains(n)).map(Interp::Subdivided),
+        ("subdivided", _) => whole()
+            .filter(|n| (1..=texmap_raster::MAX_PARTS).contains(n))
+            .map(Interp::Subdivided),
         ("span", _) => whole().filter(|n| *n > 0).map(Interp::Span),
         ("within", Some(p)) => {
             let tolerance = p.parse::<f32>().ok().filter(|t| *t > 0.0 && t.is_finite());
@@ -80,8 +84,16 @@ mod tests {
     #[test]
     fn every_word_reads_back() {
         for text in [
-            "nearest", "bilinear", "bicubic:catmull-rom", "bicubic:mitchell", "bicubic:b-spline", "mip-nearest",
-            "bilinear-mip-nearest", "trilinear", "anisotropic:16", "ewa:8",
+            "nearest",
+            "bilinear",
+            "bicubic:catmull-rom",
+            "bicubic:mitchell",
+            "bicubic:b-spline",
+            "mip-nearest",
+            "bilinear-mip-nearest",
+            "trilinear",
+            "anisotropic:16",
+            "ewa:8",
         ] {
             let read: Filter = text.parse().unwrap();
             assert_eq!(filter(read).as_deref(), Some(text));
@@ -89,10 +101,25 @@ mod tests {
         for text in WRAPS.split(", ") {
             assert_eq!(wrap(text.parse().unwrap()), text);
         }
-        for text in ["perspective", "affine", "subdivided:4", "span:16", "within:0.5"] {
+        for text in [
+            "perspective",
+            "affine",
+            "subdivided:4",
+            "span:16",
+            "within:0.5",
+        ] {
             assert_eq!(interp(parse_interp(text).unwrap()), text);
         }
-        for text in ["span", "span:0", "span:-1", "subdivided:0", "within:0", "within:nan", "within:inf", "affine:2"] {
+        for text in [
+            "span",
+            "span:0",
+            "span:-1",
+            "subdivided:0",
+            "within:0",
+            "within:nan",
+            "within:inf",
+            "affine:2",
+        ] {
             assert_eq!(parse_interp(text), None, "{text}");
         }
     }
