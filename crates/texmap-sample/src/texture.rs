@@ -289,7 +289,7 @@ fn check_finite(texels: &Texels<'_>, width: u32, channels: u32) -> Result<(), Sa
     let Texels::F32(values) = texels else {
         return Ok(());
     };
-    match values.iter().position(|v| !(v.abs() <= LIMIT)) {
+    match values.iter().position(|v| v.is_nan() || v.abs() > LIMIT) {
         None => Ok(()),
         Some(i) => {
             let texel = i as u32 / channels;
@@ -378,7 +378,7 @@ fn choose_format(image: &Image<'_>) -> Format {
         Texels::U16(_) => Format::Rgba16,
         Texels::U8(_) if image.color == ColorSpace::Srgb => Format::Rgba16,
         Texels::U8(t) => {
-            let has_alpha = image.alpha == Alpha::Straight && image.channels % 2 == 0;
+            let has_alpha = image.alpha == Alpha::Straight && image.channels.is_multiple_of(2);
             let n = image.channels as usize;
             let soft = |texel: &[u8]| !matches!(texel[n - 1], 0 | 255);
             if has_alpha && t.chunks_exact(n).any(soft) {
