@@ -1,6 +1,6 @@
 //! The filters in f32, one sample at a time. The lanes repeat these operations in the same order.
 
-mod anisotropic;
+pub(crate) mod anisotropic;
 mod cubic;
 mod ewa;
 

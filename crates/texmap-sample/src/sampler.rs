@@ -1,4 +1,6 @@
-use crate::{filter, lod::TexelFootprint, texture::Texture2d, wrap::Wrap};
+use crate::{
+    filter, filter::anisotropic::Axes, lod::TexelFootprint, texture::Texture2d, wrap::Wrap,
+};
 use core::str::FromStr;
 use texmap_math::footprint::Footprint;
 
@@ -138,6 +140,16 @@ impl Sampler {
     pub fn lod(&self, t: &Texture2d<'_>, d: Footprint) -> f32 {
         let rho2 = TexelFootprint::new(d, &t.chain.levels[0]).rho_max_squared();
         self.limit_lod(filter::level_of(self, rho2))
+    }
+
+    /// How many trilinear look-ups an anisotropic filter takes for a footprint; 1 for the others.
+    pub fn probes(&self, t: &Texture2d<'_>, d: Footprint) -> u32 {
+        match self.filter {
+            Filter::Anisotropic(most) => {
+                Axes::new(&TexelFootprint::new(d, &t.chain.levels[0])).probes(most) as u32
+            }
+            _ => 1,
+        }
     }
 
     /// Bias and limits; NaN reads as 0.

@@ -3,5 +3,6 @@
 mod filters;
 mod levels;
 mod light;
+mod plane;
 mod support;
 mod wraps;

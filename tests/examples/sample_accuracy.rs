@@ -1,0 +1,62 @@
+//! The accuracy table of the filters on the tilted plane, as Markdown:
+//! `cargo run --release -p texmap-tests --example sample_accuracy > benches/results/sample_accuracy.md`
+#![allow(clippy::print_stdout, reason = "a table is what it makes")]
+
+use texmap_sample::{Cubic, Filter, Precision, Sampler};
+use texmap_tests::tilted_plane::{Pattern, TiltedPlane, Truth};
+
+fn main() {
+    let scene = TiltedPlane::default();
+    println!("# Filters on the tilted plane\n");
+    println!(
+        "`cargo run --release -p texmap-tests --example sample_accuracy > benches/results/sample_accuracy.md`\n"
+    );
+    println!(
+        "RMSE over {} pixels against 48 x 48 nearest look-ups a pixel; 512 x 512 textures.\n",
+        scene.len()
+    );
+    println!(
+        "| filter | precision | probes | box: checker | sines | noise | Gaussian: checker | sines | noise |"
+    );
+    println!("|---|---|---|---|---|---|---|---|---|");
+    let truths = [Truth::Box, Truth::Gaussian].map(|t| scene.truth(t, 48));
+    let textures = Pattern::ALL.map(TiltedPlane::texture);
+    let filters = [
+        ("nearest", Filter::Nearest),
+        ("bilinear", Filter::Bilinear),
+        ("bicubic:mitchell", Filter::Bicubic(Cubic::Mitchell)),
+        ("mip-nearest", Filter::MipNearest),
+        ("bilinear-mip-nearest", Filter::BilinearMipNearest),
+        ("trilinear", Filter::Trilinear),
+        ("anisotropic:2", Filter::Anisotropic(2)),
+        ("anisotropic:4", Filter::Anisotropic(4)),
+        ("anisotropic:8", Filter::Anisotropic(8)),
+        ("anisotropic:16", Filter::Anisotropic(16)),
+        ("ewa:4", Filter::Ewa(4)),
+        ("ewa:8", Filter::Ewa(8)),
+        ("ewa:16", Filter::Ewa(16)),
+    ];
+    for (name, filter) in filters {
+        for precision in [Precision::Exact, Precision::Fast] {
+            let sampler = Sampler {
+                filter,
+                precision,
+                ..Sampler::default()
+            };
+            let probes: f64 = scene
+                .footprints()
+                .map(|d| f64::from(sampler.probes(&textures[0], d)))
+                .sum();
+            print!(
+                "| {name} | {precision:?} | {:.2} |",
+                probes / scene.len() as f64
+            );
+            for truth in &truths {
+                for (pattern, texture) in Pattern::ALL.into_iter().zip(&textures) {
+                    print!(" {:.4} |", scene.rmse(&sampler, texture, truth, pattern));
+                }
+            }
+            println!();
+        }
+    }
+}

@@ -1,0 +1,244 @@
+//! The tilted plane: how near each filter comes to a supersampled truth.
+//!
+//! 256x256 pixels, eye (0, -3, 1) to (0.3, 0, 0.35), up +z, 60 degrees; the plane z = 0 with
+//! x in [-10, 10], y in [-2.5, 20], uv = (x/4, y/4), a repeated 512x512 float texture.
+
+use texmap_math::Footprint;
+use texmap_sample::{Alpha, ColorSpace, Image, Origin, Sampler, Texels, Texture2d};
+
+/// Pixels a side of the picture.
+pub const SIDE: usize = 256;
+/// Texels a side of the textures.
+pub const TEXELS: usize = 512;
+
+/// What is painted on the plane.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Pattern {
+    /// Squares of 16 texels.
+    Checker,
+    /// Two plane waves.
+    Sines,
+    /// Independent uniform texels.
+    Noise,
+}
+
+/// Shape of the pixel that the truth averages over.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Truth {
+    /// The pixel's square.
+    Box,
+    /// A Gaussian of half a pixel, over +-2 pixels.
+    Gaussian,
+}
+
+/// A pixel's place on the texture.
+#[derive(Clone, Copy, Debug)]
+struct Hit {
+    uv: [f64; 2],
+    d: [f64; 4],
+}
+
+impl Pattern {
+    /// All three.
+    pub const ALL: [Self; 3] = [Self::Checker, Self::Sines, Self::Noise];
+
+    /// Row by row.
+    pub fn texels(self) -> Vec<f32> {
+        let turn = core::f64::consts::TAU / 512.0;
+        (0..TEXELS * TEXELS)
+            .map(|i| {
+                let (x, y) = (i % TEXELS, i / TEXELS);
+                let (fx, fy) = (x as f64, y as f64);
+                match self {
+                    Self::Checker => ((x / 16 + y / 16) & 1) as f32,
+                    Self::Sines => {
+                        let a = (turn * (32.0 * fx + 8.0 * fy)).sin();
+                        let b = (turn * (5.0 * fx - 40.0 * fy)).sin();
+                        (0.5 + 0.25 * a + 0.25 * b) as f32
+                    }
+                    Self::Noise => (hash(x as u32, y as u32) >> 8) as f32 / 16_777_216.0,
+                }
+            })
+            .collect()
+    }
+}
+
+/// The hash of the benchmark scenes' textures.
+fn hash(x: u32, y: u32) -> u32 {
+    let mut h = x
+        .wrapping_mul(0x9e37_79b1)
+        .wrapping_add(y.wrapping_mul(0x85eb_ca77));
+    h ^= h >> 15;
+    h = h.wrapping_mul(0x2c1b_3c6d);
+    h ^= h >> 12;
+    h = h.wrapping_mul(0x297a_2d39);
+    h ^ h >> 15
+}
+
+/// The scene with the pixels that count: they and their diagonal neighbours see the plane.
+#[derive(Debug)]
+pub struct TiltedPlane {
+    hits: Vec<(usize, usize, Hit)>,
+}
+
+/// Ray through a picture position (y down) and its change per pixel.
+fn ray(x: f64, y: f64) -> ([f64; 3], [f64; 3], [f64; 3]) {
+    let forward = normalize([0.3, 3.0, -0.65]);
+    let right = normalize(cross(forward, [0.0, 0.0, 1.0]));
+    let up = cross(right, forward);
+    let half = (core::f64::consts::PI / 6.0).tan();
+    let step = 2.0 * half / SIDE as f64;
+    let (sx, sy) = (x * step - half, half - y * step);
+    let d = core::array::from_fn(|k| forward[k] + right[k] * sx + up[k] * sy);
+    (d, right.map(|c| c * step), up.map(|c| -c * step))
+}
+
+fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    ]
+}
+
+fn normalize(a: [f64; 3]) -> [f64; 3] {
+    let l = (a[0] * a[0] + a[1] * a[1] + a[2] * a[2]).sqrt();
+    a.map(|c| c / l)
+}
+
+fn hit(x: f64, y: f64) -> Option<Hit> {
+    let (d, dx, dy) = ray(x, y);
+    if d[2] >= 0.0 {
+        return None;
+    }
+    let t = -1.0 / d[2];
+    let p = [t * d[0], -3.0 + t * d[1]];
+    if p[0].abs() > 10.0 || !(-2.5..=20.0).contains(&p[1]) {
+        return None;
+    }
+    let slope = |step: [f64; 3]| {
+        let dt = step[2] / (d[2] * d[2]);
+        [
+            (t * step[0] + dt * d[0]) / 4.0,
+            (t * step[1] + dt * d[1]) / 4.0,
+        ]
+    };
+    let ([ux, vx], [uy, vy]) = (slope(dx), slope(dy));
+    Some(Hit {
+        uv: [p[0] / 4.0, p[1] / 4.0],
+        d: [ux, vx, uy, vy],
+    })
+}
+
+impl Default for TiltedPlane {
+    fn default() -> Self {
+        let centre = |x: usize, y: usize| hit(x as f64 + 0.5, y as f64 + 0.5);
+        let seen = |x: i64, y: i64| hit(x as f64 + 0.5, y as f64 + 0.5).is_some();
+        let mut hits = Vec::new();
+        for y in 0..SIDE {
+            for x in 0..SIDE {
+                let (i, j) = (x as i64, y as i64);
+                let inside = [(-1, -1), (1, -1), (-1, 1), (1, 1)]
+                    .iter()
+                    .all(|(dx, dy)| seen(i + dx, j + dy));
+                if let (true, Some(h)) = (inside, centre(x, y)) {
+                    hits.push((x, y, h));
+                }
+            }
+        }
+        Self { hits }
+    }
+}
+
+impl TiltedPlane {
+    /// Pixels that count.
+    pub fn len(&self) -> usize {
+        self.hits.len()
+    }
+
+    /// Never.
+    pub fn is_empty(&self) -> bool {
+        self.hits.is_empty()
+    }
+
+    /// The texture with its mip chain.
+    pub fn texture(pattern: Pattern) -> Texture2d<'static> {
+        Texture2d::new(&Image {
+            width: TEXELS as u32,
+            height: TEXELS as u32,
+            channels: 1,
+            texels: Texels::F32(&pattern.texels()),
+            color: ColorSpace::Linear,
+            alpha: Alpha::Data,
+            origin: Origin::TopLeft,
+        })
+        .expect("the size is in range")
+        .with_mips()
+    }
+
+    /// `grid` x `grid` nearest look-ups a counted pixel, for each pattern.
+    pub fn truth(&self, truth: Truth, grid: usize) -> Vec<[f64; 3]> {
+        let patterns = Pattern::ALL.map(Pattern::texels);
+        let (reach, sigma2) = match truth {
+            Truth::Box => (0.5, None),
+            Truth::Gaussian => (2.0, Some(0.25)),
+        };
+        let places: Vec<(f64, f64)> = (0..grid)
+            .map(|i| {
+                let at = ((i as f64 + 0.5) / grid as f64 - 0.5) * 2.0 * reach;
+                (
+                    at,
+                    sigma2.map_or(1.0, |s: f64| (-at * at / (2.0 * s)).exp()),
+                )
+            })
+            .collect();
+        let mut out = Vec::with_capacity(self.hits.len());
+        for &(x, y, _) in &self.hits {
+            let (mut sum, mut total) = ([0.0; 3], 0.0);
+            for &(dy, wy) in &places {
+                for &(dx, wx) in &places {
+                    let (d, ..) = ray(x as f64 + 0.5 + dx, y as f64 + 0.5 + dy);
+                    if d[2] >= 0.0 {
+                        continue;
+                    }
+                    let t = -1.0 / d[2];
+                    let i = ((t * d[0]) * 128.0).floor() as i64 & 511;
+                    let j = ((t * d[1] - 3.0) * 128.0).floor() as i64 & 511;
+                    for (s, p) in sum.iter_mut().zip(&patterns) {
+                        *s += wx * wy * f64::from(p[j as usize * TEXELS + i as usize]);
+                    }
+                    total += wx * wy;
+                }
+            }
+            out.push(sum.map(|s| s / total));
+        }
+        out
+    }
+
+    /// Root mean square error of a sampler on one pattern.
+    pub fn rmse(
+        &self,
+        sampler: &Sampler,
+        t: &Texture2d<'_>,
+        truth: &[[f64; 3]],
+        pattern: Pattern,
+    ) -> f64 {
+        let mut sum = 0.0;
+        for ((_, _, h), truth) in self.hits.iter().zip(truth) {
+            let [ux, vx, uy, vy] = h.d.map(|d| d as f32);
+            let got =
+                sampler.sample_grad(t, h.uv.map(|c| c as f32), Footprint::new(ux, vx, uy, vy));
+            let e = f64::from(got[0]) - truth[pattern as usize];
+            sum += e * e;
+        }
+        (sum / self.hits.len() as f64).sqrt()
+    }
+
+    /// Footprints of the counted pixels.
+    pub fn footprints(&self) -> impl Iterator<Item = Footprint> + '_ {
+        self.hits.iter().map(|(_, _, h)| {
+            let [ux, vx, uy, vy] = h.d.map(|d| d as f32);
+            Footprint::new(ux, vx, uy, vy)
+        })
+    }
+}
