@@ -23,12 +23,21 @@ pub enum Projection {
 /// `normals` is empty or has one entry per vertex and serves [`Projection::Box`] alone. The bounding box is that
 /// of the finite vertices; a vertex with a NaN or an infinity maps to the middle of the image, and so does an
 /// axis along which the mesh has no extent. One coordinate per vertex cannot repair the seam of a sphere.
-pub fn project(positions: &[[f32; 3]], normals: &[[f32; 3]], projection: Projection, origin: Origin) -> Vec<[f32; 2]> {
+pub fn project(
+    positions: &[[f32; 3]],
+    normals: &[[f32; 3]],
+    projection: Projection,
+    origin: Origin,
+) -> Vec<[f32; 2]> {
     let (low, high) = bounds(positions);
     let centre = (low + high) * 0.5;
     let extent = high - low;
     let reciprocal = |e: f64| if e > 0.0 { 1.0 / e } else { 0.0 };
-    let scale = DVec3::new(reciprocal(extent.x), reciprocal(extent.y), reciprocal(extent.z));
+    let scale = DVec3::new(
+        reciprocal(extent.x),
+        reciprocal(extent.y),
+        reciprocal(extent.z),
+    );
     positions
         .iter()
         .enumerate()
@@ -43,7 +52,9 @@ pub fn project(positions: &[[f32; 3]], normals: &[[f32; 3]], projection: Project
                 Projection::Sphere => solid::sphere(from_centre),
                 Projection::Box => {
                     let normal = normals.get(i).map(|n| DVec3::from(n.map(f64::from)));
-                    let outward = normal.filter(|n| n.is_finite() && *n != DVec3::ZERO).unwrap_or(unit);
+                    let outward = normal
+                        .filter(|n| n.is_finite() && *n != DVec3::ZERO)
+                        .unwrap_or(unit);
                     BoxFace::of(outward).place(unit)
                 }
             };
@@ -53,7 +64,10 @@ pub fn project(positions: &[[f32; 3]], normals: &[[f32; 3]], projection: Project
 }
 
 fn bounds(positions: &[[f32; 3]]) -> (DVec3, DVec3) {
-    let mut finite = positions.iter().map(|p| DVec3::from(p.map(f64::from))).filter(|p| p.is_finite());
+    let mut finite = positions
+        .iter()
+        .map(|p| DVec3::from(p.map(f64::from)))
+        .filter(|p| p.is_finite());
     let Some(first) = finite.next() else {
         return (DVec3::ZERO, DVec3::ZERO);
     };
@@ -106,6 +120,9 @@ mod tests {
             assert!(uvs.iter().flatten().all(|c| (0.0..=1.0).contains(c)));
         }
         assert!(project(&[], &[], Projection::Sphere, Origin::TopLeft).is_empty());
-        assert_eq!(project(&[[1.0; 3]], &[], Projection::Sphere, Origin::TopLeft), [[0.5, 0.5]]);
+        assert_eq!(
+            project(&[[1.0; 3]], &[], Projection::Sphere, Origin::TopLeft),
+            [[0.5, 0.5]]
+        );
     }
 }

@@ -69,19 +69,40 @@ impl BoxFace {
     /// The point `p` of the unit cube seen through this face from outside: the other two components.
     pub(crate) fn place(self, p: DVec3) -> Place {
         match self {
-            Self::PosX => Place { u: 0.5 - p.z, h: p.y },
-            Self::NegX => Place { u: 0.5 + p.z, h: p.y },
-            Self::PosY => Place { u: 0.5 + p.x, h: -p.z },
-            Self::NegY => Place { u: 0.5 + p.x, h: p.z },
-            Self::PosZ => Place { u: 0.5 + p.x, h: p.y },
-            Self::NegZ => Place { u: 0.5 - p.x, h: p.y },
+            Self::PosX => Place {
+                u: 0.5 - p.z,
+                h: p.y,
+            },
+            Self::NegX => Place {
+                u: 0.5 + p.z,
+                h: p.y,
+            },
+            Self::PosY => Place {
+                u: 0.5 + p.x,
+                h: -p.z,
+            },
+            Self::NegY => Place {
+                u: 0.5 + p.x,
+                h: p.z,
+            },
+            Self::PosZ => Place {
+                u: 0.5 + p.x,
+                h: p.y,
+            },
+            Self::NegZ => Place {
+                u: 0.5 - p.x,
+                h: p.y,
+            },
         }
     }
 }
 
 /// The plane z = 0, seen from +Z.
 pub(crate) fn plane(p: DVec3) -> Place {
-    Place { u: 0.5 + p.x, h: p.y }
+    Place {
+        u: 0.5 + p.x,
+        h: p.y,
+    }
 }
 
 /// Turns around the y axis: u in (0, 1], rising to a viewer's right, with the seam at +X; 0.5 on the axis itself.
@@ -98,7 +119,10 @@ pub(crate) fn around(x: f64, z: f64) -> f64 {
 /// The latitude is `atan2(y, hypot(x, z))`: an arc sine loses half the digits near the poles.
 pub(crate) fn sphere(d: DVec3) -> Place {
     let latitude = det::atan2(d.y, float::sqrt(d.x * d.x + d.z * d.z));
-    Place { u: around(d.x, d.z), h: latitude / core::f64::consts::PI }
+    Place {
+        u: around(d.x, d.z),
+        h: latitude / core::f64::consts::PI,
+    }
 }
 
 #[cfg(test)]
@@ -122,7 +146,10 @@ mod tests {
         let tiny = 1e-9;
         let h = sphere(DVec3::new(tiny, 1.0, 0.0)).h;
         assert!((0.5 - h - tiny / core::f64::consts::PI).abs() < 1e-16);
-        assert_eq!(sphere(DVec3::new(3.0, 4.0, -1.0)), sphere(DVec3::new(6.0, 8.0, -2.0)));
+        assert_eq!(
+            sphere(DVec3::new(3.0, 4.0, -1.0)),
+            sphere(DVec3::new(6.0, 8.0, -2.0))
+        );
     }
 
     #[test]
