@@ -18,6 +18,8 @@ use crate::failure::{Exit, Failure};
 mod args;
 mod cmd;
 mod failure;
+mod output;
+mod progress;
 mod values;
 
 /// Runs the program on the arguments of this process and returns its exit code.

@@ -1,0 +1,221 @@
+//! Where results go: checked before anything is drawn, written into a temporary folder beside
+//! their final names, and renamed together when all of them are complete.
+
+use std::fs;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use tempfile::TempDir;
+
+use crate::failure::{Exit, Failure};
+
+/// One output that was found to be writable.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) enum Destination {
+    /// `-`.
+    Stdout,
+    /// A device or pipe, such as /dev/null: written through, never replaced.
+    Device(PathBuf),
+    /// A file, old or new.
+    File(PathBuf),
+}
+
+impl Destination {
+    /// Refuses folders, names in folders that do not exist, and names without a file part.
+    pub(crate) fn new(path: &Path) -> Result<Self, Failure> {
+        if path == Path::new("-") {
+            return Ok(Self::Stdout);
+        }
+        if path.file_name().is_none() || path.as_os_str().to_string_lossy().ends_with('/') {
+            return Err(unwritable(
+                path,
+                "the name belongs to a folder",
+                "name a file, such as out.png",
+            ));
+        }
+        match fs::metadata(path) {
+            Ok(m) if m.is_dir() => Err(unwritable(
+                path,
+                "the name belongs to a folder",
+                "name a file in it, such as out.png",
+            )),
+            // A symbolic link stays: what it points at is replaced.
+            Ok(m) if m.is_file() => Ok(Self::File(
+                fs::canonicalize(path).unwrap_or_else(|_| path.to_owned()),
+            )),
+            Ok(_) => Ok(Self::Device(path.to_owned())),
+            Err(e) if e.kind() == io::ErrorKind::NotFound => match folder_of(path) {
+                folder if folder.is_dir() => Ok(Self::File(path.to_owned())),
+                folder => Err(unwritable(
+                    path,
+                    &format!("there is no folder {}", folder.display()),
+                    "create it, or write elsewhere",
+                )),
+            },
+            Err(e) => Err(unwritable(
+                path,
+                &e.to_string(),
+                "check the name and its permissions",
+            )),
+        }
+    }
+
+    /// The same name with another ending: `room.png` and `uv.npy` give `room.uv.npy`.
+    pub(crate) fn beside(path: &Path, ending: &str) -> PathBuf {
+        path.with_extension(ending)
+    }
+}
+
+/// Outputs that appear together or not at all.
+#[derive(Debug)]
+pub(crate) struct Stage {
+    folder: TempDir,
+    files: Vec<(PathBuf, Destination)>,
+}
+
+impl Stage {
+    /// A temporary folder on the file system of `main`: making it proves that files can be written there.
+    pub(crate) fn new(main: &Destination) -> Result<Self, Failure> {
+        let at = match main {
+            Destination::Stdout | Destination::Device(_) => std::env::temp_dir(),
+            Destination::File(path) => folder_of(path).to_owned(),
+        };
+        let folder = tempfile::Builder::new()
+            .prefix(".texmap-")
+            .tempdir_in(&at)
+            .map_err(|e| {
+                unwritable(
+                    &at,
+                    &e.to_string(),
+                    "check the permissions and the free space of the folder",
+                )
+            })?;
+        Ok(Self {
+            folder,
+            files: Vec::new(),
+        })
+    }
+
+    /// Where to write what shall become `destination`.
+    pub(crate) fn add(&mut self, destination: Destination, ending: &str) -> PathBuf {
+        let path = self
+            .folder
+            .path()
+            .join(format!("{}.{ending}", self.files.len()));
+        self.files.push((path.clone(), destination));
+        path
+    }
+
+    /// Renames everything into place.
+    pub(crate) fn commit(self) -> Result<(), Failure> {
+        for (from, to) in &self.files {
+            match to {
+                Destination::File(path) => fs::rename(from, path).map_err(|e| (path.clone(), e)),
+                Destination::Device(path) => fs::read(from)
+                    .and_then(|bytes| {
+                        fs::OpenOptions::new()
+                            .write(true)
+                            .open(path)?
+                            .write_all(&bytes)
+                    })
+                    .map_err(|e| (path.clone(), e)),
+                Destination::Stdout => fs::read(from)
+                    .and_then(|bytes| io::stdout().lock().write_all(&bytes))
+                    .map_err(|e| (PathBuf::from("standard output"), e)),
+            }
+            .map_err(|(path, e)| {
+                unwritable(
+                    &path,
+                    &e.to_string(),
+                    "check the permissions and the free space",
+                )
+            })?;
+        }
+        Ok(())
+    }
+}
+
+fn folder_of(path: &Path) -> &Path {
+    path.parent()
+        .filter(|p| !p.as_os_str().is_empty())
+        .unwrap_or(Path::new("."))
+}
+
+fn unwritable(path: &Path, why: &str, attempt: &str) -> Failure {
+    Failure::new(
+        Exit::Input,
+        "write-failed",
+        format!("{}: cannot be written: {why}", path.display()),
+        format!("{attempt}; an older file of this name was left as it was"),
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn files_appear_together_and_only_on_commit() {
+        let dir = tempfile::tempdir().unwrap();
+        let (a, b) = (dir.path().join("a.png"), dir.path().join("a.uv.npy"));
+        fs::write(&a, "old").unwrap();
+        let main = Destination::new(&a).unwrap();
+        let mut stage = Stage::new(&main).unwrap();
+        fs::write(stage.add(main, "png"), "new").unwrap();
+        fs::write(stage.add(Destination::new(&b).unwrap(), "npy"), "uv").unwrap();
+        assert_eq!(fs::read_to_string(&a).unwrap(), "old");
+        assert!(!b.exists());
+        stage.commit().unwrap();
+        assert_eq!(fs::read_to_string(&a).unwrap(), "new");
+        assert_eq!(fs::read_to_string(&b).unwrap(), "uv");
+        assert_eq!(fs::read_dir(dir.path()).unwrap().count(), 2);
+    }
+
+    #[test]
+    fn a_dropped_stage_leaves_nothing() {
+        let dir = tempfile::tempdir().unwrap();
+        let main = Destination::new(&dir.path().join("a.png")).unwrap();
+        let mut stage = Stage::new(&main).unwrap();
+        fs::write(stage.add(main, "png"), "half").unwrap();
+        drop(stage);
+        assert_eq!(fs::read_dir(dir.path()).unwrap().count(), 0);
+    }
+
+    #[test]
+    fn folders_and_lost_names_are_refused() {
+        let dir = tempfile::tempdir().unwrap();
+        for bad in [
+            dir.path().to_owned(),
+            dir.path().join("no/such.png"),
+            dir.path().join("x/"),
+            PathBuf::from(".."),
+        ] {
+            let failure = Destination::new(&bad).unwrap_err();
+            assert_eq!(
+                (failure.exit, failure.code.as_str()),
+                (Exit::Input, "write-failed"),
+                "{}",
+                bad.display()
+            );
+        }
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn devices_and_links_are_written_through() {
+        assert_eq!(
+            Destination::new(Path::new("/dev/null")),
+            Ok(Destination::Device("/dev/null".into()))
+        );
+        let dir = tempfile::tempdir().unwrap();
+        let (file, link) = (dir.path().join("file.png"), dir.path().join("link.png"));
+        fs::write(&file, "old").unwrap();
+        std::os::unix::fs::symlink(&file, &link).unwrap();
+        let main = Destination::new(&link).unwrap();
+        let mut stage = Stage::new(&main).unwrap();
+        fs::write(stage.add(main, "png"), "new").unwrap();
+        stage.commit().unwrap();
+        assert!(link.is_symlink());
+        assert_eq!(fs::read_to_string(&file).unwrap(), "new");
+    }
+}
