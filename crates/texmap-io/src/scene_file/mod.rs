@@ -11,7 +11,7 @@ mod args;
 mod parse;
 mod print;
 mod token;
-mod words;
+pub mod words;
 
 use texmap_raster::{Cull, Interp};
 use texmap_render::{ColorMode, Gouraud};

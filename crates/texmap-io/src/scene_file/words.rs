@@ -1,18 +1,22 @@
 //! The words of `filter`, `wrap`, `interp` and their like.
 //!
-//! What a word means is told by the crates that own the methods; here is only the way back.
+//! What a word means is told by the crates that own the methods; here is only the way back. The program's
+//! flags use the same words.
 
 use texmap_raster::{Cull, Interp};
 use texmap_sample::{Cubic, Filter, Wrap};
 
-pub(super) const FILTERS: &str = "nearest, bilinear, bicubic:catmull-rom|mitchell|b-spline, mip-nearest, \
+/// What [`filter`] may say.
+pub const FILTERS: &str = "nearest, bilinear, bicubic:catmull-rom|mitchell|b-spline, mip-nearest, \
      bilinear-mip-nearest, trilinear, anisotropic:2..16, ewa:1..16";
-pub(super) const WRAPS: &str =
+/// What [`wrap`] may say.
+pub const WRAPS: &str =
     "repeat, mirrored-repeat, clamp-to-edge, clamp-to-border, mirror-clamp-to-edge";
-pub(super) const INTERPS: &str = "perspective, affine, subdivided:N, span:N, within:TOLERANCE";
+/// What [`parse_interp`] reads.
+pub const INTERPS: &str = "perspective, affine, subdivided:N, span:N, within:TOLERANCE";
 
 /// `None` for filters that the language has no word for (OpenGL's free combinations).
-pub(super) fn filter(filter: Filter) -> Option<String> {
+pub fn filter(filter: Filter) -> Option<String> {
     Some(match filter {
         Filter::Nearest => "nearest".into(),
         Filter::Bilinear => "bilinear".into(),
@@ -28,7 +32,8 @@ pub(super) fn filter(filter: Filter) -> Option<String> {
     })
 }
 
-pub(super) fn wrap(wrap: Wrap) -> &'static str {
+/// The word of a wrap mode.
+pub fn wrap(wrap: Wrap) -> &'static str {
     match wrap {
         Wrap::Repeat => "repeat",
         Wrap::MirroredRepeat => "mirrored-repeat",
@@ -38,7 +43,8 @@ pub(super) fn wrap(wrap: Wrap) -> &'static str {
     }
 }
 
-pub(super) fn interp(interp: Interp) -> String {
+/// The word of an interpolation and its parameter.
+pub fn interp(interp: Interp) -> String {
     match interp {
         Interp::Perspective => "perspective".into(),
         Interp::Affine => "affine".into(),
@@ -57,7 +63,7 @@ pub(super) fn cull(cull: Cull) -> &'static str {
 }
 
 /// `None` for a word that names no method or for a parameter out of range.
-pub(super) fn parse_interp(text: &str) -> Option<Interp> {
+pub fn parse_interp(text: &str) -> Option<Interp> {
     let (name, parameter) = text
         .split_once(':')
         .map_or((text, None), |(n, p)| (n, Some(p)));
