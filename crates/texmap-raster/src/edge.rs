@@ -1,5 +1,5 @@
 //! Coverage: 24.8 fixed-point vertices, exact integer edge functions, the top-left rule.
-use crate::clip::Hom;
+use crate::clip::{GUARD_BAND, Hom};
 
 /// Sub-pixel bits of a vertex position.
 pub const SUBPIXEL_BITS: u32 = 8;
@@ -10,7 +10,10 @@ pub(crate) const ONE: i64 = 1 << SUBPIXEL_BITS;
 /// A vertex in 1/256 pixel, y down.
 pub(crate) type Snapped = [i32; 2];
 
-/// Nearest 1/256 pixel, halves up. `at` must lie within the guard band with w > 0.
+/// Largest snapped position: the guard band.
+const LIMIT: i32 = GUARD_BAND as i32 * ONE as i32;
+
+/// Nearest 1/256 pixel, halves up; w > 0. Positions are within the guard band but for rounding, which the clamp takes away.
 pub(crate) fn snap(at: Hom) -> Snapped {
     [
         round(at.x / at.w * ONE as f64),
@@ -21,12 +24,8 @@ pub(crate) fn snap(at: Hom) -> Snapped {
 fn round(v: f64) -> i32 {
     let shifted = v + 0.5;
     // `as` saturates, so a value out of range cannot overflow.
-    let truncated = shifted as i32;
-    if f64::from(truncated) > shifted {
-        truncated - 1
-    } else {
-        truncated
-    }
+    let truncated = (shifted as i32).clamp(-LIMIT, LIMIT);
+    (truncated - i32::from(f64::from(truncated) > shifted)).max(-LIMIT)
 }
 
 /// Twice the area in square units; positive when clockwise on the screen (y down).

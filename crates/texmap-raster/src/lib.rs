@@ -43,6 +43,7 @@ mod edge;
 mod error;
 mod planes;
 mod prepared;
+pub mod reference;
 mod setup;
 mod visible;
 

@@ -76,9 +76,9 @@ impl<'a> Prepared<'a> {
             bins: alloc::vec![Vec::new(); tiles],
             stats: Stats::default(),
         };
-        for draw in 0..draws.len() {
-            for triangle in 0..draws[draw].indices.len() {
-                prepared.submit(draw, triangle)?;
+        for (index, draw) in draws.iter().enumerate() {
+            for triangle in 0..draw.indices.len() {
+                prepared.submit(index, triangle)?;
             }
         }
         Ok(prepared)

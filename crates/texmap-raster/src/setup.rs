@@ -223,15 +223,16 @@ impl TriangleSetup {
     /// Whether f32 planes about the tile's centre are too coarse. Decided from the triangle and its fixed tile alone.
     fn needs_f64(&self) -> bool {
         let lowest = self.w.plane.smallest(REACH).max(f64::from(self.w.lo));
-        let w_is_steep = !(self.w.plane.largest(REACH) <= 2.0 * lowest);
-        let z_is_steep = !(self.z.plane.largest(REACH) <= 1.0);
+        // Written so that NaN counts as steep.
+        let w_is_even = self.w.plane.largest(REACH) <= 2.0 * lowest;
+        let z_is_even = self.z.plane.largest(REACH) <= 1.0;
         let extreme = |r: &Ranged| {
             let size = f64::from(r.lo.abs()).max(f64::from(r.hi.abs()));
             let in_range = size == 0.0 || (size >= SMALLEST && size <= LARGEST);
             !(in_range && r.plane.largest(REACH) <= LARGEST)
         };
-        w_is_steep
-            || z_is_steep
+        !w_is_even
+            || !z_is_even
             || extreme(&self.w)
             || self.attributes[..self.count].iter().any(extreme)
     }
@@ -388,8 +389,10 @@ impl TriangleSetup {
         let (g1, g2) = (root(w1), root(w2));
         // The nodes are exact only to rounding: a hair below the tolerance keeps the sum below it.
         let parts = (g2 - g1).abs() * texmap_math::float::sqrt(largest / (tolerance * 0.999));
-        let limit = last - first + 1.0;
-        let parts = if parts < limit { parts } else { limit };
+        // More parts than pixels: every pixel is a node.
+        if parts.is_nan() || parts > last - first {
+            return [px, px];
+        }
         let parts = parts.trunc_to_int() + 1.0;
         let node = |k: f64| {
             if k <= 0.0 {

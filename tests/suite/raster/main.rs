@@ -1,1 +1,8 @@
-//! Laws and regressions of this area.
+//! Laws and regressions of coverage, depth, interpolation and the front end.
+mod support;
+
+mod coverage;
+mod horizon;
+mod interpolation;
+mod modes;
+mod robust;
