@@ -2,7 +2,7 @@
 
 use texmap_math::glam::DVec3;
 
-use crate::{Aov, Material, Mesh, RenderError, Scene, Settings, Shading, TextureSlot};
+use crate::{Material, Mesh, RenderError, Scene, Settings, Shading, TextureSlot};
 
 /// The largest picture side in samples.
 const MAX_SIDE: u64 = 16384;
@@ -214,11 +214,6 @@ impl Settings {
             });
         }
         Ok(())
-    }
-
-    /// Whether an AOV is asked for.
-    pub(crate) fn wants(&self, aov: Aov) -> bool {
-        self.aovs.contains(&aov)
     }
 }
 

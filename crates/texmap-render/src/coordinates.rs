@@ -1,0 +1,43 @@
+//! Texture coordinates per pixel from a texture frame.
+
+use texmap_math::glam::DVec3;
+use texmap_math::{Footprint, MagicVectors, TextureFrame};
+
+/// A texture frame in camera space and the rays of a grid of samples.
+pub(crate) struct CameraFrame {
+    magic: MagicVectors,
+    /// Half the step of a ray from sample to sample.
+    half_step: [f64; 2],
+    /// Samples.
+    size: [f64; 2],
+}
+
+impl CameraFrame {
+    /// `half` is half the width and height of the picture at distance 1, `size` its samples.
+    pub(crate) fn new(frame: TextureFrame, half: [f64; 2], size: [f64; 2]) -> Self {
+        Self {
+            magic: frame.magic(),
+            half_step: [half[0] / size[0], half[1] / size[1]],
+            size,
+        }
+    }
+
+    /// uv = (A.W / C.W, B.W / C.W) for the ray W through the sample's centre, and its analytic derivatives
+    /// `du/dx = (A.W_x - u C.W_x) / C.W`. `None` where the ray never meets the frame's plane.
+    pub(crate) fn uv(&self, x: u32, y: u32) -> Option<([f32; 2], Footprint)> {
+        let right = (2.0 * f64::from(x) + 1.0 - self.size[0]) * self.half_step[0];
+        let up = (self.size[1] - 2.0 * f64::from(y) - 1.0) * self.half_step[1];
+        let ray = DVec3::new(right, up, -1.0);
+        let uv = self.magic.uv(ray)?;
+        let MagicVectors { a, b, c } = self.magic;
+        let w = c.dot(ray);
+        let (dx, dy) = (2.0 * self.half_step[0], -2.0 * self.half_step[1]);
+        let footprint = Footprint {
+            du_dx: ((a.x - uv.x * c.x) * dx / w) as f32,
+            dv_dx: ((b.x - uv.y * c.x) * dx / w) as f32,
+            du_dy: ((a.y - uv.x * c.y) * dy / w) as f32,
+            dv_dy: ((b.y - uv.y * c.y) * dy / w) as f32,
+        };
+        Some(([uv.x as f32, uv.y as f32], footprint))
+    }
+}

@@ -1,0 +1,237 @@
+//! The values that a mesh carries per vertex: those that its stages read, and no others.
+
+use std::borrow::Cow;
+
+use texmap_light::{Surface, Terms, terms};
+use texmap_math::glam::{DMat3, DMat4, DVec3};
+use texmap_raster::Cull;
+
+use crate::{Mesh, Scene};
+
+/// A group of attributes.
+#[derive(Clone, Copy, PartialEq)]
+pub(crate) enum Values {
+    Uv,
+    /// The mesh's own colours.
+    Color,
+    /// Lit and clipped colours.
+    Lit,
+    /// Diffuse light times the vertex colour.
+    Diffuse,
+    /// The light's highlights.
+    Highlight,
+    /// World space, unit length, on the counter-clockwise side.
+    Normal,
+    /// World space.
+    Position,
+}
+
+impl Values {
+    fn len(self) -> usize {
+        if self == Self::Uv { 2 } else { 3 }
+    }
+
+    fn is_light(self) -> bool {
+        matches!(self, Self::Lit | Self::Diffuse | Self::Highlight)
+    }
+}
+
+/// Collects groups of attributes.
+#[derive(Default)]
+pub(crate) struct Vertices {
+    groups: Vec<Values>,
+    attribute_count: usize,
+    screen_linear: u32,
+}
+
+/// What the rasterizer reads of a mesh.
+pub(crate) struct VertexData<'s> {
+    pub(crate) positions: Cow<'s, [[f32; 3]]>,
+    pub(crate) triangles: Cow<'s, [[u32; 3]]>,
+    pub(crate) attributes: Vec<f32>,
+    pub(crate) attribute_count: usize,
+    pub(crate) screen_linear: u32,
+}
+
+impl Vertices {
+    /// Adds a group and returns the index of its first attribute.
+    pub(crate) fn push(&mut self, values: Values, screen_linear: bool) -> usize {
+        let first = self.attribute_count;
+        self.groups.push(values);
+        self.attribute_count += values.len();
+        if screen_linear {
+            self.screen_linear |= ((1 << values.len()) - 1) << first;
+        }
+        first
+    }
+
+    pub(crate) fn finish<'s>(self, scene: &Scene, mesh: &'s Mesh) -> VertexData<'s> {
+        let lit = self.groups.iter().any(|g| g.is_light());
+        let needs = |group| self.groups.contains(&group);
+        let world_from_object = mesh.world_from_object;
+        let mut triangles = Cow::Borrowed(mesh.triangles.as_slice());
+        // A mirror turns counter-clockwise triangles round; the front stays the front.
+        if world_from_object.determinant() < 0.0 {
+            triangles.to_mut().iter_mut().for_each(|t| t.swap(1, 2));
+        }
+        let normals = if lit || needs(Values::Normal) {
+            world_normals(mesh)
+        } else {
+            Vec::new()
+        };
+        let points = match lit || needs(Values::Position) {
+            true => mesh
+                .positions
+                .iter()
+                .map(|p| world_from_object.transform_point3(wide(*p)))
+                .collect(),
+            false => Vec::new(),
+        };
+        let mut positions = Cow::Borrowed(mesh.positions.as_slice());
+        let mut back_from = usize::MAX;
+        // Where triangles show their back, light reaches the other side of their vertices: a second set.
+        if lit && scene.materials[mesh.material].cull != Cull::Back {
+            let away = facing_away(&points, &triangles, scene.camera.eye);
+            if away.contains(&true) {
+                back_from = positions.len();
+                positions.to_mut().extend_from_within(..);
+                for (triangle, _) in triangles
+                    .to_mut()
+                    .iter_mut()
+                    .zip(&away)
+                    .filter(|(_, away)| **away)
+                {
+                    *triangle = triangle.map(|v| v + back_from as u32);
+                }
+            }
+        }
+        let source = Source {
+            scene,
+            mesh,
+            normals,
+            points,
+            back_from,
+        };
+        let mut attributes = Vec::with_capacity(positions.len() * self.attribute_count);
+        for vertex in 0..positions.len() {
+            source.push(&self.groups, vertex, lit, &mut attributes);
+        }
+        let (attribute_count, screen_linear) = (self.attribute_count, self.screen_linear);
+        VertexData {
+            positions,
+            triangles,
+            attributes,
+            attribute_count,
+            screen_linear,
+        }
+    }
+}
+
+struct Source<'s> {
+    scene: &'s Scene,
+    mesh: &'s Mesh,
+    normals: Vec<DVec3>,
+    points: Vec<DVec3>,
+    /// Vertices from here are those of back sides.
+    back_from: usize,
+}
+
+impl Source<'_> {
+    fn push(&self, groups: &[Values], vertex: usize, lit: bool, out: &mut Vec<f32>) {
+        let back = vertex >= self.back_from;
+        let vertex = if back {
+            vertex - self.back_from
+        } else {
+            vertex
+        };
+        let surface = &self.scene.materials[self.mesh.material].surface;
+        let tint = self.mesh.colors.get(vertex).copied().unwrap_or([1.0; 3]);
+        let terms = if lit {
+            self.terms(surface, vertex, back)
+        } else {
+            Terms::default()
+        };
+        for group in groups {
+            match group {
+                Values::Uv => out.extend(self.mesh.uvs[vertex]),
+                Values::Color => out.extend(tint),
+                Values::Lit => out.extend(terms.color(times(surface.color, tint))),
+                Values::Diffuse => out.extend(times(terms.diffuse, tint)),
+                Values::Highlight => out.extend(terms.highlight),
+                Values::Normal => out.extend(narrow(self.normals[vertex])),
+                Values::Position => out.extend(narrow(self.points[vertex])),
+            }
+        }
+    }
+
+    fn terms(&self, surface: &Surface, vertex: usize, back: bool) -> Terms {
+        let normal = if back {
+            -self.normals[vertex]
+        } else {
+            self.normals[vertex]
+        };
+        let eye = narrow(self.scene.camera.eye);
+        terms(
+            surface,
+            &self.scene.lights,
+            narrow(self.points[vertex]),
+            narrow(normal),
+            eye,
+        )
+    }
+}
+
+/// Unit normals in world space by the inverse transpose; zero where a vertex has none.
+fn world_normals(mesh: &Mesh) -> Vec<DVec3> {
+    let object: Vec<DVec3> = match mesh.normals.is_empty() {
+        true => vertex_normals(mesh),
+        false => mesh.normals.iter().map(|n| wide(*n)).collect(),
+    };
+    let matrix = linear(mesh.world_from_object).inverse().transpose();
+    object
+        .into_iter()
+        .map(|n| (matrix * n.normalize_or_zero()).normalize_or_zero())
+        .collect()
+}
+
+/// Sum of the un-normalised cross products of the triangles at each vertex: weighted by area.
+fn vertex_normals(mesh: &Mesh) -> Vec<DVec3> {
+    let mut normals = vec![DVec3::ZERO; mesh.positions.len()];
+    for triangle in &mesh.triangles {
+        let normal = mesh.cross(*triangle);
+        for vertex in triangle {
+            normals[*vertex as usize] += normal;
+        }
+    }
+    normals
+}
+
+fn facing_away(points: &[DVec3], triangles: &[[u32; 3]], eye: DVec3) -> Vec<bool> {
+    triangles
+        .iter()
+        .map(|triangle| {
+            let [a, b, c] = triangle.map(|v| points[v as usize]);
+            (b - a).cross(c - a).dot(eye - a) < 0.0
+        })
+        .collect()
+}
+
+fn linear(m: DMat4) -> DMat3 {
+    DMat3::from_cols(
+        m.x_axis.truncate(),
+        m.y_axis.truncate(),
+        m.z_axis.truncate(),
+    )
+}
+
+fn wide(a: [f32; 3]) -> DVec3 {
+    DVec3::from(a.map(f64::from))
+}
+
+fn narrow(a: DVec3) -> [f32; 3] {
+    a.to_array().map(|x| x as f32)
+}
+
+fn times(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
+    [a[0] * b[0], a[1] * b[1], a[2] * b[2]]
+}
