@@ -66,7 +66,6 @@ pub(crate) fn read_text(path: &Path, named_by: Option<&Place>) -> Result<String,
 }
 
 /// `name` as seen from the directory of `file`; a backslash separates folders too.
-#[expect(dead_code, reason = "used by the loaders")]
 pub(crate) fn beside(file: &Path, name: &str) -> PathBuf {
     let directory = file.parent().unwrap_or(Path::new(""));
     let path = directory.join(name);

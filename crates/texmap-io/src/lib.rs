@@ -8,7 +8,11 @@ mod files;
 pub mod framing;
 pub mod image_io;
 pub mod npy;
+mod obj;
+mod scene;
 pub mod scene_file;
+mod textures;
 
 pub use camera_path::{CameraPath, Stop};
 pub use error::{IoError, Place};
+pub use scene::{LoadOptions, load, load_obj, load_scene};

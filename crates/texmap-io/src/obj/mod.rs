@@ -1,0 +1,61 @@
+//! Wavefront OBJ models with their material libraries.
+
+mod check;
+mod model;
+mod mtl;
+mod normals;
+
+use texmap_sample::UvTransform;
+
+pub(crate) use model::read;
+pub(crate) use normals::unit;
+
+/// A model as its files describe it, not yet dressed for a scene.
+#[derive(Debug)]
+pub(crate) struct Model {
+    pub(crate) parts: Vec<Part>,
+    pub(crate) materials: Vec<Material>,
+    /// Colours of vertices are given (sRGB).
+    pub(crate) colored: bool,
+    pub(crate) warnings: Vec<String>,
+}
+
+/// The faces of one object or group with one material.
+#[derive(Debug, Default)]
+pub(crate) struct Part {
+    pub(crate) name: String,
+    /// Into the materials of the model; `None` for faces without `usemtl`.
+    pub(crate) material: Option<usize>,
+    pub(crate) positions: Vec<[f32; 3]>,
+    pub(crate) normals: Vec<[f32; 3]>,
+    /// v grows upwards. Empty, or one per vertex.
+    pub(crate) uvs: Vec<[f32; 2]>,
+    /// sRGB. Empty, or one per vertex.
+    pub(crate) colors: Vec<[f32; 3]>,
+    pub(crate) triangles: Vec<[u32; 3]>,
+    /// Face of each triangle, counted through the file from 0.
+    pub(crate) faces: Vec<u32>,
+    /// Faces without coordinates and the line of the first; theirs were projected.
+    pub(crate) projected: Option<(u32, u32)>,
+}
+
+/// A material with its maps loaded.
+#[derive(Debug, Clone)]
+pub(crate) struct Material {
+    pub(crate) name: String,
+    /// sRGB.
+    pub(crate) kd: [f32; 3],
+    pub(crate) ks: f32,
+    pub(crate) ns: f32,
+    pub(crate) opacity: f32,
+    pub(crate) map_kd: Option<Map>,
+    pub(crate) map_d: Option<Map>,
+}
+
+/// A texture and the options of its MTL line.
+#[derive(Debug, Clone)]
+pub(crate) struct Map {
+    pub(crate) texture: usize,
+    pub(crate) transform: UvTransform,
+    pub(crate) clamp: bool,
+}

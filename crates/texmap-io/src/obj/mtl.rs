@@ -1,0 +1,378 @@
+//! Material libraries: `Kd Ks Ns d Tr illum map_Kd map_d` with the options `-s -o -clamp`.
+//!
+//! Source of the format: Wavefront, "MTL material format", version 4.2 (1995).
+
+use std::fmt::Write;
+use std::path::Path;
+
+use super::check::finite;
+use crate::{IoError, Place, files};
+
+/// A material as its library describes it.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Description {
+    pub(super) name: String,
+    /// sRGB, 0 to 1.
+    pub(super) kd: Option<[f32; 3]>,
+    /// The largest channel of Ks.
+    pub(super) ks: f32,
+    pub(super) ns: Option<f32>,
+    /// 1 is opaque.
+    pub(super) d: f32,
+    pub(super) map_kd: Option<Map>,
+    pub(super) map_d: Option<Map>,
+}
+
+/// A map and the options before its name.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Map {
+    pub(super) place: Place,
+    pub(super) name: String,
+    /// `-s u v`.
+    pub(super) scale: [f32; 2],
+    /// `-o u v`.
+    pub(super) offset: [f32; 2],
+    /// `-clamp on`.
+    pub(super) clamp: bool,
+}
+
+/// Reads a library; what cannot be used is told in `warnings`.
+pub(super) fn read(
+    path: &Path,
+    named_by: &Place,
+    warnings: &mut Vec<String>,
+) -> Result<Vec<Description>, IoError> {
+    let text = files::read_text(path, Some(named_by))?;
+    let checked = check(path, &text, warnings)?;
+    let (materials, _) =
+        tobj::load_mtl_buf(&mut checked.text.as_bytes()).map_err(|e| IoError::BrokenModel {
+            path: path.to_path_buf(),
+            problem: e.to_string(),
+        })?;
+    let largest = |c: [f32; 3]| c.into_iter().fold(0.0, f32::max);
+    let describe = |(m, maps): (tobj::Material, [Option<Map>; 2])| {
+        let [map_kd, map_d] = maps;
+        // Models 0 and 1 have no highlight.
+        let highlight = !matches!(m.illumination_model, Some(0 | 1));
+        Description {
+            name: m.name,
+            kd: m.diffuse,
+            ks: if highlight {
+                m.specular.map_or(0.0, largest)
+            } else {
+                0.0
+            },
+            ns: m.shininess,
+            d: m.dissolve.unwrap_or(1.0),
+            map_kd,
+            map_d,
+        }
+    };
+    Ok(materials
+        .into_iter()
+        .zip(checked.maps)
+        .map(describe)
+        .collect())
+}
+
+#[derive(Debug, Default)]
+struct Checked {
+    /// What the reader needs, in a form that it takes.
+    text: String,
+    /// `map_Kd` and `map_d` of each material.
+    maps: Vec<[Option<Map>; 2]>,
+}
+
+/// Places for errors: the reader's own have none, and it panics on a colour of fewer than three numbers.
+fn check(file: &Path, text: &str, warnings: &mut Vec<String>) -> Result<Checked, IoError> {
+    let mut out = Checked::default();
+    for (content, line) in text.lines().zip(1..) {
+        let content = content.trim_end();
+        let start = content.len() - content.trim_start().len();
+        let (word, rest) = content[start..]
+            .split_once(char::is_whitespace)
+            .unwrap_or((&content[start..], ""));
+        let rest = rest.trim();
+        if word.is_empty() || word.starts_with('#') {
+            continue;
+        }
+        let place = Place::new(file, line, content[..start].chars().count() as u32 + 1);
+        if word == "newmtl" {
+            if rest.is_empty() {
+                return Err(count(place, "newmtl", "1 name"));
+            }
+            let _ = writeln!(out.text, "newmtl {rest}");
+            out.maps.push([None, None]);
+            continue;
+        }
+        let Some(maps) = out.maps.last_mut() else {
+            let command = KNOWN
+                .iter()
+                .copied()
+                .find(|k| *k == word)
+                .unwrap_or("a material statement");
+            return Err(IoError::NeedsAbove {
+                place,
+                command,
+                needs: "newmtl",
+            });
+        };
+        match word {
+            "Kd" => color(&mut out.text, "Kd", place, rest, warnings)?,
+            "Ks" => color(&mut out.text, "Ks", place, rest, warnings)?,
+            "Ns" => {
+                let ns = one(place.clone(), "Ns", rest)?;
+                in_range(ns >= 0.0, place, "Ns", rest, "0 or more")?;
+                let _ = writeln!(out.text, "Ns {ns}");
+            }
+            "d" | "Tr" => {
+                let (command, number) = match (word, rest.strip_prefix("-halo")) {
+                    ("Tr", _) => ("Tr", rest),
+                    (_, Some(number)) => ("d", number.trim()),
+                    _ => ("d", rest),
+                };
+                let x = one(place.clone(), command, number)?;
+                in_range((0.0..=1.0).contains(&x), place, command, number, "0 to 1")?;
+                let _ = writeln!(out.text, "d {}", if command == "d" { x } else { 1.0 - x });
+            }
+            "illum" => {
+                let model = one(place.clone(), "illum", rest)?;
+                in_range(
+                    (0.0..=10.0).contains(&model),
+                    place,
+                    "illum",
+                    rest,
+                    "0 to 10",
+                )?;
+                let _ = writeln!(out.text, "illum {}", model as u8);
+            }
+            "map_Kd" => maps[0] = Some(map(place, "map_Kd", rest, warnings)?),
+            "map_d" => maps[1] = Some(map(place, "map_d", rest, warnings)?),
+            _ => {}
+        }
+    }
+    Ok(out)
+}
+
+const KNOWN: [&str; 8] = ["Kd", "Ks", "Ns", "d", "Tr", "illum", "map_Kd", "map_d"];
+
+fn color(
+    out: &mut String,
+    command: &'static str,
+    place: Place,
+    rest: &str,
+    warnings: &mut Vec<String>,
+) -> Result<(), IoError> {
+    let words: Vec<_> = rest
+        .split_whitespace()
+        .take_while(|w| !w.starts_with('#'))
+        .collect();
+    if matches!(words.first(), Some(&("spectral" | "xyz"))) {
+        warnings.push(format!(
+            "{place}: `{command} {}` is not supported and left out",
+            words[0]
+        ));
+        return Ok(());
+    }
+    let mut numbers = Vec::new();
+    for word in &words {
+        numbers.push(finite(place.clone(), command, word)?);
+    }
+    let rgb = match numbers[..] {
+        [grey] => [grey; 3],
+        [r, g, b] => [r, g, b],
+        _ => return Err(count(place, command, "1 or 3 numbers")),
+    };
+    in_range(
+        rgb.iter().all(|c| *c >= 0.0),
+        place.clone(),
+        command,
+        rest,
+        "0 to 1",
+    )?;
+    if rgb.iter().any(|c| *c > 1.0) {
+        warnings.push(format!(
+            "{place}: `{command} {rest}` is above 1 and cut to it"
+        ));
+    }
+    let [r, g, b] = rgb.map(|c| c.min(1.0));
+    let _ = writeln!(out, "{command} {r} {g} {b}");
+    Ok(())
+}
+
+/// `-option values ... file name`; the name may hold blanks.
+fn map(
+    place: Place,
+    command: &'static str,
+    text: &str,
+    warnings: &mut Vec<String>,
+) -> Result<Map, IoError> {
+    let mut map = Map {
+        place,
+        name: String::new(),
+        scale: [1.0; 2],
+        offset: [0.0; 2],
+        clamp: false,
+    };
+    let mut rest = text;
+    while let Some(option) = rest
+        .split_whitespace()
+        .next()
+        .filter(|w| w.starts_with('-'))
+    {
+        let (least, most) = match option {
+            "-s" | "-o" | "-t" => (1, 3),
+            "-mm" => (2, 2),
+            "-clamp" | "-blendu" | "-blendv" | "-boost" | "-cc" | "-imfchan" | "-texres"
+            | "-type" | "-bm" => (1, 1),
+            // A file name may begin with a dash.
+            _ => break,
+        };
+        rest = rest[option.len()..].trim_start();
+        let mut values = Vec::new();
+        while values.len() < most {
+            let value = rest.split_whitespace().next().unwrap_or("");
+            if values.len() >= least && value.parse::<f32>().is_err() {
+                break;
+            }
+            values.push(value);
+            rest = rest[value.len()..].trim_start();
+        }
+        let number = |i: usize, default: f32| match values.get(i) {
+            Some(text) => finite(map.place.clone(), command, text),
+            None => Ok(default),
+        };
+        match option {
+            "-s" => {
+                map.scale = [number(0, 1.0)?, number(1, 1.0)?];
+                let allowed = "scales of -s that are not zero";
+                in_range(
+                    !map.scale.contains(&0.0),
+                    map.place.clone(),
+                    command,
+                    text,
+                    allowed,
+                )?;
+            }
+            "-o" => map.offset = [number(0, 0.0)?, number(1, 0.0)?],
+            "-clamp" => {
+                in_range(
+                    matches!(values[0], "on" | "off"),
+                    map.place.clone(),
+                    command,
+                    text,
+                    "-clamp on, -clamp off",
+                )?;
+                map.clamp = values[0] == "on";
+            }
+            other => warnings.push(format!(
+                "{}: `{command}`: the option {other} is not supported",
+                map.place
+            )),
+        }
+    }
+    if rest.is_empty() {
+        return Err(count(map.place, command, "a file name"));
+    }
+    map.name = rest.into();
+    Ok(map)
+}
+
+fn one(place: Place, command: &'static str, rest: &str) -> Result<f32, IoError> {
+    let mut words = rest.split_whitespace().take_while(|w| !w.starts_with('#'));
+    match (words.next(), words.next()) {
+        (Some(word), None) => finite(place, command, word),
+        _ => Err(count(place, command, "1 number")),
+    }
+}
+
+fn in_range(
+    valid: bool,
+    place: Place,
+    command: &'static str,
+    text: &str,
+    allowed: &'static str,
+) -> Result<(), IoError> {
+    if valid {
+        Ok(())
+    } else {
+        Err(IoError::OutOfRange {
+            place,
+            command,
+            text: text.into(),
+            allowed,
+        })
+    }
+}
+
+fn count(place: Place, command: &'static str, expected: &'static str) -> IoError {
+    IoError::ArgumentCount {
+        place,
+        command,
+        expected,
+        found: 0,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read_text(text: &str) -> (Result<Vec<Description>, IoError>, Vec<String>) {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("a.mtl");
+        std::fs::write(&path, text).unwrap();
+        let mut warnings = Vec::new();
+        let place = Place::new(Path::new("a.obj"), 1, 1);
+        (read(&path, &place, &mut warnings), warnings)
+    }
+
+    #[test]
+    fn statements_and_map_options() {
+        let (materials, warnings) = read_text(
+            "# library\nnewmtl two words\n  Kd 0.5\n\tKs 0.1 0.3 0.2\nNs 20\nTr 0.25\nillum 2\n\
+             map_Kd -s 2 3 1 -o 0.5 -clamp on my wall.png\n\
+             newmtl flat\nKd 1 2 0\nKs 1 1 1\nillum 1\nmap_d -imfchan m leaf_3.png\nKe 1 1 1\n",
+        );
+        let materials = materials.unwrap();
+        assert_eq!(materials[0].name, "two words");
+        assert_eq!((materials[0].kd, materials[0].ks), (Some([0.5; 3]), 0.3));
+        assert_eq!((materials[0].ns, materials[0].d), (Some(20.0), 0.75));
+        let map = materials[0].map_kd.as_ref().unwrap();
+        assert_eq!(
+            (map.name.as_str(), map.scale, map.offset, map.clamp),
+            ("my wall.png", [2.0, 3.0], [0.5, 0.0], true)
+        );
+        assert_eq!(
+            (materials[1].kd, materials[1].ks),
+            (Some([1.0, 1.0, 0.0]), 0.0)
+        );
+        assert_eq!(materials[1].map_d.as_ref().unwrap().name, "leaf_3.png");
+        assert_eq!(warnings.len(), 2, "{warnings:?}");
+    }
+
+    #[test]
+    fn faults_have_their_lines() {
+        for (text, code, line) in [
+            ("Kd 1 1 1", "needs-line-above", 1),
+            ("newmtl", "argument-count", 1),
+            ("newmtl a\nKd 1 1", "argument-count", 2),
+            ("newmtl a\nKd", "argument-count", 2),
+            ("newmtl a\nKd 1 nan 1", "not-finite", 2),
+            ("newmtl a\nKd -1 0 0", "out-of-range", 2),
+            ("newmtl a\nd 2", "out-of-range", 2),
+            ("newmtl a\nNs x", "not-a-number", 2),
+            ("newmtl a\nmap_Kd -s 2 2", "argument-count", 2),
+            ("newmtl a\nmap_Kd -s 0 1 a.png", "out-of-range", 2),
+            ("newmtl a\nmap_Kd -clamp a.png", "out-of-range", 2),
+            ("newmtl a\nmap_Kd", "argument-count", 2),
+        ] {
+            let error = read_text(text).0.unwrap_err();
+            assert_eq!(
+                (error.code(), error.place().unwrap().line),
+                (code, line),
+                "{text}"
+            );
+        }
+    }
+}

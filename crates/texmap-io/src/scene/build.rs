@@ -1,0 +1,388 @@
+//! Statements to a scene, in one pass.
+
+use texmap_light::{Light, Surface};
+use texmap_math::camera::{Camera, CameraError};
+use texmap_math::det;
+use texmap_math::frame::TextureFrame;
+use texmap_math::glam::{DMat4, DVec3};
+use texmap_render::{AlphaMode, Material, Mesh, Scene};
+use texmap_sample::Origin;
+
+use super::facets::{Facet, Facets};
+use super::settings::{CurrentTexture, Settings, light};
+use super::tree::Tree;
+use crate::obj::{self, Model};
+use crate::scene_file::{Alpha, Command, Role, Statement};
+use crate::textures::{Content, Textures};
+use crate::{IoError, Place, files};
+
+pub(super) struct Builder {
+    scene: Scene,
+    textures: Textures,
+    settings: Settings,
+    kept: Vec<Settings>,
+    /// The last line that set the camera.
+    camera_line: Option<Place>,
+    /// Faces of the scene so far.
+    faces: u32,
+}
+
+impl Builder {
+    pub(super) fn new(scene: Scene, textures: Textures, settings: Settings) -> Self {
+        Self {
+            scene,
+            textures,
+            settings,
+            kept: Vec::new(),
+            camera_line: None,
+            faces: 0,
+        }
+    }
+
+    pub(super) fn finish(mut self) -> Result<(Scene, Textures), IoError> {
+        if let Some(place) = self.camera_line
+            && let Err(error) = check_camera(&self.scene.camera)
+        {
+            return Err(IoError::BadCamera {
+                place,
+                problem: error.to_string(),
+            });
+        }
+        self.scene.textures.clone_from(&self.textures.textures);
+        self.scene.warnings.append(&mut self.textures.warnings);
+        Ok((self.scene, self.textures))
+    }
+
+    /// All statements of a file. What it sets ends with it; what it draws, its lights and its camera stay.
+    pub(super) fn file(&mut self, tree: &Tree) -> Result<(), IoError> {
+        let settings = self.settings.clone();
+        let mut facets = Facets::default();
+        let mut included = tree.included.iter();
+        for statement in &tree.file.statements {
+            let place = Place::new(&tree.path, statement.line, statement.column);
+            match &statement.command {
+                Command::Include(_) => {
+                    if let Some(below) = included.next() {
+                        self.file(below)?;
+                    }
+                }
+                _ => self.statement(statement, &place, &mut facets)?,
+            }
+        }
+        facets.finish(&mut self.scene);
+        self.settings = settings;
+        Ok(())
+    }
+
+    fn statement(
+        &mut self,
+        statement: &Statement,
+        place: &Place,
+        facets: &mut Facets,
+    ) -> Result<(), IoError> {
+        let camera = &mut self.scene.camera;
+        match &statement.command {
+            Command::Eye(p) => camera.eye = DVec3::from(*p),
+            Command::Look(p) => camera.look = DVec3::from(*p),
+            Command::Up(p) => camera.up = DVec3::from(*p),
+            Command::Fov(degrees) => camera.fov_x = degrees.to_radians(),
+            Command::Near(distance) => camera.near = *distance,
+            Command::Far(distance) => camera.far = *distance,
+            other => return self.after_camera(other, place, facets),
+        }
+        self.camera_line = Some(place.clone());
+        Ok(())
+    }
+
+    fn after_camera(
+        &mut self,
+        command: &Command,
+        place: &Place,
+        facets: &mut Facets,
+    ) -> Result<(), IoError> {
+        let lights = &mut self.scene.lights;
+        match command {
+            Command::Background(color) => self.scene.background = *color,
+            &Command::AmbientLight(color) => lights.push(Light::Ambient { color }),
+            &Command::DirectionalLight { color, direction } => {
+                lights.push(Light::Directional { color, direction })
+            }
+            &Command::PointLight { color, position } => {
+                lights.push(Light::Point { color, position })
+            }
+            Command::Vertex(p) => {
+                let position = self.settings.transform.transform_point3(DVec3::from(*p));
+                if !position.as_vec3().is_finite() {
+                    let text = position.to_string();
+                    return Err(IoError::NotFinite {
+                        place: place.clone(),
+                        command: "v",
+                        text,
+                    });
+                }
+                facets.vertex(position);
+            }
+            Command::Face(corners) => {
+                let corners: Vec<_> = corners.iter().map(|&i| (i, [0.0; 2])).collect();
+                let material = self.settings.plain(self.scene.color);
+                self.facet(facets, place, material, &corners, None, false);
+            }
+            Command::TexturedFace(corners) => {
+                let corners: Vec<_> = corners.iter().map(|c| (c.vertex, c.uv)).collect();
+                let material = self.textured("tf", place)?;
+                self.facet(facets, place, material, &corners, None, true);
+            }
+            Command::FramedFace(indices) => {
+                let material = self.textured("ff", place)?;
+                let frame = self
+                    .settings
+                    .frame
+                    .ok_or_else(|| needs("ff", place, "frame"))?;
+                if let Some(how) = facets.out_of_plane(indices, &frame) {
+                    self.scene.warnings.push(format!(
+                        "{place}: the frame is {how}: the texture slides over it as the eye moves"
+                    ));
+                }
+                let corners: Vec<_> = indices.iter().map(|&i| (i, [0.0; 2])).collect();
+                self.facet(facets, place, material, &corners, Some(frame), false);
+            }
+            Command::Obj(name) => self.obj(name, place)?,
+            Command::Texture(None) => self.settings.texture = None,
+            Command::Texture(Some(name)) => {
+                let path = files::beside(&place.file, name);
+                let index =
+                    self.textures
+                        .load(&path, place, Content::Color, self.settings.missing)?;
+                let has_alpha = self.textures.textures[index].has_alpha();
+                self.settings.texture = Some(CurrentTexture {
+                    index,
+                    name: name.clone(),
+                    has_alpha,
+                });
+            }
+            Command::Push => self.kept.push(self.settings.clone()),
+            // The parser has matched each `pop` with a `push`.
+            Command::Pop => self.settings = self.kept.pop().unwrap_or_default(),
+            other => self.set(other),
+        }
+        Ok(())
+    }
+
+    fn set(&mut self, command: &Command) {
+        let now = &mut self.settings;
+        match command {
+            Command::Surf(surf) => now.surf = Some(*surf),
+            Command::Filter(filter) => now.filter = *filter,
+            Command::Wrap(u, v) => now.wrap = [*u, *v],
+            Command::Border(color) => now.border = *color,
+            Command::Interp(interp) => now.interp = *interp,
+            Command::Cull(cull) => now.cull = *cull,
+            Command::Alpha(alpha) => now.alpha = *alpha,
+            Command::Shade(shade) => {
+                now.role = shade.role.or(now.role);
+                now.rate = shade.rate.unwrap_or(now.rate);
+            }
+            Command::Gouraud(gouraud) => now.gouraud = *gouraud,
+            Command::Missing(missing) => now.missing = *missing,
+            Command::Frame { o, u, v } => {
+                let [o, u, v] = [o, u, v].map(|p| DVec3::from(*p));
+                now.frame = Some(TextureFrame { o, u, v }.transform(now.transform));
+            }
+            Command::Translate(p) => now.transform *= DMat4::from_translation(DVec3::from(*p)),
+            Command::Scale(f) => now.transform *= DMat4::from_scale(DVec3::from(*f)),
+            Command::Rotate { angle, axis } => {
+                now.transform *= rotation(*angle, DVec3::from(*axis))
+            }
+            // `color` was read before; everything else is handled above.
+            _ => {}
+        }
+    }
+
+    fn textured(&self, command: &'static str, place: &Place) -> Result<Material, IoError> {
+        let texture = self
+            .settings
+            .texture
+            .as_ref()
+            .ok_or_else(|| needs(command, place, "texture"))?;
+        Ok(self
+            .settings
+            .textured(texture, Role::Decal, self.scene.color))
+    }
+
+    fn facet(
+        &mut self,
+        facets: &mut Facets,
+        place: &Place,
+        material: Material,
+        corners: &[(u32, [f32; 2])],
+        frame: Option<TextureFrame>,
+        has_uv: bool,
+    ) {
+        let lit = material.base_color.is_none()
+            || material.texture_role == texmap_render::TextureRole::Modulate;
+        let material = self.material(material);
+        let facet = Facet {
+            corners,
+            has_uv,
+            frame,
+            lit,
+            material,
+            number: self.faces,
+        };
+        self.faces += 1;
+        facets.add(&mut self.scene, &facet, place);
+    }
+
+    fn obj(&mut self, name: &str, place: &Place) -> Result<(), IoError> {
+        let path = files::beside(&place.file, name);
+        let textured = self.settings.texture.is_some();
+        match obj::read(
+            &path,
+            Some(place),
+            self.settings.missing,
+            textured,
+            &mut self.textures,
+        ) {
+            Ok(model) => {
+                let stem = path
+                    .file_stem()
+                    .map_or_else(String::new, |s| s.to_string_lossy().into_owned());
+                self.model(model, &stem);
+                Ok(())
+            }
+            Err(error @ (IoError::FileMissing { .. } | IoError::NotAFile { .. }))
+                if self.textures.tolerant =>
+            {
+                self.textures.note(&path, place, Err(error.to_string()));
+                Ok(())
+            }
+            Err(error) => Err(error),
+        }
+    }
+
+    /// Adds the parts of a model under the current settings.
+    pub(super) fn model(&mut self, model: Model, stem: &str) {
+        let color = self.scene.color;
+        self.scene.warnings.extend(model.warnings);
+        let transform = self.settings.transform;
+        let mirrored = transform.determinant() < 0.0;
+        for part in model.parts {
+            let material = match part.material.and_then(|i| model.materials.get(i)) {
+                Some(described) => self.described(described),
+                None => match &self.settings.texture {
+                    Some(texture) => self.settings.textured(texture, Role::Modulate, color),
+                    None if model.colored => self.settings.colored(color),
+                    None => self.settings.plain(color),
+                },
+            };
+            let mut triangles = part.triangles;
+            if mirrored {
+                // What was outside stays outside.
+                triangles.iter_mut().for_each(|t| t.swap(1, 2));
+            }
+            let colors = if model.colored {
+                part.colors
+            } else {
+                Vec::new()
+            };
+            let mesh = Mesh {
+                name: if part.name == "unnamed_object" {
+                    stem.to_owned()
+                } else {
+                    part.name
+                },
+                positions: part.positions,
+                normals: part.normals,
+                uvs: part.uvs,
+                colors: colors.into_iter().map(|c| light(c, color)).collect(),
+                triangles,
+                faces: part.faces,
+                material: self.material(material),
+                world_from_object: transform,
+                uv_origin: Origin::BottomLeft,
+                frame: None,
+            };
+            self.scene.meshes.push(mesh);
+        }
+    }
+
+    /// A material of an MTL library under the current settings.
+    fn described(&self, m: &obj::Material) -> Material {
+        let (now, color) = (&self.settings, self.scene.color);
+        let slot = |map: &obj::Map| now.slot(map.texture, map.transform, map.clamp, color);
+        let map_alpha = m
+            .map_kd
+            .as_ref()
+            .is_some_and(|map| self.textures.textures[map.texture].has_alpha());
+        let alpha = match now.alpha {
+            Alpha::Auto if m.opacity < 1.0 => AlphaMode::Blend,
+            _ => now.alpha(map_alpha || m.map_d.is_some()),
+        };
+        Material {
+            name: m.name.clone(),
+            surface: Surface {
+                color: light(m.kd, color),
+                ka: 1.0,
+                kd: 1.0,
+                ks: m.ks,
+                ns: m.ns,
+            },
+            opacity: m.opacity,
+            base_color: m.map_kd.as_ref().map(slot),
+            opacity_map: m.map_d.as_ref().map(slot),
+            texture_role: now.role(Role::Modulate),
+            alpha,
+            ..now.plain(color)
+        }
+    }
+
+    /// Index of a material, a new one or an equal one.
+    fn material(&mut self, material: Material) -> usize {
+        let materials = &mut self.scene.materials;
+        // Faces of one kind follow each other, so the end is the place to look first.
+        match materials.iter().rposition(|m| *m == material) {
+            Some(index) => index,
+            None => {
+                materials.push(material);
+                materials.len() - 1
+            }
+        }
+    }
+}
+
+fn needs(command: &'static str, place: &Place, needs: &'static str) -> IoError {
+    IoError::NeedsAbove {
+        place: place.clone(),
+        command,
+        needs,
+    }
+}
+
+fn check_camera(camera: &Camera) -> Result<(), CameraError> {
+    camera.view().map(|_| ())
+}
+
+/// Rodrigues' formula; `axis` is not zero.
+fn rotation(degrees: f64, axis: DVec3) -> DMat4 {
+    let axis = obj::unit(axis).unwrap_or(DVec3::Z);
+    let (sin, cos) = quarter_turns(degrees).unwrap_or_else(|| det::sin_cos(degrees.to_radians()));
+    let column =
+        |e: DVec3| (e * cos + axis.cross(e) * sin + axis * (axis.dot(e) * (1.0 - cos))).extend(0.0);
+    DMat4::from_cols(
+        column(DVec3::X),
+        column(DVec3::Y),
+        column(DVec3::Z),
+        DVec3::ZERO.extend(1.0),
+    )
+}
+
+/// Sine and cosine of whole quarter turns, exactly.
+fn quarter_turns(degrees: f64) -> Option<(f64, f64)> {
+    let turns = degrees / 90.0;
+    (turns == turns.trunc()).then(|| match turns.rem_euclid(4.0) as u8 {
+        0 => (0.0, 1.0),
+        1 => (1.0, 0.0),
+        2 => (0.0, -1.0),
+        _ => (-1.0, 0.0),
+    })
+}

@@ -1,0 +1,157 @@
+//! The vertices and faces of one scene file: runs of faces of one material become meshes.
+
+use std::collections::HashMap;
+
+use texmap_math::det;
+use texmap_math::frame::TextureFrame;
+use texmap_math::glam::DVec3;
+use texmap_render::{Mesh, Scene};
+
+use crate::Place;
+use crate::obj::unit;
+
+/// Vertices of a file, and the meshes that its faces have made.
+#[derive(Debug, Default)]
+pub(super) struct Facets {
+    /// World positions.
+    vertices: Vec<DVec3>,
+    /// Sum of the area normals of the lit faces at each vertex, and the first of them.
+    normals: Vec<[DVec3; 2]>,
+    meshes: Vec<Run>,
+}
+
+/// A mesh in the making.
+#[derive(Debug)]
+struct Run {
+    mesh: usize,
+    lit: bool,
+    frame: Option<TextureFrame>,
+    /// Vertex of the file behind each vertex of the mesh.
+    sources: Vec<u32>,
+    known: HashMap<(u32, [u32; 2]), u32>,
+}
+
+/// A face as its line describes it.
+#[derive(Debug)]
+pub(super) struct Facet<'a> {
+    /// Vertex and, for `tf`, coordinates of each corner.
+    pub(super) corners: &'a [(u32, [f32; 2])],
+    pub(super) has_uv: bool,
+    pub(super) frame: Option<TextureFrame>,
+    pub(super) lit: bool,
+    pub(super) material: usize,
+    /// Counted through the scene from 0.
+    pub(super) number: u32,
+}
+
+impl Facets {
+    pub(super) fn vertex(&mut self, position: DVec3) {
+        self.vertices.push(position);
+        self.normals.push([DVec3::ZERO; 2]);
+    }
+
+    /// Cuts a face into its fan and adds it to the last mesh, or to a new one where the settings differ.
+    pub(super) fn add(&mut self, scene: &mut Scene, facet: &Facet<'_>, place: &Place) {
+        let fits = |run: &Run| {
+            let mesh = &scene.meshes[run.mesh];
+            run.mesh + 1 == scene.meshes.len()
+                && mesh.material == facet.material
+                && mesh.uvs.is_empty() != facet.has_uv
+                && run.lit == facet.lit
+                && run.frame == facet.frame
+        };
+        if !self.meshes.last().is_some_and(fits) {
+            scene.meshes.push(Mesh {
+                name: format!("faces from {}:{}", place.file.display(), place.line),
+                material: facet.material,
+                frame: facet.frame,
+                ..Mesh::default()
+            });
+            self.meshes.push(Run {
+                mesh: scene.meshes.len() - 1,
+                lit: facet.lit,
+                frame: facet.frame,
+                sources: Vec::new(),
+                known: HashMap::new(),
+            });
+        }
+        let (Some(run), Some(mesh)) = (self.meshes.last_mut(), scene.meshes.last_mut()) else {
+            return;
+        };
+        let corners: Vec<u32> = facet
+            .corners
+            .iter()
+            .map(|&(vertex, uv)| {
+                *run.known
+                    .entry((vertex, uv.map(f32::to_bits)))
+                    .or_insert_with(|| {
+                        mesh.positions
+                            .push(self.vertices[vertex as usize].as_vec3().to_array());
+                        if facet.has_uv {
+                            mesh.uvs.push(uv);
+                        }
+                        run.sources.push(vertex);
+                        run.sources.len() as u32 - 1
+                    })
+            })
+            .collect();
+        for (k, pair) in corners[1..].windows(2).enumerate() {
+            mesh.triangles.push([corners[0], pair[0], pair[1]]);
+            mesh.faces.push(facet.number);
+            if facet.lit {
+                self.add_normal(facet.corners, k);
+            }
+        }
+    }
+
+    /// The course's rule: corners 0 and 1 of a face take the area normal of its first triangle, each later corner that
+    /// of the triangle which it closes.
+    fn add_normal(&mut self, corners: &[(u32, [f32; 2])], k: usize) {
+        let [first, a, b] = [0, k + 1, k + 2].map(|i| corners[i].0);
+        let [p, q, r] = [first, a, b].map(|i| self.vertices[i as usize]);
+        let area = (q - p).cross(r - p);
+        let takers = [Some(b), (k == 0).then_some(first), (k == 0).then_some(a)];
+        for vertex in takers.into_iter().flatten() {
+            let [sum, first] = &mut self.normals[vertex as usize];
+            *sum += area;
+            if *first == DVec3::ZERO {
+                *first = area;
+            }
+        }
+    }
+
+    /// Gives every lit mesh its normals; call it when all faces of the file are known.
+    pub(super) fn finish(self, scene: &mut Scene) {
+        for run in self.meshes.iter().filter(|run| run.lit) {
+            let normal = |&source: &u32| {
+                let [sum, first] = self.normals[source as usize];
+                // Two faces back to back cancel out: the first decides.
+                let small = sum.length_squared() <= 1e-24 * first.length_squared();
+                let normal = if small { unit(first) } else { unit(sum) };
+                normal.unwrap_or(DVec3::Z).as_vec3().to_array()
+            };
+            scene.meshes[run.mesh].normals = run.sources.iter().map(normal).collect();
+        }
+    }
+
+    /// How a frame misses the plane of a face, if it does: then its picture slides over the face as the eye moves.
+    pub(super) fn out_of_plane(&self, corners: &[u32], frame: &TextureFrame) -> Option<String> {
+        let points: Vec<DVec3> = corners.iter().map(|&i| self.vertices[i as usize]).collect();
+        let area: DVec3 = points[1..]
+            .windows(2)
+            .map(|w| (w[0] - points[0]).cross(w[1] - points[0]))
+            .sum();
+        let (face, plane) = (unit(area)?, unit(frame.normal())?);
+        let angle = det::atan2(face.cross(plane).length(), face.dot(plane).abs()).to_degrees();
+        if angle > 1e-4 {
+            return Some(format!("{angle:.4} degrees out of the plane of the face"));
+        }
+        let size = points
+            .iter()
+            .fold(0.0_f64, |s, p| s.max((*p - points[0]).length()));
+        let distance = points
+            .iter()
+            .fold(0.0_f64, |d, p| d.max((*p - frame.o).dot(plane).abs()));
+        (distance > 1e-6 * size).then(|| format!("{distance} units beside the plane of the face"))
+    }
+}

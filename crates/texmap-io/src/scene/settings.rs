@@ -1,0 +1,183 @@
+//! The current settings: what lines like `surf`, `filter` or `translate` say about the faces after them.
+
+use texmap_light::Surface;
+use texmap_math::color::srgb_to_linear;
+use texmap_math::frame::TextureFrame;
+use texmap_math::glam::DMat4;
+use texmap_raster::{Cull, Interp};
+use texmap_render::{AlphaMode, ColorMode, Gouraud, Material, Shading, TextureRole, TextureSlot};
+use texmap_sample::{Filter, Sampler, UvTransform, Wrap};
+
+use crate::scene_file::{Alpha, Missing, Rate, Role, Surf};
+
+/// Everything that `push` keeps and `pop` brings back.
+#[derive(Debug, Clone)]
+pub(super) struct Settings {
+    pub(super) surf: Option<Surf>,
+    pub(super) texture: Option<CurrentTexture>,
+    pub(super) frame: Option<TextureFrame>,
+    pub(super) filter: Filter,
+    pub(super) wrap: [Wrap; 2],
+    /// sRGB, straight alpha.
+    pub(super) border: [f32; 4],
+    pub(super) interp: Interp,
+    pub(super) cull: Cull,
+    pub(super) alpha: Alpha,
+    pub(super) role: Option<Role>,
+    pub(super) rate: Rate,
+    pub(super) gouraud: Gouraud,
+    pub(super) missing: Missing,
+    pub(super) transform: DMat4,
+}
+
+/// The texture of the last `texture` line.
+#[derive(Debug, Clone)]
+pub(super) struct CurrentTexture {
+    pub(super) index: usize,
+    pub(super) name: String,
+    pub(super) has_alpha: bool,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            surf: None,
+            texture: None,
+            frame: None,
+            filter: Filter::default(),
+            wrap: [Wrap::Repeat; 2],
+            border: [0.0; 4],
+            interp: Interp::Perspective,
+            cull: Cull::None,
+            alpha: Alpha::Auto,
+            role: None,
+            rate: Rate::Pixel,
+            gouraud: Gouraud::ScreenLinear,
+            missing: Missing::Error,
+            transform: DMat4::IDENTITY,
+        }
+    }
+}
+
+/// What a texel multiplies where no `surf` line says otherwise: white, without a highlight.
+const WHITE: Surf = Surf {
+    color: [1.0; 3],
+    ka: 1.0,
+    kd: 1.0,
+    ks: 0.0,
+    ns: 5.0,
+};
+
+impl Settings {
+    /// An untextured face.
+    pub(super) fn plain(&self, color: ColorMode) -> Material {
+        let surf = self.surf.unwrap_or_default();
+        Material {
+            name: "surf".into(),
+            surface: surface(&surf, color),
+            shading: self.shading(),
+            interp: self.interp,
+            cull: self.cull,
+            gouraud: self.gouraud,
+            ..Material::default()
+        }
+    }
+
+    /// A face with the current texture; `role` where no `shade` line says otherwise.
+    pub(super) fn textured(
+        &self,
+        texture: &CurrentTexture,
+        role: Role,
+        color: ColorMode,
+    ) -> Material {
+        Material {
+            name: texture.name.clone(),
+            surface: surface(&self.surf.unwrap_or(WHITE), color),
+            base_color: Some(self.slot(texture.index, UvTransform::default(), false, color)),
+            texture_role: self.role(role),
+            alpha: self.alpha(texture.has_alpha),
+            ..self.plain(color)
+        }
+    }
+
+    /// Faces whose vertices bring colours.
+    pub(super) fn colored(&self, color: ColorMode) -> Material {
+        let surface = surface(&self.surf.unwrap_or(WHITE), color);
+        Material {
+            name: "vertex colours".into(),
+            surface,
+            ..self.plain(color)
+        }
+    }
+
+    pub(super) fn role(&self, default: Role) -> TextureRole {
+        match self.role.unwrap_or(default) {
+            Role::Decal => TextureRole::Decal,
+            Role::Modulate => TextureRole::Modulate,
+        }
+    }
+
+    pub(super) fn alpha(&self, has_alpha: bool) -> AlphaMode {
+        match self.alpha {
+            Alpha::Auto if !has_alpha => AlphaMode::Opaque,
+            // A threshold of 0 stands for the rule of the filter.
+            Alpha::Auto | Alpha::Test(None) => AlphaMode::Test(0.0),
+            Alpha::Opaque => AlphaMode::Opaque,
+            Alpha::Test(Some(threshold)) => AlphaMode::Test(threshold),
+            Alpha::Blend => AlphaMode::Blend,
+        }
+    }
+
+    pub(super) fn slot(
+        &self,
+        texture: usize,
+        transform: UvTransform,
+        clamp: bool,
+        color: ColorMode,
+    ) -> TextureSlot {
+        let [wrap_u, wrap_v] = if clamp {
+            [Wrap::ClampToEdge; 2]
+        } else {
+            self.wrap
+        };
+        let [r, g, b, alpha] = self.border;
+        let [r, g, b] = light([r, g, b], color).map(|c| c * alpha);
+        let sampler = Sampler {
+            filter: self.filter,
+            wrap_u,
+            wrap_v,
+            border: [r, g, b, alpha],
+            ..Sampler::default()
+        };
+        TextureSlot {
+            texture,
+            sampler,
+            transform,
+        }
+    }
+
+    fn shading(&self) -> Shading {
+        match self.rate {
+            Rate::Vertex => Shading::PerVertex,
+            Rate::Pixel => Shading::PerPixel,
+        }
+    }
+}
+
+/// Colours of a file as the renderer takes them.
+pub(super) fn light(srgb: [f32; 3], color: ColorMode) -> [f32; 3] {
+    match color {
+        ColorMode::Srgb => srgb.map(srgb_to_linear),
+        ColorMode::Raw => srgb,
+    }
+}
+
+pub(super) fn surface(surf: &Surf, color: ColorMode) -> Surface {
+    Surface {
+        color: light(surf.color, color),
+        ka: surf.ka,
+        kd: surf.kd,
+        ks: surf.ks,
+        ns: surf.ns,
+    }
+}

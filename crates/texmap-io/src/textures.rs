@@ -1,0 +1,139 @@
+//! The textures of a scene, each file decoded once.
+
+use std::path::{Path, PathBuf};
+
+use texmap_sample::{ColorSpace, Origin, Texture2d};
+
+use crate::image_io::{self, Depth};
+use crate::scene_file::Missing;
+use crate::{IoError, Place};
+
+/// What a map holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Content {
+    /// Colours, sRGB.
+    Color,
+    /// Numbers, taken as they are.
+    Data,
+}
+
+/// A map that a file names.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct MapFile {
+    pub(crate) path: PathBuf,
+    pub(crate) place: Place,
+    /// Width, height, bits a channel; or what is wrong.
+    pub(crate) found: Result<(u32, u32, u32), String>,
+}
+
+#[derive(Debug, Default)]
+pub(crate) struct Textures {
+    pub(crate) textures: Vec<Texture2d<'static>>,
+    pub(crate) warnings: Vec<String>,
+    /// In the order of their first mention.
+    pub(crate) files: Vec<MapFile>,
+    /// Colours are taken as they are, too.
+    raw: bool,
+    /// Every fault is only noted in `files` (for reports on files).
+    pub(crate) tolerant: bool,
+    loaded: Vec<(PathBuf, Content, usize)>,
+}
+
+impl Textures {
+    pub(crate) fn new(raw: bool, tolerant: bool) -> Self {
+        Self {
+            raw,
+            tolerant,
+            ..Self::default()
+        }
+    }
+
+    /// Index of the texture of a file.
+    pub(crate) fn load(
+        &mut self,
+        path: &Path,
+        place: &Place,
+        content: Content,
+        missing: Missing,
+    ) -> Result<usize, IoError> {
+        let known = self
+            .loaded
+            .iter()
+            .find(|(p, c, _)| p == path && *c == content);
+        if let Some((_, _, index)) = known {
+            return Ok(*index);
+        }
+        let texture = match self.read(path, place, content) {
+            Ok((texture, size)) => {
+                self.note(path, place, Ok(size));
+                texture
+            }
+            Err(error) => {
+                let absent = matches!(error, IoError::FileMissing { .. });
+                if !(self.tolerant || absent && missing == Missing::Warn) {
+                    return Err(error);
+                }
+                self.note(path, place, Err(error.to_string()));
+                self.warnings
+                    .push(format!("{error}: a magenta and black checker stands in"));
+                stand_in()
+            }
+        };
+        self.textures.push(texture.with_mips());
+        let index = self.textures.len() - 1;
+        self.loaded.push((path.to_path_buf(), content, index));
+        Ok(index)
+    }
+
+    fn read(
+        &self,
+        path: &Path,
+        place: &Place,
+        content: Content,
+    ) -> Result<(Texture2d<'static>, (u32, u32, u32)), IoError> {
+        let image = image_io::read_named(path, Some(place))?;
+        let bits = if matches!(image.texels, Depth::U8(_)) {
+            8
+        } else {
+            16
+        };
+        let linear = self.raw || content == Content::Data;
+        let color = if linear {
+            ColorSpace::Linear
+        } else {
+            ColorSpace::Srgb
+        };
+        let texture = image_io::texture(path, Some(place), &image, color)?;
+        Ok((texture, (image.width, image.height, bits)))
+    }
+
+    pub(crate) fn note(
+        &mut self,
+        path: &Path,
+        place: &Place,
+        found: Result<(u32, u32, u32), String>,
+    ) {
+        if !self.files.iter().any(|f| f.path == path) {
+            self.files.push(MapFile {
+                path: path.to_path_buf(),
+                place: place.clone(),
+                found,
+            });
+        }
+    }
+}
+
+/// What is drawn where a map is missing: loud, and never mistaken for a material.
+fn stand_in() -> Texture2d<'static> {
+    const SIDE: u32 = 8;
+    let texel = |i: u32| {
+        if (i % SIDE + i / SIDE) % 2 == 0 {
+            [255, 0, 255, 255]
+        } else {
+            [0, 0, 0, 255]
+        }
+    };
+    let texels = (0..SIDE * SIDE).flat_map(texel).collect();
+    Texture2d::from_rgba8(SIDE, SIDE, texels, ColorSpace::Srgb, Origin::TopLeft)
+        .expect("64 texels of 4 bytes make an 8 x 8 texture")
+}
