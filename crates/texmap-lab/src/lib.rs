@@ -19,6 +19,7 @@
 //! ```
 #![forbid(unsafe_code)]
 
+pub mod demos;
 pub mod metrics;
 pub mod picture;
 pub mod reference;

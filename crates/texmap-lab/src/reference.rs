@@ -6,7 +6,8 @@
 //! the screen and the triangle (Heckbert 1989, section 2.2; Olano and Greer 1997): no vertex is projected,
 //! nothing is clipped or snapped, and a triangle that passes through the eye's plane needs no care.
 
-use glam::{DMat3, DVec2, DVec3};
+use texmap_math::camera::{Camera, CameraError};
+use texmap_math::glam::{DMat3, DVec2, DVec3};
 
 /// A pinhole: the ray through position (x, y) of the picture has the direction `corner + x * right + y * down`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,6 +23,19 @@ pub struct Pinhole {
 }
 
 impl Pinhole {
+    /// The rays of a camera for a picture of `width` by `height` pixels. Their component along the line of
+    /// sight is 1, so that [`Hit::t`] is the clip w of the point met.
+    ///
+    /// # Errors
+    /// When the camera has no view.
+    pub fn of_camera(camera: &Camera, width: u32, height: u32) -> Result<Self, CameraError> {
+        let (columns, rows) = (f64::from(width), f64::from(height));
+        let corner = camera.ray(width, height, 0.0, 0.0)?;
+        let right = (camera.ray(width, height, columns, 0.0)? - corner) / columns;
+        let down = (camera.ray(width, height, 0.0, rows)? - corner) / rows;
+        Ok(Self { eye: camera.eye, corner, right, down })
+    }
+
     /// Direction through position (x, y); a pixel centre has the fraction 0.5.
     pub fn direction(&self, x: f64, y: f64) -> DVec3 {
         self.corner + self.right * x + self.down * y

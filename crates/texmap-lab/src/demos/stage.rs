@@ -1,0 +1,211 @@
+//! What the demos put before the camera: quads and cubes, their materials, and pictures taken of them.
+
+use texmap_math::glam::{DMat4, DVec2, DVec3, DVec4};
+use texmap_light::Surface;
+use texmap_math::camera::Camera;
+use texmap_raster::Interp;
+use texmap_render::{
+    AlphaMode, Aov, AovData, ColorMode, Gouraud, Material, Mesh, Scene, Settings, Shading, TextureRole, TextureSlot,
+};
+use texmap_sample::{ColorSpace, Filter, Origin, Sampler, Texture2d, UvTransform, Wrap};
+
+use crate::LabError;
+use crate::picture::Picture;
+
+/// Sky behind everything, as sRGB values.
+const BACKGROUND: [f32; 4] = [0.80, 0.85, 0.90, 1.0];
+
+/// An empty scene seen from `eye`; `fov` is horizontal, in degrees.
+pub(super) fn scene(eye: DVec3, look: DVec3, fov: f64) -> Scene {
+    let fov_x = fov.to_radians();
+    Scene {
+        camera: Camera { eye, look, up: DVec3::Y, fov_x, near: 1e-3, far: f64::INFINITY },
+        background: BACKGROUND,
+        color: ColorMode::Srgb,
+        depth_test: texmap_raster::DepthTest::Less,
+        lights: Vec::new(),
+        textures: Vec::new(),
+        materials: Vec::new(),
+        meshes: Vec::new(),
+        warnings: Vec::new(),
+    }
+}
+
+/// Adds a texture with its mip chain.
+pub(super) fn texture(scene: &mut Scene, picture: &Picture) -> Result<usize, LabError> {
+    let rgba = picture.rgba().to_vec();
+    let texture =
+        Texture2d::from_rgba8(picture.width(), picture.height(), rgba, ColorSpace::Srgb, Origin::TopLeft)?.with_mips();
+    scene.textures.push(texture);
+    Ok(scene.textures.len() - 1)
+}
+
+/// Adds an unlit material that copies the texels of a texture.
+pub(super) fn decal(scene: &mut Scene, texture: usize, filter: Filter, interp: Interp) -> usize {
+    let sampler = Sampler { filter, ..Sampler::default() };
+    add(
+        scene,
+        Material {
+            base_color: Some(TextureSlot { texture, sampler, transform: UvTransform::default() }),
+            texture_role: TextureRole::Decal,
+            shading: Shading::Unlit,
+            interp,
+            ..Material::default()
+        },
+    )
+}
+
+/// Adds an unlit material that shows the colours of the vertices.
+pub(super) fn vertex_colors(scene: &mut Scene, gouraud: Gouraud) -> usize {
+    let surface = Surface { color: [1.0; 3], ..Surface::default() };
+    add(scene, Material { surface, shading: Shading::Unlit, gouraud, ..Material::default() })
+}
+
+/// Adds a material and gives its index.
+pub(super) fn add(scene: &mut Scene, material: Material) -> usize {
+    scene.materials.push(material);
+    scene.materials.len() - 1
+}
+
+/// Sets what alpha does and how the texture of a material is wrapped.
+pub(super) fn set_alpha(scene: &mut Scene, material: usize, alpha: AlphaMode) {
+    scene.materials[material].alpha = alpha;
+}
+
+/// Sets both wrap modes of the base colour of a material.
+pub(super) fn set_wrap(scene: &mut Scene, material: usize, wrap: Wrap) {
+    if let Some(slot) = &mut scene.materials[material].base_color {
+        (slot.sampler.wrap_u, slot.sampler.wrap_v) = (wrap, wrap);
+    }
+}
+
+/// A quad from its corners (top left, then clockwise as one looks at it) with v growing downward.
+pub(super) fn quad(corners: [DVec3; 4], uv: [[f32; 2]; 4], material: usize) -> Mesh {
+    Mesh {
+        positions: corners.map(|p| p.as_vec3().to_array()).to_vec(),
+        uvs: uv.to_vec(),
+        triangles: vec![[0, 3, 2], [0, 2, 1]],
+        faces: vec![0, 0],
+        material,
+        ..Mesh::default()
+    }
+}
+
+/// The whole texture once.
+pub(super) const UNIT_UV: [[f32; 2]; 4] = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+
+/// A cube of edge 2 about the origin, turned by `yaw` degrees about the vertical and moved to `center`. Each
+/// face carries the whole texture; the faces are numbered front, right, back, left, top, bottom.
+pub(super) fn cube(center: DVec3, yaw: f64, material: usize) -> Mesh {
+    let mut mesh = Mesh {
+        material,
+        world_from_object: DMat4::from_translation(center) * turn(yaw),
+        ..Mesh::default()
+    };
+    let sides = [
+        (DVec3::Z, DVec3::X, DVec3::Y),
+        (DVec3::X, DVec3::NEG_Z, DVec3::Y),
+        (DVec3::NEG_Z, DVec3::NEG_X, DVec3::Y),
+        (DVec3::NEG_X, DVec3::Z, DVec3::Y),
+        (DVec3::Y, DVec3::X, DVec3::NEG_Z),
+        (DVec3::NEG_Y, DVec3::X, DVec3::Z),
+    ];
+    for (face, (out, right, up)) in sides.into_iter().enumerate() {
+        let first = mesh.positions.len() as u32;
+        for corner in [out - right + up, out + right + up, out + right - up, out - right - up] {
+            mesh.positions.push(corner.as_vec3().to_array());
+        }
+        mesh.uvs.extend(UNIT_UV);
+        mesh.triangles.extend([[0, 3, 2], [0, 2, 1]].map(|t: [u32; 3]| t.map(|i| first + i)));
+        mesh.faces.extend([face as u32; 2]);
+    }
+    mesh
+}
+
+/// Rotation about the vertical, from the corpus of exact trigonometry of the math crate.
+fn turn(yaw: f64) -> DMat4 {
+    let (sin, cos) = texmap_math::det::sin_cos(yaw.to_radians());
+    DMat4::from_cols(
+        DVec3::new(cos, 0.0, -sin).extend(0.0),
+        DVec3::Y.extend(0.0),
+        DVec3::new(sin, 0.0, cos).extend(0.0),
+        DVec4::W,
+    )
+}
+
+/// A picture of a scene without buffers, smoothed by 3 x 3 samples.
+pub(super) fn photograph(scene: &Scene, size: u32) -> Result<Picture, LabError> {
+    let settings = Settings { supersample: 3, ..Settings::new(size, size) };
+    let frame = texmap_render::render(scene, &settings, &|_, _| {})?;
+    Ok(Picture::from_rgba(size, size, frame.rgba).unwrap_or_else(|| Picture::new(size, size, [0; 4])))
+}
+
+/// A picture at one sample a pixel together with what lies under each pixel.
+#[derive(Debug)]
+pub(super) struct Shot {
+    pub(super) picture: Picture,
+    size: u32,
+    uv: Vec<f32>,
+    face: Vec<u32>,
+    depth: Vec<f32>,
+    position: Vec<f32>,
+}
+
+impl Shot {
+    /// Takes the picture.
+    pub(super) fn take(scene: &Scene, size: u32) -> Result<Self, LabError> {
+        let aovs = vec![Aov::Uv, Aov::Face, Aov::Depth, Aov::Position];
+        let frame = texmap_render::render(scene, &Settings { aovs, ..Settings::new(size, size) }, &|_, _| {})?;
+        let floats = |wanted: Aov| match frame.aovs.iter().find(|(aov, ..)| *aov == wanted) {
+            Some((_, _, AovData::F32(values))) => values.clone(),
+            _ => Vec::new(),
+        };
+        let face = match frame.aovs.iter().find(|(aov, ..)| *aov == Aov::Face) {
+            Some((_, _, AovData::U32(values))) => values.clone(),
+            _ => Vec::new(),
+        };
+        let (uv, depth, position) = (floats(Aov::Uv), floats(Aov::Depth), floats(Aov::Position));
+        let picture = Picture::from_rgba(size, size, frame.rgba).unwrap_or_else(|| Picture::new(size, size, [0; 4]));
+        Ok(Self { picture, size, uv, face, depth, position })
+    }
+
+    /// Pixels a side.
+    pub(super) fn size(&self) -> u32 {
+        self.size
+    }
+
+    /// Every pixel (x, y) of the shot, row by row.
+    pub(super) fn pixels(&self) -> impl Iterator<Item = (u32, u32)> + use<> {
+        let size = self.size;
+        (0..size).flat_map(move |y| (0..size).map(move |x| (x, y)))
+    }
+
+    /// Coordinates under a pixel, as interpolated; `None` where nothing textured is seen.
+    pub(super) fn uv(&self, x: u32, y: u32) -> Option<DVec2> {
+        let i = self.index(x, y) * 2;
+        let at = DVec2::new(f64::from(*self.uv.get(i)?), f64::from(*self.uv.get(i + 1)?));
+        at.is_finite().then_some(at)
+    }
+
+    /// The face under a pixel.
+    pub(super) fn face(&self, x: u32, y: u32) -> Option<u32> {
+        self.face.get(self.index(x, y)).copied().filter(|&face| face != u32::MAX)
+    }
+
+    /// The depth buffer at a pixel (1 near, 0 far); `None` where nothing is seen.
+    pub(super) fn depth(&self, x: u32, y: u32) -> Option<f32> {
+        self.depth.get(self.index(x, y)).copied().filter(|depth| depth.is_finite())
+    }
+
+    /// The point in space under a pixel.
+    pub(super) fn position(&self, x: u32, y: u32) -> Option<DVec3> {
+        let i = self.index(x, y) * 3;
+        let at = self.position.get(i..i + 3)?;
+        let point = DVec3::new(f64::from(at[0]), f64::from(at[1]), f64::from(at[2]));
+        point.is_finite().then_some(point)
+    }
+
+    fn index(&self, x: u32, y: u32) -> usize {
+        y as usize * self.size as usize + x as usize
+    }
+}

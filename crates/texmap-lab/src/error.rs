@@ -1,0 +1,39 @@
+use texmap_math::camera::CameraError;
+use texmap_math::frame::FrameError;
+use texmap_raster::RasterError;
+use texmap_render::RenderError;
+use texmap_sample::SampleError;
+use thiserror::Error;
+
+/// Why the lab has no answer.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum LabError {
+    /// No demo has this name.
+    #[error("unknown demo '{0}': choose from {names}", names = crate::demos::names())]
+    UnknownDemo(String),
+    /// A panel that is too small to show anything, or too large.
+    #[error("a demo panel of {0} pixels: choose {low} to {high}", low = crate::demos::SIZES.start(), high = crate::demos::SIZES.end())]
+    PanelSize(u32),
+    /// No case has this id.
+    #[error("no runner for the case '{0}'")]
+    UnknownCase(String),
+    /// The file of cases does not fit the schema.
+    #[error("cases: {0}")]
+    Cases(String),
+    /// The renderer refused a scene.
+    #[error(transparent)]
+    Render(#[from] RenderError),
+    /// The rasterizer refused a draw.
+    #[error(transparent)]
+    Raster(#[from] RasterError),
+    /// The sampler refused a texture.
+    #[error(transparent)]
+    Sample(#[from] SampleError),
+    /// The camera has no view.
+    #[error(transparent)]
+    Camera(#[from] CameraError),
+    /// A texture frame without area.
+    #[error(transparent)]
+    Frame(#[from] FrameError),
+}
