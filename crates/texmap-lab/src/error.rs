@@ -1,5 +1,6 @@
 use texmap_math::camera::CameraError;
 use texmap_math::frame::FrameError;
+use texmap_math::homography::HomographyError;
 use texmap_raster::RasterError;
 use texmap_render::RenderError;
 use texmap_sample::SampleError;
@@ -33,6 +34,9 @@ pub enum LabError {
     /// The camera has no view.
     #[error(transparent)]
     Camera(#[from] CameraError),
+    /// Four points that are no quad.
+    #[error(transparent)]
+    Homography(#[from] HomographyError),
     /// A texture frame without area.
     #[error(transparent)]
     Frame(#[from] FrameError),

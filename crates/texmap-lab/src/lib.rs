@@ -19,8 +19,13 @@
 //! ```
 #![forbid(unsafe_code)]
 
+pub mod cases;
 pub mod demos;
+mod error;
 pub mod metrics;
 pub mod picture;
 pub mod reference;
+pub mod scenes;
 pub mod strip;
+
+pub use error::LabError;

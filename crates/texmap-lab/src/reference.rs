@@ -33,7 +33,12 @@ impl Pinhole {
         let corner = camera.ray(width, height, 0.0, 0.0)?;
         let right = (camera.ray(width, height, columns, 0.0)? - corner) / columns;
         let down = (camera.ray(width, height, 0.0, rows)? - corner) / rows;
-        Ok(Self { eye: camera.eye, corner, right, down })
+        Ok(Self {
+            eye: camera.eye,
+            corner,
+            right,
+            down,
+        })
     }
 
     /// Direction through position (x, y); a pixel centre has the fraction 0.5.

@@ -23,17 +23,28 @@ const MEASURED: u32 = 640;
 const SECOND: u32 = 6;
 
 pub(super) fn image(size: u32) -> Result<DemoPicture, LabError> {
-    compare("Affine against perspective: a photo on cubes", &paint::cow_photo(512), size)
+    compare(
+        "Affine against perspective: a photo on cubes",
+        &paint::cow_photo(512),
+        size,
+    )
 }
 
 pub(super) fn checker(size: u32) -> Result<DemoPicture, LabError> {
-    compare("Affine against perspective: a checker on cubes", &paint::checker(512, 8, DARK, LIGHT), size)
+    compare(
+        "Affine against perspective: a checker on cubes",
+        &paint::checker(512, 8, DARK, LIGHT),
+        size,
+    )
 }
 
 fn compare(title: &str, photo: &Picture, size: u32) -> Result<DemoPicture, LabError> {
     let affine = cubes(photo, [Interp::Affine; 2])?;
     let perspective = cubes(photo, [Interp::Perspective; 2])?;
-    let (wrong, right) = (Shot::take(&affine, size.max(MEASURED))?, Shot::take(&perspective, size.max(MEASURED))?);
+    let (wrong, right) = (
+        Shot::take(&affine, size.max(MEASURED))?,
+        Shot::take(&perspective, size.max(MEASURED))?,
+    );
     let all = |face: u32| face < 2 * SECOND;
     let mut claims = Vec::new();
     for (name, axis) in [("u", 0), ("v", 1)] {
@@ -52,7 +63,11 @@ fn compare(title: &str, photo: &Picture, size: u32) -> Result<DemoPicture, LabEr
         0.0,
         1e-6,
     ));
-    let map = error_map(&Shot::take(&affine, size)?, &Shot::take(&perspective, size)?, size);
+    let map = error_map(
+        &Shot::take(&affine, size)?,
+        &Shot::take(&perspective, size)?,
+        size,
+    );
     let panels = vec![
         Panel {
             picture: stage::photograph(&affine, size)?,
@@ -83,7 +98,10 @@ pub(super) fn subdivided(size: u32) -> Result<DemoPicture, LabError> {
         "Right cube: one divide a pixel. Nothing is left to cut.",
     ];
     let second = |face: u32| face >= SECOND;
-    let right = Shot::take(&cubes(&photo, [Interp::Perspective; 2])?, size.max(MEASURED))?;
+    let right = Shot::take(
+        &cubes(&photo, [Interp::Perspective; 2])?,
+        size.max(MEASURED),
+    )?;
     let (mut panels, mut errors, mut claims) = (Vec::new(), Vec::new(), Vec::new());
     for ((mode, title), text) in modes.into_iter().zip(titles).zip(texts) {
         let scene = cubes(&photo, [Interp::Affine, mode])?;
@@ -92,31 +110,63 @@ pub(super) fn subdivided(size: u32) -> Result<DemoPicture, LabError> {
             title: title.into(),
             caption: text.into(),
         });
-        errors.push(largest_error(&Shot::take(&scene, size.max(MEASURED))?, &right, 0, second));
+        errors.push(largest_error(
+            &Shot::take(&scene, size.max(MEASURED))?,
+            &right,
+            0,
+            second,
+        ));
     }
     let scene = cubes(&photo, [Interp::Affine; 2])?;
-    let (whole, cut) = (closed_form(&scene, 0, 1, second)?, closed_form(&scene, 0, 2, second)?);
-    claims.push(Claim::new("right cube, 2 triangles a face: largest error in u", errors[0], whole, 0.01 * whole));
-    claims.push(Claim::new("right cube, 8 triangles a face: largest error in u", errors[1], cut, 0.01 * cut));
+    let (whole, cut) = (
+        closed_form(&scene, 0, 1, second)?,
+        closed_form(&scene, 0, 2, second)?,
+    );
+    claims.push(Claim::new(
+        "right cube, 2 triangles a face: largest error in u",
+        errors[0],
+        whole,
+        0.01 * whole,
+    ));
+    claims.push(Claim::new(
+        "right cube, 8 triangles a face: largest error in u",
+        errors[1],
+        cut,
+        0.01 * cut,
+    ));
     claims.push(Claim::new(
         "8 triangles a face leave this part of the error (0.276 at a depth ratio of 1.5 to 0.338 at 4)",
         errors[1] / errors[0],
         cut / whole,
         0.005,
     ));
-    claims.push(Claim::new("right cube, perspective: largest error in u", errors[2], 0.0, 0.0));
-    Ok(sheet("Subdivision shrinks the error, it does not remove it", panels, claims))
+    claims.push(Claim::new(
+        "right cube, perspective: largest error in u",
+        errors[2],
+        0.0,
+        0.0,
+    ));
+    Ok(sheet(
+        "Subdivision shrinks the error, it does not remove it",
+        panels,
+        claims,
+    ))
 }
 
 /// Two cubes of which the left has the first and the right the second interpolation.
 fn cubes(photo: &Picture, interp: [Interp; 2]) -> Result<Scene, LabError> {
     let mut scene = stage::scene(DVec3::new(0.0, 1.9, 3.3), DVec3::new(0.0, -0.25, 0.0), 78.0);
     let texture = stage::texture(&mut scene, photo)?;
-    let places = [(DVec3::new(-1.52, 0.0, 0.0), 22.0), (DVec3::new(1.52, 0.0, 0.0), -38.0)];
+    let places = [
+        (DVec3::new(-1.52, 0.0, 0.0), 22.0),
+        (DVec3::new(1.52, 0.0, 0.0), -38.0),
+    ];
     for (index, (interp, (center, yaw))) in interp.into_iter().zip(places).enumerate() {
         let material = stage::decal(&mut scene, texture, Filter::Trilinear, interp);
         let mut mesh = stage::cube(center, yaw, material);
-        mesh.faces.iter_mut().for_each(|face| *face += SECOND * index as u32);
+        mesh.faces
+            .iter_mut()
+            .for_each(|face| *face += SECOND * index as u32);
         scene.meshes.push(mesh);
     }
     Ok(scene)
@@ -134,7 +184,12 @@ fn largest_error(wrong: &Shot, right: &Shot, axis: usize, of: impl Fn(u32) -> bo
 /// What the largest error must be: along a line of equal w the error of a triangle is linear, so its extreme
 /// lies on an edge, and there it is `|du| |sqrt r - 1| / (sqrt r + 1)`. Taken over the edges of every face
 /// that is turned to the eye, with each triangle cut into `parts` x `parts`.
-fn closed_form(scene: &Scene, axis: usize, parts: u32, of: impl Fn(u32) -> bool) -> Result<f64, LabError> {
+fn closed_form(
+    scene: &Scene,
+    axis: usize,
+    parts: u32,
+    of: impl Fn(u32) -> bool,
+) -> Result<f64, LabError> {
     let view = scene.camera.view()?;
     let mut most = 0.0f64;
     for mesh in &scene.meshes {
@@ -158,7 +213,9 @@ fn closed_form(scene: &Scene, axis: usize, parts: u32, of: impl Fn(u32) -> bool)
 
 /// Ends, in barycentrics, of all edges of a triangle cut into `parts` x `parts` triangles.
 fn edges(parts: u32) -> Vec<(DVec3, DVec3)> {
-    let point = |i: u32, j: u32| DVec3::new(f64::from(i), f64::from(j), f64::from(parts - i - j)) / f64::from(parts);
+    let point = |i: u32, j: u32| {
+        DVec3::new(f64::from(i), f64::from(j), f64::from(parts - i - j)) / f64::from(parts)
+    };
     let mut edges = Vec::new();
     for i in 0..parts {
         for j in 0..parts - i {
@@ -185,9 +242,14 @@ fn against_rays(scene: &Scene, shot: &Shot) -> Result<f64, LabError> {
     let mut most = 0.0f64;
     for (x, y) in shot.pixels() {
         let hit = caster.nearest(f64::from(x) + 0.5, f64::from(y) + 0.5, false);
-        let (Some(hit), Some(uv)) = (hit, shot.uv(x, y)) else { continue };
+        let (Some(hit), Some(uv)) = (hit, shot.uv(x, y)) else {
+            continue;
+        };
         let at = uvs[hit.triangle as usize];
-        let truth = DVec2::new(hit.attribute(at.map(|c| c.x)), hit.attribute(at.map(|c| c.y)));
+        let truth = DVec2::new(
+            hit.attribute(at.map(|c| c.x)),
+            hit.attribute(at.map(|c| c.y)),
+        );
         // Snapped vertices may give a rim pixel to the neighbouring face: compare the faces' inside.
         if hit.weights.min_element() > 0.01 {
             most = most.max((uv - truth).abs().max_element());
@@ -225,6 +287,10 @@ mod tests {
     fn a_cut_triangle_has_its_edges() {
         assert_eq!(edges(1).len(), 3);
         assert_eq!(edges(2).len(), 9);
-        assert!(edges(3).iter().all(|(a, b)| ((*a - *b).length() - 2f64.sqrt() / 3.0).abs() < 1e-15));
+        assert!(
+            edges(3)
+                .iter()
+                .all(|(a, b)| ((*a - *b).length() - 2f64.sqrt() / 3.0).abs() < 1e-15)
+        );
     }
 }

@@ -20,7 +20,14 @@ const TILT: f64 = 25.0;
 const SHIFT: DVec2 = DVec2::new(0.5, 0.25);
 
 /// Corners of the polygon, all in one plane.
-const POLYGON: [(f64, f64); 6] = [(-1.6, -1.15), (1.2, -1.35), (1.75, 0.1), (1.1, 1.3), (-0.6, 1.45), (-1.75, 0.5)];
+const POLYGON: [(f64, f64); 6] = [
+    (-1.6, -1.15),
+    (1.2, -1.35),
+    (1.75, 0.1),
+    (1.1, 1.3),
+    (-0.6, 1.45),
+    (-1.75, 0.5),
+];
 
 /// Pixels a side of the shots that figures are taken from, at least.
 const MEASURED: u32 = 512;
@@ -37,7 +44,8 @@ pub(super) fn frame(size: u32) -> Result<DemoPicture, LabError> {
 
     let side = size.max(MEASURED);
     let shot = |frame: TextureFrame| Shot::take(&scene(Some(frame))?, side);
-    let (straight, round, moved, leaning) = (shot(along)?, shot(turned)?, shot(shifted)?, shot(tilted)?);
+    let (straight, round, moved, leaning) =
+        (shot(along)?, shot(turned)?, shot(shifted)?, shot(tilted)?);
     let by_vertices = Shot::take(&scene(None)?, side)?;
     let largest = |a: &Shot, b: &dyn Fn(u32, u32) -> Option<DVec2>| {
         let distance = |(x, y)| Some((a.uv(x, y)? - b(x, y)?).abs().max_element());
@@ -48,31 +56,84 @@ pub(super) fn frame(size: u32) -> Result<DemoPicture, LabError> {
     let scene_tilted = scene(Some(tilted))?;
     let camera = scene_tilted.camera;
     let on_frame_plane = |x: u32, y: u32| {
-        let ray = camera.ray(side, side, f64::from(x) + 0.5, f64::from(y) + 0.5).ok()?;
+        let ray = camera
+            .ray(side, side, f64::from(x) + 0.5, f64::from(y) + 0.5)
+            .ok()?;
         let t = (tilted.o - camera.eye).dot(tilted.normal()) / ray.dot(tilted.normal());
         Some(tilted.uv(camera.eye + ray * t))
     };
-    let tilt = scene_tilted.meshes[0].frame_tilt().map_or(f64::NAN, f64::to_degrees);
+    let tilt = scene_tilted.meshes[0]
+        .frame_tilt()
+        .map_or(f64::NAN, f64::to_degrees);
     let claims = vec![
-        Claim::new("aligned: A.W/C.W and B.W/C.W against uv interpolated from the vertices", largest(&straight, &|x, y| by_vertices.uv(x, y)), 0.0, 2e-6),
-        Claim::new("turned: coordinates against the aligned ones turned back", largest(&round, &|x, y| straight.uv(x, y).map(turn_back)), 0.0, 2e-6),
-        Claim::new("shifted: coordinates against the aligned ones less (0.5, 0.25)", largest(&moved, &|x, y| straight.uv(x, y).map(|uv| uv - SHIFT)), 0.0, 2e-6),
-        Claim::new("out of plane: coordinates against those where the ray meets the frame's own plane", largest(&leaning, &on_frame_plane), 0.0, 1e-5),
-        Claim::new("out of plane: angle of the frame to the polygon that the warning names, in degrees", tilt, TILT, 1e-3),
+        Claim::new(
+            "aligned: A.W/C.W and B.W/C.W against uv interpolated from the vertices",
+            largest(&straight, &|x, y| by_vertices.uv(x, y)),
+            0.0,
+            2e-6,
+        ),
+        Claim::new(
+            "turned: coordinates against the aligned ones turned back",
+            largest(&round, &|x, y| straight.uv(x, y).map(turn_back)),
+            0.0,
+            2e-6,
+        ),
+        Claim::new(
+            "shifted: coordinates against the aligned ones less (0.5, 0.25)",
+            largest(&moved, &|x, y| straight.uv(x, y).map(|uv| uv - SHIFT)),
+            0.0,
+            2e-6,
+        ),
+        Claim::new(
+            "out of plane: coordinates against those where the ray meets the frame's own plane",
+            largest(&leaning, &on_frame_plane),
+            0.0,
+            1e-5,
+        ),
+        Claim::new(
+            "out of plane: angle of the frame to the polygon that the warning names, in degrees",
+            tilt,
+            TILT,
+            1e-3,
+        ),
     ];
     let mut panels = Vec::new();
     for (frame, title, caption) in [
-        (along, "Along the polygon", "O is the white dot, U the red and V the blue arrow; one texture each."),
-        (turned, "Turned by 30 degrees", "U and V turn in the plane: the texture turns about O."),
-        (shifted, "Shifted", "O moves by U/2 + V/4 and takes the texture along."),
-        (tilted, "V out of the plane by 25 degrees", "The texture lies in another plane: it is seen at an angle and swims as the eye moves."),
+        (
+            along,
+            "Along the polygon",
+            "O is the white dot, U the red and V the blue arrow; one texture each.",
+        ),
+        (
+            turned,
+            "Turned by 30 degrees",
+            "U and V turn in the plane: the texture turns about O.",
+        ),
+        (
+            shifted,
+            "Shifted",
+            "O moves by U/2 + V/4 and takes the texture along.",
+        ),
+        (
+            tilted,
+            "V out of the plane by 25 degrees",
+            "The texture lies in another plane: it is seen at an angle and swims as the eye moves.",
+        ),
     ] {
         let scene = scene(Some(frame))?;
         let mut picture = stage::photograph(&scene, size)?;
         arrows(&mut picture, &scene, &frame, size)?;
-        panels.push(Panel { picture, title: title.into(), caption: caption.into() });
+        panels.push(Panel {
+            picture,
+            title: title.into(),
+            caption: caption.into(),
+        });
     }
-    Ok(sheet("The O-U-V frame: a texture placed by a point and two vectors", panels, claims))
+    Ok(sheet(
+        "The O-U-V frame: a texture placed by a point and two vectors",
+        panels,
+        claims,
+    ))
 }
 
 /// The polygon's plane: to the right, down, and out of it. It is turned away from the eye.
@@ -87,12 +148,22 @@ fn plane() -> (DVec3, DVec3, DVec3) {
 fn scene(frame: Option<TextureFrame>) -> Result<Scene, LabError> {
     let mut scene = stage::scene(DVec3::new(0.0, 0.0, 3.2), DVec3::ZERO, 64.0);
     let texture = stage::texture(&mut scene, &paint::letters(512))?;
-    let material = stage::decal(&mut scene, texture, Filter::Anisotropic(16), Interp::Perspective);
+    let material = stage::decal(
+        &mut scene,
+        texture,
+        Filter::Anisotropic(16),
+        Interp::Perspective,
+    );
     stage::set_wrap(&mut scene, material, Wrap::Repeat);
     let (right, down, _) = plane();
-    let mut mesh = Mesh { material, frame, ..Mesh::default() };
+    let mut mesh = Mesh {
+        material,
+        frame,
+        ..Mesh::default()
+    };
     for (x, y) in POLYGON {
-        mesh.positions.push((right * x - down * y).as_vec3().to_array());
+        mesh.positions
+            .push((right * x - down * y).as_vec3().to_array());
         mesh.uvs.push([(x + 1.0) as f32, (1.0 - y) as f32]);
     }
     mesh.triangles = (1..5).map(|i| [0, i, i + 1]).collect();
@@ -102,16 +173,27 @@ fn scene(frame: Option<TextureFrame>) -> Result<Scene, LabError> {
 }
 
 /// Draws O, and U and V as arrows from it.
-fn arrows(picture: &mut Picture, scene: &Scene, frame: &TextureFrame, size: u32) -> Result<(), LabError> {
+fn arrows(
+    picture: &mut Picture,
+    scene: &Scene,
+    frame: &TextureFrame,
+    size: u32,
+) -> Result<(), LabError> {
     let matrix = scene.camera.clip_from_world(1.0)?;
     let half = 0.5 * f64::from(size);
     let project = |p: DVec3| {
         let clip = matrix * p.extend(1.0);
-        DVec2::new(half * (1.0 + clip.x / clip.w), half * (1.0 - clip.y / clip.w))
+        DVec2::new(
+            half * (1.0 + clip.x / clip.w),
+            half * (1.0 - clip.y / clip.w),
+        )
     };
     let thick = i64::from(size / 192).max(1);
     let o = project(frame.o);
-    for (end, color) in [(frame.o + frame.u, [220, 30, 40, 255]), (frame.o + frame.v, [30, 60, 220, 255])] {
+    for (end, color) in [
+        (frame.o + frame.u, [220, 30, 40, 255]),
+        (frame.o + frame.v, [30, 60, 220, 255]),
+    ] {
         let tip = project(end);
         let back = (o - tip).normalize_or_zero() * f64::from(size) / 28.0;
         stroke(picture, o, tip, thick + 1, [255, 255, 255, 255]);
@@ -123,8 +205,17 @@ fn arrows(picture: &mut Picture, scene: &Scene, frame: &TextureFrame, size: u32)
         stroke(picture, o, tip, thick, color);
     }
     let at = |c: f64, reach: i64| c.floor() as i64 - reach;
-    for (reach, color) in [(thick + 4, [20, 20, 24, 255]), (thick + 2, [255, 255, 255, 255])] {
-        picture.fill(at(o.x, reach), at(o.y, reach), 2 * reach as u32 + 1, 2 * reach as u32 + 1, color);
+    for (reach, color) in [
+        (thick + 4, [20, 20, 24, 255]),
+        (thick + 2, [255, 255, 255, 255]),
+    ] {
+        picture.fill(
+            at(o.x, reach),
+            at(o.y, reach),
+            2 * reach as u32 + 1,
+            2 * reach as u32 + 1,
+            color,
+        );
     }
     Ok(())
 }

@@ -35,8 +35,18 @@ pub(super) fn tjoint(size: u32) -> Result<DemoPicture, LabError> {
     let seam = seam_at_joint(&linear, side)?;
     let cured = seam_at_joint(&right, side)?;
     let claims = vec![
-        Claim::new("step of colour across the T-joint is |(1 - r)/(2(1 + r))|, r the depth ratio", seam, expected, TOLERANCE),
-        Claim::new("the same step with colours linear on the surface", cured, 0.0, TOLERANCE),
+        Claim::new(
+            "step of colour across the T-joint is |(1 - r)/(2(1 + r))|, r the depth ratio",
+            seam,
+            expected,
+            TOLERANCE,
+        ),
+        Claim::new(
+            "the same step with colours linear on the surface",
+            cured,
+            0.0,
+            TOLERANCE,
+        ),
     ];
     let picture = stage::photograph(&linear, size)?;
     let mut mesh = picture.clone();
@@ -45,15 +55,45 @@ pub(super) fn tjoint(size: u32) -> Result<DemoPicture, LabError> {
     let mut zoom = Picture::new(size, size, GRAY);
     let reach = i64::from(size / 16).max(4);
     let region = [joint.0 - reach, joint.1 - reach, 2 * reach, 2 * reach];
-    zoom.blit_zoomed(0, 0, &Shot::take(&linear, size)?.picture, region, size / (2 * reach as u32));
-    let panel = |picture, title: &str, caption: &str| Panel { picture, title: title.into(), caption: caption.into() };
+    zoom.blit_zoomed(
+        0,
+        0,
+        &Shot::take(&linear, size)?.picture,
+        region,
+        size / (2 * reach as u32),
+    );
+    let panel = |picture, title: &str, caption: &str| Panel {
+        picture,
+        title: title.into(),
+        caption: caption.into(),
+    };
     let panels = vec![
-        panel(mesh, "The mesh", "Left one quad, right two: a vertex of the right lies in the middle of the left's edge."),
-        panel(picture, "Screen-linear Gouraud", "The colours are one ramp on the floor, yet the left half is wrong: a seam."),
-        panel(zoom, "At the joint", "The right quads have the true colour here, the left one that of another depth."),
-        panel(stage::photograph(&right, size)?, "Perspective Gouraud", "Colours premultiplied by 1/w: the seam is gone."),
+        panel(
+            mesh,
+            "The mesh",
+            "Left one quad, right two: a vertex of the right lies in the middle of the left's edge.",
+        ),
+        panel(
+            picture,
+            "Screen-linear Gouraud",
+            "The colours are one ramp on the floor, yet the left half is wrong: a seam.",
+        ),
+        panel(
+            zoom,
+            "At the joint",
+            "The right quads have the true colour here, the left one that of another depth.",
+        ),
+        panel(
+            stage::photograph(&right, size)?,
+            "Perspective Gouraud",
+            "Colours premultiplied by 1/w: the seam is gone.",
+        ),
     ];
-    Ok(sheet("Gouraud shading: the seam at a T-joint", panels, claims))
+    Ok(sheet(
+        "Gouraud shading: the seam at a T-joint",
+        panels,
+        claims,
+    ))
 }
 
 pub(super) fn lod(size: u32) -> Result<DemoPicture, LabError> {
@@ -61,38 +101,80 @@ pub(super) fn lod(size: u32) -> Result<DemoPicture, LabError> {
     let fine = floor(Gouraud::ScreenLinear, [4, 4])?;
     let side = size.max(MEASURED);
     let (a, b) = (Shot::take(&coarse, side)?, Shot::take(&fine, side)?);
-    let (pa, pb) =
-        (Shot::take(&floor(Gouraud::Perspective, [1, 1])?, side)?, Shot::take(&floor(Gouraud::Perspective, [4, 4])?, side)?);
+    let (pa, pb) = (
+        Shot::take(&floor(Gouraud::Perspective, [1, 1])?, side)?,
+        Shot::take(&floor(Gouraud::Perspective, [4, 4])?, side)?,
+    );
     // Colour depends on depth alone and a row of the picture has one depth, so the pop is that of a span:
     // two broken lines, farthest apart at a vertex of the fine mesh, where the fine colour is right.
     let ratio = depth_ratio(&coarse)?;
-    let pop = (1..4).map(|k| f64::from(k) / 4.0).map(|s| (s - interp::t_from_s_z(s, 1.0, ratio)).abs()).fold(0.0, f64::max);
+    let pop = (1..4)
+        .map(|k| f64::from(k) / 4.0)
+        .map(|s| (s - interp::t_from_s_z(s, 1.0, ratio)).abs())
+        .fold(0.0, f64::max);
     let claims = vec![
-        Claim::new("largest pop of the colour at the switch is max |s - t(s)| at the new vertices", largest_step(&a, &b), pop, TOLERANCE),
-        Claim::new("largest pop with colours linear on the surface", largest_step(&pa, &pb), 0.0, 1.0 / 255.0),
+        Claim::new(
+            "largest pop of the colour at the switch is max |s - t(s)| at the new vertices",
+            largest_step(&a, &b),
+            pop,
+            TOLERANCE,
+        ),
+        Claim::new(
+            "largest pop with colours linear on the surface",
+            largest_step(&pa, &pb),
+            0.0,
+            1.0 / 255.0,
+        ),
     ];
     let (small_a, small_b) = (Shot::take(&coarse, size)?, Shot::take(&fine, size)?);
     let mut map = Picture::new(size, size, GRAY);
-    for (x, y) in small_a.pixels().filter(|&(x, y)| small_a.face(x, y).is_some()) {
-        map.set(i64::from(x), i64::from(y), heat(step(&small_a, &small_b, x, y) * 2.0));
+    for (x, y) in small_a
+        .pixels()
+        .filter(|&(x, y)| small_a.face(x, y).is_some())
+    {
+        map.set(
+            i64::from(x),
+            i64::from(y),
+            heat(step(&small_a, &small_b, x, y) * 2.0),
+        );
     }
     let with_wires = |scene: &Scene| -> Result<Picture, LabError> {
         let mut picture = stage::photograph(scene, size)?;
         outline(&mut picture, scene, size)?;
         Ok(picture)
     };
-    let panel = |picture, title: &str, caption: &str| Panel { picture, title: title.into(), caption: caption.into() };
+    let panel = |picture, title: &str, caption: &str| Panel {
+        picture,
+        title: title.into(),
+        caption: caption.into(),
+    };
     let panels = vec![
-        panel(with_wires(&coarse)?, "Coarse level of detail", "One quad deep, colours linear on the screen."),
-        panel(with_wires(&fine)?, "Fine level of detail", "Four quads deep, the same ramp: the whole floor changes its colour."),
-        panel(map, "What pops at the switch", "Black: nothing. White: half of the whole ramp."),
+        panel(
+            with_wires(&coarse)?,
+            "Coarse level of detail",
+            "One quad deep, colours linear on the screen.",
+        ),
+        panel(
+            with_wires(&fine)?,
+            "Fine level of detail",
+            "Four quads deep, the same ramp: the whole floor changes its colour.",
+        ),
+        panel(
+            map,
+            "What pops at the switch",
+            "Black: nothing. White: half of the whole ramp.",
+        ),
         panel(
             stage::photograph(&floor(Gouraud::Perspective, [1, 1])?, size)?,
             "Perspective Gouraud",
             "Coarse and fine are the same picture: no pop.",
         ),
     ];
-    Ok(sheet("Gouraud shading: the pop of a level-of-detail switch", panels, claims))
+    Ok(sheet(
+        "Gouraud shading: the pop of a level-of-detail switch",
+        panels,
+        claims,
+    ))
 }
 
 const LEFT: f64 = -1.6;
@@ -108,21 +190,27 @@ fn floor(gouraud: Gouraud, parts: [u32; 2]) -> Result<Scene, LabError> {
     for (half, parts) in parts.into_iter().enumerate() {
         let (left, right) = if half == 0 { (LEFT, 0.0) } else { (0.0, -LEFT) };
         let across = if parts > 2 { parts / 2 } else { 1 };
-        let mut mesh = Mesh { material, ..Mesh::default() };
+        let mut mesh = Mesh {
+            material,
+            ..Mesh::default()
+        };
         for row in 0..=parts {
             let s = f64::from(row) / f64::from(parts);
             for column in 0..=across {
                 let x = left + (right - left) * f64::from(column) / f64::from(across);
                 let z = NEAR_Z * (1.0 - s) + FAR_Z * s;
-                mesh.positions.push(DVec3::new(x, 0.0, z).as_vec3().to_array());
-                mesh.colors.push([0, 1, 2].map(|c| NEAR[c] * (1.0 - s as f32) + FAR[c] * s as f32));
+                mesh.positions
+                    .push(DVec3::new(x, 0.0, z).as_vec3().to_array());
+                mesh.colors
+                    .push([0, 1, 2].map(|c| NEAR[c] * (1.0 - s as f32) + FAR[c] * s as f32));
             }
         }
         for row in 0..parts {
             for column in 0..across {
                 let a = row * (across + 1) + column;
                 let far = a + across + 1;
-                mesh.triangles.extend([[a, a + 1, far + 1], [a, far + 1, far]]);
+                mesh.triangles
+                    .extend([[a, a + 1, far + 1], [a, far + 1, far]]);
                 mesh.faces.extend([row * across + column; 2]);
             }
         }
@@ -153,19 +241,25 @@ fn seam_at_joint(scene: &Scene, size: u32) -> Result<f64, LabError> {
 }
 
 fn step(a: &Shot, b: &Shot, x: u32, y: u32) -> f64 {
-    let green = |shot: &Shot| f64::from(shot.picture.get(i64::from(x), i64::from(y))[GREEN]) / 255.0;
+    let green =
+        |shot: &Shot| f64::from(shot.picture.get(i64::from(x), i64::from(y))[GREEN]) / 255.0;
     (green(a) - green(b)).abs()
 }
 
 fn largest_step(a: &Shot, b: &Shot) -> f64 {
-    a.pixels().map(|(x, y)| step(a, b, x, y)).fold(0.0, f64::max)
+    a.pixels()
+        .map(|(x, y)| step(a, b, x, y))
+        .fold(0.0, f64::max)
 }
 
 /// The pixel that shows a point in front of the eye.
 fn project(scene: &Scene, point: DVec3, size: u32) -> Result<(i64, i64), LabError> {
     let clip = scene.camera.clip_from_world(1.0)? * point.extend(1.0);
     let half = 0.5 * f64::from(size);
-    Ok(((half * (1.0 + clip.x / clip.w)).floor() as i64, (half * (1.0 - clip.y / clip.w)).floor() as i64))
+    Ok((
+        (half * (1.0 + clip.x / clip.w)).floor() as i64,
+        (half * (1.0 - clip.y / clip.w)).floor() as i64,
+    ))
 }
 
 /// Draws the edges of all quads.

@@ -6,13 +6,102 @@
 //! with the renderer's own named methods, measures what the picture shows and holds it against the closed
 //! form.
 
+mod affine;
+mod frame;
+mod gouraud;
+mod mapping;
 mod paint;
 mod sheet;
+mod stage;
+mod tiling;
+mod transparency;
 
+use std::ops::RangeInclusive;
+
+use crate::LabError;
 use crate::picture::Picture;
+
+/// Pixels a side that a panel may have.
+pub const SIZES: RangeInclusive<u32> = 128..=1024;
 
 /// Edge of a panel in pixels when the caller has no wish.
 pub const DEFAULT_SIZE: u32 = 384;
+
+type Draw = fn(u32) -> Result<DemoPicture, LabError>;
+
+const DEMOS: [(&str, &str, Draw); 9] = [
+    (
+        "affine-image",
+        "a photo on cubes, screen-linear against perspective",
+        affine::image,
+    ),
+    (
+        "affine-checker",
+        "a checker on cubes, screen-linear against perspective",
+        affine::checker,
+    ),
+    (
+        "subdivided",
+        "cubes with 2 and with 8 affine triangles a face",
+        affine::subdivided,
+    ),
+    (
+        "gouraud-tjoint",
+        "the seam of Gouraud colours at a T-joint",
+        gouraud::tjoint,
+    ),
+    (
+        "gouraud-lod",
+        "the pop of Gouraud colours at a level-of-detail switch",
+        gouraud::lod,
+    ),
+    (
+        "tiling",
+        "the five wrap modes, and truncation instead of floor",
+        tiling::tiling,
+    ),
+    (
+        "transparency",
+        "holes by alpha test, and holes that write depth",
+        transparency::transparency,
+    ),
+    (
+        "forward-inverse",
+        "texel to pixel with its overdraw, against pixel to texel",
+        mapping::forward_inverse,
+    ),
+    (
+        "frame",
+        "the O-U-V frame turned, shifted and out of the plane",
+        frame::frame,
+    ),
+];
+
+/// The demos' names, each with what it shows in one line.
+pub fn list() -> impl Iterator<Item = (&'static str, &'static str)> {
+    DEMOS.iter().map(|&(name, what, _)| (name, what))
+}
+
+pub(crate) fn names() -> String {
+    list().map(|(name, _)| name).collect::<Vec<_>>().join(", ")
+}
+
+/// Draws a demo with panels of `size` by `size` pixels (see [`SIZES`] and [`DEFAULT_SIZE`]).
+///
+/// A claim that fails is no error: it is drawn in red, and [`Claim::holds`] tells.
+///
+/// # Errors
+/// When the name is unknown or the size out of range.
+pub fn demo(name: &str, size: u32) -> Result<DemoPicture, LabError> {
+    let (_, _, draw) = DEMOS
+        .iter()
+        .find(|(known, ..)| *known == name)
+        .ok_or_else(|| LabError::UnknownDemo(name.to_owned()))?;
+    if !SIZES.contains(&size) {
+        return Err(LabError::PanelSize(size));
+    }
+    draw(size)
+}
 
 /// A figure that a demo measures on its own pictures and what theory says it must be.
 #[derive(Clone, Debug, PartialEq)]
@@ -29,7 +118,12 @@ pub struct Claim {
 
 impl Claim {
     fn new(text: impl Into<String>, measured: f64, expected: f64, tolerance: f64) -> Self {
-        Self { text: text.into(), measured, expected, tolerance }
+        Self {
+            text: text.into(),
+            measured,
+            expected,
+            tolerance,
+        }
     }
 
     /// Whether the measured figure supports the claim; a NaN never does.
@@ -42,7 +136,11 @@ impl std::fmt::Display for Claim {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let verdict = if self.holds() { "holds" } else { "FAILS" };
         let (measured, expected) = (figure(self.measured), figure(self.expected));
-        write!(f, "{verdict}: {}: measured {measured}, expected {expected}", self.text)?;
+        write!(
+            f,
+            "{verdict}: {}: measured {measured}, expected {expected}",
+            self.text
+        )?;
         if self.tolerance > 0.0 {
             write!(f, " +- {}", figure(self.tolerance))?;
         }
@@ -56,7 +154,10 @@ fn figure(value: f64) -> String {
     match size {
         _ if !value.is_finite() || value.fract() == 0.0 && size < 1e7 => format!("{value}"),
         _ if !(1e-3..1e5).contains(&size) => format!("{value:.2e}"),
-        _ => format!("{value:.*}", (3 - size.log10().floor() as i32).clamp(0, 6) as usize),
+        _ => format!(
+            "{value:.*}",
+            (3 - size.log10().floor() as i32).clamp(0, 6) as usize
+        ),
     }
 }
 
@@ -77,18 +178,4 @@ struct Panel {
     picture: Picture,
     title: String,
     caption: String,
-}
-
-#[cfg(test)]
-mod scratch {
-    #[test]
-    fn look() {
-        use super::*;
-        let panel = |t: &str, p: Picture| Panel { picture: p, title: t.into(), caption: "A caption that is long enough to need more than one line of the panel.".into() };
-        let s = sheet::sheet("The textures of the demos", vec![
-            panel("Checker", paint::checker(384, 8, [40,50,70,255],[240,235,220,255])),
-            panel("Letters", paint::letters(384)), panel("Bricks", paint::bricks(384)), panel("Lattice", paint::lattice(384)), panel("Cow", paint::cow_photo(384))],
-            vec![Claim::new("largest error of the affine image against the closed form, of the range", 0.1712, 0.17157, 0.0017), Claim::new("bad", 1.0, 2.0, 0.0)]);
-        image::save_buffer("/tmp/texmap/lab_look.png", s.image.rgba(), s.image.width(), s.image.height(), image::ExtendedColorType::Rgba8).unwrap();
-    }
 }

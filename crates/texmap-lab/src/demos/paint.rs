@@ -6,7 +6,13 @@ use crate::picture::{Picture, Rgba};
 /// A checkerboard of `cells` by `cells` fields on `size` by `size` texels.
 pub(super) fn checker(size: u32, cells: u32, dark: Rgba, light: Rgba) -> Picture {
     let cell = (size / cells).max(1);
-    paint(size, |x, y| if (x / cell + y / cell) % 2 == 0 { light } else { dark })
+    paint(size, |x, y| {
+        if (x / cell + y / cell) % 2 == 0 {
+            light
+        } else {
+            dark
+        }
+    })
 }
 
 /// Four by four fields lettered A1 (top left) to D4: shows at a glance where a texture lies and which way up.
@@ -14,12 +20,21 @@ pub(super) fn letters(size: u32) -> Picture {
     let cell = size / 4;
     let mut picture = paint(size, |x, y| {
         let (column, row) = ((x / cell).min(3), (y / cell).min(3));
-        let hue = [[232, 106, 88], [240, 178, 74], [94, 170, 120], [84, 140, 200]][column as usize];
+        let hue = [
+            [232, 106, 88],
+            [240, 178, 74],
+            [94, 170, 120],
+            [84, 140, 200],
+        ][column as usize];
         let shade = if (column + row) % 2 == 0 { 100 } else { 78 };
         let lift = 12 * row;
         let tone = |c: u32| (c * shade / 100 + lift).min(255) as u8;
         let edge = x % cell == 0 || y % cell == 0;
-        if edge { [40, 40, 48, 255] } else { [tone(hue[0]), tone(hue[1]), tone(hue[2]), 255] }
+        if edge {
+            [40, 40, 48, 255]
+        } else {
+            [tone(hue[0]), tone(hue[1]), tone(hue[2]), 255]
+        }
     });
     let scale = (cell / 24).max(1);
     for row in 0..4u32 {
@@ -46,7 +61,12 @@ pub(super) fn bricks(size: u32) -> Picture {
             return [196 + grain / 2, 190 + grain / 2, 180 + grain / 2, 255];
         }
         let tint = (hash(shifted / brick + 17, row + 91) >> 27) as u8;
-        [150 + tint + grain / 2, 66 + tint / 2 + grain / 2, 50 + tint / 3 + grain / 2, 255]
+        [
+            150 + tint + grain / 2,
+            66 + tint / 2 + grain / 2,
+            50 + tint / 3 + grain / 2,
+            255,
+        ]
     })
 }
 
@@ -85,7 +105,12 @@ pub(super) fn cow_photo(size: u32) -> Picture {
                 *total += u32::from(c);
             }
         }
-        [(sum[0] / 4) as u8, (sum[1] / 4) as u8, (sum[2] / 4) as u8, 255]
+        [
+            (sum[0] / 4) as u8,
+            (sum[1] / 4) as u8,
+            (sum[2] / 4) as u8,
+            255,
+        ]
     })
 }
 
@@ -98,13 +123,21 @@ fn cow(x: i64, y: i64) -> [u8; 3] {
         dx * dx + dy * dy <= 1_000_000
     };
     if x.min(y).min(1000 - x).min(1000 - y) < 40 {
-        return if (x / 50 + y / 50) % 2 == 0 { [245, 240, 225] } else { [70, 60, 80] };
+        return if (x / 50 + y / 50) % 2 == 0 {
+            [245, 240, 225]
+        } else {
+            [70, 60, 80]
+        };
     }
     if ellipse(58, 700, 26, 18) {
         return [88, 30, 62];
     }
     if ellipse(0, 715, 190, 115) {
-        return if y > 758 && y < 768 && side < 90 { [150, 74, 110] } else { [242, 186, 202] };
+        return if y > 758 && y < 768 && side < 90 {
+            [150, 74, 110]
+        } else {
+            [242, 186, 202]
+        };
     }
     if ellipse(105, 445, 20, 26) {
         return [20, 18, 28];
@@ -117,7 +150,11 @@ fn cow(x: i64, y: i64) -> [u8; 3] {
         return if patch { [98, 44, 140] } else { [154, 84, 200] };
     }
     if ellipse(285, 330, 95, 52) {
-        return if ellipse(285, 335, 60, 28) { [236, 170, 196] } else { [128, 62, 172] };
+        return if ellipse(285, 335, 60, 28) {
+            [236, 170, 196]
+        } else {
+            [128, 62, 172]
+        };
     }
     if ellipse(170, 190, 42, 95) {
         return [238, 226, 190];

@@ -17,17 +17,32 @@ const LINE: u32 = 20;
 
 /// Sets a title, the panels in one row (or two rows beyond four panels) and the claims on a sheet of paper.
 pub(super) fn sheet(title: &str, panels: Vec<Panel>, claims: Vec<Claim>) -> DemoPicture {
-    let size = panels.iter().map(|p| p.picture.width().max(p.picture.height())).max().unwrap_or(1);
+    let size = panels
+        .iter()
+        .map(|p| p.picture.width().max(p.picture.height()))
+        .max()
+        .unwrap_or(1);
     let scale = if size >= 560 { 2 } else { 1 };
     let line = LINE * scale;
-    let columns = if panels.len() > 4 { panels.len().div_ceil(2) } else { panels.len() } as u32;
+    let columns = if panels.len() > 4 {
+        panels.len().div_ceil(2)
+    } else {
+        panels.len()
+    } as u32;
     let rows = (panels.len() as u32).div_ceil(columns.max(1));
     let width = columns * (size + GAP) + GAP;
     let fit = |pixels: u32| (pixels / (GLYPH * scale)) as usize;
     let texts: Vec<Vec<String>> = panels.iter().map(|p| wrap(&p.caption, fit(size))).collect();
     let caption_lines = texts.iter().map(Vec::len).max().unwrap_or(0) as u32;
-    let title_scale = if fit(width - 2 * GAP) >= 2 * title.chars().count() { 2 * scale } else { scale };
-    let title_lines = wrap(title, (width as usize - 2 * GAP as usize) / (GLYPH * title_scale) as usize);
+    let title_scale = if fit(width - 2 * GAP) >= 2 * title.chars().count() {
+        2 * scale
+    } else {
+        scale
+    };
+    let title_lines = wrap(
+        title,
+        (width as usize - 2 * GAP as usize) / (GLYPH * title_scale) as usize,
+    );
     let title_height = GAP + LINE * title_scale * title_lines.len() as u32 + GAP / 2;
     let caption_height = line * (1 + caption_lines) + GAP / 2;
     let row_height = size + GAP / 2 + caption_height;
@@ -35,7 +50,9 @@ pub(super) fn sheet(title: &str, panels: Vec<Panel>, claims: Vec<Claim>) -> Demo
         .iter()
         .flat_map(|claim| {
             let color = if claim.holds() { GOOD } else { BAD };
-            wrap(&claim.to_string(), fit(width - 2 * GAP)).into_iter().map(move |text| (color, text))
+            wrap(&claim.to_string(), fit(width - 2 * GAP))
+                .into_iter()
+                .map(move |text| (color, text))
         })
         .collect();
     let footer_height = GAP + line * footer.len() as u32 + GAP / 2;
@@ -55,7 +72,13 @@ pub(super) fn sheet(title: &str, panels: Vec<Panel>, claims: Vec<Claim>) -> Demo
         let top = y + i64::from(size + GAP / 2);
         image.text(x, top, scale, INK, &panel.title);
         for (below, text) in texts[index].iter().enumerate() {
-            image.text(x, top + i64::from(line) * (below as i64 + 1), scale, SOFT, text);
+            image.text(
+                x,
+                top + i64::from(line) * (below as i64 + 1),
+                scale,
+                SOFT,
+                text,
+            );
         }
     }
     let top = i64::from(height - footer_height);
@@ -64,6 +87,13 @@ pub(super) fn sheet(title: &str, panels: Vec<Panel>, claims: Vec<Claim>) -> Demo
         let y = top + i64::from(GAP) + i64::from(line) * index as i64;
         image.text(i64::from(GAP), y, scale, *color, text);
     }
-    let captions = panels.into_iter().map(|p| format!("{}: {}", p.title, p.caption)).collect();
-    DemoPicture { image, captions, claims }
+    let captions = panels
+        .into_iter()
+        .map(|p| format!("{}: {}", p.title, p.caption))
+        .collect();
+    DemoPicture {
+        image,
+        captions,
+        claims,
+    }
 }

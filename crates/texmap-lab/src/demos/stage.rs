@@ -1,11 +1,12 @@
 //! What the demos put before the camera: quads and cubes, their materials, and pictures taken of them.
 
-use texmap_math::glam::{DMat4, DVec2, DVec3, DVec4};
 use texmap_light::Surface;
 use texmap_math::camera::Camera;
+use texmap_math::glam::{DMat4, DVec2, DVec3, DVec4};
 use texmap_raster::Interp;
 use texmap_render::{
-    AlphaMode, Aov, AovData, ColorMode, Gouraud, Material, Mesh, Scene, Settings, Shading, TextureRole, TextureSlot,
+    AlphaMode, Aov, AovData, ColorMode, Gouraud, Material, Mesh, Scene, Settings, Shading,
+    TextureRole, TextureSlot,
 };
 use texmap_sample::{ColorSpace, Filter, Origin, Sampler, Texture2d, UvTransform, Wrap};
 
@@ -19,7 +20,14 @@ const BACKGROUND: [f32; 4] = [0.80, 0.85, 0.90, 1.0];
 pub(super) fn scene(eye: DVec3, look: DVec3, fov: f64) -> Scene {
     let fov_x = fov.to_radians();
     Scene {
-        camera: Camera { eye, look, up: DVec3::Y, fov_x, near: 1e-3, far: f64::INFINITY },
+        camera: Camera {
+            eye,
+            look,
+            up: DVec3::Y,
+            fov_x,
+            near: 1e-3,
+            far: f64::INFINITY,
+        },
         background: BACKGROUND,
         color: ColorMode::Srgb,
         depth_test: texmap_raster::DepthTest::Less,
@@ -34,19 +42,32 @@ pub(super) fn scene(eye: DVec3, look: DVec3, fov: f64) -> Scene {
 /// Adds a texture with its mip chain.
 pub(super) fn texture(scene: &mut Scene, picture: &Picture) -> Result<usize, LabError> {
     let rgba = picture.rgba().to_vec();
-    let texture =
-        Texture2d::from_rgba8(picture.width(), picture.height(), rgba, ColorSpace::Srgb, Origin::TopLeft)?.with_mips();
+    let texture = Texture2d::from_rgba8(
+        picture.width(),
+        picture.height(),
+        rgba,
+        ColorSpace::Srgb,
+        Origin::TopLeft,
+    )?
+    .with_mips();
     scene.textures.push(texture);
     Ok(scene.textures.len() - 1)
 }
 
 /// Adds an unlit material that copies the texels of a texture.
 pub(super) fn decal(scene: &mut Scene, texture: usize, filter: Filter, interp: Interp) -> usize {
-    let sampler = Sampler { filter, ..Sampler::default() };
+    let sampler = Sampler {
+        filter,
+        ..Sampler::default()
+    };
     add(
         scene,
         Material {
-            base_color: Some(TextureSlot { texture, sampler, transform: UvTransform::default() }),
+            base_color: Some(TextureSlot {
+                texture,
+                sampler,
+                transform: UvTransform::default(),
+            }),
             texture_role: TextureRole::Decal,
             shading: Shading::Unlit,
             interp,
@@ -57,8 +78,19 @@ pub(super) fn decal(scene: &mut Scene, texture: usize, filter: Filter, interp: I
 
 /// Adds an unlit material that shows the colours of the vertices.
 pub(super) fn vertex_colors(scene: &mut Scene, gouraud: Gouraud) -> usize {
-    let surface = Surface { color: [1.0; 3], ..Surface::default() };
-    add(scene, Material { surface, shading: Shading::Unlit, gouraud, ..Material::default() })
+    let surface = Surface {
+        color: [1.0; 3],
+        ..Surface::default()
+    };
+    add(
+        scene,
+        Material {
+            surface,
+            shading: Shading::Unlit,
+            gouraud,
+            ..Material::default()
+        },
+    )
 }
 
 /// Adds a material and gives its index.
@@ -112,11 +144,17 @@ pub(super) fn cube(center: DVec3, yaw: f64, material: usize) -> Mesh {
     ];
     for (face, (out, right, up)) in sides.into_iter().enumerate() {
         let first = mesh.positions.len() as u32;
-        for corner in [out - right + up, out + right + up, out + right - up, out - right - up] {
+        for corner in [
+            out - right + up,
+            out + right + up,
+            out + right - up,
+            out - right - up,
+        ] {
             mesh.positions.push(corner.as_vec3().to_array());
         }
         mesh.uvs.extend(UNIT_UV);
-        mesh.triangles.extend([[0, 3, 2], [0, 2, 1]].map(|t: [u32; 3]| t.map(|i| first + i)));
+        mesh.triangles
+            .extend([[0, 3, 2], [0, 2, 1]].map(|t: [u32; 3]| t.map(|i| first + i)));
         mesh.faces.extend([face as u32; 2]);
     }
     mesh
@@ -135,9 +173,13 @@ fn turn(yaw: f64) -> DMat4 {
 
 /// A picture of a scene without buffers, smoothed by 3 x 3 samples.
 pub(super) fn photograph(scene: &Scene, size: u32) -> Result<Picture, LabError> {
-    let settings = Settings { supersample: 3, ..Settings::new(size, size) };
+    let settings = Settings {
+        supersample: 3,
+        ..Settings::new(size, size)
+    };
     let frame = texmap_render::render(scene, &settings, &|_, _| {})?;
-    Ok(Picture::from_rgba(size, size, frame.rgba).unwrap_or_else(|| Picture::new(size, size, [0; 4])))
+    Ok(Picture::from_rgba(size, size, frame.rgba)
+        .unwrap_or_else(|| Picture::new(size, size, [0; 4])))
 }
 
 /// A picture at one sample a pixel together with what lies under each pixel.
@@ -155,7 +197,14 @@ impl Shot {
     /// Takes the picture.
     pub(super) fn take(scene: &Scene, size: u32) -> Result<Self, LabError> {
         let aovs = vec![Aov::Uv, Aov::Face, Aov::Depth, Aov::Position];
-        let frame = texmap_render::render(scene, &Settings { aovs, ..Settings::new(size, size) }, &|_, _| {})?;
+        let frame = texmap_render::render(
+            scene,
+            &Settings {
+                aovs,
+                ..Settings::new(size, size)
+            },
+            &|_, _| {},
+        )?;
         let floats = |wanted: Aov| match frame.aovs.iter().find(|(aov, ..)| *aov == wanted) {
             Some((_, _, AovData::F32(values))) => values.clone(),
             _ => Vec::new(),
@@ -165,8 +214,16 @@ impl Shot {
             _ => Vec::new(),
         };
         let (uv, depth, position) = (floats(Aov::Uv), floats(Aov::Depth), floats(Aov::Position));
-        let picture = Picture::from_rgba(size, size, frame.rgba).unwrap_or_else(|| Picture::new(size, size, [0; 4]));
-        Ok(Self { picture, size, uv, face, depth, position })
+        let picture = Picture::from_rgba(size, size, frame.rgba)
+            .unwrap_or_else(|| Picture::new(size, size, [0; 4]));
+        Ok(Self {
+            picture,
+            size,
+            uv,
+            face,
+            depth,
+            position,
+        })
     }
 
     /// Pixels a side.
@@ -189,12 +246,18 @@ impl Shot {
 
     /// The face under a pixel.
     pub(super) fn face(&self, x: u32, y: u32) -> Option<u32> {
-        self.face.get(self.index(x, y)).copied().filter(|&face| face != u32::MAX)
+        self.face
+            .get(self.index(x, y))
+            .copied()
+            .filter(|&face| face != u32::MAX)
     }
 
     /// The depth buffer at a pixel (1 near, 0 far); `None` where nothing is seen.
     pub(super) fn depth(&self, x: u32, y: u32) -> Option<f32> {
-        self.depth.get(self.index(x, y)).copied().filter(|depth| depth.is_finite())
+        self.depth
+            .get(self.index(x, y))
+            .copied()
+            .filter(|depth| depth.is_finite())
     }
 
     /// The point in space under a pixel.

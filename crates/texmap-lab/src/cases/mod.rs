@@ -1,0 +1,186 @@
+//! The failure cases: inputs on which rasterizers, interpolators and samplers are known to break, each with
+//! the figure that is still acceptable.
+//!
+//! A file of cases ([`parse`]) says what is put in, what must come out and how good is good enough; a runner
+//! of the same id ([`run`]) measures texmap's public API and, beside it, the naive methods that must fail.
+
+mod interp;
+mod naive;
+mod probe;
+mod raster;
+mod sampler;
+
+use serde::Deserialize;
+
+use crate::LabError;
+
+/// One failure case of a file.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Case {
+    /// Short id: R for the rasterizer, I for interpolation, S for the sampler.
+    pub id: String,
+    /// What is put in.
+    pub input: String,
+    /// What must come out.
+    pub expected: String,
+    /// The figures that are demanded.
+    #[serde(rename = "check")]
+    pub checks: Vec<Check>,
+}
+
+/// A figure that is demanded of a method.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Check {
+    /// The method measured; a naive one has `must_fail`.
+    pub method: String,
+    /// What is measured, with its unit.
+    pub measure: String,
+    /// Largest value that is accepted.
+    pub limit: Option<f64>,
+    /// Smallest value that is accepted.
+    pub at_least: Option<f64>,
+    /// The value that theory gives; the measured one must lie within `within` (relative) of it.
+    pub figure: Option<f64>,
+    /// Relative tolerance of `figure`, 0.01 if not given.
+    pub within: Option<f64>,
+    /// The method is naive on purpose: `limit` and `at_least` must NOT both be met.
+    #[serde(default)]
+    pub must_fail: bool,
+}
+
+impl Check {
+    /// Whether a measured value is what the check asks for. NaN meets no bound.
+    pub fn holds(&self, value: f64) -> bool {
+        let figure = self.figure.is_none_or(|f| (value - f).abs() <= self.within.unwrap_or(0.01) * f.abs());
+        let bounds = self.limit.is_none_or(|l| value <= l) && self.at_least.is_none_or(|l| value >= l);
+        figure && bounds != self.must_fail
+    }
+}
+
+/// A figure that a runner has measured.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Measurement {
+    /// The method measured.
+    pub method: String,
+    /// What was measured, with its unit.
+    pub measure: String,
+    /// The figure.
+    pub value: f64,
+}
+
+impl Measurement {
+    fn new(method: &str, measure: impl Into<String>, value: f64) -> Self {
+        Self { method: method.into(), measure: measure.into(), value }
+    }
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct File {
+    #[serde(rename = "case")]
+    cases: Vec<Case>,
+}
+
+/// Reads a file of cases.
+///
+/// # Errors
+/// When the text is not TOML of this schema, an id comes twice, or a check demands nothing.
+pub fn parse(text: &str) -> Result<Vec<Case>, LabError> {
+    let file: File = toml::from_str(text).map_err(|error| LabError::Cases(error.to_string()))?;
+    for (index, case) in file.cases.iter().enumerate() {
+        let id = &case.id;
+        if file.cases[..index].iter().any(|earlier| earlier.id == *id) {
+            return Err(LabError::Cases(format!("the id '{id}' is given twice")));
+        }
+        if case.checks.is_empty() {
+            return Err(LabError::Cases(format!("case '{id}' has no check")));
+        }
+        for check in &case.checks {
+            let Check { method, measure, limit, at_least, figure, .. } = check;
+            let bounded = limit.is_some() || at_least.is_some();
+            if !(bounded || figure.is_some() && !check.must_fail) {
+                return Err(LabError::Cases(format!(
+                    "case '{id}', {method}, {measure}: give limit, at_least or figure (must_fail needs a bound)"
+                )));
+            }
+        }
+    }
+    Ok(file.cases)
+}
+
+type Runner = fn() -> Result<Vec<Measurement>, LabError>;
+
+const RUNNERS: [(&str, Runner); 20] = [
+    ("R1", raster::r1),
+    ("R2", raster::r2),
+    ("R3", raster::r3),
+    ("R4", raster::r4),
+    ("R5", raster::r5),
+    ("R6", raster::r6),
+    ("R7", raster::r7),
+    ("R8", raster::r8),
+    ("I1", interp::i1),
+    ("I2", interp::i2),
+    ("I3", interp::i3),
+    ("I4", interp::i4),
+    ("I5", interp::i5),
+    ("I6", interp::i6),
+    ("S1", sampler::s1),
+    ("S2", sampler::s2),
+    ("S3", sampler::s3),
+    ("S4", sampler::s4),
+    ("S5", sampler::s5),
+    ("S10", sampler::s10),
+];
+
+/// Ids of the cases that can be run.
+pub fn ids() -> impl Iterator<Item = &'static str> {
+    RUNNERS.iter().map(|&(id, _)| id)
+}
+
+/// Measures one case: texmap's own methods and the naive ones.
+///
+/// # Errors
+/// When no runner has this id.
+pub fn run(id: &str) -> Result<Vec<Measurement>, LabError> {
+    let (_, runner) =
+        RUNNERS.iter().find(|(known, _)| *known == id).ok_or_else(|| LabError::UnknownCase(id.to_owned()))?;
+    runner()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const HEAD: &str = "[[case]]\nid = \"X\"\ninput = \"i\"\nexpected = \"e\"\n";
+
+    fn check(fields: &str) -> Result<Vec<Case>, LabError> {
+        parse(&format!("{HEAD}check = [{{ method = \"m\", measure = \"x\", {fields} }}]"))
+    }
+
+    #[test]
+    fn a_check_holds_by_its_bounds() {
+        let one = |fields: &str| check(fields).unwrap().remove(0).checks.remove(0);
+        let limit = one("limit = 1.0");
+        assert!(limit.holds(1.0) && !limit.holds(1.1) && !limit.holds(f64::NAN));
+        let both = one("limit = 2.0, at_least = 1.0");
+        assert!(both.holds(1.5) && !both.holds(0.5));
+        let naive = one("limit = 1.0, must_fail = true");
+        assert!(!naive.holds(1.0) && naive.holds(1.1) && naive.holds(f64::NAN));
+        let figure = one("figure = -100.0, within = 0.1");
+        assert!(figure.holds(-91.0) && !figure.holds(-89.0) && !figure.holds(f64::NAN));
+    }
+
+    #[test]
+    fn a_file_that_demands_nothing_is_refused() {
+        for bad in ["must_fail = true", "within = 0.1", "must_fail = true, figure = 1.0"] {
+            assert!(check(bad).is_err(), "{bad}");
+        }
+        assert!(check("limit = 1.0, speed = 2.0").is_err(), "an unknown key");
+        assert!(parse("[[case]]\nid = \"X\"\ninput = \"\"\nexpected = \"\"\ncheck = []\n").is_err());
+        let twice = format!("{HEAD}check = [{{ method = \"m\", measure = \"x\", limit = 1 }}]\n").repeat(2);
+        assert!(parse(&twice).unwrap_err().to_string().contains("twice"));
+    }
+}

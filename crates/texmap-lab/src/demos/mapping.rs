@@ -1,0 +1,292 @@
+//! Forward against inverse mapping (Brackeen 2003, chapter 8): texel to pixel, with its overdraw and its
+//! holes counted, and pixel to texel.
+
+use texmap_math::camera::Camera;
+use texmap_math::glam::{DVec2, DVec3};
+use texmap_math::homography::Homography;
+use texmap_raster::{
+    Draw, Fragment, NONE, NoAlphaTest, Pass, Prepared, TILE, TargetSize, TileBuffers,
+};
+
+use super::sheet::sheet;
+use super::{Claim, DemoPicture, Panel, paint};
+use crate::LabError;
+use crate::picture::{Picture, Rgba};
+
+/// Texels a side.
+const TEXELS: u32 = 80;
+
+const SKY: Rgba = [204, 217, 230, 255];
+const HOLE: Rgba = [255, 0, 160, 255];
+
+/// What one way of mapping wrote.
+struct Written {
+    picture: Picture,
+    /// Writes of each pixel.
+    writes: Vec<u32>,
+    /// Whether a texel reached a pixel.
+    seen: Vec<bool>,
+}
+
+impl Written {
+    fn new(size: u32) -> Self {
+        let pixels = size as usize * size as usize;
+        let texels = (TEXELS * TEXELS) as usize;
+        Self {
+            picture: Picture::new(size, size, SKY),
+            writes: vec![0; pixels],
+            seen: vec![false; texels],
+        }
+    }
+
+    fn write(&mut self, x: u32, y: u32, texel: u32, texture: &Picture) {
+        let color = texture.get(i64::from(texel % TEXELS), i64::from(texel / TEXELS));
+        self.picture.set(i64::from(x), i64::from(y), color);
+        self.writes[(y * self.picture.width() + x) as usize] += 1;
+        self.seen[texel as usize] = true;
+    }
+
+    fn pixels(&self) -> usize {
+        self.writes.iter().filter(|&&n| n > 0).count()
+    }
+
+    fn total(&self) -> u32 {
+        self.writes.iter().sum()
+    }
+
+    fn unseen(&self) -> usize {
+        self.seen.iter().filter(|&&seen| !seen).count()
+    }
+}
+
+pub(super) fn forward_inverse(size: u32) -> Result<DemoPicture, LabError> {
+    let texture = paint::letters(TEXELS);
+    let points = points(&texture, size)?;
+    let quads = quads(&texture, size)?;
+    let (inverse, stray) = inverse(&texture, size)?;
+
+    let mut holed = points.picture.clone();
+    let mut holes = 0;
+    for (index, (&forward, &behind)) in points.writes.iter().zip(&inverse.writes).enumerate() {
+        if forward == 0 && behind > 0 {
+            holes += 1;
+            let index = index as u32;
+            holed.set(i64::from(index % size), i64::from(index / size), HOLE);
+        }
+    }
+    let overdrawn = points.total() as usize - points.pixels();
+    let twice = quads.writes.iter().filter(|&&n| n > 1).count();
+    let claims = vec![
+        Claim::new(
+            "texels whose quad covers no pixel centre, against texels that no pixel fetches",
+            quads.unseen() as f64,
+            inverse.unseen() as f64,
+            // The corners of texels are snapped to 1/256 pixel: a quad beside a centre may gain or lose it.
+            f64::from(TEXELS * TEXELS) * 0.005,
+        ),
+        Claim::new("quads: pixels written twice", twice as f64, 0.0, 0.0),
+        Claim::new(
+            "pixels that the quads cover, against the pixels of the polygon",
+            quads.pixels() as f64,
+            inverse.pixels() as f64,
+            0.002 * inverse.pixels() as f64,
+        ),
+        Claim::new(
+            "inverse: pixels written more than once",
+            f64::from(inverse.total()) - inverse.pixels() as f64,
+            0.0,
+            0.0,
+        ),
+        Claim::new(
+            "inverse: pixels whose texel differs from the homography's",
+            f64::from(stray),
+            0.0,
+            0.0,
+        ),
+    ];
+    let all = TEXELS * TEXELS;
+    let panels = vec![
+        Panel {
+            picture: holed,
+            title: "Texel to pixel, points".into(),
+            caption: format!(
+                "{all} texels, one pixel each: {holes} holes (pink) near the eye, {overdrawn} texels overwritten far away."
+            ),
+        },
+        Panel {
+            picture: counts(&points, size),
+            title: "Writes of each pixel".into(),
+            caption: format!(
+                "Black 0, then red to white with the count, up to {}.",
+                points.writes.iter().max().unwrap_or(&0)
+            ),
+        },
+        Panel {
+            picture: quads.picture.clone(),
+            title: "Texel to pixel, solid quads".into(),
+            caption: format!(
+                "{all} quads are set up for {} pixels; {} of them are never seen.",
+                quads.pixels(),
+                quads.unseen()
+            ),
+        },
+        Panel {
+            picture: inverse.picture.clone(),
+            title: "Pixel to texel".into(),
+            caption: format!(
+                "One polygon, {} pixels, each fetches one texel: no hole, no overdraw.",
+                inverse.pixels()
+            ),
+        },
+    ];
+    Ok(sheet("Forward against inverse mapping", panels, claims))
+}
+
+/// The wall: its top left corner, along u and along v. It recedes from the left to the right.
+const ORIGIN: DVec3 = DVec3::new(-1.0, 1.05, -1.35);
+const ALONG_U: DVec3 = DVec3::new(3.4, 0.0, -7.0);
+const ALONG_V: DVec3 = DVec3::new(0.0, -2.1, 0.0);
+
+fn camera() -> Camera {
+    Camera {
+        eye: DVec3::ZERO,
+        look: DVec3::new(0.12, 0.0, -1.0),
+        up: DVec3::Y,
+        fov_x: 80f64.to_radians(),
+        near: 1e-3,
+        far: f64::INFINITY,
+    }
+}
+
+fn wall(u: f64, v: f64) -> DVec3 {
+    ORIGIN + ALONG_U * u + ALONG_V * v
+}
+
+fn project(point: DVec3, size: u32) -> Result<DVec2, LabError> {
+    let clip = camera().clip_from_world(1.0)? * point.extend(1.0);
+    let half = 0.5 * f64::from(size);
+    Ok(DVec2::new(
+        half * (1.0 + clip.x / clip.w),
+        half * (1.0 - clip.y / clip.w),
+    ))
+}
+
+/// Every texel sets the pixel under its centre.
+fn points(texture: &Picture, size: u32) -> Result<Written, LabError> {
+    let mut written = Written::new(size);
+    let n = f64::from(TEXELS);
+    for texel in 0..TEXELS * TEXELS {
+        let (column, row) = (f64::from(texel % TEXELS), f64::from(texel / TEXELS));
+        let at = project(wall((column + 0.5) / n, (row + 0.5) / n), size)?.floor();
+        let inside = |c: f64| c >= 0.0 && c < f64::from(size);
+        if inside(at.x) && inside(at.y) {
+            written.write(at.x as u32, at.y as u32, texel, texture);
+        }
+    }
+    Ok(written)
+}
+
+/// Every texel is drawn as a quad of its own, over what is there.
+fn quads(texture: &Picture, size: u32) -> Result<Written, LabError> {
+    let corners = TEXELS + 1;
+    let mut positions = Vec::new();
+    for row in 0..corners {
+        for column in 0..corners {
+            let (u, v) = (
+                f64::from(column) / f64::from(TEXELS),
+                f64::from(row) / f64::from(TEXELS),
+            );
+            positions.push(wall(u, v).as_vec3().to_array());
+        }
+    }
+    let mut indices = Vec::new();
+    for texel in 0..TEXELS * TEXELS {
+        let a = texel / TEXELS * corners + texel % TEXELS;
+        indices.extend([
+            [a, a + corners, a + corners + 1],
+            [a, a + corners + 1, a + 1],
+        ]);
+    }
+    let draw = Draw {
+        positions: &positions,
+        indices: &indices,
+        clip_from_object: camera().clip_from_world(1.0)?,
+        pass: Pass::Blended,
+        ..Draw::default()
+    };
+    let prepared = Prepared::new(TargetSize::new(size, size)?, &[draw])?;
+    let mut written = Written::new(size);
+    let mut buffers = TileBuffers::new();
+    for tile in 0..prepared.tiles() {
+        prepared.visible(tile, &NoAlphaTest, &mut buffers);
+        prepared.blended(tile, &buffers, &mut |id, x, y| {
+            written.write(x, y, prepared.source(id).1 / 2, texture)
+        });
+    }
+    Ok(written)
+}
+
+/// Every pixel of the wall fetches the texel under its centre. Also gives the number of pixels whose texel is
+/// not the homography's, those closer than 1/1000 texel to a border left out.
+fn inverse(texture: &Picture, size: u32) -> Result<(Written, u32), LabError> {
+    let square = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)];
+    let positions = square.map(|(u, v)| wall(u, v).as_vec3().to_array());
+    let uv: Vec<f32> = square
+        .iter()
+        .flat_map(|&(u, v)| [u as f32, v as f32])
+        .collect();
+    let draw = Draw {
+        positions: &positions,
+        indices: &[[0, 3, 2], [0, 2, 1]],
+        clip_from_object: camera().clip_from_world(1.0)?,
+        attributes: &uv,
+        attribute_count: 2,
+        ..Draw::default()
+    };
+    let mut screen = [DVec2::ZERO; 4];
+    for (corner, (u, v)) in screen.iter_mut().zip(square) {
+        *corner = project(wall(u, v), size)?;
+    }
+    let to_texture = Homography::from_square(screen)?.inverse();
+    let prepared = Prepared::new(TargetSize::new(size, size)?, &[draw])?;
+    let (mut written, mut stray) = (Written::new(size), 0);
+    let (mut buffers, mut fragment) = (TileBuffers::new(), Fragment::default());
+    let texel_of = |c: f64| {
+        (c * f64::from(TEXELS))
+            .floor()
+            .clamp(0.0, f64::from(TEXELS - 1)) as u32
+    };
+    for index in 0..prepared.tiles() {
+        prepared.visible(index, &NoAlphaTest, &mut buffers);
+        let tile = prepared.tile(index);
+        for (cell, &id) in buffers.id.iter().enumerate().filter(|&(_, &id)| id != NONE) {
+            let (x, y) = (tile.x0 + cell as u32 % TILE, tile.y0 + cell as u32 / TILE);
+            prepared.evaluate(id, x, y, &mut fragment);
+            let (u, v) = (f64::from(fragment.values[0]), f64::from(fragment.values[1]));
+            let texel = texel_of(v) * TEXELS + texel_of(u);
+            written.write(x, y, texel, texture);
+            let centre = DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5);
+            let Some(truth) = to_texture.apply(centre) else { continue };
+            let border =
+                |c: f64| (c * f64::from(TEXELS) - (c * f64::from(TEXELS)).round()).abs() < 1e-3;
+            if !border(truth.x) && !border(truth.y) {
+                stray += u32::from(texel != texel_of(truth.y) * TEXELS + texel_of(truth.x));
+            }
+        }
+    }
+    Ok((written, stray))
+}
+
+/// Black for no write, then heat up to the most written pixel.
+fn counts(written: &Written, size: u32) -> Picture {
+    let most = f64::from(*written.writes.iter().max().unwrap_or(&1)).max(1.0);
+    let mut picture = Picture::new(size, size, SKY);
+    for (index, &n) in written.writes.iter().enumerate() {
+        let (x, y) = (
+            index as i64 % i64::from(size),
+            index as i64 / i64::from(size),
+        );
+        picture.set(x, y, crate::strip::heat(f64::from(n) / most));
+    }
+    picture
+}
