@@ -5,7 +5,9 @@
 
 use texmap_math::camera::Camera;
 use texmap_math::glam::{DMat3, DVec2, DVec3, DVec4};
-use texmap_raster::{Draw, Fragment, Interp, NONE, NoAlphaTest, Prepared, TILE, TargetSize, TileBuffers};
+use texmap_raster::{
+    Draw, Fragment, Interp, NONE, NoAlphaTest, Prepared, TILE, TargetSize, TileBuffers,
+};
 use texmap_render::{Aov, AovData, ColorMode, Material, Mesh, Scene, Settings, Shading};
 
 use crate::LabError;
@@ -62,13 +64,15 @@ impl UvScene {
     /// The ground plane of the given half-size under the eye, running through the eye's plane; u = x / 8,
     /// v = z / 8, 1024 texels to a unit. 0.01 texel is allowed, 1 texel beyond a half-size of 1e5.
     pub fn ground(half: f64) -> Self {
-        let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].map(|(x, z)| DVec3::new(x, 0.0, z) * half);
+        let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]
+            .map(|(x, z)| DVec3::new(x, 0.0, z) * half);
         Self::level(corners, if half > 1e5 { 1.0 } else { 0.01 })
     }
 
     /// A part of the ground that lies wholly behind the eye: nothing may be seen.
     pub fn behind() -> Self {
-        let corners = [(-9.0, 20.0), (9.0, 20.0), (9.0, 60.0), (-9.0, 60.0)].map(|(x, z)| DVec3::new(x, 0.0, z));
+        let corners = [(-9.0, 20.0), (9.0, 20.0), (9.0, 60.0), (-9.0, 60.0)]
+            .map(|(x, z)| DVec3::new(x, 0.0, z));
         Self::level(corners, 0.01)
     }
 
@@ -82,7 +86,14 @@ impl UvScene {
             far: f64::INFINITY,
         };
         let uv = corners.map(|p| DVec2::new(p.x, p.z) / 8.0);
-        Self { camera, size: 256, corners, uv, texels: 1024.0, allowed }
+        Self {
+            camera,
+            size: 256,
+            corners,
+            uv,
+            texels: 1024.0,
+            allowed,
+        }
     }
 
     fn facing(w: [f64; 4], size: u32) -> Self {
@@ -101,7 +112,14 @@ impl UvScene {
         });
         let uv = square.map(|(x, y): (f64, f64)| DVec2::new(0.5 + 0.5 * x, 0.5 - 0.5 * y));
         // 1e-6 of the range.
-        Self { camera, size, corners, uv, texels: 1024.0, allowed: 1024e-6 }
+        Self {
+            camera,
+            size,
+            corners,
+            uv,
+            texels: 1024.0,
+            allowed: 1024e-6,
+        }
     }
 
     /// Two triangles along the diagonal from corner 0 to corner 2.
@@ -122,7 +140,11 @@ impl UvScene {
             depth_test: texmap_raster::DepthTest::Less,
             lights: Vec::new(),
             textures: Vec::new(),
-            materials: vec![Material { shading: Shading::Unlit, interp, ..Material::default() }],
+            materials: vec![Material {
+                shading: Shading::Unlit,
+                interp,
+                ..Material::default()
+            }],
             meshes: vec![mesh],
             warnings: Vec::new(),
         }
@@ -133,14 +155,21 @@ impl UvScene {
     /// # Errors
     /// What the renderer refuses.
     pub fn by_render(&self, interp: Interp) -> Result<UvImage, LabError> {
-        let settings = Settings { aovs: vec![Aov::Uv], ..Settings::new(self.size, self.size) };
+        let settings = Settings {
+            aovs: vec![Aov::Uv],
+            ..Settings::new(self.size, self.size)
+        };
         let frame = texmap_render::render(&self.scene(interp), &settings, &|_, _| {})?;
         let values = match frame.aovs.into_iter().next() {
             Some((_, _, AovData::F32(values))) => values,
             _ => Vec::new(),
         };
         let pair = |c: &[f32]| DVec2::new(f64::from(c[0]), f64::from(c[1]));
-        Ok(values.chunks_exact(2).map(pair).map(|uv| (!uv.is_nan()).then_some(uv)).collect())
+        Ok(values
+            .chunks_exact(2)
+            .map(pair)
+            .map(|uv| (!uv.is_nan()).then_some(uv))
+            .collect())
     }
 
     /// What the rasterizer interpolates.
@@ -149,7 +178,11 @@ impl UvScene {
     /// What the rasterizer refuses.
     pub fn by_raster(&self, interp: Interp) -> Result<UvImage, LabError> {
         let positions = self.corners.map(|p| p.as_vec3().to_array());
-        let attributes: Vec<f32> = self.uv.iter().flat_map(|c| c.as_vec2().to_array()).collect();
+        let attributes: Vec<f32> = self
+            .uv
+            .iter()
+            .flat_map(|c| c.as_vec2().to_array())
+            .collect();
         let draw = Draw {
             positions: &positions,
             indices: &Self::TRIANGLES,
@@ -185,14 +218,23 @@ impl UvScene {
         Ok(self.naive(|corners, uv, x, y| {
             let [a, b, c] = corners.map(|i| clip[i as usize]);
             let cross = |a: [f32; 3], b: [f32; 3]| {
-                [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+                [
+                    a[1] * b[2] - a[2] * b[1],
+                    a[2] * b[0] - a[0] * b[2],
+                    a[0] * b[1] - a[1] * b[0],
+                ]
             };
-            let weights = [cross(b, c), cross(c, a), cross(a, b)].map(|p| p[0] * x as f32 + p[1] * y as f32 + p[2]);
+            let weights = [cross(b, c), cross(c, a), cross(a, b)]
+                .map(|p| p[0] * x as f32 + p[1] * y as f32 + p[2]);
             let determinant = a[0] * cross(b, c)[0] + a[1] * cross(b, c)[1] + a[2] * cross(b, c)[2];
             let inside = weights.iter().all(|w| w * determinant.signum() >= 0.0);
             let sum = weights[0] + weights[1] + weights[2];
             let value = |k: usize| {
-                f64::from((0..3).map(|i| weights[i] / sum * uv[i].to_array()[k] as f32).sum::<f32>())
+                f64::from(
+                    (0..3)
+                        .map(|i| weights[i] / sum * uv[i].to_array()[k] as f32)
+                        .sum::<f32>(),
+                )
             };
             inside.then(|| DVec2::new(value(0), value(1)))
         }))
@@ -206,7 +248,9 @@ impl UvScene {
     pub fn by_projected_vertices(&self) -> Result<UvImage, LabError> {
         let clip = self.clip()?;
         Ok(self.naive(|corners, uv, x, y| {
-            let [a, b, c] = corners.map(|i| clip[i as usize]).map(|p| DVec3::new(p.x / p.w, p.y / p.w, 1.0));
+            let [a, b, c] = corners
+                .map(|i| clip[i as usize])
+                .map(|p| DVec3::new(p.x / p.w, p.y / p.w, 1.0));
             let weights = DMat3::from_cols(a, b, c).inverse() * DVec3::new(x, y, 1.0);
             let inside = weights.min_element() >= 0.0;
             inside.then(|| uv[0] * weights.x + uv[1] * weights.y + uv[2] * weights.z)
@@ -221,13 +265,22 @@ impl UvScene {
         let pinhole = Pinhole::of_camera(&self.camera, self.size, self.size)?;
         let triangles = Self::TRIANGLES.map(|t| t.map(|i| self.corners[i as usize]));
         let caster = Caster::new(pinhole, self.size, self.size, &triangles);
-        let mut error = UvError { compared: 0, mismatches: 0.0, max: 0.0, texels: 0.0, of_allowed: 0.0 };
+        let mut error = UvError {
+            compared: 0,
+            mismatches: 0.0,
+            max: 0.0,
+            texels: 0.0,
+            of_allowed: 0.0,
+        };
         for (index, found) in found.iter().enumerate() {
             let (x, y) = (index as u32 % self.size, index as u32 / self.size);
             let hit = caster.nearest(f64::from(x) + 0.5, f64::from(y) + 0.5, false);
             let truth = hit.map(|hit| {
                 let uv = Self::TRIANGLES[hit.triangle as usize].map(|i| self.uv[i as usize]);
-                DVec2::new(hit.attribute(uv.map(|c| c.x)), hit.attribute(uv.map(|c| c.y)))
+                DVec2::new(
+                    hit.attribute(uv.map(|c| c.x)),
+                    hit.attribute(uv.map(|c| c.y)),
+                )
             });
             let (Some(found), Some(truth)) = (found, truth) else {
                 error.mismatches += f64::from(u8::from(found.is_some() != truth.is_some()));
@@ -240,7 +293,9 @@ impl UvScene {
             error.compared += 1;
             error.max = error.max.max(off);
             error.texels = error.texels.max(off * self.texels);
-            error.of_allowed = error.of_allowed.max(off * self.texels / self.allowed.max(step));
+            error.of_allowed = error
+                .of_allowed
+                .max(off * self.texels / self.allowed.max(step));
         }
         Ok(error)
     }
@@ -260,7 +315,10 @@ impl UvScene {
         let n = f64::from(self.size);
         for (index, pixel) in image.iter_mut().enumerate() {
             let (x, y) = (index as u32 % self.size, index as u32 / self.size);
-            let (x, y) = (2.0 * (f64::from(x) + 0.5) / n - 1.0, 1.0 - 2.0 * (f64::from(y) + 0.5) / n);
+            let (x, y) = (
+                2.0 * (f64::from(x) + 0.5) / n - 1.0,
+                1.0 - 2.0 * (f64::from(y) + 0.5) / n,
+            );
             for t in Self::TRIANGLES {
                 *pixel = pixel.or_else(|| value(t, t.map(|i| self.uv[i as usize]), x, y));
             }

@@ -1,1 +1,2 @@
 //! The truth, the failure cases and the demos.
+mod cases;

@@ -53,8 +53,11 @@ pub struct Check {
 impl Check {
     /// Whether a measured value is what the check asks for. NaN meets no bound.
     pub fn holds(&self, value: f64) -> bool {
-        let figure = self.figure.is_none_or(|f| (value - f).abs() <= self.within.unwrap_or(0.01) * f.abs());
-        let bounds = self.limit.is_none_or(|l| value <= l) && self.at_least.is_none_or(|l| value >= l);
+        let figure = self
+            .figure
+            .is_none_or(|f| (value - f).abs() <= self.within.unwrap_or(0.01) * f.abs());
+        let bounds =
+            self.limit.is_none_or(|l| value <= l) && self.at_least.is_none_or(|l| value >= l);
         figure && bounds != self.must_fail
     }
 }
@@ -72,7 +75,11 @@ pub struct Measurement {
 
 impl Measurement {
     fn new(method: &str, measure: impl Into<String>, value: f64) -> Self {
-        Self { method: method.into(), measure: measure.into(), value }
+        Self {
+            method: method.into(),
+            measure: measure.into(),
+            value,
+        }
     }
 }
 
@@ -98,7 +105,14 @@ pub fn parse(text: &str) -> Result<Vec<Case>, LabError> {
             return Err(LabError::Cases(format!("case '{id}' has no check")));
         }
         for check in &case.checks {
-            let Check { method, measure, limit, at_least, figure, .. } = check;
+            let Check {
+                method,
+                measure,
+                limit,
+                at_least,
+                figure,
+                ..
+            } = check;
             let bounded = limit.is_some() || at_least.is_some();
             if !(bounded || figure.is_some() && !check.must_fail) {
                 return Err(LabError::Cases(format!(
@@ -145,8 +159,10 @@ pub fn ids() -> impl Iterator<Item = &'static str> {
 /// # Errors
 /// When no runner has this id.
 pub fn run(id: &str) -> Result<Vec<Measurement>, LabError> {
-    let (_, runner) =
-        RUNNERS.iter().find(|(known, _)| *known == id).ok_or_else(|| LabError::UnknownCase(id.to_owned()))?;
+    let (_, runner) = RUNNERS
+        .iter()
+        .find(|(known, _)| *known == id)
+        .ok_or_else(|| LabError::UnknownCase(id.to_owned()))?;
     runner()
 }
 
@@ -157,7 +173,9 @@ mod tests {
     const HEAD: &str = "[[case]]\nid = \"X\"\ninput = \"i\"\nexpected = \"e\"\n";
 
     fn check(fields: &str) -> Result<Vec<Case>, LabError> {
-        parse(&format!("{HEAD}check = [{{ method = \"m\", measure = \"x\", {fields} }}]"))
+        parse(&format!(
+            "{HEAD}check = [{{ method = \"m\", measure = \"x\", {fields} }}]"
+        ))
     }
 
     #[test]
@@ -175,12 +193,19 @@ mod tests {
 
     #[test]
     fn a_file_that_demands_nothing_is_refused() {
-        for bad in ["must_fail = true", "within = 0.1", "must_fail = true, figure = 1.0"] {
+        for bad in [
+            "must_fail = true",
+            "within = 0.1",
+            "must_fail = true, figure = 1.0",
+        ] {
             assert!(check(bad).is_err(), "{bad}");
         }
         assert!(check("limit = 1.0, speed = 2.0").is_err(), "an unknown key");
-        assert!(parse("[[case]]\nid = \"X\"\ninput = \"\"\nexpected = \"\"\ncheck = []\n").is_err());
-        let twice = format!("{HEAD}check = [{{ method = \"m\", measure = \"x\", limit = 1 }}]\n").repeat(2);
+        assert!(
+            parse("[[case]]\nid = \"X\"\ninput = \"\"\nexpected = \"\"\ncheck = []\n").is_err()
+        );
+        let twice =
+            format!("{HEAD}check = [{{ method = \"m\", measure = \"x\", limit = 1 }}]\n").repeat(2);
         assert!(parse(&twice).unwrap_err().to_string().contains("twice"));
     }
 }

@@ -1,7 +1,9 @@
 //! Short ways through the rasterizer's public API for the cases.
 
 use texmap_math::glam::{DMat4, DVec4};
-use texmap_raster::{DepthTest, Draw, Fragment, NONE, NoAlphaTest, Pass, Prepared, TILE, TargetSize, TileBuffers};
+use texmap_raster::{
+    DepthTest, Draw, Fragment, NONE, NoAlphaTest, Pass, Prepared, TILE, TargetSize, TileBuffers,
+};
 
 use crate::LabError;
 
@@ -43,18 +45,30 @@ pub(super) fn vertex(size: (u32, u32), x: f64, y: f64, w: f64) -> [f32; 3] {
 /// The pixel position (x, y) and w of a vertex as the rasterizer receives it.
 pub(super) fn place(size: (u32, u32), vertex: [f32; 3]) -> [f64; 3] {
     let [x, y, w] = vertex.map(f64::from);
-    [(x / w + 1.0) * 0.5 * f64::from(size.0), (1.0 - y / w) * 0.5 * f64::from(size.1), w]
+    [
+        (x / w + 1.0) * 0.5 * f64::from(size.0),
+        (1.0 - y / w) * 0.5 * f64::from(size.1),
+        w,
+    ]
 }
 
 /// How often each pixel of the target is covered.
 pub(super) fn coverage(size: (u32, u32), draw: Draw<'_>) -> Result<Vec<u32>, LabError> {
     let target = TargetSize::new(size.0, size.1)?;
-    let prepared = Prepared::new(target, &[Draw { pass: Pass::Blended, ..draw }])?;
+    let prepared = Prepared::new(
+        target,
+        &[Draw {
+            pass: Pass::Blended,
+            ..draw
+        }],
+    )?;
     let mut counts = vec![0; size.0 as usize * size.1 as usize];
     let mut buffers = TileBuffers::new();
     for tile in 0..prepared.tiles() {
         prepared.visible(tile, &NoAlphaTest, &mut buffers);
-        prepared.blended(tile, &buffers, &mut |_, x, y| counts[(y * size.0 + x) as usize] += 1);
+        prepared.blended(tile, &buffers, &mut |_, x, y| {
+            counts[(y * size.0 + x) as usize] += 1
+        });
     }
     Ok(counts)
 }

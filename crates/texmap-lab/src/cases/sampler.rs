@@ -9,7 +9,12 @@ use super::Measurement;
 use super::probe::Random;
 use crate::LabError;
 
-const WRAPS: [Wrap; 4] = [Wrap::Repeat, Wrap::MirroredRepeat, Wrap::ClampToEdge, Wrap::MirrorClampToEdge];
+const WRAPS: [Wrap; 4] = [
+    Wrap::Repeat,
+    Wrap::MirroredRepeat,
+    Wrap::ClampToEdge,
+    Wrap::MirrorClampToEdge,
+];
 
 /// A one-row float texture that holds its column's number.
 fn ruler(width: u32) -> Result<Texture2d<'static>, LabError> {
@@ -30,7 +35,12 @@ fn float(width: u32, height: u32, texels: &[f32]) -> Result<Texture2d<'static>, 
 }
 
 fn sampler(filter: Filter, wrap: Wrap) -> Sampler {
-    Sampler { filter, wrap_u: wrap, wrap_v: wrap, ..Sampler::default() }
+    Sampler {
+        filter,
+        wrap_u: wrap,
+        wrap_v: wrap,
+        ..Sampler::default()
+    }
 }
 
 /// The column that an exact calculation gives, with u an f32 value: products of f32 and small integers are
@@ -50,7 +60,18 @@ fn column(u: f32, width: u32, wrap: Wrap) -> i64 {
 /// S1: coordinates at, just beside and far from whole numbers, in every wrap mode.
 pub(super) fn s1() -> Result<Vec<Measurement>, LabError> {
     let mut random = Random(1);
-    let mut coordinates = vec![-0.001f32, -1e-30, -1.0, 1.0, 0.0, -0.0, 1.0f32.next_down(), (-1.0f32).next_up(), -2.5, 3.75];
+    let mut coordinates = vec![
+        -0.001f32,
+        -1e-30,
+        -1.0,
+        1.0,
+        0.0,
+        -0.0,
+        1.0f32.next_down(),
+        (-1.0f32).next_up(),
+        -2.5,
+        3.75,
+    ];
     coordinates.extend((0..20_000).map(|_| random.range(-3.0, 4.0) as f32));
     let (mut wrong, mut truncated) = (0u32, 0u32);
     for width in [63, 64, 7, 1] {
@@ -95,8 +116,16 @@ pub(super) fn s2() -> Result<Vec<Measurement>, LabError> {
             most = most.max((f64::from(found) - truth).abs());
             naive = naive.max((wave(f64::from(u * WIDTH as f32 - 0.5)) - truth).abs());
         }
-        out.push(Measurement::new("reduce, then scale", format!("u = {base}: added error in texels"), most));
-        out.push(Measurement::new("scale in f32, then reduce", format!("u = {base}: added error in texels"), naive));
+        out.push(Measurement::new(
+            "reduce, then scale",
+            format!("u = {base}: added error in texels"),
+            most,
+        ));
+        out.push(Measurement::new(
+            "scale in f32, then reduce",
+            format!("u = {base}: added error in texels"),
+            naive,
+        ));
     }
     Ok(out)
 }
@@ -104,14 +133,33 @@ pub(super) fn s2() -> Result<Vec<Measurement>, LabError> {
 /// S3: NaN, infinities and 1e30 give a colour and leave the neighbours alone.
 pub(super) fn s3() -> Result<Vec<Measurement>, LabError> {
     let texture = ruler(64)?.with_mips();
-    let bad = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 1e30, -1e30, f32::MAX];
+    let bad = [
+        f32::NAN,
+        f32::INFINITY,
+        f32::NEG_INFINITY,
+        1e30,
+        -1e30,
+        f32::MAX,
+    ];
     let (mut not_finite, mut touched, mut beyond) = (0u32, 0u32, 0u32);
-    for filter in [Filter::Nearest, Filter::Bilinear, Filter::Bicubic(Cubic::Mitchell), Filter::Trilinear] {
+    for filter in [
+        Filter::Nearest,
+        Filter::Bilinear,
+        Filter::Bicubic(Cubic::Mitchell),
+        Filter::Trilinear,
+    ] {
         for wrap in WRAPS {
             let sampler = sampler(filter, wrap);
             for u in bad {
-                let footprint = Footprint { du_dx: u, ..Footprint::default() };
-                for color in [sampler.sample(&texture, [u, 0.5]), sampler.sample(&texture, [0.5, u]), sampler.sample_grad(&texture, [0.3, 0.5], footprint)] {
+                let footprint = Footprint {
+                    du_dx: u,
+                    ..Footprint::default()
+                };
+                for color in [
+                    sampler.sample(&texture, [u, 0.5]),
+                    sampler.sample(&texture, [0.5, u]),
+                    sampler.sample_grad(&texture, [0.3, 0.5], footprint),
+                ] {
                     not_finite += u32::from(!color.iter().all(|c| c.is_finite()));
                 }
                 let good: Vec<f32> = (0..16).map(|i| i as f32 * 0.061).collect();
@@ -119,9 +167,27 @@ pub(super) fn s3() -> Result<Vec<Measurement>, LabError> {
                 let mut poisoned = good.clone();
                 poisoned[5] = u;
                 let (mut clean, mut dirty) = ([[0.0f32; 4]; 16], [[0.0f32; 4]; 16]);
-                sample_slice(Level::new(), &sampler, &texture, &good, &v, None, &mut clean)?;
-                sample_slice(Level::new(), &sampler, &texture, &poisoned, &v, None, &mut dirty)?;
-                let unlike = (0..16).filter(|&i| i != 5 && clean[i].map(f32::to_bits) != dirty[i].map(f32::to_bits));
+                sample_slice(
+                    Level::new(),
+                    &sampler,
+                    &texture,
+                    &good,
+                    &v,
+                    None,
+                    &mut clean,
+                )?;
+                sample_slice(
+                    Level::new(),
+                    &sampler,
+                    &texture,
+                    &poisoned,
+                    &v,
+                    None,
+                    &mut dirty,
+                )?;
+                let unlike = (0..16).filter(|&i| {
+                    i != 5 && clean[i].map(f32::to_bits) != dirty[i].map(f32::to_bits)
+                });
                 touched += unlike.count() as u32;
                 // `as i32` saturates; the second texel of a bilinear look-up is then out of range.
                 beyond += u32::from(((u * 64.0 - 0.5) as i32).checked_add(1).is_none());
@@ -129,8 +195,16 @@ pub(super) fn s3() -> Result<Vec<Measurement>, LabError> {
         }
     }
     Ok(vec![
-        Measurement::new("reduced coordinates", "colours that are not finite", not_finite.into()),
-        Measurement::new("reduced coordinates", "neighbours in a slice that change", touched.into()),
+        Measurement::new(
+            "reduced coordinates",
+            "colours that are not finite",
+            not_finite.into(),
+        ),
+        Measurement::new(
+            "reduced coordinates",
+            "neighbours in a slice that change",
+            touched.into(),
+        ),
         Measurement::new("saturating cast, then + 1", "overflows", beyond.into()),
     ])
 }
@@ -140,21 +214,38 @@ pub(super) fn s4() -> Result<Vec<Measurement>, LabError> {
     let mut random = Random(4);
     let (mut most, mut dropped) = (0.0f64, 0.0f64);
     for (width, height) in [(3, 7), (31, 55), (127, 99), (1, 33), (57, 1), (1, 1)] {
-        let texels: Vec<f32> = (0..width * height).map(|_| random.range(0.0, 1.0) as f32).collect();
+        let texels: Vec<f32> = (0..width * height)
+            .map(|_| random.range(0.0, 1.0) as f32)
+            .collect();
         let texture = float(width, height, &texels)?.with_mips();
         let mean = texels.iter().map(|&t| f64::from(t)).sum::<f64>() / texels.len() as f64;
         for level in 0..texture.levels() {
             let (w, h) = texture.level_size(level).unwrap_or((0, 0));
             let all = (0..h).flat_map(|y| (0..w).map(move |x| (x, y)));
-            let values: Vec<f64> = all.filter_map(|(x, y)| texture.texel(level, x, y)).map(|t| f64::from(t[0])).collect();
+            let values: Vec<f64> = all
+                .filter_map(|(x, y)| texture.texel(level, x, y))
+                .map(|t| f64::from(t[0]))
+                .collect();
             most = most.max((values.iter().sum::<f64>() / values.len() as f64 - mean).abs());
         }
-        let top = drop_halving(width as usize, height as usize, texels.iter().map(|&t| f64::from(t)).collect());
+        let top = drop_halving(
+            width as usize,
+            height as usize,
+            texels.iter().map(|&t| f64::from(t)).collect(),
+        );
         dropped = dropped.max((top - mean).abs());
     }
     Ok(vec![
-        Measurement::new("weights by area", "mean of a level less that of the base", most),
-        Measurement::new("2 x 2 means, odd rows dropped", "mean of a level less that of the base", dropped),
+        Measurement::new(
+            "weights by area",
+            "mean of a level less that of the base",
+            most,
+        ),
+        Measurement::new(
+            "2 x 2 means, odd rows dropped",
+            "mean of a level less that of the base",
+            dropped,
+        ),
     ])
 }
 
@@ -164,7 +255,11 @@ fn drop_halving(mut width: usize, mut height: usize, mut texels: Vec<f64>) -> f6
         let (w, h) = ((width / 2).max(1), (height / 2).max(1));
         let at = |x: usize, y: usize| texels[y.min(height - 1) * width + x.min(width - 1)];
         let mean = |x: usize, y: usize| {
-            (at(2 * x, 2 * y) + at(2 * x + 1, 2 * y) + at(2 * x, 2 * y + 1) + at(2 * x + 1, 2 * y + 1)) / 4.0
+            (at(2 * x, 2 * y)
+                + at(2 * x + 1, 2 * y)
+                + at(2 * x, 2 * y + 1)
+                + at(2 * x + 1, 2 * y + 1))
+                / 4.0
         };
         texels = (0..w * h).map(|i| mean(i % w, i / w)).collect();
         (width, height) = (w, h);
@@ -180,8 +275,16 @@ pub(super) fn s5() -> Result<Vec<Measurement>, LabError> {
     // The wrong way: filter the code values, then decode.
     let wrong = texmap_math::color::srgb_to_linear(0.5);
     Ok(vec![
-        Measurement::new("decode, then filter", "distance from 0.5 in linear light", (f64::from(found) - 0.5).abs()),
-        Measurement::new("filter, then decode", "distance from 0.5 in linear light", (f64::from(wrong) - 0.5).abs()),
+        Measurement::new(
+            "decode, then filter",
+            "distance from 0.5 in linear light",
+            (f64::from(found) - 0.5).abs(),
+        ),
+        Measurement::new(
+            "filter, then decode",
+            "distance from 0.5 in linear light",
+            (f64::from(wrong) - 0.5).abs(),
+        ),
         Measurement::new("filter, then decode", "value in linear light", wrong.into()),
     ])
 }
@@ -191,7 +294,13 @@ pub(super) fn s10() -> Result<Vec<Measurement>, LabError> {
     let mut random = Random(10);
     let value = 0.3f32;
     let float = float(37, 19, &[value; 37 * 19])?.with_mips();
-    let bytes = Texture2d::from_rgba8(37, 19, [77, 77, 77, 255].repeat(37 * 19), ColorSpace::Linear, Origin::TopLeft)?;
+    let bytes = Texture2d::from_rgba8(
+        37,
+        19,
+        [77, 77, 77, 255].repeat(37 * 19),
+        ColorSpace::Linear,
+        Origin::TopLeft,
+    )?;
     let bytes = bytes.with_mips();
     let filters = [
         Filter::Nearest,
@@ -208,22 +317,45 @@ pub(super) fn s10() -> Result<Vec<Measurement>, LabError> {
     for filter in filters {
         let sampler = sampler(filter, Wrap::Repeat);
         for _ in 0..2_000 {
-            let uv = [random.range(-3.0, 3.0) as f32, random.range(-3.0, 3.0) as f32];
+            let uv = [
+                random.range(-3.0, 3.0) as f32,
+                random.range(-3.0, 3.0) as f32,
+            ];
             let mut step = || (random.range(-1.0, 1.0) * random.range(0.0, 0.5)) as f32;
-            let footprint = Footprint { du_dx: step(), dv_dx: step(), du_dy: step(), dv_dy: step() };
+            let footprint = Footprint {
+                du_dx: step(),
+                dv_dx: step(),
+                du_dy: step(),
+                dv_dy: step(),
+            };
             let found = sampler.sample_grad(&float, uv, footprint)[0];
             ulps = ulps.max(f64::from((found - value).abs()) / f64::from(value.next_up() - value));
             let code = sampler.sample_grad(&bytes, uv, footprint)[0];
             codes += u32::from(texmap_math::color::unit_to_u8(code) != 77);
             // 8-bit weights, every product shifted down on its own.
-            let (a, b) = ((uv[0].abs().fract() * 256.0) as u32, (uv[1].abs().fract() * 256.0) as u32);
+            let (a, b) = (
+                (uv[0].abs().fract() * 256.0) as u32,
+                (uv[1].abs().fract() * 256.0) as u32,
+            );
             let weights = [(256 - a) * (256 - b), a * (256 - b), (256 - a) * b, a * b];
             truncated += u32::from(weights.map(|w| (w * 77) >> 16).iter().sum::<u32>() != 77);
         }
     }
     Ok(vec![
-        Measurement::new("weights that sum to 1", "f32: units of the last place", ulps),
-        Measurement::new("weights that sum to 1", "u8: look-ups that differ", codes.into()),
-        Measurement::new("truncated products", "u8: look-ups that differ", truncated.into()),
+        Measurement::new(
+            "weights that sum to 1",
+            "f32: units of the last place",
+            ulps,
+        ),
+        Measurement::new(
+            "weights that sum to 1",
+            "u8: look-ups that differ",
+            codes.into(),
+        ),
+        Measurement::new(
+            "truncated products",
+            "u8: look-ups that differ",
+            truncated.into(),
+        ),
     ])
 }

@@ -266,7 +266,9 @@ fn inverse(texture: &Picture, size: u32) -> Result<(Written, u32), LabError> {
             let texel = texel_of(v) * TEXELS + texel_of(u);
             written.write(x, y, texel, texture);
             let centre = DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5);
-            let Some(truth) = to_texture.apply(centre) else { continue };
+            let Some(truth) = to_texture.apply(centre) else {
+                continue;
+            };
             let border =
                 |c: f64| (c * f64::from(TEXELS) - (c * f64::from(TEXELS)).round()).abs() < 1e-3;
             if !border(truth.x) && !border(truth.y) {
