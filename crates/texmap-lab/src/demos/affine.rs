@@ -82,7 +82,7 @@ fn compare(title: &str, photo: &Picture, size: u32) -> Result<DemoPicture, LabEr
         Panel {
             picture: map,
             title: "How far the texture slides".into(),
-            caption: "Black: nothing. White: a quarter of the texture. It is worst in the middle of edges.".into(),
+            caption: "Black: nothing. White: a quarter of the texture. It is worst along an edge.".into(),
         },
     ];
     Ok(sheet(title, panels, claims))
@@ -155,7 +155,11 @@ pub(super) fn subdivided(size: u32) -> Result<DemoPicture, LabError> {
 
 /// Two cubes of which the left has the first and the right the second interpolation.
 fn cubes(photo: &Picture, interp: [Interp; 2]) -> Result<Scene, LabError> {
-    let mut scene = stage::scene(DVec3::new(0.0, 1.9, 3.3), DVec3::new(0.0, -0.25, 0.0), 78.0);
+    let mut scene = stage::scene(
+        DVec3::new(0.0, 1.85, 3.35),
+        DVec3::new(0.0, -0.25, 0.0),
+        88.0,
+    );
     let texture = stage::texture(&mut scene, photo)?;
     let places = [
         (DVec3::new(-1.52, 0.0, 0.0), 22.0),

@@ -19,6 +19,9 @@ const TILT: f64 = 25.0;
 /// How far the third panel shifts O, in units of U and V.
 const SHIFT: DVec2 = DVec2::new(0.5, 0.25);
 
+/// Length of U and V.
+const REACH: f64 = 1.7;
+
 /// Corners of the polygon, all in one plane.
 const POLYGON: [(f64, f64); 6] = [
     (-1.6, -1.15),
@@ -34,9 +37,10 @@ const MEASURED: u32 = 512;
 
 pub(super) fn frame(size: u32) -> Result<DemoPicture, LabError> {
     let (right, down, out) = plane();
+    let o = -right - down;
+    let (right, down, out) = (right * REACH, down * REACH, out * REACH);
     let (sin, cos) = det::sin_cos(TURN.to_radians());
     let (sin_tilt, cos_tilt) = det::sin_cos(TILT.to_radians());
-    let o = -right - down;
     let along = TextureFrame::new(o, right, down)?;
     let turned = TextureFrame::new(o, right * cos + down * sin, down * cos - right * sin)?;
     let shifted = TextureFrame::new(along.point(SHIFT), right, down)?;
@@ -70,19 +74,19 @@ pub(super) fn frame(size: u32) -> Result<DemoPicture, LabError> {
             "aligned: A.W/C.W and B.W/C.W against uv interpolated from the vertices",
             largest(&straight, &|x, y| by_vertices.uv(x, y)),
             0.0,
-            2e-6,
+            1e-6,
         ),
         Claim::new(
             "turned: coordinates against the aligned ones turned back",
             largest(&round, &|x, y| straight.uv(x, y).map(turn_back)),
             0.0,
-            2e-6,
+            1e-6,
         ),
         Claim::new(
             "shifted: coordinates against the aligned ones less (0.5, 0.25)",
             largest(&moved, &|x, y| straight.uv(x, y).map(|uv| uv - SHIFT)),
             0.0,
-            2e-6,
+            1e-6,
         ),
         Claim::new(
             "out of plane: coordinates against those where the ray meets the frame's own plane",
@@ -146,7 +150,7 @@ fn plane() -> (DVec3, DVec3, DVec3) {
 }
 
 fn scene(frame: Option<TextureFrame>) -> Result<Scene, LabError> {
-    let mut scene = stage::scene(DVec3::new(0.0, 0.0, 3.2), DVec3::ZERO, 64.0);
+    let mut scene = stage::scene(DVec3::new(0.2, 0.0, 3.3), DVec3::new(0.2, 0.0, 0.0), 64.0);
     let texture = stage::texture(&mut scene, &paint::letters(512))?;
     let material = stage::decal(
         &mut scene,
@@ -164,7 +168,8 @@ fn scene(frame: Option<TextureFrame>) -> Result<Scene, LabError> {
     for (x, y) in POLYGON {
         mesh.positions
             .push((right * x - down * y).as_vec3().to_array());
-        mesh.uvs.push([(x + 1.0) as f32, (1.0 - y) as f32]);
+        mesh.uvs
+            .push([(x + 1.0) / REACH, (1.0 - y) / REACH].map(|c| c as f32));
     }
     mesh.triangles = (1..5).map(|i| [0, i, i + 1]).collect();
     mesh.faces = vec![0; 4];

@@ -177,7 +177,7 @@ pub(super) fn lod(size: u32) -> Result<DemoPicture, LabError> {
     ))
 }
 
-const LEFT: f64 = -1.6;
+const LEFT: f64 = -1.35;
 const NEAR_Z: f64 = -1.6;
 const FAR_Z: f64 = -7.0;
 

@@ -14,7 +14,7 @@ use crate::LabError;
 use crate::picture::{Picture, Rgba};
 
 /// Texels a side.
-const TEXELS: u32 = 80;
+const TEXELS: u32 = 128;
 
 const SKY: Rgba = [204, 217, 230, 255];
 const HOLE: Rgba = [255, 0, 160, 255];
@@ -82,7 +82,7 @@ pub(super) fn forward_inverse(size: u32) -> Result<DemoPicture, LabError> {
             quads.unseen() as f64,
             inverse.unseen() as f64,
             // The corners of texels are snapped to 1/256 pixel: a quad beside a centre may gain or lose it.
-            f64::from(TEXELS * TEXELS) * 0.005,
+            f64::from(TEXELS * TEXELS) * 0.001,
         ),
         Claim::new("quads: pixels written twice", twice as f64, 0.0, 0.0),
         Claim::new(
@@ -143,14 +143,14 @@ pub(super) fn forward_inverse(size: u32) -> Result<DemoPicture, LabError> {
 }
 
 /// The wall: its top left corner, along u and along v. It recedes from the left to the right.
-const ORIGIN: DVec3 = DVec3::new(-1.0, 1.05, -1.35);
-const ALONG_U: DVec3 = DVec3::new(3.4, 0.0, -7.0);
-const ALONG_V: DVec3 = DVec3::new(0.0, -2.1, 0.0);
+const ORIGIN: DVec3 = DVec3::new(-1.55, 1.35, -1.75);
+const ALONG_U: DVec3 = DVec3::new(3.9, 0.0, -4.6);
+const ALONG_V: DVec3 = DVec3::new(0.0, -2.7, 0.0);
 
 fn camera() -> Camera {
     Camera {
         eye: DVec3::ZERO,
-        look: DVec3::new(0.12, 0.0, -1.0),
+        look: DVec3::new(-0.2, 0.0, -1.0),
         up: DVec3::Y,
         fov_x: 80f64.to_radians(),
         near: 1e-3,

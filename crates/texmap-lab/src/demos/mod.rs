@@ -135,28 +135,28 @@ impl Claim {
 impl std::fmt::Display for Claim {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let verdict = if self.holds() { "holds" } else { "FAILS" };
-        let (measured, expected) = (figure(self.measured), figure(self.expected));
+        let (measured, expected) = (figure(self.measured, 4), figure(self.expected, 4));
         write!(
             f,
             "{verdict}: {}: measured {measured}, expected {expected}",
             self.text
         )?;
         if self.tolerance > 0.0 {
-            write!(f, " +- {}", figure(self.tolerance))?;
+            write!(f, " +- {}", figure(self.tolerance, 2))?;
         }
         Ok(())
     }
 }
 
-/// Four significant digits, or a whole number as it is.
-fn figure(value: f64) -> String {
+/// A value with some significant digits, or a whole number as it is.
+fn figure(value: f64, digits: i32) -> String {
     let size = value.abs();
     match size {
         _ if !value.is_finite() || value.fract() == 0.0 && size < 1e7 => format!("{value}"),
-        _ if !(1e-3..1e5).contains(&size) => format!("{value:.2e}"),
+        _ if !(1e-4..1e5).contains(&size) => format!("{value:.1e}"),
         _ => format!(
             "{value:.*}",
-            (3 - size.log10().floor() as i32).clamp(0, 6) as usize
+            (digits - 1 - size.log10().floor() as i32).max(0) as usize
         ),
     }
 }

@@ -19,21 +19,11 @@ pub(super) fn checker(size: u32, cells: u32, dark: Rgba, light: Rgba) -> Picture
 pub(super) fn letters(size: u32) -> Picture {
     let cell = size / 4;
     let mut picture = paint(size, |x, y| {
-        let (column, row) = ((x / cell).min(3), (y / cell).min(3));
-        let hue = [
-            [232, 106, 88],
-            [240, 178, 74],
-            [94, 170, 120],
-            [84, 140, 200],
-        ][column as usize];
-        let shade = if (column + row) % 2 == 0 { 100 } else { 78 };
-        let lift = 12 * row;
-        let tone = |c: u32| (c * shade / 100 + lift).min(255) as u8;
-        let edge = x % cell == 0 || y % cell == 0;
+        let edge = x > 0 && x % cell == 0 || y > 0 && y % cell == 0;
         if edge {
             [40, 40, 48, 255]
         } else {
-            [tone(hue[0]), tone(hue[1]), tone(hue[2]), 255]
+            field((x / cell).min(3), (y / cell).min(3))
         }
     });
     let scale = (cell / 24).max(1);
@@ -46,6 +36,19 @@ pub(super) fn letters(size: u32) -> Picture {
         }
     }
     picture
+}
+
+/// The colour of a field of the lettered grid.
+pub(super) fn field(column: u32, row: u32) -> Rgba {
+    let hue = [
+        [232, 106, 88],
+        [240, 178, 74],
+        [94, 170, 120],
+        [84, 140, 200],
+    ][column as usize % 4];
+    let shade = if (column + row) % 2 == 0 { 100 } else { 78 };
+    let tone = |c: u32| (c * shade / 100 + 12 * row).min(255) as u8;
+    [tone(hue[0]), tone(hue[1]), tone(hue[2]), 255]
 }
 
 /// Bricks in running bond: 4 by 8 courses, each brick of its own tint, mortar between.

@@ -190,13 +190,12 @@ pub(super) struct Shot {
     uv: Vec<f32>,
     face: Vec<u32>,
     depth: Vec<f32>,
-    position: Vec<f32>,
 }
 
 impl Shot {
     /// Takes the picture.
     pub(super) fn take(scene: &Scene, size: u32) -> Result<Self, LabError> {
-        let aovs = vec![Aov::Uv, Aov::Face, Aov::Depth, Aov::Position];
+        let aovs = vec![Aov::Uv, Aov::Face, Aov::Depth];
         let frame = texmap_render::render(
             scene,
             &Settings {
@@ -213,7 +212,7 @@ impl Shot {
             Some((_, _, AovData::U32(values))) => values.clone(),
             _ => Vec::new(),
         };
-        let (uv, depth, position) = (floats(Aov::Uv), floats(Aov::Depth), floats(Aov::Position));
+        let (uv, depth) = (floats(Aov::Uv), floats(Aov::Depth));
         let picture = Picture::from_rgba(size, size, frame.rgba)
             .unwrap_or_else(|| Picture::new(size, size, [0; 4]));
         Ok(Self {
@@ -222,7 +221,6 @@ impl Shot {
             uv,
             face,
             depth,
-            position,
         })
     }
 
@@ -258,14 +256,6 @@ impl Shot {
             .get(self.index(x, y))
             .copied()
             .filter(|depth| depth.is_finite())
-    }
-
-    /// The point in space under a pixel.
-    pub(super) fn position(&self, x: u32, y: u32) -> Option<DVec3> {
-        let i = self.index(x, y) * 3;
-        let at = self.position.get(i..i + 3)?;
-        let point = DVec3::new(f64::from(at[0]), f64::from(at[1]), f64::from(at[2]));
-        point.is_finite().then_some(point)
     }
 
     fn index(&self, x: u32, y: u32) -> usize {

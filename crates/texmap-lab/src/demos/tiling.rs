@@ -139,11 +139,10 @@ fn wall(photo: &Picture, wrap: Wrap, filter: Filter) -> Result<Scene, LabError> 
 
 /// The lettered grid with one texel a field.
 fn coarse() -> Picture {
-    let fine = paint::letters(64);
     let mut coarse = Picture::new(TEXELS, TEXELS, [0; 4]);
-    for y in 0..4 {
-        for x in 0..4 {
-            coarse.set(x, y, fine.get(16 * x + 2, 16 * y + 2));
+    for y in 0..TEXELS {
+        for x in 0..TEXELS {
+            coarse.set(x.into(), y.into(), paint::field(x, y));
         }
     }
     coarse
