@@ -34,14 +34,14 @@ pub(crate) struct Failure {
 }
 
 #[derive(Serialize)]
-struct ErrorObject<'a> {
-    error: ErrorBody<'a>,
+struct ErrorObject {
+    error: ErrorBody,
 }
 
 /// The JSON form of a failure, alone or inside an item of a report.
-#[derive(Serialize)]
-pub(crate) struct ErrorBody<'a> {
-    code: &'a str,
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct ErrorBody {
+    code: String,
     exit: u8,
     what: String,
     why: String,
@@ -75,9 +75,9 @@ impl Failure {
         )
     }
 
-    pub(crate) fn body(&self) -> ErrorBody<'_> {
+    pub(crate) fn body(&self) -> ErrorBody {
         ErrorBody {
-            code: &self.code,
+            code: self.code.clone(),
             exit: self.exit as u8,
             what: one_line(&self.what),
             why: one_line(&self.why),
@@ -94,6 +94,12 @@ impl Failure {
         if json {
             print_json(&ErrorObject { error: self.body() });
         }
+    }
+}
+
+impl From<texmap_io::IoError> for Failure {
+    fn from(error: texmap_io::IoError) -> Self {
+        Self::new(Exit::Input, error.code(), error.to_string(), error.help())
     }
 }
 

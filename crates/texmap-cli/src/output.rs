@@ -59,11 +59,6 @@ impl Destination {
             )),
         }
     }
-
-    /// The same name with another ending: `room.png` and `uv.npy` give `room.uv.npy`.
-    pub(crate) fn beside(path: &Path, ending: &str) -> PathBuf {
-        path.with_extension(ending)
-    }
 }
 
 /// Outputs that appear together or not at all.

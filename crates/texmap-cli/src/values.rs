@@ -2,6 +2,14 @@
 
 use std::str::FromStr;
 
+use texmap_io::scene_file::words;
+use texmap_math::Level;
+use texmap_raster::Interp;
+use texmap_render::ColorMode;
+use texmap_sample::{Filter, Wrap};
+
+use crate::failure::Failure;
+
 /// `1920x1080` or `1920,1080`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Resolution {
@@ -91,6 +99,102 @@ impl FromStr for Background {
         }
         let part = |i: usize| values.get(i).map_or(1.0, |v| *v as f32);
         Ok(Self([part(0), part(1), part(2), part(3)]))
+    }
+}
+
+/// An instruction set by name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub(crate) enum LevelName {
+    /// The best one of this machine.
+    Auto,
+    Avx512,
+    Avx2,
+    #[value(name = "sse4.2")]
+    Sse42,
+    Sse2,
+    /// No SIMD.
+    Fallback,
+}
+
+impl LevelName {
+    /// The level, if this machine and build have it.
+    pub(crate) fn level(self) -> Result<Level, Failure> {
+        let best = Level::new();
+        let found = match self {
+            Self::Auto => Some(best),
+            Self::Fallback => fallback(),
+            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+            Self::Avx512 => best.as_avx512().map(Level::Avx512),
+            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+            Self::Avx2 => best.as_avx2().map(Level::Avx2),
+            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+            Self::Sse42 => best.as_sse4_2().map(Level::Sse4_2),
+            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+            Self::Sse2 => best.as_sse2().map(Level::Sse2),
+            #[cfg(not(any(target_arch = "x86", target_arch = "x86_64")))]
+            _ => None,
+        };
+        found.ok_or_else(|| {
+            Failure::usage(
+                format!("--level: {self:?} is not to be had here"),
+                match self {
+                    Self::Fallback => "build with `--features force-fallback`, or use another level",
+                    _ => "this processor lacks it; no pixel depends on the level, so `auto` gives the same picture",
+                },
+            )
+        })
+    }
+}
+
+#[cfg(feature = "force-fallback")]
+fn fallback() -> Option<Level> {
+    Some(Level::fallback())
+}
+
+#[cfg(not(feature = "force-fallback"))]
+fn fallback() -> Option<Level> {
+    Some(Level::baseline()).filter(|level| level.is_fallback())
+}
+
+/// The name of a level, as `--level` takes it.
+pub(crate) fn level_name(level: Level) -> &'static str {
+    match level {
+        level if level.is_fallback() => "fallback",
+        #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+        Level::Avx512(_) => "avx512",
+        #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+        Level::Avx2(_) => "avx2",
+        #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+        Level::Sse4_2(_) => "sse4.2",
+        #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+        Level::Sse2(_) => "sse2",
+        _ => "baseline",
+    }
+}
+
+/// An interpolation by name.
+pub(crate) fn interp(text: &str) -> Result<Interp, String> {
+    words::parse_interp(text).ok_or_else(|| format!("expected one of {}", words::INTERPS))
+}
+
+/// A filter by name.
+pub(crate) fn filter(text: &str) -> Result<Filter, String> {
+    text.parse()
+        .map_err(|_| format!("expected one of {}", words::FILTERS))
+}
+
+/// A wrap mode by name.
+pub(crate) fn wrap(text: &str) -> Result<Wrap, String> {
+    text.parse()
+        .map_err(|_| format!("expected one of {}", words::WRAPS))
+}
+
+/// `srgb` or `raw`.
+pub(crate) fn color(text: &str) -> Result<ColorMode, String> {
+    match text {
+        "srgb" => Ok(ColorMode::Srgb),
+        "raw" => Ok(ColorMode::Raw),
+        _ => Err("expected srgb or raw".to_owned()),
     }
 }
 

@@ -1,1 +1,10 @@
-//! Laws and regressions of this area.
+//! The program from outside: arguments in, files, text and exit codes out.
+
+mod demos;
+mod files;
+mod info;
+mod malformed;
+mod program;
+mod readme;
+mod render;
+mod report;

@@ -3,32 +3,63 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use texmap_io::CameraPath;
+use texmap_io::framing::View;
+use texmap_raster::Interp;
+use texmap_render::{Aov, ColorMode};
+use texmap_sample::{Filter, Wrap};
 
-use crate::failure::{Exit, Failure};
-use crate::values::{self, Background, Resolution, Triple};
+use crate::cmd::render::report::{ItemReport, Report};
+use crate::failure::{self, Exit, Failure};
+use crate::values::{self, Background, LevelName, Resolution, Triple};
+
+mod draw;
+mod plan;
+mod report;
+mod sheet;
 
 /// Draw scenes and models: .scene or .obj in, .png out.
 #[derive(Args, Debug)]
+#[command(
+    after_help = "Several inputs: -o is a folder, or a name with {model} (the input's name without its ending). \
+    One bad input does not stop the others; the exit code is then 3."
+)]
 pub(crate) struct RenderArgs {
-    /// .scene and .obj files
+    /// .scene and .obj files; an OBJ alone gets an automatic camera and light
     #[arg(required = true, value_name = "IN")]
     inputs: Vec<PathBuf>,
-    /// The PNG to write; `-` is standard output; with several inputs a directory or a name with
-    /// {model}; with --frames a name with %04d
+    /// The PNG to write; `-` is standard output; with --frames a name with %04d
     #[arg(short, long, value_name = "OUT", required_unless_present = "dry_run")]
     output: Option<PathBuf>,
     /// Size of the picture (of each cell with --views)
     #[arg(long, value_name = "WxH", default_value = "1024x768")]
     resolution: Resolution,
-    /// Samples per axis and pixel, averaged in linear light
+    /// Interpolation instead of the scene's: perspective, affine, subdivided:N, span:N, within:TOLERANCE
+    #[arg(long, value_name = "METHOD", value_parser = values::interp)]
+    interp: Option<Interp>,
+    /// Texture filter instead of the scene's: nearest, bilinear, bicubic:mitchell, mip-nearest,
+    /// bilinear-mip-nearest, trilinear, anisotropic:16, ewa:16
+    #[arg(long, value_name = "METHOD", value_parser = values::filter)]
+    filter: Option<Filter>,
+    /// Wrap in both directions instead of the scene's: repeat, mirrored-repeat, clamp-to-edge,
+    /// clamp-to-border, mirror-clamp-to-edge
+    #[arg(long, value_name = "MODE", value_parser = values::wrap)]
+    wrap: Option<Wrap>,
+    /// N x N samples per pixel, averaged in linear light
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=16))]
     supersample: u32,
-    /// Worker threads; default: as many as the machine gives
+    /// Worker threads; default: as many as the machine gives. No pixel depends on it
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
-    /// Background colour: #rrggbb, #rrggbbaa, r,g,b[,a] or transparent
-    #[arg(long, value_name = "COLOR")]
+    /// Instruction set: auto, avx512, avx2, sse4.2, sse2 or fallback. No pixel depends on it
+    #[arg(long, value_name = "LEVEL", default_value = "auto")]
+    level: LevelName,
+    /// Background colour in sRGB: #rrggbb, #rrggbbaa, r,g,b[,a] or transparent
+    #[arg(long, value_name = "COLOR", allow_hyphen_values = true)]
     background: Option<Background>,
+    /// srgb, or raw: no colour is converted, neither in nor out
+    #[arg(long, value_name = "MODE", value_parser = values::color)]
+    color: Option<ColorMode>,
     /// Where the camera stands
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
     camera_eye: Option<Triple>,
@@ -39,8 +70,21 @@ pub(crate) struct RenderArgs {
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
     camera_up: Option<Triple>,
     /// Horizontal field of view in degrees
-    #[arg(long, value_name = "DEGREES", value_parser = values::fov)]
+    #[arg(long, value_name = "DEGREES", allow_hyphen_values = true, value_parser = values::fov)]
     fov: Option<f64>,
+    /// A walk: key positions of the camera, [{"eye":[x,y,z],"look":[x,y,z],"up":..,"fov":..}, ...]
+    #[arg(long, value_name = "CAMERA.json", requires = "frames", conflicts_with_all = ["views", "camera_eye", "camera_look", "camera_up", "fov"])]
+    path: Option<PathBuf>,
+    /// Pictures along the walk, numbered from 0
+    #[arg(long, value_name = "N", requires = "path", value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    frames: Option<u32>,
+    /// A captioned contact sheet: front, back, left, right, top, bottom, iso
+    #[arg(long, value_name = "LIST", value_delimiter = ',', conflicts_with_all = ["aov", "camera_eye", "camera_look", "camera_up"])]
+    views: Vec<View>,
+    /// Arrays beside the picture: depth, inv_w, uv, lod, face, normal, position; room.png gives
+    /// room.uv.npy of shape (height, width, channels)
+    #[arg(long, value_name = "LIST", value_delimiter = ',')]
+    aov: Vec<Aov>,
     /// Print a report as JSON to standard output
     #[arg(long)]
     pub(crate) json: bool,
@@ -50,10 +94,30 @@ pub(crate) struct RenderArgs {
 }
 
 pub(crate) fn run(args: &RenderArgs) -> Result<Exit, Failure> {
-    Err(Failure::new(
-        Exit::Input,
-        "file.read",
-        format!("{}: cannot be read yet", args.inputs[0].display()),
-        "the renderer is not joined to the program yet",
-    ))
+    let level = args.level.level()?;
+    let walk = args.path.as_deref().map(CameraPath::read).transpose()?;
+    let items = plan::items(args)?;
+    let mut reports: Vec<ItemReport> = Vec::new();
+    let mut failures = Vec::new();
+    for item in &items {
+        match draw::item(args, item, level, walk.as_ref()) {
+            Ok(done) => reports.extend(done),
+            // Alone, a bad input is the whole answer; among others it is one line of the report.
+            Err(failure) if items.len() == 1 => return Err(failure),
+            Err(failure) => {
+                failure.report(false);
+                reports.push(ItemReport::failed(&item.input, &failure));
+                failures.push(failure);
+            }
+        }
+    }
+    let exit = match failures.first() {
+        None => Exit::Done,
+        Some(first) if failures.len() == items.len() => first.exit,
+        Some(_) => Exit::Partial,
+    };
+    if args.json {
+        failure::print_json(&Report::new(args, level, reports, exit));
+    }
+    Ok(exit)
 }

@@ -1,0 +1,343 @@
+//! One input: load it, set the camera, draw its pictures, write them.
+
+use std::path::Path;
+use std::time::Instant;
+
+use texmap_io::CameraPath;
+use texmap_io::framing::{Bounds, View};
+use texmap_io::npy::{self, Values};
+use texmap_lab::picture::Picture;
+use texmap_math::Level;
+use texmap_math::camera::Camera;
+use texmap_math::glam::DVec3;
+use texmap_render::{AovData, Frame, RenderError, Scene, Settings};
+
+use crate::cmd::render::RenderArgs;
+use crate::cmd::render::plan::{Item, array_name};
+use crate::cmd::render::report::{
+    AovReport, CameraReport, Counts, ItemReport, SceneReport, TimesReport, milliseconds,
+};
+use crate::cmd::render::sheet::sheet;
+use crate::failure::{Exit, Failure, say};
+use crate::output::{Destination, Stage};
+use crate::progress::Progress;
+
+/// Draws everything that one input gives: one picture, a contact sheet, or the frames of a walk.
+pub(crate) fn item(
+    args: &RenderArgs,
+    item: &Item,
+    level: Level,
+    walk: Option<&CameraPath>,
+) -> Result<Vec<ItemReport>, Failure> {
+    let began = Instant::now();
+    let mut scene = texmap_io::load(&item.input)?;
+    adjust(&mut scene, args);
+    let load = milliseconds(began.elapsed());
+    let context = Context {
+        args,
+        item,
+        level,
+        load,
+    };
+    let cameras = cameras(args, &scene, walk)?;
+    // Every camera is checked before the first pixel.
+    for (_, camera) in &cameras {
+        scene.camera = *camera;
+        scene.check().map_err(|e| context.refused(&e))?;
+    }
+    if args.views.is_empty() {
+        let pictures = cameras.iter().zip(0..).map(|((_, camera), number)| {
+            scene.camera = *camera;
+            let number = args.frames.map(|_| number);
+            context.picture(&scene, number, cameras.len())
+        });
+        pictures.collect()
+    } else {
+        Ok(vec![context.views(&mut scene, &cameras)?])
+    }
+}
+
+fn adjust(scene: &mut Scene, args: &RenderArgs) {
+    if let Some(background) = args.background {
+        scene.background = background.0;
+    }
+    if let Some(color) = args.color {
+        scene.color = color;
+    }
+    let camera = &mut scene.camera;
+    for (point, flag) in [
+        (&mut camera.eye, args.camera_eye),
+        (&mut camera.look, args.camera_look),
+        (&mut camera.up, args.camera_up),
+    ] {
+        if let Some(value) = flag {
+            *point = DVec3::from(value.0);
+        }
+    }
+    if let Some(degrees) = args.fov {
+        camera.fov_x = degrees.to_radians();
+    }
+}
+
+/// The cameras of all pictures, named where they are views.
+fn cameras(
+    args: &RenderArgs,
+    scene: &Scene,
+    walk: Option<&CameraPath>,
+) -> Result<Vec<(Option<View>, Camera)>, Failure> {
+    if let (Some(walk), Some(frames)) = (walk, args.frames) {
+        return Ok((0..frames)
+            .map(|i| (None, walk.camera(&scene.camera, i, frames)))
+            .collect());
+    }
+    if args.views.is_empty() {
+        return Ok(vec![(None, scene.camera)]);
+    }
+    let bounds = Bounds::of(scene).ok_or_else(|| {
+        Failure::new(
+            Exit::Input,
+            "empty-scene",
+            "the scene has no vertices",
+            "--views frames what is there",
+        )
+    })?;
+    let aspect = f64::from(args.resolution.width) / f64::from(args.resolution.height);
+    let fov = args
+        .fov
+        .map_or(texmap_io::framing::AUTO_FOV, f64::to_radians);
+    Ok(args
+        .views
+        .iter()
+        .map(|view| (Some(*view), bounds.camera(*view, fov, aspect)))
+        .collect())
+}
+
+struct Context<'a> {
+    args: &'a RenderArgs,
+    item: &'a Item,
+    level: Level,
+    /// Milliseconds that loading took.
+    load: f64,
+}
+
+impl Context<'_> {
+    /// One picture, alone or as frame `number` of `of`.
+    fn picture(
+        &self,
+        scene: &Scene,
+        number: Option<u32>,
+        of: usize,
+    ) -> Result<ItemReport, Failure> {
+        let output = self.item.frame_output(number);
+        let mut report = self.report(scene);
+        report.frame = number;
+        report.cameras.extend(self.camera(None, &scene.camera));
+        report.output = output.as_ref().map(|p| p.display().to_string());
+        let Some(output) = self.to_draw(&mut report, output.as_deref()) else {
+            return Ok(report);
+        };
+        let label = number.map_or_else(
+            || self.label(),
+            |n| format!("{} {}/{of}", self.label(), n + 1),
+        );
+        let frame = self.draw(scene, label)?;
+        let mut times = TimesReport {
+            load: self.load,
+            ..TimesReport::default()
+        };
+        times.add(&frame);
+        let mut counts = Counts::default();
+        counts.add(&frame);
+        report.warnings.clone_from(&frame.warnings);
+        report.counts = Some(counts);
+        self.write(&mut report, output, &frame, times)?;
+        Ok(report)
+    }
+
+    /// All views on one sheet.
+    fn views(
+        &self,
+        scene: &mut Scene,
+        cameras: &[(Option<View>, Camera)],
+    ) -> Result<ItemReport, Failure> {
+        let output = self.item.output.as_deref();
+        let mut report = self.report(scene);
+        report.output = output.map(|p| p.display().to_string());
+        for (view, camera) in cameras {
+            report.cameras.extend(self.camera(*view, camera));
+        }
+        let Some(output) = self.to_draw(&mut report, output) else {
+            return Ok(report);
+        };
+        let mut times = TimesReport {
+            load: self.load,
+            ..TimesReport::default()
+        };
+        let mut counts = Counts::default();
+        let mut cells = Vec::new();
+        for (view, camera) in cameras {
+            scene.camera = *camera;
+            let name = view.map_or("", View::name);
+            let frame = self.draw(scene, format!("{} {name}", self.label()))?;
+            times.add(&frame);
+            counts.add(&frame);
+            for warning in frame.warnings {
+                if !report.warnings.contains(&warning) {
+                    report.warnings.push(warning);
+                }
+            }
+            let eye = camera.eye;
+            let caption = format!("{name}  eye {:.3} {:.3} {:.3}", eye.x, eye.y, eye.z);
+            let picture = Picture::from_rgba(frame.width, frame.height, frame.rgba)
+                .ok_or_else(|| Failure::internal("a frame of the wrong size"))?;
+            cells.push((caption, picture));
+        }
+        report.counts = Some(counts);
+        let sheet = sheet(&cells);
+        let frame = Frame {
+            width: sheet.width(),
+            height: sheet.height(),
+            rgba: sheet.rgba().to_vec(),
+            aovs: Vec::new(),
+            stats: Default::default(),
+            warnings: Vec::new(),
+        };
+        self.write(&mut report, output, &frame, times)?;
+        Ok(report)
+    }
+
+    fn draw(&self, scene: &Scene, label: String) -> Result<Frame, Failure> {
+        let progress = Progress::new(label);
+        texmap_render::render(scene, &self.settings(), &|done, of| {
+            progress.update(done, of)
+        })
+        .map_err(|e| self.refused(&e))
+    }
+
+    fn settings(&self) -> Settings {
+        let args = self.args;
+        Settings {
+            threads: args.threads.map(usize::from),
+            supersample: args.supersample,
+            aovs: args.aov.clone(),
+            level: self.level,
+            filter: args.filter,
+            wrap: args.wrap,
+            interp: args.interp,
+            ..Settings::new(args.resolution.width, args.resolution.height)
+        }
+    }
+
+    /// Writes the picture and its arrays, all or none, and says so.
+    fn write(
+        &self,
+        report: &mut ItemReport,
+        output: &Path,
+        frame: &Frame,
+        mut times: TimesReport,
+    ) -> Result<(), Failure> {
+        let began = Instant::now();
+        let main = Destination::new(output)?;
+        let mut stage = Stage::new(&main)?;
+        texmap_io::image_io::write_png(
+            &stage.add(main, "png"),
+            frame.width,
+            frame.height,
+            &frame.rgba,
+        )?;
+        for (aov, channels, data) in &frame.aovs {
+            let path = array_name(output, *aov);
+            let shape = [frame.height as usize, frame.width as usize, *channels];
+            let (values, dtype, hole) = match data {
+                AovData::F32(v) => (Values::F32(v), "float32", "NaN"),
+                AovData::U32(v) => (Values::U32(v), "uint32", "4294967295"),
+            };
+            npy::write(&stage.add(Destination::new(&path)?, "npy"), &shape, values)?;
+            let path = path.display().to_string();
+            report.aovs.push(AovReport {
+                name: aov.name(),
+                path,
+                shape,
+                dtype,
+                hole,
+            });
+        }
+        stage.commit()?;
+        times.write = milliseconds(began.elapsed());
+        report.status = "ok";
+        report.width = Some(frame.width);
+        report.height = Some(frame.height);
+        report.pixel_hash = Some(texmap_render::pixel_hash(frame));
+        self.tell(report, &times);
+        report.times_ms = Some(times);
+        Ok(())
+    }
+
+    /// The line that says what was drawn and how long it took, and the warnings.
+    fn tell(&self, report: &ItemReport, times: &TimesReport) {
+        for warning in &report.warnings {
+            say(&format!(
+                "warning: {}: {warning}\n",
+                self.item.input.display()
+            ));
+        }
+        let scene = report
+            .scene
+            .as_ref()
+            .map_or_else(String::new, SceneReport::words);
+        say(&format!(
+            "{}: {} x {} pixels, {scene}, in {:.3} s\n",
+            report.output.as_deref().unwrap_or_default(),
+            report.width.unwrap_or_default(),
+            report.height.unwrap_or_default(),
+            times.total() / 1e3,
+        ));
+    }
+
+    fn report(&self, scene: &Scene) -> ItemReport {
+        ItemReport {
+            input: self.item.input.display().to_string(),
+            status: "planned",
+            scene: Some(SceneReport::new(scene)),
+            memory_bytes: Some(crate::cmd::render::plan::memory(self.args, scene)),
+            warnings: scene.warnings.clone(),
+            ..ItemReport::default()
+        }
+    }
+
+    fn camera(&self, view: Option<View>, camera: &Camera) -> Option<CameraReport> {
+        CameraReport::new(
+            view.map(View::name),
+            camera,
+            self.args.resolution.width,
+            self.args.resolution.height,
+        )
+    }
+
+    /// The output, unless this is a dry run, which says what would be drawn instead.
+    fn to_draw<'o>(&self, report: &mut ItemReport, output: Option<&'o Path>) -> Option<&'o Path> {
+        let output = output.filter(|_| !self.args.dry_run);
+        if output.is_none() && !self.args.json {
+            crate::failure::print(&report.plan(self.args));
+        }
+        output
+    }
+
+    fn label(&self) -> String {
+        self.item
+            .input
+            .file_name()
+            .unwrap_or_default()
+            .to_string_lossy()
+            .into_owned()
+    }
+
+    fn refused(&self, error: &RenderError) -> Failure {
+        Failure::new(
+            Exit::Input,
+            error.code(),
+            format!("{}: {error}", self.item.input.display()),
+            "nothing was drawn; an older picture of this name was left as it was",
+        )
+    }
+}

@@ -1,0 +1,272 @@
+//! Which input becomes which file; everything that can be refused before a file is read.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use texmap_render::{Aov, Scene};
+
+use crate::cmd::render::RenderArgs;
+use crate::failure::Failure;
+use crate::output::{Destination, Stage};
+
+/// One input and the name of its picture; none in a dry run without `-o`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Item {
+    pub(crate) input: PathBuf,
+    pub(crate) output: Option<PathBuf>,
+}
+
+impl Item {
+    /// The name of frame `number` of a walk, or of the only picture.
+    pub(crate) fn frame_output(&self, number: Option<u32>) -> Option<PathBuf> {
+        let output = self.output.as_ref()?;
+        match number {
+            Some(n) => {
+                let name = output.to_string_lossy();
+                let place = find_counter(&name)?;
+                Some(PathBuf::from(format!(
+                    "{}{n:0width$}{}",
+                    &name[..place.start],
+                    &name[place.end..],
+                    width = place.width
+                )))
+            }
+            None => Some(output.clone()),
+        }
+    }
+}
+
+/// Names all outputs and checks them: endings, numbers, twins, and that each can be written.
+pub(crate) fn items(args: &RenderArgs) -> Result<Vec<Item>, Failure> {
+    let items = name(&args.inputs, args.output.as_deref())?;
+    let mut owner: BTreeMap<PathBuf, PathBuf> = BTreeMap::new();
+    for item in &items {
+        let Some(output) = &item.output else { continue };
+        check_name(args, output)?;
+        let destination = destinations(args, item)?;
+        if let Some(Destination::File(path)) = &destination {
+            if std::fs::canonicalize(&item.input).is_ok_and(|input| input == *path) {
+                return Err(Failure::usage(
+                    format!("{}: the output is the input", output.display()),
+                    "give -o another name",
+                ));
+            }
+        }
+        if let Some(other) = owner.insert(output.clone(), item.input.clone()) {
+            return Err(Failure::usage(
+                format!(
+                    "{} and {} would both write {}",
+                    other.display(),
+                    item.input.display(),
+                    output.display()
+                ),
+                "put {model} into the name, or render inputs of one name separately",
+            ));
+        }
+        if let Some(destination) = destination {
+            Stage::new(&destination)?;
+        }
+    }
+    Ok(items)
+}
+
+/// Checks every file that an input will give; the first picture's destination.
+fn destinations(args: &RenderArgs, item: &Item) -> Result<Option<Destination>, Failure> {
+    let numbers = args
+        .frames
+        .map_or(vec![None], |n| (0..n).map(Some).collect());
+    let mut first = None;
+    for output in numbers.into_iter().filter_map(|n| item.frame_output(n)) {
+        let picture = Destination::new(&output)?;
+        for aov in &args.aov {
+            Destination::new(&array_name(&output, *aov))?;
+        }
+        first.get_or_insert(picture);
+    }
+    Ok(first)
+}
+
+/// `room.png` and `uv` give `room.uv.npy`.
+pub(crate) fn array_name(picture: &Path, aov: Aov) -> PathBuf {
+    picture.with_extension(format!("{aov}.npy"))
+}
+
+/// Bytes in use while one picture is drawn: scene, frame with its samples, and arrays.
+pub(crate) fn memory(args: &RenderArgs, scene: &Scene) -> u64 {
+    let size = |len: usize, each: usize| (len * each) as u64;
+    let meshes = scene.meshes.iter().map(|m| {
+        size(
+            m.positions.len() + m.normals.len() + m.colors.len() + m.triangles.len(),
+            12,
+        ) + size(m.uvs.len(), 8)
+            + size(m.faces.len(), 4)
+    });
+    // Four bytes a texel and a third more for the mip chain.
+    let textures = scene
+        .textures
+        .iter()
+        .map(|t| u64::from(t.width()) * u64::from(t.height()) * 16 / 3);
+    let pixels = u64::from(args.resolution.width) * u64::from(args.resolution.height);
+    let arrays: usize = args.aov.iter().map(|a| 4 * a.channels()).sum();
+    let pictures = args.views.len().max(1) as u64;
+    meshes.sum::<u64>() + textures.sum::<u64>() + pixels * (4 * pictures + arrays as u64)
+}
+
+fn name(inputs: &[PathBuf], output: Option<&Path>) -> Result<Vec<Item>, Failure> {
+    let Some(output) = output else {
+        return Ok(inputs
+            .iter()
+            .map(|i| Item {
+                input: i.clone(),
+                output: None,
+            })
+            .collect());
+    };
+    let text = output.to_string_lossy();
+    let template = if text.ends_with('/') || output.is_dir() {
+        output.join("{model}.png").to_string_lossy().into_owned()
+    } else {
+        text.into_owned()
+    };
+    if inputs.len() > 1 && !template.contains("{model}") {
+        return Err(Failure::usage(
+            format!(
+                "{} inputs and one output {}",
+                inputs.len(),
+                output.display()
+            ),
+            "name a folder, or put {model} into the name: -o 'out/{model}.png'",
+        ));
+    }
+    Ok(inputs
+        .iter()
+        .map(|input| {
+            let model = input.file_stem().unwrap_or_default().to_string_lossy();
+            Item {
+                input: input.clone(),
+                output: Some(PathBuf::from(template.replace("{model}", &model))),
+            }
+        })
+        .collect())
+}
+
+fn check_name(args: &RenderArgs, output: &Path) -> Result<(), Failure> {
+    let text = output.to_string_lossy();
+    if output == Path::new("-") {
+        let clash = if args.json {
+            Some("--json")
+        } else if !args.aov.is_empty() {
+            Some("--aov")
+        } else {
+            args.frames.map(|_| "--frames")
+        };
+        return clash.map_or(Ok(()), |flag| {
+            Err(Failure::usage(
+                format!("-o - and {flag} do not go together"),
+                "name a file",
+            ))
+        });
+    }
+    match (args.frames, find_counter(&text)) {
+        (Some(_), None) => Err(Failure::usage(
+            format!("{text}: --frames needs a place for the number"),
+            "write %04d into the name: -o walk%04d.png",
+        )),
+        (None, Some(_)) => Err(Failure::usage(
+            format!("{text}: a numbered name without --frames"),
+            "add --path CAMERA.json --frames N",
+        )),
+        _ => Ok(()),
+    }?;
+    let device = std::fs::metadata(output).is_ok_and(|m| !m.is_file());
+    let png = output
+        .extension()
+        .is_some_and(|e| e.eq_ignore_ascii_case("png"));
+    if png || device {
+        Ok(())
+    } else {
+        Err(Failure::usage(
+            format!("{text}: not a .png name"),
+            "pictures are written as PNG: end the name with .png",
+        ))
+    }
+}
+
+/// Where `%d` or `%04d` stands in a name and how many digits it asks for.
+struct Counter {
+    start: usize,
+    end: usize,
+    width: usize,
+}
+
+fn find_counter(name: &str) -> Option<Counter> {
+    let start = name.rfind('%')?;
+    let digits: String = name[start + 1..]
+        .chars()
+        .take_while(char::is_ascii_digit)
+        .collect();
+    let end = start + 1 + digits.len();
+    if !name[end..].starts_with('d')
+        || digits.len() > 2
+        || (!digits.is_empty() && !digits.starts_with('0'))
+    {
+        return None;
+    }
+    Some(Counter {
+        start,
+        end: end + 1,
+        width: digits.parse().unwrap_or(1),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn names(inputs: &[&str], output: &str) -> Result<Vec<String>, Failure> {
+        let inputs: Vec<PathBuf> = inputs.iter().map(PathBuf::from).collect();
+        let items = name(&inputs, Some(Path::new(output)))?;
+        Ok(items
+            .into_iter()
+            .filter_map(|i| Some(i.output?.to_string_lossy().into_owned()))
+            .collect())
+    }
+
+    #[test]
+    fn several_inputs_need_a_folder_or_a_template() {
+        assert_eq!(names(&["a/x.obj"], "o.png").unwrap(), ["o.png"]);
+        assert_eq!(
+            names(&["a/x.obj", "y.scene"], "out/").unwrap(),
+            ["out/x.png", "out/y.png"]
+        );
+        assert_eq!(
+            names(&["a/x.obj", "y.scene"], "p_{model}.png").unwrap(),
+            ["p_x.png", "p_y.png"]
+        );
+        assert!(names(&["x.obj", "y.obj"], "o.png").is_err());
+    }
+
+    #[test]
+    fn frames_are_numbered_where_the_name_says() {
+        let item = |o: &str| Item {
+            input: "a.scene".into(),
+            output: Some(o.into()),
+        };
+        assert_eq!(
+            item("w%04d.png").frame_output(Some(7)),
+            Some("w0007.png".into())
+        );
+        assert_eq!(
+            item("w%d.png").frame_output(Some(12)),
+            Some("w12.png".into())
+        );
+        assert_eq!(
+            item("w%02d.png").frame_output(Some(123)),
+            Some("w123.png".into())
+        );
+        assert_eq!(item("w.png").frame_output(None), Some("w.png".into()));
+        for bad in ["w.png", "w%s.png", "w%4d.png", "w%0004d.png"] {
+            assert!(find_counter(bad).is_none(), "{bad} was taken");
+        }
+    }
+}
