@@ -2,3 +2,8 @@
 
 pub mod levels;
 pub mod tilted_plane;
+
+/// The README's library example, compiled.
+#[cfg(doctest)]
+#[doc = include_str!("../../README.md")]
+struct Readme;

@@ -3,9 +3,9 @@
 use std::path::Path;
 use std::time::Instant;
 
-use texmap_io::CameraPath;
 use texmap_io::framing::{Bounds, View};
 use texmap_io::npy::{self, Values};
+use texmap_io::{CameraPath, LoadOptions};
 use texmap_lab::picture::Picture;
 use texmap_math::Level;
 use texmap_math::camera::Camera;
@@ -30,7 +30,13 @@ pub(crate) fn item(
     walk: Option<&CameraPath>,
 ) -> Result<Vec<ItemReport>, Failure> {
     let began = Instant::now();
-    let mut scene = texmap_io::load(&item.input)?;
+    let size = args.resolution;
+    let options = LoadOptions {
+        aspect: f64::from(size.width) / f64::from(size.height),
+        color: args.color,
+        ..LoadOptions::default()
+    };
+    let mut scene = texmap_io::load(&item.input, &options)?;
     adjust(&mut scene, args);
     let load = milliseconds(began.elapsed());
     let context = Context {
@@ -60,9 +66,6 @@ pub(crate) fn item(
 fn adjust(scene: &mut Scene, args: &RenderArgs) {
     if let Some(background) = args.background {
         scene.background = background.0;
-    }
-    if let Some(color) = args.color {
-        scene.color = color;
     }
     let camera = &mut scene.camera;
     for (point, flag) in [
