@@ -28,14 +28,17 @@ pub struct LoadOptions {
     pub missing: Missing,
     /// Width / height of the picture that an automatic camera has to fill.
     pub aspect: f64,
+    /// Whether colours are converted, instead of what the scene says (an OBJ: that they are).
+    pub color: Option<ColorMode>,
 }
 
 impl Default for LoadOptions {
-    /// Missing files are errors; pictures of 16 : 9.
+    /// Missing files are errors; pictures of 16 : 9; colours as the scene says.
     fn default() -> Self {
         Self {
             missing: Missing::Error,
             aspect: 16.0 / 9.0,
+            color: None,
         }
     }
 }
@@ -97,7 +100,7 @@ pub(crate) fn read_scene(
     tolerant: bool,
 ) -> Result<(Scene, Textures), IoError> {
     let tree = Tree::read(path)?;
-    let color = tree.color_mode();
+    let color = options.color.unwrap_or(tree.color_mode());
     let textures = Textures::new(color == ColorMode::Raw, tolerant);
     let settings = Settings {
         missing: options.missing,
@@ -113,7 +116,8 @@ pub(crate) fn read_obj(
     options: &LoadOptions,
     tolerant: bool,
 ) -> Result<(Scene, Textures), IoError> {
-    let mut textures = Textures::new(false, tolerant);
+    let color = options.color.unwrap_or_default();
+    let mut textures = Textures::new(color == ColorMode::Raw, tolerant);
     let model = obj::read(path, None, options.missing, false, &mut textures)?;
     let matte = Surf {
         color: [0.8; 3],
@@ -128,7 +132,7 @@ pub(crate) fn read_obj(
         alpha: Alpha::Auto,
         ..Settings::default()
     };
-    let mut builder = Builder::new(empty_scene(ColorMode::Srgb), textures, settings);
+    let mut builder = Builder::new(empty_scene(color), textures, settings);
     let stem = path
         .file_stem()
         .map_or_else(String::new, |s| s.to_string_lossy().into_owned());
