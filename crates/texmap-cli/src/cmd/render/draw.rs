@@ -144,10 +144,7 @@ impl Context<'_> {
             |n| format!("{} {}/{of}", self.label(), n + 1),
         );
         let frame = self.draw(scene, label)?;
-        let mut times = TimesReport {
-            load: self.load,
-            ..TimesReport::default()
-        };
+        let mut times = TimesReport::new(self.load);
         times.add(&frame);
         let mut counts = Counts::default();
         counts.add(&frame);
@@ -172,10 +169,7 @@ impl Context<'_> {
         let Some(output) = self.to_draw(&mut report, output) else {
             return Ok(report);
         };
-        let mut times = TimesReport {
-            load: self.load,
-            ..TimesReport::default()
-        };
+        let mut times = TimesReport::new(self.load);
         let mut counts = Counts::default();
         let mut cells = Vec::new();
         for (view, camera) in cameras {

@@ -274,7 +274,7 @@ impl Counts {
 
 #[derive(Clone, Copy, Debug, Default, Serialize)]
 pub(crate) struct TimesReport {
-    pub(crate) load: f64,
+    load: f64,
     plan: f64,
     bin: f64,
     draw: f64,
@@ -282,6 +282,14 @@ pub(crate) struct TimesReport {
 }
 
 impl TimesReport {
+    /// Loading took this many milliseconds, the rest nothing yet.
+    pub(crate) fn new(load: f64) -> Self {
+        Self {
+            load,
+            ..Self::default()
+        }
+    }
+
     pub(crate) fn add(&mut self, frame: &Frame) {
         let t = &frame.stats.times;
         self.plan += milliseconds(t.plan);
