@@ -35,6 +35,16 @@ pub enum Depth {
     U16(Vec<u16>),
 }
 
+impl Depth {
+    /// Bits a channel.
+    pub fn bits(&self) -> u32 {
+        match self {
+            Self::U8(_) => 8,
+            Self::U16(_) => 16,
+        }
+    }
+}
+
 /// Decodes a PNG, JPEG or GIF file; its content decides which, not its name.
 ///
 /// Grey images become RGB, images without alpha opaque. The transparent index of a GIF becomes alpha 0; of an animated

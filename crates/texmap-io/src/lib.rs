@@ -7,6 +7,7 @@ mod error;
 mod files;
 pub mod framing;
 pub mod image_io;
+mod info;
 pub mod npy;
 mod obj;
 mod scene;
@@ -15,4 +16,5 @@ mod textures;
 
 pub use camera_path::{CameraPath, Stop};
 pub use error::{IoError, Place};
+pub use info::{FileInfo, MeshInfo, NamedFile, info};
 pub use scene::{LoadOptions, load, load_obj, load_scene};

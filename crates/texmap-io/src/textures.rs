@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use texmap_sample::{ColorSpace, Origin, Texture2d};
 
-use crate::image_io::{self, Depth};
+use crate::image_io;
 use crate::scene_file::Missing;
 use crate::{IoError, Place};
 
@@ -92,11 +92,7 @@ impl Textures {
         content: Content,
     ) -> Result<(Texture2d<'static>, (u32, u32, u32)), IoError> {
         let image = image_io::read_named(path, Some(place))?;
-        let bits = if matches!(image.texels, Depth::U8(_)) {
-            8
-        } else {
-            16
-        };
+        let bits = image.texels.bits();
         let linear = self.raw || content == Content::Data;
         let color = if linear {
             ColorSpace::Linear

@@ -138,6 +138,8 @@ pub(crate) fn read_obj(
         .map_or_else(String::new, |s| s.to_string_lossy().into_owned());
     builder.model(model, &stem);
     let (mut scene, textures) = builder.finish()?;
+    // Neither black nor white: dark and light parts stand out.
+    scene.background = [0.22, 0.24, 0.27, 1.0];
     if let Some(bounds) = Bounds::of(&scene) {
         scene.camera = bounds.camera(View::Iso, AUTO_FOV, options.aspect);
     }

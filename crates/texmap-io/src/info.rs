@@ -1,0 +1,231 @@
+//! What is in a file: meshes, maps, ranges of coordinates, and what is missing.
+
+use std::path::{Path, PathBuf};
+
+use serde::Serialize;
+use texmap_render::{Mesh, Scene};
+
+use crate::framing::Bounds;
+use crate::scene::{self, Kind, LoadOptions};
+use crate::{IoError, image_io};
+
+/// A file in figures.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[non_exhaustive]
+pub struct FileInfo {
+    /// The file.
+    pub file: PathBuf,
+    /// `scene`, `obj` or `image`.
+    pub kind: &'static str,
+    /// In the order of drawing.
+    pub meshes: Vec<MeshInfo>,
+    /// Images that it is or names, and models and libraries that it names in vain.
+    pub files: Vec<NamedFile>,
+    /// Number of lights; an OBJ by itself has none.
+    pub lights: usize,
+    /// Centre and radius of a sphere around all meshes, world units.
+    pub sphere: Option<([f64; 3], f64)>,
+    /// What a picture of it would warn of.
+    pub warnings: Vec<String>,
+}
+
+impl FileInfo {
+    /// The named files that cannot be used.
+    pub fn problems(&self) -> impl Iterator<Item = &NamedFile> {
+        self.files.iter().filter(|f| f.problem.is_some())
+    }
+}
+
+/// A mesh in figures.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[non_exhaustive]
+pub struct MeshInfo {
+    /// Object or group, or the line where its faces begin.
+    pub name: String,
+    /// Vertices, split where coordinates or normals differ.
+    pub vertices: usize,
+    /// Faces as the file counts them.
+    pub faces: usize,
+    /// Triangles that are drawn for them.
+    pub triangles: usize,
+    /// Name of its material.
+    pub material: String,
+    /// Smallest and largest u and v, the file's own values; of a framed face, at its corners.
+    pub uv: Option<[[f32; 2]; 2]>,
+}
+
+/// A file that the scene names.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[non_exhaustive]
+pub struct NamedFile {
+    /// The file as it was looked for.
+    pub path: PathBuf,
+    /// `file:line:column` of the line that names it first; empty for an image by itself.
+    pub named_by: String,
+    /// Width and height of an image.
+    pub size: Option<[u32; 2]>,
+    /// Bits a channel of an image.
+    pub bits: Option<u32>,
+    /// Why it cannot be used.
+    pub problem: Option<String>,
+}
+
+/// Reads a `.scene`, `.obj` or image file and everything that it names. Named files that are missing or broken do not
+/// stop it; they are listed.
+///
+/// # Errors
+/// As [`crate::load`], for faults of the file itself and of the scene files that it includes.
+pub fn info(path: &Path) -> Result<FileInfo, IoError> {
+    let options = LoadOptions::default();
+    let (kind, (scene, textures)) = match scene::kind(path) {
+        Ok(Kind::Scene) => ("scene", scene::read_scene(path, &options, true)?),
+        Ok(Kind::Obj) => ("obj", scene::read_obj(path, &options, true)?),
+        Err(error @ IoError::UnknownFormat { .. }) => return image(path, error),
+        Err(error) => return Err(error),
+    };
+    let files = textures.files.into_iter().map(|f| {
+        let (found, problem) = match f.found {
+            Ok(found) => (Some(found), None),
+            Err(problem) => (None, Some(problem)),
+        };
+        NamedFile {
+            path: f.path,
+            named_by: f.place.to_string(),
+            size: found.map(|(width, height, _)| [width, height]),
+            bits: found.map(|(_, _, bits)| bits),
+            problem,
+        }
+    });
+    Ok(FileInfo {
+        file: path.to_path_buf(),
+        kind,
+        meshes: scene.meshes.iter().map(|m| mesh(m, &scene)).collect(),
+        files: files.collect(),
+        lights: if kind == "obj" { 0 } else { scene.lights.len() },
+        sphere: Bounds::of(&scene).map(|b| (b.center.to_array(), b.radius)),
+        warnings: scene.warnings,
+    })
+}
+
+fn mesh(mesh: &Mesh, scene: &Scene) -> MeshInfo {
+    let mut faces = mesh.faces.clone();
+    faces.dedup();
+    let framed = mesh.frame.map(|frame| {
+        let uv = |p: &[f32; 3]| frame.uv(p.map(f64::from).into()).as_vec2().to_array();
+        mesh.positions.iter().map(uv).collect::<Vec<_>>()
+    });
+    MeshInfo {
+        name: mesh.name.clone(),
+        vertices: mesh.positions.len(),
+        faces: faces.len(),
+        triangles: mesh.triangles.len(),
+        material: scene
+            .materials
+            .get(mesh.material)
+            .map_or_else(String::new, |m| m.name.clone()),
+        uv: range(framed.as_deref().unwrap_or(&mesh.uvs)),
+    }
+}
+
+fn range(uvs: &[[f32; 2]]) -> Option<[[f32; 2]; 2]> {
+    let first = *uvs.first()?;
+    Some(uvs.iter().fold([first, first], |[low, high], uv| {
+        [
+            [low[0].min(uv[0]), low[1].min(uv[1])],
+            [high[0].max(uv[0]), high[1].max(uv[1])],
+        ]
+    }))
+}
+
+fn image(path: &Path, unknown: IoError) -> Result<FileInfo, IoError> {
+    let known = ["png", "jpg", "jpeg", "gif"];
+    let extension = path
+        .extension()
+        .and_then(|e| e.to_str())
+        .unwrap_or_default()
+        .to_lowercase();
+    if !known.contains(&extension.as_str()) {
+        return Err(unknown);
+    }
+    let image = image_io::read_image(path)?;
+    let file = NamedFile {
+        path: path.to_path_buf(),
+        named_by: String::new(),
+        size: Some([image.width, image.height]),
+        bits: Some(image.texels.bits()),
+        problem: None,
+    };
+    Ok(FileInfo {
+        file: path.to_path_buf(),
+        kind: "image",
+        meshes: Vec::new(),
+        files: vec![file],
+        lights: 0,
+        sphere: None,
+        warnings: Vec::new(),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::fs;
+
+    #[test]
+    fn missing_and_broken_files_are_listed_and_do_not_stop() {
+        let dir = tempfile::tempdir().unwrap();
+        let at = |name: &str| dir.path().join(name);
+        image_io::write_png(&at("a.png"), 2, 3, &[255; 24]).unwrap();
+        fs::write(at("broken.png"), b"not a picture").unwrap();
+        fs::write(
+            at("m.obj"),
+            "mtllib gone.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl x\nf 1 2 3\n",
+        )
+        .unwrap();
+        fs::write(
+            at("s.scene"),
+            "la 1 1 1\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\ntexture a.png\ntf 0 -1 0 1 2 0 2 2 3 3 0 1\n\
+             texture gone.png\ntexture broken.png\nobj gone.obj\nobj m.obj\n",
+        )
+        .unwrap();
+        let info = info(&at("s.scene")).unwrap();
+        assert_eq!((info.kind, info.lights, info.meshes.len()), ("scene", 1, 2));
+        let first = &info.meshes[0];
+        assert_eq!((first.vertices, first.faces, first.triangles), (4, 1, 2));
+        assert_eq!(first.uv, Some([[-1.0, 0.0], [2.0, 3.0]]));
+        let found: Vec<_> = info
+            .files
+            .iter()
+            .map(|f| (f.path.file_name().unwrap().to_str().unwrap(), f.size))
+            .collect();
+        assert_eq!(
+            found,
+            [
+                ("a.png", Some([2, 3])),
+                ("gone.png", None),
+                ("broken.png", None),
+                ("gone.obj", None),
+                ("gone.mtl", None)
+            ]
+        );
+        assert_eq!(info.problems().count(), 4);
+        assert!(info.files[1].named_by.ends_with("s.scene:8:1"));
+    }
+
+    #[test]
+    fn images_and_unknown_kinds() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("a.png");
+        image_io::write_png(&path, 2, 3, &[255; 24]).unwrap();
+        assert_eq!(info(&path).unwrap().files[0].size, Some([2, 3]));
+        fs::write(dir.path().join("a.txt"), "eye").unwrap();
+        assert_eq!(
+            info(&dir.path().join("a.txt")).unwrap_err().code(),
+            "unknown-format"
+        );
+        assert_eq!(
+            info(&dir.path().join("no.txt")).unwrap_err().code(),
+            "file-missing"
+        );
+    }
+}
