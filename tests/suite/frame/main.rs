@@ -1,1 +1,14 @@
-//! Laws and regressions of this area.
+//! Laws and regressions of whole frames.
+
+mod aov;
+mod blend;
+mod bytes;
+mod color;
+mod cutout;
+mod degenerate;
+mod errors;
+mod floor;
+mod gouraud;
+mod light;
+mod scenes;
+mod texture_frame;

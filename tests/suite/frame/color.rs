@@ -1,0 +1,182 @@
+//! sRGB and raw values, supersampling, decals and modulation.
+
+use texmap_light::{Light, Surface};
+use texmap_math::color;
+use texmap_render::{
+    AlphaMode, Aov, ColorMode, Material, Scene, Settings, Shading, TextureRole, render,
+};
+use texmap_sample::{ColorSpace, Filter, Origin, Texture2d};
+
+use crate::scenes::{bits, draw, of, pixel, slot, texture, unlit, wall};
+
+/// A white square whose right edge halves the middle column of pixels.
+fn half_covered(color: ColorMode) -> Scene {
+    let mut wall = wall(1.5, 1.0);
+    (wall.positions[1][0], wall.positions[2][0]) = (0.0, 0.0);
+    Scene {
+        color,
+        ..of(unlit([1.0; 3]), wall)
+    }
+}
+
+#[test]
+fn supersampling_averages_light_not_codes() {
+    for (mode, expected) in [(ColorMode::Srgb, 188), (ColorMode::Raw, 128)] {
+        for supersample in [2, 4] {
+            let settings = Settings {
+                supersample,
+                ..Settings::new(9, 9)
+            };
+            let frame = render(&half_covered(mode), &settings, &|_, _| ()).unwrap();
+            assert_eq!(
+                pixel(&frame, 4, 4),
+                [expected, expected, expected, 255],
+                "{mode:?} {supersample}"
+            );
+            assert_eq!((pixel(&frame, 3, 4)[0], pixel(&frame, 5, 4)[0]), (255, 0));
+        }
+    }
+}
+
+#[test]
+fn every_number_of_samples_fills_its_blocks() {
+    let scene = Scene {
+        background: [0.0, 0.0, 1.0, 1.0],
+        ..of(unlit([1.0, 0.0, 0.0]), wall(9.0, 1.0))
+    };
+    for supersample in [1, 2, 3, 5, 8] {
+        let settings = Settings {
+            supersample,
+            ..Settings::new(131, 67)
+        };
+        let frame = render(&scene, &settings, &|_, _| ()).unwrap();
+        assert!(
+            frame.rgba.chunks_exact(4).all(|p| p == [255, 0, 0, 255]),
+            "{supersample}"
+        );
+        assert_eq!(frame.stats.pixels_covered, 131 * 67);
+    }
+}
+
+/// AOVs are of the pixel's centre: supersampling does not move them.
+#[test]
+fn supersampling_leaves_the_aovs_alone() {
+    let scene = half_covered(ColorMode::Srgb);
+    let at = |supersample| {
+        let settings = Settings {
+            supersample,
+            aovs: Aov::ALL.to_vec(),
+            ..Settings::new(33, 21)
+        };
+        bits(&render(&scene, &settings, &|_, _| ()).unwrap())
+    };
+    assert_eq!(at(2), at(1));
+    assert_eq!(at(3), at(1));
+}
+
+#[test]
+fn srgb_bytes_survive_the_way_and_raw_bytes_too() {
+    let bytes = |x: u32| [(x * 5) as u8, 255 - (x * 5) as u8, 77, 255];
+    for (mode, space) in [
+        (ColorMode::Srgb, ColorSpace::Srgb),
+        (ColorMode::Raw, ColorSpace::Linear),
+    ] {
+        let texels = (0..51).flat_map(bytes).collect();
+        let texture = Texture2d::from_rgba8(51, 1, texels, space, Origin::TopLeft).unwrap();
+        let material = Material {
+            base_color: slot(0, Filter::Nearest),
+            texture_role: TextureRole::Decal,
+            ..unlit([1.0; 3])
+        };
+        let scene = Scene {
+            color: mode,
+            textures: vec![texture],
+            ..of(material, wall(1.0, 1.0))
+        };
+        let frame = draw(&scene, 51, 51);
+        for x in 0..51 {
+            assert_eq!(pixel(&frame, x, 20), bytes(x), "{mode:?}");
+        }
+    }
+}
+
+#[test]
+fn background_is_srgb_or_raw() {
+    for mode in [ColorMode::Srgb, ColorMode::Raw] {
+        let scene = Scene {
+            color: mode,
+            background: [0.2, 0.6, 0.8, 0.4],
+            ..crate::scenes::empty()
+        };
+        assert_eq!(
+            pixel(&draw(&scene, 3, 3), 1, 1),
+            [51, 153, 204, 102],
+            "{mode:?}"
+        );
+    }
+}
+
+/// A half-lit surface of (.5, .5, .5) under texels red, and green at half alpha.
+fn label(role: TextureRole, alpha: AlphaMode) -> Scene {
+    let texels = texture(2, 1, |x, _| {
+        if x == 0 {
+            [255, 0, 0, 255]
+        } else {
+            [0, 255, 0, 128]
+        }
+    });
+    let material = Material {
+        surface: Surface {
+            color: [0.5; 3],
+            ka: 1.0,
+            kd: 0.0,
+            ks: 0.0,
+            ns: 1.0,
+        },
+        base_color: slot(0, Filter::Nearest),
+        texture_role: role,
+        shading: Shading::PerPixel,
+        alpha,
+        ..Material::default()
+    };
+    let lights = vec![Light::Ambient { color: [0.5; 3] }];
+    Scene {
+        lights,
+        textures: vec![texels],
+        ..of(material, wall(1.0, 1.0))
+    }
+}
+
+#[test]
+fn a_decal_ignores_light_and_modulation_does_not() {
+    let row = |role| {
+        let frame = draw(&label(role, AlphaMode::Opaque), 8, 8);
+        (pixel(&frame, 2, 4), pixel(&frame, 6, 4))
+    };
+    // Under the half-transparent texel of the label lies the lit surface, .25 grey.
+    let (solid, half) = row(TextureRole::Decal);
+    assert_eq!(solid, [255, 0, 0, 255]);
+    assert_eq!(half, [32, 128 + 32, 32, 255]);
+    // .5 surface x .5 light x texel; alpha plays no part.
+    let (solid, half) = row(TextureRole::Modulate);
+    assert_eq!(solid, [64, 0, 0, 255]);
+    assert_eq!(half, [0, 64, 0, 255]);
+}
+
+#[test]
+fn a_blended_decal_is_the_texel_over_the_background() {
+    let frame = draw(&label(TextureRole::Decal, AlphaMode::Blend), 8, 8);
+    assert_eq!(pixel(&frame, 6, 4), [0, 128, 0, 255]);
+    assert_eq!(pixel(&frame, 2, 4), [255, 0, 0, 255]);
+}
+
+/// sRGB shading happens in linear light: half the light is code 188, not 128.
+#[test]
+fn light_is_linear() {
+    let mut scene = label(TextureRole::Modulate, AlphaMode::Opaque);
+    scene.color = ColorMode::Srgb;
+    scene.materials[0].surface.color = [1.0; 3];
+    let expected = color::linear_to_srgb8(0.5);
+    assert_eq!(expected, 188);
+    assert_eq!(pixel(&draw(&scene, 8, 8), 2, 4), [expected, 0, 0, 255]);
+}

@@ -1,0 +1,145 @@
+//! Small scenes and ways to read their frames.
+
+use texmap_light::Surface;
+use texmap_math::Camera;
+use texmap_math::glam::DVec3;
+use texmap_raster::DepthTest;
+use texmap_render::{
+    Aov, AovData, ColorMode, Frame, Material, Mesh, Scene, Settings, Shading, TextureSlot, render,
+};
+use texmap_sample::{ColorSpace, Filter, Origin, Sampler, Texture2d, UvTransform};
+
+/// Raw colours, black opaque background, no light, nothing in it; the camera stands in the origin, looks along -Z and sees
+/// 90 degrees.
+pub(crate) fn empty() -> Scene {
+    Scene {
+        camera: Camera {
+            eye: DVec3::ZERO,
+            look: DVec3::NEG_Z,
+            up: DVec3::Y,
+            fov_x: std::f64::consts::FRAC_PI_2,
+            near: 1e-4,
+            far: f64::INFINITY,
+        },
+        background: [0.0, 0.0, 0.0, 1.0],
+        color: ColorMode::Raw,
+        depth_test: DepthTest::Less,
+        lights: Vec::new(),
+        textures: Vec::new(),
+        materials: Vec::new(),
+        meshes: Vec::new(),
+        warnings: Vec::new(),
+    }
+}
+
+/// A scene of one mesh and its material.
+pub(crate) fn of(material: Material, mesh: Mesh) -> Scene {
+    Scene {
+        materials: vec![material],
+        meshes: vec![mesh],
+        ..empty()
+    }
+}
+
+pub(crate) fn unlit(color: [f32; 3]) -> Material {
+    Material {
+        surface: Surface {
+            color,
+            ..Surface::default()
+        },
+        shading: Shading::Unlit,
+        ..Material::default()
+    }
+}
+
+/// Four corners, counter-clockwise from the lower left, as two triangles with the whole texture on them.
+pub(crate) fn quad(positions: [[f32; 3]; 4]) -> Mesh {
+    Mesh {
+        positions: positions.to_vec(),
+        uvs: vec![[0.0, 1.0], [1.0, 1.0], [1.0, 0.0], [0.0, 0.0]],
+        triangles: vec![[0, 1, 2], [0, 2, 3]],
+        ..Mesh::default()
+    }
+}
+
+/// A square of half-side `half` at distance `z` that faces the camera.
+pub(crate) fn wall(half: f32, z: f32) -> Mesh {
+    quad([
+        [-half, -half, -z],
+        [half, -half, -z],
+        [half, half, -z],
+        [-half, half, -z],
+    ])
+}
+
+pub(crate) fn slot(texture: usize, filter: Filter) -> Option<TextureSlot> {
+    Some(TextureSlot {
+        texture,
+        sampler: Sampler {
+            filter,
+            ..Sampler::default()
+        },
+        transform: UvTransform::default(),
+    })
+}
+
+pub(crate) fn texture(
+    width: u32,
+    height: u32,
+    texel: impl Fn(u32, u32) -> [u8; 4],
+) -> Texture2d<'static> {
+    let texels = (0..width * height)
+        .flat_map(|i| texel(i % width, i / width))
+        .collect();
+    Texture2d::from_rgba8(width, height, texels, ColorSpace::Linear, Origin::TopLeft).unwrap()
+}
+
+pub(crate) fn draw(scene: &Scene, width: u32, height: u32) -> Frame {
+    render(scene, &Settings::new(width, height), &|_, _| ()).unwrap()
+}
+
+pub(crate) fn draw_aovs(scene: &Scene, width: u32, height: u32, aovs: &[Aov]) -> Frame {
+    let settings = Settings {
+        aovs: aovs.to_vec(),
+        ..Settings::new(width, height)
+    };
+    render(scene, &settings, &|_, _| ()).unwrap()
+}
+
+pub(crate) fn pixel(frame: &Frame, x: u32, y: u32) -> [u8; 4] {
+    let at = (y * frame.width + x) as usize * 4;
+    frame.rgba[at..at + 4].try_into().unwrap()
+}
+
+/// Values of an f32 AOV at a pixel.
+pub(crate) fn values(frame: &Frame, aov: Aov, x: u32, y: u32) -> Vec<f32> {
+    let (_, channels, data) = frame.aovs.iter().find(|(a, ..)| *a == aov).unwrap();
+    let AovData::F32(data) = data else {
+        panic!("{aov} is not f32")
+    };
+    let at = (y * frame.width + x) as usize * channels;
+    data[at..at + channels].to_vec()
+}
+
+pub(crate) fn faces(frame: &Frame) -> &[u32] {
+    frame
+        .aovs
+        .iter()
+        .find_map(|(_, _, data)| {
+            if let AovData::U32(faces) = data {
+                Some(faces.as_slice())
+            } else {
+                None
+            }
+        })
+        .unwrap()
+}
+
+/// AOVs as bits, to be compared.
+pub(crate) fn bits(frame: &Frame) -> Vec<Vec<u32>> {
+    let of = |data: &AovData| match data {
+        AovData::F32(values) => values.iter().map(|v| v.to_bits()).collect(),
+        AovData::U32(values) => values.clone(),
+    };
+    frame.aovs.iter().map(|(_, _, data)| of(data)).collect()
+}
