@@ -1,5 +1,6 @@
 //! What the suites share: SIMD levels, strategies, scenes, golden images.
 
+pub mod golden;
 pub mod levels;
 pub mod tilted_plane;
 

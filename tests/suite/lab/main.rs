@@ -1,2 +1,4 @@
 //! The truth, the failure cases and the demos.
 mod cases;
+mod demos;
+mod scenes;

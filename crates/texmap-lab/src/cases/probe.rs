@@ -67,7 +67,7 @@ pub(super) fn coverage(size: (u32, u32), draw: Draw<'_>) -> Result<Vec<u32>, Lab
     for tile in 0..prepared.tiles() {
         prepared.visible(tile, &NoAlphaTest, &mut buffers);
         prepared.blended(tile, &buffers, &mut |_, x, y| {
-            counts[(y * size.0 + x) as usize] += 1
+            counts[(y * size.0 + x) as usize] += 1;
         });
     }
     Ok(counts)

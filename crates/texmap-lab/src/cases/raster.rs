@@ -193,7 +193,7 @@ pub(super) fn r5() -> Result<Vec<Measurement>, LabError> {
     let size = (2048, 64);
     let mut positions = Vec::new();
     let mut add = |corners: [(f64, f64, f64); 3]| {
-        positions.extend(corners.map(|(x, y, w)| vertex(size, x, y, w)))
+        positions.extend(corners.map(|(x, y, w)| vertex(size, x, y, w)));
     };
     add([(10.0, 10.0, 1.0), (20.0, 20.0, 1.0), (30.0, 30.0, 1.0)]);
     add([(50.0, 10.0, 1.0), (50.0, 10.0, 1.0), (60.0, 40.0, 1.0)]);
@@ -367,7 +367,7 @@ pub(super) fn r8() -> Result<Vec<Measurement>, LabError> {
         };
         let mut out = vec![None; size.0 as usize * size.1 as usize];
         visit(size, &[draw], |x, y, fragment| {
-            out[(y * size.0 + x) as usize] = Some(fragment.depth)
+            out[(y * size.0 + x) as usize] = Some(fragment.depth);
         })?;
         Ok(out)
     };

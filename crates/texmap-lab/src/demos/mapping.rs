@@ -14,7 +14,7 @@ use crate::LabError;
 use crate::picture::{Picture, Rgba};
 
 /// Texels a side.
-const TEXELS: u32 = 128;
+const TEXELS: u32 = 192;
 
 const SKY: Rgba = [204, 217, 230, 255];
 const HOLE: Rgba = [255, 0, 160, 255];
@@ -220,7 +220,7 @@ fn quads(texture: &Picture, size: u32) -> Result<Written, LabError> {
     for tile in 0..prepared.tiles() {
         prepared.visible(tile, &NoAlphaTest, &mut buffers);
         prepared.blended(tile, &buffers, &mut |id, x, y| {
-            written.write(x, y, prepared.source(id).1 / 2, texture)
+            written.write(x, y, prepared.source(id).1 / 2, texture);
         });
     }
     Ok(written)

@@ -7,7 +7,7 @@ use crate::picture::{Picture, Rgba};
 pub(super) fn checker(size: u32, cells: u32, dark: Rgba, light: Rgba) -> Picture {
     let cell = (size / cells).max(1);
     paint(size, |x, y| {
-        if (x / cell + y / cell) % 2 == 0 {
+        if (x / cell + y / cell).is_multiple_of(2) {
             light
         } else {
             dark
@@ -46,7 +46,11 @@ pub(super) fn field(column: u32, row: u32) -> Rgba {
         [94, 170, 120],
         [84, 140, 200],
     ][column as usize % 4];
-    let shade = if (column + row) % 2 == 0 { 100 } else { 78 };
+    let shade = if (column + row).is_multiple_of(2) {
+        100
+    } else {
+        78
+    };
     let tone = |c: u32| (c * shade / 100 + 12 * row).min(255) as u8;
     [tone(hue[0]), tone(hue[1]), tone(hue[2]), 255]
 }
