@@ -206,21 +206,34 @@ impl Draw<'_> {
     }
 }
 
-/// What became of the submitted triangles.
+/// What became of the submitted triangles (of their parts, where subdivided).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Stats {
     /// Triangles in the draws' `indices`.
     pub submitted: usize,
     /// Triangles dropped because a position or an attribute was NaN or infinite, or overflowed in the matrix.
     pub non_finite: usize,
-    /// Triangles (parts, where subdivided) wholly outside the view.
+    /// Dropped because they lie outside the view, or because their box holds no pixel centre, or holds up to 2x2 and none is
+    /// covered.
     pub outside: usize,
-    /// Triangles (parts, where subdivided) dropped by [`Cull`].
+    /// Dropped by [`Cull`].
     pub culled: usize,
-    /// Triangles (parts, where subdivided) without area once snapped to 1/256 pixel.
+    /// Dropped because they have no area once snapped to 1/256 pixel.
     pub degenerate: usize,
-    /// Triangles (parts, where subdivided) that were cut.
+    /// Cut at the near or far plane, or at the edge of the fixed-point range.
     pub clipped: usize,
     /// Pieces that reached a tile.
     pub binned: usize,
+}
+
+impl Stats {
+    pub(crate) fn add(&mut self, other: Self) {
+        self.submitted += other.submitted;
+        self.non_finite += other.non_finite;
+        self.outside += other.outside;
+        self.culled += other.culled;
+        self.degenerate += other.degenerate;
+        self.clipped += other.clipped;
+        self.binned += other.binned;
+    }
 }

@@ -41,10 +41,12 @@ mod clip;
 mod draw;
 mod edge;
 mod error;
+mod front;
 mod planes;
 mod prepared;
 pub mod reference;
 mod setup;
+mod vertex;
 mod visible;
 
 pub use draw::{Cull, DepthTest, Draw, Interp, MAX_ATTRIBUTES, MAX_PARTS, Pass, Stats, TargetSize};

@@ -1,13 +1,13 @@
 //! The front end: transform, clip, cull, snap, bin.
 use alloc::vec::Vec;
 
-use texmap_math::glam::{DMat4, DVec4};
+use texmap_math::Level;
 
-use crate::clip::{Corner, Hom, Region, clip, region};
-use crate::edge::{Edge, PixelBox, Snapped, area, centre, edges, snap};
-use crate::planes::determinant;
+use crate::edge::{PixelBox, Snapped, area, edges, snap};
+use crate::front::{self, Chunk, MOST, Piece, Submission};
 use crate::setup::{Fragment, Shape, TILE, TriangleSetup};
-use crate::{Cull, Draw, Interp, Pass, RasterError, Stats, TargetSize};
+use crate::vertex::{self, Transform};
+use crate::{Draw, Interp, Pass, RasterError, Stats, TargetSize};
 
 /// A part of the target: at most [`TILE`] x [`TILE`] pixels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -30,31 +30,57 @@ pub struct Prepared<'a> {
     draws: Vec<Draw<'a>>,
     /// First id of each draw, and the number of all triangles at the end.
     first: Vec<u32>,
+    transforms: Vec<Transform>,
+    /// Vertices of each draw in 1/256 pixel.
+    snapped: Vec<Vec<Snapped>>,
+    /// `None`: everything one by one.
+    level: Option<Level>,
     /// Ids from `first.last()` on.
     pieces: Vec<Piece>,
-    /// Ids of each tile in submitted order.
-    bins: Vec<Vec<u32>>,
+    /// Ids of tile t, in submitted order: `bin_start[t]..bin_start[t + 1]`.
+    bin_ids: Vec<u32>,
+    bin_start: Vec<u32>,
     stats: Stats,
 }
 
-/// A piece of a triangle that could not be taken whole.
-#[derive(Debug, Clone, Copy)]
-struct Piece {
-    draw: u32,
-    triangle: u32,
-    front: bool,
-    /// The vertices whose planes carry the attributes: the triangle's, or the part's where subdivided.
-    outer: [Hom; 3],
-    corners: [Hom; 3],
-    weights: [[f64; 3]; 3],
-}
-
 impl<'a> Prepared<'a> {
-    /// Checks the draws and prepares them.
+    /// Checks the draws and prepares them with the best instructions of this CPU, on one thread.
     ///
     /// # Errors
     /// Everything [`RasterError`] names but the target's size.
     pub fn new(size: TargetSize, draws: &[Draw<'a>]) -> Result<Self, RasterError> {
+        Self::with_level(size, draws, best_level(), 1)
+    }
+
+    /// [`new`](Self::new) at a given level: the same bits at each. With the feature `rayon` and more than one thread the work is
+    /// spread over the current rayon pool; fixed chunks keep every bit.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn with_level(
+        size: TargetSize,
+        draws: &[Draw<'a>],
+        level: Level,
+        threads: usize,
+    ) -> Result<Self, RasterError> {
+        Self::build(size, draws, Some(level), threads)
+    }
+
+    /// One triangle after the other, no lanes: what the fast path is compared with.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    #[doc(hidden)]
+    pub fn plain(size: TargetSize, draws: &[Draw<'a>]) -> Result<Self, RasterError> {
+        Self::build(size, draws, None, 1)
+    }
+
+    fn build(
+        size: TargetSize,
+        draws: &[Draw<'a>],
+        level: Option<Level>,
+        threads: usize,
+    ) -> Result<Self, RasterError> {
         let mut first = Vec::with_capacity(draws.len() + 1);
         let mut total = 0u32;
         for (i, draw) in draws.iter().enumerate() {
@@ -64,24 +90,99 @@ impl<'a> Prepared<'a> {
                 u32::try_from(draw.indices.len()).map_err(|_| RasterError::TooManyTriangles)?;
             total = total
                 .checked_add(count)
+                .filter(|&t| t <= MOST)
                 .ok_or(RasterError::TooManyTriangles)?;
         }
         first.push(total);
-        let tiles = size.width().div_ceil(TILE) as usize * size.height().div_ceil(TILE) as usize;
+        let transforms: Vec<_> = draws
+            .iter()
+            .map(|d| Transform::new(&d.clip_from_object, size))
+            .collect();
+        let mut snapped: Vec<_> = draws.iter().map(vertex::room).collect();
+        for ((draw, transform), room) in draws.iter().zip(&transforms).zip(&mut snapped) {
+            let work = draw
+                .positions
+                .chunks(vertex::CHUNK)
+                .zip(room.chunks_mut(vertex::CHUNK))
+                .collect();
+            for_all(threads, work, |(positions, out)| match level {
+                Some(level) => vertex::snap_all(level, positions, transform, out),
+                None => vertex::snap_all_scalar(positions, transform, out),
+            });
+            vertex::mark_bad_attributes(level, draw, room);
+        }
+        let mut work = Vec::new();
+        for (draw_index, draw) in draws.iter().enumerate() {
+            let submission = Submission {
+                size,
+                draw,
+                draw_index: draw_index as u32,
+                first: first[draw_index],
+                transform: transforms[draw_index],
+                snapped: &snapped[draw_index],
+            };
+            let triangles = draw.indices.len();
+            work.extend(
+                (0..triangles)
+                    .step_by(front::CHUNK)
+                    .map(|at| (submission, at..triangles.min(at + front::CHUNK))),
+            );
+        }
+        let chunks = map_all(threads, work, |(submission, range)| {
+            submission.run(level, range)
+        });
         let mut prepared = Self {
             size,
             draws: draws.to_vec(),
             first,
+            transforms,
+            snapped,
+            level,
             pieces: Vec::new(),
-            bins: alloc::vec![Vec::new(); tiles],
+            bin_ids: Vec::new(),
+            bin_start: Vec::new(),
             stats: Stats::default(),
         };
-        for (index, draw) in draws.iter().enumerate() {
-            for triangle in 0..draw.indices.len() {
-                prepared.submit(index, triangle)?;
+        let chunks = chunks.into_iter().collect::<Result<Vec<_>, _>>()?;
+        prepared.merge(chunks)?;
+        Ok(prepared)
+    }
+
+    /// Joins the chunks in order: pieces, then each tile's ids.
+    fn merge(&mut self, mut chunks: Vec<Chunk>) -> Result<(), RasterError> {
+        let tiles =
+            self.size.width().div_ceil(TILE) as usize * self.size.height().div_ceil(TILE) as usize;
+        let mut start = alloc::vec![0u32; tiles + 1];
+        let mut first_piece = Vec::with_capacity(chunks.len());
+        for chunk in &mut chunks {
+            first_piece.push(self.whole() + self.pieces.len() as u32);
+            self.pieces.append(&mut chunk.pieces);
+            if self.pieces.len() > MOST as usize {
+                return Err(RasterError::TooManyTriangles);
+            }
+            self.stats.add(chunk.stats);
+            for (tile, _) in chunk.entries(0) {
+                start[tile as usize + 1] += 1;
             }
         }
-        Ok(prepared)
+        let mut sum = 0u32;
+        for count in &mut start {
+            sum = sum
+                .checked_add(*count)
+                .ok_or(RasterError::TooManyTriangles)?;
+            *count = sum;
+        }
+        let mut next = start.clone();
+        self.bin_ids = alloc::vec![0; sum as usize];
+        for (chunk, first_piece) in chunks.iter().zip(first_piece) {
+            for (tile, id) in chunk.entries(first_piece) {
+                let slot = &mut next[tile as usize];
+                self.bin_ids[*slot as usize] = id;
+                *slot += 1;
+            }
+        }
+        self.bin_start = start;
+        Ok(())
     }
 
     /// The target's size.
@@ -99,7 +200,7 @@ impl<'a> Prepared<'a> {
     /// How many tiles the target has.
     #[must_use]
     pub fn tiles(&self) -> usize {
-        self.bins.len()
+        self.bin_start.len() - 1
     }
 
     /// Tile `index` of [`tiles`](Self::tiles), counted row by row from the top left.
@@ -147,7 +248,7 @@ impl<'a> Prepared<'a> {
     }
 
     pub(crate) fn bin(&self, tile: usize) -> &[u32] {
-        &self.bins[tile]
+        &self.bin_ids[self.bin_start[tile] as usize..self.bin_start[tile + 1] as usize]
     }
 
     /// The triangle behind an id and its pixels within the target.
@@ -160,7 +261,8 @@ impl<'a> Prepared<'a> {
             let p = &self.pieces[(id - whole) as usize];
             (p.outer, p.corners, Some(p.weights), p.front)
         } else {
-            let v = self.vertices(draw, corners);
+            let transform = &self.transforms[draw_index as usize];
+            let v = corners.map(|i| transform.apply(draw.positions[i as usize]));
             let front = area(&v.map(snap)) < 0;
             (v, v, None, front)
         };
@@ -193,249 +295,50 @@ impl<'a> Prepared<'a> {
     fn whole(&self) -> u32 {
         self.first.last().copied().unwrap_or(0)
     }
-
-    fn vertices(&self, draw: &Draw<'_>, corners: [u32; 3]) -> [Hom; 3] {
-        corners.map(|i| {
-            transform(
-                &draw.clip_from_object,
-                draw.positions[i as usize],
-                self.size,
-            )
-        })
-    }
-
-    fn submit(&mut self, draw_index: usize, triangle: usize) -> Result<(), RasterError> {
-        self.stats.submitted += 1;
-        let draw = self.draws[draw_index];
-        let corners = draw.indices[triangle];
-        let v = self.vertices(&draw, corners);
-        let n = draw.attribute_count;
-        let finite = |i: u32| {
-            draw.attributes[i as usize * n..(i as usize + 1) * n]
-                .iter()
-                .all(|a| a.is_finite())
-        };
-        if !v.iter().all(|p| p.is_usable()) || !corners.iter().all(|&i| finite(i)) {
-            self.stats.non_finite += 1;
-            return Ok(());
-        }
-        let id = self.first[draw_index] + triangle as u32;
-        let source = Source {
-            draw: draw_index as u32,
-            triangle: triangle as u32,
-            id,
-            cull: draw.cull,
-        };
-        let Interp::Subdivided(parts) = draw.interp else {
-            const WHOLE: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-            return self.submit_part(source, v, WHOLE, true);
-        };
-        for j in 0..parts {
-            for i in 0..parts - j {
-                // The point i of row j; on a shared side both triangles sum the same two products.
-                let at = |i: u32, j: u32| {
-                    let n = f64::from(parts);
-                    [
-                        f64::from(parts - i - j) / n,
-                        f64::from(i) / n,
-                        f64::from(j) / n,
-                    ]
-                };
-                let up = [at(i, j), at(i + 1, j), at(i, j + 1)];
-                self.submit_part(source, up.map(|w| combine(&v, w)), up, false)?;
-                if i + j + 2 <= parts {
-                    let down = [at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
-                    self.submit_part(source, down.map(|w| combine(&v, w)), down, false)?;
-                }
-            }
-        }
-        Ok(())
-    }
-
-    /// `rows` are the weights of the part's vertices over the triangle's; `whole`: the part is the triangle.
-    fn submit_part(
-        &mut self,
-        source: Source,
-        v: [Hom; 3],
-        rows: [[f64; 3]; 3],
-        whole: bool,
-    ) -> Result<(), RasterError> {
-        let (width, height) = (f64::from(self.size.width()), f64::from(self.size.height()));
-        match region(&v, width, height) {
-            Region::Outside => self.stats.outside += 1,
-            Region::Inside => {
-                let snapped = v.map(snap);
-                let front = match area(&snapped) {
-                    0 => {
-                        self.stats.degenerate += 1;
-                        return Ok(());
-                    }
-                    area => area < 0,
-                };
-                if source.drops(front) {
-                    self.stats.culled += 1;
-                } else if whole {
-                    self.bin_id(source.id, &snapped);
-                } else {
-                    self.add_piece(source, front, v, v, rows, &snapped)?;
-                }
-            }
-            Region::Crossing => {
-                // The sign holds for vertices behind the eye too.
-                let determinant = determinant(&v);
-                if determinant == 0.0 {
-                    self.stats.degenerate += 1;
-                    return Ok(());
-                }
-                let front = determinant < 0.0;
-                if source.drops(front) {
-                    self.stats.culled += 1;
-                    return Ok(());
-                }
-                self.stats.clipped += 1;
-                let polygon = clip(&v);
-                let Some((hub, rest)) = polygon.corners().split_first() else {
-                    return Ok(());
-                };
-                let over_triangle = |c: &Corner| {
-                    [0, 1, 2].map(|k| {
-                        c.weights[0] * rows[0][k]
-                            + c.weights[1] * rows[1][k]
-                            + c.weights[2] * rows[2][k]
-                    })
-                };
-                for pair in rest.windows(2) {
-                    let piece = [*hub, pair[0], pair[1]];
-                    let corners = piece.map(|c| c.at);
-                    let snapped = corners.map(snap);
-                    if area(&snapped) != 0 {
-                        self.add_piece(
-                            source,
-                            front,
-                            v,
-                            corners,
-                            piece.each_ref().map(over_triangle),
-                            &snapped,
-                        )?;
-                    }
-                }
-            }
-        }
-        Ok(())
-    }
-
-    fn add_piece(
-        &mut self,
-        source: Source,
-        front: bool,
-        outer: [Hom; 3],
-        corners: [Hom; 3],
-        weights: [[f64; 3]; 3],
-        snapped: &[Snapped; 3],
-    ) -> Result<(), RasterError> {
-        let id = u32::try_from(self.pieces.len())
-            .ok()
-            .and_then(|n| self.whole().checked_add(n));
-        let id = id
-            .filter(|&id| id < u32::MAX - 1)
-            .ok_or(RasterError::TooManyTriangles)?;
-        if self.bin_id(id, snapped) {
-            self.pieces.push(Piece {
-                draw: source.draw,
-                triangle: source.triangle,
-                front,
-                outer,
-                corners,
-                weights,
-            });
-        }
-        Ok(())
-    }
-
-    /// Puts an id into every tile that it may cover. False when it covers no pixel centre's box.
-    fn bin_id(&mut self, id: u32, snapped: &[Snapped; 3]) -> bool {
-        let (width, height) = (self.size.width() as i32, self.size.height() as i32);
-        let (Some(pixels), Some(edges)) = (PixelBox::of(snapped, width, height), edges(snapped))
-        else {
-            return false;
-        };
-        let side = TILE as i32;
-        let across = self.size.width().div_ceil(TILE) as usize;
-        let mut binned = false;
-        for ty in pixels.y0 / side..=pixels.y1 / side {
-            for tx in pixels.x0 / side..=pixels.x1 / side {
-                let (x0, y0) = (tx * side, ty * side);
-                let tile = PixelBox {
-                    x0,
-                    y0,
-                    x1: x0 + side - 1,
-                    y1: y0 + side - 1,
-                };
-                if pixels
-                    .intersect(tile)
-                    .is_some_and(|b| edges.iter().all(|e| reaches(*e, b)))
-                {
-                    self.bins[ty as usize * across + tx as usize].push(id);
-                    binned = true;
-                }
-            }
-        }
-        self.stats.binned += usize::from(binned);
-        binned
-    }
-}
-
-/// A triangle on its way through the front end.
-#[derive(Debug, Clone, Copy)]
-struct Source {
-    draw: u32,
-    triangle: u32,
-    id: u32,
-    cull: Cull,
-}
-
-impl Source {
-    fn drops(self, front: bool) -> bool {
-        match self.cull {
-            Cull::None => false,
-            Cull::Back => !front,
-            Cull::Front => front,
-        }
-    }
-}
-
-/// Whether the edge's inner side holds a pixel centre of the box.
-fn reaches(edge: Edge, b: PixelBox) -> bool {
-    let x = if edge.a > 0 { b.x1 } else { b.x0 };
-    let y = if edge.b > 0 { b.y1 } else { b.y0 };
-    edge.a * centre(x) + edge.b * centre(y) + edge.c >= 0
-}
-
-fn combine(v: &[Hom; 3], w: [f64; 3]) -> Hom {
-    let sum = |f: fn(&Hom) -> f64| f(&v[0]) * w[0] + f(&v[1]) * w[1] + f(&v[2]) * w[2];
-    Hom {
-        x: sum(|p| p.x),
-        y: sum(|p| p.y),
-        z: sum(|p| p.z),
-        w: sum(|p| p.w),
-    }
-}
-
-/// Object space to homogeneous pixels.
-fn transform(matrix: &DMat4, position: [f32; 3], size: TargetSize) -> Hom {
-    let [x, y, z] = position.map(f64::from);
-    let m = matrix.to_cols_array_2d();
-    let row = |r: usize| (m[0][r] * x + m[1][r] * y) + (m[2][r] * z + m[3][r]);
-    let clip = DVec4::new(row(0), row(1), row(2), row(3));
-    Hom {
-        x: (clip.x + clip.w) * (0.5 * f64::from(size.width())),
-        y: (clip.w - clip.y) * (0.5 * f64::from(size.height())),
-        z: clip.z,
-        w: clip.w,
-    }
 }
 
 /// Whether a draw decides visibility.
 pub(crate) fn decides_visibility(pass: Pass) -> bool {
     pass != Pass::Blended
+}
+
+#[cfg(feature = "std")]
+fn best_level() -> Level {
+    Level::new()
+}
+
+#[cfg(not(feature = "std"))]
+fn best_level() -> Level {
+    Level::baseline()
+}
+
+/// `f` of each item, in order, on the current rayon pool where there is one.
+#[cfg(feature = "rayon")]
+fn map_all<T: Send, R: Send>(threads: usize, work: Vec<T>, f: impl Fn(T) -> R + Sync + Send) -> Vec<R> {
+    use rayon::iter::{IntoParallelIterator, ParallelIterator};
+    if threads > 1 {
+        work.into_par_iter().map(f).collect()
+    } else {
+        work.into_iter().map(f).collect()
+    }
+}
+
+#[cfg(not(feature = "rayon"))]
+fn map_all<T, R>(_threads: usize, work: Vec<T>, f: impl Fn(T) -> R) -> Vec<R> {
+    work.into_iter().map(f).collect()
+}
+
+#[cfg(feature = "rayon")]
+fn for_all<T: Send>(threads: usize, work: Vec<T>, f: impl Fn(T) + Sync + Send) {
+    use rayon::iter::{IntoParallelIterator, ParallelIterator};
+    if threads > 1 {
+        work.into_par_iter().for_each(f)
+    } else {
+        work.into_iter().for_each(f)
+    }
+}
+
+#[cfg(not(feature = "rayon"))]
+fn for_all<T>(_threads: usize, work: Vec<T>, f: impl Fn(T)) {
+    work.into_iter().for_each(f)
 }

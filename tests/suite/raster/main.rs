@@ -4,5 +4,6 @@ mod support;
 mod coverage;
 mod horizon;
 mod interpolation;
+mod levels;
 mod modes;
 mod robust;

@@ -1,0 +1,487 @@
+//! Triangles to bins: clip, cull, snap and bin a chunk of a draw. Chunks are fixed, so threads change nothing.
+use alloc::vec::Vec;
+use core::ops::Range;
+
+use texmap_math::Level;
+use texmap_math::fearless_simd::{Simd, dispatch, i32x16, mask32x16, prelude::*};
+use texmap_math::lanes::{LANES, Words, gather, iota};
+
+use crate::clip::{Corner, Hom, Region, clip, region};
+use crate::edge::{Edge, PixelBox, Snapped, area, centre, edges, snap};
+use crate::planes::determinant;
+use crate::setup::TILE;
+use crate::vertex::{SPECIAL, Transform};
+use crate::{Cull, Draw, Interp, RasterError, Stats, TargetSize};
+
+/// Triangles a chunk.
+pub(crate) const CHUNK: usize = 4096;
+
+/// Marks the id of a piece that is counted within its chunk.
+const LOCAL: u32 = 1 << 31;
+
+/// Most triangles of all draws, and most pieces: so that ids and marks fit.
+pub(crate) const MOST: u32 = 1 << 29;
+
+/// A snapped extent below this keeps i32 edge products exact.
+const SMALL: i32 = 1 << 15;
+
+/// A piece of a triangle that could not be taken whole.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Piece {
+    pub draw: u32,
+    pub triangle: u32,
+    pub front: bool,
+    /// The vertices whose planes carry the attributes: the triangle's, or the part's where subdivided.
+    pub outer: [Hom; 3],
+    pub corners: [Hom; 3],
+    /// Weights of each corner over the triangle's vertices.
+    pub weights: [[f64; 3]; 3],
+}
+
+/// What a chunk of triangles became.
+#[derive(Debug, Default)]
+pub(crate) struct Chunk {
+    /// Tile and id, in submitted order.
+    entries: Vec<(u32, u32)>,
+    pub pieces: Vec<Piece>,
+    pub stats: Stats,
+}
+
+impl Chunk {
+    /// Tile and id, with pieces counted from `first_piece`.
+    pub(crate) fn entries(&self, first_piece: u32) -> impl Iterator<Item = (u32, u32)> + '_ {
+        self.entries.iter().map(move |&(tile, id)| {
+            if id & LOCAL == 0 {
+                (tile, id)
+            } else {
+                (tile, first_piece + (id & !LOCAL))
+            }
+        })
+    }
+}
+
+/// One draw on its way through the front end.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Submission<'d, 'a> {
+    pub size: TargetSize,
+    pub draw: &'d Draw<'a>,
+    pub draw_index: u32,
+    /// Id of the draw's first triangle.
+    pub first: u32,
+    pub transform: Transform,
+    pub snapped: &'d [Snapped],
+}
+
+impl Submission<'_, '_> {
+    /// Does the triangles of `range`; `level` `None` takes them one by one.
+    ///
+    /// # Errors
+    /// [`RasterError::TooManyTriangles`] when subdivision leaves too many pieces.
+    pub(crate) fn run(
+        &self,
+        level: Option<Level>,
+        range: Range<usize>,
+    ) -> Result<Chunk, RasterError> {
+        let mut chunk = Chunk::default();
+        chunk.stats.submitted = range.len();
+        let whole = !matches!(self.draw.interp, Interp::Subdivided(_));
+        match level {
+            Some(level) if whole && self.fits_lanes() => {
+                dispatch!(level, s => self.run_lanes(s, range, &mut chunk))?;
+            }
+            _ => {
+                for triangle in range {
+                    self.submit(triangle, &mut chunk)?;
+                }
+            }
+        }
+        Ok(chunk)
+    }
+
+    /// Gathers index 32-bit words.
+    fn fits_lanes(&self) -> bool {
+        let limit = i32::MAX as usize / 3;
+        self.draw.indices.len() < limit && self.snapped.len() < limit
+    }
+
+    #[inline(always)]
+    fn run_lanes<S: Simd>(
+        &self,
+        s: S,
+        range: Range<usize>,
+        chunk: &mut Chunk,
+    ) -> Result<(), RasterError> {
+        let mut group = Group::default();
+        let mut base = range.start;
+        while base < range.end {
+            let count = LANES.min(range.end - base);
+            self.sort_group(s, base, count, &mut group);
+            chunk.stats.degenerate += group.degenerate.count_ones() as usize;
+            chunk.stats.culled += group.culled.count_ones() as usize;
+            chunk.stats.outside += group.outside.count_ones() as usize;
+            let mut left = group.care | group.seen;
+            while left != 0 {
+                let lane = left.trailing_zeros() as usize;
+                left &= left - 1;
+                let triangle = base + lane;
+                if group.care >> lane & 1 == 1 {
+                    self.submit(triangle, chunk)?;
+                    continue;
+                }
+                let pixels = PixelBox {
+                    x0: group.x0[lane],
+                    y0: group.y0[lane],
+                    x1: group.x1[lane],
+                    y1: group.y1[lane],
+                };
+                let id = self.first + triangle as u32;
+                if let Some(tile) = self.only_tile(pixels) {
+                    chunk.entries.push((tile, id));
+                    chunk.stats.binned += 1;
+                } else {
+                    let v = self.draw.indices[triangle].map(|i| self.snapped[i as usize]);
+                    self.bin(id, &v, pixels, chunk);
+                }
+            }
+            base += count;
+        }
+        Ok(())
+    }
+
+    /// Sixteen triangles from `base` on, of which `count` exist: which are dropped and why, which need a look of their own,
+    /// and the pixel boxes of those that are seen.
+    #[inline(always)]
+    fn sort_group<S: Simd>(&self, s: S, base: usize, count: usize, group: &mut Group) {
+        let (Some(indices), Some(snapped)) = (
+            Words::new(bytemuck::cast_slice(self.draw.indices)),
+            Words::new(bytemuck::cast_slice(self.snapped)),
+        ) else {
+            return;
+        };
+        let corner = (iota(s) + base as i32) * 3;
+        let v = [
+            vertex(s, indices, snapped, corner),
+            vertex(s, indices, snapped, corner + 1),
+            vertex(s, indices, snapped, corner + 2),
+        ];
+        let exists = mask32x16::from_bitmask(s, (1 << count) - 1);
+        let special =
+            v[0].0.simd_eq(SPECIAL[0]) | v[1].0.simd_eq(SPECIAL[0]) | v[2].0.simd_eq(SPECIAL[0]);
+        let (lo_x, hi_x) = (
+            v[0].0.min(v[1].0).min(v[2].0),
+            v[0].0.max(v[1].0).max(v[2].0),
+        );
+        let (lo_y, hi_y) = (
+            v[0].1.min(v[1].1).min(v[2].1),
+            v[0].1.max(v[1].1).max(v[2].1),
+        );
+        let large = (hi_x - lo_x).simd_ge(SMALL) | (hi_y - lo_y).simd_ge(SMALL);
+        let care = exists & (special | large);
+        let plain = exists & !care;
+
+        let (dx1, dy1) = (v[1].0 - v[0].0, v[1].1 - v[0].1);
+        let (dx2, dy2) = (v[2].0 - v[0].0, v[2].1 - v[0].1);
+        let area = dx1 * dy2 - dx2 * dy1;
+        let flat = area.simd_eq(0);
+        let front = area.simd_lt(0);
+        let dropped = match self.draw.cull {
+            Cull::None => mask32x16::splat(s, false),
+            Cull::Back => !front,
+            Cull::Front => front,
+        };
+        let zero = i32x16::splat(s, 0);
+        let x0 = ((lo_x + 127) >> 8).max(zero);
+        let y0 = ((lo_y + 127) >> 8).max(zero);
+        let x1 = ((hi_x - 128) >> 8).min(i32x16::splat(s, self.size.width() as i32 - 1));
+        let y1 = ((hi_y - 128) >> 8).min(i32x16::splat(s, self.size.height() as i32 - 1));
+        let empty = x0.simd_gt(x1) | y0.simd_gt(y1);
+        let tiny = (x1 - x0).simd_lt(2) & (y1 - y0).simd_lt(2);
+        let missed = tiny & !empty & !tiny_hit(s, v, front, [x0, y0, x1, y1]);
+
+        let degenerate = plain & flat;
+        let culled = plain & !flat & dropped;
+        let faced = plain & !flat & !dropped;
+        let outside = faced & (empty | missed);
+        let seen = faced & !(empty | missed);
+        group.care = care.to_bitmask() as u32;
+        group.degenerate = degenerate.to_bitmask() as u32;
+        group.culled = culled.to_bitmask() as u32;
+        group.outside = outside.to_bitmask() as u32;
+        group.seen = seen.to_bitmask() as u32;
+        x0.store_slice(&mut group.x0);
+        y0.store_slice(&mut group.y0);
+        x1.store_slice(&mut group.x1);
+        y1.store_slice(&mut group.y1);
+    }
+
+    /// One triangle, the plain way.
+    fn submit(&self, triangle: usize, chunk: &mut Chunk) -> Result<(), RasterError> {
+        let corners = self.draw.indices[triangle];
+        let v = corners.map(|i| self.transform.apply(self.draw.positions[i as usize]));
+        let n = self.draw.attribute_count;
+        let finite = |i: u32| {
+            self.draw.attributes[i as usize * n..(i as usize + 1) * n]
+                .iter()
+                .all(|a| a.is_finite())
+        };
+        if !v.iter().all(|p| p.is_usable()) || !corners.iter().all(|&i| finite(i)) {
+            chunk.stats.non_finite += 1;
+            return Ok(());
+        }
+        let Interp::Subdivided(parts) = self.draw.interp else {
+            const WHOLE: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+            return self.submit_part(triangle, v, WHOLE, true, chunk);
+        };
+        for j in 0..parts {
+            for i in 0..parts - j {
+                // The point i of row j; on a shared side both triangles sum the same two products.
+                let at = |i: u32, j: u32| {
+                    let n = f64::from(parts);
+                    [
+                        f64::from(parts - i - j) / n,
+                        f64::from(i) / n,
+                        f64::from(j) / n,
+                    ]
+                };
+                let up = [at(i, j), at(i + 1, j), at(i, j + 1)];
+                self.submit_part(triangle, up.map(|w| combine(&v, w)), up, false, chunk)?;
+                if i + j + 2 <= parts {
+                    let down = [at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
+                    self.submit_part(triangle, down.map(|w| combine(&v, w)), down, false, chunk)?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// `rows` are the weights of the part's vertices over the triangle's; `whole`: the part is the triangle.
+    fn submit_part(
+        &self,
+        triangle: usize,
+        v: [Hom; 3],
+        rows: [[f64; 3]; 3],
+        whole: bool,
+        chunk: &mut Chunk,
+    ) -> Result<(), RasterError> {
+        let (width, height) = (f64::from(self.size.width()), f64::from(self.size.height()));
+        let mut piece = Piece {
+            draw: self.draw_index,
+            triangle: triangle as u32,
+            front: true,
+            outer: v,
+            corners: v,
+            weights: rows,
+        };
+        match region(&v, width, height) {
+            Region::Outside => chunk.stats.outside += 1,
+            Region::Inside => {
+                let snapped = v.map(snap);
+                let area = area(&snapped);
+                piece.front = area < 0;
+                if area == 0 {
+                    chunk.stats.degenerate += 1;
+                } else if self.drops(piece.front) {
+                    chunk.stats.culled += 1;
+                } else if let Some(pixels) = self.seen_box(&snapped) {
+                    if whole {
+                        self.bin(self.first + triangle as u32, &snapped, pixels, chunk);
+                    } else {
+                        self.bin_piece(piece, &snapped, pixels, chunk)?;
+                    }
+                } else {
+                    chunk.stats.outside += 1;
+                }
+            }
+            Region::Crossing => {
+                // The sign holds for vertices behind the eye too.
+                let determinant = determinant(&v);
+                piece.front = determinant < 0.0;
+                if determinant == 0.0 {
+                    chunk.stats.degenerate += 1;
+                    return Ok(());
+                }
+                if self.drops(piece.front) {
+                    chunk.stats.culled += 1;
+                    return Ok(());
+                }
+                chunk.stats.clipped += 1;
+                let polygon = clip(&v);
+                let Some((hub, rest)) = polygon.corners().split_first() else {
+                    return Ok(());
+                };
+                let over_triangle = |c: &Corner| {
+                    [0, 1, 2].map(|k| {
+                        c.weights[0] * rows[0][k]
+                            + c.weights[1] * rows[1][k]
+                            + c.weights[2] * rows[2][k]
+                    })
+                };
+                for pair in rest.windows(2) {
+                    let cut = [*hub, pair[0], pair[1]];
+                    piece.corners = cut.map(|c| c.at);
+                    piece.weights = cut.each_ref().map(over_triangle);
+                    let snapped = piece.corners.map(snap);
+                    if area(&snapped) != 0
+                        && let Some(pixels) = self.seen_box(&snapped)
+                    {
+                        self.bin_piece(piece, &snapped, pixels, chunk)?;
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn drops(&self, front: bool) -> bool {
+        match self.draw.cull {
+            Cull::None => false,
+            Cull::Back => !front,
+            Cull::Front => front,
+        }
+    }
+
+    /// The pixels whose centres lie in the triangle's box. `None` where there are none, or where there are up to 2x2 and the
+    /// triangle covers none of them.
+    fn seen_box(&self, snapped: &[Snapped; 3]) -> Option<PixelBox> {
+        let b = PixelBox::of(snapped, self.size.width() as i32, self.size.height() as i32)?;
+        if b.x1 - b.x0 >= 2 || b.y1 - b.y0 >= 2 {
+            return Some(b);
+        }
+        let edges = edges(snapped)?;
+        let covers = |x, y| edges.iter().all(|e| e.at_pixel(x, y) >= 0);
+        let hit =
+            covers(b.x0, b.y0) || covers(b.x1, b.y0) || covers(b.x0, b.y1) || covers(b.x1, b.y1);
+        hit.then_some(b)
+    }
+
+    fn bin_piece(
+        &self,
+        piece: Piece,
+        snapped: &[Snapped; 3],
+        pixels: PixelBox,
+        chunk: &mut Chunk,
+    ) -> Result<(), RasterError> {
+        let id = chunk.pieces.len() as u32;
+        if id >= MOST {
+            return Err(RasterError::TooManyTriangles);
+        }
+        if self.bin(id | LOCAL, snapped, pixels, chunk) {
+            chunk.pieces.push(piece);
+        }
+        Ok(())
+    }
+
+    /// The tile that holds all of the box.
+    fn only_tile(&self, b: PixelBox) -> Option<u32> {
+        let side = TILE as i32;
+        let (tx, ty) = (b.x0 / side, b.y0 / side);
+        (tx == b.x1 / side && ty == b.y1 / side)
+            .then(|| ty as u32 * self.size.width().div_ceil(TILE) + tx as u32)
+    }
+
+    /// Puts an id into every tile that it may cover; false when there is none.
+    fn bin(&self, id: u32, snapped: &[Snapped; 3], pixels: PixelBox, chunk: &mut Chunk) -> bool {
+        let Some(edges) = edges(snapped) else {
+            return false;
+        };
+        let before = chunk.entries.len();
+        if let Some(tile) = self.only_tile(pixels) {
+            chunk.entries.push((tile, id));
+        } else {
+            let side = TILE as i32;
+            let across = self.size.width().div_ceil(TILE);
+            for ty in pixels.y0 / side..=pixels.y1 / side {
+                for tx in pixels.x0 / side..=pixels.x1 / side {
+                    let (x0, y0) = (tx * side, ty * side);
+                    let tile = PixelBox {
+                        x0,
+                        y0,
+                        x1: x0 + side - 1,
+                        y1: y0 + side - 1,
+                    };
+                    if pixels
+                        .intersect(tile)
+                        .is_some_and(|b| edges.iter().all(|e| reaches(*e, b)))
+                    {
+                        chunk.entries.push((ty as u32 * across + tx as u32, id));
+                    }
+                }
+            }
+        }
+        let binned = chunk.entries.len() > before;
+        chunk.stats.binned += usize::from(binned);
+        binned
+    }
+}
+
+/// Sixteen sorted triangles: bit masks and pixel boxes.
+#[derive(Debug, Default)]
+struct Group {
+    care: u32,
+    degenerate: u32,
+    culled: u32,
+    outside: u32,
+    seen: u32,
+    x0: [i32; LANES],
+    y0: [i32; LANES],
+    x1: [i32; LANES],
+    y1: [i32; LANES],
+}
+
+/// Sixteen snapped vertices, x and y.
+type Vertices<S> = (i32x16<S>, i32x16<S>);
+
+#[inline(always)]
+fn vertex<S: Simd>(s: S, indices: Words<'_>, snapped: Words<'_>, corner: i32x16<S>) -> Vertices<S> {
+    let index = gather(s, indices, corner.bitcast()).bitcast::<i32x16<S>>() << 1;
+    (
+        gather(s, snapped, index.bitcast()).bitcast(),
+        gather(s, snapped, (index | 1).bitcast()).bitcast(),
+    )
+}
+
+/// Whether any of the (up to 2x2) centres of the box is inside. Only for small triangles; other lanes hold no meaning.
+#[inline(always)]
+fn tiny_hit<S: Simd>(
+    s: S,
+    v: [Vertices<S>; 3],
+    front: mask32x16<S>,
+    [x0, y0, x1, y1]: [i32x16<S>; 4],
+) -> mask32x16<S> {
+    // Front faces run counter-clockwise, which is negative with y down: turn them.
+    let second = (front.select(v[2].0, v[1].0), front.select(v[2].1, v[1].1));
+    let third = (front.select(v[1].0, v[2].0), front.select(v[1].1, v[2].1));
+    let (ex0, ey0) = ((x0 << 8) + 128, (y0 << 8) + 128);
+    let (ex1, ey1) = ((x1 << 8) + 128, (y1 << 8) + 128);
+    let yes = mask32x16::splat(s, true);
+    let mut hit = [yes; 4];
+    for (p, q) in [(v[0], second), (second, third), (third, v[0])] {
+        let (a, b) = (p.1 - q.1, q.0 - p.0);
+        let top_left = a.simd_gt(0) | (a.simd_eq(0) & b.simd_gt(0));
+        let least = top_left.select(i32x16::splat(s, 0), i32x16::splat(s, 1));
+        let (ax0, ax1) = (a * (ex0 - p.0), a * (ex1 - p.0));
+        let (by0, by1) = (b * (ey0 - p.1), b * (ey1 - p.1));
+        hit[0] = hit[0] & (ax0 + by0).simd_ge(least);
+        hit[1] = hit[1] & (ax1 + by0).simd_ge(least);
+        hit[2] = hit[2] & (ax0 + by1).simd_ge(least);
+        hit[3] = hit[3] & (ax1 + by1).simd_ge(least);
+    }
+    hit[0] | hit[1] | hit[2] | hit[3]
+}
+
+/// Whether the edge's inner side holds a pixel centre of the box.
+fn reaches(edge: Edge, b: PixelBox) -> bool {
+    let x = if edge.a > 0 { b.x1 } else { b.x0 };
+    let y = if edge.b > 0 { b.y1 } else { b.y0 };
+    edge.a * centre(x) + edge.b * centre(y) + edge.c >= 0
+}
+
+fn combine(v: &[Hom; 3], w: [f64; 3]) -> Hom {
+    let sum = |f: fn(&Hom) -> f64| f(&v[0]) * w[0] + f(&v[1]) * w[1] + f(&v[2]) * w[2];
+    Hom {
+        x: sum(|p| p.x),
+        y: sum(|p| p.y),
+        z: sum(|p| p.z),
+        w: sum(|p| p.w),
+    }
+}
