@@ -1,3 +1,4 @@
 //! Laws and regressions of texmap-math.
 
+mod det32;
 mod lanes;
