@@ -1,21 +1,55 @@
-//! Texture coordinates for meshes.
+//! Texture coordinates for meshes: projections, seams, unwrapping, packing, tangents and a distortion report.
 //!
 //! Conventions: right-handed, +Y up. A unit solid fills [-0.5, 0.5] on every axis, its side charts have v = 0 at
 //! the top (or at the bottom, see [`Origin`]), and u rises to the right of a viewer who stands outside.
-//! Coordinates are computed in f64 with texmap's own `atan2` and rounded once to f32: same bits everywhere.
+//! Everything is computed with texmap's own `atan2`; the bytes are the same on every machine, SIMD level and thread
+//! count.
 //!
 //! ```
-//! use texmap_uv::{Origin, Projection, project};
-//! let corners = [[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]];
-//! let uvs = project(&corners, &[], Projection::Plane, Origin::TopLeft);
-//! assert_eq!(uvs, [[0.0, 1.0], [1.0, 1.0], [1.0, 0.0], [0.0, 0.0]]);
+//! use texmap_math::Level;
+//! use texmap_uv::{Faces, Mapping, Mesh, Shape};
+//!
+//! // A quad that straddles the seam of a cylinder (+X), one unit high.
+//! let positions = [[1.0, -0.5, 0.1], [1.0, -0.5, -0.1], [1.0, 0.5, -0.1], [1.0, 0.5, 0.1]];
+//! let mut faces = Faces::new();
+//! faces.push(&[0, 1, 2, 3]);
+//! let mesh = Mesh::new(&positions, &faces)?;
+//! let frame = texmap_uv::Frame::upright(Default::default(), texmap_math::glam::DVec3::new(2.0, 1.0, 2.0));
+//! let mapping = Mapping { frame: Some(frame), ..Mapping::new(Shape::Cylinder) };
+//! let mapped = mapping.map(Level::new(), &mesh, &[])?;
+//! // u runs on past 1 instead of jumping back to 0.
+//! let u: Vec<f32> = mapped.set.per_corner().iter().map(|uv| uv[0]).collect();
+//! assert!(u[0] < 1.0 && u[1] > 1.0 && u[1] - u[0] < 0.05);
+//! # Ok::<(), texmap_uv::UvError>(())
 //! ```
 #![cfg_attr(not(feature = "std"), no_std)]
 #![forbid(unsafe_code)]
 extern crate alloc;
 
+mod error;
 mod fallback;
+mod frame;
+mod lanes;
+mod mapping;
+mod mesh;
+mod overlap;
+mod pack;
+mod parallel;
+mod report;
+mod seam;
+mod shells;
 mod solid;
+mod tangent;
+mod views;
 
+pub use error::UvError;
 pub use fallback::{Projection, project};
-pub use solid::Origin;
+pub use frame::Frame;
+pub use lanes::{cylinder_one, cylinder_slice, sphere_one, sphere_slice};
+pub use mapping::{Entity, Mapped, Mapping, tile};
+pub use mesh::{Faces, Mesh, UvSet};
+pub use pack::{Page, pack};
+pub use report::{Report, ReportOptions, TriangleReport, report};
+pub use shells::{Cuts, cut, sew};
+pub use solid::{Origin, Part, Shape};
+pub use tangent::tangents;

@@ -1,8 +1,129 @@
-//! The unit solids: a vector in, a place on the unit square out.
+//! The unit solids: a vector in, a place on the unit square out, in f64.
 //!
-//! Conventions of the Brown "Ray" assignments (the root of SUSTech CS lecture 08): every solid fills [-0.5, 0.5].
+//! Conventions of the Brown "Ray" assignments (the root of SUSTech CS lecture 08): every solid fills [-0.5, 0.5];
+//! the cone stands on its base with the apex at (0, 0.5, 0).
 
+use core::f64::consts::{PI, TAU};
 use texmap_math::{det, float, glam::DVec3};
+
+/// The solid whose surface is unrolled.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Shape {
+    /// The square z = 0, seen from +Z.
+    Plane,
+    /// Side around y, a cap above and one below.
+    Cylinder,
+    /// Side around y that narrows to the apex, a cap below.
+    Cone,
+    /// Longitude and latitude.
+    Sphere,
+    /// Six squares.
+    Box,
+}
+
+/// A piece of a solid that has a chart of its own, the whole unit square.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Part {
+    /// All of a plane or of a sphere.
+    Whole,
+    /// The curved side of a cylinder or cone.
+    Side,
+    /// The cap at y = 0.5, or the upper side of a box.
+    Top,
+    /// The cap at y = -0.5, or the lower side of a box.
+    Bottom,
+    /// The side of a box at x = 0.5.
+    Right,
+    /// The side of a box at x = -0.5.
+    Left,
+    /// The side of a box at z = 0.5.
+    Front,
+    /// The side of a box at z = -0.5.
+    Back,
+}
+
+impl Shape {
+    /// Part and texture coordinates of a point on the unit solid.
+    ///
+    /// Caps are told from sides by y within 1e-9 of the cap. u is in (0, 1] around an axis and 0.5 on it; v is in
+    /// [0, 1]. Points off the solid get the coordinates of the formulae (a sphere ignores the radius). Within
+    /// 1e-12 of the formula away from poles; NaN gives NaN.
+    #[must_use]
+    pub fn uv(self, p: DVec3, origin: Origin) -> (Part, [f64; 2]) {
+        let part = match self {
+            Self::Plane | Self::Sphere => Part::Whole,
+            Self::Cylinder if p.y >= 0.5 - 1e-9 => Part::Top,
+            Self::Cylinder | Self::Cone if p.y <= -0.5 + 1e-9 => Part::Bottom,
+            Self::Cylinder | Self::Cone => Part::Side,
+            Self::Box => Part::facing(p),
+        };
+        (part, self.place(part, p).uv(origin))
+    }
+
+    /// The point of the unit solid with these coordinates: the inverse of [`Shape::uv`] away from poles.
+    ///
+    /// A part that the solid lacks is read as its whole or its side.
+    #[must_use]
+    pub fn point(self, part: Part, uv: [f64; 2], origin: Origin) -> DVec3 {
+        let (u, h) = (
+            uv[0],
+            match origin {
+                Origin::TopLeft => 0.5 - uv[1],
+                Origin::BottomLeft => uv[1] - 0.5,
+            },
+        );
+        let (sin, cos) = det::sin_cos(TAU * (1.0 - u));
+        match (self, part) {
+            (Self::Plane, _) => DVec3::new(u - 0.5, h, 0.0),
+            (Self::Sphere, _) => {
+                let (up, out) = det::sin_cos(h * PI);
+                DVec3::new(cos * out, up, sin * out) * 0.5
+            }
+            (Self::Box | Self::Cylinder, Part::Top) => DVec3::new(u - 0.5, 0.5, -h),
+            (Self::Box | Self::Cylinder | Self::Cone, Part::Bottom) => DVec3::new(u - 0.5, -0.5, h),
+            (Self::Cylinder, _) => DVec3::new(cos * 0.5, h, sin * 0.5),
+            (Self::Cone, _) => DVec3::new(cos, 0.0, sin) * ((0.5 - h) * 0.5) + DVec3::Y * h,
+            (Self::Box, Part::Right) => DVec3::new(0.5, h, 0.5 - u),
+            (Self::Box, Part::Left) => DVec3::new(-0.5, h, u - 0.5),
+            (Self::Box, Part::Back) => DVec3::new(0.5 - u, h, -0.5),
+            (Self::Box, _) => DVec3::new(u - 0.5, h, 0.5),
+        }
+    }
+
+    /// The place of a point on one part's chart; the component along the part's normal does not matter.
+    pub(crate) fn place(self, part: Part, p: DVec3) -> Place {
+        match (self, part) {
+            (Self::Sphere, _) => sphere(p),
+            (Self::Cylinder | Self::Cone, Part::Side) => Place {
+                u: around(p.x, p.z),
+                h: p.y,
+            },
+            _ => part.flat(p),
+        }
+    }
+
+    /// Where a ray from the middle of the unit solid along `d` meets its surface, and in which part. A plane is
+    /// no solid: there it is the end of the vector of length 0.5. `d` must not be zero.
+    pub(crate) fn cast(self, d: DVec3) -> (Part, DVec3) {
+        let out = float::sqrt(d.x * d.x + d.z * d.z);
+        match self {
+            Self::Plane => (Part::Whole, d * (0.5 / float::sqrt(out * out + d.y * d.y))),
+            Self::Sphere => (Part::Whole, d),
+            Self::Box => {
+                let a = d.abs();
+                (Part::facing(d), d * (0.5 / a.x.max(a.y).max(a.z)))
+            }
+            Self::Cylinder if d.y.abs() > out => (
+                if d.y > 0.0 { Part::Top } else { Part::Bottom },
+                d * (0.5 / d.y.abs()),
+            ),
+            Self::Cylinder => (Part::Side, d * (0.5 / out)),
+            Self::Cone if -d.y >= out => (Part::Bottom, d * (0.5 / -d.y)),
+            // On the side the radius is half the depth below the apex.
+            Self::Cone => (Part::Side, d * (0.5 / (2.0 * out + d.y))),
+        }
+    }
+}
 
 /// Which row of the image v = 0 names.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -33,75 +154,62 @@ impl Place {
     }
 }
 
-/// The side of a box that a vector leaves through.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum BoxFace {
-    /// +X.
-    PosX,
-    /// -X.
-    NegX,
-    /// +Y.
-    PosY,
-    /// -Y.
-    NegY,
-    /// +Z.
-    PosZ,
-    /// -Z.
-    NegZ,
-}
-
-impl BoxFace {
-    /// The face of the largest absolute component; equal ones are settled z before y before x, so that a tie
-    /// has the same answer everywhere.
-    pub(crate) fn of(d: DVec3) -> Self {
+impl Part {
+    /// The side of a box of the largest absolute component; equal ones are settled z before y before x, so that
+    /// a tie has the same answer everywhere.
+    pub(crate) fn facing(d: DVec3) -> Self {
         let a = d.abs();
         if a.z >= a.x && a.z >= a.y {
-            if d.z < 0.0 { Self::NegZ } else { Self::PosZ }
+            if d.z < 0.0 { Self::Back } else { Self::Front }
         } else if a.y >= a.x {
-            if d.y < 0.0 { Self::NegY } else { Self::PosY }
+            if d.y < 0.0 { Self::Bottom } else { Self::Top }
         } else if d.x < 0.0 {
-            Self::NegX
+            Self::Left
         } else {
-            Self::PosX
+            Self::Right
         }
     }
 
-    /// The point `p` of the unit cube seen through this face from outside: the other two components.
-    pub(crate) fn place(self, p: DVec3) -> Place {
+    /// The point `p` of the unit cube seen through this flat part from outside: the other two components.
+    pub(crate) fn flat(self, p: DVec3) -> Place {
         match self {
-            Self::PosX => Place {
+            Self::Right => Place {
                 u: 0.5 - p.z,
                 h: p.y,
             },
-            Self::NegX => Place {
+            Self::Left => Place {
                 u: 0.5 + p.z,
                 h: p.y,
             },
-            Self::PosY => Place {
+            Self::Top => Place {
                 u: 0.5 + p.x,
                 h: -p.z,
             },
-            Self::NegY => Place {
+            Self::Bottom => Place {
                 u: 0.5 + p.x,
                 h: p.z,
             },
-            Self::PosZ => Place {
-                u: 0.5 + p.x,
+            Self::Back => Place {
+                u: 0.5 - p.x,
                 h: p.y,
             },
-            Self::NegZ => Place {
-                u: 0.5 - p.x,
+            Self::Front | Self::Whole | Self::Side => Place {
+                u: 0.5 + p.x,
                 h: p.y,
             },
         }
     }
-}
 
-/// The plane z = 0, seen from +Z.
-pub(crate) fn plane(p: DVec3) -> Place {
-    Place {
-        u: 0.5 + p.x,
-        h: p.y,
+    /// Outward direction of a flat part; +Z for those that are not flat.
+    pub(crate) fn outward(self) -> DVec3 {
+        match self {
+            Self::Right => DVec3::X,
+            Self::Left => DVec3::NEG_X,
+            Self::Top => DVec3::Y,
+            Self::Bottom => DVec3::NEG_Y,
+            Self::Back => DVec3::NEG_Z,
+            Self::Front | Self::Whole | Self::Side => DVec3::Z,
+        }
     }
 }
 
@@ -110,7 +218,7 @@ pub(crate) fn around(x: f64, z: f64) -> f64 {
     if x == 0.0 && z == 0.0 {
         return 0.5;
     }
-    let turn = det::atan2(z, x) / core::f64::consts::TAU;
+    let turn = det::atan2(z, x) / TAU;
     if turn < 0.0 { -turn } else { 1.0 - turn }
 }
 
@@ -121,7 +229,7 @@ pub(crate) fn sphere(d: DVec3) -> Place {
     let latitude = det::atan2(d.y, float::sqrt(d.x * d.x + d.z * d.z));
     Place {
         u: around(d.x, d.z),
-        h: latitude / core::f64::consts::PI,
+        h: latitude / PI,
     }
 }
 
@@ -145,19 +253,84 @@ mod tests {
     fn latitude_keeps_its_digits_at_the_pole() {
         let tiny = 1e-9;
         let h = sphere(DVec3::new(tiny, 1.0, 0.0)).h;
-        assert!((0.5 - h - tiny / core::f64::consts::PI).abs() < 1e-16);
+        assert!((0.5 - h - tiny / PI).abs() < 1e-16);
         assert_eq!(
             sphere(DVec3::new(3.0, 4.0, -1.0)),
             sphere(DVec3::new(6.0, 8.0, -2.0))
         );
     }
 
+    /// Property 26: in [0, 1], independent of the radius, inverse, and u to the viewer's right.
+    #[test]
+    fn the_inverse_returns_the_point() {
+        let parts = [
+            (Shape::Plane, &[Part::Whole][..]),
+            (Shape::Sphere, &[Part::Whole]),
+            (Shape::Cylinder, &[Part::Side, Part::Top, Part::Bottom]),
+            (Shape::Cone, &[Part::Side, Part::Bottom]),
+            (
+                Shape::Box,
+                &[
+                    Part::Right,
+                    Part::Left,
+                    Part::Top,
+                    Part::Bottom,
+                    Part::Front,
+                    Part::Back,
+                ],
+            ),
+        ];
+        for (shape, parts) in parts {
+            for (part, origin) in parts
+                .iter()
+                .flat_map(|p| [(*p, Origin::TopLeft), (*p, Origin::BottomLeft)])
+            {
+                for (i, j) in (0..400).map(|k| (k % 20, k / 20)) {
+                    let uv = [f64::from(i) / 21.0 + 0.03, f64::from(j) / 21.0 + 0.03];
+                    let p = shape.point(part, uv, origin);
+                    let (found, back) = shape.uv(p, origin);
+                    assert_eq!(found, part, "{shape:?} {uv:?}");
+                    assert!(
+                        (back[0] - uv[0]).abs() < 1e-12 && (back[1] - uv[1]).abs() < 1e-12,
+                        "{shape:?} {uv:?} {back:?}"
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn rays_end_on_the_solid() {
+        for k in 1..200 {
+            let (s, c) = det::sin_cos(f64::from(k) * 0.7);
+            let d = DVec3::new(s * 3.0, c * 2.0 + 0.01 * f64::from(k - 100), s * c + 0.3);
+            let (part, p) = Shape::Cylinder.cast(d);
+            let out = float::sqrt(p.x * p.x + p.z * p.z);
+            assert!(if part == Part::Side {
+                (out - 0.5).abs() < 1e-14 && p.y.abs() <= 0.5 + 1e-15
+            } else {
+                out <= 0.5 + 1e-14 && (p.y.abs() - 0.5).abs() < 1e-15
+            });
+            let (part, p) = Shape::Cone.cast(d);
+            let out = float::sqrt(p.x * p.x + p.z * p.z);
+            assert!(
+                p.y.abs() <= 0.5 + 1e-14
+                    && if part == Part::Side {
+                        (out - (0.5 - p.y) / 2.0).abs() < 1e-14
+                    } else {
+                        out <= 0.5 + 1e-14
+                    }
+            );
+            assert!((Shape::Box.cast(d).1.abs().max_element() - 0.5).abs() < 1e-15);
+        }
+    }
+
     #[test]
     fn equal_axes_choose_z_then_y_then_x() {
-        assert_eq!(BoxFace::of(DVec3::new(1.0, 1.0, -1.0)), BoxFace::NegZ);
-        assert_eq!(BoxFace::of(DVec3::new(-1.0, -1.0, 0.5)), BoxFace::NegY);
-        assert_eq!(BoxFace::of(DVec3::new(-1.0, 0.9, 0.5)), BoxFace::NegX);
+        assert_eq!(Part::facing(DVec3::new(1.0, 1.0, -1.0)), Part::Back);
+        assert_eq!(Part::facing(DVec3::new(-1.0, -1.0, 0.5)), Part::Bottom);
+        assert_eq!(Part::facing(DVec3::new(-1.0, 0.9, 0.5)), Part::Left);
         // The signed reading (largest component, not largest absolute one) would have said +Y here.
-        assert_eq!(BoxFace::of(DVec3::new(-3.0, 1.0, 0.0)), BoxFace::NegX);
+        assert_eq!(Part::facing(DVec3::new(-3.0, 1.0, 0.0)), Part::Left);
     }
 }

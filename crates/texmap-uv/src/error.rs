@@ -1,0 +1,123 @@
+//! What can be wrong with a mesh or a request.
+
+use alloc::string::String;
+use core::fmt;
+
+/// Why a mesh could not be mapped, packed or reported on. Faces and vertices are counted from 0.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum UvError {
+    /// The mesh has no face.
+    Empty,
+    /// A face with fewer than three corners.
+    TooFewCorners {
+        /// The face.
+        face: usize,
+        /// Its corners.
+        corners: usize,
+    },
+    /// A corner that names no vertex (or no texture coordinate).
+    BadIndex {
+        /// The face.
+        face: usize,
+        /// What the corner names.
+        index: u32,
+        /// How many there are.
+        count: usize,
+    },
+    /// A vertex or texture coordinate with a NaN or an infinity, in use by a face.
+    NotFinite {
+        /// The face.
+        face: usize,
+        /// Index of the vertex or coordinate.
+        index: u32,
+    },
+    /// A list whose length does not fit the mesh.
+    WrongLength {
+        /// Which list.
+        what: &'static str,
+        /// Its length.
+        found: usize,
+        /// The length that fits.
+        expected: usize,
+    },
+    /// A frame with a zero or non-finite scale, position or angle.
+    BadFrame {
+        /// The offending value.
+        value: f64,
+    },
+    /// A parameter out of its range.
+    BadParameter {
+        /// Its name.
+        what: &'static str,
+        /// The offending value.
+        value: f64,
+    },
+    /// Charts that fit no page of this size with these gutters at any scale.
+    DoesNotFit {
+        /// Number of charts.
+        charts: usize,
+        /// Edge of the page in texels.
+        size: u32,
+        /// Texels between charts.
+        gutter: u32,
+    },
+    /// A vertex pair of a cut or a sew that is no edge of the mesh.
+    NotAnEdge {
+        /// One end.
+        a: u32,
+        /// The other end.
+        b: u32,
+    },
+    /// The unwrapper gave up.
+    Unwrap {
+        /// Its own words.
+        reason: String,
+    },
+}
+
+impl fmt::Display for UvError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Empty => write!(f, "the mesh has no face"),
+            Self::TooFewCorners { face, corners } => write!(
+                f,
+                "face {face} has {corners} corners, a face needs at least 3"
+            ),
+            Self::BadIndex { face, index, count } => write!(
+                f,
+                "face {face} uses index {index}, but there are only {count}"
+            ),
+            Self::NotFinite { face, index } => write!(
+                f,
+                "face {face} uses vertex {index}, which is NaN or infinite"
+            ),
+            Self::WrongLength {
+                what,
+                found,
+                expected,
+            } => write!(f, "{what} has {found} entries, the mesh needs {expected}"),
+            Self::BadFrame { value } => write!(
+                f,
+                "a frame needs finite values and a scale that is not zero, found {value}"
+            ),
+            Self::BadParameter { what, value } => write!(f, "{what} = {value} is out of its range"),
+            Self::DoesNotFit {
+                charts,
+                size,
+                gutter,
+            } => {
+                write!(
+                    f,
+                    "{charts} charts with gutters of {gutter} do not fit a page of {size} x {size} texels; try a larger page or a smaller gutter"
+                )
+            }
+            Self::NotAnEdge { a, b } => {
+                write!(f, "no face has an edge from vertex {a} to vertex {b}")
+            }
+            Self::Unwrap { reason } => write!(f, "the mesh could not be unwrapped: {reason}"),
+        }
+    }
+}
+
+impl core::error::Error for UvError {}

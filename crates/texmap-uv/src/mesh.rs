@@ -1,0 +1,356 @@
+//! Faces over shared positions, and texture coordinates with an index of their own per corner.
+
+use alloc::vec;
+use alloc::vec::Vec;
+use core::ops::Range;
+use texmap_math::float;
+use texmap_math::glam::DVec3;
+
+use crate::UvError;
+
+/// Polygons as one list of corners; each corner is an index of a position.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Faces {
+    corners: Vec<u32>,
+    starts: Vec<u32>,
+}
+
+impl Default for Faces {
+    fn default() -> Self {
+        Self {
+            corners: Vec::new(),
+            starts: vec![0],
+        }
+    }
+}
+
+impl Faces {
+    /// No faces.
+    #[must_use]
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// One face per triangle.
+    #[must_use]
+    pub fn from_triangles(triangles: &[[u32; 3]]) -> Self {
+        Self {
+            corners: triangles.as_flattened().to_vec(),
+            starts: (0..=triangles.len() as u32).map(|f| f * 3).collect(),
+        }
+    }
+
+    /// Appends a face.
+    pub fn push(&mut self, corners: &[u32]) {
+        self.corners.extend_from_slice(corners);
+        self.starts.push(self.corners.len() as u32);
+    }
+
+    /// Number of faces.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.starts.len() - 1
+    }
+
+    /// Whether there is no face.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// All corners, face after face.
+    #[must_use]
+    pub fn corners(&self) -> &[u32] {
+        &self.corners
+    }
+
+    /// Where the corners of a face stand in [`Faces::corners`].
+    #[must_use]
+    pub fn range(&self, face: usize) -> Range<usize> {
+        self.starts[face] as usize..self.starts[face + 1] as usize
+    }
+
+    /// The corners of a face.
+    #[must_use]
+    pub fn face(&self, face: usize) -> &[u32] {
+        &self.corners[self.range(face)]
+    }
+
+    /// Every face as a fan around its first corner: the face, and the places of three corners in
+    /// [`Faces::corners`].
+    pub fn triangles(&self) -> impl Iterator<Item = (usize, [usize; 3])> + '_ {
+        (0..self.len()).flat_map(|f| {
+            let r = self.range(f);
+            (r.start + 1..r.end.saturating_sub(1)).map(move |k| (f, [r.start, k, k + 1]))
+        })
+    }
+}
+
+/// A mesh whose indices and positions have been checked.
+#[derive(Clone, Copy, Debug)]
+pub struct Mesh<'a> {
+    positions: &'a [[f32; 3]],
+    faces: &'a Faces,
+}
+
+impl<'a> Mesh<'a> {
+    /// Checks the mesh. A position that no face uses may be anything.
+    ///
+    /// # Errors
+    /// No face, a face of fewer than three corners, an index without a position, a position that is not finite.
+    pub fn new(positions: &'a [[f32; 3]], faces: &'a Faces) -> Result<Self, UvError> {
+        if faces.is_empty() {
+            return Err(UvError::Empty);
+        }
+        for face in 0..faces.len() {
+            let corners = faces.face(face);
+            if corners.len() < 3 {
+                return Err(UvError::TooFewCorners {
+                    face,
+                    corners: corners.len(),
+                });
+            }
+            for &index in corners {
+                match positions.get(index as usize) {
+                    None => {
+                        return Err(UvError::BadIndex {
+                            face,
+                            index,
+                            count: positions.len(),
+                        });
+                    }
+                    Some(p) if !p.iter().all(|c| c.is_finite()) => {
+                        return Err(UvError::NotFinite { face, index });
+                    }
+                    Some(_) => {}
+                }
+            }
+        }
+        Ok(Self { positions, faces })
+    }
+
+    /// The positions.
+    #[must_use]
+    pub fn positions(&self) -> &'a [[f32; 3]] {
+        self.positions
+    }
+
+    /// The faces.
+    #[must_use]
+    pub fn faces(&self) -> &'a Faces {
+        self.faces
+    }
+
+    /// Position of a corner, by its place in [`Faces::corners`].
+    pub(crate) fn point(&self, corner: usize) -> DVec3 {
+        self.vertex(self.faces.corners[corner])
+    }
+
+    pub(crate) fn vertex(&self, index: u32) -> DVec3 {
+        DVec3::from(self.positions[index as usize].map(f64::from))
+    }
+
+    /// Twice the area of a face times its normal (Newell); zero for a face without area.
+    pub(crate) fn face_normal(&self, face: usize) -> DVec3 {
+        let r = self.faces.range(face);
+        let origin = self.point(r.start);
+        (r.start + 1..r.end - 1)
+            .map(|k| (self.point(k) - origin).cross(self.point(k + 1) - origin))
+            .sum()
+    }
+
+    /// Unit normal of every position: the area-weighted mean of the faces around it, zero where there is none.
+    pub(crate) fn vertex_normals(&self) -> Vec<DVec3> {
+        let mut normals = vec![DVec3::ZERO; self.positions.len()];
+        for face in 0..self.faces.len() {
+            let normal = self.face_normal(face);
+            for &i in self.faces.face(face) {
+                normals[i as usize] += normal;
+            }
+        }
+        normals.into_iter().map(unit_or_zero).collect()
+    }
+
+    /// Lowest and highest coordinates of the positions in use.
+    pub(crate) fn bounds(&self) -> (DVec3, DVec3) {
+        let first = self.vertex(self.faces.corners[0]);
+        self.faces
+            .corners
+            .iter()
+            .map(|&i| self.vertex(i))
+            .fold((first, first), |(low, high), p| (low.min(p), high.max(p)))
+    }
+
+    /// The first position of each group of equal positions, for every position: a mesh split along texture
+    /// seams or hard edges is one surface again.
+    pub(crate) fn welded(&self) -> Vec<u32> {
+        // One zero for both signs.
+        let key = |i: u32| self.positions[i as usize].map(|c| (c + 0.0).to_bits());
+        let mut order: Vec<u32> = (0..self.positions.len() as u32).collect();
+        order.sort_unstable_by_key(|&i| (key(i), i));
+        let mut first: Vec<u32> = (0..self.positions.len() as u32).collect();
+        for pair in order.windows(2) {
+            if key(pair[0]) == key(pair[1]) {
+                first[pair[1] as usize] = first[pair[0] as usize];
+            }
+        }
+        first
+    }
+}
+
+pub(crate) fn length(v: DVec3) -> f64 {
+    float::sqrt(v.x * v.x + v.y * v.y + v.z * v.z)
+}
+
+pub(crate) fn unit_or_zero(v: DVec3) -> DVec3 {
+    let l = length(v);
+    if l > 0.0 && l.is_finite() {
+        v / l
+    } else {
+        DVec3::ZERO
+    }
+}
+
+/// Texture coordinates of a mesh, indexed per corner like the `vt` of an OBJ.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct UvSet {
+    /// The coordinates.
+    pub uvs: Vec<[f32; 2]>,
+    /// For each corner of the faces, in order, an index into `uvs`.
+    pub corners: Vec<u32>,
+}
+
+impl UvSet {
+    /// Shares equal coordinates among the corners of a position: a vertex is split only where its corners differ.
+    ///
+    /// # Panics
+    /// Never for a `values` of one entry per corner, which every caller in this crate makes.
+    pub(crate) fn shared(mesh: &Mesh<'_>, values: &[[f32; 2]]) -> Self {
+        const NONE: u32 = u32::MAX;
+        // For each position a chain of the coordinates it has so far.
+        let mut head = vec![NONE; mesh.positions.len()];
+        let mut next: Vec<u32> = Vec::new();
+        let mut set = Self {
+            uvs: Vec::new(),
+            corners: Vec::with_capacity(values.len()),
+        };
+        for (&position, value) in mesh.faces.corners.iter().zip(values) {
+            let bits = value.map(f32::to_bits);
+            let mut at = head[position as usize];
+            while at != NONE && set.uvs[at as usize].map(f32::to_bits) != bits {
+                at = next[at as usize];
+            }
+            if at == NONE {
+                at = set.uvs.len() as u32;
+                set.uvs.push(*value);
+                next.push(head[position as usize]);
+                head[position as usize] = at;
+            }
+            set.corners.push(at);
+        }
+        set
+    }
+
+    /// Checks that the set fits the mesh.
+    ///
+    /// # Errors
+    /// A wrong number of corners, an index without a coordinate, a coordinate that is not finite.
+    pub fn check(&self, mesh: &Mesh<'_>) -> Result<(), UvError> {
+        let expected = mesh.faces.corners.len();
+        if self.corners.len() != expected {
+            return Err(UvError::WrongLength {
+                what: "the list of texture corners",
+                found: self.corners.len(),
+                expected,
+            });
+        }
+        for face in 0..mesh.faces.len() {
+            for &index in &self.corners[mesh.faces.range(face)] {
+                match self.uvs.get(index as usize) {
+                    None => {
+                        return Err(UvError::BadIndex {
+                            face,
+                            index,
+                            count: self.uvs.len(),
+                        });
+                    }
+                    Some(uv) if !uv.iter().all(|c| c.is_finite()) => {
+                        return Err(UvError::NotFinite { face, index });
+                    }
+                    Some(_) => {}
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The coordinate of a corner.
+    #[must_use]
+    pub fn at(&self, corner: usize) -> [f32; 2] {
+        self.uvs[self.corners[corner] as usize]
+    }
+
+    /// The coordinates of all corners in order.
+    #[must_use]
+    pub fn per_corner(&self) -> Vec<[f32; 2]> {
+        self.corners.iter().map(|&i| self.uvs[i as usize]).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bad_meshes_name_their_face() {
+        let positions = [
+            [0.0; 3],
+            [1.0, 0.0, 0.0],
+            [0.0, 1.0, 0.0],
+            [f32::NAN, 0.0, 0.0],
+        ];
+        let check = |faces: &Faces| Mesh::new(&positions, faces).map(|_| ());
+        assert_eq!(check(&Faces::new()), Err(UvError::Empty));
+        let mut faces = Faces::from_triangles(&[[0, 1, 2]]);
+        assert_eq!(check(&faces), Ok(()));
+        faces.push(&[0, 1]);
+        assert_eq!(
+            check(&faces),
+            Err(UvError::TooFewCorners {
+                face: 1,
+                corners: 2
+            })
+        );
+        assert_eq!(
+            check(&Faces::from_triangles(&[[0, 1, 2], [0, 1, 4]])),
+            Err(UvError::BadIndex {
+                face: 1,
+                index: 4,
+                count: 4
+            })
+        );
+        assert_eq!(
+            check(&Faces::from_triangles(&[[0, 3, 2]])),
+            Err(UvError::NotFinite { face: 0, index: 3 })
+        );
+    }
+
+    #[test]
+    fn corners_share_what_is_equal_and_split_what_is_not() {
+        let positions = [[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+        let faces = Faces::from_triangles(&[[0, 1, 2], [0, 2, 3]]);
+        let mesh = Mesh::new(&positions, &faces).unwrap();
+        let values = [
+            [0.0, 0.0],
+            [1.0, 0.0],
+            [1.0, 1.0],
+            [0.0, 0.0],
+            [2.0, 1.0],
+            [0.0, 1.0],
+        ];
+        let set = UvSet::shared(&mesh, &values);
+        assert_eq!(set.uvs.len(), 5);
+        assert_eq!(set.corners, [0, 1, 2, 0, 3, 4]);
+        assert_eq!(set.per_corner(), values);
+    }
+}

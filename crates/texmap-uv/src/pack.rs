@@ -1,0 +1,269 @@
+//! Charts side by side on one page.
+
+use alloc::vec;
+use alloc::vec::Vec;
+use texmap_math::float;
+use texmap_math::glam::DVec2;
+
+use crate::UvError;
+use crate::mesh::{Mesh, UvSet, length};
+use crate::shells::{Shells, Topology, compact, separate};
+
+/// A square page for charts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Page {
+    /// Edge in texels.
+    pub size: u32,
+    /// Least number of empty texels between charts, and between a chart and the edge.
+    pub gutter: u32,
+}
+
+impl Default for Page {
+    /// 1024 texels, gutters of 4.
+    fn default() -> Self {
+        Self {
+            size: 1024,
+            gutter: 4,
+        }
+    }
+}
+
+/// Moves the shells of a set side by side into [0, 1], with one texel density for all: every shell is scaled to
+/// its area in space, then all by the same factor, as large as the page allows. Shells stand on whole texels and
+/// lie on their longer side.
+///
+/// # Errors
+/// A set that does not fit the mesh, a page of zero size, more gutters than page.
+pub fn pack(mesh: &Mesh<'_>, set: &UvSet, page: Page) -> Result<UvSet, UvError> {
+    set.check(mesh)?;
+    let topology = Topology::new(mesh);
+    let shells = Shells::new(mesh, set, &topology);
+    let mut set = set.clone();
+    separate(&topology, &shells, &mut set);
+    let areas = areas(mesh, &set, &shells);
+    let mut charts: Vec<Chart> = vec![Chart::EMPTY; shells.count];
+    for (k, &index) in set.corners.iter().enumerate() {
+        let chart = &mut charts[shells.of_face[topology.face[k] as usize] as usize];
+        let p = DVec2::from(set.uvs[index as usize].map(f64::from));
+        (chart.low, chart.high) = (chart.low.min(p), chart.high.max(p));
+    }
+    for (chart, [space, picture]) in charts.iter_mut().zip(areas) {
+        // A chart without area on either side keeps its size.
+        chart.scale = if space > 0.0 && picture > 0.0 {
+            float::sqrt(space / picture)
+        } else {
+            1.0
+        };
+    }
+    let (scale, corners) = best_scale(&charts, page)?;
+    let texels = f64::from(page.size);
+    let mut done = vec![false; set.uvs.len()];
+    for (k, &index) in set.corners.iter().enumerate() {
+        if core::mem::replace(&mut done[index as usize], true) {
+            continue;
+        }
+        let shell = shells.of_face[topology.face[k] as usize] as usize;
+        let chart = &charts[shell];
+        let p = chart.lying(DVec2::from(set.uvs[index as usize].map(f64::from)))
+            * (chart.scale * scale);
+        let q = (corners[shell] + p) / texels;
+        set.uvs[index as usize] = [q.x as f32, q.y as f32];
+    }
+    Ok(compact(&set))
+}
+
+/// Area in space and in the picture of each shell.
+fn areas(mesh: &Mesh<'_>, set: &UvSet, shells: &Shells) -> Vec<[f64; 2]> {
+    let mut areas = vec![[0.0; 2]; shells.count];
+    for (face, corners) in mesh.faces().triangles() {
+        let [a, b, c] = corners.map(|k| mesh.point(k));
+        let [p, q, r] = corners.map(|k| DVec2::from(set.at(k).map(f64::from)));
+        let area = &mut areas[shells.of_face[face] as usize];
+        area[0] += length((b - a).cross(c - a)) * 0.5;
+        area[1] += (q - p).perp_dot(r - p).abs() * 0.5;
+    }
+    areas
+}
+
+/// The bounding box of a shell and the factor that gives it the common density.
+#[derive(Clone, Copy)]
+struct Chart {
+    low: DVec2,
+    high: DVec2,
+    scale: f64,
+}
+
+impl Chart {
+    const EMPTY: Self = Self {
+        low: DVec2::INFINITY,
+        high: DVec2::NEG_INFINITY,
+        scale: 1.0,
+    };
+
+    fn upright(&self) -> bool {
+        self.high.y - self.low.y > self.high.x - self.low.x
+    }
+
+    /// Width and height when it lies on its longer side.
+    fn extent(&self) -> DVec2 {
+        let e = (self.high - self.low) * self.scale;
+        if self.upright() {
+            DVec2::new(e.y, e.x)
+        } else {
+            e
+        }
+    }
+
+    /// A point relative to the chart's corner, turned by a quarter where the chart was upright.
+    fn lying(&self, p: DVec2) -> DVec2 {
+        if self.upright() {
+            DVec2::new(self.high.y - p.y, p.x - self.low.x)
+        } else {
+            p - self.low
+        }
+    }
+}
+
+/// The largest scale (texels per unit) at which shelves hold all charts, within 0.1 %, and the charts' corners.
+fn best_scale(charts: &[Chart], page: Page) -> Result<(f64, Vec<DVec2>), UvError> {
+    let fault = UvError::DoesNotFit {
+        charts: charts.len(),
+        size: page.size,
+        gutter: page.gutter,
+    };
+    let room = f64::from(page.size) - 2.0 * f64::from(page.gutter);
+    let widest = charts
+        .iter()
+        .map(|c| c.extent().x)
+        .fold(0.0, |a: f64, b| if b > a { b } else { a });
+    if room < 1.0 {
+        return Err(fault);
+    }
+    let mut order: Vec<usize> = (0..charts.len()).collect();
+    order.sort_by(|&a, &b| {
+        charts[b]
+            .extent()
+            .y
+            .total_cmp(&charts[a].extent().y)
+            .then(a.cmp(&b))
+    });
+    let try_at = |scale: f64| shelves(charts, &order, scale, page);
+    let most = if widest > 0.0 { room / widest } else { 1.0 };
+    if let Some(corners) = try_at(most) {
+        return Ok((most, corners));
+    }
+    // At a vanishing scale every chart takes one texel: if that does not fit, nothing does.
+    let (mut low, mut high) = (0.0, most);
+    let mut best = try_at(f64::MIN_POSITIVE)
+        .map(|corners| (f64::MIN_POSITIVE, corners))
+        .ok_or(fault)?;
+    while high - low > high * 1e-3 {
+        let middle = (low + high) * 0.5;
+        match try_at(middle) {
+            Some(corners) => {
+                low = middle;
+                best = (middle, corners);
+            }
+            None => high = middle,
+        }
+    }
+    Ok(best)
+}
+
+/// Lower left corners on shelves from left to right, the highest charts first; `None` when the page overflows.
+fn shelves(charts: &[Chart], order: &[usize], scale: f64, page: Page) -> Option<Vec<DVec2>> {
+    let (size, gutter) = (f64::from(page.size), f64::from(page.gutter));
+    let mut corners = vec![DVec2::ZERO; charts.len()];
+    let (mut x, mut y, mut shelf) = (gutter, gutter, 0.0);
+    for &i in order {
+        let e = charts[i].extent() * scale;
+        let (wide, high) = (float::ceil(e.x), float::ceil(e.y));
+        if x > gutter && x + wide + gutter > size {
+            (x, y, shelf) = (gutter, y + shelf + gutter, 0.0);
+        }
+        // The widest chart may reach the gutter exactly, before rounding.
+        if x + e.x + gutter > size * (1.0 + 1e-12) || y + e.y + gutter > size * (1.0 + 1e-12) {
+            return None;
+        }
+        corners[i] = DVec2::new(x, y);
+        x += wide + gutter;
+        shelf = if high > shelf { high } else { shelf };
+    }
+    Some(corners)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Faces;
+
+    /// Squares of different sizes, all mapped onto one another.
+    fn stack(count: u32) -> (Vec<[f32; 3]>, Faces, Vec<[f32; 2]>) {
+        let (mut positions, mut faces, mut values) = (Vec::new(), Faces::new(), Vec::new());
+        for i in 0..count {
+            let (x, s) = (10.0 * i as f32, 1.0 + (i % 3) as f32);
+            let base = i * 4;
+            positions.extend([
+                [x, 0.0, 0.0],
+                [x + s, 0.0, 0.0],
+                [x + s, 0.5 * s, 0.0],
+                [x, 0.5 * s, 0.0],
+            ]);
+            faces.push(&[base, base + 1, base + 2, base + 3]);
+            values.extend([[0.0, 0.0], [1.0, 0.0], [1.0, 0.5], [0.0, 0.5]]);
+        }
+        (positions, faces, values)
+    }
+
+    #[test]
+    fn charts_keep_their_gutters_and_one_density() {
+        let (positions, faces, values) = stack(23);
+        let mesh = Mesh::new(&positions, &faces).unwrap();
+        let set = UvSet::shared(&mesh, &values);
+        let page = Page {
+            size: 256,
+            gutter: 5,
+        };
+        let packed = pack(&mesh, &set, page).unwrap();
+        let boxes: Vec<(DVec2, DVec2)> = (0..faces.len())
+            .map(|f| {
+                let points = faces
+                    .range(f)
+                    .map(|k| DVec2::from(packed.at(k).map(f64::from)) * 256.0);
+                points.fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(l, h), p| {
+                    (l.min(p), h.max(p))
+                })
+            })
+            .collect();
+        for (i, (low, high)) in boxes.iter().enumerate() {
+            assert!(
+                low.min_element() > 4.999 && high.max_element() < 251.001,
+                "{i}: {low} {high}"
+            );
+            let density = (high.x - low.x) / f64::from(1 + i as u32 % 3);
+            assert!((density - (boxes[0].1.x - boxes[0].0.x)).abs() < 1e-3);
+            for (l, h) in &boxes[..i] {
+                let apart = (*l - *high).max(*low - *h).max_element();
+                assert!(apart > 4.999, "charts {apart} texels apart");
+            }
+        }
+    }
+
+    #[test]
+    fn too_many_gutters_are_refused() {
+        let (positions, faces, values) = stack(40);
+        let mesh = Mesh::new(&positions, &faces).unwrap();
+        let set = UvSet::shared(&mesh, &values);
+        for (size, gutter) in [(16, 8), (0, 0), (32, 7)] {
+            let fault = pack(&mesh, &set, Page { size, gutter });
+            assert_eq!(
+                fault,
+                Err(UvError::DoesNotFit {
+                    charts: 40,
+                    size,
+                    gutter
+                })
+            );
+        }
+    }
+}

@@ -1,0 +1,103 @@
+//! Seams and poles: u unwrapped per face, so that no face runs backwards across the picture.
+
+/// Longitudes of one face's corners, in place.
+///
+/// Going around the face each corner gets the whole turns that bring it within half a turn of the one before, so u
+/// may leave [0, 1]; a corner on the axis (`pole`) then gets the mean of its neighbours ("fan"). Afterwards the
+/// lowest u lies in [0, 1). Only whole numbers are added, so neighbours keep the same bits.
+///
+/// Returns false for a face around the axis itself: it meets all longitudes, no choice of turns can be right.
+pub(crate) fn unwrap(u: &mut [f32], pole: &[bool]) -> bool {
+    let Some(first) = pole.iter().position(|p| !p) else {
+        u.fill(0.5);
+        return true;
+    };
+    let n = u.len();
+    let (mut turns, mut previous) = (0.0, u[first]);
+    let mut closes = true;
+    for k in 1..=n {
+        let i = (first + k) % n;
+        if pole[i] {
+            continue;
+        }
+        let raw = if k == n { u[first] } else { u[i] };
+        turns += match raw + turns - previous {
+            step if step > 0.5 => -1.0,
+            step if step < -0.5 => 1.0,
+            _ => 0.0,
+        };
+        if k == n {
+            // Back at the first corner, which stands at its raw value.
+            closes = turns == 0.0;
+        } else {
+            u[i] = raw + turns;
+            previous = u[i];
+        }
+    }
+    let lowest = (0..n)
+        .filter(|&i| !pole[i])
+        .map(|i| u[i])
+        .fold(f32::INFINITY, |a, b| if b < a { b } else { a });
+    let shift = texmap_math::float::floor_f32(lowest);
+    for i in (0..n).filter(|&i| !pole[i]) {
+        u[i] -= shift;
+    }
+    for i in (0..n).filter(|&i| pole[i]) {
+        let neighbour = |step: usize| {
+            (1..n)
+                .map(|k| (i + k * step) % n)
+                .find(|&j| !pole[j])
+                .map_or(0.5, |j| u[j])
+        };
+        u[i] = (neighbour(1) + neighbour(n - 1)) * 0.5;
+    }
+    // A pole corner closes a face that spans up to half a turn; without one a face must come back to itself.
+    closes || pole.contains(&true)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn run<const N: usize>(mut u: [f32; N], poles: &[usize]) -> ([f32; N], bool) {
+        let pole: [bool; N] = core::array::from_fn(|i| poles.contains(&i));
+        let closes = unwrap(&mut u, &pole);
+        (u, closes)
+    }
+
+    #[test]
+    fn a_face_across_the_seam_is_not_torn() {
+        assert_eq!(
+            run([0.9375, 0.0625, 1.0], &[]),
+            ([0.9375, 1.0625, 1.0], true)
+        );
+        assert_eq!(
+            run([0.0625, 0.9375, 0.125], &[]),
+            ([1.0625, 0.9375, 1.125], true)
+        );
+        assert_eq!(run([1.0, 0.125, 0.125], &[]), ([0.0, 0.125, 0.125], true));
+        assert_eq!(run([0.25, 0.5, 0.375], &[]), ([0.25, 0.5, 0.375], true));
+        // A quad, starting on either side.
+        assert_eq!(
+            run([0.96875, 0.03125, 0.03125, 0.96875], &[]).0,
+            [0.96875, 1.03125, 1.03125, 0.96875]
+        );
+    }
+
+    #[test]
+    fn poles_stand_between_their_neighbours() {
+        assert_eq!(run([0.5, 0.25, 0.375], &[0]).0, [0.3125, 0.25, 0.375]);
+        assert_eq!(
+            run([0.96875, 0.5, 0.03125], &[1]).0,
+            [0.96875, 1.0, 1.03125]
+        );
+        assert_eq!(run([0.5, 0.5, 0.125], &[0, 1]).0, [0.125; 3]);
+        assert_eq!(run([0.7, 0.7, 0.7], &[0, 1, 2]).0, [0.5; 3]);
+    }
+
+    #[test]
+    fn a_face_around_the_axis_is_told() {
+        assert!(!run([0.1, 0.43, 0.77], &[]).1);
+        assert!(run([0.1, 0.43, 0.27], &[]).1);
+    }
+}
