@@ -19,7 +19,7 @@ pub(crate) struct Cli {
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Verb {
-    Render(cmd::render::RenderArgs),
+    Render(Box<cmd::render::RenderArgs>),
     Info(cmd::info::InfoArgs),
     Demo(cmd::demo::DemoArgs),
 }

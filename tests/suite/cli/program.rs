@@ -34,11 +34,11 @@ pub(crate) struct Desk {
     folder: TempDir,
 }
 
-/// A floor and a wall of two textured faces and one coloured face.
+/// A textured floor and a coloured wall, seen with a roll: along a row w changes, as span methods need to show.
 pub(crate) const ROOM: &str = "\
 eye 0 1 6
 look 0 1 0
-up 0 1 0
+up 0.2 1 0
 fov 60
 la 0.4 0.4 0.4
 ld 0.6 0.6 0.6 0.3 -1 -0.5

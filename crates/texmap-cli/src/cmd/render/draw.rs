@@ -206,7 +206,7 @@ impl Context<'_> {
     fn draw(&self, scene: &Scene, label: String) -> Result<Frame, Failure> {
         let progress = Progress::new(label);
         texmap_render::render(scene, &self.settings(), &|done, of| {
-            progress.update(done, of)
+            progress.update(done, of);
         })
         .map_err(|e| self.refused(&e))
     }

@@ -95,8 +95,8 @@ pub(crate) struct RenderArgs {
 
 pub(crate) fn run(args: &RenderArgs) -> Result<Exit, Failure> {
     let level = args.level.level()?;
-    let walk = args.path.as_deref().map(CameraPath::read).transpose()?;
     let items = plan::items(args)?;
+    let walk = args.path.as_deref().map(CameraPath::read).transpose()?;
     let mut reports: Vec<ItemReport> = Vec::new();
     let mut failures = Vec::new();
     for item in &items {

@@ -44,13 +44,13 @@ pub(crate) fn items(args: &RenderArgs) -> Result<Vec<Item>, Failure> {
         let Some(output) = &item.output else { continue };
         check_name(args, output)?;
         let destination = destinations(args, item)?;
-        if let Some(Destination::File(path)) = &destination {
-            if std::fs::canonicalize(&item.input).is_ok_and(|input| input == *path) {
-                return Err(Failure::usage(
-                    format!("{}: the output is the input", output.display()),
-                    "give -o another name",
-                ));
-            }
+        if let Some(Destination::File(path)) = &destination
+            && std::fs::canonicalize(&item.input).is_ok_and(|input| input == *path)
+        {
+            return Err(Failure::usage(
+                format!("{}: the output is the input", output.display()),
+                "give -o another name",
+            ));
         }
         if let Some(other) = owner.insert(output.clone(), item.input.clone()) {
             return Err(Failure::usage(
