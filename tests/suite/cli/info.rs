@@ -1,1 +1,73 @@
-//! `texmap info`.
+//! `texmap info`: meshes, maps, uv ranges and what is missing.
+
+use crate::program::{Desk, ROOM};
+
+#[test]
+fn a_model_is_described_in_words_and_as_json() {
+    let desk = Desk::new();
+    let run = desk.texmap("info m.obj").ok();
+    let text = String::from_utf8(run.stdout).unwrap();
+    for word in [
+        "panel",
+        "spike",
+        "check.png",
+        "8 x 8",
+        "paper",
+        "0..2",
+        "0..1",
+    ] {
+        assert!(text.contains(word), "{word} is not in\n{text}");
+    }
+    assert!(run.stderr.is_empty());
+    let info = desk.texmap("info m.obj --json").ok().json();
+    assert_eq!(info["meshes"].as_array().unwrap().len(), 2);
+    assert_eq!(
+        info["meshes"][0]["uv"],
+        serde_json::json!([[0.0, 0.0], [2.0, 1.0]])
+    );
+    assert_eq!(info["meshes"][0]["triangles"], 2);
+    assert_eq!(info["files"][0]["size"], serde_json::json!([8, 8]));
+}
+
+#[test]
+fn missing_and_broken_files_are_listed_with_exit_code_three() {
+    let desk = Desk::new();
+    desk.put("broken.png", "no picture");
+    desk.put(
+        "room.scene",
+        format!("{ROOM}texture gone.png\ntexture broken.png\nobj gone.obj\n"),
+    );
+    let run = desk.texmap("info room.scene --json");
+    assert_eq!(run.code, 3, "{}", run.stderr);
+    let files = run.json()["files"].as_array().unwrap().clone();
+    let missed: Vec<&str> = files
+        .iter()
+        .filter(|f| !f["problem"].is_null())
+        .map(|f| f["path"].as_str().unwrap())
+        .collect();
+    assert_eq!(missed, ["gone.png", "broken.png", "gone.obj"]);
+    assert!(
+        files.iter().any(|f| f["named_by"] == "room.scene:18:1"),
+        "{files:?}"
+    );
+    assert_eq!(run.stderr.lines().count(), 3, "{}", run.stderr);
+    let words = desk.texmap("info room.scene");
+    assert_eq!(words.code, 3);
+    assert!(
+        String::from_utf8(words.stdout)
+            .unwrap()
+            .contains("unusable")
+    );
+}
+
+#[test]
+fn a_broken_file_itself_is_an_error() {
+    let desk = Desk::new();
+    assert_eq!(desk.texmap("info no.scene").code, 4);
+    desk.put("bad.scene", "colour red\n");
+    let run = desk.texmap("info bad.scene --json");
+    assert_eq!(
+        (run.code, run.json()["error"]["code"].as_str()),
+        (4, Some("unknown-command"))
+    );
+}

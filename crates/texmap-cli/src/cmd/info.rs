@@ -1,15 +1,18 @@
 //! `texmap info`: what a scene or model holds, and what it misses.
 
+use std::fmt::Write;
 use std::path::PathBuf;
 
 use clap::Args;
+use texmap_io::{FileInfo, MeshInfo, NamedFile};
 
-use crate::failure::{Exit, Failure};
+use crate::failure::{self, Exit, Failure, say};
 
-/// Show meshes, maps, uv ranges and missing files of a scene or model.
+/// Show meshes, maps, uv ranges and missing files of a scene, model or image.
 #[derive(Args, Debug)]
+#[command(after_help = "Exit code 3 when a file that it names is missing or broken.")]
 pub(crate) struct InfoArgs {
-    /// A .scene or .obj file
+    /// A .scene, .obj or image file
     file: PathBuf,
     /// Print the same as JSON to standard output
     #[arg(long)]
@@ -17,10 +20,131 @@ pub(crate) struct InfoArgs {
 }
 
 pub(crate) fn run(args: &InfoArgs) -> Result<Exit, Failure> {
-    Err(Failure::new(
-        Exit::Input,
-        "file.read",
-        format!("{}: cannot be read yet", args.file.display()),
-        "the loaders are not joined to the program yet",
-    ))
+    let info = texmap_io::info(&args.file)?;
+    if args.json {
+        failure::print_json(&info);
+    } else {
+        failure::print(&words(&info));
+    }
+    let problems: Vec<&NamedFile> = info.problems().collect();
+    for file in &problems {
+        let problem = file.problem.as_deref().unwrap_or_default();
+        say(&format!("error[named-file]: {problem}\n"));
+    }
+    Ok(if problems.is_empty() {
+        Exit::Done
+    } else {
+        Exit::Partial
+    })
+}
+
+fn words(info: &FileInfo) -> String {
+    let mut text = format!("{} ({})\n", info.file.display(), info.kind);
+    if !info.meshes.is_empty() {
+        let triangles: usize = info.meshes.iter().map(|m| m.triangles).sum();
+        let _ = writeln!(
+            text,
+            "{} meshes, {triangles} triangles, {} lights",
+            info.meshes.len(),
+            info.lights
+        );
+    }
+    if let Some(([x, y, z], radius)) = info.sphere {
+        let _ = writeln!(
+            text,
+            "sphere of radius {radius:.6} around {x:.6} {y:.6} {z:.6}"
+        );
+    }
+    let mut rows = Vec::new();
+    if !info.meshes.is_empty() {
+        rows.push(
+            [
+                "mesh",
+                "vertices",
+                "faces",
+                "triangles",
+                "u",
+                "v",
+                "material",
+            ]
+            .map(str::to_owned),
+        );
+        rows.extend(info.meshes.iter().map(mesh_row));
+        text.push_str(&table(&rows));
+    }
+    if !info.files.is_empty() {
+        let mut rows = vec![["file", "size", "bits", "named by"].map(str::to_owned)];
+        rows.extend(info.files.iter().map(file_row));
+        text.push_str(&table(&rows));
+    }
+    for warning in &info.warnings {
+        let _ = writeln!(text, "warning: {warning}");
+    }
+    text
+}
+
+fn mesh_row(mesh: &MeshInfo) -> [String; 7] {
+    let range = |axis: usize| {
+        mesh.uv.map_or_else(
+            || "-".to_owned(),
+            |[low, high]| format!("{}..{}", low[axis], high[axis]),
+        )
+    };
+    [
+        mesh.name.clone(),
+        mesh.vertices.to_string(),
+        mesh.faces.to_string(),
+        mesh.triangles.to_string(),
+        range(0),
+        range(1),
+        mesh.material.clone(),
+    ]
+}
+
+fn file_row(file: &NamedFile) -> [String; 4] {
+    let size = match (file.size, &file.problem) {
+        (Some([width, height]), _) => format!("{width} x {height}"),
+        (None, Some(_)) => "unusable".to_owned(),
+        (None, None) => "-".to_owned(),
+    };
+    let bits = file.bits.map_or_else(|| "-".to_owned(), |b| b.to_string());
+    [
+        file.path.display().to_string(),
+        size,
+        bits,
+        file.named_by.clone(),
+    ]
+}
+
+/// Columns as wide as their widest entry, two spaces apart; an empty line above.
+fn table<const N: usize>(rows: &[[String; N]]) -> String {
+    let width = |column: usize| {
+        rows.iter()
+            .map(|row| row[column].chars().count())
+            .max()
+            .unwrap_or(0)
+    };
+    let widths: [usize; N] = std::array::from_fn(width);
+    let mut text = String::from("\n");
+    for row in rows {
+        let cells: Vec<String> = row
+            .iter()
+            .zip(widths)
+            .map(|(cell, width)| format!("{cell:width$}"))
+            .collect();
+        text.push_str(cells.join("  ").trim_end());
+        text.push('\n');
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn columns_align_by_characters() {
+        let row = |a: &str, b: &str| [a.to_owned(), b.to_owned()];
+        assert_eq!(table(&[row("é", "b"), row("abc", "")]), "\né    b\nabc\n");
+    }
 }
