@@ -1,0 +1,269 @@
+//! The race: the benchmark scenes drawn by texmap and by Mesa's llvmpipe, interleaved in one run.
+//!
+//! `cargo run --release -p texmap-benches --features peers --bin peers -- [--only a:b]
+//! [--threads 0,2] [--rounds N] [--frames N] [--budget-ms N] [--out DIR] [--csv FILE]`
+//!
+//! One child process a thread count, since Mesa reads LP_NUM_THREADS once. 0 means that everything
+//! runs in the calling thread (texmap: one thread); the process is then pinned to one core. In every
+//! round each scene is drawn by both, one after the other; minima and medians pool the rounds. The
+//! pictures are compared before any time is: a row whose pictures differ by more than 1 of 255 on
+//! more than 1 % of the values is void.
+
+mod llvmpipe;
+mod texmap;
+
+use std::fmt::Write as _;
+use std::path::PathBuf;
+use std::process::{Command, ExitCode};
+use std::time::{Duration, Instant};
+use texmap_lab::bench_scenes::BenchScene;
+
+struct Options {
+    only: Option<String>,
+    threads: Vec<usize>,
+    rounds: usize,
+    frames: usize,
+    budget: Duration,
+    out: Option<PathBuf>,
+    csv: Option<PathBuf>,
+    child: bool,
+}
+
+fn main() -> ExitCode {
+    let options = match parse(std::env::args().skip(1)) {
+        Ok(options) => options,
+        Err(why) => {
+            eprintln!("peers: {why}\nusage: peers [--only a:b] [--threads 0,2] [--rounds N] [--frames N] [--budget-ms N] [--out DIR] [--csv FILE]");
+            return ExitCode::from(2);
+        }
+    };
+    if options.child {
+        race(&options);
+        return ExitCode::SUCCESS;
+    }
+    let mut all = String::from(HEADER);
+    for threads in &options.threads {
+        match run_child(*threads) {
+            Ok(rows) => all.push_str(&rows),
+            Err(why) => {
+                eprintln!("peers: {why}");
+                return ExitCode::from(6);
+            }
+        }
+    }
+    if let Some(path) = &options.csv
+        && let Err(why) = std::fs::write(path, &all)
+    {
+        eprintln!("peers: {} cannot be written: {why}", path.display());
+        return ExitCode::from(4);
+    }
+    ExitCode::SUCCESS
+}
+
+const HEADER: &str = "scene,filter,precision,threads,texmap_min_ms,texmap_median_ms,texmap_first_ms,peer,peer_min_ms,peer_median_ms,peer_first_ms,ratio,within_1_percent,valid\n";
+
+/// One thread count in a process of its own; returns its CSV rows and passes on what it says.
+fn run_child(threads: usize) -> Result<String, String> {
+    let program = std::env::current_exe().map_err(|e| e.to_string())?;
+    let output = Command::new(program)
+        .args(std::env::args().skip(1))
+        .args(["--child", &threads.to_string()])
+        .env("LP_NUM_THREADS", threads.to_string())
+        .env("LIBGL_ALWAYS_SOFTWARE", "1")
+        .env("MESA_SHADER_CACHE_DISABLE", "1")
+        .stderr(std::process::Stdio::inherit())
+        .output()
+        .map_err(|e| e.to_string())?;
+    if !output.status.success() {
+        return Err(format!("the run with {threads} threads failed: {}", output.status));
+    }
+    Ok(String::from_utf8_lossy(&output.stdout).into_owned())
+}
+
+/// Times of one renderer on one scene, in milliseconds.
+#[derive(Default)]
+struct Times {
+    first: f64,
+    all: Vec<f64>,
+}
+
+impl Times {
+    fn min(&self) -> f64 {
+        self.all.iter().copied().fold(f64::MAX, f64::min)
+    }
+
+    fn median(&self) -> f64 {
+        let mut sorted = self.all.clone();
+        sorted.sort_by(f64::total_cmp);
+        sorted[sorted.len() / 2]
+    }
+
+    fn measure(&mut self, options: &Options, mut frame: impl FnMut()) {
+        let mut time = || {
+            let start = Instant::now();
+            frame();
+            start.elapsed().as_secs_f64() * 1e3
+        };
+        if self.all.is_empty() {
+            self.first = time();
+        }
+        time();
+        let start = Instant::now();
+        for n in 0..options.frames {
+            if n >= 3 && start.elapsed() > options.budget {
+                break;
+            }
+            self.all.push(time());
+        }
+    }
+}
+
+fn race(options: &Options) {
+    let threads = options.threads[0];
+    if threads <= 1
+        && let Some(cores) = core_affinity::get_core_ids()
+        && let Some(core) = cores.first()
+    {
+        core_affinity::set_for_current(*core);
+    }
+    let scenes = llvmpipe::scenes(options.only.as_deref());
+    let peer = llvmpipe::Llvmpipe::open(&scenes);
+    match &peer {
+        Ok(peer) => eprintln!("# {}, {}, {threads} threads", peer.renderer, peer.version),
+        Err(why) => eprintln!("# no llvmpipe here ({why}); texmap runs alone"),
+    }
+    let mut texmap = texmap::Texmap::new(&scenes, threads.max(1));
+    let runs: Vec<(BenchScene, texmap::Precision)> = scenes
+        .iter()
+        .flat_map(|s| texmap::precisions(s).iter().map(|p| (*s, *p)))
+        .collect();
+    let mut ours: Vec<Times> = runs.iter().map(|_| Times::default()).collect();
+    let mut theirs: Vec<Times> = runs.iter().map(|_| Times::default()).collect();
+    for _ in 0..options.rounds {
+        for (i, (scene, precision)) in runs.iter().enumerate() {
+            if let Ok(peer) = &peer {
+                theirs[i].measure(options, || peer.frame(scene));
+            }
+            ours[i].measure(options, || texmap.frame(scene, *precision));
+        }
+    }
+    for (i, (scene, precision)) in runs.iter().enumerate() {
+        texmap.frame(scene, *precision);
+        let picture = texmap.picture(scene);
+        let mut within = f64::NAN;
+        if let Ok(peer) = &peer {
+            peer.frame(scene);
+            let other = peer.picture(scene);
+            within = agreement(&picture, &other);
+            save(options, scene, "llvmpipe", &other);
+        }
+        save(options, scene, &format!("texmap-{}", texmap::name(*precision)), &picture);
+        println!("{}", row(scene, *precision, threads, &ours[i], peer.is_ok().then_some(&theirs[i]), within));
+    }
+}
+
+fn row(
+    scene: &BenchScene,
+    precision: texmap::Precision,
+    threads: usize,
+    ours: &Times,
+    theirs: Option<&Times>,
+    within: f64,
+) -> String {
+    let mut out = format!(
+        "{},{},{},{threads},{:.3},{:.3},{:.1},",
+        scene.name,
+        scene.filter,
+        texmap::name(precision),
+        ours.min(),
+        ours.median(),
+        ours.first
+    );
+    if let Some(theirs) = theirs {
+        let ratio = theirs.min() / ours.min();
+        let valid = within >= 99.0;
+        let _ = write!(
+            out,
+            "llvmpipe,{:.3},{:.3},{:.1},{ratio:.2},{within:.2},{valid}",
+            theirs.min(),
+            theirs.median(),
+            theirs.first
+        );
+        eprintln!(
+            "{:<32} {:<6} {:>8.2} ms  llvmpipe {:>8.2} ms  ratio {ratio:>5.2}  {within:>6.2} % within 1{}",
+            scene.key(),
+            texmap::name(precision),
+            ours.min(),
+            theirs.min(),
+            if valid { "" } else { "  VOID" }
+        );
+    } else {
+        out.push_str(",,,,,,");
+        eprintln!("{:<32} {:<6} {:>8.2} ms", scene.key(), texmap::name(precision), ours.min());
+    }
+    out
+}
+
+/// Percentage of values that differ by at most 1.
+fn agreement(a: &[u8], b: &[u8]) -> f64 {
+    assert_eq!(a.len(), b.len(), "pictures of one scene have one size");
+    let close = a.iter().zip(b).filter(|(a, b)| a.abs_diff(**b) <= 1).count();
+    100.0 * close as f64 / a.len() as f64
+}
+
+fn save(options: &Options, scene: &BenchScene, who: &str, picture: &[u8]) {
+    let Some(dir) = &options.out else { return };
+    let (w, h) = scene.size();
+    let path = dir.join(format!("{}_{}_{who}.png", scene.name, scene.filter));
+    let kind = if picture.len() == (w * h * 3) as usize {
+        image::ExtendedColorType::Rgb8
+    } else {
+        image::ExtendedColorType::L16
+    };
+    let native: Vec<u8> = if kind == image::ExtendedColorType::L16 {
+        picture.chunks_exact(2).flat_map(|p| u16::from_be_bytes([p[0], p[1]]).to_ne_bytes()).collect()
+    } else {
+        picture.to_vec()
+    };
+    let result = std::fs::create_dir_all(dir)
+        .map_err(image::ImageError::IoError)
+        .and_then(|()| image::save_buffer(&path, &native, w, h, kind));
+    if let Err(why) = result {
+        eprintln!("peers: {} cannot be written: {why}", path.display());
+    }
+}
+
+fn parse(mut args: impl Iterator<Item = String>) -> Result<Options, String> {
+    let mut options = Options {
+        only: None,
+        threads: vec![0],
+        rounds: 3,
+        frames: 30,
+        budget: Duration::from_millis(1000),
+        out: None,
+        csv: None,
+        child: false,
+    };
+    while let Some(flag) = args.next() {
+        let mut value = || args.next().ok_or_else(|| format!("{flag} wants a value"));
+        let number = |text: String| text.parse::<usize>().map_err(|_| format!("`{text}` is not a number"));
+        match flag.as_str() {
+            "--only" => options.only = Some(value()?),
+            "--threads" => {
+                options.threads =
+                    value()?.split(',').map(|t| number(t.to_owned())).collect::<Result<_, _>>()?;
+            }
+            "--rounds" => options.rounds = number(value()?)?.max(1),
+            "--frames" => options.frames = number(value()?)?.max(1),
+            "--budget-ms" => options.budget = Duration::from_millis(number(value()?)? as u64),
+            "--out" => options.out = Some(value()?.into()),
+            "--csv" => options.csv = Some(value()?.into()),
+            "--child" => {
+                options.child = true;
+                options.threads = vec![number(value()?)?];
+            }
+            other => return Err(format!("unknown flag {other}")),
+        }
+    }
+    Ok(options)
+}

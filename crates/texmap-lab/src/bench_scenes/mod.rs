@@ -1,0 +1,185 @@
+//! The benchmark scenes: the yardstick for speed, drawn alike by texmap and by its peers.
+//!
+//! Colour target 1920 x 1080 RGBA8 cleared to (0.1, 0.2, 0.3, 1), depth cleared to the far plane,
+//! test LESS, no sRGB anywhere. Depth scenes draw into a 2048 x 2048 depth target. Window y is up
+//! in clip space; row 0 of a picture is its top.
+
+mod geometry;
+mod matrices;
+mod textures;
+
+pub use geometry::{BenchMesh, HEIGHT, WIDTH, floor, layers, rects, sphere};
+pub use matrices::GlMatrix;
+pub use textures::{BASE_SIZE, FACE_SIZE, base, cube_face, hash, mip_chain, normal, slide};
+
+/// Side of the depth target of the depth scenes and of the shadow map.
+pub const DEPTH_SIZE: u32 = 2048;
+/// The colour that every scene is cleared to.
+pub const CLEAR: [f32; 4] = [0.1, 0.2, 0.3, 1.0];
+/// The constant colour of `fill flat`.
+pub const FLAT: [f32; 4] = [0.2, 0.4, 0.6, 1.0];
+/// Eye of the scenes `lit` and `projective`; it looks at (0, 0.8, 0).
+pub const LIT_EYE: [f64; 3] = [2.5, 2.2, 4.0];
+/// Position of the light of `lit`.
+pub const LIGHT: [f64; 3] = [3.0, 6.0, 3.0];
+/// Position of the slide projector of `projective`.
+pub const PROJECTOR: [f64; 3] = [-3.0, 5.0, 3.0];
+
+/// What a scene's texture look-up does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Lookup {
+    /// No texture.
+    None,
+    /// A constant colour.
+    Flat,
+    /// Nearest texel of level 0.
+    Nearest,
+    /// Bilinear in level 0.
+    Bilinear,
+    /// Trilinear.
+    Trilinear,
+    /// Trilinear with anisotropy 16.
+    Aniso16,
+}
+
+/// What is drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Content {
+    /// Clears only.
+    Clear,
+    /// The large floor.
+    Floor,
+    /// Eight full-screen layers, back to front; with or without blending (alpha 0.5) and depth.
+    Layers {
+        /// Alpha 0.5 over what is there.
+        blend: bool,
+        /// A depth buffer is tested and written.
+        depth: bool,
+    },
+    /// The sphere of so many thousand triangles, back faces culled, with so many samples.
+    Sphere {
+        /// 20, 200 or 2000.
+        thousands: u32,
+        /// 1 or 4.
+        samples: u32,
+    },
+    /// The sphere into the depth target.
+    Depth {
+        /// 200 or 2000.
+        thousands: u32,
+    },
+}
+
+/// One row of the race.
+#[derive(Clone, Copy, Debug)]
+pub struct BenchScene {
+    /// Scene name as in the table.
+    pub name: &'static str,
+    /// Filter name as in the table.
+    pub filter: &'static str,
+    /// What is drawn.
+    pub content: Content,
+    /// How it is textured.
+    pub lookup: Lookup,
+    /// Whether a ratio to the peer is promised.
+    pub has_goal: bool,
+}
+
+impl BenchScene {
+    /// `name,filter`: the key that `--only` selects by substring.
+    #[must_use]
+    pub fn key(&self) -> String {
+        format!("{},{}", self.name, self.filter)
+    }
+
+    /// Width and height of the target.
+    #[must_use]
+    pub fn size(&self) -> (u32, u32) {
+        match self.content {
+            Content::Depth { .. } => (DEPTH_SIZE, DEPTH_SIZE),
+            _ => (WIDTH, HEIGHT),
+        }
+    }
+
+    /// Object to GL clip space.
+    #[must_use]
+    pub fn matrix(&self) -> GlMatrix {
+        let model = GlMatrix::rotate_x(30.0).then_after(&GlMatrix::rotate_y(40.0));
+        match self.content {
+            Content::Clear | Content::Layers { .. } => GlMatrix::IDENTITY,
+            Content::Floor => {
+                GlMatrix::perspective(60.0, f64::from(WIDTH) / f64::from(HEIGHT), 0.1, 300.0)
+                    .then_after(&GlMatrix::look_at([0.0, 2.0, 8.0], [0.0, 0.0, 2.0]))
+            }
+            Content::Sphere { .. } => {
+                GlMatrix::perspective(60.0, f64::from(WIDTH) / f64::from(HEIGHT), 0.1, 100.0)
+                    .then_after(&GlMatrix::look_at([0.0, 0.0, 1.7344], [0.0; 3]))
+                    .then_after(&model)
+            }
+            Content::Depth { .. } => GlMatrix::orthographic(1.1442, 1.1442, 0.5, 4.0)
+                .then_after(&GlMatrix::look_at([0.0, 0.0, 2.0], [0.0; 3]))
+                .then_after(&model),
+        }
+    }
+
+    /// The mesh that the scene draws; empty for `clear`.
+    #[must_use]
+    pub fn mesh(&self) -> BenchMesh {
+        match self.content {
+            Content::Clear => BenchMesh::default(),
+            Content::Floor => floor(200.0, 1.0 / 8.0),
+            Content::Layers { .. } => layers(),
+            Content::Sphere { thousands, .. } | Content::Depth { thousands } => match thousands {
+                20 => sphere(142, 71),
+                200 => sphere(448, 224),
+                _ => sphere(1416, 708),
+            },
+        }
+    }
+
+    /// Whether back faces are culled.
+    #[must_use]
+    pub fn culls_back_faces(&self) -> bool {
+        matches!(self.content, Content::Sphere { .. } | Content::Depth { .. })
+    }
+}
+
+/// The scenes without lighting effects, in the order of the table.
+pub const SCENES: &[BenchScene] = &{
+    const fn row(
+        name: &'static str,
+        filter: &'static str,
+        content: Content,
+        lookup: Lookup,
+    ) -> BenchScene {
+        BenchScene { name, filter, content, lookup, has_goal: !matches!(content, Content::Clear) }
+    }
+    const fn fill(blend: bool, depth: bool) -> Content {
+        Content::Layers { blend, depth }
+    }
+    const fn ball(thousands: u32, samples: u32) -> Content {
+        Content::Sphere { thousands, samples }
+    }
+    use Lookup::{Aniso16, Bilinear, Flat, Nearest, Trilinear};
+    [
+        row("clear", "none", Content::Clear, Lookup::None),
+        row("floor", "nearest", Content::Floor, Nearest),
+        row("floor", "bilinear", Content::Floor, Bilinear),
+        row("floor", "trilinear", Content::Floor, Trilinear),
+        row("floor", "aniso16", Content::Floor, Aniso16),
+        row("fill", "flat", fill(false, true), Flat),
+        row("fill", "nearest", fill(false, true), Nearest),
+        row("fill", "bilinear", fill(false, true), Bilinear),
+        row("fill", "trilinear", fill(false, true), Trilinear),
+        row("fill_blend", "bilinear", fill(true, true), Bilinear),
+        row("fill_nodepth", "bilinear", fill(false, false), Bilinear),
+        row("fill_blend_nodepth", "bilinear", fill(true, false), Bilinear),
+        row("mesh20k", "trilinear", ball(20, 1), Trilinear),
+        row("mesh200k", "trilinear", ball(200, 1), Trilinear),
+        row("mesh2m", "trilinear", ball(2000, 1), Trilinear),
+        row("depth200k", "none", Content::Depth { thousands: 200 }, Lookup::None),
+        row("depth2m", "none", Content::Depth { thousands: 2000 }, Lookup::None),
+        row("msaa4_200k", "trilinear", ball(200, 4), Trilinear),
+        row("msaa4_2m", "trilinear", ball(2000, 4), Trilinear),
+    ]
+};

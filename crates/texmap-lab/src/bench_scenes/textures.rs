@@ -1,0 +1,151 @@
+//! Procedural textures of the benchmark scenes, in integer arithmetic.
+//!
+//! Every generator gives straight RGBA8 rows with alpha 255; row 0 is texture coordinate t = 0.
+
+/// Side of the base and the normal texture in texels.
+pub const BASE_SIZE: u32 = 1024;
+/// Side of a cube face and of the projector's slide in texels.
+pub const FACE_SIZE: u32 = 512;
+
+/// A well-mixed hash of two integers (multiply-xorshift).
+#[must_use]
+pub fn hash(x: u32, y: u32) -> u32 {
+    let mut h = x
+        .wrapping_mul(0x9E37_79B1)
+        .wrapping_add(y.wrapping_mul(0x85EB_CA77));
+    h ^= h >> 15;
+    h = h.wrapping_mul(0x2C1B_3C6D);
+    h ^= h >> 12;
+    h = h.wrapping_mul(0x297A_2D39);
+    h ^ (h >> 15)
+}
+
+/// 1024 x 1024: a checker of 64 texels with a gradient and noise of +-16.
+#[must_use]
+pub fn base() -> Vec<u8> {
+    let last = BASE_SIZE as i32 - 1;
+    texels(BASE_SIZE, |x, y| {
+        let light = ((x >> 6) ^ (y >> 6)) & 1 != 0;
+        let noise = (hash(x as u32, y as u32) & 31) as i32 - 16;
+        let pick = |a: i32, b: i32| if light { a } else { b };
+        [
+            pick(200, 60) + x * 40 / last + noise,
+            pick(180, 80) + y * 40 / last + noise,
+            pick(150, 110) + (x + y) * 20 / last + noise,
+        ]
+    })
+}
+
+/// 1024 x 1024: the normal map of pyramids of period 128 with noise; tiles.
+#[must_use]
+pub fn normal() -> Vec<u8> {
+    fn height(x: i32, y: i32) -> i32 {
+        ((x & 127) - 64).abs() * ((y & 127) - 64).abs() / 16
+            + (hash((x & 1023) as u32, (y & 1023) as u32) & 7) as i32
+    }
+    texels(BASE_SIZE, |x, y| {
+        let nx = f64::from(height(x - 1, y) - height(x + 1, y)) / 32.0;
+        let ny = f64::from(height(x, y - 1) - height(x, y + 1)) / 32.0;
+        let scale = 1.0 / (nx * nx + ny * ny + 1.0).sqrt();
+        [nx * scale, ny * scale, scale].map(|c| (127.5 + 127.5 * c + 0.5).floor() as i32)
+    })
+}
+
+/// One 512 x 512 face (0..6: +X -X +Y -Y +Z -Z) of the environment cube.
+#[must_use]
+pub fn cube_face(face: u32) -> Vec<u8> {
+    const TINTS: [[i32; 3]; 6] = [
+        [200, 80, 80],
+        [80, 200, 80],
+        [80, 80, 200],
+        [200, 200, 80],
+        [200, 80, 200],
+        [80, 200, 200],
+    ];
+    let tint = TINTS[face as usize % 6];
+    let last = FACE_SIZE as i32 - 1;
+    texels(FACE_SIZE, |x, y| {
+        let strength = if ((x >> 5) ^ (y >> 5)) & 1 != 0 { 4 } else { 2 };
+        let noise = (hash(x as u32 + FACE_SIZE * face, y as u32) & 15) as i32 - 8;
+        let ramp = [x, y, x + y];
+        core::array::from_fn(|i| tint[i] * strength / 4 + ramp[i] * 50 / last + noise)
+    })
+}
+
+/// 512 x 512: coloured rings with a black border of four texels, the projector's slide.
+#[must_use]
+pub fn slide() -> Vec<u8> {
+    let last = FACE_SIZE as i32 - 1;
+    texels(FACE_SIZE, |x, y| {
+        if x < 4 || y < 4 || x > last - 4 || y > last - 4 {
+            return [0; 3];
+        }
+        let (dx, dy) = (2 * x - last, 2 * y - last);
+        let ring = ((dx * dx + dy * dy) / 1024 / 24) & 3;
+        core::array::from_fn(|i| match ring {
+            3 => 220,
+            r if r == i as i32 => 255,
+            _ => 40,
+        })
+    })
+}
+
+/// The mip chain of a square power-of-two texture: 2x2 box, `(a + b + c + d + 2) >> 2` a channel,
+/// each level from the one above, down to 1x1. Level 0 comes first.
+#[must_use]
+pub fn mip_chain(level0: Vec<u8>, size: u32) -> Vec<Vec<u8>> {
+    let mut levels = vec![level0];
+    let mut n = size as usize;
+    while n > 1 {
+        let above = &levels[levels.len() - 1];
+        let m = n / 2;
+        let mut next = vec![0; m * m * 4];
+        for (i, texel) in next.chunks_exact_mut(4).enumerate() {
+            let (x, y) = (i % m, i / m);
+            for (c, value) in texel.iter_mut().enumerate() {
+                let at = |dx, dy| u32::from(above[((2 * y + dy) * n + 2 * x + dx) * 4 + c]);
+                *value = ((at(0, 0) + at(1, 0) + at(0, 1) + at(1, 1) + 2) >> 2) as u8;
+            }
+        }
+        levels.push(next);
+        n = m;
+    }
+    levels
+}
+
+fn texels(size: u32, texel: impl Fn(i32, i32) -> [i32; 3]) -> Vec<u8> {
+    let mut out = Vec::with_capacity((size * size * 4) as usize);
+    for y in 0..size as i32 {
+        for x in 0..size as i32 {
+            out.extend(texel(x, y).map(|c| c.clamp(0, 255) as u8));
+            out.push(255);
+        }
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn mips_keep_a_constant_and_end_at_one_texel() {
+        let levels = mip_chain(vec![77; 8 * 8 * 4], 8);
+        assert_eq!(levels.len(), 4);
+        assert_eq!(levels[3], vec![77; 4]);
+    }
+
+    #[test]
+    fn slide_border_is_black_and_rings_are_not() {
+        let t = slide();
+        assert_eq!(&t[..3], &[0, 0, 0]);
+        let centre = (256 * 512 + 256) * 4;
+        assert_eq!(&t[centre..centre + 3], &[255, 40, 40]);
+    }
+
+    #[test]
+    fn flat_parts_of_the_normal_map_point_up() {
+        let mean: f64 = normal().chunks_exact(4).map(|t| f64::from(t[2])).sum::<f64>() / 1048576.0;
+        assert!(mean > 180.0, "mean of blue is {mean}");
+    }
+}
