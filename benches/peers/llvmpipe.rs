@@ -85,16 +85,23 @@ impl Llvmpipe {
                 );
                 size = (size / 2).max(1);
             }
-            let samplers = [Lookup::Nearest, Lookup::Bilinear, Lookup::Trilinear, Lookup::Aniso16]
-                .map(|lookup| sampler(&gl, lookup));
+            let samplers = [
+                Lookup::Nearest,
+                Lookup::Bilinear,
+                Lookup::Trilinear,
+                Lookup::Aniso16,
+            ]
+            .map(|lookup| sampler(&gl, lookup));
             let [s0, s1, s2, s3] = samplers;
             let colour = target_texture(&gl, glow::RGBA8, WIDTH, HEIGHT, 1)?;
             let depth = target_texture(&gl, glow::DEPTH_COMPONENT24, WIDTH, HEIGHT, 1)?;
             let colour4 = target_texture(&gl, glow::RGBA8, WIDTH, HEIGHT, 4)?;
             let depth4 = target_texture(&gl, glow::DEPTH_COMPONENT24, WIDTH, HEIGHT, 4)?;
             let map = target_texture(&gl, glow::DEPTH_COMPONENT24, DEPTH_SIZE, DEPTH_SIZE, 1)?;
-            let (both, size) =
-                (glow::COLOR_BUFFER_BIT | glow::DEPTH_BUFFER_BIT, (WIDTH, HEIGHT));
+            let (both, size) = (
+                glow::COLOR_BUFFER_BIT | glow::DEPTH_BUFFER_BIT,
+                (WIDTH, HEIGHT),
+            );
             let mut peer = Self {
                 renderer,
                 version,
@@ -191,7 +198,16 @@ impl Llvmpipe {
                 let (w, h) = (WIDTH as i32, HEIGHT as i32);
                 gl.bind_framebuffer(glow::DRAW_FRAMEBUFFER, Some(self.main.framebuffer));
                 gl.blit_framebuffer(
-                    0, 0, w, h, 0, 0, w, h, glow::COLOR_BUFFER_BIT, glow::NEAREST,
+                    0,
+                    0,
+                    w,
+                    h,
+                    0,
+                    0,
+                    w,
+                    h,
+                    glow::COLOR_BUFFER_BIT,
+                    glow::NEAREST,
                 );
             }
             gl.finish();
@@ -203,7 +219,11 @@ impl Llvmpipe {
     pub(crate) fn picture(&self, scene: &BenchScene) -> Vec<u8> {
         let (w, h) = scene.size();
         let depth = matches!(scene.content, Content::Depth { .. });
-        let framebuffer = if depth { self.shadow.framebuffer } else { self.main.framebuffer };
+        let framebuffer = if depth {
+            self.shadow.framebuffer
+        } else {
+            self.main.framebuffer
+        };
         let framebuffer = match scene.content {
             Content::Layers { depth: false, .. } => self.no_depth.framebuffer,
             _ => framebuffer,
@@ -216,10 +236,12 @@ impl Llvmpipe {
         };
         // SAFETY: `raw` holds width x height pixels of the stated format; rows are packed.
         unsafe {
-            self.gl.bind_framebuffer(glow::READ_FRAMEBUFFER, Some(framebuffer));
+            self.gl
+                .bind_framebuffer(glow::READ_FRAMEBUFFER, Some(framebuffer));
             self.gl.pixel_store_i32(glow::PACK_ALIGNMENT, 1);
             let into = glow::PixelPackData::Slice(Some(&mut raw));
-            self.gl.read_pixels(0, 0, w as i32, h as i32, format, kind, into);
+            self.gl
+                .read_pixels(0, 0, w as i32, h as i32, format, kind, into);
         }
         let pixel = if depth { 4 } else { 3 };
         let rows = raw.chunks_exact(w as usize * pixel).rev();
@@ -243,7 +265,10 @@ impl Llvmpipe {
             ) => a == b,
             (a, b) => a == b,
         };
-        self.meshes.iter().find(|(content, _)| same(*content, scene.content)).map(|(_, m)| m)
+        self.meshes
+            .iter()
+            .find(|(content, _)| same(*content, scene.content))
+            .map(|(_, m)| m)
     }
 
     fn target(&self, scene: &BenchScene) -> &Target {
@@ -259,7 +284,11 @@ impl Llvmpipe {
 /// Every scene has a place in the table; used by `--list`.
 pub(crate) fn scenes(only: Option<&str>) -> Vec<BenchScene> {
     let wanted = |key: &str| only.is_none_or(|o| o.split(':').any(|part| key.contains(part)));
-    SCENES.iter().copied().filter(|s| wanted(&s.key())).collect()
+    SCENES
+        .iter()
+        .copied()
+        .filter(|s| wanted(&s.key()))
+        .collect()
 }
 
 fn context() -> Result<glow::Context, String> {
@@ -294,11 +323,13 @@ fn context() -> Result<glow::Context, String> {
     let context = egl
         .create_context(display, none, None, &attributes)
         .map_err(why("a GL 3.3 core context"))?;
-    egl.make_current(display, None, None, Some(context)).map_err(why("eglMakeCurrent"))?;
+    egl.make_current(display, None, None, Some(context))
+        .map_err(why("eglMakeCurrent"))?;
     // SAFETY: the loader answers with GL entry points of the current context.
     Ok(unsafe {
         glow::Context::from_loader_function(|name| {
-            egl.get_proc_address(name).map_or(core::ptr::null(), |f| f as *const core::ffi::c_void)
+            egl.get_proc_address(name)
+                .map_or(core::ptr::null(), |f| f as *const core::ffi::c_void)
         })
     })
 }
@@ -306,7 +337,10 @@ fn context() -> Result<glow::Context, String> {
 unsafe fn program(gl: &glow::Context, fragment: &str) -> Result<glow::Program, String> {
     unsafe {
         let program = gl.create_program()?;
-        for (kind, source) in [(glow::VERTEX_SHADER, VERTEX), (glow::FRAGMENT_SHADER, fragment)] {
+        for (kind, source) in [
+            (glow::VERTEX_SHADER, VERTEX),
+            (glow::FRAGMENT_SHADER, fragment),
+        ] {
             let shader = gl.create_shader(kind)?;
             gl.shader_source(shader, source);
             gl.compile_shader(shader);
@@ -371,7 +405,17 @@ unsafe fn target_texture(
             };
             gl.bind_texture(glow::TEXTURE_2D, Some(texture));
             let none = glow::PixelUnpackData::Slice(None);
-            gl.tex_image_2d(glow::TEXTURE_2D, 0, format as i32, w, h, 0, layout, kind, none);
+            gl.tex_image_2d(
+                glow::TEXTURE_2D,
+                0,
+                format as i32,
+                w,
+                h,
+                0,
+                layout,
+                kind,
+                none,
+            );
             gl.tex_parameter_i32(glow::TEXTURE_2D, glow::TEXTURE_MAX_LEVEL, 0);
         }
         Ok(texture)
@@ -386,12 +430,18 @@ unsafe fn target(
     clears: u32,
     size: (u32, u32),
 ) -> Result<Target, String> {
-    let kind = if samples > 1 { glow::TEXTURE_2D_MULTISAMPLE } else { glow::TEXTURE_2D };
+    let kind = if samples > 1 {
+        glow::TEXTURE_2D_MULTISAMPLE
+    } else {
+        glow::TEXTURE_2D
+    };
     unsafe {
         let framebuffer = gl.create_framebuffer()?;
         gl.bind_framebuffer(glow::FRAMEBUFFER, Some(framebuffer));
-        for (texture, place) in [(colour, glow::COLOR_ATTACHMENT0), (depth, glow::DEPTH_ATTACHMENT)]
-        {
+        for (texture, place) in [
+            (colour, glow::COLOR_ATTACHMENT0),
+            (depth, glow::DEPTH_ATTACHMENT),
+        ] {
             if texture.is_some() {
                 gl.framebuffer_texture_2d(glow::FRAMEBUFFER, place, kind, texture, 0);
             }
@@ -401,7 +451,11 @@ unsafe fn target(
             gl.read_buffer(glow::NONE);
         }
         if gl.check_framebuffer_status(glow::FRAMEBUFFER) == glow::FRAMEBUFFER_COMPLETE {
-            Ok(Target { framebuffer, clears, size })
+            Ok(Target {
+                framebuffer,
+                clears,
+                size,
+            })
         } else {
             Err("a framebuffer of this format is not supported".to_owned())
         }
@@ -412,11 +466,20 @@ unsafe fn upload(gl: &glow::Context, mesh: &BenchMesh) -> Result<GpuMesh, String
     // 44 bytes a vertex, as in the table: position, normal, uv, tangent.
     let mut bytes = Vec::with_capacity(mesh.positions.len() * 44);
     for i in 0..mesh.positions.len() {
-        let parts: [&[f32]; 4] =
-            [&mesh.positions[i], &mesh.normals[i], &mesh.uvs[i], &mesh.tangents[i]];
+        let parts: [&[f32]; 4] = [
+            &mesh.positions[i],
+            &mesh.normals[i],
+            &mesh.uvs[i],
+            &mesh.tangents[i],
+        ];
         bytes.extend(parts.into_iter().flatten().flat_map(|f| f.to_ne_bytes()));
     }
-    let indices: Vec<u8> = mesh.triangles.iter().flatten().flat_map(|i| i.to_ne_bytes()).collect();
+    let indices: Vec<u8> = mesh
+        .triangles
+        .iter()
+        .flatten()
+        .flat_map(|i| i.to_ne_bytes())
+        .collect();
     unsafe {
         let array = gl.create_vertex_array()?;
         gl.bind_vertex_array(Some(array));
@@ -428,6 +491,9 @@ unsafe fn upload(gl: &glow::Context, mesh: &BenchMesh) -> Result<GpuMesh, String
         gl.enable_vertex_attrib_array(0);
         gl.vertex_attrib_pointer_f32(1, 2, glow::FLOAT, false, 44, 24);
         gl.enable_vertex_attrib_array(1);
-        Ok(GpuMesh { array, indices: mesh.triangles.len() as i32 * 3 })
+        Ok(GpuMesh {
+            array,
+            indices: mesh.triangles.len() as i32 * 3,
+        })
     }
 }

@@ -16,6 +16,7 @@ use std::fmt::Write as _;
 use std::path::PathBuf;
 use std::process::{Command, ExitCode};
 use std::time::{Duration, Instant};
+use texmap::{Mode, Texmap};
 use texmap_lab::bench_scenes::BenchScene;
 
 struct Options {
@@ -33,7 +34,9 @@ fn main() -> ExitCode {
     let options = match parse(std::env::args().skip(1)) {
         Ok(options) => options,
         Err(why) => {
-            eprintln!("peers: {why}\nusage: peers [--only a:b] [--threads 0,2] [--rounds N] [--frames N] [--budget-ms N] [--out DIR] [--csv FILE]");
+            eprintln!(
+                "peers: {why}\nusage: peers [--only a:b] [--threads 0,2] [--rounds N] [--frames N] [--budget-ms N] [--out DIR] [--csv FILE]"
+            );
             return ExitCode::from(2);
         }
     };
@@ -60,7 +63,7 @@ fn main() -> ExitCode {
     ExitCode::SUCCESS
 }
 
-const HEADER: &str = "scene,filter,precision,threads,texmap_min_ms,texmap_median_ms,texmap_first_ms,peer,peer_min_ms,peer_median_ms,peer_first_ms,ratio,within_1_percent,valid\n";
+const HEADER: &str = "scene,filter,mode,threads,texmap_min_ms,texmap_median_ms,texmap_first_ms,peer,peer_min_ms,peer_median_ms,peer_first_ms,ratio,within_1_percent,valid\n";
 
 /// One thread count in a process of its own; returns its CSV rows and passes on what it says.
 fn run_child(threads: usize) -> Result<String, String> {
@@ -75,7 +78,10 @@ fn run_child(threads: usize) -> Result<String, String> {
         .output()
         .map_err(|e| e.to_string())?;
     if !output.status.success() {
-        return Err(format!("the run with {threads} threads failed: {}", output.status));
+        return Err(format!(
+            "the run with {threads} threads failed: {}",
+            output.status
+        ));
     }
     Ok(String::from_utf8_lossy(&output.stdout).into_owned())
 }
@@ -104,7 +110,7 @@ impl Times {
             frame();
             start.elapsed().as_secs_f64() * 1e3
         };
-        if self.all.is_empty() {
+        if self.all.is_empty() && self.first == 0.0 {
             self.first = time();
         }
         time();
@@ -132,82 +138,121 @@ fn race(options: &Options) {
         Ok(peer) => eprintln!("# {}, {}, {threads} threads", peer.renderer, peer.version),
         Err(why) => eprintln!("# no llvmpipe here ({why}); texmap runs alone"),
     }
-    let mut texmap = texmap::Texmap::new(&scenes, threads.max(1));
-    let runs: Vec<(BenchScene, texmap::Precision)> = scenes
+    let mut runs: Vec<Run> = scenes
         .iter()
-        .flat_map(|s| texmap::precisions(s).iter().map(|p| (*s, *p)))
+        .flat_map(|scene| {
+            Mode::of(scene)
+                .into_iter()
+                .map(|mode| Run::new(*scene, mode, threads))
+        })
         .collect();
-    let mut ours: Vec<Times> = runs.iter().map(|_| Times::default()).collect();
-    let mut theirs: Vec<Times> = runs.iter().map(|_| Times::default()).collect();
     for _ in 0..options.rounds {
-        for (i, (scene, precision)) in runs.iter().enumerate() {
+        for run in &mut runs {
             if let Ok(peer) = &peer {
-                theirs[i].measure(options, || peer.frame(scene));
+                run.theirs.measure(options, || peer.frame(&run.scene));
             }
-            ours[i].measure(options, || texmap.frame(scene, *precision));
+            if let Some(texmap) = &mut run.texmap {
+                run.ours.measure(options, || texmap.frame());
+            }
         }
     }
-    for (i, (scene, precision)) in runs.iter().enumerate() {
-        texmap.frame(scene, *precision);
-        let picture = texmap.picture(scene);
+    for run in &runs {
+        let Some(texmap) = &run.texmap else { continue };
+        let picture = texmap.picture();
         let mut within = f64::NAN;
         if let Ok(peer) = &peer {
-            peer.frame(scene);
-            let other = peer.picture(scene);
+            peer.frame(&run.scene);
+            let other = peer.picture(&run.scene);
             within = agreement(&picture, &other);
-            save(options, scene, "llvmpipe", &other);
+            save(options, &run.scene, "llvmpipe", &other);
         }
-        save(options, scene, &format!("texmap-{}", texmap::name(*precision)), &picture);
-        println!("{}", row(scene, *precision, threads, &ours[i], peer.is_ok().then_some(&theirs[i]), within));
+        save(
+            options,
+            &run.scene,
+            &format!("texmap-{}", run.mode.name()),
+            &picture,
+        );
+        println!("{}", row(run, threads, peer.is_ok(), within));
     }
 }
 
-fn row(
-    scene: &BenchScene,
-    precision: texmap::Precision,
-    threads: usize,
-    ours: &Times,
-    theirs: Option<&Times>,
-    within: f64,
-) -> String {
+/// A scene in one of texmap's modes, and what it took.
+struct Run {
+    scene: BenchScene,
+    mode: Mode,
+    texmap: Option<Texmap>,
+    ours: Times,
+    theirs: Times,
+}
+
+impl Run {
+    fn new(scene: BenchScene, mode: Mode, threads: usize) -> Self {
+        let start = Instant::now();
+        let texmap = Texmap::new(&scene, mode, threads.max(1));
+        let first = start.elapsed().as_secs_f64() * 1e3;
+        let ours = Times {
+            first,
+            all: Vec::new(),
+        };
+        Self {
+            scene,
+            mode,
+            texmap,
+            ours,
+            theirs: Times::default(),
+        }
+    }
+}
+
+fn row(run: &Run, threads: usize, raced: bool, within: f64) -> String {
+    let Run {
+        scene,
+        mode,
+        ours,
+        theirs,
+        ..
+    } = run;
+    let mode = mode.name();
     let mut out = format!(
-        "{},{},{},{threads},{:.3},{:.3},{:.1},",
+        "{},{},{mode},{threads},{:.3},{:.3},{:.1},",
         scene.name,
         scene.filter,
-        texmap::name(precision),
         ours.min(),
         ours.median(),
         ours.first
     );
-    if let Some(theirs) = theirs {
-        let ratio = theirs.min() / ours.min();
-        let valid = within >= 99.0;
-        let _ = write!(
-            out,
-            "llvmpipe,{:.3},{:.3},{:.1},{ratio:.2},{within:.2},{valid}",
-            theirs.min(),
-            theirs.median(),
-            theirs.first
-        );
-        eprintln!(
-            "{:<32} {:<6} {:>8.2} ms  llvmpipe {:>8.2} ms  ratio {ratio:>5.2}  {within:>6.2} % within 1{}",
-            scene.key(),
-            texmap::name(precision),
-            ours.min(),
-            theirs.min(),
-            if valid { "" } else { "  VOID" }
-        );
-    } else {
+    if !raced {
         out.push_str(",,,,,,");
-        eprintln!("{:<32} {:<6} {:>8.2} ms", scene.key(), texmap::name(precision), ours.min());
+        eprintln!("{:<32} {mode:<13} {:>8.2} ms", scene.key(), ours.min());
+        return out;
     }
+    let ratio = theirs.min() / ours.min();
+    let valid = within >= 99.0;
+    let _ = write!(
+        out,
+        "llvmpipe,{:.3},{:.3},{:.1},{ratio:.2},{within:.2},{valid}",
+        theirs.min(),
+        theirs.median(),
+        theirs.first
+    );
+    eprintln!(
+        "{:<32} {mode:<13} {:>8.2} ms  llvmpipe {:>8.2} ms  ratio {ratio:>5.2}  {within:>6.2} % within 1{}",
+        scene.key(),
+        ours.min(),
+        theirs.min(),
+        if valid { "" } else { "  VOID" }
+    );
     out
 }
 
 /// Percentage of values that differ by at most 1.
 fn agreement(a: &[u8], b: &[u8]) -> f64 {
     assert_eq!(a.len(), b.len(), "pictures of one scene have one size");
-    let close = a.iter().zip(b).filter(|(a, b)| a.abs_diff(**b) <= 1).count();
+    let close = a
+        .iter()
+        .zip(b)
+        .filter(|(a, b)| a.abs_diff(**b) <= 1)
+        .count();
     100.0 * close as f64 / a.len() as f64
 }
 
@@ -221,7 +266,10 @@ fn save(options: &Options, scene: &BenchScene, who: &str, picture: &[u8]) {
         image::ExtendedColorType::L16
     };
     let native: Vec<u8> = if kind == image::ExtendedColorType::L16 {
-        picture.chunks_exact(2).flat_map(|p| u16::from_be_bytes([p[0], p[1]]).to_ne_bytes()).collect()
+        picture
+            .chunks_exact(2)
+            .flat_map(|p| u16::from_be_bytes([p[0], p[1]]).to_ne_bytes())
+            .collect()
     } else {
         picture.to_vec()
     };
@@ -246,12 +294,17 @@ fn parse(mut args: impl Iterator<Item = String>) -> Result<Options, String> {
     };
     while let Some(flag) = args.next() {
         let mut value = || args.next().ok_or_else(|| format!("{flag} wants a value"));
-        let number = |text: String| text.parse::<usize>().map_err(|_| format!("`{text}` is not a number"));
+        let number = |text: String| {
+            text.parse::<usize>()
+                .map_err(|_| format!("`{text}` is not a number"))
+        };
         match flag.as_str() {
             "--only" => options.only = Some(value()?),
             "--threads" => {
-                options.threads =
-                    value()?.split(',').map(|t| number(t.to_owned())).collect::<Result<_, _>>()?;
+                options.threads = value()?
+                    .split(',')
+                    .map(|t| number(t.to_owned()))
+                    .collect::<Result<_, _>>()?;
             }
             "--rounds" => options.rounds = number(value()?)?.max(1),
             "--frames" => options.frames = number(value()?)?.max(1),

@@ -16,7 +16,7 @@ mod vertices;
 
 pub use error::RenderError;
 pub use frame::{AovData, Frame, HOLE_BITS, Stats, Times, pixel_hash};
-pub use render::{render, render_ordered};
+pub use render::{Renderer, render, render_ordered};
 pub use scene::{
     AlphaMode, ColorMode, Gouraud, Material, Mesh, Scene, Shading, TextureRole, TextureSlot,
 };

@@ -47,7 +47,7 @@ pub(crate) struct Surface<'s> {
 
 /// A texture as one mesh reads it.
 pub(crate) struct Slot<'s> {
-    pub(crate) texture: Cow<'s, Texture2d<'static>>,
+    pub(crate) texture: Texture2d<'static>,
     pub(crate) sampler: Cow<'s, Sampler>,
     /// Rows of the transform, if there is one.
     transform: Option<[[f32; 3]; 2]>,
@@ -199,7 +199,7 @@ impl<'s> Plan<'s> {
     pub(crate) fn new(
         scene: &'s Scene,
         settings: &Settings,
-        chains: &'s Chains,
+        chains: &Chains,
         (width, height): (u32, u32),
         aovs: &[Aov],
     ) -> Result<Self, RenderError> {
@@ -259,7 +259,7 @@ struct View {
 fn surface<'s>(
     scene: &'s Scene,
     settings: &Settings,
-    chains: &'s Chains,
+    chains: &Chains,
     view: &View,
     mesh: &'s Mesh,
     aovs: &[Aov],
@@ -395,16 +395,13 @@ fn slot<'s>(
     slot: &'s TextureSlot,
     scene: &'s Scene,
     settings: &Settings,
-    chains: &'s Chains,
+    chains: &Chains,
     origin: Origin,
 ) -> Slot<'s> {
     let texture = chains.0[slot.texture]
         .as_ref()
         .unwrap_or(&scene.textures[slot.texture]);
-    let texture = match texture.origin() == origin {
-        true => Cow::Borrowed(texture),
-        false => Cow::Owned(texture.clone().with_origin(origin)),
-    };
+    let texture = texture.clone().with_origin(origin);
     let mut sampler = Cow::Borrowed(&slot.sampler);
     if let Some(filter) = settings.filter {
         sampler.to_mut().filter = filter;

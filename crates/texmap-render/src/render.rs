@@ -1,7 +1,8 @@
 //! The frame: passes over blocks of 64 x 64 pixels, one owner thread each.
 
+use std::fmt;
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use rayon::prelude::*;
 use texmap_raster::{Draw, Prepared, RasterError, TILE, TargetSize};
@@ -11,12 +12,9 @@ use crate::plan::{Chains, Plan};
 use crate::rows::{AovRows, split};
 use crate::{Aov, AovData, Frame, HOLE_BITS, RenderError, Scene, Settings, Stats};
 
-/// Draws a scene.
+/// Draws a scene: [`Renderer::new`], then [`Renderer::draw`].
 ///
-/// The same scene, size, supersampling and overrides give the same bytes on every machine, for any number of threads and
-/// any SIMD level. `progress` is called with (blocks done, blocks in all) from the worker threads, in any order.
-///
-/// A scene in which nothing is visible gives a frame of background and a warning that says why.
+/// `progress` is called with (blocks done, blocks in all) from the worker threads, in any order.
 ///
 /// # Errors
 /// Every fault of the scene or the settings, before the first pixel; see [`RenderError`].
@@ -25,11 +23,152 @@ pub fn render(
     settings: &Settings,
     progress: &(dyn Fn(usize, usize) + Sync),
 ) -> Result<Frame, RenderError> {
-    render_ordered(scene, settings, progress, &|blocks| (0..blocks).collect())
+    Renderer::new(scene, settings)?.draw(progress)
 }
 
-/// [`render`] with the blocks handed out in another order (a permutation of `0..blocks`): for tests that show that the
-/// order reaches no pixel.
+/// A scene made ready: checked, mip chains built, vertex values computed. Drawing it again costs none of that.
+///
+/// The same scene, size, supersampling and overrides give the same bytes on every machine, for any number of threads and
+/// any SIMD level.
+pub struct Renderer<'s> {
+    scene: &'s Scene,
+    settings: Settings,
+    plan: Plan<'s>,
+    /// AOVs describe the pixel's centre, which lies on no sample if their number is even: then they have their own pass.
+    centres: Option<Plan<'s>>,
+    pool: Option<rayon::ThreadPool>,
+    warnings: Vec<String>,
+    plan_time: Duration,
+}
+
+impl fmt::Debug for Renderer<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Renderer")
+            .field("settings", &self.settings)
+            .field("warnings", &self.warnings)
+            .finish_non_exhaustive()
+    }
+}
+
+impl<'s> Renderer<'s> {
+    /// Checks everything and makes it ready.
+    ///
+    /// # Errors
+    /// Every fault of the scene or the settings; see [`RenderError`].
+    pub fn new(scene: &'s Scene, settings: &Settings) -> Result<Self, RenderError> {
+        let start = Instant::now();
+        settings.check()?;
+        let checked = scene.check()?;
+        let pool = settings.threads.map(|threads| {
+            rayon::ThreadPoolBuilder::new()
+                .num_threads(threads)
+                .build()
+                .map_err(|error| RenderError::Threads {
+                    threads,
+                    reason: error.to_string(),
+                })
+        });
+        let chains = Chains::new(scene, settings);
+        let n = settings.supersample;
+        let shared = n == 1;
+        let plan = |side: u32, aovs: &[Aov]| {
+            let samples = (settings.width * side, settings.height * side);
+            Plan::new(scene, settings, &chains, samples, aovs)
+        };
+        let centres = !shared && !settings.aovs.is_empty();
+        Ok(Self {
+            plan: plan(n, if shared { &settings.aovs } else { &[] })?,
+            centres: centres.then(|| plan(1, &settings.aovs)).transpose()?,
+            pool: pool.transpose()?,
+            warnings: scene.warnings.iter().cloned().chain(checked).collect(),
+            plan_time: start.elapsed(),
+            settings: settings.clone(),
+            scene,
+        })
+    }
+
+    /// Draws the frame. A scene in which nothing is visible gives a frame of background and a warning that says why.
+    ///
+    /// # Errors
+    /// More triangles after clipping than ids.
+    pub fn draw(&self, progress: &(dyn Fn(usize, usize) + Sync)) -> Result<Frame, RenderError> {
+        let mut frame = empty_frame(&self.settings);
+        self.draw_into(&mut frame, progress, &|blocks| (0..blocks).collect())?;
+        Ok(frame)
+    }
+
+    /// [`draw`](Self::draw) over the buffers of an earlier frame of this renderer, with the blocks handed out in another
+    /// order (a permutation of `0..blocks`), which reaches no pixel.
+    #[doc(hidden)]
+    pub fn draw_into(
+        &self,
+        frame: &mut Frame,
+        progress: &(dyn Fn(usize, usize) + Sync),
+        order: &(dyn Fn(usize) -> Vec<usize> + Sync),
+    ) -> Result<(), RenderError> {
+        let mut draw = || self.draw_here(frame, progress, order);
+        match &self.pool {
+            None => draw(),
+            Some(pool) => pool.install(draw),
+        }
+    }
+
+    fn draw_here(
+        &self,
+        frame: &mut Frame,
+        progress: &(dyn Fn(usize, usize) + Sync),
+        order: &(dyn Fn(usize) -> Vec<usize> + Sync),
+    ) -> Result<(), RenderError> {
+        let (scene, settings) = (self.scene, &self.settings);
+        let size = (settings.width, settings.height);
+        let n = settings.supersample;
+        frame.stats = Stats::default();
+        frame.stats.times.plan = self.plan_time;
+        frame.warnings.clone_from(&self.warnings);
+
+        let start = Instant::now();
+        let draws = self.plan.draws(scene);
+        let prepared = prepare(scene, (size.0 * n, size.1 * n), &draws)?;
+        frame.stats.times.bin = start.elapsed();
+
+        let start = Instant::now();
+        let blocks = size.0.div_ceil(TILE) as usize * size.1.div_ceil(TILE) as usize;
+        let counter = Counter {
+            done: AtomicUsize::new(0),
+            of: blocks * (1 + usize::from(self.centres.is_some())),
+            progress,
+        };
+        let order = order(blocks);
+        let Frame { rgba, aovs, .. } = frame;
+        for (_, _, data) in aovs.iter_mut() {
+            match data {
+                AovData::F32(values) => values.fill(f32::from_bits(HOLE_BITS)),
+                AovData::U32(values) => values.fill(u32::MAX),
+            }
+        }
+        let with_color: &mut [_] = if self.centres.is_none() {
+            &mut *aovs
+        } else {
+            &mut []
+        };
+        let job = Job::new(scene, settings, &self.plan, &prepared);
+        let covered = run(&job, settings, Some(rgba), with_color, &order, &counter);
+        if let Some(plan) = &self.centres {
+            let draws = plan.draws(scene);
+            let prepared = prepare(scene, size, &draws)?;
+            let job = Job::new(scene, settings, plan, &prepared);
+            run(&job, settings, None, aovs, &order, &counter);
+        }
+        frame.stats.times.draw = start.elapsed();
+        count(&mut frame.stats, &prepared, covered);
+        if covered == 0 {
+            frame.warnings.push(nothing_drawn(&frame.stats, scene));
+        }
+        Ok(())
+    }
+}
+
+/// [`render`] with the blocks handed out in another order: for tests that show that the order reaches no pixel.
 #[doc(hidden)]
 pub fn render_ordered(
     scene: &Scene,
@@ -37,102 +176,9 @@ pub fn render_ordered(
     progress: &(dyn Fn(usize, usize) + Sync),
     order: &(dyn Fn(usize) -> Vec<usize> + Sync),
 ) -> Result<Frame, RenderError> {
-    settings.check()?;
-    let checked = scene.check()?;
-    let draw = || draw(scene, settings, progress, order);
-    let mut frame = match settings.threads {
-        None => draw()?,
-        Some(threads) => rayon::ThreadPoolBuilder::new()
-            .num_threads(threads)
-            .build()
-            .map_err(|error| RenderError::Threads {
-                threads,
-                reason: error.to_string(),
-            })?
-            .install(draw)?,
-    };
-    frame.warnings = scene
-        .warnings
-        .iter()
-        .cloned()
-        .chain(checked)
-        .chain(frame.warnings)
-        .collect();
-    Ok(frame)
-}
-
-fn draw(
-    scene: &Scene,
-    settings: &Settings,
-    progress: &(dyn Fn(usize, usize) + Sync),
-    order: &(dyn Fn(usize) -> Vec<usize> + Sync),
-) -> Result<Frame, RenderError> {
-    let start = Instant::now();
-    let chains = Chains::new(scene, settings);
-    let n = settings.supersample;
-    // AOVs describe the pixel's centre, which lies on no sample if their number is even: then they have their own pass.
-    let shared = n == 1;
-    let color_aovs: &[Aov] = if shared { &settings.aovs } else { &[] };
-    let samples = (settings.width * n, settings.height * n);
-    let plan = Plan::new(scene, settings, &chains, samples, color_aovs)?;
-    let second = match shared || settings.aovs.is_empty() {
-        true => None,
-        false => Some(Plan::new(
-            scene,
-            settings,
-            &chains,
-            (settings.width, settings.height),
-            &settings.aovs,
-        )?),
-    };
+    let renderer = Renderer::new(scene, settings)?;
     let mut frame = empty_frame(settings);
-    frame.stats.times.plan = start.elapsed();
-
-    let start = Instant::now();
-    let draws = plan.draws(scene);
-    let prepared = prepare(scene, samples, &draws)?;
-    frame.stats.times.bin = start.elapsed();
-
-    let start = Instant::now();
-    let blocks = settings.width.div_ceil(TILE) as usize * settings.height.div_ceil(TILE) as usize;
-    let counter = Counter {
-        done: AtomicUsize::new(0),
-        of: blocks * (1 + usize::from(second.is_some())),
-        progress,
-    };
-    let Frame { rgba, aovs, .. } = &mut frame;
-    let covered = if shared {
-        let job = Job::new(scene, settings, &plan, &prepared);
-        run(&job, settings, Some(rgba), aovs, &order(blocks), &counter)
-    } else {
-        let job = Job::new(scene, settings, &plan, &prepared);
-        let covered = run(
-            &job,
-            settings,
-            Some(rgba),
-            &mut [],
-            &order(blocks),
-            &counter,
-        );
-        if let Some(plan) = &second {
-            let draws = plan.draws(scene);
-            let prepared = prepare(scene, (settings.width, settings.height), &draws)?;
-            run(
-                &Job::new(scene, settings, plan, &prepared),
-                settings,
-                None,
-                aovs,
-                &order(blocks),
-                &counter,
-            );
-        }
-        covered
-    };
-    frame.stats.times.draw = start.elapsed();
-    count(&mut frame.stats, &prepared, covered);
-    if covered == 0 {
-        frame.warnings.push(nothing_drawn(&frame.stats, scene));
-    }
+    renderer.draw_into(&mut frame, progress, order)?;
     Ok(frame)
 }
 
@@ -203,12 +249,13 @@ impl Counter<'_> {
     }
 }
 
+/// Buffers of the right sizes; drawing fills them.
 fn empty_frame(settings: &Settings) -> Frame {
     let (width, height) = (settings.width, settings.height);
     let pixels = width as usize * height as usize;
-    let hole = |aov: &Aov| match aov {
-        Aov::Face => AovData::U32(vec![u32::MAX; pixels]),
-        aov => AovData::F32(vec![f32::from_bits(HOLE_BITS); pixels * aov.channels()]),
+    let buffer = |aov: &Aov| match aov {
+        Aov::Face => AovData::U32(vec![0; pixels]),
+        aov => AovData::F32(vec![0.0; pixels * aov.channels()]),
     };
     Frame {
         width,
@@ -217,7 +264,7 @@ fn empty_frame(settings: &Settings) -> Frame {
         aovs: settings
             .aovs
             .iter()
-            .map(|aov| (*aov, aov.channels(), hole(aov)))
+            .map(|aov| (*aov, aov.channels(), buffer(aov)))
             .collect(),
         stats: Stats::default(),
         warnings: Vec::new(),

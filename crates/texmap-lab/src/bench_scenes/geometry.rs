@@ -32,7 +32,8 @@ impl BenchMesh {
 
     fn quad(&mut self) {
         let n = self.positions.len() as u32 - 4;
-        self.triangles.extend([[n, n + 1, n + 2], [n, n + 2, n + 3]]);
+        self.triangles
+            .extend([[n, n + 1, n + 2], [n, n + 2, n + 3]]);
     }
 }
 
@@ -41,7 +42,12 @@ impl BenchMesh {
 pub fn floor(e: f64, k: f64) -> BenchMesh {
     let mut mesh = BenchMesh::default();
     for (x, z) in [(-e, e), (e, e), (e, -e), (-e, -e)] {
-        mesh.push([x, 0.0, z], [0.0, 1.0, 0.0], [k * x, k * z], [1.0, 0.0, 0.0]);
+        mesh.push(
+            [x, 0.0, z],
+            [0.0, 1.0, 0.0],
+            [k * x, k * z],
+            [1.0, 0.0, 0.0],
+        );
     }
     mesh.quad();
     mesh
@@ -140,7 +146,10 @@ mod tests {
                 u[2] * v[0] - u[0] * v[2],
                 u[0] * v[1] - u[1] * v[0],
             ];
-            assert!(n[0] * a[0] + n[1] * a[1] + n[2] * a[2] > 0.0, "{t:?} faces inwards");
+            assert!(
+                n[0] * a[0] + n[1] * a[1] + n[2] * a[2] > 0.0,
+                "{t:?} faces inwards"
+            );
         }
     }
 }

@@ -65,7 +65,11 @@ impl GlMatrix {
         let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
         let f = norm([target[0] - eye[0], target[1] - eye[1], target[2] - eye[2]]);
         let s = norm([-f[2], 0.0, f[0]]);
-        let u = [s[1] * f[2] - s[2] * f[1], s[2] * f[0] - s[0] * f[2], s[0] * f[1] - s[1] * f[0]];
+        let u = [
+            s[1] * f[2] - s[2] * f[1],
+            s[2] * f[0] - s[0] * f[2],
+            s[0] * f[1] - s[1] * f[0],
+        ];
         Self::from_columns([
             [s[0], u[0], -f[0], 0.0],
             [s[1], u[1], -f[1], 0.0],

@@ -6,10 +6,12 @@
 
 mod geometry;
 mod matrices;
+mod scene;
 mod textures;
 
 pub use geometry::{BenchMesh, HEIGHT, WIDTH, floor, layers, rects, sphere};
 pub use matrices::GlMatrix;
+pub use scene::Hidden;
 pub use textures::{BASE_SIZE, FACE_SIZE, base, cube_face, hash, mip_chain, normal, slide};
 
 /// Side of the depth target of the depth scenes and of the shadow map.
@@ -152,7 +154,13 @@ pub const SCENES: &[BenchScene] = &{
         content: Content,
         lookup: Lookup,
     ) -> BenchScene {
-        BenchScene { name, filter, content, lookup, has_goal: !matches!(content, Content::Clear) }
+        BenchScene {
+            name,
+            filter,
+            content,
+            lookup,
+            has_goal: !matches!(content, Content::Clear),
+        }
     }
     const fn fill(blend: bool, depth: bool) -> Content {
         Content::Layers { blend, depth }
@@ -173,12 +181,27 @@ pub const SCENES: &[BenchScene] = &{
         row("fill", "trilinear", fill(false, true), Trilinear),
         row("fill_blend", "bilinear", fill(true, true), Bilinear),
         row("fill_nodepth", "bilinear", fill(false, false), Bilinear),
-        row("fill_blend_nodepth", "bilinear", fill(true, false), Bilinear),
+        row(
+            "fill_blend_nodepth",
+            "bilinear",
+            fill(true, false),
+            Bilinear,
+        ),
         row("mesh20k", "trilinear", ball(20, 1), Trilinear),
         row("mesh200k", "trilinear", ball(200, 1), Trilinear),
         row("mesh2m", "trilinear", ball(2000, 1), Trilinear),
-        row("depth200k", "none", Content::Depth { thousands: 200 }, Lookup::None),
-        row("depth2m", "none", Content::Depth { thousands: 2000 }, Lookup::None),
+        row(
+            "depth200k",
+            "none",
+            Content::Depth { thousands: 200 },
+            Lookup::None,
+        ),
+        row(
+            "depth2m",
+            "none",
+            Content::Depth { thousands: 2000 },
+            Lookup::None,
+        ),
         row("msaa4_200k", "trilinear", ball(200, 4), Trilinear),
         row("msaa4_2m", "trilinear", ball(2000, 4), Trilinear),
     ]

@@ -145,7 +145,11 @@ mod tests {
 
     #[test]
     fn flat_parts_of_the_normal_map_point_up() {
-        let mean: f64 = normal().chunks_exact(4).map(|t| f64::from(t[2])).sum::<f64>() / 1048576.0;
+        let mean: f64 = normal()
+            .chunks_exact(4)
+            .map(|t| f64::from(t[2]))
+            .sum::<f64>()
+            / 1048576.0;
         assert!(mean > 180.0, "mean of blue is {mean}");
     }
 }

@@ -1,0 +1,165 @@
+//! The benchmark scenes as scenes of texmap.
+
+use texmap_light::Surface;
+use texmap_math::camera::Camera;
+use texmap_math::det::{atan, tan};
+use texmap_math::glam::{DMat4, DVec3};
+use texmap_raster::{Cull, DepthTest};
+use texmap_render::{
+    AlphaMode, ColorMode, Material, Mesh, Scene, Shading, TextureRole, TextureSlot,
+};
+use texmap_sample::{
+    ColorSpace, Filter, Origin, Precision, SampleError, Sampler, Texture2d, UvTransform,
+};
+
+use super::{BASE_SIZE, BenchScene, CLEAR, Content, FLAT, GlMatrix, HEIGHT, Lookup, WIDTH, base};
+
+/// How the opaque layers of `fill` are drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Hidden {
+    /// Every layer is shaded: the work that the peers do.
+    Shaded,
+    /// Visibility first: what cannot be seen is not shaded.
+    Skipped,
+}
+
+impl BenchScene {
+    /// The scene in texmap's terms; `None` for the depth scenes, which have no colour.
+    ///
+    /// The layers stand before a perspective camera, each at its own distance and scaled to fill the view, since
+    /// 1 / w is constant on each the picture is that of clip space.
+    ///
+    /// # Errors
+    /// None in practice: the texture is well formed.
+    pub fn scene(
+        &self,
+        precision: Precision,
+        hidden: Hidden,
+    ) -> Result<Option<Scene>, SampleError> {
+        if matches!(self.content, Content::Depth { .. }) {
+            return Ok(None);
+        }
+        let texture = Texture2d::from_rgba8(
+            BASE_SIZE,
+            BASE_SIZE,
+            base(),
+            ColorSpace::Linear,
+            Origin::TopLeft,
+        )?;
+        let mesh = self.mesh();
+        let mut positions = mesh.positions;
+        let half = [half_width(), half_height()];
+        if matches!(self.content, Content::Layers { .. }) {
+            for (i, p) in positions.iter_mut().enumerate() {
+                let distance = 8.0 - (i / 4) as f64 * 0.5;
+                *p = [
+                    (f64::from(p[0]) * half[0] * distance) as f32,
+                    (f64::from(p[1]) * half[1] * distance) as f32,
+                    -distance as f32,
+                ];
+            }
+        }
+        let sphere = matches!(self.content, Content::Sphere { .. });
+        let world_from_object = if sphere { model() } else { DMat4::IDENTITY };
+        let mesh = Mesh {
+            name: self.name.to_owned(),
+            positions,
+            uvs: mesh.uvs,
+            triangles: mesh.triangles,
+            world_from_object,
+            ..Mesh::default()
+        };
+        Ok(Some(Scene {
+            camera: self.camera(),
+            background: CLEAR,
+            color: ColorMode::Raw,
+            depth_test: DepthTest::Less,
+            lights: Vec::new(),
+            textures: vec![texture],
+            materials: vec![self.material(precision, hidden)],
+            meshes: if self.content == Content::Clear {
+                Vec::new()
+            } else {
+                vec![mesh]
+            },
+            warnings: Vec::new(),
+        }))
+    }
+
+    fn camera(&self) -> Camera {
+        let (eye, look, near, far) = match self.content {
+            Content::Floor => ([0.0, 2.0, 8.0], [0.0, 0.0, 2.0], 0.1, 300.0),
+            Content::Sphere { .. } => ([0.0, 0.0, 1.7344], [0.0; 3], 0.1, 100.0),
+            _ => ([0.0; 3], [0.0, 0.0, -1.0], 0.1, 100.0),
+        };
+        Camera {
+            eye: DVec3::from(eye),
+            look: DVec3::from(look),
+            up: DVec3::Y,
+            fov_x: 2.0 * atan(half_width()),
+            near,
+            far,
+        }
+    }
+
+    fn material(&self, precision: Precision, hidden: Hidden) -> Material {
+        let filter = match self.lookup {
+            Lookup::None | Lookup::Flat => None,
+            Lookup::Nearest => Some(Filter::Nearest),
+            Lookup::Bilinear => Some(Filter::Bilinear),
+            Lookup::Trilinear => Some(Filter::Trilinear),
+            Lookup::Aniso16 => Some(Filter::Anisotropic(16)),
+        };
+        let slot = filter.map(|filter| TextureSlot {
+            texture: 0,
+            sampler: Sampler {
+                filter,
+                precision,
+                ..Sampler::default()
+            },
+            transform: UvTransform::default(),
+        });
+        let blend = matches!(self.content, Content::Layers { blend: true, .. });
+        let forward =
+            blend || (hidden == Hidden::Shaded && matches!(self.content, Content::Layers { .. }));
+        Material {
+            name: self.filter.to_owned(),
+            surface: Surface {
+                color: [FLAT[0], FLAT[1], FLAT[2]],
+                ..Surface::default()
+            },
+            opacity: if blend { 0.5 } else { 1.0 },
+            base_color: slot,
+            texture_role: TextureRole::Decal,
+            shading: Shading::Unlit,
+            alpha: if forward {
+                AlphaMode::Blend
+            } else {
+                AlphaMode::Opaque
+            },
+            cull: if self.culls_back_faces() {
+                Cull::Back
+            } else {
+                Cull::None
+            },
+            ..Material::default()
+        }
+    }
+}
+
+/// The turn of the spheres, as every renderer of the race multiplies by it.
+fn model() -> DMat4 {
+    let m = GlMatrix::rotate_x(30.0)
+        .then_after(&GlMatrix::rotate_y(40.0))
+        .0;
+    DMat4::from_cols_array(&m.map(f64::from))
+}
+
+/// Of the picture at distance 1, vertical field of view 60 degrees.
+fn half_height() -> f64 {
+    tan(core::f64::consts::FRAC_PI_6)
+}
+
+fn half_width() -> f64 {
+    half_height() * f64::from(WIDTH) / f64::from(HEIGHT)
+}
