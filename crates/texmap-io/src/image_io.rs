@@ -69,7 +69,8 @@ pub(crate) fn read_named(path: &Path, named_by: Option<&Place>) -> Result<Rgba, 
     let broken = |problem: String| IoError::BrokenImage {
         path: path.to_path_buf(),
         named_by: named_by.cloned(),
-        problem,
+        // Some decoders end their messages with a line feed.
+        problem: problem.trim_end().replace('\n', " "),
     };
     let size_error = |(width, height)| IoError::ImageSize {
         path: path.to_path_buf(),
@@ -77,8 +78,14 @@ pub(crate) fn read_named(path: &Path, named_by: Option<&Place>) -> Result<Rgba, 
         width,
         height,
     };
+    let size_allowed = |(width, height): (u32, u32)| {
+        let side = 1..=MAX_SIDE;
+        side.contains(&width)
+            && side.contains(&height)
+            && u64::from(width) * u64::from(height) <= MAX_TEXELS
+    };
     // Decoders call a size of zero "broken"; say what it is.
-    if let Some(size @ (0, _) | size @ (_, 0)) = header_size(&bytes) {
+    if let Some(size) = header_size(&bytes).filter(|size| !size_allowed(*size)) {
         return Err(size_error(size));
     }
     let reader = || {
@@ -93,8 +100,7 @@ pub(crate) fn read_named(path: &Path, named_by: Option<&Place>) -> Result<Rgba, 
     let size @ (width, height) = reader()?
         .into_dimensions()
         .map_err(|e| broken(e.to_string()))?;
-    let texels = u64::from(width) * u64::from(height);
-    if texels == 0 || texels > MAX_TEXELS || width > MAX_SIDE || height > MAX_SIDE {
+    if !size_allowed(size) {
         return Err(size_error(size));
     }
     let texels = match reader()?.decode().map_err(|e| broken(e.to_string()))? {

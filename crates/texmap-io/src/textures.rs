@@ -123,7 +123,7 @@ impl Textures {
 fn stand_in() -> Texture2d<'static> {
     const SIDE: u32 = 8;
     let texel = |i: u32| {
-        if (i % SIDE + i / SIDE) % 2 == 0 {
+        if (i % SIDE + i / SIDE).is_multiple_of(2) {
             [255, 0, 255, 255]
         } else {
             [0, 0, 0, 255]

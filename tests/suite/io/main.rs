@@ -1,1 +1,7 @@
-//! Laws and regressions of this area.
+//! Files in and out: the scene language, models, images, arrays, and every way in which they can be broken.
+
+mod language;
+mod malformed;
+mod models;
+mod scenes;
+mod support;

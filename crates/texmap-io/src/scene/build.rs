@@ -105,10 +105,10 @@ impl Builder {
             Command::Background(color) => self.scene.background = *color,
             &Command::AmbientLight(color) => lights.push(Light::Ambient { color }),
             &Command::DirectionalLight { color, direction } => {
-                lights.push(Light::Directional { color, direction })
+                lights.push(Light::Directional { color, direction });
             }
             &Command::PointLight { color, position } => {
-                lights.push(Light::Point { color, position })
+                lights.push(Light::Point { color, position });
             }
             Command::Vertex(p) => {
                 let position = self.settings.transform.transform_point3(DVec3::from(*p));
@@ -191,7 +191,7 @@ impl Builder {
             Command::Translate(p) => now.transform *= DMat4::from_translation(DVec3::from(*p)),
             Command::Scale(f) => now.transform *= DMat4::from_scale(DVec3::from(*f)),
             Command::Rotate { angle, axis } => {
-                now.transform *= rotation(*angle, DVec3::from(*axis))
+                now.transform *= rotation(*angle, DVec3::from(*axis));
             }
             // `color` was read before; everything else is handled above.
             _ => {}

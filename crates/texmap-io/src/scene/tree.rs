@@ -12,7 +12,7 @@ use crate::{IoError, Place, files};
 pub(crate) struct Tree {
     pub(crate) path: PathBuf,
     pub(crate) file: SceneFile,
-    pub(crate) included: Vec<Tree>,
+    pub(crate) included: Vec<Self>,
 }
 
 impl Tree {

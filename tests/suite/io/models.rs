@@ -1,0 +1,216 @@
+//! OBJ models, their materials and maps, alone and in scenes.
+
+use texmap_io::scene_file::Missing;
+use texmap_io::{LoadOptions, load};
+use texmap_render::{AlphaMode, Frame, Scene, Settings, TextureRole, render};
+use texmap_sample::{Origin, Wrap};
+
+use crate::support::Files;
+
+const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n";
+const FACE: &str = "f 1/1 2/2 3/3 4/4\n";
+
+fn files(mtl: &str) -> Files {
+    Files::new()
+        .with_png("map.png", 4, 4, [255, 255, 255, 255])
+        .with("a.mtl", mtl)
+        .with("a.obj", format!("mtllib a.mtl\n{SQUARE}usemtl m\n{FACE}"))
+}
+
+fn frame(scene: &Scene) -> Frame {
+    render(scene, &Settings::new(33, 33), &|_, _| {}).expect("a frame")
+}
+
+fn pixel(frame: &Frame, x: usize, y: usize) -> [u8; 3] {
+    let at = 4 * (33 * y + x);
+    [frame.rgba[at], frame.rgba[at + 1], frame.rgba[at + 2]]
+}
+
+#[test]
+fn v_grows_upwards_in_an_obj_and_downwards_in_a_scene() {
+    // The picture's top row is black, the rest white.
+    let camera = "color raw\neye 0.5 0.5 1\nlook 0.5 0.5 0\nfov 50\nfilter nearest\nshade decal\n";
+    let obj = files("newmtl m\nmap_Kd map.png\n").scene(&format!("{camera}obj a.obj\n"));
+    assert_eq!(obj.meshes[0].uv_origin, Origin::BottomLeft);
+    let picture = frame(&obj);
+    assert_eq!(
+        (pixel(&picture, 16, 3), pixel(&picture, 16, 30)),
+        ([0; 3], [255; 3])
+    );
+    let scene = files("").scene(&format!(
+        "{camera}texture map.png\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\ntf 0 0 0 1 1 0 2 1 1 3 0 1\n"
+    ));
+    let picture = frame(&scene);
+    assert_eq!(
+        (pixel(&picture, 16, 3), pixel(&picture, 16, 30)),
+        ([255; 3], [0; 3])
+    );
+}
+
+#[test]
+fn materials_of_a_library() {
+    let scene = files(
+        "newmtl other\nKd 1 0 0\nnewmtl m\nKd 0.5 0.5 0.5\nKs 0.2 0.4 0.1\nNs 12\nmap_Kd -s 2 3 -o 0.25 0.5 -clamp on map.png\n",
+    )
+    .load("a.obj")
+    .expect("a model");
+    let material = &scene.materials[scene.meshes[0].material];
+    assert_eq!(
+        (material.name.as_str(), material.texture_role),
+        ("m", TextureRole::Modulate)
+    );
+    assert_eq!(
+        (
+            material.surface.ks,
+            material.surface.ns,
+            material.surface.kd
+        ),
+        (0.4, 12.0, 1.0)
+    );
+    assert!((material.surface.color[0] - 0.214_041).abs() < 1e-6);
+    let slot = material.base_color.as_ref().expect("a map");
+    assert_eq!(
+        (slot.transform.scale, slot.transform.offset),
+        ([2.0, 3.0], [0.25, 0.5])
+    );
+    assert_eq!(
+        (slot.sampler.wrap_u, slot.sampler.wrap_v),
+        (Wrap::ClampToEdge, Wrap::ClampToEdge)
+    );
+    assert_eq!(material.alpha, AlphaMode::Opaque);
+}
+
+#[test]
+fn opacity_and_cut_outs() {
+    let alpha = |mtl: &str| {
+        let scene = files(mtl).load("a.obj").expect("a model");
+        let material = &scene.materials[scene.meshes[0].material];
+        (
+            material.alpha,
+            material.opacity,
+            material.opacity_map.is_some(),
+        )
+    };
+    assert_eq!(alpha("newmtl m\nd 0.5\n"), (AlphaMode::Blend, 0.5, false));
+    assert_eq!(
+        alpha("newmtl m\nTr 0.25\n"),
+        (AlphaMode::Blend, 0.75, false)
+    );
+    assert_eq!(
+        alpha("newmtl m\nmap_d map.png\n"),
+        (AlphaMode::Test(0.0), 1.0, true)
+    );
+    assert_eq!(
+        alpha("newmtl m\nKd 1 1 1\n"),
+        (AlphaMode::Opaque, 1.0, false)
+    );
+}
+
+#[test]
+fn a_model_alone_is_framed_and_lit() {
+    let scene = files("newmtl m\nmap_Kd map.png\n")
+        .load("a.obj")
+        .expect("a model");
+    assert!(!scene.lights.is_empty());
+    let picture = frame(&scene);
+    let background = pixel(&picture, 0, 0);
+    let seen = (0..33 * 33)
+        .filter(|i| pixel(&picture, i % 33, i / 33) != background)
+        .count();
+    assert!((60..33 * 33 - 60).contains(&seen), "{seen} pixels");
+    assert_ne!(pixel(&picture, 16, 16), background);
+}
+
+#[test]
+fn faces_without_a_material_take_the_scenes_texture_and_surface() {
+    let bare = || {
+        Files::new()
+            .with_png("map.png", 4, 4, [9, 9, 9, 255])
+            .with("b.obj", format!("{SQUARE}{FACE}"))
+    };
+    let scene =
+        bare().scene("texture map.png\nobj b.obj\ntexture none\nsurf 0 0 1 1 1 0 1\nobj b.obj\n");
+    let [textured, plain] = [0, 1].map(|i| &scene.materials[scene.meshes[i].material]);
+    assert!(textured.base_color.is_some() && textured.texture_role == TextureRole::Modulate);
+    assert_eq!(
+        (textured.surface.color, textured.surface.ks),
+        ([1.0; 3], 0.0)
+    );
+    assert!(plain.base_color.is_none());
+    assert_eq!(plain.surface.color, [0.0, 0.0, 1.0]);
+    assert_eq!(scene.meshes[0].name, "b");
+}
+
+#[test]
+fn missing_coordinates_are_projected_and_told() {
+    let scene = Files::new()
+        .with_png("map.png", 4, 4, [9, 9, 9, 255])
+        .with("b.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n")
+        .scene("texture map.png\nobj b.obj\n");
+    assert!(
+        scene.warnings[0].contains("b.obj:5") && scene.warnings[0].contains("box projection"),
+        "{:?}",
+        scene.warnings
+    );
+    assert_eq!(scene.meshes[0].uvs.len(), scene.meshes[0].positions.len());
+    assert!(render(&scene, &Settings::new(8, 8), &|_, _| {}).is_ok());
+}
+
+#[test]
+fn mirroring_keeps_the_outside_outside() {
+    let scene = files("newmtl m\n").scene("scale -1 1 1\nobj a.obj\n");
+    assert_eq!(scene.meshes[0].triangles, [[0, 2, 1], [0, 3, 2]]);
+    assert!(scene.meshes[0].world_from_object.determinant() < 0.0);
+}
+
+#[test]
+fn missing_libraries_and_maps_may_be_warnings() {
+    let lenient = LoadOptions {
+        missing: Missing::Warn,
+        ..LoadOptions::default()
+    };
+    let files = Files::new().with(
+        "a.obj",
+        format!("mtllib gone.mtl\n{SQUARE}usemtl m\n{FACE}"),
+    );
+    assert_eq!(
+        files.load("a.obj").expect_err("strict").code(),
+        "file-missing"
+    );
+    let scene = load(&files.path("a.obj"), &lenient).expect("a model");
+    assert!(
+        scene.warnings.iter().any(|w| w.contains("gone.mtl")),
+        "{:?}",
+        scene.warnings
+    );
+    let files = files.with("gone.mtl", "newmtl m\nmap_Kd gone.png\n");
+    let scene = load(&files.path("a.obj"), &lenient).expect("a model");
+    assert!(
+        scene.warnings.iter().any(|w| w.contains("gone.png")),
+        "{:?}",
+        scene.warnings
+    );
+}
+
+#[test]
+fn black_diffuse_does_not_hide_a_map() {
+    let scene = files("newmtl m\nKd 0 0 0\nmap_Kd map.png\n")
+        .load("a.obj")
+        .expect("a model");
+    assert_eq!(
+        scene.materials[scene.meshes[0].material].surface.color,
+        [1.0; 3]
+    );
+    assert!(
+        scene.warnings[0].contains("Kd is black"),
+        "{:?}",
+        scene.warnings
+    );
+}
+
+#[test]
+fn backslashes_separate_folders_too() {
+    let scene = files("newmtl m\nmap_Kd maps\\wall.png\n").with("maps/x", "");
+    std::fs::copy(scene.path("map.png"), scene.path("maps/wall.png")).expect("a copy");
+    assert_eq!(scene.load("a.obj").expect("a model").textures.len(), 1);
+}
