@@ -2,7 +2,7 @@
 
 use texmap_math::glam::DVec3;
 
-use crate::{Material, Mesh, RenderError, Scene, Settings, Shading, TextureSlot};
+use crate::{Material, Mesh, RenderError, Scene, Settings, TextureSlot};
 
 /// The largest picture side in samples.
 const MAX_SIDE: u64 = 16384;
@@ -214,13 +214,6 @@ impl Settings {
             });
         }
         Ok(())
-    }
-}
-
-impl Material {
-    /// Whether light reaches any pixel: it does not through an opaque-textured decal.
-    pub(crate) fn lit(&self, shows_surface: bool) -> bool {
-        self.shading != Shading::Unlit && shows_surface
     }
 }
 

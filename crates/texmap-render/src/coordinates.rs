@@ -1,7 +1,38 @@
-//! Texture coordinates per pixel from a texture frame.
+//! Texture coordinates of a fragment: from the vertices, or per pixel from a texture frame.
 
 use texmap_math::glam::DVec3;
 use texmap_math::{Footprint, MagicVectors, TextureFrame};
+use texmap_raster::Fragment;
+
+/// Where texture coordinates come from.
+pub(crate) enum Coordinates {
+    None,
+    /// Attributes 0 and 1.
+    Vertices,
+    Frame(CameraFrame),
+}
+
+impl Coordinates {
+    /// Coordinates of a fragment; `None` if the mesh has none there.
+    pub(crate) fn at(&self, fragment: &Fragment) -> Option<([f32; 2], Footprint)> {
+        match self {
+            Self::None => None,
+            Self::Vertices => {
+                let Fragment {
+                    values, ddx, ddy, ..
+                } = fragment;
+                let d = Footprint {
+                    du_dx: ddx[0],
+                    dv_dx: ddx[1],
+                    du_dy: ddy[0],
+                    dv_dy: ddy[1],
+                };
+                Some(([values[0], values[1]], d))
+            }
+            Self::Frame(frame) => frame.uv(fragment.pixel[0], fragment.pixel[1]),
+        }
+    }
+}
 
 /// A texture frame in camera space and the rays of a grid of samples.
 pub(crate) struct CameraFrame {

@@ -1,4 +1,43 @@
 //! Scenes to frames: the thin renderer that joins texmap's crates.
+//!
+//! A [`Scene`] is data: camera, lights, textures, materials, meshes. [`render`] checks all of it, plans which values each
+//! mesh needs per vertex and which stages run on its pixels, and draws tiles of 64 x 64 pixels: visibility of opaque and
+//! cut-out surfaces first, each visible pixel shaded once, blended surfaces over them in submission order. A stage that a
+//! material lacks is not run.
+//!
+//! # Conventions
+//! Right-handed space, +Y up; the camera looks along -Z of its own space; fronts are counter-clockwise. Rows run from top
+//! to bottom. Angles are radians. Colours are linear light, or raw values under [`ColorMode::Raw`]; the background alone is
+//! sRGB. Depth is reversed: 1 at the near plane, 0 at infinity. The same input gives the same bytes on every machine, for
+//! any number of threads.
+//!
+//! ```
+//! use texmap_light::Surface;
+//! use texmap_math::{Camera, glam::DVec3};
+//! use texmap_render::{ColorMode, Material, Mesh, Scene, Settings, Shading, render};
+//!
+//! let camera = Camera {
+//!     eye: DVec3::new(0.0, 0.0, 2.0), look: DVec3::ZERO, up: DVec3::Y,
+//!     fov_x: 1.0, near: 1e-4, far: f64::INFINITY,
+//! };
+//! let red = Surface { color: [1.0, 0.0, 0.0], ..Surface::default() };
+//! let triangle = Mesh {
+//!     positions: vec![[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [0.0, 1.0, 0.0]],
+//!     triangles: vec![[0, 1, 2]],
+//!     ..Mesh::default()
+//! };
+//! let scene = Scene {
+//!     camera, background: [0.0, 0.0, 1.0, 1.0], color: ColorMode::Srgb, depth_test: Default::default(),
+//!     lights: vec![], textures: vec![], warnings: vec![],
+//!     materials: vec![Material { surface: red, shading: Shading::Unlit, ..Material::default() }],
+//!     meshes: vec![triangle],
+//! };
+//! let frame = render(&scene, &Settings::new(64, 64), &|_done, _of| ())?;
+//! let middle = (32 * 64 + 32) * 4;
+//! assert_eq!(frame.rgba[middle..middle + 4], [255, 0, 0, 255]);
+//! assert_eq!(frame.rgba[..4], [0, 0, 255, 255]);
+//! # Ok::<(), texmap_render::RenderError>(())
+//! ```
 #![forbid(unsafe_code)]
 
 mod block;
@@ -12,6 +51,7 @@ mod rows;
 mod scene;
 mod settings;
 mod shade;
+mod textures;
 mod vertices;
 
 pub use error::RenderError;

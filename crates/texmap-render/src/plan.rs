@@ -1,19 +1,15 @@
 //! From a checked scene to draws: which values each mesh carries per vertex, and which stages run on its pixels.
 
-use std::borrow::Cow;
-
 use texmap_light::Light;
-use texmap_math::Footprint;
 use texmap_math::glam::DMat4;
-use texmap_raster::Fragment;
-use texmap_raster::{AlphaTest, Draw, Interp, Pass};
-use texmap_sample::{Filter, Mip, Origin, Sampler, Texture2d, UvTransform, Wrap};
+use texmap_raster::{AlphaTest, Draw, Fragment, Interp, Pass};
+use texmap_sample::Filter;
 
-use crate::coordinates::CameraFrame;
+use crate::coordinates::{CameraFrame, Coordinates};
+use crate::textures::{Chains, Slot};
 use crate::vertices::{Values, VertexData, Vertices};
 use crate::{
     AlphaMode, Aov, Gouraud, Material, Mesh, RenderError, Scene, Settings, Shading, TextureRole,
-    TextureSlot,
 };
 
 /// All draws of one pass over a grid of samples.
@@ -43,76 +39,6 @@ pub(crate) struct Surface<'s> {
     interp: Interp,
     interp_scale: f32,
     clip_from_object: DMat4,
-}
-
-/// A texture as one mesh reads it.
-pub(crate) struct Slot<'s> {
-    pub(crate) texture: Texture2d<'static>,
-    pub(crate) sampler: Cow<'s, Sampler>,
-    /// Rows of the transform, if there is one.
-    transform: Option<[[f32; 3]; 2]>,
-}
-
-impl Slot<'_> {
-    /// Where the slot is read for coordinates of the mesh.
-    pub(crate) fn place(&self, uv: [f32; 2], d: Footprint) -> ([f32; 2], Footprint) {
-        let Some([[a, b, c], [e, f, g]]) = self.transform else {
-            return (uv, d);
-        };
-        let uv = [a * uv[0] + b * uv[1] + c, e * uv[0] + f * uv[1] + g];
-        let d = Footprint {
-            du_dx: a * d.du_dx + b * d.dv_dx,
-            dv_dx: e * d.du_dx + f * d.dv_dx,
-            du_dy: a * d.du_dy + b * d.dv_dy,
-            dv_dy: e * d.du_dy + f * d.dv_dy,
-        };
-        (uv, d)
-    }
-
-    /// The texel at coordinates of the mesh: linear, premultiplied.
-    pub(crate) fn texel(&self, uv: [f32; 2], d: Footprint) -> [f32; 4] {
-        let (uv, d) = self.place(uv, d);
-        self.sampler.sample_grad(&self.texture, uv, d)
-    }
-
-    /// What an opacity map says by this texel.
-    pub(crate) fn opacity(&self, texel: [f32; 4]) -> f32 {
-        if self.texture.has_alpha() {
-            texel[3]
-        } else {
-            texel[0]
-        }
-    }
-}
-
-/// Where texture coordinates come from.
-pub(crate) enum Coordinates {
-    None,
-    /// Attributes 0 and 1.
-    Vertices,
-    Frame(CameraFrame),
-}
-
-impl Coordinates {
-    /// Coordinates of a fragment; `None` if the mesh has none there.
-    pub(crate) fn at(&self, fragment: &Fragment) -> Option<([f32; 2], Footprint)> {
-        match self {
-            Self::None => None,
-            Self::Vertices => {
-                let Fragment {
-                    values, ddx, ddy, ..
-                } = fragment;
-                let d = Footprint {
-                    du_dx: ddx[0],
-                    dv_dx: ddx[1],
-                    du_dy: ddy[0],
-                    dv_dy: ddy[1],
-                };
-                Some(([values[0], values[1]], d))
-            }
-            Self::Frame(frame) => frame.uv(fragment.pixel[0], fragment.pixel[1]),
-        }
-    }
 }
 
 /// The lighting stage of a surface; numbers are attribute indices.
@@ -164,34 +90,6 @@ impl Cut {
             Self::AtLeast(t) => alpha >= t,
         }
     }
-}
-
-/// Mip chains by texture, built once for both passes and only where a sampler reads them.
-pub(crate) struct Chains(Vec<Option<Texture2d<'static>>>);
-
-impl Chains {
-    pub(crate) fn new(scene: &Scene, settings: &Settings) -> Self {
-        let mut chains = vec![None; scene.textures.len()];
-        for mesh in &scene.meshes {
-            let material = &scene.materials[mesh.material];
-            for slot in material.base_color.iter().chain(&material.opacity_map) {
-                let texture = &scene.textures[slot.texture];
-                let filter = settings.filter.unwrap_or(slot.sampler.filter);
-                let chain = &mut chains[slot.texture];
-                if reads_mips(filter) && texture.levels() == 1 && chain.is_none() {
-                    *chain = Some(texture.clone().with_mips());
-                }
-            }
-        }
-        Self(chains)
-    }
-}
-
-fn reads_mips(filter: Filter) -> bool {
-    !matches!(
-        filter,
-        Filter::Nearest | Filter::Bilinear | Filter::Bicubic(_) | Filter::Gl { mip: Mip::None, .. }
-    )
 }
 
 impl<'s> Plan<'s> {
@@ -268,12 +166,12 @@ fn surface<'s>(
     let base_color = material
         .base_color
         .as_ref()
-        .map(|s| slot(s, scene, settings, chains, mesh.uv_origin));
+        .map(|s| Slot::new(s, scene, settings, chains, mesh.uv_origin));
     let opacity_map = material
         .opacity_map
         .as_ref()
         .filter(|_| material.alpha != AlphaMode::Opaque)
-        .map(|s| slot(s, scene, settings, chains, mesh.uv_origin));
+        .map(|s| Slot::new(s, scene, settings, chains, mesh.uv_origin));
     let clear_texels = base_color.as_ref().is_some_and(Slot::can_be_transparent);
     let has_alpha = material.opacity < 1.0 || opacity_map.is_some() || clear_texels;
     // The lit surface is out of sight behind a decal that covers it.
@@ -288,14 +186,12 @@ fn surface<'s>(
         AlphaMode::Test(_) => {
             let alpha_source = opacity_map.as_ref().or(base_color.as_ref());
             let nearest = alpha_source.is_none_or(|s| picks_texels(s.sampler.filter));
-            (
-                Pass::CutOut,
-                Some(if nearest {
-                    Cut::Above(0.0)
-                } else {
-                    Cut::AtLeast(0.5)
-                }),
-            )
+            let cut = if nearest {
+                Cut::Above(0.0)
+            } else {
+                Cut::AtLeast(0.5)
+            };
+            (Pass::CutOut, Some(cut))
         }
     };
     let interp = settings.interp.unwrap_or(material.interp);
@@ -320,29 +216,10 @@ fn surface<'s>(
         _ => Coordinates::None,
     };
     let screen = material.gouraud == Gouraud::ScreenLinear;
-    let mut color = None;
-    let light = if material.lit(shows_surface) {
-        match material.shading {
-            Shading::Unlit => LightStage::None,
-            Shading::PerPixel => LightStage::PerPixel,
-            // A texel multiplies the diffuse term only; without one, colours are finished at the vertices.
-            Shading::PerVertex
-                if base_color.is_some() && material.texture_role == TextureRole::Modulate =>
-            {
-                let diffuse = vertices.push(Values::Diffuse, screen);
-                let highlight =
-                    (material.surface.ks > 0.0).then(|| vertices.push(Values::Highlight, screen));
-                LightStage::Terms { diffuse, highlight }
-            }
-            Shading::PerVertex => LightStage::Colors(vertices.push(Values::Lit, screen)),
-        }
-    } else {
-        LightStage::None
-    };
+    let light = light_stage(material, shows_surface, base_color.is_some(), &mut vertices);
     let at_vertices = matches!(light, LightStage::Colors(_) | LightStage::Terms { .. });
-    if shows_surface && !mesh.colors.is_empty() && !at_vertices {
-        color = Some(vertices.push(Values::Color, screen));
-    }
+    let tinted = shows_surface && !mesh.colors.is_empty() && !at_vertices;
+    let color = tinted.then(|| vertices.push(Values::Color, screen));
     let per_pixel = matches!(light, LightStage::PerPixel);
     let normal =
         (per_pixel || aovs.contains(&Aov::Normal)).then(|| vertices.push(Values::Normal, false));
@@ -373,6 +250,29 @@ fn surface<'s>(
     }
 }
 
+fn light_stage(
+    material: &Material,
+    shows_surface: bool,
+    has_texel: bool,
+    vertices: &mut Vertices,
+) -> LightStage {
+    let screen = material.gouraud == Gouraud::ScreenLinear;
+    match material.shading {
+        Shading::PerPixel if shows_surface => LightStage::PerPixel,
+        // A texel multiplies the diffuse term only; without one, colours are finished at the vertices.
+        Shading::PerVertex if has_texel && material.texture_role == TextureRole::Modulate => {
+            let diffuse = vertices.push(Values::Diffuse, screen);
+            let shiny = material.surface.ks > 0.0;
+            let highlight = shiny.then(|| vertices.push(Values::Highlight, screen));
+            LightStage::Terms { diffuse, highlight }
+        }
+        Shading::PerVertex if shows_surface => {
+            LightStage::Colors(vertices.push(Values::Lit, screen))
+        }
+        _ => LightStage::None,
+    }
+}
+
 /// `WithinError` measures its tolerance on attributes 0 and 1, which must then be uv.
 fn needs_tolerance(interp: Interp) -> bool {
     matches!(interp, Interp::WithinError(_))
@@ -391,36 +291,124 @@ fn picks_texels(filter: Filter) -> bool {
     matches!(filter, Filter::Nearest | Filter::MipNearest)
 }
 
-fn slot<'s>(
-    slot: &'s TextureSlot,
-    scene: &'s Scene,
-    settings: &Settings,
-    chains: &Chains,
-    origin: Origin,
-) -> Slot<'s> {
-    let texture = chains.0[slot.texture]
-        .as_ref()
-        .unwrap_or(&scene.textures[slot.texture]);
-    let texture = texture.clone().with_origin(origin);
-    let mut sampler = Cow::Borrowed(&slot.sampler);
-    if let Some(filter) = settings.filter {
-        sampler.to_mut().filter = filter;
-    }
-    if let Some(wrap) = settings.wrap {
-        (sampler.to_mut().wrap_u, sampler.to_mut().wrap_v) = (wrap, wrap);
-    }
-    let transform = (slot.transform != UvTransform::default()).then(|| slot.transform.rows());
-    Slot {
-        texture,
-        sampler,
-        transform,
-    }
-}
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use texmap_math::Camera;
+    use texmap_math::glam::DVec3;
+    use texmap_raster::DepthTest;
+    use texmap_sample::{ColorSpace, Origin, Sampler, Texture2d, UvTransform, Wrap};
 
-impl Slot<'_> {
-    fn can_be_transparent(&self) -> bool {
-        let s = &self.sampler;
-        let border = s.wrap_u == Wrap::ClampToBorder || s.wrap_v == Wrap::ClampToBorder;
-        self.texture.has_alpha() || (border && s.border[3] < 1.0)
+    use crate::TextureSlot;
+
+    fn scene(material: Material) -> Scene {
+        let texture =
+            Texture2d::from_rgba8(4, 4, vec![255; 64], ColorSpace::Srgb, Origin::TopLeft).unwrap();
+        let mesh = Mesh {
+            positions: vec![[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [0.0, 1.0, 0.0]],
+            uvs: vec![[0.0; 2]; 3],
+            triangles: vec![[0, 1, 2]],
+            ..Mesh::default()
+        };
+        Scene {
+            camera: Camera {
+                eye: DVec3::new(0.0, 0.0, 5.0),
+                look: DVec3::ZERO,
+                up: DVec3::Y,
+                fov_x: 1.0,
+                near: 1e-4,
+                far: f64::INFINITY,
+            },
+            background: [0.0; 4],
+            color: crate::ColorMode::Srgb,
+            depth_test: DepthTest::Less,
+            lights: vec![Light::Ambient { color: [1.0; 3] }],
+            textures: vec![texture],
+            materials: vec![material],
+            meshes: vec![mesh],
+            warnings: Vec::new(),
+        }
+    }
+
+    fn slot(filter: Filter) -> Option<TextureSlot> {
+        let sampler = Sampler {
+            filter,
+            ..Sampler::default()
+        };
+        Some(TextureSlot {
+            texture: 0,
+            sampler,
+            transform: UvTransform::default(),
+        })
+    }
+
+    /// Attributes per vertex, pass, and whether a mip chain was built.
+    fn needs(material: Material, aovs: &[Aov]) -> (usize, Pass, bool) {
+        let scene = scene(material);
+        let settings = Settings::new(8, 8);
+        let chains = Chains::new(&scene, &settings);
+        let plan = Plan::new(&scene, &settings, &chains, (8, 8), aovs).unwrap();
+        let surface = &plan.surfaces[0];
+        (
+            surface.vertices.attribute_count,
+            surface.pass,
+            chains.0[0].is_some(),
+        )
+    }
+
+    #[test]
+    fn a_scene_carries_what_it_needs_and_no_more() {
+        let unlit = Material {
+            shading: Shading::Unlit,
+            ..Material::default()
+        };
+        assert_eq!(needs(unlit.clone(), &[]), (0, Pass::Opaque, false));
+        assert_eq!(
+            needs(unlit.clone(), &[Aov::Depth, Aov::InvW, Aov::Face]).0,
+            0
+        );
+        assert_eq!(needs(unlit.clone(), &[Aov::Normal, Aov::Uv]).0, 5);
+        let nearest = Material {
+            base_color: slot(Filter::Nearest),
+            ..unlit.clone()
+        };
+        assert_eq!(needs(nearest, &[]), (2, Pass::Opaque, false));
+        let trilinear = Material {
+            base_color: slot(Filter::Trilinear),
+            ..unlit
+        };
+        assert_eq!(needs(trilinear, &[]), (2, Pass::Opaque, true));
+        // Only an ambient light: no position. A decal that covers its surface: no light at all.
+        assert_eq!(needs(Material::default(), &[]).0, 3);
+        let decal = Material {
+            base_color: slot(Filter::Nearest),
+            texture_role: TextureRole::Decal,
+            ..Material::default()
+        };
+        assert_eq!(needs(decal, &[]).0, 2);
+    }
+
+    #[test]
+    fn an_alpha_test_of_opaque_texels_is_no_test() {
+        let opaque = Material {
+            base_color: slot(Filter::Nearest),
+            alpha: AlphaMode::Test(0.5),
+            ..Material::default()
+        };
+        assert_eq!(needs(opaque.clone(), &[]).1, Pass::Opaque);
+        let mut bordered = opaque;
+        bordered.base_color.as_mut().unwrap().sampler.wrap_u = Wrap::ClampToBorder;
+        assert_eq!(needs(bordered.clone(), &[]).1, Pass::CutOut);
+        assert_eq!(
+            needs(
+                Material {
+                    alpha: AlphaMode::Opaque,
+                    ..bordered
+                },
+                &[]
+            )
+            .1,
+            Pass::Opaque
+        );
     }
 }

@@ -8,8 +8,9 @@ use rayon::prelude::*;
 use texmap_raster::{Draw, Prepared, RasterError, TILE, TargetSize};
 
 use crate::block::{Block, Job, Scratch};
-use crate::plan::{Chains, Plan};
+use crate::plan::Plan;
 use crate::rows::{AovRows, split};
+use crate::textures::Chains;
 use crate::{Aov, AovData, Frame, HOLE_BITS, RenderError, Scene, Settings, Stats};
 
 /// Draws a scene: [`Renderer::new`], then [`Renderer::draw`].

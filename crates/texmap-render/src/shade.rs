@@ -6,7 +6,9 @@ use texmap_math::Footprint;
 use texmap_raster::{Fragment, Prepared, TILE, TriangleSetup};
 use texmap_sample::sample_slice;
 
-use crate::plan::{Coordinates, LightStage, Plan, Slot, Surface};
+use crate::coordinates::Coordinates;
+use crate::plan::{LightStage, Plan, Surface};
+use crate::textures::Slot;
 use crate::{AlphaMode, TextureRole};
 
 /// Longest run that the stages take at once.

@@ -83,7 +83,7 @@ fn holes_are_one_constant_and_values_are_finite() {
         }
         match aov {
             Aov::Lod | Aov::Uv => {
-                assert!(filled > 500 && filled < count, "{aov}: {filled} of {count}")
+                assert!(filled > 500 && filled < count, "{aov}: {filled} of {count}");
             }
             Aov::Normal => assert!(filled > count * 9 / 10, "{aov}: {filled} of {count}"),
             _ => assert_eq!(filled, count, "{aov}"),

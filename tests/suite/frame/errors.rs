@@ -85,7 +85,7 @@ fn numbers_that_are_not_finite_are_named() {
         |s| {
             s.lights = vec![Light::Ambient {
                 color: [f32::NAN; 3],
-            }]
+            }];
         },
         value,
         &["light 0"],

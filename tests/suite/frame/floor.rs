@@ -18,7 +18,7 @@ fn leaning(interp: Interp) -> Scene {
         ..unlit([1.0; 3])
     };
     let checker = |x: u32, y: u32| {
-        if (x + y) % 2 == 0 {
+        if (x + y).is_multiple_of(2) {
             [255; 4]
         } else {
             [0, 0, 0, 255]
