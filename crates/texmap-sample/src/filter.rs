@@ -5,10 +5,11 @@ mod cubic;
 mod ewa;
 
 use crate::{
+    lanes::packed,
     lod::{TexelFootprint, log2, log2_sqrt_fixed},
     sampler::{Filter, Mip, Precision, Sampler, Texel},
     texels::{Chain, Level},
-    wrap::{OUTSIDE, Wrap, index, reduce},
+    wrap::{Axis, OUTSIDE},
 };
 use texmap_math::{float, footprint::Footprint};
 
@@ -29,6 +30,9 @@ pub(crate) fn gl_of(filter: Filter) -> (Texel, Texel, Mip) {
 
 pub(crate) fn sample_grad(s: &Sampler, t: &Chain<'_>, uv: [f32; 2], d: Footprint) -> [f32; 4] {
     let d = TexelFootprint::new(d, &t.levels[0]);
+    if packed::applies(s, t) {
+        return packed::unpack(packed::sample_grad(s, t, uv, &d));
+    }
     match s.filter {
         Filter::Nearest | Filter::Bilinear | Filter::Bicubic(_) => sample_lod(s, t, uv, 0.0),
         Filter::Anisotropic(most) => anisotropic::sample(s, t, uv, d, most),
@@ -47,6 +51,9 @@ pub(crate) fn level_of(s: &Sampler, rho2: f32) -> f32 {
 
 /// `lod` has its bias and limits behind it.
 pub(crate) fn sample_lod(s: &Sampler, t: &Chain<'_>, uv: [f32; 2], lod: f32) -> [f32; 4] {
+    if packed::applies(s, t) {
+        return packed::unpack(packed::sample_lod(s, t, uv, packed::fixed_lod(lod)));
+    }
     let scale = t.format.scale();
     unscaled_lod(s, t, uv, lod).map(|c| c * scale)
 }
@@ -87,31 +94,43 @@ fn in_level(s: &Sampler, t: &Chain<'_>, level: usize, uv: [f32; 2], texel: Texel
     }
 }
 
+/// The wrap of both axes.
+#[inline(always)]
+pub(crate) fn axes(s: &Sampler, t: &Chain<'_>) -> [Axis; 2] {
+    let base = &t.levels[0];
+    [
+        Axis::new(s.wrap_u, base.width),
+        Axis::new(s.wrap_v, base.height),
+    ]
+}
+
 fn nearest(s: &Sampler, t: &Chain<'_>, level: &Level, uv: [f32; 2]) -> [f32; 4] {
-    let x = floor(reduce(uv[0], s.wrap_u) * level.width as f32);
-    let y = floor(reduce(uv[1], s.wrap_v) * level.height as f32);
+    let [ax, ay] = axes(s, t);
+    let x = floor(ax.place(uv[0], level.width));
+    let y = floor(ay.place(uv[1], level.height));
     tap(
         s,
         t,
         level,
-        index(x, level.width, s.wrap_u),
-        index(y, level.height, s.wrap_v),
+        ax.index(x, level.width),
+        ay.index(y, level.height),
     )
 }
 
 fn bilinear(s: &Sampler, t: &Chain<'_>, level: &Level, uv: [f32; 2]) -> [f32; 4] {
-    let (x0, x1, fx) = linear_axis(uv[0], level.width, s.wrap_u);
-    let (y0, y1, fy) = linear_axis(uv[1], level.height, s.wrap_v);
+    let [ax, ay] = axes(s, t);
+    let (x0, x1, fx) = linear_axis(ax, uv[0], level.width);
+    let (y0, y1, fy) = linear_axis(ay, uv[1], level.height);
     let top = mix(tap(s, t, level, x0, y0), tap(s, t, level, x1, y0), fx);
     let bottom = mix(tap(s, t, level, x0, y1), tap(s, t, level, x1, y1), fx);
     mix(top, bottom, fy)
 }
 
 /// The two texels around a coordinate and the weight of the second.
-pub(crate) fn linear_axis(u: f32, n: i32, wrap: Wrap) -> (i32, i32, f32) {
-    let x = reduce(u, wrap) * n as f32 - 0.5;
+pub(crate) fn linear_axis(axis: Axis, u: f32, n: i32) -> (i32, i32, f32) {
+    let x = axis.place(u, n) - 0.5;
     let i = floor(x);
-    (index(i, n, wrap), index(i + 1, n, wrap), x - i as f32)
+    (axis.index(i, n), axis.index(i + 1, n), x - i as f32)
 }
 
 /// A texel at wrapped indices, or the border, unscaled.

@@ -13,6 +13,8 @@ extern crate alloc;
 
 mod error;
 mod filter;
+#[doc(hidden)]
+pub mod lanes;
 mod lod;
 mod mip;
 pub mod reference;

@@ -12,8 +12,8 @@ pub(crate) struct TexelFootprint {
     pub(crate) vy: f32,
 }
 
-/// Derivatives are cut at 2^60 texels, so that their squares stay finite.
-const LIMIT: f32 = 1_152_921_504_606_846_976.0;
+/// Derivatives are cut at 2^30 texels, so that their fourth powers stay finite.
+pub(crate) const LIMIT: f32 = 1_073_741_824.0;
 
 impl TexelFootprint {
     pub(crate) fn new(d: Footprint, level: &Level) -> Self {
@@ -34,7 +34,7 @@ impl TexelFootprint {
     }
 }
 
-/// NaN to 0, the rest to +-2^60.
+/// NaN to 0, the rest to +-2^30.
 fn tame(x: f32) -> f32 {
     if x > LIMIT {
         LIMIT
@@ -48,7 +48,7 @@ fn tame(x: f32) -> f32 {
 }
 
 /// Below 2^-100 the logarithm stops: such a footprint is magnified by any measure.
-const TINY: f32 = 7.888_609e-31;
+pub(crate) const TINY: f32 = 7.888_609e-31;
 
 /// log2 of a positive finite number within 1e-5: the exponent plus a polynomial of the mantissa.
 pub(crate) fn log2(x: f32) -> f32 {

@@ -206,8 +206,10 @@ fn axes([ux, vx, uy, vy]: Gradient) -> ([f64; 2], f64, f64) {
 /// Box-weighted trilinear probes spread evenly over the long axis.
 fn anisotropic(s: &Sampler, t: &Texture2d<'_>, uv: [f64; 2], d: Gradient, most: f64) -> [f64; 4] {
     let (axis, major, minor) = axes(in_texels(t, d));
-    let n = if major >= most * minor {
-        if major > 0.0 { most } else { 1.0 }
+    let n = if major <= 1.0 {
+        1.0
+    } else if major >= most * minor {
+        most
     } else {
         ceil(major / minor).max(1.0)
     };

@@ -20,16 +20,69 @@ pub enum Wrap {
 pub(crate) const OUTSIDE: i32 = -1;
 
 /// Largest f32 below one: keeps `u - floor(u)` of a tiny negative u inside the last texel.
-const BELOW_ONE: f32 = 1.0 - f32::EPSILON / 2.0;
+pub(crate) const BELOW_ONE: f32 = 1.0 - f32::EPSILON / 2.0;
 
-/// Brings a coordinate into the few periods where the integer wrap is one compare away.
-/// The range reduction comes before the scaling by the size, so that `u = 65536.25` loses nothing.
-pub(crate) fn reduce(u: f32, wrap: Wrap) -> f32 {
-    match wrap {
-        Wrap::Repeat => fraction(u),
-        Wrap::MirroredRepeat => 2.0 * fraction(0.5 * u),
-        // Wide kernels still reach the image from outside, so the coordinate is only kept small.
-        Wrap::ClampToEdge | Wrap::ClampToBorder | Wrap::MirrorClampToEdge => clamp(u),
+/// Scaled coordinates below this are used as they are; they still have two fraction bits.
+pub(crate) const REACH: f32 = 4_194_304.0;
+
+/// One axis of a texture under a wrap mode.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Axis {
+    pub(crate) wrap: Wrap,
+    /// Repeat over a power of two: scaling is exact, so it comes first and the wrap is a mask.
+    pub(crate) scaled_first: bool,
+}
+
+impl Axis {
+    /// `n` is the side of level 0; all levels of a power of two are powers of two.
+    pub(crate) fn new(wrap: Wrap, n: i32) -> Self {
+        Self {
+            wrap,
+            scaled_first: wrap == Wrap::Repeat && n.count_ones() == 1,
+        }
+    }
+
+    pub(crate) fn has_border(self) -> bool {
+        self.wrap == Wrap::ClampToBorder
+    }
+
+    /// The coordinate in texels of a level of `n`, whose floor is a texel for [`Axis::index`]. Unless
+    /// scaling is exact, the range reduction comes before it, so that `u = 65536.25` loses nothing.
+    pub(crate) fn place(self, u: f32, n: i32) -> f32 {
+        if self.scaled_first {
+            let x = u * n as f32;
+            if x.abs() < REACH {
+                return x;
+            }
+        }
+        match self.wrap {
+            Wrap::Repeat => fraction(u) * n as f32,
+            Wrap::MirroredRepeat => fraction(u * 0.5) * 2.0 * n as f32,
+            // Wide kernels still reach the image from outside, so the coordinate is only kept small.
+            Wrap::ClampToEdge | Wrap::ClampToBorder | Wrap::MirrorClampToEdge => {
+                clamp(u) * n as f32
+            }
+        }
+    }
+
+    /// Texel of an index on an axis of `n` texels; [`OUTSIDE`] a border.
+    pub(crate) fn index(self, i: i32, n: i32) -> i32 {
+        match self.wrap {
+            Wrap::Repeat => i.rem_euclid(n),
+            Wrap::MirroredRepeat => {
+                let m = i.rem_euclid(2 * n);
+                if m < n { m } else { 2 * n - 1 - m }
+            }
+            Wrap::ClampToEdge => i.clamp(0, n - 1),
+            Wrap::ClampToBorder => {
+                if i < 0 || i >= n {
+                    OUTSIDE
+                } else {
+                    i
+                }
+            }
+            Wrap::MirrorClampToEdge => (if i < 0 { -1 - i } else { i }).min(n - 1),
+        }
     }
 }
 
@@ -63,27 +116,6 @@ fn clamp(u: f32) -> f32 {
     }
 }
 
-/// Texel of index `i` on an axis of `n` texels. `i` comes from a [`reduce`]d coordinate with taps at
-/// most two texels away, but any `i32` is handled.
-pub(crate) fn index(i: i32, n: i32, wrap: Wrap) -> i32 {
-    match wrap {
-        Wrap::Repeat => i.rem_euclid(n),
-        Wrap::MirroredRepeat => {
-            let m = i.rem_euclid(2 * n);
-            if m < n { m } else { 2 * n - 1 - m }
-        }
-        Wrap::ClampToEdge => i.clamp(0, n - 1),
-        Wrap::ClampToBorder => {
-            if i < 0 || i >= n {
-                OUTSIDE
-            } else {
-                i
-            }
-        }
-        Wrap::MirrorClampToEdge => (if i < 0 { -1 - i } else { i }).min(n - 1),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -94,7 +126,7 @@ mod tests {
         let expect = |wrap, list: [i32; 13]| {
             for (k, want) in list.into_iter().enumerate() {
                 assert_eq!(
-                    index(k as i32 - 6, n, wrap),
+                    Axis::new(wrap, n).index(k as i32 - 6, n),
                     want,
                     "{wrap:?} {}",
                     k as i32 - 6
@@ -118,28 +150,29 @@ mod tests {
     }
 
     #[test]
-    fn reduction_stays_inside_and_survives_anything() {
-        for u in [
-            0.0,
-            -0.0,
-            -1e-30,
-            -1.0,
-            0.999_999_94,
-            1.0,
-            1e30,
-            -1e30,
-            f32::NAN,
-            f32::INFINITY,
-            f32::NEG_INFINITY,
-        ] {
-            let f = reduce(u, Wrap::Repeat);
-            assert!((0.0..1.0).contains(&f), "{u} -> {f}");
-            let f = reduce(u, Wrap::MirroredRepeat);
-            assert!((0.0..2.0).contains(&f), "{u} -> {f}");
-            let f = reduce(u, Wrap::ClampToEdge);
-            assert!((-64.0..=65.0).contains(&f), "{u} -> {f}");
+    fn places_stay_near_and_survive_anything() {
+        for n in [63, 64] {
+            for u in [
+                0.0,
+                -0.0,
+                -1e-30,
+                -1.0,
+                0.999_999_94,
+                1.0,
+                1e30,
+                -1e30,
+                f32::NAN,
+                f32::INFINITY,
+                f32::NEG_INFINITY,
+            ] {
+                for wrap in [Wrap::Repeat, Wrap::MirroredRepeat, Wrap::ClampToEdge] {
+                    let x = Axis::new(wrap, n).place(u, n);
+                    assert!(x.abs() < REACH, "{u} {wrap:?} -> {x}");
+                }
+            }
         }
-        assert_eq!(reduce(65536.25, Wrap::Repeat), 0.25);
-        assert!(reduce(-1e-30, Wrap::Repeat) * 63.0 < 63.0);
+        assert_eq!(Axis::new(Wrap::Repeat, 64).place(65536.25 * 64.0, 64), 0.0);
+        assert_eq!(Axis::new(Wrap::Repeat, 63).place(65536.25, 63), 15.75);
+        assert!(Axis::new(Wrap::Repeat, 63).place(-1e-30, 63) < 63.0);
     }
 }

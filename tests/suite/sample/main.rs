@@ -1,6 +1,7 @@
 //! Laws and regressions of the sampler.
 
 mod filters;
+mod lanes;
 mod levels;
 mod light;
 mod plane;

@@ -1,7 +1,7 @@
-use super::unscaled_lod;
+use super::{floor, unscaled_lod};
 use crate::{
     lod::{TexelFootprint, log2},
-    sampler::Sampler,
+    sampler::{Precision, Sampler},
     texels::Chain,
 };
 use texmap_math::float::{ceil_f32, sqrt_f32};
@@ -54,11 +54,15 @@ impl Axes {
         }
     }
 
-    /// How many probes of a round filter cover the ellipse, at most `most`.
+    /// How many probes of a round filter cover the ellipse, at most `most`; one where the texture
+    /// is magnified along every direction.
     pub(crate) fn probes(&self, most: u8) -> f32 {
         let most = f32::from(most.clamp(1, 16));
+        if self.major2 <= 1.0 {
+            return 1.0;
+        }
         if self.major2 >= most * most * self.minor2 {
-            return if self.major2 > 0.0 { most } else { 1.0 };
+            return most;
         }
         let n = ceil_f32(sqrt_f32(self.major2 / self.minor2));
         if n > 1.0 { n } else { 1.0 }
@@ -77,6 +81,11 @@ pub(super) fn sample(
     let axes = Axes::new(&d);
     let n = axes.probes(most);
     let lod = s.limit_lod(0.5 * log2(axes.major2 / (n * n)));
+    let lod = match s.precision {
+        Precision::Exact => lod,
+        // One rounded level a pixel.
+        Precision::Fast => floor(lod.clamp(-64.0, 64.0) + 0.5) as f32,
+    };
     let level = &t.levels[0];
     let step = [
         axes.major[0] / (level.width as f32 * n),

@@ -1,8 +1,7 @@
-use super::{floor, tap};
+use super::{axes, floor, tap};
 use crate::{
     sampler::{Cubic, Sampler},
     texels::Chain,
-    wrap::{index, reduce},
 };
 
 /// The four weights at fraction `t` between the second and the third texel. They are the matrices
@@ -40,12 +39,13 @@ pub(crate) fn weights(kernel: Cubic, t: f32) -> [f32; 4] {
 /// texture stays constant to the bit.
 pub(super) fn sample(s: &Sampler, t: &Chain<'_>, uv: [f32; 2], kernel: Cubic) -> [f32; 4] {
     let level = &t.levels[0];
-    let x = reduce(uv[0], s.wrap_u) * level.width as f32 - 0.5;
-    let y = reduce(uv[1], s.wrap_v) * level.height as f32 - 0.5;
+    let [ax, ay] = axes(s, t);
+    let x = ax.place(uv[0], level.width) - 0.5;
+    let y = ay.place(uv[1], level.height) - 0.5;
     let (i, j) = (floor(x), floor(y));
     let (wx, wy) = (weights(kernel, x - i as f32), weights(kernel, y - j as f32));
-    let columns = [-1, 0, 1, 2].map(|k| index(i + k, level.width, s.wrap_u));
-    let rows = [-1, 0, 1, 2].map(|k| index(j + k, level.height, s.wrap_v));
+    let columns = [-1, 0, 1, 2].map(|k| ax.index(i + k, level.width));
+    let rows = [-1, 0, 1, 2].map(|k| ay.index(j + k, level.height));
     let centre = tap(s, t, level, columns[1], rows[1]);
     let mut sum = [0.0; 4];
     for (wy, row) in wy.into_iter().zip(rows) {

@@ -1,9 +1,8 @@
-use super::{anisotropic::Axes, bilinear, floor, mix, tap};
+use super::{anisotropic::Axes, axes as wraps, bilinear, floor, mix, tap};
 use crate::{
     lod::{TexelFootprint, log2},
     sampler::{Precision, Sampler},
     texels::{Chain, Level},
-    wrap::{index, reduce},
 };
 use texmap_math::float::{ceil_f32, sqrt_f32};
 
@@ -88,26 +87,27 @@ fn in_level(
     let Some(ellipse) = Ellipse::new(&t.levels[0], level, axes, minor2, most) else {
         return bilinear(s, t, level, uv);
     };
-    let x = reduce(uv[0], s.wrap_u) * level.width as f32 - 0.5;
-    let y = reduce(uv[1], s.wrap_v) * level.height as f32 - 0.5;
+    let [ax, ay] = wraps(s, t);
+    let x = ax.place(uv[0], level.width) - 0.5;
+    let y = ay.place(uv[1], level.height) - 0.5;
     let centre = tap(
         s,
         t,
         level,
-        index(floor(x + 0.5), level.width, s.wrap_u),
-        index(floor(y + 0.5), level.height, s.wrap_v),
+        ax.index(floor(x + 0.5), level.width),
+        ay.index(floor(y + 0.5), level.height),
     );
     let (mut sum, mut total) = ([0.0; 4], 0.0);
     for j in ceil_f32(y - ellipse.half_height) as i32..=floor(y + ellipse.half_height) {
         let dy = j as f32 - y;
-        let row = index(j, level.height, s.wrap_v);
+        let row = ay.index(j, level.height);
         for i in ceil_f32(x - ellipse.half_width) as i32..=floor(x + ellipse.half_width) {
             let dx = i as f32 - x;
             let r2 = (ellipse.a * dx + ellipse.b * dy) * dx + ellipse.c * dy * dy;
             if r2 < 1.0 {
                 let at = floor(r2 * STEPS as f32);
                 let w = WEIGHTS[if at > 0 { at as usize } else { 0 }];
-                let c = tap(s, t, level, index(i, level.width, s.wrap_u), row);
+                let c = tap(s, t, level, ax.index(i, level.width), row);
                 for k in 0..4 {
                     sum[k] += w * (c[k] - centre[k]);
                 }

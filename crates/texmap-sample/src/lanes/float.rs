@@ -1,0 +1,439 @@
+//! The f32 filters for sixteen lanes; the scalar twins are in `filter.rs`.
+
+use super::{
+    At, R32, RGBA16, RGBA32, RGBX8, View, axis_x, axis_y, column, outside, packed::FootprintLanes,
+    row,
+};
+use crate::{
+    lod::{LOG2_POLYNOMIAL, TINY},
+    sampler::Precision,
+};
+use texmap_math::{
+    fearless_simd::{f32x16, i32x16, mask32x16, prelude::*, u32x16},
+    lanes::{floor_to_i32, gather},
+};
+
+/// Red, green, blue, alpha of sixteen lanes.
+pub type Color<S> = [f32x16<S>; 4];
+
+#[inline(always)]
+fn to_float<S: Simd>(c: u32x16<S>) -> f32x16<S> {
+    let c: i32x16<S> = c.bitcast();
+    c.to_float()
+}
+
+#[inline(always)]
+fn fetch<S: Simd, const FORMAT: u8>(s: S, view: &View<'_>, word: u32x16<S>) -> Color<S> {
+    match FORMAT {
+        RGBA16 => {
+            let a = gather(s, view.words, word);
+            let b = gather(s, view.words, word + 1);
+            let alpha = if view.opaque {
+                f32x16::splat(s, 65535.0)
+            } else {
+                to_float(b >> 16)
+            };
+            [
+                to_float(a & 65535),
+                to_float(a >> 16),
+                to_float(b & 65535),
+                alpha,
+            ]
+        }
+        RGBA32 => {
+            let c = [
+                gather(s, view.words, word),
+                gather(s, view.words, word + 1),
+                gather(s, view.words, word + 2),
+                gather(s, view.words, word + 3),
+            ];
+            [
+                c[0].bitcast(),
+                c[1].bitcast(),
+                c[2].bitcast(),
+                c[3].bitcast(),
+            ]
+        }
+        R32 => {
+            let x: f32x16<S> = gather(s, view.words, word).bitcast();
+            [x, x, x, f32x16::splat(s, 1.0)]
+        }
+        _ => {
+            let c = gather(s, view.words, word);
+            let alpha = if FORMAT == RGBX8 {
+                f32x16::splat(s, 255.0)
+            } else {
+                to_float(c >> 24)
+            };
+            [
+                to_float(c & 255),
+                to_float((c >> 8) & 255),
+                to_float((c >> 16) & 255),
+                alpha,
+            ]
+        }
+    }
+}
+
+#[inline(always)]
+pub(crate) fn mix<S: Simd>(a: Color<S>, b: Color<S>, w: f32x16<S>) -> Color<S> {
+    [
+        a[0] + (b[0] - a[0]) * w,
+        a[1] + (b[1] - a[1]) * w,
+        a[2] + (b[2] - a[2]) * w,
+        a[3] + (b[3] - a[3]) * w,
+    ]
+}
+
+/// The words of four texels and their weights: all that the wraps decide.
+struct Taps<S: Simd> {
+    words: [i32x16<S>; 4],
+    /// Lanes of each tap that lie outside a border.
+    outside: [mask32x16<S>; 4],
+    wx: f32x16<S>,
+    wy: f32x16<S>,
+}
+
+#[inline(always)]
+fn linear_taps<S: Simd, const SIMPLE: bool>(
+    s: S,
+    view: &View<'_>,
+    at: &At<S>,
+    u: f32x16<S>,
+    v: f32x16<S>,
+) -> Taps<S> {
+    let x = axis_x::<S, SIMPLE>(s, view, at, u) - 0.5;
+    let y = axis_y::<S, SIMPLE>(s, view, at, v) - 0.5;
+    let (i, j) = (floor_to_i32(s, x), floor_to_i32(s, y));
+    let (x0, x1) = (
+        column::<S, SIMPLE>(s, view, at, i),
+        column::<S, SIMPLE>(s, view, at, i + 1),
+    );
+    let (y0, y1) = (
+        row::<S, SIMPLE>(s, view, at, j),
+        row::<S, SIMPLE>(s, view, at, j + 1),
+    );
+    let (r0, r1) = (at.row_start::<SIMPLE>(y0), at.row_start::<SIMPLE>(y1));
+    Taps {
+        words: [r0 + x0, r0 + x1, r1 + x0, r1 + x1],
+        outside: [
+            outside(s, x0, y0),
+            outside(s, x1, y0),
+            outside(s, x0, y1),
+            outside(s, x1, y1),
+        ],
+        wx: x - i.to_float::<f32x16<S>>(),
+        wy: y - j.to_float::<f32x16<S>>(),
+    }
+}
+
+#[inline(always)]
+fn bilinear_at<S: Simd, const FORMAT: u8, const SIMPLE: bool>(
+    s: S,
+    view: &View<'_>,
+    at: &At<S>,
+    u: f32x16<S>,
+    v: f32x16<S>,
+) -> Color<S> {
+    let taps = linear_taps::<S, SIMPLE>(s, view, at, u, v);
+    blend::<S, FORMAT, SIMPLE>(s, view, at, &taps)
+}
+
+#[inline(always)]
+fn blend<S: Simd, const FORMAT: u8, const SIMPLE: bool>(
+    s: S,
+    view: &View<'_>,
+    at: &At<S>,
+    taps: &Taps<S>,
+) -> Color<S> {
+    let a = tap::<S, FORMAT, SIMPLE>(s, view, at, taps.words[0], taps.outside[0]);
+    let b = tap::<S, FORMAT, SIMPLE>(s, view, at, taps.words[1], taps.outside[1]);
+    let c = tap::<S, FORMAT, SIMPLE>(s, view, at, taps.words[2], taps.outside[2]);
+    let d = tap::<S, FORMAT, SIMPLE>(s, view, at, taps.words[3], taps.outside[3]);
+    mix(mix(a, b, taps.wx), mix(c, d, taps.wx), taps.wy)
+}
+
+#[inline(always)]
+fn tap<S: Simd, const FORMAT: u8, const SIMPLE: bool>(
+    s: S,
+    view: &View<'_>,
+    at: &At<S>,
+    texel: i32x16<S>,
+    outside: mask32x16<S>,
+) -> Color<S> {
+    let c = fetch::<S, FORMAT>(s, view, at.word::<FORMAT>(texel));
+    if !SIMPLE && (view.x.has_border() || view.y.has_border()) {
+        let b = view.border;
+        return [
+            outside.select(f32x16::splat(s, b[0]), c[0]),
+            outside.select(f32x16::splat(s, b[1]), c[1]),
+            outside.select(f32x16::splat(s, b[2]), c[2]),
+            outside.select(f32x16::splat(s, b[3]), c[3]),
+        ];
+    }
+    c
+}
+
+/// The nearest texels of level 0, scaled.
+#[inline(always)]
+pub fn nearest_lanes<S: Simd, const FORMAT: u8, const SIMPLE: bool>(
+    s: S,
+    view: &View<'_>,
+    u: f32x16<S>,
+    v: f32x16<S>,
+) -> Color<S> {
+    let at = At::uniform(s, view, 0);
+    let x = floor_to_i32(s, axis_x::<S, SIMPLE>(s, view, &at, u));
+    let y = floor_to_i32(s, axis_y::<S, SIMPLE>(s, view, &at, v));
+    let (x, y) = (
+        column::<S, SIMPLE>(s, view, &at, x),
+        row::<S, SIMPLE>(s, view, &at, y),
+    );
+    let (texel, out) = (at.row_start::<SIMPLE>(y) + x, outside(s, x, y));
+    let c = tap::<S, FORMAT, SIMPLE>(s, view, &at, texel, out);
+    scaled(c, view)
+}
+
+/// Bilinear on level 0, scaled. `FORMAT` is the view's.
+#[inline(always)]
+pub fn bilinear_lanes<S: Simd, const FORMAT: u8, const SIMPLE: bool>(
+    s: S,
+    view: &View<'_>,
+    u: f32x16<S>,
+    v: f32x16<S>,
+) -> Color<S> {
+    scaled(
+        bilinear_at::<S, FORMAT, SIMPLE>(s, view, &At::uniform(s, view, 0), u, v),
+        view,
+    )
+}
+
+#[inline(always)]
+fn scaled<S: Simd>(c: Color<S>, view: &View<'_>) -> Color<S> {
+    [
+        c[0] * view.scale,
+        c[1] * view.scale,
+        c[2] * view.scale,
+        c[3] * view.scale,
+    ]
+}
+
+/// Scalar `log2` for sixteen lanes.
+#[inline(always)]
+pub(crate) fn log2<S: Simd>(s: S, x: f32x16<S>) -> f32x16<S> {
+    let tiny = f32x16::splat(s, TINY);
+    let bits: u32x16<S> = x.simd_gt(tiny).select(x, tiny).bitcast();
+    let exponent: i32x16<S> = (bits >> 23).bitcast();
+    let exponent = (exponent - 127).to_float::<f32x16<S>>();
+    let mantissa: f32x16<S> = ((bits & 0x007f_ffff) | 0x3f80_0000).bitcast();
+    let t = mantissa - 1.0;
+    let [c0, c1, c2, c3, c4, c5] = LOG2_POLYNOMIAL;
+    let q = t * c5 + c4;
+    let q = t * q + c3;
+    let q = t * q + c2;
+    let q = t * q + c1;
+    let q = t * q + c0;
+    exponent + t * q
+}
+
+/// Bias and limits, as `Sampler::limit_lod`.
+#[inline(always)]
+pub(crate) fn limit_lanes<S: Simd>(s: S, view: &View<'_>, lod: f32x16<S>) -> f32x16<S> {
+    let lod = lod + view.bias;
+    let (low, high) = (
+        f32x16::splat(s, view.lod_min),
+        f32x16::splat(s, view.lod_max),
+    );
+    let lod = lod.simd_gt(low).select(lod, low);
+    lod.simd_gt(high).select(high, lod)
+}
+
+/// The level of detail of a footprint by the view's precision, limited.
+#[inline(always)]
+pub fn lod_lanes<S: Simd>(s: S, view: &View<'_>, d: &FootprintLanes<S>) -> f32x16<S> {
+    let rho2 = d.rho_max_squared();
+    let lod = match view.precision {
+        Precision::Exact => log2(s, rho2) * 0.5,
+        Precision::Fast => {
+            let tiny = f32x16::splat(s, TINY);
+            let bits: i32x16<S> = rho2.simd_gt(tiny).select(rho2, tiny).bitcast();
+            ((bits - 0x3f80_0000) >> 16).to_float::<f32x16<S>>() * (1.0 / 256.0)
+        }
+    };
+    limit_lanes(s, view, lod)
+}
+
+/// The scalar trilinear filter for sixteen lanes, scaled.
+#[inline(always)]
+pub fn trilinear_lanes<S: Simd, const FORMAT: u8, const SIMPLE: bool>(
+    s: S,
+    view: &View<'_>,
+    u: f32x16<S>,
+    v: f32x16<S>,
+    lod: f32x16<S>,
+) -> Color<S> {
+    let levels = Levels::new(s, view, lod);
+    scaled(levels.sample::<FORMAT, SIMPLE>(s, view, u, v), view)
+}
+
+/// The levels that each lane reads, found once and used by every probe.
+struct Levels<S: Simd> {
+    fine: At<S>,
+    coarse: At<S>,
+    weight: f32x16<S>,
+    /// Some lane blends two levels.
+    blends: bool,
+}
+
+impl<S: Simd> Levels<S> {
+    #[inline(always)]
+    fn new(s: S, view: &View<'_>, lod: f32x16<S>) -> Self {
+        let (zero, zero_i) = (f32x16::splat(s, 0.0), i32x16::splat(s, 0));
+        let magnified = lod.simd_le(zero);
+        let top = f32x16::splat(s, view.last as f32);
+        let lod = lod.simd_gt(top).select(top, lod);
+        let lod = magnified.select(zero, lod);
+        let fine = lod.to_int::<i32x16<S>>();
+        let weight = lod - fine.to_float::<f32x16<S>>();
+        let blends = weight.simd_gt(zero).any_true();
+        let last = i32x16::splat(s, view.last);
+        let level = fine[0];
+        let (fine, coarse) = if fine.simd_eq(zero_i + level).all_true() {
+            let next = if level < view.last { level + 1 } else { level };
+            (At::uniform(s, view, level), At::uniform(s, view, next))
+        } else {
+            let next = fine + 1;
+            let next = next.simd_gt(last).select(last, next);
+            (At::per_lane(s, view, fine), At::per_lane(s, view, next))
+        };
+        Self {
+            fine,
+            coarse,
+            weight,
+            blends,
+        }
+    }
+
+    #[inline(always)]
+    fn sample<const FORMAT: u8, const SIMPLE: bool>(
+        &self,
+        s: S,
+        view: &View<'_>,
+        u: f32x16<S>,
+        v: f32x16<S>,
+    ) -> Color<S> {
+        let c = bilinear_at::<S, FORMAT, SIMPLE>(s, view, &self.fine, u, v);
+        if !self.blends {
+            return c;
+        }
+        let next = bilinear_at::<S, FORMAT, SIMPLE>(s, view, &self.coarse, u, v);
+        let two = self.weight.simd_gt(f32x16::splat(s, 0.0));
+        select(two, mix(c, next, self.weight), c)
+    }
+}
+
+#[inline(always)]
+fn select<S: Simd>(mask: mask32x16<S>, a: Color<S>, b: Color<S>) -> Color<S> {
+    [
+        mask.select(a[0], b[0]),
+        mask.select(a[1], b[1]),
+        mask.select(a[2], b[2]),
+        mask.select(a[3], b[3]),
+    ]
+}
+
+/// The scalar anisotropic filter for sixteen lanes, scaled.
+#[inline(always)]
+pub fn anisotropic_lanes<S: Simd, const FORMAT: u8, const SIMPLE: bool>(
+    s: S,
+    view: &View<'_>,
+    u: f32x16<S>,
+    v: f32x16<S>,
+    d: &FootprintLanes<S>,
+) -> Color<S> {
+    let (zero, one) = (f32x16::splat(s, 0.0), f32x16::splat(s, 1.0));
+    let p = d.ux * d.ux + d.uy * d.uy;
+    let r = d.vx * d.vx + d.vy * d.vy;
+    let q = d.ux * d.vx + d.uy * d.vy;
+    let half = (p - r) * 0.5;
+    let root = (half * half + q * q).sqrt();
+    let major2 = (p + r) * 0.5 + root;
+    let det = d.ux * d.vy - d.uy * d.vx;
+    let minor2 = major2.simd_gt(zero).select(det * (det / major2), zero);
+    // Where the texture is magnified there is one probe, whose place the axes do not move.
+    let steep = !half.simd_ge(zero);
+    let x = steep.select(q, half + root);
+    let y = steep.select(root - half, q);
+    let length2 = x * x + y * y;
+    let length = major2.sqrt();
+    let along = length2.simd_gt(zero);
+    let k = length / length2.sqrt();
+    let major_x = along.select(x * k, length);
+    let major_y = along.select(y * k, zero);
+    let n = probes(s, view, major2, minor2);
+    let lod = limit_lanes(s, view, log2(s, major2 / (n * n)) * 0.5);
+    let lod = match view.precision {
+        Precision::Exact => lod,
+        // One rounded level a pixel.
+        Precision::Fast => floor_to_i32(s, bounded(s, lod) + 0.5).to_float::<f32x16<S>>(),
+    };
+    let (w, h) = view.size();
+    let step_u = major_x / (n * (w as f32));
+    let step_v = major_y / (n * (h as f32));
+    let start = (one - n) * 0.5;
+    let levels = Levels::new(s, view, lod);
+    let (mut first, mut sum) = ([zero; 4], [zero; 4]);
+    let mut k = 0.0;
+    loop {
+        let active = n.simd_gt(f32x16::splat(s, k));
+        if !active.any_true() {
+            break;
+        }
+        let at = start + k;
+        let c = levels.sample::<FORMAT, SIMPLE>(s, view, u + step_u * at, v + step_v * at);
+        if k == 0.0 {
+            first = c;
+            k = 1.0;
+            continue;
+        }
+        let more = [
+            sum[0] + (c[0] - first[0]),
+            sum[1] + (c[1] - first[1]),
+            sum[2] + (c[2] - first[2]),
+            sum[3] + (c[3] - first[3]),
+        ];
+        sum = select(active, more, sum);
+        k += 1.0;
+    }
+    scaled(
+        [
+            first[0] + sum[0] / n,
+            first[1] + sum[1] / n,
+            first[2] + sum[2] / n,
+            first[3] + sum[3] / n,
+        ],
+        view,
+    )
+}
+
+/// Levels within reach of an integer.
+#[inline(always)]
+fn bounded<S: Simd>(s: S, lod: f32x16<S>) -> f32x16<S> {
+    let (low, high) = (f32x16::splat(s, -64.0), f32x16::splat(s, 64.0));
+    let lod = lod.simd_gt(high).select(high, lod);
+    lod.simd_gt(low).select(lod, low)
+}
+
+#[inline(always)]
+fn probes<S: Simd>(s: S, view: &View<'_>, major2: f32x16<S>, minor2: f32x16<S>) -> f32x16<S> {
+    let one = f32x16::splat(s, 1.0);
+    let most = f32x16::splat(s, f32::from(view.most));
+    let long = major2.simd_ge(minor2 * (most * most));
+    // The quotient may be anything where it is not used; keep its conversion in range.
+    let ratio = (major2 / long.select(one, minor2)).sqrt();
+    let ratio = ratio.simd_lt(most).select(ratio, most);
+    let n = (-floor_to_i32(s, -ratio)).to_float::<f32x16<S>>();
+    let n = n.simd_gt(one).select(n, one);
+    let n = long.select(most, n);
+    (!major2.simd_gt(one)).select(one, n)
+}

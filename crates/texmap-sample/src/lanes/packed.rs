@@ -1,0 +1,558 @@
+//! `Precision::Fast` on 8-bit texels: 8-bit weights, rounded to 8 bits after every blend.
+//!
+//! Two channels share a 32-bit word as 16-bit halves; `(a << 8) + (b - a) w + 128` stays below 2^16
+//! whatever the sign of `b - a`, so wrapping 16-bit products are exact. The scalar form stands first.
+
+use super::{At, RGBA8, View, axis_x, axis_y, column, outside, row};
+use crate::{
+    filter::{axes, floor, gl_of},
+    lod::{LIMIT, TINY, TexelFootprint, log2_sqrt_fixed},
+    sampler::{Filter, Mip, Precision, Sampler, Texel},
+    texels::{Chain, Format, Level},
+    wrap::OUTSIDE,
+};
+use texmap_math::{
+    fearless_simd::{f32x16, i32x16, prelude::*, u16x32, u32x16},
+    lanes::{Words, floor_to_i32, gather},
+};
+
+const LOW: u32 = 0x00ff_00ff;
+
+/// Whether a sampler takes this path on a texture: floats and 16-bit texels keep f32 weights.
+pub(crate) fn applies(s: &Sampler, t: &Chain<'_>) -> bool {
+    s.precision == Precision::Fast
+        && t.format == Format::Rgba8
+        && !matches!(s.filter, Filter::Bicubic(_) | Filter::Ewa(_))
+}
+
+/// Bytes to 0..1.
+pub(crate) fn unpack(c: u32) -> [f32; 4] {
+    let scale = Format::Rgba8.scale();
+    [c & 255, c >> 8 & 255, c >> 16 & 255, c >> 24].map(|c| c as f32 * scale)
+}
+
+/// A limited level of detail with 8 fraction bits.
+pub(crate) fn fixed_lod(lod: f32) -> i32 {
+    // Within +-64 levels, so that the conversion is in range.
+    let lod = if lod > 64.0 { 64.0 } else { lod };
+    let lod = if lod > -64.0 { lod } else { -64.0 };
+    floor(lod * 256.0)
+}
+
+/// Squared ratio of axes, in quarter octaves of the ratio, to the number of probes.
+static PROBES: [u32; 16] = [1, 2, 2, 2, 2, 3, 3, 4, 4, 5, 6, 7, 8, 10, 12, 16];
+/// 256 log2 of the number of probes.
+static PROBE_LEVELS: [u32; 17] = [
+    0, 0, 256, 406, 512, 594, 662, 719, 768, 811, 850, 886, 918, 947, 975, 1000, 1024,
+];
+
+/// The footprint of one look-up: how many probes, how far apart (uv), on which level.
+struct Probes {
+    count: u32,
+    step: [f32; 2],
+    lod: i32,
+}
+
+/// `1 / sqrt(x)` within 0.2 %: the float's bits halved, and one Newton step.
+fn rsqrt(x: f32) -> f32 {
+    let y = f32::from_bits(0x5f37_59df_u32.wrapping_sub(x.to_bits() >> 1));
+    y * (1.5 - 0.5 * x * y * y)
+}
+
+fn probes(s: &Sampler, t: &Chain<'_>, d: &TexelFootprint, most: u8) -> Probes {
+    let p = d.ux * d.ux + d.uy * d.uy;
+    let r = d.vx * d.vx + d.vy * d.vy;
+    let q = d.ux * d.vx + d.uy * d.vy;
+    let half = 0.5 * (p - r);
+    let square = half * half + q * q;
+    let root = square * rsqrt(square);
+    let major2 = 0.5 * (p + r) + root;
+    let det = d.ux * d.vy - d.uy * d.vx;
+    let det2 = det * det;
+    // ratio^2 = major2 / minor2 = major2^2 / det^2, in fixed-point logarithms of lengths.
+    let ratio = 2 * log2_sqrt_fixed(major2) - log2_sqrt_fixed(det2);
+    let slot = if ratio < 0 {
+        0
+    } else if ratio > 1023 {
+        15
+    } else {
+        ratio >> 6
+    };
+    let count = PROBES[slot as usize];
+    let count = if count < u32::from(most) {
+        count
+    } else {
+        u32::from(most)
+    };
+    let count = if major2 > 1.0 { count } else { 1 };
+    let (x, y) = if half >= 0.0 {
+        (half + root, q)
+    } else {
+        (q, root - half)
+    };
+    let length2 = x * x + y * y;
+    let k = major2 * rsqrt(major2) * rsqrt(length2);
+    let share = 1.0 / count as f32;
+    let base = &t.levels[0];
+    let lod = log2_sqrt_fixed(major2) - PROBE_LEVELS[count as usize] as i32;
+    Probes {
+        count,
+        step: [
+            x * k * share / base.width as f32,
+            y * k * share / base.height as f32,
+        ],
+        lod: fixed_lod(s.limit_lod(lod as f32 / 256.0)),
+    }
+}
+
+pub(crate) fn sample_grad(s: &Sampler, t: &Chain<'_>, uv: [f32; 2], d: &TexelFootprint) -> u32 {
+    let Filter::Anisotropic(most) = s.filter else {
+        let lod = log2_sqrt_fixed(d.rho_max_squared()) as f32 / 256.0;
+        return sample_lod(s, t, uv, fixed_lod(s.limit_lod(lod)));
+    };
+    let probes = probes(s, t, d, most.clamp(1, 16));
+    let last = t.levels.len() as i32 - 1;
+    let level = (probes.lod + 128) >> 8;
+    let level = if level < 0 {
+        0
+    } else if level > last {
+        last
+    } else {
+        level
+    };
+    let level = &t.levels[level as usize];
+    let n = probes.count as f32;
+    let (mut low, mut high) = (0, 0);
+    for k in 0..probes.count {
+        let at = k as f32 + 0.5 * (1.0 - n);
+        let c = bilinear(
+            s,
+            t,
+            level,
+            [uv[0] + probes.step[0] * at, uv[1] + probes.step[1] * at],
+        );
+        low += c & LOW;
+        high += c >> 8 & LOW;
+    }
+    let share = 1.0 / n;
+    let mean = |sum: u32| (sum as f32 * share + 0.5) as u32;
+    mean(low & 0xffff) | mean(high & 0xffff) << 8 | mean(low >> 16) << 16 | mean(high >> 16) << 24
+}
+
+/// `lod` has 8 fraction bits, bias and limits behind it.
+pub(crate) fn sample_lod(s: &Sampler, t: &Chain<'_>, uv: [f32; 2], lod: i32) -> u32 {
+    let (mag, min, mip) = gl_of(s.filter);
+    if lod <= 0 {
+        return in_level(s, t, 0, uv, mag);
+    }
+    let last = t.levels.len() as i32 - 1;
+    let lod = if lod > last << 8 { last << 8 } else { lod };
+    match mip {
+        Mip::None => in_level(s, t, 0, uv, min),
+        // ceil(lod + 1/2) - 1: halves go to the finer level.
+        Mip::Nearest => in_level(s, t, (lod + 127) >> 8, uv, min),
+        Mip::Linear => {
+            let fine = in_level(s, t, lod >> 8, uv, min);
+            let w = (lod & 255) as u32;
+            if w == 0 {
+                fine
+            } else {
+                lerp(fine, in_level(s, t, (lod >> 8) + 1, uv, min), w)
+            }
+        }
+    }
+}
+
+fn in_level(s: &Sampler, t: &Chain<'_>, level: i32, uv: [f32; 2], texel: Texel) -> u32 {
+    let level = &t.levels[level as usize];
+    match texel {
+        Texel::Nearest => {
+            let [ax, ay] = axes(s, t);
+            let x = ax.index(floor(ax.place(uv[0], level.width)), level.width);
+            let y = ay.index(floor(ay.place(uv[1], level.height)), level.height);
+            tap(s, t, level, x, y)
+        }
+        Texel::Linear => bilinear(s, t, level, uv),
+    }
+}
+
+fn bilinear(s: &Sampler, t: &Chain<'_>, level: &Level, uv: [f32; 2]) -> u32 {
+    let [ax, ay] = axes(s, t);
+    let x = floor(ax.place(uv[0], level.width) * 256.0) - 128;
+    let y = floor(ay.place(uv[1], level.height) * 256.0) - 128;
+    let (x0, x1) = (
+        ax.index(x >> 8, level.width),
+        ax.index((x >> 8) + 1, level.width),
+    );
+    let (y0, y1) = (
+        ay.index(y >> 8, level.height),
+        ay.index((y >> 8) + 1, level.height),
+    );
+    let (wx, wy) = ((x & 255) as u32, (y & 255) as u32);
+    let top = lerp(tap(s, t, level, x0, y0), tap(s, t, level, x1, y0), wx);
+    let bottom = lerp(tap(s, t, level, x0, y1), tap(s, t, level, x1, y1), wx);
+    lerp(top, bottom, wy)
+}
+
+fn tap(s: &Sampler, t: &Chain<'_>, level: &Level, x: i32, y: i32) -> u32 {
+    if x == OUTSIDE || y == OUTSIDE {
+        return border(s.border.map(|c| c * 255.0));
+    }
+    let y = if t.flip { level.height - 1 - y } else { y };
+    t.words()[level.offset + (y as usize * level.width as usize) + x as usize]
+}
+
+fn border(c: [f32; 4]) -> u32 {
+    let byte = |c: f32| {
+        let c = if c > 0.0 { c } else { 0.0 };
+        let c = if c < 255.0 { c } else { 255.0 };
+        (c + 0.5) as u32
+    };
+    byte(c[0]) | byte(c[1]) << 8 | byte(c[2]) << 16 | byte(c[3]) << 24
+}
+
+/// `a + (b - a) w / 256` per byte, rounded.
+fn lerp(a: u32, b: u32, w: u32) -> u32 {
+    let channel = |shift: u32| {
+        let (a, b) = (a >> shift & 255, b >> shift & 255);
+        ((a * (256 - w) + b * w + 128) >> 8) << shift
+    };
+    channel(0) | channel(8) | channel(16) | channel(24)
+}
+
+/// [`bilinear`] and its kin for sixteen lanes: the even and odd bytes apart.
+#[derive(Clone, Copy)]
+struct Halves<S: Simd> {
+    low: u16x32<S>,
+    high: u16x32<S>,
+}
+
+#[inline(always)]
+fn halves<S: Simd>(c: u32x16<S>) -> Halves<S> {
+    Halves {
+        low: (c & LOW).bitcast(),
+        high: ((c >> 8) & LOW).bitcast(),
+    }
+}
+
+#[inline(always)]
+fn join<S: Simd>(c: Halves<S>) -> u32x16<S> {
+    let (low, high): (u32x16<S>, u32x16<S>) = (c.low.bitcast(), c.high.bitcast());
+    low | (high << 8)
+}
+
+/// The weight in both halves of every word.
+#[inline(always)]
+fn spread<S: Simd>(w: i32x16<S>) -> u16x32<S> {
+    (w | (w << 16)).bitcast()
+}
+
+#[inline(always)]
+fn lerp_lanes<S: Simd>(a: Halves<S>, b: Halves<S>, w: u16x32<S>) -> Halves<S> {
+    Halves {
+        low: ((a.low << 8) + (b.low - a.low) * w + 128) >> 8,
+        high: ((a.high << 8) + (b.high - a.high) * w + 128) >> 8,
+    }
+}
+
+#[inline(always)]
+fn tap_lanes<S: Simd, const SIMPLE: bool>(
+    s: S,
+    view: &View<'_>,
+    at: &At<S>,
+    x: i32x16<S>,
+    y: i32x16<S>,
+    start: i32x16<S>,
+) -> u32x16<S> {
+    let c = gather(s, view.words, at.word::<RGBA8>(start + x));
+    if !SIMPLE && (view.x.has_border() || view.y.has_border()) {
+        return outside(s, x, y).select(u32x16::splat(s, border(view.border)), c);
+    }
+    c
+}
+
+/// The nearest texel of level 0 for each lane.
+#[inline(always)]
+pub fn nearest_lanes<S: Simd, const SIMPLE: bool>(
+    s: S,
+    view: &View<'_>,
+    u: f32x16<S>,
+    v: f32x16<S>,
+) -> u32x16<S> {
+    let at = At::uniform(s, view, 0);
+    let x = floor_to_i32(s, axis_x::<S, SIMPLE>(s, view, &at, u));
+    let y = floor_to_i32(s, axis_y::<S, SIMPLE>(s, view, &at, v));
+    let (x, y) = (
+        column::<S, SIMPLE>(s, view, &at, x),
+        row::<S, SIMPLE>(s, view, &at, y),
+    );
+    tap_lanes::<S, SIMPLE>(s, view, &at, x, y, at.row_start::<SIMPLE>(y))
+}
+
+/// Bilinear on level 0 for each lane.
+#[inline(always)]
+pub fn bilinear_lanes<S: Simd, const SIMPLE: bool>(
+    s: S,
+    view: &View<'_>,
+    u: f32x16<S>,
+    v: f32x16<S>,
+) -> u32x16<S> {
+    join(bilinear_at::<S, SIMPLE>(
+        s,
+        view,
+        &At::uniform(s, view, 0),
+        u,
+        v,
+    ))
+}
+
+#[inline(always)]
+fn bilinear_at<S: Simd, const SIMPLE: bool>(
+    s: S,
+    view: &View<'_>,
+    at: &At<S>,
+    u: f32x16<S>,
+    v: f32x16<S>,
+) -> Halves<S> {
+    let x = floor_to_i32(s, axis_x::<S, SIMPLE>(s, view, at, u) * 256.0) - 128;
+    let y = floor_to_i32(s, axis_y::<S, SIMPLE>(s, view, at, v) * 256.0) - 128;
+    let (i, j) = (x >> 8, y >> 8);
+    let (x0, x1) = (
+        column::<S, SIMPLE>(s, view, at, i),
+        column::<S, SIMPLE>(s, view, at, i + 1),
+    );
+    let (y0, y1) = (
+        row::<S, SIMPLE>(s, view, at, j),
+        row::<S, SIMPLE>(s, view, at, j + 1),
+    );
+    let (wx, wy) = (spread(x & 255), spread(y & 255));
+    let (r0, r1) = (at.row_start::<SIMPLE>(y0), at.row_start::<SIMPLE>(y1));
+    let a = halves(tap_lanes::<S, SIMPLE>(s, view, at, x0, y0, r0));
+    let b = halves(tap_lanes::<S, SIMPLE>(s, view, at, x1, y0, r0));
+    let c = halves(tap_lanes::<S, SIMPLE>(s, view, at, x0, y1, r1));
+    let d = halves(tap_lanes::<S, SIMPLE>(s, view, at, x1, y1, r1));
+    lerp_lanes(lerp_lanes(a, b, wx), lerp_lanes(c, d, wx), wy)
+}
+
+/// Derivatives in texels of level 0, finite and within reach, of sixteen lanes.
+#[derive(Clone, Copy)]
+pub struct FootprintLanes<S: Simd> {
+    pub(crate) ux: f32x16<S>,
+    pub(crate) vx: f32x16<S>,
+    pub(crate) uy: f32x16<S>,
+    pub(crate) vy: f32x16<S>,
+}
+
+impl<S: Simd> core::fmt::Debug for FootprintLanes<S> {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.write_str("FootprintLanes")
+    }
+}
+
+impl<S: Simd> FootprintLanes<S> {
+    /// From derivatives of uv.
+    #[inline(always)]
+    pub fn new(
+        s: S,
+        view: &View<'_>,
+        ux: f32x16<S>,
+        vx: f32x16<S>,
+        uy: f32x16<S>,
+        vy: f32x16<S>,
+    ) -> Self {
+        let (w, h) = view.size();
+        let (w, h) = (w as f32, h as f32);
+        Self {
+            ux: tame(s, ux * w),
+            vx: tame(s, vx * h),
+            uy: tame(s, uy * w),
+            vy: tame(s, vy * h),
+        }
+    }
+
+    #[inline(always)]
+    pub(crate) fn rho_max_squared(&self) -> f32x16<S> {
+        let x = self.ux * self.ux + self.vx * self.vx;
+        let y = self.uy * self.uy + self.vy * self.vy;
+        x.simd_gt(y).select(x, y)
+    }
+}
+
+#[inline(always)]
+fn tame<S: Simd>(s: S, x: f32x16<S>) -> f32x16<S> {
+    let limit = f32x16::splat(s, LIMIT);
+    let x = x.simd_eq(x).select(x, f32x16::splat(s, 0.0));
+    let x = x.simd_gt(limit).select(limit, x);
+    x.simd_lt(-limit).select(-limit, x)
+}
+
+#[inline(always)]
+fn log2_sqrt_lanes<S: Simd>(s: S, x: f32x16<S>) -> i32x16<S> {
+    let tiny = f32x16::splat(s, TINY);
+    let bits: i32x16<S> = x.simd_gt(tiny).select(x, tiny).bitcast();
+    (bits - 0x3f80_0000) >> 16
+}
+
+/// Bias and limits in f32, as the scalar form has them, then 8 fraction bits.
+#[inline(always)]
+fn limit_lanes<S: Simd>(s: S, view: &View<'_>, lod: i32x16<S>) -> i32x16<S> {
+    let lod = super::float::limit_lanes(s, view, lod.to_float::<f32x16<S>>() * (1.0 / 256.0));
+    let (low, high) = (f32x16::splat(s, -64.0), f32x16::splat(s, 64.0));
+    let lod = lod.simd_gt(high).select(high, lod);
+    let lod = lod.simd_gt(low).select(lod, low);
+    floor_to_i32(s, lod * 256.0)
+}
+
+/// Level of detail with 8 fraction bits, limited.
+#[inline(always)]
+pub fn lod_lanes<S: Simd>(s: S, view: &View<'_>, d: &FootprintLanes<S>) -> i32x16<S> {
+    limit_lanes(s, view, log2_sqrt_lanes(s, d.rho_max_squared()))
+}
+
+/// The scalar trilinear filter for sixteen lanes: vectors of one level take short cuts.
+#[inline(always)]
+pub fn trilinear_lanes<S: Simd, const SIMPLE: bool>(
+    s: S,
+    view: &View<'_>,
+    u: f32x16<S>,
+    v: f32x16<S>,
+    lod: i32x16<S>,
+) -> u32x16<S> {
+    let zero = i32x16::splat(s, 0);
+    let top = i32x16::splat(s, view.last << 8);
+    let lod = lod.simd_gt(top).select(top, lod);
+    let lod = lod.simd_gt(zero).select(lod, zero);
+    let (fine, weight) = (lod >> 8, lod & 255);
+    let level = fine[0];
+    let next = if level < view.last { level + 1 } else { level };
+    let (a, b) = if fine.simd_eq(zero + level).all_true() {
+        (At::uniform(s, view, level), At::uniform(s, view, next))
+    } else {
+        let last = i32x16::splat(s, view.last);
+        let next = fine + 1;
+        (
+            At::per_lane(s, view, fine),
+            At::per_lane(s, view, next.simd_gt(last).select(last, next)),
+        )
+    };
+    let a = bilinear_at::<S, SIMPLE>(s, view, &a, u, v);
+    if weight.simd_eq(zero).all_true() {
+        return join(a);
+    }
+    let b = bilinear_at::<S, SIMPLE>(s, view, &b, u, v);
+    join(lerp_lanes(a, b, spread(weight)))
+}
+
+#[inline(always)]
+fn rsqrt_lanes<S: Simd>(s: S, x: f32x16<S>) -> f32x16<S> {
+    let bits: u32x16<S> = x.bitcast();
+    let y: f32x16<S> = (u32x16::splat(s, 0x5f37_59df) - (bits >> 1)).bitcast();
+    y * (1.5 - x * 0.5 * y * y)
+}
+
+/// The scalar anisotropic filter for sixteen lanes.
+#[inline(always)]
+pub fn anisotropic_lanes<S: Simd, const SIMPLE: bool>(
+    s: S,
+    view: &View<'_>,
+    u: f32x16<S>,
+    v: f32x16<S>,
+    d: &FootprintLanes<S>,
+) -> u32x16<S> {
+    let one_f = f32x16::splat(s, 1.0);
+    let p = d.ux * d.ux + d.uy * d.uy;
+    let r = d.vx * d.vx + d.vy * d.vy;
+    let q = d.ux * d.vx + d.uy * d.vy;
+    let half = (p - r) * 0.5;
+    let square = half * half + q * q;
+    let root = square * rsqrt_lanes(s, square);
+    let major2 = (p + r) * 0.5 + root;
+    let magnified = !major2.simd_gt(one_f);
+    let log_major = log2_sqrt_lanes(s, major2);
+    if magnified.all_true() {
+        let lod = limit_lanes(s, view, log_major);
+        if lod.simd_le(i32x16::splat(s, 0)).all_true() {
+            return bilinear_lanes::<S, SIMPLE>(s, view, u, v);
+        }
+    }
+    let det = d.ux * d.vy - d.uy * d.vx;
+    let ratio = (log_major << 1) - log2_sqrt_lanes(s, det * det);
+    let zero = i32x16::splat(s, 0);
+    let slot = ratio.simd_lt(zero).select(zero, ratio >> 6);
+    let last_slot = i32x16::splat(s, 15);
+    let slot = slot.simd_gt(last_slot).select(last_slot, slot);
+    let (count, level_drop) = {
+        let most = i32x16::splat(s, i32::from(view.most));
+        let count = lookup(s, &PROBES, slot);
+        let count = count.simd_lt(most).select(count, most);
+        let count = magnified.select(i32x16::splat(s, 1), count);
+        (count, lookup(s, &PROBE_LEVELS, count))
+    };
+    let steep = !half.simd_ge(f32x16::splat(s, 0.0));
+    let x = steep.select(q, half + root);
+    let y = steep.select(root - half, q);
+    let length2 = x * x + y * y;
+    let k = major2 * rsqrt_lanes(s, major2) * rsqrt_lanes(s, length2);
+    let n = count.to_float::<f32x16<S>>();
+    let share = one_f / n;
+    let (w, h) = view.size();
+    let step_u = x * k * share / (w as f32);
+    let step_v = y * k * share / (h as f32);
+    let lod = limit_lanes(s, view, log_major - level_drop);
+    let level = (lod + 128) >> 8;
+    let level = level.simd_lt(zero).select(zero, level);
+    let top = i32x16::splat(s, view.last);
+    let level = level.simd_gt(top).select(top, level);
+    let first = (one_f - n) * 0.5;
+    let uniform = level.simd_eq(i32x16::splat(s, level[0])).all_true();
+    let at = if uniform {
+        At::uniform(s, view, level[0])
+    } else {
+        At::per_lane(s, view, level)
+    };
+    let mut low = u16x32::splat(s, 0);
+    let mut high = u16x32::splat(s, 0);
+    let mut k = 0;
+    loop {
+        let active = count.simd_gt(i32x16::splat(s, k));
+        if !active.any_true() {
+            break;
+        }
+        let place = first + k as f32;
+        let c = bilinear_at::<S, SIMPLE>(s, view, &at, u + step_u * place, v + step_v * place);
+        // All ones where the probe counts.
+        let mask: u16x32<S> = active.select(i32x16::splat(s, -1), zero).bitcast();
+        low += c.low & mask;
+        high += c.high & mask;
+        k += 1;
+    }
+    let (low, high): (u32x16<S>, u32x16<S>) = (low.bitcast(), high.bitcast());
+    let mean = MeanOf { share };
+    mean.of(low & 0xffff)
+        | mean.of(high & 0xffff) << 8
+        | mean.of(low >> 16) << 16
+        | mean.of(high >> 16) << 24
+}
+
+#[derive(Clone, Copy)]
+struct MeanOf<S: Simd> {
+    share: f32x16<S>,
+}
+
+impl<S: Simd> MeanOf<S> {
+    #[inline(always)]
+    fn of(self, sum: u32x16<S>) -> u32x16<S> {
+        let sum: i32x16<S> = sum.bitcast();
+        let mean: i32x16<S> = (sum.to_float::<f32x16<S>>() * self.share + 0.5).to_int();
+        mean.bitcast()
+    }
+}
+
+/// Small tables stay in the first cache level.
+#[inline(always)]
+fn lookup<S: Simd>(s: S, table: &[u32], i: i32x16<S>) -> i32x16<S> {
+    match Words::new(table) {
+        Some(words) => gather(s, words, i.bitcast()).bitcast(),
+        None => i,
+    }
+}

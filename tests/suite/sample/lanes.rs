@@ -1,0 +1,278 @@
+//! Lanes equal their scalar twins bit for bit, on every SIMD level and the forced fallback.
+
+use crate::support::{Random, WRAPS, filters, random_bytes, random_floats};
+use texmap_math::Footprint;
+use texmap_sample::{
+    ColorSpace, Filter, Lod, Origin, Precision, Sampler, Texture2d, Wrap, sample_slice,
+};
+use texmap_tests::levels::levels;
+
+/// Places and footprints: smooth runs, random ones, and the numbers that break things.
+struct Places {
+    u: Vec<f32>,
+    v: Vec<f32>,
+    d: Vec<Footprint>,
+}
+
+fn places(seed: u64) -> Places {
+    let mut random = Random::new(seed);
+    let (mut u, mut v, mut d) = (Vec::new(), Vec::new(), Vec::new());
+    // Runs of one level, magnified or minified, as a floor has them.
+    for run in 0..6 {
+        let size = 0.5_f32.powi(run * 2 + 1);
+        for k in 0..16 {
+            u.push(0.013 * k as f32 - 0.4);
+            v.push(3.7 - 0.021 * k as f32);
+            d.push(Footprint::new(size, 0.1 * size, -0.2 * size, 0.7 * size));
+        }
+    }
+    for _ in 0..160 {
+        u.push(random.range(-3.0, 4.0));
+        v.push(random.range(-3.0, 4.0));
+        let mut d1 = || random.range(-1.0, 1.0) * 0.5_f32.powi((random.word() % 12) as i32);
+        d.push(Footprint::new(d1(), d1(), d1(), d1()));
+    }
+    let hard = [
+        f32::NAN,
+        f32::INFINITY,
+        f32::NEG_INFINITY,
+        1e30,
+        -1e30,
+        0.0,
+        -0.0,
+        -1e-30,
+        1e-45,
+        1.0,
+        65536.25,
+        1e6,
+        0.999_999_94,
+        -0.5,
+    ];
+    for (i, a) in hard.into_iter().enumerate() {
+        for (j, b) in hard.into_iter().enumerate() {
+            u.push(a);
+            v.push(b);
+            let (p, q) = (hard[(i + j) % hard.len()], hard[(3 * i + j) % hard.len()]);
+            d.push(Footprint::new(p, 0.01, q, p));
+        }
+    }
+    // Not a whole number of vectors.
+    u.push(0.3);
+    v.push(0.3);
+    d.push(Footprint::default());
+    assert_ne!(u.len() % 16, 0);
+    Places { u, v, d }
+}
+
+fn textures() -> Vec<(&'static str, Texture2d<'static>)> {
+    let mut random = Random::new(1);
+    let mut coloured = |w: u32, h: u32, soft: bool| -> Vec<u8> {
+        (0..w * h)
+            .flat_map(|_| {
+                let a = if soft {
+                    random.word() as u8
+                } else {
+                    if random.word() & 1 == 0 { 0 } else { 255 }
+                };
+                let c = random.word();
+                [c as u8, (c >> 8) as u8, (c >> 16) as u8, a]
+            })
+            .collect()
+    };
+    let keyed = Texture2d::from_rgba8(
+        16,
+        8,
+        coloured(16, 8, false),
+        ColorSpace::Linear,
+        Origin::TopLeft,
+    );
+    let soft = Texture2d::from_rgba8(
+        32,
+        32,
+        coloured(32, 32, true),
+        ColorSpace::Srgb,
+        Origin::BottomLeft,
+    );
+    let odd = Texture2d::from_rgba8(
+        13,
+        7,
+        coloured(13, 7, true),
+        ColorSpace::Srgb,
+        Origin::TopLeft,
+    );
+    let heights: Vec<f32> = (0..16 * 16).map(|i| (i * 37 % 101) as f32).collect();
+    vec![
+        ("bytes 64x32", random_bytes(64, 32, 3).with_mips()),
+        (
+            "bytes 64x64 flipped, no mips",
+            random_bytes(64, 64, 3).with_origin(Origin::BottomLeft),
+        ),
+        ("bytes 63x57", random_bytes(63, 57, 4).with_mips()),
+        (
+            "bytes 5x3 flipped",
+            random_bytes(5, 3, 4)
+                .with_origin(Origin::BottomLeft)
+                .with_mips(),
+        ),
+        ("bytes 1x1", random_bytes(1, 1, 5)),
+        ("bytes 1x9", random_bytes(1, 9, 5).with_mips()),
+        ("keyed 16x8", keyed.unwrap().with_mips()),
+        ("soft 32x32", soft.unwrap().with_mips()),
+        ("soft 13x7", odd.unwrap().with_mips()),
+        ("floats 31x16", random_floats(31, 16, 6).with_mips()),
+        (
+            "heights 16x16",
+            Texture2d::borrow_r32(16, 16, &heights, Origin::TopLeft)
+                .unwrap()
+                .with_mips(),
+        ),
+    ]
+}
+
+fn same_bits(a: [f32; 4], b: [f32; 4]) -> bool {
+    a.map(f32::to_bits) == b.map(f32::to_bits)
+}
+
+#[test]
+fn slices_equal_single_samples_on_every_level() {
+    let places = places(9);
+    let n = places.u.len();
+    let mut out = vec![[0.0; 4]; n];
+    for (name, t) in textures() {
+        for (k, filter) in filters().into_iter().enumerate() {
+            for (j, wrap) in WRAPS.into_iter().enumerate() {
+                for precision in [Precision::Exact, Precision::Fast] {
+                    let s = Sampler {
+                        filter,
+                        wrap_u: wrap,
+                        // Every pair of wraps comes by.
+                        wrap_v: WRAPS[(j + k) % 5],
+                        border: [0.3, 0.5, 0.7, 0.9],
+                        lod: if k % 3 == 1 {
+                            Lod {
+                                bias: 0.7,
+                                min: 0.2,
+                                max: 3.3,
+                            }
+                        } else {
+                            Lod::default()
+                        },
+                        precision,
+                    };
+                    let truth: Vec<_> = (0..n)
+                        .map(|i| {
+                            let uv = [places.u[i], places.v[i]];
+                            (s.sample_grad(&t, uv, places.d[i]), s.sample(&t, uv))
+                        })
+                        .collect();
+                    for (level_name, level) in levels() {
+                        for with_grads in [true, false] {
+                            let grads = with_grads.then_some(&places.d[..]);
+                            sample_slice(level, &s, &t, &places.u, &places.v, grads, &mut out)
+                                .unwrap();
+                            for i in 0..n {
+                                let want = if with_grads { truth[i].0 } else { truth[i].1 };
+                                assert!(
+                                    same_bits(out[i], want),
+                                    "{name} {filter:?} {precision:?} {wrap:?} {:?} {level_name} at {i} \
+                                     ({}, {}) {:?}: {:?} against {want:?}",
+                                    s.wrap_v,
+                                    places.u[i],
+                                    places.v[i],
+                                    with_grads.then_some(places.d[i]),
+                                    out[i]
+                                );
+                            }
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// The path for powers of two gives the bits of the general one: the same texture under a wrap that
+/// never shows (coordinates inside) must agree with repeat away from the edges.
+#[test]
+fn the_masked_path_agrees_with_the_general_one() {
+    let t = random_bytes(64, 64, 8);
+    let mut random = Random::new(4);
+    for filter in [Filter::Nearest, Filter::Bilinear] {
+        for precision in [Precision::Exact, Precision::Fast] {
+            let masked = Sampler {
+                filter,
+                precision,
+                ..Sampler::default()
+            };
+            let general = Sampler {
+                wrap_u: Wrap::ClampToEdge,
+                wrap_v: Wrap::ClampToEdge,
+                ..masked.clone()
+            };
+            for _ in 0..1000 {
+                let uv = [random.range(0.02, 0.98), random.range(0.02, 0.98)];
+                assert!(
+                    same_bits(masked.sample(&t, uv), general.sample(&t, uv)),
+                    "{filter:?} {uv:?}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn slices_of_different_lengths_are_refused() {
+    let t = random_bytes(4, 4, 1);
+    let s = Sampler::default();
+    let level = texmap_math::Level::new();
+    let mut out = [[0.0; 4]; 2];
+    let e = sample_slice(level, &s, &t, &[0.0; 2], &[0.0; 3], None, &mut out).unwrap_err();
+    assert_eq!(e.to_string(), "v holds 3 entries, the coordinates have 2");
+    assert!(
+        sample_slice(
+            level,
+            &s,
+            &t,
+            &[0.0; 2],
+            &[0.0; 2],
+            Some(&[Footprint::default()]),
+            &mut out
+        )
+        .is_err()
+    );
+    assert!(sample_slice(level, &s, &t, &[0.0; 3], &[0.0; 3], None, &mut out).is_err());
+    assert!(sample_slice(level, &s, &t, &[], &[], None, &mut []).is_ok());
+}
+
+/// Fast stays within what 8-bit weights allow of Exact on bytes.
+#[test]
+fn fast_stays_near_exact() {
+    let t = random_bytes(64, 64, 2).with_mips();
+    let mut random = Random::new(6);
+    for (filter, bound) in [
+        (Filter::Nearest, 0.0),
+        (Filter::Bilinear, 3.0 / 255.0),
+        (Filter::Trilinear, 0.06),
+    ] {
+        let exact = Sampler {
+            filter,
+            ..Sampler::default()
+        };
+        let fast = Sampler {
+            precision: Precision::Fast,
+            ..exact.clone()
+        };
+        for _ in 0..2000 {
+            let uv = [random.range(-2.0, 2.0), random.range(-2.0, 2.0)];
+            let size = 0.5_f32.powi((random.word() % 9) as i32);
+            let d = Footprint::new(size, 0.0, 0.0, size * 0.8);
+            let (a, b) = (exact.sample_grad(&t, uv, d), fast.sample_grad(&t, uv, d));
+            let error = a
+                .iter()
+                .zip(b)
+                .map(|(a, b)| (a - b).abs())
+                .fold(0.0, f32::max);
+            assert!(error <= bound + 1e-6, "{filter:?} {error}");
+        }
+    }
+}
