@@ -19,10 +19,10 @@
 //! ```
 #![forbid(unsafe_code)]
 
-mod error;
 pub mod bench_scenes;
 pub mod cases;
 pub mod demos;
+mod error;
 pub mod metrics;
 pub mod picture;
 pub mod reference;

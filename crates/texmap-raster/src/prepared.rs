@@ -314,7 +314,11 @@ fn best_level() -> Level {
 
 /// `f` of each item, in order, on the current rayon pool where there is one.
 #[cfg(feature = "rayon")]
-fn map_all<T: Send, R: Send>(threads: usize, work: Vec<T>, f: impl Fn(T) -> R + Sync + Send) -> Vec<R> {
+fn map_all<T: Send, R: Send>(
+    threads: usize,
+    work: Vec<T>,
+    f: impl Fn(T) -> R + Sync + Send,
+) -> Vec<R> {
     use rayon::iter::{IntoParallelIterator, ParallelIterator};
     if threads > 1 {
         work.into_par_iter().map(f).collect()
