@@ -19,8 +19,10 @@ eye 3.5 -13 6.2
 look -0.6 10 4.2
 up 0 0 1
 fov 60
-la 1 1 1
-ld 1 1 1 0.5 0.5 -1
+# The slide's la 1 1 1 and ld 1 1 1 0.5 0.5 -1 go with its surf, whose ka and kd are 0.5. Only the cow is lit here,
+# and the ka and kd of an OBJ are 1: the lights are halved instead.
+la 0.5 0.5 0.5
+ld 0.5 0.5 0.5 0.5 0.5 -1
 surf 0.8 0.2 0.9 0.5 0.5 0.0 1.0
 
 # The slide's first eight vertices are lost; its faces begin with vertex 8. A floor and a ceiling fit the gap.
@@ -176,9 +178,9 @@ tf 16 0 1 17 10 1 18 10 0 19 0 0
 const TEAPOT: &str = "\
 # The Utah teapot with the labelled grid, on a checkered table.
 eye 3.8 4.2 7.4
-look 0.1 1.35 0
+look 0.25 1.35 0
 up 0 1 0
-fov 44
+fov 54
 background 0.16 0.18 0.22
 la 0.35 0.35 0.35
 ld 0.8 0.8 0.75 -0.5 -1 -0.6
@@ -195,9 +197,9 @@ const LABEL: &str = "\
 # A label texture: the face is all in the picture, the head below it has only a nose. Beside it a cube, whose
 # six faces show the labelled grid.
 eye 1.0 0.3 4.6
-look 0.55 -0.05 0
+look 0.78 -0.05 0
 up 0 1 0
-fov 42
+fov 50
 background 0.22 0.26 0.30
 la 0.45 0.45 0.45
 ld 0.7 0.7 0.7 -0.6 -0.6 -1
@@ -220,7 +222,7 @@ const FRAME_OUV: &str = "\
 eye 0 1.2 5.2
 look 0 0.9 0
 up 0 1 0
-fov 58
+fov 72
 background 0.14 0.15 0.18
 texture ../textures/uv_grid.png
 v -3.1 0 0.6
