@@ -26,10 +26,12 @@
 #![forbid(unsafe_code)]
 extern crate alloc;
 
+mod auto;
 mod error;
 mod fallback;
 mod frame;
 mod lanes;
+mod layout;
 mod mapping;
 mod mesh;
 mod overlap;
@@ -40,12 +42,16 @@ mod seam;
 mod shells;
 mod solid;
 mod tangent;
+#[cfg(feature = "unwrap")]
+mod unwrap;
 mod views;
 
+pub use auto::auto_planes;
 pub use error::UvError;
 pub use fallback::{Projection, project};
 pub use frame::Frame;
 pub use lanes::{cylinder_one, cylinder_slice, sphere_one, sphere_slice};
+pub use layout::layout_svg;
 pub use mapping::{Entity, Mapped, Mapping, tile};
 pub use mesh::{Faces, Mesh, UvSet};
 pub use pack::{Page, pack};
@@ -53,3 +59,5 @@ pub use report::{Report, ReportOptions, TriangleReport, report};
 pub use shells::{Cuts, cut, sew};
 pub use solid::{Origin, Part, Shape};
 pub use tangent::tangents;
+#[cfg(feature = "unwrap")]
+pub use unwrap::unwrap;
