@@ -22,6 +22,7 @@ pub(crate) enum Verb {
     Render(Box<cmd::render::RenderArgs>),
     Info(cmd::info::InfoArgs),
     Demo(cmd::demo::DemoArgs),
+    Uv(cmd::uv::UvArgs),
 }
 
 impl Verb {
@@ -31,6 +32,7 @@ impl Verb {
             Self::Render(a) => a.json,
             Self::Info(a) => a.json,
             Self::Demo(a) => a.json,
+            Self::Uv(a) => a.json,
         }
     }
 }

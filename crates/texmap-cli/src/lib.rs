@@ -54,6 +54,7 @@ fn dispatch(verb: Verb) -> Result<Exit, Failure> {
         Verb::Render(args) => cmd::render::run(&args),
         Verb::Info(args) => cmd::info::run(&args),
         Verb::Demo(args) => cmd::demo::run(&args),
+        Verb::Uv(args) => cmd::uv::run(&args),
     }
 }
 

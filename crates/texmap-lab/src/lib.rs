@@ -28,5 +28,6 @@ pub mod picture;
 pub mod reference;
 pub mod scenes;
 pub mod strip;
+pub mod uv_pictures;
 
 pub use error::LabError;

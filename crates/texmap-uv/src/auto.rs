@@ -23,17 +23,29 @@ use crate::{Origin, UvError, parallel};
 pub fn auto_planes(mesh: &Mesh<'_>, page: Page, origin: Origin) -> Result<UvSet, UvError> {
     let topology = Topology::new(mesh);
     let faces = mesh.faces().len();
-    let normals = parallel::collect_chunks(faces, |range| range.map(|f| unit_or_zero(mesh.face_normal(f))).collect());
+    let normals = parallel::collect_chunks(faces, |range| {
+        range.map(|f| unit_or_zero(mesh.face_normal(f))).collect()
+    });
     let sides = sides(mesh, &topology, &normals);
-    let corner = |k: usize| sides[topology.face[k] as usize].flat(mesh.point(k)).uv(origin);
+    let corner = |k: usize| {
+        sides[topology.face[k] as usize]
+            .flat(mesh.point(k))
+            .uv(origin)
+    };
     let values: Vec<[f64; 2]> = (0..mesh.faces().corners().len()).map(corner).collect();
     let group = divide(mesh, &topology, &sides, &values);
     let flat: Vec<[f32; 2]> = values.iter().map(|v| v.map(|c| c as f32)).collect();
     // One index per position and chart.
     let mut known = alloc::collections::BTreeMap::new();
-    let mut set = UvSet { uvs: Vec::new(), corners: Vec::with_capacity(flat.len()) };
+    let mut set = UvSet {
+        uvs: Vec::new(),
+        corners: Vec::with_capacity(flat.len()),
+    };
     for (k, value) in flat.iter().enumerate() {
-        let key = (group[topology.face[k] as usize], topology.welded[mesh.faces().corners()[k] as usize]);
+        let key = (
+            group[topology.face[k] as usize],
+            topology.welded[mesh.faces().corners()[k] as usize],
+        );
         set.corners.push(*known.entry(key).or_insert_with(|| {
             set.uvs.push(*value);
             set.uvs.len() as u32 - 1
@@ -55,7 +67,10 @@ fn sides(mesh: &Mesh<'_>, topology: &Topology, normals: &[DVec3]) -> Vec<Part> {
                 .collect();
             let votes = |side: Part| around.iter().filter(|s| **s == side).count();
             let flat = normals[f] == DVec3::ZERO;
-            let winner = around.iter().copied().find(|s| *s != before[f] && votes(*s) * 3 >= around.len() * 2);
+            let winner = around
+                .iter()
+                .copied()
+                .find(|s| *s != before[f] && votes(*s) * 3 >= around.len() * 2);
             if let Some(side) = winner.filter(|s| flat || normals[f].dot(s.outward()) > 0.342) {
                 sides[f] = side;
             }
@@ -74,13 +89,19 @@ fn divide(mesh: &Mesh<'_>, topology: &Topology, sides: &[Part], values: &[[f64; 
         let twice = (q - p).perp_dot(r - p);
         if twice != 0.0 {
             let turned = if twice > 0.0 { [p, q, r] } else { [p, r, q] };
-            triangles.push(Flat { corners: turned, face: f as u32 });
+            triangles.push(Flat {
+                corners: turned,
+                face: f as u32,
+            });
             corners.push(f);
         }
     }
     loop {
         let joined = |k: usize| {
-            let [a, b] = [topology.face[k] as usize, topology.face[topology.twin[k] as usize] as usize];
+            let [a, b] = [
+                topology.face[k] as usize,
+                topology.face[topology.twin[k] as usize] as usize,
+            ];
             sides[a] == sides[b] && layer[a] == layer[b]
         };
         let shells = Shells::linked(faces, topology, joined);
@@ -121,7 +142,10 @@ mod tests {
         let mesh = Mesh::new(&positions, &faces).unwrap();
         let set = auto_planes(&mesh, Page::default(), Origin::TopLeft).unwrap();
         let report = report(&mesh, &set, &ReportOptions::default()).unwrap();
-        assert_eq!((report.overlapping, report.outside, report.collapsed), (0, 0, 0));
+        assert_eq!(
+            (report.overlapping, report.outside, report.collapsed),
+            (0, 0, 0)
+        );
         assert!(report.shells >= 3, "{} shells", report.shells);
         assert!(report.angle_max < 1.05, "{}", report.angle_max);
     }

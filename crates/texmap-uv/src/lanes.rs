@@ -92,7 +92,7 @@ fn run<S: Simd, const SPHERE: bool>(
 #[inline(always)]
 fn around_x16<S: Simd>(s: S, x: f32x16<S>, z: f32x16<S>) -> f32x16<S> {
     let zero = f32x16::splat(s, 0.0);
-    let turn = atan2_x16(s, z, x) * f32x16::splat(s, 1.0 / TAU);
+    let turn = det32::atan2_x16(s, z, x) * f32x16::splat(s, 1.0 / TAU);
     let u = turn
         .simd_lt(zero)
         .select(zero - turn, f32x16::splat(s, 1.0) - turn);
@@ -118,7 +118,7 @@ fn latitude_x16<S: Simd>(s: S, x: f32x16<S>, y: f32x16<S>, z: f32x16<S>) -> f32x
             .simd_gt(f32x16::splat(s, 0.0))
             .select(large, f32x16::splat(s, 1.0));
     let out = large * (f32x16::splat(s, 1.0) + ratio * ratio).sqrt();
-    atan2_x16(s, y, out) * f32x16::splat(s, FRAC_1_PI)
+    det32::atan2_x16(s, y, out) * f32x16::splat(s, FRAC_1_PI)
 }
 
 /// [`latitude_x16`] for one lane.
@@ -148,14 +148,4 @@ fn from_height(u: f32, h: f32, origin: Origin) -> [f32; 2] {
         Origin::TopLeft => [u, 0.5 - h],
         Origin::BottomLeft => [u, 0.5 + h],
     }
-}
-
-/// atan2 lane by lane.
-#[inline(always)]
-fn atan2_x16<S: Simd>(s: S, y: f32x16<S>, x: f32x16<S>) -> f32x16<S> {
-    let (mut a, mut b) = ([0.0; LANES], [0.0; LANES]);
-    y.store_slice(&mut a);
-    x.store_slice(&mut b);
-    let r: [f32; LANES] = core::array::from_fn(|i| det32::atan2(a[i], b[i]));
-    f32x16::from_slice(s, &r)
 }

@@ -15,20 +15,36 @@ pub fn layout_svg(set: &UvSet, report: &Report, origin: Origin, size: u32) -> St
     for uv in &set.uvs {
         for i in 0..2 {
             let c = f64::from(uv[i]);
-            low[i] = if c < low[i] { if c < -4.0 { -4.0 } else { c } } else { low[i] };
-            high[i] = if c > high[i] { if c > 5.0 { 5.0 } else { c } } else { high[i] };
+            low[i] = if c < low[i] {
+                if c < -4.0 { -4.0 } else { c }
+            } else {
+                low[i]
+            };
+            high[i] = if c > high[i] {
+                if c > 5.0 { 5.0 } else { c }
+            } else {
+                high[i]
+            };
         }
     }
     let side = (high[0] - low[0]).max(high[1] - low[1]);
     let scale = f64::from(size) / (side * 1.04);
     let margin = f64::from(size) * 0.02;
     let at = |u: f64, v: f64| {
-        let down = if origin == Origin::TopLeft { v - low[1] } else { high[1] - v };
+        let down = if origin == Origin::TopLeft {
+            v - low[1]
+        } else {
+            high[1] - v
+        };
         ((u - low[0]) * scale + margin, down * scale + margin)
     };
     let mut paths = [const { String::new() }; 3];
     for t in &report.triangles {
-        let path = &mut paths[if t.overlapping { 2 } else { usize::from(t.flipped) }];
+        let path = &mut paths[if t.overlapping {
+            2
+        } else {
+            usize::from(t.flipped)
+        }];
         for (k, corner) in t.corners.iter().enumerate() {
             let [u, v] = set.at(*corner as usize).map(f64::from);
             let (x, y) = at(u, v);
@@ -44,7 +60,10 @@ pub fn layout_svg(set: &UvSet, report: &Report, origin: Origin, size: u32) -> St
     );
     for (path, fill) in paths.iter().zip(["#9aa4b2", "#6a8fe0", "#ff6ab4"]) {
         if !path.is_empty() {
-            let _ = writeln!(svg, "<path d=\"{path}\" fill=\"{fill}\" fill-opacity=\"0.75\" stroke=\"#303038\" stroke-width=\"0.4\"/>");
+            let _ = writeln!(
+                svg,
+                "<path d=\"{path}\" fill=\"{fill}\" fill-opacity=\"0.75\" stroke=\"#303038\" stroke-width=\"0.4\"/>"
+            );
         }
     }
     svg.push_str("</svg>\n");

@@ -171,6 +171,16 @@ impl<'a> Mesh<'a> {
         normals.into_iter().map(unit_or_zero).collect()
     }
 
+    /// Unit normal of every position: the area-weighted mean of the faces around it; +Y where there is none.
+    #[must_use]
+    pub fn smooth_normals(&self) -> Vec<[f32; 3]> {
+        let or_up = |n: DVec3| if n == DVec3::ZERO { DVec3::Y } else { n };
+        self.vertex_normals()
+            .into_iter()
+            .map(|n| or_up(n).to_array().map(|c| c as f32))
+            .collect()
+    }
+
     /// Lowest and highest coordinates of the positions in use.
     pub(crate) fn bounds(&self) -> (DVec3, DVec3) {
         let first = self.vertex(self.faces.corners[0]);

@@ -233,16 +233,17 @@ pub fn report(mesh: &Mesh<'_>, set: &UvSet, options: &ReportOptions) -> Result<R
         wide: raw.iter().filter(|r| wide(uv(r))).count(),
         picture_area: picture,
         surface_area: space,
-        seam_length: seams.iter().map(|&k| edge_length(mesh, &topology, k)).sum(),
+        seam_length: lengths(mesh, &topology, seams.iter().copied()),
         seam_seen: if options.views {
             views::seen(mesh, &topology, &seams)
         } else {
             f64::NAN
         },
-        rim_length: (0..topology.twin.len())
-            .filter(|&k| topology.twin[k] == RIM)
-            .map(|k| edge_length(mesh, &topology, k))
-            .sum(),
+        rim_length: lengths(
+            mesh,
+            &topology,
+            (0..topology.twin.len()).filter(|&k| topology.twin[k] == RIM),
+        ),
         non_manifold_edges: non_manifold(mesh, &topology),
         shells: Shells::new(mesh, set, &topology).count,
         triangles,
@@ -395,6 +396,11 @@ fn densities(raw: &[Raw], size: u32) -> [f64; 2] {
     } else {
         [f64::NAN; 2]
     }
+}
+
+/// Sum of the lengths of edges; a plain sum of none would be -0.
+fn lengths(mesh: &Mesh<'_>, topology: &Topology, edges: impl Iterator<Item = usize>) -> f64 {
+    edges.fold(0.0, |sum, k| sum + edge_length(mesh, topology, k))
 }
 
 /// The edges, each named by one corner, where two faces meet in space but not in the picture.

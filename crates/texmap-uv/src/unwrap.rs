@@ -15,17 +15,27 @@ use crate::{Origin, UvError};
 ///
 /// # Errors
 /// A cut that is no edge, or whatever the unwrapper says.
-pub fn unwrap(mesh: &Mesh<'_>, cuts: &Cuts<'_>, page: Page, origin: Origin) -> Result<UvSet, UvError> {
+pub fn unwrap(
+    mesh: &Mesh<'_>,
+    cuts: &Cuts<'_>,
+    page: Page,
+    origin: Origin,
+) -> Result<UvSet, UvError> {
     let topology = Topology::new(mesh);
     let marks = cuts.marks(mesh, &topology)?;
     let triangles: Vec<(usize, [usize; 3])> = mesh.faces().triangles().collect();
     let corners = mesh.faces().corners();
-    let indices: Vec<u32> = triangles.iter().flat_map(|(_, c)| c.map(|k| corners[k])).collect();
+    let indices: Vec<u32> = triangles
+        .iter()
+        .flat_map(|(_, c)| c.map(|k| corners[k]))
+        .collect();
     let polygons: Vec<u32> = triangles.iter().map(|(f, _)| *f as u32).collect();
     // An edge of a fan triangle is an edge of the face only if its corners follow one another.
     let seams: Vec<[bool; 3]> = triangles
         .iter()
-        .map(|(_, c)| core::array::from_fn(|i| topology.next[c[i]] as usize == c[(i + 1) % 3] && marks[c[i]]))
+        .map(|(_, c)| {
+            core::array::from_fn(|i| topology.next[c[i]] as usize == c[(i + 1) % 3] && marks[c[i]])
+        })
         .collect();
     let input = uvunwrap::MeshInput {
         seams: Some(&seams),
@@ -33,14 +43,22 @@ pub fn unwrap(mesh: &Mesh<'_>, cuts: &Cuts<'_>, page: Page, origin: Origin) -> R
         ..uvunwrap::MeshInput::new(mesh.positions(), &indices)
     };
     let options = uvunwrap::Options {
-        density: uvunwrap::Density::Auto { page_size: page.size },
+        density: uvunwrap::Density::Auto {
+            page_size: page.size,
+        },
         padding: page.gutter.div_ceil(2),
         packing: uvunwrap::Packing::Fast,
         ..uvunwrap::Options::default()
     };
-    let atlas = uvunwrap::generate(&[input], &options).map_err(|e| UvError::Unwrap { reason: e.to_string() })?;
+    let atlas = uvunwrap::generate(&[input], &options).map_err(|e| UvError::Unwrap {
+        reason: e.to_string(),
+    })?;
     if atlas.page_count > 1 {
-        return Err(UvError::DoesNotFit { charts: atlas.chart_count as usize, size: page.size, gutter: page.gutter });
+        return Err(UvError::DoesNotFit {
+            charts: atlas.chart_count as usize,
+            size: page.size,
+            gutter: page.gutter,
+        });
     }
     let out = atlas.meshes.into_iter().next().unwrap_or_default();
     // The page is cropped in height; on a square page it keeps its texels.
@@ -52,7 +70,14 @@ pub fn unwrap(mesh: &Mesh<'_>, cuts: &Cuts<'_>, page: Page, origin: Origin) -> R
             let [u, v] = out.vertices[*i as usize].uv.map(f64::from);
             // Its charts are counter-clockwise with v upward; for a top-left picture they are mirrored in v.
             let v = v * height;
-            values[*k] = [(u * width) as f32, if origin == Origin::TopLeft { (height - v) as f32 } else { v as f32 }];
+            values[*k] = [
+                (u * width) as f32,
+                if origin == Origin::TopLeft {
+                    (height - v) as f32
+                } else {
+                    v as f32
+                },
+            ];
         }
     }
     Ok(UvSet::shared(mesh, &values))

@@ -1,0 +1,508 @@
+//! `texmap uv`: texture coordinates for an OBJ, and a report on the ones it has.
+
+mod obj;
+mod pictures;
+mod table;
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use clap::{Args, ValueEnum};
+use texmap_io::npy;
+use texmap_math::Level;
+use texmap_math::glam::DVec3;
+use texmap_uv::{
+    Cuts, Entity, Frame, Mapping, Mesh, Origin, Page, ReportOptions, Shape, UvError, UvSet,
+    auto_planes, cut, pack, report, sew, tangents, unwrap,
+};
+
+use self::obj::Obj;
+use crate::failure::{Exit, Failure, print, print_json, say};
+use crate::output::{Destination, Stage};
+use crate::values::Triple;
+
+/// Give a mesh texture coordinates, or report on the ones it has.
+///
+/// Without --map the coordinates of the file are cut, sewn, packed or reported as they are. Only `vt` lines and the
+/// corners of `f` lines change; everything else in the file is kept.
+#[derive(Args, Debug)]
+pub(crate) struct UvArgs {
+    /// An OBJ file
+    mesh: PathBuf,
+    /// Where to write the OBJ with the new coordinates
+    #[arg(short, long)]
+    output: Option<PathBuf>,
+    /// How to find new coordinates
+    #[arg(long)]
+    map: Option<Map>,
+    /// What the shape maps
+    #[arg(long, default_value = "position")]
+    by: By,
+    /// Position of the eye, for --by reflection
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
+    eye: Option<Triple>,
+    /// Where the shape stands: position, yaw, pitch and roll in degrees, size; fitted to the mesh by default
+    #[arg(long, value_name = "PX,PY,PZ,YAW,PITCH,ROLL,SX,SY,SZ", value_parser = list::<9>, allow_hyphen_values = true)]
+    frame: Option<List<9>>,
+    /// How often the picture repeats on each part of the shape
+    #[arg(long, value_name = "U,V", value_parser = list::<2>, allow_hyphen_values = true)]
+    repeat: Option<List<2>>,
+    /// Size of one picture in object units, for --map plane by position
+    #[arg(long, value_name = "W,H", value_parser = list::<2>)]
+    tile: Option<List<2>>,
+    /// Unwrap faces across the seam and fan the poles
+    #[arg(long)]
+    fix_seams: bool,
+    /// Cut along edges: a file with two vertex numbers of the OBJ (from 1) a line
+    #[arg(long, value_name = "FILE")]
+    cut: Option<PathBuf>,
+    /// Cut where faces meet at more than this many degrees
+    #[arg(long, value_name = "DEGREES")]
+    cut_angle: Option<f64>,
+    /// Sew shells together along edges: a file as for --cut, in order
+    #[arg(long, value_name = "FILE")]
+    sew: Option<PathBuf>,
+    /// Pack the shells into a page of this many texels, all at one density (auto and unwrap always pack: 1024)
+    #[arg(long, value_name = "SIZE", value_parser = clap::value_parser!(u32).range(1..=65_536))]
+    pack: Option<u32>,
+    /// Texels between packed shells
+    #[arg(long, default_value_t = 4, value_parser = clap::value_parser!(u32).range(0..=4_096))]
+    gutter: u32,
+    /// Write the tangent of every corner (x, y, z, sign) as .npy
+    #[arg(long, value_name = "FILE.npy")]
+    tangents: Option<PathBuf>,
+    /// Print stretch, overlaps, seams and more as a table
+    #[arg(long)]
+    report: bool,
+    /// Draw checker, heat map and layout into this folder
+    #[arg(long, value_name = "DIR")]
+    pictures: Option<PathBuf>,
+    /// Edge of the texture in texels, for the density in the report
+    #[arg(long, default_value_t = 1024, value_parser = clap::value_parser!(u32).range(1..=65_536))]
+    texture_size: u32,
+    /// Print the report as JSON to standard output
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+/// How coordinates are found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Map {
+    Plane,
+    Cylinder,
+    Cone,
+    Sphere,
+    Box,
+    /// Six planes, by the direction that each face looks, packed
+    Auto,
+    /// Charts of low distortion, packed
+    Unwrap,
+}
+
+/// What a shape maps.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum By {
+    Position,
+    Normal,
+    Centroid,
+    Reflection,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct List<const N: usize>([f64; N]);
+
+fn list<const N: usize>(text: &str) -> Result<List<N>, String> {
+    let values: Option<Vec<f64>> = text
+        .split(',')
+        .map(|s| s.trim().parse::<f64>().ok().filter(|v| v.is_finite()))
+        .collect();
+    values
+        .and_then(|v| <[f64; N]>::try_from(v).ok())
+        .map(List)
+        .ok_or_else(|| format!("expected {N} numbers separated by commas"))
+}
+
+pub(crate) fn run(args: &UvArgs) -> Result<Exit, Failure> {
+    check(args)?;
+    let source = Source::read(&args.mesh)?;
+    let mesh = source.mesh()?;
+    let pairs = |path: &Option<PathBuf>| {
+        path.as_deref()
+            .map_or(Ok(Vec::new()), |p| read_pairs(p, mesh.positions().len()))
+    };
+    let (cuts, seams) = (pairs(&args.cut)?, pairs(&args.sew)?);
+    let cuts = Cuts {
+        pairs: &cuts,
+        angle: args.cut_angle.map(f64::to_radians),
+    };
+    let (set, around) =
+        coordinates(args, &source, &mesh, &cuts, &seams).map_err(|e| source.fault(&e))?;
+
+    let mut written = Vec::new();
+    let main = args.output.as_deref().or(args.tangents.as_deref());
+    if let Some(main) = main.map(Destination::new).transpose()? {
+        let mut stage = Stage::new(&main)?;
+        if let Some(path) = &args.output {
+            let place = stage.add(Destination::new(path)?, "obj");
+            fs::write(&place, source.obj.with(&set)).map_err(|e| write_failed(path, &e))?;
+            written.push(format!(
+                "{}: {} coordinates for {} corners",
+                path.display(),
+                set.uvs.len(),
+                set.corners.len()
+            ));
+        }
+        if let Some(path) = &args.tangents {
+            let place = stage.add(Destination::new(path)?, "npy");
+            let found = source.tangents(&mesh, &set).map_err(|e| source.fault(&e))?;
+            npy::write(
+                &place,
+                &[found.len(), 4],
+                npy::Values::F32(found.as_flattened()),
+            )?;
+            written.push(format!("{}: {} tangents", path.display(), found.len()));
+        }
+        stage.commit()?;
+    }
+    if args.report || args.json || args.pictures.is_some() {
+        let options = ReportOptions {
+            origin: Origin::BottomLeft,
+            texture_size: args.texture_size,
+            views: true,
+        };
+        let found = report(&mesh, &set, &options).map_err(|e| source.fault(&e))?;
+        if let Some(folder) = &args.pictures {
+            written.extend(pictures::draw(folder, &mesh, &set, &found)?);
+        }
+        if args.report && !args.json {
+            print(&table::text(&args.mesh, &found));
+        }
+        if args.json {
+            print_json(&table::json(&args.mesh, &found, &around));
+        }
+    }
+    if !around.is_empty() {
+        let first: Vec<String> = around
+            .iter()
+            .take(5)
+            .map(|f| source.obj.lines[*f as usize].to_string())
+            .collect();
+        say(&format!(
+            "warning: {} faces enclose the axis of the shape and cannot be mapped right by their vertices (lines {}{}); divide them at the axis\n",
+            around.len(),
+            first.join(", "),
+            if around.len() > 5 { ", ..." } else { "" },
+        ));
+    }
+    for line in written {
+        say(&(line + "\n"));
+    }
+    Ok(Exit::Done)
+}
+
+fn check(args: &UvArgs) -> Result<(), Failure> {
+    let output = args.output.is_some() || args.tangents.is_some();
+    if !output && !args.report && !args.json && args.pictures.is_none() {
+        return Err(Failure::usage(
+            "nothing to do",
+            "give -o OUT.obj, --report, --json, --pictures DIR or --tangents FILE.npy",
+        ));
+    }
+    let shape = matches!(
+        args.map,
+        Some(Map::Plane | Map::Cylinder | Map::Cone | Map::Sphere | Map::Box)
+    );
+    let needs = |given: bool, flag: &str, what: &str| match given {
+        true => Err(Failure::usage(
+            format!("{flag} has no effect here"),
+            format!("it belongs to {what}"),
+        )),
+        false => Ok(()),
+    };
+    needs(
+        args.by != By::Position && !shape,
+        "--by",
+        "--map plane, cylinder, cone, sphere or box",
+    )?;
+    needs(
+        args.frame.is_some() && !shape,
+        "--frame",
+        "--map plane, cylinder, cone, sphere or box",
+    )?;
+    needs(
+        args.repeat.is_some() && !shape,
+        "--repeat",
+        "--map plane, cylinder, cone, sphere or box",
+    )?;
+    needs(
+        args.fix_seams && !shape,
+        "--fix-seams",
+        "--map cylinder, cone or sphere",
+    )?;
+    needs(
+        args.eye.is_some() && args.by != By::Reflection,
+        "--eye",
+        "--by reflection",
+    )?;
+    needs(
+        args.tile.is_some() && (args.map != Some(Map::Plane) || args.by != By::Position),
+        "--tile",
+        "--map plane --by position",
+    )?;
+    if args.by == By::Reflection && args.eye.is_none() {
+        return Err(Failure::usage(
+            "--by reflection needs an eye",
+            "give --eye x,y,z",
+        ));
+    }
+    Ok(())
+}
+
+/// The new coordinates, or those of the file; and the faces around the axis of a round shape.
+fn coordinates(
+    args: &UvArgs,
+    source: &Source<'_>,
+    mesh: &Mesh<'_>,
+    cuts: &Cuts<'_>,
+    seams: &[[u32; 2]],
+) -> Result<(UvSet, Vec<u32>), UvError> {
+    let page = Page {
+        size: args.pack.unwrap_or(1024),
+        gutter: args.gutter,
+    };
+    let (mut set, mut around) = match args.map {
+        Some(Map::Auto) => (auto_planes(mesh, page, Origin::BottomLeft)?, Vec::new()),
+        Some(Map::Unwrap) => (unwrap(mesh, cuts, page, Origin::BottomLeft)?, Vec::new()),
+        Some(map) => {
+            let mapped = mapping(args, map).map(Level::new(), mesh, &source.obj.normals)?;
+            (mapped.set, mapped.around_axis)
+        }
+        None => match &source.obj.set {
+            Some(set) => (set.clone(), Vec::new()),
+            None => {
+                return Err(UvError::WrongLength {
+                    what: "the list of texture corners",
+                    found: 0,
+                    expected: mesh.faces().corners().len(),
+                });
+            }
+        },
+    };
+    let cutting = !cuts.pairs.is_empty() || cuts.angle.is_some();
+    if cutting && args.map != Some(Map::Unwrap) {
+        set = cut(mesh, &set, cuts)?;
+    }
+    if !seams.is_empty() {
+        set = sew(mesh, &set, seams)?;
+    }
+    if args.pack.is_some()
+        && (cutting || !seams.is_empty() || !matches!(args.map, Some(Map::Auto | Map::Unwrap)))
+    {
+        set = pack(mesh, &set, page)?;
+    }
+    if !args.fix_seams {
+        around.clear();
+    }
+    Ok((set, around))
+}
+
+fn mapping(args: &UvArgs, map: Map) -> Mapping {
+    let shape = match map {
+        Map::Cylinder => Shape::Cylinder,
+        Map::Cone => Shape::Cone,
+        Map::Sphere => Shape::Sphere,
+        Map::Box => Shape::Box,
+        Map::Plane | Map::Auto | Map::Unwrap => Shape::Plane,
+    };
+    let by = match args.by {
+        By::Position => Entity::Position,
+        By::Normal => Entity::Normal,
+        By::Centroid => Entity::Centroid,
+        By::Reflection => Entity::Reflection {
+            eye: DVec3::from(args.eye.map_or([0.0; 3], |t| t.0)),
+        },
+    };
+    let frame = args
+        .frame
+        .map(|List([px, py, pz, yaw, pitch, roll, sx, sy, sz])| Frame {
+            position: DVec3::new(px, py, pz),
+            yaw: yaw.to_radians(),
+            pitch: pitch.to_radians(),
+            roll: roll.to_radians(),
+            scale: DVec3::new(sx, sy, sz),
+        });
+    Mapping {
+        by,
+        frame,
+        tile: args.tile.map(|l| l.0),
+        repeat: args.repeat.map_or([1.0; 2], |l| l.0),
+        fix_seams: args.fix_seams,
+        origin: Origin::BottomLeft,
+        ..Mapping::new(shape)
+    }
+}
+
+/// An OBJ and its name.
+struct Source<'a> {
+    path: &'a Path,
+    obj: Obj,
+}
+
+impl<'a> Source<'a> {
+    fn read(path: &'a Path) -> Result<Self, Failure> {
+        let bytes = fs::read(path).map_err(|e| {
+            let why = if path.is_dir() {
+                "it is a folder".to_owned()
+            } else {
+                e.to_string()
+            };
+            Failure::new(
+                Exit::Input,
+                "read-failed",
+                format!("{}: cannot be read: {why}", path.display()),
+                "check the name and its permissions",
+            )
+        })?;
+        // OBJ is ASCII; names in other encodings pass through only as UTF-8.
+        let text = String::from_utf8(bytes).map_err(|e| {
+            let at = e.utf8_error().valid_up_to();
+            let line = e.as_bytes()[..at].iter().filter(|b| **b == b'\n').count() + 1;
+            Failure::new(
+                Exit::Input,
+                "not-text",
+                format!("{}:{line}: not UTF-8 text", path.display()),
+                "is it an OBJ? Save names in UTF-8",
+            )
+        })?;
+        let obj = Obj::parse(text).map_err(|f| {
+            Failure::new(
+                Exit::Input,
+                "bad-obj",
+                format!("{}:{}: {}", path.display(), f.line, f.what),
+                f.why,
+            )
+        })?;
+        Ok(Self { path, obj })
+    }
+
+    fn mesh(&self) -> Result<Mesh<'_>, Failure> {
+        Mesh::new(&self.obj.positions, &self.obj.faces).map_err(|e| self.fault(&e))
+    }
+
+    fn tangents(&self, mesh: &Mesh<'_>, set: &UvSet) -> Result<Vec<[f32; 4]>, UvError> {
+        let corners = mesh.faces().corners();
+        let normals: Vec<[f32; 3]> = match self.obj.normals.as_slice() {
+            [] => {
+                let smooth = mesh.smooth_normals();
+                corners.iter().map(|&i| smooth[i as usize]).collect()
+            }
+            given => corners.iter().map(|&i| given[i as usize]).collect(),
+        };
+        tangents(mesh, set, &normals)
+    }
+
+    /// The failure with file and line, and what to try.
+    fn fault(&self, error: &UvError) -> Failure {
+        let line = match error {
+            UvError::NotFinite { face, .. }
+            | UvError::BadIndex { face, .. }
+            | UvError::TooFewCorners { face, .. } => self.obj.lines.get(*face).copied(),
+            _ => None,
+        };
+        let place = match line {
+            Some(line) => format!("{}:{line}", self.path.display()),
+            None => self.path.display().to_string(),
+        };
+        let (code, what, why) = match error {
+            UvError::Empty => ("empty-mesh", error.to_string(), "the file has no `f` line"),
+            UvError::NotFinite { face, index } => (
+                "not-finite",
+                format!(
+                    "face {} uses vertex {}, which is NaN or infinite",
+                    face + 1,
+                    index + 1
+                ),
+                "repair the vertex or the coordinate",
+            ),
+            UvError::WrongLength { found: 0, .. } => (
+                "no-coordinates",
+                "not every corner has a texture coordinate".to_owned(),
+                "give --map, such as --map unwrap",
+            ),
+            UvError::BadFrame { .. } => (
+                "bad-frame",
+                error.to_string(),
+                "every size in --frame must differ from 0",
+            ),
+            UvError::NotAnEdge { a, b } => (
+                "not-an-edge",
+                format!(
+                    "vertices {} and {} are not the ends of an edge between faces",
+                    a + 1,
+                    b + 1
+                ),
+                "a cut names edges, a sew edges of two faces",
+            ),
+            UvError::DoesNotFit { .. } => (
+                "does-not-fit",
+                error.to_string(),
+                "give a larger --pack or a smaller --gutter",
+            ),
+            _ => ("bad-mapping", error.to_string(), "check the flag's value"),
+        };
+        Failure::new(Exit::Input, code, format!("{place}: {what}"), why)
+    }
+}
+
+/// Pairs of vertex numbers, from 1 in the file, from 0 here.
+fn read_pairs(path: &Path, vertices: usize) -> Result<Vec<[u32; 2]>, Failure> {
+    let text = fs::read_to_string(path).map_err(|e| {
+        Failure::new(
+            Exit::Input,
+            "read-failed",
+            format!("{}: cannot be read: {e}", path.display()),
+            "check the name and its permissions",
+        )
+    })?;
+    let mut pairs = Vec::new();
+    for (line, content) in text.lines().enumerate() {
+        let body = content.split('#').next().unwrap_or("").trim();
+        if body.is_empty() {
+            continue;
+        }
+        let numbers: Option<Vec<u32>> = body
+            .split_whitespace()
+            .map(|w| {
+                w.parse()
+                    .ok()
+                    .filter(|n| (1..=vertices).contains(&(*n as usize)))
+            })
+            .collect();
+        match numbers.as_deref() {
+            Some([a, b]) => pairs.push([a - 1, b - 1]),
+            _ => {
+                let what = format!(
+                    "{}:{}: `{body}` is no pair of vertices",
+                    path.display(),
+                    line + 1
+                );
+                return Err(Failure::new(
+                    Exit::Input,
+                    "bad-pair",
+                    what,
+                    format!("write two numbers from 1 to {vertices}"),
+                ));
+            }
+        }
+    }
+    Ok(pairs)
+}
+
+fn write_failed(path: &Path, error: &std::io::Error) -> Failure {
+    Failure::new(
+        Exit::Input,
+        "write-failed",
+        format!("{}: cannot be written: {error}", path.display()),
+        "check the permissions and the free space",
+    )
+}
