@@ -22,6 +22,8 @@ pub mod interp;
 pub mod lanes;
 pub mod plane;
 pub mod projector;
+pub mod reflection;
+pub mod wrap;
 
 pub use camera::{Camera, CameraError};
 pub use fearless_simd;

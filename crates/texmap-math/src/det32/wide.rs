@@ -273,7 +273,7 @@ pub(super) fn narrow<S: Simd>(low: f64x8<S>, high: f64x8<S>) -> f32x16<S> {
 #[inline(always)]
 pub(super) fn round(x: f64) -> f32 {
     let x = x as f32;
-    if x == x { x } else { f32::NAN }
+    if x.is_nan() { f32::NAN } else { x }
 }
 
 /// The polynomial `c0 + c1 z + c2 z^2 + ...` by Horner's rule: multiply, then add.
