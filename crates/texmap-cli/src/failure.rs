@@ -2,7 +2,11 @@
 
 use std::io::{self, Write};
 
+use clap::CommandFactory;
+use clap::error::ErrorKind;
 use serde::Serialize;
+
+use crate::args::Cli;
 
 /// How the program ends. The numbers are part of its interface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -106,6 +110,20 @@ impl From<texmap_io::IoError> for Failure {
 impl From<clap::Error> for Failure {
     /// clap's text is kept: first line what, the rest (tip and usage) why.
     fn from(refusal: clap::Error) -> Self {
+        if refusal.kind() == ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand {
+            let command = Cli::command();
+            let verbs: Vec<&str> = command
+                .get_subcommands()
+                .map(clap::Command::get_name)
+                .collect();
+            return Self::usage(
+                "no command given",
+                format!(
+                    "Usage: texmap COMMAND, one of {}; `texmap --help` says more",
+                    verbs.join(", ")
+                ),
+            );
+        }
         let text = refusal.render().to_string();
         let mut lines = text.lines().map(str::trim).filter(|l| !l.is_empty());
         let what = lines

@@ -46,10 +46,15 @@ pub(crate) fn item(
         load,
     };
     let cameras = cameras(args, &scene, walk)?;
-    // Every camera is checked before the first pixel.
+    // Everything is checked before the first pixel: the scene once, the camera of every picture.
+    let warnings = scene.check().map_err(|e| context.refused(&e))?;
     for (_, camera) in &cameras {
-        scene.camera = *camera;
-        scene.check().map_err(|e| context.refused(&e))?;
+        camera
+            .view()
+            .map_err(|e| context.refused(&RenderError::Camera(e)))?;
+    }
+    if args.dry_run {
+        scene.warnings.extend(warnings);
     }
     if args.views.is_empty() {
         let pictures = cameras.iter().zip(0..).map(|((_, camera), number)| {

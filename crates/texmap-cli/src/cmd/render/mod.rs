@@ -52,7 +52,12 @@ pub(crate) struct RenderArgs {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
     /// Instruction set: auto, avx512, avx2, sse4.2, sse2 or fallback. No pixel depends on it
-    #[arg(long, value_name = "LEVEL", default_value = "auto")]
+    #[arg(
+        long,
+        value_name = "LEVEL",
+        default_value = "auto",
+        hide_possible_values = true
+    )]
     level: LevelName,
     /// Background colour in sRGB: #rrggbb, #rrggbbaa, r,g,b[,a] or transparent
     #[arg(long, value_name = "COLOR", allow_hyphen_values = true)]

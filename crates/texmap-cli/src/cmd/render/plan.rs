@@ -91,8 +91,11 @@ pub(crate) fn array_name(picture: &Path, aov: Aov) -> PathBuf {
     picture.with_extension(format!("{aov}.npy"))
 }
 
-/// Bytes in use while one picture is drawn: scene, frame with its samples, and arrays.
+/// Estimate of the bytes in use while one picture is drawn: program, scene, frame and its file, arrays.
 pub(crate) fn memory(args: &RenderArgs, scene: &Scene) -> u64 {
+    const PROGRAM: u64 = 10_000_000;
+    // Clip positions, planes and bins.
+    const TRIANGLE: u64 = 1000;
     let size = |len: usize, each: usize| (len * each) as u64;
     let meshes = scene.meshes.iter().map(|m| {
         size(
@@ -109,7 +112,12 @@ pub(crate) fn memory(args: &RenderArgs, scene: &Scene) -> u64 {
     let pixels = u64::from(args.resolution.width) * u64::from(args.resolution.height);
     let arrays: usize = args.aov.iter().map(|a| 4 * a.channels()).sum();
     let pictures = args.views.len().max(1) as u64;
-    meshes.sum::<u64>() + textures.sum::<u64>() + pixels * (4 * pictures + arrays as u64)
+    let triangles: usize = scene.meshes.iter().map(|m| m.triangles.len()).sum();
+    PROGRAM
+        + meshes.sum::<u64>()
+        + triangles as u64 * TRIANGLE
+        + textures.sum::<u64>()
+        + pixels * (8 * pictures + arrays as u64)
 }
 
 fn name(inputs: &[PathBuf], output: Option<&Path>) -> Result<Vec<Item>, Failure> {
