@@ -1,7 +1,9 @@
 use core::fmt;
 
+use crate::{Chart, Environment};
+
 /// Why a slice function refused its input. Nothing has been written when it is returned.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum LightError {
     /// Slices that belong together have different lengths.
@@ -12,6 +14,25 @@ pub enum LightError {
         found: usize,
         /// The length that the output slice asks for.
         expected: usize,
+    },
+    /// A face of an environment that its chart cannot have.
+    ChartSize {
+        /// The chart.
+        chart: Chart,
+        /// Texels.
+        width: u32,
+        /// Texels.
+        height: u32,
+    },
+    /// A texel that is NaN or infinite.
+    Texel {
+        /// Its index.
+        index: usize,
+    },
+    /// A highlight's exponent that is negative or not finite.
+    Exponent {
+        /// The exponent.
+        exponent: f32,
     },
 }
 
@@ -28,6 +49,22 @@ impl fmt::Display for LightError {
                     "{what} has {found} entries but the output has {expected}: pass slices of one length"
                 )
             }
+            Self::ChartSize {
+                chart,
+                width,
+                height,
+            } => write!(
+                f,
+                "a {} face of {width} x {height} texels: its width must be {} times its height, each side 1 to {}",
+                chart.name(),
+                chart.aspect(),
+                Environment::MAX_SIDE
+            ),
+            Self::Texel { index } => write!(f, "texel {index} is not finite"),
+            Self::Exponent { exponent } => write!(
+                f,
+                "an exponent of {exponent}: it must be finite and not negative"
+            ),
         }
     }
 }

@@ -26,12 +26,16 @@
 #![forbid(unsafe_code)]
 extern crate alloc;
 
+mod chart;
+mod environment;
 mod error;
 pub mod reference;
 mod shade;
 mod surface;
 mod vector;
 
+pub use chart::{Chart, UnknownChart};
+pub use environment::{Environment, reflect};
 pub use error::LightError;
 pub use shade::{Terms, illuminate, illuminate_slice, illuminate_two_sided, terms, terms_slice};
 pub use surface::{Light, Surface};

@@ -1,0 +1,287 @@
+//! Environment charts: their errors against an analytic function, their seams, conversion and blur.
+
+use texmap_light::{Chart, Environment, LightError, reflect};
+use texmap_math::glam::{DVec2, DVec3};
+
+use crate::waves::{Noise, Waves};
+
+/// Height of a face for about 24,400 stored texels.
+fn size(chart: Chart) -> u32 {
+    match chart {
+        Chart::Cube | Chart::TanCube => 64,
+        Chart::LatLong => 111,
+        Chart::DualParaboloid => 110,
+        _ => 156,
+    }
+}
+
+fn environment(chart: Chart, waves: &Waves) -> Environment {
+    Environment::from_fn(chart, size(chart), |d| [waves.at(d) as f32; 3]).unwrap()
+}
+
+fn narrow(d: DVec3) -> [f32; 3] {
+    d.to_array().map(|x| x as f32)
+}
+
+/// Root mean square error over uniform directions.
+fn rmse(environment: &Environment, waves: &Waves, count: u32) -> f64 {
+    let mut noise = Noise(99);
+    let sum: f64 = (0..count)
+        .map(|_| {
+            let d = noise.direction();
+            (f64::from(environment.light(narrow(d))[0]) - waves.at(d)).powi(2)
+        })
+        .sum();
+    (sum / f64::from(count)).sqrt()
+}
+
+/// The table of the accuracy scene "Environment charts": F = 10, 20, 40.
+const TABLE: [(Chart, [f64; 3]); 7] = [
+    (Chart::TanCube, [0.0036, 0.0138, 0.054]),
+    (Chart::Cube, [0.0044, 0.0163, 0.064]),
+    (Chart::LatLong, [0.0047, 0.0180, 0.070]),
+    (Chart::Octahedron, [0.0055, 0.0198, 0.074]),
+    (Chart::DualParaboloid, [0.0056, 0.0208, 0.082]),
+    (Chart::EqualAreaOctahedron, [0.0074, 0.0224, 0.076]),
+    (Chart::SphereMap, [0.031, 0.094, 0.24]),
+];
+
+#[test]
+fn errors_are_those_of_the_table_and_rank_the_charts() {
+    for (column, frequency) in [10.0, 20.0, 40.0].into_iter().enumerate() {
+        let waves = Waves::new(frequency);
+        let mut errors = Vec::new();
+        for (chart, row) in TABLE {
+            let error = rmse(&environment(chart, &waves), &waves, 20_000);
+            println!("{chart:?} F {frequency}: {error:.4}, table {}", row[column]);
+            errors.push(error);
+            // The figure of a sphere map depends on what fills its corners.
+            let bound = if chart == Chart::SphereMap { 0.3 } else { 0.15 };
+            assert!(
+                (error / row[column] - 1.0).abs() < bound,
+                "{chart:?} F {frequency}: {error}, table {}",
+                row[column]
+            );
+        }
+        assert!(
+            errors[0] < errors[1] && errors[1] < errors[2],
+            "tan-cube, cube, lat-long: {errors:?}"
+        );
+        assert!(
+            errors.iter().all(|e| *e <= errors[6]),
+            "the sphere map is the worst: {errors:?}"
+        );
+    }
+}
+
+/// Directions at +-1e-3 from the edges and corners of the cube.
+fn near_edges() -> impl Iterator<Item = DVec3> {
+    let mut noise = Noise(3);
+    (0..20_000).map(move |i| {
+        let mut d = [
+            1.0,
+            1.0 + 2e-3 * (noise.next() - 0.5),
+            2.0 * noise.next() - 1.0,
+        ];
+        if i % 4 == 0 {
+            d[2] = 1.0 + 2e-3 * (noise.next() - 0.5);
+        }
+        d.rotate_right(i % 3);
+        let side = |x: f64, bit: usize| if i / 12 >> bit & 1 == 0 { x } else { -x };
+        DVec3::new(side(d[0], 0), side(d[1], 1), side(d[2], 2)).normalize()
+    })
+}
+
+/// The naive look-up: each face clamped at its own edge.
+fn clamped(environment: &Environment, d: DVec3) -> f64 {
+    let (face, uv) = environment.chart().locate(d);
+    let n = f64::from(environment.size().0);
+    let p = (uv * n - 0.5).clamp(DVec2::ZERO, DVec2::splat(n - 1.0));
+    let (x, y) = (p.floor(), p - p.floor());
+    let texel = |i: f64, j: f64| {
+        let at = |c: f64| (c.min(n - 1.0)) as u32;
+        f64::from(environment.texel(face, at(x.x + i), at(x.y + j)).unwrap()[0])
+    };
+    let row = |j: f64| texel(0.0, j) * (1.0 - y.x) + texel(1.0, j) * y.x;
+    row(0.0) * (1.0 - y.y) + row(1.0) * y.y
+}
+
+/// Case E1: f = 10 on 64 x 64 faces; a rendered border errs by .023 at most, a clamped look-up by .117.
+#[test]
+fn cube_edges_and_corners_are_seamless() {
+    let waves = Waves::new(10.0);
+    let cube = environment(Chart::Cube, &waves);
+    let worst = |look_up: &dyn Fn(DVec3) -> f64| {
+        near_edges()
+            .map(|d| (look_up(d) - waves.at(d)).abs())
+            .fold(0.0, f64::max)
+    };
+    let bordered = worst(&|d| f64::from(cube.light(narrow(d))[0]));
+    let naive = worst(&|d| clamped(&cube, d));
+    println!("at the edges: border {bordered:.4}, clamp {naive:.4}");
+    assert!(bordered <= 1.1 * 0.023, "{bordered}");
+    assert!(naive > 3.0 * bordered, "{naive}");
+}
+
+/// Across every edge, pole and equator the light does not jump (cases E1, E4, E5): two directions 1e-4 apart differ by no
+/// more than the function and one texel's bend allow.
+#[test]
+fn no_chart_has_a_seam() {
+    let waves = Waves::new(5.0);
+    for (chart, _) in TABLE {
+        let environment = environment(chart, &waves);
+        let mut noise = Noise(11);
+        let mut worst = 0.0f64;
+        for i in 0..30_000 {
+            let mut d = noise.direction();
+            // Half of them on the planes where edges, poles, equators lie.
+            if i % 2 == 0 {
+                d[i / 2 % 3] *= 1e-4;
+                d = d.normalize();
+            }
+            if chart == Chart::SphereMap && d.z < -0.9 {
+                continue;
+            }
+            let near = d + noise.direction() * 1e-4;
+            let jump = environment.light(narrow(d))[0] - environment.light(narrow(near))[0];
+            worst = worst.max(f64::from(jump.abs()));
+        }
+        assert!(worst < 4e-3, "{chart:?}: {worst}");
+    }
+}
+
+/// From plain texels, the border is read from the neighbours: still seamless, if not as exact as a rendered one.
+#[test]
+fn texels_get_their_borders_from_the_neighbours() {
+    let waves = Waves::new(10.0);
+    for (chart, _) in TABLE {
+        let rendered = environment(chart, &waves);
+        let (w, h) = rendered.size();
+        let texels: Vec<[f32; 3]> = (0..chart.faces())
+            .flat_map(|face| (0..w * h).map(move |i| (face, i)))
+            .map(|(face, i)| rendered.texel(face, i % w, i / w).unwrap())
+            .collect();
+        let read = Environment::from_texels(chart, (w, h), &texels).unwrap();
+        let (a, b) = (rmse(&rendered, &waves, 5_000), rmse(&read, &waves, 5_000));
+        assert!(b < 1.15 * a, "{chart:?}: {b} from texels, {a} rendered");
+    }
+}
+
+#[test]
+fn conversion_keeps_the_light() {
+    let waves = Waves::new(5.0);
+    for from in Chart::ALL {
+        let source = environment(from, &waves);
+        for to in Chart::ALL {
+            if from == Chart::SphereMap || to == Chart::SphereMap {
+                continue;
+            }
+            let converted = source.convert(to, size(to)).unwrap();
+            let error = rmse(&converted, &waves, 2_000);
+            assert!(error < 6e-3, "{from:?} to {to:?}: {error}");
+        }
+    }
+}
+
+/// Made four times smaller, a fine function becomes its mean, not a pick of its values.
+#[test]
+fn conversion_to_a_smaller_chart_filters() {
+    let waves = Waves::new(120.0);
+    let fine = Environment::from_fn(Chart::Cube, 128, |d| [waves.at(d) as f32; 3]).unwrap();
+    let energy = |e: &Environment| {
+        let (w, h) = e.size();
+        let all: Vec<f64> = (0..e.chart().faces())
+            .flat_map(|f| (0..w * h).map(move |i| (f, i)))
+            .map(|(f, i)| f64::from(e.texel(f, i % w, i / w).unwrap()[0]).powi(2))
+            .collect();
+        all.iter().sum::<f64>() / all.len() as f64
+    };
+    let small = energy(&fine.convert(Chart::LatLong, 8).unwrap());
+    let picked = energy(&Environment::from_fn(Chart::Cube, 8, |d| fine.light(narrow(d))).unwrap());
+    assert!(
+        small < 0.1 && picked > 0.3,
+        "filtered {small}, picked {picked}"
+    );
+}
+
+#[test]
+fn blur_gathers_the_lobe() {
+    // A constant stays; a lamp becomes its highlight, cos^n around it.
+    let constant = Environment::from_fn(Chart::Octahedron, 32, |_| [0.25, 0.5, 1.0]).unwrap();
+    let blurred = constant.blur(Chart::Cube, 4, 10.0).unwrap();
+    assert!((blurred.light([0.3, 0.2, -0.9])[2] - 1.0).abs() < 1e-5);
+    let lamp = |d: DVec3| [if d.y > 0.999 { 1.0 } else { 0.0 }; 3];
+    let map = Environment::from_fn(Chart::TanCube, 64, lamp)
+        .unwrap()
+        .blur(Chart::Cube, 32, 20.0)
+        .unwrap();
+    let (top, tilted) = (map.light([0.0, 1.0, 0.0])[0], map.light([0.5, 1.0, 0.0])[0]);
+    let expected = (1.0f32 / 1.25f32.sqrt()).powi(20);
+    assert!(
+        (tilted / top - expected).abs() < 0.02,
+        "{} for {expected}",
+        tilted / top
+    );
+    assert_eq!(
+        constant.blur(Chart::Cube, 4, -1.0),
+        Err(LightError::Exponent { exponent: -1.0 })
+    );
+}
+
+#[test]
+fn shapes_and_texels_are_checked() {
+    let refused =
+        Environment::from_texels(Chart::LatLong, (64, 64), &[[0.0; 3]; 4096]).unwrap_err();
+    assert!(refused.to_string().contains("2 times"), "{refused}");
+    assert!(matches!(
+        Environment::from_fn(Chart::Cube, 0, |_| [0.0; 3]),
+        Err(LightError::ChartSize { .. })
+    ));
+    assert!(matches!(
+        Environment::from_fn(Chart::Cube, u32::MAX, |_| [0.0; 3]),
+        Err(LightError::ChartSize { .. })
+    ));
+    assert!(matches!(
+        Environment::from_texels(Chart::Cube, (2, 2), &[[0.0; 3]; 4]),
+        Err(LightError::Length { .. })
+    ));
+    let mut texels = [[0.0; 3]; 24];
+    texels[5][1] = f32::NAN;
+    assert_eq!(
+        Environment::from_texels(Chart::Cube, (2, 2), &texels),
+        Err(LightError::Texel { index: 5 })
+    );
+}
+
+/// Case E2 and bad directions: defined light, never NaN.
+#[test]
+fn blind_spots_and_bad_directions_are_finite() {
+    let waves = Waves::new(10.0);
+    for chart in Chart::ALL {
+        let environment = environment(chart, &waves);
+        for d in [
+            [0.0, 0.0, -1.0],
+            [-0.0, 0.0, -1.0],
+            [0.0; 3],
+            [f32::NAN; 3],
+            [f32::INFINITY, 1.0, 0.0],
+            [1e-40, 0.0, 0.0],
+        ] {
+            assert!(environment.light(d)[0].is_finite(), "{chart:?} {d:?}");
+        }
+    }
+}
+
+/// Property 29: length and angle kept, twice is the identity.
+#[test]
+fn reflection_is_a_mirror() {
+    let mut noise = Noise(5);
+    for _ in 0..1_000 {
+        let (n, v) = (noise.direction(), noise.direction());
+        let r = reflect(narrow(v), narrow(n));
+        let wide = DVec3::from(r.map(f64::from));
+        assert!((wide.length() - 1.0).abs() < 1e-6 && (wide.dot(n) - v.dot(n)).abs() < 1e-6);
+        let back = DVec3::from(reflect(r, narrow(n)).map(f64::from));
+        assert!((back - v).length() < 1e-6);
+    }
+}

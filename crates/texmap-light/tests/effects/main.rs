@@ -1,0 +1,4 @@
+//! Laws and regressions of lighting effects.
+
+mod charts;
+mod waves;
