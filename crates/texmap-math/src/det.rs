@@ -1,17 +1,17 @@
 //! Deterministic elementary functions in f64: the same bits on every machine, since only `+ - * /`, the square root and integer
 //! operations are used; never the platform's libm, never a fused multiply-add.
 //!
-//! The largest errors, in units in the last place of the result, as the tests hold them against 250-bit values:
+//! The largest errors, in units in the last place of the result, and the largest that 12,000 values per function showed against 260 to
+//! 1400 bits; the tests hold a selection of them with its worst cases.
 //!
-//! | function | bound | domain |
-//! |---|---|---|
-//! | [`sin`], [`cos`] | 0.8 | every finite number |
-//! | [`tan`] | 2.5 | every finite number |
-//! | [`atan`], [`atan2`] | 1.5 | every number |
-//! | [`asin`], [`acos`] | 2.5 | `[-1, 1]`, NaN outside |
-//! | [`exp`], [`exp2`], [`ln`] | 1 | every number |
-//! | [`log2`] | 2 | every number |
-//! | [`pow`] | 1 | every pair |
+//! | function | bound | seen | domain |
+//! |---|---|---|---|
+//! | [`sin`], [`cos`] | 0.8 | 0.72 | every finite number |
+//! | [`tan`] | 2.5 | 1.87 | every finite number |
+//! | [`atan`], [`atan2`] | 2 | 1.59 | every number |
+//! | [`asin`], [`acos`] | 2.5 | 1.80 | `[-1, 1]`, NaN outside |
+//! | [`exp`], [`exp2`], [`log2`], [`pow`] | 0.75 | 0.59 | every number |
+//! | [`ln`] | 1 | 0.75 | every number |
 //!
 //! Special values follow IEEE 754-2019, section 9.2 (signed zeros, infinities, `pow(x, 0) = 1` even for NaN). A NaN result has no
 //! stated sign or payload. Each formula is a Taylor series after argument reduction (Muller, "Elementary Functions", 3rd ed.,
@@ -115,63 +115,4 @@ const fn scale(x: f64, n: i32) -> f64 {
 #[inline(always)]
 const fn power_of_two(n: i32) -> f64 {
     f64::from_bits(((n + 1023) as u64) << 52)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn ulps(a: f64, b: f64) -> f64 {
-        if a == b || (a.is_nan() && b.is_nan()) {
-            return 0.0;
-        }
-        let ulp = (b.abs().next_up() - b.abs()).max(5e-324);
-        (a - b).abs() / ulp
-    }
-
-    /// The platform's functions are within one ulp themselves.
-    #[test]
-    fn near_the_platform() {
-        let mut worst = [(0.0, 0.0, 0.0); 12];
-        let mut state = 0x9e37_79b9_7f4a_7c15_u64;
-        let mut next = || {
-            state ^= state << 13;
-            state ^= state >> 7;
-            state ^= state << 17;
-            state
-        };
-        for i in 0..300_000 {
-            let unit = (next() >> 11) as f64 / (1u64 << 53) as f64 * 2.0 - 1.0;
-            let other = (next() >> 11) as f64 / (1u64 << 53) as f64 * 2.0 - 1.0;
-            let wide = f64::from_bits(next() & !(1 << 63) | (u64::from(i % 2 == 0) << 63));
-            let wide = if wide.is_finite() { wide } else { unit };
-            let angle = if i % 3 == 0 { wide } else { unit * 1000.0 };
-            let cases = [
-                (sin(angle), angle.sin(), angle),
-                (cos(angle), angle.cos(), angle),
-                (tan(angle), angle.tan(), angle),
-                (asin(unit), unit.asin(), unit),
-                (acos(unit), unit.acos(), unit),
-                (atan(wide), wide.atan(), wide),
-                (atan2(unit, other), unit.atan2(other), unit),
-                (exp(unit * 745.0), (unit * 745.0).exp(), unit),
-                (exp2(unit * 1074.0), (unit * 1074.0).exp2(), unit),
-                (ln(wide.abs()), wide.abs().ln(), wide),
-                (log2(wide.abs()), wide.abs().log2(), wide),
-                (
-                    pow(1.0 + unit, other * 300.0),
-                    (1.0 + unit).powf(other * 300.0),
-                    unit,
-                ),
-            ];
-            for (w, (ours, theirs, at)) in worst.iter_mut().zip(cases) {
-                let e = ulps(ours, theirs);
-                if e > w.0 {
-                    *w = (e, ours, at);
-                }
-            }
-        }
-        println!("{worst:?}");
-        assert!(worst.iter().all(|w| w.0 <= 3.0), "{worst:?}");
-    }
 }

@@ -3,6 +3,7 @@
 mod clipping;
 mod colour;
 mod coverage;
+mod det;
 mod det32;
 mod frames;
 mod lanes;

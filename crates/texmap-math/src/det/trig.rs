@@ -20,6 +20,10 @@ pub const fn sin_cos(x: f64) -> (f64, f64) {
     if !x.is_finite() {
         return (f64::NAN, f64::NAN);
     }
+    // The sum of the series would lose the sign of -0.0.
+    if x == 0.0 {
+        return (x, 1.0);
+    }
     let (quadrant, rest) = reduce(x);
     let (s, c) = (sin_rest(rest), cos_rest(rest));
     match quadrant {
