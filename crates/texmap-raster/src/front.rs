@@ -3,10 +3,11 @@ use alloc::vec::Vec;
 use core::ops::Range;
 
 use texmap_math::Level;
-use texmap_math::fearless_simd::{Simd, dispatch, i32x16, mask32x16, prelude::*};
+use texmap_math::fearless_simd::{Simd, i32x16, mask32x16, prelude::*};
 use texmap_math::lanes::{LANES, Words, gather, iota};
 
 use crate::clip::{Corner, Hom, Region, clip, region};
+use crate::dispatch::on_level;
 use crate::edge::{Edge, PixelBox, Snapped, area, centre, edges, snap};
 use crate::planes::determinant;
 use crate::setup::TILE;
@@ -87,15 +88,17 @@ impl Submission<'_, '_> {
         let whole = !matches!(self.draw.interp, Interp::Subdivided(_));
         match level {
             Some(level) if whole && self.fits_lanes() => {
-                dispatch!(level, s => self.run_lanes(s, range, &mut chunk))?;
+                on_level!(level, s => self.run_lanes(s, range, &mut chunk), else self.run_plain(range, &mut chunk))?;
             }
-            _ => {
-                for triangle in range {
-                    self.submit(triangle, &mut chunk)?;
-                }
-            }
+            _ => self.run_plain(range, &mut chunk)?,
         }
         Ok(chunk)
+    }
+
+    fn run_plain(&self, range: Range<usize>, chunk: &mut Chunk) -> Result<(), RasterError> {
+        range
+            .into_iter()
+            .try_for_each(|triangle| self.submit(triangle, chunk))
     }
 
     /// Gathers index 32-bit words.

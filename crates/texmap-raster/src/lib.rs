@@ -37,21 +37,29 @@
 #![forbid(unsafe_code)]
 extern crate alloc;
 
+mod blocks;
 mod clip;
+mod dispatch;
 mod draw;
 mod edge;
 mod error;
 mod front;
+mod group;
 mod planes;
 mod prepared;
 pub mod reference;
 mod setup;
+mod stamp;
+mod values;
 mod vertex;
 mod visible;
 
+pub use blocks::TileBlocks;
 pub use draw::{Cull, DepthTest, Draw, Interp, MAX_ATTRIBUTES, MAX_PARTS, Pass, Stats, TargetSize};
 pub use edge::SUBPIXEL_BITS;
 pub use error::RasterError;
 pub use prepared::{Prepared, Tile};
 pub use setup::{Fragment, TILE, TriangleSetup};
+pub use stamp::block_index;
+pub use values::{BlockMask, LaneValues, PairRun, RUN, TilePlanes};
 pub use visible::{AlphaTest, NONE, NoAlphaTest, TileBuffers};

@@ -5,6 +5,7 @@ use texmap_math::Level;
 
 use crate::edge::{PixelBox, Snapped, area, edges, snap};
 use crate::front::{self, Chunk, MOST, Piece, Submission};
+use crate::group::Arrays;
 use crate::setup::{Fragment, Shape, TILE, TriangleSetup};
 use crate::vertex::{self, Transform};
 use crate::{Draw, Interp, Pass, RasterError, Stats, TargetSize};
@@ -243,11 +244,43 @@ impl<'a> Prepared<'a> {
         TriangleSetup::new(&shape, tile_x, tile_y)
     }
 
+    /// Id of a draw's first triangle.
+    pub(crate) fn first(&self, draw: usize) -> u32 {
+        self.first[draw]
+    }
+
+    /// Ids of a draw's whole triangles.
+    pub(crate) fn id_range(&self, draw: usize) -> core::ops::Range<u32> {
+        self.first[draw]..self.first[draw + 1]
+    }
+
+    pub(crate) fn is_piece_of(&self, id: u32, draw: u32) -> bool {
+        id.checked_sub(self.whole())
+            .is_some_and(|k| self.pieces[k as usize].draw == draw)
+    }
+
+    pub(crate) fn transform(&self, draw: usize) -> &Transform {
+        &self.transforms[draw]
+    }
+
+    /// A draw's arrays for gathers; `None` where they are empty or too long for 32-bit indices.
+    pub(crate) fn arrays(&self, draw: usize) -> Option<Arrays<'_>> {
+        let d = &self.draws[draw];
+        let limit = i32::MAX as usize / 3;
+        let fits = d.indices.len() < limit && d.positions.len() < limit;
+        fits.then(|| Arrays::new(d.indices, &self.snapped[draw], d.positions))
+            .flatten()
+    }
+
+    pub(crate) fn level(&self) -> Option<Level> {
+        self.level
+    }
+
     pub(crate) fn draw(&self, draw: u32) -> &Draw<'a> {
         &self.draws[draw as usize]
     }
 
-    pub(crate) fn bin(&self, tile: usize) -> &[u32] {
+    pub(crate) fn bin_of(&self, tile: usize) -> &[u32] {
         &self.bin_ids[self.bin_start[tile] as usize..self.bin_start[tile + 1] as usize]
     }
 
@@ -292,7 +325,7 @@ impl<'a> Prepared<'a> {
     }
 
     /// Number of whole triangles: ids from here on name pieces.
-    fn whole(&self) -> u32 {
+    pub(crate) fn whole(&self) -> u32 {
         self.first.last().copied().unwrap_or(0)
     }
 }

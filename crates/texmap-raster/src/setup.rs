@@ -8,11 +8,17 @@ use crate::{Interp, MAX_ATTRIBUTES};
 pub const TILE: u32 = 64;
 
 /// Half a tile: how far a pixel can be from the anchor.
-const REACH: f64 = TILE as f64 / 2.0;
+pub(crate) const REACH: f64 = TILE as f64 / 2.0;
 
 /// Between these sizes f32 planes neither overflow nor underflow where it matters.
-const LARGEST: f64 = (1u64 << 60) as f64;
-const SMALLEST: f64 = 1.0 / (1u64 << 60) as f64;
+pub(crate) const LARGEST: f64 = (1u64 << 60) as f64;
+pub(crate) const SMALLEST: f64 = 1.0 / (1u64 << 60) as f64;
+
+/// Largest to smallest 1/w over a tile up to which f32 planes keep 0.01 texel of 1024.
+pub(crate) const W_RATIO: f64 = 2.0;
+
+/// The same for depth: up to it depth keeps 20 bits, relative to its value.
+pub(crate) const DEPTH_RATIO: f64 = 8.0;
 
 /// What is known of a fragment.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -71,30 +77,84 @@ pub(crate) struct Shape<'a> {
     pub interp_scale: f32,
 }
 
+/// The depth of a triangle over one tile.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct DepthPlane {
+    pub z: Ranged,
+    /// An f32 plane would lose digits here: evaluate in f64.
+    pub wide: bool,
+}
+
+impl DepthPlane {
+    /// About (`ox`, `oy`) in pixels.
+    pub(crate) fn new(shape: &Shape<'_>, solver: Option<&Solver>) -> Self {
+        let depths = shape.piece.map(|p| p.z / p.w);
+        let plane = solve(solver, shape.outer.map(|p| p.z), mean(depths));
+        let z = Ranged::new(plane, depths.map(|v| v as f32));
+        // Reversed depth near the horizon is small: keep its digits where it varies much within the tile.
+        let lowest = larger(z.plane.smallest(REACH), f64::from(z.lo));
+        let even = z.plane.largest(REACH) <= 1.0 && z.plane.largest(REACH) <= DEPTH_RATIO * lowest;
+        Self { z, wide: !even }
+    }
+
+    /// `px`, `py`: a pixel's centre from the origin.
+    pub(crate) fn at(&self, px: f32, py: f32) -> f32 {
+        if self.wide {
+            self.z
+                .clamp(self.z.plane.at(f64::from(px), f64::from(py)) as f32)
+        } else {
+            self.z.clamp(self.z.at(px, py))
+        }
+    }
+}
+
+fn solve(solver: Option<&Solver>, v: [f64; 3], middle: f64) -> Plane {
+    // A triangle whose snapped form has area while its own has none gets constant planes.
+    let plane = solver.map(|s| s.plane(v)).filter(|p| p.is_finite());
+    plane.unwrap_or(Plane {
+        a: 0.0,
+        b: 0.0,
+        c: middle,
+    })
+}
+
+fn mean(v: [f64; 3]) -> f64 {
+    v[0] / 3.0 + v[1] / 3.0 + v[2] / 3.0
+}
+
+fn larger(a: f64, b: f64) -> f64 {
+    if a > b { a } else { b }
+}
+
+/// The middle of a tile in pixels.
+pub(crate) fn origin(tile_x: u32, tile_y: u32) -> [i32; 2] {
+    [tile_x, tile_y].map(|t| (t * TILE + TILE / 2) as i32)
+}
+
 /// A triangle set up for one tile.
 #[derive(Debug, Clone, Copy)]
 pub struct TriangleSetup {
     /// Tile centre in pixels.
     origin: [i32; 2],
+    depth: DepthPlane,
     w: Ranged,
-    z: Ranged,
     attributes: [Ranged; MAX_ATTRIBUTES],
     count: usize,
     screen_linear: u32,
     front: bool,
     /// f32 planes would lose digits here (the horizon in the tile, extreme values): evaluate in f64.
-    precise: bool,
+    wide: bool,
     rows: Rows,
 }
 
 /// A plane and the hull its values are clamped to.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Ranged {
-    plane: Plane,
+    pub plane: Plane,
     /// The plane's coefficients rounded to f32.
-    near: [f32; 3],
-    lo: f32,
-    hi: f32,
+    pub near: [f32; 3],
+    pub lo: f32,
+    pub hi: f32,
 }
 
 impl Ranged {
@@ -157,7 +217,7 @@ enum Spacing {
 impl TriangleSetup {
     /// `tile_x`, `tile_y`: the tile's place in the grid of [`TILE`].
     pub(crate) fn new(shape: &Shape<'_>, tile_x: u32, tile_y: u32) -> Self {
-        let origin = [tile_x, tile_y].map(|t| (t * TILE + TILE / 2) as i32);
+        let origin = origin(tile_x, tile_y);
         let [ox, oy] = origin.map(f64::from);
         let flat = shape.piece.map(|p| Hom {
             x: p.x / p.w,
@@ -165,31 +225,15 @@ impl TriangleSetup {
             z: p.z / p.w,
             w: 1.0,
         });
-        // A triangle whose snapped form has area while its own has none is set up from its middle: constant planes.
         let outer = Solver::new(&shape.outer, ox, oy);
         let screen = Solver::new(&flat, ox, oy);
-        let solve = |solver: &Option<Solver>, v: [f64; 3], middle: f64| {
-            let plane = solver
-                .as_ref()
-                .map(|s| s.plane(v))
-                .filter(|p| p.is_finite());
-            plane.unwrap_or(Plane {
-                a: 0.0,
-                b: 0.0,
-                c: middle,
-            })
-        };
-        let mean = |v: [f64; 3]| v[0] / 3.0 + v[1] / 3.0 + v[2] / 3.0;
 
         let inv_w = shape.piece.map(|p| 1.0 / p.w);
-        let depths = flat.map(|p| p.z);
         let middle_w = mean(inv_w);
-        let w = Ranged::new(solve(&outer, [1.0; 3], middle_w), inv_w.map(|v| v as f32));
-        let z = Ranged::new(
-            solve(&outer, shape.outer.map(|p| p.z), mean(depths)),
-            depths.map(|v| v as f32),
+        let w = Ranged::new(
+            solve(outer.as_ref(), [1.0; 3], middle_w),
+            inv_w.map(|v| v as f32),
         );
-
         let count = shape.attributes[0].len().min(MAX_ATTRIBUTES);
         let mut attributes = [Ranged::default(); MAX_ATTRIBUTES];
         for (k, slot) in attributes.iter_mut().enumerate().take(count) {
@@ -200,53 +244,67 @@ impl TriangleSetup {
                     Some(rows) => rows.map(|r| r[0] * value[0] + r[1] * value[1] + r[2] * value[2]),
                     None => value,
                 };
-                Ranged::new(solve(&screen, corner, mean(corner)), vertex)
+                Ranged::new(solve(screen.as_ref(), corner, mean(corner)), vertex)
             } else {
-                Ranged::new(solve(&outer, value, mean(value) * middle_w), vertex)
+                Ranged::new(solve(outer.as_ref(), value, mean(value) * middle_w), vertex)
             };
         }
         let mut setup = Self {
             origin,
+            depth: DepthPlane::new(shape, outer.as_ref()),
             w,
-            z,
             attributes,
             count,
             screen_linear: shape.screen_linear,
             front: shape.front,
-            precise: false,
+            wide: false,
             rows: rows(shape),
         };
-        setup.precise = setup.needs_f64();
+        setup.wide = setup.needs_f64();
         setup
     }
 
     /// Whether f32 planes about the tile's centre are too coarse. Decided from the triangle and its fixed tile alone.
     fn needs_f64(&self) -> bool {
-        let lowest = self.w.plane.smallest(REACH).max(f64::from(self.w.lo));
-        // Written so that NaN counts as steep.
-        let w_is_even = self.w.plane.largest(REACH) <= 2.0 * lowest;
-        let z_is_even = self.z.plane.largest(REACH) <= 1.0;
+        // Written so that NaN counts as uneven.
+        let lowest = larger(self.w.plane.smallest(REACH), f64::from(self.w.lo));
+        let even = self.w.plane.largest(REACH) <= W_RATIO * lowest;
         let extreme = |r: &Ranged| {
-            let size = f64::from(r.lo.abs()).max(f64::from(r.hi.abs()));
-            let in_range = size == 0.0 || (size >= SMALLEST && size <= LARGEST);
+            let size = larger(f64::from(r.lo.abs()), f64::from(r.hi.abs()));
+            let in_range = size == 0.0 || (SMALLEST..=LARGEST).contains(&size);
             !(in_range && r.plane.largest(REACH) <= LARGEST)
         };
-        !w_is_even
-            || !z_is_even
-            || extreme(&self.w)
-            || self.attributes[..self.count].iter().any(extreme)
+        !even || extreme(&self.w) || self.attributes[..self.count].iter().any(extreme)
+    }
+
+    /// Whether a pixel needs more than f32 planes and one divide.
+    pub(crate) fn is_odd(&self) -> bool {
+        self.wide || self.uses_rows() || self.has_linear()
+    }
+
+    /// Odd only in that it is evaluated in f64.
+    pub(crate) fn is_wide_perspective(&self) -> bool {
+        self.wide && !self.uses_rows() && !self.has_linear()
+    }
+
+    fn uses_rows(&self) -> bool {
+        matches!(self.rows, Rows::Nodes { .. })
+    }
+
+    fn has_linear(&self) -> bool {
+        (0..self.count).any(|k| self.is_linear(k))
+    }
+
+    /// The planes of 1/w and of the attributes.
+    pub(crate) fn planes(&self) -> (&Ranged, &[Ranged]) {
+        (&self.w, &self.attributes[..self.count])
     }
 
     /// Depth at a pixel's centre.
     #[must_use]
     pub fn depth(&self, x: u32, y: u32) -> f32 {
         let (px, py) = self.local(x, y);
-        if self.precise {
-            self.z
-                .clamp(self.z.plane.at(f64::from(px), f64::from(py)) as f32)
-        } else {
-            self.z.clamp(self.z.at(px, py))
-        }
+        self.depth.at(px, py)
     }
 
     /// Everything at a pixel's centre.
@@ -263,7 +321,7 @@ impl TriangleSetup {
         } = &self.rows
         {
             self.between_nodes(edges, *width, *spacing, x, y, out);
-        } else if self.precise {
+        } else if self.wide {
             self.at_f64(f64::from(px), f64::from(py), out);
         } else {
             self.at_f32(px, py, out);

@@ -2,11 +2,12 @@
 use alloc::vec::Vec;
 
 use texmap_math::Level;
-use texmap_math::fearless_simd::{Simd, dispatch, f32x16, f64x8, i32x16, mask64x8, prelude::*};
+use texmap_math::fearless_simd::{Simd, f32x16, f64x8, i32x16, mask64x8, prelude::*};
 use texmap_math::glam::DMat4;
 use texmap_math::lanes::{LANES, Words, gather, iota};
 
 use crate::clip::{GUARD_BAND, Hom};
+use crate::dispatch::on_level;
 use crate::edge::{Snapped, snap};
 use crate::{Draw, TargetSize};
 
@@ -103,7 +104,7 @@ pub(crate) fn snap_all(
     transform: &Transform,
     out: &mut [Snapped],
 ) {
-    dispatch!(level, s => snap_lanes(s, positions, transform, out));
+    on_level!(level, s => snap_lanes(s, positions, transform, out), else snap_all_scalar(positions, transform, out));
 }
 
 #[inline(always)]
@@ -115,14 +116,17 @@ fn snap_lanes<S: Simd>(s: S, positions: &[[f32; 3]], transform: &Transform, out:
     let mut ys = [0; LANES];
     for (k, chunk) in out.chunks_mut(LANES).enumerate() {
         let base = (iota(s) + (k * LANES) as i32) * 3;
-        let position = [0, 1, 2].map(
-            #[inline(always)]
-            |c| {
-                gather(s, words, (base + c).bitcast())
-                    .bitcast::<f32x16<S>>()
-                    .widen()
-            },
-        );
+        let position = [
+            gather(s, words, base.bitcast())
+                .bitcast::<f32x16<S>>()
+                .widen(),
+            gather(s, words, (base + 1).bitcast())
+                .bitcast::<f32x16<S>>()
+                .widen(),
+            gather(s, words, (base + 2).bitcast())
+                .bitcast::<f32x16<S>>()
+                .widen(),
+        ];
         let low = transform.apply_x8(s, [position[0].0, position[1].0, position[2].0]);
         let high = transform.apply_x8(s, [position[0].1, position[1].1, position[2].1]);
         let (lx, ly) = snap_x8(s, low);
@@ -181,7 +185,9 @@ pub(crate) fn mark_bad_attributes(level: Option<Level>, draw: &Draw<'_>, snapped
         return;
     }
     let all_finite = match level {
-        Some(level) => dispatch!(level, s => all_finite(s, draw.attributes)),
+        Some(level) => {
+            on_level!(level, s => all_finite(s, draw.attributes), else draw.attributes.iter().all(|v| v.is_finite()))
+        }
         None => draw.attributes.iter().all(|v| v.is_finite()),
     };
     if all_finite {

@@ -1,21 +1,23 @@
 //! Visibility: per pixel the nearest depth and the fragment that has it.
 use alloc::vec::Vec;
 
+use crate::blocks::{Runs, TileBlocks};
 use crate::edge::{Edge, PixelBox, cover};
-use crate::prepared::{Tile, decides_visibility};
+use crate::prepared::decides_visibility;
 use crate::setup::{Fragment, TILE, TriangleSetup};
-use crate::{DepthTest, Draw, Pass, Prepared};
+use crate::{DepthTest, Draw, Pass, Prepared, block_index};
 
 /// The id of a pixel where nothing was drawn.
 pub const NONE: u32 = u32::MAX;
 
 /// Depth and fragment id of a tile's pixels: 64x64 values, row by row from the top; the row length is 64 for narrow tiles too.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct TileBuffers {
     /// Reversed depth: 0 where nothing was drawn.
     pub depth: Vec<f32>,
     /// Fragment id, [`NONE`] where nothing was drawn.
     pub id: Vec<u32>,
+    blocks: TileBlocks,
 }
 
 impl Default for TileBuffers {
@@ -24,6 +26,7 @@ impl Default for TileBuffers {
         Self {
             depth: alloc::vec![0.0; pixels],
             id: alloc::vec![NONE; pixels],
+            blocks: TileBlocks::new(),
         }
     }
 }
@@ -66,30 +69,53 @@ impl Prepared<'_> {
     /// Clears `out` and finds what is visible of the opaque and cut-out draws: the nearest fragment, of equals the first
     /// submitted ([`DepthTest::LessOrEqual`]: the last).
     pub fn visible<A: AlphaTest>(&self, tile: usize, alpha: &A, out: &mut TileBuffers) {
+        let mut blocks = core::mem::replace(&mut out.blocks, TileBlocks::empty());
+        self.visible_blocks(tile, alpha, &mut blocks);
         out.clear();
+        for y in 0..TILE {
+            for x in 0..TILE {
+                let (from, to) = (block_index(x, y), (y * TILE + x) as usize);
+                out.depth[to] = blocks.depth[from];
+                out.id[to] = blocks
+                    .ids
+                    .get(blocks.slot[from] as usize)
+                    .copied()
+                    .unwrap_or(NONE);
+            }
+        }
+        out.blocks = blocks;
+    }
+
+    /// The plain form, pixel by pixel. `at(x, y, depth, slot)` writes what is given at a pixel of the tile and returns the
+    /// depth there.
+    pub(crate) fn visible_plain(
+        &self,
+        tile: usize,
+        alpha: &dyn AlphaTest,
+        mut at: impl FnMut(u32, u32, Option<f32>, Option<u32>) -> f32,
+    ) {
         let mut fragment = Fragment::default();
+        let bounds = self.tile(tile);
         self.for_each(
             tile,
-            decides_visibility,
-            |id, draw_index, draw, setup, edges, pixels, tile| {
-                let (_, triangle) = self.source(id);
+            &|d| decides_visibility(d.pass),
+            |of, setup, edges, pixels| {
+                let draw = self.draw(of.draw);
+                let (_, triangle) = self.source(of.id);
                 cover(edges, pixels, |x, y| {
                     let (x, y) = (x as u32, y as u32);
-                    let slot = ((y - tile.y0) * TILE + (x - tile.x0)) as usize;
+                    let (tx, ty) = (x - bounds.x0, y - bounds.y0);
                     let depth = setup.depth(x, y);
-                    if !passes(draw.depth_test, depth, out.depth[slot]) {
+                    if !passes(draw.depth_test, depth, at(tx, ty, None, None)) {
                         return;
                     }
                     if draw.pass == Pass::CutOut {
                         setup.evaluate(x, y, &mut fragment);
-                        if !alpha.keep(draw_index, triangle, &fragment) {
+                        if !alpha.keep(of.draw, triangle, &fragment) {
                             return;
                         }
                     }
-                    if draw.depth_write {
-                        out.depth[slot] = depth;
-                    }
-                    out.id[slot] = id;
+                    at(tx, ty, draw.depth_write.then_some(depth), Some(of.slot));
                 });
             },
         );
@@ -98,27 +124,29 @@ impl Prepared<'_> {
     /// Calls `sink` with each fragment (id, x, y) of the blended draws that passes the depth test against `buffers`, in
     /// submitted order.
     pub fn blended(&self, tile: usize, buffers: &TileBuffers, sink: &mut dyn FnMut(u32, u32, u32)) {
+        let bounds = self.tile(tile);
         self.for_each(
             tile,
-            |pass| !decides_visibility(pass),
-            |id, _, draw, setup, edges, pixels, tile| {
+            &|d| !decides_visibility(d.pass),
+            |of, setup, edges, pixels| {
+                let draw = self.draw(of.draw);
                 cover(edges, pixels, |x, y| {
                     let (x, y) = (x as u32, y as u32);
-                    let slot = ((y - tile.y0) * TILE + (x - tile.x0)) as usize;
-                    if passes(draw.depth_test, setup.depth(x, y), buffers.depth[slot]) {
-                        sink(id, x, y);
+                    let index = ((y - bounds.y0) * TILE + (x - bounds.x0)) as usize;
+                    if passes(draw.depth_test, setup.depth(x, y), buffers.depth[index]) {
+                        sink(of.id, x, y);
                     }
                 });
             },
         );
     }
 
-    /// Visits the tile's triangles of some passes, in submitted order.
-    fn for_each(
+    /// Visits the tile's triangles of some draws, in submitted order: what it is, set-up, edges, pixels.
+    pub(crate) fn for_each(
         &self,
         tile_index: usize,
-        wanted: impl Fn(Pass) -> bool,
-        mut visit: impl FnMut(u32, u32, &Draw<'_>, &TriangleSetup, &[Edge; 3], PixelBox, Tile),
+        wanted: &dyn Fn(&Draw<'_>) -> bool,
+        mut visit: impl FnMut(Fragmented, &TriangleSetup, &[Edge; 3], PixelBox),
     ) {
         let tile = self.tile(tile_index);
         let bounds = PixelBox {
@@ -127,19 +155,34 @@ impl Prepared<'_> {
             x1: (tile.x0 + tile.width) as i32 - 1,
             y1: (tile.y0 + tile.height) as i32 - 1,
         };
-        for &id in self.bin(tile_index) {
-            let (draw_index, _) = self.source(id);
-            let draw = self.draw(draw_index);
-            if !wanted(draw.pass) {
+        let mut runs = Runs::new(self, tile_index);
+        while let Some(run) = runs.next() {
+            let draw_index = run.draw as u32;
+            if !wanted(self.draw(draw_index)) {
                 continue;
             }
-            let (shape, pixels) = self.shape(id);
-            if let Some(pixels) = pixels.and_then(|p| p.intersect(bounds)) {
-                let setup = TriangleSetup::new(&shape, tile.x0 / TILE, tile.y0 / TILE);
-                visit(id, draw_index, draw, &setup, &shape.edges, pixels, tile);
+            for (lane, &id) in run.ids.iter().enumerate() {
+                let (shape, pixels) = self.shape(id);
+                if let Some(pixels) = pixels.and_then(|p| p.intersect(bounds)) {
+                    let setup = TriangleSetup::new(&shape, tile.x0 / TILE, tile.y0 / TILE);
+                    let fragment = Fragmented {
+                        slot: (run.first_slot + lane) as u32,
+                        id,
+                        draw: draw_index,
+                    };
+                    visit(fragment, &setup, &shape.edges, pixels);
+                }
             }
         }
     }
+}
+
+/// A triangle of a tile.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Fragmented {
+    pub slot: u32,
+    pub id: u32,
+    pub draw: u32,
 }
 
 /// The depth test; depth is reversed, so nearer is larger.

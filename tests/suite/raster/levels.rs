@@ -1,8 +1,8 @@
 //! The fast path gives the bits of the plain one, on every SIMD level and with any number of threads.
 use texmap_math::glam::DMat4;
 use texmap_raster::{
-    Cull, DepthTest, Draw, Fragment, Interp, NONE, NoAlphaTest, Pass, Prepared, TargetSize,
-    TileBuffers,
+    BlockMask, Cull, DepthTest, Draw, Fragment, Interp, NONE, NoAlphaTest, Pass, Prepared,
+    TargetSize, TileBuffers,
 };
 use texmap_tests::levels::levels;
 
@@ -149,4 +149,113 @@ fn every_level_and_thread_count_gives_the_plain_bits() {
         seen > 10_000 && clipped > 100,
         "{seen} seen, {clipped} clipped"
     );
+}
+
+/// Blocks handed out in submitted order are the plain form's blended fragments.
+#[test]
+fn forward_blocks_are_the_blended_fragments() {
+    let mut count = 0;
+    for seed in 0..120 {
+        let scene = RandomScene::new(seed);
+        let draws: Vec<_> = scene
+            .draws()
+            .into_iter()
+            .map(|d| Draw {
+                pass: Pass::Blended,
+                ..d
+            })
+            .collect();
+        let plain = Prepared::plain(scene.target, &draws).expect("valid");
+        for (name, level) in levels() {
+            let fast = Prepared::with_level(scene.target, &draws, level, 1).expect("valid");
+            for index in 0..plain.tiles() {
+                let tile = plain.tile(index);
+                let mut expected = Vec::new();
+                plain.blended(index, &TileBuffers::new(), &mut |id, x, y| {
+                    expected.push((id, x, y))
+                });
+                let mut found = Vec::new();
+                let bin = fast.bin(index);
+                fast.forward_blocks(
+                    index,
+                    &mut TileBlocks::new(),
+                    &|_| true,
+                    &mut |slot, block, bits| {
+                        for bit in (0..16).filter(|b| bits >> b & 1 == 1) {
+                            let (x, y) = (block % 16 * 4 + bit % 4, block / 16 * 4 + bit / 4);
+                            found.push((bin[slot as usize], tile.x0 + x, tile.y0 + y));
+                        }
+                    },
+                );
+                // Within a triangle the order is free.
+                let order = |all: &mut Vec<(u32, u32, u32)>| {
+                    all.chunk_by_mut(|a, b| a.0 == b.0)
+                        .for_each(|run| run.sort_unstable());
+                };
+                order(&mut expected);
+                order(&mut found);
+                count += found.len();
+                assert!(found == expected, "seed {seed}, {name}, tile {index}");
+            }
+        }
+    }
+    assert!(count > 100_000, "{count}");
+}
+
+/// Values of runs of blocks are the bits of `evaluate`, pixel by pixel.
+#[test]
+fn runs_of_blocks_have_the_bits_of_single_pixels() {
+    let mut count = 0;
+    for seed in 0..100 {
+        let scene = RandomScene::new(seed);
+        let draws = scene.draws();
+        for (name, level) in levels() {
+            let prepared = Prepared::with_level(scene.target, &draws, level, 1).expect("valid");
+            let (mut blocks, mut planes, mut run) =
+                (TileBlocks::new(), TilePlanes::new(), PairRun::default());
+            let mut fragment = Fragment::default();
+            for index in 0..prepared.tiles() {
+                let tile = prepared.tile(index);
+                prepared.visible_blocks(index, &NoAlphaTest, &mut blocks);
+                prepared.planes(index, &mut planes);
+                let seen: Vec<_> = (0..256_u16)
+                    .map(|block| BlockMask {
+                        block,
+                        mask: (0..16)
+                            .filter(|&bit| blocks.slot[block as usize * 16 + bit] != NONE)
+                            .fold(0, |mask, bit| mask | 1 << bit),
+                    })
+                    .filter(|b| b.mask != 0)
+                    .collect();
+                for chunk in seen.chunks(16) {
+                    planes.pair(level, &blocks, chunk, [1, 0], &mut run);
+                    for (i, at) in chunk.iter().enumerate() {
+                        for bit in (0..16).filter(|bit| at.mask >> bit & 1 == 1) {
+                            let (block, place) = (u32::from(at.block), i * 16 + bit);
+                            let x = tile.x0 + block % 16 * 4 + bit as u32 % 4;
+                            let y = tile.y0 + block / 16 * 4 + bit as u32 / 4;
+                            let id = blocks.ids[blocks.slot[block as usize * 16 + bit] as usize];
+                            prepared.evaluate(id, x, y, &mut fragment);
+                            let found = [
+                                run.inv_w[place],
+                                run.value[0][place],
+                                run.value[1][place],
+                                run.ddx[1][place],
+                                run.ddy[0][place],
+                            ];
+                            let f = &fragment;
+                            let expected = [f.inv_w, f.values[1], f.values[0], f.ddx[0], f.ddy[1]];
+                            assert_eq!(
+                                found.map(f32::to_bits),
+                                expected.map(f32::to_bits),
+                                "seed {seed}, {name}, {x} {y}: {found:?} {expected:?}"
+                            );
+                            count += 1;
+                        }
+                    }
+                }
+            }
+        }
+    }
+    assert!(count > 100_000, "{count}");
 }

@@ -1,0 +1,484 @@
+//! Visibility of a tile in 4x4 blocks: the fast form, sixteen pixels at a time.
+use alloc::vec::Vec;
+
+use texmap_math::fearless_simd::{Simd, f32x16, mask32x16, prelude::*, u32x16};
+use texmap_math::lanes::LANES;
+
+use crate::dispatch::on_level;
+use crate::edge::cover;
+use crate::group::Group;
+use crate::prepared::{Tile, decides_visibility};
+use crate::setup::{Fragment, TILE, TriangleSetup};
+use crate::stamp::{BLOCKS, Sink, stamp_group};
+use crate::visible::{AlphaTest, NONE, passes};
+use crate::{DepthTest, Draw, Pass, Prepared};
+
+/// Pixels of a tile.
+const PIXELS: usize = (TILE * TILE) as usize;
+
+/// Depth and fragment of a tile's pixels in 4x4 blocks: see [`block_index`](crate::block_index).
+#[derive(Debug, Clone)]
+pub struct TileBlocks {
+    /// Reversed depth: 0 where nothing was drawn.
+    pub depth: Vec<f32>,
+    /// Which of the tile's fragments, [`NONE`] where nothing was drawn; `ids` names it.
+    pub slot: Vec<u32>,
+    /// The id of each slot, [`NONE`] for slots that are not used.
+    pub ids: Vec<u32>,
+    group: Group,
+}
+
+impl Default for TileBlocks {
+    fn default() -> Self {
+        Self {
+            depth: alloc::vec![0.0; PIXELS],
+            slot: alloc::vec![NONE; PIXELS],
+            ids: Vec::new(),
+            group: Group::default(),
+        }
+    }
+}
+
+impl TileBlocks {
+    /// Cleared blocks.
+    #[must_use]
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Without room: what stays behind while the blocks are lent out.
+    pub(crate) fn empty() -> Self {
+        Self {
+            depth: Vec::new(),
+            slot: Vec::new(),
+            ids: Vec::new(),
+            group: Group::default(),
+        }
+    }
+
+    /// Far depth and no fragment everywhere.
+    pub fn clear(&mut self) {
+        self.depth.clear();
+        self.depth.resize(PIXELS, 0.0);
+        self.slot.clear();
+        self.slot.resize(PIXELS, NONE);
+    }
+
+    /// Takes back what reached over the target's right and lower edge.
+    fn trim(&mut self, tile: Tile) {
+        if tile.width == TILE && tile.height == TILE {
+            return;
+        }
+        for y in 0..TILE {
+            for x in 0..TILE {
+                if x >= tile.width || y >= tile.height {
+                    let index = crate::block_index(x, y);
+                    self.depth[index] = 0.0;
+                    self.slot[index] = NONE;
+                }
+            }
+        }
+    }
+}
+
+impl Prepared<'_> {
+    /// [`visible`](Self::visible) in blocks of 4x4, at the level that this was prepared with.
+    pub fn visible_blocks(&self, tile: usize, alpha: &dyn AlphaTest, out: &mut TileBlocks) {
+        self.name_slots(tile, out);
+        match self.level() {
+            Some(level) => on_level!(
+                level,
+                s => self.visible_lanes(s, tile, alpha, out),
+                else self.visible_blocks_plain(tile, alpha, out)
+            ),
+            None => self.visible_blocks_plain(tile, alpha, out),
+        }
+    }
+
+    fn name_slots(&self, tile: usize, out: &mut TileBlocks) {
+        out.ids.clear();
+        let mut runs = Runs::new(self, tile);
+        while let Some(run) = runs.next() {
+            out.ids.extend_from_slice(run.ids);
+            out.ids.resize(run.first_slot + LANES, NONE);
+        }
+    }
+
+    /// The plain form in the same order of pixels.
+    fn visible_blocks_plain(&self, tile: usize, alpha: &dyn AlphaTest, out: &mut TileBlocks) {
+        out.clear();
+        self.visible_plain(tile, alpha, |x, y, depth, slot| {
+            let index = crate::block_index(x, y);
+            if let Some(depth) = depth {
+                out.depth[index] = depth;
+            }
+            if let Some(slot) = slot {
+                out.slot[index] = slot;
+            }
+            out.depth[index]
+        });
+    }
+
+    #[inline(always)]
+    fn visible_lanes<S: Simd>(
+        &self,
+        s: S,
+        tile: usize,
+        alpha: &dyn AlphaTest,
+        out: &mut TileBlocks,
+    ) {
+        out.clear();
+        let bounds = self.tile(tile);
+        let mut group = core::mem::take(&mut out.group);
+        let mut runs = Runs::new(self, tile);
+        while let Some(run) = runs.next() {
+            let draw = self.draw(run.draw as u32);
+            if !decides_visibility(draw.pass) {
+                continue;
+            }
+            self.setup_group(s, run.draw, run.ids, tile as u32, &mut group);
+            let mut sink = Visible {
+                depth: &mut out.depth,
+                slots: &mut out.slot,
+                first_slot: run.first_slot as u32,
+                test: draw.depth_test,
+                write: draw.depth_write,
+                cut: (draw.pass == Pass::CutOut).then(|| CutOut {
+                    prepared: self,
+                    ids: run.ids,
+                    tile: bounds,
+                    draw: run.draw as u32,
+                    alpha,
+                    setup: None,
+                }),
+            };
+            stamp_group(s, &group, &mut sink);
+        }
+        out.group = group;
+        out.trim(bounds);
+    }
+
+    /// Calls `sink` with each 4x4 block of the draws `wanted` picks: slot, block, and a bit for each pixel that
+    /// passes the depth test against `blocks`, in submitted order, with the slots of [`visible_blocks`](Self::visible_blocks). Draws that write depth do so before the next block.
+    pub fn forward_blocks(
+        &self,
+        tile: usize,
+        blocks: &mut TileBlocks,
+        wanted: &dyn Fn(&Draw<'_>) -> bool,
+        sink: &mut dyn FnMut(u32, u32, u16),
+    ) {
+        self.name_slots(tile, blocks);
+        match self.level() {
+            Some(level) => on_level!(
+                level,
+                s => self.forward_lanes(s, tile, blocks, wanted, sink),
+                else self.forward_plain(tile, blocks, wanted, sink)
+            ),
+            None => self.forward_plain(tile, blocks, wanted, sink),
+        }
+    }
+
+    /// The plain form: a block for each pixel.
+    fn forward_plain(
+        &self,
+        tile: usize,
+        blocks: &mut TileBlocks,
+        wanted: &dyn Fn(&Draw<'_>) -> bool,
+        sink: &mut dyn FnMut(u32, u32, u16),
+    ) {
+        self.for_each(tile, wanted, |of, setup, edges, pixels| {
+            let draw = self.draw(of.draw);
+            let bounds = self.tile(tile);
+            cover(edges, pixels, |x, y| {
+                let (x, y) = (x as u32, y as u32);
+                let index = crate::block_index(x - bounds.x0, y - bounds.y0);
+                let depth = setup.depth(x, y);
+                if passes(draw.depth_test, depth, blocks.depth[index]) {
+                    if draw.depth_write && draw.pass != Pass::Blended {
+                        blocks.depth[index] = depth;
+                    }
+                    sink(of.slot, (index / LANES) as u32, 1 << (index % LANES));
+                }
+            });
+        });
+    }
+
+    #[inline(always)]
+    fn forward_lanes<S: Simd>(
+        &self,
+        s: S,
+        tile: usize,
+        blocks: &mut TileBlocks,
+        wanted: &dyn Fn(&Draw<'_>) -> bool,
+        sink: &mut dyn FnMut(u32, u32, u16),
+    ) {
+        let bounds = self.tile(tile);
+        let mut group = core::mem::take(&mut blocks.group);
+        let mut runs = Runs::new(self, tile);
+        while let Some(run) = runs.next() {
+            let draw = self.draw(run.draw as u32);
+            if !wanted(draw) {
+                continue;
+            }
+            self.setup_group(s, run.draw, run.ids, tile as u32, &mut group);
+            let mut forward = Forward {
+                depth: &mut blocks.depth,
+                first_slot: run.first_slot as u32,
+                test: draw.depth_test,
+                write: draw.depth_write && draw.pass != Pass::Blended,
+                tile: bounds,
+                sink,
+            };
+            stamp_group(s, &group, &mut forward);
+        }
+        blocks.group = group;
+    }
+}
+
+/// A bin cut into runs of up to sixteen ids of one draw. Run k holds slots 16 k, 16 k + 1, ...
+pub(crate) struct Runs<'p, 'a> {
+    prepared: &'p Prepared<'a>,
+    ids: &'p [u32],
+    at: usize,
+    run: usize,
+}
+
+/// Up to sixteen ids of one draw.
+pub(crate) struct Run<'p> {
+    pub draw: usize,
+    pub first_slot: usize,
+    /// Place of the first id in the bin.
+    pub start: usize,
+    pub ids: &'p [u32],
+}
+
+impl<'p, 'a> Runs<'p, 'a> {
+    pub(crate) fn new(prepared: &'p Prepared<'a>, tile: usize) -> Self {
+        Self {
+            prepared,
+            ids: prepared.bin_of(tile),
+            at: 0,
+            run: 0,
+        }
+    }
+
+    pub(crate) fn next(&mut self) -> Option<Run<'p>> {
+        let start = self.at;
+        let &id = self.ids.get(start)?;
+        let draw = self.prepared.source(id).0;
+        let range = self.prepared.id_range(draw as usize);
+        let rest = &self.ids[start + 1..self.ids.len().min(start + LANES)];
+        let same = rest
+            .iter()
+            .take_while(|&&id| range.contains(&id) || self.prepared.is_piece_of(id, draw))
+            .count();
+        self.at = start + 1 + same;
+        self.run += 1;
+        Some(Run {
+            draw: draw as usize,
+            first_slot: (self.run - 1) * LANES,
+            start,
+            ids: &self.ids[start..self.at],
+        })
+    }
+}
+
+/// Depth test and write of sixteen pixels.
+#[inline(always)]
+fn test_block<S: Simd>(
+    test: DepthTest,
+    covered: mask32x16<S>,
+    depth: f32x16<S>,
+    stored: f32x16<S>,
+) -> mask32x16<S> {
+    match test {
+        DepthTest::Less => covered & depth.simd_gt(stored),
+        DepthTest::LessOrEqual => covered & depth.simd_ge(stored),
+        DepthTest::Always => covered,
+    }
+}
+
+/// Keeps the nearest fragment.
+struct Visible<'b, 'p> {
+    depth: &'b mut [f32],
+    slots: &'b mut [u32],
+    first_slot: u32,
+    test: DepthTest,
+    write: bool,
+    cut: Option<CutOut<'p>>,
+}
+
+impl Visible<'_, '_> {
+    #[inline(always)]
+    fn store<S: Simd>(
+        &mut self,
+        s: S,
+        lane: usize,
+        block: usize,
+        covered: mask32x16<S>,
+        depth: f32x16<S>,
+    ) {
+        let (Some(stored), Some(slots)) = (
+            self.depth.get_mut(block * LANES..(block + 1) * LANES),
+            self.slots.get_mut(block * LANES..(block + 1) * LANES),
+        ) else {
+            return;
+        };
+        let old = f32x16::from_slice(s, stored);
+        let mut pass = test_block(self.test, covered, depth, old);
+        if !pass.any_true() {
+            return;
+        }
+        if let Some(cut) = &mut self.cut {
+            let bits = cut.keep(lane, block, pass.to_bitmask() as u32);
+            pass = mask32x16::from_bitmask(s, u64::from(bits));
+        }
+        if self.write {
+            pass.select(depth, old).store_slice(stored);
+        }
+        let slot = u32x16::splat(s, self.first_slot + lane as u32);
+        pass.select(slot, u32x16::from_slice(s, slots))
+            .store_slice(slots);
+    }
+}
+
+impl<S: Simd> Sink<S> for Visible<'_, '_> {
+    #[inline(always)]
+    fn block(&mut self, s: S, lane: usize, block: usize, covered: mask32x16<S>, depth: f32x16<S>) {
+        self.store(s, lane, block, covered, depth);
+    }
+
+    #[inline(always)]
+    fn full_block(&mut self, s: S, lane: usize, block: usize, depth: f32x16<S>) {
+        self.store(s, lane, block, mask32x16::splat(s, true), depth);
+    }
+
+    #[inline(always)]
+    fn pixel(&mut self, lane: usize, index: usize, depth: f32) {
+        if !passes(self.test, depth, self.depth[index]) {
+            return;
+        }
+        if let Some(cut) = &mut self.cut
+            && cut.keep(lane, index / LANES, 1 << (index % LANES)) == 0
+        {
+            return;
+        }
+        if self.write {
+            self.depth[index] = depth;
+        }
+        self.slots[index] = self.first_slot + lane as u32;
+    }
+}
+
+/// Asks the alpha test, pixel by pixel.
+struct CutOut<'p> {
+    prepared: &'p Prepared<'p>,
+    ids: &'p [u32],
+    tile: Tile,
+    draw: u32,
+    alpha: &'p dyn AlphaTest,
+    /// The last lane's set-up.
+    setup: Option<(usize, u32, TriangleSetup)>,
+}
+
+impl CutOut<'_> {
+    /// The bits of `pass` that the test keeps.
+    #[inline(never)]
+    fn keep(&mut self, lane: usize, block: usize, pass: u32) -> u32 {
+        let id = self.ids[lane];
+        let (tile_x, tile_y) = (self.tile.x0 / TILE, self.tile.y0 / TILE);
+        if self.setup.as_ref().is_none_or(|s| s.0 != lane) {
+            self.setup = Some((
+                lane,
+                self.prepared.source(id).1,
+                self.prepared.setup(id, tile_x, tile_y),
+            ));
+        }
+        let Some((_, triangle, setup)) = &self.setup else {
+            return 0;
+        };
+        let mut fragment = Fragment::default();
+        let mut kept = 0;
+        let mut left = pass;
+        while left != 0 {
+            let bit = left.trailing_zeros();
+            left &= left - 1;
+            let (x, y) = pixel_of(block, bit);
+            if x < self.tile.width && y < self.tile.height {
+                setup.evaluate(self.tile.x0 + x, self.tile.y0 + y, &mut fragment);
+                if self.alpha.keep(self.draw, *triangle, &fragment) {
+                    kept |= 1 << bit;
+                }
+            }
+        }
+        kept
+    }
+}
+
+/// A pixel of a block, from the tile's corner.
+pub(crate) fn pixel_of(block: usize, bit: u32) -> (u32, u32) {
+    let (bx, by) = ((block % BLOCKS) as u32, (block / BLOCKS) as u32);
+    (bx * 4 + bit % 4, by * 4 + bit / 4)
+}
+
+/// Hands out what passes.
+struct Forward<'b, 'f> {
+    depth: &'b mut [f32],
+    first_slot: u32,
+    test: DepthTest,
+    write: bool,
+    tile: Tile,
+    sink: &'f mut dyn FnMut(u32, u32, u16),
+}
+
+impl Forward<'_, '_> {
+    /// Bits of a block that lie in the target.
+    #[inline(always)]
+    fn inside(&self, block: usize) -> u32 {
+        let (x, y) = pixel_of(block, 0);
+        let (across, down) = (
+            self.tile.width.saturating_sub(x).min(4),
+            self.tile.height.saturating_sub(y).min(4),
+        );
+        let row = (1u32 << across) - 1;
+        (row * 0x1111) & ((1u32 << (4 * down)) - 1)
+    }
+}
+
+impl<S: Simd> Sink<S> for Forward<'_, '_> {
+    #[inline(always)]
+    fn block(&mut self, s: S, lane: usize, block: usize, covered: mask32x16<S>, depth: f32x16<S>) {
+        let inside = self.inside(block);
+        let Some(stored) = self.depth.get_mut(block * LANES..(block + 1) * LANES) else {
+            return;
+        };
+        let old = f32x16::from_slice(s, stored);
+        let pass = test_block(self.test, covered, depth, old);
+        let bits = pass.to_bitmask() as u32 & inside;
+        if bits != 0 {
+            if self.write {
+                pass.select(depth, old).store_slice(stored);
+            }
+            (self.sink)(self.first_slot + lane as u32, block as u32, bits as u16);
+        }
+    }
+
+    #[inline(always)]
+    fn full_block(&mut self, s: S, lane: usize, block: usize, depth: f32x16<S>) {
+        self.block(s, lane, block, mask32x16::splat(s, true), depth);
+    }
+
+    #[inline(always)]
+    fn pixel(&mut self, lane: usize, index: usize, depth: f32) {
+        if passes(self.test, depth, self.depth[index]) {
+            if self.write {
+                self.depth[index] = depth;
+            }
+            (self.sink)(
+                self.first_slot + lane as u32,
+                (index / LANES) as u32,
+                1 << (index % LANES),
+            );
+        }
+    }
+}

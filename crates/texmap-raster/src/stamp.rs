@@ -1,0 +1,305 @@
+//! Triangles to 4x4 blocks of pixels: which of the sixteen are covered, and their depth.
+use texmap_math::fearless_simd::{Simd, f32x16, f64x8, i32x16, mask32x16, prelude::*};
+use texmap_math::lanes::{LANES, clamp};
+
+use crate::group::Group;
+use crate::setup::TILE;
+
+/// 4x4 blocks across a tile.
+pub(crate) const BLOCKS: usize = TILE as usize / 4;
+
+/// Boxes of more pixels than this are looked at in 16x16 blocks first.
+const HIERARCHY: i32 = 500;
+
+/// Where a tile's pixel (x, y) lies in buffers of 4x4 blocks: block by block in rows, each block row by row.
+#[must_use]
+#[inline(always)]
+pub fn block_index(x: u32, y: u32) -> usize {
+    let (x, y) = (x as usize, y as usize);
+    ((y >> 2) * BLOCKS + (x >> 2)) * LANES + (y & 3) * 4 + (x & 3)
+}
+
+/// Takes covered pixels, in submitted order.
+pub(crate) trait Sink<S: Simd> {
+    /// Sixteen pixels of block `block`; `lane` names the triangle in its group.
+    fn block(&mut self, s: S, lane: usize, block: usize, covered: mask32x16<S>, depth: f32x16<S>);
+    /// Sixteen pixels, all covered.
+    fn full_block(&mut self, s: S, lane: usize, block: usize, depth: f32x16<S>);
+    /// One pixel at `index` of the block order.
+    fn pixel(&mut self, lane: usize, index: usize, depth: f32);
+}
+
+/// Numbers that every stamp needs: the lanes' places in a block.
+#[derive(Debug, Clone, Copy)]
+struct Places<S: Simd> {
+    x: i32x16<S>,
+    y: i32x16<S>,
+    /// Pixel centres of block 0, from the tile's centre.
+    px: f32x16<S>,
+    py: f32x16<S>,
+}
+
+impl<S: Simd> Places<S> {
+    #[inline(always)]
+    fn new(s: S) -> Self {
+        let x = i32x16::from_slice(s, &[0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3]);
+        let y = i32x16::from_slice(s, &[0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3]);
+        let half = TILE as f32 / 2.0 - 0.5;
+        Self {
+            x,
+            y,
+            px: x.to_float::<f32x16<S>>() - half,
+            py: y.to_float::<f32x16<S>>() - half,
+        }
+    }
+}
+
+/// A depth plane spread over lanes.
+#[derive(Debug, Clone, Copy)]
+struct Depth<S: Simd> {
+    a: f32x16<S>,
+    b: f32x16<S>,
+    c: f32x16<S>,
+    lo: f32x16<S>,
+    hi: f32x16<S>,
+    /// a, b, c of a wide lane.
+    wide: Option<[f64x8<S>; 3]>,
+}
+
+impl<S: Simd> Depth<S> {
+    #[inline(always)]
+    fn new(s: S, group: &Group, lane: usize) -> Self {
+        let wide = group.wide >> lane & 1 == 1;
+        let plane = &group.z_wide[lane];
+        Self {
+            a: f32x16::splat(s, group.z[0][lane]),
+            b: f32x16::splat(s, group.z[1][lane]),
+            c: f32x16::splat(s, group.z[2][lane]),
+            lo: f32x16::splat(s, group.z_lo[lane]),
+            hi: f32x16::splat(s, group.z_hi[lane]),
+            wide: wide.then(|| {
+                [
+                    f64x8::splat(s, plane.a),
+                    f64x8::splat(s, plane.b),
+                    f64x8::splat(s, plane.c),
+                ]
+            }),
+        }
+    }
+
+    #[inline(always)]
+    fn at(&self, s: S, px: f32x16<S>, py: f32x16<S>) -> f32x16<S> {
+        let z = match self.wide {
+            None => (self.c + self.b * py) + self.a * px,
+            Some([a, b, c]) => {
+                let ((x0, x1), (y0, y1)) = (px.widen(), py.widen());
+                s.narrow_f64x8((c + b * y0) + a * x0, (c + b * y1) + a * x1)
+            }
+        };
+        clamp(z, self.lo, self.hi)
+    }
+}
+
+/// Stamps the live triangles of a group, one after the other.
+#[inline(always)]
+pub(crate) fn stamp_group<S: Simd, K: Sink<S>>(s: S, group: &Group, sink: &mut K) {
+    let places = Places::new(s);
+    let mut tiny = Tiny::default();
+    if group.tiny != 0 {
+        tiny.fill(s, group);
+    }
+    let mut live = group.live;
+    while live != 0 {
+        let lane = live.trailing_zeros() as usize;
+        live &= live - 1;
+        if group.tiny >> lane & 1 == 1 {
+            tiny.commit::<S, K>(group, lane, sink);
+        } else {
+            stamp(s, &places, group, lane, sink);
+        }
+    }
+}
+
+/// Up to 2x2 pixels of sixteen triangles at once: lanes across triangles.
+#[derive(Debug, Default)]
+struct Tiny {
+    covered: [u32; 4],
+    depth: [[f32; LANES]; 4],
+}
+
+impl Tiny {
+    #[inline(always)]
+    fn fill<S: Simd>(&mut self, s: S, group: &Group) {
+        let (x0, y0) = (
+            i32x16::from_slice(s, &group.x0),
+            i32x16::from_slice(s, &group.y0),
+        );
+        let (x1, y1) = (
+            i32x16::from_slice(s, &group.x1),
+            i32x16::from_slice(s, &group.y1),
+        );
+        let mut inside = [mask32x16::splat(s, true); 4];
+        for k in 0..3 {
+            let a = i32x16::from_slice(s, &group.a[k]);
+            let b = i32x16::from_slice(s, &group.b[k]);
+            let e = (i32x16::from_slice(s, &group.q[k]) + b * y0) + a * x0;
+            inside[0] = inside[0] & e.simd_ge(0);
+            inside[1] = inside[1] & (e + a).simd_ge(0);
+            inside[2] = inside[2] & (e + b).simd_ge(0);
+            inside[3] = inside[3] & (e + a + b).simd_ge(0);
+        }
+        let (wide, high) = (x1.simd_gt(x0), y1.simd_gt(y0));
+        inside[1] = inside[1] & wide;
+        inside[2] = inside[2] & high;
+        inside[3] = inside[3] & wide & high;
+        let half = TILE as f32 / 2.0 - 0.5;
+        let (px, py) = (
+            x0.to_float::<f32x16<S>>() - half,
+            y0.to_float::<f32x16<S>>() - half,
+        );
+        let a = f32x16::from_slice(s, &group.z[0]);
+        let b = f32x16::from_slice(s, &group.z[1]);
+        let c = f32x16::from_slice(s, &group.z[2]);
+        let (lo, hi) = (
+            f32x16::from_slice(s, &group.z_lo),
+            f32x16::from_slice(s, &group.z_hi),
+        );
+        for k in 0..4 {
+            let (x, y) = (px + (k & 1) as f32, py + (k >> 1) as f32);
+            self.covered[k] = inside[k].to_bitmask() as u32;
+            clamp((c + b * y) + a * x, lo, hi).store_slice(&mut self.depth[k]);
+        }
+    }
+
+    #[inline(always)]
+    fn commit<S: Simd, K: Sink<S>>(&self, group: &Group, lane: usize, sink: &mut K) {
+        let (x, y) = (group.x0[lane] as u32, group.y0[lane] as u32);
+        for k in 0..4 {
+            if self.covered[k] >> lane & 1 == 1 {
+                sink.pixel(
+                    lane,
+                    block_index(x + (k as u32 & 1), y + (k as u32 >> 1)),
+                    self.depth[k][lane],
+                );
+            }
+        }
+    }
+}
+
+/// One triangle in 4x4 blocks.
+#[inline(always)]
+fn stamp<S: Simd, K: Sink<S>>(s: S, places: &Places<S>, group: &Group, lane: usize, sink: &mut K) {
+    let (x0, y0, x1, y1) = (
+        group.x0[lane],
+        group.y0[lane],
+        group.x1[lane],
+        group.y1[lane],
+    );
+    let depth = Depth::new(s, group, lane);
+    let whole = (x1 - x0 + 1) * (y1 - y0 + 1) <= HIERARCHY;
+    // A small triangle is one part; a larger one is seen in 16x16 blocks.
+    let shift = if whole { 6 } else { 4 };
+    let reach = (1 << shift) - 1;
+    for by in y0 >> shift..=y1 >> shift {
+        for bx in x0 >> shift..=x1 >> shift {
+            let (x, y) = (bx << shift, by << shift);
+            let part = [
+                x.max(x0),
+                y.max(y0),
+                (x + reach).min(x1),
+                (y + reach).min(y1),
+            ];
+            let covered = if whole {
+                Part::Some
+            } else {
+                quarter(group, lane, x, y)
+            };
+            match covered {
+                Part::None => {}
+                Part::All if part == [x, y, x + 15, y + 15] => {
+                    fill(s, places, lane, &depth, x, y, sink)
+                }
+                _ => scan(s, places, group, lane, &depth, part, sink),
+            }
+        }
+    }
+}
+
+/// How much of a 16x16 block a triangle covers.
+enum Part {
+    None,
+    Some,
+    All,
+}
+
+#[inline(always)]
+fn quarter(group: &Group, lane: usize, x: i32, y: i32) -> Part {
+    let mut all = true;
+    for k in 0..3 {
+        let (a, b) = (group.a[k][lane], group.b[k][lane]);
+        let e = group.q[k][lane] + b * y + a * x;
+        // The extremes over the block's 16x16 centres; they lie in the tile, so they fit.
+        if e + 15 * (a.max(0) + b.max(0)) < 0 {
+            return Part::None;
+        }
+        all &= e + 15 * (a.min(0) + b.min(0)) >= 0;
+    }
+    if all { Part::All } else { Part::Some }
+}
+
+/// The blocks of a box, each tested. The box may end within a block: the box of a triangle holds all it covers in the tile.
+#[inline(always)]
+fn scan<S: Simd, K: Sink<S>>(
+    s: S,
+    places: &Places<S>,
+    group: &Group,
+    lane: usize,
+    depth: &Depth<S>,
+    [x0, y0, x1, y1]: [i32; 4],
+    sink: &mut K,
+) {
+    let (bx0, by0) = (x0 >> 2, y0 >> 2);
+    let mut row = [i32x16::splat(s, 0); 3];
+    let mut right = row;
+    let mut down = row;
+    for k in 0..3 {
+        let (a, b) = (group.a[k][lane], group.b[k][lane]);
+        let start = group.q[k][lane] + b * (by0 * 4) + a * (bx0 * 4);
+        row[k] = (places.x * a + places.y * b) + start;
+        right[k] = i32x16::splat(s, a.wrapping_mul(4));
+        down[k] = i32x16::splat(s, b.wrapping_mul(4));
+    }
+    for by in by0..=y1 >> 2 {
+        let mut e = row;
+        let py = places.py + (by * 4) as f32;
+        for bx in bx0..=x1 >> 2 {
+            let covered = (e[0] | e[1] | e[2]).simd_ge(0);
+            if covered.any_true() {
+                let z = depth.at(s, places.px + (bx * 4) as f32, py);
+                sink.block(s, lane, by as usize * BLOCKS + bx as usize, covered, z);
+            }
+            e = [e[0] + right[0], e[1] + right[1], e[2] + right[2]];
+        }
+        row = [row[0] + down[0], row[1] + down[1], row[2] + down[2]];
+    }
+}
+
+/// A 16x16 block that lies inside: no edges, no masks.
+#[inline(always)]
+fn fill<S: Simd, K: Sink<S>>(
+    s: S,
+    places: &Places<S>,
+    lane: usize,
+    depth: &Depth<S>,
+    x: i32,
+    y: i32,
+    sink: &mut K,
+) {
+    for by in y >> 2..(y >> 2) + 4 {
+        let py = places.py + (by * 4) as f32;
+        for bx in x >> 2..(x >> 2) + 4 {
+            let z = depth.at(s, places.px + (bx * 4) as f32, py);
+            sink.full_block(s, lane, by as usize * BLOCKS + bx as usize, z);
+        }
+    }
+}
