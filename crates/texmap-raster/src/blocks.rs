@@ -247,8 +247,6 @@ pub(crate) struct Runs<'p, 'a> {
 pub(crate) struct Run<'p> {
     pub draw: usize,
     pub first_slot: usize,
-    /// Place of the first id in the bin.
-    pub start: usize,
     pub ids: &'p [u32],
 }
 
@@ -277,7 +275,6 @@ impl<'p, 'a> Runs<'p, 'a> {
         Some(Run {
             draw: draw as usize,
             first_slot: (self.run - 1) * LANES,
-            start,
             ids: &self.ids[start..self.at],
         })
     }
@@ -285,7 +282,7 @@ impl<'p, 'a> Runs<'p, 'a> {
 
 /// Depth test and write of sixteen pixels.
 #[inline(always)]
-fn test_block<S: Simd>(
+pub(crate) fn test_block<S: Simd>(
     test: DepthTest,
     covered: mask32x16<S>,
     depth: f32x16<S>,

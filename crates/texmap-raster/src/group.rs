@@ -137,7 +137,52 @@ pub(crate) struct SolverX8<S: Simd> {
     pub w: [f64x8<S>; 3],
 }
 
+/// Solvers of sixteen triangles with the given vertices: lanes 0 to 7, then 8 to 15. Out of line: compiled once a level.
+#[inline(never)]
+pub(crate) fn solve_x16<S: Simd>(
+    s: S,
+    arrays: &Arrays<'_>,
+    vertex: &[i32x16<S>; 3],
+    transform: &Transform,
+    origin: [f64; 2],
+) -> [SolverX8<S>; 2] {
+    s.vectorize(
+        #[inline(always)]
+        || {
+            let [ox, oy] = origin;
+            let at = [
+                arrays.positions(s, vertex[0]),
+                arrays.positions(s, vertex[1]),
+                arrays.positions(s, vertex[2]),
+            ];
+            let mut solvers = [SolverX8::empty(s); 2];
+            for (half, solver) in solvers.iter_mut().enumerate() {
+                *solver = SolverX8::new(
+                    s,
+                    transform,
+                    [at[0][half], at[1][half], at[2][half]],
+                    ox,
+                    oy,
+                );
+            }
+            solvers
+        },
+    )
+}
+
 impl<S: Simd> SolverX8<S> {
+    #[inline(always)]
+    fn empty(s: S) -> Self {
+        let zero = f64x8::splat(s, 0.0);
+        Self {
+            rows: [[zero; 3]; 3],
+            inverse: zero,
+            solvable: mask64x8::splat(s, false),
+            z: [zero; 3],
+            w: [zero; 3],
+        }
+    }
+
     #[inline(always)]
     pub(crate) fn new(
         s: S,
@@ -308,15 +353,8 @@ impl Prepared<'_> {
             value.store_slice(&mut group.q[k]);
         }
 
-        let [ox, oy] = origin(corner[0] / TILE, corner[1] / TILE).map(f64::from);
-        let at = [
-            arrays.positions(s, vertex[0]),
-            arrays.positions(s, vertex[1]),
-            arrays.positions(s, vertex[2]),
-        ];
-        let transform = self.transform(draw);
-        let low = SolverX8::new(s, transform, [at[0][0], at[1][0], at[2][0]], ox, oy);
-        let high = SolverX8::new(s, transform, [at[0][1], at[1][1], at[2][1]], ox, oy);
+        let middle = origin(corner[0] / TILE, corner[1] / TILE).map(f64::from);
+        let [low, high] = solve_x16(s, arrays, &vertex, self.transform(draw), middle);
         let (low_plane, high_plane) = (low.plane(low.z), high.plane(high.z));
         let depth = [
             s.narrow_f64x8(low.z[0] / low.w[0], high.z[0] / high.w[0]),

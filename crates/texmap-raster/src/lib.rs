@@ -37,8 +37,10 @@
 #![forbid(unsafe_code)]
 extern crate alloc;
 
+mod atlas;
 mod blocks;
 mod clip;
+mod depth;
 mod dispatch;
 mod draw;
 mod edge;
@@ -54,6 +56,7 @@ mod values;
 mod vertex;
 mod visible;
 
+pub use atlas::{Atlas, AtlasMesh, AtlasOptions, Coverage};
 pub use blocks::TileBlocks;
 pub use draw::{Cull, DepthTest, Draw, Interp, MAX_ATTRIBUTES, MAX_PARTS, Pass, Stats, TargetSize};
 pub use edge::SUBPIXEL_BITS;

@@ -336,12 +336,12 @@ pub(crate) fn decides_visibility(pass: Pass) -> bool {
 }
 
 #[cfg(feature = "std")]
-fn best_level() -> Level {
+pub(crate) fn best_level() -> Level {
     Level::new()
 }
 
 #[cfg(not(feature = "std"))]
-fn best_level() -> Level {
+pub(crate) fn best_level() -> Level {
     Level::baseline()
 }
 
@@ -366,7 +366,7 @@ fn map_all<T, R>(_threads: usize, work: Vec<T>, f: impl Fn(T) -> R) -> Vec<R> {
 }
 
 #[cfg(feature = "rayon")]
-fn for_all<T: Send>(threads: usize, work: Vec<T>, f: impl Fn(T) + Sync + Send) {
+pub(crate) fn for_all<T: Send>(threads: usize, work: Vec<T>, f: impl Fn(T) + Sync + Send) {
     use rayon::iter::{IntoParallelIterator, ParallelIterator};
     if threads > 1 {
         work.into_par_iter().for_each(f)
@@ -376,6 +376,6 @@ fn for_all<T: Send>(threads: usize, work: Vec<T>, f: impl Fn(T) + Sync + Send) {
 }
 
 #[cfg(not(feature = "rayon"))]
-fn for_all<T>(_threads: usize, work: Vec<T>, f: impl Fn(T)) {
+pub(crate) fn for_all<T>(_threads: usize, work: Vec<T>, f: impl Fn(T)) {
     work.into_iter().for_each(f)
 }

@@ -128,8 +128,17 @@ struct Tiny {
 }
 
 impl Tiny {
-    #[inline(always)]
+    /// Out of line: compiled once a level.
+    #[inline(never)]
     fn fill<S: Simd>(&mut self, s: S, group: &Group) {
+        s.vectorize(
+            #[inline(always)]
+            || self.fill_lanes(s, group),
+        );
+    }
+
+    #[inline(always)]
+    fn fill_lanes<S: Simd>(&mut self, s: S, group: &Group) {
         let (x0, y0) = (
             i32x16::from_slice(s, &group.x0),
             i32x16::from_slice(s, &group.y0),

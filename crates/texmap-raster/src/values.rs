@@ -7,7 +7,7 @@ use texmap_math::lanes::{LANES, Words, clamp, gather};
 
 use crate::blocks::{Runs, TileBlocks, pixel_of};
 use crate::dispatch::on_level;
-use crate::group::{Ids, SolverX8, extent_x8, hull_x16};
+use crate::group::{Ids, extent_x8, hull_x16, solve_x16};
 use crate::setup::{Fragment, LARGEST, Ranged, SMALLEST, TILE, TriangleSetup, W_RATIO, origin};
 use crate::visible::NONE;
 use crate::{Interp, MAX_ATTRIBUTES, Prepared};
@@ -168,7 +168,7 @@ impl TilePlanes {
 
     /// Coefficient `c` of plane `k` (0 is 1/w, attribute i is 1 + i) of sixteen slots.
     #[inline(always)]
-    fn coefficient<S: Simd>(&self, s: S, slots: &Slots<S>, k: usize, c: usize) -> f32x16<S> {
+    fn coefficient<S: Simd>(&self, s: S, slots: &Slots<'_, S>, k: usize, c: usize) -> f32x16<S> {
         let at = (k * COEFFICIENTS + c) * LANES;
         match slots {
             Slots::One(start) => {
@@ -179,7 +179,7 @@ impl TilePlanes {
     }
 
     #[inline(always)]
-    fn plane<S: Simd>(&self, s: S, slots: &Slots<S>, k: usize) -> PlaneX16<S> {
+    fn plane<S: Simd>(&self, s: S, slots: &Slots<'_, S>, k: usize) -> PlaneX16<S> {
         PlaneX16 {
             a: self.coefficient(s, slots, k, 0),
             b: self.coefficient(s, slots, k, 1),
@@ -550,15 +550,8 @@ impl Prepared<'_> {
             return u32::MAX;
         }
         let vertex = arrays.corners(s, ids.lanes(s));
-        let [ox, oy] = origin(out.corner[0] / TILE, out.corner[1] / TILE).map(f64::from);
-        let at = [
-            arrays.positions(s, vertex[0]),
-            arrays.positions(s, vertex[1]),
-            arrays.positions(s, vertex[2]),
-        ];
-        let transform = self.transform(draw);
-        let low = SolverX8::new(s, transform, [at[0][0], at[1][0], at[2][0]], ox, oy);
-        let high = SolverX8::new(s, transform, [at[0][1], at[1][1], at[2][1]], ox, oy);
+        let middle = origin(out.corner[0] / TILE, out.corner[1] / TILE).map(f64::from);
+        let [low, high] = solve_x16(s, &arrays, &vertex, self.transform(draw), middle);
         let one = f64x8::splat(s, 1.0);
         let (low_w, high_w) = (low.plane([one; 3]), high.plane([one; 3]));
         let hull = hull_x16([

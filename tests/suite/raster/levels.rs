@@ -1,8 +1,8 @@
 //! The fast path gives the bits of the plain one, on every SIMD level and with any number of threads.
 use texmap_math::glam::DMat4;
 use texmap_raster::{
-    BlockMask, Cull, DepthTest, Draw, Fragment, Interp, NONE, NoAlphaTest, Pass, Prepared,
-    TargetSize, TileBuffers,
+    BlockMask, Cull, DepthTest, Draw, Fragment, Interp, NONE, NoAlphaTest, PairRun, Pass, Prepared,
+    TargetSize, TileBlocks, TileBuffers, TilePlanes,
 };
 use texmap_tests::levels::levels;
 
@@ -175,17 +175,17 @@ fn forward_blocks_are_the_blended_fragments() {
                     expected.push((id, x, y))
                 });
                 let mut found = Vec::new();
-                let bin = fast.bin(index);
-                fast.forward_blocks(
-                    index,
-                    &mut TileBlocks::new(),
-                    &|_| true,
-                    &mut |slot, block, bits| {
-                        for bit in (0..16).filter(|b| bits >> b & 1 == 1) {
-                            let (x, y) = (block % 16 * 4 + bit % 4, block / 16 * 4 + bit / 4);
-                            found.push((bin[slot as usize], tile.x0 + x, tile.y0 + y));
-                        }
-                    },
+                let (mut slots, mut blocks) = (Vec::new(), TileBlocks::new());
+                fast.forward_blocks(index, &mut blocks, &|_| true, &mut |slot, block, bits| {
+                    for bit in (0..16).filter(|b| bits >> b & 1 == 1) {
+                        let (x, y) = (block % 16 * 4 + bit % 4, block / 16 * 4 + bit / 4);
+                        slots.push((slot, tile.x0 + x, tile.y0 + y));
+                    }
+                });
+                found.extend(
+                    slots
+                        .iter()
+                        .map(|&(slot, x, y)| (blocks.ids[slot as usize], x, y)),
                 );
                 // Within a triangle the order is free.
                 let order = |all: &mut Vec<(u32, u32, u32)>| {

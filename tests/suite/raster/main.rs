@@ -1,7 +1,9 @@
 //! Laws and regressions of coverage, depth, interpolation and the front end.
 mod support;
 
+mod atlas;
 mod coverage;
+mod depth;
 mod horizon;
 mod interpolation;
 mod levels;

@@ -1,0 +1,137 @@
+//! The depth-only pass: shadow maps and occlusion. No fragments, no attributes.
+use alloc::vec::Vec;
+
+use texmap_math::fearless_simd::{Simd, f32x16, mask32x16, prelude::*};
+use texmap_math::lanes::LANES;
+
+use crate::blocks::{Runs, test_block};
+use crate::dispatch::on_level;
+use crate::edge::cover;
+use crate::group::Group;
+use crate::prepared::{decides_visibility, for_all};
+use crate::setup::TILE;
+use crate::stamp::{BLOCKS, Sink, stamp_group};
+use crate::visible::passes;
+use crate::{DepthTest, Prepared};
+
+impl Prepared<'_> {
+    /// Depth of the whole target, row by row from the top: the nearest of all draws that decide visibility and write depth
+    /// (cut-outs count as solid), 0 where nothing is. Reversed: 1 at the near plane. With the feature `rayon` rows of tiles
+    /// are spread over the current pool when `threads` is above 1; the bits are the same.
+    #[must_use]
+    pub fn depth_map(&self, threads: usize) -> Vec<f32> {
+        let width = self.size().width() as usize;
+        let across = width.div_ceil(TILE as usize);
+        let mut map = alloc::vec![0.0; width * self.size().height() as usize];
+        let rows = map.chunks_mut(width * TILE as usize).enumerate().collect();
+        for_all(threads, rows, |(row, out): (usize, &mut [f32])| {
+            let mut tile = DepthTile::default();
+            for column in 0..across {
+                self.depth_tile(row * across + column, &mut tile);
+                tile.copy_to(out, width, column * TILE as usize);
+            }
+        });
+        map
+    }
+
+    fn depth_tile(&self, index: usize, out: &mut DepthTile) {
+        out.depth.clear();
+        out.depth.resize((TILE * TILE) as usize, 0.0);
+        match self.level() {
+            Some(level) => {
+                on_level!(level, s => self.depth_lanes(s, index, out), else self.depth_plain(index, out));
+            }
+            None => self.depth_plain(index, out),
+        }
+    }
+
+    fn depth_plain(&self, index: usize, out: &mut DepthTile) {
+        let bounds = self.tile(index);
+        self.for_each(
+            index,
+            &|d| decides_visibility(d.pass) && d.depth_write,
+            |of, setup, edges, pixels| {
+                let test = self.draw(of.draw).depth_test;
+                cover(edges, pixels, |x, y| {
+                    let (x, y) = (x as u32, y as u32);
+                    let stored = &mut out.depth[crate::block_index(x - bounds.x0, y - bounds.y0)];
+                    let depth = setup.depth(x, y);
+                    if passes(test, depth, *stored) {
+                        *stored = depth;
+                    }
+                });
+            },
+        );
+    }
+
+    #[inline(always)]
+    fn depth_lanes<S: Simd>(&self, s: S, index: usize, out: &mut DepthTile) {
+        let mut runs = Runs::new(self, index);
+        while let Some(run) = runs.next() {
+            let draw = self.draw(run.draw as u32);
+            if !decides_visibility(draw.pass) || !draw.depth_write {
+                continue;
+            }
+            self.setup_group(s, run.draw, run.ids, index as u32, &mut out.group);
+            stamp_group(
+                s,
+                &out.group,
+                &mut Nearest {
+                    depth: &mut out.depth,
+                    test: draw.depth_test,
+                },
+            );
+        }
+    }
+}
+
+/// Depth of a tile in 4x4 blocks.
+#[derive(Debug, Default)]
+struct DepthTile {
+    depth: Vec<f32>,
+    group: Group,
+}
+
+impl DepthTile {
+    /// Into rows of `width` pixels, from column `x0` on.
+    fn copy_to(&self, out: &mut [f32], width: usize, x0: usize) {
+        let side = (TILE as usize).min(width - x0);
+        for (y, row) in out.chunks_mut(width).enumerate() {
+            for (b, four) in row[x0..x0 + side].chunks_mut(4).enumerate() {
+                let at = ((y >> 2) * BLOCKS + b) * LANES + (y & 3) * 4;
+                four.copy_from_slice(&self.depth[at..at + four.len()]);
+            }
+        }
+    }
+}
+
+/// Keeps the nearest depth.
+struct Nearest<'b> {
+    depth: &'b mut [f32],
+    test: DepthTest,
+}
+
+impl<S: Simd> Sink<S> for Nearest<'_> {
+    #[inline(always)]
+    fn block(&mut self, s: S, _lane: usize, block: usize, covered: mask32x16<S>, depth: f32x16<S>) {
+        if let Some(stored) = self.depth.get_mut(block * LANES..(block + 1) * LANES) {
+            let old = f32x16::from_slice(s, stored);
+            test_block(self.test, covered, depth, old)
+                .select(depth, old)
+                .store_slice(stored);
+        }
+    }
+
+    #[inline(always)]
+    fn full_block(&mut self, s: S, lane: usize, block: usize, depth: f32x16<S>) {
+        self.block(s, lane, block, mask32x16::splat(s, true), depth);
+    }
+
+    #[inline(always)]
+    fn pixel(&mut self, _lane: usize, index: usize, depth: f32) {
+        let stored = &mut self.depth[index];
+        if passes(self.test, depth, *stored) {
+            *stored = depth;
+        }
+    }
+}

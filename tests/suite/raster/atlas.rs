@@ -1,0 +1,229 @@
+//! The UV-space target: coverage of an atlas, its interpolated values, the conservative mode and gutters.
+use texmap_raster::{Atlas, AtlasMesh, AtlasOptions, Coverage, NONE, RasterError};
+
+use crate::support::{Owned, Rng, jittered_grid, size};
+
+/// A mesh whose uvs are a jittered grid over the inner part of the atlas and whose positions are a linear map of them.
+struct Sheet {
+    mesh: Owned,
+    uvs: Vec<[f32; 2]>,
+    positions: Vec<[f32; 3]>,
+    normals: Vec<[f32; 3]>,
+}
+
+impl Sheet {
+    fn new(seed: u64, n: u32, span: f32) -> Self {
+        let mesh = jittered_grid(&mut Rng::new(seed), n);
+        let uvs: Vec<_> = mesh
+            .positions
+            .iter()
+            .map(|p| [0.5 + p[0] * span, 0.5 + p[1] * span])
+            .collect();
+        let positions = uvs
+            .iter()
+            .map(|uv| [uv[0] * 3.0, uv[1] - 2.0 * uv[0], 7.0 * uv[1]])
+            .collect();
+        let normals = uvs.iter().map(|_| [0.0, 0.6, -0.8]).collect();
+        Self {
+            mesh,
+            uvs,
+            positions,
+            normals,
+        }
+    }
+
+    fn atlas_mesh(&self) -> AtlasMesh<'_> {
+        AtlasMesh {
+            uvs: &self.uvs,
+            positions: &self.positions,
+            normals: &self.normals,
+            indices: &self.mesh.indices,
+            bottom_up: false,
+        }
+    }
+}
+
+#[test]
+fn texels_hold_their_face_and_its_interpolated_values() {
+    let sheet = Sheet::new(1, 9, 0.4);
+    let target = size(200, 150);
+    let atlas = Atlas::new(target, &sheet.atlas_mesh(), AtlasOptions::default()).expect("valid");
+    assert_eq!(atlas.lost, Vec::<u32>::new());
+    let mut covered = 0;
+    for y in 0..150_usize {
+        for x in 0..200_usize {
+            let at = y * 200 + x;
+            let [u, v] = [(x as f32 + 0.5) / 200.0, (y as f32 + 0.5) / 150.0];
+            let inside = (u - 0.5).abs() < 0.4 && (v - 0.5).abs() < 0.4;
+            assert_eq!(atlas.face[at] != NONE, inside, "texel {x}, {y}");
+            if inside {
+                covered += 1;
+                assert_eq!(atlas.coverage[at], Coverage::Centre);
+                let expected = [u * 3.0, v - 2.0 * u, 7.0 * v];
+                for k in 0..3 {
+                    assert!(
+                        (atlas.position[at][k] - expected[k]).abs() < 1e-5,
+                        "texel {x}, {y}"
+                    );
+                    assert!((atlas.normal[at][k] - [0.0, 0.6, -0.8][k]).abs() < 1e-6);
+                }
+                let b = atlas.barycentric[at];
+                assert!((b[0] + b[1] + b[2] - 1.0).abs() < 1e-6);
+            }
+        }
+    }
+    assert_eq!(covered, 160 * 120);
+}
+
+#[test]
+fn bottom_up_mirrors_the_rows() {
+    let sheet = Sheet::new(2, 5, 0.45);
+    let target = size(64, 64);
+    let top = Atlas::new(target, &sheet.atlas_mesh(), AtlasOptions::default()).expect("valid");
+    let mirrored: Vec<_> = sheet.uvs.iter().map(|uv| [uv[0], 1.0 - uv[1]]).collect();
+    let mesh = AtlasMesh {
+        uvs: &mirrored,
+        bottom_up: true,
+        ..sheet.atlas_mesh()
+    };
+    let bottom = Atlas::new(target, &mesh, AtlasOptions::default()).expect("valid");
+    let same = top
+        .face
+        .iter()
+        .zip(&bottom.face)
+        .filter(|(a, b)| a == b)
+        .count();
+    assert!(same > 64 * 64 - 20, "{same} texels agree");
+}
+
+/// Far more faces than their texel centres catch: without the mode many are lost, with it none.
+#[test]
+fn conservative_loses_no_face() {
+    for seed in 0..30 {
+        // 20 x 20 cells over 24 x 24 texels: 800 faces for 576 texels lose some; 12 x 12 cells fit.
+        let sheet = Sheet::new(seed, 14, 0.49);
+        let target = size(26, 26);
+        let plain =
+            Atlas::new(target, &sheet.atlas_mesh(), AtlasOptions::default()).expect("valid");
+        let options = AtlasOptions {
+            conservative: true,
+            ..AtlasOptions::default()
+        };
+        let full = Atlas::new(target, &sheet.atlas_mesh(), options).expect("valid");
+        assert!(
+            !plain.lost.is_empty(),
+            "seed {seed}: nothing is lost without the mode"
+        );
+        assert_eq!(full.lost, Vec::<u32>::new(), "seed {seed}");
+        let mut owners = full.face.clone();
+        owners.sort_unstable();
+        owners.dedup();
+        let faces = owners.iter().filter(|&&f| f != NONE).count();
+        assert_eq!(faces, sheet.mesh.indices.len(), "seed {seed}");
+        for (at, &face) in full.face.iter().enumerate() {
+            let b = full.barycentric[at];
+            assert!(
+                face == NONE || b.iter().all(|&w| (0.0..=1.0).contains(&w)),
+                "seed {seed}: {b:?}"
+            );
+        }
+    }
+}
+
+/// A face without area, a speck within one texel and a face outside the atlas.
+#[test]
+fn specks_are_kept_and_what_lies_outside_is_named() {
+    let uvs = [
+        [0.52, 0.52],
+        [0.5201, 0.52],
+        [0.52, 0.5201],
+        [0.3, 0.3],
+        [0.3, 0.3],
+        [0.3, 0.3],
+        [1.5, 0.2],
+        [1.6, 0.2],
+        [1.5, 0.3],
+    ];
+    let indices = [[0, 1, 2], [3, 4, 5], [6, 7, 8]];
+    let mesh = AtlasMesh {
+        uvs: &uvs,
+        indices: &indices,
+        ..AtlasMesh::default()
+    };
+    let options = AtlasOptions {
+        conservative: true,
+        ..AtlasOptions::default()
+    };
+    let atlas = Atlas::new(size(16, 16), &mesh, options).expect("valid");
+    assert_eq!(atlas.lost, [2]);
+    assert_eq!((atlas.face[8 * 16 + 8], atlas.face[4 * 16 + 4]), (0, 1));
+    let plain = Atlas::new(size(16, 16), &mesh, AtlasOptions::default()).expect("valid");
+    assert_eq!(plain.lost, [0, 1, 2]);
+}
+
+#[test]
+fn gutters_dilate_by_whole_texels() {
+    let sheet = Sheet::new(5, 3, 0.25);
+    let options = AtlasOptions {
+        gutter: 4,
+        ..AtlasOptions::default()
+    };
+    let atlas = Atlas::new(size(64, 64), &sheet.atlas_mesh(), options).expect("valid");
+    for y in 0..64_i32 {
+        for x in 0..64_i32 {
+            // The chart covers 16..48; distance in whole texels, corners count as one.
+            let away = |v: i32| {
+                if v < 16 {
+                    16 - v
+                } else if v > 47 {
+                    v - 47
+                } else {
+                    0
+                }
+            };
+            let expected = match away(x).max(away(y)) {
+                0 => Coverage::Centre,
+                1..=4 => Coverage::Gutter,
+                _ => Coverage::None,
+            };
+            assert_eq!(
+                atlas.coverage[(y * 64 + x) as usize],
+                expected,
+                "texel {x}, {y}"
+            );
+        }
+    }
+}
+
+#[test]
+fn wrong_meshes_are_refused_by_name() {
+    let uvs = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]];
+    let mesh = AtlasMesh {
+        uvs: &uvs,
+        indices: &[[0, 1, 3]],
+        ..AtlasMesh::default()
+    };
+    assert_eq!(
+        Atlas::new(size(8, 8), &mesh, AtlasOptions::default()),
+        Err(RasterError::IndexOutOfRange {
+            draw: 0,
+            triangle: 0,
+            index: 3,
+            vertices: 3
+        })
+    );
+    let mesh = AtlasMesh {
+        uvs: &uvs,
+        positions: &[[0.0; 3]],
+        indices: &[[0, 1, 2]],
+        ..AtlasMesh::default()
+    };
+    assert_eq!(
+        Atlas::new(size(8, 8), &mesh, AtlasOptions::default()),
+        Err(RasterError::AttributeLength {
+            draw: 0,
+            expected: 3,
+            found: 1
+        })
+    );
+}
