@@ -49,7 +49,7 @@ fn texels_hold_their_face_and_its_interpolated_values() {
     let target = size(200, 150);
     let atlas = Atlas::new(target, &sheet.atlas_mesh(), AtlasOptions::default()).expect("valid");
     assert_eq!(atlas.lost, Vec::<u32>::new());
-    let mut covered = 0;
+    let (mut covered, mut exact) = (0, 0);
     for y in 0..150_usize {
         for x in 0..200_usize {
             let at = y * 200 + x;
@@ -61,10 +61,10 @@ fn texels_hold_their_face_and_its_interpolated_values() {
                 assert_eq!(atlas.coverage[at], Coverage::Centre);
                 let expected = [u * 3.0, v - 2.0 * u, 7.0 * v];
                 for k in 0..3 {
-                    assert!(
-                        (atlas.position[at][k] - expected[k]).abs() < 1e-5,
-                        "texel {x}, {y}"
-                    );
+                    // Coverage is snapped: a centre may lie outside its face by 1/256 texel and takes the face's rim.
+                    let error = (atlas.position[at][k] - expected[k]).abs();
+                    assert!(error < 7.0 / 150.0 / 200.0, "texel {x}, {y}: {error}");
+                    exact += usize::from(error < 1e-5);
                     assert!((atlas.normal[at][k] - [0.0, 0.6, -0.8][k]).abs() < 1e-6);
                 }
                 let b = atlas.barycentric[at];
@@ -73,6 +73,7 @@ fn texels_hold_their_face_and_its_interpolated_values() {
         }
     }
     assert_eq!(covered, 160 * 120);
+    assert!(exact > covered * 3 * 99 / 100, "{exact} exact values of {covered} texels");
 }
 
 #[test]
