@@ -6,7 +6,8 @@ use criterion::{Criterion, criterion_group, criterion_main};
 use texmap_benches::scenes::{self, Sphere};
 use texmap_math::Level;
 use texmap_raster::{
-    Atlas, AtlasMesh, AtlasOptions, Cull, Draw, NONE, NoAlphaTest, Prepared, TargetSize, TileBlocks, TilePlanes,
+    Atlas, AtlasMesh, AtlasOptions, Cull, Draw, NONE, NoAlphaTest, Prepared, TargetSize,
+    TileBlocks, TilePlanes,
 };
 
 fn levels() -> Vec<(&'static str, Level)> {
@@ -37,7 +38,13 @@ fn draw(sphere: &Sphere, clip_from_object: texmap_math::glam::DMat4) -> Draw<'_>
 }
 
 /// Prepares, finds what is visible, sets up planes; returns the number of covered pixels.
-fn frame(level: Level, size: TargetSize, draw: &Draw<'_>, blocks: &mut TileBlocks, planes: &mut TilePlanes) -> usize {
+fn frame(
+    level: Level,
+    size: TargetSize,
+    draw: &Draw<'_>,
+    blocks: &mut TileBlocks,
+    planes: &mut TilePlanes,
+) -> usize {
     let prepared = Prepared::with_level(size, &[*draw], level, 1).expect("valid");
     let mut covered = 0;
     for tile in 0..prepared.tiles() {
@@ -50,7 +57,11 @@ fn frame(level: Level, size: TargetSize, draw: &Draw<'_>, blocks: &mut TileBlock
 
 fn meshes(c: &mut Criterion) {
     let size = TargetSize::new(1920, 1080).expect("valid");
-    for (name, slices, stacks) in [("mesh20k", 142, 71), ("mesh200k", 448, 224), ("mesh2m", 1416, 708)] {
+    for (name, slices, stacks) in [
+        ("mesh20k", 142, 71),
+        ("mesh200k", 448, 224),
+        ("mesh2m", 1416, 708),
+    ] {
         let sphere = Sphere::new(slices, stacks);
         let draw = draw(&sphere, scenes::mesh_camera());
         let (mut blocks, mut planes) = (TileBlocks::new(), TilePlanes::new());
@@ -58,7 +69,10 @@ fn meshes(c: &mut Criterion) {
         group.sample_size(10);
         for (level_name, level) in levels() {
             let covered = frame(level, size, &draw, &mut blocks, &mut planes);
-            assert!((1_240_000..1_250_000).contains(&covered), "{name} covers {covered} pixels");
+            assert!(
+                (1_240_000..1_250_000).contains(&covered),
+                "{name} covers {covered} pixels"
+            );
             group.bench_function(level_name, |b| {
                 b.iter(|| black_box(frame(level, size, &draw, &mut blocks, &mut planes)));
             });
@@ -75,9 +89,16 @@ fn depth(c: &mut Criterion) {
         let mut group = c.benchmark_group(format!("raster/{name}"));
         group.sample_size(10);
         for (level_name, level) in levels() {
-            let map = || Prepared::with_level(size, &[draw], level, 1).expect("valid").depth_map(1);
+            let map = || {
+                Prepared::with_level(size, &[draw], level, 1)
+                    .expect("valid")
+                    .depth_map(1)
+            };
             let covered = map().iter().filter(|&&d| d > 0.0).count();
-            assert!((2_515_000..2_518_000).contains(&covered), "{name} covers {covered} pixels");
+            assert!(
+                (2_515_000..2_518_000).contains(&covered),
+                "{name} covers {covered} pixels"
+            );
             group.bench_function(level_name, |b| b.iter(|| black_box(map())));
         }
         group.finish();
@@ -86,7 +107,11 @@ fn depth(c: &mut Criterion) {
 
 fn atlas(c: &mut Criterion) {
     let sphere = Sphere::new(448, 224);
-    let uvs: Vec<_> = sphere.uvs.chunks_exact(2).map(|uv| [uv[0] / 4.0, uv[1] / 2.0]).collect();
+    let uvs: Vec<_> = sphere
+        .uvs
+        .chunks_exact(2)
+        .map(|uv| [uv[0] / 4.0, uv[1] / 2.0])
+        .collect();
     let mesh = AtlasMesh {
         uvs: &uvs,
         positions: &sphere.positions,
@@ -98,9 +123,19 @@ fn atlas(c: &mut Criterion) {
     let mut group = c.benchmark_group("raster/atlas1024");
     group.sample_size(10);
     for conservative in [false, true] {
-        let options = AtlasOptions { conservative, gutter: 4, threads: 1 };
-        let name = if conservative { "conservative" } else { "centres" };
-        group.bench_function(name, |b| b.iter(|| black_box(Atlas::new(size, &mesh, options).expect("valid"))));
+        let options = AtlasOptions {
+            conservative,
+            gutter: 4,
+            threads: 1,
+        };
+        let name = if conservative {
+            "conservative"
+        } else {
+            "centres"
+        };
+        group.bench_function(name, |b| {
+            b.iter(|| black_box(Atlas::new(size, &mesh, options).expect("valid")))
+        });
     }
     group.finish();
 }

@@ -1,1 +1,3 @@
 //! Scenes and clocks that the benchmarks share.
+
+pub mod scenes;

@@ -23,9 +23,15 @@ impl Sphere {
             let (st, ct) = sin_cos(pi * f64::from(i) / f64::from(stacks));
             for j in 0..=slices {
                 let (sp, cp) = sin_cos(2.0 * pi * f64::from(j) / f64::from(slices));
-                sphere.positions.push([(st * sp) as f32, ct as f32, (st * cp) as f32]);
-                sphere.uvs.push((4.0 * f64::from(j) / f64::from(slices)) as f32);
-                sphere.uvs.push((2.0 * f64::from(i) / f64::from(stacks)) as f32);
+                sphere
+                    .positions
+                    .push([(st * sp) as f32, ct as f32, (st * cp) as f32]);
+                sphere
+                    .uvs
+                    .push((4.0 * f64::from(j) / f64::from(slices)) as f32);
+                sphere
+                    .uvs
+                    .push((2.0 * f64::from(i) / f64::from(stacks)) as f32);
             }
         }
         for i in 0..stacks {
@@ -46,7 +52,12 @@ impl Sphere {
 
 /// OpenGL clip depth -w..w to reversed 0..w: z' = (w - z) / 2.
 fn reversed() -> DMat4 {
-    DMat4::from_cols(DVec4::X, DVec4::Y, DVec4::new(0.0, 0.0, -0.5, 0.0), DVec4::new(0.0, 0.0, 0.5, 1.0))
+    DMat4::from_cols(
+        DVec4::X,
+        DVec4::Y,
+        DVec4::new(0.0, 0.0, -0.5, 0.0),
+        DVec4::new(0.0, 0.0, 0.5, 1.0),
+    )
 }
 
 fn perspective(fov_y: f64, aspect: f64, near: f64, far: f64) -> DMat4 {
@@ -72,8 +83,18 @@ fn orthographic(half: f64, near: f64, far: f64) -> DMat4 {
 fn model() -> DMat4 {
     let degrees = std::f64::consts::PI / 180.0;
     let ((sx, cx), (sy, cy)) = (sin_cos(30.0 * degrees), sin_cos(40.0 * degrees));
-    let x = DMat4::from_cols(DVec4::X, DVec4::new(0.0, cx, sx, 0.0), DVec4::new(0.0, -sx, cx, 0.0), DVec4::W);
-    let y = DMat4::from_cols(DVec4::new(cy, 0.0, -sy, 0.0), DVec4::Y, DVec4::new(sy, 0.0, cy, 0.0), DVec4::W);
+    let x = DMat4::from_cols(
+        DVec4::X,
+        DVec4::new(0.0, cx, sx, 0.0),
+        DVec4::new(0.0, -sx, cx, 0.0),
+        DVec4::W,
+    );
+    let y = DMat4::from_cols(
+        DVec4::new(cy, 0.0, -sy, 0.0),
+        DVec4::Y,
+        DVec4::new(sy, 0.0, cy, 0.0),
+        DVec4::W,
+    );
     x * y
 }
 

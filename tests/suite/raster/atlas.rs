@@ -73,7 +73,10 @@ fn texels_hold_their_face_and_its_interpolated_values() {
         }
     }
     assert_eq!(covered, 160 * 120);
-    assert!(exact > covered * 3 * 99 / 100, "{exact} exact values of {covered} texels");
+    assert!(
+        exact > covered * 3 * 99 / 100,
+        "{exact} exact values of {covered} texels"
+    );
 }
 
 #[test]
