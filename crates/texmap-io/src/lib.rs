@@ -1,4 +1,29 @@
-//! Files in and out: the scene language, OBJ/MTL, images and `.npy` arrays.
+//! Files in and out of texmap: the scene language, OBJ/MTL models, images, `.npy` arrays. The only crate that sees files.
+//!
+//! - [`load`] reads a `.scene` or `.obj` with everything that it names into a [`texmap_render::Scene`]; [`info`] lists
+//!   what a file holds and what it names in vain.
+//! - [`scene_file`] is the language alone: text to statements and back.
+//! - [`image_io`], [`npy`], [`CameraPath`]: pictures, arrays, walks. [`framing`]: cameras that show a whole model.
+//! - [`atomic`]: files that are written whole or not at all; every writer here uses it.
+//!
+//! Everything is checked while it is read: an [`IoError`] names file, line and column, says why and what to try, and
+//! has a stable code. Colours of files are sRGB, `v` of a scene grows downwards and `v` of an OBJ upwards; the values
+//! are kept as they are and the mesh says where its origin is.
+//!
+//! ```
+//! use std::path::Path;
+//! use texmap_io::scene_file::{Command, parse, print};
+//!
+//! let text = "v 0 0 0   # three corners\nv 1 0 0\nv 0 1e0 0\nf 0 1\n  2\n";
+//! let file = parse(Path::new("triangle.scene"), text)?;
+//! assert_eq!(file.statements[3].command, Command::Face(vec![0, 1, 2]));
+//! assert_eq!(print(&file), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 0 1 2\n");
+//!
+//! let error = parse(Path::new("triangle.scene"), "v 0 0 0\nf 0 0 3\n").unwrap_err();
+//! assert_eq!(error.to_string(), "triangle.scene:2:7: vertex index 3 does not exist; there are 1 above this line");
+//! assert_eq!((error.code(), error.help().as_str()), ("bad-index", "indices count from 0 to 0"));
+//! # Ok::<(), texmap_io::IoError>(())
+//! ```
 #![forbid(unsafe_code)]
 
 pub mod atomic;

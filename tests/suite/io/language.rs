@@ -4,7 +4,8 @@ use std::path::Path;
 
 use proptest::prelude::*;
 use texmap_io::scene_file::{
-    Alpha, Command, Missing, Rate, Role, SceneFile, Shade, Surf, TexturedCorner, parse, print,
+    Alpha, COMMANDS, Command, Missing, Rate, Role, SceneFile, Shade, Surf, TexturedCorner, parse,
+    print,
 };
 use texmap_raster::{Cull, Interp};
 use texmap_render::{ColorMode, Gouraud};
@@ -283,6 +284,27 @@ proptest! {
         }
         prop_assert!(scene.meshes[0].faces.iter().all(|f| *f == 0));
     }
+}
+
+/// docs/SCENE_FORMAT.md has a table row for each command and for nothing else, and its example is right.
+#[test]
+fn the_manual_lists_every_command() {
+    let manual = include_str!("../../../docs/SCENE_FORMAT.md");
+    let mut listed: Vec<&str> = manual
+        .lines()
+        .filter_map(|line| line.strip_prefix("| `")?.split_once("` |"))
+        .map(|(word, _)| word)
+        .collect();
+    let mut known = COMMANDS.to_vec();
+    listed.sort_unstable();
+    known.sort_unstable();
+    assert_eq!(listed, known);
+
+    let example = manual.split("```").nth(1).expect("an example");
+    let scene = Files::new()
+        .with_png("brick.png", 4, 4, [150, 60, 40, 255])
+        .scene(example);
+    assert_eq!(scene.meshes[0].uvs[0], [0.0, 2.0]);
 }
 
 #[test]

@@ -17,7 +17,7 @@ use texmap_raster::{Cull, Interp};
 use texmap_render::{ColorMode, Gouraud};
 use texmap_sample::{Filter, Wrap};
 
-pub use parse::parse;
+pub use parse::{COMMANDS, parse};
 pub use print::print;
 
 /// The statements of one file in their order.

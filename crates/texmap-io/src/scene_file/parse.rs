@@ -61,8 +61,8 @@ pub fn parse(file: &Path, text: &str) -> Result<SceneFile, IoError> {
     }
 }
 
-/// Every command, for suggestions and for the list of words.
-const WORDS: [&str; 34] = [
+/// The word of every command.
+pub const COMMANDS: [&str; 34] = [
     "eye",
     "look",
     "up",
@@ -311,7 +311,7 @@ fn alpha(args: &Args<'_>) -> Result<Command, IoError> {
     args.within(1, 2, ALLOWED)?;
     let threshold = || {
         let [t] = args.floats(1)?;
-        args.check(1, (0.0..=1.0).contains(&t), "a threshold of 0 to 1")?;
+        args.check(1, t > 0.0 && t <= 1.0, "a threshold above 0, up to 1")?;
         Ok(t)
     };
     Ok(Command::Alpha(match (args.text(0), args.len()) {
@@ -357,11 +357,11 @@ fn scale(args: &Args<'_>) -> Result<Command, IoError> {
 }
 
 fn known_word(file: &Path, line: u32, token: Token<'_>) -> Result<&'static str, IoError> {
-    if let Some(word) = WORDS.iter().find(|w| **w == token.text && !token.quoted) {
+    if let Some(word) = COMMANDS.iter().find(|w| **w == token.text && !token.quoted) {
         return Ok(word);
     }
     let distance = |word: &&str| edit_distance(&token.text.to_lowercase(), word);
-    let nearest = WORDS.iter().copied().min_by_key(distance);
+    let nearest = COMMANDS.iter().copied().min_by_key(distance);
     // One slip in a short word, two in a longer one.
     let allowed = if token.text.len() <= 4 { 1 } else { 2 };
     Err(IoError::UnknownCommand {
@@ -508,6 +508,7 @@ mod tests {
             ("interp span:0", "unknown-word", 1, 8),
             ("cull left", "unknown-word", 1, 6),
             ("alpha test 2", "out-of-range", 1, 12),
+            ("alpha test 0", "out-of-range", 1, 12),
             ("shade decal modulate", "unknown-word", 1, 13),
             ("color rgb", "unknown-word", 1, 7),
             ("texture \"open.png", "stray-quote", 1, 9),
