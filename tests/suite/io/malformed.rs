@@ -141,6 +141,21 @@ fn include_cycles_of_any_length() {
 }
 
 #[test]
+fn includes_that_multiply_are_stopped() {
+    let mut files = Files::new().with("a.scene", "include 0.scene\n").with("20.scene", "v 0 0 0\n");
+    for i in 0..20 {
+        files = files.with(&format!("{i}.scene"), format!("include {0}.scene\ninclude {0}.scene\n", i + 1));
+    }
+    let error = files.load("a.scene").expect_err("a million files");
+    assert_code(&error, "out-of-range");
+    let mut chain = Files::new().with("40.scene", "v 0 0 0\n");
+    for i in 0..40 {
+        chain = chain.with(&format!("{i}.scene"), format!("include {}.scene\n", i + 1));
+    }
+    refused(&chain, "0.scene", "out-of-range", ("32.scene", 1, 1));
+}
+
+#[test]
 fn models() {
     for (line, code, column) in [
         ("f 1 2 1000000000", "bad-index", 7),
