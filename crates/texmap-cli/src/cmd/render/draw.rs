@@ -1,5 +1,7 @@
 //! One input: load it, set the camera, draw its pictures, write them.
 
+use std::cell::RefCell;
+use std::collections::BTreeSet;
 use std::path::Path;
 use std::time::Instant;
 
@@ -44,6 +46,7 @@ pub(crate) fn item(
         item,
         level,
         load,
+        told: RefCell::default(),
     };
     let cameras = cameras(args, &scene, walk)?;
     // Everything is checked before the first pixel: the scene once, the camera of every picture.
@@ -126,6 +129,8 @@ struct Context<'a> {
     level: Level,
     /// Milliseconds that loading took.
     load: f64,
+    /// Warnings said so far: the frames of a walk repeat them.
+    told: RefCell<BTreeSet<String>>,
 }
 
 impl Context<'_> {
@@ -278,6 +283,9 @@ impl Context<'_> {
     /// The line that says what was drawn and how long it took, and the warnings.
     fn tell(&self, report: &ItemReport, times: &TimesReport) {
         for warning in &report.warnings {
+            if !self.told.borrow_mut().insert(warning.clone()) {
+                continue;
+            }
             say(&format!(
                 "warning: {}: {warning}\n",
                 self.item.input.display()
