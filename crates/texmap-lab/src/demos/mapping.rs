@@ -13,11 +13,15 @@ use super::{Claim, DemoPicture, Panel, paint};
 use crate::LabError;
 use crate::picture::{Picture, Rgba};
 
-/// Texels a side.
-const TEXELS: u32 = 192;
-
 const SKY: Rgba = [204, 217, 230, 255];
 const HOLE: Rgba = [255, 0, 160, 255];
+
+/// A wall with a texture of as many texels as suit the picture: magnified near the eye, minified far away.
+struct Wall {
+    size: u32,
+    texels: u32,
+    texture: Picture,
+}
 
 /// What one way of mapping wrote.
 struct Written {
@@ -29,9 +33,10 @@ struct Written {
 }
 
 impl Written {
-    fn new(size: u32) -> Self {
+    fn new(wall: &Wall) -> Self {
+        let size = wall.size;
         let pixels = size as usize * size as usize;
-        let texels = (TEXELS * TEXELS) as usize;
+        let texels = (wall.texels * wall.texels) as usize;
         Self {
             picture: Picture::new(size, size, SKY),
             writes: vec![0; pixels],
@@ -39,8 +44,9 @@ impl Written {
         }
     }
 
-    fn write(&mut self, x: u32, y: u32, texel: u32, texture: &Picture) {
-        let color = texture.get(i64::from(texel % TEXELS), i64::from(texel / TEXELS));
+    fn write(&mut self, x: u32, y: u32, texel: u32, wall: &Wall) {
+        let (column, row) = (texel % wall.texels, texel / wall.texels);
+        let color = wall.texture.get(i64::from(column), i64::from(row));
         self.picture.set(i64::from(x), i64::from(y), color);
         self.writes[(y * self.picture.width() + x) as usize] += 1;
         self.seen[texel as usize] = true;
@@ -60,10 +66,16 @@ impl Written {
 }
 
 pub(super) fn forward_inverse(size: u32) -> Result<DemoPicture, LabError> {
-    let texture = paint::letters(TEXELS);
-    let points = points(&texture, size)?;
-    let quads = quads(&texture, size)?;
-    let (inverse, stray) = inverse(&texture, size)?;
+    let texels = (size / 2).next_multiple_of(4);
+    let wall = Wall {
+        size,
+        texels,
+        texture: paint::letters(texels),
+    };
+    let all = texels * texels;
+    let points = points(&wall)?;
+    let quads = quads(&wall)?;
+    let (inverse, stray) = inverse(&wall)?;
 
     let mut holed = points.picture.clone();
     let mut holes = 0;
@@ -82,7 +94,7 @@ pub(super) fn forward_inverse(size: u32) -> Result<DemoPicture, LabError> {
             quads.unseen() as f64,
             inverse.unseen() as f64,
             // The corners of texels are snapped to 1/256 pixel: a quad beside a centre may gain or lose it.
-            f64::from(TEXELS * TEXELS) * 0.001,
+            f64::from(all) * 0.001,
         ),
         Claim::new("quads: pixels written twice", twice as f64, 0.0, 0.0),
         Claim::new(
@@ -104,7 +116,6 @@ pub(super) fn forward_inverse(size: u32) -> Result<DemoPicture, LabError> {
             0.0,
         ),
     ];
-    let all = TEXELS * TEXELS;
     let panels = vec![
         Panel {
             picture: holed,
@@ -158,7 +169,7 @@ fn camera() -> Camera {
     }
 }
 
-fn wall(u: f64, v: f64) -> DVec3 {
+fn place(u: f64, v: f64) -> DVec3 {
     ORIGIN + ALONG_U * u + ALONG_V * v
 }
 
@@ -172,36 +183,38 @@ fn project(point: DVec3, size: u32) -> Result<DVec2, LabError> {
 }
 
 /// Every texel sets the pixel under its centre.
-fn points(texture: &Picture, size: u32) -> Result<Written, LabError> {
-    let mut written = Written::new(size);
-    let n = f64::from(TEXELS);
-    for texel in 0..TEXELS * TEXELS {
-        let (column, row) = (f64::from(texel % TEXELS), f64::from(texel / TEXELS));
-        let at = project(wall((column + 0.5) / n, (row + 0.5) / n), size)?.floor();
+fn points(wall: &Wall) -> Result<Written, LabError> {
+    let (size, texels) = (wall.size, wall.texels);
+    let mut written = Written::new(wall);
+    let n = f64::from(texels);
+    for texel in 0..texels * texels {
+        let (column, row) = (f64::from(texel % texels), f64::from(texel / texels));
+        let at = project(place((column + 0.5) / n, (row + 0.5) / n), size)?.floor();
         let inside = |c: f64| c >= 0.0 && c < f64::from(size);
         if inside(at.x) && inside(at.y) {
-            written.write(at.x as u32, at.y as u32, texel, texture);
+            written.write(at.x as u32, at.y as u32, texel, wall);
         }
     }
     Ok(written)
 }
 
 /// Every texel is drawn as a quad of its own, over what is there.
-fn quads(texture: &Picture, size: u32) -> Result<Written, LabError> {
-    let corners = TEXELS + 1;
+fn quads(wall: &Wall) -> Result<Written, LabError> {
+    let (size, texels) = (wall.size, wall.texels);
+    let corners = texels + 1;
     let mut positions = Vec::new();
     for row in 0..corners {
         for column in 0..corners {
             let (u, v) = (
-                f64::from(column) / f64::from(TEXELS),
-                f64::from(row) / f64::from(TEXELS),
+                f64::from(column) / f64::from(texels),
+                f64::from(row) / f64::from(texels),
             );
-            positions.push(wall(u, v).as_vec3().to_array());
+            positions.push(place(u, v).as_vec3().to_array());
         }
     }
     let mut indices = Vec::new();
-    for texel in 0..TEXELS * TEXELS {
-        let a = texel / TEXELS * corners + texel % TEXELS;
+    for texel in 0..texels * texels {
+        let a = texel / texels * corners + texel % texels;
         indices.extend([
             [a, a + corners, a + corners + 1],
             [a, a + corners + 1, a + 1],
@@ -215,12 +228,12 @@ fn quads(texture: &Picture, size: u32) -> Result<Written, LabError> {
         ..Draw::default()
     };
     let prepared = Prepared::new(TargetSize::new(size, size)?, &[draw])?;
-    let mut written = Written::new(size);
+    let mut written = Written::new(wall);
     let mut buffers = TileBuffers::new();
     for tile in 0..prepared.tiles() {
         prepared.visible(tile, &NoAlphaTest, &mut buffers);
         prepared.blended(tile, &buffers, &mut |id, x, y| {
-            written.write(x, y, prepared.source(id).1 / 2, texture);
+            written.write(x, y, prepared.source(id).1 / 2, wall);
         });
     }
     Ok(written)
@@ -228,9 +241,10 @@ fn quads(texture: &Picture, size: u32) -> Result<Written, LabError> {
 
 /// Every pixel of the wall fetches the texel under its centre. Also gives the number of pixels whose texel is
 /// not the homography's, those closer than 1/1000 texel to a border left out.
-fn inverse(texture: &Picture, size: u32) -> Result<(Written, u32), LabError> {
+fn inverse(wall: &Wall) -> Result<(Written, u32), LabError> {
+    let (size, texels) = (wall.size, wall.texels);
     let square = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)];
-    let positions = square.map(|(u, v)| wall(u, v).as_vec3().to_array());
+    let positions = square.map(|(u, v)| place(u, v).as_vec3().to_array());
     let uv: Vec<f32> = square
         .iter()
         .flat_map(|&(u, v)| [u as f32, v as f32])
@@ -245,16 +259,16 @@ fn inverse(texture: &Picture, size: u32) -> Result<(Written, u32), LabError> {
     };
     let mut screen = [DVec2::ZERO; 4];
     for (corner, (u, v)) in screen.iter_mut().zip(square) {
-        *corner = project(wall(u, v), size)?;
+        *corner = project(place(u, v), size)?;
     }
     let to_texture = Homography::from_square(screen)?.inverse();
     let prepared = Prepared::new(TargetSize::new(size, size)?, &[draw])?;
-    let (mut written, mut stray) = (Written::new(size), 0);
+    let (mut written, mut stray) = (Written::new(wall), 0);
     let (mut buffers, mut fragment) = (TileBuffers::new(), Fragment::default());
     let texel_of = |c: f64| {
-        (c * f64::from(TEXELS))
+        (c * f64::from(texels))
             .floor()
-            .clamp(0.0, f64::from(TEXELS - 1)) as u32
+            .clamp(0.0, f64::from(texels - 1)) as u32
     };
     for index in 0..prepared.tiles() {
         prepared.visible(index, &NoAlphaTest, &mut buffers);
@@ -263,16 +277,16 @@ fn inverse(texture: &Picture, size: u32) -> Result<(Written, u32), LabError> {
             let (x, y) = (tile.x0 + cell as u32 % TILE, tile.y0 + cell as u32 / TILE);
             prepared.evaluate(id, x, y, &mut fragment);
             let (u, v) = (f64::from(fragment.values[0]), f64::from(fragment.values[1]));
-            let texel = texel_of(v) * TEXELS + texel_of(u);
-            written.write(x, y, texel, texture);
+            let texel = texel_of(v) * texels + texel_of(u);
+            written.write(x, y, texel, wall);
             let centre = DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5);
             let Some(truth) = to_texture.apply(centre) else {
                 continue;
             };
             let border =
-                |c: f64| (c * f64::from(TEXELS) - (c * f64::from(TEXELS)).round()).abs() < 1e-3;
+                |c: f64| (c * f64::from(texels) - (c * f64::from(texels)).round()).abs() < 1e-3;
             if !border(truth.x) && !border(truth.y) {
-                stray += u32::from(texel != texel_of(truth.y) * TEXELS + texel_of(truth.x));
+                stray += u32::from(texel != texel_of(truth.y) * texels + texel_of(truth.x));
             }
         }
     }

@@ -32,7 +32,19 @@ pub(super) fn sheet(title: &str, panels: Vec<Panel>, claims: Vec<Claim>) -> Demo
     let rows = (panels.len() as u32).div_ceil(columns.max(1));
     let width = columns * (size + GAP) + GAP;
     let fit = |pixels: u32| (pixels / (GLYPH * scale)) as usize;
-    let texts: Vec<Vec<String>> = panels.iter().map(|p| wrap(&p.caption, fit(size))).collect();
+    let words = |panel: &Panel| {
+        let title = wrap(&panel.title, fit(size))
+            .into_iter()
+            .map(|line| (INK, line));
+        title
+            .chain(
+                wrap(&panel.caption, fit(size))
+                    .into_iter()
+                    .map(|line| (SOFT, line)),
+            )
+            .collect::<Vec<_>>()
+    };
+    let texts: Vec<_> = panels.iter().map(words).collect();
     let caption_lines = texts.iter().map(Vec::len).max().unwrap_or(0) as u32;
     let title_scale = if fit(width - 2 * GAP) >= 2 * title.chars().count() {
         2 * scale
@@ -44,7 +56,7 @@ pub(super) fn sheet(title: &str, panels: Vec<Panel>, claims: Vec<Claim>) -> Demo
         (width as usize - 2 * GAP as usize) / (GLYPH * title_scale) as usize,
     );
     let title_height = GAP + LINE * title_scale * title_lines.len() as u32 + GAP / 2;
-    let caption_height = line * (1 + caption_lines) + GAP / 2;
+    let caption_height = line * caption_lines + GAP / 2;
     let row_height = size + GAP / 2 + caption_height;
     let footer: Vec<(Rgba, String)> = claims
         .iter()
@@ -70,15 +82,8 @@ pub(super) fn sheet(title: &str, panels: Vec<Panel>, claims: Vec<Claim>) -> Demo
         image.blit(x, y, &panel.picture);
         image.frame(x - 1, y - 1, size + 2, size + 2, RULE);
         let top = y + i64::from(size + GAP / 2);
-        image.text(x, top, scale, INK, &panel.title);
-        for (below, text) in texts[index].iter().enumerate() {
-            image.text(
-                x,
-                top + i64::from(line) * (below as i64 + 1),
-                scale,
-                SOFT,
-                text,
-            );
+        for (below, (color, text)) in texts[index].iter().enumerate() {
+            image.text(x, top + i64::from(line) * below as i64, scale, *color, text);
         }
     }
     let top = i64::from(height - footer_height);
