@@ -28,6 +28,7 @@ pub mod picture;
 pub mod reference;
 pub mod scenes;
 pub mod strip;
+pub mod truth;
 pub mod uv_pictures;
 
 pub use error::LabError;
