@@ -22,6 +22,8 @@ pub(crate) enum Verb {
     Render(Box<cmd::render::RenderArgs>),
     Info(cmd::info::InfoArgs),
     Demo(cmd::demo::DemoArgs),
+    Diff(cmd::diff::DiffArgs),
+    Hash(cmd::hash::HashArgs),
     Uv(cmd::uv::UvArgs),
 }
 
@@ -32,6 +34,8 @@ impl Verb {
             Self::Render(a) => a.json,
             Self::Info(a) => a.json,
             Self::Demo(a) => a.json,
+            Self::Diff(a) => a.json,
+            Self::Hash(a) => a.json,
             Self::Uv(a) => a.json,
         }
     }

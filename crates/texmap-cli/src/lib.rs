@@ -54,6 +54,8 @@ fn dispatch(verb: Verb) -> Result<Exit, Failure> {
         Verb::Render(args) => cmd::render::run(&args),
         Verb::Info(args) => cmd::info::run(&args),
         Verb::Demo(args) => cmd::demo::run(&args),
+        Verb::Diff(args) => cmd::diff::run(&args),
+        Verb::Hash(args) => cmd::hash::run(&args),
         Verb::Uv(args) => cmd::uv::run(&args),
     }
 }

@@ -20,6 +20,7 @@
 #![forbid(unsafe_code)]
 
 pub mod bench_scenes;
+pub mod buffer;
 pub mod cases;
 pub mod demos;
 mod error;

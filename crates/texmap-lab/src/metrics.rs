@@ -132,24 +132,21 @@ pub fn compare(
     ))
 }
 
-/// Compares f32 values with an f64 truth.
+/// Compares two images of f64 values.
 ///
 /// # Errors
 /// As [`compare`].
 pub fn compare_f64(
     shape: Shape,
     expected: &[f64],
-    actual: &[f32],
+    actual: &[f64],
     limit: f64,
 ) -> Result<Metrics, MetricsError> {
     check(shape, expected.len(), actual.len())?;
     Ok(measure(
         shape,
         limit,
-        expected
-            .iter()
-            .zip(actual)
-            .map(|(&e, &a)| (e, f64::from(a))),
+        expected.iter().copied().zip(actual.iter().copied()),
     ))
 }
 

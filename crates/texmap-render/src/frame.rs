@@ -64,18 +64,24 @@ pub struct Times {
     pub draw: Duration,
 }
 
-/// Hash of the decoded pixels: `fnv1a-128:` and 32 hexadecimal digits. It is the 128-bit FNV-1a (Fowler,
-/// Noll, Vo; draft-eastlake-fnv) of width and height as little-endian u32, then the bytes of `rgba` in
-/// order. It guards against accidents, not against forgery.
+/// Hash of the decoded pixels, see [`hash_pixels`].
 #[must_use]
 pub fn pixel_hash(frame: &Frame) -> String {
+    hash_pixels(frame.width, frame.height, &frame.rgba)
+}
+
+/// Hash of decoded pixels: `fnv1a-128:` and 32 hexadecimal digits. It is the 128-bit FNV-1a (Fowler,
+/// Noll, Vo; draft-eastlake-fnv) of width and height as little-endian u32, then the bytes of the pixels in
+/// order. It guards against accidents, not against forgery.
+#[must_use]
+pub fn hash_pixels(width: u32, height: u32, bytes: &[u8]) -> String {
     const OFFSET: u128 = 0x6c62_272e_07bb_0142_62b8_2175_6295_c58d;
     const PRIME: u128 = 0x0000_0000_0100_0000_0000_0000_0000_013b;
-    let size = [frame.width.to_le_bytes(), frame.height.to_le_bytes()];
+    let size = [width.to_le_bytes(), height.to_le_bytes()];
     let hash = size
         .as_flattened()
         .iter()
-        .chain(&frame.rgba)
+        .chain(bytes)
         .fold(OFFSET, |hash, byte| {
             (hash ^ u128::from(*byte)).wrapping_mul(PRIME)
         });

@@ -55,7 +55,7 @@ mod textures;
 mod vertices;
 
 pub use error::RenderError;
-pub use frame::{AovData, Frame, HOLE_BITS, Stats, Times, pixel_hash};
+pub use frame::{AovData, Frame, HOLE_BITS, Stats, Times, hash_pixels, pixel_hash};
 pub use render::{Renderer, render, render_ordered};
 pub use scene::{
     AlphaMode, ColorMode, Gouraud, Material, Mesh, Scene, Shading, TextureRole, TextureSlot,

@@ -2,3 +2,4 @@
 mod cases;
 mod demos;
 mod scenes;
+mod truth;

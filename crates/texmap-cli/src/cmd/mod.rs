@@ -1,6 +1,8 @@
 //! One module per verb: its arguments and what it does.
 
 pub(crate) mod demo;
+pub(crate) mod diff;
+pub(crate) mod hash;
 pub(crate) mod info;
 pub(crate) mod render;
 pub(crate) mod uv;

@@ -1,0 +1,110 @@
+//! `texmap hash`: hashes of decoded pixels, to be committed and checked.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use serde::Serialize;
+use texmap_lab::buffer::Buffer;
+
+use crate::failure::{self, Exit, Failure};
+
+/// Print the pixel hash of images or .npy arrays, or check a list of them.
+#[derive(Args, Debug)]
+#[command(
+    after_help = "The hash is of the decoded values, not of the file: two PNGs of the same pixels have one hash. Exit code 1 when a check fails."
+)]
+pub(crate) struct HashArgs {
+    /// The files
+    #[arg(required_unless_present = "check")]
+    files: Vec<PathBuf>,
+    /// Check a list in the form that this command prints; its names are relative to the list
+    #[arg(long, value_name = "LIST", conflicts_with = "files")]
+    check: Option<PathBuf>,
+    /// Print JSON to standard output
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+#[derive(Serialize)]
+struct Hashed {
+    file: String,
+    pixel_hash: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pass: Option<bool>,
+}
+
+pub(crate) fn run(args: &HashArgs) -> Result<Exit, Failure> {
+    let results = match &args.check {
+        Some(list) => check(list)?,
+        None => args
+            .files
+            .iter()
+            .map(|file| hashed(file, None))
+            .collect::<Result<_, _>>()?,
+    };
+    if args.json {
+        failure::print_json(&results);
+    } else {
+        for Hashed {
+            file,
+            pixel_hash,
+            pass,
+        } in &results
+        {
+            failure::print(&match pass {
+                None => format!("{pixel_hash}  {file}\n"),
+                Some(true) => format!("PASS  {file}\n"),
+                Some(false) => format!("FAIL  {file}: it is {pixel_hash}\n"),
+            });
+        }
+    }
+    let failed = results.iter().any(|result| result.pass == Some(false));
+    Ok(if failed { Exit::Differs } else { Exit::Done })
+}
+
+fn hashed(file: &Path, expected: Option<&str>) -> Result<Hashed, Failure> {
+    let pixel_hash = Buffer::read(file)?.hash().to_owned();
+    let pass = expected.map(|hash| hash == pixel_hash);
+    Ok(Hashed {
+        file: file.display().to_string(),
+        pixel_hash,
+        pass,
+    })
+}
+
+fn check(list: &Path) -> Result<Vec<Hashed>, Failure> {
+    let unreadable = |error: std::io::Error| {
+        Failure::new(
+            Exit::Input,
+            "read",
+            format!("{}: {error}", list.display()),
+            "name a list that `texmap hash` printed",
+        )
+    };
+    let text = std::fs::read_to_string(list).map_err(unreadable)?;
+    let folder = list.parent().unwrap_or(Path::new(""));
+    let lines = text
+        .lines()
+        .enumerate()
+        .filter(|(_, line)| !line.trim().is_empty());
+    let results = lines.map(|(number, line)| match line.split_once("  ") {
+        Some((hash, name)) if hash.contains(':') => hashed(&folder.join(name), Some(hash)),
+        _ => Err(Failure::new(
+            Exit::Input,
+            "list",
+            format!("{}:{}: no hash and name", list.display(), number + 1),
+            "each line is a hash, two blanks and a file name",
+        )),
+    });
+    let results: Vec<Hashed> = results.collect::<Result<_, _>>()?;
+    if results.is_empty() {
+        let what = format!("{}: the list is empty", list.display());
+        return Err(Failure::new(
+            Exit::Input,
+            "list",
+            what,
+            "print one with `texmap hash FILE...`",
+        ));
+    }
+    Ok(results)
+}
