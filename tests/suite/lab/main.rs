@@ -1,5 +1,6 @@
 //! The truth, the failure cases and the demos.
 mod cases;
 mod demos;
+mod program;
 mod scenes;
 mod truth;

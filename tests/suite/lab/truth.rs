@@ -1,6 +1,7 @@
 //! The renderer against the f64 frame of rays, on every scene of `assets/`.
 use std::path::{Path, PathBuf};
 
+use texmap_io::LoadOptions;
 use texmap_lab::truth::{Truth, frame};
 use texmap_raster::Interp;
 use texmap_render::{Frame, Scene, Settings, render};
@@ -71,7 +72,7 @@ fn drawn(scene: &Scene, interp: Option<Interp>) -> Frame {
 #[test]
 fn every_scene_is_drawn_as_rays_say() {
     for file in scenes() {
-        let scene = texmap_io::load_scene(&file).unwrap();
+        let scene = texmap_io::load_scene(&file, &LoadOptions::default()).unwrap();
         let truth = frame(&scene, WIDTH, HEIGHT, 1).unwrap();
         let found = compare(&truth, &drawn(&scene, None));
         let name = file.file_name().unwrap().display().to_string();
@@ -92,4 +93,20 @@ fn every_scene_is_drawn_as_rays_say() {
             found.worst
         );
     }
+}
+
+/// The negative twin: the floor drawn affine is far from what rays see.
+#[test]
+fn affine_frames_differ() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../assets/scenes");
+    let scene = texmap_io::load_scene(&folder.join("checker_floor.scene"), &LoadOptions::default())
+        .unwrap();
+    let truth = frame(&scene, WIDTH, HEIGHT, 1).unwrap();
+    let found = compare(&truth, &drawn(&scene, Some(Interp::Affine)));
+    assert!(
+        found.over * 20 > found.inside,
+        "{} of {}",
+        found.over,
+        found.inside
+    );
 }
