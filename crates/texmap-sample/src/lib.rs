@@ -11,6 +11,10 @@
 #![forbid(unsafe_code)]
 extern crate alloc;
 
+mod atlas;
+mod compare;
+mod cube;
+mod dependent;
 mod error;
 mod filter;
 #[doc(hidden)]
@@ -18,17 +22,26 @@ pub mod lanes;
 mod lod;
 mod mip;
 pub mod reference;
+mod resample;
 mod sampler;
 mod slice;
+mod summed_area;
 mod texels;
 mod texture;
 mod transform;
+mod volume;
 mod wrap;
 
+pub use atlas::AtlasRect;
+pub use compare::Compare;
+pub use cube::{TextureCube, cube_direction, cube_face};
 pub use error::SampleError;
+pub use resample::{Outside, Resample};
 pub use sampler::{Cubic, Filter, Lod, Mip, Precision, Sampler, Texel};
-pub use slice::sample_slice;
+pub use slice::{sample_rgba8_slice, sample_slice};
+pub use summed_area::SummedArea;
 pub use texels::Texels;
 pub use texture::{Alpha, ColorSpace, Image, Origin, Texture2d};
 pub use transform::UvTransform;
+pub use volume::{Texture1d, Texture3d};
 pub use wrap::Wrap;

@@ -2,73 +2,141 @@
 
 use crate::texels::{Chain, Format, Level, Words};
 use alloc::{sync::Arc, vec::Vec};
+use texmap_math::float::sqrt_f32;
 
-/// What a level keeps of the level above.
+/// What a level keeps of the base besides the area-weighted mean.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Reduce {
-    /// The area-weighted mean.
     Mean,
+    /// Unit vectors stored as (n + 1) / 2.
+    Normals,
+    /// The share of texels whose alpha passes this threshold.
+    Coverage(f32),
+    /// The mean over three axes: the slices of a volume halve too.
+    Volume,
 }
 
 /// The chain of the base level down to one texel. Sides halve rounding down; a side of odd length n
 /// becomes m = (n - 1) / 2 texels that each cover n / m texels, so that three texels with weights
 /// (m - i, m, i + 1) / n make one and the mean of every level is the mean of the base (the
 /// polyphase box of Guthe and Heckbert, "Non-power-of-two mipmapping", 2005).
-pub(crate) fn build(base: Chain<'_>, _reduce: Reduce) -> Chain<'static> {
+pub(crate) fn build(base: Chain<'_>, reduce: Reduce) -> Chain<'static> {
     let first = base.levels[0];
-    let format = base.format;
+    let Chain {
+        words,
+        format,
+        flip,
+        opaque,
+        ..
+    } = base;
+    let mut words = match words {
+        Words::Owned(w) => Arc::try_unwrap(w).unwrap_or_else(|w| w.to_vec()),
+        Words::Borrowed(w) => w.to_vec(),
+    };
+    words.truncate(texels(&first) * format.words());
+    let share = match reduce {
+        Reduce::Coverage(threshold) => {
+            coverage(&base_alpha(&words, format), threshold * format.units(), 1.0)
+        }
+        _ => 0.0,
+    };
     let mut levels = Vec::from([first]);
-    let mut words = base.words()[..texels(&first) * format.words()].to_vec();
     // The working copy stays in floats, so that rounding does not add up along the chain.
     let mut current: Vec<[f32; 4]> = Vec::new();
     let mut size = first;
-    while size.width > 1 || size.height > 1 {
+    let volume = reduce == Reduce::Volume;
+    while size.width > 1 || size.height > 1 || (volume && size.depth > 1) {
         let next = Level {
             offset: words.len(),
             width: (size.width / 2).max(1),
             height: (size.height / 2).max(1),
-            depth: size.depth,
+            depth: if volume {
+                (size.depth / 2).max(1)
+            } else {
+                size.depth
+            },
         };
-        let mut reduced = Vec::with_capacity(texels(&next));
-        for z in 0..size.depth {
-            for y in 0..next.height {
-                let (y0, wy) = taps(y, size.height);
-                for x in 0..next.width {
-                    let (x0, wx) = taps(x, size.width);
-                    let mut sum = [0.0_f64; 4];
-                    for (j, wy) in wy.into_iter().enumerate().filter(|(_, w)| *w > 0.0) {
-                        for (i, wx) in wx.into_iter().enumerate().filter(|(_, w)| *w > 0.0) {
-                            let row = z * size.height + y0 + j as i32;
-                            let at = row as usize * size.width as usize + x0 as usize + i;
-                            let c = if current.is_empty() {
-                                format.fetch(base.words(), at * format.words())
-                            } else {
-                                current[at]
-                            };
-                            for (s, c) in sum.iter_mut().zip(c) {
-                                *s += wx * wy * f64::from(c);
-                            }
-                        }
-                    }
-                    reduced.push(sum.map(|s| s as f32));
+        let reduced = {
+            let above = |at: usize| {
+                if current.is_empty() {
+                    format.fetch(&words, at * format.words())
+                } else {
+                    current[at]
+                }
+            };
+            halve(&size, &next, volume, above)
+        };
+        match reduce {
+            Reduce::Mean | Reduce::Volume => {
+                reduced.iter().for_each(|&c| format.push(&mut words, c))
+            }
+            Reduce::Normals => {
+                reduced
+                    .iter()
+                    .for_each(|&c| format.push(&mut words, normalized(c, format.units())));
+            }
+            Reduce::Coverage(threshold) => {
+                let scale = coverage_scale(&reduced, share, threshold * format.units());
+                let most = format.units();
+                for &c in &reduced {
+                    // Premultiplied: colour follows alpha, and alpha ends at one.
+                    let k = if c[3] * scale > most {
+                        most / c[3]
+                    } else {
+                        scale
+                    };
+                    format.push(&mut words, c.map(|x| x * k));
                 }
             }
-        }
-        for &c in &reduced {
-            format.push(&mut words, c);
         }
         current = reduced;
         levels.push(next);
         size = next;
     }
-    debug_assert!(format != Format::R32 || words.len() >= texels(&first));
     Chain {
         words: Words::Owned(Arc::new(words)),
         format,
         levels,
-        flip: base.flip,
-        opaque: base.opaque,
+        flip,
+        opaque,
     }
+}
+
+fn halve(
+    size: &Level,
+    next: &Level,
+    volume: bool,
+    above: impl Fn(usize) -> [f32; 4],
+) -> Vec<[f32; 4]> {
+    let mut reduced = Vec::with_capacity(texels(next));
+    for z in 0..next.depth {
+        let (z0, wz) = if volume {
+            taps(z, size.depth)
+        } else {
+            (z, [1.0, 0.0, 0.0])
+        };
+        for y in 0..next.height {
+            let (y0, wy) = taps(y, size.height);
+            for x in 0..next.width {
+                let (x0, wx) = taps(x, size.width);
+                let mut sum = [0.0_f64; 4];
+                for (k, wz) in (z0..).zip(wz).filter(|(_, w)| *w > 0.0) {
+                    for (j, wy) in (y0..).zip(wy).filter(|(_, w)| *w > 0.0) {
+                        let row =
+                            (k as usize * size.height as usize + j as usize) * size.width as usize;
+                        for (i, wx) in (x0..).zip(wx).filter(|(_, w)| *w > 0.0) {
+                            let c = above(row + i as usize);
+                            for (s, c) in sum.iter_mut().zip(c) {
+                                *s += wx * wy * wz * f64::from(c);
+                            }
+                        }
+                    }
+                }
+                reduced.push(sum.map(|s| s as f32));
+            }
+        }
+    }
+    reduced
 }
 
 /// First source texel and the three weights of target texel `i` on an axis of `n` texels.
@@ -82,6 +150,46 @@ fn taps(i: i32, n: i32) -> (i32, [f64; 3]) {
         let k = f64::from(i);
         (2 * i, [(m - k) / n, m / n, (k + 1.0) / n])
     }
+}
+
+/// The unit vector along a mean of unit vectors; +z where they cancel.
+fn normalized(c: [f32; 4], units: f32) -> [f32; 4] {
+    let n = [0, 1, 2].map(|k| 2.0 * c[k] / units - 1.0);
+    let length2 = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
+    let [x, y, z] = if length2 > 1e-12 {
+        let length = sqrt_f32(length2);
+        n.map(|x| x / length)
+    } else {
+        [0.0, 0.0, 1.0]
+    };
+    let back = |x: f32| (x + 1.0) * 0.5 * units;
+    [back(x), back(y), back(z), c[3]]
+}
+
+fn base_alpha(words: &[u32], format: Format) -> Vec<[f32; 4]> {
+    (0..words.len() / format.words())
+        .map(|i| format.fetch(words, i * format.words()))
+        .collect()
+}
+
+/// Share of texels whose scaled alpha reaches the threshold.
+fn coverage(texels: &[[f32; 4]], threshold: f32, scale: f32) -> f64 {
+    let passing = texels.iter().filter(|c| c[3] * scale >= threshold).count();
+    passing as f64 / texels.len() as f64
+}
+
+/// The smallest scale at which as much passes as in the base (Castano, "Computing Alpha Mipmaps", 2010).
+fn coverage_scale(texels: &[[f32; 4]], share: f64, threshold: f32) -> f32 {
+    let (mut low, mut high) = (0.0_f32, 16.0_f32);
+    for _ in 0..20 {
+        let middle = 0.5 * (low + high);
+        if coverage(texels, threshold, middle) < share {
+            low = middle
+        } else {
+            high = middle
+        }
+    }
+    high
 }
 
 fn texels(level: &Level) -> usize {

@@ -11,7 +11,7 @@ use crate::{
     texture::Texture2d,
 };
 use texmap_math::{
-    Level,
+    Level, color,
     fearless_simd::{f32x16, i32x16, prelude::*},
     footprint::Footprint,
     lanes::load_tail,
@@ -47,7 +47,7 @@ pub fn sample_slice(
                 v,
                 grads,
             }
-            .run(level, out)
+            .run(level, Out::Float(out))
         });
     if lanes {
         return Ok(());
@@ -62,6 +62,60 @@ pub fn sample_slice(
     Ok(())
 }
 
+/// As [`sample_slice`] for [`Precision::Fast`](crate::Precision::Fast) on 8-bit textures (linear,
+/// opaque or cut out), whose results are bytes: packed RGBA, red lowest. Any other pair of sampler
+/// and texture gives its colours rounded to bytes.
+///
+/// # Errors
+/// Slices of different lengths.
+pub fn sample_rgba8_slice(
+    level: Level,
+    sampler: &Sampler,
+    t: &Texture2d<'_>,
+    u: &[f32],
+    v: &[f32],
+    grads: Option<&[Footprint]>,
+    out: &mut [u32],
+) -> Result<(), SampleError> {
+    check("v", u.len(), v.len())?;
+    check("out", u.len(), out.len())?;
+    if let Some(grads) = grads {
+        check("grads", u.len(), grads.len())?;
+    }
+    let packed = packed::applies(sampler, &t.chain);
+    let lanes = packed
+        && View::new(sampler, t)
+            .filter(|view| view.simple)
+            .is_some_and(|view| {
+                Batch {
+                    sampler,
+                    view: &view,
+                    packed,
+                    u,
+                    v,
+                    grads,
+                }
+                .run(level, Out::Rgba8(out))
+            });
+    if !lanes {
+        for (i, out) in out.iter_mut().enumerate() {
+            let uv = [u[i], v[i]];
+            let c = match grads {
+                Some(grads) => sampler.sample_grad(t, uv, grads[i]),
+                None => sampler.sample(t, uv),
+            };
+            *out = u32::from_le_bytes(c.map(color::unit_to_u8));
+        }
+    }
+    Ok(())
+}
+
+/// Where a batch goes.
+enum Out<'a> {
+    Float(&'a mut [[f32; 4]]),
+    Rgba8(&'a mut [u32]),
+}
+
 pub(crate) fn check(what: &'static str, expected: usize, got: usize) -> Result<(), SampleError> {
     if expected == got {
         Ok(())
@@ -74,6 +128,7 @@ pub(crate) fn check(what: &'static str, expected: usize, got: usize) -> Result<(
     }
 }
 
+#[derive(Clone, Copy)]
 struct Batch<'a> {
     sampler: &'a Sampler,
     view: &'a View<'a>,
@@ -84,21 +139,15 @@ struct Batch<'a> {
 }
 
 impl Batch<'_> {
-    /// False where there is no vector unit: the scalar twin is the better fallback, with the same
-    /// bits. (It is also why levels are matched here: a sixteen-fold scalar form of every kernel
-    /// would take minutes to compile.)
-    fn run(&self, level: Level, out: &mut [[f32; 4]]) -> bool {
+    /// False where the vector unit has no gather worth the name (SSE) or is missing: there the scalar
+    /// twin stands in, with the same bits. (Sixteen lanes in four registers, or none, would also more
+    /// than double the time to compile this crate.)
+    fn run(&self, level: Level, out: Out<'_>) -> bool {
         match level {
             #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
             Level::Avx512(s) => self.on(s, out),
             #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
             Level::Avx2(s) => self.on(s, out),
-            // SSE4.2 has nothing for these kernels that SSE2 lacks.
-            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-            Level::Sse4_2(_) | Level::Sse2(_) => match level.as_sse2() {
-                Some(s) => self.on(s, out),
-                None => return false,
-            },
             #[cfg(target_arch = "aarch64")]
             Level::Neon(s) => self.on(s, out),
             #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
@@ -108,11 +157,29 @@ impl Batch<'_> {
         true
     }
 
-    fn on<S: Simd>(&self, s: S, out: &mut [[f32; 4]]) {
-        match (self.packed, self.view.format) {
-            (true, _) => self.packed_of::<S, true>(s, out),
-            (false, RGBX8) => self.float_of::<S, RGBX8, true>(s, out),
-            _ => self.float_of::<S, RGBA16, true>(s, out),
+    fn on<S: Simd>(&self, s: S, out: Out<'_>) {
+        match (out, self.packed, self.view.format) {
+            (Out::Rgba8(out), ..) => self.packed_of::<S, true>(s, out),
+            (Out::Float(out), true, _) => {
+                // Through bytes, 256 at a time.
+                let mut words = [0; 256];
+                for (i, out) in out.chunks_mut(256).enumerate() {
+                    let from = 256 * i;
+                    let to = from + out.len();
+                    let part = Self {
+                        u: &self.u[from..to],
+                        v: &self.v[from..to],
+                        grads: self.grads.map(|g| &g[from..to]),
+                        ..*self
+                    };
+                    part.packed_of::<S, true>(s, &mut words[..out.len()]);
+                    for (out, word) in out.iter_mut().zip(words) {
+                        *out = packed::unpack(word);
+                    }
+                }
+            }
+            (Out::Float(out), false, RGBX8) => self.float_of::<S, RGBX8, true>(s, out),
+            (Out::Float(out), ..) => self.float_of::<S, RGBA16, true>(s, out),
         }
     }
 
@@ -180,7 +247,7 @@ impl Batch<'_> {
         );
     }
 
-    fn packed_of<S: Simd, const SIMPLE: bool>(&self, s: S, out: &mut [[f32; 4]]) {
+    fn packed_of<S: Simd, const SIMPLE: bool>(&self, s: S, out: &mut [u32]) {
         s.vectorize(
             #[inline(always)]
             || {
@@ -203,10 +270,12 @@ impl Batch<'_> {
                             packed::trilinear_lanes::<S, SIMPLE>(s, view, u, v, lod)
                         }
                     };
-                    let mut words = [0; 16];
-                    c.store_slice(&mut words);
-                    for (out, word) in out.iter_mut().zip(words) {
-                        *out = packed::unpack(word);
+                    if let Some(full) = out.first_chunk_mut::<16>() {
+                        c.store_slice(full);
+                    } else {
+                        let mut words = [0; 16];
+                        c.store_slice(&mut words);
+                        out.copy_from_slice(&words[..out.len()]);
                     }
                 }
             },

@@ -208,6 +208,24 @@ impl<'a> Texture2d<'a> {
         }
     }
 
+    /// A mip chain for unit vectors stored as (n + 1) / 2 (x, y, z in the first three channels):
+    /// each level's means are made unit vectors again.
+    #[must_use]
+    pub fn with_normal_mips(self) -> Texture2d<'static> {
+        Texture2d {
+            chain: mip::build(self.chain, mip::Reduce::Normals),
+        }
+    }
+
+    /// A mip chain for cut-outs: alpha (and the premultiplied colour with it) of each level is scaled
+    /// so that the share of texels at or above `threshold` stays that of the base.
+    #[must_use]
+    pub fn with_coverage_mips(self, threshold: f32) -> Texture2d<'static> {
+        Texture2d {
+            chain: mip::build(self.chain, mip::Reduce::Coverage(threshold)),
+        }
+    }
+
     /// The same texels with `v = 0` on the other row. Costs nothing.
     #[must_use]
     pub fn with_origin(mut self, origin: Origin) -> Self {

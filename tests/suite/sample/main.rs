@@ -1,9 +1,12 @@
 //! Laws and regressions of the sampler.
 
+mod conformance;
 mod filters;
 mod lanes;
 mod levels;
 mod light;
 mod plane;
+mod resampling;
+mod shapes;
 mod support;
 mod wraps;

@@ -1,0 +1,116 @@
+use crate::{
+    error::SampleError,
+    sampler::Sampler,
+    texture::Texture2d,
+    wrap::{Axis, Wrap},
+};
+use texmap_math::footprint::Footprint;
+
+/// A rectangle of an atlas that acts as a texture of its own.
+///
+/// Around it lie `gutter` texels that repeat its border (clamping rectangles) or its other side
+/// (repeating ones), so that filters may reach across.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct AtlasRect {
+    x: u32,
+    y: u32,
+    width: u32,
+    height: u32,
+    gutter: u32,
+    atlas: (u32, u32),
+}
+
+impl AtlasRect {
+    /// Texels `x..x + width`, `y..y + height` of an atlas, without the gutter.
+    ///
+    /// # Errors
+    /// The rectangle with its gutter is empty or leaves the atlas.
+    pub fn new(
+        atlas: &Texture2d<'_>,
+        x: u32,
+        y: u32,
+        width: u32,
+        height: u32,
+        gutter: u32,
+    ) -> Result<Self, SampleError> {
+        let fits = |at: u32, n: u32, side: u32| {
+            n > 0
+                && at >= gutter
+                && u64::from(at) + u64::from(n) + u64::from(gutter) <= u64::from(side)
+        };
+        if !fits(x, width, atlas.width()) || !fits(y, height, atlas.height()) {
+            return Err(SampleError::Size { width, height });
+        }
+        Ok(Self {
+            x,
+            y,
+            width,
+            height,
+            gutter,
+            atlas: (atlas.width(), atlas.height()),
+        })
+    }
+
+    /// Atlas coordinates of a coordinate of the rectangle, which wraps or clamps within it.
+    pub fn uv(&self, [u, v]: [f32; 2], wrap_u: Wrap, wrap_v: Wrap) -> [f32; 2] {
+        let one = |u: f32, wrap: Wrap, at: u32, n: u32, side: u32| {
+            let size = n as i32;
+            let place = Axis::new(wrap, size).place(u, size);
+            let n = n as f32;
+            let place = match wrap {
+                Wrap::Repeat => place - n * texmap_math::float::floor_f32(place / n),
+                Wrap::MirroredRepeat => {
+                    if place > n {
+                        2.0 * n - place
+                    } else {
+                        place
+                    }
+                }
+                Wrap::MirrorClampToEdge => place.abs(),
+                Wrap::ClampToEdge | Wrap::ClampToBorder => place,
+            };
+            let place = if place > 0.0 {
+                if place < n { place } else { n }
+            } else {
+                0.0
+            };
+            (at as f32 + place) / side as f32
+        };
+        [
+            one(u, wrap_u, self.x, self.width, self.atlas.0),
+            one(v, wrap_v, self.y, self.height, self.atlas.1),
+        ]
+    }
+
+    /// The footprint in atlas coordinates.
+    pub fn footprint(&self, d: Footprint) -> Footprint {
+        let (x, y) = (
+            self.width as f32 / self.atlas.0 as f32,
+            self.height as f32 / self.atlas.1 as f32,
+        );
+        Footprint::new(d.du_dx * x, d.dv_dx * y, d.du_dy * x, d.dv_dy * y)
+    }
+
+    /// The level up to which a bilinear tap stays within the gutter: log2 of it, less the half texel
+    /// that a tap reaches; 0 for gutters of one texel or none.
+    pub fn max_lod(&self) -> f32 {
+        (u32::BITS - 1).saturating_sub(self.gutter.max(1).leading_zeros()) as f32
+    }
+
+    /// Samples the rectangle as a texture of its own, on no level that its gutter cannot guard.
+    pub fn sample_grad(
+        &self,
+        s: &Sampler,
+        atlas: &Texture2d<'_>,
+        uv: [f32; 2],
+        d: Footprint,
+    ) -> [f32; 4] {
+        let uv = self.uv(uv, s.wrap_u, s.wrap_v);
+        let mut s = s.clone();
+        s.wrap_u = Wrap::ClampToEdge;
+        s.wrap_v = Wrap::ClampToEdge;
+        let most = self.max_lod();
+        s.lod.max = if s.lod.max < most { s.lod.max } else { most };
+        s.sample_grad(atlas, uv, self.footprint(d))
+    }
+}

@@ -1,0 +1,199 @@
+use crate::{
+    error::SampleError,
+    sampler::{Filter, Sampler},
+    slice::{check, sample_slice},
+    texture::Texture2d,
+    wrap::Wrap,
+};
+use texmap_math::{
+    Homography, Level,
+    footprint::Footprint,
+    glam::{DMat3, DVec2},
+};
+
+/// What lies beyond the source image.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Outside {
+    /// Nothing: transparent black, with antialiased edges.
+    #[default]
+    Transparent,
+    /// A linear premultiplied colour, with antialiased edges.
+    Border([f32; 4]),
+    /// The border texels continue.
+    Edge,
+    /// The image repeats.
+    Repeat,
+}
+
+/// An image as a function of real coordinates, drawn through a homography.
+///
+/// Positions are in pixels: the first pixel's centre is (0.5, 0.5), y grows downward. Each output
+/// pixel gets the footprint of the inverse map, so that shrinking is filtered as texturing is
+/// (give the texture mips); edges of the image are cut by their distance in output pixels.
+#[derive(Clone, Debug)]
+pub struct Resample<'a> {
+    texture: &'a Texture2d<'a>,
+    sampler: Sampler,
+    outside: Outside,
+    source_from_output: DMat3,
+}
+
+/// Pixels per call of the sampler: its arrays stay on the stack.
+const RUN: usize = 256;
+
+impl<'a> Resample<'a> {
+    /// `output_from_source` takes positions of the source image to positions of the output.
+    pub fn new(
+        texture: &'a Texture2d<'a>,
+        filter: Filter,
+        outside: Outside,
+        output_from_source: &Homography,
+    ) -> Self {
+        let wrap = if outside == Outside::Repeat {
+            Wrap::Repeat
+        } else {
+            Wrap::ClampToEdge
+        };
+        let sampler = Sampler {
+            filter,
+            wrap_u: wrap,
+            wrap_v: wrap,
+            ..Sampler::default()
+        };
+        // The side of the horizon on which the middle of the source lies is the one to draw.
+        let middle = DVec2::new(f64::from(texture.width()), f64::from(texture.height())) * 0.5;
+        let inverse = output_from_source.inverse();
+        let at = output_from_source.apply(middle).unwrap_or(DVec2::ZERO);
+        let front = inverse.apply_homogeneous(at).z;
+        let matrix = if front < 0.0 {
+            inverse.matrix() * -1.0
+        } else {
+            inverse.matrix()
+        };
+        Self {
+            texture,
+            sampler,
+            outside,
+            source_from_output: matrix,
+        }
+    }
+
+    /// Draws whole rows of an output `width` pixels wide, from `first_row` on; linear premultiplied.
+    ///
+    /// # Errors
+    /// `out` is not a whole number of rows.
+    pub fn rows(
+        &self,
+        level: Level,
+        width: u32,
+        first_row: u32,
+        out: &mut [[f32; 4]],
+    ) -> Result<(), SampleError> {
+        let w = width.max(1) as usize;
+        check("out (whole rows)", out.len().next_multiple_of(w), out.len())?;
+        for (y, row) in out.chunks_mut(w).enumerate() {
+            for (i, run) in row.chunks_mut(RUN).enumerate() {
+                self.run(level, i * RUN, first_row as usize + y, run)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn run(
+        &self,
+        level: Level,
+        x0: usize,
+        y: usize,
+        out: &mut [[f32; 4]],
+    ) -> Result<(), SampleError> {
+        let (mut u, mut v) = ([0.0; RUN], [0.0; RUN]);
+        let mut grads = [Footprint::default(); RUN];
+        let mut cover = [0.0; RUN];
+        let n = out.len().min(RUN);
+        for i in 0..n {
+            let place = self.place((x0 + i) as f64 + 0.5, y as f64 + 0.5);
+            (u[i], v[i], grads[i], cover[i]) = place;
+        }
+        sample_slice(
+            level,
+            &self.sampler,
+            self.texture,
+            &u[..n],
+            &v[..n],
+            Some(&grads[..n]),
+            out,
+        )?;
+        let background = match self.outside {
+            Outside::Border(c) => c,
+            _ => [0.0; 4],
+        };
+        for (c, k) in out.iter_mut().zip(cover) {
+            if k < 1.0 {
+                *c = [0, 1, 2, 3].map(|i| background[i] + (c[i] - background[i]) * k);
+            }
+        }
+        Ok(())
+    }
+
+    /// uv, footprint and coverage of one output position.
+    fn place(&self, x: f64, y: f64) -> (f32, f32, Footprint, f32) {
+        let m = &self.source_from_output;
+        let p = *m * DVec2::new(x, y).extend(1.0);
+        if p.z <= 0.0 {
+            let beyond = matches!(self.outside, Outside::Edge | Outside::Repeat);
+            return (
+                0.0,
+                0.0,
+                Footprint::default(),
+                if beyond { 1.0 } else { 0.0 },
+            );
+        }
+        let (w, h) = (
+            f64::from(self.texture.width()),
+            f64::from(self.texture.height()),
+        );
+        let (sx, sy) = (p.x / p.z, p.y / p.z);
+        let slope = |column: texmap_math::glam::DVec3| {
+            [
+                (column.x - sx * column.z) / p.z,
+                (column.y - sy * column.z) / p.z,
+            ]
+        };
+        let ([ux, vx], [uy, vy]) = (slope(m.x_axis), slope(m.y_axis));
+        let cover = match self.outside {
+            Outside::Edge | Outside::Repeat => 1.0,
+            _ => ramp(sx, w, ux, uy) * ramp(sy, h, vx, vy),
+        };
+        let d = Footprint::new(
+            (ux / w) as f32,
+            (vx / h) as f32,
+            (uy / w) as f32,
+            (vy / h) as f32,
+        );
+        ((sx / w) as f32, (sy / h) as f32, d, cover as f32)
+    }
+}
+
+/// How much of a pixel lies within `0..n` of a coordinate that changes by (dx, dy) per pixel.
+fn ramp(s: f64, n: f64, dx: f64, dy: f64) -> f64 {
+    // The width of a pixel's square across the edge: diagonal edges take a longer ramp, and every
+    // row of pixels along any edge adds up to its area.
+    let slope = dx.abs() + dy.abs();
+    let within = if s < n - s { s } else { n - s };
+    let cover = if slope > 0.0 {
+        within / slope + 0.5
+    } else if within >= 0.0 {
+        1.0
+    } else {
+        0.0
+    };
+    // An image thinner than a pixel covers no more than its width.
+    let most = if slope > n { n / slope } else { 1.0 };
+    if cover > most {
+        most
+    } else if cover > 0.0 {
+        cover
+    } else {
+        0.0
+    }
+}

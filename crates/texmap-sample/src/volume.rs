@@ -1,0 +1,179 @@
+//! One- and three-dimensional textures.
+
+use crate::{
+    error::SampleError,
+    filter::{floor, linear_axis, mix},
+    mip,
+    sampler::{Filter, Mip, Sampler, Texel},
+    texels::{Chain, Level},
+    texture::{Image, Texture2d, upload},
+    wrap::{Axis, OUTSIDE, Wrap},
+};
+
+/// A texture along a line: a ramp, a table.
+#[derive(Clone, Debug)]
+pub struct Texture1d<'a> {
+    texture: Texture2d<'a>,
+}
+
+impl Texture1d<'static> {
+    /// From an image of one row.
+    ///
+    /// # Errors
+    /// As [`Texture2d::new`], and for more than one row.
+    pub fn new(image: &Image<'_>) -> Result<Self, SampleError> {
+        if image.height != 1 {
+            return Err(SampleError::Size {
+                width: image.width,
+                height: image.height,
+            });
+        }
+        Ok(Self {
+            texture: Texture2d::new(image)?,
+        })
+    }
+
+    /// With its mip chain.
+    #[must_use]
+    pub fn with_mips(self) -> Self {
+        Self {
+            texture: self.texture.with_mips(),
+        }
+    }
+}
+
+impl Texture1d<'_> {
+    /// Texels of level 0.
+    pub fn width(&self) -> u32 {
+        self.texture.width()
+    }
+}
+
+/// A uniform grid of texels over the unit cube.
+#[derive(Clone, Debug)]
+pub struct Texture3d<'a> {
+    chain: Chain<'a>,
+}
+
+impl Texture3d<'static> {
+    /// From `depth` slices of the image's size that stand one after the other in its texels.
+    ///
+    /// # Errors
+    /// As [`Texture2d::new`].
+    pub fn new(depth: u32, slices: &Image<'_>) -> Result<Self, SampleError> {
+        if !(1..=Texture2d::MAX_SIDE).contains(&depth) {
+            return Err(SampleError::Size {
+                width: slices.width,
+                height: depth,
+            });
+        }
+        Ok(Self {
+            chain: upload(slices, depth)?,
+        })
+    }
+
+    /// With its mip chain: all three sides halve.
+    #[must_use]
+    pub fn with_mips(self) -> Self {
+        Self {
+            chain: mip::build(self.chain, mip::Reduce::Volume),
+        }
+    }
+}
+
+impl Texture3d<'_> {
+    /// Columns, rows and slices of a level; `None` past the chain.
+    pub fn level_size(&self, level: u32) -> Option<[u32; 3]> {
+        let l = self.chain.levels.get(level as usize)?;
+        Some([l.width as u32, l.height as u32, l.depth as u32])
+    }
+
+    /// Levels of the chain.
+    pub fn levels(&self) -> u32 {
+        self.chain.levels.len() as u32
+    }
+}
+
+impl Sampler {
+    /// The colour at `u` on a line; `lod` as [`Sampler::sample_lod`].
+    pub fn sample_1d(&self, t: &Texture1d<'_>, u: f32, lod: f32) -> [f32; 4] {
+        let along = Self {
+            wrap_v: Wrap::ClampToEdge,
+            ..self.clone()
+        };
+        along.sample_lod(&t.texture, [u, 0.5], lod)
+    }
+
+    /// The colour at (u, v, w) in a volume: nearest, or eight texels a level, with the filter's choice
+    /// of levels at `lod`. The third axis wraps as `wrap_w` says; bicubic, anisotropic and EWA filters
+    /// have no form in three dimensions and take eight texels.
+    pub fn sample_3d(&self, t: &Texture3d<'_>, uvw: [f32; 3], wrap_w: Wrap, lod: f32) -> [f32; 4] {
+        let chain = &t.chain;
+        let (mag, min, mip) = match self.filter {
+            Filter::Bicubic(_) => (Texel::Linear, Texel::Linear, Mip::None),
+            filter => crate::filter::gl_of(filter),
+        };
+        let base = &chain.levels[0];
+        let wraps = [
+            Axis::new(self.wrap_u, base.width),
+            Axis::new(self.wrap_v, base.height),
+            Axis::new(wrap_w, base.depth),
+        ];
+        let at = |level: usize, texel: Texel| {
+            self.in_volume(chain, &chain.levels[level], wraps, uvw, texel)
+        };
+        let lod = self.limit_lod(lod);
+        let last = (chain.levels.len() - 1) as f32;
+        let cut = if lod > last { last } else { lod };
+        let c = match mip {
+            _ if lod <= 0.0 => at(0, mag),
+            Mip::None => at(0, min),
+            Mip::Nearest => at(texmap_math::float::ceil_f32(cut + 0.5) as usize - 1, min),
+            Mip::Linear => {
+                let fine = cut as usize;
+                let weight = cut - fine as f32;
+                let a = at(fine, min);
+                if weight > 0.0 {
+                    mix(a, at(fine + 1, min), weight)
+                } else {
+                    a
+                }
+            }
+        };
+        let scale = chain.format.scale();
+        c.map(|c| c * scale)
+    }
+
+    fn in_volume(
+        &self,
+        t: &Chain<'_>,
+        level: &Level,
+        [ax, ay, az]: [Axis; 3],
+        [u, v, w]: [f32; 3],
+        texel: Texel,
+    ) -> [f32; 4] {
+        let tap = |x: i32, y: i32, z: i32| {
+            if x == OUTSIDE || y == OUTSIDE || z == OUTSIDE {
+                self.border.map(|c| c * t.format.units())
+            } else {
+                t.fetch(level, x, y, z)
+            }
+        };
+        if texel == Texel::Nearest {
+            let place = |axis: Axis, u: f32, n: i32| axis.index(floor(axis.place(u, n)), n);
+            return tap(
+                place(ax, u, level.width),
+                place(ay, v, level.height),
+                place(az, w, level.depth),
+            );
+        }
+        let (x0, x1, wx) = linear_axis(ax, u, level.width);
+        let (y0, y1, wy) = linear_axis(ay, v, level.height);
+        let (z0, z1, wz) = linear_axis(az, w, level.depth);
+        let slice = |z: i32| {
+            let top = mix(tap(x0, y0, z), tap(x1, y0, z), wx);
+            mix(top, mix(tap(x0, y1, z), tap(x1, y1, z), wx), wy)
+        };
+        mix(slice(z0), slice(z1), wz)
+    }
+}

@@ -1,0 +1,263 @@
+//! Images as functions: resampling through affine maps and homographies; mip options.
+
+use crate::support::{Random, float_texture, random_floats};
+use texmap_math::glam::{DMat3, DVec2, DVec3};
+use texmap_math::{Homography, Level};
+use texmap_sample::{
+    Alpha, ColorSpace, Filter, Image, Origin, Outside, Resample, Texels, Texture2d,
+};
+
+fn affine(a: [f64; 6]) -> Homography {
+    let [a, b, c, d, e, f] = a;
+    Homography::from_matrix(DMat3::from_cols(
+        DVec3::new(a, d, 0.0),
+        DVec3::new(b, e, 0.0),
+        DVec3::new(c, f, 1.0),
+    ))
+    .unwrap()
+}
+
+fn draw(
+    t: &Texture2d<'_>,
+    filter: Filter,
+    outside: Outside,
+    map: &Homography,
+    w: u32,
+    h: u32,
+) -> Vec<[f32; 4]> {
+    let mut out = vec![[0.0; 4]; (w * h) as usize];
+    Resample::new(t, filter, outside, map)
+        .rows(Level::new(), w, 0, &mut out)
+        .unwrap();
+    out
+}
+
+#[test]
+fn the_identity_and_quarter_turns_are_exact() {
+    let t = random_floats(9, 6, 4);
+    for filter in [Filter::Nearest, Filter::Bilinear, Filter::Anisotropic(16)] {
+        let same = draw(
+            &t,
+            filter,
+            Outside::Transparent,
+            &Homography::IDENTITY,
+            9,
+            6,
+        );
+        // A quarter turn counter-clockwise: (x, y) goes to (y, 9 - x).
+        let turned = draw(
+            &t,
+            filter,
+            Outside::Transparent,
+            &affine([0.0, 1.0, 0.0, -1.0, 0.0, 9.0]),
+            6,
+            9,
+        );
+        for y in 0..6 {
+            for x in 0..9 {
+                let want = t.texel(0, x, y).unwrap();
+                let (a, b) = (
+                    same[(y * 9 + x) as usize],
+                    turned[((8 - x) * 6 + y) as usize],
+                );
+                for k in 0..4 {
+                    assert!((a[k] - want[k]).abs() < 1e-5 && (b[k] - want[k]).abs() < 1e-5);
+                }
+            }
+        }
+    }
+}
+
+/// Half a pixel: every value is the mean of two texels, and the border pixel is half covered.
+#[test]
+fn half_a_pixel_blends_and_covers_by_half() {
+    let t = float_texture(4, 1, 4, &[1.0; 16]);
+    let out = draw(
+        &t,
+        Filter::Bilinear,
+        Outside::Transparent,
+        &affine([1.0, 0.0, 0.5, 0.0, 1.0, 0.0]),
+        5,
+        1,
+    );
+    let alpha: Vec<f32> = out.iter().map(|c| c[3]).collect();
+    assert_eq!(alpha, [0.5, 1.0, 1.0, 1.0, 0.5]);
+    let edge = draw(
+        &t,
+        Filter::Bilinear,
+        Outside::Edge,
+        &affine([1.0, 0.0, 0.5, 0.0, 1.0, 0.0]),
+        5,
+        1,
+    );
+    assert!(edge.iter().all(|c| c[3] == 1.0));
+    let border = Outside::Border([0.0, 0.0, 0.0, 1.0]);
+    let out = draw(
+        &t,
+        Filter::Bilinear,
+        border,
+        &affine([1.0, 0.0, 0.5, 0.0, 1.0, 0.0]),
+        5,
+        1,
+    );
+    assert_eq!((out[0][0], out[0][3]), (0.5, 1.0));
+}
+
+/// The covered area of a turned image is its own area: edges are antialiased, not dropped.
+#[test]
+fn turned_edges_keep_the_area() {
+    let t = float_texture(40, 30, 4, &[1.0; 4800]);
+    for degrees in [10.0_f64, 33.0, 45.0, 71.0] {
+        let (s, c) = degrees.to_radians().sin_cos();
+        let map = affine([
+            c,
+            s,
+            40.0 - 20.0 * c - 15.0 * s,
+            -s,
+            c,
+            40.0 + 20.0 * s - 15.0 * c,
+        ]);
+        let out = draw(&t, Filter::Bilinear, Outside::Transparent, &map, 80, 80);
+        let area: f64 = out.iter().map(|c| f64::from(c[3])).sum();
+        assert!((area - 1200.0).abs() < 3.0, "{degrees}: {area}");
+        assert!(out.iter().filter(|c| c[3] > 0.02 && c[3] < 0.98).count() > 60);
+    }
+}
+
+/// Shrinking to a sixteenth gives the means, not every sixteenth texel.
+#[test]
+fn shrinking_is_filtered() {
+    let checker: Vec<f32> = (0..64 * 64)
+        .map(|i| ((i % 64 + i / 64) & 1) as f32)
+        .collect();
+    let t = float_texture(64, 64, 1, &checker).with_mips();
+    let map = affine([1.0 / 16.0, 0.0, 0.0, 0.0, 1.0 / 16.0, 0.0]);
+    let out = draw(&t, Filter::Anisotropic(16), Outside::Edge, &map, 4, 4);
+    assert!(out.iter().all(|c| (c[0] - 0.5).abs() < 0.02), "{out:?}");
+    let bare = draw(&t, Filter::Nearest, Outside::Edge, &map, 4, 4);
+    assert!(bare.iter().any(|c| (c[0] - 0.5).abs() > 0.4));
+}
+
+/// A quad rectified and put back returns the picture; behind the horizon there is nothing.
+#[test]
+fn homographies_take_corners_to_corners() {
+    let ramp: Vec<f32> = (0..64 * 64)
+        .flat_map(|i| [(i % 64) as f32, (i / 64) as f32, 0.0, 1.0])
+        .collect();
+    let t = float_texture(64, 64, 4, &ramp);
+    let corners =
+        [[0.0, 0.0], [64.0, 0.0], [64.0, 64.0], [0.0, 64.0]].map(|[x, y]| DVec2::new(x, y));
+    let quad =
+        [[20.0, 10.0], [90.0, 25.0], [80.0, 85.0], [15.0, 60.0]].map(|[x, y]| DVec2::new(x, y));
+    let map = Homography::from_quads(corners, quad).unwrap();
+    let out = draw(&t, Filter::Bilinear, Outside::Transparent, &map, 100, 100);
+    let back = map.inverse();
+    let mut inside = 0;
+    for y in 0..100 {
+        for x in 0..100 {
+            let c = out[y * 100 + x];
+            let p = back
+                .apply(DVec2::new(x as f64 + 0.5, y as f64 + 0.5))
+                .unwrap();
+            if p.min_element() > 2.0 && p.max_element() < 62.0 {
+                inside += 1;
+                assert!(
+                    (f64::from(c[0]) - (p.x - 0.5)).abs() < 1e-3
+                        && (f64::from(c[1]) - (p.y - 0.5)).abs() < 1e-3
+                );
+            } else if p.min_element() < -2.0 || p.max_element() > 66.0 {
+                assert_eq!(c[3], 0.0);
+            }
+        }
+    }
+    assert!(inside > 2500);
+    // A plane that runs to its horizon inside the picture: above it, transparent.
+    let steep = Homography::from_matrix(DMat3::from_cols(
+        DVec3::new(1.0, 0.0, 0.0),
+        DVec3::new(0.0, 1.0, 0.05),
+        DVec3::new(0.0, 0.0, 1.0),
+    ))
+    .unwrap();
+    let out = draw(&t, Filter::Bilinear, Outside::Edge, &steep, 32, 64);
+    assert!(out.iter().all(|c| c.iter().all(|c| c.is_finite())));
+}
+
+#[test]
+fn rows_may_be_drawn_apart() {
+    let t = random_floats(20, 20, 3).with_mips();
+    let map = affine([0.7, 0.2, 3.0, -0.3, 0.9, 5.0]);
+    let whole = draw(&t, Filter::Trilinear, Outside::Repeat, &map, 300, 8);
+    let r = Resample::new(&t, Filter::Trilinear, Outside::Repeat, &map);
+    let mut row = vec![[0.0; 4]; 300];
+    for y in 0..8 {
+        r.rows(Level::new(), 300, y, &mut row).unwrap();
+        assert_eq!(row, whole[300 * y as usize..300 * (y as usize + 1)]);
+    }
+    assert!(r.rows(Level::new(), 300, 0, &mut row[..299]).is_err());
+}
+
+/// Cut-outs: the plain mean loses coverage with every level, the scaled one keeps it.
+#[test]
+fn coverage_survives_the_chain() {
+    let mut random = Random::new(12);
+    let texels: Vec<f32> = (0..64 * 64)
+        .flat_map(|_| {
+            let a = random.unit() * random.unit().max(random.unit());
+            [0.2 * a, 0.8 * a, 0.1 * a, a]
+        })
+        .collect();
+    let make = || float_texture(64, 64, 4, &texels);
+    let share = |t: &Texture2d<'_>, level: u32| {
+        let (w, h) = t.level_size(level).unwrap();
+        let passing = (0..w * h)
+            .filter(|i| t.texel(level, i % w, i / w).unwrap()[3] >= 0.5)
+            .count();
+        passing as f64 / f64::from(w * h)
+    };
+    let (plain, kept) = (make().with_mips(), make().with_coverage_mips(0.5));
+    for level in 1..=3 {
+        assert!(
+            (share(&kept, level) - share(&kept, 0)).abs() < 0.03,
+            "{level} {}",
+            share(&kept, level)
+        );
+        let c = kept.texel(level, 1, 1).unwrap();
+        assert!(c[3] <= 1.0 && (c[1] - 0.8 * c[3]).abs() < 1e-5);
+    }
+    assert!(share(&plain, 3) < 0.1);
+}
+
+#[test]
+fn normals_stay_unit_vectors_down_the_chain() {
+    let mut random = Random::new(2);
+    let texels: Vec<f32> = (0..16 * 16)
+        .flat_map(|_| {
+            let (x, y) = (random.range(-0.7, 0.7), random.range(-0.7, 0.7));
+            let z = (1.0 - x * x - y * y).sqrt();
+            [x, y, z].map(|c| 0.5 + 0.5 * c)
+        })
+        .collect();
+    let image = Image {
+        width: 16,
+        height: 16,
+        channels: 3,
+        texels: Texels::F32(&texels),
+        color: ColorSpace::Linear,
+        alpha: Alpha::Data,
+        origin: Origin::TopLeft,
+    };
+    let t = Texture2d::new(&image).unwrap();
+    let plain = t.clone().with_mips();
+    let t = t.with_normal_mips();
+    let length = |t: &Texture2d<'_>, level| {
+        let c = t.texel(level, 0, 0).unwrap();
+        (0..3)
+            .map(|k| (2.0 * c[k] - 1.0).powi(2))
+            .sum::<f32>()
+            .sqrt()
+    };
+    for level in 0..t.levels() {
+        assert!((length(&t, level) - 1.0).abs() < 1e-5, "{level}");
+    }
+    assert!(length(&plain, 4) < 0.95);
+}
