@@ -25,6 +25,9 @@ pub(crate) enum Verb {
     Diff(cmd::diff::DiffArgs),
     Hash(cmd::hash::HashArgs),
     Uv(cmd::uv::UvArgs),
+    Warp(Box<cmd::warp::WarpArgs>),
+    Sample(cmd::sample::SampleArgs),
+    Mip(cmd::mip::MipArgs),
 }
 
 impl Verb {
@@ -37,6 +40,7 @@ impl Verb {
             Self::Diff(a) => a.json,
             Self::Hash(a) => a.json,
             Self::Uv(a) => a.json,
+            Self::Warp(_) | Self::Sample(_) | Self::Mip(_) => false,
         }
     }
 }

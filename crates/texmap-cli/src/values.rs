@@ -199,7 +199,7 @@ pub(crate) fn color(text: &str) -> Result<ColorMode, String> {
 }
 
 /// Comma-separated finite numbers.
-fn numbers(text: &str) -> Result<Vec<f64>, String> {
+pub(crate) fn numbers(text: &str) -> Result<Vec<f64>, String> {
     text.split(',')
         .map(|s| {
             s.trim()

@@ -4,5 +4,8 @@ pub(crate) mod demo;
 pub(crate) mod diff;
 pub(crate) mod hash;
 pub(crate) mod info;
+pub(crate) mod mip;
 pub(crate) mod render;
+pub(crate) mod sample;
 pub(crate) mod uv;
+pub(crate) mod warp;

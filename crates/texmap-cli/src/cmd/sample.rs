@@ -1,0 +1,203 @@
+//! `texmap sample`: values of an image at given coordinates, for anyone who wants to check us.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use texmap_io::{image_io, npy};
+use texmap_math::{Footprint, Level};
+use texmap_render::ColorMode;
+use texmap_sample::{
+    Alpha, ColorSpace, Filter, Image, Origin, Sampler, Texels, Texture2d, Wrap, sample_slice,
+};
+
+use crate::failure::{Exit, Failure};
+use crate::output::{Destination, Stage};
+use crate::values;
+
+/// Sample an image at the coordinates of a file; exact precision.
+///
+/// The result is f32 of shape (N, 4): linear and premultiplied, or with --color raw the bytes over
+/// 255 with each channel on its own. v = 0 is the top row.
+#[derive(Args, Debug)]
+pub(crate) struct SampleArgs {
+    /// The image: PNG, JPEG or GIF
+    image: PathBuf,
+    /// Coordinates: .npy of shape (N, 2), or lines `u,v`
+    #[arg(long, value_name = "FILE")]
+    uv: PathBuf,
+    /// Gradients: .npy of shape (N, 4) or lines `du/dx,dv/dx,du/dy,dv/dy`
+    #[arg(long, value_name = "FILE", conflicts_with = "lod")]
+    grad: Option<PathBuf>,
+    /// One level of detail for all
+    #[arg(long, value_name = "LEVEL", allow_hyphen_values = true)]
+    lod: Option<f32>,
+    /// nearest, bilinear, bicubic:mitchell, mip-nearest, bilinear-mip-nearest, trilinear, anisotropic:16, ewa:8
+    #[arg(long, value_name = "METHOD", value_parser = values::filter, default_value = "trilinear")]
+    filter: Filter,
+    /// repeat, mirrored-repeat, clamp-to-edge, clamp-to-border (transparent), mirror-clamp-to-edge
+    #[arg(long, value_name = "MODE", value_parser = values::wrap, default_value = "repeat")]
+    wrap: Wrap,
+    /// srgb decodes and premultiplies before filtering; raw does neither
+    #[arg(long, value_name = "SPACE", value_parser = values::color, default_value = "srgb")]
+    color: ColorMode,
+    /// The .npy to write; `-` is standard output
+    #[arg(short, long, value_name = "OUT.npy")]
+    output: PathBuf,
+}
+
+pub(crate) fn run(args: &SampleArgs) -> Result<Exit, Failure> {
+    let main = Destination::new(&args.output)?;
+    let uv = read_rows(&args.uv, 2)?;
+    let grad = args
+        .grad
+        .as_deref()
+        .map(|path| read_rows(path, 4))
+        .transpose()?;
+    if let (Some(grad), Some(path)) = (&grad, &args.grad)
+        && grad.len() / 4 != uv.len() / 2
+    {
+        return Err(bad_rows(
+            path,
+            format!(
+                "{} gradients for {} coordinates",
+                grad.len() / 4,
+                uv.len() / 2
+            ),
+        ));
+    }
+    let texture = read(args)?.with_mips();
+    let sampler = Sampler {
+        filter: args.filter,
+        wrap_u: args.wrap,
+        wrap_v: args.wrap,
+        ..Sampler::default()
+    };
+    let (u, v): (Vec<f32>, Vec<f32>) = uv.as_chunks::<2>().0.iter().map(|[u, v]| (*u, *v)).unzip();
+    let mut out = vec![[0.0; 4]; u.len()];
+    if let Some(lod) = args.lod {
+        for (i, out) in out.iter_mut().enumerate() {
+            *out = sampler.sample_lod(&texture, [u[i], v[i]], lod);
+        }
+    } else {
+        let grads: Option<Vec<Footprint>> = grad.map(|g| {
+            g.as_chunks::<4>()
+                .0
+                .iter()
+                .map(|[a, b, c, d]| Footprint::new(*a, *b, *c, *d))
+                .collect()
+        });
+        sample_slice(
+            Level::new(),
+            &sampler,
+            &texture,
+            &u,
+            &v,
+            grads.as_deref(),
+            &mut out,
+        )
+        .map_err(|e| Failure::internal(e.to_string()))?;
+    }
+    let mut stage = Stage::new(&main)?;
+    npy::write(
+        &stage.add(main, "npy"),
+        &[u.len(), 4],
+        npy::Values::F32(out.as_flattened()),
+    )?;
+    stage.commit()?;
+    Ok(Exit::Done)
+}
+
+fn read(args: &SampleArgs) -> Result<Texture2d<'static>, Failure> {
+    if args.color == ColorMode::Srgb {
+        return Ok(image_io::read_texture(&args.image, ColorSpace::Srgb)?);
+    }
+    let image = image_io::read_image(&args.image)?;
+    Texture2d::new(&Image {
+        width: image.width,
+        height: image.height,
+        channels: 4,
+        texels: match &image.texels {
+            image_io::Depth::U8(t) => Texels::U8(t),
+            image_io::Depth::U16(t) => Texels::U16(t),
+        },
+        color: ColorSpace::Linear,
+        alpha: Alpha::Data,
+        origin: Origin::TopLeft,
+    })
+    .map_err(|e| {
+        Failure::new(
+            Exit::Input,
+            "broken-image",
+            format!("{}: {e}", args.image.display()),
+            "",
+        )
+    })
+}
+
+/// Rows of numbers from an .npy array or from text with commas.
+fn read_rows(path: &Path, columns: usize) -> Result<Vec<f32>, Failure> {
+    if path
+        .extension()
+        .is_some_and(|e| e.eq_ignore_ascii_case("npy"))
+    {
+        let array = npy::read(path)?;
+        let npy::Data::F32(values) = array.data else {
+            return Err(bad_rows(path, "not an array of floats".to_owned()));
+        };
+        if array.shape.len() != 2 || array.shape[1] != columns {
+            return Err(bad_rows(
+                path,
+                format!("shape {:?} instead of (N, {columns})", array.shape),
+            ));
+        }
+        return Ok(values);
+    }
+    let text = fs::read_to_string(path).map_err(|e| {
+        Failure::new(
+            Exit::Input,
+            "read-failed",
+            format!("{}: {e}", path.display()),
+            "check the name; coordinates are an .npy file or text lines",
+        )
+    })?;
+    let mut values = Vec::new();
+    for (i, line) in text.lines().enumerate() {
+        let line = line.trim();
+        if line.is_empty() || line.starts_with('#') {
+            continue;
+        }
+        let before = values.len();
+        for word in line.split(',') {
+            match word.trim().parse::<f32>() {
+                Ok(x) => values.push(x),
+                Err(_) => {
+                    return Err(bad_rows(
+                        path,
+                        format!("line {}: `{word}` is not a number", i + 1),
+                    ));
+                }
+            }
+        }
+        if values.len() - before != columns {
+            return Err(bad_rows(
+                path,
+                format!(
+                    "line {}: {} numbers instead of {columns}",
+                    i + 1,
+                    values.len() - before
+                ),
+            ));
+        }
+    }
+    Ok(values)
+}
+
+fn bad_rows(path: &Path, problem: String) -> Failure {
+    Failure::new(
+        Exit::Input,
+        "bad-coordinates",
+        format!("{}: {problem}", path.display()),
+        "coordinates are rows u,v; gradients rows du/dx,dv/dx,du/dy,dv/dy, as many",
+    )
+}

@@ -1,0 +1,272 @@
+//! `texmap warp`: an image drawn through an affine map or a homography.
+
+use std::path::PathBuf;
+use std::str::FromStr;
+use std::thread;
+
+use clap::Args;
+use texmap_io::image_io;
+use texmap_math::glam::{DMat3, DVec2, DVec3};
+use texmap_math::{Homography, Level, color, det};
+use texmap_render::ColorMode;
+use texmap_sample::{ColorSpace, Filter, Outside, Resample, Texture2d};
+
+use crate::failure::{Exit, Failure};
+use crate::output::{Destination, Stage};
+use crate::values::{self, Resolution};
+
+/// Draw an image through a homography or an affine map, filtered and with antialiased edges.
+///
+/// Positions are pixels of (0,0) at the upper left corner; pixel centres lie at one half. Give four
+/// points (--from, --to), a matrix, or any of --scale, --rotate, --translate (applied in this order
+/// around the middle of the image).
+#[derive(Args, Debug)]
+#[command(
+    after_help = "Rectify a facade:   texmap warp photo.jpg --from 120,80 690,140 700,610 100,580 --size 600x500 -o facade.png\n\
+                  Turn by 45 degrees: texmap warp in.png --rotate 45 -o out.png"
+)]
+pub(crate) struct WarpArgs {
+    /// The image: PNG, JPEG or GIF
+    image: PathBuf,
+    /// The PNG to write; `-` is standard output
+    #[arg(short, long, value_name = "OUT")]
+    output: PathBuf,
+    /// Four points of the input, in order around the quad [default: its corners]
+    #[arg(long, num_args = 4, value_name = "X,Y", allow_hyphen_values = true)]
+    from: Vec<Point>,
+    /// Where they go in the output [default: its corners, from the upper left clockwise]
+    #[arg(long, num_args = 4, value_name = "X,Y", allow_hyphen_values = true)]
+    to: Vec<Point>,
+    /// Input to output positions: 6 numbers (affine, two rows) or 9 (homography, three rows)
+    #[arg(long, value_name = "A,B,C,...", conflicts_with_all = ["from", "to"], allow_hyphen_values = true)]
+    matrix: Option<Matrix>,
+    /// Degrees, counter-clockwise
+    #[arg(long, value_name = "DEGREES", conflicts_with_all = ["from", "to", "matrix"], allow_hyphen_values = true)]
+    rotate: Option<f64>,
+    /// Pixels to the right and down; fractions are resampled
+    #[arg(long, value_name = "X,Y", conflicts_with_all = ["from", "to", "matrix"], allow_hyphen_values = true)]
+    translate: Option<Point>,
+    /// One factor or two
+    #[arg(long, value_name = "S|SX,SY", conflicts_with_all = ["from", "to", "matrix"], allow_hyphen_values = true)]
+    scale: Option<Scale>,
+    /// Size of the output [default: that of the input]
+    #[arg(long, value_name = "WxH")]
+    size: Option<Resolution>,
+    /// What lies beyond the image: transparent, border (black), edge or repeat
+    #[arg(long, value_name = "WHAT", default_value = "transparent")]
+    outside: Beyond,
+    /// How texels become pixels: nearest, bilinear, bicubic:mitchell, trilinear, anisotropic:16, ewa:8
+    #[arg(long, value_name = "METHOD", value_parser = values::filter, default_value = "anisotropic:16")]
+    filter: Filter,
+    /// srgb decodes before filtering; raw takes the bytes as they are
+    #[arg(long, value_name = "SPACE", value_parser = values::color, default_value = "srgb")]
+    color: ColorMode,
+    /// Threads [default: all cores]; no pixel depends on it
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Point(DVec2);
+
+impl FromStr for Point {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match values::numbers(text)?[..] {
+            [x, y] => Ok(Self(DVec2::new(x, y))),
+            _ => Err("expected two numbers x,y".to_owned()),
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Scale(DVec2);
+
+impl FromStr for Scale {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match values::numbers(text)?[..] {
+            [s] if s != 0.0 => Ok(Self(DVec2::splat(s))),
+            [x, y] if x != 0.0 && y != 0.0 => Ok(Self(DVec2::new(x, y))),
+            _ => Err("expected one or two factors that are not 0".to_owned()),
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Matrix(DMat3);
+
+impl FromStr for Matrix {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match values::numbers(text)?[..] {
+            [a, b, c, d, e, f] => Ok(Self(DMat3::from_cols(
+                DVec3::new(a, d, 0.0),
+                DVec3::new(b, e, 0.0),
+                DVec3::new(c, f, 1.0),
+            ))),
+            [a, b, c, d, e, f, g, h, i] => Ok(Self(DMat3::from_cols(
+                DVec3::new(a, d, g),
+                DVec3::new(b, e, h),
+                DVec3::new(c, f, i),
+            ))),
+            _ => Err("expected 6 or 9 numbers, row by row".to_owned()),
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, clap::ValueEnum)]
+enum Beyond {
+    Transparent,
+    Border,
+    Edge,
+    Repeat,
+}
+
+pub(crate) fn run(args: &WarpArgs) -> Result<Exit, Failure> {
+    let main = Destination::new(&args.output)?;
+    let space = match args.color {
+        ColorMode::Srgb => ColorSpace::Srgb,
+        ColorMode::Raw => ColorSpace::Linear,
+    };
+    let texture = image_io::read_texture(&args.image, space)?;
+    let (width, height) = args
+        .size
+        .map_or((texture.width(), texture.height()), |r| (r.width, r.height));
+    let map = output_from_source(args, &texture, width, height)?;
+    let needs_mips = !matches!(
+        args.filter,
+        Filter::Nearest | Filter::Bilinear | Filter::Bicubic(_)
+    );
+    let texture = if needs_mips {
+        texture.with_mips()
+    } else {
+        texture
+    };
+    let outside = match args.outside {
+        Beyond::Transparent => Outside::Transparent,
+        Beyond::Border => Outside::Border([0.0, 0.0, 0.0, 1.0]),
+        Beyond::Edge => Outside::Edge,
+        Beyond::Repeat => Outside::Repeat,
+    };
+    let resample = Resample::new(&texture, args.filter, outside, &map);
+    let mut rgba = vec![0; 4 * width as usize * height as usize];
+    draw(&resample, args, width, height, &mut rgba)?;
+    let mut stage = Stage::new(&main)?;
+    image_io::write_png(&stage.add(main, "png"), width, height, &rgba)?;
+    stage.commit()?;
+    Ok(Exit::Done)
+}
+
+fn output_from_source(
+    args: &WarpArgs,
+    t: &Texture2d<'_>,
+    width: u32,
+    height: u32,
+) -> Result<Homography, Failure> {
+    let refused = |e: texmap_math::HomographyError| {
+        Failure::new(
+            Exit::Input,
+            "bad-homography",
+            format!("the four points or the matrix give no map: {e}"),
+            "name the corners in order around a convex quad, no three on a line",
+        )
+    };
+    if let Some(Matrix(m)) = args.matrix {
+        return Homography::from_matrix(m).map_err(refused);
+    }
+    let corners = |w: u32, h: u32| {
+        let (w, h) = (f64::from(w), f64::from(h));
+        [
+            DVec2::ZERO,
+            DVec2::new(w, 0.0),
+            DVec2::new(w, h),
+            DVec2::new(0.0, h),
+        ]
+    };
+    let given = |points: &[Point]| <[Point; 4]>::try_from(points).ok().map(|p| p.map(|p| p.0));
+    let (from, to) = (given(&args.from), given(&args.to));
+    if from.is_some() || to.is_some() {
+        let from = from.unwrap_or_else(|| corners(t.width(), t.height()));
+        let to = to.unwrap_or_else(|| corners(width, height));
+        return Homography::from_quads(from, to).map_err(refused);
+    }
+    let [sx, sy] = args.scale.map_or([1.0, 1.0], |s| s.0.to_array());
+    // y grows downward: counter-clockwise as seen.
+    let (sin, cos) = det::sin_cos(args.rotate.unwrap_or(0.0).to_radians());
+    let shift = args.translate.map_or(DVec2::ZERO, |p| p.0);
+    let middle = |w: u32, h: u32| DVec2::new(f64::from(w), f64::from(h)) * 0.5;
+    let (a, b) = (
+        DVec2::new(cos * sx, -sin * sx),
+        DVec2::new(sin * sy, cos * sy),
+    );
+    let source = middle(t.width(), t.height());
+    let c = middle(width, height) + shift - a * source.x - b * source.y;
+    Homography::from_matrix(DMat3::from_cols(
+        a.extend(0.0),
+        b.extend(0.0),
+        c.extend(1.0),
+    ))
+    .map_err(refused)
+}
+
+/// Rows in bands of 16, dealt to the threads in turn: each pixel is one thread's alone.
+fn draw(
+    resample: &Resample<'_>,
+    args: &WarpArgs,
+    width: u32,
+    height: u32,
+    rgba: &mut [u8],
+) -> Result<(), Failure> {
+    const BAND: usize = 16;
+    let threads = args.threads.map_or_else(
+        || thread::available_parallelism().map_or(1, usize::from),
+        usize::from,
+    );
+    let row = 4 * width as usize;
+    let mut shares: Vec<Vec<(usize, &mut [u8])>> = (0..threads).map(|_| Vec::new()).collect();
+    for (i, band) in rgba.chunks_mut(BAND * row).enumerate() {
+        shares[i % threads].push((i * BAND, band));
+    }
+    let level = Level::new();
+    let color = args.color;
+    let work = |share: Vec<(usize, &mut [u8])>| {
+        let mut colors = vec![[0.0; 4]; width as usize];
+        for (y0, band) in share {
+            for (y, bytes) in band.chunks_mut(row).enumerate() {
+                resample.rows(level, width, (y0 + y) as u32, &mut colors)?;
+                for (c, out) in colors.iter().zip(bytes.as_chunks_mut::<4>().0) {
+                    *out = encode(*c, color);
+                }
+            }
+        }
+        Ok::<(), texmap_sample::SampleError>(())
+    };
+    let _ = height;
+    thread::scope(|scope| {
+        let handles: Vec<_> = shares
+            .into_iter()
+            .map(|share| scope.spawn(move || work(share)))
+            .collect();
+        handles.into_iter().try_for_each(|h| match h.join() {
+            Ok(result) => result.map_err(|e| Failure::internal(e.to_string())),
+            Err(_) => Err(Failure::internal("a worker thread stopped")),
+        })
+    })
+}
+
+/// Linear premultiplied to straight bytes.
+pub(crate) fn encode(c: [f32; 4], color: ColorMode) -> [u8; 4] {
+    let a = c[3];
+    let byte = |x: f32| {
+        let x = if a > 0.0 { x / a } else { 0.0 };
+        match color {
+            ColorMode::Srgb => color::linear_to_srgb8(x),
+            ColorMode::Raw => color::unit_to_u8(x),
+        }
+    };
+    [byte(c[0]), byte(c[1]), byte(c[2]), color::unit_to_u8(a)]
+}
