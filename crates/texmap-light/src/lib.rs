@@ -26,16 +26,25 @@
 #![forbid(unsafe_code)]
 extern crate alloc;
 
+mod bump;
 mod chart;
 mod environment;
 mod error;
 pub mod reference;
 mod shade;
+mod shadow;
+mod slide;
 mod surface;
 mod vector;
 
+pub use bump::{
+    Green, Heights, Slope, bump, clamp_to_horizon, decode_normal, encode_normal, perturb,
+    perturb_slice,
+};
 pub use chart::{Chart, UnknownChart};
 pub use environment::{Environment, reflect};
 pub use error::LightError;
 pub use shade::{Terms, illuminate, illuminate_slice, illuminate_two_sided, terms, terms_slice};
+pub use shadow::{ShadowBias, ShadowKind, ShadowMap};
+pub use slide::{Slide, SlideBorder, slide_texel};
 pub use surface::{Light, Surface};

@@ -1,0 +1,559 @@
+use alloc::vec::Vec;
+
+use texmap_math::float::{floor, sqrt};
+use texmap_math::glam::{DMat4, DVec2, DVec3};
+
+use crate::error::{LightError, same_length};
+
+/// Depths as a light sees them, in the metric in which they are compared: distance along the light's axis for parallel and
+/// spot lights, distance from the light for point lights. Never the value of a depth buffer against a length.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ShadowMap {
+    kind: ShadowKind,
+    /// Side of a face in texels.
+    size: u32,
+    /// Faces one after the other, rows top to bottom; infinity where the light sees nothing.
+    depths: Vec<f32>,
+}
+
+/// What kind of light a shadow map belongs to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ShadowKind {
+    /// Parallel light: a square of half-side `half` in the light's x and y.
+    Directional {
+        /// World to light space: looks along -Z, distances kept (no scale).
+        light_from_world: DMat4,
+        /// Half the side of the map, world units.
+        half: f64,
+    },
+    /// A cone from a point, seen through a square pyramid.
+    Spot {
+        /// World to light space, the light in its origin, looking along -Z, distances kept.
+        light_from_world: DMat4,
+        /// Tangent of half the angle of the pyramid.
+        tan_half: f64,
+    },
+    /// All around a point: six faces +X -X +Y -Y +Z -Z of 90 degrees, oriented as [`Chart::Cube`](crate::Chart::Cube).
+    Point {
+        /// The light.
+        position: DVec3,
+    },
+}
+
+/// What is added to the stored depth before the comparison, against a surface that shadows itself.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ShadowBias {
+    /// A constant, world units. It leaves acne on slopes or detaches shadows: for comparison.
+    Constant(f64),
+    /// The most that the receiver's plane changes over the filter's half width, plus this constant (1e-4 of the scene's
+    /// size is enough): exact for a plane, `(r + 1/2) t (|dz/dx| + |dz/dy|)` with texel size t and filter radius r.
+    Slope(f64),
+    /// The point is moved along its normal by this many texels first, and compared with a constant of 1e-4 texels.
+    NormalOffset(f64),
+}
+
+/// Where a point falls in a map.
+struct Place {
+    face: usize,
+    /// Texels from the top left.
+    texel: DVec2,
+    depth: f64,
+    /// Change of the receiver's depth per texel, if its plane is not seen edge-on.
+    slope: DVec2,
+    /// World size of a texel there.
+    texel_size: f64,
+}
+
+impl ShadowMap {
+    /// A map from depths.
+    ///
+    /// # Errors
+    /// [`LightError::Length`] unless `depths` holds `size * size` values (six times that for a point light);
+    /// [`LightError::Texel`] for a NaN or negative depth of a spot or point light.
+    pub fn new(kind: ShadowKind, size: u32, depths: Vec<f32>) -> Result<Self, LightError> {
+        let faces = if matches!(kind, ShadowKind::Point { .. }) {
+            6
+        } else {
+            1
+        };
+        same_length(
+            "depths",
+            depths.len(),
+            faces * size.max(1) as usize * size.max(1) as usize,
+        )?;
+        let signed = matches!(kind, ShadowKind::Directional { .. });
+        match depths
+            .iter()
+            .position(|d| d.is_nan() || (!signed && *d < 0.0))
+        {
+            Some(index) => Err(LightError::Texel { index }),
+            None => Ok(Self { kind, size, depths }),
+        }
+    }
+
+    /// The ray of a texel in world space, for whoever fills the map: origin and direction, such that `origin + depth *
+    /// direction` is the point that a stored depth stands for.
+    #[must_use]
+    pub fn ray(kind: &ShadowKind, size: u32, face: usize, x: u32, y: u32) -> (DVec3, DVec3) {
+        let centre = |i: u32| (f64::from(i) + 0.5) / f64::from(size) * 2.0 - 1.0;
+        let p = DVec2::new(centre(x), -centre(y));
+        match kind {
+            ShadowKind::Directional {
+                light_from_world,
+                half,
+            } => {
+                let world = light_from_world.inverse();
+                (
+                    world.transform_point3((p * *half).extend(0.0)),
+                    world.transform_vector3(DVec3::NEG_Z),
+                )
+            }
+            ShadowKind::Spot {
+                light_from_world,
+                tan_half,
+            } => {
+                let world = light_from_world.inverse();
+                (
+                    world.transform_point3(DVec3::ZERO),
+                    world.transform_vector3((p * *tan_half).extend(-1.0)),
+                )
+            }
+            ShadowKind::Point { position } => {
+                let uv = DVec2::new(0.5 + 0.5 * p.x, 0.5 - 0.5 * p.y);
+                (*position, crate::Chart::Cube.direction(face, uv))
+            }
+        }
+    }
+
+    /// Share of the light that reaches a point, 0..=1: the mean of `taps` x `taps` comparisons (1 or an odd number up to 15;
+    /// even ones are rounded up) around the point's texel. Points outside of the map, behind a spot light, or not finite
+    /// are lit. `normal` has unit length.
+    #[must_use]
+    pub fn lit(&self, point: DVec3, normal: DVec3, bias: ShadowBias, taps: u32) -> f32 {
+        let radius = i64::from(taps.min(15) / 2);
+        let Some(mut place) = self.place(point, normal) else {
+            return 1.0;
+        };
+        if let ShadowBias::NormalOffset(texels) = bias {
+            match self.place(point + normal * (texels * place.texel_size), normal) {
+                Some(moved) => place = moved,
+                None => return 1.0,
+            }
+        }
+        let add = match bias {
+            ShadowBias::Constant(constant) => constant,
+            ShadowBias::NormalOffset(_) => 1e-4 * place.texel_size,
+            ShadowBias::Slope(constant) => {
+                (radius as f64 + 0.5) * (place.slope.x.abs() + place.slope.y.abs()) + constant
+            }
+        };
+        let (x, y) = (floor(place.texel.x) as i64, floor(place.texel.y) as i64);
+        let (mut lit, mut count) = (0u32, 0u32);
+        for j in -radius..=radius {
+            for i in -radius..=radius {
+                count += 1;
+                lit += u32::from(
+                    self.depth(place.face, x + i, y + j)
+                        .is_none_or(|stored| !(place.depth > stored + add)),
+                );
+            }
+        }
+        lit as f32 / count as f32
+    }
+
+    /// [`lit`](Self::lit) for every point of a slice.
+    ///
+    /// # Errors
+    /// [`LightError::Length`] unless all slices have one length.
+    pub fn lit_slice(
+        &self,
+        points: &[[f32; 3]],
+        normals: &[[f32; 3]],
+        bias: ShadowBias,
+        taps: u32,
+        out: &mut [f32],
+    ) -> Result<(), LightError> {
+        same_length("points", points.len(), out.len())?;
+        same_length("normals", normals.len(), out.len())?;
+        for ((out, point), normal) in out.iter_mut().zip(points).zip(normals) {
+            *out = self.lit(
+                DVec3::from(point.map(f64::from)),
+                DVec3::from(normal.map(f64::from)),
+                bias,
+                taps,
+            );
+        }
+        Ok(())
+    }
+
+    /// Stored depth; `None` outside of the face. A tap over the edge of a cube's face is lit by that rule: the centre tap
+    /// alone decides there.
+    fn depth(&self, face: usize, x: i64, y: i64) -> Option<f64> {
+        let size = i64::from(self.size);
+        if !(0..size).contains(&x) || !(0..size).contains(&y) {
+            return None;
+        }
+        let index = (face as i64 * size + y) * size + x;
+        self.depths.get(index as usize).map(|d| f64::from(*d))
+    }
+
+    fn place(&self, point: DVec3, normal: DVec3) -> Option<Place> {
+        if !point.is_finite() {
+            return None;
+        }
+        let size = f64::from(self.size);
+        match self.kind {
+            ShadowKind::Directional {
+                light_from_world,
+                half,
+            } => {
+                let p = light_from_world.transform_point3(point);
+                let n = light_from_world.transform_vector3(normal);
+                let texel_size = 2.0 * half / size;
+                // z = -depth falls along the plane n.p = c: d(depth)/dx = n.x / n.z.
+                let slope = if n.z != 0.0 {
+                    DVec2::new(n.x, -n.y) / n.z * texel_size
+                } else {
+                    DVec2::ZERO
+                };
+                self.at(0, p.truncate() / half, -p.z, slope, texel_size)
+            }
+            ShadowKind::Spot {
+                light_from_world,
+                tan_half,
+            } => {
+                let p = light_from_world.transform_point3(point);
+                if !(p.z < 0.0) {
+                    return None;
+                }
+                let depth = -p.z;
+                let ray = p / depth;
+                let n = light_from_world.transform_vector3(normal);
+                let step = 2.0 * tan_half / size;
+                // On the plane n.(depth ray) = c, depth = c / n.ray.
+                let slope = DVec2::new(n.x, -n.y) * (-depth * step / n.dot(ray));
+                self.at(0, ray.truncate() / tan_half, depth, slope, depth * step)
+            }
+            ShadowKind::Point { position } => {
+                let d = point - position;
+                let (face, uv) = crate::Chart::Cube.locate(d);
+                let distance = sqrt(d.dot(d));
+                let major = d.abs().max_element();
+                if !(major > 0.0 && distance.is_finite()) {
+                    return None;
+                }
+                let ray = d / major;
+                let step = 2.0 / size;
+                let (right, down) = face_axes(face);
+                // distance = c |ray| / n.ray on the receiver's plane.
+                let along = |axis: DVec3| {
+                    (distance * (ray.dot(axis) / ray.dot(ray) - normal.dot(axis) / normal.dot(ray)))
+                        * step
+                };
+                let slope = DVec2::new(along(right), along(down));
+                let p = DVec2::new(2.0 * uv.x - 1.0, 1.0 - 2.0 * uv.y);
+                self.at(face, p, distance, slope, major * step)
+            }
+        }
+    }
+
+    /// `p` in -1..=1 over the face, y up.
+    fn at(
+        &self,
+        face: usize,
+        p: DVec2,
+        depth: f64,
+        slope: DVec2,
+        texel_size: f64,
+    ) -> Option<Place> {
+        let texel = DVec2::new(p.x * 0.5 + 0.5, 0.5 - p.y * 0.5) * f64::from(self.size);
+        // Clamped before it becomes an integer: coordinates of 1e30 are outside, not an overflow.
+        let inside = texel.min_element() >= 0.0
+            && texel.max_element() < f64::from(self.size) + 1e-9
+            && depth.is_finite();
+        let last = f64::from(self.size) - 0.5;
+        let texel = DVec2::new(
+            if texel.x < last { texel.x } else { last },
+            if texel.y < last { texel.y } else { last },
+        );
+        let slope = if slope.is_finite() {
+            slope
+        } else {
+            DVec2::splat(f64::MAX)
+        };
+        inside.then_some(Place {
+            face,
+            texel,
+            depth,
+            slope,
+            texel_size,
+        })
+    }
+}
+
+/// World directions in which a cube face's coordinates grow, to the right and down.
+fn face_axes(face: usize) -> (DVec3, DVec3) {
+    let right = [
+        DVec3::NEG_Z,
+        DVec3::Z,
+        DVec3::X,
+        DVec3::X,
+        DVec3::X,
+        DVec3::NEG_X,
+    ][face];
+    let down = [
+        DVec3::NEG_Y,
+        DVec3::NEG_Y,
+        DVec3::Z,
+        DVec3::NEG_Z,
+        DVec3::NEG_Y,
+        DVec3::NEG_Y,
+    ][face];
+    (right, down)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Ball of radius 0.5 around (0, 0, 0.5) on the plane z = 0: distance along a ray, its normal there.
+    fn trace(origin: DVec3, d: DVec3) -> Option<(f64, DVec3)> {
+        let plane = (d.z < 0.0).then(|| -origin.z / d.z).filter(|t| *t > 1e-9);
+        let ball = {
+            let o = origin - DVec3::new(0.0, 0.0, 0.5);
+            let (a, b, c) = (d.dot(d), o.dot(d), o.dot(o) - 0.25);
+            let root = b * b - a * c;
+            (root > 0.0)
+                .then(|| (-b - root.sqrt()) / a)
+                .filter(|t| *t > 1e-9)
+        };
+        match (plane, ball) {
+            (Some(p), Some(b)) if p < b => Some((p, DVec3::Z)),
+            (_, Some(b)) => Some((b, (origin + d * b - DVec3::new(0.0, 0.0, 0.5)) * 2.0)),
+            (Some(p), None) => Some((p, DVec3::Z)),
+            (None, None) => None,
+        }
+    }
+
+    fn map(kind: ShadowKind, size: u32) -> ShadowMap {
+        let faces = if matches!(kind, ShadowKind::Point { .. }) {
+            6
+        } else {
+            1
+        };
+        let mut depths = Vec::new();
+        for face in 0..faces {
+            for (x, y) in (0..size).flat_map(|y| (0..size).map(move |x| (x, y))) {
+                let (origin, d) = ShadowMap::ray(&kind, size, face, x, y);
+                // Parallel light starts far behind its plane.
+                let back = if matches!(kind, ShadowKind::Directional { .. }) {
+                    10.0
+                } else {
+                    0.0
+                };
+                let hit = trace(origin - d * back, d).map_or(f64::INFINITY, |(t, _)| t - back);
+                depths.push(hit as f32);
+            }
+        }
+        ShadowMap::new(kind, size, depths).unwrap()
+    }
+
+    fn look_at(eye: DVec3, toward: DVec3) -> DMat4 {
+        texmap_math::Camera {
+            eye,
+            look: eye + toward,
+            up: DVec3::Z,
+            fov_x: 1.0,
+            near: 0.1,
+            far: 10.0,
+        }
+        .view()
+        .unwrap()
+    }
+
+    fn sun(elevation: f64) -> (DVec3, ShadowKind) {
+        let (s, c) = elevation.to_radians().sin_cos();
+        let toward = DVec3::new(0.8 * c, -0.6 * c, s);
+        (
+            toward,
+            ShadowKind::Directional {
+                light_from_world: look_at(DVec3::ZERO, -toward),
+                half: 2.6,
+            },
+        )
+    }
+
+    /// Shares of false shadow and false light over points of plane and ball seen from above, outside a band of 1.5 texels around
+    /// the true shadow's edge; the light must face the surface.
+    fn wrong(
+        map: &ShadowMap,
+        to_light: &dyn Fn(DVec3) -> DVec3,
+        texel: f64,
+        bias: ShadowBias,
+        taps: u32,
+    ) -> (f64, f64) {
+        let (mut count, mut shadow, mut light) = (0u32, 0u32, 0u32);
+        let n = 160;
+        for (i, j) in (0..n).flat_map(|i| (0..n).map(move |j| (i, j))) {
+            let at = |k: i32| (f64::from(k) + 0.37) / f64::from(n) * 3.0 - 1.5;
+            let Some((t, normal)) = trace(DVec3::new(at(i), at(j), 5.0), DVec3::NEG_Z) else {
+                continue;
+            };
+            let point = DVec3::new(at(i), at(j), 5.0 - t);
+            let l = to_light(point);
+            if normal.dot(l.normalize()) <= 0.02 {
+                continue;
+            }
+            let blocked = |p: DVec3| {
+                trace(p + normal * 1e-4, to_light(p))
+                    .is_some_and(|(t, _)| t < 1.0 - 1e-6 || l.length() > 99.0)
+            };
+            let truth = blocked(point);
+            let side = normal.any_orthonormal_vector();
+            let ring = (0..8).map(|k| {
+                let (s, c) = (f64::from(k) * 0.785).sin_cos();
+                point
+                    + (side * c + normal.cross(side) * s)
+                        * (1.5 * texel / normal.dot(l.normalize()))
+            });
+            if ring.into_iter().any(|p| blocked(p) != truth) {
+                continue;
+            }
+            count += 1;
+            let lit = map.lit(point, normal, bias, taps);
+            shadow += u32::from(!truth && lit < 1.0);
+            light += u32::from(truth && lit > 0.0);
+        }
+        assert!(count > 10_000, "{count}");
+        (
+            f64::from(shadow) / f64::from(count),
+            f64::from(light) / f64::from(count),
+        )
+    }
+
+    /// Cases H1 to H3 on a ball over a plane: no bias is acne, a constant leaves some at low light, the slope form none.
+    #[test]
+    fn the_slope_bias_cures_acne_without_detaching_shadows() {
+        for elevation in [60.0, 25.0, 10.0] {
+            let (toward, kind) = sun(elevation);
+            let map = map(kind, 512);
+            let texel = 5.2 / 512.0;
+            let far = |_| toward * 100.0;
+            let none = wrong(&map, &far, texel, ShadowBias::Constant(0.0), 1);
+            assert!(none.0 > 0.3, "H1, {elevation}: {none:?}");
+            let constant = wrong(&map, &far, texel, ShadowBias::Constant(texel), 1);
+            let slope = wrong(&map, &far, texel, ShadowBias::Slope(1e-4), 1);
+            assert!(
+                elevation > 30.0 || constant.0 > 0.02,
+                "H2, {elevation}: {constant:?}"
+            );
+            assert!(
+                slope.0 <= 1e-3 && slope.1 <= 1e-3,
+                "H3, {elevation}: {slope:?}"
+            );
+            let pcf = wrong(&map, &far, texel, ShadowBias::Slope(1e-4), 3);
+            assert!(pcf.0 <= 0.03, "PCF, {elevation}: {pcf:?}");
+        }
+    }
+
+    #[test]
+    fn spot_and_point_lights_compare_in_their_own_metric() {
+        let position = DVec3::new(1.0, -1.2, 2.0);
+        let aim = look_at(position, DVec3::new(-1.0, 1.2, -1.8));
+        let to_light = |p: DVec3| position - p;
+        for (kind, texel) in [
+            (
+                ShadowKind::Spot {
+                    light_from_world: aim,
+                    tan_half: 1.2,
+                },
+                3.0 * 2.4 / 512.0,
+            ),
+            (ShadowKind::Point { position }, 3.0 * 2.0 / 512.0),
+        ] {
+            let map = map(kind, 512);
+            let slope = wrong(&map, &to_light, texel, ShadowBias::Slope(1e-4), 1);
+            assert!(slope.0 <= 2e-3 && slope.1 <= 2e-3, "{slope:?}");
+            let none = wrong(&map, &to_light, texel, ShadowBias::Constant(0.0), 1);
+            assert!(none.0 > 0.3, "{none:?}");
+            let offset = wrong(&map, &to_light, texel, ShadowBias::NormalOffset(2.0), 1);
+            assert!(offset.0 < 0.02, "{offset:?}");
+        }
+    }
+
+    /// Cases H4 and H5: beyond the map, behind the light, and at 1e30 everything is lit.
+    #[test]
+    fn outside_is_lit() {
+        let (_, kind) = sun(60.0);
+        let parallel = map(kind, 64);
+        let aim = look_at(DVec3::new(0.0, 0.0, 3.0), DVec3::new(0.1, 0.0, -1.0));
+        let spot = map(
+            ShadowKind::Spot {
+                light_from_world: aim,
+                tan_half: 0.3,
+            },
+            64,
+        );
+        let bias = ShadowBias::Slope(1e-4);
+        for p in [
+            [9.0, 0.0, 0.0],
+            [0.0, 0.0, 1e30],
+            [1e30, -1e30, 0.0],
+            [f64::NAN, 0.0, 0.0],
+            [f64::INFINITY, 0.0, 0.0],
+        ] {
+            assert_eq!(
+                parallel.lit(DVec3::from(p), DVec3::Z, bias, 5),
+                1.0,
+                "{p:?}"
+            );
+        }
+        assert_eq!(
+            spot.lit(DVec3::new(0.0, 0.0, 4.0), DVec3::Z, bias, 3),
+            1.0,
+            "behind"
+        );
+        assert_eq!(
+            spot.lit(DVec3::new(0.0, 0.0, 3.0), DVec3::Z, bias, 3),
+            1.0,
+            "in the light"
+        );
+    }
+
+    /// Case H7 and property 24: a mean of comparisons in 0..=1; a blocker only removes light.
+    #[test]
+    fn filtered_shadows_are_shares_and_blockers_only_darken() {
+        let (_, kind) = sun(25.0);
+        let with = map(kind, 128);
+        let free = ShadowMap::new(kind, 128, alloc::vec![f32::INFINITY; 128 * 128]).unwrap();
+        let mut between = 0;
+        for i in 0..2_000 {
+            let p = DVec3::new(
+                f64::from(i % 50) * 0.06 - 1.5,
+                f64::from(i / 50) * 0.075 - 1.5,
+                0.0,
+            );
+            let (a, b) = (
+                with.lit(p, DVec3::Z, ShadowBias::Slope(1e-4), 5),
+                free.lit(p, DVec3::Z, ShadowBias::Slope(1e-4), 5),
+            );
+            assert!((0.0..=1.0).contains(&a) && b == 1.0);
+            assert!(((a * 25.0).round() - a * 25.0).abs() < 1e-4);
+            between += u32::from(a > 0.0 && a < 1.0);
+        }
+        assert!(between > 20, "{between}");
+    }
+
+    #[test]
+    fn maps_are_checked() {
+        let (_, kind) = sun(60.0);
+        assert!(matches!(
+            ShadowMap::new(kind, 4, alloc::vec![0.0; 15]),
+            Err(LightError::Length { .. })
+        ));
+        assert_eq!(
+            ShadowMap::new(kind, 1, alloc::vec![f32::NAN]),
+            Err(LightError::Texel { index: 0 })
+        );
+    }
+}

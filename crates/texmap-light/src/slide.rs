@@ -1,0 +1,255 @@
+use texmap_math::float::floor_f32;
+use texmap_math::glam::DVec3;
+use texmap_math::projector::slide_coordinates;
+use texmap_math::{Footprint, Projector};
+use texmap_sample::{Sampler, Texture2d, Wrap};
+
+use crate::error::{LightError, same_length};
+
+/// A picture thrown from a projector: light, or paint.
+#[derive(Clone, Debug)]
+pub struct Slide<'a> {
+    /// Where it is thrown from.
+    pub projector: Projector,
+    /// The picture, v = 0 at its top.
+    pub texture: &'a Texture2d<'a>,
+    /// How the picture is read. Its wrap modes are not: `border` says what is beyond the picture.
+    pub sampler: &'a Sampler,
+    /// What lies beyond the picture.
+    pub border: SlideBorder,
+    /// Width of the band inside the picture's edge, in parts of its width and height, 0..=0.5, over which the light fades out
+    /// smoothly. Only with [`SlideBorder::Black`].
+    pub softness: f32,
+}
+
+/// What lies beyond the picture of a projector.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum SlideBorder {
+    /// No light: what a projector does.
+    #[default]
+    Black,
+    /// The row and column of texels at the edge, on and on.
+    Clamp,
+    /// The picture again and again.
+    Repeat,
+}
+
+impl Slide<'_> {
+    /// Premultiplied texel of the slide at homogeneous slide coordinates `(q, s, t)`: multiply a light's colour with it, or
+    /// compose it over a surface. Zero where `t <= 0` (nothing behind a projector is lit), where a coordinate is not finite,
+    /// and beyond the picture under [`SlideBorder::Black`]. Source: MIT 6.837, lecture 18, slides 21-26; the tests of t and
+    /// of the border are not on the slides.
+    ///
+    /// `step` holds the change of (q, s, t) per pixel to the right and per pixel down, for the level of detail:
+    /// `du/dx = (q_x - u t_x) / t`.
+    #[must_use]
+    pub fn light(&self, qst: DVec3, step: Option<[DVec3; 2]>) -> [f32; 4] {
+        let Some(place) = slide_coordinates(qst) else {
+            return [0.0; 4];
+        };
+        let uv = [place.x as f32, place.y as f32];
+        let inside = uv.iter().all(|c| (0.0..=1.0).contains(c));
+        let fade = match self.border {
+            SlideBorder::Black if !inside => return [0.0; 4],
+            SlideBorder::Black => self.fade(uv[0]) * self.fade(uv[1]),
+            _ => 1.0,
+        };
+        let wrap = if self.border == SlideBorder::Repeat {
+            Wrap::Repeat
+        } else {
+            Wrap::ClampToEdge
+        };
+        let sampler = Sampler {
+            wrap_u: wrap,
+            wrap_v: wrap,
+            ..self.sampler.clone()
+        };
+        let footprint = step.map(|step| {
+            let along = |d: DVec3| {
+                [
+                    ((d.x - place.x * d.z) / qst.z) as f32,
+                    ((d.y - place.y * d.z) / qst.z) as f32,
+                ]
+            };
+            let ([du_dx, dv_dx], [du_dy, dv_dy]) = (along(step[0]), along(step[1]));
+            Footprint {
+                du_dx,
+                dv_dx,
+                du_dy,
+                dv_dy,
+            }
+        });
+        let texel = match footprint {
+            Some(d) => sampler.sample_grad(self.texture, uv, d),
+            None => sampler.sample(self.texture, uv),
+        };
+        texel.map(|c| c * fade)
+    }
+
+    /// [`light`](Self::light) at points of space, without level of detail.
+    ///
+    /// # Errors
+    /// [`LightError::Length`] unless both slices have one length.
+    pub fn light_slice(&self, points: &[[f32; 3]], out: &mut [[f32; 4]]) -> Result<(), LightError> {
+        same_length("points", points.len(), out.len())?;
+        for (out, point) in out.iter_mut().zip(points) {
+            *out = self.light(
+                self.projector.project(DVec3::from(point.map(f64::from))),
+                None,
+            );
+        }
+        Ok(())
+    }
+
+    /// 0 at the edge, 1 from `softness` inwards: `3x^2 - 2x^3`.
+    fn fade(&self, c: f32) -> f32 {
+        let from_edge = if c < 0.5 { c } else { 1.0 - c };
+        if !(from_edge < self.softness) {
+            return 1.0;
+        }
+        let x = from_edge / self.softness;
+        x * x * (3.0 - 2.0 * x)
+    }
+}
+
+/// Whether a slide coordinate falls into the picture's texels, as an index: `None` beyond. For callers with texels of their own.
+#[must_use]
+pub fn slide_texel(qst: DVec3, (width, height): (u32, u32)) -> Option<(u32, u32)> {
+    let place = slide_coordinates(qst)?;
+    let index = |c: f64, n: u32| {
+        let c = floor_f32((c * f64::from(n)) as f32);
+        (c >= 0.0 && c < n as f32).then_some(c as u32)
+    };
+    Some((index(place.x, width)?, index(place.y, height)?))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use alloc::vec::Vec;
+    use texmap_sample::{ColorSpace, Filter, Origin};
+
+    fn picture() -> Texture2d<'static> {
+        // Left half red, right half green, white border texels at top.
+        let texels: Vec<u8> = (0..64u32)
+            .flat_map(|i| {
+                if i / 8 == 0 {
+                    [255; 4]
+                } else if i % 8 < 4 {
+                    [255, 0, 0, 255]
+                } else {
+                    [0, 255, 0, 255]
+                }
+            })
+            .collect();
+        Texture2d::from_rgba8(8, 8, texels, ColorSpace::Linear, Origin::TopLeft).unwrap()
+    }
+
+    fn check(border: SlideBorder, softness: f32, test: impl Fn(&dyn Fn([f64; 3]) -> [f32; 4])) {
+        // At the origin, along -Z, 90 degrees, twice as wide as high.
+        let projector = Projector::new(
+            DVec3::ZERO,
+            DVec3::NEG_Z,
+            DVec3::Y,
+            core::f64::consts::FRAC_PI_2,
+            2.0,
+        )
+        .unwrap();
+        let (texture, sampler) = (
+            picture(),
+            Sampler {
+                filter: Filter::Nearest,
+                ..Sampler::default()
+            },
+        );
+        let slide = Slide {
+            projector,
+            texture: &texture,
+            sampler: &sampler,
+            border,
+            softness,
+        };
+        test(&|p| slide.light(projector.project(DVec3::from(p)), None));
+    }
+
+    const RED: [f32; 4] = [1.0, 0.0, 0.0, 1.0];
+    const GREEN: [f32; 4] = [0.0, 1.0, 0.0, 1.0];
+
+    #[test]
+    fn the_picture_is_upright_and_has_its_true_aspect() {
+        check(SlideBorder::Black, 0.0, |at| {
+            assert_eq!(at([-1.0, 0.0, -2.0]), RED);
+            assert_eq!(at([1.0, 0.0, -2.0]), GREEN);
+            assert_eq!(
+                at([0.3, 0.95, -2.0]),
+                [1.0; 4],
+                "its top row, half as high as wide"
+            );
+            assert_eq!(at([0.3, 1.05, -2.0]), [0.0; 4]);
+        });
+    }
+
+    /// Cases P1 and P2, counted over a wall before, beside and behind the projector.
+    #[test]
+    fn nothing_behind_or_beyond_is_lit() {
+        check(SlideBorder::Black, 0.0, |at| {
+            let mut lit = 0;
+            for (i, j) in (0..200).flat_map(|i| (0..200).map(move |j| (i, j))) {
+                let (x, y) = (f64::from(i) * 0.05 - 5.0, f64::from(j) * 0.05 - 5.0);
+                assert_eq!(at([x, y, 2.0]), [0.0; 4], "behind");
+                assert_eq!(at([x, y, 0.0]), [0.0; 4], "in the plane of the lens");
+                let inside = x.abs() <= 2.0 && y.abs() <= 1.0;
+                let light = at([x, y, -2.0]);
+                assert!(inside || light == [0.0; 4], "{x} {y}");
+                lit += u32::from(light[3] > 0.0);
+            }
+            assert!(lit > 2_900, "{lit}");
+        });
+        // The negative twin: without the test of t a point behind has coordinates in the picture.
+        let behind = Projector::new(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y, 1.5, 1.0)
+            .unwrap()
+            .project(DVec3::new(0.1, 0.1, 2.0));
+        assert!((0.0..1.0).contains(&(behind.x / behind.z)) && behind.z < 0.0);
+        assert_eq!(slide_texel(behind, (8, 8)), None);
+    }
+
+    #[test]
+    fn borders_clamp_and_repeat_by_name() {
+        check(SlideBorder::Clamp, 0.0, |at| {
+            assert_eq!((at([-9.0, 0.0, -2.0]), at([9.0, 0.0, -2.0])), (RED, GREEN));
+            assert_eq!(
+                at([-1.0, 0.0, 2.0]),
+                [0.0; 4],
+                "behind, whatever the border"
+            );
+        });
+        check(SlideBorder::Repeat, 0.0, |at| {
+            assert_eq!(at([3.0, 0.0, -2.0]), RED)
+        });
+    }
+
+    #[test]
+    fn soft_edges_fade_to_nothing() {
+        check(SlideBorder::Black, 0.25, |at| {
+            let row: Vec<f32> = (0..=100)
+                .map(|i| at([f64::from(i) * 0.02, 0.0, -2.0])[3])
+                .collect();
+            assert_eq!((row[0], row[100]), (1.0, 0.0));
+            assert!(row.windows(2).all(|w| w[0] >= w[1] && w[0] - w[1] < 0.06));
+        });
+    }
+
+    #[test]
+    fn no_number_is_too_large() {
+        check(SlideBorder::Clamp, 0.1, |at| {
+            for p in [
+                [1e300, 0.0, -1e-300],
+                [f64::NAN; 3],
+                [f64::INFINITY, 0.0, -1.0],
+                [1e30, -1e30, -1e-30],
+            ] {
+                assert!(at(p).iter().all(|c| c.is_finite()), "{p:?}");
+            }
+        });
+    }
+}
