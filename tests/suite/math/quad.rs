@@ -47,9 +47,10 @@ fn by_linear_solve(from: [DVec2; 4], to: [DVec2; 4]) -> DMat3 {
         m.swap(column, pivot);
         for row in 0..8 {
             if row != column {
-                let factor = m[row][column] / m[column][column];
-                for k in column..9 {
-                    m[row][k] -= factor * m[column][k];
+                let pivot = m[column];
+                let factor = m[row][column] / pivot[column];
+                for (value, above) in m[row].iter_mut().zip(pivot).skip(column) {
+                    *value -= factor * above;
                 }
             }
         }
