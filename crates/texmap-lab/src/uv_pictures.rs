@@ -72,7 +72,7 @@ pub fn heat(mesh: &Mesh<'_>, report: &Report, view: View, size: u32) -> Result<P
     let mut model = model(mesh);
     let color = |t: &texmap_uv::TriangleReport| {
         let c = distortion_color(t);
-        [c[0], c[1], c[2]].map(|b| texmap_math::color::srgb8_to_linear(b))
+        [c[0], c[1], c[2]].map(texmap_math::color::srgb8_to_linear)
     };
     model.colors = report
         .triangles

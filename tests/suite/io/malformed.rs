@@ -142,9 +142,14 @@ fn include_cycles_of_any_length() {
 
 #[test]
 fn includes_that_multiply_are_stopped() {
-    let mut files = Files::new().with("a.scene", "include 0.scene\n").with("20.scene", "v 0 0 0\n");
+    let mut files = Files::new()
+        .with("a.scene", "include 0.scene\n")
+        .with("20.scene", "v 0 0 0\n");
     for i in 0..20 {
-        files = files.with(&format!("{i}.scene"), format!("include {0}.scene\ninclude {0}.scene\n", i + 1));
+        files = files.with(
+            &format!("{i}.scene"),
+            format!("include {0}.scene\ninclude {0}.scene\n", i + 1),
+        );
     }
     let error = files.load("a.scene").expect_err("a million files");
     assert_code(&error, "out-of-range");

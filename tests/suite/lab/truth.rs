@@ -76,10 +76,6 @@ fn every_scene_is_drawn_as_rays_say() {
         let truth = frame(&scene, WIDTH, HEIGHT, 1).unwrap();
         let found = compare(&truth, &drawn(&scene, None));
         let name = file.file_name().unwrap().display().to_string();
-        println!(
-            "{name}: {} of {} over, worst {:.2}",
-            found.over, found.inside, found.worst
-        );
         assert!(
             found.inside > 5_000,
             "{name}: {} values inside",
