@@ -96,6 +96,36 @@ fn files() -> Vec<(String, Vec<u8>)> {
             shapes::head(),
             "face.png",
         ),
+        (
+            "house",
+            "A house with a gable roof",
+            shapes::house(),
+            "uv_grid.png",
+        ),
+        (
+            "twisted_box",
+            "A box of 1 x 3 x 1, twisted by 270 degrees",
+            shapes::twisted_box(),
+            "uv_grid.png",
+        ),
+        (
+            "cylinder",
+            "The unit cylinder",
+            shapes::turned("cylinder", &shapes::cylinder_profile()),
+            "uv_grid.png",
+        ),
+        (
+            "cone",
+            "The unit cone",
+            shapes::turned("cone", &shapes::cone_profile()),
+            "uv_grid.png",
+        ),
+        (
+            "ball",
+            "The unit ball",
+            shapes::turned("ball", &shapes::ball_profile()),
+            "uv_grid.png",
+        ),
     ];
     let mut files: Vec<(String, Vec<u8>)> = Vec::new();
     files.extend(pictures.map(|(name, bytes)| (format!("textures/{name}"), bytes)));

@@ -69,11 +69,11 @@ impl Mesh {
         }
     }
 
-    /// Merges equal positions, uvs and normals (compared bit for bit), first come first kept.
+    /// Merges equal positions, uvs and normals (to a millionth), first come first kept.
     pub(crate) fn welded(self) -> Self {
-        let (positions, p) = weld(self.positions, |v| v.to_array().map(bits));
-        let (uvs, t) = weld(self.uvs, |v| [bits(v[0]), bits(v[1]), 0]);
-        let (normals, n) = weld(self.normals, |v| v.to_array().map(bits));
+        let (positions, p) = weld(self.positions, |v| v.to_array().map(key));
+        let (uvs, t) = weld(self.uvs, |v| [key(v[0]), key(v[1]), 0]);
+        let (normals, n) = weld(self.normals, |v| v.to_array().map(key));
         let groups = self
             .groups
             .into_iter()
@@ -138,12 +138,12 @@ impl Mesh {
     }
 }
 
-/// The bits of a number, one zero for both signs.
-fn bits(x: f64) -> u64 {
-    (x + 0.0).to_bits()
+/// The number of millionths: what differs by rounding alone is equal.
+fn key(x: f64) -> i64 {
+    (x * 1e6 + 0.5).floor() as i64
 }
 
-fn weld<T: Copy>(items: Vec<T>, key: impl Fn(&T) -> [u64; 3]) -> (Vec<T>, Vec<usize>) {
+fn weld<T: Copy>(items: Vec<T>, key: impl Fn(&T) -> [i64; 3]) -> (Vec<T>, Vec<usize>) {
     let mut known = std::collections::BTreeMap::new();
     let mut kept = Vec::new();
     let renumber = items
