@@ -13,42 +13,31 @@ pub(crate) fn unwrap(u: &mut [f32], pole: &[bool]) -> bool {
         return true;
     };
     let n = u.len();
-    let (mut turns, mut previous) = (0.0, u[first]);
-    let mut closes = true;
-    for k in 1..=n {
-        let i = (first + k) % n;
-        if pole[i] {
-            continue;
-        }
-        let raw = if k == n { u[first] } else { u[i] };
-        turns += match raw + turns - previous {
-            step if step > 0.5 => -1.0,
-            step if step < -0.5 => 1.0,
-            _ => 0.0,
-        };
-        if k == n {
-            // Back at the first corner, which stands at its raw value.
-            closes = turns == 0.0;
-        } else {
-            u[i] = raw + turns;
-            previous = u[i];
-        }
+    // Whole turns of the corner that is visited, from the first one on.
+    let raw_first = u[first];
+    let (mut turns, mut previous, mut lowest) = (0.0, raw_first, raw_first);
+    let step_to = |raw: f32, turns: f32, previous: f32| match raw + turns - previous {
+        step if step > 0.5 => turns - 1.0,
+        step if step < -0.5 => turns + 1.0,
+        _ => turns,
+    };
+    for i in (first + 1..first + n).map(|k| k % n).filter(|&i| !pole[i]) {
+        turns = step_to(u[i], turns, previous);
+        previous = u[i] + turns;
+        lowest = if previous < lowest { previous } else { lowest };
     }
-    let lowest = (0..n)
-        .filter(|&i| !pole[i])
-        .map(|i| u[i])
-        .fold(f32::INFINITY, |a, b| if b < a { b } else { a });
+    // Back at the first corner, which must stand where it began.
+    let closes = step_to(raw_first, turns, previous) == 0.0;
     let shift = texmap_math::float::floor_f32(lowest);
-    for i in (0..n).filter(|&i| !pole[i]) {
-        u[i] -= shift;
+    // Again, adding once: u + 1 - 1 would lose the last bits of u, and a vertex its neighbours' coordinate.
+    (turns, previous) = (0.0, raw_first);
+    for i in (first..first + n).map(|k| k % n).filter(|&i| !pole[i]) {
+        turns = step_to(u[i], turns, previous);
+        previous = u[i] + turns;
+        u[i] += turns - shift;
     }
     for i in (0..n).filter(|&i| pole[i]) {
-        let neighbour = |step: usize| {
-            (1..n)
-                .map(|k| (i + k * step) % n)
-                .find(|&j| !pole[j])
-                .map_or(0.5, |j| u[j])
-        };
+        let neighbour = |step: usize| (1..n).map(|k| (i + k * step) % n).find(|&j| !pole[j]).map_or(0.5, |j| u[j]);
         u[i] = (neighbour(1) + neighbour(n - 1)) * 0.5;
     }
     // A pole corner closes a face that spans up to half a turn; without one a face must come back to itself.
@@ -82,6 +71,14 @@ mod tests {
             run([0.96875, 0.03125, 0.03125, 0.96875], &[]).0,
             [0.96875, 1.03125, 1.03125, 0.96875]
         );
+    }
+
+    #[test]
+    fn a_corner_keeps_its_bits_whichever_face_it_is_seen_from() {
+        let odd = 1.0 / 24.0;
+        assert_eq!(run([1.0, odd, 2.0 * odd], &[]).0, [0.0, odd, 2.0 * odd]);
+        assert_eq!(run([odd, 2.0 * odd, 1.0], &[]).0, [odd, 2.0 * odd, 0.0]);
+        assert_eq!(run([0.95, odd, 1.0], &[]).0, [0.95, 1.0 + odd, 1.0]);
     }
 
     #[test]
