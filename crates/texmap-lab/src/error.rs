@@ -4,6 +4,7 @@ use texmap_math::homography::HomographyError;
 use texmap_raster::RasterError;
 use texmap_render::RenderError;
 use texmap_sample::SampleError;
+use texmap_uv::UvError;
 use thiserror::Error;
 
 /// Why the lab has no answer.
@@ -40,4 +41,7 @@ pub enum LabError {
     /// A texture frame without area.
     #[error(transparent)]
     Frame(#[from] FrameError),
+    /// The uv mapper refused a mesh.
+    #[error(transparent)]
+    Uv(#[from] UvError),
 }

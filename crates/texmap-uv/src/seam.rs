@@ -37,7 +37,12 @@ pub(crate) fn unwrap(u: &mut [f32], pole: &[bool]) -> bool {
         u[i] += turns - shift;
     }
     for i in (0..n).filter(|&i| pole[i]) {
-        let neighbour = |step: usize| (1..n).map(|k| (i + k * step) % n).find(|&j| !pole[j]).map_or(0.5, |j| u[j]);
+        let neighbour = |step: usize| {
+            (1..n)
+                .map(|k| (i + k * step) % n)
+                .find(|&j| !pole[j])
+                .map_or(0.5, |j| u[j])
+        };
         u[i] = (neighbour(1) + neighbour(n - 1)) * 0.5;
     }
     // A pole corner closes a face that spans up to half a turn; without one a face must come back to itself.

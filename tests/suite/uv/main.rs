@@ -1,7 +1,7 @@
 //! Laws of the uv mapper and their negative twins.
 
-mod meshes;
 mod mapping;
+mod meshes;
 mod program;
 mod repair;
 mod report;

@@ -5,7 +5,8 @@ use texmap_math::glam::DVec3;
 use texmap_math::{Level, det};
 use texmap_tests::levels::levels;
 use texmap_uv::{
-    Entity, Faces, Frame, Mapping, Mesh, Origin, Part, Shape, cylinder_one, cylinder_slice, sphere_one, sphere_slice,
+    Entity, Faces, Frame, Mapping, Mesh, Origin, Part, Shape, cylinder_one, cylinder_slice,
+    sphere_one, sphere_slice,
 };
 
 use crate::meshes::{ball, tube};
@@ -104,20 +105,46 @@ fn bits(uvs: &[[f32; 2]]) -> Vec<[u32; 2]> {
 
 #[test]
 fn senseless_vectors_have_the_same_bits_on_every_level() {
-    let odd: &[f32] = &[0.0, -0.0, 1.0, -1.0, 1e30, -1e30, 3e38, 1e-40, f32::MIN_POSITIVE, f32::INFINITY, f32::NAN];
-    let all: Vec<[f32; 3]> =
-        odd.iter().flat_map(move |&x| odd.iter().flat_map(move |&y| odd.iter().map(move |&z| [x, y, z]))).collect();
+    let odd: &[f32] = &[
+        0.0,
+        -0.0,
+        1.0,
+        -1.0,
+        1e30,
+        -1e30,
+        3e38,
+        1e-40,
+        f32::MIN_POSITIVE,
+        f32::INFINITY,
+        f32::NAN,
+    ];
+    let all: Vec<[f32; 3]> = odd
+        .iter()
+        .flat_map(move |&x| {
+            odd.iter()
+                .flat_map(move |&y| odd.iter().map(move |&z| [x, y, z]))
+        })
+        .collect();
     // NaN payloads are not part of the contract.
     let calm = |uvs: &[[f32; 2]]| -> Vec<[u32; 2]> {
-        uvs.iter().map(|uv| uv.map(|c| if c.is_nan() { u32::MAX } else { c.to_bits() })).collect()
+        uvs.iter()
+            .map(|uv| uv.map(|c| if c.is_nan() { u32::MAX } else { c.to_bits() }))
+            .collect()
     };
-    let one: Vec<[f32; 2]> = all.iter().map(|p| sphere_one(*p, Origin::TopLeft)).collect();
+    let one: Vec<[f32; 2]> = all
+        .iter()
+        .map(|p| sphere_one(*p, Origin::TopLeft))
+        .collect();
     for (name, level) in levels() {
         let mut out = vec![[0.0; 2]; all.len()];
         sphere_slice(level, &all, Origin::TopLeft, &mut out).unwrap();
         assert_eq!(calm(&out), calm(&one), "{name}");
     }
-    for (p, uv) in all.iter().zip(&one).filter(|(p, _)| p.iter().all(|c| c.is_finite())) {
+    for (p, uv) in all
+        .iter()
+        .zip(&one)
+        .filter(|(p, _)| p.iter().all(|c| c.is_finite()))
+    {
         assert!(uv.iter().all(|c| (0.0..=1.0).contains(c)), "{p:?} {uv:?}");
     }
     assert!(sphere_slice(Level::new(), &all, Origin::TopLeft, &mut []).is_err());
@@ -128,14 +155,32 @@ fn every_shape_and_entity_maps_a_ball_without_a_nan() {
     let (positions, faces) = ball(24, 12, 2.0);
     let mesh = Mesh::new(&positions, &faces).unwrap();
     let eye = DVec3::new(5.0, 2.0, 3.0);
-    for shape in [Shape::Plane, Shape::Cylinder, Shape::Cone, Shape::Sphere, Shape::Box] {
-        for by in [Entity::Position, Entity::Normal, Entity::Centroid, Entity::Reflection { eye }] {
-            let mapping = Mapping { by, ..Mapping::new(shape) };
+    for shape in [
+        Shape::Plane,
+        Shape::Cylinder,
+        Shape::Cone,
+        Shape::Sphere,
+        Shape::Box,
+    ] {
+        for by in [
+            Entity::Position,
+            Entity::Normal,
+            Entity::Centroid,
+            Entity::Reflection { eye },
+        ] {
+            let mapping = Mapping {
+                by,
+                ..Mapping::new(shape)
+            };
             let mapped = mapping.map(Level::new(), &mesh, &[]).unwrap();
             mapped.set.check(&mesh).unwrap();
             // The same with the lanes of every level.
             for (name, level) in levels() {
-                assert_eq!(mapping.map(level, &mesh, &[]).unwrap(), mapped, "{shape:?} {by:?} {name}");
+                assert_eq!(
+                    mapping.map(level, &mesh, &[]).unwrap(),
+                    mapped,
+                    "{shape:?} {by:?} {name}"
+                );
             }
         }
     }
@@ -145,38 +190,96 @@ fn every_shape_and_entity_maps_a_ball_without_a_nan() {
 fn a_ball_is_one_ball_by_position_by_normal_and_by_centroid() {
     let (positions, faces) = ball(16, 8, 3.0);
     let mesh = Mesh::new(&positions, &faces).unwrap();
-    let uv = |by: Entity| Mapping { by, ..Mapping::new(Shape::Sphere) }.map(Level::new(), &mesh, &[]).unwrap().set.per_corner();
-    let (a, b, c) = (uv(Entity::Position), uv(Entity::Normal), uv(Entity::Centroid));
-    let far = |p: &[[f32; 2]], q: &[[f32; 2]]| {
-        p.iter().zip(q).map(|(p, q)| {
-            let d = (p[0] - q[0]).rem_euclid(1.0);
-            d.min(1.0 - d).max((p[1] - q[1]).abs())
-        }).fold(0.0, f32::max)
+    let uv = |by: Entity| {
+        Mapping {
+            by,
+            ..Mapping::new(Shape::Sphere)
+        }
+        .map(Level::new(), &mesh, &[])
+        .unwrap()
+        .set
+        .per_corner()
     };
-    assert!(far(&a, &c) < 1e-5 && far(&a, &b) < 4e-2, "{} {}", far(&a, &b), far(&a, &c));
+    let (a, b, c) = (
+        uv(Entity::Position),
+        uv(Entity::Normal),
+        uv(Entity::Centroid),
+    );
+    let far = |p: &[[f32; 2]], q: &[[f32; 2]]| {
+        p.iter()
+            .zip(q)
+            .map(|(p, q)| {
+                let d = (p[0] - q[0]).rem_euclid(1.0);
+                d.min(1.0 - d).max((p[1] - q[1]).abs())
+            })
+            .fold(0.0, f32::max)
+    };
+    assert!(
+        far(&a, &c) < 1e-5 && far(&a, &b) < 4e-2,
+        "{} {}",
+        far(&a, &b),
+        far(&a, &c)
+    );
     // Reflection is another thing.
-    assert!(far(&a, &uv(Entity::Reflection { eye: DVec3::Z * 9.0 })) > 0.1);
+    assert!(
+        far(
+            &a,
+            &uv(Entity::Reflection {
+                eye: DVec3::Z * 9.0
+            })
+        ) > 0.1
+    );
 }
 
 #[test]
 fn a_frame_moves_turns_and_scales_the_shape() {
     let (positions, faces) = tube(24, 4, 1.0, 2.0);
     let mesh = Mesh::new(&positions, &faces).unwrap();
-    let plain = Mapping::new(Shape::Cylinder).map(Level::new(), &mesh, &[]).unwrap().set.per_corner();
+    let plain = Mapping::new(Shape::Cylinder)
+        .map(Level::new(), &mesh, &[])
+        .unwrap()
+        .set
+        .per_corner();
     // A quarter turn of the shape about y moves u by a quarter.
-    let frame = Frame { yaw: std::f64::consts::FRAC_PI_2, ..Frame::upright(DVec3::ZERO, DVec3::splat(2.0)) };
-    let turned = Mapping { frame: Some(frame), ..Mapping::new(Shape::Cylinder) };
-    let turned = turned.map(Level::new(), &mesh, &[]).unwrap().set.per_corner();
+    let frame = Frame {
+        yaw: std::f64::consts::FRAC_PI_2,
+        ..Frame::upright(DVec3::ZERO, DVec3::splat(2.0))
+    };
+    let turned = Mapping {
+        frame: Some(frame),
+        ..Mapping::new(Shape::Cylinder)
+    };
+    let turned = turned
+        .map(Level::new(), &mesh, &[])
+        .unwrap()
+        .set
+        .per_corner();
     for (p, q) in plain.iter().zip(&turned) {
         let d = (q[0] - p[0]).rem_euclid(1.0);
-        assert!((d - 0.75).abs() < 1e-5 && (p[1] - q[1]).abs() < 1e-6, "{p:?} {q:?}");
+        assert!(
+            (d - 0.75).abs() < 1e-5 && (p[1] - q[1]).abs() < 1e-6,
+            "{p:?} {q:?}"
+        );
     }
     // Twice the height: half the range of v around the middle.
-    let tall = Mapping { frame: Some(Frame::upright(DVec3::ZERO, DVec3::new(2.0, 4.0, 2.0))), ..Mapping::new(Shape::Cylinder) };
+    let tall = Mapping {
+        frame: Some(Frame::upright(DVec3::ZERO, DVec3::new(2.0, 4.0, 2.0))),
+        ..Mapping::new(Shape::Cylinder)
+    };
     let tall = tall.map(Level::new(), &mesh, &[]).unwrap().set.per_corner();
-    assert!(tall.iter().all(|uv| (0.25 - 1e-6..=0.75 + 1e-6).contains(&uv[1])));
-    let repeated = Mapping { repeat: [3.0, 2.0], ..Mapping::new(Shape::Cylinder) };
-    let repeated = repeated.map(Level::new(), &mesh, &[]).unwrap().set.per_corner();
+    assert!(
+        tall.iter()
+            .all(|uv| (0.25 - 1e-6..=0.75 + 1e-6).contains(&uv[1]))
+    );
+    let repeated = Mapping {
+        repeat: [3.0, 2.0],
+        ..Mapping::new(Shape::Cylinder)
+    };
+    let repeated = repeated
+        .map(Level::new(), &mesh, &[])
+        .unwrap()
+        .set
+        .per_corner();
     for (p, q) in plain.iter().zip(&repeated) {
         assert!((q[0] - 3.0 * p[0]).abs() < 1e-5 && (q[1] - 2.0 * p[1]).abs() < 1e-5);
     }
@@ -184,13 +287,25 @@ fn a_frame_moves_turns_and_scales_the_shape() {
 
 #[test]
 fn a_plane_by_tile_size_counts_tiles() {
-    let positions = [[-1.5, -0.5, 0.0], [2.5, -0.5, 0.0], [2.5, 1.5, 3.0], [-1.5, 1.5, 3.0]];
+    let positions = [
+        [-1.5, -0.5, 0.0],
+        [2.5, -0.5, 0.0],
+        [2.5, 1.5, 3.0],
+        [-1.5, 1.5, 3.0],
+    ];
     let mut faces = Faces::new();
     faces.push(&[0, 1, 2, 3]);
     let mesh = Mesh::new(&positions, &faces).unwrap();
-    let mapping = Mapping { tile: Some([0.5, 2.0]), origin: Origin::BottomLeft, ..Mapping::slide_projector() };
+    let mapping = Mapping {
+        tile: Some([0.5, 2.0]),
+        origin: Origin::BottomLeft,
+        ..Mapping::slide_projector()
+    };
     let set = mapping.map(Level::new(), &mesh, &[]).unwrap().set;
-    assert_eq!(set.per_corner(), [[-3.0, -0.25], [5.0, -0.25], [5.0, 0.75], [-3.0, 0.75]]);
+    assert_eq!(
+        set.per_corner(),
+        [[-3.0, -0.25], [5.0, -0.25], [5.0, 0.75], [-3.0, 0.75]]
+    );
 }
 
 #[test]
@@ -198,14 +313,28 @@ fn a_flat_axis_and_a_point_map_to_the_middle() {
     let positions = [[1.0, 5.0, 0.0], [2.0, 5.0, 0.0], [1.0, 5.0, 1.0], [7.0; 3]];
     let faces = Faces::from_triangles(&[[0, 1, 2], [3, 3, 3]]);
     let flat = Faces::from_triangles(&[[0, 1, 2]]);
-    for shape in [Shape::Plane, Shape::Cylinder, Shape::Cone, Shape::Sphere, Shape::Box] {
+    for shape in [
+        Shape::Plane,
+        Shape::Cylinder,
+        Shape::Cone,
+        Shape::Sphere,
+        Shape::Box,
+    ] {
         for faces in [&faces, &flat] {
             let mesh = Mesh::new(&positions, faces).unwrap();
-            Mapping::new(shape).map(Level::new(), &mesh, &[]).unwrap().set.check(&mesh).unwrap();
+            Mapping::new(shape)
+                .map(Level::new(), &mesh, &[])
+                .unwrap()
+                .set
+                .check(&mesh)
+                .unwrap();
         }
     }
     let mesh = Mesh::new(&positions, &flat).unwrap();
-    let set = Mapping::new(Shape::Plane).map(Level::new(), &mesh, &[]).unwrap().set;
+    let set = Mapping::new(Shape::Plane)
+        .map(Level::new(), &mesh, &[])
+        .unwrap()
+        .set;
     assert!(set.per_corner().iter().all(|uv| uv[1] == 0.5));
     assert_eq!(Shape::Box.uv(DVec3::X, Origin::TopLeft).0, Part::Right);
 }

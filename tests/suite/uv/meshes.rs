@@ -22,7 +22,11 @@ pub(crate) fn ball(around: u32, down: u32, radius: f64) -> (Vec<[f32; 3]>, Faces
             triangles.push([ring(j, i), ring(j + 1, i), ring(j + 1, i + 1)]);
             triangles.push([ring(j, i), ring(j + 1, i + 1), ring(j, i + 1)]);
         }
-        triangles.push([ring(down - 1, i), positions.len() as u32 - 1, ring(down - 1, i + 1)]);
+        triangles.push([
+            ring(down - 1, i),
+            positions.len() as u32 - 1,
+            ring(down - 1, i + 1),
+        ]);
     }
     (positions, Faces::from_triangles(&triangles))
 }
@@ -48,7 +52,10 @@ pub(crate) fn tube(around: u32, rows: u32, radius: f64, height: f64) -> (Vec<[f3
 pub(crate) fn ramp(cells: u32, slope: f64) -> (Vec<[f32; 3]>, Faces) {
     let (mut positions, mut faces) = (Vec::new(), Faces::new());
     for (j, i) in (0..=cells).flat_map(|j| (0..=cells).map(move |i| (j, i))) {
-        let (x, y) = (f64::from(i) / f64::from(cells), f64::from(j) / f64::from(cells));
+        let (x, y) = (
+            f64::from(i) / f64::from(cells),
+            f64::from(j) / f64::from(cells),
+        );
         positions.push([x as f32, y as f32, (slope * x) as f32]);
     }
     for (j, i) in (0..cells).flat_map(|j| (0..cells).map(move |i| (j, i))) {

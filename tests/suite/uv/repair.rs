@@ -3,7 +3,8 @@
 use texmap_math::Level;
 use texmap_math::glam::DVec3;
 use texmap_uv::{
-    Cuts, Faces, Frame, Mapping, Mesh, Origin, Page, ReportOptions, Shape, UvSet, auto_planes, cut, pack, report, tangents, unwrap,
+    Cuts, Faces, Frame, Mapping, Mesh, Origin, Page, ReportOptions, Shape, UvSet, auto_planes, cut,
+    pack, report, tangents, unwrap,
 };
 
 use crate::meshes::{ball, ramp, tube};
@@ -11,7 +12,14 @@ use crate::meshes::{ball, ramp, tube};
 fn mapped(mesh: &Mesh<'_>, shape: Shape, fix_seams: bool) -> UvSet {
     // A box around an odd number of meridians has its middle off the axis: the shape is placed by hand.
     let frame = (shape == Shape::Sphere).then(|| Frame::upright(DVec3::ZERO, DVec3::ONE));
-    Mapping { fix_seams, frame, ..Mapping::new(shape) }.map(Level::new(), mesh, &[]).unwrap().set
+    Mapping {
+        fix_seams,
+        frame,
+        ..Mapping::new(shape)
+    }
+    .map(Level::new(), mesh, &[])
+    .unwrap()
+    .set
 }
 
 #[test]
@@ -19,7 +27,15 @@ fn no_triangle_is_torn_after_the_repair_poles_included() {
     for (around, down) in [(24, 12), (7, 5), (3, 2), (64, 33)] {
         let (positions, faces) = ball(around, down, 1.5);
         let mesh = Mesh::new(&positions, &faces).unwrap();
-        let torn = |fix: bool| report(&mesh, &mapped(&mesh, Shape::Sphere, fix), &ReportOptions::default()).unwrap().wide;
+        let torn = |fix: bool| {
+            report(
+                &mesh,
+                &mapped(&mesh, Shape::Sphere, fix),
+                &ReportOptions::default(),
+            )
+            .unwrap()
+            .wide
+        };
         assert_eq!(torn(true), 0, "{around} x {down}");
         // Negative twin: the plain formula tears the seam.
         assert!(torn(false) > 0);
@@ -39,33 +55,60 @@ fn vertices_are_split_only_along_the_seam_and_at_the_poles() {
 
 #[test]
 fn a_face_around_the_axis_is_named() {
-    let positions = [[1.0, 1.0, 0.0], [-0.6, 1.0, 0.8], [-0.6, 1.0, -0.8], [0.0, -1.0, 0.0]];
+    let positions = [
+        [1.0, 1.0, 0.0],
+        [-0.6, 1.0, 0.8],
+        [-0.6, 1.0, -0.8],
+        [0.0, -1.0, 0.0],
+    ];
     let faces = Faces::from_triangles(&[[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]);
     let mesh = Mesh::new(&positions, &faces).unwrap();
     let frame = Some(Frame::upright(DVec3::ZERO, DVec3::ONE));
-    let mapped = Mapping { frame, ..Mapping::new(Shape::Sphere) }.map(Level::new(), &mesh, &[]).unwrap();
+    let mapped = Mapping {
+        frame,
+        ..Mapping::new(Shape::Sphere)
+    }
+    .map(Level::new(), &mesh, &[])
+    .unwrap();
     assert_eq!(mapped.around_axis, [0]);
 }
 
 #[test]
 fn packed_unwrapped_and_automatic_layouts_are_free_of_overlaps() {
-    let page = Page { size: 512, gutter: 4 };
+    let page = Page {
+        size: 512,
+        gutter: 4,
+    };
     for (positions, faces) in [ball(20, 12, 1.0), tube(20, 5, 1.0, 3.0), ramp(6, 2.0)] {
         let mesh = Mesh::new(&positions, &faces).unwrap();
         let boxed = mapped(&mesh, Shape::Box, true);
         let sets = [
             ("auto", auto_planes(&mesh, page, Origin::TopLeft).unwrap()),
-            ("unwrap", unwrap(&mesh, &Cuts::default(), page, Origin::TopLeft).unwrap()),
+            (
+                "unwrap",
+                unwrap(&mesh, &Cuts::default(), page, Origin::TopLeft).unwrap(),
+            ),
             ("packed box", pack(&mesh, &boxed, page).unwrap()),
         ];
         for (name, set) in sets {
             let r = report(&mesh, &set, &ReportOptions::default()).unwrap();
-            assert_eq!((r.overlapping, r.outside, r.collapsed, r.flipped), (0, 0, 0, 0), "{name}");
+            assert_eq!(
+                (r.overlapping, r.outside, r.collapsed, r.flipped),
+                (0, 0, 0, 0),
+                "{name}"
+            );
         }
         // Negative twin: a sphere around a plane folds onto itself.
         let plane = mapped(&mesh, Shape::Plane, true);
-        let folded = report(&mesh, &plane, &ReportOptions::default()).unwrap().overlapping > 0;
-        assert_eq!(folded, positions[0][1] != 0.0, "the ramp alone is flat enough");
+        let folded = report(&mesh, &plane, &ReportOptions::default())
+            .unwrap()
+            .overlapping
+            > 0;
+        assert_eq!(
+            folded,
+            positions[0][1] != 0.0,
+            "the ramp alone is flat enough"
+        );
     }
 }
 
@@ -74,12 +117,36 @@ fn a_tube_cut_along_its_length_and_rings_comes_apart() {
     let (positions, faces) = tube(8, 3, 1.0, 3.0);
     let mesh = Mesh::new(&positions, &faces).unwrap();
     let set = mapped(&mesh, Shape::Cylinder, true);
-    let shells = |set: &UvSet| report(&mesh, &pack(&mesh, set, Page::default()).unwrap(), &ReportOptions::default()).unwrap().shells;
+    let shells = |set: &UvSet| {
+        report(
+            &mesh,
+            &pack(&mesh, set, Page::default()).unwrap(),
+            &ReportOptions::default(),
+        )
+        .unwrap()
+        .shells
+    };
     assert_eq!(shells(&set), 1);
     let ring: Vec<[u32; 2]> = (0..8).map(|i| [8 + i, 8 + (i + 1) % 8]).collect();
-    let parted = cut(&mesh, &set, &Cuts { pairs: &ring, angle: None }).unwrap();
+    let parted = cut(
+        &mesh,
+        &set,
+        &Cuts {
+            pairs: &ring,
+            angle: None,
+        },
+    )
+    .unwrap();
     assert_eq!(shells(&parted), 2);
-    let creased = cut(&mesh, &set, &Cuts { pairs: &[], angle: Some(0.5) }).unwrap();
+    let creased = cut(
+        &mesh,
+        &set,
+        &Cuts {
+            pairs: &[],
+            angle: Some(0.5),
+        },
+    )
+    .unwrap();
     assert_eq!(shells(&creased), 8);
 }
 
@@ -88,8 +155,23 @@ fn required_cuts_part_the_unwrapped_charts() {
     let (positions, faces) = ramp(4, 0.0);
     let mesh = Mesh::new(&positions, &faces).unwrap();
     let charts = |pairs: &[[u32; 2]]| {
-        let set = unwrap(&mesh, &Cuts { pairs, angle: None }, Page::default(), Origin::BottomLeft).unwrap();
-        report(&mesh, &set, &ReportOptions { origin: Origin::BottomLeft, ..ReportOptions::default() }).unwrap().shells
+        let set = unwrap(
+            &mesh,
+            &Cuts { pairs, angle: None },
+            Page::default(),
+            Origin::BottomLeft,
+        )
+        .unwrap();
+        report(
+            &mesh,
+            &set,
+            &ReportOptions {
+                origin: Origin::BottomLeft,
+                ..ReportOptions::default()
+            },
+        )
+        .unwrap()
+        .shells
     };
     assert_eq!(charts(&[]), 1);
     let across: Vec<[u32; 2]> = (0..4).map(|i| [10 + i, 11 + i]).collect();
@@ -101,10 +183,17 @@ fn tangents_are_unit_square_to_the_normal_and_follow_u() {
     let (positions, faces) = ball(24, 12, 1.0);
     let mesh = Mesh::new(&positions, &faces).unwrap();
     let set = mapped(&mesh, Shape::Sphere, true);
-    let normals: Vec<[f32; 3]> = faces.corners().iter().map(|&i| positions[i as usize]).collect();
+    let normals: Vec<[f32; 3]> = faces
+        .corners()
+        .iter()
+        .map(|&i| positions[i as usize])
+        .collect();
     let found = tangents(&mesh, &set, &normals).unwrap();
     for ((t, n), &i) in found.iter().zip(&normals).zip(faces.corners()) {
-        let (t3, n) = (DVec3::new(t[0].into(), t[1].into(), t[2].into()), DVec3::from(n.map(f64::from)));
+        let (t3, n) = (
+            DVec3::new(t[0].into(), t[1].into(), t[2].into()),
+            DVec3::from(n.map(f64::from)),
+        );
         assert!((t3.length() - 1.0).abs() < 1e-6 && t3.dot(n).abs() < 1e-5 && t[3].abs() == 1.0);
         let p = positions[i as usize].map(f64::from);
         // Away from the poles u runs along the circle of latitude, to the viewer's right.
@@ -122,15 +211,36 @@ fn tangents_of_senseless_coordinates_are_finite() {
     let corners = faces.corners().len();
     let up = vec![[0.0, 0.0, 1.0]; corners];
     let zero = vec![[0.0; 3]; corners];
-    let collapsed = UvSet { uvs: vec![[0.3, 0.3]], corners: vec![0; corners] };
-    let line = UvSet { uvs: positions.iter().map(|p| [p[0], p[0]]).collect(), corners: faces.corners().to_vec() };
-    let mirrored = UvSet { uvs: positions.iter().map(|p| [-p[0], p[1]]).collect(), corners: faces.corners().to_vec() };
-    for (set, normals) in [(&collapsed, &up), (&line, &zero), (&mirrored, &up), (&collapsed, &zero)] {
+    let collapsed = UvSet {
+        uvs: vec![[0.3, 0.3]],
+        corners: vec![0; corners],
+    };
+    let line = UvSet {
+        uvs: positions.iter().map(|p| [p[0], p[0]]).collect(),
+        corners: faces.corners().to_vec(),
+    };
+    let mirrored = UvSet {
+        uvs: positions.iter().map(|p| [-p[0], p[1]]).collect(),
+        corners: faces.corners().to_vec(),
+    };
+    for (set, normals) in [
+        (&collapsed, &up),
+        (&line, &zero),
+        (&mirrored, &up),
+        (&collapsed, &zero),
+    ] {
         let found = tangents(&mesh, set, normals).unwrap();
         assert!(found.as_flattened().iter().all(|c| c.is_finite()));
-        assert!(found.iter().all(|t| (t[0] * t[0] + t[1] * t[1] + t[2] * t[2] - 1.0).abs() < 1e-5));
+        assert!(
+            found
+                .iter()
+                .all(|t| (t[0] * t[0] + t[1] * t[1] + t[2] * t[2] - 1.0).abs() < 1e-5)
+        );
     }
     let signs = |set: &UvSet| tangents(&mesh, set, &up).unwrap()[0][3];
-    let straight = UvSet { uvs: positions.iter().map(|p| [p[0], p[1]]).collect(), corners: faces.corners().to_vec() };
+    let straight = UvSet {
+        uvs: positions.iter().map(|p| [p[0], p[1]]).collect(),
+        corners: faces.corners().to_vec(),
+    };
     assert_eq!(signs(&straight), -signs(&mirrored));
 }

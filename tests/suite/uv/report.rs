@@ -5,10 +5,17 @@ use texmap_uv::{Faces, Mapping, Mesh, Origin, ReportOptions, Shape, UvSet, repor
 
 use crate::meshes::{ball, ramp, tube};
 
-const UPWARD: ReportOptions = ReportOptions { origin: Origin::BottomLeft, texture_size: 1000, views: true };
+const UPWARD: ReportOptions = ReportOptions {
+    origin: Origin::BottomLeft,
+    texture_size: 1000,
+    views: true,
+};
 
 fn flat(positions: &[[f32; 3]], faces: &Faces, uv: impl Fn([f32; 3]) -> [f32; 2]) -> UvSet {
-    UvSet { uvs: positions.iter().map(|p| uv(*p)).collect(), corners: faces.corners().to_vec() }
+    UvSet {
+        uvs: positions.iter().map(|p| uv(*p)).collect(),
+        corners: faces.corners().to_vec(),
+    }
 }
 
 #[test]
@@ -19,12 +26,28 @@ fn a_cylinder_unrolls_without_distortion() {
     let height = side * f64::from(around);
     let (positions, faces) = tube(around, 6, radius, height);
     let mesh = Mesh::new(&positions, &faces).unwrap();
-    let set = Mapping { origin: Origin::BottomLeft, ..Mapping::new(Shape::Cylinder) }.map(Level::new(), &mesh, &[]).unwrap().set;
+    let set = Mapping {
+        origin: Origin::BottomLeft,
+        ..Mapping::new(Shape::Cylinder)
+    }
+    .map(Level::new(), &mesh, &[])
+    .unwrap()
+    .set;
     let r = report(&mesh, &set, &UPWARD).unwrap();
-    for figure in [r.stretch_l2, r.stretch_linf, r.angle_mean, r.angle_max, r.area_mean, r.area_max] {
+    for figure in [
+        r.stretch_l2,
+        r.stretch_linf,
+        r.angle_mean,
+        r.angle_max,
+        r.area_mean,
+        r.area_max,
+    ] {
         assert!((figure - 1.0).abs() < 1e-4, "{r:?}");
     }
-    assert_eq!((r.flipped, r.overlapping, r.collapsed, r.wide, r.shells), (0, 0, 0, 0, 1));
+    assert_eq!(
+        (r.flipped, r.overlapping, r.collapsed, r.wide, r.shells),
+        (0, 0, 0, 0, 1)
+    );
     assert!((r.seam_length - height).abs() < 1e-5 && (r.rim_length - 2.0 * height).abs() < 1e-3);
     assert!((r.density[1] * height - 1000.0).abs() < 0.1);
 }
@@ -38,7 +61,10 @@ fn a_plane_map_of_a_slope_stretches_by_one_over_its_cosine() {
         let r = report(&mesh, &set, &UPWARD).unwrap();
         let stretch = (1.0 + slope * slope).sqrt();
         // Angle distortion is the ratio of the two stretches; areas shrink alike, so they are not distorted.
-        assert!((r.angle_max / stretch - 1.0).abs() < 1e-6 && (r.angle_mean / stretch - 1.0).abs() < 1e-6);
+        assert!(
+            (r.angle_max / stretch - 1.0).abs() < 1e-6
+                && (r.angle_mean / stretch - 1.0).abs() < 1e-6
+        );
         assert!((r.area_max - 1.0).abs() < 1e-6);
         // Normalised by the mean scale, the square root of 1 / stretch.
         let scale = (1.0 / stretch).sqrt();
@@ -55,15 +81,30 @@ fn a_plane_map_of_a_slope_stretches_by_one_over_its_cosine() {
 fn the_latitudes_of_a_sphere_stretch_by_their_cosine() {
     let (positions, faces) = ball(256, 128, 1.0);
     let mesh = Mesh::new(&positions, &faces).unwrap();
-    let set = Mapping { origin: Origin::BottomLeft, ..Mapping::new(Shape::Sphere) }.map(Level::new(), &mesh, &[]).unwrap().set;
+    let set = Mapping {
+        origin: Origin::BottomLeft,
+        ..Mapping::new(Shape::Sphere)
+    }
+    .map(Level::new(), &mesh, &[])
+    .unwrap()
+    .set;
     let r = report(&mesh, &set, &UPWARD).unwrap();
     // Along u a unit is 2 pi cos(latitude), along v it is pi: equal at 60 degrees.
     for t in r.triangles.iter().filter(|t| t.face % 7 == 0) {
-        let mean: f64 = t.corners.iter().map(|k| f64::from(positions[faces.corners()[*k as usize] as usize][1])).sum::<f64>() / 3.0;
+        let mean: f64 = t
+            .corners
+            .iter()
+            .map(|k| f64::from(positions[faces.corners()[*k as usize] as usize][1]))
+            .sum::<f64>()
+            / 3.0;
         if mean.abs() < 0.95 {
             let ratio = 2.0 * (1.0 - mean * mean).sqrt();
             let expected = if ratio > 1.0 { ratio } else { 1.0 / ratio };
-            assert!((f64::from(t.angle) / expected - 1.0).abs() < 0.05, "{} {expected} at {mean}", t.angle);
+            assert!(
+                (f64::from(t.angle) / expected - 1.0).abs() < 0.05,
+                "{} {expected} at {mean}",
+                t.angle
+            );
         }
     }
     assert_eq!((r.flipped, r.overlapping), (0, 0));
@@ -73,20 +114,33 @@ fn the_latitudes_of_a_sphere_stretch_by_their_cosine() {
 fn mirrored_collapsed_and_repeated_triangles_are_counted() {
     let (positions, faces) = ramp(4, 0.0);
     let mesh = Mesh::new(&positions, &faces).unwrap();
-    let count = |uv: &dyn Fn([f32; 3]) -> [f32; 2]| report(&mesh, &flat(&positions, &faces, uv), &UPWARD).unwrap();
+    let count = |uv: &dyn Fn([f32; 3]) -> [f32; 2]| {
+        report(&mesh, &flat(&positions, &faces, uv), &UPWARD).unwrap()
+    };
     let straight = count(&|p| [p[0], p[1]]);
-    assert_eq!((straight.flipped, straight.collapsed, straight.outside), (0, 0, 0));
+    assert_eq!(
+        (straight.flipped, straight.collapsed, straight.outside),
+        (0, 0, 0)
+    );
     let mirrored = count(&|p| [1.0 - p[0], p[1]]);
     assert_eq!((mirrored.flipped, mirrored.collapsed), (32, 0));
     let line = count(&|p| [p[0] + p[1], p[0] + p[1]]);
     assert_eq!(line.collapsed, 32);
-    assert!(line.stretch_l2.is_infinite() && line.stretch_linf.is_infinite() && !line.angle_max.is_nan());
+    assert!(
+        line.stretch_l2.is_infinite()
+            && line.stretch_linf.is_infinite()
+            && !line.angle_max.is_nan()
+    );
     let outside = count(&|p| [2.0 * p[0], p[1] - 0.5]);
     assert_eq!(outside.outside, 32 - 8);
     // Folded in the middle: every triangle of the right half lies on one of the left.
     let folded = count(&|p| [if p[0] > 0.5 { 1.0 - p[0] } else { p[0] }, p[1]]);
     assert_eq!((folded.overlapping, folded.flipped), (32, 16));
-    assert!((folded.overlap_area - 0.5).abs() < 1e-9, "{}", folded.overlap_area);
+    assert!(
+        (folded.overlap_area - 0.5).abs() < 1e-9,
+        "{}",
+        folded.overlap_area
+    );
 }
 
 #[test]
@@ -94,21 +148,53 @@ fn seams_are_seen_from_outside_and_not_from_inside() {
     // A closed box with a seam everywhere: from a corner view three of six sides show; edges of the rim show too.
     let (positions, faces) = ball(32, 16, 1.0);
     let mesh = Mesh::new(&positions, &faces).unwrap();
-    let set = Mapping { origin: Origin::BottomLeft, ..Mapping::new(Shape::Sphere) }.map(Level::new(), &mesh, &[]).unwrap().set;
+    let set = Mapping {
+        origin: Origin::BottomLeft,
+        ..Mapping::new(Shape::Sphere)
+    }
+    .map(Level::new(), &mesh, &[])
+    .unwrap()
+    .set;
     let r = report(&mesh, &set, &UPWARD).unwrap();
     // A meridian and the spokes of the poles: about half of the 14 views see any of it.
     assert!((0.3..0.7).contains(&r.seam_seen), "{}", r.seam_seen);
-    assert!(report(&mesh, &set, &ReportOptions { views: false, ..UPWARD }).unwrap().seam_seen.is_nan());
+    assert!(
+        report(
+            &mesh,
+            &set,
+            &ReportOptions {
+                views: false,
+                ..UPWARD
+            }
+        )
+        .unwrap()
+        .seam_seen
+        .is_nan()
+    );
 }
 
 #[test]
 fn degenerate_and_non_manifold_meshes_are_reported_not_refused() {
-    let positions = [[0.0; 3], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0]];
+    let positions = [
+        [0.0; 3],
+        [0.0, 1.0, 0.0],
+        [1.0, 0.0, 0.0],
+        [-1.0, 0.0, 0.0],
+        [0.0, 0.0, 1.0],
+    ];
     let faces = Faces::from_triangles(&[[0, 1, 2], [1, 0, 3], [0, 1, 4], [2, 2, 2], [0, 1, 1]]);
     let mesh = Mesh::new(&positions, &faces).unwrap();
-    let r = report(&mesh, &flat(&positions, &faces, |p| [p[0] + 0.1 * p[2], p[1]]), &UPWARD).unwrap();
+    let r = report(
+        &mesh,
+        &flat(&positions, &faces, |p| [p[0] + 0.1 * p[2], p[1]]),
+        &UPWARD,
+    )
+    .unwrap();
     assert_eq!((r.non_manifold_edges, r.degenerate), (1, 2));
     assert!(r.stretch_l2.is_finite() && r.seam_length > 0.9);
-    let broken = UvSet { uvs: vec![[f32::NAN, 0.0]], corners: vec![0; 15] };
+    let broken = UvSet {
+        uvs: vec![[f32::NAN, 0.0]],
+        corners: vec![0; 15],
+    };
     assert!(report(&mesh, &broken, &UPWARD).is_err());
 }

@@ -9,6 +9,7 @@ mod naive;
 mod probe;
 mod raster;
 mod sampler;
+mod uv;
 
 use serde::Deserialize;
 
@@ -18,7 +19,8 @@ use crate::LabError;
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Case {
-    /// Short id: R for the rasterizer, I for interpolation, S for the sampler.
+    /// Short id: R for the rasterizer, I for interpolation, S for the sampler, U for the uv mapper,
+    /// B for tangents.
     pub id: String,
     /// What is put in.
     pub input: String,
@@ -126,7 +128,7 @@ pub fn parse(text: &str) -> Result<Vec<Case>, LabError> {
 
 type Runner = fn() -> Result<Vec<Measurement>, LabError>;
 
-const RUNNERS: [(&str, Runner); 20] = [
+const RUNNERS: [(&str, Runner); 26] = [
     ("R1", raster::r1),
     ("R2", raster::r2),
     ("R3", raster::r3),
@@ -147,6 +149,12 @@ const RUNNERS: [(&str, Runner); 20] = [
     ("S4", sampler::s4),
     ("S5", sampler::s5),
     ("S10", sampler::s10),
+    ("U1", uv::u1),
+    ("U2", uv::u2),
+    ("U3", uv::u3),
+    ("U4", uv::u4),
+    ("U5", uv::u5),
+    ("B4", uv::b4),
 ];
 
 /// Ids of the cases that can be run.
