@@ -287,7 +287,7 @@ impl Lobe {
     }
 
     fn at(&self, x: f64) -> f64 {
-        if !(x > 0.0) {
+        if x.is_nan() || x <= 0.0 {
             return 0.0;
         }
         let t = (1.0 - if x < 1.0 { x } else { 1.0 }) * Self::STEPS as f64;

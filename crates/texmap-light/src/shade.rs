@@ -59,8 +59,7 @@ pub fn terms(
         };
         let toward = normalize(toward);
         let facing = dot(normal, toward);
-        // Not `<=`: written so that a NaN gives nothing.
-        if !(facing > 0.0) {
+        if facing.is_nan() || facing <= 0.0 {
             continue;
         }
         add(&mut sum.diffuse, color, surface.kd * facing);

@@ -154,7 +154,7 @@ impl ShadowMap {
                 count += 1;
                 lit += u32::from(
                     self.depth(place.face, x + i, y + j)
-                        .is_none_or(|stored| !(place.depth > stored + add)),
+                        .is_none_or(|stored| place.depth <= stored + add),
                 );
             }
         }
@@ -223,7 +223,7 @@ impl ShadowMap {
                 tan_half,
             } => {
                 let p = light_from_world.transform_point3(point);
-                if !(p.z < 0.0) {
+                if p.z.is_nan() || p.z >= 0.0 {
                     return None;
                 }
                 let depth = -p.z;

@@ -104,11 +104,12 @@ impl Slide<'_> {
     /// 0 at the edge, 1 from `softness` inwards: `3x^2 - 2x^3`.
     fn fade(&self, c: f32) -> f32 {
         let from_edge = if c < 0.5 { c } else { 1.0 - c };
-        if !(from_edge < self.softness) {
-            return 1.0;
+        if from_edge < self.softness {
+            let x = from_edge / self.softness;
+            x * x * (3.0 - 2.0 * x)
+        } else {
+            1.0
         }
-        let x = from_edge / self.softness;
-        x * x * (3.0 - 2.0 * x)
     }
 }
 

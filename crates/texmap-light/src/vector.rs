@@ -24,7 +24,7 @@ pub(crate) fn normalize(a: [f32; 3]) -> [f32; 3] {
     let a = [a[0] / largest, a[1] / largest, a[2] / largest];
     let length = sqrt_f32(dot(a, a));
     // A NaN component passes `max` and shows here.
-    if !(length > 0.0) {
+    if length.is_nan() || length <= 0.0 {
         return [0.0; 3];
     }
     [a[0] / length, a[1] / length, a[2] / length]
