@@ -13,6 +13,10 @@ use crate::stamp::{BLOCKS, Sink, stamp_group};
 use crate::visible::{AlphaTest, NONE, passes};
 use crate::{DepthTest, Draw, Pass, Prepared};
 
+/// The four samples of a pixel, in 1/256 pixel to the right of its centre and below it: the standard locations of Vulkan 1.4,
+/// section Multisampling (also those of Direct3D and, turned over with its rows, of OpenGL on llvmpipe).
+pub const SAMPLES_4: [[i32; 2]; 4] = [[-32, -96], [96, -32], [-96, 32], [32, 96]];
+
 /// Pixels of a tile.
 const PIXELS: usize = (TILE * TILE) as usize;
 
@@ -84,7 +88,22 @@ impl TileBlocks {
 impl Prepared<'_> {
     /// [`visible`](Self::visible) in blocks of 4x4, at the level that this was prepared with.
     pub fn visible_blocks(&self, tile: usize, alpha: &dyn AlphaTest, out: &mut TileBlocks) {
+        self.visible_sample(tile, [0; 2], alpha, out);
+    }
+
+    /// [`visible_blocks`](Self::visible_blocks) at one sample a pixel, `offset` 1/256 pixel to the right of its centre and
+    /// below it, each in -128..=127 (see [`SAMPLES_4`](crate::SAMPLES_4)). Only for what was prepared
+    /// [`with_samples`](Self::with_samples); without, triangles between the centres are missing. Cut-outs are asked at the
+    /// centre, so that all samples of a pixel get one answer.
+    pub fn visible_sample(
+        &self,
+        tile: usize,
+        offset: [i32; 2],
+        alpha: &dyn AlphaTest,
+        out: &mut TileBlocks,
+    ) {
         self.name_slots(tile, out);
+        out.group.offset = offset;
         match self.level() {
             Some(level) => on_level!(
                 level,
@@ -93,6 +112,7 @@ impl Prepared<'_> {
             ),
             None => self.visible_blocks_plain(tile, alpha, out),
         }
+        out.group.offset = [0; 2];
     }
 
     fn name_slots(&self, tile: usize, out: &mut TileBlocks) {
@@ -107,7 +127,7 @@ impl Prepared<'_> {
     /// The plain form in the same order of pixels.
     fn visible_blocks_plain(&self, tile: usize, alpha: &dyn AlphaTest, out: &mut TileBlocks) {
         out.clear();
-        self.visible_plain(tile, alpha, |x, y, depth, slot| {
+        self.visible_plain(tile, alpha, out.group.offset, |x, y, depth, slot| {
             let index = crate::block_index(x, y);
             if let Some(depth) = depth {
                 out.depth[index] = depth;
@@ -186,7 +206,7 @@ impl Prepared<'_> {
         wanted: &dyn Fn(&Draw<'_>) -> bool,
         sink: &mut dyn FnMut(u32, u32, u16),
     ) {
-        self.for_each(tile, wanted, |of, setup, edges, pixels| {
+        self.for_each(tile, wanted, [0; 2], |of, setup, edges, pixels| {
             let draw = self.draw(of.draw);
             let bounds = self.tile(tile);
             cover(edges, pixels, |x, y| {

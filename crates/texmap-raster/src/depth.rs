@@ -50,6 +50,7 @@ impl Prepared<'_> {
         self.for_each(
             index,
             &|d| decides_visibility(d.pass) && d.depth_write,
+            [0; 2],
             |of, setup, edges, pixels| {
                 let test = self.draw(of.draw).depth_test;
                 cover(edges, pixels, |x, y| {

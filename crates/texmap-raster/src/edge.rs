@@ -67,6 +67,11 @@ pub(crate) fn centre(pixel: i32) -> i64 {
     i64::from(pixel) * ONE + ONE / 2
 }
 
+/// The triangle as a sample at `offset` from a pixel's centre sees it: moved the other way.
+pub(crate) fn seen_from(v: &[Snapped; 3], offset: [i32; 2]) -> [Snapped; 3] {
+    v.map(|p| [p[0] - offset[0], p[1] - offset[1]])
+}
+
 /// The edges of a triangle with area, turned so that the inside is positive. `None` without area.
 pub(crate) fn edges(v: &[Snapped; 3]) -> Option<[Edge; 3]> {
     let area = area(v);
@@ -91,11 +96,12 @@ pub(crate) struct PixelBox {
 }
 
 impl PixelBox {
-    /// The pixels whose centres lie in the bounding box of `v`, within `width` x `height`. `None` when there are none.
-    pub(crate) fn of(v: &[Snapped; 3], width: i32, height: i32) -> Option<Self> {
+    /// The pixels whose centres lie in the bounding box of `v` grown by `margin` 1/256 pixel, within `width` x `height`.
+    /// `None` when there are none.
+    pub(crate) fn of(v: &[Snapped; 3], margin: i32, width: i32, height: i32) -> Option<Self> {
         let range = |k: usize, side: i32| {
-            let lo = v[0][k].min(v[1][k]).min(v[2][k]);
-            let hi = v[0][k].max(v[1][k]).max(v[2][k]);
+            let lo = v[0][k].min(v[1][k]).min(v[2][k]) - margin;
+            let hi = v[0][k].max(v[1][k]).max(v[2][k]) + margin;
             // First centre at or after lo, last centre at or before hi.
             ((lo + 127) >> SUBPIXEL_BITS).max(0)..=((hi - 128) >> SUBPIXEL_BITS).min(side - 1)
         };
@@ -167,7 +173,7 @@ mod tests {
         let mut count = [[0; 4]; 4];
         for v in square {
             let edges = edges(&v).unwrap();
-            let all = PixelBox::of(&v, 4, 4).unwrap();
+            let all = PixelBox::of(&v, 0, 4, 4).unwrap();
             cover(&edges, all, |x, y| count[y as usize][x as usize] += 1);
         }
         assert_eq!(count, [[1, 1, 0, 0], [1, 1, 0, 0], [0; 4], [0; 4]]);

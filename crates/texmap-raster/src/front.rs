@@ -71,6 +71,8 @@ pub(crate) struct Submission<'d, 'a> {
     pub first: u32,
     pub transform: Transform,
     pub snapped: &'d [Snapped],
+    /// How far samples may lie from a pixel's centre, in 1/256 pixel.
+    pub margin: i32,
 }
 
 impl Submission<'_, '_> {
@@ -193,13 +195,16 @@ impl Submission<'_, '_> {
             Cull::Front => front,
         };
         let zero = i32x16::splat(s, 0);
-        let x0 = ((lo_x + 127) >> 8).max(zero);
-        let y0 = ((lo_y + 127) >> 8).max(zero);
-        let x1 = ((hi_x - 128) >> 8).min(i32x16::splat(s, self.size.width() as i32 - 1));
-        let y1 = ((hi_y - 128) >> 8).min(i32x16::splat(s, self.size.height() as i32 - 1));
+        let x0 = ((lo_x + (127 - self.margin)) >> 8).max(zero);
+        let y0 = ((lo_y + (127 - self.margin)) >> 8).max(zero);
+        let x1 =
+            ((hi_x - (128 - self.margin)) >> 8).min(i32x16::splat(s, self.size.width() as i32 - 1));
+        let y1 = ((hi_y - (128 - self.margin)) >> 8)
+            .min(i32x16::splat(s, self.size.height() as i32 - 1));
         let empty = x0.simd_gt(x1) | y0.simd_gt(y1);
         let tiny = (x1 - x0).simd_lt(2) & (y1 - y0).simd_lt(2);
-        let missed = tiny & !empty & !tiny_hit(s, v, front, [x0, y0, x1, y1]);
+        let centres = mask32x16::splat(s, self.margin == 0);
+        let missed = centres & tiny & !empty & !tiny_hit(s, v, front, [x0, y0, x1, y1]);
 
         let degenerate = plain & flat;
         let culled = plain & !flat & dropped;
@@ -346,8 +351,13 @@ impl Submission<'_, '_> {
     /// The pixels whose centres lie in the triangle's box. `None` where there are none, or where there are up to 2x2 and the
     /// triangle covers none of them.
     fn seen_box(&self, snapped: &[Snapped; 3]) -> Option<PixelBox> {
-        let b = PixelBox::of(snapped, self.size.width() as i32, self.size.height() as i32)?;
-        if b.x1 - b.x0 >= 2 || b.y1 - b.y0 >= 2 {
+        let b = PixelBox::of(
+            snapped,
+            self.margin,
+            self.size.width() as i32,
+            self.size.height() as i32,
+        )?;
+        if self.margin > 0 || b.x1 - b.x0 >= 2 || b.y1 - b.y0 >= 2 {
             return Some(b);
         }
         let edges = edges(snapped)?;
@@ -404,7 +414,7 @@ impl Submission<'_, '_> {
                     };
                     if pixels
                         .intersect(tile)
-                        .is_some_and(|b| edges.iter().all(|e| reaches(*e, b)))
+                        .is_some_and(|b| edges.iter().all(|e| reaches(*e, b, self.margin)))
                     {
                         chunk.entries.push((ty as u32 * across + tx as u32, id));
                     }
@@ -472,11 +482,15 @@ fn tiny_hit<S: Simd>(
     hit[0] | hit[1] | hit[2] | hit[3]
 }
 
-/// Whether the edge's inner side holds a pixel centre of the box.
-fn reaches(edge: Edge, b: PixelBox) -> bool {
+/// Whether the edge's inner side holds a pixel centre of the box, or a point up to `margin` from one.
+fn reaches(edge: Edge, b: PixelBox, margin: i32) -> bool {
     let x = if edge.a > 0 { b.x1 } else { b.x0 };
     let y = if edge.b > 0 { b.y1 } else { b.y0 };
-    edge.a * centre(x) + edge.b * centre(y) + edge.c >= 0
+    edge.a * centre(x)
+        + edge.b * centre(y)
+        + edge.c
+        + i64::from(margin) * (edge.a.abs() + edge.b.abs())
+        >= 0
 }
 
 fn combine(v: &[Hom; 3], w: [f64; 3]) -> Hom {

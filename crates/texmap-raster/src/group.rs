@@ -32,6 +32,8 @@ pub(crate) struct Group {
     pub tiny: u32,
     /// The f64 planes of wide lanes.
     pub z_wide: [Plane; LANES],
+    /// Where the samples lie from the pixels' centres, in 1/256 pixel.
+    pub offset: [i32; 2],
 }
 
 /// What sixteen ids of a draw stand for: the corners of whole triangles, and which lanes need a look of their own.
@@ -303,13 +305,16 @@ impl Prepared<'_> {
         group: &mut Group,
     ) -> u32 {
         let vertex = arrays.corners(s, ids.lanes(s));
-        let v = [
+        let mut v = [
             arrays.snapped(s, vertex[0]),
             arrays.snapped(s, vertex[1]),
             arrays.snapped(s, vertex[2]),
         ];
         let special =
             v[0][0].simd_eq(SPECIAL[0]) | v[1][0].simd_eq(SPECIAL[0]) | v[2][0].simd_eq(SPECIAL[0]);
+        for p in &mut v {
+            *p = [p[0] - group.offset[0], p[1] - group.offset[1]];
+        }
         let (lo_x, hi_x) = (
             v[0][0].min(v[1][0]).min(v[2][0]),
             v[0][0].max(v[1][0]).max(v[2][0]),
@@ -379,7 +384,7 @@ impl Prepared<'_> {
     /// One lane, the plain way.
     #[inline(never)]
     fn setup_lane(&self, id: u32, corner: [u32; 2], lane: usize, group: &mut Group) {
-        let (shape, pixels) = self.shape(id);
+        let (shape, pixels) = self.shape_at(id, group.offset);
         let Some(pixels) = pixels else {
             group.live &= !(1 << lane);
             return;

@@ -3,12 +3,15 @@ use alloc::vec::Vec;
 
 use texmap_math::Level;
 
-use crate::edge::{PixelBox, Snapped, area, edges, snap};
+use crate::edge::{PixelBox, Snapped, area, edges, seen_from, snap};
 use crate::front::{self, Chunk, MOST, Piece, Submission};
 use crate::group::Arrays;
 use crate::setup::{Fragment, Shape, TILE, TriangleSetup};
 use crate::vertex::{self, Transform};
 use crate::{Draw, Interp, Pass, RasterError, Stats, TargetSize};
+
+/// In 1/256 pixel.
+const HALF_PIXEL: i32 = 128;
 
 /// A part of the target: at most [`TILE`] x [`TILE`] pixels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -64,7 +67,21 @@ impl<'a> Prepared<'a> {
         level: Level,
         threads: usize,
     ) -> Result<Self, RasterError> {
-        Self::build(size, draws, Some(level), threads)
+        Self::build(size, draws, Some(level), threads, 0)
+    }
+
+    /// [`with_level`](Self::with_level) for [`visible_sample`](Self::visible_sample): keeps triangles that cover no pixel's centre
+    /// but may cover a sample up to half a pixel from one.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn with_samples(
+        size: TargetSize,
+        draws: &[Draw<'a>],
+        level: Level,
+        threads: usize,
+    ) -> Result<Self, RasterError> {
+        Self::build(size, draws, Some(level), threads, HALF_PIXEL)
     }
 
     /// One triangle after the other, no lanes: what the fast path is compared with.
@@ -73,7 +90,16 @@ impl<'a> Prepared<'a> {
     /// As [`new`](Self::new).
     #[doc(hidden)]
     pub fn plain(size: TargetSize, draws: &[Draw<'a>]) -> Result<Self, RasterError> {
-        Self::build(size, draws, None, 1)
+        Self::build(size, draws, None, 1, 0)
+    }
+
+    /// [`plain`](Self::plain) for samples.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    #[doc(hidden)]
+    pub fn plain_with_samples(size: TargetSize, draws: &[Draw<'a>]) -> Result<Self, RasterError> {
+        Self::build(size, draws, None, 1, HALF_PIXEL)
     }
 
     fn build(
@@ -81,6 +107,7 @@ impl<'a> Prepared<'a> {
         draws: &[Draw<'a>],
         level: Option<Level>,
         threads: usize,
+        margin: i32,
     ) -> Result<Self, RasterError> {
         let mut first = Vec::with_capacity(draws.len() + 1);
         let mut total = 0u32;
@@ -121,6 +148,7 @@ impl<'a> Prepared<'a> {
                 first: first[draw_index],
                 transform: transforms[draw_index],
                 snapped: &snapped[draw_index],
+                margin,
             };
             let triangles = draw.indices.len();
             work.extend(
@@ -286,6 +314,11 @@ impl<'a> Prepared<'a> {
 
     /// The triangle behind an id and its pixels within the target.
     pub(crate) fn shape(&self, id: u32) -> (Shape<'a>, Option<PixelBox>) {
+        self.shape_at(id, [0; 2])
+    }
+
+    /// [`shape`](Self::shape) as samples at `offset` from the pixels' centres, in 1/256 pixel, see it.
+    pub(crate) fn shape_at(&self, id: u32, offset: [i32; 2]) -> (Shape<'a>, Option<PixelBox>) {
         let (draw_index, triangle) = self.source(id);
         let draw = &self.draws[draw_index as usize];
         let corners = draw.indices[triangle as usize];
@@ -300,7 +333,7 @@ impl<'a> Prepared<'a> {
             (v, v, None, front)
         };
         let n = draw.attribute_count;
-        let snapped = piece.map(snap);
+        let snapped = seen_from(&piece.map(snap), offset);
         let affine = matches!(draw.interp, Interp::Affine | Interp::Subdivided(_));
         let shape = Shape {
             outer,
@@ -318,6 +351,7 @@ impl<'a> Prepared<'a> {
             shape,
             PixelBox::of(
                 &snapped,
+                0,
                 self.size.width() as i32,
                 self.size.height() as i32,
             ),

@@ -303,8 +303,14 @@ impl TriangleSetup {
     /// Depth at a pixel's centre.
     #[must_use]
     pub fn depth(&self, x: u32, y: u32) -> f32 {
+        self.depth_at(x, y, [0; 2])
+    }
+
+    /// Depth at a sample `offset` 1/256 pixel from a pixel's centre.
+    pub(crate) fn depth_at(&self, x: u32, y: u32, offset: [i32; 2]) -> f32 {
         let (px, py) = self.local(x, y);
-        self.depth.at(px, py)
+        let [dx, dy] = offset.map(|o| o as f32 / 256.0);
+        self.depth.at(px + dx, py + dy)
     }
 
     /// Everything at a pixel's centre.

@@ -41,15 +41,15 @@ struct Places<S: Simd> {
 
 impl<S: Simd> Places<S> {
     #[inline(always)]
-    fn new(s: S) -> Self {
+    fn new(s: S, offset: [i32; 2]) -> Self {
         let x = i32x16::from_slice(s, &[0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3]);
         let y = i32x16::from_slice(s, &[0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3]);
         let half = TILE as f32 / 2.0 - 0.5;
         Self {
             x,
             y,
-            px: x.to_float::<f32x16<S>>() - half,
-            py: y.to_float::<f32x16<S>>() - half,
+            px: x.to_float::<f32x16<S>>() - half + offset[0] as f32 / 256.0,
+            py: y.to_float::<f32x16<S>>() - half + offset[1] as f32 / 256.0,
         }
     }
 }
@@ -103,7 +103,7 @@ impl<S: Simd> Depth<S> {
 /// Stamps the live triangles of a group, one after the other.
 #[inline(always)]
 pub(crate) fn stamp_group<S: Simd, K: Sink<S>>(s: S, group: &Group, sink: &mut K) {
-    let places = Places::new(s);
+    let places = Places::new(s, group.offset);
     let mut tiny = Tiny::default();
     if group.tiny != 0 {
         tiny.fill(s, group);
@@ -163,8 +163,8 @@ impl Tiny {
         inside[3] = inside[3] & wide & high;
         let half = TILE as f32 / 2.0 - 0.5;
         let (px, py) = (
-            x0.to_float::<f32x16<S>>() - half,
-            y0.to_float::<f32x16<S>>() - half,
+            x0.to_float::<f32x16<S>>() - half + group.offset[0] as f32 / 256.0,
+            y0.to_float::<f32x16<S>>() - half + group.offset[1] as f32 / 256.0,
         );
         let a = f32x16::from_slice(s, &group.z[0]);
         let b = f32x16::from_slice(s, &group.z[1]);

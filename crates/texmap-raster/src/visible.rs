@@ -92,6 +92,7 @@ impl Prepared<'_> {
         &self,
         tile: usize,
         alpha: &dyn AlphaTest,
+        offset: [i32; 2],
         mut at: impl FnMut(u32, u32, Option<f32>, Option<u32>) -> f32,
     ) {
         let mut fragment = Fragment::default();
@@ -99,13 +100,14 @@ impl Prepared<'_> {
         self.for_each(
             tile,
             &|d| decides_visibility(d.pass),
+            offset,
             |of, setup, edges, pixels| {
                 let draw = self.draw(of.draw);
                 let (_, triangle) = self.source(of.id);
                 cover(edges, pixels, |x, y| {
                     let (x, y) = (x as u32, y as u32);
                     let (tx, ty) = (x - bounds.x0, y - bounds.y0);
-                    let depth = setup.depth(x, y);
+                    let depth = setup.depth_at(x, y, offset);
                     if !passes(draw.depth_test, depth, at(tx, ty, None, None)) {
                         return;
                     }
@@ -128,6 +130,7 @@ impl Prepared<'_> {
         self.for_each(
             tile,
             &|d| !decides_visibility(d.pass),
+            [0; 2],
             |of, setup, edges, pixels| {
                 let draw = self.draw(of.draw);
                 cover(edges, pixels, |x, y| {
@@ -146,6 +149,7 @@ impl Prepared<'_> {
         &self,
         tile_index: usize,
         wanted: &dyn Fn(&Draw<'_>) -> bool,
+        offset: [i32; 2],
         mut visit: impl FnMut(Fragmented, &TriangleSetup, &[Edge; 3], PixelBox),
     ) {
         let tile = self.tile(tile_index);
@@ -162,7 +166,7 @@ impl Prepared<'_> {
                 continue;
             }
             for (lane, &id) in run.ids.iter().enumerate() {
-                let (shape, pixels) = self.shape(id);
+                let (shape, pixels) = self.shape_at(id, offset);
                 if let Some(pixels) = pixels.and_then(|p| p.intersect(bounds)) {
                     let setup = TriangleSetup::new(&shape, tile.x0 / TILE, tile.y0 / TILE);
                     let fragment = Fragmented {

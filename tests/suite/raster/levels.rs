@@ -2,7 +2,7 @@
 use texmap_math::glam::DMat4;
 use texmap_raster::{
     BlockMask, Cull, DepthTest, Draw, Fragment, Interp, NONE, NoAlphaTest, PairRun, Pass, Prepared,
-    TargetSize, TileBlocks, TileBuffers, TilePlanes,
+    SAMPLES_4, TargetSize, TileBlocks, TileBuffers, TilePlanes,
 };
 use texmap_tests::levels::levels;
 
@@ -258,4 +258,44 @@ fn runs_of_blocks_have_the_bits_of_single_pixels() {
         }
     }
     assert!(count > 100_000, "{count}");
+}
+
+/// Samples beside the centres: the lanes are the plain form, and the fill rule holds for them as for the centres.
+#[test]
+fn samples_have_the_plain_bits_and_leave_no_crack() {
+    let mut seen = 0;
+    for seed in 0..40 {
+        let scene = RandomScene::new(seed);
+        let draws = scene.draws();
+        let plain = Prepared::plain_with_samples(scene.target, &draws).expect("valid");
+        let (mut expected, mut found) = (TileBlocks::new(), TileBlocks::new());
+        for (name, level) in levels() {
+            let fast = Prepared::with_samples(scene.target, &draws, level, 1).expect("valid");
+            assert_eq!(fast.stats(), plain.stats(), "seed {seed}, {name}");
+            for tile in 0..plain.tiles() {
+                for offset in SAMPLES_4 {
+                    plain.visible_sample(tile, offset, &NoAlphaTest, &mut expected);
+                    fast.visible_sample(tile, offset, &NoAlphaTest, &mut found);
+                    assert!(found.slot == expected.slot, "seed {seed}, {name}, tile {tile}: other fragments");
+                    let bits = |b: &TileBlocks| b.depth.iter().map(|d| d.to_bits()).collect::<Vec<_>>();
+                    assert!(bits(&found) == bits(&expected), "seed {seed}, {name}, tile {tile}: other depth");
+                    seen += found.slot.iter().filter(|&&s| s != NONE).count();
+                }
+            }
+        }
+    }
+    assert!(seen > 100_000, "{seen}");
+    // A fine mesh, cells of about a pixel, over the whole target: no sample is free.
+    let target = size(64, 64);
+    let mut mesh = jittered_grid(&mut Rng::new(11), 70);
+    for p in &mut mesh.positions {
+        *p = [p[0] * 1.1, p[1] * 1.1, 0.5];
+    }
+    let draw = mesh.draw(DMat4::IDENTITY);
+    let prepared = Prepared::with_samples(target, &[draw], texmap_math::Level::new(), 1).expect("valid");
+    let mut blocks = TileBlocks::new();
+    for offset in SAMPLES_4 {
+        prepared.visible_sample(0, offset, &NoAlphaTest, &mut blocks);
+        assert!(blocks.slot.iter().all(|&s| s != NONE));
+    }
 }
