@@ -54,7 +54,12 @@ impl Tree {
         for statement in &file.statements {
             if let Command::Include(name) = &statement.command {
                 let place = Place::new(path, statement.line, statement.column);
-                included.push(Self::below(&files::beside(path, name), Some(&place), open, count)?);
+                included.push(Self::below(
+                    &files::beside(path, name),
+                    Some(&place),
+                    open,
+                    count,
+                )?);
             }
         }
         open.pop();
