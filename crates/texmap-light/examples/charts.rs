@@ -1,5 +1,6 @@
 //! "What's the best chart?" (MIT 6.837, lecture 18, slide 29): prints the page `docs/charts.md`. The error of each chart on a
 //! known function of directions, at about 24,400 stored texels, bilinear, without seams.
+#![allow(clippy::print_stdout, reason = "the page is its output")]
 
 use std::f64::consts::TAU;
 
@@ -55,7 +56,7 @@ fn main() {
         "comes next with a cheaper look-up. Lat-long is the one that files exchange: a good mean, with texels wasted on"
     );
     println!(
-        "its poles. Octahedra need one square and no faces. Two paraboloids are what two renders can fill. The sphere map has"
+        "its poles. Octahedra need one square and no faces. Two paraboloids are what two renders can fill. The sphere map's"
     );
     println!(
         "texels have equal solid angles (but those that its rim cuts) and it is the worst all the same: they stretch"
