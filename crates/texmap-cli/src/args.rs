@@ -24,7 +24,7 @@ pub(crate) enum Verb {
     Demo(cmd::demo::DemoArgs),
     Diff(cmd::diff::DiffArgs),
     Hash(cmd::hash::HashArgs),
-    Uv(cmd::uv::UvArgs),
+    Uv(Box<cmd::uv::UvArgs>),
     Warp(Box<cmd::warp::WarpArgs>),
     Sample(cmd::sample::SampleArgs),
     Mip(cmd::mip::MipArgs),
