@@ -6,7 +6,35 @@
 //!   [`Origin::BottomLeft`] one. The flip happens at fetch, on integer rows, never as `1 - v`.
 //! - Results are linear light with premultiplied alpha. sRGB texels are decoded before they are filtered.
 //! - A NaN or infinite coordinate reads as 0 (infinities clamp to the edge where the wrap clamps);
-//!   a non-finite derivative reads as 0. Nothing here panics on data.
+//!   a NaN derivative reads as 0. Nothing here panics on data.
+//!
+//! # Example
+//! One look-up, one with a footprint, and a batch:
+//! ```
+//! use texmap_math::{Footprint, Level};
+//! use texmap_sample::{ColorSpace, Filter, Origin, Sampler, Texture2d, Wrap, sample_slice};
+//!
+//! let texels = vec![0, 0, 0, 255, 255, 255, 255, 255];
+//! let t = Texture2d::from_rgba8(2, 1, texels, ColorSpace::Srgb, Origin::TopLeft)?.with_mips();
+//! let s = Sampler { filter: Filter::Trilinear, wrap_u: Wrap::ClampToEdge, ..Sampler::default() };
+//!
+//! // Halfway between black and white is half the light, not half the byte.
+//! assert!((s.sample(&t, [0.5, 0.5])[0] - 0.5).abs() < 1e-4);
+//! // A pixel as large as the image sees its mean, wherever it looks.
+//! let whole = Footprint::new(1.0, 0.0, 0.0, 1.0);
+//! assert!((s.sample_grad(&t, [0.1, 0.5], whole)[0] - 0.5).abs() < 1e-4);
+//!
+//! let mut out = [[0.0; 4]; 3];
+//! sample_slice(Level::new(), &s, &t, &[0.25, 0.5, 0.75], &[0.5; 3], None, &mut out)?;
+//! assert_eq!((out[0][0], out[2][0]), (0.0, 1.0));
+//! # Ok::<(), texmap_sample::SampleError>(())
+//! ```
+//!
+//! # How it is built
+//! Each filter has an f64 definition in [`mod@reference`], a scalar f32 form whose bound the tests
+//! state, and, where it pays, sixteen lanes with the bits of the scalar form: nearest, bilinear,
+//! trilinear and anisotropic on integer textures that repeat over powers of two, on AVX2, AVX-512 and
+//! NEON. All else runs one at a time with the same results.
 #![cfg_attr(not(feature = "std"), no_std)]
 #![forbid(unsafe_code)]
 extern crate alloc;

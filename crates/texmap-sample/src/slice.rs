@@ -36,19 +36,17 @@ pub fn sample_slice(
     if let Some(grads) = grads {
         check("grads", u.len(), grads.len())?;
     }
-    let lanes = View::new(sampler, t)
-        .filter(|v| v.simple && matches!(v.format, RGBX8 | RGBA16))
-        .is_some_and(|view| {
-            Batch {
-                sampler,
-                view: &view,
-                packed: packed::applies(sampler, &t.chain),
-                u,
-                v,
-                grads,
-            }
-            .run(level, Out::Float(out))
-        });
+    let lanes = View::new(sampler, t).is_some_and(|view| {
+        Batch {
+            sampler,
+            view: &view,
+            packed: packed::applies(sampler, &t.chain),
+            u,
+            v,
+            grads,
+        }
+        .run(level, Out::Float(out))
+    });
     if lanes {
         return Ok(());
     }
@@ -84,19 +82,17 @@ pub fn sample_rgba8_slice(
     }
     let packed = packed::applies(sampler, &t.chain);
     let lanes = packed
-        && View::new(sampler, t)
-            .filter(|view| view.simple)
-            .is_some_and(|view| {
-                Batch {
-                    sampler,
-                    view: &view,
-                    packed,
-                    u,
-                    v,
-                    grads,
-                }
-                .run(level, Out::Rgba8(out))
-            });
+        && View::new(sampler, t).is_some_and(|view| {
+            Batch {
+                sampler,
+                view: &view,
+                packed,
+                u,
+                v,
+                grads,
+            }
+            .run(level, Out::Rgba8(out))
+        });
     if !lanes {
         for (i, out) in out.iter_mut().enumerate() {
             let uv = [u[i], v[i]];
@@ -159,7 +155,7 @@ impl Batch<'_> {
 
     fn on<S: Simd>(&self, s: S, out: Out<'_>) {
         match (out, self.packed, self.view.format) {
-            (Out::Rgba8(out), ..) => self.packed_of::<S, true>(s, out),
+            (Out::Rgba8(out), ..) => self.packed_of::<S>(s, out),
             (Out::Float(out), true, _) => {
                 // Through bytes, 256 at a time.
                 let mut words = [0; 256];
@@ -172,14 +168,14 @@ impl Batch<'_> {
                         grads: self.grads.map(|g| &g[from..to]),
                         ..*self
                     };
-                    part.packed_of::<S, true>(s, &mut words[..out.len()]);
+                    part.packed_of::<S>(s, &mut words[..out.len()]);
                     for (out, word) in out.iter_mut().zip(words) {
                         *out = packed::unpack(word);
                     }
                 }
             }
-            (Out::Float(out), false, RGBX8) => self.float_of::<S, RGBX8, true>(s, out),
-            (Out::Float(out), ..) => self.float_of::<S, RGBA16, true>(s, out),
+            (Out::Float(out), false, RGBX8) => self.float_of::<S, RGBX8>(s, out),
+            (Out::Float(out), ..) => self.float_of::<S, RGBA16>(s, out),
         }
     }
 
@@ -214,7 +210,7 @@ impl Batch<'_> {
         self.sampler.limit_lod(0.0)
     }
 
-    fn float_of<S: Simd, const FORMAT: u8, const SIMPLE: bool>(&self, s: S, out: &mut [[f32; 4]]) {
+    fn float_of<S: Simd, const FORMAT: u8>(&self, s: S, out: &mut [[f32; 4]]) {
         s.vectorize(
             #[inline(always)]
             || {
@@ -224,21 +220,17 @@ impl Batch<'_> {
                     let (u, v) = self.uv(s, 16 * i);
                     let d = self.footprint(s, 16 * i);
                     let c = match (view.kind, d) {
-                        (Kind::Nearest, _) => {
-                            float::nearest_lanes::<S, FORMAT, SIMPLE>(s, view, u, v)
-                        }
-                        (Kind::Bilinear, _) => {
-                            float::bilinear_lanes::<S, FORMAT, SIMPLE>(s, view, u, v)
-                        }
+                        (Kind::Nearest, _) => float::nearest_lanes::<S, FORMAT>(s, view, u, v),
+                        (Kind::Bilinear, _) => float::bilinear_lanes::<S, FORMAT>(s, view, u, v),
                         (Kind::Anisotropic, Some(d)) => {
-                            float::anisotropic_lanes::<S, FORMAT, SIMPLE>(s, view, u, v, &d)
+                            float::anisotropic_lanes::<S, FORMAT>(s, view, u, v, &d)
                         }
                         (_, d) => {
                             let lod = match d {
                                 Some(d) => float::lod_lanes(s, view, &d),
                                 None => flat,
                             };
-                            float::trilinear_lanes::<S, FORMAT, SIMPLE>(s, view, u, v, lod)
+                            float::trilinear_lanes::<S, FORMAT>(s, view, u, v, lod)
                         }
                     };
                     store(c, out);
@@ -247,7 +239,7 @@ impl Batch<'_> {
         );
     }
 
-    fn packed_of<S: Simd, const SIMPLE: bool>(&self, s: S, out: &mut [u32]) {
+    fn packed_of<S: Simd>(&self, s: S, out: &mut [u32]) {
         s.vectorize(
             #[inline(always)]
             || {
@@ -257,17 +249,17 @@ impl Batch<'_> {
                     let (u, v) = self.uv(s, 16 * i);
                     let d = self.footprint(s, 16 * i);
                     let c = match (view.kind, d) {
-                        (Kind::Nearest, _) => packed::nearest_lanes::<S, SIMPLE>(s, view, u, v),
-                        (Kind::Bilinear, _) => packed::bilinear_lanes::<S, SIMPLE>(s, view, u, v),
+                        (Kind::Nearest, _) => packed::nearest_lanes::<S>(s, view, u, v),
+                        (Kind::Bilinear, _) => packed::bilinear_lanes::<S>(s, view, u, v),
                         (Kind::Anisotropic, Some(d)) => {
-                            packed::anisotropic_lanes::<S, SIMPLE>(s, view, u, v, &d)
+                            packed::anisotropic_lanes::<S>(s, view, u, v, &d)
                         }
                         (_, d) => {
                             let lod = match d {
                                 Some(d) => packed::lod_lanes(s, view, &d),
                                 None => flat,
                             };
-                            packed::trilinear_lanes::<S, SIMPLE>(s, view, u, v, lod)
+                            packed::trilinear_lanes::<S>(s, view, u, v, lod)
                         }
                     };
                     if let Some(full) = out.first_chunk_mut::<16>() {

@@ -138,7 +138,7 @@ impl<'a> Texture2d<'a> {
     /// Longest side of any texture.
     pub const MAX_SIDE: u32 = 32768;
 
-    /// Linear opaque RGBA8 texels used in place (r in the low byte); alpha must be 255.
+    /// Linear premultiplied RGBA8 texels used in place (r in the low byte).
     ///
     /// # Errors
     /// A side out of range or a slice of the wrong length.
@@ -194,7 +194,7 @@ impl<'a> Texture2d<'a> {
             format,
             levels: vec![level],
             flip: origin == Origin::BottomLeft,
-            opaque: true,
+            opaque: format != Format::Rgba8 || words.iter().all(|w| w >> 24 == 255),
         };
         Ok(Self { chain })
     }
@@ -361,7 +361,7 @@ pub(crate) fn upload(image: &Image<'_>, depth: u32) -> Result<Chain<'static>, Sa
         format,
         levels: vec![level],
         flip: image.origin == Origin::BottomLeft,
-        opaque: opaque || image.alpha == Alpha::Data,
+        opaque,
     })
 }
 

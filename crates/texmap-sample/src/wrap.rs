@@ -42,10 +42,6 @@ impl Axis {
         }
     }
 
-    pub(crate) fn has_border(self) -> bool {
-        self.wrap == Wrap::ClampToBorder
-    }
-
     /// The coordinate in texels of a level of `n`, whose floor is a texel for [`Axis::index`]. Unless
     /// scaling is exact, the range reduction comes before it, so that `u = 65536.25` loses nothing.
     pub(crate) fn place(self, u: f32, n: i32) -> f32 {

@@ -3,7 +3,8 @@
 use crate::support::{Random, WRAPS, filters, random_bytes, random_floats};
 use texmap_math::Footprint;
 use texmap_sample::{
-    ColorSpace, Filter, Lod, Origin, Precision, Sampler, Texture2d, Wrap, sample_slice,
+    Alpha, ColorSpace, Filter, Image, Lod, Origin, Precision, Sampler, Texels, Texture2d, Wrap,
+    sample_rgba8_slice, sample_slice,
 };
 use texmap_tests::levels::levels;
 
@@ -101,7 +102,18 @@ fn textures() -> Vec<(&'static str, Texture2d<'static>)> {
         Origin::TopLeft,
     );
     let heights: Vec<f32> = (0..16 * 16).map(|i| (i * 37 % 101) as f32).collect();
+    // Four numbers a texel: the last is no opacity, and not 255.
+    let data = Texture2d::new(&Image {
+        width: 8,
+        height: 8,
+        channels: 4,
+        texels: Texels::U8(&coloured(8, 8, true)),
+        color: ColorSpace::Linear,
+        alpha: Alpha::Data,
+        origin: Origin::TopLeft,
+    });
     vec![
+        ("data 8x8", data.unwrap().with_mips()),
         ("bytes 64x32", random_bytes(64, 32, 3).with_mips()),
         (
             "bytes 64x64 flipped, no mips",
@@ -273,6 +285,49 @@ fn fast_stays_near_exact() {
                 .map(|(a, b)| (a - b).abs())
                 .fold(0.0, f32::max);
             assert!(error <= bound + 1e-6, "{filter:?} {error}");
+        }
+    }
+}
+
+/// The byte form gives the bytes of the float form.
+#[test]
+fn byte_slices_equal_float_slices() {
+    let places = places(5);
+    let n = places.u.len();
+    let (mut bytes, mut colors) = (vec![0; n], vec![[0.0; 4]; n]);
+    for (name, t) in textures() {
+        for filter in filters() {
+            let s = Sampler {
+                filter,
+                precision: Precision::Fast,
+                ..Sampler::default()
+            };
+            for (level_name, level) in levels() {
+                sample_rgba8_slice(
+                    level,
+                    &s,
+                    &t,
+                    &places.u,
+                    &places.v,
+                    Some(&places.d),
+                    &mut bytes,
+                )
+                .unwrap();
+                sample_slice(
+                    level,
+                    &s,
+                    &t,
+                    &places.u,
+                    &places.v,
+                    Some(&places.d),
+                    &mut colors,
+                )
+                .unwrap();
+                for (a, b) in bytes.iter().zip(&colors) {
+                    let b = u32::from_le_bytes(b.map(texmap_math::color::unit_to_u8));
+                    assert_eq!(*a, b, "{name} {filter:?} {level_name}");
+                }
+            }
         }
     }
 }

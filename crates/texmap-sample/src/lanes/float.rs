@@ -1,9 +1,6 @@
 //! The f32 filters for sixteen lanes; the scalar twins are in `filter.rs`.
 
-use super::{
-    At, R32, RGBA16, RGBA32, RGBX8, View, axis_x, axis_y, column, outside, packed::FootprintLanes,
-    row,
-};
+use super::{At, RGBA16, RGBX8, View, column, packed::FootprintLanes, place, row};
 use crate::{
     lod::{LOG2_POLYNOMIAL, TINY},
     sampler::Precision,
@@ -40,24 +37,6 @@ fn fetch<S: Simd, const FORMAT: u8>(s: S, view: &View<'_>, word: u32x16<S>) -> C
                 alpha,
             ]
         }
-        RGBA32 => {
-            let c = [
-                gather(s, view.words, word),
-                gather(s, view.words, word + 1),
-                gather(s, view.words, word + 2),
-                gather(s, view.words, word + 3),
-            ];
-            [
-                c[0].bitcast(),
-                c[1].bitcast(),
-                c[2].bitcast(),
-                c[3].bitcast(),
-            ]
-        }
-        R32 => {
-            let x: f32x16<S> = gather(s, view.words, word).bitcast();
-            [x, x, x, f32x16::splat(s, 1.0)]
-        }
         _ => {
             let c = gather(s, view.words, word);
             let alpha = if FORMAT == RGBX8 {
@@ -85,125 +64,54 @@ pub(crate) fn mix<S: Simd>(a: Color<S>, b: Color<S>, w: f32x16<S>) -> Color<S> {
     ]
 }
 
-/// The words of four texels and their weights: all that the wraps decide.
-struct Taps<S: Simd> {
-    words: [i32x16<S>; 4],
-    /// Lanes of each tap that lie outside a border.
-    outside: [mask32x16<S>; 4],
-    wx: f32x16<S>,
-    wy: f32x16<S>,
-}
-
 #[inline(always)]
-fn linear_taps<S: Simd, const SIMPLE: bool>(
+fn bilinear_at<S: Simd, const FORMAT: u8>(
     s: S,
     view: &View<'_>,
     at: &At<S>,
     u: f32x16<S>,
     v: f32x16<S>,
-) -> Taps<S> {
-    let x = axis_x::<S, SIMPLE>(s, view, at, u) - 0.5;
-    let y = axis_y::<S, SIMPLE>(s, view, at, v) - 0.5;
+) -> Color<S> {
+    let x = place(s, u, at.wf) - 0.5;
+    let y = place(s, v, at.hf) - 0.5;
     let (i, j) = (floor_to_i32(s, x), floor_to_i32(s, y));
-    let (x0, x1) = (
-        column::<S, SIMPLE>(s, view, at, i),
-        column::<S, SIMPLE>(s, view, at, i + 1),
-    );
-    let (y0, y1) = (
-        row::<S, SIMPLE>(s, view, at, j),
-        row::<S, SIMPLE>(s, view, at, j + 1),
-    );
-    let (r0, r1) = (at.row_start::<SIMPLE>(y0), at.row_start::<SIMPLE>(y1));
-    Taps {
-        words: [r0 + x0, r0 + x1, r1 + x0, r1 + x1],
-        outside: [
-            outside(s, x0, y0),
-            outside(s, x1, y0),
-            outside(s, x0, y1),
-            outside(s, x1, y1),
-        ],
-        wx: x - i.to_float::<f32x16<S>>(),
-        wy: y - j.to_float::<f32x16<S>>(),
-    }
-}
-
-#[inline(always)]
-fn bilinear_at<S: Simd, const FORMAT: u8, const SIMPLE: bool>(
-    s: S,
-    view: &View<'_>,
-    at: &At<S>,
-    u: f32x16<S>,
-    v: f32x16<S>,
-) -> Color<S> {
-    let taps = linear_taps::<S, SIMPLE>(s, view, at, u, v);
-    blend::<S, FORMAT, SIMPLE>(s, view, at, &taps)
-}
-
-#[inline(always)]
-fn blend<S: Simd, const FORMAT: u8, const SIMPLE: bool>(
-    s: S,
-    view: &View<'_>,
-    at: &At<S>,
-    taps: &Taps<S>,
-) -> Color<S> {
-    let a = tap::<S, FORMAT, SIMPLE>(s, view, at, taps.words[0], taps.outside[0]);
-    let b = tap::<S, FORMAT, SIMPLE>(s, view, at, taps.words[1], taps.outside[1]);
-    let c = tap::<S, FORMAT, SIMPLE>(s, view, at, taps.words[2], taps.outside[2]);
-    let d = tap::<S, FORMAT, SIMPLE>(s, view, at, taps.words[3], taps.outside[3]);
-    mix(mix(a, b, taps.wx), mix(c, d, taps.wx), taps.wy)
-}
-
-#[inline(always)]
-fn tap<S: Simd, const FORMAT: u8, const SIMPLE: bool>(
-    s: S,
-    view: &View<'_>,
-    at: &At<S>,
-    texel: i32x16<S>,
-    outside: mask32x16<S>,
-) -> Color<S> {
-    let c = fetch::<S, FORMAT>(s, view, at.word::<FORMAT>(texel));
-    if !SIMPLE && (view.x.has_border() || view.y.has_border()) {
-        let b = view.border;
-        return [
-            outside.select(f32x16::splat(s, b[0]), c[0]),
-            outside.select(f32x16::splat(s, b[1]), c[1]),
-            outside.select(f32x16::splat(s, b[2]), c[2]),
-            outside.select(f32x16::splat(s, b[3]), c[3]),
-        ];
-    }
-    c
+    let (wx, wy) = (x - i.to_float::<f32x16<S>>(), y - j.to_float::<f32x16<S>>());
+    let (x0, x1) = (column(at, i), column(at, i + 1));
+    let r0 = at.row_start(row(view, at, j));
+    let r1 = at.row_start(row(view, at, j + 1));
+    let a = fetch::<S, FORMAT>(s, view, at.word::<FORMAT>(r0 + x0));
+    let b = fetch::<S, FORMAT>(s, view, at.word::<FORMAT>(r0 + x1));
+    let c = fetch::<S, FORMAT>(s, view, at.word::<FORMAT>(r1 + x0));
+    let d = fetch::<S, FORMAT>(s, view, at.word::<FORMAT>(r1 + x1));
+    mix(mix(a, b, wx), mix(c, d, wx), wy)
 }
 
 /// The nearest texels of level 0, scaled.
 #[inline(always)]
-pub fn nearest_lanes<S: Simd, const FORMAT: u8, const SIMPLE: bool>(
+pub fn nearest_lanes<S: Simd, const FORMAT: u8>(
     s: S,
     view: &View<'_>,
     u: f32x16<S>,
     v: f32x16<S>,
 ) -> Color<S> {
     let at = At::uniform(s, view, 0);
-    let x = floor_to_i32(s, axis_x::<S, SIMPLE>(s, view, &at, u));
-    let y = floor_to_i32(s, axis_y::<S, SIMPLE>(s, view, &at, v));
-    let (x, y) = (
-        column::<S, SIMPLE>(s, view, &at, x),
-        row::<S, SIMPLE>(s, view, &at, y),
-    );
-    let (texel, out) = (at.row_start::<SIMPLE>(y) + x, outside(s, x, y));
-    let c = tap::<S, FORMAT, SIMPLE>(s, view, &at, texel, out);
+    let x = floor_to_i32(s, place(s, u, at.wf));
+    let y = floor_to_i32(s, place(s, v, at.hf));
+    let texel = at.row_start(row(view, &at, y)) + column(&at, x);
+    let c = fetch::<S, FORMAT>(s, view, at.word::<FORMAT>(texel));
     scaled(c, view)
 }
 
 /// Bilinear on level 0, scaled. `FORMAT` is the view's.
 #[inline(always)]
-pub fn bilinear_lanes<S: Simd, const FORMAT: u8, const SIMPLE: bool>(
+pub fn bilinear_lanes<S: Simd, const FORMAT: u8>(
     s: S,
     view: &View<'_>,
     u: f32x16<S>,
     v: f32x16<S>,
 ) -> Color<S> {
     scaled(
-        bilinear_at::<S, FORMAT, SIMPLE>(s, view, &At::uniform(s, view, 0), u, v),
+        bilinear_at::<S, FORMAT>(s, view, &At::uniform(s, view, 0), u, v),
         view,
     )
 }
@@ -265,7 +173,7 @@ pub fn lod_lanes<S: Simd>(s: S, view: &View<'_>, d: &FootprintLanes<S>) -> f32x1
 
 /// The scalar trilinear filter for sixteen lanes, scaled.
 #[inline(always)]
-pub fn trilinear_lanes<S: Simd, const FORMAT: u8, const SIMPLE: bool>(
+pub fn trilinear_lanes<S: Simd, const FORMAT: u8>(
     s: S,
     view: &View<'_>,
     u: f32x16<S>,
@@ -273,7 +181,7 @@ pub fn trilinear_lanes<S: Simd, const FORMAT: u8, const SIMPLE: bool>(
     lod: f32x16<S>,
 ) -> Color<S> {
     let levels = Levels::new(s, view, lod);
-    scaled(levels.sample::<FORMAT, SIMPLE>(s, view, u, v), view)
+    scaled(levels.sample::<FORMAT>(s, view, u, v), view)
 }
 
 /// The levels that each lane reads, found once and used by every probe.
@@ -315,18 +223,18 @@ impl<S: Simd> Levels<S> {
     }
 
     #[inline(always)]
-    fn sample<const FORMAT: u8, const SIMPLE: bool>(
+    fn sample<const FORMAT: u8>(
         &self,
         s: S,
         view: &View<'_>,
         u: f32x16<S>,
         v: f32x16<S>,
     ) -> Color<S> {
-        let c = bilinear_at::<S, FORMAT, SIMPLE>(s, view, &self.fine, u, v);
+        let c = bilinear_at::<S, FORMAT>(s, view, &self.fine, u, v);
         if !self.blends {
             return c;
         }
-        let next = bilinear_at::<S, FORMAT, SIMPLE>(s, view, &self.coarse, u, v);
+        let next = bilinear_at::<S, FORMAT>(s, view, &self.coarse, u, v);
         let two = self.weight.simd_gt(f32x16::splat(s, 0.0));
         select(two, mix(c, next, self.weight), c)
     }
@@ -344,7 +252,7 @@ fn select<S: Simd>(mask: mask32x16<S>, a: Color<S>, b: Color<S>) -> Color<S> {
 
 /// The scalar anisotropic filter for sixteen lanes, scaled.
 #[inline(always)]
-pub fn anisotropic_lanes<S: Simd, const FORMAT: u8, const SIMPLE: bool>(
+pub fn anisotropic_lanes<S: Simd, const FORMAT: u8>(
     s: S,
     view: &View<'_>,
     u: f32x16<S>,
@@ -390,7 +298,7 @@ pub fn anisotropic_lanes<S: Simd, const FORMAT: u8, const SIMPLE: bool>(
             break;
         }
         let at = start + k;
-        let c = levels.sample::<FORMAT, SIMPLE>(s, view, u + step_u * at, v + step_v * at);
+        let c = levels.sample::<FORMAT>(s, view, u + step_u * at, v + step_v * at);
         if k == 0.0 {
             first = c;
             k = 1.0;

@@ -3,7 +3,7 @@
 //! Two channels share a 32-bit word as 16-bit halves; `(a << 8) + (b - a) w + 128` stays below 2^16
 //! whatever the sign of `b - a`, so wrapping 16-bit products are exact. The scalar form stands first.
 
-use super::{At, RGBA8, View, axis_x, axis_y, column, outside, row};
+use super::{At, RGBA8, View, column, place, row};
 use crate::{
     filter::{axes, floor, gl_of},
     lod::{LIMIT, TINY, TexelFootprint, log2_sqrt_fixed},
@@ -256,81 +256,49 @@ fn lerp_lanes<S: Simd>(a: Halves<S>, b: Halves<S>, w: u16x32<S>) -> Halves<S> {
 }
 
 #[inline(always)]
-fn tap_lanes<S: Simd, const SIMPLE: bool>(
-    s: S,
-    view: &View<'_>,
-    at: &At<S>,
-    x: i32x16<S>,
-    y: i32x16<S>,
-    start: i32x16<S>,
-) -> u32x16<S> {
-    let c = gather(s, view.words, at.word::<RGBA8>(start + x));
-    if !SIMPLE && (view.x.has_border() || view.y.has_border()) {
-        return outside(s, x, y).select(u32x16::splat(s, border(view.border)), c);
-    }
-    c
+fn tap_lanes<S: Simd>(s: S, view: &View<'_>, at: &At<S>, texel: i32x16<S>) -> u32x16<S> {
+    gather(s, view.words, at.word::<RGBA8>(texel))
 }
 
 /// The nearest texel of level 0 for each lane.
 #[inline(always)]
-pub fn nearest_lanes<S: Simd, const SIMPLE: bool>(
-    s: S,
-    view: &View<'_>,
-    u: f32x16<S>,
-    v: f32x16<S>,
-) -> u32x16<S> {
+pub fn nearest_lanes<S: Simd>(s: S, view: &View<'_>, u: f32x16<S>, v: f32x16<S>) -> u32x16<S> {
     let at = At::uniform(s, view, 0);
-    let x = floor_to_i32(s, axis_x::<S, SIMPLE>(s, view, &at, u));
-    let y = floor_to_i32(s, axis_y::<S, SIMPLE>(s, view, &at, v));
-    let (x, y) = (
-        column::<S, SIMPLE>(s, view, &at, x),
-        row::<S, SIMPLE>(s, view, &at, y),
-    );
-    tap_lanes::<S, SIMPLE>(s, view, &at, x, y, at.row_start::<SIMPLE>(y))
+    let x = floor_to_i32(s, place(s, u, at.wf));
+    let y = floor_to_i32(s, place(s, v, at.hf));
+    tap_lanes(
+        s,
+        view,
+        &at,
+        at.row_start(row(view, &at, y)) + column(&at, x),
+    )
 }
 
 /// Bilinear on level 0 for each lane.
 #[inline(always)]
-pub fn bilinear_lanes<S: Simd, const SIMPLE: bool>(
-    s: S,
-    view: &View<'_>,
-    u: f32x16<S>,
-    v: f32x16<S>,
-) -> u32x16<S> {
-    join(bilinear_at::<S, SIMPLE>(
-        s,
-        view,
-        &At::uniform(s, view, 0),
-        u,
-        v,
-    ))
+pub fn bilinear_lanes<S: Simd>(s: S, view: &View<'_>, u: f32x16<S>, v: f32x16<S>) -> u32x16<S> {
+    join(bilinear_at::<S>(s, view, &At::uniform(s, view, 0), u, v))
 }
 
 #[inline(always)]
-fn bilinear_at<S: Simd, const SIMPLE: bool>(
+fn bilinear_at<S: Simd>(
     s: S,
     view: &View<'_>,
     at: &At<S>,
     u: f32x16<S>,
     v: f32x16<S>,
 ) -> Halves<S> {
-    let x = floor_to_i32(s, axis_x::<S, SIMPLE>(s, view, at, u) * 256.0) - 128;
-    let y = floor_to_i32(s, axis_y::<S, SIMPLE>(s, view, at, v) * 256.0) - 128;
+    let x = floor_to_i32(s, place(s, u, at.wf) * 256.0) - 128;
+    let y = floor_to_i32(s, place(s, v, at.hf) * 256.0) - 128;
     let (i, j) = (x >> 8, y >> 8);
-    let (x0, x1) = (
-        column::<S, SIMPLE>(s, view, at, i),
-        column::<S, SIMPLE>(s, view, at, i + 1),
-    );
-    let (y0, y1) = (
-        row::<S, SIMPLE>(s, view, at, j),
-        row::<S, SIMPLE>(s, view, at, j + 1),
-    );
+    let (x0, x1) = (column(at, i), column(at, i + 1));
+    let (y0, y1) = (row(view, at, j), row(view, at, j + 1));
     let (wx, wy) = (spread(x & 255), spread(y & 255));
-    let (r0, r1) = (at.row_start::<SIMPLE>(y0), at.row_start::<SIMPLE>(y1));
-    let a = halves(tap_lanes::<S, SIMPLE>(s, view, at, x0, y0, r0));
-    let b = halves(tap_lanes::<S, SIMPLE>(s, view, at, x1, y0, r0));
-    let c = halves(tap_lanes::<S, SIMPLE>(s, view, at, x0, y1, r1));
-    let d = halves(tap_lanes::<S, SIMPLE>(s, view, at, x1, y1, r1));
+    let (r0, r1) = (at.row_start(y0), at.row_start(y1));
+    let a = halves(tap_lanes(s, view, at, r0 + x0));
+    let b = halves(tap_lanes(s, view, at, r0 + x1));
+    let c = halves(tap_lanes(s, view, at, r1 + x0));
+    let d = halves(tap_lanes(s, view, at, r1 + x1));
     lerp_lanes(lerp_lanes(a, b, wx), lerp_lanes(c, d, wx), wy)
 }
 
@@ -411,7 +379,7 @@ pub fn lod_lanes<S: Simd>(s: S, view: &View<'_>, d: &FootprintLanes<S>) -> i32x1
 
 /// The scalar trilinear filter for sixteen lanes: vectors of one level take short cuts.
 #[inline(always)]
-pub fn trilinear_lanes<S: Simd, const SIMPLE: bool>(
+pub fn trilinear_lanes<S: Simd>(
     s: S,
     view: &View<'_>,
     u: f32x16<S>,
@@ -435,11 +403,11 @@ pub fn trilinear_lanes<S: Simd, const SIMPLE: bool>(
             At::per_lane(s, view, next.simd_gt(last).select(last, next)),
         )
     };
-    let a = bilinear_at::<S, SIMPLE>(s, view, &a, u, v);
+    let a = bilinear_at::<S>(s, view, &a, u, v);
     if weight.simd_eq(zero).all_true() {
         return join(a);
     }
-    let b = bilinear_at::<S, SIMPLE>(s, view, &b, u, v);
+    let b = bilinear_at::<S>(s, view, &b, u, v);
     join(lerp_lanes(a, b, spread(weight)))
 }
 
@@ -452,7 +420,7 @@ fn rsqrt_lanes<S: Simd>(s: S, x: f32x16<S>) -> f32x16<S> {
 
 /// The scalar anisotropic filter for sixteen lanes.
 #[inline(always)]
-pub fn anisotropic_lanes<S: Simd, const SIMPLE: bool>(
+pub fn anisotropic_lanes<S: Simd>(
     s: S,
     view: &View<'_>,
     u: f32x16<S>,
@@ -472,7 +440,7 @@ pub fn anisotropic_lanes<S: Simd, const SIMPLE: bool>(
     if magnified.all_true() {
         let lod = limit_lanes(s, view, log_major);
         if lod.simd_le(i32x16::splat(s, 0)).all_true() {
-            return bilinear_lanes::<S, SIMPLE>(s, view, u, v);
+            return bilinear_lanes::<S>(s, view, u, v);
         }
     }
     let det = d.ux * d.vy - d.uy * d.vx;
@@ -519,7 +487,7 @@ pub fn anisotropic_lanes<S: Simd, const SIMPLE: bool>(
             break;
         }
         let place = first + k as f32;
-        let c = bilinear_at::<S, SIMPLE>(s, view, &at, u + step_u * place, v + step_v * place);
+        let c = bilinear_at::<S>(s, view, &at, u + step_u * place, v + step_v * place);
         // All ones where the probe counts.
         let mask: u16x32<S> = active.select(i32x16::splat(s, -1), zero).bitcast();
         low += c.low & mask;
