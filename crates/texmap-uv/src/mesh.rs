@@ -231,12 +231,14 @@ pub struct UvSet {
 }
 
 impl UvSet {
-    /// Shares equal coordinates among the corners of a position: a vertex is split only where its corners differ.
+    /// Shares equal coordinates among the corners of a position (and of positions equal to it): a vertex is split
+    /// only where its corners differ.
     ///
     /// # Panics
     /// Never for a `values` of one entry per corner, which every caller in this crate makes.
     pub(crate) fn shared(mesh: &Mesh<'_>, values: &[[f32; 2]]) -> Self {
         const NONE: u32 = u32::MAX;
+        let welded = mesh.welded();
         // For each position a chain of the coordinates it has so far.
         let mut head = vec![NONE; mesh.positions.len()];
         let mut next: Vec<u32> = Vec::new();
@@ -245,6 +247,7 @@ impl UvSet {
             corners: Vec::with_capacity(values.len()),
         };
         for (&position, value) in mesh.faces.corners.iter().zip(values) {
+            let position = welded[position as usize];
             let bits = value.map(f32::to_bits);
             let mut at = head[position as usize];
             while at != NONE && set.uvs[at as usize].map(f32::to_bits) != bits {

@@ -245,7 +245,10 @@ pub fn report(mesh: &Mesh<'_>, set: &UvSet, options: &ReportOptions) -> Result<R
             (0..topology.twin.len()).filter(|&k| topology.twin[k] == RIM),
         ),
         non_manifold_edges: non_manifold(mesh, &topology),
-        shells: Shells::new(mesh, set, &topology).count,
+        shells: Shells::linked(mesh.faces().len(), &topology, |k| {
+            meets(mesh, set, &topology, k)
+        })
+        .count,
         triangles,
     })
 }

@@ -1,0 +1,95 @@
+//! `uv/...`: mapping, repair, report and overlap test. Each asserts its result.
+//!
+//! `cargo bench -p texmap-benches --bench uv`
+
+use std::hint::black_box;
+
+use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+use texmap_math::{Level, det};
+use texmap_uv::{
+    Faces, Mapping, Mesh, Origin, ReportOptions, Shape, cylinder_slice, report, sphere_slice,
+};
+
+/// A ball of about `triangles` triangles.
+fn ball(triangles: usize) -> (Vec<[f32; 3]>, Faces) {
+    let down = (((triangles / 4) as f64).sqrt() as u32).max(2);
+    let around = 2 * down;
+    let mut positions = Vec::new();
+    for j in 0..=down {
+        let (sin, cos) =
+            det::sin_cos((f64::from(j) + 0.5) / (f64::from(down) + 1.0) * std::f64::consts::PI);
+        for i in 0..around {
+            let (z, x) = det::sin_cos(f64::from(i) / f64::from(around) * std::f64::consts::TAU);
+            positions.push([sin * x, cos, -sin * z].map(|c| c as f32));
+        }
+    }
+    let mut list = Vec::new();
+    for (j, i) in (0..down).flat_map(|j| (0..around).map(move |i| (j, i))) {
+        let at = |dj: u32, di: u32| (j + dj) * around + (i + di) % around;
+        list.push([at(0, 0), at(1, 0), at(1, 1)]);
+        list.push([at(0, 0), at(1, 1), at(0, 1)]);
+    }
+    (positions, Faces::from_triangles(&list))
+}
+
+fn slices(c: &mut Criterion) {
+    let vectors: Vec<[f32; 3]> = ball(2_000_000).0;
+    let mut out = vec![[0.0; 2]; vectors.len()];
+    let mut group = c.benchmark_group("uv/slice-1M");
+    group.throughput(Throughput::Elements(vectors.len() as u64));
+    // The yardstick: what it costs to read the vectors and write as many pairs.
+    group.bench_function("copy", |b| {
+        b.iter(|| {
+            for (v, o) in black_box(&vectors).iter().zip(&mut out) {
+                *o = [v[0], v[1]];
+            }
+            black_box(&mut out);
+        });
+    });
+    group.bench_function("sphere", |b| {
+        b.iter(|| sphere_slice(Level::new(), black_box(&vectors), Origin::TopLeft, &mut out))
+    });
+    assert!(out.as_flattened().iter().all(|c| (0.0..=1.0).contains(c)));
+    group.bench_function("cylinder", |b| {
+        b.iter(|| cylinder_slice(Level::new(), black_box(&vectors), Origin::TopLeft, &mut out))
+    });
+    group.finish();
+}
+
+fn meshes(c: &mut Criterion) {
+    let mut group = c.benchmark_group("uv/mesh");
+    group.sample_size(10);
+    for triangles in [62_500, 250_000, 1_000_000, 4_000_000] {
+        let (positions, faces) = ball(triangles);
+        let mesh = Mesh::new(&positions, &faces).expect("a sound mesh");
+        group.throughput(Throughput::Elements(faces.len() as u64));
+        let mapping = Mapping::new(Shape::Sphere);
+        let set = mapping
+            .map(Level::new(), &mesh, &[])
+            .expect("a mapping")
+            .set;
+        group.bench_with_input(
+            BenchmarkId::new("sphere-repaired", triangles),
+            &mesh,
+            |b, mesh| {
+                b.iter(|| mapping.map(Level::new(), mesh, &[]));
+            },
+        );
+        let options = ReportOptions {
+            views: false,
+            ..ReportOptions::default()
+        };
+        let found = report(&mesh, &set, &options).expect("a report");
+        assert_eq!(
+            (found.overlapping, found.wide, found.flipped, found.shells),
+            (0, 0, 0, 1)
+        );
+        group.bench_with_input(BenchmarkId::new("report", triangles), &mesh, |b, mesh| {
+            b.iter(|| report(mesh, &set, &options))
+        });
+    }
+    group.finish();
+}
+
+criterion_group!(benches, slices, meshes);
+criterion_main!(benches);
