@@ -163,7 +163,7 @@ impl Prepared<'_> {
                 first_slot: run.first_slot as u32,
                 test: draw.depth_test,
                 write: draw.depth_write,
-                cut: (draw.pass == Pass::CutOut).then(|| CutOut {
+                cut: (draw.pass == Pass::CutOut).then_some(CutOut {
                     prepared: self,
                     ids: run.ids,
                     tile: bounds,

@@ -474,10 +474,10 @@ fn tiny_hit<S: Simd>(
         let least = top_left.select(i32x16::splat(s, 0), i32x16::splat(s, 1));
         let (ax0, ax1) = (a * (ex0 - p.0), a * (ex1 - p.0));
         let (by0, by1) = (b * (ey0 - p.1), b * (ey1 - p.1));
-        hit[0] = hit[0] & (ax0 + by0).simd_ge(least);
-        hit[1] = hit[1] & (ax1 + by0).simd_ge(least);
-        hit[2] = hit[2] & (ax0 + by1).simd_ge(least);
-        hit[3] = hit[3] & (ax1 + by1).simd_ge(least);
+        hit[0] &= (ax0 + by0).simd_ge(least);
+        hit[1] &= (ax1 + by0).simd_ge(least);
+        hit[2] &= (ax0 + by1).simd_ge(least);
+        hit[3] &= (ax1 + by1).simd_ge(least);
     }
     hit[0] | hit[1] | hit[2] | hit[3]
 }

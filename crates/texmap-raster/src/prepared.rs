@@ -403,13 +403,13 @@ fn map_all<T, R>(_threads: usize, work: Vec<T>, f: impl Fn(T) -> R) -> Vec<R> {
 pub(crate) fn for_all<T: Send>(threads: usize, work: Vec<T>, f: impl Fn(T) + Sync + Send) {
     use rayon::iter::{IntoParallelIterator, ParallelIterator};
     if threads > 1 {
-        work.into_par_iter().for_each(f)
+        work.into_par_iter().for_each(f);
     } else {
-        work.into_iter().for_each(f)
+        work.into_iter().for_each(f);
     }
 }
 
 #[cfg(not(feature = "rayon"))]
 pub(crate) fn for_all<T>(_threads: usize, work: Vec<T>, f: impl Fn(T)) {
-    work.into_iter().for_each(f)
+    work.into_iter().for_each(f);
 }

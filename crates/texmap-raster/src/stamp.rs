@@ -152,15 +152,15 @@ impl Tiny {
             let a = i32x16::from_slice(s, &group.a[k]);
             let b = i32x16::from_slice(s, &group.b[k]);
             let e = (i32x16::from_slice(s, &group.q[k]) + b * y0) + a * x0;
-            inside[0] = inside[0] & e.simd_ge(0);
-            inside[1] = inside[1] & (e + a).simd_ge(0);
-            inside[2] = inside[2] & (e + b).simd_ge(0);
-            inside[3] = inside[3] & (e + a + b).simd_ge(0);
+            inside[0] &= e.simd_ge(0);
+            inside[1] &= (e + a).simd_ge(0);
+            inside[2] &= (e + b).simd_ge(0);
+            inside[3] &= (e + a + b).simd_ge(0);
         }
         let (wide, high) = (x1.simd_gt(x0), y1.simd_gt(y0));
-        inside[1] = inside[1] & wide;
-        inside[2] = inside[2] & high;
-        inside[3] = inside[3] & wide & high;
+        inside[1] &= wide;
+        inside[2] &= high;
+        inside[3] &= wide & high;
         let half = TILE as f32 / 2.0 - 0.5;
         let (px, py) = (
             x0.to_float::<f32x16<S>>() - half + group.offset[0] as f32 / 256.0,
@@ -173,9 +173,9 @@ impl Tiny {
             f32x16::from_slice(s, &group.z_lo),
             f32x16::from_slice(s, &group.z_hi),
         );
-        for k in 0..4 {
+        for (k, inside) in inside.into_iter().enumerate() {
             let (x, y) = (px + (k & 1) as f32, py + (k >> 1) as f32);
-            self.covered[k] = inside[k].to_bitmask() as u32;
+            self.covered[k] = inside.to_bitmask() as u32;
             clamp((c + b * y) + a * x, lo, hi).store_slice(&mut self.depth[k]);
         }
     }
@@ -226,7 +226,7 @@ fn stamp<S: Simd, K: Sink<S>>(s: S, places: &Places<S>, group: &Group, lane: usi
             match covered {
                 Part::None => {}
                 Part::All if part == [x, y, x + 15, y + 15] => {
-                    fill(s, places, lane, &depth, x, y, sink)
+                    fill(s, places, lane, &depth, x, y, sink);
                 }
                 _ => scan(s, places, group, lane, &depth, part, sink),
             }

@@ -150,10 +150,10 @@ impl TilePlanes {
                     setup.evaluate(self.corner[0] + x, self.corner[1] + y, &mut fragment);
                     let place = i * LANES + bit;
                     out.inv_w[place] = fragment.inv_w;
-                    for k in 0..2 {
-                        out.value[k][place] = fragment.values[wanted[k]];
-                        out.ddx[k][place] = fragment.ddx[wanted[k]];
-                        out.ddy[k][place] = fragment.ddy[wanted[k]];
+                    for (k, &from) in wanted.iter().enumerate() {
+                        out.value[k][place] = fragment.values[from];
+                        out.ddx[k][place] = fragment.ddx[from];
+                        out.ddy[k][place] = fragment.ddy[from];
                     }
                 }
             }
@@ -222,8 +222,8 @@ impl TilePlanes {
         let r = f32x16::splat(s, 1.0) / inv_w;
         let mut out = LaneValues::zero(s);
         out.inv_w = inv_w;
-        for i in 0..N {
-            let p = self.plane(s, &lanes, 1 + wanted[i]);
+        for (i, &k) in wanted.iter().enumerate() {
+            let p = self.plane(s, &lanes, 1 + k);
             let u = clamp(((p.c + p.b * py) + p.a * px) * r, p.lo, p.hi);
             out.value[i] = u;
             out.ddx[i] = (p.a - u * w.a) * r;
@@ -280,11 +280,11 @@ impl TilePlanes {
         out: &mut LaneValues<S, N>,
     ) {
         let mut fragment = Fragment::default();
-        for bit in 0..LANES {
+        for (bit, &slot) in slots.iter().enumerate() {
             if at.mask >> bit & 1 == 0 {
                 continue;
             }
-            let Some(setup) = self.odd_setup(slots[bit]) else {
+            let Some(setup) = self.odd_setup(slot) else {
                 continue;
             };
             let (x, y) = pixel_of(at.block as usize, bit as u32);
@@ -418,8 +418,8 @@ fn setup_lanes_f64<S: Simd, const N: usize>(
     let one = f64x8::splat(s, 1.0);
     let (r0, r1) = (one / w0, one / w1);
     out.inv_w = s.narrow_f64x8(w0, w1);
-    for i in 0..N {
-        let Some(p) = attributes.get(wanted[i]) else {
+    for (i, &k) in wanted.iter().enumerate() {
+        let Some(p) = attributes.get(k) else {
             continue;
         };
         let u0 = wide_clamp(s, p, wide_at(s, p, x0, y0) * r0);
@@ -484,7 +484,7 @@ impl Prepared<'_> {
         out.reset(groups, attributes, [bounds.x0, bounds.y0]);
         match self.level() {
             Some(level) => {
-                on_level!(level, s => self.planes_lanes(s, tile, out), else self.planes_plain(tile, out))
+                on_level!(level, s => self.planes_lanes(s, tile, out), else self.planes_plain(tile, out));
             }
             None => self.planes_plain(tile, out),
         }

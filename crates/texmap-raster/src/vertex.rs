@@ -206,7 +206,7 @@ fn all_finite<S: Simd>(s: S, values: &[f32]) -> bool {
     // A finite value times zero is zero; a NaN or an infinity is not, and stays in the sum.
     let mut sum = f32x16::splat(s, 0.0);
     for chunk in chunks {
-        sum = sum + f32x16::from_slice(s, chunk) * 0.0;
+        sum += f32x16::from_slice(s, chunk) * 0.0;
     }
     sum.simd_eq(0.0).all_true() && rest.iter().all(|v| v.is_finite())
 }
