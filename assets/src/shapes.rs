@@ -101,25 +101,95 @@ pub(crate) fn house() -> Mesh {
             (low * (1.0 - t) + high * t, [s, t])
         };
         for (i, j) in (0..STEPS * STEPS).map(|k| (k % STEPS, k / STEPS)) {
-            mesh.polygon(name, &[point(i, j), point(i + 1, j), point(i + 1, j + 1), point(i, j + 1)]);
+            mesh.polygon(
+                name,
+                &[
+                    point(i, j),
+                    point(i + 1, j),
+                    point(i + 1, j + 1),
+                    point(i, j + 1),
+                ],
+            );
         }
     };
     // Width 2, depth 1.5, eaves at 1, ridge at 1.75 along x; the middle of the house is the origin's height 0.875.
     let (x, z, eaves, ridge, floor) = (1.0, 0.75, 0.125, 0.875, -0.875);
-    panel("front", [at(-x, floor, z), at(x, floor, z), at(x, eaves, z), at(-x, eaves, z)]);
-    panel("back", [at(x, floor, -z), at(-x, floor, -z), at(-x, eaves, -z), at(x, eaves, -z)]);
-    panel("right", [at(x, floor, z), at(x, floor, -z), at(x, eaves, -z), at(x, eaves, z)]);
-    panel("left", [at(-x, floor, -z), at(-x, floor, z), at(-x, eaves, z), at(-x, eaves, -z)]);
-    panel("floor", [at(-x, floor, -z), at(x, floor, -z), at(x, floor, z), at(-x, floor, z)]);
-    panel("roof_front", [at(-x, eaves, z), at(x, eaves, z), at(x, ridge, 0.0), at(-x, ridge, 0.0)]);
-    panel("roof_back", [at(x, eaves, -z), at(-x, eaves, -z), at(-x, ridge, 0.0), at(x, ridge, 0.0)]);
+    panel(
+        "front",
+        [
+            at(-x, floor, z),
+            at(x, floor, z),
+            at(x, eaves, z),
+            at(-x, eaves, z),
+        ],
+    );
+    panel(
+        "back",
+        [
+            at(x, floor, -z),
+            at(-x, floor, -z),
+            at(-x, eaves, -z),
+            at(x, eaves, -z),
+        ],
+    );
+    panel(
+        "right",
+        [
+            at(x, floor, z),
+            at(x, floor, -z),
+            at(x, eaves, -z),
+            at(x, eaves, z),
+        ],
+    );
+    panel(
+        "left",
+        [
+            at(-x, floor, -z),
+            at(-x, floor, z),
+            at(-x, eaves, z),
+            at(-x, eaves, -z),
+        ],
+    );
+    panel(
+        "floor",
+        [
+            at(-x, floor, -z),
+            at(x, floor, -z),
+            at(x, floor, z),
+            at(-x, floor, z),
+        ],
+    );
+    panel(
+        "roof_front",
+        [
+            at(-x, eaves, z),
+            at(x, eaves, z),
+            at(x, ridge, 0.0),
+            at(-x, ridge, 0.0),
+        ],
+    );
+    panel(
+        "roof_back",
+        [
+            at(x, eaves, -z),
+            at(-x, eaves, -z),
+            at(-x, ridge, 0.0),
+            at(x, ridge, 0.0),
+        ],
+    );
     for side in [x, -x] {
         // A gable: strips that end at the rafters, so that the rim meets the roof's squares vertex to vertex.
         for j in 0..STEPS {
             let (t0, t1) = (j as f64 / STEPS as f64, (j + 1) as f64 / STEPS as f64);
             let rim = |t: f64, far: f64| {
                 let p = at(side, eaves * (1.0 - t) + ridge * t, far * z * (1.0 - t));
-                (p, [0.5 + 0.5 * far * (1.0 - t) * if side > 0.0 { -1.0 } else { 1.0 }, t])
+                (
+                    p,
+                    [
+                        0.5 + 0.5 * far * (1.0 - t) * if side > 0.0 { -1.0 } else { 1.0 },
+                        t,
+                    ],
+                )
             };
             let turn = if side > 0.0 { 1.0 } else { -1.0 };
             let mut strip = vec![rim(t0, turn)];
@@ -135,7 +205,14 @@ pub(crate) fn house() -> Mesh {
             if j + 1 < STEPS {
                 strip.push(rim(t1, turn));
             }
-            mesh.polygon(if side > 0.0 { "gable_right" } else { "gable_left" }, &strip);
+            mesh.polygon(
+                if side > 0.0 {
+                    "gable_right"
+                } else {
+                    "gable_left"
+                },
+                &strip,
+            );
         }
     }
     mesh.welded()
@@ -156,7 +233,15 @@ pub(crate) fn twisted_box() -> Mesh {
             (turned(place(s, t)), [s, t])
         };
         for (i, j) in (0..COLUMNS * rows).map(|k| (k % COLUMNS, k / COLUMNS)) {
-            mesh.polygon(name, &[point(i, j), point(i + 1, j), point(i + 1, j + 1), point(i, j + 1)]);
+            mesh.polygon(
+                name,
+                &[
+                    point(i, j),
+                    point(i + 1, j),
+                    point(i + 1, j + 1),
+                    point(i, j + 1),
+                ],
+            );
         }
     };
     let y = |t: f64| 3.0 * t - 1.5;
@@ -165,7 +250,9 @@ pub(crate) fn twisted_box() -> Mesh {
     panel("back", ROWS, &|s, t| DVec3::new(0.5 - s, y(t), -0.5));
     panel("left", ROWS, &|s, t| DVec3::new(-0.5, y(t), s - 0.5));
     panel("top", COLUMNS, &|s, t| DVec3::new(s - 0.5, 1.5, 0.5 - t));
-    panel("bottom", COLUMNS, &|s, t| DVec3::new(s - 0.5, -1.5, t - 0.5));
+    panel("bottom", COLUMNS, &|s, t| {
+        DVec3::new(s - 0.5, -1.5, t - 0.5)
+    });
     mesh.welded()
 }
 
@@ -177,10 +264,18 @@ pub(crate) fn turned(name: &str, profile: &[[f64; 2]]) -> Mesh {
     let point = |i: usize, j: usize| {
         let (sin, cos) = det::sin_cos((i % AROUND) as f64 / AROUND as f64 * core::f64::consts::TAU);
         let [r, h] = profile[j];
-        (DVec3::new(sin * r, h, cos * r), [i as f64 / AROUND as f64, 1.0 - j as f64 / last as f64])
+        (
+            DVec3::new(sin * r, h, cos * r),
+            [i as f64 / AROUND as f64, 1.0 - j as f64 / last as f64],
+        )
     };
     for (j, i) in (0..last * AROUND).map(|k| (k / AROUND, k % AROUND)) {
-        let (a, b, c, d) = (point(i, j), point(i, j + 1), point(i + 1, j + 1), point(i + 1, j));
+        let (a, b, c, d) = (
+            point(i, j),
+            point(i, j + 1),
+            point(i + 1, j + 1),
+            point(i + 1, j),
+        );
         let pole = |p: (DVec3, [f64; 2])| (p.0, [(i as f64 + 0.5) / AROUND as f64, p.1[1]]);
         if profile[j][0] == 0.0 {
             mesh.polygon(name, &[pole(a), b, c]);
@@ -197,13 +292,17 @@ pub(crate) fn turned(name: &str, profile: &[[f64; 2]]) -> Mesh {
 pub(crate) fn cylinder_profile() -> Vec<[f64; 2]> {
     let cap = |h: f64| (0..4).map(move |k| [f64::from(k) / 8.0, h]);
     let side = (0..=8).map(|k| [0.5, 0.5 - f64::from(k) / 8.0]);
-    cap(0.5).chain(side).chain(cap(-0.5).collect::<Vec<_>>().into_iter().rev()).collect()
+    cap(0.5)
+        .chain(side)
+        .chain(cap(-0.5).collect::<Vec<_>>().into_iter().rev())
+        .collect()
 }
 
 /// Profile of the unit cone: from the apex down, and the base.
 pub(crate) fn cone_profile() -> Vec<[f64; 2]> {
     let side = (0..=8).map(|k| [f64::from(k) / 16.0, 0.5 - f64::from(k) / 8.0]);
-    side.chain((0..4).rev().map(|k| [f64::from(k) / 8.0, -0.5])).collect()
+    side.chain((0..4).rev().map(|k| [f64::from(k) / 8.0, -0.5]))
+        .collect()
 }
 
 /// Profile of the unit ball.
@@ -251,9 +350,21 @@ mod tests {
             ("cube", cube(), 1.0),
             ("house", house(), 2.0 * 1.5 * 1.0 + 0.5 * 1.5 * 0.75 * 2.0),
             ("twisted box", twisted_box(), 3.0),
-            ("cylinder", turned("c", &cylinder_profile()), core::f64::consts::PI / 4.0),
-            ("cone", turned("c", &cone_profile()), core::f64::consts::PI / 12.0),
-            ("ball", turned("b", &ball_profile()), core::f64::consts::PI / 6.0),
+            (
+                "cylinder",
+                turned("c", &cylinder_profile()),
+                core::f64::consts::PI / 4.0,
+            ),
+            (
+                "cone",
+                turned("c", &cone_profile()),
+                core::f64::consts::PI / 12.0,
+            ),
+            (
+                "ball",
+                turned("b", &ball_profile()),
+                core::f64::consts::PI / 6.0,
+            ),
         ];
         for (name, mesh, expected) in solids {
             let mut edges: BTreeMap<(usize, usize), u32> = BTreeMap::new();
@@ -268,9 +379,15 @@ mod tests {
                     volume += a.dot(b.cross(c)) / 6.0;
                 }
             }
-            let open = edges.iter().filter(|((a, b), n)| **n != 1 || !edges.contains_key(&(*b, *a))).count();
+            let open = edges
+                .iter()
+                .filter(|((a, b), n)| **n != 1 || !edges.contains_key(&(*b, *a)))
+                .count();
             assert_eq!(open, 0, "{name}: edges not used once each way");
-            assert!((volume / expected - 1.0).abs() < 0.03, "{name}: volume {volume}, expected {expected}");
+            assert!(
+                (volume / expected - 1.0).abs() < 0.03,
+                "{name}: volume {volume}, expected {expected}"
+            );
         }
     }
 }

@@ -276,9 +276,16 @@ fn samples_have_the_plain_bits_and_leave_no_crack() {
                 for offset in SAMPLES_4 {
                     plain.visible_sample(tile, offset, &NoAlphaTest, &mut expected);
                     fast.visible_sample(tile, offset, &NoAlphaTest, &mut found);
-                    assert!(found.slot == expected.slot, "seed {seed}, {name}, tile {tile}: other fragments");
-                    let bits = |b: &TileBlocks| b.depth.iter().map(|d| d.to_bits()).collect::<Vec<_>>();
-                    assert!(bits(&found) == bits(&expected), "seed {seed}, {name}, tile {tile}: other depth");
+                    assert!(
+                        found.slot == expected.slot,
+                        "seed {seed}, {name}, tile {tile}: other fragments"
+                    );
+                    let bits =
+                        |b: &TileBlocks| b.depth.iter().map(|d| d.to_bits()).collect::<Vec<_>>();
+                    assert!(
+                        bits(&found) == bits(&expected),
+                        "seed {seed}, {name}, tile {tile}: other depth"
+                    );
                     seen += found.slot.iter().filter(|&&s| s != NONE).count();
                 }
             }
@@ -292,7 +299,8 @@ fn samples_have_the_plain_bits_and_leave_no_crack() {
         *p = [p[0] * 1.1, p[1] * 1.1, 0.5];
     }
     let draw = mesh.draw(DMat4::IDENTITY);
-    let prepared = Prepared::with_samples(target, &[draw], texmap_math::Level::new(), 1).expect("valid");
+    let prepared =
+        Prepared::with_samples(target, &[draw], texmap_math::Level::new(), 1).expect("valid");
     let mut blocks = TileBlocks::new();
     for offset in SAMPLES_4 {
         prepared.visible_sample(0, offset, &NoAlphaTest, &mut blocks);
