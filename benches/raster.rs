@@ -134,7 +134,7 @@ fn atlas(c: &mut Criterion) {
             "centres"
         };
         group.bench_function(name, |b| {
-            b.iter(|| black_box(Atlas::new(size, &mesh, options).expect("valid")))
+            b.iter(|| black_box(Atlas::new(size, &mesh, options).expect("valid")));
         });
     }
     group.finish();

@@ -47,11 +47,11 @@ fn slices(c: &mut Criterion) {
         });
     });
     group.bench_function("sphere", |b| {
-        b.iter(|| sphere_slice(Level::new(), black_box(&vectors), Origin::TopLeft, &mut out))
+        b.iter(|| sphere_slice(Level::new(), black_box(&vectors), Origin::TopLeft, &mut out));
     });
     assert!(out.as_flattened().iter().all(|c| (0.0..=1.0).contains(c)));
     group.bench_function("cylinder", |b| {
-        b.iter(|| cylinder_slice(Level::new(), black_box(&vectors), Origin::TopLeft, &mut out))
+        b.iter(|| cylinder_slice(Level::new(), black_box(&vectors), Origin::TopLeft, &mut out));
     });
     group.finish();
 }
@@ -85,7 +85,7 @@ fn meshes(c: &mut Criterion) {
             (0, 0, 0, 1)
         );
         group.bench_with_input(BenchmarkId::new("report", triangles), &mesh, |b, mesh| {
-            b.iter(|| report(mesh, &set, &options))
+            b.iter(|| report(mesh, &set, &options));
         });
     }
     group.finish();

@@ -146,7 +146,10 @@ fn square(mesh: &Mesh<'_>) -> Frame {
 }
 
 /// Positions and triangles of an OBJ, its materials joined.
-fn read(path: &Path) -> Result<(Vec<[f32; 3]>, Faces), Box<dyn Error>> {
+/// Positions and faces of a model.
+type Model = (Vec<[f32; 3]>, Faces);
+
+fn read(path: &Path) -> Result<Model, Box<dyn Error>> {
     let scene = load_obj(path, &LoadOptions::default())?;
     let (mut positions, mut triangles) = (Vec::new(), Vec::new());
     for mesh in &scene.meshes {

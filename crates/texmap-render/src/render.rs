@@ -291,7 +291,7 @@ fn nothing_drawn(stats: &Stats, scene: &Scene) -> String {
         "no mesh has a triangle".to_owned()
     } else if stats.triangles_culled == submitted {
         format!(
-            "all {submitted} triangles lie behind the eye, outside of the view, or face away and are culled"
+            "all {submitted} triangles lie behind the eye, outside of the view or between pixel centres, or face away and are culled"
         )
     } else if stats.triangles_non_finite == submitted {
         format!("all {submitted} triangles overflow in their transform")

@@ -68,7 +68,7 @@ pub(crate) fn build(base: Chain<'_>, reduce: Reduce) -> Chain<'static> {
         };
         match reduce {
             Reduce::Mean | Reduce::Volume => {
-                reduced.iter().for_each(|&c| format.push(&mut words, c))
+                reduced.iter().for_each(|&c| format.push(&mut words, c));
             }
             Reduce::Normals => {
                 reduced
@@ -184,9 +184,9 @@ fn coverage_scale(texels: &[[f32; 4]], share: f64, threshold: f32) -> f32 {
     for _ in 0..20 {
         let middle = 0.5 * (low + high);
         if coverage(texels, threshold, middle) < share {
-            low = middle
+            low = middle;
         } else {
-            high = middle
+            high = middle;
         }
     }
     high

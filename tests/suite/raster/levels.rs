@@ -31,7 +31,7 @@ impl RandomScene {
                 rng.range(-1.0, 1.0),
                 rng.range(0.0, 3.0),
             ];
-            let bad = rng.bits() % 4 == 0;
+            let bad = rng.bits().is_multiple_of(4);
             for p in &mut mesh.positions {
                 let [x, y] = [f64::from(p[0]) * scale, f64::from(p[1]) * scale];
                 *p = [
@@ -39,7 +39,7 @@ impl RandomScene {
                     (y - turn * x + shift[1]) as f32,
                     (shift[2] + tilt * y) as f32,
                 ];
-                if bad && rng.bits() % 50 == 0 {
+                if bad && rng.bits().is_multiple_of(50) {
                     p[rng.bits() as usize % 3] =
                         [f32::NAN, f32::INFINITY, 1e30, -1e30][rng.bits() as usize % 4];
                 }
@@ -51,7 +51,7 @@ impl RandomScene {
                 } else {
                     0.5
                 };
-                if bad && rng.bits() % 90 == 0 {
+                if bad && rng.bits().is_multiple_of(90) {
                     *v = f32::NAN;
                 }
             }
@@ -172,7 +172,7 @@ fn forward_blocks_are_the_blended_fragments() {
                 let tile = plain.tile(index);
                 let mut expected = Vec::new();
                 plain.blended(index, &TileBuffers::new(), &mut |id, x, y| {
-                    expected.push((id, x, y))
+                    expected.push((id, x, y));
                 });
                 let mut found = Vec::new();
                 let (mut slots, mut blocks) = (Vec::new(), TileBlocks::new());

@@ -136,8 +136,8 @@ fn gouraud_is_screen_linear() {
             reference::perspective(&clip, u, target, px, py),
             reference::affine(&clip, u, target, px, py),
         ];
-        for k in 0..2 {
-            assert!((f64::from(f.values[k]) - truth[k].expect("seen")).abs() < 1e-6);
+        for (value, truth) in f.values.into_iter().zip(truth) {
+            assert!((f64::from(value) - truth.expect("seen")).abs() < 1e-6);
         }
         largest = largest.max(f64::from((f.values[0] - f.values[1]).abs()));
     });

@@ -253,7 +253,7 @@ fn hostile_meshes() {
         let vertices = 3 + rng.bits() % 6;
         for _ in 0..vertices {
             let mut value = || {
-                if rng.bits() % 8 == 0 {
+                if rng.bits().is_multiple_of(8) {
                     special[rng.bits() as usize % special.len()]
                 } else {
                     (rng.range(-1.0, 1.0) * rng.log_range(1e-6, 1e6)) as f32

@@ -65,7 +65,7 @@ pub(crate) fn hits(size: TargetSize, draws: &[Draw<'_>]) -> Vec<u32> {
     let mut count = vec![0; (size.width() * size.height()) as usize];
     for tile in 0..prepared.tiles() {
         prepared.blended(tile, &buffers, &mut |_, x, y| {
-            count[(y * size.width() + x) as usize] += 1
+            count[(y * size.width() + x) as usize] += 1;
         });
     }
     count
