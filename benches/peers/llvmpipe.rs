@@ -1,5 +1,10 @@
 //! Mesa's software OpenGL, headless: EGL "surfaceless" and GL 3.3 core, loaded at run time.
 
+#![allow(
+    clippy::undocumented_unsafe_blocks,
+    reason = "the unsafe functions share one contract, stated in Llvmpipe::open"
+)]
+
 use glow::HasContext as _;
 use khronos_egl as egl;
 use texmap_lab::bench_scenes::{

@@ -9,6 +9,8 @@
 //! pictures are compared before any time is: a row whose pictures differ by more than 1 of 255 on
 //! more than 1 % of the values is void.
 
+#![allow(clippy::print_stdout, reason = "the rows are the output")]
+
 mod llvmpipe;
 mod texmap;
 

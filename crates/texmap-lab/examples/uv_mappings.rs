@@ -145,10 +145,10 @@ fn square(mesh: &Mesh<'_>) -> Frame {
     Frame::upright((low + high) * 0.5, DVec3::splat((high - low).max_element()))
 }
 
-/// Positions and triangles of an OBJ, its materials joined.
 /// Positions and faces of a model.
 type Model = (Vec<[f32; 3]>, Faces);
 
+/// Positions and triangles of an OBJ, its materials joined.
 fn read(path: &Path) -> Result<Model, Box<dyn Error>> {
     let scene = load_obj(path, &LoadOptions::default())?;
     let (mut positions, mut triangles) = (Vec::new(), Vec::new());

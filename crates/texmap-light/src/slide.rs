@@ -225,7 +225,7 @@ mod tests {
             );
         });
         check(SlideBorder::Repeat, 0.0, |at| {
-            assert_eq!(at([3.0, 0.0, -2.0]), RED)
+            assert_eq!(at([3.0, 0.0, -2.0]), RED);
         });
     }
 

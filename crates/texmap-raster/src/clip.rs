@@ -223,9 +223,9 @@ mod tests {
                 w: next() * 10.0,
             };
             let (a, b, c, d) = (vertex(), vertex(), vertex(), vertex());
-            let on_edge = |polygon: &Polygon, other: usize| -> alloc::vec::Vec<[u64; 4]> {
+            let on_edge = |polygon: &Polygon, other: usize| -> Vec<[u64; 4]> {
                 let corners = polygon.corners().iter().filter(|k| k.weights[other] == 0.0);
-                let mut bits: alloc::vec::Vec<_> = corners
+                let mut bits: Vec<_> = corners
                     .map(|k| [k.at.x, k.at.y, k.at.z, k.at.w].map(f64::to_bits))
                     .collect();
                 bits.sort_unstable();

@@ -53,7 +53,7 @@ fn errors_are_those_of_the_table_and_rank_the_charts() {
         let mut errors = Vec::new();
         for (chart, row) in TABLE {
             let error = rmse(&environment(chart, &waves), &waves, 20_000);
-            println!("{chart:?} F {frequency}: {error:.4}, table {}", row[column]);
+            eprintln!("{chart:?} F {frequency}: {error:.4}, table {}", row[column]);
             errors.push(error);
             // The figure of a sphere map depends on what fills its corners.
             let bound = if chart == Chart::SphereMap { 0.5 } else { 0.15 };
@@ -87,7 +87,7 @@ fn near_edges() -> impl Iterator<Item = DVec3> {
             d[2] = 1.0 + 2e-3 * (noise.next() - 0.5);
         }
         d.rotate_right(i % 3);
-        let side = |x: f64, bit: usize| if i / 12 >> bit & 1 == 0 { x } else { -x };
+        let side = |x: f64, bit: usize| if ((i / 12) >> bit) & 1 == 0 { x } else { -x };
         DVec3::new(side(d[0], 0), side(d[1], 1), side(d[2], 2)).normalize()
     })
 }
@@ -118,7 +118,7 @@ fn cube_edges_and_corners_are_seamless() {
     };
     let bordered = worst(&|d| f64::from(cube.light(narrow(d))[0]));
     let naive = worst(&|d| clamped(&cube, d));
-    println!("at the edges: border {bordered:.4}, clamp {naive:.4}");
+    eprintln!("at the edges: border {bordered:.4}, clamp {naive:.4}");
     assert!(bordered <= 1.1 * 0.023, "{bordered}");
     assert!(naive > 3.0 * bordered, "{naive}");
 }
