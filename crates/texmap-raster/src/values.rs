@@ -129,7 +129,7 @@ impl TilePlanes {
         }
     }
 
-    /// Pixel by pixel, from set-ups that [`Prepared::planes`] keeps for every slot where there are no lanes.
+    /// The scalar twin of [`pair_lanes`](Self::pair_lanes), pixel by pixel.
     fn pair_plain(
         &self,
         blocks: &TileBlocks,
@@ -146,17 +146,45 @@ impl TilePlanes {
                     .copied()
                     .unwrap_or(NONE);
                 let (x, y) = pixel_of(at.block as usize, bit as u32);
+                let place = i * LANES + bit;
                 if let Some(setup) = self.odd_setup(slot) {
                     setup.evaluate(self.corner[0] + x, self.corner[1] + y, &mut fragment);
-                    let place = i * LANES + bit;
                     out.inv_w[place] = fragment.inv_w;
                     for (k, &from) in wanted.iter().enumerate() {
                         out.value[k][place] = fragment.values[from];
                         out.ddx[k][place] = fragment.ddx[from];
                         out.ddy[k][place] = fragment.ddy[from];
                     }
+                } else {
+                    self.pixel(slot, [x, y], wanted, place, out);
                 }
             }
+        }
+    }
+
+    /// One pixel of a slot that f32 planes serve.
+    fn pixel(&self, slot: u32, at: [u32; 2], wanted: [usize; 2], place: usize, out: &mut PairRun) {
+        let [px, py] = at.map(|v| (v as i32 - TILE as i32 / 2) as f32 + 0.5);
+        let plane = |k: usize| -> [f32; COEFFICIENTS] {
+            core::array::from_fn(|c| {
+                let word = self.start_of(slot) + (k * COEFFICIENTS + c) * LANES;
+                self.words.get(word).copied().unwrap_or(0.0)
+            })
+        };
+        let clamp = |v: f32, lo: f32, hi: f32| {
+            let v = if v > lo { v } else { lo };
+            if v < hi { v } else { hi }
+        };
+        let [wa, wb, wc, lo, hi] = plane(0);
+        let w = clamp((wc + wb * py) + wa * px, lo, hi);
+        let r = 1.0 / w;
+        out.inv_w[place] = w;
+        for (k, &from) in wanted.iter().enumerate() {
+            let [a, b, c, lo, hi] = plane(1 + from);
+            let u = clamp(((c + b * py) + a * px) * r, lo, hi);
+            out.value[k][place] = u;
+            out.ddx[k][place] = (a - u * wa) * r;
+            out.ddy[k][place] = (b - u * wb) * r;
         }
     }
 
