@@ -6,6 +6,8 @@
 //! pixels times triangles in the worst case. The interpolation that a material names is not followed: the
 //! truth is perspective.
 
+pub mod rays;
+mod solids;
 mod surface;
 
 use texmap_math::det;
