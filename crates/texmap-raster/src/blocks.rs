@@ -29,6 +29,8 @@ pub struct TileBlocks {
     pub slot: Vec<u32>,
     /// The id of each slot, [`NONE`] for slots that are not used.
     pub ids: Vec<u32>,
+    /// The draw of each sixteen slots: slot k belongs to draw `draws[k / 16]`.
+    pub draws: Vec<u32>,
     group: Group,
 }
 
@@ -38,6 +40,7 @@ impl Default for TileBlocks {
             depth: alloc::vec![0.0; PIXELS],
             slot: alloc::vec![NONE; PIXELS],
             ids: Vec::new(),
+            draws: Vec::new(),
             group: Group::default(),
         }
     }
@@ -56,6 +59,7 @@ impl TileBlocks {
             depth: Vec::new(),
             slot: Vec::new(),
             ids: Vec::new(),
+            draws: Vec::new(),
             group: Group::default(),
         }
     }
@@ -117,10 +121,12 @@ impl Prepared<'_> {
 
     fn name_slots(&self, tile: usize, out: &mut TileBlocks) {
         out.ids.clear();
+        out.draws.clear();
         let mut runs = Runs::new(self, tile);
         while let Some(run) = runs.next() {
             out.ids.extend_from_slice(run.ids);
             out.ids.resize(run.first_slot + LANES, NONE);
+            out.draws.push(run.draw as u32);
         }
     }
 

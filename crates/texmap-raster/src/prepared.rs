@@ -272,6 +272,12 @@ impl<'a> Prepared<'a> {
         TriangleSetup::new(&shape, tile_x, tile_y)
     }
 
+    /// Whether the viewer sees the front of an id's triangle.
+    #[must_use]
+    pub fn is_front(&self, id: u32) -> bool {
+        self.shape(id).0.front
+    }
+
     /// Id of a draw's first triangle.
     pub(crate) fn first(&self, draw: usize) -> u32 {
         self.first[draw]

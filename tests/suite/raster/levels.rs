@@ -1,8 +1,8 @@
 //! The fast path gives the bits of the plain one, on every SIMD level and with any number of threads.
 use texmap_math::glam::DMat4;
 use texmap_raster::{
-    BlockMask, Cull, DepthTest, Draw, Fragment, Interp, NONE, NoAlphaTest, PairRun, Pass, Prepared,
-    SAMPLES_4, TargetSize, TileBlocks, TileBuffers, TilePlanes,
+    Cull, DepthTest, Draw, Fragment, Interp, NONE, NoAlphaTest, Pass, Prepared, RunBlock,
+    RunValues, SAMPLES_4, TargetSize, TileBlocks, TileBuffers, TilePlanes,
 };
 use texmap_tests::levels::levels;
 
@@ -212,23 +212,41 @@ fn runs_of_blocks_have_the_bits_of_single_pixels() {
         for (name, level) in levels() {
             let prepared = Prepared::with_level(scene.target, &draws, level, 1).expect("valid");
             let (mut blocks, mut planes, mut run) =
-                (TileBlocks::new(), TilePlanes::new(), PairRun::default());
+                (TileBlocks::new(), TilePlanes::new(), RunValues::default());
             let mut fragment = Fragment::default();
             for index in 0..prepared.tiles() {
                 let tile = prepared.tile(index);
                 prepared.visible_blocks(index, &NoAlphaTest, &mut blocks);
                 prepared.planes(index, &mut planes);
-                let seen: Vec<_> = (0..256_u16)
-                    .map(|block| BlockMask {
+                // Blocks of the nearest fragments, and once more the pixels of each block's first fragment alone.
+                let mut seen = Vec::new();
+                for block in 0..256_u16 {
+                    let slots = &blocks.slot[block as usize * 16..][..16];
+                    let mask = |wanted: &dyn Fn(u32) -> bool| {
+                        (0..16)
+                            .filter(|&bit| wanted(slots[bit]))
+                            .fold(0, |mask, bit| mask | 1 << bit)
+                    };
+                    let at = RunBlock {
                         block,
-                        mask: (0..16)
-                            .filter(|&bit| blocks.slot[block as usize * 16 + bit] != NONE)
-                            .fold(0, |mask, bit| mask | 1 << bit),
-                    })
-                    .filter(|b| b.mask != 0)
-                    .collect();
-                for chunk in seen.chunks(16) {
-                    planes.pair(level, &blocks, chunk, [1, 0], &mut run);
+                        mask: mask(&|slot| slot != NONE),
+                        slot: NONE,
+                    };
+                    if at.mask != 0 {
+                        let first = slots[at.mask.trailing_zeros() as usize];
+                        seen.push(at);
+                        seen.push(RunBlock {
+                            block,
+                            mask: mask(&|slot| slot == first),
+                            slot: first,
+                        });
+                    }
+                }
+                for (chunk, wanted) in seen
+                    .chunks(16)
+                    .zip([&[1, 0][..], &[0], &[1, 0, 1], &[]].into_iter().cycle())
+                {
+                    planes.values(level, &blocks, chunk, wanted, true, &mut run);
                     for (i, at) in chunk.iter().enumerate() {
                         for bit in (0..16).filter(|bit| at.mask >> bit & 1 == 1) {
                             let (block, place) = (u32::from(at.block), i * 16 + bit);
@@ -236,21 +254,38 @@ fn runs_of_blocks_have_the_bits_of_single_pixels() {
                             let y = tile.y0 + block / 16 * 4 + bit as u32 / 4;
                             let id = blocks.ids[blocks.slot[block as usize * 16 + bit] as usize];
                             prepared.evaluate(id, x, y, &mut fragment);
-                            let found = [
-                                run.inv_w[place],
-                                run.value[0][place],
-                                run.value[1][place],
-                                run.ddx[1][place],
-                                run.ddy[0][place],
-                            ];
-                            let f = &fragment;
-                            let expected = [f.inv_w, f.values[1], f.values[0], f.ddx[0], f.ddy[1]];
+                            let mut found = vec![run.inv_w[place]];
+                            let mut expected = vec![fragment.inv_w];
+                            for (column, &k) in run.columns.iter().zip(wanted) {
+                                let d = [column.ddx[place], column.ddy[place]];
+                                found.extend([column.value[place], d[0], d[1]]);
+                                let d = [fragment.ddx[k], fragment.ddy[k]];
+                                expected.extend([fragment.values[k], d[0], d[1]]);
+                            }
+                            let bits =
+                                |v: &[f32]| v.iter().map(|v| v.to_bits()).collect::<Vec<_>>();
                             assert_eq!(
-                                found.map(f32::to_bits),
-                                expected.map(f32::to_bits),
+                                bits(&found),
+                                bits(&expected),
                                 "seed {seed}, {name}, {x} {y}: {found:?} {expected:?}"
                             );
                             count += 1;
+                        }
+                    }
+                    let all = run.clone();
+                    planes.values(level, &blocks, chunk, wanted, false, &mut run);
+                    for (i, at) in chunk.iter().enumerate() {
+                        for place in (0..16)
+                            .filter(|bit| at.mask >> bit & 1 == 1)
+                            .map(|bit| i * 16 + bit)
+                        {
+                            assert_eq!(run.inv_w[place].to_bits(), all.inv_w[place].to_bits());
+                            for k in 0..wanted.len() {
+                                assert_eq!(
+                                    run.columns[k].value[place].to_bits(),
+                                    all.columns[k].value[place].to_bits()
+                                );
+                            }
                         }
                     }
                 }

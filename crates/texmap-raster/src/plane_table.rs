@@ -1,0 +1,257 @@
+//! Attribute planes of a tile's triangles, set up sixteen at a time.
+use alloc::vec::Vec;
+
+use texmap_math::fearless_simd::{Simd, f32x16, f64x8, mask64x8, prelude::*};
+use texmap_math::lanes::{LANES, Words, gather};
+
+use crate::blocks::Runs;
+use crate::dispatch::on_level;
+use crate::group::{Ids, extent_x8, hull_x16, solve_x16};
+use crate::setup::{LARGEST, Ranged, SMALLEST, TILE, TriangleSetup, W_RATIO, origin};
+use crate::visible::NONE;
+use crate::{Interp, MAX_ATTRIBUTES, Prepared};
+
+/// Coefficients of a plane with its hull: a, b, c, lo, hi.
+pub(crate) const COEFFICIENTS: usize = 5;
+
+/// Planes of 1/w and of every attribute for each slot of a tile (see [`TileBlocks::slot`](crate::TileBlocks)),
+/// coefficient by coefficient in groups of sixteen slots.
+#[derive(Debug, Clone, Default)]
+pub struct TilePlanes {
+    pub(crate) words: Vec<f32>,
+    /// Coefficients a group.
+    pub(crate) per_group: usize,
+    /// Slots that f32 planes cannot serve, by the index of their set-up; [`NONE`] for the others.
+    odd: Vec<u32>,
+    pub(crate) setups: Vec<TriangleSetup>,
+    /// The tile's corner.
+    pub(crate) corner: [u32; 2],
+}
+
+impl TilePlanes {
+    /// Without planes.
+    #[must_use]
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Where the coefficients of a slot begin; each is [`LANES`] words from the one before.
+    #[inline(always)]
+    pub(crate) fn start_of(&self, slot: u32) -> usize {
+        (slot as usize / LANES) * self.per_group * LANES + slot as usize % LANES
+    }
+
+    /// The set-up of a slot that f32 planes cannot serve.
+    pub(crate) fn odd_setup(&self, slot: u32) -> Option<&TriangleSetup> {
+        let index = *self.odd.get(slot as usize)?;
+        self.setups.get(index as usize)
+    }
+
+    /// Room for `groups` groups with `attributes` attributes.
+    fn reset(&mut self, groups: usize, attributes: usize, corner: [u32; 2]) {
+        self.per_group = (1 + attributes) * COEFFICIENTS;
+        self.words.clear();
+        self.words.resize(groups * self.per_group * LANES, 0.0);
+        self.odd.clear();
+        self.odd.resize(groups * LANES, NONE);
+        self.setups.clear();
+        self.corner = corner;
+    }
+
+    fn slot_of(&mut self, group: usize, k: usize, c: usize) -> &mut [f32] {
+        let at = (group * self.per_group + k * COEFFICIENTS + c) * LANES;
+        &mut self.words[at..at + LANES]
+    }
+
+    fn set(&mut self, slot: usize, k: usize, plane: &Ranged) {
+        let (group, lane) = (slot / LANES, slot % LANES);
+        for (c, v) in [
+            plane.near[0],
+            plane.near[1],
+            plane.near[2],
+            plane.lo,
+            plane.hi,
+        ]
+        .into_iter()
+        .enumerate()
+        {
+            self.slot_of(group, k, c)[lane] = v;
+        }
+    }
+
+    /// A triangle that came the plain way.
+    fn set_triangle(&mut self, slot: usize, setup: &TriangleSetup) {
+        let (w, attributes) = setup.planes();
+        self.set(slot, 0, w);
+        for (k, plane) in attributes.iter().enumerate() {
+            self.set(slot, 1 + k, plane);
+        }
+        if setup.is_odd() {
+            self.odd[slot] = self.setups.len() as u32;
+            self.setups.push(*setup);
+        }
+    }
+}
+
+impl Prepared<'_> {
+    /// Sets up the attribute planes of every triangle in a tile's bin.
+    pub fn planes(&self, tile: usize, out: &mut TilePlanes) {
+        let bounds = self.tile(tile);
+        let mut runs = Runs::new(self, tile);
+        let (mut groups, mut attributes) = (0, 0);
+        while let Some(run) = runs.next() {
+            groups += 1;
+            attributes = attributes.max(self.draw(run.draw as u32).attribute_count);
+        }
+        out.reset(groups, attributes, [bounds.x0, bounds.y0]);
+        match self.level() {
+            Some(level) => {
+                on_level!(level, s => self.planes_lanes(s, tile, out), else self.planes_plain(tile, out));
+            }
+            None => self.planes_plain(tile, out),
+        }
+    }
+
+    fn planes_plain(&self, tile: usize, out: &mut TilePlanes) {
+        let bounds = self.tile(tile);
+        let mut runs = Runs::new(self, tile);
+        while let Some(run) = runs.next() {
+            for (lane, &id) in run.ids.iter().enumerate() {
+                out.set_triangle(
+                    run.first_slot + lane,
+                    &self.setup(id, bounds.x0 / TILE, bounds.y0 / TILE),
+                );
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn planes_lanes<S: Simd>(&self, s: S, tile: usize, out: &mut TilePlanes) {
+        let bounds = self.tile(tile);
+        let mut runs = Runs::new(self, tile);
+        while let Some(run) = runs.next() {
+            let mut care = (1u32 << run.ids.len()) - 1;
+            if self.is_plain_perspective(run.draw) {
+                let named = Ids::new(run.ids, self.first(run.draw), self.whole());
+                care &= named.pieces
+                    | self.planes_x16(s, run.draw, &named, run.first_slot / LANES, out);
+            }
+            while care != 0 {
+                let lane = care.trailing_zeros() as usize;
+                care &= care - 1;
+                let setup = self.setup(run.ids[lane], bounds.x0 / TILE, bounds.y0 / TILE);
+                out.set_triangle(run.first_slot + lane, &setup);
+            }
+        }
+    }
+
+    /// Draws whose attributes are all exact per pixel.
+    fn is_plain_perspective(&self, draw: usize) -> bool {
+        let d = self.draw(draw as u32);
+        let used = (1u64 << d.attribute_count.min(MAX_ATTRIBUTES)) - 1;
+        d.interp == Interp::Perspective && u64::from(d.screen_linear) & used == 0
+    }
+
+    /// A group in lanes; returns the lanes that need the plain way.
+    #[inline(always)]
+    fn planes_x16<S: Simd>(
+        &self,
+        s: S,
+        draw: usize,
+        ids: &Ids,
+        group: usize,
+        out: &mut TilePlanes,
+    ) -> u32 {
+        let d = self.draw(draw as u32);
+        let n = d.attribute_count;
+        let (Some(arrays), limit) = (self.arrays(draw), i32::MAX as usize) else {
+            return u32::MAX;
+        };
+        let values = Words::new(bytemuck::cast_slice(d.attributes));
+        if (n > 0 && values.is_none()) || d.attributes.len() > limit {
+            return u32::MAX;
+        }
+        let vertex = arrays.corners(s, ids.lanes(s));
+        let middle = origin(out.corner[0] / TILE, out.corner[1] / TILE).map(f64::from);
+        let [low, high] = solve_x16(s, &arrays, &vertex, self.transform(draw), middle);
+        let one = f64x8::splat(s, 1.0);
+        let (low_w, high_w) = (low.plane([one; 3]), high.plane([one; 3]));
+        let hull = hull_x16([
+            s.narrow_f64x8(one / low.w[0], one / high.w[0]),
+            s.narrow_f64x8(one / low.w[1], one / high.w[1]),
+            s.narrow_f64x8(one / low.w[2], one / high.w[2]),
+        ]);
+        let lo = hull.0.widen();
+        let mut fine = [
+            low.solvable & w_is_even(low_w, lo.0),
+            high.solvable & w_is_even(high_w, lo.1),
+        ];
+        fine = store(s, low_w, high_w, hull, fine, group, 0, out);
+        if let Some(values) = values {
+            let n = n as i32;
+            for k in 0..n {
+                let v = [
+                    gather(s, values, (vertex[0] * n + k).bitcast()).bitcast::<f32x16<S>>(),
+                    gather(s, values, (vertex[1] * n + k).bitcast()).bitcast::<f32x16<S>>(),
+                    gather(s, values, (vertex[2] * n + k).bitcast()).bitcast::<f32x16<S>>(),
+                ];
+                let (v0, v1, v2) = (v[0].widen(), v[1].widen(), v[2].widen());
+                let (low_plane, high_plane) = (
+                    low.plane([v0.0, v1.0, v2.0]),
+                    high.plane([v0.1, v1.1, v2.1]),
+                );
+                fine = store(
+                    s,
+                    low_plane,
+                    high_plane,
+                    hull_x16(v),
+                    fine,
+                    group,
+                    1 + k as usize,
+                    out,
+                );
+            }
+        }
+        !((fine[0].to_bitmask() | fine[1].to_bitmask() << 8) as u32)
+    }
+}
+
+/// As [`TriangleSetup`] decides where f32 planes of 1/w will do.
+#[inline(always)]
+fn w_is_even<S: Simd>(plane: [f64x8<S>; 3], lo: f64x8<S>) -> mask64x8<S> {
+    let (largest, smallest) = extent_x8(plane);
+    let lowest = smallest.simd_gt(lo).select(smallest, lo);
+    largest.simd_le(lowest * W_RATIO)
+}
+
+/// Stores a plane with its hull; returns the lanes of `fine` whose values are neither too large nor too small for f32.
+#[inline(always)]
+fn store<S: Simd>(
+    s: S,
+    low: [f64x8<S>; 3],
+    high: [f64x8<S>; 3],
+    hull: (f32x16<S>, f32x16<S>),
+    fine: [mask64x8<S>; 2],
+    group: usize,
+    k: usize,
+    out: &mut TilePlanes,
+) -> [mask64x8<S>; 2] {
+    for c in 0..3 {
+        s.narrow_f64x8(low[c], high[c])
+            .store_slice(out.slot_of(group, k, c));
+    }
+    hull.0.store_slice(out.slot_of(group, k, 3));
+    hull.1.store_slice(out.slot_of(group, k, 4));
+    let (lo, hi) = (hull.0.abs(), hull.1.abs());
+    let size = lo.simd_gt(hi).select(lo, hi).widen();
+    [
+        fine[0] & is_moderate(low, size.0),
+        fine[1] & is_moderate(high, size.1),
+    ]
+}
+
+#[inline(always)]
+fn is_moderate<S: Simd>(plane: [f64x8<S>; 3], size: f64x8<S>) -> mask64x8<S> {
+    let in_range = size.simd_eq(0.0) | (size.simd_ge(SMALLEST) & size.simd_le(LARGEST));
+    in_range & extent_x8(plane).0.simd_le(LARGEST)
+}

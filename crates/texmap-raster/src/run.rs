@@ -1,0 +1,467 @@
+//! Values over a run of pixels: attributes, their derivatives and 1/w, sixteen pixels at a time.
+use alloc::vec::Vec;
+
+use texmap_math::Level;
+use texmap_math::fearless_simd::{Simd, f32x16, f64x8, mask32x16, prelude::*, u32x16};
+use texmap_math::lanes::{LANES, Words, clamp, clamp_scalar, gather};
+
+use crate::blocks::{TileBlocks, pixel_of};
+use crate::dispatch::on_level;
+use crate::plane_table::{COEFFICIENTS, TilePlanes};
+use crate::setup::{Fragment, Ranged, TILE, TriangleSetup};
+use crate::visible::NONE;
+
+/// Pixels a run holds at most.
+pub const RUN: usize = 256;
+
+/// Room of a run's arrays: their distance in memory is no multiple of 4096 bytes, or stores to one would stall loads of another.
+pub const RUN_ROOM: usize = RUN + 16;
+
+/// One block of a run: which 4x4 block of the tile and which of its pixels.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct RunBlock {
+    /// Block, row by row in the tile.
+    pub block: u16,
+    /// Bit per pixel, row by row in the block.
+    pub mask: u16,
+    /// The slot of all pixels, or [`NONE`]: each pixel's own, as the tile's blocks have it.
+    pub slot: u32,
+}
+
+/// Attributes over a run of up to sixteen blocks: sixteen pixels a block, in the order of the run.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RunValues {
+    /// 1 / clip w.
+    pub inv_w: [f32; RUN_ROOM],
+    /// What was asked for, in that order.
+    pub columns: Vec<Column>,
+}
+
+/// One attribute over a run.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Column {
+    /// Values.
+    pub value: [f32; RUN_ROOM],
+    /// Change per pixel to the right.
+    pub ddx: [f32; RUN_ROOM],
+    /// Change per pixel down.
+    pub ddy: [f32; RUN_ROOM],
+}
+
+impl Default for RunValues {
+    fn default() -> Self {
+        Self {
+            inv_w: [0.0; RUN_ROOM],
+            columns: Vec::new(),
+        }
+    }
+}
+
+impl Column {
+    const ZERO: Self = Self {
+        value: [0.0; RUN_ROOM],
+        ddx: [0.0; RUN_ROOM],
+        ddy: [0.0; RUN_ROOM],
+    };
+}
+
+impl TilePlanes {
+    /// Attributes `wanted` over up to sixteen blocks; pixels outside the masks hold no meaning. The bits are those of
+    /// [`Prepared::evaluate`](crate::Prepared::evaluate), at every level. Without `derivatives` these keep what they held.
+    pub fn values(
+        &self,
+        level: Level,
+        blocks: &TileBlocks,
+        run: &[RunBlock],
+        wanted: &[usize],
+        derivatives: bool,
+        out: &mut RunValues,
+    ) {
+        if out.columns.len() < wanted.len() {
+            out.columns.resize(wanted.len(), Column::ZERO);
+        }
+        let run = &run[..run.len().min(RUN / LANES)];
+        on_level!(
+            level,
+            s => if derivatives {
+                self.all_lanes::<_, true>(s, blocks, run, wanted, out);
+            } else {
+                self.all_lanes::<_, false>(s, blocks, run, wanted, out);
+            },
+            else self.plain(blocks, run, wanted, out)
+        );
+    }
+
+    /// Two attributes at a time.
+    #[inline(always)]
+    fn all_lanes<S: Simd, const D: bool>(
+        &self,
+        s: S,
+        blocks: &TileBlocks,
+        run: &[RunBlock],
+        wanted: &[usize],
+        out: &mut RunValues,
+    ) {
+        let RunValues { inv_w, columns } = out;
+        let mut columns = columns.chunks_exact_mut(2);
+        let mut pairs = wanted.chunks_exact(2);
+        for pair in &mut pairs {
+            if let Some([a, b]) = columns.next() {
+                self.lanes::<S, 2, D>(s, blocks, run, [pair[0], pair[1]], inv_w, [a, b]);
+            }
+        }
+        match (pairs.remainder(), columns.next(), columns.into_remainder()) {
+            ([k], Some([last, ..]), _) | ([k], None, [last]) => {
+                self.lanes::<S, 1, D>(s, blocks, run, [*k], inv_w, [last]);
+            }
+            _ if wanted.is_empty() => self.lanes::<S, 0, D>(s, blocks, run, [], inv_w, []),
+            _ => {}
+        }
+    }
+
+    #[inline(always)]
+    fn lanes<S: Simd, const N: usize, const D: bool>(
+        &self,
+        s: S,
+        blocks: &TileBlocks,
+        run: &[RunBlock],
+        wanted: [usize; N],
+        inv_w: &mut [f32; RUN_ROOM],
+        mut columns: [&mut Column; N],
+    ) {
+        let Some(words) = Words::new(bytemuck::cast_slice(&self.words)) else {
+            return;
+        };
+        let mut spread = Planes::zero(s);
+        let mut spread_slot = NONE;
+        for (i, &at) in run.iter().enumerate() {
+            if at.mask == 0 {
+                continue;
+            }
+            let place = i * LANES;
+            let (px, py) = centres(s, at.block);
+            let (slots, first, one) = self.slots_of(s, blocks, at);
+            if one {
+                if first != spread_slot {
+                    spread = self.one(s, first, &wanted);
+                    spread_slot = first;
+                }
+                spread.store::<D>(s, px, py, place, inv_w, &mut columns);
+            } else {
+                let planes = self.many(s, words, slots, &wanted);
+                planes.store::<D>(s, px, py, place, inv_w, &mut columns);
+            }
+            if !self.setups.is_empty() {
+                self.mend(s, slots, at, one, place, &wanted, inv_w, &mut columns);
+            }
+        }
+    }
+
+    /// The slots of a block's lanes, that of its first pixel, and whether all are that one. Lanes outside the mask take the first
+    /// pixel's.
+    #[inline(always)]
+    fn slots_of<S: Simd>(&self, s: S, blocks: &TileBlocks, at: RunBlock) -> (u32x16<S>, u32, bool) {
+        if at.slot != NONE {
+            return (u32x16::splat(s, at.slot), at.slot, true);
+        }
+        let start = at.block as usize * LANES;
+        let Some(slots) = blocks
+            .slot
+            .get(start..)
+            .and_then(|slots| slots.first_chunk::<LANES>())
+        else {
+            return (u32x16::splat(s, 0), 0, true);
+        };
+        let first = slots[at.mask.trailing_zeros() as usize & 15];
+        let asked = mask32x16::from_bitmask(s, u64::from(at.mask));
+        let mine = asked.select(u32x16::from_slice(s, slots), u32x16::splat(s, first));
+        (mine, first, mine.simd_eq(first).all_true())
+    }
+
+    /// The planes of one slot in every lane.
+    #[inline(always)]
+    fn one<S: Simd, const N: usize>(&self, s: S, slot: u32, wanted: &[usize; N]) -> Planes<S, N> {
+        let start = self.start_of(slot);
+        let plane = |k: usize| {
+            let word = |c: usize| {
+                let at = start + (k * COEFFICIENTS + c) * LANES;
+                f32x16::splat(s, self.words.get(at).copied().unwrap_or(0.0))
+            };
+            [word(0), word(1), word(2), word(3), word(4)]
+        };
+        Planes {
+            w: plane(0),
+            attribute: wanted.map(|k| plane(1 + k)),
+        }
+    }
+
+    /// The planes of each lane's own slot.
+    #[inline(always)]
+    fn many<S: Simd, const N: usize>(
+        &self,
+        s: S,
+        words: Words<'_>,
+        slots: u32x16<S>,
+        wanted: &[usize; N],
+    ) -> Planes<S, N> {
+        let start = (slots >> 4) * (self.per_group * LANES) as u32 + (slots & 15);
+        let mut planes = Planes::zero(s);
+        for (c, word) in planes.w.iter_mut().enumerate() {
+            *word = gather(s, words, start + (c * LANES) as u32).bitcast();
+        }
+        for (plane, &k) in planes.attribute.iter_mut().zip(wanted) {
+            for (c, word) in plane.iter_mut().enumerate() {
+                let at = ((1 + k) * COEFFICIENTS + c) * LANES;
+                *word = gather(s, words, start + at as u32).bitcast();
+            }
+        }
+        planes
+    }
+
+    /// Replaces the values of slots that f32 planes cannot serve.
+    #[inline(always)]
+    fn mend<S: Simd, const N: usize>(
+        &self,
+        s: S,
+        slots: u32x16<S>,
+        at: RunBlock,
+        one: bool,
+        place: usize,
+        wanted: &[usize; N],
+        inv_w: &mut [f32; RUN_ROOM],
+        columns: &mut [&mut Column; N],
+    ) {
+        if one {
+            match self.odd_setup(slots[0]) {
+                None => return,
+                Some(setup) if setup.is_wide_perspective() => {
+                    return wide(s, setup, at.block, place, wanted, inv_w, columns);
+                }
+                Some(_) => {}
+            }
+        }
+        let mut lanes = [0; LANES];
+        slots.store_slice(&mut lanes);
+        for (bit, &slot) in lanes.iter().enumerate() {
+            if at.mask >> bit & 1 == 1
+                && let Some(setup) = self.odd_setup(slot)
+            {
+                self.evaluate(setup, at.block, bit, place + bit, wanted, inv_w, columns);
+            }
+        }
+    }
+
+    /// One pixel by its triangle's full set-up.
+    fn evaluate(
+        &self,
+        setup: &TriangleSetup,
+        block: u16,
+        bit: usize,
+        place: usize,
+        wanted: &[usize],
+        inv_w: &mut [f32; RUN_ROOM],
+        columns: &mut [&mut Column],
+    ) {
+        let mut fragment = Fragment::default();
+        let (x, y) = pixel_of(block as usize, bit as u32);
+        setup.evaluate(self.corner[0] + x, self.corner[1] + y, &mut fragment);
+        inv_w[place] = fragment.inv_w;
+        for (column, &k) in columns.iter_mut().zip(wanted) {
+            column.value[place] = fragment.values[k];
+            column.ddx[place] = fragment.ddx[k];
+            column.ddy[place] = fragment.ddy[k];
+        }
+    }
+
+    /// The scalar twin of the lanes, pixel by pixel.
+    fn plain(&self, blocks: &TileBlocks, run: &[RunBlock], wanted: &[usize], out: &mut RunValues) {
+        let RunValues { inv_w, columns } = out;
+        let mut columns: Vec<&mut Column> = columns.iter_mut().collect();
+        for (i, &at) in run.iter().enumerate() {
+            for bit in (0..LANES).filter(|bit| at.mask >> bit & 1 == 1) {
+                let own = blocks.slot.get(at.block as usize * LANES + bit);
+                let slot = if at.slot == NONE {
+                    own.copied().unwrap_or(NONE)
+                } else {
+                    at.slot
+                };
+                let place = i * LANES + bit;
+                if let Some(setup) = self.odd_setup(slot) {
+                    self.evaluate(setup, at.block, bit, place, wanted, inv_w, &mut columns);
+                } else {
+                    let (x, y) = pixel_of(at.block as usize, bit as u32);
+                    self.pixel(slot, [x, y], wanted, place, inv_w, &mut columns);
+                }
+            }
+        }
+    }
+
+    /// One pixel of a slot that f32 planes serve.
+    fn pixel(
+        &self,
+        slot: u32,
+        at: [u32; 2],
+        wanted: &[usize],
+        place: usize,
+        inv_w: &mut [f32; RUN_ROOM],
+        columns: &mut [&mut Column],
+    ) {
+        let [px, py] = at.map(|v| (v as i32 - TILE as i32 / 2) as f32 + 0.5);
+        let plane = |k: usize| -> [f32; COEFFICIENTS] {
+            core::array::from_fn(|c| {
+                let word = self.start_of(slot) + (k * COEFFICIENTS + c) * LANES;
+                self.words.get(word).copied().unwrap_or(0.0)
+            })
+        };
+        let [wa, wb, wc, lo, hi] = plane(0);
+        let w = clamp_scalar((wc + wb * py) + wa * px, lo, hi);
+        let r = 1.0 / w;
+        inv_w[place] = w;
+        for (column, &k) in columns.iter_mut().zip(wanted) {
+            let [a, b, c, lo, hi] = plane(1 + k);
+            let u = clamp_scalar(((c + b * py) + a * px) * r, lo, hi);
+            column.value[place] = u;
+            column.ddx[place] = (a - u * wa) * r;
+            column.ddy[place] = (b - u * wb) * r;
+        }
+    }
+}
+
+/// The planes of sixteen lanes: a, b, c, lo, hi of 1/w and of each attribute.
+struct Planes<S: Simd, const N: usize> {
+    w: [f32x16<S>; COEFFICIENTS],
+    attribute: [[f32x16<S>; COEFFICIENTS]; N],
+}
+
+impl<S: Simd, const N: usize> Planes<S, N> {
+    #[inline(always)]
+    fn zero(s: S) -> Self {
+        let zero = f32x16::splat(s, 0.0);
+        Self {
+            w: [zero; COEFFICIENTS],
+            attribute: [[zero; COEFFICIENTS]; N],
+        }
+    }
+
+    #[inline(always)]
+    fn store<const D: bool>(
+        &self,
+        s: S,
+        px: f32x16<S>,
+        py: f32x16<S>,
+        place: usize,
+        inv_w: &mut [f32; RUN_ROOM],
+        columns: &mut [&mut Column; N],
+    ) {
+        let [wa, wb, wc, lo, hi] = self.w;
+        let w = clamp((wc + wb * py) + wa * px, lo, hi);
+        let r = f32x16::splat(s, 1.0) / w;
+        w.store_slice(&mut inv_w[place..place + LANES]);
+        for (column, plane) in columns.iter_mut().zip(&self.attribute) {
+            let [a, b, c, lo, hi] = *plane;
+            let u = clamp(((c + b * py) + a * px) * r, lo, hi);
+            u.store_slice(&mut column.value[place..place + LANES]);
+            if D {
+                let (ddx, ddy) = ((a - u * wa) * r, (b - u * wb) * r);
+                ddx.store_slice(&mut column.ddx[place..place + LANES]);
+                ddy.store_slice(&mut column.ddy[place..place + LANES]);
+            }
+        }
+    }
+}
+
+/// Pixel centres of a block from the tile's middle.
+#[inline(always)]
+fn centres<S: Simd>(s: S, block: u16) -> (f32x16<S>, f32x16<S>) {
+    let (x, y) = pixel_of(block as usize, 0);
+    let half = TILE as f32 / 2.0 - 0.5;
+    let column = f32x16::from_slice(
+        s,
+        &[
+            0., 1., 2., 3., 0., 1., 2., 3., 0., 1., 2., 3., 0., 1., 2., 3.,
+        ],
+    );
+    let row = f32x16::from_slice(
+        s,
+        &[
+            0., 0., 0., 0., 1., 1., 1., 1., 2., 2., 2., 2., 3., 3., 3., 3.,
+        ],
+    );
+    (column + (x as f32 - half), row + (y as f32 - half))
+}
+
+/// [`TriangleSetup::evaluate`] in f64 for a block of one triangle.
+#[inline(always)]
+fn wide<S: Simd, const N: usize>(
+    s: S,
+    setup: &TriangleSetup,
+    block: u16,
+    place: usize,
+    wanted: &[usize; N],
+    inv_w: &mut [f32; RUN_ROOM],
+    columns: &mut [&mut Column; N],
+) {
+    let (px, py) = centres(s, block);
+    let ((x0, x1), (y0, y1)) = (px.widen(), py.widen());
+    let (w, attributes) = setup.planes();
+    let (w0, w1) = (wide_at(s, w, x0, y0), wide_at(s, w, x1, y1));
+    let (w0, w1) = (wide_clamp(s, w, w0), wide_clamp(s, w, w1));
+    let one = f64x8::splat(s, 1.0);
+    let (r0, r1) = (one / w0, one / w1);
+    s.narrow_f64x8(w0, w1)
+        .store_slice(&mut inv_w[place..place + LANES]);
+    for (column, &k) in columns.iter_mut().zip(wanted) {
+        let Some(p) = attributes.get(k) else {
+            continue;
+        };
+        let u0 = wide_clamp(s, p, wide_at(s, p, x0, y0) * r0);
+        let u1 = wide_clamp(s, p, wide_at(s, p, x1, y1) * r1);
+        s.narrow_f64x8(u0, u1)
+            .store_slice(&mut column.value[place..place + LANES]);
+        s.narrow_f64x8(
+            wide_slope(s, p.plane.a, w.plane.a, u0, r0),
+            wide_slope(s, p.plane.a, w.plane.a, u1, r1),
+        )
+        .store_slice(&mut column.ddx[place..place + LANES]);
+        s.narrow_f64x8(
+            wide_slope(s, p.plane.b, w.plane.b, u0, r0),
+            wide_slope(s, p.plane.b, w.plane.b, u1, r1),
+        )
+        .store_slice(&mut column.ddy[place..place + LANES]);
+    }
+}
+
+#[inline(always)]
+fn wide_at<S: Simd>(s: S, p: &Ranged, x: f64x8<S>, y: f64x8<S>) -> f64x8<S> {
+    let (a, b, c) = (
+        f64x8::splat(s, p.plane.a),
+        f64x8::splat(s, p.plane.b),
+        f64x8::splat(s, p.plane.c),
+    );
+    (c + b * y) + a * x
+}
+
+#[inline(always)]
+fn wide_clamp<S: Simd>(s: S, p: &Ranged, v: f64x8<S>) -> f64x8<S> {
+    bound(
+        v,
+        f64x8::splat(s, f64::from(p.lo)),
+        f64x8::splat(s, f64::from(p.hi)),
+    )
+}
+
+#[inline(always)]
+fn wide_slope<S: Simd>(s: S, a: f64, w: f64, u: f64x8<S>, r: f64x8<S>) -> f64x8<S> {
+    let largest = f64x8::splat(s, f64::from(f32::MAX));
+    bound(
+        (f64x8::splat(s, a) - u * f64x8::splat(s, w)) * r,
+        -largest,
+        largest,
+    )
+}
+
+#[inline(always)]
+fn bound<S: Simd>(v: f64x8<S>, lo: f64x8<S>, hi: f64x8<S>) -> f64x8<S> {
+    let v = v.simd_gt(lo).select(v, lo);
+    v.simd_lt(hi).select(v, hi)
+}
