@@ -80,9 +80,11 @@ pub static SRGB8_TO_LINEAR16: [u16; 256] = {
     table
 };
 
-/// The least f32 whose nearest 8-bit sRGB value is `i + 1`.
-static SRGB8_THRESHOLDS: [f32; 255] = {
-    let mut table = [0.0; 255];
+static SRGB8_THRESHOLDS: [f32; 256] = SRGB8_THRESHOLD_TABLE;
+
+/// The least f32 whose nearest 8-bit sRGB value is `i + 1`; the last is out of reach.
+const SRGB8_THRESHOLD_TABLE: [f32; 256] = {
+    let mut table = [f32::INFINITY; 256];
     let mut i = 0;
     while i < 255 {
         let exact = decode((i as f64 + 0.5) / 255.0);
@@ -92,6 +94,35 @@ static SRGB8_THRESHOLDS: [f32; 255] = {
         } else {
             near
         };
+        i += 1;
+    }
+    table
+};
+
+/// The bits of the thresholds, for gathers.
+pub(crate) static SRGB8_THRESHOLD_BITS: [u32; 256] = {
+    let mut table = [0; 256];
+    let mut i = 0;
+    while i < 256 {
+        table[i] = SRGB8_THRESHOLD_TABLE[i].to_bits();
+        i += 1;
+    }
+    table
+};
+
+/// Bits of the f32 below which everything is sRGB 0: 2^-13.
+pub(crate) const SRGB8_FIRST: u32 = 0x3900_0000;
+
+/// The 8-bit sRGB value of the f32 with the upper bits `SRGB8_FIRST >> 16` + i: the finest parts that hold one threshold at most.
+pub(crate) static SRGB8_BASE: [u32; 1665] = {
+    let mut table = [0; 1665];
+    let (mut i, mut count) = (0, 0);
+    while i < 1665 {
+        let start = f32::from_bits(SRGB8_FIRST + ((i as u32) << 16));
+        while start >= SRGB8_THRESHOLD_TABLE[count] {
+            count += 1;
+        }
+        table[i] = count as u32;
         i += 1;
     }
     table

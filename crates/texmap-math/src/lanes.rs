@@ -7,6 +7,8 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x16, i32x16, u32x16};
 
+use crate::color::{SRGB8_BASE, SRGB8_FIRST, SRGB8_THRESHOLD_BITS};
+
 mod gather;
 
 pub use gather::{Words, gather, gather_by_loads};
@@ -62,6 +64,24 @@ pub fn floor_to_i32_scalar(x: f32) -> i32 {
 pub fn unit_to_u8<S: Simd>(s: S, x: f32x16<S>) -> u32x16<S> {
     let x = clamp(x, f32x16::splat(s, 0.0), f32x16::splat(s, 1.0));
     (x * 255.0 + 0.5).to_int::<u32x16<S>>()
+}
+
+/// Linear light to 8-bit sRGB, as [`crate::color::linear_to_srgb8`]: the upper bits find a part of the curve that holds one
+/// threshold at most.
+#[inline(always)]
+pub fn linear_to_srgb8<S: Simd>(s: S, x: f32x16<S>) -> u32x16<S> {
+    let lowest = f32x16::splat(s, f32::from_bits(SRGB8_FIRST));
+    let x = clamp(x, lowest, f32x16::splat(s, 1.0));
+    let (Some(base), Some(thresholds)) =
+        (Words::new(&SRGB8_BASE), Words::new(&SRGB8_THRESHOLD_BITS))
+    else {
+        return u32x16::splat(s, 0);
+    };
+    let bits: u32x16<S> = x.bitcast();
+    let base = gather(s, base, (bits >> 16) - (SRGB8_FIRST >> 16));
+    let threshold: f32x16<S> = gather(s, thresholds, base).bitcast();
+    let (one, zero) = (u32x16::splat(s, 1), u32x16::splat(s, 0));
+    base + x.simd_ge(threshold).select(one, zero)
 }
 
 /// Sixteen values, or what there is of them, the rest filled with the last (0 for none).

@@ -97,6 +97,49 @@ fn helpers_equal_their_scalar_twins() {
     }
 }
 
+/// Every part of the table from edge to edge, both sides of every place where the scalar form steps, and what lies outside.
+#[test]
+fn srgb_bytes_in_lanes_equal_the_scalar_form() {
+    let mut hard = vec![
+        0.0,
+        -0.0,
+        -1.0,
+        1.0,
+        2.0,
+        f32::INFINITY,
+        f32::NAN,
+        1e-30,
+        1e-4,
+    ];
+    for part in 0x3900_u32..=0x3f80 {
+        let start = part << 16;
+        hard.extend([0, 1, 0x7fff, 0xffff].map(|low| f32::from_bits(start + low)));
+    }
+    for byte in 0..255_u8 {
+        // The step between two bytes by bisection of the bits.
+        let (mut low, mut high) = (0, 1.0_f32.to_bits());
+        while low + 1 < high {
+            let middle = low.midpoint(high);
+            if color::linear_to_srgb8(f32::from_bits(middle)) > byte {
+                high = middle;
+            } else {
+                low = middle;
+            }
+        }
+        hard.extend([low, high].map(f32::from_bits));
+    }
+    for (name, level) in levels() {
+        for sixteen in hard.chunks(16) {
+            let found: [u32; 16] = dispatch!(level, s => {
+                lanes::linear_to_srgb8(s, lanes::load_tail(s, sixteen)).into()
+            });
+            for (&x, found) in sixteen.iter().zip(found) {
+                assert_eq!(found, u32::from(color::linear_to_srgb8(x)), "{name} {x:e}");
+            }
+        }
+    }
+}
+
 #[test]
 fn tails_keep_their_values() {
     for (name, level) in levels() {
