@@ -66,7 +66,9 @@ pub use cube::{TextureCube, cube_direction, cube_face};
 pub use error::SampleError;
 pub use resample::{Outside, Resample};
 pub use sampler::{Cubic, Filter, Lod, Mip, Precision, Sampler, Texel};
-pub use slice::{sample_rgba8_slice, sample_slice};
+pub use slice::{
+    Places, gives_bytes, sample_columns, sample_rgba8_columns, sample_rgba8_slice, sample_slice,
+};
 pub use summed_area::SummedArea;
 pub use texels::Texels;
 pub use texture::{Alpha, ColorSpace, Image, Origin, Texture2d};

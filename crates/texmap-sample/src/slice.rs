@@ -14,7 +14,7 @@ use texmap_math::{
     Level, color,
     fearless_simd::{f32x16, i32x16, prelude::*},
     footprint::Footprint,
-    lanes::load_tail,
+    lanes::{load_tail, store_tail},
 };
 
 /// Samples many places at once; dispatches to the SIMD level once. Results equal
@@ -43,7 +43,7 @@ pub fn sample_slice(
             packed: packed::applies(sampler, &t.chain),
             u,
             v,
-            grads,
+            grads: grads.map_or(Grads::None, Grads::Each),
         }
         .run(level, Out::Float(out))
     });
@@ -89,7 +89,7 @@ pub fn sample_rgba8_slice(
                 packed,
                 u,
                 v,
-                grads,
+                grads: grads.map_or(Grads::None, Grads::Each),
             }
             .run(level, Out::Rgba8(out))
         });
@@ -106,10 +106,131 @@ pub fn sample_rgba8_slice(
     Ok(())
 }
 
+/// Places to sample, each value in a slice of its own: what a rasterizer's planes give.
+#[derive(Clone, Copy, Debug)]
+pub struct Places<'a> {
+    /// Coordinates.
+    pub u: &'a [f32],
+    /// Coordinates.
+    pub v: &'a [f32],
+    /// du/dx, dv/dx, du/dy, dv/dy; without them filters that choose a level take level 0.
+    pub gradients: Option<[&'a [f32]; 4]>,
+}
+
+impl Places<'_> {
+    fn check(&self, out: usize) -> Result<(), SampleError> {
+        check("v", self.u.len(), self.v.len())?;
+        check("out", self.u.len(), out)?;
+        for column in self.gradients.iter().flatten() {
+            check("gradients", self.u.len(), column.len())?;
+        }
+        Ok(())
+    }
+
+    fn sample(&self, sampler: &Sampler, t: &Texture2d<'_>, i: usize) -> [f32; 4] {
+        let uv = [self.u[i], self.v[i]];
+        match self.gradients {
+            Some([ux, vx, uy, vy]) => {
+                let d = Footprint {
+                    du_dx: ux[i],
+                    dv_dx: vx[i],
+                    du_dy: uy[i],
+                    dv_dy: vy[i],
+                };
+                sampler.sample_grad(t, uv, d)
+            }
+            None => sampler.sample(t, uv),
+        }
+    }
+
+    fn batch<'b>(&'b self, sampler: &'b Sampler, view: &'b View<'b>, packed: bool) -> Batch<'b> {
+        Batch {
+            sampler,
+            view,
+            packed,
+            u: self.u,
+            v: self.v,
+            grads: self.gradients.map_or(Grads::None, Grads::Columns),
+        }
+    }
+}
+
+/// [`sample_slice`] over columns: red, green, blue and alpha each go to a slice of their own.
+///
+/// # Errors
+/// Slices of different lengths.
+pub fn sample_columns(
+    level: Level,
+    sampler: &Sampler,
+    t: &Texture2d<'_>,
+    at: &Places<'_>,
+    mut out: [&mut [f32]; 4],
+) -> Result<(), SampleError> {
+    for column in &out {
+        at.check(column.len())?;
+    }
+    let lanes = View::new(sampler, t).is_some_and(|view| {
+        let packed = packed::applies(sampler, &t.chain);
+        let out = out.each_mut().map(|c| &mut **c);
+        at.batch(sampler, &view, packed)
+            .run(level, Out::Columns(out))
+    });
+    if !lanes {
+        for i in 0..at.u.len() {
+            for (out, c) in out.iter_mut().zip(at.sample(sampler, t, i)) {
+                out[i] = c;
+            }
+        }
+    }
+    Ok(())
+}
+
+/// [`sample_rgba8_slice`] over columns.
+///
+/// # Errors
+/// Slices of different lengths.
+pub fn sample_rgba8_columns(
+    level: Level,
+    sampler: &Sampler,
+    t: &Texture2d<'_>,
+    at: &Places<'_>,
+    out: &mut [u32],
+) -> Result<(), SampleError> {
+    at.check(out.len())?;
+    let packed = packed::applies(sampler, &t.chain);
+    let lanes = packed
+        && View::new(sampler, t)
+            .is_some_and(|view| at.batch(sampler, &view, true).run(level, Out::Rgba8(out)));
+    if !lanes {
+        for (i, out) in out.iter_mut().enumerate() {
+            *out = u32::from_le_bytes(at.sample(sampler, t, i).map(color::unit_to_u8));
+        }
+    }
+    Ok(())
+}
+
+/// Whether [`sample_rgba8_columns`] gives the very colours of this sampler on this texture: 8-bit weights on 8-bit texels.
+#[must_use]
+pub fn gives_bytes(sampler: &Sampler, t: &Texture2d<'_>) -> bool {
+    packed::applies(sampler, &t.chain)
+}
+
+/// Places that go through a buffer at a time.
+const PART: usize = 256;
+
 /// Where a batch goes.
 enum Out<'a> {
     Float(&'a mut [[f32; 4]]),
+    Columns([&'a mut [f32]; 4]),
     Rgba8(&'a mut [u32]),
+}
+
+/// Derivatives of a batch.
+#[derive(Clone, Copy)]
+enum Grads<'a> {
+    None,
+    Each(&'a [Footprint]),
+    Columns([&'a [f32]; 4]),
 }
 
 pub(crate) fn check(what: &'static str, expected: usize, got: usize) -> Result<(), SampleError> {
@@ -131,7 +252,7 @@ struct Batch<'a> {
     packed: bool,
     u: &'a [f32],
     v: &'a [f32],
-    grads: Option<&'a [Footprint]>,
+    grads: Grads<'a>,
 }
 
 impl Batch<'_> {
@@ -157,25 +278,63 @@ impl Batch<'_> {
         match (out, self.packed, self.view.format) {
             (Out::Rgba8(out), ..) => self.packed_of::<S>(s, out),
             (Out::Float(out), true, _) => {
-                // Through bytes, 256 at a time.
-                let mut words = [0; 256];
-                for (i, out) in out.chunks_mut(256).enumerate() {
-                    let from = 256 * i;
-                    let to = from + out.len();
-                    let part = Self {
-                        u: &self.u[from..to],
-                        v: &self.v[from..to],
-                        grads: self.grads.map(|g| &g[from..to]),
-                        ..*self
-                    };
-                    part.packed_of::<S>(s, &mut words[..out.len()]);
+                let mut words = [0; PART];
+                for (i, out) in out.chunks_mut(PART).enumerate() {
+                    self.part(i * PART, out.len())
+                        .packed_of::<S>(s, &mut words[..out.len()]);
                     for (out, word) in out.iter_mut().zip(words) {
                         *out = packed::unpack(word);
                     }
                 }
             }
-            (Out::Float(out), false, RGBX8) => self.float_of::<S, RGBX8>(s, out),
-            (Out::Float(out), ..) => self.float_of::<S, RGBA16>(s, out),
+            (Out::Columns(mut out), true, _) => {
+                let mut words = [0; PART];
+                for start in (0..self.u.len()).step_by(PART) {
+                    let count = PART.min(self.u.len() - start);
+                    self.part(start, count)
+                        .packed_of::<S>(s, &mut words[..count]);
+                    packed::unpack_columns(
+                        s,
+                        &words[..count],
+                        out.each_mut().map(|c| &mut c[start..start + count]),
+                    );
+                }
+            }
+            (Out::Float(out), false, format) => {
+                let mut columns = [[0.0; PART]; 4];
+                for (i, out) in out.chunks_mut(PART).enumerate() {
+                    let part = self.part(i * PART, out.len());
+                    part.float_of(s, format, columns.each_mut().map(|c| &mut c[..out.len()]));
+                    let [r, g, b, a] = &columns;
+                    for (i, out) in out.iter_mut().enumerate() {
+                        *out = [r[i], g[i], b[i], a[i]];
+                    }
+                }
+            }
+            (Out::Columns(out), false, format) => self.float_of(s, format, out),
+        }
+    }
+
+    /// `count` places from `start` on.
+    fn part(&self, start: usize, count: usize) -> Self {
+        let range = start..start + count;
+        Self {
+            u: &self.u[range.clone()],
+            v: &self.v[range.clone()],
+            grads: match self.grads {
+                Grads::None => Grads::None,
+                Grads::Each(each) => Grads::Each(&each[range]),
+                Grads::Columns(columns) => Grads::Columns(columns.map(|c| &c[range.clone()])),
+            },
+            ..*self
+        }
+    }
+
+    fn float_of<S: Simd>(&self, s: S, format: u8, out: [&mut [f32]; 4]) {
+        if format == RGBX8 {
+            self.float_format::<S, RGBX8>(s, out);
+        } else {
+            self.float_format::<S, RGBA16>(s, out);
         }
     }
 
@@ -186,23 +345,21 @@ impl Batch<'_> {
 
     #[inline(always)]
     fn footprint<S: Simd>(&self, s: S, i: usize) -> Option<FootprintLanes<S>> {
-        let grads = &self.grads?[i..];
-        let mut columns = [[0.0; 16]; 4];
-        for (k, d) in grads.iter().take(16).enumerate() {
-            columns[0][k] = d.du_dx;
-            columns[1][k] = d.dv_dx;
-            columns[2][k] = d.du_dy;
-            columns[3][k] = d.dv_dy;
-        }
-        let [ux, vx, uy, vy] = columns;
-        Some(FootprintLanes::new(
-            s,
-            self.view,
-            f32x16::from_slice(s, &ux),
-            f32x16::from_slice(s, &vx),
-            f32x16::from_slice(s, &uy),
-            f32x16::from_slice(s, &vy),
-        ))
+        let [ux, vx, uy, vy] = match self.grads {
+            Grads::None => return None,
+            Grads::Columns(columns) => columns.map(|c| load_tail(s, &c[i..])),
+            Grads::Each(each) => {
+                let mut columns = [[0.0; 16]; 4];
+                for (k, d) in each[i..].iter().take(16).enumerate() {
+                    columns[0][k] = d.du_dx;
+                    columns[1][k] = d.dv_dx;
+                    columns[2][k] = d.du_dy;
+                    columns[3][k] = d.dv_dy;
+                }
+                columns.map(|c| f32x16::from_slice(s, &c))
+            }
+        };
+        Some(FootprintLanes::new(s, self.view, ux, vx, uy, vy))
     }
 
     /// The limited level of look-ups without gradients.
@@ -210,13 +367,13 @@ impl Batch<'_> {
         self.sampler.limit_lod(0.0)
     }
 
-    fn float_of<S: Simd, const FORMAT: u8>(&self, s: S, out: &mut [[f32; 4]]) {
+    fn float_format<S: Simd, const FORMAT: u8>(&self, s: S, mut out: [&mut [f32]; 4]) {
         s.vectorize(
             #[inline(always)]
             || {
                 let view = self.view;
                 let flat = f32x16::splat(s, self.flat_lod());
-                for (i, out) in out.chunks_mut(16).enumerate() {
+                for i in 0..self.u.len().div_ceil(16) {
                     let (u, v) = self.uv(s, 16 * i);
                     let d = self.footprint(s, 16 * i);
                     let c = match (view.kind, d) {
@@ -233,7 +390,10 @@ impl Batch<'_> {
                             float::trilinear_lanes::<S, FORMAT>(s, view, u, v, lod)
                         }
                     };
-                    store(c, out);
+                    for (c, out) in c.into_iter().zip(&mut out) {
+                        let end = out.len().min(16 * i + 16);
+                        store_tail(c, &mut out[16 * i..end]);
+                    }
                 }
             },
         );
@@ -272,17 +432,5 @@ impl Batch<'_> {
                 }
             },
         );
-    }
-}
-
-#[inline(always)]
-fn store<S: Simd>(c: float::Color<S>, out: &mut [[f32; 4]]) {
-    let mut lanes = [[0.0; 16]; 4];
-    for (c, lanes) in c.into_iter().zip(&mut lanes) {
-        c.store_slice(lanes);
-    }
-    let [r, g, b, a] = lanes;
-    for (i, out) in out.iter_mut().take(16).enumerate() {
-        *out = [r[i], g[i], b[i], a[i]];
     }
 }

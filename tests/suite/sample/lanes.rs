@@ -3,8 +3,9 @@
 use crate::support::{Random, WRAPS, filters, random_bytes, random_floats};
 use texmap_math::Footprint;
 use texmap_sample::{
-    Alpha, ColorSpace, Filter, Image, Lod, Origin, Precision, Sampler, Texels, Texture2d, Wrap,
-    sample_rgba8_slice, sample_slice,
+    Alpha, ColorSpace, Filter, Image, Lod, Origin, Places as Columns, Precision, Sampler, Texels,
+    Texture2d, Wrap, gives_bytes, sample_columns, sample_rgba8_columns, sample_rgba8_slice,
+    sample_slice,
 };
 use texmap_tests::levels::levels;
 
@@ -287,6 +288,69 @@ fn fast_stays_near_exact() {
             assert!(error <= bound + 1e-6, "{filter:?} {error}");
         }
     }
+}
+
+/// Columns are slices turned over.
+#[test]
+fn columns_equal_slices() {
+    let places = places(6);
+    let n = places.u.len();
+    let column = |of: &dyn Fn(&Footprint) -> f32| places.d.iter().map(of).collect::<Vec<_>>();
+    let gradients = [
+        column(&|d| d.du_dx),
+        column(&|d| d.dv_dx),
+        column(&|d| d.du_dy),
+        column(&|d| d.dv_dy),
+    ];
+    let (mut colors, mut columns) = (vec![[0.0; 4]; n], [(); 4].map(|()| vec![0.0; n]));
+    let (mut bytes, mut byte_columns) = (vec![0; n], vec![0; n]);
+    for (name, t) in textures() {
+        for filter in filters() {
+            for precision in [Precision::Exact, Precision::Fast] {
+                let s = Sampler {
+                    filter,
+                    precision,
+                    ..Sampler::default()
+                };
+                for (level_name, level) in levels() {
+                    for with_grads in [true, false] {
+                        let what = format!("{name} {filter:?} {precision:?} {level_name}");
+                        let grads = with_grads.then_some(&places.d[..]);
+                        let (u, v) = (&places.u[..], &places.v[..]);
+                        let at = Columns {
+                            u,
+                            v,
+                            gradients: with_grads.then(|| gradients.each_ref().map(|c| &c[..])),
+                        };
+                        sample_slice(level, &s, &t, u, v, grads, &mut colors).unwrap();
+                        let out = columns.each_mut().map(|c| &mut c[..]);
+                        sample_columns(level, &s, &t, &at, out).unwrap();
+                        for (i, want) in colors.iter().enumerate() {
+                            let found = columns.each_ref().map(|c| c[i]);
+                            assert!(same_bits(found, *want), "{what} {i}: {found:?} {want:?}");
+                        }
+                        sample_rgba8_slice(level, &s, &t, u, v, grads, &mut bytes).unwrap();
+                        sample_rgba8_columns(level, &s, &t, &at, &mut byte_columns).unwrap();
+                        assert_eq!(byte_columns, bytes, "{what}");
+                        // Bytes are the whole colour where the sampler says so, and only there.
+                        let whole = bytes.iter().zip(&colors).all(|(b, c)| {
+                            b.to_le_bytes().map(|b| f32::from(b) * (1.0 / 255.0)) == *c
+                        });
+                        assert!(whole || !gives_bytes(&s, &t), "{what}");
+                    }
+                }
+            }
+        }
+    }
+    let s = Sampler::default();
+    let (_, t) = textures().remove(0);
+    let at = Columns {
+        u: &[0.0; 3],
+        v: &[0.0; 3],
+        gradients: Some([&[0.0; 3], &[0.0; 3], &[0.0; 2], &[0.0; 3]]),
+    };
+    let e = sample_rgba8_columns(texmap_math::Level::new(), &s, &t, &at, &mut [0; 3]).unwrap_err();
+    assert!(e.to_string().contains("gradients"), "{e}");
 }
 
 /// The byte form gives the bytes of the float form.

@@ -13,7 +13,7 @@ use crate::{
 };
 use texmap_math::{
     fearless_simd::{f32x16, i32x16, prelude::*, u16x32, u32x16},
-    lanes::{Words, floor_to_i32, gather},
+    lanes::{Words, floor_to_i32, gather, store_tail},
 };
 
 const LOW: u32 = 0x00ff_00ff;
@@ -29,6 +29,26 @@ pub(crate) fn applies(s: &Sampler, t: &Chain<'_>) -> bool {
 pub(crate) fn unpack(c: u32) -> [f32; 4] {
     let scale = Format::Rgba8.scale();
     [c & 255, c >> 8 & 255, c >> 16 & 255, c >> 24].map(|c| c as f32 * scale)
+}
+
+/// [`unpack`] into columns.
+pub(crate) fn unpack_columns<S: Simd>(s: S, words: &[u32], mut out: [&mut [f32]; 4]) {
+    s.vectorize(
+        #[inline(always)]
+        || {
+            let scale = Format::Rgba8.scale();
+            let mut last = [0; 16];
+            for (i, words) in words.chunks(16).enumerate() {
+                last[..words.len()].copy_from_slice(words);
+                let c = u32x16::from_slice(s, &last);
+                for (channel, out) in out.iter_mut().enumerate() {
+                    let byte: i32x16<S> = ((c >> (8 * channel as u32)) & 255).bitcast();
+                    let end = 16 * i + words.len();
+                    store_tail(byte.to_float::<f32x16<S>>() * scale, &mut out[16 * i..end]);
+                }
+            }
+        },
+    );
 }
 
 /// A limited level of detail with 8 fraction bits.
