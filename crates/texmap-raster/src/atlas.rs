@@ -1,10 +1,12 @@
 //! The UV-space target: the same coverage over a texture atlas, for bakes and transfers.
 use alloc::vec::Vec;
+use core::ops::Range;
 
 use texmap_math::float::sqrt;
 use texmap_math::glam::{DMat4, DVec3};
 
-use crate::edge::{Edge, ONE, PixelBox, Snapped, centre, edges};
+use crate::edge::{Edge, ONE, Snapped, centre, edges};
+use crate::prepared::for_all;
 use crate::{Draw, NONE, NoAlphaTest, Prepared, RasterError, TILE, TargetSize, TileBuffers};
 
 /// A mesh with texture coordinates.
@@ -116,21 +118,20 @@ impl Atlas {
             normal: Vec::new(),
             lost: Vec::new(),
         };
-        let mut owned = alloc::vec![0u32; mesh.indices.len()];
-        atlas.cover_centres(&prepared, &mut owned);
         let corners = Corners { mesh, size };
+        atlas.cover_centres(&prepared, options.threads);
         if options.conservative {
-            atlas.cover_touched(&corners, &mut owned);
+            atlas.cover_touched(&corners, options.threads);
+        }
+        let mut owned = atlas.owned(mesh.indices.len());
+        if options.conservative {
+            atlas.rescue(&corners, &mut owned);
         }
         atlas.lost = (0..owned.len() as u32)
             .filter(|&f| owned[f as usize] == 0)
             .collect();
-        atlas.interpolate(&corners);
-        for _ in 0..options.gutter {
-            if !atlas.dilate() {
-                break;
-            }
-        }
+        atlas.interpolate(&corners, options.threads);
+        atlas.dilate(options.gutter, options.threads);
         Ok(atlas)
     }
 
@@ -138,102 +139,173 @@ impl Atlas {
         y as usize * self.size.width() as usize + x as usize
     }
 
-    fn cover_centres(&mut self, prepared: &Prepared<'_>, owned: &mut [u32]) {
-        let mut buffers = TileBuffers::new();
-        for index in 0..prepared.tiles() {
-            let tile = prepared.tile(index);
-            prepared.visible(index, &NoAlphaTest, &mut buffers);
-            for y in 0..tile.height {
-                for x in 0..tile.width {
-                    let id = buffers.id[(y * TILE + x) as usize];
-                    if id != NONE {
-                        let (_, face) = prepared.source(id);
-                        let at = self.place((tile.x0 + x) as i32, (tile.y0 + y) as i32);
-                        self.face[at] = face;
-                        self.coverage[at] = Coverage::Centre;
-                        owned[face as usize] += 1;
+    /// Texels of a band: of all tiles of one row.
+    fn band(&self) -> usize {
+        self.size.width() as usize * TILE as usize
+    }
+
+    fn cover_centres(&mut self, prepared: &Prepared<'_>, threads: usize) {
+        let (width, band) = (self.size.width() as usize, self.band());
+        let across = self.size.width().div_ceil(TILE) as usize;
+        let faces = self.face.chunks_mut(band);
+        let bands = faces.zip(self.coverage.chunks_mut(band)).enumerate();
+        for_all(threads, bands.collect(), |(row, (faces, coverage))| {
+            let mut buffers = TileBuffers::new();
+            for index in row * across..(row + 1) * across {
+                let tile = prepared.tile(index);
+                prepared.visible(index, &NoAlphaTest, &mut buffers);
+                for y in 0..tile.height as usize {
+                    let ids = &buffers.id[y * TILE as usize..][..tile.width as usize];
+                    let at = y * width + tile.x0 as usize;
+                    for (x, &id) in ids.iter().enumerate().filter(|(_, id)| **id != NONE) {
+                        faces[at + x] = prepared.source(id).1;
+                        coverage[at + x] = Coverage::Centre;
                     }
                 }
             }
-        }
+        });
     }
 
-    /// Free texels that faces touch; then one texel for each face that has none.
-    fn cover_touched(&mut self, corners: &Corners<'_, '_>, owned: &mut [u32]) {
-        for face in 0..owned.len() as u32 {
-            corners.touched(face, |x, y| {
-                let at = self.place(x, y);
-                if self.face[at] == NONE {
-                    self.take(at, face, owned);
+    /// Gives each free texel to the first face that touches it.
+    fn cover_touched(&mut self, corners: &Corners<'_, '_>, threads: usize) {
+        let (width, band) = (self.size.width() as usize, self.band());
+        let reaches = corners.by_band();
+        let faces = self.face.chunks_mut(band);
+        let bands = faces.zip(self.coverage.chunks_mut(band)).enumerate();
+        for_all(threads, bands.collect(), |(row, (faces, coverage))| {
+            let top = row as i32 * TILE as i32;
+            for &face in &reaches[row] {
+                let Some(reach) = corners.reach(face) else {
+                    continue;
+                };
+                for y in reach.y.start.max(top)..reach.y.end.min(top + TILE as i32) {
+                    let from = (y - top) as usize * width;
+                    for x in reach.x.clone() {
+                        let at = from + x as usize;
+                        if faces[at] == NONE && reach.touches(x, y) {
+                            faces[at] = face;
+                            coverage[at] = Coverage::Touched;
+                        }
+                    }
                 }
-                false
-            });
+            }
+        });
+    }
+
+    /// Texels of each face.
+    fn owned(&self, faces: usize) -> Vec<u32> {
+        let mut owned = alloc::vec![0u32; faces];
+        for &face in self.face.iter().filter(|f| **f != NONE) {
+            owned[face as usize] += 1;
         }
+        owned
+    }
+
+    /// Gives each face without a texel one that it touches, of a face that has several.
+    fn rescue(&mut self, corners: &Corners<'_, '_>, owned: &mut [u32]) {
         for face in 0..owned.len() as u32 {
-            if owned[face as usize] > 0 {
+            let Some(reach) = corners.reach(face).filter(|_| owned[face as usize] == 0) else {
                 continue;
-            }
-            corners.touched(face, |x, y| {
-                let at = self.place(x, y);
-                let holder = self.face[at];
-                let spare = holder == NONE || owned[holder as usize] > 1;
-                if spare {
-                    if holder != NONE {
-                        owned[holder as usize] -= 1;
-                    }
-                    self.take(at, face, owned);
-                }
-                spare
+            };
+            let texels = reach
+                .y
+                .clone()
+                .flat_map(|y| reach.x.clone().map(move |x| (x, y)));
+            let spare = texels.into_iter().find(|&(x, y)| {
+                let holder = self.face[self.place(x, y)];
+                (holder == NONE || owned[holder as usize] > 1) && reach.touches(x, y)
             });
+            if let Some((x, y)) = spare {
+                let at = self.place(x, y);
+                if self.face[at] != NONE {
+                    owned[self.face[at] as usize] -= 1;
+                }
+                self.face[at] = face;
+                self.coverage[at] = Coverage::Touched;
+                owned[face as usize] += 1;
+            }
         }
     }
 
-    fn take(&mut self, at: usize, face: u32, owned: &mut [u32]) {
-        self.face[at] = face;
-        self.coverage[at] = Coverage::Touched;
-        owned[face as usize] += 1;
-    }
-
-    fn interpolate(&mut self, corners: &Corners<'_, '_>) {
-        let mesh = corners.mesh;
-        let texels = self.face.len();
-        let room = |array: &[[f32; 3]]| {
-            if array.is_empty() {
-                Vec::new()
-            } else {
-                alloc::vec![[0.0; 3]; texels]
-            }
+    fn interpolate(&mut self, corners: &Corners<'_, '_>, threads: usize) {
+        let (mesh, texels) = (corners.mesh, self.face.len());
+        let room = |array: &[[f32; 3]]| match array.is_empty() {
+            true => Vec::new(),
+            false => alloc::vec![[0.0; 3]; texels],
         };
         (self.position, self.normal) = (room(mesh.positions), room(mesh.normals));
-        let width = self.size.width() as usize;
-        for at in 0..texels {
-            let face = self.face[at];
-            if face == NONE {
-                continue;
+        let (width, band) = (self.size.width() as usize, self.band());
+        // Absent arrays have empty bands.
+        let mut positions = self.position.chunks_mut(band);
+        let mut normals = self.normal.chunks_mut(band);
+        let bands = self
+            .face
+            .chunks(band)
+            .zip(self.barycentric.chunks_mut(band));
+        let bands = bands.enumerate().map(|(row, (faces, barycentric))| Values {
+            top: row * TILE as usize,
+            faces,
+            barycentric,
+            positions: positions.next().unwrap_or_default(),
+            normals: normals.next().unwrap_or_default(),
+        });
+        for_all(threads, bands.collect(), |band| band.fill(corners, width));
+    }
+
+    /// Dilates charts: each free texel beside a taken one gets the values of a neighbour, `gutter` times.
+    fn dilate(&mut self, gutter: u32, threads: usize) {
+        let band = self.band();
+        // Later rounds can only reach what lies beside a texel of the round before.
+        let mut candidates: Option<Vec<usize>> = None;
+        for _ in 0..gutter {
+            let copies = match candidates {
+                None => {
+                    let mut found: Vec<Vec<(usize, usize)>> =
+                        alloc::vec![Vec::new(); self.face.len().div_ceil(band)];
+                    let this = &*self;
+                    for_all(
+                        threads,
+                        found.iter_mut().enumerate().collect(),
+                        |(k, out)| {
+                            let texels = k * band..((k + 1) * band).min(this.face.len());
+                            out.extend(texels.filter_map(|to| Some((to, this.neighbour(to)?))));
+                        },
+                    );
+                    found.concat()
+                }
+                Some(list) => list
+                    .into_iter()
+                    .filter_map(|to| Some((to, self.neighbour(to)?)))
+                    .collect(),
+            };
+            for &(to, from) in &copies {
+                self.face[to] = self.face[from];
+                self.coverage[to] = Coverage::Gutter;
+                self.barycentric[to] = self.barycentric[from];
+                if !self.position.is_empty() {
+                    self.position[to] = self.position[from];
+                }
+                if !self.normal.is_empty() {
+                    self.normal[to] = self.normal[from];
+                }
             }
-            let weights =
-                corners.weights(face, (at % width) as f64 + 0.5, (at / width) as f64 + 0.5);
-            self.barycentric[at] = weights.map(|w| w as f32);
-            let vertices = mesh.indices[face as usize];
-            if let Some(position) = self.position.get_mut(at) {
-                *position = blend(mesh.positions, vertices, weights).map(|v| v as f32);
-            }
-            if let Some(normal) = self.normal.get_mut(at) {
-                let n = blend(mesh.normals, vertices, weights);
-                let length = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
-                *normal = if length > 0.0 {
-                    n.map(|v| (v / length) as f32)
-                } else {
-                    [0.0; 3]
-                };
-            }
+            let mut beside: Vec<usize> = copies.iter().flat_map(|c| self.around(c.0)).collect();
+            beside.sort_unstable();
+            beside.dedup();
+            candidates = Some(beside);
         }
     }
 
-    /// Gives each free texel the values of a neighbour; false when there was nothing to do.
-    fn dilate(&mut self) -> bool {
-        let (width, height) = (self.size.width() as i32, self.size.height() as i32);
-        // Sides before corners, so that the nearer neighbour wins.
+    /// For a free texel a taken one beside it.
+    fn neighbour(&self, to: usize) -> Option<usize> {
+        if self.face[to] != NONE {
+            return None;
+        }
+        self.around(to).find(|&from| self.face[from] != NONE)
+    }
+
+    /// The texels around one; sides before corners, so that the nearer neighbour wins.
+    fn around(&self, at: usize) -> impl Iterator<Item = usize> + use<> {
         const AROUND: [(i32, i32); 8] = [
             (-1, 0),
             (1, 0),
@@ -244,36 +316,52 @@ impl Atlas {
             (-1, 1),
             (1, 1),
         ];
-        let mut copies = Vec::new();
-        for y in 0..height {
-            for x in 0..width {
-                if self.face[self.place(x, y)] != NONE {
-                    continue;
-                }
-                let inside = |&&(dx, dy): &&(i32, i32)| {
-                    (0..width).contains(&(x + dx)) && (0..height).contains(&(y + dy))
+        let (width, height) = (self.size.width() as i32, self.size.height() as i32);
+        let (x, y) = (at as i32 % width, at as i32 / width);
+        AROUND
+            .into_iter()
+            .map(move |(dx, dy)| (x + dx, y + dy))
+            .filter(move |(x, y)| (0..width).contains(x) && (0..height).contains(y))
+            .map(move |(x, y)| y as usize * width as usize + x as usize)
+    }
+}
+
+/// A band of the atlas and the values to fill in.
+struct Values<'b> {
+    /// Its first row.
+    top: usize,
+    faces: &'b [u32],
+    barycentric: &'b mut [[f32; 3]],
+    positions: &'b mut [[f32; 3]],
+    normals: &'b mut [[f32; 3]],
+}
+
+impl Values<'_> {
+    fn fill(self, corners: &Corners<'_, '_>, width: usize) {
+        let mesh = corners.mesh;
+        // Neighbours mostly have one face.
+        let (mut last, mut place) = (NONE, [[0.0; 2]; 3]);
+        for (at, &face) in self.faces.iter().enumerate().filter(|(_, f)| **f != NONE) {
+            if face != last {
+                (last, place) = (face, corners.of(face));
+            }
+            let centre = [at % width, self.top + at / width].map(|v| v as f64 + 0.5);
+            let weights = weights(&place, centre);
+            self.barycentric[at] = weights.map(|w| w as f32);
+            let vertices = mesh.indices[face as usize];
+            if let Some(position) = self.positions.get_mut(at) {
+                *position = blend(mesh.positions, vertices, weights).map(|v| v as f32);
+            }
+            if let Some(normal) = self.normals.get_mut(at) {
+                let n = blend(mesh.normals, vertices, weights);
+                let length = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+                *normal = if length > 0.0 {
+                    n.map(|v| (v / length) as f32)
+                } else {
+                    [0.0; 3]
                 };
-                let from = AROUND
-                    .iter()
-                    .filter(inside)
-                    .map(|(dx, dy)| self.place(x + dx, y + dy));
-                if let Some(from) = from.into_iter().find(|&from| self.face[from] != NONE) {
-                    copies.push((self.place(x, y), from));
-                }
             }
         }
-        for &(to, from) in &copies {
-            self.face[to] = self.face[from];
-            self.coverage[to] = Coverage::Gutter;
-            self.barycentric[to] = self.barycentric[from];
-            if !self.position.is_empty() {
-                self.position[to] = self.position[from];
-            }
-            if !self.normal.is_empty() {
-                self.normal[to] = self.normal[from];
-            }
-        }
-        !copies.is_empty()
     }
 }
 
@@ -305,63 +393,87 @@ impl Corners<'_, '_> {
         })
     }
 
-    /// Weights over the vertices at a texel position, pulled into the face.
-    fn weights(&self, face: u32, x: f64, y: f64) -> [f64; 3] {
-        let p = self.of(face).map(|p| [p[0] - x, p[1] - y]);
-        let cross = |a: [f64; 2], b: [f64; 2]| a[0] * b[1] - a[1] * b[0];
-        let b = [cross(p[1], p[2]), cross(p[2], p[0]), cross(p[0], p[1])];
-        let area = b[0] + b[1] + b[2];
-        if area == 0.0 || !area.is_finite() {
-            return [1.0 / 3.0; 3];
-        }
-        let inside = b.map(|v| if v / area > 0.0 { v / area } else { 0.0 });
-        let sum = inside[0] + inside[1] + inside[2];
-        if sum > 0.0 {
-            inside.map(|v| v / sum)
-        } else {
-            [1.0 / 3.0; 3]
-        }
-    }
-
-    /// Visits the texels that a face touches until `visit` says stop; for a face without area those of its box's middle.
-    fn touched(&self, face: u32, mut visit: impl FnMut(i32, i32) -> bool) {
+    /// The texels that a face may touch: none far outside, where i32 could not hold them, and for a face without
+    /// area the one in the middle of its box.
+    fn reach(&self, face: u32) -> Option<Reach> {
         let corners = self.of(face);
-        // Far outside nothing is touched, and i32 could not hold it.
         if !corners.iter().flatten().all(|v| v.abs() < 16_384.0 * 2.0) {
-            return;
+            return None;
         }
         let snapped: [Snapped; 3] =
             corners.map(|p| p.map(|v| texmap_math::float::round_half_up(v * ONE as f64) as i32));
-        let (width, height) = (self.size.width() as i32, self.size.height() as i32);
-        let range = |k: usize, side: i32| {
+        let range = |k: usize, side: u32| {
             let lo = snapped[0][k].min(snapped[1][k]).min(snapped[2][k]);
             let hi = snapped[0][k].max(snapped[1][k]).max(snapped[2][k]);
             // A side that ends on a texel's border does not touch the next one.
             let last = if hi > lo { (hi - 1) >> 8 } else { hi >> 8 };
-            (lo >> 8).max(0)..=last.min(side - 1)
+            (lo >> 8).max(0)..last.min(side as i32 - 1) + 1
         };
-        let (xs, ys) = (range(0, width), range(1, height));
-        if xs.is_empty() || ys.is_empty() {
-            return;
+        let (x, y) = (range(0, self.size.width()), range(1, self.size.height()));
+        if x.is_empty() || y.is_empty() {
+            return None;
         }
-        let Some(edges) = edges(&snapped) else {
-            let middle = |r: &core::ops::RangeInclusive<i32>| (r.start() + r.end()) / 2;
-            visit(middle(&xs), middle(&ys));
-            return;
+        let edges = edges(&snapped);
+        let middle = |r: Range<i32>| match edges {
+            Some(_) => r,
+            None => {
+                let middle = (r.start + r.end - 1) / 2;
+                middle..middle + 1
+            }
         };
-        let b = PixelBox {
-            x0: *xs.start(),
-            y0: *ys.start(),
-            x1: *xs.end(),
-            y1: *ys.end(),
-        };
-        for y in b.y0..=b.y1 {
-            for x in b.x0..=b.x1 {
-                if edges.iter().all(|e| touches(*e, x, y)) && visit(x, y) {
-                    return;
+        Some(Reach {
+            x: middle(x),
+            y: middle(y),
+            edges,
+        })
+    }
+
+    /// The faces that may touch each row of tiles, ascending.
+    fn by_band(&self) -> Vec<Vec<u32>> {
+        let bands = self.size.height().div_ceil(TILE) as usize;
+        let mut faces = alloc::vec![Vec::new(); bands];
+        for face in 0..self.mesh.indices.len() as u32 {
+            if let Some(reach) = self.reach(face) {
+                let (first, last) = (reach.y.start as u32 / TILE, (reach.y.end - 1) as u32 / TILE);
+                for band in &mut faces[first as usize..=last as usize] {
+                    band.push(face);
                 }
             }
         }
+        faces
+    }
+}
+
+/// A box of texels, and the edges of the face in it.
+struct Reach {
+    x: Range<i32>,
+    y: Range<i32>,
+    /// `None` for a face without area, which touches all of its box.
+    edges: Option<[Edge; 3]>,
+}
+
+impl Reach {
+    fn touches(&self, x: i32, y: i32) -> bool {
+        let edges = self.edges.iter().flatten();
+        edges.into_iter().all(|e| touches(*e, x, y))
+    }
+}
+
+/// Weights over the corners at a texel position, pulled into the face.
+fn weights(corners: &[[f64; 2]; 3], [x, y]: [f64; 2]) -> [f64; 3] {
+    let p = corners.map(|p| [p[0] - x, p[1] - y]);
+    let cross = |a: [f64; 2], b: [f64; 2]| a[0] * b[1] - a[1] * b[0];
+    let b = [cross(p[1], p[2]), cross(p[2], p[0]), cross(p[0], p[1])];
+    let area = b[0] + b[1] + b[2];
+    if area == 0.0 || !area.is_finite() {
+        return [1.0 / 3.0; 3];
+    }
+    let inside = b.map(|v| if v / area > 0.0 { v / area } else { 0.0 });
+    let sum = inside[0] + inside[1] + inside[2];
+    if sum > 0.0 {
+        inside.map(|v| v / sum)
+    } else {
+        [1.0 / 3.0; 3]
     }
 }
 
