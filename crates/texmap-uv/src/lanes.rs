@@ -99,7 +99,7 @@ fn block<S: Simd, const SPHERE: bool>(
 /// All x, all y and all z of sixteen vectors. Scalar stores before wide loads would stall for longer than the
 /// formulae take.
 #[inline(always)]
-fn components<S: Simd>(s: S, vectors: &[[f32; 3]; LANES]) -> [f32x16<S>; 3] {
+pub(crate) fn components<S: Simd>(s: S, vectors: &[[f32; 3]; LANES]) -> [f32x16<S>; 3] {
     let words = vectors.as_flattened();
     let (x0, y0, z0) = four(s, &words[..12]);
     let (x1, y1, z1) = four(s, &words[12..24]);
@@ -139,9 +139,9 @@ fn spread<S: Simd>(s: S, a: f32x4<S>, b: f32x4<S>, c: f32x4<S>) -> (f32x4<S>, f3
 
 /// What longitude and latitude share.
 #[derive(Clone, Copy)]
-struct Around<T> {
+pub(crate) struct Around<T> {
     /// Longitude in turns.
-    u: T,
+    pub(crate) u: T,
     /// The larger of |x| and |z|.
     large: T,
     /// The smaller over the larger.
@@ -184,7 +184,7 @@ fn atan(q: f32) -> f32 {
 
 /// [`crate::solid::around`] for sixteen lanes.
 #[inline(always)]
-fn around_x16<S: Simd>(s: S, x: f32x16<S>, z: f32x16<S>) -> Around<f32x16<S>> {
+pub(crate) fn around_x16<S: Simd>(s: S, x: f32x16<S>, z: f32x16<S>) -> Around<f32x16<S>> {
     let splat = |c: f32| f32x16::splat(s, c);
     let zero = splat(0.0);
     let (ax, az) = (x.abs(), z.abs());
@@ -207,7 +207,7 @@ fn around_x16<S: Simd>(s: S, x: f32x16<S>, z: f32x16<S>) -> Around<f32x16<S>> {
 
 /// [`around_x16`] for one lane.
 #[inline(always)]
-fn around(x: f32, z: f32) -> Around<f32> {
+pub(crate) fn around(x: f32, z: f32) -> Around<f32> {
     let (ax, az) = (x.abs(), z.abs());
     let steep = az > ax;
     let (large, small) = if steep { (az, ax) } else { (ax, az) };
@@ -230,7 +230,7 @@ const HUGE: f32 = 1e30;
 
 /// Latitude over pi. The distance from the axis comes from the ratio that the longitude has: x * x could overflow.
 #[inline(always)]
-fn latitude_x16<S: Simd>(s: S, y: f32x16<S>, around: Around<f32x16<S>>) -> f32x16<S> {
+pub(crate) fn latitude_x16<S: Simd>(s: S, y: f32x16<S>, around: Around<f32x16<S>>) -> f32x16<S> {
     let splat = |c: f32| f32x16::splat(s, c);
     let Around { large, ratio, .. } = around;
     let scale = large.simd_gt(splat(HUGE)).select(splat(0.25), splat(1.0));
@@ -249,7 +249,7 @@ fn latitude_x16<S: Simd>(s: S, y: f32x16<S>, around: Around<f32x16<S>>) -> f32x1
 
 /// [`latitude_x16`] for one lane.
 #[inline(always)]
-fn latitude(y: f32, around: Around<f32>) -> f32 {
+pub(crate) fn latitude(y: f32, around: Around<f32>) -> f32 {
     let Around { large, ratio, .. } = around;
     let scale = if large > HUGE { 0.25 } else { 1.0 };
     let out = large * scale * float::sqrt_f32(1.0 + ratio * ratio);

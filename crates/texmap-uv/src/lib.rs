@@ -37,10 +37,12 @@ mod mesh;
 mod overlap;
 mod pack;
 mod parallel;
+mod pixel;
 mod report;
 mod seam;
 mod shells;
 mod solid;
+mod t_joint;
 mod tangent;
 #[cfg(feature = "unwrap")]
 mod unwrap;
@@ -55,9 +57,11 @@ pub use layout::layout_svg;
 pub use mapping::{Entity, Mapped, Mapping, tile};
 pub use mesh::{Faces, Mesh, UvSet};
 pub use pack::{Page, pack};
+pub use pixel::{PixelMapping, Round};
 pub use report::{Report, ReportOptions, TriangleReport, report};
 pub use shells::{Cuts, cut, sew};
 pub use solid::{Origin, Part, Shape};
+pub use t_joint::{TJoint, t_joints};
 pub use tangent::tangents;
 #[cfg(feature = "unwrap")]
 pub use unwrap::unwrap;

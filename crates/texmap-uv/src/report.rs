@@ -9,7 +9,7 @@ use texmap_math::glam::DVec2;
 use crate::mesh::{Mesh, UvSet, length};
 use crate::overlap::{self, Flat};
 use crate::shells::{MANY, RIM, Shells, Topology, edge_length};
-use crate::{Origin, UvError, parallel, views};
+use crate::{Origin, TJoint, UvError, parallel, t_joint, views};
 
 /// What to look at.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -112,6 +112,8 @@ pub struct Report {
     pub non_manifold_edges: usize,
     /// Connected pieces of the picture.
     pub shells: usize,
+    /// Vertices inside an edge of a face that does not have them, with the face.
+    pub t_joints: Vec<TJoint>,
 }
 
 /// Sums over a chunk of triangles.
@@ -249,6 +251,7 @@ pub fn report(mesh: &Mesh<'_>, set: &UvSet, options: &ReportOptions) -> Result<R
             meets(mesh, set, &topology, k)
         })
         .count,
+        t_joints: t_joint::find(mesh, &topology),
         triangles,
     })
 }
