@@ -189,6 +189,15 @@ pub(crate) fn wrap(text: &str) -> Result<Wrap, String> {
         .map_err(|_| format!("expected one of {}", words::WRAPS))
 }
 
+/// 1 or 4.
+pub(crate) fn msaa(text: &str) -> Result<u32, String> {
+    match text {
+        "1" => Ok(1),
+        "4" => Ok(4),
+        _ => Err("expected 1 or 4".to_owned()),
+    }
+}
+
 /// `srgb` or `raw`.
 pub(crate) fn color(text: &str) -> Result<ColorMode, String> {
     match text {

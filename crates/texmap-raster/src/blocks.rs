@@ -27,6 +27,8 @@ pub struct TileBlocks {
     pub depth: Vec<f32>,
     /// Which of the tile's fragments, [`NONE`] where nothing was drawn; `ids` names it.
     pub slot: Vec<u32>,
+    /// Of each 4x4 block, a bit per pixel where something was drawn.
+    pub masks: Vec<u16>,
     /// The id of each slot, [`NONE`] for slots that are not used.
     pub ids: Vec<u32>,
     /// The draw of each sixteen slots: slot k belongs to draw `draws[k / 16]`.
@@ -39,6 +41,7 @@ impl Default for TileBlocks {
         Self {
             depth: alloc::vec![0.0; PIXELS],
             slot: alloc::vec![NONE; PIXELS],
+            masks: alloc::vec![0; PIXELS / LANES],
             ids: Vec::new(),
             draws: Vec::new(),
             group: Group::default(),
@@ -58,6 +61,7 @@ impl TileBlocks {
         Self {
             depth: Vec::new(),
             slot: Vec::new(),
+            masks: Vec::new(),
             ids: Vec::new(),
             draws: Vec::new(),
             group: Group::default(),
@@ -70,6 +74,23 @@ impl TileBlocks {
         self.depth.resize(PIXELS, 0.0);
         self.slot.clear();
         self.slot.resize(PIXELS, NONE);
+        self.masks.clear();
+        self.masks.resize(PIXELS / LANES, 0);
+    }
+
+    #[inline(always)]
+    fn mark_lanes<S: Simd>(&mut self, s: S) {
+        for (mask, slots) in self.masks.iter_mut().zip(self.slot.chunks_exact(LANES)) {
+            let none = u32x16::from_slice(s, slots).simd_eq(NONE);
+            *mask = !none.to_bitmask() as u16;
+        }
+    }
+
+    fn mark_plain(&mut self) {
+        for (mask, slots) in self.masks.iter_mut().zip(self.slot.chunks_exact(LANES)) {
+            let bits = slots.iter().rev();
+            *mask = bits.fold(0, |mask, slot| mask << 1 | u16::from(*slot != NONE));
+        }
     }
 
     /// Takes back what reached over the target's right and lower edge.
@@ -143,6 +164,7 @@ impl Prepared<'_> {
             }
             out.depth[index]
         });
+        out.mark_plain();
     }
 
     #[inline(always)]
@@ -182,10 +204,12 @@ impl Prepared<'_> {
         }
         out.group = group;
         out.trim(bounds);
+        out.mark_lanes(s);
     }
 
     /// Calls `sink` with each 4x4 block of the draws `wanted` picks: slot, block, and a bit for each pixel that
-    /// passes the depth test against `blocks`, in submitted order, with the slots of [`visible_blocks`](Self::visible_blocks). Draws that write depth do so before the next block.
+    /// passes the depth test against `blocks`, in submitted order, with the slots of [`visible_blocks`](Self::visible_blocks).
+    /// Draws that write depth do so before the next block.
     pub fn forward_blocks(
         &self,
         tile: usize,
@@ -193,7 +217,20 @@ impl Prepared<'_> {
         wanted: &dyn Fn(&Draw<'_>) -> bool,
         sink: &mut dyn FnMut(u32, u32, u16),
     ) {
+        self.forward_sample(tile, [0; 2], blocks, wanted, sink);
+    }
+
+    /// [`forward_blocks`](Self::forward_blocks) at a sample, as [`visible_sample`](Self::visible_sample).
+    pub fn forward_sample(
+        &self,
+        tile: usize,
+        offset: [i32; 2],
+        blocks: &mut TileBlocks,
+        wanted: &dyn Fn(&Draw<'_>) -> bool,
+        sink: &mut dyn FnMut(u32, u32, u16),
+    ) {
         self.name_slots(tile, blocks);
+        blocks.group.offset = offset;
         match self.level() {
             Some(level) => on_level!(
                 level,
@@ -202,6 +239,7 @@ impl Prepared<'_> {
             ),
             None => self.forward_plain(tile, blocks, wanted, sink),
         }
+        blocks.group.offset = [0; 2];
     }
 
     /// The plain form: a block for each pixel.
@@ -212,13 +250,14 @@ impl Prepared<'_> {
         wanted: &dyn Fn(&Draw<'_>) -> bool,
         sink: &mut dyn FnMut(u32, u32, u16),
     ) {
-        self.for_each(tile, wanted, [0; 2], |of, setup, edges, pixels| {
+        let offset = blocks.group.offset;
+        self.for_each(tile, wanted, offset, |of, setup, edges, pixels| {
             let draw = self.draw(of.draw);
             let bounds = self.tile(tile);
             cover(edges, pixels, |x, y| {
                 let (x, y) = (x as u32, y as u32);
                 let index = crate::block_index(x - bounds.x0, y - bounds.y0);
-                let depth = setup.depth(x, y);
+                let depth = setup.depth_at(x, y, offset);
                 if passes(draw.depth_test, depth, blocks.depth[index]) {
                     if draw.depth_write && draw.pass != Pass::Blended {
                         blocks.depth[index] = depth;

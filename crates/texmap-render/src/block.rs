@@ -1,11 +1,13 @@
-//! One block of 64 x 64 pixels: visibility, shading and blending of its samples, their mean, and the AOVs.
+//! One block of 64 x 64 pixels: its tile of samples, or the mean of several tiles, and the AOVs.
 
 use texmap_math::color;
-use texmap_raster::{Fragment, NONE, Prepared, TILE, TileBuffers};
+use texmap_raster::{Fragment, NONE, Prepared, TILE, TileBlocks, TriangleSetup, block_index};
 
+use crate::canvas::finish;
 use crate::plan::{Plan, Surface};
 use crate::rows::AovRows;
-use crate::shade::{Hit, RUN, SetupCache, Stages, facing_normal, straight, three};
+use crate::shade::{facing_normal, three};
+use crate::tile::{Painter, Scenery};
 use crate::{Aov, ColorMode, HOLE_BITS, Scene, Settings};
 
 /// Pixels of a block and samples of a tile.
@@ -13,12 +15,8 @@ const PIXELS: usize = (TILE * TILE) as usize;
 
 /// One pass over the frame.
 pub(crate) struct Job<'a> {
-    plan: &'a Plan<'a>,
-    prepared: &'a Prepared<'a>,
-    /// Linear (or raw), premultiplied.
-    background: [f32; 4],
-    color: ColorMode,
-    /// Samples per pixel and axis of this pass.
+    scenery: Scenery<'a>,
+    /// Samples per pixel and axis of this pass, each in a tile of its own.
     samples: u32,
     /// Tiles across the grid of samples.
     tiles_across: u32,
@@ -29,8 +27,6 @@ pub(crate) struct Block<'a> {
     /// In blocks, from the left and from the top.
     column: u32,
     row: u32,
-    width: u32,
-    height: u32,
     /// Empty if this pass has no colour.
     pub(crate) rgba: Vec<&'a mut [u8]>,
     pub(crate) aovs: Vec<(Aov, AovRows<'a>)>,
@@ -40,33 +36,20 @@ impl Block<'_> {
     /// All blocks of a frame, row by row from the top left, without buffers.
     pub(crate) fn all(width: u32, height: u32) -> impl Iterator<Item = Self> {
         let across = width.div_ceil(TILE);
-        (0..across * height.div_ceil(TILE)).map(move |i| {
-            let (column, row) = (i % across, i / across);
-            let side = |place: u32, size: u32| TILE.min(size - place * TILE);
-            let (w, h) = (side(column, width), side(row, height));
-            Self {
-                column,
-                row,
-                width: w,
-                height: h,
-                rgba: Vec::new(),
-                aovs: Vec::new(),
-            }
+        (0..across * height.div_ceil(TILE)).map(move |i| Self {
+            column: i % across,
+            row: i / across,
+            rgba: Vec::new(),
+            aovs: Vec::new(),
         })
     }
 }
 
 /// What a thread keeps between blocks.
 pub(crate) struct Scratch {
-    buffers: TileBuffers,
+    painter: Painter,
     setups: SetupCache,
-    stages: Stages,
-    hits: Vec<(u32, Hit)>,
-    run: Vec<Hit>,
-    shaded: Vec<[f32; 4]>,
-    /// Samples of the tile.
-    tile: Vec<[f32; 4]>,
-    /// Sums over the samples of each pixel.
+    /// Sums over the samples of each pixel; empty for one sample.
     sums: Vec<[f32; 4]>,
     covered: Vec<bool>,
 }
@@ -74,15 +57,10 @@ pub(crate) struct Scratch {
 impl Scratch {
     pub(crate) fn new() -> Self {
         Self {
-            buffers: TileBuffers::new(),
+            painter: Painter::new(),
             setups: SetupCache::new(),
-            stages: Stages::default(),
-            hits: Vec::new(),
-            run: Vec::with_capacity(RUN),
-            shaded: Vec::with_capacity(RUN),
-            tile: vec![[0.0; 4]; PIXELS],
-            sums: vec![[0.0; 4]; PIXELS],
-            covered: vec![false; PIXELS],
+            sums: Vec::new(),
+            covered: Vec::new(),
         }
     }
 }
@@ -93,6 +71,7 @@ impl<'a> Job<'a> {
         settings: &Settings,
         plan: &'a Plan<'a>,
         prepared: &'a Prepared<'a>,
+        multisampled: bool,
     ) -> Self {
         let [r, g, b, a] = scene.background;
         let light = |c: f32| {
@@ -103,10 +82,13 @@ impl<'a> Job<'a> {
             }
         };
         Self {
-            plan,
-            prepared,
-            background: [light(r) * a, light(g) * a, light(b) * a, a],
-            color: scene.color,
+            scenery: Scenery {
+                plan,
+                prepared,
+                mode: scene.color,
+                background: [light(r) * a, light(g) * a, light(b) * a, a],
+                multisampled,
+            },
             samples: prepared.size().width() / settings.width,
             tiles_across: prepared.size().width().div_ceil(TILE),
         }
@@ -114,193 +96,164 @@ impl<'a> Job<'a> {
 
     /// Draws a block and returns how many of its pixels are covered.
     pub(crate) fn draw(&self, mut block: Block<'_>, scratch: &mut Scratch) -> u64 {
-        scratch.sums.fill([0.0; 4]);
-        scratch.covered.fill(false);
+        if self.samples > 1 {
+            return self.draw_supersampled(block, scratch);
+        }
+        let index = (block.row * self.tiles_across + block.column) as usize;
+        if self.scenery.multisampled {
+            scratch.painter.paint_multisampled(&self.scenery, index);
+        } else {
+            let blocks = scratch.painter.see(&self.scenery, index);
+            if !block.aovs.is_empty() {
+                scratch.setups.clear();
+                write_aovs(
+                    &self.scenery,
+                    index,
+                    blocks,
+                    &mut block,
+                    &mut scratch.setups,
+                );
+            }
+            if block.rgba.is_empty() {
+                return 0;
+            }
+        }
+        let canvas = if self.scenery.multisampled {
+            scratch.painter.resolved()
+        } else {
+            scratch.painter.paint(&self.scenery, index, false)
+        };
+        for (y, row) in block.rgba.into_iter().enumerate() {
+            canvas.copy_row(y, row);
+        }
+        let masks = scratch.painter.covered();
+        masks.iter().map(|mask| u64::from(mask.count_ones())).sum()
+    }
+
+    /// The mean, in linear light, of n x n tiles of samples.
+    fn draw_supersampled(&self, block: Block<'_>, scratch: &mut Scratch) -> u64 {
         let n = self.samples;
+        let Scratch {
+            painter,
+            sums,
+            covered,
+            ..
+        } = scratch;
+        sums.clear();
+        sums.resize(PIXELS, [0.0; 4]);
+        covered.clear();
+        covered.resize(PIXELS, false);
         for y in block.row * n..(block.row + 1) * n {
             for x in block.column * n..(block.column + 1) * n {
                 let index = (y * self.tiles_across + x) as usize;
-                let inside = x < self.tiles_across && index < self.prepared.tiles();
-                if inside {
-                    self.draw_tile(index, &mut block, scratch);
+                if x < self.tiles_across && index < self.scenery.prepared.tiles() {
+                    self.add_tile(index, &block, painter, sums, covered);
                 }
             }
         }
         let samples = (n * n) as f32;
         for (y, row) in block.rgba.into_iter().enumerate() {
             for (x, pixel) in row.chunks_exact_mut(4).enumerate() {
-                let mean = scratch.sums[y * TILE as usize + x].map(|sum| sum / samples);
-                pixel.copy_from_slice(&self.encode(mean));
+                let mean = sums[y * TILE as usize + x].map(|sum| sum / samples);
+                pixel.copy_from_slice(&finish(self.scenery.mode, mean).to_le_bytes());
             }
         }
-        let (width, height) = (block.width as usize, block.height as usize);
-        let rows = scratch.covered.chunks_exact(TILE as usize).take(height);
-        rows.map(|row| row[..width].iter().filter(|c| **c).count() as u64)
-            .sum()
+        covered.iter().filter(|covered| **covered).count() as u64
     }
 
-    fn draw_tile(&self, index: usize, block: &mut Block<'_>, scratch: &mut Scratch) {
-        self.prepared
-            .visible(index, self.plan, &mut scratch.buffers);
-        scratch.setups.clear();
-        self.write_aovs(index, block, scratch);
-        if block.rgba.is_empty() {
-            return;
-        }
-        scratch.tile.fill(self.background);
-        self.gather_visible(index, scratch);
-        self.shade_hits(index, block, scratch);
-        self.gather_blended(index, scratch);
-        self.shade_hits(index, block, scratch);
-        let tile = self.prepared.tile(index);
+    fn add_tile(
+        &self,
+        index: usize,
+        block: &Block<'_>,
+        painter: &mut Painter,
+        sums: &mut [[f32; 4]],
+        covered: &mut [bool],
+    ) {
+        painter.see(&self.scenery, index);
+        painter.paint(&self.scenery, index, true);
+        let tile = self.scenery.prepared.tile(index);
+        let (canvas, masks) = painter.light();
         for y in 0..tile.height {
             for x in 0..tile.width {
-                let pixel = self.pixel(block, tile.x0 + x, tile.y0 + y);
-                let sample = scratch.tile[(y * TILE + x) as usize];
-                for (sum, value) in scratch.sums[pixel].iter_mut().zip(sample) {
+                let at = block_index(x, y);
+                let pixel_x = (tile.x0 + x) / self.samples - block.column * TILE;
+                let pixel_y = (tile.y0 + y) / self.samples - block.row * TILE;
+                let pixel = (pixel_y * TILE + pixel_x) as usize;
+                for (sum, value) in sums[pixel].iter_mut().zip(canvas.light_at(at)) {
                     *sum += value;
                 }
+                covered[pixel] |= masks[at / 16] >> (at % 16) & 1 == 1;
             }
         }
     }
+}
 
-    /// The pixel of a block that holds a sample.
-    fn pixel(&self, block: &Block<'_>, x: u32, y: u32) -> usize {
-        let (x, y) = (
-            x / self.samples - block.column * TILE,
-            y / self.samples - block.row * TILE,
-        );
-        (y * TILE + x) as usize
+/// Set-ups of the triangles met last, for one tile.
+struct SetupCache {
+    slots: Vec<Option<(u32, TriangleSetup)>>,
+}
+
+impl SetupCache {
+    const SLOTS: usize = 64;
+
+    fn new() -> Self {
+        Self {
+            slots: vec![None; Self::SLOTS],
+        }
     }
 
-    /// Lists the visible samples, those of one surface together.
-    fn gather_visible(&self, index: usize, scratch: &mut Scratch) {
-        let tile = self.prepared.tile(index);
-        scratch.hits.clear();
-        let (mut last, mut draw, mut mixed) = (NONE, NONE, false);
-        for y in 0..tile.height {
-            for x in 0..tile.width {
-                let id = scratch.buffers.id[(y * TILE + x) as usize];
-                if id == NONE {
-                    continue;
-                }
-                if id != last {
-                    last = id;
-                    let before = draw;
-                    draw = self.prepared.source(id).0;
-                    mixed |= before != NONE && before != draw;
-                }
-                scratch.hits.push((
-                    draw,
-                    Hit {
-                        id,
-                        x: tile.x0 + x,
-                        y: tile.y0 + y,
-                    },
-                ));
+    /// To be called when the tile changes.
+    fn clear(&mut self) {
+        self.slots.fill(None);
+    }
+
+    fn evaluate(&mut self, prepared: &Prepared<'_>, id: u32, [x, y]: [u32; 2], out: &mut Fragment) {
+        let slot = &mut self.slots[id as usize % Self::SLOTS];
+        let setup = match slot {
+            Some((of, setup)) if *of == id => setup,
+            _ => &mut slot.insert((id, prepared.setup(id, x / TILE, y / TILE))).1,
+        };
+        setup.evaluate(x, y, out);
+    }
+}
+
+fn write_aovs(
+    scenery: &Scenery<'_>,
+    index: usize,
+    blocks: &TileBlocks,
+    block: &mut Block<'_>,
+    setups: &mut SetupCache,
+) {
+    let tile = scenery.prepared.tile(index);
+    let mut fragment = Fragment::default();
+    for y in 0..tile.height {
+        for x in 0..tile.width {
+            let slot = blocks.slot[block_index(x, y)];
+            if slot == NONE {
+                continue;
             }
-        }
-        if mixed {
-            scratch.hits.sort_by_key(|(draw, _)| *draw);
-        }
-    }
-
-    /// Lists the blended samples in submission order.
-    fn gather_blended(&self, index: usize, scratch: &mut Scratch) {
-        scratch.hits.clear();
-        let (hits, buffers) = (&mut scratch.hits, &scratch.buffers);
-        self.prepared.blended(index, buffers, &mut |id, x, y| {
-            hits.push((self.prepared.source(id).0, Hit { id, x, y }));
-        });
-    }
-
-    /// Shades the listed samples in runs of one surface and composes each over what stands in the tile.
-    fn shade_hits(&self, index: usize, block: &Block<'_>, scratch: &mut Scratch) {
-        let tile = self.prepared.tile(index);
-        let Scratch {
-            setups,
-            stages,
-            hits,
-            run,
-            shaded,
-            tile: samples,
-            covered,
-            ..
-        } = scratch;
-        for same in hits.chunk_by(|a, b| a.0 == b.0) {
-            let surface = &self.plan.surfaces[same[0].0 as usize];
-            for part in same.chunks(RUN) {
-                run.clear();
-                run.extend(part.iter().map(|(_, hit)| *hit));
-                stages.shade(self.plan, surface, self.prepared, setups, run, shaded);
-                for (hit, color) in run.iter().zip(&*shaded) {
-                    let slot = ((hit.y - tile.y0) * TILE + hit.x - tile.x0) as usize;
-                    samples[slot] = over(*color, samples[slot]);
-                    covered[self.pixel(block, hit.x, hit.y)] |= color[3] > 0.0;
-                }
-            }
-        }
-    }
-
-    fn write_aovs(&self, index: usize, block: &mut Block<'_>, scratch: &mut Scratch) {
-        if block.aovs.is_empty() {
-            return;
-        }
-        let tile = self.prepared.tile(index);
-        let mut fragment = Fragment::default();
-        for y in 0..tile.height {
-            for x in 0..tile.width {
-                let id = scratch.buffers.id[(y * TILE + x) as usize];
-                if id == NONE {
-                    continue;
-                }
-                let hit = Hit {
-                    id,
-                    x: tile.x0 + x,
-                    y: tile.y0 + y,
-                };
-                scratch.setups.evaluate(self.prepared, hit, &mut fragment);
-                let (draw, triangle) = self.prepared.source(id);
-                let surface = &self.plan.surfaces[draw as usize];
-                let (x, y) = (x as usize, y as usize);
-                for (aov, rows) in &mut block.aovs {
-                    match rows {
-                        AovRows::U32(rows) => rows[y][x] = surface.mesh.face(triangle),
-                        AovRows::F32(rows) => {
-                            let channels = aov.channels();
-                            let values = aov_values(*aov, surface, &fragment);
-                            rows[y][x * channels..][..channels]
-                                .copy_from_slice(&values[..channels]);
-                        }
+            let id = blocks.ids[slot as usize];
+            setups.evaluate(
+                scenery.prepared,
+                id,
+                [tile.x0 + x, tile.y0 + y],
+                &mut fragment,
+            );
+            let (draw, triangle) = scenery.prepared.source(id);
+            let surface = &scenery.plan.surfaces[draw as usize];
+            let (x, y) = (x as usize, y as usize);
+            for (aov, rows) in &mut block.aovs {
+                match rows {
+                    AovRows::U32(rows) => rows[y][x] = surface.mesh.face(triangle),
+                    AovRows::F32(rows) => {
+                        let channels = aov.channels();
+                        let values = aov_values(*aov, surface, &fragment);
+                        rows[y][x * channels..][..channels].copy_from_slice(&values[..channels]);
                     }
                 }
             }
         }
     }
-
-    fn encode(&self, premultiplied: [f32; 4]) -> [u8; 4] {
-        let alpha = premultiplied[3];
-        let encode = |c: f32| match self.color {
-            ColorMode::Srgb => color::linear_to_srgb8(c),
-            ColorMode::Raw => color::unit_to_u8(c),
-        };
-        let [r, g, b] = straight(premultiplied).map(encode);
-        [r, g, b, color::unit_to_u8(alpha)]
-    }
-}
-
-/// `front` over `back`, both premultiplied.
-fn over(front: [f32; 4], back: [f32; 4]) -> [f32; 4] {
-    if front[3] >= 1.0 {
-        return front;
-    }
-    let k = 1.0 - front[3];
-    [
-        front[0] + k * back[0],
-        front[1] + k * back[1],
-        front[2] + k * back[2],
-        front[3] + k * back[3],
-    ]
 }
 
 /// Values of an f32 AOV, holes where the surface has none (or none that is finite).

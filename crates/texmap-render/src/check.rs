@@ -207,6 +207,14 @@ impl Settings {
                 supersample,
             });
         }
+        if !(self.msaa == 1 || (self.msaa == 4 && self.supersample == 1)) {
+            return Err(RenderError::Value {
+                place: "settings".to_owned(),
+                what: "msaa".to_owned(),
+                value: self.msaa.to_string(),
+                expected: "give 1, or 4 without supersampling",
+            });
+        }
         if self.threads == Some(0) {
             return Err(RenderError::Threads {
                 threads: 0,

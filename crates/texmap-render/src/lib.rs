@@ -41,8 +41,10 @@
 #![forbid(unsafe_code)]
 
 mod block;
+mod canvas;
 mod check;
 mod coordinates;
+mod dispatch;
 mod error;
 mod frame;
 mod plan;
@@ -51,7 +53,9 @@ mod rows;
 mod scene;
 mod settings;
 mod shade;
+mod texel;
 mod textures;
+mod tile;
 mod vertices;
 
 pub use error::RenderError;

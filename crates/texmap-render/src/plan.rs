@@ -6,6 +6,7 @@ use texmap_raster::{AlphaTest, Draw, Fragment, Interp, Pass};
 use texmap_sample::Filter;
 
 use crate::coordinates::{CameraFrame, Coordinates};
+use crate::texel::TexelStage;
 use crate::textures::{Chains, Slot};
 use crate::vertices::{Values, VertexData, Vertices};
 use crate::{
@@ -32,9 +33,15 @@ pub(crate) struct Surface<'s> {
     pub(crate) color: Option<usize>,
     pub(crate) normal: Option<usize>,
     pub(crate) position: Option<usize>,
+    /// Attributes that shading reads: 0 up to this.
+    pub(crate) shaded: usize,
+    /// Every look-up of the base colour is opaque.
+    pub(crate) solid: bool,
+    /// The one stage of a surface that needs no other.
+    pub(crate) texel: Option<TexelStage>,
     /// `None` if nothing is cut out.
     cut: Option<Cut>,
-    pass: Pass,
+    pub(crate) pass: Pass,
     vertices: VertexData<'s>,
     interp: Interp,
     interp_scale: f32,
@@ -221,11 +228,21 @@ fn surface<'s>(
     let tinted = shows_surface && !mesh.colors.is_empty() && !at_vertices;
     let color = tinted.then(|| vertices.push(Values::Color, screen));
     let per_pixel = matches!(light, LightStage::PerPixel);
-    let normal =
-        (per_pixel || aovs.contains(&Aov::Normal)).then(|| vertices.push(Values::Normal, false));
     let by_place = per_pixel && lights_depend_on_place(&scene.lights, material);
-    let position =
-        (by_place || aovs.contains(&Aov::Position)).then(|| vertices.push(Values::Position, false));
+    let mut normal = per_pixel.then(|| vertices.push(Values::Normal, false));
+    let mut position = by_place.then(|| vertices.push(Values::Position, false));
+    let shaded = vertices.attribute_count();
+    if normal.is_none() && aovs.contains(&Aov::Normal) {
+        normal = Some(vertices.push(Values::Normal, false));
+    }
+    if position.is_none() && aovs.contains(&Aov::Position) {
+        position = Some(vertices.push(Values::Position, false));
+    }
+    let at_a_vertex = matches!(uv, Coordinates::Vertices) || base_color.is_none();
+    let unlit = matches!(light, LightStage::None) && color.is_none() && opacity_map.is_none();
+    let texel = (at_a_vertex && unlit)
+        .then(|| TexelStage::new(material, base_color.as_ref(), scene.color))
+        .flatten();
 
     let vertices = vertices.finish(scene, mesh);
     let (width, height) = base_color
@@ -239,6 +256,9 @@ fn surface<'s>(
         color,
         normal,
         position,
+        shaded,
+        solid: !clear_texels,
+        texel,
         cut,
         pass,
         interp,

@@ -1,6 +1,7 @@
 //! The frame: passes over blocks of 64 x 64 pixels, one owner thread each.
 
 use std::fmt;
+use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
@@ -38,6 +39,8 @@ pub struct Renderer<'s> {
     /// AOVs describe the pixel's centre, which lies on no sample if their number is even: then they have their own pass.
     centres: Option<Plan<'s>>,
     pool: Option<rayon::ThreadPool>,
+    /// Buffers of the threads that drew before.
+    scratch: Mutex<Vec<Box<Scratch>>>,
     warnings: Vec<String>,
     plan_time: Duration,
 }
@@ -71,7 +74,7 @@ impl<'s> Renderer<'s> {
         });
         let chains = Chains::new(scene, settings);
         let n = settings.supersample;
-        let shared = n == 1;
+        let shared = n == 1 && settings.msaa == 1;
         let plan = |side: u32, aovs: &[Aov]| {
             let samples = (settings.width * side, settings.height * side);
             Plan::new(scene, settings, &chains, samples, aovs)
@@ -81,6 +84,7 @@ impl<'s> Renderer<'s> {
             plan: plan(n, if shared { &settings.aovs } else { &[] })?,
             centres: centres.then(|| plan(1, &settings.aovs)).transpose()?,
             pool: pool.transpose()?,
+            scratch: Mutex::default(),
             warnings: scene.warnings.iter().cloned().chain(checked).collect(),
             plan_time: start.elapsed(),
             settings: settings.clone(),
@@ -96,6 +100,16 @@ impl<'s> Renderer<'s> {
         let mut frame = empty_frame(&self.settings);
         self.draw_into(&mut frame, progress, &|blocks| (0..blocks).collect())?;
         Ok(frame)
+    }
+
+    /// Without the fast stage of plain texels: tests hold its bits against the general stages.
+    #[doc(hidden)]
+    #[must_use]
+    pub fn staged(mut self) -> Self {
+        for plan in self.centres.iter_mut().chain([&mut self.plan]) {
+            plan.surfaces.iter_mut().for_each(|s| s.texel = None);
+        }
+        self
     }
 
     /// [`draw`](Self::draw) over the buffers of an earlier frame of this renderer, with the blocks handed out in another
@@ -129,7 +143,7 @@ impl<'s> Renderer<'s> {
 
         let start = Instant::now();
         let draws = self.plan.draws(scene);
-        let prepared = prepare(scene, (size.0 * n, size.1 * n), &draws)?;
+        let prepared = self.prepare((size.0 * n, size.1 * n), &draws, settings.msaa > 1)?;
         frame.stats.times.bin = start.elapsed();
 
         let start = Instant::now();
@@ -152,13 +166,13 @@ impl<'s> Renderer<'s> {
         } else {
             &mut []
         };
-        let job = Job::new(scene, settings, &self.plan, &prepared);
-        let covered = run(&job, settings, Some(rgba), with_color, &order, &counter);
+        let job = Job::new(scene, settings, &self.plan, &prepared, settings.msaa > 1);
+        let covered = self.run(&job, Some(rgba), with_color, &order, &counter);
         if let Some(plan) = &self.centres {
             let draws = plan.draws(scene);
-            let prepared = prepare(scene, size, &draws)?;
-            let job = Job::new(scene, settings, plan, &prepared);
-            run(&job, settings, None, aovs, &order, &counter);
+            let prepared = self.prepare(size, &draws, false)?;
+            let job = Job::new(scene, settings, plan, &prepared, false);
+            self.run(&job, None, aovs, &order, &counter);
         }
         frame.stats.times.draw = start.elapsed();
         count(&mut frame.stats, &prepared, covered);
@@ -166,6 +180,71 @@ impl<'s> Renderer<'s> {
             frame.warnings.push(nothing_drawn(&frame.stats, scene));
         }
         Ok(())
+    }
+
+    fn prepare<'p>(
+        &self,
+        (width, height): (u32, u32),
+        draws: &[Draw<'p>],
+        multisampled: bool,
+    ) -> Result<Prepared<'p>, RenderError> {
+        let level = self.settings.level;
+        let threads = rayon::current_num_threads();
+        let prepared = TargetSize::new(width, height).and_then(|size| {
+            if multisampled {
+                Prepared::with_samples(size, draws, level, threads)
+            } else {
+                Prepared::with_level(size, draws, level, threads)
+            }
+        });
+        prepared.map_err(|error| raster_error(self.scene, error))
+    }
+
+    /// Runs the blocks of one pass over the thread pool and returns how many pixels are covered.
+    fn run(
+        &self,
+        job: &Job<'_>,
+        rgba: Option<&mut Vec<u8>>,
+        aovs: &mut [(Aov, usize, AovData)],
+        order: &[usize],
+        counter: &Counter<'_>,
+    ) -> u64 {
+        let (width, height) = (self.settings.width, self.settings.height);
+        let mut blocks: Vec<_> = Block::all(width, height).map(Some).collect();
+        if let Some(rgba) = rgba {
+            for (block, rows) in blocks
+                .iter_mut()
+                .flatten()
+                .zip(split(rgba, 4, width, height))
+            {
+                block.rgba = rows;
+            }
+        }
+        for (aov, channels, data) in aovs {
+            let rows: Vec<AovRows<'_>> = match data {
+                AovData::F32(values) => split(values, *channels, width, height)
+                    .into_iter()
+                    .map(AovRows::F32)
+                    .collect(),
+                AovData::U32(values) => split(values, *channels, width, height)
+                    .into_iter()
+                    .map(AovRows::U32)
+                    .collect(),
+            };
+            for (block, rows) in blocks.iter_mut().flatten().zip(rows) {
+                block.aovs.push((*aov, rows));
+            }
+        }
+        let blocks: Vec<Block<'_>> = order.iter().filter_map(|i| blocks[*i].take()).collect();
+        let covered = AtomicU64::new(0);
+        blocks.into_par_iter().for_each_init(
+            || Lent::new(&self.scratch),
+            |scratch, block| {
+                covered.fetch_add(job.draw(block, scratch.get()), Ordering::Relaxed);
+                counter.step();
+            },
+        );
+        covered.into_inner()
     }
 }
 
@@ -183,59 +262,29 @@ pub fn render_ordered(
     Ok(frame)
 }
 
-fn prepare<'p>(
-    scene: &Scene,
-    (width, height): (u32, u32),
-    draws: &[Draw<'p>],
-) -> Result<Prepared<'p>, RenderError> {
-    let size = TargetSize::new(width, height).map_err(|error| raster_error(scene, error))?;
-    Prepared::new(size, draws).map_err(|error| raster_error(scene, error))
+/// Buffers of a thread, taken from those that lie ready and given back in the end.
+struct Lent<'a> {
+    scratch: Option<Box<Scratch>>,
+    ready: &'a Mutex<Vec<Box<Scratch>>>,
 }
 
-/// Runs the blocks of one pass over the thread pool and returns how many pixels are covered.
-fn run(
-    job: &Job<'_>,
-    settings: &Settings,
-    rgba: Option<&mut Vec<u8>>,
-    aovs: &mut [(Aov, usize, AovData)],
-    order: &[usize],
-    counter: &Counter<'_>,
-) -> u64 {
-    let (width, height) = (settings.width, settings.height);
-    let mut blocks: Vec<_> = Block::all(width, height).map(Some).collect();
-    if let Some(rgba) = rgba {
-        for (block, rows) in blocks
-            .iter_mut()
-            .flatten()
-            .zip(split(rgba, 4, width, height))
-        {
-            block.rgba = rows;
+impl<'a> Lent<'a> {
+    fn new(ready: &'a Mutex<Vec<Box<Scratch>>>) -> Self {
+        let scratch = ready.lock().ok().and_then(|mut ready| ready.pop());
+        Self { scratch, ready }
+    }
+
+    fn get(&mut self) -> &mut Scratch {
+        self.scratch.get_or_insert_with(|| Box::new(Scratch::new()))
+    }
+}
+
+impl Drop for Lent<'_> {
+    fn drop(&mut self) {
+        if let (Some(scratch), Ok(mut ready)) = (self.scratch.take(), self.ready.lock()) {
+            ready.push(scratch);
         }
     }
-    for (aov, channels, data) in aovs {
-        let rows: Vec<AovRows<'_>> = match data {
-            AovData::F32(values) => split(values, *channels, width, height)
-                .into_iter()
-                .map(AovRows::F32)
-                .collect(),
-            AovData::U32(values) => split(values, *channels, width, height)
-                .into_iter()
-                .map(AovRows::U32)
-                .collect(),
-        };
-        for (block, rows) in blocks.iter_mut().flatten().zip(rows) {
-            block.aovs.push((*aov, rows));
-        }
-    }
-    let blocks: Vec<Block<'_>> = order.iter().filter_map(|i| blocks[*i].take()).collect();
-    let covered = AtomicU64::new(0);
-    blocks
-        .into_par_iter()
-        .for_each_init(Scratch::new, |scratch, block| {
-            covered.fetch_add(job.draw(block, scratch), Ordering::Relaxed);
-            counter.step();
-        });
-    covered.into_inner()
 }
 
 struct Counter<'a> {

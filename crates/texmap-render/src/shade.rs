@@ -3,62 +3,50 @@
 
 use texmap_light::{Terms, terms_slice};
 use texmap_math::Footprint;
-use texmap_raster::{Fragment, Prepared, TILE, TriangleSetup};
+use texmap_raster::{Cull, Fragment, NONE, Prepared, RunBlock, RunValues, Tile, TileBlocks};
 use texmap_sample::sample_slice;
 
+use crate::canvas::{Colors, LANES, bits, straight};
 use crate::coordinates::Coordinates;
 use crate::plan::{LightStage, Plan, Surface};
+use crate::texel::clip;
 use crate::textures::Slot;
 use crate::{AlphaMode, TextureRole};
 
-/// Longest run that the stages take at once.
-pub(crate) const RUN: usize = 256;
-
-/// A sample of a surface: fragment id and place on the grid.
-#[derive(Clone, Copy)]
-pub(crate) struct Hit {
-    pub(crate) id: u32,
-    pub(crate) x: u32,
-    pub(crate) y: u32,
+/// A run of one surface: its blocks and their attributes.
+pub(crate) struct Run<'a> {
+    pub(crate) prepared: &'a Prepared<'a>,
+    pub(crate) tile: Tile,
+    pub(crate) blocks: &'a TileBlocks,
+    pub(crate) run: &'a [RunBlock],
+    pub(crate) values: &'a RunValues,
 }
 
-/// Set-ups of the triangles met last, for one tile.
-pub(crate) struct SetupCache {
-    slots: Vec<Option<(u32, TriangleSetup)>>,
-}
-
-impl SetupCache {
-    const SLOTS: usize = 64;
-
-    pub(crate) fn new() -> Self {
-        Self {
-            slots: vec![None; Self::SLOTS],
+impl Run<'_> {
+    fn slot(&self, at: RunBlock, bit: usize) -> u32 {
+        if at.slot == NONE {
+            self.blocks.slot[at.block as usize * LANES + bit]
+        } else {
+            at.slot
         }
     }
 
-    /// To be called when the tile changes.
-    pub(crate) fn clear(&mut self) {
-        self.slots.fill(None);
+    /// Places of the run that hold a pixel, with the block and the bit of each.
+    fn places(&self) -> impl Iterator<Item = (usize, RunBlock, usize)> {
+        self.run
+            .iter()
+            .enumerate()
+            .flat_map(|(i, &at)| bits(at.mask).map(move |bit| (i * LANES + bit, at, bit)))
     }
 
-    pub(crate) fn evaluate(&mut self, prepared: &Prepared<'_>, hit: Hit, out: &mut Fragment) {
-        let slot = &mut self.slots[hit.id as usize % Self::SLOTS];
-        let setup = match slot {
-            Some((id, setup)) if *id == hit.id => setup,
-            _ => {
-                &mut slot
-                    .insert((hit.id, prepared.setup(hit.id, hit.x / TILE, hit.y / TILE)))
-                    .1
-            }
-        };
-        setup.evaluate(hit.x, hit.y, out);
+    fn three(&self, first: usize, place: usize) -> [f32; 3] {
+        [0, 1, 2].map(|c| self.values.columns[first + c].value[place])
     }
 }
 
 /// Scratch of the stages, one entry per sample of the run.
 #[derive(Default)]
 pub(crate) struct Stages {
-    fragment: Fragment,
     uv: Vec<([f32; 2], Footprint)>,
     u: Vec<f32>,
     v: Vec<f32>,
@@ -72,17 +60,15 @@ pub(crate) struct Stages {
 }
 
 impl Stages {
-    /// Shades at most [`RUN`] samples of `surface` into `out`: linear light (raw values in raw mode), premultiplied.
+    /// Shades a run of `surface`: linear light (raw values in raw mode), premultiplied.
     pub(crate) fn shade(
         &mut self,
         plan: &Plan<'_>,
         surface: &Surface<'_>,
-        prepared: &Prepared<'_>,
-        setups: &mut SetupCache,
-        hits: &[Hit],
-        out: &mut Vec<[f32; 4]>,
+        run: &Run<'_>,
+        out: &mut Colors,
     ) {
-        self.interpolate(surface, prepared, setups, hits);
+        self.interpolate(surface, run);
         if let Some(slot) = &surface.base_color {
             look_up(
                 plan,
@@ -103,8 +89,8 @@ impl Stages {
         }
         if matches!(surface.light, LightStage::PerPixel) {
             self.terms.clear();
-            self.terms.resize(hits.len(), Terms::default());
-            self.position.resize(hits.len(), [0.0; 3]);
+            self.terms.resize(self.normal.len(), Terms::default());
+            self.position.resize(self.normal.len(), [0.0; 3]);
             let (points, normals) = (&self.position, &self.normal);
             terms_slice(
                 &surface.material.surface,
@@ -116,52 +102,72 @@ impl Stages {
             )
             .expect("the stage buffers have one length");
         }
-        out.clear();
-        out.extend((0..hits.len()).map(|i| self.compose(surface, i)));
+        for (i, (place, _, _)) in run.places().enumerate() {
+            for (column, value) in out.0.iter_mut().zip(self.compose(surface, i)) {
+                column[place] = value;
+            }
+        }
     }
 
-    /// Values of the run's samples, those that the surface's stages read.
-    fn interpolate(
-        &mut self,
-        surface: &Surface<'_>,
-        prepared: &Prepared<'_>,
-        setups: &mut SetupCache,
-        hits: &[Hit],
-    ) {
+    /// Values of the run's pixels, those that the surface's stages read.
+    fn interpolate(&mut self, surface: &Surface<'_>, run: &Run<'_>) {
         self.uv.clear();
         self.color.clear();
         self.normal.clear();
         self.position.clear();
-        let lit_at_vertices = matches!(surface.light, LightStage::Terms { .. });
-        if lit_at_vertices {
-            self.terms.clear();
+        match &surface.uv {
+            Coordinates::None => {}
+            Coordinates::Vertices => {
+                let [u, v] = [&run.values.columns[0], &run.values.columns[1]];
+                self.uv.extend(run.places().map(|(i, ..)| {
+                    let d = Footprint {
+                        du_dx: u.ddx[i],
+                        dv_dx: v.ddx[i],
+                        du_dy: u.ddy[i],
+                        dv_dy: v.ddy[i],
+                    };
+                    ([u.value[i], v.value[i]], d)
+                }));
+            }
+            Coordinates::Frame(frame) => {
+                self.uv.extend(run.places().map(|(_, at, bit)| {
+                    let (x, y) = (at.block as usize % 16 * 4, at.block as usize / 16 * 4);
+                    let x = run.tile.x0 + (x + bit % 4) as u32;
+                    let y = run.tile.y0 + (y + bit / 4) as u32;
+                    frame.uv(x, y).unwrap_or_default()
+                }));
+            }
         }
-        let per_pixel = matches!(surface.light, LightStage::PerPixel);
         let color = match surface.light {
             LightStage::Colors(first) => Some(first),
             _ => surface.color,
         };
-        let fragment = &mut self.fragment;
-        for hit in hits {
-            setups.evaluate(prepared, *hit, fragment);
-            if !matches!(surface.uv, Coordinates::None) {
-                self.uv.push(surface.uv.at(fragment).unwrap_or_default());
+        if let Some(first) = color {
+            let colors = run.places().map(|(i, ..)| run.three(first, i));
+            self.color.extend(colors);
+        }
+        if let LightStage::Terms { diffuse, highlight } = surface.light {
+            self.terms.clear();
+            self.terms.extend(run.places().map(|(i, ..)| Terms {
+                diffuse: run.three(diffuse, i),
+                highlight: highlight.map_or([0.0; 3], |first| run.three(first, i)),
+            }));
+        }
+        if matches!(surface.light, LightStage::PerPixel) {
+            if let Some(first) = surface.normal {
+                let mut facing = Facing::new(surface.material.cull);
+                self.normal.extend(run.places().map(|(i, at, bit)| {
+                    let normal = run.three(first, i);
+                    if facing.is_front(run, run.slot(at, bit)) {
+                        normal
+                    } else {
+                        normal.map(|x| -x)
+                    }
+                }));
             }
-            if let Some(first) = color {
-                self.color.push(three(fragment, first));
-            }
-            if let LightStage::Terms { diffuse, highlight } = surface.light {
-                let highlight = highlight.map_or([0.0; 3], |first| three(fragment, first));
-                self.terms.push(Terms {
-                    diffuse: three(fragment, diffuse),
-                    highlight,
-                });
-            }
-            if let (true, Some(first)) = (per_pixel, surface.normal) {
-                self.normal.push(facing_normal(fragment, first));
-            }
-            if let (true, Some(first)) = (per_pixel, surface.position) {
-                self.position.push(three(fragment, first));
+            if let Some(first) = surface.position {
+                let positions = run.places().map(|(i, ..)| run.three(first, i));
+                self.position.extend(positions);
             }
         }
     }
@@ -169,11 +175,14 @@ impl Stages {
     /// The colour of sample `i`.
     fn compose(&self, surface: &Surface<'_>, i: usize) -> [f32; 4] {
         let material = surface.material;
-        let texel = if surface.base_color.is_some() {
+        let mut texel = if surface.base_color.is_some() {
             self.texel[i]
         } else {
             [1.0; 4]
         };
+        if surface.solid {
+            texel[3] = 1.0;
+        }
         let mask = surface
             .opacity_map
             .as_ref()
@@ -246,6 +255,34 @@ fn look_up(
     .expect("the stage buffers have one length");
 }
 
+/// Which side of a triangle is seen, asked once for pixels of one triangle in a row.
+struct Facing {
+    cull: Cull,
+    last: (u32, bool),
+}
+
+impl Facing {
+    fn new(cull: Cull) -> Self {
+        Self {
+            cull,
+            last: (NONE, true),
+        }
+    }
+
+    fn is_front(&mut self, run: &Run<'_>, slot: u32) -> bool {
+        match self.cull {
+            Cull::Back => return true,
+            Cull::Front => return false,
+            Cull::None => {}
+        }
+        if self.last.0 != slot {
+            let id = run.blocks.ids[slot as usize];
+            self.last = (slot, run.prepared.is_front(id));
+        }
+        self.last.1
+    }
+}
+
 /// The interpolated normal on the side that is seen.
 pub(crate) fn facing_normal(fragment: &Fragment, first: usize) -> [f32; 3] {
     let normal = three(fragment, first);
@@ -264,19 +301,6 @@ pub(crate) fn three(fragment: &Fragment, first: usize) -> [f32; 3] {
     ]
 }
 
-/// Premultiplied to straight colour; black where nothing is left of it.
-pub(crate) fn straight([r, g, b, a]: [f32; 4]) -> [f32; 3] {
-    if a > 0.0 {
-        [r / a, g / a, b / a]
-    } else {
-        [0.0; 3]
-    }
-}
-
 fn with_alpha([r, g, b]: [f32; 3], alpha: f32) -> [f32; 4] {
     [r * alpha, g * alpha, b * alpha, alpha]
-}
-
-fn clip(value: f32) -> f32 {
-    if value < 1.0 { value } else { 1.0 }
 }

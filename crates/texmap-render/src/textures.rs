@@ -3,6 +3,7 @@
 use std::borrow::Cow;
 
 use texmap_math::Footprint;
+use texmap_raster::RunValues;
 use texmap_sample::{Filter, Mip, Origin, Sampler, Texture2d, UvTransform, Wrap};
 
 use crate::{Scene, Settings, TextureSlot};
@@ -57,6 +58,36 @@ impl Slot<'_> {
             dv_dy: e * d.du_dy + f * d.dv_dy,
         };
         (uv, d)
+    }
+
+    /// [`place`](Self::place) over the first `count` places of columns 0 and 1.
+    pub(crate) fn place_columns(&self, values: &mut RunValues, count: usize) {
+        if self.transform.is_none() {
+            return;
+        }
+        let [u, v, ..] = &mut values.columns[..] else {
+            return;
+        };
+        for i in 0..count {
+            let d = Footprint {
+                du_dx: u.ddx[i],
+                dv_dx: v.ddx[i],
+                du_dy: u.ddy[i],
+                dv_dy: v.ddy[i],
+            };
+            let (uv, d) = self.place([u.value[i], v.value[i]], d);
+            [u.value[i], v.value[i]] = uv;
+            [u.ddx[i], v.ddx[i]] = [d.du_dx, d.dv_dx];
+            [u.ddy[i], v.ddy[i]] = [d.du_dy, d.dv_dy];
+        }
+    }
+
+    /// Whether the filter asks how large a pixel is.
+    pub(crate) fn reads_derivatives(&self) -> bool {
+        !matches!(
+            self.sampler.filter,
+            Filter::Nearest | Filter::Bilinear | Filter::Bicubic(_)
+        )
     }
 
     /// The texel at coordinates of the mesh: linear, premultiplied.

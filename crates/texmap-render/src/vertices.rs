@@ -65,6 +65,10 @@ impl Vertices {
         first
     }
 
+    pub(crate) fn attribute_count(&self) -> usize {
+        self.attribute_count
+    }
+
     pub(crate) fn finish<'s>(self, scene: &Scene, mesh: &'s Mesh) -> VertexData<'s> {
         let lit = self.groups.iter().any(|g| g.is_light());
         let needs = |group| self.groups.contains(&group);

@@ -226,6 +226,7 @@ impl Context<'_> {
         Settings {
             threads: args.threads.map(usize::from),
             supersample: args.supersample,
+            msaa: args.msaa,
             aovs: args.aov.clone(),
             level: self.level,
             filter: args.filter,

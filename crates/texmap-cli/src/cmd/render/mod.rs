@@ -48,6 +48,9 @@ pub(crate) struct RenderArgs {
     /// N x N samples per pixel, averaged in linear light
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=16))]
     supersample: u32,
+    /// Samples of coverage and depth per pixel, shaded once for each triangle: 1 or 4
+    #[arg(long, value_name = "N", default_value_t = 1, conflicts_with = "supersample", value_parser = values::msaa)]
+    msaa: u32,
     /// Worker threads; default: as many as the machine gives. No pixel depends on it
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,

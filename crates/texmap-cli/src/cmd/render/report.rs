@@ -47,6 +47,7 @@ struct SettingsReport {
     width: u32,
     height: u32,
     supersample: u32,
+    msaa: u32,
     /// `null`: as many as the machine gives.
     threads: Option<u16>,
     level: &'static str,
@@ -61,6 +62,7 @@ impl SettingsReport {
             width: args.resolution.width,
             height: args.resolution.height,
             supersample: args.supersample,
+            msaa: args.msaa,
             threads: args.threads,
             level: values::level_name(level),
             filter: args.filter.and_then(words::filter),

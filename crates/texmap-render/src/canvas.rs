@@ -1,0 +1,313 @@
+//! The colours of a tile, in the 4x4 blocks of the rasterizer: as finished bytes where nothing is to be mixed, else as
+//! premultiplied light (raw values in raw mode).
+
+use texmap_math::fearless_simd::{Simd, f32x16, mask32x16, prelude::*, u32x16};
+use texmap_math::{Level, color, lanes};
+use texmap_raster::{RUN_ROOM, RunBlock, TILE};
+
+use crate::ColorMode;
+use crate::dispatch::on_level;
+
+/// Pixels of a block.
+pub(crate) const LANES: usize = 16;
+/// Pixels of a tile.
+pub(crate) const PIXELS: usize = (TILE * TILE) as usize;
+/// From a channel to the next: no multiple of 4096 bytes, or stores to one would stall loads of another.
+const STRIDE: usize = PIXELS + LANES;
+
+/// Premultiplied colours of a run, channel by channel.
+pub(crate) struct Colors(pub(crate) [[f32; RUN_ROOM]; 4]);
+
+impl Colors {
+    pub(crate) fn new() -> Self {
+        Self([[0.0; RUN_ROOM]; 4])
+    }
+
+    #[inline(always)]
+    fn lanes<S: Simd>(&self, s: S, i: usize) -> [f32x16<S>; 4] {
+        let (at, [r, g, b, a]) = (i * LANES, &self.0);
+        [
+            f32x16::from_slice(s, &r[at..at + LANES]),
+            f32x16::from_slice(s, &g[at..at + LANES]),
+            f32x16::from_slice(s, &b[at..at + LANES]),
+            f32x16::from_slice(s, &a[at..at + LANES]),
+        ]
+    }
+
+    fn pixel(&self, place: usize) -> [f32; 4] {
+        self.0.each_ref().map(|c| c[place])
+    }
+}
+
+pub(crate) struct Canvas {
+    /// Packed straight RGBA bytes, red lowest.
+    words: Vec<u32>,
+    /// Four channels, each [`STRIDE`] from the one before.
+    light: Vec<f32>,
+}
+
+impl Canvas {
+    pub(crate) fn new() -> Self {
+        Self {
+            words: vec![0; PIXELS],
+            light: vec![0.0; 4 * STRIDE],
+        }
+    }
+
+    pub(crate) fn fill_words(&mut self, word: u32) {
+        self.words.fill(word);
+    }
+
+    pub(crate) fn fill_light(&mut self, color: [f32; 4]) {
+        for (channel, value) in self.light.chunks_exact_mut(STRIDE).zip(color) {
+            channel.fill(value);
+        }
+    }
+
+    /// Puts finished pixels of a run, sixteen a block.
+    pub(crate) fn put_words(&mut self, run: &[RunBlock], words: &[u32]) {
+        for (at, from) in run.iter().zip(words.chunks_exact(LANES)) {
+            let start = at.block as usize * LANES;
+            let to = &mut self.words[start..start + LANES];
+            if at.mask == u16::MAX {
+                to.copy_from_slice(from);
+            } else {
+                for (bit, (to, from)) in to.iter_mut().zip(from).enumerate() {
+                    if at.mask >> bit & 1 == 1 {
+                        *to = *from;
+                    }
+                }
+            }
+        }
+    }
+
+    /// Puts opaque colours as finished pixels.
+    pub(crate) fn put_finished(
+        &mut self,
+        level: Level,
+        mode: ColorMode,
+        run: &[RunBlock],
+        colors: &Colors,
+    ) {
+        let mut words = [0; RUN_ROOM];
+        on_level!(
+            level,
+            s => for i in 0..run.len() {
+                let word = finish_lanes(s, mode, colors.lanes(s, i));
+                word.store_slice(&mut words[i * LANES..(i + 1) * LANES]);
+            },
+            else for (i, at) in run.iter().enumerate() {
+                for bit in bits(at.mask) {
+                    let place = i * LANES + bit;
+                    words[place] = finish(mode, colors.pixel(place));
+                }
+            }
+        );
+        self.put_words(run, &words);
+    }
+
+    /// Puts opaque colours.
+    pub(crate) fn put(&mut self, level: Level, run: &[RunBlock], colors: &Colors) {
+        let light = &mut self.light;
+        on_level!(
+            level,
+            s => for (i, at) in run.iter().enumerate() {
+                let pixels = mask32x16::from_bitmask(s, u64::from(at.mask));
+                for (channel, front) in light.chunks_exact_mut(STRIDE).zip(colors.lanes(s, i)) {
+                    let start = at.block as usize * LANES;
+                    let to = &mut channel[start..start + LANES];
+                    if at.mask == u16::MAX {
+                        front.store_slice(to);
+                    } else {
+                        let back = f32x16::from_slice(s, to);
+                        pixels.select(front, back).store_slice(to);
+                    }
+                }
+            },
+            else for (i, at) in run.iter().enumerate() {
+                for bit in bits(at.mask) {
+                    let to = at.block as usize * LANES + bit;
+                    for (channel, value) in colors.pixel(i * LANES + bit).into_iter().enumerate() {
+                        light[channel * STRIDE + to] = value;
+                    }
+                }
+            }
+        );
+    }
+
+    /// Lays the blocks of a run, one after the other, over what is there, and marks in `covered` the pixels that are not all clear.
+    pub(crate) fn over(
+        &mut self,
+        level: Level,
+        run: &[RunBlock],
+        colors: &Colors,
+        covered: &mut [u16],
+    ) {
+        let light = &mut self.light;
+        on_level!(
+            level,
+            s => over_lanes(s, light, run, colors, covered),
+            else for (i, at) in run.iter().enumerate() {
+                for bit in bits(at.mask) {
+                    let to = at.block as usize * LANES + bit;
+                    let front = colors.pixel(i * LANES + bit);
+                    let back = [0, 1, 2, 3].map(|c| light[c * STRIDE + to]);
+                    for (c, value) in over(front, back).into_iter().enumerate() {
+                        light[c * STRIDE + to] = value;
+                    }
+                    covered[at.block as usize] |= u16::from(front[3] > 0.0) << bit;
+                }
+            }
+        );
+    }
+
+    /// Finishes all pixels.
+    pub(crate) fn finish(&mut self, level: Level, mode: ColorMode) {
+        let Self { words, light } = self;
+        on_level!(
+            level,
+            s => for (i, word) in words.chunks_exact_mut(LANES).enumerate() {
+                finish_lanes(s, mode, light_lanes(s, light, i)).store_slice(word);
+            },
+            else for (i, word) in words.iter_mut().enumerate() {
+                *word = finish(mode, [0, 1, 2, 3].map(|c| light[c * STRIDE + i]));
+            }
+        );
+    }
+
+    /// The mean of four canvases, as finished pixels. (The sums of pairs: four equal colours stay what they are.)
+    pub(crate) fn resolve(&mut self, level: Level, mode: ColorMode, samples: [&Self; 4]) {
+        let words = &mut self.words;
+        let [a, b, c, d] = samples.map(|canvas| &canvas.light);
+        on_level!(
+            level,
+            s => for (i, word) in words.chunks_exact_mut(LANES).enumerate() {
+                let (a, b) = (light_lanes(s, a, i), light_lanes(s, b, i));
+                let (c, d) = (light_lanes(s, c, i), light_lanes(s, d, i));
+                let mut mean = a;
+                for k in 0..4 {
+                    mean[k] = ((a[k] + b[k]) + (c[k] + d[k])) * 0.25;
+                }
+                finish_lanes(s, mode, mean).store_slice(word);
+            },
+            else for (i, word) in words.iter_mut().enumerate() {
+                let mean = [0, 1, 2, 3].map(|channel| {
+                    let at = channel * STRIDE + i;
+                    ((a[at] + b[at]) + (c[at] + d[at])) * 0.25
+                });
+                *word = finish(mode, mean);
+            }
+        );
+    }
+
+    /// A row of finished pixels of the tile, up to 64 of them.
+    pub(crate) fn copy_row(&self, y: usize, row: &mut [u8]) {
+        let start = (y >> 2) * 16 * LANES + (y & 3) * 4;
+        let blocks = self.words[start..].chunks(LANES);
+        for (four, block) in row.chunks_mut(16).zip(blocks) {
+            for (pixel, word) in four.chunks_exact_mut(4).zip(block) {
+                pixel.copy_from_slice(&word.to_le_bytes());
+            }
+        }
+    }
+
+    /// The light of a pixel by its place in the tile's blocks.
+    pub(crate) fn light_at(&self, index: usize) -> [f32; 4] {
+        [0, 1, 2, 3].map(|c| self.light[c * STRIDE + index])
+    }
+}
+
+/// The light of a block, channel by channel.
+#[inline(always)]
+fn light_lanes<S: Simd>(s: S, light: &[f32], block: usize) -> [f32x16<S>; 4] {
+    let at = block * LANES;
+    [
+        f32x16::from_slice(s, &light[at..at + LANES]),
+        f32x16::from_slice(s, &light[STRIDE + at..STRIDE + at + LANES]),
+        f32x16::from_slice(s, &light[2 * STRIDE + at..2 * STRIDE + at + LANES]),
+        f32x16::from_slice(s, &light[3 * STRIDE + at..3 * STRIDE + at + LANES]),
+    ]
+}
+
+/// Set bits of a mask.
+pub(crate) fn bits(mask: u16) -> impl Iterator<Item = usize> {
+    (0..LANES).filter(move |bit| mask >> bit & 1 == 1)
+}
+
+#[inline(always)]
+fn over_lanes<S: Simd>(
+    s: S,
+    light: &mut [f32],
+    run: &[RunBlock],
+    colors: &Colors,
+    covered: &mut [u16],
+) {
+    let (zero, one) = (f32x16::splat(s, 0.0), f32x16::splat(s, 1.0));
+    for (i, at) in run.iter().enumerate() {
+        let pixels = mask32x16::<S>::from_bitmask(s, u64::from(at.mask));
+        let front = colors.lanes(s, i);
+        let (solid, k) = (front[3].simd_ge(one), one - front[3]);
+        let start = at.block as usize * LANES;
+        for (channel, front) in light.chunks_exact_mut(STRIDE).zip(front) {
+            let to = &mut channel[start..start + LANES];
+            let back = f32x16::from_slice(s, to);
+            let mixed = solid.select(front, front + k * back);
+            pixels.select(mixed, back).store_slice(to);
+        }
+        covered[at.block as usize] |= (pixels & front[3].simd_gt(zero)).to_bitmask() as u16;
+    }
+}
+
+/// `front` over `back`, both premultiplied.
+fn over(front: [f32; 4], back: [f32; 4]) -> [f32; 4] {
+    if front[3] >= 1.0 {
+        return front;
+    }
+    let k = 1.0 - front[3];
+    [0, 1, 2, 3].map(|c| front[c] + k * back[c])
+}
+
+/// Premultiplied light to packed straight bytes.
+pub(crate) fn finish(mode: ColorMode, light: [f32; 4]) -> u32 {
+    let encode = |c: f32| match mode {
+        ColorMode::Srgb => color::linear_to_srgb8(c),
+        ColorMode::Raw => color::unit_to_u8(c),
+    };
+    let [r, g, b] = straight(light).map(encode);
+    u32::from_le_bytes([r, g, b, color::unit_to_u8(light[3])])
+}
+
+#[inline(always)]
+fn finish_lanes<S: Simd>(s: S, mode: ColorMode, [r, g, b, a]: [f32x16<S>; 4]) -> u32x16<S> {
+    let mut straight = [r, g, b];
+    // A division by one changes nothing.
+    if !a.simd_eq(f32x16::splat(s, 1.0)).all_true() {
+        let some = a.simd_gt(f32x16::splat(s, 0.0));
+        for c in &mut straight {
+            *c = some.select(*c / a, f32x16::splat(s, 0.0));
+        }
+    }
+    let [r, g, b] = straight;
+    let (r, g, b) = match mode {
+        ColorMode::Srgb => (
+            lanes::linear_to_srgb8(s, r),
+            lanes::linear_to_srgb8(s, g),
+            lanes::linear_to_srgb8(s, b),
+        ),
+        ColorMode::Raw => (
+            lanes::unit_to_u8(s, r),
+            lanes::unit_to_u8(s, g),
+            lanes::unit_to_u8(s, b),
+        ),
+    };
+    r | (g << 8) | (b << 16) | (lanes::unit_to_u8(s, a) << 24)
+}
+
+/// Premultiplied to straight colour; black where nothing is left of it.
+pub(crate) fn straight([r, g, b, a]: [f32; 4]) -> [f32; 3] {
+    if a > 0.0 {
+        [r / a, g / a, b / a]
+    } else {
+        [0.0; 3]
+    }
+}

@@ -1,0 +1,492 @@
+//! One tile of samples: visibility first, then each visible pixel shaded once, then what blends, in its order.
+
+use texmap_math::Level;
+use texmap_math::fearless_simd::{Simd, prelude::*, u32x16};
+use texmap_raster::{
+    NONE, Pass, Prepared, RUN, RUN_ROOM, RunBlock, RunValues, SAMPLES_4, TileBlocks, TilePlanes,
+};
+
+use crate::ColorMode;
+use crate::canvas::{Canvas, Colors, LANES, finish};
+use crate::dispatch::on_level;
+use crate::plan::{Plan, Surface};
+use crate::shade::{Run, Stages};
+use crate::texel::TexelStage;
+
+/// Blocks a run.
+const RUN_BLOCKS: usize = RUN / LANES;
+/// Blocks of a tile.
+const BLOCKS: usize = 256;
+/// Attributes in order.
+const ATTRIBUTES: [usize; texmap_raster::MAX_ATTRIBUTES] = {
+    let mut all = [0; texmap_raster::MAX_ATTRIBUTES];
+    let mut i = 0;
+    while i < all.len() {
+        all[i] = i;
+        i += 1;
+    }
+    all
+};
+
+/// What is painted, and how.
+#[derive(Clone, Copy)]
+pub(crate) struct Scenery<'a> {
+    pub(crate) plan: &'a Plan<'a>,
+    pub(crate) prepared: &'a Prepared<'a>,
+    pub(crate) mode: ColorMode,
+    /// Linear (or raw), premultiplied.
+    pub(crate) background: [f32; 4],
+    /// Four samples a pixel.
+    pub(crate) multisampled: bool,
+}
+
+/// A tile's buffers; a thread keeps them from tile to tile.
+pub(crate) struct Painter {
+    /// One, or four of four samples.
+    samples: Vec<Sample>,
+    resolved: Canvas,
+    shader: Shader,
+    /// Blocks to shade, by draw.
+    listed: Vec<(u32, RunBlock)>,
+    /// [`Sharing`] of each block.
+    sharing: Vec<Sharing>,
+    /// Of each block, a bit per pixel that is not all background.
+    covered: Vec<u16>,
+}
+
+struct Sample {
+    blocks: TileBlocks,
+    canvas: Canvas,
+}
+
+/// `by[j][k]`: the pixels of a block whose sample j shows the fragment that sample k showed first.
+#[derive(Clone, Copy, Default)]
+struct Sharing {
+    by: [[u16; 4]; 4],
+}
+
+impl Painter {
+    pub(crate) fn new() -> Self {
+        Self {
+            samples: vec![Sample::new()],
+            resolved: Canvas::new(),
+            shader: Shader::new(),
+            listed: Vec::new(),
+            sharing: Vec::new(),
+            covered: vec![0; BLOCKS],
+        }
+    }
+
+    /// Visibility alone.
+    pub(crate) fn see(&mut self, scenery: &Scenery<'_>, tile: usize) -> &TileBlocks {
+        let blocks = &mut self.samples[0].blocks;
+        scenery.prepared.visible_blocks(tile, scenery.plan, blocks);
+        blocks
+    }
+
+    /// Paints what [`see`](Self::see) saw and the blended surfaces: the finished tile, or its light where `light` asks for that.
+    pub(crate) fn paint(&mut self, scenery: &Scenery<'_>, tile: usize, light: bool) -> &Canvas {
+        let (level, mode) = (scenery.plan.level, scenery.mode);
+        scenery.prepared.planes(tile, &mut self.shader.planes);
+        let Sample { blocks, canvas } = &mut self.samples[0];
+        let blended = blended(scenery.plan, blocks);
+        // Where nothing mixes, pixels can be finished one by one.
+        let finished = !light && blended.is_none_or(|b| b.opaque);
+        if finished {
+            canvas.fill_words(finish(mode, scenery.background));
+        } else {
+            canvas.fill_light(scenery.background);
+        }
+        self.covered.copy_from_slice(&blocks.masks);
+        list_visible(blocks, &blocks.masks, &mut self.listed);
+        self.shader.each_run(
+            scenery,
+            tile,
+            blocks,
+            &self.listed,
+            finished,
+            |shown, run| {
+                shown.put(level, mode, run, canvas);
+            },
+        );
+        if blended.is_some() {
+            list_blended(scenery, tile, [0; 2], blocks, &mut self.listed);
+            let covered = &mut self.covered;
+            self.shader.each_run(
+                scenery,
+                tile,
+                blocks,
+                &self.listed,
+                finished,
+                |shown, run| {
+                    shown.over(level, mode, run, canvas, covered);
+                },
+            );
+        }
+        if !finished && !light {
+            canvas.finish(level, mode);
+        }
+        canvas
+    }
+
+    /// Paints a tile of four samples a pixel. Each pixel is shaded at its centre, once for every triangle that one of its samples
+    /// shows (values are clamped to the triangle's, so a centre outside it cannot leave its range).
+    pub(crate) fn paint_multisampled(&mut self, scenery: &Scenery<'_>, tile: usize) {
+        let (level, mode) = (scenery.plan.level, scenery.mode);
+        scenery.prepared.planes(tile, &mut self.shader.planes);
+        self.samples.resize_with(4, Sample::new);
+        for (sample, offset) in self.samples.iter_mut().zip(SAMPLES_4) {
+            let Sample { blocks, canvas } = sample;
+            scenery
+                .prepared
+                .visible_sample(tile, offset, scenery.plan, blocks);
+            canvas.fill_light(scenery.background);
+        }
+        self.share(level);
+        self.covered.fill(0);
+        let Self {
+            samples,
+            shader,
+            listed,
+            sharing,
+            covered,
+            resolved,
+        } = self;
+        for k in 0..4 {
+            let masks: [u16; BLOCKS] = std::array::from_fn(|block| sharing[block].by[k][k]);
+            for (covered, mask) in covered.iter_mut().zip(masks) {
+                *covered |= mask;
+            }
+            list_visible(&samples[k].blocks, &masks, listed);
+            // The canvases are lent out while the blocks are read.
+            let blocks = std::mem::take(&mut samples[k].blocks);
+            shader.each_run(scenery, tile, &blocks, listed, false, |shown, run| {
+                for (j, sample) in samples.iter_mut().enumerate().skip(k) {
+                    let mut shared = [EMPTY; RUN_BLOCKS];
+                    for (to, at) in shared.iter_mut().zip(run) {
+                        *to = *at;
+                        to.mask &= sharing[at.block as usize].by[j][k];
+                    }
+                    shown.put(level, mode, &shared[..run.len()], &mut sample.canvas);
+                }
+            });
+            samples[k].blocks = blocks;
+        }
+        if blended(scenery.plan, &samples[0].blocks).is_some() {
+            for (sample, offset) in samples.iter_mut().zip(SAMPLES_4) {
+                let Sample { blocks, canvas } = sample;
+                list_blended(scenery, tile, offset, blocks, listed);
+                shader.each_run(scenery, tile, blocks, listed, false, |shown, run| {
+                    shown.over(level, mode, run, canvas, covered);
+                });
+            }
+        }
+        if let [a, b, c, d] = &samples[..] {
+            resolved.resolve(level, mode, [&a.canvas, &b.canvas, &c.canvas, &d.canvas]);
+        }
+    }
+
+    /// What [`paint_multisampled`](Self::paint_multisampled) painted.
+    pub(crate) fn resolved(&self) -> &Canvas {
+        &self.resolved
+    }
+
+    /// What [`paint`](Self::paint) painted, and where it is not all background.
+    pub(crate) fn light(&self) -> (&Canvas, &[u16]) {
+        (&self.samples[0].canvas, &self.covered)
+    }
+
+    /// Of each block, the pixels that are not all background.
+    pub(crate) fn covered(&self) -> &[u16] {
+        &self.covered
+    }
+
+    /// Finds out which samples of a pixel show the same fragment.
+    fn share(&mut self, level: Level) {
+        self.sharing.clear();
+        self.sharing.resize(BLOCKS, Sharing::default());
+        let [a, b, c, d] = &self.samples[..] else {
+            return;
+        };
+        let samples = [&a.blocks, &b.blocks, &c.blocks, &d.blocks];
+        on_level!(
+            level,
+            s => for (block, sharing) in self.sharing.iter_mut().enumerate() {
+                share_lanes(s, samples, block, sharing);
+            },
+            else for (block, sharing) in self.sharing.iter_mut().enumerate() {
+                share_plain(samples, block, sharing);
+            }
+        );
+    }
+}
+
+impl Sample {
+    fn new() -> Self {
+        Self {
+            blocks: TileBlocks::new(),
+            canvas: Canvas::new(),
+        }
+    }
+}
+
+const EMPTY: RunBlock = RunBlock {
+    block: 0,
+    mask: 0,
+    slot: NONE,
+};
+
+/// What the blended surfaces of a tile have in common.
+#[derive(Clone, Copy)]
+struct Blended {
+    /// All are opaque after all.
+    opaque: bool,
+}
+
+/// `None` if nothing blends.
+fn blended(plan: &Plan<'_>, blocks: &TileBlocks) -> Option<Blended> {
+    let mut found = None;
+    for draw in &blocks.draws {
+        let surface = &plan.surfaces[*draw as usize];
+        if surface.pass == Pass::Blended {
+            let opaque = surface.texel.is_some_and(|t| t.is_opaque());
+            let before = found.is_none_or(|b: Blended| b.opaque);
+            found = Some(Blended {
+                opaque: before && opaque,
+            });
+        }
+    }
+    found
+}
+
+/// Lists the pixels of `masks` by draw.
+fn list_visible(blocks: &TileBlocks, masks: &[u16], listed: &mut Vec<(u32, RunBlock)>) {
+    listed.clear();
+    let some = masks.iter().enumerate().filter(|(_, mask)| **mask != 0);
+    let one = blocks.draws.first().copied();
+    let one = one.filter(|first| blocks.draws.iter().all(|draw| draw == first));
+    for (block, &mask) in some {
+        let at = |mask| RunBlock {
+            block: block as u16,
+            mask,
+            slot: NONE,
+        };
+        if let Some(draw) = one {
+            listed.push((draw, at(mask)));
+            continue;
+        }
+        let slots = &blocks.slot[block * LANES..(block + 1) * LANES];
+        let draw_of = |bit: u32| blocks.draws[slots[bit as usize] as usize / LANES];
+        let mut left = mask;
+        while left != 0 {
+            let draw = draw_of(left.trailing_zeros());
+            let mut mine = 0;
+            let mut rest = left;
+            while rest != 0 {
+                let bit = rest.trailing_zeros();
+                rest &= rest - 1;
+                mine |= u16::from(draw_of(bit) == draw) << bit;
+            }
+            left &= !mine;
+            listed.push((draw, at(mine)));
+        }
+    }
+    if one.is_none() {
+        listed.sort_by_key(|(draw, _)| *draw);
+    }
+}
+
+/// Lists the blocks of the blended draws in submitted order.
+fn list_blended(
+    scenery: &Scenery<'_>,
+    tile: usize,
+    offset: [i32; 2],
+    blocks: &mut TileBlocks,
+    listed: &mut Vec<(u32, RunBlock)>,
+) {
+    listed.clear();
+    let wanted = |draw: &texmap_raster::Draw<'_>| draw.pass == Pass::Blended;
+    scenery
+        .prepared
+        .forward_sample(tile, offset, blocks, &wanted, &mut |slot, block, mask| {
+            let at = RunBlock {
+                block: block as u16,
+                mask,
+                slot,
+            };
+            listed.push((0, at));
+        });
+    for (draw, at) in listed {
+        *draw = blocks.draws[at.slot as usize / LANES];
+    }
+}
+
+/// Shades runs.
+struct Shader {
+    planes: TilePlanes,
+    values: RunValues,
+    stages: Stages,
+    colors: Colors,
+    words: [u32; RUN_ROOM],
+}
+
+/// A shaded run.
+enum Shown<'a> {
+    /// Finished pixels; opaque.
+    Words(&'a [u32]),
+    /// Opaque light that is to be finished.
+    Unfinished(&'a Colors),
+    Light(&'a Colors),
+}
+
+impl Shown<'_> {
+    fn put(&self, level: Level, mode: ColorMode, run: &[RunBlock], canvas: &mut Canvas) {
+        match self {
+            Self::Words(words) => canvas.put_words(run, words),
+            Self::Unfinished(colors) => canvas.put_finished(level, mode, run, colors),
+            Self::Light(colors) => canvas.put(level, run, colors),
+        }
+    }
+
+    fn over(
+        &self,
+        level: Level,
+        mode: ColorMode,
+        run: &[RunBlock],
+        canvas: &mut Canvas,
+        covered: &mut [u16],
+    ) {
+        if let Self::Light(colors) = self {
+            canvas.over(level, run, colors, covered);
+        } else {
+            self.put(level, mode, run, canvas);
+            for at in run {
+                covered[at.block as usize] |= at.mask;
+            }
+        }
+    }
+}
+
+impl Shader {
+    fn new() -> Self {
+        Self {
+            planes: TilePlanes::new(),
+            values: RunValues::default(),
+            stages: Stages::default(),
+            colors: Colors::new(),
+            words: [0; RUN_ROOM],
+        }
+    }
+
+    /// Shades the listed blocks in runs of one surface, in order, and shows each to `sink`; `finished` if the tile holds finished
+    /// pixels.
+    fn each_run(
+        &mut self,
+        scenery: &Scenery<'_>,
+        tile: usize,
+        blocks: &TileBlocks,
+        listed: &[(u32, RunBlock)],
+        finished: bool,
+        mut sink: impl FnMut(Shown<'_>, &[RunBlock]),
+    ) {
+        for same in listed.chunk_by(|a, b| a.0 == b.0) {
+            let surface = &scenery.plan.surfaces[same[0].0 as usize];
+            for part in same.chunks(RUN_BLOCKS) {
+                let mut run = [EMPTY; RUN_BLOCKS];
+                for (to, (_, at)) in run.iter_mut().zip(part) {
+                    *to = *at;
+                }
+                let run = &run[..part.len()];
+                sink(
+                    self.shade(scenery, tile, surface, blocks, run, finished),
+                    run,
+                );
+            }
+        }
+    }
+
+    fn shade(
+        &mut self,
+        scenery: &Scenery<'_>,
+        tile: usize,
+        surface: &Surface<'_>,
+        blocks: &TileBlocks,
+        run: &[RunBlock],
+        finished: bool,
+    ) -> Shown<'_> {
+        let (plan, level) = (scenery.plan, scenery.plan.level);
+        let count = run.len() * LANES;
+        let slot = surface.base_color.as_ref();
+        let (wanted, derivatives) = match &surface.texel {
+            Some(_) => (
+                &ATTRIBUTES[..if slot.is_some() { 2 } else { 0 }],
+                slot.is_some_and(|slot| slot.reads_derivatives()),
+            ),
+            None => (&ATTRIBUTES[..surface.shaded], true),
+        };
+        if !wanted.is_empty() {
+            let values = &mut self.values;
+            self.planes
+                .values(level, blocks, run, wanted, derivatives, values);
+        }
+        match (&surface.texel, slot) {
+            (Some(stage), Some(slot)) if finished && stage.gives_words() => {
+                TexelStage::words(level, slot, &mut self.values, count, &mut self.words);
+                return Shown::Words(&self.words[..count]);
+            }
+            (Some(stage), _) => {
+                stage.colors(level, slot, &mut self.values, count, &mut self.colors);
+            }
+            (None, _) => {
+                let run = Run {
+                    prepared: scenery.prepared,
+                    tile: scenery.prepared.tile(tile),
+                    blocks,
+                    run,
+                    values: &self.values,
+                };
+                self.stages.shade(plan, surface, &run, &mut self.colors);
+            }
+        }
+        if finished {
+            Shown::Unfinished(&self.colors)
+        } else {
+            Shown::Light(&self.colors)
+        }
+    }
+}
+
+#[inline(always)]
+fn share_lanes<S: Simd>(s: S, samples: [&TileBlocks; 4], block: usize, sharing: &mut Sharing) {
+    let at = block * LANES..(block + 1) * LANES;
+    let slots = [
+        u32x16::from_slice(s, &samples[0].slot[at.clone()]),
+        u32x16::from_slice(s, &samples[1].slot[at.clone()]),
+        u32x16::from_slice(s, &samples[2].slot[at.clone()]),
+        u32x16::from_slice(s, &samples[3].slot[at]),
+    ];
+    for j in 0..4 {
+        let mut left = samples[j].masks[block];
+        for k in 0..j {
+            let same = slots[j].simd_eq(slots[k]).to_bitmask() as u16 & left;
+            sharing.by[j][k] = same;
+            left &= !same;
+        }
+        sharing.by[j][j] = left;
+    }
+}
+
+fn share_plain(samples: [&TileBlocks; 4], block: usize, sharing: &mut Sharing) {
+    for j in 0..4 {
+        let mut left = samples[j].masks[block];
+        for k in 0..j {
+            for bit in 0..LANES {
+                let at = block * LANES + bit;
+                let same = samples[j].slot[at] == samples[k].slot[at];
+                sharing.by[j][k] |= (u16::from(same) << bit) & left;
+            }
+            left &= !sharing.by[j][k];
+        }
+        sharing.by[j][j] = left;
+    }
+}
