@@ -25,6 +25,9 @@ pub struct FileInfo {
     pub lights: usize,
     /// Centre and radius of a sphere around all meshes, world units.
     pub sphere: Option<([f64; 3], f64)>,
+    /// Vertices that lie inside an edge of a face that does not have them, over all meshes together: pixels may be
+    /// missing along such edges.
+    pub t_joints: usize,
     /// What a picture of it would warn of.
     pub warnings: Vec<String>,
 }
@@ -102,6 +105,7 @@ pub fn info(path: &Path) -> Result<FileInfo, IoError> {
         meshes: scene.meshes.iter().map(|m| mesh(m, &scene)).collect(),
         files: files.collect(),
         lights: if kind == "obj" { 0 } else { scene.lights.len() },
+        t_joints: t_joints(&scene),
         sphere: Bounds::of(&scene).map(|b| (b.center.to_array(), b.radius)),
         warnings: scene.warnings,
     })
@@ -125,6 +129,24 @@ fn mesh(mesh: &Mesh, scene: &Scene) -> MeshInfo {
             .map_or_else(String::new, |m| m.name.clone()),
         uv: range(framed.as_deref().unwrap_or(&mesh.uvs)),
     }
+}
+
+/// T-joints of all meshes as one, in world space; none where a vertex is not finite.
+fn t_joints(scene: &Scene) -> usize {
+    let (mut positions, mut triangles) = (Vec::new(), Vec::new());
+    for mesh in &scene.meshes {
+        let base = positions.len() as u32;
+        let world = |p: &[f32; 3]| {
+            let moved = mesh
+                .world_from_object
+                .transform_point3(p.map(f64::from).into());
+            moved.as_vec3().to_array()
+        };
+        positions.extend(mesh.positions.iter().map(world));
+        triangles.extend(mesh.triangles.iter().map(|t| t.map(|i| i + base)));
+    }
+    let faces = texmap_uv::Faces::from_triangles(&triangles);
+    texmap_uv::Mesh::new(&positions, &faces).map_or(0, |m| texmap_uv::t_joints(&m).len())
 }
 
 fn range(uvs: &[[f32; 2]]) -> Option<[[f32; 2]; 2]> {
@@ -162,6 +184,7 @@ fn image(path: &Path, unknown: IoError) -> Result<FileInfo, IoError> {
         files: vec![file],
         lights: 0,
         sphere: None,
+        t_joints: 0,
         warnings: Vec::new(),
     })
 }
@@ -190,6 +213,7 @@ mod tests {
         .unwrap();
         let info = info(&at("s.scene")).unwrap();
         assert_eq!((info.kind, info.lights, info.meshes.len()), ("scene", 1, 2));
+        assert_eq!(info.t_joints, 0);
         let first = &info.meshes[0];
         assert_eq!((first.vertices, first.faces, first.triangles), (4, 1, 2));
         assert_eq!(first.uv, Some([[-1.0, 0.0], [2.0, 3.0]]));

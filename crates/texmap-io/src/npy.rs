@@ -15,6 +15,8 @@ pub enum Values<'a> {
     F32(&'a [f32]),
     /// `<u4`.
     U32(&'a [u32]),
+    /// `|u1`.
+    U8(&'a [u8]),
 }
 
 /// The values of an array that was read.
@@ -47,6 +49,7 @@ pub fn write(path: &Path, shape: &[usize], values: Values<'_>) -> Result<(), IoE
     let (descr, count) = match values {
         Values::F32(v) => ("<f4", v.len()),
         Values::U32(v) => ("<u4", v.len()),
+        Values::U8(v) => ("|u1", v.len()),
     };
     if element_count(shape) != Some(count) {
         return Err(broken(path, format!("shape {shape:?} for {count} values")));
@@ -57,6 +60,7 @@ pub fn write(path: &Path, shape: &[usize], values: Values<'_>) -> Result<(), IoE
         match values {
             Values::F32(v) => write_words(out, v.iter().map(|x| x.to_le_bytes())),
             Values::U32(v) => write_words(out, v.iter().map(|x| x.to_le_bytes())),
+            Values::U8(v) => out.write_all(v),
         }
     })
 }
@@ -227,6 +231,9 @@ mod tests {
         assert!(v[0] == 1.0 && v[1] == -0.5 && v[2].is_nan() && v[3] == 4.0);
         write(&path, &[3], Values::U32(&[1, 2, u32::MAX])).unwrap();
         assert_eq!(read(&path).unwrap().data, Data::U32(vec![1, 2, u32::MAX]));
+        write(&path, &[1, 3], Values::U8(&[0, 7, 255])).unwrap();
+        assert_eq!(read(&path).unwrap().data, Data::U8(vec![0, 7, 255]));
+        write(&path, &[3], Values::U32(&[1, 2, u32::MAX])).unwrap();
 
         assert_eq!(
             write(&path, &[4], Values::U32(&[1])).unwrap_err().code(),

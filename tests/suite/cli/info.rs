@@ -29,6 +29,23 @@ fn a_model_is_described_in_words_and_as_json() {
     assert_eq!(info["files"][0]["size"], serde_json::json!([8, 8]));
 }
 
+/// Two squares beside one of twice their height: the vertex between them lies inside the long edge.
+#[test]
+fn t_joints_are_counted_over_all_meshes() {
+    let desk = Desk::new();
+    let corners = "v 0 0 0\nv 1 0 0\nv 1 2 0\nv 0 2 0\nv 2 0 0\nv 2 1 0\nv 1 1 0\nv 2 2 0\n";
+    let with = |faces: &str| format!("{corners}o wall\nf {faces}\no rest\nf 2 5 6 7\nf 7 6 8 3\n");
+    desk.put("t.obj", with("1 2 3 4"));
+    desk.put("cured.obj", with("1 2 7 3 4"));
+    assert_eq!(desk.texmap("info t.obj --json").ok().json()["t_joints"], 1);
+    assert_eq!(
+        desk.texmap("info cured.obj --json").ok().json()["t_joints"],
+        0
+    );
+    let words = String::from_utf8(desk.texmap("info t.obj").ok().stdout).unwrap();
+    assert!(words.contains("1 T-joints"), "{words}");
+}
+
 #[test]
 fn missing_and_broken_files_are_listed_with_exit_code_three() {
     let desk = Desk::new();

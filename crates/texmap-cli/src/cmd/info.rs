@@ -55,6 +55,13 @@ fn words(info: &FileInfo) -> String {
             "sphere of radius {radius:.6} around {x:.6} {y:.6} {z:.6}"
         );
     }
+    if info.t_joints > 0 {
+        let _ = writeln!(
+            text,
+            "{} T-joints: vertices inside an edge of another face, where pixels may be missing",
+            info.t_joints
+        );
+    }
     let mut rows = Vec::new();
     if !info.meshes.is_empty() {
         rows.push(
