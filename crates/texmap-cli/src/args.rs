@@ -25,6 +25,7 @@ pub(crate) enum Verb {
     Diff(cmd::diff::DiffArgs),
     Hash(cmd::hash::HashArgs),
     Uv(Box<cmd::uv::UvArgs>),
+    UvRaster(cmd::uv_raster::UvRasterArgs),
     Warp(Box<cmd::warp::WarpArgs>),
     Sample(cmd::sample::SampleArgs),
     Mip(cmd::mip::MipArgs),
@@ -40,6 +41,7 @@ impl Verb {
             Self::Diff(a) => a.json,
             Self::Hash(a) => a.json,
             Self::Uv(a) => a.json,
+            Self::UvRaster(a) => a.json,
             Self::Warp(_) | Self::Sample(_) | Self::Mip(_) => false,
         }
     }

@@ -57,6 +57,7 @@ fn dispatch(verb: Verb) -> Result<Exit, Failure> {
         Verb::Diff(args) => cmd::diff::run(&args),
         Verb::Hash(args) => cmd::hash::run(&args),
         Verb::Uv(args) => cmd::uv::run(&args),
+        Verb::UvRaster(args) => cmd::uv_raster::run(&args),
         Verb::Warp(args) => cmd::warp::run(&args),
         Verb::Sample(args) => cmd::sample::run(&args),
         Verb::Mip(args) => cmd::mip::run(&args),

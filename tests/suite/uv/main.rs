@@ -1,7 +1,9 @@
 //! Laws of the uv mapper and their negative twins.
 
+mod invariance;
 mod mapping;
 mod meshes;
 mod program;
+mod raster;
 mod repair;
 mod report;

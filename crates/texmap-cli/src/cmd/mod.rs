@@ -8,4 +8,5 @@ pub(crate) mod mip;
 pub(crate) mod render;
 pub(crate) mod sample;
 pub(crate) mod uv;
+pub(crate) mod uv_raster;
 pub(crate) mod warp;

@@ -1,7 +1,8 @@
 //! `texmap uv`: texture coordinates for an OBJ, and a report on the ones it has.
 
-mod obj;
+pub(super) mod obj;
 mod pictures;
+pub(super) mod source;
 mod table;
 
 use std::fs;
@@ -13,10 +14,10 @@ use texmap_math::Level;
 use texmap_math::glam::DVec3;
 use texmap_uv::{
     Cuts, Entity, Frame, Mapping, Mesh, Origin, Page, ReportOptions, Shape, UvError, UvSet,
-    auto_planes, cut, pack, report, sew, tangents, unwrap,
+    auto_planes, cut, pack, report, sew, unwrap,
 };
 
-use self::obj::Obj;
+use self::source::Source;
 use crate::failure::{Exit, Failure, print, print_json, say};
 use crate::output::{Destination, Stage};
 use crate::values::Triple;
@@ -274,19 +275,10 @@ fn coordinates(
         Some(Map::Auto) => (auto_planes(mesh, page, Origin::BottomLeft)?, Vec::new()),
         Some(Map::Unwrap) => (unwrap(mesh, cuts, page, Origin::BottomLeft)?, Vec::new()),
         Some(map) => {
-            let mapped = mapping(args, map).map(Level::new(), mesh, &source.obj.normals)?;
+            let mapped = mapping(args, map).map(Level::new(), mesh, &source.obj.normals())?;
             (mapped.set, mapped.around_axis)
         }
-        None => match &source.obj.set {
-            Some(set) => (set.clone(), Vec::new()),
-            None => {
-                return Err(UvError::WrongLength {
-                    what: "the list of texture corners",
-                    found: 0,
-                    expected: mesh.faces().corners().len(),
-                });
-            }
-        },
+        None => (source.set(mesh)?, Vec::new()),
     };
     let cutting = !cuts.pairs.is_empty() || cuts.angle.is_some();
     if cutting && args.map != Some(Map::Unwrap) {
@@ -339,118 +331,6 @@ fn mapping(args: &UvArgs, map: Map) -> Mapping {
         fix_seams: args.fix_seams,
         origin: Origin::BottomLeft,
         ..Mapping::new(shape)
-    }
-}
-
-/// An OBJ and its name.
-struct Source<'a> {
-    path: &'a Path,
-    obj: Obj,
-}
-
-impl<'a> Source<'a> {
-    fn read(path: &'a Path) -> Result<Self, Failure> {
-        let bytes = fs::read(path).map_err(|e| {
-            let why = if path.is_dir() {
-                "it is a folder".to_owned()
-            } else {
-                e.to_string()
-            };
-            Failure::new(
-                Exit::Input,
-                "read-failed",
-                format!("{}: cannot be read: {why}", path.display()),
-                "check the name and its permissions",
-            )
-        })?;
-        // OBJ is ASCII; names in other encodings pass through only as UTF-8.
-        let text = String::from_utf8(bytes).map_err(|e| {
-            let at = e.utf8_error().valid_up_to();
-            let line = e.as_bytes()[..at].iter().filter(|b| **b == b'\n').count() + 1;
-            Failure::new(
-                Exit::Input,
-                "not-text",
-                format!("{}:{line}: not UTF-8 text", path.display()),
-                "is it an OBJ? Save names in UTF-8",
-            )
-        })?;
-        let obj = Obj::parse(text).map_err(|f| {
-            Failure::new(
-                Exit::Input,
-                "bad-obj",
-                format!("{}:{}: {}", path.display(), f.line, f.what),
-                f.why,
-            )
-        })?;
-        Ok(Self { path, obj })
-    }
-
-    fn mesh(&self) -> Result<Mesh<'_>, Failure> {
-        Mesh::new(&self.obj.positions, &self.obj.faces).map_err(|e| self.fault(&e))
-    }
-
-    fn tangents(&self, mesh: &Mesh<'_>, set: &UvSet) -> Result<Vec<[f32; 4]>, UvError> {
-        let corners = mesh.faces().corners();
-        let normals: Vec<[f32; 3]> = match self.obj.normals.as_slice() {
-            [] => {
-                let smooth = mesh.smooth_normals();
-                corners.iter().map(|&i| smooth[i as usize]).collect()
-            }
-            given => corners.iter().map(|&i| given[i as usize]).collect(),
-        };
-        tangents(mesh, set, &normals)
-    }
-
-    /// The failure with file and line, and what to try.
-    fn fault(&self, error: &UvError) -> Failure {
-        let line = match error {
-            UvError::NotFinite { face, .. }
-            | UvError::BadIndex { face, .. }
-            | UvError::TooFewCorners { face, .. } => self.obj.lines.get(*face).copied(),
-            _ => None,
-        };
-        let place = match line {
-            Some(line) => format!("{}:{line}", self.path.display()),
-            None => self.path.display().to_string(),
-        };
-        let (code, what, why) = match error {
-            UvError::Empty => ("empty-mesh", error.to_string(), "the file has no `f` line"),
-            UvError::NotFinite { face, index } => (
-                "not-finite",
-                format!(
-                    "face {} uses vertex {}, which is NaN or infinite",
-                    face + 1,
-                    index + 1
-                ),
-                "repair the vertex or the coordinate",
-            ),
-            UvError::WrongLength { found: 0, .. } => (
-                "no-coordinates",
-                "not every corner has a texture coordinate".to_owned(),
-                "give --map, such as --map unwrap",
-            ),
-            UvError::BadFrame { .. } => (
-                "bad-frame",
-                error.to_string(),
-                "every size in --frame must differ from 0",
-            ),
-            UvError::NotAnEdge { a, b } => (
-                "not-an-edge",
-                format!(
-                    "vertices {} and {} are not the ends of an edge between faces",
-                    a + 1,
-                    b + 1
-                ),
-                "a cut names edges, a sew edges of two faces",
-            ),
-            UvError::DoesNotFit { .. } => (
-                "does-not-fit",
-                error.to_string(),
-                "give a larger --pack or a smaller --gutter",
-            ),
-            _ => ("bad-mapping", error.to_string(), "check the flag's value"),
-        };
-        Failure::new(Exit::Input, code, format!("{place}: {what}"), why)
     }
 }
 

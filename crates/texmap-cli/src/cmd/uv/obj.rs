@@ -6,10 +6,10 @@ use texmap_uv::{Faces, UvSet};
 
 /// A fault of the file: line from 1, what, and what to try.
 #[derive(Debug, PartialEq)]
-pub(super) struct Fault {
-    pub(super) line: usize,
-    pub(super) what: String,
-    pub(super) why: &'static str,
+pub(in crate::cmd) struct Fault {
+    pub(in crate::cmd) line: usize,
+    pub(in crate::cmd) what: String,
+    pub(in crate::cmd) why: &'static str,
 }
 
 /// One corner as it stands in the file.
@@ -23,16 +23,17 @@ struct Token {
 
 /// What the mapper needs of an OBJ, and where it stood.
 #[derive(Debug)]
-pub(super) struct Obj {
+pub(in crate::cmd) struct Obj {
     text: String,
-    pub(super) positions: Vec<[f32; 3]>,
-    pub(super) faces: Faces,
+    pub(in crate::cmd) positions: Vec<[f32; 3]>,
+    pub(in crate::cmd) faces: Faces,
     /// The file's coordinates; `None` if a corner has none.
-    pub(super) set: Option<UvSet>,
-    /// Unit normals per position, the mean of the file's normals there; empty if a corner has none.
-    pub(super) normals: Vec<[f32; 3]>,
+    pub(in crate::cmd) set: Option<UvSet>,
+    /// The file's normals, and which of them each corner has; no indices if a corner has none.
+    vns: Vec<[f32; 3]>,
+    normal_corners: Vec<u32>,
     /// Line of each face.
-    pub(super) lines: Vec<usize>,
+    pub(in crate::cmd) lines: Vec<usize>,
     tokens: Vec<Token>,
     /// Corners of `l` elements that have a texture index, which is dropped.
     others: Vec<Token>,
@@ -43,7 +44,7 @@ pub(super) struct Obj {
 }
 
 impl Obj {
-    pub(super) fn parse(text: String) -> Result<Self, Fault> {
+    pub(in crate::cmd) fn parse(text: String) -> Result<Self, Fault> {
         let mut reader = Reader {
             text: &text,
             ..Reader::default()
@@ -71,15 +72,12 @@ impl Obj {
             uvs: vts,
             corners: uv_corners,
         });
-        let normals = if normal_corners.len() == corners {
-            mean_normals(&positions, &faces, &vns, &normal_corners)
-        } else {
-            Vec::new()
-        };
+        let complete = normal_corners.len() == corners;
         Ok(Self {
             positions,
             set,
-            normals,
+            vns,
+            normal_corners: if complete { normal_corners } else { Vec::new() },
             lines,
             tokens,
             others,
@@ -90,9 +88,28 @@ impl Obj {
         })
     }
 
+    /// A normal per position, of any length: the sum of the file's normals there; empty if a corner has none.
+    pub(in crate::cmd) fn normals(&self) -> Vec<[f32; 3]> {
+        if self.normal_corners.is_empty() {
+            return Vec::new();
+        }
+        mean_normals(
+            &self.positions,
+            &self.faces,
+            &self.vns,
+            &self.normal_corners,
+        )
+    }
+
+    /// The file's normal of each corner; `None` if a corner has none.
+    pub(in crate::cmd) fn corner_normals(&self) -> Option<Vec<[f32; 3]>> {
+        let corners = self.normal_corners.iter();
+        (!self.normal_corners.is_empty()).then(|| corners.map(|&n| self.vns[n as usize]).collect())
+    }
+
     /// The text with other coordinates: the `vt` lines make way for new ones where the first of them stood (or
     /// before the first face), and each corner names its new index.
-    pub(super) fn with(&self, set: &UvSet) -> String {
+    pub(in crate::cmd) fn with(&self, set: &UvSet) -> String {
         let line_end = if self.text.contains("\r\n") {
             "\r\n"
         } else {
@@ -402,7 +419,7 @@ mod tests {
         assert_eq!(Obj::parse(text.into()).unwrap_err().line, 6);
         let text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\ng a\nf 1 2 3\nf 1//1 2//1 3//1";
         let obj = Obj::parse(text.into()).unwrap();
-        assert!(obj.set.is_none() && obj.normals.is_empty());
+        assert!(obj.set.is_none() && obj.normals().is_empty());
         let set = UvSet {
             uvs: vec![[0.0, 0.5]],
             corners: vec![0; 6],

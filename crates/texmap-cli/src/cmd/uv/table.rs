@@ -83,6 +83,15 @@ pub(super) fn text(path: &Path, r: &Report) -> String {
     if r.non_manifold_edges > 0 {
         row("non-manifold edges", r.non_manifold_edges.to_string());
     }
+    if !r.t_joints.is_empty() {
+        row(
+            "T-joints",
+            format!(
+                "{} vertices inside an edge of another face",
+                r.t_joints.len()
+            ),
+        );
+    }
     if r.degenerate > 0 {
         row("no area in space", format!("{} triangles", r.degenerate));
     }
@@ -129,6 +138,7 @@ pub(super) fn json(path: &Path, r: &Report, around_axis: &[u32]) -> Value {
         "rim_length": r.rim_length,
         "non_manifold_edges": r.non_manifold_edges,
         "degenerate": r.degenerate,
+        "t_joints": r.t_joints.iter().map(|j| json!({ "vertex": j.vertex, "face": j.face, "edge": j.edge })).collect::<Vec<_>>(),
         "faces_around_axis": around_axis,
     })
 }
