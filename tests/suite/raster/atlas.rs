@@ -231,3 +231,104 @@ fn wrong_meshes_are_refused_by_name() {
         })
     );
 }
+
+/// Faces over one another, on both sides of tile borders, touched texels and gutters: one set of bytes.
+#[test]
+fn no_texel_depends_on_the_number_of_threads() {
+    let sheet = Sheet::new(11, 40, 0.47);
+    let mut mesh = sheet.mesh.clone();
+    mesh.indices
+        .extend([[0, 7, 900], [30, 800, 1600], [3, 3, 5]]);
+    let atlas_mesh = AtlasMesh {
+        indices: &mesh.indices,
+        ..sheet.atlas_mesh()
+    };
+    let of = |threads| {
+        let options = AtlasOptions {
+            conservative: true,
+            gutter: 6,
+            threads,
+        };
+        Atlas::new(size(300, 210), &atlas_mesh, options).expect("valid")
+    };
+    let one = of(1);
+    assert!(one.coverage.contains(&Coverage::Touched) && one.coverage.contains(&Coverage::Gutter));
+    for threads in [2, 3, 8] {
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .expect("a pool");
+        assert!(pool.install(|| of(threads)) == one, "{threads} threads");
+    }
+}
+
+/// The conservative mode held against areas: a texel that no face owns overlaps no face, and the owner of a touched one does.
+#[test]
+fn touched_texels_overlap_their_face_and_free_ones_none() {
+    let sheet = Sheet::new(4, 6, 0.31);
+    let target = size(33, 47);
+    let options = AtlasOptions {
+        conservative: true,
+        ..AtlasOptions::default()
+    };
+    let atlas = Atlas::new(target, &sheet.atlas_mesh(), options).expect("valid");
+    // Whether a triangle and a texel share more than a snapping step: clipped by the texel's four sides.
+    let overlap = |face: usize, x: usize, y: usize| {
+        let corners = sheet.mesh.indices[face].map(|i| sheet.uvs[i as usize]);
+        let mut polygon: Vec<[f64; 2]> = corners
+            .iter()
+            .map(|uv| {
+                [
+                    f64::from(uv[0]) * 33.0 - x as f64,
+                    f64::from(uv[1]) * 47.0 - y as f64,
+                ]
+            })
+            .collect();
+        for (axis, side, sign) in [(0, 0.0, 1.0), (0, 1.0, -1.0), (1, 0.0, 1.0), (1, 1.0, -1.0)] {
+            let depth = |p: [f64; 2]| (p[axis] - side) * sign;
+            let mut cut = Vec::new();
+            for (i, &p) in polygon.iter().enumerate() {
+                let q = polygon[(i + 1) % polygon.len()];
+                if depth(p) >= 0.0 {
+                    cut.push(p);
+                }
+                if (depth(p) >= 0.0) != (depth(q) >= 0.0) {
+                    let t = depth(p) / (depth(p) - depth(q));
+                    cut.push([p[0] + (q[0] - p[0]) * t, p[1] + (q[1] - p[1]) * t]);
+                }
+            }
+            polygon = cut;
+        }
+        let area: f64 = (0..polygon.len())
+            .map(|i| {
+                let (p, q) = (polygon[i], polygon[(i + 1) % polygon.len()]);
+                p[0] * q[1] - p[1] * q[0]
+            })
+            .sum();
+        area.abs() * 0.5
+    };
+    let mut touched = 0;
+    for (at, &face) in atlas.face.iter().enumerate() {
+        let (x, y) = (at % 33, at / 33);
+        if face == NONE {
+            let most = (0..sheet.mesh.indices.len())
+                .map(|f| overlap(f, x, y))
+                .fold(0.0, f64::max);
+            assert!(most < 0.01, "free texel {x}, {y} shares {most} with a face");
+        } else if atlas.coverage[at] == Coverage::Touched {
+            touched += 1;
+            // Coverage is snapped to 1/256 texel.
+            assert!(overlap(face as usize, x, y) > 0.0 || near(&sheet, face, x, y));
+        }
+    }
+    assert!(touched > 40, "{touched}");
+}
+
+/// Whether a face comes within a snapping step of a texel's square.
+fn near(sheet: &Sheet, face: u32, x: usize, y: usize) -> bool {
+    let corners = sheet.mesh.indices[face as usize].map(|i| sheet.uvs[i as usize]);
+    let close = |v: f64, from: usize| (from as f64 - 0.01..from as f64 + 1.01).contains(&v);
+    corners
+        .iter()
+        .any(|uv| close(f64::from(uv[0]) * 33.0, x) && close(f64::from(uv[1]) * 47.0, y))
+}

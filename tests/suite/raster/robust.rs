@@ -1,5 +1,6 @@
 //! Bad input: named errors, counted drops, no panic and no NaN (R5).
 use texmap_math::glam::DMat4;
+use texmap_raster::reference;
 use texmap_raster::{
     Cull, DepthTest, Draw, Interp, NoAlphaTest, Pass, Prepared, RasterError, TargetSize,
     TileBuffers,
@@ -307,4 +308,120 @@ fn hostile_meshes() {
             );
         });
     }
+}
+
+/// Ten thousand random meshes of huge, tiny, sliver and non-finite triangles, some behind the eye: a pixel is covered
+/// exactly where the reference says so. What crosses the eye's plane, or reaches so far out that it is clipped, is
+/// cut before it is snapped: it is held against the seen side of its edges in f64, away from them.
+#[test]
+fn coverage_of_hostile_meshes_is_the_references() {
+    let target = size(20, 70);
+    let (mut snapped, mut cut, mut covered, mut behind) = (0, 0, 0, 0);
+    for seed in 0..10_000 {
+        let mut rng = Rng::new(seed);
+        let mut mesh = Owned::default();
+        // In pixels around the target: from a thousandth of one to a million.
+        let spread = rng.log_range(1e-3, 1e6);
+        let middle = [rng.range(-1.2, 1.2), rng.range(-1.2, 1.2)];
+        for corner in 0..6 {
+            let w = match rng.bits() % 6 {
+                0 => rng.log_range(1e-4, 1e4),
+                1 if seed % 3 == 0 => -rng.log_range(1e-3, 1e2),
+                _ => 1.0,
+            };
+            let mut place = |middle: f64| middle + rng.range(-1.0, 1.0) * spread / 35.0;
+            let (mut x, mut y) = (place(middle[0]), place(middle[1]));
+            if corner == 2 {
+                // A sliver: almost on the line of the first two.
+                let [a, b] = [mesh.positions[0], mesh.positions[1]].map(|p| p.map(f64::from));
+                let t = rng.range(-0.5, 1.5);
+                let on = |k: usize| a[k] / a[2] + (b[k] / b[2] - a[k] / a[2]) * t;
+                (x, y) = (on(0) + rng.range(-0.001, 0.001), on(1));
+            }
+            let mut p = [x * w, y * w, w].map(|c| c as f32);
+            if rng.bits().is_multiple_of(40) {
+                p[rng.bits() as usize % 3] =
+                    [f32::NAN, f32::INFINITY, f32::NEG_INFINITY][rng.bits() as usize % 3];
+            }
+            mesh.positions.push(p);
+        }
+        mesh.indices = vec![[0, 1, 2], [3, 4, 5], [2, 1, 5], [0, 0, 4]];
+        let matrix = free_w(1e-5);
+        let found: Vec<Vec<u32>> = mesh
+            .indices
+            .iter()
+            .map(|t| {
+                let draw = Draw {
+                    indices: std::slice::from_ref(t),
+                    ..mesh.draw(matrix)
+                };
+                hits(target, &[draw])
+            })
+            .collect();
+        for (t, found) in found.iter().enumerate() {
+            let clip = mesh.clip(matrix, t);
+            let finite = clip.iter().all(|v| v.is_finite());
+            let corners = clip.map(|v| reference::snap(v, target));
+            let near = clip.iter().all(|v| {
+                // Within the guard band nothing is clipped.
+                v.w > 0.0
+                    && v.z >= 0.0
+                    && v.z <= v.w
+                    && v.x.abs() < 3000.0 * v.w
+                    && v.y.abs() < 900.0 * v.w
+            });
+            behind += usize::from(finite && clip.iter().any(|v| v.w < 0.0));
+            for (at, &count) in found.iter().enumerate() {
+                let (x, y) = (at as i32 % 20, at as i32 / 20);
+                assert!(
+                    count <= 1,
+                    "seed {seed}, face {t}: pixel {x}, {y} is hit {count} times"
+                );
+                if !finite {
+                    assert_eq!(count, 0, "seed {seed}, face {t}: a vertex is not finite");
+                } else if let ([Some(a), Some(b), Some(c)], true) = (corners, near) {
+                    let expected = reference::covers([a, b, c], x, y);
+                    assert_eq!(
+                        count == 1,
+                        expected,
+                        "seed {seed}, face {t}: pixel {x}, {y}"
+                    );
+                    snapped += 1;
+                    covered += usize::from(expected);
+                } else if let Some(expected) = seen(&clip, target, x, y) {
+                    assert_eq!(
+                        count == 1,
+                        expected,
+                        "seed {seed}, face {t}: pixel {x}, {y}"
+                    );
+                    cut += 1;
+                    covered += usize::from(expected);
+                }
+            }
+        }
+    }
+    // Each kind is there.
+    assert!(snapped > 10_000_000 && cut > 10_000_000, "{snapped} {cut}");
+    assert!(covered > 1_000_000 && behind > 1_000, "{covered} {behind}");
+}
+
+/// Whether the centre of a pixel lies in a triangle of which any part may be behind the eye; `None` near an edge, near
+/// the planes of depth, or where f64 cannot say.
+fn seen(clip: &[texmap_math::glam::DVec4; 3], target: TargetSize, x: i32, y: i32) -> Option<bool> {
+    let (px, py) = (f64::from(x) + 0.5, f64::from(y) + 0.5);
+    // Signs of the weights, whether the point lies in front of the eye, and between the planes of depth.
+    let signs = |x: f64, y: f64| -> Option<[bool; 5]> {
+        let b = reference::weights(clip, target, x, y)?;
+        let w: f64 = b.iter().zip(clip).map(|(b, v)| b * v.w).sum();
+        let z: f64 = b.iter().zip(clip).map(|(b, v)| b * v.z).sum();
+        let [a, b, c] = b.map(|v| v >= 0.0);
+        (w.is_finite() && z.is_finite()).then_some([a, b, c, w > 0.0, z >= 0.0 && z <= w])
+    };
+    let centre = signs(px, py)?;
+    for (dx, dy) in [(-0.05, 0.0), (0.05, 0.0), (0.0, -0.05), (0.0, 0.05)] {
+        if signs(px + dx, py + dy)? != centre {
+            return None;
+        }
+    }
+    Some(centre == [true; 5])
 }
