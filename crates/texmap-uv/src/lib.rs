@@ -56,6 +56,7 @@ pub use lanes::{cylinder_one, cylinder_slice, sphere_one, sphere_slice};
 pub use layout::layout_svg;
 pub use mapping::{Entity, Mapped, Mapping, tile};
 pub use mesh::{Faces, Mesh, UvSet};
+pub use overlap::{Overlaps, overlaps};
 pub use pack::{Page, pack};
 pub use pixel::{PixelMapping, Round};
 pub use report::{Report, ReportOptions, TriangleReport, report};

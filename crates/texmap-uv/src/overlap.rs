@@ -5,7 +5,8 @@ use alloc::vec::Vec;
 use texmap_math::float;
 use texmap_math::glam::DVec2;
 
-use crate::parallel;
+use crate::mesh::{Mesh, UvSet};
+use crate::{UvError, parallel};
 
 /// A triangle in the picture, counter-clockwise, with the face it belongs to.
 #[derive(Clone, Copy, Debug)]
@@ -14,19 +15,53 @@ pub(crate) struct Flat {
     pub(crate) face: u32,
 }
 
+impl Flat {
+    /// `None` for a triangle without area in the picture.
+    pub(crate) fn new(set: &UvSet, face: u32, corners: [usize; 3]) -> Option<Self> {
+        let [p, q, r] = corners.map(|k| DVec2::from(set.at(k).map(f64::from)));
+        let (e, f) = (q - p, r - p);
+        let twice = e.perp_dot(f);
+        // Rounding of f32 coordinates leaves a sliver where the exact triangle has no area.
+        let longest = e.dot(e).max(f.dot(f)).max((f - e).dot(f - e));
+        let corners = if twice > 0.0 { [p, q, r] } else { [p, r, q] };
+        (twice.abs() > longest * 1e-12).then_some(Self { corners, face })
+    }
+}
+
 /// Which triangles overlap another of a different face, and by how much.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct Overlaps {
+pub struct Overlaps {
     /// Pairs that share area.
-    pub(crate) pairs: u64,
-    /// Their common area, summed over the pairs.
-    pub(crate) area: f64,
-    /// The pairs' triangles, ascending, each once.
-    pub(crate) triangles: Vec<u32>,
+    pub pairs: u64,
+    /// Their common area, summed over the pairs; the whole picture is 1.
+    pub area: f64,
+    /// The pairs' triangles (of the faces' fans, in order), ascending, each once.
+    pub triangles: Vec<u32>,
     /// The pairs, if they were asked for.
     pub(crate) list: Vec<[u32; 2]>,
     /// Too many triangles lie in one place to compare them all: the numbers are lower bounds.
-    pub(crate) at_least: bool,
+    pub at_least: bool,
+}
+
+/// The overlap test of [`crate::report`] alone: exact clipping, linear in the triangles unless very many lie in one
+/// place, the same on any number of threads.
+///
+/// # Errors
+/// A set that does not fit the mesh or is not finite.
+pub fn overlaps(mesh: &Mesh<'_>, set: &UvSet) -> Result<Overlaps, UvError> {
+    set.check(mesh)?;
+    let (mut flats, mut which) = (Vec::new(), Vec::new());
+    for (i, (face, corners)) in mesh.faces().triangles().enumerate() {
+        if let Some(flat) = Flat::new(set, face as u32, corners) {
+            flats.push(flat);
+            which.push(i as u32);
+        }
+    }
+    let mut found = find(&flats, None, false);
+    for i in &mut found.triangles {
+        *i = which[*i as usize];
+    }
+    Ok(found)
 }
 
 /// Where one cell holds more triangles than this, each is compared with this many others only.

@@ -387,7 +387,7 @@ mod tests {
     #[test]
     fn uv_and_derivatives_are_those_of_the_formula() {
         let wide = |v: [f32; 3]| DVec3::from(v.map(f64::from));
-        let whole = |d: f64| d - texmap_math::float::floor(d + 0.5);
+        let whole = |d: f64| d - float::floor(d + 0.5);
         for shape in [Round::Cylinder, Round::Sphere] {
             let map = PixelMapping::new(shape, &frame(), [1.0; 2], Origin::TopLeft).unwrap();
             let mut leaps = 0;

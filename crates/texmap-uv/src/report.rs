@@ -366,17 +366,10 @@ fn total(raw: &[Raw], value: impl Fn(&Raw) -> f64 + Sync + Send) -> f64 {
 fn flats(set: &UvSet, raw: &[Raw]) -> (Vec<Flat>, Vec<u32>) {
     let (mut flats, mut which) = (Vec::new(), Vec::new());
     for (i, r) in raw.iter().enumerate().filter(|(_, r)| r.picture != 0.0) {
-        let [p, q, s] = r.corners.map(|k| DVec2::from(set.at(k).map(f64::from)));
-        let corners = if (q - p).perp_dot(s - p) > 0.0 {
-            [p, q, s]
-        } else {
-            [p, s, q]
-        };
-        flats.push(Flat {
-            corners,
-            face: r.face,
-        });
-        which.push(i as u32);
+        if let Some(flat) = Flat::new(set, r.face, r.corners) {
+            flats.push(flat);
+            which.push(i as u32);
+        }
     }
     (flats, which)
 }
