@@ -55,25 +55,7 @@ pub(crate) fn tube(stations: &[Station], side: DVec3, steps: usize, around: usiz
             );
         }
     }
-    tube.points.push(rings[last].centre);
-    let (ring, end) = (
-        |i: usize, k: usize| 1 + (i - 1) * around + k % around,
-        tube.points.len() - 1,
-    );
-    for k in 0..around {
-        tube.faces.push(vec![0, ring(1, k + 1), ring(1, k)]);
-        for i in 1..last - 1 {
-            tube.faces.push(vec![
-                ring(i, k),
-                ring(i, k + 1),
-                ring(i + 1, k + 1),
-                ring(i + 1, k),
-            ]);
-        }
-        tube.faces
-            .push(vec![ring(last - 1, k), ring(last - 1, k + 1), end]);
-    }
-    tube
+    close(tube, rings[last].centre, last, around)
 }
 
 /// A ball as a tube from its lowest to its highest point.
@@ -90,14 +72,17 @@ pub(crate) fn ball(centre: DVec3, radius: f64, rings: usize, around: usize) -> T
                 .push(centre + DVec3::new(x * sin, -cos, -z * sin) * radius);
         }
     }
-    tube.points.push(centre + DVec3::Y * radius);
-    let (ring, top) = (
-        |i: usize, k: usize| 1 + (i - 1) * around + k % around,
-        tube.points.len() - 1,
-    );
+    close(tube, centre + DVec3::Y * radius, rings, around)
+}
+
+/// Adds the last point and the faces of a tube that holds its first point and the rings 1 to `last` - 1.
+fn close(mut tube: Tube, tip: DVec3, last: usize, around: usize) -> Tube {
+    let end = tube.points.len();
+    tube.points.push(tip);
+    let ring = |i: usize, k: usize| 1 + (i - 1) * around + k % around;
     for k in 0..around {
         tube.faces.push(vec![0, ring(1, k + 1), ring(1, k)]);
-        for i in 1..rings - 1 {
+        for i in 1..last - 1 {
             tube.faces.push(vec![
                 ring(i, k),
                 ring(i, k + 1),
@@ -106,7 +91,7 @@ pub(crate) fn ball(centre: DVec3, radius: f64, rings: usize, around: usize) -> T
             ]);
         }
         tube.faces
-            .push(vec![ring(rings - 1, k), ring(rings - 1, k + 1), top]);
+            .push(vec![ring(last - 1, k), ring(last - 1, k + 1), end]);
     }
     tube
 }

@@ -29,6 +29,7 @@ pub(crate) enum Verb {
     Warp(Box<cmd::warp::WarpArgs>),
     Sample(cmd::sample::SampleArgs),
     Mip(cmd::mip::MipArgs),
+    Stability(cmd::stability::StabilityArgs),
 }
 
 impl Verb {
@@ -42,6 +43,7 @@ impl Verb {
             Self::Hash(a) => a.json,
             Self::Uv(a) => a.json,
             Self::UvRaster(a) => a.json,
+            Self::Stability(a) => a.json,
             Self::Warp(_) | Self::Sample(_) | Self::Mip(_) => false,
         }
     }

@@ -61,6 +61,7 @@ fn dispatch(verb: Verb) -> Result<Exit, Failure> {
         Verb::Warp(args) => cmd::warp::run(&args),
         Verb::Sample(args) => cmd::sample::run(&args),
         Verb::Mip(args) => cmd::mip::run(&args),
+        Verb::Stability(args) => cmd::stability::run(&args),
     }
 }
 

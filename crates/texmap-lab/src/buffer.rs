@@ -7,7 +7,7 @@ use texmap_io::image_io::{Depth, read_image};
 use texmap_io::npy::{self, Data};
 use texmap_render::hash_pixels;
 
-use crate::metrics::{Metrics, MetricsError, Shape, compare_f64};
+use crate::metrics::{Metrics, MetricsError, Shape, compare};
 use crate::picture::Picture;
 use crate::strip::heat;
 
@@ -119,7 +119,7 @@ impl Buffer {
     /// # Errors
     /// When the sizes differ or are empty.
     pub fn compare(&self, expected: &Self, limit: f64) -> Result<Metrics, MetricsError> {
-        compare_f64(expected.shape, &expected.values, &self.values, limit)
+        compare(expected.shape, &expected.values, &self.values, limit)
     }
 
     /// The differences as heat: black where equal, white at `white` and above, magenta where only one value is

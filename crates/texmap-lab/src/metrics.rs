@@ -111,63 +111,23 @@ pub enum MetricsError {
     Shape(usize, usize, usize),
 }
 
-/// Compares two images of f32 values; `limit` is the largest difference that does not count as over.
+/// Compares two images of f32, f64 or 8-bit values. `limit` is the largest difference that does not count as
+/// over; it and all differences are in the values' own unit (code values, 0..=255, for bytes).
 ///
 /// # Errors
 /// When the shape is empty or a slice has another length than the shape.
-pub fn compare(
+pub fn compare<T: Copy + Into<f64>>(
     shape: Shape,
-    expected: &[f32],
-    actual: &[f32],
+    expected: &[T],
+    actual: &[T],
     limit: f64,
 ) -> Result<Metrics, MetricsError> {
     check(shape, expected.len(), actual.len())?;
+    let pairs = expected.iter().zip(actual);
     Ok(measure(
         shape,
         limit,
-        expected
-            .iter()
-            .zip(actual)
-            .map(|(&e, &a)| (f64::from(e), f64::from(a))),
-    ))
-}
-
-/// Compares two images of f64 values.
-///
-/// # Errors
-/// As [`compare`].
-pub fn compare_f64(
-    shape: Shape,
-    expected: &[f64],
-    actual: &[f64],
-    limit: f64,
-) -> Result<Metrics, MetricsError> {
-    check(shape, expected.len(), actual.len())?;
-    Ok(measure(
-        shape,
-        limit,
-        expected.iter().copied().zip(actual.iter().copied()),
-    ))
-}
-
-/// Compares two 8-bit images; differences and `limit` are in units of one code value (0..=255).
-///
-/// # Errors
-/// As [`compare`].
-pub fn compare_u8(
-    shape: Shape,
-    expected: &[u8],
-    actual: &[u8],
-    limit: f64,
-) -> Result<Metrics, MetricsError> {
-    check(shape, expected.len(), actual.len())?;
-    Ok(measure(
-        shape,
-        limit,
-        expected
-            .iter()
-            .zip(actual)
-            .map(|(&e, &a)| (f64::from(e), f64::from(a))),
+        pairs.map(|(&e, &a)| (e.into(), a.into())),
     ))
 }
 
@@ -308,10 +268,10 @@ mod tests {
             height: 1,
             channels: 1,
         };
-        let m = compare_u8(shape, &[0], &[255], 0.0).unwrap();
+        let m = compare(shape, &[0u8], &[255], 0.0).unwrap();
         assert_eq!(m.psnr(255.0), 0.0);
         assert_eq!(
-            compare_u8(shape, &[9], &[9], 0.0).unwrap().psnr(255.0),
+            compare(shape, &[9u8], &[9], 0.0).unwrap().psnr(255.0),
             f64::INFINITY
         );
     }
@@ -332,7 +292,7 @@ mod tests {
         ));
         let empty = Shape { width: 0, ..shape };
         assert!(matches!(
-            compare(empty, &[], &[], 0.0),
+            compare::<f32>(empty, &[], &[], 0.0),
             Err(MetricsError::Shape(0, 2, 1))
         ));
         let huge = Shape {
@@ -341,7 +301,7 @@ mod tests {
             channels: 1,
         };
         assert!(matches!(
-            compare(huge, &[], &[], 0.0),
+            compare::<f32>(huge, &[], &[], 0.0),
             Err(MetricsError::Shape(..))
         ));
     }

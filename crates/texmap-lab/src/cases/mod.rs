@@ -4,14 +4,18 @@
 //! A file of cases ([`parse`]) says what is put in, what must come out and how good is good enough; a runner
 //! of the same id ([`run`]) measures texmap's public API and, beside it, the naive methods that must fail.
 
+mod footprint;
 mod interp;
 mod naive;
 mod probe;
 mod raster;
 mod sampler;
+mod table;
 mod uv;
 
 use serde::Deserialize;
+
+pub use table::{Outcome, figure, markdown};
 
 use crate::LabError;
 
@@ -19,8 +23,8 @@ use crate::LabError;
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Case {
-    /// Short id: R for the rasterizer, I for interpolation, S for the sampler, U for the uv mapper,
-    /// B for tangents.
+    /// Short id: R for the rasterizer, I for interpolation, S for the sampler, U for the uv mapper, P for
+    /// projective textures, H for shadows, E for environment and light maps, B for bumps and tangents.
     pub id: String,
     /// What is put in.
     pub input: String,
@@ -92,6 +96,14 @@ struct File {
     cases: Vec<Case>,
 }
 
+/// The cases that the program carries: `cases.toml` of this package.
+///
+/// # Errors
+/// When the file does not fit its schema.
+pub fn all() -> Result<Vec<Case>, LabError> {
+    parse(include_str!("../../cases.toml"))
+}
+
 /// Reads a file of cases.
 ///
 /// # Errors
@@ -128,7 +140,8 @@ pub fn parse(text: &str) -> Result<Vec<Case>, LabError> {
 
 type Runner = fn() -> Result<Vec<Measurement>, LabError>;
 
-const RUNNERS: [(&str, Runner); 26] = [
+/// Every case that can be run, in the order of the file.
+const RUNNERS: &[(&str, Runner)] = &[
     ("R1", raster::r1),
     ("R2", raster::r2),
     ("R3", raster::r3),
@@ -148,6 +161,10 @@ const RUNNERS: [(&str, Runner); 26] = [
     ("S3", sampler::s3),
     ("S4", sampler::s4),
     ("S5", sampler::s5),
+    ("S6", footprint::s6),
+    ("S7", footprint::s7),
+    ("S8", footprint::s8),
+    ("S9", footprint::s9),
     ("S10", sampler::s10),
     ("U1", uv::u1),
     ("U2", uv::u2),
@@ -172,6 +189,45 @@ pub fn run(id: &str) -> Result<Vec<Measurement>, LabError> {
         .find(|(known, _)| *known == id)
         .ok_or_else(|| LabError::UnknownCase(id.to_owned()))?;
     runner()
+}
+
+/// A demand of a case beside what was measured.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Verdict {
+    /// The demand.
+    pub check: Check,
+    /// The figure; none when the runner has not measured it.
+    pub measured: Option<f64>,
+}
+
+impl Verdict {
+    /// Whether the figure is what the case asks for: a naive method passes by failing.
+    pub fn passes(&self) -> bool {
+        self.measured.is_some_and(|value| self.check.holds(value))
+    }
+}
+
+/// Runs a case and judges each of its demands.
+///
+/// # Errors
+/// When no runner has the id, the runner fails, or it measures something of which nothing is demanded.
+pub fn judge(case: &Case) -> Result<Vec<Verdict>, LabError> {
+    let measured = run(&case.id)?;
+    let same = |m: &Measurement, c: &Check| m.method == c.method && m.measure == c.measure;
+    if let Some(m) = measured
+        .iter()
+        .find(|m| !case.checks.iter().any(|c| same(m, c)))
+    {
+        return Err(LabError::Cases(format!(
+            "case '{}': nothing is demanded of {}, {} = {}",
+            case.id, m.method, m.measure, m.value
+        )));
+    }
+    let verdict = |check: &Check| Verdict {
+        check: check.clone(),
+        measured: measured.iter().find(|m| same(m, check)).map(|m| m.value),
+    };
+    Ok(case.checks.iter().map(verdict).collect())
 }
 
 #[cfg(test)]
