@@ -2,8 +2,8 @@
 //! `cargo run --release -p texmap-tests --example sample_accuracy > benches/results/sample_accuracy.md`
 #![allow(clippy::print_stdout, reason = "a table is what it makes")]
 
+use texmap_lab::plane::{Pattern, TiltedPlane, Truth};
 use texmap_sample::{Cubic, Filter, Precision, Sampler};
-use texmap_tests::tilted_plane::{Pattern, TiltedPlane, Truth};
 
 fn main() {
     let scene = TiltedPlane::default();

@@ -2,7 +2,6 @@
 
 pub mod golden;
 pub mod levels;
-pub mod tilted_plane;
 
 /// The README's library example, compiled.
 #[cfg(doctest)]

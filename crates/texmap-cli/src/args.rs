@@ -30,6 +30,7 @@ pub(crate) enum Verb {
     Sample(cmd::sample::SampleArgs),
     Mip(cmd::mip::MipArgs),
     Stability(cmd::stability::StabilityArgs),
+    Chart(cmd::chart::ChartArgs),
 }
 
 impl Verb {
@@ -44,7 +45,7 @@ impl Verb {
             Self::Uv(a) => a.json,
             Self::UvRaster(a) => a.json,
             Self::Stability(a) => a.json,
-            Self::Warp(_) | Self::Sample(_) | Self::Mip(_) => false,
+            Self::Warp(_) | Self::Sample(_) | Self::Mip(_) | Self::Chart(_) => false,
         }
     }
 }

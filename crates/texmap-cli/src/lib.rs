@@ -62,6 +62,7 @@ fn dispatch(verb: Verb) -> Result<Exit, Failure> {
         Verb::Sample(args) => cmd::sample::run(&args),
         Verb::Mip(args) => cmd::mip::run(&args),
         Verb::Stability(args) => cmd::stability::run(&args),
+        Verb::Chart(args) => cmd::chart::run(&args),
     }
 }
 

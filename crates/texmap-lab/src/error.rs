@@ -1,3 +1,4 @@
+use texmap_light::LightError;
 use texmap_math::camera::CameraError;
 use texmap_math::frame::FrameError;
 use texmap_math::homography::HomographyError;
@@ -44,4 +45,10 @@ pub enum LabError {
     /// The uv mapper refused a mesh.
     #[error(transparent)]
     Uv(#[from] UvError),
+    /// A look-up of light refused its tables.
+    #[error(transparent)]
+    Light(#[from] LightError),
+    /// A chart could not be drawn or a picture not encoded.
+    #[error("chart: {0}")]
+    Chart(String),
 }

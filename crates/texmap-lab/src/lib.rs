@@ -22,10 +22,12 @@
 pub mod bench_scenes;
 pub mod buffer;
 pub mod cases;
+pub mod chart;
 pub mod demos;
 mod error;
 pub mod metrics;
 pub mod picture;
+pub mod plane;
 pub mod reference;
 pub mod scenes;
 pub mod strip;

@@ -191,7 +191,7 @@ fn measure(shape: Shape, limit: f64, pairs: impl Iterator<Item = (f64, f64)>) ->
 }
 
 /// The smallest value that at least the part `q` of the values do not exceed; 0 for no values.
-fn quantile(values: &mut [f64], q: f64) -> f64 {
+pub(crate) fn quantile(values: &mut [f64], q: f64) -> f64 {
     if values.is_empty() {
         return 0.0;
     }

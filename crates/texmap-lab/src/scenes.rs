@@ -123,7 +123,7 @@ impl UvScene {
     }
 
     /// Two triangles along the diagonal from corner 0 to corner 2.
-    const TRIANGLES: [[u32; 3]; 2] = [[0, 3, 2], [0, 2, 1]];
+    pub(crate) const TRIANGLES: [[u32; 3]; 2] = [[0, 3, 2], [0, 2, 1]];
 
     /// The scene for the renderer, with an untextured material.
     pub fn scene(&self, interp: Interp) -> Scene {
@@ -172,17 +172,23 @@ impl UvScene {
             .collect())
     }
 
+    /// The corners as the rasterizer takes them.
+    pub(crate) fn positions(&self) -> [[f32; 3]; 4] {
+        self.corners.map(|p| p.as_vec3().to_array())
+    }
+
+    /// u and v of each corner.
+    pub(crate) fn attributes(&self) -> Vec<f32> {
+        let uv = self.uv.iter();
+        uv.flat_map(|c| c.as_vec2().to_array()).collect()
+    }
+
     /// What the rasterizer interpolates.
     ///
     /// # Errors
     /// What the rasterizer refuses.
     pub fn by_raster(&self, interp: Interp) -> Result<UvImage, LabError> {
-        let positions = self.corners.map(|p| p.as_vec3().to_array());
-        let attributes: Vec<f32> = self
-            .uv
-            .iter()
-            .flat_map(|c| c.as_vec2().to_array())
-            .collect();
+        let (positions, attributes) = (self.positions(), self.attributes());
         let draw = Draw {
             positions: &positions,
             indices: &Self::TRIANGLES,
@@ -257,14 +263,31 @@ impl UvScene {
         }))
     }
 
+    /// The exact coordinates, by one f64 ray a pixel.
+    ///
+    /// # Errors
+    /// When the camera has no view.
+    pub fn truth(&self) -> Result<UvImage, LabError> {
+        let pinhole = Pinhole::of_camera(&self.camera, self.size, self.size)?;
+        let triangles = Self::TRIANGLES.map(|t| t.map(|i| self.corners[i as usize]));
+        let caster = Caster::new(pinhole, self.size, self.size, &triangles);
+        let pixels = (0..self.size).flat_map(|y| (0..self.size).map(move |x| (x, y)));
+        let see = |(x, y): (u32, u32)| {
+            let hit = caster.nearest(f64::from(x) + 0.5, f64::from(y) + 0.5, false)?;
+            let uv = Self::TRIANGLES[hit.triangle as usize].map(|i| self.uv[i as usize]);
+            Some(DVec2::new(
+                hit.attribute(uv.map(|c| c.x)),
+                hit.attribute(uv.map(|c| c.y)),
+            ))
+        };
+        Ok(pixels.map(see).collect())
+    }
+
     /// Judges an image of coordinates.
     ///
     /// # Errors
     /// When the camera has no view.
     pub fn error(&self, found: &UvImage) -> Result<UvError, LabError> {
-        let pinhole = Pinhole::of_camera(&self.camera, self.size, self.size)?;
-        let triangles = Self::TRIANGLES.map(|t| t.map(|i| self.corners[i as usize]));
-        let caster = Caster::new(pinhole, self.size, self.size, &triangles);
         let mut error = UvError {
             compared: 0,
             mismatches: 0.0,
@@ -272,16 +295,7 @@ impl UvScene {
             texels: 0.0,
             of_allowed: 0.0,
         };
-        for (index, found) in found.iter().enumerate() {
-            let (x, y) = (index as u32 % self.size, index as u32 / self.size);
-            let hit = caster.nearest(f64::from(x) + 0.5, f64::from(y) + 0.5, false);
-            let truth = hit.map(|hit| {
-                let uv = Self::TRIANGLES[hit.triangle as usize].map(|i| self.uv[i as usize]);
-                DVec2::new(
-                    hit.attribute(uv.map(|c| c.x)),
-                    hit.attribute(uv.map(|c| c.y)),
-                )
-            });
+        for (found, truth) in found.iter().zip(self.truth()?) {
             let (Some(found), Some(truth)) = (found, truth) else {
                 error.mismatches += f64::from(u8::from(found.is_some() != truth.is_some()));
                 continue;

@@ -1,7 +1,7 @@
 //! The tilted plane: error against a supersampled truth.
 
+use texmap_lab::plane::{Pattern, TiltedPlane, Truth};
 use texmap_sample::{Filter, Precision, Sampler};
-use texmap_tests::tilted_plane::{Pattern, TiltedPlane, Truth};
 
 fn errors(
     scene: &TiltedPlane,

@@ -1,5 +1,6 @@
 //! One module per verb: its arguments and what it does.
 
+pub(crate) mod chart;
 pub(crate) mod demo;
 pub(crate) mod diff;
 pub(crate) mod hash;

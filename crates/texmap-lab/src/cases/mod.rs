@@ -15,6 +15,7 @@ mod uv;
 
 use serde::Deserialize;
 
+pub(crate) use probe::Random;
 pub use table::{Outcome, figure, markdown};
 
 use crate::LabError;

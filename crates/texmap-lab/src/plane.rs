@@ -1,15 +1,21 @@
 //! The tilted plane: how near each filter comes to a supersampled truth.
 //!
 //! 256x256 pixels, eye (0, -3, 1) to (0.3, 0, 0.35), up +z, 60 degrees; the plane z = 0 with
-//! x in [-10, 10], y in [-2.5, 20], uv = (x/4, y/4), a repeated 512x512 float texture.
+//! x in [-10, 10], y in [-2.5, 20], uv = (x/4, y/4), a repeated 512x512 texture. The texture may lie turned and magnified.
 
-use texmap_math::Footprint;
+use texmap_math::{Footprint, det};
 use texmap_sample::{Alpha, ColorSpace, Image, Origin, Sampler, Texels, Texture2d};
 
 /// Pixels a side of the picture.
 pub const SIDE: usize = 256;
 /// Texels a side of the textures.
 pub const TEXELS: usize = 512;
+
+/// Index of the texel at a place in texels, wrapped.
+pub fn nearest([x, y]: [f64; 2]) -> usize {
+    let wrap = |c: f64| (c.floor() as i64 & (TEXELS as i64 - 1)) as usize;
+    wrap(y) * TEXELS + wrap(x)
+}
 
 /// What is painted on the plane.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -42,24 +48,58 @@ impl Pattern {
     /// All three.
     pub const ALL: [Self; 3] = [Self::Checker, Self::Sines, Self::Noise];
 
+    /// Row by row, in codes of 0 to 255.
+    pub fn bytes(self) -> Vec<u8> {
+        let code = |t: f32| (t * 255.0 + 0.5).floor() as u8;
+        self.texels().into_iter().map(code).collect()
+    }
+
     /// Row by row.
     pub fn texels(self) -> Vec<f32> {
-        let turn = core::f64::consts::TAU / 512.0;
         (0..TEXELS * TEXELS)
             .map(|i| {
                 let (x, y) = (i % TEXELS, i / TEXELS);
                 let (fx, fy) = (x as f64, y as f64);
                 match self {
                     Self::Checker => ((x / 16 + y / 16) & 1) as f32,
-                    Self::Sines => {
-                        let a = (turn * (32.0 * fx + 8.0 * fy)).sin();
-                        let b = (turn * (5.0 * fx - 40.0 * fy)).sin();
-                        (0.5 + 0.25 * a + 0.25 * b) as f32
-                    }
+                    Self::Sines => sines([fx, fy]) as f32,
                     Self::Noise => (hash(x as u32, y as u32) >> 8) as f32 / 16_777_216.0,
                 }
             })
             .collect()
+    }
+}
+
+/// The two plane waves of [`Pattern::Sines`] at a place in texels from the centre of the first.
+pub fn sines([x, y]: [f64; 2]) -> f64 {
+    let turn = core::f64::consts::TAU / 512.0;
+    let a = det::sin(turn * (32.0 * x + 8.0 * y));
+    let b = det::sin(turn * (5.0 * x - 40.0 * y));
+    0.5 + 0.25 * a + 0.25 * b
+}
+
+/// How the texture lies on the plane.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct View {
+    /// Turned by this angle, radians.
+    pub turn: f64,
+    /// This many times as large.
+    pub magnify: f64,
+}
+
+impl Default for View {
+    fn default() -> Self {
+        Self {
+            turn: 0.0,
+            magnify: 1.0,
+        }
+    }
+}
+
+impl View {
+    fn uv(self, [x, y]: [f64; 2]) -> [f64; 2] {
+        let (sin, cos) = det::sin_cos(self.turn);
+        [x * cos - y * sin, x * sin + y * cos].map(|c| c / (4.0 * self.magnify))
     }
 }
 
@@ -78,6 +118,7 @@ fn hash(x: u32, y: u32) -> u32 {
 /// The scene with the pixels that count: they and their diagonal neighbours see the plane.
 #[derive(Debug)]
 pub struct TiltedPlane {
+    view: View,
     hits: Vec<(usize, usize, Hit)>,
 }
 
@@ -106,7 +147,7 @@ fn normalize(a: [f64; 3]) -> [f64; 3] {
     a.map(|c| c / l)
 }
 
-fn hit(x: f64, y: f64) -> Option<Hit> {
+fn hit(view: View, x: f64, y: f64) -> Option<Hit> {
     let (d, dx, dy) = ray(x, y);
     if d[2] >= 0.0 {
         return None;
@@ -118,22 +159,26 @@ fn hit(x: f64, y: f64) -> Option<Hit> {
     }
     let slope = |step: [f64; 3]| {
         let dt = step[2] / (d[2] * d[2]);
-        [
-            (t * step[0] + dt * d[0]) / 4.0,
-            (t * step[1] + dt * d[1]) / 4.0,
-        ]
+        view.uv([t * step[0] + dt * d[0], t * step[1] + dt * d[1]])
     };
     let ([ux, vx], [uy, vy]) = (slope(dx), slope(dy));
     Some(Hit {
-        uv: [p[0] / 4.0, p[1] / 4.0],
+        uv: view.uv(p),
         d: [ux, vx, uy, vy],
     })
 }
 
 impl Default for TiltedPlane {
     fn default() -> Self {
-        let centre = |x: usize, y: usize| hit(x as f64 + 0.5, y as f64 + 0.5);
-        let seen = |x: i64, y: i64| hit(x as f64 + 0.5, y as f64 + 0.5).is_some();
+        Self::new(View::default())
+    }
+}
+
+impl TiltedPlane {
+    /// The plane with its texture lying so.
+    pub fn new(view: View) -> Self {
+        let centre = |x: usize, y: usize| hit(view, x as f64 + 0.5, y as f64 + 0.5);
+        let seen = |x: i64, y: i64| hit(view, x as f64 + 0.5, y as f64 + 0.5).is_some();
         let mut hits = Vec::new();
         for y in 0..SIDE {
             for x in 0..SIDE {
@@ -146,11 +191,14 @@ impl Default for TiltedPlane {
                 }
             }
         }
-        Self { hits }
+        Self { view, hits }
     }
-}
 
-impl TiltedPlane {
+    /// Column, row and coordinates of each counted pixel.
+    pub fn places(&self) -> impl Iterator<Item = (usize, usize, [f64; 2])> + '_ {
+        self.hits.iter().map(|(x, y, h)| (*x, *y, h.uv))
+    }
+
     /// Pixels that count.
     pub fn len(&self) -> usize {
         self.hits.len()
@@ -179,6 +227,20 @@ impl TiltedPlane {
     /// `grid` x `grid` nearest look-ups a counted pixel, for each pattern.
     pub fn truth(&self, truth: Truth, grid: usize) -> Vec<[f64; 3]> {
         let patterns = Pattern::ALL.map(Pattern::texels);
+        self.truth_by(truth, grid, |at| {
+            let index = nearest(at);
+            patterns.each_ref().map(|p| f64::from(p[index]))
+        })
+    }
+
+    /// The mean of `grid` x `grid` values a counted pixel; `value` takes a place in texels from the corner of the
+    /// first, not yet wrapped.
+    pub fn truth_by<const N: usize>(
+        &self,
+        truth: Truth,
+        grid: usize,
+        value: impl Fn([f64; 2]) -> [f64; N],
+    ) -> Vec<[f64; N]> {
         let (reach, sigma2) = match truth {
             Truth::Box => (0.5, None),
             Truth::Gaussian => (2.0, Some(0.25)),
@@ -194,7 +256,7 @@ impl TiltedPlane {
             .collect();
         let mut out = Vec::with_capacity(self.hits.len());
         for &(x, y, _) in &self.hits {
-            let (mut sum, mut total) = ([0.0; 3], 0.0);
+            let (mut sum, mut total) = ([0.0; N], 0.0);
             for &(dy, wy) in &places {
                 for &(dx, wx) in &places {
                     let (d, ..) = ray(x as f64 + 0.5 + dx, y as f64 + 0.5 + dy);
@@ -202,10 +264,10 @@ impl TiltedPlane {
                         continue;
                     }
                     let t = -1.0 / d[2];
-                    let i = ((t * d[0]) * 128.0).floor() as i64 & 511;
-                    let j = ((t * d[1] - 3.0) * 128.0).floor() as i64 & 511;
-                    for (s, p) in sum.iter_mut().zip(&patterns) {
-                        *s += wx * wy * f64::from(p[j as usize * TEXELS + i as usize]);
+                    let uv = self.view.uv([t * d[0], t * d[1] - 3.0]);
+                    let values = value(uv.map(|c| c * TEXELS as f64));
+                    for (s, v) in sum.iter_mut().zip(values) {
+                        *s += wx * wy * v;
                     }
                     total += wx * wy;
                 }

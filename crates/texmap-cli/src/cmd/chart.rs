@@ -1,0 +1,148 @@
+//! `texmap chart`: speed against accuracy, measured here and now.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use texmap_lab::LabError;
+use texmap_lab::cases::{self, Outcome};
+use texmap_lab::chart::time::Effort;
+use texmap_lab::chart::{self, Machine, Panel};
+
+use crate::failure::{Exit, Failure, say};
+use crate::output::{Destination, Stage};
+use crate::progress::Progress;
+use crate::values::Resolution;
+
+/// Chart speed against accuracy: every method, or your own scene with every filter.
+#[derive(Args, Debug)]
+#[command(
+    after_help = "Writes one HTML page that needs nothing else, with the picture behind each point and the stability table. Times are of \
+                  one thread; leave the machine alone meanwhile."
+)]
+pub(crate) struct ChartArgs {
+    /// A .scene or .obj to chart in place of the six panels
+    scene: Option<PathBuf>,
+    /// The .html page, or the .csv of all points
+    #[arg(short, long, value_name = "OUT", required = true)]
+    output: Vec<PathBuf>,
+    /// A folder for an .svg of each chart
+    #[arg(long, value_name = "FOLDER")]
+    svg: Option<PathBuf>,
+    /// Fewer runs and samples: under a minute
+    #[arg(long)]
+    quick: bool,
+    /// Size of the scene's picture
+    #[arg(
+        short,
+        long,
+        value_name = "WxH",
+        default_value = "320x240",
+        requires = "scene"
+    )]
+    resolution: Resolution,
+}
+
+pub(crate) fn run(args: &ChartArgs) -> Result<Exit, Failure> {
+    let internal = |e: LabError| Failure::internal(e.to_string());
+    let mut outputs = Vec::new();
+    for path in &args.output {
+        outputs.push((Kind::of(path)?, Destination::new(path)?));
+    }
+    let first = outputs[0].1.clone();
+    let mut stage = Stage::new(&first)?;
+    let effort = if args.quick {
+        Effort::QUICK
+    } else {
+        Effort::FULL
+    };
+    let progress = Progress::new("chart");
+    let mut report = |done: usize, of: usize, _: &str| progress.update(done, of);
+    let panels: Vec<Panel> = match &args.scene {
+        Some(path) => {
+            let scene = texmap_io::load(path, &texmap_io::LoadOptions::default())?;
+            let size = (args.resolution.width, args.resolution.height);
+            let panel = chart::scene_panel(&scene, size, effort, &mut report).map_err(|e| {
+                Failure::new(
+                    Exit::Input,
+                    "scene",
+                    format!("{}: {e}", path.display()),
+                    "`texmap render` says more about a scene that it refuses",
+                )
+            })?;
+            vec![panel]
+        }
+        None => chart::panels(effort, &mut report).map_err(internal)?,
+    };
+    drop(progress);
+    let text = |kind: Kind| match kind {
+        Kind::Csv => Ok(chart::csv(&panels)),
+        Kind::Html => {
+            let all = cases::all().map_err(internal)?;
+            let outcomes: Vec<Outcome> = all
+                .iter()
+                .map(Outcome::of)
+                .collect::<Result<_, _>>()
+                .map_err(internal)?;
+            let how = format!(
+                "Each method ran {} times, in turns, at least {} microseconds each{}",
+                effort.rounds,
+                effort.run.as_micros(),
+                if args.quick {
+                    " (quick: figures for a first look)."
+                } else {
+                    "."
+                },
+            );
+            chart::page(&panels, &outcomes, &Machine::here(), &how).map_err(internal)
+        }
+    };
+    for (kind, destination) in outputs {
+        let ending = if kind == Kind::Csv { "csv" } else { "html" };
+        write(&stage.add(destination, ending), &text(kind)?)?;
+    }
+    if let Some(folder) = &args.svg {
+        for chart in panels.iter().flat_map(|p| &p.charts) {
+            let destination = Destination::new(&folder.join(format!("{}.svg", chart.id)))?;
+            let picture = chart::svg(chart).map_err(internal)?;
+            write(&stage.add(destination, "svg"), &picture)?;
+        }
+    }
+    stage.commit()?;
+    let points: usize = panels
+        .iter()
+        .flat_map(|p| &p.charts)
+        .map(|c| c.points.len())
+        .sum();
+    say(&format!("{points} points written\n"));
+    Ok(Exit::Done)
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    Html,
+    Csv,
+}
+
+impl Kind {
+    fn of(path: &Path) -> Result<Self, Failure> {
+        match path.extension().and_then(|e| e.to_str()) {
+            Some("html") => Ok(Self::Html),
+            Some("csv") => Ok(Self::Csv),
+            _ => Err(Failure::usage(
+                format!("{}: neither .html nor .csv", path.display()),
+                "name a page, such as chart.html, or a table, such as chart.csv; both may be named",
+            )),
+        }
+    }
+}
+
+fn write(path: &Path, text: &str) -> Result<(), Failure> {
+    std::fs::write(path, text).map_err(|e| {
+        Failure::new(
+            Exit::Input,
+            "write-failed",
+            format!("{}: {e}", path.display()),
+            "check the permissions and the free space",
+        )
+    })
+}

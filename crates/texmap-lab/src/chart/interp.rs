@@ -1,0 +1,344 @@
+//! Panel 1: interpolation of texture coordinates.
+
+use texmap_math::Level;
+use texmap_math::glam::DVec2;
+use texmap_raster::{
+    BlockMask, Draw, Interp, NONE, NoAlphaTest, PairRun, Prepared, TargetSize, TileBlocks,
+    TilePlanes,
+};
+
+use super::spans::{self, Method, Plane, Row};
+use super::time::{Effort, interleaved};
+use super::{Across, Error, Panel, Point, SceneChart, Source};
+use crate::LabError;
+use crate::picture::Picture;
+use crate::scenes::{UvImage, UvScene};
+use crate::strip::heat;
+
+const MODES: [Interp; 12] = [
+    Interp::Perspective,
+    Interp::Affine,
+    Interp::Subdivided(2),
+    Interp::Subdivided(4),
+    Interp::Subdivided(8),
+    Interp::Span(8),
+    Interp::Span(16),
+    Interp::Span(32),
+    Interp::Span(64),
+    Interp::WithinError(0.25),
+    Interp::WithinError(0.5),
+    Interp::WithinError(1.0),
+];
+
+pub(super) fn panel(effort: Effort) -> Result<Panel, LabError> {
+    let mut charts = Vec::new();
+    for ratio in [1.02, 1.1, 2.0, 8.0, 64.0] {
+        let title = format!("A quad that fills the picture, w-ratio {ratio}");
+        charts.push(chart(
+            effort,
+            format!("interpolation-{ratio}"),
+            title,
+            &UvScene::ratio(ratio),
+            Some(ratio),
+        )?);
+    }
+    let mut cts = chart(
+        effort,
+        "interpolation-cts".to_owned(),
+        "The conformance quad, w = 1.3, 0.8, 0.6, 2.0".to_owned(),
+        &UvScene::cts_quad(),
+        None,
+    )?;
+    // Mesa 22.3.6, f32 target: largest error 1.5e-7 of the range.
+    cts.points.push(Point {
+        method: "llvmpipe 22.3.6 (largest error)".to_owned(),
+        source: Source::External,
+        time: None,
+        error: Error {
+            rmse: 1.5e-7 * 1024.0,
+            p999: f64::NAN,
+            max: 1.5e-7 * 1024.0,
+        },
+        bytes: None,
+        failures: Vec::new(),
+        picture: None,
+    });
+    charts.push(cts);
+    charts.push(chart(
+        effort,
+        "interpolation-ground".to_owned(),
+        "The ground through the eye's plane, half-size 200".to_owned(),
+        &UvScene::ground(200.0),
+        None,
+    )?);
+    Ok(Panel {
+        id: "interpolation",
+        title: "Interpolation",
+        about: "Texture coordinates over 256 x 256 pixels, 1024 texels to a unit. Methods of texmap run through the \
+                rasterizer's planes with analytic derivatives, all at once; the rows of the lab have no derivatives \
+                and stand for themselves. A method that loses or gains pixels, leaves the hull of its triangle's \
+                values or computes a value that is not finite is hollow.",
+        charts,
+    })
+}
+
+fn chart(
+    effort: Effort,
+    id: String,
+    title: String,
+    scene: &UvScene,
+    ratio: Option<f64>,
+) -> Result<SceneChart, LabError> {
+    let truth = scene.truth()?;
+    let (positions, attributes) = (scene.positions(), scene.attributes());
+    let mut drawn = Vec::new();
+    for interp in MODES {
+        drawn.push(Drawn::new(scene, &positions, &attributes, interp)?);
+    }
+    let mut points = Vec::new();
+    for (interp, drawn) in MODES.iter().zip(&mut drawn) {
+        drawn.run();
+        let image = drawn.image(scene.size);
+        points.push(Point {
+            failures: lost(&truth, &image),
+            ..point(name(*interp), Source::Texmap, scene, &truth, &image)
+        });
+    }
+    let covered = truth.iter().flatten().count();
+    let mut runs: Vec<Box<dyn FnMut() + '_>> = Vec::new();
+    for drawn in &mut drawn {
+        runs.push(Box::new(|| drawn.run()));
+    }
+    let times = interleaved(effort, covered, &mut runs);
+    for (point, time) in points.iter_mut().zip(times) {
+        point.time = Some(time);
+    }
+    if let Some(ratio) = ratio {
+        points.extend(rows(effort, scene, ratio));
+    }
+    Ok(SceneChart {
+        id,
+        title,
+        truth: format!("one f64 ray a pixel, {covered} pixels; the larger error of u and v"),
+        item: "covered pixel",
+        unit: "texels",
+        across: Across::Time,
+        points,
+    })
+}
+
+/// As on the command line.
+fn name(interp: Interp) -> String {
+    texmap_io::scene_file::words::interp(interp)
+}
+
+fn point(
+    method: String,
+    source: Source,
+    scene: &UvScene,
+    truth: &UvImage,
+    found: &UvImage,
+) -> Point {
+    let both = truth.iter().zip(found);
+    let off = |(t, f): (&Option<DVec2>, &Option<DVec2>)| {
+        Some((f.as_ref()? - t.as_ref()?).abs().max_element() * scene.texels)
+    };
+    Point {
+        method,
+        source,
+        time: None,
+        error: Error::of(both.filter_map(off)),
+        bytes: None,
+        failures: Vec::new(),
+        picture: Some(picture(scene, truth, found)),
+    }
+}
+
+fn lost(truth: &UvImage, found: &UvImage) -> Vec<String> {
+    let mut out = Vec::new();
+    let other = truth
+        .iter()
+        .zip(found)
+        .filter(|(t, f)| t.is_some() != f.is_some());
+    match other.count() {
+        0 => {}
+        n => out.push(format!("{n} pixels on one side only")),
+    }
+    match found.iter().flatten().filter(|uv| !uv.is_finite()).count() {
+        0 => {}
+        n => out.push(format!("{n} values that are not finite")),
+    }
+    out
+}
+
+/// A checker of 64 texels and, beside it, the error: white from one texel.
+fn picture(scene: &UvScene, truth: &UvImage, found: &UvImage) -> Picture {
+    let half = scene.size / 2;
+    let mut picture = Picture::new(scene.size + 2, half, [255; 4]);
+    for y in 0..half {
+        for x in 0..half {
+            let index = (2 * y * scene.size + 2 * x) as usize;
+            let (x, y) = (i64::from(x), i64::from(y));
+            let color = found[index].map_or([96, 96, 128, 255], |uv| {
+                let cell = (uv * scene.texels / 64.0).floor();
+                let dark = (cell.x + cell.y).rem_euclid(2.0) != 0.0;
+                let c = if dark { 40 } else { 225 };
+                [c, c, c, 255]
+            });
+            picture.set(x, y, color);
+            let off = match (truth[index], found[index]) {
+                (Some(t), Some(f)) => (f - t).abs().max_element() * scene.texels,
+                (None, None) => 0.0,
+                _ => f64::NAN,
+            };
+            picture.set(x + i64::from(half) + 2, y, heat(off));
+        }
+    }
+    picture
+}
+
+/// A scene at the door of its inner loop: what is left is the planes of each tile and their values.
+struct Drawn<'a> {
+    prepared: Prepared<'a>,
+    tiles: Vec<(TileBlocks, Vec<Vec<BlockMask>>)>,
+    planes: TilePlanes,
+    /// One for each run of each tile.
+    values: Vec<PairRun>,
+}
+
+impl<'a> Drawn<'a> {
+    fn new(
+        scene: &UvScene,
+        positions: &'a [[f32; 3]],
+        attributes: &'a [f32],
+        interp: Interp,
+    ) -> Result<Self, LabError> {
+        let draw = Draw {
+            positions,
+            indices: &UvScene::TRIANGLES,
+            clip_from_object: scene.camera.clip_from_world(1.0)?,
+            attributes,
+            attribute_count: 2,
+            interp,
+            interp_scale: scene.texels as f32,
+            ..Draw::default()
+        };
+        let prepared = Prepared::new(TargetSize::new(scene.size, scene.size)?, &[draw])?;
+        let mut tiles = Vec::new();
+        let mut count = 0;
+        for tile in 0..prepared.tiles() {
+            let mut blocks = TileBlocks::new();
+            prepared.visible_blocks(tile, &NoAlphaTest, &mut blocks);
+            let masks: Vec<BlockMask> = blocks
+                .slot
+                .chunks(16)
+                .zip(0u16..)
+                .map(|(slots, block)| {
+                    let bit = |(i, slot): (usize, &u32)| u16::from(*slot != NONE) << i;
+                    let mask = slots.iter().enumerate().map(bit).sum();
+                    BlockMask { block, mask }
+                })
+                .filter(|m| m.mask != 0)
+                .collect();
+            let runs: Vec<Vec<BlockMask>> = masks.chunks(16).map(<[_]>::to_vec).collect();
+            count += runs.len();
+            tiles.push((blocks, runs));
+        }
+        Ok(Self {
+            prepared,
+            tiles,
+            planes: TilePlanes::new(),
+            values: vec![PairRun::default(); count],
+        })
+    }
+
+    fn run(&mut self) {
+        let mut values = self.values.iter_mut();
+        for (tile, (blocks, runs)) in self.tiles.iter().enumerate() {
+            self.prepared.planes(tile, &mut self.planes);
+            for (run, out) in runs.iter().zip(&mut values) {
+                self.planes.pair(Level::new(), blocks, run, [0, 1], out);
+            }
+        }
+        std::hint::black_box(&self.values);
+    }
+
+    fn image(&self, size: u32) -> UvImage {
+        let mut image = vec![None; (size * size) as usize];
+        let mut values = self.values.iter();
+        for (tile, (_, runs)) in self.tiles.iter().enumerate() {
+            let corner = self.prepared.tile(tile);
+            for (run, out) in runs.iter().zip(&mut values) {
+                for (i, at) in run.iter().enumerate() {
+                    for bit in (0..16u32).filter(|b| at.mask >> b & 1 == 1) {
+                        let block = u32::from(at.block);
+                        let x = corner.x0 + block % 16 * 4 + bit % 4;
+                        let y = corner.y0 + block / 16 * 4 + bit / 4;
+                        let k = 16 * i + bit as usize;
+                        let [u, v] = out.value.map(|c| f64::from(c[k]));
+                        image[(y * size + x) as usize] = Some(DVec2::new(u, v));
+                    }
+                }
+            }
+        }
+        image
+    }
+}
+
+/// The lab's rows on the quad whose w runs from 1 at the left to `ratio` at the right.
+fn rows(effort: Effort, scene: &UvScene, ratio: f64) -> Vec<Point> {
+    let n = scene.size as usize;
+    let rows: Vec<Row> = (0..n)
+        .map(|y| {
+            // u from 0 to 1; v as in the triangle above the diagonal, over the whole row.
+            let v = (y as f64 + 0.5) / n as f64 / ratio;
+            Row {
+                u: Plane::between(0.0, 1.0 / ratio, n),
+                v: Plane::between(v, v, n),
+                inv_w: Plane::between(1.0, 1.0 / ratio, n),
+            }
+        })
+        .collect();
+    let exact = |i: usize| {
+        let (x, y) = ((i % n) as f64 + 0.5, (i / n) as f64 + 0.5);
+        let t = x / n as f64;
+        let w = 1.0 / (1.0 + t * (1.0 / ratio - 1.0));
+        Some(DVec2::new(t, y / n as f64) / ratio * w)
+    };
+    let truth: UvImage = (0..n * n).map(exact).collect();
+    let fill = |method: Method, u: &mut [f32], v: &mut [f32]| {
+        for ((row, u), v) in rows.iter().zip(u.chunks_mut(n)).zip(v.chunks_mut(n)) {
+            method.fill(Level::new(), row, u, v);
+        }
+    };
+    let mut points: Vec<Point> = Method::ALL
+        .iter()
+        .map(|&method| {
+            let (mut u, mut v) = (vec![0.0f32; n * n], vec![0.0f32; n * n]);
+            fill(method, &mut u, &mut v);
+            let image: UvImage = u
+                .iter()
+                .zip(&v)
+                .map(|(&u, &v)| Some(DVec2::new(u.into(), v.into())))
+                .collect();
+            Point {
+                failures: spans::failures(method),
+                ..point(method.name(), Source::Lab, scene, &truth, &image)
+            }
+        })
+        .collect();
+    let mut runs: Vec<Box<dyn FnMut() + '_>> = Vec::new();
+    for method in Method::ALL {
+        let fill = &fill;
+        let (mut u, mut v) = (vec![0.0f32; n * n], vec![0.0f32; n * n]);
+        runs.push(Box::new(move || {
+            fill(method, &mut u, &mut v);
+            std::hint::black_box((&u, &v));
+        }));
+    }
+    let times = interleaved(effort, n * n, &mut runs);
+    for (point, time) in points.iter_mut().zip(times) {
+        point.time = Some(time);
+    }
+    points
+}

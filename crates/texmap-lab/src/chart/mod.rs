@@ -1,0 +1,182 @@
+//! The chart: speed against accuracy, one small chart for each scene class, never an average over scenes.
+//!
+//! Every method with its parameters is a [`Point`]: its time per item on one thread ([`time`]) and its error against
+//! an f64 reference or a closed form. A method that breaks on the stability inputs of its panel is drawn hollow and
+//! cannot be on the front.
+
+mod bump;
+mod environment;
+mod filter;
+mod front;
+mod interp;
+mod machine;
+mod memory;
+mod page;
+mod scene;
+mod shadow;
+mod spans;
+mod svg;
+mod table;
+pub mod time;
+
+pub use front::{dominator, front};
+pub use machine::Machine;
+pub use page::page;
+pub use svg::svg;
+pub use table::csv;
+
+use crate::LabError;
+use crate::picture::Picture;
+use time::{Effort, Time};
+
+/// One method with its parameters on one scene.
+#[derive(Clone, Debug)]
+pub struct Point {
+    /// Name and parameters, as on the command line where it has one: `anisotropic:16`.
+    pub method: String,
+    /// Where the method lives.
+    pub source: Source,
+    /// Nanoseconds an item on one thread; none for a method that was not timed in this run.
+    pub time: Option<Time>,
+    /// Error against the truth.
+    pub error: Error,
+    /// Bytes of the tables that the method reads, where that is the question.
+    pub bytes: Option<u64>,
+    /// What breaks, with its count: a point with any is hollow.
+    pub failures: Vec<String>,
+    /// What the method gives on the scene, beside its error.
+    pub picture: Option<Picture>,
+}
+
+/// Where a method lives.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Source {
+    /// In one of the published crates.
+    Texmap,
+    /// Only here, for comparison.
+    Lab,
+    /// Another program; its error was measured elsewhere, its time not at all.
+    External,
+}
+
+/// Errors over the items of a scene, in the chart's unit.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Error {
+    /// Root mean square.
+    pub rmse: f64,
+    /// What 99.9 % of the items do not exceed; not a number where only the mean is known.
+    pub p999: f64,
+    /// Largest; not a number where only the mean is known.
+    pub max: f64,
+}
+
+impl Error {
+    /// From the error of each item. A NaN counts as infinite.
+    pub fn of(errors: impl IntoIterator<Item = f64>) -> Self {
+        let sane = |e: f64| if e.is_nan() { f64::INFINITY } else { e.abs() };
+        let mut all: Vec<f64> = errors.into_iter().map(sane).collect();
+        if all.is_empty() {
+            return Self::default();
+        }
+        let squares: f64 = all.iter().map(|e| e * e).sum();
+        let rmse = (squares / all.len() as f64).sqrt();
+        let p999 = crate::metrics::quantile(&mut all, 0.999);
+        Self {
+            rmse,
+            p999,
+            max: all.iter().copied().fold(0.0, f64::max),
+        }
+    }
+
+    fn rmse_only(rmse: f64) -> Self {
+        Self {
+            rmse,
+            p999: f64::NAN,
+            max: f64::NAN,
+        }
+    }
+}
+
+/// What the horizontal axis of a chart shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Across {
+    /// Nanoseconds an item.
+    Time,
+    /// Bytes.
+    Bytes,
+}
+
+/// One scene class of a panel.
+#[derive(Clone, Debug)]
+pub struct SceneChart {
+    /// Short name, unique: part of file names.
+    pub id: String,
+    /// What is drawn.
+    pub title: String,
+    /// What the errors are measured against, and over what.
+    pub truth: String,
+    /// What one item is: a covered pixel, a look-up.
+    pub item: &'static str,
+    /// Unit of the error.
+    pub unit: &'static str,
+    /// The horizontal axis.
+    pub across: Across,
+    /// Every method.
+    pub points: Vec<Point>,
+}
+
+/// A group of charts.
+#[derive(Clone, Debug)]
+pub struct Panel {
+    /// Short name.
+    pub id: &'static str,
+    /// Heading.
+    pub title: &'static str,
+    /// What to know before reading the charts.
+    pub about: &'static str,
+    /// One for each scene class.
+    pub charts: Vec<SceneChart>,
+}
+
+/// Progress: steps done, of how many, and what comes next.
+pub type Report<'a> = &'a mut dyn FnMut(usize, usize, &str);
+
+type Builder = fn(Effort) -> Result<Panel, LabError>;
+
+const PANELS: &[(&str, Builder)] = &[
+    ("interpolation", interp::panel),
+    ("filtering", filter::panel),
+    ("environment charts", environment::panel),
+    ("shadows", shadow::panel),
+    ("bump", bump::panel),
+    ("memory", memory::panel),
+];
+
+/// Measures all six panels.
+///
+/// # Errors
+/// When a scene is refused, which would be a bug.
+pub fn panels(effort: Effort, report: Report<'_>) -> Result<Vec<Panel>, LabError> {
+    let mut out = Vec::with_capacity(PANELS.len());
+    for (index, (name, build)) in PANELS.iter().enumerate() {
+        report(index, PANELS.len(), name);
+        out.push(build(effort)?);
+    }
+    report(PANELS.len(), PANELS.len(), "done");
+    Ok(out)
+}
+
+pub use scene::panel as scene_panel;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn errors_of_numbers() {
+        let e = Error::of([3.0, -4.0]);
+        assert_eq!((e.rmse, e.p999, e.max), (12.5f64.sqrt(), 4.0, 4.0));
+        assert_eq!(Error::of([f64::NAN]).max, f64::INFINITY);
+        assert_eq!(Error::of([]), Error::default());
+    }
+}
