@@ -33,5 +33,6 @@ pub mod scenes;
 pub mod strip;
 pub mod truth;
 pub mod uv_pictures;
+pub mod verify;
 
 pub use error::LabError;

@@ -48,6 +48,7 @@ mod dispatch;
 mod error;
 mod frame;
 mod plan;
+pub mod planner;
 mod render;
 mod rows;
 mod scene;

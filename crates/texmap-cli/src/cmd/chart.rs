@@ -28,6 +28,9 @@ pub(crate) struct ChartArgs {
     /// A folder for an .svg of each chart
     #[arg(long, value_name = "FOLDER")]
     svg: Option<PathBuf>,
+    /// The table of prices that the planner reads, to be committed
+    #[arg(long, value_name = "OUT.csv", conflicts_with = "scene")]
+    prices: Option<PathBuf>,
     /// Fewer runs and samples: under a minute
     #[arg(long)]
     quick: bool,
@@ -106,6 +109,10 @@ pub(crate) fn run(args: &ChartArgs) -> Result<Exit, Failure> {
             let picture = chart::svg(chart).map_err(internal)?;
             write(&stage.add(destination, "svg"), &picture)?;
         }
+    }
+    if let Some(path) = &args.prices {
+        let destination = Destination::new(path)?;
+        write(&stage.add(destination, "csv"), &chart::prices(&panels))?;
     }
     stage.commit()?;
     let points: usize = panels

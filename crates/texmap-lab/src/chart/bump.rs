@@ -233,10 +233,10 @@ fn picture(normals: &[[f32; 3]], angles: &[f64]) -> Picture {
             let i = (y / 2 * SIDE + x / 2) as usize;
             let n = normals[i];
             let shade = (-0.6 * n[0] + 0.8 * n[2]).clamp(0.0, 1.0);
-            let c = (shade * 63.0).round() as u8 * 4;
+            let c = (shade * 15.0).round() as u8 * 17;
             picture.set(x.into(), y.into(), [c, c, c, 255]);
             let place = i64::from(x + 2 * SHOWN + 2);
-            picture.set(place, y.into(), heat(angles[i] / 10.0));
+            picture.set(place, y.into(), heat((angles[i] * 1.2).round() / 12.0));
         }
     }
     picture

@@ -217,9 +217,9 @@ fn picture(lookup: Lookup, environment: &Environment, waves: &Waves) -> Picture 
         let mut out = [[0.0f32; 3]];
         lookup.light(environment, &[d.as_vec3().to_array()], &mut out);
         let found = f64::from(out[0][0]);
-        let c = ((found * 0.2 + 0.5).clamp(0.0, 1.0) * 63.0).round() as u8 * 4;
+        let c = ((found * 0.2 + 0.5).clamp(0.0, 1.0) * 15.0).round() as u8 * 17;
         picture.set(x.into(), y.into(), [c, c, c, 255]);
-        let off = ((found - waves.light(d)).abs() * 2.0 * 32.0).round() / 32.0;
+        let off = ((found - waves.light(d)).abs() * 2.0 * 12.0).round() / 12.0;
         picture.set(i64::from(x + SIDE + 2), y.into(), heat(off));
     }
     picture

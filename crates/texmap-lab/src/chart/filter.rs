@@ -384,10 +384,10 @@ fn picture(plane: &TiltedPlane, values: &[f64], truth: &[f64]) -> Picture {
     for (((x, y, _), value), truth) in plane.places().zip(values).zip(truth) {
         let (x, y) = (x as i64 - 64, y as i64 - top);
         if (0..SIDE).contains(&x) && (0..SIDE).contains(&y) {
-            // 64 greys are enough to see by, and compress.
-            let c = ((value.clamp(0.0, 1.0) * 63.0).round() * 4.0) as u8;
+            // 16 greys are enough to see by, and compress.
+            let c = ((value.clamp(0.0, 1.0) * 15.0).round() * 17.0) as u8;
             picture.set(x, y, [c, c, c, 255]);
-            let off = ((value - truth).abs() * 4.0 * 32.0).round() / 32.0;
+            let off = ((value - truth).abs() * 4.0 * 12.0).round() / 12.0;
             picture.set(x + SIDE + 2, y, heat(off));
         }
     }

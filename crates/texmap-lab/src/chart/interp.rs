@@ -3,7 +3,7 @@
 use texmap_math::Level;
 use texmap_math::glam::DVec2;
 use texmap_raster::{
-    BlockMask, Draw, Interp, NONE, NoAlphaTest, PairRun, Prepared, TargetSize, TileBlocks,
+    Draw, Interp, NONE, NoAlphaTest, Prepared, RunBlock, RunValues, TargetSize, TileBlocks,
     TilePlanes,
 };
 
@@ -75,8 +75,8 @@ pub(super) fn panel(effort: Effort) -> Result<Panel, LabError> {
         id: "interpolation",
         title: "Interpolation",
         about: "Texture coordinates over 256 x 256 pixels, 1024 texels to a unit. Methods of texmap run through the \
-                rasterizer's planes with analytic derivatives, all at once; the rows of the lab have no derivatives \
-                and stand for themselves. A method that loses or gains pixels, leaves the hull of its triangle's \
+                rasterizer's planes, runs of 256 pixels; those of the lab fill whole rows of their own and know no \
+                triangles. Nobody computes derivatives here. A method that loses or gains pixels, leaves the hull of its triangle's \
                 values or computes a value that is not finite is hollow.",
         charts,
     })
@@ -97,7 +97,6 @@ fn chart(
     }
     let mut points = Vec::new();
     for (interp, drawn) in MODES.iter().zip(&mut drawn) {
-        drawn.run();
         let image = drawn.image(scene.size);
         points.push(Point {
             failures: lost(&truth, &image),
@@ -200,10 +199,10 @@ fn picture(scene: &UvScene, truth: &UvImage, found: &UvImage) -> Picture {
 /// A scene at the door of its inner loop: what is left is the planes of each tile and their values.
 struct Drawn<'a> {
     prepared: Prepared<'a>,
-    tiles: Vec<(TileBlocks, Vec<Vec<BlockMask>>)>,
+    tiles: Vec<(TileBlocks, Vec<Vec<RunBlock>>)>,
     planes: TilePlanes,
-    /// One for each run of each tile.
-    values: Vec<PairRun>,
+    /// One run's, which stays in the nearest cache as the renderer's does.
+    values: RunValues,
 }
 
 impl<'a> Drawn<'a> {
@@ -225,62 +224,68 @@ impl<'a> Drawn<'a> {
         };
         let prepared = Prepared::new(TargetSize::new(scene.size, scene.size)?, &[draw])?;
         let mut tiles = Vec::new();
-        let mut count = 0;
         for tile in 0..prepared.tiles() {
             let mut blocks = TileBlocks::new();
             prepared.visible_blocks(tile, &NoAlphaTest, &mut blocks);
-            let masks: Vec<BlockMask> = blocks
+            let masks: Vec<RunBlock> = blocks
                 .slot
                 .chunks(16)
                 .zip(0u16..)
                 .map(|(slots, block)| {
                     let bit = |(i, slot): (usize, &u32)| u16::from(*slot != NONE) << i;
                     let mask = slots.iter().enumerate().map(bit).sum();
-                    BlockMask { block, mask }
+                    RunBlock {
+                        block,
+                        mask,
+                        slot: NONE,
+                    }
                 })
                 .filter(|m| m.mask != 0)
                 .collect();
-            let runs: Vec<Vec<BlockMask>> = masks.chunks(16).map(<[_]>::to_vec).collect();
-            count += runs.len();
+            let runs: Vec<Vec<RunBlock>> = masks.chunks(16).map(<[_]>::to_vec).collect();
             tiles.push((blocks, runs));
         }
         Ok(Self {
             prepared,
             tiles,
             planes: TilePlanes::new(),
-            values: vec![PairRun::default(); count],
+            values: RunValues::default(),
         })
     }
 
     fn run(&mut self) {
-        let mut values = self.values.iter_mut();
-        for (tile, (blocks, runs)) in self.tiles.iter().enumerate() {
-            self.prepared.planes(tile, &mut self.planes);
-            for (run, out) in runs.iter().zip(&mut values) {
-                self.planes.pair(Level::new(), blocks, run, [0, 1], out);
-            }
-        }
-        std::hint::black_box(&self.values);
+        self.each(|_, _, values| {
+            std::hint::black_box(values);
+        });
     }
 
-    fn image(&self, size: u32) -> UvImage {
-        let mut image = vec![None; (size * size) as usize];
-        let mut values = self.values.iter();
-        for (tile, (_, runs)) in self.tiles.iter().enumerate() {
+    /// Values without derivatives, as the rows of the lab have none.
+    fn each(&mut self, mut see: impl FnMut((u32, u32), &[RunBlock], &RunValues)) {
+        let level = Level::new();
+        for (tile, (blocks, runs)) in self.tiles.iter().enumerate() {
+            self.prepared.planes(tile, &mut self.planes);
             let corner = self.prepared.tile(tile);
-            for (run, out) in runs.iter().zip(&mut values) {
-                for (i, at) in run.iter().enumerate() {
-                    for bit in (0..16u32).filter(|b| at.mask >> b & 1 == 1) {
-                        let block = u32::from(at.block);
-                        let x = corner.x0 + block % 16 * 4 + bit % 4;
-                        let y = corner.y0 + block / 16 * 4 + bit / 4;
-                        let k = 16 * i + bit as usize;
-                        let [u, v] = out.value.map(|c| f64::from(c[k]));
-                        image[(y * size + x) as usize] = Some(DVec2::new(u, v));
-                    }
-                }
+            for run in runs {
+                let out = &mut self.values;
+                self.planes.values(level, blocks, run, &[0, 1], false, out);
+                see((corner.x0, corner.y0), run, out);
             }
         }
+    }
+
+    fn image(&mut self, size: u32) -> UvImage {
+        let mut image = vec![None; (size * size) as usize];
+        self.each(|(x0, y0), run, out| {
+            for (i, at) in run.iter().enumerate() {
+                for bit in (0..16u32).filter(|b| at.mask >> b & 1 == 1) {
+                    let block = u32::from(at.block);
+                    let (x, y) = (x0 + block % 16 * 4 + bit % 4, y0 + block / 16 * 4 + bit / 4);
+                    let k = 16 * i + bit as usize;
+                    let [u, v] = [0, 1].map(|c: usize| f64::from(out.columns[c].value[k]));
+                    image[(y * size + x) as usize] = Some(DVec2::new(u, v));
+                }
+            }
+        });
         image
     }
 }
@@ -329,11 +334,13 @@ fn rows(effort: Effort, scene: &UvScene, ratio: f64) -> Vec<Point> {
         .collect();
     let mut runs: Vec<Box<dyn FnMut() + '_>> = Vec::new();
     for method in Method::ALL {
-        let fill = &fill;
-        let (mut u, mut v) = (vec![0.0f32; n * n], vec![0.0f32; n * n]);
+        let (mut u, mut v) = (vec![0.0f32; n], vec![0.0f32; n]);
+        let rows = &rows;
         runs.push(Box::new(move || {
-            fill(method, &mut u, &mut v);
-            std::hint::black_box((&u, &v));
+            for row in rows {
+                method.fill(Level::new(), row, &mut u, &mut v);
+                std::hint::black_box((&u, &v));
+            }
         }));
     }
     let times = interleaved(effort, n * n, &mut runs);

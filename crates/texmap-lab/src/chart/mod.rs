@@ -23,7 +23,7 @@ pub use front::{dominator, front};
 pub use machine::Machine;
 pub use page::page;
 pub use svg::svg;
-pub use table::csv;
+pub use table::{csv, prices};
 
 use crate::LabError;
 use crate::picture::Picture;

@@ -199,7 +199,7 @@ fn encode(picture: &Picture) -> Result<String, LabError> {
         .flat_map(|p| [p[0], p[1], p[2]])
         .collect();
     let mut bytes = Vec::new();
-    PngEncoder::new_with_quality(&mut bytes, CompressionType::Best, FilterType::Adaptive)
+    PngEncoder::new_with_quality(&mut bytes, CompressionType::Best, FilterType::NoFilter)
         .write_image(
             &rgb,
             picture.width(),

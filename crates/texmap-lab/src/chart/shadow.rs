@@ -329,8 +329,8 @@ fn picture(sun: &Sun<'_>, values: &[f32]) -> Picture {
         let (x, y) = (i % side, i / side);
         if x % step == 0 && y % step == 0 {
             let (x, y) = (i64::from(x / step), i64::from(y / step));
-            let shade = (0.15 + 0.85 * f64::from(*value) * n.dot(sun.to_light)) * 63.0;
-            let c = shade.round() as u8 * 4;
+            let shade = (0.15 + 0.85 * f64::from(*value) * n.dot(sun.to_light)) * 15.0;
+            let c = shade.round() as u8 * 17;
             picture.set(x, y, [c, c, c, 255]);
             let off = (f64::from(*value) - f64::from(u8::from(*lit))).abs();
             picture.set(x + 130, y, heat(off));

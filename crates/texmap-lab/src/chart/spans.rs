@@ -41,8 +41,10 @@ pub(super) enum Method {
     Divide,
     /// The divide in f64: as good as the truth.
     Double,
-    /// A reciprocal from an integer subtraction (0x7ef311c7 - bits) and this many Newton steps.
+    /// A reciprocal from an integer subtraction (0x7ef311c7 - bits) and this many Newton steps, 1 to 3.
     Newton(u32),
+    /// Linear over the whole row.
+    Affine,
     /// Parabolas through three exact points, one to this many pixels.
     Quadratic(usize),
     /// u/w, v/w and 1/w summed along the row: no multiplication, and the rounding adds up.
@@ -50,8 +52,9 @@ pub(super) enum Method {
 }
 
 impl Method {
-    pub(super) const ALL: [Self; 8] = [
+    pub(super) const ALL: [Self; 9] = [
         Self::Divide,
+        Self::Affine,
         Self::Double,
         Self::Newton(1),
         Self::Newton(2),
@@ -66,6 +69,7 @@ impl Method {
             Self::Divide => "row: divide".to_owned(),
             Self::Double => "row: divide in f64".to_owned(),
             Self::Newton(n) => format!("row: reciprocal, {n} Newton"),
+            Self::Affine => "row: affine".to_owned(),
             Self::Quadratic(n) => format!("row: quadratic:{n}"),
             Self::Stepped => "row: stepped".to_owned(),
         }
@@ -97,15 +101,23 @@ impl Method {
                     (*u, *v) = ((at(row.u, x) * w) as f32, (at(row.v, x) * w) as f32);
                 }
             }
-            Self::Newton(steps) => {
+            Self::Newton(1) => newton::<1>(row, u, v),
+            Self::Newton(2) => newton::<2>(row, u, v),
+            Self::Newton(_) => newton::<3>(row, u, v),
+            Self::Affine => {
+                // Exact at both ends, linear between them.
+                let end = u.len() as u32 as f32;
+                let line = |p: Plane| {
+                    let (a, b) = (p.at(0.0) / row.inv_w.at(0.0), p.at(end) / row.inv_w.at(end));
+                    Plane {
+                        start: a,
+                        step: (b - a) / end,
+                    }
+                };
+                let (pu, pv) = (line(row.u), line(row.v));
                 for (x, (u, v)) in u.iter_mut().zip(v).enumerate() {
                     let x = x as u32 as f32 + 0.5;
-                    let d = row.inv_w.at(x);
-                    let mut w = f32::from_bits(0x7ef3_11c7_u32.wrapping_sub(d.to_bits()));
-                    for _ in 0..steps {
-                        w *= 2.0 - d * w;
-                    }
-                    (*u, *v) = (row.u.at(x) * w, row.v.at(x) * w);
+                    (*u, *v) = (pu.at(x), pv.at(x));
                 }
             }
             Self::Quadratic(n) => {
@@ -143,6 +155,20 @@ impl Method {
                 }
             }
         }
+    }
+}
+
+/// A count of steps that the compiler knows, or the loop is no lanes.
+#[inline(always)]
+fn newton<const STEPS: u32>(row: &Row, u: &mut [f32], v: &mut [f32]) {
+    for (x, (u, v)) in u.iter_mut().zip(v).enumerate() {
+        let x = x as u32 as f32 + 0.5;
+        let d = row.inv_w.at(x);
+        let mut w = f32::from_bits(0x7ef3_11c7_u32.wrapping_sub(d.to_bits()));
+        for _ in 0..STEPS {
+            w *= 2.0 - d * w;
+        }
+        (*u, *v) = (row.u.at(x) * w, row.v.at(x) * w);
     }
 }
 

@@ -44,6 +44,8 @@ pub fn svg(chart: &SceneChart) -> Result<String, LabError> {
             .y_desc(format!("RMSE, {}", chart.unit))
             .x_label_formatter(&|v| figure(*v))
             .y_label_formatter(&|v| figure(*v))
+            .axis_desc_style(("sans-serif", 15))
+            .label_style(("sans-serif", 13))
             .bold_line_style(RGBColor(205, 205, 205))
             .light_line_style(RGBColor(238, 238, 238))
             .draw()

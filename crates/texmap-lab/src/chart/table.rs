@@ -53,6 +53,35 @@ pub fn csv(panels: &[Panel]) -> String {
     out
 }
 
+/// The planner's table of prices: `filter,precision,ns`, from the noise chart (the least kind to caches), and the two
+/// interpolations that it may choose, from the quad of w-ratio 1.02.
+pub fn prices(panels: &[Panel]) -> String {
+    let charts = || panels.iter().flat_map(|p| &p.charts);
+    let mut out = String::from("filter,precision,ns\n");
+    for point in charts()
+        .filter(|c| c.id == "filtering-noise")
+        .flat_map(|c| &c.points)
+    {
+        let (name, precision) = match point.method.strip_suffix(", fast") {
+            Some(name) => (name, "fast"),
+            None => (point.method.as_str(), "exact"),
+        };
+        let known = point.source == Source::Texmap && name.parse::<texmap_sample::Filter>().is_ok();
+        if let (true, Some(time)) = (known, point.time) {
+            let _ = writeln!(out, "{name},{precision},{:.2}", time.median);
+        }
+    }
+    for point in charts()
+        .filter(|c| c.id == "interpolation-1.02")
+        .flat_map(|c| &c.points)
+    {
+        if let ("perspective" | "affine", Some(time)) = (point.method.as_str(), point.time) {
+            let _ = writeln!(out, "{},interp,{:.2}", point.method, time.median);
+        }
+    }
+    out
+}
+
 fn quoted(text: &str) -> String {
     if text.contains([',', '"', '\n']) {
         format!("\"{}\"", text.replace('"', "\"\""))

@@ -1,0 +1,230 @@
+//! Some of a mesh's own pixels, on which filters are tried.
+
+use texmap_math::glam::{DMat3, DVec2, DVec3};
+use texmap_math::{Footprint, color, det};
+use texmap_sample::{Filter, Lod, Precision, Sampler, Texture2d};
+
+use super::View;
+use crate::TextureSlot;
+
+/// Positions a side of the grid over the mesh's part of the picture.
+const GRID: u32 = 32;
+/// Pixels below which nothing is said.
+const FEWEST: usize = 24;
+/// Samples a side of a pixel, for its mean.
+const MOST: f64 = 16.0;
+/// Standard errors of the mean by which a prediction is raised.
+const MARGIN: f64 = 3.0;
+
+/// Pixels with the mean of the texture over each.
+pub(super) struct Pilot {
+    places: Vec<([f32; 2], Footprint)>,
+    means: Vec<[f32; 4]>,
+}
+
+impl Pilot {
+    /// `None` when the mesh is seen in too few positions.
+    pub(super) fn new(
+        view: &View<'_>,
+        slot: &TextureSlot,
+        texture: &Texture2d<'_>,
+    ) -> Option<Self> {
+        let places = places(view, slot);
+        if places.len() < FEWEST {
+            return None;
+        }
+        let reference = Sampler {
+            filter: Filter::Trilinear,
+            precision: Precision::Exact,
+            lod: Lod::default(),
+            ..slot.sampler.clone()
+        };
+        let means = places
+            .iter()
+            .map(|(uv, d)| mean(&reference, texture, *uv, d))
+            .collect();
+        Some(Self { places, means })
+    }
+
+    pub(super) fn len(&self) -> usize {
+        self.places.len()
+    }
+
+    /// Upper bound of the root mean square error of a sampler over the pixels, in stored values.
+    pub(super) fn error(&self, sampler: &Sampler, texture: &Texture2d<'_>, srgb: bool) -> f64 {
+        let store = |c: f32| {
+            let c = c.clamp(0.0, 1.0);
+            f64::from(if srgb { color::linear_to_srgb(c) } else { c })
+        };
+        let squares: Vec<f64> = self
+            .places
+            .iter()
+            .zip(&self.means)
+            .map(|((uv, d), mean)| {
+                let found = sampler.sample_grad(texture, *uv, *d);
+                let off = |k: usize| (store(found[k]) - store(mean[k])).powi(2);
+                let alpha = f64::from(found[3] - mean[3]).powi(2);
+                ((off(0) + off(1) + off(2)) / 3.0).max(alpha)
+            })
+            .collect();
+        let n = squares.len() as f64;
+        let mean = squares.iter().sum::<f64>() / n;
+        let variance = squares.iter().map(|s| (s - mean).powi(2)).sum::<f64>() / n;
+        // The last term is the rounding to bytes.
+        (mean + MARGIN * (variance / n).sqrt() + (1.0 / 255.0f64).powi(2) / 12.0).sqrt()
+    }
+}
+
+/// The mean over the pixel's parallelogram: samples at most a texel or two apart, each of the level that its own
+/// share of the pixel asks for.
+fn mean(sampler: &Sampler, texture: &Texture2d<'_>, uv: [f32; 2], d: &Footprint) -> [f32; 4] {
+    let (w, h) = (f64::from(texture.width()), f64::from(texture.height()));
+    let length = |u: f32, v: f32| DVec2::new(f64::from(u) * w, f64::from(v) * h).length();
+    let (x, y) = (length(d.du_dx, d.dv_dx), length(d.du_dy, d.dv_dy));
+    let count = |l: f64| l.ceil().clamp(4.0, MOST);
+    let (nx, ny) = (count(x), count(y));
+    let lod = det::log2((x / nx).max(y / ny).max(1.0)) as f32;
+    let mut sum = [0.0f64; 4];
+    for j in 0..ny as u32 {
+        for i in 0..nx as u32 {
+            let s = ((f64::from(i) + 0.5) / nx - 0.5) as f32;
+            let t = ((f64::from(j) + 0.5) / ny - 0.5) as f32;
+            let at = [
+                uv[0] + d.du_dx * s + d.du_dy * t,
+                uv[1] + d.dv_dx * s + d.dv_dy * t,
+            ];
+            let c = sampler.sample_lod(texture, at, lod);
+            for k in 0..4 {
+                sum[k] += f64::from(c[k]);
+            }
+        }
+    }
+    sum.map(|s| (s / (nx * ny)) as f32)
+}
+
+/// Coordinates and footprints where the mesh is nearest, over a jittered grid on its part of the picture.
+fn places(view: &View<'_>, slot: &TextureSlot) -> Vec<([f32; 2], Footprint)> {
+    let Some((low, high)) = bounds(view) else {
+        return Vec::new();
+    };
+    let cells = GRID * GRID;
+    let positions: Vec<DVec2> = (0..cells)
+        .map(|i| {
+            let jitter = DVec2::new(hash(2 * i), hash(2 * i + 1));
+            let cell = DVec2::new(f64::from(i % GRID), f64::from(i / GRID));
+            let at = low + (high - low) * (cell + jitter) / f64::from(GRID);
+            // Pixel centres: the renderer sees no other places.
+            at.floor() + 0.5
+        })
+        .collect();
+    let mut nearest: Vec<Option<(f64, [f32; 2], Footprint)>> = vec![None; cells as usize];
+    for triangle in &view.mesh.triangles {
+        let corners = triangle.map(|i| view.positions[i as usize]);
+        let uv = triangle.map(|i| view.mesh.uvs.get(i as usize).copied().unwrap_or_default());
+        let [a, b, c] = corners.map(|p| DVec3::new(p.x, p.y, p.w));
+        let m = DMat3::from_cols(a, b, c);
+        if m.determinant() == 0.0 || !m.is_finite() {
+            continue;
+        }
+        let weights = m.inverse();
+        let Some((from, to)) = cell_range(&corners.map(|p| DVec3::new(p.x, p.y, p.w)), low, high)
+        else {
+            continue;
+        };
+        for j in from.1..=to.1 {
+            for i in from.0..=to.0 {
+                let index = (j * GRID + i) as usize;
+                let p = positions[index];
+                let e = weights * DVec3::new(p.x, p.y, 1.0);
+                let inv_w = e.x + e.y + e.z;
+                if !(e.min_element() >= 0.0 && inv_w > 0.0)
+                    || nearest[index].is_some_and(|(w, ..)| w >= inv_w)
+                {
+                    continue;
+                }
+                let step = |column: DVec3| {
+                    let d = column.x + column.y + column.z;
+                    [0, 1].map(|k| {
+                        let value = |v: DVec3| {
+                            v.x * f64::from(uv[0][k])
+                                + v.y * f64::from(uv[1][k])
+                                + v.z * f64::from(uv[2][k])
+                        };
+                        let at = value(e) / inv_w;
+                        ((value(column) - at * d) / inv_w) as f32
+                    })
+                };
+                let at = [0, 1].map(|k| {
+                    ((e.x * f64::from(uv[0][k])
+                        + e.y * f64::from(uv[1][k])
+                        + e.z * f64::from(uv[2][k]))
+                        / inv_w) as f32
+                });
+                let ([ux, vx], [uy, vy]) = (step(weights.x_axis), step(weights.y_axis));
+                let d = Footprint::new(ux, vx, uy, vy);
+                nearest[index] = Some((
+                    inv_w,
+                    slot.transform.apply(at),
+                    slot.transform.apply_footprint(d),
+                ));
+            }
+        }
+    }
+    nearest
+        .into_iter()
+        .flatten()
+        .map(|(_, uv, d)| (uv, d))
+        .collect()
+}
+
+/// The mesh's part of the picture in pixels; the whole picture where it crosses the eye's plane.
+fn bounds(view: &View<'_>) -> Option<(DVec2, DVec2)> {
+    let (mut low, mut high) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
+    for p in view
+        .mesh
+        .triangles
+        .iter()
+        .flatten()
+        .map(|i| view.positions[*i as usize])
+    {
+        if !(p.w > 1e-9) {
+            return Some((DVec2::ZERO, view.size));
+        }
+        let at = DVec2::new(p.x, p.y) / p.w;
+        (low, high) = (low.min(at), high.max(at));
+    }
+    let (low, high) = (low.max(DVec2::ZERO), high.min(view.size));
+    (low.cmplt(high).all()).then_some((low, high))
+}
+
+/// The grid's cells that a triangle may touch, both ends included.
+fn cell_range(corners: &[DVec3; 3], low: DVec2, high: DVec2) -> Option<((u32, u32), (u32, u32))> {
+    let last = GRID - 1;
+    if corners.iter().any(|p| !(p.z > 1e-9)) {
+        return Some(((0, 0), (last, last)));
+    }
+    let (mut from, mut to) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
+    for p in corners {
+        let cell = (DVec2::new(p.x, p.y) / p.z - low) / (high - low) * f64::from(GRID);
+        (from, to) = (from.min(cell), to.max(cell));
+    }
+    // A position may lie a pixel away from its cell.
+    let reach = DVec2::splat(f64::from(GRID)) / (high - low) + 1.0;
+    let (from, to) = ((from - reach).floor(), (to + reach).ceil());
+    let end = f64::from(last);
+    if to.min_element() < 0.0 || from.max_element() > end {
+        return None;
+    }
+    let index = |c: f64| c.clamp(0.0, end) as u32;
+    Some(((index(from.x), index(from.y)), (index(to.x), index(to.y))))
+}
+
+/// A number in 0..1 for each index, the same everywhere.
+fn hash(index: u32) -> f64 {
+    let mut h = index.wrapping_add(1).wrapping_mul(0x9e37_79b9);
+    h ^= h >> 16;
+    h = h.wrapping_mul(0x21f0_aaad);
+    h ^= h >> 15;
+    h = h.wrapping_mul(0x735a_2d97);
+    f64::from(h ^ (h >> 15)) / 4_294_967_296.0
+}
