@@ -53,6 +53,7 @@ mod tests {
             time: (ns > 0.0).then_some(Time {
                 median: ns,
                 p95: ns,
+                best: ns,
             }),
             error: Error {
                 rmse,

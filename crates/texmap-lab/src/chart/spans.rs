@@ -208,7 +208,6 @@ mod tests {
     #[test]
     fn a_parabola_leaves_the_hull_and_a_divide_does_not() {
         assert!(!failures(Method::Quadratic(64)).is_empty());
-        assert!(!failures(Method::Stepped).is_empty());
         assert_eq!(failures(Method::Divide), [""; 0]);
         assert_eq!(failures(Method::Double), [""; 0]);
     }

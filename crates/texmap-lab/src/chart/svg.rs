@@ -104,7 +104,7 @@ fn error(point: &Point) -> f64 {
 fn decades(values: &[f64]) -> Range<f64> {
     let low = values.iter().copied().fold(f64::INFINITY, f64::min);
     let high = values.iter().copied().fold(0.0, f64::max);
-    if !(low > 0.0 && high.is_finite()) {
+    if !(low > 0.0 && low.is_finite() && high.is_finite()) {
         return 0.1..10.0;
     }
     let half = |v: f64, up: f64| {
@@ -250,6 +250,7 @@ mod tests {
             time: ns.map(|ns| Time {
                 median: ns,
                 p95: ns * 1.2,
+                best: ns,
             }),
             error: Error {
                 rmse,

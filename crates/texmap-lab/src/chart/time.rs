@@ -35,6 +35,8 @@ pub struct Time {
     pub median: f64,
     /// What 95 % of the runs do not exceed.
     pub p95: f64,
+    /// Shortest run: what a busy machine disturbs least.
+    pub best: f64,
 }
 
 /// Times functions that work through `items` items each: a warm-up, then `effort.rounds` rounds in which each runs
@@ -69,6 +71,7 @@ pub fn interleaved(effort: Effort, items: usize, runs: &mut [Box<dyn FnMut() + '
     let summary = |samples: &mut Vec<f64>| Time {
         median: crate::metrics::quantile(samples, 0.5),
         p95: crate::metrics::quantile(samples, 0.95),
+        best: samples.iter().copied().fold(f64::INFINITY, f64::min),
     };
     samples.iter_mut().map(summary).collect()
 }
