@@ -44,7 +44,9 @@ pub use bump::{
 pub use chart::{Chart, UnknownChart};
 pub use environment::{Environment, reflect};
 pub use error::LightError;
-pub use shade::{Terms, illuminate, illuminate_slice, illuminate_two_sided, terms, terms_slice};
+pub use shade::{
+    Terms, illuminate, illuminate_slice, illuminate_two_sided, terms, terms_received, terms_slice,
+};
 pub use shadow::{ShadowBias, ShadowKind, ShadowMap};
 pub use slide::{Slide, SlideBorder, slide_texel};
-pub use surface::{Light, Surface};
+pub use surface::{Highlight, Light, Surface};

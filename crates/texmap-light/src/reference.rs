@@ -26,6 +26,24 @@ pub fn terms(
             }
             Light::Directional { color, direction } => (color, -vector(direction)),
             Light::Point { color, position } => (color, vector(position) - point),
+            Light::Spot {
+                color,
+                position,
+                direction,
+                cos_inner,
+                cos_outer,
+            } => {
+                let l = vector(position) - point;
+                let axis = vector(direction).normalize_or_zero();
+                let along = -axis.dot(l.normalize_or_zero());
+                let (inner, outer) = (f64::from(cos_inner), f64::from(cos_outer));
+                let x = if along >= inner {
+                    1.0
+                } else {
+                    ((along - outer) / (inner - outer)).max(0.0)
+                };
+                (color.map(|c| c * (x * x * (3.0 - 2.0 * x)) as f32), l)
+            }
         };
         let l = l.normalize_or_zero();
         let n_l = n.dot(l);

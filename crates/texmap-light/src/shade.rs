@@ -2,7 +2,7 @@ use texmap_math::det32;
 
 use crate::error::{LightError, same_length};
 use crate::vector::{dot, normalize, scale, sub};
-use crate::{Light, Surface};
+use crate::{Highlight, Light, Surface};
 
 /// Light that reaches the eye from one point, split so that a texture can stand in for the colour:
 /// `base colour * diffuse + highlight`.
@@ -45,10 +45,34 @@ pub fn terms(
     normal: [f32; 3],
     eye: [f32; 3],
 ) -> Terms {
+    terms_received(
+        surface,
+        Highlight::Phong,
+        lights,
+        point,
+        normal,
+        eye,
+        |_| [1.0; 3],
+    )
+}
+
+/// [`terms`] with a choice of highlight and with what reaches the point of each light: `received(i)` is asked for light i (not for
+/// ambient ones, nor for those behind the surface) and multiplies its colour, per channel: the share that a shadow leaves, the colour
+/// of a slide. With ones everywhere it has the bits of [`terms`].
+#[must_use]
+pub fn terms_received(
+    surface: &Surface,
+    model: Highlight,
+    lights: &[Light],
+    point: [f32; 3],
+    normal: [f32; 3],
+    eye: [f32; 3],
+    mut received: impl FnMut(usize) -> [f32; 3],
+) -> Terms {
     let normal = normalize(normal);
     let view = normalize(sub(eye, point));
     let mut sum = Terms::default();
-    for light in lights {
+    for (index, light) in lights.iter().enumerate() {
         let (color, toward) = match *light {
             Light::Ambient { color } => {
                 add(&mut sum.diffuse, color, surface.ka);
@@ -56,16 +80,32 @@ pub fn terms(
             }
             Light::Directional { color, direction } => (color, scale(direction, -1.0)),
             Light::Point { color, position } => (color, sub(position, point)),
+            Light::Spot {
+                color, position, ..
+            } => {
+                let toward = sub(position, point);
+                (scale(color, cone(light, toward)), toward)
+            }
         };
         let toward = normalize(toward);
         let facing = dot(normal, toward);
-        if facing.is_nan() || facing <= 0.0 {
+        if facing.is_nan() || facing <= 0.0 || color == [0.0; 3] {
             continue;
         }
+        let share = received(index);
+        let color = [0, 1, 2].map(|i| color[i] * share[i]);
         add(&mut sum.diffuse, color, surface.kd * facing);
         if surface.ks > 0.0 {
-            let mirrored = sub(scale(normal, 2.0 * facing), toward);
-            let along = dot(view, mirrored);
+            let along = match model {
+                Highlight::Phong => {
+                    let mirrored = sub(scale(normal, 2.0 * facing), toward);
+                    dot(view, mirrored)
+                }
+                Highlight::Blinn => {
+                    let halfway = [0, 1, 2].map(|i| view[i] + toward[i]);
+                    dot(normal, normalize(halfway))
+                }
+            };
             if along > 0.0 {
                 add(
                     &mut sum.highlight,
@@ -76,6 +116,29 @@ pub fn terms(
         }
     }
     sum
+}
+
+/// Share of a spot light's strength for a point from which the light lies in the direction `toward`, 0..=1; 1 for other lights.
+/// A point in the light gets nothing.
+fn cone(light: &Light, toward: [f32; 3]) -> f32 {
+    let Light::Spot {
+        direction,
+        cos_inner,
+        cos_outer,
+        ..
+    } = *light
+    else {
+        return 1.0;
+    };
+    let along = -dot(normalize(direction), normalize(toward));
+    if toward == [0.0; 3] || along < cos_outer {
+        0.0
+    } else if along >= cos_inner {
+        1.0
+    } else {
+        let x = (along - cos_outer) / (cos_inner - cos_outer);
+        x * x * (3.0 - 2.0 * x)
+    }
 }
 
 /// Colour of a surface at a point: [`terms`] applied to its own colour, clipped at 1, linear light.
@@ -244,6 +307,107 @@ mod tests {
             illuminate(&SURFACE, lights, [0.0; 3], [0.0, 0.0, 1.0], [0.0, 0.0, 9.0])
         };
         assert_eq!(shade(&near), shade(&far));
+    }
+
+    #[test]
+    fn spots_end_at_their_cones() {
+        let spot = [Light::spot(
+            [1.0; 3],
+            [0.0, 0.0, 2.0],
+            [0.0, 0.0, -3.0],
+            0.3,
+            0.6,
+        )];
+        let at = |x: f64| {
+            let point = [x as f32, 0.0, 0.0];
+            let got = terms(&SURFACE, &spot, point, [0.0, 0.0, 1.0], [0.0, 0.0, 5.0]);
+            let wide = |a: [f32; 3]| DVec3::from(a.map(f64::from));
+            let (expected, _) = reference::terms(
+                &SURFACE,
+                &spot,
+                wide(point),
+                DVec3::Z,
+                DVec3::new(0.0, 0.0, 5.0),
+            );
+            assert!((wide(got.diffuse) - expected).length() < 2e-5, "{x}");
+            f64::from(got.diffuse[0])
+        };
+        assert!((at(0.0) - 0.6).abs() < 1e-6 && at(2.0 * 0.61f64.tan()) == 0.0);
+        // Inside of the inner cone a point light; between the cones less and less.
+        let point = |angle: f64| 0.6 * angle.cos();
+        assert!((at(2.0 * 0.29f64.tan()) - point(0.29)).abs() < 1e-6);
+        let mut last = at(2.0 * 0.3f64.tan());
+        for i in 1..=30 {
+            let next = at(2.0 * (0.3 + 0.01 * f64::from(i)).tan());
+            assert!(next < last || next == 0.0);
+            last = next;
+        }
+        assert!(!Light::spot([1.0; 3], [0.0; 3], [0.0; 3], 0.1, 0.2).is_valid());
+        assert!(!Light::spot([1.0; 3], [0.0; 3], [1.0; 3], 0.3, 0.2).is_valid());
+        assert!(spot[0].is_valid());
+    }
+
+    /// Blinn's highlight with four times the exponent is Phong's near its middle, and it stays round at grazing angles.
+    #[test]
+    fn blinn_and_phong_agree_near_the_middle() {
+        let light = [Light::Directional {
+            color: [1.0; 3],
+            direction: [0.0, 0.0, -1.0],
+        }];
+        let one = |model, ns, eye: [f32; 3]| {
+            let surface = Surface { ns, ..SURFACE };
+            let all = |_| [1.0; 3];
+            terms_received(&surface, model, &light, [0.0; 3], [0.0, 0.0, 1.0], eye, all).highlight
+                [0]
+        };
+        for x in [0.0f32, 0.02, 0.05, 0.1] {
+            let eye = [x, 0.0, 1.0];
+            let (phong, blinn) = (
+                one(Highlight::Phong, 20.0, eye),
+                one(Highlight::Blinn, 80.0, eye),
+            );
+            assert!((phong - blinn).abs() < 2e-3, "{x}: {phong} {blinn}");
+        }
+        let grazing = [3.0, 0.0, 0.1];
+        assert!(one(Highlight::Blinn, 4.0, grazing) > 2.0 * one(Highlight::Phong, 4.0, grazing));
+    }
+
+    /// What a light loses on its way is asked for it alone, and ones change no bit.
+    #[test]
+    fn each_light_is_asked_what_reaches_the_point() {
+        let lights = [
+            Light::Ambient { color: [0.1; 3] },
+            Light::Point {
+                color: [1.0, 0.5, 0.25],
+                position: [1.0, 2.0, 3.0],
+            },
+            Light::Point {
+                color: [1.0; 3],
+                position: [0.0, 0.0, -3.0],
+            },
+        ];
+        let (normal, eye) = ([0.1, 0.2, 1.0], [0.0, 1.0, 4.0]);
+        let mut asked = Vec::new();
+        let half = terms_received(
+            &SURFACE,
+            Highlight::Phong,
+            &lights,
+            [0.0; 3],
+            normal,
+            eye,
+            |i| {
+                asked.push(i);
+                [1.0, 0.0, 0.5]
+            },
+        );
+        assert_eq!(asked, [1]);
+        let whole = terms(&SURFACE, &lights, [0.0; 3], normal, eye);
+        let ambient = 0.1 * SURFACE.ka;
+        assert_eq!(
+            (half.diffuse[0], half.diffuse[1]),
+            (whole.diffuse[0], ambient)
+        );
+        assert!((half.highlight[2] - 0.5 * whole.highlight[2]).abs() < 1e-7);
     }
 
     #[test]

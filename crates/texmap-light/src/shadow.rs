@@ -186,14 +186,26 @@ impl ShadowMap {
         Ok(())
     }
 
-    /// Stored depth; `None` outside of the face. A tap over the edge of a cube's face is lit by that rule: the centre tap
-    /// alone decides there.
+    /// Stored depth; `None` outside of the map, which is lit. A tap over the edge of a cube's face reads the neighbour: all faces
+    /// store distances, so that they compare.
     fn depth(&self, face: usize, x: i64, y: i64) -> Option<f64> {
         let size = i64::from(self.size);
-        if !(0..size).contains(&x) || !(0..size).contains(&y) {
+        if (0..size).contains(&x) && (0..size).contains(&y) {
+            let index = (face as i64 * size + y) * size + x;
+            return self.depths.get(index as usize).map(|d| f64::from(*d));
+        }
+        if !matches!(self.kind, ShadowKind::Point { .. }) {
             return None;
         }
-        let index = (face as i64 * size + y) * size + x;
+        let n = f64::from(self.size);
+        let beyond = DVec2::new((x as f64 + 0.5) / n, (y as f64 + 0.5) / n);
+        let direction = crate::Chart::Cube.direction(face, beyond);
+        let (face, uv) = crate::Chart::Cube.locate(direction);
+        let texel = |c: f64| {
+            let i = floor(c * n) as i64;
+            if i < size { i } else { size - 1 }
+        };
+        let index = (face as i64 * size + texel(uv.y)) * size + texel(uv.x);
         self.depths.get(index as usize).map(|d| f64::from(*d))
     }
 
@@ -479,6 +491,57 @@ mod tests {
             let offset = wrong(&map, &to_light, texel, ShadowBias::NormalOffset(2.0), 1);
             assert!(offset.0 < 0.02, "{offset:?}");
         }
+    }
+
+    /// Filtered shadows of a point light do not know its cube: across an edge of two faces the share that is lit is that of the
+    /// same ball under a cube that is turned so that no edge is near.
+    #[test]
+    fn filtered_taps_cross_the_faces_of_a_cube() {
+        // A wall at x = 2 seen from the origin; a screen at x = 1 shadows all of z < x. Its shadow's edge is the cube's edge +X +Z.
+        let depth = |d: DVec3| {
+            let (wall, screen) = (2.0 / d.x, 1.0 / d.x);
+            if d.x <= 0.0 {
+                f64::INFINITY
+            } else if d.z < 0.999 * d.x {
+                screen * sqrt(d.dot(d))
+            } else {
+                wall * sqrt(d.dot(d))
+            }
+        };
+        let size = 64;
+        let kind = ShadowKind::Point {
+            position: DVec3::ZERO,
+        };
+        let mut depths = Vec::new();
+        for face in 0..6 {
+            for (x, y) in (0..size).flat_map(|y| (0..size).map(move |x| (x, y))) {
+                let (_, d) = ShadowMap::ray(&kind, size, face, x, y);
+                let d = d / sqrt(d.dot(d));
+                depths.push(depth(d) as f32);
+            }
+        }
+        let map = ShadowMap::new(kind, size, depths).unwrap();
+        let lit = |z: f64| {
+            map.lit(
+                DVec3::new(2.0, 0.1, z),
+                DVec3::NEG_X,
+                ShadowBias::Constant(0.1),
+                5,
+            )
+        };
+        let texel = 4.0 / 64.0;
+        // Half of the taps lie over the edge, in the other face.
+        assert!(
+            (lit(2.0 - 0.5 * texel) - 0.4).abs() < 0.01,
+            "{}",
+            lit(2.0 - 0.5 * texel)
+        );
+        assert!(
+            (lit(2.0 + 0.5 * texel) - 0.6).abs() < 0.01,
+            "{}",
+            lit(2.0 + 0.5 * texel)
+        );
+        assert_eq!((lit(2.0 - 3.5 * texel), lit(2.0 + 3.5 * texel)), (0.0, 1.0));
     }
 
     /// Cases H4 and H5: beyond the map, behind the light, and at 1e30 everything is lit.

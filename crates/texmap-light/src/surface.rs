@@ -1,3 +1,16 @@
+use texmap_math::det;
+
+/// How a highlight falls off.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Highlight {
+    /// `max(0, V.R)^ns`, the angle between the eye and the mirrored light (Phong 1975; the lecture's).
+    #[default]
+    Phong,
+    /// `max(0, N.H)^ns`, the angle between the normal and the vector halfway to the light (Blinn 1977). For small angles as
+    /// wide as Phong's with a fourth of the exponent.
+    Blinn,
+}
+
 /// What a surface does with light: a colour and the four numbers of the MIT 6.837 `surf` command.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Surface {
@@ -60,9 +73,42 @@ pub enum Light {
         /// Where the light stands.
         position: [f32; 3],
     },
+    /// Light from one point into a cone; [`Light::spot`] makes it from angles.
+    Spot {
+        /// Linear intensity per channel on the axis.
+        color: [f32; 3],
+        /// Where the light stands.
+        position: [f32; 3],
+        /// The cone's axis, away from the light; any length but zero.
+        direction: [f32; 3],
+        /// Cosine of half the angle of the full cone: inside of it the light has its whole strength.
+        cos_inner: f32,
+        /// Cosine of half the angle of the outer cone, beyond which there is no light; at most `cos_inner`. Between them the
+        /// strength falls as `3x^2 - 2x^3` of the cosine.
+        cos_outer: f32,
+    },
 }
 
 impl Light {
+    /// A spot light from half the angles of its two cones, in radians: full inside of `inner`, nothing outside of `outer`.
+    #[must_use]
+    pub fn spot(
+        color: [f32; 3],
+        position: [f32; 3],
+        direction: [f32; 3],
+        inner: f32,
+        outer: f32,
+    ) -> Self {
+        let cos = |angle: f32| det::cos(f64::from(angle)) as f32;
+        Self::Spot {
+            color,
+            position,
+            direction,
+            cos_inner: cos(inner),
+            cos_outer: cos(outer),
+        }
+    }
+
     /// Whether every number is finite, no intensity is negative, and a direction has a length.
     #[must_use]
     pub fn is_valid(&self) -> bool {
@@ -71,6 +117,20 @@ impl Light {
             Self::Directional { direction, .. } if direction == [0.0; 3] => return false,
             Self::Directional { color, direction } => (color, direction),
             Self::Point { color, position } => (color, position),
+            Self::Spot {
+                color,
+                position,
+                direction,
+                cos_inner,
+                cos_outer,
+            } => {
+                let cones = cos_inner <= 1.0 && cos_outer <= cos_inner && cos_outer >= -1.0;
+                let axis = direction != [0.0; 3] && direction.iter().all(|x| x.is_finite());
+                if !(cones && axis) {
+                    return false;
+                }
+                (color, position)
+            }
         };
         color.iter().all(|x| x.is_finite() && *x >= 0.0) && vector.iter().all(|x| x.is_finite())
     }

@@ -46,21 +46,38 @@ const TABLE: [(Chart, [f64; 3]); 7] = [
     (Chart::SphereMap, [0.031, 0.094, 0.24]),
 ];
 
+/// Each figure within 10 %, as the mean of eight draws of the waves. The sphere map's error sits around one direction, -Z, so
+/// that it depends on the draw: the table's figure must lie among those of the draws.
 #[test]
 fn errors_are_those_of_the_table_and_rank_the_charts() {
     for (column, frequency) in [10.0, 20.0, 40.0].into_iter().enumerate() {
-        let waves = Waves::new(frequency);
+        let draws: Vec<Waves> = (0..8).map(|draw| Waves::draw(frequency, draw)).collect();
         let mut errors = Vec::new();
         for (chart, row) in TABLE {
-            let error = rmse(&environment(chart, &waves), &waves, 20_000);
-            eprintln!("{chart:?} F {frequency}: {error:.4}, table {}", row[column]);
-            errors.push(error);
-            // The figure of a sphere map depends on what fills its corners.
-            let bound = if chart == Chart::SphereMap { 0.5 } else { 0.15 };
-            assert!(
-                (error / row[column] - 1.0).abs() < bound,
-                "{chart:?} F {frequency}: {error}, table {}",
+            let all: Vec<f64> = draws
+                .iter()
+                .map(|waves| rmse(&environment(chart, waves), waves, 4_000))
+                .collect();
+            let mean = all.iter().sum::<f64>() / all.len() as f64;
+            let (least, most) = all
+                .iter()
+                .fold((f64::MAX, 0.0f64), |(l, m), e| (l.min(*e), m.max(*e)));
+            eprintln!(
+                "{chart:?} F {frequency}: {mean:.4} ({least:.4} to {most:.4}), table {}",
                 row[column]
+            );
+            errors.push(mean);
+            let figure = row[column];
+            if chart == Chart::SphereMap {
+                assert!(
+                    (least * 0.9..=most * 1.1).contains(&figure),
+                    "F {frequency}: {least} to {most}"
+                );
+                continue;
+            }
+            assert!(
+                (mean / figure - 1.0).abs() < 0.1,
+                "{chart:?} F {frequency}: {mean}, table {figure}"
             );
         }
         assert!(

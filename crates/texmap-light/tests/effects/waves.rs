@@ -30,7 +30,12 @@ pub(crate) struct Waves(Vec<(DVec3, f64)>);
 
 impl Waves {
     pub(crate) fn new(frequency: f64) -> Self {
-        let mut noise = Noise(7);
+        Self::draw(frequency, 0)
+    }
+
+    /// Another draw of the waves for each number.
+    pub(crate) fn draw(frequency: f64, draw: u64) -> Self {
+        let mut noise = Noise(7 + 1_000 * draw);
         Self(
             (0..64)
                 .map(|_| (noise.direction() * frequency, noise.next() * TAU))
