@@ -125,6 +125,26 @@ impl ShadowMap {
         }
     }
 
+    /// The stored depth of a texel; `None` outside of the map. For pictures of the map.
+    #[must_use]
+    pub fn stored(&self, face: usize, x: u32, y: u32) -> Option<f32> {
+        let inside = x < self.size && y < self.size;
+        let index = (face * self.size as usize + y as usize) * self.size as usize + x as usize;
+        inside.then(|| self.depths.get(index).copied()).flatten()
+    }
+
+    /// Side of a face in texels.
+    #[must_use]
+    pub fn size(&self) -> u32 {
+        self.size
+    }
+
+    /// The light that it belongs to.
+    #[must_use]
+    pub fn kind(&self) -> &ShadowKind {
+        &self.kind
+    }
+
     /// Share of the light that reaches a point, 0..=1: the mean of `taps` x `taps` comparisons (1 or an odd number up to 15;
     /// even ones are rounded up) around the point's texel. Points outside of the map, behind a spot light, or not finite
     /// are lit. `normal` has unit length.

@@ -102,6 +102,13 @@ impl Scene {
         let vertices = mesh.positions.len();
         per(mesh, "normals", mesh.normals.len(), "vertices", vertices)?;
         per(mesh, "uvs", mesh.uvs.len(), "vertices", vertices)?;
+        per(
+            mesh,
+            "light-map uvs",
+            mesh.lightmap_uvs.len(),
+            "vertices",
+            vertices,
+        )?;
         per(mesh, "colours", mesh.colors.len(), "vertices", vertices)?;
         per(
             mesh,
@@ -113,6 +120,7 @@ impl Scene {
         all_finite(mesh, "position", mesh.positions.as_flattened(), 3)?;
         all_finite(mesh, "normal", mesh.normals.as_flattened(), 3)?;
         all_finite(mesh, "uv", mesh.uvs.as_flattened(), 2)?;
+        all_finite(mesh, "light-map uv", mesh.lightmap_uvs.as_flattened(), 2)?;
         all_finite(mesh, "colour", mesh.colors.as_flattened(), 3)?;
         for (t, triangle) in mesh.triangles.iter().enumerate() {
             for vertex in triangle {

@@ -1,6 +1,8 @@
 use texmap_math::camera::CameraError;
 use texmap_raster::RasterError;
 
+use crate::Scene;
+
 /// Why a scene was not drawn. Everything is checked before the first pixel.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -87,6 +89,23 @@ pub enum RenderError {
 }
 
 impl RenderError {
+    /// Names the mesh behind the rasterizer's number of a draw.
+    pub(crate) fn of_raster(scene: &Scene, error: RasterError) -> Self {
+        let draw = match error {
+            RasterError::IndexOutOfRange { draw, .. }
+            | RasterError::AttributeLength { draw, .. }
+            | RasterError::TooManyAttributes { draw, .. }
+            | RasterError::Parts { draw, .. }
+            | RasterError::ZeroSpan { draw }
+            | RasterError::Tolerance { draw, .. } => Some(draw),
+            _ => None,
+        };
+        let mesh = draw
+            .and_then(|draw| scene.meshes.get(draw))
+            .map_or_else(|| "(all)".to_owned(), |mesh| mesh.name.clone());
+        Self::Raster { mesh, error }
+    }
+
     /// A stable name for programs.
     #[must_use]
     pub fn code(&self) -> &'static str {

@@ -40,6 +40,7 @@
 //! ```
 #![forbid(unsafe_code)]
 
+mod bake;
 mod block;
 mod canvas;
 mod check;
@@ -54,11 +55,13 @@ mod rows;
 mod scene;
 mod settings;
 mod shade;
+mod shadow;
 mod texel;
 mod textures;
 mod tile;
 mod vertices;
 
+pub use bake::{BakeOptions, LightMap, bake};
 pub use error::RenderError;
 pub use frame::{AovData, Frame, HOLE_BITS, Stats, Times, hash_pixels, pixel_hash};
 pub use render::{Renderer, render, render_ordered};
@@ -66,3 +69,4 @@ pub use scene::{
     AlphaMode, ColorMode, Gouraud, Material, Mesh, Scene, Shading, TextureRole, TextureSlot,
 };
 pub use settings::{Aov, Settings, UnknownAov};
+pub use shadow::{shadow_kind, shadow_map};

@@ -160,6 +160,8 @@ pub struct Mesh {
     pub normals: Vec<[f32; 3]>,
     /// Empty, or one per vertex: the file's own values.
     pub uvs: Vec<[f32; 2]>,
+    /// Empty, or one per vertex: the second set, in which no two triangles overlap, for light maps.
+    pub lightmap_uvs: Vec<[f32; 2]>,
     /// Empty, or one per vertex: linear light, multiplies the surface colour.
     pub colors: Vec<[f32; 3]>,
     /// Vertex indices, counter-clockwise seen from the front.
@@ -186,6 +188,7 @@ impl Default for Mesh {
             positions: Vec::new(),
             normals: Vec::new(),
             uvs: Vec::new(),
+            lightmap_uvs: Vec::new(),
             colors: Vec::new(),
             triangles: Vec::new(),
             faces: Vec::new(),

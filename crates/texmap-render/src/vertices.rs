@@ -186,7 +186,7 @@ impl Source<'_> {
 }
 
 /// Unit normals in world space by the inverse transpose; zero where a vertex has none.
-fn world_normals(mesh: &Mesh) -> Vec<DVec3> {
+pub(crate) fn world_normals(mesh: &Mesh) -> Vec<DVec3> {
     let object: Vec<DVec3> = match mesh.normals.is_empty() {
         true => vertex_normals(mesh),
         false => mesh.normals.iter().map(|n| wide(*n)).collect(),
@@ -220,7 +220,7 @@ fn facing_away(points: &[DVec3], triangles: &[[u32; 3]], eye: DVec3) -> Vec<bool
         .collect()
 }
 
-fn linear(m: DMat4) -> DMat3 {
+pub(crate) fn linear(m: DMat4) -> DMat3 {
     DMat3::from_cols(
         m.x_axis.truncate(),
         m.y_axis.truncate(),

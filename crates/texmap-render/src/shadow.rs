@@ -1,0 +1,465 @@
+//! Shadow maps: the scene's depth as a light sees it, by the rasterizer's depth pass.
+
+use texmap_light::{Chart, Light, ShadowKind, ShadowMap};
+use texmap_math::camera::Camera;
+use texmap_math::glam::{DMat4, DVec2, DVec3, DVec4};
+use texmap_raster::{DepthTest, Draw, Pass, Prepared, TargetSize};
+
+use crate::{AlphaMode, RenderError, Scene};
+
+/// The part of a scene that a shadow map of a light shows.
+///
+/// A directional light gets the square around everything that casts a shadow, or around `area` (a centre and half a side), a
+/// spot light the pyramid around its outer cone, a point light all directions.
+///
+/// # Errors
+/// [`RenderError::Index`] for a light that does not exist, [`RenderError::Value`] for one that has no shadow map (ambient light, a
+/// spot light of 85 degrees and more from its axis) or an area that is not finite and positive.
+pub fn shadow_kind(
+    scene: &Scene,
+    light: usize,
+    area: Option<(DVec3, f64)>,
+) -> Result<ShadowKind, RenderError> {
+    let place = || format!("shadow of light {light}");
+    let value = |what: &str, value: String, expected| RenderError::Value {
+        place: place(),
+        what: what.to_owned(),
+        value,
+        expected,
+    };
+    let source = scene.lights.get(light).ok_or(RenderError::Index {
+        place: place(),
+        what: "light",
+        index: light as u64,
+        count: scene.lights.len(),
+    })?;
+    match *source {
+        Light::Directional { direction, .. } => {
+            let (centre, half) = area.unwrap_or_else(|| around(scene));
+            if !(centre.is_finite() && half.is_finite() && half > 0.0) {
+                return Err(value(
+                    "area",
+                    format!("{centre}, half a side {half}"),
+                    "it must be finite and of some size",
+                ));
+            }
+            Ok(ShadowKind::Directional {
+                light_from_world: toward(centre, wide(direction)),
+                half,
+            })
+        }
+        Light::Point { position, .. } => Ok(ShadowKind::Point {
+            position: wide(position),
+        }),
+        Light::Spot {
+            position,
+            direction,
+            cos_outer,
+            ..
+        } => {
+            let cos = f64::from(cos_outer);
+            if cos < 0.087 {
+                return Err(value(
+                    "cosine of its outer cone",
+                    cos.to_string(),
+                    "a spot light with a shadow must stay within 85 degrees of its axis: make it a point light",
+                ));
+            }
+            Ok(ShadowKind::Spot {
+                light_from_world: toward(wide(position), wide(direction)),
+                tan_half: (1.0 - cos * cos).sqrt() / cos,
+            })
+        }
+        _ => Err(value(
+            "kind",
+            "ambient".to_owned(),
+            "only directional, point and spot lights have shadows",
+        )),
+    }
+}
+
+/// Draws a shadow map of `size` x `size` texels (a face): what each light ray meets first, of all opaque and cut-out meshes; cut-outs
+/// count as solid, blended ones cast nothing. The same bits for any number of `threads`.
+///
+/// # Errors
+/// [`RenderError::Raster`] for sizes above 16384 and meshes that the rasterizer refuses.
+pub fn shadow_map(
+    scene: &Scene,
+    kind: &ShadowKind,
+    size: u32,
+    threads: usize,
+) -> Result<ShadowMap, RenderError> {
+    let target =
+        TargetSize::new(size, size).map_err(|error| RenderError::of_raster(scene, error))?;
+    let mut depths = Vec::new();
+    for view in views(scene, kind) {
+        let draws: Vec<Draw<'_>> = scene
+            .meshes
+            .iter()
+            .map(|mesh| Draw {
+                positions: &mesh.positions,
+                indices: &mesh.triangles,
+                clip_from_object: view.clip_from_world * mesh.world_from_object,
+                depth_test: DepthTest::Less,
+                pass: match scene.materials[mesh.material].alpha {
+                    AlphaMode::Blend => Pass::Blended,
+                    _ => Pass::Opaque,
+                },
+                ..Draw::default()
+            })
+            .collect();
+        let prepared =
+            Prepared::new(target, &draws).map_err(|error| RenderError::of_raster(scene, error))?;
+        let map = prepared.depth_map(threads);
+        depths.extend(
+            map.into_iter()
+                .enumerate()
+                .map(|(i, depth)| view.metric(depth, i as u32, size)),
+        );
+    }
+    ShadowMap::new(*kind, size, depths).map_err(|error| RenderError::Value {
+        place: "shadow map".to_owned(),
+        what: "depths".to_owned(),
+        value: error.to_string(),
+        expected: "all depths must be finite",
+    })
+}
+
+/// One face of a map: a view, and the way from its depth buffer to the metric of the map.
+struct FaceView {
+    clip_from_world: DMat4,
+    metric: Metric,
+}
+
+enum Metric {
+    /// Depth 1 is at the first distance, 0 at the second.
+    Linear(f64, f64),
+    /// `near / distance along the axis`.
+    Reciprocal(f64),
+    /// The same, and the metric is the distance from the light.
+    Distance(f64),
+}
+
+impl FaceView {
+    fn metric(&self, depth: f32, texel: u32, size: u32) -> f32 {
+        if depth <= 0.0 {
+            return f32::INFINITY;
+        }
+        let depth = f64::from(depth);
+        let distance = match self.metric {
+            Metric::Linear(near, far) => near + (1.0 - depth) * (far - near),
+            Metric::Reciprocal(near) => near / depth,
+            Metric::Distance(near) => {
+                let centre = |i: u32| (f64::from(i) + 0.5) / f64::from(size) * 2.0 - 1.0;
+                let p = DVec2::new(centre(texel % size), centre(texel / size));
+                near / depth * (1.0 + p.length_squared()).sqrt()
+            }
+        };
+        distance as f32
+    }
+}
+
+fn views(scene: &Scene, kind: &ShadowKind) -> Vec<FaceView> {
+    match *kind {
+        ShadowKind::Directional {
+            light_from_world,
+            half,
+        } => {
+            // From the first to the last vertex along the light, with a little air.
+            let (mut near, mut far) = (f64::INFINITY, f64::NEG_INFINITY);
+            for p in points(scene) {
+                let z = -light_from_world.transform_point3(p).z;
+                (near, far) = (near.min(z), far.max(z));
+            }
+            if near > far {
+                (near, far) = (0.0, 1.0);
+            }
+            let air = 1e-3 * (far - near) + 1e-6;
+            let (near, far) = (near - air, far + air);
+            let depth = 1.0 / (far - near);
+            let clip = DMat4::from_cols(
+                DVec4::X / half,
+                DVec4::Y / half,
+                DVec4::Z * depth,
+                DVec4::new(0.0, 0.0, far * depth, 1.0),
+            );
+            vec![FaceView {
+                clip_from_world: clip * light_from_world,
+                metric: Metric::Linear(near, far),
+            }]
+        }
+        ShadowKind::Spot {
+            light_from_world,
+            tan_half,
+        } => {
+            let near = nearness(
+                scene,
+                light_from_world.inverse().transform_point3(DVec3::ZERO),
+            );
+            let (x, y) = (DVec4::X / tan_half, DVec4::Y / tan_half);
+            vec![FaceView {
+                clip_from_world: DMat4::from_cols(x, y, DVec4::NEG_W, DVec4::Z * near)
+                    * light_from_world,
+                metric: Metric::Reciprocal(near),
+            }]
+        }
+        ShadowKind::Point { position } => {
+            let near = nearness(scene, position);
+            let face = |face: usize| {
+                let at = |u: f64, v: f64| {
+                    let d = Chart::Cube.direction(face, DVec2::new(u, v));
+                    d / d.abs().max_element()
+                };
+                let forward = at(0.5, 0.5);
+                let (right, up) = (at(1.0, 0.5) - forward, at(0.5, 0.0) - forward);
+                let row = |axis: DVec3| axis.extend(-axis.dot(position));
+                // Rows x, y, z, w of the clip matrix.
+                DMat4::from_cols(row(right), row(up), DVec4::W * near, row(forward)).transpose()
+            };
+            (0..6)
+                .map(|i| FaceView {
+                    clip_from_world: face(i),
+                    metric: Metric::Distance(near),
+                })
+                .collect()
+        }
+    }
+}
+
+/// A near plane that cuts nothing off which is not about in the light: reversed float depth loses nothing by it.
+fn nearness(scene: &Scene, light: DVec3) -> f64 {
+    let farthest = points(scene)
+        .map(|p| (p - light).length())
+        .fold(0.0, f64::max);
+    (1e-5 * farthest).max(1e-12)
+}
+
+/// Centre and half a side of a square that holds everything from any direction: of the ball around the box.
+fn around(scene: &Scene) -> (DVec3, f64) {
+    let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+    for p in points(scene) {
+        (low, high) = (low.min(p), high.max(p));
+    }
+    if low.x > high.x {
+        return (DVec3::ZERO, 1.0);
+    }
+    let half = 0.5 * (high - low).length();
+    (
+        0.5 * (low + high),
+        if half > 0.0 { half * 1.001 } else { 1.0 },
+    )
+}
+
+/// All vertices, world space.
+fn points(scene: &Scene) -> impl Iterator<Item = DVec3> + '_ {
+    scene.meshes.iter().flat_map(|mesh| {
+        mesh.positions
+            .iter()
+            .map(|p| mesh.world_from_object.transform_point3(wide(*p)))
+    })
+}
+
+/// World to the space of a light at `position` that looks along `direction` (not zero).
+fn toward(position: DVec3, direction: DVec3) -> DMat4 {
+    let direction = direction / direction.abs().max_element();
+    // The axis that is least along the direction cannot be parallel to it.
+    let a = direction.abs();
+    let up = if a.y <= a.x && a.y <= a.z {
+        DVec3::Y
+    } else if a.z <= a.x {
+        DVec3::Z
+    } else {
+        DVec3::X
+    };
+    let camera = Camera {
+        eye: DVec3::ZERO,
+        look: direction,
+        up,
+        fov_x: 1.0,
+        near: 1.0,
+        far: 2.0,
+    };
+    // Neither zero nor parallel, so there is a view.
+    let view = camera.view().unwrap_or(DMat4::IDENTITY);
+    view * DMat4::from_translation(-position)
+}
+
+fn wide(a: [f32; 3]) -> DVec3 {
+    DVec3::from(a.map(f64::from))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Material, Mesh};
+    use texmap_light::ShadowBias;
+
+    /// A tetrahedron over a large floor.
+    fn scene(light: Light) -> Scene {
+        let floor = Mesh {
+            positions: vec![
+                [-4.0, 0.0, -4.0],
+                [4.0, 0.0, -4.0],
+                [4.0, 0.0, 4.0],
+                [-4.0, 0.0, 4.0],
+            ],
+            triangles: vec![[0, 2, 1], [0, 3, 2]],
+            ..Mesh::default()
+        };
+        let top = Mesh {
+            positions: vec![
+                [0.0, 1.5, 0.0],
+                [0.6, 0.7, 0.5],
+                [-0.6, 0.7, 0.5],
+                [0.0, 0.7, -0.7],
+            ],
+            triangles: vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]],
+            ..Mesh::default()
+        };
+        Scene {
+            camera: Camera {
+                eye: DVec3::new(0.0, 2.0, 5.0),
+                look: DVec3::ZERO,
+                up: DVec3::Y,
+                fov_x: 1.0,
+                near: 1e-4,
+                far: f64::INFINITY,
+            },
+            background: [0.0; 4],
+            color: crate::ColorMode::Srgb,
+            depth_test: DepthTest::Less,
+            lights: vec![light],
+            textures: Vec::new(),
+            materials: vec![Material::default()],
+            meshes: vec![floor, top],
+            warnings: Vec::new(),
+        }
+    }
+
+    /// Distance along a ray to the nearest triangle, by brute force.
+    fn trace(scene: &Scene, o: DVec3, d: DVec3) -> f64 {
+        let mut nearest = f64::INFINITY;
+        for mesh in &scene.meshes {
+            for t in &mesh.triangles {
+                let [a, b, c] = t.map(|v| wide(mesh.positions[v as usize]));
+                let (u, v) = (b - a, c - a);
+                let p = d.cross(v);
+                let (det, s) = (u.dot(p), o - a);
+                let q = s.cross(u);
+                let (x, y, t) = (s.dot(p) / det, d.dot(q) / det, v.dot(q) / det);
+                if x >= 0.0 && y >= 0.0 && x + y <= 1.0 && t > 0.0 && t < nearest {
+                    nearest = t;
+                }
+            }
+        }
+        nearest
+    }
+
+    /// Every stored depth is the way along the light ray of its texel, in the map's own metric.
+    #[test]
+    fn depths_are_distances_along_the_rays_of_the_light() {
+        let position = [1.0, 3.0, 1.5];
+        let down = [-0.4, -1.0, -0.3];
+        let lights = [
+            Light::Directional {
+                color: [1.0; 3],
+                direction: down,
+            },
+            Light::spot([1.0; 3], position, down, 0.5, 0.8),
+            Light::Point {
+                color: [1.0; 3],
+                position,
+            },
+        ];
+        for light in lights {
+            let scene = scene(light);
+            let kind = shadow_kind(&scene, 0, None).unwrap();
+            let size = 96;
+            let map = shadow_map(&scene, &kind, size, 1).unwrap();
+            assert_eq!(map, shadow_map(&scene, &kind, size, 2).unwrap(), "threads");
+            let faces = if matches!(kind, ShadowKind::Point { .. }) {
+                6
+            } else {
+                1
+            };
+            let (mut same, mut far, mut met) = (0u32, 0u32, 0u32);
+            for face in 0..faces {
+                for i in 0..size * size {
+                    let (o, d) = ShadowMap::ray(&kind, size, face, i % size, i / size);
+                    // Parallel rays start behind the plane of the light's origin.
+                    let back = if matches!(kind, ShadowKind::Directional { .. }) {
+                        20.0
+                    } else {
+                        0.0
+                    };
+                    let unit = if faces == 6 { d.normalize() } else { d };
+                    let t = trace(&scene, o - unit * back, unit) - back;
+                    let stored = f64::from(map.stored(face, i % size, i / size).unwrap());
+                    if t.is_finite() || stored.is_finite() {
+                        met += 1;
+                        // Texels at edges may fall either way: positions are snapped to 1/256.
+                        if (t - stored).abs() < 2e-5 * (1.0 + t.abs()) {
+                            same += 1;
+                        } else {
+                            far += 1;
+                        }
+                    }
+                }
+            }
+            assert!(met > 1_000 && far * 100 < same, "{kind:?}: {same} {far}");
+        }
+    }
+
+    /// The floor under the tetrahedron is dark and the rest is lit, for each kind of light.
+    #[test]
+    fn maps_from_the_depth_pass_cast_shadows() {
+        let lights = [
+            Light::Directional {
+                color: [1.0; 3],
+                direction: [0.0, -1.0, 0.0],
+            },
+            Light::spot([1.0; 3], [0.0, 4.0, 0.0], [0.0, -1.0, 0.0], 0.5, 0.7),
+            Light::Point {
+                color: [1.0; 3],
+                position: [0.0, 4.0, 0.0],
+            },
+        ];
+        for light in lights {
+            let scene = scene(light);
+            let kind = shadow_kind(&scene, 0, None).unwrap();
+            let map = shadow_map(&scene, &kind, 256, 1).unwrap();
+            let lit = |x: f64, z: f64| {
+                map.lit(DVec3::new(x, 0.0, z), DVec3::Y, ShadowBias::Slope(1e-4), 1)
+            };
+            assert_eq!(
+                (lit(0.0, 0.0), lit(1.5, 0.0), lit(0.0, -1.6)),
+                (0.0, 1.0, 1.0),
+                "{light:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn lights_without_a_map_are_named() {
+        let spot = Light::spot([1.0; 3], [0.0; 3], [0.0, -1.0, 0.0], 1.0, 1.5);
+        let ambient = Light::Ambient { color: [1.0; 3] };
+        for light in [spot, ambient] {
+            let error = shadow_kind(&scene(light), 0, None).unwrap_err();
+            assert!(error.to_string().contains("light 0"), "{error}");
+        }
+        assert!(matches!(
+            shadow_kind(&scene(ambient), 3, None),
+            Err(RenderError::Index { .. })
+        ));
+        let sun = Light::Directional {
+            color: [1.0; 3],
+            direction: [0.0, -1.0, 0.0],
+        };
+        assert!(shadow_kind(&scene(sun), 0, Some((DVec3::ZERO, 0.0))).is_err());
+        let kind = shadow_kind(&scene(sun), 0, None).unwrap();
+        assert!(matches!(
+            shadow_map(&scene(sun), &kind, 0, 1),
+            Err(RenderError::Raster { .. })
+        ));
+    }
+}
