@@ -31,6 +31,8 @@ pub(crate) enum Verb {
     Mip(cmd::mip::MipArgs),
     Stability(cmd::stability::StabilityArgs),
     Chart(cmd::chart::ChartArgs),
+    Env(cmd::env::EnvArgs),
+    Bake(Box<cmd::bake::BakeArgs>),
 }
 
 impl Verb {
@@ -45,7 +47,8 @@ impl Verb {
             Self::Uv(a) => a.json,
             Self::UvRaster(a) => a.json,
             Self::Stability(a) => a.json,
-            Self::Warp(_) | Self::Sample(_) | Self::Mip(_) | Self::Chart(_) => false,
+            Self::Warp(_) | Self::Sample(_) | Self::Mip(_) => false,
+            Self::Chart(_) | Self::Env(_) | Self::Bake(_) => false,
         }
     }
 }

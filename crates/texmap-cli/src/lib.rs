@@ -63,6 +63,8 @@ fn dispatch(verb: Verb) -> Result<Exit, Failure> {
         Verb::Mip(args) => cmd::mip::run(&args),
         Verb::Stability(args) => cmd::stability::run(&args),
         Verb::Chart(args) => cmd::chart::run(&args),
+        Verb::Env(args) => cmd::env::run(&args),
+        Verb::Bake(args) => cmd::bake::run(&args),
     }
 }
 

@@ -267,6 +267,22 @@ pub enum IoError {
         /// Its height.
         height: u32,
     },
+    /// An environment whose chart cannot have the image's sides.
+    #[error("{}{}: an environment of {width} x {height} texels is no {chart} map", line_of(.named_by), .path.display())]
+    EnvironmentSize {
+        /// The image.
+        path: PathBuf,
+        /// The line that names it, if a file does.
+        named_by: Option<Place>,
+        /// The chart.
+        chart: &'static str,
+        /// Its width.
+        width: u32,
+        /// Its height.
+        height: u32,
+        /// Sides that the chart can have, in words.
+        expected: String,
+    },
     /// A scene that draws nothing.
     #[error("{}: the scene has no faces", .path.display())]
     EmptyScene {
@@ -344,6 +360,7 @@ impl IoError {
             Self::BadCamera { .. } => "bad-camera",
             Self::BrokenImage { .. } => "broken-image",
             Self::ImageSize { .. } => "image-size",
+            Self::EnvironmentSize { .. } => "environment-size",
             Self::EmptyScene { .. } => "empty-scene",
             Self::EmptyMesh { .. } => "empty-mesh",
             Self::UnknownMaterial { .. } => "unknown-material",
@@ -361,6 +378,7 @@ impl IoError {
             | Self::Read { named_by, .. }
             | Self::BrokenImage { named_by, .. }
             | Self::ImageSize { named_by, .. }
+            | Self::EnvironmentSize { named_by, .. }
             | Self::EmptyMesh { named_by, .. } => named_by.as_ref(),
             Self::NotUtf8 { place }
             | Self::UnknownCommand { place, .. }
@@ -420,6 +438,7 @@ impl IoError {
             Self::BadCamera { .. } => "eye and look must differ, up must not point along the line of sight, and 0 < near < far".into(),
             Self::BrokenImage { .. } => "the file is damaged or of another kind than PNG, JPEG or GIF; write it again".into(),
             Self::ImageSize { .. } => format!("textures have 1 to {} texels a side and {} in all", crate::image_io::MAX_SIDE, crate::image_io::MAX_TEXELS),
+            Self::EnvironmentSize { chart, expected, .. } => format!("a {chart} map is {expected}; name the chart that the image is in, or convert it with `texmap env`"),
             Self::EmptyScene { .. } => "nothing would be drawn; add `f`, `tf`, `ff` or `obj` lines".into(),
             Self::EmptyMesh { .. } => "nothing would be drawn; the OBJ needs `f` lines (points and lines are not drawn)".into(),
             Self::UnknownMaterial { .. } => "define it in the MTL library, mend the name, or draw without it (`missing warn`)".into(),

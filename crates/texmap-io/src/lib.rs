@@ -28,6 +28,7 @@
 
 pub mod atomic;
 mod camera_path;
+mod environment_io;
 mod error;
 mod files;
 pub mod framing;
@@ -40,6 +41,7 @@ pub mod scene_file;
 mod textures;
 
 pub use camera_path::{CameraPath, Stop};
+pub use environment_io::{read_environment, write_environment, write_light};
 pub use error::{IoError, Place};
 pub use info::{FileInfo, MeshInfo, NamedFile, info};
 pub use scene::{LoadOptions, load, load_obj, load_scene};

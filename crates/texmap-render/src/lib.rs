@@ -69,4 +69,4 @@ pub use scene::{
     AlphaMode, ColorMode, Gouraud, Material, Mesh, Scene, Shading, TextureRole, TextureSlot,
 };
 pub use settings::{Aov, Settings, UnknownAov};
-pub use shadow::{shadow_kind, shadow_map};
+pub use shadow::{shadow_bias, shadow_kind, shadow_map};

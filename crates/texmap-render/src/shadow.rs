@@ -1,6 +1,6 @@
 //! Shadow maps: the scene's depth as a light sees it, by the rasterizer's depth pass.
 
-use texmap_light::{Chart, Light, ShadowKind, ShadowMap};
+use texmap_light::{Chart, Light, ShadowBias, ShadowKind, ShadowMap};
 use texmap_math::camera::Camera;
 use texmap_math::glam::{DMat4, DVec2, DVec3, DVec4};
 use texmap_raster::{DepthTest, Draw, Pass, Prepared, TargetSize};
@@ -123,6 +123,13 @@ pub fn shadow_map(
         value: error.to_string(),
         expected: "all depths must be finite",
     })
+}
+
+/// The bias that leaves neither acne nor detached shadows on planes: the slope form with a constant of 1e-4 of the scene's size.
+#[must_use]
+pub fn shadow_bias(scene: &Scene) -> ShadowBias {
+    let (_, half) = around(scene);
+    ShadowBias::Slope(2e-4 * half)
 }
 
 /// One face of a map: a view, and the way from its depth buffer to the metric of the map.
@@ -292,7 +299,6 @@ fn wide(a: [f32; 3]) -> DVec3 {
 mod tests {
     use super::*;
     use crate::{Material, Mesh};
-    use texmap_light::ShadowBias;
 
     /// A tetrahedron over a large floor.
     fn scene(light: Light) -> Scene {

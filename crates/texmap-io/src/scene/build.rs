@@ -300,7 +300,7 @@ impl Builder {
                 material: self.material(material),
                 world_from_object: transform,
                 uv_origin: Origin::BottomLeft,
-                frame: None,
+                ..Mesh::default()
             };
             self.scene.meshes.push(mesh);
         }

@@ -1,0 +1,97 @@
+//! `texmap env`: environments from chart to chart, and blurred to specular maps.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use texmap_light::{Chart, Environment};
+
+use crate::failure::{Exit, Failure, say};
+use crate::output::{Destination, Stage};
+
+/// Convert an environment from one chart to another, or blur it to a specular map.
+#[derive(Args, Debug)]
+#[command(
+    after_help = "Charts: cube, tan-cube, lat-long, octahedron, equal-area-octahedron, dual-paraboloid, sphere-map.\n\
+    Several faces stand below each other: +X -X +Y -Y +Z -Z of a cube, +Z -Z of the paraboloids.\n\
+    PNG holds sRGB clipped at 1; HDR and EXR hold linear light. docs/charts.md tells which chart is best."
+)]
+pub(crate) struct EnvArgs {
+    /// The environment: PNG, JPEG, HDR or EXR
+    image: PathBuf,
+    /// The file to write; its ending (.png, .hdr, .exr) says what it becomes
+    #[arg(short, long, value_name = "OUT")]
+    output: PathBuf,
+    /// The chart that the image is in
+    #[arg(long, value_name = "CHART", default_value = "lat-long")]
+    from: Chart,
+    /// The chart to write
+    #[arg(long, value_name = "CHART")]
+    to: Chart,
+    /// Height of a face in texels [default: as many texels in all as the image has]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=8192))]
+    size: Option<u32>,
+    /// Gather the light of a highlight with this exponent around each direction: a specular map
+    #[arg(long, value_name = "EXPONENT")]
+    blur: Option<f32>,
+}
+
+/// Most products of texels that a blur may take: some minutes.
+const MOST_WORK: u64 = 1 << 34;
+
+pub(crate) fn run(args: &EnvArgs) -> Result<Exit, Failure> {
+    if let Some(exponent) = args.blur
+        && !(exponent.is_finite() && exponent >= 0.0)
+    {
+        return Err(Failure::usage(
+            format!("--blur {exponent}: no exponent of a highlight"),
+            "give 0 or more: 1 is all but diffuse, 1000 nearly a mirror",
+        ));
+    }
+    let destination = Destination::new(&args.output)?;
+    let ending = super::ending(&args.output)?;
+    let source = texmap_io::read_environment(&args.image, args.from)?;
+    let texels = |e: &Environment| {
+        let (width, height) = e.size();
+        u64::from(width) * u64::from(height) * e.chart().faces() as u64
+    };
+    let size = args.size.unwrap_or_else(|| {
+        let faces = args.to.faces() as u64 * u64::from(args.to.aspect());
+        ((texels(&source) / faces) as f64).sqrt().max(1.0) as u32
+    });
+    let refused = |e: texmap_light::LightError| {
+        Failure::usage(format!("--size {size}: {e}"), "choose another size")
+    };
+    let result = match args.blur {
+        None => source.convert(args.to, size).map_err(refused)?,
+        Some(exponent) => {
+            let all = args.to.faces() as u64 * u64::from(args.to.aspect());
+            let work = texels(&source).saturating_mul(all * u64::from(size) * u64::from(size));
+            if work > MOST_WORK {
+                return Err(Failure::usage(
+                    format!(
+                        "--blur of {} texels to {} is {work} look-ups",
+                        texels(&source),
+                        all * u64::from(size) * u64::from(size)
+                    ),
+                    "a blurred map is smooth: choose a --size of 32 to 64, and convert a large image to a smaller one first",
+                ));
+            }
+            source.blur(args.to, size, exponent).map_err(refused)?
+        }
+    };
+    let mut stage = Stage::new(&destination)?;
+    let bright = texmap_io::write_environment(&stage.add(destination, ending), &result)?;
+    stage.commit()?;
+    let (width, height) = result.size();
+    say(&format!(
+        "{}: {}, {width} x {height} texels a face\n",
+        args.output.display(),
+        args.to.name()
+    ));
+    if bright > 0 {
+        say(&format!(
+            "warning: {bright} texels are brighter than PNG can hold and were clipped: write .hdr or .exr\n"
+        ));
+    }
+    Ok(Exit::Done)
+}
