@@ -147,6 +147,7 @@ impl UvScene {
             }],
             meshes: vec![mesh],
             warnings: Vec::new(),
+            effects: Default::default(),
         }
     }
 

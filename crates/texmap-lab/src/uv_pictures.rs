@@ -258,6 +258,7 @@ fn shot(
         materials: vec![material],
         meshes: vec![model],
         warnings: Vec::new(),
+        effects: Default::default(),
     };
     if let Some(bounds) = Bounds::of(&scene) {
         scene.camera = bounds.camera(view, AUTO_FOV, 1.0);

@@ -144,6 +144,20 @@ pub fn bump(o_u: [f32; 3], o_v: [f32; 3], b_u: f32, b_v: f32) -> [f32; 3] {
     normalize([0, 1, 2].map(|i| raw[i] + b_u * along_v[i] - b_v * along_u[i]))
 }
 
+/// [`bump`] on a surface with smooth normals: `n` is the unit normal of the shading, on the side that is seen, and stands for the
+/// direction of `O_u x O_v`, whose length alone counts. Heights rise along `n`, whichever way u and v turn.
+/// Parallel O_u and O_v give `n`.
+#[must_use]
+pub fn bump_on(n: [f32; 3], o_u: [f32; 3], o_v: [f32; 3], b_u: f32, b_v: f32) -> [f32; 3] {
+    let raw = cross(o_u, o_v);
+    let area = sqrt_f32(dot(raw, raw));
+    let side = if dot(raw, n) < 0.0 { -1.0 } else { 1.0 };
+    let (along_v, along_u) = (cross(n, o_v), cross(n, o_u));
+    let bumped =
+        normalize([0, 1, 2].map(|i| area * n[i] + side * (b_u * along_v[i] - b_v * along_u[i])));
+    if area > 0.0 && bumped != [0.0; 3] { bumped } else { n }
+}
+
 /// A normal that a map has turned away from the eye, brought back to the horizon: the nearest direction with `N.V >= 0.01`
 /// (case: black speckles on bumps seen at grazing angles). `view` points to the eye; others pass unchanged.
 #[must_use]
@@ -319,6 +333,21 @@ mod tests {
         // A constant height leaves the direction of N.
         let n = bump([1.0, 0.2, 0.0], [0.0, 3.0, 0.5], 0.0, 0.0);
         assert!(degrees(wide(n), wide(cross([1.0, 0.2, 0.0], [0.0, 3.0, 0.5]))) < 1e-4);
+    }
+
+    /// Heights rise along the side that is seen, for every orientation of u and v, and a frame without area leaves the normal.
+    #[test]
+    fn bumps_on_smooth_normals_do_not_ask_which_way_u_and_v_turn() {
+        let (o_u, o_v) = ([2.0, 0.0, 0.0], [0.0, 3.0, 0.0]);
+        let up = [0.0, 0.0, 1.0];
+        let expected = bump(o_u, o_v, 0.4, -0.3);
+        assert_eq!(bump_on(up, o_u, o_v, 0.4, -0.3), expected);
+        assert_eq!(bump_on(up, o_v, o_u, -0.3, 0.4), expected);
+        // Seen from behind, what was a bump is still one: it leans the same way.
+        let down = bump_on([0.0, 0.0, -1.0], o_u, o_v, 0.4, -0.3);
+        assert!((wide(down) - DVec3::new(-0.196_116, 0.098_058, -0.975_7)).length() < 2e-3, "{down:?}");
+        assert_eq!(bump_on(up, o_u, o_u, 0.4, 0.3), up);
+        assert_eq!(bump_on(up, [0.0; 3], o_v, 0.4, 0.3), up);
     }
 
     #[test]

@@ -38,7 +38,7 @@ mod surface;
 mod vector;
 
 pub use bump::{
-    Green, Heights, Slope, bump, clamp_to_horizon, decode_normal, encode_normal, perturb,
+    Green, Heights, Slope, bump, bump_on, clamp_to_horizon, decode_normal, encode_normal, perturb,
     perturb_slice,
 };
 pub use chart::{Chart, UnknownChart};

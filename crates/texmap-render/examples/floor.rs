@@ -117,6 +117,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             ),
         ],
         warnings: Vec::new(),
+        effects: Default::default(),
     };
     let frame = render(
         &scene,

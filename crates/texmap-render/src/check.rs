@@ -2,7 +2,8 @@
 
 use texmap_math::glam::DVec3;
 
-use crate::{Material, Mesh, RenderError, Scene, Settings, TextureSlot};
+use crate::lit::reads_uv;
+use crate::{Material, Mesh, RenderError, Scene, Settings, Shading, TextureSlot};
 
 /// The largest picture side in samples.
 const MAX_SIDE: u64 = 16384;
@@ -43,6 +44,7 @@ impl Scene {
         for mesh in &self.meshes {
             self.check_mesh(mesh, &mut warnings)?;
         }
+        self.check_effects(&mut warnings)?;
         Ok(warnings)
     }
 
@@ -60,10 +62,10 @@ impl Scene {
         if let crate::AlphaMode::Test(threshold) = material.alpha {
             unit_range(place, "alpha threshold", &[threshold])?;
         }
-        for slot in material.base_color.iter().chain(&material.opacity_map) {
+        for slot in material.slots() {
             self.check_slot(slot, place)?;
         }
-        Ok(())
+        self.check_material_effects(material)
     }
 
     fn check_slot(
@@ -146,7 +148,16 @@ impl Scene {
             });
         }
         let material = &self.materials[mesh.material];
-        let textured = material.base_color.is_some() || material.opacity_map.is_some();
+        let lit = material.shading == Shading::PerPixel;
+        let textured = material.base_color.is_some()
+            || material.opacity_map.is_some()
+            || lit && reads_uv(material);
+        if lit && material.light_map.is_some() && mesh.lightmap_uvs.is_empty() {
+            return Err(RenderError::MissingLightMapUv {
+                mesh: mesh.name.clone(),
+                material: material.name.clone(),
+            });
+        }
         if textured && mesh.uvs.is_empty() && mesh.frame.is_none() && !mesh.triangles.is_empty() {
             return Err(RenderError::MissingUv {
                 mesh: mesh.name.clone(),
@@ -233,7 +244,7 @@ impl Settings {
     }
 }
 
-fn finite<T: Copy + Into<f64>>(
+pub(crate) fn finite<T: Copy + Into<f64>>(
     place: impl Fn() -> String,
     what: impl Fn() -> String,
     values: &[T],
@@ -265,7 +276,7 @@ fn all_finite(mesh: &Mesh, what: &str, values: &[f32], channels: usize) -> Resul
     }
 }
 
-fn unit_range(place: impl Fn() -> String, what: &str, values: &[f32]) -> Result<(), RenderError> {
+pub(crate) fn unit_range(place: impl Fn() -> String, what: &str, values: &[f32]) -> Result<(), RenderError> {
     match values.iter().find(|v| !(0.0..=1.0).contains(*v)) {
         None => Ok(()),
         Some(v) => Err(RenderError::Value {
@@ -277,7 +288,7 @@ fn unit_range(place: impl Fn() -> String, what: &str, values: &[f32]) -> Result<
     }
 }
 
-fn index(
+pub(crate) fn index(
     place: impl Fn() -> String,
     what: &'static str,
     index: u64,

@@ -78,6 +78,16 @@ pub enum RenderError {
         /// Material name.
         material: String,
     },
+    /// A light map on a mesh without the coordinates for it.
+    #[error(
+        "mesh '{mesh}' has no second uv set but its material '{material}' has a light map: give it Mesh::lightmap_uvs (`lightmapuv` in a scene)"
+    )]
+    MissingLightMapUv {
+        /// Mesh name.
+        mesh: String,
+        /// Material name.
+        material: String,
+    },
     /// The rasterizer refused a draw.
     #[error("mesh '{mesh}': {error}")]
     Raster {
@@ -117,6 +127,7 @@ impl RenderError {
             Self::Index { .. } => "render-index",
             Self::Count { .. } => "render-count",
             Self::MissingUv { .. } => "render-missing-uv",
+            Self::MissingLightMapUv { .. } => "render-missing-light-map-uv",
             Self::Raster { .. } => "render-raster",
         }
     }

@@ -28,7 +28,7 @@
 //! };
 //! let scene = Scene {
 //!     camera, background: [0.0, 0.0, 1.0, 1.0], color: ColorMode::Srgb, depth_test: Default::default(),
-//!     lights: vec![], textures: vec![], warnings: vec![],
+//!     lights: vec![], textures: vec![], warnings: vec![], effects: Default::default(),
 //!     materials: vec![Material { surface: red, shading: Shading::Unlit, ..Material::default() }],
 //!     meshes: vec![triangle],
 //! };
@@ -44,10 +44,13 @@ mod bake;
 mod block;
 mod canvas;
 mod check;
+mod check_effects;
 mod coordinates;
 mod dispatch;
+mod effects;
 mod error;
 mod frame;
+mod lit;
 mod plan;
 pub mod planner;
 mod render;
@@ -62,6 +65,9 @@ mod tile;
 mod vertices;
 
 pub use bake::{BakeOptions, LightMap, bake};
+pub use effects::{
+    Effects, LightMapSlot, Reflection, Relief, Shadow, SlideProjector, SlideRole, SurfaceMaps,
+};
 pub use error::RenderError;
 pub use frame::{AovData, Frame, HOLE_BITS, Stats, Times, hash_pixels, pixel_hash};
 pub use render::{Renderer, render, render_ordered};

@@ -347,6 +347,7 @@ mod tests {
             materials: vec![material],
             meshes: vec![mesh],
             warnings: Vec::new(),
+            effects: Default::default(),
         }
     }
 

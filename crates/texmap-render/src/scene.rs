@@ -1,10 +1,12 @@
-use texmap_light::{Light, Surface};
+use texmap_light::{Highlight, Light, Surface};
 use texmap_math::camera::Camera;
 use texmap_math::frame::TextureFrame;
 use texmap_math::glam::DMat4;
 use texmap_raster::{Cull, DepthTest, Interp};
 use texmap_sample::{Origin, Sampler, Texture2d, UvTransform};
 use texmap_uv::Projection;
+
+use crate::effects::{Effects, LightMapSlot, Reflection, Relief, SurfaceMaps};
 
 /// Everything that is drawn. A scene is data: [`render`](crate::render) reads it and changes nothing.
 #[derive(Clone, Debug)]
@@ -26,6 +28,8 @@ pub struct Scene {
     pub materials: Vec<Material>,
     /// Meshes, in the order in which they are submitted: it settles equal depths and blending.
     pub meshes: Vec<Mesh>,
+    /// Shadows, projectors and environments; none by default.
+    pub effects: Effects,
     /// What the loader had to decide, one sentence each; carried into [`Frame::warnings`](crate::Frame).
     pub warnings: Vec<String>,
 }
@@ -67,6 +71,19 @@ pub struct Material {
     pub cull: Cull,
     /// How colours of [`Shading::PerVertex`] and vertex colours run across a triangle.
     pub gouraud: Gouraud,
+    /// How highlights fall off, per pixel.
+    pub highlight: Highlight,
+    /// Textures for the numbers of `surface`. Read by [`Shading::PerPixel`].
+    pub maps: SurfaceMaps,
+    /// What turns the normal. Read by [`Shading::PerPixel`].
+    pub relief: Option<Relief>,
+    /// Baked light. Read by [`Shading::PerPixel`].
+    pub light_map: Option<LightMapSlot>,
+    /// A mirrored environment. Read by [`Shading::PerPixel`].
+    pub reflection: Option<Reflection>,
+    /// A specular map: index into [`Effects::environments`] of area lights blurred by the highlight's lobe, looked up along the
+    /// mirrored view, times `ks`; per pixel or per vertex, as the shading is.
+    pub specular_map: Option<usize>,
 }
 
 impl Default for Material {
@@ -84,7 +101,29 @@ impl Default for Material {
             interp: Interp::Perspective,
             cull: Cull::None,
             gouraud: Gouraud::ScreenLinear,
+            highlight: Highlight::Phong,
+            maps: SurfaceMaps::default(),
+            relief: None,
+            light_map: None,
+            reflection: None,
+            specular_map: None,
         }
+    }
+}
+
+impl Material {
+    /// Every texture that the material names.
+    pub fn slots(&self) -> impl Iterator<Item = &TextureSlot> {
+        let maps = &self.maps;
+        let relief = self.relief.as_ref().map(|relief| match relief {
+            Relief::Bump { slot, .. } | Relief::NormalMap { slot, .. } => slot,
+        });
+        self.base_color
+            .iter()
+            .chain(&self.opacity_map)
+            .chain([&maps.ambient, &maps.specular, &maps.exponent, &maps.reflectivity].into_iter().flatten())
+            .chain(relief)
+            .chain(self.light_map.as_ref().map(|map| &map.slot))
     }
 }
 

@@ -5,7 +5,7 @@ use texmap_math::camera::Camera;
 use texmap_math::glam::{DMat4, DVec2, DVec3, DVec4};
 use texmap_raster::{DepthTest, Draw, Pass, Prepared, TargetSize};
 
-use crate::{AlphaMode, RenderError, Scene};
+use crate::{AlphaMode, Mesh, RenderError, Scene};
 
 /// The part of a scene that a shadow map of a light shows.
 ///
@@ -242,7 +242,7 @@ fn nearness(scene: &Scene, light: DVec3) -> f64 {
 }
 
 /// Centre and half a side of a square that holds everything from any direction: of the ball around the box.
-fn around(scene: &Scene) -> (DVec3, f64) {
+pub(crate) fn around(scene: &Scene) -> (DVec3, f64) {
     let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
     for p in points(scene) {
         (low, high) = (low.min(p), high.max(p));
@@ -291,6 +291,24 @@ fn toward(position: DVec3, direction: DVec3) -> DMat4 {
     view * DMat4::from_translation(-position)
 }
 
+/// Whether a point lies inside of a closed mesh: a ray in an odd direction leaves through an odd number of triangles.
+pub(crate) fn encloses(mesh: &Mesh, point: DVec3) -> bool {
+    let d = DVec3::new(0.612_37, 0.353_55, 0.707_11);
+    let crossed = mesh.triangles.iter().filter(|t| {
+        let [a, b, c] = t.map(|v| {
+            mesh.world_from_object
+                .transform_point3(wide(mesh.positions[v as usize]))
+        });
+        let (u, v) = (b - a, c - a);
+        let p = d.cross(v);
+        let (det, s) = (u.dot(p), point - a);
+        let q = s.cross(u);
+        let (x, y, t) = (s.dot(p) / det, d.dot(q) / det, v.dot(q) / det);
+        x >= 0.0 && y >= 0.0 && x + y < 1.0 && t > 0.0
+    });
+    crossed.count() % 2 == 1
+}
+
 fn wide(a: [f32; 3]) -> DVec3 {
     DVec3::from(a.map(f64::from))
 }
@@ -298,7 +316,7 @@ fn wide(a: [f32; 3]) -> DVec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Material, Mesh};
+    use crate::Material;
 
     /// A tetrahedron over a large floor.
     fn scene(light: Light) -> Scene {
@@ -339,6 +357,7 @@ mod tests {
             materials: vec![Material::default()],
             meshes: vec![floor, top],
             warnings: Vec::new(),
+            effects: Default::default(),
         }
     }
 

@@ -16,7 +16,7 @@ impl Chains {
         let mut chains = vec![None; scene.textures.len()];
         for mesh in &scene.meshes {
             let material = &scene.materials[mesh.material];
-            for slot in material.base_color.iter().chain(&material.opacity_map) {
+            for slot in material.slots() {
                 let texture = &scene.textures[slot.texture];
                 let filter = settings.filter.unwrap_or(slot.sampler.filter);
                 let chain = &mut chains[slot.texture];

@@ -2,10 +2,11 @@
 
 use std::borrow::Cow;
 
-use texmap_light::{Surface, Terms, terms};
+use texmap_light::{Surface, Terms, reflect, terms};
 use texmap_math::glam::{DMat3, DMat4, DVec3};
 use texmap_raster::Cull;
 
+use crate::lit::corner_tangents;
 use crate::{Mesh, Scene};
 
 /// A group of attributes.
@@ -24,11 +25,19 @@ pub(crate) enum Values {
     Normal,
     /// World space.
     Position,
+    /// World-space tangent and the sign of the bitangent, of corners: splits every vertex.
+    Tangent,
+    /// The second set of coordinates.
+    LightMapUv,
 }
 
 impl Values {
     fn len(self) -> usize {
-        if self == Self::Uv { 2 } else { 3 }
+        match self {
+            Self::Uv | Self::LightMapUv => 2,
+            Self::Tangent => 4,
+            _ => 3,
+        }
     }
 
     fn is_light(self) -> bool {
@@ -74,10 +83,24 @@ impl Vertices {
         let needs = |group| self.groups.contains(&group);
         let world_from_object = mesh.world_from_object;
         let mut triangles = Cow::Borrowed(mesh.triangles.as_slice());
+        let mut positions = Cow::Borrowed(mesh.positions.as_slice());
+        let split = needs(Values::Tangent);
+        let corners: Option<Vec<u32>> =
+            split.then(|| mesh.triangles.iter().flatten().copied().collect());
+        if let Some(corners) = &corners {
+            let at = |v: &u32| mesh.positions[*v as usize];
+            positions = Cow::Owned(corners.iter().map(at).collect());
+            let count = mesh.triangles.len() as u32;
+            triangles = Cow::Owned((0..count).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect());
+        }
         // A mirror turns counter-clockwise triangles round; the front stays the front.
         if world_from_object.determinant() < 0.0 {
             triangles.to_mut().iter_mut().for_each(|t| t.swap(1, 2));
         }
+        let tangents = match split {
+            true => corner_tangents(mesh, &object_normals(mesh)),
+            false => Vec::new(),
+        };
         let normals = if lit || needs(Values::Normal) {
             world_normals(mesh)
         } else {
@@ -91,7 +114,6 @@ impl Vertices {
                 .collect(),
             false => Vec::new(),
         };
-        let mut positions = Cow::Borrowed(mesh.positions.as_slice());
         let mut back_from = usize::MAX;
         // Where triangles show their back, light reaches the other side of their vertices: a second set.
         if lit && scene.materials[mesh.material].cull != Cull::Back {
@@ -115,6 +137,8 @@ impl Vertices {
             normals,
             points,
             back_from,
+            corners,
+            tangents,
         };
         let mut attributes = Vec::with_capacity(positions.len() * self.attribute_count);
         for vertex in 0..positions.len() {
@@ -138,15 +162,20 @@ struct Source<'s> {
     points: Vec<DVec3>,
     /// Vertices from here are those of back sides.
     back_from: usize,
+    /// The mesh's vertex of each corner, where vertices are split.
+    corners: Option<Vec<u32>>,
+    /// Per corner.
+    tangents: Vec<[f32; 4]>,
 }
 
 impl Source<'_> {
     fn push(&self, groups: &[Values], vertex: usize, lit: bool, out: &mut Vec<f32>) {
         let back = vertex >= self.back_from;
-        let vertex = if back {
-            vertex - self.back_from
-        } else {
-            vertex
+        let corner = vertex;
+        let vertex = match &self.corners {
+            Some(corners) => corners[vertex] as usize,
+            None if back => vertex - self.back_from,
+            None => vertex,
         };
         let surface = &self.scene.materials[self.mesh.material].surface;
         let tint = self.mesh.colors.get(vertex).copied().unwrap_or([1.0; 3]);
@@ -164,6 +193,8 @@ impl Source<'_> {
                 Values::Highlight => out.extend(terms.highlight),
                 Values::Normal => out.extend(narrow(self.normals[vertex])),
                 Values::Position => out.extend(narrow(self.points[vertex])),
+                Values::Tangent => out.extend(self.tangents[corner]),
+                Values::LightMapUv => out.extend(self.mesh.lightmap_uvs[vertex]),
             }
         }
     }
@@ -175,27 +206,39 @@ impl Source<'_> {
             self.normals[vertex]
         };
         let eye = narrow(self.scene.camera.eye);
-        terms(
+        let mut terms = terms(
             surface,
             &self.scene.lights,
             narrow(self.points[vertex]),
             narrow(normal),
             eye,
-        )
+        );
+        if let Some(map) = self.scene.materials[self.mesh.material].specular_map {
+            let view = (self.scene.camera.eye - self.points[vertex]).normalize_or_zero();
+            let light = self.scene.effects.environments[map]
+                .light(reflect(narrow(view), narrow(normal)));
+            for (sum, c) in terms.highlight.iter_mut().zip(light) {
+                *sum += surface.ks * c;
+            }
+        }
+        terms
     }
 }
 
 /// Unit normals in world space by the inverse transpose; zero where a vertex has none.
 pub(crate) fn world_normals(mesh: &Mesh) -> Vec<DVec3> {
-    let object: Vec<DVec3> = match mesh.normals.is_empty() {
-        true => vertex_normals(mesh),
-        false => mesh.normals.iter().map(|n| wide(*n)).collect(),
-    };
     let matrix = linear(mesh.world_from_object).inverse().transpose();
-    object
+    object_normals(mesh)
         .into_iter()
         .map(|n| (matrix * n.normalize_or_zero()).normalize_or_zero())
         .collect()
+}
+
+fn object_normals(mesh: &Mesh) -> Vec<DVec3> {
+    match mesh.normals.is_empty() {
+        true => vertex_normals(mesh),
+        false => mesh.normals.iter().map(|n| wide(*n)).collect(),
+    }
 }
 
 /// Sum of the un-normalised cross products of the triangles at each vertex: weighted by area.

@@ -29,6 +29,7 @@ pub(crate) fn empty() -> Scene {
         materials: Vec::new(),
         meshes: Vec::new(),
         warnings: Vec::new(),
+        effects: Default::default(),
     }
 }
 

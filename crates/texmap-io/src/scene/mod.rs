@@ -166,5 +166,6 @@ fn empty_scene(color: ColorMode) -> Scene {
         materials: Vec::new(),
         meshes: Vec::new(),
         warnings: Vec::new(),
+        effects: Default::default(),
     }
 }

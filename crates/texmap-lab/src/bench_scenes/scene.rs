@@ -83,6 +83,7 @@ impl BenchScene {
                 vec![mesh]
             },
             warnings: Vec::new(),
+            effects: Default::default(),
         }))
     }
 

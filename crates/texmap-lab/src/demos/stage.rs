@@ -36,6 +36,7 @@ pub(super) fn scene(eye: DVec3, look: DVec3, fov: f64) -> Scene {
         materials: Vec::new(),
         meshes: Vec::new(),
         warnings: Vec::new(),
+        effects: Default::default(),
     }
 }
 

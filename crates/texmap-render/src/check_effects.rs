@@ -1,0 +1,121 @@
+//! Checks of effects, before the first pixel.
+
+use texmap_light::Light;
+use texmap_math::glam::DVec3;
+
+use crate::check::{finite, index, unit_range};
+use crate::effects::{Relief, Shadow, SlideProjector, SlideRole};
+use crate::shadow::{encloses, shadow_kind};
+use crate::{Material, RenderError, Scene, Shading};
+
+/// Most texels a side of a shadow map.
+const MOST: u32 = 16_384;
+
+impl Scene {
+    pub(crate) fn check_material_effects(&self, material: &Material) -> Result<(), RenderError> {
+        let place = || format!("material '{}'", material.name);
+        let environments = self.effects.environments.len();
+        if let Some(map) = material.specular_map {
+            index(place, "specular map", map as u64, environments)?;
+        }
+        if let Some(reflection) = &material.reflection {
+            index(place, "environment", reflection.environment as u64, environments)?;
+            unit_range(place, "reflectivity", &[reflection.reflectivity])?;
+        }
+        match &material.relief {
+            Some(Relief::Bump { height, .. }) => finite(place, || "bump height".to_owned(), &[*height])?,
+            Some(Relief::NormalMap { strength, .. }) => {
+                finite(place, || "strength of the normal map".to_owned(), &[*strength])?;
+            }
+            None => {}
+        }
+        if let Some(map) = &material.light_map {
+            if !(map.scale >= 0.0 && map.scale.is_finite()) {
+                return Err(RenderError::Value {
+                    place: place(),
+                    what: "scale of the light map".to_owned(),
+                    value: map.scale.to_string(),
+                    expected: "it must be finite and not negative",
+                });
+            }
+            for light in map.baked.iter().flatten() {
+                index(place, "baked light", *light as u64, self.lights.len())?;
+            }
+        }
+        Ok(())
+    }
+
+    pub(crate) fn check_effects(&self, warnings: &mut Vec<String>) -> Result<(), RenderError> {
+        for shadow in &self.effects.shadows {
+            self.check_shadow(shadow, warnings)?;
+        }
+        for (number, slide) in self.effects.projectors.iter().enumerate() {
+            self.check_projector(number, slide)?;
+        }
+        for material in &self.materials {
+            let unread = material.relief.is_some()
+                || material.light_map.is_some()
+                || material.reflection.is_some();
+            if unread && material.shading != Shading::PerPixel {
+                warnings.push(format!(
+                    "material '{}' has effects (bump, light map or reflection) but is not lit per pixel: they are not drawn",
+                    material.name
+                ));
+            }
+        }
+        Ok(())
+    }
+
+    fn check_shadow(&self, shadow: &Shadow, warnings: &mut Vec<String>) -> Result<(), RenderError> {
+        shadow_kind(self, shadow.light, shadow.area)?;
+        let value = |what: &str, value: u32, expected| RenderError::Value {
+            place: format!("shadow of light {}", shadow.light),
+            what: what.to_owned(),
+            value: value.to_string(),
+            expected,
+        };
+        if let Some(size) = shadow.size.filter(|size| !(1..=MOST).contains(size)) {
+            return Err(value("size", size, "it must be 1 to 16384 texels"));
+        }
+        if shadow.taps % 2 == 0 || shadow.taps > 15 {
+            return Err(value("taps", shadow.taps, "an odd number, 1 to 15"));
+        }
+        if let Light::Point { position, .. } | Light::Spot { position, .. } = self.lights[shadow.light] {
+            let position = DVec3::from(position.map(f64::from));
+            if let Some(mesh) = self.meshes.iter().find(|mesh| encloses(mesh, position)) {
+                warnings.push(format!(
+                    "light {} stands inside of mesh '{}', which keeps its light from everything outside",
+                    shadow.light, mesh.name
+                ));
+            }
+        }
+        Ok(())
+    }
+
+    fn check_projector(&self, number: usize, slide: &SlideProjector) -> Result<(), RenderError> {
+        let place = || format!("projector {number}");
+        index(place, "texture", slide.texture as u64, self.textures.len())?;
+        finite(place, || "position".to_owned(), &slide.position.to_array())?;
+        for row in slide.projector.rows() {
+            finite(place, || "matrix".to_owned(), &row.to_array())?;
+        }
+        let value = |what: &str, value: String, expected| RenderError::Value {
+            place: place(),
+            what: what.to_owned(),
+            value,
+            expected,
+        };
+        if !(0.0..=0.5).contains(&slide.softness) {
+            return Err(value("softness", slide.softness.to_string(), "it must be 0 to 0.5"));
+        }
+        if let SlideRole::Light(color) = slide.role
+            && !color.iter().all(|c| c.is_finite() && *c >= 0.0)
+        {
+            return Err(value("colour", format!("{color:?}"), "finite and not negative"));
+        }
+        match slide.shadow.filter(|size| !(1..=MOST).contains(size)) {
+            Some(size) => Err(value("shadow size", size.to_string(), "it must be 1 to 16384 texels")),
+            None => Ok(()),
+        }
+    }
+}

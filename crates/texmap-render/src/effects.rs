@@ -1,0 +1,122 @@
+//! Lighting effects as data: what a scene says about shadows, projectors and environments, and materials about maps.
+
+use texmap_light::{Environment, Green, ShadowBias, SlideBorder};
+use texmap_math::Projector;
+use texmap_math::glam::DVec3;
+use texmap_sample::Sampler;
+
+use crate::TextureSlot;
+
+/// Effects of a whole scene. None costs anything where it is not named.
+#[derive(Clone, Debug, Default)]
+pub struct Effects {
+    /// Lights that throw shadows.
+    pub shadows: Vec<Shadow>,
+    /// Slide projectors.
+    pub projectors: Vec<SlideProjector>,
+    /// Environments and specular maps that materials name by index.
+    pub environments: Vec<Environment>,
+}
+
+/// A shadow map for a light. Read by surfaces that are lit per pixel.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Shadow {
+    /// Index into [`Scene::lights`](crate::Scene::lights).
+    pub light: usize,
+    /// Texels a side (of each face, for a point light); `None`: about one texel for each pixel at the middle of the scene, 256 to 4096.
+    pub size: Option<u32>,
+    /// What keeps a surface from shadowing itself; `None`: [`shadow_bias`](crate::shadow_bias).
+    pub bias: Option<ShadowBias>,
+    /// Comparisons a side of the filter, 1 or an odd number up to 15.
+    pub taps: u32,
+    /// For a directional light the square that its map shows, by centre and half a side; `None`: all of the scene.
+    pub area: Option<(DVec3, f64)>,
+}
+
+/// A slide projector: a lamp whose light is a picture, or paint thrown onto surfaces. Read by surfaces that are lit per pixel.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SlideProjector {
+    /// Where it stands and what it covers; made with the aspect of its picture.
+    pub projector: Projector,
+    /// Where it stands: light comes from here.
+    pub position: DVec3,
+    /// Index into [`Scene::textures`](crate::Scene::textures), v = 0 at the top.
+    pub texture: usize,
+    /// How the picture is read; its wrap modes are not.
+    pub sampler: Sampler,
+    /// What lies beyond the picture.
+    pub border: SlideBorder,
+    /// Part of the picture's width and height over which its edge fades, 0..=0.5.
+    pub softness: f32,
+    /// Lamp or paint.
+    pub role: SlideRole,
+    /// Texels a side of the depth map that keeps it from shining through things; `None`: it shines through.
+    pub shadow: Option<u32>,
+}
+
+/// What a slide does to a surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum SlideRole {
+    /// It is light of this linear colour times the picture, from the projector's position: diffuse, with highlights.
+    Light([f32; 3]),
+    /// It covers the base colour of what faces the projector, as alpha says.
+    Paint,
+}
+
+/// Textures for the numbers of a surface; each multiplies what the surface says.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SurfaceMaps {
+    /// Colour of the ambient term.
+    pub ambient: Option<TextureSlot>,
+    /// Colour of the highlight.
+    pub specular: Option<TextureSlot>,
+    /// The exponent of the highlight (red channel).
+    pub exponent: Option<TextureSlot>,
+    /// How much of the environment is mirrored (red channel).
+    pub reflectivity: Option<TextureSlot>,
+}
+
+/// What turns the normals of a surface, without moving it.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Relief {
+    /// A height field (red channel), Blinn 1978.
+    Bump {
+        /// The texture.
+        slot: TextureSlot,
+        /// Height of a white texel over a black one, in units of the object; negative turns it inside out.
+        height: f32,
+    },
+    /// Normals as colours.
+    NormalMap {
+        /// The texture: data, not sRGB.
+        slot: TextureSlot,
+        /// Which way the green channel points.
+        green: Green,
+        /// Only red and green are stored.
+        rebuild_z: bool,
+        /// The normals are those of the object, not of its tangent frames.
+        object_space: bool,
+        /// Multiplies x and y before the normal is brought to length 1; 1 is the map as it is.
+        strength: f32,
+    },
+}
+
+/// A light map on the second uv set of the meshes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LightMapSlot {
+    /// The texture: linear light; one channel or three.
+    pub slot: TextureSlot,
+    /// Multiplies the texel: maps of 8 bits can hold more than 1 that way.
+    pub scale: f32,
+    /// Lights that are in the map, by index, and are not computed again; `None`: all of the scene (not its projectors).
+    pub baked: Option<Vec<usize>>,
+}
+
+/// A mirrored environment.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reflection {
+    /// Index into [`Effects::environments`].
+    pub environment: usize,
+    /// Share of the mirrored light that is added, 0..=1.
+    pub reflectivity: f32,
+}

@@ -1,0 +1,575 @@
+//! Effects at work: what a plan keeps of a scene's shadows, projectors and environments, and the light of one sample under them.
+
+use texmap_light::{
+    Environment, Light, ShadowBias, ShadowKind, ShadowMap, Slide, Surface as Numbers, Terms, bump_on,
+    clamp_to_horizon, decode_normal, perturb, reflect, terms_received,
+};
+use texmap_math::camera::Camera;
+use texmap_math::glam::{DMat3, DMat4, DVec3};
+use texmap_math::{Footprint, Projector};
+use texmap_raster::Fragment;
+use texmap_sample::{Origin, Texture2d};
+
+use crate::effects::{LightMapSlot, Reflection, Relief, SlideProjector, SlideRole};
+use crate::shade::{straight, three};
+use crate::shadow::{shadow_bias, shadow_kind, shadow_map};
+use crate::textures::{Chains, Slot};
+use crate::vertices::{Values, Vertices, linear};
+use crate::{Material, Mesh, RenderError, Scene, Settings};
+
+/// The effects of a scene, made ready: every map is finished before the first tile.
+#[derive(Debug)]
+pub(crate) struct Ready<'s> {
+    /// The scene's lights, then a lamp for each projector of light.
+    pub(crate) lights: Vec<Light>,
+    /// Per light.
+    shadows: Vec<Vec<Shade>>,
+    /// Slides of the lamps, from light `lights.len() - lamps.len()` on.
+    lamps: Vec<Thrown<'s>>,
+    paints: Vec<Thrown<'s>>,
+    environments: &'s [Environment],
+}
+
+/// A shadow map and how it is read.
+#[derive(Debug)]
+struct Shade {
+    map: ShadowMap,
+    bias: ShadowBias,
+    taps: u32,
+}
+
+impl Shade {
+    fn lit(&self, point: [f32; 3], plane: DVec3) -> f32 {
+        let point = DVec3::from(point.map(f64::from));
+        self.map.lit(point, plane, self.bias, self.taps)
+    }
+}
+
+#[derive(Debug)]
+struct Thrown<'s> {
+    slide: &'s SlideProjector,
+    texture: &'s Texture2d<'static>,
+    shade: Option<Shade>,
+}
+
+impl Thrown<'_> {
+    fn texel(&self, at: &Sample<'_>) -> [f32; 4] {
+        let slide = Slide {
+            projector: self.slide.projector,
+            texture: self.texture,
+            sampler: &self.slide.sampler,
+            border: self.slide.border,
+            softness: self.slide.softness,
+        };
+        let wide = |v: [f32; 3]| DVec3::from(v.map(f64::from));
+        let along = |d: [f32; 3]| {
+            let rows = self.slide.projector.rows();
+            DVec3::from_array(rows.map(|row| row.truncate().dot(wide(d))))
+        };
+        let step = [along(at.position_dx), along(at.position_dy)];
+        slide.light(self.slide.projector.project(wide(at.position)), Some(step))
+    }
+}
+
+impl<'s> Ready<'s> {
+    /// Draws all maps. `None` for a scene without effects whose materials ask for none either.
+    pub(crate) fn new(scene: &'s Scene, settings: &Settings) -> Result<Self, RenderError> {
+        let mut lights = scene.lights.clone();
+        let mut shadows: Vec<Vec<Shade>> = scene.lights.iter().map(|_| Vec::new()).collect();
+        let threads = settings.threads.unwrap_or(usize::MAX);
+        for shadow in &scene.effects.shadows {
+            let kind = shadow_kind(scene, shadow.light, shadow.area)?;
+            let size = shadow
+                .size
+                .unwrap_or_else(|| fitting_size(scene, &kind, settings));
+            shadows[shadow.light].push(Shade {
+                map: shadow_map(scene, &kind, size, threads)?,
+                bias: shadow.bias.unwrap_or_else(|| shadow_bias(scene)),
+                taps: shadow.taps,
+            });
+        }
+        let (mut lamps, mut paints) = (Vec::new(), Vec::new());
+        for slide in &scene.effects.projectors {
+            let shade = match slide.shadow {
+                None => None,
+                Some(size) => Some(Shade {
+                    map: shadow_map(scene, &slide_kind(slide), size, threads)?,
+                    bias: shadow_bias(scene),
+                    taps: 3,
+                }),
+            };
+            let thrown = Thrown {
+                slide,
+                texture: &scene.textures[slide.texture],
+                shade,
+            };
+            match slide.role {
+                SlideRole::Paint => paints.push(thrown),
+                SlideRole::Light(color) => {
+                    lights.push(Light::Point {
+                        color,
+                        position: slide.position.to_array().map(|c| c as f32),
+                    });
+                    shadows.push(Vec::new());
+                    lamps.push(thrown);
+                }
+            }
+        }
+        Ok(Self {
+            lights,
+            shadows,
+            lamps,
+            paints,
+            environments: &scene.effects.environments,
+        })
+    }
+
+    /// Whether surfaces without effects of their own must know of these.
+    fn is_plain(&self) -> bool {
+        self.lamps.is_empty() && self.paints.is_empty() && self.shadows.iter().all(Vec::is_empty)
+    }
+
+    /// Share of each light of the scene that its shadows leave at a sample, for the `shadow` AOV.
+    pub(crate) fn shadow(&self, light: usize, point: [f32; 3], plane: DVec3) -> Option<f32> {
+        let shades = self.shadows.get(light).filter(|s| !s.is_empty())?;
+        Some(shades.iter().map(|s| s.lit(point, plane)).product())
+    }
+
+    /// What reaches a sample of light `index`.
+    fn received(&self, index: usize, at: &Sample<'_>) -> [f32; 3] {
+        let mut share = 1.0;
+        for shade in &self.shadows[index] {
+            share *= shade.lit(at.position, at.plane);
+        }
+        let first_lamp = self.lights.len() - self.lamps.len();
+        match index.checked_sub(first_lamp).map(|i| &self.lamps[i]) {
+            None => [share; 3],
+            Some(lamp) => {
+                let [r, g, b, _] = lamp.texel(at);
+                let share = match &lamp.shade {
+                    Some(shade) if r > 0.0 || g > 0.0 || b > 0.0 => {
+                        share * shade.lit(at.position, at.plane)
+                    }
+                    _ => share,
+                };
+                [r, g, b].map(|c| c * share)
+            }
+        }
+    }
+
+    /// Paint of all projectors at a sample, premultiplied, the later over the earlier.
+    fn paint(&self, at: &Sample<'_>) -> [f32; 4] {
+        let mut sum = [0.0; 4];
+        for thrown in &self.paints {
+            let toward = thrown.slide.position - DVec3::from(at.position.map(f64::from));
+            if at.plane.dot(toward) <= 0.0 {
+                continue;
+            }
+            let texel = thrown.texel(at);
+            if texel[3] <= 0.0 {
+                continue;
+            }
+            let share = thrown
+                .shade
+                .as_ref()
+                .map_or(1.0, |shade| shade.lit(at.position, at.plane));
+            let keep = 1.0 - texel[3] * share;
+            sum = [0, 1, 2, 3].map(|i| texel[i] * share + keep * sum[i]);
+        }
+        sum
+    }
+}
+
+/// The pyramid of a projector as a spot light's map: square, as wide as the wider side of the picture.
+fn slide_kind(slide: &SlideProjector) -> ShadowKind {
+    let Projector { q, s, t } = slide.projector;
+    // q - t/2 and s - t/2 are the right and down axes times the focal lengths.
+    let forward = t.truncate();
+    let (right, down) = (
+        q.truncate() - forward * 0.5,
+        s.truncate() - forward * 0.5,
+    );
+    let tan_half = 0.5 / right.length().min(down.length());
+    let (x, y) = (right.normalize(), -down.normalize());
+    let rotation = DMat3::from_cols(x, y, -forward).transpose();
+    ShadowKind::Spot {
+        light_from_world: DMat4::from_mat3(rotation) * DMat4::from_translation(-slide.position),
+        tan_half,
+    }
+}
+
+/// Texels a side for about one texel a pixel, where the scene's middle is.
+fn fitting_size(scene: &Scene, kind: &ShadowKind, settings: &Settings) -> u32 {
+    let Camera { eye, fov_x, .. } = scene.camera;
+    let (centre, half) = crate::shadow::around(scene);
+    // The nearer half of the scene is what is looked at.
+    let way = |from: DVec3| (from - centre).length().max(0.5 * half);
+    let pixel = 2.0 * texmap_math::det::tan(0.5 * fov_x) * way(eye) / f64::from(settings.width);
+    let side = match kind {
+        ShadowKind::Directional { half, .. } => 2.0 * half,
+        ShadowKind::Spot {
+            light_from_world,
+            tan_half,
+        } => 2.0 * tan_half * way(light_from_world.inverse().transform_point3(DVec3::ZERO)),
+        ShadowKind::Point { position } => 2.0 * way(*position),
+    };
+    let texels = (side / pixel).clamp(256.0, 4096.0);
+    (texels / 64.0).ceil() as u32 * 64
+}
+
+/// What one surface adds: its maps, and the attributes that they read.
+pub(crate) struct SurfaceEffects<'s> {
+    material: &'s Material,
+    ambient: Option<Slot<'s>>,
+    specular: Option<Slot<'s>>,
+    exponent: Option<Slot<'s>>,
+    reflectivity: Option<Slot<'s>>,
+    relief: Option<(&'s Relief, Slot<'s>)>,
+    light_map: Option<(&'s LightMapSlot, Slot<'s>)>,
+    tangent: Option<usize>,
+    lightmap_uv: Option<usize>,
+    /// Unit normals of the triangles' planes, world space.
+    planes: Vec<DVec3>,
+    normal_to_world: DMat3,
+    /// What is left to compute: without the lights that are baked.
+    lights: Vec<(usize, Light)>,
+}
+
+/// One sample of a surface.
+pub(crate) struct Sample<'a> {
+    pub(crate) fragment: &'a Fragment,
+    /// World space, and its change for one pixel to the right and one down.
+    pub(crate) position: [f32; 3],
+    pub(crate) position_dx: [f32; 3],
+    pub(crate) position_dy: [f32; 3],
+    /// Normal of the triangle's plane, on the side that is seen.
+    pub(crate) plane: DVec3,
+}
+
+impl<'s> SurfaceEffects<'s> {
+    /// The effects that a surface lit per pixel is under; `None` if there are none. Asks for the attributes that they read; the
+    /// caller sees to uv, normals and positions.
+    pub(crate) fn new(
+        scene: &'s Scene,
+        settings: &Settings,
+        chains: &Chains,
+        ready: &Ready<'s>,
+        mesh: &'s Mesh,
+        vertices: &mut Vertices,
+    ) -> Option<Box<Self>> {
+        let material = &scene.materials[mesh.material];
+        if ready.is_plain() && !has_effects(material) {
+            return None;
+        }
+        let slot = |slot| Slot::new(slot, scene, settings, chains, mesh.uv_origin);
+        let maps = &material.maps;
+        let relief = material.relief.as_ref().map(|relief| match relief {
+            Relief::Bump { slot: s, .. } | Relief::NormalMap { slot: s, .. } => (relief, slot(s)),
+        });
+        let tangents = matches!(
+            material.relief,
+            Some(Relief::NormalMap {
+                object_space: false,
+                ..
+            })
+        );
+        let light_map = material.light_map.as_ref();
+        let tangent = tangents.then(|| vertices.push(Values::Tangent, false));
+        let lightmap_uv = light_map.map(|_| vertices.push(Values::LightMapUv, false));
+        let baked = |index: usize| match light_map.map(|map| &map.baked) {
+            None => false,
+            Some(None) => index < scene.lights.len(),
+            Some(Some(all)) => all.contains(&index),
+        };
+        let normal_to_world = linear(mesh.world_from_object).inverse().transpose();
+        Some(Box::new(Self {
+            material,
+            ambient: maps.ambient.as_ref().map(slot),
+            specular: maps.specular.as_ref().map(slot),
+            exponent: maps.exponent.as_ref().map(slot),
+            reflectivity: maps.reflectivity.as_ref().map(slot),
+            relief,
+            light_map: light_map.map(|map| (map, slot(&map.slot))),
+            tangent,
+            lightmap_uv,
+            planes: mesh
+                .triangles
+                .iter()
+                .map(|t| (normal_to_world * mesh.cross(*t)).normalize_or_zero())
+                .collect(),
+            normal_to_world,
+            lights: ready
+                .lights
+                .iter()
+                .copied()
+                .enumerate()
+                .filter(|(i, _)| !baked(*i))
+                .collect(),
+        }))
+    }
+
+    /// Normal of a triangle's plane on the side that is seen.
+    pub(crate) fn plane(&self, triangle: u32, front: bool) -> DVec3 {
+        let plane = self.planes[triangle as usize];
+        if front { plane } else { -plane }
+    }
+
+    /// The light of a sample and the paint on it (premultiplied). `normal` is the interpolated one on the side that is seen, `uv`
+    /// what the mesh's first coordinates are there.
+    pub(crate) fn shade(
+        &self,
+        ready: &Ready<'_>,
+        eye: [f32; 3],
+        at: &Sample<'_>,
+        normal: [f32; 3],
+        uv: ([f32; 2], Footprint),
+    ) -> (Terms, [f32; 4]) {
+        let view = [0, 1, 2].map(|i| eye[i] - at.position[i]);
+        let normal = self.relief(at, normal, view, uv);
+        let mut numbers = self.material.surface;
+        if let Some(slot) = &self.exponent {
+            numbers.ns *= straight(slot.texel(uv.0, uv.1))[0];
+        }
+        let ambient = self.ambient.as_ref().map(|slot| straight(slot.texel(uv.0, uv.1)));
+        let mut terms = self.direct(ready, &numbers, ambient, at, normal, eye);
+        if let (Some((map, slot)), Some(first)) = (&self.light_map, self.lightmap_uv) {
+            let (uv, d) = coordinates(at.fragment, first);
+            for (sum, c) in terms.diffuse.iter_mut().zip(straight(slot.texel(uv, d))) {
+                *sum += numbers.kd * map.scale * c;
+            }
+        }
+        if let Some(slot) = &self.specular {
+            let tint = straight(slot.texel(uv.0, uv.1));
+            terms.highlight = [0, 1, 2].map(|i| terms.highlight[i] * tint[i]);
+        }
+        self.mirror(ready, normal, view, uv, numbers.ks, &mut terms);
+        (terms, ready.paint(at))
+    }
+
+    fn direct(
+        &self,
+        ready: &Ready<'_>,
+        numbers: &Numbers,
+        ambient: Option<[f32; 3]>,
+        at: &Sample<'_>,
+        normal: [f32; 3],
+        eye: [f32; 3],
+    ) -> Terms {
+        // One light after the other in the scene's order: the sum is that of all lights at once.
+        let mut sum = Terms::default();
+        for (index, light) in &self.lights {
+            let one = terms_received(
+                numbers,
+                self.material.highlight,
+                core::slice::from_ref(light),
+                at.position,
+                normal,
+                eye,
+                |_| ready.received(*index, at),
+            );
+            for i in 0..3 {
+                match (light, ambient) {
+                    // A colour of its own, which does not multiply the base colour.
+                    (Light::Ambient { .. }, Some(texel)) => {
+                        sum.highlight[i] += one.diffuse[i] * texel[i];
+                    }
+                    _ => sum.diffuse[i] += one.diffuse[i],
+                }
+                sum.highlight[i] += one.highlight[i];
+            }
+        }
+        sum
+    }
+
+    fn mirror(
+        &self,
+        ready: &Ready<'_>,
+        normal: [f32; 3],
+        view: [f32; 3],
+        uv: ([f32; 2], Footprint),
+        ks: f32,
+        terms: &mut Terms,
+    ) {
+        if self.material.reflection.is_none() && self.material.specular_map.is_none() {
+            return;
+        }
+        let mirrored = reflect(unit(view), unit(normal));
+        if let Some(Reflection {
+            environment,
+            reflectivity,
+        }) = self.material.reflection
+        {
+            let share = reflectivity
+                * self
+                    .reflectivity
+                    .as_ref()
+                    .map_or(1.0, |slot| straight(slot.texel(uv.0, uv.1))[0]);
+            let light = ready.environments[environment].light(mirrored);
+            for (sum, c) in terms.highlight.iter_mut().zip(light) {
+                *sum += share * c;
+            }
+        }
+        if let Some(map) = self.material.specular_map {
+            let light = ready.environments[map].light(mirrored);
+            for (sum, c) in terms.highlight.iter_mut().zip(light) {
+                *sum += ks * c;
+            }
+        }
+    }
+
+    /// The normal that the relief leaves, never turned away from the eye.
+    fn relief(
+        &self,
+        at: &Sample<'_>,
+        normal: [f32; 3],
+        view: [f32; 3],
+        (uv, d): ([f32; 2], Footprint),
+    ) -> [f32; 3] {
+        let Some((relief, slot)) = &self.relief else {
+            return normal;
+        };
+        let turned = match **relief {
+            Relief::Bump { height, .. } => self.bumped(at, normal, slot, height, uv, d),
+            Relief::NormalMap {
+                green,
+                rebuild_z,
+                object_space,
+                strength,
+                ..
+            } => {
+                let [x, y, z] = decode_normal(straight(slot.texel(uv, d)), green, rebuild_z);
+                let map = [x * strength, y * strength, z];
+                if object_space {
+                    let world = self.normal_to_world * DVec3::from(map.map(f64::from));
+                    let world = if at.fragment.front { world } else { -world };
+                    unit(world.to_array().map(|c| c as f32))
+                } else {
+                    let first = self.tangent.unwrap_or(0);
+                    let [tx, ty, tz] = three(at.fragment, first);
+                    let sign = at.fragment.values[first + 3];
+                    // The frame belongs to the front; on the back N and so B are turned round with it.
+                    let sign = if at.fragment.front { sign } else { -sign };
+                    perturb(unit(normal), [tx, ty, tz, if sign < 0.0 { -1.0 } else { 1.0 }], map)
+                }
+            }
+        };
+        clamp_to_horizon(turned, view)
+    }
+
+    /// Blinn's normal, with O_u and O_v from the analytic change of position and coordinates from pixel to pixel.
+    fn bumped(
+        &self,
+        at: &Sample<'_>,
+        normal: [f32; 3],
+        slot: &Slot<'s>,
+        height: f32,
+        uv: [f32; 2],
+        d: Footprint,
+    ) -> [f32; 3] {
+        let n = unit(normal);
+        let ([u, v], placed) = slot.place(uv, d);
+        let det = placed.du_dx * placed.dv_dy - placed.dv_dx * placed.du_dy;
+        if det == 0.0 || !det.is_finite() {
+            return n;
+        }
+        let (px, py) = (at.position_dx, at.position_dy);
+        let o_u = [0, 1, 2].map(|i| (px[i] * placed.dv_dy - py[i] * placed.dv_dx) / det);
+        let o_v = [0, 1, 2].map(|i| (py[i] * placed.du_dx - px[i] * placed.du_dy) / det);
+        // Central differences over a texel to each side, or over the pixel where that is wider.
+        let wider = |texel: f32, a: f32, b: f32| {
+            let pixel = if a.abs() > b.abs() { a.abs() } else { b.abs() };
+            if pixel > texel { pixel } else { texel }
+        };
+        let (w, h) = (slot.texture.width() as f32, slot.texture.height() as f32);
+        let (du, dv) = (
+            wider(1.0 / w, placed.du_dx, placed.du_dy),
+            wider(1.0 / h, placed.dv_dx, placed.dv_dy),
+        );
+        let sample = |u: f32, v: f32| {
+            straight(slot.sampler.sample_grad(&slot.texture, [u, v], placed))[0]
+        };
+        let b_u = height * (sample(u + du, v) - sample(u - du, v)) / (2.0 * du);
+        let b_v = height * (sample(u, v + dv) - sample(u, v - dv)) / (2.0 * dv);
+        bump_on(n, o_u, o_v, b_u, b_v)
+    }
+}
+
+/// Whether a material lit per pixel needs more than plain lights.
+fn has_effects(material: &Material) -> bool {
+    let maps = &material.maps;
+    material.relief.is_some()
+        || material.light_map.is_some()
+        || material.reflection.is_some()
+        || material.specular_map.is_some()
+        || material.highlight != texmap_light::Highlight::Phong
+        || [&maps.ambient, &maps.specular, &maps.exponent]
+            .into_iter()
+            .any(Option::is_some)
+}
+
+/// Whether effects read the first coordinates of a mesh.
+pub(crate) fn reads_uv(material: &Material) -> bool {
+    let maps = &material.maps;
+    material.relief.is_some()
+        || [&maps.ambient, &maps.specular, &maps.exponent, &maps.reflectivity]
+            .into_iter()
+            .any(Option::is_some)
+}
+
+/// Coordinates among the attributes of a fragment, and their footprint.
+fn coordinates(fragment: &Fragment, first: usize) -> ([f32; 2], Footprint) {
+    let Fragment {
+        values, ddx, ddy, ..
+    } = fragment;
+    let d = Footprint {
+        du_dx: ddx[first],
+        dv_dx: ddx[first + 1],
+        du_dy: ddy[first],
+        dv_dy: ddy[first + 1],
+    };
+    ([values[first], values[first + 1]], d)
+}
+
+/// Unit length; zero stays zero.
+fn unit(v: [f32; 3]) -> [f32; 3] {
+    let length = (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt();
+    if length > 0.0 && length.is_finite() {
+        v.map(|c| c / length)
+    } else {
+        [0.0; 3]
+    }
+}
+
+/// Tangents of a mesh's corners for normal maps whose y points up the picture: world-space vectors and the sign of the bitangent.
+pub(crate) fn corner_tangents(mesh: &Mesh, normals: &[DVec3]) -> Vec<[f32; 4]> {
+    let faces = texmap_uv::Faces::from_triangles(&mesh.triangles);
+    let corners: Vec<u32> = mesh.triangles.iter().flatten().copied().collect();
+    let set = texmap_uv::UvSet {
+        uvs: mesh.uvs.clone(),
+        corners: corners.clone(),
+    };
+    let normal = |v: &u32| normals[*v as usize].normalize_or_zero().to_array();
+    let at_corners: Vec<[f32; 3]> = corners
+        .iter()
+        .map(|v| normal(v).map(|c| c as f32))
+        .collect();
+    let fallback = || vec![[0.0; 4]; corners.len()];
+    let Ok(shape) = texmap_uv::Mesh::new(&mesh.positions, &faces) else {
+        return fallback();
+    };
+    let Ok(tangents) = texmap_uv::tangents(&shape, &set, &at_corners) else {
+        return fallback();
+    };
+    let world = linear(mesh.world_from_object);
+    let mirror = if world.determinant() < 0.0 { -1.0 } else { 1.0 };
+    // The bitangent follows growing v, which runs down the picture from a top-left origin.
+    let down = if mesh.uv_origin == Origin::TopLeft { -1.0 } else { 1.0 };
+    tangents
+        .into_iter()
+        .map(|[x, y, z, sign]| {
+            let t = (world * DVec3::new(x.into(), y.into(), z.into())).normalize_or_zero();
+            let [x, y, z] = t.to_array().map(|c| c as f32);
+            [x, y, z, sign * mirror * down]
+        })
+        .collect()
+}
