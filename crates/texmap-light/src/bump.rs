@@ -155,7 +155,11 @@ pub fn bump_on(n: [f32; 3], o_u: [f32; 3], o_v: [f32; 3], b_u: f32, b_v: f32) ->
     let (along_v, along_u) = (cross(n, o_v), cross(n, o_u));
     let bumped =
         normalize([0, 1, 2].map(|i| area * n[i] + side * (b_u * along_v[i] - b_v * along_u[i])));
-    if area > 0.0 && bumped != [0.0; 3] { bumped } else { n }
+    if area > 0.0 && bumped != [0.0; 3] {
+        bumped
+    } else {
+        n
+    }
 }
 
 /// A normal that a map has turned away from the eye, brought back to the horizon: the nearest direction with `N.V >= 0.01`
@@ -345,7 +349,10 @@ mod tests {
         assert_eq!(bump_on(up, o_v, o_u, -0.3, 0.4), expected);
         // Seen from behind, what was a bump is still one: it leans the same way.
         let down = bump_on([0.0, 0.0, -1.0], o_u, o_v, 0.4, -0.3);
-        assert!((wide(down) - DVec3::new(-0.196_116, 0.098_058, -0.975_7)).length() < 2e-3, "{down:?}");
+        assert!(
+            (wide(down) - DVec3::new(-0.196_116, 0.098_058, -0.975_7)).length() < 2e-3,
+            "{down:?}"
+        );
         assert_eq!(bump_on(up, o_u, o_u, 0.4, 0.3), up);
         assert_eq!(bump_on(up, [0.0; 3], o_v, 0.4, 0.3), up);
     }

@@ -247,7 +247,7 @@ fn write_aovs(
                     AovRows::U32(rows) => rows[y][x] = surface.mesh.face(triangle),
                     AovRows::F32(rows) => {
                         let channels = aov.channels();
-                        let values = aov_values(*aov, surface, &fragment);
+                        let values = aov_values(*aov, scenery.plan, surface, &fragment, triangle);
                         rows[y][x * channels..][..channels].copy_from_slice(&values[..channels]);
                     }
                 }
@@ -257,7 +257,13 @@ fn write_aovs(
 }
 
 /// Values of an f32 AOV, holes where the surface has none (or none that is finite).
-fn aov_values(aov: Aov, surface: &Surface<'_>, fragment: &Fragment) -> [f32; 3] {
+fn aov_values(
+    aov: Aov,
+    plan: &Plan<'_>,
+    surface: &Surface<'_>,
+    fragment: &Fragment,
+    triangle: u32,
+) -> [f32; 3] {
     let hole = f32::from_bits(HOLE_BITS);
     let values = match aov {
         Aov::Depth => Some([fragment.depth, hole, hole]),
@@ -275,6 +281,12 @@ fn aov_values(aov: Aov, surface: &Surface<'_>, fragment: &Fragment) -> [f32; 3] 
             .normal
             .and_then(|first| unit(facing_normal(fragment, first))),
         Aov::Position => surface.position.map(|first| three(fragment, first)),
+        Aov::Shadow(light) => surface.effects.as_ref().and_then(|effects| {
+            let point = three(fragment, surface.position?);
+            let plane = effects.plane(triangle, fragment.front);
+            let share = plan.ready.shadow(usize::from(light), point, plane)?;
+            Some([share, hole, hole])
+        }),
         Aov::Face => None,
     };
     let channels = aov.channels();

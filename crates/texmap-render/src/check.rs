@@ -276,7 +276,11 @@ fn all_finite(mesh: &Mesh, what: &str, values: &[f32], channels: usize) -> Resul
     }
 }
 
-pub(crate) fn unit_range(place: impl Fn() -> String, what: &str, values: &[f32]) -> Result<(), RenderError> {
+pub(crate) fn unit_range(
+    place: impl Fn() -> String,
+    what: &str,
+    values: &[f32],
+) -> Result<(), RenderError> {
     match values.iter().find(|v| !(0.0..=1.0).contains(*v)) {
         None => Ok(()),
         Some(v) => Err(RenderError::Value {

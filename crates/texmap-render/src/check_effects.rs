@@ -19,13 +19,24 @@ impl Scene {
             index(place, "specular map", map as u64, environments)?;
         }
         if let Some(reflection) = &material.reflection {
-            index(place, "environment", reflection.environment as u64, environments)?;
+            index(
+                place,
+                "environment",
+                reflection.environment as u64,
+                environments,
+            )?;
             unit_range(place, "reflectivity", &[reflection.reflectivity])?;
         }
         match &material.relief {
-            Some(Relief::Bump { height, .. }) => finite(place, || "bump height".to_owned(), &[*height])?,
+            Some(Relief::Bump { height, .. }) => {
+                finite(place, || "bump height".to_owned(), &[*height])?
+            }
             Some(Relief::NormalMap { strength, .. }) => {
-                finite(place, || "strength of the normal map".to_owned(), &[*strength])?;
+                finite(
+                    place,
+                    || "strength of the normal map".to_owned(),
+                    &[*strength],
+                )?;
             }
             None => {}
         }
@@ -80,7 +91,9 @@ impl Scene {
         if shadow.taps % 2 == 0 || shadow.taps > 15 {
             return Err(value("taps", shadow.taps, "an odd number, 1 to 15"));
         }
-        if let Light::Point { position, .. } | Light::Spot { position, .. } = self.lights[shadow.light] {
+        if let Light::Point { position, .. } | Light::Spot { position, .. } =
+            self.lights[shadow.light]
+        {
             let position = DVec3::from(position.map(f64::from));
             if let Some(mesh) = self.meshes.iter().find(|mesh| encloses(mesh, position)) {
                 warnings.push(format!(
@@ -106,15 +119,27 @@ impl Scene {
             expected,
         };
         if !(0.0..=0.5).contains(&slide.softness) {
-            return Err(value("softness", slide.softness.to_string(), "it must be 0 to 0.5"));
+            return Err(value(
+                "softness",
+                slide.softness.to_string(),
+                "it must be 0 to 0.5",
+            ));
         }
         if let SlideRole::Light(color) = slide.role
             && !color.iter().all(|c| c.is_finite() && *c >= 0.0)
         {
-            return Err(value("colour", format!("{color:?}"), "finite and not negative"));
+            return Err(value(
+                "colour",
+                format!("{color:?}"),
+                "finite and not negative",
+            ));
         }
         match slide.shadow.filter(|size| !(1..=MOST).contains(size)) {
-            Some(size) => Err(value("shadow size", size.to_string(), "it must be 1 to 16384 texels")),
+            Some(size) => Err(value(
+                "shadow size",
+                size.to_string(),
+                "it must be 1 to 16384 texels",
+            )),
             None => Ok(()),
         }
     }

@@ -1,8 +1,8 @@
 //! Effects at work: what a plan keeps of a scene's shadows, projectors and environments, and the light of one sample under them.
 
 use texmap_light::{
-    Environment, Light, ShadowBias, ShadowKind, ShadowMap, Slide, Surface as Numbers, Terms, bump_on,
-    clamp_to_horizon, decode_normal, perturb, reflect, terms_received,
+    Environment, Light, ShadowBias, ShadowKind, ShadowMap, Slide, Surface as Numbers, Terms,
+    bump_on, clamp_to_horizon, decode_normal, perturb, reflect, terms_received,
 };
 use texmap_math::camera::Camera;
 use texmap_math::glam::{DMat3, DMat4, DVec3};
@@ -10,8 +10,9 @@ use texmap_math::{Footprint, Projector};
 use texmap_raster::Fragment;
 use texmap_sample::{Origin, Texture2d};
 
+use crate::canvas::straight;
 use crate::effects::{LightMapSlot, Reflection, Relief, SlideProjector, SlideRole};
-use crate::shade::{straight, three};
+use crate::shade::three;
 use crate::shadow::{shadow_bias, shadow_kind, shadow_map};
 use crate::textures::{Chains, Slot};
 use crate::vertices::{Values, Vertices, linear};
@@ -185,10 +186,7 @@ fn slide_kind(slide: &SlideProjector) -> ShadowKind {
     let Projector { q, s, t } = slide.projector;
     // q - t/2 and s - t/2 are the right and down axes times the focal lengths.
     let forward = t.truncate();
-    let (right, down) = (
-        q.truncate() - forward * 0.5,
-        s.truncate() - forward * 0.5,
-    );
+    let (right, down) = (q.truncate() - forward * 0.5, s.truncate() - forward * 0.5);
     let tan_half = 0.5 / right.length().min(down.length());
     let (x, y) = (right.normalize(), -down.normalize());
     let rotation = DMat3::from_cols(x, y, -forward).transpose();
@@ -244,6 +242,26 @@ pub(crate) struct Sample<'a> {
     pub(crate) position_dy: [f32; 3],
     /// Normal of the triangle's plane, on the side that is seen.
     pub(crate) plane: DVec3,
+}
+
+impl<'a> Sample<'a> {
+    /// A fragment of a triangle, its world position from attribute `position` on.
+    pub(crate) fn new(
+        fragment: &'a Fragment,
+        position: Option<usize>,
+        effects: &SurfaceEffects<'_>,
+        triangle: u32,
+    ) -> Self {
+        let first = position.unwrap_or(0);
+        let of = |values: &[f32]| [values[first], values[first + 1], values[first + 2]];
+        Self {
+            position: of(&fragment.values),
+            position_dx: of(&fragment.ddx),
+            position_dy: of(&fragment.ddy),
+            plane: effects.plane(triangle, fragment.front),
+            fragment,
+        }
+    }
 }
 
 impl<'s> SurfaceEffects<'s> {
@@ -330,7 +348,10 @@ impl<'s> SurfaceEffects<'s> {
         if let Some(slot) = &self.exponent {
             numbers.ns *= straight(slot.texel(uv.0, uv.1))[0];
         }
-        let ambient = self.ambient.as_ref().map(|slot| straight(slot.texel(uv.0, uv.1)));
+        let ambient = self
+            .ambient
+            .as_ref()
+            .map(|slot| straight(slot.texel(uv.0, uv.1)));
         let mut terms = self.direct(ready, &numbers, ambient, at, normal, eye);
         if let (Some((map, slot)), Some(first)) = (&self.light_map, self.lightmap_uv) {
             let (uv, d) = coordinates(at.fragment, first);
@@ -449,7 +470,11 @@ impl<'s> SurfaceEffects<'s> {
                     let sign = at.fragment.values[first + 3];
                     // The frame belongs to the front; on the back N and so B are turned round with it.
                     let sign = if at.fragment.front { sign } else { -sign };
-                    perturb(unit(normal), [tx, ty, tz, if sign < 0.0 { -1.0 } else { 1.0 }], map)
+                    perturb(
+                        unit(normal),
+                        [tx, ty, tz, if sign < 0.0 { -1.0 } else { 1.0 }],
+                        map,
+                    )
                 }
             }
         };
@@ -485,9 +510,8 @@ impl<'s> SurfaceEffects<'s> {
             wider(1.0 / w, placed.du_dx, placed.du_dy),
             wider(1.0 / h, placed.dv_dx, placed.dv_dy),
         );
-        let sample = |u: f32, v: f32| {
-            straight(slot.sampler.sample_grad(&slot.texture, [u, v], placed))[0]
-        };
+        let sample =
+            |u: f32, v: f32| straight(slot.sampler.sample_grad(&slot.texture, [u, v], placed))[0];
         let b_u = height * (sample(u + du, v) - sample(u - du, v)) / (2.0 * du);
         let b_v = height * (sample(u, v + dv) - sample(u, v - dv)) / (2.0 * dv);
         bump_on(n, o_u, o_v, b_u, b_v)
@@ -511,9 +535,14 @@ fn has_effects(material: &Material) -> bool {
 pub(crate) fn reads_uv(material: &Material) -> bool {
     let maps = &material.maps;
     material.relief.is_some()
-        || [&maps.ambient, &maps.specular, &maps.exponent, &maps.reflectivity]
-            .into_iter()
-            .any(Option::is_some)
+        || [
+            &maps.ambient,
+            &maps.specular,
+            &maps.exponent,
+            &maps.reflectivity,
+        ]
+        .into_iter()
+        .any(Option::is_some)
 }
 
 /// Coordinates among the attributes of a fragment, and their footprint.
@@ -563,7 +592,11 @@ pub(crate) fn corner_tangents(mesh: &Mesh, normals: &[DVec3]) -> Vec<[f32; 4]> {
     let world = linear(mesh.world_from_object);
     let mirror = if world.determinant() < 0.0 { -1.0 } else { 1.0 };
     // The bitangent follows growing v, which runs down the picture from a top-left origin.
-    let down = if mesh.uv_origin == Origin::TopLeft { -1.0 } else { 1.0 };
+    let down = if mesh.uv_origin == Origin::TopLeft {
+        -1.0
+    } else {
+        1.0
+    };
     tangents
         .into_iter()
         .map(|[x, y, z, sign]| {

@@ -1,11 +1,14 @@
 //! From a checked scene to draws: which values each mesh carries per vertex, and which stages run on its pixels.
 
+use std::sync::Arc;
+
 use texmap_light::Light;
 use texmap_math::glam::DMat4;
 use texmap_raster::{AlphaTest, Draw, Fragment, Interp, Pass};
 use texmap_sample::Filter;
 
 use crate::coordinates::{CameraFrame, Coordinates};
+use crate::lit::{Ready, SurfaceEffects, reads_uv};
 use crate::texel::TexelStage;
 use crate::textures::{Chains, Slot};
 use crate::vertices::{Values, VertexData, Vertices};
@@ -17,6 +20,7 @@ use crate::{
 pub(crate) struct Plan<'s> {
     pub(crate) surfaces: Vec<Surface<'s>>,
     pub(crate) lights: &'s [Light],
+    pub(crate) ready: Arc<Ready<'s>>,
     pub(crate) eye: [f32; 3],
     pub(crate) level: texmap_math::Level,
 }
@@ -29,6 +33,8 @@ pub(crate) struct Surface<'s> {
     pub(crate) opacity_map: Option<Slot<'s>>,
     pub(crate) uv: Coordinates,
     pub(crate) light: LightStage,
+    /// What a surface lit per pixel is under beside plain lights.
+    pub(crate) effects: Option<Box<SurfaceEffects<'s>>>,
     /// Vertex colours, where light at the vertices has not taken them in.
     pub(crate) color: Option<usize>,
     pub(crate) normal: Option<usize>,
@@ -105,6 +111,7 @@ impl<'s> Plan<'s> {
         scene: &'s Scene,
         settings: &Settings,
         chains: &Chains,
+        ready: &Arc<Ready<'s>>,
         (width, height): (u32, u32),
         aovs: &[Aov],
     ) -> Result<Self, RenderError> {
@@ -120,12 +127,13 @@ impl<'s> Plan<'s> {
         let surfaces = scene
             .meshes
             .iter()
-            .map(|mesh| surface(scene, settings, chains, &view, mesh, aovs))
+            .map(|mesh| surface(scene, settings, chains, ready, &view, mesh, aovs))
             .collect();
         let eye = scene.camera.eye.to_array().map(|x| x as f32);
         Ok(Self {
             surfaces,
             lights: &scene.lights,
+            ready: Arc::clone(ready),
             eye,
             level: settings.level,
         })
@@ -165,6 +173,7 @@ fn surface<'s>(
     scene: &'s Scene,
     settings: &Settings,
     chains: &Chains,
+    ready: &Ready<'s>,
     view: &View,
     mesh: &'s Mesh,
     aovs: &[Aov],
@@ -203,7 +212,9 @@ fn surface<'s>(
     };
     let interp = settings.interp.unwrap_or(material.interp);
     let mut vertices = Vertices::default();
-    let textured = base_color.is_some() || opacity_map.is_some();
+    let textured = base_color.is_some()
+        || opacity_map.is_some()
+        || material.shading == Shading::PerPixel && reads_uv(material);
 
     let uv = match mesh.frame {
         Some(frame) if textured || aovs.contains(&Aov::Uv) => {
@@ -228,7 +239,11 @@ fn surface<'s>(
     let tinted = shows_surface && !mesh.colors.is_empty() && !at_vertices;
     let color = tinted.then(|| vertices.push(Values::Color, screen));
     let per_pixel = matches!(light, LightStage::PerPixel);
-    let by_place = per_pixel && lights_depend_on_place(&scene.lights, material);
+    let effects = per_pixel
+        .then(|| SurfaceEffects::new(scene, settings, chains, ready, mesh, &mut vertices))
+        .flatten();
+    let by_place =
+        effects.is_some() || per_pixel && lights_depend_on_place(&scene.lights, material);
     let mut normal = per_pixel.then(|| vertices.push(Values::Normal, false));
     let mut position = by_place.then(|| vertices.push(Values::Position, false));
     let shaded = vertices.attribute_count();
@@ -253,6 +268,7 @@ fn surface<'s>(
         material,
         uv,
         light,
+        effects,
         color,
         normal,
         position,
@@ -368,7 +384,8 @@ mod tests {
         let scene = scene(material);
         let settings = Settings::new(8, 8);
         let chains = Chains::new(&scene, &settings);
-        let plan = Plan::new(&scene, &settings, &chains, (8, 8), aovs).unwrap();
+        let ready = Arc::new(Ready::new(&scene, &settings).unwrap());
+        let plan = Plan::new(&scene, &settings, &chains, &ready, (8, 8), aovs).unwrap();
         let surface = &plan.surfaces[0];
         (
             surface.vertices.attribute_count,

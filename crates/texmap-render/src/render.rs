@@ -1,14 +1,15 @@
 //! The frame: passes over blocks of 64 x 64 pixels, one owner thread each.
 
 use std::fmt;
-use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use rayon::prelude::*;
-use texmap_raster::{Draw, Prepared, RasterError, TILE, TargetSize};
+use texmap_raster::{Draw, Prepared, TILE, TargetSize};
 
 use crate::block::{Block, Job, Scratch};
+use crate::lit::Ready;
 use crate::plan::Plan;
 use crate::rows::{AovRows, split};
 use crate::textures::Chains;
@@ -73,11 +74,12 @@ impl<'s> Renderer<'s> {
                 })
         });
         let chains = Chains::new(scene, settings);
+        let ready = Arc::new(Ready::new(scene, settings)?);
         let n = settings.supersample;
         let shared = n == 1 && settings.msaa == 1;
         let plan = |side: u32, aovs: &[Aov]| {
             let samples = (settings.width * side, settings.height * side);
-            Plan::new(scene, settings, &chains, samples, aovs)
+            Plan::new(scene, settings, &chains, &ready, samples, aovs)
         };
         let centres = !shared && !settings.aovs.is_empty();
         Ok(Self {
@@ -197,7 +199,7 @@ impl<'s> Renderer<'s> {
                 Prepared::with_level(size, draws, level, threads)
             }
         });
-        prepared.map_err(|error| raster_error(self.scene, error))
+        prepared.map_err(|error| RenderError::of_raster(self.scene, error))
     }
 
     /// Runs the blocks of one pass over the thread pool and returns how many pixels are covered.
@@ -356,21 +358,4 @@ fn nothing_drawn(stats: &Stats, scene: &Scene) -> String {
         )
     };
     format!("nothing was drawn: {why}")
-}
-
-/// Names the mesh behind the rasterizer's number of a draw.
-fn raster_error(scene: &Scene, error: RasterError) -> RenderError {
-    let draw = match error {
-        RasterError::IndexOutOfRange { draw, .. }
-        | RasterError::AttributeLength { draw, .. }
-        | RasterError::TooManyAttributes { draw, .. }
-        | RasterError::Parts { draw, .. }
-        | RasterError::ZeroSpan { draw }
-        | RasterError::Tolerance { draw, .. } => Some(draw),
-        _ => None,
-    };
-    let mesh = draw
-        .and_then(|draw| scene.meshes.get(draw))
-        .map_or_else(|| "(all)".to_owned(), |mesh| mesh.name.clone());
-    RenderError::Raster { mesh, error }
 }

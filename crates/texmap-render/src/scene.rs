@@ -121,7 +121,16 @@ impl Material {
         self.base_color
             .iter()
             .chain(&self.opacity_map)
-            .chain([&maps.ambient, &maps.specular, &maps.exponent, &maps.reflectivity].into_iter().flatten())
+            .chain(
+                [
+                    &maps.ambient,
+                    &maps.specular,
+                    &maps.exponent,
+                    &maps.reflectivity,
+                ]
+                .into_iter()
+                .flatten(),
+            )
             .chain(relief)
             .chain(self.light_map.as_ref().map(|map| &map.slot))
     }

@@ -72,10 +72,33 @@ pub enum Aov {
     Normal,
     /// Position in world space. 3 channels, f32.
     Position,
+    /// Share of a light (its number in the scene, 0 to 15) that its shadows leave, 0..=1; a hole where the light has no shadow or
+    /// the surface is not lit per pixel. 1 channel, f32.
+    Shadow(u8),
 }
 
+/// Names of [`Aov::Shadow`].
+const SHADOWS: [&str; 16] = [
+    "shadow:0",
+    "shadow:1",
+    "shadow:2",
+    "shadow:3",
+    "shadow:4",
+    "shadow:5",
+    "shadow:6",
+    "shadow:7",
+    "shadow:8",
+    "shadow:9",
+    "shadow:10",
+    "shadow:11",
+    "shadow:12",
+    "shadow:13",
+    "shadow:14",
+    "shadow:15",
+];
+
 impl Aov {
-    /// Every AOV.
+    /// Every AOV but the shadows, which belong to lights.
     pub const ALL: [Self; 7] = [
         Self::Depth,
         Self::InvW,
@@ -97,6 +120,7 @@ impl Aov {
             Self::Face => "face",
             Self::Normal => "normal",
             Self::Position => "position",
+            Self::Shadow(light) => SHADOWS.get(usize::from(light)).copied().unwrap_or("shadow"),
         }
     }
 
@@ -104,7 +128,7 @@ impl Aov {
     #[must_use]
     pub fn channels(self) -> usize {
         match self {
-            Self::Depth | Self::InvW | Self::Lod | Self::Face => 1,
+            Self::Depth | Self::InvW | Self::Lod | Self::Face | Self::Shadow(_) => 1,
             Self::Uv => 2,
             Self::Normal | Self::Position => 3,
         }
@@ -123,6 +147,7 @@ impl FromStr for Aov {
     fn from_str(s: &str) -> Result<Self, UnknownAov> {
         Self::ALL
             .into_iter()
+            .chain((0..16).map(Self::Shadow))
             .find(|aov| aov.name() == s)
             .ok_or_else(|| UnknownAov(s.to_owned()))
     }
@@ -130,7 +155,9 @@ impl FromStr for Aov {
 
 /// A name that is not an AOV's.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("unknown AOV '{0}': choose from depth, inv_w, uv, lod, face, normal, position")]
+#[error(
+    "unknown AOV '{0}': choose from depth, inv_w, uv, lod, face, normal, position, shadow:LIGHT (its number from 0)"
+)]
 pub struct UnknownAov(pub String);
 
 #[cfg(test)]
@@ -139,7 +166,7 @@ mod tests {
 
     #[test]
     fn names_round_trip() {
-        for aov in Aov::ALL {
+        for aov in Aov::ALL.into_iter().chain((0..16).map(Aov::Shadow)) {
             assert_eq!(aov.name().parse(), Ok(aov));
         }
         assert_eq!("uvw".parse::<Aov>(), Err(UnknownAov("uvw".into())));

@@ -8,6 +8,7 @@ use texmap_sample::sample_slice;
 
 use crate::canvas::{Colors, LANES, bits, straight};
 use crate::coordinates::Coordinates;
+use crate::lit::{Sample, SurfaceEffects};
 use crate::plan::{LightStage, Plan, Surface};
 use crate::texel::clip;
 use crate::textures::Slot;
@@ -57,6 +58,7 @@ pub(crate) struct Stages {
     normal: Vec<[f32; 3]>,
     position: Vec<[f32; 3]>,
     terms: Vec<Terms>,
+    paint: Vec<[f32; 4]>,
 }
 
 impl Stages {
@@ -87,7 +89,9 @@ impl Stages {
                 &mut self.mask,
             );
         }
-        if matches!(surface.light, LightStage::PerPixel) {
+        if let Some(effects) = &surface.effects {
+            self.under_effects(plan, surface, effects, run);
+        } else if matches!(surface.light, LightStage::PerPixel) {
             self.terms.clear();
             self.terms.resize(self.normal.len(), Terms::default());
             self.position.resize(self.normal.len(), [0.0; 3]);
@@ -172,6 +176,35 @@ impl Stages {
         }
     }
 
+    /// Light and paint of surfaces with effects: one sample after the other.
+    fn under_effects(
+        &mut self,
+        plan: &Plan<'_>,
+        surface: &Surface<'_>,
+        effects: &SurfaceEffects<'_>,
+        run: &Run<'_>,
+    ) {
+        self.terms.clear();
+        self.paint.clear();
+        let mut fragment = Fragment::default();
+        let mut facing = Facing::new(surface.material.cull);
+        for (i, (place, at, bit)) in run.places().enumerate() {
+            for (k, column) in run.values.columns[..surface.shaded].iter().enumerate() {
+                fragment.values[k] = column.value[place];
+                fragment.ddx[k] = column.ddx[place];
+                fragment.ddy[k] = column.ddy[place];
+            }
+            let slot = run.slot(at, bit);
+            fragment.front = facing.is_front(run, slot);
+            let (_, triangle) = run.prepared.source(run.blocks.ids[slot as usize]);
+            let sample = Sample::new(&fragment, surface.position, effects, triangle);
+            let uv = self.uv.get(i).copied().unwrap_or_default();
+            let (terms, paint) = effects.shade(&plan.ready, plan.eye, &sample, self.normal[i], uv);
+            self.terms.push(terms);
+            self.paint.push(paint);
+        }
+    }
+
     /// The colour of sample `i`.
     fn compose(&self, surface: &Surface<'_>, i: usize) -> [f32; 4] {
         let material = surface.material;
@@ -221,7 +254,17 @@ impl Stages {
         match surface.light {
             LightStage::None => tinted(base).map(clip),
             LightStage::Colors(_) => self.color[i],
-            LightStage::Terms { .. } | LightStage::PerPixel => self.terms[i].color(tinted(base)),
+            LightStage::Terms { .. } | LightStage::PerPixel => {
+                let base = tinted(base);
+                let base = match (&surface.effects, self.paint.get(i)) {
+                    (Some(_), Some(paint)) => {
+                        let keep = 1.0 - paint[3];
+                        [0, 1, 2].map(|k| paint[k] + keep * base[k])
+                    }
+                    _ => base,
+                };
+                self.terms[i].color(base)
+            }
         }
     }
 }

@@ -215,8 +215,8 @@ impl Source<'_> {
         );
         if let Some(map) = self.scene.materials[self.mesh.material].specular_map {
             let view = (self.scene.camera.eye - self.points[vertex]).normalize_or_zero();
-            let light = self.scene.effects.environments[map]
-                .light(reflect(narrow(view), narrow(normal)));
+            let light =
+                self.scene.effects.environments[map].light(reflect(narrow(view), narrow(normal)));
             for (sum, c) in terms.highlight.iter_mut().zip(light) {
                 *sum += surface.ks * c;
             }
