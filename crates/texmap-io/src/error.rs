@@ -245,6 +245,14 @@ pub enum IoError {
         /// What is wrong with it.
         problem: String,
     },
+    /// A projector that throws its slide nowhere.
+    #[error("{place}: projector: {problem}")]
+    BadProjector {
+        /// Its line.
+        place: Place,
+        /// What is wrong with it.
+        problem: String,
+    },
     /// An image that cannot be decoded.
     #[error("{}{}: broken image: {problem}", line_of(.named_by), .path.display())]
     BrokenImage {
@@ -358,6 +366,7 @@ impl IoError {
             Self::IncludeCycle { .. } => "include-cycle",
             Self::DegenerateFrame { .. } => "degenerate-frame",
             Self::BadCamera { .. } => "bad-camera",
+            Self::BadProjector { .. } => "bad-projector",
             Self::BrokenImage { .. } => "broken-image",
             Self::ImageSize { .. } => "image-size",
             Self::EnvironmentSize { .. } => "environment-size",
@@ -397,6 +406,7 @@ impl IoError {
             | Self::IncludeCycle { place, .. }
             | Self::DegenerateFrame { place, .. }
             | Self::BadCamera { place, .. }
+            | Self::BadProjector { place, .. }
             | Self::UnknownMaterial { place, .. }
             | Self::BrokenPath { place, .. } => Some(place),
             Self::Write { .. }
@@ -436,6 +446,7 @@ impl IoError {
             Self::IncludeCycle { .. } => "a file cannot contain itself; remove one of the `include` lines".into(),
             Self::DegenerateFrame { .. } => "give U and V two directions of the texture's plane, neither zero nor parallel".into(),
             Self::BadCamera { .. } => "eye and look must differ, up must not point along the line of sight, and 0 < near < far".into(),
+            Self::BadProjector { .. } => "its position and look must differ, and up must not be zero or point along the line of projection".into(),
             Self::BrokenImage { .. } => "the file is damaged or of another kind than PNG, JPEG or GIF; write it again".into(),
             Self::ImageSize { .. } => format!("textures have 1 to {} texels a side and {} in all", crate::image_io::MAX_SIDE, crate::image_io::MAX_TEXELS),
             Self::EnvironmentSize { chart, expected, .. } => format!("a {chart} map is {expected}; name the chart that the image is in, or convert it with `texmap env`"),

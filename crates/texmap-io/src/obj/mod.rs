@@ -50,6 +50,19 @@ pub(crate) struct Material {
     pub(crate) opacity: f32,
     pub(crate) map_kd: Option<Map>,
     pub(crate) map_d: Option<Map>,
+    pub(crate) map_ka: Option<Map>,
+    pub(crate) map_ks: Option<Map>,
+    pub(crate) map_ns: Option<Map>,
+    pub(crate) relief: Option<(Map, ReliefKind)>,
+}
+
+/// What a relief map holds.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum ReliefKind {
+    /// Heights; white over black in units of the model (`-bm`).
+    Bump(f32),
+    /// Normals in tangent space, green up.
+    Normals,
 }
 
 /// A texture and the options of its MTL line.

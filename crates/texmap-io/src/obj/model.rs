@@ -11,7 +11,7 @@ use texmap_uv::{Origin, Projection, project};
 use super::check::{self, Checked, Face};
 use super::mtl::{self, Description};
 use super::normals::{Smooth, area_normal, unit};
-use super::{Map, Material, Model, Part};
+use super::{Map, Material, Model, Part, ReliefKind};
 use crate::scene_file::Missing;
 use crate::textures::{Content, Textures};
 use crate::{IoError, Place, files};
@@ -226,11 +226,7 @@ fn parts(
     }
     let (low, high) = bounds(&models);
     let build = |(model, polygons): (&tobj::Model, &Vec<Polygon<'_>>)| {
-        let has_map = |i: usize| {
-            descriptions
-                .get(i)
-                .is_some_and(|d| d.map_kd.is_some() || d.map_d.is_some())
-        };
+        let has_map = |i: usize| descriptions.get(i).is_some_and(Description::has_map);
         let needs_uv = model.mesh.material_id.map_or(textured, has_map);
         let uv = needs_uv || polygons.iter().any(|p| p.face.has_uv);
         let mut part = part(polygons, &smooth, uv, [low, high]);
@@ -370,8 +366,17 @@ fn material(
         .transpose()
     };
     let name = description.name;
-    let map_kd = load(description.map_kd, Content::Color)?;
-    let map_d = load(description.map_d, Content::Data)?;
+    let [map_kd, map_d, map_ka, map_ks, map_ns, bump, normals] = description.maps;
+    let height = bump.as_ref().and_then(|map| map.height);
+    let map_kd = load(map_kd, Content::Color)?;
+    let map_d = load(map_d, Content::Data)?;
+    let map_ka = load(map_ka, Content::Color)?;
+    let map_ks = load(map_ks, Content::Color)?;
+    let map_ns = load(map_ns, Content::Data)?;
+    let bump = load(bump, Content::Data)?;
+    let relief = load(normals, Content::Data)?
+        .map(|map| (map, ReliefKind::Normals))
+        .or(bump.map(|map| (map, ReliefKind::Bump(height.unwrap_or(DEFAULT_BUMP)))));
     let kd = match (description.kd, &map_kd) {
         // Programs that ignore Kd beside a map often write black, which would blacken the map.
         (Some([0.0, 0.0, 0.0]), Some(_)) => {
@@ -392,8 +397,15 @@ fn material(
         opacity: description.d,
         map_kd,
         map_d,
+        map_ka,
+        map_ks,
+        map_ns,
+        relief,
     })
 }
+
+/// Height of a bump map without `-bm`, units of the model.
+const DEFAULT_BUMP: f32 = 0.02;
 
 #[cfg(test)]
 mod tests {

@@ -1,4 +1,5 @@
-//! Material libraries: `Kd Ks Ns d Tr illum map_Kd map_d` with the options `-s -o -clamp`.
+//! Material libraries: `Kd Ks Ns d Tr illum` and `map_Kd map_d map_Ka map_Ks map_Ns map_Bump bump disp norm` with the options
+//! `-s -o -clamp -bm`.
 //!
 //! Source of the format: Wavefront, "MTL material format", version 4.2 (1995).
 
@@ -19,9 +20,21 @@ pub(super) struct Description {
     pub(super) ns: Option<f32>,
     /// 1 is opaque.
     pub(super) d: f32,
-    pub(super) map_kd: Option<Map>,
-    pub(super) map_d: Option<Map>,
+    /// In the order of [`MAPS`].
+    pub(super) maps: [Option<Map>; MAPS.len()],
 }
+
+impl Description {
+    /// Whether faces need coordinates.
+    pub(super) fn has_map(&self) -> bool {
+        self.maps.iter().any(Option::is_some)
+    }
+}
+
+/// The kinds of map that are read; `bump` and `disp` are other words for `map_Bump`.
+pub(super) const MAPS: [&str; 7] = [
+    "map_Kd", "map_d", "map_Ka", "map_Ks", "map_Ns", "map_Bump", "norm",
+];
 
 /// A map and the options before its name.
 #[derive(Debug, Clone, PartialEq)]
@@ -34,6 +47,8 @@ pub(super) struct Map {
     pub(super) offset: [f32; 2],
     /// `-clamp on`.
     pub(super) clamp: bool,
+    /// `-bm`: the height of a bump.
+    pub(super) height: Option<f32>,
 }
 
 /// Reads a library; what cannot be used is told in `warnings`.
@@ -50,8 +65,7 @@ pub(super) fn read(
             problem: e.to_string(),
         })?;
     let largest = |c: [f32; 3]| c.into_iter().fold(0.0, f32::max);
-    let describe = |(m, maps): (tobj::Material, [Option<Map>; 2])| {
-        let [map_kd, map_d] = maps;
+    let describe = |(m, maps): (tobj::Material, [Option<Map>; MAPS.len()])| {
         // Models 0 and 1 have no highlight.
         let highlight = !matches!(m.illumination_model, Some(0 | 1));
         Description {
@@ -64,8 +78,7 @@ pub(super) fn read(
             },
             ns: m.shininess,
             d: m.dissolve.unwrap_or(1.0),
-            map_kd,
-            map_d,
+            maps,
         }
     };
     Ok(materials
@@ -79,8 +92,8 @@ pub(super) fn read(
 struct Checked {
     /// What the reader needs, in a form that it takes.
     text: String,
-    /// `map_Kd` and `map_d` of each material.
-    maps: Vec<[Option<Map>; 2]>,
+    /// The maps of each material.
+    maps: Vec<[Option<Map>; MAPS.len()]>,
 }
 
 /// Places for errors: the reader's own have none, and it panics on a colour of fewer than three numbers.
@@ -102,7 +115,7 @@ fn check(file: &Path, text: &str, warnings: &mut Vec<String>) -> Result<Checked,
                 return Err(count(place, "newmtl", "1 name"));
             }
             let _ = writeln!(out.text, "newmtl {rest}");
-            out.maps.push([None, None]);
+            out.maps.push(Default::default());
             continue;
         }
         let Some(maps) = out.maps.last_mut() else {
@@ -146,15 +159,27 @@ fn check(file: &Path, text: &str, warnings: &mut Vec<String>) -> Result<Checked,
                 )?;
                 let _ = writeln!(out.text, "illum {}", model as u8);
             }
-            "map_Kd" => maps[0] = Some(map(place, "map_Kd", rest, warnings)?),
-            "map_d" => maps[1] = Some(map(place, "map_d", rest, warnings)?),
-            _ => {}
+            "disp" => {
+                warnings.push(format!(
+                    "{place}: `disp`: displacement is drawn as a bump: light follows it, outlines do not"
+                ));
+                maps[5] = Some(map(place, "disp", rest, warnings)?);
+            }
+            "bump" | "map_bump" => maps[5] = Some(map(place, "map_Bump", rest, warnings)?),
+            _ => {
+                if let Some(i) = MAPS.iter().position(|known| *known == word) {
+                    maps[i] = Some(map(place, MAPS[i], rest, warnings)?);
+                }
+            }
         }
     }
     Ok(out)
 }
 
-const KNOWN: [&str; 8] = ["Kd", "Ks", "Ns", "d", "Tr", "illum", "map_Kd", "map_d"];
+const KNOWN: [&str; 13] = [
+    "Kd", "Ks", "Ns", "d", "Tr", "illum", "map_Kd", "map_d", "map_Ka", "map_Ks", "map_Ns",
+    "map_Bump", "norm",
+];
 
 fn color(
     out: &mut String,
@@ -213,6 +238,7 @@ fn map(
         scale: [1.0; 2],
         offset: [0.0; 2],
         clamp: false,
+        height: None,
     };
     let mut rest = text;
     while let Some(option) = rest
@@ -265,6 +291,7 @@ fn map(
                 )?;
                 map.clamp = values[0] == "on";
             }
+            "-bm" if matches!(command, "map_Bump" | "disp") => map.height = Some(number(0, 1.0)?),
             other => warnings.push(format!(
                 "{}: `{command}`: the option {other} is not supported",
                 map.place
@@ -338,7 +365,7 @@ mod tests {
         assert_eq!(materials[0].name, "two words");
         assert_eq!((materials[0].kd, materials[0].ks), (Some([0.5; 3]), 0.3));
         assert_eq!((materials[0].ns, materials[0].d), (Some(20.0), 0.75));
-        let map = materials[0].map_kd.as_ref().unwrap();
+        let map = materials[0].maps[0].as_ref().unwrap();
         assert_eq!(
             (map.name.as_str(), map.scale, map.offset, map.clamp),
             ("my wall.png", [2.0, 3.0], [0.5, 0.0], true)
@@ -347,8 +374,25 @@ mod tests {
             (materials[1].kd, materials[1].ks),
             (Some([1.0, 1.0, 0.0]), 0.0)
         );
-        assert_eq!(materials[1].map_d.as_ref().unwrap().name, "leaf_3.png");
+        assert_eq!(materials[1].maps[1].as_ref().unwrap().name, "leaf_3.png");
         assert_eq!(warnings.len(), 2, "{warnings:?}");
+    }
+
+    #[test]
+    fn maps_of_light_and_relief_are_read() {
+        let (materials, warnings) = read_text(
+            "newmtl a\nmap_Ka a.png\nmap_Ks s.png\nmap_Ns n.png\nbump -bm 0.5 b.png\nnorm t.png\n\
+             newmtl b\ndisp -s 2 2 d.png\nnewmtl c\nmap_bump x.png\n",
+        );
+        let materials = materials.unwrap();
+        let name = |m: usize, map: usize| materials[m].maps[map].as_ref().unwrap().name.clone();
+        assert_eq!(
+            [2, 3, 4, 5, 6].map(|i| name(0, i)),
+            ["a.png", "s.png", "n.png", "b.png", "t.png"]
+        );
+        assert_eq!(materials[0].maps[5].as_ref().unwrap().height, Some(0.5));
+        assert_eq!((name(1, 5), name(2, 5)), ("d.png".into(), "x.png".into()));
+        assert_eq!(warnings.len(), 1, "{warnings:?}");
     }
 
     #[test]

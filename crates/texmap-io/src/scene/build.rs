@@ -8,6 +8,7 @@ use texmap_math::glam::{DMat4, DVec3};
 use texmap_render::{AlphaMode, Material, Mesh, Scene};
 use texmap_sample::Origin;
 
+use super::effects;
 use super::facets::{Facet, Facets};
 use super::settings::{CurrentTexture, Settings, light};
 use super::tree::Tree;
@@ -25,6 +26,7 @@ pub(super) struct Builder {
     camera_line: Option<Place>,
     /// Faces of the scene so far.
     faces: u32,
+    environments: effects::Known,
 }
 
 impl Builder {
@@ -36,6 +38,7 @@ impl Builder {
             kept: Vec::new(),
             camera_line: None,
             faces: 0,
+            environments: effects::Known::default(),
         }
     }
 
@@ -147,6 +150,14 @@ impl Builder {
                 self.facet(facets, place, material, &corners, Some(frame), false);
             }
             Command::Obj(name) => self.obj(name, place)?,
+            Command::Effect(effect) => effects::statement(
+                effect,
+                place,
+                &mut self.scene,
+                &mut self.textures,
+                &mut self.settings,
+                &mut self.environments,
+            )?,
             Command::Texture(None) => self.settings.texture = None,
             Command::Texture(Some(name)) => {
                 let path = files::beside(&place.file, name);
@@ -247,8 +258,14 @@ impl Builder {
                 let stem = path
                     .file_stem()
                     .map_or_else(String::new, |s| s.to_string_lossy().into_owned());
+                let first = self.scene.meshes.len();
                 self.model(model, &stem);
-                Ok(())
+                match &self.settings.effects.lightmap_uv {
+                    None => Ok(()),
+                    Some((path, named)) => {
+                        effects::second_uvs(&mut self.scene.meshes[first..], path, named)
+                    }
+                }
             }
             Err(error @ (IoError::FileMissing { .. } | IoError::NotAFile { .. }))
                 if self.textures.tolerant =>
@@ -319,6 +336,25 @@ impl Builder {
             _ => now.alpha(map_alpha || m.map_d.is_some()),
         };
         Material {
+            maps: texmap_render::SurfaceMaps {
+                ambient: m.map_ka.as_ref().map(slot),
+                specular: m.map_ks.as_ref().map(slot),
+                exponent: m.map_ns.as_ref().map(slot),
+                reflectivity: None,
+            },
+            relief: m.relief.as_ref().map(|(map, relief)| match *relief {
+                obj::ReliefKind::Bump(height) => texmap_render::Relief::Bump {
+                    slot: slot(map),
+                    height,
+                },
+                obj::ReliefKind::Normals => texmap_render::Relief::NormalMap {
+                    slot: slot(map),
+                    green: texmap_light::Green::Up,
+                    rebuild_z: false,
+                    object_space: false,
+                    strength: 1.0,
+                },
+            }),
             name: m.name.clone(),
             surface: Surface {
                 color: light(m.kd, color),
@@ -338,6 +374,10 @@ impl Builder {
 
     /// Index of a material, a new one or an equal one.
     fn material(&mut self, material: Material) -> usize {
+        let material = self
+            .settings
+            .effects
+            .apply(&self.settings, &self.scene, material);
         let materials = &mut self.scene.materials;
         // Faces of one kind follow each other, so the end is the place to look first.
         match materials.iter().rposition(|m| *m == material) {

@@ -1,6 +1,7 @@
 //! Files to scenes.
 
 mod build;
+mod effects;
 mod facets;
 mod settings;
 mod tree;

@@ -8,6 +8,7 @@ use texmap_raster::{Cull, Interp};
 use texmap_render::{AlphaMode, ColorMode, Gouraud, Material, Shading, TextureRole, TextureSlot};
 use texmap_sample::{Filter, Sampler, UvTransform, Wrap};
 
+use super::effects::EffectSettings;
 use crate::scene_file::{Alpha, Missing, Rate, Role, Surf};
 
 /// Everything that `push` keeps and `pop` brings back.
@@ -28,6 +29,7 @@ pub(super) struct Settings {
     pub(super) gouraud: Gouraud,
     pub(super) missing: Missing,
     pub(super) transform: DMat4,
+    pub(super) effects: EffectSettings,
 }
 
 /// The texture of the last `texture` line.
@@ -55,6 +57,7 @@ impl Default for Settings {
             gouraud: Gouraud::ScreenLinear,
             missing: Missing::Error,
             transform: DMat4::IDENTITY,
+            effects: EffectSettings::default(),
         }
     }
 }

@@ -8,6 +8,7 @@
 //! [`crate::load_scene`] then reads the files it names and makes the scene.
 
 mod args;
+mod effects;
 mod parse;
 mod print;
 mod token;
@@ -17,6 +18,7 @@ use texmap_raster::{Cull, Interp};
 use texmap_render::{ColorMode, Gouraud};
 use texmap_sample::{Filter, Wrap};
 
+pub use effects::{Bias, Effect, NormalMapLine, ProjectorLine};
 pub use parse::{COMMANDS, parse};
 pub use print::print;
 
@@ -154,6 +156,8 @@ pub enum Command {
     Obj(String),
     /// `include FILE`.
     Include(String),
+    /// A line about light: see [`Effect`].
+    Effect(Effect),
 }
 
 /// `surf r g b ka kd ks ns`.

@@ -8,6 +8,7 @@ use texmap_raster::Cull;
 use texmap_render::{ColorMode, Gouraud};
 
 use super::args::Args;
+use super::effects;
 use super::token::{self, Token};
 use super::{
     Alpha, Command, Missing, Rate, Role, SceneFile, Shade, Statement, Surf, TexturedCorner, words,
@@ -62,7 +63,7 @@ pub fn parse(file: &Path, text: &str) -> Result<SceneFile, IoError> {
 }
 
 /// The word of every command.
-pub const COMMANDS: [&str; 34] = [
+pub const COMMANDS: [&str; 44] = [
     "eye",
     "look",
     "up",
@@ -97,6 +98,16 @@ pub const COMMANDS: [&str; 34] = [
     "missing",
     "obj",
     "include",
+    "ls",
+    "shadow",
+    "projector",
+    "highlight",
+    "env",
+    "specmap",
+    "lightmap",
+    "lightmapuv",
+    "bump",
+    "normalmap",
 ];
 
 struct Parser {
@@ -130,6 +141,9 @@ impl Parser {
     }
 
     fn command(&self, args: &Args<'_>) -> Result<Command, IoError> {
+        if let Some(effect) = effects::parse(args)? {
+            return Ok(Command::Effect(effect));
+        }
         Ok(match args.command {
             "eye" => Command::Eye(args.point()?),
             "look" => Command::Look(args.point()?),
@@ -424,6 +438,7 @@ impl Command {
             Self::Missing(_) => "missing",
             Self::Obj(_) => "obj",
             Self::Include(_) => "include",
+            Self::Effect(effect) => effect.word(),
         }
     }
 }

@@ -4,6 +4,7 @@ use std::fmt::Write;
 
 use texmap_render::{ColorMode, Gouraud};
 
+use super::effects;
 use super::{Alpha, Command, Missing, Rate, Role, SceneFile, words};
 
 /// The file as text. Comments and spacing are gone; `print(parse(x))` is a fixed point, and its
@@ -102,17 +103,18 @@ fn line(out: &mut String, command: &Command) {
         }
         Command::Missing(Missing::Error) => word(out, "error"),
         Command::Missing(Missing::Warn) => word(out, "warn"),
+        Command::Effect(effect) => effects::print(out, effect),
         Command::Push | Command::Pop => {}
     }
 }
 
-fn word(out: &mut String, word: &str) {
+pub(super) fn word(out: &mut String, word: &str) {
     out.push(' ');
     out.push_str(word);
 }
 
 /// A file called `none` is not the word `none`.
-fn texture_name(out: &mut String, name: &str) {
+pub(super) fn texture_name(out: &mut String, name: &str) {
     if name == "none" {
         out.push_str(" \"none\"");
     } else {
@@ -129,13 +131,13 @@ fn path(out: &mut String, name: &str) {
     };
 }
 
-fn numbers(out: &mut String, numbers: &[f64]) {
+pub(super) fn numbers(out: &mut String, numbers: &[f64]) {
     for &x in numbers {
         number(out, x);
     }
 }
 
-fn number(out: &mut String, x: f64) {
+pub(super) fn number(out: &mut String, x: f64) {
     let magnitude = x.abs();
     let _ = if magnitude != 0.0 && !(1e-5..1e16).contains(&magnitude) {
         write!(out, " {x:e}")
@@ -144,7 +146,7 @@ fn number(out: &mut String, x: f64) {
     };
 }
 
-fn floats(out: &mut String, numbers: &[f32]) {
+pub(super) fn floats(out: &mut String, numbers: &[f32]) {
     for &x in numbers {
         let magnitude = x.abs();
         let _ = if magnitude != 0.0 && !(1e-5..1e16).contains(&magnitude) {

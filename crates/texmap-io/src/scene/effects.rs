@@ -1,0 +1,352 @@
+//! Effect lines to the scene: what they add, and the settings that they are.
+
+use std::collections::HashMap;
+use std::path::PathBuf;
+
+use texmap_light::{Chart, Highlight, Light, ShadowBias};
+use texmap_math::Projector;
+use texmap_math::glam::DVec3;
+use texmap_render::{
+    LightMapSlot, Material, Mesh, Reflection, Relief, Scene, Shadow, SlideProjector, SlideRole,
+};
+use texmap_sample::UvTransform;
+
+use super::settings::Settings;
+use crate::scene_file::{Bias, Effect, Missing, ProjectorLine};
+use crate::textures::{Content, Textures};
+use crate::{IoError, Place, environment_io, files, obj};
+
+/// The effects that later faces are under.
+#[derive(Debug, Clone, Default)]
+pub(super) struct EffectSettings {
+    highlight: Highlight,
+    reflection: Option<Reflection>,
+    specular_map: Option<usize>,
+    light_map: Option<(usize, f32)>,
+    relief: Option<ReliefSetting>,
+    /// The model with the second set of coordinates, and the line that names it.
+    pub(super) lightmap_uv: Option<(PathBuf, Place)>,
+}
+
+#[derive(Debug, Clone)]
+enum ReliefSetting {
+    Bump(usize, f32),
+    NormalMap(usize, crate::scene_file::NormalMapLine),
+}
+
+/// Environments that are read once.
+pub(super) type Known = HashMap<(PathBuf, &'static str, Option<u32>), usize>;
+
+impl EffectSettings {
+    /// A material under these effects; what it brings itself stays.
+    pub(super) fn apply(
+        &self,
+        settings: &Settings,
+        scene: &Scene,
+        mut material: Material,
+    ) -> Material {
+        let data = |texture| settings.slot(texture, UvTransform::default(), false, scene.color);
+        material.highlight = self.highlight;
+        material.reflection = self.reflection;
+        material.specular_map = self.specular_map;
+        material.light_map = self.light_map.map(|(texture, scale)| LightMapSlot {
+            slot: settings.slot(texture, UvTransform::default(), true, scene.color),
+            scale,
+            baked: None,
+        });
+        if material.relief.is_none() {
+            material.relief = self.relief.as_ref().map(|relief| match relief {
+                ReliefSetting::Bump(texture, height) => Relief::Bump {
+                    slot: data(*texture),
+                    height: *height,
+                },
+                ReliefSetting::NormalMap(texture, line) => Relief::NormalMap {
+                    slot: data(*texture),
+                    green: line.green,
+                    rebuild_z: line.rebuild_z,
+                    object_space: line.object_space,
+                    strength: 1.0,
+                },
+            });
+        }
+        material
+    }
+}
+
+/// Does what an effect line says.
+pub(super) fn statement(
+    effect: &Effect,
+    place: &Place,
+    scene: &mut Scene,
+    textures: &mut Textures,
+    settings: &mut Settings,
+    known: &mut Known,
+) -> Result<(), IoError> {
+    let missing = settings.missing;
+    let beside = |name: &str| files::beside(&place.file, name);
+    let mut texture = |name: &str, content| textures.load(&beside(name), place, content, missing);
+    match effect {
+        &Effect::SpotLight {
+            color,
+            position,
+            direction,
+            inner,
+            outer,
+        } => scene.lights.push(Light::spot(
+            color,
+            position,
+            direction,
+            inner.to_radians(),
+            outer.to_radians(),
+        )),
+        Effect::Shadow { size, taps, bias } => {
+            let light = scene
+                .lights
+                .iter()
+                .rposition(|light| !matches!(light, Light::Ambient { .. }))
+                .ok_or_else(|| IoError::NeedsAbove {
+                    place: place.clone(),
+                    command: "shadow",
+                    needs: "ld, lp or ls",
+                })?;
+            let bias = bias.map(|bias| match bias {
+                Bias::Slope(x) => ShadowBias::Slope(x),
+                Bias::Constant(x) => ShadowBias::Constant(x),
+                Bias::NormalOffset(x) => ShadowBias::NormalOffset(x),
+            });
+            scene.effects.shadows.push(Shadow {
+                light,
+                size: *size,
+                bias,
+                taps: *taps,
+                area: None,
+            });
+        }
+        Effect::Projector(line) => {
+            let index = texture(&line.file, Content::Color)?;
+            let slide = &textures.textures[index];
+            let aspect = f64::from(slide.width()) / f64::from(slide.height());
+            let slide = projector(line, index, aspect, settings).map_err(|problem| {
+                IoError::BadProjector {
+                    place: place.clone(),
+                    problem,
+                }
+            })?;
+            scene.effects.projectors.push(slide);
+        }
+        Effect::Highlight(highlight) => settings.effects.highlight = *highlight,
+        Effect::Environment(line) => {
+            settings.effects.reflection = match line {
+                None => None,
+                Some((name, chart, reflectivity)) => Some(Reflection {
+                    environment: environment(scene, known, &beside(name), place, *chart, None)?,
+                    reflectivity: *reflectivity,
+                }),
+            };
+        }
+        Effect::SpecularMap(line) => {
+            settings.effects.specular_map = match line {
+                None => None,
+                Some((name, chart, exponent)) => {
+                    let exponent = Some(*exponent);
+                    Some(environment(
+                        scene,
+                        known,
+                        &beside(name),
+                        place,
+                        *chart,
+                        exponent,
+                    )?)
+                }
+            };
+        }
+        Effect::LightMap(line) => {
+            settings.effects.light_map = match line {
+                None => None,
+                Some((name, scale)) => Some((texture(name, Content::Color)?, *scale)),
+            };
+        }
+        Effect::LightMapUv(name) => {
+            settings.effects.lightmap_uv = name.as_ref().map(|name| (beside(name), place.clone()));
+        }
+        Effect::Bump(line) => {
+            settings.effects.relief = match line {
+                None => None,
+                Some((name, height)) => {
+                    Some(ReliefSetting::Bump(texture(name, Content::Data)?, *height))
+                }
+            };
+        }
+        Effect::NormalMap(line) => {
+            settings.effects.relief = match line {
+                None => None,
+                Some(line) => Some(ReliefSetting::NormalMap(
+                    texture(&line.file, Content::Data)?,
+                    line.clone(),
+                )),
+            };
+        }
+    }
+    Ok(())
+}
+
+fn projector(
+    line: &ProjectorLine,
+    texture: usize,
+    aspect: f64,
+    settings: &Settings,
+) -> Result<SlideProjector, String> {
+    let [position, look, up] = [line.position, line.look, line.up].map(DVec3::from);
+    let projector =
+        Projector::new(position, look, up, line.fov.to_radians(), aspect).map_err(|e| {
+            e.to_string()
+                .replace("camera: ", "")
+                .replace("eye", "position")
+        })?;
+    let sampler = settings
+        .slot(
+            texture,
+            UvTransform::default(),
+            true,
+            texmap_render::ColorMode::Raw,
+        )
+        .sampler;
+    Ok(SlideProjector {
+        projector,
+        position,
+        texture,
+        sampler,
+        border: line.border,
+        softness: line.softness,
+        role: if line.paint {
+            SlideRole::Paint
+        } else {
+            SlideRole::Light(line.color)
+        },
+        shadow: line.shadow,
+    })
+}
+
+/// Texels a side of the faces of a specular map, and of the cube that it gathers its light from: highlights are smooth.
+const BLURRED: u32 = 32;
+const GATHERED: u32 = 48;
+
+fn environment(
+    scene: &mut Scene,
+    known: &mut Known,
+    path: &std::path::Path,
+    place: &Place,
+    chart: Chart,
+    exponent: Option<f32>,
+) -> Result<usize, IoError> {
+    let key = (path.to_path_buf(), chart.name(), exponent.map(f32::to_bits));
+    if let Some(&index) = known.get(&key) {
+        return Ok(index);
+    }
+    let read = environment_io::read_named(path, chart, Some(place))?;
+    let light = match exponent {
+        None => read,
+        Some(exponent) => {
+            let (width, height) = read.size();
+            let many = u64::from(width) * u64::from(height) * chart.faces() as u64
+                > 6 * u64::from(GATHERED) * u64::from(GATHERED);
+            let blurred =
+                |from: texmap_light::Environment| from.blur(Chart::Cube, BLURRED, exponent);
+            let gathered = if many {
+                read.convert(Chart::Cube, GATHERED)
+            } else {
+                Ok(read)
+            };
+            gathered
+                .and_then(blurred)
+                .map_err(|e| IoError::BrokenImage {
+                    path: path.to_path_buf(),
+                    named_by: Some(place.clone()),
+                    problem: e.to_string(),
+                })?
+        }
+    };
+    scene.effects.environments.push(light);
+    let index = scene.effects.environments.len() - 1;
+    known.insert(key, index);
+    Ok(index)
+}
+
+/// Gives the meshes of a model the coordinates of another model of the same faces as their second set. Vertices whose corners
+/// differ there are split.
+pub(super) fn second_uvs(
+    meshes: &mut [Mesh],
+    path: &std::path::Path,
+    place: &Place,
+) -> Result<(), IoError> {
+    let mut unused = Textures::new(true, true);
+    let other = obj::read(path, Some(place), Missing::Warn, false, &mut unused)?;
+    let broken = |problem: String| IoError::BrokenModel {
+        path: path.to_path_buf(),
+        problem,
+    };
+    // The triangles of each face of the file, in their order.
+    let mut faces: HashMap<u32, Vec<[[f32; 2]; 3]>> = HashMap::new();
+    for part in &other.parts {
+        if part.uvs.is_empty() {
+            return Err(broken(format!(
+                "`lightmapuv`: the part `{}` has no `vt`",
+                part.name
+            )));
+        }
+        for (triangle, face) in part.triangles.iter().zip(&part.faces) {
+            faces
+                .entry(*face)
+                .or_default()
+                .push(triangle.map(|v| part.uvs[v as usize]));
+        }
+    }
+    let mut next: HashMap<u32, usize> = HashMap::new();
+    for mesh in meshes {
+        let mut split: HashMap<(u32, [u32; 2]), u32> = HashMap::new();
+        let mut out = Mesh {
+            positions: Vec::new(),
+            normals: Vec::new(),
+            uvs: Vec::new(),
+            colors: Vec::new(),
+            triangles: Vec::new(),
+            lightmap_uvs: Vec::new(),
+            ..mesh.clone()
+        };
+        for (t, triangle) in mesh.triangles.iter().enumerate() {
+            let face = mesh.face(t as u32);
+            let at = next.entry(face).or_default();
+            let uvs = faces.get(&face).and_then(|all| all.get(*at)).ok_or_else(|| {
+                broken(format!(
+                    "`lightmapuv`: face {} of the model has no like in it; both files must have the same faces in the same order",
+                    face + 1
+                ))
+            })?;
+            *at += 1;
+            let mirrored = mesh.world_from_object.determinant() < 0.0;
+            let corner = |k: usize| {
+                // A mirrored model has its second and third corners swapped.
+                let uv = uvs[if mirrored && k > 0 { 3 - k } else { k }];
+                (triangle[k], uv)
+            };
+            let mut corners = [0; 3];
+            for (k, place) in corners.iter_mut().enumerate() {
+                let (vertex, uv) = corner(k);
+                *place = *split
+                    .entry((vertex, uv.map(f32::to_bits)))
+                    .or_insert_with(|| {
+                        let v = vertex as usize;
+                        out.positions.push(mesh.positions[v]);
+                        out.normals.extend(mesh.normals.get(v));
+                        out.uvs.extend(mesh.uvs.get(v));
+                        out.colors.extend(mesh.colors.get(v));
+                        out.lightmap_uvs.push(uv);
+                        out.positions.len() as u32 - 1
+                    });
+            }
+            out.triangles.push(corners);
+        }
+        *mesh = out;
+    }
+    Ok(())
+}
