@@ -21,6 +21,8 @@ pub(crate) enum Exit {
     Partial = 3,
     /// An input or output is bad: the same call will fail again.
     Input = 4,
+    /// Something is dearer or less accurate than it was allowed to be; the output is written all the same.
+    OverBudget = 5,
     /// A bug of texmap.
     Internal = 6,
 }

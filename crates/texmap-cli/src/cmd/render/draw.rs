@@ -9,12 +9,15 @@ use texmap_io::framing::{Bounds, View};
 use texmap_io::npy::{self, Values};
 use texmap_io::{CameraPath, LoadOptions};
 use texmap_lab::picture::Picture;
+use texmap_lab::verify::{Verified, verify};
 use texmap_math::Level;
 use texmap_math::camera::Camera;
 use texmap_math::glam::DVec3;
+use texmap_render::planner::{self, Choices};
 use texmap_render::{AovData, Frame, RenderError, Scene, Settings};
 
 use crate::cmd::render::RenderArgs;
+use crate::cmd::render::budget::{PlanReport, SAMPLES, TruthReport};
 use crate::cmd::render::plan::{Item, array_name};
 use crate::cmd::render::report::{
     AovReport, CameraReport, Counts, ItemReport, SceneReport, TimesReport, milliseconds,
@@ -153,14 +156,20 @@ impl Context<'_> {
             || self.label(),
             |n| format!("{} {}/{of}", self.label(), n + 1),
         );
-        let frame = self.draw(scene, label)?;
+        let (frame, choices) = self.draw(scene, label)?;
         let mut times = TimesReport::new(self.load);
         times.add(&frame);
         let mut counts = Counts::default();
         counts.add(&frame);
         report.warnings.clone_from(&frame.warnings);
         report.counts = Some(counts);
-        self.write(&mut report, output, &frame, times)?;
+        let truth = match self.args.verify {
+            true => Some(self.verify(scene, &frame)?),
+            false => None,
+        };
+        self.plan(&mut report, scene, choices.as_ref(), truth.as_ref());
+        let heat = truth.map(|t| t.heat);
+        self.write(&mut report, output, &frame, heat.as_ref(), times)?;
         Ok(report)
     }
 
@@ -185,7 +194,8 @@ impl Context<'_> {
         for (view, camera) in cameras {
             scene.camera = *camera;
             let name = view.map_or("", View::name);
-            let frame = self.draw(scene, format!("{} {name}", self.label()))?;
+            let (frame, choices) = self.draw(scene, format!("{} {name}", self.label()))?;
+            self.plan(&mut report, scene, choices.as_ref(), None);
             times.add(&frame);
             counts.add(&frame);
             for warning in frame.warnings {
@@ -209,16 +219,64 @@ impl Context<'_> {
             stats: Default::default(),
             warnings: Vec::new(),
         };
-        self.write(&mut report, output, &frame, times)?;
+        self.write(&mut report, output, &frame, None, times)?;
         Ok(report)
     }
 
-    fn draw(&self, scene: &Scene, label: String) -> Result<Frame, Failure> {
+    /// The frame, and what the planner chose for it if there is a budget.
+    fn draw(&self, scene: &Scene, label: String) -> Result<(Frame, Option<Choices>), Failure> {
         let progress = Progress::new(label);
-        texmap_render::render(scene, &self.settings(), &|done, of| {
-            progress.update(done, of);
-        })
-        .map_err(|e| self.refused(&e))
+        let size = self.args.resolution;
+        let samples = self.args.supersample;
+        let choices = match self.args.budget() {
+            None => None,
+            Some(budget) => Some(
+                planner::choose(scene, size.width * samples, size.height * samples, budget)
+                    .map_err(|e| self.refused(&e))?,
+            ),
+        };
+        let planned = choices.as_ref().map(|choices| {
+            let mut planned = scene.clone();
+            choices.apply(&mut planned);
+            planned
+        });
+        let report = |done, of| progress.update(done, of);
+        let scene = planned.as_ref().unwrap_or(scene);
+        let frame = texmap_render::render(scene, &self.settings(), &report)
+            .map_err(|e| self.refused(&e))?;
+        Ok((frame, choices))
+    }
+
+    fn verify(&self, scene: &Scene, frame: &Frame) -> Result<Verified, Failure> {
+        say("verify: drawing the f64 reference, which is slow\n");
+        verify(scene, frame, SAMPLES).map_err(|e| Failure::internal(e.to_string()))
+    }
+
+    /// Puts the plan and the truth into the report and, where asked, into words.
+    fn plan(
+        &self,
+        report: &mut ItemReport,
+        scene: &Scene,
+        choices: Option<&Choices>,
+        truth: Option<&Verified>,
+    ) {
+        if let Some(choices) = choices {
+            let plan = PlanReport::new(scene, choices, truth);
+            if self.args.explain {
+                say(&plan.table());
+            }
+            if !plan.met {
+                report.warnings.push("budget not met".to_owned());
+            }
+            report.plans.push(plan);
+        } else if self.args.explain {
+            say("no budget: interpolation and filters are the scene's\n");
+        }
+        if let Some(truth) = truth {
+            let truth = TruthReport::new(truth, None);
+            say(&truth.words());
+            report.truth = Some(truth);
+        }
     }
 
     fn settings(&self) -> Settings {
@@ -242,6 +300,7 @@ impl Context<'_> {
         report: &mut ItemReport,
         output: &Path,
         frame: &Frame,
+        heat: Option<&Picture>,
         mut times: TimesReport,
     ) -> Result<(), Failure> {
         let began = Instant::now();
@@ -269,6 +328,14 @@ impl Context<'_> {
                 dtype,
                 hole,
             });
+        }
+        if let Some(heat) = heat {
+            let path = output.with_extension("heat.png");
+            let place = stage.add(Destination::new(&path)?, "png");
+            texmap_io::image_io::write_png(&place, heat.width(), heat.height(), heat.rgba())?;
+            if let Some(truth) = &mut report.truth {
+                truth.heat = Some(path.display().to_string());
+            }
         }
         stage.commit()?;
         times.write = milliseconds(began.elapsed());

@@ -9,10 +9,12 @@ use texmap_raster::Interp;
 use texmap_render::{Aov, ColorMode};
 use texmap_sample::{Filter, Wrap};
 
+use crate::cmd::render::budget::{MaxError, Quality};
 use crate::cmd::render::report::{ItemReport, Report};
 use crate::failure::{self, Exit, Failure};
 use crate::values::{self, Background, LevelName, Resolution, Triple};
 
+mod budget;
 mod draw;
 mod plan;
 mod report;
@@ -45,6 +47,19 @@ pub(crate) struct RenderArgs {
     /// clamp-to-border, mirror-clamp-to-edge
     #[arg(long, value_name = "MODE", value_parser = values::wrap)]
     wrap: Option<Wrap>,
+    /// Let the planner choose interpolation and filter of each mesh: the cheapest whose predicted error is at
+    /// most this many texels and this colour RMSE (of 1; 0.02 if not given)
+    #[arg(long, value_name = "TEXELS[,RMSE]", conflicts_with_all = ["interp", "filter", "quality"])]
+    max_error: Option<MaxError>,
+    /// The same by name
+    #[arg(long, value_name = "NAME", conflicts_with_all = ["interp", "filter"])]
+    quality: Option<Quality>,
+    /// Print what the planner chose, why, and what it left out
+    #[arg(long)]
+    explain: bool,
+    /// Render the f64 reference too (slow) and report the true error; room.png gives room.heat.png
+    #[arg(long, conflicts_with_all = ["views", "supersample", "dry_run"])]
+    verify: bool,
     /// N x N samples per pixel, averaged in linear light
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=16))]
     supersample: u32,
@@ -119,7 +134,9 @@ pub(crate) fn run(args: &RenderArgs) -> Result<Exit, Failure> {
             }
         }
     }
+    let over = reports.iter().any(ItemReport::over_budget);
     let exit = match failures.first() {
+        None if over => Exit::OverBudget,
         None => Exit::Done,
         Some(first) if failures.len() == items.len() => first.exit,
         Some(_) => Exit::Partial,

@@ -12,6 +12,7 @@ use texmap_render::{ColorMode, Frame, Scene};
 use texmap_sample::Origin;
 
 use crate::cmd::render::RenderArgs;
+use crate::cmd::render::budget::{PlanReport, TruthReport};
 use crate::failure::{ErrorBody, Exit, Failure};
 use crate::values;
 
@@ -103,6 +104,11 @@ pub(crate) struct ItemReport {
     /// Estimate of the largest memory in use while drawing.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) memory_bytes: Option<u64>,
+    /// What the planner chose; one for each cell of a contact sheet.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub(crate) plans: Vec<PlanReport>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) truth: Option<TruthReport>,
     pub(crate) warnings: Vec<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) error: Option<ErrorBody>,
@@ -120,6 +126,11 @@ impl ItemReport {
 }
 
 impl ItemReport {
+    /// Whether a plan could not keep its budget.
+    pub(crate) fn over_budget(&self) -> bool {
+        self.plans.iter().any(|plan| !plan.met)
+    }
+
     /// What a dry run says.
     pub(crate) fn plan(&self, args: &RenderArgs) -> String {
         let size = args.resolution;

@@ -1,0 +1,225 @@
+//! `--max-error`, `--quality`, `--explain`, `--verify`: what the planner chose, and what the picture is really off by.
+
+use std::fmt::Write;
+use std::str::FromStr;
+
+use clap::ValueEnum;
+use serde::Serialize;
+use texmap_io::scene_file::words;
+use texmap_lab::cases::figure;
+use texmap_lab::verify::Verified;
+use texmap_render::Scene;
+use texmap_render::planner::{Budget, Choices};
+use texmap_sample::Precision;
+
+use crate::cmd::render::RenderArgs;
+
+/// Samples a side of a pixel in the reference of `--verify`.
+pub(crate) const SAMPLES: u32 = 4;
+
+/// `TEXELS` or `TEXELS,RMSE`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct MaxError(Budget);
+
+impl FromStr for MaxError {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (texels, rmse) = text
+            .split_once(',')
+            .map_or((text, None), |(t, r)| (t, Some(r)));
+        let number = |text: &str| match text.trim().parse::<f64>() {
+            Ok(value) if value > 0.0 && value.is_finite() => Ok(value),
+            _ => Err(
+                "positive numbers, as in 0.5 (texels) or 0.5,0.02 (texels, colour RMSE of 1)"
+                    .to_owned(),
+            ),
+        };
+        let rmse = rmse.map_or(Ok(Budget::default().rmse), number)?;
+        Ok(Self(Budget {
+            texels: number(texels)?,
+            rmse,
+        }))
+    }
+}
+
+/// Budgets with a name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Quality {
+    /// 1 texel and a colour RMSE of 0.05
+    Draft,
+    /// 0.5 texels and 0.02
+    Good,
+    /// What the scene says, without a planner
+    Exact,
+}
+
+impl RenderArgs {
+    /// The budget, if the planner is to choose.
+    pub(crate) fn budget(&self) -> Option<Budget> {
+        match (self.max_error, self.quality) {
+            (Some(MaxError(budget)), _) => Some(budget),
+            (None, Some(Quality::Draft)) => Some(Budget {
+                texels: 1.0,
+                rmse: 0.05,
+            }),
+            (None, Some(Quality::Good)) => Some(Budget::default()),
+            (None, Some(Quality::Exact) | None) => None,
+        }
+    }
+}
+
+/// The plan and its truth, for programs.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct PlanReport {
+    max_texels: f64,
+    max_rmse: f64,
+    pub(crate) met: bool,
+    choices: Vec<ChoiceReport>,
+    dark_lights: Vec<usize>,
+}
+
+#[derive(Clone, Debug, Serialize)]
+struct ChoiceReport {
+    mesh: usize,
+    name: String,
+    interp: String,
+    filter: Option<String>,
+    precision: Option<&'static str>,
+    predicted_texels: f64,
+    predicted_rmse: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    measured_rmse: Option<f64>,
+    price_ns: f64,
+    pixels_tried: usize,
+    why: String,
+    left_out: Vec<&'static str>,
+}
+
+/// The true error, for programs.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct TruthReport {
+    rmse: f64,
+    max: f64,
+    max_at: Option<(u32, u32)>,
+    pixels_judged: usize,
+    outline_pixels: usize,
+    samples: u32,
+    pub(crate) heat: Option<String>,
+}
+
+impl PlanReport {
+    pub(crate) fn new(scene: &Scene, choices: &Choices, truth: Option<&Verified>) -> Self {
+        let report = |c: &texmap_render::planner::Choice| ChoiceReport {
+            mesh: c.mesh,
+            name: scene.meshes[c.mesh].name.clone(),
+            interp: words::interp(c.interp),
+            filter: c.filter.and_then(|(filter, _)| words::filter(filter)),
+            precision: c.filter.map(|(_, precision)| match precision {
+                Precision::Exact => "exact",
+                Precision::Fast => "fast",
+            }),
+            predicted_texels: c.predicted_texels,
+            predicted_rmse: c.predicted_rmse,
+            measured_rmse: truth.and_then(|t| t.meshes.get(c.mesh).copied().flatten()),
+            price_ns: c.price,
+            pixels_tried: c.tried,
+            why: c.why.clone(),
+            left_out: c.left_out.clone(),
+        };
+        Self {
+            max_texels: choices.budget.texels,
+            max_rmse: choices.budget.rmse,
+            met: choices.met(),
+            choices: choices.meshes.iter().map(report).collect(),
+            dark_lights: choices.dark_lights.clone(),
+        }
+    }
+
+    /// The table of `--explain`.
+    pub(crate) fn table(&self) -> String {
+        let mut out = format!(
+            "budget: {} texels, colour RMSE {}\n",
+            figure(self.max_texels),
+            figure(self.max_rmse)
+        );
+        let _ = writeln!(
+            out,
+            "{:<14} {:<12} {:<24} {:>9} {:>9} {:>8}  why; left out",
+            "mesh", "interp", "filter", "predicted", "measured", "ns"
+        );
+        for c in &self.choices {
+            let filter = match (&c.filter, c.precision) {
+                (Some(name), Some("fast")) => format!("{name}, fast"),
+                (Some(name), _) => name.clone(),
+                (None, _) => "none".to_owned(),
+            };
+            let name = if c.name.is_empty() {
+                format!("#{}", c.mesh)
+            } else {
+                c.name.clone()
+            };
+            let left_out = if c.left_out.is_empty() {
+                "nothing".to_owned()
+            } else {
+                c.left_out.join(", ")
+            };
+            let _ = writeln!(
+                out,
+                "{:<14} {:<12} {filter:<24} {:>9} {:>9} {:>8}  {}; {left_out}",
+                name.chars().take(14).collect::<String>(),
+                c.interp,
+                figure(c.predicted_rmse),
+                c.measured_rmse.map_or_else(|| "-".to_owned(), figure),
+                figure(c.price_ns),
+                c.why,
+            );
+        }
+        for light in &self.dark_lights {
+            let _ = writeln!(out, "light {light} has no colour and is left out");
+        }
+        out
+    }
+}
+
+impl TruthReport {
+    pub(crate) fn new(truth: &Verified, heat: Option<String>) -> Self {
+        Self {
+            rmse: truth.rmse,
+            max: truth.max,
+            max_at: truth.max_at,
+            pixels_judged: truth.judged,
+            outline_pixels: truth.outlines,
+            samples: SAMPLES,
+            heat,
+        }
+    }
+
+    pub(crate) fn words(&self) -> String {
+        let place = self
+            .max_at
+            .map_or_else(String::new, |(x, y)| format!(" at x {x}, y {y}"));
+        format!(
+            "true error: RMSE {} of 1, largest {}{place}, over {} pixels ({} at outlines left out), against {SAMPLES} x {SAMPLES} samples in f64\n",
+            figure(self.rmse),
+            figure(self.max),
+            self.pixels_judged,
+            self.outline_pixels,
+        )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn budgets_are_positive_numbers() {
+        let budget = |text: &str| text.parse::<MaxError>().map(|m| (m.0.texels, m.0.rmse));
+        assert_eq!(budget("0.5"), Ok((0.5, 0.02)));
+        assert_eq!(budget("1, 0.05"), Ok((1.0, 0.05)));
+        for bad in ["", "0", "-1", "nan", "0.5,", "0.5,inf", "a"] {
+            assert!(budget(bad).is_err(), "{bad}");
+        }
+    }
+}
