@@ -164,6 +164,8 @@ pub fn choose(
         | Light::Point { color, .. } => *color == [0.0; 3],
         _ => false,
     };
+    // Shadows name their lights by index.
+    let free = scene.effects.shadows.is_empty();
     Ok(Choices {
         budget,
         meshes,
@@ -171,7 +173,7 @@ pub fn choose(
             .lights
             .iter()
             .enumerate()
-            .filter(dark)
+            .filter(|light| free && dark(light))
             .map(|(i, _)| i)
             .collect(),
     })

@@ -1,18 +1,18 @@
 //! Some of a mesh's own pixels, on which filters are tried.
 
 use texmap_math::glam::{DMat3, DVec2, DVec3};
-use texmap_math::{Footprint, color, det};
+use texmap_math::{Footprint, color};
 use texmap_sample::{Filter, Lod, Precision, Sampler, Texture2d};
 
 use super::View;
 use crate::TextureSlot;
 
 /// Positions a side of the grid over the mesh's part of the picture.
-const GRID: u32 = 32;
+const GRID: u32 = 24;
 /// Pixels below which nothing is said.
 const FEWEST: usize = 24;
 /// Samples a side of a pixel, for its mean.
-const MOST: f64 = 16.0;
+const SAMPLES: u32 = 6;
 /// Standard errors of the mean by which a prediction is raised.
 const MARGIN: f64 = 3.0;
 
@@ -34,7 +34,7 @@ impl Pilot {
             return None;
         }
         let reference = Sampler {
-            filter: Filter::Trilinear,
+            filter: Filter::Anisotropic(16),
             precision: Precision::Exact,
             lod: Lod::default(),
             ..slot.sampler.clone()
@@ -75,31 +75,29 @@ impl Pilot {
     }
 }
 
-/// The mean over the pixel's parallelogram: samples at most a texel or two apart, each of the level that its own
-/// share of the pixel asks for.
+/// The mean over the pixel's parallelogram: samples that each cover their own share of it.
 fn mean(sampler: &Sampler, texture: &Texture2d<'_>, uv: [f32; 2], d: &Footprint) -> [f32; 4] {
-    let (w, h) = (f64::from(texture.width()), f64::from(texture.height()));
-    let length = |u: f32, v: f32| DVec2::new(f64::from(u) * w, f64::from(v) * h).length();
-    let (x, y) = (length(d.du_dx, d.dv_dx), length(d.du_dy, d.dv_dy));
-    let count = |l: f64| l.ceil().clamp(4.0, MOST);
-    let (nx, ny) = (count(x), count(y));
-    let lod = det::log2((x / nx).max(y / ny).max(1.0)) as f32;
+    let part = 1.0 / SAMPLES as f32;
+    let share = Footprint::new(
+        d.du_dx * part,
+        d.dv_dx * part,
+        d.du_dy * part,
+        d.dv_dy * part,
+    );
     let mut sum = [0.0f64; 4];
-    for j in 0..ny as u32 {
-        for i in 0..nx as u32 {
-            let s = ((f64::from(i) + 0.5) / nx - 0.5) as f32;
-            let t = ((f64::from(j) + 0.5) / ny - 0.5) as f32;
-            let at = [
-                uv[0] + d.du_dx * s + d.du_dy * t,
-                uv[1] + d.dv_dx * s + d.dv_dy * t,
-            ];
-            let c = sampler.sample_lod(texture, at, lod);
-            for k in 0..4 {
-                sum[k] += f64::from(c[k]);
-            }
+    for i in 0..SAMPLES * SAMPLES {
+        let offset = |c: u32| (c as f32 + 0.5) * part - 0.5;
+        let (s, t) = (offset(i % SAMPLES), offset(i / SAMPLES));
+        let at = [
+            uv[0] + d.du_dx * s + d.du_dy * t,
+            uv[1] + d.dv_dx * s + d.dv_dy * t,
+        ];
+        let c = sampler.sample_grad(texture, at, share);
+        for k in 0..4 {
+            sum[k] += f64::from(c[k]);
         }
     }
-    sum.map(|s| (s / (nx * ny)) as f32)
+    sum.map(|s| (s / f64::from(SAMPLES * SAMPLES)) as f32)
 }
 
 /// Coordinates and footprints where the mesh is nearest, over a jittered grid on its part of the picture.
