@@ -158,7 +158,12 @@ impl Scene {
                 material: material.name.clone(),
             });
         }
-        if textured && mesh.uvs.is_empty() && mesh.frame.is_none() && !mesh.triangles.is_empty() {
+        if textured
+            && mesh.uvs.is_empty()
+            && mesh.frame.is_none()
+            && mesh.round.is_none()
+            && !mesh.triangles.is_empty()
+        {
             return Err(RenderError::MissingUv {
                 mesh: mesh.name.clone(),
                 material: material.name.clone(),

@@ -1,8 +1,9 @@
-//! Texture coordinates of a fragment: from the vertices, or per pixel from a texture frame.
+//! Texture coordinates of a fragment: from the vertices, or per pixel from a texture frame or a round shape.
 
 use texmap_math::glam::DVec3;
 use texmap_math::{Footprint, MagicVectors, TextureFrame};
 use texmap_raster::Fragment;
+use texmap_uv::PixelMapping;
 
 /// Where texture coordinates come from.
 pub(crate) enum Coordinates {
@@ -10,6 +11,8 @@ pub(crate) enum Coordinates {
     /// Attributes 0 and 1.
     Vertices,
     Frame(CameraFrame),
+    /// A shape in world space, and the first of the attributes that hold the world position.
+    Round(PixelMapping, usize),
 }
 
 impl Coordinates {
@@ -30,6 +33,13 @@ impl Coordinates {
                 Some(([values[0], values[1]], d))
             }
             Self::Frame(frame) => frame.uv(fragment.pixel[0], fragment.pixel[1]),
+            Self::Round(map, first) => {
+                let three = |of: &[f32]| [of[*first], of[first + 1], of[first + 2]];
+                let Fragment {
+                    values, ddx, ddy, ..
+                } = fragment;
+                Some(map.one(three(values), three(ddx), three(ddy)))
+            }
         }
     }
 }

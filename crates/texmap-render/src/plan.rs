@@ -210,13 +210,24 @@ fn surface<'s>(
             (Pass::CutOut, Some(cut))
         }
     };
-    let interp = settings.interp.unwrap_or(material.interp);
+    let interp = match settings.interp.unwrap_or(material.interp) {
+        // Its tolerance is one of coordinates at the vertices; a round mapping has none.
+        Interp::WithinError(_) if mesh.round.is_some() => Interp::Perspective,
+        interp => interp,
+    };
     let mut vertices = Vertices::default();
     let textured = base_color.is_some()
         || opacity_map.is_some()
         || material.shading == Shading::PerPixel && reads_uv(material);
 
+    let mut position = None;
     let uv = match mesh.frame {
+        _ if mesh.round.is_some() && (textured || aovs.contains(&Aov::Uv)) => {
+            let first = vertices.push(Values::Position, false);
+            position = Some(first);
+            mesh.round
+                .map_or(Coordinates::None, |map| Coordinates::Round(map, first))
+        }
         Some(frame) if textured || aovs.contains(&Aov::Uv) => {
             let camera_from_object = view.view_from_world * mesh.world_from_object;
             Coordinates::Frame(CameraFrame::new(
@@ -245,7 +256,9 @@ fn surface<'s>(
     let by_place =
         effects.is_some() || per_pixel && lights_depend_on_place(&scene.lights, material);
     let mut normal = per_pixel.then(|| vertices.push(Values::Normal, false));
-    let mut position = by_place.then(|| vertices.push(Values::Position, false));
+    if position.is_none() && by_place {
+        position = Some(vertices.push(Values::Position, false));
+    }
     let shaded = vertices.attribute_count();
     if normal.is_none() && aovs.contains(&Aov::Normal) {
         normal = Some(vertices.push(Values::Normal, false));

@@ -4,7 +4,7 @@ use texmap_math::frame::TextureFrame;
 use texmap_math::glam::DMat4;
 use texmap_raster::{Cull, DepthTest, Interp};
 use texmap_sample::{Origin, Sampler, Texture2d, UvTransform};
-use texmap_uv::Projection;
+use texmap_uv::{PixelMapping, Projection};
 
 use crate::effects::{Effects, LightMapSlot, Reflection, Relief, SurfaceMaps};
 
@@ -226,6 +226,9 @@ pub struct Mesh {
     /// Object-space O, U, V. If given, uv is computed at every pixel as A.W/C.W, B.W/C.W (Brackeen 2003,
     /// chapter 8) and `uvs` is not read.
     pub frame: Option<TextureFrame>,
+    /// A sphere or cylinder in world space. If given, uv is computed at every pixel from its position, exact also
+    /// across the seam and around the axis, and neither `frame` nor `uvs` is read.
+    pub round: Option<PixelMapping>,
 }
 
 impl Default for Mesh {
@@ -244,6 +247,7 @@ impl Default for Mesh {
             world_from_object: DMat4::IDENTITY,
             uv_origin: Origin::TopLeft,
             frame: None,
+            round: None,
         }
     }
 }

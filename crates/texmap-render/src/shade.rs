@@ -2,9 +2,10 @@
 //! A stage that the surface lacks is not run.
 
 use texmap_light::{Terms, terms_slice};
-use texmap_math::Footprint;
+use texmap_math::{Footprint, Level};
 use texmap_raster::{Cull, Fragment, NONE, Prepared, RunBlock, RunValues, Tile, TileBlocks};
 use texmap_sample::sample_slice;
+use texmap_uv::PixelMapping;
 
 use crate::canvas::{Colors, LANES, bits, straight};
 use crate::coordinates::Coordinates;
@@ -59,6 +60,9 @@ pub(crate) struct Stages {
     position: Vec<[f32; 3]>,
     terms: Vec<Terms>,
     paint: Vec<[f32; 4]>,
+    /// Positions and their changes right and down, and uv, where a shape maps them.
+    moves: [Vec<[f32; 3]>; 3],
+    place: Vec<[f32; 2]>,
 }
 
 impl Stages {
@@ -70,7 +74,7 @@ impl Stages {
         run: &Run<'_>,
         out: &mut Colors,
     ) {
-        self.interpolate(surface, run);
+        self.interpolate(plan.level, surface, run);
         if let Some(slot) = &surface.base_color {
             look_up(
                 plan,
@@ -114,7 +118,7 @@ impl Stages {
     }
 
     /// Values of the run's pixels, those that the surface's stages read.
-    fn interpolate(&mut self, surface: &Surface<'_>, run: &Run<'_>) {
+    fn interpolate(&mut self, level: Level, surface: &Surface<'_>, run: &Run<'_>) {
         self.uv.clear();
         self.color.clear();
         self.normal.clear();
@@ -141,6 +145,7 @@ impl Stages {
                     frame.uv(x, y).unwrap_or_default()
                 }));
             }
+            Coordinates::Round(map, first) => self.round(level, map, *first, run),
         }
         let color = match surface.light {
             LightStage::Colors(first) => Some(first),
@@ -203,6 +208,26 @@ impl Stages {
             self.terms.push(terms);
             self.paint.push(paint);
         }
+    }
+
+    /// Coordinates from positions, for the run's pixels.
+    fn round(&mut self, level: Level, map: &PixelMapping, first: usize, run: &Run<'_>) {
+        let [x, y, z] = [0, 1, 2].map(|k| &run.values.columns[first + k]);
+        let [points, dx, dy] = &mut self.moves;
+        for list in [&mut *points, &mut *dx, &mut *dy] {
+            list.clear();
+        }
+        for (i, ..) in run.places() {
+            points.push([x.value[i], y.value[i], z.value[i]]);
+            dx.push([x.ddx[i], y.ddx[i], z.ddx[i]]);
+            dy.push([x.ddy[i], y.ddy[i], z.ddy[i]]);
+        }
+        self.place.resize(points.len(), [0.0; 2]);
+        self.footprint.resize(points.len(), Footprint::default());
+        map.slice(level, points, dx, dy, &mut self.place, &mut self.footprint)
+            .expect("the lists have one length");
+        let places = self.place.iter().copied();
+        self.uv.extend(places.zip(self.footprint.iter().copied()));
     }
 
     /// The colour of sample `i`.

@@ -5,6 +5,7 @@ use core::f32::consts::{FRAC_1_PI, TAU};
 
 use texmap_math::fearless_simd::prelude::*;
 use texmap_math::fearless_simd::{dispatch, f32x16};
+use texmap_math::glam::{DMat4, DVec3};
 use texmap_math::lanes::{self, LANES};
 use texmap_math::{Footprint, Level, float};
 
@@ -29,7 +30,9 @@ pub enum Round {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PixelMapping {
     shape: Round,
-    /// Rows that take a point (x, y, z, 1) to the unit solid.
+    /// Takes a point to the unit solid.
+    unit_from_point: DMat4,
+    /// Its first three rows.
     rows: [[f32; 4]; 3],
     repeat: [f32; 2],
     origin: Origin,
@@ -58,21 +61,37 @@ impl PixelMapping {
             });
         }
         let placed = frame.placed()?;
-        let axes = [
-            placed.rotation.x_axis,
-            placed.rotation.y_axis,
-            placed.rotation.z_axis,
-        ];
-        let rows = core::array::from_fn(|k| {
-            let row = axes[k] / placed.size[k];
-            [row.x, row.y, row.z, -row.dot(placed.origin)].map(|c| c as f32)
-        });
+        let turned = DMat4::from_mat3(placed.rotation.transpose());
+        let scaled = DMat4::from_scale(DVec3::ONE / placed.size);
+        let unit_from_point = scaled * turned * DMat4::from_translation(-placed.origin);
+        if !rows(&unit_from_point)
+            .as_flattened()
+            .iter()
+            .all(|v| v.is_finite())
+        {
+            // So small that f32 cannot hold its inverse.
+            let value = frame.scale.min_element();
+            return Err(UvError::BadFrame { value });
+        }
         Ok(Self {
             shape,
-            rows,
+            unit_from_point,
+            rows: rows(&unit_from_point),
             repeat: repeat.map(|r| r as f32),
             origin,
         })
+    }
+
+    /// The shape moved along with the points: a point that `by` has moved gets the uv that it had. `by` must be
+    /// affine and have an inverse, else the results are NaN.
+    #[must_use]
+    pub fn moved(&self, by: &DMat4) -> Self {
+        let unit_from_point = self.unit_from_point * by.inverse();
+        Self {
+            unit_from_point,
+            rows: rows(&unit_from_point),
+            ..*self
+        }
     }
 
     /// uv of a point, and the footprint of a pixel along whose sides the point moves by `dx` and `dy`. NaN gives NaN.
@@ -204,6 +223,11 @@ impl PixelMapping {
             row_x16(s, self.rows[2], d),
         ]
     }
+}
+
+/// The first three rows of an affine matrix.
+fn rows(m: &DMat4) -> [[f32; 4]; 3] {
+    core::array::from_fn(|k| m.row(k).to_array().map(|c| c as f32))
 }
 
 #[inline(always)]
@@ -356,7 +380,6 @@ mod tests {
     use crate::Shape;
     use alloc::vec;
     use alloc::vec::Vec;
-    use texmap_math::glam::DVec3;
 
     fn frame() -> Frame {
         Frame {
@@ -456,6 +479,32 @@ mod tests {
             // A thousandth beside the axis a pixel of a hundredth turns all the way.
             let (_, d) = map.one([1e-3, 0.7, 0.0], [0.01, 0.0, 0.0], [0.0, 0.0, 0.01]);
             assert_eq!(d.du_dy.abs(), 2.0);
+        }
+    }
+
+    #[test]
+    fn a_shape_moves_with_its_points() {
+        let by = DMat4::from_cols_array(&[
+            0.0, 2.0, 0.0, 0.0, -3.0, 0.1, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 5.0, -4.0, 1.0, 1.0,
+        ]);
+        for shape in [Round::Cylinder, Round::Sphere] {
+            let map = PixelMapping::new(shape, &frame(), [1.0; 2], Origin::TopLeft).unwrap();
+            let moved = map.moved(&by);
+            for k in -20..20 {
+                let [p, dx, dy] = pixel(k, 7).map(|v| DVec3::from(v.map(f64::from)));
+                let single = |v: DVec3| v.to_array().map(|c| c as f32);
+                let (a, da) = map.one(single(p), single(dx), single(dy));
+                let (b, db) = moved.one(
+                    single(by.transform_point3(p)),
+                    single(by.transform_vector3(dx)),
+                    single(by.transform_vector3(dy)),
+                );
+                assert!(
+                    (a[0] - b[0]).abs() < 1e-5 && (a[1] - b[1]).abs() < 1e-5,
+                    "{a:?} {b:?}"
+                );
+                assert!((da.du_dx - db.du_dx).abs() < 1e-5 && (da.dv_dy - db.dv_dy).abs() < 1e-5);
+            }
         }
     }
 

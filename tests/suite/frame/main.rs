@@ -10,5 +10,6 @@ mod errors;
 mod floor;
 mod gouraud;
 mod light;
+mod round;
 mod scenes;
 mod texture_frame;

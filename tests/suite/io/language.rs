@@ -4,12 +4,13 @@ use std::path::Path;
 
 use proptest::prelude::*;
 use texmap_io::scene_file::{
-    Alpha, COMMANDS, Command, Missing, Rate, Role, SceneFile, Shade, Surf, TexturedCorner, parse,
-    print,
+    Alpha, COMMANDS, Command, Missing, Rate, Role, RoundShape, SceneFile, Shade, Surf,
+    TexturedCorner, parse, print,
 };
 use texmap_raster::{Cull, Interp};
 use texmap_render::{ColorMode, Gouraud};
 use texmap_sample::{Cubic, Filter, Wrap};
+use texmap_uv::Round;
 
 use crate::support::Files;
 
@@ -156,6 +157,26 @@ fn settings() -> impl Strategy<Value = Command> {
             u: [x, 0.0, e],
             v: [0.0, x, o],
         }),
+        Just(Command::Round(None)),
+        (
+            prop::bool::ANY,
+            prop::array::uniform3(number()),
+            prop::array::uniform3(0.1..9.0_f64),
+            prop::array::uniform2(1.0..9.0_f64)
+        )
+            .prop_map(|(sphere, position, size, repeat)| Command::Round(Some(
+                RoundShape {
+                    shape: if sphere {
+                        Round::Sphere
+                    } else {
+                        Round::Cylinder
+                    },
+                    position,
+                    angles: position,
+                    size,
+                    repeat,
+                }
+            ))),
         Just(Command::Push),
         prop::option::of(name()).prop_map(Command::Texture),
         Just(Command::Texture(Some("none".into()))),

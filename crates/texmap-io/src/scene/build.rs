@@ -7,13 +7,14 @@ use texmap_math::frame::TextureFrame;
 use texmap_math::glam::{DMat4, DVec3};
 use texmap_render::{AlphaMode, Material, Mesh, Scene};
 use texmap_sample::Origin;
+use texmap_uv::{PixelMapping, UvError};
 
 use super::effects;
 use super::facets::{Facet, Facets};
 use super::settings::{CurrentTexture, Settings, light};
 use super::tree::Tree;
 use crate::obj::{self, Model};
-use crate::scene_file::{Alpha, Command, Role, Statement};
+use crate::scene_file::{Alpha, Command, Role, RoundShape, Statement};
 use crate::textures::{Content, Textures};
 use crate::{IoError, Place, files};
 
@@ -140,14 +141,17 @@ impl Builder {
                 let frame = self
                     .settings
                     .frame
-                    .ok_or_else(|| needs("ff", place, "frame"))?;
-                if let Some(how) = facets.out_of_plane(indices, &frame) {
+                    .filter(|_| self.settings.round.is_none());
+                if frame.is_none() && self.settings.round.is_none() {
+                    return Err(needs("ff", place, "frame"));
+                }
+                if let Some(how) = frame.and_then(|frame| facets.out_of_plane(indices, &frame)) {
                     self.scene.warnings.push(format!(
                         "{place}: the frame is {how}: the texture slides over it as the eye moves"
                     ));
                 }
                 let corners: Vec<_> = indices.iter().map(|&i| (i, [0.0; 2])).collect();
-                self.facet(facets, place, material, &corners, Some(frame), false);
+                self.facet(facets, place, material, &corners, frame, false);
             }
             Command::Obj(name) => self.obj(name, place)?,
             Command::Effect(effect) => effects::statement(
@@ -174,6 +178,15 @@ impl Builder {
             Command::Push => self.kept.push(self.settings.clone()),
             // The parser has matched each `pop` with a `push`.
             Command::Pop => self.settings = self.kept.pop().unwrap_or_default(),
+            Command::Round(shape) => {
+                let moved = |r| round(r).map(|m| m.moved(&self.settings.transform));
+                self.settings.round = shape.as_ref().map(moved).transpose().map_err(|e| {
+                    IoError::DegenerateFrame {
+                        place: place.clone(),
+                        problem: e.to_string(),
+                    }
+                })?;
+            }
             other => self.set(other),
         }
         Ok(())
@@ -198,6 +211,7 @@ impl Builder {
             Command::Frame { o, u, v } => {
                 let [o, u, v] = [o, u, v].map(|p| DVec3::from(*p));
                 now.frame = Some(TextureFrame { o, u, v }.transform(now.transform));
+                now.round = None;
             }
             Command::Translate(p) => now.transform *= DMat4::from_translation(DVec3::from(*p)),
             Command::Scale(f) => now.transform *= DMat4::from_scale(DVec3::from(*f)),
@@ -231,11 +245,14 @@ impl Builder {
     ) {
         let lit = material.base_color.is_none()
             || material.texture_role == texmap_render::TextureRole::Modulate;
+        let framed = material.base_color.is_some() && !has_uv;
         let material = self.material(material);
         let facet = Facet {
             corners,
             has_uv,
             frame,
+            // A face of `f` or `tf` has no use for a shape.
+            round: self.settings.round.filter(|_| framed),
             lit,
             material,
             number: self.faces,
@@ -316,7 +333,12 @@ impl Builder {
                 faces: part.faces,
                 material: self.material(material),
                 world_from_object: transform,
-                uv_origin: Origin::BottomLeft,
+                // A shape speaks of the picture's top.
+                uv_origin: match self.settings.round {
+                    Some(_) => Origin::TopLeft,
+                    None => Origin::BottomLeft,
+                },
+                round: self.settings.round,
                 ..Mesh::default()
             };
             self.scene.meshes.push(mesh);
@@ -403,6 +425,24 @@ fn check_camera(camera: &Camera) -> Result<(), CameraError> {
 }
 
 /// Rodrigues' formula; `axis` is not zero.
+/// A shape in the space of its line.
+fn round(shape: &RoundShape) -> Result<PixelMapping, UvError> {
+    let [yaw, pitch, roll] = shape.angles.map(f64::to_radians);
+    let frame = texmap_uv::Frame {
+        position: shape.position.into(),
+        yaw,
+        pitch,
+        roll,
+        scale: shape.size.into(),
+    };
+    PixelMapping::new(
+        shape.shape,
+        &frame,
+        shape.repeat,
+        texmap_uv::Origin::TopLeft,
+    )
+}
+
 fn rotation(degrees: f64, axis: DVec3) -> DMat4 {
     let axis = obj::unit(axis).unwrap_or(DVec3::Z);
     let (sin, cos) = quarter_turns(degrees).unwrap_or_else(|| det::sin_cos(degrees.to_radians()));

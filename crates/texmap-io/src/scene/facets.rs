@@ -6,6 +6,7 @@ use texmap_math::det;
 use texmap_math::frame::TextureFrame;
 use texmap_math::glam::DVec3;
 use texmap_render::{Mesh, Scene};
+use texmap_uv::PixelMapping;
 
 use crate::Place;
 use crate::obj::unit;
@@ -26,6 +27,7 @@ struct Run {
     mesh: usize,
     lit: bool,
     frame: Option<TextureFrame>,
+    round: Option<PixelMapping>,
     /// Vertex of the file behind each vertex of the mesh.
     sources: Vec<u32>,
     known: HashMap<(u32, [u32; 2]), u32>,
@@ -38,6 +40,7 @@ pub(super) struct Facet<'a> {
     pub(super) corners: &'a [(u32, [f32; 2])],
     pub(super) has_uv: bool,
     pub(super) frame: Option<TextureFrame>,
+    pub(super) round: Option<PixelMapping>,
     pub(super) lit: bool,
     pub(super) material: usize,
     /// Counted through the scene from 0.
@@ -59,18 +62,21 @@ impl Facets {
                 && mesh.uvs.is_empty() != facet.has_uv
                 && run.lit == facet.lit
                 && run.frame == facet.frame
+                && run.round == facet.round
         };
         if !self.meshes.last().is_some_and(fits) {
             scene.meshes.push(Mesh {
                 name: format!("faces from {}:{}", place.file.display(), place.line),
                 material: facet.material,
                 frame: facet.frame,
+                round: facet.round,
                 ..Mesh::default()
             });
             self.meshes.push(Run {
                 mesh: scene.meshes.len() - 1,
                 lit: facet.lit,
                 frame: facet.frame,
+                round: facet.round,
                 sources: Vec::new(),
                 known: HashMap::new(),
             });

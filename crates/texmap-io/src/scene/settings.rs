@@ -7,6 +7,7 @@ use texmap_math::glam::DMat4;
 use texmap_raster::{Cull, Interp};
 use texmap_render::{AlphaMode, ColorMode, Gouraud, Material, Shading, TextureRole, TextureSlot};
 use texmap_sample::{Filter, Sampler, UvTransform, Wrap};
+use texmap_uv::PixelMapping;
 
 use super::effects::EffectSettings;
 use crate::scene_file::{Alpha, Missing, Rate, Role, Surf};
@@ -17,6 +18,8 @@ pub(super) struct Settings {
     pub(super) surf: Option<Surf>,
     pub(super) texture: Option<CurrentTexture>,
     pub(super) frame: Option<TextureFrame>,
+    /// In world space; wins over `frame`.
+    pub(super) round: Option<PixelMapping>,
     pub(super) filter: Filter,
     pub(super) wrap: [Wrap; 2],
     /// sRGB, straight alpha.
@@ -46,6 +49,7 @@ impl Default for Settings {
             surf: None,
             texture: None,
             frame: None,
+            round: None,
             filter: Filter::default(),
             wrap: [Wrap::Repeat; 2],
             border: [0.0; 4],

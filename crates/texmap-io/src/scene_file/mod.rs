@@ -17,6 +17,7 @@ pub mod words;
 use texmap_raster::{Cull, Interp};
 use texmap_render::{ColorMode, Gouraud};
 use texmap_sample::{Filter, Wrap};
+use texmap_uv::Round;
 
 pub use effects::{Bias, Effect, NormalMapLine, ProjectorLine};
 pub use parse::{COMMANDS, parse};
@@ -61,6 +62,21 @@ pub struct Statement {
     pub line: u32,
     /// Column in characters, from 1.
     pub column: u32,
+}
+
+/// Where a shape of `round` stands and how often the picture repeats on it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RoundShape {
+    /// The shape.
+    pub shape: Round,
+    /// Its middle.
+    pub position: [f64; 3],
+    /// Yaw, pitch and roll, degrees.
+    pub angles: [f64; 3],
+    /// Its width, height and depth; none is 0.
+    pub size: [f64; 3],
+    /// Pictures around and up; neither is 0.
+    pub repeat: [f64; 2],
 }
 
 /// One command of the scene language. Lengths are world units, angles degrees, as in the file.
@@ -117,7 +133,9 @@ pub enum Command {
         /// From O to v = 1.
         v: [f64; 3],
     },
-    /// `ff i1 i2 ... in`: a face textured by the frame above.
+    /// `round sphere|cylinder x y z yaw pitch roll sx sy sz [u v]`, or `round none`.
+    Round(Option<RoundShape>),
+    /// `ff i1 i2 ... in`: a face textured by the frame or round shape above.
     FramedFace(Vec<u32>),
     /// `filter METHOD`.
     Filter(Filter),

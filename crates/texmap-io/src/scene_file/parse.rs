@@ -6,12 +6,14 @@ use texmap_math::frame::TextureFrame;
 use texmap_math::glam::DVec3;
 use texmap_raster::Cull;
 use texmap_render::{ColorMode, Gouraud};
+use texmap_uv::Round;
 
 use super::args::Args;
 use super::effects;
 use super::token::{self, Token};
 use super::{
-    Alpha, Command, Missing, Rate, Role, SceneFile, Shade, Statement, Surf, TexturedCorner, words,
+    Alpha, Command, Missing, Rate, Role, RoundShape, SceneFile, Shade, Statement, Surf,
+    TexturedCorner, words,
 };
 use crate::{IoError, Place};
 
@@ -63,7 +65,7 @@ pub fn parse(file: &Path, text: &str) -> Result<SceneFile, IoError> {
 }
 
 /// The word of every command.
-pub const COMMANDS: [&str; 44] = [
+pub const COMMANDS: [&str; 45] = [
     "eye",
     "look",
     "up",
@@ -82,6 +84,7 @@ pub const COMMANDS: [&str; 44] = [
     "tf",
     "frame",
     "ff",
+    "round",
     "filter",
     "wrap",
     "border",
@@ -193,6 +196,7 @@ impl Parser {
             "tf" => Command::TexturedFace(self.textured_face(args)?),
             "texture" => texture(args)?,
             "frame" => frame(args)?,
+            "round" => round(args)?,
             "filter" => {
                 let name = args.single_word("1 method")?;
                 Command::Filter(name.parse().map_err(|_| args.unknown(0, words::FILTERS))?)
@@ -320,6 +324,35 @@ fn frame(args: &Args<'_>) -> Result<Command, IoError> {
     Ok(Command::Frame { o, u, v })
 }
 
+fn round(args: &Args<'_>) -> Result<Command, IoError> {
+    const ALLOWED: &str =
+        "none; or sphere or cylinder with position, angles and size (9 numbers) [and repeat u v]";
+    args.within(1, 12, ALLOWED)?;
+    let shape = match (args.text(0), args.len()) {
+        ("none", 1) => return Ok(Command::Round(None)),
+        ("sphere", 10 | 12) => Round::Sphere,
+        ("cylinder", 10 | 12) => Round::Cylinder,
+        ("none" | "sphere" | "cylinder", _) => return Err(args.count_error(ALLOWED)),
+        _ => return Err(args.unknown(0, ALLOWED)),
+    };
+    let (position, angles, size) = (args.numbers(1)?, args.numbers(4)?, args.numbers(7)?);
+    let repeat = match args.len() {
+        12 => args.numbers(10)?,
+        _ => [1.0; 2],
+    };
+    for i in 7..args.len() {
+        let [value] = args.numbers(i)?;
+        args.check(i, value != 0.0, "a number that is not 0")?;
+    }
+    Ok(Command::Round(Some(RoundShape {
+        shape,
+        position,
+        angles,
+        size,
+        repeat,
+    })))
+}
+
 fn alpha(args: &Args<'_>) -> Result<Command, IoError> {
     const ALLOWED: &str = "auto, opaque, test [threshold], blend";
     args.within(1, 2, ALLOWED)?;
@@ -421,6 +454,7 @@ impl Command {
             Self::Texture(_) => "texture",
             Self::TexturedFace(_) => "tf",
             Self::Frame { .. } => "frame",
+            Self::Round(_) => "round",
             Self::FramedFace(_) => "ff",
             Self::Filter(_) => "filter",
             Self::Wrap(..) => "wrap",
@@ -517,6 +551,10 @@ mod tests {
             ("scale 1 0 1", "out-of-range", 1, 9),
             ("rotate 30 0 0 0", "out-of-range", 1, 11),
             ("frame 0 0 0 1 0 0 2 0 0", "degenerate-frame", 1, 1),
+            ("round torus 0 0 0 0 0 0 1 1 1", "unknown-word", 1, 7),
+            ("round sphere 0 0 0 0 0 0 1 1", "argument-count", 1, 1),
+            ("round cylinder 0 0 0 0 0 0 1 0 1", "out-of-range", 1, 32),
+            ("round sphere 0 0 0 0 0 0 1 1 1 2 0", "out-of-range", 1, 34),
             ("filter blurry", "unknown-word", 1, 8),
             ("filter anisotropic:99", "unknown-word", 1, 8),
             ("wrap repeat sideways", "unknown-word", 1, 13),

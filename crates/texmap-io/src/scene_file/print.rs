@@ -66,6 +66,20 @@ fn line(out: &mut String, command: &Command) {
             numbers(out, u);
             numbers(out, v);
         }
+        Command::Round(None) => word(out, "none"),
+        Command::Round(Some(round)) => {
+            let name = match round.shape {
+                texmap_uv::Round::Cylinder => "cylinder",
+                texmap_uv::Round::Sphere => "sphere",
+            };
+            word(out, name);
+            numbers(out, &round.position);
+            numbers(out, &round.angles);
+            numbers(out, &round.size);
+            if round.repeat != [1.0; 2] {
+                numbers(out, &round.repeat);
+            }
+        }
         Command::Filter(filter) => word(out, &words::filter(*filter).unwrap_or_default()),
         Command::Wrap(u, v) if u == v => word(out, words::wrap(*u)),
         Command::Wrap(u, v) => {
