@@ -50,6 +50,11 @@ pub struct TriangleReport {
     /// Area in space over area in the picture or its inverse, whichever is larger, relative to the whole mesh: 1
     /// keeps areas.
     pub area: f32,
+    /// Texels per unit of length: the root of its area in the picture over that in space, times the picture's size.
+    /// NaN without area in space.
+    pub density: f32,
+    /// It has a corner outside [0, 1].
+    pub outside: bool,
     /// Its area in the picture is negative.
     pub flipped: bool,
     /// It has area in space but none in the picture.
@@ -161,7 +166,19 @@ pub fn report(mesh: &Mesh<'_>, set: &UvSet, options: &ReportOptions) -> Result<R
     } else {
         0.0
     };
-    let mut triangles: Vec<TriangleReport> = raw.iter().map(|r| normalised(r, scale)).collect();
+    let uv = |r: &Raw| r.corners.map(|k| set.at(k));
+    let mut triangles: Vec<TriangleReport> = raw
+        .iter()
+        .map(|r| TriangleReport {
+            density: (float::sqrt(r.picture.abs() / r.space) * f64::from(options.texture_size))
+                as f32,
+            outside: uv(r)
+                .as_flattened()
+                .iter()
+                .any(|c| !(0.0..=1.0).contains(c)),
+            ..normalised(r, scale)
+        })
+        .collect();
 
     let (flats, flat_of) = flats(set, &raw);
     let overlaps = overlap::find(&flats, None, false);
@@ -189,7 +206,6 @@ pub fn report(mesh: &Mesh<'_>, set: &UvSet, options: &ReportOptions) -> Result<R
             .filter(|v| v.is_finite())
             .fold(0.0, |a: f64, b| if b > a { b } else { a })
     };
-    let uv = |r: &Raw| r.corners.map(|k| set.at(k));
     let topology = Topology::new(mesh);
     let seams = seams(mesh, set, &topology);
     let densities = densities(&raw, options.texture_size);
@@ -223,15 +239,7 @@ pub fn report(mesh: &Mesh<'_>, set: &UvSet, options: &ReportOptions) -> Result<R
         overlap_pairs: overlaps.pairs,
         overlap_area: overlaps.area,
         overlap_at_least: overlaps.at_least,
-        outside: raw
-            .iter()
-            .filter(|r| {
-                uv(r)
-                    .as_flattened()
-                    .iter()
-                    .any(|c| !(0.0..=1.0).contains(c))
-            })
-            .count(),
+        outside: count(&|t| t.outside),
         wide: raw.iter().filter(|r| wide(uv(r))).count(),
         picture_area: picture,
         surface_area: space,
@@ -328,6 +336,8 @@ fn normalised(r: &Raw, scale: f64) -> TriangleReport {
         } else {
             f32::INFINITY
         },
+        density: f32::NAN,
+        outside: false,
         flipped: r.picture < 0.0,
         collapsed: r.space > 0.0 && r.picture == 0.0,
         overlapping: false,

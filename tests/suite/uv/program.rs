@@ -95,6 +95,23 @@ fn the_reports_of_the_lecture_objects() {
     let unwrapped = mapped(&["--map", "unwrap", "--pack", "512", "--gutter", "2"]);
     assert_eq!(unwrapped["overlap"]["triangles"], 0);
     assert!(unwrapped["stretch"]["l2"].as_f64().unwrap() < 1.02);
+    // Triangle by triangle on request: the sums are theirs.
+    assert!(plane["per_triangle"].is_null());
+    let each = mapped(&["--map", "plane", "--per-triangle"])["per_triangle"].take();
+    let each = each.as_array().unwrap();
+    let count = |key: &str| each.iter().filter(|t| t[key] == true).count() as u64;
+    assert_eq!(each.len() as u64, plane["triangles"].as_u64().unwrap());
+    assert_eq!(
+        Some(count("overlapping")),
+        plane["overlap"]["triangles"].as_u64()
+    );
+    for key in ["flipped", "collapsed", "outside"] {
+        assert_eq!(Some(count(key)), plane[key].as_u64(), "{key}");
+    }
+    let densities = each.iter().filter_map(|t| t["texels_per_unit"].as_f64());
+    let highest = densities.fold(0.0, f64::max);
+    let stated = plane["texels_per_unit"]["max"].as_f64().unwrap();
+    assert!((highest / stated - 1.0).abs() < 1e-6, "{highest} {stated}");
 }
 
 #[test]

@@ -81,6 +81,9 @@ pub(crate) struct UvArgs {
     /// Edge of the texture in texels, for the density in the report
     #[arg(long, default_value_t = 1024, value_parser = clap::value_parser!(u32).range(1..=65_536))]
     texture_size: u32,
+    /// With --json: the figures of every triangle too
+    #[arg(long, requires = "json")]
+    per_triangle: bool,
     /// Print the report as JSON to standard output
     #[arg(long)]
     pub(crate) json: bool,
@@ -179,7 +182,11 @@ pub(crate) fn run(args: &UvArgs) -> Result<Exit, Failure> {
             print(&table::text(&args.mesh, &found));
         }
         if args.json {
-            print_json(&table::json(&args.mesh, &found, &around));
+            let mut json = table::json(&args.mesh, &found, &around);
+            if args.per_triangle {
+                json["per_triangle"] = table::per_triangle(&found);
+            }
+            print_json(&json);
         }
     }
     if !around.is_empty() {

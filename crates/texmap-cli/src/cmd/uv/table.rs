@@ -142,3 +142,21 @@ pub(super) fn json(path: &Path, r: &Report, around_axis: &[u32]) -> Value {
         "faces_around_axis": around_axis,
     })
 }
+
+/// One object for each triangle of the faces' fans, in order; an infinite figure is null.
+pub(super) fn per_triangle(r: &Report) -> Value {
+    let triangle = |t: &texmap_uv::TriangleReport| {
+        json!({
+            "face": t.face,
+            "stretch": { "l2": t.l2, "linf": t.linf },
+            "angle_distortion": t.angle,
+            "area_distortion": t.area,
+            "texels_per_unit": t.density,
+            "flipped": t.flipped,
+            "collapsed": t.collapsed,
+            "overlapping": t.overlapping,
+            "outside": t.outside,
+        })
+    };
+    r.triangles.iter().map(triangle).collect()
+}
