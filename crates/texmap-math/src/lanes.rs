@@ -4,6 +4,16 @@
 //! conversions of values in range. Never use `mul_add`, `approximate_recip`, `min`/`max` or an out-of-range `to_int` of
 //! fearless_simd in a kernel: they differ by level.
 
+#[cfg(target_arch = "x86")]
+use core::arch::x86::{
+    __m512, __m512i, _MM_FROUND_NO_EXC, _MM_FROUND_TO_NEG_INF, _mm512_cvt_roundps_epi32,
+};
+#[cfg(target_arch = "x86_64")]
+use core::arch::x86_64::{
+    __m512, __m512i, _MM_FROUND_NO_EXC, _MM_FROUND_TO_NEG_INF, _mm512_cvt_roundps_epi32,
+};
+#[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+use fearless_simd::Level;
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x16, i32x16, u32x16};
 
@@ -43,13 +53,28 @@ pub fn lerp_two_product<S: Simd>(a: f32x16<S>, b: f32x16<S>, t: f32x16<S>) -> f3
     a * (1.0 - t) + b * t
 }
 
-/// `floor(x)` as integers, for `|x| < 2^31`: a truncating conversion and a comparison, since SSE2 has no floor.
+/// `floor(x)` as integers, for `|x| < 2^31`: one conversion where the rounding can be stated in it, a truncation and a comparison
+/// on SSE2, which has no floor.
 #[inline(always)]
 pub fn floor_to_i32<S: Simd>(s: S, x: f32x16<S>) -> i32x16<S> {
+    #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+    match s.level() {
+        Level::Avx512(token) => return floor_avx512(token, x.into()).simd_into(s),
+        Level::Avx2(_) => return x.floor().to_int::<i32x16<S>>(),
+        _ => {}
+    }
     let cut = x.to_int::<i32x16<S>>();
     let above = cut.to_float::<f32x16<S>>().simd_gt(x);
     cut - above.select(i32x16::splat(s, 1), i32x16::splat(s, 0))
 }
+
+#[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+fearless_simd::kernel!(
+    #[inline]
+    fn floor_avx512(token: Avx512, x: __m512) -> __m512i {
+        _mm512_cvt_roundps_epi32::<{ _MM_FROUND_TO_NEG_INF | _MM_FROUND_NO_EXC }>(x)
+    }
+);
 
 /// [`floor_to_i32`] for one lane.
 #[inline(always)]

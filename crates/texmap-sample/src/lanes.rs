@@ -12,10 +12,10 @@ use crate::{
     sampler::{Filter, Mip, Precision, Sampler, Texel},
     texels::Format,
     texture::Texture2d,
-    wrap::{BELOW_ONE, REACH},
+    wrap::{Axis, BELOW_ONE, REACH, Wrap},
 };
 use texmap_math::{
-    fearless_simd::{f32x16, i32x16, prelude::*, u32x16},
+    fearless_simd::{f32x16, i32x16, mask32x16, prelude::*, u32x16},
     lanes::{Words, floor_to_i32, gather},
 };
 
@@ -66,8 +66,20 @@ pub struct View<'a> {
     pub format: u8,
     pub(crate) opaque: bool,
     flip: bool,
+    /// Both axes repeat over powers of two: their wraps are masks.
+    pub(crate) masked: bool,
+    axes: [Axis; 2],
+    /// Some axis ends at the border colour.
+    bordered: bool,
+    /// In units of the format, and packed.
+    border: [f32; 4],
+    border_word: u32,
     offsets: [u32; LEVELS],
-    sizes: [(i32, i32); LEVELS],
+    levels: [LevelView; LEVELS],
+    /// Steps of a scaled coordinate a texel: 256 where weights are bytes.
+    unit: f32,
+    /// Scaled coordinates below this are used as they are.
+    reach: f32,
     pub(crate) last: i32,
     pub(crate) scale: f32,
     /// Which kernel the filter takes.
@@ -77,32 +89,64 @@ pub struct View<'a> {
     pub(crate) bias: f32,
     pub(crate) lod_min: f32,
     pub(crate) lod_max: f32,
+    /// Bias and limits change nothing that the levels of a chain do not.
+    pub(crate) plain_lod: bool,
+}
+
+/// One level of a [`View`], ready to be spread over lanes.
+#[derive(Clone, Copy, Debug)]
+struct LevelView {
+    offset: i32,
+    width: i32,
+    height: i32,
+    /// Last row of a flipped texture, else 0: what a wrapped row is turned round with.
+    turn: i32,
+    /// Units that the sides have: texels, or their 256ths under weights of a byte.
+    units_x: f32,
+    units_y: f32,
+    /// log2 of the width, where it is a power of two.
+    shift: u32,
+}
+
+impl LevelView {
+    fn new(offset: usize, width: i32, height: i32, flip: bool, unit: f32) -> Self {
+        Self {
+            offset: offset as i32,
+            width,
+            height,
+            turn: if flip { height - 1 } else { 0 },
+            units_x: width as f32 * unit,
+            units_y: height as f32 * unit,
+            shift: width.trailing_zeros(),
+        }
+    }
 }
 
 impl<'a> View<'a> {
-    /// `None` where there are no lanes and look-ups run one at a time: filters that are not a
-    /// [`Kind`], wraps other than repeat, sides that are not powers of two, float texels, and cut-out
-    /// bytes under exact weights.
+    /// `None` where there are no lanes and look-ups run one at a time: filters that are not a [`Kind`],
+    /// float texels, and, under exact weights, bytes with alpha or beside a border.
     pub fn new(sampler: &Sampler, t: &'a Texture2d<'_>) -> Option<Self> {
         let kind = Kind::of(sampler.filter)?;
         let chain = &t.chain;
+        let wraps = [sampler.wrap_u, sampler.wrap_v];
+        let bordered = wraps.contains(&Wrap::ClampToBorder);
         let format = match chain.format {
             Format::Rgba8 if packed::applies(sampler, chain) => RGBA8,
-            Format::Rgba8 if chain.opaque => RGBX8,
+            Format::Rgba8 if chain.opaque && !bordered => RGBX8,
             Format::Rgba16 => RGBA16,
             _ => return None,
         };
-        if !axes(sampler, chain).iter().all(|axis| axis.scaled_first) {
-            return None;
-        }
+        let axes = axes(sampler, chain);
         let most = match sampler.filter {
             Filter::Anisotropic(most) => most.clamp(1, 16),
             _ => 1,
         };
-        let (mut offsets, mut sizes) = ([0; LEVELS], [(1, 1); LEVELS]);
+        let unit = if format == RGBA8 { 256.0 } else { 1.0 };
+        let mut offsets = [0; LEVELS];
+        let mut levels = [LevelView::new(0, 1, 1, false, unit); LEVELS];
         for (i, level) in chain.levels.iter().enumerate().take(LEVELS) {
             offsets[i] = level.offset as u32;
-            sizes[i] = (level.width, level.height);
+            levels[i] = LevelView::new(level.offset, level.width, level.height, chain.flip, unit);
         }
         let bias = if sampler.lod.bias.is_nan() {
             0.0
@@ -112,10 +156,17 @@ impl<'a> View<'a> {
         Some(Self {
             words: Words::new(chain.words())?,
             format,
-            opaque: chain.opaque,
+            opaque: chain.opaque && !bordered,
             flip: chain.flip,
+            masked: axes.iter().all(|axis| axis.scaled_first),
+            axes,
+            bordered,
+            border: sampler.border.map(|c| c * chain.format.units()),
+            border_word: packed::border(sampler.border),
             offsets,
-            sizes,
+            levels,
+            unit,
+            reach: REACH * unit,
             last: chain.levels.len() as i32 - 1,
             scale: chain.format.scale(),
             kind,
@@ -124,12 +175,13 @@ impl<'a> View<'a> {
             bias,
             lod_min: sampler.lod.min,
             lod_max: sampler.lod.max,
+            plain_lod: bias == 0.0 && sampler.lod.min <= 0.0 && sampler.lod.max >= LEVELS as f32,
         })
     }
 
     /// Columns and rows of level 0.
     pub fn size(&self) -> (i32, i32) {
-        self.sizes[0]
+        (self.levels[0].width, self.levels[0].height)
     }
 }
 
@@ -139,8 +191,9 @@ pub(crate) struct At<S: Simd> {
     offset: i32x16<S>,
     width: i32x16<S>,
     height: i32x16<S>,
-    pub(crate) wf: f32x16<S>,
-    pub(crate) hf: f32x16<S>,
+    turn: i32x16<S>,
+    units_x: f32x16<S>,
+    units_y: f32x16<S>,
     /// log2 of the width of a power of two where all lanes share the level.
     shift: Option<u32>,
 }
@@ -148,68 +201,239 @@ pub(crate) struct At<S: Simd> {
 impl<S: Simd> At<S> {
     #[inline(always)]
     pub(crate) fn uniform(s: S, view: &View<'_>, level: i32) -> Self {
-        let level = (level & 15) as usize;
-        let (w, h) = view.sizes[level];
+        let level = &view.levels[(level & 15) as usize];
         Self {
-            offset: i32x16::splat(s, view.offsets[level] as i32),
-            width: i32x16::splat(s, w),
-            height: i32x16::splat(s, h),
-            wf: f32x16::splat(s, w as f32),
-            hf: f32x16::splat(s, h as f32),
-            shift: Some(w.trailing_zeros()),
+            offset: i32x16::splat(s, level.offset),
+            width: i32x16::splat(s, level.width),
+            height: i32x16::splat(s, level.height),
+            turn: i32x16::splat(s, level.turn),
+            units_x: f32x16::splat(s, level.units_x),
+            units_y: f32x16::splat(s, level.units_y),
+            shift: Some(level.shift),
         }
     }
 
     #[inline(always)]
     pub(crate) fn per_lane(s: S, view: &View<'_>, level: i32x16<S>) -> Self {
-        let one = i32x16::splat(s, 1);
-        let (w, h) = view.sizes[0];
+        let (zero, one) = (i32x16::splat(s, 0), i32x16::splat(s, 1));
+        let (w, h) = view.size();
         let (w, h) = (i32x16::splat(s, w) >> level, i32x16::splat(s, h) >> level);
         let width = w.simd_gt(one).select(w, one);
         let height = h.simd_gt(one).select(h, one);
         let offset = match Words::new(&view.offsets) {
             Some(offsets) => gather(s, offsets, level.bitcast()).bitcast(),
-            None => i32x16::splat(s, 0),
+            None => zero,
         };
         Self {
             offset,
             width,
             height,
-            wf: width.to_float::<f32x16<S>>(),
-            hf: height.to_float::<f32x16<S>>(),
+            turn: if view.flip { height - 1 } else { zero },
+            units_x: width.to_float::<f32x16<S>>() * view.unit,
+            units_y: height.to_float::<f32x16<S>>() * view.unit,
             shift: None,
-        }
-    }
-
-    /// Texels before a row of the level.
-    #[inline(always)]
-    pub(crate) fn row_start(&self, y: i32x16<S>) -> i32x16<S> {
-        match self.shift {
-            Some(shift) => y << shift,
-            None => y * self.width,
         }
     }
 
     /// First word of a texel counted within the level.
     #[inline(always)]
-    pub(crate) fn word<const FORMAT: u8>(&self, texel: i32x16<S>) -> u32x16<S> {
+    fn word<const FORMAT: u8>(&self, texel: i32x16<S>) -> u32x16<S> {
         let word = match FORMAT {
             RGBA16 => texel << 1,
             _ => texel,
         };
         (word + self.offset).bitcast()
     }
+
+    /// Texels before a row in memory.
+    #[inline(always)]
+    fn row_start(&self, y: i32x16<S>) -> i32x16<S> {
+        match self.shift {
+            Some(shift) => y << shift,
+            None => y * self.width,
+        }
+    }
+
+    /// The scaled coordinates, whose floor holds a texel (and its fraction, where units are fractions).
+    #[inline(always)]
+    pub(crate) fn place(
+        &self,
+        s: S,
+        view: &View<'_>,
+        u: f32x16<S>,
+        v: f32x16<S>,
+    ) -> (f32x16<S>, f32x16<S>) {
+        if !view.masked {
+            return (
+                place(s, view, view.axes[0], u, self.units_x),
+                place(s, view, view.axes[1], v, self.units_y),
+            );
+        }
+        let (x, y) = (u * self.units_x, v * self.units_y);
+        let reach = f32x16::splat(s, view.reach);
+        let (in_x, in_y) = (x.abs().simd_lt(reach), y.abs().simd_lt(reach));
+        if (in_x & in_y).all_true() {
+            return (x, y);
+        }
+        (
+            in_x.select(x, fraction(s, u) * self.units_x),
+            in_y.select(y, fraction(s, v) * self.units_y),
+        )
+    }
+
+    /// The texel at unwrapped indices.
+    #[inline(always)]
+    pub(crate) fn texel<const FORMAT: u8>(
+        &self,
+        s: S,
+        view: &View<'_>,
+        i: i32x16<S>,
+        j: i32x16<S>,
+    ) -> Place<S> {
+        if view.masked {
+            let y = (j & (self.height - 1)) ^ self.turn;
+            let x = i & (self.width - 1);
+            return Place {
+                word: self.word::<FORMAT>(self.row_start(y) + x),
+                sign: x,
+            };
+        }
+        let (x, y) = self.wrapped(s, view, i, j);
+        self.general::<FORMAT>(view, x, y)
+    }
+
+    /// The texels at unwrapped indices (i, j), (i + 1, j), (i, j + 1), (i + 1, j + 1).
+    #[inline(always)]
+    pub(crate) fn corners<const FORMAT: u8>(
+        &self,
+        s: S,
+        view: &View<'_>,
+        i: i32x16<S>,
+        j: i32x16<S>,
+    ) -> [Place<S>; 4] {
+        if view.masked {
+            let (x_mask, y_mask) = (self.width - 1, self.height - 1);
+            let (x0, x1) = (i & x_mask, (i + 1) & x_mask);
+            let r0 = self.row_start((j & y_mask) ^ self.turn);
+            let r1 = self.row_start(((j + 1) & y_mask) ^ self.turn);
+            return [
+                Place {
+                    word: self.word::<FORMAT>(r0 + x0),
+                    sign: x0,
+                },
+                Place {
+                    word: self.word::<FORMAT>(r0 + x1),
+                    sign: x0,
+                },
+                Place {
+                    word: self.word::<FORMAT>(r1 + x0),
+                    sign: x0,
+                },
+                Place {
+                    word: self.word::<FORMAT>(r1 + x1),
+                    sign: x0,
+                },
+            ];
+        }
+        let (x0, y0) = self.wrapped(s, view, i, j);
+        let (x1, y1) = self.wrapped(s, view, i + 1, j + 1);
+        [
+            self.general::<FORMAT>(view, x0, y0),
+            self.general::<FORMAT>(view, x1, y0),
+            self.general::<FORMAT>(view, x0, y1),
+            self.general::<FORMAT>(view, x1, y1),
+        ]
+    }
+
+    #[inline(always)]
+    fn wrapped(&self, s: S, view: &View<'_>, i: i32x16<S>, j: i32x16<S>) -> (i32x16<S>, i32x16<S>) {
+        (
+            index(s, view.axes[0], i, self.width),
+            index(s, view.axes[1], j, self.height),
+        )
+    }
+
+    #[inline(always)]
+    fn general<const FORMAT: u8>(&self, view: &View<'_>, x: i32x16<S>, y: i32x16<S>) -> Place<S> {
+        let turned = if view.flip { self.turn - y } else { y };
+        Place {
+            word: self.word::<FORMAT>(turned * self.width + x),
+            sign: x | y,
+        }
+    }
 }
 
-/// Scalar [`Axis::place`](crate::wrap::Axis::place) for sixteen, on an axis that repeats over a power of two.
-#[inline(always)]
-pub(crate) fn place<S: Simd>(s: S, u: f32x16<S>, nf: f32x16<S>) -> f32x16<S> {
-    let x = u * nf;
-    let inside = x.abs().simd_lt(f32x16::splat(s, REACH));
-    if inside.all_true() {
-        return x;
+/// Where a tap reads.
+#[derive(Clone, Copy)]
+pub(crate) struct Place<S: Simd> {
+    /// First word of the texel; anything where the tap reads the border.
+    pub(crate) word: u32x16<S>,
+    /// Negative where the tap reads the border.
+    sign: i32x16<S>,
+}
+
+impl<S: Simd> Place<S> {
+    /// Lanes that read the border instead of a texel.
+    #[inline(always)]
+    pub(crate) fn outside(&self, s: S) -> mask32x16<S> {
+        self.sign.simd_lt(i32x16::splat(s, 0))
     }
-    inside.select(x, fraction(s, u) * nf)
+}
+
+/// Scalar [`Axis::place`] for sixteen.
+#[inline(always)]
+fn place<S: Simd>(s: S, view: &View<'_>, axis: Axis, u: f32x16<S>, units: f32x16<S>) -> f32x16<S> {
+    match axis.wrap {
+        Wrap::Repeat if axis.scaled_first => {
+            let x = u * units;
+            let inside = x.abs().simd_lt(f32x16::splat(s, view.reach));
+            inside.select(x, fraction(s, u) * units)
+        }
+        Wrap::Repeat => fraction(s, u) * units,
+        Wrap::MirroredRepeat => fraction(s, u * 0.5) * 2.0 * units,
+        Wrap::ClampToEdge | Wrap::ClampToBorder | Wrap::MirrorClampToEdge => {
+            let (low, high) = (f32x16::splat(s, -64.0), f32x16::splat(s, 65.0));
+            let u = u.simd_eq(u).select(u, f32x16::splat(s, 0.0));
+            let u = u.simd_gt(high).select(high, u);
+            u.simd_gt(low).select(u, low) * units
+        }
+    }
+}
+
+/// Scalar [`Axis::index`] for sixteen, for indices that [`place`] leads to.
+#[inline(always)]
+fn index<S: Simd>(s: S, axis: Axis, i: i32x16<S>, n: i32x16<S>) -> i32x16<S> {
+    let zero = i32x16::splat(s, 0);
+    match axis.wrap {
+        Wrap::Repeat if axis.scaled_first => i & (n - 1),
+        // Fractions keep the index within a texel of 0..n.
+        Wrap::Repeat => {
+            let i = i.simd_lt(zero).select(i + n, i);
+            i.simd_ge(n).select(i - n, i)
+        }
+        Wrap::MirroredRepeat => {
+            let back = n + n - 1 - i;
+            at_least_zero(s, i.simd_lt(back).select(i, back))
+        }
+        Wrap::ClampToEdge => {
+            let i = at_least_zero(s, i);
+            i.simd_lt(n).select(i, n - 1)
+        }
+        Wrap::ClampToBorder => {
+            let inside = i.simd_lt(n) & i.simd_ge(zero);
+            inside.select(i, i32x16::splat(s, crate::wrap::OUTSIDE))
+        }
+        Wrap::MirrorClampToEdge => {
+            let i = i.simd_lt(zero).select(-1 - i, i);
+            i.simd_lt(n).select(i, n - 1)
+        }
+    }
+}
+
+#[inline(always)]
+fn at_least_zero<S: Simd>(s: S, i: i32x16<S>) -> i32x16<S> {
+    let zero = i32x16::splat(s, 0);
+    i.simd_gt(zero).select(i, zero)
 }
 
 #[inline(always)]
@@ -221,18 +445,4 @@ fn fraction<S: Simd>(s: S, u: f32x16<S>) -> f32x16<S> {
     let f = f.simd_gt(zero).select(f, zero);
     let top = f32x16::splat(s, BELOW_ONE);
     f.simd_gt(top).select(top, f)
-}
-
-/// The wrapped column.
-#[inline(always)]
-pub(crate) fn column<S: Simd>(at: &At<S>, i: i32x16<S>) -> i32x16<S> {
-    i & (at.width - 1)
-}
-
-/// The wrapped row, counted from the top of memory.
-#[inline(always)]
-pub(crate) fn row<S: Simd>(view: &View<'_>, at: &At<S>, j: i32x16<S>) -> i32x16<S> {
-    let last = at.height - 1;
-    let y = j & last;
-    if view.flip { y ^ last } else { y }
 }

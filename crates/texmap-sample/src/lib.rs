@@ -33,8 +33,8 @@
 //! # How it is built
 //! Each filter has an f64 definition in [`mod@reference`], a scalar f32 form whose bound the tests
 //! state, and, where it pays, sixteen lanes with the bits of the scalar form: nearest, bilinear,
-//! trilinear and anisotropic on integer textures that repeat over powers of two, on AVX2, AVX-512 and
-//! NEON. All else runs one at a time with the same results.
+//! trilinear and anisotropic on integer textures of any size under any wrap, on SSE2, AVX2, AVX-512 and
+//! NEON (repeating over powers of two is the fast case). All else runs one at a time with the same results.
 #![cfg_attr(not(feature = "std"), no_std)]
 #![forbid(unsafe_code)]
 extern crate alloc;

@@ -12,7 +12,7 @@ use crate::{
 };
 use texmap_math::{
     Level, color,
-    fearless_simd::{f32x16, i32x16, prelude::*},
+    fearless_simd::{f32x4, f32x16, i32x16, prelude::*},
     footprint::Footprint,
     lanes::{load_tail, store_tail},
 };
@@ -256,15 +256,19 @@ struct Batch<'a> {
 }
 
 impl Batch<'_> {
-    /// False where the vector unit has no gather worth the name (SSE) or is missing: there the scalar
-    /// twin stands in, with the same bits. (Sixteen lanes in four registers, or none, would also more
-    /// than double the time to compile this crate.)
+    /// False where there is no vector unit: there the scalar twin stands in, with the same bits. SSE4.2
+    /// runs the SSE2 build, which is as fast (see `benches/results/sample_speed.md`).
     fn run(&self, level: Level, out: Out<'_>) -> bool {
         match level {
             #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
             Level::Avx512(s) => self.on(s, out),
             #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
             Level::Avx2(s) => self.on(s, out),
+            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+            Level::Sse4_2(_) | Level::Sse2(_) => match level.as_sse2() {
+                Some(s) => self.on(s, out),
+                None => return false,
+            },
             #[cfg(target_arch = "aarch64")]
             Level::Neon(s) => self.on(s, out),
             #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
@@ -347,17 +351,13 @@ impl Batch<'_> {
     fn footprint<S: Simd>(&self, s: S, i: usize) -> Option<FootprintLanes<S>> {
         let [ux, vx, uy, vy] = match self.grads {
             Grads::None => return None,
-            Grads::Columns(columns) => columns.map(|c| load_tail(s, &c[i..])),
-            Grads::Each(each) => {
-                let mut columns = [[0.0; 16]; 4];
-                for (k, d) in each[i..].iter().take(16).enumerate() {
-                    columns[0][k] = d.du_dx;
-                    columns[1][k] = d.dv_dx;
-                    columns[2][k] = d.du_dy;
-                    columns[3][k] = d.dv_dy;
-                }
-                columns.map(|c| f32x16::from_slice(s, &c))
-            }
+            Grads::Columns([a, b, c, d]) => [
+                load_tail(s, &a[i..]),
+                load_tail(s, &b[i..]),
+                load_tail(s, &c[i..]),
+                load_tail(s, &d[i..]),
+            ],
+            Grads::Each(each) => sixteen_footprints(s, &each[i..]),
         };
         Some(FootprintLanes::new(s, self.view, ux, vx, uy, vy))
     }
@@ -433,4 +433,46 @@ impl Batch<'_> {
             },
         );
     }
+}
+
+/// Components of sixteen footprints, or of those there are.
+#[inline(always)]
+fn sixteen_footprints<S: Simd>(s: S, grads: &[Footprint]) -> [f32x16<S>; 4] {
+    let mut tail = [Footprint::default(); 16];
+    let grads = match grads.first_chunk::<16>() {
+        Some(grads) => grads,
+        None => {
+            tail[..grads.len()].copy_from_slice(grads);
+            &tail
+        }
+    };
+    let parts = [
+        four_footprints(s, grads, 0),
+        four_footprints(s, grads, 4),
+        four_footprints(s, grads, 8),
+        four_footprints(s, grads, 12),
+    ];
+    [
+        joined(s, &parts, 0),
+        joined(s, &parts, 1),
+        joined(s, &parts, 2),
+        joined(s, &parts, 3),
+    ]
+}
+
+/// Components of four footprints from the `i`th on.
+#[inline(always)]
+fn four_footprints<S: Simd>(s: S, grads: &[Footprint; 16], i: usize) -> [f32x4<S>; 4] {
+    let mut flat = [0.0; 16];
+    for (flat, d) in flat.as_chunks_mut::<4>().0.iter_mut().zip(&grads[i..]) {
+        *flat = [d.du_dx, d.dv_dx, d.du_dy, d.dv_dy];
+    }
+    s.load_four_interleaved_f32x4(&flat)
+}
+
+/// Component `k` of four times four.
+#[inline(always)]
+fn joined<S: Simd>(s: S, parts: &[[f32x4<S>; 4]; 4], k: usize) -> f32x16<S> {
+    let [a, b, c, d] = parts;
+    s.combine_f32x8(s.combine_f32x4(a[k], b[k]), s.combine_f32x4(c[k], d[k]))
 }

@@ -64,6 +64,7 @@ impl Axis {
     /// Texel of an index on an axis of `n` texels; [`OUTSIDE`] a border.
     pub(crate) fn index(self, i: i32, n: i32) -> i32 {
         match self.wrap {
+            Wrap::Repeat if self.scaled_first => i & (n - 1),
             Wrap::Repeat => i.rem_euclid(n),
             Wrap::MirroredRepeat => {
                 let m = i.rem_euclid(2 * n);

@@ -1,6 +1,6 @@
 //! The f32 filters for sixteen lanes; the scalar twins are in `filter.rs`.
 
-use super::{At, RGBA16, RGBX8, View, column, packed::FootprintLanes, place, row};
+use super::{At, Place, RGBA16, RGBX8, View, packed::FootprintLanes};
 use crate::{
     lod::{LOG2_POLYNOMIAL, TINY},
     sampler::Precision,
@@ -54,13 +54,34 @@ fn fetch<S: Simd, const FORMAT: u8>(s: S, view: &View<'_>, word: u32x16<S>) -> C
     }
 }
 
+/// A texel, or the border.
 #[inline(always)]
-pub(crate) fn mix<S: Simd>(a: Color<S>, b: Color<S>, w: f32x16<S>) -> Color<S> {
+fn tap<S: Simd, const FORMAT: u8>(s: S, view: &View<'_>, place: Place<S>) -> Color<S> {
+    let c = fetch::<S, FORMAT>(s, view, place.word);
+    if !view.bordered {
+        return c;
+    }
+    let [r, g, b, a] = view.border;
+    let border = [
+        f32x16::splat(s, r),
+        f32x16::splat(s, g),
+        f32x16::splat(s, b),
+        f32x16::splat(s, a),
+    ];
+    select(place.outside(s), border, c)
+}
+
+#[inline(always)]
+fn mix<S: Simd, const FORMAT: u8>(a: Color<S>, b: Color<S>, w: f32x16<S>) -> Color<S> {
     [
         a[0] + (b[0] - a[0]) * w,
         a[1] + (b[1] - a[1]) * w,
         a[2] + (b[2] - a[2]) * w,
-        a[3] + (b[3] - a[3]) * w,
+        // Opaque stays opaque: 255 + 0 w.
+        match FORMAT {
+            RGBX8 => a[3],
+            _ => a[3] + (b[3] - a[3]) * w,
+        },
     ]
 }
 
@@ -72,18 +93,17 @@ fn bilinear_at<S: Simd, const FORMAT: u8>(
     u: f32x16<S>,
     v: f32x16<S>,
 ) -> Color<S> {
-    let x = place(s, u, at.wf) - 0.5;
-    let y = place(s, v, at.hf) - 0.5;
+    let (x, y) = at.place(s, view, u, v);
+    let (x, y) = (x - 0.5, y - 0.5);
     let (i, j) = (floor_to_i32(s, x), floor_to_i32(s, y));
     let (wx, wy) = (x - i.to_float::<f32x16<S>>(), y - j.to_float::<f32x16<S>>());
-    let (x0, x1) = (column(at, i), column(at, i + 1));
-    let r0 = at.row_start(row(view, at, j));
-    let r1 = at.row_start(row(view, at, j + 1));
-    let a = fetch::<S, FORMAT>(s, view, at.word::<FORMAT>(r0 + x0));
-    let b = fetch::<S, FORMAT>(s, view, at.word::<FORMAT>(r0 + x1));
-    let c = fetch::<S, FORMAT>(s, view, at.word::<FORMAT>(r1 + x0));
-    let d = fetch::<S, FORMAT>(s, view, at.word::<FORMAT>(r1 + x1));
-    mix(mix(a, b, wx), mix(c, d, wx), wy)
+    let [a, b, c, d] = at.corners::<FORMAT>(s, view, i, j);
+    let a = tap::<S, FORMAT>(s, view, a);
+    let b = tap::<S, FORMAT>(s, view, b);
+    let top = mix::<S, FORMAT>(a, b, wx);
+    let c = tap::<S, FORMAT>(s, view, c);
+    let d = tap::<S, FORMAT>(s, view, d);
+    mix::<S, FORMAT>(top, mix::<S, FORMAT>(c, d, wx), wy)
 }
 
 /// The nearest texels of level 0, scaled.
@@ -95,11 +115,9 @@ pub fn nearest_lanes<S: Simd, const FORMAT: u8>(
     v: f32x16<S>,
 ) -> Color<S> {
     let at = At::uniform(s, view, 0);
-    let x = floor_to_i32(s, place(s, u, at.wf));
-    let y = floor_to_i32(s, place(s, v, at.hf));
-    let texel = at.row_start(row(view, &at, y)) + column(&at, x);
-    let c = fetch::<S, FORMAT>(s, view, at.word::<FORMAT>(texel));
-    scaled(c, view)
+    let (x, y) = at.place(s, view, u, v);
+    let place = at.texel::<FORMAT>(s, view, floor_to_i32(s, x), floor_to_i32(s, y));
+    scaled(tap::<S, FORMAT>(s, view, place), view)
 }
 
 /// Bilinear on level 0, scaled. `FORMAT` is the view's.
@@ -110,10 +128,8 @@ pub fn bilinear_lanes<S: Simd, const FORMAT: u8>(
     u: f32x16<S>,
     v: f32x16<S>,
 ) -> Color<S> {
-    scaled(
-        bilinear_at::<S, FORMAT>(s, view, &At::uniform(s, view, 0), u, v),
-        view,
-    )
+    let at = At::uniform(s, view, 0);
+    scaled(bilinear_at::<S, FORMAT>(s, view, &at, u, v), view)
 }
 
 #[inline(always)]
@@ -236,7 +252,7 @@ impl<S: Simd> Levels<S> {
         }
         let next = bilinear_at::<S, FORMAT>(s, view, &self.coarse, u, v);
         let two = self.weight.simd_gt(f32x16::splat(s, 0.0));
-        select(two, mix(c, next, self.weight), c)
+        select(two, mix::<S, FORMAT>(c, next, self.weight), c)
     }
 }
 

@@ -3,7 +3,7 @@
 //! Two channels share a 32-bit word as 16-bit halves; `(a << 8) + (b - a) w + 128` stays below 2^16
 //! whatever the sign of `b - a`, so wrapping 16-bit products are exact. The scalar form stands first.
 
-use super::{At, RGBA8, View, column, place, row};
+use super::{At, Place, RGBA8, View};
 use crate::{
     filter::{axes, floor, gl_of},
     lod::{LIMIT, TINY, TexelFootprint, log2_sqrt_fixed},
@@ -118,8 +118,8 @@ fn probes(s: &Sampler, t: &Chain<'_>, d: &TexelFootprint, most: u8) -> Probes {
     Probes {
         count,
         step: [
-            x * k * share / base.width as f32,
-            y * k * share / base.height as f32,
+            x * k * share * (1.0 / base.width as f32),
+            y * k * share * (1.0 / base.height as f32),
         ],
         lod: fixed_lod(s.limit_lod(lod as f32 / 256.0)),
     }
@@ -216,14 +216,16 @@ fn bilinear(s: &Sampler, t: &Chain<'_>, level: &Level, uv: [f32; 2]) -> u32 {
 
 fn tap(s: &Sampler, t: &Chain<'_>, level: &Level, x: i32, y: i32) -> u32 {
     if x == OUTSIDE || y == OUTSIDE {
-        return border(s.border.map(|c| c * 255.0));
+        return border(s.border);
     }
     let y = if t.flip { level.height - 1 - y } else { y };
     t.words()[level.offset + (y as usize * level.width as usize) + x as usize]
 }
 
-fn border(c: [f32; 4]) -> u32 {
+/// A colour as packed bytes.
+pub(super) fn border(c: [f32; 4]) -> u32 {
     let byte = |c: f32| {
+        let c = c * 255.0;
         let c = if c > 0.0 { c } else { 0.0 };
         let c = if c < 255.0 { c } else { 255.0 };
         (c + 0.5) as u32
@@ -276,22 +278,23 @@ fn lerp_lanes<S: Simd>(a: Halves<S>, b: Halves<S>, w: u16x32<S>) -> Halves<S> {
 }
 
 #[inline(always)]
-fn tap_lanes<S: Simd>(s: S, view: &View<'_>, at: &At<S>, texel: i32x16<S>) -> u32x16<S> {
-    gather(s, view.words, at.word::<RGBA8>(texel))
+fn tap_lanes<S: Simd>(s: S, view: &View<'_>, place: Place<S>) -> u32x16<S> {
+    let c = gather(s, view.words, place.word);
+    if view.bordered {
+        return place
+            .outside(s)
+            .select(u32x16::splat(s, view.border_word), c);
+    }
+    c
 }
 
 /// The nearest texel of level 0 for each lane.
 #[inline(always)]
 pub fn nearest_lanes<S: Simd>(s: S, view: &View<'_>, u: f32x16<S>, v: f32x16<S>) -> u32x16<S> {
     let at = At::uniform(s, view, 0);
-    let x = floor_to_i32(s, place(s, u, at.wf));
-    let y = floor_to_i32(s, place(s, v, at.hf));
-    tap_lanes(
-        s,
-        view,
-        &at,
-        at.row_start(row(view, &at, y)) + column(&at, x),
-    )
+    let (x, y) = at.place(s, view, u, v);
+    let (i, j) = (floor_to_i32(s, x) >> 8, floor_to_i32(s, y) >> 8);
+    tap_lanes(s, view, at.texel::<RGBA8>(s, view, i, j))
 }
 
 /// Bilinear on level 0 for each lane.
@@ -308,17 +311,14 @@ fn bilinear_at<S: Simd>(
     u: f32x16<S>,
     v: f32x16<S>,
 ) -> Halves<S> {
-    let x = floor_to_i32(s, place(s, u, at.wf) * 256.0) - 128;
-    let y = floor_to_i32(s, place(s, v, at.hf) * 256.0) - 128;
-    let (i, j) = (x >> 8, y >> 8);
-    let (x0, x1) = (column(at, i), column(at, i + 1));
-    let (y0, y1) = (row(view, at, j), row(view, at, j + 1));
+    let (x, y) = at.place(s, view, u, v);
+    let (x, y) = (floor_to_i32(s, x) - 128, floor_to_i32(s, y) - 128);
     let (wx, wy) = (spread(x & 255), spread(y & 255));
-    let (r0, r1) = (at.row_start(y0), at.row_start(y1));
-    let a = halves(tap_lanes(s, view, at, r0 + x0));
-    let b = halves(tap_lanes(s, view, at, r0 + x1));
-    let c = halves(tap_lanes(s, view, at, r1 + x0));
-    let d = halves(tap_lanes(s, view, at, r1 + x1));
+    let [a, b, c, d] = at.corners::<RGBA8>(s, view, x >> 8, y >> 8);
+    let a = halves(tap_lanes(s, view, a));
+    let b = halves(tap_lanes(s, view, b));
+    let c = halves(tap_lanes(s, view, c));
+    let d = halves(tap_lanes(s, view, d));
     lerp_lanes(lerp_lanes(a, b, wx), lerp_lanes(c, d, wx), wy)
 }
 
@@ -350,11 +350,17 @@ impl<S: Simd> FootprintLanes<S> {
     ) -> Self {
         let (w, h) = view.size();
         let (w, h) = (w as f32, h as f32);
+        let (ux, vx, uy, vy) = (ux * w, vx * h, uy * w, vy * h);
+        // One test for all four: the sum is NaN or large where any of them is.
+        let sum = (ux * ux + vx * vx) + (uy * uy + vy * vy);
+        if sum.simd_lt(f32x16::splat(s, LIMIT)).all_true() {
+            return Self { ux, vx, uy, vy };
+        }
         Self {
-            ux: tame(s, ux * w),
-            vx: tame(s, vx * h),
-            uy: tame(s, uy * w),
-            vy: tame(s, vy * h),
+            ux: tame(s, ux),
+            vx: tame(s, vx),
+            uy: tame(s, uy),
+            vy: tame(s, vy),
         }
     }
 
@@ -384,6 +390,9 @@ fn log2_sqrt_lanes<S: Simd>(s: S, x: f32x16<S>) -> i32x16<S> {
 /// Bias and limits in f32, as the scalar form has them, then 8 fraction bits.
 #[inline(always)]
 fn limit_lanes<S: Simd>(s: S, view: &View<'_>, lod: i32x16<S>) -> i32x16<S> {
+    if view.plain_lod {
+        return lod;
+    }
     let lod = super::float::limit_lanes(s, view, lod.to_float::<f32x16<S>>() * (1.0 / 256.0));
     let (low, high) = (f32x16::splat(s, -64.0), f32x16::splat(s, 64.0));
     let lod = lod.simd_gt(high).select(high, lod);
@@ -391,7 +400,7 @@ fn limit_lanes<S: Simd>(s: S, view: &View<'_>, lod: i32x16<S>) -> i32x16<S> {
     floor_to_i32(s, lod * 256.0)
 }
 
-/// Level of detail with 8 fraction bits, limited.
+/// Level of detail with 8 fraction bits, limited (to 0 and above only where that is not all of it).
 #[inline(always)]
 pub fn lod_lanes<S: Simd>(s: S, view: &View<'_>, d: &FootprintLanes<S>) -> i32x16<S> {
     limit_lanes(s, view, log2_sqrt_lanes(s, d.rho_max_squared()))
@@ -447,9 +456,15 @@ pub fn anisotropic_lanes<S: Simd>(
     v: f32x16<S>,
     d: &FootprintLanes<S>,
 ) -> u32x16<S> {
-    let one_f = f32x16::splat(s, 1.0);
+    let (one_f, zero) = (f32x16::splat(s, 1.0), i32x16::splat(s, 0));
     let p = d.ux * d.ux + d.uy * d.uy;
     let r = d.vx * d.vx + d.vy * d.vy;
+    // Where the squares of both axes add up to less than one (and the 0.2 % of the root below), there
+    // is one probe on level 0.
+    if view.plain_lod && (p + r).simd_lt(f32x16::splat(s, 0.99)).all_true() {
+        let at = At::uniform(s, view, 0);
+        return join(bilinear_at::<S>(s, view, &at, u, v));
+    }
     let q = d.ux * d.vx + d.uy * d.vy;
     let half = (p - r) * 0.5;
     let square = half * half + q * q;
@@ -457,25 +472,16 @@ pub fn anisotropic_lanes<S: Simd>(
     let major2 = (p + r) * 0.5 + root;
     let magnified = !major2.simd_gt(one_f);
     let log_major = log2_sqrt_lanes(s, major2);
-    if magnified.all_true() {
-        let lod = limit_lanes(s, view, log_major);
-        if lod.simd_le(i32x16::splat(s, 0)).all_true() {
-            return bilinear_lanes::<S>(s, view, u, v);
-        }
-    }
     let det = d.ux * d.vy - d.uy * d.vx;
     let ratio = (log_major << 1) - log2_sqrt_lanes(s, det * det);
-    let zero = i32x16::splat(s, 0);
     let slot = ratio.simd_lt(zero).select(zero, ratio >> 6);
     let last_slot = i32x16::splat(s, 15);
     let slot = slot.simd_gt(last_slot).select(last_slot, slot);
-    let (count, level_drop) = {
-        let most = i32x16::splat(s, i32::from(view.most));
-        let count = lookup(s, &PROBES, slot);
-        let count = count.simd_lt(most).select(count, most);
-        let count = magnified.select(i32x16::splat(s, 1), count);
-        (count, lookup(s, &PROBE_LEVELS, count))
-    };
+    let most = i32x16::splat(s, i32::from(view.most));
+    let count = lookup(s, &PROBES, slot);
+    let count = count.simd_lt(most).select(count, most);
+    let count = magnified.select(i32x16::splat(s, 1), count);
+    let level_drop = lookup(s, &PROBE_LEVELS, count);
     let steep = !half.simd_ge(f32x16::splat(s, 0.0));
     let x = steep.select(q, half + root);
     let y = steep.select(root - half, q);
@@ -484,8 +490,8 @@ pub fn anisotropic_lanes<S: Simd>(
     let n = count.to_float::<f32x16<S>>();
     let share = one_f / n;
     let (w, h) = view.size();
-    let step_u = x * k * share / (w as f32);
-    let step_v = y * k * share / (h as f32);
+    let step_u = x * k * share * (1.0 / w as f32);
+    let step_v = y * k * share * (1.0 / h as f32);
     let lod = limit_lanes(s, view, log_major - level_drop);
     let level = (lod + 128) >> 8;
     let level = level.simd_lt(zero).select(zero, level);
