@@ -1,3 +1,5 @@
 //! Scenes and clocks that the benchmarks share.
 
+pub mod floor;
 pub mod scenes;
+pub mod textures;

@@ -1,0 +1,351 @@
+//! The speed of the sampler as ratios to the loop that computes coordinates and stores:
+//! `cargo bench -p texmap-benches --bench sample_speed` writes `benches/results/sample_speed.{csv,md}`.
+//!
+//! One run times everything in turn, band by band (64 rows of a 1920x1080 floor in 64x64 tiles), and
+//! keeps the least time of each band; the sum over the bands is the figure. Two forms: `lanes` are the
+//! sixteen-lane functions inside the loop of the coordinates, as a renderer has them; `slice` are the
+//! public batch calls on runs of 256 places that the loop has stored.
+
+use std::fmt::Write as _;
+use std::hint::black_box;
+use std::time::Instant;
+
+use texmap_benches::floor::{Floor, HEIGHT, Places, TILE, WIDTH};
+use texmap_benches::textures::{square_texels, squares};
+use texmap_math::fearless_simd::{Simd, f32x16, prelude::*, u32x16};
+use texmap_math::lanes::unit_to_u8;
+use texmap_math::{Footprint, Level};
+use texmap_sample::lanes::{RGBX8, View, float, packed};
+use texmap_sample::{
+    Alpha, ColorSpace, Filter, Image, Origin, Precision, Sampler, Texels, Texture2d, TextureCube,
+    cube_direction, sample_rgba8_slice, sample_slice,
+};
+
+const BANDS: usize = HEIGHT.div_ceil(TILE);
+const RUN: usize = 256;
+const FILTERS: [(&str, Filter); 4] = [
+    ("nearest", Filter::Nearest),
+    ("bilinear", Filter::Bilinear),
+    ("trilinear", Filter::Trilinear),
+    ("anisotropic16", Filter::Anisotropic(16)),
+];
+
+/// What is timed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Form {
+    /// Coordinates, one word stored.
+    Base,
+    /// Coordinates (and gradients, if asked) stored in runs, one word of each stored.
+    Runs(bool),
+    Lanes(usize, Precision),
+    Slice(usize, Precision),
+}
+
+struct Case {
+    level_name: &'static str,
+    level: Level,
+    floor: (&'static str, Floor),
+    side: u32,
+    form: Form,
+    best: [f64; BANDS],
+}
+
+impl Case {
+    /// `form/filter/precision/level/floor/side`.
+    fn name(&self) -> String {
+        let form = match self.form {
+            Form::Base => "coordinates/-/-".to_owned(),
+            Form::Runs(grads) => format!("runs/{}/-", if grads { "gradients" } else { "-" }),
+            Form::Lanes(f, p) => format!("lanes/{}/{p:?}", FILTERS[f].0),
+            Form::Slice(f, p) => format!("slice/{}/{p:?}", FILTERS[f].0),
+        };
+        format!("{form}/{}/{}/{}", self.level_name, self.floor.0, self.side).to_lowercase()
+    }
+
+    fn ns(&self) -> f64 {
+        self.best.iter().sum::<f64>() * 1e9 / (WIDTH * HEIGHT) as f64
+    }
+}
+
+fn levels() -> Vec<(&'static str, Level)> {
+    let best = Level::new();
+    let mut levels = Vec::new();
+    #[cfg(target_arch = "x86_64")]
+    {
+        levels.extend(best.as_avx512().map(|t| ("avx512", Level::Avx512(t))));
+        levels.extend(best.as_avx2().map(|t| ("avx2", Level::Avx2(t))));
+        levels.extend(best.as_sse4_2().map(|t| ("sse4.2", Level::Sse4_2(t))));
+        levels.extend(best.as_sse2().map(|t| ("sse2", Level::Sse2(t))));
+    }
+    if levels.is_empty() {
+        levels.push(("best", best));
+    }
+    levels
+}
+
+struct Job<'a> {
+    floor: &'a Floor,
+    view: &'a View<'a>,
+    sampler: &'a Sampler,
+    texture: &'a Texture2d<'a>,
+    level: Level,
+    rows: std::ops::Range<usize>,
+    frame: &'a mut [u32],
+}
+
+const BASE: u8 = 0;
+const NEAREST: u8 = 1;
+const BILINEAR: u8 = 2;
+const TRILINEAR: u8 = 3;
+const EXACT: u8 = 16;
+
+#[inline(always)]
+fn bytes<S: Simd>(s: S, [r, g, b, a]: float::Color<S>) -> u32x16<S> {
+    unit_to_u8(s, r) | (unit_to_u8(s, g) << 8) | (unit_to_u8(s, b) << 16) | (unit_to_u8(s, a) << 24)
+}
+
+#[inline(always)]
+fn shade<S: Simd, const KERNEL: u8>(
+    s: S,
+    job: &Job<'_>,
+    p: &Places<S>,
+) -> u32x16<S> {
+    let view = job.view;
+    let d = || {
+        let [ux, vx, uy, vy] = job.floor.slopes(p);
+        packed::FootprintLanes::new(s, view, ux, vx, uy, vy)
+    };
+    if KERNEL == BASE {
+        let (a, b): (u32x16<S>, u32x16<S>) = (p.u.bitcast(), p.v.bitcast());
+        return a ^ b;
+    }
+    if KERNEL & EXACT == 0 {
+        return match KERNEL {
+            NEAREST => packed::nearest_lanes(s, view, p.u, p.v),
+            BILINEAR => packed::bilinear_lanes(s, view, p.u, p.v),
+            TRILINEAR => {
+                let lod = packed::lod_lanes(s, view, &d());
+                packed::trilinear_lanes(s, view, p.u, p.v, lod)
+            }
+            _ => packed::anisotropic_lanes(s, view, p.u, p.v, &d()),
+        };
+    }
+    let c = match KERNEL & !EXACT {
+        NEAREST => float::nearest_lanes::<S, RGBX8>(s, view, p.u, p.v),
+        BILINEAR => float::bilinear_lanes::<S, RGBX8>(s, view, p.u, p.v),
+        TRILINEAR => {
+            let lod = float::lod_lanes(s, view, &d());
+            float::trilinear_lanes::<S, RGBX8>(s, view, p.u, p.v, lod)
+        }
+        _ => float::anisotropic_lanes::<S, RGBX8>(s, view, p.u, p.v, &d()),
+    };
+    bytes(s, c)
+}
+
+#[inline(never)]
+fn fused<S: Simd, const KERNEL: u8>(s: S, job: &mut Job<'_>) {
+    s.vectorize(
+        #[inline(always)]
+        || {
+            for x0 in (0..WIDTH).step_by(TILE) {
+                for y in job.rows.clone() {
+                    for x in (x0..x0 + TILE).step_by(16) {
+                        let p = job.floor.places(s, x, y);
+                        let c = shade::<S, KERNEL>(s, job, &p);
+                        let at = y * WIDTH + x;
+                        if let Some(out) = job.frame[at..].first_chunk_mut::<16>() {
+                            c.store_slice(out);
+                        }
+                    }
+                }
+            }
+        },
+    );
+}
+
+/// The places of a run: four rows of a tile.
+struct Run {
+    u: [f32; RUN],
+    v: [f32; RUN],
+    grads: [Footprint; RUN],
+}
+
+#[inline(never)]
+fn fill<S: Simd>(s: S, floor: &Floor, x0: usize, y0: usize, grads: bool, run: &mut Run) {
+    s.vectorize(
+        #[inline(always)]
+        || {
+            for i in (0..RUN).step_by(16) {
+                let p = floor.places(s, x0 + i % TILE, y0 + i / TILE);
+                p.u.store_slice(&mut run.u[i..i + 16]);
+                p.v.store_slice(&mut run.v[i..i + 16]);
+                if grads {
+                    let mut columns = [[0.0; 16]; 4];
+                    for (c, column) in floor.slopes(&p).into_iter().zip(&mut columns) {
+                        c.store_slice(column);
+                    }
+                    let [ux, vx, uy, vy] = columns;
+                    for (k, d) in run.grads[i..i + 16].iter_mut().enumerate() {
+                        *d = Footprint::new(ux[k], vx[k], uy[k], vy[k]);
+                    }
+                }
+            }
+        },
+    );
+}
+
+/// Whether a run's places are only made, or sampled too.
+fn runs<S: Simd>(s: S, job: &mut Job<'_>, form: Form, run: &mut Run) {
+    let mut words = [0; RUN];
+    let mut colors = [[0.0; 4]; RUN];
+    let grads = match form {
+        Form::Runs(grads) => grads,
+        Form::Slice(filter, _) => filter >= 2,
+        _ => false,
+    };
+    for x0 in (0..WIDTH).step_by(TILE) {
+        for y0 in job.rows.clone().step_by(RUN / TILE) {
+            fill(s, job.floor, x0, y0, grads, run);
+            let d = grads.then_some(&run.grads[..]);
+            match form {
+                Form::Slice(_, Precision::Fast) => sample_rgba8_slice(
+                    job.level, job.sampler, job.texture, &run.u, &run.v, d, &mut words,
+                )
+                .expect("runs of one length"),
+                Form::Slice(_, Precision::Exact) => {
+                    sample_slice(
+                        job.level, job.sampler, job.texture, &run.u, &run.v, d, &mut colors,
+                    )
+                    .expect("runs of one length");
+                    black_box(&mut colors);
+                }
+                _ => {
+                    black_box(&mut *run);
+                }
+            }
+            for (i, part) in words.chunks(TILE).enumerate() {
+                let at = (y0 + i) * WIDTH + x0;
+                if y0 + i < HEIGHT {
+                    job.frame[at..at + TILE].copy_from_slice(part);
+                }
+            }
+        }
+    }
+}
+
+fn draw<S: Simd>(s: S, job: &mut Job<'_>, form: Form, run: &mut Run) {
+    let kernel = match form {
+        Form::Runs(_) | Form::Slice(..) => return runs(s, job, form, run),
+        Form::Base => BASE,
+        Form::Lanes(filter, Precision::Fast) => filter as u8 + 1,
+        Form::Lanes(filter, Precision::Exact) => (filter as u8 + 1) | EXACT,
+    };
+    match kernel {
+        0 => fused::<S, 0>(s, job),
+        1 => fused::<S, 1>(s, job),
+        2 => fused::<S, 2>(s, job),
+        3 => fused::<S, 3>(s, job),
+        4 => fused::<S, 4>(s, job),
+        17 => fused::<S, 17>(s, job),
+        18 => fused::<S, 18>(s, job),
+        19 => fused::<S, 19>(s, job),
+        _ => fused::<S, 20>(s, job),
+    }
+}
+
+fn dispatch(level: Level, job: &mut Job<'_>, form: Form, run: &mut Run) {
+    match level {
+        #[cfg(target_arch = "x86_64")]
+        Level::Avx512(s) => draw(s, job, form, run),
+        #[cfg(target_arch = "x86_64")]
+        Level::Avx2(s) => draw(s, job, form, run),
+        #[cfg(target_arch = "x86_64")]
+        Level::Sse4_2(s) => draw(s, job, form, run),
+        #[cfg(target_arch = "x86_64")]
+        Level::Sse2(s) => draw(s, job, form, run),
+        #[cfg(target_arch = "aarch64")]
+        Level::Neon(s) => draw(s, job, form, run),
+        _ => {}
+    }
+}
+
+fn main() {
+    let mut cases = Vec::new();
+    let floors = [("far", Floor::far(), 256), ("far", Floor::far(), 1024), ("far1", Floor::far1(), 1024)];
+    for (level_name, level) in levels() {
+        for (name, floor, side) in floors {
+            let mut push = |form| {
+                cases.push(Case {
+                    level_name,
+                    level,
+                    floor: (name, floor),
+                    side,
+                    form,
+                    best: [f64::INFINITY; BANDS],
+                });
+            };
+            push(Form::Base);
+            push(Form::Runs(false));
+            push(Form::Runs(true));
+            for filter in 0..FILTERS.len() {
+                for precision in [Precision::Fast, Precision::Exact] {
+                    push(Form::Lanes(filter, precision));
+                    push(Form::Slice(filter, precision));
+                }
+            }
+        }
+    }
+    let textures = [256, 1024].map(|side| (side, squares(side)));
+    let mut frame = vec![0; WIDTH * HEIGHT];
+    let mut run = Box::new(Run {
+        u: [0.0; RUN],
+        v: [0.0; RUN],
+        grads: [Footprint::default(); RUN],
+    });
+    // Arguments: a number of rounds, and words that a case's name must hold.
+    let mut rounds = 7;
+    for argument in std::env::args().skip(1).filter(|a| !a.starts_with('-')) {
+        match argument.parse() {
+            Ok(n) => rounds = n,
+            Err(_) => cases.retain(|c| c.name().contains(&argument)),
+        }
+    }
+    for _ in 0..rounds {
+        for band in 0..BANDS {
+            for case in &mut cases {
+                let (filter, precision) = match case.form {
+                    Form::Lanes(f, p) | Form::Slice(f, p) => (FILTERS[f].1, p),
+                    _ => (Filter::Nearest, Precision::Fast),
+                };
+                let sampler = Sampler {
+                    filter,
+                    precision,
+                    ..Sampler::default()
+                };
+                let texture = &textures[usize::from(case.side == 1024)].1;
+                let view = View::new(&sampler, texture).expect("a power of two that repeats");
+                let mut job = Job {
+                    floor: &case.floor.1,
+                    view: &view,
+                    sampler: &sampler,
+                    texture,
+                    level: case.level,
+                    rows: band * TILE..HEIGHT.min((band + 1) * TILE),
+                    frame: &mut frame,
+                };
+                // Once for the caches: the case before has left its own texture there.
+                dispatch(case.level, &mut job, case.form, &mut run);
+                let start = Instant::now();
+                dispatch(case.level, &mut job, case.form, &mut run);
+                let time = start.elapsed().as_secs_f64();
+                black_box(&mut frame);
+                if time < case.best[band] {
+                    case.best[band] = time;
+                }
+            }
+        }
+    }
+    for case in &cases {
+        println!("{:40} {:.3}", case.name(), case.ns());
+    }
+}
