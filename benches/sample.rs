@@ -5,10 +5,9 @@
 use std::hint::black_box;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use texmap_benches::textures::squares;
 use texmap_math::{Footprint, Level};
-use texmap_sample::{
-    ColorSpace, Filter, Origin, Precision, Sampler, Texture2d, sample_rgba8_slice, sample_slice,
-};
+use texmap_sample::{Filter, Precision, Sampler, sample_rgba8_slice, sample_slice};
 
 const WIDTH: usize = 1920;
 const ROWS: usize = 540;
@@ -46,24 +45,6 @@ impl Floor {
     }
 }
 
-fn texture(side: u32) -> Texture2d<'static> {
-    let texels = (0..side * side)
-        .flat_map(|i| {
-            let (x, y) = (i % side, i / side);
-            let k = (x.wrapping_mul(0x9e37_79b1) ^ y.wrapping_mul(0x85eb_ca77)) >> 27;
-            let c = if ((x >> 6) ^ (y >> 6)) & 1 == 1 {
-                200
-            } else {
-                60
-            };
-            [(c + k) as u8, (c / 2 + k) as u8, (x ^ y) as u8, 255]
-        })
-        .collect();
-    Texture2d::from_rgba8(side, side, texels, ColorSpace::Linear, Origin::TopLeft)
-        .expect("a good size")
-        .with_mips()
-}
-
 fn levels() -> Vec<(&'static str, Level)> {
     let best = Level::new();
     let mut levels = Vec::new();
@@ -97,7 +78,7 @@ fn floor(c: &mut Criterion) {
         });
     });
     for side in [256, 1024] {
-        let t = texture(side);
+        let t = squares(side);
         for (name, filter) in [
             ("nearest", Filter::Nearest),
             ("bilinear", Filter::Bilinear),

@@ -12,7 +12,7 @@ use std::time::Instant;
 
 use texmap_benches::floor::{Floor, HEIGHT, Places, TILE, WIDTH};
 use texmap_benches::textures::{square_texels, squares};
-use texmap_math::fearless_simd::{Simd, f32x16, prelude::*, u32x16};
+use texmap_math::fearless_simd::{Simd, prelude::*, u32x16};
 use texmap_math::lanes::unit_to_u8;
 use texmap_math::{Footprint, Level};
 use texmap_sample::lanes::{RGBX8, View, float, packed};
@@ -105,11 +105,7 @@ fn bytes<S: Simd>(s: S, [r, g, b, a]: float::Color<S>) -> u32x16<S> {
 }
 
 #[inline(always)]
-fn shade<S: Simd, const KERNEL: u8>(
-    s: S,
-    job: &Job<'_>,
-    p: &Places<S>,
-) -> u32x16<S> {
+fn shade<S: Simd, const KERNEL: u8>(s: S, job: &Job<'_>, p: &Places<S>) -> u32x16<S> {
     let view = job.view;
     let d = || {
         let [ux, vx, uy, vy] = job.floor.slopes(p);
@@ -209,12 +205,24 @@ fn runs<S: Simd>(s: S, job: &mut Job<'_>, form: Form, run: &mut Run) {
             let d = grads.then_some(&run.grads[..]);
             match form {
                 Form::Slice(_, Precision::Fast) => sample_rgba8_slice(
-                    job.level, job.sampler, job.texture, &run.u, &run.v, d, &mut words,
+                    job.level,
+                    job.sampler,
+                    job.texture,
+                    &run.u,
+                    &run.v,
+                    d,
+                    &mut words,
                 )
                 .expect("runs of one length"),
                 Form::Slice(_, Precision::Exact) => {
                     sample_slice(
-                        job.level, job.sampler, job.texture, &run.u, &run.v, d, &mut colors,
+                        job.level,
+                        job.sampler,
+                        job.texture,
+                        &run.u,
+                        &run.v,
+                        d,
+                        &mut colors,
                     )
                     .expect("runs of one length");
                     black_box(&mut colors);
@@ -271,7 +279,11 @@ fn dispatch(level: Level, job: &mut Job<'_>, form: Form, run: &mut Run) {
 
 fn main() {
     let mut cases = Vec::new();
-    let floors = [("far", Floor::far(), 256), ("far", Floor::far(), 1024), ("far1", Floor::far1(), 1024)];
+    let floors = [
+        ("far", Floor::far(), 256),
+        ("far", Floor::far(), 1024),
+        ("far1", Floor::far1(), 1024),
+    ];
     for (level_name, level) in levels() {
         for (name, floor, side) in floors {
             let mut push = |form| {
@@ -302,6 +314,7 @@ fn main() {
         v: [0.0; RUN],
         grads: [Footprint::default(); RUN],
     });
+    let all = cases.len();
     // Arguments: a number of rounds, and words that a case's name must hold.
     let mut rounds = 7;
     for argument in std::env::args().skip(1).filter(|a| !a.starts_with('-')) {
@@ -345,7 +358,194 @@ fn main() {
             }
         }
     }
+    let singles = Singles::measure(rounds);
     for case in &cases {
-        println!("{:40} {:.3}", case.name(), case.ns());
+        println!("{:44} {:.3}", case.name(), case.ns());
     }
+    println!("one at a time: {singles:?}");
+    if cases.len() == all {
+        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/results");
+        std::fs::write(format!("{folder}/sample_speed.csv"), csv(&cases))
+            .expect("results/ is writable");
+        std::fs::write(
+            format!("{folder}/sample_speed.md"),
+            markdown(&cases, &singles),
+        )
+        .expect("results/ is writable");
+    }
+}
+
+/// Look-ups one at a time over a sweep of all directions, ns each: a plain texture and a seamless cube.
+#[derive(Debug)]
+struct Singles {
+    plane: f64,
+    cube: f64,
+}
+
+impl Singles {
+    const CHUNKS: usize = 64;
+    const CHUNK: usize = 4096;
+
+    fn measure(rounds: usize) -> Self {
+        let plane = squares(256);
+        let texels = square_texels(256);
+        let face = Image {
+            width: 256,
+            height: 256,
+            channels: 4,
+            texels: Texels::U8(&texels),
+            color: ColorSpace::Linear,
+            alpha: Alpha::Straight,
+            origin: Origin::TopLeft,
+        };
+        let cube = TextureCube::new(&[face; 6]).expect("six square faces");
+        let sampler = Sampler {
+            filter: Filter::Bilinear,
+            ..Sampler::default()
+        };
+        // Each chunk walks over a band of one face and the next.
+        let places: Vec<([f32; 2], [f32; 3])> = (0..Self::CHUNKS * Self::CHUNK)
+            .map(|i| {
+                let along = (i % Self::CHUNK) as f64 / Self::CHUNK as f64;
+                let across = (i / Self::CHUNK) as f64 / Self::CHUNKS as f64;
+                let face = (i / Self::CHUNK + usize::from(along >= 0.5)) % 6;
+                let uv = [(2.0 * along) % 1.0, across];
+                let d = cube_direction(face, uv);
+                (uv.map(|c| c as f32), d.map(|c| c as f32))
+            })
+            .collect();
+        let mut best = [[f64::INFINITY; Self::CHUNKS]; 2];
+        for _ in 0..rounds * 3 {
+            for (i, chunk) in places.chunks(Self::CHUNK).enumerate() {
+                let start = Instant::now();
+                for (uv, _) in chunk {
+                    black_box(sampler.sample(&plane, black_box(*uv)));
+                }
+                let middle = Instant::now();
+                for (_, d) in chunk {
+                    black_box(sampler.sample_cube(&cube, black_box(*d), 0.0));
+                }
+                let end = Instant::now();
+                best[0][i] = best[0][i].min((middle - start).as_secs_f64());
+                best[1][i] = best[1][i].min((end - middle).as_secs_f64());
+            }
+        }
+        let [plane, cube] = best.map(|b| b.iter().sum::<f64>() * 1e9 / places.len() as f64);
+        Self { plane, cube }
+    }
+}
+
+fn find(cases: &[Case], name: &str) -> f64 {
+    cases
+        .iter()
+        .find(|c| c.name() == name)
+        .map_or(f64::NAN, Case::ns)
+}
+
+fn base(cases: &[Case], case: &Case) -> f64 {
+    let name = format!(
+        "coordinates/-/-/{}/{}/{}",
+        case.level_name, case.floor.0, case.side
+    );
+    find(cases, &name)
+}
+
+fn csv(cases: &[Case]) -> String {
+    let mut out = String::from("form,filter,precision,level,floor,side,ns_per_pixel,ratio\n");
+    for case in cases {
+        let _ = writeln!(
+            out,
+            "{},{:.4},{:.3}",
+            case.name().replace('/', ","),
+            case.ns(),
+            case.ns() / base(cases, case)
+        );
+    }
+    out
+}
+
+fn markdown(cases: &[Case], singles: &Singles) -> String {
+    let mut out = String::from(
+        "# Speed of the sampler\n\n\
+         `cargo bench -p texmap-benches --bench sample_speed` (one run, everything interleaved, the least time of each\n\
+         band of 64 rows, one thread; ratios count, nanoseconds are this machine's). The floor fills 1920 x 1080: *far* has half\n\
+         its pixels magnified at 1024 texels and reaches level 8, *far1* repeats four times as often. The base is the loop that\n\
+         computes the coordinates (planes, one exact division a pixel) and stores a word. *Lanes* are the sixteen-lane functions\n\
+         in that loop, *slice* the public batch calls on 256 stored places (the storing of places and gradients included).\n\n",
+    );
+    let best = cases[0].level_name;
+    let lanes = |filter: &str, precision: &str, level: &str, floor: &str, side: u32| {
+        let tail = format!("{level}/{floor}/{side}");
+        find(cases, &format!("lanes/{filter}/{precision}/{tail}"))
+            / find(cases, &format!("coordinates/-/-/{tail}"))
+    };
+    let _ = writeln!(out, "## Ratios to the base on {best} (lanes, far)\n");
+    out.push_str("| filter | asked | 256 texels | 1024 texels |\n|---|---|---|---|\n");
+    for (filter, precision, asked) in [
+        ("nearest", "fast", "2.2"),
+        ("bilinear", "fast", "7"),
+        ("trilinear", "fast", "11"),
+        ("anisotropic16", "fast", "22"),
+        ("bilinear", "exact", "9"),
+        ("trilinear", "exact", "-"),
+        ("anisotropic16", "exact", "-"),
+    ] {
+        let _ = writeln!(
+            out,
+            "| {filter} {precision} | {asked} | {:.2} | {:.2} |",
+            lanes(filter, precision, best, "far", 256),
+            lanes(filter, precision, best, "far", 1024),
+        );
+    }
+    let _ = writeln!(
+        out,
+        "\nSeamless cube over a plain 2D texture, bilinear, one at a time: {:.1} / {:.1} ns = {:.2} (asked: 1.3).\n",
+        singles.cube,
+        singles.plane,
+        singles.cube / singles.plane
+    );
+    out.push_str("## Other levels over the first, same kernel (lanes; asked: AVX2 1.5, SSE2 3)\n\n| kernel |");
+    let names: Vec<&str> = levels().iter().map(|l| l.0).collect();
+    for name in &names[1..] {
+        let _ = write!(out, " {name} |");
+    }
+    out.push_str("\n|---|");
+    out.push_str(&"---|".repeat(names.len() - 1));
+    out.push('\n');
+    for (filter, _) in FILTERS {
+        for precision in ["fast", "exact"] {
+            let _ = write!(out, "| {filter} {precision} |");
+            let ns = |level: &str| {
+                find(
+                    cases,
+                    &format!("lanes/{filter}/{precision}/{level}/far/256"),
+                )
+            };
+            for name in &names[1..] {
+                let _ = write!(out, " {:.2} |", ns(name) / ns(best));
+            }
+            out.push('\n');
+        }
+    }
+    out.push_str("\n## Nanoseconds a pixel\n\n| form | filter | precision |");
+    let places = [("far", 256), ("far", 1024), ("far1", 1024)];
+    for name in &names {
+        for (floor, side) in places {
+            let _ = write!(out, " {name} {floor} {side} |");
+        }
+    }
+    out.push_str("\n|---|---|---|");
+    out.push_str(&"---|".repeat(names.len() * places.len()));
+    out.push('\n');
+    let count = cases.len() / (names.len() * places.len());
+    for k in 0..count {
+        let name = cases[k].name();
+        let parts: Vec<&str> = name.split('/').collect();
+        let _ = write!(out, "| {} | {} | {} |", parts[0], parts[1], parts[2]);
+        for group in cases.chunks(count) {
+            let _ = write!(out, " {:.2} |", group[k].ns());
+        }
+        out.push('\n');
+    }
+    out
 }

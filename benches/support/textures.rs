@@ -8,9 +8,15 @@ use texmap_sample::{ColorSpace, Origin, Texture2d};
 /// A side of 0 or above the limit.
 #[must_use]
 pub fn squares(side: u32) -> Texture2d<'static> {
-    Texture2d::from_rgba8(side, side, square_texels(side), ColorSpace::Linear, Origin::TopLeft)
-        .expect("a good size")
-        .with_mips()
+    Texture2d::from_rgba8(
+        side,
+        side,
+        square_texels(side),
+        ColorSpace::Linear,
+        Origin::TopLeft,
+    )
+    .expect("a good size")
+    .with_mips()
 }
 
 /// The bytes of [`squares`].

@@ -1,8 +1,8 @@
 use crate::{
     error::SampleError,
-    filter::{floor, gl_of, level_of, mix},
+    filter::{across_levels, floor, level_of, mix},
     mip,
-    sampler::{Mip, Sampler, Texel},
+    sampler::{Sampler, Texel},
     texels::{Chain, Level},
     texture::{Image, Texture2d, check_size, upload},
 };
@@ -153,28 +153,12 @@ impl Sampler {
     /// The colour in a direction (any length) at a level of detail. Wrap modes do not apply; filters
     /// beyond trilinear take their trilinear form.
     pub fn sample_cube(&self, t: &TextureCube<'_>, direction: [f32; 3], lod: f32) -> [f32; 4] {
-        let (mag, min, mip) = gl_of(self.filter);
         let chain = &t.chain;
         let place = cube_face(direction);
-        let at = |level: usize, texel: Texel| in_face(chain, &chain.levels[level], place, texel);
         let lod = self.limit_lod(lod);
-        let last = (chain.levels.len() - 1) as f32;
-        let cut = if lod > last { last } else { lod };
-        let c = match mip {
-            _ if lod <= 0.0 => at(0, mag),
-            Mip::None => at(0, min),
-            Mip::Nearest => at(texmap_math::float::ceil_f32(cut + 0.5) as usize - 1, min),
-            Mip::Linear => {
-                let fine = cut as usize;
-                let weight = cut - fine as f32;
-                let a = at(fine, min);
-                if weight > 0.0 {
-                    mix(a, at(fine + 1, min), weight)
-                } else {
-                    a
-                }
-            }
-        };
+        let c = across_levels(self.filter, chain, lod, |level, texel| {
+            in_face(chain, level, place, texel)
+        });
         let scale = chain.format.scale();
         c.map(|c| c * scale)
     }

@@ -63,22 +63,35 @@ fn unscaled_lod(s: &Sampler, t: &Chain<'_>, uv: [f32; 2], lod: f32) -> [f32; 4] 
     if let Filter::Bicubic(kernel) = s.filter {
         return cubic::sample(s, t, uv, kernel);
     }
-    let (mag, min, mip) = gl_of(s.filter);
+    across_levels(s.filter, t, lod, |level, texel| {
+        in_level(s, t, level, uv, texel)
+    })
+}
+
+/// The choice of levels that all shapes of texture share: `at` gives the colour of one level, `lod` has
+/// its bias and limits behind it.
+pub(crate) fn across_levels(
+    filter: Filter,
+    t: &Chain<'_>,
+    lod: f32,
+    at: impl Fn(&Level, Texel) -> [f32; 4],
+) -> [f32; 4] {
+    let (mag, min, mip) = gl_of(filter);
     if lod <= 0.0 {
-        return in_level(s, t, 0, uv, mag);
+        return at(&t.levels[0], mag);
     }
-    let last = t.levels.len() - 1;
-    let lod = if lod > last as f32 { last as f32 } else { lod };
+    let last = (t.levels.len() - 1) as f32;
+    let lod = if lod > last { last } else { lod };
     match mip {
-        Mip::None => in_level(s, t, 0, uv, min),
+        Mip::None => at(&t.levels[0], min),
         // ceil(lod + 0.5) - 1: halves go to the finer level.
-        Mip::Nearest => in_level(s, t, float::ceil_f32(lod + 0.5) as usize - 1, uv, min),
+        Mip::Nearest => at(&t.levels[float::ceil_f32(lod + 0.5) as usize - 1], min),
         Mip::Linear => {
             let fine = lod as usize;
             let weight = lod - fine as f32;
-            let a = in_level(s, t, fine, uv, min);
+            let a = at(&t.levels[fine], min);
             if weight > 0.0 {
-                mix(a, in_level(s, t, fine + 1, uv, min), weight)
+                mix(a, at(&t.levels[fine + 1], min), weight)
             } else {
                 a
             }
@@ -86,8 +99,7 @@ fn unscaled_lod(s: &Sampler, t: &Chain<'_>, uv: [f32; 2], lod: f32) -> [f32; 4] 
     }
 }
 
-fn in_level(s: &Sampler, t: &Chain<'_>, level: usize, uv: [f32; 2], texel: Texel) -> [f32; 4] {
-    let level = &t.levels[level];
+fn in_level(s: &Sampler, t: &Chain<'_>, level: &Level, uv: [f32; 2], texel: Texel) -> [f32; 4] {
     match texel {
         Texel::Nearest => nearest(s, t, level, uv),
         Texel::Linear => bilinear(s, t, level, uv),

@@ -2,9 +2,9 @@
 
 use crate::{
     error::SampleError,
-    filter::{floor, linear_axis, mix},
+    filter::{across_levels, floor, linear_axis, mix},
     mip,
-    sampler::{Filter, Mip, Sampler, Texel},
+    sampler::{Sampler, Texel},
     texels::{Chain, Level},
     texture::{Image, Texture2d, upload},
     wrap::{Axis, OUTSIDE, Wrap},
@@ -109,37 +109,16 @@ impl Sampler {
     /// have no form in three dimensions and take eight texels.
     pub fn sample_3d(&self, t: &Texture3d<'_>, uvw: [f32; 3], wrap_w: Wrap, lod: f32) -> [f32; 4] {
         let chain = &t.chain;
-        let (mag, min, mip) = match self.filter {
-            Filter::Bicubic(_) => (Texel::Linear, Texel::Linear, Mip::None),
-            filter => crate::filter::gl_of(filter),
-        };
         let base = &chain.levels[0];
         let wraps = [
             Axis::new(self.wrap_u, base.width),
             Axis::new(self.wrap_v, base.height),
             Axis::new(wrap_w, base.depth),
         ];
-        let at = |level: usize, texel: Texel| {
-            self.in_volume(chain, &chain.levels[level], wraps, uvw, texel)
-        };
         let lod = self.limit_lod(lod);
-        let last = (chain.levels.len() - 1) as f32;
-        let cut = if lod > last { last } else { lod };
-        let c = match mip {
-            _ if lod <= 0.0 => at(0, mag),
-            Mip::None => at(0, min),
-            Mip::Nearest => at(texmap_math::float::ceil_f32(cut + 0.5) as usize - 1, min),
-            Mip::Linear => {
-                let fine = cut as usize;
-                let weight = cut - fine as f32;
-                let a = at(fine, min);
-                if weight > 0.0 {
-                    mix(a, at(fine + 1, min), weight)
-                } else {
-                    a
-                }
-            }
-        };
+        let c = across_levels(self.filter, chain, lod, |level, texel| {
+            self.in_volume(chain, level, wraps, uvw, texel)
+        });
         let scale = chain.format.scale();
         c.map(|c| c * scale)
     }
