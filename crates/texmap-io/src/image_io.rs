@@ -5,7 +5,7 @@ use std::path::Path;
 
 use image::codecs::png::PngEncoder;
 use image::{DynamicImage, ExtendedColorType, ImageEncoder, ImageReader, Limits};
-use texmap_sample::{Alpha, ColorSpace, Image, Origin, Texels, Texture2d};
+use texmap_sample::{Alpha, ColorSpace, Image, Origin, SampleError, Texels, Texture2d};
 
 use crate::{IoError, Place, atomic, files};
 
@@ -22,6 +22,8 @@ pub struct Rgba {
     pub width: u32,
     /// Rows, 1 or more.
     pub height: u32,
+    /// Channels that the file has: 1 grey, 2 grey and alpha, 3 colours, 4 colours and alpha.
+    pub channels: u32,
     /// Four values a texel.
     pub texels: Depth,
 }
@@ -61,10 +63,70 @@ pub fn read_image(path: &Path) -> Result<Rgba, IoError> {
 /// # Errors
 /// As [`read_image`].
 pub fn read_texture(path: &Path, color: ColorSpace) -> Result<Texture2d<'static>, IoError> {
-    texture(path, None, &read_image(path)?, color)
+    // In the channels of the file: an opaque photograph is not widened to RGBA on its way.
+    let decoded = decode(path, None)?;
+    let (width, height) = (decoded.width(), decoded.height());
+    let new = |channels: u32, texels: Texels<'_>| upload(width, height, channels, texels, color);
+    match &decoded {
+        DynamicImage::ImageLuma8(t) => new(1, Texels::U8(t)),
+        DynamicImage::ImageLumaA8(t) => new(2, Texels::U8(t)),
+        DynamicImage::ImageRgb8(t) => new(3, Texels::U8(t)),
+        DynamicImage::ImageRgba8(t) => new(4, Texels::U8(t)),
+        DynamicImage::ImageLuma16(t) => new(1, Texels::U16(t)),
+        DynamicImage::ImageLumaA16(t) => new(2, Texels::U16(t)),
+        DynamicImage::ImageRgb16(t) => new(3, Texels::U16(t)),
+        DynamicImage::ImageRgba16(t) => new(4, Texels::U16(t)),
+        _ => new(4, Texels::U8(&decoded.to_rgba8())),
+    }
+    .map_err(|e| unfit(path, None, &e))
+}
+
+fn upload(
+    width: u32,
+    height: u32,
+    channels: u32,
+    texels: Texels<'_>,
+    color: ColorSpace,
+) -> Result<Texture2d<'static>, SampleError> {
+    Texture2d::new(&Image {
+        width,
+        height,
+        channels,
+        texels,
+        color,
+        alpha: Alpha::Straight,
+        origin: Origin::TopLeft,
+    })
+}
+
+fn unfit(path: &Path, named_by: Option<&Place>, e: &SampleError) -> IoError {
+    IoError::BrokenImage {
+        path: path.to_path_buf(),
+        named_by: named_by.cloned(),
+        problem: e.to_string(),
+    }
 }
 
 pub(crate) fn read_named(path: &Path, named_by: Option<&Place>) -> Result<Rgba, IoError> {
+    let decoded = decode(path, named_by)?;
+    let (width, height) = (decoded.width(), decoded.height());
+    let channels = u32::from(decoded.color().channel_count());
+    let texels = match decoded {
+        deep @ (DynamicImage::ImageLuma16(_)
+        | DynamicImage::ImageLumaA16(_)
+        | DynamicImage::ImageRgb16(_)
+        | DynamicImage::ImageRgba16(_)) => Depth::U16(deep.into_rgba16().into_raw()),
+        other => Depth::U8(other.into_rgba8().into_raw()),
+    };
+    Ok(Rgba {
+        width,
+        height,
+        channels,
+        texels,
+    })
+}
+
+fn decode(path: &Path, named_by: Option<&Place>) -> Result<DynamicImage, IoError> {
     let bytes = files::read(path, named_by)?;
     let broken = |problem: String| IoError::BrokenImage {
         path: path.to_path_buf(),
@@ -97,24 +159,13 @@ pub(crate) fn read_named(path: &Path, named_by: Option<&Place>) -> Result<Rgba, 
         reader.limits(limits);
         Ok(reader)
     };
-    let size @ (width, height) = reader()?
+    let size = reader()?
         .into_dimensions()
         .map_err(|e| broken(e.to_string()))?;
     if !size_allowed(size) {
         return Err(size_error(size));
     }
-    let texels = match reader()?.decode().map_err(|e| broken(e.to_string()))? {
-        deep @ (DynamicImage::ImageLuma16(_)
-        | DynamicImage::ImageLumaA16(_)
-        | DynamicImage::ImageRgb16(_)
-        | DynamicImage::ImageRgba16(_)) => Depth::U16(deep.into_rgba16().into_raw()),
-        other => Depth::U8(other.into_rgba8().into_raw()),
-    };
-    Ok(Rgba {
-        width,
-        height,
-        texels,
-    })
+    reader()?.decode().map_err(|e| broken(e.to_string()))
 }
 
 pub(crate) fn texture(
@@ -123,28 +174,11 @@ pub(crate) fn texture(
     image: &Rgba,
     color: ColorSpace,
 ) -> Result<Texture2d<'static>, IoError> {
-    let &Rgba {
-        width,
-        height,
-        ref texels,
-    } = image;
-    Texture2d::new(&Image {
-        width,
-        height,
-        channels: 4,
-        texels: match texels {
-            Depth::U8(t) => Texels::U8(t),
-            Depth::U16(t) => Texels::U16(t),
-        },
-        color,
-        alpha: Alpha::Straight,
-        origin: Origin::TopLeft,
-    })
-    .map_err(|e| IoError::BrokenImage {
-        path: path.to_path_buf(),
-        named_by: named_by.cloned(),
-        problem: e.to_string(),
-    })
+    let texels = match &image.texels {
+        Depth::U8(t) => Texels::U8(t),
+        Depth::U16(t) => Texels::U16(t),
+    };
+    upload(image.width, image.height, 4, texels, color).map_err(|e| unfit(path, named_by, &e))
 }
 
 /// Writes RGBA bytes (straight alpha, rows from top to bottom) as PNG, whole or not at all.
@@ -163,6 +197,31 @@ pub fn write_png(path: &Path, width: u32, height: u32, rgba: &[u8]) -> Result<()
         PngEncoder::new(out)
             .write_image(rgba, width, height, ExtendedColorType::Rgba8)
             .map_err(io::Error::other)
+    })
+}
+
+/// As [`write_png`] for pictures that are never whole in memory: `rows` writes the same bytes, in order and
+/// any number at a time, to what it is given.
+///
+/// # Errors
+/// [`IoError::Write`], also when bytes are missing or left over, or when `rows` fails.
+pub fn write_png_rows(
+    path: &Path,
+    width: u32,
+    height: u32,
+    rows: impl FnOnce(&mut dyn io::Write) -> io::Result<()>,
+) -> Result<(), IoError> {
+    atomic::write(path, |out| {
+        let mut encoder = png::Encoder::new(out, width, height);
+        encoder.set_color(png::ColorType::Rgba);
+        encoder.set_depth(png::BitDepth::Eight);
+        encoder.set_compression(png::Compression::Fast);
+        encoder.set_filter(png::Filter::Adaptive);
+        let mut writer = encoder.write_header()?;
+        let mut stream = writer.stream_writer()?;
+        rows(&mut stream)?;
+        stream.finish()?;
+        Ok(writer.finish()?)
     })
 }
 
@@ -208,6 +267,7 @@ mod tests {
             Rgba {
                 width: 3,
                 height: 2,
+                channels: 4,
                 texels: Depth::U8(texels)
             }
         );
@@ -216,6 +276,23 @@ mod tests {
             "write-failed"
         );
         assert_eq!(read_image(&path).unwrap().height, 2, "the old file is left");
+    }
+
+    #[test]
+    fn rows_make_the_same_picture() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("a.png");
+        let texels: Vec<u8> = (0..5 * 3 * 4).map(|i| (i * 4) as u8).collect();
+        write_png_rows(&path, 5, 3, |out| {
+            texels.chunks(7).try_for_each(|part| out.write_all(part))
+        })
+        .unwrap();
+        let read = read_image(&path).unwrap();
+        assert_eq!((read.width, read.height, read.channels), (5, 3, 4));
+        assert_eq!(read.texels, Depth::U8(texels));
+        let missing = write_png_rows(&path, 5, 3, |out| out.write_all(&[0; 20]));
+        assert_eq!(missing.unwrap_err().code(), "write-failed");
+        assert_eq!(read_image(&path).unwrap(), read, "the old file is left");
     }
 
     #[test]

@@ -21,6 +21,9 @@ pub(crate) enum Reduce {
 /// (m - i, m, i + 1) / n make one and the mean of every level is the mean of the base (the
 /// polyphase box of Guthe and Heckbert, "Non-power-of-two mipmapping", 2005).
 pub(crate) fn build(base: Chain<'_>, reduce: Reduce) -> Chain<'static> {
+    if matches!(reduce, Reduce::Mean | Reduce::Normals) {
+        return stream(base, reduce);
+    }
     let first = base.levels[0];
     let Chain {
         words,
@@ -67,14 +70,6 @@ pub(crate) fn build(base: Chain<'_>, reduce: Reduce) -> Chain<'static> {
             halve(&size, &next, volume, above)
         };
         match reduce {
-            Reduce::Mean | Reduce::Volume => {
-                reduced.iter().for_each(|&c| format.push(&mut words, c));
-            }
-            Reduce::Normals => {
-                reduced
-                    .iter()
-                    .for_each(|&c| format.push(&mut words, normalized(c, format.units())));
-            }
             Reduce::Coverage(threshold) => {
                 let scale = coverage_scale(&reduced, share, threshold * format.units());
                 let most = format.units();
@@ -88,6 +83,9 @@ pub(crate) fn build(base: Chain<'_>, reduce: Reduce) -> Chain<'static> {
                     format.push(&mut words, c.map(|x| x * k));
                 }
             }
+            _ => {
+                reduced.iter().for_each(|&c| format.push(&mut words, c));
+            }
         }
         current = reduced;
         levels.push(next);
@@ -99,6 +97,129 @@ pub(crate) fn build(base: Chain<'_>, reduce: Reduce) -> Chain<'static> {
         levels,
         flip,
         opaque,
+    }
+}
+
+/// [`build`] where each texel of a level depends on few above it: all levels grow together, row by row,
+/// so that beside the chain itself no more than three rows a level are held.
+fn stream(base: Chain<'_>, reduce: Reduce) -> Chain<'static> {
+    let first = base.levels[0];
+    let Chain {
+        words,
+        format,
+        flip,
+        opaque,
+        ..
+    } = base;
+    let mut words = match words {
+        Words::Owned(w) => Arc::try_unwrap(w).unwrap_or_else(|w| w.to_vec()),
+        Words::Borrowed(w) => w.to_vec(),
+    };
+    let base_words = texels(&first) * format.words();
+    words.truncate(base_words);
+    let mut levels = Vec::from([first]);
+    let mut total = base_words;
+    let mut size = first;
+    while size.width > 1 || size.height > 1 {
+        size = Level {
+            offset: total,
+            width: (size.width / 2).max(1),
+            height: (size.height / 2).max(1),
+            depth: size.depth,
+        };
+        total += texels(&size) * format.words();
+        levels.push(size);
+    }
+    words.reserve_exact(total - base_words);
+    words.resize(total, 0);
+    let (source, rest) = words.split_at_mut(base_words);
+    let mut packed = Vec::with_capacity(first.width as usize * format.words());
+    for z in 0..first.depth {
+        let mut pending: Vec<Pending> = levels
+            .windows(2)
+            .map(|pair| Pending::new(pair[0], pair[1]))
+            .collect();
+        for y in 0..first.height {
+            let start = (z * first.height + y) as usize * first.width as usize;
+            let mut row: Vec<[f32; 4]> = (start..start + first.width as usize)
+                .map(|i| format.fetch(source, i * format.words()))
+                .collect();
+            let mut at = y;
+            for level in &mut pending {
+                let Some((done, reduced)) = level.feed(at, row) else {
+                    break;
+                };
+                packed.clear();
+                for &c in &reduced {
+                    let c = match reduce {
+                        Reduce::Normals => normalized(c, format.units()),
+                        _ => c,
+                    };
+                    format.push(&mut packed, c);
+                }
+                let next = &level.next;
+                let rows = (z * next.height + done) as usize * next.width as usize;
+                let start = next.offset - base_words + rows * format.words();
+                rest[start..start + packed.len()].copy_from_slice(&packed);
+                (at, row) = (done, reduced);
+            }
+        }
+    }
+    Chain {
+        words: Words::Owned(Arc::new(words)),
+        format,
+        levels,
+        flip,
+        opaque,
+    }
+}
+
+/// A level that waits for rows of the level above.
+struct Pending {
+    above: Level,
+    next: Level,
+    /// The row to come.
+    row: i32,
+    /// Row y of the level above stands in place y modulo 3. (Floats, so that rounding does not add up
+    /// along the chain.)
+    rows: [Vec<[f32; 4]>; 3],
+}
+
+impl Pending {
+    fn new(above: Level, next: Level) -> Self {
+        Self {
+            above,
+            next,
+            row: 0,
+            rows: [const { Vec::new() }; 3],
+        }
+    }
+
+    /// Takes row `y` of the level above; gives a row of this level when its last source has come.
+    fn feed(&mut self, y: i32, row: Vec<[f32; 4]>) -> Option<(i32, Vec<[f32; 4]>)> {
+        self.rows[(y % 3) as usize] = row;
+        let (y0, wy) = taps(self.row, self.above.height);
+        let count = wy.iter().filter(|w| **w > 0.0).count() as i32;
+        if self.row >= self.next.height || y + 1 < y0 + count {
+            return None;
+        }
+        let reduced = (0..self.next.width)
+            .map(|x| {
+                let (x0, wx) = taps(x, self.above.width);
+                let mut sum = [0.0_f64; 4];
+                for (j, wy) in (y0..).zip(wy).filter(|(_, w)| *w > 0.0) {
+                    let row = &self.rows[(j % 3) as usize];
+                    for (i, wx) in (x0..).zip(wx).filter(|(_, w)| *w > 0.0) {
+                        for (s, c) in sum.iter_mut().zip(row[i as usize]) {
+                            *s += wx * wy * f64::from(c);
+                        }
+                    }
+                }
+                sum.map(|s| s as f32)
+            })
+            .collect();
+        self.row += 1;
+        Some((self.row - 1, reduced))
     }
 }
 

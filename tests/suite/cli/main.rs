@@ -8,3 +8,4 @@ mod program;
 mod readme;
 mod render;
 mod report;
+mod sampling;

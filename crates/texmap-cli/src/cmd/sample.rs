@@ -17,8 +17,8 @@ use crate::values;
 
 /// Sample an image at the coordinates of a file; exact precision.
 ///
-/// The result is f32 of shape (N, 4): linear and premultiplied, or with --color raw the bytes over
-/// 255 with each channel on its own. v = 0 is the top row.
+/// The result is f32 of shape (N, channels of the image): linear and premultiplied, or with --color raw
+/// the bytes over 255 with each channel on its own. v = 0 is the top row.
 #[derive(Args, Debug)]
 pub(crate) struct SampleArgs {
     /// The image: PNG, JPEG or GIF
@@ -66,7 +66,8 @@ pub(crate) fn run(args: &SampleArgs) -> Result<Exit, Failure> {
             ),
         ));
     }
-    let texture = read(args)?.with_mips();
+    let (texture, channels) = read(args)?;
+    let texture = texture.with_mips();
     let sampler = Sampler {
         filter: args.filter,
         wrap_u: args.wrap,
@@ -98,22 +99,34 @@ pub(crate) fn run(args: &SampleArgs) -> Result<Exit, Failure> {
         )
         .map_err(|e| Failure::internal(e.to_string()))?;
     }
+    let picked: &[usize] = match channels {
+        1 => &[0],
+        2 => &[0, 3],
+        3 => &[0, 1, 2],
+        _ => &[0, 1, 2, 3],
+    };
+    let values: Vec<f32> = out
+        .iter()
+        .flat_map(|c| picked.iter().map(move |k| c[*k]))
+        .collect();
     let mut stage = Stage::new(&main)?;
     npy::write(
         &stage.add(main, "npy"),
-        &[u.len(), 4],
-        npy::Values::F32(out.as_flattened()),
+        &[u.len(), picked.len()],
+        npy::Values::F32(&values),
     )?;
     stage.commit()?;
     Ok(Exit::Done)
 }
 
-fn read(args: &SampleArgs) -> Result<Texture2d<'static>, Failure> {
-    if args.color == ColorMode::Srgb {
-        return Ok(image_io::read_texture(&args.image, ColorSpace::Srgb)?);
-    }
+/// The texture and the channels that the file has.
+fn read(args: &SampleArgs) -> Result<(Texture2d<'static>, u32), Failure> {
     let image = image_io::read_image(&args.image)?;
-    Texture2d::new(&Image {
+    let (color, alpha) = match args.color {
+        ColorMode::Srgb => (ColorSpace::Srgb, Alpha::Straight),
+        ColorMode::Raw => (ColorSpace::Linear, Alpha::Data),
+    };
+    let texture = Texture2d::new(&Image {
         width: image.width,
         height: image.height,
         channels: 4,
@@ -121,8 +134,8 @@ fn read(args: &SampleArgs) -> Result<Texture2d<'static>, Failure> {
             image_io::Depth::U8(t) => Texels::U8(t),
             image_io::Depth::U16(t) => Texels::U16(t),
         },
-        color: ColorSpace::Linear,
-        alpha: Alpha::Data,
+        color,
+        alpha,
         origin: Origin::TopLeft,
     })
     .map_err(|e| {
@@ -132,7 +145,8 @@ fn read(args: &SampleArgs) -> Result<Texture2d<'static>, Failure> {
             format!("{}: {e}", args.image.display()),
             "",
         )
-    })
+    })?;
+    Ok((texture, image.channels))
 }
 
 /// Rows of numbers from an .npy array or from text with commas.

@@ -1,5 +1,6 @@
 //! `texmap warp`: an image drawn through an affine map or a homography.
 
+use std::io::{self, Write};
 use std::path::PathBuf;
 use std::str::FromStr;
 use std::thread;
@@ -153,10 +154,10 @@ pub(crate) fn run(args: &WarpArgs) -> Result<Exit, Failure> {
         Beyond::Repeat => Outside::Repeat,
     };
     let resample = Resample::new(&texture, args.filter, outside, &map);
-    let mut rgba = vec![0; 4 * width as usize * height as usize];
-    draw(&resample, args, width, height, &mut rgba)?;
     let mut stage = Stage::new(&main)?;
-    image_io::write_png(&stage.add(main, "png"), width, height, &rgba)?;
+    image_io::write_png_rows(&stage.add(main, "png"), width, height, |out| {
+        draw(&resample, args, width, height, out)
+    })?;
     stage.commit()?;
     Ok(Exit::Done)
 }
@@ -213,49 +214,53 @@ fn output_from_source(
     .map_err(refused)
 }
 
-/// Rows in bands of 16, dealt to the threads in turn: each pixel is one thread's alone.
+/// Rows of a band: each band is one thread's alone.
+const BAND: usize = 32;
+
+/// All threads draw one band each while the bands before are encoded, so that no more than two rounds of
+/// bands are ever held.
 fn draw(
     resample: &Resample<'_>,
     args: &WarpArgs,
     width: u32,
     height: u32,
-    rgba: &mut [u8],
-) -> Result<(), Failure> {
-    const BAND: usize = 16;
+    out: &mut dyn Write,
+) -> io::Result<()> {
     let threads = args.threads.map_or_else(
         || thread::available_parallelism().map_or(1, usize::from),
         usize::from,
     );
-    let row = 4 * width as usize;
-    let mut shares: Vec<Vec<(usize, &mut [u8])>> = (0..threads).map(|_| Vec::new()).collect();
-    for (i, band) in rgba.chunks_mut(BAND * row).enumerate() {
-        shares[i % threads].push((i * BAND, band));
-    }
-    let level = Level::new();
-    let color = args.color;
-    let work = |share: Vec<(usize, &mut [u8])>| {
+    let (row, rows) = (4 * width as usize, height as usize);
+    let (level, color) = (Level::new(), args.color);
+    let work = |y0: usize, band: &mut [u8]| {
         let mut colors = vec![[0.0; 4]; width as usize];
-        for (y0, band) in share {
-            for (y, bytes) in band.chunks_mut(row).enumerate() {
-                resample.rows(level, width, (y0 + y) as u32, &mut colors)?;
-                for (c, out) in colors.iter().zip(bytes.as_chunks_mut::<4>().0) {
-                    *out = encode(*c, color);
-                }
+        for (y, bytes) in band.chunks_mut(row).enumerate() {
+            resample.rows(level, width, (y0 + y) as u32, &mut colors)?;
+            for (c, out) in colors.iter().zip(bytes.as_chunks_mut::<4>().0) {
+                *out = encode(*c, color);
             }
         }
         Ok::<(), texmap_sample::SampleError>(())
     };
-    let _ = height;
-    thread::scope(|scope| {
-        let handles: Vec<_> = shares
-            .into_iter()
-            .map(|share| scope.spawn(move || work(share)))
-            .collect();
-        handles.into_iter().try_for_each(|h| match h.join() {
-            Ok(result) => result.map_err(|e| Failure::internal(e.to_string())),
-            Err(_) => Err(Failure::internal("a worker thread stopped")),
-        })
-    })
+    let (mut drawn, mut next) = (Vec::new(), Vec::new());
+    for y0 in (0..rows).step_by(BAND * threads) {
+        next.resize((rows - y0).min(BAND * threads) * row, 0);
+        thread::scope(|scope| {
+            let work = &work;
+            let handles: Vec<_> = next
+                .chunks_mut(BAND * row)
+                .enumerate()
+                .map(|(i, band)| scope.spawn(move || work(y0 + i * BAND, band)))
+                .collect();
+            out.write_all(&drawn)?;
+            handles.into_iter().try_for_each(|h| match h.join() {
+                Ok(result) => result.map_err(io::Error::other),
+                Err(_) => Err(io::Error::other("a worker thread stopped")),
+            })
+        })?;
+        std::mem::swap(&mut drawn, &mut next);
+    }
+    out.write_all(&drawn)
 }
 
 /// Linear premultiplied to straight bytes.

@@ -1,0 +1,361 @@
+//! `texmap warp`, `texmap sample` and `texmap mip`.
+
+use image::{DynamicImage, GrayImage, Rgb, RgbImage, RgbaImage};
+use texmap_io::npy;
+use texmap_math::color;
+
+use crate::program::Desk;
+
+fn picture(desk: &Desk, name: &str) -> RgbaImage {
+    image::open(desk.path(name)).unwrap().into_rgba8()
+}
+
+/// Seven by five opaque pixels, no two alike.
+fn photo(desk: &Desk) -> RgbImage {
+    let photo = RgbImage::from_fn(7, 5, |x, y| {
+        Rgb([(x * 36) as u8, (y * 60) as u8, (x * 5 + y * 41) as u8])
+    });
+    photo.save(desk.path("photo.png")).unwrap();
+    photo
+}
+
+fn array(desk: &Desk, name: &str) -> (Vec<usize>, Vec<f32>) {
+    let array = npy::read(&desk.path(name)).unwrap();
+    let npy::Data::F32(values) = array.data else {
+        panic!("{name} does not hold f32");
+    };
+    (array.shape, values)
+}
+
+/// Refused with this exit code, and nothing written.
+#[track_caller]
+fn refused(desk: &Desk, arguments: &str, code: i32, word: &str) {
+    let before = desk.names();
+    let run = desk.texmap(arguments);
+    assert_eq!(run.code, code, "{arguments}: {}", run.stderr);
+    assert!(run.stderr.contains(word), "{arguments}: {}", run.stderr);
+    assert_eq!(desk.names(), before, "{arguments}");
+}
+
+#[test]
+fn a_warp_that_moves_nothing_changes_nothing() {
+    let desk = Desk::new();
+    let photo = DynamicImage::from(photo(&desk)).into_rgba8();
+    for how in [
+        "",
+        "--matrix 1,0,0,0,1,0",
+        "--rotate 0 --filter bilinear",
+        "--from 0,0 7,0 7,5 0,5 --to 0,0 7,0 7,5 0,5 --color raw",
+    ] {
+        desk.texmap(&format!("warp photo.png -o out.png {how}"))
+            .ok();
+        assert_eq!(picture(&desk, "out.png"), photo, "{how}");
+    }
+}
+
+#[test]
+fn a_quarter_turn_is_counter_clockwise_and_exact() {
+    let desk = Desk::new();
+    let photo = photo(&desk);
+    desk.texmap("warp photo.png -o out.png --rotate 90 --size 5x7")
+        .ok();
+    let out = picture(&desk, "out.png");
+    for (x, y, p) in photo.enumerate_pixels() {
+        let [r, g, b] = p.0;
+        assert_eq!(out.get_pixel(y, 6 - x).0, [r, g, b, 255], "({x}, {y})");
+    }
+}
+
+#[test]
+fn half_a_pixel_of_shift_is_the_mean_of_neighbours() {
+    let desk = Desk::new();
+    let photo = photo(&desk);
+    desk.texmap(
+        "warp photo.png -o out.png --translate 0.5,0 --color raw --filter bilinear --outside edge",
+    )
+    .ok();
+    let out = picture(&desk, "out.png");
+    for y in 0..5 {
+        for x in 1..7 {
+            for k in 0..3 {
+                let sum = u32::from(photo.get_pixel(x - 1, y).0[k])
+                    + u32::from(photo.get_pixel(x, y).0[k]);
+                let got = u32::from(out.get_pixel(x, y).0[k]);
+                assert!(
+                    got == sum / 2 || got == sum.div_ceil(2),
+                    "({x}, {y}) {got} {sum}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn four_points_place_the_image_and_the_rest_is_outside() {
+    let desk = Desk::new();
+    photo(&desk);
+    desk.texmap("warp photo.png -o out.png --size 14x5 --to 7,0 14,0 14,5 7,5")
+        .ok();
+    let out = picture(&desk, "out.png");
+    let inside = picture(&desk, "photo.png");
+    for (x, y, p) in out.enumerate_pixels() {
+        if x < 7 {
+            assert_eq!(p.0[3], 0, "({x}, {y})");
+        } else {
+            assert_eq!(p, inside.get_pixel(x - 7, y), "({x}, {y})");
+        }
+    }
+    desk.texmap("warp photo.png -o b.png --size 14x5 --to 7,0 14,0 14,5 7,5 --outside border")
+        .ok();
+    assert_eq!(picture(&desk, "b.png").get_pixel(2, 2).0, [0, 0, 0, 255]);
+    desk.texmap("warp photo.png -o r.png --size 14x5 --to 7,0 14,0 14,5 7,5 --outside repeat")
+        .ok();
+    assert_eq!(
+        picture(&desk, "r.png").get_pixel(2, 2),
+        inside.get_pixel(2, 2)
+    );
+}
+
+/// More rows than one round of bands, on any number of threads.
+#[test]
+fn threads_do_not_change_a_warp() {
+    let desk = Desk::new();
+    photo(&desk);
+    for threads in [1, 2, 5] {
+        desk.texmap(&format!(
+            "warp photo.png -o t{threads}.png --size 41x301 --scale 5,60 --rotate 10 --threads {threads}"
+        ))
+        .ok();
+    }
+    let one = desk.read("t1.png");
+    assert!(one == desk.read("t2.png") && one == desk.read("t5.png"));
+}
+
+#[test]
+fn bad_warps_are_named() {
+    let desk = Desk::new();
+    photo(&desk);
+    refused(&desk, "warp photo.png", 2, "--output");
+    refused(&desk, "warp missing.png -o out.png", 4, "missing.png");
+    refused(&desk, "warp m.obj -o out.png", 4, "m.obj");
+    refused(&desk, "warp photo.png -o no/out.png", 4, "no");
+    refused(
+        &desk,
+        "warp photo.png -o out.png --from 0,0 1,1 2,2 0,5",
+        4,
+        "quad",
+    );
+    refused(
+        &desk,
+        "warp photo.png -o out.png --from 0,0 7,0 7,5",
+        2,
+        "--from",
+    );
+    refused(
+        &desk,
+        "warp photo.png -o out.png --matrix 0,0,0,0,0,0",
+        4,
+        "map",
+    );
+    refused(
+        &desk,
+        "warp photo.png -o out.png --matrix 1,2,3",
+        2,
+        "6 or 9",
+    );
+    refused(
+        &desk,
+        "warp photo.png -o out.png --matrix 1,0,nan,0,1,0",
+        2,
+        "nan",
+    );
+    refused(
+        &desk,
+        "warp photo.png -o out.png --matrix 1,0,0,0,1,0 --rotate 5",
+        2,
+        "--rotate",
+    );
+    refused(&desk, "warp photo.png -o out.png --scale 0", 2, "not 0");
+    refused(&desk, "warp photo.png -o out.png --size 0x5", 2, "0x5");
+    refused(
+        &desk,
+        "warp photo.png -o out.png --filter sharp",
+        2,
+        "anisotropic",
+    );
+    refused(&desk, "warp photo.png -o out.png --outside void", 2, "void");
+}
+
+#[test]
+fn samples_are_the_bytes_at_texel_centres() {
+    let desk = Desk::new();
+    let photo = photo(&desk);
+    let lines: String = photo
+        .enumerate_pixels()
+        .map(|(x, y, _)| format!("{},{}\n", (x as f32 + 0.5) / 7.0, (y as f32 + 0.5) / 5.0))
+        .collect();
+    desk.put("uv.csv", format!("# u, v\n\n{lines}"));
+    for filter in ["nearest", "bilinear", "trilinear", "anisotropic:16"] {
+        desk.texmap(&format!(
+            "sample photo.png --uv uv.csv -o out.npy --filter {filter} --wrap clamp-to-edge --color raw"
+        ))
+        .ok();
+        let (shape, values) = array(&desk, "out.npy");
+        assert_eq!(shape, [35, 3]);
+        for (got, want) in values.as_chunks::<3>().0.iter().zip(photo.pixels()) {
+            for (got, want) in got.iter().zip(want.0) {
+                assert!(
+                    (got - f32::from(want) / 255.0).abs() < 1e-5,
+                    "{filter} {got} {want}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn as_many_channels_come_out_as_the_image_has() {
+    let desk = Desk::new();
+    desk.put("uv.csv", "0.5,0.5\n");
+    GrayImage::from_raw(2, 1, vec![0, 255])
+        .unwrap()
+        .save(desk.path("grey.png"))
+        .unwrap();
+    desk.texmap("sample grey.png --uv uv.csv -o out.npy --filter bilinear")
+        .ok();
+    // Half of the light, whichever way bytes encode it.
+    assert_eq!(array(&desk, "out.npy").0, [1, 1]);
+    assert!((array(&desk, "out.npy").1[0] - 0.5).abs() < 1e-4);
+    desk.texmap("sample check.png --uv uv.csv -o out.npy").ok();
+    assert_eq!(array(&desk, "out.npy").0, [1, 4]);
+    photo(&desk);
+    desk.texmap("sample photo.png --uv uv.csv -o out.npy").ok();
+    assert_eq!(array(&desk, "out.npy").0, [1, 3]);
+    assert_eq!(
+        desk.texmap("sample photo.png --uv uv.csv -o -").ok().stdout,
+        desk.read("out.npy")
+    );
+}
+
+#[test]
+fn gradients_and_levels_reach_the_mips() {
+    let desk = Desk::new();
+    let photo = photo(&desk);
+    let uv = [0.3_f32, 0.6, 0.9, 0.1];
+    npy::write(&desk.path("uv.npy"), &[2, 2], npy::Values::F32(&uv)).unwrap();
+    npy::write(
+        &desk.path("d.npy"),
+        &[2, 4],
+        npy::Values::F32(&[2.0, 0.0, 0.0, 2.0, 2.0, 0.0, 0.0, 2.0]),
+    )
+    .unwrap();
+    desk.texmap("sample photo.png --uv uv.npy --grad d.npy -o grad.npy")
+        .ok();
+    desk.texmap("sample photo.png --uv uv.npy --lod 9 -o lod.npy")
+        .ok();
+    let mean = |k: usize| {
+        photo
+            .pixels()
+            .map(|p| f64::from(color::srgb8_to_linear(p.0[k])))
+            .sum::<f64>()
+            / 35.0
+    };
+    for name in ["grad.npy", "lod.npy"] {
+        let (shape, values) = array(&desk, name);
+        assert_eq!(shape, [2, 3]);
+        for (i, value) in values.iter().enumerate() {
+            assert!((f64::from(*value) - mean(i % 3)).abs() < 1e-4, "{name} {i}");
+        }
+    }
+}
+
+#[test]
+fn bad_coordinates_are_named() {
+    let desk = Desk::new();
+    photo(&desk);
+    desk.put("uv.csv", "0.5,0.5\n0.1,0.2\n");
+    desk.put("one.csv", "1,0,0,1\n");
+    desk.put("three.csv", "0.5,0.5,0.5\n");
+    desk.put("words.csv", "0.5,0.5\nhere,there\n");
+    npy::write(&desk.path("flat.npy"), &[4], npy::Values::F32(&[0.0; 4])).unwrap();
+    desk.put("broken.npy", "not an array");
+    let sample = |rest: &str| format!("sample photo.png -o out.npy {rest}");
+    refused(&desk, &sample(""), 2, "--uv");
+    refused(&desk, &sample("--uv missing.csv"), 4, "missing.csv");
+    refused(&desk, &sample("--uv three.csv"), 4, "line 1");
+    refused(&desk, &sample("--uv words.csv"), 4, "line 2");
+    refused(&desk, &sample("--uv flat.npy"), 4, "(N, 2)");
+    refused(&desk, &sample("--uv broken.npy"), 4, "broken.npy");
+    refused(
+        &desk,
+        &sample("--uv uv.csv --grad one.csv"),
+        4,
+        "1 gradients for 2",
+    );
+    refused(
+        &desk,
+        &sample("--uv uv.csv --grad one.csv --lod 1"),
+        2,
+        "--lod",
+    );
+    refused(&desk, &sample("--uv uv.csv --filter ewa:99"), 2, "ratio");
+    refused(
+        &desk,
+        &sample("--uv uv.csv --wrap around"),
+        2,
+        "mirrored-repeat",
+    );
+}
+
+#[test]
+fn a_mip_chain_is_numbered_files_down_to_one_pixel() {
+    let desk = Desk::new();
+    let photo = photo(&desk);
+    desk.texmap("mip photo.png -o m%02d.png").ok();
+    let sizes: Vec<_> = (0..3)
+        .map(|k| picture(&desk, &format!("m{k:02}.png")).dimensions())
+        .collect();
+    assert_eq!(sizes, [(7, 5), (3, 2), (1, 1)]);
+    assert!(!desk.names().contains(&"m03.png".to_owned()));
+    assert_eq!(
+        picture(&desk, "m00.png"),
+        DynamicImage::from(photo.clone()).into_rgba8()
+    );
+    // Area-weighted, in linear light: the last level is the mean of the image.
+    for (k, got) in picture(&desk, "m02.png")
+        .get_pixel(0, 0)
+        .0
+        .into_iter()
+        .take(3)
+        .enumerate()
+    {
+        let light = photo
+            .pixels()
+            .map(|p| f64::from(color::srgb8_to_linear(p.0[k])))
+            .sum::<f64>()
+            / 35.0;
+        assert!(
+            got.abs_diff(color::linear_to_srgb8(light as f32)) <= 1,
+            "{k} {got}"
+        );
+    }
+    desk.texmap("mip photo.png -o r%d.png --color raw").ok();
+    let mean = photo.pixels().map(|p| f64::from(p.0[0])).sum::<f64>() / 35.0;
+    let raw = f64::from(picture(&desk, "r2.png").get_pixel(0, 0).0[0]);
+    assert!((raw - mean).abs() <= 1.0, "{raw} {mean}");
+}
+
+#[test]
+fn bad_chains_are_named() {
+    let desk = Desk::new();
+    photo(&desk);
+    refused(&desk, "mip photo.png -o level.png", 2, "%d");
+    refused(&desk, "mip missing.png -o m%d.png", 4, "missing.png");
+    refused(
+        &desk,
+        "mip photo.png -o m%d.png --keep-coverage 2",
+        2,
+        "between 0 and 1",
+    );
+    refused(&desk, "mip photo.png -o no/m%d.png", 4, "no");
+}
