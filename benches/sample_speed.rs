@@ -4,7 +4,7 @@
 //! One run times everything in turn, band by band (64 rows of a 1920x1080 floor in 64x64 tiles), and
 //! keeps the least time of each band; the sum over the bands is the figure. Two forms: `lanes` are the
 //! sixteen-lane functions inside the loop of the coordinates, as a renderer has them; `slice` are the
-//! public batch calls on runs of 256 places that the loop has stored.
+//! public batch calls on columns of 256 places that the loop has stored.
 
 use std::fmt::Write as _;
 use std::hint::black_box;
@@ -12,13 +12,13 @@ use std::time::Instant;
 
 use texmap_benches::floor::{Floor, HEIGHT, Places, TILE, WIDTH};
 use texmap_benches::textures::{square_texels, squares};
+use texmap_math::Level;
 use texmap_math::fearless_simd::{Simd, prelude::*, u32x16};
 use texmap_math::lanes::unit_to_u8;
-use texmap_math::{Footprint, Level};
 use texmap_sample::lanes::{RGBX8, View, float, packed};
 use texmap_sample::{
     Alpha, ColorSpace, Filter, Image, Origin, Precision, Sampler, Texels, Texture2d, TextureCube,
-    cube_direction, sample_rgba8_slice, sample_slice,
+    cube_direction, sample_columns, sample_rgba8_columns,
 };
 
 const BANDS: usize = HEIGHT.div_ceil(TILE);
@@ -159,15 +159,15 @@ fn fused<S: Simd, const KERNEL: u8>(s: S, job: &mut Job<'_>) {
     );
 }
 
-/// The places of a run: four rows of a tile.
+/// The places of a run, four rows of a tile, as columns.
 struct Run {
     u: [f32; RUN],
     v: [f32; RUN],
-    grads: [Footprint; RUN],
+    slopes: [[f32; RUN]; 4],
 }
 
 #[inline(never)]
-fn fill<S: Simd>(s: S, floor: &Floor, x0: usize, y0: usize, grads: bool, run: &mut Run) {
+fn fill<S: Simd>(s: S, floor: &Floor, x0: usize, y0: usize, slopes: bool, run: &mut Run) {
     s.vectorize(
         #[inline(always)]
         || {
@@ -175,15 +175,12 @@ fn fill<S: Simd>(s: S, floor: &Floor, x0: usize, y0: usize, grads: bool, run: &m
                 let p = floor.places(s, x0 + i % TILE, y0 + i / TILE);
                 p.u.store_slice(&mut run.u[i..i + 16]);
                 p.v.store_slice(&mut run.v[i..i + 16]);
-                if grads {
-                    let mut columns = [[0.0; 16]; 4];
-                    for (c, column) in floor.slopes(&p).into_iter().zip(&mut columns) {
-                        c.store_slice(column);
-                    }
-                    let [ux, vx, uy, vy] = columns;
-                    for (k, d) in run.grads[i..i + 16].iter_mut().enumerate() {
-                        *d = Footprint::new(ux[k], vx[k], uy[k], vy[k]);
-                    }
+                if slopes {
+                    let [ux, vx, uy, vy] = floor.slopes(&p);
+                    ux.store_slice(&mut run.slopes[0][i..i + 16]);
+                    vx.store_slice(&mut run.slopes[1][i..i + 16]);
+                    uy.store_slice(&mut run.slopes[2][i..i + 16]);
+                    vy.store_slice(&mut run.slopes[3][i..i + 16]);
                 }
             }
         },
@@ -193,44 +190,32 @@ fn fill<S: Simd>(s: S, floor: &Floor, x0: usize, y0: usize, grads: bool, run: &m
 /// Whether a run's places are only made, or sampled too.
 fn runs<S: Simd>(s: S, job: &mut Job<'_>, form: Form, run: &mut Run) {
     let mut words = [0; RUN];
-    let mut colors = [[0.0; 4]; RUN];
-    let grads = match form {
-        Form::Runs(grads) => grads,
+    let mut colors = [[0.0; RUN]; 4];
+    let slopes = match form {
+        Form::Runs(slopes) => slopes,
         Form::Slice(filter, _) => filter >= 2,
         _ => false,
     };
     for x0 in (0..WIDTH).step_by(TILE) {
         for y0 in job.rows.clone().step_by(RUN / TILE) {
-            fill(s, job.floor, x0, y0, grads, run);
-            let d = grads.then_some(&run.grads[..]);
-            match form {
-                Form::Slice(_, Precision::Fast) => sample_rgba8_slice(
-                    job.level,
-                    job.sampler,
-                    job.texture,
-                    &run.u,
-                    &run.v,
-                    d,
-                    &mut words,
-                )
-                .expect("runs of one length"),
+            fill(s, job.floor, x0, y0, slopes, run);
+            let at = texmap_sample::Places {
+                u: &run.u,
+                v: &run.v,
+                gradients: slopes.then(|| run.slopes.each_ref().map(|c| &c[..])),
+            };
+            let done = match form {
+                Form::Slice(_, Precision::Fast) => {
+                    sample_rgba8_columns(job.level, job.sampler, job.texture, &at, &mut words)
+                }
                 Form::Slice(_, Precision::Exact) => {
-                    sample_slice(
-                        job.level,
-                        job.sampler,
-                        job.texture,
-                        &run.u,
-                        &run.v,
-                        d,
-                        &mut colors,
-                    )
-                    .expect("runs of one length");
-                    black_box(&mut colors);
+                    let out = colors.each_mut().map(|c| &mut c[..]);
+                    sample_columns(job.level, job.sampler, job.texture, &at, out)
                 }
-                _ => {
-                    black_box(&mut *run);
-                }
-            }
+                _ => Ok(()),
+            };
+            assert!(done.is_ok(), "runs are of one length");
+            black_box((&mut colors, &mut *run));
             for (i, part) in words.chunks(TILE).enumerate() {
                 let at = (y0 + i) * WIDTH + x0;
                 if y0 + i < HEIGHT {
@@ -312,7 +297,7 @@ fn main() {
     let mut run = Box::new(Run {
         u: [0.0; RUN],
         v: [0.0; RUN],
-        grads: [Footprint::default(); RUN],
+        slopes: [[0.0; RUN]; 4],
     });
     let all = cases.len();
     // Arguments: a number of rounds, and words that a case's name must hold.
@@ -471,7 +456,7 @@ fn markdown(cases: &[Case], singles: &Singles) -> String {
          band of 64 rows, one thread; ratios count, nanoseconds are this machine's). The floor fills 1920 x 1080: *far* has half\n\
          its pixels magnified at 1024 texels and reaches level 8, *far1* repeats four times as often. The base is the loop that\n\
          computes the coordinates (planes, one exact division a pixel) and stores a word. *Lanes* are the sixteen-lane functions\n\
-         in that loop, *slice* the public batch calls on 256 stored places (the storing of places and gradients included).\n\n",
+         in that loop, *slice* the public batch calls on columns of 256 stored places (their storing included).\n\n",
     );
     let best = cases[0].level_name;
     let lanes = |filter: &str, precision: &str, level: &str, floor: &str, side: u32| {

@@ -3,6 +3,36 @@
 //! Every function gives, lane by lane, the bits of its scalar twin on every SIMD level. What can
 //! change a bit (level, probes, wrap) is decided per lane; the tests on whole vectors below only
 //! choose between paths that give the same bits.
+//!
+//! A stage of one's own, generic over the SIMD level, with the dispatch around it:
+//! ```
+//! use texmap_math::{Level, fearless_simd::{Simd, dispatch, f32x16, prelude::*}};
+//! use texmap_sample::lanes::{View, packed};
+//! use texmap_sample::{ColorSpace, Filter, Origin, Precision, Sampler, Texture2d};
+//!
+//! fn stage<S: Simd>(s: S, view: &View<'_>, u: &[f32; 16], out: &mut [u32; 16]) {
+//!     s.vectorize(
+//!         #[inline(always)]
+//!         || {
+//!             let (u, v) = (f32x16::from_slice(s, u), f32x16::splat(s, 0.5));
+//!             packed::bilinear_lanes(s, view, u, v).store_slice(out);
+//!         },
+//!     );
+//! }
+//!
+//! let texels = vec![0, 0, 0, 255, 200, 100, 50, 255];
+//! let t = Texture2d::from_rgba8(2, 1, texels, ColorSpace::Linear, Origin::TopLeft)?;
+//! let s = Sampler { filter: Filter::Bilinear, precision: Precision::Fast, ..Sampler::default() };
+//! let view = View::new(&s, &t).expect("bytes have lanes under any wrap");
+//! let u: [f32; 16] = core::array::from_fn(|i| i as f32 / 16.0);
+//! let mut out = [0; 16];
+//! dispatch!(Level::new(), simd => stage(simd, &view, &u, &mut out));
+//! // u = 1/4 and 3/4 are the centres, 1/2 lies halfway.
+//! assert_eq!(out[4].to_le_bytes(), [0, 0, 0, 255]);
+//! assert_eq!(out[8].to_le_bytes(), [100, 50, 25, 255]);
+//! assert_eq!(out[12].to_le_bytes(), [200, 100, 50, 255]);
+//! # Ok::<(), texmap_sample::SampleError>(())
+//! ```
 
 pub mod float;
 pub mod packed;

@@ -20,6 +20,23 @@ use texmap_math::{
 /// Samples many places at once; dispatches to the SIMD level once. Results equal
 /// [`Sampler::sample_grad`] (or [`Sampler::sample`] without gradients) bit for bit.
 ///
+/// ```
+/// use texmap_math::{Footprint, Level};
+/// use texmap_sample::{ColorSpace, Origin, Sampler, Texture2d, sample_slice};
+///
+/// let t = Texture2d::from_rgba8(2, 2, [40, 80, 120, 255].repeat(4), ColorSpace::Linear, Origin::TopLeft)?
+///     .with_mips();
+/// let (s, d) = (Sampler::default(), Footprint::new(0.3, 0.1, 0.0, 0.4));
+/// let (u, v) = ([0.1, 0.5, 7.3], [0.9, 0.2, -4.0]);
+/// let mut out = [[0.0; 4]; 3];
+/// sample_slice(Level::new(), &s, &t, &u, &v, Some(&[d; 3]), &mut out)?;
+/// assert_eq!(out[2], s.sample_grad(&t, [7.3, -4.0], d));
+///
+/// let short = sample_slice(Level::new(), &s, &t, &u, &v[..2], None, &mut out);
+/// assert_eq!(short.unwrap_err().to_string(), "v holds 2 entries, the coordinates have 3");
+/// # Ok::<(), texmap_sample::SampleError>(())
+/// ```
+///
 /// # Errors
 /// Slices of different lengths.
 pub fn sample_slice(
