@@ -477,8 +477,10 @@ fn weights(corners: &[[f64; 2]; 3], [x, y]: [f64; 2]) -> [f64; 3] {
     }
 }
 
-/// Whether the open inner side of an edge meets the texel's square.
+/// Whether the open inner side of an edge meets the texel's square: without the top-left rule, which is for points.
 fn touches(edge: Edge, x: i32, y: i32) -> bool {
     let half = ONE / 2;
-    edge.a * centre(x) + edge.b * centre(y) + edge.c + half * (edge.a.abs() + edge.b.abs()) > 0
+    let top_left = edge.a > 0 || (edge.a == 0 && edge.b > 0);
+    let c = edge.c + i64::from(!top_left);
+    edge.a * centre(x) + edge.b * centre(y) + c + half * (edge.a.abs() + edge.b.abs()) > 0
 }

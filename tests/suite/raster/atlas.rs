@@ -165,6 +165,30 @@ fn specks_are_kept_and_what_lies_outside_is_named() {
     assert_eq!(plain.lost, [0, 1, 2]);
 }
 
+/// A speck whose corner is a texel's corner lies in one texel, whichever way it is wound and wherever it points.
+#[test]
+fn specks_at_texel_corners_are_kept() {
+    let step = 1.0 / 16.0 / 200.0;
+    for (dx, dy) in [(1.0, 1.0), (-1.0, 1.0), (1.0, -1.0), (-1.0, -1.0)] {
+        let uvs = [[0.5, 0.5], [0.5 + dx * step, 0.5], [0.5, 0.5 + dy * step]];
+        for indices in [[[0, 1, 2]], [[0, 2, 1]]] {
+            let mesh = AtlasMesh {
+                uvs: &uvs,
+                indices: &indices,
+                ..AtlasMesh::default()
+            };
+            let options = AtlasOptions {
+                conservative: true,
+                ..AtlasOptions::default()
+            };
+            let atlas = Atlas::new(size(16, 16), &mesh, options).expect("valid");
+            let texel = |d: f32| if d > 0.0 { 8 } else { 7 };
+            let owned: Vec<usize> = (0..256).filter(|&k| atlas.face[k] == 0).collect();
+            assert_eq!(owned, [texel(dy) * 16 + texel(dx)], "{dx} {dy} {indices:?}");
+        }
+    }
+}
+
 #[test]
 fn gutters_dilate_by_whole_texels() {
     let sheet = Sheet::new(5, 3, 0.25);

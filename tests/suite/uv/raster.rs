@@ -54,7 +54,7 @@ fn arrays_say_what_lies_at_each_texel() {
     // The hidden square (2 triangles), the specks and the face without area own nothing.
     assert_eq!(json["lost_triangles"], serde_json::json!([2, 3, 4, 5, 6]));
     assert!(
-        words.contains("5 of 7 triangles own no texel (lines 17, 18, 19, 20)"),
+        words.contains("5 of 7 triangles own no texel (lines 21, 22, 23, 24)"),
         "{words}"
     );
     assert_eq!(json["texels"]["centre"], 64);
