@@ -190,7 +190,11 @@ fn picture(scene: &UvScene, truth: &UvImage, found: &UvImage) -> Picture {
                 (None, None) => 0.0,
                 _ => f64::NAN,
             };
-            picture.set(x + i64::from(half) + 2, y, heat(off));
+            picture.set(
+                x + i64::from(half) + 2,
+                y,
+                heat((off * 12.0).round() / 12.0),
+            );
         }
     }
     picture

@@ -123,7 +123,8 @@ fn marks(chart: &SceneChart, places: &[(i32, i32)], ends: &[Option<i32>]) -> Str
             Source::Lab => "#b06a00",
             Source::External => "#7a2f8f",
         };
-        if let Some(end) = end.filter(|end| end > x) {
+        let inside = SIZE.0 as i32 - 12;
+        if let Some(end) = end.map(|end| end.min(inside)).filter(|end| end > x) {
             let _ = writeln!(
                 out,
                 "<path d=\"M{x} {y}H{end}m0 -3v6\" stroke=\"{color}\" stroke-opacity=\"0.5\" fill=\"none\"/>"
