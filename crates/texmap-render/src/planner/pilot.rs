@@ -22,6 +22,32 @@ pub(super) struct Pilot {
     means: Vec<[f32; 4]>,
 }
 
+/// A pixel of a triangle: its centre, and the planes of u/w, v/w and 1/w over the picture.
+#[derive(Clone, Copy)]
+struct Place {
+    centre: DVec2,
+    planes: [DVec3; 3],
+}
+
+impl Place {
+    /// Coordinates and their change per pixel at a place beside the centre; `None` beyond the horizon.
+    fn at(&self, offset: DVec2) -> Option<([f32; 2], Footprint)> {
+        let p = (self.centre + offset).extend(1.0);
+        let [u, v, w] = self.planes;
+        let inv_w = w.dot(p);
+        let uv = [u, v].map(|plane| plane.dot(p) / inv_w);
+        let step = |plane: DVec3, value: f64| {
+            [
+                (plane.x - value * w.x) / inv_w,
+                (plane.y - value * w.y) / inv_w,
+            ]
+        };
+        let ([ux, uy], [vx, vy]) = (step(u, uv[0]), step(v, uv[1]));
+        let [ux, vx, uy, vy] = [ux, vx, uy, vy].map(|d| d as f32);
+        (inv_w > 0.0).then(|| (uv.map(|c| c as f32), Footprint::new(ux, vx, uy, vy)))
+    }
+}
+
 impl Pilot {
     /// `None` when the mesh is seen in too few positions.
     pub(super) fn new(
@@ -29,20 +55,28 @@ impl Pilot {
         slot: &TextureSlot,
         texture: &Texture2d<'_>,
     ) -> Option<Self> {
-        let places = places(view, slot);
-        if places.len() < FEWEST {
+        let pixels = places(view);
+        if pixels.len() < FEWEST {
             return None;
         }
+        let read = |(uv, d): ([f32; 2], Footprint)| {
+            (slot.transform.apply(uv), slot.transform.apply_footprint(d))
+        };
         let reference = Sampler {
             filter: Filter::Anisotropic(16),
             precision: Precision::Exact,
             lod: Lod::default(),
             ..slot.sampler.clone()
         };
-        let means = places
-            .iter()
-            .map(|(uv, d)| mean(&reference, texture, *uv, d))
-            .collect();
+        let (mut places, mut means) = (Vec::new(), Vec::new());
+        for pixel in &pixels {
+            if let Some(centre) = pixel.at(DVec2::ZERO) {
+                places.push(read(centre));
+                means.push(mean(&reference, texture, |offset| {
+                    pixel.at(offset).map(read)
+                }));
+            }
+        }
         Some(Self { places, means })
     }
 
@@ -75,33 +109,36 @@ impl Pilot {
     }
 }
 
-/// The mean over the pixel's parallelogram: samples that each cover their own share of it.
-fn mean(sampler: &Sampler, texture: &Texture2d<'_>, uv: [f32; 2], d: &Footprint) -> [f32; 4] {
+/// The mean over the pixel's square: samples that each cover their own share of it, in true perspective.
+fn mean(
+    sampler: &Sampler,
+    texture: &Texture2d<'_>,
+    at: impl Fn(DVec2) -> Option<([f32; 2], Footprint)>,
+) -> [f32; 4] {
     let part = 1.0 / SAMPLES as f32;
-    let share = Footprint::new(
-        d.du_dx * part,
-        d.dv_dx * part,
-        d.du_dy * part,
-        d.dv_dy * part,
-    );
-    let mut sum = [0.0f64; 4];
+    let (mut sum, mut count) = ([0.0f64; 4], 0.0);
     for i in 0..SAMPLES * SAMPLES {
-        let offset = |c: u32| (c as f32 + 0.5) * part - 0.5;
-        let (s, t) = (offset(i % SAMPLES), offset(i / SAMPLES));
-        let at = [
-            uv[0] + d.du_dx * s + d.du_dy * t,
-            uv[1] + d.dv_dx * s + d.dv_dy * t,
-        ];
-        let c = sampler.sample_grad(texture, at, share);
+        let offset = |c: u32| (f64::from(c) + 0.5) / f64::from(SAMPLES) - 0.5;
+        let Some((uv, d)) = at(DVec2::new(offset(i % SAMPLES), offset(i / SAMPLES))) else {
+            continue;
+        };
+        let share = Footprint::new(
+            d.du_dx * part,
+            d.dv_dx * part,
+            d.du_dy * part,
+            d.dv_dy * part,
+        );
+        let c = sampler.sample_grad(texture, uv, share);
         for k in 0..4 {
             sum[k] += f64::from(c[k]);
         }
+        count += 1.0;
     }
-    sum.map(|s| (s / f64::from(SAMPLES * SAMPLES)) as f32)
+    sum.map(|s| (s / count) as f32)
 }
 
-/// Coordinates and footprints where the mesh is nearest, over a jittered grid on its part of the picture.
-fn places(view: &View<'_>, slot: &TextureSlot) -> Vec<([f32; 2], Footprint)> {
+/// Pixels where the mesh is nearest, over a jittered grid on its part of the picture.
+fn places(view: &View<'_>) -> Vec<Place> {
     let Some((low, high)) = bounds(view) else {
         return Vec::new();
     };
@@ -115,7 +152,7 @@ fn places(view: &View<'_>, slot: &TextureSlot) -> Vec<([f32; 2], Footprint)> {
             at.floor() + 0.5
         })
         .collect();
-    let mut nearest: Vec<Option<(f64, [f32; 2], Footprint)>> = vec![None; cells as usize];
+    let mut nearest: Vec<Option<(f64, Place)>> = vec![None; cells as usize];
     for triangle in &view.mesh.triangles {
         let corners = triangle.map(|i| view.positions[i as usize]);
         let uv = triangle.map(|i| view.mesh.uvs.get(i as usize).copied().unwrap_or_default());
@@ -125,6 +162,13 @@ fn places(view: &View<'_>, slot: &TextureSlot) -> Vec<([f32; 2], Footprint)> {
             continue;
         }
         let weights = m.inverse();
+        // Rows of the inverse are the planes of the corners' weights over w.
+        let plane = |values: [f64; 3]| weights.transpose() * DVec3::from(values);
+        let planes = [
+            plane(uv.map(|c| f64::from(c[0]))),
+            plane(uv.map(|c| f64::from(c[1]))),
+            plane([1.0; 3]),
+        ];
         let Some((from, to)) = cell_range(&corners.map(|p| DVec3::new(p.x, p.y, p.w)), low, high)
         else {
             continue;
@@ -136,42 +180,18 @@ fn places(view: &View<'_>, slot: &TextureSlot) -> Vec<([f32; 2], Footprint)> {
                 let e = weights * DVec3::new(p.x, p.y, 1.0);
                 let inv_w = e.x + e.y + e.z;
                 if !(e.min_element() >= 0.0 && inv_w > 0.0)
-                    || nearest[index].is_some_and(|(w, ..)| w >= inv_w)
+                    || nearest[index].is_some_and(|(w, _)| w >= inv_w)
                 {
                     continue;
                 }
-                let step = |column: DVec3| {
-                    let d = column.x + column.y + column.z;
-                    [0, 1].map(|k| {
-                        let value = |v: DVec3| {
-                            v.x * f64::from(uv[0][k])
-                                + v.y * f64::from(uv[1][k])
-                                + v.z * f64::from(uv[2][k])
-                        };
-                        let at = value(e) / inv_w;
-                        ((value(column) - at * d) / inv_w) as f32
-                    })
-                };
-                let at = [0, 1].map(|k| {
-                    ((e.x * f64::from(uv[0][k])
-                        + e.y * f64::from(uv[1][k])
-                        + e.z * f64::from(uv[2][k]))
-                        / inv_w) as f32
-                });
-                let ([ux, vx], [uy, vy]) = (step(weights.x_axis), step(weights.y_axis));
-                let d = Footprint::new(ux, vx, uy, vy);
-                nearest[index] = Some((
-                    inv_w,
-                    slot.transform.apply(at),
-                    slot.transform.apply_footprint(d),
-                ));
+                nearest[index] = Some((inv_w, Place { centre: p, planes }));
             }
         }
     }
     nearest
         .into_iter()
         .flatten()
-        .map(|(_, uv, d)| (uv, d))
+        .map(|(_, place)| place)
         .collect()
 }
 
