@@ -110,7 +110,7 @@ mod tests {
     use texmap_math::camera::Camera;
     use texmap_math::det;
     use texmap_math::glam::{DVec2, DVec3};
-    use texmap_render::planner::{Budget, choose};
+    use texmap_render::planner::{Budget, Price, choose, prices};
     use texmap_render::{ColorMode, Material, Mesh, Settings, Shading, TextureSlot, render};
     use texmap_sample::{ColorSpace, Origin, Sampler, Texture2d, UvTransform};
 
@@ -283,6 +283,45 @@ mod tests {
             over.len()
         );
         assert!(over.is_empty(), "{}", over.join("\n"));
+    }
+
+    /// By the table of prices a plan costs little more than the cheapest filter that would have done, which is known
+    /// only afterwards. `cargo test --release -p texmap-lab --lib -- --ignored --nocapture cheapest`
+    #[test]
+    #[ignore = "minutes: run by hand, in release"]
+    fn a_plan_is_about_as_cheap_as_the_cheapest_that_would_do() {
+        let mut ratios = Vec::new();
+        for seed in 0..100 {
+            let (scene, budget) = scene(seed);
+            let choices = choose(&scene, SIDE, SIDE, budget).unwrap();
+            let Some(chosen) = choices.meshes[0].filter.filter(|_| choices.met()) else {
+                continue;
+            };
+            let price = prices()
+                .iter()
+                .find(|p| (p.filter, p.precision) == chosen)
+                .map_or(f64::INFINITY, |p| p.ns);
+            let fits = |p: &&Price| {
+                let mut fixed = scene.clone();
+                if let Some(slot) = &mut fixed.materials[0].base_color {
+                    slot.sampler.filter = p.filter;
+                    slot.sampler.precision = p.precision;
+                }
+                let frame = render(&fixed, &Settings::new(SIDE, SIDE), &|_, _| {}).unwrap();
+                verify(&scene, &frame, SAMPLES).unwrap().rmse <= budget.rmse
+            };
+            let cheapest = prices().iter().find(fits).unwrap();
+            ratios.push(price / cheapest.ns);
+        }
+        ratios.sort_by(f64::total_cmp);
+        let within = ratios.iter().filter(|r| **r <= 1.15).count();
+        eprintln!(
+            "{within} of {} plans within 1.15 of the cheapest; median {}, dearest {}",
+            ratios.len(),
+            ratios[ratios.len() / 2],
+            ratios[ratios.len() - 1]
+        );
+        assert!(within * 2 > ratios.len());
     }
 
     /// What the budget is worth: the cheapest filter everywhere breaks it.
