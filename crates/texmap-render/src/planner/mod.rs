@@ -221,8 +221,8 @@ impl View<'_> {
                 "no texture".clone_into(&mut choice.why);
                 choice.left_out.push("texture look-up");
             }
-            Some(_) if self.mesh.frame.is_some() => {
-                "coordinates from a texture frame: the filter is the scene's"
+            Some(_) if self.mesh.frame.is_some() || self.mesh.round.is_some() => {
+                "coordinates made per pixel: the filter is the scene's"
                     .clone_into(&mut choice.why);
             }
             Some(slot) => self.choose_filter(slot, budget, &mut choice),
