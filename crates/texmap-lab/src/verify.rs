@@ -189,8 +189,8 @@ mod tests {
                 color: [1.0; 3],
                 ka: 0.3,
                 kd: 0.7,
-            // A highlight beyond the range of bytes is not a matter of filters.
-            ks: 0.0,
+                // A highlight beyond the range of bytes is not a matter of filters.
+                ks: 0.0,
                 ..Surface::default()
             },
             base_color: Some(TextureSlot {

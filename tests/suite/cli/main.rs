@@ -3,6 +3,7 @@
 mod demos;
 mod files;
 mod info;
+mod lab;
 mod malformed;
 mod program;
 mod readme;

@@ -1,0 +1,50 @@
+//! `texmap stability`, `texmap chart`, and renders by budget.
+
+use crate::program::Desk;
+
+#[test]
+fn stability_shows_the_naive_method_failing() {
+    let desk = Desk::new();
+    let report = desk.texmap("stability S5 --json").ok().json();
+    assert_eq!(report["passes"], true);
+    let checks = report["cases"][0]["checks"].as_array().unwrap().clone();
+    let naive = checks.iter().find(|c| c["naive"] == true).unwrap();
+    assert_eq!(naive["verdict"], "fails, as it must");
+    assert!(naive["measured"].as_f64().unwrap() > naive["limit"].as_f64().unwrap());
+    let unknown = desk.texmap("stability X9");
+    assert_eq!(unknown.code, 2);
+    assert!(unknown.stderr.contains("X9"), "{}", unknown.stderr);
+}
+
+#[test]
+fn a_chart_is_a_page_or_a_table() {
+    let desk = Desk::new();
+    assert_eq!(desk.texmap("chart -o chart.txt").code, 2);
+    desk.texmap("chart room.scene -o room.csv -r 32x24 --quick")
+        .ok();
+    let table = std::fs::read_to_string(desk.path("room.csv")).unwrap();
+    for method in ["nearest", "anisotropic:16", "trilinear, affine"] {
+        assert!(table.contains(method), "{method} is not in\n{table}");
+    }
+}
+
+#[test]
+fn a_budget_that_nothing_meets_is_said_and_ends_with_five() {
+    let desk = Desk::new();
+    let good =
+        desk.texmap("render m.obj -o m.png --resolution 64x48 --quality draft --json --explain");
+    let plan = &good.json()["items"][0]["plans"][0];
+    assert_eq!(plan["met"], good.code == 0);
+    assert!(good.stderr.contains("predicted"), "{}", good.stderr);
+    let tight = desk
+        .texmap("render m.obj -o m.png --resolution 64x48 --max-error 0.5,1e-9 --verify --json");
+    assert_eq!(tight.code, 5, "{}", tight.stderr);
+    assert!(tight.stderr.contains("budget not met"));
+    assert!(
+        tight.json()["items"][0]["truth"]["pixels_judged"]
+            .as_u64()
+            .unwrap()
+            > 0
+    );
+    assert!(desk.path("m.heat.png").is_file());
+}
