@@ -5,32 +5,11 @@
 use std::hint::black_box;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
-use texmap_math::{Level, det};
+use texmap_benches::meshes::ball;
+use texmap_math::Level;
 use texmap_uv::{
-    Faces, Mapping, Mesh, Origin, ReportOptions, Shape, cylinder_slice, report, sphere_slice,
+    Mapping, Mesh, Origin, ReportOptions, Shape, cylinder_slice, overlaps, report, sphere_slice,
 };
-
-/// A ball of about `triangles` triangles.
-fn ball(triangles: usize) -> (Vec<[f32; 3]>, Faces) {
-    let down = (((triangles / 4) as f64).sqrt() as u32).max(2);
-    let around = 2 * down;
-    let mut positions = Vec::new();
-    for j in 0..=down {
-        let (sin, cos) =
-            det::sin_cos((f64::from(j) + 0.5) / (f64::from(down) + 1.0) * std::f64::consts::PI);
-        for i in 0..around {
-            let (z, x) = det::sin_cos(f64::from(i) / f64::from(around) * std::f64::consts::TAU);
-            positions.push([sin * x, cos, -sin * z].map(|c| c as f32));
-        }
-    }
-    let mut list = Vec::new();
-    for (j, i) in (0..down).flat_map(|j| (0..around).map(move |i| (j, i))) {
-        let at = |dj: u32, di: u32| (j + dj) * around + (i + di) % around;
-        list.push([at(0, 0), at(1, 0), at(1, 1)]);
-        list.push([at(0, 0), at(1, 1), at(0, 1)]);
-    }
-    (positions, Faces::from_triangles(&list))
-}
 
 fn slices(c: &mut Criterion) {
     let vectors: Vec<[f32; 3]> = ball(2_000_000).0;
@@ -86,6 +65,10 @@ fn meshes(c: &mut Criterion) {
         );
         group.bench_with_input(BenchmarkId::new("report", triangles), &mesh, |b, mesh| {
             b.iter(|| report(mesh, &set, &options));
+        });
+        assert_eq!(overlaps(&mesh, &set).expect("an answer").pairs, 0);
+        group.bench_with_input(BenchmarkId::new("overlaps", triangles), &mesh, |b, mesh| {
+            b.iter(|| overlaps(mesh, &set));
         });
     }
     group.finish();

@@ -1,0 +1,160 @@
+//! Unwrappers held against one another on three meshes, by the report of `texmap-uv`.
+//!
+//! `cargo run --release -p texmap-benches --features unwrappers --bin unwrappers` writes
+//! `benches/results/unwrappers.md`, which docs/uv-mappings.md takes over.
+
+use std::error::Error;
+use std::fmt::Write;
+use std::path::Path;
+use std::time::Instant;
+
+use nalgebra::Vector3;
+use texmap_benches::meshes::knot;
+use texmap_io::{LoadOptions, load_obj};
+use texmap_uv::{
+    Cuts, Faces, Mesh, Origin, Page, ReportOptions, UvSet, auto_planes, report, unwrap,
+};
+
+const PAGE: Page = Page {
+    size: 1024,
+    gutter: 4,
+};
+
+/// A way to unwrap.
+struct Candidate {
+    name: &'static str,
+    run: fn(&Mesh<'_>) -> Result<UvSet, Box<dyn Error>>,
+}
+
+const CANDIDATES: [Candidate; 5] = [
+    Candidate {
+        name: "uvunwrap 0.3, as `--map unwrap` uses it",
+        run: |mesh| Ok(unwrap(mesh, &Cuts::default(), PAGE, Origin::BottomLeft)?),
+    },
+    Candidate {
+        name: "uvunwrap 0.3, charts within 40 degrees",
+        run: |mesh| {
+            uvunwrap(
+                mesh,
+                uvunwrap::Options {
+                    max_chart_angle: 40.0,
+                    packing: uvunwrap::Packing::Fast,
+                    ..uvunwrap::Options::default()
+                },
+            )
+        },
+    },
+    Candidate {
+        name: "uvunwrap 0.3, packed by shape",
+        run: |mesh| uvunwrap(mesh, uvunwrap::Options::default()),
+    },
+    Candidate {
+        name: "uvgen 0.5 (six planes)",
+        run: uvgen,
+    },
+    Candidate {
+        name: "texmap `--map auto` (six planes)",
+        run: |mesh| Ok(auto_planes(mesh, PAGE, Origin::BottomLeft)?),
+    },
+];
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let model = |name: &str| read(&root.join(format!("../assets/models/{name}.obj")));
+    let meshes = [
+        ("teapot", model("teapot")?),
+        ("cow", model("cow")?),
+        ("knot", knot(100_000)),
+    ];
+    let mut table = String::from(
+        "| mesh | triangles | unwrapper | stretch L2 | Linf | flipped | overlapping | seam | shells | picture used | seconds |\n\
+         |---|---|---|---|---|---|---|---|---|---|---|\n",
+    );
+    for (name, (positions, faces)) in &meshes {
+        let mesh = Mesh::new(positions, faces)?;
+        for candidate in &CANDIDATES {
+            let start = Instant::now();
+            let set = (candidate.run)(&mesh);
+            let seconds = start.elapsed().as_secs_f64();
+            let options = ReportOptions {
+                origin: Origin::BottomLeft,
+                views: false,
+                ..ReportOptions::default()
+            };
+            let figures = match set.and_then(|set| Ok(report(&mesh, &set, &options)?)) {
+                Ok(r) => format!(
+                    "{:.3} | {:.2} | {} | {} | {:.1} | {} | {:.0} % | {seconds:.2}",
+                    r.stretch_l2,
+                    r.stretch_linf,
+                    r.flipped,
+                    r.overlapping,
+                    r.seam_length,
+                    r.shells,
+                    100.0 * r.picture_area
+                ),
+                Err(e) => format!("{e} | | | | | | | "),
+            };
+            let _ = writeln!(
+                table,
+                "| {name} | {} | {} | {figures} |",
+                faces.len(),
+                candidate.name
+            );
+            println!("{name}, {}: {figures}", candidate.name);
+            // Row by row: a run that is stopped leaves what it has measured.
+            std::fs::write(root.join("results/unwrappers.md"), &table)?;
+        }
+    }
+    Ok(())
+}
+
+fn uvunwrap(mesh: &Mesh<'_>, options: uvunwrap::Options) -> Result<UvSet, Box<dyn Error>> {
+    let corners = mesh.faces().corners();
+    let options = uvunwrap::Options {
+        density: uvunwrap::Density::Auto {
+            page_size: PAGE.size,
+        },
+        padding: PAGE.gutter / 2,
+        ..options
+    };
+    let atlas = uvunwrap::generate(
+        &[uvunwrap::MeshInput::new(mesh.positions(), corners)],
+        &options,
+    )?;
+    let out = &atlas.meshes[0];
+    // The page is cropped; on a square one it keeps its texels.
+    let part = [atlas.width, atlas.height].map(|s| s as f32 / PAGE.size as f32);
+    let uv = |i: &u32| {
+        let [u, v] = out.vertices[*i as usize].uv;
+        [u * part[0], v * part[1]]
+    };
+    Ok(UvSet {
+        uvs: out.indices.iter().map(uv).collect(),
+        corners: (0..corners.len() as u32).collect(),
+    })
+}
+
+fn uvgen(mesh: &Mesh<'_>) -> Result<UvSet, Box<dyn Error>> {
+    let positions = mesh.positions().iter().map(|p| Vector3::from(*p));
+    let (triangles, _) = mesh.faces().corners().as_chunks::<3>();
+    let spacing = PAGE.gutter as f32 / PAGE.size as f32 / 2.0;
+    let patch =
+        uvgen::generate_uvs(positions, triangles.iter().copied(), spacing).ok_or("it gives up")?;
+    let uvs = patch.second_tex_coords.iter().map(|uv| [uv.x, uv.y]);
+    Ok(UvSet {
+        uvs: uvs.collect(),
+        corners: patch.triangles.concat(),
+    })
+}
+
+/// Positions and triangles of an OBJ, its materials joined.
+fn read(path: &Path) -> Result<(Vec<[f32; 3]>, Faces), Box<dyn Error>> {
+    let scene = load_obj(path, &LoadOptions::default())?;
+    let (mut positions, mut triangles) = (Vec::new(), Vec::new());
+    for mesh in &scene.meshes {
+        let base = positions.len() as u32;
+        positions.extend(&mesh.positions);
+        triangles.extend(mesh.triangles.iter().map(|t| t.map(|i| i + base)));
+    }
+    Ok((positions, Faces::from_triangles(&triangles)))
+}
