@@ -76,3 +76,4 @@ pub use scene::{
 };
 pub use settings::{Aov, Settings, UnknownAov};
 pub use shadow::{shadow_bias, shadow_kind, shadow_map};
+pub use vertices::world_normals;

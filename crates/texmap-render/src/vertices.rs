@@ -226,7 +226,10 @@ impl Source<'_> {
 }
 
 /// Unit normals in world space by the inverse transpose; zero where a vertex has none.
-pub(crate) fn world_normals(mesh: &Mesh) -> Vec<DVec3> {
+///
+/// Those of the mesh, or else the area-weighted mean of the triangles at each vertex.
+#[must_use]
+pub fn world_normals(mesh: &Mesh) -> Vec<DVec3> {
     let matrix = linear(mesh.world_from_object).inverse().transpose();
     object_normals(mesh)
         .into_iter()

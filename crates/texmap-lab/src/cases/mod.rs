@@ -4,12 +4,15 @@
 //! A file of cases ([`parse`]) says what is put in, what must come out and how good is good enough; a runner
 //! of the same id ([`run`]) measures texmap's public API and, beside it, the naive methods that must fail.
 
+mod bump;
+mod environment;
 mod footprint;
 mod interp;
 mod naive;
 mod probe;
 mod raster;
 mod sampler;
+mod shadows;
 mod table;
 mod uv;
 
@@ -173,6 +176,28 @@ const RUNNERS: &[(&str, Runner)] = &[
     ("U4", uv::u4),
     ("U5", uv::u5),
     ("B4", uv::b4),
+    ("P1", shadows::p1),
+    ("P2", shadows::p2),
+    ("P3", shadows::p3),
+    ("H1", shadows::h1),
+    ("H2", shadows::h2),
+    ("H3", shadows::h3),
+    ("H4", shadows::h4),
+    ("H5", shadows::h5),
+    ("H6", shadows::h6),
+    ("H7", shadows::h7),
+    ("E1", environment::e1),
+    ("E2", environment::e2),
+    ("E3", environment::e3),
+    ("E4", environment::e4),
+    ("E5", environment::e5),
+    ("E6", environment::e6),
+    ("E7", environment::e7),
+    ("B1", bump::b1),
+    ("B2", bump::b2),
+    ("B3", bump::b3),
+    ("B5", bump::b5),
+    ("B6", bump::b6),
 ];
 
 /// Ids of the cases that can be run.
