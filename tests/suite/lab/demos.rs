@@ -35,6 +35,11 @@ demos! {
     transparency "transparency",
     forward_inverse "forward-inverse",
     frame "frame",
+    slides "slides",
+    shadows "shadows",
+    environments "environments",
+    bumps "bumps",
+    light_maps "light-maps",
 }
 
 /// A demo has no constants hidden in its size: other panels give the same figures within the tolerance.

@@ -191,16 +191,18 @@ fn figures(method: &str, elevation: f64, size: u32, found: Figures) -> [Measurem
 pub(super) fn h1() -> Result<Vec<Measurement>, LabError> {
     let scene = ShadowScene::ring();
     let found = scene.measure(60.0, 512, ShadowBias::Constant(0.0), 1, 256)?;
-    Ok(figures("no bias", 60.0, 512, found).to_vec())
+    let [acne, _] = figures("no bias", 60.0, 512, found);
+    Ok(vec![acne])
 }
 
 pub(super) fn h2() -> Result<Vec<Measurement>, LabError> {
     let scene = ShadowScene::ring();
     let texel = 5.2 / 512.0;
     let mut all = Vec::new();
-    for elevation in [60.0, 25.0, 10.0] {
+    for elevation in [25.0, 10.0] {
         let found = scene.measure(elevation, 512, ShadowBias::Constant(texel), 1, 256)?;
-        all.extend(figures("constant of a texel", elevation, 512, found));
+        let [acne, _] = figures("constant of a texel", elevation, 512, found);
+        all.push(acne);
     }
     Ok(all)
 }
@@ -215,11 +217,14 @@ pub(super) fn h3() -> Result<Vec<Measurement>, LabError> {
         (25.0, 2048),
         (10.0, 2048),
     ] {
-        let found = scene.measure(elevation, size, ShadowBias::Slope(1e-4), 1, 256)?;
+        // One pixel of 256 x 256 is more than the figure that is demanded.
+        let pixels = if elevation > 30.0 { 512 } else { 256 };
+        let found = scene.measure(elevation, size, ShadowBias::Slope(1e-4), 1, pixels)?;
         all.extend(figures("slope", elevation, size, found));
     }
     let found = scene.measure(10.0, 512, ShadowBias::Constant(1e-4), 1, 256)?;
-    all.extend(figures("constant of 1e-4", 10.0, 512, found));
+    let [acne, _] = figures("constant of 1e-4", 10.0, 512, found);
+    all.push(acne);
     Ok(all)
 }
 

@@ -7,10 +7,14 @@
 //! form.
 
 mod affine;
+mod environments;
 mod frame;
 mod gouraud;
+mod lit;
 mod mapping;
 mod paint;
+mod relief;
+mod shadows;
 mod sheet;
 mod stage;
 mod tiling;
@@ -29,7 +33,7 @@ pub const DEFAULT_SIZE: u32 = 384;
 
 type Draw = fn(u32) -> Result<DemoPicture, LabError>;
 
-const DEMOS: [(&str, &str, Draw); 9] = [
+const DEMOS: [(&str, &str, Draw); 14] = [
     (
         "affine-image",
         "a photo on cubes, screen-linear against perspective",
@@ -74,6 +78,31 @@ const DEMOS: [(&str, &str, Draw); 9] = [
         "frame",
         "the O-U-V frame turned, shifted and out of the plane",
         frame::frame,
+    ),
+    (
+        "slides",
+        "a slide projector as light and as paint, with and without its depth map",
+        shadows::slides,
+    ),
+    (
+        "shadows",
+        "shadow maps: no bias, a constant, the receiver's slope, filtered; the map itself",
+        shadows::shadows,
+    ),
+    (
+        "environments",
+        "which one is ray-traced? environment maps against mirror rays; clamped cube faces",
+        environments::environments,
+    ),
+    (
+        "bumps",
+        "bump and normal maps against the surface they stand for; green flipped",
+        relief::bumps,
+    ),
+    (
+        "light-maps",
+        "baked light against light per pixel; charts without gutters; a moving spotlight",
+        relief::light_maps,
     ),
 ];
 

@@ -1,0 +1,56 @@
+//! Writes the gallery of lighting effects: `cargo run --release -p texmap-lab --example gallery` fills `docs/gallery`. Every count on the
+//! page is measured while it is made, and the program fails when a claim does not hold.
+
+use std::error::Error;
+use std::fmt::Write as _;
+use std::path::Path;
+
+use texmap_lab::demos;
+
+const ROWS: [&str; 5] = ["slides", "shadows", "environments", "bumps", "light-maps"];
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/gallery");
+    std::fs::create_dir_all(&folder)?;
+    let mut page = String::from(
+        "# Lighting effects: on, off, wrong and cured\n\n\
+         Made by `cargo run --release -p texmap-lab --example gallery`; every figure was measured while the page was made, and\n\
+         `texmap demo NAME -o OUT.png` makes and checks each sheet again.\n",
+    );
+    let mut failed = Vec::new();
+    for name in ROWS {
+        let demo = demos::demo(name, 320)?;
+        let file = format!("{name}.png");
+        texmap_io::image_io::write_png(
+            &folder.join(&file),
+            demo.image.width(),
+            demo.image.height(),
+            demo.image.rgba(),
+        )?;
+        let shows = demos::list()
+            .find(|(known, _)| *known == name)
+            .map_or("", |(_, shows)| shows);
+        writeln!(page, "\n## {name}\n{shows}\n\n![{name}]({file})\n")?;
+        writeln!(page, "| what is measured | figure |\n|---|---|")?;
+        for claim in &demo.claims {
+            writeln!(page, "| {} | {} |", claim.text, short(claim.measured))?;
+            if !claim.holds() {
+                failed.push(format!("{name}: {claim}"));
+            }
+        }
+    }
+    std::fs::write(folder.join("README.md"), page)?;
+    if failed.is_empty() {
+        Ok(())
+    } else {
+        Err(failed.join("\n").into())
+    }
+}
+
+fn short(x: f64) -> String {
+    if x.fract() == 0.0 {
+        format!("{x}")
+    } else {
+        format!("{x:.3}")
+    }
+}

@@ -1,0 +1,380 @@
+//! Bump and normal maps against the surface that they stand for, and baked light against light.
+
+use texmap_light::{Green, Heights, Light, Slope, encode_normal};
+use texmap_math::det;
+use texmap_math::glam::DVec3;
+use texmap_render::{
+    BakeOptions, LightMap, LightMapSlot, Relief, Scene, Shadow, TextureSlot, bake, shadow_bias,
+    shadow_kind, shadow_map,
+};
+use texmap_sample::{
+    Alpha, ColorSpace, Filter, Image, Origin, Sampler, Texels, Texture2d, UvTransform, Wrap,
+};
+
+use super::lit::{Lit, ball, difference, floor, matte};
+use super::sheet::sheet;
+use super::{Claim, DemoPicture, Panel, stage};
+use crate::LabError;
+use crate::picture::Picture;
+
+/// Texels a side of the height field, and its periods.
+const TEXELS: u32 = 512;
+const PERIODS: f64 = 6.0;
+/// Height of its waves on a floor of side 4.
+const HEIGHT: f64 = 0.08;
+
+/// Height of the waves, 0..=1.
+fn height(u: f64, v: f64) -> f64 {
+    let wave = |c: f64| det::sin(c * PERIODS * std::f64::consts::TAU);
+    0.5 + 0.25 * (wave(u) + wave(v))
+}
+
+fn floats(width: u32, channels: u32, texels: &[f32]) -> Result<Texture2d<'static>, LabError> {
+    let height = texels.len() as u32 / width / channels;
+    let image = Image {
+        width,
+        height,
+        channels,
+        texels: Texels::F32(texels),
+        color: ColorSpace::Linear,
+        alpha: Alpha::Straight,
+        origin: Origin::TopLeft,
+    };
+    Ok(Texture2d::new(&image)?.with_mips())
+}
+
+fn slot(texture: usize, wrap: Wrap) -> TextureSlot {
+    TextureSlot {
+        texture,
+        sampler: Sampler {
+            filter: Filter::Trilinear,
+            wrap_u: wrap,
+            wrap_v: wrap,
+            ..Sampler::default()
+        },
+        transform: UvTransform::default(),
+    }
+}
+
+fn panel(picture: Picture, title: &str, caption: &str) -> Panel {
+    Panel {
+        picture,
+        title: title.into(),
+        caption: caption.into(),
+    }
+}
+
+/// A floor under a low light, with two textures: heights, and their normals in 8 bits with green up.
+fn waves() -> Result<Scene, LabError> {
+    let mut scene = stage::scene(DVec3::new(0.0, 2.6, 3.2), DVec3::ZERO, 50.0);
+    scene.lights = vec![
+        Light::Ambient { color: [0.1; 3] },
+        Light::Directional {
+            color: [0.9; 3],
+            direction: [1.0, -0.8, 0.6],
+        },
+    ];
+    let place = |i: u32| (f64::from(i) + 0.5) / f64::from(TEXELS);
+    let values: Vec<f32> = (0..TEXELS * TEXELS)
+        .map(|i| height(place(i % TEXELS), place(i / TEXELS)) as f32)
+        .collect();
+    scene.textures.push(floats(TEXELS, 1, &values)?);
+    let heights = Heights {
+        width: TEXELS,
+        values: &values,
+    };
+    // Heights in texels: the floor's side of 4 holds all of them.
+    let strength = (HEIGHT / 4.0 * f64::from(TEXELS)) as f32;
+    let normals = heights
+        .normals(Slope::Central, strength, Green::Up)
+        .map_err(|e| LabError::Cases(e.to_string()))?;
+    // Their y already counts up the picture; the texel stores it so.
+    let bytes: Vec<u8> = normals
+        .iter()
+        .flat_map(|n| {
+            let [r, g, b] = encode_normal(*n, Green::Up).map(|c| (c * 255.0 + 0.5) as u8);
+            [r, g, b, 255]
+        })
+        .collect();
+    let normals =
+        Texture2d::from_rgba8(TEXELS, TEXELS, bytes, ColorSpace::Linear, Origin::TopLeft)?;
+    scene.textures.push(normals.with_normal_mips());
+    let stone = stage::add(&mut scene, matte([0.55, 0.5, 0.45], 0.4));
+    scene.meshes = vec![
+        floor(2.0, stone),
+        ball(DVec3::new(0.0, 0.5, -0.4), 0.5, stone),
+    ];
+    Ok(scene)
+}
+
+/// The floor in f64 with the exact normal of its waves, where the floor is seen.
+fn truth(scene: &Scene, flat: &Lit) -> Result<Picture, LabError> {
+    let mut picture = flat.picture.clone();
+    let surface = scene.materials[0].surface;
+    let size = i64::from(picture.width());
+    for (i, p) in flat.position.iter().enumerate() {
+        if !p.is_finite() || p.y.abs() > 1e-6 {
+            continue;
+        }
+        let (u, v) = (0.5 + p.x / 4.0, 0.5 + p.z / 4.0);
+        let slope = |c: f64| {
+            let w = PERIODS * std::f64::consts::TAU;
+            0.25 * w * det::cos(c * w) * HEIGHT / 4.0
+        };
+        let n = DVec3::new(-slope(u), 1.0, -slope(v)).normalize();
+        let lit =
+            texmap_light::reference::illuminate(&surface, &scene.lights, *p, n, scene.camera.eye);
+        let [r, g, b] = lit
+            .as_vec3()
+            .to_array()
+            .map(texmap_math::color::linear_to_srgb8);
+        picture.set(i as i64 % size, i as i64 / size, [r, g, b, 255]);
+    }
+    Ok(picture)
+}
+
+pub(super) fn bumps(size: u32) -> Result<DemoPicture, LabError> {
+    let mut scene = waves()?;
+    let mut take = |relief: Option<Relief>| {
+        scene.materials[0].relief = relief;
+        Lit::take(&scene, size)
+    };
+    let normal_map = |green| {
+        Some(Relief::NormalMap {
+            slot: slot(1, Wrap::Repeat),
+            green,
+            rebuild_z: false,
+            object_space: false,
+            strength: 1.0,
+        })
+    };
+    let flat = take(None)?;
+    let bumped = take(Some(Relief::Bump {
+        slot: slot(0, Wrap::Repeat),
+        height: HEIGHT as f32,
+    }))?;
+    let mapped = take(normal_map(Green::Up))?;
+    let flipped = take(normal_map(Green::Down))?;
+    let truth = truth(&waves()?, &flat)?;
+    let on_floor: Vec<usize> = (0..flat.position.len())
+        .filter(|&i| flat.position[i].is_finite() && flat.position[i].y.abs() < 1e-6)
+        .collect();
+    let wrong = |shot: &Lit| {
+        let off = |i: &&usize| difference(&shot.picture, &truth, **i) > 6;
+        on_floor.iter().filter(off).count() as f64
+    };
+    let floor_pixels = on_floor.len().max(1) as f64;
+    let claims = vec![
+        Claim::new(
+            "wrong pixels of the floor under the bump map",
+            wrong(&bumped),
+            0.0,
+            0.01 * floor_pixels,
+        ),
+        Claim::new(
+            "wrong pixels under the normal map",
+            wrong(&mapped),
+            0.0,
+            0.01 * floor_pixels,
+        ),
+        Claim::new(
+            "wrong pixels without either",
+            wrong(&flat),
+            wrong(&flat),
+            0.0,
+        ),
+        Claim::new(
+            "more than half of them are wrong with the green channel flipped (1: yes)",
+            f64::from(u8::from(wrong(&flipped) > 0.5 * floor_pixels)),
+            1.0,
+            0.0,
+        ),
+    ];
+    let panels = vec![
+        panel(flat.picture, "Off", "The floor is flat."),
+        panel(
+            bumped.picture,
+            "Bump map",
+            "A height field by central differences, Blinn's normal.",
+        ),
+        panel(
+            mapped.picture,
+            "Normal map",
+            "The same field as an 8-bit normal map, MikkTSpace.",
+        ),
+        panel(
+            flipped.picture,
+            "Green flipped (wrong)",
+            "Along v light comes from the wrong side.",
+        ),
+        panel(
+            truth,
+            "Truth",
+            "The floor with the waves' exact normals, in f64.",
+        ),
+    ];
+    Ok(sheet("Bump and normal maps", panels, claims))
+}
+
+/// A floor with a ball on it under a sun that throws shadows.
+fn yard() -> Scene {
+    let mut scene = stage::scene(DVec3::new(1.6, 2.6, 3.6), DVec3::new(0.0, 0.2, 0.0), 45.0);
+    scene.lights = vec![
+        Light::Ambient { color: [0.1; 3] },
+        Light::Directional {
+            color: [0.6, 0.58, 0.5],
+            direction: [0.7, -0.8, -0.4],
+        },
+    ];
+    let ground = stage::add(&mut scene, matte([0.8; 3], 0.0));
+    let red = stage::add(&mut scene, matte([0.75, 0.3, 0.2], 0.0));
+    scene.meshes = vec![
+        floor(2.0, ground),
+        ball(DVec3::new(0.0, 0.55, 0.0), 0.5, red),
+    ];
+    scene
+}
+
+fn baked(scene: &Scene, size: u32, lights: Option<&[usize]>) -> Result<LightMap, LabError> {
+    let mut shadows = Vec::new();
+    for (index, light) in scene.lights.iter().enumerate() {
+        if !matches!(light, Light::Ambient { .. }) {
+            let kind = shadow_kind(scene, index, None)?;
+            shadows.push((
+                index,
+                shadow_map(scene, &kind, 1024, 1)?,
+                shadow_bias(scene),
+                3,
+            ));
+        }
+    }
+    let options = BakeOptions {
+        size,
+        gutter: 2,
+        shadows: &shadows,
+        lights,
+    };
+    Ok(bake(scene, 0, &options)?)
+}
+
+/// The scene with its floor under a light map.
+fn under(mut scene: Scene, map: &LightMap) -> Result<Scene, LabError> {
+    let texels: Vec<f32> = map
+        .texels
+        .iter()
+        .flat_map(|c| [c[0], c[1], c[2], 1.0])
+        .collect();
+    scene.textures.push(floats(map.size, 4, &texels)?);
+    let texture = scene.textures.len() - 1;
+    scene.materials[0].light_map = Some(LightMapSlot {
+        slot: slot(texture, Wrap::ClampToEdge),
+        scale: 1.0,
+        baked: None,
+    });
+    Ok(scene)
+}
+
+fn shadowed(mut scene: Scene) -> Scene {
+    for light in 1..scene.lights.len() {
+        scene.effects.shadows.push(Shadow {
+            light,
+            size: Some(1024),
+            bias: None,
+            taps: 3,
+            area: None,
+        });
+    }
+    scene
+}
+
+pub(super) fn light_maps(size: u32) -> Result<DemoPicture, LabError> {
+    let direct = Lit::take(&shadowed(yard()), size)?;
+    let fine = Lit::take(&shadowed(under(yard(), &baked(&yard(), 512, None)?)?), size)?;
+    let coarse = Lit::take(&shadowed(under(yard(), &baked(&yard(), 24, None)?)?), size)?;
+    // The fault: texel centres taken for the mesh's without a repair, so that charts end in black.
+    let mut torn = baked(&yard(), 24, None)?;
+    for (texel, coverage) in torn.texels.iter_mut().zip(&torn.coverage) {
+        if *coverage != texmap_raster::Coverage::Centre {
+            *texel = [0.0; 3];
+        }
+    }
+    let torn = Lit::take(&shadowed(under(yard(), &torn)?), size)?;
+    let floor: Vec<usize> = (0..direct.position.len())
+        .filter(|&i| direct.position[i].is_finite() && direct.position[i].y.abs() < 1e-6)
+        .collect();
+    let wrong = |shot: &Lit| {
+        let off = |i: &&usize| difference(&shot.picture, &direct.picture, **i) > 12;
+        floor.iter().filter(off).count() as f64
+    };
+    // The moving spotlight: what it adds is baked alone and added to the resting light, in linear light.
+    let resting = baked(&yard(), 96, None)?;
+    let mut worst = 0.0f32;
+    for frame in 0..4 {
+        let mut scene = yard();
+        let x = -1.2 + 0.8 * frame as f32;
+        scene.lights.push(Light::spot(
+            [0.5; 3],
+            [x, 2.0, 1.0],
+            [0.0, -1.0, -0.4],
+            0.25,
+            0.4,
+        ));
+        let spot = baked(&scene, 96, Some(&[2]))?;
+        let fresh = baked(&scene, 96, None)?;
+        for ((a, b), c) in resting.texels.iter().zip(&spot.texels).zip(&fresh.texels) {
+            for k in 0..3 {
+                worst = worst.max((a[k] + b[k] - c[k]).abs() * 255.0);
+            }
+        }
+    }
+    let count = floor.len().max(1) as f64;
+    let claims = vec![
+        Claim::new(
+            "wrong pixels of the floor under 512 x 512 baked texels",
+            wrong(&fine),
+            0.0,
+            0.02 * count,
+        ),
+        Claim::new(
+            "wrong pixels with 24 x 24",
+            wrong(&coarse),
+            wrong(&coarse),
+            0.0,
+        ),
+        Claim::new(
+            "without repaired borders and gutters there are more (1: yes)",
+            f64::from(u8::from(wrong(&torn) > wrong(&coarse) + 0.005 * count)),
+            1.0,
+            0.0,
+        ),
+        Claim::new(
+            "moving spotlight: resting map and spot, against a fresh bake, /255",
+            f64::from(worst),
+            0.0,
+            1.0,
+        ),
+    ];
+    let panels = vec![
+        panel(
+            direct.picture,
+            "Computed per pixel",
+            "Lights and shadow maps for every pixel.",
+        ),
+        panel(
+            fine.picture,
+            "Baked, 512 x 512",
+            "The floor reads its light from a map.",
+        ),
+        panel(
+            coarse.picture,
+            "Baked, 24 x 24",
+            "Low resolution blurs the shadow, nothing else.",
+        ),
+        panel(
+            torn.picture,
+            "No repair, no gutter (wrong)",
+            "Texels whose centre is off the chart are black.",
+        ),
+    ];
+    Ok(sheet("Light maps", panels, claims))
+}

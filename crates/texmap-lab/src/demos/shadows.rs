@@ -1,0 +1,282 @@
+//! Slides and shadows: what a lamp must not light, and what a map must not darken.
+
+use texmap_light::{Light, ShadowBias, SlideBorder};
+use texmap_math::Projector;
+use texmap_math::glam::DVec3;
+use texmap_render::{Scene, Shadow, SlideProjector, SlideRole, shadow_kind, shadow_map};
+use texmap_sample::{Filter, Sampler};
+
+use super::lit::{Lit, ball, difference, floor, matte, wrong};
+use super::sheet::sheet;
+use super::stage::{self, texture};
+use super::{Claim, DemoPicture, Panel, paint};
+use crate::LabError;
+use crate::picture::Picture;
+use crate::truth::rays::{RayObject, RayScene};
+
+fn panel(picture: Picture, title: &str, caption: &str) -> Panel {
+    Panel {
+        picture,
+        title: title.into(),
+        caption: caption.into(),
+    }
+}
+
+/// A ball and a small ball on a floor.
+fn table() -> Scene {
+    let mut scene = stage::scene(DVec3::new(2.2, 2.4, 4.2), DVec3::new(0.0, 0.4, 0.0), 42.0);
+    scene.lights.push(Light::Ambient { color: [0.12; 3] });
+    let ground = stage::add(&mut scene, matte([0.6, 0.58, 0.55], 0.0));
+    let red = stage::add(&mut scene, matte([0.75, 0.3, 0.2], 0.0));
+    scene.meshes = vec![
+        floor(4.0, ground),
+        ball(DVec3::new(0.0, 0.7, 0.0), 0.7, red),
+        ball(DVec3::new(-1.3, 0.35, 0.9), 0.35, red),
+    ];
+    scene
+}
+
+fn rays(scene: &Scene) -> RayScene {
+    RayScene::new(scene.meshes.iter().map(RayObject::Mesh))
+}
+
+pub(super) fn slides(size: u32) -> Result<DemoPicture, LabError> {
+    let mut scene = table();
+    let index = texture(&mut scene, &paint::cow_photo(256))?;
+    let position = DVec3::new(-2.6, 1.9, 2.8);
+    let projector = Projector::new(position, DVec3::new(0.1, 0.35, -0.2), DVec3::Y, 0.62, 1.0)?;
+    let slide = |shadow, border| SlideProjector {
+        projector,
+        position,
+        texture: index,
+        sampler: Sampler {
+            filter: Filter::Trilinear,
+            ..Sampler::default()
+        },
+        border,
+        softness: 0.0,
+        role: SlideRole::Light([1.0; 3]),
+        shadow,
+    };
+    let mut take = |slides: Vec<SlideProjector>| {
+        scene.effects.projectors = slides;
+        Lit::take(&scene, size)
+    };
+    let off = take(vec![])?;
+    let on = take(vec![slide(Some(1024), SlideBorder::Black)])?;
+    let through = take(vec![slide(None, SlideBorder::Black)])?;
+    let repeated = take(vec![slide(Some(1024), SlideBorder::Repeat)])?;
+    let painted = take(vec![SlideProjector {
+        role: SlideRole::Paint,
+        ..slide(Some(1024), SlideBorder::Black)
+    }])?;
+    // Truth by rays: the slide holds the point, and nothing stands between it and the projector.
+    let rays = rays(&table());
+    let truth: Vec<Option<bool>> = off
+        .position
+        .iter()
+        .zip(&off.normal)
+        .map(|(p, n)| {
+            let facing = n.dot((position - *p).normalize_or_zero());
+            (p.is_finite() && facing > 0.1).then(|| {
+                let inside = projector
+                    .uv(*p)
+                    .is_some_and(|uv| uv.min_element() >= 0.0 && uv.max_element() <= 1.0);
+                inside && !rays.blocked(*p + *n * 1e-4, position)
+            })
+        })
+        .collect();
+    let lit = |shot: &Lit| -> Vec<bool> {
+        (0..off.position.len())
+            .map(|i| difference(&shot.picture, &off.picture, i) > 1)
+            .collect()
+    };
+    let reach = 3;
+    let count = |shot: &Lit| f64::from(wrong(&truth, &lit(shot), size, reach));
+    let pixels = f64::from(size * size);
+    let claims = vec![
+        Claim::new(
+            "wrong pixels, with a depth map and a black border",
+            count(&on),
+            0.0,
+            2e-4 * pixels,
+        ),
+        Claim::new(
+            "wrong without the depth map (part of the picture, at least 0.5 %)",
+            f64::from(u8::from(count(&through) > 0.005 * pixels)),
+            1.0,
+            0.0,
+        ),
+        Claim::new(
+            "wrong pixels without the depth map",
+            count(&through),
+            count(&through),
+            0.0,
+        ),
+        Claim::new(
+            "wrong pixels where the slide repeats",
+            count(&repeated),
+            count(&repeated),
+            0.0,
+        ),
+    ];
+    let panels = vec![
+        panel(off.picture, "Off", "Ambient light alone."),
+        panel(
+            on.picture,
+            "A slide as light",
+            "Nothing behind what it meets is lit, nothing beyond its edge.",
+        ),
+        panel(
+            painted.picture,
+            "A slide as paint",
+            "The surface takes the colours, whatever the light.",
+        ),
+        panel(
+            through.picture,
+            "No depth map (wrong)",
+            "It shines through the balls.",
+        ),
+        panel(
+            repeated.picture,
+            "Repeated (wrong for a lamp)",
+            "A texture's wrap mode tiles the floor.",
+        ),
+    ];
+    Ok(sheet("Slide projectors: light and paint", panels, claims))
+}
+
+pub(super) fn shadows(size: u32) -> Result<DemoPicture, LabError> {
+    let mut scene = table();
+    let direction = [0.8, -0.42, -0.45];
+    scene.lights.push(Light::Directional {
+        color: [0.9, 0.88, 0.8],
+        direction,
+    });
+    let shadow = |bias, taps| Shadow {
+        light: 1,
+        size: Some(512),
+        bias,
+        taps,
+        area: None,
+    };
+    let mut take = |shadows: Vec<Shadow>| {
+        scene.effects.shadows = shadows;
+        Lit::take(&scene, size)
+    };
+    let off = take(vec![])?;
+    let none = take(vec![shadow(Some(ShadowBias::Constant(0.0)), 1)])?;
+    let large = take(vec![shadow(Some(ShadowBias::Constant(0.25)), 1)])?;
+    let slope = take(vec![shadow(None, 1)])?;
+    let soft = take(vec![shadow(None, 5)])?;
+    let toward = -DVec3::from(direction.map(f64::from));
+    let scene = table();
+    let rays = rays(&scene);
+    let truth: Vec<Option<bool>> = off
+        .position
+        .iter()
+        .zip(&off.normal)
+        .map(|(p, n)| {
+            let facing = n.dot(toward.normalize());
+            (p.is_finite() && facing > 0.1)
+                .then(|| rays.meets(*p + *n * 2e-3, toward, (0.0, f64::INFINITY)))
+        })
+        .collect();
+    let dark = |shot: &Lit| -> Vec<bool> {
+        (0..off.position.len())
+            .map(|i| difference(&shot.picture, &off.picture, i) > 4)
+            .collect()
+    };
+    let count = |shot: &Lit| f64::from(wrong(&truth, &dark(shot), size, 4));
+    let pixels = f64::from(size * size);
+    let claims = vec![
+        Claim::new(
+            "wrong pixels under the slope bias",
+            count(&slope),
+            0.0,
+            3e-4 * pixels,
+        ),
+        Claim::new(
+            "wrong without a bias (1: more than 10 % of the picture)",
+            f64::from(u8::from(count(&none) > 0.1 * pixels)),
+            1.0,
+            0.0,
+        ),
+        Claim::new(
+            "wrong pixels without a bias",
+            count(&none),
+            count(&none),
+            0.0,
+        ),
+        Claim::new(
+            "wrong pixels under a constant of 0.25",
+            count(&large),
+            count(&large),
+            0.0,
+        ),
+    ];
+    let depth = depth_picture(&scene_with(scene, direction), size)?;
+    let panels = vec![
+        panel(off.picture, "Off", "Light goes through everything."),
+        panel(
+            none.picture,
+            "No bias (wrong)",
+            "Surfaces shadow themselves: acne.",
+        ),
+        panel(
+            large.picture,
+            "A large constant (wrong)",
+            "No acne, but shadows stand off their things.",
+        ),
+        panel(
+            slope.picture,
+            "The receiver's slope",
+            "Neither: exact for planes.",
+        ),
+        panel(
+            soft.picture,
+            "5 x 5 comparisons",
+            "The mean of comparisons softens the edge.",
+        ),
+        panel(
+            depth,
+            "The map",
+            "Near the light is light, far dark; white is nothing.",
+        ),
+    ];
+    Ok(sheet("Shadow maps: bias and filter", panels, claims))
+}
+
+fn scene_with(mut scene: Scene, direction: [f32; 3]) -> Scene {
+    scene.lights = vec![Light::Directional {
+        color: [1.0; 3],
+        direction,
+    }];
+    scene
+}
+
+/// The lecture's picture of a depth map: near the light is light, far dark, background white.
+fn depth_picture(scene: &Scene, size: u32) -> Result<Picture, LabError> {
+    let kind = shadow_kind(scene, 0, None)?;
+    let map = shadow_map(scene, &kind, size, 1)?;
+    let depths: Vec<f32> = (0..size * size)
+        .filter_map(|i| map.stored(0, i % size, i / size))
+        .collect();
+    let seen = || depths.iter().copied().filter(|d| d.is_finite());
+    let (near, far) = (
+        seen().fold(f32::MAX, f32::min),
+        seen().fold(f32::MIN, f32::max),
+    );
+    let rgba = depths
+        .iter()
+        .flat_map(|d| {
+            let c = if d.is_finite() {
+                (230.0 - 210.0 * (d - near) / (far - near)) as u8
+            } else {
+                255
+            };
+            [c, c, c, 255]
+        })
+        .collect();
+    Ok(Picture::from_rgba(size, size, rgba).unwrap_or_else(|| Picture::new(size, size, [0; 4])))
+}
