@@ -63,6 +63,7 @@ mod texel;
 mod textures;
 mod tile;
 mod vertices;
+mod views;
 
 pub use bake::{BakeOptions, LightMap, bake};
 pub use effects::{
@@ -77,3 +78,4 @@ pub use scene::{
 pub use settings::{Aov, Settings, UnknownAov};
 pub use shadow::{shadow_bias, shadow_kind, shadow_map};
 pub use vertices::world_normals;
+pub use views::environment_of;

@@ -174,7 +174,9 @@ impl Stages {
                     }
                 }));
             }
-            if let Some(first) = surface.position {
+            // A position that only an AOV asked for is not among the values of the run.
+            let read = |first: &usize| first + 3 <= surface.shaded;
+            if let Some(first) = surface.position.filter(read) {
                 let positions = run.places().map(|(i, ..)| run.three(first, i));
                 self.position.extend(positions);
             }

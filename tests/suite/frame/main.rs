@@ -6,6 +6,7 @@ mod bytes;
 mod color;
 mod cutout;
 mod degenerate;
+mod effects;
 mod errors;
 mod floor;
 mod gouraud;

@@ -1,5 +1,6 @@
 //! Files in and out: the scene language, models, images, arrays, and every way in which they can be broken.
 
+mod effects;
 mod language;
 mod malformed;
 mod models;

@@ -3,4 +3,5 @@ mod cases;
 mod demos;
 mod program;
 mod scenes;
+mod shadows;
 mod truth;

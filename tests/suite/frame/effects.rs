@@ -1,0 +1,451 @@
+//! Shadows, slides, environments, relief and light maps in whole frames.
+
+use texmap_light::{Chart, Environment, Green, Highlight, Light, ShadowBias, SlideBorder, Surface};
+use texmap_math::Projector;
+use texmap_math::glam::DVec3;
+use texmap_render::{
+    Aov, AovData, BakeOptions, Effects, Frame, HOLE_BITS, LightMapSlot, Material, Mesh, Reflection,
+    Relief, RenderError, Scene, Settings, Shading, Shadow, SlideProjector, SlideRole, SurfaceMaps,
+    bake, render, shadow_bias, shadow_kind, shadow_map,
+};
+use texmap_sample::{Filter, Sampler};
+use texmap_tests::levels::levels;
+
+use crate::scenes::{bits, draw, empty, pixel, quad, slot, texture, wall};
+
+fn shadow(light: usize) -> Shadow {
+    Shadow {
+        light,
+        size: Some(256),
+        bias: None,
+        taps: 3,
+        area: None,
+    }
+}
+
+fn slide(texture: usize, role: SlideRole, map: Option<u32>) -> SlideProjector {
+    let position = DVec3::new(0.5, 1.5, -0.5);
+    SlideProjector {
+        projector: Projector::new(position, DVec3::new(0.0, -0.3, -3.0), DVec3::Y, 0.9, 1.5)
+            .unwrap(),
+        position,
+        texture,
+        sampler: Sampler::default(),
+        border: SlideBorder::Black,
+        softness: 0.1,
+        role,
+        shadow: map,
+    }
+}
+
+/// A floor, a wall and a plate before it, with every effect at once.
+fn all() -> Scene {
+    let picture = texture(32, 32, |x, y| [(x * 8) as u8, (y * 8) as u8, 200, 255]);
+    let heights = texture(32, 32, |x, y| [((x * y) % 256) as u8, 0, 0, 255]);
+    let normals = texture(16, 16, |x, y| {
+        [(100 + x * 4) as u8, (100 + y * 4) as u8, 240, 255]
+    });
+    let white = Surface {
+        color: [1.0, 0.9, 0.8],
+        ..Surface::default()
+    };
+    let bump = Material {
+        surface: white,
+        relief: Some(Relief::Bump {
+            slot: slot(1, Filter::Bilinear).unwrap(),
+            height: 0.05,
+        }),
+        light_map: Some(LightMapSlot {
+            slot: slot(0, Filter::Bilinear).unwrap(),
+            scale: 0.3,
+            baked: Some(vec![1]),
+        }),
+        ..Material::default()
+    };
+    let mapped = Material {
+        surface: white,
+        base_color: slot(0, Filter::Trilinear),
+        highlight: Highlight::Blinn,
+        maps: SurfaceMaps {
+            ambient: slot(0, Filter::Nearest),
+            specular: slot(1, Filter::Bilinear),
+            exponent: slot(0, Filter::Bilinear),
+            reflectivity: slot(1, Filter::Bilinear),
+        },
+        relief: Some(Relief::NormalMap {
+            slot: slot(2, Filter::Trilinear).unwrap(),
+            green: Green::Up,
+            rebuild_z: false,
+            object_space: false,
+            strength: 1.0,
+        }),
+        reflection: Some(Reflection {
+            environment: 0,
+            reflectivity: 0.5,
+        }),
+        specular_map: Some(0),
+        ..Material::default()
+    };
+    let sky = Environment::from_fn(Chart::TanCube, 8, |d| {
+        [0.5 + 0.5 * d.x, 0.5 + 0.5 * d.y, 0.5 + 0.5 * d.z].map(|c| c as f32)
+    })
+    .unwrap();
+    let floor = quad([
+        [-3.0, -1.0, 0.0],
+        [3.0, -1.0, 0.0],
+        [3.0, -1.0, -6.0],
+        [-3.0, -1.0, -6.0],
+    ]);
+    Scene {
+        lights: vec![
+            Light::Ambient { color: [0.2; 3] },
+            Light::Directional {
+                color: [0.5; 3],
+                direction: [0.5, -1.0, -0.6],
+            },
+            Light::Point {
+                color: [0.3, 0.2, 0.4],
+                position: [1.0, 1.0, -1.5],
+            },
+            Light::spot([0.4; 3], [-1.5, 1.5, -1.0], [0.5, -1.0, -0.5], 0.4, 0.7),
+        ],
+        textures: vec![picture, heights, normals],
+        materials: vec![bump, mapped],
+        meshes: vec![
+            Mesh {
+                lightmap_uvs: floor.uvs.clone(),
+                ..floor
+            },
+            Mesh {
+                material: 1,
+                ..wall(2.5, 5.0)
+            },
+            Mesh {
+                material: 1,
+                ..wall(0.5, 3.0)
+            },
+        ],
+        effects: Effects {
+            shadows: vec![shadow(1), shadow(2), shadow(3)],
+            projectors: vec![
+                slide(0, SlideRole::Light([0.6; 3]), Some(128)),
+                slide(2, SlideRole::Paint, None),
+            ],
+            environments: vec![sky],
+        },
+        ..empty()
+    }
+}
+
+fn settings() -> Settings {
+    let shadows = (0..4).map(Aov::Shadow);
+    Settings {
+        aovs: Aov::ALL.into_iter().chain(shadows).collect(),
+        ..Settings::new(150, 110)
+    }
+}
+
+fn rendered(scene: &Scene, settings: &Settings) -> Frame {
+    render(scene, settings, &|_, _| ()).unwrap()
+}
+
+/// The law of the same bytes holds with every effect on.
+#[test]
+fn effects_are_the_same_on_every_level_and_thread_count() {
+    let scene = all();
+    let expected = rendered(&scene, &settings());
+    for threads in [1, 3] {
+        let settings = Settings {
+            threads: Some(threads),
+            ..settings()
+        };
+        let frame = rendered(&scene, &settings);
+        assert!(
+            frame.rgba == expected.rgba && bits(&frame) == bits(&expected),
+            "{threads} threads"
+        );
+    }
+    for (name, level) in levels() {
+        let frame = rendered(
+            &scene,
+            &Settings {
+                level,
+                ..settings()
+            },
+        );
+        assert!(
+            frame.rgba == expected.rgba && bits(&frame) == bits(&expected),
+            "{name}"
+        );
+    }
+}
+
+/// Each effect reaches the picture: leaving one out changes it.
+#[test]
+fn every_effect_is_seen() {
+    let with = rendered(&all(), &settings()).rgba;
+    let changes: [(&str, fn(&mut Scene)); 12] = [
+        ("shadows", |s| s.effects.shadows.clear()),
+        ("projectors", |s| s.effects.projectors.clear()),
+        ("paint", |s| s.effects.projectors.truncate(1)),
+        ("projector shadow", |s| {
+            s.effects.projectors[0].shadow = None
+        }),
+        ("bump", |s| s.materials[0].relief = None),
+        ("light map", |s| s.materials[0].light_map = None),
+        ("normal map", |s| s.materials[1].relief = None),
+        ("reflection", |s| s.materials[1].reflection = None),
+        ("specular map", |s| s.materials[1].specular_map = None),
+        ("highlight", |s| s.materials[1].highlight = Highlight::Phong),
+        ("ambient map", |s| s.materials[1].maps.ambient = None),
+        ("exponent map", |s| s.materials[1].maps.exponent = None),
+    ];
+    for (name, change) in changes {
+        let mut scene = all();
+        change(&mut scene);
+        assert_ne!(rendered(&scene, &settings()).rgba, with, "{name}");
+    }
+}
+
+/// No computed NaN in any buffer: holes have the one pattern, and everything else is finite.
+#[test]
+fn no_buffer_holds_a_nan_of_its_own() {
+    let mut hostile = all();
+    // Normals without length, coordinates without area, a slide seen edge-on, a light in a vertex.
+    hostile.meshes[1].normals = vec![[0.0; 3]; 4];
+    hostile.meshes[2].uvs = vec![[0.5, 0.5]; 4];
+    hostile.lights[2] = Light::Point {
+        color: [1.0; 3],
+        position: hostile.meshes[2].positions[0],
+    };
+    for scene in [all(), hostile] {
+        let frame = rendered(&scene, &settings());
+        for (aov, _, data) in &frame.aovs {
+            if let AovData::F32(values) = data {
+                let bad = values
+                    .iter()
+                    .find(|v| !v.is_finite() && v.to_bits() != HOLE_BITS);
+                assert!(bad.is_none(), "{aov}: {bad:?}");
+                assert!(
+                    values.iter().any(|v| v.is_finite()) || *aov == Aov::Shadow(0),
+                    "{aov}"
+                );
+            }
+        }
+    }
+}
+
+/// Property 24: a blocker only takes light away, and a lone plane is fully lit.
+#[test]
+fn blockers_only_darken() {
+    let mut scene = all();
+    scene.meshes.truncate(1);
+    let alone = rendered(&scene, &settings());
+    let with = rendered(&all(), &settings());
+    let share = |frame: &Frame, light: u8| -> Vec<f32> {
+        let found = frame
+            .aovs
+            .iter()
+            .find(|(aov, ..)| *aov == Aov::Shadow(light));
+        match found {
+            Some((_, _, AovData::F32(values))) => values.clone(),
+            _ => Vec::new(),
+        }
+    };
+    for light in 1..4 {
+        let (a, b) = (share(&alone, light), share(&with, light));
+        assert!(a.iter().all(|v| v.is_nan() || *v == 1.0), "light {light}");
+        let darker = a.iter().zip(&b).filter(|(a, b)| b < a).count();
+        assert!(darker > 50, "light {light}: {darker}");
+        assert!(
+            a.iter()
+                .zip(&b)
+                .all(|(a, b)| a.is_nan() || b.is_nan() || b <= a)
+        );
+    }
+}
+
+/// A slide as light is the lamp's own formula at each pixel; property 31: a light map of ones is the surface itself.
+#[test]
+fn a_white_light_map_is_the_surface() {
+    let white = texture(4, 4, |_, _| [255; 4]);
+    let mapped = Material {
+        surface: Surface {
+            color: [0.25, 0.5, 1.0],
+            ka: 1.0,
+            kd: 1.0,
+            ks: 0.0,
+            ns: 1.0,
+        },
+        light_map: Some(LightMapSlot {
+            slot: slot(0, Filter::Bilinear).unwrap(),
+            scale: 1.0,
+            baked: None,
+        }),
+        ..Material::default()
+    };
+    let mesh = wall(5.0, 2.0);
+    let scene = Scene {
+        lights: vec![Light::Ambient { color: [0.3; 3] }],
+        textures: vec![white],
+        materials: vec![mapped],
+        meshes: vec![Mesh {
+            lightmap_uvs: mesh.uvs.clone(),
+            ..mesh
+        }],
+        ..empty()
+    };
+    let frame = draw(&scene, 9, 9);
+    assert_eq!(pixel(&frame, 4, 4)[..3], [64, 128, 255]);
+    let mut dark = scene.clone();
+    dark.materials[0].light_map.as_mut().unwrap().scale = 0.5;
+    assert_eq!(pixel(&draw(&dark, 9, 9), 4, 4)[..3], [32, 64, 128]);
+}
+
+/// Property 23, lit part: what the projector lights does not depend on where the eye is.
+#[test]
+fn slides_do_not_follow_the_eye() {
+    let mut scene = Scene {
+        textures: vec![texture(32, 32, |x, _| {
+            if x < 16 {
+                [255, 0, 0, 255]
+            } else {
+                [0, 255, 0, 255]
+            }
+        })],
+        materials: vec![Material {
+            surface: Surface {
+                color: [1.0; 3],
+                ks: 0.0,
+                ..Surface::default()
+            },
+            ..Material::default()
+        }],
+        meshes: vec![wall(4.0, 4.0)],
+        effects: Effects {
+            projectors: vec![SlideProjector {
+                softness: 0.0,
+                sampler: Sampler {
+                    filter: Filter::Nearest,
+                    ..Sampler::default()
+                },
+                ..slide(0, SlideRole::Light([1.0; 3]), None)
+            }],
+            ..Effects::default()
+        },
+        ..empty()
+    };
+    let projector = scene.effects.projectors[0].projector;
+    for eye in [[0.0; 3], [1.5, 0.7, -1.0], [-2.0, 0.0, 0.5]] {
+        scene.camera.eye = DVec3::from(eye);
+        scene.camera.look = DVec3::new(0.0, 0.0, -4.0);
+        let settings = Settings {
+            aovs: vec![Aov::Position],
+            ..Settings::new(120, 120)
+        };
+        let frame = rendered(&scene, &settings);
+        let (mut red, mut green) = (0, 0);
+        for (x, y) in (0..120).flat_map(|y| (0..120).map(move |x| (x, y))) {
+            let p: [f32; 3] = crate::scenes::values(&frame, Aov::Position, x, y)
+                .try_into()
+                .unwrap();
+            let Some(uv) = projector
+                .uv(DVec3::from(p.map(f64::from)))
+                .filter(|uv| uv.is_finite())
+            else {
+                continue;
+            };
+            let [r, g, _, _] = pixel(&frame, x, y);
+            let inside = uv.min_element() > 0.01 && uv.max_element() < 0.99;
+            let outside = uv.min_element() < -0.01 || uv.max_element() > 1.01;
+            if inside && (uv.x - 0.5).abs() > 0.02 {
+                assert_eq!((r > 20, g > 20), (uv.x < 0.5, uv.x > 0.5), "{uv}");
+                (red, green) = (red + u32::from(r > 20), green + u32::from(g > 20));
+            } else if outside {
+                assert_eq!((r, g), (0, 0), "{uv}");
+            }
+        }
+        assert!(red > 100 && green > 100, "{red} {green}");
+    }
+}
+
+/// Light maps come out the same for any number of threads, and agree with light computed per pixel.
+#[test]
+fn bakes_are_the_same_on_any_number_of_threads() {
+    let scene = all();
+    let mut shadows = Vec::new();
+    for light in 1..4 {
+        let kind = shadow_kind(&scene, light, None).unwrap();
+        shadows.push((
+            light,
+            shadow_map(&scene, &kind, 128, 1).unwrap(),
+            shadow_bias(&scene),
+            3,
+        ));
+    }
+    let options = BakeOptions {
+        size: 64,
+        gutter: 2,
+        shadows: &shadows,
+        lights: None,
+    };
+    let pool = |n| {
+        rayon::ThreadPoolBuilder::new()
+            .num_threads(n)
+            .build()
+            .unwrap()
+    };
+    let one = pool(1).install(|| bake(&scene, 0, &options).unwrap());
+    let three = pool(3).install(|| bake(&scene, 0, &options).unwrap());
+    assert_eq!(one, three);
+    let dark = one.texels.iter().filter(|c| c[0] < 0.3).count();
+    assert!(dark > 50 && dark < 3_000, "{dark}");
+    assert!(one.texels.iter().flatten().all(|c| c.is_finite()));
+}
+
+#[test]
+fn faults_of_effects_are_named() {
+    let refused = |change: fn(&mut Scene)| {
+        let mut scene = all();
+        change(&mut scene);
+        scene.check().unwrap_err()
+    };
+    let text = |change: fn(&mut Scene)| refused(change).to_string();
+    assert!(text(|s| s.effects.shadows[0].light = 9).contains("light 9 does not exist"));
+    assert!(text(|s| s.effects.shadows[0].light = 0).contains("only directional"));
+    assert!(text(|s| s.effects.shadows[0].taps = 4).contains("odd"));
+    assert!(text(|s| s.effects.shadows[0].size = Some(0)).contains("16384"));
+    assert!(text(|s| s.effects.projectors[0].texture = 7).contains("texture 7"));
+    assert!(text(|s| s.effects.projectors[1].softness = 2.0).contains("softness"));
+    assert!(text(|s| s.effects.environments.clear()).contains("environment 0"));
+    assert!(text(|s| s.materials[0].light_map.as_mut().unwrap().scale = -1.0).contains("scale"));
+    assert!(matches!(
+        refused(|s| s.meshes[0].lightmap_uvs.clear()),
+        RenderError::MissingLightMapUv { .. }
+    ));
+    assert!(matches!(
+        refused(|s| s.meshes[0].uvs.clear()),
+        RenderError::MissingUv { .. }
+    ));
+    assert!(matches!(
+        refused(|s| s.meshes[0].lightmap_uvs[0][1] = f32::NAN),
+        RenderError::Value { .. }
+    ));
+    // Wrong but drawable: a warning.
+    let mut vertex = all();
+    vertex.materials[0].shading = Shading::PerVertex;
+    assert!(
+        vertex
+            .check()
+            .unwrap()
+            .iter()
+            .any(|w| w.contains("not lit per pixel"))
+    );
+    let bias = ShadowBias::Constant(0.0);
+    let mut acne = all();
+    acne.effects
+        .shadows
+        .iter_mut()
+        .for_each(|s| s.bias = Some(bias));
+    assert!(acne.check().is_ok());
+}
