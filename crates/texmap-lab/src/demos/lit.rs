@@ -65,7 +65,7 @@ pub(super) fn floor(half: f32, material: usize) -> Mesh {
             [-half, 0.0, half],
         ],
         uvs: vec![[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]],
-        lightmap_uvs: vec![[0.02, 0.02], [0.98, 0.02], [0.98, 0.98], [0.02, 0.98]],
+        lightmap_uvs: vec![[0.05, 0.05], [0.95, 0.05], [0.95, 0.95], [0.05, 0.95]],
         triangles: vec![[0, 2, 1], [0, 3, 2]],
         material,
         ..Mesh::default()
