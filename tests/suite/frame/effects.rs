@@ -417,7 +417,7 @@ fn faults_of_effects_are_named() {
     assert!(text(|s| s.effects.shadows[0].size = Some(0)).contains("16384"));
     assert!(text(|s| s.effects.projectors[0].texture = 7).contains("texture 7"));
     assert!(text(|s| s.effects.projectors[1].softness = 2.0).contains("softness"));
-    assert!(text(|s| s.effects.environments.clear()).contains("environment 0"));
+    assert!(text(|s| s.effects.environments.clear()).contains("does not exist"));
     assert!(text(|s| s.materials[0].light_map.as_mut().unwrap().scale = -1.0).contains("scale"));
     assert!(matches!(
         refused(|s| s.meshes[0].lightmap_uvs.clear()),

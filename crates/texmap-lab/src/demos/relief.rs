@@ -344,8 +344,8 @@ pub(super) fn light_maps(size: u32) -> Result<DemoPicture, LabError> {
         Claim::new(
             "wrong without repaired borders and gutters, % of the floor beyond that",
             100.0 * (wrong(&torn) - wrong(&coarse)) / count,
-            5.0,
-            3.0,
+            1.15,
+            0.7,
         ),
         Claim::new(
             "moving spotlight: resting map and spot, against a fresh bake, /255",

@@ -91,7 +91,7 @@ pub(super) fn slides(size: u32) -> Result<DemoPicture, LabError> {
             .map(|i| difference(&shot.picture, &off.picture, i) > 1)
             .collect()
     };
-    let reach = 3;
+    let reach = i64::from(size / 100);
     let count = |shot: &Lit| f64::from(wrong(&truth, &lit(shot), size, reach));
     let pixels = f64::from(size * size);
     let claims = vec![
@@ -181,7 +181,7 @@ pub(super) fn shadows(size: u32) -> Result<DemoPicture, LabError> {
             .map(|i| difference(&shot.picture, &off.picture, i) > 4)
             .collect()
     };
-    let count = |shot: &Lit| f64::from(wrong(&truth, &dark(shot), size, 4));
+    let count = |shot: &Lit| f64::from(wrong(&truth, &dark(shot), size, i64::from(size / 80)));
     let pixels = f64::from(size * size);
     let claims = vec![
         Claim::new(
@@ -199,8 +199,8 @@ pub(super) fn shadows(size: u32) -> Result<DemoPicture, LabError> {
         Claim::new(
             "wrong under a constant of 0.8, % of the picture",
             100.0 * count(&large) / pixels,
-            1.5,
-            1.2,
+            0.18,
+            0.12,
         ),
     ];
     let depth = depth_picture(&scene_with(scene, direction), size)?;
