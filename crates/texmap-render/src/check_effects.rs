@@ -29,7 +29,7 @@ impl Scene {
         }
         match &material.relief {
             Some(Relief::Bump { height, .. }) => {
-                finite(place, || "bump height".to_owned(), &[*height])?
+                finite(place, || "bump height".to_owned(), &[*height])?;
             }
             Some(Relief::NormalMap { strength, .. }) => {
                 finite(
@@ -88,7 +88,7 @@ impl Scene {
         if let Some(size) = shadow.size.filter(|size| !(1..=MOST).contains(size)) {
             return Err(value("size", size, "it must be 1 to 16384 texels"));
         }
-        if shadow.taps % 2 == 0 || shadow.taps > 15 {
+        if shadow.taps.is_multiple_of(2) || shadow.taps > 15 {
             return Err(value("taps", shadow.taps, "an odd number, 1 to 15"));
         }
         if let Light::Point { position, .. } | Light::Spot { position, .. } =

@@ -293,7 +293,7 @@ fn toward(position: DVec3, direction: DVec3) -> DMat4 {
 
 /// Whether a point lies inside of a closed mesh: a ray in an odd direction leaves through an odd number of triangles.
 pub(crate) fn encloses(mesh: &Mesh, point: DVec3) -> bool {
-    let d = DVec3::new(0.612_37, 0.353_55, 0.707_11);
+    let d = DVec3::new(0.612, 0.354, 0.709);
     let crossed = mesh.triangles.iter().filter(|t| {
         let [a, b, c] = t.map(|v| {
             mesh.world_from_object

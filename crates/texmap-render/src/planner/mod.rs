@@ -222,8 +222,7 @@ impl View<'_> {
                 choice.left_out.push("texture look-up");
             }
             Some(_) if self.mesh.frame.is_some() || self.mesh.round.is_some() => {
-                "coordinates made per pixel: the filter is the scene's"
-                    .clone_into(&mut choice.why);
+                "coordinates made per pixel: the filter is the scene's".clone_into(&mut choice.why);
             }
             Some(slot) => self.choose_filter(slot, budget, &mut choice),
         }
