@@ -180,16 +180,18 @@ fn effects_are_the_same_on_every_level_and_thread_count() {
     }
 }
 
+type Change = fn(&mut Scene);
+
 /// Each effect reaches the picture: leaving one out changes it.
 #[test]
 fn every_effect_is_seen() {
     let with = rendered(&all(), &settings()).rgba;
-    let changes: [(&str, fn(&mut Scene)); 12] = [
+    let changes: [(&str, Change); 12] = [
         ("shadows", |s| s.effects.shadows.clear()),
         ("projectors", |s| s.effects.projectors.clear()),
         ("paint", |s| s.effects.projectors.truncate(1)),
         ("projector shadow", |s| {
-            s.effects.projectors[0].shadow = None
+            s.effects.projectors[0].shadow = None;
         }),
         ("bump", |s| s.materials[0].relief = None),
         ("light map", |s| s.materials[0].light_map = None),
@@ -405,12 +407,12 @@ fn bakes_are_the_same_on_any_number_of_threads() {
 
 #[test]
 fn faults_of_effects_are_named() {
-    let refused = |change: fn(&mut Scene)| {
+    let refused = |change: Change| {
         let mut scene = all();
         change(&mut scene);
         scene.check().unwrap_err()
     };
-    let text = |change: fn(&mut Scene)| refused(change).to_string();
+    let text = |change: Change| refused(change).to_string();
     assert!(text(|s| s.effects.shadows[0].light = 9).contains("light 9 does not exist"));
     assert!(text(|s| s.effects.shadows[0].light = 0).contains("only directional"));
     assert!(text(|s| s.effects.shadows[0].taps = 4).contains("odd"));

@@ -111,7 +111,7 @@ pub(super) fn e1() -> Result<Vec<Measurement>, LabError> {
             d[2] = 1.0 + 2e-3 * (noise.unit() - 0.5);
         }
         d.rotate_right(i % 3);
-        let side = |x: f64, bit: usize| if i / 12 >> bit & 1 == 0 { x } else { -x };
+        let side = |x: f64, bit: usize| if ((i / 12) >> bit) & 1 == 0 { x } else { -x };
         DVec3::new(side(d[0], 0), side(d[1], 1), side(d[2], 2)).normalize()
     });
     let (worst, naive) = errors(Chart::Cube, 64, near_edges)?;
