@@ -51,7 +51,7 @@ pub struct Choice {
     pub filter: Option<(Filter, Precision)>,
     /// The colour that stands for a texture of one colour: no look-up at all. Premultiplied, linear.
     pub constant: Option<[f32; 4]>,
-    /// Predicted root mean square error of the filter, with its margin.
+    /// Predicted root mean square error of the filter, with its margin; infinite where nothing is predicted.
     pub predicted_rmse: f64,
     /// Nanoseconds a pixel by the table, interpolation and filter.
     pub price: f64,
@@ -222,7 +222,10 @@ impl View<'_> {
                 choice.left_out.push("texture look-up");
             }
             Some(_) if self.mesh.frame.is_some() || self.mesh.round.is_some() => {
-                "coordinates made per pixel: the filter is the scene's".clone_into(&mut choice.why);
+                // Nothing is tried on them: a promise would be empty.
+                choice.predicted_rmse = f64::INFINITY;
+                "coordinates made per pixel: not predicted, the filter is the scene's"
+                    .clone_into(&mut choice.why);
             }
             Some(slot) => self.choose_filter(slot, budget, &mut choice),
         }
