@@ -54,7 +54,7 @@ fn main() -> Result<(), Box<dyn Error + Send + Sync>> {
     for r in &rows {
         let _ = writeln!(
             csv,
-            "{},{},{},{:.3},{:.2}",
+            "\"{}\",{},{},{:.3},{:.2}",
             r.step,
             r.count,
             r.threads,
