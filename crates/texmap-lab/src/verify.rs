@@ -276,6 +276,7 @@ mod tests {
     }
 
     /// `cargo test --release -p texmap-lab --lib -- --ignored --nocapture thousand`
+    /// (found: none over its budget; 226 not promised, because no filter was predicted to fit)
     #[test]
     #[ignore = "minutes: run by hand, in release"]
     fn a_budget_is_kept_on_a_thousand_random_scenes() {
@@ -289,6 +290,7 @@ mod tests {
 
     /// By the table of prices a plan costs little more than the cheapest filter that would have done, which is known
     /// only afterwards. `cargo test --release -p texmap-lab --lib -- --ignored --nocapture cheapest`
+    /// (found: 47 of 53 plans within 1.15, median 1, dearest 3.19)
     #[test]
     #[ignore = "minutes: run by hand, in release"]
     fn a_plan_is_about_as_cheap_as_the_cheapest_that_would_do() {
