@@ -298,7 +298,12 @@ fn bad_coordinates_are_named() {
         2,
         "--lod",
     );
-    refused(&desk, &sample("--uv uv.csv --filter ewa:99"), 2, "ratio");
+    refused(
+        &desk,
+        &sample("--uv uv.csv --filter ewa:99"),
+        2,
+        "ewa:1..16",
+    );
     refused(
         &desk,
         &sample("--uv uv.csv --wrap around"),
