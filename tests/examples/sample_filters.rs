@@ -169,7 +169,7 @@ fn page(accuracy: &str, speed: &str) -> String {
          ![Each filter on a floor and on fourteen magnified texels](filters.png)\n\n\
          Error: RMSE on the tilted plane (noise texture) against a box and a Gaussian pixel. Price: a pixel of a\n\
          half-magnified floor, 1024 x 1024 texels, one thread, and its ratio to computing and storing the coordinates\n\
-         (- where there are no lanes).\n\n\
+         (- where it is not timed).\n\n\
          | filter | precision | box | Gaussian | ns a pixel | ratio |\n|---|---|---|---|---|---|\n",
     );
     for name in FILTERS {
