@@ -30,6 +30,10 @@ struct Options {
     out: Option<PathBuf>,
     csv: Option<PathBuf>,
     child: bool,
+    /// Without a peer.
+    alone: bool,
+    /// Only this of texmap's modes.
+    mode: Option<String>,
 }
 
 fn main() -> ExitCode {
@@ -37,7 +41,7 @@ fn main() -> ExitCode {
         Ok(options) => options,
         Err(why) => {
             eprintln!(
-                "peers: {why}\nusage: peers [--only a:b] [--threads 0,2] [--rounds N] [--frames N] [--budget-ms N] [--out DIR] [--csv FILE]"
+                "peers: {why}\nusage: peers [--only a:b] [--threads 0,2] [--rounds N] [--frames N] [--budget-ms N] [--mode NAME] [--alone] [--out DIR] [--csv FILE]"
             );
             return ExitCode::from(2);
         }
@@ -135,7 +139,11 @@ fn race(options: &Options) {
         core_affinity::set_for_current(*core);
     }
     let scenes = llvmpipe::scenes(options.only.as_deref());
-    let peer = llvmpipe::Llvmpipe::open(&scenes);
+    let peer = if options.alone {
+        Err("not asked for".to_owned())
+    } else {
+        llvmpipe::Llvmpipe::open(&scenes)
+    };
     match &peer {
         Ok(peer) => eprintln!("# {}, {}, {threads} threads", peer.renderer, peer.version),
         Err(why) => eprintln!("# no llvmpipe here ({why}); texmap runs alone"),
@@ -145,6 +153,7 @@ fn race(options: &Options) {
         .flat_map(|scene| {
             Mode::of(scene)
                 .into_iter()
+                .filter(|mode| options.mode.as_ref().is_none_or(|name| name == mode.name()))
                 .map(|mode| Run::new(*scene, mode, threads))
         })
         .collect();
@@ -293,6 +302,8 @@ fn parse(mut args: impl Iterator<Item = String>) -> Result<Options, String> {
         out: None,
         csv: None,
         child: false,
+        alone: false,
+        mode: None,
     };
     while let Some(flag) = args.next() {
         let mut value = || args.next().ok_or_else(|| format!("{flag} wants a value"));
@@ -311,6 +322,8 @@ fn parse(mut args: impl Iterator<Item = String>) -> Result<Options, String> {
             "--rounds" => options.rounds = number(value()?)?.max(1),
             "--frames" => options.frames = number(value()?)?.max(1),
             "--budget-ms" => options.budget = Duration::from_millis(number(value()?)? as u64),
+            "--mode" => options.mode = Some(value()?),
+            "--alone" => options.alone = true,
             "--out" => options.out = Some(value()?.into()),
             "--csv" => options.csv = Some(value()?.into()),
             "--child" => {

@@ -55,6 +55,9 @@ impl Texmap {
         let (width, height) = scene.size();
         let mut settings = Settings::new(width, height);
         settings.threads = Some(threads);
+        if let Content::Sphere { samples, .. } = scene.content {
+            settings.msaa = samples;
+        }
         let renderer = Renderer::new(data, &settings).ok()?;
         let frame = renderer.draw(&|_, _| {}).ok()?;
         Some(Self { renderer, frame })

@@ -232,6 +232,12 @@ impl<'a> Prepared<'a> {
         self.bin_start.len() - 1
     }
 
+    /// Whether no triangle reaches a tile.
+    #[must_use]
+    pub fn is_empty(&self, tile: usize) -> bool {
+        self.bin_of(tile).is_empty()
+    }
+
     /// Tile `index` of [`tiles`](Self::tiles), counted row by row from the top left.
     #[must_use]
     pub fn tile(&self, index: usize) -> Tile {

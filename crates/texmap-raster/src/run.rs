@@ -181,18 +181,17 @@ impl TilePlanes {
     /// The planes of one slot in every lane.
     #[inline(always)]
     fn one<S: Simd, const N: usize>(&self, s: S, slot: u32, wanted: &[usize; N]) -> Planes<S, N> {
-        let start = self.start_of(slot);
-        let plane = |k: usize| {
-            let word = |c: usize| {
-                let at = start + (k * COEFFICIENTS + c) * LANES;
-                f32x16::splat(s, self.words.get(at).copied().unwrap_or(0.0))
-            };
-            [word(0), word(1), word(2), word(3), word(4)]
-        };
-        Planes {
-            w: plane(0),
-            attribute: wanted.map(|k| plane(1 + k)),
+        let mut planes = Planes::zero(s);
+        let words = self.words.get(self.start_of(slot)..).unwrap_or(&[]);
+        for c in 0..COEFFICIENTS {
+            planes.w[c] = f32x16::splat(s, word(words, 0, c));
         }
+        for i in 0..N {
+            for c in 0..COEFFICIENTS {
+                planes.attribute[i][c] = f32x16::splat(s, word(words, 1 + wanted[i], c));
+            }
+        }
+        planes
     }
 
     /// The planes of each lane's own slot.
@@ -367,6 +366,15 @@ impl<S: Simd, const N: usize> Planes<S, N> {
                 ddy.store_slice(&mut column.ddy[place..place + LANES]);
             }
         }
+    }
+}
+
+/// Coefficient `c` of plane `k` of a slot.
+#[inline(always)]
+fn word(words: &[f32], k: usize, c: usize) -> f32 {
+    match words.get((k * COEFFICIENTS + c) * LANES) {
+        Some(word) => *word,
+        None => 0.0,
     }
 }
 

@@ -100,6 +100,13 @@ impl<'a> Job<'a> {
             return self.draw_supersampled(block, scratch);
         }
         let index = (block.row * self.tiles_across + block.column) as usize;
+        if self.scenery.prepared.is_empty(index) {
+            let word = finish(self.scenery.mode, self.scenery.background).to_le_bytes();
+            for row in block.rgba {
+                row.as_chunks_mut().0.fill(word);
+            }
+            return 0;
+        }
         if self.scenery.multisampled {
             scratch.painter.paint_multisampled(&self.scenery, index);
         } else {
