@@ -8,6 +8,7 @@ use crate::dispatch::on_level;
 use crate::edge::cover;
 use crate::group::Group;
 use crate::prepared::{Tile, decides_visibility};
+use crate::run::RunBlock;
 use crate::setup::{Fragment, TILE, TriangleSetup};
 use crate::stamp::{BLOCKS, Sink, stamp_group};
 use crate::visible::{AlphaTest, NONE, passes};
@@ -207,7 +208,7 @@ impl Prepared<'_> {
         out.mark_lanes(s);
     }
 
-    /// Calls `sink` with each 4x4 block of the draws `wanted` picks: slot, block, and a bit for each pixel that
+    /// Lists each 4x4 block of the draws `wanted` picks: slot, block, and a bit for each pixel that
     /// passes the depth test against `blocks`, in submitted order, with the slots of [`visible_blocks`](Self::visible_blocks).
     /// Draws that write depth do so before the next block.
     pub fn forward_blocks(
@@ -215,9 +216,9 @@ impl Prepared<'_> {
         tile: usize,
         blocks: &mut TileBlocks,
         wanted: &dyn Fn(&Draw<'_>) -> bool,
-        sink: &mut dyn FnMut(u32, u32, u16),
+        out: &mut Vec<RunBlock>,
     ) {
-        self.forward_sample(tile, [0; 2], blocks, wanted, sink);
+        self.forward_sample(tile, [0; 2], blocks, wanted, out);
     }
 
     /// [`forward_blocks`](Self::forward_blocks) at a sample, as [`visible_sample`](Self::visible_sample).
@@ -227,17 +228,17 @@ impl Prepared<'_> {
         offset: [i32; 2],
         blocks: &mut TileBlocks,
         wanted: &dyn Fn(&Draw<'_>) -> bool,
-        sink: &mut dyn FnMut(u32, u32, u16),
+        out: &mut Vec<RunBlock>,
     ) {
         self.name_slots(tile, blocks);
         blocks.group.offset = offset;
         match self.level() {
             Some(level) => on_level!(
                 level,
-                s => self.forward_lanes(s, tile, blocks, wanted, sink),
-                else self.forward_plain(tile, blocks, wanted, sink)
+                s => self.forward_lanes(s, tile, blocks, wanted, out),
+                else self.forward_plain(tile, blocks, wanted, out)
             ),
-            None => self.forward_plain(tile, blocks, wanted, sink),
+            None => self.forward_plain(tile, blocks, wanted, out),
         }
         blocks.group.offset = [0; 2];
     }
@@ -248,7 +249,7 @@ impl Prepared<'_> {
         tile: usize,
         blocks: &mut TileBlocks,
         wanted: &dyn Fn(&Draw<'_>) -> bool,
-        sink: &mut dyn FnMut(u32, u32, u16),
+        out: &mut Vec<RunBlock>,
     ) {
         let offset = blocks.group.offset;
         self.for_each(tile, wanted, offset, |of, setup, edges, pixels| {
@@ -262,7 +263,11 @@ impl Prepared<'_> {
                     if draw.depth_write && draw.pass != Pass::Blended {
                         blocks.depth[index] = depth;
                     }
-                    sink(of.slot, (index / LANES) as u32, 1 << (index % LANES));
+                    out.push(RunBlock {
+                        block: (index / LANES) as u16,
+                        mask: 1 << (index % LANES),
+                        slot: of.slot,
+                    });
                 }
             });
         });
@@ -275,7 +280,7 @@ impl Prepared<'_> {
         tile: usize,
         blocks: &mut TileBlocks,
         wanted: &dyn Fn(&Draw<'_>) -> bool,
-        sink: &mut dyn FnMut(u32, u32, u16),
+        out: &mut Vec<RunBlock>,
     ) {
         let bounds = self.tile(tile);
         let mut group = core::mem::take(&mut blocks.group);
@@ -292,7 +297,7 @@ impl Prepared<'_> {
                 test: draw.depth_test,
                 write: draw.depth_write && draw.pass != Pass::Blended,
                 tile: bounds,
-                sink,
+                out,
             };
             stamp_group(s, &group, &mut forward);
         }
@@ -490,7 +495,7 @@ struct Forward<'b, 'f> {
     test: DepthTest,
     write: bool,
     tile: Tile,
-    sink: &'f mut dyn FnMut(u32, u32, u16),
+    out: &'f mut Vec<RunBlock>,
 }
 
 impl Forward<'_, '_> {
@@ -521,7 +526,11 @@ impl<S: Simd> Sink<S> for Forward<'_, '_> {
             if self.write {
                 pass.select(depth, old).store_slice(stored);
             }
-            (self.sink)(self.first_slot + lane as u32, block as u32, bits as u16);
+            self.out.push(RunBlock {
+                block: block as u16,
+                mask: bits as u16,
+                slot: self.first_slot + lane as u32,
+            });
         }
     }
 
@@ -536,11 +545,11 @@ impl<S: Simd> Sink<S> for Forward<'_, '_> {
             if self.write {
                 self.depth[index] = depth;
             }
-            (self.sink)(
-                self.first_slot + lane as u32,
-                (index / LANES) as u32,
-                1 << (index % LANES),
-            );
+            self.out.push(RunBlock {
+                block: (index / LANES) as u16,
+                mask: 1 << (index % LANES),
+                slot: self.first_slot + lane as u32,
+            });
         }
     }
 }

@@ -1,4 +1,6 @@
 //! What to draw: targets, draws and their named choices.
+use core::ops::Range;
+
 use texmap_math::glam::DMat4;
 
 use crate::RasterError;
@@ -190,19 +192,36 @@ impl Draw<'_> {
             }
             _ => {}
         }
-        for (triangle, corners) in self.indices.iter().enumerate() {
-            for &index in corners {
-                if index as usize >= vertices {
-                    return Err(RasterError::IndexOutOfRange {
-                        draw,
-                        triangle,
-                        index,
-                        vertices,
-                    });
-                }
-            }
-        }
         Ok(())
+    }
+
+    /// Whether the indices of the triangles in `range` name vertices.
+    pub(crate) fn check_indices(
+        &self,
+        draw: usize,
+        range: Range<usize>,
+    ) -> Result<(), RasterError> {
+        let vertices = self.positions.len();
+        let beyond = |index: &u32| *index as usize >= vertices;
+        let triangles = &self.indices[range.clone()];
+        // Without an early end, which compiles to wide compares.
+        let any = triangles
+            .as_flattened()
+            .iter()
+            .fold(false, |any, index| any | beyond(index));
+        if !any {
+            return Ok(());
+        }
+        let all = triangles.iter().zip(range);
+        let bad = all.filter_map(|(corners, i)| Some((i, *corners.iter().find(|i| beyond(i))?)));
+        bad.take(1).try_for_each(|(triangle, index)| {
+            Err(RasterError::IndexOutOfRange {
+                draw,
+                triangle,
+                index,
+                vertices,
+            })
+        })
     }
 }
 

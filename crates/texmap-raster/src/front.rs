@@ -85,6 +85,8 @@ impl Submission<'_, '_> {
         level: Option<Level>,
         range: Range<usize>,
     ) -> Result<Chunk, RasterError> {
+        self.draw
+            .check_indices(self.draw_index as usize, range.clone())?;
         let mut chunk = Chunk::default();
         chunk.stats.submitted = range.len();
         let whole = !matches!(self.draw.interp, Interp::Subdivided(_));

@@ -14,6 +14,9 @@ use crate::visible::NONE;
 /// Pixels a run holds at most.
 pub const RUN: usize = 256;
 
+/// Triangles of a block that are taken one by one.
+const FEW: usize = 3;
+
 /// Room of a run's arrays: their distance in memory is no multiple of 4096 bytes, or stores to one would stall loads of another.
 pub const RUN_ROOM: usize = RUN + 16;
 
@@ -147,6 +150,14 @@ impl TilePlanes {
                     spread_slot = first;
                 }
                 spread.store::<D>(s, px, py, place, inv_w, &mut columns);
+            } else if let Some(parts) = few(slots, at.mask) {
+                // Cheaper than sixteen gathers.
+                for part in parts {
+                    if let Some((slot, pixels)) = part {
+                        let planes = self.one(s, slot, &wanted);
+                        planes.store_some::<D>(s, pixels, px, py, place, inv_w, &mut columns);
+                    }
+                }
             } else {
                 let planes = self.many(s, words, slots, &wanted);
                 planes.store::<D>(s, px, py, place, inv_w, &mut columns);
@@ -342,6 +353,34 @@ impl<S: Simd, const N: usize> Planes<S, N> {
         }
     }
 
+    /// [`store`](Self::store) of some pixels.
+    #[inline(always)]
+    fn store_some<const D: bool>(
+        &self,
+        s: S,
+        pixels: mask32x16<S>,
+        px: f32x16<S>,
+        py: f32x16<S>,
+        place: usize,
+        inv_w: &mut [f32; RUN_ROOM],
+        columns: &mut [&mut Column; N],
+    ) {
+        let [wa, wb, wc, lo, hi] = self.w;
+        let w = clamp((wc + wb * py) + wa * px, lo, hi);
+        let r = f32x16::splat(s, 1.0) / w;
+        put(s, w, pixels, &mut inv_w[place..place + LANES]);
+        for (column, plane) in columns.iter_mut().zip(&self.attribute) {
+            let [a, b, c, lo, hi] = *plane;
+            let u = clamp(((c + b * py) + a * px) * r, lo, hi);
+            put(s, u, pixels, &mut column.value[place..place + LANES]);
+            if D {
+                let (ddx, ddy) = ((a - u * wa) * r, (b - u * wb) * r);
+                put(s, ddx, pixels, &mut column.ddx[place..place + LANES]);
+                put(s, ddy, pixels, &mut column.ddy[place..place + LANES]);
+            }
+        }
+    }
+
     #[inline(always)]
     fn store<const D: bool>(
         &self,
@@ -369,6 +408,24 @@ impl<S: Simd, const N: usize> Planes<S, N> {
     }
 }
 
+/// Up to three slots with the pixels of each; `None` where a block has more.
+#[inline(always)]
+fn few<S: Simd>(slots: u32x16<S>, mask: u16) -> Option<[Option<(u32, mask32x16<S>)>; FEW]> {
+    let mut lanes = [0; LANES];
+    slots.store_slice(&mut lanes);
+    let mut parts = [None; FEW];
+    let mut left = mask;
+    for part in &mut parts {
+        if left != 0 {
+            let slot = lanes[left.trailing_zeros() as usize & 15];
+            let pixels = slots.simd_eq(slot);
+            left &= !(pixels.to_bitmask() as u16);
+            *part = Some((slot, pixels));
+        }
+    }
+    (left == 0).then_some(parts)
+}
+
 /// Coefficient `c` of plane `k` of a slot.
 #[inline(always)]
 fn word(words: &[f32], k: usize, c: usize) -> f32 {
@@ -376,6 +433,14 @@ fn word(words: &[f32], k: usize, c: usize) -> f32 {
         Some(word) => *word,
         None => 0.0,
     }
+}
+
+/// Puts the values of some pixels.
+#[inline(always)]
+fn put<S: Simd>(s: S, value: f32x16<S>, pixels: mask32x16<S>, to: &mut [f32]) {
+    pixels
+        .select(value, f32x16::from_slice(s, to))
+        .store_slice(to);
 }
 
 /// Pixel centres of a block from the tile's middle.

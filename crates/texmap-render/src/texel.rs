@@ -6,7 +6,7 @@ use texmap_math::fearless_simd::{Simd, f32x16, prelude::*};
 use texmap_raster::RunValues;
 use texmap_sample::{Places, gives_bytes, sample_columns, sample_rgba8_columns};
 
-use crate::canvas::{Colors, LANES, straight};
+use crate::canvas::{Colors, LANES, finish, straight};
 use crate::dispatch::on_level;
 use crate::textures::Slot;
 use crate::{AlphaMode, ColorMode, Material, TextureRole};
@@ -63,6 +63,11 @@ impl TexelStage {
     /// Whether [`words`](Self::words) may stand for [`colors`](Self::colors).
     pub(crate) fn gives_words(&self) -> bool {
         self.bytes && self.is_opaque()
+    }
+
+    /// The finished pixel of an opaque surface without a texture.
+    pub(crate) fn word(&self, mode: ColorMode) -> u32 {
+        finish(mode, self.tinted([1.0; 4]))
     }
 
     /// Finished pixels of a run of `count` places.

@@ -48,6 +48,7 @@ pub(crate) struct Painter {
     shader: Shader,
     /// Blocks to shade, by draw.
     listed: Vec<(u32, RunBlock)>,
+    forward: Vec<RunBlock>,
     /// [`Sharing`] of each block.
     sharing: Vec<Sharing>,
     /// Of each block, a bit per pixel that is not all background.
@@ -72,6 +73,7 @@ impl Painter {
             resolved: Canvas::new(),
             shader: Shader::new(),
             listed: Vec::new(),
+            forward: Vec::new(),
             sharing: Vec::new(),
             covered: vec![0; BLOCKS],
         }
@@ -110,7 +112,8 @@ impl Painter {
             },
         );
         if blended.is_some() {
-            list_blended(scenery, tile, [0; 2], blocks, &mut self.listed);
+            let (forward, listed) = (&mut self.forward, &mut self.listed);
+            list_blended(scenery, tile, [0; 2], blocks, forward, listed);
             let covered = &mut self.covered;
             self.shader.each_run(
                 scenery,
@@ -148,6 +151,7 @@ impl Painter {
             samples,
             shader,
             listed,
+            forward,
             sharing,
             covered,
             resolved,
@@ -175,7 +179,7 @@ impl Painter {
         if blended(scenery.plan, &samples[0].blocks).is_some() {
             for (sample, offset) in samples.iter_mut().zip(SAMPLES_4) {
                 let Sample { blocks, canvas } = sample;
-                list_blended(scenery, tile, offset, blocks, listed);
+                list_blended(scenery, tile, offset, blocks, forward, listed);
                 shader.each_run(scenery, tile, blocks, listed, false, |shown, run| {
                     shown.over(level, mode, run, canvas, covered);
                 });
@@ -302,23 +306,18 @@ fn list_blended(
     tile: usize,
     offset: [i32; 2],
     blocks: &mut TileBlocks,
+    forward: &mut Vec<RunBlock>,
     listed: &mut Vec<(u32, RunBlock)>,
 ) {
     listed.clear();
     let wanted = |draw: &texmap_raster::Draw<'_>| draw.pass == Pass::Blended;
-    scenery
-        .prepared
-        .forward_sample(tile, offset, blocks, &wanted, &mut |slot, block, mask| {
-            let at = RunBlock {
-                block: block as u16,
-                mask,
-                slot,
-            };
-            listed.push((0, at));
-        });
-    for (draw, at) in listed {
-        *draw = blocks.draws[at.slot as usize / LANES];
-    }
+    let prepared = scenery.prepared;
+    prepared.forward_sample(tile, offset, blocks, &wanted, forward);
+    listed.extend(
+        forward
+            .drain(..)
+            .map(|at| (blocks.draws[at.slot as usize / LANES], at)),
+    );
 }
 
 /// Shades runs.
@@ -432,6 +431,10 @@ impl Shader {
         match (&surface.texel, slot) {
             (Some(stage), Some(slot)) if finished && stage.gives_words() => {
                 TexelStage::words(level, slot, &mut self.values, count, &mut self.words);
+                return Shown::Words(&self.words[..count]);
+            }
+            (Some(stage), None) if finished => {
+                self.words[..count].fill(stage.word(scenery.mode));
                 return Shown::Words(&self.words[..count]);
             }
             (Some(stage), _) => {

@@ -176,12 +176,20 @@ fn forward_blocks_are_the_blended_fragments() {
                 });
                 let mut found = Vec::new();
                 let (mut slots, mut blocks) = (Vec::new(), TileBlocks::new());
-                fast.forward_blocks(index, &mut blocks, &|_| true, &mut |slot, block, bits| {
+                let mut listed = Vec::new();
+                fast.forward_blocks(index, &mut blocks, &|_| true, &mut listed);
+                for RunBlock {
+                    slot,
+                    block,
+                    mask: bits,
+                } in listed
+                {
+                    let block = u32::from(block);
                     for bit in (0..16).filter(|b| bits >> b & 1 == 1) {
                         let (x, y) = (block % 16 * 4 + bit % 4, block / 16 * 4 + bit / 4);
                         slots.push((slot, tile.x0 + x, tile.y0 + y));
                     }
-                });
+                }
                 found.extend(
                     slots
                         .iter()
