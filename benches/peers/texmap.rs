@@ -1,6 +1,9 @@
 //! texmap's side of the race.
 
-use texmap_lab::bench_scenes::{BenchScene, Content, Hidden, Lookup};
+use texmap_lab::bench_scenes::{BenchMesh, BenchScene, Content, DEPTH_SIZE, Hidden, Lookup};
+use texmap_math::Level;
+use texmap_math::glam::DMat4;
+use texmap_raster::{Cull, Draw, Prepared, RasterError, TargetSize};
 use texmap_render::{Frame, Renderer, Scene, Settings};
 pub(crate) use texmap_sample::Precision;
 
@@ -42,43 +45,99 @@ impl Mode {
 }
 
 /// One row made ready.
-pub(crate) struct Texmap {
-    renderer: Renderer<'static>,
-    frame: Frame,
+pub(crate) enum Texmap {
+    /// A picture.
+    Frame {
+        renderer: Renderer<'static>,
+        frame: Box<Frame>,
+    },
+    /// A depth map.
+    Depth {
+        mesh: Box<BenchMesh>,
+        clip_from_object: DMat4,
+        pool: rayon::ThreadPool,
+        map: Vec<f32>,
+    },
 }
 
 impl Texmap {
     pub(crate) fn new(scene: &BenchScene, mode: Mode, threads: usize) -> Option<Self> {
+        let (width, height) = scene.size();
+        if let Content::Depth { .. } = scene.content {
+            // From -w..w to 0..w, 1 at the near plane.
+            let reversed = DMat4::from_cols_array(&[
+                1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, -0.5, 0.0, 0.0, 0.0, 0.5, 1.0,
+            ]);
+            let clip = DMat4::from_cols_array(&scene.matrix().0.map(f64::from));
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+            let mut this = Self::Depth {
+                mesh: Box::new(scene.mesh()),
+                clip_from_object: reversed * clip,
+                pool: pool.build().ok()?,
+                map: Vec::new(),
+            };
+            this.frame();
+            return Some(this);
+        }
         let data: Scene = scene.scene(mode.precision, mode.hidden).ok()??;
         // One leak a row: the renderer borrows its scene for the whole race.
         let data: &'static Scene = Box::leak(Box::new(data));
-        let (width, height) = scene.size();
         let mut settings = Settings::new(width, height);
         settings.threads = Some(threads);
         if let Content::Sphere { samples, .. } = scene.content {
             settings.msaa = samples;
         }
-        let renderer = Renderer::new(data, &settings).ok()?;
-        let frame = renderer.draw(&|_, _| {}).ok()?;
-        Some(Self { renderer, frame })
+        let renderer = Renderer::new(data, &settings).ok()?.turned_over();
+        let frame = Box::new(renderer.draw(&|_, _| {}).ok()?);
+        Some(Self::Frame { renderer, frame })
     }
 
     pub(crate) fn frame(&mut self) {
-        let in_order = |blocks| (0..blocks).collect();
-        if let Err(why) = self
-            .renderer
-            .draw_into(&mut self.frame, &|_, _| {}, &in_order)
-        {
-            eprintln!("peers: texmap: {why}");
+        match self {
+            Self::Frame { renderer, frame } => {
+                let in_order = |blocks| (0..blocks).collect();
+                if let Err(why) = renderer.draw_into(frame, &|_, _| {}, &in_order) {
+                    eprintln!("peers: texmap: {why}");
+                }
+            }
+            Self::Depth {
+                mesh,
+                clip_from_object,
+                pool,
+                map,
+            } => {
+                let draw = Draw {
+                    positions: &mesh.positions,
+                    indices: &mesh.triangles,
+                    clip_from_object: *clip_from_object,
+                    cull: Cull::Back,
+                    ..Draw::default()
+                };
+                let threads = pool.current_num_threads();
+                let drawn = pool.install(|| {
+                    let size = TargetSize::new(DEPTH_SIZE, DEPTH_SIZE)?;
+                    let prepared = Prepared::with_level(size, &[draw], Level::new(), threads)?;
+                    Ok::<_, RasterError>(prepared.depth_map(threads))
+                });
+                match drawn {
+                    Ok(drawn) => *map = drawn,
+                    Err(why) => eprintln!("peers: texmap: {why}"),
+                }
+            }
         }
     }
 
-    /// RGB rows, top row first.
+    /// RGB rows, top row first; a depth map as 16 bits a pixel, high byte first, 0 at the near plane.
     pub(crate) fn picture(&self) -> Vec<u8> {
-        self.frame
-            .rgba
-            .chunks_exact(4)
-            .flat_map(|p| [p[0], p[1], p[2]])
-            .collect()
+        match self {
+            Self::Frame { frame, .. } => {
+                let pixels = frame.rgba.chunks_exact(4);
+                pixels.flat_map(|p| [p[0], p[1], p[2]]).collect()
+            }
+            Self::Depth { map, .. } => map
+                .iter()
+                .flat_map(|d| (((1.0 - d) * 65535.0 + 0.5) as u16).to_be_bytes())
+                .collect(),
+        }
     }
 }

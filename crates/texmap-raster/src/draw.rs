@@ -196,24 +196,25 @@ impl Draw<'_> {
     }
 
     /// Whether the indices of the triangles in `range` name vertices.
+    #[inline(always)]
     pub(crate) fn check_indices(
         &self,
         draw: usize,
         range: Range<usize>,
     ) -> Result<(), RasterError> {
         let vertices = self.positions.len();
-        let beyond = |index: &u32| *index as usize >= vertices;
         let triangles = &self.indices[range.clone()];
-        // Without an early end, which compiles to wide compares.
-        let any = triangles
-            .as_flattened()
-            .iter()
-            .fold(false, |any, index| any | beyond(index));
-        if !any {
+        // Without an early end, which compiles to wide vectors.
+        let mut largest = 0;
+        for index in triangles.as_flattened() {
+            largest = if *index > largest { *index } else { largest };
+        }
+        if triangles.is_empty() || (largest as usize) < vertices {
             return Ok(());
         }
+        let beyond = |index: &&u32| **index as usize >= vertices;
         let all = triangles.iter().zip(range);
-        let bad = all.filter_map(|(corners, i)| Some((i, *corners.iter().find(|i| beyond(i))?)));
+        let bad = all.filter_map(|(corners, i)| Some((i, *corners.iter().find(beyond)?)));
         bad.take(1).try_for_each(|(triangle, index)| {
             Err(RasterError::IndexOutOfRange {
                 draw,

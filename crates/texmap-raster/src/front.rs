@@ -85,8 +85,13 @@ impl Submission<'_, '_> {
         level: Option<Level>,
         range: Range<usize>,
     ) -> Result<Chunk, RasterError> {
-        self.draw
-            .check_indices(self.draw_index as usize, range.clone())?;
+        let (draw, all) = (self.draw_index as usize, range.clone());
+        match level {
+            Some(level) => {
+                on_level!(level, _s => self.draw.check_indices(draw, all), else self.draw.check_indices(draw, all))?;
+            }
+            None => self.draw.check_indices(draw, all)?,
+        }
         let mut chunk = Chunk::default();
         chunk.stats.submitted = range.len();
         let whole = !matches!(self.draw.interp, Interp::Subdivided(_));

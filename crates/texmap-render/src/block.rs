@@ -71,7 +71,7 @@ impl<'a> Job<'a> {
         settings: &Settings,
         plan: &'a Plan<'a>,
         prepared: &'a Prepared<'a>,
-        multisampled: bool,
+        samples: Option<[[i32; 2]; 4]>,
     ) -> Self {
         let [r, g, b, a] = scene.background;
         let light = |c: f32| {
@@ -87,7 +87,7 @@ impl<'a> Job<'a> {
                 prepared,
                 mode: scene.color,
                 background: [light(r) * a, light(g) * a, light(b) * a, a],
-                multisampled,
+                samples,
             },
             samples: prepared.size().width() / settings.width,
             tiles_across: prepared.size().width().div_ceil(TILE),
@@ -107,8 +107,9 @@ impl<'a> Job<'a> {
             }
             return 0;
         }
-        if self.scenery.multisampled {
-            scratch.painter.paint_multisampled(&self.scenery, index);
+        if let Some(places) = self.scenery.samples {
+            let painter = &mut scratch.painter;
+            painter.paint_multisampled(&self.scenery, places, index);
         } else {
             let blocks = scratch.painter.see(&self.scenery, index);
             if !block.aovs.is_empty() {
@@ -125,7 +126,7 @@ impl<'a> Job<'a> {
                 return 0;
             }
         }
-        let canvas = if self.scenery.multisampled {
+        let canvas = if self.scenery.samples.is_some() {
             scratch.painter.resolved()
         } else {
             scratch.painter.paint(&self.scenery, index, false)

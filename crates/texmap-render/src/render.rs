@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use rayon::prelude::*;
-use texmap_raster::{Draw, Prepared, TILE, TargetSize};
+use texmap_raster::{Draw, Prepared, SAMPLES_4, TILE, TargetSize};
 
 use crate::block::{Block, Job, Scratch};
 use crate::lit::Ready;
@@ -40,6 +40,8 @@ pub struct Renderer<'s> {
     /// AOVs describe the pixel's centre, which lies on no sample if their number is even: then they have their own pass.
     centres: Option<Plan<'s>>,
     pool: Option<rayon::ThreadPool>,
+    /// Where the four samples of a pixel lie, if it has four.
+    samples: Option<[[i32; 2]; 4]>,
     /// Buffers of the threads that drew before.
     scratch: Mutex<Vec<Box<Scratch>>>,
     warnings: Vec<String>,
@@ -86,6 +88,7 @@ impl<'s> Renderer<'s> {
             plan: plan(n, if shared { &settings.aovs } else { &[] })?,
             centres: centres.then(|| plan(1, &settings.aovs)).transpose()?,
             pool: pool.transpose()?,
+            samples: (settings.msaa > 1).then_some(SAMPLES_4),
             scratch: Mutex::default(),
             warnings: scene.warnings.iter().cloned().chain(checked).collect(),
             plan_time: start.elapsed(),
@@ -102,6 +105,15 @@ impl<'s> Renderer<'s> {
         let mut frame = empty_frame(&self.settings);
         self.draw_into(&mut frame, progress, &|blocks| (0..blocks).collect())?;
         Ok(frame)
+    }
+
+    /// With the samples of each pixel turned over, as OpenGL's are whose rows count from below.
+    #[doc(hidden)]
+    #[must_use]
+    pub fn turned_over(mut self) -> Self {
+        let places = self.samples.iter_mut().flatten();
+        places.for_each(|[_, y]| *y = -*y);
+        self
     }
 
     /// Without the fast stage of plain texels: tests hold its bits against the general stages.
@@ -145,7 +157,7 @@ impl<'s> Renderer<'s> {
 
         let start = Instant::now();
         let draws = self.plan.draws(scene);
-        let prepared = self.prepare((size.0 * n, size.1 * n), &draws, settings.msaa > 1)?;
+        let prepared = self.prepare((size.0 * n, size.1 * n), &draws, self.samples.is_some())?;
         frame.stats.times.bin = start.elapsed();
 
         let start = Instant::now();
@@ -168,12 +180,12 @@ impl<'s> Renderer<'s> {
         } else {
             &mut []
         };
-        let job = Job::new(scene, settings, &self.plan, &prepared, settings.msaa > 1);
+        let job = Job::new(scene, settings, &self.plan, &prepared, self.samples);
         let covered = self.run(&job, Some(rgba), with_color, &order, &counter);
         if let Some(plan) = &self.centres {
             let draws = plan.draws(scene);
             let prepared = self.prepare(size, &draws, false)?;
-            let job = Job::new(scene, settings, plan, &prepared, false);
+            let job = Job::new(scene, settings, plan, &prepared, None);
             self.run(&job, None, aovs, &order, &counter);
         }
         frame.stats.times.draw = start.elapsed();

@@ -3,7 +3,7 @@
 use texmap_math::Level;
 use texmap_math::fearless_simd::{Simd, prelude::*, u32x16};
 use texmap_raster::{
-    NONE, Pass, Prepared, RUN, RUN_ROOM, RunBlock, RunValues, SAMPLES_4, TileBlocks, TilePlanes,
+    NONE, Pass, Prepared, RUN, RUN_ROOM, RunBlock, RunValues, TileBlocks, TilePlanes,
 };
 
 use crate::ColorMode;
@@ -36,8 +36,8 @@ pub(crate) struct Scenery<'a> {
     pub(crate) mode: ColorMode,
     /// Linear (or raw), premultiplied.
     pub(crate) background: [f32; 4],
-    /// Four samples a pixel.
-    pub(crate) multisampled: bool,
+    /// Where the four samples of a pixel lie, if it has four.
+    pub(crate) samples: Option<[[i32; 2]; 4]>,
 }
 
 /// A tile's buffers; a thread keeps them from tile to tile.
@@ -94,10 +94,10 @@ impl Painter {
         let blended = blended(scenery.plan, blocks);
         // Where nothing mixes, pixels can be finished one by one.
         let finished = !light && blended.is_none_or(|b| b.opaque);
-        if finished {
-            canvas.fill_words(finish(mode, scenery.background));
-        } else {
+        if !finished {
             canvas.fill_light(scenery.background);
+        } else if blocks.masks.iter().any(|mask| *mask != u16::MAX) {
+            canvas.fill_words(finish(mode, scenery.background));
         }
         self.covered.copy_from_slice(&blocks.masks);
         list_visible(blocks, &blocks.masks, &mut self.listed);
@@ -134,11 +134,16 @@ impl Painter {
 
     /// Paints a tile of four samples a pixel. Each pixel is shaded at its centre, once for every triangle that one of its samples
     /// shows (values are clamped to the triangle's, so a centre outside it cannot leave its range).
-    pub(crate) fn paint_multisampled(&mut self, scenery: &Scenery<'_>, tile: usize) {
+    pub(crate) fn paint_multisampled(
+        &mut self,
+        scenery: &Scenery<'_>,
+        places: [[i32; 2]; 4],
+        tile: usize,
+    ) {
         let (level, mode) = (scenery.plan.level, scenery.mode);
         scenery.prepared.planes(tile, &mut self.shader.planes);
         self.samples.resize_with(4, Sample::new);
-        for (sample, offset) in self.samples.iter_mut().zip(SAMPLES_4) {
+        for (sample, offset) in self.samples.iter_mut().zip(places) {
             let Sample { blocks, canvas } = sample;
             scenery
                 .prepared
@@ -177,7 +182,7 @@ impl Painter {
             samples[k].blocks = blocks;
         }
         if blended(scenery.plan, &samples[0].blocks).is_some() {
-            for (sample, offset) in samples.iter_mut().zip(SAMPLES_4) {
+            for (sample, offset) in samples.iter_mut().zip(places) {
                 let Sample { blocks, canvas } = sample;
                 list_blended(scenery, tile, offset, blocks, forward, listed);
                 shader.each_run(scenery, tile, blocks, listed, false, |shown, run| {
