@@ -194,6 +194,7 @@ impl TilePlanes {
     fn one<S: Simd, const N: usize>(&self, s: S, slot: u32, wanted: &[usize; N]) -> Planes<S, N> {
         let mut planes = Planes::zero(s);
         let words = self.words.get(self.start_of(slot)..).unwrap_or(&[]);
+        let flat = word(words, 0, 0) == 0.0 && word(words, 0, 1) == 0.0;
         for c in 0..COEFFICIENTS {
             planes.w[c] = f32x16::splat(s, word(words, 0, c));
         }
@@ -201,6 +202,10 @@ impl TilePlanes {
             for c in 0..COEFFICIENTS {
                 planes.attribute[i][c] = f32x16::splat(s, word(words, 1 + wanted[i], c));
             }
+        }
+        if flat {
+            let zero = f32x16::splat(s, 0.0);
+            planes.level = Some(planes.depth(s, zero, zero));
         }
         planes
     }
@@ -341,6 +346,8 @@ impl TilePlanes {
 struct Planes<S: Simd, const N: usize> {
     w: [f32x16<S>; COEFFICIENTS],
     attribute: [[f32x16<S>; COEFFICIENTS]; N],
+    /// The planes' 1 / clip w, and its reciprocal, where they are the same at all pixels: their division is the dearest step.
+    level: Option<[f32x16<S>; 2]>,
 }
 
 impl<S: Simd, const N: usize> Planes<S, N> {
@@ -350,7 +357,19 @@ impl<S: Simd, const N: usize> Planes<S, N> {
         Self {
             w: [zero; COEFFICIENTS],
             attribute: [[zero; COEFFICIENTS]; N],
+            level: None,
         }
+    }
+
+    /// 1 / clip w at pixels, and its reciprocal.
+    #[inline(always)]
+    fn depth(&self, s: S, px: f32x16<S>, py: f32x16<S>) -> [f32x16<S>; 2] {
+        if let Some(level) = self.level {
+            return level;
+        }
+        let [a, b, c, lo, hi] = self.w;
+        let w = clamp((c + b * py) + a * px, lo, hi);
+        [w, f32x16::splat(s, 1.0) / w]
     }
 
     /// [`store`](Self::store) of some pixels.
@@ -365,9 +384,8 @@ impl<S: Simd, const N: usize> Planes<S, N> {
         inv_w: &mut [f32; RUN_ROOM],
         columns: &mut [&mut Column; N],
     ) {
-        let [wa, wb, wc, lo, hi] = self.w;
-        let w = clamp((wc + wb * py) + wa * px, lo, hi);
-        let r = f32x16::splat(s, 1.0) / w;
+        let [wa, wb, ..] = self.w;
+        let [w, r] = self.depth(s, px, py);
         put(s, w, pixels, &mut inv_w[place..place + LANES]);
         for (column, plane) in columns.iter_mut().zip(&self.attribute) {
             let [a, b, c, lo, hi] = *plane;
@@ -391,9 +409,8 @@ impl<S: Simd, const N: usize> Planes<S, N> {
         inv_w: &mut [f32; RUN_ROOM],
         columns: &mut [&mut Column; N],
     ) {
-        let [wa, wb, wc, lo, hi] = self.w;
-        let w = clamp((wc + wb * py) + wa * px, lo, hi);
-        let r = f32x16::splat(s, 1.0) / w;
+        let [wa, wb, ..] = self.w;
+        let [w, r] = self.depth(s, px, py);
         w.store_slice(&mut inv_w[place..place + LANES]);
         for (column, plane) in columns.iter_mut().zip(&self.attribute) {
             let [a, b, c, lo, hi] = *plane;

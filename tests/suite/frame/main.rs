@@ -13,4 +13,5 @@ mod gouraud;
 mod light;
 mod round;
 mod scenes;
+mod stages;
 mod texture_frame;

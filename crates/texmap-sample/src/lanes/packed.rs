@@ -9,7 +9,7 @@ use crate::{
     lod::{LIMIT, TINY, TexelFootprint, log2_sqrt_fixed},
     sampler::{Filter, Mip, Precision, Sampler, Texel},
     texels::{Chain, Format, Level},
-    wrap::OUTSIDE,
+    wrap::{OUTSIDE, Wrap},
 };
 use texmap_math::{
     fearless_simd::{f32x16, i32x16, prelude::*, u16x32, u32x16},
@@ -20,7 +20,10 @@ const LOW: u32 = 0x00ff_00ff;
 
 /// Whether a sampler takes this path on a texture: floats and 16-bit texels keep f32 weights.
 pub(crate) fn applies(s: &Sampler, t: &Chain<'_>) -> bool {
-    s.precision == Precision::Fast
+    // A texel that is taken whole needs no weights; a border keeps its floats.
+    let border = s.wrap_u == Wrap::ClampToBorder || s.wrap_v == Wrap::ClampToBorder;
+    let whole = s.filter == Filter::Nearest && !border;
+    (s.precision == Precision::Fast || whole)
         && t.format == Format::Rgba8
         && !matches!(s.filter, Filter::Bicubic(_) | Filter::Ewa(_))
 }
