@@ -6,6 +6,8 @@
 //! sixteen-lane functions inside the loop of the coordinates, as a renderer has them; `slice` are the
 //! public batch calls on columns of 256 places that the loop has stored.
 
+#![allow(clippy::print_stdout, reason = "the figures are the output")]
+
 use std::fmt::Write as _;
 use std::hint::black_box;
 use std::time::Instant;

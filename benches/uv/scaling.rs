@@ -3,6 +3,8 @@
 //! `cargo run --release -p texmap-benches --bin uv-scaling` writes `benches/results/uv_scaling.csv` and `.svg` (about
 //! two minutes). Every time is the minimum of several rounds; the slices are interleaved on one thread.
 
+#![allow(clippy::print_stdout, reason = "the figures are the output")]
+
 use std::error::Error;
 use std::fmt::Write;
 use std::hint::black_box;

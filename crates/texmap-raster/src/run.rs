@@ -152,11 +152,9 @@ impl TilePlanes {
                 spread.store::<D>(s, px, py, place, inv_w, &mut columns);
             } else if let Some(parts) = few(slots, at.mask) {
                 // Cheaper than sixteen gathers.
-                for part in parts {
-                    if let Some((slot, pixels)) = part {
-                        let planes = self.one(s, slot, &wanted);
-                        planes.store_some::<D>(s, pixels, px, py, place, inv_w, &mut columns);
-                    }
+                for (slot, pixels) in parts.into_iter().flatten() {
+                    let planes = self.one(s, slot, &wanted);
+                    planes.store_some::<D>(s, pixels, px, py, place, inv_w, &mut columns);
                 }
             } else {
                 let planes = self.many(s, words, slots, &wanted);
@@ -198,9 +196,9 @@ impl TilePlanes {
         for c in 0..COEFFICIENTS {
             planes.w[c] = f32x16::splat(s, word(words, 0, c));
         }
-        for i in 0..N {
-            for c in 0..COEFFICIENTS {
-                planes.attribute[i][c] = f32x16::splat(s, word(words, 1 + wanted[i], c));
+        for (plane, &k) in planes.attribute.iter_mut().zip(wanted) {
+            for (c, coefficient) in plane.iter_mut().enumerate() {
+                *coefficient = f32x16::splat(s, word(words, 1 + k, c));
             }
         }
         if flat {
@@ -425,9 +423,12 @@ impl<S: Simd, const N: usize> Planes<S, N> {
     }
 }
 
+/// A slot and its pixels.
+type Part<S> = (u32, mask32x16<S>);
+
 /// Up to three slots with the pixels of each; `None` where a block has more.
 #[inline(always)]
-fn few<S: Simd>(slots: u32x16<S>, mask: u16) -> Option<[Option<(u32, mask32x16<S>)>; FEW]> {
+fn few<S: Simd>(slots: u32x16<S>, mask: u16) -> Option<[Option<Part<S>>; FEW]> {
     let mut lanes = [0; LANES];
     slots.store_slice(&mut lanes);
     let mut parts = [None; FEW];

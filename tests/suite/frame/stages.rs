@@ -22,6 +22,10 @@ impl Random {
         (self.0 >> 32) as u32
     }
 
+    fn one_in(&mut self, n: u32) -> bool {
+        self.next().is_multiple_of(n)
+    }
+
     fn range(&mut self, low: f32, high: f32) -> f32 {
         low + (high - low) * (self.next() >> 8) as f32 / (1 << 24) as f32
     }
@@ -33,7 +37,7 @@ impl Random {
 
 fn texture(random: &mut Random) -> Texture2d<'static> {
     let (width, height) = (random.pick(&[1, 8, 13, 64]), random.pick(&[1, 16, 9, 32]));
-    let opaque = random.next() % 2 == 0;
+    let opaque = random.one_in(2);
     let texels = (0..width * height * 4)
         .map(|i| match i % 4 == 3 && opaque {
             true => 255,
@@ -59,7 +63,7 @@ fn material(random: &mut Random) -> Material {
         Wrap::ClampToEdge,
         Wrap::ClampToBorder,
     ];
-    let mut slot = |random: &mut Random| TextureSlot {
+    let slot = |random: &mut Random| TextureSlot {
         texture: random.next() as usize % 3,
         sampler: Sampler {
             filter: random.pick(&filters),
@@ -78,8 +82,8 @@ fn material(random: &mut Random) -> Material {
             _ => UvTransform::default(),
         },
     };
-    let base_color = (random.next() % 5 != 0).then(|| slot(random));
-    let opacity_map = (random.next() % 6 == 0).then(|| slot(random));
+    let base_color = (!random.one_in(5)).then(|| slot(random));
+    let opacity_map = random.one_in(6).then(|| slot(random));
     Material {
         surface: Surface {
             color: [random.range(0.0, 1.0), random.range(0.0, 1.0), 1.0],
@@ -128,7 +132,7 @@ fn mesh(random: &mut Random, material: usize) -> Mesh {
         }
         mesh.triangles.push([first, first + 1, first + 2]);
     }
-    if random.next() % 4 == 0 {
+    if random.one_in(4) {
         mesh.colors = (0..mesh.positions.len())
             .map(|i| [1.0, (i % 3) as f32 / 2.0, 0.5])
             .collect();
