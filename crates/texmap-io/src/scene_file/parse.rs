@@ -553,7 +553,7 @@ mod tests {
             ("frame 0 0 0 1 0 0 2 0 0", "degenerate-frame", 1, 1),
             ("round torus 0 0 0 0 0 0 1 1 1", "unknown-word", 1, 7),
             ("round sphere 0 0 0 0 0 0 1 1", "argument-count", 1, 1),
-            ("round cylinder 0 0 0 0 0 0 1 0 1", "out-of-range", 1, 32),
+            ("round cylinder 0 0 0 0 0 0 1 0 1", "out-of-range", 1, 30),
             ("round sphere 0 0 0 0 0 0 1 1 1 2 0", "out-of-range", 1, 34),
             ("filter blurry", "unknown-word", 1, 8),
             ("filter anisotropic:99", "unknown-word", 1, 8),
