@@ -1,7 +1,8 @@
 //! The race: the benchmark scenes drawn by texmap and by Mesa's llvmpipe, interleaved in one run.
 //!
 //! `cargo run --release -p texmap-benches --features peers --bin peers -- [--only a:b]
-//! [--threads 0,2] [--rounds N] [--frames N] [--budget-ms N] [--out DIR] [--csv FILE]`
+//! [--threads 0,2] [--rounds N] [--frames N] [--budget-ms N] [--mode NAME] [--alone] [--out DIR]
+//! [--csv FILE] [--table FILE]`
 //!
 //! One child process a thread count, since Mesa reads LP_NUM_THREADS once. 0 means that everything
 //! runs in the calling thread (texmap: one thread); the process is then pinned to one core. In every
@@ -29,6 +30,8 @@ struct Options {
     budget: Duration,
     out: Option<PathBuf>,
     csv: Option<PathBuf>,
+    /// Markdown.
+    table: Option<PathBuf>,
     child: bool,
     /// Without a peer.
     alone: bool,
@@ -41,7 +44,7 @@ fn main() -> ExitCode {
         Ok(options) => options,
         Err(why) => {
             eprintln!(
-                "peers: {why}\nusage: peers [--only a:b] [--threads 0,2] [--rounds N] [--frames N] [--budget-ms N] [--mode NAME] [--alone] [--out DIR] [--csv FILE]"
+                "peers: {why}\nusage: peers [--only a:b] [--threads 0,2] [--rounds N] [--frames N] [--budget-ms N] [--mode NAME] [--alone] [--out DIR] [--csv FILE] [--table FILE]"
             );
             return ExitCode::from(2);
         }
@@ -60,6 +63,12 @@ fn main() -> ExitCode {
             }
         }
     }
+    if let Some(path) = &options.table
+        && let Err(why) = std::fs::write(path, table(&all))
+    {
+        eprintln!("peers: {} cannot be written: {why}", path.display());
+        return ExitCode::from(4);
+    }
     if let Some(path) = &options.csv
         && let Err(why) = std::fs::write(path, &all)
     {
@@ -70,6 +79,53 @@ fn main() -> ExitCode {
 }
 
 const HEADER: &str = "scene,filter,mode,threads,texmap_min_ms,texmap_median_ms,texmap_first_ms,peer,peer_min_ms,peer_median_ms,peer_first_ms,ratio,within_1_percent,valid\n";
+
+/// The rows as Markdown: the ratio of the least times, and why a row does not count.
+fn table(csv: &str) -> String {
+    let mut out = String::from(TABLE);
+    for row in csv.lines().skip(1) {
+        let cells: Vec<&str> = row.split(',').collect();
+        let [
+            scene,
+            filter,
+            mode,
+            threads,
+            ours,
+            _,
+            first,
+            _,
+            theirs,
+            _,
+            their_first,
+            ratio,
+            within,
+            valid,
+        ] = cells[..]
+        else {
+            continue;
+        };
+        let note = if valid == "true" { "" } else { " (void)" };
+        let _ = writeln!(
+            out,
+            "| {scene} | {filter} | {mode} | {threads} | {ours} | {theirs} | **{ratio}**{note} | {within} | {first} | {their_first} |"
+        );
+    }
+    out
+}
+
+const TABLE: &str = "\
+# The race with llvmpipe
+
+`cargo run --release -p texmap-benches --features peers --bin peers -- --threads 0,2 --csv benches/results/peers.csv --table benches/results/peers.md`
+
+Least times of a frame in milliseconds, both renderers interleaved in one run; the ratio is llvmpipe's over texmap's. 0 threads: everything
+on one thread, pinned. *fast* has 8-bit filter weights as llvmpipe has, *exact* f32 ones; *visible* shades only what is seen, the others every
+layer. A row whose pictures differ by more than 1 of 255 on more than 1 % of the values is void; anisotropic rows are void if texmap's error
+against supersampling is above the peer's. First frames include llvmpipe's compiler and texmap's mip chains and buffers.
+
+| scene | filter | mode | threads | texmap ms | llvmpipe ms | ratio | % within 1 | first texmap | first llvmpipe |
+|---|---|---|---|---|---|---|---|---|---|
+";
 
 /// One thread count in a process of its own; returns its CSV rows and passes on what it says.
 fn run_child(threads: usize) -> Result<String, String> {
@@ -170,11 +226,11 @@ fn race(options: &Options) {
     for run in &runs {
         let Some(texmap) = &run.texmap else { continue };
         let picture = texmap.picture();
-        let mut within = f64::NAN;
+        let mut match_ = Match::default();
         if let Ok(peer) = &peer {
             peer.frame(&run.scene);
             let other = peer.picture(&run.scene);
-            within = agreement(&picture, &other);
+            match_ = Match::new(&run.scene, &picture, &other);
             save(options, &run.scene, "llvmpipe", &other);
         }
         save(
@@ -183,7 +239,7 @@ fn race(options: &Options) {
             &format!("texmap-{}", run.mode.name()),
             &picture,
         );
-        println!("{}", row(run, threads, peer.is_ok(), within));
+        println!("{}", row(run, threads, peer.is_ok(), &match_));
     }
 }
 
@@ -215,7 +271,49 @@ impl Run {
     }
 }
 
-fn row(run: &Run, threads: usize, raced: bool, within: f64) -> String {
+/// How two pictures of a scene compare.
+#[derive(Default)]
+struct Match {
+    /// Percentage of values that differ by at most 1.
+    within: f64,
+    /// Where filters may differ by right: root mean square errors against supersampling, of 255, texmap's and the peer's.
+    errors: Option<[f64; 2]>,
+}
+
+impl Match {
+    fn new(scene: &BenchScene, ours: &[u8], theirs: &[u8]) -> Self {
+        let truth = texmap::supersampled(scene);
+        Self {
+            within: agreement(ours, theirs),
+            errors: truth.map(|truth| [ours, theirs].map(|picture| rms(picture, &truth))),
+        }
+    }
+
+    /// Whether the times may be compared.
+    fn is_valid(&self) -> bool {
+        match self.errors {
+            Some([ours, theirs]) => ours <= theirs,
+            None => self.within >= 99.0,
+        }
+    }
+
+    fn words(&self) -> String {
+        match self.errors {
+            Some([ours, theirs]) => format!("RMSE {ours:.2} against {theirs:.2} of 255"),
+            None => format!("{:.2} % within 1", self.within),
+        }
+    }
+}
+
+fn rms(a: &[u8], b: &[u8]) -> f64 {
+    let squares = a
+        .iter()
+        .zip(b)
+        .map(|(a, b)| f64::from(a.abs_diff(*b)).powi(2));
+    (squares.sum::<f64>() / a.len() as f64).sqrt()
+}
+
+fn row(run: &Run, threads: usize, raced: bool, match_: &Match) -> String {
     let Run {
         scene,
         mode,
@@ -238,7 +336,7 @@ fn row(run: &Run, threads: usize, raced: bool, within: f64) -> String {
         return out;
     }
     let ratio = theirs.min() / ours.min();
-    let valid = within >= 99.0;
+    let (within, valid) = (match_.within, match_.is_valid());
     let _ = write!(
         out,
         "llvmpipe,{:.3},{:.3},{:.1},{ratio:.2},{within:.2},{valid}",
@@ -247,10 +345,11 @@ fn row(run: &Run, threads: usize, raced: bool, within: f64) -> String {
         theirs.first
     );
     eprintln!(
-        "{:<32} {mode:<13} {:>8.2} ms  llvmpipe {:>8.2} ms  ratio {ratio:>5.2}  {within:>6.2} % within 1{}",
+        "{:<32} {mode:<13} {:>8.2} ms  llvmpipe {:>8.2} ms  ratio {ratio:>5.2}  {}{}",
         scene.key(),
         ours.min(),
         theirs.min(),
+        match_.words(),
         if valid { "" } else { "  VOID" }
     );
     out
@@ -301,6 +400,7 @@ fn parse(mut args: impl Iterator<Item = String>) -> Result<Options, String> {
         budget: Duration::from_millis(1000),
         out: None,
         csv: None,
+        table: None,
         child: false,
         alone: false,
         mode: None,
@@ -325,6 +425,7 @@ fn parse(mut args: impl Iterator<Item = String>) -> Result<Options, String> {
             "--mode" => options.mode = Some(value()?),
             "--alone" => options.alone = true,
             "--out" => options.out = Some(value()?.into()),
+            "--table" => options.table = Some(value()?.into()),
             "--csv" => options.csv = Some(value()?.into()),
             "--child" => {
                 options.child = true;

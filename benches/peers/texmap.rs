@@ -5,6 +5,7 @@ use texmap_math::Level;
 use texmap_math::glam::DMat4;
 use texmap_raster::{Cull, Draw, Prepared, RasterError, TargetSize};
 use texmap_render::{Frame, Renderer, Scene, Settings};
+use texmap_sample::Filter;
 pub(crate) use texmap_sample::Precision;
 
 /// How texmap draws a row: sampler precision, and what happens to hidden layers.
@@ -140,4 +141,24 @@ impl Texmap {
                 .collect(),
         }
     }
+}
+
+/// The anisotropic floor by 8 x 8 trilinear samples a pixel; `None` for scenes whose pictures must agree value by value.
+pub(crate) fn supersampled(scene: &BenchScene) -> Option<Vec<u8>> {
+    if scene.lookup != Lookup::Aniso16 {
+        return None;
+    }
+    let data = scene.scene(Precision::Exact, Hidden::Skipped).ok()??;
+    let (width, height) = scene.size();
+    let settings = Settings {
+        supersample: 8,
+        filter: Some(Filter::Trilinear),
+        ..Settings::new(width, height)
+    };
+    let frame = Renderer::new(&data, &settings)
+        .ok()?
+        .draw(&|_, _| {})
+        .ok()?;
+    let pixels = frame.rgba.chunks_exact(4);
+    Some(pixels.flat_map(|p| [p[0], p[1], p[2]]).collect())
 }
