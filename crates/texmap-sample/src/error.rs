@@ -45,6 +45,13 @@ pub enum SampleError {
         /// Entries in the palette.
         entries: usize,
     },
+    /// A ray cannot walk through a volume by these numbers.
+    March {
+        /// Extinction asked for.
+        density: f32,
+        /// Step asked for.
+        step: f32,
+    },
     /// Slices of one batch differ in length.
     Mismatch {
         /// Which slice.
@@ -87,6 +94,10 @@ impl fmt::Display for SampleError {
             } => write!(
                 f,
                 "texel ({x}, {y}) has palette index {index}, the palette has {entries} entries"
+            ),
+            Self::March { density, step } => write!(
+                f,
+                "a volume of density {density} in steps of {step}: give a density of 0 or more and a step above 0, both finite"
             ),
             Self::Mismatch {
                 what,

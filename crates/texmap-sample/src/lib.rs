@@ -48,7 +48,9 @@ mod filter;
 #[doc(hidden)]
 pub mod lanes;
 mod lod;
+mod march;
 mod mip;
+mod pattern;
 pub mod reference;
 mod resample;
 mod sampler;
@@ -64,6 +66,8 @@ pub use atlas::AtlasRect;
 pub use compare::Compare;
 pub use cube::{TextureCube, cube_direction, cube_face};
 pub use error::SampleError;
+pub use march::{MOST_STEPS, OPAQUE, Seen, Volume};
+pub use pattern::{Pattern, gradient_noise};
 pub use resample::{Outside, Resample};
 pub use sampler::{Cubic, Filter, Lod, Mip, Precision, Sampler, Texel};
 pub use slice::{

@@ -35,7 +35,7 @@ impl TexelFootprint {
 }
 
 /// NaN to 0, the rest to +-2^30.
-fn tame(x: f32) -> f32 {
+pub(crate) fn tame(x: f32) -> f32 {
     if x > LIMIT {
         LIMIT
     } else if x < -LIMIT {

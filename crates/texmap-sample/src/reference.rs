@@ -282,6 +282,27 @@ fn ewa(s: &Sampler, t: &Texture2d<'_>, uv: [f64; 2], d: Gradient, most: f64) -> 
 }
 
 /// Logarithm of a length; 0 gives a level below any texture's.
+/// [`gradient_noise`](crate::gradient_noise) in f64, of the same gradients.
+pub fn gradient_noise(p: [f64; 3], seed: u32) -> f64 {
+    let mut sum = 0.0;
+    for corner in 0..8 {
+        let mut weight = 1.0;
+        let (mut cell, mut from) = ([0; 3], [0.0; 3]);
+        for k in 0..3 {
+            let side = f64::from(corner >> k & 1);
+            let t = p[k] - floor(p[k]);
+            let fade = t * t * t * (t * (t * 6.0 - 15.0) + 10.0);
+            weight *= if side > 0.0 { fade } else { 1.0 - fade };
+            cell[k] = floor(p[k]) as i32 + side as i32;
+            from[k] = t - side;
+        }
+        for (axis, negative) in crate::pattern::edge(crate::pattern::hash(cell, seed)) {
+            sum += weight * if negative { -from[axis] } else { from[axis] };
+        }
+    }
+    sum
+}
+
 fn log2(x: f64) -> f64 {
     if x > 1e-30 { det::log2(x) } else { -100.0 }
 }

@@ -3,7 +3,7 @@
 use crate::{
     error::SampleError,
     filter::{across_levels, floor, linear_axis, mix},
-    mip,
+    lod, mip,
     sampler::{Sampler, Texel},
     texels::{Chain, Level},
     texture::{Image, Texture2d, upload},
@@ -91,6 +91,38 @@ impl Texture3d<'_> {
     /// Levels of the chain.
     pub fn levels(&self) -> u32 {
         self.chain.levels.len() as u32
+    }
+
+    /// Whether any texel is not fully opaque.
+    pub fn has_alpha(&self) -> bool {
+        !self.chain.opaque
+    }
+
+    /// One texel, linear and premultiplied. `None` outside.
+    pub fn texel(&self, level: u32, [x, y, z]: [u32; 3]) -> Option<[f32; 4]> {
+        let l = self.chain.levels.get(level as usize)?;
+        let [width, height, depth] = self.level_size(level)?;
+        let inside = x < width && y < height && z < depth;
+        let scale = self.chain.format.scale();
+        inside.then(|| {
+            let texel = self.chain.fetch(l, x as i32, y as i32, z as i32);
+            texel.map(|c| c * scale)
+        })
+    }
+}
+
+impl Texture3d<'_> {
+    /// The level of detail where one pixel to the right moves (u, v, w) by `dx` and one down by `dy`: log2 of the longer in
+    /// texels, without the bias and the limits that the look-up adds.
+    pub fn lod(&self, dx: [f32; 3], dy: [f32; 3]) -> f32 {
+        let base = &self.chain.levels[0];
+        let size = [base.width as f32, base.height as f32, base.depth as f32];
+        let squared = |d: [f32; 3]| {
+            let d = [0, 1, 2].map(|k| lod::tame(d[k] * size[k]));
+            d[0] * d[0] + d[1] * d[1] + d[2] * d[2]
+        };
+        let (x, y) = (squared(dx), squared(dy));
+        0.5 * lod::log2(if x > y { x } else { y })
     }
 }
 

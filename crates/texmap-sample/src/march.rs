@@ -1,0 +1,323 @@
+//! A ray through a volume of emitting and absorbing matter, front to back (Max 1995, "Optical Models for Direct Volume
+//! Rendering", emission and absorption).
+
+use crate::{
+    error::SampleError,
+    lod,
+    sampler::{Filter, Sampler},
+    texture::Texture2d,
+    volume::Texture3d,
+    wrap::Wrap,
+};
+use texmap_math::{det32, float};
+
+/// What is left to see through below which a ray ends: less than one code of 255, even of white in the dark.
+pub const OPAQUE: f32 = 1.0 / 4096.0;
+
+/// Most steps of a ray; a finer step is widened.
+pub const MOST_STEPS: u32 = 1 << 16;
+
+/// Matter in the unit cube.
+///
+/// Without a transfer function a voxel's largest channel is how dense it is and its colour is itself over that (a
+/// single channel is white); a grid with alpha has its density there. With one, the voxel's first channel is looked up
+/// along it: a dependent look-up, whose colour shines and whose alpha is the density.
+#[derive(Clone, Copy, Debug)]
+pub struct Volume<'a> {
+    grid: &'a Texture3d<'a>,
+    sampler: &'a Sampler,
+    transfer: Option<(&'a Texture2d<'a>, &'a Sampler)>,
+    density: f32,
+    step: f32,
+}
+
+/// What a ray has seen.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Seen {
+    /// Premultiplied colour, linear light; alpha is what the volume hides of that behind it.
+    pub color: [f32; 4],
+    /// Voxels looked up.
+    pub steps: u32,
+}
+
+impl<'a> Volume<'a> {
+    /// `density` is the extinction of density 1, per unit of the ray's parameter: through a length L of it shows
+    /// `exp(-density L)` of what is behind. `step` is the distance of look-ups in the same unit. With a filter that reads
+    /// mip levels a step longer than a voxel reads a level whose voxels are about as long.
+    ///
+    /// # Errors
+    /// [`SampleError::March`] unless `density` is finite and not negative and `step` finite and above 0.
+    pub fn new(
+        grid: &'a Texture3d<'a>,
+        sampler: &'a Sampler,
+        transfer: Option<(&'a Texture2d<'a>, &'a Sampler)>,
+        density: f32,
+        step: f32,
+    ) -> Result<Self, SampleError> {
+        if !(density.is_finite() && density >= 0.0 && step.is_finite() && step > 0.0) {
+            return Err(SampleError::March { density, step });
+        }
+        Ok(Self {
+            grid,
+            sampler,
+            transfer,
+            density,
+            step,
+        })
+    }
+
+    /// The ray `origin + t direction` for t in `span`, in the space of the unit cube; the eye may be inside. The part
+    /// inside is cut into equal steps of at most `step`, each looked up at its middle and weighed by
+    /// `1 - exp(-density step)`, so the result does not depend on the step where the matter does not change. A ray that
+    /// misses, or is not finite, sees nothing.
+    pub fn march(&self, origin: [f64; 3], direction: [f64; 3], span: (f64, f64)) -> Seen {
+        let mut seen = Seen::default();
+        let Some((near, far)) = through(origin, direction, span) else {
+            return seen;
+        };
+        let length = far - near;
+        let wanted = float::ceil(length / f64::from(self.step));
+        let count = if wanted >= f64::from(MOST_STEPS) {
+            MOST_STEPS
+        } else if wanted >= 1.0 {
+            wanted as u32
+        } else {
+            1
+        };
+        let step = length / f64::from(count);
+        let lod = self.level(direction, step);
+        let depth = self.density * step as f32;
+        let mut left = 1.0f32;
+        for i in 0..count {
+            let t = near + (f64::from(i) + 0.5) * step;
+            let at = [0, 1, 2].map(|k| (origin[k] + t * direction[k]) as f32);
+            let ([r, g, b], dense) = self.matter(at, lod);
+            seen.steps += 1;
+            if dense > 0.0 {
+                let clear = det32::exp(-depth * dense);
+                let weight = left * (1.0 - clear);
+                for (sum, c) in seen.color.iter_mut().zip([r, g, b]) {
+                    *sum += weight * c;
+                }
+                left *= clear;
+                if left < OPAQUE {
+                    break;
+                }
+            }
+        }
+        seen.color[3] = 1.0 - left;
+        seen
+    }
+
+    /// Straight colour and density, 0 or more, at a point of the unit cube.
+    pub fn matter(&self, at: [f32; 3], lod: f32) -> ([f32; 3], f32) {
+        let voxel = self
+            .sampler
+            .sample_3d(self.grid, at, Wrap::ClampToEdge, lod);
+        let [r, g, b, a] = match self.transfer {
+            Some((ramp, along)) => along.sample_lod(ramp, [voxel[0], 0.5], 0.0),
+            None if self.grid.has_alpha() => voxel,
+            None => {
+                let [r, g, b, _] = voxel;
+                let most = if r > g { r } else { g };
+                [r, g, b, if most > b { most } else { b }]
+            }
+        };
+        if a > 0.0 {
+            ([r / a, g / a, b / a], a)
+        } else {
+            ([0.0; 3], 0.0)
+        }
+    }
+
+    /// The level whose voxels a step is long.
+    fn level(&self, direction: [f64; 3], step: f64) -> f32 {
+        if matches!(self.sampler.filter, Filter::Nearest | Filter::Bilinear)
+            || self.grid.levels() == 1
+        {
+            return 0.0;
+        }
+        let size = self.grid.level_size(0).unwrap_or([1; 3]);
+        let voxels = [0, 1, 2].map(|k| (step * direction[k] * f64::from(size[k])) as f32);
+        0.5 * lod::log2(voxels.iter().map(|v| v * v).sum())
+    }
+}
+
+/// The part of a ray that lies in the unit cube, within `span`; `None` if none does (Kay and Kajiya 1986: slabs). A ray
+/// that runs along a slab is inside of it all the way or not at all; on its face counts as inside.
+fn through(origin: [f64; 3], direction: [f64; 3], span: (f64, f64)) -> Option<(f64, f64)> {
+    let (mut near, mut far) = span;
+    for k in 0..3 {
+        let (o, d) = (origin[k], direction[k]);
+        if !(o.is_finite() && d.is_finite()) {
+            return None;
+        }
+        if d == 0.0 {
+            if !(0.0..=1.0).contains(&o) {
+                return None;
+            }
+            continue;
+        }
+        let (a, b) = (-o / d, (1.0 - o) / d);
+        let (first, last) = if a < b { (a, b) } else { (b, a) };
+        if first > near {
+            near = first;
+        }
+        if last < far {
+            far = last;
+        }
+    }
+    (near < far && near.is_finite() && far.is_finite()).then_some((near, far))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Alpha, ColorSpace, Image, Origin, Texels};
+    use alloc::vec::Vec;
+
+    fn grid(size: [u32; 3], values: &[f32]) -> Texture3d<'static> {
+        let image = Image {
+            width: size[0],
+            height: size[1],
+            channels: 1,
+            texels: Texels::F32(values),
+            color: ColorSpace::Linear,
+            alpha: Alpha::Data,
+            origin: Origin::TopLeft,
+        };
+        Texture3d::new(size[2], &image).unwrap()
+    }
+
+    fn sampler() -> Sampler {
+        Sampler {
+            filter: Filter::Bilinear,
+            wrap_u: Wrap::ClampToEdge,
+            wrap_v: Wrap::ClampToEdge,
+            ..Sampler::default()
+        }
+    }
+
+    #[test]
+    fn homogeneous_matter_is_the_law_of_beer_and_lambert_for_every_step() {
+        let (one, s) = (grid([1, 1, 1], &[1.0]), sampler());
+        for density in [0.0f32, 0.1, 1.0, 5.0] {
+            for step in [1e-3f32, 0.01, 0.3, 1.0, 50.0] {
+                let volume = Volume::new(&one, &s, None, density, step).unwrap();
+                for (origin, direction, length) in [
+                    ([-2.0, 0.5, 0.5], [1.0, 0.0, 0.0], 1.0),
+                    ([0.5, 0.5, 3.0], [0.0, 0.0, -1.0], 1.0),
+                    ([0.25, 0.5, 0.5], [1.0, 0.0, 0.0], 0.75),
+                    (
+                        [-1.0, -1.0, 0.5],
+                        [0.5f64.sqrt(), 0.5f64.sqrt(), 0.0],
+                        2f64.sqrt(),
+                    ),
+                    ([-1.0, 0.0, 0.0], [1.0, 0.0, 0.0], 1.0),
+                ] {
+                    let [r, _, _, a] = volume.march(origin, direction, (0.0, f64::INFINITY)).color;
+                    let exact = 1.0 - (-f64::from(density) * length).exp();
+                    assert!(
+                        (f64::from(a) - exact).abs() < 3e-5,
+                        "{density} {step}: {a} {exact}"
+                    );
+                    assert!((r - a).abs() < 3e-5);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_middle_of_a_step_is_exact_for_a_ramp_of_matter() {
+        // Densities 0 to 1 over the middle of two voxels: the mean is a half.
+        let (two, s) = (grid([2, 1, 1], &[0.0, 1.0]), sampler());
+        let volume = Volume::new(&two, &s, None, 3.0, 0.125).unwrap();
+        let a = volume
+            .march([-1.0, 0.5, 0.5], [1.0, 0.0, 0.0], (0.0, 9.0))
+            .color[3];
+        assert!((f64::from(a) - (1.0 - (-1.5f64).exp())).abs() < 1e-5, "{a}");
+        // Only what the span leaves.
+        let a = volume
+            .march([-1.0, 0.5, 0.5], [1.0, 0.0, 0.0], (0.0, 1.25))
+            .color[3];
+        assert_eq!(a, 0.0);
+    }
+
+    #[test]
+    fn rays_that_miss_or_are_no_rays_see_nothing() {
+        let (one, s) = (grid([1, 1, 1], &[1.0]), sampler());
+        let volume = Volume::new(&one, &s, None, 1.0, 0.1).unwrap();
+        for (origin, direction) in [
+            ([-1.0, 1.5, 0.5], [1.0, 0.0, 0.0]),
+            ([-1.0, 0.5, -1e-9], [1.0, 0.0, 0.0]),
+            ([2.0, 0.5, 0.5], [1.0, 0.0, 0.0]),
+            ([0.5, 0.5, 0.5], [0.0, 0.0, 0.0]),
+            ([f64::NAN, 0.5, 0.5], [1.0, 0.0, 0.0]),
+            ([0.5, 0.5, 0.5], [f64::INFINITY, 0.0, 0.0]),
+            ([1e30, 1e30, 1e30], [1e-30, 0.0, 0.0]),
+        ] {
+            let span = if direction == [0.0; 3] {
+                (0.0, f64::INFINITY)
+            } else {
+                (0.0, 1e9)
+            };
+            assert_eq!(
+                volume.march(origin, direction, span),
+                Seen::default(),
+                "{origin:?} {direction:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn a_dense_ray_ends_early_and_a_step_of_nothing_is_refused() {
+        let (one, s) = (grid([1, 1, 1], &[1.0]), sampler());
+        let thick = Volume::new(&one, &s, None, 1000.0, 1e-3).unwrap();
+        let seen = thick.march([-1.0, 0.5, 0.5], [1.0, 0.0, 0.0], (0.0, 9.0));
+        assert!(seen.steps < 12 && seen.color[3] > 1.0 - OPAQUE, "{seen:?}");
+        let fine = Volume::new(&one, &s, None, 0.0, f32::MIN_POSITIVE).unwrap();
+        assert_eq!(
+            fine.march([-1.0, 0.5, 0.5], [1.0, 0.0, 0.0], (0.0, 9.0))
+                .steps,
+            MOST_STEPS
+        );
+        for (density, step) in [
+            (1.0, 0.0),
+            (1.0, -1.0),
+            (1.0, f32::NAN),
+            (f32::NAN, 1.0),
+            (-1.0, 1.0),
+            (1.0, f32::INFINITY),
+        ] {
+            assert!(matches!(
+                Volume::new(&one, &s, None, density, step),
+                Err(SampleError::March { .. })
+            ));
+        }
+    }
+
+    #[test]
+    fn the_transfer_function_gives_colour_and_density() {
+        let values: Vec<f32> = (0..8).map(|i| (i as f32 + 0.5) / 8.0).collect();
+        let (row, s) = (grid([8, 1, 1], &values), sampler());
+        // Clear below a half, red above.
+        let ramp = Texture2d::from_rgba8(
+            2,
+            1,
+            [0, 0, 0, 0, 255, 0, 0, 255].to_vec(),
+            ColorSpace::Linear,
+            Origin::TopLeft,
+        )
+        .unwrap();
+        let along = Sampler {
+            filter: Filter::Nearest,
+            ..sampler()
+        };
+        let volume = Volume::new(&row, &s, Some((&ramp, &along)), 2.0, 1.0 / 64.0).unwrap();
+        let [r, g, b, a] = volume
+            .march([-1.0, 0.5, 0.5], [1.0, 0.0, 0.0], (0.0, 9.0))
+            .color;
+        assert!((f64::from(a) - (1.0 - (-1.0f64).exp())).abs() < 1e-5, "{a}");
+        assert!((r - a).abs() < 1e-6 && g == 0.0 && b == 0.0);
+    }
+}
