@@ -196,13 +196,27 @@ impl<'a> Mesh<'a> {
     pub(crate) fn welded(&self) -> Vec<u32> {
         // One zero for both signs.
         let key = |i: u32| self.positions[i as usize].map(|c| (c + 0.0).to_bits());
-        let mut order: Vec<u32> = (0..self.positions.len() as u32).collect();
-        order.sort_unstable_by_key(|&i| (key(i), i));
-        let mut first: Vec<u32> = (0..self.positions.len() as u32).collect();
-        for pair in order.windows(2) {
-            if key(pair[0]) == key(pair[1]) {
-                first[pair[1] as usize] = first[pair[0] as usize];
+        const FREE: u32 = u32::MAX;
+        let bits = (2 * self.positions.len())
+            .next_power_of_two()
+            .ilog2()
+            .max(1);
+        let mut table = vec![FREE; 1 << bits];
+        let mut first: Vec<u32> = Vec::with_capacity(self.positions.len());
+        for i in 0..self.positions.len() as u32 {
+            let own = key(i);
+            // The high bits of a product by an odd number near 2^64 / golden ratio (Knuth 1998, section 6.4), per word.
+            let mixed = own.iter().fold(0u64, |h, &word| {
+                (h.rotate_left(29) ^ u64::from(word)).wrapping_mul(0x9e37_79b9_7f4a_7c15)
+            });
+            let mut slot = (mixed >> (64 - bits)) as usize;
+            while table[slot] != FREE && key(table[slot]) != own {
+                slot = (slot + 1) & (table.len() - 1);
             }
+            if table[slot] == FREE {
+                table[slot] = i;
+            }
+            first.push(table[slot]);
         }
         first
     }
