@@ -1,12 +1,14 @@
 //! Unwrappers held against one another on three meshes, by the report of `texmap-uv`.
 //!
 //! `cargo run --release -p texmap-benches --features unwrappers --bin unwrappers` writes
-//! `benches/results/unwrappers.md`, which docs/uv-mappings.md takes over.
+//! `benches/results/unwrappers.md`, which docs/uv-mappings.md takes over. With arguments `-- MESH UNWRAPPER` (a part of
+//! each name, such as `knot uvgen`) only those rows are measured, and the file's others stay.
 
 use std::error::Error;
 use std::fmt::Write;
 use std::path::Path;
-use std::time::Instant;
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
 
 use nalgebra::Vector3;
 use texmap_benches::meshes::knot;
@@ -58,7 +60,14 @@ const CANDIDATES: [Candidate; 5] = [
     },
 ];
 
+const HEAD: &str = "| mesh | triangles | unwrapper | stretch L2 | Linf | flipped | overlapping | seam | shells | picture used | seconds |\n\
+                    |---|---|---|---|---|---|---|---|---|---|---|\n";
+
+/// A candidate is stopped after this.
+const LIMIT: Duration = Duration::from_secs(900);
+
 fn main() -> Result<(), Box<dyn Error>> {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let model = |name: &str| read(&root.join(format!("../assets/models/{name}.obj")));
     let meshes = [
@@ -66,46 +75,95 @@ fn main() -> Result<(), Box<dyn Error>> {
         ("cow", model("cow")?),
         ("knot", knot(100_000)),
     ];
-    let mut table = String::from(
-        "| mesh | triangles | unwrapper | stretch L2 | Linf | flipped | overlapping | seam | shells | picture used | seconds |\n\
-         |---|---|---|---|---|---|---|---|---|---|---|\n",
-    );
-    for (name, (positions, faces)) in &meshes {
-        let mesh = Mesh::new(positions, faces)?;
-        for candidate in &CANDIDATES {
-            let start = Instant::now();
-            let set = (candidate.run)(&mesh);
-            let seconds = start.elapsed().as_secs_f64();
-            let options = ReportOptions {
-                origin: Origin::BottomLeft,
-                views: false,
-                ..ReportOptions::default()
+    if let [one, mesh, candidate] = &arguments[..]
+        && one == "--one"
+    {
+        let (_, (positions, faces)) = &meshes[mesh.parse::<usize>()?];
+        println!(
+            "{}",
+            figures(positions, faces, &CANDIDATES[candidate.parse::<usize>()?])?
+        );
+        return Ok(());
+    }
+    let part = |k: usize| arguments.get(k).map_or("", String::as_str);
+    let path = root.join("results/unwrappers.md");
+    let before = std::fs::read_to_string(&path).unwrap_or_default();
+    let mut table = String::from(HEAD);
+    for (i, (name, (_, faces))) in meshes.iter().enumerate() {
+        for (k, candidate) in CANDIDATES.iter().enumerate() {
+            let row = format!("| {name} | {} | {} |", faces.len(), candidate.name);
+            let known = before.lines().find(|l| l.starts_with(&row));
+            let wanted = name.contains(part(0)) && candidate.name.contains(part(1));
+            let line = match known {
+                Some(line) if !wanted => line.to_owned(),
+                _ if !wanted => continue,
+                _ => format!("{row} {} |", apart(i, k)?),
             };
-            let figures = match set.and_then(|set| Ok(report(&mesh, &set, &options)?)) {
-                Ok(r) => format!(
-                    "{:.3} | {:.2} | {} | {} | {:.1} | {} | {:.0} % | {seconds:.2}",
-                    r.stretch_l2,
-                    r.stretch_linf,
-                    r.flipped,
-                    r.overlapping,
-                    r.seam_length,
-                    r.shells,
-                    100.0 * r.picture_area
-                ),
-                Err(e) => format!("{e} | | | | | | | "),
-            };
-            let _ = writeln!(
-                table,
-                "| {name} | {} | {} | {figures} |",
-                faces.len(),
-                candidate.name
-            );
-            println!("{name}, {}: {figures}", candidate.name);
-            // Row by row: a run that is stopped leaves what it has measured.
-            std::fs::write(root.join("results/unwrappers.md"), &table)?;
+            println!("{line}");
+            let _ = writeln!(table, "{line}");
         }
     }
+    std::fs::write(path, table)?;
     Ok(())
+}
+
+/// The figures of one candidate on one mesh, from a process of its own: some never come to an end.
+fn apart(mesh: usize, candidate: usize) -> Result<String, Box<dyn Error>> {
+    let start = Instant::now();
+    let mut child = Command::new(std::env::current_exe()?)
+        .args(["--one", &mesh.to_string(), &candidate.to_string()])
+        .stdout(Stdio::piped())
+        .spawn()?;
+    while child.try_wait()?.is_none() {
+        if start.elapsed() > LIMIT {
+            child.kill()?;
+            child.wait()?;
+            return Ok(format!("stopped | | | | | | | > {}", LIMIT.as_secs()));
+        }
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    let output = child.wait_with_output()?;
+    let text = String::from_utf8(output.stdout)?;
+    Ok(if output.status.success() {
+        text.trim().to_owned()
+    } else {
+        format!(
+            "{} | | | | | | | {:.2}",
+            output.status,
+            start.elapsed().as_secs_f64()
+        )
+    })
+}
+
+fn figures(
+    positions: &[[f32; 3]],
+    faces: &Faces,
+    candidate: &Candidate,
+) -> Result<String, Box<dyn Error>> {
+    let mesh = Mesh::new(positions, faces)?;
+    let start = Instant::now();
+    let set = (candidate.run)(&mesh);
+    let seconds = start.elapsed().as_secs_f64();
+    let options = ReportOptions {
+        origin: Origin::BottomLeft,
+        views: false,
+        ..ReportOptions::default()
+    };
+    Ok(
+        match set.and_then(|set| Ok(report(&mesh, &set, &options)?)) {
+            Ok(r) => format!(
+                "{:.3} | {:.2} | {} | {} | {:.1} | {} | {:.0} % | {seconds:.2}",
+                r.stretch_l2,
+                r.stretch_linf,
+                r.flipped,
+                r.overlapping,
+                r.seam_length,
+                r.shells,
+                100.0 * r.picture_area
+            ),
+            Err(e) => format!("{e} | | | | | | | {seconds:.2}"),
+        },
+    )
 }
 
 fn uvunwrap(mesh: &Mesh<'_>, options: uvunwrap::Options) -> Result<UvSet, Box<dyn Error>> {

@@ -83,8 +83,8 @@ fn sides(mesh: &Mesh<'_>, topology: &Topology, normals: &[DVec3]) -> Vec<Part> {
 fn divide(mesh: &Mesh<'_>, topology: &Topology, sides: &[Part], values: &[[f64; 2]]) -> Vec<u32> {
     let faces = mesh.faces().len();
     let mut layer = vec![0u32; faces];
-    let (mut triangles, mut corners) = (Vec::new(), Vec::new());
-    for (f, c) in mesh.faces().triangles() {
+    let mut triangles = Vec::new();
+    for (index, (f, c)) in mesh.faces().triangles().enumerate() {
         let [p, q, r] = c.map(|k| texmap_math::glam::DVec2::from(values[k]));
         let twice = (q - p).perp_dot(r - p);
         if twice != 0.0 {
@@ -92,8 +92,8 @@ fn divide(mesh: &Mesh<'_>, topology: &Topology, sides: &[Part], values: &[[f64; 
             triangles.push(Flat {
                 corners: turned,
                 face: f as u32,
+                index: index as u32,
             });
-            corners.push(f);
         }
     }
     loop {
@@ -112,7 +112,7 @@ fn divide(mesh: &Mesh<'_>, topology: &Topology, sides: &[Part], values: &[[f64; 
         // The later face of each pair moves up a layer; at worst every face ends on its own.
         let mut moved = vec![false; faces];
         for [_, later] in overlaps.list {
-            moved[corners[later as usize]] = true;
+            moved[later as usize] = true;
         }
         for (layer, _) in layer.iter_mut().zip(&moved).filter(|(_, moved)| **moved) {
             *layer += 1;

@@ -84,6 +84,17 @@ impl Faces {
             (r.start + 1..r.end.saturating_sub(1)).map(move |k| (f, [r.start, k, k + 1]))
         })
     }
+
+    /// The fan of one face of a checked mesh: the number of each triangle in [`Faces::triangles`] and its corners.
+    pub(crate) fn fan(&self, face: usize) -> impl Iterator<Item = (u32, [usize; 3])> + '_ {
+        let r = self.range(face);
+        // A face of n corners, three at least, has n - 2 triangles.
+        let first = r.start - 2 * face;
+        (r.start + 1..r.end - 1).map(move |k| {
+            let index = first + (k - r.start - 1);
+            (index as u32, [r.start, k, k + 1])
+        })
+    }
 }
 
 /// A mesh whose indices and positions have been checked.

@@ -13,18 +13,24 @@ use crate::{UvError, parallel};
 pub(crate) struct Flat {
     pub(crate) corners: [DVec2; 3],
     pub(crate) face: u32,
+    /// Number of the triangle in [`crate::Faces::triangles`].
+    pub(crate) index: u32,
 }
 
 impl Flat {
     /// `None` for a triangle without area in the picture.
-    pub(crate) fn new(set: &UvSet, face: u32, corners: [usize; 3]) -> Option<Self> {
+    pub(crate) fn new(set: &UvSet, face: usize, index: u32, corners: [usize; 3]) -> Option<Self> {
         let [p, q, r] = corners.map(|k| DVec2::from(set.at(k).map(f64::from)));
         let (e, f) = (q - p, r - p);
         let twice = e.perp_dot(f);
         // Rounding of f32 coordinates leaves a sliver where the exact triangle has no area.
         let longest = e.dot(e).max(f.dot(f)).max((f - e).dot(f - e));
         let corners = if twice > 0.0 { [p, q, r] } else { [p, r, q] };
-        (twice.abs() > longest * 1e-12).then_some(Self { corners, face })
+        (twice.abs() > longest * 1e-12).then_some(Self {
+            corners,
+            face: face as u32,
+            index,
+        })
     }
 }
 
@@ -37,7 +43,7 @@ pub struct Overlaps {
     pub area: f64,
     /// The pairs' triangles (of the faces' fans, in order), ascending, each once.
     pub triangles: Vec<u32>,
-    /// The pairs, if they were asked for.
+    /// The pairs' faces, the lower one first, if they were asked for.
     pub(crate) list: Vec<[u32; 2]>,
     /// Too many triangles lie in one place to compare them all: the numbers are lower bounds.
     pub at_least: bool,
@@ -50,18 +56,13 @@ pub struct Overlaps {
 /// A set that does not fit the mesh or is not finite.
 pub fn overlaps(mesh: &Mesh<'_>, set: &UvSet) -> Result<Overlaps, UvError> {
     set.check(mesh)?;
-    let (mut flats, mut which) = (Vec::new(), Vec::new());
-    for (i, (face, corners)) in mesh.faces().triangles().enumerate() {
-        if let Some(flat) = Flat::new(set, face as u32, corners) {
-            flats.push(flat);
-            which.push(i as u32);
-        }
-    }
-    let mut found = find(&flats, None, false);
-    for i in &mut found.triangles {
-        *i = which[*i as usize];
-    }
-    Ok(found)
+    let faces = mesh.faces();
+    let flats = parallel::collect_chunks(faces.len(), |range| {
+        let fans = range.flat_map(|f| faces.fan(f).map(move |(i, corners)| (f, i, corners)));
+        fans.filter_map(|(f, i, corners)| Flat::new(set, f, i, corners))
+            .collect()
+    });
+    Ok(find(&flats, None, false))
 }
 
 /// Where one cell holds more triangles than this, each is compared with this many others only.
@@ -92,9 +93,9 @@ pub(crate) fn find(triangles: &[Flat], group: Option<&[u32]>, keep_pairs: bool) 
                     if area > least * 1e-9 {
                         out.pairs += 1;
                         out.area += area;
-                        out.triangles.extend([i, j]);
+                        out.triangles.extend([a.index, b.index]);
                         if keep_pairs {
-                            out.list.push([i.min(j), i.max(j)]);
+                            out.list.push([a.face.min(b.face), a.face.max(b.face)]);
                         }
                     }
                 }
@@ -265,6 +266,7 @@ mod tests {
         Flat {
             corners: c.map(DVec2::from),
             face,
+            index: face,
         }
     }
 

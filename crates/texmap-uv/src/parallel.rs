@@ -30,9 +30,30 @@ pub(crate) fn map_chunks<T: Send>(
 }
 
 /// As [`map_chunks`], the chunks' lists joined.
-pub(crate) fn collect_chunks<T: Send + Clone>(
+pub(crate) fn collect_chunks<T: Send>(
     count: usize,
     work: impl Fn(Range<usize>) -> Vec<T> + Sync + Send,
 ) -> Vec<T> {
-    map_chunks(count, work).concat()
+    concat(map_chunks(count, work).into_iter())
+}
+
+/// Lists one after another; each is freed as soon as it is taken over.
+pub(crate) fn concat<T>(lists: impl Iterator<Item = Vec<T>>) -> Vec<T> {
+    let lists: Vec<Vec<T>> = lists.collect();
+    let mut out = Vec::with_capacity(lists.iter().map(Vec::len).sum());
+    lists.into_iter().for_each(|mut list| out.append(&mut list));
+    out
+}
+
+/// Two pieces of work, side by side if there are threads.
+pub(crate) fn join<A: Send, B: Send>(
+    a: impl FnOnce() -> A + Send,
+    b: impl FnOnce() -> B + Send,
+) -> (A, B) {
+    #[cfg(feature = "rayon")]
+    {
+        rayon::join(a, b)
+    }
+    #[cfg(not(feature = "rayon"))]
+    (a(), b())
 }

@@ -121,23 +121,31 @@ pub struct Report {
     pub t_joints: Vec<TJoint>,
 }
 
-/// Sums over a chunk of triangles.
-#[derive(Clone, Copy, Default)]
+/// Sums, counts and ranges over triangles.
+#[derive(Clone, Copy)]
 struct Sums {
+    degenerate: usize,
+    flipped: usize,
+    collapsed: usize,
+    outside: usize,
+    wide: usize,
     space: f64,
-    picture: f64,
     l2: f64,
     angle: f64,
     area: f64,
+    /// Area in space of the triangles with area in the picture.
     mapped: f64,
     density: f64,
+    linf_max: f64,
+    angle_max: f64,
+    area_max: f64,
+    /// Lowest and highest root of the area in the picture over that in space; none yet when the first is the larger.
+    density_range: [f64; 2],
 }
 
 /// Stretch of one triangle before it is normalised.
 #[derive(Clone, Copy)]
 struct Raw {
-    corners: [usize; 3],
-    face: u32,
     space: f64,
     /// Signed.
     picture: f64,
@@ -152,125 +160,156 @@ struct Raw {
 /// A set that does not fit the mesh or is not finite.
 pub fn report(mesh: &Mesh<'_>, set: &UvSet, options: &ReportOptions) -> Result<Report, UvError> {
     set.check(mesh)?;
-    let list: Vec<(usize, [usize; 3])> = mesh.faces().triangles().collect();
-    let raw = parallel::collect_chunks(list.len(), |range| {
-        list[range]
-            .iter()
-            .map(|(f, c)| raw(mesh, set, *f, *c, options))
-            .collect()
+    let faces = mesh.faces();
+    // First the areas alone and the triangles of the picture: the stretch of each triangle is relative to the whole.
+    let parts = parallel::map_chunks(faces.len(), |range| {
+        let (mut areas, mut flats) = ([0.0; 2], Vec::with_capacity(range.len()));
+        for face in range {
+            for (index, corners) in faces.fan(face) {
+                let r = raw(mesh, set, corners, options);
+                areas[0] += r.space;
+                areas[1] += r.picture.abs();
+                if r.picture != 0.0 {
+                    flats.extend(Flat::new(set, face, index, corners));
+                }
+            }
+        }
+        (areas, flats)
     });
-    let (space, picture) = (total(&raw, |r| r.space), total(&raw, |r| r.picture.abs()));
+    let [space, picture] = parts.iter().fold([0.0; 2], |sum, (areas, _)| {
+        [sum[0] + areas[0], sum[1] + areas[1]]
+    });
+    let flats: Vec<Flat> = parallel::concat(parts.into_iter().map(|(_, flats)| flats));
     // The mean scale of the map: what stretch 1 means.
     let scale = if space > 0.0 {
         float::sqrt(picture / space)
     } else {
         0.0
     };
-    let uv = |r: &Raw| r.corners.map(|k| set.at(k));
-    let mut triangles: Vec<TriangleReport> = raw
-        .iter()
-        .map(|r| TriangleReport {
-            density: (float::sqrt(r.picture.abs() / r.space) * f64::from(options.texture_size))
-                as f32,
-            outside: uv(r)
-                .as_flattened()
-                .iter()
-                .any(|c| !(0.0..=1.0).contains(c)),
-            ..normalised(r, scale)
-        })
-        .collect();
-
-    let (flats, flat_of) = flats(set, &raw);
-    let overlaps = overlap::find(&flats, None, false);
+    let (overlaps, (edges, each)) = parallel::join(
+        || overlap::find(&flats, None, false),
+        || {
+            parallel::join(
+                || Edges::new(mesh, set, options),
+                || each_triangle(mesh, set, options, scale),
+            )
+        },
+    );
+    let (mut triangles, sums) = each;
     for &i in &overlaps.triangles {
-        triangles[flat_of[i as usize] as usize].overlapping = true;
+        triangles[i as usize].overlapping = true;
     }
-    let sums = parallel::map_chunks(raw.len(), |range| {
-        range.fold(Sums::default(), |s, i| add(s, &raw[i], &triangles[i]))
-    });
-    let sums = sums.into_iter().fold(Sums::default(), |a, b| Sums {
-        space: a.space + b.space,
-        picture: a.picture + b.picture,
-        l2: a.l2 + b.l2,
-        angle: a.angle + b.angle,
-        area: a.area + b.area,
-        mapped: a.mapped + b.mapped,
-        density: a.density + b.density,
-    });
-    let count =
-        |test: &dyn Fn(&TriangleReport) -> bool| triangles.iter().filter(|t| test(t)).count();
-    let largest = |value: &dyn Fn(&TriangleReport) -> f32| {
-        triangles
-            .iter()
-            .map(|t| f64::from(value(t)))
-            .filter(|v| v.is_finite())
-            .fold(0.0, |a: f64, b| if b > a { b } else { a })
-    };
-    let topology = Topology::new(mesh);
-    let seams = seams(mesh, set, &topology);
-    let densities = densities(&raw, options.texture_size);
     let mean = |sum: f64, of: f64| if of > 0.0 { sum / of } else { f64::NAN };
-    let collapsed = count(&|t| t.collapsed);
+    let size = f64::from(options.texture_size);
+    let [least, most] = match sums.density_range {
+        [low, high] if low <= high => [low * size, high * size],
+        _ => [f64::NAN; 2],
+    };
+    let finite = |value: f64| {
+        if sums.collapsed > 0 {
+            f64::INFINITY
+        } else {
+            value
+        }
+    };
     Ok(Report {
-        faces: mesh.faces().len(),
-        degenerate: raw.iter().filter(|r| r.space == 0.0).count(),
-        stretch_l2: if collapsed > 0 {
-            f64::INFINITY
-        } else {
-            float::sqrt(mean(sums.l2, sums.space))
-        },
-        stretch_linf: if collapsed > 0 {
-            f64::INFINITY
-        } else {
-            largest(&|t| t.linf)
-        },
+        faces: faces.len(),
+        degenerate: sums.degenerate,
+        stretch_l2: finite(float::sqrt(mean(sums.l2, sums.space))),
+        stretch_linf: finite(sums.linf_max),
         angle_mean: mean(sums.angle, sums.mapped),
-        angle_max: largest(&|t| t.angle),
+        angle_max: sums.angle_max,
         area_mean: mean(sums.area, sums.mapped),
-        area_max: largest(&|t| t.area),
-        density: [
-            densities[0],
-            mean(sums.density, sums.space) * f64::from(options.texture_size),
-            densities[1],
-        ],
-        flipped: count(&|t| t.flipped),
-        collapsed,
-        overlapping: count(&|t| t.overlapping),
+        area_max: sums.area_max,
+        density: [least, mean(sums.density, sums.space) * size, most],
+        flipped: sums.flipped,
+        collapsed: sums.collapsed,
+        overlapping: overlaps.triangles.len(),
         overlap_pairs: overlaps.pairs,
         overlap_area: overlaps.area,
         overlap_at_least: overlaps.at_least,
-        outside: count(&|t| t.outside),
-        wide: raw.iter().filter(|r| wide(uv(r))).count(),
+        outside: sums.outside,
+        wide: sums.wide,
         picture_area: picture,
         surface_area: space,
-        seam_length: lengths(mesh, &topology, seams.iter().copied()),
-        seam_seen: if options.views {
-            views::seen(mesh, &topology, &seams)
-        } else {
-            f64::NAN
-        },
-        rim_length: lengths(
-            mesh,
-            &topology,
-            (0..topology.twin.len()).filter(|&k| topology.twin[k] == RIM),
-        ),
-        non_manifold_edges: non_manifold(mesh, &topology),
-        shells: Shells::linked(mesh.faces().len(), &topology, |k| {
-            meets(mesh, set, &topology, k)
-        })
-        .count,
-        t_joints: t_joint::find(mesh, &topology),
+        seam_length: edges.seam_length,
+        seam_seen: edges.seam_seen,
+        rim_length: edges.rim_length,
+        non_manifold_edges: edges.non_manifold,
+        shells: edges.shells,
+        t_joints: edges.t_joints,
         triangles,
     })
 }
 
-fn raw(
+/// What the report says about edges.
+struct Edges {
+    seam_length: f64,
+    seam_seen: f64,
+    rim_length: f64,
+    non_manifold: usize,
+    shells: usize,
+    t_joints: Vec<TJoint>,
+}
+
+impl Edges {
+    fn new(mesh: &Mesh<'_>, set: &UvSet, options: &ReportOptions) -> Self {
+        let topology = Topology::new(mesh);
+        let seams = seams(mesh, set, &topology);
+        let rim = (0..topology.twin.len()).filter(|&k| topology.twin[k] == RIM);
+        let link = |k: usize| meets(mesh, set, &topology, k);
+        Self {
+            seam_length: lengths(mesh, &topology, seams.iter().copied()),
+            seam_seen: if options.views {
+                views::seen(mesh, &topology, &seams)
+            } else {
+                f64::NAN
+            },
+            rim_length: lengths(mesh, &topology, rim),
+            non_manifold: non_manifold(mesh, &topology),
+            shells: Shells::linked(mesh.faces().len(), &topology, link).count,
+            t_joints: t_joint::find(mesh, &topology),
+        }
+    }
+}
+
+/// All triangles, and their sums in the order of chunks.
+fn each_triangle(
     mesh: &Mesh<'_>,
     set: &UvSet,
-    face: usize,
-    corners: [usize; 3],
     options: &ReportOptions,
-) -> Raw {
+    scale: f64,
+) -> (Vec<TriangleReport>, Sums) {
+    let faces = mesh.faces();
+    let parts = parallel::map_chunks(faces.len(), |range| {
+        let (mut triangles, mut sums) = (Vec::with_capacity(range.len()), Sums::NONE);
+        for face in range {
+            for (_, corners) in faces.fan(face) {
+                let r = raw(mesh, set, corners, options);
+                let uv = corners.map(|k| set.at(k));
+                let triangle = TriangleReport {
+                    face: face as u32,
+                    corners: corners.map(|k| k as u32),
+                    density: (float::sqrt(r.picture.abs() / r.space)
+                        * f64::from(options.texture_size)) as f32,
+                    outside: !uv.as_flattened().iter().all(|c| (0.0..=1.0).contains(c)),
+                    ..normalised(&r, scale)
+                };
+                sums.add(&r, &triangle);
+                sums.wide += usize::from(wide(uv));
+                triangles.push(triangle);
+            }
+        }
+        (triangles, sums)
+    });
+    let sums = parts
+        .iter()
+        .fold(Sums::NONE, |sum, (_, part)| sum.joined(part));
+    let triangles = parallel::concat(parts.into_iter().map(|(triangles, _)| triangles));
+    (triangles, sums)
+}
+
+fn raw(mesh: &Mesh<'_>, set: &UvSet, corners: [usize; 3], options: &ReportOptions) -> Raw {
     let [a, b, c] = corners.map(|k| mesh.point(k));
     let [p, q, r] = corners.map(|k| DVec2::from(set.at(k).map(f64::from)));
     let (e1, e2, f1, f2) = (b - a, c - a, q - p, r - p);
@@ -285,8 +324,6 @@ fn raw(
     let longest = f1.dot(f1).max(f2.dot(f2)).max((f2 - f1).dot(f2 - f1));
     if space == 0.0 || twice.abs() <= longest * 1e-12 {
         return Raw {
-            corners,
-            face: face as u32,
             space,
             picture: 0.0,
             high: f64::INFINITY,
@@ -304,8 +341,6 @@ fn raw(
     // The smaller one by the area: the difference under its own root loses all digits on slivers.
     let low = space * 2.0 / twice.abs() / high;
     Raw {
-        corners,
-        face: face as u32,
         space,
         picture: sign * twice * 0.5,
         high,
@@ -313,13 +348,14 @@ fn raw(
     }
 }
 
+/// The stretch of a triangle where 1 is that of the whole mesh; its place is left open.
 fn normalised(r: &Raw, scale: f64) -> TriangleReport {
     let (high, low) = (r.high * scale, r.low * scale);
     let area = high * low;
     let finite = r.high.is_finite();
     TriangleReport {
-        face: r.face,
-        corners: r.corners.map(|k| k as u32),
+        face: 0,
+        corners: [0; 3],
         l2: if finite {
             float::sqrt((high * high + low * low) * 0.5) as f32
         } else {
@@ -344,67 +380,94 @@ fn normalised(r: &Raw, scale: f64) -> TriangleReport {
     }
 }
 
-fn add(s: Sums, r: &Raw, t: &TriangleReport) -> Sums {
-    if r.space == 0.0 || t.collapsed {
-        return Sums {
-            space: s.space + r.space,
-            ..s
-        };
-    }
-    let w = r.space;
-    Sums {
-        space: s.space + w,
-        picture: s.picture + r.picture.abs(),
-        l2: s.l2 + w * f64::from(t.l2) * f64::from(t.l2),
-        angle: s.angle + w * f64::from(t.angle),
-        area: s.area + w * f64::from(t.area),
-        mapped: s.mapped + w,
-        density: s.density + w * float::sqrt(r.picture.abs() / w),
-    }
-}
+impl Sums {
+    const NONE: Self = Self {
+        degenerate: 0,
+        flipped: 0,
+        collapsed: 0,
+        outside: 0,
+        wide: 0,
+        space: 0.0,
+        l2: 0.0,
+        angle: 0.0,
+        area: 0.0,
+        mapped: 0.0,
+        density: 0.0,
+        linf_max: 0.0,
+        angle_max: 0.0,
+        area_max: 0.0,
+        density_range: [f64::INFINITY, 0.0],
+    };
 
-/// Sum in chunk order.
-fn total(raw: &[Raw], value: impl Fn(&Raw) -> f64 + Sync + Send) -> f64 {
-    parallel::map_chunks(raw.len(), |range| {
-        raw[range].iter().map(&value).sum::<f64>()
-    })
-    .into_iter()
-    .sum()
-}
+    fn add(&mut self, r: &Raw, t: &TriangleReport) {
+        self.degenerate += usize::from(r.space == 0.0);
+        self.flipped += usize::from(t.flipped);
+        self.collapsed += usize::from(t.collapsed);
+        self.outside += usize::from(t.outside);
+        self.space += r.space;
+        if r.space == 0.0 {
+            return;
+        }
+        let w = r.space;
+        let density = float::sqrt(r.picture.abs() / w);
+        let [low, high] = self.density_range;
+        self.density_range = [lower(low, density), higher(high, density)];
+        if t.collapsed {
+            return;
+        }
+        self.l2 += w * f64::from(t.l2) * f64::from(t.l2);
+        self.angle += w * f64::from(t.angle);
+        self.area += w * f64::from(t.area);
+        self.mapped += w;
+        self.density += w * density;
+        self.linf_max = higher_finite(self.linf_max, t.linf);
+        self.angle_max = higher_finite(self.angle_max, t.angle);
+        self.area_max = higher_finite(self.area_max, t.area);
+    }
 
-/// The triangles that have area in the picture, counter-clockwise, and which triangle each of them is.
-fn flats(set: &UvSet, raw: &[Raw]) -> (Vec<Flat>, Vec<u32>) {
-    let (mut flats, mut which) = (Vec::new(), Vec::new());
-    for (i, r) in raw.iter().enumerate().filter(|(_, r)| r.picture != 0.0) {
-        if let Some(flat) = Flat::new(set, r.face, r.corners) {
-            flats.push(flat);
-            which.push(i as u32);
+    fn joined(&self, next: &Self) -> Self {
+        let [low, high] = next.density_range;
+        Self {
+            degenerate: self.degenerate + next.degenerate,
+            flipped: self.flipped + next.flipped,
+            collapsed: self.collapsed + next.collapsed,
+            outside: self.outside + next.outside,
+            wide: self.wide + next.wide,
+            space: self.space + next.space,
+            l2: self.l2 + next.l2,
+            angle: self.angle + next.angle,
+            area: self.area + next.area,
+            mapped: self.mapped + next.mapped,
+            density: self.density + next.density,
+            linf_max: higher(self.linf_max, next.linf_max),
+            angle_max: higher(self.angle_max, next.angle_max),
+            area_max: higher(self.area_max, next.area_max),
+            density_range: [
+                lower(self.density_range[0], low),
+                higher(self.density_range[1], high),
+            ],
         }
     }
-    (flats, which)
+}
+
+fn lower(a: f64, b: f64) -> f64 {
+    if b < a { b } else { a }
+}
+
+fn higher(a: f64, b: f64) -> f64 {
+    if b > a { b } else { a }
+}
+
+fn higher_finite(a: f64, b: f32) -> f64 {
+    if b.is_finite() {
+        higher(a, b.into())
+    } else {
+        a
+    }
 }
 
 fn wide(uv: [[f32; 2]; 3]) -> bool {
     (0..3).any(|k| (uv[k][0] - uv[(k + 1) % 3][0]).abs() > 0.5)
-}
-
-/// Lowest and highest texel density of triangles with area in space.
-fn densities(raw: &[Raw], size: u32) -> [f64; 2] {
-    let all = raw
-        .iter()
-        .filter(|r| r.space > 0.0)
-        .map(|r| float::sqrt(r.picture.abs() / r.space) * f64::from(size));
-    let range = all.fold([f64::INFINITY, 0.0], |[low, high], d| {
-        [
-            if d < low { d } else { low },
-            if d > high { d } else { high },
-        ]
-    });
-    if range[0].is_finite() {
-        range
-    } else {
-        [f64::NAN; 2]
-    }
 }
 
 /// Sum of the lengths of edges; a plain sum of none would be -0.
