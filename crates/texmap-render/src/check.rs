@@ -147,6 +147,10 @@ impl Scene {
                 expected: "it must be finite and not 0: a scale of 0 flattens the mesh",
             });
         }
+        if let Some(displacement) = &mesh.displacement {
+            self.check_slot(&displacement.slot, place)?;
+        }
+        mesh.check_shape()?;
         let material = &self.materials[mesh.material];
         let lit = material.shading == Shading::PerPixel;
         let textured = material.base_color.is_some()

@@ -88,6 +88,18 @@ pub enum RenderError {
         /// Material name.
         material: String,
     },
+    /// A displaced mesh that would become too fine.
+    #[error(
+        "mesh '{mesh}': its displacement needs more than {limit} triangles ({triangles} and counting): allow longer edges (texels or pixels), take a smaller map, or raise the limit"
+    )]
+    TooManyTriangles {
+        /// The first displaced mesh.
+        mesh: String,
+        /// When it was given up.
+        triangles: u64,
+        /// The number allowed.
+        limit: u32,
+    },
     /// The rasterizer refused a draw.
     #[error("mesh '{mesh}': {error}")]
     Raster {
@@ -128,6 +140,7 @@ impl RenderError {
             Self::Count { .. } => "render-count",
             Self::MissingUv { .. } => "render-missing-uv",
             Self::MissingLightMapUv { .. } => "render-missing-light-map-uv",
+            Self::TooManyTriangles { .. } => "render-too-many-triangles",
             Self::Raster { .. } => "render-raster",
         }
     }

@@ -41,31 +41,40 @@
 #![forbid(unsafe_code)]
 
 mod bake;
+mod billboard;
 mod block;
 mod canvas;
 mod check;
 mod check_effects;
 mod coordinates;
 mod dispatch;
+mod displace;
 mod effects;
 mod error;
 mod frame;
+mod height_field;
 mod lit;
 mod plan;
 pub mod planner;
+mod refine;
 mod render;
 mod rows;
 mod scene;
 mod settings;
 mod shade;
 mod shadow;
+mod shaped;
+mod skin;
 mod texel;
 mod textures;
 mod tile;
+mod vertex_stage;
 mod vertices;
 mod views;
 
 pub use bake::{BakeOptions, LightMap, bake};
+pub use billboard::{Billboard, Facing};
+pub use displace::{Displacement, EdgeBudget};
 pub use effects::{
     Effects, LightMapSlot, Reflection, Relief, Shadow, SlideProjector, SlideRole, SurfaceMaps,
 };
@@ -77,5 +86,7 @@ pub use scene::{
 };
 pub use settings::{Aov, Settings, UnknownAov};
 pub use shadow::{shadow_bias, shadow_kind, shadow_map};
+pub use skin::{Bone, Skeleton, Skin, SkinBlend, turn};
+pub use vertex_stage::MeshVertex;
 pub use vertices::world_normals;
 pub use views::environment_of;

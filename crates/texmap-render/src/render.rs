@@ -26,7 +26,9 @@ pub fn render(
     settings: &Settings,
     progress: &(dyn Fn(usize, usize) + Sync),
 ) -> Result<Frame, RenderError> {
-    Renderer::new(scene, settings)?.draw(progress)
+    settings.check()?;
+    let scene = scene.shaped(settings.width)?;
+    Renderer::new(&scene, settings)?.draw(progress)
 }
 
 /// A scene made ready: checked, mip chains built, vertex values computed. Drawing it again costs none of that.
@@ -66,6 +68,14 @@ impl<'s> Renderer<'s> {
         let start = Instant::now();
         settings.check()?;
         let checked = scene.check()?;
+        if let Some(mesh) = scene.meshes.iter().find(|m| m.is_unshaped()) {
+            return Err(RenderError::Value {
+                place: format!("mesh '{}'", mesh.name),
+                what: "shape".to_owned(),
+                value: "still that of its description".to_owned(),
+                expected: "call Scene::shaped before Renderer::new",
+            });
+        }
         let pool = settings.threads.map(|threads| {
             rayon::ThreadPoolBuilder::new()
                 .num_threads(threads)
@@ -270,7 +280,8 @@ pub fn render_ordered(
     progress: &(dyn Fn(usize, usize) + Sync),
     order: &(dyn Fn(usize) -> Vec<usize> + Sync),
 ) -> Result<Frame, RenderError> {
-    let renderer = Renderer::new(scene, settings)?;
+    let scene = scene.shaped(settings.width)?;
+    let renderer = Renderer::new(&scene, settings)?;
     let mut frame = empty_frame(settings);
     renderer.draw_into(&mut frame, progress, order)?;
     Ok(frame)

@@ -6,6 +6,8 @@ use texmap_raster::{Cull, DepthTest, Interp};
 use texmap_sample::{Origin, Sampler, Texture2d, UvTransform};
 use texmap_uv::{PixelMapping, Projection};
 
+use crate::billboard::Billboard;
+use crate::displace::Displacement;
 use crate::effects::{Effects, LightMapSlot, Reflection, Relief, SurfaceMaps};
 
 /// Everything that is drawn. A scene is data: [`render`](crate::render) reads it and changes nothing.
@@ -229,6 +231,10 @@ pub struct Mesh {
     /// A sphere or cylinder in world space. If given, uv is computed at every pixel from its position, exact also
     /// across the seam and around the axis, and neither `frame` nor `uvs` is read.
     pub round: Option<PixelMapping>,
+    /// A height map that moves the surface, by [`Scene::shaped`].
+    pub displacement: Option<Displacement>,
+    /// If not empty, the mesh is these rectangles, four vertices each: see [`Mesh::of_billboards`].
+    pub billboards: Vec<Billboard>,
 }
 
 impl Default for Mesh {
@@ -248,6 +254,8 @@ impl Default for Mesh {
             uv_origin: Origin::TopLeft,
             frame: None,
             round: None,
+            displacement: None,
+            billboards: Vec::new(),
         }
     }
 }

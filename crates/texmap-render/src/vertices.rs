@@ -237,7 +237,7 @@ pub fn world_normals(mesh: &Mesh) -> Vec<DVec3> {
         .collect()
 }
 
-fn object_normals(mesh: &Mesh) -> Vec<DVec3> {
+pub(crate) fn object_normals(mesh: &Mesh) -> Vec<DVec3> {
     match mesh.normals.is_empty() {
         true => vertex_normals(mesh),
         false => mesh.normals.iter().map(|n| wide(*n)).collect(),
