@@ -31,14 +31,14 @@ pub struct Displacement {
 }
 
 impl Displacement {
-    /// Edges of at most one texel, black stays, at most [`MAX_TRIANGLES`](Self::MAX_TRIANGLES).
+    /// Edges of at most two pixels, black stays, at most [`MAX_TRIANGLES`](Self::MAX_TRIANGLES).
     #[must_use]
     pub fn new(slot: TextureSlot, height: f32) -> Self {
         Self {
             slot,
             height,
             middle: 0.0,
-            budget: EdgeBudget::Texels(1.0),
+            budget: EdgeBudget::Pixels(2.0),
             max_triangles: Self::MAX_TRIANGLES,
         }
     }
