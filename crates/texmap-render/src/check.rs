@@ -68,7 +68,7 @@ impl Scene {
         self.check_material_effects(material)
     }
 
-    fn check_slot(
+    pub(crate) fn check_slot(
         &self,
         slot: &TextureSlot,
         place: impl Fn() -> String,
@@ -155,6 +155,7 @@ impl Scene {
         let lit = material.shading == Shading::PerPixel;
         let textured = material.base_color.is_some()
             || material.opacity_map.is_some()
+            || material.decal.is_some()
             || lit && reads_uv(material);
         if lit && material.light_map.is_some() && mesh.lightmap_uvs.is_empty() {
             return Err(RenderError::MissingLightMapUv {

@@ -2,11 +2,13 @@
 
 use texmap_light::Light;
 use texmap_math::glam::DVec3;
+use texmap_sample::Pattern;
 
 use crate::check::{finite, index, unit_range};
 use crate::effects::{Relief, Shadow, SlideProjector, SlideRole};
 use crate::shadow::{encloses, shadow_kind};
-use crate::{Material, RenderError, Scene, Shading};
+use crate::solid::has_volume;
+use crate::{Backdrop, Material, RenderError, Scene, Shading, SolidSource};
 
 /// Most texels a side of a shadow map.
 const MOST: u32 = 16_384;
@@ -15,6 +17,25 @@ impl Scene {
     pub(crate) fn check_material_effects(&self, material: &Material) -> Result<(), RenderError> {
         let place = || format!("material '{}'", material.name);
         let environments = self.effects.environments.len();
+        if let Some(solid) = &material.solid {
+            if let SolidSource::Grid { grid, .. } = solid.source {
+                index(place, "grid", grid as u64, self.effects.grids.len())?;
+            }
+            if !has_volume(&solid.world_from_solid) {
+                return Err(RenderError::Value {
+                    place: place(),
+                    what: "placement of the solid texture".to_owned(),
+                    value: solid.world_from_solid.to_string(),
+                    expected: "it must be finite, and no side 0",
+                });
+            }
+            if let SolidSource::Pattern(
+                Pattern::Marble { turbulence: x, .. } | Pattern::Wood { grain: x },
+            ) = solid.source
+            {
+                finite(place, || "fold of the solid texture".to_owned(), &[x])?;
+            }
+        }
         if let Some(map) = material.specular_map {
             index(place, "specular map", map as u64, environments)?;
         }
@@ -59,6 +80,22 @@ impl Scene {
     pub(crate) fn check_effects(&self, warnings: &mut Vec<String>) -> Result<(), RenderError> {
         for shadow in &self.effects.shadows {
             self.check_shadow(shadow, warnings)?;
+        }
+        for (number, volume) in self.effects.volumes.iter().enumerate() {
+            volume.check(number, &self.effects)?;
+            if let Some(slot) = &volume.transfer {
+                self.check_slot(slot, || format!("volume {number}"))?;
+            }
+        }
+        match &self.effects.backdrop {
+            Some(Backdrop::Picture(slot)) => self.check_slot(slot, || "backdrop".to_owned())?,
+            Some(Backdrop::Environment(environment)) => index(
+                || "backdrop".to_owned(),
+                "environment",
+                *environment as u64,
+                self.effects.environments.len(),
+            )?,
+            None => {}
         }
         for (number, slide) in self.effects.projectors.iter().enumerate() {
             self.check_projector(number, slide)?;

@@ -47,10 +47,38 @@ impl Coordinates {
 /// A texture frame in camera space and the rays of a grid of samples.
 pub(crate) struct CameraFrame {
     magic: MagicVectors,
+    rays: Rays,
+}
+
+/// The rays of a grid of samples, camera space.
+#[derive(Clone, Copy)]
+pub(crate) struct Rays {
     /// Half the step of a ray from sample to sample.
     half_step: [f64; 2],
     /// Samples.
     size: [f64; 2],
+}
+
+impl Rays {
+    /// `half` is half the width and height of the picture at distance 1, `size` its samples.
+    pub(crate) fn new(half: [f64; 2], size: [f64; 2]) -> Self {
+        Self {
+            half_step: [half[0] / size[0], half[1] / size[1]],
+            size,
+        }
+    }
+
+    /// The ray through the centre of a sample, `off` samples beside it; z = -1.
+    pub(crate) fn through(&self, [x, y]: [u32; 2], off: [f64; 2]) -> DVec3 {
+        let right = 2.0 * f64::from(x) + 1.0 - self.size[0] + 2.0 * off[0];
+        let up = self.size[1] - 2.0 * f64::from(y) - 1.0 - 2.0 * off[1];
+        DVec3::new(right * self.half_step[0], up * self.half_step[1], -1.0)
+    }
+
+    /// From sample to sample across, at distance 1.
+    pub(crate) fn step(&self) -> f64 {
+        2.0 * self.half_step[0]
+    }
 }
 
 impl CameraFrame {
@@ -58,21 +86,19 @@ impl CameraFrame {
     pub(crate) fn new(frame: TextureFrame, half: [f64; 2], size: [f64; 2]) -> Self {
         Self {
             magic: frame.magic(),
-            half_step: [half[0] / size[0], half[1] / size[1]],
-            size,
+            rays: Rays::new(half, size),
         }
     }
 
     /// uv = (A.W / C.W, B.W / C.W) for the ray W through the sample's centre, and its analytic derivatives
     /// `du/dx = (A.W_x - u C.W_x) / C.W`. `None` where the ray never meets the frame's plane.
     pub(crate) fn uv(&self, x: u32, y: u32) -> Option<([f32; 2], Footprint)> {
-        let right = (2.0 * f64::from(x) + 1.0 - self.size[0]) * self.half_step[0];
-        let up = (self.size[1] - 2.0 * f64::from(y) - 1.0) * self.half_step[1];
-        let ray = DVec3::new(right, up, -1.0);
+        let ray = self.rays.through([x, y], [0.0; 2]);
         let uv = self.magic.uv(ray)?;
         let MagicVectors { a, b, c } = self.magic;
         let w = c.dot(ray);
-        let (dx, dy) = (2.0 * self.half_step[0], -2.0 * self.half_step[1]);
+        let [dx, dy] = self.rays.half_step.map(|half| 2.0 * half);
+        let dy = -dy;
         let footprint = Footprint {
             du_dx: ((a.x - uv.x * c.x) * dx / w) as f32,
             dv_dx: ((b.x - uv.y * c.x) * dx / w) as f32,

@@ -3,9 +3,9 @@
 use texmap_light::{Environment, Green, ShadowBias, SlideBorder};
 use texmap_math::Projector;
 use texmap_math::glam::DVec3;
-use texmap_sample::Sampler;
+use texmap_sample::{Sampler, Texture3d};
 
-use crate::TextureSlot;
+use crate::{Backdrop, TextureSlot, Volume};
 
 /// Effects of a whole scene. None costs anything where it is not named.
 #[derive(Clone, Debug, Default)]
@@ -16,6 +16,12 @@ pub struct Effects {
     pub projectors: Vec<SlideProjector>,
     /// Environments and specular maps that materials name by index.
     pub environments: Vec<Environment>,
+    /// Grids that solid textures and volumes name by index.
+    pub grids: Vec<Texture3d<'static>>,
+    /// Matter between the eye and the surfaces.
+    pub volumes: Vec<Volume>,
+    /// A sky.
+    pub backdrop: Option<Backdrop>,
 }
 
 /// A shadow map for a light. Read by surfaces that are lit per pixel.

@@ -122,7 +122,9 @@ impl RenderError {
             | RasterError::Tolerance { draw, .. } => Some(draw),
             _ => None,
         };
+        let first = usize::from(scene.effects.backdrop.is_some());
         let mesh = draw
+            .and_then(|draw| draw.checked_sub(first))
             .and_then(|draw| scene.meshes.get(draw))
             .map_or_else(|| "(all)".to_owned(), |mesh| mesh.name.clone());
         Self::Raster { mesh, error }

@@ -40,6 +40,7 @@
 //! ```
 #![forbid(unsafe_code)]
 
+mod backdrop;
 mod bake;
 mod billboard;
 mod block;
@@ -65,13 +66,16 @@ mod shade;
 mod shadow;
 mod shaped;
 mod skin;
+mod solid;
 mod texel;
 mod textures;
 mod tile;
 mod vertex_stage;
 mod vertices;
 mod views;
+mod volume;
 
+pub use backdrop::Backdrop;
 pub use bake::{BakeOptions, LightMap, bake};
 pub use billboard::{Billboard, Facing};
 pub use displace::{Displacement, EdgeBudget};
@@ -87,6 +91,8 @@ pub use scene::{
 pub use settings::{Aov, Settings, UnknownAov};
 pub use shadow::{shadow_bias, shadow_kind, shadow_map};
 pub use skin::{Bone, Skeleton, Skin, SkinBlend, turn};
+pub use solid::{Solid, SolidSource};
 pub use vertex_stage::MeshVertex;
 pub use vertices::world_normals;
 pub use views::environment_of;
+pub use volume::Volume;

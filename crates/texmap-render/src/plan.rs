@@ -4,16 +4,20 @@ use std::sync::Arc;
 
 use texmap_light::Light;
 use texmap_math::glam::DMat4;
-use texmap_raster::{AlphaTest, Draw, Fragment, Interp, Pass};
-use texmap_sample::Filter;
+use texmap_raster::{AlphaTest, DepthTest, Draw, Fragment, Interp, Pass};
+use texmap_sample::{Filter, Origin};
 
-use crate::coordinates::{CameraFrame, Coordinates};
+use crate::backdrop::{SkyStage, behind};
+use crate::coordinates::{CameraFrame, Coordinates, Rays};
 use crate::lit::{Ready, SurfaceEffects, reads_uv};
+use crate::solid::SolidStage;
 use crate::texel::TexelStage;
 use crate::textures::{Chains, Slot};
 use crate::vertices::{Values, VertexData, Vertices};
+use crate::volume::{VolumeStage, far_sides};
 use crate::{
-    AlphaMode, Aov, Gouraud, Material, Mesh, RenderError, Scene, Settings, Shading, TextureRole,
+    AlphaMode, Aov, Backdrop, Gouraud, Material, Mesh, RenderError, Scene, Settings, Shading,
+    TextureRole, TextureSlot,
 };
 
 /// All draws of one pass over a grid of samples.
@@ -31,6 +35,12 @@ pub(crate) struct Surface<'s> {
     pub(crate) material: &'s Material,
     pub(crate) base_color: Option<Slot<'s>>,
     pub(crate) opacity_map: Option<Slot<'s>>,
+    pub(crate) color_ramp: Option<Slot<'s>>,
+    pub(crate) light_ramp: Option<Slot<'s>>,
+    pub(crate) decal: Option<Slot<'s>>,
+    pub(crate) carved: Option<SolidStage<'s>>,
+    /// The only stage of what is no surface.
+    pub(crate) space: Option<Box<Space<'s>>>,
     pub(crate) uv: Coordinates,
     pub(crate) light: LightStage,
     /// What a surface lit per pixel is under beside plain lights.
@@ -48,10 +58,18 @@ pub(crate) struct Surface<'s> {
     /// `None` if nothing is cut out.
     cut: Option<Cut>,
     pub(crate) pass: Pass,
+    /// Instead of the scene's.
+    depth_test: Option<DepthTest>,
     vertices: VertexData<'s>,
     interp: Interp,
     interp_scale: f32,
     clip_from_object: DMat4,
+}
+
+/// What is seen along a ray rather than on a surface.
+pub(crate) enum Space<'s> {
+    Sky(SkyStage<'s>),
+    Volume(VolumeStage<'s>),
 }
 
 /// The lighting stage of a surface; numbers are attribute indices.
@@ -74,6 +92,45 @@ pub(crate) enum LightStage {
 enum Cut {
     Above(f32),
     AtLeast(f32),
+}
+
+impl<'s> Surface<'s> {
+    /// Triangles of no colour that blend.
+    pub(crate) fn bare(
+        mesh: &'s Mesh,
+        material: &'s Material,
+        vertices: VertexData<'s>,
+        clip_from_object: DMat4,
+        depth_test: DepthTest,
+    ) -> Self {
+        Self {
+            mesh,
+            material,
+            base_color: None,
+            opacity_map: None,
+            color_ramp: None,
+            light_ramp: None,
+            decal: None,
+            carved: None,
+            space: None,
+            uv: Coordinates::None,
+            light: LightStage::None,
+            effects: None,
+            color: None,
+            normal: None,
+            position: None,
+            shaded: vertices.attribute_count,
+            solid: false,
+            texel: None,
+            cut: None,
+            pass: Pass::Blended,
+            depth_test: Some(depth_test),
+            vertices,
+            interp: Interp::Perspective,
+            interp_scale: 1.0,
+            clip_from_object,
+        }
+    }
 }
 
 impl Surface<'_> {
@@ -124,11 +181,24 @@ impl<'s> Plan<'s> {
             half: [1.0 / projection.x_axis.x, 1.0 / projection.y_axis.y],
             size: [f64::from(width), f64::from(height)],
         };
-        let surfaces = scene
-            .meshes
-            .iter()
-            .map(|mesh| surface(scene, settings, chains, ready, &view, mesh, aovs))
-            .collect();
+        let mut surfaces = Vec::with_capacity(scene.meshes.len());
+        surfaces.extend(sky(scene, settings, chains, &view));
+        for mesh in &scene.meshes {
+            surfaces.push(surface(scene, settings, chains, ready, &view, mesh, aovs));
+        }
+        for volume in &scene.effects.volumes {
+            let transfer = volume
+                .transfer
+                .as_ref()
+                .map(|slot| (&scene.textures[slot.texture], &slot.sampler));
+            let rays = Rays::new(view.half, view.size);
+            let to_view = view.view_from_world;
+            let stage = VolumeStage::new(volume, scene, transfer, rays, to_view, projection)?;
+            surfaces.push(Surface {
+                space: Some(Box::new(Space::Volume(stage))),
+                ..far_sides(volume, view.clip_from_world)
+            });
+        }
         let eye = scene.camera.eye.to_array().map(|x| x as f32);
         Ok(Self {
             surfaces,
@@ -152,7 +222,7 @@ impl<'s> Plan<'s> {
                 interp: s.interp,
                 interp_scale: s.interp_scale,
                 cull: s.material.cull,
-                depth_test: scene.depth_test,
+                depth_test: s.depth_test.unwrap_or(scene.depth_test),
                 depth_write: true,
                 pass: s.pass,
             })
@@ -167,6 +237,33 @@ struct View {
     half: [f64; 2],
     /// Samples.
     size: [f64; 2],
+}
+
+/// The backdrop.
+fn sky<'s>(
+    scene: &'s Scene,
+    settings: &Settings,
+    chains: &Chains,
+    view: &View,
+) -> Option<Surface<'s>> {
+    let mut surface = behind();
+    match scene.effects.backdrop.as_ref()? {
+        Backdrop::Picture(slot) => {
+            let slot = Slot::new(slot, scene, settings, chains, Origin::TopLeft);
+            surface.solid = !slot.can_be_transparent();
+            surface.texel = TexelStage::new(surface.material, Some(&slot), scene.color);
+            surface.uv = Coordinates::Vertices;
+            surface.base_color = Some(slot);
+        }
+        Backdrop::Environment(index) => {
+            let environment = &scene.effects.environments[*index];
+            let rays = Rays::new(view.half, view.size);
+            let stage = SkyStage::new(environment, rays, view.view_from_world);
+            surface.space = Some(Box::new(Space::Sky(stage)));
+            surface.shaded = 0;
+        }
+    }
+    Some(surface)
 }
 
 fn surface<'s>(
@@ -187,6 +284,16 @@ fn surface<'s>(
         .opacity_map
         .as_ref()
         .filter(|_| material.alpha != AlphaMode::Opaque)
+        .map(|s| Slot::new(s, scene, settings, chains, mesh.uv_origin));
+    let ramp = |slot: &'s Option<TextureSlot>| {
+        let slot = slot.as_ref();
+        slot.map(|s| Slot::ramp(s, scene, chains))
+    };
+    let colored = material.solid.is_some() || base_color.is_some();
+    let color_ramp = ramp(&material.color_ramp).filter(|_| colored);
+    let decal = material
+        .decal
+        .as_ref()
         .map(|s| Slot::new(s, scene, settings, chains, mesh.uv_origin));
     let clear_texels = base_color.as_ref().is_some_and(Slot::can_be_transparent);
     let has_alpha = material.opacity < 1.0 || opacity_map.is_some() || clear_texels;
@@ -218,6 +325,7 @@ fn surface<'s>(
     let mut vertices = Vertices::default();
     let textured = base_color.is_some()
         || opacity_map.is_some()
+        || decal.is_some()
         || material.shading == Shading::PerPixel && reads_uv(material);
 
     let mut position = None;
@@ -245,7 +353,10 @@ fn surface<'s>(
         _ => Coordinates::None,
     };
     let screen = material.gouraud == Gouraud::ScreenLinear;
-    let light = light_stage(material, shows_surface, base_color.is_some(), &mut vertices);
+    let covered = base_color.is_some() && material.texture_role == TextureRole::Decal;
+    let varies = base_color.is_some() || material.solid.is_some() || decal.is_some();
+    let light = light_stage(material, shows_surface, varies && !covered, &mut vertices);
+    let light_ramp = ramp(&material.light_ramp);
     let at_vertices = matches!(light, LightStage::Colors(_) | LightStage::Terms { .. });
     let tinted = shows_surface && !mesh.colors.is_empty() && !at_vertices;
     let color = tinted.then(|| vertices.push(Values::Color, screen));
@@ -256,9 +367,13 @@ fn surface<'s>(
     let by_place =
         effects.is_some() || per_pixel && lights_depend_on_place(&scene.lights, material);
     let mut normal = per_pixel.then(|| vertices.push(Values::Normal, false));
-    if position.is_none() && by_place {
+    let carved = material.solid.as_ref().filter(|_| shows_surface);
+    if position.is_none() && (by_place || carved.is_some()) {
         position = Some(vertices.push(Values::Position, false));
     }
+    let carved = carved
+        .zip(position)
+        .map(|(solid, first)| SolidStage::new(solid, &scene.effects, first));
     let shaded = vertices.attribute_count();
     if normal.is_none() && aovs.contains(&Aov::Normal) {
         normal = Some(vertices.push(Values::Normal, false));
@@ -268,7 +383,8 @@ fn surface<'s>(
     }
     let at_a_vertex = matches!(uv, Coordinates::Vertices) || base_color.is_none();
     let unlit = matches!(light, LightStage::None) && color.is_none() && opacity_map.is_none();
-    let texel = (at_a_vertex && unlit)
+    let plain = !material.crisp && color_ramp.is_none() && decal.is_none() && carved.is_none();
+    let texel = (at_a_vertex && unlit && plain)
         .then(|| TexelStage::new(material, base_color.as_ref(), scene.color))
         .flatten();
 
@@ -279,6 +395,11 @@ fn surface<'s>(
     Surface {
         mesh,
         material,
+        color_ramp,
+        light_ramp,
+        decal,
+        carved,
+        space: None,
         uv,
         light,
         effects,
@@ -290,6 +411,7 @@ fn surface<'s>(
         texel,
         cut,
         pass,
+        depth_test: None,
         interp,
         interp_scale: width.max(height) as f32,
         clip_from_object: view.clip_from_world * mesh.world_from_object,
@@ -309,7 +431,7 @@ fn light_stage(
     match material.shading {
         Shading::PerPixel if shows_surface => LightStage::PerPixel,
         // A texel multiplies the diffuse term only; without one, colours are finished at the vertices.
-        Shading::PerVertex if has_texel && material.texture_role == TextureRole::Modulate => {
+        Shading::PerVertex if has_texel => {
             let diffuse = vertices.push(Values::Diffuse, screen);
             let shiny = material.surface.ks > 0.0;
             let highlight = shiny.then(|| vertices.push(Values::Highlight, screen));

@@ -6,6 +6,7 @@ use texmap_raster::{Cull, DepthTest, Interp};
 use texmap_sample::{Origin, Sampler, Texture2d, UvTransform};
 use texmap_uv::{PixelMapping, Projection};
 
+use crate::Solid;
 use crate::billboard::Billboard;
 use crate::displace::Displacement;
 use crate::effects::{Effects, LightMapSlot, Reflection, Relief, SurfaceMaps};
@@ -61,6 +62,19 @@ pub struct Material {
     pub base_color: Option<TextureSlot>,
     /// Opacity from the alpha of a texture, or from its red channel if it has no alpha.
     pub opacity_map: Option<TextureSlot>,
+    /// The base colour's alpha is an outline: cut at a half, with one pixel of coverage at its edge, however far it is
+    /// magnified (Green 2007, for alpha that falls evenly across the edge). For text and signs.
+    pub crisp: bool,
+    /// A texture that fills space; multiplies the surface colour.
+    pub solid: Option<Solid>,
+    /// A row of texels along which the first channel of `solid`, else of `base_color`, is looked up: its colour takes the
+    /// place of theirs. A dependent look-up.
+    pub color_ramp: Option<TextureSlot>,
+    /// A row of texels along which the diffuse light is looked up by its luminance: bands of cel shading. Highlights stay.
+    pub light_ramp: Option<TextureSlot>,
+    /// A label over the base colour, as its alpha says, under the light. Same coordinates; clamped to a clear border it is
+    /// there once.
+    pub decal: Option<TextureSlot>,
     /// What the texel does to the surface colour.
     pub texture_role: TextureRole,
     /// Where light is computed.
@@ -97,6 +111,11 @@ impl Default for Material {
             opacity: 1.0,
             base_color: None,
             opacity_map: None,
+            crisp: false,
+            solid: None,
+            color_ramp: None,
+            light_ramp: None,
+            decal: None,
             texture_role: TextureRole::Modulate,
             shading: Shading::PerPixel,
             alpha: AlphaMode::Opaque,
@@ -123,6 +142,9 @@ impl Material {
         self.base_color
             .iter()
             .chain(&self.opacity_map)
+            .chain(&self.color_ramp)
+            .chain(&self.light_ramp)
+            .chain(&self.decal)
             .chain(
                 [
                     &maps.ambient,

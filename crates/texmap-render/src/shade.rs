@@ -3,14 +3,16 @@
 
 use texmap_light::{Terms, terms_slice};
 use texmap_math::{Footprint, Level};
-use texmap_raster::{Cull, Fragment, NONE, Prepared, RunBlock, RunValues, Tile, TileBlocks};
+use texmap_raster::{
+    Column, Cull, Fragment, NONE, Prepared, RunBlock, RunValues, Tile, TileBlocks,
+};
 use texmap_sample::sample_slice;
 use texmap_uv::PixelMapping;
 
 use crate::canvas::{Colors, LANES, bits, straight};
 use crate::coordinates::Coordinates;
 use crate::lit::{Sample, SurfaceEffects};
-use crate::plan::{LightStage, Plan, Surface};
+use crate::plan::{LightStage, Plan, Space, Surface};
 use crate::texel::clip;
 use crate::textures::Slot;
 use crate::{AlphaMode, TextureRole};
@@ -33,8 +35,22 @@ impl Run<'_> {
         }
     }
 
+    /// The sample of a place.
+    pub(crate) fn pixel(&self, at: RunBlock, bit: usize) -> [u32; 2] {
+        let (x, y) = (at.block as usize % 16 * 4, at.block as usize / 16 * 4);
+        [
+            self.tile.x0 + (x + bit % 4) as u32,
+            self.tile.y0 + (y + bit / 4) as u32,
+        ]
+    }
+
+    /// Reversed depth of what is solid at a place.
+    pub(crate) fn depth(&self, at: RunBlock, bit: usize) -> f32 {
+        self.blocks.depth[at.block as usize * LANES + bit]
+    }
+
     /// Places of the run that hold a pixel, with the block and the bit of each.
-    fn places(&self) -> impl Iterator<Item = (usize, RunBlock, usize)> {
+    pub(crate) fn places(&self) -> impl Iterator<Item = (usize, RunBlock, usize)> {
         self.run
             .iter()
             .enumerate()
@@ -55,6 +71,8 @@ pub(crate) struct Stages {
     footprint: Vec<Footprint>,
     texel: Vec<[f32; 4]>,
     mask: Vec<[f32; 4]>,
+    decal: Vec<[f32; 4]>,
+    carved: Vec<[f32; 4]>,
     color: Vec<[f32; 3]>,
     normal: Vec<[f32; 3]>,
     position: Vec<[f32; 3]>,
@@ -74,6 +92,11 @@ impl Stages {
         run: &Run<'_>,
         out: &mut Colors,
     ) {
+        match surface.space.as_deref() {
+            Some(Space::Sky(stage)) => return stage.shade(run, out),
+            Some(Space::Volume(stage)) => return stage.shade(run, out),
+            None => {}
+        }
         self.interpolate(plan.level, surface, run);
         if let Some(slot) = &surface.base_color {
             look_up(
@@ -93,6 +116,16 @@ impl Stages {
                 &mut self.mask,
             );
         }
+        if let Some(slot) = &surface.decal {
+            look_up(
+                plan,
+                slot,
+                &self.uv,
+                (&mut self.u, &mut self.v, &mut self.footprint),
+                &mut self.decal,
+            );
+        }
+        self.color_texels(surface, run);
         if let Some(effects) = &surface.effects {
             self.under_effects(plan, surface, effects, run);
         } else if matches!(surface.light, LightStage::PerPixel) {
@@ -109,6 +142,14 @@ impl Stages {
                 &mut self.terms,
             )
             .expect("the stage buffers have one length");
+        }
+        if let Some(ramp) = &surface.light_ramp {
+            for terms in &mut self.terms {
+                let [r, g, b] = terms.diffuse;
+                // Rec. 709.
+                let light = 0.2126 * r + 0.7152 * g + 0.0722 * b;
+                terms.diffuse = straight(ramp.along(light));
+            }
         }
         for (i, (place, _, _)) in run.places().enumerate() {
             for (column, value) in out.0.iter_mut().zip(self.compose(surface, i)) {
@@ -139,9 +180,7 @@ impl Stages {
             }
             Coordinates::Frame(frame) => {
                 self.uv.extend(run.places().map(|(_, at, bit)| {
-                    let (x, y) = (at.block as usize % 16 * 4, at.block as usize / 16 * 4);
-                    let x = run.tile.x0 + (x + bit % 4) as u32;
-                    let y = run.tile.y0 + (y + bit / 4) as u32;
+                    let [x, y] = run.pixel(at, bit);
                     frame.uv(x, y).unwrap_or_default()
                 }));
             }
@@ -179,6 +218,37 @@ impl Stages {
             if let Some(first) = surface.position.filter(read) {
                 let positions = run.places().map(|(i, ..)| run.three(first, i));
                 self.position.extend(positions);
+            }
+        }
+    }
+
+    /// Outlines, ramps and solid colours.
+    fn color_texels(&mut self, surface: &Surface<'_>, run: &Run<'_>) {
+        if let Some(stage) = &surface.carved {
+            self.carved.clear();
+            let columns = &run.values.columns[stage.position..stage.position + 3];
+            self.carved.extend(run.places().map(|(i, ..)| {
+                let of = |pick: fn(&Column) -> &[f32]| [0, 1, 2].map(|k| pick(&columns[k])[i]);
+                let color = stage.color(of(|c| &c.value), of(|c| &c.ddx), of(|c| &c.ddy));
+                match &surface.color_ramp {
+                    Some(ramp) => ramp.along(color[0]),
+                    None => color,
+                }
+            }));
+        }
+        let Some(slot) = &surface.base_color else {
+            return;
+        };
+        if let (Some(ramp), None) = (&surface.color_ramp, &surface.carved) {
+            for (texel, (uv, d)) in self.texel.iter_mut().zip(&self.uv) {
+                let keep = texel[3];
+                *texel = slot.dependent(*uv, *d, ramp).map(|c| c * keep);
+            }
+        }
+        if surface.material.crisp {
+            for (texel, (uv, d)) in self.texel.iter_mut().zip(&self.uv) {
+                let alpha = slot.outline(*uv, *d, texel[3]);
+                *texel = with_alpha(straight(*texel), alpha);
             }
         }
     }
@@ -248,7 +318,11 @@ impl Stages {
             .as_ref()
             .map_or(1.0, |slot| slot.opacity(self.mask[i]));
         let veil = material.opacity * mask;
+        let label = surface.decal.as_ref().map(|_| self.decal[i]);
         if surface.base_color.is_some() && material.texture_role == TextureRole::Decal {
+            if let Some(label) = label {
+                texel = [0, 1, 2, 3].map(|k| label[k] + (1.0 - label[3]) * texel[k]);
+            }
             let [r, g, b, alpha] = texel;
             return match material.alpha {
                 AlphaMode::Opaque if alpha < 1.0 => {
@@ -263,7 +337,15 @@ impl Stages {
         }
         let [r, g, b] = material.surface.color;
         let [tr, tg, tb] = straight(texel);
-        let lit = self.light(surface, i, [r * tr, g * tg, b * tb]);
+        let mut base = [r * tr, g * tg, b * tb];
+        if surface.carved.is_some() {
+            let color = straight(self.carved[i]);
+            base = [0, 1, 2].map(|k| base[k] * color[k]);
+        }
+        if let Some(label) = label {
+            base = [0, 1, 2].map(|k| label[k] + (1.0 - label[3]) * base[k]);
+        }
+        let lit = self.light(surface, i, base);
         let alpha = if material.alpha == AlphaMode::Blend {
             texel[3] * veil
         } else {

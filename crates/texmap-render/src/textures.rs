@@ -6,7 +6,7 @@ use texmap_math::Footprint;
 use texmap_raster::RunValues;
 use texmap_sample::{Filter, Mip, Origin, Sampler, Texture2d, UvTransform, Wrap};
 
-use crate::{Scene, Settings, TextureSlot};
+use crate::{Backdrop, Scene, Settings, TextureSlot};
 
 /// Mip chains by texture, built once for both passes and only where a sampler reads them.
 pub(crate) struct Chains(pub(crate) Vec<Option<Texture2d<'static>>>);
@@ -14,15 +14,18 @@ pub(crate) struct Chains(pub(crate) Vec<Option<Texture2d<'static>>>);
 impl Chains {
     pub(crate) fn new(scene: &Scene, settings: &Settings) -> Self {
         let mut chains = vec![None; scene.textures.len()];
-        for mesh in &scene.meshes {
-            let material = &scene.materials[mesh.material];
-            for slot in material.slots() {
-                let texture = &scene.textures[slot.texture];
-                let filter = settings.filter.unwrap_or(slot.sampler.filter);
-                let chain = &mut chains[slot.texture];
-                if reads_mips(filter) && texture.levels() == 1 && chain.is_none() {
-                    *chain = Some(texture.clone().with_mips());
-                }
+        let backdrop = match &scene.effects.backdrop {
+            Some(Backdrop::Picture(slot)) => Some(slot),
+            _ => None,
+        };
+        let meshes = scene.meshes.iter();
+        let slots = meshes.flat_map(|mesh| scene.materials[mesh.material].slots());
+        for slot in slots.chain(backdrop) {
+            let texture = &scene.textures[slot.texture];
+            let filter = settings.filter.unwrap_or(slot.sampler.filter);
+            let chain = &mut chains[slot.texture];
+            if reads_mips(filter) && texture.levels() == 1 && chain.is_none() {
+                *chain = Some(texture.clone().with_mips());
             }
         }
         Self(chains)
@@ -96,6 +99,42 @@ impl Slot<'_> {
         self.sampler.sample_grad(&self.texture, uv, d)
     }
 
+    /// The texel of a ramp at 0 to 1 along it: linear, premultiplied.
+    pub(crate) fn along(&self, place: f32) -> [f32; 4] {
+        self.sampler.sample_lod(&self.texture, [place, 0.5], 0.0)
+    }
+
+    /// The texel of a ramp where the first channel of this texture points, by the change of both.
+    pub(crate) fn dependent(&self, uv: [f32; 2], d: Footprint, ramp: &Slot<'_>) -> [f32; 4] {
+        let (uv, d) = self.place(uv, d);
+        let (sampler, texture) = (&ramp.sampler, &ramp.texture);
+        self.sampler
+            .sample_dependent(&self.texture, uv, d, sampler, texture)
+    }
+
+    /// How much of a pixel lies inside of the outline where alpha is a half: alpha over its change from pixel to pixel.
+    /// `alpha` is what the filter gave; where a pixel sees several texels it is the coverage already.
+    pub(crate) fn outline(&self, uv: [f32; 2], d: Footprint, alpha: f32) -> f32 {
+        let (uv, d) = self.place(uv, d);
+        let lod = self.sampler.lod(&self.texture, d);
+        if lod > 0.0 {
+            return alpha;
+        }
+        let [value, du, dv] = self.sampler.sample_slope(&self.texture, uv, 0.0);
+        let dx = du[3] * d.du_dx + dv[3] * d.dv_dx;
+        let dy = du[3] * d.du_dy + dv[3] * d.dv_dy;
+        let change = (dx * dx + dy * dy).sqrt();
+        let change = if change < 1.0 { change } else { 1.0 };
+        let inside = value[3] - 0.5;
+        if inside >= 0.5 * change {
+            1.0
+        } else if inside <= -0.5 * change {
+            0.0
+        } else {
+            inside / change + 0.5
+        }
+    }
+
     /// What an opacity map says by this texel.
     pub(crate) fn opacity(&self, texel: [f32; 4]) -> f32 {
         if self.texture.has_alpha() {
@@ -125,6 +164,23 @@ impl<'s> Slot<'s> {
         if let Some(wrap) = settings.wrap {
             (sampler.to_mut().wrap_u, sampler.to_mut().wrap_v) = (wrap, wrap);
         }
+        Self::with_sampler(texture, sampler, slot)
+    }
+
+    /// A ramp: no override of the settings reaches it.
+    pub(crate) fn ramp(slot: &'s TextureSlot, scene: &'s Scene, chains: &Chains) -> Self {
+        let texture = chains.0[slot.texture]
+            .as_ref()
+            .unwrap_or(&scene.textures[slot.texture]);
+        let texture = texture.clone().with_origin(Origin::TopLeft);
+        Self::with_sampler(texture, Cow::Borrowed(&slot.sampler), slot)
+    }
+
+    fn with_sampler(
+        texture: Texture2d<'static>,
+        sampler: Cow<'s, Sampler>,
+        slot: &TextureSlot,
+    ) -> Self {
         let transform = (slot.transform != UvTransform::default()).then(|| slot.transform.rows());
         Self {
             texture,

@@ -62,6 +62,19 @@ pub(crate) struct VertexData<'s> {
     pub(crate) screen_linear: u32,
 }
 
+impl<'s> VertexData<'s> {
+    /// A mesh as it is, with attributes as they are.
+    pub(crate) fn of(mesh: &'s Mesh, attributes: Vec<f32>, attribute_count: usize) -> Self {
+        Self {
+            positions: Cow::Borrowed(&mesh.positions),
+            triangles: Cow::Borrowed(&mesh.triangles),
+            attributes,
+            attribute_count,
+            screen_linear: 0,
+        }
+    }
+}
+
 impl Vertices {
     /// Adds a group and returns the index of its first attribute.
     pub(crate) fn push(&mut self, values: Values, screen_linear: bool) -> usize {
