@@ -2,11 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
-use texmap_sample::{ColorSpace, Origin, Texture2d};
+use texmap_sample::{Alpha, ColorSpace, Image, Origin, Texels, Texture2d, Texture3d};
 
-use crate::image_io;
 use crate::scene_file::Missing;
 use crate::{IoError, Place};
+use crate::{grids, image_io};
 
 /// What a map holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -29,6 +29,7 @@ pub(crate) struct MapFile {
 #[derive(Debug, Default)]
 pub(crate) struct Textures {
     pub(crate) textures: Vec<Texture2d<'static>>,
+    pub(crate) grids: Vec<Texture3d<'static>>,
     pub(crate) warnings: Vec<String>,
     /// In the order of their first mention.
     pub(crate) files: Vec<MapFile>,
@@ -37,6 +38,9 @@ pub(crate) struct Textures {
     /// Every fault is only noted in `files` (for reports on files).
     pub(crate) tolerant: bool,
     loaded: Vec<(PathBuf, Content, usize)>,
+    loaded_grids: Vec<(PathBuf, usize)>,
+    /// Textures that no file holds.
+    made: Vec<(&'static str, usize)>,
 }
 
 impl Textures {
@@ -82,6 +86,54 @@ impl Textures {
         self.textures.push(texture.with_mips());
         let index = self.textures.len() - 1;
         self.loaded.push((path.to_path_buf(), content, index));
+        Ok(index)
+    }
+
+    /// Index of a texture that no file holds, made once.
+    pub(crate) fn made(
+        &mut self,
+        name: &'static str,
+        make: impl FnOnce() -> Texture2d<'static>,
+    ) -> usize {
+        if let Some((_, index)) = self.made.iter().find(|(known, _)| *known == name) {
+            return *index;
+        }
+        self.textures.push(make());
+        let index = self.textures.len() - 1;
+        self.made.push((name, index));
+        index
+    }
+
+    /// Index of the grid of a file.
+    pub(crate) fn grid(
+        &mut self,
+        path: &Path,
+        place: &Place,
+        missing: Missing,
+    ) -> Result<usize, IoError> {
+        if let Some((_, index)) = self.loaded_grids.iter().find(|(p, _)| p == path) {
+            return Ok(*index);
+        }
+        let grid = match grids::read_named(path, Some(place)) {
+            Ok(grid) => {
+                let [width, height, _] = grid.level_size(0).unwrap_or_default();
+                self.note(path, place, Ok((width, height, 0)));
+                grid
+            }
+            Err(error) => {
+                let absent = matches!(error, IoError::FileMissing { .. });
+                if !(self.tolerant || absent && missing == Missing::Warn) {
+                    return Err(error);
+                }
+                self.note(path, place, Err(error.to_string()));
+                self.warnings
+                    .push(format!("{error}: a magenta and black checker stands in"));
+                stand_in_grid()
+            }
+        };
+        self.grids.push(grid);
+        let index = self.grids.len() - 1;
+        self.loaded_grids.push((path.to_path_buf(), index));
         Ok(index)
     }
 
@@ -132,4 +184,22 @@ fn stand_in() -> Texture2d<'static> {
     let texels = (0..SIDE * SIDE).flat_map(texel).collect();
     Texture2d::from_rgba8(SIDE, SIDE, texels, ColorSpace::Srgb, Origin::TopLeft)
         .expect("64 texels of 4 bytes make an 8 x 8 texture")
+}
+
+fn stand_in_grid() -> Texture3d<'static> {
+    let voxel = |i: u32| match (i % 2 + i / 2 % 2 + i / 4) % 2 {
+        0 => [255, 0, 255],
+        _ => [0; 3],
+    };
+    let texels: Vec<u8> = (0..8).flat_map(voxel).collect();
+    let slices = Image {
+        width: 2,
+        height: 2,
+        channels: 3,
+        texels: Texels::U8(&texels),
+        color: ColorSpace::Linear,
+        alpha: Alpha::Straight,
+        origin: Origin::TopLeft,
+    };
+    Texture3d::new(2, &slices).expect("8 voxels of 3 bytes make a 2 x 2 x 2 grid")
 }

@@ -9,6 +9,7 @@ use texmap_render::{AlphaMode, Material, Mesh, Scene};
 use texmap_sample::Origin;
 use texmap_uv::{PixelMapping, UvError};
 
+use super::classics;
 use super::effects;
 use super::facets::{Facet, Facets};
 use super::settings::{CurrentTexture, Settings, light};
@@ -53,6 +54,7 @@ impl Builder {
             });
         }
         self.scene.textures.clone_from(&self.textures.textures);
+        self.scene.effects.grids.clone_from(&self.textures.grids);
         self.scene.warnings.append(&mut self.textures.warnings);
         Ok((self.scene, self.textures))
     }
@@ -154,6 +156,14 @@ impl Builder {
                 self.facet(facets, place, material, &corners, frame, false);
             }
             Command::Obj(name) => self.obj(name, place)?,
+            Command::Classic(classic) => classics::statement(
+                classic,
+                place,
+                &mut self.scene,
+                &mut self.textures,
+                &mut self.settings,
+                &mut self.environments,
+            )?,
             Command::Effect(effect) => effects::statement(
                 effect,
                 place,
@@ -399,6 +409,10 @@ impl Builder {
         let material = self
             .settings
             .effects
+            .apply(&self.settings, &self.scene, material);
+        let material = self
+            .settings
+            .classics
             .apply(&self.settings, &self.scene, material);
         let materials = &mut self.scene.materials;
         // Faces of one kind follow each other, so the end is the place to look first.

@@ -231,7 +231,7 @@ fn projector(
 const BLURRED: u32 = 32;
 const GATHERED: u32 = 48;
 
-fn environment(
+pub(super) fn environment(
     scene: &mut Scene,
     known: &mut Known,
     path: &std::path::Path,

@@ -9,6 +9,7 @@ use texmap_render::{AlphaMode, ColorMode, Gouraud, Material, Shading, TextureRol
 use texmap_sample::{Filter, Sampler, UvTransform, Wrap};
 use texmap_uv::PixelMapping;
 
+use super::classics::ClassicSettings;
 use super::effects::EffectSettings;
 use crate::scene_file::{Alpha, Missing, Rate, Role, Surf};
 
@@ -33,6 +34,7 @@ pub(super) struct Settings {
     pub(super) missing: Missing,
     pub(super) transform: DMat4,
     pub(super) effects: EffectSettings,
+    pub(super) classics: ClassicSettings,
 }
 
 /// The texture of the last `texture` line.
@@ -62,12 +64,13 @@ impl Default for Settings {
             missing: Missing::Error,
             transform: DMat4::IDENTITY,
             effects: EffectSettings::default(),
+            classics: ClassicSettings::default(),
         }
     }
 }
 
 /// What a texel multiplies where no `surf` line says otherwise: white, without a highlight.
-const WHITE: Surf = Surf {
+pub(super) const WHITE: Surf = Surf {
     color: [1.0; 3],
     ka: 1.0,
     kd: 1.0,

@@ -144,11 +144,11 @@ pub(super) fn parse(args: &Args<'_>) -> Result<Option<Effect>, IoError> {
     }))
 }
 
-fn none(args: &Args<'_>) -> bool {
+pub(super) fn none(args: &Args<'_>) -> bool {
     args.text(0) == "none" && !args.quoted(0)
 }
 
-fn file(args: &Args<'_>) -> Result<Option<String>, IoError> {
+pub(super) fn file(args: &Args<'_>) -> Result<Option<String>, IoError> {
     args.check(0, !args.text(0).is_empty(), "a file name that is not empty")?;
     Ok((!none(args)).then(|| args.text(0).to_owned()))
 }
@@ -269,14 +269,15 @@ fn projector(args: &Args<'_>) -> Result<Effect, IoError> {
     Ok(Effect::Projector(Box::new(line)))
 }
 
+pub(super) const CHARTS: &str =
+    "cube, tan-cube, lat-long, octahedron, equal-area-octahedron, dual-paraboloid, sphere-map";
+
 fn chart_line(
     args: &Args<'_>,
     expected: &'static str,
     allowed: &'static str,
     valid: impl Fn(f32) -> bool,
 ) -> Result<Option<(String, Chart, f32)>, IoError> {
-    const CHARTS: &str =
-        "cube, tan-cube, lat-long, octahedron, equal-area-octahedron, dual-paraboloid, sphere-map";
     if args.len() == 1 && none(args) {
         return Ok(None);
     }

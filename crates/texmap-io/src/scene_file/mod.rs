@@ -8,6 +8,7 @@
 //! [`crate::load_scene`] then reads the files it names and makes the scene.
 
 mod args;
+mod classics;
 mod effects;
 mod parse;
 mod print;
@@ -19,6 +20,7 @@ use texmap_render::{ColorMode, Gouraud};
 use texmap_sample::{Filter, Wrap};
 use texmap_uv::Round;
 
+pub use classics::{Classic, SolidLine, SolidSource};
 pub use effects::{Bias, Effect, NormalMapLine, ProjectorLine};
 pub use parse::{COMMANDS, parse};
 pub use print::print;
@@ -176,6 +178,8 @@ pub enum Command {
     Include(String),
     /// A line about light: see [`Effect`].
     Effect(Effect),
+    /// A line about solid textures, ramps, decals, words, skies and volumes: see [`Classic`].
+    Classic(Classic),
 }
 
 /// `surf r g b ka kd ks ns`.

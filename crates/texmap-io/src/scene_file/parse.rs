@@ -9,6 +9,7 @@ use texmap_render::{ColorMode, Gouraud};
 use texmap_uv::Round;
 
 use super::args::Args;
+use super::classics;
 use super::effects;
 use super::token::{self, Token};
 use super::{
@@ -65,7 +66,7 @@ pub fn parse(file: &Path, text: &str) -> Result<SceneFile, IoError> {
 }
 
 /// The word of every command.
-pub const COMMANDS: [&str; 45] = [
+pub const COMMANDS: [&str; 53] = [
     "eye",
     "look",
     "up",
@@ -111,6 +112,14 @@ pub const COMMANDS: [&str; 45] = [
     "lightmapuv",
     "bump",
     "normalmap",
+    "solid",
+    "ramp",
+    "cel",
+    "decal",
+    "font",
+    "text",
+    "sky",
+    "volume",
 ];
 
 struct Parser {
@@ -146,6 +155,9 @@ impl Parser {
     fn command(&self, args: &Args<'_>) -> Result<Command, IoError> {
         if let Some(effect) = effects::parse(args)? {
             return Ok(Command::Effect(effect));
+        }
+        if let Some(classic) = classics::parse(args)? {
+            return Ok(Command::Classic(classic));
         }
         Ok(match args.command {
             "eye" => Command::Eye(args.point()?),
@@ -473,6 +485,7 @@ impl Command {
             Self::Obj(_) => "obj",
             Self::Include(_) => "include",
             Self::Effect(effect) => effect.word(),
+            Self::Classic(classic) => classic.word(),
         }
     }
 }

@@ -4,6 +4,7 @@ use std::fmt::Write;
 
 use texmap_render::{ColorMode, Gouraud};
 
+use super::classics;
 use super::effects;
 use super::{Alpha, Command, Missing, Rate, Role, SceneFile, words};
 
@@ -118,6 +119,7 @@ fn line(out: &mut String, command: &Command) {
         Command::Missing(Missing::Error) => word(out, "error"),
         Command::Missing(Missing::Warn) => word(out, "warn"),
         Command::Effect(effect) => effects::print(out, effect),
+        Command::Classic(classic) => classics::print(out, classic),
         Command::Push | Command::Pop => {}
     }
 }
@@ -136,7 +138,7 @@ pub(super) fn texture_name(out: &mut String, name: &str) {
     }
 }
 
-fn path(out: &mut String, name: &str) {
+pub(super) fn path(out: &mut String, name: &str) {
     let plain = !name.is_empty() && !name.contains(|c: char| c.is_whitespace() || c == '#');
     let _ = if plain {
         write!(out, " {name}")

@@ -1,0 +1,113 @@
+//! Grids of voxels from `.npy` arrays.
+
+use std::path::Path;
+
+use texmap_sample::{Alpha, ColorSpace, Image, Origin, SampleError, Texels, Texture3d};
+
+use crate::npy::{self, Data};
+use crate::{IoError, Place, files};
+
+/// Reads a three-dimensional texture, with its mip chain: an array of shape (D, H, W), or (D, H, W, C) with 1 to 4 channels, of
+/// u8, u16 or f32 (f64 is rounded). The first axis is the slice, from w = 0; the second the row, from v = 0; the third the
+/// column, from u = 0. Values are taken as they are, integers as shares of their largest.
+///
+/// # Errors
+/// File errors; [`IoError::BrokenArray`] for another shape or type, an axis of length 0, and a voxel that is not finite, by name.
+pub fn read_grid(path: &Path) -> Result<Texture3d<'static>, IoError> {
+    read_named(path, None)
+}
+
+pub(crate) fn read_named(path: &Path, by: Option<&Place>) -> Result<Texture3d<'static>, IoError> {
+    files::regular(path, by)?;
+    let array = npy::read(path)?;
+    let broken = |problem: String| IoError::BrokenArray {
+        path: path.to_path_buf(),
+        problem,
+    };
+    let (depth, height, width, channels) = match *array.shape {
+        [d, h, w] => (d, h, w, 1),
+        [d, h, w, c] => (d, h, w, c),
+        _ => {
+            return Err(broken(format!(
+                "shape {:?}: a grid is (slices, rows, columns), or that and 1 to 4 channels",
+                array.shape
+            )));
+        }
+    };
+    let small = |n: usize| u32::try_from(n).map_err(|_| broken(format!("an axis of length {n}")));
+    let (depth, width) = (small(depth)?, small(width)?);
+    let texels = match &array.data {
+        Data::U8(t) => Texels::U8(t),
+        Data::U16(t) => Texels::U16(t),
+        Data::F32(t) => Texels::F32(t),
+        Data::U32(_) => {
+            return Err(broken(
+                "element type <u4: grids are |u1, <u2, <f4 or <f8".into(),
+            ));
+        }
+    };
+    let slices = Image {
+        width,
+        height: small(height)?,
+        channels: small(channels)?,
+        texels,
+        color: ColorSpace::Linear,
+        alpha: Alpha::Straight,
+        origin: Origin::TopLeft,
+    };
+    let grid = Texture3d::new(depth, &slices).map_err(|error| {
+        broken(match error {
+            SampleError::Texel { x, y } => {
+                let (row, slice) = (y % slices.height.max(1), y / slices.height.max(1));
+                format!(
+                    "voxel (slice {slice}, row {row}, column {x}) is NaN, infinite or beyond 2^120"
+                )
+            }
+            other => format!("shape {:?}: {other}", array.shape),
+        })
+    })?;
+    Ok(grid.with_mips())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::npy::{Values, write};
+
+    #[test]
+    fn shapes_and_voxels_are_read_or_refused_by_name() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("grid.npy");
+        let of = |shape: &[usize], values: Values<'_>| {
+            write(&path, shape, values).unwrap();
+            read_grid(&path)
+        };
+        let values: Vec<f32> = (0..24).map(|i| i as f32).collect();
+        let grid = of(&[2, 3, 4], Values::F32(&values)).unwrap();
+        assert_eq!(grid.level_size(0), Some([4, 3, 2]));
+        // Slice 1, row 2, column 3.
+        assert_eq!(grid.texel(0, [3, 2, 1]), Some([23.0, 23.0, 23.0, 1.0]));
+        assert_eq!(grid.texel(0, [1, 0, 0]), Some([1.0, 1.0, 1.0, 1.0]));
+        let bytes: Vec<u8> = (0..16).map(|i| i * 17).collect();
+        let grid = of(&[1, 2, 2, 4], Values::U8(&bytes)).unwrap();
+        assert!(grid.has_alpha());
+        assert_eq!(grid.texel(0, [1, 1, 0]).unwrap()[3], 1.0);
+        assert_eq!(of(&[1, 1, 1], Values::U8(&[9])).unwrap().levels(), 1);
+
+        let mut holed = values.clone();
+        holed[17] = f32::NAN;
+        for (shape, values, says) in [
+            (&[2usize, 3, 4][..], &holed[..], "slice 1, row 1, column 1"),
+            (&[24], &values, "slices, rows, columns"),
+            (&[2, 0, 4], &[], "out of range"),
+            (&[0, 3, 4], &[], "out of range"),
+            (&[1, 2, 2, 6], &values, "6 channels"),
+        ] {
+            let error = of(shape, Values::F32(values)).unwrap_err();
+            assert_eq!(error.code(), "broken-array");
+            assert!(error.to_string().contains(says), "{error}");
+        }
+        let error = of(&[1, 1, 2], Values::U32(&[1, 2])).unwrap_err();
+        assert!(error.to_string().contains("<u4"), "{error}");
+    }
+}
