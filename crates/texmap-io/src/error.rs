@@ -291,6 +291,14 @@ pub enum IoError {
         /// Sides that the chart can have, in words.
         expected: String,
     },
+    /// A line whose shape cannot be made.
+    #[error("{place}: {problem}")]
+    BadShape {
+        /// The line.
+        place: Place,
+        /// What is wrong with it.
+        problem: String,
+    },
     /// A scene that draws nothing.
     #[error("{}: the scene has no faces", .path.display())]
     EmptyScene {
@@ -370,6 +378,7 @@ impl IoError {
             Self::BrokenImage { .. } => "broken-image",
             Self::ImageSize { .. } => "image-size",
             Self::EnvironmentSize { .. } => "environment-size",
+            Self::BadShape { .. } => "bad-shape",
             Self::EmptyScene { .. } => "empty-scene",
             Self::EmptyMesh { .. } => "empty-mesh",
             Self::UnknownMaterial { .. } => "unknown-material",
@@ -407,6 +416,7 @@ impl IoError {
             | Self::DegenerateFrame { place, .. }
             | Self::BadCamera { place, .. }
             | Self::BadProjector { place, .. }
+            | Self::BadShape { place, .. }
             | Self::UnknownMaterial { place, .. }
             | Self::BrokenPath { place, .. } => Some(place),
             Self::Write { .. }
@@ -450,6 +460,7 @@ impl IoError {
             Self::BrokenImage { .. } => "the file is damaged or of another kind than PNG, JPEG or GIF; write it again".into(),
             Self::ImageSize { .. } => format!("textures have 1 to {} texels a side and {} in all", crate::image_io::MAX_SIDE, crate::image_io::MAX_TEXELS),
             Self::EnvironmentSize { chart, expected, .. } => format!("a {chart} map is {expected}; name the chart that the image is in, or convert it with `texmap env`"),
+            Self::BadShape { .. } => "docs/SCENE_FORMAT.md says what the line takes, and from which sizes on it is refused".into(),
             Self::EmptyScene { .. } => "nothing would be drawn; add `f`, `tf`, `ff` or `obj` lines".into(),
             Self::EmptyMesh { .. } => "nothing would be drawn; the OBJ needs `f` lines (points and lines are not drawn)".into(),
             Self::UnknownMaterial { .. } => "define it in the MTL library, mend the name, or draw without it (`missing warn`)".into(),

@@ -32,6 +32,7 @@ pub mod reference;
 pub mod scenes;
 pub mod shadow_scene;
 pub mod strip;
+pub mod topology;
 pub mod truth;
 pub mod uv_pictures;
 pub mod verify;

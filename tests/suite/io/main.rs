@@ -5,4 +5,5 @@ mod language;
 mod malformed;
 mod models;
 mod scenes;
+mod shapes;
 mod support;

@@ -40,6 +40,11 @@ demos! {
     environments "environments",
     bumps "bumps",
     light_maps "light-maps",
+    displacement "displacement",
+    skin "skin",
+    billboards "billboards",
+    terrain "terrain",
+    antialiasing "antialiasing",
 }
 
 /// A demo has no constants hidden in its size: other panels give the same figures within the tolerance.

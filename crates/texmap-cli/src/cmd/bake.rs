@@ -47,6 +47,16 @@ pub(crate) fn run(args: &BakeArgs) -> Result<Exit, Failure> {
     let destination = Destination::new(&args.output)?;
     let ending = super::ending(&args.output)?;
     let scene = load(&args.scene, &LoadOptions::default())?;
+    let refused = |e: RenderError| {
+        Failure::new(
+            Exit::Input,
+            e.code(),
+            e.to_string(),
+            "mend the scene, or bake another object",
+        )
+    };
+    // Edges in pixels are measured by the light map's own size.
+    let scene = scene.shaped(args.size).map_err(refused)?;
     let mesh = find(&scene, &args.object)?;
     for warning in &scene.warnings {
         say(&format!("warning: {warning}\n"));
@@ -57,14 +67,7 @@ pub(crate) fn run(args: &BakeArgs) -> Result<Exit, Failure> {
             args.object
         ));
     }
-    let map = baked(args, &scene, mesh).map_err(|e| {
-        Failure::new(
-            Exit::Input,
-            e.code(),
-            e.to_string(),
-            "mend the scene, or bake another object",
-        )
-    })?;
+    let map = baked(args, &scene, mesh).map_err(refused)?;
     let texels = if args.luminance {
         map.luminance().into_iter().map(|l| [l; 3]).collect()
     } else {

@@ -54,6 +54,8 @@ pub(crate) struct Material {
     pub(crate) map_ks: Option<Map>,
     pub(crate) map_ns: Option<Map>,
     pub(crate) relief: Option<(Map, ReliefKind)>,
+    /// Heights, and how far white moves over black in units of the model (`-bm`).
+    pub(crate) displacement: Option<(Map, f32)>,
 }
 
 /// What a relief map holds.

@@ -366,7 +366,7 @@ fn material(
         .transpose()
     };
     let name = description.name;
-    let [map_kd, map_d, map_ka, map_ks, map_ns, bump, normals] = description.maps;
+    let [map_kd, map_d, map_ka, map_ks, map_ns, bump, normals, disp] = description.maps;
     let height = bump.as_ref().and_then(|map| map.height);
     let map_kd = load(map_kd, Content::Color)?;
     let map_d = load(map_d, Content::Data)?;
@@ -377,6 +377,8 @@ fn material(
     let relief = load(normals, Content::Data)?
         .map(|map| (map, ReliefKind::Normals))
         .or(bump.map(|map| (map, ReliefKind::Bump(height.unwrap_or(DEFAULT_BUMP)))));
+    let rise = disp.as_ref().and_then(|map| map.height);
+    let displacement = load(disp, Content::Data)?.map(|map| (map, rise.unwrap_or(DEFAULT_BUMP)));
     let kd = match (description.kd, &map_kd) {
         // Programs that ignore Kd beside a map often write black, which would blacken the map.
         (Some([0.0, 0.0, 0.0]), Some(_)) => {
@@ -401,10 +403,11 @@ fn material(
         map_ks,
         map_ns,
         relief,
+        displacement,
     })
 }
 
-/// Height of a bump map without `-bm`, units of the model.
+/// Height of a bump or displacement without `-bm`, units of the model.
 const DEFAULT_BUMP: f32 = 0.02;
 
 #[cfg(test)]

@@ -31,9 +31,9 @@ impl Description {
     }
 }
 
-/// The kinds of map that are read; `bump` and `disp` are other words for `map_Bump`.
-pub(super) const MAPS: [&str; 7] = [
-    "map_Kd", "map_d", "map_Ka", "map_Ks", "map_Ns", "map_Bump", "norm",
+/// The kinds of map that are read; `bump` is another word for `map_Bump`.
+pub(super) const MAPS: [&str; 8] = [
+    "map_Kd", "map_d", "map_Ka", "map_Ks", "map_Ns", "map_Bump", "norm", "disp",
 ];
 
 /// A map and the options before its name.
@@ -47,7 +47,7 @@ pub(super) struct Map {
     pub(super) offset: [f32; 2],
     /// `-clamp on`.
     pub(super) clamp: bool,
-    /// `-bm`: the height of a bump.
+    /// `-bm`: the height of a bump or displacement.
     pub(super) height: Option<f32>,
 }
 
@@ -159,12 +159,6 @@ fn check(file: &Path, text: &str, warnings: &mut Vec<String>) -> Result<Checked,
                 )?;
                 let _ = writeln!(out.text, "illum {}", model as u8);
             }
-            "disp" => {
-                warnings.push(format!(
-                    "{place}: `disp`: displacement is drawn as a bump: light follows it, outlines do not"
-                ));
-                maps[5] = Some(map(place, "disp", rest, warnings)?);
-            }
             "bump" | "map_bump" => maps[5] = Some(map(place, "map_Bump", rest, warnings)?),
             _ => {
                 if let Some(i) = MAPS.iter().position(|known| *known == word) {
@@ -176,9 +170,9 @@ fn check(file: &Path, text: &str, warnings: &mut Vec<String>) -> Result<Checked,
     Ok(out)
 }
 
-const KNOWN: [&str; 13] = [
+const KNOWN: [&str; 14] = [
     "Kd", "Ks", "Ns", "d", "Tr", "illum", "map_Kd", "map_d", "map_Ka", "map_Ks", "map_Ns",
-    "map_Bump", "norm",
+    "map_Bump", "norm", "disp",
 ];
 
 fn color(
@@ -391,8 +385,8 @@ mod tests {
             ["a.png", "s.png", "n.png", "b.png", "t.png"]
         );
         assert_eq!(materials[0].maps[5].as_ref().unwrap().height, Some(0.5));
-        assert_eq!((name(1, 5), name(2, 5)), ("d.png".into(), "x.png".into()));
-        assert_eq!(warnings.len(), 1, "{warnings:?}");
+        assert_eq!((name(1, 7), name(2, 5)), ("d.png".into(), "x.png".into()));
+        assert!(warnings.is_empty(), "{warnings:?}");
     }
 
     #[test]

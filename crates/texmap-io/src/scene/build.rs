@@ -5,7 +5,7 @@ use texmap_math::camera::{Camera, CameraError};
 use texmap_math::det;
 use texmap_math::frame::TextureFrame;
 use texmap_math::glam::{DMat4, DVec3};
-use texmap_render::{AlphaMode, Material, Mesh, Scene};
+use texmap_render::{AlphaMode, Displacement, Material, Mesh, Scene};
 use texmap_sample::Origin;
 use texmap_uv::{PixelMapping, UvError};
 
@@ -13,9 +13,10 @@ use super::classics;
 use super::effects;
 use super::facets::{Facet, Facets};
 use super::settings::{CurrentTexture, Settings, light};
+use super::shapes::{self, Bones, DisplaceSetting};
 use super::tree::Tree;
 use crate::obj::{self, Model};
-use crate::scene_file::{Alpha, Command, Role, RoundShape, Statement};
+use crate::scene_file::{Alpha, Command, Role, RoundShape, Shape, Statement};
 use crate::textures::{Content, Textures};
 use crate::{IoError, Place, files};
 
@@ -29,6 +30,7 @@ pub(super) struct Builder {
     /// Faces of the scene so far.
     faces: u32,
     environments: effects::Known,
+    bones: Bones,
 }
 
 impl Builder {
@@ -41,6 +43,7 @@ impl Builder {
             camera_line: None,
             faces: 0,
             environments: effects::Known::default(),
+            bones: Bones::default(),
         }
     }
 
@@ -53,6 +56,7 @@ impl Builder {
                 problem: error.to_string(),
             });
         }
+        self.bones.bend(&mut self.scene.meshes)?;
         self.scene.textures.clone_from(&self.textures.textures);
         self.scene.effects.grids.clone_from(&self.textures.grids);
         self.scene.warnings.append(&mut self.textures.warnings);
@@ -75,7 +79,7 @@ impl Builder {
                 _ => self.statement(statement, &place, &mut facets)?,
             }
         }
-        facets.finish(&mut self.scene);
+        facets.finish(&mut self.scene, &mut self.bones);
         self.settings = settings;
         Ok(())
     }
@@ -172,6 +176,7 @@ impl Builder {
                 &mut self.settings,
                 &mut self.environments,
             )?,
+            Command::Shape(shape) => self.shape(shape, place)?,
             Command::Texture(None) => self.settings.texture = None,
             Command::Texture(Some(name)) => {
                 let path = files::beside(&place.file, name);
@@ -263,6 +268,12 @@ impl Builder {
             frame,
             // A face of `f` or `tf` has no use for a shape.
             round: self.settings.round.filter(|_| framed),
+            // Faces without coordinates rest.
+            displacement: self
+                .settings
+                .displacement(self.scene.color)
+                .filter(|_| has_uv),
+            skin: self.settings.skin.clone(),
             lit,
             material,
             number: self.faces,
@@ -311,7 +322,12 @@ impl Builder {
         let transform = self.settings.transform;
         let mirrored = transform.determinant() < 0.0;
         for part in model.parts {
-            let material = match part.material.and_then(|i| model.materials.get(i)) {
+            let described = part.material.and_then(|i| model.materials.get(i));
+            let displacement = described
+                .and_then(|m| self.described_displacement(m))
+                .or_else(|| self.settings.displacement(color))
+                .filter(|_| !part.uvs.is_empty());
+            let material = match described {
                 Some(described) => self.described(described),
                 None => match &self.settings.texture {
                     Some(texture) => self.settings.textured(texture, Role::Modulate, color),
@@ -349,10 +365,84 @@ impl Builder {
                     None => Origin::BottomLeft,
                 },
                 round: self.settings.round,
+                displacement,
                 ..Mesh::default()
             };
+            self.bones
+                .follow(self.scene.meshes.len(), self.settings.skin.clone());
             self.scene.meshes.push(mesh);
         }
+    }
+
+    /// What `disp` says.
+    fn described_displacement(&self, m: &obj::Material) -> Option<Displacement> {
+        let (map, height) = m.displacement.as_ref()?;
+        let slot = self
+            .settings
+            .slot(map.texture, map.transform, map.clamp, self.scene.color);
+        Some(Displacement::new(slot, *height))
+    }
+
+    fn shape(&mut self, shape: &Shape, place: &Place) -> Result<(), IoError> {
+        let missing = self.settings.missing;
+        let mut data = |name: &str| {
+            let path = files::beside(&place.file, name);
+            self.textures.load(&path, place, Content::Data, missing)
+        };
+        match shape {
+            Shape::Displace(None) => self.settings.displace = None,
+            Shape::Displace(Some(line)) => {
+                self.settings.displace = Some(DisplaceSetting {
+                    texture: data(&line.file)?,
+                    height: line.height,
+                    middle: line.middle,
+                    budget: line.budget,
+                    triangles: line.triangles,
+                });
+            }
+            Shape::Bone(line) => self.bones.add(line, &self.settings.transform, place)?,
+            Shape::Skin(skin) => {
+                self.settings.skin = skin.map(|blend| (blend, place.clone()));
+            }
+            Shape::Terrain(line) => {
+                let heights = data(&line.file)?;
+                let mut ground = shapes::terrain(line, &self.textures.textures[heights], place)?;
+                let middle = DMat4::from_translation(line.position.into());
+                ground.world_from_object = self.settings.transform * middle;
+                if self.settings.transform.determinant() < 0.0 {
+                    ground.triangles.iter_mut().for_each(|t| t.swap(1, 2));
+                }
+                let color = self.scene.color;
+                let material = match &self.settings.texture {
+                    Some(texture) => self.settings.textured(texture, Role::Modulate, color),
+                    None => self.settings.plain(color),
+                };
+                ground.material = self.material(material);
+                ground.round = self.settings.round;
+                let cells = ground.faces.last().map_or(0, |last| last + 1);
+                ground.faces.iter_mut().for_each(|f| *f += self.faces);
+                self.faces += cells;
+                self.bones
+                    .follow(self.scene.meshes.len(), self.settings.skin.clone());
+                self.scene.meshes.push(ground);
+            }
+            &Shape::Billboard {
+                position,
+                size,
+                axis,
+            } => {
+                let material = self.textured("billboard", place)?;
+                let material = self.material(material);
+                let board = shapes::billboard(position, size, axis, &self.settings.transform);
+                let number = self.faces;
+                self.faces += 1;
+                let name = format!("billboard from {}:{}", place.file.display(), place.line);
+                let mut mesh = Mesh::of_billboards(&name, vec![board], material);
+                mesh.faces = vec![number; 2];
+                self.scene.meshes.push(mesh);
+            }
+        }
+        Ok(())
     }
 
     /// A material of an MTL library under the current settings.
@@ -457,7 +547,7 @@ fn round(shape: &RoundShape) -> Result<PixelMapping, UvError> {
     )
 }
 
-fn rotation(degrees: f64, axis: DVec3) -> DMat4 {
+pub(super) fn rotation(degrees: f64, axis: DVec3) -> DMat4 {
     let axis = obj::unit(axis).unwrap_or(DVec3::Z);
     let (sin, cos) = quarter_turns(degrees).unwrap_or_else(|| det::sin_cos(degrees.to_radians()));
     let column =

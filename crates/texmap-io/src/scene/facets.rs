@@ -5,9 +5,10 @@ use std::collections::HashMap;
 use texmap_math::det;
 use texmap_math::frame::TextureFrame;
 use texmap_math::glam::DVec3;
-use texmap_render::{Mesh, Scene};
+use texmap_render::{Displacement, Mesh, Scene, SkinBlend};
 use texmap_uv::PixelMapping;
 
+use super::shapes::Bones;
 use crate::Place;
 use crate::obj::unit;
 
@@ -28,6 +29,7 @@ struct Run {
     lit: bool,
     frame: Option<TextureFrame>,
     round: Option<PixelMapping>,
+    skin: Option<(SkinBlend, Place)>,
     /// Vertex of the file behind each vertex of the mesh.
     sources: Vec<u32>,
     known: HashMap<(u32, [u32; 2]), u32>,
@@ -41,6 +43,8 @@ pub(super) struct Facet<'a> {
     pub(super) has_uv: bool,
     pub(super) frame: Option<TextureFrame>,
     pub(super) round: Option<PixelMapping>,
+    pub(super) displacement: Option<Displacement>,
+    pub(super) skin: Option<(SkinBlend, Place)>,
     pub(super) lit: bool,
     pub(super) material: usize,
     /// Counted through the scene from 0.
@@ -63,6 +67,8 @@ impl Facets {
                 && run.lit == facet.lit
                 && run.frame == facet.frame
                 && run.round == facet.round
+                && run.skin == facet.skin
+                && mesh.displacement == facet.displacement
         };
         if !self.meshes.last().is_some_and(fits) {
             scene.meshes.push(Mesh {
@@ -70,6 +76,7 @@ impl Facets {
                 material: facet.material,
                 frame: facet.frame,
                 round: facet.round,
+                displacement: facet.displacement.clone(),
                 ..Mesh::default()
             });
             self.meshes.push(Run {
@@ -77,6 +84,7 @@ impl Facets {
                 lit: facet.lit,
                 frame: facet.frame,
                 round: facet.round,
+                skin: facet.skin.clone(),
                 sources: Vec::new(),
                 known: HashMap::new(),
             });
@@ -126,8 +134,11 @@ impl Facets {
         }
     }
 
-    /// Gives every lit mesh its normals; call it when all faces of the file are known.
-    pub(super) fn finish(self, scene: &mut Scene) {
+    /// Gives every lit mesh its normals, and those that follow bones to the bones; call it when all faces of the file are known.
+    pub(super) fn finish(self, scene: &mut Scene, bones: &mut Bones) {
+        for run in &self.meshes {
+            bones.follow(run.mesh, run.skin.clone());
+        }
         for run in self.meshes.iter().filter(|run| run.lit) {
             let normal = |&source: &u32| {
                 let [sum, first] = self.normals[source as usize];

@@ -5,6 +5,7 @@ mod classics;
 mod effects;
 mod facets;
 mod settings;
+mod shapes;
 mod tree;
 
 use std::path::Path;

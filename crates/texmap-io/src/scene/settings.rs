@@ -5,12 +5,17 @@ use texmap_math::color::srgb_to_linear;
 use texmap_math::frame::TextureFrame;
 use texmap_math::glam::DMat4;
 use texmap_raster::{Cull, Interp};
-use texmap_render::{AlphaMode, ColorMode, Gouraud, Material, Shading, TextureRole, TextureSlot};
+use texmap_render::{
+    AlphaMode, ColorMode, Displacement, Gouraud, Material, Shading, SkinBlend, TextureRole,
+    TextureSlot,
+};
 use texmap_sample::{Filter, Sampler, UvTransform, Wrap};
 use texmap_uv::PixelMapping;
 
 use super::classics::ClassicSettings;
 use super::effects::EffectSettings;
+use super::shapes::DisplaceSetting;
+use crate::Place;
 use crate::scene_file::{Alpha, Missing, Rate, Role, Surf};
 
 /// Everything that `push` keeps and `pop` brings back.
@@ -35,6 +40,9 @@ pub(super) struct Settings {
     pub(super) transform: DMat4,
     pub(super) effects: EffectSettings,
     pub(super) classics: ClassicSettings,
+    pub(super) displace: Option<DisplaceSetting>,
+    /// With its line.
+    pub(super) skin: Option<(SkinBlend, Place)>,
 }
 
 /// The texture of the last `texture` line.
@@ -65,6 +73,8 @@ impl Default for Settings {
             transform: DMat4::IDENTITY,
             effects: EffectSettings::default(),
             classics: ClassicSettings::default(),
+            displace: None,
+            skin: None,
         }
     }
 }
@@ -164,6 +174,13 @@ impl Settings {
             sampler,
             transform,
         }
+    }
+
+    /// What the `displace` line does to what has coordinates.
+    pub(super) fn displacement(&self, color: ColorMode) -> Option<Displacement> {
+        let setting = self.displace.as_ref()?;
+        let slot = self.slot(setting.texture, UvTransform::default(), false, color);
+        Some(setting.displacement(slot))
     }
 
     fn shading(&self) -> Shading {

@@ -12,6 +12,7 @@ mod classics;
 mod effects;
 mod parse;
 mod print;
+mod shapes;
 mod token;
 pub mod words;
 
@@ -24,6 +25,7 @@ pub use classics::{Classic, SolidLine, SolidSource};
 pub use effects::{Bias, Effect, NormalMapLine, ProjectorLine};
 pub use parse::{COMMANDS, parse};
 pub use print::print;
+pub use shapes::{BoneLine, DisplaceLine, Shape, TerrainLine};
 
 /// The statements of one file in their order.
 #[derive(Debug, Clone, Default)]
@@ -180,6 +182,8 @@ pub enum Command {
     Effect(Effect),
     /// A line about solid textures, ramps, decals, words, skies and volumes: see [`Classic`].
     Classic(Classic),
+    /// A line about shape: see [`Shape`].
+    Shape(Shape),
 }
 
 /// `surf r g b ka kd ks ns`.

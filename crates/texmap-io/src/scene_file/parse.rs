@@ -11,6 +11,7 @@ use texmap_uv::Round;
 use super::args::Args;
 use super::classics;
 use super::effects;
+use super::shapes;
 use super::token::{self, Token};
 use super::{
     Alpha, Command, Missing, Rate, Role, RoundShape, SceneFile, Shade, Statement, Surf,
@@ -66,7 +67,7 @@ pub fn parse(file: &Path, text: &str) -> Result<SceneFile, IoError> {
 }
 
 /// The word of every command.
-pub const COMMANDS: [&str; 53] = [
+pub const COMMANDS: [&str; 58] = [
     "eye",
     "look",
     "up",
@@ -120,6 +121,11 @@ pub const COMMANDS: [&str; 53] = [
     "text",
     "sky",
     "volume",
+    "displace",
+    "terrain",
+    "billboard",
+    "bone",
+    "skin",
 ];
 
 struct Parser {
@@ -158,6 +164,9 @@ impl Parser {
         }
         if let Some(classic) = classics::parse(args)? {
             return Ok(Command::Classic(classic));
+        }
+        if let Some(shape) = shapes::parse(args)? {
+            return Ok(Command::Shape(shape));
         }
         Ok(match args.command {
             "eye" => Command::Eye(args.point()?),
@@ -486,6 +495,7 @@ impl Command {
             Self::Include(_) => "include",
             Self::Effect(effect) => effect.word(),
             Self::Classic(classic) => classic.word(),
+            Self::Shape(shape) => shape.word(),
         }
     }
 }

@@ -6,6 +6,7 @@ use texmap_render::{ColorMode, Gouraud};
 
 use super::classics;
 use super::effects;
+use super::shapes;
 use super::{Alpha, Command, Missing, Rate, Role, SceneFile, words};
 
 /// The file as text. Comments and spacing are gone; `print(parse(x))` is a fixed point, and its
@@ -120,6 +121,7 @@ fn line(out: &mut String, command: &Command) {
         Command::Missing(Missing::Warn) => word(out, "warn"),
         Command::Effect(effect) => effects::print(out, effect),
         Command::Classic(classic) => classics::print(out, classic),
+        Command::Shape(shape) => shapes::print(out, shape),
         Command::Push | Command::Pop => {}
     }
 }

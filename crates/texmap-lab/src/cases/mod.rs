@@ -13,6 +13,7 @@ mod probe;
 mod raster;
 mod sampler;
 mod shadows;
+mod shapes;
 mod table;
 mod uv;
 
@@ -28,7 +29,8 @@ use crate::LabError;
 #[serde(deny_unknown_fields)]
 pub struct Case {
     /// Short id: R for the rasterizer, I for interpolation, S for the sampler, U for the uv mapper, P for
-    /// projective textures, H for shadows, E for environment and light maps, B for bumps and tangents.
+    /// projective textures, H for shadows, E for environment and light maps, B for bumps, displacement and tangents, G for
+    /// moved, bent and turned shapes.
     pub id: String,
     /// What is put in.
     pub input: String,
@@ -198,6 +200,11 @@ const RUNNERS: &[(&str, Runner)] = &[
     ("B3", bump::b3),
     ("B5", bump::b5),
     ("B6", bump::b6),
+    ("B7", shapes::b7),
+    ("G1", shapes::g1),
+    ("G2", shapes::g2),
+    ("G3", shapes::g3),
+    ("G4", shapes::g4),
 ];
 
 /// Ids of the cases that can be run.

@@ -7,6 +7,9 @@
 //! form.
 
 mod affine;
+mod antialiasing;
+mod cards;
+mod displacement;
 mod environments;
 mod frame;
 mod gouraud;
@@ -16,6 +19,7 @@ mod paint;
 mod relief;
 mod shadows;
 mod sheet;
+mod skin;
 mod stage;
 mod tiling;
 mod transparency;
@@ -33,7 +37,7 @@ pub const DEFAULT_SIZE: u32 = 384;
 
 type Draw = fn(u32) -> Result<DemoPicture, LabError>;
 
-const DEMOS: [(&str, &str, Draw); 14] = [
+const DEMOS: [(&str, &str, Draw); 19] = [
     (
         "affine-image",
         "a photo on cubes, screen-linear against perspective",
@@ -103,6 +107,31 @@ const DEMOS: [(&str, &str, Draw); 14] = [
         "light-maps",
         "baked light against light per pixel; charts without gutters; a moving spotlight",
         relief::light_maps,
+    ),
+    (
+        "displacement",
+        "a displaced ball against its bump map and the f64 truth: outline, shadow, shading",
+        displacement::displacement,
+    ),
+    (
+        "skin",
+        "an arm of two bones from 0 to 120 degrees: the volume that blending loses; rigid parts",
+        skin::skin,
+    ),
+    (
+        "billboards",
+        "cards that face the screen or turn about an axis, level and from above",
+        cards::billboards,
+    ),
+    (
+        "terrain",
+        "ground from a picture of heights, with its texture, shadows and trees",
+        cards::terrain,
+    ),
+    (
+        "antialiasing",
+        "edges by one sample, by more, by multisampling and by a filter, against exact coverage",
+        antialiasing::antialiasing,
     ),
 ];
 

@@ -228,6 +228,8 @@ impl Context<'_> {
         let progress = Progress::new(label);
         let size = self.args.resolution;
         let samples = self.args.supersample;
+        let shaped = scene.shaped(size.width).map_err(|e| self.refused(&e))?;
+        let scene = shaped.as_ref();
         let choices = match self.args.budget() {
             None => None,
             Some(budget) => Some(
@@ -249,7 +251,10 @@ impl Context<'_> {
 
     fn verify(&self, scene: &Scene, frame: &Frame) -> Result<Verified, Failure> {
         say("verify: drawing the f64 reference, which is slow\n");
-        verify(scene, frame, SAMPLES).map_err(|e| Failure::internal(e.to_string()))
+        let shaped = scene
+            .shaped(self.args.resolution.width)
+            .map_err(|e| self.refused(&e))?;
+        verify(&shaped, frame, SAMPLES).map_err(|e| Failure::internal(e.to_string()))
     }
 
     /// Puts the plan and the truth into the report and, where asked, into words.
