@@ -1,4 +1,4 @@
-//! Writes the gallery of lighting effects: `cargo run --release -p texmap-lab --example gallery` fills `docs/gallery`. Every count on the
+//! Writes the gallery of lighting effects and shapes: `cargo run --release -p texmap-lab --example gallery` fills `docs/gallery`. Every count on the
 //! page is measured while it is made, and the program fails when a claim does not hold.
 
 use std::error::Error;
@@ -7,7 +7,18 @@ use std::path::Path;
 
 use texmap_lab::demos;
 
-const ROWS: [&str; 5] = ["slides", "shadows", "environments", "bumps", "light-maps"];
+const ROWS: [&str; 10] = [
+    "slides",
+    "shadows",
+    "environments",
+    "bumps",
+    "light-maps",
+    "displacement",
+    "skin",
+    "billboards",
+    "terrain",
+    "antialiasing",
+];
 
 fn main() -> Result<(), Box<dyn Error>> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/gallery");

@@ -13,5 +13,6 @@ mod gouraud;
 mod light;
 mod round;
 mod scenes;
+mod shapes;
 mod stages;
 mod texture_frame;

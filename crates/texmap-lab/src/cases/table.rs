@@ -92,6 +92,7 @@ const GROUPS: &[(char, &str)] = &[
     ('H', "Shadow maps"),
     ('E', "Environment and light maps"),
     ('B', "Bump, normal and displacement maps"),
+    ('G', "Moved, bent and turned shapes"),
 ];
 
 /// The page: what fails where, then every demand of every case.

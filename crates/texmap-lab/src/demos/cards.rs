@@ -115,7 +115,7 @@ pub(super) fn billboards(size: u32) -> Result<DemoPicture, LabError> {
             "axis-aligned, 60 degrees above: % (cosine)",
             percent(&high_axis),
             50.0,
-            2.0,
+            3.0,
         ),
         Claim::new(
             "screen-aligned, from right above: %",
@@ -300,13 +300,13 @@ pub(super) fn terrain(size: u32) -> Result<DemoPicture, LabError> {
             "largest error of the height, a vertex a texel, % of the rise",
             100.0 * full.0 / RISE,
             0.0,
-            0.15,
+            0.25,
         ),
         Claim::new(
             "with a vertex for 8 texels, %",
             100.0 * coarse.0 / RISE,
-            5.0,
-            3.0,
+            9.3,
+            2.0,
         ),
         Claim::new(
             "largest error of the picture's place on the ground, texels",

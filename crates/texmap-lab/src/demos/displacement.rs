@@ -85,13 +85,18 @@ fn scene() -> Result<Scene, LabError> {
         light: 1,
         size: Some(2048),
         bias: None,
-        taps: 1,
+        taps: 3,
         area: None,
     }];
     scene.textures.push(map()?);
     let stone = stage::add(&mut scene, matte([0.55, 0.48, 0.4], 0.0));
     let ground = stage::add(&mut scene, matte([0.5; 3], 0.0));
-    scene.meshes = vec![ball(CENTRE, 1.0, stone), floor(5.0, ground)];
+    let mut round = ball(CENTRE, 1.0, stone);
+    // The seam and the poles meet to the last bit: only equal positions are one point.
+    for c in round.positions.as_flattened_mut() {
+        *c = if c.abs() < 1e-7 { 0.0 } else { *c };
+    }
+    scene.meshes = vec![round, floor(5.0, ground)];
     Ok(scene)
 }
 
@@ -242,7 +247,7 @@ pub(super) fn displacement(size: u32) -> Result<DemoPicture, LabError> {
         Claim::new(
             "of the outline under the bump map, % of the ball",
             share(bump.outline, pixels),
-            4.5,
+            6.8,
             2.0,
         ),
         Claim::new(
@@ -263,8 +268,8 @@ pub(super) fn displacement(size: u32) -> Result<DemoPicture, LabError> {
             0.0,
             2.0,
         ),
-        Claim::new("the same under the bump map", bump.shading, 45.0, 15.0),
-        Claim::new("the same without either", flat_faults.shading, 75.0, 15.0),
+        Claim::new("the same under the bump map", bump.shading, 14.0, 6.0),
+        Claim::new("the same without either", flat_faults.shading, 52.0, 12.0),
         Claim::new(
             "edges that are not shared by two triangles",
             open as f64,

@@ -52,7 +52,7 @@ fn rod(from: f64, to: f64, parts: u32, material: usize) -> Mesh {
         for i in 0..parts {
             let a = first + 2 * i;
             mesh.triangles
-                .extend([[a, a + 3, a + 1], [a, a + 2, a + 3]]);
+                .extend([[a, a + 1, a + 3], [a, a + 3, a + 2]]);
         }
     }
     for (x, out) in [(from, -1.0), (to, 1.0)] {
@@ -108,7 +108,7 @@ fn overlap(degrees: f64) -> f64 {
 }
 
 fn scene() -> Result<Scene, LabError> {
-    let mut scene = stage::scene(DVec3::new(0.1, 1.0, 6.4), DVec3::new(-0.1, 0.45, 0.0), 36.0);
+    let mut scene = stage::scene(DVec3::new(0.0, 1.0, 7.6), DVec3::new(0.0, 0.4, 0.0), 36.0);
     scene.lights = vec![
         Light::Ambient { color: [0.3; 3] },
         Light::Directional {

@@ -1,0 +1,335 @@
+//! Displaced, skinned and turned meshes in whole frames: one picture everywhere, and edges within their budget.
+
+use texmap_light::{Light, Surface};
+use texmap_math::glam::{DMat4, DVec3};
+use texmap_render::{
+    Aov, AovData, Billboard, Bone, Displacement, EdgeBudget, Facing, Material, Mesh, Renderer,
+    Scene, Settings, Shadow, Skeleton, SkinBlend, render, render_ordered, turn,
+};
+use texmap_sample::Filter;
+use texmap_tests::levels::levels;
+
+use crate::scenes::{bits, empty, quad, slot, texture, wall};
+
+fn displaced(mesh: Mesh, texture: usize, height: f32, budget: EdgeBudget) -> Mesh {
+    let slot = slot(texture, Filter::Trilinear).expect("a slot");
+    Mesh {
+        displacement: Some(Displacement {
+            budget,
+            ..Displacement::new(slot, height)
+        }),
+        ..mesh
+    }
+}
+
+fn waves(x: u32, y: u32) -> [u8; 4] {
+    [((x * 37 + y * 11) % 256) as u8, 0, 0, 255]
+}
+
+/// A displaced wall and floor that meet at an edge, trees of both kinds, and a bent strip, under a light with shadows.
+fn everything() -> Scene {
+    let white = Surface {
+        color: [0.9, 0.8, 0.7],
+        ..Surface::default()
+    };
+    let back = wall(1.5, 4.0);
+    let floor = quad([
+        [-1.5, -1.5, -2.0],
+        [1.5, -1.5, -2.0],
+        [1.5, -1.5, -4.0],
+        [-1.5, -1.5, -4.0],
+    ]);
+    let cards =
+        [(-0.8, Facing::Screen), (0.8, Facing::Axis(DVec3::Y))].map(|(x, facing)| Billboard {
+            position: DVec3::new(x, -0.9, -2.8),
+            size: [0.8, 1.0],
+            facing,
+        });
+    let strip = Mesh {
+        positions: (0..40)
+            .map(|i| [(i / 2) as f32 * 0.1 - 1.0, 0.6 + (i % 2) as f32 * 0.2, -2.5])
+            .collect(),
+        uvs: (0..40)
+            .map(|i| [(i / 2) as f32 * 0.1, (i % 2) as f32])
+            .collect(),
+        triangles: (0..38)
+            .map(|i| {
+                if i % 2 == 0 {
+                    [i, i + 2, i + 1]
+                } else {
+                    [i, i + 1, i + 2]
+                }
+            })
+            .collect(),
+        ..Mesh::default()
+    };
+    let bone = |from: f64, to: f64, parent| Bone {
+        head: DVec3::new(from, 0.7, -2.5),
+        tail: DVec3::new(to, 0.7, -2.5),
+        parent,
+    };
+    let skeleton = Skeleton {
+        bones: vec![bone(-1.0, 0.0, None), bone(0.0, 1.0, Some(0))],
+    };
+    let pose = skeleton
+        .pose(&[DMat4::IDENTITY, turn(DVec3::Y, 0.9)])
+        .expect("a pose");
+    let bent = skeleton
+        .skin(&strip.positions, SkinBlend::Smooth(0.6))
+        .bend(&strip, &pose)
+        .expect("good weights");
+    let cut = texture(16, 16, |x, y| {
+        [90, 160, 60, if (x + y) % 5 == 0 { 0 } else { 255 }]
+    });
+    Scene {
+        lights: vec![
+            Light::Ambient { color: [0.2; 3] },
+            Light::Directional {
+                color: [0.8; 3],
+                direction: [0.4, -1.0, -0.7],
+            },
+        ],
+        textures: vec![texture(32, 32, waves), cut],
+        materials: vec![
+            Material {
+                surface: white,
+                ..Material::default()
+            },
+            Material {
+                surface: white,
+                base_color: slot(1, Filter::Nearest),
+                alpha: texmap_render::AlphaMode::Test(0.0),
+                ..Material::default()
+            },
+        ],
+        meshes: vec![
+            displaced(back, 0, 0.4, EdgeBudget::Pixels(3.0)),
+            displaced(floor, 0, 0.3, EdgeBudget::Texels(2.0)),
+            Mesh::of_billboards("trees", cards.to_vec(), 1),
+            Mesh {
+                material: 1,
+                ..bent
+            },
+        ],
+        effects: texmap_render::Effects {
+            shadows: vec![Shadow {
+                light: 1,
+                size: Some(256),
+                bias: None,
+                taps: 3,
+                area: None,
+            }],
+            ..Default::default()
+        },
+        ..empty()
+    }
+}
+
+#[test]
+fn shapes_have_one_picture_on_every_level_and_number_of_threads() {
+    let scene = everything();
+    let settings = Settings {
+        aovs: Aov::ALL.to_vec(),
+        ..Settings::new(100, 80)
+    };
+    let expected = render(&scene, &settings, &|_, _| ()).expect("a good scene");
+    assert!(
+        expected.stats.triangles_submitted > 2_000,
+        "{}",
+        expected.stats.triangles_submitted
+    );
+    for (name, level) in levels() {
+        let settings = Settings {
+            level,
+            ..settings.clone()
+        };
+        let frame = render(&scene, &settings, &|_, _| ()).expect("a good scene");
+        assert_eq!(bits(&frame), bits(&expected), "{name}");
+    }
+    for threads in [1, 2, 5] {
+        let settings = Settings {
+            threads: Some(threads),
+            ..settings.clone()
+        };
+        let backwards = |n: usize| (0..n).rev().collect();
+        let frame =
+            render_ordered(&scene, &settings, &|_, _| (), &backwards).expect("a good scene");
+        assert_eq!(bits(&frame), bits(&expected), "{threads} threads");
+    }
+    // Shaping is a pure function: what is shaped once is drawn alike.
+    let shaped = scene.shaped(100).expect("a good scene").into_owned();
+    assert_eq!(
+        bits(&render(&shaped, &settings, &|_, _| ()).expect("a good scene")),
+        bits(&expected)
+    );
+}
+
+/// No edge is longer than its budget, and none of them was needed: twice the length would not do.
+#[test]
+fn edges_keep_within_their_budget_of_pixels() {
+    let tilted = quad([
+        [-2.0, -1.0, -1.0],
+        [2.0, -1.0, -1.0],
+        [2.0, 1.0, -9.0],
+        [-2.0, 1.0, -9.0],
+    ]);
+    let count = |pixels: f32, height: f32| {
+        let mut scene = empty();
+        scene.textures = vec![texture(512, 512, waves)];
+        scene.materials = vec![Material::default()];
+        scene.meshes = vec![displaced(
+            tilted.clone(),
+            0,
+            height,
+            EdgeBudget::Pixels(pixels),
+        )];
+        let shaped = scene.shaped(200).expect("a good scene").into_owned();
+        let mesh = &shaped.meshes[0];
+        let at = |v: u32| DVec3::from(mesh.positions[v as usize].map(f64::from));
+        // 200 pixels see 90 degrees: 100 pixels for a length of 1 at distance 1.
+        let pixels_of = |a: DVec3, b: DVec3| 100.0 * (b - a).length() / (0.5 * (a + b)).length();
+        let edges = mesh
+            .triangles
+            .iter()
+            .flat_map(|t| [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])]);
+        let longest = edges
+            .map(|(a, b)| pixels_of(at(a), at(b)))
+            .fold(0.0, f64::max);
+        (mesh.triangles.len(), longest)
+    };
+    for pixels in [40.0, 12.0, 5.0] {
+        let (_, longest) = count(pixels, 0.0);
+        assert!(
+            longest <= f64::from(pixels) * 1.000_001 && longest > 0.6 * f64::from(pixels),
+            "{pixels}: {longest}"
+        );
+    }
+    let (few, many) = (count(12.0, 0.0).0, count(6.0, 0.0).0);
+    assert!((3 * few..6 * few).contains(&many), "{few} {many}");
+    // The count does not depend on the heights.
+    assert_eq!(count(12.0, 0.5).0, few);
+}
+
+/// A displacement of nothing changes neither coverage nor faces, and coordinates and light by rounding alone.
+#[test]
+fn a_height_of_zero_changes_no_picture() {
+    let resting = |height: Option<f32>| {
+        let mut scene = everything();
+        scene.effects = Default::default();
+        for mesh in &mut scene.meshes[..2] {
+            match height {
+                Some(height) => mesh.displacement.as_mut().expect("displaced").height = height,
+                None => mesh.displacement = None,
+            }
+        }
+        let settings = Settings {
+            aovs: vec![Aov::Face],
+            ..Settings::new(100, 80)
+        };
+        render(&scene, &settings, &|_, _| ()).expect("a good scene")
+    };
+    let (none, zero, some) = (resting(None), resting(Some(0.0)), resting(Some(0.3)));
+    let far = |a: &texmap_render::Frame, b: &texmap_render::Frame| {
+        let pairs = a.rgba.iter().zip(&b.rgba);
+        pairs.filter(|(a, b)| a.abs_diff(**b) > 1).count()
+    };
+    assert_eq!(far(&none, &zero), 0);
+    assert!(far(&none, &some) > 5_000, "{}", far(&none, &some));
+    let faces = |frame: &texmap_render::Frame| match &frame.aovs[0] {
+        (Aov::Face, 1, AovData::U32(faces)) => faces.clone(),
+        other => panic!("{other:?}"),
+    };
+    assert_eq!(
+        faces(&none),
+        faces(&zero),
+        "triangles keep the number of their face"
+    );
+}
+
+/// The normals of a displaced plane are those of the waves, better the finer it is cut.
+#[test]
+fn normals_follow_the_moved_surface() {
+    let wave = |x: u32| 0.5 + 0.5 * (std::f64::consts::TAU * (f64::from(x) + 0.5) / 128.0).sin();
+    let map = texture(128, 4, |x, _| [(wave(x) * 255.0).round() as u8, 0, 0, 255]);
+    let worst = |texels: f32| {
+        let mut scene = empty();
+        scene.textures = vec![map.clone()];
+        scene.materials = vec![Material::default()];
+        scene.meshes = vec![displaced(
+            wall(1.0, 2.0),
+            0,
+            0.2,
+            EdgeBudget::Texels(texels),
+        )];
+        let shaped = scene.shaped(64).expect("a good scene").into_owned();
+        let mesh = &shaped.meshes[0];
+        let inner = mesh
+            .positions
+            .iter()
+            .zip(&mesh.normals)
+            .filter(|(p, _)| p[0].abs() < 0.9 && p[1].abs() < 0.9);
+        let angle = |(p, n): (&[f32; 3], &[f32; 3])| {
+            let slope = 0.2
+                * 0.5
+                * std::f64::consts::PI
+                * (std::f64::consts::PI * (f64::from(p[0]) + 1.0)).cos();
+            let truth = DVec3::new(-slope, 0.0, 1.0).normalize();
+            truth
+                .cross(DVec3::from(n.map(f64::from)))
+                .length()
+                .asin()
+                .to_degrees()
+        };
+        inner.map(angle).fold(0.0, f64::max)
+    };
+    let (fine, coarse) = (worst(4.0), worst(32.0));
+    assert!(fine < 1.2 && coarse > 2.0 * fine, "{fine} {coarse}");
+}
+
+#[test]
+fn an_unshaped_scene_is_refused_and_bad_displacements_are_named() {
+    let scene = everything();
+    let error = Renderer::new(&scene, &Settings::new(8, 8))
+        .expect_err("refused")
+        .to_string();
+    assert!(error.contains("Scene::shaped"), "{error}");
+    let refused = |change: fn(&mut Mesh)| {
+        let mut scene = everything();
+        scene.meshes[0].name = "wall".to_owned();
+        change(&mut scene.meshes[0]);
+        let settings = Settings::new(8, 8);
+        render(&scene, &settings, &|_, _| ())
+            .expect_err("refused")
+            .to_string()
+    };
+    for (change, word) in [
+        (
+            (|m| m.displacement.as_mut().unwrap().height = f32::INFINITY) as fn(&mut Mesh),
+            "height",
+        ),
+        (
+            |m| m.displacement.as_mut().unwrap().middle = f32::NAN,
+            "height",
+        ),
+        (
+            |m| m.displacement.as_mut().unwrap().budget = EdgeBudget::Pixels(0.0),
+            "longest edge",
+        ),
+        (
+            |m| m.displacement.as_mut().unwrap().budget = EdgeBudget::Texels(f32::NAN),
+            "longest edge",
+        ),
+        (
+            |m| m.displacement.as_mut().unwrap().slot.texture = 9,
+            "texture 9 does not exist",
+        ),
+        (
+            |m| m.displacement.as_mut().unwrap().max_triangles = 50,
+            "more than 50 triangles",
+        ),
+        (|m| m.uvs.clear(), "texture coordinates"),
+    ] {
+        let error = refused(change);
+        assert!(error.contains("'wall'") && error.contains(word), "{error}");
+    }
+}
