@@ -132,6 +132,7 @@ fn all() -> Scene {
                 slide(2, SlideRole::Paint, None),
             ],
             environments: vec![sky],
+            ..Effects::default()
         },
         ..empty()
     }
