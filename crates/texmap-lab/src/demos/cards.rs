@@ -103,13 +103,13 @@ pub(super) fn billboards(size: u32) -> Result<DemoPicture, LabError> {
             "screen-aligned, level: % of the tree's area",
             percent(&level),
             100.0,
-            1.0,
+            2.0,
         ),
         Claim::new(
             "screen-aligned, 60 degrees above: %",
             percent(&high_screen),
             100.0,
-            1.0,
+            2.0,
         ),
         Claim::new(
             "axis-aligned, 60 degrees above: % (cosine)",
@@ -121,7 +121,7 @@ pub(super) fn billboards(size: u32) -> Result<DemoPicture, LabError> {
             "screen-aligned, from right above: %",
             percent(&top_screen),
             100.0,
-            1.0,
+            2.0,
         ),
         Claim::new(
             "axis-aligned, from right above (edge-on): pixels",
