@@ -67,6 +67,7 @@ fn files() -> Vec<(String, Vec<u8>)> {
         ("checker.png", textures::checker().png()),
         ("uv_grid.png", textures::uv_grid().png()),
         ("brick.png", textures::brick().png()),
+        ("hills.png", textures::hills().png()),
         ("face.png", textures::face().png()),
         ("fence.png", textures::fence().png()),
         ("leaf.png", textures::leaf(false).png()),

@@ -1,7 +1,7 @@
 //! The scene files, word for word.
 
 /// File name and text of every scene.
-pub(crate) const SCENES: [(&str, &str); 7] = [
+pub(crate) const SCENES: [(&str, &str); 8] = [
     ("purple_cow.scene", PURPLE_COW),
     ("checker_floor.scene", CHECKER_FLOOR),
     ("brick_wall_tiled.scene", BRICK_WALL),
@@ -9,6 +9,7 @@ pub(crate) const SCENES: [(&str, &str); 7] = [
     ("teapot.scene", TEAPOT),
     ("label.scene", LABEL),
     ("frame_ouv.scene", FRAME_OUV),
+    ("shapes.scene", SHAPES),
 ];
 
 const PURPLE_COW: &str = "\
@@ -247,4 +248,45 @@ v 3.1 2 0.6
 v 1.2 2 0
 frame 1.2 2 0 0.95 0 0.3 0.475 -1 0.15
 ff 10 11 12 13
+";
+
+const SHAPES: &str = "\
+# Surfaces that move: bricks that stand out of their wall, a bent arm, ground from a picture of heights, and leaves on cards.
+eye -1.5 2.6 6.5
+look 0.2 1.1 0
+fov 50
+background 0.72 0.82 0.92
+la 0.35 0.35 0.38
+ld 0.75 0.72 0.65 0.8 -0.75 -0.7
+shadow 2048
+filter trilinear
+shade modulate pixel
+
+# The wall: bricks are brighter than mortar. Its outline and its shadows are those of the bricks.
+texture ../textures/brick.png
+displace ../textures/brick.png 0.25 middle 0.4 pixels 3
+v -3 0 0
+v 1 0 0
+v 1 2.6 0
+v -3 2.6 0
+tf 0 0 2   1 3 2   2 3 0   3 0 0
+displace none
+
+# The arm: a cylinder whose upper half leans over.
+push
+bone 2.2 0 0.6   2.2 1 0.6
+bone 2.2 1 0.6   2.2 2 0.6 parent 0 turn 50 0 0 1
+skin smooth 0.9
+texture ../textures/checker.png
+translate 2.2 1 0.6
+scale 0.7 2 0.7
+obj ../models/cylinder.obj
+pop
+
+# Ground, and leaves over it.
+texture ../textures/carpet.gif
+terrain ../textures/hills.png 0 -0.7 1.5 9 1 7 step 2
+texture ../textures/leaf.png
+billboard -0.9 0.6 2.6 0.8 0.8
+billboard 0.1 0.5 2.4 0.6 0.6 axis 0 1 0
 ";

@@ -51,6 +51,15 @@ pub(crate) fn uv_grid() -> Picture {
     picture
 }
 
+/// Heights of rolling ground, black to white.
+pub(crate) fn hills() -> Picture {
+    Picture::from_fn(128, 128, |x, y| {
+        let h = clouds(f64::from(x) / 32.0, f64::from(y) / 32.0, 4, 77);
+        let code = (255.0 * h) as u32;
+        rgb(code << 16 | code << 8 | code)
+    })
+}
+
 /// Eight courses of bricks; repeats on both axes.
 pub(crate) fn brick() -> Picture {
     const CLAY: [u32; 6] = [0xA8442E, 0x9C3E2B, 0xB5523A, 0x8E3626, 0xA94F38, 0xBE5E42];
