@@ -16,6 +16,7 @@ mod shadows;
 mod shapes;
 mod table;
 mod uv;
+mod volume;
 
 use serde::Deserialize;
 
@@ -30,7 +31,7 @@ use crate::LabError;
 pub struct Case {
     /// Short id: R for the rasterizer, I for interpolation, S for the sampler, U for the uv mapper, P for
     /// projective textures, H for shadows, E for environment and light maps, B for bumps, displacement and tangents, G for
-    /// moved, bent and turned shapes.
+    /// moved, bent and turned shapes, V for volumes, solid textures and ramps.
     pub id: String,
     /// What is put in.
     pub input: String,
@@ -205,6 +206,12 @@ const RUNNERS: &[(&str, Runner)] = &[
     ("G2", shapes::g2),
     ("G3", shapes::g3),
     ("G4", shapes::g4),
+    ("V1", volume::v1),
+    ("V2", volume::v2),
+    ("V3", volume::v3),
+    ("V4", volume::v4),
+    ("V5", volume::v5),
+    ("V6", volume::v6),
 ];
 
 /// Ids of the cases that can be run.

@@ -93,6 +93,7 @@ const GROUPS: &[(char, &str)] = &[
     ('E', "Environment and light maps"),
     ('B', "Bump, normal and displacement maps"),
     ('G', "Moved, bent and turned shapes"),
+    ('V', "Volumes, solid textures and ramps"),
 ];
 
 /// The page: what fails where, then every demand of every case.

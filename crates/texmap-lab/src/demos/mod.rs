@@ -10,6 +10,7 @@ mod affine;
 mod antialiasing;
 mod cards;
 mod displacement;
+mod classics;
 mod environments;
 mod frame;
 mod gouraud;
@@ -20,6 +21,7 @@ mod relief;
 mod shadows;
 mod sheet;
 mod skin;
+mod space;
 mod stage;
 mod tiling;
 mod transparency;
@@ -37,7 +39,7 @@ pub const DEFAULT_SIZE: u32 = 384;
 
 type Draw = fn(u32) -> Result<DemoPicture, LabError>;
 
-const DEMOS: [(&str, &str, Draw); 19] = [
+const DEMOS: [(&str, &str, Draw); 23] = [
     (
         "affine-image",
         "a photo on cubes, screen-linear against perspective",
@@ -132,6 +134,24 @@ const DEMOS: [(&str, &str, Draw); 19] = [
         "antialiasing",
         "edges by one sample, by more, by multisampling and by a filter, against exact coverage",
         antialiasing::antialiasing,
+        "solids",
+        "marble, wood and noise carved out of space, against pictures wrapped around",
+        space::solids,
+    ),
+    (
+        "volumes",
+        "fog by its closed form, a grid with a transfer function, the eye inside",
+        space::volumes,
+    ),
+    (
+        "skies",
+        "a stretched backdrop and an environment sky behind a tiled wall",
+        classics::skies,
+    ),
+    (
+        "labels",
+        "letters by coverage, a decal over base, ramps of light and of heat",
+        classics::labels,
     ),
 ];
 
