@@ -33,6 +33,7 @@ pub(crate) enum Verb {
     Chart(cmd::chart::ChartArgs),
     Env(cmd::env::EnvArgs),
     Bake(Box<cmd::bake::BakeArgs>),
+    Slice(cmd::slice::SliceArgs),
 }
 
 impl Verb {
@@ -48,7 +49,7 @@ impl Verb {
             Self::UvRaster(a) => a.json,
             Self::Stability(a) => a.json,
             Self::Warp(_) | Self::Sample(_) | Self::Mip(_) => false,
-            Self::Chart(_) | Self::Env(_) | Self::Bake(_) => false,
+            Self::Chart(_) | Self::Env(_) | Self::Bake(_) | Self::Slice(_) => false,
         }
     }
 }

@@ -65,6 +65,7 @@ fn dispatch(verb: Verb) -> Result<Exit, Failure> {
         Verb::Chart(args) => cmd::chart::run(&args),
         Verb::Env(args) => cmd::env::run(&args),
         Verb::Bake(args) => cmd::bake::run(&args),
+        Verb::Slice(args) => cmd::slice::run(&args),
     }
 }
 

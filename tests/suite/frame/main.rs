@@ -3,6 +3,7 @@
 mod aov;
 mod blend;
 mod bytes;
+mod classics;
 mod color;
 mod cutout;
 mod degenerate;

@@ -45,6 +45,10 @@ demos! {
     billboards "billboards",
     terrain "terrain",
     antialiasing "antialiasing",
+    solids "solids",
+    volumes "volumes",
+    skies "skies",
+    labels "labels",
 }
 
 /// A demo has no constants hidden in its size: other panels give the same figures within the tolerance.

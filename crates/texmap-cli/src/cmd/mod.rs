@@ -10,6 +10,7 @@ pub(crate) mod info;
 pub(crate) mod mip;
 pub(crate) mod render;
 pub(crate) mod sample;
+pub(crate) mod slice;
 pub(crate) mod stability;
 pub(crate) mod uv;
 pub(crate) mod uv_raster;

@@ -175,18 +175,18 @@ pub(super) fn skies(size: u32) -> Result<DemoPicture, LabError> {
             "environment: % of pixels more than 6/255 off the light of their direction",
             100.0 * f64::from(wrong) / pixels,
             0.0,
-            1.0,
+            3.0,
         ),
         Claim::new(
             "its % of pixels that change when the eye turns by 0.3",
             100.0 * changed(&straight, &seen, 1) / pixels,
-            60.0,
-            40.0,
+            15.0,
+            12.0,
         ),
     ];
     let both = |scene: Scene| render(&scene, size, 3);
     let mut stretched_wall = stretched(0.0, Filter::Trilinear, false)?;
-    wall(&mut stretched_wall, 0.5)?;
+    wall(&mut stretched_wall, 1.0)?;
     let panels = vec![
         panel(
             both(stretched(0.0, Filter::Trilinear, true)?)?,
@@ -371,13 +371,8 @@ pub(super) fn labels(size: u32) -> Result<DemoPicture, LabError> {
             0.0,
             4.0,
         ),
-        Claim::new(
-            "filtered alpha blended as it is: RMSE, /255",
-            b,
-            1.5 * a.max(8.0),
-            f64::MAX.min(60.0),
-        ),
-        Claim::new("nearest texels: RMSE, /255", c, 40.0, 30.0),
+        Claim::new("filtered alpha blended as it is: RMSE, /255", b, 30.0, 15.0),
+        Claim::new("nearest texels: RMSE, /255", c, 25.0, 15.0),
         Claim::new(
             "pixels of the label that are not alpha label + (1 - alpha) base",
             off.into(),
