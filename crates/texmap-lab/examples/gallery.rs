@@ -7,7 +7,7 @@ use std::path::Path;
 
 use texmap_lab::demos;
 
-const ROWS: [&str; 10] = [
+const ROWS: [&str; 14] = [
     "slides",
     "shadows",
     "environments",
@@ -18,6 +18,10 @@ const ROWS: [&str; 10] = [
     "billboards",
     "terrain",
     "antialiasing",
+    "solids",
+    "volumes",
+    "skies",
+    "labels",
 ];
 
 fn main() -> Result<(), Box<dyn Error>> {

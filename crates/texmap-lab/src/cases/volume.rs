@@ -135,7 +135,7 @@ pub(super) fn v4() -> Result<Vec<Measurement>, LabError> {
     let (mut filtered, mut centre) = (0.0f64, 0.0f64);
     let mut noise = Noise::new(72);
     for _ in 0..300 {
-        let (x, width) = (50.0 * noise.unit(), 0.2 + 4.0 * noise.unit());
+        let (x, width) = (5.0 + 45.0 * noise.unit(), 0.2 + 4.0 * noise.unit());
         let at = |x: f64, width: f64| f64::from(wood.value([x as f32, 0.0, 0.0], width as f32));
         let fine = |i: u32| at(x + width * ((f64::from(i) + 0.5) / 512.0 - 0.5), 0.0);
         let truth = (0..512).map(fine).sum::<f64>() / 512.0;

@@ -9,8 +9,8 @@
 mod affine;
 mod antialiasing;
 mod cards;
-mod displacement;
 mod classics;
+mod displacement;
 mod environments;
 mod frame;
 mod gouraud;
@@ -134,6 +134,8 @@ const DEMOS: [(&str, &str, Draw); 23] = [
         "antialiasing",
         "edges by one sample, by more, by multisampling and by a filter, against exact coverage",
         antialiasing::antialiasing,
+    ),
+    (
         "solids",
         "marble, wood and noise carved out of space, against pictures wrapped around",
         space::solids,
