@@ -97,55 +97,61 @@ pub(crate) fn displace(scene: &mut Scene, width: u32) -> Result<(), RenderError>
 
 /// The displaced meshes, and resting ones that share a point with them, over shared points; and their numbers in the scene.
 fn join(scene: &Scene) -> (Net, Vec<usize>) {
-    // Adding 0 makes one zero of both.
-    let key = |mesh: &Mesh, p: [f32; 3]| {
-        let place = mesh
+    let mut places = Vec::new();
+    let mut place = |mesh: &Mesh| {
+        let bits = mesh
             .world_from_object
             .to_cols_array()
             .map(|c| (c + 0.0).to_bits());
-        (place, p.map(|c| (c + 0.0).to_bits()))
+        places
+            .iter()
+            .position(|known| *known == bits)
+            .unwrap_or_else(|| {
+                places.push(bits);
+                places.len() - 1
+            })
     };
-    let mut points = HashMap::new();
+    // Adding 0 makes one zero of both.
+    let key = |place: usize, p: &[f32; 3]| (place, p.map(|c| (c + 0.0).to_bits()));
+    let mut points: HashMap<(usize, [u32; 3]), u32> = HashMap::new();
     let mut net = Net::default();
-    let mut point = |net: &mut Net, mesh: &Mesh, p: [f32; 3]| {
-        *points.entry(key(mesh, p)).or_insert_with(|| {
-            net.points.push(p);
-            net.points.len() as u32 - 1
-        })
-    };
-    let mut add = |net: &mut Net, mesh: &Mesh, number: usize| {
-        let first = net.vertices.len() as u32;
-        for (v, (p, n)) in mesh.positions.iter().zip(object_normals(mesh)).enumerate() {
-            let vertex = Vertex {
-                point: point(net, mesh, *p),
-                mesh: number as u32,
-                normal: n.normalize_or_zero().as_vec3().to_array(),
-                uv: mesh.uvs.get(v).copied().unwrap_or_default(),
-                lightmap_uv: mesh.lightmap_uvs.get(v).copied().unwrap_or_default(),
-                color: mesh.colors.get(v).copied().unwrap_or_default(),
-            };
-            net.vertices.push(vertex);
-        }
-        net.triangles
-            .extend(mesh.triangles.iter().zip(0..).map(|(t, base)| Triangle {
-                vertices: t.map(|v| v + first),
-                base,
-            }));
-    };
+    let add =
+        |net: &mut Net, points: &mut HashMap<_, u32>, place: usize, mesh: &Mesh, number: usize| {
+            let first = net.vertices.len() as u32;
+            for (v, (p, n)) in mesh.positions.iter().zip(object_normals(mesh)).enumerate() {
+                let vertex = Vertex {
+                    point: *points.entry(key(place, p)).or_insert_with(|| {
+                        net.points.push(*p);
+                        net.points.len() as u32 - 1
+                    }),
+                    mesh: number as u32,
+                    normal: n.normalize_or_zero().as_vec3().to_array(),
+                    uv: mesh.uvs.get(v).copied().unwrap_or_default(),
+                    lightmap_uv: mesh.lightmap_uvs.get(v).copied().unwrap_or_default(),
+                    color: mesh.colors.get(v).copied().unwrap_or_default(),
+                };
+                net.vertices.push(vertex);
+            }
+            net.triangles
+                .extend(mesh.triangles.iter().zip(0..).map(|(t, base)| Triangle {
+                    vertices: t.map(|v| v + first),
+                    base,
+                }));
+        };
     let (mut members, resting): (Vec<usize>, Vec<usize>) =
         (0..scene.meshes.len()).partition(|&i| scene.meshes[i].displacement.is_some());
     for (number, &index) in members.iter().enumerate() {
-        add(&mut net, &scene.meshes[index], number);
+        let mesh = &scene.meshes[index];
+        add(&mut net, &mut points, place(mesh), mesh, number);
     }
     let moving = net.points.len() as u32;
     for index in resting {
-        let (vertices, triangles) = (net.vertices.len(), net.triangles.len());
-        add(&mut net, &scene.meshes[index], members.len());
+        let mesh = &scene.meshes[index];
+        let place = place(mesh);
+        let touches = |p: &[f32; 3]| points.get(&key(place, p)).is_some_and(|p| *p < moving);
         // A mesh that touches none of them has nothing to do with them.
-        if net.vertices[vertices..].iter().all(|v| v.point >= moving) {
-            net.vertices.truncate(vertices);
-            net.triangles.truncate(triangles);
-        } else {
+        if mesh.positions.iter().any(touches) {
+            add(&mut net, &mut points, place, mesh, members.len());
             members.push(index);
         }
     }

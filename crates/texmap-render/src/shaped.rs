@@ -10,7 +10,9 @@ impl Scene {
     /// it is the scene itself.
     ///
     /// [`render`](crate::render) does this first. Call it yourself where meshes are read as they are: before
-    /// [`Renderer::new`](crate::Renderer::new) (which refuses an unshaped scene), [`shadow_map`](crate::shadow_map) or [`bake`](crate::bake).
+    /// [`Renderer::new`](crate::Renderer::new) (which refuses an unshaped scene), [`shadow_map`](crate::shadow_map),
+    /// [`bake`](crate::bake) or
+    /// [`planner::choose`](crate::planner::choose).
     /// What folds or cannot move is told in [`Scene::warnings`].
     ///
     /// # Errors

@@ -288,6 +288,93 @@ fn normals_follow_the_moved_surface() {
     assert!(fine < 1.2 && coarse > 2.0 * fine, "{fine} {coarse}");
 }
 
+/// A cube of side 2; `apart`: each triangle has vertices of its own.
+fn cube(apart: bool) -> Mesh {
+    let axes = [DVec3::X, DVec3::Y, DVec3::Z];
+    let mut mesh = Mesh::default();
+    for (axis, side) in [0, 1, 2].into_iter().flat_map(|a| [(a, 1.0), (a, -1.0)]) {
+        let out = axes[axis] * side;
+        let (right, up) = (axes[(axis + 1) % 3], axes[(axis + 2) % 3] * side);
+        let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
+        let parts: &[&[usize]] = if apart {
+            &[&[0, 1, 2], &[0, 2, 3]]
+        } else {
+            &[&[0, 1, 2, 3]]
+        };
+        for part in parts {
+            let first = mesh.positions.len() as u32;
+            for &k in *part {
+                let (x, y) = corners[k];
+                mesh.positions
+                    .push((out + right * x + up * y).as_vec3().to_array());
+                mesh.normals.push(out.as_vec3().to_array());
+                mesh.uvs.push([0.5 + 0.5 * x as f32, 0.5 + 0.5 * y as f32]);
+            }
+            mesh.triangles.push([first, first + 1, first + 2]);
+            if !apart {
+                mesh.triangles.push([first, first + 2, first + 3]);
+            }
+        }
+    }
+    mesh
+}
+
+/// Where the positions of a mesh go under a map.
+fn moved(mesh: Mesh, map: texmap_sample::Texture2d<'static>, height: f32) -> Vec<[f32; 3]> {
+    let mut scene = empty();
+    scene.textures = vec![map];
+    scene.materials = vec![Material::default()];
+    scene.meshes = vec![displaced(mesh, 0, height, EdgeBudget::Texels(100.0))];
+    scene.shaped(64).expect("a good scene").meshes[0]
+        .positions
+        .clone()
+}
+
+/// Each different normal counts once at a corner, however many triangles bring it.
+#[test]
+fn corners_move_along_the_mean_of_their_different_normals() {
+    let white = || texture(4, 4, |_, _| [255; 4]);
+    for apart in [false, true] {
+        for (p, from) in moved(cube(apart), white(), 0.3)
+            .iter()
+            .zip(cube(apart).positions)
+        {
+            let expected = from.map(|c| c * (1.0 + 0.3 / 3f32.sqrt()));
+            assert!(
+                (0..3).all(|i| (p[i] - expected[i]).abs() < 1e-6),
+                "{apart}: {p:?} {expected:?}"
+            );
+        }
+    }
+}
+
+/// Where coordinates jump, both sides go by the mean of their heights.
+#[test]
+fn seams_move_by_the_mean_of_their_heights() {
+    let halves = texture(2, 1, |x, _| if x == 0 { [0, 0, 0, 255] } else { [255; 4] });
+    let mut strip = quad([
+        [-1.0, 0.0, 0.0],
+        [0.0, 0.0, 0.0],
+        [0.0, 1.0, 0.0],
+        [-1.0, 1.0, 0.0],
+    ]);
+    strip.uvs = vec![[0.25, 0.5]; 4];
+    let right = strip
+        .positions
+        .clone()
+        .into_iter()
+        .map(|[x, y, z]| [x + 1.0, y, z]);
+    strip.positions.extend(right);
+    strip.uvs.extend([[0.75, 0.5]; 4]);
+    strip.triangles.extend([[4, 5, 6], [4, 6, 7]]);
+    for (p, height) in moved(strip, halves, 0.4)
+        .iter()
+        .map(|p| (p, [0.0, 0.2, 0.4][(p[0] + 1.0) as usize]))
+    {
+        assert!((p[2] - height).abs() < 1e-6, "{p:?}");
+    }
+}
+
 #[test]
 fn an_unshaped_scene_is_refused_and_bad_displacements_are_named() {
     let scene = everything();

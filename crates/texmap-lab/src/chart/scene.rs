@@ -68,6 +68,9 @@ pub fn panel(
         };
         ways.push((format!("trilinear, {}", words::interp(interp)), settings));
     }
+    // Only drawing is timed.
+    let shaped = scene.shaped(width)?;
+    let scene = shaped.as_ref();
     let steps = ways.len() + 2;
     report(0, steps, "truth");
     let truth = render(
