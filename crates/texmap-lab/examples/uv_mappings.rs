@@ -255,13 +255,14 @@ fn page(table: &str, claims: &[String], unwrappers: &str) -> String {
          ## The choice of an unwrapper\n\n\
          Candidates are the pure-Rust crates that are kept up; texmap's own six planes stand beside them. Pages of 1024 texels, 4 texels between charts.\n\
          The knot is a closed tube with lumps, of about 100,000 triangles by formula. Lengths are in object units. The seconds were taken on two cores\n\
-         that other work shared: read them as orders of magnitude. Where a mesh lacks a row, the run was stopped before it. Made by\n\
+         that other work shared: read them as orders of magnitude. Made by\n\
          `cargo run --release -p texmap-benches --features unwrappers --bin unwrappers`.\n\n{unwrappers}\n\
          `--map unwrap` is uvunwrap: nothing flipped, nothing overlapping and an L2 stretch within 0.002 of 1 in every row measured, and the same bytes on every machine by its own tests.\n\
          Six planes are far quicker, at a longer seam and more shells.\n\n\
          ## Speed\n\n\
          `cargo run --release -p texmap-benches --bin uv-scaling` writes [uv_scaling.csv](../benches/results/uv_scaling.csv) and this chart.\n\
-         The committed run shared its two cores with other work, and its points scatter accordingly.\n\n\
+         Every step visits each triangle a fixed number of times; what grows with the mesh is the price of memory. Of the report on 4 million triangles\n\
+         more than a quarter of the time is the system handing out cleared pages (`perf record`), and rows of the mesh leave the caches next to the cores.\n\n\
          ![time over triangles](../benches/results/uv_scaling.svg)\n",
         claims
             .iter()

@@ -391,4 +391,23 @@ mod tests {
         assert_eq!(set.corners, [0, 1, 2, 0, 3, 4]);
         assert_eq!(set.per_corner(), values);
     }
+
+    /// Twenty thousand positions in pairs, zeros of both signs among them: each finds the first of its kind.
+    #[test]
+    fn equal_positions_are_one() {
+        let half = 10_000u32;
+        let at = |i: u32| [(i % 97) as f32 - 48.0, (i / 97) as f32, 0.0];
+        let mut positions: Vec<[f32; 3]> = (0..half).map(at).collect();
+        positions.extend((0..half).rev().map(|i| {
+            let [x, y, _] = at(i);
+            [x, y, -0.0]
+        }));
+        let faces = Faces::from_triangles(&[[0, 1, 2]]);
+        let mesh = Mesh::new(&positions, &faces).unwrap();
+        let expected: Vec<u32> = (0..half).chain((0..half).rev()).collect();
+        assert_eq!(mesh.welded(), expected);
+        // A position that no face uses may be anything.
+        let odd = [[0.0; 3], [1.0; 3], [2.0; 3], [f32::NAN; 3], [f32::NAN; 3]];
+        assert_eq!(Mesh::new(&odd, &faces).unwrap().welded(), [0, 1, 2, 3, 3]);
+    }
 }

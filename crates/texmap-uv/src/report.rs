@@ -106,7 +106,7 @@ pub struct Report {
     pub picture_area: f64,
     /// Area in space.
     pub surface_area: f64,
-    /// Length in space of the edges where the picture is interrupted.
+    /// Length in space of the edges where the picture is interrupted, each edge once.
     pub seam_length: f64,
     /// Mean share of that length which is seen, over 14 views from the axes and corners of a cube; NaN without
     /// views, 0 without seams.
@@ -115,7 +115,7 @@ pub struct Report {
     pub rim_length: f64,
     /// Edges of more than two faces; they count as seams.
     pub non_manifold_edges: usize,
-    /// Connected pieces of the picture.
+    /// Connected pieces of the picture with area in space.
     pub shells: usize,
     /// Vertices inside an edge of a face that does not have them, with the face.
     pub t_joints: Vec<TJoint>,
@@ -257,7 +257,6 @@ impl Edges {
         let topology = Topology::new(mesh);
         let seams = seams(mesh, set, &topology);
         let rim = (0..topology.twin.len()).filter(|&k| topology.twin[k] == RIM);
-        let link = |k: usize| meets(mesh, set, &topology, k);
         Self {
             seam_length: lengths(mesh, &topology, seams.iter().copied()),
             seam_seen: if options.views {
@@ -266,8 +265,8 @@ impl Edges {
                 f64::NAN
             },
             rim_length: lengths(mesh, &topology, rim),
-            non_manifold: non_manifold(mesh, &topology),
-            shells: Shells::linked(mesh.faces().len(), &topology, link).count,
+            non_manifold: non_manifold(mesh, &topology).len(),
+            shells: shells(mesh, set, &topology),
             t_joints: t_joint::find(mesh, &topology),
         }
     }
@@ -475,16 +474,21 @@ fn lengths(mesh: &Mesh<'_>, topology: &Topology, edges: impl Iterator<Item = usi
     edges.fold(0.0, |sum, k| sum + edge_length(mesh, topology, k))
 }
 
-/// The edges, each named by one corner, where two faces meet in space but not in the picture.
+/// The edges, each named by one corner, where two faces meet in space but not in the picture, or more than two meet.
 fn seams(mesh: &Mesh<'_>, set: &UvSet, topology: &Topology) -> Vec<usize> {
-    parallel::collect_chunks(topology.twin.len(), |range| {
-        let is_seam = |k: &usize| match topology.twin[*k] {
-            RIM => false,
-            MANY => true,
-            twin => (*k as u32) < twin && !meets(mesh, set, topology, *k),
+    let mut torn = parallel::collect_chunks(topology.twin.len(), |range| {
+        let seam = |k: usize| match topology.twin[k] {
+            RIM | MANY => None,
+            twin => ((k as u32) < twin && !meets(mesh, set, topology, k))
+                .then(|| topology.name(mesh, k)),
         };
-        range.filter(is_seam).collect()
-    })
+        range.filter_map(seam).collect()
+    });
+    // Torn on both sides of a face without area, it is one seam.
+    torn.sort_unstable();
+    torn.dedup();
+    torn.extend(non_manifold(mesh, topology));
+    torn
 }
 
 /// As [`Topology::joined`], but equal coordinates count as one whatever their index: the picture goes on there.
@@ -495,16 +499,26 @@ fn meets(mesh: &Mesh<'_>, set: &UvSet, topology: &Topology, k: usize) -> bool {
         .is_some_and(|there| there.map(|c| set.at(c)) == here)
 }
 
-fn non_manifold(mesh: &Mesh<'_>, topology: &Topology) -> usize {
-    let mut edges: Vec<[u32; 2]> = (0..topology.twin.len())
+/// One corner of each edge of more than two faces.
+fn non_manifold(mesh: &Mesh<'_>, topology: &Topology) -> Vec<usize> {
+    let mut edges: Vec<([u32; 2], usize)> = (0..topology.twin.len())
         .filter(|&k| topology.twin[k] == MANY)
-        .map(|k| {
-            let [a, b] = [k, topology.next[k] as usize]
-                .map(|k| topology.welded[mesh.faces().corners()[k] as usize]);
-            [a.min(b), a.max(b)]
-        })
+        .map(|k| (topology.ends(mesh, k), k))
         .collect();
     edges.sort_unstable();
-    edges.dedup();
-    edges.len()
+    edges.dedup_by_key(|(ends, _)| *ends);
+    edges.into_iter().map(|(_, k)| k).collect()
+}
+
+/// Pieces of the picture that have area in space.
+fn shells(mesh: &Mesh<'_>, set: &UvSet, topology: &Topology) -> usize {
+    let shells = Shells::linked(mesh.faces().len(), topology, |k| {
+        meets(mesh, set, topology, k)
+    });
+    let mut has_area = alloc::vec![false; shells.count];
+    for (face, shell) in shells.of_face.iter().enumerate() {
+        let known = &mut has_area[*shell as usize];
+        *known = *known || length(mesh.face_normal(face)) > 0.0;
+    }
+    has_area.iter().filter(|has| **has).count()
 }

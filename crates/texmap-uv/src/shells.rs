@@ -108,6 +108,35 @@ impl Topology {
         })
     }
 
+    /// The places of both ends of the edge of `k`, the lower one first.
+    pub(crate) fn ends(&self, mesh: &Mesh<'_>, k: usize) -> [u32; 2] {
+        let [a, b] =
+            [k, self.next[k] as usize].map(|k| self.welded[mesh.faces().corners()[k] as usize]);
+        [a.min(b), a.max(b)]
+    }
+
+    /// One corner for all corners that are twins of one another over faces without area: the lower one of the two
+    /// faces at the ends of the chain.
+    pub(crate) fn name(&self, mesh: &Mesh<'_>, k: usize) -> usize {
+        let ends = self.ends(mesh, k);
+        let last = |mut k: usize| {
+            // Very long chains may have several names.
+            for _ in 0..64 {
+                let other = mesh
+                    .faces()
+                    .range(self.face[k] as usize)
+                    .find(|&o| o != k && self.ends(mesh, o) == ends);
+                let Some(other) = other else { break };
+                if self.twin[other] >= MANY {
+                    return other;
+                }
+                k = self.twin[other] as usize;
+            }
+            k
+        };
+        last(k).min(last(self.twin[k] as usize))
+    }
+
     /// Whether the picture goes on across the edge of `k`: both ends use the same texture coordinates.
     pub(crate) fn joined(&self, mesh: &Mesh<'_>, set: &UvSet, k: usize) -> bool {
         let here = [k, self.next[k] as usize].map(|c| set.corners[c]);

@@ -199,3 +199,90 @@ fn degenerate_and_non_manifold_meshes_are_reported_not_refused() {
     };
     assert!(report(&mesh, &broken, &UPWARD).is_err());
 }
+
+/// The loader divides quads into triangles; at the poles of the teapot some of them have no area. They tear nothing.
+#[test]
+fn a_plane_map_of_the_teapot_has_no_seam_however_it_is_read() {
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../assets/models/teapot.obj");
+    let scene = texmap_io::load_obj(&path, &texmap_io::LoadOptions::default()).unwrap();
+    let (mut positions, mut triangles) = (Vec::new(), Vec::new());
+    for mesh in &scene.meshes {
+        let base = positions.len() as u32;
+        positions.extend(&mesh.positions);
+        triangles.extend(mesh.triangles.iter().map(|t| t.map(|i| i + base)));
+    }
+    let faces = Faces::from_triangles(&triangles);
+    let mesh = Mesh::new(&positions, &faces).unwrap();
+    let of = |shape| {
+        let mapping = Mapping {
+            origin: Origin::BottomLeft,
+            ..Mapping::new(shape)
+        };
+        let set = mapping.map(Level::new(), &mesh, &[]).unwrap().set;
+        report(&mesh, &set, &UPWARD).unwrap()
+    };
+    let plane = of(Shape::Plane);
+    assert!(
+        plane.degenerate > 0,
+        "the case needs triangles without area"
+    );
+    assert_eq!((plane.seam_length, plane.non_manifold_edges), (0.0, 0));
+    // As many shells as the surface has pieces: body with bottom, lid, handle, spout at most.
+    assert!(plane.shells <= 5, "{} shells", plane.shells);
+    // Negative twin: a box tears it.
+    assert!(of(Shape::Box).seam_length > 10.0);
+}
+
+/// Two squares with a face without area between them, cut apart on both of its sides: one seam, two shells.
+#[test]
+fn a_face_without_area_between_two_others_makes_one_seam() {
+    let positions = [
+        [0.0, 0.0, 0.0],
+        [1.0, 0.0, 0.0],
+        [1.0, 1.0, 0.0],
+        [0.0, 1.0, 0.0],
+        [2.0, 0.0, 0.0],
+        [2.0, 1.0, 0.0],
+        [1.0, 1.0, 0.0],
+    ];
+    let mut faces = Faces::new();
+    faces.push(&[0, 1, 2, 3]);
+    faces.push(&[1, 4, 5, 6]);
+    faces.push(&[2, 1, 6]);
+    let mesh = Mesh::new(&positions, &faces).unwrap();
+    let by_face = |shift: [f32; 3]| {
+        let corners = (0..faces.len()).flat_map(|f| faces.face(f).iter().map(move |&i| (f, i)));
+        UvSet {
+            uvs: corners
+                .map(|(f, i)| {
+                    [
+                        positions[i as usize][0] + shift[f],
+                        positions[i as usize][1],
+                    ]
+                })
+                .collect(),
+            corners: (0..faces.corners().len() as u32).collect(),
+        }
+    };
+    for (shift, seam, shells) in [
+        ([0.0, 0.0, 0.0], 0.0, 1),
+        ([0.0, 0.0, 5.0], 1.0, 2),
+        ([0.0, 5.0, 5.0], 1.0, 2),
+        ([0.0, 5.0, 0.0], 1.0, 2),
+    ] {
+        let r = report(&mesh, &by_face(shift), &UPWARD).unwrap();
+        assert_eq!(
+            (r.seam_length, r.shells, r.degenerate),
+            (seam, shells, 1),
+            "{shift:?}"
+        );
+    }
+    // A third square on the middle edge: an edge of three faces is one seam, too.
+    let mut three = positions.to_vec();
+    three.extend([[1.0, 0.0, 1.0], [1.0, 1.0, 1.0]]);
+    faces.push(&[1, 7, 8, 2]);
+    let mesh = Mesh::new(&three, &faces).unwrap();
+    let set = flat(&three, &faces, |p| [p[0] + p[2], p[1]]);
+    let r = report(&mesh, &set, &UPWARD).unwrap();
+    assert_eq!((r.seam_length, r.non_manifold_edges), (1.0, 1));
+}
