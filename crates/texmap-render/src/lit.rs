@@ -82,7 +82,7 @@ impl<'s> Ready<'s> {
             let kind = shadow_kind(scene, shadow.light, shadow.area)?;
             let size = shadow
                 .size
-                .unwrap_or_else(|| fitting_size(scene, &kind, settings));
+                .unwrap_or_else(|| fitting_size(scene, &kind, settings.width));
             shadows[shadow.light].push(Shade {
                 map: shadow_map(scene, &kind, size, threads)?,
                 bias: shadow.bias.unwrap_or_else(|| shadow_bias(scene)),
@@ -197,12 +197,18 @@ fn slide_kind(slide: &SlideProjector) -> ShadowKind {
 }
 
 /// Texels a side for about one texel a pixel, where the scene's middle is.
-fn fitting_size(scene: &Scene, kind: &ShadowKind, settings: &Settings) -> u32 {
+pub(crate) fn fitting_size(scene: &Scene, kind: &ShadowKind, width: u32) -> u32 {
+    let texels = texel_in_pixels(scene, kind, width).clamp(256.0, 4096.0);
+    (texels / 64.0).ceil() as u32 * 64
+}
+
+/// Pixels that the one texel of a map of size 1 would be wide, where the scene's middle is.
+pub(crate) fn texel_in_pixels(scene: &Scene, kind: &ShadowKind, width: u32) -> f64 {
     let Camera { eye, fov_x, .. } = scene.camera;
     let (centre, half) = crate::shadow::around(scene);
     // The nearer half of the scene is what is looked at.
     let way = |from: DVec3| (from - centre).length().max(0.5 * half);
-    let pixel = 2.0 * texmap_math::det::tan(0.5 * fov_x) * way(eye) / f64::from(settings.width);
+    let pixel = 2.0 * texmap_math::det::tan(0.5 * fov_x) * way(eye) / f64::from(width);
     let side = match kind {
         ShadowKind::Directional { half, .. } => 2.0 * half,
         ShadowKind::Spot {
@@ -211,8 +217,7 @@ fn fitting_size(scene: &Scene, kind: &ShadowKind, settings: &Settings) -> u32 {
         } => 2.0 * tan_half * way(light_from_world.inverse().transform_point3(DVec3::ZERO)),
         ShadowKind::Point { position } => 2.0 * way(*position),
     };
-    let texels = (side / pixel).clamp(256.0, 4096.0);
-    (texels / 64.0).ceil() as u32 * 64
+    side / pixel
 }
 
 /// What one surface adds: its maps, and the attributes that they read.

@@ -5,10 +5,11 @@
 //! of interpolation are predicted by the closed form of affine mapping, those of filters by a pilot: each candidate is
 //! tried at some of the mesh's own pixels against the mean over the pixel.
 
+mod lights;
 mod pilot;
 mod prices;
+mod visible;
 
-use texmap_light::Light;
 use texmap_math::affine_error;
 use texmap_math::glam::{DVec2, DVec4};
 use texmap_raster::Interp;
@@ -16,7 +17,8 @@ use texmap_sample::{Filter, Mip, Precision, Sampler, Texture2d};
 
 use crate::{AlphaMode, ColorMode, Mesh, RenderError, Scene, Shading, TextureRole, TextureSlot};
 
-use pilot::Pilot;
+pub use lights::{IdleLight, ShadowChoice};
+use pilot::{Pilot, Places};
 pub use prices::{Price, prices};
 
 /// What a picture may be off by.
@@ -70,8 +72,10 @@ pub struct Choices {
     pub budget: Budget,
     /// One for each mesh with triangles.
     pub meshes: Vec<Choice>,
-    /// Lights without any colour, by index.
-    pub dark_lights: Vec<usize>,
+    /// Lights that reach nothing.
+    pub idle_lights: Vec<IdleLight>,
+    /// The shadow maps of the other lights.
+    pub shadows: Vec<ShadowChoice>,
 }
 
 impl Choices {
@@ -111,9 +115,7 @@ impl Choices {
             mesh.material = scene.materials.len();
             scene.materials.push(material);
         }
-        for index in self.dark_lights.iter().rev() {
-            scene.lights.remove(*index);
-        }
+        lights::apply(&self.idle_lights, &self.shadows, scene);
     }
 }
 
@@ -127,55 +129,49 @@ pub fn choose(
     height: u32,
     budget: Budget,
 ) -> Result<Choices, RenderError> {
+    let scene = &*scene.shaped(width)?;
     scene.check()?;
     let aspect = f64::from(width) / f64::from(height);
     let clip_from_world = scene
         .camera
         .clip_from_world(aspect)
         .map_err(RenderError::Camera)?;
-    let mut meshes = Vec::new();
-    for (index, mesh) in scene.meshes.iter().enumerate() {
-        if mesh.triangles.is_empty() {
-            continue;
-        }
+    let size = DVec2::new(f64::from(width), f64::from(height));
+    let place = |mesh: &Mesh| -> Vec<DVec4> {
         let clip = clip_from_world * mesh.world_from_object;
-        let positions: Vec<DVec4> = mesh
-            .positions
-            .iter()
-            .map(|p| {
-                let [x, y, z] = p.map(f64::from);
-                let p = clip * DVec4::new(x, y, z, 1.0);
-                // Pixels times w, y down.
-                let (w, h) = (f64::from(width), f64::from(height));
-                DVec4::new((p.x + p.w) * 0.5 * w, (p.w - p.y) * 0.5 * h, p.z, p.w)
-            })
-            .collect();
-        let view = View {
+        let pixels = |p: &[f32; 3]| {
+            let [x, y, z] = p.map(f64::from);
+            let p = clip * DVec4::new(x, y, z, 1.0);
+            let (x, y) = ((p.x + p.w) * 0.5, (p.w - p.y) * 0.5);
+            DVec4::new(x * size.x, y * size.y, p.z, p.w)
+        };
+        mesh.positions.iter().map(pixels).collect()
+    };
+    let positions: Vec<Vec<DVec4>> = scene.meshes.iter().map(place).collect();
+    let views: Vec<View<'_>> = scene
+        .meshes
+        .iter()
+        .zip(&positions)
+        .map(|(mesh, positions)| View {
             scene,
             mesh,
-            positions: &positions,
-            size: DVec2::new(f64::from(width), f64::from(height)),
-        };
-        meshes.push(view.choose(index, budget));
-    }
-    let dark = |(_, light): &(usize, &Light)| match light {
-        Light::Ambient { color }
-        | Light::Directional { color, .. }
-        | Light::Point { color, .. } => *color == [0.0; 3],
-        _ => false,
-    };
-    // Shadows name their lights by index.
-    let free = scene.effects.shadows.is_empty();
+            positions,
+            size,
+        })
+        .collect();
+    let mut places: Vec<Places> = views.iter().map(pilot::places).collect();
+    let before: Vec<usize> = places.iter().map(|p| p.list.len()).collect();
+    visible::keep_visible(scene, &positions, size, &mut places);
+    let meshes = (0..views.len())
+        .filter(|&i| !views[i].mesh.triangles.is_empty())
+        .map(|i| views[i].choose(i, budget, &places[i], before[i]))
+        .collect();
+    let idle_lights = lights::idle(scene);
     Ok(Choices {
         budget,
         meshes,
-        dark_lights: scene
-            .lights
-            .iter()
-            .enumerate()
-            .filter(|light| free && dark(light))
-            .map(|(i, _)| i)
-            .collect(),
+        shadows: lights::shadows(scene, width, &idle_lights)?,
+        idle_lights,
     })
 }
 
@@ -183,13 +179,14 @@ pub fn choose(
 struct View<'s> {
     scene: &'s Scene,
     mesh: &'s Mesh,
-    /// x and y in pixels times w, clip z, w.
+    /// x and y in pixels (y down) times w, clip z, w.
     positions: &'s [DVec4],
     size: DVec2,
 }
 
 impl View<'_> {
-    fn choose(&self, index: usize, budget: Budget) -> Choice {
+    /// `places` are those of the mesh that are seen, of `all` inside its outline.
+    fn choose(&self, index: usize, budget: Budget, places: &Places, all: usize) -> Choice {
         let material = &self.scene.materials[self.mesh.material];
         let mut choice = Choice {
             mesh: index,
@@ -227,12 +224,24 @@ impl View<'_> {
                 "coordinates made per pixel: not predicted, the filter is the scene's"
                     .clone_into(&mut choice.why);
             }
-            Some(slot) => self.choose_filter(slot, budget, &mut choice),
+            Some(_) if material.color_ramp.is_some() || material.crisp => {
+                choice.predicted_rmse = f64::INFINITY;
+                "a ramp or a crisp outline follows the look-up: not predicted, the filter is the scene's"
+                    .clone_into(&mut choice.why);
+            }
+            Some(slot) => self.choose_filter(slot, budget, places, all, &mut choice),
         }
         choice
     }
 
-    fn choose_filter(&self, slot: &TextureSlot, budget: Budget, choice: &mut Choice) {
+    fn choose_filter(
+        &self,
+        slot: &TextureSlot,
+        budget: Budget,
+        places: &Places,
+        all: usize,
+        choice: &mut Choice,
+    ) {
         let material = &self.scene.materials[self.mesh.material];
         let texture = self.scene.textures[slot.texture]
             .clone()
@@ -242,7 +251,8 @@ impl View<'_> {
                 .contains(&texmap_sample::Wrap::ClampToBorder);
             let opaque = color[3] >= 1.0
                 && material.alpha == AlphaMode::Opaque
-                && material.opacity_map.is_none();
+                && material.opacity_map.is_none()
+                && material.decal.is_none();
             choice.filter = Some((Filter::Nearest, Precision::Exact));
             "the texture has one colour".clone_into(&mut choice.why);
             choice.left_out.push("mip chain");
@@ -260,12 +270,18 @@ impl View<'_> {
         } else {
             texture
         };
-        let Some(pilot) = Pilot::new(self, slot, &texture) else {
+        let Some(pilot) = Pilot::new(places, false, slot, &texture) else {
             choice.filter = Some((slot.sampler.filter, slot.sampler.precision));
-            "hardly seen: the filter is the scene's".clone_into(&mut choice.why);
+            choice.why = if places.list.len() < all {
+                "nearly all of it is hidden by others: the filter is the scene's".to_owned()
+            } else {
+                "hardly seen: the filter is the scene's".to_owned()
+            };
             return;
         };
         choice.tried = pilot.len();
+        // Everything that is known, where a first look leaves a filter undecided.
+        let mut whole: Option<Pilot> = None;
         let srgb = self.scene.color == ColorMode::Srgb;
         let mut best: Option<(f64, &Price)> = None;
         for price in prices() {
@@ -274,7 +290,17 @@ impl View<'_> {
                 precision: price.precision,
                 ..slot.sampler.clone()
             };
-            let predicted = pilot.error(&sampler, &texture, srgb);
+            let first = pilot.error(&sampler, &texture, srgb);
+            let mut predicted = first.bound;
+            if first.mean * UNDECIDED <= budget.rmse && predicted > budget.rmse {
+                if whole.is_none() {
+                    whole = Pilot::new(places, true, slot, &texture);
+                }
+                if let Some(whole) = &whole {
+                    choice.tried = whole.len();
+                    predicted = whole.error(&sampler, &texture, srgb).bound;
+                }
+            }
             if best.is_none_or(|(error, _)| predicted < error) {
                 best = Some((predicted, price));
             }
@@ -328,6 +354,9 @@ impl View<'_> {
     }
 }
 
+/// A first look may be wrong by this factor.
+const UNDECIDED: f64 = 0.85;
+
 /// Texels of affine error up to which w counts as equal: below the 8 sub-texel bits of any filter.
 const EQUAL_W: f64 = 1.0 / 512.0;
 
@@ -344,4 +373,167 @@ fn reads_mips(filter: Filter) -> bool {
         filter,
         Filter::Nearest | Filter::Bilinear | Filter::Bicubic(_) | Filter::Gl { mip: Mip::None, .. }
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use texmap_light::Light;
+    use texmap_math::Camera;
+    use texmap_math::glam::DVec3;
+    use texmap_raster::{Cull, DepthTest};
+    use texmap_sample::{ColorSpace, Origin, UvTransform};
+
+    use super::*;
+    use crate::{Material, Shadow};
+
+    /// A square of side 4 across the view at this depth, with a picture that no filter can show at its size.
+    fn square(z: f32, material: usize) -> Mesh {
+        Mesh {
+            positions: [[-2.0, -2.0], [2.0, -2.0], [2.0, 2.0], [-2.0, 2.0]]
+                .map(|[x, y]| [x, y, z])
+                .to_vec(),
+            uvs: vec![[0.0, 0.0], [3.1, 0.0], [3.1, 3.1], [0.0, 3.1]],
+            triangles: vec![[0, 1, 2], [0, 2, 3]],
+            material,
+            ..Mesh::default()
+        }
+    }
+
+    /// A noisy square behind a plain one.
+    fn scene() -> Scene {
+        let noise = (0..64 * 64u32)
+            .flat_map(|i| {
+                let on = i.wrapping_mul(0x9e37_79b9) >> 31;
+                [on as u8 * 255, 0, 255 - on as u8 * 255, 255]
+            })
+            .collect();
+        let texture =
+            Texture2d::from_rgba8(64, 64, noise, ColorSpace::Srgb, Origin::TopLeft).unwrap();
+        let noisy = Material {
+            base_color: Some(TextureSlot {
+                texture: 0,
+                sampler: Sampler::default(),
+                transform: UvTransform::default(),
+            }),
+            ..Material::default()
+        };
+        Scene {
+            camera: Camera {
+                eye: DVec3::new(0.0, 0.0, 5.0),
+                look: DVec3::ZERO,
+                up: DVec3::Y,
+                fov_x: 1.0,
+                near: 1e-2,
+                far: f64::INFINITY,
+            },
+            background: [0.0; 4],
+            color: ColorMode::Srgb,
+            depth_test: DepthTest::Less,
+            lights: vec![Light::Ambient { color: [1.0; 3] }],
+            textures: vec![texture],
+            materials: vec![noisy, Material::default()],
+            meshes: vec![square(-1.0, 0), square(0.0, 1)],
+            warnings: Vec::new(),
+            effects: Default::default(),
+        }
+    }
+
+    fn plan(scene: &Scene) -> Choices {
+        let tight = Budget {
+            texels: 0.5,
+            rmse: 0.01,
+        };
+        choose(scene, 96, 96, tight).unwrap()
+    }
+
+    #[test]
+    fn what_is_hidden_breaks_no_budget() {
+        let hidden = scene();
+        let choices = plan(&hidden);
+        assert!(choices.met(), "{choices:?}");
+        assert!(choices.meshes[0].why.contains("hidden"), "{choices:?}");
+        assert_eq!(choices.meshes[0].tried, 0);
+        // Negative twins: each leaves the noise in sight.
+        let seen = |change: &dyn Fn(&mut Scene)| {
+            let mut scene = scene();
+            change(&mut scene);
+            let choices = plan(&scene);
+            assert!(
+                !choices.met() && choices.meshes[0].tried > 100,
+                "{choices:?}"
+            );
+        };
+        seen(&|s| s.meshes.truncate(1));
+        seen(&|s| s.meshes[1].positions.iter_mut().for_each(|p| p[2] = -1.5));
+        seen(&|s| s.materials[1].alpha = AlphaMode::Blend);
+        seen(&|s| s.depth_test = DepthTest::Always);
+        seen(&|s| s.materials[1].cull = Cull::Front);
+        // Nearer than the near plane it is not drawn.
+        seen(&|s| s.meshes[1].positions.iter_mut().for_each(|p| p[2] = 4.995));
+        // Half of it is enough to be judged.
+        seen(&|s| s.meshes[1].positions.iter_mut().for_each(|p| p[0] += 2.0));
+        // Back faces of a one-sided mesh are not drawn, its front is.
+        let mut one_sided = scene();
+        one_sided.materials[1].cull = Cull::Back;
+        assert!(plan(&one_sided).met());
+    }
+
+    #[test]
+    fn lights_that_reach_nothing_are_left_out_with_their_shadows() {
+        let spot = |x: f32| Light::spot([1.0; 3], [x, 0.0, 3.0], [0.0, 0.0, -1.0], 0.2, 0.3);
+        let mut scene = scene();
+        let sun = Light::Directional {
+            color: [1.0; 3],
+            direction: [0.0, 0.0, -1.0],
+        };
+        let dark = Light::spot([0.0; 3], [0.0; 3], [0.0, 0.0, -1.0], 0.2, 0.3);
+        // The cone of the second spot light is about 1.2 wide where the squares are, and 4 aside.
+        scene.lights = vec![dark, spot(0.0), spot(8.0), sun];
+        let shadow = |light, size| Shadow {
+            light,
+            size,
+            bias: None,
+            taps: 3,
+            area: None,
+        };
+        scene.effects.shadows = vec![shadow(2, None), shadow(3, None), shadow(1, Some(512))];
+        let choices = plan(&scene);
+        let idle: Vec<usize> = choices.idle_lights.iter().map(|l| l.light).collect();
+        assert_eq!(idle, [0, 2], "{:?}", choices.idle_lights);
+        assert_eq!(choices.shadows.len(), 2);
+        assert!((choices.shadows[0].light, choices.shadows[0].fixed) == (3, false));
+        assert!((0.5..=1.0).contains(&choices.shadows[0].pixels) || choices.shadows[0].size == 256);
+        assert_eq!(
+            (choices.shadows[1].light, choices.shadows[1].size),
+            (1, 512)
+        );
+        let mut planned = scene.clone();
+        choices.apply(&mut planned);
+        assert_eq!(planned.lights, [scene.lights[1], scene.lights[3]]);
+        let left: Vec<(usize, Option<u32>)> = planned
+            .effects
+            .shadows
+            .iter()
+            .map(|s| (s.light, s.size))
+            .collect();
+        assert_eq!(left, [(1, Some(choices.shadows[0].size)), (0, Some(512))]);
+        planned.check().unwrap();
+        // The picture is the same, bit for bit.
+        let settings = crate::Settings::new(48, 48);
+        let [a, b] = [&planned, &{
+            let mut fixed = scene.clone();
+            for (mesh, of) in fixed.meshes.iter_mut().zip(&planned.meshes) {
+                mesh.material = of.material;
+            }
+            fixed.materials.clone_from(&planned.materials);
+            fixed
+        }]
+        .map(|s| crate::render(s, &settings, &|_, _| {}).unwrap());
+        assert_eq!(a.rgba, b.rgba);
+        // Nothing lit: no light at all.
+        for material in &mut scene.materials {
+            material.shading = Shading::Unlit;
+        }
+        assert_eq!(plan(&scene).idle_lights.len(), 4);
+    }
 }

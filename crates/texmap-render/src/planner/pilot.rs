@@ -7,26 +7,48 @@ use texmap_sample::{Filter, Lod, Precision, Sampler, Texture2d};
 use super::View;
 use crate::TextureSlot;
 
-/// Positions a side of the grid over the mesh's part of the picture.
-const GRID: u32 = 24;
+/// Positions a side of the grid over the mesh's part of the picture, where that has more pixels.
+const GRID: u32 = 64;
+/// Places that a first look takes.
+const FIRST: usize = 576;
 /// Pixels below which nothing is said.
 const FEWEST: usize = 24;
 /// Samples a side of a pixel, for its mean.
 const SAMPLES: u32 = 6;
 /// Standard errors of the mean by which a prediction is raised.
 const MARGIN: f64 = 3.0;
+/// Part of itself by which it is raised: what the mean of [`SAMPLES`] a side is off by.
+const ROUGH: f64 = 0.02;
 
 /// Pixels with the mean of the texture over each.
 pub(super) struct Pilot {
     places: Vec<([f32; 2], Footprint)>,
     means: Vec<[f32; 4]>,
+    /// Part of the mesh's pixels that these are.
+    share: f64,
+}
+
+/// Where a mesh is seen.
+pub(super) struct Places {
+    pub(super) list: Vec<Place>,
+    /// Part of the pixels in its outline's box that were looked at.
+    share: f64,
+}
+
+/// An error of a sampler over some pixels, in stored values.
+#[derive(Clone, Copy)]
+pub(super) struct Predicted {
+    /// Root mean square.
+    pub(super) mean: f64,
+    /// The same with its margin: the more pixels are known, the smaller.
+    pub(super) bound: f64,
 }
 
 /// A pixel of a triangle: its centre, and the planes of u/w, v/w and 1/w over the picture.
 #[derive(Clone, Copy)]
-struct Place {
-    centre: DVec2,
-    planes: [DVec3; 3],
+pub(super) struct Place {
+    pub(super) centre: DVec2,
+    pub(super) planes: [DVec3; 3],
 }
 
 impl Place {
@@ -49,14 +71,14 @@ impl Place {
 }
 
 impl Pilot {
-    /// `None` when the mesh is seen in too few positions.
+    /// Of some of the places, or with `all` of all of them. `None` when there are too few.
     pub(super) fn new(
-        view: &View<'_>,
+        places: &Places,
+        all: bool,
         slot: &TextureSlot,
         texture: &Texture2d<'_>,
     ) -> Option<Self> {
-        let pixels = places(view);
-        if pixels.len() < FEWEST {
+        if places.list.len() < FEWEST {
             return None;
         }
         let read = |(uv, d): ([f32; 2], Footprint)| {
@@ -68,24 +90,38 @@ impl Pilot {
             lod: Lod::default(),
             ..slot.sampler.clone()
         };
-        let (mut places, mut means) = (Vec::new(), Vec::new());
-        for pixel in &pixels {
+        let step = if all {
+            1
+        } else {
+            places.list.len().div_ceil(FIRST)
+        };
+        let mut pilot = Self {
+            places: Vec::new(),
+            means: Vec::new(),
+            share: places.share / step as f64,
+        };
+        for pixel in places.list.iter().step_by(step) {
             if let Some(centre) = pixel.at(DVec2::ZERO) {
-                places.push(read(centre));
-                means.push(mean(&reference, texture, |offset| {
+                pilot.places.push(read(centre));
+                pilot.means.push(mean(&reference, texture, |offset| {
                     pixel.at(offset).map(read)
                 }));
             }
         }
-        Some(Self { places, means })
+        Some(pilot)
     }
 
     pub(super) fn len(&self) -> usize {
         self.places.len()
     }
 
-    /// Upper bound of the root mean square error of a sampler over the pixels, in stored values.
-    pub(super) fn error(&self, sampler: &Sampler, texture: &Texture2d<'_>, srgb: bool) -> f64 {
+    /// The error of a sampler over the mesh's pixels.
+    pub(super) fn error(
+        &self,
+        sampler: &Sampler,
+        texture: &Texture2d<'_>,
+        srgb: bool,
+    ) -> Predicted {
         let store = |c: f32| {
             let c = c.clamp(0.0, 1.0);
             f64::from(if srgb { color::linear_to_srgb(c) } else { c })
@@ -104,8 +140,14 @@ impl Pilot {
         let n = squares.len() as f64;
         let mean = squares.iter().sum::<f64>() / n;
         let variance = squares.iter().map(|s| (s - mean).powi(2)).sum::<f64>() / n;
+        // Of a finite number of pixels those that were tried are known (Cochran 1977, section 2.6).
+        let unknown = (1.0 - self.share).clamp(0.0, 1.0).sqrt();
         // The last term is the rounding to bytes.
-        (mean + MARGIN * (variance / n).sqrt() + (1.0 / 255.0f64).powi(2) / 12.0).sqrt()
+        let root = |square: f64| (square + (1.0 / 255.0f64).powi(2) / 12.0).sqrt();
+        Predicted {
+            mean: root(mean),
+            bound: root(mean + MARGIN * unknown * (variance / n).sqrt()) * (1.0 + ROUGH),
+        }
     }
 }
 
@@ -137,21 +179,42 @@ fn mean(
     sum.map(|s| (s / count) as f32)
 }
 
-/// Pixels where the mesh is nearest, over a jittered grid on its part of the picture.
-fn places(view: &View<'_>) -> Vec<Place> {
-    let Some((low, high)) = bounds(view) else {
-        return Vec::new();
+/// Pixels with the mesh's nearest triangle there: all in its part of the picture, or a jittered grid.
+pub(super) fn places(view: &View<'_>) -> Places {
+    let none = Places {
+        list: Vec::new(),
+        share: 1.0,
     };
-    let cells = GRID * GRID;
+    let Some((low, high)) = bounds(view) else {
+        return none;
+    };
+    let (low, high) = (low.floor(), high.ceil());
+    let [wide, tall] = (high - low).to_array();
+    let most = f64::from(GRID * GRID);
+    let all = wide * tall <= most;
+    let (columns, rows) = if all {
+        (wide as u32, tall as u32)
+    } else {
+        (GRID, GRID)
+    };
+    let cells = columns * rows;
     let positions: Vec<DVec2> = (0..cells)
         .map(|i| {
             let jitter = DVec2::new(hash(2 * i), hash(2 * i + 1));
-            let cell = DVec2::new(f64::from(i % GRID), f64::from(i / GRID));
-            let at = low + (high - low) * (cell + jitter) / f64::from(GRID);
+            let jitter = if all { DVec2::splat(0.5) } else { jitter };
+            let cell = DVec2::new(f64::from(i % columns), f64::from(i / columns));
+            let count = DVec2::new(f64::from(columns), f64::from(rows));
+            let at = low + (high - low) * (cell + jitter) / count;
             // Pixel centres: the renderer sees no other places.
             at.floor() + 0.5
         })
         .collect();
+    let grid = Grid {
+        low,
+        high,
+        columns,
+        rows,
+    };
     let mut nearest: Vec<Option<(f64, Place)>> = vec![None; cells as usize];
     for triangle in &view.mesh.triangles {
         let corners = triangle.map(|i| view.positions[i as usize]);
@@ -169,13 +232,12 @@ fn places(view: &View<'_>) -> Vec<Place> {
             plane(uv.map(|c| f64::from(c[1]))),
             plane([1.0; 3]),
         ];
-        let Some((from, to)) = cell_range(&corners.map(|p| DVec3::new(p.x, p.y, p.w)), low, high)
-        else {
+        let Some((from, to)) = grid.range(&corners.map(|p| DVec3::new(p.x, p.y, p.w))) else {
             continue;
         };
         for j in from.1..=to.1 {
             for i in from.0..=to.0 {
-                let index = (j * GRID + i) as usize;
+                let index = (j * columns + i) as usize;
                 let p = positions[index];
                 let e = weights * DVec3::new(p.x, p.y, 1.0);
                 let inv_w = e.x + e.y + e.z;
@@ -188,11 +250,11 @@ fn places(view: &View<'_>) -> Vec<Place> {
             }
         }
     }
-    nearest
-        .into_iter()
-        .flatten()
-        .map(|(_, place)| place)
-        .collect()
+    let seen = nearest.into_iter().flatten().map(|(_, place)| place);
+    Places {
+        list: seen.collect(),
+        share: (f64::from(cells) / (wide * tall)).min(1.0),
+    }
 }
 
 /// The mesh's part of the picture in pixels; the whole picture where it crosses the eye's plane.
@@ -215,26 +277,40 @@ fn bounds(view: &View<'_>) -> Option<(DVec2, DVec2)> {
     (low.cmplt(high).all()).then_some((low, high))
 }
 
-/// The grid's cells that a triangle may touch, both ends included.
-fn cell_range(corners: &[DVec3; 3], low: DVec2, high: DVec2) -> Option<((u32, u32), (u32, u32))> {
-    let last = GRID - 1;
-    if corners.iter().any(|p| !(p.z > 1e-9)) {
-        return Some(((0, 0), (last, last)));
+/// Cells over a part of the picture.
+struct Grid {
+    low: DVec2,
+    high: DVec2,
+    columns: u32,
+    rows: u32,
+}
+
+impl Grid {
+    /// The cells that a triangle may touch, both ends included.
+    fn range(&self, corners: &[DVec3; 3]) -> Option<((u32, u32), (u32, u32))> {
+        let last = (self.columns - 1, self.rows - 1);
+        if corners.iter().any(|p| !(p.z > 1e-9)) {
+            return Some(((0, 0), last));
+        }
+        let count = DVec2::new(f64::from(self.columns), f64::from(self.rows));
+        let (mut from, mut to) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
+        for p in corners {
+            let cell = (DVec2::new(p.x, p.y) / p.z - self.low) / (self.high - self.low) * count;
+            (from, to) = (from.min(cell), to.max(cell));
+        }
+        // A position may lie a pixel away from its cell.
+        let reach = count / (self.high - self.low) + 1.0;
+        let (from, to) = ((from - reach).floor(), (to + reach).ceil());
+        let end = DVec2::new(f64::from(last.0), f64::from(last.1));
+        if to.min_element() < 0.0 || from.cmpgt(end).any() {
+            return None;
+        }
+        let index = |c: DVec2| {
+            let c = c.clamp(DVec2::ZERO, end);
+            (c.x as u32, c.y as u32)
+        };
+        Some((index(from), index(to)))
     }
-    let (mut from, mut to) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
-    for p in corners {
-        let cell = (DVec2::new(p.x, p.y) / p.z - low) / (high - low) * f64::from(GRID);
-        (from, to) = (from.min(cell), to.max(cell));
-    }
-    // A position may lie a pixel away from its cell.
-    let reach = DVec2::splat(f64::from(GRID)) / (high - low) + 1.0;
-    let (from, to) = ((from - reach).floor(), (to + reach).ceil());
-    let end = f64::from(last);
-    if to.min_element() < 0.0 || from.max_element() > end {
-        return None;
-    }
-    let index = |c: f64| c.clamp(0.0, end) as u32;
-    Some(((index(from.x), index(from.y)), (index(to.x), index(to.y))))
 }
 
 /// A number in 0..1 for each index, the same everywhere.

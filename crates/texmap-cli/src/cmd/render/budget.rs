@@ -8,8 +8,9 @@ use serde::Serialize;
 use texmap_io::scene_file::words;
 use texmap_lab::cases::figure;
 use texmap_lab::verify::Verified;
+use texmap_light::ShadowBias;
 use texmap_render::Scene;
-use texmap_render::planner::{Budget, Choices};
+use texmap_render::planner::{Budget, Choices, IdleLight, ShadowChoice};
 use texmap_sample::Precision;
 
 use crate::cmd::render::RenderArgs;
@@ -76,7 +77,26 @@ pub(crate) struct PlanReport {
     max_rmse: f64,
     pub(crate) met: bool,
     choices: Vec<ChoiceReport>,
-    dark_lights: Vec<usize>,
+    idle_lights: Vec<IdleReport>,
+    shadows: Vec<ShadowReport>,
+}
+
+/// A light that is left out.
+#[derive(Clone, Debug, Serialize)]
+struct IdleReport {
+    light: usize,
+    why: &'static str,
+}
+
+/// A shadow map.
+#[derive(Clone, Debug, Serialize)]
+struct ShadowReport {
+    light: usize,
+    size: u32,
+    bias: String,
+    /// Predicted width of a texel at the middle of the scene.
+    pixels: f64,
+    why: &'static str,
 }
 
 #[derive(Clone, Debug, Serialize)]
@@ -127,12 +147,32 @@ impl PlanReport {
             why: c.why.clone(),
             left_out: c.left_out.clone(),
         };
+        let idle = |l: &IdleLight| IdleReport {
+            light: l.light,
+            why: l.why,
+        };
+        let shadow = |s: &ShadowChoice| ShadowReport {
+            light: s.light,
+            size: s.size,
+            bias: match s.bias {
+                ShadowBias::Constant(c) => format!("constant {}", figure(c)),
+                ShadowBias::Slope(c) => format!("slope and {}", figure(c)),
+                other => format!("{other:?}"),
+            },
+            pixels: s.pixels,
+            why: if s.fixed {
+                "the scene's size"
+            } else {
+                "about a texel for a pixel at the middle of the scene, 256 to 4096"
+            },
+        };
         Self {
             max_texels: choices.budget.texels,
             max_rmse: choices.budget.rmse,
             met: choices.met(),
             choices: choices.meshes.iter().map(report).collect(),
-            dark_lights: choices.dark_lights.clone(),
+            idle_lights: choices.idle_lights.iter().map(idle).collect(),
+            shadows: choices.shadows.iter().map(shadow).collect(),
         }
     }
 
@@ -175,8 +215,19 @@ impl PlanReport {
                 c.why,
             );
         }
-        for light in &self.dark_lights {
-            let _ = writeln!(out, "light {light} has no colour and is left out");
+        for s in &self.shadows {
+            let _ = writeln!(
+                out,
+                "shadow map of light {}: {} texels a side, bias {}; predicted edges of {} pixels; {}",
+                s.light,
+                s.size,
+                s.bias,
+                figure(s.pixels),
+                s.why
+            );
+        }
+        for l in &self.idle_lights {
+            let _ = writeln!(out, "light {} is left out: {}", l.light, l.why);
         }
         out
     }

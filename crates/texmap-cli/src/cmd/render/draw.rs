@@ -14,7 +14,7 @@ use texmap_math::Level;
 use texmap_math::camera::Camera;
 use texmap_math::glam::DVec3;
 use texmap_render::planner::{self, Choices};
-use texmap_render::{AovData, Frame, RenderError, Scene, Settings};
+use texmap_render::{Aov, AovData, Frame, RenderError, Scene, Settings};
 
 use crate::cmd::render::RenderArgs;
 use crate::cmd::render::budget::{PlanReport, SAMPLES, TruthReport};
@@ -232,10 +232,16 @@ impl Context<'_> {
         let scene = shaped.as_ref();
         let choices = match self.args.budget() {
             None => None,
-            Some(budget) => Some(
-                planner::choose(scene, size.width * samples, size.height * samples, budget)
-                    .map_err(|e| self.refused(&e))?,
-            ),
+            Some(budget) => {
+                let (width, height) = (size.width * samples, size.height * samples);
+                let mut choices =
+                    planner::choose(scene, width, height, budget).map_err(|e| self.refused(&e))?;
+                // Shadows that are written out are those of the scene's own lights.
+                if self.args.aov.iter().any(|a| matches!(a, Aov::Shadow(_))) {
+                    choices.idle_lights.clear();
+                }
+                Some(choices)
+            }
         };
         let planned = choices.as_ref().map(|choices| {
             let mut planned = scene.clone();
