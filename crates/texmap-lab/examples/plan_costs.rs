@@ -10,6 +10,7 @@ use std::process::ExitCode;
 
 use texmap_lab::plane::{Pattern, TEXELS};
 use texmap_lab::verify::verify_all;
+use texmap_light::Surface;
 use texmap_math::camera::Camera;
 use texmap_math::glam::DVec3;
 use texmap_render::planner::{Budget, choose, prices};
@@ -128,6 +129,10 @@ fn plane(bytes: &[u8], turn: f64, magnify: f64) -> Result<Scene, Box<dyn Error>>
         [x * cos - y * sin, x * sin + y * cos].map(|c| (c / (4.0 * magnify)) as f32)
     };
     let material = Material {
+        surface: Surface {
+            color: [1.0; 3],
+            ..Surface::default()
+        },
         base_color: Some(TextureSlot {
             texture: 0,
             sampler: Sampler::default(),

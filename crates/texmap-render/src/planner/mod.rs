@@ -270,7 +270,16 @@ impl View<'_> {
         } else {
             texture
         };
-        let Some(pilot) = Pilot::new(places, false, slot, &texture) else {
+        // Light may be anything; without it the surface's colour is all that follows.
+        let plain = material.shading == Shading::Unlit
+            && material.texture_role == TextureRole::Modulate
+            && self.mesh.colors.is_empty();
+        let tint = if plain {
+            material.surface.color
+        } else {
+            [1.0; 3]
+        };
+        let Some(pilot) = Pilot::new(places, false, slot, &texture, tint) else {
             choice.filter = Some((slot.sampler.filter, slot.sampler.precision));
             choice.why = if places.list.len() < all {
                 "nearly all of it is hidden by others: the filter is the scene's".to_owned()
@@ -294,7 +303,7 @@ impl View<'_> {
             let mut predicted = first.bound;
             if first.mean * UNDECIDED <= budget.rmse && predicted > budget.rmse {
                 if whole.is_none() {
-                    whole = Pilot::new(places, true, slot, &texture);
+                    whole = Pilot::new(places, true, slot, &texture, tint);
                 }
                 if let Some(whole) = &whole {
                     choice.tried = whole.len();
@@ -476,6 +485,22 @@ mod tests {
         let mut one_sided = scene();
         one_sided.materials[1].cull = Cull::Back;
         assert!(plan(&one_sided).met());
+    }
+
+    #[test]
+    fn a_dark_surface_shows_little_of_its_picture() {
+        let mut scene = scene();
+        scene.meshes.truncate(1);
+        (scene.color, scene.materials[0].shading) = (ColorMode::Raw, Shading::Unlit);
+        let predicted = |scene: &Scene| plan(scene).meshes[0].predicted_rmse;
+        scene.materials[0].surface.color = [1.0; 3];
+        let bright = predicted(&scene);
+        scene.materials[0].surface.color = [0.25; 3];
+        let ratio = predicted(&scene) / bright;
+        assert!((0.24..0.27).contains(&ratio), "{ratio}");
+        // Negative twin: a decal covers the surface.
+        scene.materials[0].texture_role = TextureRole::Decal;
+        assert_eq!(predicted(&scene), bright);
     }
 
     #[test]

@@ -26,6 +26,8 @@ pub(super) struct Pilot {
     means: Vec<[f32; 4]>,
     /// Part of the mesh's pixels that these are.
     share: f64,
+    /// What multiplies every texel.
+    tint: [f32; 3],
 }
 
 /// Where a mesh is seen.
@@ -77,6 +79,7 @@ impl Pilot {
         all: bool,
         slot: &TextureSlot,
         texture: &Texture2d<'_>,
+        tint: [f32; 3],
     ) -> Option<Self> {
         if places.list.len() < FEWEST {
             return None;
@@ -99,6 +102,7 @@ impl Pilot {
             places: Vec::new(),
             means: Vec::new(),
             share: places.share / step as f64,
+            tint,
         };
         for pixel in places.list.iter().step_by(step) {
             if let Some(centre) = pixel.at(DVec2::ZERO) {
@@ -132,7 +136,10 @@ impl Pilot {
             .zip(&self.means)
             .map(|((uv, d), mean)| {
                 let found = sampler.sample_grad(texture, *uv, *d);
-                let off = |k: usize| (store(found[k]) - store(mean[k])).powi(2);
+                let off = |k: usize| {
+                    let [found, mean] = [found[k], mean[k]].map(|c| store(c * self.tint[k]));
+                    (found - mean).powi(2)
+                };
                 let alpha = f64::from(found[3] - mean[3]).powi(2);
                 ((off(0) + off(1) + off(2)) / 3.0).max(alpha)
             })
