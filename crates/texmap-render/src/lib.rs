@@ -64,6 +64,7 @@ mod scene;
 mod settings;
 mod shade;
 mod shadow;
+mod shadow_cut;
 mod shaped;
 mod skin;
 mod solid;

@@ -89,7 +89,7 @@ pub(crate) enum LightStage {
 
 /// Alpha of which a cut-out pixel is kept.
 #[derive(Clone, Copy)]
-enum Cut {
+pub(crate) enum Cut {
     Above(f32),
     AtLeast(f32),
 }
@@ -154,7 +154,7 @@ impl AlphaTest for Plan<'_> {
 }
 
 impl Cut {
-    fn keeps(self, alpha: f32) -> bool {
+    pub(crate) fn keeps(self, alpha: f32) -> bool {
         match self {
             Self::Above(t) => alpha > t,
             Self::AtLeast(t) => alpha >= t,
@@ -296,26 +296,15 @@ fn surface<'s>(
         .as_ref()
         .map(|s| Slot::new(s, scene, settings, chains, mesh.uv_origin));
     let clear_texels = base_color.as_ref().is_some_and(Slot::can_be_transparent);
-    let has_alpha = material.opacity < 1.0 || opacity_map.is_some() || clear_texels;
     // The lit surface is out of sight behind a decal that covers it.
     let shows_surface = base_color.is_none()
         || material.texture_role == TextureRole::Modulate
         || (material.alpha == AlphaMode::Opaque && clear_texels);
-    let (pass, cut) = match material.alpha {
-        AlphaMode::Opaque => (Pass::Opaque, None),
-        AlphaMode::Blend => (Pass::Blended, None),
-        AlphaMode::Test(_) if !has_alpha => (Pass::Opaque, None),
-        AlphaMode::Test(t) if t > 0.0 => (Pass::CutOut, Some(Cut::AtLeast(t))),
-        AlphaMode::Test(_) => {
-            let alpha_source = opacity_map.as_ref().or(base_color.as_ref());
-            let nearest = alpha_source.is_none_or(|s| picks_texels(s.sampler.filter));
-            let cut = if nearest {
-                Cut::Above(0.0)
-            } else {
-                Cut::AtLeast(0.5)
-            };
-            (Pass::CutOut, Some(cut))
-        }
+    let cut = cut(material, base_color.as_ref(), opacity_map.as_ref());
+    let pass = match material.alpha {
+        AlphaMode::Blend => Pass::Blended,
+        _ if cut.is_some() => Pass::CutOut,
+        _ => Pass::Opaque,
     };
     let interp = match settings.interp.unwrap_or(material.interp) {
         // Its tolerance is one of coordinates at the vertices; a round mapping has none.
@@ -418,6 +407,29 @@ fn surface<'s>(
         vertices,
         base_color,
         opacity_map,
+    }
+}
+
+/// What an alpha test keeps; `None` if there is none, or nothing that it could cut out.
+pub(crate) fn cut(
+    material: &Material,
+    base_color: Option<&Slot<'_>>,
+    opacity_map: Option<&Slot<'_>>,
+) -> Option<Cut> {
+    let clear_texels = base_color.is_some_and(Slot::can_be_transparent);
+    let has_alpha = material.opacity < 1.0 || opacity_map.is_some() || clear_texels;
+    match material.alpha {
+        AlphaMode::Test(t) if has_alpha && t > 0.0 => Some(Cut::AtLeast(t)),
+        AlphaMode::Test(_) if has_alpha => {
+            let alpha_source = opacity_map.or(base_color);
+            let nearest = alpha_source.is_none_or(|s| picks_texels(s.sampler.filter));
+            Some(if nearest {
+                Cut::Above(0.0)
+            } else {
+                Cut::AtLeast(0.5)
+            })
+        }
+        _ => None,
     }
 }
 

@@ -5,6 +5,7 @@ use texmap_math::camera::Camera;
 use texmap_math::glam::{DMat4, DVec2, DVec3, DVec4};
 use texmap_raster::{DepthTest, Draw, Pass, Prepared, TargetSize};
 
+use crate::shadow_cut::Cuts;
 use crate::{AlphaMode, Mesh, RenderError, Scene};
 
 /// The part of a scene that a shadow map of a light shows.
@@ -78,8 +79,8 @@ pub fn shadow_kind(
     }
 }
 
-/// Draws a shadow map of `size` x `size` texels (a face): what each light ray meets first, of all opaque and cut-out meshes; cut-outs
-/// count as solid, blended ones cast nothing. The same bits for any number of `threads`.
+/// Draws a shadow map of `size` x `size` texels (a face): what each light ray meets first, of all opaque and cut-out meshes
+/// without the holes of these; blended ones cast nothing. The same bits for any number of `threads`.
 ///
 /// # Errors
 /// [`RenderError::Raster`] for sizes above 16384 and meshes that the rasterizer refuses.
@@ -91,26 +92,38 @@ pub fn shadow_map(
 ) -> Result<ShadowMap, RenderError> {
     let target =
         TargetSize::new(size, size).map_err(|error| RenderError::of_raster(scene, error))?;
+    let cuts = Cuts::new(scene);
     let mut depths = Vec::new();
     for view in views(scene, kind) {
         let draws: Vec<Draw<'_>> = scene
             .meshes
             .iter()
-            .map(|mesh| Draw {
-                positions: &mesh.positions,
-                indices: &mesh.triangles,
-                clip_from_object: view.clip_from_world * mesh.world_from_object,
-                depth_test: DepthTest::Less,
-                pass: match scene.materials[mesh.material].alpha {
-                    AlphaMode::Blend => Pass::Blended,
-                    _ => Pass::Opaque,
-                },
-                ..Draw::default()
+            .enumerate()
+            .map(|(i, mesh)| {
+                let holes = cuts.as_ref().and_then(|cuts| cuts.attributes(i));
+                let (attributes, attribute_count) = holes.unwrap_or_default();
+                Draw {
+                    positions: &mesh.positions,
+                    indices: &mesh.triangles,
+                    clip_from_object: view.clip_from_world * mesh.world_from_object,
+                    attributes,
+                    attribute_count,
+                    depth_test: DepthTest::Less,
+                    pass: match scene.materials[mesh.material].alpha {
+                        AlphaMode::Blend => Pass::Blended,
+                        _ if holes.is_some() => Pass::CutOut,
+                        _ => Pass::Opaque,
+                    },
+                    ..Draw::default()
+                }
             })
             .collect();
         let prepared =
             Prepared::new(target, &draws).map_err(|error| RenderError::of_raster(scene, error))?;
-        let map = prepared.depth_map(threads);
+        let map = match &cuts {
+            Some(cuts) => cuts.depth_map(&prepared, threads),
+            None => prepared.depth_map(threads),
+        };
         depths.extend(
             map.into_iter()
                 .enumerate()

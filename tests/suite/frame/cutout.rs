@@ -135,3 +135,38 @@ fn opacity_and_its_map_take_part() {
     assert_eq!(pixel(&frame, 8, 16), [255, 0, 0, 255]);
     assert_eq!(pixel(&frame, 8, 48), [0, 0, 255, 255]);
 }
+
+/// A fence throws the shadow of its boards: light goes through the holes that the camera sees.
+#[test]
+fn holes_let_light_through() {
+    let mut scene = fence(AlphaMode::Test(0.0), Filter::Nearest);
+    scene.materials[1].shading = texmap_render::Shading::PerPixel;
+    // A point of the fence at x throws its shadow to x + 0.5 on the wall.
+    scene.lights = vec![texmap_light::Light::Directional {
+        color: [1.0; 3],
+        direction: [0.5, 0.0, -1.0],
+    }];
+    let shadow = |threads: usize| {
+        let mut scene = scene.clone();
+        scene.effects.shadows = vec![texmap_render::Shadow {
+            light: 0,
+            size: Some(512),
+            bias: None,
+            taps: 1,
+            area: None,
+        }];
+        let settings = Settings {
+            aovs: vec![Aov::Shadow(0)],
+            threads: Some(threads),
+            ..Settings::new(160, 160)
+        };
+        render(&scene, &settings, &|_, _| ()).expect("a good scene")
+    };
+    let frame = shadow(1);
+    // Two world units from the eye, 90 degrees wide.
+    let at = |x: f32| values(&frame, Aov::Shadow(0), (80.0 + 40.0 * x) as u32, 80)[0];
+    for (x, lit) in [(-0.75, 1.0), (-0.25, 0.0), (1.25, 1.0), (1.1, 1.0), (1.75, 1.0)] {
+        assert_eq!(at(x), lit, "{x}");
+    }
+    assert_eq!(frame.rgba, shadow(3).rgba);
+}
