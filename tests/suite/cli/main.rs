@@ -4,6 +4,7 @@ mod demos;
 mod files;
 mod info;
 mod lab;
+mod light;
 mod malformed;
 mod program;
 mod readme;

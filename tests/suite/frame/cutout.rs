@@ -165,7 +165,13 @@ fn holes_let_light_through() {
     let frame = shadow(1);
     // Two world units from the eye, 90 degrees wide.
     let at = |x: f32| values(&frame, Aov::Shadow(0), (80.0 + 40.0 * x) as u32, 80)[0];
-    for (x, lit) in [(-0.75, 1.0), (-0.25, 0.0), (1.25, 1.0), (1.1, 1.0), (1.75, 1.0)] {
+    for (x, lit) in [
+        (-0.75, 1.0),
+        (-0.25, 0.0),
+        (1.25, 1.0),
+        (1.1, 1.0),
+        (1.75, 1.0),
+    ] {
         assert_eq!(at(x), lit, "{x}");
     }
     assert_eq!(frame.rgba, shadow(3).rgba);

@@ -1,0 +1,248 @@
+//! `texmap env`, `texmap bake` and `texmap slice`.
+
+use image::{Rgb, RgbImage, RgbaImage};
+use texmap_io::npy::{self, Values};
+
+use crate::program::Desk;
+
+fn picture(desk: &Desk, name: &str) -> RgbaImage {
+    image::open(desk.path(name)).unwrap().into_rgba8()
+}
+
+/// Refused with this exit code and word, and nothing written.
+#[track_caller]
+fn refused(desk: &Desk, arguments: &str, code: i32, word: &str) {
+    let before = desk.names();
+    let run = desk.texmap(arguments);
+    assert_eq!(run.code, code, "{arguments}: {}", run.stderr);
+    assert!(run.stderr.contains(word), "{arguments}: {}", run.stderr);
+    assert_eq!(desk.names(), before, "{arguments}");
+}
+
+/// Largest and mean difference of two pictures, in codes.
+fn difference(a: &RgbaImage, b: &RgbaImage) -> (u8, f64) {
+    assert_eq!(a.dimensions(), b.dimensions());
+    let each = a
+        .as_raw()
+        .iter()
+        .zip(b.as_raw())
+        .map(|(a, b)| a.abs_diff(*b));
+    let sum: f64 = each.clone().map(f64::from).sum();
+    (each.max().unwrap_or(0), sum / a.as_raw().len() as f64)
+}
+
+/// Smooth light all around.
+fn sky(desk: &Desk) {
+    let sky = RgbImage::from_fn(128, 64, |x, y| {
+        let turn = f64::from(x) / 128.0 * std::f64::consts::TAU;
+        let code = |c: f64| (140.0 + 90.0 * c) as u8;
+        Rgb([code(turn.sin()), code(turn.cos()), (y * 3 + 30) as u8])
+    });
+    sky.save(desk.path("sky.png")).unwrap();
+}
+
+#[test]
+fn an_environment_comes_back_from_every_chart() {
+    let desk = Desk::new();
+    sky(&desk);
+    for chart in [
+        "cube",
+        "tan-cube",
+        "octahedron",
+        "equal-area-octahedron",
+        "dual-paraboloid",
+        "sphere-map",
+    ] {
+        desk.texmap(&format!("env sky.png -o there.hdr --to {chart} --size 96"))
+            .ok();
+        desk.texmap(&format!(
+            "env there.hdr -o back.png --from {chart} --to lat-long --size 64"
+        ))
+        .ok();
+        let (_, mean) = difference(&picture(&desk, "back.png"), &picture(&desk, "sky.png"));
+        assert!(mean < 1.5, "{chart}: {mean}");
+        // A chart is no other chart.
+        let wrong = if chart == "octahedron" {
+            "sphere-map"
+        } else {
+            "octahedron"
+        };
+        if !matches!(chart, "cube" | "tan-cube" | "dual-paraboloid") {
+            desk.texmap(&format!(
+                "env there.hdr -o wrong.png --from {wrong} --to lat-long --size 64"
+            ))
+            .ok();
+            let (_, mean) = difference(&picture(&desk, "wrong.png"), &picture(&desk, "sky.png"));
+            assert!(mean > 5.0, "{chart} as {wrong}: {mean}");
+        }
+    }
+}
+
+#[test]
+fn a_blurred_environment_is_smooth_and_keeps_its_mean() {
+    let desk = Desk::new();
+    RgbImage::from_fn(64, 32, |x, y| {
+        Rgb([if x / 4 % 2 == y / 4 % 2 { 255 } else { 0 }; 3])
+    })
+    .save(desk.path("checks.png"))
+    .unwrap();
+    desk.texmap("env checks.png -o soft.png --to lat-long --size 16 --blur 2")
+        .ok();
+    let soft = picture(&desk, "soft.png");
+    assert_eq!(soft.dimensions(), (32, 16));
+    // Half the light, as sRGB 188.
+    assert!(
+        soft.pixels().all(|p| p[0].abs_diff(188) < 24),
+        "{:?}",
+        soft.pixels().map(|p| p[0]).max()
+    );
+}
+
+#[test]
+fn environments_are_refused_with_their_reason() {
+    let desk = Desk::new();
+    sky(&desk);
+    RgbImage::new(30, 20).save(desk.path("odd.png")).unwrap();
+    refused(&desk, "env odd.png -o out.png --to cube", 4, "lat-long");
+    refused(&desk, "env sky.png -o out.gif --to cube", 2, "format");
+    refused(&desk, "env sky.png -o out.png --to ball", 2, "ball");
+    refused(
+        &desk,
+        "env sky.png -o out.png --to cube --blur -1",
+        2,
+        "blur",
+    );
+    refused(&desk, "env none.png -o out.png --to cube", 4, "none.png");
+}
+
+/// A floor with coordinates, a board above it, a lamp.
+fn room(desk: &Desk, more: &str) {
+    desk.put("floor.obj", "o floor\nv -2 0 2\nv 2 0 2\nv 2 0 -2\nv -2 0 -2\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nf 1/1 2/2 3/3 4/4\n");
+    desk.put(
+        "lit.scene",
+        format!(
+            "eye 0 4 4\nlook 0 0 0\nfov 45\nla 0.1 0.1 0.1\nlp 0.7 0.7 0.6 0.5 3 0.5\nshadow 1024\nsurf 1 1 1 1 1 0 5\n\
+             v -1.2 1 0\nv -0.4 1 0\nv -0.4 1 -0.8\nv -1.2 1 -0.8\nf 0 1 2 3\n{more}\nobj floor.obj\n"
+        ),
+    );
+}
+
+#[test]
+fn baked_light_is_the_light_that_was_baked() {
+    let desk = Desk::new();
+    room(&desk, "");
+    desk.texmap("render lit.scene -o lit.png --resolution 160x120")
+        .ok();
+    desk.texmap("bake lit.scene --object floor --light --size 256 -o map.png")
+        .ok();
+    desk.texmap("bake lit.scene --object floor --light --size 8 -o coarse.png")
+        .ok();
+    assert_eq!(picture(&desk, "map.png").dimensions(), (256, 256));
+    let mean = |map: &str| {
+        room(&desk, &format!("lightmap {map}"));
+        desk.texmap("render lit.scene -o baked.png --resolution 160x120")
+            .ok();
+        difference(&picture(&desk, "baked.png"), &picture(&desk, "lit.png")).1
+    };
+    let (fine, coarse) = (mean("map.png"), mean("coarse.png"));
+    assert!(fine < 0.8 && coarse > 2.0 * fine, "{fine} {coarse}");
+    room(&desk, "");
+    desk.texmap("bake lit.scene --object floor --light --size 64 --luminance -o gray.png")
+        .ok();
+    let gray = picture(&desk, "gray.png");
+    assert!(gray.pixels().all(|p| p[0] == p[1] && p[1] == p[2]));
+}
+
+#[test]
+fn bakes_are_refused_with_their_reason() {
+    let desk = Desk::new();
+    room(&desk, "");
+    refused(
+        &desk,
+        "bake lit.scene --object ceiling --light --size 64 -o m.png",
+        2,
+        "floor",
+    );
+    refused(
+        &desk,
+        "bake lit.scene --object floor --light --size 0 -o m.png",
+        2,
+        "size",
+    );
+    refused(
+        &desk,
+        "bake lit.scene --object floor --size 64 -o m.png",
+        2,
+        "--light",
+    );
+    refused(
+        &desk,
+        "bake lit.scene --object floor --light --size 64 -o m.bmp",
+        2,
+        "format",
+    );
+    refused(
+        &desk,
+        "bake no.scene --object floor --light --size 64 -o m.png",
+        4,
+        "no.scene",
+    );
+}
+
+#[test]
+fn slices_show_the_voxels_across_each_axis() {
+    let desk = Desk::new();
+    let voxels: Vec<u8> = (0..24).map(|i| i * 10).collect();
+    npy::write(&desk.path("grid.npy"), &[2, 3, 4], Values::U8(&voxels)).unwrap();
+    let slice = |arguments: &str| {
+        desk.texmap(&format!(
+            "slice grid.npy -o cut.png --filter nearest {arguments}"
+        ))
+        .ok();
+        let cut = picture(&desk, "cut.png");
+        let size = cut.dimensions();
+        (size, cut.pixels().map(|p| p[0]).collect::<Vec<_>>())
+    };
+    assert_eq!(slice("--at 0.25"), ((4, 3), voxels[..12].to_vec()));
+    assert_eq!(slice("--axis z --at 0.75"), ((4, 3), voxels[12..].to_vec()));
+    // Columns and slices of row 1; slices and rows of column 2.
+    assert_eq!(
+        slice("--axis y"),
+        ((4, 2), vec![40, 50, 60, 70, 160, 170, 180, 190])
+    );
+    assert_eq!(
+        slice("--axis x --at 0.6"),
+        ((2, 3), vec![20, 140, 60, 180, 100, 220])
+    );
+    desk.texmap("slice wood -o wood.png --size 64").ok();
+    assert_eq!(picture(&desk, "wood.png").dimensions(), (64, 64));
+}
+
+#[test]
+fn slices_are_refused_with_their_reason() {
+    let desk = Desk::new();
+    npy::write(
+        &desk.path("nan.npy"),
+        &[1, 1, 2],
+        Values::F32(&[0.0, f32::NAN]),
+    )
+    .unwrap();
+    npy::write(&desk.path("flat.npy"), &[2, 2], Values::F32(&[0.0; 4])).unwrap();
+    npy::write(&desk.path("empty.npy"), &[0, 2, 2], Values::F32(&[])).unwrap();
+    refused(&desk, "slice nan.npy -o cut.png", 4, "column 1");
+    refused(
+        &desk,
+        "slice flat.npy -o cut.png",
+        4,
+        "slices, rows, columns",
+    );
+    refused(&desk, "slice empty.npy -o cut.png", 4, "out of range");
+    refused(&desk, "slice none.npy -o cut.png", 4, "none.npy");
+    refused(&desk, "slice wood -o cut.png --at 2", 2, "outside");
+    refused(
+        &desk,
+        "slice wood -o cut.png --filter trilinear",
+        2,
+        "nearest or bilinear",
+    );
+}
