@@ -4,6 +4,8 @@
 //! `benches/results/unwrappers.md`, which docs/uv-mappings.md takes over. With arguments `-- MESH UNWRAPPER` (a part of
 //! each name, such as `knot uvgen`) only those rows are measured, and the file's others stay.
 
+#![allow(clippy::print_stdout, reason = "the figures are the output")]
+
 use std::error::Error;
 use std::fmt::Write;
 use std::path::Path;
@@ -11,7 +13,7 @@ use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
 use nalgebra::Vector3;
-use texmap_benches::meshes::knot;
+use texmap_benches::meshes::{self, knot};
 use texmap_io::{LoadOptions, load_obj};
 use texmap_uv::{
     Cuts, Faces, Mesh, Origin, Page, ReportOptions, UvSet, auto_planes, report, unwrap,
@@ -70,7 +72,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let model = |name: &str| read(&root.join(format!("../assets/models/{name}.obj")));
-    let meshes = [
+    let inputs = [
         ("teapot", model("teapot")?),
         ("cow", model("cow")?),
         ("knot", knot(100_000)),
@@ -78,7 +80,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     if let [one, mesh, candidate] = &arguments[..]
         && one == "--one"
     {
-        let (_, (positions, faces)) = &meshes[mesh.parse::<usize>()?];
+        let (_, (positions, faces)) = &inputs[mesh.parse::<usize>()?];
         println!(
             "{}",
             figures(positions, faces, &CANDIDATES[candidate.parse::<usize>()?])?
@@ -89,7 +91,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let path = root.join("results/unwrappers.md");
     let before = std::fs::read_to_string(&path).unwrap_or_default();
     let mut table = String::from(HEAD);
-    for (i, (name, (_, faces))) in meshes.iter().enumerate() {
+    for (i, (name, (_, faces))) in inputs.iter().enumerate() {
         for (k, candidate) in CANDIDATES.iter().enumerate() {
             let row = format!("| {name} | {} | {} |", faces.len(), candidate.name);
             let known = before.lines().find(|l| l.starts_with(&row));
@@ -206,7 +208,7 @@ fn uvgen(mesh: &Mesh<'_>) -> Result<UvSet, Box<dyn Error>> {
 }
 
 /// Positions and triangles of an OBJ, its materials joined.
-fn read(path: &Path) -> Result<(Vec<[f32; 3]>, Faces), Box<dyn Error>> {
+fn read(path: &Path) -> Result<meshes::Mesh, Box<dyn Error>> {
     let scene = load_obj(path, &LoadOptions::default())?;
     let (mut positions, mut triangles) = (Vec::new(), Vec::new());
     for mesh in &scene.meshes {
