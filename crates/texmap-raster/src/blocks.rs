@@ -34,6 +34,8 @@ pub struct TileBlocks {
     pub ids: Vec<u32>,
     /// The draw of each sixteen slots: slot k belongs to draw `draws[k / 16]`.
     pub draws: Vec<u32>,
+    /// Blocks whose depth and slots are those of this tile.
+    touched: Vec<bool>,
     group: Group,
 }
 
@@ -45,6 +47,7 @@ impl Default for TileBlocks {
             masks: alloc::vec![0; PIXELS / LANES],
             ids: Vec::new(),
             draws: Vec::new(),
+            touched: alloc::vec![true; PIXELS / LANES],
             group: Group::default(),
         }
     }
@@ -65,6 +68,7 @@ impl TileBlocks {
             masks: Vec::new(),
             ids: Vec::new(),
             draws: Vec::new(),
+            touched: Vec::new(),
             group: Group::default(),
         }
     }
@@ -79,11 +83,25 @@ impl TileBlocks {
         self.masks.resize(PIXELS / LANES, 0);
     }
 
-    #[inline(always)]
-    fn mark_lanes<S: Simd>(&mut self, s: S) {
-        for (mask, slots) in self.masks.iter_mut().zip(self.slot.chunks_exact(LANES)) {
-            let none = u32x16::from_slice(s, slots).simd_eq(NONE);
-            *mask = !none.to_bitmask() as u16;
+    /// Forgets a tile; [`settle`](Self::settle) clears what the next one has not touched.
+    fn forget(&mut self) {
+        self.depth.resize(PIXELS, 0.0);
+        self.slot.resize(PIXELS, NONE);
+        self.masks.clear();
+        self.masks.resize(PIXELS / LANES, 0);
+        self.touched.clear();
+        self.touched.resize(PIXELS / LANES, false);
+    }
+
+    fn settle(&mut self) {
+        let blocks = self.depth.chunks_exact_mut(LANES);
+        let blocks = blocks.zip(self.slot.chunks_exact_mut(LANES));
+        for ((depth, slots), touched) in blocks.zip(&mut self.touched) {
+            if !*touched {
+                depth.fill(0.0);
+                slots.fill(NONE);
+                *touched = true;
+            }
         }
     }
 
@@ -105,6 +123,7 @@ impl TileBlocks {
                     let index = crate::block_index(x, y);
                     self.depth[index] = 0.0;
                     self.slot[index] = NONE;
+                    self.masks[index / LANES] &= !(1 << (index % LANES));
                 }
             }
         }
@@ -176,7 +195,7 @@ impl Prepared<'_> {
         alpha: &dyn AlphaTest,
         out: &mut TileBlocks,
     ) {
-        out.clear();
+        out.forget();
         let bounds = self.tile(tile);
         let mut group = core::mem::take(&mut out.group);
         let mut runs = Runs::new(self, tile);
@@ -189,6 +208,8 @@ impl Prepared<'_> {
             let mut sink = Visible {
                 depth: &mut out.depth,
                 slots: &mut out.slot,
+                masks: &mut out.masks,
+                touched: &mut out.touched,
                 first_slot: run.first_slot as u32,
                 test: draw.depth_test,
                 write: draw.depth_write,
@@ -204,8 +225,8 @@ impl Prepared<'_> {
             stamp_group(s, &group, &mut sink);
         }
         out.group = group;
+        out.settle();
         out.trim(bounds);
-        out.mark_lanes(s);
     }
 
     /// Lists each 4x4 block of the draws `wanted` picks: slot, block, and a bit for each pixel that
@@ -369,6 +390,8 @@ pub(crate) fn test_block<S: Simd>(
 struct Visible<'b, 'p> {
     depth: &'b mut [f32],
     slots: &'b mut [u32],
+    masks: &'b mut [u16],
+    touched: &'b mut [bool],
     first_slot: u32,
     test: DepthTest,
     write: bool,
@@ -385,13 +408,20 @@ impl Visible<'_, '_> {
         covered: mask32x16<S>,
         depth: f32x16<S>,
     ) {
-        let (Some(stored), Some(slots)) = (
-            self.depth.get_mut(block * LANES..(block + 1) * LANES),
-            self.slots.get_mut(block * LANES..(block + 1) * LANES),
+        let at = block * LANES..(block + 1) * LANES;
+        let (Some(stored), Some(slots), Some(mask), Some(touched)) = (
+            self.depth.get_mut(at.clone()),
+            self.slots.get_mut(at),
+            self.masks.get_mut(block),
+            self.touched.get_mut(block),
         ) else {
             return;
         };
-        let old = f32x16::from_slice(s, stored);
+        let (old, old_slots) = if *touched {
+            (f32x16::from_slice(s, stored), u32x16::from_slice(s, slots))
+        } else {
+            (f32x16::splat(s, 0.0), u32x16::splat(s, NONE))
+        };
         let mut pass = test_block(self.test, covered, depth, old);
         if !pass.any_true() {
             return;
@@ -400,12 +430,12 @@ impl Visible<'_, '_> {
             let bits = cut.keep(lane, block, pass.to_bitmask() as u32);
             pass = mask32x16::from_bitmask(s, u64::from(bits));
         }
-        if self.write {
-            pass.select(depth, old).store_slice(stored);
-        }
+        let new = if self.write { pass.select(depth, old) } else { old };
+        new.store_slice(stored);
         let slot = u32x16::splat(s, self.first_slot + lane as u32);
-        pass.select(slot, u32x16::from_slice(s, slots))
-            .store_slice(slots);
+        pass.select(slot, old_slots).store_slice(slots);
+        *mask |= pass.to_bitmask() as u16;
+        *touched = true;
     }
 }
 
@@ -422,11 +452,17 @@ impl<S: Simd> Sink<S> for Visible<'_, '_> {
 
     #[inline(always)]
     fn pixel(&mut self, lane: usize, index: usize, depth: f32) {
+        let block = index / LANES;
+        if !self.touched[block] {
+            self.touched[block] = true;
+            self.depth[block * LANES..(block + 1) * LANES].fill(0.0);
+            self.slots[block * LANES..(block + 1) * LANES].fill(NONE);
+        }
         if !passes(self.test, depth, self.depth[index]) {
             return;
         }
         if let Some(cut) = &mut self.cut
-            && cut.keep(lane, index / LANES, 1 << (index % LANES)) == 0
+            && cut.keep(lane, block, 1 << (index % LANES)) == 0
         {
             return;
         }
@@ -434,6 +470,7 @@ impl<S: Simd> Sink<S> for Visible<'_, '_> {
             self.depth[index] = depth;
         }
         self.slots[index] = self.first_slot + lane as u32;
+        self.masks[block] |= 1 << (index % LANES);
     }
 }
 

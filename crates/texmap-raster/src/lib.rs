@@ -64,7 +64,7 @@ pub use edge::SUBPIXEL_BITS;
 pub use error::RasterError;
 pub use plane_table::TilePlanes;
 pub use prepared::{Prepared, Tile};
-pub use run::{Column, RUN, RUN_ROOM, RunBlock, RunValues};
+pub use run::{BlockSink, BlockValues, Column, RUN, RUN_ROOM, RunBlock, RunValues};
 pub use setup::{Fragment, TILE, TriangleSetup};
 pub use stamp::block_index;
 pub use visible::{AlphaTest, NONE, NoAlphaTest, TileBuffers};

@@ -130,7 +130,22 @@ impl TilePlanes {
         run: &[RunBlock],
         wanted: [usize; N],
         inv_w: &mut [f32; RUN_ROOM],
-        mut columns: [&mut Column; N],
+        columns: [&mut Column; N],
+    ) {
+        let mut sink = Columns::<N, D> { inv_w, columns };
+        self.each_block::<S, N, D, _>(s, blocks, run, wanted, &mut sink);
+    }
+
+    /// Shows `sink` the values of attributes `wanted` in each block of `run` that has pixels, in registers; derivatives only where
+    /// `D` asks for them. For stages that are generic over the SIMD level; outside semantic versioning.
+    #[inline(always)]
+    pub fn each_block<S: Simd, const N: usize, const D: bool, K: BlockSink<S, N>>(
+        &self,
+        s: S,
+        blocks: &TileBlocks,
+        run: &[RunBlock],
+        wanted: [usize; N],
+        sink: &mut K,
     ) {
         let Some(words) = Words::new(bytemuck::cast_slice(&self.words)) else {
             return;
@@ -141,28 +156,30 @@ impl TilePlanes {
             if at.mask == 0 {
                 continue;
             }
-            let place = i * LANES;
             let (px, py) = centres(s, at.block);
             let (slots, first, one) = self.slots_of(s, blocks, at);
+            let mut values;
             if one {
                 if first != spread_slot {
                     spread = self.one(s, first, &wanted);
                     spread_slot = first;
                 }
-                spread.store::<D>(s, px, py, place, inv_w, &mut columns);
+                values = spread.values::<D>(s, px, py);
             } else if let Some(parts) = few(slots, at.mask) {
                 // Cheaper than sixteen gathers.
+                values = BlockValues::zero(s);
                 for (slot, pixels) in parts.into_iter().flatten() {
                     let planes = self.one(s, slot, &wanted);
-                    planes.store_some::<D>(s, pixels, px, py, place, inv_w, &mut columns);
+                    values.put(pixels, &planes.values::<D>(s, px, py));
                 }
             } else {
                 let planes = self.many(s, words, slots, &wanted);
-                planes.store::<D>(s, px, py, place, inv_w, &mut columns);
+                values = planes.values::<D>(s, px, py);
             }
             if !self.setups.is_empty() {
-                self.mend(s, slots, at, one, place, &wanted, inv_w, &mut columns);
+                self.mend(s, slots, at, one, &wanted, &mut values);
             }
+            sink.block(s, i, at, &values);
         }
     }
 
@@ -239,57 +256,66 @@ impl TilePlanes {
         slots: u32x16<S>,
         at: RunBlock,
         one: bool,
-        place: usize,
         wanted: &[usize; N],
-        inv_w: &mut [f32; RUN_ROOM],
-        columns: &mut [&mut Column; N],
+        values: &mut BlockValues<S, N>,
     ) {
         if one {
             match self.odd_setup(slots[0]) {
                 None => return,
                 Some(setup) if setup.is_wide_perspective() => {
-                    return wide(s, setup, at.block, place, wanted, inv_w, columns);
+                    return wide(s, setup, at.block, wanted, values);
                 }
                 Some(_) => {}
             }
         }
         let mut lanes = [0; LANES];
         slots.store_slice(&mut lanes);
+        let mut odd = 0u16;
         for (bit, &slot) in lanes.iter().enumerate() {
-            if at.mask >> bit & 1 == 1
-                && let Some(setup) = self.odd_setup(slot)
-            {
-                self.evaluate(setup, at.block, bit, place + bit, wanted, inv_w, columns);
+            odd |= u16::from(self.odd_setup(slot).is_some()) << bit;
+        }
+        if odd & at.mask != 0 {
+            let mut spilt = values.spill();
+            self.evaluate(&lanes, odd & at.mask, at.block, wanted, &mut spilt);
+            *values = BlockValues::load(s, &spilt);
+        }
+    }
+
+    /// The pixels `odd` of a block by their triangles' full set-ups.
+    #[inline(never)]
+    fn evaluate<const N: usize>(
+        &self,
+        slots: &[u32; LANES],
+        odd: u16,
+        block: u16,
+        wanted: &[usize; N],
+        out: &mut Spilt<N>,
+    ) {
+        let mut fragment = Fragment::default();
+        for bit in (0..LANES).filter(|bit| odd >> bit & 1 == 1) {
+            let Some(setup) = self.odd_setup(slots[bit]) else {
+                continue;
+            };
+            self.fragment(setup, block, bit, &mut fragment);
+            out.inv_w[bit] = fragment.inv_w;
+            for (column, &k) in out.columns.iter_mut().zip(wanted) {
+                column[0][bit] = fragment.values[k];
+                column[1][bit] = fragment.ddx[k];
+                column[2][bit] = fragment.ddy[k];
             }
         }
     }
 
-    /// One pixel by its triangle's full set-up.
-    fn evaluate(
-        &self,
-        setup: &TriangleSetup,
-        block: u16,
-        bit: usize,
-        place: usize,
-        wanted: &[usize],
-        inv_w: &mut [f32; RUN_ROOM],
-        columns: &mut [&mut Column],
-    ) {
-        let mut fragment = Fragment::default();
+    fn fragment(&self, setup: &TriangleSetup, block: u16, bit: usize, out: &mut Fragment) {
         let (x, y) = pixel_of(block as usize, bit as u32);
-        setup.evaluate(self.corner[0] + x, self.corner[1] + y, &mut fragment);
-        inv_w[place] = fragment.inv_w;
-        for (column, &k) in columns.iter_mut().zip(wanted) {
-            column.value[place] = fragment.values[k];
-            column.ddx[place] = fragment.ddx[k];
-            column.ddy[place] = fragment.ddy[k];
-        }
+        setup.evaluate(self.corner[0] + x, self.corner[1] + y, out);
     }
 
     /// The scalar twin of the lanes, pixel by pixel.
     fn plain(&self, blocks: &TileBlocks, run: &[RunBlock], wanted: &[usize], out: &mut RunValues) {
         let RunValues { inv_w, columns } = out;
         let mut columns: Vec<&mut Column> = columns.iter_mut().collect();
+        let mut fragment = Fragment::default();
         for (i, &at) in run.iter().enumerate() {
             for bit in (0..LANES).filter(|bit| at.mask >> bit & 1 == 1) {
                 let own = blocks.slot.get(at.block as usize * LANES + bit);
@@ -300,7 +326,13 @@ impl TilePlanes {
                 };
                 let place = i * LANES + bit;
                 if let Some(setup) = self.odd_setup(slot) {
-                    self.evaluate(setup, at.block, bit, place, wanted, inv_w, &mut columns);
+                    self.fragment(setup, at.block, bit, &mut fragment);
+                    inv_w[place] = fragment.inv_w;
+                    for (column, &k) in columns.iter_mut().zip(wanted) {
+                        column.value[place] = fragment.values[k];
+                        column.ddx[place] = fragment.ddx[k];
+                        column.ddy[place] = fragment.ddy[k];
+                    }
                 } else {
                     let (x, y) = pixel_of(at.block as usize, bit as u32);
                     self.pixel(slot, [x, y], wanted, place, inv_w, &mut columns);
@@ -370,54 +402,123 @@ impl<S: Simd, const N: usize> Planes<S, N> {
         [w, f32x16::splat(s, 1.0) / w]
     }
 
-    /// [`store`](Self::store) of some pixels.
     #[inline(always)]
-    fn store_some<const D: bool>(
-        &self,
-        s: S,
-        pixels: mask32x16<S>,
-        px: f32x16<S>,
-        py: f32x16<S>,
-        place: usize,
-        inv_w: &mut [f32; RUN_ROOM],
-        columns: &mut [&mut Column; N],
-    ) {
+    fn values<const D: bool>(&self, s: S, px: f32x16<S>, py: f32x16<S>) -> BlockValues<S, N> {
         let [wa, wb, ..] = self.w;
         let [w, r] = self.depth(s, px, py);
-        put(s, w, pixels, &mut inv_w[place..place + LANES]);
-        for (column, plane) in columns.iter_mut().zip(&self.attribute) {
-            let [a, b, c, lo, hi] = *plane;
+        let mut out = BlockValues::zero(s);
+        out.inv_w = w;
+        for k in 0..N {
+            let [a, b, c, lo, hi] = self.attribute[k];
             let u = clamp(((c + b * py) + a * px) * r, lo, hi);
-            put(s, u, pixels, &mut column.value[place..place + LANES]);
+            out.value[k] = u;
             if D {
-                let (ddx, ddy) = ((a - u * wa) * r, (b - u * wb) * r);
-                put(s, ddx, pixels, &mut column.ddx[place..place + LANES]);
-                put(s, ddy, pixels, &mut column.ddy[place..place + LANES]);
+                out.ddx[k] = (a - u * wa) * r;
+                out.ddy[k] = (b - u * wb) * r;
             }
+        }
+        out
+    }
+}
+
+/// Attributes of the sixteen pixels of a block; those outside its mask hold no meaning.
+#[derive(Clone, Copy)]
+pub struct BlockValues<S: Simd, const N: usize> {
+    /// 1 / clip w.
+    pub inv_w: f32x16<S>,
+    /// Values, in the order asked for.
+    pub value: [f32x16<S>; N],
+    /// Change per pixel to the right.
+    pub ddx: [f32x16<S>; N],
+    /// Change per pixel down.
+    pub ddy: [f32x16<S>; N],
+}
+
+impl<S: Simd, const N: usize> core::fmt::Debug for BlockValues<S, N> {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.write_str("BlockValues")
+    }
+}
+
+/// Takes the values of blocks: see [`TilePlanes::each_block`].
+pub trait BlockSink<S: Simd, const N: usize> {
+    /// The block at place `i` of the run.
+    fn block(&mut self, s: S, i: usize, at: RunBlock, values: &BlockValues<S, N>);
+}
+
+/// [`BlockValues`] in memory: 1/w, and value and derivatives of each attribute.
+struct Spilt<const N: usize> {
+    inv_w: [f32; LANES],
+    columns: [[[f32; LANES]; 3]; N],
+}
+
+impl<S: Simd, const N: usize> BlockValues<S, N> {
+    #[inline(always)]
+    fn zero(s: S) -> Self {
+        let zero = f32x16::splat(s, 0.0);
+        Self {
+            inv_w: zero,
+            value: [zero; N],
+            ddx: [zero; N],
+            ddy: [zero; N],
+        }
+    }
+
+    /// Takes over some pixels of `other`.
+    #[inline(always)]
+    fn put(&mut self, pixels: mask32x16<S>, other: &Self) {
+        self.inv_w = pixels.select(other.inv_w, self.inv_w);
+        for k in 0..N {
+            self.value[k] = pixels.select(other.value[k], self.value[k]);
+            self.ddx[k] = pixels.select(other.ddx[k], self.ddx[k]);
+            self.ddy[k] = pixels.select(other.ddy[k], self.ddy[k]);
         }
     }
 
     #[inline(always)]
-    fn store<const D: bool>(
-        &self,
-        s: S,
-        px: f32x16<S>,
-        py: f32x16<S>,
-        place: usize,
-        inv_w: &mut [f32; RUN_ROOM],
-        columns: &mut [&mut Column; N],
-    ) {
-        let [wa, wb, ..] = self.w;
-        let [w, r] = self.depth(s, px, py);
-        w.store_slice(&mut inv_w[place..place + LANES]);
-        for (column, plane) in columns.iter_mut().zip(&self.attribute) {
-            let [a, b, c, lo, hi] = *plane;
-            let u = clamp(((c + b * py) + a * px) * r, lo, hi);
-            u.store_slice(&mut column.value[place..place + LANES]);
+    fn spill(&self) -> Spilt<N> {
+        let mut out = Spilt {
+            inv_w: [0.0; LANES],
+            columns: [[[0.0; LANES]; 3]; N],
+        };
+        self.inv_w.store_slice(&mut out.inv_w);
+        for (k, column) in out.columns.iter_mut().enumerate() {
+            self.value[k].store_slice(&mut column[0]);
+            self.ddx[k].store_slice(&mut column[1]);
+            self.ddy[k].store_slice(&mut column[2]);
+        }
+        out
+    }
+
+    #[inline(always)]
+    fn load(s: S, from: &Spilt<N>) -> Self {
+        let mut out = Self::zero(s);
+        out.inv_w = f32x16::from_slice(s, &from.inv_w);
+        for (k, column) in from.columns.iter().enumerate() {
+            out.value[k] = f32x16::from_slice(s, &column[0]);
+            out.ddx[k] = f32x16::from_slice(s, &column[1]);
+            out.ddy[k] = f32x16::from_slice(s, &column[2]);
+        }
+        out
+    }
+}
+
+/// Stores values in the columns of a run.
+struct Columns<'a, const N: usize, const D: bool> {
+    inv_w: &'a mut [f32; RUN_ROOM],
+    columns: [&'a mut Column; N],
+}
+
+impl<S: Simd, const N: usize, const D: bool> BlockSink<S, N> for Columns<'_, N, D> {
+    #[inline(always)]
+    fn block(&mut self, _s: S, i: usize, _at: RunBlock, values: &BlockValues<S, N>) {
+        let at = i * LANES..(i + 1) * LANES;
+        values.inv_w.store_slice(&mut self.inv_w[at.clone()]);
+        for (k, column) in self.columns.iter_mut().enumerate() {
+            values.value[k].store_slice(&mut column.value[at.clone()]);
             if D {
-                let (ddx, ddy) = ((a - u * wa) * r, (b - u * wb) * r);
-                ddx.store_slice(&mut column.ddx[place..place + LANES]);
-                ddy.store_slice(&mut column.ddy[place..place + LANES]);
+                values.ddx[k].store_slice(&mut column.ddx[at.clone()]);
+                values.ddy[k].store_slice(&mut column.ddy[at.clone()]);
             }
         }
     }
@@ -453,14 +554,6 @@ fn word(words: &[f32], k: usize, c: usize) -> f32 {
     }
 }
 
-/// Puts the values of some pixels.
-#[inline(always)]
-fn put<S: Simd>(s: S, value: f32x16<S>, pixels: mask32x16<S>, to: &mut [f32]) {
-    pixels
-        .select(value, f32x16::from_slice(s, to))
-        .store_slice(to);
-}
-
 /// Pixel centres of a block from the tile's middle.
 #[inline(always)]
 fn centres<S: Simd>(s: S, block: u16) -> (f32x16<S>, f32x16<S>) {
@@ -487,10 +580,8 @@ fn wide<S: Simd, const N: usize>(
     s: S,
     setup: &TriangleSetup,
     block: u16,
-    place: usize,
     wanted: &[usize; N],
-    inv_w: &mut [f32; RUN_ROOM],
-    columns: &mut [&mut Column; N],
+    out: &mut BlockValues<S, N>,
 ) {
     let (px, py) = centres(s, block);
     let ((x0, x1), (y0, y1)) = (px.widen(), py.widen());
@@ -499,26 +590,22 @@ fn wide<S: Simd, const N: usize>(
     let (w0, w1) = (wide_clamp(s, w, w0), wide_clamp(s, w, w1));
     let one = f64x8::splat(s, 1.0);
     let (r0, r1) = (one / w0, one / w1);
-    s.narrow_f64x8(w0, w1)
-        .store_slice(&mut inv_w[place..place + LANES]);
-    for (column, &k) in columns.iter_mut().zip(wanted) {
+    out.inv_w = s.narrow_f64x8(w0, w1);
+    for (i, &k) in wanted.iter().enumerate() {
         let Some(p) = attributes.get(k) else {
             continue;
         };
         let u0 = wide_clamp(s, p, wide_at(s, p, x0, y0) * r0);
         let u1 = wide_clamp(s, p, wide_at(s, p, x1, y1) * r1);
-        s.narrow_f64x8(u0, u1)
-            .store_slice(&mut column.value[place..place + LANES]);
-        s.narrow_f64x8(
+        out.value[i] = s.narrow_f64x8(u0, u1);
+        out.ddx[i] = s.narrow_f64x8(
             wide_slope(s, p.plane.a, w.plane.a, u0, r0),
             wide_slope(s, p.plane.a, w.plane.a, u1, r1),
-        )
-        .store_slice(&mut column.ddx[place..place + LANES]);
-        s.narrow_f64x8(
+        );
+        out.ddy[i] = s.narrow_f64x8(
             wide_slope(s, p.plane.b, w.plane.b, u0, r0),
             wide_slope(s, p.plane.b, w.plane.b, u1, r1),
-        )
-        .store_slice(&mut column.ddy[place..place + LANES]);
+        );
     }
 }
 

@@ -4,6 +4,7 @@ use texmap_math::color;
 use texmap_raster::{Fragment, NONE, Prepared, TILE, TileBlocks, TriangleSetup, block_index};
 
 use crate::canvas::finish;
+use crate::direct::Direct;
 use crate::plan::{Plan, Surface};
 use crate::rows::AovRows;
 use crate::shade::{facing_normal, three};
@@ -84,6 +85,7 @@ impl<'a> Job<'a> {
         Self {
             scenery: Scenery {
                 plan,
+                direct: plan.surfaces.iter().map(Direct::new).collect(),
                 prepared,
                 mode: scene.color,
                 background: [light(r) * a, light(g) * a, light(b) * a, a],

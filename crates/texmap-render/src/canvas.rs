@@ -12,8 +12,8 @@ use crate::dispatch::on_level;
 pub(crate) const LANES: usize = 16;
 /// Pixels of a tile.
 pub(crate) const PIXELS: usize = (TILE * TILE) as usize;
-/// From a channel to the next: no multiple of 4096 bytes, or stores to one would stall loads of another.
-const STRIDE: usize = PIXELS + LANES;
+/// Floats of a block: four channels, one after the other.
+const FLOATS: usize = 4 * LANES;
 
 /// Premultiplied colours of a run, channel by channel.
 pub(crate) struct Colors(pub(crate) [[f32; RUN_ROOM]; 4]);
@@ -24,7 +24,7 @@ impl Colors {
     }
 
     #[inline(always)]
-    fn lanes<S: Simd>(&self, s: S, i: usize) -> [f32x16<S>; 4] {
+    pub(crate) fn lanes<S: Simd>(&self, s: S, i: usize) -> [f32x16<S>; 4] {
         let (at, [r, g, b, a]) = (i * LANES, &self.0);
         [
             f32x16::from_slice(s, &r[at..at + LANES]),
@@ -42,7 +42,7 @@ impl Colors {
 pub(crate) struct Canvas {
     /// Packed straight RGBA bytes, red lowest.
     words: Vec<u32>,
-    /// Four channels, each [`STRIDE`] from the one before.
+    /// Block by block.
     light: Vec<f32>,
 }
 
@@ -50,7 +50,7 @@ impl Canvas {
     pub(crate) fn new() -> Self {
         Self {
             words: vec![0; PIXELS],
-            light: vec![0.0; 4 * STRIDE],
+            light: vec![0.0; 4 * PIXELS],
         }
     }
 
@@ -59,9 +59,19 @@ impl Canvas {
     }
 
     pub(crate) fn fill_light(&mut self, color: [f32; 4]) {
-        for (channel, value) in self.light.chunks_exact_mut(STRIDE).zip(color) {
-            channel.fill(value);
+        for block in self.light.as_chunks_mut::<FLOATS>().0 {
+            for (channel, value) in block.chunks_exact_mut(LANES).zip(color) {
+                channel.fill(value);
+            }
         }
+    }
+
+    pub(crate) fn words_mut(&mut self) -> &mut [u32] {
+        &mut self.words
+    }
+
+    pub(crate) fn light_mut(&mut self) -> &mut [f32] {
+        &mut self.light
     }
 
     /// Puts finished pixels of a run, sixteen a block.
@@ -113,9 +123,8 @@ impl Canvas {
             level,
             s => for (i, at) in run.iter().enumerate() {
                 let pixels = mask32x16::from_bitmask(s, u64::from(at.mask));
-                for (channel, front) in light.chunks_exact_mut(STRIDE).zip(colors.lanes(s, i)) {
-                    let start = at.block as usize * LANES;
-                    let to = &mut channel[start..start + LANES];
+                let to = block_mut(light, at.block);
+                for (to, front) in to.chunks_exact_mut(LANES).zip(colors.lanes(s, i)) {
                     if at.mask == u16::MAX {
                         front.store_slice(to);
                     } else {
@@ -128,7 +137,7 @@ impl Canvas {
                 for bit in bits(at.mask) {
                     let to = at.block as usize * LANES + bit;
                     for (channel, value) in colors.pixel(i * LANES + bit).into_iter().enumerate() {
-                        light[channel * STRIDE + to] = value;
+                        light[place(channel, to)] = value;
                     }
                 }
             }
@@ -146,14 +155,16 @@ impl Canvas {
         let light = &mut self.light;
         on_level!(
             level,
-            s => over_lanes(s, light, run, colors, covered),
+            s => for (i, at) in run.iter().enumerate() {
+                over_block(s, light, *at, colors.lanes(s, i), covered);
+            },
             else for (i, at) in run.iter().enumerate() {
                 for bit in bits(at.mask) {
                     let to = at.block as usize * LANES + bit;
                     let front = colors.pixel(i * LANES + bit);
-                    let back = [0, 1, 2, 3].map(|c| light[c * STRIDE + to]);
+                    let back = [0, 1, 2, 3].map(|c| light[place(c, to)]);
                     for (c, value) in over(front, back).into_iter().enumerate() {
-                        light[c * STRIDE + to] = value;
+                        light[place(c, to)] = value;
                     }
                     covered[at.block as usize] |= u16::from(front[3] > 0.0) << bit;
                 }
@@ -170,7 +181,7 @@ impl Canvas {
                 finish_lanes(s, mode, light_lanes(s, light, i)).store_slice(word);
             },
             else for (i, word) in words.iter_mut().enumerate() {
-                *word = finish(mode, [0, 1, 2, 3].map(|c| light[c * STRIDE + i]));
+                *word = finish(mode, [0, 1, 2, 3].map(|c| light[place(c, i)]));
             }
         );
     }
@@ -192,7 +203,7 @@ impl Canvas {
             },
             else for (i, word) in words.iter_mut().enumerate() {
                 let mean = [0, 1, 2, 3].map(|channel| {
-                    let at = channel * STRIDE + i;
+                    let at = place(channel, i);
                     ((a[at] + b[at]) + (c[at] + d[at])) * 0.25
                 });
                 *word = finish(mode, mean);
@@ -220,7 +231,7 @@ impl Canvas {
 
     /// The light of a pixel by its place in the tile's blocks.
     pub(crate) fn light_at(&self, index: usize) -> [f32; 4] {
-        [0, 1, 2, 3].map(|c| self.light[c * STRIDE + index])
+        [0, 1, 2, 3].map(|c| self.light[place(c, index)])
     }
 }
 
@@ -234,15 +245,26 @@ fn bytes(words: &[u32; 4]) -> [u8; 16] {
     bytes
 }
 
+/// Where a channel of a pixel lies.
+fn place(channel: usize, pixel: usize) -> usize {
+    pixel / LANES * FLOATS + channel * LANES + pixel % LANES
+}
+
+#[inline(always)]
+fn block_mut(light: &mut [f32], block: u16) -> &mut [f32] {
+    let start = block as usize * FLOATS;
+    &mut light[start..start + FLOATS]
+}
+
 /// The light of a block, channel by channel.
 #[inline(always)]
 fn light_lanes<S: Simd>(s: S, light: &[f32], block: usize) -> [f32x16<S>; 4] {
-    let at = block * LANES;
+    let block = &light[block * FLOATS..(block + 1) * FLOATS];
     [
-        f32x16::from_slice(s, &light[at..at + LANES]),
-        f32x16::from_slice(s, &light[STRIDE + at..STRIDE + at + LANES]),
-        f32x16::from_slice(s, &light[2 * STRIDE + at..2 * STRIDE + at + LANES]),
-        f32x16::from_slice(s, &light[3 * STRIDE + at..3 * STRIDE + at + LANES]),
+        f32x16::from_slice(s, &block[..LANES]),
+        f32x16::from_slice(s, &block[LANES..2 * LANES]),
+        f32x16::from_slice(s, &block[2 * LANES..3 * LANES]),
+        f32x16::from_slice(s, &block[3 * LANES..]),
     ]
 }
 
@@ -251,28 +273,38 @@ pub(crate) fn bits(mask: u16) -> impl Iterator<Item = usize> {
     (0..LANES).filter(move |bit| mask >> bit & 1 == 1)
 }
 
+/// Puts finished pixels of a block.
 #[inline(always)]
-fn over_lanes<S: Simd>(
+pub(crate) fn put_block<S: Simd>(s: S, words: &mut [u32], at: RunBlock, front: u32x16<S>) {
+    let start = at.block as usize * LANES;
+    let to = &mut words[start..start + LANES];
+    if at.mask == u16::MAX {
+        front.store_slice(to);
+    } else {
+        let pixels = mask32x16::<S>::from_bitmask(s, u64::from(at.mask));
+        pixels.select(front, u32x16::from_slice(s, to)).store_slice(to);
+    }
+}
+
+/// [`Canvas::over`] for a block.
+#[inline(always)]
+pub(crate) fn over_block<S: Simd>(
     s: S,
     light: &mut [f32],
-    run: &[RunBlock],
-    colors: &Colors,
+    at: RunBlock,
+    front: [f32x16<S>; 4],
     covered: &mut [u16],
 ) {
     let (zero, one) = (f32x16::splat(s, 0.0), f32x16::splat(s, 1.0));
-    for (i, at) in run.iter().enumerate() {
-        let pixels = mask32x16::<S>::from_bitmask(s, u64::from(at.mask));
-        let front = colors.lanes(s, i);
-        let (solid, k) = (front[3].simd_ge(one), one - front[3]);
-        let start = at.block as usize * LANES;
-        for (channel, front) in light.chunks_exact_mut(STRIDE).zip(front) {
-            let to = &mut channel[start..start + LANES];
-            let back = f32x16::from_slice(s, to);
-            let mixed = solid.select(front, front + k * back);
-            pixels.select(mixed, back).store_slice(to);
-        }
-        covered[at.block as usize] |= (pixels & front[3].simd_gt(zero)).to_bitmask() as u16;
+    let pixels = mask32x16::<S>::from_bitmask(s, u64::from(at.mask));
+    let (solid, k) = (front[3].simd_ge(one), one - front[3]);
+    let to = block_mut(light, at.block);
+    for (to, front) in to.chunks_exact_mut(LANES).zip(front) {
+        let back = f32x16::from_slice(s, to);
+        let mixed = solid.select(front, front + k * back);
+        pixels.select(mixed, back).store_slice(to);
     }
+    covered[at.block as usize] |= (pixels & front[3].simd_gt(zero)).to_bitmask() as u16;
 }
 
 /// `front` over `back`, both premultiplied.

@@ -48,6 +48,7 @@ mod canvas;
 mod check;
 mod check_effects;
 mod coordinates;
+mod direct;
 mod dispatch;
 mod displace;
 mod effects;

@@ -21,8 +21,10 @@ pub(crate) struct TexelStage {
     blends: bool,
     /// Every look-up is opaque.
     solid: bool,
-    /// The look-up's own bytes are the finished pixels.
+    /// Look-ups are bytes.
     bytes: bool,
+    /// Those bytes are the finished pixels where nothing blends.
+    plain: bool,
 }
 
 impl TexelStage {
@@ -43,15 +45,14 @@ impl TexelStage {
         } else {
             material.surface.color
         };
-        let bytes = base_color.is_some_and(|slot| {
-            mode == ColorMode::Raw && gives_bytes(&slot.sampler, &slot.texture)
-        });
+        let bytes = base_color.is_some_and(|slot| gives_bytes(&slot.sampler, &slot.texture));
         Some(Self {
             tint,
             veil: material.opacity,
             blends: material.alpha == AlphaMode::Blend,
             solid,
-            bytes: bytes && solid && tint == [1.0; 3],
+            bytes,
+            plain: bytes && mode == ColorMode::Raw && solid && tint == [1.0; 3],
         })
     }
 
@@ -62,7 +63,11 @@ impl TexelStage {
 
     /// Whether [`words`](Self::words) may stand for [`colors`](Self::colors).
     pub(crate) fn gives_words(&self) -> bool {
-        self.bytes && self.is_opaque()
+        self.plain && self.is_opaque()
+    }
+
+    pub(crate) fn looks_up_bytes(&self) -> bool {
+        self.bytes
     }
 
     /// The finished pixel of an opaque surface without a texture.
@@ -143,31 +148,37 @@ impl TexelStage {
 
     #[inline(always)]
     fn tint_lanes<S: Simd>(&self, s: S, count: usize, out: &mut Colors) {
-        let (zero, one) = (f32x16::splat(s, 0.0), f32x16::splat(s, 1.0));
-        let [red, green, blue, alphas] = &mut out.0;
-        for i in (0..count).step_by(LANES) {
-            let at = i..i + LANES;
-            let a = f32x16::from_slice(s, &alphas[at.clone()]);
-            let alpha = match (self.blends, self.solid) {
-                (false, _) => one,
-                (true, true) => f32x16::splat(s, self.veil),
-                (true, false) => a * self.veil,
-            };
-            let some = a.simd_gt(zero);
-            for (channel, tint) in [&mut *red, &mut *green, &mut *blue]
-                .into_iter()
-                .zip(self.tint)
-            {
-                let mut c = f32x16::from_slice(s, &channel[at.clone()]);
-                if !self.solid {
-                    c = some.select(c / a, zero);
-                }
-                let c = c * tint;
-                let c = c.simd_lt(one).select(c, one) * alpha;
-                c.store_slice(&mut channel[at.clone()]);
+        for i in 0..count.div_ceil(LANES) {
+            let color = self.tint_block(s, out.lanes(s, i));
+            for (channel, color) in out.0.iter_mut().zip(color) {
+                color.store_slice(&mut channel[i * LANES..(i + 1) * LANES]);
             }
-            alpha.store_slice(&mut alphas[at]);
         }
+    }
+
+    /// [`tinted`](Self::tinted) for sixteen.
+    #[inline(always)]
+    pub(crate) fn tint_block<S: Simd>(&self, s: S, texel: [f32x16<S>; 4]) -> [f32x16<S>; 4] {
+        let (zero, one) = (f32x16::splat(s, 0.0), f32x16::splat(s, 1.0));
+        let [mut r, mut g, mut b, a] = texel;
+        let alpha = match (self.blends, self.solid) {
+            (false, _) => one,
+            (true, true) => f32x16::splat(s, self.veil),
+            (true, false) => a * self.veil,
+        };
+        if !self.solid {
+            let some = a.simd_gt(zero);
+            r = some.select(r / a, zero);
+            g = some.select(g / a, zero);
+            b = some.select(b / a, zero);
+        }
+        let (r, g, b) = (r * self.tint[0], g * self.tint[1], b * self.tint[2]);
+        [
+            r.simd_lt(one).select(r, one) * alpha,
+            g.simd_lt(one).select(g, one) * alpha,
+            b.simd_lt(one).select(b, one) * alpha,
+            alpha,
+        ]
     }
 }
 

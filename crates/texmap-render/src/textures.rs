@@ -85,6 +85,11 @@ impl Slot<'_> {
         }
     }
 
+    /// Whether coordinates of the mesh are not those of the texture.
+    pub(crate) fn is_transformed(&self) -> bool {
+        self.transform.is_some()
+    }
+
     /// Whether the filter asks how large a pixel is.
     pub(crate) fn reads_derivatives(&self) -> bool {
         !matches!(

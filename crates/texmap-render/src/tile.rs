@@ -8,8 +8,9 @@ use texmap_raster::{
 
 use crate::ColorMode;
 use crate::canvas::{Canvas, Colors, LANES, finish};
+use crate::direct::{Direct, From, Levels};
 use crate::dispatch::on_level;
-use crate::plan::{Plan, Surface};
+use crate::plan::Plan;
 use crate::shade::{Run, Stages};
 use crate::texel::TexelStage;
 
@@ -29,9 +30,10 @@ const ATTRIBUTES: [usize; texmap_raster::MAX_ATTRIBUTES] = {
 };
 
 /// What is painted, and how.
-#[derive(Clone, Copy)]
 pub(crate) struct Scenery<'a> {
     pub(crate) plan: &'a Plan<'a>,
+    /// Surfaces whose texels go straight onto the canvas.
+    pub(crate) direct: Vec<Option<Direct<'a>>>,
     pub(crate) prepared: &'a Prepared<'a>,
     pub(crate) mode: ColorMode,
     /// Linear (or raw), premultiplied.
@@ -46,9 +48,7 @@ pub(crate) struct Painter {
     samples: Vec<Sample>,
     resolved: Canvas,
     shader: Shader,
-    /// Blocks to shade, by draw.
-    listed: Vec<(u32, RunBlock)>,
-    forward: Vec<RunBlock>,
+    listed: Listed,
     /// [`Sharing`] of each block.
     sharing: Vec<Sharing>,
     /// Of each block, a bit per pixel that is not all background.
@@ -72,8 +72,7 @@ impl Painter {
             samples: vec![Sample::new()],
             resolved: Canvas::new(),
             shader: Shader::new(),
-            listed: Vec::new(),
-            forward: Vec::new(),
+            listed: Listed::default(),
             sharing: Vec::new(),
             covered: vec![0; BLOCKS],
         }
@@ -100,30 +99,20 @@ impl Painter {
             canvas.fill_words(finish(mode, scenery.background));
         }
         self.covered.copy_from_slice(&blocks.masks);
-        list_visible(blocks, &blocks.masks, &mut self.listed);
-        self.shader.each_run(
-            scenery,
-            tile,
-            blocks,
-            &self.listed,
-            finished,
-            |shown, run| {
-                shown.put(level, mode, run, canvas);
-            },
-        );
+        self.listed.visible(blocks, &blocks.masks);
+        self.shader
+            .lay(scenery, tile, blocks, &self.listed, finished, canvas, None);
         if blended.is_some() {
-            let (forward, listed) = (&mut self.forward, &mut self.listed);
-            list_blended(scenery, tile, [0; 2], blocks, forward, listed);
-            let covered = &mut self.covered;
-            self.shader.each_run(
+            self.listed.blended(scenery, tile, [0; 2], blocks);
+            let covered = Some(&mut self.covered[..]);
+            self.shader.lay(
                 scenery,
                 tile,
                 blocks,
                 &self.listed,
                 finished,
-                |shown, run| {
-                    shown.over(level, mode, run, canvas, covered);
-                },
+                canvas,
+                covered,
             );
         }
         if !finished && !light {
@@ -156,7 +145,6 @@ impl Painter {
             samples,
             shader,
             listed,
-            forward,
             sharing,
             covered,
             resolved,
@@ -166,10 +154,10 @@ impl Painter {
             for (covered, mask) in covered.iter_mut().zip(masks) {
                 *covered |= mask;
             }
-            list_visible(&samples[k].blocks, &masks, listed);
+            listed.visible(&samples[k].blocks, &masks);
             // The canvases are lent out while the blocks are read.
             let blocks = std::mem::take(&mut samples[k].blocks);
-            shader.each_run(scenery, tile, &blocks, listed, false, |shown, run| {
+            shader.each_run(scenery, tile, &blocks, listed, |shown, run| {
                 for (j, sample) in samples.iter_mut().enumerate().skip(k) {
                     let mut shared = [EMPTY; RUN_BLOCKS];
                     for (to, at) in shared.iter_mut().zip(run) {
@@ -184,10 +172,9 @@ impl Painter {
         if blended(scenery.plan, &samples[0].blocks).is_some() {
             for (sample, offset) in samples.iter_mut().zip(places) {
                 let Sample { blocks, canvas } = sample;
-                list_blended(scenery, tile, offset, blocks, forward, listed);
-                shader.each_run(scenery, tile, blocks, listed, false, |shown, run| {
-                    shown.over(level, mode, run, canvas, covered);
-                });
+                listed.blended(scenery, tile, offset, blocks);
+                let covered = Some(&mut covered[..]);
+                shader.lay(scenery, tile, blocks, listed, false, canvas, covered);
             }
         }
         if let [a, b, c, d] = &samples[..] {
@@ -268,67 +255,102 @@ fn blended(plan: &Plan<'_>, blocks: &TileBlocks) -> Option<Blended> {
     found
 }
 
-/// Lists the pixels of `masks` by draw.
-fn list_visible(blocks: &TileBlocks, masks: &[u16], listed: &mut Vec<(u32, RunBlock)>) {
-    listed.clear();
-    let some = masks.iter().enumerate().filter(|(_, mask)| **mask != 0);
-    let one = blocks.draws.first().copied();
-    let one = one.filter(|first| blocks.draws.iter().all(|draw| draw == first));
-    for (block, &mask) in some {
-        let at = |mask| RunBlock {
+/// Blocks to shade, by surface.
+#[derive(Default)]
+struct Listed {
+    blocks: Vec<RunBlock>,
+    /// A draw, and where its blocks end.
+    parts: Vec<(u32, usize)>,
+    /// Blocks by draw while they are sorted.
+    loose: Vec<(u32, RunBlock)>,
+}
+
+impl Listed {
+    /// The blocks of each draw, draw after draw.
+    fn parts(&self) -> impl Iterator<Item = (u32, &[RunBlock])> {
+        let starts = std::iter::once(0).chain(self.parts.iter().map(|(_, end)| *end));
+        let parts = starts.zip(&self.parts);
+        parts.map(|(start, (draw, end))| (*draw, &self.blocks[start..*end]))
+    }
+
+    fn push(&mut self, draw: u32, at: RunBlock) {
+        self.blocks.push(at);
+        let end = self.blocks.len();
+        match self.parts.last_mut() {
+            Some(last) if last.0 == draw => last.1 = end,
+            _ => self.parts.push((draw, end)),
+        }
+    }
+
+    /// The pixels of `masks` by draw.
+    fn visible(&mut self, blocks: &TileBlocks, masks: &[u16]) {
+        self.blocks.clear();
+        self.parts.clear();
+        let some = masks.iter().enumerate().filter(|(_, mask)| **mask != 0);
+        let at = |block: usize, mask| RunBlock {
             block: block as u16,
             mask,
             slot: NONE,
         };
-        if let Some(draw) = one {
-            listed.push((draw, at(mask)));
-            continue;
+        let Some(&first) = blocks.draws.first() else {
+            return;
+        };
+        if blocks.draws.iter().all(|draw| *draw == first) {
+            self.blocks.extend(some.map(|(block, mask)| at(block, *mask)));
+            self.parts.push((first, self.blocks.len()));
+            return;
         }
-        let slots = &blocks.slot[block * LANES..(block + 1) * LANES];
-        let draw_of = |bit: u32| blocks.draws[slots[bit as usize] as usize / LANES];
-        let mut left = mask;
-        while left != 0 {
-            let draw = draw_of(left.trailing_zeros());
-            let mut mine = 0;
-            let mut rest = left;
-            while rest != 0 {
-                let bit = rest.trailing_zeros();
-                rest &= rest - 1;
-                mine |= u16::from(draw_of(bit) == draw) << bit;
+        self.loose.clear();
+        for (block, &mask) in some {
+            let slots = &blocks.slot[block * LANES..(block + 1) * LANES];
+            let draw_of = |bit: u32| blocks.draws[slots[bit as usize] as usize / LANES];
+            let mut left = mask;
+            while left != 0 {
+                let draw = draw_of(left.trailing_zeros());
+                let mut mine = 0;
+                let mut rest = left;
+                while rest != 0 {
+                    let bit = rest.trailing_zeros();
+                    rest &= rest - 1;
+                    mine |= u16::from(draw_of(bit) == draw) << bit;
+                }
+                left &= !mine;
+                self.loose.push((draw, at(block, mine)));
             }
-            left &= !mine;
-            listed.push((draw, at(mine)));
+        }
+        let mut loose = std::mem::take(&mut self.loose);
+        loose.sort_by_key(|(draw, _)| *draw);
+        loose.iter().for_each(|(draw, at)| self.push(*draw, *at));
+        self.loose = loose;
+    }
+
+    /// The blocks of the blended draws in submitted order.
+    fn blended(
+        &mut self,
+        scenery: &Scenery<'_>,
+        tile: usize,
+        offset: [i32; 2],
+        blocks: &mut TileBlocks,
+    ) {
+        self.blocks.clear();
+        self.parts.clear();
+        let wanted = |draw: &texmap_raster::Draw<'_>| draw.pass == Pass::Blended;
+        let prepared = scenery.prepared;
+        prepared.forward_sample(tile, offset, blocks, &wanted, &mut self.blocks);
+        let draw_of = |at: &RunBlock| blocks.draws[at.slot as usize / LANES];
+        let mut end = 0;
+        for same in self.blocks.chunk_by(|a, b| draw_of(a) == draw_of(b)) {
+            end += same.len();
+            self.parts.push((draw_of(&same[0]), end));
         }
     }
-    if one.is_none() {
-        listed.sort_by_key(|(draw, _)| *draw);
-    }
-}
-
-/// Lists the blocks of the blended draws in submitted order.
-fn list_blended(
-    scenery: &Scenery<'_>,
-    tile: usize,
-    offset: [i32; 2],
-    blocks: &mut TileBlocks,
-    forward: &mut Vec<RunBlock>,
-    listed: &mut Vec<(u32, RunBlock)>,
-) {
-    listed.clear();
-    let wanted = |draw: &texmap_raster::Draw<'_>| draw.pass == Pass::Blended;
-    let prepared = scenery.prepared;
-    prepared.forward_sample(tile, offset, blocks, &wanted, forward);
-    listed.extend(
-        forward
-            .drain(..)
-            .map(|at| (blocks.draws[at.slot as usize / LANES], at)),
-    );
 }
 
 /// Shades runs.
 struct Shader {
     planes: TilePlanes,
     values: RunValues,
+    levels: Levels,
     stages: Stages,
     colors: Colors,
     words: [u32; RUN_ROOM],
@@ -364,10 +386,14 @@ impl Shown<'_> {
             canvas.over(level, run, colors, covered);
         } else {
             self.put(level, mode, run, canvas);
-            for at in run {
-                covered[at.block as usize] |= at.mask;
-            }
+            mark(run, covered);
         }
+    }
+}
+
+fn mark(run: &[RunBlock], covered: &mut [u16]) {
+    for at in run {
+        covered[at.block as usize] |= at.mask;
     }
 }
 
@@ -376,35 +402,69 @@ impl Shader {
         Self {
             planes: TilePlanes::new(),
             values: RunValues::default(),
+            levels: Levels::new(),
             stages: Stages::default(),
             colors: Colors::new(),
             words: [0; RUN_ROOM],
         }
     }
 
-    /// Shades the listed blocks in runs of one surface, in order, and shows each to `sink`; `finished` if the tile holds finished
-    /// pixels.
+    /// Paints the listed blocks, in order: in place of what is there, or `over` it, where pixels that are not all clear are marked;
+    /// `finished` if the tile holds finished pixels.
+    fn lay(
+        &mut self,
+        scenery: &Scenery<'_>,
+        tile: usize,
+        blocks: &TileBlocks,
+        listed: &Listed,
+        finished: bool,
+        canvas: &mut Canvas,
+        mut over: Option<&mut [u16]>,
+    ) {
+        let (level, mode) = (scenery.plan.level, scenery.mode);
+        for (draw, blocks_of) in listed.parts() {
+            if let Some(direct) = &scenery.direct[draw as usize] {
+                let mut from = From {
+                    planes: &self.planes,
+                    blocks,
+                    levels: &mut self.levels,
+                };
+                let done = match &mut over {
+                    Some(covered) if !finished => {
+                        direct.over(level, &mut from, blocks_of, canvas, covered)
+                    }
+                    _ if finished => direct.put(level, &mut from, blocks_of, canvas),
+                    _ => false,
+                };
+                if done {
+                    if let (Some(covered), true) = (&mut over, finished) {
+                        mark(blocks_of, covered);
+                    }
+                    continue;
+                }
+            }
+            for run in blocks_of.chunks(RUN_BLOCKS) {
+                let shown = self.shade(scenery, tile, draw, blocks, run, finished);
+                match &mut over {
+                    Some(covered) => shown.over(level, mode, run, canvas, covered),
+                    None => shown.put(level, mode, run, canvas),
+                }
+            }
+        }
+    }
+
+    /// Shades the listed blocks in runs of one surface, in order, and shows each to `sink`.
     fn each_run(
         &mut self,
         scenery: &Scenery<'_>,
         tile: usize,
         blocks: &TileBlocks,
-        listed: &[(u32, RunBlock)],
-        finished: bool,
+        listed: &Listed,
         mut sink: impl FnMut(Shown<'_>, &[RunBlock]),
     ) {
-        for same in listed.chunk_by(|a, b| a.0 == b.0) {
-            let surface = &scenery.plan.surfaces[same[0].0 as usize];
-            for part in same.chunks(RUN_BLOCKS) {
-                let mut run = [EMPTY; RUN_BLOCKS];
-                for (to, (_, at)) in run.iter_mut().zip(part) {
-                    *to = *at;
-                }
-                let run = &run[..part.len()];
-                sink(
-                    self.shade(scenery, tile, surface, blocks, run, finished),
-                    run,
-                );
+        for (draw, blocks_of) in listed.parts() {
+            for run in blocks_of.chunks(RUN_BLOCKS) {
+                sink(self.shade(scenery, tile, draw, blocks, run, false), run);
             }
         }
     }
@@ -413,12 +473,13 @@ impl Shader {
         &mut self,
         scenery: &Scenery<'_>,
         tile: usize,
-        surface: &Surface<'_>,
+        draw: u32,
         blocks: &TileBlocks,
         run: &[RunBlock],
         finished: bool,
     ) -> Shown<'_> {
         let (plan, level) = (scenery.plan, scenery.plan.level);
+        let surface = &plan.surfaces[draw as usize];
         let count = run.len() * LANES;
         let slot = surface.base_color.as_ref();
         let (wanted, derivatives) = match &surface.texel {

@@ -34,20 +34,31 @@ pub(crate) fn unpack(c: u32) -> [f32; 4] {
     [c & 255, c >> 8 & 255, c >> 16 & 255, c >> 24].map(|c| c as f32 * scale)
 }
 
+/// [`unpack`] for sixteen.
+#[inline(always)]
+pub fn unpack_lanes<S: Simd>(_s: S, c: u32x16<S>) -> [f32x16<S>; 4] {
+    let scale = Format::Rgba8.scale();
+    let of = [c & 255, (c >> 8) & 255, (c >> 16) & 255, c >> 24];
+    [
+        of[0].bitcast::<i32x16<S>>().to_float::<f32x16<S>>() * scale,
+        of[1].bitcast::<i32x16<S>>().to_float::<f32x16<S>>() * scale,
+        of[2].bitcast::<i32x16<S>>().to_float::<f32x16<S>>() * scale,
+        of[3].bitcast::<i32x16<S>>().to_float::<f32x16<S>>() * scale,
+    ]
+}
+
 /// [`unpack`] into columns.
 pub(crate) fn unpack_columns<S: Simd>(s: S, words: &[u32], mut out: [&mut [f32]; 4]) {
     s.vectorize(
         #[inline(always)]
         || {
-            let scale = Format::Rgba8.scale();
             let mut last = [0; 16];
             for (i, words) in words.chunks(16).enumerate() {
                 last[..words.len()].copy_from_slice(words);
-                let c = u32x16::from_slice(s, &last);
-                for (channel, out) in out.iter_mut().enumerate() {
-                    let byte: i32x16<S> = ((c >> (8 * channel as u32)) & 255).bitcast();
-                    let end = 16 * i + words.len();
-                    store_tail(byte.to_float::<f32x16<S>>() * scale, &mut out[16 * i..end]);
+                let end = 16 * i + words.len();
+                let c = unpack_lanes(s, u32x16::from_slice(s, &last));
+                for (c, out) in c.into_iter().zip(&mut out) {
+                    store_tail(c, &mut out[16 * i..end]);
                 }
             }
         },

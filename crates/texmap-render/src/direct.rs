@@ -1,0 +1,216 @@
+//! Texels straight onto the canvas: the way of unlit surfaces whose look-ups are bytes, without a column in between.
+
+use texmap_math::Level;
+use texmap_math::fearless_simd::{Simd, f32x16, i32x16, prelude::*, u32x16};
+use texmap_raster::{BlockSink, BlockValues, RUN, RUN_ROOM, RunBlock, TileBlocks, TilePlanes};
+use texmap_sample::lanes::packed::{self, FootprintLanes};
+use texmap_sample::lanes::{Kind, View};
+
+use crate::canvas::{Canvas, LANES, over_block, put_block};
+use crate::dispatch::on_level;
+use crate::plan::Surface;
+use crate::texel::TexelStage;
+
+/// What a surface's texels are painted with.
+#[derive(Debug)]
+pub(crate) struct Direct<'a> {
+    stage: TexelStage,
+    view: View<'a>,
+}
+
+/// Places and levels of a run: with the derivatives done, fewer registers are wanted at a time.
+pub(crate) struct Levels {
+    u: [f32; RUN_ROOM],
+    v: [f32; RUN_ROOM],
+    lod: [i32; RUN_ROOM],
+}
+
+impl Levels {
+    pub(crate) fn new() -> Self {
+        Self {
+            u: [0.0; RUN_ROOM],
+            v: [0.0; RUN_ROOM],
+            lod: [0; RUN_ROOM],
+        }
+    }
+}
+
+impl<'a> Direct<'a> {
+    /// `None` where a surface needs more than that, or has no lanes.
+    pub(crate) fn new(surface: &'a Surface<'_>) -> Option<Self> {
+        let (stage, slot) = (surface.texel?, surface.base_color.as_ref()?);
+        if !stage.looks_up_bytes() || slot.is_transformed() {
+            return None;
+        }
+        let view = View::new(&slot.sampler, &slot.texture)?;
+        (view.kind != Kind::Anisotropic).then_some(Self { stage, view })
+    }
+
+    /// Puts finished pixels, where the look-up's bytes are that; false if nothing was done.
+    pub(crate) fn put(
+        &self,
+        level: Level,
+        from: &mut From<'_>,
+        run: &[RunBlock],
+        canvas: &mut Canvas,
+    ) -> bool {
+        if !self.stage.gives_words() {
+            return false;
+        }
+        let words = canvas.words_mut();
+        on_level!(
+            level,
+            s => {
+                paint(s, &self.view, from, run, &mut Put { words });
+                true
+            },
+            else false
+        )
+    }
+
+    /// Lays light over that of the canvas, block by block, and marks in `covered` the pixels that are not all clear; false if
+    /// nothing was done.
+    pub(crate) fn over(
+        &self,
+        level: Level,
+        from: &mut From<'_>,
+        run: &[RunBlock],
+        canvas: &mut Canvas,
+        covered: &mut [u16],
+    ) -> bool {
+        let Self { view, stage } = self;
+        let light = canvas.light_mut();
+        on_level!(
+            level,
+            s => {
+                paint(s, view, from, run, &mut Over { stage, light, covered });
+                true
+            },
+            else false
+        )
+    }
+}
+
+/// Where the places of a run come from.
+pub(crate) struct From<'a> {
+    pub(crate) planes: &'a TilePlanes,
+    pub(crate) blocks: &'a TileBlocks,
+    pub(crate) levels: &'a mut Levels,
+}
+
+/// Takes texels.
+trait Brush<S: Simd> {
+    fn block(&mut self, s: S, at: RunBlock, texels: u32x16<S>);
+}
+
+#[inline(always)]
+fn paint<S: Simd, B: Brush<S>>(
+    s: S,
+    view: &View<'_>,
+    from: &mut From<'_>,
+    run: &[RunBlock],
+    brush: &mut B,
+) {
+    let From {
+        planes,
+        blocks,
+        levels,
+    } = from;
+    match view.kind {
+        Kind::Nearest => {
+            let mut sink = Nearest { view, brush };
+            planes.each_block::<_, 2, false, _>(s, blocks, run, [0, 1], &mut sink);
+        }
+        Kind::Bilinear => {
+            let mut sink = Bilinear { view, brush };
+            planes.each_block::<_, 2, false, _>(s, blocks, run, [0, 1], &mut sink);
+        }
+        _ => {
+            for run in run.chunks(RUN / LANES) {
+                let mut sink = Leveled { view, levels };
+                planes.each_block::<_, 2, true, _>(s, blocks, run, [0, 1], &mut sink);
+                for (i, at) in run.iter().enumerate() {
+                    let of = i * LANES..(i + 1) * LANES;
+                    let u = f32x16::from_slice(s, &levels.u[of.clone()]);
+                    let v = f32x16::from_slice(s, &levels.v[of.clone()]);
+                    let lod = i32x16::from_slice(s, &levels.lod[of]);
+                    brush.block(s, *at, packed::trilinear_lanes(s, view, u, v, lod));
+                }
+            }
+        }
+    }
+}
+
+struct Put<'a> {
+    words: &'a mut [u32],
+}
+
+impl<S: Simd> Brush<S> for Put<'_> {
+    #[inline(always)]
+    fn block(&mut self, s: S, at: RunBlock, texels: u32x16<S>) {
+        put_block(s, self.words, at, texels);
+    }
+}
+
+struct Over<'a> {
+    stage: &'a TexelStage,
+    light: &'a mut [f32],
+    covered: &'a mut [u16],
+}
+
+impl<S: Simd> Brush<S> for Over<'_> {
+    #[inline(always)]
+    fn block(&mut self, s: S, at: RunBlock, texels: u32x16<S>) {
+        let color = self.stage.tint_block(s, packed::unpack_lanes(s, texels));
+        over_block(s, self.light, at, color, self.covered);
+    }
+}
+
+struct Nearest<'a, B> {
+    view: &'a View<'a>,
+    brush: &'a mut B,
+}
+
+impl<S: Simd, B: Brush<S>> BlockSink<S, 2> for Nearest<'_, B> {
+    #[inline(always)]
+    fn block(&mut self, s: S, _i: usize, at: RunBlock, values: &BlockValues<S, 2>) {
+        let [u, v] = values.value;
+        self.brush
+            .block(s, at, packed::nearest_lanes(s, self.view, u, v));
+    }
+}
+
+struct Bilinear<'a, B> {
+    view: &'a View<'a>,
+    brush: &'a mut B,
+}
+
+impl<S: Simd, B: Brush<S>> BlockSink<S, 2> for Bilinear<'_, B> {
+    #[inline(always)]
+    fn block(&mut self, s: S, _i: usize, at: RunBlock, values: &BlockValues<S, 2>) {
+        let [u, v] = values.value;
+        self.brush
+            .block(s, at, packed::bilinear_lanes(s, self.view, u, v));
+    }
+}
+
+struct Leveled<'a> {
+    view: &'a View<'a>,
+    levels: &'a mut Levels,
+}
+
+impl<S: Simd> BlockSink<S, 2> for Leveled<'_> {
+    #[inline(always)]
+    fn block(&mut self, s: S, i: usize, _at: RunBlock, values: &BlockValues<S, 2>) {
+        let ([u, v], [ux, vx], [uy, vy]) = (values.value, values.ddx, values.ddy);
+        let lod = packed::lod_lanes(
+            s,
+            self.view,
+            &FootprintLanes::new(s, self.view, ux, vx, uy, vy),
+        );
+        let at = i * LANES..(i + 1) * LANES;
+        u.store_slice(&mut self.levels.u[at.clone()]);
+        v.store_slice(&mut self.levels.v[at.clone()]);
+        lod.store_slice(&mut self.levels.lod[at]);
+    }
+}
