@@ -33,6 +33,22 @@ impl Levels {
             lod: [0; RUN_ROOM],
         }
     }
+
+    #[inline(always)]
+    fn place<S: Simd>(&self, s: S, i: usize) -> (f32x16<S>, f32x16<S>) {
+        let at = i * LANES..(i + 1) * LANES;
+        (
+            f32x16::from_slice(s, &self.u[at.clone()]),
+            f32x16::from_slice(s, &self.v[at]),
+        )
+    }
+
+    #[inline(always)]
+    fn put<S: Simd>(&mut self, i: usize, [u, v]: [f32x16<S>; 2]) {
+        let at = i * LANES..(i + 1) * LANES;
+        u.store_slice(&mut self.u[at.clone()]);
+        v.store_slice(&mut self.v[at]);
+    }
 }
 
 impl<'a> Direct<'a> {
@@ -122,18 +138,22 @@ fn paint<S: Simd, B: Brush<S>>(
             planes.each_block::<_, 2, false, _>(s, blocks, run, [0, 1], &mut sink);
         }
         Kind::Bilinear => {
-            let mut sink = Bilinear { view, brush };
-            planes.each_block::<_, 2, false, _>(s, blocks, run, [0, 1], &mut sink);
+            for run in run.chunks(RUN / LANES) {
+                let mut sink = Placed { levels };
+                planes.each_block::<_, 2, false, _>(s, blocks, run, [0, 1], &mut sink);
+                for (i, at) in run.iter().enumerate() {
+                    let (u, v) = levels.place(s, i);
+                    brush.block(s, *at, packed::bilinear_lanes(s, view, u, v));
+                }
+            }
         }
         _ => {
             for run in run.chunks(RUN / LANES) {
                 let mut sink = Leveled { view, levels };
                 planes.each_block::<_, 2, true, _>(s, blocks, run, [0, 1], &mut sink);
                 for (i, at) in run.iter().enumerate() {
-                    let of = i * LANES..(i + 1) * LANES;
-                    let u = f32x16::from_slice(s, &levels.u[of.clone()]);
-                    let v = f32x16::from_slice(s, &levels.v[of.clone()]);
-                    let lod = i32x16::from_slice(s, &levels.lod[of]);
+                    let (u, v) = levels.place(s, i);
+                    let lod = i32x16::from_slice(s, &levels.lod[i * LANES..(i + 1) * LANES]);
                     brush.block(s, *at, packed::trilinear_lanes(s, view, u, v, lod));
                 }
             }
@@ -180,17 +200,14 @@ impl<S: Simd, B: Brush<S>> BlockSink<S, 2> for Nearest<'_, B> {
     }
 }
 
-struct Bilinear<'a, B> {
-    view: &'a View<'a>,
-    brush: &'a mut B,
+struct Placed<'a> {
+    levels: &'a mut Levels,
 }
 
-impl<S: Simd, B: Brush<S>> BlockSink<S, 2> for Bilinear<'_, B> {
+impl<S: Simd> BlockSink<S, 2> for Placed<'_> {
     #[inline(always)]
-    fn block(&mut self, s: S, _i: usize, at: RunBlock, values: &BlockValues<S, 2>) {
-        let [u, v] = values.value;
-        self.brush
-            .block(s, at, packed::bilinear_lanes(s, self.view, u, v));
+    fn block(&mut self, _s: S, i: usize, _at: RunBlock, values: &BlockValues<S, 2>) {
+        self.levels.put(i, values.value);
     }
 }
 
@@ -202,15 +219,13 @@ struct Leveled<'a> {
 impl<S: Simd> BlockSink<S, 2> for Leveled<'_> {
     #[inline(always)]
     fn block(&mut self, s: S, i: usize, _at: RunBlock, values: &BlockValues<S, 2>) {
-        let ([u, v], [ux, vx], [uy, vy]) = (values.value, values.ddx, values.ddy);
+        let ([ux, vx], [uy, vy]) = (values.ddx, values.ddy);
         let lod = packed::lod_lanes(
             s,
             self.view,
             &FootprintLanes::new(s, self.view, ux, vx, uy, vy),
         );
-        let at = i * LANES..(i + 1) * LANES;
-        u.store_slice(&mut self.levels.u[at.clone()]);
-        v.store_slice(&mut self.levels.v[at.clone()]);
-        lod.store_slice(&mut self.levels.lod[at]);
+        self.levels.put(i, values.value);
+        lod.store_slice(&mut self.levels.lod[i * LANES..(i + 1) * LANES]);
     }
 }
