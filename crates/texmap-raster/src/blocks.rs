@@ -430,8 +430,11 @@ impl Visible<'_, '_> {
             let bits = cut.keep(lane, block, pass.to_bitmask() as u32);
             pass = mask32x16::from_bitmask(s, u64::from(bits));
         }
-        let new = if self.write { pass.select(depth, old) } else { old };
-        new.store_slice(stored);
+        if self.write {
+            pass.select(depth, old).store_slice(stored);
+        } else if !*touched {
+            old.store_slice(stored);
+        }
         let slot = u32x16::splat(s, self.first_slot + lane as u32);
         pass.select(slot, old_slots).store_slice(slots);
         *mask |= pass.to_bitmask() as u16;

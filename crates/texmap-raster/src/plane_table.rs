@@ -7,7 +7,9 @@ use texmap_math::lanes::{LANES, Words, gather};
 use crate::blocks::Runs;
 use crate::dispatch::on_level;
 use crate::group::{Ids, extent_x8, hull_x16, solve_x16};
-use crate::setup::{LARGEST, Ranged, SMALLEST, TILE, TriangleSetup, W_RATIO, origin};
+use crate::setup::{
+    LARGEST, Ranged, SMALLEST, TILE, TriangleSetup, W_RATIO, origin, widen_attribute, widen_w,
+};
 use crate::visible::NONE;
 use crate::{Interp, MAX_ATTRIBUTES, Prepared};
 
@@ -79,6 +81,34 @@ impl TilePlanes {
         }
     }
 
+    /// Widens the hulls of all slots.
+    fn widen(&mut self) {
+        let group_words = self.per_group * LANES;
+        for group in self.words.chunks_exact_mut(group_words.max(1)) {
+            let (planes, _) = group.as_chunks_mut::<LANES>();
+            let mut planes = planes.chunks_exact_mut(COEFFICIENTS);
+            let Some([wa, wb, _, w_lo, w_hi]) = planes.next() else {
+                return;
+            };
+            let mut w_slope = [0.0; LANES];
+            for lane in 0..LANES {
+                w_slope[lane] = wa[lane].abs() + wb[lane].abs();
+                widen_w(w_slope[lane], &mut w_lo[lane], &mut w_hi[lane]);
+            }
+            for plane in planes {
+                let [a, b, _, lo, hi] = plane else {
+                    return;
+                };
+                for lane in 0..LANES {
+                    let slope = a[lane].abs() + b[lane].abs();
+                    let (lo, hi) = (&mut lo[lane], &mut hi[lane]);
+                    widen_attribute(slope, w_slope[lane], w_lo[lane], lo, hi);
+                }
+            }
+        }
+        self.setups.iter_mut().for_each(TriangleSetup::widen);
+    }
+
     /// A triangle that came the plain way.
     fn set_triangle(&mut self, slot: usize, setup: &TriangleSetup) {
         let (w, attributes) = setup.planes();
@@ -94,7 +124,9 @@ impl TilePlanes {
 }
 
 impl Prepared<'_> {
-    /// Sets up the attribute planes of every triangle in a tile's bin.
+    /// Sets up the attribute planes of every triangle in a tile's bin. Values are clamped to the triangle's; of what was prepared
+    /// [`with_samples`](Self::with_samples), where a pixel's centre may lie outside of the triangle, to those within half a pixel
+    /// of it.
     pub fn planes(&self, tile: usize, out: &mut TilePlanes) {
         let bounds = self.tile(tile);
         let mut runs = Runs::new(self, tile);
@@ -109,6 +141,9 @@ impl Prepared<'_> {
                 on_level!(level, s => self.planes_lanes(s, tile, out), else self.planes_plain(tile, out));
             }
             None => self.planes_plain(tile, out),
+        }
+        if self.is_sampled() {
+            out.widen();
         }
     }
 

@@ -39,6 +39,8 @@ pub struct Prepared<'a> {
     snapped: Vec<Vec<Snapped>>,
     /// `None`: everything one by one.
     level: Option<Level>,
+    /// Pixels are shaded at their centre for samples beside it.
+    sampled: bool,
     /// Ids from `first.last()` on.
     pieces: Vec<Piece>,
     /// Ids of tile t, in submitted order: `bin_start[t]..bin_start[t + 1]`.
@@ -167,6 +169,7 @@ impl<'a> Prepared<'a> {
             transforms,
             snapped,
             level,
+            sampled: margin > 0,
             pieces: Vec::new(),
             bin_ids: Vec::new(),
             bin_start: Vec::new(),
@@ -175,6 +178,11 @@ impl<'a> Prepared<'a> {
         let chunks = chunks.into_iter().collect::<Result<Vec<_>, _>>()?;
         prepared.merge(chunks)?;
         Ok(prepared)
+    }
+
+    /// Whether a pixel's centre may lie outside a triangle that one of its samples shows.
+    pub(crate) fn is_sampled(&self) -> bool {
+        self.sampled
     }
 
     /// Joins the chunks in order: pieces, then each tile's ids.

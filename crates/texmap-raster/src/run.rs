@@ -15,7 +15,7 @@ use crate::visible::NONE;
 pub const RUN: usize = 256;
 
 /// Triangles of a block that are taken one by one.
-const FEW: usize = 3;
+const FEW: usize = 5;
 
 /// Room of a run's arrays: their distance in memory is no multiple of 4096 bytes, or stores to one would stall loads of another.
 pub const RUN_ROOM: usize = RUN + 16;
@@ -167,11 +167,11 @@ impl TilePlanes {
                 values = spread.values::<D>(s, px, py);
             } else if let Some(parts) = few(slots, at.mask) {
                 // Cheaper than sixteen gathers.
-                values = BlockValues::zero(s);
+                let mut planes = Planes::zero(s);
                 for (slot, pixels) in parts.into_iter().flatten() {
-                    let planes = self.one(s, slot, &wanted);
-                    values.put(pixels, &planes.values::<D>(s, px, py));
+                    planes.put(pixels, &self.one(s, slot, &wanted));
                 }
+                values = planes.values::<D>(s, px, py);
             } else {
                 let planes = self.many(s, words, slots, &wanted);
                 values = planes.values::<D>(s, px, py);
@@ -391,6 +391,19 @@ impl<S: Simd, const N: usize> Planes<S, N> {
         }
     }
 
+    /// Takes over the planes of some pixels.
+    #[inline(always)]
+    fn put(&mut self, pixels: mask32x16<S>, other: &Self) {
+        for c in 0..COEFFICIENTS {
+            self.w[c] = pixels.select(other.w[c], self.w[c]);
+        }
+        for k in 0..N {
+            for c in 0..COEFFICIENTS {
+                self.attribute[k][c] = pixels.select(other.attribute[k][c], self.attribute[k][c]);
+            }
+        }
+    }
+
     /// 1 / clip w at pixels, and its reciprocal.
     #[inline(always)]
     fn depth(&self, s: S, px: f32x16<S>, py: f32x16<S>) -> [f32x16<S>; 2] {
@@ -464,17 +477,6 @@ impl<S: Simd, const N: usize> BlockValues<S, N> {
         }
     }
 
-    /// Takes over some pixels of `other`.
-    #[inline(always)]
-    fn put(&mut self, pixels: mask32x16<S>, other: &Self) {
-        self.inv_w = pixels.select(other.inv_w, self.inv_w);
-        for k in 0..N {
-            self.value[k] = pixels.select(other.value[k], self.value[k]);
-            self.ddx[k] = pixels.select(other.ddx[k], self.ddx[k]);
-            self.ddy[k] = pixels.select(other.ddy[k], self.ddy[k]);
-        }
-    }
-
     #[inline(always)]
     fn spill(&self) -> Spilt<N> {
         let mut out = Spilt {
@@ -527,7 +529,7 @@ impl<S: Simd, const N: usize, const D: bool> BlockSink<S, N> for Columns<'_, N, 
 /// A slot and its pixels.
 type Part<S> = (u32, mask32x16<S>);
 
-/// Up to three slots with the pixels of each; `None` where a block has more.
+/// Up to [`FEW`] slots with the pixels of each; `None` where a block has more.
 #[inline(always)]
 fn few<S: Simd>(slots: u32x16<S>, mask: u16) -> Option<[Option<Part<S>>; FEW]> {
     let mut lanes = [0; LANES];

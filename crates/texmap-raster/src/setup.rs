@@ -277,6 +277,23 @@ impl TriangleSetup {
         !even || extreme(&self.w) || self.attributes[..self.count].iter().any(extreme)
     }
 
+    /// Lets values leave the triangle's by what they can change within half a pixel.
+    pub(crate) fn widen(&mut self) {
+        let slope = |r: &Ranged| r.near[0].abs() + r.near[1].abs();
+        let w = &mut self.w;
+        let w_slope = slope(w);
+        widen_w(w_slope, &mut w.lo, &mut w.hi);
+        let w_lo = self.w.lo;
+        for (k, r) in self.attributes[..self.count].iter_mut().enumerate() {
+            let (change, w) = if self.screen_linear >> k & 1 == 1 {
+                (0.0, 1.0)
+            } else {
+                (w_slope, w_lo)
+            };
+            widen_attribute(slope(r), change, w, &mut r.lo, &mut r.hi);
+        }
+    }
+
     /// Whether a pixel needs more than f32 planes and one divide.
     pub(crate) fn is_odd(&self) -> bool {
         self.wide || self.uses_rows() || self.has_linear()
@@ -481,6 +498,25 @@ impl TriangleSetup {
             [node(k), node(k + 1.0)]
         }
     }
+}
+
+/// The hull of 1/w for centres up to half a pixel in x and y outside the triangle; it stays above zero.
+#[inline(always)]
+pub(crate) fn widen_w(slope: f32, lo: &mut f32, hi: &mut f32) {
+    let reach = 0.5 * slope;
+    let (half, low) = (0.5 * *lo, *lo - reach);
+    *lo = if low > half { low } else { half };
+    *hi += reach;
+}
+
+/// As [`widen_w`] for an attribute u = U/w: du/dx = (U_x - u w_x) / w.
+#[inline(always)]
+pub(crate) fn widen_attribute(slope: f32, w_slope: f32, w_lo: f32, lo: &mut f32, hi: &mut f32) {
+    let (a, b) = (lo.abs(), hi.abs());
+    let size = if a > b { a } else { b };
+    let reach = 0.5 * (slope + size * w_slope) / w_lo;
+    *lo -= reach;
+    *hi += reach;
 }
 
 fn rows(shape: &Shape<'_>) -> Rows {

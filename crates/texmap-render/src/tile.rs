@@ -122,7 +122,7 @@ impl Painter {
     }
 
     /// Paints a tile of four samples a pixel. Each pixel is shaded at its centre, once for every triangle that one of its samples
-    /// shows (values are clamped to the triangle's, so a centre outside it cannot leave its range).
+    /// shows: at a centre outside of it, with the values its planes have there.
     pub(crate) fn paint_multisampled(
         &mut self,
         scenery: &Scenery<'_>,
