@@ -118,11 +118,11 @@ impl Texmap {
                 let drawn = pool.install(|| {
                     let size = TargetSize::new(DEPTH_SIZE, DEPTH_SIZE)?;
                     let prepared = Prepared::with_level(size, &[draw], Level::new(), threads)?;
-                    Ok::<_, RasterError>(prepared.depth_map(threads))
+                    prepared.depth_map_into(threads, map);
+                    Ok::<_, RasterError>(())
                 });
-                match drawn {
-                    Ok(drawn) => *map = drawn,
-                    Err(why) => eprintln!("peers: texmap: {why}"),
+                if let Err(why) = drawn {
+                    eprintln!("peers: texmap: {why}");
                 }
             }
         }

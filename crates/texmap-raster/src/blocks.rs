@@ -198,6 +198,13 @@ impl Prepared<'_> {
         out.forget();
         let bounds = self.tile(tile);
         let mut group = core::mem::take(&mut out.group);
+        if self.last_is_seen(out) {
+            self.last_lanes(s, tile, &mut group, out);
+            out.group = group;
+            out.settle();
+            out.trim(bounds);
+            return;
+        }
         let mut runs = Runs::new(self, tile);
         while let Some(run) = runs.next() {
             let draw = self.draw(run.draw as u32);
@@ -222,11 +229,50 @@ impl Prepared<'_> {
                     setup: None,
                 }),
             };
-            stamp_group(s, &group, &mut sink);
+            stamp_group(s, &group, false, &mut sink);
         }
         out.group = group;
         out.settle();
         out.trim(bounds);
+    }
+
+    /// Whether of all fragments of a pixel the last is seen: none is tested, none cut out, none leaves a depth.
+    fn last_is_seen(&self, out: &TileBlocks) -> bool {
+        out.draws.iter().all(|draw| {
+            let d = self.draw(*draw);
+            let untested = d.depth_test == DepthTest::Always && !d.depth_write;
+            d.pass == Pass::Blended || (untested && d.pass == Pass::Opaque)
+        })
+    }
+
+    /// Stamps from the last triangle to the first what nothing stands before, until all is covered.
+    #[inline(always)]
+    fn last_lanes<S: Simd>(&self, s: S, tile: usize, group: &mut Group, out: &mut TileBlocks) {
+        let mut last = Last {
+            depth: &mut out.depth,
+            slots: &mut out.slot,
+            masks: &mut out.masks,
+            touched: &mut out.touched,
+            full: 0,
+            first_slot: 0,
+        };
+        let bin = self.bin_of(tile);
+        let mut end = bin.len();
+        for (group_index, draw) in out.draws.iter().enumerate().rev() {
+            let used = out.ids[group_index * LANES..].iter().take(LANES);
+            let count = used.take_while(|id| **id != NONE).count();
+            let ids = &bin[end - count..end];
+            end -= count;
+            if !decides_visibility(self.draw(*draw).pass) {
+                continue;
+            }
+            self.setup_group(s, *draw as usize, ids, tile as u32, group);
+            last.first_slot = (group_index * LANES) as u32;
+            stamp_group(s, group, true, &mut last);
+            if last.full == PIXELS / LANES {
+                return;
+            }
+        }
     }
 
     /// Lists each 4x4 block of the draws `wanted` picks: slot, block, and a bit for each pixel that
@@ -320,7 +366,7 @@ impl Prepared<'_> {
                 tile: bounds,
                 out,
             };
-            stamp_group(s, &group, &mut forward);
+            stamp_group(s, &group, false, &mut forward);
         }
         blocks.group = group;
     }
@@ -474,6 +520,67 @@ impl<S: Simd> Sink<S> for Visible<'_, '_> {
         }
         self.slots[index] = self.first_slot + lane as u32;
         self.masks[block] |= 1 << (index % LANES);
+    }
+}
+
+/// Keeps the first fragment that it is shown.
+struct Last<'b> {
+    depth: &'b mut [f32],
+    slots: &'b mut [u32],
+    masks: &'b mut [u16],
+    touched: &'b mut [bool],
+    /// Blocks that are covered wholly.
+    full: usize,
+    first_slot: u32,
+}
+
+impl Last<'_> {
+    #[inline(always)]
+    fn put(&mut self, lane: usize, block: usize, covered: u16) {
+        let new = covered & !self.masks[block];
+        if new == 0 {
+            return;
+        }
+        let (slot, at) = (self.first_slot + lane as u32, block * LANES);
+        let slots = &mut self.slots[at..at + LANES];
+        if !self.touched[block] {
+            self.touched[block] = true;
+            self.depth[at..at + LANES].fill(0.0);
+            slots.fill(if new == u16::MAX { slot } else { NONE });
+        }
+        if new != u16::MAX {
+            let mut left = new;
+            while left != 0 {
+                slots[left.trailing_zeros() as usize] = slot;
+                left &= left - 1;
+            }
+        }
+        self.masks[block] |= new;
+        self.full += usize::from(self.masks[block] == u16::MAX);
+    }
+}
+
+impl<S: Simd> Sink<S> for Last<'_> {
+    #[inline(always)]
+    fn block(
+        &mut self,
+        _s: S,
+        lane: usize,
+        block: usize,
+        covered: mask32x16<S>,
+        _depth: f32x16<S>,
+    ) {
+        self.put(lane, block, covered.to_bitmask() as u16);
+    }
+
+    #[inline(always)]
+    fn full_block(&mut self, _s: S, lane: usize, block: usize, _depth: f32x16<S>) {
+        self.put(lane, block, u16::MAX);
+    }
+
+    #[inline(always)]
+    fn pixel(&mut self, lane: usize, index: usize, _depth: f32) {
+        self.put(lane, index / LANES, 1 << (index % LANES));
     }
 }
 

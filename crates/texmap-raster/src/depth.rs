@@ -20,18 +20,31 @@ impl Prepared<'_> {
     /// are spread over the current pool when `threads` is above 1; the bits are the same.
     #[must_use]
     pub fn depth_map(&self, threads: usize) -> Vec<f32> {
+        let mut map = Vec::new();
+        self.depth_map_into(threads, &mut map);
+        map
+    }
+
+    /// [`depth_map`](Self::depth_map) in the room of an earlier one.
+    pub fn depth_map_into(&self, threads: usize, map: &mut Vec<f32>) {
         let width = self.size().width() as usize;
         let across = width.div_ceil(TILE as usize);
-        let mut map = alloc::vec![0.0; width * self.size().height() as usize];
+        map.resize(width * self.size().height() as usize, 0.0);
         let rows = map.chunks_mut(width * TILE as usize).enumerate().collect();
         for_all(threads, rows, |(row, out): (usize, &mut [f32])| {
             let mut tile = DepthTile::default();
             for column in 0..across {
-                self.depth_tile(row * across + column, &mut tile);
-                tile.copy_to(out, width, column * TILE as usize);
+                let (index, x0) = (row * across + column, column * TILE as usize);
+                if self.is_empty(index) {
+                    for row in out.chunks_mut(width) {
+                        row[x0..width.min(x0 + TILE as usize)].fill(0.0);
+                    }
+                } else {
+                    self.depth_tile(index, &mut tile);
+                    tile.copy_to(out, width, x0);
+                }
             }
         });
-        map
     }
 
     fn depth_tile(&self, index: usize, out: &mut DepthTile) {
@@ -77,6 +90,7 @@ impl Prepared<'_> {
             stamp_group(
                 s,
                 &out.group,
+                false,
                 &mut Nearest {
                     depth: &mut out.depth,
                     test: draw.depth_test,

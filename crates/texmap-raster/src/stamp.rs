@@ -100,9 +100,14 @@ impl<S: Simd> Depth<S> {
     }
 }
 
-/// Stamps the live triangles of a group, one after the other.
+/// Stamps the live triangles of a group, one after the other; the last first if `backwards`.
 #[inline(always)]
-pub(crate) fn stamp_group<S: Simd, K: Sink<S>>(s: S, group: &Group, sink: &mut K) {
+pub(crate) fn stamp_group<S: Simd, K: Sink<S>>(
+    s: S,
+    group: &Group,
+    backwards: bool,
+    sink: &mut K,
+) {
     let places = Places::new(s, group.offset);
     let mut tiny = Tiny::default();
     if group.tiny != 0 {
@@ -110,8 +115,12 @@ pub(crate) fn stamp_group<S: Simd, K: Sink<S>>(s: S, group: &Group, sink: &mut K
     }
     let mut live = group.live;
     while live != 0 {
-        let lane = live.trailing_zeros() as usize;
-        live &= live - 1;
+        let lane = if backwards {
+            live.ilog2() as usize
+        } else {
+            live.trailing_zeros() as usize
+        };
+        live &= !(1 << lane);
         if group.tiny >> lane & 1 == 1 {
             tiny.commit::<S, K>(group, lane, sink);
         } else {
