@@ -160,6 +160,36 @@ impl Prepared<'_> {
         out.group.offset = [0; 2];
     }
 
+    /// Where one opaque triangle has the tile for itself and passes every depth test: its pixels, as the `masks` of `out`; all are
+    /// of slot 0, and `slot` and `depth` hold nothing. False, with nothing done, elsewhere.
+    pub fn visible_alone(&self, tile: usize, out: &mut TileBlocks) -> bool {
+        let ([id], Some(level)) = (self.bin_of(tile), self.level()) else {
+            return false;
+        };
+        let draw = self.source(*id).0 as usize;
+        if self.draw(draw as u32).pass != Pass::Opaque {
+            return false;
+        }
+        on_level!(level, s => self.alone_lanes(s, tile, draw, out), else false)
+    }
+
+    #[inline(always)]
+    fn alone_lanes<S: Simd>(&self, s: S, tile: usize, draw: usize, out: &mut TileBlocks) -> bool {
+        self.setup_group(s, draw, self.bin_of(tile), tile as u32, &mut out.group);
+        // Depth is clamped to the triangle's, and 0 where nothing was drawn.
+        let nearer = out.group.z_lo[0] > 0.0;
+        if !nearer && self.draw(draw as u32).depth_test != DepthTest::Always {
+            return false;
+        }
+        self.name_slots(tile, out);
+        let TileBlocks { masks, group, .. } = out;
+        masks.clear();
+        masks.resize(PIXELS / LANES, 0);
+        stamp_group(s, group, false, &mut Alone { masks });
+        out.trim(self.tile(tile));
+        true
+    }
+
     fn name_slots(&self, tile: usize, out: &mut TileBlocks) {
         out.ids.clear();
         out.draws.clear();
@@ -236,12 +266,17 @@ impl Prepared<'_> {
         out.trim(bounds);
     }
 
-    /// Whether of all fragments of a pixel the last is seen: none is tested, none cut out, none leaves a depth.
+    /// Whether of all fragments of a pixel the last is seen, and its depth: none is tested, none cut out.
     fn last_is_seen(&self, out: &TileBlocks) -> bool {
-        out.draws.iter().all(|draw| {
-            let d = self.draw(*draw);
-            let untested = d.depth_test == DepthTest::Always && !d.depth_write;
-            d.pass == Pass::Blended || (untested && d.pass == Pass::Opaque)
+        let all = out.draws.iter().map(|draw| self.draw(*draw));
+        let mut deciding = all.filter(|d| decides_visibility(d.pass));
+        let Some(first) = deciding.clone().next() else {
+            return false;
+        };
+        deciding.all(|d| {
+            d.depth_test == DepthTest::Always
+                && d.pass == Pass::Opaque
+                && d.depth_write == first.depth_write
         })
     }
 
@@ -255,6 +290,7 @@ impl Prepared<'_> {
             touched: &mut out.touched,
             full: 0,
             first_slot: 0,
+            write: false,
         };
         let bin = self.bin_of(tile);
         let mut end = bin.len();
@@ -263,9 +299,11 @@ impl Prepared<'_> {
             let count = used.take_while(|id| **id != NONE).count();
             let ids = &bin[end - count..end];
             end -= count;
-            if !decides_visibility(self.draw(*draw).pass) {
+            let state = self.draw(*draw);
+            if !decides_visibility(state.pass) {
                 continue;
             }
+            last.write = state.depth_write;
             self.setup_group(s, *draw as usize, ids, tile as u32, group);
             last.first_slot = (group_index * LANES) as u32;
             stamp_group(s, group, true, &mut last);
@@ -523,6 +561,28 @@ impl<S: Simd> Sink<S> for Visible<'_, '_> {
     }
 }
 
+/// Keeps what one triangle covers.
+struct Alone<'b> {
+    masks: &'b mut [u16],
+}
+
+impl<S: Simd> Sink<S> for Alone<'_> {
+    #[inline(always)]
+    fn block(&mut self, _: S, _: usize, block: usize, covered: mask32x16<S>, _: f32x16<S>) {
+        self.masks[block] |= covered.to_bitmask() as u16;
+    }
+
+    #[inline(always)]
+    fn full_block(&mut self, _: S, _: usize, block: usize, _: f32x16<S>) {
+        self.masks[block] = u16::MAX;
+    }
+
+    #[inline(always)]
+    fn pixel(&mut self, _: usize, index: usize, _: f32) {
+        self.masks[index / LANES] |= 1 << (index % LANES);
+    }
+}
+
 /// Keeps the first fragment that it is shown.
 struct Last<'b> {
     depth: &'b mut [f32],
@@ -532,55 +592,61 @@ struct Last<'b> {
     /// Blocks that are covered wholly.
     full: usize,
     first_slot: u32,
+    write: bool,
 }
 
 impl Last<'_> {
+    /// The pixels of `covered` that show nothing yet; they are marked.
     #[inline(always)]
-    fn put(&mut self, lane: usize, block: usize, covered: u16) {
-        let new = covered & !self.masks[block];
-        if new == 0 {
-            return;
-        }
-        let (slot, at) = (self.first_slot + lane as u32, block * LANES);
-        let slots = &mut self.slots[at..at + LANES];
-        if !self.touched[block] {
+    fn take(&mut self, block: usize, covered: u16) -> u16 {
+        let seen = &mut self.masks[block];
+        let new = covered & !*seen;
+        *seen |= new;
+        self.full += usize::from(new != 0 && *seen == u16::MAX);
+        if new != 0 && !self.touched[block] {
             self.touched[block] = true;
-            self.depth[at..at + LANES].fill(0.0);
-            slots.fill(if new == u16::MAX { slot } else { NONE });
+            self.depth[block * LANES..(block + 1) * LANES].fill(0.0);
+            self.slots[block * LANES..(block + 1) * LANES].fill(NONE);
         }
-        if new != u16::MAX {
-            let mut left = new;
-            while left != 0 {
-                slots[left.trailing_zeros() as usize] = slot;
-                left &= left - 1;
-            }
-        }
-        self.masks[block] |= new;
-        self.full += usize::from(self.masks[block] == u16::MAX);
+        new
     }
 }
 
 impl<S: Simd> Sink<S> for Last<'_> {
     #[inline(always)]
-    fn block(
-        &mut self,
-        _s: S,
-        lane: usize,
-        block: usize,
-        covered: mask32x16<S>,
-        _depth: f32x16<S>,
-    ) {
-        self.put(lane, block, covered.to_bitmask() as u16);
+    fn block(&mut self, s: S, lane: usize, block: usize, covered: mask32x16<S>, depth: f32x16<S>) {
+        let new = self.take(block, covered.to_bitmask() as u16);
+        if new == 0 {
+            return;
+        }
+        let pixels = mask32x16::<S>::from_bitmask(s, u64::from(new));
+        let at = block * LANES..(block + 1) * LANES;
+        let slots = &mut self.slots[at.clone()];
+        let slot = u32x16::splat(s, self.first_slot + lane as u32);
+        pixels
+            .select(slot, u32x16::from_slice(s, slots))
+            .store_slice(slots);
+        if self.write {
+            let stored = &mut self.depth[at];
+            pixels
+                .select(depth, f32x16::from_slice(s, stored))
+                .store_slice(stored);
+        }
     }
 
     #[inline(always)]
-    fn full_block(&mut self, _s: S, lane: usize, block: usize, _depth: f32x16<S>) {
-        self.put(lane, block, u16::MAX);
+    fn full_block(&mut self, s: S, lane: usize, block: usize, depth: f32x16<S>) {
+        self.block(s, lane, block, mask32x16::splat(s, true), depth);
     }
 
     #[inline(always)]
-    fn pixel(&mut self, lane: usize, index: usize, _depth: f32) {
-        self.put(lane, index / LANES, 1 << (index % LANES));
+    fn pixel(&mut self, lane: usize, index: usize, depth: f32) {
+        if self.take(index / LANES, 1 << (index % LANES)) != 0 {
+            self.slots[index] = self.first_slot + lane as u32;
+            if self.write {
+                self.depth[index] = depth;
+            }
+        }
     }
 }
 

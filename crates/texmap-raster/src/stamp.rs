@@ -102,12 +102,7 @@ impl<S: Simd> Depth<S> {
 
 /// Stamps the live triangles of a group, one after the other; the last first if `backwards`.
 #[inline(always)]
-pub(crate) fn stamp_group<S: Simd, K: Sink<S>>(
-    s: S,
-    group: &Group,
-    backwards: bool,
-    sink: &mut K,
-) {
+pub(crate) fn stamp_group<S: Simd, K: Sink<S>>(s: S, group: &Group, backwards: bool, sink: &mut K) {
     let places = Places::new(s, group.offset);
     let mut tiny = Tiny::default();
     if group.tiny != 0 {

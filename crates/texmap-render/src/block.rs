@@ -113,7 +113,8 @@ impl<'a> Job<'a> {
             let painter = &mut scratch.painter;
             painter.paint_multisampled(&self.scenery, places, index);
         } else {
-            let blocks = scratch.painter.see(&self.scenery, index);
+            let in_short = block.aovs.is_empty();
+            let blocks = scratch.painter.see(&self.scenery, index, in_short);
             if !block.aovs.is_empty() {
                 scratch.setups.clear();
                 write_aovs(
@@ -178,7 +179,7 @@ impl<'a> Job<'a> {
         sums: &mut [[f32; 4]],
         covered: &mut [bool],
     ) {
-        painter.see(&self.scenery, index);
+        painter.see(&self.scenery, index, true);
         painter.paint(&self.scenery, index, true);
         let tile = self.scenery.prepared.tile(index);
         let (canvas, masks) = painter.light();

@@ -282,7 +282,9 @@ pub(crate) fn put_block<S: Simd>(s: S, words: &mut [u32], at: RunBlock, front: u
         front.store_slice(to);
     } else {
         let pixels = mask32x16::<S>::from_bitmask(s, u64::from(at.mask));
-        pixels.select(front, u32x16::from_slice(s, to)).store_slice(to);
+        pixels
+            .select(front, u32x16::from_slice(s, to))
+            .store_slice(to);
     }
 }
 

@@ -21,7 +21,8 @@ pub struct Scene {
     pub background: [f32; 4],
     /// Whether colours are converted between sRGB and linear light.
     pub color: ColorMode,
-    /// Which of two surfaces at one depth wins: the first drawn (`Less`) or the last (`LessOrEqual`).
+    /// Which of two surfaces at one depth wins: the first drawn (`Less`) or the last (`LessOrEqual`). Without a test (`Always`) the
+    /// last drawn wins at any depth.
     pub depth_test: DepthTest,
     /// Light sources, in world space. Read only by materials that are shaded.
     pub lights: Vec<Light>,

@@ -49,6 +49,8 @@ pub(crate) struct Painter {
     resolved: Canvas,
     shader: Shader,
     listed: Listed,
+    /// All that was seen is one triangle.
+    alone: bool,
     /// [`Sharing`] of each block.
     sharing: Vec<Sharing>,
     /// Of each block, a bit per pixel that is not all background.
@@ -73,15 +75,24 @@ impl Painter {
             resolved: Canvas::new(),
             shader: Shader::new(),
             listed: Listed::default(),
+            alone: false,
             sharing: Vec::new(),
             covered: vec![0; BLOCKS],
         }
     }
 
-    /// Visibility alone.
-    pub(crate) fn see(&mut self, scenery: &Scenery<'_>, tile: usize) -> &TileBlocks {
+    /// Visibility alone; where only [`paint`](Self::paint) needs to know, in short.
+    pub(crate) fn see(
+        &mut self,
+        scenery: &Scenery<'_>,
+        tile: usize,
+        in_short: bool,
+    ) -> &TileBlocks {
         let blocks = &mut self.samples[0].blocks;
-        scenery.prepared.visible_blocks(tile, scenery.plan, blocks);
+        self.alone = in_short && scenery.prepared.visible_alone(tile, blocks);
+        if !self.alone {
+            scenery.prepared.visible_blocks(tile, scenery.plan, blocks);
+        }
         blocks
     }
 
@@ -99,7 +110,8 @@ impl Painter {
             canvas.fill_words(finish(mode, scenery.background));
         }
         self.covered.copy_from_slice(&blocks.masks);
-        self.listed.visible(blocks, &blocks.masks);
+        let slot = if self.alone { 0 } else { NONE };
+        self.listed.visible(blocks, &blocks.masks, slot);
         self.shader
             .lay(scenery, tile, blocks, &self.listed, finished, canvas, None);
         if blended.is_some() {
@@ -148,13 +160,14 @@ impl Painter {
             sharing,
             covered,
             resolved,
+            alone: _,
         } = self;
         for k in 0..4 {
             let masks: [u16; BLOCKS] = std::array::from_fn(|block| sharing[block].by[k][k]);
             for (covered, mask) in covered.iter_mut().zip(masks) {
                 *covered |= mask;
             }
-            listed.visible(&samples[k].blocks, &masks);
+            listed.visible(&samples[k].blocks, &masks, NONE);
             // The canvases are lent out while the blocks are read.
             let blocks = std::mem::take(&mut samples[k].blocks);
             shader.each_run(scenery, tile, &blocks, listed, |shown, run| {
@@ -282,21 +295,22 @@ impl Listed {
         }
     }
 
-    /// The pixels of `masks` by draw.
-    fn visible(&mut self, blocks: &TileBlocks, masks: &[u16]) {
+    /// The pixels of `masks` by draw; all are of `slot`, or each has its own.
+    fn visible(&mut self, blocks: &TileBlocks, masks: &[u16], slot: u32) {
         self.blocks.clear();
         self.parts.clear();
         let some = masks.iter().enumerate().filter(|(_, mask)| **mask != 0);
         let at = |block: usize, mask| RunBlock {
             block: block as u16,
             mask,
-            slot: NONE,
+            slot,
         };
         let Some(&first) = blocks.draws.first() else {
             return;
         };
         if blocks.draws.iter().all(|draw| *draw == first) {
-            self.blocks.extend(some.map(|(block, mask)| at(block, *mask)));
+            self.blocks
+                .extend(some.map(|(block, mask)| at(block, *mask)));
             self.parts.push((first, self.blocks.len()));
             return;
         }

@@ -73,7 +73,10 @@ impl BenchScene {
             camera: self.camera(),
             background: CLEAR,
             color: ColorMode::Raw,
-            depth_test: DepthTest::Less,
+            depth_test: match self.content {
+                Content::Layers { depth: false, .. } => DepthTest::Always,
+                _ => DepthTest::Less,
+            },
             lights: Vec::new(),
             textures: vec![texture],
             materials: vec![self.material(precision, hidden)],
