@@ -6,6 +6,7 @@
 //! tried at some of the mesh's own pixels against the mean over the pixel.
 
 mod lights;
+mod maps;
 mod pilot;
 mod prices;
 mod visible;
@@ -96,6 +97,7 @@ impl Choices {
                 continue;
             };
             material.interp = choice.interp;
+            maps::drop_constant(&scene.textures, &mut material);
             if let Some([r, g, b, _]) = choice.constant {
                 material.base_color = None;
                 if material.texture_role == TextureRole::Decal {
@@ -200,6 +202,8 @@ impl View<'_> {
             why: String::new(),
             left_out: Vec::new(),
         };
+        let gone = maps::drop_constant(&self.scene.textures, &mut material.clone());
+        choice.left_out.extend(gone);
         let texels = material.base_color.as_ref().map_or(1.0, |slot| {
             let texture = &self.scene.textures[slot.texture];
             f64::from(texture.width().max(texture.height()))
