@@ -577,7 +577,7 @@ mod tests {
                 .iter()
                 .flat_map(|q| [[q[3], q[0], q[1]], [q[3], q[1], q[2]]])
                 .collect();
-            let mut orders = vec![triangles.clone(), triangles.clone()];
+            let mut orders = [triangles.clone(), triangles.clone()];
             orders[1].reverse();
             for faces in orders
                 .iter()
