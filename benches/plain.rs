@@ -15,7 +15,9 @@ use texmap_math::{Footprint, Level};
 use texmap_raster::{
     Draw, NoAlphaTest, Prepared, RUN, RunBlock, RunValues, TargetSize, TileBlocks, TilePlanes,
 };
-use texmap_render::{ColorMode, Material, Mesh, Renderer, Scene, Settings, Shading, TextureSlot};
+use texmap_render::{
+    ColorMode, Material, Mesh, Renderer, Scene, Settings, Shading, TextureRole, TextureSlot,
+};
 use texmap_sample::{
     ColorSpace, Filter, Origin, Precision, Sampler, Texture2d, UvTransform, sample_rgba8_slice,
 };
@@ -60,6 +62,7 @@ fn scene(filter: Filter) -> Scene {
                 },
                 transform: UvTransform::default(),
             }),
+            texture_role: TextureRole::Decal,
             shading: Shading::Unlit,
             ..Material::default()
         }],
