@@ -13,6 +13,7 @@ mod floor;
 mod gouraud;
 mod light;
 mod round;
+mod samples;
 mod scenes;
 mod shapes;
 mod stages;
