@@ -37,7 +37,7 @@ fn plane(n: u32) -> Scene {
     material.base_color = slot(0, Filter::Bilinear);
     Scene {
         textures: vec![texture(64, 64, |x, y| {
-            let [r, g] = [x * 37 + y * 11, x * 5 ^ y * 29].map(|v| (v % 251) as u8);
+            let [r, g] = [x * 37 + y * 11, (x * 5) ^ (y * 29)].map(|v| (v % 251) as u8);
             [r, g, 255 - r, 255]
         })],
         ..of(material, mesh)
