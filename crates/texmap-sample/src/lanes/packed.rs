@@ -34,7 +34,7 @@ pub(crate) fn unpack(c: u32) -> [f32; 4] {
     [c & 255, c >> 8 & 255, c >> 16 & 255, c >> 24].map(|c| c as f32 * scale)
 }
 
-/// [`unpack`] for sixteen.
+/// Bytes to 0..1 for sixteen, channel by channel.
 #[inline(always)]
 pub fn unpack_lanes<S: Simd>(_s: S, c: u32x16<S>) -> [f32x16<S>; 4] {
     let scale = Format::Rgba8.scale();
