@@ -4,15 +4,16 @@ use alloc::vec::Vec;
 use texmap_math::fearless_simd::{Simd, f32x16, mask32x16, prelude::*};
 use texmap_math::lanes::LANES;
 
-use crate::blocks::{Runs, test_block};
+use crate::blocks::Runs;
 use crate::dispatch::on_level;
 use crate::edge::cover;
 use crate::group::Group;
 use crate::prepared::{decides_visibility, for_all};
 use crate::setup::TILE;
+use crate::sinks::test_block;
 use crate::stamp::{BLOCKS, Sink, stamp_group};
 use crate::visible::passes;
-use crate::{DepthTest, Prepared};
+use crate::{AlphaTest, DepthTest, Prepared, TileBlocks};
 
 impl Prepared<'_> {
     /// Depth of the whole target, row by row from the top: the nearest of all draws that decide visibility and write depth
@@ -27,12 +28,36 @@ impl Prepared<'_> {
 
     /// [`depth_map`](Self::depth_map) in the room of an earlier one.
     pub fn depth_map_into(&self, threads: usize, map: &mut Vec<f32>) {
+        self.fill_map(threads, map, |index, tile: &mut DepthTile| {
+            self.depth_tile(index, tile);
+            &tile.depth
+        });
+    }
+
+    /// [`depth_map`](Self::depth_map) without the pixels of cut-outs that `alpha` does not keep.
+    #[must_use]
+    pub fn depth_map_cut(&self, threads: usize, alpha: &(dyn AlphaTest + Sync)) -> Vec<f32> {
+        let mut map = Vec::new();
+        self.fill_map(threads, &mut map, |index, blocks: &mut TileBlocks| {
+            self.visible_blocks(index, alpha, blocks);
+            &blocks.depth
+        });
+        map
+    }
+
+    /// Fills a map with the depths in 4x4 blocks that `depths` gives for each tile that is not empty.
+    fn fill_map<T: Default>(
+        &self,
+        threads: usize,
+        map: &mut Vec<f32>,
+        depths: impl Fn(usize, &mut T) -> &[f32] + Sync,
+    ) {
         let width = self.size().width() as usize;
         let across = width.div_ceil(TILE as usize);
         map.resize(width * self.size().height() as usize, 0.0);
         let rows = map.chunks_mut(width * TILE as usize).enumerate().collect();
         for_all(threads, rows, |(row, out): (usize, &mut [f32])| {
-            let mut tile = DepthTile::default();
+            let mut tile = T::default();
             for column in 0..across {
                 let (index, x0) = (row * across + column, column * TILE as usize);
                 if self.is_empty(index) {
@@ -40,8 +65,7 @@ impl Prepared<'_> {
                         row[x0..width.min(x0 + TILE as usize)].fill(0.0);
                     }
                 } else {
-                    self.depth_tile(index, &mut tile);
-                    tile.copy_to(out, width, x0);
+                    copy_blocks(depths(index, &mut tile), out, width, x0);
                 }
             }
         });
@@ -107,15 +131,13 @@ struct DepthTile {
     group: Group,
 }
 
-impl DepthTile {
-    /// Into rows of `width` pixels, from column `x0` on.
-    fn copy_to(&self, out: &mut [f32], width: usize, x0: usize) {
-        let side = (TILE as usize).min(width - x0);
-        for (y, row) in out.chunks_mut(width).enumerate() {
-            for (b, four) in row[x0..x0 + side].chunks_mut(4).enumerate() {
-                let at = ((y >> 2) * BLOCKS + b) * LANES + (y & 3) * 4;
-                four.copy_from_slice(&self.depth[at..at + four.len()]);
-            }
+/// A tile's depths in 4x4 blocks into rows of `width` pixels, from column `x0` on.
+fn copy_blocks(depths: &[f32], out: &mut [f32], width: usize, x0: usize) {
+    let side = (TILE as usize).min(width - x0);
+    for (y, row) in out.chunks_mut(width).enumerate() {
+        for (b, four) in row[x0..x0 + side].chunks_mut(4).enumerate() {
+            let at = ((y >> 2) * BLOCKS + b) * LANES + (y & 3) * 4;
+            four.copy_from_slice(&depths[at..at + four.len()]);
         }
     }
 }
@@ -135,11 +157,6 @@ impl<S: Simd> Sink<S> for Nearest<'_> {
                 .select(depth, old)
                 .store_slice(stored);
         }
-    }
-
-    #[inline(always)]
-    fn full_block(&mut self, s: S, lane: usize, block: usize, depth: f32x16<S>) {
-        self.block(s, lane, block, mask32x16::splat(s, true), depth);
     }
 
     #[inline(always)]

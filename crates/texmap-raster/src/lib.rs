@@ -53,6 +53,7 @@ mod prepared;
 pub mod reference;
 mod run;
 mod setup;
+mod sinks;
 mod stamp;
 mod vertex;
 mod visible;

@@ -24,7 +24,10 @@ pub(crate) trait Sink<S: Simd> {
     /// Sixteen pixels of block `block`; `lane` names the triangle in its group.
     fn block(&mut self, s: S, lane: usize, block: usize, covered: mask32x16<S>, depth: f32x16<S>);
     /// Sixteen pixels, all covered.
-    fn full_block(&mut self, s: S, lane: usize, block: usize, depth: f32x16<S>);
+    #[inline(always)]
+    fn full_block(&mut self, s: S, lane: usize, block: usize, depth: f32x16<S>) {
+        self.block(s, lane, block, mask32x16::splat(s, true), depth);
+    }
     /// One pixel at `index` of the block order.
     fn pixel(&mut self, lane: usize, index: usize, depth: f32);
 }
