@@ -73,13 +73,7 @@ impl Textures {
                 texture
             }
             Err(error) => {
-                let absent = matches!(error, IoError::FileMissing { .. });
-                if !(self.tolerant || absent && missing == Missing::Warn) {
-                    return Err(error);
-                }
-                self.note(path, place, Err(error.to_string()));
-                self.warnings
-                    .push(format!("{error}: a magenta and black checker stands in"));
+                self.forgive(path, place, error, missing)?;
                 stand_in()
             }
         };
@@ -121,13 +115,7 @@ impl Textures {
                 grid
             }
             Err(error) => {
-                let absent = matches!(error, IoError::FileMissing { .. });
-                if !(self.tolerant || absent && missing == Missing::Warn) {
-                    return Err(error);
-                }
-                self.note(path, place, Err(error.to_string()));
-                self.warnings
-                    .push(format!("{error}: a magenta and black checker stands in"));
+                self.forgive(path, place, error, missing)?;
                 stand_in_grid()
             }
         };
@@ -135,6 +123,24 @@ impl Textures {
         let index = self.grids.len() - 1;
         self.loaded_grids.push((path.to_path_buf(), index));
         Ok(index)
+    }
+
+    /// A warning that a checker stands in for a map, or the error where none may.
+    fn forgive(
+        &mut self,
+        path: &Path,
+        place: &Place,
+        error: IoError,
+        missing: Missing,
+    ) -> Result<(), IoError> {
+        let absent = matches!(error, IoError::FileMissing { .. });
+        if !(self.tolerant || absent && missing == Missing::Warn) {
+            return Err(error);
+        }
+        self.note(path, place, Err(error.to_string()));
+        self.warnings
+            .push(format!("{error}: a magenta and black checker stands in"));
+        Ok(())
     }
 
     fn read(

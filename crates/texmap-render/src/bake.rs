@@ -6,7 +6,8 @@ use texmap_math::glam::DVec3;
 use texmap_raster::{Atlas, AtlasMesh, AtlasOptions, Coverage, TargetSize};
 use texmap_sample::Origin;
 
-use crate::vertices::{linear, world_normals};
+use crate::canvas::luminance;
+use crate::vertices::{flat_normals, world_normals};
 use crate::{RenderError, Scene};
 
 /// What is baked, and how.
@@ -165,16 +166,6 @@ impl LightMap {
     /// One channel: the luminance of each texel (Rec. ITU-R BT.709), 0.2126 R + 0.7152 G + 0.0722 B.
     #[must_use]
     pub fn luminance(&self) -> Vec<f32> {
-        let luminance = |c: &[f32; 3]| c[0] * 0.2126 + c[1] * 0.7152 + c[2] * 0.0722;
-        self.texels.iter().map(luminance).collect()
+        self.texels.iter().map(|c| luminance(*c)).collect()
     }
-}
-
-/// Unit normals of the triangles' planes in world space: what a shadow's bias is measured against.
-fn flat_normals(mesh: &crate::Mesh) -> Vec<DVec3> {
-    let matrix = linear(mesh.world_from_object).inverse().transpose();
-    mesh.triangles
-        .iter()
-        .map(|t| (matrix * mesh.cross(*t)).normalize_or_zero())
-        .collect()
 }

@@ -354,6 +354,11 @@ fn finish_lanes<S: Simd>(s: S, mode: ColorMode, [r, g, b, a]: [f32x16<S>; 4]) ->
     r | (g << 8) | (b << 16) | (lanes::unit_to_u8(s, a) << 24)
 }
 
+/// Luminance of linear light: Rec. ITU-R BT.709.
+pub(crate) fn luminance([r, g, b]: [f32; 3]) -> f32 {
+    0.2126 * r + 0.7152 * g + 0.0722 * b
+}
+
 /// Premultiplied to straight colour; black where nothing is left of it.
 pub(crate) fn straight([r, g, b, a]: [f32; 4]) -> [f32; 3] {
     if a > 0.0 {

@@ -93,7 +93,7 @@ pub use scene::{
 };
 pub use settings::{Aov, Settings, UnknownAov};
 pub use shadow::{shadow_bias, shadow_kind, shadow_map};
-pub use skin::{Bone, Skeleton, Skin, SkinBlend, turn};
+pub use skin::{Bone, Skeleton, Skin, SkinBlend, turn, turn_by};
 pub use solid::{Solid, SolidSource};
 pub use text::Font;
 pub use vertex_stage::MeshVertex;

@@ -15,7 +15,7 @@ use crate::effects::{LightMapSlot, Reflection, Relief, SlideProjector, SlideRole
 use crate::shade::three;
 use crate::shadow::{shadow_bias, shadow_kind, shadow_map};
 use crate::textures::{Chains, Slot};
-use crate::vertices::{Values, Vertices, linear};
+use crate::vertices::{Values, Vertices, flat_normals, linear, narrow, wide};
 use crate::{Material, Mesh, RenderError, Scene, Settings};
 
 /// The effects of a scene, made ready: every map is finished before the first tile.
@@ -41,8 +41,7 @@ struct Shade {
 
 impl Shade {
     fn lit(&self, point: [f32; 3], plane: DVec3) -> f32 {
-        let point = DVec3::from(point.map(f64::from));
-        self.map.lit(point, plane, self.bias, self.taps)
+        self.map.lit(wide(point), plane, self.bias, self.taps)
     }
 }
 
@@ -62,7 +61,6 @@ impl Thrown<'_> {
             border: self.slide.border,
             softness: self.slide.softness,
         };
-        let wide = |v: [f32; 3]| DVec3::from(v.map(f64::from));
         let along = |d: [f32; 3]| {
             let rows = self.slide.projector.rows();
             DVec3::from_array(rows.map(|row| row.truncate().dot(wide(d))))
@@ -162,7 +160,7 @@ impl<'s> Ready<'s> {
     fn paint(&self, at: &Sample<'_>) -> [f32; 4] {
         let mut sum = [0.0; 4];
         for thrown in &self.paints {
-            let toward = thrown.slide.position - DVec3::from(at.position.map(f64::from));
+            let toward = thrown.slide.position - wide(at.position);
             if at.plane.dot(toward) <= 0.0 {
                 continue;
             }
@@ -304,7 +302,6 @@ impl<'s> SurfaceEffects<'s> {
             Some(None) => index < scene.lights.len(),
             Some(Some(all)) => all.contains(&index),
         };
-        let normal_to_world = linear(mesh.world_from_object).inverse().transpose();
         Some(Box::new(Self {
             material,
             ambient: maps.ambient.as_ref().map(slot),
@@ -315,12 +312,8 @@ impl<'s> SurfaceEffects<'s> {
             light_map: light_map.map(|map| (map, slot(&map.slot))),
             tangent,
             lightmap_uv,
-            planes: mesh
-                .triangles
-                .iter()
-                .map(|t| (normal_to_world * mesh.cross(*t)).normalize_or_zero())
-                .collect(),
-            normal_to_world,
+            planes: flat_normals(mesh),
+            normal_to_world: linear(mesh.world_from_object).inverse().transpose(),
             lights: ready
                 .lights
                 .iter()
@@ -466,9 +459,9 @@ impl<'s> SurfaceEffects<'s> {
                 let [x, y, z] = decode_normal(straight(slot.texel(uv, d)), green, rebuild_z);
                 let map = [x * strength, y * strength, z];
                 if object_space {
-                    let world = self.normal_to_world * DVec3::from(map.map(f64::from));
+                    let world = self.normal_to_world * wide(map);
                     let world = if at.fragment.front { world } else { -world };
-                    unit(world.to_array().map(|c| c as f32))
+                    unit(narrow(world))
                 } else {
                     let first = self.tangent.unwrap_or(0);
                     let [tx, ty, tz] = three(at.fragment, first);

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use texmap_light::Light;
+use texmap_math::Footprint;
 use texmap_math::glam::DMat4;
 use texmap_raster::{AlphaTest, DepthTest, Draw, Fragment, Interp, Pass};
 use texmap_sample::{Filter, Origin};
@@ -134,16 +135,10 @@ impl<'s> Surface<'s> {
 }
 
 impl Surface<'_> {
-    /// The alpha test, with the sampler and the level of detail of shading.
     fn kept(&self, fragment: &Fragment) -> bool {
         let Some(cut) = self.cut else { return true };
-        let (uv, d) = self.uv.at(fragment).unwrap_or_default();
-        let texel = self.base_color.as_ref().map_or(1.0, |s| s.texel(uv, d)[3]);
-        let mask = self
-            .opacity_map
-            .as_ref()
-            .map_or(1.0, |s| s.opacity(s.texel(uv, d)));
-        cut.keeps(texel * mask * self.material.opacity)
+        let maps = [&self.base_color, &self.opacity_map].map(Option::as_ref);
+        cut.keeps(self.uv.at(fragment), maps, self.material.opacity)
     }
 }
 
@@ -154,7 +149,17 @@ impl AlphaTest for Plan<'_> {
 }
 
 impl Cut {
-    pub(crate) fn keeps(self, alpha: f32) -> bool {
+    /// The alpha test of a pixel at `place`, with the samplers and the level of detail of shading.
+    pub(crate) fn keeps(
+        self,
+        place: Option<([f32; 2], Footprint)>,
+        [base_color, opacity_map]: [Option<&Slot<'_>>; 2],
+        opacity: f32,
+    ) -> bool {
+        let (uv, d) = place.unwrap_or_default();
+        let texel = base_color.map_or(1.0, |s| s.texel(uv, d)[3]);
+        let mask = opacity_map.map_or(1.0, |s| s.opacity(s.texel(uv, d)));
+        let alpha = texel * mask * opacity;
         match self {
             Self::Above(t) => alpha > t,
             Self::AtLeast(t) => alpha >= t,

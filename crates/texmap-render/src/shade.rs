@@ -9,7 +9,7 @@ use texmap_raster::{
 use texmap_sample::sample_slice;
 use texmap_uv::PixelMapping;
 
-use crate::canvas::{Colors, LANES, bits, straight};
+use crate::canvas::{Colors, LANES, bits, luminance, straight};
 use crate::coordinates::Coordinates;
 use crate::lit::{Sample, SurfaceEffects};
 use crate::plan::{LightStage, Plan, Space, Surface};
@@ -145,10 +145,7 @@ impl Stages {
         }
         if let Some(ramp) = &surface.light_ramp {
             for terms in &mut self.terms {
-                let [r, g, b] = terms.diffuse;
-                // Rec. 709.
-                let light = 0.2126 * r + 0.7152 * g + 0.0722 * b;
-                terms.diffuse = straight(ramp.along(light));
+                terms.diffuse = straight(ramp.along(luminance(terms.diffuse)));
             }
         }
         for (i, (place, _, _)) in run.places().enumerate() {

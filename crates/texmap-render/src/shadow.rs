@@ -6,6 +6,7 @@ use texmap_math::glam::{DMat4, DVec2, DVec3, DVec4};
 use texmap_raster::{DepthTest, Draw, Pass, Prepared, TargetSize};
 
 use crate::shadow_cut::Cuts;
+use crate::vertices::wide;
 use crate::{AlphaMode, Mesh, RenderError, Scene};
 
 /// The part of a scene that a shadow map of a light shows.
@@ -121,7 +122,7 @@ pub fn shadow_map(
         let prepared =
             Prepared::new(target, &draws).map_err(|error| RenderError::of_raster(scene, error))?;
         let map = match &cuts {
-            Some(cuts) => cuts.depth_map(&prepared, threads),
+            Some(cuts) => prepared.depth_map_cut(threads, cuts),
             None => prepared.depth_map(threads),
         };
         depths.extend(
@@ -320,10 +321,6 @@ pub(crate) fn encloses(mesh: &Mesh, point: DVec3) -> bool {
         x >= 0.0 && y >= 0.0 && x + y < 1.0 && t > 0.0
     });
     crossed.count() % 2 == 1
-}
-
-fn wide(a: [f32; 3]) -> DVec3 {
-    DVec3::from(a.map(f64::from))
 }
 
 #[cfg(test)]

@@ -1,11 +1,11 @@
 //! Cut-outs in shadow maps: the holes that the camera sees are holes to the light.
 
-use rayon::prelude::*;
-use texmap_raster::{AlphaTest, Fragment, Prepared, TILE, TileBlocks, block_index};
+use texmap_raster::{AlphaTest, Fragment};
 
 use crate::coordinates::Coordinates;
 use crate::plan::{Cut, cut};
 use crate::textures::{Chains, Slot};
+use crate::vertices::{narrow, wide};
 use crate::{AlphaMode, Mesh, Scene, Settings};
 
 /// What the meshes of a scene let through. Those whose coordinates come from a texture frame, which is bound to the camera, let
@@ -56,32 +56,6 @@ impl<'s> Cuts<'s> {
         let cutting = self.meshes[mesh].as_ref()?;
         Some((&cutting.attributes, cutting.attribute_count))
     }
-
-    /// [`Prepared::depth_map`] without what lies in holes. The same bits for any number of `threads`.
-    pub(crate) fn depth_map(&self, prepared: &Prepared<'_>, threads: usize) -> Vec<f32> {
-        let width = prepared.size().width() as usize;
-        let across = width.div_ceil(TILE as usize);
-        let mut map = vec![0.0; width * prepared.size().height() as usize];
-        let draw = |(row, out): (usize, &mut [f32])| {
-            let mut blocks = TileBlocks::new();
-            for column in 0..across {
-                let index = row * across + column;
-                prepared.visible_blocks(index, self, &mut blocks);
-                let tile = prepared.tile(index);
-                for (x, y) in (0..tile.height).flat_map(|y| (0..tile.width).map(move |x| (x, y))) {
-                    let at = y as usize * width + column * TILE as usize + x as usize;
-                    out[at] = blocks.depth[block_index(x, y)];
-                }
-            }
-        };
-        let rows = width * TILE as usize;
-        if threads > 1 {
-            map.par_chunks_mut(rows).enumerate().for_each(draw);
-        } else {
-            map.chunks_mut(rows).enumerate().for_each(draw);
-        }
-        map
-    }
 }
 
 impl AlphaTest for Cuts<'_> {
@@ -89,13 +63,8 @@ impl AlphaTest for Cuts<'_> {
         let Some(c) = &self.meshes[draw as usize] else {
             return true;
         };
-        let (uv, d) = c.uv.at(fragment).unwrap_or_default();
-        let texel = c.base_color.as_ref().map_or(1.0, |s| s.texel(uv, d)[3]);
-        let mask = c
-            .opacity_map
-            .as_ref()
-            .map_or(1.0, |s| s.opacity(s.texel(uv, d)));
-        c.cut.keeps(texel * mask * c.opacity)
+        let maps = [&c.base_color, &c.opacity_map].map(Option::as_ref);
+        c.cut.keeps(c.uv.at(fragment), maps, c.opacity)
     }
 }
 
@@ -108,11 +77,8 @@ impl<'s> Cutting<'s> {
         let cut = cut(material, base_color.as_ref(), opacity_map.as_ref())?;
         let (uv, attributes, attribute_count) = match mesh.round {
             Some(map) => {
-                let place = |p: &[f32; 3]| {
-                    let p = texmap_math::glam::DVec3::from(p.map(f64::from));
-                    let world = mesh.world_from_object.transform_point3(p);
-                    world.as_vec3().to_array()
-                };
+                let place =
+                    |p: &[f32; 3]| narrow(mesh.world_from_object.transform_point3(wide(*p)));
                 let world = mesh.positions.iter().flat_map(place).collect();
                 (Coordinates::Round(map, 0), world, 3)
             }

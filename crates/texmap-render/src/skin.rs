@@ -7,7 +7,7 @@
 use texmap_math::det;
 use texmap_math::glam::{DMat3, DMat4, DVec3};
 
-use crate::vertices::linear;
+use crate::vertices::{linear, narrow, wide};
 use crate::{Mesh, RenderError};
 
 /// Up to four bones and their weights for each vertex.
@@ -242,7 +242,12 @@ pub fn turn(axis: DVec3, angle: f64) -> DMat4 {
     let Some(axis) = axis.try_normalize() else {
         return DMat4::IDENTITY;
     };
-    let (sin, cos) = det::sin_cos(angle);
+    turn_by(axis, det::sin_cos(angle))
+}
+
+/// [`turn`] about an axis of unit length, by the sine and cosine of the angle.
+#[must_use]
+pub fn turn_by(axis: DVec3, (sin, cos): (f64, f64)) -> DMat4 {
     let column = |e: DVec3| e * cos + axis.cross(e) * sin + axis * (axis.dot(e) * (1.0 - cos));
     DMat4::from_mat3(DMat3::from_cols(
         column(DVec3::X),
@@ -258,14 +263,6 @@ fn cofactors(m: DMat3) -> DMat3 {
         m.z_axis.cross(m.x_axis),
         m.x_axis.cross(m.y_axis),
     )
-}
-
-fn wide(a: [f32; 3]) -> DVec3 {
-    DVec3::from(a.map(f64::from))
-}
-
-fn narrow(a: DVec3) -> [f32; 3] {
-    a.to_array().map(|x| x as f32)
 }
 
 #[cfg(test)]

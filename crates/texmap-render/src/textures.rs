@@ -30,6 +30,12 @@ impl Chains {
         }
         Self(chains)
     }
+
+    /// The texture of a slot, with the levels that were built for it.
+    fn of(&self, slot: &TextureSlot, scene: &Scene) -> Texture2d<'static> {
+        let own = &scene.textures[slot.texture];
+        self.0[slot.texture].as_ref().unwrap_or(own).clone()
+    }
 }
 
 fn reads_mips(filter: Filter) -> bool {
@@ -158,10 +164,7 @@ impl<'s> Slot<'s> {
         chains: &Chains,
         origin: Origin,
     ) -> Self {
-        let texture = chains.0[slot.texture]
-            .as_ref()
-            .unwrap_or(&scene.textures[slot.texture]);
-        let texture = texture.clone().with_origin(origin);
+        let texture = chains.of(slot, scene).with_origin(origin);
         let mut sampler = Cow::Borrowed(&slot.sampler);
         if let Some(filter) = settings.filter {
             sampler.to_mut().filter = filter;
@@ -174,10 +177,7 @@ impl<'s> Slot<'s> {
 
     /// A ramp: no override of the settings reaches it.
     pub(crate) fn ramp(slot: &'s TextureSlot, scene: &'s Scene, chains: &Chains) -> Self {
-        let texture = chains.0[slot.texture]
-            .as_ref()
-            .unwrap_or(&scene.textures[slot.texture]);
-        let texture = texture.clone().with_origin(Origin::TopLeft);
+        let texture = chains.of(slot, scene).with_origin(Origin::TopLeft);
         Self::with_sampler(texture, Cow::Borrowed(&slot.sampler), slot)
     }
 

@@ -279,6 +279,15 @@ fn facing_away(points: &[DVec3], triangles: &[[u32; 3]], eye: DVec3) -> Vec<bool
         .collect()
 }
 
+/// Unit normals of the triangles' planes in world space: what a shadow's bias is measured against.
+pub(crate) fn flat_normals(mesh: &Mesh) -> Vec<DVec3> {
+    let matrix = linear(mesh.world_from_object).inverse().transpose();
+    mesh.triangles
+        .iter()
+        .map(|t| (matrix * mesh.cross(*t)).normalize_or_zero())
+        .collect()
+}
+
 pub(crate) fn linear(m: DMat4) -> DMat3 {
     DMat3::from_cols(
         m.x_axis.truncate(),
@@ -287,11 +296,11 @@ pub(crate) fn linear(m: DMat4) -> DMat3 {
     )
 }
 
-fn wide(a: [f32; 3]) -> DVec3 {
+pub(crate) fn wide(a: [f32; 3]) -> DVec3 {
     DVec3::from(a.map(f64::from))
 }
 
-fn narrow(a: DVec3) -> [f32; 3] {
+pub(crate) fn narrow(a: DVec3) -> [f32; 3] {
     a.to_array().map(|x| x as f32)
 }
 

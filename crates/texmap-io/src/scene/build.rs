@@ -528,7 +528,6 @@ fn check_camera(camera: &Camera) -> Result<(), CameraError> {
     camera.view().map(|_| ())
 }
 
-/// Rodrigues' formula; `axis` is not zero.
 /// A shape in the space of its line.
 fn round(shape: &RoundShape) -> Result<PixelMapping, UvError> {
     let [yaw, pitch, roll] = shape.angles.map(f64::to_radians);
@@ -547,17 +546,11 @@ fn round(shape: &RoundShape) -> Result<PixelMapping, UvError> {
     )
 }
 
+/// A turn about `axis`, exact for quarter turns.
 pub(super) fn rotation(degrees: f64, axis: DVec3) -> DMat4 {
     let axis = obj::unit(axis).unwrap_or(DVec3::Z);
-    let (sin, cos) = quarter_turns(degrees).unwrap_or_else(|| det::sin_cos(degrees.to_radians()));
-    let column =
-        |e: DVec3| (e * cos + axis.cross(e) * sin + axis * (axis.dot(e) * (1.0 - cos))).extend(0.0);
-    DMat4::from_cols(
-        column(DVec3::X),
-        column(DVec3::Y),
-        column(DVec3::Z),
-        DVec3::ZERO.extend(1.0),
-    )
+    let angle = quarter_turns(degrees).unwrap_or_else(|| det::sin_cos(degrees.to_radians()));
+    texmap_render::turn_by(axis, angle)
 }
 
 /// Sine and cosine of whole quarter turns, exactly.

@@ -6,6 +6,7 @@ use texmap_math::glam::DVec3;
 use crate::effects::Shadow;
 use crate::lit::{fitting_size, texel_in_pixels};
 use crate::shadow::{shadow_bias, shadow_kind};
+use crate::vertices::wide;
 use crate::{Mesh, RenderError, Scene, Shading};
 
 /// A light that reaches nothing.
@@ -91,9 +92,8 @@ fn may_reach(light: &Light, (centre, radius): (DVec3, f64)) -> bool {
     else {
         return true;
     };
-    let wide = |v: &[f32; 3]| DVec3::from(v.map(f64::from));
-    let from = centre - wide(position);
-    let axis = wide(direction);
+    let from = centre - wide(*position);
+    let axis = wide(*direction);
     let axis = axis / axis.length();
     let cos = f64::from(*cos_outer).clamp(-1.0, 1.0);
     if cos <= 0.0 || from.length() <= radius {
