@@ -4,11 +4,11 @@ use std::path::Path;
 
 use proptest::prelude::*;
 use texmap_io::scene_file::{
-    Alpha, COMMANDS, Command, Missing, Rate, Role, RoundShape, SceneFile, Shade, Surf,
-    TexturedCorner, parse, print,
+    Alpha, BoneLine, COMMANDS, Command, DisplaceLine, Missing, Rate, Role, RoundShape, SceneFile,
+    Shade, Shape, Surf, TerrainLine, TexturedCorner, parse, print,
 };
 use texmap_raster::{Cull, Interp};
-use texmap_render::{ColorMode, Gouraud};
+use texmap_render::{ColorMode, EdgeBudget, Gouraud, SkinBlend};
 use texmap_sample::{Cubic, Filter, Wrap};
 use texmap_uv::Round;
 
@@ -185,6 +185,63 @@ fn settings() -> impl Strategy<Value = Command> {
     ]
 }
 
+fn shapes() -> impl Strategy<Value = Shape> {
+    let point = || prop::array::uniform3(number());
+    let budget = prop_oneof![
+        (0.01..99.0_f32).prop_map(EdgeBudget::Texels),
+        (0.01..99.0_f32).prop_map(EdgeBudget::Pixels),
+    ];
+    prop_oneof![
+        (name(), float(), float(), budget, 1..u32::MAX).prop_map(
+            |(file, height, middle, budget, triangles)| Shape::Displace(Some(DisplaceLine {
+                file,
+                height,
+                middle,
+                budget,
+                triangles,
+            }))
+        ),
+        Just(Shape::Displace(None)),
+        (
+            name(),
+            point(),
+            prop::array::uniform3(0.1..9.0_f32),
+            1..99_u32
+        )
+            .prop_map(|(file, position, size, step)| Shape::Terrain(TerrainLine {
+                file,
+                position,
+                size,
+                step,
+            })),
+        (
+            point(),
+            prop::array::uniform2(0.1..9.0_f64),
+            prop::option::of(direction())
+        )
+            .prop_map(|(position, size, axis)| Shape::Billboard {
+                position,
+                size,
+                axis
+            }),
+        (
+            point(),
+            point(),
+            prop::option::of(0..9_u32),
+            prop::option::of((number(), direction()))
+        )
+            .prop_map(|(head, tail, parent, turn)| Shape::Bone(BoneLine {
+                head,
+                tail,
+                parent,
+                turn
+            })),
+        Just(Shape::Skin(None)),
+        Just(Shape::Skin(Some(SkinBlend::Rigid))),
+        (0.1..9.0_f64).prop_map(|width| Shape::Skin(Some(SkinBlend::Smooth(width)))),
+    ]
+}
+
 const VERTICES: u32 = 9;
 
 fn faces() -> impl Strategy<Value = Command> {
@@ -204,7 +261,15 @@ fn scene() -> impl Strategy<Value = SceneFile> {
         prop::array::uniform3(number()).prop_map(Command::Vertex),
         VERTICES as usize,
     );
-    let rest = prop::collection::vec(prop_oneof![camera_and_lights(), settings(), faces()], 0..30);
+    let rest = prop::collection::vec(
+        prop_oneof![
+            camera_and_lights(),
+            settings(),
+            faces(),
+            shapes().prop_map(Command::Shape)
+        ],
+        0..30,
+    );
     (vertices, rest).prop_map(|(vertices, rest)| {
         let open = rest.iter().filter(|c| **c == Command::Push).count();
         vertices
