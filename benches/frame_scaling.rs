@@ -12,7 +12,7 @@ use std::fs;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use plotters::prelude::*;
+use texmap_benches::chart::LogChart;
 use texmap_lab::bench_scenes::{BenchScene, Hidden, SCENES, sphere};
 use texmap_math::Level;
 use texmap_render::{Mesh, Renderer, Scene, Settings};
@@ -204,52 +204,22 @@ fn status(field: &str) -> Option<f64> {
     line.split_whitespace().nth(1)?.parse().ok()
 }
 
-/// Milliseconds over triangles and over pixels, both logarithmic.
+/// Milliseconds over triangles and over pixels.
 fn chart(path: &Path, rows: &[Row]) -> Outcome<()> {
-    let root = SVGBackend::new(path, (900, 560)).into_drawing_area();
-    root.fill(&WHITE)?;
-    let mut chart = ChartBuilder::on(&root)
-        .caption(
-            "a frame over triangles and over pixels, minima",
-            ("sans-serif", 20),
-        )
-        .margin(16)
-        .x_label_area_size(44)
-        .y_label_area_size(64)
-        .build_cartesian_2d((800.0..2e7).log_scale(), (0.1..1000.0).log_scale())?;
-    chart
-        .configure_mesh()
-        .x_desc("triangles of the sphere, 1920 x 1080; pixels of the floor")
-        .y_desc("ms")
-        .draw()?;
     let lines = [("sphere", 1), ("sphere", 2), ("floor", 1), ("floor", 2)];
-    for (k, (scene, threads)) in lines.into_iter().enumerate() {
-        let points: Vec<(f64, f64)> = rows
+    let points = |(scene, threads)| {
+        let rows = rows
             .iter()
-            .filter(|r| r.scene == scene && r.threads == threads && r.level == "auto")
-            .map(|r| (r.count as f64, r.milliseconds))
-            .collect();
-        let color = Palette99::pick(k).to_rgba();
-        chart
-            .draw_series(LineSeries::new(
-                points.iter().copied(),
-                color.stroke_width(2),
-            ))?
-            .label(format!("{scene}, {threads} threads"))
-            .legend(move |(x, y)| PathElement::new([(x, y), (x + 24, y)], color.stroke_width(2)));
-        chart.draw_series(points.iter().map(|p| Circle::new(*p, 3, color.filled())))?;
+            .filter(|r| r.scene == scene && r.threads == threads && r.level == "auto");
+        let points = rows.map(|r| (r.count as f64, r.milliseconds)).collect();
+        (format!("{scene}, {threads} threads"), points)
+    };
+    LogChart {
+        caption: "a frame over triangles and over pixels, minima",
+        counted: "triangles of the sphere, 1920 x 1080; pixels of the floor",
+        counts: 800.0..2e7,
+        milliseconds: 0.1..1000.0,
+        linear: ([65_536.0, 16_777_216.0], 4e-6),
     }
-    let linear = [65_536.0, 16_777_216.0].map(|n| (n, n * 4e-6));
-    chart
-        .draw_series(LineSeries::new(linear, BLACK.mix(0.4).stroke_width(1)))?
-        .label("linear")
-        .legend(|(x, y)| PathElement::new([(x, y), (x + 24, y)], BLACK.mix(0.4)));
-    chart
-        .configure_series_labels()
-        .position(SeriesLabelPosition::UpperLeft)
-        .border_style(BLACK.mix(0.3))
-        .background_style(WHITE)
-        .draw()?;
-    root.present()?;
-    Ok(())
+    .write(path, &lines.map(points))
 }

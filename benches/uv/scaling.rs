@@ -11,7 +11,7 @@ use std::hint::black_box;
 use std::path::Path;
 use std::time::Instant;
 
-use plotters::prelude::*;
+use texmap_benches::chart::LogChart;
 use texmap_benches::meshes::ball;
 use texmap_math::Level;
 use texmap_raster::{Atlas, AtlasMesh, AtlasOptions, TargetSize};
@@ -216,7 +216,7 @@ fn corners(positions: &[[f32; 3]], faces: &Faces) -> Vec<[f32; 3]> {
     corners.map(|&i| positions[i as usize]).collect()
 }
 
-/// Milliseconds over triangles on one thread, both logarithmic; a straight line of slope 1 is linear.
+/// Milliseconds over triangles on one thread.
 fn chart(path: &Path, rows: &[Row]) -> Result<(), Box<dyn Error + Send + Sync>> {
     let steps = [
         "mapping and seam repair",
@@ -225,49 +225,17 @@ fn chart(path: &Path, rows: &[Row]) -> Result<(), Box<dyn Error + Send + Sync>> 
         "overlaps, two layers",
         "T-joints",
     ];
-    let root = SVGBackend::new(path, (900, 560)).into_drawing_area();
-    root.fill(&WHITE)?;
-    let mut chart = ChartBuilder::on(&root)
-        .caption("uv mapper on one thread, minima", ("sans-serif", 20))
-        .margin(16)
-        .x_label_area_size(44)
-        .y_label_area_size(64)
-        .build_cartesian_2d(
-            (50_000.0..5_000_000.0).log_scale(),
-            (1.0..20_000.0).log_scale(),
-        )?;
-    chart
-        .configure_mesh()
-        .x_desc("triangles")
-        .y_desc("ms")
-        .draw()?;
-    for (k, step) in steps.iter().enumerate() {
-        let points: Vec<(f64, f64)> = rows
-            .iter()
-            .filter(|r| r.step == *step && r.threads == 1)
-            .map(|r| (r.count as f64, r.seconds * 1e3))
-            .collect();
-        let color = Palette99::pick(k).to_rgba();
-        chart
-            .draw_series(LineSeries::new(
-                points.iter().copied(),
-                color.stroke_width(2),
-            ))?
-            .label(*step)
-            .legend(move |(x, y)| PathElement::new([(x, y), (x + 24, y)], color.stroke_width(2)));
-        chart.draw_series(points.iter().map(|p| Circle::new(*p, 3, color.filled())))?;
+    let points = |step: &str| {
+        let rows = rows.iter().filter(|r| r.step == step && r.threads == 1);
+        let points = rows.map(|r| (r.count as f64, r.seconds * 1e3)).collect();
+        (step.to_owned(), points)
+    };
+    LogChart {
+        caption: "uv mapper on one thread, minima",
+        counted: "triangles",
+        counts: 50_000.0..5_000_000.0,
+        milliseconds: 1.0..20_000.0,
+        linear: ([62_500.0, 4_000_000.0], 2e-5),
     }
-    let linear = [62_500.0, 4_000_000.0].map(|n| (n, n * 2e-5));
-    chart
-        .draw_series(LineSeries::new(linear, BLACK.mix(0.4).stroke_width(1)))?
-        .label("linear")
-        .legend(|(x, y)| PathElement::new([(x, y), (x + 24, y)], BLACK.mix(0.4)));
-    chart
-        .configure_series_labels()
-        .position(SeriesLabelPosition::UpperLeft)
-        .border_style(BLACK.mix(0.3))
-        .background_style(WHITE)
-        .draw()?;
-    root.present()?;
-    Ok(())
+    .write(path, &steps.map(points))
 }
