@@ -5,20 +5,6 @@ use texmap_io::npy::{self, Values};
 
 use crate::program::Desk;
 
-fn picture(desk: &Desk, name: &str) -> RgbaImage {
-    image::open(desk.path(name)).unwrap().into_rgba8()
-}
-
-/// Refused with this exit code and word, and nothing written.
-#[track_caller]
-fn refused(desk: &Desk, arguments: &str, code: i32, word: &str) {
-    let before = desk.names();
-    let run = desk.texmap(arguments);
-    assert_eq!(run.code, code, "{arguments}: {}", run.stderr);
-    assert!(run.stderr.contains(word), "{arguments}: {}", run.stderr);
-    assert_eq!(desk.names(), before, "{arguments}");
-}
-
 /// Largest and mean difference of two pictures, in codes.
 fn difference(a: &RgbaImage, b: &RgbaImage) -> (u8, f64) {
     assert_eq!(a.dimensions(), b.dimensions());
@@ -59,7 +45,7 @@ fn an_environment_comes_back_from_every_chart() {
             "env there.hdr -o back.png --from {chart} --to lat-long --size 64"
         ))
         .ok();
-        let (_, mean) = difference(&picture(&desk, "back.png"), &picture(&desk, "sky.png"));
+        let (_, mean) = difference(&desk.picture("back.png"), &desk.picture("sky.png"));
         assert!(mean < 1.5, "{chart}: {mean}");
         // A chart is no other chart.
         let wrong = if chart == "sphere-map" {
@@ -72,7 +58,7 @@ fn an_environment_comes_back_from_every_chart() {
                 "env there.hdr -o wrong.png --from {wrong} --to lat-long --size 64"
             ))
             .ok();
-            let (_, mean) = difference(&picture(&desk, "wrong.png"), &picture(&desk, "sky.png"));
+            let (_, mean) = difference(&desk.picture("wrong.png"), &desk.picture("sky.png"));
             assert!(mean > 5.0, "{chart} as {wrong}: {mean}");
         }
     }
@@ -88,7 +74,7 @@ fn a_blurred_environment_is_smooth_and_keeps_its_mean() {
     .unwrap();
     desk.texmap("env checks.png -o soft.png --to lat-long --size 16 --blur 2")
         .ok();
-    let soft = picture(&desk, "soft.png");
+    let soft = desk.picture("soft.png");
     assert_eq!(soft.dimensions(), (32, 16));
     // Half the light, as sRGB 188.
     assert!(
@@ -103,16 +89,11 @@ fn environments_are_refused_with_their_reason() {
     let desk = Desk::new();
     sky(&desk);
     RgbImage::new(30, 20).save(desk.path("odd.png")).unwrap();
-    refused(&desk, "env odd.png -o out.png --to cube", 4, "lat-long");
-    refused(&desk, "env sky.png -o out.gif --to cube", 2, "format");
-    refused(&desk, "env sky.png -o out.png --to ball", 2, "ball");
-    refused(
-        &desk,
-        "env sky.png -o out.png --to cube --blur=-1",
-        2,
-        "blur",
-    );
-    refused(&desk, "env none.png -o out.png --to cube", 4, "none.png");
+    desk.refused("env odd.png -o out.png --to cube", 4, "lat-long");
+    desk.refused("env sky.png -o out.gif --to cube", 2, "format");
+    desk.refused("env sky.png -o out.png --to ball", 2, "ball");
+    desk.refused("env sky.png -o out.png --to cube --blur=-1", 2, "blur");
+    desk.refused("env none.png -o out.png --to cube", 4, "none.png");
 }
 
 /// A floor with coordinates, a board above it, a lamp.
@@ -137,19 +118,19 @@ fn baked_light_is_the_light_that_was_baked() {
         .ok();
     desk.texmap("bake lit.scene --object floor --light --size 8 -o coarse.png")
         .ok();
-    assert_eq!(picture(&desk, "map.png").dimensions(), (256, 256));
+    assert_eq!(desk.picture("map.png").dimensions(), (256, 256));
     let mean = |map: &str| {
         room(&desk, &format!("lightmapuv floor.obj\nlightmap {map}"));
         desk.texmap("render lit.scene -o baked.png --resolution 160x120")
             .ok();
-        difference(&picture(&desk, "baked.png"), &picture(&desk, "lit.png")).1
+        difference(&desk.picture("baked.png"), &desk.picture("lit.png")).1
     };
     let (fine, coarse) = (mean("map.png"), mean("coarse.png"));
     assert!(fine < 0.8 && coarse > 2.0 * fine, "{fine} {coarse}");
     room(&desk, "");
     desk.texmap("bake lit.scene --object floor --light --size 64 --luminance -o gray.png")
         .ok();
-    let gray = picture(&desk, "gray.png");
+    let gray = desk.picture("gray.png");
     assert!(gray.pixels().all(|p| p[0] == p[1] && p[1] == p[2]));
 }
 
@@ -157,32 +138,27 @@ fn baked_light_is_the_light_that_was_baked() {
 fn bakes_are_refused_with_their_reason() {
     let desk = Desk::new();
     room(&desk, "");
-    refused(
-        &desk,
+    desk.refused(
         "bake lit.scene --object ceiling --light --size 64 -o m.png",
         2,
         "floor",
     );
-    refused(
-        &desk,
+    desk.refused(
         "bake lit.scene --object floor --light --size 0 -o m.png",
         2,
         "size",
     );
-    refused(
-        &desk,
+    desk.refused(
         "bake lit.scene --object floor --size 64 -o m.png",
         2,
         "--light",
     );
-    refused(
-        &desk,
+    desk.refused(
         "bake lit.scene --object floor --light --size 64 -o m.bmp",
         2,
         "format",
     );
-    refused(
-        &desk,
+    desk.refused(
         "bake no.scene --object floor --light --size 64 -o m.png",
         4,
         "no.scene",
@@ -199,7 +175,7 @@ fn slices_show_the_voxels_across_each_axis() {
             "slice grid.npy -o cut.png --filter nearest {arguments}"
         ))
         .ok();
-        let cut = picture(&desk, "cut.png");
+        let cut = desk.picture("cut.png");
         let size = cut.dimensions();
         (size, cut.pixels().map(|p| p[0]).collect::<Vec<_>>())
     };
@@ -215,7 +191,7 @@ fn slices_show_the_voxels_across_each_axis() {
         ((2, 3), vec![20, 140, 60, 180, 100, 220])
     );
     desk.texmap("slice wood -o wood.png --size 64").ok();
-    assert_eq!(picture(&desk, "wood.png").dimensions(), (64, 64));
+    assert_eq!(desk.picture("wood.png").dimensions(), (64, 64));
 }
 
 #[test]
@@ -229,18 +205,12 @@ fn slices_are_refused_with_their_reason() {
     .unwrap();
     npy::write(&desk.path("flat.npy"), &[2, 2], Values::F32(&[0.0; 4])).unwrap();
     npy::write(&desk.path("empty.npy"), &[0, 2, 2], Values::F32(&[])).unwrap();
-    refused(&desk, "slice nan.npy -o cut.png", 4, "column 1");
-    refused(
-        &desk,
-        "slice flat.npy -o cut.png",
-        4,
-        "slices, rows, columns",
-    );
-    refused(&desk, "slice empty.npy -o cut.png", 4, "out of range");
-    refused(&desk, "slice none.npy -o cut.png", 4, "none.npy");
-    refused(&desk, "slice wood -o cut.png --at 2", 2, "outside");
-    refused(
-        &desk,
+    desk.refused("slice nan.npy -o cut.png", 4, "column 1");
+    desk.refused("slice flat.npy -o cut.png", 4, "slices, rows, columns");
+    desk.refused("slice empty.npy -o cut.png", 4, "out of range");
+    desk.refused("slice none.npy -o cut.png", 4, "none.npy");
+    desk.refused("slice wood -o cut.png --at 2", 2, "outside");
+    desk.refused(
         "slice wood -o cut.png --filter trilinear",
         2,
         "nearest or bilinear",

@@ -119,6 +119,21 @@ impl Desk {
         names
     }
 
+    /// A picture that a run wrote.
+    pub(crate) fn picture(&self, name: &str) -> image::RgbaImage {
+        image::open(self.path(name)).unwrap().into_rgba8()
+    }
+
+    /// Runs the program, which refuses with this exit code and word and writes nothing.
+    #[track_caller]
+    pub(crate) fn refused(&self, arguments: &str, code: i32, word: &str) {
+        let before = self.names();
+        let run = self.texmap(arguments);
+        assert_eq!(run.code, code, "{arguments}: {}", run.stderr);
+        assert!(run.stderr.contains(word), "{arguments}: {}", run.stderr);
+        assert_eq!(self.names(), before, "{arguments}");
+    }
+
     /// Runs the program in the folder; the arguments are words separated by spaces.
     pub(crate) fn texmap(&self, arguments: &str) -> Run {
         run(

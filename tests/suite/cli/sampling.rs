@@ -1,14 +1,10 @@
 //! `texmap warp`, `texmap sample` and `texmap mip`.
 
-use image::{DynamicImage, GrayImage, Rgb, RgbImage, RgbaImage};
+use image::{DynamicImage, GrayImage, Rgb, RgbImage};
 use texmap_io::npy;
 use texmap_math::color;
 
 use crate::program::Desk;
-
-fn picture(desk: &Desk, name: &str) -> RgbaImage {
-    image::open(desk.path(name)).unwrap().into_rgba8()
-}
 
 /// Seven by five opaque pixels, no two alike.
 fn photo(desk: &Desk) -> RgbImage {
@@ -27,16 +23,6 @@ fn array(desk: &Desk, name: &str) -> (Vec<usize>, Vec<f32>) {
     (array.shape, values)
 }
 
-/// Refused with this exit code, and nothing written.
-#[track_caller]
-fn refused(desk: &Desk, arguments: &str, code: i32, word: &str) {
-    let before = desk.names();
-    let run = desk.texmap(arguments);
-    assert_eq!(run.code, code, "{arguments}: {}", run.stderr);
-    assert!(run.stderr.contains(word), "{arguments}: {}", run.stderr);
-    assert_eq!(desk.names(), before, "{arguments}");
-}
-
 #[test]
 fn a_warp_that_moves_nothing_changes_nothing() {
     let desk = Desk::new();
@@ -49,7 +35,7 @@ fn a_warp_that_moves_nothing_changes_nothing() {
     ] {
         desk.texmap(&format!("warp photo.png -o out.png {how}"))
             .ok();
-        assert_eq!(picture(&desk, "out.png"), photo, "{how}");
+        assert_eq!(desk.picture("out.png"), photo, "{how}");
     }
 }
 
@@ -59,7 +45,7 @@ fn a_quarter_turn_is_counter_clockwise_and_exact() {
     let photo = photo(&desk);
     desk.texmap("warp photo.png -o out.png --rotate 90 --size 5x7")
         .ok();
-    let out = picture(&desk, "out.png");
+    let out = desk.picture("out.png");
     for (x, y, p) in photo.enumerate_pixels() {
         let [r, g, b] = p.0;
         assert_eq!(out.get_pixel(y, 6 - x).0, [r, g, b, 255], "({x}, {y})");
@@ -74,7 +60,7 @@ fn half_a_pixel_of_shift_is_the_mean_of_neighbours() {
         "warp photo.png -o out.png --translate 0.5,0 --color raw --filter bilinear --outside edge",
     )
     .ok();
-    let out = picture(&desk, "out.png");
+    let out = desk.picture("out.png");
     for y in 0..5 {
         for x in 1..7 {
             for k in 0..3 {
@@ -96,8 +82,8 @@ fn four_points_place_the_image_and_the_rest_is_outside() {
     photo(&desk);
     desk.texmap("warp photo.png -o out.png --size 14x5 --to 7,0 14,0 14,5 7,5")
         .ok();
-    let out = picture(&desk, "out.png");
-    let inside = picture(&desk, "photo.png");
+    let out = desk.picture("out.png");
+    let inside = desk.picture("photo.png");
     for (x, y, p) in out.enumerate_pixels() {
         if x < 7 {
             assert_eq!(p.0[3], 0, "({x}, {y})");
@@ -107,11 +93,11 @@ fn four_points_place_the_image_and_the_rest_is_outside() {
     }
     desk.texmap("warp photo.png -o b.png --size 14x5 --to 7,0 14,0 14,5 7,5 --outside border")
         .ok();
-    assert_eq!(picture(&desk, "b.png").get_pixel(2, 2).0, [0, 0, 0, 255]);
+    assert_eq!(desk.picture("b.png").get_pixel(2, 2).0, [0, 0, 0, 255]);
     desk.texmap("warp photo.png -o r.png --size 14x5 --to 7,0 14,0 14,5 7,5 --outside repeat")
         .ok();
     assert_eq!(
-        picture(&desk, "r.png").get_pixel(2, 2),
+        desk.picture("r.png").get_pixel(2, 2),
         inside.get_pixel(2, 2)
     );
 }
@@ -135,55 +121,28 @@ fn threads_do_not_change_a_warp() {
 fn bad_warps_are_named() {
     let desk = Desk::new();
     photo(&desk);
-    refused(&desk, "warp photo.png", 2, "--output");
-    refused(&desk, "warp missing.png -o out.png", 4, "missing.png");
-    refused(&desk, "warp m.obj -o out.png", 4, "m.obj");
-    refused(&desk, "warp photo.png -o no/out.png", 4, "no");
-    refused(
-        &desk,
+    desk.refused("warp photo.png", 2, "--output");
+    desk.refused("warp missing.png -o out.png", 4, "missing.png");
+    desk.refused("warp m.obj -o out.png", 4, "m.obj");
+    desk.refused("warp photo.png -o no/out.png", 4, "no");
+    desk.refused(
         "warp photo.png -o out.png --from 0,0 1,1 2,2 0,5",
         4,
         "quad",
     );
-    refused(
-        &desk,
-        "warp photo.png -o out.png --from 0,0 7,0 7,5",
-        2,
-        "--from",
-    );
-    refused(
-        &desk,
-        "warp photo.png -o out.png --matrix 0,0,0,0,0,0",
-        4,
-        "map",
-    );
-    refused(
-        &desk,
-        "warp photo.png -o out.png --matrix 1,2,3",
-        2,
-        "6 or 9",
-    );
-    refused(
-        &desk,
-        "warp photo.png -o out.png --matrix 1,0,nan,0,1,0",
-        2,
-        "nan",
-    );
-    refused(
-        &desk,
+    desk.refused("warp photo.png -o out.png --from 0,0 7,0 7,5", 2, "--from");
+    desk.refused("warp photo.png -o out.png --matrix 0,0,0,0,0,0", 4, "map");
+    desk.refused("warp photo.png -o out.png --matrix 1,2,3", 2, "6 or 9");
+    desk.refused("warp photo.png -o out.png --matrix 1,0,nan,0,1,0", 2, "nan");
+    desk.refused(
         "warp photo.png -o out.png --matrix 1,0,0,0,1,0 --rotate 5",
         2,
         "--rotate",
     );
-    refused(&desk, "warp photo.png -o out.png --scale 0", 2, "not 0");
-    refused(&desk, "warp photo.png -o out.png --size 0x5", 2, "0x5");
-    refused(
-        &desk,
-        "warp photo.png -o out.png --filter sharp",
-        2,
-        "anisotropic",
-    );
-    refused(&desk, "warp photo.png -o out.png --outside void", 2, "void");
+    desk.refused("warp photo.png -o out.png --scale 0", 2, "not 0");
+    desk.refused("warp photo.png -o out.png --size 0x5", 2, "0x5");
+    desk.refused("warp photo.png -o out.png --filter sharp", 2, "anisotropic");
+    desk.refused("warp photo.png -o out.png --outside void", 2, "void");
 }
 
 #[test]
@@ -280,36 +239,20 @@ fn bad_coordinates_are_named() {
     npy::write(&desk.path("flat.npy"), &[4], npy::Values::F32(&[0.0; 4])).unwrap();
     desk.put("broken.npy", "not an array");
     let sample = |rest: &str| format!("sample photo.png -o out.npy {rest}");
-    refused(&desk, &sample(""), 2, "--uv");
-    refused(&desk, &sample("--uv missing.csv"), 4, "missing.csv");
-    refused(&desk, &sample("--uv three.csv"), 4, "line 1");
-    refused(&desk, &sample("--uv words.csv"), 4, "line 2");
-    refused(&desk, &sample("--uv flat.npy"), 4, "(N, 2)");
-    refused(&desk, &sample("--uv broken.npy"), 4, "broken.npy");
-    refused(
-        &desk,
+    desk.refused(&sample(""), 2, "--uv");
+    desk.refused(&sample("--uv missing.csv"), 4, "missing.csv");
+    desk.refused(&sample("--uv three.csv"), 4, "line 1");
+    desk.refused(&sample("--uv words.csv"), 4, "line 2");
+    desk.refused(&sample("--uv flat.npy"), 4, "(N, 2)");
+    desk.refused(&sample("--uv broken.npy"), 4, "broken.npy");
+    desk.refused(
         &sample("--uv uv.csv --grad one.csv"),
         4,
         "1 gradients for 2",
     );
-    refused(
-        &desk,
-        &sample("--uv uv.csv --grad one.csv --lod 1"),
-        2,
-        "--lod",
-    );
-    refused(
-        &desk,
-        &sample("--uv uv.csv --filter ewa:99"),
-        2,
-        "ewa:1..16",
-    );
-    refused(
-        &desk,
-        &sample("--uv uv.csv --wrap around"),
-        2,
-        "mirrored-repeat",
-    );
+    desk.refused(&sample("--uv uv.csv --grad one.csv --lod 1"), 2, "--lod");
+    desk.refused(&sample("--uv uv.csv --filter ewa:99"), 2, "ewa:1..16");
+    desk.refused(&sample("--uv uv.csv --wrap around"), 2, "mirrored-repeat");
 }
 
 #[test]
@@ -318,16 +261,17 @@ fn a_mip_chain_is_numbered_files_down_to_one_pixel() {
     let photo = photo(&desk);
     desk.texmap("mip photo.png -o m%02d.png").ok();
     let sizes: Vec<_> = (0..3)
-        .map(|k| picture(&desk, &format!("m{k:02}.png")).dimensions())
+        .map(|k| desk.picture(&format!("m{k:02}.png")).dimensions())
         .collect();
     assert_eq!(sizes, [(7, 5), (3, 2), (1, 1)]);
     assert!(!desk.names().contains(&"m03.png".to_owned()));
     assert_eq!(
-        picture(&desk, "m00.png"),
+        desk.picture("m00.png"),
         DynamicImage::from(photo.clone()).into_rgba8()
     );
     // Area-weighted, in linear light: the last level is the mean of the image.
-    for (k, got) in picture(&desk, "m02.png")
+    for (k, got) in desk
+        .picture("m02.png")
         .get_pixel(0, 0)
         .0
         .into_iter()
@@ -346,7 +290,7 @@ fn a_mip_chain_is_numbered_files_down_to_one_pixel() {
     }
     desk.texmap("mip photo.png -o r%d.png --color raw").ok();
     let mean = photo.pixels().map(|p| f64::from(p.0[0])).sum::<f64>() / 35.0;
-    let raw = f64::from(picture(&desk, "r2.png").get_pixel(0, 0).0[0]);
+    let raw = f64::from(desk.picture("r2.png").get_pixel(0, 0).0[0]);
     assert!((raw - mean).abs() <= 1.0, "{raw} {mean}");
 }
 
@@ -354,13 +298,12 @@ fn a_mip_chain_is_numbered_files_down_to_one_pixel() {
 fn bad_chains_are_named() {
     let desk = Desk::new();
     photo(&desk);
-    refused(&desk, "mip photo.png -o level.png", 2, "%d");
-    refused(&desk, "mip missing.png -o m%d.png", 4, "missing.png");
-    refused(
-        &desk,
+    desk.refused("mip photo.png -o level.png", 2, "%d");
+    desk.refused("mip missing.png -o m%d.png", 4, "missing.png");
+    desk.refused(
         "mip photo.png -o m%d.png --keep-coverage 2",
         2,
         "between 0 and 1",
     );
-    refused(&desk, "mip photo.png -o no/m%d.png", 4, "no");
+    desk.refused("mip photo.png -o no/m%d.png", 4, "no");
 }
