@@ -443,17 +443,20 @@ impl Shader {
                     blocks,
                     levels: &mut self.levels,
                 };
-                let done = match &mut over {
-                    Some(covered) if !finished => {
+                let done = match (&mut over, finished) {
+                    (Some(covered), false) => {
                         direct.over(level, &mut from, blocks_of, canvas, covered)
                     }
-                    _ if finished => direct.put(level, &mut from, blocks_of, canvas),
-                    _ => false,
+                    (None, false) => false,
+                    (over, true) => {
+                        let done = direct.put(level, &mut from, blocks_of, canvas);
+                        if let (true, Some(covered)) = (done, over) {
+                            mark(blocks_of, covered);
+                        }
+                        done
+                    }
                 };
                 if done {
-                    if let (Some(covered), true) = (&mut over, finished) {
-                        mark(blocks_of, covered);
-                    }
                     continue;
                 }
             }

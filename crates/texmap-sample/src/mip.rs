@@ -32,10 +32,7 @@ pub(crate) fn build(base: Chain<'_>, reduce: Reduce) -> Chain<'static> {
         opaque,
         ..
     } = base;
-    let mut words = match words {
-        Words::Owned(w) => Arc::try_unwrap(w).unwrap_or_else(|w| w.to_vec()),
-        Words::Borrowed(w) => w.to_vec(),
-    };
+    let mut words = owned(words);
     words.truncate(texels(&first) * format.words());
     let share = match reduce {
         Reduce::Coverage(threshold) => {
@@ -100,6 +97,14 @@ pub(crate) fn build(base: Chain<'_>, reduce: Reduce) -> Chain<'static> {
     }
 }
 
+/// The words themselves if nobody else holds them, else a copy.
+fn owned(words: Words<'_>) -> Vec<u32> {
+    match words {
+        Words::Owned(w) => Arc::try_unwrap(w).unwrap_or_else(|w| w.to_vec()),
+        Words::Borrowed(w) => w.to_vec(),
+    }
+}
+
 /// [`build`] where each texel of a level depends on few above it: all levels grow together, row by row,
 /// so that beside the chain itself no more than three rows a level are held.
 fn stream(base: Chain<'_>, reduce: Reduce) -> Chain<'static> {
@@ -111,10 +116,7 @@ fn stream(base: Chain<'_>, reduce: Reduce) -> Chain<'static> {
         opaque,
         ..
     } = base;
-    let mut words = match words {
-        Words::Owned(w) => Arc::try_unwrap(w).unwrap_or_else(|w| w.to_vec()),
-        Words::Borrowed(w) => w.to_vec(),
-    };
+    let mut words = owned(words);
     let base_words = texels(&first) * format.words();
     words.truncate(base_words);
     let mut levels = Vec::from([first]);
