@@ -55,6 +55,42 @@ impl Heights<'_> {
         Ok(texels.map(normal).collect())
     }
 
+    /// The slopes themselves, for an offset map: the change of height over the whole picture, to the right and up or down it by
+    /// `green`, as a share of the largest change, which is the second result. [`encode_offsets`] makes texels of them. `height` is that
+    /// of 1.
+    ///
+    /// # Errors
+    /// As [`Heights::slope`].
+    pub fn offsets(
+        &self,
+        slope: Slope,
+        height: f32,
+        green: Green,
+    ) -> Result<(Vec<[f32; 2]>, f32), LightError> {
+        self.check()?;
+        let columns = i64::from(self.width.max(1));
+        let rows = self.values.len() as f32 / columns as f32;
+        let over_all = |i: i64| {
+            let [right, down] = self.slope_unchecked(i % columns, i / columns, slope);
+            let down = down * rows * height;
+            [
+                right * columns as f32 * height,
+                if green == Green::Up { -down } else { down },
+            ]
+        };
+        let mut offsets: Vec<[f32; 2]> = (0..self.values.len() as i64).map(over_all).collect();
+        let mut most = 0.0;
+        for c in offsets.as_flattened() {
+            most = if c.abs() > most { c.abs() } else { most };
+        }
+        if most > 0.0 {
+            for c in offsets.as_flattened_mut() {
+                *c /= most;
+            }
+        }
+        Ok((offsets, most))
+    }
+
     fn check(&self) -> Result<(), LightError> {
         let rows = self.values.len() / self.width.max(1) as usize;
         same_length(
@@ -118,6 +154,23 @@ pub fn decode_normal(texel: [f32; 3], green: Green, rebuild_z: bool) -> [f32; 3]
 pub fn encode_normal(normal: [f32; 3], green: Green) -> [f32; 3] {
     let [x, y, z] = normalize(normal);
     [x, if green == Green::Up { y } else { -y }, z].map(|c| 0.5 * c + 0.5)
+}
+
+/// The slopes of a height field from the red and green of an offset map, 0..=1 each: `2c - 1`, as a share of the map's largest
+/// slope; the second along growing v, down the picture. Blinn's other way to store a bump map (Blinn 1978): nothing is differenced at
+/// the look-up, so nothing is lost by it.
+///
+/// 8 bits: off by at most 1/255 of the largest slope.
+#[must_use]
+pub fn decode_offsets(texel: [f32; 2], green: Green) -> [f32; 2] {
+    let [x, y] = texel.map(|c| 2.0 * c - 1.0);
+    [x, if green == Green::Up { -y } else { y }]
+}
+
+/// Red and green of 0..=1 from slopes of -1..=1 as [`Heights::offsets`] gives them.
+#[must_use]
+pub fn encode_offsets(offsets: [f32; 2]) -> [f32; 2] {
+    offsets.map(|c| 0.5 * c + 0.5)
 }
 
 /// A tangent-space normal on a surface: `x T + y B + z N` with `B = sign (N x T)` (MikkTSpace), unit length. The frame is
@@ -267,6 +320,44 @@ mod tests {
                 wide(up)
             ) > 45.0
         );
+    }
+
+    /// An offset map holds what differences of the heights give, in both greens and within its 8 bits.
+    #[test]
+    fn offsets_are_the_slopes_of_the_heights() {
+        let height = |x: u32, y: u32| {
+            let (a, b) = (f64::from(x) / 16.0 * TAU, f64::from(y) / 8.0 * TAU);
+            (0.5 + 0.3 * a.sin() + 0.2 * b.cos()) as f32
+        };
+        let values: Vec<f32> = (0..128).map(|i| height(i % 16, i / 16)).collect();
+        let heights = Heights {
+            width: 16,
+            values: &values,
+        };
+        for green in [Green::Up, Green::Down] {
+            let (offsets, most) = heights.offsets(Slope::Central, 0.2, green).unwrap();
+            for (i, offset) in (0..).zip(&offsets) {
+                let [right, down] = heights.slope(i % 16, i / 16, Slope::Central).unwrap();
+                let bytes = encode_offsets(*offset).map(|c| (c * 255.0 + 0.5).floor() / 255.0);
+                let found = decode_offsets(bytes, green).map(|c| c * most);
+                let truth = [right * 0.2 * 16.0, down * 0.2 * 8.0];
+                for k in 0..2 {
+                    assert!(
+                        (found[k] - truth[k]).abs() <= most * (1.0 / 255.0 + 1e-6),
+                        "{i} {k}"
+                    );
+                }
+            }
+            let sizes = offsets.as_flattened().iter().map(|c| c.abs());
+            let largest = sizes.fold(0.0, f32::max);
+            assert_eq!(largest, 1.0);
+        }
+        let flat = Heights {
+            width: 2,
+            values: &[0.5; 4],
+        };
+        let (offsets, most) = flat.offsets(Slope::Sobel, 1.0, Green::Up).unwrap();
+        assert_eq!((offsets[0].map(f32::abs), most), ([0.0; 2], 0.0));
     }
 
     /// Case B3: what 8 bits cost, with three channels and with two.

@@ -38,8 +38,8 @@ mod surface;
 mod vector;
 
 pub use bump::{
-    Green, Heights, Slope, bump, bump_on, clamp_to_horizon, decode_normal, encode_normal, perturb,
-    perturb_slice,
+    Green, Heights, Slope, bump, bump_on, clamp_to_horizon, decode_normal, decode_offsets,
+    encode_normal, encode_offsets, perturb, perturb_slice,
 };
 pub use chart::{Chart, UnknownChart};
 pub use environment::{Environment, reflect};

@@ -5,7 +5,7 @@ use texmap_math::glam::DVec3;
 use texmap_sample::Pattern;
 
 use crate::check::{finite, index, unit_range};
-use crate::effects::{Relief, Shadow, SlideProjector, SlideRole};
+use crate::effects::{Carving, Relief, Shadow, SlideProjector, SlideRole};
 use crate::shadow::{encloses, shadow_kind};
 use crate::solid::has_volume;
 use crate::{Backdrop, Material, RenderError, Scene, Shading, SolidSource};
@@ -51,6 +51,40 @@ impl Scene {
         match &material.relief {
             Some(Relief::Bump { height, .. }) => {
                 finite(place, || "bump height".to_owned(), &[*height])?;
+            }
+            Some(Relief::Offsets { slope, .. }) => {
+                finite(place, || "slope of the offset map".to_owned(), &[*slope])?;
+            }
+            Some(Relief::Carved {
+                heights,
+                world_from_solid,
+                height,
+            }) => {
+                finite(place, || "carved height".to_owned(), &[*height])?;
+                let fold = match heights {
+                    Carving::Pattern(
+                        Pattern::Marble { turbulence: x, .. } | Pattern::Wood { grain: x },
+                    )
+                    | Carving::Waves { fold: x, .. } => *x,
+                    Carving::Pattern(Pattern::Noise { .. }) => 0.0,
+                };
+                finite(place, || "fold of the carved height".to_owned(), &[fold])?;
+                if !has_volume(world_from_solid) {
+                    return Err(RenderError::Value {
+                        place: place(),
+                        what: "placement of the carved height".to_owned(),
+                        value: world_from_solid.to_string(),
+                        expected: "it must be finite, and no side 0",
+                    });
+                }
+                if matches!(heights, Carving::Waves { around: 0, .. }) {
+                    return Err(RenderError::Value {
+                        place: place(),
+                        what: "waves around".to_owned(),
+                        value: "0".to_owned(),
+                        expected: "it must be 1 or more",
+                    });
+                }
             }
             Some(Relief::NormalMap { strength, .. }) => {
                 finite(

@@ -2,8 +2,8 @@
 
 use texmap_light::{Environment, Green, ShadowBias, SlideBorder};
 use texmap_math::Projector;
-use texmap_math::glam::DVec3;
-use texmap_sample::{Sampler, Texture3d};
+use texmap_math::glam::{DMat4, DVec3};
+use texmap_sample::{Pattern, Sampler, Texture3d};
 
 use crate::{Backdrop, TextureSlot, Volume};
 
@@ -92,6 +92,25 @@ pub enum Relief {
         /// Height of a white texel over a black one, in units of the object; negative turns it inside out.
         height: f32,
     },
+    /// The slopes of a height field as colours, red along u and green along v (Blinn 1978): half is level. What a bump map measures
+    /// at every look-up is stored, with no loss at fine detail.
+    Offsets {
+        /// The texture: data, not sRGB.
+        slot: TextureSlot,
+        /// Change of the height over the whole picture where a channel is 1, in units of the object; negative turns it inside out.
+        slope: f32,
+        /// Which way the height rises where green is more than half.
+        green: Green,
+    },
+    /// Heights by a formula of the place in the world.
+    Carved {
+        /// The formula.
+        heights: Carving,
+        /// Where its unit stands in the world; may not be flat.
+        world_from_solid: DMat4,
+        /// Height of 1 over 0, in units of the object; negative turns it inside out.
+        height: f32,
+    },
     /// Normals as colours.
     NormalMap {
         /// The texture: data, not sRGB.
@@ -104,6 +123,34 @@ pub enum Relief {
         object_space: bool,
         /// Multiplies x and y before the normal is brought to length 1; 1 is the map as it is.
         strength: f32,
+    },
+}
+
+impl Relief {
+    /// Its texture, if it has one.
+    #[must_use]
+    pub fn slot(&self) -> Option<&TextureSlot> {
+        match self {
+            Self::Bump { slot, .. } | Self::Offsets { slot, .. } | Self::NormalMap { slot, .. } => {
+                Some(slot)
+            }
+            Self::Carved { .. } => None,
+        }
+    }
+}
+
+/// A height of 0 to 1 as a formula of a place, for [`Relief::Carved`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Carving {
+    /// A pattern in space.
+    Pattern(Pattern),
+    /// Waves in cylindrical space about the y axis: 1/2 + 1/2 cos(around a) cos(2 pi y), a the angle about the axis. A whole number
+    /// around leaves no seam.
+    Waves {
+        /// Waves around, 1 to 65535; those along the axis are one unit long.
+        around: u16,
+        /// How far noise folds the waves, as a share of one.
+        fold: f32,
     },
 }
 

@@ -45,6 +45,7 @@ mod bake;
 mod billboard;
 mod block;
 mod canvas;
+mod carved;
 mod check;
 mod check_effects;
 mod coordinates;
@@ -83,7 +84,8 @@ pub use bake::{BakeOptions, LightMap, bake};
 pub use billboard::{Billboard, Facing};
 pub use displace::{Displacement, EdgeBudget};
 pub use effects::{
-    Effects, LightMapSlot, Reflection, Relief, Shadow, SlideProjector, SlideRole, SurfaceMaps,
+    Carving, Effects, LightMapSlot, Reflection, Relief, Shadow, SlideProjector, SlideRole,
+    SurfaceMaps,
 };
 pub use error::RenderError;
 pub use frame::{AovData, Frame, HOLE_BITS, Stats, Times, hash_pixels, pixel_hash};

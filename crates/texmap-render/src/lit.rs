@@ -2,7 +2,7 @@
 
 use texmap_light::{
     Environment, Light, ShadowBias, ShadowKind, ShadowMap, Slide, Surface as Numbers, Terms,
-    bump_on, clamp_to_horizon, decode_normal, perturb, reflect, terms_received,
+    bump_on, clamp_to_horizon, decode_normal, decode_offsets, perturb, reflect, terms_received,
 };
 use texmap_math::camera::Camera;
 use texmap_math::glam::{DMat3, DMat4, DVec3};
@@ -11,6 +11,7 @@ use texmap_raster::Fragment;
 use texmap_sample::{Origin, Texture2d};
 
 use crate::canvas::straight;
+use crate::carved::Carved;
 use crate::effects::{LightMapSlot, Reflection, Relief, SlideProjector, SlideRole};
 use crate::shade::three;
 use crate::shadow::{shadow_bias, shadow_kind, shadow_map};
@@ -226,6 +227,9 @@ pub(crate) struct SurfaceEffects<'s> {
     exponent: Option<Slot<'s>>,
     reflectivity: Option<Slot<'s>>,
     relief: Option<(&'s Relief, Slot<'s>)>,
+    carved: Option<Carved>,
+    /// World units of one unit of the object.
+    unit: f32,
     light_map: Option<(&'s LightMapSlot, Slot<'s>)>,
     tangent: Option<usize>,
     lightmap_uv: Option<usize>,
@@ -284,9 +288,11 @@ impl<'s> SurfaceEffects<'s> {
         }
         let slot = |slot| Slot::new(slot, scene, settings, chains, mesh.uv_origin);
         let maps = &material.maps;
-        let relief = material.relief.as_ref().map(|relief| match relief {
-            Relief::Bump { slot: s, .. } | Relief::NormalMap { slot: s, .. } => (relief, slot(s)),
-        });
+        let relief = material
+            .relief
+            .as_ref()
+            .and_then(|relief| Some((relief, slot(relief.slot()?))));
+        let unit = unit_of(mesh);
         let tangents = matches!(
             material.relief,
             Some(Relief::NormalMap {
@@ -309,6 +315,8 @@ impl<'s> SurfaceEffects<'s> {
             exponent: maps.exponent.as_ref().map(slot),
             reflectivity: maps.reflectivity.as_ref().map(slot),
             relief,
+            carved: material.relief.as_ref().and_then(|r| Carved::new(r, unit)),
+            unit: unit as f32,
             light_map: light_map.map(|map| (map, slot(&map.slot))),
             tangent,
             lightmap_uv,
@@ -444,11 +452,17 @@ impl<'s> SurfaceEffects<'s> {
         view: [f32; 3],
         (uv, d): ([f32; 2], Footprint),
     ) -> [f32; 3] {
+        if let Some(carved) = &self.carved {
+            return clamp_to_horizon(carved.normal(at, unit(normal)), view);
+        }
         let Some((relief, slot)) = &self.relief else {
             return normal;
         };
         let turned = match **relief {
-            Relief::Bump { height, .. } => self.bumped(at, normal, slot, height, uv, d),
+            Relief::Carved { .. } => normal,
+            Relief::Bump { .. } | Relief::Offsets { .. } => {
+                self.bumped(at, normal, slot, relief, uv, d)
+            }
             Relief::NormalMap {
                 green,
                 rebuild_z,
@@ -485,7 +499,7 @@ impl<'s> SurfaceEffects<'s> {
         at: &Sample<'_>,
         normal: [f32; 3],
         slot: &Slot<'s>,
-        height: f32,
+        relief: &Relief,
         uv: [f32; 2],
         d: Footprint,
     ) -> [f32; 3] {
@@ -498,22 +512,50 @@ impl<'s> SurfaceEffects<'s> {
         let (px, py) = (at.position_dx, at.position_dy);
         let o_u = [0, 1, 2].map(|i| (px[i] * placed.dv_dy - py[i] * placed.dv_dx) / det);
         let o_v = [0, 1, 2].map(|i| (py[i] * placed.du_dx - px[i] * placed.du_dy) / det);
-        // Central differences over a texel to each side, or over the pixel where that is wider.
-        let wider = |texel: f32, a: f32, b: f32| {
-            let pixel = if a.abs() > b.abs() { a.abs() } else { b.abs() };
-            if pixel > texel { pixel } else { texel }
+        let [b_u, b_v] = match *relief {
+            Relief::Offsets { slope, green, .. } => {
+                let texel = slot.sampler.sample_grad(&slot.texture, [u, v], placed);
+                let [r, g, _] = straight(texel);
+                let [along_u, along_v] = decode_offsets([r, g], green);
+                // The slot counts v down the picture, or up it from a bottom-left origin.
+                let down = match slot.texture.origin() {
+                    Origin::TopLeft => along_v,
+                    Origin::BottomLeft => -along_v,
+                };
+                [along_u, down].map(|c| c * slope * self.unit)
+            }
+            Relief::Bump { height, .. } => {
+                heights(slot, [u, v], placed).map(|c| c * height * self.unit)
+            }
+            Relief::NormalMap { .. } | Relief::Carved { .. } => [0.0; 2],
         };
-        let (w, h) = (slot.texture.width() as f32, slot.texture.height() as f32);
-        let (du, dv) = (
-            wider(1.0 / w, placed.du_dx, placed.du_dy),
-            wider(1.0 / h, placed.dv_dx, placed.dv_dy),
-        );
-        let sample =
-            |u: f32, v: f32| straight(slot.sampler.sample_grad(&slot.texture, [u, v], placed))[0];
-        let b_u = height * (sample(u + du, v) - sample(u - du, v)) / (2.0 * du);
-        let b_v = height * (sample(u, v + dv) - sample(u, v - dv)) / (2.0 * dv);
         bump_on(n, o_u, o_v, b_u, b_v)
     }
+}
+
+/// Slopes of a height map over u and v: central differences over a texel to each side, or over the pixel where that is wider.
+fn heights(slot: &Slot<'_>, [u, v]: [f32; 2], placed: Footprint) -> [f32; 2] {
+    let wider = |texel: f32, a: f32, b: f32| {
+        let pixel = if a.abs() > b.abs() { a.abs() } else { b.abs() };
+        if pixel > texel { pixel } else { texel }
+    };
+    let (w, h) = (slot.texture.width() as f32, slot.texture.height() as f32);
+    let (du, dv) = (
+        wider(1.0 / w, placed.du_dx, placed.du_dy),
+        wider(1.0 / h, placed.dv_dx, placed.dv_dy),
+    );
+    let sample =
+        |u: f32, v: f32| straight(slot.sampler.sample_grad(&slot.texture, [u, v], placed))[0];
+    [
+        (sample(u + du, v) - sample(u - du, v)) / (2.0 * du),
+        (sample(u, v + dv) - sample(u, v - dv)) / (2.0 * dv),
+    ]
+}
+
+/// World units of one unit of a mesh's own space, the mean of its three axes by volume.
+fn unit_of(mesh: &Mesh) -> f64 {
+    let volume = linear(mesh.world_from_object).determinant().abs();
+    texmap_math::det::pow(volume, 1.0 / 3.0)
 }
 
 /// Whether a material lit per pixel needs more than plain lights.
@@ -532,7 +574,7 @@ fn has_effects(material: &Material) -> bool {
 /// Whether effects read the first coordinates of a mesh.
 pub(crate) fn reads_uv(material: &Material) -> bool {
     let maps = &material.maps;
-    material.relief.is_some()
+    material.relief.as_ref().is_some_and(|r| r.slot().is_some())
         || [
             &maps.ambient,
             &maps.specular,

@@ -137,9 +137,7 @@ impl Material {
     /// Every texture that the material names.
     pub fn slots(&self) -> impl Iterator<Item = &TextureSlot> {
         let maps = &self.maps;
-        let relief = self.relief.as_ref().map(|relief| match relief {
-            Relief::Bump { slot, .. } | Relief::NormalMap { slot, .. } => slot,
-        });
+        let relief = self.relief.as_ref().and_then(Relief::slot);
         self.base_color
             .iter()
             .chain(&self.opacity_map)

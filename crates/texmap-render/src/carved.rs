@@ -1,0 +1,134 @@
+//! Procedural bumps: the normal that a formula of heights in space leaves on a surface.
+
+use texmap_light::bump_on;
+use texmap_math::det32;
+use texmap_math::glam::DVec4;
+use texmap_sample::gradient_noise;
+
+use crate::effects::{Carving, Relief};
+use crate::lit::Sample;
+
+/// A formula of heights, as the stages read it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Carved {
+    heights: Carving,
+    /// World units.
+    height: f32,
+    /// Rows of solid space from world space.
+    rows: [[f32; 4]; 3],
+    /// Least step of the differences, world units.
+    step: f32,
+}
+
+impl Carved {
+    /// `None` for reliefs of textures. `unit` is one of the object's in the world.
+    pub(crate) fn new(relief: &Relief, unit: f64) -> Option<Self> {
+        let Relief::Carved {
+            heights,
+            world_from_solid,
+            height,
+        } = relief
+        else {
+            return None;
+        };
+        let inverse = world_from_solid.inverse();
+        let m = inverse.transpose();
+        let row = |r: DVec4| r.to_array().map(|c| c as f32);
+        let sides = [0, 1, 2].map(|k| world_from_solid.col(k).truncate().length());
+        let side = sides.into_iter().fold(f64::INFINITY, f64::min);
+        Some(Self {
+            heights: *heights,
+            height: (f64::from(*height) * unit) as f32,
+            rows: [row(m.x_axis), row(m.y_axis), row(m.z_axis)],
+            // Fine beside every feature of the patterns, coarse beside the rounding of a value.
+            step: (side / 512.0) as f32,
+        })
+    }
+
+    /// The unit normal `n` turned by the slope of the heights along the surface (Perlin 1985), which is measured over half a pixel or
+    /// the least step to each side.
+    pub(crate) fn normal(&self, at: &Sample<'_>, n: [f32; 3]) -> [f32; 3] {
+        let squared = |d: [f32; 3]| d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
+        let (x, y) = (squared(at.position_dx), squared(at.position_dy));
+        let pixel = (if x > y { x } else { y }).sqrt();
+        let step = if 0.5 * pixel > self.step {
+            0.5 * pixel
+        } else {
+            self.step
+        };
+        let [t, b] = along(n);
+        if t == [0.0; 3] || !step.is_finite() {
+            return n;
+        }
+        let slope = |axis: [f32; 3]| {
+            let there = |way: f32| [0, 1, 2].map(|k| at.position[k] + way * axis[k]);
+            let rise = self.value(there(step), pixel) - self.value(there(-step), pixel);
+            self.height * rise / (2.0 * step)
+        };
+        bump_on(n, t, b, slope(t), slope(b))
+    }
+
+    /// The height at a world position, as a pixel of this width sees it.
+    fn value(&self, p: [f32; 3], width: f32) -> f32 {
+        let [x, y, z] = self
+            .rows
+            .map(|r| r[0] * p[0] + r[1] * p[1] + r[2] * p[2] + r[3]);
+        // The least step is 1/512 of the shortest side of the unit.
+        let width = width / (512.0 * self.step);
+        match self.heights {
+            Carving::Pattern(pattern) => pattern.value([x, y, z], width),
+            Carving::Waves { around, fold } => {
+                let around = f32::from(around);
+                let noise = |seed| {
+                    if fold == 0.0 {
+                        0.0
+                    } else {
+                        fold * gradient_noise([x, y, z], seed)
+                    }
+                };
+                let turns = det32::atan2(z, x) / core::f32::consts::TAU * around + noise(1);
+                let radius = (x * x + z * z).sqrt();
+                // Waves narrower than a pixel fade to their mean, as do all towards the axis.
+                let narrow = width * around / (core::f32::consts::TAU * radius);
+                let wave = |turns: f32, width: f32| {
+                    let turns = turns - turns.floor();
+                    seen(width) * det32::cos(core::f32::consts::TAU * turns)
+                };
+                0.5 + 0.5 * wave(turns, narrow) * wave(y + noise(2), width)
+            }
+        }
+    }
+}
+
+/// Two unit vectors square to a unit vector and to each other; zero for none.
+fn along(n: [f32; 3]) -> [[f32; 3]; 2] {
+    let [x, y, z] = n;
+    let t = if x.abs() > y.abs() {
+        [-z, 0.0, x]
+    } else {
+        [0.0, z, -y]
+    };
+    let length = (t[0] * t[0] + t[1] * t[1] + t[2] * t[2]).sqrt();
+    if !(length > 0.0 && length.is_finite()) {
+        return [[0.0; 3]; 2];
+    }
+    let t = t.map(|c| c / length);
+    let b = [
+        y * t[2] - z * t[1],
+        z * t[0] - x * t[2],
+        x * t[1] - y * t[0],
+    ];
+    [t, b]
+}
+
+/// What is left of a wave of length 1 that a pixel of this width averages: 1 up to a quarter, nothing from three quarters on.
+fn seen(width: f32) -> f32 {
+    let left = 1.5 - 2.0 * width;
+    if left >= 1.0 {
+        1.0
+    } else if left > 0.0 {
+        left
+    } else {
+        0.0
+    }
+}
