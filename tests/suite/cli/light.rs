@@ -82,6 +82,19 @@ fn a_blurred_environment_is_smooth_and_keeps_its_mean() {
         "{:?}",
         soft.pixels().map(|p| p[0]).max()
     );
+    // A broad lobe needs few texels, a narrow one more, and no lobe all that one may ask for.
+    for (exponent, side) in [(2, 15), (36, 60)] {
+        desk.texmap(&format!(
+            "env checks.png -o lobe.png --to cube --blur {exponent}"
+        ))
+        .ok();
+        assert_eq!(desk.picture("lobe.png").dimensions(), (side, 6 * side));
+    }
+    desk.refused(
+        "env checks.png -o out.png --to cube --size 512 --blur 36",
+        2,
+        "60 are enough",
+    );
 }
 
 #[test]

@@ -35,9 +35,6 @@ pub(crate) struct EnvArgs {
     blur: Option<f32>,
 }
 
-/// Most products of texels that a blur may take: some minutes.
-const MOST_WORK: u64 = 1 << 34;
-
 pub(crate) fn run(args: &EnvArgs) -> Result<Exit, Failure> {
     if let Some(exponent) = args.blur
         && !(exponent.is_finite() && exponent >= 0.0)
@@ -54,29 +51,29 @@ pub(crate) fn run(args: &EnvArgs) -> Result<Exit, Failure> {
         let (width, height) = e.size();
         u64::from(width) * u64::from(height) * e.chart().faces() as u64
     };
-    let size = args.size.unwrap_or_else(|| {
-        let faces = args.to.faces() as u64 * u64::from(args.to.aspect());
-        ((texels(&source) / faces) as f64).sqrt().max(1.0) as u32
-    });
+    // As many texels as there are, or as the lobe needs.
+    let enough = match args.blur {
+        None => texels(&source),
+        Some(exponent) => 6 * u64::from(Environment::blurred_size(exponent)).pow(2),
+    };
+    let faces = args.to.faces() as u64 * u64::from(args.to.aspect());
+    let enough = ((enough / faces) as f64).sqrt().max(1.0) as u32;
+    let size = args.size.unwrap_or(enough);
     let refused = |e: texmap_light::LightError| {
         Failure::usage(format!("--size {size}: {e}"), "choose another size")
     };
     let result = match args.blur {
         None => source.convert(args.to, size).map_err(refused)?,
         Some(exponent) => {
-            let all = args.to.faces() as u64 * u64::from(args.to.aspect());
-            let work = texels(&source).saturating_mul(all * u64::from(size) * u64::from(size));
-            if work > MOST_WORK {
+            if size > 64.max(2 * enough) {
                 return Err(Failure::usage(
-                    format!(
-                        "--blur of {} texels to {} is {work} look-ups",
-                        texels(&source),
-                        all * u64::from(size) * u64::from(size)
-                    ),
-                    "a blurred map is smooth: choose a --size of 32 to 64, and convert a large image to a smaller one first",
+                    format!("--size {size} for --blur {exponent}: the work has no end and no use"),
+                    format!("a blurred map is smooth: {enough} are enough"),
                 ));
             }
-            source.blur(args.to, size, exponent).map_err(refused)?
+            source
+                .specular_map(args.to, size, exponent)
+                .map_err(refused)?
         }
     };
     let mut stage = Stage::new(&destination)?;

@@ -227,10 +227,6 @@ fn projector(
     })
 }
 
-/// Texels a side of the faces of a specular map, and of the cube that it gathers its light from: highlights are smooth.
-const BLURRED: u32 = 32;
-const GATHERED: u32 = 48;
-
 pub(super) fn environment(
     scene: &mut Scene,
     known: &mut Known,
@@ -247,18 +243,8 @@ pub(super) fn environment(
     let light = match exponent {
         None => read,
         Some(exponent) => {
-            let (width, height) = read.size();
-            let many = u64::from(width) * u64::from(height) * chart.faces() as u64
-                > 6 * u64::from(GATHERED) * u64::from(GATHERED);
-            let blurred =
-                |from: texmap_light::Environment| from.blur(Chart::Cube, BLURRED, exponent);
-            let gathered = if many {
-                read.convert(Chart::Cube, GATHERED)
-            } else {
-                Ok(read)
-            };
-            gathered
-                .and_then(blurred)
+            let size = texmap_light::Environment::blurred_size(exponent);
+            read.specular_map(Chart::Cube, size, exponent)
                 .map_err(|e| IoError::BrokenImage {
                     path: path.to_path_buf(),
                     named_by: Some(place.clone()),

@@ -302,3 +302,66 @@ fn reflection_is_a_mirror() {
         assert!((back - v).length() < 1e-6);
     }
 }
+
+/// One bright texel: what is blurred most sharply.
+fn lamp() -> Environment {
+    let toward = DVec3::new(0.3, 0.1, 1.0).normalize();
+    Environment::from_fn(Chart::Cube, 40, |d| {
+        [if d.dot(toward) > 0.998 { 1000.0 } else { 0.0 }; 3]
+    })
+    .unwrap()
+}
+
+#[test]
+fn a_specular_map_has_the_texels_that_its_lobe_needs() {
+    for exponent in [4.0f32, 25.0] {
+        let size = Environment::blurred_size(exponent);
+        // Twice as fine: a quarter of the error is left in it.
+        let fine = lamp().blur(Chart::Cube, 2 * size, exponent).unwrap();
+        let off = |size: u32| {
+            let map = lamp().blur(Chart::Cube, size, exponent).unwrap();
+            let peak = (0..2 * size).flat_map(|y| (0..2 * size).map(move |x| (x, y)));
+            peak.fold([0.0f32; 2], |[worst, peak], (x, y)| {
+                let place = |i: u32| (f64::from(i) + 0.5) / f64::from(2 * size);
+                let d = Chart::Cube.direction(4, DVec2::new(place(x), place(y)));
+                let d = d.to_array().map(|c| c as f32);
+                let (map, fine) = (map.light(d)[0], fine.light(d)[0]);
+                [worst.max((map - fine).abs()), peak.max(fine)]
+            })
+        };
+        let [worst, peak] = off(size);
+        assert!(
+            worst <= 0.011 * peak,
+            "{exponent}, {size}: {worst} of {peak}"
+        );
+        let [worst, peak] = off(size / 2);
+        assert!(worst > 0.011 * peak, "{exponent}, {}: {worst}", size / 2);
+    }
+    assert_eq!(Environment::blurred_size(f32::NAN), 8);
+    assert_eq!(Environment::blurred_size(1e30), 256);
+}
+
+#[test]
+fn what_a_blur_leaves_out_is_below_a_thousandth_of_a_percent() {
+    let (lamp, exponent) = (lamp(), 30.0f64);
+    let blurred = lamp.blur(Chart::Cube, 8, exponent as f32).unwrap();
+    let (side, _) = lamp.size();
+    let place = |i: u32, n: u32| (f64::from(i) + 0.5) / f64::from(n);
+    for (face, x, y) in (0..6).flat_map(|f| (0..64).map(move |i| (f, i % 8, i / 8))) {
+        let r = Chart::Cube.direction(face, DVec2::new(place(x, 8), place(y, 8)));
+        let (mut sum, mut weights) = (0.0, 0.0);
+        for (f, u, v) in (0..6).flat_map(|f| (0..side * side).map(move |i| (f, i % side, i / side)))
+        {
+            let d = Chart::Cube.direction(f, DVec2::new(place(u, side), place(v, side)));
+            let angle = Chart::Cube.solid_angle(f, (u, v), (side, side));
+            let weight = angle * r.dot(d).max(0.0).powf(exponent);
+            sum += weight * f64::from(lamp.texel(f, u, v).unwrap()[0]);
+            weights += weight;
+        }
+        let [found, ..] = blurred.texel(face, x, y).unwrap();
+        assert!(
+            (f64::from(found) - sum / weights).abs() < 1e-5 * 1000.0,
+            "{face} {x} {y}"
+        );
+    }
+}
