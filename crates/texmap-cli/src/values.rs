@@ -5,7 +5,7 @@ use std::str::FromStr;
 use texmap_io::scene_file::words;
 use texmap_math::Level;
 use texmap_raster::Interp;
-use texmap_render::ColorMode;
+use texmap_render::{Aov, ColorMode, RenderError, Scene, UnknownAov, is_light_name};
 use texmap_sample::{Filter, Wrap};
 
 use crate::failure::Failure;
@@ -40,6 +40,51 @@ impl FromStr for Resolution {
             .ok_or_else(|| {
                 format!("expected WIDTHxHEIGHT, each 1 to {MAX_SIDE}, such as 1920x1080")
             })
+    }
+}
+
+/// `depth`, `shadow:0`, or `shadow:NAME` of a light that has a name.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct AovArg {
+    /// As it was written: it is part of the array's file name.
+    pub(crate) name: String,
+    /// `None` where the scene must tell.
+    known: Option<Aov>,
+}
+
+impl AovArg {
+    /// Which buffer of this scene it is.
+    pub(crate) fn of(&self, scene: &Scene) -> Result<Aov, RenderError> {
+        let light = self.name.strip_prefix(SHADOW).unwrap_or_default();
+        self.known.map_or_else(|| scene.shadow_aov(light), Ok)
+    }
+
+    /// Values per pixel.
+    pub(crate) fn channels(&self) -> usize {
+        self.known.unwrap_or(Aov::Shadow(0)).channels()
+    }
+
+    pub(crate) fn is_shadow(&self) -> bool {
+        self.name.starts_with(SHADOW)
+    }
+}
+
+const SHADOW: &str = "shadow:";
+
+impl FromStr for AovArg {
+    type Err = UnknownAov;
+
+    fn from_str(text: &str) -> Result<Self, UnknownAov> {
+        let name = text.to_owned();
+        let light = text.strip_prefix(SHADOW);
+        match text.parse() {
+            Err(_) if light.is_some_and(is_light_name) => Ok(Self { name, known: None }),
+            Err(unknown) => Err(unknown),
+            Ok(aov) => Ok(Self {
+                name,
+                known: Some(aov),
+            }),
+        }
     }
 }
 

@@ -112,6 +112,7 @@ impl Scene {
     }
 
     pub(crate) fn check_effects(&self, warnings: &mut Vec<String>) -> Result<(), RenderError> {
+        self.check_light_names()?;
         for shadow in &self.effects.shadows {
             self.check_shadow(shadow, warnings)?;
         }

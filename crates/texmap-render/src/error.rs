@@ -54,6 +54,14 @@ pub enum RenderError {
         /// How many there are: indices are below it.
         count: usize,
     },
+    /// A name that no light has.
+    #[error("no light is called '{name}'; there {known}")]
+    UnknownLight {
+        /// The name that was asked for.
+        name: String,
+        /// The lights that have names, in words.
+        known: String,
+    },
     /// Per-vertex or per-triangle values that do not match in number.
     #[error("mesh '{mesh}': {found} {what} for {expected} {of}; give one each or none")]
     Count {
@@ -139,6 +147,7 @@ impl RenderError {
             Self::Camera(_) => "render-camera",
             Self::Value { .. } => "render-value",
             Self::Index { .. } => "render-index",
+            Self::UnknownLight { .. } => "render-unknown-light",
             Self::Count { .. } => "render-count",
             Self::MissingUv { .. } => "render-missing-uv",
             Self::MissingLightMapUv { .. } => "render-missing-light-map-uv",

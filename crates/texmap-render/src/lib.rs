@@ -56,6 +56,7 @@ mod effects;
 mod error;
 mod frame;
 mod height_field;
+mod light_names;
 mod lit;
 mod plan;
 pub mod planner;
@@ -89,6 +90,7 @@ pub use effects::{
 };
 pub use error::RenderError;
 pub use frame::{AovData, Frame, HOLE_BITS, Stats, Times, hash_pixels, pixel_hash};
+pub use light_names::is_light_name;
 pub use render::{Renderer, render, render_ordered};
 pub use scene::{
     AlphaMode, ColorMode, Gouraud, Material, Mesh, Scene, Shading, TextureRole, TextureSlot,

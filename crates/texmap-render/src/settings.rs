@@ -156,7 +156,7 @@ impl FromStr for Aov {
 /// A name that is not an AOV's.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "unknown AOV '{0}': choose from depth, inv_w, uv, lod, face, normal, position, shadow:LIGHT (its number from 0)"
+    "unknown AOV '{0}': choose from depth, inv_w, uv, lod, face, normal, position, shadow:LIGHT (its number from 0, or its name)"
 )]
 pub struct UnknownAov(pub String);
 

@@ -1,7 +1,7 @@
 //! Words as textured quads from an atlas of characters.
 
 use texmap_math::glam::DVec3;
-use texmap_sample::Origin;
+use texmap_sample::{Alpha, ColorSpace, Image, Origin, SampleError, Texels, Texture2d};
 
 use crate::Mesh;
 
@@ -99,6 +99,73 @@ impl Font {
         mesh
     }
 
+    /// Words as heights for a bump map: 1 where the atlas is opaque (or white, if it has no alpha), 0 elsewhere, half a character
+    /// of margin around. The atlas's own texels, so that each keeps its place.
+    ///
+    /// # Errors
+    /// [`SampleError`] if the words need more texels than a texture has, or the cells none.
+    pub fn heights(
+        &self,
+        words: &str,
+        atlas: &Texture2d<'_>,
+    ) -> Result<Texture2d<'static>, SampleError> {
+        let valid = self.is_valid();
+        let (columns, rows) = if valid {
+            (self.columns, self.rows)
+        } else {
+            (1, 1)
+        };
+        let cell = [atlas.width() / columns, atlas.height() / rows];
+        let texel = |k: usize, part: f32| (part * cell[k] as f32 + 0.5) as u32;
+        let [left, top, right, bottom] = self.body;
+        let first = [texel(0, left), texel(1, top)];
+        let body = [
+            texel(0, right).saturating_sub(first[0]),
+            texel(1, bottom).saturating_sub(first[1]),
+        ];
+        let lines: Vec<&str> = words.lines().collect();
+        let longest = lines.iter().map(|line| line.chars().count()).max();
+        // A character more than is written makes the margin.
+        let side = |count: usize, body: u32| {
+            u32::try_from((count as u64 + 1).saturating_mul(u64::from(body))).unwrap_or(u32::MAX)
+        };
+        let width = side(longest.unwrap_or(0), body[0]);
+        let height = side(lines.len(), body[1]);
+        let fits = valid && u64::from(width) * u64::from(height) <= 1 << 28;
+        let mut texels = vec![0u8; if fits { (width * height) as usize } else { 0 }];
+        for (row, line) in lines.iter().enumerate().filter(|_| fits) {
+            for (column, glyph) in line.chars().map(|c| self.cell(c)).enumerate() {
+                let Some(glyph) = glyph else { continue };
+                let from = [
+                    glyph % columns * cell[0] + first[0],
+                    glyph / columns * cell[1] + first[1],
+                ];
+                let to = [
+                    column as u32 * body[0] + body[0] / 2,
+                    row as u32 * body[1] + body[1] / 2,
+                ];
+                for (x, y) in (0..body[1]).flat_map(|y| (0..body[0]).map(move |x| (x, y))) {
+                    let Some(texel) = atlas.texel(0, from[0] + x, from[1] + y) else {
+                        continue;
+                    };
+                    let rise = texel[if atlas.has_alpha() { 3 } else { 0 }];
+                    texels[((to[1] + y) * width + to[0] + x) as usize] =
+                        texmap_math::color::unit_to_u8(rise);
+                }
+            }
+        }
+        let image = Image {
+            width,
+            height,
+            channels: 1,
+            texels: Texels::U8(&texels),
+            color: ColorSpace::Linear,
+            alpha: Alpha::Straight,
+            origin: Origin::TopLeft,
+        };
+        Ok(Texture2d::new(&image)?.with_mips())
+    }
+
     /// `None` for blanks.
     fn cell(&self, c: char) -> Option<u32> {
         let cells = self.columns * self.rows;
@@ -124,6 +191,40 @@ mod tests {
         assert_eq!(mesh.positions[4], [2.0, 0.0, 0.0]);
         assert_eq!(mesh.uvs[4][0], 15.0 / 16.0);
         assert_eq!(mesh.positions[8], [0.0, -2.0, 0.0]);
+    }
+
+    #[test]
+    fn words_are_heights_in_the_atlas_own_texels() {
+        // Cells of 4 x 4 texels with a gutter of 1: `A` is one dot, `B` a column.
+        let dots = [(1, 1), (6, 1), (6, 2)];
+        let texels = (0..32u32)
+            .flat_map(|i| {
+                [if dots.contains(&(i % 8, i / 8)) {
+                    255
+                } else {
+                    0
+                }; 4]
+            })
+            .collect();
+        let atlas =
+            Texture2d::from_rgba8(8, 4, texels, ColorSpace::Linear, Origin::TopLeft).unwrap();
+        let font = Font {
+            body: [0.25, 0.25, 0.75, 0.75],
+            ..Font::whole(2, 1, 65)
+        };
+        let heights = font.heights("AB\n B", &atlas).unwrap();
+        assert_eq!((heights.width(), heights.height()), (6, 6));
+        let mut raised = Vec::new();
+        for (x, y) in (0..6).flat_map(|y| (0..6).map(move |x| (x, y))) {
+            if heights.texel(0, x, y).unwrap()[0] > 0.5 {
+                raised.push((x, y));
+            }
+        }
+        assert_eq!(raised, [(1, 1), (4, 1), (4, 2), (4, 3), (4, 4)]);
+        let wide = "A".repeat(1 << 29);
+        assert!(font.heights(&wide, &atlas).is_err());
+        assert!(Font::whole(0, 1, 65).heights("A", &atlas).is_err());
+        assert!(Font::whole(64, 64, 65).heights("A", &atlas).is_err());
     }
 
     #[test]

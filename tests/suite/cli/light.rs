@@ -147,6 +147,41 @@ fn baked_light_is_the_light_that_was_baked() {
     assert!(gray.pixels().all(|p| p[0] == p[1] && p[1] == p[2]));
 }
 
+/// `--aov shadow:NAME` is the shadow of the light that the scene calls so, in a file of that name.
+#[test]
+fn shadows_are_asked_for_by_name() {
+    let desk = Desk::new();
+    room(&desk, "");
+    let scene = String::from_utf8(desk.read("lit.scene")).unwrap();
+    desk.put(
+        "lit.scene",
+        scene.replace("shadow 1024\n", "name lamp\nshadow 1024\n"),
+    );
+    let run = desk
+        .texmap("render lit.scene -o lit.png --resolution 80x60 --aov depth,shadow:lamp,shadow:1 --json")
+        .ok();
+    let aovs = run.json()["items"][0]["aovs"].clone();
+    assert_eq!(aovs[1]["name"], "shadow:lamp");
+    let by_name = desk.read("lit.shadow:lamp.npy");
+    assert_eq!(by_name, desk.read("lit.shadow:1.npy"));
+    assert_ne!(by_name, desk.read("lit.depth.npy"));
+    desk.refused(
+        "render lit.scene -o lit.png --aov shadow:sun",
+        4,
+        "no light is called 'sun'; there is 'lamp' (light 1)",
+    );
+    desk.refused(
+        "render lit.scene -o lit.png --aov shadow:a/b",
+        2,
+        "shadow:LIGHT",
+    );
+    desk.refused(
+        "render room.scene -o lit.png --aov shadow:sun",
+        4,
+        "a `name` line",
+    );
+}
+
 #[test]
 fn bakes_are_refused_with_their_reason() {
     let desk = Desk::new();

@@ -230,6 +230,7 @@ fn no_buffer_holds_a_nan_of_its_own() {
                     .find(|v| !v.is_finite() && v.to_bits() != HOLE_BITS);
                 assert!(bad.is_none(), "{aov}: {bad:?}");
                 assert!(
+                    // Light 0 is ambient: it throws no shadow.
                     values.iter().any(|v| v.is_finite()) || *aov == Aov::Shadow(0),
                     "{aov}"
                 );
@@ -435,6 +436,46 @@ fn faults_of_effects_are_named() {
         RenderError::Value { .. }
     ));
     // Wrong but drawable: a warning.
+    let mut inside = all();
+    if let Light::Point { position, .. } = &mut inside.lights[2] {
+        *position = [0.0, 0.0, -3.0];
+    }
+    let cube = |v: u32| [0, 1, 2].map(|k| if v >> k & 1 == 0 { -0.2 } else { 0.2f32 });
+    inside.meshes.push(Mesh {
+        name: "lampshade".into(),
+        positions: (0..8)
+            .map(|v| cube(v).map(|c| c))
+            .map(|[x, y, z]| [x, y, z - 3.0])
+            .collect(),
+        triangles: vec![
+            [0, 2, 1],
+            [1, 2, 3],
+            [4, 5, 6],
+            [5, 7, 6],
+            [0, 1, 4],
+            [1, 5, 4],
+            [2, 6, 3],
+            [3, 6, 7],
+            [0, 4, 2],
+            [2, 4, 6],
+            [1, 3, 5],
+            [3, 7, 5],
+        ],
+        material: 1,
+        uvs: vec![[0.5; 2]; 8],
+        ..Mesh::default()
+    });
+    let told = |scene: &Scene| {
+        let warnings = scene.check().unwrap();
+        warnings
+            .iter()
+            .any(|w| w.contains("light 2 stands inside of mesh 'lampshade'"))
+    };
+    assert!(told(&inside));
+    if let Light::Point { position, .. } = &mut inside.lights[2] {
+        *position = [0.0, 0.5, -3.0];
+    }
+    assert!(!told(&inside), "above it is not inside");
     let mut vertex = all();
     vertex.materials[0].shading = Shading::PerVertex;
     assert!(

@@ -12,6 +12,7 @@ mod errors;
 mod floor;
 mod gouraud;
 mod light;
+mod reliefs;
 mod round;
 mod samples;
 mod scenes;

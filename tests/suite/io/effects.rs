@@ -1,7 +1,8 @@
 //! What the lines of light become.
 
 use texmap_light::{Green, Light, ShadowBias};
-use texmap_render::{Relief, Settings, SlideRole, render};
+use texmap_math::glam::DVec3;
+use texmap_render::{Carving, Relief, Settings, SlideRole, render};
 
 use crate::support::Files;
 
@@ -97,9 +98,137 @@ fn relief_and_light_maps_reach_models() {
 }
 
 #[test]
+fn lights_are_named_below_their_lines() {
+    let scene = files().scene(&format!(
+        "la 1 1 1\nlp 1 1 1 0 3 3\nname lamp\nshadow 64\nld 1 1 1 0 -1 0\nls 1 1 1 0 2 3 0 -1 -1 10 30\nname spot_2\n{FACE}"
+    ));
+    assert_eq!(scene.effects.light_names, ["", "lamp", "", "spot_2"]);
+    assert_eq!(scene.shadow_aov("lamp"), Ok(texmap_render::Aov::Shadow(1)));
+}
+
+#[test]
+fn bumps_of_offsets_formulas_and_words() {
+    let scene = files().scene(
+        "texture a.png\nshade modulate\nv 0 0 0\nv 1 0 0\nv 0 1 0\n\
+         offsetmap square.png 0.5 down\ntf 0 0 0 1 1 0 2 0 1\nscale 2\ncarve waves 0.1 1 2 3 1 0.5 1 around 7 fold 0.25\n\
+         tf 0 0 0 1 1 0 2 0 1\nemboss \"CS 184\" -0.02\ntf 0 0 0 1 1 0 2 0 1\ncarve none\ntf 0 0 0 1 1 0 2 0 1\n",
+    );
+    let relief = |i: usize| &scene.materials[scene.meshes[i].material].relief;
+    assert!(matches!(
+        relief(0),
+        Some(Relief::Offsets {
+            slope: 0.5,
+            green: Green::Down,
+            ..
+        })
+    ));
+    let Some(Relief::Carved {
+        heights,
+        world_from_solid,
+        height,
+    }) = relief(1)
+    else {
+        panic!("{:?}", relief(1))
+    };
+    assert_eq!(
+        (*height, *heights),
+        (
+            0.1,
+            Carving::Waves {
+                around: 7,
+                fold: 0.25
+            }
+        )
+    );
+    let place = |p: DVec3| world_from_solid.transform_point3(p);
+    assert_eq!(place(DVec3::ZERO), DVec3::new(2.0, 4.0, 6.0));
+    assert_eq!(place(DVec3::Y), DVec3::new(2.0, 5.0, 6.0));
+    let Some(Relief::Bump {
+        slot,
+        height: -0.02,
+    }) = relief(2)
+    else {
+        panic!("{:?}", relief(2))
+    };
+    // Six characters and a margin of half of one, eight dots each.
+    let words = &scene.textures[slot.texture];
+    assert_eq!((words.width(), words.height()), (56, 16));
+    let ink = (0..56 * 16).filter(|i| words.texel(0, i % 56, i / 56).unwrap()[0] == 1.0);
+    assert!((60..300).contains(&ink.count()));
+    assert!(relief(3).is_none());
+    render(&scene, &Settings::new(16, 16), &|_, _| ()).unwrap();
+}
+
+/// Every map of a library and the colours of vertices reach the picture: without its line it is another one.
+#[test]
+fn every_map_of_a_library_is_drawn() {
+    const MAPS: [&str; 8] = [
+        "map_Ka ka.png",
+        "map_Kd kd.png",
+        "map_Ks ks.png",
+        "map_Ns ns.png",
+        "map_d d.png",
+        "map_Bump -bm 0.4 b.png",
+        "disp -bm 0.2 b.png",
+        "norm n.png",
+    ];
+    const COLORS: [&str; 4] = [" 1 0.2 0.2", " 0.2 1 0.2", " 0.2 0.2 1", " 1 1 0.2"];
+    let picture = |maps: &[&str], colors: bool| {
+        let color = |i: usize| if colors { COLORS[i] } else { "" };
+        let obj = format!(
+            "mtllib m.mtl\nv -1 -1 0{}\nv 1 -1 0{}\nv 1 1 0{}\nv -1 1 0{}\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n\
+             usemtl m\nf 1/1 2/2 3/3 4/4\n",
+            color(0),
+            color(1),
+            color(2),
+            color(3)
+        );
+        let scene = Files::new()
+            .with_png("ka.png", 6, 6, [0, 250, 60, 255])
+            .with_png("kd.png", 5, 5, [250, 200, 180, 255])
+            .with_png("ks.png", 4, 4, [40, 60, 250, 255])
+            .with_png("ns.png", 4, 4, [90, 90, 90, 255])
+            .with_png("d.png", 8, 8, [255, 255, 255, 255])
+            .with_png("b.png", 8, 8, [200, 200, 200, 255])
+            .with_png("n.png", 8, 8, [190, 100, 220, 255])
+            .with("m.mtl", format!("newmtl m\nKd 0.8 0.8 0.8\nKs 0.9 0.9 0.9\nNs 30\nillum 2\n{}\n", maps.join("\n")))
+            .with("m.obj", obj)
+            .scene("eye 0 0 4\nlook 0 0 0\nfov 40\nbackground 0 0 0.4\nla 0.3 0.3 0.3\nlp 0.6 0.6 0.6 0.5 0.6 1.5\ndisplace none\nobj m.obj\n");
+        let shaped = scene.shaped(64).unwrap();
+        render(&shaped, &Settings::new(64, 64), &|_, _| ())
+            .unwrap()
+            .rgba
+    };
+    // `norm` wins over `map_Bump`: each has its own picture of all the others.
+    for other in ["norm", "map_Bump"] {
+        let maps: Vec<_> = MAPS.into_iter().filter(|m| !m.starts_with(other)).collect();
+        let all = picture(&maps, true);
+        for left_out in 0..maps.len() {
+            let mut fewer = maps.clone();
+            fewer.remove(left_out);
+            assert!(
+                picture(&fewer, true) != all,
+                "{} is not seen",
+                maps[left_out]
+            );
+        }
+        assert!(picture(&maps, false) != all, "vertex colours are not seen");
+    }
+}
+
+#[test]
 fn faults_name_their_line() {
     for (text, code, line) in [
         ("la 1 1 1\nshadow\n", "needs-line-above", 2),
+        ("name sun\n", "needs-line-above", 1),
+        ("la 1 1 1\nname a\nlp 1 1 1 0 0 9\nname a\n", "bad-shape", 4),
+        ("offsetmap gone.png 1\n", "file-missing", 1),
+        ("lightmap gone.png\n", "file-missing", 1),
+        (
+            "projector square.png light 0 0 5 0 0 0 0 1 0 0\n",
+            "out-of-range",
+            1,
+        ),
         (
             "projector a.png light 0 0 5 0 0 0 0 0 1 40\n",
             "bad-projector",

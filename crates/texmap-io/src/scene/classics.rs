@@ -125,10 +125,7 @@ pub(super) fn statement(
             right,
             up,
         } => {
-            let (texture, font) = match settings.classics.font {
-                Some(font) => font,
-                None => built_in(textures),
-            };
+            let (texture, font) = font(settings, textures);
             let to_world = settings.transform;
             let [right, up] = [right, up].map(|v| to_world.transform_vector3(DVec3::from(*v)));
             let origin = to_world.transform_point3(DVec3::from(*origin));
@@ -231,6 +228,14 @@ fn written(settings: &Settings, texture: usize, scene: &Scene) -> Material {
             _ => material.alpha,
         },
         ..material
+    }
+}
+
+/// The current font and its atlas.
+pub(super) fn font(settings: &Settings, textures: &mut Textures) -> (usize, Font) {
+    match settings.classics.font {
+        Some(font) => font,
+        None => built_in(textures),
     }
 }
 

@@ -3,16 +3,18 @@
 use std::collections::HashMap;
 use std::path::PathBuf;
 
-use texmap_light::{Chart, Highlight, Light, ShadowBias};
+use texmap_light::{Chart, Green, Highlight, Light, ShadowBias};
 use texmap_math::Projector;
-use texmap_math::glam::DVec3;
+use texmap_math::glam::{DMat4, DVec3};
 use texmap_render::{
-    LightMapSlot, Material, Mesh, Reflection, Relief, Scene, Shadow, SlideProjector, SlideRole,
+    Carving, LightMapSlot, Material, Mesh, Reflection, Relief, Scene, Shadow, SlideProjector,
+    SlideRole,
 };
-use texmap_sample::UvTransform;
+use texmap_sample::{Pattern, UvTransform};
 
+use super::classics;
 use super::settings::Settings;
-use crate::scene_file::{Bias, Effect, Missing, ProjectorLine};
+use crate::scene_file::{Bias, CarveLine, Effect, Formula, Missing, ProjectorLine, ReliefLine};
 use crate::textures::{Content, Textures};
 use crate::{IoError, Place, environment_io, files, obj};
 
@@ -31,6 +33,8 @@ pub(super) struct EffectSettings {
 #[derive(Debug, Clone)]
 enum ReliefSetting {
     Bump(usize, f32),
+    Offsets(usize, f32, Green),
+    Carved(Relief),
     NormalMap(usize, crate::scene_file::NormalMapLine),
 }
 
@@ -60,6 +64,12 @@ impl EffectSettings {
                     slot: data(*texture),
                     height: *height,
                 },
+                ReliefSetting::Offsets(texture, slope, green) => Relief::Offsets {
+                    slot: data(*texture),
+                    slope: *slope,
+                    green: *green,
+                },
+                ReliefSetting::Carved(relief) => relief.clone(),
                 ReliefSetting::NormalMap(texture, line) => Relief::NormalMap {
                     slot: data(*texture),
                     green: line.green,
@@ -99,6 +109,7 @@ pub(super) fn statement(
             inner.to_radians(),
             outer.to_radians(),
         )),
+        Effect::LightName(name) => light_name(scene, name, place)?,
         Effect::Shadow { size, taps, bias } => {
             let light = scene
                 .lights
@@ -177,6 +188,24 @@ pub(super) fn statement(
                 }
             };
         }
+        Effect::Relief(ReliefLine::Offsets { file, slope, green }) => {
+            let texture = texture(file, Content::Data)?;
+            settings.effects.relief = Some(ReliefSetting::Offsets(texture, *slope, *green));
+        }
+        Effect::Relief(ReliefLine::Emboss { words, height }) => {
+            let (atlas, font) = classics::font(settings, textures);
+            let heights = font.heights(words, &textures.textures[atlas]);
+            let heights = heights.map_err(|e| IoError::BadShape {
+                place: place.clone(),
+                problem: format!("the words of `emboss` make no map: {e}"),
+            })?;
+            textures.textures.push(heights);
+            let texture = textures.textures.len() - 1;
+            settings.effects.relief = Some(ReliefSetting::Bump(texture, *height));
+        }
+        Effect::Relief(ReliefLine::Carve(line)) => {
+            settings.effects.relief = Some(ReliefSetting::Carved(carved(line, settings)));
+        }
         Effect::NormalMap(line) => {
             settings.effects.relief = match line {
                 None => None,
@@ -188,6 +217,52 @@ pub(super) fn statement(
         }
     }
     Ok(())
+}
+
+/// Names the light above.
+fn light_name(scene: &mut Scene, name: &str, place: &Place) -> Result<(), IoError> {
+    let Some(last) = scene.lights.len().checked_sub(1) else {
+        return Err(IoError::NeedsAbove {
+            place: place.clone(),
+            command: "name",
+            needs: "la, ld, lp or ls",
+        });
+    };
+    let names = &mut scene.effects.light_names;
+    if let Some(other) = names.iter().position(|known| known == name) {
+        return Err(IoError::BadShape {
+            place: place.clone(),
+            problem: format!("`name`: light {other} is called `{name}` already"),
+        });
+    }
+    names.resize(last + 1, String::new());
+    name.clone_into(&mut names[last]);
+    Ok(())
+}
+
+fn carved(line: &CarveLine, settings: &Settings) -> Relief {
+    let octaves = line.octaves;
+    let heights = match line.formula {
+        Formula::Waves => Carving::Waves {
+            around: line.around,
+            fold: line.fold.unwrap_or(0.0),
+        },
+        Formula::Noise => Carving::Pattern(Pattern::Noise { octaves }),
+        Formula::Marble => Carving::Pattern(Pattern::Marble {
+            octaves,
+            turbulence: line.fold.unwrap_or(1.0),
+        }),
+        Formula::Wood => Carving::Pattern(Pattern::Wood {
+            grain: line.fold.unwrap_or(0.2),
+        }),
+    };
+    let (origin, size) = (DVec3::from(line.origin), DVec3::from(line.size));
+    let placed = DMat4::from_translation(origin) * DMat4::from_scale(size);
+    Relief::Carved {
+        heights,
+        world_from_solid: settings.transform * placed,
+        height: line.height,
+    }
 }
 
 fn projector(

@@ -1,9 +1,11 @@
-//! The words of lighting effects: `ls shadow projector highlight env specmap lightmap lightmapuv bump normalmap`.
+//! The words of lighting effects: `ls name shadow projector highlight env specmap lightmap lightmapuv bump normalmap`, and those of
+//! `reliefs`.
 
 use texmap_light::{Chart, Green, Highlight, SlideBorder};
 
 use super::args::Args;
 use super::print::{floats, number, numbers, texture_name, word};
+use super::reliefs::{self, ReliefLine};
 use crate::IoError;
 
 /// A line about light beyond `la`, `ld` and `lp`.
@@ -22,6 +24,8 @@ pub enum Effect {
         /// Half the angle beyond which there is no light, degrees.
         outer: f32,
     },
+    /// `name NAME`: of the light above.
+    LightName(String),
     /// `shadow [SIZE|auto] [taps K] [slope X|constant X|normal-offset X]`: the light above throws shadows.
     Shadow {
         /// Texels a side; `None` fits the picture.
@@ -43,8 +47,10 @@ pub enum Effect {
     LightMap(Option<(String, f32)>),
     /// `lightmapuv FILE`, or `lightmapuv none`.
     LightMapUv(Option<String>),
-    /// `bump FILE height`, or `bump none`.
+    /// `bump FILE height`, or `bump none`, which ends any relief.
     Bump(Option<(String, f32)>),
+    /// `offsetmap`, `carve` or `emboss`; their `none` is that of `bump`.
+    Relief(ReliefLine),
     /// `normalmap FILE [tangent|object] [up|down] [xyz|xy]`, or `normalmap none`.
     NormalMap(Option<NormalMapLine>),
 }
@@ -102,6 +108,12 @@ pub struct NormalMapLine {
 pub(super) fn parse(args: &Args<'_>) -> Result<Option<Effect>, IoError> {
     Ok(Some(match args.command {
         "ls" => spot(args)?,
+        "name" => {
+            const ALLOWED: &str = "letters, digits, - and _, not digits alone";
+            let name = args.single_word("1 name")?;
+            args.check(0, texmap_render::is_light_name(name), ALLOWED)?;
+            Effect::LightName(name.to_owned())
+        }
         "shadow" => shadow(args)?,
         "projector" => projector(args)?,
         "highlight" => {
@@ -140,6 +152,9 @@ pub(super) fn parse(args: &Args<'_>) -> Result<Option<Effect>, IoError> {
             Effect::Bump(file(args)?.map(|file| (file, height)))
         }
         "normalmap" => normal_map(args)?,
+        "offsetmap" | "carve" | "emboss" => {
+            reliefs::parse(args)?.map_or(Effect::Bump(None), Effect::Relief)
+        }
         _ => return Ok(None),
     }))
 }
@@ -318,6 +333,7 @@ impl Effect {
     pub fn word(&self) -> &'static str {
         match self {
             Self::SpotLight { .. } => "ls",
+            Self::LightName(_) => "name",
             Self::Shadow { .. } => "shadow",
             Self::Projector(_) => "projector",
             Self::Highlight(_) => "highlight",
@@ -326,6 +342,7 @@ impl Effect {
             Self::LightMap(_) => "lightmap",
             Self::LightMapUv(_) => "lightmapuv",
             Self::Bump(_) => "bump",
+            Self::Relief(line) => line.word(),
             Self::NormalMap(_) => "normalmap",
         }
     }
@@ -346,6 +363,8 @@ pub(super) fn print(out: &mut String, effect: &Effect) {
             }
             floats(out, &[*inner, *outer]);
         }
+        Effect::LightName(name) => word(out, name),
+        Effect::Relief(line) => reliefs::print(out, line),
         Effect::Shadow { size, taps, bias } => {
             match size {
                 Some(size) => number(out, f64::from(*size)),
@@ -443,6 +462,7 @@ mod tests {
     fn every_effect_reads_back() {
         for text in [
             "ls 1 0.5 0 1 2 3 0 -1 0 20 30\n",
+            "name sun-2\n",
             "shadow auto taps 3\n",
             "shadow 512 taps 5 slope 0.001\n",
             "shadow 512 taps 1 constant 0.01\n",
@@ -479,6 +499,9 @@ mod tests {
             ("ls 1 1 1 0 0 0 0 0 0 10 20", "out-of-range", 16),
             ("ls 1 1 1 0 0 0 0 1 0 30 20", "out-of-range", 25),
             ("ls 1 1 1", "argument-count", 1),
+            ("name 12", "out-of-range", 6),
+            ("name a/b", "out-of-range", 6),
+            ("name", "argument-count", 1),
             ("shadow 0", "out-of-range", 8),
             ("shadow 512 taps 4", "out-of-range", 17),
             ("shadow 512 soft 4", "unknown-word", 12),

@@ -12,6 +12,7 @@ mod classics;
 mod effects;
 mod parse;
 mod print;
+mod reliefs;
 mod shapes;
 mod token;
 pub mod words;
@@ -25,6 +26,7 @@ pub use classics::{Classic, SolidLine, SolidSource};
 pub use effects::{Bias, Effect, NormalMapLine, ProjectorLine};
 pub use parse::{COMMANDS, parse};
 pub use print::print;
+pub use reliefs::{CarveLine, Formula, ReliefLine};
 pub use shapes::{BoneLine, DisplaceLine, Shape, TerrainLine};
 
 /// The statements of one file in their order.

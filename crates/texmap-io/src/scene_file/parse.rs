@@ -67,7 +67,7 @@ pub fn parse(file: &Path, text: &str) -> Result<SceneFile, IoError> {
 }
 
 /// The word of every command.
-pub const COMMANDS: [&str; 58] = [
+pub const COMMANDS: [&str; 62] = [
     "eye",
     "look",
     "up",
@@ -104,6 +104,7 @@ pub const COMMANDS: [&str; 58] = [
     "obj",
     "include",
     "ls",
+    "name",
     "shadow",
     "projector",
     "highlight",
@@ -112,6 +113,9 @@ pub const COMMANDS: [&str; 58] = [
     "lightmap",
     "lightmapuv",
     "bump",
+    "offsetmap",
+    "carve",
+    "emboss",
     "normalmap",
     "solid",
     "ramp",

@@ -26,6 +26,7 @@ use crate::cmd::render::sheet::sheet;
 use crate::failure::{Exit, Failure, say};
 use crate::output::{Destination, Stage};
 use crate::progress::Progress;
+use crate::values::AovArg;
 
 /// Draws everything that one input gives: one picture, a contact sheet, or the frames of a walk.
 pub(crate) fn item(
@@ -54,6 +55,7 @@ pub(crate) fn item(
     let cameras = cameras(args, &scene, walk)?;
     // Everything is checked before the first pixel: the scene once, the camera of every picture.
     let warnings = scene.check().map_err(|e| context.refused(&e))?;
+    context.aovs(&scene)?;
     for (_, camera) in &cameras {
         camera
             .view()
@@ -237,7 +239,7 @@ impl Context<'_> {
                 let mut choices =
                     planner::choose(scene, width, height, budget).map_err(|e| self.refused(&e))?;
                 // Shadows that are written out are those of the scene's own lights.
-                if self.args.aov.iter().any(|a| matches!(a, Aov::Shadow(_))) {
+                if self.args.aov.iter().any(AovArg::is_shadow) {
                     choices.idle_lights.clear();
                 }
                 Some(choices)
@@ -250,7 +252,7 @@ impl Context<'_> {
         });
         let report = |done, of| progress.update(done, of);
         let scene = planned.as_ref().unwrap_or(scene);
-        let frame = texmap_render::render(scene, &self.settings(), &report)
+        let frame = texmap_render::render(scene, &self.settings(self.aovs(scene)?), &report)
             .map_err(|e| self.refused(&e))?;
         Ok((frame, choices))
     }
@@ -290,13 +292,19 @@ impl Context<'_> {
         }
     }
 
-    fn settings(&self) -> Settings {
+    /// The buffers that are asked for, as this scene names them.
+    fn aovs(&self, scene: &Scene) -> Result<Vec<Aov>, Failure> {
+        let aovs = self.args.aov.iter().map(|aov| aov.of(scene));
+        aovs.map(|aov| aov.map_err(|e| self.refused(&e))).collect()
+    }
+
+    fn settings(&self, aovs: Vec<Aov>) -> Settings {
         let args = self.args;
         Settings {
             threads: args.threads.map(usize::from),
             supersample: args.supersample,
             msaa: args.msaa,
-            aovs: args.aov.clone(),
+            aovs,
             level: self.level,
             filter: args.filter,
             wrap: args.wrap,
@@ -323,8 +331,8 @@ impl Context<'_> {
             frame.height,
             &frame.rgba,
         )?;
-        for (aov, channels, data) in &frame.aovs {
-            let path = array_name(output, *aov);
+        for (arg, (_, channels, data)) in self.args.aov.iter().zip(&frame.aovs) {
+            let path = array_name(output, &arg.name);
             let shape = [frame.height as usize, frame.width as usize, *channels];
             let (values, dtype, hole) = match data {
                 AovData::F32(v) => (Values::F32(v), "float32", "NaN"),
@@ -333,7 +341,7 @@ impl Context<'_> {
             npy::write(&stage.add(Destination::new(&path)?, "npy"), &shape, values)?;
             let path = path.display().to_string();
             report.aovs.push(AovReport {
-                name: aov.name(),
+                name: arg.name.clone(),
                 path,
                 shape,
                 dtype,

@@ -6,17 +6,17 @@ use clap::Args;
 use texmap_io::CameraPath;
 use texmap_io::framing::View;
 use texmap_raster::Interp;
-use texmap_render::{Aov, ColorMode};
+use texmap_render::ColorMode;
 use texmap_sample::{Filter, Wrap};
 
 use crate::cmd::render::budget::{MaxError, Quality};
 use crate::cmd::render::report::{ItemReport, Report};
 use crate::failure::{self, Exit, Failure};
-use crate::values::{self, Background, LevelName, Resolution, Triple};
+use crate::values::{self, AovArg, Background, LevelName, Resolution, Triple};
 
 mod budget;
 mod draw;
-mod plan;
+pub(crate) mod plan;
 mod report;
 mod sheet;
 
@@ -104,10 +104,10 @@ pub(crate) struct RenderArgs {
     /// A captioned contact sheet: front, back, left, right, top, bottom, iso
     #[arg(long, value_name = "LIST", value_delimiter = ',', conflicts_with_all = ["aov", "camera_eye", "camera_look", "camera_up"])]
     views: Vec<View>,
-    /// Arrays beside the picture: depth, inv_w, uv, lod, face, normal, position; room.png gives
-    /// room.uv.npy of shape (height, width, channels)
+    /// Arrays beside the picture: depth, inv_w, uv, lod, face, normal, position, shadow:LIGHT (its name or number);
+    /// room.png gives room.uv.npy of shape (height, width, channels)
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
-    aov: Vec<Aov>,
+    aov: Vec<AovArg>,
     /// Print a report as JSON to standard output
     #[arg(long)]
     pub(crate) json: bool,

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use texmap_render::{Aov, Scene};
+use texmap_render::Scene;
 
 use crate::cmd::render::RenderArgs;
 use crate::failure::Failure;
@@ -21,19 +21,22 @@ impl Item {
     pub(crate) fn frame_output(&self, number: Option<u32>) -> Option<PathBuf> {
         let output = self.output.as_ref()?;
         match number {
-            Some(n) => {
-                let name = output.to_string_lossy();
-                let place = find_counter(&name)?;
-                Some(PathBuf::from(format!(
-                    "{}{n:0width$}{}",
-                    &name[..place.start],
-                    &name[place.end..],
-                    width = place.width
-                )))
-            }
+            Some(n) => numbered(output, n),
             None => Some(output.clone()),
         }
     }
+}
+
+/// The name of frame `n`, if the name has a place for it: `%04d`.
+pub(crate) fn numbered(output: &Path, n: u32) -> Option<PathBuf> {
+    let name = output.to_string_lossy();
+    let place = find_counter(&name)?;
+    Some(PathBuf::from(format!(
+        "{}{n:0width$}{}",
+        &name[..place.start],
+        &name[place.end..],
+        width = place.width
+    )))
 }
 
 /// Names all outputs and checks them: endings, numbers, twins, and that each can be written.
@@ -79,7 +82,7 @@ fn destinations(args: &RenderArgs, item: &Item) -> Result<Option<Destination>, F
     for output in numbers.into_iter().filter_map(|n| item.frame_output(n)) {
         let picture = Destination::new(&output)?;
         for aov in &args.aov {
-            Destination::new(&array_name(&output, *aov))?;
+            Destination::new(&array_name(&output, &aov.name))?;
         }
         first.get_or_insert(picture);
     }
@@ -87,7 +90,7 @@ fn destinations(args: &RenderArgs, item: &Item) -> Result<Option<Destination>, F
 }
 
 /// `room.png` and `uv` give `room.uv.npy`.
-pub(crate) fn array_name(picture: &Path, aov: Aov) -> PathBuf {
+pub(crate) fn array_name(picture: &Path, aov: &str) -> PathBuf {
     picture.with_extension(format!("{aov}.npy"))
 }
 

@@ -322,7 +322,7 @@ pub(crate) fn milliseconds(time: Duration) -> f64 {
 /// An array beside the picture, C order, rows top to bottom.
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct AovReport {
-    pub(crate) name: &'static str,
+    pub(crate) name: String,
     pub(crate) path: String,
     /// Height, width, channels.
     pub(crate) shape: [usize; 3],

@@ -1,0 +1,366 @@
+//! What turns normals: offset maps, carved heights, and the units of a bump.
+
+use texmap_light::{Green, Heights, Light, Slope, Surface, encode_offsets};
+use texmap_math::glam::{DMat4, DVec3};
+use texmap_render::{Aov, Carving, Frame, Material, Mesh, Relief, RenderError, Scene};
+use texmap_sample::{Alpha, ColorSpace, Filter, Image, Origin, Pattern, Texels, Texture2d};
+use texmap_tests::levels::levels;
+
+use crate::scenes::{draw, draw_aovs, empty, of, pixel, slot, values, wall};
+
+const SIDE: u32 = 64;
+
+fn floats(channels: u32, texels: &[f32]) -> Texture2d<'static> {
+    let image = Image {
+        width: SIDE,
+        height: texels.len() as u32 / SIDE / channels,
+        channels,
+        texels: Texels::F32(texels),
+        color: ColorSpace::Linear,
+        alpha: Alpha::Straight,
+        origin: Origin::TopLeft,
+    };
+    Texture2d::new(&image).unwrap()
+}
+
+fn matte(relief: Relief) -> Material {
+    Material {
+        surface: Surface {
+            color: [1.0; 3],
+            ka: 0.0,
+            kd: 1.0,
+            ks: 0.0,
+            ns: 1.0,
+        },
+        relief: Some(relief),
+        ..Material::default()
+    }
+}
+
+/// Uneven waves on a wall, as heights, as offsets in floats and as offsets in bytes; and the slope of the latter two.
+fn wavy() -> (Scene, f32) {
+    let wave = |x: u32, y: u32| {
+        let (u, v) = (f64::from(x) + 0.5, f64::from(y) + 0.5);
+        (0.5 + 0.3 * (u * 0.3927).sin() + 0.2 * (v * 0.1963).cos()) as f32
+    };
+    let grid: Vec<f32> = (0..SIDE * SIDE / 2)
+        .map(|i| wave(i % SIDE, i / SIDE))
+        .collect();
+    let heights = Heights {
+        width: SIDE,
+        values: &grid,
+    };
+    let (offsets, slope) = heights.offsets(Slope::Central, 0.4, Green::Up).unwrap();
+    let pairs: Vec<f32> = offsets
+        .iter()
+        .flat_map(|o| {
+            let [r, g] = encode_offsets(*o);
+            [r, g, 0.0]
+        })
+        .collect();
+    let bytes = offsets
+        .iter()
+        .flat_map(|o| {
+            let [r, g] = encode_offsets(*o).map(|c| (c * 255.0 + 0.5) as u8);
+            [r, g, 0, 255]
+        })
+        .collect();
+    let bytes =
+        Texture2d::from_rgba8(SIDE, SIDE / 2, bytes, ColorSpace::Linear, Origin::TopLeft).unwrap();
+    let scene = Scene {
+        lights: vec![Light::Directional {
+            color: [0.8; 3],
+            direction: [0.5, -0.4, -1.0],
+        }],
+        textures: vec![floats(1, &grid), floats(3, &pairs), bytes],
+        ..of(Material::default(), wall(2.0, 2.5))
+    };
+    (scene, slope)
+}
+
+fn bump() -> Relief {
+    Relief::Bump {
+        slot: slot(0, Filter::Bilinear).unwrap(),
+        height: 0.4,
+    }
+}
+
+fn offsets(texture: usize, slope: f32, green: Green) -> Relief {
+    Relief::Offsets {
+        slot: slot(texture, Filter::Bilinear).unwrap(),
+        slope,
+        green,
+    }
+}
+
+fn most(a: &Frame, b: &Frame) -> u8 {
+    let each = a.rgba.iter().zip(&b.rgba).map(|(a, b)| a.abs_diff(*b));
+    each.max().unwrap()
+}
+
+/// An offset map of a height field is that height field's bump map: texel centres hold its differences, bilinear filters of both
+/// agree between them.
+#[test]
+fn offsets_are_the_bump_map_of_their_heights() {
+    for origin in [Origin::TopLeft, Origin::BottomLeft] {
+        let (mut scene, slope) = wavy();
+        scene.meshes[0].uv_origin = origin;
+        let mut with = |relief: Relief| {
+            scene.materials[0] = matte(relief);
+            draw(&scene, 120, 120)
+        };
+        let bumped = with(bump());
+        let flat = with(offsets(1, 0.0, Green::Up));
+        assert!(most(&bumped, &flat) > 40, "the waves are seen");
+        let exact = with(offsets(1, slope, Green::Up));
+        assert!(most(&bumped, &exact) <= 1, "{}", most(&bumped, &exact));
+        let coarse = with(offsets(2, slope, Green::Up));
+        assert!(most(&bumped, &coarse) <= 4, "{}", most(&bumped, &coarse));
+        // Twins: green the wrong way round, and inside out.
+        for wrong in [
+            offsets(1, slope, Green::Down),
+            offsets(1, -slope, Green::Up),
+        ] {
+            assert!(most(&bumped, &with(wrong)) > 20);
+        }
+    }
+}
+
+/// Heights count in the mesh's own units: a model ten times as large, seen from ten times as far, looks the same.
+#[test]
+fn heights_grow_with_the_model() {
+    let (scene, slope) = wavy();
+    let carved = Relief::Carved {
+        heights: Carving::Pattern(Pattern::Noise { octaves: 3 }),
+        world_from_solid: DMat4::from_scale(DVec3::splat(0.3)),
+        height: 0.1,
+    };
+    for relief in [bump(), offsets(1, slope, Green::Up), carved] {
+        let mut small = scene.clone();
+        small.materials[0] = matte(relief.clone());
+        let mut large = small.clone();
+        let ten = DMat4::from_scale(DVec3::splat(10.0));
+        large.meshes[0].world_from_object = ten;
+        if let Some(Relief::Carved {
+            world_from_solid, ..
+        }) = &mut large.materials[0].relief
+        {
+            *world_from_solid = ten * *world_from_solid;
+        }
+        let small = draw(&small, 90, 90);
+        let difference = most(&small, &draw(&large, 90, 90));
+        assert!(difference <= 1, "{relief:?}: {difference}");
+    }
+    // A tenth of the height is another picture.
+    let mut low = scene.clone();
+    low.materials[0] = matte(Relief::Bump {
+        slot: slot(0, Filter::Bilinear).unwrap(),
+        height: 0.04,
+    });
+    let mut high = scene;
+    high.materials[0] = matte(bump());
+    assert!(most(&draw(&low, 90, 90), &draw(&high, 90, 90)) > 30);
+}
+
+/// A pipe of radius 1 about the y axis before the camera, with smooth normals.
+fn pipe() -> Mesh {
+    let around = 256u32;
+    let mut mesh = Mesh::default();
+    for i in 0..=around {
+        let a = f64::from(i % around) / f64::from(around) * std::f64::consts::TAU;
+        for y in [-2.0, 2.0] {
+            mesh.positions
+                .push([a.cos() as f32, y, a.sin() as f32 - 3.0]);
+            mesh.normals.push([a.cos() as f32, 0.0, a.sin() as f32]);
+        }
+    }
+    for i in 0..around {
+        let a = 2 * i;
+        mesh.triangles
+            .extend([[a, a + 1, a + 3], [a, a + 3, a + 2]]);
+    }
+    mesh
+}
+
+fn dimples(around: u16, fold: f32) -> Relief {
+    Relief::Carved {
+        heights: Carving::Waves { around, fold },
+        world_from_solid: DMat4::from_translation(DVec3::new(0.0, 0.0, -3.0))
+            * DMat4::from_scale(DVec3::new(1.0, 0.5, 1.0)),
+        height: 0.04,
+    }
+}
+
+/// Waves in cylindrical space leave the normal of the displaced pipe, by the derivative of its closed form; also across the seam.
+#[test]
+fn waves_in_cylindrical_space_have_their_exact_normals() {
+    let toward = DVec3::new(0.4, 0.5, 1.0).normalize();
+    let mut scene = Scene {
+        lights: vec![Light::Directional {
+            color: [1.0; 3],
+            direction: (-toward).as_vec3().to_array(),
+        }],
+        ..of(matte(dimples(12, 0.0)), pipe())
+    };
+    let truth = |p: DVec3, around: f64| {
+        let angle = (p.z + 3.0).atan2(p.x);
+        let (out, turn) = (
+            DVec3::new(angle.cos(), 0.0, angle.sin()),
+            DVec3::new(-angle.sin(), 0.0, angle.cos()),
+        );
+        let wave = std::f64::consts::TAU / 0.5;
+        let by_angle = -0.02 * around * (around * angle).sin() * (wave * p.y).cos();
+        let by_y = -0.02 * wave * (around * angle).cos() * (wave * p.y).sin();
+        let n = (out - turn * by_angle - DVec3::Y * by_y).normalize();
+        n.dot(toward).max(0.0) * 255.0
+    };
+    // The middle of the picture sees a = pi / 2; turned by half a turn it sees the seam of the angle.
+    for turned in [false, true] {
+        if turned {
+            scene.camera.eye = DVec3::new(-3.0, 0.0, -3.0);
+            scene.camera.look = DVec3::new(0.0, 0.0, -3.0);
+        }
+        let frame = draw_aovs(&scene, 200, 200, &[Aov::Position]);
+        let (mut seen, mut worst, mut other) = (0, 0.0f64, 0.0f64);
+        for (x, y) in (0..200).flat_map(|y| (0..200).map(move |x| (x, y))) {
+            let p = values(&frame, Aov::Position, x, y);
+            let p = DVec3::new(p[0].into(), p[1].into(), p[2].into());
+            // At the outline pixels are wide, and waves fade.
+            let facing = DVec3::new(p.x, 0.0, p.z + 3.0).normalize_or_zero();
+            let facing = facing.dot((scene.camera.eye - p).normalize_or_zero());
+            if !p.is_finite() || facing < 0.5 {
+                continue;
+            }
+            seen += 1;
+            let found = f64::from(pixel(&frame, x, y)[0]);
+            worst = worst.max((found - truth(p, 12.0)).abs());
+            other = other.max((found - truth(p, 11.0)).abs());
+        }
+        assert!(seen > 5_000, "{seen}");
+        assert!(worst < 4.0, "{worst}");
+        assert!(other > 60.0, "a wave less is another picture: {other}");
+    }
+}
+
+/// Every formula leaves something, the same on all levels and threads, and nothing that is not finite: at the axis, at one pixel
+/// for many waves, on a face without a normal.
+#[test]
+fn carved_heights_are_steady_everywhere() {
+    let formulas = [
+        Carving::Waves {
+            around: 9,
+            fold: 0.3,
+        },
+        Carving::Pattern(Pattern::Noise { octaves: 4 }),
+        Carving::Pattern(Pattern::Marble {
+            octaves: 3,
+            turbulence: 0.5,
+        }),
+        Carving::Pattern(Pattern::Wood { grain: 0.2 }),
+    ];
+    let lights = vec![Light::Point {
+        color: [1.0; 3],
+        position: [1.0, 1.0, 0.0],
+    }];
+    for heights in formulas {
+        let relief = |height| Relief::Carved {
+            heights,
+            // The axis of the waves stands on the wall.
+            world_from_solid: DMat4::from_rotation_x(std::f64::consts::FRAC_PI_2)
+                * DMat4::from_scale(DVec3::splat(0.4)),
+            height,
+        };
+        let mut scene = Scene {
+            lights: lights.clone(),
+            ..of(matte(relief(0.05)), wall(2.0, 2.0))
+        };
+        let bumped = draw(&scene, 80, 80);
+        for (name, level) in levels() {
+            let settings = texmap_render::Settings {
+                level,
+                threads: Some(3),
+                ..texmap_render::Settings::new(80, 80)
+            };
+            let frame = texmap_render::render(&scene, &settings, &|_, _| ()).unwrap();
+            assert!(frame.rgba == bumped.rgba, "{heights:?} {name}");
+        }
+        scene.materials[0] = matte(relief(0.0));
+        let flat = draw(&scene, 80, 80);
+        assert!(most(&bumped, &flat) > 10, "{heights:?}");
+        // From afar a pixel sees many waves: their mean.
+        scene.materials[0] = matte(Relief::Carved {
+            heights,
+            world_from_solid: DMat4::from_scale(DVec3::splat(1e-4)),
+            height: 1e-5,
+        });
+        let far = draw(&scene, 80, 80);
+        let quiet = far.rgba.iter().zip(&flat.rgba);
+        assert!(
+            quiet.clone().all(|(a, b)| a.abs_diff(*b) <= 12),
+            "{heights:?}"
+        );
+        scene.meshes[0].normals = vec![[0.0; 3]; 4];
+        scene.lights.push(Light::Ambient { color: [0.1; 3] });
+        draw(&scene, 80, 80);
+    }
+}
+
+#[test]
+fn faults_of_reliefs_are_named() {
+    let refused = |relief: Relief| {
+        let (mut scene, _) = wavy();
+        scene.materials[0] = matte(relief);
+        scene.check().unwrap_err()
+    };
+    let text = |relief: Relief| refused(relief).to_string();
+    assert!(text(offsets(1, f32::NAN, Green::Up)).contains("slope of the offset map"));
+    assert!(matches!(
+        refused(offsets(9, 1.0, Green::Up)),
+        RenderError::Index { .. }
+    ));
+    assert!(text(dimples(0, 0.0)).contains("waves around"));
+    assert!(text(dimples(3, f32::INFINITY)).contains("fold"));
+    let carved = |world_from_solid, height| Relief::Carved {
+        heights: Carving::Pattern(Pattern::Noise { octaves: 1 }),
+        world_from_solid,
+        height,
+    };
+    assert!(text(carved(DMat4::IDENTITY, f32::NAN)).contains("carved height"));
+    let flat = DMat4::from_scale(DVec3::new(1.0, 0.0, 1.0));
+    assert!(text(carved(flat, 1.0)).contains("placement of the carved height"));
+    // An offset map needs coordinates, a formula none.
+    let (mut scene, _) = wavy();
+    scene.meshes[0].uvs.clear();
+    scene.materials[0] = matte(carved(DMat4::IDENTITY, 1.0));
+    assert!(scene.check().is_ok());
+    scene.materials[0] = matte(offsets(1, 1.0, Green::Up));
+    assert!(matches!(scene.check(), Err(RenderError::MissingUv { .. })));
+}
+
+/// Names of lights lead to their shadows, and what is wrong with them is said.
+#[test]
+fn lights_have_names() {
+    let mut scene = Scene {
+        lights: vec![Light::Ambient { color: [0.1; 3] }; 3],
+        ..empty()
+    };
+    let error = scene.shadow_aov("sun").unwrap_err();
+    assert!(
+        error
+            .to_string()
+            .contains("no light is called 'sun'; there are no names")
+    );
+    scene.effects.light_names = vec![String::new(), "sun".into(), "lamp-2".into()];
+    assert_eq!(scene.shadow_aov("lamp-2"), Ok(Aov::Shadow(2)));
+    let error = scene.shadow_aov("moon").unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "no light is called 'moon'; there are 'sun' (light 1), 'lamp-2' (light 2)"
+    );
+    assert!(scene.check().is_ok());
+    for names in [&["a", "a"][..], &["1"], &["a b"], &["", "", "", "lost"]] {
+        scene.effects.light_names = names.iter().map(ToString::to_string).collect();
+        let error = scene.check().unwrap_err();
+        assert!(error.to_string().contains("name is '"), "{error}");
+    }
+}
