@@ -31,6 +31,22 @@ fn every_listed_demo_draws_and_keeps_its_claims() {
     }
 }
 
+/// The moving spotlight as numbered frames, each within a code of a fresh bake.
+#[test]
+fn a_demo_that_moves_is_written_as_numbered_frames() {
+    let desk = Desk::new();
+    let run = desk
+        .texmap("demo light-maps --frames 3 -o spot%02d.png --json")
+        .ok();
+    let claims = run.json()["claims"].as_array().unwrap().clone();
+    assert_eq!(claims.len(), 3);
+    assert!(claims.iter().all(|c| c["holds"] == true), "{claims:?}");
+    let frames = [0, 1, 2].map(|n| desk.read(&format!("spot0{n}.png")));
+    assert!(frames[0] != frames[1] && frames[1] != frames[2]);
+    desk.refused("demo light-maps --frames 3 -o spot.png", 2, "%02d");
+    desk.refused("demo shadows --frames 3 -o s%02d.png", 2, "light-maps");
+}
+
 #[test]
 fn an_unknown_demo_is_refused_with_the_list() {
     let desk = Desk::new();

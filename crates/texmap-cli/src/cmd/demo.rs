@@ -1,11 +1,12 @@
 //! `texmap demo`: the captioned pictures that prove their claims.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use serde::Serialize;
-use texmap_lab::demos::{self, Claim};
+use texmap_lab::demos::{self, Claim, MovingSpot};
 
+use crate::cmd::render::plan::numbered;
 use crate::failure::{self, Exit, Failure, say};
 use crate::output::{Destination, Stage};
 
@@ -19,6 +20,9 @@ pub(crate) struct DemoArgs {
     /// The PNG to write; `-` is standard output
     #[arg(short, long, value_name = "OUT", required_unless_present = "list")]
     output: Option<PathBuf>,
+    /// Write the demo as so many numbered pictures, each checked: `-o spot%02d.png` (light-maps has frames)
+    #[arg(long, value_name = "N", conflicts_with = "list", value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    frames: Option<u32>,
     /// List the demos
     #[arg(long, conflicts_with_all = ["name", "output"])]
     list: bool,
@@ -80,6 +84,9 @@ pub(crate) fn run(args: &DemoArgs) -> Result<Exit, Failure> {
             format!("choose from {}", known.join(", ")),
         ));
     }
+    if let Some(count) = args.frames {
+        return frames(args, name, output, count);
+    }
     let destination = Destination::new(output)?;
     let mut stage = Stage::new(&destination)?;
     let demo =
@@ -92,10 +99,7 @@ pub(crate) fn run(args: &DemoArgs) -> Result<Exit, Failure> {
         picture.rgba(),
     )?;
     stage.commit()?;
-    for claim in &demo.claims {
-        say(&format!("{claim}\n"));
-    }
-    let failed = demo.claims.iter().filter(|c| !c.holds()).count();
+    let failed = tell(&demo.claims);
     say(&format!(
         "{}: {} x {} pixels, {} of {} claims hold\n",
         output.display(),
@@ -110,6 +114,61 @@ pub(crate) fn run(args: &DemoArgs) -> Result<Exit, Failure> {
             output: output.display().to_string(),
             captions: &demo.captions,
             claims: demo.claims.iter().map(ClaimReport::from).collect(),
+        });
+    }
+    Ok(if failed == 0 {
+        Exit::Done
+    } else {
+        Exit::Differs
+    })
+}
+
+/// Says each claim; how many fail.
+fn tell(claims: &[Claim]) -> usize {
+    for claim in claims {
+        say(&format!("{claim}\n"));
+    }
+    claims.iter().filter(|c| !c.holds()).count()
+}
+
+/// A demo that moves: numbered pictures, all or none.
+fn frames(args: &DemoArgs, name: &str, output: &Path, count: u32) -> Result<Exit, Failure> {
+    if name != "light-maps" {
+        return Err(Failure::usage(
+            format!("the demo `{name}` has no frames"),
+            "light-maps has: a spotlight that moves over a baked room",
+        ));
+    }
+    let names: Option<Vec<PathBuf>> = (0..count).map(|n| numbered(output, n)).collect();
+    let Some(names) = names else {
+        return Err(Failure::usage(
+            format!("{}: no place for the number of a frame", output.display()),
+            "put %02d into the name: -o spot%02d.png",
+        ));
+    };
+    let places: Vec<Destination> = names
+        .iter()
+        .map(|path| Destination::new(path))
+        .collect::<Result<_, _>>()?;
+    let mut stage = Stage::new(&places[0])?;
+    let internal = |e: texmap_lab::LabError| Failure::internal(e.to_string());
+    let round = MovingSpot::new(demos::DEFAULT_SIZE).map_err(internal)?;
+    let mut claims = Vec::new();
+    for (number, place) in (0..count).zip(places) {
+        let (picture, claim) = round.frame(number, count).map_err(internal)?;
+        let (width, height) = (picture.width(), picture.height());
+        let path = stage.add(place, "png");
+        texmap_io::image_io::write_png(&path, width, height, picture.rgba())?;
+        claims.push(claim);
+    }
+    stage.commit()?;
+    let failed = tell(&claims);
+    if args.json {
+        failure::print_json(&DemoReport {
+            demo: name,
+            output: output.display().to_string(),
+            captions: &[],
+            claims: claims.iter().map(ClaimReport::from).collect(),
         });
     }
     Ok(if failed == 0 {

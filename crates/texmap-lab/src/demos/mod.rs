@@ -9,6 +9,7 @@
 mod affine;
 mod antialiasing;
 mod cards;
+mod carving;
 mod classics;
 mod displacement;
 mod environments;
@@ -16,7 +17,9 @@ mod frame;
 mod gouraud;
 mod lit;
 mod mapping;
+mod moving_spot;
 mod paint;
+mod projections;
 mod relief;
 mod shadows;
 mod sheet;
@@ -27,6 +30,9 @@ mod tiling;
 mod transparency;
 
 use std::ops::RangeInclusive;
+
+pub use moving_spot::MovingSpot;
+pub use projections::projections;
 
 use crate::LabError;
 use crate::picture::Picture;
@@ -102,7 +108,7 @@ const DEMOS: [(&str, &str, Draw); 23] = [
     ),
     (
         "bumps",
-        "bump and normal maps against the surface they stand for; green flipped",
+        "bump, offset and normal maps against the surface they stand for; green flipped; carved waves, words",
         relief::bumps,
     ),
     (

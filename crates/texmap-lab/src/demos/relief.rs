@@ -13,7 +13,7 @@ use texmap_sample::{
 
 use super::lit::{Lit, ball, difference, floor, matte};
 use super::sheet::sheet;
-use super::{Claim, DemoPicture, Panel, stage};
+use super::{Claim, DemoPicture, Panel, carving, stage};
 use crate::LabError;
 use crate::picture::Picture;
 
@@ -29,7 +29,11 @@ fn height(u: f64, v: f64) -> f64 {
     0.5 + 0.25 * (wave(u) + wave(v))
 }
 
-fn floats(width: u32, channels: u32, texels: &[f32]) -> Result<Texture2d<'static>, LabError> {
+pub(super) fn floats(
+    width: u32,
+    channels: u32,
+    texels: &[f32],
+) -> Result<Texture2d<'static>, LabError> {
     let height = texels.len() as u32 / width / channels;
     let image = Image {
         width,
@@ -43,7 +47,7 @@ fn floats(width: u32, channels: u32, texels: &[f32]) -> Result<Texture2d<'static
     Ok(Texture2d::new(&image)?.with_mips())
 }
 
-fn slot(texture: usize, wrap: Wrap) -> TextureSlot {
+pub(super) fn slot(texture: usize, wrap: Wrap) -> TextureSlot {
     TextureSlot {
         texture,
         sampler: Sampler {
@@ -64,6 +68,14 @@ fn panel(picture: Picture, title: &str, caption: &str) -> Panel {
     }
 }
 
+/// Heights of the waves, row by row.
+fn wave_heights() -> Vec<f32> {
+    let place = |i: u32| (f64::from(i) + 0.5) / f64::from(TEXELS);
+    (0..TEXELS * TEXELS)
+        .map(|i| height(place(i % TEXELS), place(i / TEXELS)) as f32)
+        .collect()
+}
+
 /// A floor under a low light, with two textures: heights, and their normals in 8 bits with green up.
 fn waves() -> Result<Scene, LabError> {
     let mut scene = stage::scene(DVec3::new(0.0, 2.6, 3.2), DVec3::ZERO, 50.0);
@@ -74,10 +86,7 @@ fn waves() -> Result<Scene, LabError> {
             direction: [1.0, -0.8, 0.6],
         },
     ];
-    let place = |i: u32| (f64::from(i) + 0.5) / f64::from(TEXELS);
-    let values: Vec<f32> = (0..TEXELS * TEXELS)
-        .map(|i| height(place(i % TEXELS), place(i / TEXELS)) as f32)
-        .collect();
+    let values = wave_heights();
     scene.textures.push(floats(TEXELS, 1, &values)?);
     let heights = Heights {
         width: TEXELS,
@@ -164,7 +173,24 @@ pub(super) fn bumps(size: u32) -> Result<DemoPicture, LabError> {
         on_floor.iter().filter(off).count() as f64
     };
     let floor_pixels = on_floor.len().max(1) as f64;
-    let claims = vec![
+    let values = wave_heights();
+    let heights = Heights {
+        width: TEXELS,
+        values: &values,
+    };
+    let more = [
+        carving::offset_map(
+            waves()?,
+            &heights,
+            HEIGHT,
+            size,
+            &wrong,
+            0.01 * floor_pixels,
+        )?,
+        carving::pot(size)?,
+        carving::words(waves()?, size)?,
+    ];
+    let mut claims = vec![
         Claim::new(
             "wrong pixels of the floor under the bump map",
             wrong(&bumped),
@@ -190,7 +216,7 @@ pub(super) fn bumps(size: u32) -> Result<DemoPicture, LabError> {
             15.0,
         ),
     ];
-    let panels = vec![
+    let mut panels = vec![
         panel(flat.picture, "Off", "The floor is flat."),
         panel(
             bumped.picture,
@@ -213,6 +239,10 @@ pub(super) fn bumps(size: u32) -> Result<DemoPicture, LabError> {
             "The floor with the waves' exact normals, in f64.",
         ),
     ];
+    for shown in more {
+        panels.push(shown.panel);
+        claims.extend(shown.claims);
+    }
     Ok(sheet("Bump and normal maps", panels, claims))
 }
 
@@ -235,7 +265,11 @@ fn yard() -> Scene {
     scene
 }
 
-fn baked(scene: &Scene, size: u32, lights: Option<&[usize]>) -> Result<LightMap, LabError> {
+pub(super) fn baked(
+    scene: &Scene,
+    size: u32,
+    lights: Option<&[usize]>,
+) -> Result<LightMap, LabError> {
     let mut shadows = Vec::new();
     for (index, light) in scene.lights.iter().enumerate() {
         if !matches!(light, Light::Ambient { .. }) {
@@ -258,7 +292,7 @@ fn baked(scene: &Scene, size: u32, lights: Option<&[usize]>) -> Result<LightMap,
 }
 
 /// The scene with its floor under a light map.
-fn under(mut scene: Scene, map: &LightMap) -> Result<Scene, LabError> {
+pub(super) fn under(mut scene: Scene, map: &LightMap) -> Result<Scene, LabError> {
     let texels: Vec<f32> = map
         .texels
         .iter()
