@@ -82,7 +82,7 @@ fn files() -> Vec<(String, Vec<u8>)> {
         (
             "teapot",
             "The Utah teapot (Martin Newell, 1975), 32 Bezier patches of 10 x 10 squares",
-            teapot::teapot(),
+            teapot::teapot(10),
             "uv_grid.png",
         ),
         (
@@ -142,6 +142,12 @@ fn files() -> Vec<(String, Vec<u8>)> {
             mesh::mtl(name, texture).into_bytes(),
         ));
     }
+    let white = "teapot_white";
+    let heading = "The Utah teapot (Martin Newell, 1975), 32 Bezier patches of 6 x 6 squares, without a map. Made by texmap-assets.";
+    let text = teapot::teapot(6).obj(heading, "teapot_white.mtl", white);
+    files.push((format!("models/{white}.obj"), text.into_bytes()));
+    let text = format!("newmtl {white}\nKd 0.95 0.93 0.9\nKs 0.2 0.2 0.2\nNs 40\nillum 2\n");
+    files.push((format!("models/{white}.mtl"), text.into_bytes()));
     files.extend(
         scenes::SCENES.map(|(name, text)| (format!("scenes/{name}"), text.as_bytes().to_vec())),
     );

@@ -1,7 +1,7 @@
 //! The scene files, word for word.
 
 /// File name and text of every scene.
-pub(crate) const SCENES: [(&str, &str); 8] = [
+pub(crate) const SCENES: [(&str, &str); 10] = [
     ("purple_cow.scene", PURPLE_COW),
     ("checker_floor.scene", CHECKER_FLOOR),
     ("brick_wall_tiled.scene", BRICK_WALL),
@@ -10,6 +10,8 @@ pub(crate) const SCENES: [(&str, &str); 8] = [
     ("label.scene", LABEL),
     ("frame_ouv.scene", FRAME_OUV),
     ("shapes.scene", SHAPES),
+    ("teapot_slides.scene", TEAPOT_SLIDES),
+    ("painted_cow.scene", PAINTED_COW),
 ];
 
 const PURPLE_COW: &str = "\
@@ -289,4 +291,37 @@ terrain ../textures/hills.png 0 -0.7 1.5 9 1 7 step 2
 texture ../textures/leaf.png
 billboard -0.9 0.6 2.6 0.8 0.8
 billboard 0.1 0.5 2.4 0.6 0.6 axis 0 1 0
+";
+
+const TEAPOT_SLIDES: &str = "\
+# The teapot under two slide projectors, as MIT 6.837 (Fall 2001) lecture 18, slide 26, shows it.
+eye 0.4 3.6 7.6
+look 0.1 1.2 0
+up 0 1 0
+fov 48
+background 0.10 0.11 0.14
+la 0.12 0.12 0.12
+projector ../textures/uv_grid.png light -7 4.5 6   0 1.2 0   0 1 0   26 color 1 0.95 0.85 shadow 1024
+projector ../textures/brick.png light 7 3.5 5   0 1.2 0   0 1 0   28 color 0.85 0.9 1 shadow 1024
+surf 0.85 0.83 0.80 1 1 0 30
+v -6 0 6
+v 6 0 6
+v 6 0 -6
+v -6 0 -6
+f 0 1 2 3
+obj ../models/teapot_white.obj
+";
+
+const PAINTED_COW: &str = "\
+# A cow painted by a picture, seen from beside the projector: what that does not see keeps its own colour
+# (MIT 6.837, Fall 2001, lecture 18, slide 26).
+eye 2.6 1.7 3.3
+look 0.1 0.9 0
+up 0 1 0
+fov 40
+background 0.62 0.72 0.82
+la 0.45 0.45 0.45
+ld 0.6 0.6 0.55 -0.4 -1 -0.7
+projector ../textures/uv_grid.png paint -1.2 1.4 4.2   0.1 0.95 0   0 1 0   42 shadow 1024
+obj ../models/cow.obj
 ";

@@ -8,9 +8,6 @@ use texmap_math::glam::DVec3;
 
 use crate::mesh::{Corner, Mesh, length, unit};
 
-/// Squares along each side of a patch.
-const STEPS: usize = 10;
-
 /// Radius, height and the arc's handle length as a share of the radius.
 type Ring = [f64; 3];
 const LID: [[Ring; 4]; 2] = [
@@ -88,18 +85,19 @@ const SPOUT: [[Loop; 4]; 2] = [
 /// A rectangle of the texture: left, bottom, right, top.
 type Rect = [f64; 4];
 
-pub(crate) fn teapot() -> Mesh {
+/// With `steps` squares along each side of a patch.
+pub(crate) fn teapot(steps: usize) -> Mesh {
     let mut mesh = Mesh::default();
-    mesh.append(turned("body", &BODY, [0.0, 0.34, 1.0, 0.80]));
-    mesh.append(turned("bottom", &BOTTOM, [0.0, 0.24, 1.0, 0.33]));
-    mesh.append(turned("lid", &LID, [0.0, 0.81, 1.0, 1.0]));
-    mesh.append(tube("handle", &HANDLE, [0.0, 0.0, 0.49, 0.23]));
-    mesh.append(tube("spout", &SPOUT, [0.51, 0.0, 1.0, 0.23]));
+    mesh.append(turned("body", &BODY, [0.0, 0.34, 1.0, 0.80], steps));
+    mesh.append(turned("bottom", &BOTTOM, [0.0, 0.24, 1.0, 0.33], steps));
+    mesh.append(turned("lid", &LID, [0.0, 0.81, 1.0, 1.0], steps));
+    mesh.append(tube("handle", &HANDLE, [0.0, 0.0, 0.49, 0.23], steps));
+    mesh.append(tube("spout", &SPOUT, [0.51, 0.0, 1.0, 0.23], steps));
     mesh.welded()
 }
 
 /// A body of revolution from its profile, a ring of four patches after the other.
-fn turned<const N: usize>(name: &str, profile: &[[Ring; 4]; N], rect: Rect) -> Mesh {
+fn turned<const N: usize>(name: &str, profile: &[[Ring; 4]; N], rect: Rect, steps: usize) -> Mesh {
     let quarter = |[r, h, k]: Ring| {
         [
             DVec3::new(r, h, 0.0),
@@ -112,7 +110,7 @@ fn turned<const N: usize>(name: &str, profile: &[[Ring; 4]; N], rect: Rect) -> M
         let first = rings.map(quarter);
         core::array::from_fn::<_, 4, _>(|turn| first.map(|row| row.map(|p| quarter_turns(p, turn))))
     });
-    surface(name, &patches.collect::<Vec<_>>(), rect)
+    surface(name, &patches.collect::<Vec<_>>(), rect, steps)
 }
 
 fn quarter_turns(p: DVec3, turns: usize) -> DVec3 {
@@ -120,7 +118,7 @@ fn quarter_turns(p: DVec3, turns: usize) -> DVec3 {
 }
 
 /// A tube from its loops: the near half and the mirrored far half.
-fn tube<const N: usize>(name: &str, loops: &[[Loop; 4]; N], rect: Rect) -> Mesh {
+fn tube<const N: usize>(name: &str, loops: &[[Loop; 4]; N], rect: Rect, steps: usize) -> Mesh {
     let half = |[xi, hi, xo, ho, w]: Loop| {
         [
             DVec3::new(xi, hi, 0.0),
@@ -134,7 +132,7 @@ fn tube<const N: usize>(name: &str, loops: &[[Loop; 4]; N], rect: Rect) -> Mesh 
         let far = near.map(|[a, b, c, d]| [d, c, b, a].map(|p| DVec3::new(p.x, p.y, -p.z)));
         [near, far]
     });
-    surface(name, &patches.collect::<Vec<_>>(), rect)
+    surface(name, &patches.collect::<Vec<_>>(), rect, steps)
 }
 
 /// Tessellates rows of patches that close on themselves sideways; v follows the length of the first column,
@@ -143,16 +141,17 @@ fn surface<const AROUND: usize>(
     name: &str,
     rows: &[[[[DVec3; 4]; 4]; AROUND]],
     rect: Rect,
+    steps: usize,
 ) -> Mesh {
-    let (across, down) = (AROUND * STEPS, rows.len() * STEPS);
+    let (across, down) = (AROUND * steps, rows.len() * steps);
     let at = |i: usize, j: usize| {
         // The last line of one row of patches is the first of the next.
         let (row, t) = if j == down {
             (rows.len() - 1, 1.0)
         } else {
-            (j / STEPS, (j % STEPS) as f64 / STEPS as f64)
+            (j / steps, (j % steps) as f64 / steps as f64)
         };
-        let (patch, s) = (i / STEPS % AROUND, (i % STEPS) as f64 / STEPS as f64);
+        let (patch, s) = (i / steps % AROUND, (i % steps) as f64 / steps as f64);
         evaluate(&rows[row][patch], s, t)
     };
     let mut lengths = vec![0.0];

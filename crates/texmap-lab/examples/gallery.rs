@@ -24,6 +24,12 @@ const ROWS: [&str; 14] = [
     "labels",
 ];
 
+/// Scenes of `assets` with projectors, what they show, and how much of the picture is wrong without depth maps, %.
+const SCENES: [(&str, &str, f64); 2] = [
+    ("teapot_slides", "The teapot under two slides", 5.0),
+    ("painted_cow", "A cow painted by a picture", 5.0),
+];
+
 fn main() -> Result<(), Box<dyn Error>> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/gallery");
     std::fs::create_dir_all(&folder)?;
@@ -33,25 +39,38 @@ fn main() -> Result<(), Box<dyn Error>> {
          `texmap demo NAME -o OUT.png` makes and checks each sheet again.\n",
     );
     let mut failed = Vec::new();
+    let mut row =
+        |name: &str, shows: &str, demo: demos::DemoPicture| -> Result<(), Box<dyn Error>> {
+            let file = format!("{name}.png");
+            texmap_io::image_io::write_png(
+                &folder.join(&file),
+                demo.image.width(),
+                demo.image.height(),
+                demo.image.rgba(),
+            )?;
+            writeln!(page, "\n## {name}\n{shows}\n\n![{name}]({file})\n")?;
+            writeln!(page, "| what is measured | figure |\n|---|---|")?;
+            for claim in &demo.claims {
+                writeln!(page, "| {} | {} |", claim.text, short(claim.measured))?;
+                if !claim.holds() {
+                    failed.push(format!("{name}: {claim}"));
+                }
+            }
+            Ok(())
+        };
     for name in ROWS {
-        let demo = demos::demo(name, 320)?;
-        let file = format!("{name}.png");
-        texmap_io::image_io::write_png(
-            &folder.join(&file),
-            demo.image.width(),
-            demo.image.height(),
-            demo.image.rgba(),
-        )?;
         let shows = demos::list()
             .find(|(known, _)| *known == name)
             .map_or("", |(_, shows)| shows);
-        writeln!(page, "\n## {name}\n{shows}\n\n![{name}]({file})\n")?;
-        writeln!(page, "| what is measured | figure |\n|---|---|")?;
-        for claim in &demo.claims {
-            writeln!(page, "| {} | {} |", claim.text, short(claim.measured))?;
-            if !claim.holds() {
-                failed.push(format!("{name}: {claim}"));
-            }
+        row(name, shows, demos::demo(name, 320)?)?;
+        for (scene, shows, spoiled) in SCENES.into_iter().filter(|_| name == "slides") {
+            let file = folder.join(format!("../../assets/scenes/{scene}.scene"));
+            let loaded = texmap_io::load_scene(&file, &Default::default())?;
+            row(
+                scene,
+                shows,
+                demos::projections(shows, &loaded, 320, spoiled)?,
+            )?;
         }
     }
     std::fs::write(folder.join("README.md"), page)?;
