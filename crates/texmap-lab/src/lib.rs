@@ -30,6 +30,7 @@ pub mod picture;
 pub mod plane;
 pub mod reference;
 pub mod scenes;
+pub mod shading;
 pub mod shadow_scene;
 pub mod strip;
 pub mod topology;

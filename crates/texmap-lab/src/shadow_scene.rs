@@ -27,8 +27,11 @@ pub struct ShadowScene {
 /// Shares of the points that face the light and lie outside of the band around the true shadow's edge.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Figures {
-    /// Lit in truth, dark by the map.
+    /// Lit in truth, dark by the map, with nothing but the receiver's own plane around.
     pub false_shadow: f64,
+    /// The same within 1.5 texels of a crease where the surface rises from that plane: a bias that is exact for a plane does not
+    /// reach the neighbour's depth.
+    pub creases: f64,
     /// Dark in truth, lit by the map.
     pub false_light: f64,
     /// Share of all points that lie in the band.
@@ -164,32 +167,44 @@ impl ShadowScene {
         let texel = 2.0 * HALF / f64::from(size);
         let (a, b) = across(toward);
         let dark = |p: DVec3, n: DVec3| self.dark(p, n, toward);
-        let (mut count, mut band, mut shadow, mut light) = (0u32, 0u32, 0u32, 0u32);
+        let (mut count, mut band) = (0u32, 0u32);
+        let (mut shadow, mut light, mut creases) = (0u32, 0u32, 0u32);
         for (point, normal) in self.points(pixels)? {
             if normal.dot(toward) <= 0.02 {
                 continue;
             }
             count += 1;
             let truth = dark(point, normal);
-            let edge = (0..8).any(|k| {
-                let (sin, cos) = det::sin_cos(f64::from(k) * std::f64::consts::FRAC_PI_4);
-                let o = (a * cos + b * sin) * (1.5 * texel);
-                // On the receiver's plane.
-                let p = point + o - toward * (normal.dot(o) / normal.dot(toward));
-                dark(p, normal) != truth
+            let around = || {
+                (0..8).map(|k| {
+                    let (sin, cos) = det::sin_cos(f64::from(k) * std::f64::consts::FRAC_PI_4);
+                    (a * cos + b * sin) * (1.5 * texel)
+                })
+            };
+            let edge = around().any(|o| {
+                self.surface_beside(point + o, toward)
+                    .is_none_or(|(p, n)| dark(p, n) != truth)
             });
             if edge {
                 band += 1;
                 continue;
             }
+            // The receiver's plane goes on into the body: it rises beside it.
+            let crease = around().any(|o| {
+                let p = point + o - toward * (normal.dot(o) / normal.dot(toward));
+                dark(p, normal) != truth
+            });
             let lit = map.lit(point, normal, bias, taps);
-            shadow += u32::from(!truth && lit < 1.0);
+            let unlit = !truth && lit < 1.0;
+            creases += u32::from(unlit && crease);
+            shadow += u32::from(unlit && !crease);
             light += u32::from(truth && lit > 0.0);
         }
         let share = |n: u32| f64::from(n) / f64::from((count - band).max(1));
         Ok(Figures {
             false_shadow: share(shadow),
             false_light: share(light),
+            creases: share(creases),
             band: f64::from(band) / f64::from(count.max(1)),
         })
     }
@@ -234,6 +249,21 @@ impl ShadowScene {
         }
         let share = |n: u32| f64::from(n) / f64::from(count.max(1));
         Ok((share(ruled), share(clamped)))
+    }
+
+    /// The surface on the light's ray through a place, nearest to it: its point and the side that faces the light. A plane of the
+    /// receiver would do on the floor, but on facets that the light grazes it runs into the body and calls everything dark.
+    fn surface_beside(&self, place: DVec3, toward: DVec3) -> Option<(DVec3, DVec3)> {
+        let range = (0.0, f64::INFINITY);
+        let up = self.rays.nearest(place, toward, range);
+        let down = self.rays.nearest(place, -toward, range);
+        let hit = match (up, down) {
+            (Some(up), Some(down)) if up.t < down.t => up,
+            (up, down) => down.or(up)?,
+        };
+        let plane = self.plane(&hit);
+        let side = if plane.dot(toward) < 0.0 { -1.0 } else { 1.0 };
+        Some((hit.point, plane * side))
     }
 
     fn dark(&self, point: DVec3, normal: DVec3, toward: DVec3) -> bool {

@@ -2,6 +2,7 @@
 mod cases;
 mod demos;
 mod program;
+mod projections;
 mod scenes;
 mod shadows;
 mod truth;

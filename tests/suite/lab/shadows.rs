@@ -10,12 +10,12 @@ fn cow() -> ShadowScene {
     ShadowScene::standing(&path).unwrap()
 }
 
-/// Share of points that light reaches in error: at the cow's terminator facets shadow slivers of each other that are narrower than
-/// the ring of eight neighbours can tell; they are there without a bias, too.
-const SLIVERS: f64 = 1e-4;
+/// What the case demands: 0.001 %. A picture of 512 x 512 sees enough points for it; at 256 x 256 one is more than that.
+const DEMANDED: f64 = 1e-5;
+const PIXELS: u32 = 512;
 
-/// A single point of the picture's, 0.0026 %.
-const ONE: f64 = 3e-5;
+/// False shadow that a plane's bias leaves where facets rise from it.
+const CREASES: f64 = 3e-4;
 
 #[test]
 fn the_cow_has_the_figures_of_the_cases() {
@@ -23,8 +23,9 @@ fn the_cow_has_the_figures_of_the_cases() {
     let pixels = 256;
     let show = |what: &str, f: texmap_lab::shadow_scene::Figures| {
         eprintln!(
-            "{what}: false shadow {:.4} %, false light {:.4} %, band {:.2} %",
+            "{what}: false shadow {:.4} %, at creases {:.4} %, false light {:.4} %, band {:.2} %",
             100.0 * f.false_shadow,
+            100.0 * f.creases,
             100.0 * f.false_light,
             100.0 * f.band
         );
@@ -36,9 +37,9 @@ fn the_cow_has_the_figures_of_the_cases() {
             .measure(60.0, 512, ShadowBias::Constant(0.0), 1, pixels)
             .unwrap(),
     );
-    assert!(none.false_shadow > 0.3, "acne is seen");
+    assert!(none.false_shadow > 0.4, "acne is seen");
     let texel = 5.2 / 512.0;
-    for (elevation, at_least) in [(25.0, 0.005), (10.0, 0.1)] {
+    for (elevation, at_least) in [(25.0, 0.025), (10.0, 0.25)] {
         let constant = scene
             .measure(elevation, 512, ShadowBias::Constant(texel), 1, pixels)
             .unwrap();
@@ -53,11 +54,12 @@ fn the_cow_has_the_figures_of_the_cases() {
         (10.0, 2048),
     ] {
         let slope = scene
-            .measure(elevation, size, ShadowBias::Slope(1e-4), 1, pixels)
+            .measure(elevation, size, ShadowBias::Slope(1e-4), 1, PIXELS)
             .unwrap();
         show(&format!("H3, {elevation}, {size}"), slope);
-        assert!(slope.false_shadow <= ONE, "{elevation} {size}");
-        assert!(slope.false_light <= SLIVERS, "{elevation} {size}");
+        assert!(slope.false_shadow <= DEMANDED, "{elevation} {size}");
+        assert!(slope.false_light <= DEMANDED, "{elevation} {size}");
+        assert!(slope.creases <= CREASES, "{elevation} {size}");
     }
     let (ruled, clamped) = scene.outside(60.0, 512, pixels).unwrap();
     eprintln!(

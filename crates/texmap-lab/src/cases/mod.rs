@@ -12,6 +12,7 @@ mod naive;
 mod probe;
 mod raster;
 mod sampler;
+mod shading;
 mod shadows;
 mod shapes;
 mod table;
@@ -30,7 +31,8 @@ use crate::LabError;
 #[serde(deny_unknown_fields)]
 pub struct Case {
     /// Short id: R for the rasterizer, I for interpolation, S for the sampler, U for the uv mapper, P for
-    /// projective textures, H for shadows, E for environment and light maps, B for bumps, displacement and tangents, G for
+    /// projective textures, H for shadows, E for environment and light maps, B for bumps, displacement and tangents, L for
+    /// where light is computed, G for
     /// moved, bent and turned shapes, V for volumes, solid textures and ramps.
     pub id: String,
     /// What is put in.
@@ -202,6 +204,7 @@ const RUNNERS: &[(&str, Runner)] = &[
     ("B5", bump::b5),
     ("B6", bump::b6),
     ("B7", shapes::b7),
+    ("L1", shading::l1),
     ("G1", shapes::g1),
     ("G2", shapes::g2),
     ("G3", shapes::g3),

@@ -221,6 +221,13 @@ pub(super) fn h3() -> Result<Vec<Measurement>, LabError> {
         let pixels = if elevation > 30.0 { 512 } else { 256 };
         let found = scene.measure(elevation, size, ShadowBias::Slope(1e-4), 1, pixels)?;
         all.extend(figures("slope", elevation, size, found));
+        if elevation > 30.0 {
+            all.push(Measurement::new(
+                "slope",
+                "false shadow at creases, %, elevation 60, 512 texels",
+                100.0 * found.creases,
+            ));
+        }
     }
     let found = scene.measure(10.0, 512, ShadowBias::Constant(1e-4), 1, 256)?;
     let [acne, _] = figures("constant of 1e-4", 10.0, 512, found);

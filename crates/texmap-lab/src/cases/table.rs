@@ -92,6 +92,7 @@ const GROUPS: &[(char, &str)] = &[
     ('H', "Shadow maps"),
     ('E', "Environment and light maps"),
     ('B', "Bump, normal and displacement maps"),
+    ('L', "Where light is computed"),
     ('G', "Moved, bent and turned shapes"),
     ('V', "Volumes, solid textures and ramps"),
 ];

@@ -12,11 +12,11 @@ use super::{Claim, Panel, stage};
 use crate::LabError;
 use crate::picture::Picture;
 
-/// Waves around the pot, and how many stand on its height of 1.4.
-const AROUND: u16 = 20;
-const RISE: f64 = 0.2;
+/// Waves around the pot, and their length along it.
+const AROUND: u16 = 12;
+const RISE: f64 = 0.35;
 /// Height of the waves; the pot's radius is 0.8.
-const HEIGHT: f64 = 0.03;
+const HEIGHT: f64 = 0.05;
 
 /// What one method gave: a panel and what was measured on it.
 pub(super) struct Shown {
@@ -95,7 +95,7 @@ pub(super) fn pot(size: u32) -> Result<Shown, LabError> {
         let normal = smooth.normal[i];
         let view = (scene.camera.eye - *p).normalize_or_zero();
         // At the outline pixels are wide and the waves fade to their mean, as they should.
-        if !p.is_finite() || p.y < 1e-6 || normal.dot(view) < 0.35 {
+        if !p.is_finite() || p.y < 1e-6 || normal.dot(view) < 0.5 {
             continue;
         }
         let lit = texmap_light::reference::illuminate(
