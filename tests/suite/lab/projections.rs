@@ -13,7 +13,7 @@ fn sheet(name: &str, spoiled: f64) -> Vec<texmap_lab::demos::Claim> {
 
 #[test]
 fn depth_maps_keep_slides_from_shining_through() {
-    for (name, spoiled) in [("teapot_slides.scene", 10.3), ("painted_cow.scene", 0.47)] {
+    for (name, spoiled) in [("teapot_slides.scene", 10.3), ("painted_cow.scene", 0.5)] {
         for claim in sheet(name, spoiled) {
             assert!(claim.holds(), "{name}: {claim}");
         }
