@@ -12,6 +12,8 @@ use texmap_lab::bench_scenes::{
     SCENES, WIDTH, base, mip_chain,
 };
 
+use crate::effects::Effects;
+
 const PLATFORM_SURFACELESS_MESA: egl::Enum = 0x31DD;
 const TEXTURE_MAX_ANISOTROPY: u32 = 0x84FE;
 
@@ -30,15 +32,15 @@ void main() { colour = constant; }";
 const NOTHING: &str = "#version 330 core
 void main() {}";
 
-struct Target {
-    framebuffer: glow::Framebuffer,
-    clears: u32,
-    size: (u32, u32),
+pub(crate) struct Target {
+    pub(crate) framebuffer: glow::Framebuffer,
+    pub(crate) clears: u32,
+    pub(crate) size: (u32, u32),
 }
 
-struct GpuMesh {
-    array: glow::VertexArray,
-    indices: i32,
+pub(crate) struct GpuMesh {
+    pub(crate) array: glow::VertexArray,
+    pub(crate) indices: i32,
 }
 
 /// One context with everything that the scenes need, uploaded once.
@@ -56,6 +58,8 @@ pub(crate) struct Llvmpipe {
     multisampled: Target,
     shadow: Target,
     meshes: Vec<(Content, GpuMesh)>,
+    /// What the scenes under lighting effects need, if there are any.
+    effects: Option<Effects>,
 }
 
 impl Llvmpipe {
@@ -72,24 +76,15 @@ impl Llvmpipe {
         unsafe {
             let renderer = gl.get_parameter_string(glow::RENDERER);
             let version = gl.get_parameter_string(glow::VERSION);
-            let texture = gl.create_texture()?;
             gl.active_texture(glow::TEXTURE0);
+            let texture = gl.create_texture()?;
             gl.bind_texture(glow::TEXTURE_2D, Some(texture));
-            let mut size = BASE_SIZE as i32;
-            for (level, texels) in mip_chain(base(), BASE_SIZE).iter().enumerate() {
-                gl.tex_image_2d(
-                    glow::TEXTURE_2D,
-                    level as i32,
-                    glow::RGBA8 as i32,
-                    size,
-                    size,
-                    0,
-                    glow::RGBA,
-                    glow::UNSIGNED_BYTE,
-                    glow::PixelUnpackData::Slice(Some(texels)),
-                );
-                size = (size / 2).max(1);
-            }
+            levels(
+                &gl,
+                glow::TEXTURE_2D,
+                &mip_chain(base(), BASE_SIZE),
+                BASE_SIZE,
+            );
             let samplers = [
                 Lookup::Nearest,
                 Lookup::Bilinear,
@@ -127,12 +122,18 @@ impl Llvmpipe {
                     (DEPTH_SIZE, DEPTH_SIZE),
                 )?,
                 meshes: Vec::new(),
+                effects: None,
                 gl,
             };
             peer.gl.bind_texture(glow::TEXTURE_2D, Some(texture));
             peer.gl.clear_color(CLEAR[0], CLEAR[1], CLEAR[2], CLEAR[3]);
+            let under_effects = |scene: &BenchScene| Effects::draws(scene.content);
+            if scenes.iter().any(under_effects) {
+                peer.effects = Some(Effects::new(&peer.gl, texture)?);
+            }
             for scene in scenes {
-                if scene.content != Content::Clear && peer.mesh(scene).is_none() {
+                let own = scene.content != Content::Clear && !under_effects(scene);
+                if own && peer.mesh(scene).is_none() {
                     let mesh = upload(&peer.gl, &scene.mesh())?;
                     peer.meshes.push((scene.content, mesh));
                 }
@@ -159,6 +160,12 @@ impl Llvmpipe {
             gl.depth_mask(true);
             gl.disable(glow::CULL_FACE);
             gl.clear(target.clears);
+            if let (Some(effects), true) = (&self.effects, Effects::draws(scene.content)) {
+                gl.enable(glow::CULL_FACE);
+                gl.cull_face(glow::BACK);
+                gl.front_face(glow::CCW);
+                effects.draw(gl, scene, &self.samplers, &self.main);
+            }
             if let Some(mesh) = self.mesh(scene) {
                 let mut program = self.textured;
                 match scene.content {
@@ -340,10 +347,18 @@ fn context() -> Result<glow::Context, String> {
 }
 
 unsafe fn program(gl: &glow::Context, fragment: &str) -> Result<glow::Program, String> {
+    unsafe { program_of(gl, VERTEX, fragment) }
+}
+
+pub(crate) unsafe fn program_of(
+    gl: &glow::Context,
+    vertex: &str,
+    fragment: &str,
+) -> Result<glow::Program, String> {
     unsafe {
         let program = gl.create_program()?;
         for (kind, source) in [
-            (glow::VERTEX_SHADER, VERTEX),
+            (glow::VERTEX_SHADER, vertex),
             (glow::FRAGMENT_SHADER, fragment),
         ] {
             let shader = gl.create_shader(kind)?;
@@ -359,6 +374,26 @@ unsafe fn program(gl: &glow::Context, fragment: &str) -> Result<glow::Program, S
             Ok(program)
         } else {
             Err(gl.get_program_info_log(program))
+        }
+    }
+}
+
+/// Uploads the mip chain of a texture or of a face of a cube.
+pub(crate) unsafe fn levels(gl: &glow::Context, target: u32, chain: &[Vec<u8>], size: u32) {
+    for (level, texels) in chain.iter().enumerate() {
+        let size = (size as i32 >> level).max(1);
+        unsafe {
+            gl.tex_image_2d(
+                target,
+                level as i32,
+                glow::RGBA8 as i32,
+                size,
+                size,
+                0,
+                glow::RGBA,
+                glow::UNSIGNED_BYTE,
+                glow::PixelUnpackData::Slice(Some(texels)),
+            );
         }
     }
 }
@@ -382,7 +417,7 @@ unsafe fn sampler(gl: &glow::Context, lookup: Lookup) -> Result<glow::Sampler, S
     }
 }
 
-unsafe fn target_texture(
+pub(crate) unsafe fn target_texture(
     gl: &glow::Context,
     format: u32,
     width: u32,
@@ -427,7 +462,7 @@ unsafe fn target_texture(
     }
 }
 
-unsafe fn target(
+pub(crate) unsafe fn target(
     gl: &glow::Context,
     colour: Option<glow::Texture>,
     depth: Option<glow::Texture>,
@@ -467,7 +502,7 @@ unsafe fn target(
     }
 }
 
-unsafe fn upload(gl: &glow::Context, mesh: &BenchMesh) -> Result<GpuMesh, String> {
+pub(crate) unsafe fn upload(gl: &glow::Context, mesh: &BenchMesh) -> Result<GpuMesh, String> {
     // 44 bytes a vertex, as in the table: position, normal, uv, tangent.
     let mut bytes = Vec::with_capacity(mesh.positions.len() * 44);
     for i in 0..mesh.positions.len() {
@@ -496,6 +531,10 @@ unsafe fn upload(gl: &glow::Context, mesh: &BenchMesh) -> Result<GpuMesh, String
         gl.enable_vertex_attrib_array(0);
         gl.vertex_attrib_pointer_f32(1, 2, glow::FLOAT, false, 44, 24);
         gl.enable_vertex_attrib_array(1);
+        gl.vertex_attrib_pointer_f32(2, 3, glow::FLOAT, false, 44, 12);
+        gl.enable_vertex_attrib_array(2);
+        gl.vertex_attrib_pointer_f32(3, 3, glow::FLOAT, false, 44, 32);
+        gl.enable_vertex_attrib_array(3);
         Ok(GpuMesh {
             array,
             indices: mesh.triangles.len() as i32 * 3,

@@ -51,6 +51,8 @@ pub(crate) enum Texmap {
     Frame {
         renderer: Renderer<'static>,
         frame: Box<Frame>,
+        /// Shadow maps are drawn with each frame.
+        with_maps: bool,
     },
     /// A depth map.
     Depth {
@@ -90,12 +92,24 @@ impl Texmap {
         }
         let renderer = Renderer::new(data, &settings).ok()?.turned_over();
         let frame = Box::new(renderer.draw(&|_, _| {}).ok()?);
-        Some(Self::Frame { renderer, frame })
+        let with_maps = scene.content == (Content::Lit { shadow_pass: true });
+        Some(Self::Frame {
+            renderer,
+            frame,
+            with_maps,
+        })
     }
 
     pub(crate) fn frame(&mut self) {
         match self {
-            Self::Frame { renderer, frame } => {
+            Self::Frame {
+                renderer,
+                frame,
+                with_maps,
+            } => {
+                if *with_maps && let Err(why) = renderer.redraw_shadows() {
+                    eprintln!("peers: texmap: {why}");
+                }
                 let in_order = |blocks| (0..blocks).collect();
                 if let Err(why) = renderer.draw_into(frame, &|_, _| {}, &in_order) {
                     eprintln!("peers: texmap: {why}");
@@ -143,18 +157,23 @@ impl Texmap {
     }
 }
 
-/// The anisotropic floor by 8 x 8 trilinear samples a pixel; `None` for scenes whose pictures must agree value by value.
-pub(crate) fn supersampled(scene: &BenchScene) -> Option<Vec<u8>> {
-    if scene.lookup != Lookup::Aniso16 {
-        return None;
-    }
-    let data = scene.scene(Precision::Exact, Hidden::Skipped).ok()??;
+/// What a picture should be where filters differ by right; `None` for scenes whose pictures must agree value by value.
+///
+/// The anisotropic floor: 8 x 8 trilinear samples a pixel. Normal maps: the same picture with f32 weights, as light shows twice over
+/// what bytes round off normals (with f32 weights in both, `GALLIVM_PERF=no_aos_sampling`, these pictures agree value by value).
+pub(crate) fn truth(scene: &BenchScene) -> Option<Vec<u8>> {
     let (width, height) = scene.size();
-    let settings = Settings {
-        supersample: 8,
-        filter: Some(Filter::Trilinear),
-        ..Settings::new(width, height)
+    let settings = Settings::new(width, height);
+    let settings = match (scene.lookup, scene.content) {
+        (Lookup::Aniso16, _) => Settings {
+            supersample: 8,
+            filter: Some(Filter::Trilinear),
+            ..settings
+        },
+        (_, Content::Lit { .. }) => settings,
+        _ => return None,
     };
+    let data = scene.scene(Precision::Exact, Hidden::Skipped).ok()??;
     let frame = Renderer::new(&data, &settings)
         .ok()?
         .draw(&|_, _| {})

@@ -11,11 +11,27 @@ use crate::error::{LightError, same_length};
 /// of each face, so that bilinear look-ups have no seams.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Environment {
-    chart: Chart,
-    width: u32,
-    height: u32,
-    /// Faces one after the other, (width + 2) x (height + 2) texels each, linear light.
-    texels: Vec<[f32; 3]>,
+    pub(crate) chart: Chart,
+    /// Level after level, each its faces one after the other, (width + 2) x (height + 2) texels each, linear light.
+    pub(crate) texels: Vec<[f32; 3]>,
+    /// At least one.
+    pub(crate) levels: Vec<Level>,
+}
+
+/// One level of an environment.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Level {
+    pub(crate) width: u32,
+    pub(crate) height: u32,
+    /// First texel.
+    pub(crate) start: usize,
+}
+
+impl Level {
+    fn index(&self, face: usize, x: usize, y: usize) -> usize {
+        let (w, h) = (self.width as usize + 2, self.height as usize + 2);
+        self.start + (face * h + y) * w + x
+    }
 }
 
 impl Environment {
@@ -50,12 +66,7 @@ impl Environment {
                 }
             }
         }
-        Ok(Self {
-            chart,
-            width,
-            height,
-            texels,
-        })
+        Ok(Self::of(chart, (width, height), texels))
     }
 
     /// From images of the faces, linear light, one after the other, rows top to bottom. Their borders are read from the
@@ -84,40 +95,60 @@ impl Environment {
         if let Some(index) = texels.iter().position(|t| t.iter().any(|c| !c.is_finite())) {
             return Err(LightError::Texel { index });
         }
-        let (w, h) = (width as usize, height as usize);
-        let inner =
-            |face: usize, x: usize, y: usize| texels[(face * h + y.min(h - 1)) * w + x.min(w - 1)];
-        // Without borders yet: each face clamped at its own edge.
-        let mut clamped = Vec::with_capacity(chart.faces() * (w + 2) * (h + 2));
-        for face in 0..chart.faces() {
-            for y in 0..h + 2 {
-                clamped.extend(
-                    (0..w + 2).map(|x| inner(face, x.saturating_sub(1), y.saturating_sub(1))),
-                );
-            }
-        }
-        let clamped = Self {
+        Ok(Self::of(
             chart,
+            (width, height),
+            bordered(chart, (width, height), texels),
+        ))
+    }
+
+    fn of(chart: Chart, (width, height): (u32, u32), texels: Vec<[f32; 3]>) -> Self {
+        let start = 0;
+        let levels = alloc::vec![Level {
             width,
             height,
-            texels: clamped,
-        };
-        let mut bordered = clamped.clone();
-        for face in 0..chart.faces() {
-            for y in 0..height + 2 {
-                for x in 0..width + 2 {
-                    if x == 0 || y == 0 || x == width + 1 || y == height + 1 {
-                        let place = |i: u32, n: u32| (f64::from(i) - 0.5) / f64::from(n);
-                        let direction =
-                            chart.direction(face, DVec2::new(place(x, width), place(y, height)));
-                        let (at, uv) = chart.locate(direction);
-                        let index = bordered.index(face, x as usize, y as usize);
-                        bordered.texels[index] = clamped.bilinear(at, uv);
-                    }
+            start
+        }];
+        Self {
+            chart,
+            texels,
+            levels,
+        }
+    }
+
+    /// With smaller and smaller levels down to a height of 1, each texel the mean of four above it, for look-ups that know their
+    /// footprint ([`light_across`](Self::light_across)).
+    #[must_use]
+    pub fn with_mips(mut self) -> Self {
+        self.levels.truncate(1);
+        let (width, height) = self.size();
+        self.texels
+            .truncate(self.chart.faces() * (width as usize + 2) * (height as usize + 2));
+        let mut above = self.levels[0];
+        while above.height > 1 {
+            let (width, height) = (above.width / 2, above.height / 2);
+            let mut inner =
+                Vec::with_capacity(self.chart.faces() * width as usize * height as usize);
+            for face in 0..self.chart.faces() {
+                for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
+                    let at = |dx: usize, dy: usize| {
+                        let (x, y) = (2 * x as usize + 1 + dx, 2 * y as usize + 1 + dy);
+                        self.texels[above.index(face, x, y)]
+                    };
+                    let (a, b, c, d) = (at(0, 0), at(1, 0), at(0, 1), at(1, 1));
+                    inner.push([0, 1, 2].map(|i| ((a[i] + b[i]) + (c[i] + d[i])) * 0.25));
                 }
             }
+            above = Level {
+                width,
+                height,
+                start: self.texels.len(),
+            };
+            self.levels.push(above);
+            self.texels
+                .extend(bordered(self.chart, (width, height), &inner));
         }
-        Ok(bordered)
+        self
     }
 
     /// The chart.
@@ -129,21 +160,26 @@ impl Environment {
     /// Width and height of a face in texels.
     #[must_use]
     pub fn size(&self) -> (u32, u32) {
-        (self.width, self.height)
+        (self.levels[0].width, self.levels[0].height)
     }
 
     /// A texel of a face; `None` outside.
     #[must_use]
     pub fn texel(&self, face: usize, x: u32, y: u32) -> Option<[f32; 3]> {
-        let inside = face < self.chart.faces() && x < self.width && y < self.height;
-        inside.then(|| self.texels[self.index(face, x as usize + 1, y as usize + 1)])
+        let (width, height) = self.size();
+        let inside = face < self.chart.faces() && x < width && y < height;
+        inside.then(|| self.texels[self.levels[0].index(face, x as usize + 1, y as usize + 1)])
     }
 
     /// Light from a direction of any length, bilinear and without seams. Zero and non-finite directions read as +Z.
     #[must_use]
     pub fn light(&self, direction: [f32; 3]) -> [f32; 3] {
-        let (face, uv) = self.chart.locate(DVec3::from(direction.map(f64::from)));
-        self.bilinear(face, uv)
+        let (face, uv) = self.locate(direction);
+        self.bilinear(self.levels[0], face, uv)
+    }
+
+    pub(crate) fn locate(&self, direction: [f32; 3]) -> (usize, DVec2) {
+        self.chart.locate(DVec3::from(direction.map(f64::from)))
     }
 
     /// [`light`](Self::light) for every direction of a slice: the same bits, entry by entry.
@@ -170,7 +206,8 @@ impl Environment {
     pub fn convert(&self, chart: Chart, size: u32) -> Result<Self, LightError> {
         let count =
             |chart: Chart, w: u32, h: u32| chart.faces() as f64 * f64::from(w) * f64::from(h);
-        let ratio = count(self.chart, self.width, self.height)
+        let (width, height) = self.size();
+        let ratio = count(self.chart, width, height)
             / count(chart, size.max(1) * chart.aspect(), size.max(1));
         // Solid angles within a chart differ by up to 5.2, and lat-long's poles by more: two look-ups a texel and axis.
         let n = (2.0 * sqrt(ratio)) as u32 + 1;
@@ -188,7 +225,7 @@ impl Environment {
                     let inside = |k: u32| (f64::from(k) + 0.5) / f64::from(n) - 0.5;
                     let uv = DVec2::new((x + inside(i)) / w, (y + inside(j)) / h);
                     let (at, uv) = self.chart.locate(chart.direction(face, uv));
-                    sum += DVec3::from(self.bilinear(at, uv).map(f64::from));
+                    sum += DVec3::from(self.bilinear(self.levels[0], at, uv).map(f64::from));
                 }
             }
             (sum / f64::from(n * n)).to_array().map(|c| c as f32)
@@ -254,7 +291,8 @@ impl Environment {
         let count = |chart: Chart, width: u32, height: u32| {
             chart.faces() as u64 * u64::from(width) * u64::from(height)
         };
-        if count(self.chart, self.width, self.height) > count(Chart::Cube, gathered, gathered) {
+        if count(self.chart, self.size().0, self.size().1) > count(Chart::Cube, gathered, gathered)
+        {
             let gathered = self.convert(Chart::Cube, gathered)?;
             gathered.blur(chart, size, exponent)
         } else {
@@ -265,20 +303,20 @@ impl Environment {
     /// All texels by patches of up to 8 x 8.
     fn patches(&self) -> Vec<Patch> {
         const SIDE: u32 = 8;
-        let size = (self.width, self.height);
+        let size @ (width, height) = self.size();
         let mut patches = Vec::new();
         for face in 0..self.chart.faces() {
-            for y0 in (0..self.height).step_by(SIDE as usize) {
-                for x0 in (0..self.width).step_by(SIDE as usize) {
+            for y0 in (0..height).step_by(SIDE as usize) {
+                for x0 in (0..width).step_by(SIDE as usize) {
                     let mut texels = Vec::new();
-                    for y in y0..self.height.min(y0 + SIDE) {
-                        for x in x0..self.width.min(x0 + SIDE) {
+                    for y in y0..height.min(y0 + SIDE) {
+                        for x in x0..width.min(x0 + SIDE) {
                             let uv = DVec2::new(
-                                (f64::from(x) + 0.5) / f64::from(self.width),
-                                (f64::from(y) + 0.5) / f64::from(self.height),
+                                (f64::from(x) + 0.5) / f64::from(width),
+                                (f64::from(y) + 0.5) / f64::from(height),
                             );
-                            let light =
-                                self.texels[self.index(face, x as usize + 1, y as usize + 1)];
+                            let light = self.texels
+                                [self.levels[0].index(face, x as usize + 1, y as usize + 1)];
                             texels.push((
                                 self.chart.direction(face, uv),
                                 DVec3::from(light.map(f64::from)),
@@ -293,36 +331,61 @@ impl Environment {
         patches
     }
 
-    fn index(&self, face: usize, x: usize, y: usize) -> usize {
-        let (w, h) = (self.width as usize + 2, self.height as usize + 2);
-        (face * h + y) * w + x
-    }
-
     /// Four texels around a point of a face, the border among them.
-    fn bilinear(&self, face: usize, uv: DVec2) -> [f32; 3] {
-        let place = |c: f64, n: u32| {
-            let c = (c * f64::from(n) + 0.5) as f32;
-            let low = floor_f32(c);
-            let low = if low > 0.0 { low } else { 0.0 };
-            let low = if low < n as f32 { low } else { n as f32 };
-            (low as usize, c - low)
-        };
-        let ((x, a), (y, b)) = (place(uv.x, self.width), place(uv.y, self.height));
-        let row = |y: usize| {
-            let at = self.index(face, x, y);
-            let (p, q) = (self.texels[at], self.texels[at + 1]);
-            [0, 1, 2].map(|i| p[i] * (1.0 - a) + q[i] * a)
-        };
-        let (p, q) = (row(y), row(y + 1));
-        [0, 1, 2].map(|i| p[i] * (1.0 - b) + q[i] * b)
+    pub(crate) fn bilinear(&self, level: Level, face: usize, uv: DVec2) -> [f32; 3] {
+        four(&self.texels, level, face, uv)
     }
 }
 
-/// The mirrored view: `R = 2(N.V)N - V` for the direction V to the eye and a unit normal N. R has the length of V.
-#[must_use]
-pub fn reflect(view: [f32; 3], normal: [f32; 3]) -> [f32; 3] {
-    let k = 2.0 * crate::vector::dot(normal, view);
-    [0, 1, 2].map(|i| k * normal[i] - view[i])
+/// Four texels around a point of a face of a level, the border among them.
+fn four(texels: &[[f32; 3]], level: Level, face: usize, uv: DVec2) -> [f32; 3] {
+    let place = |c: f64, n: u32| {
+        let c = (c * f64::from(n) + 0.5) as f32;
+        let low = floor_f32(c);
+        let low = if low > 0.0 { low } else { 0.0 };
+        let low = if low < n as f32 { low } else { n as f32 };
+        (low as usize, c - low)
+    };
+    let ((x, a), (y, b)) = (place(uv.x, level.width), place(uv.y, level.height));
+    let row = |y: usize| {
+        let at = level.index(face, x, y);
+        let (p, q) = (texels[at], texels[at + 1]);
+        [0, 1, 2].map(|i| p[i] * (1.0 - a) + q[i] * a)
+    };
+    let (p, q) = (row(y), row(y + 1));
+    [0, 1, 2].map(|i| p[i] * (1.0 - b) + q[i] * b)
+}
+
+/// The texels of faces with their borders, read from the neighbours.
+fn bordered(chart: Chart, (width, height): (u32, u32), texels: &[[f32; 3]]) -> Vec<[f32; 3]> {
+    let (w, h) = (width as usize, height as usize);
+    let level = Level {
+        width,
+        height,
+        start: 0,
+    };
+    // Without borders yet: each face clamped at its own edge.
+    let mut clamped = Vec::with_capacity(chart.faces() * (w + 2) * (h + 2));
+    for face in 0..chart.faces() {
+        for y in 0..h + 2 {
+            let row = (face * h + y.saturating_sub(1).min(h - 1)) * w;
+            clamped.extend((0..w + 2).map(|x| texels[row + x.saturating_sub(1).min(w - 1)]));
+        }
+    }
+    let mut bordered = clamped.clone();
+    for face in 0..chart.faces() {
+        for y in 0..height + 2 {
+            let edge = y == 0 || y == height + 1;
+            let step = if edge { 1 } else { width as usize + 1 };
+            for x in (0..width + 2).step_by(step) {
+                let place = |i: u32, n: u32| (f64::from(i) - 0.5) / f64::from(n);
+                let uv = DVec2::new(place(x, width), place(y, height));
+                let (at, uv) = chart.locate(chart.direction(face, uv));
+                bordered[level.index(face, x as usize, y as usize)] = four(&clamped, level, at, uv);
+            }
+        }
+    }
+    bordered
 }
 
 /// Neighbouring texels: direction, light and solid angle of each, inside of a cone.

@@ -30,6 +30,8 @@ mod bump;
 mod chart;
 mod environment;
 mod error;
+pub mod lanes;
+mod mirror;
 pub mod reference;
 mod shade;
 mod shadow;
@@ -42,8 +44,9 @@ pub use bump::{
     encode_normal, encode_offsets, perturb, perturb_slice,
 };
 pub use chart::{Chart, UnknownChart};
-pub use environment::{Environment, reflect};
+pub use environment::Environment;
 pub use error::LightError;
+pub use mirror::{Ray, reflect, reflect_across};
 pub use shade::{
     Terms, illuminate, illuminate_slice, illuminate_two_sided, terms, terms_received, terms_slice,
 };

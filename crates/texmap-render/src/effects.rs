@@ -38,7 +38,8 @@ pub struct Shadow {
     pub bias: Option<ShadowBias>,
     /// Comparisons a side of the filter, 1 or an odd number up to 15.
     pub taps: u32,
-    /// For a directional light the square that its map shows, by centre and half a side; `None`: all of the scene.
+    /// For a directional light the square that its map shows, by centre and half a side; `None`: all of the scene. For a point light
+    /// one map in place of six, which looks at the centre and shows half a side there: what lies beyond it is lit.
     pub area: Option<(DVec3, f64)>,
 }
 

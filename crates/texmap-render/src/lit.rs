@@ -1,8 +1,9 @@
 //! Effects at work: what a plan keeps of a scene's shadows, projectors and environments, and the light of one sample under them.
 
 use texmap_light::{
-    Environment, Light, ShadowBias, ShadowKind, ShadowMap, Slide, Surface as Numbers, Terms,
-    bump_on, clamp_to_horizon, decode_normal, decode_offsets, perturb, reflect, terms_received,
+    Environment, Light, Ray, ShadowBias, ShadowKind, ShadowMap, Slide, Surface as Numbers, Terms,
+    bump_on, clamp_to_horizon, decode_normal, decode_offsets, perturb, reflect_across,
+    terms_received,
 };
 use texmap_math::camera::Camera;
 use texmap_math::glam::{DMat3, DMat4, DVec3};
@@ -247,24 +248,33 @@ pub(crate) struct Sample<'a> {
     pub(crate) position: [f32; 3],
     pub(crate) position_dx: [f32; 3],
     pub(crate) position_dy: [f32; 3],
+    /// Change of the interpolated normal, on the side that is seen.
+    pub(crate) normal_dx: [f32; 3],
+    pub(crate) normal_dy: [f32; 3],
     /// Normal of the triangle's plane, on the side that is seen.
     pub(crate) plane: DVec3,
 }
 
 impl<'a> Sample<'a> {
-    /// A fragment of a triangle, its world position from attribute `position` on.
+    /// A fragment of a triangle, its world position and normal from these attributes on.
     pub(crate) fn new(
         fragment: &'a Fragment,
         position: Option<usize>,
+        normal: Option<usize>,
         effects: &SurfaceEffects<'_>,
         triangle: u32,
     ) -> Self {
-        let first = position.unwrap_or(0);
-        let of = |values: &[f32]| [values[first], values[first + 1], values[first + 2]];
+        let of = |values: &[f32], first: Option<usize>| {
+            let first = first.unwrap_or(0);
+            [values[first], values[first + 1], values[first + 2]]
+        };
+        let seen = |v: [f32; 3]| if fragment.front { v } else { v.map(|c| -c) };
         Self {
-            position: of(&fragment.values),
-            position_dx: of(&fragment.ddx),
-            position_dy: of(&fragment.ddy),
+            position: of(&fragment.values, position),
+            position_dx: of(&fragment.ddx, position),
+            position_dy: of(&fragment.ddy, position),
+            normal_dx: seen(of(&fragment.ddx, normal)),
+            normal_dy: seen(of(&fragment.ddy, normal)),
             plane: effects.plane(triangle, fragment.front),
             fragment,
         }
@@ -349,6 +359,7 @@ impl<'s> SurfaceEffects<'s> {
         uv: ([f32; 2], Footprint),
     ) -> (Terms, [f32; 4]) {
         let view = [0, 1, 2].map(|i| eye[i] - at.position[i]);
+        let smooth = normal;
         let normal = self.relief(at, normal, view, uv);
         let mut numbers = self.material.surface;
         if let Some(slot) = &self.exponent {
@@ -369,7 +380,7 @@ impl<'s> SurfaceEffects<'s> {
             let tint = straight(slot.texel(uv.0, uv.1));
             terms.highlight = [0, 1, 2].map(|i| terms.highlight[i] * tint[i]);
         }
-        self.mirror(ready, normal, view, uv, numbers.ks, &mut terms);
+        self.mirror(ready, at, smooth, normal, view, uv, numbers.ks, &mut terms);
         (terms, ready.paint(at))
     }
 
@@ -411,6 +422,8 @@ impl<'s> SurfaceEffects<'s> {
     fn mirror(
         &self,
         ready: &Ready<'_>,
+        at: &Sample<'_>,
+        smooth: [f32; 3],
         normal: [f32; 3],
         view: [f32; 3],
         uv: ([f32; 2], Footprint),
@@ -420,7 +433,19 @@ impl<'s> SurfaceEffects<'s> {
         if self.material.reflection.is_none() && self.material.specular_map.is_none() {
             return;
         }
-        let mirrored = reflect(unit(view), unit(normal));
+        // The eye rests: the view changes against the position. A relief turns the normal, but its bends are left to its own texels.
+        let back = |v: [f32; 3]| v.map(|c| -c);
+        let view = Ray {
+            direction: view,
+            dx: back(at.position_dx),
+            dy: back(at.position_dy),
+        };
+        let normal = Ray {
+            direction: unit(normal),
+            dx: at.normal_dx,
+            dy: at.normal_dy,
+        };
+        let mirrored = reflect_across(&view, &normal, length(smooth));
         if let Some(Reflection {
             environment,
             reflectivity,
@@ -431,13 +456,13 @@ impl<'s> SurfaceEffects<'s> {
                     .reflectivity
                     .as_ref()
                     .map_or(1.0, |slot| straight(slot.texel(uv.0, uv.1))[0]);
-            let light = ready.environments[environment].light(mirrored);
+            let light = ready.environments[environment].light_across(&mirrored);
             for (sum, c) in terms.highlight.iter_mut().zip(light) {
                 *sum += share * c;
             }
         }
         if let Some(map) = self.material.specular_map {
-            let light = ready.environments[map].light(mirrored);
+            let light = ready.environments[map].light_across(&mirrored);
             for (sum, c) in terms.highlight.iter_mut().zip(light) {
                 *sum += ks * c;
             }
@@ -452,13 +477,27 @@ impl<'s> SurfaceEffects<'s> {
         view: [f32; 3],
         (uv, d): ([f32; 2], Footprint),
     ) -> [f32; 3] {
-        if let Some(carved) = &self.carved {
-            return clamp_to_horizon(carved.normal(at, unit(normal)), view);
-        }
-        let Some((relief, slot)) = &self.relief else {
-            return normal;
+        let turned = match (&self.carved, &self.relief) {
+            (Some(carved), _) => carved.normal(at, unit(normal)),
+            (None, Some((relief, slot))) => self.turned(at, normal, relief, slot, (uv, d)),
+            (None, None) => return normal,
         };
-        let turned = match **relief {
+        if self.material.horizon_clamp {
+            clamp_to_horizon(turned, view)
+        } else {
+            turned
+        }
+    }
+
+    fn turned(
+        &self,
+        at: &Sample<'_>,
+        normal: [f32; 3],
+        relief: &Relief,
+        slot: &Slot<'s>,
+        (uv, d): ([f32; 2], Footprint),
+    ) -> [f32; 3] {
+        match *relief {
             Relief::Carved { .. } => normal,
             Relief::Bump { .. } | Relief::Offsets { .. } => {
                 self.bumped(at, normal, slot, relief, uv, d)
@@ -489,8 +528,7 @@ impl<'s> SurfaceEffects<'s> {
                     )
                 }
             }
-        };
-        clamp_to_horizon(turned, view)
+        }
     }
 
     /// Blinn's normal, with O_u and O_v from the analytic change of position and coordinates from pixel to pixel.
@@ -599,9 +637,13 @@ fn coordinates(fragment: &Fragment, first: usize) -> ([f32; 2], Footprint) {
     ([values[first], values[first + 1]], d)
 }
 
+fn length(v: [f32; 3]) -> f32 {
+    (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt()
+}
+
 /// Unit length; zero stays zero.
 fn unit(v: [f32; 3]) -> [f32; 3] {
-    let length = (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt();
+    let length = length(v);
     if length > 0.0 && length.is_finite() {
         v.map(|c| c / length)
     } else {

@@ -117,6 +117,24 @@ impl<'s> Renderer<'s> {
         Ok(frame)
     }
 
+    /// Draws the shadow maps anew: the part of [`new`](Self::new) that a light or a caster that moves asks for.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    #[doc(hidden)]
+    pub fn redraw_shadows(&mut self) -> Result<(), RenderError> {
+        let (scene, settings) = (self.scene, &self.settings);
+        let draw = || Ready::new(scene, settings).map(Arc::new);
+        let ready = match &self.pool {
+            None => draw(),
+            Some(pool) => pool.install(draw),
+        }?;
+        for plan in self.centres.iter_mut().chain([&mut self.plan]) {
+            plan.ready = Arc::clone(&ready);
+        }
+        Ok(())
+    }
+
     /// With the samples of each pixel turned over, as OpenGL's are whose rows count from below.
     #[doc(hidden)]
     #[must_use]

@@ -94,6 +94,9 @@ pub struct Material {
     pub maps: SurfaceMaps,
     /// What turns the normal. Read by [`Shading::PerPixel`].
     pub relief: Option<Relief>,
+    /// Normals that a relief turns away from the eye are brought back to the horizon: without, such pixels are as dark or bright as
+    /// the far side of the relief.
+    pub horizon_clamp: bool,
     /// Baked light. Read by [`Shading::PerPixel`].
     pub light_map: Option<LightMapSlot>,
     /// A mirrored environment. Read by [`Shading::PerPixel`].
@@ -126,6 +129,7 @@ impl Default for Material {
             highlight: Highlight::Phong,
             maps: SurfaceMaps::default(),
             relief: None,
+            horizon_clamp: true,
             light_map: None,
             reflection: None,
             specular_map: None,
@@ -252,6 +256,8 @@ pub struct Mesh {
     /// A sphere or cylinder in world space. If given, uv is computed at every pixel from its position, exact also
     /// across the seam and around the axis, and neither `frame` nor `uvs` is read.
     pub round: Option<PixelMapping>,
+    /// Throws no shadow: shadow maps and the depth maps of projectors do not show it.
+    pub shadowless: bool,
     /// A height map that moves the surface, by [`Scene::shaped`].
     pub displacement: Option<Displacement>,
     /// If not empty, the mesh is these rectangles, four vertices each: see [`Mesh::of_billboards`].
@@ -275,6 +281,7 @@ impl Default for Mesh {
             uv_origin: Origin::TopLeft,
             frame: None,
             round: None,
+            shadowless: false,
             displacement: None,
             billboards: Vec::new(),
         }

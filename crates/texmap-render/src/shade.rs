@@ -271,7 +271,13 @@ impl Stages {
             let slot = run.slot(at, bit);
             fragment.front = facing.is_front(run, slot);
             let (_, triangle) = run.prepared.source(run.blocks.ids[slot as usize]);
-            let sample = Sample::new(&fragment, surface.position, effects, triangle);
+            let sample = Sample::new(
+                &fragment,
+                surface.position,
+                surface.normal,
+                effects,
+                triangle,
+            );
             let uv = self.uv.get(i).copied().unwrap_or_default();
             let (terms, paint) = effects.shade(&plan.ready, plan.eye, &sample, self.normal[i], uv);
             self.terms.push(terms);

@@ -9,10 +9,14 @@ use crate::shadow_cut::Cuts;
 use crate::vertices::wide;
 use crate::{AlphaMode, Mesh, RenderError, Scene};
 
+/// Cosine and tangent of 85 degrees, half the widest pyramid.
+const LEAST_COS: f64 = 0.087;
+const MOST_TAN: f64 = 11.43;
+
 /// The part of a scene that a shadow map of a light shows.
 ///
 /// A directional light gets the square around everything that casts a shadow, or around `area` (a centre and half a side), a
-/// spot light the pyramid around its outer cone, a point light all directions.
+/// spot light the pyramid around its outer cone, a point light all directions, or the pyramid that shows `area`.
 ///
 /// # Errors
 /// [`RenderError::Index`] for a light that does not exist, [`RenderError::Value`] for one that has no shadow map (ambient light, a
@@ -29,6 +33,14 @@ pub fn shadow_kind(
         value,
         expected,
     };
+    let good = |centre: DVec3, half: f64| centre.is_finite() && half.is_finite() && half > 0.0;
+    let bad_area = |centre: DVec3, half: f64| {
+        value(
+            "area",
+            format!("{centre}, half a side {half}"),
+            "it must be finite and of some size, and seen from a point light within 85 degrees of its centre",
+        )
+    };
     let source = scene.lights.get(light).ok_or(RenderError::Index {
         place: place(),
         what: "light",
@@ -38,21 +50,28 @@ pub fn shadow_kind(
     match *source {
         Light::Directional { direction, .. } => {
             let (centre, half) = area.unwrap_or_else(|| around(scene));
-            if !(centre.is_finite() && half.is_finite() && half > 0.0) {
-                return Err(value(
-                    "area",
-                    format!("{centre}, half a side {half}"),
-                    "it must be finite and of some size",
-                ));
+            if !good(centre, half) {
+                return Err(bad_area(centre, half));
             }
             Ok(ShadowKind::Directional {
                 light_from_world: toward(centre, wide(direction)),
                 half,
             })
         }
-        Light::Point { position, .. } => Ok(ShadowKind::Point {
-            position: wide(position),
-        }),
+        Light::Point { position, .. } => {
+            let position = wide(position);
+            let Some((centre, half)) = area else {
+                return Ok(ShadowKind::Point { position });
+            };
+            let way = centre - position;
+            if !(good(centre, half) && half < MOST_TAN * way.length()) {
+                return Err(bad_area(centre, half));
+            }
+            Ok(ShadowKind::Spot {
+                light_from_world: toward(position, way),
+                tan_half: half / way.length(),
+            })
+        }
         Light::Spot {
             position,
             direction,
@@ -60,7 +79,7 @@ pub fn shadow_kind(
             ..
         } => {
             let cos = f64::from(cos_outer);
-            if cos < 0.087 {
+            if cos < LEAST_COS {
                 return Err(value(
                     "cosine of its outer cone",
                     cos.to_string(),
@@ -111,6 +130,7 @@ pub fn shadow_map(
                     attribute_count,
                     depth_test: DepthTest::Less,
                     pass: match scene.materials[mesh.material].alpha {
+                        _ if mesh.shadowless => Pass::Blended,
                         AlphaMode::Blend => Pass::Blended,
                         _ if holes.is_some() => Pass::CutOut,
                         _ => Pass::Opaque,

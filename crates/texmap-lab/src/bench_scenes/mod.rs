@@ -5,11 +5,13 @@
 //! in clip space; row 0 of a picture is its top.
 
 mod geometry;
+mod lit;
 mod matrices;
 mod scene;
 mod textures;
 
 pub use geometry::{BenchMesh, HEIGHT, WIDTH, floor, layers, rects, sphere};
+pub use lit::{LIGHT_AREA, SHADOW_BIAS, light_matrix, lit_matrix, lit_meshes, slide_matrix, turn};
 pub use matrices::GlMatrix;
 pub use scene::Hidden;
 pub use textures::{BASE_SIZE, FACE_SIZE, base, cube_face, hash, mip_chain, normal, slide};
@@ -70,6 +72,15 @@ pub enum Content {
         /// 200 or 2000.
         thousands: u32,
     },
+    /// The sphere of 200 thousand triangles over a floor, under a light with a shadow map of the sphere.
+    Lit {
+        /// The map is drawn with each frame.
+        shadow_pass: bool,
+    },
+    /// The sphere of 200 thousand triangles as a mirror.
+    Mirror,
+    /// Sphere and floor of `Lit` under a slide projector.
+    Projective,
 }
 
 /// One row of the race.
@@ -103,17 +114,18 @@ impl BenchScene {
         }
     }
 
-    /// Object to GL clip space.
+    /// Object (for scenes of several meshes, world) to GL clip space.
     #[must_use]
     pub fn matrix(&self) -> GlMatrix {
-        let model = GlMatrix::rotate_x(30.0).then_after(&GlMatrix::rotate_y(40.0));
+        let model = turn();
         match self.content {
+            Content::Lit { .. } | Content::Projective => lit_matrix(),
             Content::Clear | Content::Layers { .. } => GlMatrix::IDENTITY,
             Content::Floor => {
                 GlMatrix::perspective(60.0, f64::from(WIDTH) / f64::from(HEIGHT), 0.1, 300.0)
                     .then_after(&GlMatrix::look_at([0.0, 2.0, 8.0], [0.0, 0.0, 2.0]))
             }
-            Content::Sphere { .. } => {
+            Content::Sphere { .. } | Content::Mirror => {
                 GlMatrix::perspective(60.0, f64::from(WIDTH) / f64::from(HEIGHT), 0.1, 100.0)
                     .then_after(&GlMatrix::look_at([0.0, 0.0, 1.7344], [0.0; 3]))
                     .then_after(&model)
@@ -124,13 +136,14 @@ impl BenchScene {
         }
     }
 
-    /// The mesh that the scene draws; empty for `clear`.
+    /// The mesh that the scene draws; empty for `clear`, the sphere where there is a floor too ([`lit_meshes`]).
     #[must_use]
     pub fn mesh(&self) -> BenchMesh {
         match self.content {
             Content::Clear => BenchMesh::default(),
             Content::Floor => floor(200.0, 1.0 / 8.0),
             Content::Layers { .. } => layers(),
+            Content::Lit { .. } | Content::Mirror | Content::Projective => sphere(448, 224),
             Content::Sphere { thousands, .. } | Content::Depth { thousands } => match thousands {
                 20 => sphere(142, 71),
                 200 => sphere(448, 224),
@@ -142,11 +155,14 @@ impl BenchScene {
     /// Whether back faces are culled.
     #[must_use]
     pub fn culls_back_faces(&self) -> bool {
-        matches!(self.content, Content::Sphere { .. } | Content::Depth { .. })
+        !matches!(
+            self.content,
+            Content::Clear | Content::Floor | Content::Layers { .. }
+        )
     }
 }
 
-/// The scenes without lighting effects, in the order of the table.
+/// The scenes, in the order of the table.
 pub const SCENES: &[BenchScene] = &{
     const fn row(
         name: &'static str,
@@ -167,6 +183,9 @@ pub const SCENES: &[BenchScene] = &{
     }
     const fn ball(thousands: u32, samples: u32) -> Content {
         Content::Sphere { thousands, samples }
+    }
+    const fn lit(shadow_pass: bool) -> Content {
+        Content::Lit { shadow_pass }
     }
     use Lookup::{Aniso16, Bilinear, Flat, Nearest, Trilinear};
     [
@@ -204,5 +223,9 @@ pub const SCENES: &[BenchScene] = &{
         ),
         row("msaa4_200k", "trilinear", ball(200, 4), Trilinear),
         row("msaa4_2m", "trilinear", ball(2000, 4), Trilinear),
+        row("lit", "pcf9-nearest", lit(false), Trilinear),
+        row("lit+shadowpass", "pcf9-nearest", lit(true), Trilinear),
+        row("env", "seamless", Content::Mirror, Lookup::None),
+        row("projective", "trilinear", Content::Projective, Trilinear),
     ]
 };

@@ -12,7 +12,9 @@ use texmap_sample::{
     ColorSpace, Filter, Origin, Precision, SampleError, Sampler, Texture2d, UvTransform,
 };
 
-use super::{BASE_SIZE, BenchScene, CLEAR, Content, FLAT, GlMatrix, HEIGHT, Lookup, WIDTH, base};
+use super::{
+    BASE_SIZE, BenchScene, CLEAR, Content, FLAT, HEIGHT, LIT_EYE, Lookup, WIDTH, base, turn,
+};
 
 /// How the opaque layers of `fill` are drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -36,8 +38,12 @@ impl BenchScene {
         precision: Precision,
         hidden: Hidden,
     ) -> Result<Option<Scene>, SampleError> {
-        if matches!(self.content, Content::Depth { .. }) {
-            return Ok(None);
+        match self.content {
+            Content::Depth { .. } => return Ok(None),
+            Content::Lit { .. } | Content::Mirror | Content::Projective => {
+                return super::lit::scene(self, precision).map(Some);
+            }
+            _ => {}
         }
         let texture = Texture2d::from_rgba8(
             BASE_SIZE,
@@ -90,10 +96,11 @@ impl BenchScene {
         }))
     }
 
-    fn camera(&self) -> Camera {
+    pub(super) fn camera(&self) -> Camera {
         let (eye, look, near, far) = match self.content {
+            Content::Lit { .. } | Content::Projective => (LIT_EYE, [0.0, 0.8, 0.0], 0.1, 100.0),
             Content::Floor => ([0.0, 2.0, 8.0], [0.0, 0.0, 2.0], 0.1, 300.0),
-            Content::Sphere { .. } => ([0.0, 0.0, 1.7344], [0.0; 3], 0.1, 100.0),
+            Content::Sphere { .. } | Content::Mirror => ([0.0, 0.0, 1.7344], [0.0; 3], 0.1, 100.0),
             _ => ([0.0; 3], [0.0, 0.0, -1.0], 0.1, 100.0),
         };
         Camera {
@@ -152,11 +159,8 @@ impl BenchScene {
 }
 
 /// The turn of the spheres, as every renderer of the race multiplies by it.
-fn model() -> DMat4 {
-    let m = GlMatrix::rotate_x(30.0)
-        .then_after(&GlMatrix::rotate_y(40.0))
-        .0;
-    DMat4::from_cols_array(&m.map(f64::from))
+pub(super) fn model() -> DMat4 {
+    DMat4::from_cols_array(&turn().0.map(f64::from))
 }
 
 /// Of the picture at distance 1, vertical field of view 60 degrees.

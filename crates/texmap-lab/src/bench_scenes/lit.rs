@@ -1,0 +1,226 @@
+//! The benchmark scenes under lighting effects.
+
+use texmap_light::{Chart, Environment, Green, Highlight, Light, ShadowBias, SlideBorder, Surface};
+use texmap_math::Projector;
+use texmap_math::glam::{DMat4, DVec3};
+use texmap_raster::{Cull, DepthTest};
+use texmap_render::{
+    ColorMode, Effects, Material, Mesh, Reflection, Relief, Scene, Shadow, SlideProjector,
+    SlideRole, TextureSlot,
+};
+use texmap_sample::{
+    ColorSpace, Filter, Origin, Precision, SampleError, Sampler, Texture2d, UvTransform,
+};
+
+use super::scene::model;
+use super::{
+    BASE_SIZE, BenchMesh, BenchScene, CLEAR, Content, DEPTH_SIZE, FACE_SIZE, GlMatrix, HEIGHT,
+    LIGHT, LIT_EYE, PROJECTOR, WIDTH, base, cube_face, floor, normal, slide, sphere,
+};
+
+/// What light and projector look at.
+const MIDDLE: [f64; 3] = [0.0, 0.5, 0.0];
+/// Half a side of what the shadow map shows where the light looks: 15 degrees to each side.
+pub const LIGHT_AREA: f64 = 1.862_219_6;
+/// What the peers take from a depth of 0 to 1 before they compare.
+pub const SHADOW_BIAS: f32 = 0.002;
+
+/// The turn of the spheres.
+#[must_use]
+pub fn turn() -> GlMatrix {
+    GlMatrix::rotate_x(30.0).then_after(&GlMatrix::rotate_y(40.0))
+}
+
+/// World to GL clip space of `lit` and `projective`.
+#[must_use]
+pub fn lit_matrix() -> GlMatrix {
+    GlMatrix::perspective(60.0, f64::from(WIDTH) / f64::from(HEIGHT), 0.1, 100.0)
+        .then_after(&GlMatrix::look_at(LIT_EYE, [0.0, 0.8, 0.0]))
+}
+
+/// World to GL clip space of the shadow map.
+#[must_use]
+pub fn light_matrix() -> GlMatrix {
+    GlMatrix::perspective(30.0, 1.0, 2.0, 14.0).then_after(&GlMatrix::look_at(LIGHT, MIDDLE))
+}
+
+/// World to the homogeneous coordinates of the slide.
+#[must_use]
+pub fn slide_matrix() -> GlMatrix {
+    GlMatrix::bias()
+        .then_after(&GlMatrix::perspective(40.0, 1.0, 0.5, 50.0))
+        .then_after(&GlMatrix::look_at(PROJECTOR, MIDDLE))
+}
+
+/// Sphere and floor, each with its object to world matrix, in the order in which they are drawn.
+#[must_use]
+pub fn lit_meshes() -> [(BenchMesh, GlMatrix); 2] {
+    let mut up = GlMatrix::IDENTITY;
+    up.0[13] = 1.0;
+    [
+        (sphere(448, 224), up.then_after(&turn())),
+        (floor(20.0, 0.25), GlMatrix::IDENTITY),
+    ]
+}
+
+/// A scene in texmap's terms.
+pub(super) fn scene(scene: &BenchScene, precision: Precision) -> Result<Scene, SampleError> {
+    let picture = |side: u32, texels: Vec<u8>| {
+        Texture2d::from_rgba8(side, side, texels, ColorSpace::Linear, Origin::TopLeft)
+    };
+    let slot = |texture: usize, filter: Filter| TextureSlot {
+        texture,
+        sampler: Sampler {
+            filter,
+            precision,
+            ..Sampler::default()
+        },
+        transform: UvTransform::default(),
+    };
+    let mut out = Scene {
+        camera: scene.camera(),
+        background: CLEAR,
+        color: ColorMode::Raw,
+        depth_test: DepthTest::Less,
+        lights: Vec::new(),
+        textures: Vec::new(),
+        materials: Vec::new(),
+        meshes: Vec::new(),
+        warnings: Vec::new(),
+        effects: Effects::default(),
+    };
+    let surface = |ka: f32, kd: f32, ks: f32| Surface {
+        color: [1.0; 3],
+        ka,
+        kd,
+        ks,
+        ns: 32.0,
+    };
+    let textured = Material {
+        base_color: Some(slot(0, Filter::Trilinear)),
+        cull: Cull::Back,
+        ..Material::default()
+    };
+    let white = [1.0; 3];
+    match scene.content {
+        Content::Mirror => {
+            out.effects.environments = environment().into_iter().collect();
+            out.materials.push(Material {
+                surface: surface(0.0, 0.0, 0.0),
+                reflection: Some(Reflection {
+                    environment: 0,
+                    reflectivity: 1.0,
+                }),
+                cull: Cull::Back,
+                ..Material::default()
+            });
+            out.meshes.push(mesh(sphere(448, 224), model()));
+            return Ok(out);
+        }
+        Content::Projective => {
+            out.textures = vec![picture(BASE_SIZE, base())?, picture(FACE_SIZE, slide())?];
+            out.lights.push(Light::Ambient { color: [0.3; 3] });
+            out.effects.projectors.extend(projector(precision));
+            out.materials.push(Material {
+                surface: surface(1.0, 1.0, 0.0),
+                ..textured
+            });
+        }
+        _ => {
+            out.textures = vec![picture(BASE_SIZE, base())?, picture(BASE_SIZE, normal())?];
+            out.lights = vec![
+                Light::Ambient { color: white },
+                Light::Point {
+                    color: white,
+                    position: LIGHT.map(|c| c as f32),
+                },
+            ];
+            // The bias of the peers where the sphere touches the floor: dz = d^2 / (n f / (f - n)) at a distance of 6.
+            let bias = f64::from(SHADOW_BIAS) * 36.0 / (2.0 * 14.0 / 12.0);
+            out.effects.shadows.push(Shadow {
+                light: 1,
+                size: Some(DEPTH_SIZE),
+                bias: Some(ShadowBias::Constant(bias)),
+                taps: 3,
+                area: Some((DVec3::from(MIDDLE), LIGHT_AREA)),
+            });
+            out.materials.push(Material {
+                surface: surface(0.15, 0.85, 0.4),
+                highlight: Highlight::Blinn,
+                horizon_clamp: false,
+                relief: Some(Relief::NormalMap {
+                    slot: slot(1, Filter::Trilinear),
+                    green: Green::Up,
+                    rebuild_z: false,
+                    object_space: false,
+                    strength: 1.0,
+                }),
+                ..textured
+            });
+        }
+    }
+    let [(ball, at), (ground, still)] = lit_meshes();
+    let wide = |m: GlMatrix| DMat4::from_cols_array(&m.0.map(f64::from));
+    out.meshes = vec![
+        mesh(ball, wide(at)),
+        Mesh {
+            shadowless: true,
+            ..mesh(ground, wide(still))
+        },
+    ];
+    Ok(out)
+}
+
+fn mesh(mesh: BenchMesh, world_from_object: DMat4) -> Mesh {
+    Mesh {
+        positions: mesh.positions,
+        normals: mesh.normals,
+        uvs: mesh.uvs,
+        triangles: mesh.triangles,
+        world_from_object,
+        ..Mesh::default()
+    }
+}
+
+fn environment() -> Option<Environment> {
+    let texels: Vec<[f32; 3]> = (0..6)
+        .flat_map(cube_face)
+        .collect::<Vec<u8>>()
+        .chunks_exact(4)
+        .map(|t| [t[0], t[1], t[2]].map(|c| f32::from(c) / 255.0))
+        .collect();
+    let faces = Environment::from_texels(Chart::Cube, (FACE_SIZE, FACE_SIZE), &texels);
+    faces.ok().map(Environment::with_mips)
+}
+
+fn projector(precision: Precision) -> Option<SlideProjector> {
+    let position = DVec3::from(PROJECTOR);
+    let fov = 40f64.to_radians();
+    let projector = Projector::new(position, DVec3::from(MIDDLE), DVec3::Y, fov, 1.0).ok()?;
+    Some(SlideProjector {
+        projector,
+        position,
+        texture: 1,
+        sampler: Sampler {
+            filter: Filter::Bilinear,
+            precision,
+            ..Sampler::default()
+        },
+        border: SlideBorder::Clamp,
+        softness: 0.0,
+        role: SlideRole::Light([1.0; 3]),
+        shadow: None,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_light_sees_fifteen_degrees_to_each_side() {
+        let way = (DVec3::from(LIGHT) - DVec3::from(MIDDLE)).length();
+        let half = way * texmap_math::det::tan(15f64.to_radians());
+        assert!((half - LIGHT_AREA).abs() < 1e-6, "{half}");
+    }
+}

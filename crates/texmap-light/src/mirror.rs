@@ -1,0 +1,435 @@
+//! Mirrors: the mirrored view, how fast it turns from pixel to pixel, and the light of an environment over that footprint.
+
+use texmap_math::fearless_simd::{Simd, f32x16, i32x16, prelude::*, u32x16};
+use texmap_math::lanes::{Words, floor_to_i32, floor_to_i32_scalar, gather};
+
+use crate::Chart;
+use crate::environment::{Environment, Level};
+use crate::lanes::{V3, dot3};
+use crate::vector::dot;
+
+/// A direction and its change for one pixel to the right and one down.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Ray {
+    /// Of any length.
+    pub direction: [f32; 3],
+    /// To the right.
+    pub dx: [f32; 3],
+    /// Down.
+    pub dy: [f32; 3],
+}
+
+/// The mirrored view: `R = 2(N.V)N - V` for the direction V to the eye and a unit normal N. R has the length of V.
+#[must_use]
+pub fn reflect(view: [f32; 3], normal: [f32; 3]) -> [f32; 3] {
+    let k = 2.0 * dot(normal, view);
+    [0, 1, 2].map(|i| k * normal[i] - view[i])
+}
+
+/// [`reflect`] with the change of its result: `dR = 2 ((dN.V + N.dV) N + (N.V) dN) - dV`. `normal` holds a unit normal and the
+/// change of the vector that it is the direction of, of length `length`: what turns a normal is the part of that across it. (Igehy
+/// 1999, Tracing Ray Differentials.)
+#[must_use]
+pub fn reflect_across(view: &Ray, normal: &Ray, length: f32) -> Ray {
+    let (n, v) = (normal.direction, view.direction);
+    let facing = dot(n, v);
+    let change = |dv: [f32; 3], d: [f32; 3]| {
+        let along = dot(n, d);
+        let dn = [0, 1, 2].map(|i| (d[i] - along * n[i]) / length);
+        let k = dot(dn, v) + dot(n, dv);
+        [0, 1, 2].map(|i| 2.0 * (k * n[i] + facing * dn[i]) - dv[i])
+    };
+    Ray {
+        direction: reflect(v, n),
+        dx: change(view.dx, normal.dx),
+        dy: change(view.dy, normal.dy),
+    }
+}
+
+/// A [`Ray`] in each lane.
+#[derive(Clone, Copy)]
+pub struct RayLanes<S: Simd> {
+    /// Of any length.
+    pub direction: V3<S>,
+    /// To the right.
+    pub dx: V3<S>,
+    /// Down.
+    pub dy: V3<S>,
+}
+
+impl<S: Simd> core::fmt::Debug for RayLanes<S> {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.write_str("RayLanes")
+    }
+}
+
+/// [`reflect`] for sixteen.
+#[inline(always)]
+pub fn reflect_lanes<S: Simd>(view: V3<S>, normal: V3<S>) -> V3<S> {
+    let k = dot3(normal, view) * 2.0;
+    let mut out = view;
+    for i in 0..3 {
+        out[i] = k * normal[i] - view[i];
+    }
+    out
+}
+
+/// [`reflect_across`] for sixteen.
+#[inline(always)]
+pub fn reflect_across_lanes<S: Simd>(
+    view: &RayLanes<S>,
+    normal: &RayLanes<S>,
+    length: f32x16<S>,
+) -> RayLanes<S> {
+    let (n, v) = (normal.direction, view.direction);
+    let facing = dot3(n, v);
+    RayLanes {
+        direction: reflect_lanes(v, n),
+        dx: change_lanes(n, v, facing, view.dx, normal.dx, length),
+        dy: change_lanes(n, v, facing, view.dy, normal.dy, length),
+    }
+}
+
+#[inline(always)]
+fn change_lanes<S: Simd>(
+    n: V3<S>,
+    v: V3<S>,
+    facing: f32x16<S>,
+    dv: V3<S>,
+    d: V3<S>,
+    length: f32x16<S>,
+) -> V3<S> {
+    let along = dot3(n, d);
+    let mut dn = d;
+    for i in 0..3 {
+        dn[i] = (d[i] - along * n[i]) / length;
+    }
+    let k = dot3(dn, v) + dot3(n, dv);
+    let mut out = d;
+    for i in 0..3 {
+        out[i] = (k * n[i] + facing * dn[i]) * 2.0 - dv[i];
+    }
+    out
+}
+
+/// Sides of a cube's face along its coordinates and its axis, by face: the component that each is, and its sign.
+const SIDES: [[(usize, f32); 3]; 6] = [
+    [(2, -1.0), (1, -1.0), (0, 1.0)],
+    [(2, 1.0), (1, -1.0), (0, -1.0)],
+    [(0, 1.0), (2, 1.0), (1, 1.0)],
+    [(0, 1.0), (2, -1.0), (1, -1.0)],
+    [(0, 1.0), (1, -1.0), (2, 1.0)],
+    [(0, -1.0), (1, -1.0), (2, -1.0)],
+];
+
+fn along(face: usize, d: [f32; 3]) -> [f32; 3] {
+    SIDES[face].map(|(component, sign)| d[component] * sign)
+}
+
+/// Face of a finite direction that is not zero: z before y before x where components tie.
+fn face_of([x, y, z]: [f32; 3]) -> usize {
+    let (ax, ay, az) = (x.abs(), y.abs(), z.abs());
+    if az >= ax && az >= ay {
+        if z > 0.0 { 4 } else { 5 }
+    } else if ay >= ax {
+        if y > 0.0 { 2 } else { 3 }
+    } else if x > 0.0 {
+        0
+    } else {
+        1
+    }
+}
+
+/// Half of log2 of a square, off by 0.005 at most: a parabola through each power of two.
+fn half_log2(x: f32) -> f32 {
+    let bits = x.to_bits();
+    let e = ((bits >> 23) as i32 - 127) as f32;
+    let m = f32::from_bits(bits & 0x007f_ffff | 0x3f80_0000);
+    0.5 * (e + ((2.0 - m * (1.0 / 3.0)) * m - 5.0 / 3.0))
+}
+
+/// The largest square of a footprint, in texels, that is told from more.
+const MOST: f32 = 1e30;
+
+impl Environment {
+    /// Light from the directions that a pixel sees: bilinear on the two levels around its footprint, if there are levels
+    /// ([`with_mips`](Self::with_mips)), else [`light`](Self::light). Zero and non-finite directions read as +Z.
+    ///
+    /// A cube's footprint is that of its face coordinates (Vulkan 1.4, section Cube Map Derivative Transformation), another chart's
+    /// that of its mean solid angle per texel.
+    #[must_use]
+    pub fn light_across(&self, ray: &Ray) -> [f32; 3] {
+        if self.levels.len() == 1 {
+            return self.light(ray.direction);
+        }
+        if self.chart != Chart::Cube {
+            let lod = self.level_by_angle(ray);
+            let (face, uv) = self.locate(ray.direction);
+            let at = |level: usize| self.bilinear(self.levels[level], face, uv);
+            return self.between(lod, at);
+        }
+        let usable = ray.direction.iter().all(|c| c.is_finite()) && ray.direction != [0.0; 3];
+        let d = if usable {
+            ray.direction
+        } else {
+            [0.0, 0.0, 1.0]
+        };
+        let face = face_of(d);
+        let [s, t, m] = along(face, d);
+        let half = 0.5 * self.levels[0].width as f32;
+        let square = |d: [f32; 3]| {
+            let [ds, dt, dm] = along(face, d);
+            let (u, v) = (s / m, t / m);
+            let (du, dv) = (half * ((ds - u * dm) / m), half * ((dt - v * dm) / m));
+            du * du + dv * dv
+        };
+        let (x, y) = (square(ray.dx), square(ray.dy));
+        let place = [0.5 * (s / m) + 0.5, 0.5 * (t / m) + 0.5];
+        let at = |level: usize| self.on_face(self.levels[level], face, place);
+        self.between(self.level_of(if x > y { x } else { y }), at)
+    }
+
+    /// Level of detail of a squared footprint in texels, from 0 to the last level; NaN reads as 0.
+    fn level_of(&self, square: f32) -> f32 {
+        let square = if square > 1.0 { square } else { 1.0 };
+        let lod = half_log2(if square < MOST { square } else { MOST });
+        let last = (self.levels.len() - 1) as f32;
+        if lod < last { lod } else { last }
+    }
+
+    fn level_by_angle(&self, ray: &Ray) -> f32 {
+        let (width, height) = self.size();
+        let texels = self.chart.faces() as f32 * width as f32 * height as f32;
+        let r = ray.direction;
+        let square = |d: [f32; 3]| {
+            let (rr, rd) = (dot(r, r), dot(r, d));
+            (dot(d, d) * rr - rd * rd) / (rr * rr)
+        };
+        let (x, y) = (square(ray.dx), square(ray.dy));
+        self.level_of((if x > y { x } else { y }) * texels * (1.0 / (4.0 * core::f32::consts::PI)))
+    }
+
+    fn between(&self, lod: f32, at: impl Fn(usize) -> [f32; 3]) -> [f32; 3] {
+        let level = floor_to_i32_scalar(lod);
+        let k = lod - level as f32;
+        let near = at(level as usize);
+        if k == 0.0 {
+            return near;
+        }
+        let far = at(level as usize + 1);
+        [0, 1, 2].map(|i| near[i] * (1.0 - k) + far[i] * k)
+    }
+
+    /// Four texels of a cube's face.
+    fn on_face(&self, level: Level, face: usize, place: [f32; 2]) -> [f32; 3] {
+        let n = level.width as f32;
+        let [(x, a), (y, b)] = place.map(|c| {
+            let c = c * n + 0.5;
+            let low = floor_to_i32_scalar(c);
+            let low = if low < level.width as i32 {
+                low
+            } else {
+                level.width as i32
+            };
+            (low, c - low as f32)
+        });
+        let stride = level.width as usize + 2;
+        let first = level.start + (face * stride + y as usize) * stride + x as usize;
+        let row = |at: usize| {
+            let (p, q) = (self.texels[at], self.texels[at + 1]);
+            [0, 1, 2].map(|i| p[i] * (1.0 - a) + q[i] * a)
+        };
+        let (p, q) = (row(first), row(first + stride));
+        [0, 1, 2].map(|i| p[i] * (1.0 - b) + q[i] * b)
+    }
+}
+
+/// An environment prepared for lanes.
+#[derive(Clone, Debug)]
+pub struct MirrorView<'a> {
+    words: Words<'a>,
+    /// First texel of each level.
+    starts: [u32; 16],
+    width: i32,
+    last: f32,
+}
+
+impl<'a> MirrorView<'a> {
+    /// `None` where there are no lanes: for charts other than cubes, and cubes without levels.
+    #[must_use]
+    pub fn new(environment: &'a Environment) -> Option<Self> {
+        let levels = &environment.levels;
+        if environment.chart != Chart::Cube || !(2..=16).contains(&levels.len()) {
+            return None;
+        }
+        let mut starts = [0; 16];
+        for (start, level) in starts.iter_mut().zip(levels) {
+            *start = level.start as u32;
+        }
+        Some(Self {
+            words: Words::new(bytemuck::cast_slice(environment.texels.as_flattened()))?,
+            starts,
+            width: levels[0].width as i32,
+            last: (levels.len() - 1) as f32,
+        })
+    }
+
+    /// [`Environment::light_across`] for sixteen.
+    #[inline(always)]
+    pub fn light_lanes<S: Simd>(&self, s: S, ray: &RayLanes<S>) -> V3<S> {
+        let (zero, one) = (f32x16::splat(s, 0.0), f32x16::splat(s, 1.0));
+        let most = f32x16::splat(s, f32::MAX);
+        let [x, y, z] = ray.direction;
+        let (ax, ay, az) = (x.abs(), y.abs(), z.abs());
+        let finite = ax.simd_le(most) & ay.simd_le(most) & az.simd_le(most);
+        let some = ax.simd_gt(zero) | ay.simd_gt(zero) | az.simd_gt(zero);
+        let usable = finite & some;
+        let (x, y, z) = (
+            usable.select(x, zero),
+            usable.select(y, zero),
+            usable.select(z, one),
+        );
+        let (ax, ay, az) = (x.abs(), y.abs(), z.abs());
+        let by_z = az.simd_ge(ax) & az.simd_ge(ay);
+        let by_y = ay.simd_ge(ax) & !by_z;
+        let major = by_z.select(z, by_y.select(y, x));
+        let up = major.simd_gt(zero);
+        let side = Side { by_z, by_y, up };
+        let [sc, tc, m] = side.along(s, [x, y, z]);
+        let (u, v) = (sc / m, tc / m);
+        let half = 0.5 * self.width as f32;
+        let dx = side.square(s, ray.dx, u, v, m, half);
+        let dy = side.square(s, ray.dy, u, v, m, half);
+        let square = dx.simd_gt(dy).select(dx, dy);
+        let square = square.simd_gt(one).select(square, one);
+        let cap = f32x16::splat(s, MOST);
+        let square = square.simd_lt(cap).select(square, cap);
+        let lod = half_log2_lanes::<S>(s, square);
+        let last = f32x16::splat(s, self.last);
+        let lod = lod.simd_lt(last).select(lod, last);
+        let level = floor_to_i32(s, lod);
+        let k = lod - level.to_float::<f32x16<S>>();
+        let face = side.face(s);
+        let (u, v) = (u * 0.5 + 0.5, v * 0.5 + 0.5);
+        let mut out = self.on_face_lanes(s, level, face, u, v);
+        let between = k.simd_gt(zero);
+        if between.any_true() {
+            let far = self.on_face_lanes(s, level + 1, face, u, v);
+            for i in 0..3 {
+                let mixed = out[i] * (one - k) + far[i] * k;
+                out[i] = between.select(mixed, out[i]);
+            }
+        }
+        out
+    }
+
+    #[inline(always)]
+    fn on_face_lanes<S: Simd>(
+        &self,
+        s: S,
+        level: i32x16<S>,
+        face: i32x16<S>,
+        u: f32x16<S>,
+        v: f32x16<S>,
+    ) -> V3<S> {
+        let width = i32x16::splat(s, self.width) >> level;
+        let start: i32x16<S> = match Words::new(&self.starts) {
+            Some(starts) => gather(s, starts, level.bitcast()).bitcast(),
+            None => level,
+        };
+        let n = width.to_float::<f32x16<S>>();
+        let (x, a) = place_lanes(s, u, n, width);
+        let (y, b) = place_lanes(s, v, n, width);
+        let stride = width + 2;
+        let first = start + (face * stride + y) * stride + x;
+        let top: u32x16<S> = (first * 3).bitcast();
+        let bottom: u32x16<S> = ((first + stride) * 3).bitcast();
+        let one = f32x16::splat(s, 1.0);
+        let (a1, b1) = (one - a, one - b);
+        let mut out = [a; 3];
+        for (i, out) in out.iter_mut().enumerate() {
+            let i = i as u32;
+            let p = self.word(s, top + i) * a1 + self.word(s, top + (i + 3)) * a;
+            let q = self.word(s, bottom + i) * a1 + self.word(s, bottom + (i + 3)) * a;
+            *out = p * b1 + q * b;
+        }
+        out
+    }
+
+    #[inline(always)]
+    fn word<S: Simd>(&self, s: S, at: u32x16<S>) -> f32x16<S> {
+        gather(s, self.words, at).bitcast()
+    }
+}
+
+#[inline(always)]
+fn place_lanes<S: Simd>(
+    s: S,
+    c: f32x16<S>,
+    n: f32x16<S>,
+    width: i32x16<S>,
+) -> (i32x16<S>, f32x16<S>) {
+    let c = c * n + 0.5;
+    let low = floor_to_i32(s, c);
+    let low = low.simd_lt(width).select(low, width);
+    (low, c - low.to_float::<f32x16<S>>())
+}
+
+#[inline(always)]
+fn half_log2_lanes<S: Simd>(s: S, x: f32x16<S>) -> f32x16<S> {
+    let bits: u32x16<S> = x.bitcast();
+    let e: i32x16<S> = (bits >> 23).bitcast();
+    let e = (e - 127).to_float::<f32x16<S>>();
+    let m: f32x16<S> = (bits & 0x007f_ffff | u32x16::splat(s, 0x3f80_0000)).bitcast();
+    (e + ((2.0 - m * (1.0 / 3.0)) * m - 5.0 / 3.0)) * 0.5
+}
+
+/// The face of each lane.
+#[derive(Clone, Copy)]
+struct Side<S: Simd> {
+    by_z: texmap_math::fearless_simd::mask32x16<S>,
+    by_y: texmap_math::fearless_simd::mask32x16<S>,
+    /// The positive one of two.
+    up: texmap_math::fearless_simd::mask32x16<S>,
+}
+
+impl<S: Simd> Side<S> {
+    /// [`along`] for sixteen.
+    #[inline(always)]
+    fn along(&self, _s: S, [x, y, z]: V3<S>) -> V3<S> {
+        let up = self.up;
+        // z: (x, -y, z) and (-x, -y, -z); y: (x, z, y) and (x, -z, -y); x: (-z, -y, x) and (z, -y, -x).
+        let sx = self.by_y.select(x, up.select(x, -x));
+        let sc = (self.by_z | self.by_y).select(sx, up.select(-z, z));
+        let tc = self.by_y.select(up.select(z, -z), -y);
+        let major = self.by_z.select(z, self.by_y.select(y, x));
+        [sc, tc, up.select(major, -major)]
+    }
+
+    #[inline(always)]
+    fn square(
+        &self,
+        s: S,
+        d: V3<S>,
+        u: f32x16<S>,
+        v: f32x16<S>,
+        m: f32x16<S>,
+        half: f32,
+    ) -> f32x16<S> {
+        let [ds, dt, dm] = self.along(s, d);
+        let du = ((ds - u * dm) / m) * half;
+        let dv = ((dt - v * dm) / m) * half;
+        du * du + dv * dv
+    }
+
+    #[inline(always)]
+    fn face(&self, s: S) -> i32x16<S> {
+        let (four, two, zero) = (
+            i32x16::splat(s, 4),
+            i32x16::splat(s, 2),
+            i32x16::splat(s, 0),
+        );
+        let first = self.by_z.select(four, self.by_y.select(two, zero));
+        self.up.select(first, first + 1)
+    }
+}
