@@ -3,7 +3,8 @@ use alloc::vec::Vec;
 use texmap_math::float::sqrt_f32;
 
 use crate::error::{LightError, same_length};
-use crate::vector::{dot, normalize, scale, sub};
+use crate::normal_map::NormalMap;
+use crate::vector::{dot, unit};
 
 /// How the slope of a height field is measured.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -35,7 +36,7 @@ impl Heights<'_> {
     }
 
     /// Tangent-space normals of all texels, unit length, x to the right, y up or down the picture by `green`, z out of the
-    /// surface: `normalize(-strength dh/dx, -strength dh/dy, 1)`. `strength` is the height of 1 in texels.
+    /// surface: `unit(-strength dh/dx, -strength dh/dy, 1)`. `strength` is the height of 1 in texels.
     ///
     /// # Errors
     /// As [`Heights::slope`].
@@ -50,7 +51,7 @@ impl Heights<'_> {
         let texels = (0..self.values.len() as i64).map(|i| (i % columns, i / columns));
         let normal = |(x, y)| {
             let [right, down] = self.slope_unchecked(x, y, slope).map(|d| d * strength);
-            normalize([-right, if green == Green::Up { down } else { -down }, 1.0])
+            unit([-right, if green == Green::Up { down } else { -down }, 1.0])
         };
         Ok(texels.map(normal).collect())
     }
@@ -137,22 +138,19 @@ pub enum Green {
 /// 8 bits: off by at most 0.38 degrees with three channels, 5.8 degrees at grazing angles with a rebuilt z.
 #[must_use]
 pub fn decode_normal(texel: [f32; 3], green: Green, rebuild_z: bool) -> [f32; 3] {
-    let [x, y, z] = texel.map(|c| 2.0 * c - 1.0);
-    let y = if green == Green::Up { y } else { -y };
-    let z = if rebuild_z {
-        let left = 1.0 - x * x - y * y;
-        if left > 0.0 { sqrt_f32(left) } else { 0.0 }
-    } else {
-        z
+    let map = NormalMap {
+        green,
+        rebuild_z,
+        strength: 1.0,
     };
-    let n = normalize([x, y, z]);
+    let n = unit(map.decode(texel));
     if n == [0.0; 3] { [0.0, 0.0, 1.0] } else { n }
 }
 
 /// A texel of 0..=1 per channel from a tangent-space normal; the inverse of [`decode_normal`].
 #[must_use]
 pub fn encode_normal(normal: [f32; 3], green: Green) -> [f32; 3] {
-    let [x, y, z] = normalize(normal);
+    let [x, y, z] = unit(normal);
     [x, if green == Green::Up { y } else { -y }, z].map(|c| 0.5 * c + 0.5)
 }
 
@@ -173,18 +171,6 @@ pub fn encode_offsets(offsets: [f32; 2]) -> [f32; 2] {
     offsets.map(|c| 0.5 * c + 0.5)
 }
 
-/// A tangent-space normal on a surface: `x T + y B + z N` with `B = sign (N x T)` (MikkTSpace), unit length. The frame is
-/// interpolated and not renormalised, as the map's baker expects. A frame or a normal without length gives `normal`.
-#[must_use]
-pub fn perturb(normal: [f32; 3], tangent: [f32; 4], map: [f32; 3]) -> [f32; 3] {
-    let [tx, ty, tz, sign] = tangent;
-    let t = [tx, ty, tz];
-    let b = scale(cross(normal, t), sign);
-    let n = normalize([0, 1, 2].map(|i| map[0] * t[i] + map[1] * b[i] + map[2] * normal[i]));
-    let usable = n != [0.0; 3] && (t != [0.0; 3] || (map[0] == 0.0 && map[1] == 0.0));
-    if usable { n } else { normalize(normal) }
-}
-
 /// The normal of a surface O(u, v) displaced by a small height B(u, v) along its unit normal n (Blinn 1978):
 /// `N' = N + B_u (n x O_v) - B_v (n x O_u)` with `N = O_u x O_v` NOT normalised; unit length. With a unit N in the first term
 /// the result depends on the parametrisation, off by 8 degrees where this form is off by 0.5. The error of this form falls with
@@ -192,9 +178,9 @@ pub fn perturb(normal: [f32; 3], tangent: [f32; 4], map: [f32; 3]) -> [f32; 3] {
 #[must_use]
 pub fn bump(o_u: [f32; 3], o_v: [f32; 3], b_u: f32, b_v: f32) -> [f32; 3] {
     let raw = cross(o_u, o_v);
-    let n = normalize(raw);
+    let n = unit(raw);
     let (along_v, along_u) = (cross(n, o_v), cross(n, o_u));
-    normalize([0, 1, 2].map(|i| raw[i] + b_u * along_v[i] - b_v * along_u[i]))
+    unit([0, 1, 2].map(|i| raw[i] + b_u * along_v[i] - b_v * along_u[i]))
 }
 
 /// [`bump`] on a surface with smooth normals: `n` is the unit normal of the shading, on the side that is seen, and stands for the
@@ -207,7 +193,7 @@ pub fn bump_on(n: [f32; 3], o_u: [f32; 3], o_v: [f32; 3], b_u: f32, b_v: f32) ->
     let side = if dot(raw, n) < 0.0 { -1.0 } else { 1.0 };
     let (along_v, along_u) = (cross(n, o_v), cross(n, o_u));
     let bumped =
-        normalize([0, 1, 2].map(|i| area * n[i] + side * (b_u * along_v[i] - b_v * along_u[i])));
+        unit([0, 1, 2].map(|i| area * n[i] + side * (b_u * along_v[i] - b_v * along_u[i])));
     if area > 0.0 && bumped != [0.0; 3] {
         bumped
     } else {
@@ -215,41 +201,7 @@ pub fn bump_on(n: [f32; 3], o_u: [f32; 3], o_v: [f32; 3], b_u: f32, b_v: f32) ->
     }
 }
 
-/// A normal that a map has turned away from the eye, brought back to the horizon: the nearest direction with `N.V >= 0.01`
-/// (case: black speckles on bumps seen at grazing angles). `view` points to the eye; others pass unchanged.
-#[must_use]
-pub fn clamp_to_horizon(normal: [f32; 3], view: [f32; 3]) -> [f32; 3] {
-    const LEAST: f32 = 0.01;
-    let (n, v) = (normalize(normal), normalize(view));
-    let along = dot(n, v);
-    if along >= LEAST || v == [0.0; 3] {
-        return normal;
-    }
-    let flat = normalize(sub(n, scale(v, along)));
-    let rest = sqrt_f32(1.0 - LEAST * LEAST);
-    [0, 1, 2].map(|i| flat[i] * rest + v[i] * LEAST)
-}
-
-/// [`perturb`] for every entry of a slice: the same bits.
-///
-/// # Errors
-/// [`LightError::Length`] unless all slices have one length.
-pub fn perturb_slice(
-    normals: &[[f32; 3]],
-    tangents: &[[f32; 4]],
-    maps: &[[f32; 3]],
-    out: &mut [[f32; 3]],
-) -> Result<(), LightError> {
-    same_length("normals", normals.len(), out.len())?;
-    same_length("tangents", tangents.len(), out.len())?;
-    same_length("map normals", maps.len(), out.len())?;
-    for (i, out) in out.iter_mut().enumerate() {
-        *out = perturb(normals[i], tangents[i], maps[i]);
-    }
-    Ok(())
-}
-
-fn cross(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
+pub(crate) fn cross(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
     [
         a[1] * b[2] - a[2] * b[1],
         a[2] * b[0] - a[0] * b[2],
@@ -260,6 +212,7 @@ fn cross(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::{clamp_to_horizon, perturb};
     use core::f64::consts::TAU;
     use texmap_math::glam::DVec3;
 

@@ -2,14 +2,13 @@
 //!
 //! Each function gives, lane by lane, the bits of its scalar twin, which stands beside it.
 
-use texmap_math::fearless_simd::{Simd, f32x16};
+use texmap_math::fearless_simd::f32x16;
 
 pub use crate::mirror::{MirrorView, RayLanes, reflect_across_lanes, reflect_lanes};
+pub use crate::normal_map::clamp_to_horizon_lanes;
+pub use crate::share::{ShareLanes, share_lanes};
+pub use crate::slide::SlidePlaces;
+pub use crate::vector::unit_lanes;
 
 /// A vector in each lane.
 pub type V3<S> = [f32x16<S>; 3];
-
-#[inline(always)]
-pub(crate) fn dot3<S: Simd>(a: V3<S>, b: V3<S>) -> f32x16<S> {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}

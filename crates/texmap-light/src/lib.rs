@@ -32,24 +32,31 @@ mod environment;
 mod error;
 pub mod lanes;
 mod mirror;
+mod normal_map;
 pub mod reference;
 mod shade;
 mod shadow;
+mod shadow_reader;
+mod share;
 mod slide;
 mod surface;
 mod vector;
 
 pub use bump::{
-    Green, Heights, Slope, bump, bump_on, clamp_to_horizon, decode_normal, decode_offsets,
-    encode_normal, encode_offsets, perturb, perturb_slice,
+    Green, Heights, Slope, bump, bump_on, decode_normal, decode_offsets, encode_normal,
+    encode_offsets,
 };
 pub use chart::{Chart, UnknownChart};
 pub use environment::Environment;
 pub use error::LightError;
 pub use mirror::{Ray, reflect, reflect_across};
+pub use normal_map::{NormalMap, clamp_to_horizon, clamp_unit_to_horizon, perturb, perturb_slice};
 pub use shade::{
     Terms, illuminate, illuminate_slice, illuminate_two_sided, terms, terms_received, terms_slice,
 };
 pub use shadow::{ShadowBias, ShadowKind, ShadowMap};
-pub use slide::{Slide, SlideBorder, slide_texel};
+pub use shadow_reader::ShadowReader;
+pub use share::{Power, Share, share};
+pub use slide::{Slide, SlideBorder, SlideView, slide_texel};
 pub use surface::{Highlight, Light, Surface};
+pub use vector::unit;

@@ -5,8 +5,8 @@ use texmap_math::lanes::{Words, floor_to_i32, floor_to_i32_scalar, gather};
 
 use crate::Chart;
 use crate::environment::{Environment, Level};
-use crate::lanes::{V3, dot3};
-use crate::vector::dot;
+use crate::lanes::V3;
+use crate::vector::{dot, dot_lanes};
 
 /// A direction and its change for one pixel to the right and one down.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -66,7 +66,7 @@ impl<S: Simd> core::fmt::Debug for RayLanes<S> {
 /// [`reflect`] for sixteen.
 #[inline(always)]
 pub fn reflect_lanes<S: Simd>(view: V3<S>, normal: V3<S>) -> V3<S> {
-    let k = dot3(normal, view) * 2.0;
+    let k = dot_lanes(normal, view) * 2.0;
     let mut out = view;
     for i in 0..3 {
         out[i] = k * normal[i] - view[i];
@@ -82,7 +82,7 @@ pub fn reflect_across_lanes<S: Simd>(
     length: f32x16<S>,
 ) -> RayLanes<S> {
     let (n, v) = (normal.direction, view.direction);
-    let facing = dot3(n, v);
+    let facing = dot_lanes(n, v);
     RayLanes {
         direction: reflect_lanes(v, n),
         dx: change_lanes(n, v, facing, view.dx, normal.dx, length),
@@ -99,12 +99,12 @@ fn change_lanes<S: Simd>(
     d: V3<S>,
     length: f32x16<S>,
 ) -> V3<S> {
-    let along = dot3(n, d);
+    let along = dot_lanes(n, d);
     let mut dn = d;
     for i in 0..3 {
         dn[i] = (d[i] - along * n[i]) / length;
     }
-    let k = dot3(dn, v) + dot3(n, dv);
+    let k = dot_lanes(dn, v) + dot_lanes(n, dv);
     let mut out = d;
     for i in 0..3 {
         out[i] = (k * n[i] + facing * dn[i]) * 2.0 - dv[i];

@@ -1,7 +1,6 @@
-use texmap_math::det32;
-
 use crate::error::{LightError, same_length};
-use crate::vector::{dot, normalize, scale, sub};
+use crate::share::{Power, Share, share};
+use crate::vector::{dot, scale, sub, unit};
 use crate::{Highlight, Light, Surface};
 
 /// Light that reaches the eye from one point, split so that a texture can stand in for the colour:
@@ -15,6 +14,15 @@ pub struct Terms {
 }
 
 impl Terms {
+    /// Adds what a light gives, of which so much is received.
+    pub fn add(&mut self, given: &Share, received: [f32; 3]) {
+        for i in 0..3 {
+            let color = given.color[i] * received[i];
+            self.diffuse[i] += color * given.diffuse;
+            self.highlight[i] += color * given.highlight;
+        }
+    }
+
     /// The colour of a surface of this base colour, linear light, clipped at 1 per channel.
     #[must_use]
     pub fn color(&self, base: [f32; 3]) -> [f32; 3] {
@@ -69,76 +77,21 @@ pub fn terms_received(
     eye: [f32; 3],
     mut received: impl FnMut(usize) -> [f32; 3],
 ) -> Terms {
-    let normal = normalize(normal);
-    let view = normalize(sub(eye, point));
+    let normal = unit(normal);
+    let view = unit(sub(eye, point));
+    let power = Power::new(surface.ns);
     let mut sum = Terms::default();
     for (index, light) in lights.iter().enumerate() {
-        let (color, toward) = match *light {
-            Light::Ambient { color } => {
-                add(&mut sum.diffuse, color, surface.ka);
-                continue;
-            }
-            Light::Directional { color, direction } => (color, scale(direction, -1.0)),
-            Light::Point { color, position } => (color, sub(position, point)),
-            Light::Spot {
-                color, position, ..
-            } => {
-                let toward = sub(position, point);
-                (scale(color, cone(light, toward)), toward)
-            }
-        };
-        let toward = normalize(toward);
-        let facing = dot(normal, toward);
-        if facing.is_nan() || facing <= 0.0 || color == [0.0; 3] {
+        let Some(given) = share(surface, power, model, light, point, normal, view) else {
             continue;
-        }
-        let share = received(index);
-        let color = [0, 1, 2].map(|i| color[i] * share[i]);
-        add(&mut sum.diffuse, color, surface.kd * facing);
-        if surface.ks > 0.0 {
-            let along = match model {
-                Highlight::Phong => {
-                    let mirrored = sub(scale(normal, 2.0 * facing), toward);
-                    dot(view, mirrored)
-                }
-                Highlight::Blinn => {
-                    let halfway = [0, 1, 2].map(|i| view[i] + toward[i]);
-                    dot(normal, normalize(halfway))
-                }
-            };
-            if along > 0.0 {
-                add(
-                    &mut sum.highlight,
-                    color,
-                    surface.ks * det32::pow(along, surface.ns),
-                );
-            }
+        };
+        if matches!(light, Light::Ambient { .. }) {
+            sum.add(&given, [1.0; 3]);
+        } else {
+            sum.add(&given, received(index));
         }
     }
     sum
-}
-
-/// Share of a spot light's strength for a point from which the light lies in the direction `toward`, 0..=1; 1 for other lights.
-/// A point in the light gets nothing.
-fn cone(light: &Light, toward: [f32; 3]) -> f32 {
-    let Light::Spot {
-        direction,
-        cos_inner,
-        cos_outer,
-        ..
-    } = *light
-    else {
-        return 1.0;
-    };
-    let along = -dot(normalize(direction), normalize(toward));
-    if toward == [0.0; 3] || along < cos_outer {
-        0.0
-    } else if along >= cos_inner {
-        1.0
-    } else {
-        let x = (along - cos_outer) / (cos_inner - cos_outer);
-        x * x * (3.0 - 2.0 * x)
-    }
 }
 
 /// Colour of a surface at a point: [`terms`] applied to its own colour, clipped at 1, linear light.
@@ -212,12 +165,6 @@ pub fn illuminate_slice(
         *out = illuminate(surface, lights, *point, *normal, eye);
     }
     Ok(())
-}
-
-fn add(sum: &mut [f32; 3], color: [f32; 3], k: f32) {
-    for (sum, color) in sum.iter_mut().zip(color) {
-        *sum += color * k;
-    }
 }
 
 #[cfg(test)]

@@ -139,6 +139,10 @@ impl ShadowMap {
         self.size
     }
 
+    pub(crate) fn depths(&self) -> &[f32] {
+        &self.depths
+    }
+
     /// The light that it belongs to.
     #[must_use]
     pub fn kind(&self) -> &ShadowKind {

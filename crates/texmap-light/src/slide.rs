@@ -1,10 +1,12 @@
+use texmap_math::fearless_simd::{Simd, f32x16, mask32x16, prelude::*};
 use texmap_math::float::floor_f32;
-use texmap_math::glam::DVec3;
+use texmap_math::glam::{DVec3, DVec4};
 use texmap_math::projector::slide_coordinates;
 use texmap_math::{Footprint, Projector};
 use texmap_sample::{Sampler, Texture2d, Wrap};
 
 use crate::error::{LightError, same_length};
+use crate::lanes::V3;
 
 /// A picture thrown from a projector: light, or paint.
 #[derive(Clone, Debug)]
@@ -51,7 +53,7 @@ impl Slide<'_> {
         let inside = uv.iter().all(|c| (0.0..=1.0).contains(c));
         let fade = match self.border {
             SlideBorder::Black if !inside => return [0.0; 4],
-            SlideBorder::Black => self.fade(uv[0]) * self.fade(uv[1]),
+            SlideBorder::Black => fade(self.softness, uv[0]) * fade(self.softness, uv[1]),
             _ => 1.0,
         };
         let wrap = if self.border == SlideBorder::Repeat {
@@ -100,17 +102,144 @@ impl Slide<'_> {
         }
         Ok(())
     }
+}
 
-    /// 0 at the edge, 1 from `softness` inwards: `3x^2 - 2x^3`.
-    fn fade(&self, c: f32) -> f32 {
-        let from_edge = if c < 0.5 { c } else { 1.0 - c };
-        if from_edge < self.softness {
-            let x = from_edge / self.softness;
-            x * x * (3.0 - 2.0 * x)
+/// A [`Slide`] prepared for look-ups in f32 from points of space; [`Slide::light`] is its reference. Places in the slide are off by about
+/// 1e-6 of its size.
+#[derive(Clone, Debug)]
+pub struct SlideView<'a> {
+    /// Rows of q, s and t.
+    rows: [[f32; 4]; 3],
+    /// The picture.
+    pub texture: &'a Texture2d<'a>,
+    /// How it is read, with the wrap modes that its border asks for.
+    pub sampler: Sampler,
+    border: SlideBorder,
+    softness: f32,
+}
+
+/// Where sixteen points fall in a slide.
+#[derive(Clone, Copy)]
+pub struct SlidePlaces<S: Simd> {
+    /// Lanes that the slide reaches; the others have a place too, of no meaning.
+    pub reached: mask32x16<S>,
+    /// Coordinates.
+    pub uv: [f32x16<S>; 2],
+    /// Factor of the texel.
+    pub fade: f32x16<S>,
+}
+
+impl<S: Simd> core::fmt::Debug for SlidePlaces<S> {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.write_str("SlidePlaces")
+    }
+}
+
+impl<'a> SlideView<'a> {
+    /// Prepares a slide.
+    #[must_use]
+    pub fn new(slide: &Slide<'a>) -> Self {
+        let wrap = if slide.border == SlideBorder::Repeat {
+            Wrap::Repeat
         } else {
-            1.0
+            Wrap::ClampToEdge
+        };
+        let row = |row: DVec4| row.to_array().map(|c| c as f32);
+        Self {
+            rows: slide.projector.rows().map(row),
+            texture: slide.texture,
+            sampler: Sampler {
+                wrap_u: wrap,
+                wrap_v: wrap,
+                ..slide.sampler.clone()
+            },
+            border: slide.border,
+            softness: slide.softness,
         }
     }
+
+    /// Premultiplied texel at a point of space that changes by `dx` and `dy` from pixel to pixel: see [`Slide::light`].
+    #[must_use]
+    pub fn light(&self, point: [f32; 3], [dx, dy]: [[f32; 3]; 2]) -> [f32; 4] {
+        let [px, py, pz] = point;
+        let [q, s, t] = self
+            .rows
+            .map(|row| row[0] * px + row[1] * py + row[2] * pz + row[3]);
+        let uv = [q / t, s / t];
+        let finite = uv[0].abs() < f32::INFINITY && uv[1].abs() < f32::INFINITY;
+        if !(t > 0.0 && finite) {
+            return [0.0; 4];
+        }
+        let fade = match self.border {
+            SlideBorder::Black if !uv.iter().all(|c| (0.0..=1.0).contains(c)) => return [0.0; 4],
+            SlideBorder::Black => fade(self.softness, uv[0]) * fade(self.softness, uv[1]),
+            _ => 1.0,
+        };
+        let along = |d: [f32; 3]| {
+            let [q, s, t1] = self
+                .rows
+                .map(|row| row[0] * d[0] + row[1] * d[1] + row[2] * d[2]);
+            [(q - uv[0] * t1) / t, (s - uv[1] * t1) / t]
+        };
+        let ([du_dx, dv_dx], [du_dy, dv_dy]) = (along(dx), along(dy));
+        let d = Footprint {
+            du_dx,
+            dv_dx,
+            du_dy,
+            dv_dy,
+        };
+        let texel = self.sampler.sample_grad(self.texture, uv, d);
+        texel.map(|c| c * fade)
+    }
+
+    /// The places of sixteen points. The texels there are for the caller to look up: level 0, as footprints have no lanes yet.
+    #[inline(always)]
+    pub fn place_lanes<S: Simd>(&self, s: S, point: V3<S>) -> SlidePlaces<S> {
+        let (zero, one) = (f32x16::splat(s, 0.0), f32x16::splat(s, 1.0));
+        let mut qst = point;
+        for (out, row) in qst.iter_mut().zip(self.rows) {
+            let [a, b, c, d] = row;
+            *out = point[0] * a + point[1] * b + point[2] * c + f32x16::splat(s, d);
+        }
+        let [q, r, t] = qst;
+        let (u, v) = (q / t, r / t);
+        let infinity = f32::INFINITY;
+        let finite = u.abs().simd_lt(infinity) & v.abs().simd_lt(infinity);
+        let mut reached = t.simd_gt(zero) & finite;
+        let mut factor = one;
+        if self.border == SlideBorder::Black {
+            reached &= u.simd_ge(zero) & u.simd_le(one) & v.simd_ge(zero) & v.simd_le(one);
+            if self.softness > 0.0 {
+                factor = fade_lanes(s, self.softness, u) * fade_lanes(s, self.softness, v);
+            }
+        }
+        SlidePlaces {
+            reached,
+            uv: [reached.select(u, zero), reached.select(v, zero)],
+            fade: factor,
+        }
+    }
+}
+
+/// 0 at the edge, 1 from `softness` inwards: `3x^2 - 2x^3`.
+fn fade(softness: f32, c: f32) -> f32 {
+    let from_edge = if c < 0.5 { c } else { 1.0 - c };
+    if from_edge < softness {
+        let x = from_edge / softness;
+        x * x * (3.0 - 2.0 * x)
+    } else {
+        1.0
+    }
+}
+
+/// [`fade`] for sixteen.
+#[inline(always)]
+fn fade_lanes<S: Simd>(s: S, softness: f32, c: f32x16<S>) -> f32x16<S> {
+    let from_edge = c.simd_lt(0.5).select(c, 1.0 - c);
+    let x = from_edge / f32x16::splat(s, softness);
+    let soft = x * x * (3.0 - x * 2.0);
+    let one = f32x16::splat(s, 1.0);
+    from_edge.simd_lt(softness).select(soft, one)
 }
 
 /// Whether a slide coordinate falls into the picture's texels, as an index: `None` beyond. For callers with texels of their own.

@@ -5,6 +5,7 @@ use texmap_raster::{Fragment, NONE, Prepared, TILE, TileBlocks, TriangleSetup, b
 
 use crate::canvas::finish;
 use crate::direct::Direct;
+use crate::lit_lanes::LitLanes;
 use crate::plan::{Plan, Surface};
 use crate::rows::AovRows;
 use crate::shade::{facing_normal, three};
@@ -86,6 +87,11 @@ impl<'a> Job<'a> {
             scenery: Scenery {
                 plan,
                 direct: plan.surfaces.iter().map(Direct::new).collect(),
+                lit: plan
+                    .surfaces
+                    .iter()
+                    .map(|surface| LitLanes::new(plan, surface))
+                    .collect(),
                 prepared,
                 mode: scene.color,
                 background: [light(r) * a, light(g) * a, light(b) * a, a],

@@ -58,6 +58,7 @@ mod frame;
 mod height_field;
 mod light_names;
 mod lit;
+mod lit_lanes;
 mod plan;
 pub mod planner;
 mod refine;

@@ -1,22 +1,22 @@
 //! Effects at work: what a plan keeps of a scene's shadows, projectors and environments, and the light of one sample under them.
 
 use texmap_light::{
-    Environment, Light, Ray, ShadowBias, ShadowKind, ShadowMap, Slide, Surface as Numbers, Terms,
-    bump_on, clamp_to_horizon, decode_normal, decode_offsets, perturb, reflect_across,
-    terms_received,
+    Environment, Light, NormalMap, Power, Ray, ShadowKind, ShadowReader, Slide, SlideView,
+    Surface as Numbers, Terms, bump_on, clamp_unit_to_horizon, decode_offsets, reflect_across,
+    share, unit,
 };
 use texmap_math::camera::Camera;
 use texmap_math::glam::{DMat3, DMat4, DVec3};
 use texmap_math::{Footprint, Projector};
 use texmap_raster::Fragment;
-use texmap_sample::{Origin, Texture2d};
+use texmap_sample::Origin;
 
 use crate::canvas::straight;
 use crate::carved::Carved;
 use crate::effects::{LightMapSlot, Reflection, Relief, SlideProjector, SlideRole};
 use crate::shade::three;
 use crate::shadow::{shadow_bias, shadow_kind, shadow_map};
-use crate::textures::{Chains, Slot};
+use crate::textures::{Chains, Slot, reads_derivatives};
 use crate::vertices::{Values, Vertices, flat_normals, linear, narrow, wide};
 use crate::{Material, Mesh, RenderError, Scene, Settings};
 
@@ -26,49 +26,30 @@ pub(crate) struct Ready<'s> {
     /// The scene's lights, then a lamp for each projector of light.
     pub(crate) lights: Vec<Light>,
     /// Per light.
-    shadows: Vec<Vec<Shade>>,
+    pub(crate) shadows: Vec<Vec<ShadowReader>>,
     /// Slides of the lamps, from light `lights.len() - lamps.len()` on.
-    lamps: Vec<Thrown<'s>>,
-    paints: Vec<Thrown<'s>>,
-    environments: &'s [Environment],
+    pub(crate) lamps: Vec<Thrown<'s>>,
+    pub(crate) paints: Vec<Thrown<'s>>,
+    pub(crate) environments: &'s [Environment],
 }
 
-/// A shadow map and how it is read.
+/// A slide, and the map that keeps it from shining through things.
 #[derive(Debug)]
-struct Shade {
-    map: ShadowMap,
-    bias: ShadowBias,
-    taps: u32,
-}
-
-impl Shade {
-    fn lit(&self, point: [f32; 3], plane: DVec3) -> f32 {
-        self.map.lit(wide(point), plane, self.bias, self.taps)
-    }
-}
-
-#[derive(Debug)]
-struct Thrown<'s> {
+pub(crate) struct Thrown<'s> {
     slide: &'s SlideProjector,
-    texture: &'s Texture2d<'static>,
-    shade: Option<Shade>,
+    pub(crate) view: SlideView<'s>,
+    pub(crate) shade: Option<ShadowReader>,
 }
 
 impl Thrown<'_> {
+    /// Whether the filter asks how large a pixel is.
+    pub(crate) fn reads_derivatives(&self) -> bool {
+        reads_derivatives(self.view.sampler.filter)
+    }
+
     fn texel(&self, at: &Sample<'_>) -> [f32; 4] {
-        let slide = Slide {
-            projector: self.slide.projector,
-            texture: self.texture,
-            sampler: &self.slide.sampler,
-            border: self.slide.border,
-            softness: self.slide.softness,
-        };
-        let along = |d: [f32; 3]| {
-            let rows = self.slide.projector.rows();
-            DVec3::from_array(rows.map(|row| row.truncate().dot(wide(d))))
-        };
-        let step = [along(at.position_dx), along(at.position_dy)];
-        slide.light(self.slide.projector.project(wide(at.position)), Some(step))
+        self.view
+            .light(at.position, [at.position_dx, at.position_dy])
     }
 }
 
@@ -76,34 +57,34 @@ impl<'s> Ready<'s> {
     /// Draws all maps. `None` for a scene without effects whose materials ask for none either.
     pub(crate) fn new(scene: &'s Scene, settings: &Settings) -> Result<Self, RenderError> {
         let mut lights = scene.lights.clone();
-        let mut shadows: Vec<Vec<Shade>> = scene.lights.iter().map(|_| Vec::new()).collect();
+        let mut shadows: Vec<Vec<ShadowReader>> = scene.lights.iter().map(|_| Vec::new()).collect();
         let threads = settings.threads.unwrap_or(usize::MAX);
         for shadow in &scene.effects.shadows {
             let kind = shadow_kind(scene, shadow.light, shadow.area)?;
             let size = shadow
                 .size
                 .unwrap_or_else(|| fitting_size(scene, &kind, settings.width));
-            shadows[shadow.light].push(Shade {
-                map: shadow_map(scene, &kind, size, threads)?,
-                bias: shadow.bias.unwrap_or_else(|| shadow_bias(scene)),
-                taps: shadow.taps,
-            });
+            let map = shadow_map(scene, &kind, size, threads)?;
+            let bias = shadow.bias.unwrap_or_else(|| shadow_bias(scene));
+            shadows[shadow.light].push(ShadowReader::new(map, bias, shadow.taps));
         }
         let (mut lamps, mut paints) = (Vec::new(), Vec::new());
         for slide in &scene.effects.projectors {
             let shade = match slide.shadow {
                 None => None,
-                Some(size) => Some(Shade {
-                    map: shadow_map(scene, &slide_kind(slide), size, threads)?,
-                    bias: shadow_bias(scene),
-                    taps: 3,
-                }),
+                Some(size) => {
+                    let map = shadow_map(scene, &slide_kind(slide), size, threads)?;
+                    Some(ShadowReader::new(map, shadow_bias(scene), 3))
+                }
             };
-            let thrown = Thrown {
-                slide,
+            let view = SlideView::new(&Slide {
+                projector: slide.projector,
                 texture: &scene.textures[slide.texture],
-                shade,
-            };
+                sampler: &slide.sampler,
+                border: slide.border,
+                softness: slide.softness,
+            });
+            let thrown = Thrown { slide, view, shade };
             match slide.role {
                 SlideRole::Paint => paints.push(thrown),
                 SlideRole::Light(color) => {
@@ -133,14 +114,14 @@ impl<'s> Ready<'s> {
     /// Share of each light of the scene that its shadows leave at a sample, for the `shadow` AOV.
     pub(crate) fn shadow(&self, light: usize, point: [f32; 3], plane: DVec3) -> Option<f32> {
         let shades = self.shadows.get(light).filter(|s| !s.is_empty())?;
-        Some(shades.iter().map(|s| s.lit(point, plane)).product())
+        Some(shades.iter().map(|s| s.lit(point, narrow(plane))).product())
     }
 
     /// What reaches a sample of light `index`.
     fn received(&self, index: usize, at: &Sample<'_>) -> [f32; 3] {
         let mut share = 1.0;
         for shade in &self.shadows[index] {
-            share *= shade.lit(at.position, at.plane);
+            share *= shade.lit(at.position, narrow(at.plane));
         }
         let first_lamp = self.lights.len() - self.lamps.len();
         match index.checked_sub(first_lamp).map(|i| &self.lamps[i]) {
@@ -149,7 +130,7 @@ impl<'s> Ready<'s> {
                 let [r, g, b, _] = lamp.texel(at);
                 let share = match &lamp.shade {
                     Some(shade) if r > 0.0 || g > 0.0 || b > 0.0 => {
-                        share * shade.lit(at.position, at.plane)
+                        share * shade.lit(at.position, narrow(at.plane))
                     }
                     _ => share,
                 };
@@ -173,7 +154,7 @@ impl<'s> Ready<'s> {
             let share = thrown
                 .shade
                 .as_ref()
-                .map_or(1.0, |shade| shade.lit(at.position, at.plane));
+                .map_or(1.0, |shade| shade.lit(at.position, narrow(at.plane)));
             let keep = 1.0 - texel[3] * share;
             sum = [0, 1, 2, 3].map(|i| texel[i] * share + keep * sum[i]);
         }
@@ -342,6 +323,58 @@ impl<'s> SurfaceEffects<'s> {
         }))
     }
 
+    /// Whether textures stand for numbers of the surface, or baked light for lights.
+    pub(crate) fn has_maps(&self) -> bool {
+        let slots = [
+            &self.ambient,
+            &self.specular,
+            &self.exponent,
+            &self.reflectivity,
+        ];
+        slots.into_iter().any(Option::is_some)
+            || self.light_map.is_some()
+            || self.material.specular_map.is_some()
+    }
+
+    /// The normal map, its texture, and the first attribute of its tangents; `None` for another relief, which has no lanes.
+    pub(crate) fn relief_lanes(&self) -> Option<Option<(NormalMap, &Slot<'s>, usize)>> {
+        match (&self.carved, &self.relief) {
+            (None, None) => Some(None),
+            (
+                None,
+                Some((
+                    Relief::NormalMap {
+                        green,
+                        rebuild_z,
+                        object_space: false,
+                        strength,
+                        ..
+                    },
+                    slot,
+                )),
+            ) => {
+                let map = NormalMap {
+                    green: *green,
+                    rebuild_z: *rebuild_z,
+                    strength: *strength,
+                };
+                Some(Some((map, slot, self.tangent?)))
+            }
+            _ => None,
+        }
+    }
+
+    /// The mirrored environment, and the share of its light.
+    pub(crate) fn reflection(&self) -> Option<(usize, f32)> {
+        let reflection = self.material.reflection?;
+        Some((reflection.environment, reflection.reflectivity))
+    }
+
+    /// The lights that are not baked, by their number.
+    pub(crate) fn lights(&self) -> &[(usize, Light)] {
+        &self.lights
+    }
+
     /// Normal of a triangle's plane on the side that is seen.
     pub(crate) fn plane(&self, triangle: u32, front: bool) -> DVec3 {
         let plane = self.planes[triangle as usize];
@@ -369,7 +402,7 @@ impl<'s> SurfaceEffects<'s> {
             .ambient
             .as_ref()
             .map(|slot| straight(slot.texel(uv.0, uv.1)));
-        let mut terms = self.direct(ready, &numbers, ambient, at, normal, eye);
+        let mut terms = self.direct(ready, &numbers, ambient, at, normal, unit(view));
         if let (Some((map, slot)), Some(first)) = (&self.light_map, self.lightmap_uv) {
             let (uv, d) = coordinates(at.fragment, first);
             for (sum, c) in terms.diffuse.iter_mut().zip(straight(slot.texel(uv, d))) {
@@ -391,29 +424,24 @@ impl<'s> SurfaceEffects<'s> {
         ambient: Option<[f32; 3]>,
         at: &Sample<'_>,
         normal: [f32; 3],
-        eye: [f32; 3],
+        view: [f32; 3],
     ) -> Terms {
-        // One light after the other in the scene's order: the sum is that of all lights at once.
+        let power = Power::new(numbers.ns);
         let mut sum = Terms::default();
         for (index, light) in &self.lights {
-            let one = terms_received(
-                numbers,
-                self.material.highlight,
-                core::slice::from_ref(light),
-                at.position,
-                normal,
-                eye,
-                |_| ready.received(*index, at),
-            );
-            for i in 0..3 {
-                match (light, ambient) {
+            let model = self.material.highlight;
+            let Some(given) = share(numbers, power, model, light, at.position, normal, view) else {
+                continue;
+            };
+            match (light, ambient) {
+                (Light::Ambient { color }, Some(texel)) => {
                     // A colour of its own, which does not multiply the base colour.
-                    (Light::Ambient { .. }, Some(texel)) => {
-                        sum.highlight[i] += one.diffuse[i] * texel[i];
+                    for i in 0..3 {
+                        sum.highlight[i] += color[i] * given.diffuse * texel[i];
                     }
-                    _ => sum.diffuse[i] += one.diffuse[i],
                 }
-                sum.highlight[i] += one.highlight[i];
+                (Light::Ambient { .. }, None) => sum.add(&given, [1.0; 3]),
+                _ => sum.add(&given, ready.received(*index, at)),
             }
         }
         sum
@@ -441,7 +469,7 @@ impl<'s> SurfaceEffects<'s> {
             dy: back(at.position_dy),
         };
         let normal = Ray {
-            direction: unit(normal),
+            direction: normal,
             dx: at.normal_dx,
             dy: at.normal_dy,
         };
@@ -469,7 +497,7 @@ impl<'s> SurfaceEffects<'s> {
         }
     }
 
-    /// The normal that the relief leaves, never turned away from the eye.
+    /// The unit normal that the relief leaves, never turned away from the eye unless the material asks for that.
     fn relief(
         &self,
         at: &Sample<'_>,
@@ -480,10 +508,10 @@ impl<'s> SurfaceEffects<'s> {
         let turned = match (&self.carved, &self.relief) {
             (Some(carved), _) => carved.normal(at, unit(normal)),
             (None, Some((relief, slot))) => self.turned(at, normal, relief, slot, (uv, d)),
-            (None, None) => return normal,
+            (None, None) => return unit(normal),
         };
         if self.material.horizon_clamp {
-            clamp_to_horizon(turned, view)
+            clamp_unit_to_horizon(turned, unit(view))
         } else {
             turned
         }
@@ -498,7 +526,7 @@ impl<'s> SurfaceEffects<'s> {
         (uv, d): ([f32; 2], Footprint),
     ) -> [f32; 3] {
         match *relief {
-            Relief::Carved { .. } => normal,
+            Relief::Carved { .. } => unit(normal),
             Relief::Bump { .. } | Relief::Offsets { .. } => {
                 self.bumped(at, normal, slot, relief, uv, d)
             }
@@ -509,10 +537,14 @@ impl<'s> SurfaceEffects<'s> {
                 strength,
                 ..
             } => {
-                let [x, y, z] = decode_normal(straight(slot.texel(uv, d)), green, rebuild_z);
-                let map = [x * strength, y * strength, z];
+                let map = NormalMap {
+                    green,
+                    rebuild_z,
+                    strength,
+                };
+                let texel = straight(slot.texel(uv, d));
                 if object_space {
-                    let world = self.normal_to_world * wide(map);
+                    let world = self.normal_to_world * wide(map.decode(texel));
                     let world = if at.fragment.front { world } else { -world };
                     unit(narrow(world))
                 } else {
@@ -521,11 +553,8 @@ impl<'s> SurfaceEffects<'s> {
                     let sign = at.fragment.values[first + 3];
                     // The frame belongs to the front; on the back N and so B are turned round with it.
                     let sign = if at.fragment.front { sign } else { -sign };
-                    perturb(
-                        unit(normal),
-                        [tx, ty, tz, if sign < 0.0 { -1.0 } else { 1.0 }],
-                        map,
-                    )
+                    let sign = if sign < 0.0 { -1.0 } else { 1.0 };
+                    map.turn(unit(normal), [tx, ty, tz, sign], texel)
                 }
             }
         }
@@ -639,16 +668,6 @@ fn coordinates(fragment: &Fragment, first: usize) -> ([f32; 2], Footprint) {
 
 fn length(v: [f32; 3]) -> f32 {
     (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt()
-}
-
-/// Unit length; zero stays zero.
-fn unit(v: [f32; 3]) -> [f32; 3] {
-    let length = length(v);
-    if length > 0.0 && length.is_finite() {
-        v.map(|c| c / length)
-    } else {
-        [0.0; 3]
-    }
 }
 
 /// Tangents of a mesh's corners for normal maps whose y points up the picture: world-space vectors and the sign of the bitangent.

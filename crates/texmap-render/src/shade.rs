@@ -27,7 +27,7 @@ pub(crate) struct Run<'a> {
 }
 
 impl Run<'_> {
-    fn slot(&self, at: RunBlock, bit: usize) -> u32 {
+    pub(crate) fn slot(&self, at: RunBlock, bit: usize) -> u32 {
         if at.slot == NONE {
             self.blocks.slot[at.block as usize * LANES + bit]
         } else {
@@ -411,20 +411,20 @@ fn look_up(
 }
 
 /// Which side of a triangle is seen, asked once for pixels of one triangle in a row.
-struct Facing {
+pub(crate) struct Facing {
     cull: Cull,
     last: (u32, bool),
 }
 
 impl Facing {
-    fn new(cull: Cull) -> Self {
+    pub(crate) fn new(cull: Cull) -> Self {
         Self {
             cull,
             last: (NONE, true),
         }
     }
 
-    fn is_front(&mut self, run: &Run<'_>, slot: u32) -> bool {
+    pub(crate) fn is_front(&mut self, run: &Run<'_>, slot: u32) -> bool {
         match self.cull {
             Cull::Back => return true,
             Cull::Front => return false,

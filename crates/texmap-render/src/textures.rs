@@ -45,6 +45,14 @@ fn reads_mips(filter: Filter) -> bool {
     )
 }
 
+/// Whether a filter asks how large a pixel is.
+pub(crate) fn reads_derivatives(filter: Filter) -> bool {
+    !matches!(
+        filter,
+        Filter::Nearest | Filter::Bilinear | Filter::Bicubic(_)
+    )
+}
+
 /// A texture as one mesh reads it.
 pub(crate) struct Slot<'s> {
     pub(crate) texture: Texture2d<'static>,
@@ -98,10 +106,7 @@ impl Slot<'_> {
 
     /// Whether the filter asks how large a pixel is.
     pub(crate) fn reads_derivatives(&self) -> bool {
-        !matches!(
-            self.sampler.filter,
-            Filter::Nearest | Filter::Bilinear | Filter::Bicubic(_)
-        )
+        reads_derivatives(self.sampler.filter)
     }
 
     /// The texel at coordinates of the mesh: linear, premultiplied.

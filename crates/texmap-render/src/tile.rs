@@ -10,6 +10,7 @@ use crate::ColorMode;
 use crate::canvas::{Canvas, Colors, LANES, finish};
 use crate::direct::{Direct, From, Levels};
 use crate::dispatch::on_level;
+use crate::lit_lanes::{LitLanes, LitScratch};
 use crate::plan::Plan;
 use crate::shade::{Run, Stages};
 use crate::texel::TexelStage;
@@ -19,7 +20,7 @@ const RUN_BLOCKS: usize = RUN / LANES;
 /// Blocks of a tile.
 const BLOCKS: usize = 256;
 /// Attributes in order.
-const ATTRIBUTES: [usize; texmap_raster::MAX_ATTRIBUTES] = {
+pub(crate) const ATTRIBUTES: [usize; texmap_raster::MAX_ATTRIBUTES] = {
     let mut all = [0; texmap_raster::MAX_ATTRIBUTES];
     let mut i = 0;
     while i < all.len() {
@@ -34,6 +35,8 @@ pub(crate) struct Scenery<'a> {
     pub(crate) plan: &'a Plan<'a>,
     /// Surfaces whose texels go straight onto the canvas.
     pub(crate) direct: Vec<Option<Direct<'a>>>,
+    /// Surfaces that are lit sixteen pixels at a time.
+    pub(crate) lit: Vec<Option<LitLanes<'a>>>,
     pub(crate) prepared: &'a Prepared<'a>,
     pub(crate) mode: ColorMode,
     /// Linear (or raw), premultiplied.
@@ -366,6 +369,7 @@ struct Shader {
     values: RunValues,
     levels: Levels,
     stages: Stages,
+    lit: LitScratch,
     colors: Colors,
     words: [u32; RUN_ROOM],
 }
@@ -418,6 +422,7 @@ impl Shader {
             values: RunValues::default(),
             levels: Levels::new(),
             stages: Stages::default(),
+            lit: LitScratch::default(),
             colors: Colors::new(),
             words: [0; RUN_ROOM],
         }
@@ -497,6 +502,21 @@ impl Shader {
     ) -> Shown<'_> {
         let (plan, level) = (scenery.plan, scenery.plan.level);
         let surface = &plan.surfaces[draw as usize];
+        if let Some(lit) = &scenery.lit[draw as usize] {
+            let run = Run {
+                prepared: scenery.prepared,
+                tile: scenery.prepared.tile(tile),
+                blocks,
+                run,
+                values: &self.values,
+            };
+            lit.shade(&self.planes, &run, &mut self.lit, &mut self.colors);
+            return if finished {
+                Shown::Unfinished(&self.colors)
+            } else {
+                Shown::Light(&self.colors)
+            };
+        }
         let count = run.len() * LANES;
         let slot = surface.base_color.as_ref();
         let (wanted, derivatives) = match &surface.texel {

@@ -1,0 +1,342 @@
+//! Shadow maps prepared for look-ups in f32, for one point and for sixteen. [`ShadowMap::lit`] is their reference in f64.
+
+use texmap_math::fearless_simd::{Simd, f32x16, i32x16, mask32x16, prelude::*, u32x16};
+use texmap_math::glam::{DMat4, DVec3, DVec4};
+use texmap_math::lanes::{Words, floor_to_i32, floor_to_i32_scalar, gather};
+
+use crate::lanes::V3;
+use crate::vector::{dot, dot_lanes, spread};
+use crate::{ShadowBias, ShadowKind, ShadowMap};
+
+/// A shadow map with the bias and the filter of its look-ups.
+///
+/// Under parallel and spot lights they are f32: the answers of [`ShadowMap::lit`], but for points within about 1e-6 of the map's width
+/// of a texel's edge, or as near to the depth they are compared with. Under point lights they are those of [`ShadowMap::lit`].
+#[derive(Clone, Debug)]
+pub struct ShadowReader {
+    map: ShadowMap,
+    bias: ShadowBias,
+    taps: u32,
+    flat: Option<Flat>,
+}
+
+/// A map of one face.
+#[derive(Clone, Copy, Debug)]
+struct Flat {
+    size: i32,
+    /// Columns and rows of the map (times the depth under a spot light), and depth.
+    rows: [[f32; 4]; 3],
+    /// The light's axes: right, down, and back to the light.
+    axes: [[f32; 3]; 3],
+    /// A spot light: columns and rows are divided by the depth.
+    divided: bool,
+    /// World size of a texel, at a depth of 1 under a spot light.
+    texel: f32,
+    bias: Bias,
+    radius: i32,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Bias {
+    Constant(f32),
+    Slope(f32),
+    /// In texels.
+    NormalOffset(f32),
+}
+
+impl ShadowReader {
+    /// A map with a bias and `taps` x `taps` comparisons a look-up, 1 or an odd number up to 15.
+    #[must_use]
+    pub fn new(map: ShadowMap, bias: ShadowBias, taps: u32) -> Self {
+        let flat = Flat::new(&map, bias, taps);
+        Self {
+            map,
+            bias,
+            taps,
+            flat,
+        }
+    }
+
+    /// Whether there are lanes: not under point lights, whose maps have six faces.
+    #[must_use]
+    pub fn has_lanes(&self) -> bool {
+        self.flat.is_some()
+    }
+
+    /// Whether look-ups read the normal of the receiver's plane.
+    #[must_use]
+    pub fn reads_normals(&self) -> bool {
+        !matches!(self.bias, ShadowBias::Constant(_))
+    }
+
+    /// Share of the light that reaches a point, 0..=1: see [`ShadowMap::lit`].
+    #[must_use]
+    pub fn lit(&self, point: [f32; 3], normal: [f32; 3]) -> f32 {
+        match &self.flat {
+            Some(flat) => flat.lit(self.map.depths(), point, normal),
+            None => {
+                let [point, normal] = [point, normal].map(|v| DVec3::from(v.map(f64::from)));
+                self.map.lit(point, normal, self.bias, self.taps)
+            }
+        }
+    }
+
+    /// [`lit`](Self::lit) for sixteen; 1 where there are no lanes. Nothing is looked up if no lane in `asked` falls into the map.
+    #[inline(always)]
+    pub fn lit_lanes<S: Simd>(
+        &self,
+        s: S,
+        asked: mask32x16<S>,
+        point: V3<S>,
+        normal: V3<S>,
+    ) -> f32x16<S> {
+        let words = Words::new(bytemuck::cast_slice(self.map.depths()));
+        match (&self.flat, words) {
+            (Some(flat), Some(words)) => flat.lit_lanes(s, words, asked, point, normal),
+            _ => f32x16::splat(s, 1.0),
+        }
+    }
+}
+
+impl Flat {
+    fn new(map: &ShadowMap, bias: ShadowBias, taps: u32) -> Option<Self> {
+        let size = f64::from(map.size());
+        let (world, half, divided) = match *map.kind() {
+            ShadowKind::Directional {
+                light_from_world,
+                half,
+            } => (light_from_world, half, false),
+            ShadowKind::Spot {
+                light_from_world,
+                tan_half,
+            } => (light_from_world, tan_half, true),
+            ShadowKind::Point { .. } => return None,
+        };
+        let [x, y, z] = rows(world);
+        let depth = -z;
+        // (p / half + 1) / 2 of the map's size; under a spot light p is divided by the depth later.
+        let middle = if divided { depth } else { DVec4::W };
+        let across = (x * (0.5 / half) + middle * 0.5) * size;
+        let down = (y * (-0.5 / half) + middle * 0.5) * size;
+        let narrow = |v: DVec4| v.to_array().map(|c| c as f32);
+        let axis = |v: DVec4| {
+            let [x, y, z, _] = narrow(v);
+            [x, y, z]
+        };
+        Some(Self {
+            size: map.size() as i32,
+            rows: [across, down, depth].map(narrow),
+            axes: [axis(x), axis(-y), axis(z)],
+            divided,
+            texel: (2.0 * half / size) as f32,
+            bias: match bias {
+                ShadowBias::Constant(constant) => Bias::Constant(constant as f32),
+                ShadowBias::Slope(constant) => Bias::Slope(constant as f32),
+                ShadowBias::NormalOffset(texels) => Bias::NormalOffset(texels as f32),
+            },
+            radius: (taps.min(15) / 2) as i32,
+        })
+    }
+
+    fn lit(&self, depths: &[f32], point: [f32; 3], normal: [f32; 3]) -> f32 {
+        let mut point = point;
+        if let Bias::NormalOffset(texels) = self.bias {
+            let [_, _, depth] = self.place(point);
+            let step = texels * self.texel_at(depth);
+            point = [0, 1, 2].map(|i| point[i] + normal[i] * step);
+        }
+        let [x, y, depth] = self.place(point);
+        let n = self.size as f32;
+        let inside = x >= 0.0 && x < n && y >= 0.0 && y < n && depth < f32::INFINITY;
+        if !inside || (self.divided && depth <= 0.0) {
+            return 1.0;
+        }
+        let add = match self.bias {
+            Bias::Constant(constant) => constant,
+            Bias::NormalOffset(_) => 1e-4 * self.texel_at(depth),
+            Bias::Slope(constant) => {
+                let [right, down, back] = self.axes.map(|axis| dot(axis, normal));
+                let below = if self.divided {
+                    // n . ray, the ray's components taken from the place in the map.
+                    let (px, py) = ((x - 0.5 * n) * self.texel, (y - 0.5 * n) * self.texel);
+                    (right * px + down * py) - back
+                } else {
+                    -back
+                };
+                let slope = (right.abs() + down.abs()) * self.texel_at(depth) / below.abs();
+                let slope = if slope < f32::MAX { slope } else { f32::MAX };
+                (self.radius as f32 + 0.5) * slope + constant
+            }
+        };
+        let reference = depth - add;
+        let (x, y) = (floor_to_i32_scalar(x), floor_to_i32_scalar(y));
+        let mut lit = 0.0;
+        for j in y - self.radius..=y + self.radius {
+            for i in x - self.radius..=x + self.radius {
+                let outside = i < 0 || j < 0 || i >= self.size || j >= self.size;
+                if outside || reference <= depths[(j * self.size + i) as usize] {
+                    lit += 1.0;
+                }
+            }
+        }
+        lit / self.count()
+    }
+
+    /// Columns and rows of the map, and depth.
+    fn place(&self, [px, py, pz]: [f32; 3]) -> [f32; 3] {
+        let [x, y, depth] = self
+            .rows
+            .map(|row| row[0] * px + row[1] * py + row[2] * pz + row[3]);
+        if self.divided {
+            [x / depth, y / depth, depth]
+        } else {
+            [x, y, depth]
+        }
+    }
+
+    fn texel_at(&self, depth: f32) -> f32 {
+        if self.divided {
+            self.texel * depth
+        } else {
+            self.texel
+        }
+    }
+
+    fn count(&self) -> f32 {
+        let side = (2 * self.radius + 1) as f32;
+        side * side
+    }
+
+    #[inline(always)]
+    fn lit_lanes<S: Simd>(
+        &self,
+        s: S,
+        words: Words<'_>,
+        asked: mask32x16<S>,
+        point: V3<S>,
+        normal: V3<S>,
+    ) -> f32x16<S> {
+        let (zero, one) = (f32x16::splat(s, 0.0), f32x16::splat(s, 1.0));
+        let mut point = point;
+        if let Bias::NormalOffset(texels) = self.bias {
+            let [_, _, depth] = self.place_lanes(s, point);
+            let step = self.texel_at_lanes(s, depth) * texels;
+            for i in 0..3 {
+                point[i] = point[i] + normal[i] * step;
+            }
+        }
+        let [x, y, depth] = self.place_lanes(s, point);
+        let n = f32x16::splat(s, self.size as f32);
+        let inside = x.simd_ge(zero) & x.simd_lt(n) & y.simd_ge(zero) & y.simd_lt(n);
+        let mut inside = inside & depth.simd_lt(f32::INFINITY);
+        if self.divided {
+            inside &= depth.simd_gt(zero);
+        }
+        if !(inside & asked).any_true() {
+            return one;
+        }
+        let add = match self.bias {
+            Bias::Constant(constant) => f32x16::splat(s, constant),
+            Bias::NormalOffset(_) => self.texel_at_lanes(s, depth) * 1e-4,
+            Bias::Slope(constant) => self.slope_lanes(s, x, y, depth, normal) + constant,
+        };
+        let reference = depth - add;
+        let middle = f32x16::splat(s, 0.5 * self.size as f32);
+        let x = floor_to_i32(s, inside.select(x, middle));
+        let y = floor_to_i32(s, inside.select(y, middle));
+        let r = self.radius;
+        let (low, high) = (i32x16::splat(s, r), i32x16::splat(s, self.size - r));
+        let within = x.simd_ge(low) & x.simd_lt(high) & y.simd_ge(low) & y.simd_lt(high);
+        let lit = if within.all_true() {
+            self.taps_lanes::<S, true>(s, words, x, y, reference)
+        } else {
+            self.taps_lanes::<S, false>(s, words, x, y, reference)
+        };
+        inside.select(lit / f32x16::splat(s, self.count()), one)
+    }
+
+    /// Comparisons that pass; all taps lie in the map if `WITHIN`.
+    #[inline(always)]
+    fn taps_lanes<S: Simd, const WITHIN: bool>(
+        &self,
+        s: S,
+        words: Words<'_>,
+        x: i32x16<S>,
+        y: i32x16<S>,
+        reference: f32x16<S>,
+    ) -> f32x16<S> {
+        let (zero, one) = (f32x16::splat(s, 0.0), f32x16::splat(s, 1.0));
+        let (first, size) = (i32x16::splat(s, 0), i32x16::splat(s, self.size));
+        let mut lit = zero;
+        for dj in -self.radius..=self.radius {
+            let j = y + dj;
+            let row = j * self.size;
+            for di in -self.radius..=self.radius {
+                let i = x + di;
+                let index: u32x16<S> = (row + i).bitcast();
+                let stored: f32x16<S> = gather(s, words, index).bitcast();
+                let mut passes = reference.simd_le(stored);
+                if !WITHIN {
+                    let inside = i.simd_ge(first) & j.simd_ge(first);
+                    passes |= !(inside & i.simd_lt(size) & j.simd_lt(size));
+                }
+                lit += passes.select(one, zero);
+            }
+        }
+        lit
+    }
+
+    #[inline(always)]
+    fn slope_lanes<S: Simd>(
+        &self,
+        s: S,
+        x: f32x16<S>,
+        y: f32x16<S>,
+        depth: f32x16<S>,
+        normal: V3<S>,
+    ) -> f32x16<S> {
+        let right = dot_lanes(spread(s, self.axes[0]), normal);
+        let down = dot_lanes(spread(s, self.axes[1]), normal);
+        let back = dot_lanes(spread(s, self.axes[2]), normal);
+        let below = if self.divided {
+            let half = 0.5 * self.size as f32;
+            let (px, py) = ((x - half) * self.texel, (y - half) * self.texel);
+            (right * px + down * py) - back
+        } else {
+            -back
+        };
+        let slope = (right.abs() + down.abs()) * self.texel_at_lanes(s, depth) / below.abs();
+        let most = f32x16::splat(s, f32::MAX);
+        let slope = slope.simd_lt(most).select(slope, most);
+        slope * (self.radius as f32 + 0.5)
+    }
+
+    #[inline(always)]
+    fn place_lanes<S: Simd>(&self, s: S, point: V3<S>) -> V3<S> {
+        let mut out = point;
+        for (out, row) in out.iter_mut().zip(self.rows) {
+            let [a, b, c, d] = row;
+            *out = point[0] * a + point[1] * b + point[2] * c + f32x16::splat(s, d);
+        }
+        if self.divided {
+            [out[0] / out[2], out[1] / out[2], out[2]]
+        } else {
+            out
+        }
+    }
+
+    #[inline(always)]
+    fn texel_at_lanes<S: Simd>(&self, s: S, depth: f32x16<S>) -> f32x16<S> {
+        if self.divided {
+            depth * self.texel
+        } else {
+            f32x16::splat(s, self.texel)
+        }
+    }
+}
+
+/// The rows of a matrix that moves points.
+fn rows(m: DMat4) -> [DVec4; 3] {
+    let t = m.transpose();
+    [t.x_axis, t.y_axis, t.z_axis]
+}
