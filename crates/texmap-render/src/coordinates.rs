@@ -90,6 +90,17 @@ impl CameraFrame {
         }
     }
 
+    /// The planes of A.W, B.W and C.W over the picture: their scalar product with (x, y, 1), x and y in samples from the top left
+    /// corner.
+    pub(crate) fn planes(&self) -> [DVec3; 3] {
+        let [right, up] = self.rays.half_step;
+        let [width, height] = self.rays.size;
+        [self.magic.a, self.magic.b, self.magic.c].map(|m| {
+            let (x, y) = (m.x * right, m.y * up);
+            DVec3::new(2.0 * x, -2.0 * y, y * height - x * width - m.z)
+        })
+    }
+
     /// uv = (A.W / C.W, B.W / C.W) for the ray W through the sample's centre, and its analytic derivatives
     /// `du/dx = (A.W_x - u C.W_x) / C.W`. `None` where the ray never meets the frame's plane.
     pub(crate) fn uv(&self, x: u32, y: u32) -> Option<([f32; 2], Footprint)> {

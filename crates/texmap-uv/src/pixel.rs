@@ -119,6 +119,38 @@ impl PixelMapping {
         )
     }
 
+    /// [`PixelMapping::one`] in f64, for reading: uv, and `[du/dx, dv/dx, du/dy, dv/dy]`. On the axis there is no derivative: NaN.
+    #[must_use]
+    pub fn reference(&self, point: DVec3, dx: DVec3, dy: DVec3) -> ([f64; 2], [f64; 4]) {
+        let q = self.unit_from_point.transform_point3(point);
+        let (_, [u, latitude]) = crate::Shape::Sphere.uv(q, self.origin);
+        let sign = match self.origin {
+            Origin::TopLeft => -1.0,
+            Origin::BottomLeft => 1.0,
+        };
+        let v = match self.shape {
+            Round::Sphere => latitude,
+            Round::Cylinder => 0.5 + sign * q.y,
+        };
+        let [across, down] = self.repeat.map(f64::from);
+        let change = |d: DVec3| {
+            let d = self.unit_from_point.transform_vector3(d);
+            let square = q.x * q.x + q.z * q.z;
+            let turn = (q.z * d.x - q.x * d.z) / square / core::f64::consts::TAU;
+            let up = match self.shape {
+                Round::Cylinder => d.y,
+                Round::Sphere => {
+                    let out = float::sqrt(square);
+                    let rise = out * d.y - q.y * (q.x * d.x + q.z * d.z) / out;
+                    rise / (square + q.y * q.y) / core::f64::consts::PI
+                }
+            };
+            [turn.clamp(-0.5, 0.5) * across, up * sign * down]
+        };
+        let ([ux, vx], [uy, vy]) = (change(dx), change(dy));
+        ([u * across, v * down], [ux, vx, uy, vy])
+    }
+
     /// [`PixelMapping::one`] for many pixels, the same bits on every level.
     ///
     /// # Errors
@@ -426,6 +458,12 @@ mod tests {
                     whole(f64::from(uv[0]) - e[0]).abs() < 1e-5
                         && (f64::from(uv[1]) - e[1]).abs() < 1e-5
                 );
+                // Within 1e-5 of the reference, derivatives too.
+                let (reference, slopes) = map.reference(wide(p), wide(dx), wide(dy));
+                assert!((0..2).all(|k| (reference[k] - e[k]).abs() < 1e-12));
+                for (d, exact) in [d.du_dx, d.dv_dx, d.du_dy, d.dv_dy].into_iter().zip(slopes) {
+                    assert!((f64::from(d) - exact).abs() < 1e-5 * (1.0 + exact.abs()));
+                }
                 let step = 1e-5;
                 for (d, along) in [([d.du_dx, d.dv_dx], dx), ([d.du_dy, d.dv_dy], dy)] {
                     let (a, b) = (

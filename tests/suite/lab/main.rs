@@ -1,6 +1,7 @@
 //! The truth, the failure cases and the demos.
 mod cases;
 mod demos;
+mod plans;
 mod program;
 mod projections;
 mod scenes;

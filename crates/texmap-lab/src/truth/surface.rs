@@ -253,6 +253,22 @@ impl<'s> Surface<'s> {
                 dy: change(pinhole.down),
             };
         }
+        if let Some(map) = &self.mesh.round {
+            let corners = self.corners(triangle);
+            let axes = [0, 1, 2].map(|k| corners.map(|p| p[k]));
+            let point = DVec3::from_array(axes.map(|values| hit.attribute(values)));
+            let change = axes.map(|values| hit.derivative(values));
+            let (uv, [ux, vx, uy, vy]) = map.reference(
+                point,
+                DVec3::from_array(change.map(|d| d.x)),
+                DVec3::from_array(change.map(|d| d.y)),
+            );
+            return Place {
+                uv: DVec2::from_array(uv),
+                dx: DVec2::new(ux, vx),
+                dy: DVec2::new(uy, vy),
+            };
+        }
         let vertices = self.mesh.triangles[triangle as usize];
         let at = |axis: usize| {
             vertices.map(|v| {

@@ -12,12 +12,13 @@ mod prices;
 mod visible;
 
 use texmap_math::affine_error;
-use texmap_math::glam::{DVec2, DVec4};
+use texmap_math::glam::{DMat4, DVec2, DVec3, DVec4};
 use texmap_raster::Interp;
 use texmap_sample::{Filter, Mip, Precision, Sampler, Texture2d};
 
 use crate::{AlphaMode, ColorMode, Mesh, RenderError, Scene, Shading, TextureRole, TextureSlot};
 
+use crate::vertices::wide;
 pub use lights::{IdleLight, ShadowChoice};
 use pilot::{Pilot, Places};
 pub use prices::{Price, prices};
@@ -134,10 +135,9 @@ pub fn choose(
     let scene = &*scene.shaped(width)?;
     scene.check()?;
     let aspect = f64::from(width) / f64::from(height);
-    let clip_from_world = scene
-        .camera
-        .clip_from_world(aspect)
-        .map_err(RenderError::Camera)?;
+    let view_from_world = scene.camera.view().map_err(RenderError::Camera)?;
+    let projection = scene.camera.projection(aspect);
+    let clip_from_world = projection * view_from_world;
     let size = DVec2::new(f64::from(width), f64::from(height));
     let place = |mesh: &Mesh| -> Vec<DVec4> {
         let clip = clip_from_world * mesh.world_from_object;
@@ -159,6 +159,8 @@ pub fn choose(
             mesh,
             positions,
             size,
+            view_from_world,
+            half: [1.0 / projection.x_axis.x, 1.0 / projection.y_axis.y],
         })
         .collect();
     let mut places: Vec<Places> = views.iter().map(pilot::places).collect();
@@ -184,9 +186,18 @@ struct View<'s> {
     /// x and y in pixels (y down) times w, clip z, w.
     positions: &'s [DVec4],
     size: DVec2,
+    view_from_world: DMat4,
+    /// Half the width and height of the picture at distance 1.
+    half: [f64; 2],
 }
 
 impl View<'_> {
+    /// A vertex in the world.
+    fn world(&self, vertex: u32) -> DVec3 {
+        let position = wide(self.mesh.positions[vertex as usize]);
+        self.mesh.world_from_object.transform_point3(position)
+    }
+
     /// `places` are those of the mesh that are seen, of `all` inside its outline.
     fn choose(&self, index: usize, budget: Budget, places: &Places, all: usize) -> Choice {
         let material = &self.scene.materials[self.mesh.material];
@@ -208,8 +219,10 @@ impl View<'_> {
             let texture = &self.scene.textures[slot.texture];
             f64::from(texture.width().max(texture.height()))
         });
+        // What is made per pixel needs its position, or no attribute at all.
+        let per_pixel = self.mesh.frame.is_some() || self.mesh.round.is_some();
         let affine = self.affine_error(texels);
-        if affine <= EQUAL_W && prices::interp(Interp::Affine) <= choice.price {
+        if !per_pixel && affine <= EQUAL_W && prices::interp(Interp::Affine) <= choice.price {
             choice.interp = Interp::Affine;
             choice.predicted_texels = affine;
             choice.price = prices::interp(Interp::Affine);
@@ -221,12 +234,6 @@ impl View<'_> {
             None => {
                 "no texture".clone_into(&mut choice.why);
                 choice.left_out.push("texture look-up");
-            }
-            Some(_) if self.mesh.frame.is_some() || self.mesh.round.is_some() => {
-                // Nothing is tried on them: a promise would be empty.
-                choice.predicted_rmse = f64::INFINITY;
-                "coordinates made per pixel: not predicted, the filter is the scene's"
-                    .clone_into(&mut choice.why);
             }
             Some(_) if material.color_ramp.is_some() || material.crisp => {
                 choice.predicted_rmse = f64::INFINITY;

@@ -3,22 +3,25 @@
 use texmap_math::glam::{DMat3, DVec2, DVec3};
 use texmap_math::{Footprint, color};
 use texmap_sample::{Filter, Lod, Precision, Sampler, Texture2d};
+use texmap_uv::PixelMapping;
 
 use super::View;
 use crate::TextureSlot;
+use crate::coordinates::CameraFrame;
 
 /// Positions a side of the grid over the mesh's part of the picture, where that has more pixels.
-const GRID: u32 = 64;
+const GRID: u32 = 128;
 /// Places that a first look takes.
 const FIRST: usize = 576;
 /// Pixels below which nothing is said.
 const FEWEST: usize = 24;
 /// Samples a side of a pixel, for its mean.
 const SAMPLES: u32 = 6;
+/// Part of itself by which a prediction is raised, for what such a mean is off by: at a first look, and where that left something
+/// undecided.
+const ROUGH: [f64; 2] = [0.02, 0.005];
 /// Standard errors of the mean by which a prediction is raised.
 const MARGIN: f64 = 3.0;
-/// Part of itself by which it is raised: what the mean of [`SAMPLES`] a side is off by.
-const ROUGH: f64 = 0.02;
 
 /// Pixels with the mean of the texture over each.
 pub(super) struct Pilot {
@@ -28,11 +31,14 @@ pub(super) struct Pilot {
     share: f64,
     /// What multiplies every texel.
     tint: [f32; 3],
+    /// Part of itself by which a prediction is raised.
+    rough: f64,
 }
 
 /// Where a mesh is seen.
 pub(super) struct Places {
     pub(super) list: Vec<Place>,
+    source: Source,
     /// Part of the pixels in its outline's box that were looked at.
     share: f64,
 }
@@ -46,29 +52,47 @@ pub(super) struct Predicted {
     pub(super) bound: f64,
 }
 
-/// A pixel of a triangle: its centre, and the planes of u/w, v/w and 1/w over the picture.
+/// Where a mesh's coordinates come from, as [`Coordinates`](crate::coordinates::Coordinates).
+enum Source {
+    Vertices,
+    /// The planes of A.W, B.W and C.W over the picture.
+    Frame([DVec3; 3]),
+    Round(PixelMapping),
+}
+
+/// A pixel of a triangle: its centre, and the planes over the picture of what its vertices hold, by w: u and v, or the
+/// world position for a round shape.
 #[derive(Clone, Copy)]
 pub(super) struct Place {
     pub(super) centre: DVec2,
-    pub(super) planes: [DVec3; 3],
+    values: [DVec3; 3],
+    /// The plane of 1/w.
+    pub(super) inv_w: DVec3,
 }
 
 impl Place {
     /// Coordinates and their change per pixel at a place beside the centre; `None` beyond the horizon.
-    fn at(&self, offset: DVec2) -> Option<([f32; 2], Footprint)> {
+    fn at(&self, source: &Source, offset: DVec2) -> Option<([f32; 2], Footprint)> {
         let p = (self.centre + offset).extend(1.0);
-        let [u, v, w] = self.planes;
-        let inv_w = w.dot(p);
-        let uv = [u, v].map(|plane| plane.dot(p) / inv_w);
-        let step = |plane: DVec3, value: f64| {
-            [
-                (plane.x - value * w.x) / inv_w,
-                (plane.y - value * w.y) / inv_w,
-            ]
+        let ([a, b, c], w) = match source {
+            Source::Frame([a, b, w]) => ([*a, *b, DVec3::ZERO], *w),
+            _ => (self.values, self.inv_w),
         };
-        let ([ux, uy], [vx, vy]) = (step(u, uv[0]), step(v, uv[1]));
-        let [ux, vx, uy, vy] = [ux, vx, uy, vy].map(|d| d as f32);
-        (inv_w > 0.0).then(|| (uv.map(|c| c as f32), Footprint::new(ux, vx, uy, vy)))
+        let by_w = w.dot(p);
+        if !(self.inv_w.dot(p) > 0.0 && by_w != 0.0) {
+            return None;
+        }
+        // Value and change to the right and down.
+        let of = |plane: DVec3| {
+            let value = plane.dot(p) / by_w;
+            let step = |plane: f64, w: f64| ((plane - value * w) / by_w) as f32;
+            (value as f32, step(plane.x, w.x), step(plane.y, w.y))
+        };
+        let [(u, ux, uy), (v, vx, vy), (z, zx, zy)] = [a, b, c].map(of);
+        Some(match source {
+            Source::Round(map) => map.one([u, v, z], [ux, vx, zx], [uy, vy, zy]),
+            _ => ([u, v], Footprint::new(ux, vx, uy, vy)),
+        })
     }
 }
 
@@ -103,12 +127,13 @@ impl Pilot {
             means: Vec::new(),
             share: places.share / step as f64,
             tint,
+            rough: ROUGH[usize::from(all)],
         };
         for pixel in places.list.iter().step_by(step) {
-            if let Some(centre) = pixel.at(DVec2::ZERO) {
+            if let Some(centre) = pixel.at(&places.source, DVec2::ZERO) {
                 pilot.places.push(read(centre));
                 pilot.means.push(mean(&reference, texture, |offset| {
-                    pixel.at(offset).map(read)
+                    pixel.at(&places.source, offset).map(read)
                 }));
             }
         }
@@ -153,7 +178,7 @@ impl Pilot {
         let root = |square: f64| (square + (1.0 / 255.0f64).powi(2) / 12.0).sqrt();
         Predicted {
             mean: root(mean),
-            bound: root(mean + MARGIN * unknown * (variance / n).sqrt()) * (1.0 + ROUGH),
+            bound: root(mean + MARGIN * unknown * (variance / n).sqrt()) * (1.0 + self.rough),
         }
     }
 }
@@ -188,12 +213,13 @@ fn mean(
 
 /// Pixels with the mesh's nearest triangle there: all in its part of the picture, or a jittered grid.
 pub(super) fn places(view: &View<'_>) -> Places {
-    let none = Places {
-        list: Vec::new(),
-        share: 1.0,
-    };
+    let source = source(view);
     let Some((low, high)) = bounds(view) else {
-        return none;
+        return Places {
+            list: Vec::new(),
+            source,
+            share: 1.0,
+        };
     };
     let (low, high) = (low.floor(), high.ceil());
     let [wide, tall] = (high - low).to_array();
@@ -225,7 +251,15 @@ pub(super) fn places(view: &View<'_>) -> Places {
     let mut nearest: Vec<Option<(f64, Place)>> = vec![None; cells as usize];
     for triangle in &view.mesh.triangles {
         let corners = triangle.map(|i| view.positions[i as usize]);
-        let uv = triangle.map(|i| view.mesh.uvs.get(i as usize).copied().unwrap_or_default());
+        let held = triangle.map(|i| match &source {
+            Source::Round(_) => view.world(i),
+            _ => {
+                let uv = view.mesh.uvs.get(i as usize);
+                uv.map_or(DVec3::ZERO, |[u, v]| {
+                    DVec3::new(f64::from(*u), f64::from(*v), 0.0)
+                })
+            }
+        });
         let [a, b, c] = corners.map(|p| DVec3::new(p.x, p.y, p.w));
         let m = DMat3::from_cols(a, b, c);
         if m.determinant() == 0.0 || !m.is_finite() {
@@ -234,11 +268,8 @@ pub(super) fn places(view: &View<'_>) -> Places {
         let weights = m.inverse();
         // Rows of the inverse are the planes of the corners' weights over w.
         let plane = |values: [f64; 3]| weights.transpose() * DVec3::from(values);
-        let planes = [
-            plane(uv.map(|c| f64::from(c[0]))),
-            plane(uv.map(|c| f64::from(c[1]))),
-            plane([1.0; 3]),
-        ];
+        let values = [0, 1, 2].map(|k| plane(held.map(|c| c[k])));
+        let plane_w = plane([1.0; 3]);
         let Some((from, to)) = grid.range(&corners.map(|p| DVec3::new(p.x, p.y, p.w))) else {
             continue;
         };
@@ -253,14 +284,32 @@ pub(super) fn places(view: &View<'_>) -> Places {
                 {
                     continue;
                 }
-                nearest[index] = Some((inv_w, Place { centre: p, planes }));
+                let place = Place {
+                    centre: p,
+                    values,
+                    inv_w: plane_w,
+                };
+                nearest[index] = Some((inv_w, place));
             }
         }
     }
     let seen = nearest.into_iter().flatten().map(|(_, place)| place);
     Places {
         list: seen.collect(),
+        source,
         share: (f64::from(cells) / (wide * tall)).min(1.0),
+    }
+}
+
+fn source(view: &View<'_>) -> Source {
+    match (view.mesh.round, view.mesh.frame) {
+        (Some(map), _) => Source::Round(map),
+        (None, Some(frame)) => {
+            let frame = frame.transform(view.view_from_world * view.mesh.world_from_object);
+            let camera = CameraFrame::new(frame, view.half, view.size.to_array());
+            Source::Frame(camera.planes())
+        }
+        (None, None) => Source::Vertices,
     }
 }
 

@@ -1,6 +1,6 @@
 //! What other meshes hide.
 
-use texmap_math::glam::{DMat3, DVec2, DVec3, DVec4};
+use texmap_math::glam::{DMat3, DVec2, DVec4};
 use texmap_raster::{Cull, DepthTest};
 
 use super::pilot::{Place, Places};
@@ -68,7 +68,7 @@ pub(super) fn keep_visible(
                     let weights = weights.get_or_insert_with(|| matrix.inverse());
                     let e = *weights * place.centre.extend(1.0);
                     let inv_w = e.x + e.y + e.z;
-                    hidden[owner][i] = e.min_element() >= 0.0 && inv_w > place.inv_w() * NEARER;
+                    hidden[owner][i] = e.min_element() >= 0.0 && inv_w > place.nearness() * NEARER;
                 }
             }
         }
@@ -89,8 +89,7 @@ fn cell(p: DVec2, size: DVec2) -> [usize; 2] {
 }
 
 impl Place {
-    fn inv_w(&self) -> f64 {
-        let p: DVec3 = self.centre.extend(1.0);
-        self.planes[2].dot(p)
+    fn nearness(&self) -> f64 {
+        self.inv_w.dot(self.centre.extend(1.0))
     }
 }
