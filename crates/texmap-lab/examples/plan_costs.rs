@@ -48,7 +48,13 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
     let (mut plans, mut faults) = (0, 0);
     for (name, bytes, turn, magnify) in scenes {
         let scene = plane(&bytes, turn, magnify)?;
-        let draw = |scene: &Scene| render(scene, &Settings::new(SIDE, SIDE), &|_, _| {});
+        let draw = |scene: &Scene, supersample: u32| {
+            let settings = Settings {
+                supersample,
+                ..Settings::new(SIDE, SIDE)
+            };
+            render(scene, &settings, &|_, _| {})
+        };
         let fixed: Vec<Frame> = prices()
             .iter()
             .map(|p| {
@@ -56,7 +62,7 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
                 if let Some(slot) = &mut fixed.materials[0].base_color {
                     (slot.sampler.filter, slot.sampler.precision) = (p.filter, p.precision);
                 }
-                draw(&fixed)
+                draw(&fixed, 1)
             })
             .collect::<Result<_, _>>()?;
         let errors: Vec<f64> = verify_all(&scene, &fixed, SAMPLES)?
@@ -92,10 +98,11 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
             plans += 1;
             let mut planned = scene.clone();
             choices.apply(&mut planned);
-            let measured = verify_all(&scene, &[draw(&planned)?], SAMPLES)?[0].rmse;
+            let n = choices.supersample;
+            let measured = verify_all(&scene, &[draw(&planned, n)?], SAMPLES)?[0].rmse;
             let price = choice.filter.map_or(0.0, |chosen| {
                 let price = prices().iter().find(|p| (p.filter, p.precision) == chosen);
-                price.map_or(f64::INFINITY, |p| p.ns)
+                price.map_or(f64::INFINITY, |p| p.ns) * f64::from(n * n)
             });
             let ratio = cheapest.map_or(0.0, |i| price / prices()[i].ns);
             let of_all = price / all.ns;
@@ -105,6 +112,11 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
             let plan = choice
                 .filter
                 .map_or_else(|| "no look-up".to_owned(), |(f, p)| label(f, p));
+            let plan = if n > 1 {
+                format!("{n} x {n} samples of {plan}")
+            } else {
+                plan
+            };
             println!(
                 "| {name} | {rmse} | {plan} | {price:.2} | {} | {} | {least} | {ratio:.2} | {of_all:.2} |",
                 figure(choice.predicted_rmse),

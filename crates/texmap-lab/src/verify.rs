@@ -138,7 +138,7 @@ mod tests {
     use texmap_math::camera::Camera;
     use texmap_math::det;
     use texmap_math::glam::{DVec2, DVec3};
-    use texmap_render::planner::{Budget, Price, choose, prices};
+    use texmap_render::planner::{Budget, Price, choose, choose_sampled, prices};
     use texmap_render::{ColorMode, Material, Mesh, Settings, Shading, TextureSlot, render};
     use texmap_sample::{ColorSpace, Origin, Sampler, Texture2d, UvTransform};
 
@@ -278,7 +278,11 @@ mod tests {
             }
             let mut planned = scene.clone();
             choices.apply(&mut planned);
-            let frame = render(&planned, &Settings::new(SIDE, SIDE), &|_, _| {}).unwrap();
+            let settings = Settings {
+                supersample: choices.supersample,
+                ..Settings::new(SIDE, SIDE)
+            };
+            let frame = render(&planned, &settings, &|_, _| {}).unwrap();
             let truth = verify(&scene, &frame, SAMPLES).unwrap();
             assert!(
                 truth.judged > 900,
@@ -304,7 +308,7 @@ mod tests {
     }
 
     /// `cargo test --release -p texmap-lab --lib -- --ignored --nocapture thousand`
-    /// (found: none over its budget; 192 not promised, because no filter was predicted to fit)
+    /// (found: none over its budget; 10 not promised, because nothing was predicted to fit, 4 x 4 samples neither)
     #[test]
     #[ignore = "minutes: run by hand, in release"]
     fn a_budget_is_kept_on_a_thousand_random_scenes() {
@@ -325,7 +329,7 @@ mod tests {
         let mut ratios = Vec::new();
         for seed in 0..100 {
             let (scene, budget) = scene(seed);
-            let choices = choose(&scene, SIDE, SIDE, budget).unwrap();
+            let choices = choose_sampled(&scene, SIDE, SIDE, budget, &[1]).unwrap();
             let Some(chosen) = choices.meshes[0].filter.filter(|_| choices.met()) else {
                 continue;
             };

@@ -6,7 +6,7 @@ use crate::lit::reads_uv;
 use crate::{Material, Mesh, RenderError, Scene, Settings, Shading, TextureSlot};
 
 /// The largest picture side in samples.
-const MAX_SIDE: u64 = 16384;
+pub(crate) const MAX_SIDE: u64 = 16384;
 
 impl Scene {
     /// Checks every number and index of the scene and returns warnings: one sentence for each thing that

@@ -37,20 +37,29 @@ fn the_error_of_a_filter_is_predicted_without_vertex_coordinates() {
         ("sphere", round(Round::Sphere)),
         ("cylinder", round(Round::Cylinder)),
     ] {
-        for rmse in [0.2, 0.05] {
+        for rmse in [0.2, 0.05, 0.015] {
             let budget = Budget { texels: 0.5, rmse };
             let choices = choose(&scene, SIZE.0, SIZE.1, budget).unwrap();
             let mut planned = scene.clone();
             choices.apply(&mut planned);
-            let settings = Settings::new(SIZE.0, SIZE.1);
+            let settings = Settings {
+                supersample: choices.supersample,
+                ..Settings::new(SIZE.0, SIZE.1)
+            };
             let frame = render(&planned, &settings, &|_, _| {}).unwrap();
             let truth = verify(&scene, &frame, 6).unwrap();
+            assert!(choices.met() || rmse < 0.02, "{name}, {rmse}");
+            assert!(
+                truth.rmse <= rmse || !choices.met(),
+                "{name}: {} for a budget of {rmse}",
+                truth.rmse
+            );
             for choice in &choices.meshes {
                 let measured = truth.meshes[choice.mesh].expect("all are seen");
                 let predicted = choice.predicted_rmse;
                 // Pixels at outlines are predicted and not judged. Margins raise a prediction; it must not be raised out of all use.
                 assert!(
-                    measured <= 1.02 * predicted && predicted <= 1.8 * measured + 0.005,
+                    measured <= 1.05 * predicted && predicted <= 1.8 * measured + 0.005,
                     "{name}, mesh {}: {measured} measured, {predicted} predicted, {:?}",
                     choice.mesh,
                     choice.filter

@@ -18,6 +18,7 @@ use texmap_sample::{Filter, Mip, Precision, Sampler, Texture2d};
 
 use crate::{AlphaMode, ColorMode, Mesh, RenderError, Scene, Shading, TextureRole, TextureSlot};
 
+use crate::check::MAX_SIDE;
 use crate::vertices::wide;
 pub use lights::{IdleLight, ShadowChoice};
 use pilot::{Pilot, Places};
@@ -57,7 +58,7 @@ pub struct Choice {
     pub constant: Option<[f32; 4]>,
     /// Predicted root mean square error of the filter, with its margin; infinite where nothing is predicted.
     pub predicted_rmse: f64,
-    /// Nanoseconds a pixel by the table, interpolation and filter.
+    /// Nanoseconds a pixel by the table, interpolation and filter of all its samples.
     pub price: f64,
     /// Pixels that the pilot tried.
     pub tried: usize,
@@ -72,6 +73,8 @@ pub struct Choice {
 pub struct Choices {
     /// The budget.
     pub budget: Budget,
+    /// Samples a side of a pixel: [`Settings::supersample`](crate::Settings::supersample).
+    pub supersample: u32,
     /// One for each mesh with triangles.
     pub meshes: Vec<Choice>,
     /// Lights that reach nothing.
@@ -86,6 +89,12 @@ impl Choices {
         self.meshes.iter().all(|c| {
             c.predicted_texels <= self.budget.texels && c.predicted_rmse <= self.budget.rmse
         })
+    }
+
+    /// The largest predicted error of a colour.
+    fn worst(&self) -> f64 {
+        let all = self.meshes.iter().map(|c| c.predicted_rmse);
+        all.fold(0.0, f64::max)
     }
 
     /// Changes the scene to what was chosen: each mesh gets a material of its own.
@@ -122,7 +131,8 @@ impl Choices {
     }
 }
 
-/// Chooses for a picture of this size.
+/// Chooses for a picture of this size: with one sample a pixel if that can keep the budget, else with 2 x 2 or 4 x 4. Where
+/// none can, the smallest predicted error.
 ///
 /// # Errors
 /// What [`Scene::check`] refuses.
@@ -131,6 +141,20 @@ pub fn choose(
     width: u32,
     height: u32,
     budget: Budget,
+) -> Result<Choices, RenderError> {
+    choose_sampled(scene, width, height, budget, &[1, 2, 4])
+}
+
+/// [`choose`] among these numbers of samples a side of a pixel, in this order.
+///
+/// # Errors
+/// What [`Scene::check`] refuses.
+pub fn choose_sampled(
+    scene: &Scene,
+    width: u32,
+    height: u32,
+    budget: Budget,
+    samples: &[u32],
 ) -> Result<Choices, RenderError> {
     let scene = &*scene.shaped(width)?;
     scene.check()?;
@@ -166,17 +190,36 @@ pub fn choose(
     let mut places: Vec<Places> = views.iter().map(pilot::places).collect();
     let before: Vec<usize> = places.iter().map(|p| p.list.len()).collect();
     visible::keep_visible(scene, &positions, size, &mut places);
-    let meshes = (0..views.len())
-        .filter(|&i| !views[i].mesh.triangles.is_empty())
-        .map(|i| views[i].choose(i, budget, &places[i], before[i]))
-        .collect();
     let idle_lights = lights::idle(scene);
-    Ok(Choices {
+    let mut best = Choices {
         budget,
-        meshes,
+        supersample: 1,
+        meshes: Vec::new(),
         shadows: lights::shadows(scene, width, &idle_lights)?,
         idle_lights,
-    })
+    };
+    for (k, &supersample) in samples.iter().enumerate() {
+        let side = u64::from(width.max(height)) * u64::from(supersample);
+        if k > 0 && side > MAX_SIDE {
+            break;
+        }
+        let meshes = (0..views.len())
+            .filter(|&i| !views[i].mesh.triangles.is_empty())
+            .map(|i| views[i].choose(i, budget, &places[i], before[i], supersample))
+            .collect();
+        let next = Choices {
+            supersample,
+            meshes,
+            ..best.clone()
+        };
+        if k == 0 || next.worst() < best.worst() {
+            best = next;
+        }
+        if best.met() {
+            break;
+        }
+    }
+    Ok(best)
 }
 
 /// A mesh as the camera sees it.
@@ -199,7 +242,14 @@ impl View<'_> {
     }
 
     /// `places` are those of the mesh that are seen, of `all` inside its outline.
-    fn choose(&self, index: usize, budget: Budget, places: &Places, all: usize) -> Choice {
+    fn choose(
+        &self,
+        index: usize,
+        budget: Budget,
+        places: &Places,
+        all: usize,
+        samples: u32,
+    ) -> Choice {
         let material = &self.scene.materials[self.mesh.material];
         let mut choice = Choice {
             mesh: index,
@@ -240,8 +290,9 @@ impl View<'_> {
                 "a ramp or a crisp outline follows the look-up: not predicted, the filter is the scene's"
                     .clone_into(&mut choice.why);
             }
-            Some(slot) => self.choose_filter(slot, budget, places, all, &mut choice),
+            Some(slot) => self.choose_filter(slot, budget, places, all, samples, &mut choice),
         }
+        choice.price *= f64::from(samples * samples);
         choice
     }
 
@@ -251,6 +302,7 @@ impl View<'_> {
         budget: Budget,
         places: &Places,
         all: usize,
+        samples: u32,
         choice: &mut Choice,
     ) {
         let material = &self.scene.materials[self.mesh.material];
@@ -290,7 +342,7 @@ impl View<'_> {
         } else {
             [1.0; 3]
         };
-        let Some(pilot) = Pilot::new(places, false, slot, &texture, tint) else {
+        let Some(pilot) = Pilot::new(places, false, samples, slot, &texture, tint) else {
             choice.filter = Some((slot.sampler.filter, slot.sampler.precision));
             choice.why = if places.list.len() < all {
                 "nearly all of it is hidden by others: the filter is the scene's".to_owned()
@@ -314,7 +366,7 @@ impl View<'_> {
             let mut predicted = first.bound;
             if first.mean * UNDECIDED <= budget.rmse && predicted > budget.rmse {
                 if whole.is_none() {
-                    whole = Pilot::new(places, true, slot, &texture, tint);
+                    whole = Pilot::new(places, true, samples, slot, &texture, tint);
                 }
                 if let Some(whole) = &whole {
                     choice.tried = whole.len();
@@ -458,12 +510,37 @@ mod tests {
         }
     }
 
+    const TIGHT: Budget = Budget {
+        texels: 0.5,
+        rmse: 0.01,
+    };
+
+    /// With one sample a pixel.
     fn plan(scene: &Scene) -> Choices {
-        let tight = Budget {
-            texels: 0.5,
-            rmse: 0.01,
-        };
-        choose(scene, 96, 96, tight).unwrap()
+        choose_sampled(scene, 96, 96, TIGHT, &[1]).unwrap()
+    }
+
+    #[test]
+    fn more_samples_are_taken_where_one_cannot_keep_the_budget_and_nowhere_else() {
+        let mut seen = scene();
+        seen.meshes.truncate(1);
+        assert!(!plan(&seen).met());
+        let more = choose(&seen, 96, 96, TIGHT).unwrap();
+        assert!(more.met() && more.supersample > 1, "{more:?}");
+        let loose = Budget { rmse: 0.4, ..TIGHT };
+        assert_eq!(choose(&seen, 96, 96, loose).unwrap().supersample, 1);
+        // Not beyond what can be drawn.
+        let wide = choose(
+            &seen,
+            16384,
+            16,
+            Budget {
+                rmse: 1e-9,
+                ..TIGHT
+            },
+        )
+        .unwrap();
+        assert_eq!((wide.met(), wide.supersample), (false, 1));
     }
 
     #[test]

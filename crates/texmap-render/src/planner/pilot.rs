@@ -25,6 +25,7 @@ const MARGIN: f64 = 3.0;
 
 /// Pixels with the mean of the texture over each.
 pub(super) struct Pilot {
+    /// Each pixel's samples, one pixel after the other.
     places: Vec<([f32; 2], Footprint)>,
     means: Vec<[f32; 4]>,
     /// Part of the mesh's pixels that these are.
@@ -94,13 +95,23 @@ impl Place {
             _ => ([u, v], Footprint::new(ux, vx, uy, vy)),
         })
     }
+
+    /// The same for one of `samples` x `samples` parts of the pixel.
+    fn part(&self, source: &Source, offset: DVec2, samples: u32) -> Option<([f32; 2], Footprint)> {
+        let share = 1.0 / samples as f32;
+        let (uv, d) = self.at(source, offset)?;
+        let d = [d.du_dx, d.dv_dx, d.du_dy, d.dv_dy].map(|c| c * share);
+        Some((uv, Footprint::new(d[0], d[1], d[2], d[3])))
+    }
 }
 
 impl Pilot {
-    /// Of some of the places, or with `all` of all of them. `None` when there are too few.
+    /// Of some of the places, or with `all` of all of them, for pixels of `samples` x `samples` samples. `None` when there are
+    /// too few.
     pub(super) fn new(
         places: &Places,
         all: bool,
+        samples: u32,
         slot: &TextureSlot,
         texture: &Texture2d<'_>,
         tint: [f32; 3],
@@ -130,10 +141,15 @@ impl Pilot {
             rough: ROUGH[usize::from(all)],
         };
         for pixel in places.list.iter().step_by(step) {
-            if let Some(centre) = pixel.at(&places.source, DVec2::ZERO) {
-                pilot.places.push(read(centre));
+            let known = pilot.places.len();
+            let own =
+                parts(samples).map_while(|offset| pixel.part(&places.source, offset, samples));
+            pilot.places.extend(own.map(read));
+            if pilot.places.len() < known + (samples * samples) as usize {
+                pilot.places.truncate(known);
+            } else {
                 pilot.means.push(mean(&reference, texture, |offset| {
-                    pixel.at(&places.source, offset).map(read)
+                    pixel.part(&places.source, offset, SAMPLES).map(read)
                 }));
             }
         }
@@ -141,7 +157,7 @@ impl Pilot {
     }
 
     pub(super) fn len(&self) -> usize {
-        self.places.len()
+        self.means.len()
     }
 
     /// The error of a sampler over the mesh's pixels.
@@ -155,12 +171,16 @@ impl Pilot {
             let c = c.clamp(0.0, 1.0);
             f64::from(if srgb { color::linear_to_srgb(c) } else { c })
         };
+        let samples = self.places.len() / self.means.len().max(1);
         let squares: Vec<f64> = self
             .places
-            .iter()
+            .chunks_exact(samples.max(1))
             .zip(&self.means)
-            .map(|((uv, d), mean)| {
-                let found = sampler.sample_grad(texture, *uv, *d);
+            .map(|(places, mean)| {
+                let texels = places
+                    .iter()
+                    .map(|p| sampler.sample_grad(texture, p.0, p.1));
+                let found = average(texels);
                 let off = |k: usize| {
                     let [found, mean] = [found[k], mean[k]].map(|c| store(c * self.tint[k]));
                     (found - mean).powi(2)
@@ -189,22 +209,21 @@ fn mean(
     texture: &Texture2d<'_>,
     at: impl Fn(DVec2) -> Option<([f32; 2], Footprint)>,
 ) -> [f32; 4] {
-    let part = 1.0 / SAMPLES as f32;
+    let texels = parts(SAMPLES).filter_map(at);
+    average(texels.map(|(uv, d)| sampler.sample_grad(texture, uv, d)))
+}
+
+/// The centres of `samples` x `samples` parts of a pixel, from its own centre.
+fn parts(samples: u32) -> impl Iterator<Item = DVec2> {
+    let offset = move |c: u32| (f64::from(c) + 0.5) / f64::from(samples) - 0.5;
+    (0..samples * samples).map(move |i| DVec2::new(offset(i % samples), offset(i / samples)))
+}
+
+fn average(texels: impl Iterator<Item = [f32; 4]>) -> [f32; 4] {
     let (mut sum, mut count) = ([0.0f64; 4], 0.0);
-    for i in 0..SAMPLES * SAMPLES {
-        let offset = |c: u32| (f64::from(c) + 0.5) / f64::from(SAMPLES) - 0.5;
-        let Some((uv, d)) = at(DVec2::new(offset(i % SAMPLES), offset(i / SAMPLES))) else {
-            continue;
-        };
-        let share = Footprint::new(
-            d.du_dx * part,
-            d.dv_dx * part,
-            d.du_dy * part,
-            d.dv_dy * part,
-        );
-        let c = sampler.sample_grad(texture, uv, share);
+    for texel in texels {
         for k in 0..4 {
-            sum[k] += f64::from(c[k]);
+            sum[k] += f64::from(texel[k]);
         }
         count += 1.0;
     }

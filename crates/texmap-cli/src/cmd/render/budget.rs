@@ -16,7 +16,7 @@ use texmap_sample::Precision;
 use crate::cmd::render::RenderArgs;
 
 /// Samples a side of a pixel in the reference of `--verify`.
-pub(crate) const SAMPLES: u32 = 4;
+pub(crate) const SAMPLES: u32 = 6;
 
 /// `TEXELS` or `TEXELS,RMSE`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -76,6 +76,7 @@ pub(crate) struct PlanReport {
     max_texels: f64,
     max_rmse: f64,
     pub(crate) met: bool,
+    supersample: u32,
     choices: Vec<ChoiceReport>,
     idle_lights: Vec<IdleReport>,
     shadows: Vec<ShadowReport>,
@@ -170,6 +171,7 @@ impl PlanReport {
             max_texels: choices.budget.texels,
             max_rmse: choices.budget.rmse,
             met: choices.met(),
+            supersample: choices.supersample,
             choices: choices.meshes.iter().map(report).collect(),
             idle_lights: choices.idle_lights.iter().map(idle).collect(),
             shadows: choices.shadows.iter().map(shadow).collect(),
@@ -178,8 +180,9 @@ impl PlanReport {
 
     /// The table of `--explain`.
     pub(crate) fn table(&self) -> String {
+        let n = self.supersample;
         let mut out = format!(
-            "budget: {} texels, colour RMSE {}\n",
+            "budget: {} texels, colour RMSE {}; {n} x {n} samples a pixel\n",
             figure(self.max_texels),
             figure(self.max_rmse)
         );

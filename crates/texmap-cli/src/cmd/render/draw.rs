@@ -229,15 +229,20 @@ impl Context<'_> {
     fn draw(&self, scene: &Scene, label: String) -> Result<(Frame, Option<Choices>), Failure> {
         let progress = Progress::new(label);
         let size = self.args.resolution;
-        let samples = self.args.supersample;
         let shaped = scene.shaped(size.width).map_err(|e| self.refused(&e))?;
         let scene = shaped.as_ref();
         let choices = match self.args.budget() {
             None => None,
             Some(budget) => {
-                let (width, height) = (size.width * samples, size.height * samples);
-                let mut choices =
-                    planner::choose(scene, width, height, budget).map_err(|e| self.refused(&e))?;
+                // What the command line says of samples is not the planner's choice.
+                let samples = match (self.args.supersample, self.args.msaa) {
+                    (Some(n), _) => &[n][..],
+                    (None, 1) => &[1, 2, 4],
+                    (None, _) => &[1],
+                };
+                let (width, height) = (size.width, size.height);
+                let mut choices = planner::choose_sampled(scene, width, height, budget, samples)
+                    .map_err(|e| self.refused(&e))?;
                 // Shadows that are written out are those of the scene's own lights.
                 if self.args.aov.iter().any(AovArg::is_shadow) {
                     choices.idle_lights.clear();
@@ -252,8 +257,12 @@ impl Context<'_> {
         });
         let report = |done, of| progress.update(done, of);
         let scene = planned.as_ref().unwrap_or(scene);
-        let frame = texmap_render::render(scene, &self.settings(self.aovs(scene)?), &report)
-            .map_err(|e| self.refused(&e))?;
+        let mut settings = self.settings(self.aovs(scene)?);
+        if let Some(choices) = &choices {
+            settings.supersample = choices.supersample;
+        }
+        let frame =
+            texmap_render::render(scene, &settings, &report).map_err(|e| self.refused(&e))?;
         Ok((frame, choices))
     }
 
@@ -302,7 +311,7 @@ impl Context<'_> {
         let args = self.args;
         Settings {
             threads: args.threads.map(usize::from),
-            supersample: args.supersample,
+            supersample: args.supersample.unwrap_or(1),
             msaa: args.msaa,
             aovs,
             level: self.level,

@@ -47,8 +47,8 @@ pub(crate) struct RenderArgs {
     /// clamp-to-border, mirror-clamp-to-edge
     #[arg(long, value_name = "MODE", value_parser = values::wrap)]
     wrap: Option<Wrap>,
-    /// Let the planner choose interpolation and filter of each mesh: the cheapest whose predicted error is at
-    /// most this many texels and this colour RMSE (of 1; 0.02 if not given)
+    /// Let the planner choose interpolation and filter of each mesh, and the samples of a pixel: the cheapest whose
+    /// predicted error is at most this many texels and this colour RMSE (of 1; 0.02 if not given)
     #[arg(long, value_name = "TEXELS[,RMSE]", conflicts_with_all = ["interp", "filter", "quality"])]
     max_error: Option<MaxError>,
     /// The same by name
@@ -60,9 +60,9 @@ pub(crate) struct RenderArgs {
     /// Render the f64 reference too (slow) and report the true error; room.png gives room.heat.png
     #[arg(long, conflicts_with_all = ["views", "supersample", "dry_run"])]
     verify: bool,
-    /// N x N samples per pixel, averaged in linear light
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=16))]
-    supersample: u32,
+    /// N x N samples per pixel, averaged in linear light [default: 1, or the planner's choice]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=16))]
+    supersample: Option<u32>,
     /// Samples of coverage and depth per pixel, shaded once for each triangle: 1 or 4
     #[arg(long, value_name = "N", default_value_t = 1, conflicts_with = "supersample", value_parser = values::msaa)]
     msaa: u32,

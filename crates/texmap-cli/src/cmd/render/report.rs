@@ -62,7 +62,7 @@ impl SettingsReport {
         Self {
             width: args.resolution.width,
             height: args.resolution.height,
-            supersample: args.supersample,
+            supersample: args.supersample.unwrap_or(1),
             msaa: args.msaa,
             threads: args.threads,
             level: values::level_name(level),
@@ -144,8 +144,8 @@ impl ItemReport {
             self.output.as_deref().unwrap_or("(no output named)"),
             size.width,
             size.height,
-            args.supersample,
-            args.supersample,
+            args.supersample.unwrap_or(1),
+            args.supersample.unwrap_or(1),
             self.memory_bytes.unwrap_or_default() as f64 / 1e6,
         );
         for warning in &self.warnings {
