@@ -385,7 +385,24 @@ fn bordered(chart: Chart, (width, height): (u32, u32), texels: &[[f32; 3]]) -> V
             }
         }
     }
+    if matches!(chart, Chart::Cube | Chart::TanCube) {
+        join_corners(level, &mut bordered);
+    }
     bordered
+}
+
+/// Three faces meet at a cube's corner and none lies beyond it: there the border is the mean of their three texels (OpenGL 4.6 core,
+/// section 8.14.1), so that all three faces have one value at the corner.
+fn join_corners(level: Level, texels: &mut [[f32; 3]]) {
+    let last = level.width as usize + 1;
+    for face in 0..6 {
+        for (x, y) in [(0, 0), (last, 0), (0, last), (last, last)] {
+            let inner = |c: usize| if c == 0 { 1 } else { last - 1 };
+            let [a, b, c] = [(inner(x), inner(y)), (x, inner(y)), (inner(x), y)]
+                .map(|(x, y)| texels[level.index(face, x, y)]);
+            texels[level.index(face, x, y)] = [0, 1, 2].map(|k| (a[k] + b[k] + c[k]) / 3.0);
+        }
+    }
 }
 
 /// Neighbouring texels: direction, light and solid angle of each, inside of a cone.

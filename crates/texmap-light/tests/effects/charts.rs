@@ -184,6 +184,45 @@ fn texels_get_their_borders_from_the_neighbours() {
     }
 }
 
+/// At a corner of a cube of images the three faces have one value: each counts a third.
+#[test]
+fn three_faces_agree_at_the_corners_of_images() {
+    const SIDE: u32 = 32;
+    let mut noise = Noise(7);
+    for chart in [Chart::Cube, Chart::TanCube] {
+        // A colour a face.
+        let texels: Vec<[f32; 3]> = (0..6)
+            .flat_map(|_| [narrow(noise.direction().abs()); (SIDE * SIDE) as usize])
+            .collect();
+        let cube = Environment::from_texels(chart, (SIDE, SIDE), &texels).unwrap();
+        let (mut worst, mut spread) = (0.0f32, 0.0f32);
+        for corner in 0..8 {
+            let sign = |bit: u32| if corner >> bit & 1 == 0 { -1.0 } else { 1.0 };
+            let d = DVec3::new(sign(0), sign(1), sign(2));
+            // A little towards the middle of each of the three faces.
+            let seen = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| {
+                let near = d + axis * d * 1e-5;
+                let (face, uv) = chart.locate(near);
+                let at = |c: f64| if c < 0.5 { 0 } else { SIDE - 1 };
+                let own = cube.texel(face, at(uv.x), at(uv.y)).unwrap();
+                (cube.light(narrow(near)), own)
+            });
+            let mean = [0, 1, 2].map(|k| seen.iter().map(|(_, own)| own[k]).sum::<f32>() / 3.0);
+            for (light, own) in seen {
+                for k in 0..3 {
+                    worst = worst.max((light[k] - mean[k]).abs());
+                    spread = spread.max((own[k] - mean[k]).abs());
+                }
+            }
+        }
+        // The neighbours' texels lie a little aside of this face's rows.
+        assert!(
+            worst < 0.08 && spread > 0.3,
+            "{chart:?}: {worst} of {spread}"
+        );
+    }
+}
+
 #[test]
 fn conversion_keeps_the_light() {
     let waves = Waves::new(5.0);
