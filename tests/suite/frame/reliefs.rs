@@ -1,12 +1,14 @@
 //! What turns normals: offset maps, carved heights, and the units of a bump.
 
-use texmap_light::{Green, Heights, Light, Slope, Surface, encode_offsets};
+use texmap_light::{
+    Green, Heights, Light, ShadowBias, Slope, Surface, encode_normal, encode_offsets,
+};
 use texmap_math::glam::{DMat4, DVec3};
-use texmap_render::{Aov, Carving, Frame, Material, Mesh, Relief, RenderError, Scene};
+use texmap_render::{Aov, Carving, Frame, Material, Mesh, Relief, RenderError, Scene, Shadow};
 use texmap_sample::{Alpha, ColorSpace, Filter, Image, Origin, Pattern, Texels, Texture2d};
 use texmap_tests::levels::levels;
 
-use crate::scenes::{draw, draw_aovs, empty, of, pixel, slot, values, wall};
+use crate::scenes::{draw, draw_aovs, empty, of, pixel, quad, slot, values, wall};
 
 const SIDE: u32 = 64;
 
@@ -124,6 +126,148 @@ fn offsets_are_the_bump_map_of_their_heights() {
             assert!(most(&bumped, &with(wrong)) > 10);
         }
     }
+}
+
+/// So is its normal map, whichever way v grows: the green channel means the picture's own up.
+#[test]
+fn normals_are_the_bump_map_of_their_heights() {
+    let (mut scene, _) = wavy();
+    let wave = |i: u32| {
+        let (u, v) = (f64::from(i % SIDE) + 0.5, f64::from(i / SIDE) + 0.5);
+        (0.5 + 0.3 * (u * 0.3927).sin() + 0.2 * (v * 0.1963).cos()) as f32
+    };
+    let grid: Vec<f32> = (0..SIDE * SIDE / 2).map(wave).collect();
+    let heights = Heights {
+        width: SIDE,
+        values: &grid,
+    };
+    // Texels are squares of 4 / 64 on this wall.
+    let strength = 0.4 / 4.0 * SIDE as f32;
+    let normals = heights
+        .normals(Slope::Central, strength, Green::Up)
+        .unwrap();
+    let texels: Vec<f32> = normals
+        .iter()
+        .flat_map(|n| encode_normal(*n, Green::Up))
+        .collect();
+    scene.textures.push(floats(3, &texels));
+    scene.meshes[0] = quad([
+        [-2.0, -1.0, -2.5],
+        [2.0, -1.0, -2.5],
+        [2.0, 1.0, -2.5],
+        [-2.0, 1.0, -2.5],
+    ]);
+    let map = |green| Relief::NormalMap {
+        slot: slot(3, Filter::Bilinear).unwrap(),
+        green,
+        rebuild_z: false,
+        object_space: false,
+        strength: 1.0,
+    };
+    for origin in [Origin::TopLeft, Origin::BottomLeft] {
+        scene.meshes[0].uv_origin = origin;
+        let mut with = |relief: Relief| {
+            scene.materials[0] = matte(relief);
+            draw(&scene, 120, 120)
+        };
+        let bumped = with(bump());
+        let mapped = with(map(Green::Up));
+        assert!(most(&bumped, &mapped) <= 3, "{}", most(&bumped, &mapped));
+        assert!(most(&bumped, &with(map(Green::Down))) > 10);
+    }
+}
+
+/// Normals of the object go to the world by the inverse transpose: under an uneven scale a map of them is what the mesh's own normals
+/// are, and the matrix itself would be another picture.
+#[test]
+fn object_space_normals_follow_an_uneven_scale() {
+    let normal = DVec3::new(0.3, 0.5, 1.0).normalize();
+    let (right, up) = normal.any_orthonormal_pair();
+    let corner = |s: f64, t: f64| {
+        let p = right * s + up * t;
+        p.as_vec3().to_array()
+    };
+    let mut mesh = quad([
+        corner(-1.0, -1.0),
+        corner(1.0, -1.0),
+        corner(1.0, 1.0),
+        corner(-1.0, 1.0),
+    ]);
+    mesh.normals = vec![normal.as_vec3().to_array(); 4];
+    let scale = DVec3::new(3.0, 0.5, 1.0);
+    mesh.world_from_object =
+        DMat4::from_translation(DVec3::new(0.0, 0.0, -3.0)) * DMat4::from_scale(scale);
+    let texel = encode_normal(normal.as_vec3().to_array(), Green::Up);
+    let texels = texel.repeat((SIDE * 2) as usize);
+    let relief = Relief::NormalMap {
+        slot: slot(0, Filter::Bilinear).unwrap(),
+        green: Green::Up,
+        rebuild_z: false,
+        object_space: true,
+        strength: 1.0,
+    };
+    let mut scene = Scene {
+        lights: vec![Light::Directional {
+            color: [0.9; 3],
+            direction: [0.5, -0.6, -1.0],
+        }],
+        textures: vec![floats(3, &texels)],
+        ..of(matte(relief), mesh)
+    };
+    let mapped = draw(&scene, 60, 60);
+    scene.materials[0].relief = None;
+    let own = draw(&scene, 60, 60);
+    assert!(most(&mapped, &own) <= 1, "{}", most(&mapped, &own));
+    let truth = (normal / scale)
+        .normalize()
+        .dot(DVec3::new(-0.5, 0.6, 1.0).normalize());
+    let [code, ..] = pixel(&own, 30, 30);
+    assert!(
+        (f64::from(code) - 0.9 * 255.0 * truth).abs() <= 1.0,
+        "{code}"
+    );
+    let wrong = (normal * scale)
+        .normalize()
+        .dot(DVec3::new(-0.5, 0.6, 1.0).normalize());
+    assert!((wrong - truth).abs() > 0.1, "the matrix itself is far off");
+}
+
+/// A lone plane under an uneven scale throws no shadow on itself: the slope of the bias is that of its plane in the world.
+#[test]
+fn the_slope_of_a_scaled_plane_keeps_it_lit() {
+    let mut mesh = quad([
+        [-2.0, -2.0, 2.0],
+        [2.0, -2.0, 2.0],
+        [2.0, 2.0, -2.0],
+        [-2.0, 2.0, -2.0],
+    ]);
+    mesh.world_from_object = DMat4::from_translation(DVec3::new(0.0, -0.5, -4.0))
+        * DMat4::from_scale(DVec3::new(1.0, 0.15, 1.0));
+    let mut scene = Scene {
+        lights: vec![Light::Directional {
+            color: [1.0; 3],
+            direction: [0.0, -0.3, -1.0],
+        }],
+        ..of(Material::default(), mesh)
+    };
+    scene.effects.shadows = vec![Shadow {
+        light: 0,
+        size: Some(48),
+        bias: None,
+        taps: 1,
+        area: None,
+    }];
+    let dark = |scene: &Scene| {
+        let frame = draw_aovs(scene, 120, 120, &[Aov::Shadow(0)]);
+        let shares = (0..120 * 120).map(|i| values(&frame, Aov::Shadow(0), i % 120, i / 120)[0]);
+        let seen = shares.filter(|s| s.is_finite());
+        let (dark, all) = seen.fold((0, 0), |(d, n), s| (d + u32::from(s < 1.0), n + 1));
+        assert!(all > 500, "{all}");
+        dark
+    };
+    assert_eq!(dark(&scene), 0);
+    scene.effects.shadows[0].bias = Some(ShadowBias::Constant(1e-4));
+    assert!(dark(&scene) > 100, "without the slope there is acne");
 }
 
 /// Heights count in the mesh's own units: a model ten times as large, seen from ten times as far, looks the same.
