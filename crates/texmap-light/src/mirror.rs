@@ -32,10 +32,10 @@ pub fn reflect(view: [f32; 3], normal: [f32; 3]) -> [f32; 3] {
 #[must_use]
 pub fn reflect_across(view: &Ray, normal: &Ray, length: f32) -> Ray {
     let (n, v) = (normal.direction, view.direction);
-    let facing = dot(n, v);
+    let (facing, per_length) = (dot(n, v), 1.0 / length);
     let change = |dv: [f32; 3], d: [f32; 3]| {
         let along = dot(n, d);
-        let dn = [0, 1, 2].map(|i| (d[i] - along * n[i]) / length);
+        let dn = [0, 1, 2].map(|i| (d[i] - along * n[i]) * per_length);
         let k = dot(dn, v) + dot(n, dv);
         [0, 1, 2].map(|i| 2.0 * (k * n[i] + facing * dn[i]) - dv[i])
     };
@@ -83,10 +83,11 @@ pub fn reflect_across_lanes<S: Simd>(
 ) -> RayLanes<S> {
     let (n, v) = (normal.direction, view.direction);
     let facing = dot_lanes(n, v);
+    let per_length = 1.0 / length;
     RayLanes {
         direction: reflect_lanes(v, n),
-        dx: change_lanes(n, v, facing, view.dx, normal.dx, length),
-        dy: change_lanes(n, v, facing, view.dy, normal.dy, length),
+        dx: change_lanes(n, v, facing, view.dx, normal.dx, per_length),
+        dy: change_lanes(n, v, facing, view.dy, normal.dy, per_length),
     }
 }
 
@@ -97,12 +98,12 @@ fn change_lanes<S: Simd>(
     facing: f32x16<S>,
     dv: V3<S>,
     d: V3<S>,
-    length: f32x16<S>,
+    per_length: f32x16<S>,
 ) -> V3<S> {
     let along = dot_lanes(n, d);
     let mut dn = d;
     for i in 0..3 {
-        dn[i] = (d[i] - along * n[i]) / length;
+        dn[i] = (d[i] - along * n[i]) * per_length;
     }
     let k = dot_lanes(dn, v) + dot_lanes(n, dv);
     let mut out = d;
@@ -176,15 +177,16 @@ impl Environment {
         };
         let face = face_of(d);
         let [s, t, m] = along(face, d);
-        let half = 0.5 * self.levels[0].width as f32;
+        let per_m = 1.0 / m;
+        let (u, v) = (s * per_m, t * per_m);
+        let texels = 0.5 * self.levels[0].width as f32 * per_m;
         let square = |d: [f32; 3]| {
             let [ds, dt, dm] = along(face, d);
-            let (u, v) = (s / m, t / m);
-            let (du, dv) = (half * ((ds - u * dm) / m), half * ((dt - v * dm) / m));
+            let (du, dv) = ((ds - u * dm) * texels, (dt - v * dm) * texels);
             du * du + dv * dv
         };
         let (x, y) = (square(ray.dx), square(ray.dy));
-        let place = [0.5 * (s / m) + 0.5, 0.5 * (t / m) + 0.5];
+        let place = [0.5 * u + 0.5, 0.5 * v + 0.5];
         let at = |level: usize| self.on_face(self.levels[level], face, place);
         self.between(self.level_of(if x > y { x } else { y }), at)
     }
@@ -296,10 +298,11 @@ impl<'a> MirrorView<'a> {
         let up = major.simd_gt(zero);
         let side = Side { by_z, by_y, up };
         let [sc, tc, m] = side.along(s, [x, y, z]);
-        let (u, v) = (sc / m, tc / m);
-        let half = 0.5 * self.width as f32;
-        let dx = side.square(s, ray.dx, u, v, m, half);
-        let dy = side.square(s, ray.dy, u, v, m, half);
+        let per_m = one / m;
+        let (u, v) = (sc * per_m, tc * per_m);
+        let texels = per_m * (0.5 * self.width as f32);
+        let dx = side.square(s, ray.dx, u, v, texels);
+        let dy = side.square(s, ray.dy, u, v, texels);
         let square = dx.simd_gt(dy).select(dx, dy);
         let square = square.simd_gt(one).select(square, one);
         let cap = f32x16::splat(s, MOST);
@@ -407,18 +410,10 @@ impl<S: Simd> Side<S> {
     }
 
     #[inline(always)]
-    fn square(
-        &self,
-        s: S,
-        d: V3<S>,
-        u: f32x16<S>,
-        v: f32x16<S>,
-        m: f32x16<S>,
-        half: f32,
-    ) -> f32x16<S> {
+    fn square(&self, s: S, d: V3<S>, u: f32x16<S>, v: f32x16<S>, texels: f32x16<S>) -> f32x16<S> {
         let [ds, dt, dm] = self.along(s, d);
-        let du = ((ds - u * dm) / m) * half;
-        let dv = ((dt - v * dm) / m) * half;
+        let du = (ds - u * dm) * texels;
+        let dv = (dt - v * dm) * texels;
         du * du + dv * dv
     }
 

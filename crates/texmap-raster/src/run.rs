@@ -95,7 +95,7 @@ impl TilePlanes {
         );
     }
 
-    /// Two attributes at a time.
+    /// Four attributes at a time, then two, then one: the triangles of a block and their 1/w are found anew each time.
     #[inline(always)]
     fn all_lanes<S: Simd, const D: bool>(
         &self,
@@ -106,19 +106,24 @@ impl TilePlanes {
         out: &mut RunValues,
     ) {
         let RunValues { inv_w, columns } = out;
-        let mut columns = columns.chunks_exact_mut(2);
-        let mut pairs = wanted.chunks_exact(2);
-        for pair in &mut pairs {
-            if let Some([a, b]) = columns.next() {
-                self.lanes::<S, 2, D>(s, blocks, run, [pair[0], pair[1]], inv_w, [a, b]);
+        if wanted.is_empty() {
+            return self.lanes::<S, 0, D>(s, blocks, run, [], inv_w, []);
+        }
+        let (fours, rest) = wanted.as_chunks::<4>();
+        let (pairs, last) = rest.as_chunks::<2>();
+        let mut columns = columns.iter_mut();
+        for four in fours {
+            if let Some(columns) = next(&mut columns) {
+                self.lanes::<S, 4, D>(s, blocks, run, *four, inv_w, columns);
             }
         }
-        match (pairs.remainder(), columns.next(), columns.into_remainder()) {
-            ([k], Some([last, ..]), _) | ([k], None, [last]) => {
-                self.lanes::<S, 1, D>(s, blocks, run, [*k], inv_w, [last]);
+        for pair in pairs {
+            if let Some(columns) = next(&mut columns) {
+                self.lanes::<S, 2, D>(s, blocks, run, *pair, inv_w, columns);
             }
-            _ if wanted.is_empty() => self.lanes::<S, 0, D>(s, blocks, run, [], inv_w, []),
-            _ => {}
+        }
+        if let ([k], Some(columns)) = (last, next(&mut columns)) {
+            self.lanes::<S, 1, D>(s, blocks, run, [*k], inv_w, columns);
         }
     }
 
@@ -457,6 +462,18 @@ impl<S: Simd, const N: usize> core::fmt::Debug for BlockValues<S, N> {
 pub trait BlockSink<S: Simd, const N: usize> {
     /// The block at place `i` of the run.
     fn block(&mut self, s: S, i: usize, at: RunBlock, values: &BlockValues<S, N>);
+}
+
+/// The next `N` columns.
+#[inline(always)]
+fn next<'a, const N: usize>(
+    columns: &mut core::slice::IterMut<'a, Column>,
+) -> Option<[&'a mut Column; N]> {
+    let (first, rest) = core::mem::take(columns)
+        .into_slice()
+        .split_first_chunk_mut::<N>()?;
+    *columns = rest.iter_mut();
+    Some(first.each_mut())
 }
 
 /// [`BlockValues`] in memory: 1/w, and value and derivatives of each attribute.

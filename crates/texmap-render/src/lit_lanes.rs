@@ -35,6 +35,8 @@ pub(crate) struct LitLanes<'a> {
     near: usize,
     /// Derivatives of coordinates are read.
     derivatives: bool,
+    /// Lights or a relief ask for the direction to the eye.
+    sees_eye: bool,
     /// Some shadow reads the normal of the triangle's plane.
     planes: bool,
     eye: [f32; 3],
@@ -115,6 +117,7 @@ impl<'a> LitLanes<'a> {
             position: surface.position.filter(|first| first + 3 <= surface.shaded),
             near,
             derivatives: false,
+            sees_eye: false,
             planes: false,
             eye: plan.eye,
             level: plan.level,
@@ -132,6 +135,7 @@ impl<'a> LitLanes<'a> {
             .iter()
             .chain(this.relief.as_ref().map(|r| r.1));
         this.derivatives = slots.into_iter().any(Slot::reads_derivatives);
+        this.sees_eye = !this.lights.is_empty() || this.relief.is_some();
         let shades = this.lights.iter().flat_map(Lamp::shades);
         this.planes = shades.into_iter().any(ShadowReader::reads_normals);
         Some(this)
@@ -345,7 +349,10 @@ impl Columns<'_> {
         for k in 0..3 {
             view[k] = stage.eye[k] - point[k];
         }
-        let toward_eye = unit_lanes(s, view);
+        let toward_eye = match stage.sees_eye {
+            true => unit_lanes(s, view),
+            false => view,
+        };
         let mut normal = unit_lanes(s, smooth);
         if let Some((map, _, tangent)) = &stage.relief {
             let first = tangent - stage.near;

@@ -1,5 +1,6 @@
 //! Shadow maps: the scene's depth as a light sees it, by the rasterizer's depth pass.
 
+use rayon::prelude::*;
 use texmap_light::{Chart, Light, ShadowBias, ShadowKind, ShadowMap};
 use texmap_math::camera::Camera;
 use texmap_math::glam::{DMat4, DVec2, DVec3, DVec4};
@@ -141,15 +142,16 @@ pub fn shadow_map(
             .collect();
         let prepared =
             Prepared::new(target, &draws).map_err(|error| RenderError::of_raster(scene, error))?;
-        let map = match &cuts {
+        let mut map = match &cuts {
             Some(cuts) => prepared.depth_map_cut(threads, cuts),
             None => prepared.depth_map(threads),
         };
-        depths.extend(
-            map.into_iter()
-                .enumerate()
-                .map(|(i, depth)| view.metric(depth, i as u32, size)),
-        );
+        view.measure(&mut map, size, threads);
+        if depths.is_empty() {
+            depths = map;
+        } else {
+            depths.extend(map);
+        }
     }
     ShadowMap::new(*kind, size, depths).map_err(|error| RenderError::Value {
         place: "shadow map".to_owned(),
@@ -182,6 +184,22 @@ enum Metric {
 }
 
 impl FaceView {
+    /// From the depths of a face's buffer to those of its map.
+    fn measure(&self, map: &mut [f32], size: u32, threads: usize) {
+        let rows = |first: usize, part: &mut [f32]| {
+            for (i, depth) in part.iter_mut().enumerate() {
+                *depth = self.metric(*depth, (first + i) as u32, size);
+            }
+        };
+        const PART: usize = 1 << 16;
+        if threads > 1 {
+            let parts = map.par_chunks_mut(PART).enumerate();
+            parts.for_each(|(i, part)| rows(i * PART, part));
+        } else {
+            rows(0, map);
+        }
+    }
+
     fn metric(&self, depth: f32, texel: u32, size: u32) -> f32 {
         if depth <= 0.0 {
             return f32::INFINITY;

@@ -25,7 +25,7 @@ pub(crate) enum Values {
     Normal,
     /// World space.
     Position,
-    /// World-space tangent and the sign of the bitangent, of corners: splits every vertex.
+    /// World-space tangent and the sign of the bitangent, of corners: splits vertices where they differ.
     Tangent,
     /// The second set of coordinates.
     LightMapUv,
@@ -97,23 +97,16 @@ impl Vertices {
         let world_from_object = mesh.world_from_object;
         let mut triangles = Cow::Borrowed(mesh.triangles.as_slice());
         let mut positions = Cow::Borrowed(mesh.positions.as_slice());
-        let split = needs(Values::Tangent);
-        let corners: Option<Vec<u32>> =
-            split.then(|| mesh.triangles.iter().flatten().copied().collect());
-        if let Some(corners) = &corners {
+        let split = needs(Values::Tangent).then(|| Split::new(mesh));
+        if let Some(split) = &split {
             let at = |v: &u32| mesh.positions[*v as usize];
-            positions = Cow::Owned(corners.iter().map(at).collect());
-            let count = mesh.triangles.len() as u32;
-            triangles = Cow::Owned((0..count).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect());
+            positions = Cow::Owned(split.vertices.iter().map(at).collect());
+            triangles = Cow::Owned(split.triangles.clone());
         }
         // A mirror turns counter-clockwise triangles round; the front stays the front.
         if world_from_object.determinant() < 0.0 {
             triangles.to_mut().iter_mut().for_each(|t| t.swap(1, 2));
         }
-        let tangents = match split {
-            true => corner_tangents(mesh, &object_normals(mesh)),
-            false => Vec::new(),
-        };
         let normals = if lit || needs(Values::Normal) {
             world_normals(mesh)
         } else {
@@ -150,8 +143,7 @@ impl Vertices {
             normals,
             points,
             back_from,
-            corners,
-            tangents,
+            split,
         };
         let mut attributes = Vec::with_capacity(positions.len() * self.attribute_count);
         for vertex in 0..positions.len() {
@@ -175,18 +167,61 @@ struct Source<'s> {
     points: Vec<DVec3>,
     /// Vertices from here are those of back sides.
     back_from: usize,
-    /// The mesh's vertex of each corner, where vertices are split.
-    corners: Option<Vec<u32>>,
-    /// Per corner.
+    /// Where vertices have one tangent each.
+    split: Option<Split>,
+}
+
+/// Vertices split where the tangents of their corners differ.
+struct Split {
+    /// The mesh's vertex of each.
+    vertices: Vec<u32>,
     tangents: Vec<[f32; 4]>,
+    triangles: Vec<[u32; 3]>,
+}
+
+impl Split {
+    fn new(mesh: &Mesh) -> Self {
+        const NONE: u32 = u32::MAX;
+        let of_corners = corner_tangents(mesh, &object_normals(mesh));
+        let (mut vertices, mut tangents) = (Vec::new(), Vec::<[f32; 4]>::new());
+        // The first part of each vertex, and the next part after each part.
+        let mut first = vec![NONE; mesh.positions.len()];
+        let mut next = Vec::new();
+        let mut part_of = |vertex: u32, tangent: [f32; 4]| {
+            let bits = tangent.map(f32::to_bits);
+            let mut part = first[vertex as usize];
+            while part != NONE {
+                if tangents[part as usize].map(f32::to_bits) == bits {
+                    return part;
+                }
+                part = next[part as usize];
+            }
+            let part = vertices.len() as u32;
+            vertices.push(vertex);
+            tangents.push(tangent);
+            next.push(std::mem::replace(&mut first[vertex as usize], part));
+            part
+        };
+        let mut of_corners = of_corners.into_iter();
+        let triangles = mesh
+            .triangles
+            .iter()
+            .map(|t| t.map(|vertex| part_of(vertex, of_corners.next().unwrap_or_default())))
+            .collect();
+        Self {
+            vertices,
+            tangents,
+            triangles,
+        }
+    }
 }
 
 impl Source<'_> {
     fn push(&self, groups: &[Values], vertex: usize, lit: bool, out: &mut Vec<f32>) {
         let back = vertex >= self.back_from;
-        let corner = vertex;
-        let vertex = match &self.corners {
-            Some(corners) => corners[vertex] as usize,
+        let part = vertex;
+        let vertex = match &self.split {
+            Some(split) => split.vertices[vertex] as usize,
             None if back => vertex - self.back_from,
             None => vertex,
         };
@@ -206,7 +241,10 @@ impl Source<'_> {
                 Values::Highlight => out.extend(terms.highlight),
                 Values::Normal => out.extend(narrow(self.normals[vertex])),
                 Values::Position => out.extend(narrow(self.points[vertex])),
-                Values::Tangent => out.extend(self.tangents[corner]),
+                Values::Tangent => {
+                    let tangents = self.split.as_ref().map(|split| &split.tangents);
+                    out.extend(tangents.map_or([0.0; 4], |all| all[part]));
+                }
                 Values::LightMapUv => out.extend(self.mesh.lightmap_uvs[vertex]),
             }
         }

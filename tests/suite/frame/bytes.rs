@@ -1,11 +1,16 @@
 //! The same scene gives the same bytes, however the work is handed out.
 
-use texmap_light::{Light, Surface};
+use texmap_lab::bench_scenes::{Content, Hidden, SCENES};
+use texmap_light::{Chart, Environment, Green, Highlight, Light, ShadowBias, SlideBorder, Surface};
+use texmap_math::glam::{DMat4, DVec3};
+use texmap_math::{Level, Projector};
+use texmap_raster::Cull;
 use texmap_render::{
-    AlphaMode, Aov, Frame, Material, Mesh, RenderError, Scene, Settings, Shading, TextureRole,
-    pixel_hash, render, render_ordered,
+    AlphaMode, Aov, Effects, Frame, Material, Mesh, Reflection, Relief, RenderError, Renderer,
+    Scene, Settings, Shading, Shadow, SlideProjector, SlideRole, TextureRole, pixel_hash, render,
+    render_ordered,
 };
-use texmap_sample::Filter;
+use texmap_sample::{Filter, Precision, Sampler};
 use texmap_tests::levels::levels;
 
 use crate::scenes::{bits, empty, quad, slot, texture, unlit, wall};
@@ -194,6 +199,223 @@ fn threads_levels_and_block_order_reach_no_pixel() {
                 &expected,
                 "block order",
             );
+        }
+    }
+}
+
+/// Every stage of lit surfaces that has lanes: normal maps on both sides, spot, directional and point lights with all biases, slides with
+/// and without shadows, real and whole exponents, mirrors with and without relief.
+fn lit() -> Scene {
+    let bumps = texture(64, 64, |x, y| {
+        [
+            (64 + 2 * x) as u8,
+            (60 + 2 * (y ^ x)) as u8,
+            200 + (x % 8) as u8,
+            255,
+        ]
+    });
+    let checker = texture(64, 64, |x, y| {
+        if (x / 8 + y / 8) % 2 == 0 {
+            [230, 220, 200, 255]
+        } else {
+            [40, 60, 90, 255]
+        }
+    });
+    let relief = |green, rebuild_z| {
+        Some(Relief::NormalMap {
+            slot: slot(0, Filter::Trilinear).unwrap(),
+            green,
+            rebuild_z,
+            object_space: false,
+            strength: 1.5,
+        })
+    };
+    let sky = Environment::from_fn(Chart::Cube, 32, |d| {
+        [d.x, d.y, d.z].map(|c| 0.5 + 0.4 * c as f32)
+    });
+    let reflection = Some(Reflection {
+        environment: 0,
+        reflectivity: 0.3,
+    });
+    let floor = Material {
+        base_color: slot(1, Filter::Trilinear),
+        relief: relief(Green::Up, false),
+        highlight: Highlight::Blinn,
+        surface: Surface {
+            ns: 20.5,
+            ..Surface::default()
+        },
+        ..Material::default()
+    };
+    let metal = Material {
+        relief: relief(Green::Down, true),
+        horizon_clamp: false,
+        reflection,
+        surface: Surface {
+            ns: 32.0,
+            ..Surface::default()
+        },
+        ..Material::default()
+    };
+    let mirror = Material {
+        base_color: slot(1, Filter::Bilinear),
+        cull: Cull::Front,
+        reflection,
+        ..Material::default()
+    };
+    let lamp = |x: f64, border, softness, shadow, role| {
+        let position = DVec3::new(x, 3.0, 1.0);
+        let look = DVec3::new(0.0, -0.5, -4.0);
+        SlideProjector {
+            projector: Projector::new(position, look, DVec3::Y, 0.7, 1.0).unwrap(),
+            position,
+            texture: 1,
+            sampler: Sampler {
+                filter: Filter::Bilinear,
+                ..Sampler::default()
+            },
+            border,
+            softness,
+            role,
+            shadow,
+        }
+    };
+    let shadow = |light, bias, taps| Shadow {
+        light,
+        size: Some(256),
+        bias: Some(bias),
+        taps,
+        area: (light == 3).then_some((DVec3::new(0.0, 0.0, -3.0), 2.0)),
+    };
+    let light = SlideRole::Light([0.4, 0.5, 0.3]);
+    Scene {
+        lights: vec![
+            Light::Ambient { color: [0.2; 3] },
+            Light::Directional {
+                color: [0.4; 3],
+                direction: [1.0, -2.0, -1.0],
+            },
+            Light::spot(
+                [0.5, 0.4, 0.3],
+                [1.5, 3.0, 0.0],
+                [-0.4, -1.0, -0.8],
+                0.3,
+                0.6,
+            ),
+            Light::Point {
+                color: [0.2, 0.3, 0.4],
+                position: [0.0, 2.5, -1.0],
+            },
+        ],
+        textures: vec![bumps, checker],
+        materials: vec![floor, metal, mirror],
+        meshes: vec![
+            quad([
+                [-9.0, -1.0, 1.0],
+                [9.0, -1.0, 1.0],
+                [9.0, -1.0, -40.0],
+                [-9.0, -1.0, -40.0],
+            ]),
+            Mesh {
+                material: 1,
+                ..ball(24)
+            },
+            Mesh {
+                material: 2,
+                world_from_object: DMat4::from_translation(DVec3::new(-1.9, 0.0, 0.0)),
+                ..ball(24)
+            },
+        ],
+        effects: Effects {
+            shadows: vec![
+                shadow(1, ShadowBias::Slope(1e-3), 3),
+                shadow(2, ShadowBias::NormalOffset(1.5), 5),
+                shadow(3, ShadowBias::Constant(0.02), 1),
+            ],
+            projectors: vec![
+                lamp(1.0, SlideBorder::Black, 0.1, Some(128), light),
+                lamp(-1.0, SlideBorder::Repeat, 0.0, None, light),
+            ],
+            environments: vec![sky.unwrap().with_mips()],
+            ..Effects::default()
+        },
+        ..empty()
+    }
+}
+
+#[test]
+fn lit_surfaces_have_the_same_bytes_sample_by_sample_and_in_lanes() {
+    let scene = lit();
+    let settings = Settings::new(200, 150);
+    let expected = render(&scene, &settings, &|_, _| ()).unwrap();
+    for (name, level) in levels() {
+        for (supersample, msaa) in [(1, 1), (1, 4), (2, 1)] {
+            let settings = |level| Settings {
+                level,
+                supersample,
+                msaa,
+                ..settings.clone()
+            };
+            let one = render(&scene, &settings(level), &|_, _| ()).unwrap();
+            let best = render(&scene, &settings(Level::new()), &|_, _| ()).unwrap();
+            assert_same(&one, &best, name);
+        }
+    }
+    // Each effect is there to be compared.
+    let without = |change: &dyn Fn(&mut Scene)| {
+        let mut scene = lit();
+        change(&mut scene);
+        let frame = render(&scene, &settings, &|_, _| ()).unwrap();
+        let pairs = frame.rgba.chunks(4).zip(expected.rgba.chunks(4));
+        assert!(pairs.filter(|(a, b)| a != b).count() > 100);
+    };
+    for i in 0..3 {
+        without(&|scene| drop(scene.effects.shadows.remove(i)));
+    }
+    for i in 0..2 {
+        without(&|scene| drop(scene.effects.projectors.remove(i)));
+        without(&|scene| scene.materials[i].relief = None);
+        without(&|scene| scene.materials[i + 1].reflection = None);
+    }
+}
+
+/// The scenes of the race under lighting effects, smaller.
+#[test]
+fn benchmark_scenes_have_the_same_bytes_everywhere() {
+    for row in SCENES {
+        let lit = matches!(
+            row.content,
+            Content::Lit { .. } | Content::Mirror | Content::Projective
+        );
+        if !lit {
+            continue;
+        }
+        let redrawn = row.content == (Content::Lit { shadow_pass: true });
+        for precision in [Precision::Fast, Precision::Exact] {
+            if redrawn && precision == Precision::Exact {
+                continue;
+            }
+            let scene = row.scene(precision, Hidden::Skipped).unwrap().unwrap();
+            let hash = |level, threads| {
+                let settings = Settings {
+                    level,
+                    threads: Some(threads),
+                    ..Settings::new(320, 180)
+                };
+                let mut renderer = Renderer::new(&scene, &settings).unwrap();
+                if redrawn {
+                    renderer.redraw_shadows().unwrap();
+                }
+                pixel_hash(&renderer.draw(&|_, _| ()).unwrap())
+            };
+            let expected = hash(Level::new(), 1);
+            for threads in [2, 3, 8] {
+                let what = format!("{} on {threads} threads", row.key());
+                assert_eq!(hash(Level::new(), threads), expected, "{what}");
+            }
+            for (name, level) in levels() {
+                assert_eq!(hash(level, 2), expected, "{} at {name}", row.key());
+            }
         }
     }
 }
