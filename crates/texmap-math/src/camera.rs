@@ -44,6 +44,11 @@ pub enum CameraError {
         /// The given angle, radians.
         fov_x: f64,
     },
+    /// A slide without width or height.
+    Aspect {
+        /// The given width over height.
+        aspect: f64,
+    },
     /// Not `0 < near < far`.
     NearFar {
         /// The given near distance.
@@ -57,6 +62,10 @@ impl fmt::Display for CameraError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::NonFinite => write!(f, "camera: eye, look and up must be finite numbers"),
+            Self::Aspect { aspect } => write!(
+                f,
+                "camera: a slide's width over height is {aspect}; it must be finite and above 0"
+            ),
             Self::EyeIsLook { eye } => write!(
                 f,
                 "camera: eye and look are the same point ({}, {}, {})",

@@ -35,7 +35,7 @@ impl Projector {
         let axes = Axes::new(eye, look, up)?;
         check_fov(fov_x)?;
         if !(aspect > 0.0 && aspect.is_finite()) {
-            return Err(CameraError::NonFinite);
+            return Err(CameraError::Aspect { aspect });
         }
         let focal = 0.5 / det::tan(0.5 * fov_x);
         let half = axes.forward * 0.5;

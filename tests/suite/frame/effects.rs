@@ -2,11 +2,11 @@
 
 use texmap_light::{Chart, Environment, Green, Highlight, Light, ShadowBias, SlideBorder, Surface};
 use texmap_math::Projector;
-use texmap_math::glam::DVec3;
+use texmap_math::glam::{DMat4, DVec3};
 use texmap_render::{
-    Aov, AovData, BakeOptions, Effects, Frame, HOLE_BITS, LightMapSlot, Material, Mesh, Reflection,
-    Relief, RenderError, Scene, Settings, Shading, Shadow, SlideProjector, SlideRole, SurfaceMaps,
-    bake, render, shadow_bias, shadow_kind, shadow_map,
+    Aov, AovData, BakeOptions, Carving, Effects, Frame, HOLE_BITS, LightMapSlot, Material, Mesh,
+    Reflection, Relief, RenderError, Scene, Settings, Shading, Shadow, SlideProjector, SlideRole,
+    SurfaceMaps, bake, render, shadow_bias, shadow_kind, shadow_map,
 };
 use texmap_sample::{Filter, Sampler};
 use texmap_tests::levels::levels;
@@ -221,7 +221,36 @@ fn no_buffer_holds_a_nan_of_its_own() {
         color: [1.0; 3],
         position: hostile.meshes[2].positions[0],
     };
-    for scene in [all(), hostile] {
+    let mut scenes = vec![all(), hostile];
+    // Reliefs beyond all measure, on a floor whose coordinates collapse at one corner.
+    let slot = || slot(1, Filter::Bilinear).unwrap();
+    for size in [1e30, -1e30, 1e-30] {
+        for relief in [
+            Relief::Bump {
+                slot: slot(),
+                height: size,
+            },
+            Relief::Offsets {
+                slot: slot(),
+                slope: size,
+                green: Green::Up,
+            },
+            Relief::Carved {
+                heights: Carving::Waves {
+                    around: 3,
+                    fold: 1e20,
+                },
+                world_from_solid: DMat4::from_scale(DVec3::splat(f64::from(size.abs()))),
+                height: size,
+            },
+        ] {
+            let mut scene = all();
+            scene.meshes[0].uvs[2] = scene.meshes[0].uvs[1];
+            scene.materials[0].relief = Some(relief);
+            scenes.push(scene);
+        }
+    }
+    for scene in scenes {
         let frame = rendered(&scene, &settings());
         for (aov, _, data) in &frame.aovs {
             if let AovData::F32(values) = data {
@@ -423,6 +452,18 @@ fn faults_of_effects_are_named() {
     assert!(text(|s| s.effects.projectors[1].softness = 2.0).contains("softness"));
     assert!(text(|s| s.effects.environments.clear()).contains("does not exist"));
     assert!(text(|s| s.materials[0].light_map.as_mut().unwrap().scale = -1.0).contains("scale"));
+    // A slide of no size, a projector that looks nowhere.
+    let thrown = |look: DVec3, up: DVec3, fov: f64, aspect: f64| {
+        Projector::new(DVec3::ZERO, look, up, fov, aspect)
+            .unwrap_err()
+            .to_string()
+    };
+    for aspect in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        assert!(thrown(DVec3::Z, DVec3::Y, 1.0, aspect).contains("width over height"));
+    }
+    assert!(thrown(DVec3::Z, DVec3::Z, 1.0, 1.0).contains("parallel"));
+    assert!(thrown(DVec3::ZERO, DVec3::Y, 1.0, 1.0).contains("same point"));
+    assert!(thrown(DVec3::Z, DVec3::Y, 0.0, 1.0).contains("field of view"));
     assert!(matches!(
         refused(|s| s.meshes[0].lightmap_uvs.clear()),
         RenderError::MissingLightMapUv { .. }

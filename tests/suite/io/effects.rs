@@ -97,6 +97,28 @@ fn relief_and_light_maps_reach_models() {
     render(&scene, &Settings::new(16, 16), &|_, _| ()).unwrap();
 }
 
+/// A second set from a model of other faces, or without coordinates, is refused by name; none at all is a named error of the scene.
+#[test]
+fn second_coordinates_must_fit() {
+    let faces = |corners: &str| {
+        format!("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n{corners}\n")
+    };
+    let files = || {
+        files()
+            .with("m.obj", faces("f 1/1 2/2 3/3 4/4"))
+            .with("half.obj", faces("f 1/1 2/2 3/3"))
+            .with("bare.obj", faces("f 1 2 3 4"))
+    };
+    for (second, words) in [("half.obj", "same faces"), ("bare.obj", "no `vt`")] {
+        let scene = format!("lightmap square.png\nlightmapuv {second}\nobj m.obj\n");
+        let error = files().with("a.scene", scene).load("a.scene").unwrap_err();
+        assert!(error.to_string().contains(words), "{error}");
+    }
+    let scene = files().scene("lightmap square.png\nobj m.obj\n");
+    let error = render(&scene, &Settings::new(8, 8), &|_, _| ()).unwrap_err();
+    assert!(error.to_string().contains("no second uv set"), "{error}");
+}
+
 #[test]
 fn lights_are_named_below_their_lines() {
     let scene = files().scene(&format!(
