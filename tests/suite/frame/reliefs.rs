@@ -39,15 +39,20 @@ fn matte(relief: Relief) -> Material {
     }
 }
 
+/// Heights of uneven waves, twice as wide as high: four across, one down.
+fn waves() -> Vec<f32> {
+    let turn = |i: u32, of: u32| (f64::from(i) + 0.5) / f64::from(of) * std::f64::consts::TAU;
+    (0..SIDE * SIDE / 2)
+        .map(|i| {
+            let (u, v) = (4.0 * turn(i % SIDE, SIDE), turn(i / SIDE, SIDE / 2));
+            (0.5 + 0.3 * u.sin() + 0.2 * v.cos()) as f32
+        })
+        .collect()
+}
+
 /// Uneven waves on a wall, as heights, as offsets in floats and as offsets in bytes; and the slope of the latter two.
 fn wavy() -> (Scene, f32) {
-    let wave = |x: u32, y: u32| {
-        let (u, v) = (f64::from(x) + 0.5, f64::from(y) + 0.5);
-        (0.5 + 0.3 * (u * 0.3927).sin() + 0.2 * (v * 0.1963).cos()) as f32
-    };
-    let grid: Vec<f32> = (0..SIDE * SIDE / 2)
-        .map(|i| wave(i % SIDE, i / SIDE))
-        .collect();
+    let grid = waves();
     let heights = Heights {
         width: SIDE,
         values: &grid,
@@ -132,11 +137,7 @@ fn offsets_are_the_bump_map_of_their_heights() {
 #[test]
 fn normals_are_the_bump_map_of_their_heights() {
     let (mut scene, _) = wavy();
-    let wave = |i: u32| {
-        let (u, v) = (f64::from(i % SIDE) + 0.5, f64::from(i / SIDE) + 0.5);
-        (0.5 + 0.3 * (u * 0.3927).sin() + 0.2 * (v * 0.1963).cos()) as f32
-    };
-    let grid: Vec<f32> = (0..SIDE * SIDE / 2).map(wave).collect();
+    let grid = waves();
     let heights = Heights {
         width: SIDE,
         values: &grid,
