@@ -402,6 +402,69 @@ fn slides_do_not_follow_the_eye() {
     }
 }
 
+/// What stands behind a projector or beside its lens gets nothing of its slide, whatever the border rule: t is tested before the
+/// division, on every level.
+#[test]
+fn nothing_behind_a_projector_is_lit() {
+    let position = DVec3::new(0.1, 0.2, -2.0);
+    let borders = [SlideBorder::Black, SlideBorder::Clamp, SlideBorder::Repeat];
+    let roles = [SlideRole::Light([1.0; 3]), SlideRole::Paint];
+    // Level 0 alone is looked up in lanes, levels sample by sample.
+    let filters = [Filter::Bilinear, Filter::Trilinear];
+    let scene = |toward: DVec3, border, role, filter| Scene {
+        textures: vec![texture(8, 8, |_, _| [255; 4])],
+        materials: vec![Material {
+            surface: Surface {
+                color: [0.25, 0.0, 0.5],
+                ks: 0.0,
+                ..Surface::default()
+            },
+            ..Material::default()
+        }],
+        lights: vec![Light::Ambient { color: [1.0; 3] }],
+        meshes: vec![wall(3.0, 3.0)],
+        effects: Effects {
+            projectors: vec![SlideProjector {
+                projector: Projector::new(position, position + toward, DVec3::Y, 0.9, 1.0).unwrap(),
+                position,
+                border,
+                sampler: Sampler {
+                    filter,
+                    ..Sampler::default()
+                },
+                ..slide(0, role, None)
+            }],
+            ..Effects::default()
+        },
+        ..empty()
+    };
+    let lit = |scene: &Scene, level| {
+        let settings = Settings {
+            level,
+            ..Settings::new(80, 80)
+        };
+        let frame = rendered(scene, &settings);
+        // The wall alone gives back a quarter of the red.
+        frame.rgba.chunks_exact(4).filter(|p| p[0] > 70).count()
+    };
+    for (name, level) in levels() {
+        let kinds = borders.into_iter().flat_map(|b| roles.map(|r| (b, r)));
+        for ((border, role), filter) in kinds.flat_map(|k| filters.map(|f| (k, f))) {
+            let away = scene(DVec3::Z, border, role, filter);
+            assert_eq!(
+                lit(&away, level),
+                0,
+                "{name} {border:?} {role:?} {filter:?}"
+            );
+            let toward = scene(DVec3::NEG_Z, border, role, filter);
+            assert!(
+                lit(&toward, level) > 80,
+                "{name} {border:?} {role:?} {filter:?}"
+            );
+        }
+    }
+}
+
 /// Light maps come out the same for any number of threads, and agree with light computed per pixel.
 #[test]
 fn bakes_are_the_same_on_any_number_of_threads() {

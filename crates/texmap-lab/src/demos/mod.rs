@@ -113,7 +113,7 @@ const DEMOS: [(&str, &str, Draw); 23] = [
     ),
     (
         "light-maps",
-        "baked light against light per pixel; charts without gutters; a moving spotlight",
+        "baked light against light per pixel; charts without gutters; a moving spotlight (--frames N)",
         relief::light_maps,
     ),
     (
