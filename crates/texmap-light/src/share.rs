@@ -18,7 +18,7 @@ pub struct Share {
     pub highlight: f32,
 }
 
-/// An exponent: whole ones up to 256 by squaring, off by at most as many units in the last place, others by
+/// An exponent: whole ones up to 256 by squaring, off by at most as many units in the last place (and by 2e-19), others by
 /// [`det32::pow`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Power {
@@ -49,13 +49,13 @@ impl Power {
                 let (mut power, mut square) = (1.0, x);
                 loop {
                     if left & 1 == 1 {
-                        power *= square;
+                        power = some(power * square);
                     }
                     left >>= 1;
                     if left == 0 {
                         return power;
                     }
-                    square *= square;
+                    square = some(square * square);
                 }
             }
         }
@@ -70,17 +70,29 @@ impl Power {
                 let (mut power, mut square) = (f32x16::splat(s, 1.0), x);
                 loop {
                     if left & 1 == 1 {
-                        power *= square;
+                        power = some_lanes(s, power * square);
                     }
                     left >>= 1;
                     if left == 0 {
                         return power;
                     }
-                    square *= square;
+                    square = some_lanes(s, square * square);
                 }
             }
         }
     }
+}
+
+/// Powers below this are 0: their products would be subnormal numbers, which take a hundred times as long.
+const LEAST: f32 = 2e-19;
+
+fn some(power: f32) -> f32 {
+    if power > LEAST { power } else { 0.0 }
+}
+
+#[inline(always)]
+fn some_lanes<S: Simd>(s: S, power: f32x16<S>) -> f32x16<S> {
+    power.simd_gt(LEAST).select(power, f32x16::splat(s, 0.0))
 }
 
 /// What a light gives a point; `None` for a light behind the surface. `normal` and `view`, the direction to the eye, have unit length

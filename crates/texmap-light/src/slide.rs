@@ -161,20 +161,10 @@ impl<'a> SlideView<'a> {
     /// Premultiplied texel at a point of space that changes by `dx` and `dy` from pixel to pixel: see [`Slide::light`].
     #[must_use]
     pub fn light(&self, point: [f32; 3], [dx, dy]: [[f32; 3]; 2]) -> [f32; 4] {
-        let [px, py, pz] = point;
-        let [q, s, t] = self
-            .rows
-            .map(|row| row[0] * px + row[1] * py + row[2] * pz + row[3]);
-        let uv = [q / t, s / t];
-        let finite = uv[0].abs() < f32::INFINITY && uv[1].abs() < f32::INFINITY;
-        if !(t > 0.0 && finite) {
+        let Some((uv, fade)) = self.place(point) else {
             return [0.0; 4];
-        }
-        let fade = match self.border {
-            SlideBorder::Black if !uv.iter().all(|c| (0.0..=1.0).contains(c)) => return [0.0; 4],
-            SlideBorder::Black => fade(self.softness, uv[0]) * fade(self.softness, uv[1]),
-            _ => 1.0,
         };
+        let [_, _, t] = self.qst(point);
         let along = |d: [f32; 3]| {
             let [q, s, t1] = self
                 .rows
@@ -192,7 +182,29 @@ impl<'a> SlideView<'a> {
         texel.map(|c| c * fade)
     }
 
-    /// The places of sixteen points. The texels there are for the caller to look up: level 0, as footprints have no lanes yet.
+    fn qst(&self, [x, y, z]: [f32; 3]) -> [f32; 3] {
+        let row = |row: [f32; 4]| row[0] * x + row[1] * y + row[2] * z + row[3];
+        self.rows.map(row)
+    }
+
+    /// Where in the slide a point falls, and the factor of the texel there; `None` where the slide does not reach.
+    #[must_use]
+    pub fn place(&self, point: [f32; 3]) -> Option<([f32; 2], f32)> {
+        let [q, s, t] = self.qst(point);
+        let uv = [q / t, s / t];
+        let finite = uv[0].abs() < f32::INFINITY && uv[1].abs() < f32::INFINITY;
+        if !(t > 0.0 && finite) {
+            return None;
+        }
+        let fade = match self.border {
+            SlideBorder::Black if !uv.iter().all(|c| (0.0..=1.0).contains(c)) => return None,
+            SlideBorder::Black => fade(self.softness, uv[0]) * fade(self.softness, uv[1]),
+            _ => 1.0,
+        };
+        Some((uv, fade))
+    }
+
+    /// [`place`](Self::place) for sixteen. The texels there are for the caller to look up: level 0, as footprints have no lanes yet.
     #[inline(always)]
     pub fn place_lanes<S: Simd>(&self, s: S, point: V3<S>) -> SlidePlaces<S> {
         let (zero, one) = (f32x16::splat(s, 0.0), f32x16::splat(s, 1.0));
