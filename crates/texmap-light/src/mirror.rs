@@ -428,3 +428,85 @@ impl<S: Simd> Side<S> {
         self.up.select(first, first + 1)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use texmap_math::glam::DVec3;
+
+    fn wide(v: [f32; 3]) -> DVec3 {
+        DVec3::from(v.map(f64::from))
+    }
+
+    /// The change of a mirrored ray against mirrored neighbours.
+    #[test]
+    fn mirrored_rays_change_as_their_neighbours_say() {
+        let (v, dv) = (DVec3::new(0.4, 0.2, 2.0), DVec3::new(-0.3, 0.1, 0.2));
+        let (n, dn) = (DVec3::new(0.1, 0.9, 1.2), DVec3::new(0.5, -0.4, 0.3));
+        let mirrored = |t: f64| {
+            let (v, n) = (v + dv * t, (n + dn * t).normalize());
+            n * (2.0 * n.dot(v)) - v
+        };
+        let narrow = |v: DVec3| v.to_array().map(|c| c as f32);
+        let view = Ray {
+            direction: narrow(v),
+            dx: narrow(dv),
+            dy: [0.0; 3],
+        };
+        let normal = Ray {
+            direction: narrow(n.normalize()),
+            dx: narrow(dn),
+            dy: [0.0; 3],
+        };
+        let ray = reflect_across(&view, &normal, n.length() as f32);
+        let slope = (mirrored(1e-5) - mirrored(-1e-5)) / 2e-5;
+        assert!((wide(ray.direction) - mirrored(0.0)).length() < 1e-5);
+        assert!((wide(ray.dx) - slope).length() < 1e-5, "{:?}", ray.dx);
+        assert_eq!(ray.dy, [0.0; 3]);
+    }
+
+    /// Footprints choose the level: a stripe pattern fades to its mean as pixels grow, on every chart, and not without levels.
+    #[test]
+    fn wide_footprints_read_the_mean() {
+        for chart in Chart::ALL {
+            let mut bright = false;
+            let stripes = Environment::from_fn(chart, 64, |_| {
+                bright = !bright;
+                [if bright { 1.0 } else { 0.0 }; 3]
+            });
+            let sharp = stripes.unwrap();
+            let soft = sharp.clone().with_mips();
+            let contrast = |environment: &Environment, step: f32| {
+                let look = |i: u16| {
+                    let x = f32::from(i) * 0.003;
+                    let ray = Ray {
+                        direction: [0.3 + x, 0.1, 1.0],
+                        dx: [step, 0.0, 0.0],
+                        dy: [0.0, step, 0.0],
+                    };
+                    (environment.light_across(&ray)[0] - 0.5).abs()
+                };
+                (0..100).map(look).fold(0.0, f32::max)
+            };
+            let (near, far) = (contrast(&soft, 1e-4), contrast(&soft, 0.3));
+            assert_eq!(near, contrast(&sharp, 1e-4), "{chart:?}");
+            assert!(near > 0.2 && far < 0.1, "{chart:?}: {near} {far}");
+            assert!(contrast(&sharp, 0.3) > 0.2, "{chart:?}");
+        }
+    }
+
+    /// Neither zero nor what is not finite gives more than light of the map.
+    #[test]
+    fn bad_rays_read_something_finite() {
+        let sky = Environment::from_fn(Chart::Cube, 16, |_| [0.5; 3]).unwrap();
+        let sky = sky.with_mips();
+        for bad in [0.0, f32::NAN, f32::INFINITY, 1e30] {
+            let ray = Ray {
+                direction: [bad; 3],
+                dx: [bad, 0.0, -bad],
+                dy: [bad; 3],
+            };
+            assert_eq!(sky.light_across(&ray), [0.5; 3], "{bad}");
+        }
+    }
+}

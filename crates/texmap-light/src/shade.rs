@@ -16,8 +16,8 @@ pub struct Terms {
 impl Terms {
     /// Adds what a light gives, of which so much is received.
     pub fn add(&mut self, given: &Share, received: [f32; 3]) {
-        for i in 0..3 {
-            let color = given.color[i] * received[i];
+        for (i, received) in received.into_iter().enumerate() {
+            let color = given.color[i] * received;
             self.diffuse[i] += color * given.diffuse;
             self.highlight[i] += color * given.highlight;
         }

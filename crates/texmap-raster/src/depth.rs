@@ -135,10 +135,16 @@ struct DepthTile {
 fn copy_blocks(depths: &[f32], out: &mut [f32], width: usize, x0: usize) {
     let side = (TILE as usize).min(width - x0);
     for (y, row) in out.chunks_mut(width).enumerate() {
-        for (b, four) in row[x0..x0 + side].chunks_mut(4).enumerate() {
-            let at = ((y >> 2) * BLOCKS + b) * LANES + (y & 3) * 4;
-            four.copy_from_slice(&depths[at..at + four.len()]);
+        let blocks = depths[(y >> 2) * BLOCKS * LANES + (y & 3) * 4..].chunks(LANES);
+        // Four at a time are one move, not a call.
+        let (fours, rest) = row[x0..x0 + side].as_chunks_mut::<4>();
+        let last = blocks.clone().nth(fours.len()).unwrap_or(&[]);
+        for (four, block) in fours.iter_mut().zip(blocks) {
+            if let Some(depths) = block.first_chunk() {
+                *four = *depths;
+            }
         }
+        rest.iter_mut().zip(last).for_each(|(to, d)| *to = *d);
     }
 }
 

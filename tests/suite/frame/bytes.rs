@@ -370,10 +370,14 @@ fn lit_surfaces_have_the_same_bytes_sample_by_sample_and_in_lanes() {
         assert!(pairs.filter(|(a, b)| a != b).count() > 100);
     };
     for i in 0..3 {
-        without(&|scene| drop(scene.effects.shadows.remove(i)));
+        without(&|scene| {
+            scene.effects.shadows.remove(i);
+        });
     }
     for i in 0..2 {
-        without(&|scene| drop(scene.effects.projectors.remove(i)));
+        without(&|scene| {
+            scene.effects.projectors.remove(i);
+        });
         without(&|scene| scene.materials[i].relief = None);
         without(&|scene| scene.materials[i + 1].reflection = None);
     }
