@@ -130,6 +130,19 @@ pub(super) fn environments(size: u32) -> Result<DemoPicture, LabError> {
         5.2,
         1.5,
     ));
+    let torn = |picture: &Picture| f64::from(seams(&scene(small.clone(), 1.0), &seamless, picture));
+    claims.push(Claim::new(
+        "neighbouring pixels that mirror two faces and are more than 48 / 255 apart, clamped",
+        torn(&clamped),
+        f64::from(size),
+        0.3 * f64::from(size),
+    ));
+    claims.push(Claim::new(
+        "the same where texels past the edge continue the neighbour",
+        torn(&seamless.picture),
+        0.0,
+        0.0,
+    ));
     panels.push(Panel {
         picture: clamped,
         title: "8 x 8 cube, clamped (wrong)".into(),
@@ -179,6 +192,27 @@ fn worst_angle(room: &RayScene, part: f64) -> f64 {
         }
     }
     worst
+}
+
+/// Pairs of neighbouring pixels in a row that mirror two faces of the cube and differ; not at the rim, where a pixel mirrors much.
+fn seams(scene: &Scene, shot: &Lit, picture: &Picture) -> u32 {
+    let face = |p: DVec3| {
+        let (n, view) = (p.normalize(), (scene.camera.eye - p).normalize());
+        let d = texmap_math::reflection::reflect(view, n);
+        (p.is_finite() && n.dot(view) > 0.7).then(|| Chart::Cube.locate(d).0)
+    };
+    let width = picture.width() as usize;
+    let code = |i: usize| [0, 1, 2].map(|k| picture.rgba()[4 * i + k]);
+    let mut count = 0;
+    for i in (0..shot.position.len()).filter(|i| (i + 1) % width != 0) {
+        let faces = (face(shot.position[i]), face(shot.position[i + 1]));
+        if let (Some(a), Some(b)) = faces {
+            let (here, next) = (code(i), code(i + 1));
+            let apart = (0..3).any(|k| here[k].abs_diff(next[k]) > 48);
+            count += u32::from(a != b && apart);
+        }
+    }
+    count
 }
 
 /// The mirror with each face of its cube clamped.
