@@ -47,7 +47,7 @@ fn unit_of_any(a: [f32; 3]) -> [f32; 3] {
     [a[0] / length, a[1] / length, a[2] / length]
 }
 
-/// [`unit`] for sixteen.
+/// [`unit()`] for sixteen.
 #[inline(always)]
 pub fn unit_lanes<S: Simd>(s: S, a: V3<S>) -> V3<S> {
     let square = dot_lanes(a, a);
