@@ -61,6 +61,7 @@ mod lit;
 mod lit_lanes;
 mod plan;
 pub mod planner;
+mod ready;
 mod refine;
 mod render;
 mod rows;

@@ -10,7 +10,8 @@ use texmap_sample::{Filter, Origin};
 
 use crate::backdrop::{SkyStage, behind};
 use crate::coordinates::{CameraFrame, Coordinates, Rays};
-use crate::lit::{Ready, SurfaceEffects, reads_uv};
+use crate::lit::{SurfaceEffects, reads_uv};
+use crate::ready::Ready;
 use crate::solid::SolidStage;
 use crate::texel::TexelStage;
 use crate::textures::{Chains, Slot};

@@ -9,8 +9,8 @@ use rayon::prelude::*;
 use texmap_raster::{Draw, Prepared, SAMPLES_4, TILE, TargetSize};
 
 use crate::block::{Block, Job, Scratch};
-use crate::lit::Ready;
 use crate::plan::Plan;
+use crate::ready::Ready;
 use crate::rows::{AovRows, split};
 use crate::textures::Chains;
 use crate::{Aov, AovData, Frame, HOLE_BITS, RenderError, Scene, Settings, Stats};

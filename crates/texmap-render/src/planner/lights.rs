@@ -4,7 +4,7 @@ use texmap_light::{Light, ShadowBias};
 use texmap_math::glam::DVec3;
 
 use crate::effects::Shadow;
-use crate::lit::{fitting_size, texel_in_pixels};
+use crate::ready::{fitting_size, texel_in_pixels};
 use crate::shadow::{shadow_bias, shadow_kind};
 use crate::vertices::wide;
 use crate::{Mesh, RenderError, Scene, Shading};

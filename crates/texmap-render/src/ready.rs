@@ -1,0 +1,194 @@
+//! The effects of a scene, made ready before the first tile: shadow maps, slides, environments.
+
+use texmap_light::{Environment, Light, ShadowKind, ShadowReader, Slide, SlideView};
+use texmap_math::Projector;
+use texmap_math::camera::Camera;
+use texmap_math::glam::{DMat3, DMat4, DVec3};
+
+use crate::effects::{SlideProjector, SlideRole};
+use crate::lit::Sample;
+use crate::shadow::{shadow_bias, shadow_kind, shadow_map};
+use crate::textures::reads_derivatives;
+use crate::vertices::{narrow, wide};
+use crate::{RenderError, Scene, Settings};
+
+/// The effects of a scene, made ready: every map is finished before the first tile.
+#[derive(Debug)]
+pub(crate) struct Ready<'s> {
+    /// The scene's lights, then a lamp for each projector of light.
+    pub(crate) lights: Vec<Light>,
+    /// Per light.
+    pub(crate) shadows: Vec<Vec<ShadowReader>>,
+    /// Slides of the lamps, from light `lights.len() - lamps.len()` on.
+    pub(crate) lamps: Vec<Thrown<'s>>,
+    pub(crate) paints: Vec<Thrown<'s>>,
+    pub(crate) environments: &'s [Environment],
+}
+
+/// A slide, and the map that keeps it from shining through things.
+#[derive(Debug)]
+pub(crate) struct Thrown<'s> {
+    slide: &'s SlideProjector,
+    pub(crate) view: SlideView<'s>,
+    pub(crate) shade: Option<ShadowReader>,
+}
+
+impl Thrown<'_> {
+    /// Whether the filter asks how large a pixel is.
+    pub(crate) fn reads_derivatives(&self) -> bool {
+        reads_derivatives(self.view.sampler.filter)
+    }
+
+    fn texel(&self, at: &Sample<'_>) -> [f32; 4] {
+        self.view
+            .light(at.position, [at.position_dx, at.position_dy])
+    }
+}
+
+impl<'s> Ready<'s> {
+    /// Draws all maps. `None` for a scene without effects whose materials ask for none either.
+    pub(crate) fn new(scene: &'s Scene, settings: &Settings) -> Result<Self, RenderError> {
+        let mut lights = scene.lights.clone();
+        let mut shadows: Vec<Vec<ShadowReader>> = scene.lights.iter().map(|_| Vec::new()).collect();
+        let threads = settings.threads.unwrap_or(usize::MAX);
+        for shadow in &scene.effects.shadows {
+            let kind = shadow_kind(scene, shadow.light, shadow.area)?;
+            let size = shadow
+                .size
+                .unwrap_or_else(|| fitting_size(scene, &kind, settings.width));
+            let map = shadow_map(scene, &kind, size, threads)?;
+            let bias = shadow.bias.unwrap_or_else(|| shadow_bias(scene));
+            shadows[shadow.light].push(ShadowReader::new(map, bias, shadow.taps));
+        }
+        let (mut lamps, mut paints) = (Vec::new(), Vec::new());
+        for slide in &scene.effects.projectors {
+            let shade = match slide.shadow {
+                None => None,
+                Some(size) => {
+                    let map = shadow_map(scene, &slide_kind(slide), size, threads)?;
+                    Some(ShadowReader::new(map, shadow_bias(scene), 3))
+                }
+            };
+            let view = SlideView::new(&Slide {
+                projector: slide.projector,
+                texture: &scene.textures[slide.texture],
+                sampler: &slide.sampler,
+                border: slide.border,
+                softness: slide.softness,
+            });
+            let thrown = Thrown { slide, view, shade };
+            match slide.role {
+                SlideRole::Paint => paints.push(thrown),
+                SlideRole::Light(color) => {
+                    lights.push(Light::Point {
+                        color,
+                        position: slide.position.to_array().map(|c| c as f32),
+                    });
+                    shadows.push(Vec::new());
+                    lamps.push(thrown);
+                }
+            }
+        }
+        Ok(Self {
+            lights,
+            shadows,
+            lamps,
+            paints,
+            environments: &scene.effects.environments,
+        })
+    }
+
+    /// Whether surfaces without effects of their own must know of these.
+    pub(crate) fn is_plain(&self) -> bool {
+        self.lamps.is_empty() && self.paints.is_empty() && self.shadows.iter().all(Vec::is_empty)
+    }
+
+    /// Share of each light of the scene that its shadows leave at a sample, for the `shadow` AOV.
+    pub(crate) fn shadow(&self, light: usize, point: [f32; 3], plane: DVec3) -> Option<f32> {
+        let shades = self.shadows.get(light).filter(|s| !s.is_empty())?;
+        Some(shades.iter().map(|s| s.lit(point, narrow(plane))).product())
+    }
+
+    /// What reaches a sample of light `index`.
+    pub(crate) fn received(&self, index: usize, at: &Sample<'_>) -> [f32; 3] {
+        let mut share = 1.0;
+        for shade in &self.shadows[index] {
+            share *= shade.lit(at.position, narrow(at.plane));
+        }
+        let first_lamp = self.lights.len() - self.lamps.len();
+        match index.checked_sub(first_lamp).map(|i| &self.lamps[i]) {
+            None => [share; 3],
+            Some(lamp) => {
+                let [r, g, b, _] = lamp.texel(at);
+                let share = match &lamp.shade {
+                    Some(shade) if r > 0.0 || g > 0.0 || b > 0.0 => {
+                        share * shade.lit(at.position, narrow(at.plane))
+                    }
+                    _ => share,
+                };
+                [r, g, b].map(|c| c * share)
+            }
+        }
+    }
+
+    /// Paint of all projectors at a sample, premultiplied, the later over the earlier.
+    pub(crate) fn paint(&self, at: &Sample<'_>) -> [f32; 4] {
+        let mut sum = [0.0; 4];
+        for thrown in &self.paints {
+            let toward = thrown.slide.position - wide(at.position);
+            if at.plane.dot(toward) <= 0.0 {
+                continue;
+            }
+            let texel = thrown.texel(at);
+            if texel[3] <= 0.0 {
+                continue;
+            }
+            let share = thrown
+                .shade
+                .as_ref()
+                .map_or(1.0, |shade| shade.lit(at.position, narrow(at.plane)));
+            let keep = 1.0 - texel[3] * share;
+            sum = [0, 1, 2, 3].map(|i| texel[i] * share + keep * sum[i]);
+        }
+        sum
+    }
+}
+
+/// The pyramid of a projector as a spot light's map: square, as wide as the wider side of the picture.
+fn slide_kind(slide: &SlideProjector) -> ShadowKind {
+    let Projector { q, s, t } = slide.projector;
+    // q - t/2 and s - t/2 are the right and down axes times the focal lengths.
+    let forward = t.truncate();
+    let (right, down) = (q.truncate() - forward * 0.5, s.truncate() - forward * 0.5);
+    let tan_half = 0.5 / right.length().min(down.length());
+    let (x, y) = (right.normalize(), -down.normalize());
+    let rotation = DMat3::from_cols(x, y, -forward).transpose();
+    ShadowKind::Spot {
+        light_from_world: DMat4::from_mat3(rotation) * DMat4::from_translation(-slide.position),
+        tan_half,
+    }
+}
+
+/// Texels a side for about one texel a pixel, where the scene's middle is.
+pub(crate) fn fitting_size(scene: &Scene, kind: &ShadowKind, width: u32) -> u32 {
+    let texels = texel_in_pixels(scene, kind, width).clamp(256.0, 4096.0);
+    (texels / 64.0).ceil() as u32 * 64
+}
+
+/// Pixels that the one texel of a map of size 1 would be wide, where the scene's middle is.
+pub(crate) fn texel_in_pixels(scene: &Scene, kind: &ShadowKind, width: u32) -> f64 {
+    let Camera { eye, fov_x, .. } = scene.camera;
+    let (centre, half) = crate::shadow::around(scene);
+    // The nearer half of the scene is what is looked at.
+    let way = |from: DVec3| (from - centre).length().max(0.5 * half);
+    let pixel = 2.0 * texmap_math::det::tan(0.5 * fov_x) * way(eye) / f64::from(width);
+    let side = match kind {
+        ShadowKind::Directional { half, .. } => 2.0 * half,
+        ShadowKind::Spot {
+            light_from_world,
+            tan_half,
+        } => 2.0 * tan_half * way(light_from_world.inverse().transform_point3(DVec3::ZERO)),
+        ShadowKind::Point { position } => 2.0 * way(*position),
+    };
+    side / pixel
+}
