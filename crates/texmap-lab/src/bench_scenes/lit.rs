@@ -21,7 +21,7 @@ use super::{
 /// What light and projector look at.
 const MIDDLE: [f64; 3] = [0.0, 0.5, 0.0];
 /// Half a side of what the shadow map shows where the light looks: 15 degrees to each side.
-pub const LIGHT_AREA: f64 = 1.862_219_6;
+pub const LIGHT_AREA: f64 = 1.861_234_573_9;
 /// What the peers take from a depth of 0 to 1 before they compare.
 pub const SHADOW_BIAS: f32 = 0.002;
 
