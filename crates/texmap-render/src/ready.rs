@@ -8,7 +8,6 @@ use texmap_math::glam::{DMat3, DMat4, DVec3};
 use crate::effects::{SlideProjector, SlideRole};
 use crate::lit::Sample;
 use crate::shadow::{shadow_bias, shadow_kind, shadow_map};
-use crate::textures::reads_derivatives;
 use crate::vertices::{narrow, wide};
 use crate::{RenderError, Scene, Settings};
 
@@ -36,7 +35,7 @@ pub(crate) struct Thrown<'s> {
 impl Thrown<'_> {
     /// Whether the filter asks how large a pixel is.
     pub(crate) fn reads_derivatives(&self) -> bool {
-        reads_derivatives(self.view.sampler.filter)
+        self.view.sampler.filter.reads_derivatives()
     }
 
     fn texel(&self, at: &Sample<'_>) -> [f32; 4] {

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use texmap_math::Footprint;
 use texmap_raster::RunValues;
-use texmap_sample::{Filter, Mip, Origin, Sampler, Texture2d, UvTransform, Wrap};
+use texmap_sample::{Origin, Sampler, Texture2d, UvTransform, Wrap};
 
 use crate::{Backdrop, Scene, Settings, TextureSlot};
 
@@ -24,7 +24,7 @@ impl Chains {
             let texture = &scene.textures[slot.texture];
             let filter = settings.filter.unwrap_or(slot.sampler.filter);
             let chain = &mut chains[slot.texture];
-            if reads_mips(filter) && texture.levels() == 1 && chain.is_none() {
+            if filter.reads_mips() && texture.levels() == 1 && chain.is_none() {
                 *chain = Some(texture.clone().with_mips());
             }
         }
@@ -36,21 +36,6 @@ impl Chains {
         let own = &scene.textures[slot.texture];
         self.0[slot.texture].as_ref().unwrap_or(own).clone()
     }
-}
-
-fn reads_mips(filter: Filter) -> bool {
-    !matches!(
-        filter,
-        Filter::Nearest | Filter::Bilinear | Filter::Bicubic(_) | Filter::Gl { mip: Mip::None, .. }
-    )
-}
-
-/// Whether a filter asks how large a pixel is.
-pub(crate) fn reads_derivatives(filter: Filter) -> bool {
-    !matches!(
-        filter,
-        Filter::Nearest | Filter::Bilinear | Filter::Bicubic(_)
-    )
 }
 
 /// A texture as one mesh reads it.
@@ -106,7 +91,7 @@ impl Slot<'_> {
 
     /// Whether the filter asks how large a pixel is.
     pub(crate) fn reads_derivatives(&self) -> bool {
-        reads_derivatives(self.sampler.filter)
+        self.sampler.filter.reads_derivatives()
     }
 
     /// The texel at coordinates of the mesh: linear, premultiplied.

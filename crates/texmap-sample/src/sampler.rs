@@ -67,6 +67,20 @@ pub enum Filter {
     },
 }
 
+impl Filter {
+    /// Whether look-ups ask how large a pixel is, so that they need a footprint.
+    #[must_use]
+    pub fn reads_derivatives(self) -> bool {
+        !matches!(self, Self::Nearest | Self::Bilinear | Self::Bicubic(_))
+    }
+
+    /// Whether look-ups leave level 0, so that the texture needs a mip chain.
+    #[must_use]
+    pub fn reads_mips(self) -> bool {
+        self.reads_derivatives() && !matches!(self, Self::Gl { mip: Mip::None, .. })
+    }
+}
+
 /// How finely weights are computed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Precision {

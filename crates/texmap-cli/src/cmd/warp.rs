@@ -138,11 +138,7 @@ pub(crate) fn run(args: &WarpArgs) -> Result<Exit, Failure> {
         .size
         .map_or((texture.width(), texture.height()), |r| (r.width, r.height));
     let map = output_from_source(args, &texture, width, height)?;
-    let needs_mips = !matches!(
-        args.filter,
-        Filter::Nearest | Filter::Bilinear | Filter::Bicubic(_)
-    );
-    let texture = if needs_mips {
+    let texture = if args.filter.reads_mips() {
         texture.with_mips()
     } else {
         texture

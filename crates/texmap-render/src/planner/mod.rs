@@ -14,7 +14,7 @@ mod visible;
 use texmap_math::affine_error;
 use texmap_math::glam::{DMat4, DVec2, DVec3, DVec4};
 use texmap_raster::Interp;
-use texmap_sample::{Filter, Mip, Precision, Sampler, Texture2d};
+use texmap_sample::{Filter, Precision, Sampler, Texture2d};
 
 use crate::{AlphaMode, ColorMode, Mesh, RenderError, Scene, Shading, TextureRole, TextureSlot};
 
@@ -392,7 +392,7 @@ impl View<'_> {
         } else {
             "no filter fits: the most accurate".to_owned()
         };
-        if !reads_mips(price.filter) {
+        if !price.filter.reads_mips() {
             choice.left_out.push("mip chain");
         }
     }
@@ -438,13 +438,6 @@ fn constant(texture: &Texture2d<'_>) -> Option<[f32; 4]> {
     let all = (0..texture.height()).flat_map(|y| (0..texture.width()).map(move |x| (x, y)));
     let same = |(x, y)| texture.texel(0, x, y) == Some(first);
     all.into_iter().all(same).then_some(first)
-}
-
-fn reads_mips(filter: Filter) -> bool {
-    !matches!(
-        filter,
-        Filter::Nearest | Filter::Bilinear | Filter::Bicubic(_) | Filter::Gl { mip: Mip::None, .. }
-    )
 }
 
 #[cfg(test)]
