@@ -2,10 +2,10 @@
 
 use texmap_light::bump_on;
 use texmap_math::det32;
-use texmap_math::glam::DVec4;
+use texmap_math::glam::{DMat4, DVec4};
 use texmap_sample::gradient_noise;
 
-use crate::effects::{Carving, Relief};
+use crate::effects::Carving;
 use crate::lit::Sample;
 
 /// A formula of heights, as the stages read it.
@@ -21,28 +21,20 @@ pub(crate) struct Carved {
 }
 
 impl Carved {
-    /// `None` for reliefs of textures. `unit` is one of the object's in the world.
-    pub(crate) fn new(relief: &Relief, unit: f64) -> Option<Self> {
-        let Relief::Carved {
-            heights,
-            world_from_solid,
-            height,
-        } = relief
-        else {
-            return None;
-        };
+    /// `height` in world units.
+    pub(crate) fn new(heights: Carving, world_from_solid: DMat4, height: f32) -> Self {
         let inverse = world_from_solid.inverse();
         let m = inverse.transpose();
         let row = |r: DVec4| r.to_array().map(|c| c as f32);
         let sides = [0, 1, 2].map(|k| world_from_solid.col(k).truncate().length());
         let side = sides.into_iter().fold(f64::INFINITY, f64::min);
-        Some(Self {
-            heights: *heights,
-            height: (f64::from(*height) * unit) as f32,
+        Self {
+            heights,
+            height,
             rows: [row(m.x_axis), row(m.y_axis), row(m.z_axis)],
             // Fine beside every feature of the patterns, coarse beside the rounding of a value.
             step: (side / 512.0) as f32,
-        })
+        }
     }
 
     /// The unit normal `n` turned by the slope of the heights along the surface (Perlin 1985), which is measured over half a pixel or

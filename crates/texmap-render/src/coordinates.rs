@@ -20,18 +20,7 @@ impl Coordinates {
     pub(crate) fn at(&self, fragment: &Fragment) -> Option<([f32; 2], Footprint)> {
         match self {
             Self::None => None,
-            Self::Vertices => {
-                let Fragment {
-                    values, ddx, ddy, ..
-                } = fragment;
-                let d = Footprint {
-                    du_dx: ddx[0],
-                    dv_dx: ddx[1],
-                    du_dy: ddy[0],
-                    dv_dy: ddy[1],
-                };
-                Some(([values[0], values[1]], d))
-            }
+            Self::Vertices => Some(attributes(fragment, 0)),
             Self::Frame(frame) => frame.uv(fragment.pixel[0], fragment.pixel[1]),
             Self::Round(map, first) => {
                 let three = |of: &[f32]| [of[*first], of[first + 1], of[first + 2]];
@@ -42,6 +31,20 @@ impl Coordinates {
             }
         }
     }
+}
+
+/// Coordinates among the attributes of a fragment, from this one on, and their footprint.
+pub(crate) fn attributes(fragment: &Fragment, first: usize) -> ([f32; 2], Footprint) {
+    let Fragment {
+        values, ddx, ddy, ..
+    } = fragment;
+    let d = Footprint {
+        du_dx: ddx[first],
+        dv_dx: ddx[first + 1],
+        du_dy: ddy[first],
+        dv_dy: ddy[first + 1],
+    };
+    ([values[first], values[first + 1]], d)
 }
 
 /// A texture frame in camera space and the rays of a grid of samples.

@@ -63,6 +63,7 @@ mod plan;
 pub mod planner;
 mod ready;
 mod refine;
+mod relief;
 mod render;
 mod rows;
 mod scene;

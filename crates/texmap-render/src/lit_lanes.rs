@@ -16,7 +16,9 @@ use crate::dispatch::on_level;
 use crate::lit::SurfaceEffects;
 use crate::plan::{LightStage, Plan, Surface};
 use crate::ready::{Ready, Thrown};
+use crate::relief::{ReliefStage, Space};
 use crate::shade::{Facing, Run};
+use crate::texel::places;
 use crate::textures::Slot;
 use crate::tile::ATTRIBUTES;
 use crate::vertices::narrow;
@@ -151,10 +153,13 @@ impl<'a> LitLanes<'a> {
         if effects.has_maps() || !ready.paints.is_empty() {
             return None;
         }
-        self.relief = effects.relief_lanes()?;
-        if self.relief.as_ref().is_some_and(|(_, slot, _)| !fits(slot)) {
-            return None;
-        }
+        self.relief = match effects.relief_stage() {
+            None => None,
+            Some(ReliefStage::NormalMap(slot, map, Space::Tangent(first))) if fits(slot) => {
+                Some((*map, slot, *first))
+            }
+            Some(_) => return None,
+        };
         if let Some((environment, reflectivity)) = effects.reflection() {
             let view = MirrorView::new(&ready.environments[environment])?;
             self.mirror = Some((view, reflectivity));
@@ -484,19 +489,7 @@ impl Columns<'_> {
 
 /// The places of a run in a texture, and its texels there.
 fn look_up(level: Level, slot: &Slot<'_>, near: &RunValues, count: usize, out: &mut Texels) {
-    let [u, v] = [&near.columns[0], &near.columns[1]];
-    let places = Places {
-        u: &u.value[..count],
-        v: &v.value[..count],
-        gradients: slot.reads_derivatives().then(|| {
-            [
-                &u.ddx[..count],
-                &v.ddx[..count],
-                &u.ddy[..count],
-                &v.ddy[..count],
-            ]
-        }),
-    };
+    let places = places(slot, near, count);
     let columns = out.0.0.each_mut().map(|c| &mut c[..count]);
     sample_columns(level, &slot.sampler, &slot.texture, &places, columns)
         .expect("the columns have one length");

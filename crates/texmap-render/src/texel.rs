@@ -183,7 +183,7 @@ impl TexelStage {
 }
 
 /// Attributes 0 and 1 as places to sample, with the derivatives that the filter reads.
-fn places<'a>(slot: &Slot<'_>, values: &'a RunValues, count: usize) -> Places<'a> {
+pub(crate) fn places<'a>(slot: &Slot<'_>, values: &'a RunValues, count: usize) -> Places<'a> {
     let [u, v] = [&values.columns[0], &values.columns[1]];
     Places {
         u: &u.value[..count],

@@ -6,7 +6,7 @@ use texmap_light::{Surface, Terms, reflect, terms};
 use texmap_math::glam::{DMat3, DMat4, DVec3};
 use texmap_raster::Cull;
 
-use crate::lit::corner_tangents;
+use crate::relief::corner_tangents;
 use crate::{Mesh, Scene};
 
 /// A group of attributes.
