@@ -304,27 +304,24 @@ impl Environment {
     fn patches(&self) -> Vec<Patch> {
         const SIDE: u32 = 8;
         let size @ (width, height) = self.size();
+        let texel = |face: usize, x: u32, y: u32| {
+            let centre = |c: u32, n: u32| (f64::from(c) + 0.5) / f64::from(n);
+            let uv = DVec2::new(centre(x, width), centre(y, height));
+            let at = self.levels[0].index(face, x as usize + 1, y as usize + 1);
+            (
+                self.chart.direction(face, uv),
+                DVec3::from(self.texels[at].map(f64::from)),
+                self.chart.solid_angle(face, (x, y), size),
+            )
+        };
         let mut patches = Vec::new();
         for face in 0..self.chart.faces() {
             for y0 in (0..height).step_by(SIDE as usize) {
                 for x0 in (0..width).step_by(SIDE as usize) {
-                    let mut texels = Vec::new();
-                    for y in y0..height.min(y0 + SIDE) {
-                        for x in x0..width.min(x0 + SIDE) {
-                            let uv = DVec2::new(
-                                (f64::from(x) + 0.5) / f64::from(width),
-                                (f64::from(y) + 0.5) / f64::from(height),
-                            );
-                            let light = self.texels
-                                [self.levels[0].index(face, x as usize + 1, y as usize + 1)];
-                            texels.push((
-                                self.chart.direction(face, uv),
-                                DVec3::from(light.map(f64::from)),
-                                self.chart.solid_angle(face, (x, y), size),
-                            ));
-                        }
-                    }
-                    patches.push(Patch::new(texels));
+                    let columns = x0..width.min(x0 + SIDE);
+                    let rows = y0..height.min(y0 + SIDE);
+                    let places = rows.flat_map(|y| columns.clone().map(move |x| (x, y)));
+                    patches.push(Patch::new(places.map(|(x, y)| texel(face, x, y)).collect()));
                 }
             }
         }

@@ -36,7 +36,31 @@ pub enum SlideBorder {
     Repeat,
 }
 
+impl SlideBorder {
+    /// Factor of the texel at a place in the slide; `None` where the picture does not reach.
+    fn fade(self, softness: f32, uv: [f32; 2]) -> Option<f32> {
+        if self != Self::Black {
+            return Some(1.0);
+        }
+        let inside = uv.iter().all(|c| (0.0..=1.0).contains(c));
+        inside.then(|| fade(softness, uv[0]) * fade(softness, uv[1]))
+    }
+}
+
 impl Slide<'_> {
+    /// Its sampler with the wrap modes that its border asks for.
+    fn bordered(&self) -> Sampler {
+        let wrap = match self.border {
+            SlideBorder::Repeat => Wrap::Repeat,
+            SlideBorder::Black | SlideBorder::Clamp => Wrap::ClampToEdge,
+        };
+        Sampler {
+            wrap_u: wrap,
+            wrap_v: wrap,
+            ..self.sampler.clone()
+        }
+    }
+
     /// Premultiplied texel of the slide at homogeneous slide coordinates `(q, s, t)`: multiply a light's colour with it, or
     /// compose it over a surface. Zero where `t <= 0` (nothing behind a projector is lit), where a coordinate is not finite,
     /// and beyond the picture under [`SlideBorder::Black`]. Source: MIT 6.837, lecture 18, slides 21-26; the tests of t and
@@ -50,22 +74,10 @@ impl Slide<'_> {
             return [0.0; 4];
         };
         let uv = [place.x as f32, place.y as f32];
-        let inside = uv.iter().all(|c| (0.0..=1.0).contains(c));
-        let fade = match self.border {
-            SlideBorder::Black if !inside => return [0.0; 4],
-            SlideBorder::Black => fade(self.softness, uv[0]) * fade(self.softness, uv[1]),
-            _ => 1.0,
+        let Some(fade) = self.border.fade(self.softness, uv) else {
+            return [0.0; 4];
         };
-        let wrap = if self.border == SlideBorder::Repeat {
-            Wrap::Repeat
-        } else {
-            Wrap::ClampToEdge
-        };
-        let sampler = Sampler {
-            wrap_u: wrap,
-            wrap_v: wrap,
-            ..self.sampler.clone()
-        };
+        let sampler = self.bordered();
         let footprint = step.map(|step| {
             let along = |d: DVec3| {
                 [
@@ -139,20 +151,11 @@ impl<'a> SlideView<'a> {
     /// Prepares a slide.
     #[must_use]
     pub fn new(slide: &Slide<'a>) -> Self {
-        let wrap = if slide.border == SlideBorder::Repeat {
-            Wrap::Repeat
-        } else {
-            Wrap::ClampToEdge
-        };
         let row = |row: DVec4| row.to_array().map(|c| c as f32);
         Self {
             rows: slide.projector.rows().map(row),
             texture: slide.texture,
-            sampler: Sampler {
-                wrap_u: wrap,
-                wrap_v: wrap,
-                ..slide.sampler.clone()
-            },
+            sampler: slide.bordered(),
             border: slide.border,
             softness: slide.softness,
         }
@@ -196,12 +199,7 @@ impl<'a> SlideView<'a> {
         if !(t > 0.0 && finite) {
             return None;
         }
-        let fade = match self.border {
-            SlideBorder::Black if !uv.iter().all(|c| (0.0..=1.0).contains(c)) => return None,
-            SlideBorder::Black => fade(self.softness, uv[0]) * fade(self.softness, uv[1]),
-            _ => 1.0,
-        };
-        Some((uv, fade))
+        Some((uv, self.border.fade(self.softness, uv)?))
     }
 
     /// [`place`](Self::place) for sixteen. The texels there are for the caller to look up: level 0, as footprints have no lanes yet.
