@@ -69,12 +69,7 @@ fn busy() -> Scene {
         textures: vec![checker, leaf],
         materials: vec![floor, leaves, glass, clay],
         meshes: vec![
-            quad([
-                [-9.0, -1.0, 1.0],
-                [9.0, -1.0, 1.0],
-                [9.0, -1.0, -40.0],
-                [-9.0, -1.0, -40.0],
-            ]),
+            ground(),
             Mesh {
                 material: 1,
                 ..wall(0.6, 1.7)
@@ -104,6 +99,15 @@ fn busy() -> Scene {
         ],
         ..empty()
     }
+}
+
+fn ground() -> Mesh {
+    quad([
+        [-9.0, -1.0, 1.0],
+        [9.0, -1.0, 1.0],
+        [9.0, -1.0, -40.0],
+        [-9.0, -1.0, -40.0],
+    ])
 }
 
 fn ball(n: u32) -> Mesh {
@@ -310,12 +314,7 @@ fn lit() -> Scene {
         textures: vec![bumps, checker],
         materials: vec![floor, metal, mirror],
         meshes: vec![
-            quad([
-                [-9.0, -1.0, 1.0],
-                [9.0, -1.0, 1.0],
-                [9.0, -1.0, -40.0],
-                [-9.0, -1.0, -40.0],
-            ]),
+            ground(),
             Mesh {
                 material: 1,
                 ..ball(24)

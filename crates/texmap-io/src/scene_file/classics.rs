@@ -319,6 +319,7 @@ pub(super) fn print(out: &mut String, classic: &Classic) {
 
 #[cfg(test)]
 mod tests {
+    use super::super::parse::assert_faults;
     use super::super::{Command, parse, print};
     use std::path::Path;
 
@@ -359,7 +360,7 @@ mod tests {
 
     #[test]
     fn faults_have_their_columns() {
-        for (text, code, column) in [
+        assert_faults(&[
             ("solid", "argument-count", 1),
             ("solid marble 0 0 0 1 1", "argument-count", 1),
             ("solid marble 0 0 0 1 0 1", "out-of-range", 22),
@@ -382,14 +383,6 @@ mod tests {
             ("volume a.npy 0 0 0 1 1 1 -1", "out-of-range", 26),
             ("volume a.npy 0 0 0 1 1 1 1 step 0", "out-of-range", 33),
             ("volume a.npy 0 0 0 1 1 1 1 every 1", "unknown-word", 28),
-        ] {
-            let error = parse(Path::new("a.scene"), text).unwrap_err();
-            let place = error.place().unwrap();
-            assert_eq!(
-                (error.code(), place.column),
-                (code, column),
-                "{text}: {error}"
-            );
-        }
+        ]);
     }
 }

@@ -451,6 +451,7 @@ fn named(out: &mut String, name: &str, x: f64) {
 
 #[cfg(test)]
 mod tests {
+    use super::super::parse::assert_faults;
     use super::super::{Command, SceneFile, parse, print};
     use std::path::Path;
 
@@ -495,7 +496,7 @@ mod tests {
 
     #[test]
     fn faults_have_their_columns() {
-        for (text, code, column) in [
+        assert_faults(&[
             ("ls 1 1 1 0 0 0 0 0 0 10 20", "out-of-range", 16),
             ("ls 1 1 1 0 0 0 0 1 0 30 20", "out-of-range", 25),
             ("ls 1 1 1", "argument-count", 1),
@@ -529,14 +530,6 @@ mod tests {
             ("bump a.png", "argument-count", 1),
             ("normalmap a.png left", "unknown-word", 17),
             ("highlight shiny", "unknown-word", 11),
-        ] {
-            let error = read(text).unwrap_err();
-            let place = error.place().unwrap();
-            assert_eq!(
-                (error.code(), place.column),
-                (code, column),
-                "{text}: {error}"
-            );
-        }
+        ]);
     }
 }

@@ -504,6 +504,20 @@ impl Command {
     }
 }
 
+/// Each line of text is refused, by this code at this column.
+#[cfg(test)]
+pub(super) fn assert_faults(cases: &[(&str, &str, u32)]) {
+    for (text, code, column) in cases {
+        let error = parse(Path::new("a.scene"), text).unwrap_err();
+        let place = error.place().unwrap();
+        assert_eq!(
+            (error.code(), place.column),
+            (*code, *column),
+            "{text}: {error}"
+        );
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -195,6 +195,7 @@ pub(super) fn print(out: &mut String, line: &ReliefLine) {
 
 #[cfg(test)]
 mod tests {
+    use super::super::parse::assert_faults;
     use super::super::{Command, Effect, parse, print};
     use std::path::Path;
 
@@ -227,7 +228,7 @@ mod tests {
 
     #[test]
     fn faults_have_their_columns() {
-        for (text, code, column) in [
+        assert_faults(&[
             ("offsetmap a.png", "argument-count", 1),
             ("offsetmap a.png 1 left", "unknown-word", 19),
             ("carve dots 1 0 0 0 1 1 1", "unknown-word", 7),
@@ -238,14 +239,6 @@ mod tests {
             ("carve noise 1 0 0 0 1 1 1 bend 2", "unknown-word", 27),
             ("emboss \" \" 1", "out-of-range", 8),
             ("emboss A", "argument-count", 1),
-        ] {
-            let error = parse(Path::new("a.scene"), text).unwrap_err();
-            let place = error.place().unwrap();
-            assert_eq!(
-                (error.code(), place.column),
-                (code, column),
-                "{text}: {error}"
-            );
-        }
+        ]);
     }
 }

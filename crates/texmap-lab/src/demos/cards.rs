@@ -315,11 +315,6 @@ pub(super) fn terrain(size: u32) -> Result<DemoPicture, LabError> {
             0.01,
         ),
     ];
-    let panel = |picture: Picture, title: &str, caption: String| Panel {
-        picture,
-        title: title.into(),
-        caption,
-    };
     let triangles =
         |step| -> Result<usize, LabError> { Ok(landscape(step, false)?.meshes[0].triangles.len()) };
     let map: Vec<u8> = (0..size * size)
@@ -332,12 +327,12 @@ pub(super) fn terrain(size: u32) -> Result<DemoPicture, LabError> {
     let map =
         Picture::from_rgba(size, size, map).unwrap_or_else(|| Picture::new(size, size, [0; 4]));
     let panels = vec![
-        panel(
+        Panel::new(
             map,
             "Heights",
             format!("A picture of {POSTS} x {POSTS} heights."),
         ),
-        panel(
+        Panel::new(
             stage::photograph(&landscape(1, true)?, size)?,
             "Terrain",
             format!(
@@ -345,7 +340,7 @@ pub(super) fn terrain(size: u32) -> Result<DemoPicture, LabError> {
                 triangles(1)?
             ),
         ),
-        panel(
+        Panel::new(
             stage::photograph(&landscape(8, false)?, size)?,
             "Every 8th texel",
             format!(

@@ -52,7 +52,7 @@ pub(super) fn offset_map(
     let shot = Lit::take(&scene, size)?;
     let count = wrong(&shot);
     Ok(Shown {
-        panel: panel(
+        panel: Panel::new(
             shot.picture,
             "Offset map",
             "Its two slopes a texel, as Blinn's other form stores them.",
@@ -117,7 +117,7 @@ pub(super) fn pot(size: u32) -> Result<Shown, LabError> {
     }
     let share = |n: u32| 100.0 * f64::from(n) / f64::from(seen.max(1));
     Ok(Shown {
-        panel: panel(
+        panel: Panel::new(
             waved.picture,
             "Carved waves",
             "A formula in cylindrical space: no map, no seam.",
@@ -205,7 +205,7 @@ pub(super) fn words(mut scene: Scene, size: u32) -> Result<Shown, LabError> {
     }
     let share = |part: u32, of: u32| 100.0 * f64::from(part) / f64::from(of.max(1));
     Ok(Shown {
-        panel: panel(shot.picture, "Engraved words", "Letters as a height field."),
+        panel: Panel::new(shot.picture, "Engraved words", "Letters as a height field."),
         claims: vec![
             Claim::new(
                 "pixels that words change beyond their letters, %",
@@ -247,12 +247,4 @@ fn pipe(radius: f64, height: f64, material: usize) -> Mesh {
             .extend([[a, a + 1, a + 3], [a, a + 3, a + 2]]);
     }
     mesh
-}
-
-fn panel(picture: Picture, title: &str, caption: &str) -> Panel {
-    Panel {
-        picture,
-        title: title.into(),
-        caption: caption.into(),
-    }
 }

@@ -14,14 +14,6 @@ use super::{Claim, DemoPicture, Panel, stage};
 use crate::LabError;
 use crate::picture::Picture;
 
-fn panel(picture: Picture, title: &str, caption: &str) -> Panel {
-    Panel {
-        picture,
-        title: title.into(),
-        caption: caption.into(),
-    }
-}
-
 fn slot(texture: usize, filter: Filter, wrap: Wrap) -> TextureSlot {
     TextureSlot {
         texture,
@@ -188,22 +180,22 @@ pub(super) fn skies(size: u32) -> Result<DemoPicture, LabError> {
     let mut stretched_wall = stretched(0.0, Filter::Trilinear, false)?;
     wall(&mut stretched_wall, 1.0)?;
     let panels = vec![
-        panel(
+        Panel::new(
             both(stretched(0.0, Filter::Trilinear, true)?)?,
             "Tile the wall, stretch the sky",
             "Bricks repeat; one picture fills the frame behind them.",
         ),
-        panel(
+        Panel::new(
             both(stretched(0.3, Filter::Trilinear, true)?)?,
             "The eye turns: a backdrop does not",
             "The stretched sky goes with the eye: its sun has not moved.",
         ),
-        panel(
+        Panel::new(
             both(around(0.3, true)?)?,
             "An environment sky",
             "Light by direction: the sun stays where it is in the world.",
         ),
-        panel(
+        Panel::new(
             both(stretched_wall)?,
             "The wall stretched",
             "One picture over the whole wall: bricks as large as doors.",
@@ -387,32 +379,32 @@ pub(super) fn labels(size: u32) -> Result<DemoPicture, LabError> {
         ),
     ];
     let panels = vec![
-        panel(
+        Panel::new(
             crisp,
             "Letters by coverage",
             "A font of 8 x 8 dots: the outline where alpha is a half, one pixel soft.",
         ),
-        panel(
+        Panel::new(
             soft,
             "Filtered alpha",
             "The same look-up blended as it is: blurred by the magnification.",
         ),
-        panel(
+        Panel::new(
             decal,
             "A decal over base",
             "The label's alpha over the bricks, then both under the light.",
         ),
-        panel(
+        Panel::new(
             render(&cel, size, 3)?,
             "A ramp of light",
             "Cel shading: luminance of the light looked up in four texels.",
         ),
-        panel(
+        Panel::new(
             heat.0,
             "A field of numbers",
             "Grey: the first look-up alone.",
         ),
-        panel(
+        Panel::new(
             heat.1,
             "Heat colours",
             "The number looked up along a ramp: a dependent look-up.",

@@ -278,18 +278,13 @@ pub(super) fn displacement(size: u32) -> Result<DemoPicture, LabError> {
         ),
     ];
     let count = |mesh: &Mesh| mesh.triangles.len();
-    let panel = |picture: Picture, title: &str, caption: String| Panel {
-        picture,
-        title: title.into(),
-        caption,
-    };
     let panels = vec![
-        panel(
+        Panel::new(
             bumped.picture,
             "Bump map",
             "Light follows the waves; outline and shadow are a ball's.".into(),
         ),
-        panel(
+        Panel::new(
             coarse.picture,
             "Displaced, 24 pixels",
             format!(
@@ -298,7 +293,7 @@ pub(super) fn displacement(size: u32) -> Result<DemoPicture, LabError> {
                 rough.outline
             ),
         ),
-        panel(
+        Panel::new(
             fine.picture,
             "Displaced, 2 pixels",
             format!(
@@ -306,7 +301,7 @@ pub(super) fn displacement(size: u32) -> Result<DemoPicture, LabError> {
                 count(&fine_ball)
             ),
         ),
-        panel(
+        Panel::new(
             truth.picture,
             "Truth",
             "The waves' own formula by ray tracing in f64.".into(),

@@ -62,28 +62,23 @@ pub(super) fn tjoint(size: u32) -> Result<DemoPicture, LabError> {
         region,
         size / (2 * reach as u32),
     );
-    let panel = |picture, title: &str, caption: &str| Panel {
-        picture,
-        title: title.into(),
-        caption: caption.into(),
-    };
     let panels = vec![
-        panel(
+        Panel::new(
             mesh,
             "The mesh",
             "Left one quad, right two: a vertex of the right lies in the middle of the left's edge.",
         ),
-        panel(
+        Panel::new(
             picture,
             "Screen-linear Gouraud",
             "The colours are one ramp on the floor, yet the left half is wrong: a seam.",
         ),
-        panel(
+        Panel::new(
             zoom,
             "At the joint",
             "The right quads have the true colour here, the left one that of another depth.",
         ),
-        panel(
+        Panel::new(
             stage::photograph(&right, size)?,
             "Perspective Gouraud",
             "Colours premultiplied by 1/w: the seam is gone.",
@@ -143,28 +138,23 @@ pub(super) fn lod(size: u32) -> Result<DemoPicture, LabError> {
         outline(&mut picture, scene, size)?;
         Ok(picture)
     };
-    let panel = |picture, title: &str, caption: &str| Panel {
-        picture,
-        title: title.into(),
-        caption: caption.into(),
-    };
     let panels = vec![
-        panel(
+        Panel::new(
             with_wires(&coarse)?,
             "Coarse level of detail",
             "One quad deep, colours linear on the screen.",
         ),
-        panel(
+        Panel::new(
             with_wires(&fine)?,
             "Fine level of detail",
             "Four quads deep, the same ramp: the whole floor changes its colour.",
         ),
-        panel(
+        Panel::new(
             map,
             "What pops at the switch",
             "Black: nothing. White: half of the whole ramp.",
         ),
-        panel(
+        Panel::new(
             stage::photograph(&floor(Gouraud::Perspective, [1, 1])?, size)?,
             "Perspective Gouraud",
             "Coarse and fine are the same picture: no pop.",

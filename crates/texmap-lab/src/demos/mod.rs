@@ -265,3 +265,13 @@ struct Panel {
     title: String,
     caption: String,
 }
+
+impl Panel {
+    fn new(picture: Picture, title: impl Into<String>, caption: impl Into<String>) -> Self {
+        Self {
+            picture,
+            title: title.into(),
+            caption: caption.into(),
+        }
+    }
+}

@@ -41,22 +41,22 @@ pub fn projections(
     let mut beside = scene.clone();
     beside.camera.eye = first.position;
     let panels = vec![
-        panel(
+        Panel::new(
             stage::photograph(&dark, size)?,
             "Off",
             "The scene without its projectors.",
         ),
-        panel(
+        Panel::new(
             stage::photograph(scene, size)?,
             "On",
             "Beside the projector: what it does not see stays as it was.",
         ),
-        panel(
+        Panel::new(
             stage::photograph(&beside, size)?,
             "From the projector",
             "Its own eye sees the picture whole, and no shadow.",
         ),
-        panel(
+        Panel::new(
             stage::photograph(&through, size)?,
             "No depth map (wrong)",
             "It shines through to the far side.",
@@ -136,12 +136,4 @@ fn shone_on(slide: &SlideProjector, rays: &RayScene, p: DVec3, n: DVec3) -> bool
     // Above the facets, which the smooth normal may lean over.
     let scale = 1e-3 * (slide.position - p).length();
     inside && !rays.blocked(p + n * scale, slide.position)
-}
-
-fn panel(picture: Picture, title: &str, caption: &str) -> Panel {
-    Panel {
-        picture,
-        title: title.into(),
-        caption: caption.into(),
-    }
 }

@@ -60,14 +60,6 @@ pub(super) fn slot(texture: usize, wrap: Wrap) -> TextureSlot {
     }
 }
 
-fn panel(picture: Picture, title: &str, caption: &str) -> Panel {
-    Panel {
-        picture,
-        title: title.into(),
-        caption: caption.into(),
-    }
-}
-
 /// Heights of the waves, row by row.
 fn wave_heights() -> Vec<f32> {
     let place = |i: u32| (f64::from(i) + 0.5) / f64::from(TEXELS);
@@ -217,23 +209,23 @@ pub(super) fn bumps(size: u32) -> Result<DemoPicture, LabError> {
         ),
     ];
     let mut panels = vec![
-        panel(flat.picture, "Off", "The floor is flat."),
-        panel(
+        Panel::new(flat.picture, "Off", "The floor is flat."),
+        Panel::new(
             bumped.picture,
             "Bump map",
             "A height field by central differences, Blinn's normal.",
         ),
-        panel(
+        Panel::new(
             mapped.picture,
             "Normal map",
             "The same field as an 8-bit normal map, MikkTSpace.",
         ),
-        panel(
+        Panel::new(
             flipped.picture,
             "Green flipped (wrong)",
             "Along v light comes from the wrong side.",
         ),
-        panel(
+        Panel::new(
             truth,
             "Truth",
             "The floor with the waves' exact normals, in f64.",
@@ -389,22 +381,22 @@ pub(super) fn light_maps(size: u32) -> Result<DemoPicture, LabError> {
         ),
     ];
     let panels = vec![
-        panel(
+        Panel::new(
             direct.picture,
             "Computed per pixel",
             "Lights and shadow maps for every pixel.",
         ),
-        panel(
+        Panel::new(
             fine.picture,
             "Baked, 512 x 512",
             "The floor reads its light from a map.",
         ),
-        panel(
+        Panel::new(
             coarse.picture,
             "Baked, 24 x 24",
             "Low resolution blurs the shadow, nothing else.",
         ),
-        panel(
+        Panel::new(
             torn.picture,
             "No repair, no gutter (wrong)",
             "Texels whose centre is off the chart are black.",

@@ -14,14 +14,6 @@ use crate::LabError;
 use crate::picture::Picture;
 use crate::truth::rays::{RayObject, RayScene};
 
-fn panel(picture: Picture, title: &str, caption: &str) -> Panel {
-    Panel {
-        picture,
-        title: title.into(),
-        caption: caption.into(),
-    }
-}
-
 /// A ball and a small ball on a floor.
 fn table() -> Scene {
     let mut scene = stage::scene(DVec3::new(2.2, 2.4, 4.2), DVec3::new(0.0, 0.4, 0.0), 42.0);
@@ -115,23 +107,23 @@ pub(super) fn slides(size: u32) -> Result<DemoPicture, LabError> {
         ),
     ];
     let panels = vec![
-        panel(off.picture, "Off", "Ambient light alone."),
-        panel(
+        Panel::new(off.picture, "Off", "Ambient light alone."),
+        Panel::new(
             on.picture,
             "A slide as light",
             "Nothing behind what it meets is lit, nothing beyond its edge.",
         ),
-        panel(
+        Panel::new(
             painted.picture,
             "A slide as paint",
             "The surface takes the colours, whatever the light.",
         ),
-        panel(
+        Panel::new(
             through.picture,
             "No depth map (wrong)",
             "It shines through the balls.",
         ),
-        panel(
+        Panel::new(
             repeated.picture,
             "Repeated (wrong for a lamp)",
             "A texture's wrap mode tiles the floor.",
@@ -205,28 +197,28 @@ pub(super) fn shadows(size: u32) -> Result<DemoPicture, LabError> {
     ];
     let depth = depth_picture(&scene_with(scene, direction), size)?;
     let panels = vec![
-        panel(off.picture, "Off", "Light goes through everything."),
-        panel(
+        Panel::new(off.picture, "Off", "Light goes through everything."),
+        Panel::new(
             none.picture,
             "No bias (wrong)",
             "Surfaces shadow themselves: acne.",
         ),
-        panel(
+        Panel::new(
             large.picture,
             "A large constant (wrong)",
             "No acne, but shadows stand off their things.",
         ),
-        panel(
+        Panel::new(
             slope.picture,
             "The receiver's slope",
             "Neither: exact for planes.",
         ),
-        panel(
+        Panel::new(
             soft.picture,
             "5 x 5 comparisons",
             "The mean of comparisons softens the edge.",
         ),
-        panel(
+        Panel::new(
             depth,
             "The map",
             "Near the light is light, far dark; white is nothing.",

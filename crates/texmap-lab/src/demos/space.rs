@@ -15,14 +15,6 @@ use super::{Claim, DemoPicture, Panel, stage};
 use crate::LabError;
 use crate::picture::Picture;
 
-fn panel(picture: Picture, title: &str, caption: &str) -> Panel {
-    Panel {
-        picture,
-        title: title.into(),
-        caption: caption.into(),
-    }
-}
-
 /// A row of sRGB colours and alphas as a ramp of a scene.
 fn ramp(scene: &mut Scene, stops: &[[u8; 4]]) -> Result<TextureSlot, LabError> {
     let texels = stops.concat();
@@ -204,23 +196,23 @@ pub(super) fn solids(size: u32) -> Result<DemoPicture, LabError> {
         ),
     ];
     let panels = vec![
-        panel(
+        Panel::new(
             stage::photograph(&still, size)?,
             "Carved out of space",
             "Marble and wood as functions of the point: no coordinates, no seams, rings run through the block.",
         ),
-        panel(
+        Panel::new(
             Picture::from_rgba(side, side, seen.picture.rgba().to_vec())
                 .map_or_else(|| Picture::new(size, size, [0; 4]), |p| shrunk(&p, size)),
             "Gradient noise",
             "One octave on a ball: the f64 noise of every point.",
         ),
-        panel(
+        Panel::new(
             filtered.picture.clone(),
             "Rings, filtered",
             "Each pixel sees the mean over its width: grey from afar.",
         ),
-        panel(
+        Panel::new(
             centre,
             "Rings at pixel centres",
             "The naive look-up: moire where rings are finer than pixels.",
@@ -399,22 +391,22 @@ pub(super) fn volumes(size: u32) -> Result<DemoPicture, LabError> {
         ),
     ];
     let panels = vec![
-        panel(
+        Panel::new(
             picture,
             "Homogeneous",
             "A white fog box: 1 - exp(-tau) at every pixel, whatever the step.",
         ),
-        panel(
+        Panel::new(
             gray,
             "A grid of 48 x 48 x 48",
             "Density is the voxel; a shell around folded matter.",
         ),
-        panel(
+        Panel::new(
             colored,
             "With a transfer function",
             "The voxel is looked up along a ramp of colour and alpha: a dependent look-up.",
         ),
-        panel(
+        Panel::new(
             within,
             "The eye inside",
             "Rays begin at the eye and end at the ball that is solid.",

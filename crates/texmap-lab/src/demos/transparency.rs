@@ -96,28 +96,23 @@ pub(super) fn transparency(size: u32) -> Result<DemoPicture, LabError> {
             0.0,
         ),
     ];
-    let panel = |picture, title: &str, caption: &str| Panel {
-        picture,
-        title: title.into(),
-        caption: caption.into(),
-    };
     let panels = vec![
-        panel(
+        Panel::new(
             opaque.picture,
             "No test",
             "Alpha is ignored: the holes are solid.",
         ),
-        panel(
+        Panel::new(
             tested.picture,
             "Alpha test",
             "alpha > 0 is drawn; a hole writes neither colour nor depth.",
         ),
-        panel(
+        Panel::new(
             blocked,
             "Holes that write depth (wrong)",
             "The fence is drawn first: the holes hide what comes later.",
         ),
-        panel(
+        Panel::new(
             stage::photograph(&blend, size)?,
             "Blended, filtered alpha",
             "Texels are premultiplied before they are filtered: smooth edges, no fringe of the hidden colour.",
