@@ -99,36 +99,36 @@ pub(crate) fn run(args: &DemoArgs) -> Result<Exit, Failure> {
         picture.rgba(),
     )?;
     stage.commit()?;
-    let failed = tell(&demo.claims);
+    let exit = tell(args, name, output, &demo.captions, &demo.claims);
     say(&format!(
-        "{}: {} x {} pixels, {} of {} claims hold\n",
+        "{}: {} x {} pixels\n",
         output.display(),
         picture.width(),
         picture.height(),
-        demo.claims.len() - failed,
-        demo.claims.len(),
     ));
+    Ok(exit)
+}
+
+/// Says each claim, and whether all hold.
+fn tell(args: &DemoArgs, name: &str, output: &Path, captions: &[String], claims: &[Claim]) -> Exit {
+    for claim in claims {
+        say(&format!("{claim}\n"));
+    }
+    let held = claims.iter().filter(|c| c.holds()).count();
+    say(&format!("{held} of {} claims hold\n", claims.len()));
     if args.json {
         failure::print_json(&DemoReport {
             demo: name,
             output: output.display().to_string(),
-            captions: &demo.captions,
-            claims: demo.claims.iter().map(ClaimReport::from).collect(),
+            captions,
+            claims: claims.iter().map(ClaimReport::from).collect(),
         });
     }
-    Ok(if failed == 0 {
+    if held == claims.len() {
         Exit::Done
     } else {
         Exit::Differs
-    })
-}
-
-/// Says each claim; how many fail.
-fn tell(claims: &[Claim]) -> usize {
-    for claim in claims {
-        say(&format!("{claim}\n"));
     }
-    claims.iter().filter(|c| !c.holds()).count()
 }
 
 /// A demo that moves: numbered pictures, all or none.
@@ -162,20 +162,7 @@ fn frames(args: &DemoArgs, name: &str, output: &Path, count: u32) -> Result<Exit
         claims.push(claim);
     }
     stage.commit()?;
-    let failed = tell(&claims);
-    if args.json {
-        failure::print_json(&DemoReport {
-            demo: name,
-            output: output.display().to_string(),
-            captions: &[],
-            claims: claims.iter().map(ClaimReport::from).collect(),
-        });
-    }
-    Ok(if failed == 0 {
-        Exit::Done
-    } else {
-        Exit::Differs
-    })
+    Ok(tell(args, name, output, &[], &claims))
 }
 
 fn list(json: bool) {
