@@ -58,25 +58,30 @@ pub fn read_image(path: &Path) -> Result<Rgba, IoError> {
     read_named(path, None)
 }
 
-/// Decodes an image file to a texture of one level, top-left origin. Colours are sRGB or taken as they are.
+/// Decodes an image file to a texture of one level, top-left origin. Colours are sRGB or taken as they are. The bytes of 8-bit files stay
+/// what they are in memory ([`Texture2d::from_encoded8`]).
 ///
 /// # Errors
 /// As [`read_image`].
 pub fn read_texture(path: &Path, color: ColorSpace) -> Result<Texture2d<'static>, IoError> {
-    // In the channels of the file: an opaque photograph is not widened to RGBA on its way.
     let decoded = decode(path, None)?;
     let (width, height) = (decoded.width(), decoded.height());
-    let new = |channels: u32, texels: Texels<'_>| upload(width, height, channels, texels, color);
-    match &decoded {
-        DynamicImage::ImageLuma8(t) => new(1, Texels::U8(t)),
-        DynamicImage::ImageLumaA8(t) => new(2, Texels::U8(t)),
-        DynamicImage::ImageRgb8(t) => new(3, Texels::U8(t)),
-        DynamicImage::ImageRgba8(t) => new(4, Texels::U8(t)),
-        DynamicImage::ImageLuma16(t) => new(1, Texels::U16(t)),
-        DynamicImage::ImageLumaA16(t) => new(2, Texels::U16(t)),
-        DynamicImage::ImageRgb16(t) => new(3, Texels::U16(t)),
-        DynamicImage::ImageRgba16(t) => new(4, Texels::U16(t)),
-        _ => new(4, Texels::U8(&decoded.to_rgba8())),
+    let origin = Origin::TopLeft;
+    let kept = |channels: u32, texels: Vec<u8>| {
+        Texture2d::from_encoded8((width, height), channels, texels, color, origin)
+    };
+    let wide =
+        |channels: u32, texels: &[u16]| upload(width, height, channels, Texels::U16(texels), color);
+    match decoded {
+        DynamicImage::ImageLuma8(t) => kept(1, t.into_raw()),
+        DynamicImage::ImageLumaA8(t) => kept(2, t.into_raw()),
+        DynamicImage::ImageRgb8(t) => kept(3, t.into_raw()),
+        DynamicImage::ImageRgba8(t) => kept(4, t.into_raw()),
+        DynamicImage::ImageLuma16(t) => wide(1, &t),
+        DynamicImage::ImageLumaA16(t) => wide(2, &t),
+        DynamicImage::ImageRgb16(t) => wide(3, &t),
+        DynamicImage::ImageRgba16(t) => wide(4, &t),
+        other => kept(4, other.into_rgba8().into_raw()),
     }
     .map_err(|e| unfit(path, None, &e))
 }

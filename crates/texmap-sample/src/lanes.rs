@@ -154,7 +154,7 @@ impl LevelView {
 
 impl<'a> View<'a> {
     /// `None` where there are no lanes and look-ups run one at a time: filters that are not a [`Kind`],
-    /// float texels, and, under exact weights, bytes with alpha or beside a border.
+    /// float and encoded texels, and, under exact weights, bytes with alpha or beside a border.
     pub fn new(sampler: &Sampler, t: &'a Texture2d<'_>) -> Option<Self> {
         let kind = Kind::of(sampler.filter)?;
         let chain = &t.chain;
@@ -163,7 +163,7 @@ impl<'a> View<'a> {
         let format = match chain.format {
             Format::Rgba8 if packed::applies(sampler, chain) => RGBA8,
             Format::Rgba8 if chain.opaque && !bordered => RGBX8,
-            Format::Rgba16 => RGBA16,
+            Format::Rgba16 if chain.encoded.is_none() => RGBA16,
             _ => return None,
         };
         let axes = axes(sampler, chain);

@@ -43,6 +43,7 @@ mod atlas;
 mod compare;
 mod cube;
 mod dependent;
+mod encoded;
 mod error;
 mod filter;
 #[doc(hidden)]

@@ -24,16 +24,13 @@ pub(crate) fn build(base: Chain<'_>, reduce: Reduce) -> Chain<'static> {
     if matches!(reduce, Reduce::Mean | Reduce::Normals) {
         return stream(base, reduce);
     }
-    let first = base.levels[0];
-    let Chain {
-        words,
-        format,
-        flip,
-        opaque,
-        ..
-    } = base;
-    let mut words = owned(words);
-    words.truncate(texels(&first) * format.words());
+    let first = Level {
+        offset: 0,
+        ..base.levels[0]
+    };
+    let format = base.format;
+    let Chain { flip, opaque, .. } = base;
+    let mut words = decoded(base);
     let share = match reduce {
         Reduce::Coverage(threshold) => {
             coverage(&base_alpha(&words, format), threshold * format.units(), 1.0)
@@ -90,11 +87,23 @@ pub(crate) fn build(base: Chain<'_>, reduce: Reduce) -> Chain<'static> {
     }
     Chain {
         words: Words::Owned(Arc::new(words)),
+        encoded: None,
         format,
         levels,
         flip,
         opaque,
     }
+}
+
+/// The words of level 0.
+fn decoded(base: Chain<'_>) -> Vec<u32> {
+    let (count, format) = (texels(&base.levels[0]), base.format);
+    let mut words = owned(base.words);
+    match base.encoded {
+        Some(encoded) => (0..count).for_each(|i| format.push(&mut words, encoded.fetch(i))),
+        None => words.truncate(count * format.words()),
+    }
+    words
 }
 
 /// The words themselves if nobody else holds them, else a copy.
@@ -111,13 +120,17 @@ fn stream(base: Chain<'_>, reduce: Reduce) -> Chain<'static> {
     let first = base.levels[0];
     let Chain {
         words,
+        encoded,
         format,
         flip,
         opaque,
         ..
     } = base;
     let mut words = owned(words);
-    let base_words = texels(&first) * format.words();
+    let base_words = match &encoded {
+        Some(_) => 0,
+        None => texels(&first) * format.words(),
+    };
     words.truncate(base_words);
     let mut levels = Vec::from([first]);
     let mut total = base_words;
@@ -144,7 +157,10 @@ fn stream(base: Chain<'_>, reduce: Reduce) -> Chain<'static> {
         for y in 0..first.height {
             let start = (z * first.height + y) as usize * first.width as usize;
             let mut row: Vec<[f32; 4]> = (start..start + first.width as usize)
-                .map(|i| format.fetch(source, i * format.words()))
+                .map(|i| match &encoded {
+                    Some(encoded) => encoded.fetch(i),
+                    None => format.fetch(source, i * format.words()),
+                })
                 .collect();
             let mut at = y;
             for level in &mut pending {
@@ -169,6 +185,7 @@ fn stream(base: Chain<'_>, reduce: Reduce) -> Chain<'static> {
     }
     Chain {
         words: Words::Owned(Arc::new(words)),
+        encoded,
         format,
         levels,
         flip,

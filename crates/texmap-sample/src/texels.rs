@@ -1,5 +1,6 @@
 //! How texels lie in memory: one allocation of 32-bit words for all levels and layers.
 
+use crate::encoded::Encoded;
 use alloc::{sync::Arc, vec::Vec};
 
 /// Texels as they come from a decoder: rows top to bottom, channels together.
@@ -91,6 +92,15 @@ impl Format {
         }
     }
 
+    /// The unscaled values that a texel of 0..1 is kept as.
+    pub(crate) fn rounded(self, c: [f32; 4]) -> [f32; 4] {
+        let most = self.units();
+        match self {
+            Self::Rgba8 | Self::Rgba16 => c.map(|x| round_clamped(x * most, most) as f32),
+            Self::Rgba32 | Self::R32 => c,
+        }
+    }
+
     /// Unscaled texel that starts at word `i`.
     #[inline(always)]
     pub(crate) fn fetch(self, words: &[u32], i: usize) -> [f32; 4] {
@@ -133,7 +143,7 @@ pub(crate) enum Words<'a> {
 /// One mip level of a [`Chain`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Level {
-    /// First word.
+    /// First word, or [`Level::ENCODED`].
     pub(crate) offset: usize,
     pub(crate) width: i32,
     pub(crate) height: i32,
@@ -141,10 +151,17 @@ pub(crate) struct Level {
     pub(crate) depth: i32,
 }
 
+impl Level {
+    /// Offset of a level that is not among the words.
+    pub(crate) const ENCODED: usize = usize::MAX;
+}
+
 /// All texels of a texture.
 #[derive(Clone, Debug)]
 pub(crate) struct Chain<'a> {
     pub(crate) words: Words<'a>,
+    /// Level 0, if it is not among the words.
+    pub(crate) encoded: Option<Encoded>,
     pub(crate) format: Format,
     pub(crate) levels: Vec<Level>,
     /// Rows count from the bottom.
@@ -167,7 +184,13 @@ impl Chain<'_> {
     pub(crate) fn fetch(&self, level: &Level, x: i32, y: i32, z: i32) -> [f32; 4] {
         let y = if self.flip { level.height - 1 - y } else { y };
         let row = z as usize * level.height as usize + y as usize;
-        let i = level.offset + (row * level.width as usize + x as usize) * self.format.words();
-        self.format.fetch(self.words(), i)
+        let i = row * level.width as usize + x as usize;
+        match &self.encoded {
+            Some(encoded) if level.offset == Level::ENCODED => encoded.fetch(i),
+            _ => {
+                let words = self.format.words();
+                self.format.fetch(self.words(), level.offset + i * words)
+            }
+        }
     }
 }

@@ -191,6 +191,7 @@ impl<'a> Texture2d<'a> {
         };
         let chain = Chain {
             words: Words::Borrowed(words),
+            encoded: None,
             format,
             levels: vec![level],
             flip: origin == Origin::BottomLeft,
@@ -319,25 +320,34 @@ fn check_finite(texels: &Texels<'_>, width: u32, channels: u32) -> Result<(), Sa
     }
 }
 
+impl Image<'_> {
+    /// Checks `depth` images that stand one after the other, and counts their texels.
+    pub(crate) fn check(&self, depth: u32) -> Result<usize, SampleError> {
+        let Self {
+            width,
+            height,
+            channels,
+            texels,
+            ..
+        } = *self;
+        check_size(width, height)?;
+        if !(1..=4).contains(&channels) {
+            return Err(SampleError::Channels(channels));
+        }
+        let count = width as usize * height as usize * depth as usize;
+        if count > 1 << 29 {
+            return Err(SampleError::TooLarge { width, height });
+        }
+        check_length(count * channels as usize, texels.len())?;
+        check_finite(&texels, width, channels)?;
+        Ok(count)
+    }
+}
+
 /// Checks, decodes and packs `depth` images that stand one after the other.
 pub(crate) fn upload(image: &Image<'_>, depth: u32) -> Result<Chain<'static>, SampleError> {
-    let Image {
-        width,
-        height,
-        channels,
-        texels,
-        ..
-    } = *image;
-    check_size(width, height)?;
-    if !(1..=4).contains(&channels) {
-        return Err(SampleError::Channels(channels));
-    }
-    let count = width as usize * height as usize * depth as usize;
-    if count > 1 << 29 {
-        return Err(SampleError::TooLarge { width, height });
-    }
-    check_length(count * channels as usize, texels.len())?;
-    check_finite(&texels, width, channels)?;
+    let Image { width, height, .. } = *image;
+    let count = image.check(depth)?;
     let format = choose_format(image);
     // A chain adds at most a third (2D) to the words; gather indices are 31-bit.
     if count * format.words() > 3 << 28 {
@@ -358,6 +368,7 @@ pub(crate) fn upload(image: &Image<'_>, depth: u32) -> Result<Chain<'static>, Sa
     };
     Ok(Chain {
         words: Words::Owned(Arc::new(words)),
+        encoded: None,
         format,
         levels: vec![level],
         flip: image.origin == Origin::BottomLeft,
@@ -366,7 +377,7 @@ pub(crate) fn upload(image: &Image<'_>, depth: u32) -> Result<Chain<'static>, Sa
 }
 
 /// Texel `i`, linear and premultiplied.
-fn read_texel(image: &Image<'_>, i: usize) -> [f32; 4] {
+pub(crate) fn read_texel(image: &Image<'_>, i: usize) -> [f32; 4] {
     let n = image.channels as usize;
     let value = |k: usize| image.texels.value(i * n + k);
     let light = |k: usize| match (image.color, image.texels) {
@@ -389,7 +400,7 @@ fn read_texel(image: &Image<'_>, i: usize) -> [f32; 4] {
 }
 
 /// Bytes stay bytes when decoding and premultiplying change none of them.
-fn choose_format(image: &Image<'_>) -> Format {
+pub(crate) fn choose_format(image: &Image<'_>) -> Format {
     match image.texels {
         Texels::F32(_) if image.channels == 1 => Format::R32,
         Texels::F32(_) => Format::Rgba32,
