@@ -10,7 +10,6 @@ use super::lit::{Lit, difference, floor, matte};
 use super::relief::{floats, slot};
 use super::{Claim, Panel, stage};
 use crate::LabError;
-use crate::picture::Picture;
 
 /// Waves around the pot, and their length along it.
 const AROUND: u16 = 12;

@@ -282,7 +282,7 @@ pub(super) fn displacement(size: u32) -> Result<DemoPicture, LabError> {
         Panel::new(
             bumped.picture,
             "Bump map",
-            "Light follows the waves; outline and shadow are a ball's.".into(),
+            "Light follows the waves; outline and shadow are a ball's.",
         ),
         Panel::new(
             coarse.picture,
@@ -304,7 +304,7 @@ pub(super) fn displacement(size: u32) -> Result<DemoPicture, LabError> {
         Panel::new(
             truth.picture,
             "Truth",
-            "The waves' own formula by ray tracing in f64.".into(),
+            "The waves' own formula by ray tracing in f64.",
         ),
     ];
     Ok(sheet("Displacement and bump mapping", panels, claims))

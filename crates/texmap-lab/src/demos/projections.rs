@@ -9,7 +9,6 @@ use super::lit::{Lit, difference, matte, wrong};
 use super::sheet::sheet;
 use super::{Claim, DemoPicture, Panel, stage};
 use crate::LabError;
-use crate::picture::Picture;
 use crate::truth::rays::{RayObject, RayScene};
 
 /// The sheet of a scene with projectors, `size` pixels a panel; `spoiled` is the share of the picture, in percent, that is expected to
