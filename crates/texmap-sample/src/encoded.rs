@@ -16,8 +16,8 @@ pub(crate) struct Encoded {
 }
 
 impl Encoded {
-    /// Unscaled texel `i`, as [`Format::Rgba16`] would hold it.
-    #[inline]
+    /// Unscaled texel `i`, as [`Format::Rgba16`] would hold it. Out of line: every filter fetches texels.
+    #[inline(never)]
     pub(crate) fn fetch(&self, i: usize) -> [f32; 4] {
         let image = Image {
             texels: Texels::U8(&self.bytes),
