@@ -15,12 +15,12 @@ use std::time::Instant;
 use texmap_benches::floor::{Floor, HEIGHT, Places, TILE, WIDTH};
 use texmap_benches::textures::{square_texels, squares};
 use texmap_math::Level;
-use texmap_math::fearless_simd::{Simd, prelude::*, u32x16};
-use texmap_math::lanes::unit_to_u8;
+use texmap_math::fearless_simd::{Simd, f32x16, prelude::*, u32x16};
+use texmap_math::lanes::{Words, floor_to_i32, gather, unit_to_u8};
 use texmap_sample::lanes::{RGBX8, View, float, packed};
 use texmap_sample::{
-    Alpha, ColorSpace, Filter, Image, Origin, Precision, Sampler, Texels, Texture2d, TextureCube,
-    cube_direction, sample_columns, sample_rgba8_columns,
+    Alpha, ColorSpace, Directions, Filter, Image, Origin, Precision, Sampler, Texels, Texture2d,
+    TextureCube, cube_direction, sample_columns, sample_cube_columns, sample_rgba8_columns,
 };
 
 const BANDS: usize = HEIGHT.div_ceil(TILE);
@@ -37,6 +37,8 @@ const FILTERS: [(&str, Filter); 4] = [
 enum Form {
     /// Coordinates, one word stored.
     Base,
+    /// The texel of each pixel at an index that is known, stored: what memory alone takes of `nearest`.
+    Loads,
     /// Coordinates (and gradients, if asked) stored in runs, one word of each stored.
     Runs(bool),
     Lanes(usize, Precision),
@@ -57,6 +59,7 @@ impl Case {
     fn name(&self) -> String {
         let form = match self.form {
             Form::Base => "coordinates/-/-".to_owned(),
+            Form::Loads => "loads/-/-".to_owned(),
             Form::Runs(grads) => format!("runs/{}/-", if grads { "gradients" } else { "-" }),
             Form::Lanes(f, p) => format!("lanes/{}/{p:?}", FILTERS[f].0),
             Form::Slice(f, p) => format!("slice/{}/{p:?}", FILTERS[f].0),
@@ -93,6 +96,10 @@ struct Job<'a> {
     level: Level,
     rows: std::ops::Range<usize>,
     frame: &'a mut [u32],
+    /// For [`Form::Loads`]: the indices of a band's texels, empty until they are known, and the texels.
+    indices: &'a mut Vec<u32>,
+    texels: &'a [u32],
+    side: u32,
 }
 
 const BASE: u8 = 0;
@@ -154,6 +161,41 @@ fn fused<S: Simd, const KERNEL: u8>(s: S, job: &mut Job<'_>) {
                         if let Some(out) = job.frame[at..].first_chunk_mut::<16>() {
                             c.store_slice(out);
                         }
+                    }
+                }
+            }
+        },
+    );
+}
+
+/// Loads and stores at known indices; the first call finds them.
+#[inline(never)]
+fn loads<S: Simd>(s: S, job: &mut Job<'_>) {
+    let words = Words::new(job.texels).expect("a texture is not empty");
+    let (side, scale) = (job.side, job.side as f32);
+    s.vectorize(
+        #[inline(always)]
+        || {
+            let known = !job.indices.is_empty();
+            let mut i = 0;
+            for x0 in (0..WIDTH).step_by(TILE) {
+                for y in job.rows.clone() {
+                    for x in (x0..x0 + TILE).step_by(16) {
+                        if !known {
+                            let p = job.floor.places(s, x, y);
+                            let texel = |c: f32x16<S>| -> u32x16<S> {
+                                let texel: u32x16<S> = floor_to_i32(s, c * scale).bitcast();
+                                texel & (side - 1)
+                            };
+                            let index = texel(p.v) * side + texel(p.u);
+                            job.indices.extend(index.as_slice());
+                        }
+                        let index = u32x16::from_slice(s, &job.indices[i..i + 16]);
+                        let at = y * WIDTH + x;
+                        if let Some(out) = job.frame[at..].first_chunk_mut::<16>() {
+                            gather(s, words, index).store_slice(out);
+                        }
+                        i += 16;
                     }
                 }
             }
@@ -231,6 +273,7 @@ fn runs<S: Simd>(s: S, job: &mut Job<'_>, form: Form, run: &mut Run) {
 fn draw<S: Simd>(s: S, job: &mut Job<'_>, form: Form, run: &mut Run) {
     let kernel = match form {
         Form::Runs(_) | Form::Slice(..) => return runs(s, job, form, run),
+        Form::Loads => return loads(s, job),
         Form::Base => BASE,
         Form::Lanes(filter, Precision::Fast) => filter as u8 + 1,
         Form::Lanes(filter, Precision::Exact) => (filter as u8 + 1) | EXACT,
@@ -284,6 +327,7 @@ fn main() {
                 });
             };
             push(Form::Base);
+            push(Form::Loads);
             push(Form::Runs(false));
             push(Form::Runs(true));
             for filter in 0..FILTERS.len() {
@@ -295,6 +339,8 @@ fn main() {
         }
     }
     let textures = [256, 1024].map(|side| (side, squares(side)));
+    let texels: [Vec<u32>; 2] = [256, 1024].map(|side| (0..side * side).collect());
+    let mut indices = Vec::new();
     let mut frame = vec![0; WIDTH * HEIGHT];
     let mut run = Box::new(Run {
         u: [0.0; RUN],
@@ -322,7 +368,9 @@ fn main() {
                     precision,
                     ..Sampler::default()
                 };
-                let texture = &textures[usize::from(case.side == 1024)].1;
+                let large = usize::from(case.side == 1024);
+                let texture = &textures[large].1;
+                indices.clear();
                 let view = View::new(&sampler, texture).expect("a power of two that repeats");
                 let mut job = Job {
                     floor: &case.floor.1,
@@ -332,6 +380,9 @@ fn main() {
                     level: case.level,
                     rows: band * TILE..HEIGHT.min((band + 1) * TILE),
                     frame: &mut frame,
+                    indices: &mut indices,
+                    texels: &texels[large],
+                    side: case.side,
                 };
                 // Once for the caches: the case before has left its own texture there.
                 dispatch(case.level, &mut job, case.form, &mut run);
@@ -345,31 +396,30 @@ fn main() {
             }
         }
     }
-    let singles = Singles::measure(rounds);
+    let cube = Cube::measure(rounds);
     for case in &cases {
         println!("{:44} {:.3}", case.name(), case.ns());
     }
-    println!("one at a time: {singles:?}");
+    println!("{cube:?}");
     if cases.len() == all {
         let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/results");
         std::fs::write(format!("{folder}/sample_speed.csv"), csv(&cases))
             .expect("results/ is writable");
-        std::fs::write(
-            format!("{folder}/sample_speed.md"),
-            markdown(&cases, &singles),
-        )
-        .expect("results/ is writable");
+        std::fs::write(format!("{folder}/sample_speed.md"), markdown(&cases, &cube))
+            .expect("results/ is writable");
     }
 }
 
-/// Look-ups one at a time over a sweep of all directions, ns each: a plain texture and a seamless cube.
+/// Bilinear look-ups over a sweep of all directions, ns each: a plain texture and a seamless cube, one at a time and by batches.
 #[derive(Debug)]
-struct Singles {
+struct Cube {
     plane: f64,
     cube: f64,
+    plane_batch: f64,
+    cube_batch: f64,
 }
 
-impl Singles {
+impl Cube {
     const CHUNKS: usize = 64;
     const CHUNK: usize = 4096;
 
@@ -390,35 +440,73 @@ impl Singles {
             filter: Filter::Bilinear,
             ..Sampler::default()
         };
-        // Each chunk walks over a band of one face and the next.
-        let places: Vec<([f32; 2], [f32; 3])> = (0..Self::CHUNKS * Self::CHUNK)
-            .map(|i| {
-                let along = (i % Self::CHUNK) as f64 / Self::CHUNK as f64;
-                let across = (i / Self::CHUNK) as f64 / Self::CHUNKS as f64;
-                let face = (i / Self::CHUNK + usize::from(along >= 0.5)) % 6;
-                let uv = [(2.0 * along) % 1.0, across];
-                let d = cube_direction(face, uv);
-                (uv.map(|c| c as f32), d.map(|c| c as f32))
-            })
-            .collect();
-        let mut best = [[f64::INFINITY; Self::CHUNKS]; 2];
-        for _ in 0..rounds * 3 {
-            for (i, chunk) in places.chunks(Self::CHUNK).enumerate() {
-                let start = Instant::now();
-                for (uv, _) in chunk {
-                    black_box(sampler.sample(&plane, black_box(*uv)));
-                }
-                let middle = Instant::now();
-                for (_, d) in chunk {
-                    black_box(sampler.sample_cube(&cube, black_box(*d), 0.0));
-                }
-                let end = Instant::now();
-                best[0][i] = best[0][i].min((middle - start).as_secs_f64());
-                best[1][i] = best[1][i].min((end - middle).as_secs_f64());
+        let level = Level::new();
+        let mut best = [[f64::INFINITY; Self::CHUNKS]; 4];
+        let mut colors = [(); 4].map(|()| vec![0.0; Self::CHUNK]);
+        for chunk in 0..Self::CHUNKS {
+            let columns = Self::columns(chunk);
+            let [u, v, x, y, z] = &columns;
+            for _ in 0..rounds * 3 {
+                let mut time = |form: usize, run: &mut dyn FnMut(&mut [Vec<f32>; 4])| {
+                    let start = Instant::now();
+                    run(&mut colors);
+                    let time = start.elapsed().as_secs_f64();
+                    best[form][chunk] = best[form][chunk].min(time);
+                };
+                time(0, &mut |_| {
+                    for (u, v) in u.iter().zip(v) {
+                        black_box(sampler.sample(&plane, black_box([*u, *v])));
+                    }
+                });
+                time(1, &mut |_| {
+                    for ((x, y), z) in x.iter().zip(y).zip(z) {
+                        black_box(sampler.sample_cube(&cube, black_box([*x, *y, *z]), 0.0));
+                    }
+                });
+                time(2, &mut |colors| {
+                    let at = texmap_sample::Places {
+                        u,
+                        v,
+                        gradients: None,
+                    };
+                    let out = colors.each_mut().map(|c| &mut c[..]);
+                    let done = sample_columns(level, &sampler, &plane, black_box(&at), out);
+                    done.expect("columns of one length");
+                });
+                time(3, &mut |colors| {
+                    let at = Directions { x, y, z, lod: None };
+                    let out = colors.each_mut().map(|c| &mut c[..]);
+                    let done = sample_cube_columns(level, &sampler, &cube, black_box(&at), out);
+                    done.expect("columns of one length");
+                });
+                black_box(&mut colors);
             }
         }
-        let [plane, cube] = best.map(|b| b.iter().sum::<f64>() * 1e9 / places.len() as f64);
-        Self { plane, cube }
+        let look_ups = (Self::CHUNKS * Self::CHUNK) as f64;
+        let [plane, cube, plane_batch, cube_batch] =
+            best.map(|b| b.iter().sum::<f64>() * 1e9 / look_ups);
+        Self {
+            plane,
+            cube,
+            plane_batch,
+            cube_batch,
+        }
+    }
+
+    /// u, v and x, y, z of a walk over a band of one face and the next.
+    fn columns(chunk: usize) -> [Vec<f32>; 5] {
+        let mut columns = [const { Vec::new() }; 5];
+        for i in 0..Self::CHUNK {
+            let along = i as f64 / Self::CHUNK as f64;
+            let across = chunk as f64 / Self::CHUNKS as f64;
+            let face = (chunk + usize::from(along >= 0.5)) % 6;
+            let uv @ [u, v] = [(2.0 * along) % 1.0, across];
+            let [x, y, z] = cube_direction(face, uv);
+            for (column, c) in columns.iter_mut().zip([u, v, x, y, z]) {
+                column.push(c as f32);
+            }
+        }
+        columns
     }
 }
 
@@ -451,7 +539,7 @@ fn csv(cases: &[Case]) -> String {
     out
 }
 
-fn markdown(cases: &[Case], singles: &Singles) -> String {
+fn markdown(cases: &[Case], cube: &Cube) -> String {
     let mut out = String::from(
         "# Speed of the sampler\n\n\
          `cargo bench -p texmap-benches --bench sample_speed` (one run, everything interleaved, the least time of each\n\
@@ -465,6 +553,10 @@ fn markdown(cases: &[Case], singles: &Singles) -> String {
         let tail = format!("{level}/{floor}/{side}");
         find(cases, &format!("lanes/{filter}/{precision}/{tail}"))
             / find(cases, &format!("coordinates/-/-/{tail}"))
+    };
+    let loads = |side: u32| {
+        let tail = format!("{best}/far/{side}");
+        find(cases, &format!("loads/-/-/{tail}")) / find(cases, &format!("coordinates/-/-/{tail}"))
     };
     let _ = writeln!(out, "## Ratios to the base on {best} (lanes, far)\n");
     out.push_str("| filter | asked | 256 texels | 1024 texels |\n|---|---|---|---|\n");
@@ -486,10 +578,18 @@ fn markdown(cases: &[Case], singles: &Singles) -> String {
     }
     let _ = writeln!(
         out,
-        "\nSeamless cube over a plain 2D texture, bilinear, one at a time: {:.1} / {:.1} ns = {:.2} (asked: 1.3).\n",
-        singles.cube,
-        singles.plane,
-        singles.cube / singles.plane
+        "\nThe bound of memory: loads of `nearest`'s texels at indices that are known, and their stores, take {:.2} of the base\n\
+         at 256 texels and {:.2} at 1024 (a texture of 4 MiB), before anything is computed.\n\n\
+         Seamless cube over a plain 2D texture, bilinear *exact* (asked: 1.3): {:.2} / {:.2} ns = {:.2} by batches,\n\
+         {:.1} / {:.1} ns = {:.2} one at a time.\n",
+        loads(256),
+        loads(1024),
+        cube.cube_batch,
+        cube.plane_batch,
+        cube.cube_batch / cube.plane_batch,
+        cube.cube,
+        cube.plane,
+        cube.cube / cube.plane
     );
     out.push_str("## Other levels over the first, same kernel (lanes; asked: AVX2 1.5, SSE2 3)\n\n| kernel |");
     let names: Vec<&str> = levels().iter().map(|l| l.0).collect();

@@ -1,3 +1,7 @@
+mod lanes;
+
+pub use lanes::{Directions, sample_cube_columns};
+
 use crate::{
     error::SampleError,
     filter::{across_levels, floor, level_of, mix},

@@ -40,7 +40,7 @@ pub mod packed;
 use crate::{
     filter::{axes, gl_of},
     sampler::{Filter, Mip, Precision, Sampler, Texel},
-    texels::Format,
+    texels::{Chain, Format},
     texture::Texture2d,
     wrap::{Axis, BELOW_ONE, REACH, Wrap},
 };
@@ -166,7 +166,18 @@ impl<'a> View<'a> {
             Format::Rgba16 if chain.encoded.is_none() => RGBA16,
             _ => return None,
         };
+        Self::prepared(sampler, chain, kind, format)
+    }
+
+    /// The view of any chain whose texels and filter have lanes.
+    pub(crate) fn prepared(
+        sampler: &Sampler,
+        chain: &'a Chain<'_>,
+        kind: Kind,
+        format: u8,
+    ) -> Option<Self> {
         let axes = axes(sampler, chain);
+        let bordered = [sampler.wrap_u, sampler.wrap_v].contains(&Wrap::ClampToBorder);
         let most = match sampler.filter {
             Filter::Anisotropic(most) => most.clamp(1, 16),
             _ => 1,
@@ -219,10 +230,10 @@ impl<'a> View<'a> {
 #[derive(Clone, Copy)]
 pub(crate) struct At<S: Simd> {
     offset: i32x16<S>,
-    width: i32x16<S>,
+    pub(crate) width: i32x16<S>,
     height: i32x16<S>,
     turn: i32x16<S>,
-    units_x: f32x16<S>,
+    pub(crate) units_x: f32x16<S>,
     units_y: f32x16<S>,
     /// log2 of the width of a power of two where all lanes share the level.
     shift: Option<u32>,
@@ -267,7 +278,7 @@ impl<S: Simd> At<S> {
 
     /// First word of a texel counted within the level.
     #[inline(always)]
-    fn word<const FORMAT: u8>(&self, texel: i32x16<S>) -> u32x16<S> {
+    pub(crate) fn word<const FORMAT: u8>(&self, texel: i32x16<S>) -> u32x16<S> {
         let word = match FORMAT {
             RGBA16 => texel << 1,
             _ => texel,

@@ -33,8 +33,9 @@
 //! # How it is built
 //! Each filter has an f64 definition in [`mod@reference`], a scalar f32 form whose bound the tests
 //! state, and, where it pays, sixteen lanes with the bits of the scalar form: nearest, bilinear,
-//! trilinear and anisotropic on integer textures of any size under any wrap, on SSE2, AVX2, AVX-512 and
-//! NEON (repeating over powers of two is the fast case). All else runs one at a time with the same results.
+//! trilinear and anisotropic on integer textures of any size under any wrap, and the first three in cubes, on
+//! SSE2, AVX2, AVX-512 and NEON (repeating over powers of two is the fast case). All else runs one at a time with
+//! the same results.
 #![cfg_attr(not(feature = "std"), no_std)]
 #![forbid(unsafe_code)]
 extern crate alloc;
@@ -65,7 +66,7 @@ mod wrap;
 
 pub use atlas::AtlasRect;
 pub use compare::Compare;
-pub use cube::{TextureCube, cube_direction, cube_face};
+pub use cube::{Directions, TextureCube, cube_direction, cube_face, sample_cube_columns};
 pub use error::SampleError;
 pub use march::{MOST_STEPS, OPAQUE, Seen, Volume};
 pub use pattern::{Pattern, gradient_noise};

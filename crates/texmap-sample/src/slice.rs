@@ -262,6 +262,39 @@ pub(crate) fn check(what: &'static str, expected: usize, got: usize) -> Result<(
     }
 }
 
+/// Runs `$run` with the vector unit of a level as `$s`; false where there is none, and the scalar twin stands in with the same bits.
+/// SSE4.2 runs the SSE2 build, which is as fast (see `benches/results/sample_speed.md`).
+macro_rules! on_lanes {
+    ($level:expr, $s:ident => $run:expr) => {
+        match $level {
+            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+            Level::Avx512($s) => {
+                $run;
+                true
+            }
+            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+            Level::Avx2($s) => {
+                $run;
+                true
+            }
+            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+            level @ (Level::Sse4_2(_) | Level::Sse2(_)) => level.as_sse2().map(|$s| $run).is_some(),
+            #[cfg(target_arch = "aarch64")]
+            Level::Neon($s) => {
+                $run;
+                true
+            }
+            #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
+            Level::WasmSimd128($s) => {
+                $run;
+                true
+            }
+            _ => false,
+        }
+    };
+}
+pub(crate) use on_lanes;
+
 #[derive(Clone, Copy)]
 struct Batch<'a> {
     sampler: &'a Sampler,
@@ -273,26 +306,9 @@ struct Batch<'a> {
 }
 
 impl Batch<'_> {
-    /// False where there is no vector unit: there the scalar twin stands in, with the same bits. SSE4.2
-    /// runs the SSE2 build, which is as fast (see `benches/results/sample_speed.md`).
+    /// False where there is no vector unit.
     fn run(&self, level: Level, out: Out<'_>) -> bool {
-        match level {
-            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-            Level::Avx512(s) => self.on(s, out),
-            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-            Level::Avx2(s) => self.on(s, out),
-            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-            Level::Sse4_2(_) | Level::Sse2(_) => match level.as_sse2() {
-                Some(s) => self.on(s, out),
-                None => return false,
-            },
-            #[cfg(target_arch = "aarch64")]
-            Level::Neon(s) => self.on(s, out),
-            #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
-            Level::WasmSimd128(s) => self.on(s, out),
-            _ => return false,
-        }
-        true
+        on_lanes!(level, s => self.on(s, out))
     }
 
     fn on<S: Simd>(&self, s: S, out: Out<'_>) {

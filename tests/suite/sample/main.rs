@@ -1,6 +1,7 @@
 //! Laws and regressions of the sampler.
 
 mod conformance;
+mod cubes;
 mod filters;
 mod lanes;
 mod levels;

@@ -20,7 +20,7 @@ fn to_float<S: Simd>(c: u32x16<S>) -> f32x16<S> {
 }
 
 #[inline(always)]
-fn fetch<S: Simd, const FORMAT: u8>(s: S, view: &View<'_>, word: u32x16<S>) -> Color<S> {
+pub(crate) fn fetch<S: Simd, const FORMAT: u8>(s: S, view: &View<'_>, word: u32x16<S>) -> Color<S> {
     match FORMAT {
         RGBA16 => {
             let a = gather(s, view.words, word);
@@ -72,7 +72,7 @@ fn tap<S: Simd, const FORMAT: u8>(s: S, view: &View<'_>, place: Place<S>) -> Col
 }
 
 #[inline(always)]
-fn mix<S: Simd, const FORMAT: u8>(a: Color<S>, b: Color<S>, w: f32x16<S>) -> Color<S> {
+pub(crate) fn mix<S: Simd, const FORMAT: u8>(a: Color<S>, b: Color<S>, w: f32x16<S>) -> Color<S> {
     [
         a[0] + (b[0] - a[0]) * w,
         a[1] + (b[1] - a[1]) * w,
@@ -133,7 +133,7 @@ pub fn bilinear_lanes<S: Simd, const FORMAT: u8>(
 }
 
 #[inline(always)]
-fn scaled<S: Simd>(c: Color<S>, view: &View<'_>) -> Color<S> {
+pub(crate) fn scaled<S: Simd>(c: Color<S>, view: &View<'_>) -> Color<S> {
     [
         c[0] * view.scale,
         c[1] * view.scale,
@@ -201,17 +201,17 @@ pub fn trilinear_lanes<S: Simd, const FORMAT: u8>(
 }
 
 /// The levels that each lane reads, found once and used by every probe.
-struct Levels<S: Simd> {
-    fine: At<S>,
-    coarse: At<S>,
-    weight: f32x16<S>,
+pub(crate) struct Levels<S: Simd> {
+    pub(crate) fine: At<S>,
+    pub(crate) coarse: At<S>,
+    pub(crate) weight: f32x16<S>,
     /// Some lane blends two levels.
-    blends: bool,
+    pub(crate) blends: bool,
 }
 
 impl<S: Simd> Levels<S> {
     #[inline(always)]
-    fn new(s: S, view: &View<'_>, lod: f32x16<S>) -> Self {
+    pub(crate) fn new(s: S, view: &View<'_>, lod: f32x16<S>) -> Self {
         let (zero, zero_i) = (f32x16::splat(s, 0.0), i32x16::splat(s, 0));
         let magnified = lod.simd_le(zero);
         let top = f32x16::splat(s, view.last as f32);
@@ -257,7 +257,7 @@ impl<S: Simd> Levels<S> {
 }
 
 #[inline(always)]
-fn select<S: Simd>(mask: mask32x16<S>, a: Color<S>, b: Color<S>) -> Color<S> {
+pub(crate) fn select<S: Simd>(mask: mask32x16<S>, a: Color<S>, b: Color<S>) -> Color<S> {
     [
         mask.select(a[0], b[0]),
         mask.select(a[1], b[1]),

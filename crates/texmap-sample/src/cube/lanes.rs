@@ -1,0 +1,242 @@
+//! Cube look-ups sixteen at a time, with the bits of [`Sampler::sample_cube`].
+
+use super::TextureCube;
+use crate::{
+    error::SampleError,
+    filter::gl_of,
+    lanes::{
+        At, Kind, RGBA8, RGBA16, View,
+        float::{Color, Levels, fetch, limit_lanes, mix, scaled, select},
+    },
+    sampler::{Mip, Sampler, Texel},
+    slice::{check, on_lanes},
+    texels::Format,
+};
+use texmap_math::{
+    Level,
+    fearless_simd::{f32x16, i32x16, mask32x16, prelude::*},
+    lanes::{floor_to_i32, load_tail, store_tail},
+};
+
+/// Directions to look along, each value in a slice of its own.
+#[derive(Clone, Copy, Debug)]
+pub struct Directions<'a> {
+    /// Components, of any length.
+    pub x: &'a [f32],
+    /// Components.
+    pub y: &'a [f32],
+    /// Components.
+    pub z: &'a [f32],
+    /// Levels of detail; without them every look-up has level 0.
+    pub lod: Option<&'a [f32]>,
+}
+
+/// [`Sampler::sample_cube`] over columns, dispatched once: the same bits, entry by entry.
+///
+/// # Errors
+/// Slices of different lengths.
+pub fn sample_cube_columns(
+    level: Level,
+    sampler: &Sampler,
+    t: &TextureCube<'_>,
+    at: &Directions<'_>,
+    mut out: [&mut [f32]; 4],
+) -> Result<(), SampleError> {
+    check("y", at.x.len(), at.y.len())?;
+    check("z", at.x.len(), at.z.len())?;
+    if let Some(lod) = at.lod {
+        check("lod", at.x.len(), lod.len())?;
+    }
+    for column in &out {
+        check("out", at.x.len(), column.len())?;
+    }
+    let batch = Batch { sampler, t, at };
+    let lanes = batch
+        .view()
+        .is_some_and(|view| on_lanes!(level, s => batch.on(s, &view, &mut out)));
+    if !lanes {
+        for i in 0..at.x.len() {
+            batch.one(i, &mut out);
+        }
+    }
+    Ok(())
+}
+
+struct Batch<'a> {
+    sampler: &'a Sampler,
+    t: &'a TextureCube<'a>,
+    at: &'a Directions<'a>,
+}
+
+impl<'a> Batch<'a> {
+    /// `None` for filters and texels that have no lanes.
+    fn view(&self) -> Option<View<'a>> {
+        let kind = match gl_of(self.sampler.filter) {
+            (Texel::Nearest, Texel::Nearest, Mip::None) => Kind::Nearest,
+            (Texel::Linear, Texel::Linear, Mip::None) => Kind::Bilinear,
+            (Texel::Linear, Texel::Linear, Mip::Linear) => Kind::Trilinear,
+            _ => return None,
+        };
+        let format = match self.t.chain.format {
+            Format::Rgba8 => RGBA8,
+            Format::Rgba16 => RGBA16,
+            Format::Rgba32 | Format::R32 => return None,
+        };
+        View::prepared(self.sampler, &self.t.chain, kind, format)
+    }
+
+    fn one(&self, i: usize, out: &mut [&mut [f32]; 4]) {
+        let at = self.at;
+        let lod = at.lod.map_or(0.0, |lod| lod[i]);
+        let c = self
+            .sampler
+            .sample_cube(self.t, [at.x[i], at.y[i], at.z[i]], lod);
+        for (out, c) in out.iter_mut().zip(c) {
+            out[i] = c;
+        }
+    }
+
+    fn on<S: Simd>(&self, s: S, view: &View<'_>, out: &mut [&mut [f32]; 4]) {
+        match view.format {
+            RGBA8 => self.format::<S, RGBA8>(s, view, out),
+            _ => self.format::<S, RGBA16>(s, view, out),
+        }
+    }
+
+    fn format<S: Simd, const FORMAT: u8>(&self, s: S, view: &View<'_>, out: &mut [&mut [f32]; 4]) {
+        s.vectorize(
+            #[inline(always)]
+            || {
+                let flat = f32x16::splat(s, 0.0);
+                for first in (0..self.at.x.len()).step_by(16) {
+                    let d = [
+                        load_tail(s, &self.at.x[first..]),
+                        load_tail(s, &self.at.y[first..]),
+                        load_tail(s, &self.at.z[first..]),
+                    ];
+                    let lod = self.at.lod.map_or(flat, |lod| load_tail(s, &lod[first..]));
+                    let (c, beyond) = look::<S, FORMAT>(s, view, d, lod);
+                    let end = self.at.x.len().min(first + 16);
+                    for (c, out) in c.into_iter().zip(out.iter_mut()) {
+                        store_tail(c, &mut out[first..end]);
+                    }
+                    if beyond.any_true() {
+                        let beyond = beyond.to_bitmask();
+                        for i in (first..end).filter(|i| beyond >> (i - first) & 1 == 1) {
+                            self.one(i, out);
+                        }
+                    }
+                }
+            },
+        );
+    }
+}
+
+/// The colours, and the lanes whose texels lie on more than one face: these have no meaning here.
+#[inline(always)]
+fn look<S: Simd, const FORMAT: u8>(
+    s: S,
+    view: &View<'_>,
+    direction: [f32x16<S>; 3],
+    lod: f32x16<S>,
+) -> (Color<S>, mask32x16<S>) {
+    let place = Place::new(s, direction);
+    let (c, beyond) = match view.kind {
+        Kind::Nearest => {
+            let at = At::uniform(s, view, 0);
+            let c = place.nearest::<FORMAT>(s, view, &at);
+            (c, mask32x16::splat(s, false))
+        }
+        Kind::Bilinear => place.bilinear::<FORMAT>(s, view, &At::uniform(s, view, 0)),
+        _ => {
+            let levels = Levels::new(s, view, limit_lanes(s, view, lod));
+            let (c, beyond) = place.bilinear::<FORMAT>(s, view, &levels.fine);
+            if levels.blends {
+                let two = levels.weight.simd_gt(f32x16::splat(s, 0.0));
+                let (next, past) = place.bilinear::<FORMAT>(s, view, &levels.coarse);
+                let blended = mix::<S, FORMAT>(c, next, levels.weight);
+                (select(two, blended, c), beyond | (past & two))
+            } else {
+                (c, beyond)
+            }
+        }
+    };
+    (scaled(c, view), beyond)
+}
+
+/// Scalar [`cube_face`](super::cube_face) for sixteen.
+struct Place<S: Simd> {
+    face: i32x16<S>,
+    s: f32x16<S>,
+    t: f32x16<S>,
+}
+
+impl<S: Simd> Place<S> {
+    #[inline(always)]
+    fn new(s: S, [x, y, z]: [f32x16<S>; 3]) -> Self {
+        let (zero, one) = (f32x16::splat(s, 0.0), f32x16::splat(s, 1.0));
+        let most = f32x16::splat(s, f32::MAX);
+        let (ax, ay, az) = (x.abs(), y.abs(), z.abs());
+        let finite = ax.simd_le(most) & ay.simd_le(most) & az.simd_le(most);
+        let some = ax.simd_gt(zero) | ay.simd_gt(zero) | az.simd_gt(zero);
+        let good = finite & some;
+        let on_z = az.simd_ge(ax) & az.simd_ge(ay);
+        let on_y = ay.simd_ge(ax);
+        let along = |of_z: f32x16<S>, of_y: f32x16<S>, of_x: f32x16<S>| {
+            on_z.select(of_z, on_y.select(of_y, of_x))
+        };
+        let front = along(z, y, x).simd_gt(zero);
+        let major = good.select(along(az, ay, ax), one);
+        let right = along(front.select(x, -x), x, front.select(-z, z));
+        let down = along(-y, front.select(z, -z), -y);
+        let axis = |k: i32| i32x16::splat(s, k);
+        let face = on_z.select(axis(4), on_y.select(axis(2), axis(0)));
+        let face = front.select(face, face + 1);
+        let unit = |c: f32x16<S>| good.select(c, zero) / major * 0.5 + 0.5;
+        Self {
+            face: good.select(face, axis(4)),
+            s: unit(right),
+            t: unit(down),
+        }
+    }
+
+    /// Texels before a place of the face in a level.
+    #[inline(always)]
+    fn texel(&self, at: &At<S>, i: i32x16<S>, j: i32x16<S>) -> i32x16<S> {
+        (self.face * at.width + j) * at.width + i
+    }
+
+    #[inline(always)]
+    fn nearest<const FORMAT: u8>(&self, s: S, view: &View<'_>, at: &At<S>) -> Color<S> {
+        let (zero, last) = (i32x16::splat(s, 0), at.width - 1);
+        let index = |c: f32x16<S>| {
+            let i = floor_to_i32(s, c * at.units_x);
+            let i = i.simd_gt(zero).select(i, zero);
+            i.simd_lt(last).select(i, last)
+        };
+        let texel = self.texel(at, index(self.s), index(self.t));
+        fetch::<S, FORMAT>(s, view, at.word::<FORMAT>(texel))
+    }
+
+    /// Four texels of one face; the lanes that need those of others.
+    #[inline(always)]
+    fn bilinear<const FORMAT: u8>(
+        &self,
+        s: S,
+        view: &View<'_>,
+        at: &At<S>,
+    ) -> (Color<S>, mask32x16<S>) {
+        let zero = i32x16::splat(s, 0);
+        let (x, y) = (self.s * at.units_x - 0.5, self.t * at.units_x - 0.5);
+        let (i, j) = (floor_to_i32(s, x), floor_to_i32(s, y));
+        let (wx, wy) = (x - i.to_float::<f32x16<S>>(), y - j.to_float::<f32x16<S>>());
+        let last = at.width - 1;
+        let inside = i.simd_ge(zero) & j.simd_ge(zero) & i.simd_lt(last) & j.simd_lt(last);
+        let texel = inside.select(self.texel(at, i, j), zero);
+        let below = inside.select(texel + at.width, zero);
+        let tap = |texel| fetch::<S, FORMAT>(s, view, at.word::<FORMAT>(texel));
+        let top = mix::<S, FORMAT>(tap(texel), tap(texel + 1), wx);
+        let bottom = mix::<S, FORMAT>(tap(below), tap(below + 1), wx);
+        (mix::<S, FORMAT>(top, bottom, wy), !inside)
+    }
+}
