@@ -13,7 +13,7 @@ use texmap_lab::bench_scenes::{
     cube_face, light_matrix, lit_meshes, mip_chain, normal, slide, slide_matrix, turn,
 };
 
-use crate::llvmpipe::{GpuMesh, Target, levels, program_of, target, target_texture, upload};
+use crate::gl::{GpuMesh, Target, levels, program_of, target, target_texture, upload};
 
 /// Positions, normals and tangents in world space; the coordinates of map or slide.
 const VERTEX: &str = "#version 330 core

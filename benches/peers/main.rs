@@ -15,6 +15,7 @@
 #![allow(clippy::print_stdout, reason = "the rows are the output")]
 
 mod effects;
+mod gl;
 mod llvmpipe;
 mod texmap;
 

@@ -3,43 +3,33 @@
 //!
 //! `cargo run --release -p texmap-benches --features rust-peers --bin rust-peers` writes `benches/results/rust_peers.md`.
 //!
-//! The pictures are compared with the f64 truth before any time counts. euc has no sampler and gets a look-up of four operations;
-//! retrofire's is its `SamplerRepeatPot`. Neither has filters, mip maps or threads: texmap draws on one thread, and beside it with
-//! trilinear filtering, which the others cannot.
+//! The pictures are compared with the f64 truth before any time counts. The others have neither filters, mip maps nor threads: texmap
+//! draws on one thread, and beside it with trilinear filtering, which the others cannot.
 
 #![allow(clippy::print_stdout, reason = "the rows are the output")]
 
-use std::error::Error;
+mod registry;
+
 use std::fmt::Write;
 use std::path::Path;
 use std::time::Instant;
 
-use euc::Target as _;
-use euc::buffer::Buffer2d;
-use euc::rasterizer::{BackfaceCullingDisabled, Triangles};
-use retrofire_core::geom::{Tri, Vertex, tri, vertex};
-use retrofire_core::math::{Color4, ProjVec3, Vector, pt2, rgba, viewport};
-use retrofire_core::render::tex::SamplerRepeatPot;
-use retrofire_core::render::{Colorbuf, Context, Frag, Framebuf, TexCoord, Texture, shader, uv};
-use retrofire_core::util::pixfmt::Rgba8888;
-use retrofire_core::util::{Buf2, Dims};
+use registry::{Euc, Outcome, Racer, Retrofire, Texmap};
 use texmap_benches::textures::squares;
+use texmap_lab::chart::decal_scene;
 use texmap_lab::truth::rays::{RayObject, RayScene};
 use texmap_math::camera::Camera;
-use texmap_math::glam::{DMat4, DVec3};
-use texmap_render::{
-    ColorMode, Frame, Material, Mesh, Renderer, Scene, Settings, Shading, TextureRole, TextureSlot,
-};
-use texmap_sample::{Filter, Precision, Sampler, Texture2d, UvTransform};
+use texmap_math::glam::DVec3;
+use texmap_render::{Mesh, Scene};
+use texmap_sample::{Filter, Precision, Sampler};
 
 const WIDTH: u32 = 1920;
 const HEIGHT: u32 = 1080;
+const SIZE: [u32; 2] = [WIDTH, HEIGHT];
 /// Texels a side.
 const SIDE: u32 = 256;
 const ROUNDS: usize = 7;
 const BACKGROUND: [u8; 4] = [26, 51, 77, 255];
-
-type Outcome<T> = Result<T, Box<dyn Error>>;
 
 fn main() -> Outcome<()> {
     if let Some(core) = core_affinity::get_core_ids().and_then(|cores| cores.first().copied()) {
@@ -47,14 +37,14 @@ fn main() -> Outcome<()> {
     }
     let mut out = String::from(HEADER);
     for (name, mesh) in [("floor", floor()), ("torus, 100k triangles", torus())] {
-        let scene = scene(&mesh, Filter::Nearest)?;
+        let scene = scene(&mesh, Filter::Nearest);
         let truth = truth(&scene)?;
-        let filtered = self::scene(&mesh, Filter::Trilinear)?;
+        let filtered = self::scene(&mesh, Filter::Trilinear);
         let mut racers: Vec<(&str, Box<dyn Racer>)> = vec![
-            ("texmap", Box::new(Texmap::new(&scene)?)),
-            ("texmap, trilinear", Box::new(Texmap::new(&filtered)?)),
-            ("euc 0.5.3", Box::new(Euc::new(&scene)?)),
-            ("retrofire 0.4.0", Box::new(Retrofire::new(&scene)?)),
+            ("texmap", Box::new(Texmap::new(&scene, SIZE)?)),
+            ("texmap, trilinear", Box::new(Texmap::new(&filtered, SIZE)?)),
+            ("euc 0.5.3", Box::new(Euc::new(&scene, SIZE)?)),
+            ("retrofire 0.4.0", Box::new(Retrofire::new(&scene, SIZE)?)),
         ];
         let mut least = vec![f64::MAX; racers.len()];
         for _ in 0..ROUNDS {
@@ -118,225 +108,6 @@ fn truth(scene: &Scene) -> Outcome<Vec<[u8; 4]>> {
     Ok(picture)
 }
 
-/// A renderer with a scene made ready.
-trait Racer {
-    /// Clears and draws.
-    fn frame(&mut self);
-    /// RGBA, rows top to bottom.
-    fn picture(&self) -> Vec<u8>;
-}
-
-struct Texmap<'s> {
-    renderer: Renderer<'s>,
-    frame: Frame,
-}
-
-impl<'s> Texmap<'s> {
-    fn new(scene: &'s Scene) -> Outcome<Self> {
-        let mut settings = Settings::new(WIDTH, HEIGHT);
-        settings.threads = Some(1);
-        let renderer = Renderer::new(scene, &settings)?;
-        let frame = renderer.draw(&|_, _| {})?;
-        Ok(Self { renderer, frame })
-    }
-}
-
-impl Racer for Texmap<'_> {
-    fn frame(&mut self) {
-        let in_order = |blocks| (0..blocks).collect();
-        self.renderer
-            .draw_into(&mut self.frame, &|_, _| {}, &in_order)
-            .expect("what was drawn before is drawn again");
-    }
-
-    fn picture(&self) -> Vec<u8> {
-        self.frame.rgba.clone()
-    }
-}
-
-/// What both peers get: positions that one matrix takes to clip space, and texels.
-struct Given {
-    clip_from_object: [[f32; 4]; 4],
-    vertices: Vec<([f32; 3], [f32; 2])>,
-    triangles: Vec<[u32; 3]>,
-    texels: Vec<[u8; 4]>,
-}
-
-impl Given {
-    fn new(scene: &Scene) -> Outcome<Self> {
-        let aspect = f64::from(WIDTH) / f64::from(HEIGHT);
-        let projected = scene.camera.clip_from_world(aspect)?;
-        // From 1 at the near plane and 0 at the far one to -1 and 1.
-        let turned = DMat4::from_cols_array(&[
-            1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, -2.0, 0.0, 0.0, 0.0, 1.0, 1.0,
-        ]);
-        let rows = (turned * projected).transpose().to_cols_array_2d();
-        let mesh = &scene.meshes[0];
-        let texture = &scene.textures[0];
-        let texel = |i: u32| texture.texel(0, i % SIDE, i / SIDE).unwrap_or_default();
-        Ok(Self {
-            clip_from_object: rows.map(|row| row.map(|c| c as f32)),
-            vertices: mesh
-                .positions
-                .iter()
-                .copied()
-                .zip(mesh.uvs.iter().copied())
-                .collect(),
-            triangles: mesh.triangles.clone(),
-            texels: (0..SIDE * SIDE)
-                .map(|i| texel(i).map(|c| (c * 255.0 + 0.5) as u8))
-                .collect(),
-        })
-    }
-
-    fn clip(&self, [x, y, z]: [f32; 3]) -> [f32; 4] {
-        self.clip_from_object
-            .map(|r| r[0] * x + r[1] * y + r[2] * z + r[3])
-    }
-}
-
-struct Euc {
-    given: Given,
-    corners: Vec<u32>,
-    color: Buffer2d<[u8; 4]>,
-    depth: Buffer2d<f32>,
-}
-
-impl Euc {
-    fn new(scene: &Scene) -> Outcome<Self> {
-        let given = Given::new(scene)?;
-        let size = [WIDTH as usize, HEIGHT as usize];
-        Ok(Self {
-            corners: given.triangles.as_flattened().to_vec(),
-            given,
-            color: Buffer2d::new(size, BACKGROUND),
-            depth: Buffer2d::new(size, 1.0),
-        })
-    }
-}
-
-struct Shaders<'g>(&'g Given);
-
-/// Coordinates in texels.
-#[derive(Clone, Copy)]
-struct Place([f32; 2]);
-
-impl euc::Interpolate for Place {
-    #[inline(always)]
-    fn lerp2(a: Self, b: Self, x: f32, y: f32) -> Self {
-        Self([0, 1].map(|k| a.0[k] * x + b.0[k] * y))
-    }
-
-    #[inline(always)]
-    fn lerp3(a: Self, b: Self, c: Self, x: f32, y: f32, z: f32) -> Self {
-        Self([0, 1].map(|k| a.0[k] * x + b.0[k] * y + c.0[k] * z))
-    }
-}
-
-impl euc::Pipeline for Shaders<'_> {
-    type Vertex = u32;
-    type VsOut = Place;
-    type Pixel = [u8; 4];
-
-    #[inline(always)]
-    fn vert(&self, vertex: &u32) -> ([f32; 4], Place) {
-        let (position, uv) = self.0.vertices[*vertex as usize];
-        (self.0.clip(position), Place(uv.map(|c| c * SIDE as f32)))
-    }
-
-    #[inline(always)]
-    fn frag(&self, Place([u, v]): &Place) -> [u8; 4] {
-        let [x, y] = [u, v].map(|c| c.floor() as i32 as u32 & (SIDE - 1));
-        self.0.texels[(y * SIDE + x) as usize]
-    }
-}
-
-impl Racer for Euc {
-    fn frame(&mut self) {
-        self.color.clear(BACKGROUND);
-        self.depth.clear(1.0);
-        euc::Pipeline::draw::<Triangles<'_, _, BackfaceCullingDisabled>, _>(
-            &Shaders(&self.given),
-            &self.corners,
-            &mut self.color,
-            Some(&mut self.depth),
-        );
-    }
-
-    fn picture(&self) -> Vec<u8> {
-        self.color.as_ref().as_flattened().to_vec()
-    }
-}
-
-struct Retrofire {
-    given: Given,
-    vertices: Vec<Vertex<[f32; 3], TexCoord>>,
-    triangles: Vec<Tri<usize>>,
-    texture: Texture<Buf2<Color4>>,
-    sampler: SamplerRepeatPot,
-    target: Framebuf<Colorbuf<Buf2<[u8; 4]>, Rgba8888>, Buf2<f32>>,
-}
-
-impl Retrofire {
-    fn new(scene: &Scene) -> Outcome<Self> {
-        let given = Given::new(scene)?;
-        let texels = given.texels.iter().map(|[r, g, b, a]| rgba(*r, *g, *b, *a));
-        let texture = Texture::from(Buf2::new_from(Dims(SIDE, SIDE), texels));
-        let size = Dims(WIDTH, HEIGHT);
-        Ok(Self {
-            vertices: given
-                .vertices
-                .iter()
-                .map(|(position, [u, v])| vertex(*position, uv(*u, *v)))
-                .collect(),
-            triangles: given
-                .triangles
-                .iter()
-                .map(|t| tri(t[0] as usize, t[1] as usize, t[2] as usize))
-                .collect(),
-            sampler: SamplerRepeatPot::new(&texture),
-            texture,
-            given,
-            target: Framebuf {
-                color_buf: Colorbuf::new(Buf2::new(size)),
-                depth_buf: Buf2::new(size),
-            },
-        })
-    }
-}
-
-impl Racer for Retrofire {
-    fn frame(&mut self) {
-        self.target.color_buf.buf.fill(BACKGROUND);
-        // Reciprocals of w: far away is 0.
-        self.target.depth_buf.fill(0.0);
-        let (given, sampler, texture) = (&self.given, &self.sampler, &self.texture);
-        let shader = shader::new(
-            |v: Vertex<[f32; 3], TexCoord>, (): ()| {
-                let clip: ProjVec3 = Vector::new(given.clip(v.pos));
-                vertex(clip, v.attrib)
-            },
-            |frag: Frag<TexCoord>, (): ()| sampler.sample(texture, frag.var),
-        );
-        retrofire_core::render::render(
-            &self.triangles,
-            &self.vertices,
-            &shader,
-            (),
-            viewport(pt2(0, HEIGHT)..pt2(WIDTH, 0)),
-            &mut self.target,
-            &Context {
-                face_cull: None,
-                ..Context::default()
-            },
-        );
-    }
-
-    fn picture(&self) -> Vec<u8> {
-        self.target.color_buf.buf.data().as_flattened().to_vec()
-    }
-}
-
 /// A plane to the horizon, all of it before the eye: euc does not clip.
 fn floor() -> Mesh {
     Mesh {
@@ -377,39 +148,22 @@ fn torus() -> Mesh {
     mesh
 }
 
-fn scene(mesh: &Mesh, filter: Filter) -> Outcome<Scene> {
-    let texture: Texture2d<'static> = squares(SIDE);
+fn scene(mesh: &Mesh, filter: Filter) -> Scene {
+    let texture = squares(SIDE);
     let sampler = Sampler {
         filter,
         precision: Precision::Fast,
         ..Sampler::default()
     };
-    Ok(Scene {
-        camera: Camera {
-            eye: DVec3::new(0.0, 0.6, 0.0),
-            look: DVec3::new(0.0, -0.3, -4.0),
-            up: DVec3::Y,
-            fov_x: 80f64.to_radians(),
-            near: 0.1,
-            far: 1000.0,
-        },
-        background: BACKGROUND.map(|c| f32::from(c) / 255.0),
-        color: ColorMode::Raw,
-        depth_test: Default::default(),
-        lights: Vec::new(),
-        textures: vec![texture.with_mips()],
-        materials: vec![Material {
-            base_color: Some(TextureSlot {
-                texture: 0,
-                sampler,
-                transform: UvTransform::default(),
-            }),
-            shading: Shading::Unlit,
-            texture_role: TextureRole::Decal,
-            ..Material::default()
-        }],
-        meshes: vec![mesh.clone()],
-        effects: Default::default(),
-        warnings: Vec::new(),
-    })
+    let camera = Camera {
+        eye: DVec3::new(0.0, 0.6, 0.0),
+        look: DVec3::new(0.0, -0.3, -4.0),
+        up: DVec3::Y,
+        fov_x: 80f64.to_radians(),
+        near: 0.1,
+        far: 1000.0,
+    };
+    let mut scene = decal_scene(camera, mesh.clone(), texture, sampler);
+    scene.background = BACKGROUND.map(|c| f32::from(c) / 255.0);
+    scene
 }

@@ -3,8 +3,19 @@
 //! 256x256 pixels, eye (0, -3, 1) to (0.3, 0, 0.35), up +z, 60 degrees; the plane z = 0 with
 //! x in [-10, 10], y in [-2.5, 20], uv = (x/4, y/4), a repeated 512x512 texture. The texture may lie turned and magnified.
 
+use texmap_math::camera::Camera;
+use texmap_math::glam::DVec3;
 use texmap_math::{Footprint, det};
 use texmap_sample::{Alpha, ColorSpace, Image, Origin, Sampler, Texels, Texture2d};
+
+const EYE: DVec3 = DVec3::new(0.0, -3.0, 1.0);
+const LOOK: DVec3 = DVec3::new(0.3, 0.0, 0.35);
+/// Where the plane ends.
+const LOW: [f64; 2] = [-10.0, -2.5];
+const HIGH: [f64; 2] = [10.0, 20.0];
+
+/// Distance of what is drawn: nothing that is seen is nearer.
+const NEAR: f64 = 0.05;
 
 /// Pixels a side of the picture.
 pub const SIDE: usize = 256;
@@ -52,6 +63,12 @@ impl Pattern {
     pub fn bytes(self) -> Vec<u8> {
         let code = |t: f32| (t * 255.0 + 0.5).floor() as u8;
         self.texels().into_iter().map(code).collect()
+    }
+
+    /// The same, grey and opaque: four bytes a texel.
+    pub fn rgba(self) -> Vec<u8> {
+        let bytes = self.bytes().into_iter();
+        bytes.flat_map(|c| [c, c, c, 255]).collect()
     }
 
     /// Row by row.
@@ -154,7 +171,7 @@ fn hit(view: View, x: f64, y: f64) -> Option<Hit> {
     }
     let t = -1.0 / d[2];
     let p = [t * d[0], -3.0 + t * d[1]];
-    if p[0].abs() > 10.0 || !(-2.5..=20.0).contains(&p[1]) {
+    if (0..2).any(|k| !(LOW[k]..=HIGH[k]).contains(&p[k])) {
         return None;
     }
     let slope = |step: [f64; 3]| {
@@ -192,6 +209,44 @@ impl TiltedPlane {
             }
         }
         Self { view, hits }
+    }
+
+    /// The camera, for programs that draw the plane.
+    pub fn camera() -> Camera {
+        Camera {
+            eye: EYE,
+            look: LOOK,
+            up: DVec3::Z,
+            fov_x: core::f64::consts::FRAC_PI_3,
+            near: NEAR,
+            far: 100.0,
+        }
+    }
+
+    /// Corners and coordinates of the part of the plane before the eye, a convex polygon, for programs that draw it: not all of
+    /// them clip.
+    pub fn polygon(&self) -> Vec<(DVec3, [f64; 2])> {
+        let corners = [
+            [LOW[0], LOW[1]],
+            [HIGH[0], LOW[1]],
+            [HIGH[0], HIGH[1]],
+            [LOW[0], HIGH[1]],
+        ]
+        .map(|[x, y]| DVec3::new(x, y, 0.0));
+        let ahead = |p: DVec3| (p - EYE).dot((LOOK - EYE).normalize()) - NEAR;
+        let mut out = Vec::new();
+        for (a, b) in corners.into_iter().zip(corners.into_iter().cycle().skip(1)) {
+            let (before, after) = (ahead(a), ahead(b));
+            if before > 0.0 {
+                out.push(a);
+            }
+            if (before > 0.0) != (after > 0.0) {
+                out.push(a + (b - a) * (before / (before - after)));
+            }
+        }
+        out.into_iter()
+            .map(|p| (p, self.view.uv([p.x, p.y])))
+            .collect()
     }
 
     /// Column, row and coordinates of each counted pixel.

@@ -51,6 +51,11 @@ pub(crate) fn run(args: &ChartArgs) -> Result<Exit, Failure> {
     for path in &args.output {
         outputs.push((Kind::of(path)?, Destination::new(path)?));
     }
+    // What cannot be written is refused before anything is measured.
+    let charts = args.svg.as_ref().map(|folder| folder.join("chart.svg"));
+    for path in charts.iter().chain(&args.prices) {
+        Stage::new(&Destination::new(path)?)?;
+    }
     let first = outputs[0].1.clone();
     let mut stage = Stage::new(&first)?;
     let effort = if args.quick {

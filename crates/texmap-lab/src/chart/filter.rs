@@ -7,11 +7,9 @@ use texmap_sample::{
 };
 
 use super::time::{Effort, interleaved};
-use super::{Across, Error, Panel, Point, SceneChart, Source};
+use super::{Across, Panel, PlaneScene, Point, SceneChart, Source};
 use crate::LabError;
-use crate::picture::Picture;
-use crate::plane::{Pattern, TEXELS, TiltedPlane, Truth, View, nearest, sines};
-use crate::strip::heat;
+use crate::plane::{Pattern, TEXELS};
 
 /// A way to a pixel's value.
 #[derive(Clone, Debug, PartialEq)]
@@ -75,118 +73,56 @@ fn methods(magnified: bool) -> Vec<Method> {
     out
 }
 
-/// What the others measured on the same scenes with a box truth (RMSE: checker, sines, noise); not timed here.
-const EXTERNAL: &[(&str, [f64; 3])] = &[
-    ("llvmpipe 22.3.6 bilinear", [0.222, 0.114, 0.138]),
-    ("llvmpipe 22.3.6 trilinear", [0.083, 0.077, 0.067]),
-    ("llvmpipe 22.3.6 anisotropic 16", [0.065, 0.031, 0.062]),
-    ("OpenImageIO 3.2 trilinear", [0.078, 0.073, 0.063]),
-    ("OpenImageIO 3.2 anisotropic 16", [0.055, 0.030, 0.026]),
-];
-
 pub(super) fn panel(effort: Effort) -> Result<Panel, LabError> {
-    let bytes = Pattern::ALL.map(Pattern::bytes);
-    let value = |p: &[u8], at| f64::from(p[nearest(at)]) / 255.0;
-    let plain = TiltedPlane::default();
-    let [boxed, gaussian] = [Truth::Box, Truth::Gaussian].map(|truth| {
-        plain.truth_by(truth, effort.grid, |at| {
-            bytes.each_ref().map(|p| value(p, at))
-        })
-    });
-    let grid = effort.grid;
-    let told = format!("mean of {grid} x {grid} nearest look-ups over the pixel's square");
-    let mut charts = Vec::new();
-    let mut soft = Vec::new();
-    for (k, (pattern, bytes)) in Pattern::ALL.into_iter().zip(&bytes).enumerate() {
-        let name = format!("{pattern:?}").to_lowercase();
-        let scene = Scene::new(&plain, bytes)?;
-        let truth: Vec<f64> = boxed.iter().map(|t| t[k]).collect();
-        let (mut points, values) = scene.measure(effort, &methods(false), &truth)?;
-        let blurred: Vec<f64> = gaussian.iter().map(|t| t[k]).collect();
-        soft.push(SceneChart {
-            id: format!("filtering-{name}-gaussian"),
-            title: format!("The tilted plane, {name}, truth: a Gaussian pixel"),
-            truth: "Gaussian of 0.5 pixels over +-2 pixels; the times are those above".to_owned(),
-            item: "pixel",
-            unit: "of 1",
-            across: Across::Time,
-            points: points
+    let mut charts: Vec<SceneChart> = Vec::new();
+    // What the methods gave on the patterns, which a Gaussian pixel judges anew.
+    let mut given: Vec<(Pattern, Vec<Vec<f64>>)> = Vec::new();
+    for scene in PlaneScene::all(effort.grid) {
+        let again = given
+            .iter()
+            .position(|g| g.0 == scene.pattern && scene.id.ends_with("gaussian"));
+        let points = if let Some(first) = again {
+            let of = |(point, values): (&Point, &Vec<f64>)| Point {
+                error: scene.error(values),
+                picture: Some(scene.picture(values)),
+                ..point.clone()
+            };
+            charts[first]
+                .points
                 .iter()
-                .zip(&values)
-                .map(|(p, v)| Point {
-                    error: error(v, &blurred),
-                    picture: Some(picture(&plain, v, &blurred)),
-                    ..p.clone()
-                })
-                .collect(),
-        });
-        points.extend(EXTERNAL.iter().map(|(method, rmse)| Point {
-            method: (*method).to_owned(),
-            source: Source::External,
-            time: None,
-            error: Error::rmse_only(rmse[k]),
-            bytes: None,
-            failures: Vec::new(),
-            picture: None,
-        }));
+                .zip(&given[first].1)
+                .map(of)
+                .collect()
+        } else {
+            let methods = methods(scene.id.ends_with("magnified"));
+            let (points, values) = Scene::new(&scene)?.measure(effort, &methods)?;
+            given.push((scene.pattern, values));
+            points
+        };
         charts.push(SceneChart {
-            id: format!("filtering-{name}"),
-            title: format!("The tilted plane, {name}, truth: the pixel's square"),
-            truth: told.clone(),
+            id: scene.id,
+            title: scene.title,
+            truth: scene.told,
             item: "pixel",
             unit: "of 1",
             across: Across::Time,
             points,
         });
     }
-    charts.extend(soft);
-    let turned = TiltedPlane::new(View {
-        turn: 30f64.to_radians(),
-        magnify: 1.0,
-    });
-    let truth = turned.truth_by(Truth::Box, grid, |at| [value(&bytes[1], at)]);
-    charts.push(SceneChart {
-        id: "filtering-turned".to_owned(),
-        title: "The tilted plane, sines turned by 30 degrees".to_owned(),
-        truth: told,
-        item: "pixel",
-        unit: "of 1",
-        across: Across::Time,
-        points: Scene::new(&turned, &bytes[1])?
-            .measure(effort, &methods(false), truth.as_flattened())?
-            .0,
-    });
-    let large = TiltedPlane::new(View {
-        turn: 0.0,
-        magnify: 8.0,
-    });
-    let truth = large.truth_by(Truth::Box, grid.min(16), |[x, y]| {
-        [sines([x - 0.5, y - 0.5])]
-    });
-    charts.push(SceneChart {
-        id: "filtering-magnified".to_owned(),
-        title: "The tilted plane, sines magnified 8 times".to_owned(),
-        truth: "mean of the continuous waves over the pixel's square".to_owned(),
-        item: "pixel",
-        unit: "of 1",
-        across: Across::Time,
-        points: Scene::new(&large, &bytes[1])?
-            .measure(effort, &methods(true), truth.as_flattened())?
-            .0,
-    });
     Ok(Panel {
         id: "filtering",
         title: "Filtering",
         about: "42,037 pixels of a plane in perspective (fewer where it lies otherwise), a 512 x 512 texture of opaque \
                 linear bytes, look-ups over slices with analytic footprints. `fast` is texmap's 8-bit precision. \
                 Against a box truth Gaussian filters lose because they blur; against a Gaussian truth the order turns. \
-                A filter is hollow when NaN, infinite or huge coordinates and footprints give a value that is not finite.",
+                A filter is hollow when NaN, infinite or huge coordinates and footprints give a value that is not finite. \
+                Other programs draw the plane as a polygon into bytes.",
         charts,
     })
 }
 
 struct Scene<'p> {
-    plane: &'p TiltedPlane,
+    of: &'p PlaneScene,
     texture: Texture2d<'static>,
     table: SummedArea,
     u: Vec<f32>,
@@ -201,9 +137,10 @@ struct Out {
 }
 
 impl<'p> Scene<'p> {
-    fn new(plane: &'p TiltedPlane, bytes: &[u8]) -> Result<Self, LabError> {
+    fn new(of: &'p PlaneScene) -> Result<Self, LabError> {
         let side = TEXELS as u32;
-        let rgba = bytes.iter().flat_map(|&b| [b, b, b, 255]).collect();
+        let rgba = of.pattern.rgba();
+        let plane = &of.plane;
         let texture = Texture2d::from_rgba8(side, side, rgba, ColorSpace::Linear, Origin::TopLeft)?
             .with_mips();
         Ok(Self {
@@ -212,7 +149,7 @@ impl<'p> Scene<'p> {
             u: plane.places().map(|p| p.2[0] as f32).collect(),
             v: plane.places().map(|p| p.2[1] as f32).collect(),
             footprints: plane.footprints().collect(),
-            plane,
+            of,
         })
     }
 
@@ -221,7 +158,6 @@ impl<'p> Scene<'p> {
         &self,
         effort: Effort,
         methods: &[Method],
-        truth: &[f64],
     ) -> Result<(Vec<Point>, Vec<Vec<f64>>), LabError> {
         let new = || Out {
             floats: vec![[0.0; 4]; self.u.len()],
@@ -244,10 +180,10 @@ impl<'p> Scene<'p> {
                 method: method.name(),
                 source: method.source(),
                 time: None,
-                error: error(&values, truth),
+                error: self.of.error(&values),
                 bytes: None,
                 failures: self.failures(method),
-                picture: Some(picture(self.plane, &values, truth)),
+                picture: Some(self.of.picture(&values)),
             });
             all.push(values);
         }
@@ -369,27 +305,4 @@ impl<'p> Scene<'p> {
             vec![format!("{bad} senseless look-ups without a number")]
         }
     }
-}
-
-fn error(values: &[f64], truth: &[f64]) -> Error {
-    Error::of(values.iter().zip(truth).map(|(v, t)| v - t))
-}
-
-/// 128 x 128 pixels from the far edge of the plane and, beside them, their error: white from 0.25.
-fn picture(plane: &TiltedPlane, values: &[f64], truth: &[f64]) -> Picture {
-    const SIDE: i64 = 128;
-    let top = plane.places().map(|p| p.1).min().unwrap_or(0) as i64;
-    let mut picture = Picture::new(2 * SIDE as u32 + 2, SIDE as u32, [255; 4]);
-    picture.fill(0, 0, 2 * SIDE as u32 + 2, SIDE as u32, [96, 96, 128, 255]);
-    for (((x, y, _), value), truth) in plane.places().zip(values).zip(truth) {
-        let (x, y) = (x as i64 - 64, y as i64 - top);
-        if (0..SIDE).contains(&x) && (0..SIDE).contains(&y) {
-            // 16 greys are enough to see by, and compress.
-            let c = ((value.clamp(0.0, 1.0) * 15.0).round() * 17.0) as u8;
-            picture.set(x, y, [c, c, c, 255]);
-            let off = ((value - truth).abs() * 4.0 * 12.0).round() / 12.0;
-            picture.set(x + SIDE + 2, y, heat(off));
-        }
-    }
-    picture
 }

@@ -30,47 +30,56 @@ const MODES: [Interp; 12] = [
     Interp::WithinError(1.0),
 ];
 
-pub(super) fn panel(effort: Effort) -> Result<Panel, LabError> {
-    let mut charts = Vec::new();
-    for ratio in [1.02, 1.1, 2.0, 8.0, 64.0] {
-        let title = format!("A quad that fills the picture, w-ratio {ratio}");
-        charts.push(chart(
-            effort,
-            format!("interpolation-{ratio}"),
+/// A scene of this panel.
+#[derive(Clone, Debug)]
+pub struct QuadScene {
+    /// Short name, unique: that of the chart.
+    pub id: String,
+    /// What is drawn.
+    pub title: String,
+    /// The quad.
+    pub quad: UvScene,
+    /// w at the right edge where it is 1 at the left.
+    ratio: Option<f64>,
+}
+
+impl QuadScene {
+    /// All of them.
+    pub fn all() -> Vec<Self> {
+        let of = |id: String, title: String, quad: UvScene, ratio: Option<f64>| Self {
+            id: format!("interpolation-{id}"),
             title,
-            &UvScene::ratio(ratio),
-            Some(ratio),
-        )?);
+            quad,
+            ratio,
+        };
+        let mut scenes = [1.02, 1.1, 2.0, 8.0, 64.0]
+            .map(|ratio| {
+                let title = format!("A quad that fills the picture, w-ratio {ratio}");
+                of(ratio.to_string(), title, UvScene::ratio(ratio), Some(ratio))
+            })
+            .to_vec();
+        let title = "The conformance quad, w = 1.3, 0.8, 0.6, 2.0".to_owned();
+        scenes.push(of("cts".to_owned(), title, UvScene::cts_quad(), None));
+        let title = "The ground through the eye's plane, half-size 200".to_owned();
+        scenes.push(of("ground".to_owned(), title, UvScene::ground(200.0), None));
+        scenes
     }
-    let mut cts = chart(
-        effort,
-        "interpolation-cts".to_owned(),
-        "The conformance quad, w = 1.3, 0.8, 0.6, 2.0".to_owned(),
-        &UvScene::cts_quad(),
-        None,
-    )?;
-    // Mesa 22.3.6, f32 target: largest error 1.5e-7 of the range.
-    cts.points.push(Point {
-        method: "llvmpipe 22.3.6 (largest error)".to_owned(),
-        source: Source::External,
-        time: None,
-        error: Error {
-            rmse: 1.5e-7 * 1024.0,
-            p999: f64::NAN,
-            max: 1.5e-7 * 1024.0,
-        },
-        bytes: None,
-        failures: Vec::new(),
-        picture: None,
-    });
-    charts.push(cts);
-    charts.push(chart(
-        effort,
-        "interpolation-ground".to_owned(),
-        "The ground through the eye's plane, half-size 200".to_owned(),
-        &UvScene::ground(200.0),
-        None,
-    )?);
+
+    /// The error of an image over the pixels that both see, in texels, and what it lost or broke.
+    ///
+    /// # Errors
+    /// When the camera has no view.
+    pub fn judge(&self, found: &UvImage) -> Result<(Error, Vec<String>), LabError> {
+        let truth = self.quad.truth()?;
+        Ok((error(&self.quad, &truth, found), lost(&truth, found)))
+    }
+}
+
+pub(super) fn panel(effort: Effort) -> Result<Panel, LabError> {
+    let charts = QuadScene::all()
+        .into_iter()
+        .map(|scene| chart(effort, scene));
+    let charts = charts.collect::<Result<_, _>>()?;
     Ok(Panel {
         id: "interpolation",
         title: "Interpolation",
@@ -82,13 +91,8 @@ pub(super) fn panel(effort: Effort) -> Result<Panel, LabError> {
     })
 }
 
-fn chart(
-    effort: Effort,
-    id: String,
-    title: String,
-    scene: &UvScene,
-    ratio: Option<f64>,
-) -> Result<SceneChart, LabError> {
+fn chart(effort: Effort, of: QuadScene) -> Result<SceneChart, LabError> {
+    let scene = &of.quad;
     let truth = scene.truth()?;
     let (positions, attributes) = (scene.positions(), scene.attributes());
     let mut drawn = Vec::new();
@@ -112,12 +116,12 @@ fn chart(
     for (point, time) in points.iter_mut().zip(times) {
         point.time = Some(time);
     }
-    if let Some(ratio) = ratio {
+    if let Some(ratio) = of.ratio {
         points.extend(rows(effort, scene, ratio));
     }
     Ok(SceneChart {
-        id,
-        title,
+        id: of.id,
+        title: of.title,
         truth: format!("one f64 ray a pixel, {covered} pixels; the larger error of u and v"),
         item: "covered pixel",
         unit: "texels",
@@ -138,19 +142,24 @@ fn point(
     truth: &UvImage,
     found: &UvImage,
 ) -> Point {
-    let both = truth.iter().zip(found);
-    let off = |(t, f): (&Option<DVec2>, &Option<DVec2>)| {
-        Some((f.as_ref()? - t.as_ref()?).abs().max_element() * scene.texels)
-    };
     Point {
         method,
         source,
         time: None,
-        error: Error::of(both.filter_map(off)),
+        error: error(scene, truth, found),
         bytes: None,
         failures: Vec::new(),
         picture: Some(picture(scene, truth, found)),
     }
+}
+
+/// The larger of u's and v's, in texels, over the pixels that both see.
+fn error(scene: &UvScene, truth: &UvImage, found: &UvImage) -> Error {
+    let both = truth.iter().zip(found);
+    let off = |(t, f): (&Option<DVec2>, &Option<DVec2>)| {
+        Some((f.as_ref()? - t.as_ref()?).abs().max_element() * scene.texels)
+    };
+    Error::of(both.filter_map(off))
 }
 
 fn lost(truth: &UvImage, found: &UvImage) -> Vec<String> {

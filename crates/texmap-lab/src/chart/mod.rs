@@ -6,12 +6,14 @@
 
 mod bump;
 mod environment;
+mod external;
 mod filter;
 mod front;
 mod interp;
 mod machine;
 mod memory;
 mod page;
+mod plane_scenes;
 mod scene;
 mod shadow;
 mod spans;
@@ -19,9 +21,12 @@ mod svg;
 mod table;
 pub mod time;
 
+pub use external::{ExternalPoint, external_csv};
 pub use front::{dominator, front};
+pub use interp::QuadScene;
 pub use machine::Machine;
 pub use page::page;
+pub use plane_scenes::{PlaneScene, decal_scene};
 pub use svg::svg;
 pub use table::{csv, prices};
 
@@ -55,7 +60,7 @@ pub enum Source {
     Texmap,
     /// Only here, for comparison.
     Lab,
-    /// Another program; its error was measured elsewhere, its time not at all.
+    /// Another program.
     External,
 }
 
@@ -64,9 +69,9 @@ pub enum Source {
 pub struct Error {
     /// Root mean square.
     pub rmse: f64,
-    /// What 99.9 % of the items do not exceed; not a number where only the mean is known.
+    /// What 99.9 % of the items do not exceed.
     pub p999: f64,
-    /// Largest; not a number where only the mean is known.
+    /// Largest.
     pub max: f64,
 }
 
@@ -85,14 +90,6 @@ impl Error {
             rmse,
             p999,
             max: all.iter().copied().fold(0.0, f64::max),
-        }
-    }
-
-    fn rmse_only(rmse: f64) -> Self {
-        Self {
-            rmse,
-            p999: f64::NAN,
-            max: f64::NAN,
         }
     }
 }
@@ -152,7 +149,7 @@ const PANELS: &[(&str, Builder)] = &[
     ("memory", memory::panel),
 ];
 
-/// Measures all six panels.
+/// Measures all six panels. Other programs stand in them at the error that `external.csv` holds.
 ///
 /// # Errors
 /// When a scene is refused, which would be a bug.
@@ -160,7 +157,11 @@ pub fn panels(effort: Effort, report: Report<'_>) -> Result<Vec<Panel>, LabError
     let mut out = Vec::with_capacity(PANELS.len());
     for (index, (name, build)) in PANELS.iter().enumerate() {
         report(index, PANELS.len(), name);
-        out.push(build(effort)?);
+        let mut panel = build(effort)?;
+        for chart in &mut panel.charts {
+            chart.points.extend(external::points(&chart.id));
+        }
+        out.push(panel);
     }
     report(PANELS.len(), PANELS.len(), "done");
     Ok(out)

@@ -8,7 +8,7 @@ use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ExtendedColorType, ImageEncoder};
 
 use super::svg::escape;
-use super::{Machine, Panel, Point, SceneChart, Source, dominator, front, svg};
+use super::{Machine, Panel, Point, SceneChart, dominator, front, svg};
 use crate::LabError;
 use crate::cases::{Outcome, figure};
 use crate::picture::Picture;
@@ -28,7 +28,7 @@ const src=JSON.parse(data.textContent)[p.dataset.point];\
 words.textContent=p.querySelector('title').textContent;img.hidden=!src;if(src)img.src='data:image/png;base64,'+src;\
 box.showModal()});box.addEventListener('click',()=>box.close());document.body.dataset.ready='yes';";
 
-/// The page: charts, the picture behind each point, the stability table, the machine.
+/// The page: charts, the picture behind each point, the stability table if there are outcomes, the machine.
 ///
 /// # Errors
 /// When a chart cannot be drawn or a picture not encoded, which would be a bug.
@@ -47,10 +47,13 @@ pub fn page(
     for panel in panels {
         let _ = write!(out, "<a href=\"#{}\">{}</a>", panel.id, panel.title);
     }
+    if !outcomes.is_empty() {
+        out.push_str("<a href=\"#stability\">Stability</a>");
+    }
     out.push_str(
-        "<a href=\"#stability\">Stability</a></nav>\n<p class=\"key\"><span style=\"color:#1f5fbf\">&#9679; texmap</span>\
-         <span style=\"color:#b06a00\">&#9679; only in the lab</span><span style=\"color:#7a2f8f\">&#9664; another program, its error \
-         measured elsewhere, not timed</span><span>&#9675; hollow: fails a stability input</span>\
+        "</nav>\n<p class=\"key\"><span style=\"color:#1f5fbf\">&#9679; texmap</span>\
+         <span style=\"color:#b06a00\">&#9679; only in the lab</span><span style=\"color:#7a2f8f\">&#9670; another program; at the right edge \
+         where this run did not time it</span><span>&#9675; hollow: fails a stability input</span>\
          <span style=\"color:#14783c\">&#9473; Pareto front</span></p>\n<p>Dots are medians, whiskers reach to the 95th \
          percentile of the runs, which take turns. Both axes are logarithmic; an error of 0 stands at 1e-9. Click a point \
          for its picture and, beside it, its error.</p>\n",
@@ -67,7 +70,9 @@ pub fn page(
             one(&mut out, chart)?;
         }
     }
-    stability(&mut out, outcomes);
+    if !outcomes.is_empty() {
+        stability(&mut out, outcomes);
+    }
     let _ = write!(
         out,
         "<dialog><p></p><img alt=\"the result and its error\"><p class=\"note\">Left: the result. Right: the error, black for none, \
@@ -138,11 +143,7 @@ fn row(out: &mut String, point: &Point) {
         "<tr><td>{}</td><td>{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td>\
          <td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"bad\">{}</td></tr>",
         escape(&point.method),
-        match point.source {
-            Source::Texmap => "texmap",
-            Source::Lab => "lab",
-            Source::External => "external",
-        },
+        point.source.name(),
         number(point.time.map(|t| t.median)),
         number(point.time.map(|t| t.p95)),
         point.bytes.map_or(String::new(), |b| b.to_string()),

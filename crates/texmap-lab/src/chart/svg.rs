@@ -14,7 +14,10 @@ const SIZE: (u32, u32) = (760, 470);
 /// Errors below this are drawn at the bottom: a logarithm has no zero.
 const FLOOR: f64 = 1e-9;
 
-/// Draws a chart. Points that were not timed stand on the left edge. Each carries `data-point`, its index.
+/// Width of the band at the right where points without a cost stand.
+const BAND: i32 = 46;
+
+/// Draws a chart. Points that were not timed stand in a band of their own at the right edge. Each carries `data-point`, its index.
 ///
 /// # Errors
 /// When plotters cannot draw, which would be a bug.
@@ -23,6 +26,7 @@ pub fn svg(chart: &SceneChart) -> Result<String, LabError> {
     let costs: Vec<f64> = chart.points.iter().filter_map(|p| cost(chart, p)).collect();
     let errors: Vec<f64> = chart.points.iter().map(error).collect();
     let (xs, ys) = (decades(&costs), decades(&errors));
+    let band = if costs.len() < errors.len() { BAND } else { 0 };
     let mut text = String::new();
     let places: Vec<(i32, i32)>;
     {
@@ -30,6 +34,7 @@ pub fn svg(chart: &SceneChart) -> Result<String, LabError> {
         root.fill(&WHITE).map_err(|e| bug(&e))?;
         let mut drawing = ChartBuilder::on(&root)
             .margin(12)
+            .margin_right(12 + band)
             .x_label_area_size(44)
             .y_label_area_size(70)
             .build_cartesian_2d(xs.clone().log_scale(), ys.log_scale())
@@ -63,7 +68,18 @@ pub fn svg(chart: &SceneChart) -> Result<String, LabError> {
         places = chart
             .points
             .iter()
-            .map(|p| area.map_coordinate(&place(p)))
+            .map(|p| {
+                let (x, y) = area.map_coordinate(&place(p));
+                let known = cost(chart, p).is_some();
+                (
+                    if known {
+                        x
+                    } else {
+                        SIZE.0 as i32 - BAND / 2 - 6
+                    },
+                    y,
+                )
+            })
             .collect();
         let x_of = |v: f64| {
             area.map_coordinate(&(v, errors.first().copied().unwrap_or(1.0)))
@@ -81,7 +97,22 @@ pub fn svg(chart: &SceneChart) -> Result<String, LabError> {
         root.present().map_err(|e| bug(&e))?;
         drop(drawing);
         drop(root);
-        let marks = marks(chart, &places, &ends);
+        let mut marks = marks(chart, &places, &ends, band);
+        if band > 0 {
+            let word = match chart.across {
+                Across::Time => "not timed",
+                Across::Bytes => "no size",
+            };
+            let _ = writeln!(
+                marks,
+                "<path d=\"M{0} 12V{1}\" stroke=\"#999\" stroke-dasharray=\"3 3\"/>\
+                 <text x=\"{2}\" y=\"{3}\" text-anchor=\"middle\" font-family=\"sans-serif\" font-size=\"11\" fill=\"#777\">{word}</text>",
+                SIZE.0 as i32 - band - 8,
+                SIZE.1 - 56,
+                SIZE.0 as i32 - band / 2 - 6,
+                SIZE.1 - 40,
+            );
+        }
         // The document ends with its closing tag.
         let end = text.rfind("</svg>").unwrap_or(text.len());
         text.insert_str(end, &marks);
@@ -114,7 +145,7 @@ fn decades(values: &[f64]) -> Range<f64> {
 }
 
 /// Whiskers, shapes and labels.
-fn marks(chart: &SceneChart, places: &[(i32, i32)], ends: &[Option<i32>]) -> String {
+fn marks(chart: &SceneChart, places: &[(i32, i32)], ends: &[Option<i32>], band: i32) -> String {
     let best = front(chart);
     let mut out = String::new();
     for (index, ((point, (x, y)), end)) in chart.points.iter().zip(places).zip(ends).enumerate() {
@@ -123,7 +154,7 @@ fn marks(chart: &SceneChart, places: &[(i32, i32)], ends: &[Option<i32>]) -> Str
             Source::Lab => "#b06a00",
             Source::External => "#7a2f8f",
         };
-        let inside = SIZE.0 as i32 - 12;
+        let inside = SIZE.0 as i32 - 12 - band;
         if let Some(end) = end.map(|end| end.min(inside)).filter(|end| end > x) {
             let _ = writeln!(
                 out,
@@ -137,7 +168,7 @@ fn marks(chart: &SceneChart, places: &[(i32, i32)], ends: &[Option<i32>]) -> Str
         };
         let radius = if best.contains(&index) { 6 } else { 4 };
         let shape = match point.source {
-            Source::External => format!("<path d=\"M{} {y}l-8 5v-10z\"", x + 8),
+            Source::External => format!("<path d=\"M{} {y}l6 -6l6 6l-6 6z\"", x - 6),
             _ => format!("<circle cx=\"{x}\" cy=\"{y}\" r=\"{radius}\""),
         };
         let _ = writeln!(
@@ -284,6 +315,25 @@ mod tests {
             .unwrap();
         assert!(hollow.contains("fill=\"white\"") && hollow.contains("4 cracks"));
         assert!(text.trim_end().ends_with("</svg>"));
+        // What was not timed stands in the band, what was does not.
+        let left = |index: usize| -> i32 {
+            let at = format!("data-point=\"{index}\"");
+            let line = text.lines().find(|l| l.contains(&at)).unwrap();
+            let (_, number) = line
+                .split_once("cx=\"")
+                .or_else(|| line.split_once("d=\"M"))
+                .unwrap();
+            let digits = number.split(|c: char| !c.is_ascii_digit()).next();
+            digits.unwrap().parse().unwrap()
+        };
+        let edge = SIZE.0 as i32 - BAND - 8;
+        assert!(text.contains("not timed") && left(2) > edge, "{text}");
+        assert!(left(0) < edge && left(1) < edge, "{text}");
+        let all_timed = svg(&SceneChart {
+            points: chart.points[..2].to_vec(),
+            ..chart
+        });
+        assert!(!all_timed.unwrap().contains("not timed"));
     }
 
     #[test]
