@@ -63,6 +63,64 @@ fn settings_hold_for_later_faces_and_end_with_none() {
 }
 
 #[test]
+fn what_throws_shadows_and_how_much_of_it_a_map_shows() {
+    let floor = "v -4 -4 0\nv 4 -4 0\nv 4 4 0\nv -4 4 0\n";
+    let lid = "v -1 -1 1\nv 1 -1 1\nv 1 1 1\nv -1 1 1\n";
+    let pixel = |words: &str, setting: &str| {
+        let scene = files().scene(&format!(
+            "eye 0 -9 9\nfov 60\nld 1 1 1 0 0 -1\nshadow 64 taps 1 {words}\n{floor}{lid}f 0 1 2 3\n{setting}f 4 5 6 7\n"
+        ));
+        let frame = render(&scene, &Settings::new(64, 64), &|_, _| ()).unwrap();
+        // The ground under the lid, seen below its edge.
+        let at = (0..64).map(|y| frame.rgba[(y * 64 + 32) * 4]);
+        (scene, at.filter(|c| *c < 60).count())
+    };
+    let (scene, dark) = pixel("", "");
+    assert!(dark > 0 && scene.meshes.len() == 1 && !scene.meshes[0].shadowless);
+    let (scene, none) = pixel("", "shadowless yes\n");
+    assert_eq!((none, scene.meshes.len()), (0, 2));
+    assert!(!scene.meshes[0].shadowless && scene.meshes[1].shadowless);
+    let (_, back) = pixel("", "shadowless yes\nshadowless no\n");
+    assert_eq!(back, dark);
+    // A map of the lid alone shows its shadow; one of another place does not, and what it does not show is lit.
+    let (scene, there) = pixel("area 0 0 0 1.5", "");
+    let area = scene.effects.shadows[0].area.unwrap();
+    assert_eq!((area.0.to_array(), area.1), ([0.0; 3], 1.5));
+    assert!(there > 0);
+    assert_eq!(pixel("area 3 3 0 0.5", "").1, 0);
+}
+
+#[test]
+fn environments_with_levels_and_an_open_horizon() {
+    let scene = files().scene(&format!(
+        "{FACE}env square.png octahedron 0.5\nf 0 1 2\nenv square.png octahedron 0.5 mips\nhorizon open\nf 0 1 2\n\
+         env square.png octahedron 0.25\nhorizon clamp\nf 0 1 2\n"
+    ));
+    let levels: Vec<usize> = scene
+        .effects
+        .environments
+        .iter()
+        .map(|e| e.levels())
+        .collect();
+    assert_eq!(
+        levels,
+        [1, 4],
+        "8, 4, 2 and 1 texels; each file is read once for each use"
+    );
+    let of = |k: usize| {
+        let material = &scene.materials[scene.meshes[k].material];
+        (
+            material.reflection.map(|r| r.environment),
+            material.horizon_clamp,
+        )
+    };
+    assert_eq!(of(0), (None, true));
+    let rest: Vec<_> = (1..scene.meshes.len()).map(of).collect();
+    assert_eq!(rest, [(Some(0), true), (Some(1), false), (Some(0), true)]);
+    render(&scene, &Settings::new(16, 16), &|_, _| ()).unwrap();
+}
+
+#[test]
 fn relief_and_light_maps_reach_models() {
     let obj =
         "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nf 1/1 2/2 3/3 4/4\n";

@@ -4,9 +4,10 @@ use std::path::Path;
 
 use proptest::prelude::*;
 use texmap_io::scene_file::{
-    Alpha, BoneLine, COMMANDS, Command, DisplaceLine, Missing, Rate, Role, RoundShape, SceneFile,
-    Shade, Shape, Surf, TerrainLine, TexturedCorner, parse, print,
+    Alpha, Bias, BoneLine, COMMANDS, Command, DisplaceLine, Effect, EnvironmentLine, Missing, Rate,
+    Role, RoundShape, SceneFile, Shade, Shape, Surf, TerrainLine, TexturedCorner, parse, print,
 };
+use texmap_light::Chart;
 use texmap_raster::{Cull, Interp};
 use texmap_render::{ColorMode, EdgeBudget, Gouraud, SkinBlend};
 use texmap_sample::{Cubic, Filter, Wrap};
@@ -255,6 +256,41 @@ fn faces() -> impl Strategy<Value = Command> {
     ]
 }
 
+fn effects() -> impl Strategy<Value = Effect> {
+    let area = (prop::array::uniform3(number()), 1e-9..1e9_f64);
+    let bias = prop_oneof![
+        (0.0..9.0_f64).prop_map(Bias::Slope),
+        (0.0..9.0_f64).prop_map(Bias::Constant),
+        (0.0..9.0_f64).prop_map(Bias::NormalOffset),
+    ];
+    let shadow = (
+        prop::option::of(1..16_384_u32),
+        prop::sample::select(vec![1, 3, 5, 15_u32]),
+        prop::option::of(bias),
+        prop::option::of(area),
+    );
+    let chart = prop::sample::select(vec![Chart::Cube, Chart::LatLong, Chart::Octahedron]);
+    let line = (name(), chart, unit(), any::<bool>());
+    prop_oneof![
+        shadow.prop_map(|(size, taps, bias, area)| Effect::Shadow {
+            size,
+            taps,
+            bias,
+            area,
+        }),
+        any::<bool>().prop_map(Effect::Shadowless),
+        any::<bool>().prop_map(|clamp| Effect::Horizon { clamp }),
+        prop::option::of(line).prop_map(|line| {
+            Effect::Environment(line.map(|(file, chart, share, mips)| EnvironmentLine {
+                file,
+                chart,
+                share,
+                mips,
+            }))
+        }),
+    ]
+}
+
 /// A file that parses: vertices first, and a `pop` for each `push`.
 fn scene() -> impl Strategy<Value = SceneFile> {
     let vertices = prop::collection::vec(
@@ -266,7 +302,8 @@ fn scene() -> impl Strategy<Value = SceneFile> {
             camera_and_lights(),
             settings(),
             faces(),
-            shapes().prop_map(Command::Shape)
+            shapes().prop_map(Command::Shape),
+            effects().prop_map(Command::Effect)
         ],
         0..30,
     );

@@ -76,7 +76,13 @@ impl Builder {
                         self.file(below)?;
                     }
                 }
-                _ => self.statement(statement, &place, &mut facets)?,
+                _ => {
+                    let first = self.scene.meshes.len();
+                    self.statement(statement, &place, &mut facets)?;
+                    for mesh in &mut self.scene.meshes[first..] {
+                        mesh.shadowless = self.settings.effects.shadowless;
+                    }
+                }
             }
         }
         facets.finish(&mut self.scene, &mut self.bones);
@@ -274,6 +280,7 @@ impl Builder {
                 .displacement(self.scene.color)
                 .filter(|_| has_uv),
             skin: self.settings.skin.clone(),
+            shadowless: self.settings.effects.shadowless,
             lit,
             material,
             number: self.faces,

@@ -6,7 +6,7 @@ use texmap_render::{
 };
 use texmap_sample::{ColorSpace, Origin, Pattern, Sampler, Texture2d, UvTransform, Wrap};
 
-use super::effects::{Known, environment};
+use super::effects::{Known, Use, environment};
 use super::settings::{CurrentTexture, Settings, WHITE, surface};
 use crate::font::built_in_font;
 use crate::scene_file::{Classic, Role, SolidLine, SolidSource as Source};
@@ -145,7 +145,8 @@ pub(super) fn statement(
             scene.effects.backdrop = Some(Backdrop::Picture(slot));
         }
         Classic::Sky(Some((name, Some(chart)))) => {
-            let index = environment(scene, known, &beside(name), place, *chart, None)?;
+            let shown = Use::Shown { mips: false };
+            let index = environment(scene, known, &beside(name), place, *chart, shown)?;
             scene.effects.backdrop = Some(Backdrop::Environment(index));
         }
         Classic::Volume {

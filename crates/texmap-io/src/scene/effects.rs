@@ -26,6 +26,10 @@ pub(super) struct EffectSettings {
     specular_map: Option<usize>,
     light_map: Option<(usize, f32)>,
     relief: Option<ReliefSetting>,
+    /// Normals beyond the horizon stay there.
+    horizon_open: bool,
+    /// Meshes throw no shadow.
+    pub(super) shadowless: bool,
     /// The model with the second set of coordinates, and the line that names it.
     pub(super) lightmap_uv: Option<(PathBuf, Place)>,
 }
@@ -39,7 +43,16 @@ enum ReliefSetting {
 }
 
 /// Environments that are read once.
-pub(super) type Known = HashMap<(PathBuf, &'static str, Option<u32>), usize>;
+pub(super) type Known = HashMap<(PathBuf, &'static str, Use), usize>;
+
+/// What an environment is read for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(super) enum Use {
+    /// What it shows, with smaller levels or without.
+    Shown { mips: bool },
+    /// Gathered with the exponent of these bits.
+    Gathered(u32),
+}
 
 impl EffectSettings {
     /// A material under these effects; what it brings itself stays.
@@ -53,6 +66,7 @@ impl EffectSettings {
         material.highlight = self.highlight;
         material.reflection = self.reflection;
         material.specular_map = self.specular_map;
+        material.horizon_clamp = !self.horizon_open;
         material.light_map = self.light_map.map(|(texture, scale)| LightMapSlot {
             slot: settings.slot(texture, UvTransform::default(), true, scene.color),
             scale,
@@ -110,7 +124,12 @@ pub(super) fn statement(
             outer.to_radians(),
         )),
         Effect::LightName(name) => light_name(scene, name, place)?,
-        Effect::Shadow { size, taps, bias } => {
+        Effect::Shadow {
+            size,
+            taps,
+            bias,
+            area,
+        } => {
             let light = scene
                 .lights
                 .iter()
@@ -130,7 +149,7 @@ pub(super) fn statement(
                 size: *size,
                 bias,
                 taps: *taps,
-                area: None,
+                area: area.map(|(middle, half)| (DVec3::from(middle), half)),
             });
         }
         Effect::Projector(line) => {
@@ -149,28 +168,26 @@ pub(super) fn statement(
         Effect::Environment(line) => {
             settings.effects.reflection = match line {
                 None => None,
-                Some((name, chart, reflectivity)) => Some(Reflection {
-                    environment: environment(scene, known, &beside(name), place, *chart, None)?,
-                    reflectivity: *reflectivity,
-                }),
+                Some(line) => {
+                    let (path, shown) = (beside(&line.file), Use::Shown { mips: line.mips });
+                    Some(Reflection {
+                        environment: environment(scene, known, &path, place, line.chart, shown)?,
+                        reflectivity: line.share,
+                    })
+                }
             };
         }
         Effect::SpecularMap(line) => {
             settings.effects.specular_map = match line {
                 None => None,
                 Some((name, chart, exponent)) => {
-                    let exponent = Some(*exponent);
-                    Some(environment(
-                        scene,
-                        known,
-                        &beside(name),
-                        place,
-                        *chart,
-                        exponent,
-                    )?)
+                    let (path, gathered) = (beside(name), Use::Gathered(exponent.to_bits()));
+                    Some(environment(scene, known, &path, place, *chart, gathered)?)
                 }
             };
         }
+        Effect::Shadowless(shadowless) => settings.effects.shadowless = *shadowless,
+        Effect::Horizon { clamp } => settings.effects.horizon_open = !clamp,
         Effect::LightMap(line) => {
             settings.effects.light_map = match line {
                 None => None,
@@ -308,16 +325,18 @@ pub(super) fn environment(
     path: &std::path::Path,
     place: &Place,
     chart: Chart,
-    exponent: Option<f32>,
+    purpose: Use,
 ) -> Result<usize, IoError> {
-    let key = (path.to_path_buf(), chart.name(), exponent.map(f32::to_bits));
+    let key = (path.to_path_buf(), chart.name(), purpose);
     if let Some(&index) = known.get(&key) {
         return Ok(index);
     }
     let read = environment_io::read_named(path, chart, Some(place))?;
-    let light = match exponent {
-        None => read,
-        Some(exponent) => {
+    let light = match purpose {
+        Use::Shown { mips: false } => read,
+        Use::Shown { mips: true } => read.with_mips(),
+        Use::Gathered(bits) => {
+            let exponent = f32::from_bits(bits);
             let size = texmap_light::Environment::blurred_size(exponent);
             read.specular_map(Chart::Cube, size, exponent)
                 .map_err(|e| IoError::BrokenImage {

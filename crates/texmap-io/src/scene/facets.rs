@@ -45,6 +45,7 @@ pub(super) struct Facet<'a> {
     pub(super) round: Option<PixelMapping>,
     pub(super) displacement: Option<Displacement>,
     pub(super) skin: Option<(SkinBlend, Place)>,
+    pub(super) shadowless: bool,
     pub(super) lit: bool,
     pub(super) material: usize,
     /// Counted through the scene from 0.
@@ -69,6 +70,7 @@ impl Facets {
                 && run.round == facet.round
                 && run.skin == facet.skin
                 && mesh.displacement == facet.displacement
+                && mesh.shadowless == facet.shadowless
         };
         if !self.meshes.last().is_some_and(fits) {
             scene.meshes.push(Mesh {

@@ -1,5 +1,5 @@
-//! The words of lighting effects: `ls name shadow projector highlight env specmap lightmap lightmapuv bump normalmap`, and those of
-//! `reliefs`.
+//! The words of lighting effects: `ls name shadow shadowless projector highlight env specmap lightmap lightmapuv bump normalmap
+//! horizon`, and those of `reliefs`.
 
 use texmap_light::{Chart, Green, Highlight, SlideBorder};
 
@@ -26,7 +26,7 @@ pub enum Effect {
     },
     /// `name NAME`: of the light above.
     LightName(String),
-    /// `shadow [SIZE|auto] [taps K] [slope X|constant X|normal-offset X]`: the light above throws shadows.
+    /// `shadow [SIZE|auto] [taps K] [slope X|constant X|normal-offset X] [area x y z half]`: the light above throws shadows.
     Shadow {
         /// Texels a side; `None` fits the picture.
         size: Option<u32>,
@@ -34,13 +34,17 @@ pub enum Effect {
         taps: u32,
         /// What keeps surfaces from shadowing themselves.
         bias: Option<Bias>,
+        /// Middle and half a side of what the map shows.
+        area: Option<([f64; 3], f64)>,
     },
+    /// `shadowless yes|no`: later faces and models throw no shadow.
+    Shadowless(bool),
     /// `projector FILE light|paint x y z lx ly lz ux uy uz fov ...`: a slide projector.
     Projector(Box<ProjectorLine>),
     /// `highlight phong|blinn`.
     Highlight(Highlight),
-    /// `env FILE CHART share`, or `env none`.
-    Environment(Option<(String, Chart, f32)>),
+    /// `env FILE CHART share [mips]`, or `env none`.
+    Environment(Option<EnvironmentLine>),
     /// `specmap FILE CHART exponent`, or `specmap none`.
     SpecularMap(Option<(String, Chart, f32)>),
     /// `lightmap FILE [scale]`, or `lightmap none`.
@@ -53,6 +57,24 @@ pub enum Effect {
     Relief(ReliefLine),
     /// `normalmap FILE [tangent|object] [up|down] [xyz|xy]`, or `normalmap none`.
     NormalMap(Option<NormalMapLine>),
+    /// `horizon clamp|open`: whether normals that a relief turns away from the eye are brought back.
+    Horizon {
+        /// They are.
+        clamp: bool,
+    },
+}
+
+/// An `env` line.
+#[derive(Debug, Clone, PartialEq)]
+pub struct EnvironmentLine {
+    /// The picture.
+    pub file: String,
+    /// How it shows all directions.
+    pub chart: Chart,
+    /// Share of the mirrored light, 0 to 1.
+    pub share: f32,
+    /// With smaller levels for small pictures of large parts of it.
+    pub mips: bool,
 }
 
 /// The bias of a `shadow` line, with its number.
@@ -120,18 +142,35 @@ pub(super) fn parse(args: &Args<'_>) -> Result<Option<Effect>, IoError> {
             let table = [("phong", Highlight::Phong), ("blinn", Highlight::Blinn)];
             Effect::Highlight(args.one_of(&table, "phong, blinn")?)
         }
-        "env" => Effect::Environment(chart_line(
-            args,
-            "none, or FILE CHART share",
-            "a share of 0 to 1",
-            |x| (0.0..=1.0).contains(&x),
-        )?),
-        "specmap" => Effect::SpecularMap(chart_line(
-            args,
-            "none, or FILE CHART exponent",
-            "an exponent of 0 or more",
-            |x| x >= 0.0,
-        )?),
+        "shadowless" => {
+            Effect::Shadowless(args.one_of(&[("yes", true), ("no", false)], "yes, no")?)
+        }
+        "horizon" => {
+            let clamp = args.one_of(&[("clamp", true), ("open", false)], "clamp, open")?;
+            Effect::Horizon { clamp }
+        }
+        "env" if args.len() == 1 && none(args) => Effect::Environment(None),
+        "env" => {
+            args.within(3, 4, "none, or FILE CHART share [mips]")?;
+            let mips = args.len() == 4;
+            if mips && args.text(3) != "mips" {
+                return Err(args.unknown(3, "mips"));
+            }
+            let share = |x| (0.0..=1.0).contains(&x);
+            let (file, chart, share) = chart_values(args, "a share of 0 to 1", share)?;
+            Effect::Environment(Some(EnvironmentLine {
+                file,
+                chart,
+                share,
+                mips,
+            }))
+        }
+        "specmap" if args.len() == 1 && none(args) => Effect::SpecularMap(None),
+        "specmap" => {
+            args.exactly(3, "none, or FILE CHART exponent")?;
+            let line = chart_values(args, "an exponent of 0 or more", |x| x >= 0.0)?;
+            Effect::SpecularMap(Some(line))
+        }
         "lightmap" => {
             args.within(1, 2, "none, or FILE [scale]")?;
             let scale = || -> Result<f32, IoError> {
@@ -189,8 +228,9 @@ fn spot(args: &Args<'_>) -> Result<Effect, IoError> {
 }
 
 fn shadow(args: &Args<'_>) -> Result<Effect, IoError> {
-    const ALLOWED: &str = "[SIZE|auto] [taps K] [slope X|constant X|normal-offset X]";
-    let (mut size, mut taps, mut bias) = (None, 3, None);
+    const ALLOWED: &str =
+        "[SIZE|auto] [taps K] [slope X|constant X|normal-offset X] [area x y z half]";
+    let (mut size, mut taps, mut bias, mut area) = (None, 3, None, None);
     let mut i = 0;
     if args.len() > 0 && args.text(0) == "auto" {
         i = 1;
@@ -214,11 +254,22 @@ fn shadow(args: &Args<'_>) -> Result<Effect, IoError> {
             "slope" => bias = Some(Bias::Slope(value(0.0)?)),
             "constant" => bias = Some(Bias::Constant(value(0.0)?)),
             "normal-offset" => bias = Some(Bias::NormalOffset(value(0.0)?)),
+            "area" => {
+                let [x, y, z, half] = args.numbers(i + 1)?;
+                args.check(i + 4, half > 0.0, "more than 0")?;
+                area = Some(([x, y, z], half));
+                i += 3;
+            }
             _ => return Err(args.unknown(i, ALLOWED)),
         }
         i += 2;
     }
-    Ok(Effect::Shadow { size, taps, bias })
+    Ok(Effect::Shadow {
+        size,
+        taps,
+        bias,
+        area,
+    })
 }
 
 fn texels(args: &Args<'_>, i: usize) -> Result<u32, IoError> {
@@ -287,20 +338,17 @@ fn projector(args: &Args<'_>) -> Result<Effect, IoError> {
 pub(super) const CHARTS: &str =
     "cube, tan-cube, lat-long, octahedron, equal-area-octahedron, dual-paraboloid, sphere-map";
 
-fn chart_line(
+/// `FILE CHART number`.
+fn chart_values(
     args: &Args<'_>,
-    expected: &'static str,
     allowed: &'static str,
     valid: impl Fn(f32) -> bool,
-) -> Result<Option<(String, Chart, f32)>, IoError> {
-    if args.len() == 1 && none(args) {
-        return Ok(None);
-    }
-    args.exactly(3, expected)?;
+) -> Result<(String, Chart, f32), IoError> {
+    args.check(0, !args.text(0).is_empty(), "a file name that is not empty")?;
     let chart = args.text(1).parse().map_err(|_| args.unknown(1, CHARTS))?;
     let [x] = args.floats(2)?;
     args.check(2, valid(x), allowed)?;
-    Ok(file(args)?.map(|file| (file, chart, x)))
+    Ok((args.text(0).to_owned(), chart, x))
 }
 
 fn normal_map(args: &Args<'_>) -> Result<Effect, IoError> {
@@ -335,6 +383,8 @@ impl Effect {
             Self::SpotLight { .. } => "ls",
             Self::LightName(_) => "name",
             Self::Shadow { .. } => "shadow",
+            Self::Shadowless(_) => "shadowless",
+            Self::Horizon { .. } => "horizon",
             Self::Projector(_) => "projector",
             Self::Highlight(_) => "highlight",
             Self::Environment(_) => "env",
@@ -365,7 +415,12 @@ pub(super) fn print(out: &mut String, effect: &Effect) {
         }
         Effect::LightName(name) => word(out, name),
         Effect::Relief(line) => reliefs::print(out, line),
-        Effect::Shadow { size, taps, bias } => {
+        Effect::Shadow {
+            size,
+            taps,
+            bias,
+            area,
+        } => {
             match size {
                 Some(size) => number(out, f64::from(*size)),
                 None => word(out, "auto"),
@@ -378,7 +433,14 @@ pub(super) fn print(out: &mut String, effect: &Effect) {
                 Some(Bias::NormalOffset(x)) => named(out, "normal-offset", *x),
                 None => {}
             }
+            if let Some((middle, half)) = area {
+                word(out, "area");
+                numbers(out, middle);
+                number(out, *half);
+            }
         }
+        Effect::Shadowless(shadowless) => word(out, if *shadowless { "yes" } else { "no" }),
+        Effect::Horizon { clamp } => word(out, if *clamp { "clamp" } else { "open" }),
         Effect::Projector(line) => {
             texture_name(out, &line.file);
             word(out, if line.paint { "paint" } else { "light" });
@@ -404,12 +466,13 @@ pub(super) fn print(out: &mut String, effect: &Effect) {
         }
         Effect::Highlight(Highlight::Phong) => word(out, "phong"),
         Effect::Highlight(Highlight::Blinn) => word(out, "blinn"),
-        Effect::Environment(Some((file, chart, x)))
-        | Effect::SpecularMap(Some((file, chart, x))) => {
-            texture_name(out, file);
-            word(out, chart.name());
-            floats(out, &[*x]);
+        Effect::Environment(Some(line)) => {
+            chart_words(out, &line.file, line.chart, line.share);
+            if line.mips {
+                word(out, "mips");
+            }
         }
+        Effect::SpecularMap(Some((file, chart, x))) => chart_words(out, file, *chart, *x),
         Effect::LightMap(Some((file, x))) | Effect::Bump(Some((file, x))) => {
             texture_name(out, file);
             floats(out, &[*x]);
@@ -444,6 +507,12 @@ pub(super) fn print(out: &mut String, effect: &Effect) {
     }
 }
 
+fn chart_words(out: &mut String, file: &str, chart: Chart, x: f32) {
+    texture_name(out, file);
+    word(out, chart.name());
+    floats(out, &[x]);
+}
+
 fn named(out: &mut String, name: &str, x: f64) {
     word(out, name);
     number(out, x);
@@ -470,7 +539,13 @@ mod tests {
             "shadow auto taps 1 normal-offset 1.5\n",
             "projector slide.png light 0 1 2 0 0 0 0 1 0 40 black soft 0.1 color 1 1 0.5 shadow 512\n",
             "projector \"my slide.png\" paint 0 1 2 0 0 0 0 1 0 40 repeat soft 0 color 1 1 1\n",
+            "shadow auto taps 1 normal-offset 1.5 area 0 1 -2 3.5\n",
+            "shadowless yes\n",
+            "shadowless no\n",
+            "horizon clamp\n",
+            "horizon open\n",
             "highlight blinn\n",
+            "env sky.hdr lat-long 0.5 mips\n",
             "env sky.hdr lat-long 0.5\n",
             "env none\n",
             "specmap lamps.exr tan-cube 40\n",
@@ -507,6 +582,13 @@ mod tests {
             ("shadow 512 taps 4", "out-of-range", 17),
             ("shadow 512 soft 4", "unknown-word", 12),
             ("shadow auto taps", "not-a-number", 1),
+            ("shadow auto area 0 0 0 0", "out-of-range", 24),
+            ("shadow area 0 0 x 1", "not-a-number", 17),
+            ("shadowless maybe", "unknown-word", 12),
+            ("shadowless", "argument-count", 1),
+            ("horizon far", "unknown-word", 9),
+            ("env a.png cube 1 levels", "unknown-word", 18),
+            ("env a.png cube", "argument-count", 1),
             (
                 "projector a.png beam 0 0 0 0 0 1 0 1 0 40",
                 "unknown-word",

@@ -23,7 +23,7 @@ use texmap_sample::{Filter, Wrap};
 use texmap_uv::Round;
 
 pub use classics::{Classic, SolidLine, SolidSource};
-pub use effects::{Bias, Effect, NormalMapLine, ProjectorLine};
+pub use effects::{Bias, Effect, EnvironmentLine, NormalMapLine, ProjectorLine};
 pub use parse::{COMMANDS, parse};
 pub use print::print;
 pub use reliefs::{CarveLine, Formula, ReliefLine};

@@ -67,7 +67,7 @@ pub fn parse(file: &Path, text: &str) -> Result<SceneFile, IoError> {
 }
 
 /// The word of every command.
-pub const COMMANDS: [&str; 62] = [
+pub const COMMANDS: [&str; 64] = [
     "eye",
     "look",
     "up",
@@ -106,6 +106,7 @@ pub const COMMANDS: [&str; 62] = [
     "ls",
     "name",
     "shadow",
+    "shadowless",
     "projector",
     "highlight",
     "env",
@@ -117,6 +118,7 @@ pub const COMMANDS: [&str; 62] = [
     "carve",
     "emboss",
     "normalmap",
+    "horizon",
     "solid",
     "ramp",
     "cel",
