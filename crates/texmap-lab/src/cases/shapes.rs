@@ -134,13 +134,16 @@ pub(super) fn b7() -> Result<Vec<Measurement>, LabError> {
     const OPEN: &str = "edges that are not shared by two triangles";
     const HOLES: &str = "pixels of background from inside of the cube, of 294912";
     let mut all = Vec::new();
+    let mut both = |name: &str, meshes: &[Mesh]| -> Result<(), LabError> {
+        all.push(Measurement::new(name, OPEN, open_edges(meshes) as f64));
+        all.push(Measurement::new(name, HOLES, holes(meshes)?));
+        Ok(())
+    };
     for (height, name) in [
         (0.2, "points moved once"),
         (0.9, "points moved once, five times the edge length"),
     ] {
-        let meshes = displaced(cube(), height, 4.0)?.meshes;
-        all.push(Measurement::new(name, OPEN, open_edges(&meshes) as f64));
-        all.push(Measurement::new(name, HOLES, holes(&meshes)?));
+        both(name, &displaced(cube(), height, 4.0)?.meshes)?;
     }
     // Cut alike, but each corner moved by its own height along its own normal.
     let mut torn = displaced(cube(), 0.0, 4.0)?.meshes;
@@ -151,26 +154,12 @@ pub(super) fn b7() -> Result<Vec<Measurement>, LabError> {
             *p = [0, 1, 2].map(|i| p[i] + 0.2 * h * n[i]);
         }
     }
-    all.push(Measurement::new(
-        "every corner along its own normal",
-        OPEN,
-        open_edges(&torn) as f64,
-    ));
-    all.push(Measurement::new(
-        "every corner along its own normal",
-        HOLES,
-        holes(&torn)?,
-    ));
+    both("every corner along its own normal", &torn)?;
     // Moved alike, but each face cut as fine as it alone needs.
     let mut apart = Vec::new();
     for face in cube() {
         apart.extend(displaced(vec![face], 0.0, 4.0)?.meshes);
     }
-    all.push(Measurement::new(
-        "every face cut for itself",
-        OPEN,
-        open_edges(&apart) as f64,
-    ));
     // A resting mesh at the edge of a moved one.
     let mut lid = cube();
     let (map, _) = heights(MAP, MAP)?;
@@ -185,15 +174,11 @@ pub(super) fn b7() -> Result<Vec<Measurement>, LabError> {
         .shaped(64)?
         .into_owned()
         .meshes;
+    both("three faces moved, three at rest", &meshes)?;
     all.push(Measurement::new(
-        "three faces moved, three at rest",
+        "every face cut for itself",
         OPEN,
-        open_edges(&meshes) as f64,
-    ));
-    all.push(Measurement::new(
-        "three faces moved, three at rest",
-        HOLES,
-        holes(&meshes)?,
+        open_edges(&apart) as f64,
     ));
     Ok(all)
 }
