@@ -151,7 +151,7 @@ mod tests {
     const SAMPLES: u32 = 6;
 
     /// A quad beyond the whole picture: w-ratio 1 to 64, LOD -4 to 8 at its middle, turned coordinates, one of five
-    /// textures, lit or not.
+    /// textures; unlit, or lit per pixel or per vertex, matt or shiny, by light of up to four times what white paper needs.
     fn scene(seed: u64) -> (Scene, Budget) {
         let mut random = Random(seed.wrapping_mul(0x0123_4567_89ab_cdef));
         let ratio = det::exp2(random.range(0.0, 6.0));
@@ -161,6 +161,14 @@ mod tests {
         let srgb = random.range(0.0, 1.0) < 0.5;
         let lit = random.range(0.0, 1.0) < 0.3;
         let rmse = [0.01, 0.02, 0.05][random.range(0.0, 3.0) as usize];
+        let mut light = Random(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ 0x5a5a);
+        let strength = det::exp2(light.range(-1.0, 2.0)) as f32;
+        let shiny = light.range(0.0, 1.0) < 0.3;
+        let lit_at = if light.range(0.0, 1.0) < 0.7 {
+            Shading::PerPixel
+        } else {
+            Shading::PerVertex
+        };
         let color = if srgb {
             ColorSpace::Srgb
         } else {
@@ -217,8 +225,9 @@ mod tests {
                 color: [1.0; 3],
                 ka: 0.3,
                 kd: 0.7,
-                // A highlight beyond the range of bytes is not a matter of filters.
-                ks: 0.0,
+                // Beyond the range of bytes a highlight is not a matter of filters.
+                ks: if shiny { 0.3 / strength } else { 0.0 },
+                ns: 10.0,
                 ..Surface::default()
             },
             base_color: Some(TextureSlot {
@@ -229,11 +238,7 @@ mod tests {
                 },
                 transform: UvTransform::default(),
             }),
-            shading: if lit {
-                Shading::PerPixel
-            } else {
-                Shading::Unlit
-            },
+            shading: if lit { lit_at } else { Shading::Unlit },
             ..Material::default()
         };
         let scene = Scene {
@@ -245,9 +250,11 @@ mod tests {
                 ColorMode::Raw
             },
             lights: vec![
-                Light::Ambient { color: [1.0; 3] },
+                Light::Ambient {
+                    color: [strength; 3],
+                },
                 Light::Directional {
-                    color: [0.8, 0.9, 1.0],
+                    color: [0.8, 0.9, 1.0].map(|c| c * strength),
                     direction: [0.3, -0.4, -1.0],
                 },
             ],

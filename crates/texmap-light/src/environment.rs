@@ -16,6 +16,8 @@ pub struct Environment {
     pub(crate) texels: Vec<[f32; 3]>,
     /// At least one.
     pub(crate) levels: Vec<Level>,
+    /// Of the highlight that was gathered.
+    exponent: Option<f32>,
 }
 
 /// One level of an environment.
@@ -113,6 +115,7 @@ impl Environment {
             chart,
             texels,
             levels,
+            exponent: None,
         }
     }
 
@@ -161,6 +164,18 @@ impl Environment {
     #[must_use]
     pub fn size(&self) -> (u32, u32) {
         (self.levels[0].width, self.levels[0].height)
+    }
+
+    /// How many levels there are: one without [`with_mips`](Self::with_mips).
+    #[must_use]
+    pub fn levels(&self) -> usize {
+        self.levels.len()
+    }
+
+    /// The exponent of the highlight whose light this map gathers, for one that [`blur`](Self::blur) made.
+    #[must_use]
+    pub fn exponent(&self) -> Option<f32> {
+        self.exponent
     }
 
     /// A texel of a face; `None` outside.
@@ -246,7 +261,7 @@ impl Environment {
         }
         let lobe = Lobe::new(f64::from(exponent));
         let patches = self.patches();
-        Self::from_fn(chart, size, |r| {
+        let map = Self::from_fn(chart, size, |r| {
             let (mut sum, mut weights) = (DVec3::ZERO, 0.0);
             for patch in &patches {
                 if lobe.misses(r, patch) {
@@ -266,6 +281,10 @@ impl Environment {
             } else {
                 self.light(r.to_array().map(|c| c as f32))
             }
+        })?;
+        Ok(Self {
+            exponent: Some(exponent),
+            ..map
         })
     }
 

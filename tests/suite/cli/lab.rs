@@ -20,6 +20,8 @@ fn stability_shows_the_naive_method_failing() {
 fn a_chart_is_a_page_or_a_table() {
     let desk = Desk::new();
     assert_eq!(desk.texmap("chart -o chart.txt").code, 2);
+    // Refused before anything is measured, which would take minutes.
+    desk.refused("chart -o chart.html --svg nowhere", 3, "nowhere");
     desk.texmap("chart room.scene -o room.csv -r 32x24 --quick")
         .ok();
     let table = std::fs::read_to_string(desk.path("room.csv")).unwrap();
@@ -47,4 +49,37 @@ fn a_budget_that_nothing_meets_is_said_and_ends_with_five() {
             > 0
     );
     assert!(desk.path("m.heat.png").is_file());
+}
+
+#[test]
+fn a_plan_names_the_environments_that_are_read() {
+    let desk = Desk::new();
+    let face = "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nf 0 1 2\n";
+    desk.put(
+        "shiny.scene",
+        format!("env check.png octahedron 0.5\nspecmap check.png octahedron 20\n{face}"),
+    );
+    desk.put("plain.scene", face);
+    let words = "-o a.png --resolution 16x16 --quality draft --explain --json";
+    let shiny = desk.texmap(&format!("render shiny.scene {words}"));
+    let report = shiny.json();
+    let read = report["items"][0]["plans"][0]["environments"].clone();
+    assert_eq!(read[0]["chart"], "octahedron");
+    assert_eq!(
+        (&read[0]["width"], &read[0]["exponent"]),
+        (&8.into(), &serde_json::Value::Null)
+    );
+    // 10 sqrt(20) texels a side, rounded up.
+    assert_eq!(
+        (&read[1]["width"], &read[1]["needed"]),
+        (&45.into(), &45.into())
+    );
+    assert_eq!(read[1]["exponent"], 20.0);
+    let line = "environment 1: cube, 45 x 45 texels a face; specular map of exponent 20";
+    assert!(shiny.stderr.contains(line), "{}", shiny.stderr);
+    // Negative twin: nothing is read, nothing is named.
+    let plain = desk.texmap(&format!("render plain.scene {words}"));
+    let none = plain.json()["items"][0]["plans"][0]["environments"].clone();
+    assert_eq!(none, serde_json::json!([]));
+    assert!(!plain.stderr.contains("environment"), "{}", plain.stderr);
 }

@@ -5,6 +5,8 @@
 //! of interpolation are predicted by the closed form of affine mapping, those of filters by a pilot: each candidate is
 //! tried at some of the mesh's own pixels against the mean over the pixel.
 
+mod environments;
+mod gain;
 mod lights;
 mod maps;
 mod pilot;
@@ -20,6 +22,8 @@ use crate::{AlphaMode, ColorMode, Mesh, RenderError, Scene, Shading, TextureRole
 
 use crate::check::MAX_SIDE;
 use crate::vertices::wide;
+pub use environments::EnvironmentChoice;
+use gain::Gain;
 pub use lights::{IdleLight, ShadowChoice};
 use pilot::{Pilot, Places};
 pub use prices::{Price, prices};
@@ -81,6 +85,8 @@ pub struct Choices {
     pub idle_lights: Vec<IdleLight>,
     /// The shadow maps of the other lights.
     pub shadows: Vec<ShadowChoice>,
+    /// The environments and specular maps that the picture reads.
+    pub environments: Vec<EnvironmentChoice>,
 }
 
 impl Choices {
@@ -174,6 +180,7 @@ pub fn choose_sampled(
         mesh.positions.iter().map(pixels).collect()
     };
     let positions: Vec<Vec<DVec4>> = scene.meshes.iter().map(place).collect();
+    let idle_lights = lights::idle(scene);
     let views: Vec<View<'_>> = scene
         .meshes
         .iter()
@@ -181,6 +188,7 @@ pub fn choose_sampled(
         .map(|(mesh, positions)| View {
             scene,
             mesh,
+            idle: &idle_lights,
             positions,
             size,
             view_from_world,
@@ -190,13 +198,13 @@ pub fn choose_sampled(
     let mut places: Vec<Places> = views.iter().map(pilot::places).collect();
     let before: Vec<usize> = places.iter().map(|p| p.list.len()).collect();
     visible::keep_visible(scene, &positions, size, &mut places);
-    let idle_lights = lights::idle(scene);
     let mut best = Choices {
         budget,
         supersample: 1,
         meshes: Vec::new(),
         shadows: lights::shadows(scene, width, &idle_lights)?,
-        idle_lights,
+        idle_lights: idle_lights.clone(),
+        environments: environments::used(scene),
     };
     for (k, &supersample) in samples.iter().enumerate() {
         let side = u64::from(width.max(height)) * u64::from(supersample);
@@ -226,6 +234,7 @@ pub fn choose_sampled(
 struct View<'s> {
     scene: &'s Scene,
     mesh: &'s Mesh,
+    idle: &'s [IdleLight],
     /// x and y in pixels (y down) times w, clip z, w.
     positions: &'s [DVec4],
     size: DVec2,
@@ -333,16 +342,8 @@ impl View<'_> {
         } else {
             texture
         };
-        // Light may be anything; without it the surface's colour is all that follows.
-        let plain = material.shading == Shading::Unlit
-            && material.texture_role == TextureRole::Modulate
-            && self.mesh.colors.is_empty();
-        let tint = if plain {
-            material.surface.color
-        } else {
-            [1.0; 3]
-        };
-        let Some(pilot) = Pilot::new(places, false, samples, slot, &texture, tint) else {
+        let gain = Gain::of(self.scene, self.mesh, material, self.idle);
+        let Some(pilot) = Pilot::new(places, false, samples, slot, &texture, gain) else {
             choice.filter = Some((slot.sampler.filter, slot.sampler.precision));
             choice.why = if places.list.len() < all {
                 "nearly all of it is hidden by others: the filter is the scene's".to_owned()
@@ -366,7 +367,7 @@ impl View<'_> {
             let mut predicted = first.bound;
             if first.mean * UNDECIDED <= budget.rmse && predicted > budget.rmse {
                 if whole.is_none() {
-                    whole = Pilot::new(places, true, samples, slot, &texture, tint);
+                    whole = Pilot::new(places, true, samples, slot, &texture, gain);
                 }
                 if let Some(whole) = &whole {
                     choice.tried = whole.len();
@@ -465,7 +466,7 @@ mod tests {
     }
 
     /// A noisy square behind a plain one.
-    fn scene() -> Scene {
+    pub(super) fn scene() -> Scene {
         let noise = (0..64 * 64u32)
             .flat_map(|i| {
                 let on = i.wrapping_mul(0x9e37_79b9) >> 31;
@@ -582,6 +583,25 @@ mod tests {
         // Negative twin: a decal covers the surface.
         scene.materials[0].texture_role = TextureRole::Decal;
         assert_eq!(predicted(&scene), bright);
+    }
+
+    #[test]
+    fn strong_light_shows_more_of_a_dark_picture() {
+        let mut scene = scene();
+        scene.meshes.truncate(1);
+        scene.color = ColorMode::Raw;
+        scene.materials[0].surface.color = [0.25; 3];
+        scene.materials[0].surface.ka = 1.0;
+        let mut predicted = |strength: f32| {
+            scene.lights = vec![Light::Ambient {
+                color: [strength; 3],
+            }];
+            plan(&scene).meshes[0].predicted_rmse
+        };
+        let (weak, strong) = (predicted(1.0), predicted(4.0));
+        assert!((3.5..4.5).contains(&(strong / weak)), "{weak} {strong}");
+        // Negative twin: what is white already cannot get lighter.
+        assert_eq!(predicted(1e3), predicted(1e4));
     }
 
     #[test]

@@ -6,6 +6,7 @@ use texmap_sample::{Filter, Lod, Precision, Sampler, Texture2d};
 use texmap_uv::PixelMapping;
 
 use super::View;
+use super::gain::Gain;
 use crate::TextureSlot;
 use crate::coordinates::CameraFrame;
 
@@ -31,7 +32,7 @@ pub(super) struct Pilot {
     /// Part of the mesh's pixels that these are.
     share: f64,
     /// What multiplies every texel.
-    tint: [f32; 3],
+    gain: Gain,
     /// Part of itself by which a prediction is raised.
     rough: f64,
 }
@@ -114,7 +115,7 @@ impl Pilot {
         samples: u32,
         slot: &TextureSlot,
         texture: &Texture2d<'_>,
-        tint: [f32; 3],
+        gain: Gain,
     ) -> Option<Self> {
         if places.list.len() < FEWEST {
             return None;
@@ -137,7 +138,7 @@ impl Pilot {
             places: Vec::new(),
             means: Vec::new(),
             share: places.share / step as f64,
-            tint,
+            gain,
             rough: ROUGH[usize::from(all)],
         };
         for pixel in places.list.iter().step_by(step) {
@@ -182,7 +183,8 @@ impl Pilot {
                     .map(|p| sampler.sample_grad(texture, p.0, p.1));
                 let found = average(texels);
                 let off = |k: usize| {
-                    let [found, mean] = [found[k], mean[k]].map(|c| store(c * self.tint[k]));
+                    let gain = self.gain.at(k, found[k], mean[k]);
+                    let [found, mean] = [found[k], mean[k]].map(|c| store(c * gain));
                     (found - mean).powi(2)
                 };
                 let alpha = f64::from(found[3] - mean[3]).powi(2);

@@ -10,7 +10,7 @@ use texmap_lab::cases::figure;
 use texmap_lab::verify::Verified;
 use texmap_light::ShadowBias;
 use texmap_render::Scene;
-use texmap_render::planner::{Budget, Choices, IdleLight, ShadowChoice};
+use texmap_render::planner::{Budget, Choices, EnvironmentChoice, IdleLight, ShadowChoice};
 use texmap_sample::Precision;
 
 use crate::cmd::render::RenderArgs;
@@ -80,6 +80,23 @@ pub(crate) struct PlanReport {
     choices: Vec<ChoiceReport>,
     idle_lights: Vec<IdleReport>,
     shadows: Vec<ShadowReport>,
+    environments: Vec<EnvironmentReport>,
+}
+
+/// An environment or specular map.
+#[derive(Clone, Debug, Serialize)]
+struct EnvironmentReport {
+    environment: usize,
+    chart: &'static str,
+    /// Of a face, in texels.
+    width: u32,
+    height: u32,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    exponent: Option<f32>,
+    /// Texels a side that the lobe needs.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    needed: Option<u32>,
+    why: String,
 }
 
 /// A light that is left out.
@@ -167,6 +184,15 @@ impl PlanReport {
                 "about a texel for a pixel at the middle of the scene, 256 to 4096"
             },
         };
+        let environment = |e: &EnvironmentChoice| EnvironmentReport {
+            environment: e.environment,
+            chart: e.chart.name(),
+            width: e.size.0,
+            height: e.size.1,
+            exponent: e.exponent,
+            needed: e.needed,
+            why: e.why.clone(),
+        };
         Self {
             max_texels: choices.budget.texels,
             max_rmse: choices.budget.rmse,
@@ -175,6 +201,7 @@ impl PlanReport {
             choices: choices.meshes.iter().map(report).collect(),
             idle_lights: choices.idle_lights.iter().map(idle).collect(),
             shadows: choices.shadows.iter().map(shadow).collect(),
+            environments: choices.environments.iter().map(environment).collect(),
         }
     }
 
@@ -227,6 +254,13 @@ impl PlanReport {
                 s.bias,
                 figure(s.pixels),
                 s.why
+            );
+        }
+        for e in &self.environments {
+            let _ = writeln!(
+                out,
+                "environment {}: {}, {} x {} texels a face; {}",
+                e.environment, e.chart, e.width, e.height, e.why
             );
         }
         for l in &self.idle_lights {
