@@ -21,7 +21,7 @@ use crate::color::{SRGB8_BASE, SRGB8_FIRST, SRGB8_THRESHOLD_BITS};
 
 mod gather;
 
-pub use gather::{Words, gather, gather_by_loads};
+pub use gather::{Words, gather, gather_by_loads, gather_pairs, has_pairs};
 
 /// Lanes of every kernel, on every level.
 pub const LANES: usize = 16;

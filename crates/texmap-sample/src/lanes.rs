@@ -46,7 +46,7 @@ use crate::{
 };
 use texmap_math::{
     fearless_simd::{f32x16, i32x16, mask32x16, prelude::*, u32x16},
-    lanes::{Words, floor_to_i32, gather},
+    lanes::{Words, floor_to_i32, gather, has_pairs},
 };
 
 /// One word a texel; the bytes kernels read it whole.
@@ -384,6 +384,29 @@ impl<S: Simd> At<S> {
             self.general::<FORMAT>(view, x0, y1),
             self.general::<FORMAT>(view, x1, y1),
         ]
+    }
+
+    /// The first and third of [`corners`](Self::corners) of bytes where those to the right of them are the next words in memory,
+    /// and reading these pairs is the fast way.
+    #[inline(always)]
+    pub(crate) fn left_corners(
+        &self,
+        s: S,
+        view: &View<'_>,
+        i: i32x16<S>,
+        j: i32x16<S>,
+    ) -> Option<[u32x16<S>; 2]> {
+        if !has_pairs(s) || !view.masked {
+            return None;
+        }
+        let (x_mask, y_mask) = (self.width - 1, self.height - 1);
+        let x = i & x_mask;
+        if x.simd_eq(x_mask).any_true() {
+            return None;
+        }
+        let r0 = self.row_start((j & y_mask) ^ self.turn);
+        let r1 = self.row_start(((j + 1) & y_mask) ^ self.turn);
+        Some([self.word::<RGBA8>(r0 + x), self.word::<RGBA8>(r1 + x)])
     }
 
     #[inline(always)]

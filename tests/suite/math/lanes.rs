@@ -58,6 +58,17 @@ fn gathers_read_the_same_words_and_stay_inside() {
             assert_eq!(hardware, want, "{name}");
             assert_eq!(loads, want, "{name}");
         }
+        let pairs = [0, 1, 2, 997, 998, 500, 499, 7, 7, 7, 0, 996, 33, 64, 65, 66];
+        let read = dispatch!(level, s => {
+            lanes::gather_pairs(s, words, u32x16::from_slice(s, &pairs)).map(<[u32; 16]>::from)
+        });
+        let want = [0, 1].map(|next| pairs.map(|i| words.get(i + next)));
+        assert_eq!(read, want, "{name}");
+        // Beyond the end: nothing that counts, and no fault.
+        for source in [words, one] {
+            let index = u32x16::from_slice;
+            dispatch!(level, s => _ = lanes::gather_pairs(s, source, index(s, &indices)));
+        }
     }
 }
 

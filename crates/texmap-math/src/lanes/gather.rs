@@ -10,12 +10,14 @@ use fearless_simd::{Simd, SimdBase, u32x16};
 
 #[cfg(target_arch = "x86")]
 use core::arch::x86::{
-    __m256i, __m512i, _mm256_i32gather_epi32, _mm256_min_epu32, _mm256_set1_epi32,
+    __m256i, __m512i, _mm_set_epi64x, _mm256_castps_si256, _mm256_castsi256_ps, _mm256_min_epu32,
+    _mm256_set_m128i, _mm256_set1_epi32, _mm256_setr_epi32, _mm256_shuffle_ps, _mm256_storeu_si256,
     _mm512_i32gather_epi32, _mm512_min_epu32, _mm512_set1_epi32,
 };
 #[cfg(target_arch = "x86_64")]
 use core::arch::x86_64::{
-    __m256i, __m512i, _mm256_i32gather_epi32, _mm256_min_epu32, _mm256_set1_epi32,
+    __m256i, __m512i, _mm_set_epi64x, _mm256_castps_si256, _mm256_castsi256_ps, _mm256_min_epu32,
+    _mm256_set_m128i, _mm256_set1_epi32, _mm256_setr_epi32, _mm256_shuffle_ps, _mm256_storeu_si256,
     _mm512_i32gather_epi32, _mm512_min_epu32, _mm512_set1_epi32,
 };
 
@@ -47,7 +49,8 @@ impl<'a> Words<'a> {
     }
 }
 
-/// The words at sixteen indices; an index beyond the end reads the last word. By a gather instruction where the level has one.
+/// The words at sixteen indices; an index beyond the end reads the last word. By a gather instruction on AVX-512; AVX2's is slower
+/// than loads on most CPUs that have no AVX-512 of their own: AMD's, and Intel's since it is guarded against data sampling.
 #[inline(always)]
 pub fn gather<S: Simd>(s: S, words: Words<'_>, index: u32x16<S>) -> u32x16<S> {
     #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
@@ -55,13 +58,40 @@ pub fn gather<S: Simd>(s: S, words: Words<'_>, index: u32x16<S>) -> u32x16<S> {
         Level::Avx512(token) => return gather_avx512(token, words, index.into()).simd_into(s),
         Level::Avx2(token) => {
             let (low, high) = s.split_u32x16(index);
-            let low = gather_avx2(token, words, low.into()).simd_into(s);
-            let high = gather_avx2(token, words, high.into()).simd_into(s);
+            let low = loads_avx2(token, words, low.into()).simd_into(s);
+            let high = loads_avx2(token, words, high.into()).simd_into(s);
             return s.combine_u32x8(low, high);
         }
         _ => {}
     }
     gather_by_loads(s, words, index)
+}
+
+/// Whether [`gather_pairs`] costs less than two [`gather`]s.
+#[inline(always)]
+pub fn has_pairs<S: Simd>(s: S) -> bool {
+    #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+    if let Level::Avx2(_) = s.level() {
+        return true;
+    }
+    let _ = s;
+    false
+}
+
+/// The words at sixteen indices and those behind them. Where one of the two lies beyond the end, both hold no meaning.
+#[inline(always)]
+pub fn gather_pairs<S: Simd>(s: S, words: Words<'_>, index: u32x16<S>) -> [u32x16<S>; 2] {
+    #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+    if let (Level::Avx2(token), 1..) = (s.level(), words.last) {
+        let (low, high) = s.split_u32x16(index);
+        let [low, low_next] = pairs_avx2(token, words, low.into());
+        let [high, high_next] = pairs_avx2(token, words, high.into());
+        return [
+            s.combine_u32x8(low.simd_into(s), high.simd_into(s)),
+            s.combine_u32x8(low_next.simd_into(s), high_next.simd_into(s)),
+        ];
+    }
+    [gather(s, words, index), gather(s, words, index + 1)]
 }
 
 /// [`gather`] by sixteen checked loads: the same words, the faster way on CPUs with slow gathers.
@@ -87,10 +117,72 @@ fearless_simd::kernel!(
 
 #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
 fearless_simd::kernel!(
-    #[inline]
-    fn gather_avx2(token: Avx2, words: Words<'_>, index: __m256i) -> __m256i {
-        let index = _mm256_min_epu32(index, _mm256_set1_epi32(words.last as i32));
-        // SAFETY: every index is at most `last`, which is below `data.len()` and within i32, so each address is that of an element.
-        unsafe { _mm256_i32gather_epi32::<4>(words.data.as_ptr().cast(), index) }
+    /// The indices, none above `last`, in memory: taking them from a register one by one is slower.
+    #[inline(always)]
+    fn indices_avx2(token: Avx2, index: __m256i, last: u32) -> [u32; 8] {
+        let index = _mm256_min_epu32(index, _mm256_set1_epi32(last as i32));
+        let mut lanes = [0; 8];
+        // SAFETY: eight words are what the array holds.
+        unsafe { _mm256_storeu_si256(lanes.as_mut_ptr().cast(), index) };
+        *core::hint::black_box(&lanes)
+    }
+);
+
+#[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+fearless_simd::kernel!(
+    #[inline(always)]
+    fn loads_avx2(token: Avx2, words: Words<'_>, index: __m256i) -> __m256i {
+        let at = indices_avx2(token, index, words.last).map(|i| i as usize);
+        // SAFETY: every index is at most `last`, which is below `data.len()`.
+        unsafe {
+            _mm256_setr_epi32(
+                *words.data.get_unchecked(at[0]) as i32,
+                *words.data.get_unchecked(at[1]) as i32,
+                *words.data.get_unchecked(at[2]) as i32,
+                *words.data.get_unchecked(at[3]) as i32,
+                *words.data.get_unchecked(at[4]) as i32,
+                *words.data.get_unchecked(at[5]) as i32,
+                *words.data.get_unchecked(at[6]) as i32,
+                *words.data.get_unchecked(at[7]) as i32,
+            )
+        }
+    }
+);
+
+/// A word and the one behind it.
+///
+/// # Safety
+/// Both lie within the words.
+#[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+#[inline(always)]
+unsafe fn pair(words: Words<'_>, at: u32) -> i64 {
+    let start = words.data.as_ptr().cast::<u8>();
+    // SAFETY: the caller's word; eight bytes from there on are it and the next.
+    unsafe { start.add(at as usize * 4).cast::<i64>().read_unaligned() }
+}
+
+#[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+fearless_simd::kernel!(
+    /// Of more than one word.
+    #[inline(always)]
+    fn pairs_avx2(token: Avx2, words: Words<'_>, index: __m256i) -> [__m256i; 2] {
+        let at = indices_avx2(token, index, words.last.saturating_sub(1));
+        // SAFETY: every index is below `last`, which is below `data.len()`, so that both words are elements.
+        let [a, b, c, d] = unsafe {
+            [
+                _mm_set_epi64x(pair(words, at[1]), pair(words, at[0])),
+                _mm_set_epi64x(pair(words, at[3]), pair(words, at[2])),
+                _mm_set_epi64x(pair(words, at[5]), pair(words, at[4])),
+                _mm_set_epi64x(pair(words, at[7]), pair(words, at[6])),
+            ]
+        };
+        let (x, y) = (
+            _mm256_castsi256_ps(_mm256_set_m128i(c, a)),
+            _mm256_castsi256_ps(_mm256_set_m128i(d, b)),
+        );
+        [
+            _mm256_castps_si256(_mm256_shuffle_ps::<0x88>(x, y)),
+            _mm256_castps_si256(_mm256_shuffle_ps::<0xdd>(x, y)),
+        ]
     }
 );

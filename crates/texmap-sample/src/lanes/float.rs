@@ -7,7 +7,7 @@ use crate::{
 };
 use texmap_math::{
     fearless_simd::{f32x16, i32x16, mask32x16, prelude::*, u32x16},
-    lanes::{floor_to_i32, gather},
+    lanes::{floor_to_i32, gather, gather_pairs},
 };
 
 /// Red, green, blue, alpha of sixteen lanes.
@@ -23,8 +23,7 @@ fn to_float<S: Simd>(c: u32x16<S>) -> f32x16<S> {
 pub(crate) fn fetch<S: Simd, const FORMAT: u8>(s: S, view: &View<'_>, word: u32x16<S>) -> Color<S> {
     match FORMAT {
         RGBA16 => {
-            let a = gather(s, view.words, word);
-            let b = gather(s, view.words, word + 1);
+            let [a, b] = gather_pairs(s, view.words, word);
             let alpha = if view.opaque {
                 f32x16::splat(s, 65535.0)
             } else {

@@ -13,7 +13,7 @@ use crate::{
 };
 use texmap_math::{
     fearless_simd::{f32x16, i32x16, prelude::*, u16x32, u32x16},
-    lanes::{Words, floor_to_i32, gather, store_tail},
+    lanes::{Words, floor_to_i32, gather, gather_pairs, store_tail},
 };
 
 const LOW: u32 = 0x00ff_00ff;
@@ -328,12 +328,25 @@ fn bilinear_at<S: Simd>(
     let (x, y) = at.place(s, view, u, v);
     let (x, y) = (floor_to_i32(s, x) - 128, floor_to_i32(s, y) - 128);
     let (wx, wy) = (spread(x & 255), spread(y & 255));
-    let [a, b, c, d] = at.corners::<RGBA8>(s, view, x >> 8, y >> 8);
-    let a = halves(tap_lanes(s, view, a));
-    let b = halves(tap_lanes(s, view, b));
-    let c = halves(tap_lanes(s, view, c));
-    let d = halves(tap_lanes(s, view, d));
-    lerp_lanes(lerp_lanes(a, b, wx), lerp_lanes(c, d, wx), wy)
+    let (i, j) = (x >> 8, y >> 8);
+    let [a, b, c, d] = match at.left_corners(s, view, i, j) {
+        Some([top, bottom]) => {
+            let [a, b] = gather_pairs(s, view.words, top);
+            let [c, d] = gather_pairs(s, view.words, bottom);
+            [a, b, c, d]
+        }
+        None => {
+            let [a, b, c, d] = at.corners::<RGBA8>(s, view, i, j);
+            [
+                tap_lanes(s, view, a),
+                tap_lanes(s, view, b),
+                tap_lanes(s, view, c),
+                tap_lanes(s, view, d),
+            ]
+        }
+    };
+    let top = lerp_lanes(halves(a), halves(b), wx);
+    lerp_lanes(top, lerp_lanes(halves(c), halves(d), wx), wy)
 }
 
 /// Derivatives in texels of level 0, finite and within reach, of sixteen lanes.
