@@ -3,6 +3,7 @@ use texmap_math::fearless_simd::{Simd, f32x16, f64x8, i32x16, mask32x16, prelude
 use texmap_math::lanes::{LANES, clamp};
 
 use crate::group::Group;
+use crate::planes::Plane;
 use crate::setup::TILE;
 
 /// 4x4 blocks across a tile.
@@ -65,42 +66,51 @@ struct Depth<S: Simd> {
     c: f32x16<S>,
     lo: f32x16<S>,
     hi: f32x16<S>,
-    /// a, b, c of a wide lane.
-    wide: Option<[f64x8<S>; 3]>,
+    /// The plane in f64, of a wide lane.
+    wide: Option<Plane>,
 }
 
 impl<S: Simd> Depth<S> {
     #[inline(always)]
     fn new(s: S, group: &Group, lane: usize) -> Self {
         let wide = group.wide >> lane & 1 == 1;
-        let plane = &group.z_wide[lane];
         Self {
             a: f32x16::splat(s, group.z[0][lane]),
             b: f32x16::splat(s, group.z[1][lane]),
             c: f32x16::splat(s, group.z[2][lane]),
             lo: f32x16::splat(s, group.z_lo[lane]),
             hi: f32x16::splat(s, group.z_hi[lane]),
-            wide: wide.then(|| {
-                [
-                    f64x8::splat(s, plane.a),
-                    f64x8::splat(s, plane.b),
-                    f64x8::splat(s, plane.c),
-                ]
-            }),
+            wide: wide.then_some(group.z_wide[lane]),
         }
     }
 
     #[inline(always)]
     fn at(&self, s: S, px: f32x16<S>, py: f32x16<S>) -> f32x16<S> {
-        let z = match self.wide {
+        let z = match &self.wide {
             None => (self.c + self.b * py) + self.a * px,
-            Some([a, b, c]) => {
-                let ((x0, x1), (y0, y1)) = (px.widen(), py.widen());
-                s.narrow_f64x8((c + b * y0) + a * x0, (c + b * y1) + a * x1)
-            }
+            Some(plane) => wide_at(s, plane, px, py),
         };
         clamp(z, self.lo, self.hi)
     }
+}
+
+/// A plane in f64. Out of line: a compiler moves the steps of an inlined form before the question whether the lane is wide, where
+/// what they read holds no meaning and, taken for a subnormal number, costs a hundred cycles a step.
+#[cold]
+#[inline(never)]
+fn wide_at<S: Simd>(s: S, plane: &Plane, px: f32x16<S>, py: f32x16<S>) -> f32x16<S> {
+    s.vectorize(
+        #[inline(always)]
+        || {
+            let (a, b, c) = (
+                f64x8::splat(s, plane.a),
+                f64x8::splat(s, plane.b),
+                f64x8::splat(s, plane.c),
+            );
+            let ((x0, x1), (y0, y1)) = (px.widen(), py.widen());
+            s.narrow_f64x8((c + b * y0) + a * x0, (c + b * y1) + a * x1)
+        },
+    )
 }
 
 /// Stamps the live triangles of a group, one after the other; the last first if `backwards`.
