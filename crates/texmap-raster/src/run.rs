@@ -2,7 +2,7 @@
 use alloc::vec::Vec;
 
 use texmap_math::Level;
-use texmap_math::fearless_simd::{Simd, f32x16, f64x8, mask32x16, prelude::*, u32x16};
+use texmap_math::fearless_simd::{Simd, f32x16, f64x8, i32x16, mask32x16, prelude::*, u32x16};
 use texmap_math::lanes::{LANES, Words, clamp, clamp_scalar, gather};
 
 use crate::blocks::{TileBlocks, pixel_of};
@@ -186,6 +186,45 @@ impl TilePlanes {
             }
             sink.block(s, i, at, &values);
         }
+    }
+
+    /// [`each_block`](Self::each_block) for pixels that lie anywhere in the tile: block k of `run` is the pixels from 16 k on of
+    /// `pixels`, by their places in the tile's blocks (see [`block_index`](crate::block_index)), each of its own slot. Only where
+    /// [`is_plain`](Self::is_plain).
+    #[inline(always)]
+    pub fn each_sixteen<S: Simd, const N: usize, const D: bool, K: BlockSink<S, N>>(
+        &self,
+        s: S,
+        [pixels, slots]: [&[u32]; 2],
+        run: &[RunBlock],
+        wanted: [usize; N],
+        sink: &mut K,
+    ) {
+        let Some(words) = Words::new(bytemuck::cast_slice(&self.words)) else {
+            return;
+        };
+        let half = TILE as f32 / 2.0 - 0.5;
+        for (i, &at) in run.iter().enumerate() {
+            let of = at.block as usize * LANES..(at.block as usize + 1) * LANES;
+            let (Some(pixels), Some(slots)) = (pixels.get(of.clone()), slots.get(of)) else {
+                return;
+            };
+            let pixels = i32x16::from_slice(s, bytemuck::cast_slice(pixels));
+            let x = ((pixels >> 2) & 60) | (pixels & 3);
+            let y = ((pixels >> 6) & 60) | ((pixels >> 2) & 3);
+            let planes = self.many(s, words, u32x16::from_slice(s, slots), &wanted);
+            let (px, py) = (
+                x.to_float::<f32x16<S>>() - half,
+                y.to_float::<f32x16<S>>() - half,
+            );
+            sink.block(s, i, at, &planes.values::<D>(s, px, py));
+        }
+    }
+
+    /// Whether f32 planes serve all slots.
+    #[must_use]
+    pub fn is_plain(&self) -> bool {
+        self.setups.is_empty()
     }
 
     /// The slots of a block's lanes, that of its first pixel, and whether all are that one. Lanes outside the mask take the first

@@ -186,6 +186,17 @@ impl Canvas {
         );
     }
 
+    /// The mean of four colours.
+    pub(crate) fn mean([a, b, c, d]: [[f32; 4]; 4]) -> [f32; 4] {
+        [0, 1, 2, 3].map(|k| ((a[k] + b[k]) + (c[k] + d[k])) * 0.25)
+    }
+
+    /// The light of a finished opaque pixel of raw mode, as [`unpack_lanes`](texmap_sample::lanes::packed::unpack_lanes) has it.
+    pub(crate) fn light_of_word(&self, index: usize) -> [f32; 4] {
+        let bytes = self.words[index].to_le_bytes();
+        bytes.map(|byte| f32::from(byte) * (1.0 / 255.0))
+    }
+
     /// The mean of four canvases, as finished pixels. (The sums of pairs: four equal colours stay what they are.)
     pub(crate) fn resolve(&mut self, level: Level, mode: ColorMode, samples: [&Self; 4]) {
         let words = &mut self.words;
@@ -202,13 +213,44 @@ impl Canvas {
                 finish_lanes(s, mode, mean).store_slice(word);
             },
             else for (i, word) in words.iter_mut().enumerate() {
-                let mean = [0, 1, 2, 3].map(|channel| {
-                    let at = place(channel, i);
-                    ((a[at] + b[at]) + (c[at] + d[at])) * 0.25
-                });
-                *word = finish(mode, mean);
+                let pixel = |light: &[f32]| [0, 1, 2, 3].map(|channel| light[place(channel, i)]);
+                *word = finish(mode, Self::mean([pixel(a), pixel(b), pixel(c), pixel(d)]));
             }
         );
+    }
+
+    /// [`resolve`](Self::resolve) of the finished opaque pixels of raw mode: the mean of bytes, halves up, is what the mean of their
+    /// light comes to. Blocks that `alike` names take the first's.
+    pub(crate) fn resolve_words(
+        &mut self,
+        level: Level,
+        samples: [&Self; 4],
+        alike: impl Fn(usize) -> bool,
+    ) {
+        let [a, b, c, d] = samples.map(|canvas| canvas.words.as_chunks::<LANES>().0);
+        let words = self.words.as_chunks_mut::<LANES>().0;
+        on_level!(
+            level,
+            s => for (i, word) in words.iter_mut().enumerate() {
+                if alike(i) {
+                    *word = a[i];
+                } else {
+                    mean_lanes(s, [&a[i], &b[i], &c[i], &d[i]]).store_slice(word);
+                }
+            },
+            else for (i, word) in words.iter_mut().enumerate() {
+                *word = std::array::from_fn(|bit| if alike(i) {
+                    a[i][bit]
+                } else {
+                    mean([a[i][bit], b[i][bit], c[i][bit], d[i][bit]])
+                });
+            }
+        );
+    }
+
+    /// A finished pixel by its place in the tile's blocks.
+    pub(crate) fn word_mut(&mut self, index: usize) -> &mut u32 {
+        &mut self.words[index]
     }
 
     /// A row of finished pixels of the tile, up to 64 of them.
@@ -233,6 +275,36 @@ impl Canvas {
     pub(crate) fn light_at(&self, index: usize) -> [f32; 4] {
         [0, 1, 2, 3].map(|c| self.light[place(c, index)])
     }
+}
+
+/// Bytes 0 and 2 of a word.
+const EVEN: u32 = 0x00ff_00ff;
+
+/// The mean of each byte, halves up.
+fn mean(samples: [u32; 4]) -> u32 {
+    let half = |shift: u32| {
+        let sum: u32 = samples.iter().map(|word| word >> shift & EVEN).sum();
+        (sum + 0x0002_0002) >> 2 & EVEN
+    };
+    half(0) | half(8) << 8
+}
+
+/// [`mean`] for sixteen.
+#[inline(always)]
+fn mean_lanes<S: Simd>(s: S, [a, b, c, d]: [&[u32; LANES]; 4]) -> u32x16<S> {
+    let [a, b, c, d] = [
+        u32x16::from_slice(s, a),
+        u32x16::from_slice(s, b),
+        u32x16::from_slice(s, c),
+        u32x16::from_slice(s, d),
+    ];
+    let even = ((a & EVEN) + (b & EVEN)) + ((c & EVEN) + (d & EVEN));
+    let odd = (((a >> 8) & EVEN) + ((b >> 8) & EVEN)) + (((c >> 8) & EVEN) + ((d >> 8) & EVEN));
+    let (even, odd) = (
+        ((even + 0x0002_0002) >> 2) & EVEN,
+        ((odd + 0x0002_0002) >> 2) & EVEN,
+    );
+    even | (odd << 8)
 }
 
 /// Four pixels in memory: one move where the machine is little-endian.
@@ -365,5 +437,33 @@ pub(crate) fn straight([r, g, b, a]: [f32; 4]) -> [f32; 3] {
         [r / a, g / a, b / a]
     } else {
         [0.0; 3]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// In f32 the mean of four bytes' light is never on the wrong side of a half.
+    #[test]
+    fn mean_of_bytes_is_that_of_their_light() {
+        let mut canvas = Canvas::new();
+        for a in (0..=255).step_by(5) {
+            for b in 0..=255 {
+                for (c, d) in (0..=255)
+                    .step_by(17)
+                    .zip([0, 3, 80, 81, 250].into_iter().cycle())
+                {
+                    let bytes = [a, b, c, d];
+                    let light = bytes.map(|byte: u32| {
+                        *canvas.word_mut(0) = u32::from_le_bytes([byte as u8, 0, 0, 255]);
+                        canvas.light_of_word(0)
+                    });
+                    let word = finish(ColorMode::Raw, Canvas::mean(light));
+                    let words = bytes.map(|byte| byte | 0xff00_0000);
+                    assert_eq!(mean(words), word, "{bytes:?}");
+                }
+            }
+        }
     }
 }

@@ -77,7 +77,7 @@ impl<'a> Direct<'a> {
         on_level!(
             level,
             s => {
-                paint(s, &self.view, from, run, &mut Put { words });
+                self.paint(s, &from.source(), from.levels, run, &mut Put { words });
                 true
             },
             else false
@@ -94,16 +94,34 @@ impl<'a> Direct<'a> {
         canvas: &mut Canvas,
         covered: &mut [u16],
     ) -> bool {
-        let Self { view, stage } = self;
+        let stage = &self.stage;
         let light = canvas.light_mut();
         on_level!(
             level,
             s => {
-                paint(s, view, from, run, &mut Over { stage, light, covered });
+                self.paint(s, &from.source(), from.levels, run, &mut Over { stage, light, covered });
                 true
             },
             else false
         )
+    }
+
+    /// Whether the bytes of a look-up are the finished pixels.
+    pub(crate) fn gives_words(&self) -> bool {
+        self.stage.gives_words()
+    }
+
+    /// Shows `brush` the texels of a run.
+    #[inline(always)]
+    pub(crate) fn paint<S: Simd, P: Source<S>, B: Brush<S>>(
+        &self,
+        s: S,
+        source: &P,
+        levels: &mut Levels,
+        run: &[RunBlock],
+        brush: &mut B,
+    ) {
+        paint(s, &self.view, source, levels, run, brush);
     }
 }
 
@@ -114,33 +132,57 @@ pub(crate) struct From<'a> {
     pub(crate) levels: &'a mut Levels,
 }
 
+impl<'a> From<'a> {
+    pub(crate) fn source(&self) -> Blocks<'a> {
+        Blocks {
+            planes: self.planes,
+            blocks: self.blocks,
+        }
+    }
+}
+
+/// Shows the values of blocks.
+pub(crate) trait Source<S: Simd> {
+    fn each<const D: bool, K: BlockSink<S, 2>>(&self, s: S, run: &[RunBlock], sink: &mut K);
+}
+
+/// Blocks of a tile.
+pub(crate) struct Blocks<'a> {
+    planes: &'a TilePlanes,
+    blocks: &'a TileBlocks,
+}
+
+impl<S: Simd> Source<S> for Blocks<'_> {
+    #[inline(always)]
+    fn each<const D: bool, K: BlockSink<S, 2>>(&self, s: S, run: &[RunBlock], sink: &mut K) {
+        self.planes
+            .each_block::<_, 2, D, _>(s, self.blocks, run, [0, 1], sink);
+    }
+}
+
 /// Takes texels.
-trait Brush<S: Simd> {
+pub(crate) trait Brush<S: Simd> {
     fn block(&mut self, s: S, at: RunBlock, texels: u32x16<S>);
 }
 
 #[inline(always)]
-fn paint<S: Simd, B: Brush<S>>(
+fn paint<S: Simd, P: Source<S>, B: Brush<S>>(
     s: S,
     view: &View<'_>,
-    from: &mut From<'_>,
+    source: &P,
+    levels: &mut Levels,
     run: &[RunBlock],
     brush: &mut B,
 ) {
-    let From {
-        planes,
-        blocks,
-        levels,
-    } = from;
     match view.kind {
         Kind::Nearest => {
             let mut sink = Nearest { view, brush };
-            planes.each_block::<_, 2, false, _>(s, blocks, run, [0, 1], &mut sink);
+            source.each::<false, _>(s, run, &mut sink);
         }
         Kind::Bilinear => {
             for run in run.chunks(RUN / LANES) {
                 let mut sink = Placed { levels };
-                planes.each_block::<_, 2, false, _>(s, blocks, run, [0, 1], &mut sink);
+                source.each::<false, _>(s, run, &mut sink);
                 for (i, at) in run.iter().enumerate() {
                     let (u, v) = levels.place(s, i);
                     brush.block(s, *at, packed::bilinear_lanes(s, view, u, v));
@@ -150,7 +192,7 @@ fn paint<S: Simd, B: Brush<S>>(
         _ => {
             for run in run.chunks(RUN / LANES) {
                 let mut sink = Leveled { view, levels };
-                planes.each_block::<_, 2, true, _>(s, blocks, run, [0, 1], &mut sink);
+                source.each::<true, _>(s, run, &mut sink);
                 for (i, at) in run.iter().enumerate() {
                     let (u, v) = levels.place(s, i);
                     let lod = i32x16::from_slice(s, &levels.lod[i * LANES..(i + 1) * LANES]);

@@ -1,7 +1,6 @@
 //! One tile of samples: visibility first, then each visible pixel shaded once, then what blends, in its order.
 
 use texmap_math::Level;
-use texmap_math::fearless_simd::{Simd, prelude::*, u32x16};
 use texmap_raster::{
     NONE, Pass, Prepared, RUN, RUN_ROOM, RunBlock, RunValues, TileBlocks, TilePlanes,
 };
@@ -9,11 +8,14 @@ use texmap_raster::{
 use crate::ColorMode;
 use crate::canvas::{Canvas, Colors, LANES, finish};
 use crate::direct::{Direct, From, Levels};
-use crate::dispatch::on_level;
 use crate::lit_lanes::{LitLanes, LitScratch};
 use crate::plan::Plan;
 use crate::shade::{Run, Stages};
 use crate::texel::TexelStage;
+
+mod multisample;
+
+use multisample::{Sharing, Strays};
 
 /// Blocks a run.
 const RUN_BLOCKS: usize = RUN / LANES;
@@ -56,6 +58,7 @@ pub(crate) struct Painter {
     alone: bool,
     /// [`Sharing`] of each block.
     sharing: Vec<Sharing>,
+    strays: Strays,
     /// Of each block, a bit per pixel that is not all background.
     covered: Vec<u16>,
 }
@@ -63,12 +66,6 @@ pub(crate) struct Painter {
 struct Sample {
     blocks: TileBlocks,
     canvas: Canvas,
-}
-
-/// `by[j][k]`: the pixels of a block whose sample j shows the fragment that sample k showed first.
-#[derive(Clone, Copy, Default)]
-struct Sharing {
-    by: [[u16; 4]; 4],
 }
 
 impl Painter {
@@ -80,6 +77,7 @@ impl Painter {
             listed: Listed::default(),
             alone: false,
             sharing: Vec::new(),
+            strays: Strays::default(),
             covered: vec![0; BLOCKS],
         }
     }
@@ -136,68 +134,6 @@ impl Painter {
         canvas
     }
 
-    /// Paints a tile of four samples a pixel. Each pixel is shaded at its centre, once for every triangle that one of its samples
-    /// shows: at a centre outside of it, with the values its planes have there.
-    pub(crate) fn paint_multisampled(
-        &mut self,
-        scenery: &Scenery<'_>,
-        places: [[i32; 2]; 4],
-        tile: usize,
-    ) {
-        let (level, mode) = (scenery.plan.level, scenery.mode);
-        scenery.prepared.planes(tile, &mut self.shader.planes);
-        self.samples.resize_with(4, Sample::new);
-        for (sample, offset) in self.samples.iter_mut().zip(places) {
-            let Sample { blocks, canvas } = sample;
-            scenery
-                .prepared
-                .visible_sample(tile, offset, scenery.plan, blocks);
-            canvas.fill_light(scenery.background);
-        }
-        self.share(level);
-        self.covered.fill(0);
-        let Self {
-            samples,
-            shader,
-            listed,
-            sharing,
-            covered,
-            resolved,
-            alone: _,
-        } = self;
-        for k in 0..4 {
-            let masks: [u16; BLOCKS] = std::array::from_fn(|block| sharing[block].by[k][k]);
-            for (covered, mask) in covered.iter_mut().zip(masks) {
-                *covered |= mask;
-            }
-            listed.visible(&samples[k].blocks, &masks, NONE);
-            // The canvases are lent out while the blocks are read.
-            let blocks = std::mem::take(&mut samples[k].blocks);
-            shader.each_run(scenery, tile, &blocks, listed, |shown, run| {
-                for (j, sample) in samples.iter_mut().enumerate().skip(k) {
-                    let mut shared = [EMPTY; RUN_BLOCKS];
-                    for (to, at) in shared.iter_mut().zip(run) {
-                        *to = *at;
-                        to.mask &= sharing[at.block as usize].by[j][k];
-                    }
-                    shown.put(level, mode, &shared[..run.len()], &mut sample.canvas);
-                }
-            });
-            samples[k].blocks = blocks;
-        }
-        if blended(scenery.plan, &samples[0].blocks).is_some() {
-            for (sample, offset) in samples.iter_mut().zip(places) {
-                let Sample { blocks, canvas } = sample;
-                listed.blended(scenery, tile, offset, blocks);
-                let covered = Some(&mut covered[..]);
-                shader.lay(scenery, tile, blocks, listed, false, canvas, covered);
-            }
-        }
-        if let [a, b, c, d] = &samples[..] {
-            resolved.resolve(level, mode, [&a.canvas, &b.canvas, &c.canvas, &d.canvas]);
-        }
-    }
-
     /// What [`paint_multisampled`](Self::paint_multisampled) painted.
     pub(crate) fn resolved(&self) -> &Canvas {
         &self.resolved
@@ -211,25 +147,6 @@ impl Painter {
     /// Of each block, the pixels that are not all background.
     pub(crate) fn covered(&self) -> &[u16] {
         &self.covered
-    }
-
-    /// Finds out which samples of a pixel show the same fragment.
-    fn share(&mut self, level: Level) {
-        self.sharing.clear();
-        self.sharing.resize(BLOCKS, Sharing::default());
-        let [a, b, c, d] = &self.samples[..] else {
-            return;
-        };
-        let samples = [&a.blocks, &b.blocks, &c.blocks, &d.blocks];
-        on_level!(
-            level,
-            s => for (block, sharing) in self.sharing.iter_mut().enumerate() {
-                share_lanes(s, samples, block, sharing);
-            },
-            else for (block, sharing) in self.sharing.iter_mut().enumerate() {
-                share_plain(samples, block, sharing);
-            }
-        );
     }
 }
 
@@ -559,40 +476,5 @@ impl Shader {
         } else {
             Shown::Light(&self.colors)
         }
-    }
-}
-
-#[inline(always)]
-fn share_lanes<S: Simd>(s: S, samples: [&TileBlocks; 4], block: usize, sharing: &mut Sharing) {
-    let at = block * LANES..(block + 1) * LANES;
-    let slots = [
-        u32x16::from_slice(s, &samples[0].slot[at.clone()]),
-        u32x16::from_slice(s, &samples[1].slot[at.clone()]),
-        u32x16::from_slice(s, &samples[2].slot[at.clone()]),
-        u32x16::from_slice(s, &samples[3].slot[at]),
-    ];
-    for j in 0..4 {
-        let mut left = samples[j].masks[block];
-        for k in 0..j {
-            let same = slots[j].simd_eq(slots[k]).to_bitmask() as u16 & left;
-            sharing.by[j][k] = same;
-            left &= !same;
-        }
-        sharing.by[j][j] = left;
-    }
-}
-
-fn share_plain(samples: [&TileBlocks; 4], block: usize, sharing: &mut Sharing) {
-    for j in 0..4 {
-        let mut left = samples[j].masks[block];
-        for k in 0..j {
-            for bit in 0..LANES {
-                let at = block * LANES + bit;
-                let same = samples[j].slot[at] == samples[k].slot[at];
-                sharing.by[j][k] |= (u16::from(same) << bit) & left;
-            }
-            left &= !sharing.by[j][k];
-        }
-        sharing.by[j][j] = left;
     }
 }

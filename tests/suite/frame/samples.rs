@@ -1,7 +1,8 @@
 //! Four samples a pixel: what is shaded at a centre that lies outside of the triangle.
 
-use texmap_render::{Mesh, Scene, Settings, render};
-use texmap_sample::Filter;
+use texmap_render::{ColorMode, Mesh, Renderer, Scene, Settings, pixel_hash, render};
+use texmap_sample::{Filter, Precision};
+use texmap_tests::levels::levels;
 
 use crate::scenes::{of, slot, texture, unlit};
 
@@ -59,4 +60,48 @@ fn cuts_in_a_plane_do_not_show() {
         let off = pixels.filter(|(a, b)| a.iter().zip(*b).any(|(a, b)| a.abs_diff(*b) > 1));
         assert_eq!(off.count(), 0, "{cells} x {cells} cells");
     }
+}
+
+/// Texels whose bytes are the pixels stay bytes up to the mean of the samples: the same picture as that of their light, on each level,
+/// over a background that is no byte and not opaque.
+#[test]
+fn bytes_have_the_mean_of_their_light() {
+    let mut seen = Vec::new();
+    for filter in [Filter::Nearest, Filter::Bilinear, Filter::Trilinear] {
+        for cells in [1, 13, 70] {
+            let mut scene = plane(cells);
+            scene.color = ColorMode::Raw;
+            scene.background = [0.1, 0.77, 0.3, 0.6];
+            for p in &mut scene.meshes[0].positions {
+                *p = [0.21 * p[0], 0.17 * p[1] + 0.05 * p[0], p[2]];
+            }
+            let sampler = &mut scene.materials[0].base_color.as_mut().unwrap().sampler;
+            (sampler.filter, sampler.precision) = (filter, Precision::Fast);
+            let settings = Settings {
+                msaa: 4,
+                ..Settings::new(SIDE, SIDE)
+            };
+            let frame = |settings: &Settings, staged: bool| {
+                let renderer = Renderer::new(&scene, settings).unwrap();
+                let renderer = if staged { renderer.staged() } else { renderer };
+                renderer.draw(&|_, _| ()).unwrap()
+            };
+            let expected = frame(&settings, true);
+            for (name, level) in levels() {
+                let settings = Settings {
+                    level,
+                    ..settings.clone()
+                };
+                let drawn = frame(&settings, false);
+                let what = format!("{filter:?}, {cells} x {cells} cells, {name}");
+                assert_eq!(pixel_hash(&drawn), pixel_hash(&expected), "{what}");
+                let covered = [&drawn, &expected].map(|f| f.stats.pixels_covered);
+                assert_eq!(covered[0], covered[1], "{what}");
+            }
+            seen.extend(expected.rgba.chunks_exact(4).map(<[u8]>::to_vec));
+        }
+    }
+    seen.sort_unstable();
+    seen.dedup();
+    assert!(seen.len() > 2000, "{} colours", seen.len());
 }
