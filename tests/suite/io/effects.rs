@@ -68,7 +68,7 @@ fn what_throws_shadows_and_how_much_of_it_a_map_shows() {
     let lid = "v -1 -1 1\nv 1 -1 1\nv 1 1 1\nv -1 1 1\n";
     let pixel = |words: &str, setting: &str| {
         let scene = files().scene(&format!(
-            "eye 0 -9 9\nfov 60\nld 1 1 1 0 0 -1\nshadow 64 taps 1 {words}\n{floor}{lid}f 0 1 2 3\n{setting}f 4 5 6 7\n"
+            "background 1 1 1\neye 0 -9 9\nfov 60\nld 1 1 1 0 0 -1\nshadow 64 taps 1 {words}\n{floor}{lid}f 0 1 2 3\n{setting}f 4 5 6 7\n"
         ));
         let frame = render(&scene, &Settings::new(64, 64), &|_, _| ()).unwrap();
         // The ground under the lid, seen below its edge.
