@@ -6,6 +6,7 @@ use texmap_math::glam::{DVec2, DVec3};
 
 use crate::Chart;
 use crate::error::{LightError, same_length};
+use crate::packed;
 
 /// Light from every direction, stored in a [`Chart`]: texels with a border of one texel that continues over the edges
 /// of each face, so that bilinear look-ups have no seams.
@@ -14,6 +15,8 @@ pub struct Environment {
     pub(crate) chart: Chart,
     /// Level after level, each its faces one after the other, (width + 2) x (height + 2) texels each, linear light.
     pub(crate) texels: Vec<[f32; 3]>,
+    /// The texels in [`packed`](crate::packed) form, where [`light_across`](Self::light_across) reads that; else empty.
+    pub(crate) packed: Vec<u32>,
     /// At least one.
     pub(crate) levels: Vec<Level>,
     /// Of the highlight that was gathered.
@@ -114,6 +117,7 @@ impl Environment {
         Self {
             chart,
             texels,
+            packed: Vec::new(),
             levels,
             exponent: None,
         }
@@ -121,12 +125,16 @@ impl Environment {
 
     /// With smaller and smaller levels down to a height of 1, each texel the mean of four above it, for look-ups that know their
     /// footprint ([`light_across`](Self::light_across)).
+    ///
+    /// Where all texels are whole multiples of 1/1020 from 0 to 1, as raw 8-bit values are, those look-ups read them in a packed
+    /// form with that step: the smaller levels, and the borders, are off by up to 1/2040.
     #[must_use]
     pub fn with_mips(mut self) -> Self {
         self.levels.truncate(1);
         let (width, height) = self.size();
         self.texels
             .truncate(self.chart.faces() * (width as usize + 2) * (height as usize + 2));
+        let exact = self.inner_texels().all(packed::holds);
         let mut above = self.levels[0];
         while above.height > 1 {
             let (width, height) = (above.width / 2, above.height / 2);
@@ -151,7 +159,20 @@ impl Environment {
             self.texels
                 .extend(bordered(self.chart, (width, height), &inner));
         }
+        self.packed.clear();
+        if exact {
+            self.packed.extend(self.texels.iter().map(packed::pack));
+        }
         self
+    }
+
+    /// The texels of level 0 without borders.
+    fn inner_texels(&self) -> impl Iterator<Item = &[f32; 3]> {
+        let (width, height) = self.size();
+        let (w, h) = (width as usize + 2, height as usize + 2);
+        let faces = self.texels.chunks_exact(w * h).take(self.chart.faces());
+        let rows = faces.flat_map(move |face| face.chunks_exact(w).skip(1).take(h - 2));
+        rows.flat_map(move |row| &row[1..w - 1])
     }
 
     /// The chart.

@@ -148,6 +148,12 @@ impl ShadowMap {
         &self.depths
     }
 
+    /// The depths, to be used again; a map of size 0, in which everything is lit, is left.
+    pub(crate) fn take_depths(&mut self) -> Vec<f32> {
+        self.size = 0;
+        core::mem::take(&mut self.depths)
+    }
+
     /// The light that it belongs to.
     #[must_use]
     pub fn kind(&self) -> &ShadowKind {

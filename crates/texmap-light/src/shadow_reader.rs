@@ -1,10 +1,13 @@
 //! Shadow maps prepared for look-ups in f32, for one point and for sixteen. [`ShadowMap::lit`] is their reference in f64.
 
+use alloc::vec::Vec;
+
 use texmap_math::fearless_simd::{Simd, f32x16, i32x16, mask32x16, prelude::*, u32x16};
 use texmap_math::glam::{DMat4, DVec3, DVec4};
 use texmap_math::lanes::{Words, floor_to_i32, floor_to_i32_scalar, gather};
 
 use crate::lanes::V3;
+use crate::shadow_bounds::Bounds;
 use crate::vector::{dot, dot_lanes, spread};
 use crate::{ShadowBias, ShadowKind, ShadowMap};
 
@@ -21,9 +24,10 @@ pub struct ShadowReader {
 }
 
 /// A map of one face.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 struct Flat {
     size: i32,
+    bounds: Bounds,
     /// Columns and rows of the map (times the depth under a spot light), and depth.
     rows: [[f32; 4]; 3],
     /// The light's axes: right, down, and back to the light.
@@ -55,6 +59,13 @@ impl ShadowReader {
             taps,
             flat,
         }
+    }
+
+    /// The depths of the map, to be used again; everything is lit from then on.
+    #[doc(hidden)]
+    pub fn take_depths(&mut self) -> Vec<f32> {
+        self.flat = None;
+        self.map.take_depths()
     }
 
     /// Whether there are lanes: not under point lights, whose maps have six faces.
@@ -123,8 +134,10 @@ impl Flat {
             let [x, y, z, _] = narrow(v);
             [x, y, z]
         };
+        let radius = taps.min(15) / 2;
         Some(Self {
             size: map.size() as i32,
+            bounds: Bounds::new(map.depths(), map.size() as usize, radius as usize),
             rows: [across, down, depth].map(narrow),
             axes: [axis(x), axis(-y), axis(z)],
             divided,
@@ -134,7 +147,7 @@ impl Flat {
                 ShadowBias::Slope(constant) => Bias::Slope(constant as f32),
                 ShadowBias::NormalOffset(texels) => Bias::NormalOffset(texels as f32),
             },
-            radius: (taps.min(15) / 2) as i32,
+            radius: radius as i32,
         })
     }
 
@@ -249,6 +262,11 @@ impl Flat {
         let middle = f32x16::splat(s, 0.5 * self.size as f32);
         let x = floor_to_i32(s, inside.select(x, middle));
         let y = floor_to_i32(s, inside.select(y, middle));
+        let [least, most] = self.bounds.around(s, x, y);
+        let (all, none) = (reference.simd_le(least), reference.simd_gt(most));
+        if (all | none | !(inside & asked)).all_true() {
+            return (inside & none).select(f32x16::splat(s, 0.0), one);
+        }
         let r = self.radius;
         let (low, high) = (i32x16::splat(s, r), i32x16::splat(s, self.size - r));
         let within = x.simd_ge(low) & x.simd_lt(high) & y.simd_ge(low) & y.simd_lt(high);
@@ -362,7 +380,6 @@ fn rows(m: DMat4) -> [DVec4; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use alloc::vec::Vec;
 
     /// f32 look-ups give the answers of f64 ones at all but a few points, under every bias, beyond the map and behind the light too.
     #[test]

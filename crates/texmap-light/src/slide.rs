@@ -3,7 +3,7 @@ use texmap_math::float::floor_f32;
 use texmap_math::glam::{DVec3, DVec4};
 use texmap_math::projector::slide_coordinates;
 use texmap_math::{Footprint, Projector};
-use texmap_sample::{Sampler, Texture2d, Wrap};
+use texmap_sample::{Filter, Sampler, Texture2d, Wrap};
 
 use crate::error::{LightError, same_length};
 use crate::lanes::V3;
@@ -128,6 +128,8 @@ pub struct SlideView<'a> {
     pub sampler: Sampler,
     border: SlideBorder,
     softness: f32,
+    /// The picture goes on beyond its edge, but that is black.
+    dark_edge: bool,
 }
 
 /// Where sixteen points fall in a slide.
@@ -158,6 +160,9 @@ impl<'a> SlideView<'a> {
             sampler: slide.bordered(),
             border: slide.border,
             softness: slide.softness,
+            dark_edge: slide.border == SlideBorder::Clamp
+                && matches!(slide.sampler.filter, Filter::Nearest | Filter::Bilinear)
+                && has_dark_edge(slide.texture),
         }
     }
 
@@ -203,6 +208,7 @@ impl<'a> SlideView<'a> {
     }
 
     /// [`place`](Self::place) for sixteen. The texels there are for the caller to look up: level 0, as footprints have no lanes yet.
+    /// Lanes in which level 0 can only give black are not reached.
     #[inline(always)]
     pub fn place_lanes<S: Simd>(&self, s: S, point: V3<S>) -> SlidePlaces<S> {
         let (zero, one) = (f32x16::splat(s, 0.0), f32x16::splat(s, 1.0));
@@ -217,9 +223,9 @@ impl<'a> SlideView<'a> {
         let finite = u.abs().simd_lt(infinity) & v.abs().simd_lt(infinity);
         let mut reached = t.simd_gt(zero) & finite;
         let mut factor = one;
-        if self.border == SlideBorder::Black {
+        if self.border == SlideBorder::Black || self.dark_edge {
             reached &= u.simd_ge(zero) & u.simd_le(one) & v.simd_ge(zero) & v.simd_le(one);
-            if self.softness > 0.0 {
+            if self.border == SlideBorder::Black && self.softness > 0.0 {
                 factor = fade_lanes(s, self.softness, u) * fade_lanes(s, self.softness, v);
             }
         }
@@ -229,6 +235,17 @@ impl<'a> SlideView<'a> {
             fade: factor,
         }
     }
+}
+
+/// Whether the outermost texels of level 0 are black, so that what a clamped filter reads beyond them is.
+fn has_dark_edge(texture: &Texture2d<'_>) -> bool {
+    let (width, height) = (texture.width(), texture.height());
+    let black = |x: u32, y: u32| {
+        let texel = texture.texel(0, x, y);
+        texel.is_some_and(|[r, g, b, _]| r == 0.0 && g == 0.0 && b == 0.0)
+    };
+    (0..width).all(|x| black(x, 0) && black(x, height - 1))
+        && (0..height).all(|y| black(0, y) && black(width - 1, y))
 }
 
 /// 0 at the edge, 1 from `softness` inwards: `3x^2 - 2x^3`.
