@@ -28,21 +28,28 @@ impl Prepared<'_> {
 
     /// [`depth_map`](Self::depth_map) in the room of an earlier one.
     pub fn depth_map_into(&self, threads: usize, map: &mut Vec<f32>) {
-        self.fill_map(threads, map, |index, tile: &mut DepthTile| {
-            self.depth_tile(index, tile);
-            &tile.depth
-        });
+        self.depth_rows(threads, None, map, &|_, _| {});
     }
 
-    /// [`depth_map`](Self::depth_map) without the pixels of cut-outs that `alpha` does not keep.
-    #[must_use]
-    pub fn depth_map_cut(&self, threads: usize, alpha: &(dyn AlphaTest + Sync)) -> Vec<f32> {
-        let mut map = Vec::new();
-        self.fill_map(threads, &mut map, |index, blocks: &mut TileBlocks| {
-            self.visible_blocks(index, alpha, blocks);
-            &blocks.depth
-        });
-        map
+    /// [`depth_map_into`](Self::depth_map_into), without the pixels of cut-outs that `alpha` does not keep. Each strip of finished rows
+    /// is lent to `done`, with the number of its first row, while it is at hand.
+    pub fn depth_rows(
+        &self,
+        threads: usize,
+        alpha: Option<&(dyn AlphaTest + Sync)>,
+        map: &mut Vec<f32>,
+        done: &(dyn Fn(usize, &mut [f32]) + Sync),
+    ) {
+        match alpha {
+            None => self.fill_map(threads, map, done, |index, tile: &mut DepthTile| {
+                self.depth_tile(index, tile);
+                &tile.depth
+            }),
+            Some(alpha) => self.fill_map(threads, map, done, |index, blocks: &mut TileBlocks| {
+                self.visible_blocks(index, alpha, blocks);
+                &blocks.depth
+            }),
+        }
     }
 
     /// Fills a map with the depths in 4x4 blocks that `depths` gives for each tile that is not empty.
@@ -50,6 +57,7 @@ impl Prepared<'_> {
         &self,
         threads: usize,
         map: &mut Vec<f32>,
+        done: &(dyn Fn(usize, &mut [f32]) + Sync),
         depths: impl Fn(usize, &mut T) -> &[f32] + Sync,
     ) {
         let width = self.size().width() as usize;
@@ -68,6 +76,7 @@ impl Prepared<'_> {
                     copy_blocks(depths(index, &mut tile), out, width, x0);
                 }
             }
+            done(row * TILE as usize, out);
         });
     }
 

@@ -7,7 +7,7 @@ use texmap_math::glam::{DMat3, DMat4, DVec3};
 
 use crate::effects::{SlideProjector, SlideRole};
 use crate::lit::Sample;
-use crate::shadow::{shadow_bias, shadow_kind, shadow_map};
+use crate::shadow::{shadow_bias, shadow_kind, shadow_map_in};
 use crate::vertices::{narrow, wide};
 use crate::{RenderError, Scene, Settings};
 
@@ -45,8 +45,22 @@ impl Thrown<'_> {
 }
 
 impl<'s> Ready<'s> {
-    /// Draws all maps. `None` for a scene without effects whose materials ask for none either.
+    /// Draws all maps.
     pub(crate) fn new(scene: &'s Scene, settings: &Settings) -> Result<Self, RenderError> {
+        Self::in_rooms(scene, settings, Vec::new())
+    }
+
+    /// [`new`](Self::new) in the [`rooms`](Self::rooms) of earlier maps.
+    pub(crate) fn in_rooms(
+        scene: &'s Scene,
+        settings: &Settings,
+        rooms: Vec<Vec<f32>>,
+    ) -> Result<Self, RenderError> {
+        let mut rooms = rooms.into_iter();
+        let mut draw = |kind: &ShadowKind, size: u32, threads: usize| {
+            let room = rooms.next().unwrap_or_default();
+            shadow_map_in(scene, kind, size, threads, room)
+        };
         let mut lights = scene.lights.clone();
         let mut shadows: Vec<Vec<ShadowReader>> = scene.lights.iter().map(|_| Vec::new()).collect();
         let threads = settings.threads.unwrap_or(usize::MAX);
@@ -55,7 +69,7 @@ impl<'s> Ready<'s> {
             let size = shadow
                 .size
                 .unwrap_or_else(|| fitting_size(scene, &kind, settings.width));
-            let map = shadow_map(scene, &kind, size, threads)?;
+            let map = draw(&kind, size, threads)?;
             let bias = shadow.bias.unwrap_or_else(|| shadow_bias(scene));
             shadows[shadow.light].push(ShadowReader::new(map, bias, shadow.taps));
         }
@@ -64,7 +78,7 @@ impl<'s> Ready<'s> {
             let shade = match slide.shadow {
                 None => None,
                 Some(size) => {
-                    let map = shadow_map(scene, &slide_kind(slide), size, threads)?;
+                    let map = draw(&slide_kind(slide), size, threads)?;
                     Some(ShadowReader::new(map, shadow_bias(scene), 3))
                 }
             };
@@ -95,6 +109,15 @@ impl<'s> Ready<'s> {
             paints,
             environments: &scene.effects.environments,
         })
+    }
+
+    /// Takes the rooms of all maps, which are empty from then on.
+    pub(crate) fn rooms(&mut self) -> Vec<Vec<f32>> {
+        let of_lights = self.shadows.iter_mut().flatten();
+        let slides = self.lamps.iter_mut().chain(&mut self.paints);
+        let of_slides = slides.filter_map(|thrown| thrown.shade.as_mut());
+        let all = of_lights.chain(of_slides);
+        all.map(ShadowReader::take_depths).collect()
     }
 
     /// Whether surfaces without effects of their own must know of these.

@@ -120,11 +120,13 @@ impl<'s> Renderer<'s> {
     /// Draws the shadow maps anew: the part of [`new`](Self::new) that a light or a caster that moves asks for.
     ///
     /// # Errors
-    /// As [`new`](Self::new).
+    /// As [`new`](Self::new); nothing is shadowed after that.
     #[doc(hidden)]
     pub fn redraw_shadows(&mut self) -> Result<(), RenderError> {
         let (scene, settings) = (self.scene, &self.settings);
-        let draw = || Ready::new(scene, settings).map(Arc::new);
+        let rooms = Arc::get_mut(&mut self.plan.ready).map(Ready::rooms);
+        let rooms = rooms.unwrap_or_default();
+        let draw = || Ready::in_rooms(scene, settings, rooms).map(Arc::new);
         let ready = match &self.pool {
             None => draw(),
             Some(pool) => pool.install(draw),

@@ -1,10 +1,10 @@
 //! Shadow maps: the scene's depth as a light sees it, by the rasterizer's depth pass.
 
-use rayon::prelude::*;
 use texmap_light::{Chart, Light, ShadowBias, ShadowKind, ShadowMap};
+use texmap_math::Level;
 use texmap_math::camera::Camera;
 use texmap_math::glam::{DMat4, DVec2, DVec3, DVec4};
-use texmap_raster::{DepthTest, Draw, Pass, Prepared, TargetSize};
+use texmap_raster::{AlphaTest, DepthTest, Draw, Pass, Prepared, TargetSize};
 
 use crate::shadow_cut::Cuts;
 use crate::vertices::wide;
@@ -111,6 +111,17 @@ pub fn shadow_map(
     size: u32,
     threads: usize,
 ) -> Result<ShadowMap, RenderError> {
+    shadow_map_in(scene, kind, size, threads, Vec::new())
+}
+
+/// [`shadow_map`] in the room of an earlier one.
+pub(crate) fn shadow_map_in(
+    scene: &Scene,
+    kind: &ShadowKind,
+    size: u32,
+    threads: usize,
+    mut room: Vec<f32>,
+) -> Result<ShadowMap, RenderError> {
     let target =
         TargetSize::new(size, size).map_err(|error| RenderError::of_raster(scene, error))?;
     let cuts = Cuts::new(scene);
@@ -140,13 +151,13 @@ pub fn shadow_map(
                 }
             })
             .collect();
-        let prepared =
-            Prepared::new(target, &draws).map_err(|error| RenderError::of_raster(scene, error))?;
-        let mut map = match &cuts {
-            Some(cuts) => prepared.depth_map_cut(threads, cuts),
-            None => prepared.depth_map(threads),
-        };
-        view.measure(&mut map, size, threads);
+        let prepared = Prepared::with_level(target, &draws, Level::new(), threads)
+            .map_err(|error| RenderError::of_raster(scene, error))?;
+        let mut map = std::mem::take(&mut room);
+        let alpha = cuts.as_ref().map(|cuts| cuts as &(dyn AlphaTest + Sync));
+        prepared.depth_rows(threads, alpha, &mut map, &|row, depths| {
+            view.measure(row, depths, size);
+        });
         if depths.is_empty() {
             depths = map;
         } else {
@@ -184,19 +195,22 @@ enum Metric {
 }
 
 impl FaceView {
-    /// From the depths of a face's buffer to those of its map.
-    fn measure(&self, map: &mut [f32], size: u32, threads: usize) {
-        let rows = |first: usize, part: &mut [f32]| {
-            for (i, depth) in part.iter_mut().enumerate() {
-                *depth = self.metric(*depth, (first + i) as u32, size);
+    /// From the depths of rows of a face's buffer, from row `first` on, to those of its map.
+    fn measure(&self, first: usize, rows: &mut [f32], size: u32) {
+        const PART: usize = 32;
+        for (i, part) in rows.chunks_mut(PART).enumerate() {
+            // Much of most maps is empty.
+            if part
+                .iter()
+                .fold(true, |empty, depth| empty & (*depth <= 0.0))
+            {
+                part.fill(f32::INFINITY);
+                continue;
             }
-        };
-        const PART: usize = 1 << 16;
-        if threads > 1 {
-            let parts = map.par_chunks_mut(PART).enumerate();
-            parts.for_each(|(i, part)| rows(i * PART, part));
-        } else {
-            rows(0, map);
+            let first = first * size as usize + i * PART;
+            for (k, depth) in part.iter_mut().enumerate() {
+                *depth = self.metric(*depth, (first + k) as u32, size);
+            }
         }
     }
 
@@ -288,8 +302,9 @@ fn views(scene: &Scene, kind: &ShadowKind) -> Vec<FaceView> {
 /// A near plane that cuts nothing off which is not about in the light: reversed float depth loses nothing by it.
 fn nearness(scene: &Scene, light: DVec3) -> f64 {
     let farthest = points(scene)
-        .map(|p| (p - light).length())
-        .fold(0.0, f64::max);
+        .map(|p| (p - light).length_squared())
+        .fold(0.0, f64::max)
+        .sqrt();
     (1e-5 * farthest).max(1e-12)
 }
 
