@@ -61,7 +61,8 @@ impl Default for RunValues {
 }
 
 impl Column {
-    const ZERO: Self = Self {
+    /// Nothing but zeros.
+    pub const ZERO: Self = Self {
         value: [0.0; RUN_ROOM],
         ddx: [0.0; RUN_ROOM],
         ddy: [0.0; RUN_ROOM],

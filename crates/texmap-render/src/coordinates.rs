@@ -1,6 +1,7 @@
 //! Texture coordinates of a fragment: from the vertices, or per pixel from a texture frame or a round shape.
 
-use texmap_math::glam::DVec3;
+use texmap_math::fearless_simd::{Simd, f32x16, prelude::*};
+use texmap_math::glam::{DMat4, DVec3};
 use texmap_math::{Footprint, MagicVectors, TextureFrame};
 use texmap_raster::Fragment;
 use texmap_uv::PixelMapping;
@@ -81,6 +82,61 @@ impl Rays {
     /// From sample to sample across, at distance 1.
     pub(crate) fn step(&self) -> f64 {
         2.0 * self.half_step[0]
+    }
+}
+
+/// Directions to the eye from what is seen at the samples of a grid, world space. Their length is that of the ray where it is 1 along the
+/// camera's axis, so that they change evenly from sample to sample.
+#[derive(Clone, Copy)]
+pub(crate) struct EyeRays {
+    /// At the middle of the picture.
+    middle: [f32; 3],
+    /// From the middle to the centre of the first sample, in samples.
+    first: [f32; 2],
+    /// Change per sample to the right.
+    pub(crate) dx: [f32; 3],
+    /// Change per sample down.
+    pub(crate) dy: [f32; 3],
+}
+
+impl EyeRays {
+    pub(crate) fn new(rays: &Rays, view_from_world: DMat4) -> Self {
+        let world = |v: DVec3| {
+            let v = view_from_world.inverse().transform_vector3(v);
+            v.to_array().map(|c| c as f32)
+        };
+        let [right, up] = rays.half_step.map(|half| 2.0 * half);
+        Self {
+            middle: world(DVec3::Z),
+            first: rays.size.map(|size| (0.5 - 0.5 * size) as f32),
+            dx: world(DVec3::X * -right),
+            dy: world(DVec3::Y * up),
+        }
+    }
+
+    /// At the centre of a sample.
+    pub(crate) fn at(&self, [x, y]: [u32; 2]) -> [f32; 3] {
+        let (x, y) = (x as f32 + self.first[0], y as f32 + self.first[1]);
+        [0, 1, 2].map(|i| self.middle[i] + (self.dx[i] * x + self.dy[i] * y))
+    }
+
+    /// [`at`](Self::at) for the 4 x 4 samples from one on.
+    #[inline(always)]
+    pub(crate) fn block<S: Simd>(&self, s: S, [x, y]: [u32; 2]) -> [f32x16<S>; 3] {
+        let column = [
+            0., 1., 2., 3., 0., 1., 2., 3., 0., 1., 2., 3., 0., 1., 2., 3.,
+        ];
+        let row = [
+            0., 0., 0., 0., 1., 1., 1., 1., 2., 2., 2., 2., 3., 3., 3., 3.,
+        ];
+        // Whole numbers and halves: nothing is rounded.
+        let x = f32x16::from_slice(s, &column) + (x as f32 + self.first[0]);
+        let y = f32x16::from_slice(s, &row) + (y as f32 + self.first[1]);
+        [
+            x * self.dx[0] + y * self.dy[0] + self.middle[0],
+            x * self.dx[1] + y * self.dy[1] + self.middle[1],
+            x * self.dx[2] + y * self.dy[2] + self.middle[2],
+        ]
     }
 }
 

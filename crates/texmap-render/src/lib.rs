@@ -59,6 +59,7 @@ mod height_field;
 mod light_names;
 mod lit;
 mod lit_lanes;
+mod lit_texels;
 mod plan;
 pub mod planner;
 mod ready;

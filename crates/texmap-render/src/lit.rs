@@ -11,6 +11,7 @@ use texmap_raster::Fragment;
 use crate::canvas::straight;
 use crate::coordinates::attributes;
 use crate::effects::{LightMapSlot, Reflection};
+use crate::plan::Plan;
 use crate::ready::Ready;
 use crate::relief::ReliefStage;
 use crate::textures::{Chains, Slot};
@@ -148,6 +149,14 @@ impl<'s> SurfaceEffects<'s> {
         &self.lights
     }
 
+    /// Whether anything asks where a sample lies. (A mirror asks for the direction to the eye alone.)
+    pub(crate) fn reads_positions(&self, ready: &Ready<'_>) -> bool {
+        let mut lights = self.lights.iter();
+        self.relief.is_some()
+            || !ready.paints.is_empty()
+            || lights.any(|(_, light)| !matches!(light, Light::Ambient { .. }))
+    }
+
     /// Normal of a triangle's plane on the side that is seen.
     pub(crate) fn plane(&self, triangle: u32, front: bool) -> DVec3 {
         let plane = self.planes[triangle as usize];
@@ -158,13 +167,13 @@ impl<'s> SurfaceEffects<'s> {
     /// what the mesh's first coordinates are there.
     pub(crate) fn shade(
         &self,
-        ready: &Ready<'_>,
-        eye: [f32; 3],
+        plan: &Plan<'_>,
         at: &Sample<'_>,
         normal: [f32; 3],
         uv: ([f32; 2], Footprint),
     ) -> (Terms, [f32; 4]) {
-        let view = [0, 1, 2].map(|i| eye[i] - at.position[i]);
+        let ready = &plan.ready;
+        let view = [0, 1, 2].map(|i| plan.eye[i] - at.position[i]);
         let smooth = normal;
         let normal = self.relief(at, normal, view, uv);
         let mut numbers = self.material.surface;
@@ -186,7 +195,7 @@ impl<'s> SurfaceEffects<'s> {
             let tint = straight(slot.texel(uv.0, uv.1));
             terms.highlight = [0, 1, 2].map(|i| terms.highlight[i] * tint[i]);
         }
-        self.mirror(ready, at, smooth, normal, view, uv, numbers.ks, &mut terms);
+        self.mirror(plan, at, smooth, normal, uv, numbers.ks, &mut terms);
         (terms, ready.paint(at))
     }
 
@@ -222,11 +231,10 @@ impl<'s> SurfaceEffects<'s> {
 
     fn mirror(
         &self,
-        ready: &Ready<'_>,
+        plan: &Plan<'_>,
         at: &Sample<'_>,
         smooth: [f32; 3],
         normal: [f32; 3],
-        view: [f32; 3],
         uv: ([f32; 2], Footprint),
         ks: f32,
         terms: &mut Terms,
@@ -234,12 +242,11 @@ impl<'s> SurfaceEffects<'s> {
         if self.material.reflection.is_none() && self.material.specular_map.is_none() {
             return;
         }
-        // The eye rests: the view changes against the position. A relief turns the normal, but its bends are left to its own texels.
-        let back = |v: [f32; 3]| v.map(|c| -c);
+        // A relief turns the normal, but its bends are left to its own texels.
         let view = Ray {
-            direction: view,
-            dx: back(at.position_dx),
-            dy: back(at.position_dy),
+            direction: plan.rays.at(at.fragment.pixel),
+            dx: plan.rays.dx,
+            dy: plan.rays.dy,
         };
         let normal = Ray {
             direction: normal,
@@ -257,13 +264,13 @@ impl<'s> SurfaceEffects<'s> {
                     .reflectivity
                     .as_ref()
                     .map_or(1.0, |slot| straight(slot.texel(uv.0, uv.1))[0]);
-            let light = ready.environments[environment].light_across(&mirrored);
+            let light = plan.ready.environments[environment].light_across(&mirrored);
             for (sum, c) in terms.highlight.iter_mut().zip(light) {
                 *sum += share * c;
             }
         }
         if let Some(map) = self.material.specular_map {
-            let light = ready.environments[map].light_across(&mirrored);
+            let light = plan.ready.environments[map].light_across(&mirrored);
             for (sum, c) in terms.highlight.iter_mut().zip(light) {
                 *sum += ks * c;
             }

@@ -7,20 +7,20 @@ use texmap_light::lanes::{
 use texmap_light::{Light, NormalMap, Power, ShadowReader, Surface as Numbers};
 use texmap_math::Level;
 use texmap_math::fearless_simd::{Simd, f32x16, mask32x16, prelude::*};
-use texmap_raster::{Cull, NONE, RUN_ROOM, RunBlock, RunValues, TilePlanes};
-use texmap_sample::{Places, sample_columns};
+use texmap_raster::{
+    BlockSink, BlockValues, Column, Cull, NONE, RUN_ROOM, RunBlock, RunValues, TilePlanes,
+};
 
 use crate::canvas::{Colors, LANES, bits};
-use crate::coordinates::Coordinates;
+use crate::coordinates::{Coordinates, EyeRays};
 use crate::dispatch::on_level;
 use crate::lit::SurfaceEffects;
+use crate::lit_texels::{LookUpScratch, LookUps, SlideLookUp, SlideTexels, Texels};
 use crate::plan::{LightStage, Plan, Surface};
 use crate::ready::{Ready, Thrown};
 use crate::relief::{ReliefStage, Space};
 use crate::shade::{Facing, Run};
-use crate::texel::places;
 use crate::textures::Slot;
-use crate::tile::ATTRIBUTES;
 use crate::vertices::narrow;
 use crate::{AlphaMode, TextureRole};
 
@@ -32,17 +32,15 @@ pub(crate) struct LitLanes<'a> {
     lights: Vec<Lamp<'a>>,
     relief: Option<(NormalMap, &'a Slot<'a>, usize)>,
     mirror: Option<(MirrorView<'a>, f32)>,
+    look_ups: LookUps<'a>,
     normal: usize,
     position: Option<usize>,
-    /// Attributes before these: coordinates, of which derivatives may be read.
-    near: usize,
-    /// Derivatives of coordinates are read.
-    derivatives: bool,
     /// Lights or a relief ask for the direction to the eye.
     sees_eye: bool,
     /// Some shadow reads the normal of the triangle's plane.
     planes: bool,
     eye: [f32; 3],
+    rays: EyeRays,
     level: Level,
 }
 
@@ -50,37 +48,24 @@ pub(crate) struct LitLanes<'a> {
 struct Lamp<'a> {
     light: Light,
     shadows: &'a [ShadowReader],
-    slide: Option<&'a Thrown<'a>>,
+    slide: Option<(&'a Thrown<'a>, SlideLookUp<'a>)>,
 }
 
 /// Columns between the stages; a thread keeps them.
 #[derive(Default)]
 pub(crate) struct LitScratch {
-    near: RunValues,
-    rest: RunValues,
-    base: Texels,
-    bumps: Texels,
-    slides: Vec<Texels>,
-    /// Where a slide is looked up, and the factor of its texels.
-    places: Places3,
+    /// [`NORMAL`], [`POSITION`] and [`TANGENT`].
+    values: RunValues,
+    look_ups: LookUpScratch,
+    /// Base colour and normal map.
+    texels: [Texels; 2],
+    slides: Vec<SlideTexels>,
 }
 
-struct Places3([[f32; RUN_ROOM]; 3]);
-
-impl Default for Places3 {
-    fn default() -> Self {
-        Self([[0.0; RUN_ROOM]; 3])
-    }
-}
-
-/// Texels of a run, channel by channel.
-struct Texels(Colors);
-
-impl Default for Texels {
-    fn default() -> Self {
-        Self(Colors::new())
-    }
-}
+/// Columns of vectors.
+const NORMAL: usize = 0;
+const POSITION: usize = 3;
+const TANGENT: usize = 6;
 
 impl<'a> LitLanes<'a> {
     /// `None` for a surface that has a stage without lanes, or a level without them.
@@ -104,11 +89,9 @@ impl<'a> LitLanes<'a> {
         {
             return None;
         }
-        let near = match surface.uv {
-            Coordinates::None => 0,
-            Coordinates::Vertices => 2,
-            _ => return None,
-        };
+        if !matches!(surface.uv, Coordinates::None | Coordinates::Vertices) {
+            return None;
+        }
         let mut this = Self {
             surface,
             numbers: material.surface,
@@ -116,13 +99,13 @@ impl<'a> LitLanes<'a> {
             lights: Vec::new(),
             relief: None,
             mirror: None,
+            look_ups: LookUps::new([None; 2]),
             normal: surface.normal?,
             position: surface.position.filter(|first| first + 3 <= surface.shaded),
-            near,
-            derivatives: false,
             sees_eye: false,
             planes: false,
             eye: plan.eye,
+            rays: plan.rays,
             level: plan.level,
         };
         match &surface.effects {
@@ -133,11 +116,8 @@ impl<'a> LitLanes<'a> {
             })),
             Some(effects) => this.take_effects(&plan.ready, effects)?,
         }
-        let slots = surface
-            .base_color
-            .iter()
-            .chain(this.relief.as_ref().map(|r| r.1));
-        this.derivatives = slots.into_iter().any(Slot::reads_derivatives);
+        let bumps = this.relief.as_ref().map(|(_, slot, _)| *slot);
+        this.look_ups = LookUps::new([surface.base_color.as_ref(), bumps]);
         this.sees_eye = !this.lights.is_empty() || this.relief.is_some();
         let shades = this.lights.iter().flat_map(Lamp::shades);
         this.planes = shades.into_iter().any(ShadowReader::reads_normals);
@@ -167,12 +147,12 @@ impl<'a> LitLanes<'a> {
         let first_lamp = ready.lights.len() - ready.lamps.len();
         for (index, light) in effects.lights() {
             let slide = index.checked_sub(first_lamp).map(|i| &ready.lamps[i]);
+            let leveled = slide.is_some_and(|slide| slide.reads_derivatives());
             let lamp = Lamp {
                 light: *light,
                 shadows: &ready.shadows[*index],
-                slide,
+                slide: slide.map(|slide| (slide, SlideLookUp::new(&slide.view))),
             };
-            let leveled = slide.is_some_and(|slide| slide.reads_derivatives());
             if leveled || lamp.shades().any(|shade| !shade.has_lanes()) {
                 return None;
             }
@@ -189,37 +169,25 @@ impl<'a> LitLanes<'a> {
         scratch: &mut LitScratch,
         out: &mut Colors,
     ) {
-        let level = self.level;
-        let list = run.run;
-        let count = list.len() * LANES;
+        let (level, list) = (self.level, run.run);
         let LitScratch {
-            near,
-            rest,
-            base,
-            bumps,
+            values,
+            look_ups,
+            texels,
             slides,
-            places,
         } = scratch;
-        let (first, others) = ATTRIBUTES[..self.surface.shaded].split_at(self.near);
-        if !first.is_empty() {
-            planes.values(level, run.blocks, list, first, self.derivatives, near);
-        }
-        planes.values(level, run.blocks, list, others, self.mirror.is_some(), rest);
-        if let Some(slot) = &self.surface.base_color {
-            look_up(level, slot, near, count, base);
-        }
-        if let Some((_, slot, _)) = &self.relief {
-            look_up(level, slot, near, count, bumps);
-        }
-        let thrown = self.lights.iter().filter_map(|lamp| lamp.slide).count();
-        slides.resize_with(thrown, Texels::default);
+        let thrown = || self.lights.iter().filter_map(|lamp| lamp.slide.as_ref());
+        slides.resize_with(thrown().count(), SlideTexels::default);
         on_level!(
             level,
             s => {
-                if thrown > 0 {
-                    self.slides(s, rest, list.len(), &mut places.0, slides);
+                self.look_ups.run(s, level, planes, run.blocks, list, look_ups, texels);
+                self.vectors(s, planes, run, values);
+                for ((_, slide), out) in thrown().zip(&mut *slides) {
+                    let [x, y, z] = [0, 1, 2].map(|c| &values.columns[POSITION + c].value);
+                    slide.run(s, level, list.len(), [x, y, z], out);
                 }
-                let columns = Columns { stage: self, rest, base, bumps, slides };
+                let columns = Columns { stage: self, run, values, texels, slides };
                 for (i, at) in list.iter().enumerate() {
                     let side = self.side(run, *at);
                     let color = columns.block(s, i, *at, &side);
@@ -231,12 +199,66 @@ impl<'a> LitLanes<'a> {
             else {}
         );
     }
+
+    /// Normals, positions and tangents of a run. The changes of normals are read by mirrors.
+    #[inline(always)]
+    fn vectors<S: Simd>(&self, s: S, planes: &TilePlanes, run: &Run<'_>, out: &mut RunValues) {
+        if out.columns.len() < TANGENT + 4 {
+            out.columns.resize(TANGENT + 4, Column::ZERO);
+        }
+        let Some((vectors, tangents)) = out.columns.split_first_chunk_mut::<TANGENT>() else {
+            return;
+        };
+        let (blocks, list, n) = (run.blocks, run.run, self.normal);
+        match (self.position, self.mirror.is_some()) {
+            (Some(p), true) => {
+                let all = [n, n + 1, n + 2, p, p + 1, p + 2];
+                let mut sink = Store::<6, true>(vectors.each_mut());
+                planes.each_block::<_, 6, true, _>(s, blocks, list, all, &mut sink);
+            }
+            (Some(p), false) => {
+                let all = [n, n + 1, n + 2, p, p + 1, p + 2];
+                let mut sink = Store::<6, false>(vectors.each_mut());
+                planes.each_block::<_, 6, false, _>(s, blocks, list, all, &mut sink);
+            }
+            // Nothing but a mirror asks for no position, or light that is the same everywhere.
+            (None, _) => {
+                let [x, y, z, ..] = vectors;
+                let mut sink = Store::<3, true>([x, y, z]);
+                let all = [n, n + 1, n + 2];
+                planes.each_block::<_, 3, true, _>(s, blocks, list, all, &mut sink);
+            }
+        }
+        if let (Some((_, _, t)), Some(tangents)) = (&self.relief, tangents.first_chunk_mut::<4>()) {
+            let mut sink = Store::<4, false>(tangents.each_mut());
+            let all = [*t, t + 1, t + 2, t + 3];
+            planes.each_block::<_, 4, false, _>(s, blocks, list, all, &mut sink);
+        }
+    }
+}
+
+/// Stores values in columns, and their changes if `D` asks for that.
+struct Store<'a, const N: usize, const D: bool>([&'a mut Column; N]);
+
+impl<S: Simd, const N: usize, const D: bool> BlockSink<S, N> for Store<'_, N, D> {
+    #[inline(always)]
+    fn block(&mut self, _s: S, i: usize, _at: RunBlock, values: &BlockValues<S, N>) {
+        let at = i * LANES..(i + 1) * LANES;
+        for (k, column) in self.0.iter_mut().enumerate() {
+            values.value[k].store_slice(&mut column.value[at.clone()]);
+            if D {
+                values.ddx[k].store_slice(&mut column.ddx[at.clone()]);
+                values.ddy[k].store_slice(&mut column.ddy[at.clone()]);
+            }
+        }
+    }
 }
 
 impl Lamp<'_> {
     /// Every map that its light passes.
     fn shades(&self) -> impl Iterator<Item = &ShadowReader> {
-        let of_slide = self.slide.and_then(|slide| slide.shade.as_ref());
+        let slide = self.slide.as_ref();
+        let of_slide = slide.and_then(|(slide, _)| slide.shade.as_ref());
         self.shadows.iter().chain(of_slide)
     }
 }
@@ -279,65 +301,15 @@ impl LitLanes<'_> {
         }
         side
     }
-
-    /// Texels of every slide, 0 where it does not reach.
-    #[inline(always)]
-    fn slides<S: Simd>(
-        &self,
-        s: S,
-        rest: &RunValues,
-        blocks: usize,
-        [u, v, fade]: &mut [[f32; RUN_ROOM]; 3],
-        out: &mut [Texels],
-    ) {
-        let thrown = self.lights.iter().filter_map(|lamp| lamp.slide);
-        for (slide, out) in thrown.zip(out) {
-            for i in 0..blocks {
-                let at = i * LANES..(i + 1) * LANES;
-                let places = slide.view.place_lanes(s, self.position(s, rest, i));
-                places.uv[0].store_slice(&mut u[at.clone()]);
-                places.uv[1].store_slice(&mut v[at.clone()]);
-                let zero = f32x16::splat(s, 0.0);
-                let share = places.reached.select(places.fade, zero);
-                share.store_slice(&mut fade[at]);
-            }
-            let count = blocks * LANES;
-            let places = Places {
-                u: &u[..count],
-                v: &v[..count],
-                gradients: None,
-            };
-            let columns = out.0.0.each_mut().map(|c| &mut c[..count]);
-            let (sampler, texture) = (&slide.view.sampler, slide.view.texture);
-            sample_columns(self.level, sampler, texture, &places, columns)
-                .expect("the columns have one length");
-            for column in &mut out.0.0 {
-                for i in 0..blocks {
-                    let at = i * LANES..(i + 1) * LANES;
-                    let share = f32x16::from_slice(s, &fade[at.clone()]);
-                    let texel = f32x16::from_slice(s, &column[at.clone()]);
-                    (texel * share).store_slice(&mut column[at]);
-                }
-            }
-        }
-    }
-
-    #[inline(always)]
-    fn position<S: Simd>(&self, s: S, rest: &RunValues, i: usize) -> V3<S> {
-        match self.position {
-            Some(first) => three(s, rest, first - self.near, i),
-            None => [f32x16::splat(s, 0.0); 3],
-        }
-    }
 }
 
 /// What the stages of a run read.
 struct Columns<'a> {
     stage: &'a LitLanes<'a>,
-    rest: &'a RunValues,
-    base: &'a Texels,
-    bumps: &'a Texels,
-    slides: &'a [Texels],
+    run: &'a Run<'a>,
+    values: &'a RunValues,
+    texels: &'a [Texels; 2],
+    slides: &'a [SlideTexels],
 }
 
 impl Columns<'_> {
@@ -348,26 +320,26 @@ impl Columns<'_> {
         let (zero, one) = (f32x16::splat(s, 0.0), f32x16::splat(s, 1.0));
         let pixels = mask32x16::<S>::from_bitmask(s, u64::from(at.mask));
         let back = mask32x16::<S>::from_bitmask(s, u64::from(side.back));
-        let smooth = three(s, self.rest, stage.normal - stage.near, i);
-        let smooth = turned(back, smooth);
-        let point = stage.position(s, self.rest, i);
-        let mut view = point;
-        for k in 0..3 {
-            view[k] = stage.eye[k] - point[k];
-        }
-        let toward_eye = match stage.sees_eye {
-            true => unit_lanes(s, view),
-            false => view,
+        let smooth = turned(back, three(s, self.values, NORMAL, i));
+        let point = match stage.position {
+            Some(_) => three(s, self.values, POSITION, i),
+            None => [zero; 3],
         };
+        let mut toward_eye = point;
+        if stage.sees_eye {
+            for k in 0..3 {
+                toward_eye[k] = stage.eye[k] - point[k];
+            }
+            toward_eye = unit_lanes(s, toward_eye);
+        }
         let mut normal = unit_lanes(s, smooth);
-        if let Some((map, _, tangent)) = &stage.relief {
-            let first = tangent - stage.near;
-            let tangent = three(s, self.rest, first, i);
-            let sign = column(s, &self.rest.columns[first + 3].value, i);
+        if let Some((map, ..)) = &stage.relief {
+            let tangent = three(s, self.values, TANGENT, i);
+            let sign = column(s, &self.values.columns[TANGENT + 3].value, i);
             let sign = back.select(-sign, sign);
             let sign = sign.simd_lt(zero).select(-one, one);
-            let [r, g, b, _] = self.bumps.0.lanes(s, i);
-            normal = map.turn_lanes(s, normal, tangent, sign, [r, g, b]);
+            let texel = self.texels[1].lanes(s, i);
+            normal = map.turn_lanes(s, normal, tangent, sign, texel);
             if stage.surface.material.horizon_clamp {
                 normal = clamp_to_horizon_lanes(s, normal, toward_eye);
             }
@@ -375,7 +347,13 @@ impl Columns<'_> {
         let (mut diffuse, mut highlight) = ([zero; 3], [zero; 3]);
         let mut slide = self.slides.iter();
         for lamp in &stage.lights {
-            let texels = lamp.slide.and_then(|_| slide.next());
+            let texel = match lamp.slide.as_ref().and_then(|_| slide.next()) {
+                None => None,
+                Some(texels) => match texels.lanes(s, i) {
+                    None => continue,
+                    some => some,
+                },
+            };
             let model = stage.surface.material.highlight;
             let (numbers, power) = (&stage.numbers, stage.power);
             let given = share_lanes(
@@ -392,7 +370,7 @@ impl Columns<'_> {
             if !lit.any_true() {
                 continue;
             }
-            let received = self.received(s, i, lamp, texels, lit, point, side);
+            let received = self.received(s, lamp, texel, lit, point, side);
             for k in 0..3 {
                 let color = given.color[k] * received[k];
                 diffuse[k] = lit.select(diffuse[k] + color * given.diffuse, diffuse[k]);
@@ -400,7 +378,7 @@ impl Columns<'_> {
             }
         }
         if let Some((environment, share)) = &stage.mirror {
-            let ray = self.mirrored(s, i, back, smooth, normal, view);
+            let ray = self.mirrored(s, i, at, back, smooth, normal);
             let light = environment.light_lanes(s, &ray);
             for k in 0..3 {
                 highlight[k] += light[k] * *share;
@@ -408,8 +386,8 @@ impl Columns<'_> {
         }
         let mut out = [one; 4];
         let texel = match stage.surface.base_color {
-            Some(_) => self.base.0.lanes(s, i),
-            None => out,
+            Some(_) => self.texels[0].lanes(s, i),
+            None => [one; 3],
         };
         for k in 0..3 {
             let base = texel[k] * stage.numbers.color[k];
@@ -424,9 +402,8 @@ impl Columns<'_> {
     fn received<S: Simd>(
         &self,
         s: S,
-        i: usize,
         lamp: &Lamp<'_>,
-        texels: Option<&Texels>,
+        texel: Option<V3<S>>,
         lit: mask32x16<S>,
         point: V3<S>,
         side: &Side,
@@ -441,10 +418,9 @@ impl Columns<'_> {
         for shade in lamp.shadows {
             share *= shade.lit_lanes(s, lit, point, plane);
         }
-        let (Some(texels), Some(thrown)) = (texels, lamp.slide) else {
+        let (Some([r, g, b]), Some((thrown, _))) = (texel, &lamp.slide) else {
             return [share; 3];
         };
-        let [r, g, b, _] = texels.0.lanes(s, i);
         if let Some(shade) = &thrown.shade {
             let zero = f32x16::splat(s, 0.0);
             let some = r.simd_gt(zero) | g.simd_gt(zero) | b.simd_gt(zero);
@@ -459,23 +435,18 @@ impl Columns<'_> {
         &self,
         s: S,
         i: usize,
+        at: RunBlock,
         back: mask32x16<S>,
         smooth: V3<S>,
         normal: V3<S>,
-        view: V3<S>,
     ) -> RayLanes<S> {
-        let stage = self.stage;
-        let [dx, dy] = match stage.position {
-            Some(first) => changes(s, self.rest, first - stage.near, i),
-            None => [[f32x16::splat(s, 0.0); 3]; 2],
-        };
-        let [normal_dx, normal_dy] = changes(s, self.rest, stage.normal - stage.near, i);
-        let all = mask32x16::splat(s, true);
+        let rays = &self.stage.rays;
         let view = RayLanes {
-            direction: view,
-            dx: turned(all, dx),
-            dy: turned(all, dy),
+            direction: rays.block(s, self.run.pixel(at, 0)),
+            dx: spread(s, rays.dx),
+            dy: spread(s, rays.dy),
         };
+        let [normal_dx, normal_dy] = changes(s, self.values, NORMAL, i);
         let [x, y, z] = smooth;
         let length = (x * x + y * y + z * z).sqrt();
         let normal = RayLanes {
@@ -485,14 +456,6 @@ impl Columns<'_> {
         };
         reflect_across_lanes(&view, &normal, length)
     }
-}
-
-/// The places of a run in a texture, and its texels there.
-fn look_up(level: Level, slot: &Slot<'_>, near: &RunValues, count: usize, out: &mut Texels) {
-    let places = places(slot, near, count);
-    let columns = out.0.0.each_mut().map(|c| &mut c[..count]);
-    sample_columns(level, &slot.sampler, &slot.texture, &places, columns)
-        .expect("the columns have one length");
 }
 
 /// Whether a slot reads the coordinates of the mesh as they are.
@@ -534,6 +497,15 @@ fn changes<S: Simd>(s: S, values: &RunValues, first: usize, i: usize) -> [V3<S>;
             column(s, &columns[1].ddy, i),
             column(s, &columns[2].ddy, i),
         ],
+    ]
+}
+
+#[inline(always)]
+fn spread<S: Simd>(s: S, v: [f32; 3]) -> V3<S> {
+    [
+        f32x16::splat(s, v[0]),
+        f32x16::splat(s, v[1]),
+        f32x16::splat(s, v[2]),
     ]
 }
 

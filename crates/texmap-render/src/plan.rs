@@ -9,7 +9,7 @@ use texmap_raster::{AlphaTest, DepthTest, Draw, Fragment, Interp, Pass};
 use texmap_sample::{Filter, Origin};
 
 use crate::backdrop::{SkyStage, behind};
-use crate::coordinates::{CameraFrame, Coordinates, Rays};
+use crate::coordinates::{CameraFrame, Coordinates, EyeRays, Rays};
 use crate::lit::{SurfaceEffects, reads_uv};
 use crate::ready::Ready;
 use crate::solid::SolidStage;
@@ -28,6 +28,7 @@ pub(crate) struct Plan<'s> {
     pub(crate) lights: &'s [Light],
     pub(crate) ready: Arc<Ready<'s>>,
     pub(crate) eye: [f32; 3],
+    pub(crate) rays: EyeRays,
     pub(crate) level: texmap_math::Level,
 }
 
@@ -211,6 +212,7 @@ impl<'s> Plan<'s> {
             lights: &scene.lights,
             ready: Arc::clone(ready),
             eye,
+            rays: EyeRays::new(&Rays::new(view.half, view.size), view.view_from_world),
             level: settings.level,
         })
     }
@@ -359,8 +361,10 @@ fn surface<'s>(
     let effects = per_pixel
         .then(|| SurfaceEffects::new(scene, settings, chains, ready, mesh, &mut vertices))
         .flatten();
-    let by_place =
-        effects.is_some() || per_pixel && lights_depend_on_place(&scene.lights, material);
+    let by_place = match &effects {
+        Some(effects) => effects.reads_positions(ready),
+        None => per_pixel && lights_depend_on_place(&scene.lights, material),
+    };
     let mut normal = per_pixel.then(|| vertices.push(Values::Normal, false));
     let carved = material.solid.as_ref().filter(|_| shows_surface);
     if position.is_none() && (by_place || carved.is_some()) {

@@ -269,6 +269,7 @@ impl Stages {
                 fragment.ddy[k] = column.ddy[place];
             }
             let slot = run.slot(at, bit);
+            fragment.pixel = run.pixel(at, bit);
             fragment.front = facing.is_front(run, slot);
             let (_, triangle) = run.prepared.source(run.blocks.ids[slot as usize]);
             let sample = Sample::new(
@@ -279,7 +280,7 @@ impl Stages {
                 triangle,
             );
             let uv = self.uv.get(i).copied().unwrap_or_default();
-            let (terms, paint) = effects.shade(&plan.ready, plan.eye, &sample, self.normal[i], uv);
+            let (terms, paint) = effects.shade(plan, &sample, self.normal[i], uv);
             self.terms.push(terms);
             self.paint.push(paint);
         }
