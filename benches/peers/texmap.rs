@@ -49,7 +49,7 @@ impl Mode {
 pub(crate) enum Texmap {
     /// A picture.
     Frame {
-        renderer: Renderer<'static>,
+        renderer: Box<Renderer<'static>>,
         frame: Box<Frame>,
         /// Shadow maps are drawn with each frame.
         with_maps: bool,
@@ -90,7 +90,7 @@ impl Texmap {
         if let Content::Sphere { samples, .. } = scene.content {
             settings.msaa = samples;
         }
-        let renderer = Renderer::new(data, &settings).ok()?.turned_over();
+        let renderer = Box::new(Renderer::new(data, &settings).ok()?.turned_over());
         let frame = Box::new(renderer.draw(&|_, _| {}).ok()?);
         let with_maps = scene.content == (Content::Lit { shadow_pass: true });
         Some(Self::Frame {

@@ -2,6 +2,7 @@
 
 use std::str::FromStr;
 
+use clap::ValueEnum as _;
 use texmap_io::scene_file::words;
 use texmap_math::Level;
 use texmap_raster::Interp;
@@ -180,10 +181,13 @@ impl LevelName {
             _ => None,
         };
         found.ok_or_else(|| {
+            let name = self.to_possible_value();
+            let name = name.as_ref().map_or("", |value| value.get_name());
             Failure::usage(
-                format!("--level: {self:?} is not to be had here"),
+                format!("--level {name} is not to be had here"),
                 match self {
                     Self::Fallback => "build with `--features force-fallback`, or use another level",
+                    Self::Avx512 => "it needs what Ice Lake and Zen 4 have; no pixel depends on the level, so `auto` gives the same picture",
                     _ => "this processor lacks it; no pixel depends on the level, so `auto` gives the same picture",
                 },
             )

@@ -230,7 +230,6 @@ mod tests {
                 kd: 0.7,
                 ks,
                 ns: 10.0,
-                ..Surface::default()
             },
             base_color: Some(TextureSlot {
                 texture: 0,

@@ -20,7 +20,7 @@ pub struct Environment {
     /// At least one.
     pub(crate) levels: Vec<Level>,
     /// Of the highlight that was gathered.
-    exponent: Option<f32>,
+    pub(crate) exponent: Option<f32>,
 }
 
 /// One level of an environment.

@@ -559,7 +559,7 @@ mod tests {
         let packed = noise.unwrap().with_mips();
         assert!(!packed.packed.is_empty());
         let floats = Environment {
-            packed: alloc::vec::Vec::new(),
+            packed: Vec::new(),
             ..packed.clone()
         };
         let mut largest = 0.0f32;

@@ -1,7 +1,7 @@
 //! Texels straight onto the canvas: the way of unlit surfaces whose look-ups are bytes, without a column in between.
 
 use texmap_math::Level;
-use texmap_math::fearless_simd::{Simd, f32x16, i32x16, prelude::*, u32x16};
+use texmap_math::fearless_simd::{Simd, i32x16, prelude::*, u32x16};
 use texmap_raster::{BlockSink, BlockValues, RUN, RUN_ROOM, RunBlock, TileBlocks, TilePlanes};
 use texmap_sample::lanes::packed::{self, FootprintLanes};
 use texmap_sample::lanes::{Kind, View};
@@ -9,7 +9,7 @@ use texmap_sample::lanes::{Kind, View};
 use crate::canvas::{Canvas, LANES, over_block, put_block};
 use crate::dispatch::on_level;
 use crate::plan::Surface;
-use crate::texel::TexelStage;
+use crate::texel::{RunUv, TexelStage};
 
 /// What a surface's texels are painted with.
 #[derive(Debug)]
@@ -20,34 +20,16 @@ pub(crate) struct Direct<'a> {
 
 /// Places and levels of a run: with the derivatives done, fewer registers are wanted at a time.
 pub(crate) struct Levels {
-    u: [f32; RUN_ROOM],
-    v: [f32; RUN_ROOM],
+    uv: RunUv,
     lod: [i32; RUN_ROOM],
 }
 
 impl Levels {
     pub(crate) fn new() -> Self {
         Self {
-            u: [0.0; RUN_ROOM],
-            v: [0.0; RUN_ROOM],
+            uv: RunUv::default(),
             lod: [0; RUN_ROOM],
         }
-    }
-
-    #[inline(always)]
-    fn place<S: Simd>(&self, s: S, i: usize) -> (f32x16<S>, f32x16<S>) {
-        let at = i * LANES..(i + 1) * LANES;
-        (
-            f32x16::from_slice(s, &self.u[at.clone()]),
-            f32x16::from_slice(s, &self.v[at]),
-        )
-    }
-
-    #[inline(always)]
-    fn put<S: Simd>(&mut self, i: usize, [u, v]: [f32x16<S>; 2]) {
-        let at = i * LANES..(i + 1) * LANES;
-        u.store_slice(&mut self.u[at.clone()]);
-        v.store_slice(&mut self.v[at]);
     }
 }
 
@@ -184,7 +166,7 @@ fn paint<S: Simd, P: Source<S>, B: Brush<S>>(
                 let mut sink = Placed { levels };
                 source.each::<false, _>(s, run, &mut sink);
                 for (i, at) in run.iter().enumerate() {
-                    let (u, v) = levels.place(s, i);
+                    let [u, v] = levels.uv.at(s, i);
                     brush.block(s, *at, packed::bilinear_lanes(s, view, u, v));
                 }
             }
@@ -194,7 +176,7 @@ fn paint<S: Simd, P: Source<S>, B: Brush<S>>(
                 let mut sink = Leveled { view, levels };
                 source.each::<true, _>(s, run, &mut sink);
                 for (i, at) in run.iter().enumerate() {
-                    let (u, v) = levels.place(s, i);
+                    let [u, v] = levels.uv.at(s, i);
                     let lod = i32x16::from_slice(s, &levels.lod[i * LANES..(i + 1) * LANES]);
                     brush.block(s, *at, packed::trilinear_lanes(s, view, u, v, lod));
                 }
@@ -249,7 +231,7 @@ struct Placed<'a> {
 impl<S: Simd> BlockSink<S, 2> for Placed<'_> {
     #[inline(always)]
     fn block(&mut self, _s: S, i: usize, _at: RunBlock, values: &BlockValues<S, 2>) {
-        self.levels.put(i, values.value);
+        self.levels.uv.put(i, values.value);
     }
 }
 
@@ -267,7 +249,7 @@ impl<S: Simd> BlockSink<S, 2> for Leveled<'_> {
             self.view,
             &FootprintLanes::new(s, self.view, ux, vx, uy, vy),
         );
-        self.levels.put(i, values.value);
+        self.levels.uv.put(i, values.value);
         lod.store_slice(&mut self.levels.lod[i * LANES..(i + 1) * LANES]);
     }
 }

@@ -12,7 +12,7 @@ use texmap_sample::lanes::{Kind, RGBA8, View};
 use texmap_sample::{Places, sample_columns};
 
 use crate::canvas::{Colors, LANES};
-use crate::texel::places;
+use crate::texel::{RunUv, places};
 use crate::textures::Slot;
 use crate::tile::ATTRIBUTES;
 
@@ -53,8 +53,7 @@ impl Texels {
 
 /// Where a run is looked up.
 pub(crate) struct Spots {
-    u: [f32; RUN_ROOM],
-    v: [f32; RUN_ROOM],
+    uv: RunUv,
     /// Levels of detail in each texture.
     lods: [[i32; RUN_ROOM]; 2],
 }
@@ -62,28 +61,9 @@ pub(crate) struct Spots {
 impl Default for Spots {
     fn default() -> Self {
         Self {
-            u: [0.0; RUN_ROOM],
-            v: [0.0; RUN_ROOM],
+            uv: RunUv::default(),
             lods: [[0; RUN_ROOM]; 2],
         }
-    }
-}
-
-impl Spots {
-    #[inline(always)]
-    fn at<S: Simd>(&self, s: S, i: usize) -> [f32x16<S>; 2] {
-        let at = i * LANES..(i + 1) * LANES;
-        [
-            f32x16::from_slice(s, &self.u[at.clone()]),
-            f32x16::from_slice(s, &self.v[at]),
-        ]
-    }
-
-    #[inline(always)]
-    fn put<S: Simd>(&mut self, i: usize, [u, v]: [f32x16<S>; 2]) {
-        let at = i * LANES..(i + 1) * LANES;
-        u.store_slice(&mut self.u[at.clone()]);
-        v.store_slice(&mut self.v[at]);
     }
 }
 
@@ -100,7 +80,7 @@ fn look_up_words<S: Simd>(
     out.packed = true;
     for i in 0..blocks {
         let at = i * LANES..(i + 1) * LANES;
-        let [u, v] = spots.at(s, i);
+        let [u, v] = spots.uv.at(s, i);
         let word = match view.kind {
             Kind::Nearest => packed::nearest_lanes(s, view, u, v),
             Kind::Bilinear => packed::bilinear_lanes(s, view, u, v),
@@ -227,7 +207,7 @@ struct Placed<'a> {
 impl<S: Simd> BlockSink<S, 2> for Placed<'_> {
     #[inline(always)]
     fn block(&mut self, _s: S, i: usize, _at: RunBlock, values: &BlockValues<S, 2>) {
-        self.spots.put(i, values.value);
+        self.spots.uv.put(i, values.value);
     }
 }
 
@@ -242,7 +222,7 @@ impl<S: Simd> BlockSink<S, 2> for Leveled<'_> {
     #[inline(always)]
     fn block(&mut self, s: S, i: usize, _at: RunBlock, values: &BlockValues<S, 2>) {
         let ([ux, vx], [uy, vy]) = (values.ddx, values.ddy);
-        self.spots.put(i, values.value);
+        self.spots.uv.put(i, values.value);
         let views = &self.views[..if self.same { 1 } else { 2 }];
         for (view, lods) in views.iter().zip(&mut self.spots.lods) {
             if let Some(view) = view {
@@ -319,7 +299,7 @@ impl<'a> SlideLookUp<'a> {
             out.place[i] = None;
             if places.reached.any_true() {
                 out.place[i] = Some(reached as u8);
-                out.spots.put(reached, places.uv);
+                out.spots.uv.put(reached, places.uv);
                 let share = places.reached.select(places.fade, f32x16::splat(s, 0.0));
                 share.store_slice(&mut out.fade.0[reached * LANES..(reached + 1) * LANES]);
                 reached += 1;
@@ -335,8 +315,8 @@ impl<'a> SlideLookUp<'a> {
         texels.packed = false;
         let count = reached * LANES;
         let at = Places {
-            u: &spots.u[..count],
-            v: &spots.v[..count],
+            u: &spots.uv.u[..count],
+            v: &spots.uv.v[..count],
             gradients: None,
         };
         let columns = texels.colors.0.each_mut().map(|c| &mut c[..count]);

@@ -3,7 +3,7 @@
 
 use texmap_math::Level;
 use texmap_math::fearless_simd::{Simd, f32x16, prelude::*};
-use texmap_raster::RunValues;
+use texmap_raster::{RUN_ROOM, RunValues};
 use texmap_sample::{Places, gives_bytes, sample_columns, sample_rgba8_columns};
 
 use crate::canvas::{Colors, LANES, finish, straight};
@@ -179,6 +179,40 @@ impl TexelStage {
             b.simd_lt(one).select(b, one) * alpha,
             alpha,
         ]
+    }
+}
+
+/// Coordinates of a run's pixels.
+pub(crate) struct RunUv {
+    pub(crate) u: [f32; RUN_ROOM],
+    pub(crate) v: [f32; RUN_ROOM],
+}
+
+impl Default for RunUv {
+    fn default() -> Self {
+        Self {
+            u: [0.0; RUN_ROOM],
+            v: [0.0; RUN_ROOM],
+        }
+    }
+}
+
+impl RunUv {
+    /// Those of a block.
+    #[inline(always)]
+    pub(crate) fn at<S: Simd>(&self, s: S, i: usize) -> [f32x16<S>; 2] {
+        let at = i * LANES..(i + 1) * LANES;
+        [
+            f32x16::from_slice(s, &self.u[at.clone()]),
+            f32x16::from_slice(s, &self.v[at]),
+        ]
+    }
+
+    #[inline(always)]
+    pub(crate) fn put<S: Simd>(&mut self, i: usize, [u, v]: [f32x16<S>; 2]) {
+        let at = i * LANES..(i + 1) * LANES;
+        u.store_slice(&mut self.u[at.clone()]);
+        v.store_slice(&mut self.v[at]);
     }
 }
 

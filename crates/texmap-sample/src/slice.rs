@@ -266,30 +266,24 @@ pub(crate) fn check(what: &'static str, expected: usize, got: usize) -> Result<(
 /// SSE4.2 runs the SSE2 build, which is as fast (see `benches/results/sample_speed.md`).
 macro_rules! on_lanes {
     ($level:expr, $s:ident => $run:expr) => {
-        match $level {
-            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-            Level::Avx512($s) => {
-                $run;
-                true
+        'lanes: {
+            match $level {
+                #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+                Level::Avx512($s) => $run,
+                #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+                Level::Avx2($s) => $run,
+                #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+                level @ (Level::Sse4_2(_) | Level::Sse2(_)) => match level.as_sse2() {
+                    Some($s) => $run,
+                    None => break 'lanes false,
+                },
+                #[cfg(target_arch = "aarch64")]
+                Level::Neon($s) => $run,
+                #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
+                Level::WasmSimd128($s) => $run,
+                _ => break 'lanes false,
             }
-            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-            Level::Avx2($s) => {
-                $run;
-                true
-            }
-            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-            level @ (Level::Sse4_2(_) | Level::Sse2(_)) => level.as_sse2().map(|$s| $run).is_some(),
-            #[cfg(target_arch = "aarch64")]
-            Level::Neon($s) => {
-                $run;
-                true
-            }
-            #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
-            Level::WasmSimd128($s) => {
-                $run;
-                true
-            }
-            _ => false,
+            true
         }
     };
 }

@@ -122,7 +122,7 @@ fn batches_of_cubes_equal_single_look_ups_on_every_level() {
                     z: &z,
                     lod,
                 };
-                for level in levels() {
+                for (name_of_level, level) in levels() {
                     let columns = out.each_mut().map(|c| &mut c[..]);
                     sample_cube_columns(level, &sampler, t, &at, columns).unwrap();
                     for (i, d) in directions.iter().enumerate() {
@@ -131,7 +131,7 @@ fn batches_of_cubes_equal_single_look_ups_on_every_level() {
                         assert_eq!(
                             batch.map(f32::to_bits),
                             one.map(f32::to_bits),
-                            "{name} {filter:?} {level:?} {d:?} {lod:?}",
+                            "{name} {filter:?} {name_of_level} {d:?} {lod:?}",
                             lod = lod.map(|lod| lod[i]),
                         );
                     }
@@ -153,7 +153,7 @@ fn columns_of_different_lengths_are_named() {
     };
     let mut out = [[0.0; 3]; 4];
     let columns = out.each_mut().map(|c| &mut c[..]);
-    let error = sample_cube_columns(levels()[0], &Sampler::default(), &t, &at, columns);
+    let error = sample_cube_columns(levels()[0].1, &Sampler::default(), &t, &at, columns);
     assert_eq!(
         error.unwrap_err().to_string(),
         "z holds 2 entries, the coordinates have 3"

@@ -5,7 +5,7 @@ use crate::{
     error::SampleError,
     filter::gl_of,
     lanes::{
-        At, Kind, RGBA8, RGBA16, View,
+        At, Kind, RGBA16, RGBX8, View,
         float::{Color, Levels, fetch, limit_lanes, mix, scaled, select},
     },
     sampler::{Mip, Sampler, Texel},
@@ -78,9 +78,9 @@ impl<'a> Batch<'a> {
             _ => return None,
         };
         let format = match self.t.chain.format {
-            Format::Rgba8 => RGBA8,
+            Format::Rgba8 if self.t.chain.opaque => RGBX8,
             Format::Rgba16 => RGBA16,
-            Format::Rgba32 | Format::R32 => return None,
+            _ => return None,
         };
         View::prepared(self.sampler, &self.t.chain, kind, format)
     }
@@ -98,7 +98,7 @@ impl<'a> Batch<'a> {
 
     fn on<S: Simd>(&self, s: S, view: &View<'_>, out: &mut [&mut [f32]; 4]) {
         match view.format {
-            RGBA8 => self.format::<S, RGBA8>(s, view, out),
+            RGBX8 => self.format::<S, RGBX8>(s, view, out),
             _ => self.format::<S, RGBA16>(s, view, out),
         }
     }
@@ -149,6 +149,8 @@ fn look<S: Simd, const FORMAT: u8>(
         }
         Kind::Bilinear => place.bilinear::<FORMAT>(s, view, &At::uniform(s, view, 0)),
         _ => {
+            // NaN reads as 0, as it does for one.
+            let lod = lod.simd_eq(lod).select(lod, f32x16::splat(s, 0.0));
             let levels = Levels::new(s, view, limit_lanes(s, view, lod));
             let (c, beyond) = place.bilinear::<FORMAT>(s, view, &levels.fine);
             if levels.blends {
