@@ -6,6 +6,7 @@ use crate::{
     texture::{Alpha, ColorSpace, Image, Origin, Texture2d, choose_format, read_texel, upload},
 };
 use alloc::{sync::Arc, vec, vec::Vec};
+use texmap_math::color;
 
 /// Bytes of a picture as level 0 of a chain of 16-bit levels.
 #[derive(Clone, Debug)]
@@ -19,11 +20,21 @@ impl Encoded {
     /// Unscaled texel `i`, as [`Format::Rgba16`] would hold it. Out of line: every filter fetches texels.
     #[inline(never)]
     pub(crate) fn fetch(&self, i: usize) -> [f32; 4] {
-        let image = Image {
-            texels: Texels::U8(&self.bytes),
-            ..self.shape
-        };
-        Format::Rgba16.rounded(read_texel(&image, i))
+        let n = self.shape.channels as usize;
+        let light = |c: u8| f32::from(color::srgb8_to_linear16(c));
+        // What photographs hold needs no more than a table.
+        match self.bytes[i * n..(i + 1) * n] {
+            [r, g, b] | [r, g, b, 255] if self.shape.color == ColorSpace::Srgb => {
+                [light(r), light(g), light(b), 65535.0]
+            }
+            _ => {
+                let image = Image {
+                    texels: Texels::U8(&self.bytes),
+                    ..self.shape
+                };
+                Format::Rgba16.rounded(read_texel(&image, i))
+            }
+        }
     }
 }
 
