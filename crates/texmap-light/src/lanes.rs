@@ -8,7 +8,7 @@ pub use crate::mirror::{MirrorView, RayLanes, reflect_across_lanes, reflect_lane
 pub use crate::normal_map::clamp_to_horizon_lanes;
 pub use crate::share::{ShareLanes, share_lanes};
 pub use crate::slide::SlidePlaces;
-pub use crate::vector::unit_lanes;
+pub use crate::vector::{spread, unit_lanes};
 
 /// A vector in each lane.
 pub type V3<S> = [f32x16<S>; 3];

@@ -102,8 +102,9 @@ pub(crate) fn sub_lanes<S: Simd>(a: V3<S>, b: V3<S>) -> V3<S> {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
+/// One vector in all lanes.
 #[inline(always)]
-pub(crate) fn spread<S: Simd>(s: S, a: [f32; 3]) -> V3<S> {
+pub fn spread<S: Simd>(s: S, a: [f32; 3]) -> V3<S> {
     [
         f32x16::splat(s, a[0]),
         f32x16::splat(s, a[1]),

@@ -101,8 +101,9 @@ pub(crate) struct EyeRays {
 
 impl EyeRays {
     pub(crate) fn new(rays: &Rays, view_from_world: DMat4) -> Self {
+        let world_from_view = view_from_world.inverse();
         let world = |v: DVec3| {
-            let v = view_from_world.inverse().transform_vector3(v);
+            let v = world_from_view.transform_vector3(v);
             v.to_array().map(|c| c as f32)
         };
         let [right, up] = rays.half_step.map(|half| 2.0 * half);

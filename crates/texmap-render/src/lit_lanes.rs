@@ -2,7 +2,8 @@
 //! the same bits.
 
 use texmap_light::lanes::{
-    MirrorView, RayLanes, V3, clamp_to_horizon_lanes, reflect_across_lanes, share_lanes, unit_lanes,
+    MirrorView, RayLanes, V3, clamp_to_horizon_lanes, reflect_across_lanes, share_lanes, spread,
+    unit_lanes,
 };
 use texmap_light::{Light, NormalMap, Power, ShadowReader, Surface as Numbers};
 use texmap_math::Level;
@@ -497,15 +498,6 @@ fn changes<S: Simd>(s: S, values: &RunValues, first: usize, i: usize) -> [V3<S>;
             column(s, &columns[1].ddy, i),
             column(s, &columns[2].ddy, i),
         ],
-    ]
-}
-
-#[inline(always)]
-fn spread<S: Simd>(s: S, v: [f32; 3]) -> V3<S> {
-    [
-        f32x16::splat(s, v[0]),
-        f32x16::splat(s, v[1]),
-        f32x16::splat(s, v[2]),
     ]
 }
 
