@@ -151,8 +151,7 @@ mod tests {
     const SAMPLES: u32 = 6;
 
     /// A quad beyond the whole picture: w-ratio 1 to 64, LOD -4 to 8 at its middle, turned coordinates, one of five
-    /// textures; unlit, or lit per pixel or per vertex, matt or shiny, by light that leaves white paper a quarter to all of its white.
-    /// Stronger light is cut at 1 sample by sample, which no filter of the texture can undo and the planner does not predict.
+    /// textures; unlit, or lit per pixel or per vertex, matt or shiny, by light that leaves white paper a quarter to four times its white.
     fn scene(seed: u64) -> (Scene, Budget) {
         let mut random = Random(seed.wrapping_mul(0x0123_4567_89ab_cdef));
         let ratio = det::exp2(random.range(0.0, 6.0));
@@ -163,7 +162,7 @@ mod tests {
         let lit = random.range(0.0, 1.0) < 0.3;
         let rmse = [0.01, 0.02, 0.05][random.range(0.0, 3.0) as usize];
         let mut light = Random(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ 0x5a5a);
-        let white = det::exp2(light.range(-2.0, 0.0)) as f32;
+        let white = det::exp2(light.range(-2.0, 2.0)) as f32;
         let shiny = light.range(0.0, 1.0) < 0.3;
         let ks = if shiny { 0.3 } else { 0.0 };
         let strength = white / (1.0 + ks);
@@ -316,7 +315,7 @@ mod tests {
     }
 
     /// `cargo test --release -p texmap-lab --lib -- --ignored --nocapture thousand`
-    /// (found: none over its budget; 10 not promised, because nothing was predicted to fit, 4 x 4 samples neither)
+    /// (found: none over its budget; 28 not promised, because nothing was predicted to fit, 4 x 4 samples neither)
     #[test]
     #[ignore = "minutes: run by hand, in release"]
     fn a_budget_is_kept_on_a_thousand_random_scenes() {

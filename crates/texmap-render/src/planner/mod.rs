@@ -23,7 +23,7 @@ use crate::{AlphaMode, ColorMode, Mesh, RenderError, Scene, Shading, TextureRole
 use crate::check::MAX_SIDE;
 use crate::vertices::wide;
 pub use environments::EnvironmentChoice;
-use gain::Gain;
+use gain::Lighting;
 pub use lights::{IdleLight, ShadowChoice};
 use pilot::{Pilot, Places};
 pub use prices::{Price, prices};
@@ -181,6 +181,7 @@ pub fn choose_sampled(
     };
     let positions: Vec<Vec<DVec4>> = scene.meshes.iter().map(place).collect();
     let idle_lights = lights::idle(scene);
+    let lighting = Lighting::new(scene, &idle_lights);
     let views: Vec<View<'_>> = scene
         .meshes
         .iter()
@@ -188,7 +189,7 @@ pub fn choose_sampled(
         .map(|(mesh, positions)| View {
             scene,
             mesh,
-            idle: &idle_lights,
+            lighting: &lighting,
             positions,
             size,
             view_from_world,
@@ -234,7 +235,7 @@ pub fn choose_sampled(
 struct View<'s> {
     scene: &'s Scene,
     mesh: &'s Mesh,
-    idle: &'s [IdleLight],
+    lighting: &'s Lighting<'s>,
     /// x and y in pixels (y down) times w, clip z, w.
     positions: &'s [DVec4],
     size: DVec2,
@@ -342,7 +343,7 @@ impl View<'_> {
         } else {
             texture
         };
-        let gain = Gain::of(self.scene, self.mesh, material, self.idle);
+        let gain = self.lighting.gain(self.mesh, material);
         let Some(pilot) = Pilot::new(places, false, samples, slot, &texture, gain) else {
             choice.filter = Some((slot.sampler.filter, slot.sampler.precision));
             choice.why = if places.list.len() < all {

@@ -24,11 +24,14 @@ const ROUGH: [f64; 2] = [0.02, 0.005];
 /// Standard errors of the mean by which a prediction is raised.
 const MARGIN: f64 = 3.0;
 
-/// Pixels with the mean of the texture over each.
+/// Pixels with the texture's true values in each.
 pub(super) struct Pilot {
     /// Each pixel's samples, one pixel after the other.
     places: Vec<([f32; 2], Footprint)>,
-    means: Vec<[f32; 4]>,
+    /// Texels in each pixel, one pixel after the other.
+    truth: Vec<[f32; 4]>,
+    /// Where each pixel's end in `truth`.
+    ends: Vec<usize>,
     /// Part of the mesh's pixels that these are.
     share: f64,
     /// What multiplies every texel.
@@ -136,7 +139,8 @@ impl Pilot {
         };
         let mut pilot = Self {
             places: Vec::new(),
-            means: Vec::new(),
+            truth: Vec::new(),
+            ends: Vec::new(),
             share: places.share / step as f64,
             gain,
             rough: ROUGH[usize::from(all)],
@@ -149,16 +153,20 @@ impl Pilot {
             if pilot.places.len() < known + (samples * samples) as usize {
                 pilot.places.truncate(known);
             } else {
-                pilot.means.push(mean(&reference, texture, |offset| {
-                    pixel.part(&places.source, offset, SAMPLES).map(read)
-                }));
+                let parts = parts(SAMPLES)
+                    .filter_map(|offset| pixel.part(&places.source, offset, SAMPLES))
+                    .map(read);
+                pilot
+                    .truth
+                    .extend(parts.map(|(uv, d)| reference.sample_grad(texture, uv, d)));
+                pilot.ends.push(pilot.truth.len());
             }
         }
         Some(pilot)
     }
 
     pub(super) fn len(&self) -> usize {
-        self.means.len()
+        self.ends.len()
     }
 
     /// The error of a sampler over the mesh's pixels.
@@ -172,22 +180,21 @@ impl Pilot {
             let c = c.clamp(0.0, 1.0);
             f64::from(if srgb { color::linear_to_srgb(c) } else { c })
         };
-        let samples = self.places.len() / self.means.len().max(1);
+        let samples = self.places.len() / self.ends.len().max(1);
+        let mut start = 0;
         let squares: Vec<f64> = self
             .places
             .chunks_exact(samples.max(1))
-            .zip(&self.means)
-            .map(|(places, mean)| {
-                let texels = places
+            .zip(&self.ends)
+            .map(|(places, end)| {
+                let found: Vec<[f32; 4]> = places
                     .iter()
-                    .map(|p| sampler.sample_grad(texture, p.0, p.1));
-                let found = average(texels);
-                let off = |k: usize| {
-                    let gain = self.gain.at(k, found[k], mean[k]);
-                    let [found, mean] = [found[k], mean[k]].map(|c| store(c * gain));
-                    (found - mean).powi(2)
-                };
-                let alpha = f64::from(found[3] - mean[3]).powi(2);
+                    .map(|p| sampler.sample_grad(texture, p.0, p.1))
+                    .collect();
+                let truth = &self.truth[start..*end];
+                start = *end;
+                let off = |k: usize| self.gain.apart(k, [&found, truth], store).powi(2);
+                let alpha = (alpha(&found) - alpha(truth)).powi(2);
                 ((off(0) + off(1) + off(2)) / 3.0).max(alpha)
             })
             .collect();
@@ -205,31 +212,15 @@ impl Pilot {
     }
 }
 
-/// The mean over the pixel's square: samples that each cover their own share of it, in true perspective.
-fn mean(
-    sampler: &Sampler,
-    texture: &Texture2d<'_>,
-    at: impl Fn(DVec2) -> Option<([f32; 2], Footprint)>,
-) -> [f32; 4] {
-    let texels = parts(SAMPLES).filter_map(at);
-    average(texels.map(|(uv, d)| sampler.sample_grad(texture, uv, d)))
-}
-
 /// The centres of `samples` x `samples` parts of a pixel, from its own centre.
 fn parts(samples: u32) -> impl Iterator<Item = DVec2> {
     let offset = move |c: u32| (f64::from(c) + 0.5) / f64::from(samples) - 0.5;
     (0..samples * samples).map(move |i| DVec2::new(offset(i % samples), offset(i / samples)))
 }
 
-fn average(texels: impl Iterator<Item = [f32; 4]>) -> [f32; 4] {
-    let (mut sum, mut count) = ([0.0f64; 4], 0.0);
-    for texel in texels {
-        for k in 0..4 {
-            sum[k] += f64::from(texel[k]);
-        }
-        count += 1.0;
-    }
-    sum.map(|s| (s / count) as f32)
+/// The mean opacity.
+fn alpha(texels: &[[f32; 4]]) -> f64 {
+    texels.iter().map(|texel| f64::from(texel[3])).sum::<f64>() / texels.len() as f64
 }
 
 /// Pixels with the mesh's nearest triangle there: all in its part of the picture, or a jittered grid.
