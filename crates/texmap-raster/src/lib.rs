@@ -55,6 +55,7 @@ mod run;
 mod setup;
 mod sinks;
 mod stamp;
+mod steepest;
 mod vertex;
 mod visible;
 

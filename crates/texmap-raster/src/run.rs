@@ -231,7 +231,12 @@ impl TilePlanes {
     /// The slots of a block's lanes, that of its first pixel, and whether all are that one. Lanes outside the mask take the first
     /// pixel's.
     #[inline(always)]
-    fn slots_of<S: Simd>(&self, s: S, blocks: &TileBlocks, at: RunBlock) -> (u32x16<S>, u32, bool) {
+    pub(crate) fn slots_of<S: Simd>(
+        &self,
+        s: S,
+        blocks: &TileBlocks,
+        at: RunBlock,
+    ) -> (u32x16<S>, u32, bool) {
         if at.slot != NONE {
             return (u32x16::splat(s, at.slot), at.slot, true);
         }

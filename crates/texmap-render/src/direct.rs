@@ -1,8 +1,10 @@
 //! Texels straight onto the canvas: the way of unlit surfaces whose look-ups are bytes, without a column in between.
 
 use texmap_math::Level;
-use texmap_math::fearless_simd::{Simd, i32x16, prelude::*, u32x16};
-use texmap_raster::{BlockSink, BlockValues, RUN, RUN_ROOM, RunBlock, TileBlocks, TilePlanes};
+use texmap_math::fearless_simd::{Simd, f32x16, i32x16, prelude::*, u32x16};
+use texmap_raster::{
+    BlockSink, BlockValues, NONE, RUN, RUN_ROOM, RunBlock, TileBlocks, TilePlanes,
+};
 use texmap_sample::lanes::packed::{self, FootprintLanes};
 use texmap_sample::lanes::{Kind, View};
 
@@ -126,6 +128,9 @@ impl<'a> From<'a> {
 /// Shows the values of blocks.
 pub(crate) trait Source<S: Simd> {
     fn each<const D: bool, K: BlockSink<S, 2>>(&self, s: S, run: &[RunBlock], sink: &mut K);
+
+    /// Whether all texels of a block are surely magnified. `last` is the slot that was asked about before, and the answer.
+    fn is_magnified(&self, s: S, at: RunBlock, view: &View<'_>, last: &mut (u32, bool)) -> bool;
 }
 
 /// Blocks of a tile.
@@ -139,6 +144,21 @@ impl<S: Simd> Source<S> for Blocks<'_> {
     fn each<const D: bool, K: BlockSink<S, 2>>(&self, s: S, run: &[RunBlock], sink: &mut K) {
         self.planes
             .each_block::<_, 2, D, _>(s, self.blocks, run, [0, 1], sink);
+    }
+
+    #[inline(always)]
+    fn is_magnified(&self, s: S, at: RunBlock, view: &View<'_>, last: &mut (u32, bool)) -> bool {
+        let Some(slot) = self.planes.only_slot(s, self.blocks, at) else {
+            return false;
+        };
+        if slot != last.0 {
+            let steepest = self.planes.steepest(slot, [0, 1]);
+            *last = (
+                slot,
+                steepest.is_some_and(|[u, v]| magnifies(s, view, u, v)),
+            );
+        }
+        last.1
     }
 }
 
@@ -163,26 +183,71 @@ fn paint<S: Simd, P: Source<S>, B: Brush<S>>(
         }
         Kind::Bilinear => {
             for run in run.chunks(RUN / LANES) {
-                let mut sink = Placed { levels };
-                source.each::<false, _>(s, run, &mut sink);
-                for (i, at) in run.iter().enumerate() {
-                    let [u, v] = levels.uv.at(s, i);
-                    brush.block(s, *at, packed::bilinear_lanes(s, view, u, v));
-                }
+                bilinear(s, view, source, levels, run, brush);
             }
         }
         _ => {
-            for run in run.chunks(RUN / LANES) {
-                let mut sink = Leveled { view, levels };
-                source.each::<true, _>(s, run, &mut sink);
-                for (i, at) in run.iter().enumerate() {
-                    let [u, v] = levels.uv.at(s, i);
-                    let lod = i32x16::from_slice(s, &levels.lod[i * LANES..(i + 1) * LANES]);
-                    brush.block(s, *at, packed::trilinear_lanes(s, view, u, v, lod));
+            let mut last = (NONE, false);
+            let mut is_magnified = |at: &RunBlock| source.is_magnified(s, *at, view, &mut last);
+            for mut run in run.chunks(RUN / LANES) {
+                while let Some(first) = run.first() {
+                    // Neither derivatives nor levels are asked for where the bits do not depend on them.
+                    let near = is_magnified(first);
+                    let alike = run[1..].iter().take_while(|at| is_magnified(at) == near);
+                    let (part, rest) = run.split_at(1 + alike.count());
+                    if near {
+                        bilinear(s, view, source, levels, part, brush);
+                    } else {
+                        trilinear(s, view, source, levels, part, brush);
+                    }
+                    run = rest;
                 }
             }
         }
     }
+}
+
+#[inline(always)]
+fn bilinear<S: Simd, P: Source<S>, B: Brush<S>>(
+    s: S,
+    view: &View<'_>,
+    source: &P,
+    levels: &mut Levels,
+    run: &[RunBlock],
+    brush: &mut B,
+) {
+    let mut sink = Placed { levels };
+    source.each::<false, _>(s, run, &mut sink);
+    for (i, at) in run.iter().enumerate() {
+        let [u, v] = levels.uv.at(s, i);
+        brush.block(s, *at, packed::bilinear_lanes(s, view, u, v));
+    }
+}
+
+#[inline(always)]
+fn trilinear<S: Simd, P: Source<S>, B: Brush<S>>(
+    s: S,
+    view: &View<'_>,
+    source: &P,
+    levels: &mut Levels,
+    run: &[RunBlock],
+    brush: &mut B,
+) {
+    let mut sink = Leveled { view, levels };
+    source.each::<true, _>(s, run, &mut sink);
+    for (i, at) in run.iter().enumerate() {
+        let [u, v] = levels.uv.at(s, i);
+        let lod = i32x16::from_slice(s, &levels.lod[i * LANES..(i + 1) * LANES]);
+        brush.block(s, *at, packed::trilinear_lanes(s, view, u, v, lod));
+    }
+}
+
+/// Whether a footprint within these changes of u and v to the right and down takes the finest level alone.
+#[inline(always)]
+fn magnifies<S: Simd>(s: S, view: &View<'_>, [ux, uy]: [f32; 2], [vx, vy]: [f32; 2]) -> bool {
+    let [ux, vx, uy, vy] = [ux, vx, uy, vy].map(|d| f32x16::splat(s, d));
+    let footprint = FootprintLanes::new(s, view, ux, vx, uy, vy);
+    packed::lod_lanes(s, view, &footprint)[0] <= 0
 }
 
 struct Put<'a> {

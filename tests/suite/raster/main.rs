@@ -9,3 +9,4 @@ mod interpolation;
 mod levels;
 mod modes;
 mod robust;
+mod steepest;

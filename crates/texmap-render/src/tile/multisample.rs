@@ -3,6 +3,7 @@
 use texmap_math::Level;
 use texmap_math::fearless_simd::{Simd, prelude::*, u32x16};
 use texmap_raster::{BlockSink, NONE, RunBlock, TileBlocks, TilePlanes};
+use texmap_sample::lanes::View;
 
 use super::{BLOCKS, EMPTY, Painter, RUN_BLOCKS, Sample, Scenery, blended};
 use crate::canvas::{Canvas, LANES, bits, finish, put_block};
@@ -339,6 +340,10 @@ impl<S: Simd> Source<S> for Scattered<'_> {
         let of = [&self.strays.pixels[..], &self.strays.slots[..]];
         self.planes
             .each_sixteen::<_, 2, D, _>(s, of, run, [0, 1], sink);
+    }
+
+    fn is_magnified(&self, _: S, _: RunBlock, _: &View<'_>, _: &mut (u32, bool)) -> bool {
+        false
     }
 }
 

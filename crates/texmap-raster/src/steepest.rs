@@ -1,0 +1,79 @@
+//! How fast attributes change at most over a triangle's part of a tile: where that is little enough, a stage need not ask for
+//! derivatives pixel by pixel.
+
+use texmap_math::fearless_simd::Simd;
+use texmap_math::lanes::LANES;
+
+use crate::plane_table::{COEFFICIENTS, TilePlanes};
+use crate::run::RunBlock;
+use crate::setup::TILE;
+use crate::{NONE, TileBlocks};
+
+/// Part of its terms below which 1/w is too close to the eye's plane to say anything.
+const NEAR_ZERO: f32 = 1e-3;
+/// What rounding may add, as a part of the terms and of the result.
+const ROUNDING: f32 = 1e-5;
+const SLACK: f32 = 1.01;
+
+impl TilePlanes {
+    /// The slot of all pixels of a block, if they have one.
+    #[inline(always)]
+    pub fn only_slot<S: Simd>(&self, s: S, blocks: &TileBlocks, at: RunBlock) -> Option<u32> {
+        let (_, first, one) = self.slots_of(s, blocks, at);
+        (one && first != NONE).then_some(first)
+    }
+
+    /// The most, in magnitude, that attributes `wanted` change per pixel to the right and down anywhere on a slot's triangle in this
+    /// tile, as [`each_block`](Self::each_block) finds it. `None` where f32 planes do not serve the slot, and near the eye's plane.
+    #[must_use]
+    pub fn steepest<const N: usize>(&self, slot: u32, wanted: [usize; N]) -> Option<[[f32; 2]; N]> {
+        if self.odd_setup(slot).is_some() {
+            return None;
+        }
+        let words = self.words.get(self.start_of(slot)..)?;
+        let plane = |k: usize| -> Option<[f32; COEFFICIENTS]> {
+            let mut plane = [0.0; COEFFICIENTS];
+            for (c, value) in plane.iter_mut().enumerate() {
+                *value = *words.get((k * COEFFICIENTS + c) * LANES)?;
+            }
+            Some(plane)
+        };
+        let [wa, wb, wc, w_lo, w_hi] = plane(0)?;
+        let reach = TILE as f32 / 2.0 - 0.5;
+        let corners = [
+            (-reach, -reach),
+            (reach, -reach),
+            (-reach, reach),
+            (reach, reach),
+        ];
+        let w = corners.map(|(x, y)| (wc + wb * y) + wa * x);
+        let size = wc.abs() + (wa.abs() + wb.abs()) * reach;
+        let least = w.into_iter().fold(f32::INFINITY, f32::min);
+        // On the triangle 1/w lies in its hull, whatever it is at the tile's corners.
+        let floor = least.max(w_lo);
+        if !(least >= NEAR_ZERO * size && floor > 0.0 && w_hi.is_finite()) {
+            return None;
+        }
+        let mut out = [[0.0; 2]; N];
+        for (out, k) in out.iter_mut().zip(wanted) {
+            let [a, b, c, lo, hi] = plane(1 + k)?;
+            // A quotient of planes is greatest and least at corners.
+            let mut range = (f32::INFINITY, f32::NEG_INFINITY);
+            for ((x, y), w) in corners.into_iter().zip(w) {
+                let u = ((c + b * y) + a * x) / w;
+                range = (range.0.min(u), range.1.max(u));
+            }
+            let (low, high) = (range.0.max(lo), range.1.min(hi));
+            let far = low.abs().max(high.abs());
+            let change = |a: f32, w: f32| {
+                let most = (a - low * w).abs().max((a - high * w).abs());
+                (most + (a.abs() + far * w.abs()) * ROUNDING) / floor * SLACK
+            };
+            *out = [change(a, wa), change(b, wb)];
+        }
+        out.as_flattened()
+            .iter()
+            .all(|d| d.is_finite())
+            .then_some(out)
+    }
+}
