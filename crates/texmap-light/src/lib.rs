@@ -57,6 +57,8 @@ pub use shade::{
     Terms, illuminate, illuminate_slice, illuminate_two_sided, terms, terms_received, terms_slice,
 };
 pub use shadow::{ShadowBias, ShadowKind, ShadowMap};
+#[doc(hidden)]
+pub use shadow_bounds::{Reached, ShadowBounds, StripBounds};
 pub use shadow_reader::ShadowReader;
 pub use share::{Power, Share, share};
 pub use slide::{Slide, SlideBorder, SlideView, slide_texel};

@@ -71,16 +71,7 @@ impl ShadowMap {
     /// [`LightError::Length`] unless `depths` holds `size * size` values (six times that for a point light);
     /// [`LightError::Texel`] for a NaN or negative depth of a spot or point light.
     pub fn new(kind: ShadowKind, size: u32, depths: Vec<f32>) -> Result<Self, LightError> {
-        let faces = if matches!(kind, ShadowKind::Point { .. }) {
-            6
-        } else {
-            1
-        };
-        same_length(
-            "depths",
-            depths.len(),
-            faces * size.max(1) as usize * size.max(1) as usize,
-        )?;
+        same_length("depths", depths.len(), Self::count(&kind, size))?;
         let least = match kind {
             ShadowKind::Directional { .. } => f32::NEG_INFINITY,
             _ => 0.0,
@@ -94,6 +85,25 @@ impl ShadowMap {
         Err(LightError::Texel {
             index: bad.unwrap_or(0),
         })
+    }
+
+    /// [`new`](Self::new) for depths that the caller has found to be good.
+    ///
+    /// # Errors
+    /// [`LightError::Length`], as there.
+    #[doc(hidden)]
+    pub fn of_good(kind: ShadowKind, size: u32, depths: Vec<f32>) -> Result<Self, LightError> {
+        same_length("depths", depths.len(), Self::count(&kind, size))?;
+        Ok(Self { kind, size, depths })
+    }
+
+    /// How many depths a map has.
+    fn count(kind: &ShadowKind, size: u32) -> usize {
+        let side = size.max(1) as usize;
+        match kind {
+            ShadowKind::Point { .. } => 6 * side * side,
+            _ => side * side,
+        }
     }
 
     /// The ray of a texel in world space, for whoever fills the map: origin and direction, such that `origin + depth *

@@ -1,6 +1,7 @@
 //! The least and the largest depth around each patch of a shadow map: most look-ups are decided by those two, without the comparisons.
 
 use alloc::vec::Vec;
+use core::ops::Range;
 
 use texmap_math::fearless_simd::{Simd, f32x16, i32x16, prelude::*, u32x16};
 use texmap_math::lanes::{Words, gather};
@@ -11,57 +12,187 @@ const SIDE: usize = 1 << SHIFT;
 /// Columns that are taken at a time.
 const PART: usize = 32;
 
-/// Bounds of a map of one face.
-#[derive(Clone, Debug)]
-pub(crate) struct Bounds {
+/// Bounds of a map of one face: of each patch and `radius` texels beyond it; texels beyond the map count as infinite.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ShadowBounds {
     /// Least and largest depth of each patch, row by row.
     pairs: Vec<[f32; 2]>,
     /// Patches a row.
     across: i32,
+    radius: usize,
 }
 
-impl Bounds {
-    /// Of `size` x `size` depths, over the patches and `radius` texels beyond them; texels beyond the map count as infinite.
-    pub(crate) fn new(depths: &[f32], size: usize, radius: usize) -> Self {
-        let across = size.div_ceil(SIDE);
-        let mut pairs = Vec::with_capacity(across * across);
-        let (mut low, mut high) = (Vec::new(), Vec::new());
-        for row in 0..across {
-            let first = (row * SIDE).saturating_sub(radius);
-            let end = ((row + 1) * SIDE + radius).min(size);
-            low.clear();
-            high.clear();
-            for x in (0..size).step_by(PART) {
-                let part = PART.min(size - x);
+/// Of some rows of a map, a multiple of eight but for its last rows.
+#[derive(Clone, Debug)]
+pub struct StripBounds {
+    first_row: usize,
+    /// Of its rows of patches, as far as the strip reaches.
+    pairs: Vec<[f32; 2]>,
+    /// What its first and its last rows add to the patches above and below.
+    ends: [Vec<[f32; 2]>; 2],
+    radius: usize,
+    across: usize,
+}
+
+/// Columns of depths that a strip knows to be infinite, or not.
+#[derive(Clone, Copy, Debug)]
+pub struct Reached<'a> {
+    /// Whether some depth of each part of a row may be finite.
+    pub parts: &'a [bool],
+    /// Columns a part, a multiple of 32.
+    pub side: usize,
+}
+
+impl Reached<'_> {
+    fn any(&self, columns: Range<usize>) -> bool {
+        let parts = columns.start / self.side..columns.end.div_ceil(self.side);
+        self.parts[parts].contains(&true)
+    }
+}
+
+/// How many texels a filter of `taps` x `taps` reads beyond its middle.
+pub(crate) fn radius(taps: u32) -> usize {
+    taps.min(15) as usize / 2
+}
+
+impl StripBounds {
+    /// Of the rows from `first_row` on of a map of `size` columns that is read with `taps` x `taps` comparisons.
+    #[must_use]
+    pub fn new(
+        rows: &[f32],
+        size: usize,
+        taps: u32,
+        first_row: usize,
+        reached: Reached<'_>,
+    ) -> Self {
+        let radius = radius(taps);
+        let (across, height) = (size.div_ceil(SIDE), rows.len() / size);
+        let mut strip = Self {
+            first_row,
+            pairs: Vec::with_capacity(across * height.div_ceil(SIDE)),
+            ends: [Vec::with_capacity(across), Vec::with_capacity(across)],
+            radius,
+            across,
+        };
+        let mut scan = Scan::new(size, radius, reached);
+        for row in (0..height).step_by(SIDE) {
+            let part = row.saturating_sub(radius)..(row + SIDE + radius).min(height);
+            scan.patches(rows, part, &mut strip.pairs);
+            let whole = first_row + row;
+            if whole < radius || whole + SIDE + radius > size {
+                let last = strip.pairs.len() - across;
+                strip.pairs[last..]
+                    .iter_mut()
+                    .for_each(|pair| pair[1] = f32::INFINITY);
+            }
+        }
+        if radius > 0 {
+            let [above, below] = &mut strip.ends;
+            scan.patches(rows, 0..radius.min(height), above);
+            scan.patches(rows, height.saturating_sub(radius)..height, below);
+        }
+        strip
+    }
+}
+
+/// Rows on their way to bounds.
+struct Scan<'a> {
+    size: usize,
+    radius: usize,
+    reached: Reached<'a>,
+    /// Of each column.
+    low: Vec<f32>,
+    high: Vec<f32>,
+}
+
+impl<'a> Scan<'a> {
+    fn new(size: usize, radius: usize, reached: Reached<'a>) -> Self {
+        Self {
+            size,
+            radius,
+            reached,
+            low: alloc::vec![f32::INFINITY; size],
+            high: alloc::vec![f32::INFINITY; size],
+        }
+    }
+
+    /// Bounds of the patches across the map over some rows.
+    fn patches(&mut self, rows: &[f32], part: Range<usize>, out: &mut Vec<[f32; 2]>) {
+        let size = self.size;
+        for x in (0..size).step_by(PART) {
+            let columns = x..size.min(x + PART);
+            // The other columns stay infinite.
+            if self.reached.any(columns.clone()) {
                 let (mut least, mut most) = ([f32::INFINITY; PART], [f32::NEG_INFINITY; PART]);
-                for y in first..end {
-                    let row = &depths[y * size + x..][..part];
+                for y in part.clone() {
+                    let row = &rows[y * size..][columns.clone()];
                     for ((least, most), depth) in least.iter_mut().zip(&mut most).zip(row) {
                         *least = lesser(*least, *depth);
                         *most = larger(*most, *depth);
                     }
                 }
-                low.extend_from_slice(&least[..part]);
-                high.extend_from_slice(&most[..part]);
-            }
-            let beyond = |row: usize| row * SIDE < radius || (row + 1) * SIDE + radius > size;
-            for column in 0..across {
-                let first = (column * SIDE).saturating_sub(radius);
-                let end = ((column + 1) * SIDE + radius).min(size);
-                let least = low[first..end]
-                    .iter()
-                    .fold(f32::INFINITY, |a, b| lesser(a, *b));
-                let most = high[first..end]
-                    .iter()
-                    .fold(f32::NEG_INFINITY, |a, b| larger(a, *b));
-                let open = beyond(row) || beyond(column);
-                pairs.push([least, if open { f32::INFINITY } else { most }]);
+                let count = columns.len();
+                self.low[columns.clone()].copy_from_slice(&least[..count]);
+                self.high[columns].copy_from_slice(&most[..count]);
             }
         }
+        for x in (0..size).step_by(SIDE) {
+            let columns = x.saturating_sub(self.radius)..(x + SIDE + self.radius).min(size);
+            let mut pair = [f32::INFINITY; 2];
+            if self.reached.any(columns.clone()) {
+                let (low, high) = (&self.low[columns.clone()], &self.high[columns]);
+                let least = low.iter().fold(f32::INFINITY, |a, b| lesser(a, *b));
+                let most = high.iter().fold(f32::NEG_INFINITY, |a, b| larger(a, *b));
+                let open = x < self.radius || x + SIDE + self.radius > size;
+                pair = [least, if open { f32::INFINITY } else { most }];
+            }
+            out.push(pair);
+        }
+    }
+}
+
+impl ShadowBounds {
+    /// Of a whole map.
+    pub(crate) fn new(depths: &[f32], size: usize, taps: u32) -> Self {
+        if size == 0 {
+            return Self::join([]);
+        }
+        let reached = Reached {
+            parts: &[true],
+            side: size.next_multiple_of(PART),
+        };
+        Self::join([StripBounds::new(depths, size, taps, 0, reached)])
+    }
+
+    /// Of the strips of a map, in any order.
+    #[must_use]
+    pub fn join(strips: impl Into<Vec<StripBounds>>) -> Self {
+        let mut strips: Vec<StripBounds> = strips.into();
+        strips.sort_by_key(|strip| strip.first_row);
+        for i in 1..strips.len() {
+            let (upper, lower) = strips.split_at_mut(i);
+            if let (Some(upper), Some(lower)) = (upper.last_mut(), lower.first_mut()) {
+                let last = upper.pairs.len() - upper.across;
+                widen(&mut upper.pairs[last..], &lower.ends[0]);
+                widen(&mut lower.pairs[..upper.across], &upper.ends[1]);
+            }
+        }
+        let (across, radius) = strips.first().map_or((0, 0), |s| (s.across, s.radius));
+        let mut pairs = Vec::with_capacity(across * across);
+        strips
+            .iter()
+            .for_each(|strip| pairs.extend_from_slice(&strip.pairs));
         Self {
             pairs,
             across: across as i32,
+            radius,
         }
+    }
+
+    /// Whether these are bounds for a map of `size` and filters of `taps` x `taps`.
+    pub(crate) fn fits(&self, size: usize, taps: u32) -> bool {
+        let across = size.div_ceil(SIDE);
+        self.pairs.len() == across * across && self.radius == radius(taps)
     }
 
     /// The least and the largest depth around sixteen texels of the map.
@@ -79,6 +210,12 @@ impl Bounds {
             gather(s, words, at).bitcast(),
             gather(s, words, at + 1).bitcast(),
         ]
+    }
+}
+
+fn widen(pairs: &mut [[f32; 2]], by: &[[f32; 2]]) {
+    for (pair, by) in pairs.iter_mut().zip(by) {
+        *pair = [lesser(pair[0], by[0]), larger(pair[1], by[1])];
     }
 }
 
@@ -100,7 +237,7 @@ mod tests {
         for (size, radius) in [(1, 0), (7, 1), (16, 0), (45, 2), (64, 7)] {
             let depth = |x: usize, y: usize| ((x * 37 + y * 101) % 89) as f32;
             let all = (0..size * size).map(|i| depth(i % size, i / size));
-            let bounds = Bounds::new(&all.collect::<Vec<_>>(), size, radius);
+            let bounds = ShadowBounds::new(&all.collect::<Vec<_>>(), size, 2 * radius as u32 + 1);
             let mut tight = 0;
             for (x, y) in (0..size).flat_map(|y| (0..size).map(move |x| (x, y))) {
                 let patch = (y / SIDE) * bounds.across as usize + x / SIDE;
@@ -117,5 +254,54 @@ mod tests {
             }
             assert!(tight > 0 || size < 3 * SIDE, "{size} {radius}");
         }
+    }
+
+    /// Strips find what a whole map's scan does, however many there are and in whatever order, also where they leave columns out.
+    #[test]
+    fn strips_join_to_the_bounds_of_the_whole() {
+        let mut left_out = 0;
+        for (size, taps, high) in [
+            (64, 3, 64),
+            (129, 15, 64),
+            (200, 5, 8),
+            (192, 1, 32),
+            (70, 15, 64),
+        ] {
+            // A disc in an empty map.
+            let depth = |x: usize, y: usize| {
+                let (dx, dy) = (x as f32 - 90.0, y as f32 - 60.0);
+                let inside = dx * dx + dy * dy < 1_400.0;
+                if inside {
+                    ((x * 37 + y * 101) % 89) as f32
+                } else {
+                    f32::INFINITY
+                }
+            };
+            let all: Vec<f32> = (0..size * size)
+                .map(|i| depth(i % size, i / size))
+                .collect();
+            let whole = ShadowBounds::new(&all, size, taps);
+            let mut strips = Vec::new();
+            for (i, rows) in all.chunks(high * size).enumerate() {
+                let columns = |part: usize| part * 32..size.min(part * 32 + 32);
+                let met = |part: usize| {
+                    let mut rows = rows.chunks(size);
+                    rows.any(|row| row[columns(part)].iter().any(|d| d.is_finite()))
+                };
+                let parts: Vec<bool> = (0..size.div_ceil(32)).map(met).collect();
+                left_out += parts.iter().filter(|met| !**met).count();
+                let reached = Reached {
+                    parts: &parts,
+                    side: 32,
+                };
+                strips.push(StripBounds::new(rows, size, taps, i * high, reached));
+            }
+            strips.reverse();
+            let joined = ShadowBounds::join(strips);
+            assert_eq!(joined.pairs, whole.pairs, "{size} {taps} {high}");
+            assert!(joined.fits(size, taps) && !joined.fits(size + 8, taps));
+            assert!(!joined.fits(size, taps + 2) || taps == 15);
+        }
+        assert!(left_out > 20, "{left_out}");
     }
 }

@@ -7,7 +7,7 @@ use texmap_math::glam::{DMat4, DVec3, DVec4};
 use texmap_math::lanes::{Words, floor_to_i32, floor_to_i32_scalar, gather};
 
 use crate::lanes::V3;
-use crate::shadow_bounds::Bounds;
+use crate::shadow_bounds::{ShadowBounds, radius};
 use crate::vector::{dot, dot_lanes, spread};
 use crate::{ShadowBias, ShadowKind, ShadowMap};
 
@@ -27,7 +27,7 @@ pub struct ShadowReader {
 #[derive(Clone, Debug)]
 struct Flat {
     size: i32,
-    bounds: Bounds,
+    bounds: ShadowBounds,
     /// Columns and rows of the map (times the depth under a spot light), and depth.
     rows: [[f32; 4]; 3],
     /// The light's axes: right, down, and back to the light.
@@ -52,7 +52,19 @@ impl ShadowReader {
     /// A map with a bias and `taps` x `taps` comparisons a look-up, 1 or an odd number up to 15.
     #[must_use]
     pub fn new(map: ShadowMap, bias: ShadowBias, taps: u32) -> Self {
-        let flat = Flat::new(&map, bias, taps);
+        Self::with_bounds(map, bias, taps, None)
+    }
+
+    /// [`new`](Self::new) with the bounds that were found as the map was drawn.
+    #[doc(hidden)]
+    #[must_use]
+    pub fn with_bounds(
+        map: ShadowMap,
+        bias: ShadowBias,
+        taps: u32,
+        bounds: Option<ShadowBounds>,
+    ) -> Self {
+        let flat = Flat::new(&map, bias, taps, bounds);
         Self {
             map,
             bias,
@@ -110,7 +122,13 @@ impl ShadowReader {
 }
 
 impl Flat {
-    fn new(map: &ShadowMap, bias: ShadowBias, taps: u32) -> Option<Self> {
+    fn new(
+        map: &ShadowMap,
+        bias: ShadowBias,
+        taps: u32,
+        bounds: Option<ShadowBounds>,
+    ) -> Option<Self> {
+        let texels = map.size() as usize;
         let size = f64::from(map.size());
         let (world, half, divided) = match *map.kind() {
             ShadowKind::Directional {
@@ -134,10 +152,10 @@ impl Flat {
             let [x, y, z, _] = narrow(v);
             [x, y, z]
         };
-        let radius = taps.min(15) / 2;
+        let bounds = bounds.filter(|bounds| bounds.fits(texels, taps));
         Some(Self {
             size: map.size() as i32,
-            bounds: Bounds::new(map.depths(), map.size() as usize, radius as usize),
+            bounds: bounds.unwrap_or_else(|| ShadowBounds::new(map.depths(), texels, taps)),
             rows: [across, down, depth].map(narrow),
             axes: [axis(x), axis(-y), axis(z)],
             divided,
@@ -147,7 +165,7 @@ impl Flat {
                 ShadowBias::Slope(constant) => Bias::Slope(constant as f32),
                 ShadowBias::NormalOffset(texels) => Bias::NormalOffset(texels as f32),
             },
-            radius: radius as i32,
+            radius: radius(taps) as i32,
         })
     }
 

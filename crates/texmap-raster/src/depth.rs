@@ -28,27 +28,36 @@ impl Prepared<'_> {
 
     /// [`depth_map`](Self::depth_map) in the room of an earlier one.
     pub fn depth_map_into(&self, threads: usize, map: &mut Vec<f32>) {
-        self.depth_rows(threads, None, map, &|_, _| {});
+        self.depth_strips(threads, None, 0.0, map, &|_| {});
     }
 
-    /// [`depth_map_into`](Self::depth_map_into), without the pixels of cut-outs that `alpha` does not keep. Each strip of finished rows
-    /// is lent to `done`, with the number of its first row, while it is at hand.
-    pub fn depth_rows(
+    /// [`depth_map_into`](Self::depth_map_into), without the pixels of cut-outs that `alpha` does not keep, and with `empty` in tiles
+    /// that no triangle reaches. Each strip of finished rows is lent to `done` while it is at hand.
+    pub fn depth_strips(
         &self,
         threads: usize,
         alpha: Option<&(dyn AlphaTest + Sync)>,
+        empty: f32,
         map: &mut Vec<f32>,
-        done: &(dyn Fn(usize, &mut [f32]) + Sync),
+        done: &(dyn Fn(DepthStrip<'_>) + Sync),
     ) {
         match alpha {
-            None => self.fill_map(threads, map, done, |index, tile: &mut DepthTile| {
+            None => self.fill_map(threads, empty, map, done, |index, tile: &mut DepthTile| {
                 self.depth_tile(index, tile);
                 &tile.depth
             }),
-            Some(alpha) => self.fill_map(threads, map, done, |index, blocks: &mut TileBlocks| {
-                self.visible_blocks(index, alpha, blocks);
-                &blocks.depth
-            }),
+            Some(alpha) => {
+                self.fill_map(
+                    threads,
+                    empty,
+                    map,
+                    done,
+                    |index, blocks: &mut TileBlocks| {
+                        self.visible_blocks(index, alpha, blocks);
+                        &blocks.depth
+                    },
+                );
+            }
         }
     }
 
@@ -56,8 +65,9 @@ impl Prepared<'_> {
     fn fill_map<T: Default>(
         &self,
         threads: usize,
+        empty: f32,
         map: &mut Vec<f32>,
-        done: &(dyn Fn(usize, &mut [f32]) + Sync),
+        done: &(dyn Fn(DepthStrip<'_>) + Sync),
         depths: impl Fn(usize, &mut T) -> &[f32] + Sync,
     ) {
         let width = self.size().width() as usize;
@@ -66,17 +76,23 @@ impl Prepared<'_> {
         let rows = map.chunks_mut(width * TILE as usize).enumerate().collect();
         for_all(threads, rows, |(row, out): (usize, &mut [f32])| {
             let mut tile = T::default();
-            for column in 0..across {
+            let reached = |column| !self.is_empty(row * across + column);
+            let reached: Vec<bool> = (0..across).map(reached).collect();
+            for (column, reached) in reached.iter().enumerate() {
                 let (index, x0) = (row * across + column, column * TILE as usize);
-                if self.is_empty(index) {
-                    for row in out.chunks_mut(width) {
-                        row[x0..width.min(x0 + TILE as usize)].fill(0.0);
-                    }
-                } else {
+                if *reached {
                     copy_blocks(depths(index, &mut tile), out, width, x0);
+                } else {
+                    for row in out.chunks_mut(width) {
+                        row[x0..width.min(x0 + TILE as usize)].fill(empty);
+                    }
                 }
             }
-            done(row * TILE as usize, out);
+            done(DepthStrip {
+                first_row: row * TILE as usize,
+                rows: out,
+                reached: &reached,
+            });
         });
     }
 
@@ -131,6 +147,17 @@ impl Prepared<'_> {
             );
         }
     }
+}
+
+/// Finished rows of a depth map, a row of tiles high.
+#[derive(Debug)]
+pub struct DepthStrip<'a> {
+    /// Of the whole map.
+    pub first_row: usize,
+    /// One after the other.
+    pub rows: &'a mut [f32],
+    /// Whether some triangle reaches each of its tiles.
+    pub reached: &'a [bool],
 }
 
 /// Depth of a tile in 4x4 blocks.

@@ -1,6 +1,6 @@
 //! The effects of a scene, made ready before the first tile: shadow maps, slides, environments.
 
-use texmap_light::{Environment, Light, ShadowKind, ShadowReader, Slide, SlideView};
+use texmap_light::{Environment, Light, ShadowBias, ShadowKind, ShadowReader, Slide, SlideView};
 use texmap_math::Projector;
 use texmap_math::camera::Camera;
 use texmap_math::glam::{DMat3, DMat4, DVec3};
@@ -57,30 +57,28 @@ impl<'s> Ready<'s> {
         rooms: Vec<Vec<f32>>,
     ) -> Result<Self, RenderError> {
         let mut rooms = rooms.into_iter();
-        let mut draw = |kind: &ShadowKind, size: u32, threads: usize| {
+        let threads = settings.threads.unwrap_or(usize::MAX);
+        let mut draw = |kind: &ShadowKind, size: u32, bias: ShadowBias, taps: u32| {
             let room = rooms.next().unwrap_or_default();
-            shadow_map_in(scene, kind, size, threads, room)
+            let (map, bounds) = shadow_map_in(scene, kind, size, taps, threads, room)?;
+            let bounds = Some(bounds);
+            Ok::<_, RenderError>(ShadowReader::with_bounds(map, bias, taps, bounds))
         };
         let mut lights = scene.lights.clone();
         let mut shadows: Vec<Vec<ShadowReader>> = scene.lights.iter().map(|_| Vec::new()).collect();
-        let threads = settings.threads.unwrap_or(usize::MAX);
         for shadow in &scene.effects.shadows {
             let kind = shadow_kind(scene, shadow.light, shadow.area)?;
             let size = shadow
                 .size
                 .unwrap_or_else(|| fitting_size(scene, &kind, settings.width));
-            let map = draw(&kind, size, threads)?;
             let bias = shadow.bias.unwrap_or_else(|| shadow_bias(scene));
-            shadows[shadow.light].push(ShadowReader::new(map, bias, shadow.taps));
+            shadows[shadow.light].push(draw(&kind, size, bias, shadow.taps)?);
         }
         let (mut lamps, mut paints) = (Vec::new(), Vec::new());
         for slide in &scene.effects.projectors {
             let shade = match slide.shadow {
                 None => None,
-                Some(size) => {
-                    let map = draw(&slide_kind(slide), size, threads)?;
-                    Some(ShadowReader::new(map, shadow_bias(scene), 3))
-                }
+                Some(size) => Some(draw(&slide_kind(slide), size, shadow_bias(scene), 3)?),
             };
             let view = SlideView::new(&Slide {
                 projector: slide.projector,

@@ -258,6 +258,9 @@ pub struct Mesh {
     pub round: Option<PixelMapping>,
     /// Throws no shadow: shadow maps and the depth maps of projectors do not show it.
     pub shadowless: bool,
+    /// Bounds a solid, its fronts outwards and no hole in it: maps of parallel and spot lights show its fronts alone, which is half of the
+    /// work and the same shadow. Lights that stand inside of it shine through.
+    pub closed: bool,
     /// A height map that moves the surface, by [`Scene::shaped`].
     pub displacement: Option<Displacement>,
     /// If not empty, the mesh is these rectangles, four vertices each: see [`Mesh::of_billboards`].
@@ -282,6 +285,7 @@ impl Default for Mesh {
             frame: None,
             round: None,
             shadowless: false,
+            closed: false,
             displacement: None,
             billboards: Vec::new(),
         }

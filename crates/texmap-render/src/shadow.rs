@@ -1,10 +1,17 @@
 //! Shadow maps: the scene's depth as a light sees it, by the rasterizer's depth pass.
 
-use texmap_light::{Chart, Light, ShadowBias, ShadowKind, ShadowMap};
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use texmap_light::{
+    Chart, Light, Reached, ShadowBias, ShadowBounds, ShadowKind, ShadowMap, StripBounds,
+};
 use texmap_math::Level;
 use texmap_math::camera::Camera;
 use texmap_math::glam::{DMat4, DVec2, DVec3, DVec4};
-use texmap_raster::{AlphaTest, DepthTest, Draw, Pass, Prepared, TargetSize};
+use texmap_raster::{
+    AlphaTest, Cull, DepthStrip, DepthTest, Draw, Pass, Prepared, TILE, TargetSize,
+};
 
 use crate::shadow_cut::Cuts;
 use crate::vertices::wide;
@@ -111,21 +118,24 @@ pub fn shadow_map(
     size: u32,
     threads: usize,
 ) -> Result<ShadowMap, RenderError> {
-    shadow_map_in(scene, kind, size, threads, Vec::new())
+    shadow_map_in(scene, kind, size, 1, threads, Vec::new()).map(|(map, _)| map)
 }
 
-/// [`shadow_map`] in the room of an earlier one.
+/// [`shadow_map`] in the room of an earlier one, with the bounds that look-ups of `taps` x `taps` comparisons ask for.
 pub(crate) fn shadow_map_in(
     scene: &Scene,
     kind: &ShadowKind,
     size: u32,
+    taps: u32,
     threads: usize,
     mut room: Vec<f32>,
-) -> Result<ShadowMap, RenderError> {
+) -> Result<(ShadowMap, ShadowBounds), RenderError> {
     let target =
         TargetSize::new(size, size).map_err(|error| RenderError::of_raster(scene, error))?;
     let cuts = Cuts::new(scene);
     let mut depths = Vec::new();
+    let flat = !matches!(kind, ShadowKind::Point { .. });
+    let (strips, good) = (Mutex::new(Vec::new()), AtomicBool::new(true));
     for view in views(scene, kind) {
         let draws: Vec<Draw<'_>> = scene
             .meshes
@@ -140,6 +150,7 @@ pub(crate) fn shadow_map_in(
                     clip_from_object: view.clip_from_world * mesh.world_from_object,
                     attributes,
                     attribute_count,
+                    cull: hidden_sides(mesh, kind),
                     depth_test: DepthTest::Less,
                     pass: match scene.materials[mesh.material].alpha {
                         _ if mesh.shadowless => Pass::Blended,
@@ -155,8 +166,22 @@ pub(crate) fn shadow_map_in(
             .map_err(|error| RenderError::of_raster(scene, error))?;
         let mut map = std::mem::take(&mut room);
         let alpha = cuts.as_ref().map(|cuts| cuts as &(dyn AlphaTest + Sync));
-        prepared.depth_rows(threads, alpha, &mut map, &|row, depths| {
-            view.measure(row, depths, size);
+        prepared.depth_strips(threads, alpha, f32::INFINITY, &mut map, &|mut strip| {
+            let fine = view.measure(&mut strip, size);
+            if !fine {
+                good.store(false, Ordering::Relaxed);
+            }
+            if flat {
+                let reached = Reached {
+                    parts: strip.reached,
+                    side: TILE as usize,
+                };
+                let (rows, first) = (&*strip.rows, strip.first_row);
+                let found = StripBounds::new(rows, size as usize, taps, first, reached);
+                if let Ok(mut strips) = strips.lock() {
+                    strips.push(found);
+                }
+            }
         });
         if depths.is_empty() {
             depths = map;
@@ -164,12 +189,40 @@ pub(crate) fn shadow_map_in(
             depths.extend(map);
         }
     }
-    ShadowMap::new(*kind, size, depths).map_err(|error| RenderError::Value {
+    let bounds = ShadowBounds::join(strips.into_inner().unwrap_or_default());
+    let map = if good.into_inner() {
+        ShadowMap::of_good(*kind, size, depths)
+    } else {
+        ShadowMap::new(*kind, size, depths)
+    };
+    let map = map.map_err(|error| RenderError::Value {
         place: "shadow map".to_owned(),
         what: "depths".to_owned(),
         value: error.to_string(),
         expected: "all depths must be finite",
-    })
+    })?;
+    Ok((map, bounds))
+}
+
+/// Sides of a mesh's faces that a shadow map leaves out: the fronts of a closed mesh hide its backs.
+fn hidden_sides(mesh: &Mesh, kind: &ShadowKind) -> Cull {
+    let (ShadowKind::Directional {
+        light_from_world, ..
+    }
+    | ShadowKind::Spot {
+        light_from_world, ..
+    }) = kind
+    else {
+        return Cull::None;
+    };
+    let turns = light_from_world.determinant() * mesh.world_from_object.determinant();
+    if mesh.closed && turns > 0.0 {
+        Cull::Back
+    } else if mesh.closed && turns < 0.0 {
+        Cull::Front
+    } else {
+        Cull::None
+    }
 }
 
 /// The bias that leaves neither acne nor detached shadows on planes: the slope form with a constant of 1e-4 of the scene's size.
@@ -195,41 +248,50 @@ enum Metric {
 }
 
 impl FaceView {
-    /// From the depths of rows of a face's buffer, from row `first` on, to those of its map.
-    fn measure(&self, first: usize, rows: &mut [f32], size: u32) {
-        const PART: usize = 32;
-        for (i, part) in rows.chunks_mut(PART).enumerate() {
-            // Much of most maps is empty.
-            if part
-                .iter()
-                .fold(true, |empty, depth| empty & (*depth <= 0.0))
-            {
-                part.fill(f32::INFINITY);
-                continue;
+    /// From the depths of rows of a face's buffer to those of its map. Whether all are numbers, none below 0 but under parallel light.
+    fn measure(&self, strip: &mut DepthStrip<'_>, size: u32) -> bool {
+        match self.metric {
+            Metric::Linear(near, far) => {
+                each_reached(strip, size, f32::NEG_INFINITY, |_, depth| {
+                    near + (1.0 - depth) * (far - near)
+                })
             }
-            let first = first * size as usize + i * PART;
-            for (k, depth) in part.iter_mut().enumerate() {
-                *depth = self.metric(*depth, (first + k) as u32, size);
-            }
-        }
-    }
-
-    fn metric(&self, depth: f32, texel: u32, size: u32) -> f32 {
-        if depth <= 0.0 {
-            return f32::INFINITY;
-        }
-        let depth = f64::from(depth);
-        let distance = match self.metric {
-            Metric::Linear(near, far) => near + (1.0 - depth) * (far - near),
-            Metric::Reciprocal(near) => near / depth,
+            Metric::Reciprocal(near) => each_reached(strip, size, 0.0, |_, depth| near / depth),
             Metric::Distance(near) => {
-                let centre = |i: u32| (f64::from(i) + 0.5) / f64::from(size) * 2.0 - 1.0;
-                let p = DVec2::new(centre(texel % size), centre(texel / size));
-                near / depth * (1.0 + p.length_squared()).sqrt()
+                let centre = |i: usize| (i as f64 + 0.5) / f64::from(size) * 2.0 - 1.0;
+                each_reached(strip, size, 0.0, |[x, y], depth| {
+                    let p = DVec2::new(centre(x), centre(y));
+                    near / depth * (1.0 + p.length_squared()).sqrt()
+                })
             }
-        };
-        distance as f32
+        }
     }
+}
+
+/// Distances in place of the depths above 0, and infinity in place of 0, in the tiles that a strip holds something in. `distance` is given
+/// column, row and depth. Whether all are numbers from `least` on.
+#[inline(always)]
+fn each_reached(
+    strip: &mut DepthStrip<'_>,
+    size: u32,
+    least: f32,
+    distance: impl Fn([usize; 2], f64) -> f64,
+) -> bool {
+    const SIDE: usize = TILE as usize;
+    let mut good = true;
+    for (y, row) in strip.rows.chunks_mut(size as usize).enumerate() {
+        let y = strip.first_row + y;
+        let parts = row.chunks_mut(SIDE).enumerate().zip(strip.reached);
+        for ((column, part), _) in parts.filter(|(_, reached)| **reached) {
+            for (x, depth) in part.iter_mut().enumerate() {
+                let way = distance([column * SIDE + x, y], f64::from(*depth)) as f32;
+                let way = if *depth > 0.0 { way } else { f32::INFINITY };
+                good &= way >= least;
+                *depth = way;
+            }
+        }
+    }
+    good
 }
 
 fn views(scene: &Scene, kind: &ShadowKind) -> Vec<FaceView> {
@@ -524,6 +586,71 @@ mod tests {
                 (0.0, 1.0, 1.0),
                 "{light:?}"
             );
+        }
+    }
+
+    /// A closed mesh throws the shadow of an open one, mirrored too: texels at its outline may lie deeper, no other. The negative twin has
+    /// its fronts inwards.
+    #[test]
+    fn fronts_of_closed_meshes_throw_the_whole_shadow() {
+        let spot = Light::spot([1.0; 3], [0.3, 4.0, 0.5], [0.0, -1.0, -0.1], 0.5, 0.7);
+        let down = [0.1, -1.0, 0.2];
+        let sun = Light::Directional {
+            color: [1.0; 3],
+            direction: down,
+        };
+        for (light, mirrored) in [(spot, 1.0), (spot, -1.0), (sun, 1.0), (sun, -1.0)] {
+            let mut scene = scene(light);
+            scene.meshes.remove(0);
+            scene.meshes[0].world_from_object = DMat4::from_scale(DVec3::new(mirrored, 1.0, 1.0));
+            let kind = shadow_kind(&scene, 0, Some((DVec3::Y, 1.0))).unwrap();
+            let size = 200;
+            let map = |scene: &Scene| shadow_map(scene, &kind, size, 1).unwrap();
+            let open = map(&scene);
+            scene.meshes[0].closed = true;
+            let closed = map(&scene);
+            scene.meshes[0]
+                .triangles
+                .iter_mut()
+                .for_each(|t| t.reverse());
+            let inside_out = map(&scene);
+            let (mut met, mut deeper, mut backs) = (0, 0, 0);
+            for (x, y) in (0..size).flat_map(|y| (0..size).map(move |x| (x, y))) {
+                let at = |map: &ShadowMap| map.stored(0, x, y).unwrap();
+                let (a, b) = (at(&open), at(&closed));
+                assert!(b >= a && b.is_finite() == a.is_finite(), "{x} {y}: {a} {b}");
+                met += u32::from(a.is_finite());
+                deeper += u32::from(b > a);
+                backs += u32::from(at(&inside_out) > a);
+            }
+            assert!(
+                met > 1_000 && deeper * 100 < met,
+                "{mirrored}: {met} {deeper}"
+            );
+            assert!(backs * 2 > met, "{mirrored}: {met} {backs}");
+        }
+    }
+
+    /// What the depth pass finds on its way is what a scan of its map finds, for any number of threads.
+    #[test]
+    fn bounds_from_the_depth_pass_are_those_of_the_map() {
+        let light = Light::spot([1.0; 3], [0.0, 4.0, 0.0], [0.0, -1.0, 0.0], 0.5, 0.7);
+        let mut scene = scene(light);
+        scene.meshes.remove(0);
+        let kind = shadow_kind(&scene, 0, None).unwrap();
+        for (size, taps, threads) in [(64, 1, 1), (300, 3, 2), (520, 15, 2)] {
+            let (map, bounds) =
+                shadow_map_in(&scene, &kind, size, taps, threads, vec![7.0; 9]).unwrap();
+            let depths = (0..size * size).map(|i| map.stored(0, i % size, i / size).unwrap());
+            let depths: Vec<f32> = depths.collect();
+            assert!(depths.contains(&f32::INFINITY) && depths.iter().any(|d| d.is_finite()));
+            let whole = Reached {
+                parts: &[true],
+                side: size.next_multiple_of(32) as usize,
+            };
+            let whole =
+                ShadowBounds::join([StripBounds::new(&depths, size as usize, taps, 0, whole)]);
+            assert_eq!(bounds, whole, "{size} {taps}");
         }
     }
 

@@ -162,7 +162,11 @@ pub(super) fn scene(scene: &BenchScene, precision: Precision) -> Result<Scene, S
     let [(ball, at), (ground, still)] = lit_meshes();
     let wide = |m: GlMatrix| DMat4::from_cols_array(&m.0.map(f64::from));
     out.meshes = vec![
-        mesh(ball, wide(at)),
+        // The peers' shadow pass culls back faces too.
+        Mesh {
+            closed: true,
+            ..mesh(ball, wide(at))
+        },
         Mesh {
             shadowless: true,
             ..mesh(ground, wide(still))
