@@ -1,7 +1,7 @@
 //! Mirrors: the mirrored view, how fast it turns from pixel to pixel, and the light of an environment over that footprint.
 
 use texmap_math::fearless_simd::{Simd, f32x16, i32x16, prelude::*, u32x16};
-use texmap_math::lanes::{Words, floor_to_i32, floor_to_i32_scalar, gather};
+use texmap_math::lanes::{Words, floor_to_i32, floor_to_i32_scalar, gather, gather_pairs};
 
 use crate::Chart;
 use crate::environment::{Environment, Level};
@@ -258,6 +258,12 @@ fn on_face(
     [0, 1, 2].map(|i| p[i] * (1.0 - b) + q[i] * b)
 }
 
+/// Where the texels of a level begin, and how wide its faces are.
+struct LevelLanes<S: Simd> {
+    start: i32x16<S>,
+    width: i32x16<S>,
+}
+
 /// An environment prepared for lanes.
 #[derive(Clone, Debug)]
 pub struct MirrorView<'a> {
@@ -355,10 +361,23 @@ impl<'a> MirrorView<'a> {
         v: f32x16<S>,
     ) -> V3<S> {
         let (zero, one) = (f32x16::splat(s, 0.0), f32x16::splat(s, 1.0));
-        let mut out = self.on_face_lanes::<S, PACKED>(s, level, face, u, v);
+        let first = level[0];
+        // Most vectors see one level.
+        let same = level.simd_eq(i32x16::splat(s, first)).all_true();
+        let at = if same {
+            self.level(s, first)
+        } else {
+            self.levels(s, level)
+        };
+        let mut out = self.on_face_lanes::<S, PACKED>(s, &at, face, u, v);
         let between = k.simd_gt(zero);
         if between.any_true() {
-            let far = self.on_face_lanes::<S, PACKED>(s, level + 1, face, u, v);
+            let at = if same {
+                self.level(s, first + 1)
+            } else {
+                self.levels(s, level + 1)
+            };
+            let far = self.on_face_lanes::<S, PACKED>(s, &at, face, u, v);
             for i in 0..3 {
                 let mixed = out[i] * (one - k) + far[i] * k;
                 out[i] = between.select(mixed, out[i]);
@@ -367,20 +386,38 @@ impl<'a> MirrorView<'a> {
         out
     }
 
+    /// One level in all lanes.
+    #[inline(always)]
+    fn level<S: Simd>(&self, s: S, level: i32) -> LevelLanes<S> {
+        let start = self.starts.get(level as usize).copied().unwrap_or(0);
+        LevelLanes {
+            start: i32x16::splat(s, start as i32),
+            width: i32x16::splat(s, self.width >> level.clamp(0, 31)),
+        }
+    }
+
+    /// A level in each lane.
+    #[inline(always)]
+    fn levels<S: Simd>(&self, s: S, level: i32x16<S>) -> LevelLanes<S> {
+        LevelLanes {
+            start: match Words::new(&self.starts) {
+                Some(starts) => gather(s, starts, level.bitcast()).bitcast(),
+                None => level,
+            },
+            width: i32x16::splat(s, self.width) >> level,
+        }
+    }
+
     #[inline(always)]
     fn on_face_lanes<S: Simd, const PACKED: bool>(
         &self,
         s: S,
-        level: i32x16<S>,
+        level: &LevelLanes<S>,
         face: i32x16<S>,
         u: f32x16<S>,
         v: f32x16<S>,
     ) -> V3<S> {
-        let width = i32x16::splat(s, self.width) >> level;
-        let start: i32x16<S> = match Words::new(&self.starts) {
-            Some(starts) => gather(s, starts, level.bitcast()).bitcast(),
-            None => level,
-        };
+        let LevelLanes { start, width } = *level;
         let n = width.to_float::<f32x16<S>>();
         let (x, a) = place_lanes(s, u, n, width);
         let (y, b) = place_lanes(s, v, n, width);
@@ -388,14 +425,12 @@ impl<'a> MirrorView<'a> {
         let first = start + (face * stride + y) * stride + x;
         let one = f32x16::splat(s, 1.0);
         let (a1, b1) = (one - a, one - b);
-        let p = self.texel_lanes::<S, PACKED>(s, first);
-        let q = self.texel_lanes::<S, PACKED>(s, first + 1);
+        let [p, q] = self.two_lanes::<S, PACKED>(s, first);
         let mut top = p;
         for i in 0..3 {
             top[i] = p[i] * a1 + q[i] * a;
         }
-        let p = self.texel_lanes::<S, PACKED>(s, first + stride);
-        let q = self.texel_lanes::<S, PACKED>(s, first + stride + 1);
+        let [p, q] = self.two_lanes::<S, PACKED>(s, first + stride);
         let mut out = top;
         for i in 0..3 {
             let bottom = p[i] * a1 + q[i] * a;
@@ -404,11 +439,18 @@ impl<'a> MirrorView<'a> {
         out
     }
 
+    /// A texel and the one to its right.
     #[inline(always)]
-    fn texel_lanes<S: Simd, const PACKED: bool>(&self, s: S, at: i32x16<S>) -> V3<S> {
+    fn two_lanes<S: Simd, const PACKED: bool>(&self, s: S, at: i32x16<S>) -> [V3<S>; 2] {
         if PACKED {
-            return unpack_lanes(s, gather(s, self.words, at.bitcast()));
+            let [left, right] = gather_pairs(s, self.words, at.bitcast());
+            return [unpack_lanes(s, left), unpack_lanes(s, right)];
         }
+        [self.texel_lanes(s, at), self.texel_lanes(s, at + 1)]
+    }
+
+    #[inline(always)]
+    fn texel_lanes<S: Simd>(&self, s: S, at: i32x16<S>) -> V3<S> {
         let at: u32x16<S> = (at * 3).bitcast();
         [
             gather(s, self.words, at).bitcast(),
@@ -577,6 +619,60 @@ mod tests {
             }
         }
         assert!(largest > 1e-5 && largest < 0.5 * UNIT + 1e-6, "{largest}");
+    }
+
+    /// Lanes give the bits of [`Environment::light_across`], where all see one level and where each sees its own, in packed texels and floats,
+    /// at edges of faces too.
+    #[test]
+    fn lanes_see_what_one_ray_sees() {
+        let mut seed = 3u32;
+        let noise = Environment::from_fn(Chart::Cube, 32, |_| {
+            seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            [8, 16, 24].map(|shift| f32::from((seed >> shift) as u8) / 255.0)
+        });
+        let packed = noise.unwrap().with_mips();
+        let floats = Environment {
+            packed: Vec::new(),
+            ..packed.clone()
+        };
+        for environment in [&packed, &floats] {
+            for steps in [[0.0; 2], [0.02, 0.0], [0.15, 0.0], [9.0, 0.0], [0.01, 0.4]] {
+                let rays: [Ray; 16] = core::array::from_fn(|i| {
+                    let x = i as f32;
+                    let step = steps[0] + steps[1] * x * 0.1;
+                    let edge = if i % 3 == 0 { 1.0 } else { (x * 0.37).sin() };
+                    Ray {
+                        direction: [edge, 1.0 - 0.4 * (x * 0.9).sin().abs(), (x * 1.3).cos()],
+                        dx: [step, 0.0, 0.3 * step],
+                        dy: [0.0, step, 0.0],
+                    }
+                });
+                let of = |at: fn(&Ray) -> [f32; 3]| -> [[f32; 16]; 3] {
+                    [0, 1, 2].map(|c| rays.map(|ray| at(&ray)[c]))
+                };
+                let columns = [of(|r| r.direction), of(|r| r.dx), of(|r| r.dy)];
+                for level in [texmap_math::Level::new(), texmap_math::Level::baseline()] {
+                    let mut got = [[0.0f32; 16]; 3];
+                    texmap_math::fearless_simd::dispatch!(level, s => {
+                        let [direction, dx, dy] =
+                            columns.map(|v| v.map(|column| f32x16::from_slice(s, &column)));
+                        let view = MirrorView::new(environment).unwrap();
+                        let light = view.light_lanes(s, &RayLanes { direction, dx, dy });
+                        for (to, c) in got.iter_mut().zip(light) {
+                            c.store_slice(to);
+                        }
+                    });
+                    for (i, ray) in rays.iter().enumerate() {
+                        let one = environment.light_across(ray);
+                        assert_eq!(
+                            got.map(|c| c[i].to_bits()),
+                            one.map(f32::to_bits),
+                            "{i} {steps:?}"
+                        );
+                    }
+                }
+            }
+        }
     }
 
     /// Neither zero nor what is not finite gives more than light of the map.

@@ -190,6 +190,17 @@ impl<'a> SlideView<'a> {
         texel.map(|c| c * fade)
     }
 
+    /// A sampler that gives the colours of [`sampler`](Self::sampler) where [`place_lanes`](Self::place_lanes) reaches: beyond a black edge
+    /// another black edge is as good as more of the same, and repeated texels are the quickest to find.
+    #[must_use]
+    pub fn sampler_within(&self) -> Sampler {
+        let mut sampler = self.sampler.clone();
+        if self.dark_edge {
+            (sampler.wrap_u, sampler.wrap_v) = (Wrap::Repeat, Wrap::Repeat);
+        }
+        sampler
+    }
+
     fn qst(&self, [x, y, z]: [f32; 3]) -> [f32; 3] {
         let row = |row: [f32; 4]| row[0] * x + row[1] * y + row[2] * z + row[3];
         self.rows.map(row)
@@ -212,6 +223,7 @@ impl<'a> SlideView<'a> {
     #[inline(always)]
     pub fn place_lanes<S: Simd>(&self, s: S, point: V3<S>) -> SlidePlaces<S> {
         let (zero, one) = (f32x16::splat(s, 0.0), f32x16::splat(s, 1.0));
+        let half = f32x16::splat(s, 0.5);
         let mut qst = point;
         for (out, row) in qst.iter_mut().zip(self.rows) {
             let [a, b, c, d] = row;
@@ -231,7 +243,8 @@ impl<'a> SlideView<'a> {
         }
         SlidePlaces {
             reached,
-            uv: [reached.select(u, zero), reached.select(v, zero)],
+            // The others read the middle, where no edge is in the way.
+            uv: [reached.select(u, half), reached.select(v, half)],
             fade: factor,
         }
     }

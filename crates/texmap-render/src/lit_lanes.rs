@@ -36,8 +36,10 @@ pub(crate) struct LitLanes<'a> {
     look_ups: LookUps<'a>,
     normal: usize,
     position: Option<usize>,
-    /// Lights or a relief ask for the direction to the eye.
+    /// Highlights or a relief's horizon ask for the direction to the eye.
     sees_eye: bool,
+    /// Some light other than the slides' reaches every block, or a mirror does: all ask for the normal.
+    turned: bool,
     /// Some shadow reads the normal of the triangle's plane.
     planes: bool,
     eye: [f32; 3],
@@ -61,6 +63,9 @@ pub(crate) struct LitScratch {
     /// Base colour and normal map.
     texels: [Texels; 2],
     slides: Vec<SlideTexels>,
+    /// Blocks that some slide reaches, and their places in the run.
+    reached: Vec<RunBlock>,
+    places: Vec<usize>,
 }
 
 /// Columns of vectors.
@@ -104,6 +109,7 @@ impl<'a> LitLanes<'a> {
             normal: surface.normal?,
             position: surface.position.filter(|first| first + 3 <= surface.shaded),
             sees_eye: false,
+            turned: false,
             planes: false,
             eye: plan.eye,
             rays: plan.rays,
@@ -117,9 +123,16 @@ impl<'a> LitLanes<'a> {
             })),
             Some(effects) => this.take_effects(&plan.ready, effects)?,
         }
+        if this.relief.is_some() && this.position.is_none() {
+            return None;
+        }
         let bumps = this.relief.as_ref().map(|(_, slot, _)| *slot);
         this.look_ups = LookUps::new([surface.base_color.as_ref(), bumps]);
-        this.sees_eye = !this.lights.is_empty() || this.relief.is_some();
+        let mut shining = this.lights.iter().filter(|lamp| !lamp.is_ambient());
+        this.turned = this.mirror.is_some() || shining.any(|lamp| lamp.slide.is_none());
+        let shines = this.lights.iter().any(|lamp| !lamp.is_ambient());
+        let clamps = this.relief.is_some() && material.horizon_clamp;
+        this.sees_eye = (shines && material.surface.ks > 0.0) || clamps;
         let shades = this.lights.iter().flat_map(Lamp::shades);
         this.planes = shades.into_iter().any(ShadowReader::reads_normals);
         Some(this)
@@ -176,6 +189,8 @@ impl<'a> LitLanes<'a> {
             look_ups,
             texels,
             slides,
+            reached,
+            places,
         } = scratch;
         let thrown = || self.lights.iter().filter_map(|lamp| lamp.slide.as_ref());
         slides.resize_with(thrown().count(), SlideTexels::default);
@@ -183,14 +198,32 @@ impl<'a> LitLanes<'a> {
             level,
             s => {
                 self.look_ups.run(s, level, planes, run.blocks, list, look_ups, texels);
-                self.vectors(s, planes, run, values);
+                let late = !self.turned && self.relief.is_none();
+                if let (true, Some(first)) = (late, self.position) {
+                    self.three(s, planes, run, [first, POSITION], list, &[], values);
+                } else {
+                    self.vectors(s, planes, run, values);
+                }
                 for ((_, slide), out) in thrown().zip(&mut *slides) {
                     let [x, y, z] = [0, 1, 2].map(|c| &values.columns[POSITION + c].value);
                     slide.run(s, level, list.len(), [x, y, z], out);
                 }
+                if late {
+                    // Few blocks ask for a normal.
+                    reached.clear();
+                    places.clear();
+                    for (i, at) in list.iter().enumerate() {
+                        if slides.iter().any(|slide| slide.reaches(i)) {
+                            reached.push(*at);
+                            places.push(i);
+                        }
+                    }
+                    self.three(s, planes, run, [self.normal, NORMAL], reached, places, values);
+                }
                 let columns = Columns { stage: self, run, values, texels, slides };
+                let mut side = Side::default();
                 for (i, at) in list.iter().enumerate() {
-                    let side = self.side(run, *at);
+                    self.look_aside(run, *at, &mut side);
                     let color = columns.block(s, i, *at, &side);
                     for (to, c) in out.0.iter_mut().zip(color) {
                         c.store_slice(&mut to[i * LANES..(i + 1) * LANES]);
@@ -201,39 +234,75 @@ impl<'a> LitLanes<'a> {
         );
     }
 
+    /// One vector of some blocks, from its attribute to its column, without its changes. The blocks stand at `places` in the run, or where
+    /// they are in the list if there are none.
+    #[inline(always)]
+    fn three<S: Simd>(
+        &self,
+        s: S,
+        planes: &TilePlanes,
+        run: &Run<'_>,
+        [attribute, column]: [usize; 2],
+        list: &[RunBlock],
+        places: &[usize],
+        out: &mut RunValues,
+    ) {
+        if out.columns.len() < TANGENT + 4 {
+            out.columns.resize(TANGENT + 4, Column::ZERO);
+        }
+        if let Some(columns) = out.columns[column..].first_chunk_mut() {
+            let columns = Store::<3, false>(columns.each_mut());
+            let mut sink = Placed { columns, places };
+            let all = [attribute, attribute + 1, attribute + 2];
+            planes.each_block::<_, 3, false, _>(s, run.blocks, list, all, &mut sink);
+        }
+    }
+
     /// Normals, positions and tangents of a run. The changes of normals are read by mirrors.
     #[inline(always)]
     fn vectors<S: Simd>(&self, s: S, planes: &TilePlanes, run: &Run<'_>, out: &mut RunValues) {
         if out.columns.len() < TANGENT + 4 {
             out.columns.resize(TANGENT + 4, Column::ZERO);
         }
-        let Some((vectors, tangents)) = out.columns.split_first_chunk_mut::<TANGENT>() else {
-            return;
-        };
         let (blocks, list, n) = (run.blocks, run.run, self.normal);
-        match (self.position, self.mirror.is_some()) {
-            (Some(p), true) => {
-                let all = [n, n + 1, n + 2, p, p + 1, p + 2];
-                let mut sink = Store::<6, true>(vectors.each_mut());
-                planes.each_block::<_, 6, true, _>(s, blocks, list, all, &mut sink);
-            }
-            (Some(p), false) => {
-                let all = [n, n + 1, n + 2, p, p + 1, p + 2];
-                let mut sink = Store::<6, false>(vectors.each_mut());
-                planes.each_block::<_, 6, false, _>(s, blocks, list, all, &mut sink);
-            }
+        let columns = &mut out.columns[..];
+        let tangent = self.relief.as_ref().map(|(_, _, first)| *first);
+        let Some(p) = self.position else {
             // Nothing but a mirror asks for no position, or light that is the same everywhere.
-            (None, _) => {
-                let [x, y, z, ..] = vectors;
-                let mut sink = Store::<3, true>([x, y, z]);
+            if let Some(normals) = columns.first_chunk_mut() {
+                let mut sink = Store::<3, true>(normals.each_mut());
                 let all = [n, n + 1, n + 2];
                 planes.each_block::<_, 3, true, _>(s, blocks, list, all, &mut sink);
             }
-        }
-        if let (Some((_, _, t)), Some(tangents)) = (&self.relief, tangents.first_chunk_mut::<4>()) {
-            let mut sink = Store::<4, false>(tangents.each_mut());
-            let all = [*t, t + 1, t + 2, t + 3];
-            planes.each_block::<_, 4, false, _>(s, blocks, list, all, &mut sink);
+            return;
+        };
+        match (tangent, self.mirror.is_some()) {
+            (Some(t), false) => {
+                if let Some(vectors) = columns.first_chunk_mut() {
+                    let mut sink = Store::<10, false>(vectors.each_mut());
+                    let all = [n, n + 1, n + 2, p, p + 1, p + 2, t, t + 1, t + 2, t + 3];
+                    planes.each_block::<_, 10, false, _>(s, blocks, list, all, &mut sink);
+                }
+            }
+            (None, false) => {
+                if let Some(vectors) = columns.first_chunk_mut() {
+                    let mut sink = Store::<6, false>(vectors.each_mut());
+                    let all = [n, n + 1, n + 2, p, p + 1, p + 2];
+                    planes.each_block::<_, 6, false, _>(s, blocks, list, all, &mut sink);
+                }
+            }
+            (tangent, true) => {
+                if let Some(vectors) = columns.first_chunk_mut() {
+                    let mut sink = Store::<6, true>(vectors.each_mut());
+                    let all = [n, n + 1, n + 2, p, p + 1, p + 2];
+                    planes.each_block::<_, 6, true, _>(s, blocks, list, all, &mut sink);
+                }
+                if let (Some(t), Some(tangents)) = (tangent, columns[TANGENT..].first_chunk_mut()) {
+                    let mut sink = Store::<4, false>(tangents.each_mut());
+                    let all = [t, t + 1, t + 2, t + 3];
+                    planes.each_block::<_, 4, false, _>(s, blocks, list, all, &mut sink);
+                }
+            }
         }
     }
 }
@@ -255,7 +324,26 @@ impl<S: Simd, const N: usize, const D: bool> BlockSink<S, N> for Store<'_, N, D>
     }
 }
 
+/// Stores values at other places of the run than they are asked for at.
+struct Placed<'a> {
+    columns: Store<'a, 3, false>,
+    places: &'a [usize],
+}
+
+impl<S: Simd> BlockSink<S, 3> for Placed<'_> {
+    #[inline(always)]
+    fn block(&mut self, s: S, i: usize, at: RunBlock, values: &BlockValues<S, 3>) {
+        let i = self.places.get(i).copied().unwrap_or(i);
+        self.columns.block(s, i, at, values);
+    }
+}
+
 impl Lamp<'_> {
+    /// Whether it shines on all normals alike.
+    fn is_ambient(&self) -> bool {
+        matches!(self.light, Light::Ambient { .. })
+    }
+
     /// Every map that its light passes.
     fn shades(&self) -> impl Iterator<Item = &ShadowReader> {
         let slide = self.slide.as_ref();
@@ -265,6 +353,7 @@ impl Lamp<'_> {
 }
 
 /// How a block's triangles are seen.
+#[derive(Default)]
 struct Side {
     /// Pixels that show the back of theirs.
     back: u16,
@@ -273,15 +362,13 @@ struct Side {
 }
 
 impl LitLanes<'_> {
-    fn side(&self, run: &Run<'_>, at: RunBlock) -> Side {
-        let mut side = Side {
-            back: 0,
-            plane: [[0.0; LANES]; 3],
-        };
+    fn look_aside(&self, run: &Run<'_>, at: RunBlock, side: &mut Side) {
         let cull = self.surface.material.cull;
         if cull == Cull::Back && !self.planes {
-            return side;
+            // All show their fronts, as the side says from the start.
+            return;
         }
+        *side = Side::default();
         let effects = self.surface.effects.as_ref().filter(|_| self.planes);
         let mut facing = Facing::new(cull);
         let mut last = (NONE, true, [0.0; 3]);
@@ -300,7 +387,6 @@ impl LitLanes<'_> {
                 column[bit] = c;
             }
         }
-        side
     }
 }
 
@@ -321,28 +407,31 @@ impl Columns<'_> {
         let (zero, one) = (f32x16::splat(s, 0.0), f32x16::splat(s, 1.0));
         let pixels = mask32x16::<S>::from_bitmask(s, u64::from(at.mask));
         let back = mask32x16::<S>::from_bitmask(s, u64::from(side.back));
-        let smooth = turned(back, three(s, self.values, NORMAL, i));
         let point = match stage.position {
             Some(_) => three(s, self.values, POSITION, i),
             None => [zero; 3],
         };
-        let mut toward_eye = point;
-        if stage.sees_eye {
-            for k in 0..3 {
-                toward_eye[k] = stage.eye[k] - point[k];
+        let (mut smooth, mut normal, mut toward_eye) = (point, point, point);
+        // Without a light that asks for the normal nothing shows it.
+        if stage.turned || self.slides.iter().any(|slide| slide.reaches(i)) {
+            smooth = turned(back, three(s, self.values, NORMAL, i));
+            if stage.sees_eye {
+                for k in 0..3 {
+                    toward_eye[k] = stage.eye[k] - point[k];
+                }
+                toward_eye = unit_lanes(s, toward_eye);
             }
-            toward_eye = unit_lanes(s, toward_eye);
-        }
-        let mut normal = unit_lanes(s, smooth);
-        if let Some((map, ..)) = &stage.relief {
-            let tangent = three(s, self.values, TANGENT, i);
-            let sign = column(s, &self.values.columns[TANGENT + 3].value, i);
-            let sign = back.select(-sign, sign);
-            let sign = sign.simd_lt(zero).select(-one, one);
-            let texel = self.texels[1].lanes(s, i);
-            normal = map.turn_lanes(s, normal, tangent, sign, texel);
-            if stage.surface.material.horizon_clamp {
-                normal = clamp_to_horizon_lanes(s, normal, toward_eye);
+            normal = unit_lanes(s, smooth);
+            if let Some((map, ..)) = &stage.relief {
+                let tangent = three(s, self.values, TANGENT, i);
+                let sign = column(s, &self.values.columns[TANGENT + 3].value, i);
+                let sign = back.select(-sign, sign);
+                let sign = sign.simd_lt(zero).select(-one, one);
+                let texel = self.texels[1].lanes(s, i);
+                normal = map.turn_lanes(s, normal, tangent, sign, texel);
+                if stage.surface.material.horizon_clamp {
+                    normal = clamp_to_horizon_lanes(s, normal, toward_eye);
+                }
             }
         }
         let (mut diffuse, mut highlight) = ([zero; 3], [zero; 3]);

@@ -259,6 +259,11 @@ impl Default for Fade {
 }
 
 impl SlideTexels {
+    /// Whether the slide reaches some pixel of a block.
+    pub(crate) fn reaches(&self, i: usize) -> bool {
+        self.place[i].is_some()
+    }
+
     /// The colours of a block, 0 where the slide does not reach; `None` if it reaches no pixel.
     #[inline(always)]
     pub(crate) fn lanes<S: Simd>(&self, s: S, i: usize) -> Option<[f32x16<S>; 3]> {
@@ -273,7 +278,7 @@ impl<'a> SlideLookUp<'a> {
     pub(crate) fn new(slide: &'a SlideView<'a>) -> Self {
         Self {
             slide,
-            view: packed_view(&slide.sampler, slide.texture),
+            view: packed_view(&slide.sampler_within(), slide.texture),
         }
     }
 
@@ -322,5 +327,226 @@ impl<'a> SlideLookUp<'a> {
         let columns = texels.colors.0.each_mut().map(|c| &mut c[..count]);
         sample_columns(level, &self.slide.sampler, self.slide.texture, &at, columns)
             .expect("the columns have one length");
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::dispatch::on_level;
+    use crate::textures::Chains;
+    use crate::{ColorMode, Effects, Scene, Settings, TextureSlot};
+    use texmap_light::{Slide, SlideBorder};
+    use texmap_math::Projector;
+    use texmap_math::camera::Camera;
+    use texmap_math::glam::{DMat4, DVec3, DVec4};
+    use texmap_raster::{Draw, NONE, NoAlphaTest, Prepared, RUN, TargetSize};
+    use texmap_sample::{
+        ColorSpace, Filter, Origin, Precision, Sampler, Texture2d, UvTransform, Wrap,
+    };
+
+    fn noise(width: u32, height: u32) -> Texture2d<'static> {
+        bordered(width, height, 0)
+    }
+
+    /// Within a black border.
+    fn bordered(width: u32, height: u32, border: u32) -> Texture2d<'static> {
+        let mut seed = width * 31 + height;
+        let within = |i: u32, n: u32| (border..n - border).contains(&i);
+        let texels: Vec<u8> = (0..width * height)
+            .flat_map(|i| {
+                seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                let [_, r, g, b] = seed.to_le_bytes();
+                match within(i % width, width) && within(i / width, height) {
+                    true => [r, g, b, 255],
+                    false => [0, 0, 0, 255],
+                }
+            })
+            .collect();
+        let texture =
+            Texture2d::from_rgba8(width, height, texels, ColorSpace::Linear, Origin::TopLeft);
+        texture.unwrap().with_mips()
+    }
+
+    fn scene(textures: Vec<Texture2d<'static>>) -> Scene {
+        Scene {
+            camera: Camera {
+                eye: DVec3::Z,
+                look: DVec3::ZERO,
+                up: DVec3::Y,
+                fov_x: 1.0,
+                near: 0.1,
+                far: 10.0,
+            },
+            background: [0.0; 4],
+            color: ColorMode::Raw,
+            depth_test: texmap_raster::DepthTest::Less,
+            lights: Vec::new(),
+            textures,
+            materials: Vec::new(),
+            meshes: Vec::new(),
+            warnings: Vec::new(),
+            effects: Effects::default(),
+        }
+    }
+
+    fn sampler(filter: Filter, wrap: Wrap) -> Sampler {
+        Sampler {
+            filter,
+            wrap_u: wrap,
+            precision: Precision::Fast,
+            ..Sampler::default()
+        }
+    }
+
+    fn bits<S: Simd>(lanes: [f32x16<S>; 3]) -> [[u32; LANES]; 3] {
+        lanes.map(|c| core::array::from_fn(|i| c[i].to_bits()))
+    }
+
+    /// Packed words are the texels that [`sample_columns`] gives, for each filter, wrap, origin and pair of sizes, with levels that both
+    /// textures share and levels of their own, in perspective and over the edge of two triangles.
+    #[test]
+    fn packed_words_are_the_texels_of_the_general_look_ups() {
+        let level = Level::new();
+        let scene = scene(vec![noise(64, 64), noise(64, 64), noise(16, 32)]);
+        let corners = [[-1.3, -1.3], [1.3, -1.3], [1.3, 1.3], [-1.3, 1.3]];
+        let draw = Draw {
+            positions: &corners.map(|[x, y]| [x, y, 0.0]),
+            indices: &[[0, 1, 2], [0, 2, 3]],
+            // w is 1 + 0.4 y.
+            clip_from_object: DMat4::from_cols(
+                DVec4::X,
+                DVec4::new(0.0, 1.0, 0.0, 0.4),
+                DVec4::ZERO,
+                DVec4::new(0.0, 0.0, 0.3, 1.0),
+            ),
+            attributes: &[-0.4, 0.2, 3.3, -0.3, 1.1, 2.7, 0.1, 5.9],
+            attribute_count: 2,
+            ..Draw::default()
+        };
+        let size = TargetSize::new(64, 64).unwrap();
+        let prepared = Prepared::with_level(size, &[draw], level, 1).unwrap();
+        let (mut blocks, mut planes) = (TileBlocks::new(), TilePlanes::new());
+        prepared.visible_blocks(0, &NoAlphaTest, &mut blocks);
+        prepared.planes(0, &mut planes);
+        let all = blocks.masks.iter().enumerate();
+        let all = all
+            .filter(|(_, mask)| **mask != 0)
+            .map(|(i, mask)| RunBlock {
+                block: i as u16,
+                mask: *mask,
+                slot: NONE,
+            });
+        let list: Vec<RunBlock> = all.collect();
+        assert!(list.len() > 150, "{}", list.len());
+        let settings = Settings::new(64, 64);
+        let chains = Chains::new(&scene, &settings);
+        let (mut shared, mut compared) = (0, 0);
+        for filter in [Filter::Nearest, Filter::Bilinear, Filter::Trilinear] {
+            for wrap in [Wrap::Repeat, Wrap::ClampToEdge, Wrap::MirroredRepeat] {
+                for (second, origin) in [
+                    (1, Origin::TopLeft),
+                    (1, Origin::BottomLeft),
+                    (2, Origin::TopLeft),
+                ] {
+                    let slots = [0, second].map(|texture| TextureSlot {
+                        texture,
+                        sampler: sampler(filter, wrap),
+                        transform: UvTransform::default(),
+                    });
+                    let slots = slots
+                        .each_ref()
+                        .map(|s| Slot::new(s, &scene, &settings, &chains, origin));
+                    let packed = LookUps::new(slots.each_ref().map(Some));
+                    let general = LookUps {
+                        views: None,
+                        ..LookUps::new(slots.each_ref().map(Some))
+                    };
+                    assert!(packed.views.is_some(), "{filter:?} {wrap:?}");
+                    shared += u32::from(packed.same_levels);
+                    let mut scratch = LookUpScratch::default();
+                    let mut words: [Texels; 2] = Default::default();
+                    let mut floats: [Texels; 2] = Default::default();
+                    for run in list.chunks(RUN / LANES) {
+                        on_level!(level, s => {
+                            packed.run(s, level, &planes, &blocks, run, &mut scratch, &mut words);
+                            general.run(s, level, &planes, &blocks, run, &mut scratch, &mut floats);
+                            for (words, floats) in words.iter().zip(&floats) {
+                                assert!(words.packed && !floats.packed);
+                                for (i, at) in run.iter().enumerate() {
+                                    let (a, b) = (bits(words.lanes(s, i)), bits(floats.lanes(s, i)));
+                                    for k in (0..LANES).filter(|k| at.mask >> k & 1 == 1) {
+                                        let of = |c: &[[u32; LANES]; 3]| [c[0][k], c[1][k], c[2][k]];
+                                        assert_eq!(of(&a), of(&b), "{filter:?} {wrap:?} {i} {k}");
+                                        compared += 1;
+                                    }
+                                }
+                            }
+                        }, else {
+                            // A level without lanes shades sample by sample.
+                            return;
+                        });
+                    }
+                }
+            }
+        }
+        assert!(shared > 5 && compared > 100_000, "{shared} {compared}");
+    }
+
+    /// A slide's packed words are its texels, and blocks that it does not reach have none.
+    #[test]
+    fn packed_words_of_slides_are_their_texels() {
+        let level = Level::new();
+        let textures = [noise(32, 32), bordered(32, 32, 1)];
+        let projector = Projector::new(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y, 1.2, 1.0).unwrap();
+        let mut points = [[0.0; RUN_ROOM]; 3];
+        for i in 0..RUN_ROOM {
+            points[0][i] = (i % 37) as f32 * 0.09 - 0.6;
+            points[1][i] = (i % 23) as f32 * 0.13 - 1.4;
+            points[2][i] = if i < 32 {
+                2.0
+            } else {
+                -1.0 - (i % 5) as f32 * 0.3
+            };
+        }
+        // The last reaches no further than its picture, which is then read as if it were repeated.
+        let borders = [
+            (0, SlideBorder::Black, 0.2),
+            (0, SlideBorder::Clamp, 0.0),
+            (1, SlideBorder::Clamp, 0.0),
+        ];
+        for filter in [Filter::Nearest, Filter::Bilinear] {
+            for (texture, border, softness) in borders {
+                let texture = &textures[texture];
+                let sampler = sampler(filter, Wrap::Repeat);
+                let slide = SlideView::new(&Slide {
+                    projector,
+                    texture,
+                    sampler: &sampler,
+                    border,
+                    softness,
+                });
+                let packed = SlideLookUp::new(&slide);
+                let general = SlideLookUp {
+                    slide: &slide,
+                    view: None,
+                };
+                let (mut words, mut floats) = (SlideTexels::default(), SlideTexels::default());
+                let mut reached = 0;
+                on_level!(level, s => {
+                    assert!(packed.view.is_some());
+                    let (count, points) = (RUN / LANES, points.each_ref());
+                    packed.run(s, level, count, points, &mut words);
+                    general.run(s, level, count, points, &mut floats);
+                    for i in 0..count {
+                        let (a, b) = (words.lanes(s, i).map(bits), floats.lanes(s, i).map(bits));
+                        assert_eq!(a, b, "{filter:?} {border:?} {i}");
+                        reached += usize::from(a.is_some());
+                    }
+                    // The first two lie behind the projector.
+                    assert!(reached > 4 && reached < count - 1, "{reached}");
+                }, else { return; });
+            }
+        }
     }
 }

@@ -624,7 +624,7 @@ mod tests {
                 backs += u32::from(at(&inside_out) > a);
             }
             assert!(
-                met > 1_000 && deeper * 100 < met,
+                met > 500 && deeper * 100 < met,
                 "{mirrored}: {met} {deeper}"
             );
             assert!(backs * 2 > met, "{mirrored}: {met} {backs}");
