@@ -40,16 +40,9 @@ impl NormalMap {
         perturb(normal, tangent, self.decode(texel))
     }
 
-    /// [`turn`](Self::turn) for sixteen; `sign` is the tangent's fourth component.
+    /// [`decode`](Self::decode) for sixteen.
     #[inline(always)]
-    pub fn turn_lanes<S: Simd>(
-        &self,
-        s: S,
-        normal: V3<S>,
-        tangent: V3<S>,
-        sign: f32x16<S>,
-        texel: V3<S>,
-    ) -> V3<S> {
+    pub fn decode_lanes<S: Simd>(&self, s: S, texel: V3<S>) -> V3<S> {
         let zero = f32x16::splat(s, 0.0);
         let x = texel[0] * 2.0 - 1.0;
         let y = texel[1] * 2.0 - 1.0;
@@ -61,7 +54,21 @@ impl NormalMap {
         } else {
             texel[2] * 2.0 - 1.0
         };
-        let (x, y) = (x * self.strength, y * self.strength);
+        [x * self.strength, y * self.strength, z]
+    }
+
+    /// [`turn`](Self::turn) for sixteen; `sign` is the tangent's fourth component.
+    #[inline(always)]
+    pub fn turn_lanes<S: Simd>(
+        &self,
+        s: S,
+        normal: V3<S>,
+        tangent: V3<S>,
+        sign: f32x16<S>,
+        texel: V3<S>,
+    ) -> V3<S> {
+        let zero = f32x16::splat(s, 0.0);
+        let [x, y, z] = self.decode_lanes(s, texel);
         let (n, t) = (normal, tangent);
         let b = [
             (n[1] * t[2] - n[2] * t[1]) * sign,

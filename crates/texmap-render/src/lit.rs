@@ -120,7 +120,7 @@ impl<'s> SurfaceEffects<'s> {
         }))
     }
 
-    /// Whether textures stand for numbers of the surface, or baked light for lights.
+    /// Whether textures stand for numbers of the surface.
     pub(crate) fn has_maps(&self) -> bool {
         let slots = [
             &self.ambient,
@@ -128,9 +128,17 @@ impl<'s> SurfaceEffects<'s> {
             &self.exponent,
             &self.reflectivity,
         ];
-        slots.into_iter().any(Option::is_some)
-            || self.light_map.is_some()
-            || self.material.specular_map.is_some()
+        slots.into_iter().any(Option::is_some) || self.material.specular_map.is_some()
+    }
+
+    /// Baked light: its texels' share of the diffuse light, where they are read, and the first attribute of the coordinates.
+    pub(crate) fn baked(&self) -> Option<(f32, &Slot<'s>, usize)> {
+        let (map, slot) = self.light_map.as_ref()?;
+        Some((
+            self.material.surface.kd * map.scale,
+            slot,
+            self.lightmap_uv?,
+        ))
     }
 
     /// What turns its normals.

@@ -8,6 +8,7 @@ use texmap_light::lanes::{
 use texmap_light::{Light, NormalMap, Power, ShadowReader, Surface as Numbers};
 use texmap_math::Level;
 use texmap_math::fearless_simd::{Simd, f32x16, mask32x16, prelude::*};
+use texmap_math::glam::DMat3;
 use texmap_raster::{
     BlockSink, BlockValues, Column, Cull, NONE, RUN_ROOM, RunBlock, RunValues, TilePlanes,
 };
@@ -16,7 +17,9 @@ use crate::canvas::{Colors, LANES, bits};
 use crate::coordinates::{Coordinates, EyeRays};
 use crate::dispatch::on_level;
 use crate::lit::SurfaceEffects;
-use crate::lit_texels::{LookUpScratch, LookUps, SlideLookUp, SlideTexels, Texels};
+use crate::lit_texels::{
+    BakedLookUp, BakedTexels, LookUpScratch, LookUps, SlideLookUp, SlideTexels, Texels,
+};
 use crate::plan::{LightStage, Plan, Surface};
 use crate::ready::{Ready, Thrown};
 use crate::relief::{ReliefStage, Space};
@@ -31,7 +34,8 @@ pub(crate) struct LitLanes<'a> {
     numbers: Numbers,
     power: Power,
     lights: Vec<Lamp<'a>>,
-    relief: Option<(NormalMap, &'a Slot<'a>, usize)>,
+    relief: Option<(NormalMap, &'a Slot<'a>, Space)>,
+    baked: Option<BakedLookUp<'a>>,
     mirror: Option<(MirrorView<'a>, f32)>,
     look_ups: LookUps<'a>,
     normal: usize,
@@ -63,6 +67,7 @@ pub(crate) struct LitScratch {
     /// Base colour and normal map.
     texels: [Texels; 2],
     slides: Vec<SlideTexels>,
+    baked: BakedTexels,
     /// Blocks that some slide reaches, and their places in the run.
     reached: Vec<RunBlock>,
     places: Vec<usize>,
@@ -104,6 +109,7 @@ impl<'a> LitLanes<'a> {
             power: Power::new(material.surface.ns),
             lights: Vec::new(),
             relief: None,
+            baked: None,
             mirror: None,
             look_ups: LookUps::new([None; 2]),
             normal: surface.normal?,
@@ -149,11 +155,14 @@ impl<'a> LitLanes<'a> {
         }
         self.relief = match effects.relief_stage() {
             None => None,
-            Some(ReliefStage::NormalMap(slot, map, Space::Tangent(first))) if fits(slot) => {
-                Some((*map, slot, *first))
+            Some(ReliefStage::NormalMap(slot, map, space)) if fits(slot) => {
+                Some((*map, slot, *space))
             }
             Some(_) => return None,
         };
+        self.baked = effects
+            .baked()
+            .map(|(share, slot, first)| BakedLookUp { share, slot, first });
         if let Some((environment, reflectivity)) = effects.reflection() {
             let view = MirrorView::new(&ready.environments[environment])?;
             self.mirror = Some((view, reflectivity));
@@ -189,9 +198,13 @@ impl<'a> LitLanes<'a> {
             look_ups,
             texels,
             slides,
+            baked,
             reached,
             places,
         } = scratch;
+        if let Some(map) = &self.baked {
+            map.run(level, planes, run.blocks, list, baked);
+        }
         let thrown = || self.lights.iter().filter_map(|lamp| lamp.slide.as_ref());
         slides.resize_with(thrown().count(), SlideTexels::default);
         on_level!(
@@ -220,7 +233,7 @@ impl<'a> LitLanes<'a> {
                     }
                     self.three(s, planes, run, [self.normal, NORMAL], reached, places, values);
                 }
-                let columns = Columns { stage: self, run, values, texels, slides };
+                let columns = Columns { stage: self, run, values, texels, slides, baked };
                 let mut side = Side::default();
                 for (i, at) in list.iter().enumerate() {
                     self.look_aside(run, *at, &mut side);
@@ -266,7 +279,10 @@ impl<'a> LitLanes<'a> {
         }
         let (blocks, list, n) = (run.blocks, run.run, self.normal);
         let columns = &mut out.columns[..];
-        let tangent = self.relief.as_ref().map(|(_, _, first)| *first);
+        let tangent = match self.relief {
+            Some((_, _, Space::Tangent(first))) => Some(first),
+            _ => None,
+        };
         let Some(p) = self.position else {
             // Nothing but a mirror asks for no position, or light that is the same everywhere.
             if let Some(normals) = columns.first_chunk_mut() {
@@ -397,6 +413,7 @@ struct Columns<'a> {
     values: &'a RunValues,
     texels: &'a [Texels; 2],
     slides: &'a [SlideTexels],
+    baked: &'a BakedTexels,
 }
 
 impl Columns<'_> {
@@ -422,13 +439,21 @@ impl Columns<'_> {
                 toward_eye = unit_lanes(s, toward_eye);
             }
             normal = unit_lanes(s, smooth);
-            if let Some((map, ..)) = &stage.relief {
-                let tangent = three(s, self.values, TANGENT, i);
-                let sign = column(s, &self.values.columns[TANGENT + 3].value, i);
-                let sign = back.select(-sign, sign);
-                let sign = sign.simd_lt(zero).select(-one, one);
+            if let Some((map, _, space)) = &stage.relief {
                 let texel = self.texels[1].lanes(s, i);
-                normal = map.turn_lanes(s, normal, tangent, sign, texel);
+                normal = match space {
+                    Space::Object(to_world) => {
+                        let world = to_world_lanes(s, to_world, map.decode_lanes(s, texel));
+                        unit_lanes(s, turned(back, world))
+                    }
+                    Space::Tangent(_) => {
+                        let tangent = three(s, self.values, TANGENT, i);
+                        let sign = column(s, &self.values.columns[TANGENT + 3].value, i);
+                        let sign = back.select(-sign, sign);
+                        let sign = sign.simd_lt(zero).select(-one, one);
+                        map.turn_lanes(s, normal, tangent, sign, texel)
+                    }
+                };
                 if stage.surface.material.horizon_clamp {
                     normal = clamp_to_horizon_lanes(s, normal, toward_eye);
                 }
@@ -465,6 +490,12 @@ impl Columns<'_> {
                 let color = given.color[k] * received[k];
                 diffuse[k] = lit.select(diffuse[k] + color * given.diffuse, diffuse[k]);
                 highlight[k] = lit.select(highlight[k] + color * given.highlight, highlight[k]);
+            }
+        }
+        if let Some(map) = &stage.baked {
+            let light = self.baked.lanes(s, i);
+            for k in 0..3 {
+                diffuse[k] += light[k] * map.share;
             }
         }
         if let Some((environment, share)) = &stage.mirror {
@@ -546,6 +577,18 @@ impl Columns<'_> {
         };
         reflect_across_lanes(&view, &normal, length)
     }
+}
+
+/// A matrix times the vectors in all lanes, in f64 as for one.
+#[inline(always)]
+fn to_world_lanes<S: Simd>(s: S, to_world: &DMat3, v: V3<S>) -> V3<S> {
+    let [(x0, x1), (y0, y1), (z0, z1)] = [v[0].widen(), v[1].widen(), v[2].widen()];
+    let mut out = v;
+    for (k, out) in out.iter_mut().enumerate() {
+        let (a, b, c) = (to_world.x_axis[k], to_world.y_axis[k], to_world.z_axis[k]);
+        *out = s.narrow_f64x8(x0 * a + y0 * b + z0 * c, x1 * a + y1 * b + z1 * c);
+    }
+    out
 }
 
 /// Whether a slot reads the coordinates of the mesh as they are.

@@ -536,6 +536,49 @@ mod tests {
         })
     }
 
+    /// Which surfaces are shaded sixteen samples at a time, where the level has lanes.
+    #[test]
+    fn normal_maps_and_baked_light_have_lanes() {
+        let has_lanes = |material: Material| {
+            let mut scene = scene(material);
+            scene.meshes[0].lightmap_uvs = vec![[0.0; 2]; 3];
+            let settings = Settings::new(8, 8);
+            let chains = Chains::new(&scene, &settings);
+            let ready = Arc::new(Ready::new(&scene, &settings).unwrap());
+            let plan = Plan::new(&scene, &settings, &chains, &ready, (8, 8), &[]).unwrap();
+            crate::lit_lanes::LitLanes::new(&plan, &plan.surfaces[0]).is_some()
+        };
+        let normals = |object_space| crate::Relief::NormalMap {
+            slot: slot(Filter::Trilinear).unwrap(),
+            green: texmap_light::Green::Up,
+            rebuild_z: false,
+            object_space,
+            strength: 1.0,
+        };
+        let with = |relief| Material {
+            relief: Some(relief),
+            ..Material::default()
+        };
+        let baked = Material {
+            light_map: Some(crate::LightMapSlot {
+                slot: slot(Filter::Bilinear).unwrap(),
+                scale: 1.0,
+                baked: None,
+            }),
+            ..Material::default()
+        };
+        let some = has_lanes(Material::default());
+        for material in [with(normals(false)), with(normals(true)), baked] {
+            assert_eq!(has_lanes(material), some);
+        }
+        // Not yet.
+        let bump = crate::Relief::Bump {
+            slot: slot(Filter::Bilinear).unwrap(),
+            height: 0.1,
+        };
+        assert!(!has_lanes(with(bump)));
+    }
+
     /// Attributes per vertex, pass, and whether a mip chain was built.
     fn needs(material: Material, aovs: &[Aov]) -> (usize, Pass, bool) {
         let scene = scene(material);

@@ -6,9 +6,9 @@ use texmap_math::glam::{DMat4, DVec3};
 use texmap_math::{Level, Projector};
 use texmap_raster::Cull;
 use texmap_render::{
-    AlphaMode, Aov, Effects, Frame, Material, Mesh, Reflection, Relief, RenderError, Renderer,
-    Scene, Settings, Shading, Shadow, SlideProjector, SlideRole, TextureRole, pixel_hash, render,
-    render_ordered,
+    AlphaMode, Aov, Effects, Frame, LightMapSlot, Material, Mesh, Reflection, Relief, RenderError,
+    Renderer, Scene, Settings, Shading, Shadow, SlideProjector, SlideRole, TextureRole, pixel_hash,
+    render, render_ordered,
 };
 use texmap_sample::{Filter, Precision, Sampler};
 use texmap_tests::levels::levels;
@@ -208,7 +208,7 @@ fn threads_levels_and_block_order_reach_no_pixel() {
 }
 
 /// Every stage of lit surfaces that has lanes: normal maps on both sides, spot, directional and point lights with all biases, slides with
-/// and without shadows, real and whole exponents, mirrors with and without relief.
+/// and without shadows, real and whole exponents, mirrors with and without relief, normals in object space, baked light beside computed.
 fn lit() -> Scene {
     let bumps = texture(64, 64, |x, y| {
         [
@@ -267,6 +267,29 @@ fn lit() -> Scene {
         reflection,
         ..Material::default()
     };
+    let carved = Material {
+        relief: Some(Relief::NormalMap {
+            slot: slot(0, Filter::Bilinear).unwrap(),
+            green: Green::Up,
+            rebuild_z: false,
+            object_space: true,
+            strength: 1.0,
+        }),
+        ..Material::default()
+    };
+    // Of a texture with alpha, of which only the colour counts.
+    let veil = texture(16, 16, |x, y| {
+        [(x * 16) as u8, (y * 13) as u8, 90, 100 + (8 * x) as u8]
+    });
+    let baked = Material {
+        base_color: slot(1, Filter::Trilinear),
+        light_map: Some(LightMapSlot {
+            slot: slot(2, Filter::Trilinear).unwrap(),
+            scale: 1.3,
+            baked: Some(vec![0, 1]),
+        }),
+        ..Material::default()
+    };
     let lamp = |x: f64, border, softness, shadow, role| {
         let position = DVec3::new(x, 3.0, 1.0);
         let look = DVec3::new(0.0, -0.5, -4.0);
@@ -292,6 +315,9 @@ fn lit() -> Scene {
         area: (light == 3).then_some((DVec3::new(0.0, 0.0, -3.0), 2.0)),
     };
     let light = SlideRole::Light([0.4, 0.5, 0.3]);
+    let painted = ball(20);
+    let light_uvs = painted.uvs.iter().map(|[u, v]| [v * 0.9, u * 0.8 + 0.1]);
+    let light_uvs = light_uvs.collect();
     Scene {
         lights: vec![
             Light::Ambient { color: [0.2; 3] },
@@ -311,8 +337,8 @@ fn lit() -> Scene {
                 position: [0.0, 2.5, -1.0],
             },
         ],
-        textures: vec![bumps, checker],
-        materials: vec![floor, metal, mirror],
+        textures: vec![bumps, checker, veil],
+        materials: vec![floor, metal, mirror, carved, baked],
         meshes: vec![
             ground(),
             Mesh {
@@ -323,6 +349,18 @@ fn lit() -> Scene {
                 material: 2,
                 world_from_object: DMat4::from_translation(DVec3::new(-1.9, 0.0, 0.0)),
                 ..ball(24)
+            },
+            Mesh {
+                material: 3,
+                world_from_object: DMat4::from_translation(DVec3::new(1.9, 0.3, 0.0))
+                    * DMat4::from_scale(DVec3::new(0.5, 0.9, 0.6)),
+                ..ball(16)
+            },
+            Mesh {
+                material: 4,
+                lightmap_uvs: light_uvs,
+                world_from_object: DMat4::from_translation(DVec3::new(0.0, 1.1, -1.0)),
+                ..painted
             },
         ],
         effects: Effects {
@@ -380,6 +418,10 @@ fn lit_surfaces_have_the_same_bytes_sample_by_sample_and_in_lanes() {
         without(&|scene| scene.materials[i].relief = None);
         without(&|scene| scene.materials[i + 1].reflection = None);
     }
+    without(&|scene| scene.materials[3].relief = None);
+    without(&|scene| {
+        scene.materials[4].light_map.as_mut().unwrap().scale = 0.2;
+    });
 }
 
 /// The scenes of the race under lighting effects, smaller.
