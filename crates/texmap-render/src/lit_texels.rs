@@ -558,16 +558,18 @@ mod tests {
         let level = Level::new();
         let textures = [noise(32, 32), bordered(32, 32, 1)];
         let projector = Projector::new(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y, 1.2, 1.0).unwrap();
-        let mut points = [[0.0; RUN_ROOM]; 3];
-        for i in 0..RUN_ROOM {
-            points[0][i] = (i % 37) as f32 * 0.09 - 0.6;
-            points[1][i] = (i % 23) as f32 * 0.13 - 1.4;
-            points[2][i] = if i < 32 {
-                2.0
-            } else {
-                -1.0 - (i % 5) as f32 * 0.3
-            };
-        }
+        let points: [[f32; RUN_ROOM]; 3] = [
+            core::array::from_fn(|i| (i % 37) as f32 * 0.09 - 0.6),
+            core::array::from_fn(|i| (i % 23) as f32 * 0.13 - 1.4),
+            // The first lie behind the projector.
+            core::array::from_fn(|i| {
+                if i < 32 {
+                    2.0
+                } else {
+                    -1.0 - (i % 5) as f32 * 0.3
+                }
+            }),
+        ];
         // The last reaches no further than its picture, which is then read as if it were repeated.
         let borders = [
             (0, SlideBorder::Black, 0.2),
