@@ -1,8 +1,8 @@
 //! Helpers over sixteen lanes for kernels that are generic over the SIMD level ([`fearless_simd`]); outside semantic versioning.
 //!
 //! Each gives the bits of its scalar twin in every lane, on every level: only IEEE operations, comparisons, integers, and
-//! conversions of values in range. Never use `mul_add`, `approximate_recip`, `min`/`max` or an out-of-range `to_int` of
-//! fearless_simd in a kernel: they differ by level.
+//! conversions of values in range. Never use `mul_add`, `approximate_recip`, `min`/`max` of floats (but [`above`] and [`below`]) or an
+//! out-of-range `to_int` of fearless_simd in a kernel: they differ by level.
 
 #[cfg(target_arch = "x86")]
 use core::arch::x86::{
@@ -19,8 +19,10 @@ use fearless_simd::{f32x16, i32x16, u32x16};
 
 use crate::color::{SRGB8_BASE, SRGB8_FIRST, SRGB8_THRESHOLD_BITS};
 
+mod bytes;
 mod gather;
 
+pub use bytes::lerp_bytes;
 pub use gather::{Words, gather, gather_by_loads, gather_pairs, has_pairs};
 
 /// Lanes of every kernel, on every level.
@@ -32,11 +34,46 @@ pub fn iota<S: Simd>(s: S) -> i32x16<S> {
     i32x16::from_slice(s, &[0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15])
 }
 
+/// `a` where it is above `b`, else `b`, zeros and NaN too: by comparison and selection, which is what x86 calls the maximum of these
+/// operands.
+#[inline(always)]
+pub fn above<S: Simd>(a: f32x16<S>, b: f32x16<S>) -> f32x16<S> {
+    if is_x86(a.simd) {
+        a.max(b)
+    } else {
+        a.simd_gt(b).select(a, b)
+    }
+}
+
+/// `a` where it is below `b`, else `b`: as [`above`].
+#[inline(always)]
+pub fn below<S: Simd>(a: f32x16<S>, b: f32x16<S>) -> f32x16<S> {
+    if is_x86(a.simd) {
+        a.min(b)
+    } else {
+        a.simd_lt(b).select(a, b)
+    }
+}
+
+/// Whether a maximum is one of x86's instructions: the fallback is not.
+#[inline(always)]
+fn is_x86<S: Simd>(s: S) -> bool {
+    #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+    {
+        use Level::{Avx2, Avx512, Sse2, Sse4_2};
+        matches!(s.level(), Sse2(_) | Sse4_2(_) | Avx2(_) | Avx512(_))
+    }
+    #[cfg(not(any(target_arch = "x86", target_arch = "x86_64")))]
+    {
+        let _ = s;
+        false
+    }
+}
+
 /// `x` within `[low, high]` by comparison and selection; NaN gives `low`.
 #[inline(always)]
 pub fn clamp<S: Simd>(x: f32x16<S>, low: f32x16<S>, high: f32x16<S>) -> f32x16<S> {
-    let x = x.simd_gt(low).select(x, low);
-    x.simd_lt(high).select(x, high)
+    below(above(x, low), high)
 }
 
 /// [`clamp`] for one lane.

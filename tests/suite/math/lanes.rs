@@ -1,7 +1,7 @@
 //! Lane helpers give the bits of their scalar twins on every level.
 
 use texmap_math::color;
-use texmap_math::fearless_simd::{Simd, dispatch, f32x16, i32x16, prelude::*, u32x16};
+use texmap_math::fearless_simd::{Simd, dispatch, f32x16, i32x16, prelude::*, u16x32, u32x16};
 use texmap_math::lanes;
 use texmap_tests::levels::levels;
 
@@ -106,6 +106,52 @@ fn helpers_equal_their_scalar_twins() {
         let nan = dispatch!(level, s => helpers(s, [f32::NAN; 16]));
         assert_eq!(nan.1, [0; 16], "{name}: NaN stores as 0");
         assert_eq!(nan.2, [-0.25; 16], "{name}: NaN clamps to the low end");
+    }
+}
+
+/// Zeros of both signs and NaN on either side: the second operand wherever the comparison is not true.
+#[test]
+fn above_and_below_are_comparison_and_selection() {
+    let pick = |x: f32, y: f32, first: bool| if first { x } else { y }.to_bits();
+    let hard = HARD.into_iter().chain([f32::NAN, -f32::NAN, f32::INFINITY]);
+    let turned: [f32; 16] = std::array::from_fn(|i| HARD[(i * 7 + 1) % 16]);
+    for (name, level) in levels() {
+        for x in hard.clone() {
+            for others in [HARD, turned, [f32::NAN; 16]] {
+                let (over, under, swapped) = dispatch!(level, s => {
+                    let (x, y) = (f32x16::splat(s, x), f32x16::from_slice(s, &others));
+                    let array = |v| <[f32; 16]>::from(v);
+                    (array(lanes::above(x, y)), array(lanes::below(x, y)), array(lanes::above(y, x)))
+                });
+                for (i, y) in others.into_iter().enumerate() {
+                    assert_eq!(over[i].to_bits(), pick(x, y, x > y), "{name} {x} {y}");
+                    assert_eq!(under[i].to_bits(), pick(x, y, x < y), "{name} {x} {y}");
+                    assert_eq!(swapped[i].to_bits(), pick(y, x, y > x), "{name} {y} {x}");
+                }
+            }
+        }
+    }
+}
+
+/// All bytes between all others, at all weights.
+#[test]
+fn bytes_are_mixed_alike_on_every_level() {
+    for (name, level) in levels() {
+        for a in 0..=255_u16 {
+            for b in (0..=255_u16).step_by(if a % 15 == 0 { 1 } else { 51 }) {
+                for first in (0..256_u16).step_by(32) {
+                    let w: [u16; 32] = std::array::from_fn(|i| first + i as u16);
+                    let mixed: [u16; 32] = dispatch!(level, s => {
+                        let (a, b) = (u16x32::splat(s, a), u16x32::splat(s, b));
+                        lanes::lerp_bytes(s, a, b, u16x32::from_slice(s, &w)).into()
+                    });
+                    for (mixed, w) in mixed.into_iter().zip(w.map(u32::from)) {
+                        let want = (u32::from(a) * (256 - w) + u32::from(b) * w + 128) >> 8;
+                        assert_eq!(u32::from(mixed), want, "{name}: {a} {b} {w}");
+                    }
+                }
+            }
+        }
     }
 }
 

@@ -13,7 +13,7 @@ use crate::{
 };
 use texmap_math::{
     fearless_simd::{f32x16, i32x16, prelude::*, u16x32, u32x16},
-    lanes::{Words, floor_to_i32, gather, gather_pairs, store_tail},
+    lanes::{Words, above, floor_to_i32, gather, gather_pairs, lerp_bytes, store_tail},
 };
 
 const LOW: u32 = 0x00ff_00ff;
@@ -267,7 +267,7 @@ struct Halves<S: Simd> {
 fn halves<S: Simd>(c: u32x16<S>) -> Halves<S> {
     Halves {
         low: (c & LOW).bitcast(),
-        high: ((c >> 8) & LOW).bitcast(),
+        high: c.bitcast::<u16x32<S>>() >> 8,
     }
 }
 
@@ -284,10 +284,10 @@ fn spread<S: Simd>(w: i32x16<S>) -> u16x32<S> {
 }
 
 #[inline(always)]
-fn lerp_lanes<S: Simd>(a: Halves<S>, b: Halves<S>, w: u16x32<S>) -> Halves<S> {
+fn lerp_lanes<S: Simd>(s: S, a: Halves<S>, b: Halves<S>, w: u16x32<S>) -> Halves<S> {
     Halves {
-        low: ((a.low << 8) + (b.low - a.low) * w + 128) >> 8,
-        high: ((a.high << 8) + (b.high - a.high) * w + 128) >> 8,
+        low: lerp_bytes(s, a.low, b.low, w),
+        high: lerp_bytes(s, a.high, b.high, w),
     }
 }
 
@@ -345,8 +345,9 @@ fn bilinear_at<S: Simd>(
             ]
         }
     };
-    let top = lerp_lanes(halves(a), halves(b), wx);
-    lerp_lanes(top, lerp_lanes(halves(c), halves(d), wx), wy)
+    let top = lerp_lanes(s, halves(a), halves(b), wx);
+    let bottom = lerp_lanes(s, halves(c), halves(d), wx);
+    lerp_lanes(s, top, bottom, wy)
 }
 
 /// Derivatives in texels of level 0, finite and within reach, of sixteen lanes.
@@ -395,7 +396,7 @@ impl<S: Simd> FootprintLanes<S> {
     pub(crate) fn rho_max_squared(&self) -> f32x16<S> {
         let x = self.ux * self.ux + self.vx * self.vx;
         let y = self.uy * self.uy + self.vy * self.vy;
-        x.simd_gt(y).select(x, y)
+        above(x, y)
     }
 }
 
@@ -410,7 +411,7 @@ fn tame<S: Simd>(s: S, x: f32x16<S>) -> f32x16<S> {
 #[inline(always)]
 fn log2_sqrt_lanes<S: Simd>(s: S, x: f32x16<S>) -> i32x16<S> {
     let tiny = f32x16::splat(s, TINY);
-    let bits: i32x16<S> = x.simd_gt(tiny).select(x, tiny).bitcast();
+    let bits: i32x16<S> = above(x, tiny).bitcast();
     (bits - 0x3f80_0000) >> 16
 }
 
@@ -464,7 +465,7 @@ pub fn trilinear_lanes<S: Simd>(
         return join(a);
     }
     let b = bilinear_at::<S>(s, view, &b, u, v);
-    join(lerp_lanes(a, b, spread(weight)))
+    join(lerp_lanes(s, a, b, spread(weight)))
 }
 
 #[inline(always)]
