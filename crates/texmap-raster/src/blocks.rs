@@ -6,7 +6,7 @@ use texmap_math::lanes::LANES;
 
 use crate::dispatch::on_level;
 use crate::edge::cover;
-use crate::group::Group;
+use crate::group::{Group, Known, Sharing};
 use crate::prepared::{Tile, decides_visibility};
 use crate::run::RunBlock;
 use crate::setup::TILE;
@@ -38,6 +38,12 @@ pub struct TileBlocks {
     /// Blocks whose depth and slots are those of this tile.
     touched: Vec<bool>,
     group: Group,
+}
+
+/// Room for what [`Prepared::visible_samples`] sets up once for all samples.
+#[derive(Debug, Clone, Default)]
+pub struct SampleSetup {
+    known: Vec<Known>,
 }
 
 impl Default for TileBlocks {
@@ -148,12 +154,41 @@ impl Prepared<'_> {
         alpha: &dyn AlphaTest,
         out: &mut TileBlocks,
     ) {
+        self.visible_shared(tile, offset, alpha, None, out);
+    }
+
+    /// [`visible_sample`](Self::visible_sample) at each of `samples`: what they share of the triangles is set up once.
+    pub fn visible_samples<'b>(
+        &self,
+        tile: usize,
+        alpha: &dyn AlphaTest,
+        shared: &mut SampleSetup,
+        samples: impl IntoIterator<Item = ([i32; 2], &'b mut TileBlocks)>,
+    ) {
+        let known = &mut shared.known;
+        known.clear();
+        let mut first = true;
+        for (offset, out) in samples {
+            self.visible_shared(tile, offset, alpha, Some((&mut *known, first)), out);
+            first = false;
+        }
+    }
+
+    /// The flag of `known` says that it is to be filled.
+    fn visible_shared(
+        &self,
+        tile: usize,
+        offset: [i32; 2],
+        alpha: &dyn AlphaTest,
+        known: Option<(&mut Vec<Known>, bool)>,
+        out: &mut TileBlocks,
+    ) {
         self.name_slots(tile, out);
         out.group.offset = offset;
         match self.level() {
             Some(level) => on_level!(
                 level,
-                s => self.visible_lanes(s, tile, alpha, out),
+                s => self.visible_lanes(s, tile, alpha, known, out),
                 else self.visible_blocks_plain(tile, alpha, out)
             ),
             None => self.visible_blocks_plain(tile, alpha, out),
@@ -176,7 +211,14 @@ impl Prepared<'_> {
 
     #[inline(always)]
     fn alone_lanes<S: Simd>(&self, s: S, tile: usize, draw: usize, out: &mut TileBlocks) -> bool {
-        self.setup_group(s, draw, self.bin_of(tile), tile as u32, &mut out.group);
+        self.setup_group(
+            s,
+            draw,
+            self.bin_of(tile),
+            tile as u32,
+            Sharing::Nothing,
+            &mut out.group,
+        );
         // Depth is clamped to the triangle's, and 0 where nothing was drawn.
         let nearer = out.group.z_lo[0] > 0.0;
         if !nearer && self.draw(draw as u32).depth_test != DepthTest::Always {
@@ -224,6 +266,7 @@ impl Prepared<'_> {
         s: S,
         tile: usize,
         alpha: &dyn AlphaTest,
+        mut known: Option<(&mut Vec<Known>, bool)>,
         out: &mut TileBlocks,
     ) {
         out.forget();
@@ -237,12 +280,24 @@ impl Prepared<'_> {
             return;
         }
         let mut runs = Runs::new(self, tile);
+        let mut group_index = 0;
         while let Some(run) = runs.next() {
             let draw = self.draw(run.draw as u32);
             if !decides_visibility(draw.pass) {
                 continue;
             }
-            self.setup_group(s, run.draw, run.ids, tile as u32, &mut group);
+            let sharing = match &mut known {
+                None => Sharing::Nothing,
+                Some((known, true)) => {
+                    known.push(Known::default());
+                    known.last_mut().map_or(Sharing::Nothing, Sharing::Keep)
+                }
+                Some((known, false)) => known
+                    .get(group_index)
+                    .map_or(Sharing::Nothing, Sharing::Use),
+            };
+            group_index += 1;
+            self.setup_group(s, run.draw, run.ids, tile as u32, sharing, &mut group);
             let mut sink = Visible {
                 depth: &mut out.depth,
                 slots: &mut out.slot,
@@ -305,7 +360,7 @@ impl Prepared<'_> {
                 continue;
             }
             last.write = state.depth_write;
-            self.setup_group(s, *draw as usize, ids, tile as u32, group);
+            self.setup_group(s, *draw as usize, ids, tile as u32, Sharing::Nothing, group);
             last.first_slot = (group_index * LANES) as u32;
             stamp_group(s, group, true, &mut last);
             if last.full == PIXELS / LANES {
@@ -396,7 +451,14 @@ impl Prepared<'_> {
             if !wanted(draw) {
                 continue;
             }
-            self.setup_group(s, run.draw, run.ids, tile as u32, &mut group);
+            self.setup_group(
+                s,
+                run.draw,
+                run.ids,
+                tile as u32,
+                Sharing::Nothing,
+                &mut group,
+            );
             let mut forward = Forward {
                 depth: &mut blocks.depth,
                 first_slot: run.first_slot as u32,

@@ -7,7 +7,7 @@ use texmap_math::lanes::LANES;
 use crate::blocks::Runs;
 use crate::dispatch::on_level;
 use crate::edge::cover;
-use crate::group::Group;
+use crate::group::{Group, Sharing};
 use crate::prepared::{decides_visibility, for_all};
 use crate::setup::TILE;
 use crate::sinks::test_block;
@@ -135,7 +135,14 @@ impl Prepared<'_> {
             if !decides_visibility(draw.pass) || !draw.depth_write {
                 continue;
             }
-            self.setup_group(s, run.draw, run.ids, index as u32, &mut out.group);
+            self.setup_group(
+                s,
+                run.draw,
+                run.ids,
+                index as u32,
+                Sharing::Nothing,
+                &mut out.group,
+            );
             stamp_group(
                 s,
                 &out.group,

@@ -3,8 +3,8 @@ use alloc::vec::Vec;
 use core::ops::Range;
 
 use texmap_math::Level;
-use texmap_math::fearless_simd::{Simd, i32x16, mask32x16, prelude::*};
-use texmap_math::lanes::{LANES, Words, gather, iota};
+use texmap_math::fearless_simd::{Simd, i32x16, mask32x16, prelude::*, u32x16};
+use texmap_math::lanes::{LANES, Words, gather, gather_pairs, iota};
 
 use crate::clip::{Corner, Hom, Region, clip, region};
 use crate::dispatch::on_level;
@@ -170,11 +170,12 @@ impl Submission<'_, '_> {
         ) else {
             return;
         };
-        let corner = (iota(s) + base as i32) * 3;
+        let corner: u32x16<S> = ((iota(s) + base as i32) * 3).bitcast();
+        let [first, second] = gather_pairs(s, indices, corner);
         let v = [
-            vertex(s, indices, snapped, corner),
-            vertex(s, indices, snapped, corner + 1),
-            vertex(s, indices, snapped, corner + 2),
+            vertex(s, snapped, first),
+            vertex(s, snapped, second),
+            vertex(s, snapped, gather(s, indices, corner + 2)),
         ];
         let exists = mask32x16::from_bitmask(s, (1 << count) - 1);
         let special =
@@ -452,12 +453,9 @@ struct Group {
 type Vertices<S> = (i32x16<S>, i32x16<S>);
 
 #[inline(always)]
-fn vertex<S: Simd>(s: S, indices: Words<'_>, snapped: Words<'_>, corner: i32x16<S>) -> Vertices<S> {
-    let index = gather(s, indices, corner.bitcast()).bitcast::<i32x16<S>>() << 1;
-    (
-        gather(s, snapped, index.bitcast()).bitcast(),
-        gather(s, snapped, (index | 1).bitcast()).bitcast(),
-    )
+fn vertex<S: Simd>(s: S, snapped: Words<'_>, index: u32x16<S>) -> Vertices<S> {
+    let [x, y] = gather_pairs(s, snapped, index << 1);
+    (x.bitcast(), y.bitcast())
 }
 
 /// Whether any of the (up to 2x2) centres of the box is inside. Only for small triangles; other lanes hold no meaning.

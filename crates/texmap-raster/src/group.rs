@@ -1,6 +1,8 @@
 //! Sixteen triangles of one draw set up for one tile: edges in i32, depth planes, pixel boxes.
-use texmap_math::fearless_simd::{Simd, f32x16, f64x8, i32x16, mask32x16, mask64x8, prelude::*};
-use texmap_math::lanes::{LANES, Words, gather};
+use texmap_math::fearless_simd::{
+    Simd, f32x16, f64x8, i32x16, mask32x16, mask64x8, prelude::*, u32x16,
+};
+use texmap_math::lanes::{LANES, Words, above, below, gather, gather_pairs};
 
 use crate::Prepared;
 use crate::edge::{Edge, Snapped};
@@ -34,6 +36,26 @@ pub(crate) struct Group {
     pub z_wide: [Plane; LANES],
     /// Where the samples lie from the pixels' centres, in 1/256 pixel.
     pub offset: [i32; 2],
+}
+
+/// What the samples of a pixel share of a [`Group`]: all that does not depend on where they lie.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Known {
+    /// Snapped x and y of the three vertices.
+    v: [[i32; LANES]; 6],
+    z: [[f32; LANES]; 3],
+    z_lo: [f32; LANES],
+    z_hi: [f32; LANES],
+    /// Lanes that are not whole, small triangles with even depth.
+    care: u32,
+}
+
+/// What becomes of a group's [`Known`].
+#[derive(Debug)]
+pub(crate) enum Sharing<'k> {
+    Nothing,
+    Keep(&'k mut Known),
+    Use(&'k Known),
 }
 
 /// What sixteen ids of a draw stand for: the corners of whole triangles, and which lanes need a look of their own.
@@ -93,36 +115,32 @@ impl<'a> Arrays<'a> {
     /// Vertex numbers of sixteen triangles' corners.
     #[inline(always)]
     pub(crate) fn corners<S: Simd>(&self, s: S, triangle: i32x16<S>) -> [i32x16<S>; 3] {
-        let at = triangle * 3;
+        let at: u32x16<S> = (triangle * 3).bitcast();
+        let [a, b] = gather_pairs(s, self.indices, at);
         [
-            gather(s, self.indices, at.bitcast()).bitcast(),
-            gather(s, self.indices, (at + 1).bitcast()).bitcast(),
-            gather(s, self.indices, (at + 2).bitcast()).bitcast(),
+            a.bitcast(),
+            b.bitcast(),
+            gather(s, self.indices, at + 2).bitcast(),
         ]
     }
 
     #[inline(always)]
     fn snapped<S: Simd>(&self, s: S, vertex: i32x16<S>) -> [i32x16<S>; 2] {
-        let at = vertex << 1;
-        [
-            gather(s, self.snapped, at.bitcast()).bitcast(),
-            gather(s, self.snapped, (at | 1).bitcast()).bitcast(),
-        ]
+        let [x, y] = gather_pairs(s, self.snapped, (vertex << 1).bitcast());
+        [x.bitcast(), y.bitcast()]
     }
 
     /// Positions as f64: lanes 0 to 7, then 8 to 15.
     #[inline(always)]
     pub(crate) fn positions<S: Simd>(&self, s: S, vertex: i32x16<S>) -> [[f64x8<S>; 3]; 2] {
-        let at = vertex * 3;
-        let x = gather(s, self.positions, at.bitcast())
-            .bitcast::<f32x16<S>>()
-            .widen();
-        let y = gather(s, self.positions, (at + 1).bitcast())
-            .bitcast::<f32x16<S>>()
-            .widen();
-        let z = gather(s, self.positions, (at + 2).bitcast())
-            .bitcast::<f32x16<S>>()
-            .widen();
+        let at: u32x16<S> = (vertex * 3).bitcast();
+        let [x, y] = gather_pairs(s, self.positions, at);
+        let z = gather(s, self.positions, at + 2);
+        let [x, y, z] = [
+            x.bitcast::<f32x16<S>>().widen(),
+            y.bitcast::<f32x16<S>>().widen(),
+            z.bitcast::<f32x16<S>>().widen(),
+        ];
         [[x.0, y.0, z.0], [x.1, y.1, z.1]]
     }
 }
@@ -157,34 +175,16 @@ pub(crate) fn solve_x16<S: Simd>(
                 arrays.positions(s, vertex[1]),
                 arrays.positions(s, vertex[2]),
             ];
-            let mut solvers = [SolverX8::empty(s); 2];
-            for (half, solver) in solvers.iter_mut().enumerate() {
-                *solver = SolverX8::new(
-                    s,
-                    transform,
-                    [at[0][half], at[1][half], at[2][half]],
-                    ox,
-                    oy,
-                );
-            }
-            solvers
+            let [[a, d], [b, e], [c, f]] = at;
+            [
+                SolverX8::new(s, transform, [a, b, c], ox, oy),
+                SolverX8::new(s, transform, [d, e, f], ox, oy),
+            ]
         },
     )
 }
 
 impl<S: Simd> SolverX8<S> {
-    #[inline(always)]
-    fn empty(s: S) -> Self {
-        let zero = f64x8::splat(s, 0.0);
-        Self {
-            rows: [[zero; 3]; 3],
-            inverse: zero,
-            solvable: mask64x8::splat(s, false),
-            z: [zero; 3],
-            w: [zero; 3],
-        }
-    }
-
     #[inline(always)]
     pub(crate) fn new(
         s: S,
@@ -254,11 +254,9 @@ fn is_even<S: Simd>(plane: [f64x8<S>; 3], lo: f64x8<S>) -> mask64x8<S> {
 /// Least and largest of three, by compare and select.
 #[inline(always)]
 pub(crate) fn hull_x16<S: Simd>(v: [f32x16<S>; 3]) -> (f32x16<S>, f32x16<S>) {
-    let lo = v[1].simd_lt(v[0]).select(v[1], v[0]);
-    let hi = v[1].simd_gt(v[0]).select(v[1], v[0]);
     (
-        v[2].simd_lt(lo).select(v[2], lo),
-        v[2].simd_gt(hi).select(v[2], hi),
+        below(v[2], below(v[1], v[0])),
+        above(v[2], above(v[1], v[0])),
     )
 }
 
@@ -271,6 +269,7 @@ impl Prepared<'_> {
         draw: usize,
         ids: &[u32],
         tile: u32,
+        sharing: Sharing<'_>,
         group: &mut Group,
     ) {
         let bounds = self.tile(tile as usize);
@@ -282,7 +281,15 @@ impl Prepared<'_> {
         if let Some(arrays) = self.arrays(draw) {
             let named = Ids::new(ids, self.first(draw), self.whole());
             care = named.pieces
-                | self.setup_whole(s, &arrays, draw, &named, [bounds.x0, bounds.y0], group);
+                | self.setup_whole(
+                    s,
+                    &arrays,
+                    draw,
+                    &named,
+                    [bounds.x0, bounds.y0],
+                    sharing,
+                    group,
+                );
             care &= exists;
         }
         while care != 0 {
@@ -302,16 +309,32 @@ impl Prepared<'_> {
         draw: usize,
         ids: &Ids,
         corner: [u32; 2],
+        sharing: Sharing<'_>,
         group: &mut Group,
     ) -> u32 {
-        let vertex = arrays.corners(s, ids.lanes(s));
-        let mut v = [
-            arrays.snapped(s, vertex[0]),
-            arrays.snapped(s, vertex[1]),
-            arrays.snapped(s, vertex[2]),
-        ];
-        let special =
-            v[0][0].simd_eq(SPECIAL[0]) | v[1][0].simd_eq(SPECIAL[0]) | v[2][0].simd_eq(SPECIAL[0]);
+        let vertex = match &sharing {
+            Sharing::Use(_) => [i32x16::splat(s, 0); 3],
+            _ => arrays.corners(s, ids.lanes(s)),
+        };
+        let whole = match &sharing {
+            Sharing::Use(known) => {
+                let v = &known.v;
+                [
+                    [i32x16::from_slice(s, &v[0]), i32x16::from_slice(s, &v[1])],
+                    [i32x16::from_slice(s, &v[2]), i32x16::from_slice(s, &v[3])],
+                    [i32x16::from_slice(s, &v[4]), i32x16::from_slice(s, &v[5])],
+                ]
+            }
+            _ => [
+                arrays.snapped(s, vertex[0]),
+                arrays.snapped(s, vertex[1]),
+                arrays.snapped(s, vertex[2]),
+            ],
+        };
+        let special = whole[0][0].simd_eq(SPECIAL[0])
+            | whole[1][0].simd_eq(SPECIAL[0])
+            | whole[2][0].simd_eq(SPECIAL[0]);
+        let mut v = whole;
         for p in &mut v {
             *p = [p[0] - group.offset[0], p[1] - group.offset[1]];
         }
@@ -358,8 +381,40 @@ impl Prepared<'_> {
             value.store_slice(&mut group.q[k]);
         }
 
+        if let Sharing::Use(known) = sharing {
+            group.z = known.z;
+            group.z_lo = known.z_lo;
+            group.z_hi = known.z_hi;
+            return known.care;
+        }
+        let odd = self.depth_planes(s, arrays, draw, &vertex, corner, group);
+        // Wide lanes are few: they take the scalar way, which keeps their f64 planes.
+        let care = (special | large).to_bitmask() as u32 | odd;
+        if let Sharing::Keep(known) = sharing {
+            for (to, from) in known.v.iter_mut().zip(whole.as_flattened()) {
+                from.store_slice(to);
+            }
+            known.z = group.z;
+            known.z_lo = group.z_lo;
+            known.z_hi = group.z_hi;
+            known.care = care;
+        }
+        care
+    }
+
+    /// Returns the lanes that f32 planes cannot serve.
+    #[inline(always)]
+    fn depth_planes<S: Simd>(
+        &self,
+        s: S,
+        arrays: &Arrays<'_>,
+        draw: usize,
+        vertex: &[i32x16<S>; 3],
+        corner: [u32; 2],
+        group: &mut Group,
+    ) -> u32 {
         let middle = origin(corner[0] / TILE, corner[1] / TILE).map(f64::from);
-        let [low, high] = solve_x16(s, arrays, &vertex, self.transform(draw), middle);
+        let [low, high] = solve_x16(s, arrays, vertex, self.transform(draw), middle);
         let (low_plane, high_plane) = (low.plane(low.z), high.plane(high.z));
         let depth = [
             s.narrow_f64x8(low.z[0] / low.w[0], high.z[0] / high.w[0]),
@@ -377,8 +432,7 @@ impl Prepared<'_> {
         let even = is_even(low_plane, low_lo).to_bitmask()
             | is_even(high_plane, high_lo).to_bitmask() << 8;
         let solvable = low.solvable.to_bitmask() | high.solvable.to_bitmask() << 8;
-        // Wide lanes are few: they take the scalar way, which keeps their f64 planes.
-        (special | large).to_bitmask() as u32 | !(even & solvable) as u32
+        !(even & solvable) as u32
     }
 
     /// One lane, the plain way.

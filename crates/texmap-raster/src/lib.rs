@@ -60,7 +60,7 @@ mod vertex;
 mod visible;
 
 pub use atlas::{Atlas, AtlasMesh, AtlasOptions, Coverage};
-pub use blocks::{SAMPLES_4, TileBlocks};
+pub use blocks::{SAMPLES_4, SampleSetup, TileBlocks};
 pub use depth::DepthStrip;
 pub use draw::{Cull, DepthTest, Draw, Interp, MAX_ATTRIBUTES, MAX_PARTS, Pass, Stats, TargetSize};
 pub use edge::SUBPIXEL_BITS;

@@ -1,8 +1,8 @@
 //! Attribute planes of a tile's triangles, set up sixteen at a time.
 use alloc::vec::Vec;
 
-use texmap_math::fearless_simd::{Simd, f32x16, f64x8, mask64x8, prelude::*};
-use texmap_math::lanes::{LANES, Words, gather};
+use texmap_math::fearless_simd::{Simd, f32x16, f64x8, mask64x8, prelude::*, u32x16};
+use texmap_math::lanes::{LANES, Words, above, gather, gather_pairs};
 
 use crate::blocks::Runs;
 use crate::dispatch::on_level;
@@ -223,13 +223,27 @@ impl Prepared<'_> {
         ];
         fine = store(s, low_w, high_w, hull, fine, group, 0, out);
         if let Some(values) = values {
-            let n = n as i32;
+            let at: [u32x16<S>; 3] = [
+                (vertex[0] * n as i32).bitcast(),
+                (vertex[1] * n as i32).bitcast(),
+                (vertex[2] * n as i32).bitcast(),
+            ];
+            let mut behind = [f32x16::splat(s, 0.0); 3];
             for k in 0..n {
-                let v = [
-                    gather(s, values, (vertex[0] * n + k).bitcast()).bitcast::<f32x16<S>>(),
-                    gather(s, values, (vertex[1] * n + k).bitcast()).bitcast::<f32x16<S>>(),
-                    gather(s, values, (vertex[2] * n + k).bitcast()).bitcast::<f32x16<S>>(),
-                ];
+                let mut v = behind;
+                if k % 2 == 0 {
+                    // Two attributes lie side by side.
+                    let next = k + 1 < n;
+                    for ((v, behind), at) in v.iter_mut().zip(&mut behind).zip(at) {
+                        let at = at + k as u32;
+                        let pair = if next {
+                            gather_pairs(s, values, at)
+                        } else {
+                            [gather(s, values, at); 2]
+                        };
+                        [*v, *behind] = [pair[0].bitcast(), pair[1].bitcast()];
+                    }
+                }
                 let (v0, v1, v2) = (v[0].widen(), v[1].widen(), v[2].widen());
                 let (low_plane, high_plane) = (
                     low.plane([v0.0, v1.0, v2.0]),
@@ -242,7 +256,7 @@ impl Prepared<'_> {
                     hull_x16(v),
                     fine,
                     group,
-                    1 + k as usize,
+                    1 + k,
                     out,
                 );
             }
@@ -277,8 +291,7 @@ fn store<S: Simd>(
     }
     hull.0.store_slice(out.slot_of(group, k, 3));
     hull.1.store_slice(out.slot_of(group, k, 4));
-    let (lo, hi) = (hull.0.abs(), hull.1.abs());
-    let size = lo.simd_gt(hi).select(lo, hi).widen();
+    let size = above(hull.0.abs(), hull.1.abs()).widen();
     [
         fine[0] & is_moderate(low, size.0),
         fine[1] & is_moderate(high, size.1),

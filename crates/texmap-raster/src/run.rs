@@ -2,14 +2,18 @@
 use alloc::vec::Vec;
 
 use texmap_math::Level;
-use texmap_math::fearless_simd::{Simd, f32x16, f64x8, i32x16, mask32x16, prelude::*, u32x16};
+use texmap_math::fearless_simd::{Simd, f32x16, i32x16, mask32x16, prelude::*, u32x16};
 use texmap_math::lanes::{LANES, Words, clamp, clamp_scalar, gather};
 
 use crate::blocks::{TileBlocks, pixel_of};
 use crate::dispatch::on_level;
 use crate::plane_table::{COEFFICIENTS, TilePlanes};
-use crate::setup::{Fragment, Ranged, TILE, TriangleSetup};
+use crate::setup::{Fragment, TILE, TriangleSetup};
 use crate::visible::NONE;
+
+mod wide;
+
+use wide::wide;
 
 /// Pixels a run holds at most.
 pub const RUN: usize = 256;
@@ -156,7 +160,7 @@ impl TilePlanes {
         let Some(words) = Words::new(bytemuck::cast_slice(&self.words)) else {
             return;
         };
-        let mut spread = Planes::zero(s);
+        let mut spread = OnePlanes::NONE;
         let mut spread_slot = NONE;
         for (i, &at) in run.iter().enumerate() {
             if at.mask == 0 {
@@ -167,15 +171,15 @@ impl TilePlanes {
             let mut values;
             if one {
                 if first != spread_slot {
-                    spread = self.one(s, first, &wanted);
+                    spread = self.one(first, &wanted);
                     spread_slot = first;
                 }
-                values = spread.values::<D>(s, px, py);
+                values = spread.lanes(s).values::<D>(s, px, py);
             } else if let Some(parts) = few(slots, at.mask) {
                 // Cheaper than sixteen gathers.
                 let mut planes = Planes::zero(s);
                 for (slot, pixels) in parts.into_iter().flatten() {
-                    planes.put(pixels, &self.one(s, slot, &wanted));
+                    planes.put(pixels, &self.one(slot, &wanted).lanes(s));
                 }
                 values = planes.values::<D>(s, px, py);
             } else {
@@ -183,7 +187,7 @@ impl TilePlanes {
                 values = planes.values::<D>(s, px, py);
             }
             if !self.setups.is_empty() {
-                self.mend(s, slots, at, one, &wanted, &mut values);
+                self.mend::<S, N, D>(s, slots, at, one, &wanted, &mut values);
             }
             sink.block(s, i, at, &values);
         }
@@ -254,23 +258,23 @@ impl TilePlanes {
         (mine, first, mine.simd_eq(first).all_true())
     }
 
-    /// The planes of one slot in every lane.
+    /// The planes of one slot.
     #[inline(always)]
-    fn one<S: Simd, const N: usize>(&self, s: S, slot: u32, wanted: &[usize; N]) -> Planes<S, N> {
-        let mut planes = Planes::zero(s);
-        let words = self.words.get(self.start_of(slot)..).unwrap_or(&[]);
-        let flat = word(words, 0, 0) == 0.0 && word(words, 0, 1) == 0.0;
-        for c in 0..COEFFICIENTS {
-            planes.w[c] = f32x16::splat(s, word(words, 0, c));
+    fn one<const N: usize>(&self, slot: u32, wanted: &[usize; N]) -> OnePlanes<'_, N> {
+        let group = slot as usize / LANES * self.per_group * LANES;
+        let (words, _) = self.words.get(group..).unwrap_or(&[]).as_chunks();
+        let mut planes = OnePlanes {
+            w: plane(words, 0),
+            lane: slot as usize % LANES,
+            ..OnePlanes::NONE
+        };
+        for (attribute, &k) in planes.attribute.iter_mut().zip(wanted) {
+            *attribute = plane(words, 1 + k);
         }
-        for (plane, &k) in planes.attribute.iter_mut().zip(wanted) {
-            for (c, coefficient) in plane.iter_mut().enumerate() {
-                *coefficient = f32x16::splat(s, word(words, 1 + k, c));
-            }
-        }
-        if flat {
-            let zero = f32x16::splat(s, 0.0);
-            planes.level = Some(planes.depth(s, zero, zero));
+        let [a, b, c, lo, hi] = planes.w.each_ref().map(|c| c[planes.lane]);
+        if a == 0.0 && b == 0.0 {
+            let w = clamp_scalar((c + b * 0.0) + a * 0.0, lo, hi);
+            planes.level = Some([w, 1.0 / w]);
         }
         planes
     }
@@ -300,7 +304,7 @@ impl TilePlanes {
 
     /// Replaces the values of slots that f32 planes cannot serve.
     #[inline(always)]
-    fn mend<S: Simd, const N: usize>(
+    fn mend<S: Simd, const N: usize, const D: bool>(
         &self,
         s: S,
         slots: u32x16<S>,
@@ -313,7 +317,7 @@ impl TilePlanes {
             match self.odd_setup(slots[0]) {
                 None => return,
                 Some(setup) if setup.is_wide_perspective() => {
-                    return wide(s, setup, at.block, wanted, values);
+                    return wide::<S, N, D>(s, setup, at.block, wanted, values);
                 }
                 Some(_) => {}
             }
@@ -419,6 +423,48 @@ impl TilePlanes {
             column.ddx[place] = (a - u * wa) * r;
             column.ddy[place] = (b - u * wb) * r;
         }
+    }
+}
+
+/// A plane of sixteen slots.
+type Plane16 = [[f32; LANES]; COEFFICIENTS];
+
+const NO_PLANE: &Plane16 = &[[0.0; LANES]; COEFFICIENTS];
+
+/// The planes of one slot, where they lie: each block spreads them anew, since a load that spreads costs less than two registers'
+/// worth of memory.
+#[derive(Clone, Copy)]
+struct OnePlanes<'t, const N: usize> {
+    w: &'t Plane16,
+    attribute: [&'t Plane16; N],
+    lane: usize,
+    level: Option<[f32; 2]>,
+}
+
+impl<const N: usize> OnePlanes<'_, N> {
+    const NONE: Self = Self {
+        w: NO_PLANE,
+        attribute: [NO_PLANE; N],
+        lane: 0,
+        level: None,
+    };
+
+    /// In every lane.
+    #[inline(always)]
+    fn lanes<S: Simd>(&self, s: S) -> Planes<S, N> {
+        let (mut planes, lane) = (Planes::zero(s), self.lane % LANES);
+        for (to, from) in planes.w.iter_mut().zip(self.w) {
+            *to = f32x16::splat(s, from[lane]);
+        }
+        for (to, from) in planes.attribute.iter_mut().zip(&self.attribute) {
+            for (to, from) in to.iter_mut().zip(*from) {
+                *to = f32x16::splat(s, from[lane]);
+            }
+        }
+        if let Some([w, r]) = self.level {
+            planes.level = Some([f32x16::splat(s, w), f32x16::splat(s, r)]);
+        }
+        planes
     }
 }
 
@@ -609,13 +655,11 @@ fn few<S: Simd>(slots: u32x16<S>, mask: u16) -> Option<[Option<Part<S>>; FEW]> {
     (left == 0).then_some(parts)
 }
 
-/// Coefficient `c` of plane `k` of a slot.
+/// Plane `k` of sixteen slots.
 #[inline(always)]
-fn word(words: &[f32], k: usize, c: usize) -> f32 {
-    match words.get((k * COEFFICIENTS + c) * LANES) {
-        Some(word) => *word,
-        None => 0.0,
-    }
+fn plane(words: &[[f32; LANES]], k: usize) -> &Plane16 {
+    let plane = words.get(k * COEFFICIENTS..).and_then(|w| w.first_chunk());
+    plane.unwrap_or(NO_PLANE)
 }
 
 /// Pixel centres of a block from the tile's middle.
@@ -636,74 +680,4 @@ fn centres<S: Simd>(s: S, block: u16) -> (f32x16<S>, f32x16<S>) {
         ],
     );
     (column + (x as f32 - half), row + (y as f32 - half))
-}
-
-/// [`TriangleSetup::evaluate`] in f64 for a block of one triangle.
-#[inline(always)]
-fn wide<S: Simd, const N: usize>(
-    s: S,
-    setup: &TriangleSetup,
-    block: u16,
-    wanted: &[usize; N],
-    out: &mut BlockValues<S, N>,
-) {
-    let (px, py) = centres(s, block);
-    let ((x0, x1), (y0, y1)) = (px.widen(), py.widen());
-    let (w, attributes) = setup.planes();
-    let (w0, w1) = (wide_at(s, w, x0, y0), wide_at(s, w, x1, y1));
-    let (w0, w1) = (wide_clamp(s, w, w0), wide_clamp(s, w, w1));
-    let one = f64x8::splat(s, 1.0);
-    let (r0, r1) = (one / w0, one / w1);
-    out.inv_w = s.narrow_f64x8(w0, w1);
-    for (i, &k) in wanted.iter().enumerate() {
-        let Some(p) = attributes.get(k) else {
-            continue;
-        };
-        let u0 = wide_clamp(s, p, wide_at(s, p, x0, y0) * r0);
-        let u1 = wide_clamp(s, p, wide_at(s, p, x1, y1) * r1);
-        out.value[i] = s.narrow_f64x8(u0, u1);
-        out.ddx[i] = s.narrow_f64x8(
-            wide_slope(s, p.plane.a, w.plane.a, u0, r0),
-            wide_slope(s, p.plane.a, w.plane.a, u1, r1),
-        );
-        out.ddy[i] = s.narrow_f64x8(
-            wide_slope(s, p.plane.b, w.plane.b, u0, r0),
-            wide_slope(s, p.plane.b, w.plane.b, u1, r1),
-        );
-    }
-}
-
-#[inline(always)]
-fn wide_at<S: Simd>(s: S, p: &Ranged, x: f64x8<S>, y: f64x8<S>) -> f64x8<S> {
-    let (a, b, c) = (
-        f64x8::splat(s, p.plane.a),
-        f64x8::splat(s, p.plane.b),
-        f64x8::splat(s, p.plane.c),
-    );
-    (c + b * y) + a * x
-}
-
-#[inline(always)]
-fn wide_clamp<S: Simd>(s: S, p: &Ranged, v: f64x8<S>) -> f64x8<S> {
-    bound(
-        v,
-        f64x8::splat(s, f64::from(p.lo)),
-        f64x8::splat(s, f64::from(p.hi)),
-    )
-}
-
-#[inline(always)]
-fn wide_slope<S: Simd>(s: S, a: f64, w: f64, u: f64x8<S>, r: f64x8<S>) -> f64x8<S> {
-    let largest = f64x8::splat(s, f64::from(f32::MAX));
-    bound(
-        (f64x8::splat(s, a) - u * f64x8::splat(s, w)) * r,
-        -largest,
-        largest,
-    )
-}
-
-#[inline(always)]
-fn bound<S: Simd>(v: f64x8<S>, lo: f64x8<S>, hi: f64x8<S>) -> f64x8<S> {
-    let v = v.simd_gt(lo).select(v, lo);
-    v.simd_lt(hi).select(v, hi)
 }

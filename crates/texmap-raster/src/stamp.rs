@@ -60,19 +60,19 @@ impl<S: Simd> Places<S> {
 
 /// A depth plane spread over lanes.
 #[derive(Debug, Clone, Copy)]
-struct Depth<S: Simd> {
+struct Depth<'g, S: Simd> {
     a: f32x16<S>,
     b: f32x16<S>,
     c: f32x16<S>,
     lo: f32x16<S>,
     hi: f32x16<S>,
-    /// The plane in f64, of a wide lane.
-    wide: Option<Plane>,
+    /// The plane in f64, of a wide lane. Where it lies: were it part of this, all of this would lie in memory.
+    wide: Option<&'g Plane>,
 }
 
-impl<S: Simd> Depth<S> {
+impl<'g, S: Simd> Depth<'g, S> {
     #[inline(always)]
-    fn new(s: S, group: &Group, lane: usize) -> Self {
+    fn new(s: S, group: &'g Group, lane: usize) -> Self {
         let wide = group.wide >> lane & 1 == 1;
         Self {
             a: f32x16::splat(s, group.z[0][lane]),
@@ -80,13 +80,13 @@ impl<S: Simd> Depth<S> {
             c: f32x16::splat(s, group.z[2][lane]),
             lo: f32x16::splat(s, group.z_lo[lane]),
             hi: f32x16::splat(s, group.z_hi[lane]),
-            wide: wide.then_some(group.z_wide[lane]),
+            wide: wide.then_some(&group.z_wide[lane]),
         }
     }
 
     #[inline(always)]
     fn at(&self, s: S, px: f32x16<S>, py: f32x16<S>) -> f32x16<S> {
-        let z = match &self.wide {
+        let z = match self.wide {
             None => (self.c + self.b * py) + self.a * px,
             Some(plane) => wide_at(s, plane, px, py),
         };
@@ -280,7 +280,7 @@ fn scan<S: Simd, K: Sink<S>>(
     places: &Places<S>,
     group: &Group,
     lane: usize,
-    depth: &Depth<S>,
+    depth: &Depth<'_, S>,
     [x0, y0, x1, y1]: [i32; 4],
     sink: &mut K,
 ) {
@@ -295,18 +295,22 @@ fn scan<S: Simd, K: Sink<S>>(
         right[k] = i32x16::splat(s, a.wrapping_mul(4));
         down[k] = i32x16::splat(s, b.wrapping_mul(4));
     }
+    // Steps of four between small multiples of 1/256 are exact.
+    let mut py = places.py + (by0 * 4) as f32;
+    let left = places.px + (bx0 * 4) as f32;
     for by in by0..=y1 >> 2 {
-        let mut e = row;
-        let py = places.py + (by * 4) as f32;
+        let (mut e, mut px) = (row, left);
         for bx in bx0..=x1 >> 2 {
             let covered = (e[0] | e[1] | e[2]).simd_ge(0);
             if covered.any_true() {
-                let z = depth.at(s, places.px + (bx * 4) as f32, py);
+                let z = depth.at(s, px, py);
                 sink.block(s, lane, by as usize * BLOCKS + bx as usize, covered, z);
             }
             e = [e[0] + right[0], e[1] + right[1], e[2] + right[2]];
+            px += 4.0;
         }
         row = [row[0] + down[0], row[1] + down[1], row[2] + down[2]];
+        py += 4.0;
     }
 }
 
@@ -316,7 +320,7 @@ fn fill<S: Simd, K: Sink<S>>(
     s: S,
     places: &Places<S>,
     lane: usize,
-    depth: &Depth<S>,
+    depth: &Depth<'_, S>,
     x: i32,
     y: i32,
     sink: &mut K,

@@ -2,9 +2,9 @@
 use alloc::vec::Vec;
 
 use texmap_math::Level;
-use texmap_math::fearless_simd::{Simd, f32x16, f64x8, i32x16, mask64x8, prelude::*};
+use texmap_math::fearless_simd::{Simd, f32x16, f64x8, i32x16, mask64x8, prelude::*, u32x16};
 use texmap_math::glam::DMat4;
-use texmap_math::lanes::{LANES, Words, gather, iota};
+use texmap_math::lanes::{LANES, Words, gather, gather_pairs, iota};
 
 use crate::clip::{GUARD_BAND, Hom};
 use crate::dispatch::on_level;
@@ -115,17 +115,13 @@ fn snap_lanes<S: Simd>(s: S, positions: &[[f32; 3]], transform: &Transform, out:
     let mut xs = [0; LANES];
     let mut ys = [0; LANES];
     for (k, chunk) in out.chunks_mut(LANES).enumerate() {
-        let base = (iota(s) + (k * LANES) as i32) * 3;
+        let base: u32x16<S> = ((iota(s) + (k * LANES) as i32) * 3).bitcast();
+        let [x, y] = gather_pairs(s, words, base);
+        let z = gather(s, words, base + 2);
         let position = [
-            gather(s, words, base.bitcast())
-                .bitcast::<f32x16<S>>()
-                .widen(),
-            gather(s, words, (base + 1).bitcast())
-                .bitcast::<f32x16<S>>()
-                .widen(),
-            gather(s, words, (base + 2).bitcast())
-                .bitcast::<f32x16<S>>()
-                .widen(),
+            x.bitcast::<f32x16<S>>().widen(),
+            y.bitcast::<f32x16<S>>().widen(),
+            z.bitcast::<f32x16<S>>().widen(),
         ];
         let low = transform.apply_x8(s, [position[0].0, position[1].0, position[2].0]);
         let high = transform.apply_x8(s, [position[0].1, position[1].1, position[2].1]);

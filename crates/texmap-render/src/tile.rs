@@ -2,7 +2,7 @@
 
 use texmap_math::Level;
 use texmap_raster::{
-    NONE, Pass, Prepared, RUN, RUN_ROOM, RunBlock, RunValues, TileBlocks, TilePlanes,
+    NONE, Pass, Prepared, RUN, RUN_ROOM, RunBlock, RunValues, SampleSetup, TileBlocks, TilePlanes,
 };
 
 use crate::ColorMode;
@@ -59,6 +59,7 @@ pub(crate) struct Painter {
     /// [`Sharing`] of each block.
     sharing: Vec<Sharing>,
     strays: Strays,
+    shared: SampleSetup,
     /// Of each block, a bit per pixel that is not all background.
     covered: Vec<u16>,
 }
@@ -78,6 +79,7 @@ impl Painter {
             alone: false,
             sharing: Vec::new(),
             strays: Strays::default(),
+            shared: SampleSetup::default(),
             covered: vec![0; BLOCKS],
         }
     }
@@ -229,9 +231,15 @@ impl Listed {
             return;
         };
         if blocks.draws.iter().all(|draw| *draw == first) {
-            self.blocks
-                .extend(some.map(|(block, mask)| at(block, *mask)));
-            self.parts.push((first, self.blocks.len()));
+            // Each is put down, and kept if it has pixels.
+            self.blocks.resize(masks.len(), EMPTY);
+            let mut count = 0;
+            for (block, mask) in masks.iter().enumerate() {
+                self.blocks[count] = at(block, *mask);
+                count += usize::from(*mask != 0);
+            }
+            self.blocks.truncate(count);
+            self.parts.push((first, count));
             return;
         }
         self.loose.clear();

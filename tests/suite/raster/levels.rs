@@ -2,7 +2,7 @@
 use texmap_math::glam::DMat4;
 use texmap_raster::{
     Cull, DepthTest, Draw, Fragment, Interp, NONE, NoAlphaTest, Pass, Prepared, RunBlock,
-    RunValues, SAMPLES_4, TargetSize, TileBlocks, TileBuffers, TilePlanes,
+    RunValues, SAMPLES_4, SampleSetup, TargetSize, TileBlocks, TileBuffers, TilePlanes,
 };
 use texmap_tests::levels::levels;
 
@@ -321,11 +321,15 @@ fn samples_have_the_plain_bits_and_leave_no_crack() {
         let draws = scene.draws();
         let plain = Prepared::plain_with_samples(scene.target, &draws).expect("valid");
         let (mut expected, mut found) = (TileBlocks::new(), TileBlocks::new());
+        let mut all: [TileBlocks; 4] = std::array::from_fn(|_| TileBlocks::new());
+        let mut setup = SampleSetup::default();
         for (name, level) in levels() {
             let fast = Prepared::with_samples(scene.target, &draws, level, 1).expect("valid");
             assert_eq!(fast.stats(), plain.stats(), "seed {seed}, {name}");
             for tile in 0..plain.tiles() {
-                for offset in SAMPLES_4 {
+                let together = SAMPLES_4.into_iter().zip(&mut all);
+                fast.visible_samples(tile, &NoAlphaTest, &mut setup, together);
+                for (offset, shared) in SAMPLES_4.into_iter().zip(&all) {
                     plain.visible_sample(tile, offset, &NoAlphaTest, &mut expected);
                     fast.visible_sample(tile, offset, &NoAlphaTest, &mut found);
                     assert!(
@@ -337,6 +341,12 @@ fn samples_have_the_plain_bits_and_leave_no_crack() {
                     assert!(
                         bits(&found) == bits(&expected),
                         "seed {seed}, {name}, tile {tile}: other depth"
+                    );
+                    assert!(
+                        shared.slot == found.slot
+                            && shared.masks == found.masks
+                            && bits(shared) == bits(&found),
+                        "seed {seed}, {name}, tile {tile}: others if set up once"
                     );
                     seen += found.slot.iter().filter(|&&s| s != NONE).count();
                 }

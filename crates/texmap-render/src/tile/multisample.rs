@@ -35,12 +35,11 @@ impl Painter {
         let (level, mode) = (scenery.plan.level, scenery.mode);
         scenery.prepared.planes(tile, &mut self.shader.planes);
         self.samples.resize_with(4, Sample::new);
-        for (sample, offset) in self.samples.iter_mut().zip(places) {
-            let blocks = &mut sample.blocks;
-            scenery
-                .prepared
-                .visible_sample(tile, offset, scenery.plan, blocks);
-        }
+        let blocks = self.samples.iter_mut().map(|sample| &mut sample.blocks);
+        let (shared, samples) = (&mut self.shared, places.into_iter().zip(blocks));
+        scenery
+            .prepared
+            .visible_samples(tile, scenery.plan, shared, samples);
         self.share(level);
         self.covered.fill(0);
         if self.paint_words(scenery) {
