@@ -3,6 +3,7 @@
 
 use texmap_math::Level;
 use texmap_math::fearless_simd::{Simd, f32x16, prelude::*};
+use texmap_math::lanes::below;
 use texmap_raster::{RUN_ROOM, RunValues};
 use texmap_sample::{Places, gives_bytes, sample_columns, sample_rgba8_columns};
 
@@ -172,13 +173,12 @@ impl TexelStage {
             g = some.select(g / a, zero);
             b = some.select(b / a, zero);
         }
-        let (r, g, b) = (r * self.tint[0], g * self.tint[1], b * self.tint[2]);
-        [
-            r.simd_lt(one).select(r, one) * alpha,
-            g.simd_lt(one).select(g, one) * alpha,
-            b.simd_lt(one).select(b, one) * alpha,
-            alpha,
-        ]
+        // A factor of one changes nothing, and bytes are not above one.
+        if !(self.bytes && self.solid && self.tint == [1.0; 3]) {
+            (r, g, b) = (r * self.tint[0], g * self.tint[1], b * self.tint[2]);
+            (r, g, b) = (below(r, one), below(g, one), below(b, one));
+        }
+        [r * alpha, g * alpha, b * alpha, alpha]
     }
 }
 
