@@ -366,7 +366,7 @@ impl View<'_> {
             };
             let first = pilot.error(&sampler, &texture, srgb);
             let mut predicted = first.bound;
-            if first.mean * UNDECIDED <= budget.rmse && predicted > budget.rmse {
+            if first.low <= budget.rmse && predicted > budget.rmse {
                 if whole.is_none() {
                     whole = Pilot::new(places, true, samples, slot, &texture, gain);
                 }
@@ -427,9 +427,6 @@ impl View<'_> {
         most
     }
 }
-
-/// A first look may be wrong by this factor.
-const UNDECIDED: f64 = 0.85;
 
 /// Texels of affine error up to which w counts as equal: below the 8 sub-texel bits of any filter.
 const EQUAL_W: f64 = 1.0 / 512.0;

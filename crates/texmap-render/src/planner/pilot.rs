@@ -21,7 +21,7 @@ const SAMPLES: u32 = 6;
 /// Part of itself by which a prediction is raised, for what such a mean is off by: at a first look, and where that left something
 /// undecided.
 const ROUGH: [f64; 2] = [0.02, 0.005];
-/// Standard errors of the mean by which a prediction is raised.
+/// Standard errors of the mean that a prediction's margin is.
 const MARGIN: f64 = 3.0;
 
 /// Pixels with the texture's true values in each.
@@ -51,9 +51,9 @@ pub(super) struct Places {
 /// An error of a sampler over some pixels, in stored values.
 #[derive(Clone, Copy)]
 pub(super) struct Predicted {
-    /// Root mean square.
-    pub(super) mean: f64,
-    /// The same with its margin: the more pixels are known, the smaller.
+    /// Root mean square less its margin: the more pixels are known, the smaller.
+    pub(super) low: f64,
+    /// The same with its margin.
     pub(super) bound: f64,
 }
 
@@ -204,10 +204,11 @@ impl Pilot {
         // Of a finite number of pixels those that were tried are known (Cochran 1977, section 2.6).
         let unknown = (1.0 - self.share).clamp(0.0, 1.0).sqrt();
         // The last term is the rounding to bytes.
-        let root = |square: f64| (square + (1.0 / 255.0f64).powi(2) / 12.0).sqrt();
+        let root = |square: f64| (square.max(0.0) + (1.0 / 255.0f64).powi(2) / 12.0).sqrt();
+        let margin = MARGIN * unknown * (variance / n).sqrt();
         Predicted {
-            mean: root(mean),
-            bound: root(mean + MARGIN * unknown * (variance / n).sqrt()) * (1.0 + self.rough),
+            low: root(mean - margin) * (1.0 - self.rough),
+            bound: root(mean + margin) * (1.0 + self.rough),
         }
     }
 }
