@@ -260,7 +260,7 @@ impl TilePlanes {
 
     /// The planes of one slot.
     #[inline(always)]
-    fn one<const N: usize>(&self, slot: u32, wanted: &[usize; N]) -> OnePlanes<'_, N> {
+    pub(crate) fn one<const N: usize>(&self, slot: u32, wanted: &[usize; N]) -> OnePlanes<'_, N> {
         let group = slot as usize / LANES * self.per_group * LANES;
         let (words, _) = self.words.get(group..).unwrap_or(&[]).as_chunks();
         let mut planes = OnePlanes {
@@ -271,7 +271,7 @@ impl TilePlanes {
         for (attribute, &k) in planes.attribute.iter_mut().zip(wanted) {
             *attribute = plane(words, 1 + k);
         }
-        let [a, b, c, lo, hi] = planes.w.each_ref().map(|c| c[planes.lane]);
+        let [a, b, c, lo, hi] = planes.own(planes.w);
         if a == 0.0 && b == 0.0 {
             let w = clamp_scalar((c + b * 0.0) + a * 0.0, lo, hi);
             planes.level = Some([w, 1.0 / w]);
@@ -427,16 +427,16 @@ impl TilePlanes {
 }
 
 /// A plane of sixteen slots.
-type Plane16 = [[f32; LANES]; COEFFICIENTS];
+pub(crate) type Plane16 = [[f32; LANES]; COEFFICIENTS];
 
 const NO_PLANE: &Plane16 = &[[0.0; LANES]; COEFFICIENTS];
 
 /// The planes of one slot, where they lie: each block spreads them anew, since a load that spreads costs less than two registers'
 /// worth of memory.
 #[derive(Clone, Copy)]
-struct OnePlanes<'t, const N: usize> {
-    w: &'t Plane16,
-    attribute: [&'t Plane16; N],
+pub(crate) struct OnePlanes<'t, const N: usize> {
+    pub(crate) w: &'t Plane16,
+    pub(crate) attribute: [&'t Plane16; N],
     lane: usize,
     level: Option<[f32; 2]>,
 }
@@ -448,6 +448,12 @@ impl<const N: usize> OnePlanes<'_, N> {
         lane: 0,
         level: None,
     };
+
+    /// The slot's coefficients of one of the planes.
+    #[inline(always)]
+    pub(crate) fn own(&self, plane: &Plane16) -> [f32; COEFFICIENTS] {
+        plane.each_ref().map(|c| c[self.lane % LANES])
+    }
 
     /// In every lane.
     #[inline(always)]

@@ -2,9 +2,8 @@
 //! derivatives pixel by pixel.
 
 use texmap_math::fearless_simd::Simd;
-use texmap_math::lanes::LANES;
 
-use crate::plane_table::{COEFFICIENTS, TilePlanes};
+use crate::plane_table::TilePlanes;
 use crate::run::RunBlock;
 use crate::setup::TILE;
 use crate::{NONE, TileBlocks};
@@ -30,15 +29,8 @@ impl TilePlanes {
         if self.odd_setup(slot).is_some() {
             return None;
         }
-        let words = self.words.get(self.start_of(slot)..)?;
-        let plane = |k: usize| -> Option<[f32; COEFFICIENTS]> {
-            let mut plane = [0.0; COEFFICIENTS];
-            for (c, value) in plane.iter_mut().enumerate() {
-                *value = *words.get((k * COEFFICIENTS + c) * LANES)?;
-            }
-            Some(plane)
-        };
-        let [wa, wb, wc, w_lo, w_hi] = plane(0)?;
+        let planes = self.one(slot, &wanted);
+        let [wa, wb, wc, w_lo, w_hi] = planes.own(planes.w);
         let reach = TILE as f32 / 2.0 - 0.5;
         let corners = [
             (-reach, -reach),
@@ -55,8 +47,8 @@ impl TilePlanes {
             return None;
         }
         let mut out = [[0.0; 2]; N];
-        for (out, k) in out.iter_mut().zip(wanted) {
-            let [a, b, c, lo, hi] = plane(1 + k)?;
+        for (out, attribute) in out.iter_mut().zip(planes.attribute) {
+            let [a, b, c, lo, hi] = planes.own(attribute);
             // A quotient of planes is greatest and least at corners.
             let mut range = (f32::INFINITY, f32::NEG_INFINITY);
             for ((x, y), w) in corners.into_iter().zip(w) {
