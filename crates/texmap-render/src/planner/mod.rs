@@ -3,7 +3,7 @@
 //! [`choose`] is a pure function of the scene, the size of the picture and the budget. Prices come from a table that is
 //! part of the crate ([`prices`]), never from a clock, so that the same scene gets the same plan on every machine. Errors
 //! of interpolation are predicted by the closed form of affine mapping, those of filters by a pilot: each candidate is
-//! tried at some of the mesh's own pixels against the mean over the pixel.
+//! tried at some of the mesh's own pixels, where all are known at those off its outlines, against the mean over the pixel.
 
 mod environments;
 mod gain;
@@ -199,6 +199,7 @@ pub fn choose_sampled(
     let mut places: Vec<Places> = views.iter().map(pilot::places).collect();
     let before: Vec<usize> = places.iter().map(|p| p.list.len()).collect();
     visible::keep_visible(scene, &positions, size, &mut places);
+    places.iter_mut().for_each(|p| p.leave_outlines_out(size));
     let mut best = Choices {
         budget,
         supersample: 1,

@@ -1,5 +1,7 @@
 //! Some of a mesh's own pixels, on which filters are tried.
 
+use std::collections::HashSet;
+
 use texmap_math::glam::{DMat3, DVec2, DVec3};
 use texmap_math::{Footprint, color};
 use texmap_sample::{Filter, Lod, Precision, Sampler, Texture2d};
@@ -46,6 +48,30 @@ pub(super) struct Places {
     source: Source,
     /// Part of the pixels in its outline's box that were looked at.
     share: f64,
+}
+
+impl Places {
+    /// Where all pixels are known, keeps those without an outline beside them: at an outline one sample errs whatever the
+    /// filter. A mesh that is hardly more than its outline keeps all.
+    pub(super) fn leave_outlines_out(&mut self, size: DVec2) {
+        if self.share < 1.0 {
+            return;
+        }
+        let pixel = |p: DVec2| [p.x as i64, p.y as i64];
+        let own: HashSet<[i64; 2]> = self.list.iter().map(|p| pixel(p.centre)).collect();
+        let [wide, tall] = pixel(size);
+        let same = |x: i64, y: i64| {
+            !((0..wide).contains(&x) && (0..tall).contains(&y)) || own.contains(&[x, y])
+        };
+        let inner = self.list.iter().copied().filter(|place| {
+            let [x, y] = pixel(place.centre);
+            (-1..=1).all(|dy| (-1..=1).all(|dx| same(x + dx, y + dy)))
+        });
+        let inner: Vec<Place> = inner.collect();
+        if inner.len() >= FEWEST {
+            self.list = inner;
+        }
+    }
 }
 
 /// An error of a sampler over some pixels, in stored values.
@@ -390,4 +416,36 @@ fn hash(index: u32) -> f64 {
     h ^= h >> 15;
     h = h.wrapping_mul(0x735a_2d97);
     f64::from(h ^ (h >> 15)) / 4_294_967_296.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// How many pixels of a rectangle stay, in a picture of 40 x 40.
+    fn stay(from: [u32; 2], size: [u32; 2], share: f64) -> usize {
+        let pixels = (0..size[0] * size[1]).map(|i| [from[0] + i % size[0], from[1] + i / size[0]]);
+        let place = |[x, y]: [u32; 2]| Place {
+            centre: DVec2::new(f64::from(x), f64::from(y)) + 0.5,
+            values: [DVec3::Z; 3],
+            inv_w: DVec3::Z,
+        };
+        let mut places = Places {
+            list: pixels.map(place).collect(),
+            source: Source::Vertices,
+            share,
+        };
+        places.leave_outlines_out(DVec2::splat(40.0));
+        places.list.len()
+    }
+
+    #[test]
+    fn outlines_are_left_out_and_edges_of_the_picture_are_none() {
+        assert_eq!(stay([3, 5], [20, 30], 1.0), 18 * 28);
+        assert_eq!(stay([0, 0], [40, 40], 1.0), 40 * 40);
+        assert_eq!(stay([0, 5], [20, 30], 1.0), 19 * 28);
+        // Neighbours are not known, or nothing would be left to say.
+        assert_eq!(stay([3, 5], [20, 30], 0.9), 20 * 30);
+        assert_eq!(stay([3, 5], [3, 20], 1.0), 3 * 20);
+    }
 }
