@@ -57,6 +57,22 @@ fn compare(truth: &Truth, frame: &Frame) -> Compared {
     out
 }
 
+/// The middle of an odd number of samples is the centre; an even number has none there.
+#[test]
+fn what_is_seen_does_not_depend_on_the_number_of_samples() {
+    let scene = texmap_io::load_scene(&scenes()[0], &LoadOptions::default()).unwrap();
+    let seen = |samples| frame(&scene, 40, 30, samples).unwrap().seen;
+    let one = seen(1);
+    assert!(one.iter().any(|s| *s != one[0]));
+    for samples in [2, 3, 6] {
+        assert_eq!(seen(samples), one, "{samples}");
+    }
+    // Negative twin: the first of 3 x 3 samples is another place.
+    let fine = frame(&scene, 120, 90, 1).unwrap().seen;
+    let first = |i: usize| fine[(i / 40 * 3) * 120 + i % 40 * 3];
+    assert!((0..one.len()).any(|i| one[i] != first(i)));
+}
+
 fn drawn(scene: &Scene, interp: Option<Interp>) -> Frame {
     render(
         scene,

@@ -33,7 +33,7 @@ pub struct Truth {
     pub height: u32,
     /// Premultiplied linear light (raw values under [`ColorMode::Raw`]), rows top to bottom.
     pub color: Vec<DVec4>,
-    /// Mesh and triangle of the nearest opaque or cut-out surface at the first sample of each pixel.
+    /// Mesh and triangle of the nearest opaque or cut-out surface at the centre of each pixel.
     pub seen: Vec<Option<(usize, u32)>>,
     mode: ColorMode,
 }
@@ -112,8 +112,14 @@ pub fn frame(scene: &Scene, width: u32, height: u32, samples: u32) -> Result<Tru
             let (color, seen) = view.sample(caster.hits(at_x, at_y), at_x, at_y, background);
             let pixel = (y / samples) as usize * width as usize + (x / samples) as usize;
             truth.color[pixel] += color * share;
-            if x % samples == 0 && y % samples == 0 {
-                truth.seen[pixel] = seen;
+            if [x, y].map(|c| c % samples) == [samples / 2; 2] {
+                // An even number of samples has none at the centre.
+                truth.seen[pixel] = if samples % 2 == 1 {
+                    seen
+                } else {
+                    let (x, y) = (at_x - 0.5, at_y - 0.5);
+                    view.sample(caster.hits(x, y), x, y, background).1
+                };
             }
         }
     }
