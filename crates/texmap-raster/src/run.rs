@@ -3,7 +3,7 @@ use alloc::vec::Vec;
 
 use texmap_math::Level;
 use texmap_math::fearless_simd::{Simd, f32x16, i32x16, mask32x16, prelude::*, u32x16};
-use texmap_math::lanes::{LANES, Words, clamp, clamp_scalar, gather};
+use texmap_math::lanes::{LANES, Words, clamp_scalar, gather};
 
 use crate::blocks::{TileBlocks, pixel_of};
 use crate::dispatch::on_level;
@@ -11,8 +11,13 @@ use crate::plane_table::{COEFFICIENTS, TilePlanes};
 use crate::setup::{Fragment, TILE, TriangleSetup};
 use crate::visible::NONE;
 
+mod planes;
+mod values;
 mod wide;
 
+use planes::{OnePlanes, Planes, plane};
+pub use values::{BlockSink, BlockValues};
+use values::{Columns, Spilt};
 use wide::wide;
 
 /// Pixels a run holds at most.
@@ -426,141 +431,6 @@ impl TilePlanes {
     }
 }
 
-/// A plane of sixteen slots.
-pub(crate) type Plane16 = [[f32; LANES]; COEFFICIENTS];
-
-const NO_PLANE: &Plane16 = &[[0.0; LANES]; COEFFICIENTS];
-
-/// The planes of one slot, where they lie: each block spreads them anew, since a load that spreads costs less than two registers'
-/// worth of memory.
-#[derive(Clone, Copy)]
-pub(crate) struct OnePlanes<'t, const N: usize> {
-    pub(crate) w: &'t Plane16,
-    pub(crate) attribute: [&'t Plane16; N],
-    lane: usize,
-    level: Option<[f32; 2]>,
-}
-
-impl<const N: usize> OnePlanes<'_, N> {
-    const NONE: Self = Self {
-        w: NO_PLANE,
-        attribute: [NO_PLANE; N],
-        lane: 0,
-        level: None,
-    };
-
-    /// The slot's coefficients of one of the planes.
-    #[inline(always)]
-    pub(crate) fn own(&self, plane: &Plane16) -> [f32; COEFFICIENTS] {
-        plane.each_ref().map(|c| c[self.lane % LANES])
-    }
-
-    /// In every lane.
-    #[inline(always)]
-    fn lanes<S: Simd>(&self, s: S) -> Planes<S, N> {
-        let (mut planes, lane) = (Planes::zero(s), self.lane % LANES);
-        for (to, from) in planes.w.iter_mut().zip(self.w) {
-            *to = f32x16::splat(s, from[lane]);
-        }
-        for (to, from) in planes.attribute.iter_mut().zip(&self.attribute) {
-            for (to, from) in to.iter_mut().zip(*from) {
-                *to = f32x16::splat(s, from[lane]);
-            }
-        }
-        if let Some([w, r]) = self.level {
-            planes.level = Some([f32x16::splat(s, w), f32x16::splat(s, r)]);
-        }
-        planes
-    }
-}
-
-/// The planes of sixteen lanes: a, b, c, lo, hi of 1/w and of each attribute.
-struct Planes<S: Simd, const N: usize> {
-    w: [f32x16<S>; COEFFICIENTS],
-    attribute: [[f32x16<S>; COEFFICIENTS]; N],
-    /// The planes' 1 / clip w, and its reciprocal, where they are the same at all pixels: their division is the dearest step.
-    level: Option<[f32x16<S>; 2]>,
-}
-
-impl<S: Simd, const N: usize> Planes<S, N> {
-    #[inline(always)]
-    fn zero(s: S) -> Self {
-        let zero = f32x16::splat(s, 0.0);
-        Self {
-            w: [zero; COEFFICIENTS],
-            attribute: [[zero; COEFFICIENTS]; N],
-            level: None,
-        }
-    }
-
-    /// Takes over the planes of some pixels.
-    #[inline(always)]
-    fn put(&mut self, pixels: mask32x16<S>, other: &Self) {
-        for c in 0..COEFFICIENTS {
-            self.w[c] = pixels.select(other.w[c], self.w[c]);
-        }
-        for k in 0..N {
-            for c in 0..COEFFICIENTS {
-                self.attribute[k][c] = pixels.select(other.attribute[k][c], self.attribute[k][c]);
-            }
-        }
-    }
-
-    /// 1 / clip w at pixels, and its reciprocal.
-    #[inline(always)]
-    fn depth(&self, s: S, px: f32x16<S>, py: f32x16<S>) -> [f32x16<S>; 2] {
-        if let Some(level) = self.level {
-            return level;
-        }
-        let [a, b, c, lo, hi] = self.w;
-        let w = clamp((c + b * py) + a * px, lo, hi);
-        [w, f32x16::splat(s, 1.0) / w]
-    }
-
-    #[inline(always)]
-    fn values<const D: bool>(&self, s: S, px: f32x16<S>, py: f32x16<S>) -> BlockValues<S, N> {
-        let [wa, wb, ..] = self.w;
-        let [w, r] = self.depth(s, px, py);
-        let mut out = BlockValues::zero(s);
-        out.inv_w = w;
-        for k in 0..N {
-            let [a, b, c, lo, hi] = self.attribute[k];
-            let u = clamp(((c + b * py) + a * px) * r, lo, hi);
-            out.value[k] = u;
-            if D {
-                out.ddx[k] = (a - u * wa) * r;
-                out.ddy[k] = (b - u * wb) * r;
-            }
-        }
-        out
-    }
-}
-
-/// Attributes of the sixteen pixels of a block; those outside its mask hold no meaning.
-#[derive(Clone, Copy)]
-pub struct BlockValues<S: Simd, const N: usize> {
-    /// 1 / clip w.
-    pub inv_w: f32x16<S>,
-    /// Values, in the order asked for.
-    pub value: [f32x16<S>; N],
-    /// Change per pixel to the right.
-    pub ddx: [f32x16<S>; N],
-    /// Change per pixel down.
-    pub ddy: [f32x16<S>; N],
-}
-
-impl<S: Simd, const N: usize> core::fmt::Debug for BlockValues<S, N> {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        f.write_str("BlockValues")
-    }
-}
-
-/// Takes the values of blocks: see [`TilePlanes::each_block`].
-pub trait BlockSink<S: Simd, const N: usize> {
-    /// The block at place `i` of the run.
-    fn block(&mut self, s: S, i: usize, at: RunBlock, values: &BlockValues<S, N>);
-}
-
 /// The next `N` columns.
 #[inline(always)]
 fn next<'a, const N: usize>(
@@ -571,73 +441,6 @@ fn next<'a, const N: usize>(
         .split_first_chunk_mut::<N>()?;
     *columns = rest.iter_mut();
     Some(first.each_mut())
-}
-
-/// [`BlockValues`] in memory: 1/w, and value and derivatives of each attribute.
-struct Spilt<const N: usize> {
-    inv_w: [f32; LANES],
-    columns: [[[f32; LANES]; 3]; N],
-}
-
-impl<S: Simd, const N: usize> BlockValues<S, N> {
-    #[inline(always)]
-    fn zero(s: S) -> Self {
-        let zero = f32x16::splat(s, 0.0);
-        Self {
-            inv_w: zero,
-            value: [zero; N],
-            ddx: [zero; N],
-            ddy: [zero; N],
-        }
-    }
-
-    #[inline(always)]
-    fn spill(&self) -> Spilt<N> {
-        let mut out = Spilt {
-            inv_w: [0.0; LANES],
-            columns: [[[0.0; LANES]; 3]; N],
-        };
-        self.inv_w.store_slice(&mut out.inv_w);
-        for (k, column) in out.columns.iter_mut().enumerate() {
-            self.value[k].store_slice(&mut column[0]);
-            self.ddx[k].store_slice(&mut column[1]);
-            self.ddy[k].store_slice(&mut column[2]);
-        }
-        out
-    }
-
-    #[inline(always)]
-    fn load(s: S, from: &Spilt<N>) -> Self {
-        let mut out = Self::zero(s);
-        out.inv_w = f32x16::from_slice(s, &from.inv_w);
-        for (k, column) in from.columns.iter().enumerate() {
-            out.value[k] = f32x16::from_slice(s, &column[0]);
-            out.ddx[k] = f32x16::from_slice(s, &column[1]);
-            out.ddy[k] = f32x16::from_slice(s, &column[2]);
-        }
-        out
-    }
-}
-
-/// Stores values in the columns of a run.
-struct Columns<'a, const N: usize, const D: bool> {
-    inv_w: &'a mut [f32; RUN_ROOM],
-    columns: [&'a mut Column; N],
-}
-
-impl<S: Simd, const N: usize, const D: bool> BlockSink<S, N> for Columns<'_, N, D> {
-    #[inline(always)]
-    fn block(&mut self, _s: S, i: usize, _at: RunBlock, values: &BlockValues<S, N>) {
-        let at = i * LANES..(i + 1) * LANES;
-        values.inv_w.store_slice(&mut self.inv_w[at.clone()]);
-        for (k, column) in self.columns.iter_mut().enumerate() {
-            values.value[k].store_slice(&mut column.value[at.clone()]);
-            if D {
-                values.ddx[k].store_slice(&mut column.ddx[at.clone()]);
-                values.ddy[k].store_slice(&mut column.ddy[at.clone()]);
-            }
-        }
-    }
 }
 
 /// A slot and its pixels.
@@ -659,13 +462,6 @@ fn few<S: Simd>(slots: u32x16<S>, mask: u16) -> Option<[Option<Part<S>>; FEW]> {
         }
     }
     (left == 0).then_some(parts)
-}
-
-/// Plane `k` of sixteen slots.
-#[inline(always)]
-fn plane(words: &[[f32; LANES]], k: usize) -> &Plane16 {
-    let plane = words.get(k * COEFFICIENTS..).and_then(|w| w.first_chunk());
-    plane.unwrap_or(NO_PLANE)
 }
 
 /// Pixel centres of a block from the tile's middle.

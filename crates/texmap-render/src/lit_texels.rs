@@ -1,7 +1,9 @@
 //! The look-ups of lit runs: what the packed filters give stays words until a block reads it, and places and levels are found once for all
 //! textures that are read at the same coordinates.
 
-use texmap_light::SlideView;
+mod baked;
+mod slide;
+
 use texmap_math::Level;
 use texmap_math::fearless_simd::{Simd, f32x16, i32x16, prelude::*};
 use texmap_raster::{
@@ -9,12 +11,14 @@ use texmap_raster::{
 };
 use texmap_sample::lanes::packed::{self, FootprintLanes};
 use texmap_sample::lanes::{Kind, RGBA8, View};
-use texmap_sample::{Places, sample_columns};
+use texmap_sample::sample_columns;
 
 use crate::canvas::{Colors, LANES};
 use crate::texel::{RunUv, places};
 use crate::textures::Slot;
 use crate::tile::ATTRIBUTES;
+pub(crate) use baked::{BakedLookUp, BakedTexels};
+pub(crate) use slide::{SlideLookUp, SlideTexels};
 
 /// Texels of a run: packed bytes, or channel by channel.
 pub(crate) struct Texels {
@@ -234,169 +238,12 @@ impl<S: Simd> BlockSink<S, 2> for Leveled<'_> {
     }
 }
 
-/// The look-ups of a light map, which has coordinates of its own.
-pub(crate) struct BakedLookUp<'a> {
-    /// Multiplies the texels.
-    pub(crate) share: f32,
-    pub(crate) slot: &'a Slot<'a>,
-    /// Of the attributes that are its coordinates.
-    pub(crate) first: usize,
-}
-
-/// Baked light over a run, premultiplied.
-pub(crate) struct BakedTexels {
-    values: RunValues,
-    colors: Colors,
-}
-
-impl Default for BakedTexels {
-    fn default() -> Self {
-        Self {
-            values: RunValues::default(),
-            colors: Colors::new(),
-        }
-    }
-}
-
-impl BakedTexels {
-    /// The straight colours of a block: black where nothing is left of them.
-    #[inline(always)]
-    pub(crate) fn lanes<S: Simd>(&self, s: S, i: usize) -> [f32x16<S>; 3] {
-        let [r, g, b, a] = self.colors.lanes(s, i);
-        let (zero, some) = (f32x16::splat(s, 0.0), a.simd_gt(0.0));
-        [
-            some.select(r / a, zero),
-            some.select(g / a, zero),
-            some.select(b / a, zero),
-        ]
-    }
-}
-
-impl BakedLookUp<'_> {
-    /// The texels of a run.
-    pub(crate) fn run(
-        &self,
-        level: Level,
-        planes: &TilePlanes,
-        blocks: &TileBlocks,
-        run: &[RunBlock],
-        out: &mut BakedTexels,
-    ) {
-        let (slot, count) = (self.slot, run.len() * LANES);
-        let (wanted, derivatives) = ([self.first, self.first + 1], slot.reads_derivatives());
-        planes.values(level, blocks, run, &wanted, derivatives, &mut out.values);
-        slot.place_columns(&mut out.values, count);
-        let columns = out.colors.0.each_mut().map(|c| &mut c[..count]);
-        let at = places(slot, &out.values, count);
-        sample_columns(level, &slot.sampler, &slot.texture, &at, columns)
-            .expect("the columns have one length");
-    }
-}
-
-/// The look-ups of a slide.
-pub(crate) struct SlideLookUp<'a> {
-    slide: &'a SlideView<'a>,
-    view: Option<View<'a>>,
-}
-
-/// Texels of a slide over a run: those blocks that it reaches.
-#[derive(Default)]
-pub(crate) struct SlideTexels {
-    spots: Spots,
-    fade: Fade,
-    texels: Texels,
-    /// Where each block of the run stands among those; `None` for blocks that it does not reach.
-    place: [Option<u8>; RUN_ROOM / LANES],
-}
-
-struct Fade([f32; RUN_ROOM]);
-
-impl Default for Fade {
-    fn default() -> Self {
-        Self([0.0; RUN_ROOM])
-    }
-}
-
-impl SlideTexels {
-    /// Whether the slide reaches some pixel of a block.
-    pub(crate) fn reaches(&self, i: usize) -> bool {
-        self.place[i].is_some()
-    }
-
-    /// The colours of a block, 0 where the slide does not reach; `None` if it reaches no pixel.
-    #[inline(always)]
-    pub(crate) fn lanes<S: Simd>(&self, s: S, i: usize) -> Option<[f32x16<S>; 3]> {
-        let i = usize::from(self.place[i]?);
-        let share = f32x16::from_slice(s, &self.fade.0[i * LANES..(i + 1) * LANES]);
-        let [r, g, b] = self.texels.lanes(s, i);
-        Some([r * share, g * share, b * share])
-    }
-}
-
-impl<'a> SlideLookUp<'a> {
-    pub(crate) fn new(slide: &'a SlideView<'a>) -> Self {
-        Self {
-            slide,
-            view: packed_view(&slide.sampler_within(), slide.texture),
-        }
-    }
-
-    /// Looks a run up at the points of its blocks.
-    #[inline(always)]
-    pub(crate) fn run<S: Simd>(
-        &self,
-        s: S,
-        level: Level,
-        blocks: usize,
-        points: [&[f32; RUN_ROOM]; 3],
-        out: &mut SlideTexels,
-    ) {
-        let mut reached = 0;
-        for i in 0..blocks {
-            let at = i * LANES..(i + 1) * LANES;
-            let point = [
-                f32x16::from_slice(s, &points[0][at.clone()]),
-                f32x16::from_slice(s, &points[1][at.clone()]),
-                f32x16::from_slice(s, &points[2][at]),
-            ];
-            let places = self.slide.place_lanes(s, point);
-            out.place[i] = None;
-            if places.reached.any_true() {
-                out.place[i] = Some(reached as u8);
-                out.spots.uv.put(reached, places.uv);
-                let share = places.reached.select(places.fade, f32x16::splat(s, 0.0));
-                share.store_slice(&mut out.fade.0[reached * LANES..(reached + 1) * LANES]);
-                reached += 1;
-            }
-        }
-        if reached == 0 {
-            return;
-        }
-        let SlideTexels { spots, texels, .. } = out;
-        if let Some(view) = &self.view {
-            return look_up_words(s, view, spots, &spots.lods[0], reached, texels);
-        }
-        texels.packed = false;
-        let count = reached * LANES;
-        let at = Places {
-            u: &spots.uv.u[..count],
-            v: &spots.uv.v[..count],
-            gradients: None,
-        };
-        let columns = texels.colors.0.each_mut().map(|c| &mut c[..count]);
-        sample_columns(level, &self.slide.sampler, self.slide.texture, &at, columns)
-            .expect("the columns have one length");
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::dispatch::on_level;
     use crate::textures::Chains;
     use crate::{ColorMode, Effects, Scene, Settings, TextureSlot};
-    use texmap_light::{Slide, SlideBorder};
-    use texmap_math::Projector;
     use texmap_math::camera::Camera;
     use texmap_math::glam::{DMat4, DVec3, DVec4};
     use texmap_raster::{Draw, NONE, NoAlphaTest, Prepared, RUN, TargetSize};
@@ -404,12 +251,12 @@ mod tests {
         ColorSpace, Filter, Origin, Precision, Sampler, Texture2d, UvTransform, Wrap,
     };
 
-    fn noise(width: u32, height: u32) -> Texture2d<'static> {
+    pub(super) fn noise(width: u32, height: u32) -> Texture2d<'static> {
         bordered(width, height, 0)
     }
 
     /// Within a black border.
-    fn bordered(width: u32, height: u32, border: u32) -> Texture2d<'static> {
+    pub(super) fn bordered(width: u32, height: u32, border: u32) -> Texture2d<'static> {
         let mut seed = width * 31 + height;
         let within = |i: u32, n: u32| (border..n - border).contains(&i);
         let texels: Vec<u8> = (0..width * height)
@@ -449,7 +296,7 @@ mod tests {
         }
     }
 
-    fn sampler(filter: Filter, wrap: Wrap) -> Sampler {
+    pub(super) fn sampler(filter: Filter, wrap: Wrap) -> Sampler {
         Sampler {
             filter,
             wrap_u: wrap,
@@ -458,7 +305,7 @@ mod tests {
         }
     }
 
-    fn bits<S: Simd>(lanes: [f32x16<S>; 3]) -> [[u32; LANES]; 3] {
+    pub(super) fn bits<S: Simd>(lanes: [f32x16<S>; 3]) -> [[u32; LANES]; 3] {
         lanes.map(|c| core::array::from_fn(|i| c[i].to_bits()))
     }
 
@@ -550,64 +397,5 @@ mod tests {
             }
         }
         assert!(shared > 5 && compared > 100_000, "{shared} {compared}");
-    }
-
-    /// A slide's packed words are its texels, and blocks that it does not reach have none.
-    #[test]
-    fn packed_words_of_slides_are_their_texels() {
-        let level = Level::new();
-        let textures = [noise(32, 32), bordered(32, 32, 1)];
-        let projector = Projector::new(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y, 1.2, 1.0).unwrap();
-        let points: [[f32; RUN_ROOM]; 3] = [
-            core::array::from_fn(|i| (i % 37) as f32 * 0.09 - 0.6),
-            core::array::from_fn(|i| (i % 23) as f32 * 0.13 - 1.4),
-            // The first lie behind the projector.
-            core::array::from_fn(|i| {
-                if i < 32 {
-                    2.0
-                } else {
-                    -1.0 - (i % 5) as f32 * 0.3
-                }
-            }),
-        ];
-        // The last reaches no further than its picture, which is then read as if it were repeated.
-        let borders = [
-            (0, SlideBorder::Black, 0.2),
-            (0, SlideBorder::Clamp, 0.0),
-            (1, SlideBorder::Clamp, 0.0),
-        ];
-        for filter in [Filter::Nearest, Filter::Bilinear] {
-            for (texture, border, softness) in borders {
-                let texture = &textures[texture];
-                let sampler = sampler(filter, Wrap::Repeat);
-                let slide = SlideView::new(&Slide {
-                    projector,
-                    texture,
-                    sampler: &sampler,
-                    border,
-                    softness,
-                });
-                let packed = SlideLookUp::new(&slide);
-                let general = SlideLookUp {
-                    slide: &slide,
-                    view: None,
-                };
-                let (mut words, mut floats) = (SlideTexels::default(), SlideTexels::default());
-                let mut reached = 0;
-                on_level!(level, s => {
-                    assert!(packed.view.is_some());
-                    let (count, points) = (RUN / LANES, points.each_ref());
-                    packed.run(s, level, count, points, &mut words);
-                    general.run(s, level, count, points, &mut floats);
-                    for i in 0..count {
-                        let (a, b) = (words.lanes(s, i).map(bits), floats.lanes(s, i).map(bits));
-                        assert_eq!(a, b, "{filter:?} {border:?} {i}");
-                        reached += usize::from(a.is_some());
-                    }
-                    // The first two lie behind the projector.
-                    assert!(reached > 4 && reached < count - 1, "{reached}");
-                }, else { return; });
-            }
-        }
     }
 }

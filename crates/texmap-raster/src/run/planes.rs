@@ -1,0 +1,129 @@
+//! Planes on their way from the table into lanes.
+
+use texmap_math::fearless_simd::{Simd, f32x16, mask32x16, prelude::*};
+use texmap_math::lanes::{LANES, clamp};
+
+use super::BlockValues;
+use crate::plane_table::COEFFICIENTS;
+
+/// A plane of sixteen slots.
+pub(crate) type Plane16 = [[f32; LANES]; COEFFICIENTS];
+
+const NO_PLANE: &Plane16 = &[[0.0; LANES]; COEFFICIENTS];
+
+/// The planes of one slot, where they lie: each block spreads them anew, since a load that spreads costs less than two registers'
+/// worth of memory.
+#[derive(Clone, Copy)]
+pub(crate) struct OnePlanes<'t, const N: usize> {
+    pub(crate) w: &'t Plane16,
+    pub(crate) attribute: [&'t Plane16; N],
+    pub(super) lane: usize,
+    pub(super) level: Option<[f32; 2]>,
+}
+
+impl<const N: usize> OnePlanes<'_, N> {
+    pub(super) const NONE: Self = Self {
+        w: NO_PLANE,
+        attribute: [NO_PLANE; N],
+        lane: 0,
+        level: None,
+    };
+
+    /// The slot's coefficients of one of the planes.
+    #[inline(always)]
+    pub(crate) fn own(&self, plane: &Plane16) -> [f32; COEFFICIENTS] {
+        plane.each_ref().map(|c| c[self.lane % LANES])
+    }
+
+    /// In every lane.
+    #[inline(always)]
+    pub(super) fn lanes<S: Simd>(&self, s: S) -> Planes<S, N> {
+        let (mut planes, lane) = (Planes::zero(s), self.lane % LANES);
+        for (to, from) in planes.w.iter_mut().zip(self.w) {
+            *to = f32x16::splat(s, from[lane]);
+        }
+        for (to, from) in planes.attribute.iter_mut().zip(&self.attribute) {
+            for (to, from) in to.iter_mut().zip(*from) {
+                *to = f32x16::splat(s, from[lane]);
+            }
+        }
+        if let Some([w, r]) = self.level {
+            planes.level = Some([f32x16::splat(s, w), f32x16::splat(s, r)]);
+        }
+        planes
+    }
+}
+
+/// The planes of sixteen lanes: a, b, c, lo, hi of 1/w and of each attribute.
+pub(super) struct Planes<S: Simd, const N: usize> {
+    pub(super) w: [f32x16<S>; COEFFICIENTS],
+    pub(super) attribute: [[f32x16<S>; COEFFICIENTS]; N],
+    /// The planes' 1 / clip w, and its reciprocal, where they are the same at all pixels: their division is the dearest step.
+    pub(super) level: Option<[f32x16<S>; 2]>,
+}
+
+impl<S: Simd, const N: usize> Planes<S, N> {
+    #[inline(always)]
+    pub(super) fn zero(s: S) -> Self {
+        let zero = f32x16::splat(s, 0.0);
+        Self {
+            w: [zero; COEFFICIENTS],
+            attribute: [[zero; COEFFICIENTS]; N],
+            level: None,
+        }
+    }
+
+    /// Takes over the planes of some pixels.
+    #[inline(always)]
+    pub(super) fn put(&mut self, pixels: mask32x16<S>, other: &Self) {
+        for c in 0..COEFFICIENTS {
+            self.w[c] = pixels.select(other.w[c], self.w[c]);
+        }
+        for k in 0..N {
+            for c in 0..COEFFICIENTS {
+                self.attribute[k][c] = pixels.select(other.attribute[k][c], self.attribute[k][c]);
+            }
+        }
+    }
+
+    /// 1 / clip w at pixels, and its reciprocal.
+    #[inline(always)]
+    pub(super) fn depth(&self, s: S, px: f32x16<S>, py: f32x16<S>) -> [f32x16<S>; 2] {
+        if let Some(level) = self.level {
+            return level;
+        }
+        let [a, b, c, lo, hi] = self.w;
+        let w = clamp((c + b * py) + a * px, lo, hi);
+        [w, f32x16::splat(s, 1.0) / w]
+    }
+
+    #[inline(always)]
+    pub(super) fn values<const D: bool>(
+        &self,
+        s: S,
+        px: f32x16<S>,
+        py: f32x16<S>,
+    ) -> BlockValues<S, N> {
+        let [wa, wb, ..] = self.w;
+        let [w, r] = self.depth(s, px, py);
+        let mut out = BlockValues::zero(s);
+        out.inv_w = w;
+        for k in 0..N {
+            let [a, b, c, lo, hi] = self.attribute[k];
+            let u = clamp(((c + b * py) + a * px) * r, lo, hi);
+            out.value[k] = u;
+            if D {
+                out.ddx[k] = (a - u * wa) * r;
+                out.ddy[k] = (b - u * wb) * r;
+            }
+        }
+        out
+    }
+}
+
+/// Plane `k` of sixteen slots.
+#[inline(always)]
+pub(super) fn plane(words: &[[f32; LANES]], k: usize) -> &Plane16 {
+    let plane = words.get(k * COEFFICIENTS..).and_then(|w| w.first_chunk());
+    plane.unwrap_or(NO_PLANE)
+}

@@ -1,0 +1,255 @@
+//! The colours of one block from what the stages of its run have read.
+
+use texmap_light::lanes::{
+    RayLanes, V3, clamp_to_horizon_lanes, reflect_across_lanes, share_lanes, spread, unit_lanes,
+};
+use texmap_math::fearless_simd::{Simd, f32x16, mask32x16, prelude::*};
+use texmap_math::glam::DMat3;
+use texmap_raster::{Cull, NONE, RunBlock, RunValues};
+
+use super::vectors::{NORMAL, POSITION, TANGENT, changes, column, three};
+use super::{Lamp, LitLanes};
+use crate::canvas::{LANES, bits};
+use crate::lit_texels::{BakedTexels, SlideTexels, Texels};
+use crate::relief::Space;
+use crate::shade::{Facing, Run};
+use crate::vertices::narrow;
+
+/// How a block's triangles are seen.
+#[derive(Default)]
+pub(super) struct Side {
+    /// Pixels that show the back of theirs.
+    back: u16,
+    /// Normals of their planes, where shadows read them.
+    plane: [[f32; LANES]; 3],
+}
+
+impl LitLanes<'_> {
+    pub(super) fn look_aside(&self, run: &Run<'_>, at: RunBlock, side: &mut Side) {
+        let cull = self.surface.material.cull;
+        if cull == Cull::Back && !self.planes {
+            // All show their fronts, as the side says from the start.
+            return;
+        }
+        *side = Side::default();
+        let effects = self.surface.effects.as_ref().filter(|_| self.planes);
+        let mut facing = Facing::new(cull);
+        let mut last = (NONE, true, [0.0; 3]);
+        for bit in bits(at.mask) {
+            let slot = run.slot(at, bit);
+            if slot != last.0 {
+                let front = facing.is_front(run, slot);
+                let plane = effects.map_or([0.0; 3], |effects| {
+                    let (_, triangle) = run.prepared.source(run.blocks.ids[slot as usize]);
+                    narrow(effects.plane(triangle, front))
+                });
+                last = (slot, front, plane);
+            }
+            side.back |= u16::from(!last.1) << bit;
+            for (column, c) in side.plane.iter_mut().zip(last.2) {
+                column[bit] = c;
+            }
+        }
+    }
+}
+
+/// What the stages of a run read.
+pub(super) struct Columns<'a> {
+    pub(super) stage: &'a LitLanes<'a>,
+    pub(super) run: &'a Run<'a>,
+    pub(super) values: &'a RunValues,
+    pub(super) texels: &'a [Texels; 2],
+    pub(super) slides: &'a [SlideTexels],
+    pub(super) baked: &'a BakedTexels,
+}
+
+impl Columns<'_> {
+    /// The colours of a block.
+    #[inline(always)]
+    pub(super) fn block<S: Simd>(
+        &self,
+        s: S,
+        i: usize,
+        at: RunBlock,
+        side: &Side,
+    ) -> [f32x16<S>; 4] {
+        let stage = self.stage;
+        let (zero, one) = (f32x16::splat(s, 0.0), f32x16::splat(s, 1.0));
+        let pixels = mask32x16::<S>::from_bitmask(s, u64::from(at.mask));
+        let back = mask32x16::<S>::from_bitmask(s, u64::from(side.back));
+        let point = match stage.position {
+            Some(_) => three(s, self.values, POSITION, i),
+            None => [zero; 3],
+        };
+        let (mut smooth, mut normal, mut toward_eye) = (point, point, point);
+        // Without a light that asks for the normal nothing shows it.
+        if stage.turned || self.slides.iter().any(|slide| slide.reaches(i)) {
+            smooth = turned(back, three(s, self.values, NORMAL, i));
+            if stage.sees_eye {
+                for k in 0..3 {
+                    toward_eye[k] = stage.eye[k] - point[k];
+                }
+                toward_eye = unit_lanes(s, toward_eye);
+            }
+            normal = unit_lanes(s, smooth);
+            if let Some((map, _, space)) = &stage.relief {
+                let texel = self.texels[1].lanes(s, i);
+                normal = match space {
+                    Space::Object(to_world) => {
+                        let world = to_world_lanes(s, to_world, map.decode_lanes(s, texel));
+                        unit_lanes(s, turned(back, world))
+                    }
+                    Space::Tangent(_) => {
+                        let tangent = three(s, self.values, TANGENT, i);
+                        let sign = column(s, &self.values.columns[TANGENT + 3].value, i);
+                        let sign = back.select(-sign, sign);
+                        let sign = sign.simd_lt(zero).select(-one, one);
+                        map.turn_lanes(s, normal, tangent, sign, texel)
+                    }
+                };
+                if stage.surface.material.horizon_clamp {
+                    normal = clamp_to_horizon_lanes(s, normal, toward_eye);
+                }
+            }
+        }
+        let (mut diffuse, mut highlight) = ([zero; 3], [zero; 3]);
+        let mut slide = self.slides.iter();
+        for lamp in &stage.lights {
+            let texel = match lamp.slide.as_ref().and_then(|_| slide.next()) {
+                None => None,
+                Some(texels) => match texels.lanes(s, i) {
+                    None => continue,
+                    some => some,
+                },
+            };
+            let model = stage.surface.material.highlight;
+            let (numbers, power) = (&stage.numbers, stage.power);
+            let given = share_lanes(
+                s,
+                numbers,
+                power,
+                model,
+                &lamp.light,
+                point,
+                normal,
+                toward_eye,
+            );
+            let lit = given.lit & pixels;
+            if !lit.any_true() {
+                continue;
+            }
+            let received = self.received(s, lamp, texel, lit, point, side);
+            for k in 0..3 {
+                let color = given.color[k] * received[k];
+                diffuse[k] = lit.select(diffuse[k] + color * given.diffuse, diffuse[k]);
+                highlight[k] = lit.select(highlight[k] + color * given.highlight, highlight[k]);
+            }
+        }
+        if let Some(map) = &stage.baked {
+            let light = self.baked.lanes(s, i);
+            for k in 0..3 {
+                diffuse[k] += light[k] * map.share;
+            }
+        }
+        if let Some((environment, share)) = &stage.mirror {
+            let ray = self.mirrored(s, i, at, back, smooth, normal);
+            let light = environment.light_lanes(s, &ray);
+            for k in 0..3 {
+                highlight[k] += light[k] * *share;
+            }
+        }
+        let mut out = [one; 4];
+        let texel = match stage.surface.base_color {
+            Some(_) => self.texels[0].lanes(s, i),
+            None => [one; 3],
+        };
+        for k in 0..3 {
+            let base = texel[k] * stage.numbers.color[k];
+            let value = base * diffuse[k] + highlight[k];
+            out[k] = value.simd_lt(one).select(value, one);
+        }
+        out
+    }
+
+    /// What reaches the pixels of a light.
+    #[inline(always)]
+    fn received<S: Simd>(
+        &self,
+        s: S,
+        lamp: &Lamp<'_>,
+        texel: Option<V3<S>>,
+        lit: mask32x16<S>,
+        point: V3<S>,
+        side: &Side,
+    ) -> V3<S> {
+        let one = f32x16::splat(s, 1.0);
+        let plane = [
+            f32x16::from_slice(s, &side.plane[0]),
+            f32x16::from_slice(s, &side.plane[1]),
+            f32x16::from_slice(s, &side.plane[2]),
+        ];
+        let mut share = one;
+        for shade in lamp.shadows {
+            share *= shade.lit_lanes(s, lit, point, plane);
+        }
+        let (Some([r, g, b]), Some((thrown, _))) = (texel, &lamp.slide) else {
+            return [share; 3];
+        };
+        if let Some(shade) = &thrown.shade {
+            let zero = f32x16::splat(s, 0.0);
+            let some = r.simd_gt(zero) | g.simd_gt(zero) | b.simd_gt(zero);
+            let left = share * shade.lit_lanes(s, lit & some, point, plane);
+            share = some.select(left, share);
+        }
+        [r * share, g * share, b * share]
+    }
+
+    #[inline(always)]
+    fn mirrored<S: Simd>(
+        &self,
+        s: S,
+        i: usize,
+        at: RunBlock,
+        back: mask32x16<S>,
+        smooth: V3<S>,
+        normal: V3<S>,
+    ) -> RayLanes<S> {
+        let rays = &self.stage.rays;
+        let view = RayLanes {
+            direction: rays.block(s, self.run.pixel(at, 0)),
+            dx: spread(s, rays.dx),
+            dy: spread(s, rays.dy),
+        };
+        let [normal_dx, normal_dy] = changes(s, self.values, NORMAL, i);
+        let [x, y, z] = smooth;
+        let length = (x * x + y * y + z * z).sqrt();
+        let normal = RayLanes {
+            direction: normal,
+            dx: turned(back, normal_dx),
+            dy: turned(back, normal_dy),
+        };
+        reflect_across_lanes(&view, &normal, length)
+    }
+}
+
+/// A matrix times the vectors in all lanes, in f64 as for one.
+#[inline(always)]
+fn to_world_lanes<S: Simd>(s: S, to_world: &DMat3, v: V3<S>) -> V3<S> {
+    let [(x0, x1), (y0, y1), (z0, z1)] = [v[0].widen(), v[1].widen(), v[2].widen()];
+    let mut out = v;
+    for (k, out) in out.iter_mut().enumerate() {
+        let (a, b, c) = (to_world.x_axis[k], to_world.y_axis[k], to_world.z_axis[k]);
+        *out = s.narrow_f64x8(x0 * a + y0 * b + z0 * c, x1 * a + y1 * b + z1 * c);
+    }
+    out
+}
+
+/// The opposite vector in some lanes.
+#[inline(always)]
+fn turned<S: Simd>(lanes: mask32x16<S>, v: V3<S>) -> V3<S> {
+    [
+        lanes.select(-v[0], v[0]),
+        lanes.select(-v[1], v[1]),
+        lanes.select(-v[2], v[2]),
+    ]
+}
