@@ -21,9 +21,11 @@ use crate::color::{SRGB8_BASE, SRGB8_FIRST, SRGB8_THRESHOLD_BITS};
 
 mod bytes;
 mod gather;
+mod octet;
 
 pub use bytes::lerp_bytes;
 pub use gather::{Words, gather, gather_by_loads, gather_pairs, has_pairs};
+pub use octet::{has_octets, octet};
 
 /// Lanes of every kernel, on every level.
 pub const LANES: usize = 16;

@@ -3,7 +3,7 @@ use alloc::vec::Vec;
 
 use texmap_math::Level;
 use texmap_math::fearless_simd::{Simd, f32x16, i32x16, mask32x16, prelude::*, u32x16};
-use texmap_math::lanes::{LANES, Words, clamp_scalar, gather};
+use texmap_math::lanes::{LANES, Words, clamp_scalar, gather, has_octets};
 
 use crate::blocks::{TileBlocks, pixel_of};
 use crate::dispatch::on_level;
@@ -180,6 +180,9 @@ impl TilePlanes {
                     spread_slot = first;
                 }
                 values = spread.lanes(s).values::<D>(s, px, py);
+            } else if has_octets(s) {
+                let planes = self.by_octets(s, slots, &wanted);
+                values = planes.values::<D>(s, px, py);
             } else if let Some(parts) = few(slots, at.mask) {
                 // Cheaper than sixteen gathers.
                 let mut planes = Planes::zero(s);
@@ -222,7 +225,12 @@ impl TilePlanes {
             let pixels = i32x16::from_slice(s, bytemuck::cast_slice(pixels));
             let x = ((pixels >> 2) & 60) | (pixels & 3);
             let y = ((pixels >> 6) & 60) | ((pixels >> 2) & 3);
-            let planes = self.many(s, words, u32x16::from_slice(s, slots), &wanted);
+            let slots = u32x16::from_slice(s, slots);
+            let planes = if has_octets(s) {
+                self.by_octets(s, slots, &wanted)
+            } else {
+                self.many(s, words, slots, &wanted)
+            };
             let (px, py) = (
                 x.to_float::<f32x16<S>>() - half,
                 y.to_float::<f32x16<S>>() - half,
@@ -303,6 +311,34 @@ impl TilePlanes {
                 let at = ((1 + k) * COEFFICIENTS + c) * LANES;
                 *word = gather(s, words, start + at as u32).bitcast();
             }
+        }
+        planes
+    }
+
+    /// [`many`](Self::many) where neighbours in the table share a register: eight slots at a time, as long as any are left.
+    #[inline(always)]
+    fn by_octets<S: Simd, const N: usize>(
+        &self,
+        s: S,
+        slots: u32x16<S>,
+        wanted: &[usize; N],
+    ) -> Planes<S, N> {
+        let (octets, within) = (slots >> 3, slots & 7);
+        let mut lanes = [0; LANES];
+        octets.store_slice(&mut lanes);
+        let table = |octet: u32| {
+            let group = octet as usize / 2 * self.per_group * LANES;
+            let (words, _) = self.words.get(group..).unwrap_or(&[]).as_chunks();
+            (words, octet as usize % 2)
+        };
+        let mut planes = Planes::zero(s);
+        planes.put_octet(s, table(lanes[0]), within, wanted, None);
+        let mut left = !octets.simd_eq(lanes[0]).to_bitmask() as u16;
+        while left != 0 {
+            let octet = lanes[left.trailing_zeros() as usize & 15];
+            let pixels = octets.simd_eq(octet);
+            left &= !(pixels.to_bitmask() as u16);
+            planes.put_octet(s, table(octet), within, wanted, Some(pixels));
         }
         planes
     }

@@ -73,6 +73,22 @@ fn gathers_read_the_same_words_and_stay_inside() {
     }
 }
 
+#[test]
+fn octets_are_read_by_index() {
+    let table: [f32; 8] = std::array::from_fn(|i| HARD[i]);
+    for (name, level) in levels() {
+        for turn in 0..8 {
+            let index: [u32; 16] = std::array::from_fn(|i| (i as u32 * 5 + turn) % 8);
+            let read = dispatch!(level, s => {
+                <[f32; 16]>::from(lanes::octet(s, &table, u32x16::from_slice(s, &index)))
+            });
+            for (read, i) in read.into_iter().zip(index) {
+                assert_eq!(read.to_bits(), table[i as usize].to_bits(), "{name} {i}");
+            }
+        }
+    }
+}
+
 #[inline(always)]
 fn helpers<S: Simd>(s: S, x: [f32; 16]) -> ([i32; 16], [u32; 16], [f32; 16], [f32; 16]) {
     let x = f32x16::from_slice(s, &x);

@@ -1,7 +1,7 @@
 //! Planes on their way from the table into lanes.
 
-use texmap_math::fearless_simd::{Simd, f32x16, mask32x16, prelude::*};
-use texmap_math::lanes::{LANES, clamp};
+use texmap_math::fearless_simd::{Simd, f32x16, mask32x16, prelude::*, u32x16};
+use texmap_math::lanes::{LANES, clamp, octet};
 
 use super::BlockValues;
 use crate::plane_table::COEFFICIENTS;
@@ -83,6 +83,29 @@ impl<S: Simd, const N: usize> Planes<S, N> {
             for c in 0..COEFFICIENTS {
                 self.attribute[k][c] = pixels.select(other.attribute[k][c], self.attribute[k][c]);
             }
+        }
+    }
+
+    /// Takes over the planes of the pixels whose slots lie in one half of a group, or of all: `within` are their places in it.
+    #[inline(always)]
+    pub(super) fn put_octet(
+        &mut self,
+        s: S,
+        (words, half): (&[[f32; LANES]], usize),
+        within: u32x16<S>,
+        wanted: &[usize; N],
+        pixels: Option<mask32x16<S>>,
+    ) {
+        let put = |to: &mut [f32x16<S>; COEFFICIENTS], from: &Plane16| {
+            for (to, from) in to.iter_mut().zip(from) {
+                let table = from.as_chunks().0[half % 2];
+                let value = octet(s, &table, within);
+                *to = pixels.map_or(value, |pixels| pixels.select(value, *to));
+            }
+        };
+        put(&mut self.w, plane(words, 0));
+        for (to, k) in self.attribute.iter_mut().zip(wanted) {
+            put(to, plane(words, 1 + k));
         }
     }
 
