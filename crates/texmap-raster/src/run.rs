@@ -180,18 +180,8 @@ impl TilePlanes {
                     spread_slot = first;
                 }
                 values = spread.lanes(s).values::<D>(s, px, py);
-            } else if has_octets(s) {
-                let planes = self.by_octets(s, slots, &wanted);
-                values = planes.values::<D>(s, px, py);
-            } else if let Some(parts) = few(slots, at.mask) {
-                // Cheaper than sixteen gathers.
-                let mut planes = Planes::zero(s);
-                for (slot, pixels) in parts.into_iter().flatten() {
-                    planes.put(pixels, &self.one(slot, &wanted).lanes(s));
-                }
-                values = planes.values::<D>(s, px, py);
             } else {
-                let planes = self.many(s, words, slots, &wanted);
+                let planes = self.own(s, words, slots, at.mask, &wanted);
                 values = planes.values::<D>(s, px, py);
             }
             if !self.setups.is_empty() {
@@ -226,11 +216,7 @@ impl TilePlanes {
             let x = ((pixels >> 2) & 60) | (pixels & 3);
             let y = ((pixels >> 6) & 60) | ((pixels >> 2) & 3);
             let slots = u32x16::from_slice(s, slots);
-            let planes = if has_octets(s) {
-                self.by_octets(s, slots, &wanted)
-            } else {
-                self.many(s, words, slots, &wanted)
-            };
+            let planes = self.own(s, words, slots, u16::MAX, &wanted);
             let (px, py) = (
                 x.to_float::<f32x16<S>>() - half,
                 y.to_float::<f32x16<S>>() - half,
@@ -294,6 +280,31 @@ impl TilePlanes {
 
     /// The planes of each lane's own slot.
     #[inline(always)]
+    fn own<S: Simd, const N: usize>(
+        &self,
+        s: S,
+        words: Words<'_>,
+        slots: u32x16<S>,
+        mask: u16,
+        wanted: &[usize; N],
+    ) -> Planes<S, N> {
+        // Many planes do not stay in registers between octets.
+        if has_octets(s) && N <= 6 {
+            return self.by_octets(s, slots, wanted);
+        }
+        let Some(parts) = few(slots, mask) else {
+            return self.many(s, words, slots, wanted);
+        };
+        // Cheaper than sixteen gathers.
+        let mut planes = Planes::zero(s);
+        for (slot, pixels) in parts.into_iter().flatten() {
+            planes.put(pixels, &self.one(slot, wanted).lanes(s));
+        }
+        planes
+    }
+
+    /// By gathers.
+    #[inline(always)]
     fn many<S: Simd, const N: usize>(
         &self,
         s: S,
@@ -315,7 +326,7 @@ impl TilePlanes {
         planes
     }
 
-    /// [`many`](Self::many) where neighbours in the table share a register: eight slots at a time, as long as any are left.
+    /// Eight slots at a time, which share a register, as long as any are left.
     #[inline(always)]
     fn by_octets<S: Simd, const N: usize>(
         &self,

@@ -96,16 +96,9 @@ impl<S: Simd, const N: usize> Planes<S, N> {
         wanted: &[usize; N],
         pixels: Option<mask32x16<S>>,
     ) {
-        let put = |to: &mut [f32x16<S>; COEFFICIENTS], from: &Plane16| {
-            for (to, from) in to.iter_mut().zip(from) {
-                let table = from.as_chunks().0[half % 2];
-                let value = octet(s, &table, within);
-                *to = pixels.map_or(value, |pixels| pixels.select(value, *to));
-            }
-        };
-        put(&mut self.w, plane(words, 0));
+        pick(s, &mut self.w, (plane(words, 0), half), within, pixels);
         for (to, k) in self.attribute.iter_mut().zip(wanted) {
-            put(to, plane(words, 1 + k));
+            pick(s, to, (plane(words, 1 + k), half), within, pixels);
         }
     }
 
@@ -141,6 +134,25 @@ impl<S: Simd, const N: usize> Planes<S, N> {
             }
         }
         out
+    }
+}
+
+/// The coefficients at places in half a group, for some lanes or all. (No closures: they would lose the level's instructions.)
+#[inline(always)]
+fn pick<S: Simd>(
+    s: S,
+    to: &mut [f32x16<S>; COEFFICIENTS],
+    (from, half): (&Plane16, usize),
+    within: u32x16<S>,
+    pixels: Option<mask32x16<S>>,
+) {
+    for (to, from) in to.iter_mut().zip(from) {
+        let table = from.as_chunks().0[half % 2];
+        let value = octet(s, &table, within);
+        *to = match pixels {
+            Some(pixels) => pixels.select(value, *to),
+            None => value,
+        };
     }
 }
 
