@@ -24,7 +24,7 @@ impl<S: Simd, const N: usize> core::fmt::Debug for BlockValues<S, N> {
     }
 }
 
-/// Takes the values of blocks: see [`TilePlanes::each_block`].
+/// Takes the values of blocks: see [`TilePlanes::each_block`](crate::TilePlanes::each_block).
 pub trait BlockSink<S: Simd, const N: usize> {
     /// The block at place `i` of the run.
     fn block(&mut self, s: S, i: usize, at: RunBlock, values: &BlockValues<S, N>);
