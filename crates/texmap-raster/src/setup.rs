@@ -88,7 +88,8 @@ pub(crate) struct DepthPlane {
 impl DepthPlane {
     /// About (`ox`, `oy`) in pixels.
     pub(crate) fn new(shape: &Shape<'_>, solver: Option<&Solver>) -> Self {
-        let depths = shape.piece.map(|p| p.z / p.w);
+        // A corner cut off at the far plane may lie beyond it by a rounding.
+        let depths = shape.piece.map(|p| (p.z / p.w).clamp(0.0, 1.0));
         let plane = solve(solver, shape.outer.map(|p| p.z), mean(depths));
         let z = Ranged::new(plane, depths.map(|v| v as f32));
         // Reversed depth near the horizon is small: keep its digits where it varies much within the tile.
