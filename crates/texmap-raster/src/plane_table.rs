@@ -43,6 +43,13 @@ impl TilePlanes {
         (slot as usize / LANES) * self.per_group * LANES + slot as usize % LANES
     }
 
+    /// The coefficients of the sixteen slots that a slot lies among.
+    #[inline(always)]
+    pub(crate) fn group_of(&self, slot: u32) -> &[[f32; LANES]] {
+        let start = slot as usize / LANES * self.per_group * LANES;
+        self.words.get(start..).unwrap_or(&[]).as_chunks().0
+    }
+
     /// The set-up of a slot that f32 planes cannot serve.
     pub(crate) fn odd_setup(&self, slot: u32) -> Option<&TriangleSetup> {
         let index = *self.odd.get(slot as usize)?;

@@ -260,8 +260,7 @@ impl TilePlanes {
     /// The planes of one slot.
     #[inline(always)]
     pub(crate) fn one<const N: usize>(&self, slot: u32, wanted: &[usize; N]) -> OnePlanes<'_, N> {
-        let group = slot as usize / LANES * self.per_group * LANES;
-        let (words, _) = self.words.get(group..).unwrap_or(&[]).as_chunks();
+        let words = self.group_of(slot);
         let mut planes = OnePlanes {
             w: plane(words, 0),
             lane: slot as usize % LANES,
@@ -336,20 +335,16 @@ impl TilePlanes {
     ) -> Planes<S, N> {
         let (octets, within) = (slots >> 3, slots & 7);
         let mut lanes = [0; LANES];
-        octets.store_slice(&mut lanes);
-        let table = |octet: u32| {
-            let group = octet as usize / 2 * self.per_group * LANES;
-            let (words, _) = self.words.get(group..).unwrap_or(&[]).as_chunks();
-            (words, octet as usize % 2)
-        };
+        slots.store_slice(&mut lanes);
+        let table = |slot: u32| (self.group_of(slot), slot as usize / 8 % 2);
         let mut planes = Planes::zero(s);
         planes.put_octet(s, table(lanes[0]), within, wanted, None);
-        let mut left = !octets.simd_eq(lanes[0]).to_bitmask() as u16;
+        let mut left = !octets.simd_eq(lanes[0] >> 3).to_bitmask() as u16;
         while left != 0 {
-            let octet = lanes[left.trailing_zeros() as usize & 15];
-            let pixels = octets.simd_eq(octet);
+            let slot = lanes[left.trailing_zeros() as usize & 15];
+            let pixels = octets.simd_eq(slot >> 3);
             left &= !(pixels.to_bitmask() as u16);
-            planes.put_octet(s, table(octet), within, wanted, Some(pixels));
+            planes.put_octet(s, table(slot), within, wanted, Some(pixels));
         }
         planes
     }
