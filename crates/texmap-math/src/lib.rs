@@ -71,6 +71,7 @@ pub mod homography;
 pub mod interp;
 #[doc(hidden)]
 pub mod lanes;
+mod on_level;
 pub mod plane;
 pub mod projector;
 pub mod reflection;

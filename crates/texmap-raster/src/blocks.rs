@@ -3,8 +3,8 @@ use alloc::vec::Vec;
 
 use texmap_math::fearless_simd::Simd;
 use texmap_math::lanes::LANES;
+use texmap_math::on_level;
 
-use crate::dispatch::on_level;
 use crate::edge::cover;
 use crate::group::{Group, Known, Sharing};
 use crate::prepared::{Tile, decides_visibility};

@@ -3,9 +3,9 @@ use alloc::vec::Vec;
 
 use texmap_math::fearless_simd::{Simd, f32x16, mask32x16, prelude::*};
 use texmap_math::lanes::LANES;
+use texmap_math::on_level;
 
 use crate::blocks::Runs;
-use crate::dispatch::on_level;
 use crate::edge::cover;
 use crate::group::{Group, Sharing};
 use crate::prepared::{decides_visibility, for_all};

@@ -5,9 +5,9 @@ use core::ops::Range;
 use texmap_math::Level;
 use texmap_math::fearless_simd::{Simd, i32x16, mask32x16, prelude::*, u32x16};
 use texmap_math::lanes::{LANES, Words, gather, gather_pairs, iota};
+use texmap_math::on_level;
 
 use crate::clip::{Corner, Hom, Region, clip, region};
-use crate::dispatch::on_level;
 use crate::edge::{Edge, PixelBox, Snapped, area, centre, edges, snap};
 use crate::planes::determinant;
 use crate::setup::TILE;

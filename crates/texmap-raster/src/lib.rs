@@ -41,7 +41,6 @@ mod atlas;
 mod blocks;
 mod clip;
 mod depth;
-mod dispatch;
 mod draw;
 mod edge;
 mod error;

@@ -3,9 +3,9 @@ use alloc::vec::Vec;
 
 use texmap_math::fearless_simd::{Simd, f32x16, f64x8, mask64x8, prelude::*, u32x16};
 use texmap_math::lanes::{LANES, Words, above, gather, gather_pairs};
+use texmap_math::on_level;
 
 use crate::blocks::Runs;
-use crate::dispatch::on_level;
 use crate::group::{Ids, extent_x8, hull_x16, solve_x16};
 use crate::setup::{
     LARGEST, Ranged, SMALLEST, TILE, TriangleSetup, W_RATIO, origin, widen_attribute, widen_w,

@@ -4,9 +4,9 @@ use alloc::vec::Vec;
 use texmap_math::Level;
 use texmap_math::fearless_simd::{Simd, f32x16, i32x16, mask32x16, prelude::*, u32x16};
 use texmap_math::lanes::{LANES, Words, clamp_scalar, gather, has_octets};
+use texmap_math::on_level;
 
 use crate::blocks::{TileBlocks, pixel_of};
-use crate::dispatch::on_level;
 use crate::plane_table::{COEFFICIENTS, TilePlanes};
 use crate::setup::{Fragment, TILE, TriangleSetup};
 use crate::visible::NONE;

@@ -5,9 +5,9 @@ use texmap_math::Level;
 use texmap_math::fearless_simd::{Simd, f32x16, f64x8, i32x16, mask64x8, prelude::*, u32x16};
 use texmap_math::glam::DMat4;
 use texmap_math::lanes::{LANES, Words, gather, gather_pairs, iota};
+use texmap_math::on_level;
 
 use crate::clip::{GUARD_BAND, Hom};
-use crate::dispatch::on_level;
 use crate::edge::{Snapped, snap};
 use crate::{Draw, TargetSize};
 

@@ -4,9 +4,9 @@
 //! level, within 2e-7 of it. All is f32: an arc tangent in turns needs no more, and f64 halves the lanes.
 
 use texmap_math::fearless_simd::prelude::*;
-use texmap_math::fearless_simd::{dispatch, f32x4, f32x16};
+use texmap_math::fearless_simd::{f32x4, f32x16};
 use texmap_math::lanes::LANES;
-use texmap_math::{Level, float};
+use texmap_math::{Level, float, on_level};
 
 use crate::{Origin, UvError};
 
@@ -22,7 +22,7 @@ pub fn sphere_slice(
     out: &mut [[f32; 2]],
 ) -> Result<(), UvError> {
     check(directions, out)?;
-    dispatch!(level, s => run::<_, true>(s, directions, origin, out));
+    on_level!(level, s => run::<_, true>(s, directions, origin, out), else each(directions, origin, out, sphere_one));
     Ok(())
 }
 
@@ -38,7 +38,7 @@ pub fn cylinder_slice(
     out: &mut [[f32; 2]],
 ) -> Result<(), UvError> {
     check(points, out)?;
-    dispatch!(level, s => run::<_, false>(s, points, origin, out));
+    on_level!(level, s => run::<_, false>(s, points, origin, out), else each(points, origin, out, cylinder_one));
     Ok(())
 }
 
@@ -51,6 +51,17 @@ fn check(vectors: &[[f32; 3]], out: &[[f32; 2]]) -> Result<(), UvError> {
         found: out.len(),
         expected: vectors.len(),
     })
+}
+
+fn each(
+    vectors: &[[f32; 3]],
+    origin: Origin,
+    out: &mut [[f32; 2]],
+    one: fn([f32; 3], Origin) -> [f32; 2],
+) {
+    for (vector, uv) in vectors.iter().zip(out) {
+        *uv = one(*vector, origin);
+    }
 }
 
 #[inline(always)]

@@ -3,11 +3,11 @@
 
 use core::f32::consts::{FRAC_1_PI, TAU};
 
+use texmap_math::fearless_simd::f32x16;
 use texmap_math::fearless_simd::prelude::*;
-use texmap_math::fearless_simd::{dispatch, f32x16};
 use texmap_math::glam::{DMat4, DVec3};
 use texmap_math::lanes::{self, LANES};
-use texmap_math::{Footprint, Level, float};
+use texmap_math::{Footprint, Level, float, on_level};
 
 use crate::lanes::{around, around_x16, components, latitude, latitude_x16};
 use crate::{Frame, Origin, UvError};
@@ -179,7 +179,13 @@ impl PixelMapping {
                 });
             }
         }
-        dispatch!(level, s => self.run(s, points, dx, dy, uvs, footprints));
+        on_level!(
+            level,
+            s => self.run(s, points, dx, dy, uvs, footprints),
+            else for (k, point) in points.iter().enumerate() {
+                (uvs[k], footprints[k]) = self.one(*point, dx[k], dy[k]);
+            }
+        );
         Ok(())
     }
 

@@ -1,35 +1,42 @@
-//! From a level to code: the kernels of this crate exist three times on x86 and once elsewhere.
+//! From a level to code: kernels exist three times on x86 and once elsewhere.
 
 /// Runs `$lanes` with the token `$s` of `$level` and its instructions, or `$plain` where there are no lanes (the scalar
-/// fallback: the plain twin gives the same bits and compiles in a fraction of the time).
+/// fallback: the plain twin gives the same bits and compiles in a fraction of the time; lanes of arrays took texmap-uv minutes).
 ///
 /// SSE4.2 takes the SSE2 kernels: f64 and i32 lanes of 128 bits gain too little to be compiled once more.
+#[doc(hidden)]
+#[macro_export]
 macro_rules! on_level {
     ($level:expr, $s:ident => $lanes:expr, else $plain:expr) => {
         match $level {
             #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-            texmap_math::Level::Avx512($s) => $s.vectorize(
+            $crate::Level::Avx512($s) => $crate::fearless_simd::Simd::vectorize(
+                $s,
                 #[inline(always)]
                 || $lanes,
             ),
             #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-            texmap_math::Level::Avx2($s) => $s.vectorize(
+            $crate::Level::Avx2($s) => $crate::fearless_simd::Simd::vectorize(
+                $s,
                 #[inline(always)]
                 || $lanes,
             ),
             #[cfg(target_arch = "aarch64")]
-            texmap_math::Level::Neon($s) => $s.vectorize(
+            $crate::Level::Neon($s) => $crate::fearless_simd::Simd::vectorize(
+                $s,
                 #[inline(always)]
                 || $lanes,
             ),
             #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
-            texmap_math::Level::WasmSimd128($s) => $s.vectorize(
+            $crate::Level::WasmSimd128($s) => $crate::fearless_simd::Simd::vectorize(
+                $s,
                 #[inline(always)]
                 || $lanes,
             ),
             #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
             other => match other.as_sse2() {
-                Some($s) => $s.vectorize(
+                Some($s) => $crate::fearless_simd::Simd::vectorize(
+                    $s,
                     #[inline(always)]
                     || $lanes,
                 ),
@@ -40,5 +47,3 @@ macro_rules! on_level {
         }
     };
 }
-
-pub(crate) use on_level;
