@@ -1,4 +1,4 @@
-//! Every SIMD level that this CPU can run and, with the feature `fallback`, the forced scalar fallback.
+//! Every SIMD level that this CPU can run, and the forced scalar fallback.
 
 use texmap_math::Level;
 
@@ -6,7 +6,7 @@ use texmap_math::Level;
 /// pass a job that is meant to test it.
 pub const REQUIRE: &str = "TEXMAP_REQUIRE_LEVELS";
 
-/// The levels from the strongest down, `fallback` last where it is built. A kernel must give the same bits on each.
+/// The levels from the strongest down, `fallback` last. A kernel must give the same bits on each.
 #[must_use]
 pub fn levels() -> Vec<(&'static str, Level)> {
     let best = Level::new();
@@ -22,7 +22,6 @@ pub fn levels() -> Vec<(&'static str, Level)> {
     levels.extend(best.as_neon().map(|t| ("neon", Level::Neon(t))));
     #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
     levels.push(("wasm-simd128", best));
-    #[cfg(feature = "fallback")]
     levels.push(("fallback", Level::fallback()));
     levels
 }
@@ -56,11 +55,7 @@ mod tests {
     #[test]
     fn names_are_distinct_and_a_wrong_one_is_missing() {
         let mut names: Vec<_> = levels().iter().map(|l| l.0).collect();
-        let forced = levels().iter().any(|l| l.1.is_fallback());
-        assert_eq!(
-            forced,
-            cfg!(feature = "fallback") || Level::new().is_fallback()
-        );
+        assert!(levels().iter().any(|l| l.1.is_fallback()));
         let count = names.len();
         names.sort_unstable();
         names.dedup();

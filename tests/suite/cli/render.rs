@@ -204,9 +204,7 @@ fn no_pixel_depends_on_threads_or_level() {
         levels += 1;
     }
     assert!(levels >= 1, "no level could be named");
-    if cfg!(feature = "fallback") {
-        assert!(draw("--level fallback").code == 0);
-    }
+    assert!(draw("--level fallback").code == 0);
     assert_ne!(
         hash(draw("--interp affine")),
         expected,
