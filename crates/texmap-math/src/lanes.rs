@@ -24,7 +24,9 @@ mod gather;
 mod octet;
 
 pub use bytes::lerp_bytes;
-pub use gather::{Words, gather, gather_by_loads, gather_pairs, has_pairs};
+pub use gather::{
+    Words, gather, gather_by_loads, gather_pairs, gather_quads, gather_triples, has_pairs,
+};
 pub use octet::{has_octets, octet};
 
 /// Lanes of every kernel, on every level.

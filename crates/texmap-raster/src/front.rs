@@ -4,7 +4,7 @@ use core::ops::Range;
 
 use texmap_math::Level;
 use texmap_math::fearless_simd::{Simd, i32x16, mask32x16, prelude::*, u32x16};
-use texmap_math::lanes::{LANES, Words, gather, gather_pairs, iota};
+use texmap_math::lanes::{LANES, Words, gather_pairs, gather_triples, iota};
 use texmap_math::on_level;
 
 use crate::clip::{Corner, Hom, Region, clip, region};
@@ -61,6 +61,9 @@ impl Chunk {
     }
 }
 
+/// Triangles whose indices are checked and then read while they are still in the nearest cache: a multiple of the lanes.
+const PART: usize = 64 * LANES;
+
 /// One draw on its way through the front end.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Submission<'d, 'a> {
@@ -85,6 +88,21 @@ impl Submission<'_, '_> {
         level: Option<Level>,
         range: Range<usize>,
     ) -> Result<Chunk, RasterError> {
+        let mut chunk = Chunk::default();
+        chunk.stats.submitted = range.len();
+        for start in range.clone().step_by(PART) {
+            let part = start..range.end.min(start + PART);
+            self.run_part(level, part, &mut chunk)?;
+        }
+        Ok(chunk)
+    }
+
+    fn run_part(
+        &self,
+        level: Option<Level>,
+        range: Range<usize>,
+        chunk: &mut Chunk,
+    ) -> Result<(), RasterError> {
         let (draw, all) = (self.draw_index as usize, range.clone());
         match level {
             Some(level) => {
@@ -92,16 +110,13 @@ impl Submission<'_, '_> {
             }
             None => self.draw.check_indices(draw, all)?,
         }
-        let mut chunk = Chunk::default();
-        chunk.stats.submitted = range.len();
         let whole = !matches!(self.draw.interp, Interp::Subdivided(_));
         match level {
             Some(level) if whole && self.fits_lanes() => {
-                on_level!(level, s => self.run_lanes(s, range, &mut chunk), else self.run_plain(range, &mut chunk))?;
+                on_level!(level, s => self.run_lanes(s, range, chunk), else self.run_plain(range, chunk))
             }
-            _ => self.run_plain(range, &mut chunk)?,
+            _ => self.run_plain(range, chunk),
         }
-        Ok(chunk)
     }
 
     fn run_plain(&self, range: Range<usize>, chunk: &mut Chunk) -> Result<(), RasterError> {
@@ -171,11 +186,11 @@ impl Submission<'_, '_> {
             return;
         };
         let corner: u32x16<S> = ((iota(s) + base as i32) * 3).bitcast();
-        let [first, second] = gather_pairs(s, indices, corner);
+        let [first, second, third] = gather_triples(s, indices, corner);
         let v = [
             vertex(s, snapped, first),
             vertex(s, snapped, second),
-            vertex(s, snapped, gather(s, indices, corner + 2)),
+            vertex(s, snapped, third),
         ];
         let exists = mask32x16::from_bitmask(s, (1 << count) - 1);
         let special =
@@ -202,6 +217,17 @@ impl Submission<'_, '_> {
             Cull::Back => !front,
             Cull::Front => front,
         };
+        let degenerate = plain & flat;
+        let culled = plain & !flat & dropped;
+        let faced = plain & !flat & !dropped;
+        group.care = care.to_bitmask() as u32;
+        group.degenerate = degenerate.to_bitmask() as u32;
+        group.culled = culled.to_bitmask() as u32;
+        (group.outside, group.seen) = (0, 0);
+        // Neighbours in a mesh mostly face the same way.
+        if !faced.any_true() {
+            return;
+        }
         let zero = i32x16::splat(s, 0);
         let x0 = ((lo_x + (127 - self.margin)) >> 8).max(zero);
         let y0 = ((lo_y + (127 - self.margin)) >> 8).max(zero);
@@ -213,15 +239,8 @@ impl Submission<'_, '_> {
         let tiny = (x1 - x0).simd_lt(2) & (y1 - y0).simd_lt(2);
         let centres = mask32x16::splat(s, self.margin == 0);
         let missed = centres & tiny & !empty & !tiny_hit(s, v, front, [x0, y0, x1, y1]);
-
-        let degenerate = plain & flat;
-        let culled = plain & !flat & dropped;
-        let faced = plain & !flat & !dropped;
         let outside = faced & (empty | missed);
         let seen = faced & !(empty | missed);
-        group.care = care.to_bitmask() as u32;
-        group.degenerate = degenerate.to_bitmask() as u32;
-        group.culled = culled.to_bitmask() as u32;
         group.outside = outside.to_bitmask() as u32;
         group.seen = seen.to_bitmask() as u32;
         x0.store_slice(&mut group.x0);

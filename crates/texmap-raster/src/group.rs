@@ -1,8 +1,6 @@
 //! Sixteen triangles of one draw set up for one tile: edges in i32, depth planes, pixel boxes.
-use texmap_math::fearless_simd::{
-    Simd, f32x16, f64x8, i32x16, mask32x16, mask64x8, prelude::*, u32x16,
-};
-use texmap_math::lanes::{LANES, Words, above, below, gather, gather_pairs};
+use texmap_math::fearless_simd::{Simd, f32x16, f64x8, i32x16, mask32x16, mask64x8, prelude::*};
+use texmap_math::lanes::{LANES, Words, above, below, gather_pairs, gather_triples};
 
 use crate::Prepared;
 use crate::edge::{Edge, Snapped};
@@ -115,12 +113,11 @@ impl<'a> Arrays<'a> {
     /// Vertex numbers of sixteen triangles' corners.
     #[inline(always)]
     pub(crate) fn corners<S: Simd>(&self, s: S, triangle: i32x16<S>) -> [i32x16<S>; 3] {
-        let at: u32x16<S> = (triangle * 3).bitcast();
-        let [a, b] = gather_pairs(s, self.indices, at);
+        let corners = gather_triples(s, self.indices, (triangle * 3).bitcast());
         [
-            a.bitcast(),
-            b.bitcast(),
-            gather(s, self.indices, at + 2).bitcast(),
+            corners[0].bitcast(),
+            corners[1].bitcast(),
+            corners[2].bitcast(),
         ]
     }
 
@@ -133,9 +130,7 @@ impl<'a> Arrays<'a> {
     /// Positions as f64: lanes 0 to 7, then 8 to 15.
     #[inline(always)]
     pub(crate) fn positions<S: Simd>(&self, s: S, vertex: i32x16<S>) -> [[f64x8<S>; 3]; 2] {
-        let at: u32x16<S> = (vertex * 3).bitcast();
-        let [x, y] = gather_pairs(s, self.positions, at);
-        let z = gather(s, self.positions, at + 2);
+        let [x, y, z] = gather_triples(s, self.positions, (vertex * 3).bitcast());
         let [x, y, z] = [
             x.bitcast::<f32x16<S>>().widen(),
             y.bitcast::<f32x16<S>>().widen(),

@@ -2,7 +2,7 @@
 use alloc::vec::Vec;
 
 use texmap_math::fearless_simd::{Simd, f32x16, f64x8, mask64x8, prelude::*, u32x16};
-use texmap_math::lanes::{LANES, Words, above, gather, gather_pairs};
+use texmap_math::lanes::{LANES, Words, above, gather, gather_pairs, gather_quads};
 use texmap_math::on_level;
 
 use crate::blocks::Runs;
@@ -59,7 +59,7 @@ impl TilePlanes {
     /// Room for `groups` groups with `attributes` attributes.
     fn reset(&mut self, groups: usize, attributes: usize, corner: [u32; 2]) {
         self.per_group = (1 + attributes) * COEFFICIENTS;
-        self.words.clear();
+        // What an earlier tile left stands only where no triangle is.
         self.words.resize(groups * self.per_group * LANES, 0.0);
         self.odd.clear();
         self.odd.resize(groups * LANES, NONE);
@@ -235,22 +235,13 @@ impl Prepared<'_> {
                 (vertex[1] * n as i32).bitcast(),
                 (vertex[2] * n as i32).bitcast(),
             ];
-            let mut behind = [f32x16::splat(s, 0.0); 3];
+            let mut ahead = [[f32x16::splat(s, 0.0); 3]; AHEAD];
+            let (mut start, mut end) = (0, 0);
             for k in 0..n {
-                let mut v = behind;
-                if k % 2 == 0 {
-                    // Two attributes lie side by side.
-                    let next = k + 1 < n;
-                    for ((v, behind), at) in v.iter_mut().zip(&mut behind).zip(at) {
-                        let at = at + k as u32;
-                        let pair = if next {
-                            gather_pairs(s, values, at)
-                        } else {
-                            [gather(s, values, at); 2]
-                        };
-                        [*v, *behind] = [pair[0].bitcast(), pair[1].bitcast()];
-                    }
+                if k == end {
+                    (start, end) = (k, k + read(s, values, at, k, n, &mut ahead));
                 }
+                let v = ahead[(k - start) % AHEAD];
                 let (v0, v1, v2) = (v[0].widen(), v[1].widen(), v[2].widen());
                 let (low_plane, high_plane) = (
                     low.plane([v0.0, v1.0, v2.0]),
@@ -270,6 +261,44 @@ impl Prepared<'_> {
         }
         !((fine[0].to_bitmask() | fine[1].to_bitmask() << 8) as u32)
     }
+}
+
+/// Attributes of the three corners that are read at once: they lie side by side.
+const AHEAD: usize = 4;
+
+/// Reads attribute `k` of `n` and some of those behind it; returns how many.
+#[inline(always)]
+fn read<S: Simd>(
+    s: S,
+    values: Words<'_>,
+    at: [u32x16<S>; 3],
+    k: usize,
+    n: usize,
+    ahead: &mut [[f32x16<S>; 3]; AHEAD],
+) -> usize {
+    let k32 = k as u32;
+    let [a, b, c] = [at[0] + k32, at[1] + k32, at[2] + k32];
+    if n - k >= 4
+        && let Some(a) = gather_quads(s, values, a)
+        && let Some(b) = gather_quads(s, values, b)
+        && let Some(c) = gather_quads(s, values, c)
+    {
+        for (i, ahead) in ahead.iter_mut().enumerate() {
+            *ahead = [a[i].bitcast(), b[i].bitcast(), c[i].bitcast()];
+        }
+        return 4;
+    }
+    if n - k < 2 {
+        for (v, at) in ahead[0].iter_mut().zip([a, b, c]) {
+            *v = gather(s, values, at).bitcast();
+        }
+        return 1;
+    }
+    for (i, at) in [a, b, c].into_iter().enumerate() {
+        let pair = gather_pairs(s, values, at);
+        (ahead[0][i], ahead[1][i]) = (pair[0].bitcast(), pair[1].bitcast());
+    }
+    2
 }
 
 /// As [`TriangleSetup`] decides where f32 planes of 1/w will do.

@@ -4,7 +4,7 @@ use alloc::vec::Vec;
 use texmap_math::Level;
 use texmap_math::fearless_simd::{Simd, f32x16, f64x8, i32x16, mask64x8, prelude::*, u32x16};
 use texmap_math::glam::DMat4;
-use texmap_math::lanes::{LANES, Words, gather, gather_pairs, iota};
+use texmap_math::lanes::{LANES, Words, gather_triples, iota};
 use texmap_math::on_level;
 
 use crate::clip::{GUARD_BAND, Hom};
@@ -112,12 +112,10 @@ fn snap_lanes<S: Simd>(s: S, positions: &[[f32; 3]], transform: &Transform, out:
     let Some(words) = Words::new(bytemuck::cast_slice(positions)) else {
         return;
     };
-    let mut xs = [0; LANES];
-    let mut ys = [0; LANES];
+    let mut snapped = [[0; 2]; LANES];
     for (k, chunk) in out.chunks_mut(LANES).enumerate() {
         let base: u32x16<S> = ((iota(s) + (k * LANES) as i32) * 3).bitcast();
-        let [x, y] = gather_pairs(s, words, base);
-        let z = gather(s, words, base + 2);
+        let [x, y, z] = gather_triples(s, words, base);
         let position = [
             x.bitcast::<f32x16<S>>().widen(),
             y.bitcast::<f32x16<S>>().widen(),
@@ -128,11 +126,11 @@ fn snap_lanes<S: Simd>(s: S, positions: &[[f32; 3]], transform: &Transform, out:
         let (lx, ly) = snap_x8(s, low);
         let (hx, hy) = snap_x8(s, high);
         // Integers below 2^24 pass through f32 unchanged.
-        to_i32(s, lx, hx).store_slice(&mut xs);
-        to_i32(s, ly, hy).store_slice(&mut ys);
-        for (slot, (x, y)) in chunk.iter_mut().zip(xs.iter().zip(&ys)) {
-            *slot = [*x, *y];
-        }
+        let (low, high) = s.interleave_i32x16(to_i32(s, lx, hx), to_i32(s, ly, hy));
+        let (low_of, high_of) = snapped.as_flattened_mut().split_at_mut(LANES);
+        low.store_slice(low_of);
+        high.store_slice(high_of);
+        chunk.copy_from_slice(&snapped[..chunk.len()]);
     }
 }
 

@@ -64,6 +64,33 @@ fn gathers_read_the_same_words_and_stay_inside() {
         });
         let want = [0, 1].map(|next| pairs.map(|i| words.get(i + next)));
         assert_eq!(read, want, "{name}");
+        // The last triple ends with the last word: a load of four would go beyond it.
+        let triples = [0, 1, 2, 993, 997, 500, 499, 7, 7, 7, 0, 996, 33, 64, 65, 66];
+        for triples in [
+            triples,
+            triples.map(|i| i.min(996)),
+            indices.map(|i| i & i32::MAX as u32),
+        ] {
+            for (source, len) in [(words, 1000), (one, 1)] {
+                let read = dispatch!(level, s => {
+                    lanes::gather_triples(s, source, u32x16::from_slice(s, &triples)).map(<[u32; 16]>::from)
+                });
+                let want = [0, 1, 2].map(|next| triples.map(|i| source.get(i + next)));
+                assert_eq!(read, want, "{name}");
+                let quads = dispatch!(level, s => {
+                    lanes::gather_quads(s, source, u32x16::from_slice(s, &triples)).map(|quads| quads.map(<[u32; 16]>::from))
+                });
+                let within = triples.iter().all(|i| *i as usize + 4 <= len);
+                assert!(within || quads.is_none(), "{name}");
+                if let Some(quads) = quads {
+                    assert_eq!(
+                        quads,
+                        [0, 1, 2, 3].map(|next| triples.map(|i| source.get(i + next))),
+                        "{name}"
+                    );
+                }
+            }
+        }
         // Beyond the end: nothing that counts, and no fault.
         for source in [words, one] {
             dispatch!(level, s => {

@@ -6,19 +6,23 @@
 
 #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
 use fearless_simd::{Level, SimdInto};
-use fearless_simd::{Simd, SimdBase, u32x16};
+use fearless_simd::{Simd, SimdBase, prelude::*, u32x16};
 
 #[cfg(target_arch = "x86")]
 use core::arch::x86::{
-    __m256i, __m512i, _mm_set_epi64x, _mm256_castps_si256, _mm256_castsi256_ps, _mm256_min_epu32,
-    _mm256_set_m128i, _mm256_set1_epi32, _mm256_setr_epi32, _mm256_shuffle_ps, _mm256_storeu_si256,
-    _mm512_i32gather_epi32, _mm512_min_epu32, _mm512_set1_epi32,
+    __m128i, __m256i, __m512i, _mm_loadu_si128, _mm_set_epi64x, _mm256_castps_si256,
+    _mm256_castsi256_ps, _mm256_min_epu32, _mm256_set_m128i, _mm256_set1_epi32, _mm256_setr_epi32,
+    _mm256_shuffle_ps, _mm256_storeu_si256, _mm256_unpackhi_epi32, _mm256_unpackhi_epi64,
+    _mm256_unpacklo_epi32, _mm256_unpacklo_epi64, _mm512_i32gather_epi32, _mm512_min_epu32,
+    _mm512_set1_epi32,
 };
 #[cfg(target_arch = "x86_64")]
 use core::arch::x86_64::{
-    __m256i, __m512i, _mm_set_epi64x, _mm256_castps_si256, _mm256_castsi256_ps, _mm256_min_epu32,
-    _mm256_set_m128i, _mm256_set1_epi32, _mm256_setr_epi32, _mm256_shuffle_ps, _mm256_storeu_si256,
-    _mm512_i32gather_epi32, _mm512_min_epu32, _mm512_set1_epi32,
+    __m128i, __m256i, __m512i, _mm_loadu_si128, _mm_set_epi64x, _mm256_castps_si256,
+    _mm256_castsi256_ps, _mm256_min_epu32, _mm256_set_m128i, _mm256_set1_epi32, _mm256_setr_epi32,
+    _mm256_shuffle_ps, _mm256_storeu_si256, _mm256_unpackhi_epi32, _mm256_unpackhi_epi64,
+    _mm256_unpacklo_epi32, _mm256_unpacklo_epi64, _mm512_i32gather_epi32, _mm512_min_epu32,
+    _mm512_set1_epi32,
 };
 
 /// 32-bit words to gather from: at least one. Texels of other sizes are cast to words first.
@@ -92,6 +96,41 @@ pub fn gather_pairs<S: Simd>(s: S, words: Words<'_>, index: u32x16<S>) -> [u32x1
         ];
     }
     [gather(s, words, index), gather(s, words, index + 1)]
+}
+
+/// The words at sixteen indices and the two behind each. Where one of them lies beyond the end, it is the last word.
+#[inline(always)]
+pub fn gather_triples<S: Simd>(s: S, words: Words<'_>, index: u32x16<S>) -> [u32x16<S>; 3] {
+    if let Some([a, b, c, _]) = gather_quads(s, words, index) {
+        return [a, b, c];
+    }
+    [
+        gather(s, words, index),
+        gather(s, words, index + 1),
+        gather(s, words, index + 2),
+    ]
+}
+
+/// The words at sixteen indices and the three behind each, where that costs less than [`gather`]s and none lies beyond the end.
+#[inline(always)]
+pub fn gather_quads<S: Simd>(s: S, words: Words<'_>, index: u32x16<S>) -> Option<[u32x16<S>; 4]> {
+    #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+    if let (Level::Avx2(token), Some(last)) = (s.level(), words.last.checked_sub(3)) {
+        if index.simd_gt(last).any_true() {
+            return None;
+        }
+        let (low, high) = s.split_u32x16(index);
+        let low = quads_avx2(token, words, low.into());
+        let high = quads_avx2(token, words, high.into());
+        return Some([
+            s.combine_u32x8(low[0].simd_into(s), high[0].simd_into(s)),
+            s.combine_u32x8(low[1].simd_into(s), high[1].simd_into(s)),
+            s.combine_u32x8(low[2].simd_into(s), high[2].simd_into(s)),
+            s.combine_u32x8(low[3].simd_into(s), high[3].simd_into(s)),
+        ]);
+    }
+    let _ = (s, words, index);
+    None
 }
 
 /// [`gather`] by sixteen checked loads: the same words, the faster way on CPUs with slow gathers.
@@ -183,6 +222,43 @@ fearless_simd::kernel!(
         [
             _mm256_castps_si256(_mm256_shuffle_ps::<0x88>(x, y)),
             _mm256_castps_si256(_mm256_shuffle_ps::<0xdd>(x, y)),
+        ]
+    }
+);
+
+/// Four words that follow one another.
+///
+/// # Safety
+/// All lie within the words.
+#[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+#[inline(always)]
+unsafe fn quad(words: Words<'_>, at: u32) -> __m128i {
+    // SAFETY: the caller's word; sixteen bytes from there on are it and the next three.
+    unsafe { _mm_loadu_si128(words.data.as_ptr().add(at as usize).cast()) }
+}
+
+#[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+fearless_simd::kernel!(
+    /// Of more than three words. What lies beyond the end is not read, and what is read instead has no meaning.
+    #[inline(always)]
+    fn quads_avx2(token: Avx2, words: Words<'_>, index: __m256i) -> [__m256i; 4] {
+        let at = indices_avx2(token, index, words.last.saturating_sub(3));
+        // SAFETY: every index is at most three before `last`, which is below `data.len()`, so that all four words are elements.
+        let [a, b, c, d] = unsafe {
+            [
+                _mm256_set_m128i(quad(words, at[4]), quad(words, at[0])),
+                _mm256_set_m128i(quad(words, at[5]), quad(words, at[1])),
+                _mm256_set_m128i(quad(words, at[6]), quad(words, at[2])),
+                _mm256_set_m128i(quad(words, at[7]), quad(words, at[3])),
+            ]
+        };
+        let (low_ab, high_ab) = (_mm256_unpacklo_epi32(a, b), _mm256_unpackhi_epi32(a, b));
+        let (low_cd, high_cd) = (_mm256_unpacklo_epi32(c, d), _mm256_unpackhi_epi32(c, d));
+        [
+            _mm256_unpacklo_epi64(low_ab, low_cd),
+            _mm256_unpackhi_epi64(low_ab, low_cd),
+            _mm256_unpacklo_epi64(high_ab, high_cd),
+            _mm256_unpackhi_epi64(high_ab, high_cd),
         ]
     }
 );
