@@ -25,7 +25,7 @@ mod octet;
 
 pub use bytes::lerp_bytes;
 pub use gather::{
-    Words, gather, gather_by_loads, gather_pairs, gather_quads, gather_triples, has_pairs,
+    Words, gather, gather_by_loads, gather_pairs, gather_quads, gather_triples, has_pairs, prefetch,
 };
 pub use octet::{has_octets, octet};
 

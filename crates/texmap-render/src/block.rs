@@ -138,7 +138,9 @@ impl<'a> Job<'a> {
         let canvas = if self.scenery.samples.is_some() {
             scratch.painter.resolved()
         } else {
-            scratch.painter.paint(&self.scenery, index, false)
+            scratch
+                .painter
+                .paint(&self.scenery, index, false, &block.rgba)
         };
         for (y, row) in block.rgba.into_iter().enumerate() {
             canvas.copy_row(y, row);
@@ -186,7 +188,7 @@ impl<'a> Job<'a> {
         covered: &mut [bool],
     ) {
         painter.see(&self.scenery, index, true);
-        painter.paint(&self.scenery, index, true);
+        painter.paint(&self.scenery, index, true, &[]);
         let tile = self.scenery.prepared.tile(index);
         let (canvas, masks) = painter.light();
         for y in 0..tile.height {

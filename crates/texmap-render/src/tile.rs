@@ -1,6 +1,7 @@
 //! One tile of samples: visibility first, then each visible pixel shaded once, then what blends, in its order.
 
 use texmap_math::Level;
+use texmap_math::lanes::prefetch;
 use texmap_raster::{
     NONE, Pass, Prepared, RUN, RUN_ROOM, RunBlock, RunValues, SampleSetup, TileBlocks, TilePlanes,
 };
@@ -100,7 +101,13 @@ impl Painter {
     }
 
     /// Paints what [`see`](Self::see) saw and the blended surfaces: the finished tile, or its light where `light` asks for that.
-    pub(crate) fn paint(&mut self, scenery: &Scenery<'_>, tile: usize, light: bool) -> &Canvas {
+    pub(crate) fn paint(
+        &mut self,
+        scenery: &Scenery<'_>,
+        tile: usize,
+        light: bool,
+        ahead: &[&mut [u8]],
+    ) -> &Canvas {
         let (level, mode) = (scenery.plan.level, scenery.mode);
         scenery.prepared.planes(tile, &mut self.shader.planes);
         let Sample { blocks, canvas } = &mut self.samples[0];
@@ -115,8 +122,16 @@ impl Painter {
         self.covered.copy_from_slice(&blocks.masks);
         let slot = if self.alone { 0 } else { NONE };
         self.listed.visible(blocks, &blocks.masks, slot);
-        self.shader
-            .lay(scenery, tile, blocks, &self.listed, finished, canvas, None);
+        self.shader.lay(
+            scenery,
+            tile,
+            blocks,
+            &self.listed,
+            finished,
+            canvas,
+            None,
+            ahead,
+        );
         if blended.is_some() {
             self.listed.blended(scenery, tile, [0; 2], blocks);
             let covered = Some(&mut self.covered[..]);
@@ -128,6 +143,7 @@ impl Painter {
                 finished,
                 canvas,
                 covered,
+                &[],
             );
         }
         if !finished && !light {
@@ -334,6 +350,20 @@ impl Shown<'_> {
     }
 }
 
+/// Asks for the lines of the frame's rows that a run's blocks are copied to in the end: they come while it is shaded. Sixteen blocks side
+/// by side lie in sixteen lines, so that each asks for one.
+fn ask_for(rows: &[&mut [u8]], run: &[RunBlock]) {
+    for at in run {
+        let (column, row) = (usize::from(at.block) % 16, usize::from(at.block) / 16);
+        let line = rows
+            .get(row * 4 + column % 4)
+            .and_then(|row| row.get(column / 4 * 64..));
+        if let Some(line) = line {
+            prefetch(line);
+        }
+    }
+}
+
 fn mark(run: &[RunBlock], covered: &mut [u16]) {
     for at in run {
         covered[at.block as usize] |= at.mask;
@@ -364,9 +394,14 @@ impl Shader {
         finished: bool,
         canvas: &mut Canvas,
         mut over: Option<&mut [u16]>,
+        ahead: &[&mut [u8]],
     ) {
         let (level, mode) = (scenery.plan.level, scenery.mode);
-        for (draw, blocks_of) in listed.parts() {
+        let runs = listed
+            .parts()
+            .flat_map(|(draw, blocks)| blocks.chunks(RUN_BLOCKS).map(move |run| (draw, run)));
+        for (draw, blocks_of) in runs {
+            ask_for(ahead, blocks_of);
             if let Some(direct) = &scenery.direct[draw as usize] {
                 let mut from = From {
                     planes: &self.planes,

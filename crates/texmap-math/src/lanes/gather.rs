@@ -1,4 +1,4 @@
-//! Sixteen indexed loads at once: the only `unsafe` of the workspace.
+//! Sixteen indexed loads at once, and loads ahead of time: the only `unsafe` of the workspace.
 #![allow(
     unsafe_code,
     reason = "the gather instructions take a raw pointer; each block states why its addresses are valid"
@@ -51,6 +51,19 @@ impl<'a> Words<'a> {
     pub fn get(&self, index: u32) -> u32 {
         self.data[index.min(self.last) as usize]
     }
+}
+
+/// Asks for the cache line of the first byte, to be written soon; nothing waits for it. No bit depends on it.
+#[inline(always)]
+pub fn prefetch(bytes: &[u8]) {
+    #[cfg(target_arch = "x86_64")]
+    // SAFETY: a prefetch reads nothing, faults nowhere, and is part of what every x86-64 has.
+    unsafe {
+        core::arch::x86_64::_mm_prefetch::<{ core::arch::x86_64::_MM_HINT_ET0 }>(
+            bytes.as_ptr().cast(),
+        );
+    }
+    let _ = bytes;
 }
 
 /// The words at sixteen indices; an index beyond the end reads the last word. By a gather instruction on AVX-512; AVX2's is slower

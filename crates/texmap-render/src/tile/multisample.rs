@@ -82,7 +82,7 @@ impl Painter {
                 let Sample { blocks, canvas } = sample;
                 listed.blended(scenery, tile, offset, blocks);
                 let covered = Some(&mut covered[..]);
-                shader.lay(scenery, tile, blocks, listed, false, canvas, covered);
+                shader.lay(scenery, tile, blocks, listed, false, canvas, covered, &[]);
             }
         }
         if let [a, b, c, d] = &samples[..] {
