@@ -35,6 +35,7 @@ mod mirror;
 mod normal_map;
 mod packed;
 pub mod reference;
+mod reflect;
 mod shade;
 mod shadow;
 mod shadow_bounds;
@@ -51,8 +52,8 @@ pub use bump::{
 pub use chart::{Chart, UnknownChart};
 pub use environment::Environment;
 pub use error::LightError;
-pub use mirror::{Ray, reflect, reflect_across};
 pub use normal_map::{NormalMap, clamp_to_horizon, clamp_unit_to_horizon, perturb, perturb_slice};
+pub use reflect::{Ray, reflect, reflect_across};
 pub use shade::{
     Terms, illuminate, illuminate_slice, illuminate_two_sided, terms, terms_received, terms_slice,
 };

@@ -1,12 +1,13 @@
 //! From a checked scene to draws: which values each mesh carries per vertex, and which stages run on its pixels.
 
+mod cut;
+
 use std::sync::Arc;
 
 use texmap_light::Light;
-use texmap_math::Footprint;
 use texmap_math::glam::DMat4;
 use texmap_raster::{AlphaTest, DepthTest, Draw, Fragment, Interp, Pass};
-use texmap_sample::{Filter, Origin};
+use texmap_sample::Origin;
 
 use crate::backdrop::{SkyStage, behind};
 use crate::coordinates::{CameraFrame, Coordinates, EyeRays, Rays};
@@ -21,6 +22,8 @@ use crate::{
     AlphaMode, Aov, Backdrop, Gouraud, Material, Mesh, RenderError, Scene, Settings, Shading,
     TextureRole, TextureSlot,
 };
+
+pub(crate) use cut::{Cut, cut};
 
 /// All draws of one pass over a grid of samples.
 pub(crate) struct Plan<'s> {
@@ -90,13 +93,6 @@ pub(crate) enum LightStage {
     PerPixel,
 }
 
-/// Alpha of which a cut-out pixel is kept.
-#[derive(Clone, Copy)]
-pub(crate) enum Cut {
-    Above(f32),
-    AtLeast(f32),
-}
-
 impl<'s> Surface<'s> {
     /// Triangles of no colour that blend.
     pub(crate) fn bare(
@@ -147,25 +143,6 @@ impl Surface<'_> {
 impl AlphaTest for Plan<'_> {
     fn keep(&self, draw: u32, _triangle: u32, fragment: &Fragment) -> bool {
         self.surfaces[draw as usize].kept(fragment)
-    }
-}
-
-impl Cut {
-    /// The alpha test of a pixel at `place`, with the samplers and the level of detail of shading.
-    pub(crate) fn keeps(
-        self,
-        place: Option<([f32; 2], Footprint)>,
-        [base_color, opacity_map]: [Option<&Slot<'_>>; 2],
-        opacity: f32,
-    ) -> bool {
-        let (uv, d) = place.unwrap_or_default();
-        let texel = base_color.map_or(1.0, |s| s.texel(uv, d)[3]);
-        let mask = opacity_map.map_or(1.0, |s| s.opacity(s.texel(uv, d)));
-        let alpha = texel * mask * opacity;
-        match self {
-            Self::Above(t) => alpha > t,
-            Self::AtLeast(t) => alpha >= t,
-        }
     }
 }
 
@@ -420,29 +397,6 @@ fn surface<'s>(
     }
 }
 
-/// What an alpha test keeps; `None` if there is none, or nothing that it could cut out.
-pub(crate) fn cut(
-    material: &Material,
-    base_color: Option<&Slot<'_>>,
-    opacity_map: Option<&Slot<'_>>,
-) -> Option<Cut> {
-    let clear_texels = base_color.is_some_and(Slot::can_be_transparent);
-    let has_alpha = material.opacity < 1.0 || opacity_map.is_some() || clear_texels;
-    match material.alpha {
-        AlphaMode::Test(t) if has_alpha && t > 0.0 => Some(Cut::AtLeast(t)),
-        AlphaMode::Test(_) if has_alpha => {
-            let alpha_source = opacity_map.or(base_color);
-            let nearest = alpha_source.is_none_or(|s| picks_texels(s.sampler.filter));
-            Some(if nearest {
-                Cut::Above(0.0)
-            } else {
-                Cut::AtLeast(0.5)
-            })
-        }
-        _ => None,
-    }
-}
-
 fn light_stage(
     material: &Material,
     shows_surface: bool,
@@ -480,17 +434,13 @@ fn lights_depend_on_place(lights: &[Light], material: &Material) -> bool {
     })
 }
 
-fn picks_texels(filter: Filter) -> bool {
-    matches!(filter, Filter::Nearest | Filter::MipNearest)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use texmap_math::Camera;
     use texmap_math::glam::DVec3;
     use texmap_raster::DepthTest;
-    use texmap_sample::{ColorSpace, Origin, Sampler, Texture2d, UvTransform, Wrap};
+    use texmap_sample::{ColorSpace, Filter, Origin, Sampler, Texture2d, UvTransform, Wrap};
 
     use crate::TextureSlot;
 

@@ -2,7 +2,7 @@
 
 use texmap_sample::{Texture2d, Wrap};
 
-use super::constant;
+use super::view::constant;
 use crate::{AlphaMode, Material, Relief, TextureSlot};
 
 /// Puts numbers in the place of maps of one colour, and says which maps are gone.
