@@ -15,15 +15,18 @@ pub(crate) fn split<T>(
     width: u32,
     height: u32,
 ) -> Vec<Vec<&mut [T]>> {
-    let tile = TILE as usize;
-    let across = width.div_ceil(TILE) as usize;
-    let mut blocks: Vec<Vec<&mut [T]>> = Vec::new();
-    blocks.resize_with(across * height.div_ceil(TILE) as usize, || {
-        Vec::with_capacity(tile)
-    });
-    for (y, row) in data.chunks_mut(width as usize * channels).enumerate() {
-        for (column, part) in row.chunks_mut(tile * channels).enumerate() {
-            blocks[y / tile * across + column].push(part);
+    let (tile, width) = (TILE as usize, width as usize);
+    let across = width.div_ceil(tile);
+    let mut blocks = Vec::with_capacity(across * height.div_ceil(TILE) as usize);
+    // Block by block: the rows of each are put down in one go.
+    for band in data.chunks_mut(width * channels * tile) {
+        let mut left: Vec<&mut [T]> = band.chunks_mut(width * channels).collect();
+        for column in 0..across {
+            let part = (width - column * tile).min(tile) * channels;
+            let rows = left.iter_mut().filter_map(|row| row.split_off_mut(..part));
+            let mut block = Vec::with_capacity(tile);
+            block.extend(rows);
+            blocks.push(block);
         }
     }
     blocks
