@@ -3,10 +3,11 @@ use alloc::vec::Vec;
 use core::ops::Range;
 
 use texmap_math::Level;
-use texmap_math::fearless_simd::{Simd, i32x16, mask32x16, prelude::*, u32x16};
-use texmap_math::lanes::{LANES, Words, gather_pairs, gather_triples, iota};
+use texmap_math::fearless_simd::{Simd, i32x16, mask32x16, prelude::*};
+use texmap_math::lanes::{LANES, iota};
 use texmap_math::on_level;
 
+use crate::arrays::Arrays;
 use crate::clip::{Corner, Hom, Region, clip, region};
 use crate::edge::{Edge, PixelBox, Snapped, area, centre, edges, snap};
 use crate::planes::determinant;
@@ -111,9 +112,9 @@ impl Submission<'_, '_> {
             None => self.draw.check_indices(draw, all)?,
         }
         let whole = !matches!(self.draw.interp, Interp::Subdivided(_));
-        match level {
-            Some(level) if whole && self.fits_lanes() => {
-                on_level!(level, s => self.run_lanes(s, range, chunk), else self.run_plain(range, chunk))
+        match (level, Arrays::new(self.draw, self.snapped)) {
+            (Some(level), Some(arrays)) if whole => {
+                on_level!(level, s => self.run_lanes(s, &arrays, range, chunk), else self.run_plain(range, chunk))
             }
             _ => self.run_plain(range, chunk),
         }
@@ -125,16 +126,11 @@ impl Submission<'_, '_> {
             .try_for_each(|triangle| self.submit(triangle, chunk))
     }
 
-    /// Gathers index 32-bit words.
-    fn fits_lanes(&self) -> bool {
-        let limit = i32::MAX as usize / 3;
-        self.draw.indices.len() < limit && self.snapped.len() < limit
-    }
-
     #[inline(always)]
     fn run_lanes<S: Simd>(
         &self,
         s: S,
+        arrays: &Arrays<'_>,
         range: Range<usize>,
         chunk: &mut Chunk,
     ) -> Result<(), RasterError> {
@@ -142,7 +138,7 @@ impl Submission<'_, '_> {
         let mut base = range.start;
         while base < range.end {
             let count = LANES.min(range.end - base);
-            self.sort_group(s, base, count, &mut group);
+            self.sort_group(s, arrays, base, count, &mut group);
             chunk.stats.degenerate += group.degenerate.count_ones() as usize;
             chunk.stats.culled += group.culled.count_ones() as usize;
             chunk.stats.outside += group.outside.count_ones() as usize;
@@ -178,37 +174,37 @@ impl Submission<'_, '_> {
     /// Sixteen triangles from `base` on, of which `count` exist: which are dropped and why, which need a look of their own,
     /// and the pixel boxes of those that are seen.
     #[inline(always)]
-    fn sort_group<S: Simd>(&self, s: S, base: usize, count: usize, group: &mut Group) {
-        let (Some(indices), Some(snapped)) = (
-            Words::new(bytemuck::cast_slice(self.draw.indices)),
-            Words::new(bytemuck::cast_slice(self.snapped)),
-        ) else {
-            return;
-        };
-        let corner: u32x16<S> = ((iota(s) + base as i32) * 3).bitcast();
-        let [first, second, third] = gather_triples(s, indices, corner);
+    fn sort_group<S: Simd>(
+        &self,
+        s: S,
+        arrays: &Arrays<'_>,
+        base: usize,
+        count: usize,
+        group: &mut Group,
+    ) {
+        let [first, second, third] = arrays.corners(s, iota(s) + base as i32);
         let v = [
-            vertex(s, snapped, first),
-            vertex(s, snapped, second),
-            vertex(s, snapped, third),
+            arrays.snapped(s, first),
+            arrays.snapped(s, second),
+            arrays.snapped(s, third),
         ];
         let exists = mask32x16::from_bitmask(s, (1 << count) - 1);
         let special =
-            v[0].0.simd_eq(SPECIAL[0]) | v[1].0.simd_eq(SPECIAL[0]) | v[2].0.simd_eq(SPECIAL[0]);
+            v[0][0].simd_eq(SPECIAL[0]) | v[1][0].simd_eq(SPECIAL[0]) | v[2][0].simd_eq(SPECIAL[0]);
         let (lo_x, hi_x) = (
-            v[0].0.min(v[1].0).min(v[2].0),
-            v[0].0.max(v[1].0).max(v[2].0),
+            v[0][0].min(v[1][0]).min(v[2][0]),
+            v[0][0].max(v[1][0]).max(v[2][0]),
         );
         let (lo_y, hi_y) = (
-            v[0].1.min(v[1].1).min(v[2].1),
-            v[0].1.max(v[1].1).max(v[2].1),
+            v[0][1].min(v[1][1]).min(v[2][1]),
+            v[0][1].max(v[1][1]).max(v[2][1]),
         );
         let large = (hi_x - lo_x).simd_ge(SMALL) | (hi_y - lo_y).simd_ge(SMALL);
         let care = exists & (special | large);
         let plain = exists & !care;
 
-        let (dx1, dy1) = (v[1].0 - v[0].0, v[1].1 - v[0].1);
-        let (dx2, dy2) = (v[2].0 - v[0].0, v[2].1 - v[0].1);
+        let (dx1, dy1) = (v[1][0] - v[0][0], v[1][1] - v[0][1]);
+        let (dx2, dy2) = (v[2][0] - v[0][0], v[2][1] - v[0][1]);
         let area = dx1 * dy2 - dx2 * dy1;
         let flat = area.simd_eq(0);
         let front = area.simd_lt(0);
@@ -468,36 +464,33 @@ struct Group {
     y1: [i32; LANES],
 }
 
-/// Sixteen snapped vertices, x and y.
-type Vertices<S> = (i32x16<S>, i32x16<S>);
-
-#[inline(always)]
-fn vertex<S: Simd>(s: S, snapped: Words<'_>, index: u32x16<S>) -> Vertices<S> {
-    let [x, y] = gather_pairs(s, snapped, index << 1);
-    (x.bitcast(), y.bitcast())
-}
-
 /// Whether any of the (up to 2x2) centres of the box is inside. Only for small triangles; other lanes hold no meaning.
 #[inline(always)]
 fn tiny_hit<S: Simd>(
     s: S,
-    v: [Vertices<S>; 3],
+    v: [[i32x16<S>; 2]; 3],
     front: mask32x16<S>,
     [x0, y0, x1, y1]: [i32x16<S>; 4],
 ) -> mask32x16<S> {
     // Front faces run counter-clockwise, which is negative with y down: turn them.
-    let second = (front.select(v[2].0, v[1].0), front.select(v[2].1, v[1].1));
-    let third = (front.select(v[1].0, v[2].0), front.select(v[1].1, v[2].1));
+    let second = [
+        front.select(v[2][0], v[1][0]),
+        front.select(v[2][1], v[1][1]),
+    ];
+    let third = [
+        front.select(v[1][0], v[2][0]),
+        front.select(v[1][1], v[2][1]),
+    ];
     let (ex0, ey0) = ((x0 << 8) + 128, (y0 << 8) + 128);
     let (ex1, ey1) = ((x1 << 8) + 128, (y1 << 8) + 128);
     let yes = mask32x16::splat(s, true);
     let mut hit = [yes; 4];
     for (p, q) in [(v[0], second), (second, third), (third, v[0])] {
-        let (a, b) = (p.1 - q.1, q.0 - p.0);
+        let (a, b) = (p[1] - q[1], q[0] - p[0]);
         let top_left = a.simd_gt(0) | (a.simd_eq(0) & b.simd_gt(0));
         let least = top_left.select(i32x16::splat(s, 0), i32x16::splat(s, 1));
-        let (ax0, ax1) = (a * (ex0 - p.0), a * (ex1 - p.0));
-        let (by0, by1) = (b * (ey0 - p.1), b * (ey1 - p.1));
+        let (ax0, ax1) = (a * (ex0 - p[0]), a * (ex1 - p[0]));
+        let (by0, by1) = (b * (ey0 - p[1]), b * (ey1 - p[1]));
         hit[0] &= (ax0 + by0).simd_ge(least);
         hit[1] &= (ax1 + by0).simd_ge(least);
         hit[2] &= (ax0 + by1).simd_ge(least);

@@ -1,9 +1,10 @@
 //! Sixteen triangles of one draw set up for one tile: edges in i32, depth planes, pixel boxes.
 use texmap_math::fearless_simd::{Simd, f32x16, f64x8, i32x16, mask32x16, mask64x8, prelude::*};
-use texmap_math::lanes::{LANES, Words, above, below, gather_pairs, gather_triples};
+use texmap_math::lanes::{LANES, above, below};
 
 use crate::Prepared;
-use crate::edge::{Edge, Snapped};
+use crate::arrays::Arrays;
+use crate::edge::Edge;
 use crate::planes::{Plane, Solver};
 use crate::setup::{DEPTH_RATIO, DepthPlane, REACH, TILE, origin};
 use crate::vertex::{SPECIAL, Transform};
@@ -86,57 +87,6 @@ impl Ids {
     #[inline(always)]
     pub(crate) fn lanes<S: Simd>(&self, s: S) -> i32x16<S> {
         i32x16::from_slice(s, &self.triangle)
-    }
-}
-
-/// Words of a draw's arrays.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Arrays<'a> {
-    indices: Words<'a>,
-    snapped: Words<'a>,
-    positions: Words<'a>,
-}
-
-impl<'a> Arrays<'a> {
-    pub(crate) fn new(
-        indices: &'a [[u32; 3]],
-        snapped: &'a [Snapped],
-        positions: &'a [[f32; 3]],
-    ) -> Option<Self> {
-        Some(Self {
-            indices: Words::new(bytemuck::cast_slice(indices))?,
-            snapped: Words::new(bytemuck::cast_slice(snapped))?,
-            positions: Words::new(bytemuck::cast_slice(positions))?,
-        })
-    }
-
-    /// Vertex numbers of sixteen triangles' corners.
-    #[inline(always)]
-    pub(crate) fn corners<S: Simd>(&self, s: S, triangle: i32x16<S>) -> [i32x16<S>; 3] {
-        let corners = gather_triples(s, self.indices, (triangle * 3).bitcast());
-        [
-            corners[0].bitcast(),
-            corners[1].bitcast(),
-            corners[2].bitcast(),
-        ]
-    }
-
-    #[inline(always)]
-    fn snapped<S: Simd>(&self, s: S, vertex: i32x16<S>) -> [i32x16<S>; 2] {
-        let [x, y] = gather_pairs(s, self.snapped, (vertex << 1).bitcast());
-        [x.bitcast(), y.bitcast()]
-    }
-
-    /// Positions as f64: lanes 0 to 7, then 8 to 15.
-    #[inline(always)]
-    pub(crate) fn positions<S: Simd>(&self, s: S, vertex: i32x16<S>) -> [[f64x8<S>; 3]; 2] {
-        let [x, y, z] = gather_triples(s, self.positions, (vertex * 3).bitcast());
-        let [x, y, z] = [
-            x.bitcast::<f32x16<S>>().widen(),
-            y.bitcast::<f32x16<S>>().widen(),
-            z.bitcast::<f32x16<S>>().widen(),
-        ];
-        [[x.0, y.0, z.0], [x.1, y.1, z.1]]
     }
 }
 

@@ -37,6 +37,7 @@
 #![forbid(unsafe_code)]
 extern crate alloc;
 
+mod arrays;
 mod atlas;
 mod blocks;
 mod clip;

@@ -59,7 +59,7 @@ impl TilePlanes {
     /// Room for `groups` groups with `attributes` attributes.
     fn reset(&mut self, groups: usize, attributes: usize, corner: [u32; 2]) {
         self.per_group = (1 + attributes) * COEFFICIENTS;
-        // What an earlier tile left stands only where no triangle is.
+        // What an earlier tile left stands only where no triangle is, and for attributes that a draw lacks.
         self.words.resize(groups * self.per_group * LANES, 0.0);
         self.odd.clear();
         self.odd.resize(groups * LANES, NONE);

@@ -3,9 +3,9 @@ use alloc::vec::Vec;
 
 use texmap_math::Level;
 
+use crate::arrays::Arrays;
 use crate::edge::{PixelBox, Snapped, area, edges, seen_from, snap};
 use crate::front::{self, Chunk, MOST, Piece, Submission};
-use crate::group::Arrays;
 use crate::setup::{Fragment, Shape, TILE, TriangleSetup};
 use crate::vertex::{self, Transform};
 use crate::{Draw, Interp, Pass, RasterError, Stats, TargetSize};
@@ -313,11 +313,7 @@ impl<'a> Prepared<'a> {
 
     /// A draw's arrays for gathers; `None` where they are empty or too long for 32-bit indices.
     pub(crate) fn arrays(&self, draw: usize) -> Option<Arrays<'_>> {
-        let d = &self.draws[draw];
-        let limit = i32::MAX as usize / 3;
-        let fits = d.indices.len() < limit && d.positions.len() < limit;
-        fits.then(|| Arrays::new(d.indices, &self.snapped[draw], d.positions))
-            .flatten()
+        Arrays::new(&self.draws[draw], &self.snapped[draw])
     }
 
     pub(crate) fn level(&self) -> Option<Level> {
