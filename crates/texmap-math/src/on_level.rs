@@ -1,4 +1,4 @@
-//! From a level to code: kernels exist three times on x86 and once elsewhere.
+//! From a level to code: kernels exist up to three times on x86 and once elsewhere.
 
 /// Runs `$lanes` with the token `$s` of `$level` and its instructions, or `$plain` where there are no lanes (the scalar
 /// fallback: the plain twin gives the same bits and compiles in a fraction of the time; lanes of arrays took texmap-uv minutes).
@@ -7,6 +7,27 @@
 #[doc(hidden)]
 #[macro_export]
 macro_rules! on_level {
+    ($level:expr, $s:ident => $lanes:expr, else $plain:expr) => {
+        $crate::on_wide_level!($level, $s => $lanes, else {
+            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+            match $level.as_sse2() {
+                Some($s) => $crate::fearless_simd::Simd::vectorize(
+                    $s,
+                    #[inline(always)]
+                    || $lanes,
+                ),
+                None => $plain,
+            }
+            #[cfg(not(any(target_arch = "x86", target_arch = "x86_64")))]
+            $plain
+        })
+    };
+}
+
+/// [`on_level!`] for kernels that are large and many: SSE, with half of AVX2's lanes and no gathers, takes `$plain` too.
+#[doc(hidden)]
+#[macro_export]
+macro_rules! on_wide_level {
     ($level:expr, $s:ident => $lanes:expr, else $plain:expr) => {
         match $level {
             #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
@@ -33,16 +54,6 @@ macro_rules! on_level {
                 #[inline(always)]
                 || $lanes,
             ),
-            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-            other => match other.as_sse2() {
-                Some($s) => $crate::fearless_simd::Simd::vectorize(
-                    $s,
-                    #[inline(always)]
-                    || $lanes,
-                ),
-                None => $plain,
-            },
-            #[cfg(not(any(target_arch = "x86", target_arch = "x86_64")))]
             _ => $plain,
         }
     };

@@ -6,7 +6,7 @@ use texmap_math::{Level, color, lanes};
 use texmap_raster::{RUN_ROOM, RunBlock, TILE};
 
 use crate::ColorMode;
-use crate::dispatch::on_level;
+use texmap_math::on_wide_level;
 
 /// Pixels of a block.
 pub(crate) const LANES: usize = 16;
@@ -100,7 +100,7 @@ impl Canvas {
         colors: &Colors,
     ) {
         let mut words = [0; RUN_ROOM];
-        on_level!(
+        on_wide_level!(
             level,
             s => for i in 0..run.len() {
                 let word = finish_lanes(s, mode, colors.lanes(s, i));
@@ -119,7 +119,7 @@ impl Canvas {
     /// Puts opaque colours.
     pub(crate) fn put(&mut self, level: Level, run: &[RunBlock], colors: &Colors) {
         let light = &mut self.light;
-        on_level!(
+        on_wide_level!(
             level,
             s => for (i, at) in run.iter().enumerate() {
                 let pixels = mask32x16::from_bitmask(s, u64::from(at.mask));
@@ -153,7 +153,7 @@ impl Canvas {
         covered: &mut [u16],
     ) {
         let light = &mut self.light;
-        on_level!(
+        on_wide_level!(
             level,
             s => for (i, at) in run.iter().enumerate() {
                 over_block(s, light, *at, colors.lanes(s, i), covered);
@@ -175,7 +175,7 @@ impl Canvas {
     /// Finishes all pixels.
     pub(crate) fn finish(&mut self, level: Level, mode: ColorMode) {
         let Self { words, light } = self;
-        on_level!(
+        on_wide_level!(
             level,
             s => for (i, word) in words.chunks_exact_mut(LANES).enumerate() {
                 finish_lanes(s, mode, light_lanes(s, light, i)).store_slice(word);
@@ -201,7 +201,7 @@ impl Canvas {
     pub(crate) fn resolve(&mut self, level: Level, mode: ColorMode, samples: [&Self; 4]) {
         let words = &mut self.words;
         let [a, b, c, d] = samples.map(|canvas| &canvas.light);
-        on_level!(
+        on_wide_level!(
             level,
             s => for (i, word) in words.chunks_exact_mut(LANES).enumerate() {
                 let (a, b) = (light_lanes(s, a, i), light_lanes(s, b, i));
@@ -229,7 +229,7 @@ impl Canvas {
     ) {
         let [a, b, c, d] = samples.map(|canvas| canvas.words.as_chunks::<LANES>().0);
         let words = self.words.as_chunks_mut::<LANES>().0;
-        on_level!(
+        on_wide_level!(
             level,
             s => for (i, word) in words.iter_mut().enumerate() {
                 if alike(i) {

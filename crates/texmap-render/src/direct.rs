@@ -9,9 +9,9 @@ use texmap_sample::lanes::packed::{self, FootprintLanes};
 use texmap_sample::lanes::{Kind, View};
 
 use crate::canvas::{Canvas, LANES, over_block, put_block};
-use crate::dispatch::on_level;
 use crate::plan::Surface;
 use crate::texel::{RunUv, TexelStage};
+use texmap_math::on_wide_level;
 
 /// What a surface's texels are painted with.
 #[derive(Debug)]
@@ -58,7 +58,7 @@ impl<'a> Direct<'a> {
             return false;
         }
         let words = canvas.words_mut();
-        on_level!(
+        on_wide_level!(
             level,
             s => {
                 self.paint(s, &from.source(), from.levels, run, &mut Put { words });
@@ -80,7 +80,7 @@ impl<'a> Direct<'a> {
     ) -> bool {
         let stage = &self.stage;
         let light = canvas.light_mut();
-        on_level!(
+        on_wide_level!(
             level,
             s => {
                 self.paint(s, &from.source(), from.levels, run, &mut Over { stage, light, covered });

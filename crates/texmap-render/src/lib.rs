@@ -50,7 +50,6 @@ mod check;
 mod check_effects;
 mod coordinates;
 mod direct;
-mod dispatch;
 mod displace;
 mod effects;
 mod error;

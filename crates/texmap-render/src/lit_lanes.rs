@@ -12,7 +12,6 @@ use texmap_raster::{RunBlock, RunValues, TilePlanes};
 
 use crate::canvas::{Colors, LANES};
 use crate::coordinates::{Coordinates, EyeRays};
-use crate::dispatch::on_level;
 use crate::lit::SurfaceEffects;
 use crate::lit_texels::{
     BakedLookUp, BakedTexels, LookUpScratch, LookUps, SlideLookUp, SlideTexels, Texels,
@@ -24,6 +23,7 @@ use crate::shade::Run;
 use crate::textures::Slot;
 use crate::{AlphaMode, TextureRole};
 use columns::{Columns, Side};
+use texmap_math::on_wide_level;
 use vectors::{NORMAL, POSITION};
 
 /// The stages of one surface; each is there only if the material or a light asks for it.
@@ -200,7 +200,7 @@ impl<'a> LitLanes<'a> {
         }
         let thrown = || self.lights.iter().filter_map(|lamp| lamp.slide.as_ref());
         slides.resize_with(thrown().count(), SlideTexels::default);
-        on_level!(
+        on_wide_level!(
             level,
             s => {
                 self.look_ups.run(s, level, planes, run.blocks, list, look_ups, texels);
@@ -261,5 +261,5 @@ fn fits(slot: &Slot<'_>) -> bool {
 }
 
 fn has_lanes(level: Level) -> bool {
-    on_level!(level, s => { let _ = s; true }, else false)
+    on_wide_level!(level, s => { let _ = s; true }, else false)
 }

@@ -241,11 +241,11 @@ impl<S: Simd> BlockSink<S, 2> for Leveled<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::dispatch::on_level;
     use crate::textures::Chains;
     use crate::{ColorMode, Effects, Scene, Settings, TextureSlot};
     use texmap_math::camera::Camera;
     use texmap_math::glam::{DMat4, DVec3, DVec4};
+    use texmap_math::on_wide_level;
     use texmap_raster::{Draw, NONE, NoAlphaTest, Prepared, RUN, TargetSize};
     use texmap_sample::{
         ColorSpace, Filter, Origin, Precision, Sampler, Texture2d, UvTransform, Wrap,
@@ -374,7 +374,7 @@ mod tests {
                     let mut words: [Texels; 2] = Default::default();
                     let mut floats: [Texels; 2] = Default::default();
                     for run in list.chunks(RUN / LANES) {
-                        on_level!(level, s => {
+                        on_wide_level!(level, s => {
                             packed.run(s, level, &planes, &blocks, run, &mut scratch, &mut words);
                             general.run(s, level, &planes, &blocks, run, &mut scratch, &mut floats);
                             for (words, floats) in words.iter().zip(&floats) {

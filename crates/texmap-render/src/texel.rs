@@ -8,9 +8,9 @@ use texmap_raster::{RUN_ROOM, RunValues};
 use texmap_sample::{Places, gives_bytes, sample_columns, sample_rgba8_columns};
 
 use crate::canvas::{Colors, LANES, finish, straight};
-use crate::dispatch::on_level;
 use crate::textures::Slot;
 use crate::{AlphaMode, ColorMode, Material, TextureRole};
+use texmap_math::on_wide_level;
 
 /// What stands between a texel and its colour.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -119,7 +119,7 @@ impl TexelStage {
             }
             None => out.0.iter_mut().for_each(|c| c[..count].fill(1.0)),
         }
-        on_level!(
+        on_wide_level!(
             level,
             s => self.tint_lanes(s, count, out),
             else for place in 0..count {

@@ -110,10 +110,10 @@ impl<'a> SlideLookUp<'a> {
 mod tests {
     use super::super::tests::{bits, bordered, noise, sampler};
     use super::*;
-    use crate::dispatch::on_level;
     use texmap_light::{Slide, SlideBorder};
     use texmap_math::Projector;
     use texmap_math::glam::DVec3;
+    use texmap_math::on_wide_level;
     use texmap_raster::RUN;
     use texmap_sample::{Filter, Wrap};
 
@@ -159,7 +159,7 @@ mod tests {
                 };
                 let (mut words, mut floats) = (SlideTexels::default(), SlideTexels::default());
                 let mut reached = 0;
-                on_level!(level, s => {
+                on_wide_level!(level, s => {
                     assert!(packed.view.is_some());
                     let (count, points) = (RUN / LANES, points.each_ref());
                     packed.run(s, level, count, points, &mut words);

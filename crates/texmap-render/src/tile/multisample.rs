@@ -8,7 +8,7 @@ use texmap_sample::lanes::View;
 use super::{BLOCKS, EMPTY, Painter, RUN_BLOCKS, Sample, Scenery, blended};
 use crate::canvas::{Canvas, LANES, bits, finish, put_block};
 use crate::direct::{Brush, Direct, From, Levels, Source};
-use crate::dispatch::on_level;
+use texmap_math::on_wide_level;
 
 /// `by[j][k]`: the pixels of a block whose sample j shows the fragment that sample k showed first.
 #[derive(Clone, Copy, Default)]
@@ -160,7 +160,7 @@ impl Painter {
             return;
         };
         let samples = [&a.blocks, &b.blocks, &c.blocks, &d.blocks];
-        on_level!(
+        on_wide_level!(
             level,
             s => for (block, sharing) in self.sharing.iter_mut().enumerate() {
                 share_lanes(s, samples, block, sharing);
@@ -237,7 +237,7 @@ impl First<'_> {
         from: &mut From<'_>,
         run: &[RunBlock],
     ) -> bool {
-        on_level!(
+        on_wide_level!(
             level,
             s => {
                 direct.paint(s, &from.source(), from.levels, run, self);
@@ -319,7 +319,7 @@ impl Strays {
             strays: self,
         };
         let mut brush = Scatter { strays: self, rest };
-        on_level!(
+        on_wide_level!(
             level,
             s => direct.paint(s, &source, levels, &self.run, &mut brush),
             else ()
