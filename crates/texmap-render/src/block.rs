@@ -140,7 +140,7 @@ impl<'a> Job<'a> {
         } else {
             scratch
                 .painter
-                .paint(&self.scenery, index, false, &block.rgba)
+                .paint(&self.scenery, index, Some(&block.rgba))
         };
         for (y, row) in block.rgba.into_iter().enumerate() {
             canvas.copy_row(y, row);
@@ -188,7 +188,7 @@ impl<'a> Job<'a> {
         covered: &mut [bool],
     ) {
         painter.see(&self.scenery, index, true);
-        painter.paint(&self.scenery, index, true, &[]);
+        painter.paint(&self.scenery, index, None);
         let tile = self.scenery.prepared.tile(index);
         let (canvas, masks) = painter.light();
         for y in 0..tile.height {

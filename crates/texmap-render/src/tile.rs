@@ -100,20 +100,20 @@ impl Painter {
         blocks
     }
 
-    /// Paints what [`see`](Self::see) saw and the blended surfaces: the finished tile, or its light where `light` asks for that.
+    /// Paints what [`see`](Self::see) saw and the blended surfaces: the finished tile for these rows of the frame, or its light if
+    /// there are none.
     pub(crate) fn paint(
         &mut self,
         scenery: &Scenery<'_>,
         tile: usize,
-        light: bool,
-        ahead: &[&mut [u8]],
+        rows: Option<&[&mut [u8]]>,
     ) -> &Canvas {
         let (level, mode) = (scenery.plan.level, scenery.mode);
         scenery.prepared.planes(tile, &mut self.shader.planes);
         let Sample { blocks, canvas } = &mut self.samples[0];
         let blended = blended(scenery.plan, blocks);
         // Where nothing mixes, pixels can be finished one by one.
-        let finished = !light && blended.is_none_or(|b| b.opaque);
+        let finished = rows.is_some() && blended.is_none_or(|b| b.opaque);
         if !finished {
             canvas.fill_light(scenery.background);
         } else if blocks.masks.iter().any(|mask| *mask != u16::MAX) {
@@ -130,7 +130,7 @@ impl Painter {
             finished,
             canvas,
             None,
-            ahead,
+            rows.unwrap_or_default(),
         );
         if blended.is_some() {
             self.listed.blended(scenery, tile, [0; 2], blocks);
@@ -146,7 +146,7 @@ impl Painter {
                 &[],
             );
         }
-        if !finished && !light {
+        if !finished && rows.is_some() {
             canvas.finish(level, mode);
         }
         canvas
