@@ -5,7 +5,7 @@
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use texmap_light::lanes::{
-    MirrorView, RayLanes, V3, reflect_across_lanes, share_lanes, unit_lanes,
+    MirrorView, PowerLanes, RayLanes, V3, reflect_across_lanes, share_lanes, unit_lanes,
 };
 use texmap_light::{
     Chart, Environment, Green, Highlight, Light, NormalMap, Power, Ray, ShadowBias, ShadowKind,
@@ -211,7 +211,7 @@ impl Effect {
         let (zero, one) = (f32x16::splat(s, 0.0), f32x16::splat(s, 1.0));
         match self {
             Self::Share(model) => {
-                let power = Power::new(SURFACE.ns);
+                let power = PowerLanes::Same(Power::new(SURFACE.ns));
                 let (light, view) = (&input.light, unit_lanes(s, view));
                 let given = share_lanes(s, &SURFACE, power, model, light, point, normal, view);
                 [

@@ -1,10 +1,12 @@
 use alloc::vec::Vec;
 
+use texmap_math::fearless_simd::{Simd, f32x16, prelude::*};
 use texmap_math::float::sqrt_f32;
 
 use crate::error::{LightError, same_length};
-use crate::normal_map::NormalMap;
-use crate::vector::{dot, unit};
+use crate::lanes::V3;
+use crate::normal_map::{NormalMap, is_zero};
+use crate::vector::{cross_lanes, dot, dot_lanes, unit, unit_lanes};
 
 /// How the slope of a height field is measured.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -199,6 +201,34 @@ pub fn bump_on(n: [f32; 3], o_u: [f32; 3], o_v: [f32; 3], b_u: f32, b_v: f32) ->
     } else {
         n
     }
+}
+
+/// [`bump_on`] for sixteen.
+#[inline(always)]
+pub fn bump_on_lanes<S: Simd>(
+    s: S,
+    n: V3<S>,
+    o_u: V3<S>,
+    o_v: V3<S>,
+    b_u: f32x16<S>,
+    b_v: f32x16<S>,
+) -> V3<S> {
+    let (zero, one) = (f32x16::splat(s, 0.0), f32x16::splat(s, 1.0));
+    let raw = cross_lanes(o_u, o_v);
+    let area = dot_lanes(raw, raw).sqrt();
+    let side = dot_lanes(raw, n).simd_lt(zero).select(-one, one);
+    let (along_v, along_u) = (cross_lanes(n, o_v), cross_lanes(n, o_u));
+    let mut bumped = n;
+    for i in 0..3 {
+        bumped[i] = area * n[i] + side * (b_u * along_v[i] - b_v * along_u[i]);
+    }
+    let bumped = unit_lanes(s, bumped);
+    let useful = area.simd_gt(zero) & !is_zero(zero, bumped);
+    [
+        useful.select(bumped[0], n[0]),
+        useful.select(bumped[1], n[1]),
+        useful.select(bumped[2], n[2]),
+    ]
 }
 
 pub(crate) fn cross(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {

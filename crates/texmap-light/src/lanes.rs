@@ -4,10 +4,11 @@
 
 use texmap_math::fearless_simd::f32x16;
 
+pub use crate::bump::bump_on_lanes;
 pub use crate::mirror::MirrorView;
 pub use crate::normal_map::clamp_to_horizon_lanes;
 pub use crate::reflect::{RayLanes, reflect_across_lanes, reflect_lanes};
-pub use crate::share::{ShareLanes, share_lanes};
+pub use crate::share::{PowerLanes, ShareLanes, share_lanes};
 pub use crate::slide::SlidePlaces;
 pub use crate::vector::{spread, unit_lanes};
 

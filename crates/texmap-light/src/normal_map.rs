@@ -94,7 +94,7 @@ impl NormalMap {
 }
 
 #[inline(always)]
-fn is_zero<S: Simd>(zero: f32x16<S>, v: V3<S>) -> mask32x16<S> {
+pub(crate) fn is_zero<S: Simd>(zero: f32x16<S>, v: V3<S>) -> mask32x16<S> {
     v[0].simd_eq(zero) & v[1].simd_eq(zero) & v[2].simd_eq(zero)
 }
 

@@ -1,7 +1,8 @@
 //! What one light gives a point before anything stands in its way, for one point and for sixteen.
 
 use texmap_math::det32;
-use texmap_math::fearless_simd::{Simd, f32x16, mask32x16, prelude::*};
+use texmap_math::fearless_simd::{Simd, f32x16, i32x16, mask32x16, prelude::*};
+use texmap_math::lanes::floor_to_i32;
 
 use crate::lanes::V3;
 use crate::vector::{dot, dot_lanes, scale, spread, sub, sub_lanes, unit, unit_lanes};
@@ -33,7 +34,7 @@ impl Power {
     #[must_use]
     pub fn new(ns: f32) -> Self {
         let whole = ns as u32;
-        if whole as f32 == ns && whole <= 256 {
+        if whole as f32 == ns && whole <= MOST {
             Self::Whole(whole)
         } else {
             Self::Real(ns)
@@ -81,6 +82,63 @@ impl Power {
             }
         }
     }
+}
+
+/// The largest exponent that is squared and multiplied.
+const MOST: u32 = 256;
+
+/// Exponents of sixteen points.
+#[derive(Clone, Copy)]
+pub enum PowerLanes<S: Simd> {
+    /// One for all.
+    Same(Power),
+    /// Each has its own.
+    Each(f32x16<S>),
+}
+
+impl<S: Simd> core::fmt::Debug for PowerLanes<S> {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.write_str("PowerLanes")
+    }
+}
+
+impl<S: Simd> PowerLanes<S> {
+    /// [`Power::of`] for sixteen.
+    #[inline(always)]
+    pub fn of(self, s: S, x: f32x16<S>) -> f32x16<S> {
+        match self {
+            Self::Same(power) => power.of_lanes(s, x),
+            Self::Each(ns) => of_each(s, x, ns),
+        }
+    }
+}
+
+/// Out of line: exponents from textures are few.
+#[inline(never)]
+fn of_each<S: Simd>(s: S, x: f32x16<S>, ns: f32x16<S>) -> f32x16<S> {
+    s.vectorize(
+        #[inline(always)]
+        || {
+            let (zero, one) = (f32x16::splat(s, 0.0), f32x16::splat(s, 1.0));
+            let fits = ns.simd_ge(zero) & ns.simd_le(MOST as f32);
+            let mut left = floor_to_i32(s, fits.select(ns, zero));
+            let whole = fits & left.to_float::<f32x16<S>>().simd_eq(ns);
+            let real = if whole.all_true() {
+                zero
+            } else {
+                det32::pow_x16(s, x, ns)
+            };
+            let (mut power, mut square) = (one, x);
+            let some = i32x16::splat(s, 1);
+            while left.simd_gt(0).any_true() {
+                let odd = (left & some).simd_eq(some);
+                power = odd.select(some_lanes(s, power * square), power);
+                left >>= 1;
+                square = some_lanes(s, square * square);
+            }
+            whole.select(power, real)
+        },
+    )
 }
 
 /// Powers below this are 0: their products would be subnormal numbers, which take a hundred times as long.
@@ -198,7 +256,7 @@ impl<S: Simd> core::fmt::Debug for ShareLanes<S> {
 pub fn share_lanes<S: Simd>(
     s: S,
     surface: &Surface,
-    power: Power,
+    power: PowerLanes<S>,
     model: Highlight,
     light: &Light,
     point: V3<S>,
@@ -257,7 +315,7 @@ pub fn share_lanes<S: Simd>(
                 dot_lanes(normal, unit_lanes(s, halfway))
             }
         };
-        let bright = power.of_lanes(s, along) * surface.ks;
+        let bright = power.of(s, along) * surface.ks;
         highlight = along.simd_gt(zero).select(bright, zero);
     }
     ShareLanes {
@@ -288,4 +346,42 @@ fn cone_lanes<S: Simd>(s: S, light: &Light, toward: V3<S>) -> f32x16<S> {
     let nowhere = toward[0].simd_eq(zero) & toward[1].simd_eq(zero) & toward[2].simd_eq(zero);
     let out = nowhere | along.simd_lt(cos_outer);
     out.select(zero, inner)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use texmap_math::lanes::LANES;
+    use texmap_math::{Level, on_level};
+
+    /// Also where whole exponents and others stand side by side.
+    #[test]
+    fn exponents_of_their_own_give_the_bits_of_one_for_all() {
+        let ns = [
+            0.0, 1.0, 5.0, 20.5, 255.0, 256.0, 257.0, 0.25, 3.0, 100.0, 31.0, 1e4, 64.0, 17.0,
+            -1.0, -0.0,
+        ];
+        let x: [f32; LANES] = core::array::from_fn(|i| 1e-3 + i as f32 / 14.9);
+        let whole = ns.map(|n: f32| n.abs().floor().min(256.0));
+        let level = Level::new();
+        for ns in [ns, whole] {
+            for level in [level, Level::baseline()] {
+                let mut out = [0.0; LANES];
+                on_level!(
+                    level,
+                    s => {
+                        let each = PowerLanes::Each(f32x16::from_slice(s, &ns));
+                        each.of(s, f32x16::from_slice(s, &x)).store_slice(&mut out);
+                    },
+                    else for (i, out) in out.iter_mut().enumerate() {
+                        *out = Power::new(ns[i]).of(x[i]);
+                    }
+                );
+                for (i, out) in out.into_iter().enumerate() {
+                    let one = Power::new(ns[i]).of(x[i]);
+                    assert_eq!(out.to_bits(), one.to_bits(), "{}^{}", x[i], ns[i]);
+                }
+            }
+        }
+    }
 }

@@ -93,6 +93,15 @@ pub(crate) fn dot_lanes<S: Simd>(a: V3<S>, b: V3<S>) -> f32x16<S> {
 }
 
 #[inline(always)]
+pub(crate) fn cross_lanes<S: Simd>(a: V3<S>, b: V3<S>) -> V3<S> {
+    [
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    ]
+}
+
+#[inline(always)]
 pub(crate) fn scale_lanes<S: Simd>(a: V3<S>, k: f32x16<S>) -> V3<S> {
     [a[0] * k, a[1] * k, a[2] * k]
 }

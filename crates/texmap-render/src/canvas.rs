@@ -458,6 +458,18 @@ pub(crate) fn straight([r, g, b, a]: [f32; 4]) -> [f32; 3] {
     }
 }
 
+/// [`straight`] for sixteen.
+#[inline(always)]
+pub(crate) fn straight_lanes<S: Simd>(s: S, [r, g, b, a]: [f32x16<S>; 4]) -> [f32x16<S>; 3] {
+    let zero = f32x16::splat(s, 0.0);
+    let some = a.simd_gt(zero);
+    [
+        some.select(r / a, zero),
+        some.select(g / a, zero),
+        some.select(b / a, zero),
+    ]
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -6,7 +6,7 @@ use texmap_math::glam::{DMat4, DVec4};
 use texmap_sample::gradient_noise;
 
 use crate::effects::Carving;
-use crate::lit::Sample;
+use crate::lit::Site;
 
 /// A formula of heights, as the stages read it.
 #[derive(Clone, Copy, Debug)]
@@ -39,7 +39,7 @@ impl Carved {
 
     /// The unit normal `n` turned by the slope of the heights along the surface (Perlin 1985), which is measured over half a pixel or
     /// the least step to each side.
-    pub(crate) fn normal(&self, at: &Sample<'_>, n: [f32; 3]) -> [f32; 3] {
+    pub(crate) fn normal(&self, at: &Site, n: [f32; 3]) -> [f32; 3] {
         let squared = |d: [f32; 3]| d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
         let (x, y) = (squared(at.position_dx), squared(at.position_dy));
         let pixel = (if x > y { x } else { y }).sqrt();

@@ -37,13 +37,18 @@ pub(crate) struct SurfaceEffects<'s> {
 /// One sample of a surface.
 pub(crate) struct Sample<'a> {
     pub(crate) fragment: &'a Fragment,
+    pub(crate) site: Site,
+    /// Change of the interpolated normal, on the side that is seen.
+    pub(crate) normal_dx: [f32; 3],
+    pub(crate) normal_dy: [f32; 3],
+}
+
+/// Where light arrives: what shadows, slides and carvings ask for.
+pub(crate) struct Site {
     /// World space, and its change for one pixel to the right and one down.
     pub(crate) position: [f32; 3],
     pub(crate) position_dx: [f32; 3],
     pub(crate) position_dy: [f32; 3],
-    /// Change of the interpolated normal, on the side that is seen.
-    pub(crate) normal_dx: [f32; 3],
-    pub(crate) normal_dy: [f32; 3],
     /// Normal of the triangle's plane, on the side that is seen.
     pub(crate) plane: DVec3,
 }
@@ -63,12 +68,14 @@ impl<'a> Sample<'a> {
         };
         let seen = |v: [f32; 3]| if fragment.front { v } else { v.map(|c| -c) };
         Self {
-            position: of(&fragment.values, position),
-            position_dx: of(&fragment.ddx, position),
-            position_dy: of(&fragment.ddy, position),
+            site: Site {
+                position: of(&fragment.values, position),
+                position_dx: of(&fragment.ddx, position),
+                position_dy: of(&fragment.ddy, position),
+                plane: effects.plane(triangle, fragment.front),
+            },
             normal_dx: seen(of(&fragment.ddx, normal)),
             normal_dy: seen(of(&fragment.ddy, normal)),
-            plane: effects.plane(triangle, fragment.front),
             fragment,
         }
     }
@@ -120,15 +127,19 @@ impl<'s> SurfaceEffects<'s> {
         }))
     }
 
-    /// Whether textures stand for numbers of the surface.
-    pub(crate) fn has_maps(&self) -> bool {
-        let slots = [
-            &self.ambient,
-            &self.specular,
-            &self.exponent,
-            &self.reflectivity,
-        ];
-        slots.into_iter().any(Option::is_some) || self.material.specular_map.is_some()
+    /// The textures that stand for numbers of the surface: ambient colour, specular colour, exponent, reflectivity.
+    pub(crate) fn maps(&self) -> [Option<&Slot<'s>>; 4] {
+        [
+            self.ambient.as_ref(),
+            self.specular.as_ref(),
+            self.exponent.as_ref(),
+            self.reflectivity.as_ref(),
+        ]
+    }
+
+    /// The environment that gives highlights.
+    pub(crate) fn specular_map(&self) -> Option<usize> {
+        self.material.specular_map
     }
 
     /// Baked light: its texels' share of the diffuse light, where they are read, and the first attribute of the coordinates.
@@ -181,7 +192,7 @@ impl<'s> SurfaceEffects<'s> {
         uv: ([f32; 2], Footprint),
     ) -> (Terms, [f32; 4]) {
         let ready = &plan.ready;
-        let view = [0, 1, 2].map(|i| plan.eye[i] - at.position[i]);
+        let view = [0, 1, 2].map(|i| plan.eye[i] - at.site.position[i]);
         let smooth = normal;
         let normal = self.relief(at, normal, view, uv);
         let mut numbers = self.material.surface;
@@ -204,7 +215,7 @@ impl<'s> SurfaceEffects<'s> {
             terms.highlight = [0, 1, 2].map(|i| terms.highlight[i] * tint[i]);
         }
         self.mirror(plan, at, smooth, normal, uv, numbers.ks, &mut terms);
-        (terms, ready.paint(at))
+        (terms, ready.paint(&at.site))
     }
 
     fn direct(
@@ -220,7 +231,8 @@ impl<'s> SurfaceEffects<'s> {
         let mut sum = Terms::default();
         for (index, light) in &self.lights {
             let model = self.material.highlight;
-            let Some(given) = share(numbers, power, model, light, at.position, normal, view) else {
+            let Some(given) = share(numbers, power, model, light, at.site.position, normal, view)
+            else {
                 continue;
             };
             match (light, ambient) {
@@ -231,7 +243,7 @@ impl<'s> SurfaceEffects<'s> {
                     }
                 }
                 (Light::Ambient { .. }, None) => sum.add(&given, [1.0; 3]),
-                _ => sum.add(&given, ready.received(*index, at)),
+                _ => sum.add(&given, ready.received(*index, &at.site)),
             }
         }
         sum

@@ -1,43 +1,57 @@
-//! Lighting and effects sixteen pixels at a time, for the surfaces whose stages all have lanes: the others go sample by sample, with
-//! the same bits.
+//! Lighting and effects sixteen pixels at a time. A surface whose stages all read columns of their own takes the short way; another
+//! reads all its attributes first, and what has no lanes goes pixel by pixel between the stages that have: the bits are those of
+//! [`Stages`] either way.
 
+mod alone;
 mod columns;
+mod ground;
 mod vectors;
 
 use texmap_light::lanes::MirrorView;
-use texmap_light::{Light, NormalMap, Power, ShadowReader, Surface as Numbers};
+use texmap_light::{Environment, Light, NormalMap, Power, ShadowReader, Surface as Numbers};
 use texmap_math::Level;
 use texmap_math::fearless_simd::prelude::*;
-use texmap_raster::{RunBlock, RunValues, TilePlanes};
+use texmap_math::on_wide_level;
+use texmap_raster::{RunValues, TilePlanes};
 
+use crate::TextureRole;
 use crate::canvas::{Colors, LANES};
+use crate::carved::Carved;
 use crate::coordinates::{Coordinates, EyeRays};
 use crate::lit::SurfaceEffects;
-use crate::lit_texels::{
-    BakedLookUp, BakedTexels, LookUpScratch, LookUps, SlideLookUp, SlideTexels, Texels,
-};
+use crate::lit_texels::{LookUpScratch, LookUps, MapTexels, SlideLookUp, SlideTexels, Texels};
 use crate::plan::{LightStage, Plan, Surface};
 use crate::ready::{Ready, Thrown};
-use crate::relief::{ReliefStage, Space};
-use crate::shade::Run;
+use crate::relief::{ReliefStage, SlopeTexels, Space};
+use crate::shade::{Run, Stages};
 use crate::textures::Slot;
-use crate::{AlphaMode, TextureRole};
 use columns::{Columns, Side};
-use texmap_math::on_wide_level;
-use vectors::{NORMAL, POSITION};
+use ground::Ground;
+use vectors::{NORMAL, POSITION, Reached, TANGENT};
 
 /// The stages of one surface; each is there only if the material or a light asks for it.
 pub(crate) struct LitLanes<'a> {
     surface: &'a Surface<'a>,
+    ready: &'a Ready<'a>,
     numbers: Numbers,
     power: Power,
     lights: Vec<Lamp<'a>>,
-    relief: Option<(NormalMap, &'a Slot<'a>, Space)>,
-    baked: Option<BakedLookUp<'a>>,
-    mirror: Option<(MirrorView<'a>, f32)>,
+    ground: Ground<'a>,
+    relief: Relief<'a>,
+    /// Baked light: what multiplies its texels, its map, and the first attribute of the coordinates.
+    baked: Option<(f32, &'a Slot<'a>, usize)>,
+    mirror: Option<(Mirror<'a>, f32)>,
+    /// The environment that gives highlights.
+    specular: Option<Mirror<'a>>,
+    /// Textures in place of numbers, by [`SurfaceEffects::maps`].
+    maps: [Option<&'a Slot<'a>>; MAPS],
     look_ups: LookUps<'a>,
+    /// All attributes are read before the first stage.
+    reads_all: bool,
+    /// First columns of normals, positions and tangents.
     normal: usize,
     position: Option<usize>,
+    tangent: usize,
     /// Highlights or a relief's horizon ask for the direction to the eye.
     sees_eye: bool,
     /// Some light other than the slides' reaches every block, or a mirror does: all ask for the normal.
@@ -52,61 +66,87 @@ pub(crate) struct LitLanes<'a> {
 /// A light, and what it loses on its way.
 struct Lamp<'a> {
     light: Light,
+    index: usize,
     shadows: &'a [ShadowReader],
     slide: Option<(&'a Thrown<'a>, SlideLookUp<'a>)>,
+    /// What is received of it has no lanes.
+    alone: bool,
 }
+
+/// What turns the normals.
+enum Relief<'a> {
+    None,
+    /// The texels are those of the packed look-ups, or those of a map of its own.
+    Normals(NormalMap, &'a Slot<'a>, Space, bool),
+    Slopes(&'a ReliefStage<'a>),
+    Carved(&'a Carved),
+}
+
+/// A mirrored environment, prepared for lanes if there are any for it.
+struct Mirror<'a> {
+    environment: &'a Environment,
+    view: Option<MirrorView<'a>>,
+}
+
+const AMBIENT: usize = 0;
+const SPECULAR: usize = 1;
+const EXPONENT: usize = 2;
+const REFLECTIVITY: usize = 3;
+const MAPS: usize = 4;
 
 /// Columns between the stages; a thread keeps them.
 #[derive(Default)]
 pub(crate) struct LitScratch {
     /// The columns of `vectors`.
     values: RunValues,
+    /// Coordinates of maps: of the mesh, of the light map.
+    uv: RunValues,
     look_ups: LookUpScratch,
+    /// What the stages of a run have read.
+    read: Reads,
+    reached: Reached,
+}
+
+/// What the stages of a run have read.
+#[derive(Default)]
+struct Reads {
     /// Base colour and normal map.
     texels: [Texels; 2],
     slides: Vec<SlideTexels>,
-    baked: BakedTexels,
-    /// Blocks that some slide reaches, and their places in the run.
-    reached: Vec<RunBlock>,
-    places: Vec<usize>,
+    baked: MapTexels,
+    maps: [MapTexels; MAPS],
+    normals: MapTexels,
+    slopes: SlopeTexels,
+    base: MapTexels,
+    opacity: MapTexels,
 }
 
 impl<'a> LitLanes<'a> {
-    /// `None` for a surface that has a stage without lanes, or a level without them.
+    /// `None` for surfaces that are not lit per pixel, or have a texture instead of light, and for levels without lanes.
     pub(crate) fn new(plan: &'a Plan<'a>, surface: &'a Surface<'a>) -> Option<Self> {
         let material = surface.material;
-        let plain = surface.space.is_none()
-            && surface.opacity_map.is_none()
-            && surface.color_ramp.is_none()
-            && surface.light_ramp.is_none()
-            && surface.decal.is_none()
-            && surface.carved.is_none()
-            && surface.color.is_none()
-            && !material.crisp
-            && material.alpha == AlphaMode::Opaque
-            && matches!(surface.light, LightStage::PerPixel);
-        if !plain || !has_lanes(plan.level) {
-            return None;
-        }
-        if let Some(slot) = &surface.base_color
-            && (material.texture_role == TextureRole::Decal || !surface.solid || !fits(slot))
-        {
-            return None;
-        }
-        if !matches!(surface.uv, Coordinates::None | Coordinates::Vertices) {
+        let lit = surface.space.is_none() && matches!(surface.light, LightStage::PerPixel);
+        let covered = surface.base_color.is_some() && material.texture_role == TextureRole::Decal;
+        if !lit || covered || !has_lanes(plan.level) {
             return None;
         }
         let mut this = Self {
             surface,
+            ready: &plan.ready,
             numbers: material.surface,
             power: Power::new(material.surface.ns),
             lights: Vec::new(),
-            relief: None,
+            ground: Ground::new(surface),
+            relief: Relief::None,
             baked: None,
             mirror: None,
+            specular: None,
+            maps: [None; MAPS],
             look_ups: LookUps::new([None; 2]),
+            reads_all: false,
             normal: surface.normal?,
             position: surface.position.filter(|first| first + 3 <= surface.shaded),
+            tangent: 0,
             sees_eye: false,
             turned: false,
             planes: false,
@@ -115,122 +155,160 @@ impl<'a> LitLanes<'a> {
             level: plan.level,
         };
         match &surface.effects {
-            None => this.lights.extend(plan.lights.iter().map(|light| Lamp {
-                light: *light,
-                shadows: &[],
-                slide: None,
-            })),
-            Some(effects) => this.take_effects(&plan.ready, effects)?,
+            None => {
+                let lights = plan.lights.iter().enumerate();
+                this.lights.extend(lights.map(|(index, light)| Lamp {
+                    light: *light,
+                    index,
+                    shadows: &[],
+                    slide: None,
+                    alone: false,
+                }));
+            }
+            Some(effects) => this.take_effects(effects),
         }
-        if this.relief.is_some() && this.position.is_none() {
+        let has_relief = !matches!(this.relief, Relief::None);
+        if has_relief && this.position.is_none() {
             return None;
         }
-        let bumps = this.relief.as_ref().map(|(_, slot, _)| *slot);
-        this.look_ups = LookUps::new([surface.base_color.as_ref(), bumps]);
+        this.choose_way();
+        let mapped = this.reads_uv();
+        if mapped && matches!(surface.uv, Coordinates::None) {
+            return None;
+        }
         let mut shining = this.lights.iter().filter(|lamp| !lamp.is_ambient());
-        this.turned = this.mirror.is_some() || shining.any(|lamp| lamp.slide.is_none());
+        this.turned = this.has_mirrors() || shining.any(|lamp| lamp.look_up().is_none());
         let shines = this.lights.iter().any(|lamp| !lamp.is_ambient());
-        let clamps = this.relief.is_some() && material.horizon_clamp;
+        let clamps = has_relief && material.horizon_clamp;
         this.sees_eye = (shines && material.surface.ks > 0.0) || clamps;
         let shades = this.lights.iter().flat_map(Lamp::shades);
         this.planes = shades.into_iter().any(ShadowReader::reads_normals);
         Some(this)
     }
 
-    /// `None` where an effect has no lanes.
-    fn take_effects(
-        &mut self,
-        ready: &'a Ready<'a>,
-        effects: &'a SurfaceEffects<'a>,
-    ) -> Option<()> {
-        if effects.has_maps() || !ready.paints.is_empty() {
-            return None;
-        }
+    fn take_effects(&mut self, effects: &'a SurfaceEffects<'a>) {
+        let ready = self.ready;
+        self.maps = effects.maps();
         self.relief = match effects.relief_stage() {
-            None => None,
-            Some(ReliefStage::NormalMap(slot, map, space)) if fits(slot) => {
-                Some((*map, slot, *space))
+            None => Relief::None,
+            Some(ReliefStage::NormalMap(slot, map, space)) => {
+                Relief::Normals(*map, slot, *space, fits(self.surface, slot))
             }
-            Some(_) => return None,
+            Some(ReliefStage::Carved(carved)) => Relief::Carved(carved),
+            Some(slopes) => Relief::Slopes(slopes),
         };
-        self.baked = effects
-            .baked()
-            .map(|(share, slot, first)| BakedLookUp { share, slot, first });
-        if let Some((environment, reflectivity)) = effects.reflection() {
-            let view = MirrorView::new(&ready.environments[environment])?;
-            self.mirror = Some((view, reflectivity));
-        }
+        self.baked = effects.baked();
+        let mirror = |index: usize| Mirror {
+            environment: &ready.environments[index],
+            view: MirrorView::new(&ready.environments[index]),
+        };
+        self.mirror = effects
+            .reflection()
+            .map(|(environment, share)| (mirror(environment), share));
+        self.specular = effects.specular_map().map(mirror);
         let first_lamp = ready.lights.len() - ready.lamps.len();
         for (index, light) in effects.lights() {
             let slide = index.checked_sub(first_lamp).map(|i| &ready.lamps[i]);
-            let leveled = slide.is_some_and(|slide| slide.reads_derivatives());
-            let lamp = Lamp {
+            let mut lamp = Lamp {
                 light: *light,
+                index: *index,
                 shadows: &ready.shadows[*index],
                 slide: slide.map(|slide| (slide, SlideLookUp::new(&slide.view))),
+                alone: false,
             };
-            if leveled || lamp.shades().any(|shade| !shade.has_lanes()) {
-                return None;
-            }
+            let leveled = slide.is_some_and(|slide| slide.reads_derivatives());
+            lamp.alone = leveled || lamp.shades().any(|shade| !shade.has_lanes());
             self.lights.push(lamp);
         }
-        Some(())
     }
 
-    /// Shades a run: the colours of [`Stages::shade`](crate::shade::Stages::shade).
+    /// Whether columns of a few attributes will do, and where the vectors stand in those that are read.
+    fn choose_way(&mut self) {
+        let base = match &self.ground {
+            Ground::Texels => self.surface.base_color.as_ref(),
+            _ => None,
+        };
+        let normals = match &self.relief {
+            Relief::Normals(_, slot, _, true) => Some(*slot),
+            _ => None,
+        };
+        self.look_ups = LookUps::new([base, normals]);
+        self.reads_all = !matches!(self.ground, Ground::Texels)
+            || !matches!(self.relief, Relief::None | Relief::Normals(.., true))
+            || self.maps.iter().any(Option::is_some)
+            || !self.ready.paints.is_empty()
+            || self.lights.iter().any(|lamp| lamp.alone);
+        if let Relief::Normals(_, _, Space::Tangent(first), _) = self.relief {
+            self.tangent = first;
+        }
+        if !self.reads_all {
+            self.normal = NORMAL;
+            self.tangent = TANGENT;
+            self.position = self.position.map(|_| POSITION);
+        }
+    }
+
+    /// Whether all that shading reads must be among the values of a run.
+    pub(crate) fn reads_all(&self) -> bool {
+        self.reads_all
+    }
+
+    /// Whether some stage reads coordinates as columns.
+    fn reads_uv(&self) -> bool {
+        let relief = matches!(
+            self.relief,
+            Relief::Slopes(_) | Relief::Normals(_, _, _, false)
+        );
+        relief || self.ground.reads_uv() || self.maps.iter().any(Option::is_some)
+    }
+
+    fn has_mirrors(&self) -> bool {
+        self.mirror.is_some() || self.specular.is_some()
+    }
+
+    /// Shades a run: the colours of [`Stages::shade`].
     pub(crate) fn shade(
         &self,
+        plan: &Plan<'_>,
         planes: &TilePlanes,
         run: &Run<'_>,
+        stages: &mut Stages,
         scratch: &mut LitScratch,
         out: &mut Colors,
     ) {
         let (level, list) = (self.level, run.run);
+        if let Ground::Stages = self.ground {
+            stages.base_colors(plan, self.surface, run, out);
+        }
+        self.read_maps(planes, run, stages, scratch);
         let LitScratch {
             values,
+            uv,
             look_ups,
-            texels,
-            slides,
-            baked,
+            read,
             reached,
-            places,
         } = scratch;
-        if let Some(map) = &self.baked {
-            map.run(level, planes, run.blocks, list, baked);
-        }
-        let thrown = || self.lights.iter().filter_map(|lamp| lamp.slide.as_ref());
-        slides.resize_with(thrown().count(), SlideTexels::default);
+        read.slides
+            .resize_with(self.slides().count(), SlideTexels::default);
         on_wide_level!(
             level,
             s => {
-                self.look_ups.run(s, level, planes, run.blocks, list, look_ups, texels);
-                let late = !self.turned && self.relief.is_none();
-                if let (true, Some(first)) = (late, self.position) {
-                    self.three(s, planes, run, [first, POSITION], list, &[], values);
+                self.look_ups.run(s, level, planes, run.blocks, list, look_ups, &mut read.texels);
+                if let Relief::Slopes(stage) = &self.relief {
+                    stage.slopes(s, level, self.uv(run, uv), list.len(), &mut read.slopes);
+                }
+                let values = if self.reads_all {
+                    self.look_up_slides(s, run.values, list.len(), &mut read.slides);
+                    run.values
                 } else {
-                    self.vectors(s, planes, run, values);
-                }
-                for ((_, slide), out) in thrown().zip(&mut *slides) {
-                    let [x, y, z] = [0, 1, 2].map(|c| &values.columns[POSITION + c].value);
-                    slide.run(s, level, list.len(), [x, y, z], out);
-                }
-                if late {
-                    // Few blocks ask for a normal.
-                    reached.clear();
-                    places.clear();
-                    for (i, at) in list.iter().enumerate() {
-                        if slides.iter().any(|slide| slide.reaches(i)) {
-                            reached.push(*at);
-                            places.push(i);
-                        }
-                    }
-                    self.three(s, planes, run, [self.normal, NORMAL], reached, places, values);
-                }
-                let columns = Columns { stage: self, run, values, texels, slides, baked };
+                    self.few_attributes(s, planes, run, values, &mut read.slides, reached);
+                    &*values
+                };
+                let columns = Columns { stage: self, run, values, read };
                 let mut side = Side::default();
                 for (i, at) in list.iter().enumerate() {
                     self.look_aside(run, *at, &mut side);
-                    let color = columns.block(s, i, *at, &side);
+                    let color = columns.block(s, i, *at, &side, out);
                     for (to, c) in out.0.iter_mut().zip(color) {
                         c.store_slice(&mut to[i * LANES..(i + 1) * LANES]);
                     }
@@ -239,12 +317,70 @@ impl<'a> LitLanes<'a> {
             else {}
         );
     }
+
+    /// The look-ups that need no lanes around them.
+    fn read_maps(
+        &self,
+        planes: &TilePlanes,
+        run: &Run<'_>,
+        stages: &mut Stages,
+        scratch: &mut LitScratch,
+    ) {
+        let (level, blocks) = (self.level, run.run.len());
+        let LitScratch { uv, read, .. } = scratch;
+        if let Some((_, slot, first)) = self.baked {
+            let (wanted, derivatives) = ([first, first + 1], slot.reads_derivatives());
+            planes.values(level, run.blocks, run.run, &wanted, derivatives, uv);
+            read.baked.look_up(level, slot, uv, blocks);
+        }
+        if !self.reads_uv() {
+            return;
+        }
+        if !matches!(self.surface.uv, Coordinates::Vertices) {
+            stages.uv_columns(level, self.surface, run, uv);
+        }
+        let uv = self.uv(run, uv);
+        for (slot, out) in self.maps.iter().zip(&mut read.maps) {
+            if let Some(slot) = slot {
+                out.look_up(level, slot, uv, blocks);
+            }
+        }
+        if let Relief::Normals(_, slot, _, false) = self.relief {
+            read.normals.look_up(level, slot, uv, blocks);
+        }
+        if let Ground::Maps { base, opacity, .. } = self.ground {
+            if let Some(slot) = base {
+                read.base.look_up(level, slot, uv, blocks);
+            }
+            if let Some(slot) = opacity {
+                read.opacity.look_up(level, slot, uv, blocks);
+            }
+        }
+    }
+
+    /// Coordinates of the mesh: among the values of a run, or found for it.
+    fn uv<'b>(&self, run: &Run<'b>, found: &'b RunValues) -> &'b RunValues {
+        match self.surface.uv {
+            Coordinates::Vertices => run.values,
+            _ => found,
+        }
+    }
+
+    fn slides(&self) -> impl Iterator<Item = &SlideLookUp<'a>> {
+        self.lights.iter().filter_map(Lamp::look_up)
+    }
 }
 
-impl Lamp<'_> {
+impl<'a> Lamp<'a> {
     /// Whether it shines on all normals alike.
     fn is_ambient(&self) -> bool {
         matches!(self.light, Light::Ambient { .. })
+    }
+
+    /// Its slide, where that has lanes.
+    fn look_up(&self) -> Option<&SlideLookUp<'a>> {
+        let slide = self.slide.as_ref().filter(|_| !self.alone);
+        slide.map(|(_, look_up)| look_up)
     }
 
     /// Every map that its light passes.
@@ -255,9 +391,10 @@ impl Lamp<'_> {
     }
 }
 
-/// Whether a slot reads the coordinates of the mesh as they are.
-fn fits(slot: &Slot<'_>) -> bool {
-    !slot.is_transformed() && !slot.can_be_transparent()
+/// Whether the packed look-ups read a slot: at the coordinates of the mesh as they are, and without an alpha that matters.
+fn fits(surface: &Surface<'_>, slot: &Slot<'_>) -> bool {
+    let uv = matches!(surface.uv, Coordinates::Vertices);
+    uv && !slot.is_transformed() && !slot.can_be_transparent()
 }
 
 fn has_lanes(level: Level) -> bool {

@@ -1,7 +1,7 @@
 //! The look-ups of lit runs: what the packed filters give stays words until a block reads it, and places and levels are found once for all
 //! textures that are read at the same coordinates.
 
-mod baked;
+mod map;
 mod slide;
 
 use texmap_math::Level;
@@ -17,7 +17,7 @@ use crate::canvas::{Colors, LANES};
 use crate::texel::{RunUv, places};
 use crate::textures::Slot;
 use crate::tile::ATTRIBUTES;
-pub(crate) use baked::{BakedLookUp, BakedTexels};
+pub(crate) use map::MapTexels;
 pub(crate) use slide::{SlideLookUp, SlideTexels};
 
 /// Texels of a run: packed bytes, or channel by channel.

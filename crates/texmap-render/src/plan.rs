@@ -488,7 +488,7 @@ mod tests {
 
     /// Which surfaces are shaded sixteen samples at a time, where the level has lanes.
     #[test]
-    fn normal_maps_and_baked_light_have_lanes() {
+    fn surfaces_lit_per_pixel_have_lanes() {
         let has_lanes = |material: Material| {
             let mut scene = scene(material);
             scene.meshes[0].lightmap_uvs = vec![[0.0; 2]; 3];
@@ -518,15 +518,20 @@ mod tests {
             ..Material::default()
         };
         let some = has_lanes(Material::default());
-        for material in [with(normals(false)), with(normals(true)), baked] {
-            assert_eq!(has_lanes(material), some);
-        }
-        // Not yet.
         let bump = crate::Relief::Bump {
             slot: slot(Filter::Bilinear).unwrap(),
             height: 0.1,
         };
-        assert!(!has_lanes(with(bump)));
+        for material in [with(normals(false)), with(normals(true)), with(bump), baked] {
+            assert_eq!(has_lanes(material), some);
+        }
+        // A texel that covers the light.
+        let decal = Material {
+            base_color: slot(Filter::Bilinear),
+            texture_role: TextureRole::Decal,
+            ..Material::default()
+        };
+        assert!(!has_lanes(decal));
     }
 
     /// Attributes per vertex, pass, and whether a mip chain was built.

@@ -6,7 +6,7 @@ use texmap_math::camera::Camera;
 use texmap_math::glam::{DMat3, DMat4, DVec3};
 
 use crate::effects::{SlideProjector, SlideRole};
-use crate::lit::Sample;
+use crate::lit::Site;
 use crate::shadow::{shadow_bias, shadow_kind, shadow_map_in};
 use crate::vertices::{narrow, wide};
 use crate::{RenderError, Scene, Settings};
@@ -38,7 +38,7 @@ impl Thrown<'_> {
         self.view.sampler.filter.reads_derivatives()
     }
 
-    fn texel(&self, at: &Sample<'_>) -> [f32; 4] {
+    fn texel(&self, at: &Site) -> [f32; 4] {
         self.view
             .light(at.position, [at.position_dx, at.position_dy])
     }
@@ -130,7 +130,7 @@ impl<'s> Ready<'s> {
     }
 
     /// What reaches a sample of light `index`.
-    pub(crate) fn received(&self, index: usize, at: &Sample<'_>) -> [f32; 3] {
+    pub(crate) fn received(&self, index: usize, at: &Site) -> [f32; 3] {
         let mut share = 1.0;
         for shade in &self.shadows[index] {
             share *= shade.lit(at.position, narrow(at.plane));
@@ -152,7 +152,7 @@ impl<'s> Ready<'s> {
     }
 
     /// Paint of all projectors at a sample, premultiplied, the later over the earlier.
-    pub(crate) fn paint(&self, at: &Sample<'_>) -> [f32; 4] {
+    pub(crate) fn paint(&self, at: &Site) -> [f32; 4] {
         let mut sum = [0.0; 4];
         for thrown in &self.paints {
             let toward = thrown.slide.position - wide(at.position);

@@ -1,16 +1,22 @@
 //! What turns the normal of a sample without moving the surface: bump and offset maps, carvings, normal maps.
 
+use texmap_light::lanes::{V3, bump_on_lanes};
 use texmap_light::{Green, NormalMap, bump_on, decode_offsets, unit};
-use texmap_math::Footprint;
+use texmap_math::fearless_simd::{Simd, f32x16, prelude::*};
 use texmap_math::glam::{DMat3, DVec3};
+use texmap_math::lanes::above;
+use texmap_math::{Footprint, Level};
+use texmap_raster::RunValues;
 use texmap_sample::Origin;
+use texmap_sample::sample_columns;
 
 use crate::Mesh;
-use crate::canvas::straight;
+use crate::canvas::{Colors, LANES, straight, straight_lanes};
 use crate::carved::Carved;
 use crate::effects::Relief;
-use crate::lit::Sample;
+use crate::lit::{Sample, Site};
 use crate::shade::three;
+use crate::texel::{RunUv, places};
 use crate::textures::Slot;
 use crate::vertices::{Values, Vertices, linear, narrow, wide};
 
@@ -101,12 +107,12 @@ impl<'s> ReliefStage<'s> {
     ) -> [f32; 3] {
         let n = unit(normal);
         match self {
-            Self::Carved(carved) => carved.normal(at, n),
-            Self::Bump(slot, rise) => bumped(at, n, slot.place(uv.0, uv.1), |place, d| {
+            Self::Carved(carved) => carved.normal(&at.site, n),
+            Self::Bump(slot, rise) => bumped(&at.site, n, slot.place(uv.0, uv.1), |place, d| {
                 heights(slot, place, d).map(|c| c * rise.height * rise.unit)
             }),
             Self::Offsets(slot, rise, green) => {
-                bumped(at, n, slot.place(uv.0, uv.1), |place, d| {
+                bumped(&at.site, n, slot.place(uv.0, uv.1), |place, d| {
                     let [r, g, _] = straight(slot.sampler.sample_grad(&slot.texture, place, d));
                     let [along_u, along_v] = decode_offsets([r, g], *green);
                     // The slot counts v down the picture, or up it from a bottom-left origin.
@@ -142,7 +148,7 @@ impl<'s> ReliefStage<'s> {
 /// Blinn's normal on the unit normal `n`, with O_u and O_v from the analytic change of position and coordinates from pixel to pixel
 /// and the slopes that `slopes` finds there.
 fn bumped(
-    at: &Sample<'_>,
+    at: &Site,
     n: [f32; 3],
     (place, d): ([f32; 2], Footprint),
     slopes: impl Fn([f32; 2], Footprint) -> [f32; 2],
@@ -156,6 +162,172 @@ fn bumped(
     let o_v = [0, 1, 2].map(|i| (py[i] * d.du_dx - px[i] * d.du_dy) / det);
     let [b_u, b_v] = slopes(place, d);
     bump_on(n, o_u, o_v, b_u, b_v)
+}
+
+/// Slopes of a relief over a run, and where it is read.
+pub(crate) struct SlopeTexels {
+    /// Coordinates of the slot.
+    placed: RunValues,
+    /// What is looked up beside them.
+    beside: RunUv,
+    colors: Colors,
+    /// Rise along u and v.
+    slopes: RunUv,
+}
+
+impl Default for SlopeTexels {
+    fn default() -> Self {
+        Self {
+            placed: RunValues::default(),
+            beside: RunUv::default(),
+            colors: Colors::new(),
+            slopes: RunUv::default(),
+        }
+    }
+}
+
+impl ReliefStage<'_> {
+    /// The slopes that a bump or offset map has over `blocks` blocks, at columns 0 and 1 of `uv`.
+    #[inline(always)]
+    pub(crate) fn slopes<S: Simd>(
+        &self,
+        s: S,
+        level: Level,
+        uv: &RunValues,
+        blocks: usize,
+        out: &mut SlopeTexels,
+    ) {
+        let (Self::Bump(slot, rise) | Self::Offsets(slot, rise, _)) = self else {
+            return;
+        };
+        out.placed.columns.clear();
+        out.placed
+            .columns
+            .extend(uv.columns.iter().take(2).cloned());
+        slot.place_columns(&mut out.placed, blocks * LANES);
+        match self {
+            Self::Offsets(_, _, green) => {
+                out.look_up(level, slot, blocks, false);
+                let up = (*green == Green::Up) != (slot.texture.origin() == Origin::BottomLeft);
+                for i in 0..blocks {
+                    let [r, g, _] = straight_lanes(s, out.colors.lanes(s, i));
+                    let (x, y) = (r * 2.0 - 1.0, g * 2.0 - 1.0);
+                    let y = if up { -y } else { y };
+                    out.put(i, [x, y], rise);
+                }
+            }
+            _ => {
+                let texels = [
+                    1.0 / slot.texture.width() as f32,
+                    1.0 / slot.texture.height() as f32,
+                ];
+                for (axis, texel) in texels.into_iter().enumerate() {
+                    for i in 0..blocks {
+                        out.step_aside(s, i, axis, texel, false);
+                    }
+                    out.look_up(level, slot, blocks, true);
+                    for i in 0..blocks {
+                        let [above, ..] = straight_lanes(s, out.colors.lanes(s, i));
+                        let mut slopes = out.slopes.at(s, i);
+                        slopes[axis] = above;
+                        out.slopes.put(i, slopes);
+                        out.step_aside(s, i, axis, texel, true);
+                    }
+                    out.look_up(level, slot, blocks, true);
+                    for i in 0..blocks {
+                        let [below, ..] = straight_lanes(s, out.colors.lanes(s, i));
+                        let mut slopes = out.slopes.at(s, i);
+                        slopes[axis] =
+                            (slopes[axis] - below) / (out.width(s, i, axis, texel) * 2.0);
+                        out.slopes.put(i, slopes);
+                    }
+                }
+                for i in 0..blocks {
+                    let slopes = out.slopes.at(s, i);
+                    out.put(i, slopes, rise);
+                }
+            }
+        }
+    }
+}
+
+impl SlopeTexels {
+    /// [`bumped`] for a block: on unit normals `n`, where positions change by these from pixel to pixel.
+    #[inline(always)]
+    pub(crate) fn bump<S: Simd>(&self, s: S, i: usize, n: V3<S>, changes: [V3<S>; 2]) -> V3<S> {
+        let [ux, uy] = self.changes(s, i, 0);
+        let [vx, vy] = self.changes(s, i, 1);
+        let det = ux * vy - vx * uy;
+        let useful = det.abs().simd_lt(f32::INFINITY) & !det.simd_eq(0.0);
+        let [px, py] = changes;
+        let (mut o_u, mut o_v) = (n, n);
+        for k in 0..3 {
+            o_u[k] = (px[k] * vy - py[k] * vx) / det;
+            o_v[k] = (py[k] * ux - px[k] * uy) / det;
+        }
+        let [b_u, b_v] = self.slopes.at(s, i);
+        let bumped = bump_on_lanes(s, n, o_u, o_v, b_u, b_v);
+        [
+            useful.select(bumped[0], n[0]),
+            useful.select(bumped[1], n[1]),
+            useful.select(bumped[2], n[2]),
+        ]
+    }
+
+    /// Change of a placed coordinate to the right and down.
+    #[inline(always)]
+    fn changes<S: Simd>(&self, s: S, i: usize, axis: usize) -> [f32x16<S>; 2] {
+        let (at, column) = (i * LANES..(i + 1) * LANES, &self.placed.columns[axis]);
+        [
+            f32x16::from_slice(s, &column.ddx[at.clone()]),
+            f32x16::from_slice(s, &column.ddy[at]),
+        ]
+    }
+
+    /// Half the width of the difference along an axis: a texel, or the pixel where that is wider.
+    #[inline(always)]
+    fn width<S: Simd>(&self, s: S, i: usize, axis: usize, texel: f32) -> f32x16<S> {
+        let [dx, dy] = self.changes(s, i, axis);
+        above(above(dx.abs(), dy.abs()), f32x16::splat(s, texel))
+    }
+
+    /// Places beside a block's.
+    #[inline(always)]
+    fn step_aside<S: Simd>(&mut self, s: S, i: usize, axis: usize, texel: f32, back: bool) {
+        let at = i * LANES..(i + 1) * LANES;
+        let columns = &self.placed.columns;
+        let mut uv = [
+            f32x16::from_slice(s, &columns[0].value[at.clone()]),
+            f32x16::from_slice(s, &columns[1].value[at]),
+        ];
+        let width = self.width(s, i, axis, texel);
+        uv[axis] = if back {
+            uv[axis] - width
+        } else {
+            uv[axis] + width
+        };
+        self.beside.put(i, uv);
+    }
+
+    /// The texels of a run at its places, or `beside` them.
+    fn look_up(&mut self, level: Level, slot: &Slot<'_>, blocks: usize, beside: bool) {
+        let count = blocks * LANES;
+        let mut at = places(slot, &self.placed, count);
+        if beside {
+            (at.u, at.v) = (&self.beside.u[..count], &self.beside.v[..count]);
+        }
+        let columns = self.colors.0.each_mut().map(|c| &mut c[..count]);
+        sample_columns(level, &slot.sampler, &slot.texture, &at, columns)
+            .expect("the columns have one length");
+    }
+
+    /// Slopes in world units.
+    #[inline(always)]
+    fn put<S: Simd>(&mut self, i: usize, [along_u, along_v]: [f32x16<S>; 2], rise: &Rise) {
+        let (height, unit) = (rise.height, rise.unit);
+        self.slopes
+            .put(i, [along_u * height * unit, along_v * height * unit]);
+    }
 }
 
 /// Slopes of a height map over u and v: central differences over a texel to each side, or over the pixel where that is wider.

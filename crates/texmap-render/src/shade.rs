@@ -97,35 +97,8 @@ impl Stages {
             Some(Space::Volume(stage)) => return stage.shade(run, out),
             None => {}
         }
-        self.interpolate(plan.level, surface, run);
-        if let Some(slot) = &surface.base_color {
-            look_up(
-                plan,
-                slot,
-                &self.uv,
-                (&mut self.u, &mut self.v, &mut self.footprint),
-                &mut self.texel,
-            );
-        }
-        if let Some(slot) = &surface.opacity_map {
-            look_up(
-                plan,
-                slot,
-                &self.uv,
-                (&mut self.u, &mut self.v, &mut self.footprint),
-                &mut self.mask,
-            );
-        }
-        if let Some(slot) = &surface.decal {
-            look_up(
-                plan,
-                slot,
-                &self.uv,
-                (&mut self.u, &mut self.v, &mut self.footprint),
-                &mut self.decal,
-            );
-        }
-        self.color_texels(surface, run);
+        self.ground(plan, surface, run);
+        self.vectors(surface, run);
         if let Some(effects) = &surface.effects {
             self.under_effects(plan, surface, effects, run);
         } else if matches!(surface.light, LightStage::PerPixel) {
@@ -155,12 +128,79 @@ impl Stages {
         }
     }
 
-    /// Values of the run's pixels, those that the surface's stages read.
-    fn interpolate(&mut self, level: Level, surface: &Surface<'_>, run: &Run<'_>) {
+    /// What lies under the light of the run's pixels: coordinates, texels, vertex colours.
+    fn ground(&mut self, plan: &Plan<'_>, surface: &Surface<'_>, run: &Run<'_>) {
+        self.coordinates(plan.level, surface, run);
+        self.colors(surface, run);
+        if let Some(slot) = &surface.base_color {
+            look_up(
+                plan,
+                slot,
+                &self.uv,
+                (&mut self.u, &mut self.v, &mut self.footprint),
+                &mut self.texel,
+            );
+        }
+        if let Some(slot) = &surface.opacity_map {
+            look_up(
+                plan,
+                slot,
+                &self.uv,
+                (&mut self.u, &mut self.v, &mut self.footprint),
+                &mut self.mask,
+            );
+        }
+        if let Some(slot) = &surface.decal {
+            look_up(
+                plan,
+                slot,
+                &self.uv,
+                (&mut self.u, &mut self.v, &mut self.footprint),
+                &mut self.decal,
+            );
+        }
+        self.color_texels(surface, run);
+    }
+
+    /// The base colours of a surface lit per pixel, straight, and its opacities, for stages that light it themselves.
+    pub(crate) fn base_colors(
+        &mut self,
+        plan: &Plan<'_>,
+        surface: &Surface<'_>,
+        run: &Run<'_>,
+        out: &mut Colors,
+    ) {
+        self.ground(plan, surface, run);
+        for (i, (place, _, _)) in run.places().enumerate() {
+            let ([r, g, b], alpha) = self.base_color(surface, i);
+            for (column, value) in out.0.iter_mut().zip([r, g, b, alpha]) {
+                column[place] = value;
+            }
+        }
+    }
+
+    /// The coordinates of a run as columns 0 and 1.
+    pub(crate) fn uv_columns(
+        &mut self,
+        level: Level,
+        surface: &Surface<'_>,
+        run: &Run<'_>,
+        out: &mut RunValues,
+    ) {
+        self.coordinates(level, surface, run);
+        out.columns.resize(2, Column::ZERO);
+        for ((place, ..), (uv, d)) in run.places().zip(&self.uv) {
+            let changes = [[d.du_dx, d.du_dy], [d.dv_dx, d.dv_dy]];
+            for ((column, value), [dx, dy]) in out.columns.iter_mut().zip(uv).zip(changes) {
+                column.value[place] = *value;
+                column.ddx[place] = dx;
+                column.ddy[place] = dy;
+            }
+        }
+    }
+
+    fn coordinates(&mut self, level: Level, surface: &Surface<'_>, run: &Run<'_>) {
         self.uv.clear();
-        self.color.clear();
-        self.normal.clear();
-        self.position.clear();
         match &surface.uv {
             Coordinates::None => {}
             Coordinates::Vertices => {
@@ -183,6 +223,11 @@ impl Stages {
             }
             Coordinates::Round(map, first) => self.round(level, map, *first, run),
         }
+    }
+
+    /// Vertex colours.
+    fn colors(&mut self, surface: &Surface<'_>, run: &Run<'_>) {
+        self.color.clear();
         let color = match surface.light {
             LightStage::Colors(first) => Some(first),
             _ => surface.color,
@@ -191,6 +236,12 @@ impl Stages {
             let colors = run.places().map(|(i, ..)| run.three(first, i));
             self.color.extend(colors);
         }
+    }
+
+    /// What the light of the run's pixels is computed from.
+    fn vectors(&mut self, surface: &Surface<'_>, run: &Run<'_>) {
+        self.normal.clear();
+        self.position.clear();
         if let LightStage::Terms { diffuse, highlight } = surface.light {
             self.terms.clear();
             self.terms.extend(run.places().map(|(i, ..)| Terms {
@@ -309,36 +360,34 @@ impl Stages {
     /// The colour of sample `i`.
     fn compose(&self, surface: &Surface<'_>, i: usize) -> [f32; 4] {
         let material = surface.material;
-        let mut texel = if surface.base_color.is_some() {
-            self.texel[i]
-        } else {
-            [1.0; 4]
-        };
-        if surface.solid {
-            texel[3] = 1.0;
-        }
-        let mask = surface
-            .opacity_map
-            .as_ref()
-            .map_or(1.0, |slot| slot.opacity(self.mask[i]));
-        let veil = material.opacity * mask;
-        let label = surface.decal.as_ref().map(|_| self.decal[i]);
         if surface.base_color.is_some() && material.texture_role == TextureRole::Decal {
-            if let Some(label) = label {
+            let mut texel = self.texel(surface, i);
+            if let Some(label) = self.label(surface, i) {
                 texel = [0, 1, 2, 3].map(|k| label[k] + (1.0 - label[3]) * texel[k]);
             }
             let [r, g, b, alpha] = texel;
             return match material.alpha {
                 AlphaMode::Opaque if alpha < 1.0 => {
-                    let under = self.light(surface, i, material.surface.color);
+                    let base = self.tinted(surface, i, material.surface.color);
+                    let under = self.light(surface, i, base);
                     let over = |texel: f32, under: f32| clip(texel + (1.0 - alpha) * under);
                     [over(r, under[0]), over(g, under[1]), over(b, under[2]), 1.0]
                 }
                 AlphaMode::Opaque => [clip(r), clip(g), clip(b), 1.0],
                 AlphaMode::Test(_) => with_alpha(straight(texel).map(clip), 1.0),
-                AlphaMode::Blend => with_alpha(straight(texel).map(clip), alpha * veil),
+                AlphaMode::Blend => {
+                    with_alpha(straight(texel).map(clip), alpha * self.veil(surface, i))
+                }
             };
         }
+        let (base, alpha) = self.base_color(surface, i);
+        with_alpha(self.light(surface, i, base), alpha)
+    }
+
+    /// The straight colour of sample `i` under its light, and its opacity.
+    fn base_color(&self, surface: &Surface<'_>, i: usize) -> ([f32; 3], f32) {
+        let material = surface.material;
+        let texel = self.texel(surface, i);
         let [r, g, b] = material.surface.color;
         let [tr, tg, tb] = straight(texel);
         let mut base = [r * tr, g * tg, b * tb];
@@ -346,29 +395,54 @@ impl Stages {
             let color = straight(self.carved[i]);
             base = [0, 1, 2].map(|k| base[k] * color[k]);
         }
-        if let Some(label) = label {
+        if let Some(label) = self.label(surface, i) {
             base = [0, 1, 2].map(|k| label[k] + (1.0 - label[3]) * base[k]);
         }
-        let lit = self.light(surface, i, base);
         let alpha = if material.alpha == AlphaMode::Blend {
-            texel[3] * veil
+            texel[3] * self.veil(surface, i)
         } else {
             1.0
         };
-        with_alpha(lit, alpha)
+        (self.tinted(surface, i, base), alpha)
+    }
+
+    fn texel(&self, surface: &Surface<'_>, i: usize) -> [f32; 4] {
+        let mut texel = match surface.base_color {
+            Some(_) => self.texel[i],
+            None => [1.0; 4],
+        };
+        if surface.solid {
+            texel[3] = 1.0;
+        }
+        texel
+    }
+
+    fn label(&self, surface: &Surface<'_>, i: usize) -> Option<[f32; 4]> {
+        surface.decal.as_ref().map(|_| self.decal[i])
+    }
+
+    /// What the material and its opacity map leave.
+    fn veil(&self, surface: &Surface<'_>, i: usize) -> f32 {
+        let mask = surface
+            .opacity_map
+            .as_ref()
+            .map_or(1.0, |slot| slot.opacity(self.mask[i]));
+        surface.material.opacity * mask
+    }
+
+    fn tinted(&self, surface: &Surface<'_>, i: usize, base: [f32; 3]) -> [f32; 3] {
+        match (surface.color, self.color.get(i)) {
+            (Some(_), Some(tint)) => [base[0] * tint[0], base[1] * tint[1], base[2] * tint[2]],
+            _ => base,
+        }
     }
 
     /// A base colour under the surface's light, clipped at 1.
     fn light(&self, surface: &Surface<'_>, i: usize, base: [f32; 3]) -> [f32; 3] {
-        let tinted = |base: [f32; 3]| match (surface.color, self.color.get(i)) {
-            (Some(_), Some(tint)) => [base[0] * tint[0], base[1] * tint[1], base[2] * tint[2]],
-            _ => base,
-        };
         match surface.light {
-            LightStage::None => tinted(base).map(clip),
+            LightStage::None => base.map(clip),
             LightStage::Colors(_) => self.color[i],
             LightStage::Terms { .. } | LightStage::PerPixel => {
-                let base = tinted(base);
                 let base = match (&surface.effects, self.paint.get(i)) {
                     (Some(_), Some(paint)) => {
                         let keep = 1.0 - paint[3];

@@ -7,7 +7,7 @@ use texmap_math::lanes::below;
 use texmap_raster::{RUN_ROOM, RunValues};
 use texmap_sample::{Places, gives_bytes, sample_columns, sample_rgba8_columns};
 
-use crate::canvas::{Colors, LANES, finish, straight};
+use crate::canvas::{Colors, LANES, finish, straight, straight_lanes};
 use crate::textures::Slot;
 use crate::{AlphaMode, ColorMode, Material, TextureRole};
 use texmap_math::on_wide_level;
@@ -160,7 +160,7 @@ impl TexelStage {
     /// [`tinted`](Self::tinted) for sixteen.
     #[inline(always)]
     pub(crate) fn tint_block<S: Simd>(&self, s: S, texel: [f32x16<S>; 4]) -> [f32x16<S>; 4] {
-        let (zero, one) = (f32x16::splat(s, 0.0), f32x16::splat(s, 1.0));
+        let one = f32x16::splat(s, 1.0);
         let [mut r, mut g, mut b, a] = texel;
         let alpha = match (self.blends, self.solid) {
             (false, _) => one,
@@ -168,10 +168,7 @@ impl TexelStage {
             (true, false) => a * self.veil,
         };
         if !self.solid {
-            let some = a.simd_gt(zero);
-            r = some.select(r / a, zero);
-            g = some.select(g / a, zero);
-            b = some.select(b / a, zero);
+            [r, g, b] = straight_lanes(s, texel);
         }
         // A factor of one changes nothing, and bytes are not above one.
         if !(self.bytes && self.solid && self.tint == [1.0; 3]) {

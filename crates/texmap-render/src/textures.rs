@@ -62,6 +62,22 @@ impl Slot<'_> {
         (uv, d)
     }
 
+    /// Columns 0 and 1 of `uv` as coordinates of the slot over the first `count` places: themselves, or what is put into `room`.
+    pub(crate) fn placed<'a>(
+        &self,
+        uv: &'a RunValues,
+        count: usize,
+        room: &'a mut RunValues,
+    ) -> &'a RunValues {
+        if self.transform.is_none() {
+            return uv;
+        }
+        room.columns.clear();
+        room.columns.extend(uv.columns.iter().take(2).cloned());
+        self.place_columns(room, count);
+        room
+    }
+
     /// [`place`](Self::place) over the first `count` places of columns 0 and 1.
     pub(crate) fn place_columns(&self, values: &mut RunValues, count: usize) {
         if self.transform.is_none() {

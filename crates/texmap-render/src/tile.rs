@@ -463,6 +463,10 @@ impl Shader {
         let (plan, level) = (scenery.plan, scenery.plan.level);
         let surface = &plan.surfaces[draw as usize];
         if let Some(lit) = &scenery.lit[draw as usize] {
+            if lit.reads_all() {
+                let (wanted, values) = (&ATTRIBUTES[..surface.shaded], &mut self.values);
+                self.planes.values(level, blocks, run, wanted, true, values);
+            }
             let run = Run {
                 prepared: scenery.prepared,
                 tile: scenery.prepared.tile(tile),
@@ -470,7 +474,15 @@ impl Shader {
                 run,
                 values: &self.values,
             };
-            lit.shade(&self.planes, &run, &mut self.lit, &mut self.colors);
+            let (stages, lit_scratch) = (&mut self.stages, &mut self.lit);
+            lit.shade(
+                plan,
+                &self.planes,
+                &run,
+                stages,
+                lit_scratch,
+                &mut self.colors,
+            );
             return if finished {
                 Shown::Unfinished(&self.colors)
             } else {

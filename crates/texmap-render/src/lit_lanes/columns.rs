@@ -1,16 +1,17 @@
 //! The colours of one block from what the stages of its run have read.
 
 use texmap_light::lanes::{
-    RayLanes, V3, clamp_to_horizon_lanes, reflect_across_lanes, share_lanes, spread, unit_lanes,
+    PowerLanes, RayLanes, V3, clamp_to_horizon_lanes, reflect_across_lanes, share_lanes, spread,
+    unit_lanes,
 };
 use texmap_math::fearless_simd::{Simd, f32x16, mask32x16, prelude::*};
 use texmap_math::glam::DMat3;
 use texmap_raster::{Cull, NONE, RunBlock, RunValues};
 
-use super::vectors::{NORMAL, POSITION, TANGENT, changes, column, three};
-use super::{Lamp, LitLanes};
-use crate::canvas::{LANES, bits};
-use crate::lit_texels::{BakedTexels, SlideTexels, Texels};
+use super::alone::{Three, banded, mirrored};
+use super::vectors::{changes, column, three};
+use super::{AMBIENT, EXPONENT, Lamp, LitLanes, Mirror, REFLECTIVITY, Reads, Relief, SPECULAR};
+use crate::canvas::{Colors, LANES, bits};
 use crate::relief::Space;
 use crate::shade::{Facing, Run};
 use crate::vertices::narrow;
@@ -19,7 +20,7 @@ use crate::vertices::narrow;
 #[derive(Default)]
 pub(super) struct Side {
     /// Pixels that show the back of theirs.
-    back: u16,
+    pub(super) back: u16,
     /// Normals of their planes, where shadows read them.
     plane: [[f32; LANES]; 3],
 }
@@ -57,14 +58,13 @@ impl LitLanes<'_> {
 pub(super) struct Columns<'a> {
     pub(super) stage: &'a LitLanes<'a>,
     pub(super) run: &'a Run<'a>,
+    /// Where the vectors stand.
     pub(super) values: &'a RunValues,
-    pub(super) texels: &'a [Texels; 2],
-    pub(super) slides: &'a [SlideTexels],
-    pub(super) baked: &'a BakedTexels,
+    pub(super) read: &'a Reads,
 }
 
 impl Columns<'_> {
-    /// The colours of a block.
+    /// The colours of a block; `found` holds the base colours that the stages have found.
     #[inline(always)]
     pub(super) fn block<S: Simd>(
         &self,
@@ -72,50 +72,42 @@ impl Columns<'_> {
         i: usize,
         at: RunBlock,
         side: &Side,
+        found: &Colors,
     ) -> [f32x16<S>; 4] {
         let stage = self.stage;
         let (zero, one) = (f32x16::splat(s, 0.0), f32x16::splat(s, 1.0));
         let pixels = mask32x16::<S>::from_bitmask(s, u64::from(at.mask));
         let back = mask32x16::<S>::from_bitmask(s, u64::from(side.back));
         let point = match stage.position {
-            Some(_) => three(s, self.values, POSITION, i),
+            Some(first) => three(s, self.values, first, i),
             None => [zero; 3],
         };
         let (mut smooth, mut normal, mut toward_eye) = (point, point, point);
         // Without a light that asks for the normal nothing shows it.
-        if stage.turned || self.slides.iter().any(|slide| slide.reaches(i)) {
-            smooth = turned(back, three(s, self.values, NORMAL, i));
+        if stage.turned || self.read.slides.iter().any(|slide| slide.reaches(i)) {
+            smooth = turned(back, three(s, self.values, stage.normal, i));
             if stage.sees_eye {
                 for k in 0..3 {
                     toward_eye[k] = stage.eye[k] - point[k];
                 }
                 toward_eye = unit_lanes(s, toward_eye);
             }
-            normal = unit_lanes(s, smooth);
-            if let Some((map, _, space)) = &stage.relief {
-                let texel = self.texels[1].lanes(s, i);
-                normal = match space {
-                    Space::Object(to_world) => {
-                        let world = to_world_lanes(s, to_world, map.decode_lanes(s, texel));
-                        unit_lanes(s, turned(back, world))
-                    }
-                    Space::Tangent(_) => {
-                        let tangent = three(s, self.values, TANGENT, i);
-                        let sign = column(s, &self.values.columns[TANGENT + 3].value, i);
-                        let sign = back.select(-sign, sign);
-                        let sign = sign.simd_lt(zero).select(-one, one);
-                        map.turn_lanes(s, normal, tangent, sign, texel)
-                    }
-                };
-                if stage.surface.material.horizon_clamp {
-                    normal = clamp_to_horizon_lanes(s, normal, toward_eye);
-                }
+            normal = self.relieved(s, i, at, side, unit_lanes(s, smooth));
+            if stage.surface.material.horizon_clamp && !matches!(stage.relief, Relief::None) {
+                normal = clamp_to_horizon_lanes(s, normal, toward_eye);
             }
         }
         let (mut diffuse, mut highlight) = ([zero; 3], [zero; 3]);
-        let mut slide = self.slides.iter();
+        let power = match stage.maps[EXPONENT] {
+            Some(_) => {
+                let [factor, ..] = self.read.maps[EXPONENT].straight(s, i);
+                PowerLanes::Each(factor * stage.numbers.ns)
+            }
+            None => PowerLanes::Same(stage.power),
+        };
+        let mut slide = self.read.slides.iter();
         for lamp in &stage.lights {
-            let texel = match lamp.slide.as_ref().and_then(|_| slide.next()) {
+            let texel = match lamp.look_up().and_then(|_| slide.next()) {
                 None => None,
                 Some(texels) => match texels.lanes(s, i) {
                     None => continue,
@@ -123,10 +115,9 @@ impl Columns<'_> {
                 },
             };
             let model = stage.surface.material.highlight;
-            let (numbers, power) = (&stage.numbers, stage.power);
             let given = share_lanes(
                 s,
-                numbers,
+                &stage.numbers,
                 power,
                 model,
                 &lamp.light,
@@ -138,37 +129,113 @@ impl Columns<'_> {
             if !lit.any_true() {
                 continue;
             }
-            let received = self.received(s, lamp, texel, lit, point, side);
+            if lamp.is_ambient() && stage.maps[AMBIENT].is_some() {
+                // A colour of its own, which does not multiply the base colour.
+                let texel = self.read.maps[AMBIENT].straight(s, i);
+                for k in 0..3 {
+                    highlight[k] += given.color[k] * given.diffuse * texel[k];
+                }
+                continue;
+            }
+            let received = if lamp.alone {
+                let lit = lit.to_bitmask() as u16;
+                load(s, &self.received_alone(lamp, lit, i, at, side))
+            } else {
+                self.received(s, lamp, texel, lit, point, side)
+            };
             for k in 0..3 {
                 let color = given.color[k] * received[k];
                 diffuse[k] = lit.select(diffuse[k] + color * given.diffuse, diffuse[k]);
                 highlight[k] = lit.select(highlight[k] + color * given.highlight, highlight[k]);
             }
         }
-        if let Some(map) = &stage.baked {
-            let light = self.baked.lanes(s, i);
+        if let Some((share, ..)) = stage.baked {
+            let light = self.read.baked.straight(s, i);
             for k in 0..3 {
-                diffuse[k] += light[k] * map.share;
+                diffuse[k] += light[k] * share;
             }
         }
-        if let Some((environment, share)) = &stage.mirror {
+        if stage.maps[SPECULAR].is_some() {
+            let tint = self.read.maps[SPECULAR].straight(s, i);
+            for k in 0..3 {
+                highlight[k] *= tint[k];
+            }
+        }
+        if stage.has_mirrors() {
             let ray = self.mirrored(s, i, at, back, smooth, normal);
-            let light = environment.light_lanes(s, &ray);
-            for k in 0..3 {
-                highlight[k] += light[k] * *share;
+            if let Some((mirror, share)) = &stage.mirror {
+                let share = match stage.maps[REFLECTIVITY] {
+                    Some(_) => self.read.maps[REFLECTIVITY].straight(s, i)[0] * *share,
+                    None => f32x16::splat(s, *share),
+                };
+                let light = mirror.light(s, at.mask, &ray);
+                for k in 0..3 {
+                    highlight[k] += light[k] * share;
+                }
+            }
+            if let Some(map) = &stage.specular {
+                let light = map.light(s, at.mask, &ray);
+                for k in 0..3 {
+                    highlight[k] += light[k] * stage.numbers.ks;
+                }
             }
         }
-        let mut out = [one; 4];
-        let texel = match stage.surface.base_color {
-            Some(_) => self.texels[0].lanes(s, i),
-            None => [one; 3],
-        };
+        if let Some(ramp) = &stage.surface.light_ramp {
+            diffuse = load(s, &banded(ramp, at.mask, &store(diffuse)));
+        }
+        let (mut base, alpha) = self.ground(s, i, found);
+        if !stage.ready.paints.is_empty() && stage.surface.effects.is_some() {
+            let [r, g, b, a] = self.painted(i, at, side);
+            let (paint, keep) = (load(s, &[r, g, b]), 1.0 - f32x16::from_slice(s, &a));
+            for k in 0..3 {
+                base[k] = paint[k] + keep * base[k];
+            }
+        }
+        let mut out = [alpha; 4];
         for k in 0..3 {
-            let base = texel[k] * stage.numbers.color[k];
-            let value = base * diffuse[k] + highlight[k];
-            out[k] = value.simd_lt(one).select(value, one);
+            let value = base[k] * diffuse[k] + highlight[k];
+            out[k] = value.simd_lt(one).select(value, one) * alpha;
         }
         out
+    }
+
+    /// Unit normals as the relief leaves them.
+    #[inline(always)]
+    fn relieved<S: Simd>(&self, s: S, i: usize, at: RunBlock, side: &Side, normal: V3<S>) -> V3<S> {
+        let stage = self.stage;
+        let back = mask32x16::<S>::from_bitmask(s, u64::from(side.back));
+        match &stage.relief {
+            Relief::None => normal,
+            Relief::Normals(map, _, space, packed) => {
+                let texel = if *packed {
+                    self.read.texels[1].lanes(s, i)
+                } else {
+                    self.read.normals.straight(s, i)
+                };
+                match space {
+                    Space::Object(to_world) => {
+                        let world = to_world_lanes(s, to_world, map.decode_lanes(s, texel));
+                        unit_lanes(s, turned(back, world))
+                    }
+                    Space::Tangent(_) => {
+                        let (zero, one) = (f32x16::splat(s, 0.0), f32x16::splat(s, 1.0));
+                        let tangent = three(s, self.values, stage.tangent, i);
+                        let sign = column(s, &self.values.columns[stage.tangent + 3].value, i);
+                        let sign = back.select(-sign, sign);
+                        let sign = sign.simd_lt(zero).select(-one, one);
+                        map.turn_lanes(s, normal, tangent, sign, texel)
+                    }
+                }
+            }
+            Relief::Slopes(_) => match stage.position {
+                Some(first) => {
+                    let moves = changes(s, self.values, first, i);
+                    self.read.slopes.bump(s, i, normal, moves)
+                }
+                None => normal,
+            },
+            Relief::Carved(carved) => load(s, &self.carved(carved, i, at, side, &store(normal))),
+        }
     }
 
     /// What reaches the pixels of a light.
@@ -220,7 +287,7 @@ impl Columns<'_> {
             dx: spread(s, rays.dx),
             dy: spread(s, rays.dy),
         };
-        let [normal_dx, normal_dy] = changes(s, self.values, NORMAL, i);
+        let [normal_dx, normal_dy] = changes(s, self.values, self.stage.normal, i);
         let [x, y, z] = smooth;
         let length = (x * x + y * y + z * z).sqrt();
         let normal = RayLanes {
@@ -230,6 +297,36 @@ impl Columns<'_> {
         };
         reflect_across_lanes(&view, &normal, length)
     }
+}
+
+impl Mirror<'_> {
+    /// The light from where some pixels' rays lead.
+    #[inline(always)]
+    fn light<S: Simd>(&self, s: S, pixels: u16, ray: &RayLanes<S>) -> V3<S> {
+        if let Some(view) = &self.view {
+            return view.light_lanes(s, ray);
+        }
+        let rays = [store(ray.direction), store(ray.dx), store(ray.dy)];
+        load(s, &mirrored(self.environment, pixels, &rays))
+    }
+}
+
+#[inline(always)]
+fn store<S: Simd>(v: V3<S>) -> Three {
+    let mut out = [[0.0; LANES]; 3];
+    for (column, c) in out.iter_mut().zip(v) {
+        c.store_slice(column);
+    }
+    out
+}
+
+#[inline(always)]
+fn load<S: Simd>(s: S, [x, y, z]: &Three) -> V3<S> {
+    [
+        f32x16::from_slice(s, x),
+        f32x16::from_slice(s, y),
+        f32x16::from_slice(s, z),
+    ]
 }
 
 /// A matrix times the vectors in all lanes, in f64 as for one.

@@ -4,8 +4,9 @@ use texmap_light::lanes::V3;
 use texmap_math::fearless_simd::{Simd, f32x16, prelude::*};
 use texmap_raster::{BlockSink, BlockValues, Column, RUN_ROOM, RunBlock, RunValues, TilePlanes};
 
-use super::LitLanes;
+use super::{LitLanes, Relief};
 use crate::canvas::LANES;
+use crate::lit_texels::SlideTexels;
 use crate::relief::Space;
 use crate::shade::Run;
 
@@ -13,12 +14,77 @@ use crate::shade::Run;
 pub(super) const NORMAL: usize = 0;
 pub(super) const POSITION: usize = 3;
 pub(super) const TANGENT: usize = 6;
+const COLUMNS: usize = TANGENT + 4;
+
+/// Blocks of a run that some slide reaches, and their places in it.
+#[derive(Default)]
+pub(super) struct Reached {
+    blocks: Vec<RunBlock>,
+    places: Vec<usize>,
+}
 
 impl LitLanes<'_> {
+    /// The vectors of a surface that reads no more, in columns of their own, and its slides.
+    #[inline(always)]
+    pub(super) fn few_attributes<S: Simd>(
+        &self,
+        s: S,
+        planes: &TilePlanes,
+        run: &Run<'_>,
+        out: &mut RunValues,
+        slides: &mut [SlideTexels],
+        reached: &mut Reached,
+    ) {
+        if out.columns.len() < COLUMNS {
+            out.columns.resize(COLUMNS, Column::ZERO);
+        }
+        let late = !self.turned && matches!(self.relief, Relief::None);
+        if let (true, Some(first)) = (late, self.position_attribute()) {
+            self.three(s, planes, run, [first, POSITION], run.run, &[], out);
+        } else {
+            self.vectors(s, planes, run, out);
+        }
+        self.look_up_slides(s, out, run.run.len(), slides);
+        if let (true, Some(normal)) = (late, self.surface.normal) {
+            // Few blocks ask for a normal.
+            reached.blocks.clear();
+            reached.places.clear();
+            for (i, at) in run.run.iter().enumerate() {
+                if slides.iter().any(|slide| slide.reaches(i)) {
+                    reached.blocks.push(*at);
+                    reached.places.push(i);
+                }
+            }
+            let Reached { blocks, places } = reached;
+            self.three(s, planes, run, [normal, NORMAL], blocks, places, out);
+        }
+    }
+
+    /// The slides of a run, at the positions in its columns.
+    #[inline(always)]
+    pub(super) fn look_up_slides<S: Simd>(
+        &self,
+        s: S,
+        values: &RunValues,
+        blocks: usize,
+        out: &mut [SlideTexels],
+    ) {
+        let Some(first) = self.position else { return };
+        for (slide, out) in self.slides().zip(out) {
+            let [x, y, z] = [0, 1, 2].map(|c| &values.columns[first + c].value);
+            slide.run(s, self.level, blocks, [x, y, z], out);
+        }
+    }
+
+    /// First attribute of the positions, where any stage reads them.
+    fn position_attribute(&self) -> Option<usize> {
+        self.position.and(self.surface.position)
+    }
+
     /// One vector of some blocks, from its attribute to its column, without its changes. The blocks stand at `places` in the run, or where
     /// they are in the list if there are none.
     #[inline(always)]
-    pub(super) fn three<S: Simd>(
+    fn three<S: Simd>(
         &self,
         s: S,
         planes: &TilePlanes,
@@ -28,9 +94,6 @@ impl LitLanes<'_> {
         places: &[usize],
         out: &mut RunValues,
     ) {
-        if out.columns.len() < TANGENT + 4 {
-            out.columns.resize(TANGENT + 4, Column::ZERO);
-        }
         if let Some(columns) = out.columns[column..].first_chunk_mut() {
             let columns = Store::<3, false>(columns.each_mut());
             let mut sink = Placed { columns, places };
@@ -41,23 +104,15 @@ impl LitLanes<'_> {
 
     /// Normals, positions and tangents of a run. The changes of normals are read by mirrors.
     #[inline(always)]
-    pub(super) fn vectors<S: Simd>(
-        &self,
-        s: S,
-        planes: &TilePlanes,
-        run: &Run<'_>,
-        out: &mut RunValues,
-    ) {
-        if out.columns.len() < TANGENT + 4 {
-            out.columns.resize(TANGENT + 4, Column::ZERO);
-        }
-        let (blocks, list, n) = (run.blocks, run.run, self.normal);
+    fn vectors<S: Simd>(&self, s: S, planes: &TilePlanes, run: &Run<'_>, out: &mut RunValues) {
+        let (blocks, list) = (run.blocks, run.run);
+        let Some(n) = self.surface.normal else { return };
         let columns = &mut out.columns[..];
         let tangent = match self.relief {
-            Some((_, _, Space::Tangent(first))) => Some(first),
+            Relief::Normals(_, _, Space::Tangent(first), _) => Some(first),
             _ => None,
         };
-        let Some(p) = self.position else {
+        let Some(p) = self.position_attribute() else {
             // Nothing but a mirror asks for no position, or light that is the same everywhere.
             if let Some(normals) = columns.first_chunk_mut() {
                 let mut sink = Store::<3, true>(normals.each_mut());
@@ -66,7 +121,7 @@ impl LitLanes<'_> {
             }
             return;
         };
-        match (tangent, self.mirror.is_some()) {
+        match (tangent, self.has_mirrors()) {
             (Some(t), false) => {
                 if let Some(vectors) = columns.first_chunk_mut() {
                     let mut sink = Store::<10, false>(vectors.each_mut());
