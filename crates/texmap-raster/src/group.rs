@@ -37,6 +37,22 @@ pub(crate) struct Group {
     pub offset: [i32; 2],
 }
 
+impl Group {
+    /// Whether a live lane covers every pixel of a tile of full size.
+    #[inline(always)]
+    pub(crate) fn covers_tile(&self, lane: usize) -> bool {
+        let last = TILE as i32 - 1;
+        let spans = self.x0[lane] <= 0 && self.y0[lane] <= 0;
+        spans
+            && self.x1[lane] >= last
+            && self.y1[lane] >= last
+            && (0..3).all(|k| {
+                let (a, b) = (self.a[k][lane], self.b[k][lane]);
+                self.q[k][lane] + (a.min(0) + b.min(0)) * last >= 0
+            })
+    }
+}
+
 /// What the samples of a pixel share of a [`Group`]: all that does not depend on where they lie.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Known {
@@ -129,6 +145,33 @@ pub(crate) fn solve_x16<S: Simd>(
     )
 }
 
+/// [`solve_x16`] for planes that are linear on the screen.
+#[inline(never)]
+pub(crate) fn solve_flat_x16<S: Simd>(
+    s: S,
+    arrays: &Arrays<'_>,
+    vertex: &[i32x16<S>; 3],
+    transform: &Transform,
+    origin: [f64; 2],
+) -> [SolverX8<S>; 2] {
+    s.vectorize(
+        #[inline(always)]
+        || {
+            let [ox, oy] = origin;
+            let at = [
+                arrays.positions(s, vertex[0]),
+                arrays.positions(s, vertex[1]),
+                arrays.positions(s, vertex[2]),
+            ];
+            let [[a, d], [b, e], [c, f]] = at;
+            [
+                SolverX8::flat(s, transform, [a, b, c], ox, oy),
+                SolverX8::flat(s, transform, [d, e, f], ox, oy),
+            ]
+        },
+    )
+}
+
 impl<S: Simd> SolverX8<S> {
     #[inline(always)]
     pub(crate) fn new(
@@ -138,11 +181,31 @@ impl<S: Simd> SolverX8<S> {
         ox: f64,
         oy: f64,
     ) -> Self {
-        let [v0, v1, v2] = [
+        let corners = [
             transform.apply_x8(s, corners[0]),
             transform.apply_x8(s, corners[1]),
             transform.apply_x8(s, corners[2]),
         ];
+        Self::of(s, corners, ox, oy)
+    }
+
+    /// Of the corners on the screen, all at w = 1.
+    #[inline(always)]
+    fn flat(s: S, transform: &Transform, corners: [[f64x8<S>; 3]; 3], ox: f64, oy: f64) -> Self {
+        let mut flat = [
+            transform.apply_x8(s, corners[0]),
+            transform.apply_x8(s, corners[1]),
+            transform.apply_x8(s, corners[2]),
+        ];
+        for v in &mut flat {
+            let w = v[3];
+            *v = [v[0] / w, v[1] / w, v[2] / w, f64x8::splat(s, 1.0)];
+        }
+        Self::of(s, flat, ox, oy)
+    }
+
+    #[inline(always)]
+    fn of(s: S, [v0, v1, v2]: [[f64x8<S>; 4]; 3], ox: f64, oy: f64) -> Self {
         let (ox, oy) = (f64x8::splat(s, ox), f64x8::splat(s, oy));
         let p0 = [v0[0] - ox * v0[3], v0[1] - oy * v0[3], v0[3]];
         let p1 = [v1[0] - ox * v1[3], v1[1] - oy * v1[3], v1[3]];

@@ -70,4 +70,4 @@ pub use prepared::{Prepared, Tile};
 pub use run::{BlockSink, BlockValues, Column, RUN, RUN_ROOM, RunBlock, RunValues};
 pub use setup::{Fragment, TILE, TriangleSetup};
 pub use stamp::block_index;
-pub use visible::{AlphaTest, NONE, NoAlphaTest, TileBuffers};
+pub use visible::{AlphaTest, NONE, NoAlphaTest, TileBuffers, UvBlock};

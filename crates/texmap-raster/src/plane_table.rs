@@ -6,7 +6,7 @@ use texmap_math::lanes::{LANES, Words, above, gather, gather_pairs, gather_quads
 use texmap_math::on_level;
 
 use crate::blocks::Runs;
-use crate::group::{Ids, extent_x8, hull_x16, solve_x16};
+use crate::group::{Ids, extent_x8, hull_x16, solve_flat_x16, solve_x16};
 use crate::setup::{
     LARGEST, Ranged, SMALLEST, TILE, TriangleSetup, W_RATIO, origin, widen_attribute, widen_w,
 };
@@ -26,6 +26,9 @@ pub struct TilePlanes {
     /// Slots that f32 planes cannot serve, by the index of their set-up; [`NONE`] for the others.
     odd: Vec<u32>,
     pub(crate) setups: Vec<TriangleSetup>,
+    /// Of each group, a bit per attribute that is linear on the screen.
+    linear: Vec<u32>,
+    pub(crate) has_linear: bool,
     /// The tile's corner.
     pub(crate) corner: [u32; 2],
 }
@@ -54,6 +57,13 @@ impl TilePlanes {
     pub(crate) fn odd_setup(&self, slot: u32) -> Option<&TriangleSetup> {
         let index = *self.odd.get(slot as usize)?;
         self.setups.get(index as usize)
+    }
+
+    /// The attributes of a slot that are linear on the screen, a bit each.
+    #[inline(always)]
+    pub(crate) fn linear(&self, slot: u32) -> u32 {
+        let group = self.linear.get(slot as usize / LANES);
+        group.copied().unwrap_or(0)
     }
 
     /// Room for `groups` groups with `attributes` attributes.
@@ -91,7 +101,8 @@ impl TilePlanes {
     /// Widens the hulls of all slots.
     fn widen(&mut self) {
         let group_words = self.per_group * LANES;
-        for group in self.words.chunks_exact_mut(group_words.max(1)) {
+        let groups = self.words.chunks_exact_mut(group_words.max(1));
+        for (group, linear) in groups.zip(&self.linear) {
             let (planes, _) = group.as_chunks_mut::<LANES>();
             let mut planes = planes.chunks_exact_mut(COEFFICIENTS);
             let Some([wa, wb, _, w_lo, w_hi]) = planes.next() else {
@@ -102,14 +113,20 @@ impl TilePlanes {
                 w_slope[lane] = wa[lane].abs() + wb[lane].abs();
                 widen_w(w_slope[lane], &mut w_lo[lane], &mut w_hi[lane]);
             }
-            for plane in planes {
+            for (k, plane) in planes.enumerate() {
                 let [a, b, _, lo, hi] = plane else {
                     return;
                 };
+                let is_linear = linear >> k & 1 == 1;
                 for lane in 0..LANES {
                     let slope = a[lane].abs() + b[lane].abs();
                     let (lo, hi) = (&mut lo[lane], &mut hi[lane]);
-                    widen_attribute(slope, w_slope[lane], w_lo[lane], lo, hi);
+                    let (change, w) = if is_linear {
+                        (0.0, 1.0)
+                    } else {
+                        (w_slope[lane], w_lo[lane])
+                    };
+                    widen_attribute(slope, change, w, lo, hi);
                 }
             }
         }
@@ -138,10 +155,13 @@ impl Prepared<'_> {
         let bounds = self.tile(tile);
         let mut runs = Runs::new(self, tile);
         let (mut groups, mut attributes) = (0, 0);
+        out.linear.clear();
         while let Some(run) = runs.next() {
             groups += 1;
+            out.linear.push(self.linear_of(run.draw));
             attributes = attributes.max(self.draw(run.draw as u32).attribute_count);
         }
+        out.has_linear = out.linear.iter().any(|linear| *linear != 0);
         out.reset(groups, attributes, [bounds.x0, bounds.y0]);
         match self.level() {
             Some(level) => {
@@ -173,7 +193,7 @@ impl Prepared<'_> {
         let mut runs = Runs::new(self, tile);
         while let Some(run) = runs.next() {
             let mut care = (1u32 << run.ids.len()) - 1;
-            if self.is_plain_perspective(run.draw) {
+            if self.has_lanes(run.draw) {
                 let named = Ids::new(run.ids, self.first(run.draw), self.whole());
                 care &= named.pieces
                     | self.planes_x16(s, run.draw, &named, run.first_slot / LANES, out);
@@ -187,11 +207,21 @@ impl Prepared<'_> {
         }
     }
 
-    /// Draws whose attributes are all exact per pixel.
-    fn is_plain_perspective(&self, draw: usize) -> bool {
+    /// Draws of whole triangles whose attributes are exact per pixel, or linear on the screen.
+    fn has_lanes(&self, draw: usize) -> bool {
+        let interp = self.draw(draw as u32).interp;
+        matches!(interp, Interp::Perspective | Interp::Affine)
+    }
+
+    /// The attributes of a draw that are linear on the screen, a bit each.
+    fn linear_of(&self, draw: usize) -> u32 {
         let d = self.draw(draw as u32);
         let used = (1u64 << d.attribute_count.min(MAX_ATTRIBUTES)) - 1;
-        d.interp == Interp::Perspective && u64::from(d.screen_linear) & used == 0
+        let linear = match d.interp {
+            Interp::Affine | Interp::Subdivided(_) => u32::MAX,
+            _ => d.screen_linear,
+        };
+        linear & used as u32
     }
 
     /// A group in lanes; returns the lanes that need the plain way.
@@ -215,7 +245,8 @@ impl Prepared<'_> {
         }
         let vertex = arrays.corners(s, ids.lanes(s));
         let middle = origin(out.corner[0] / TILE, out.corner[1] / TILE).map(f64::from);
-        let [low, high] = solve_x16(s, &arrays, &vertex, self.transform(draw), middle);
+        let exact = solve_x16(s, &arrays, &vertex, self.transform(draw), middle);
+        let [low, high] = &exact;
         let one = f64x8::splat(s, 1.0);
         let (low_w, high_w) = (low.plane([one; 3]), high.plane([one; 3]));
         let hull = hull_x16([
@@ -235,6 +266,14 @@ impl Prepared<'_> {
                 (vertex[1] * n as i32).bitcast(),
                 (vertex[2] * n as i32).bitcast(),
             ];
+            let linear = self.linear_of(draw);
+            let flat = if linear == 0 {
+                exact
+            } else {
+                let flat = solve_flat_x16(s, &arrays, &vertex, self.transform(draw), middle);
+                fine = [fine[0] & flat[0].solvable, fine[1] & flat[1].solvable];
+                flat
+            };
             let mut ahead = [[f32x16::splat(s, 0.0); 3]; AHEAD];
             let (mut start, mut end) = (0, 0);
             for k in 0..n {
@@ -243,6 +282,7 @@ impl Prepared<'_> {
                 }
                 let v = ahead[(k - start) % AHEAD];
                 let (v0, v1, v2) = (v[0].widen(), v[1].widen(), v[2].widen());
+                let [low, high] = if linear >> k & 1 == 1 { &flat } else { &exact };
                 let (low_plane, high_plane) = (
                     low.plane([v0.0, v1.0, v2.0]),
                     high.plane([v0.1, v1.1, v2.1]),

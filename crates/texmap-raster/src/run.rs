@@ -3,7 +3,7 @@ use alloc::vec::Vec;
 
 use texmap_math::Level;
 use texmap_math::fearless_simd::{Simd, f32x16, i32x16, mask32x16, prelude::*, u32x16};
-use texmap_math::lanes::{LANES, Words, clamp_scalar, gather, has_octets};
+use texmap_math::lanes::{LANES, Words, clamp, clamp_scalar, gather, has_octets};
 use texmap_math::on_level;
 
 use crate::blocks::{TileBlocks, pixel_of};
@@ -184,6 +184,9 @@ impl TilePlanes {
                 let planes = self.own(s, words, slots, at.mask, &wanted);
                 values = planes.values::<D>(s, px, py);
             }
+            if self.has_linear {
+                values = self.straightened::<S, N, D>(s, words, slots, [px, py], &wanted, values);
+            }
             if !self.setups.is_empty() {
                 self.mend::<S, N, D>(s, slots, at, one, &wanted, &mut values);
             }
@@ -221,7 +224,11 @@ impl TilePlanes {
                 x.to_float::<f32x16<S>>() - half,
                 y.to_float::<f32x16<S>>() - half,
             );
-            sink.block(s, i, at, &planes.values::<D>(s, px, py));
+            let mut values = planes.values::<D>(s, px, py);
+            if self.has_linear {
+                values = self.straightened::<S, N, D>(s, words, slots, [px, py], &wanted, values);
+            }
+            sink.block(s, i, at, &values);
         }
     }
 
@@ -349,6 +356,48 @@ impl TilePlanes {
         planes
     }
 
+    /// Values at pixels where those that are linear on the screen are so. Out of line, since most tiles have none.
+    #[inline(never)]
+    fn straightened<S: Simd, const N: usize, const D: bool>(
+        &self,
+        s: S,
+        words: Words<'_>,
+        slots: u32x16<S>,
+        [px, py]: [f32x16<S>; 2],
+        wanted: &[usize; N],
+        values: BlockValues<S, N>,
+    ) -> BlockValues<S, N> {
+        s.vectorize(
+            #[inline(always)]
+            || {
+                let mut lanes = [0; LANES];
+                slots.store_slice(&mut lanes);
+                let linear = lanes.map(|slot| self.linear(slot));
+                let mut out = values;
+                let planes = if slots.simd_eq(lanes[0]).all_true() {
+                    self.one(lanes[0], wanted).lanes(s)
+                } else {
+                    self.own(s, words, slots, u16::MAX, wanted)
+                };
+                for (i, &k) in wanted.iter().enumerate() {
+                    let mut bits = 0u16;
+                    for (bit, linear) in linear.iter().enumerate() {
+                        bits |= ((linear >> k & 1) as u16) << bit;
+                    }
+                    let mine = mask32x16::from_bitmask(s, u64::from(bits));
+                    let [a, b, c, lo, hi] = planes.attribute[i];
+                    let u = clamp((c + b * py) + a * px, lo, hi);
+                    out.value[i] = mine.select(u, out.value[i]);
+                    if D {
+                        out.ddx[i] = mine.select(a, out.ddx[i]);
+                        out.ddy[i] = mine.select(b, out.ddy[i]);
+                    }
+                }
+                out
+            },
+        )
+    }
+
     /// Replaces the values of slots that f32 planes cannot serve.
     #[inline(always)]
     fn mend<S: Simd, const N: usize, const D: bool>(
@@ -465,6 +514,11 @@ impl TilePlanes {
         inv_w[place] = w;
         for (column, &k) in columns.iter_mut().zip(wanted) {
             let [a, b, c, lo, hi] = plane(1 + k);
+            if self.linear(slot) >> k & 1 == 1 {
+                column.value[place] = clamp_scalar((c + b * py) + a * px, lo, hi);
+                (column.ddx[place], column.ddy[place]) = (a, b);
+                continue;
+            }
             let u = clamp_scalar(((c + b * py) + a * px) * r, lo, hi);
             column.value[place] = u;
             column.ddx[place] = (a - u * wa) * r;

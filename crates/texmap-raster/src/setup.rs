@@ -1,7 +1,10 @@
 //! From a triangle to what a pixel needs: planes about the centre of a 64x64 tile, hulls, and the way to evaluate them.
+use texmap_math::lanes::LANES;
+
 use crate::clip::Hom;
 use crate::edge::{Edge, row_span};
 use crate::planes::{Plane, Solver};
+use crate::visible::UvBlock;
 use crate::{Interp, MAX_ATTRIBUTES};
 
 /// Side of a tile in pixels, whatever the target's size: planes are anchored at tile centres, so this decides bits.
@@ -295,9 +298,9 @@ impl TriangleSetup {
         }
     }
 
-    /// Whether a pixel needs more than f32 planes and one divide.
+    /// Whether a pixel needs more than f32 planes and one divide at most.
     pub(crate) fn is_odd(&self) -> bool {
-        self.wide || self.uses_rows() || self.has_linear()
+        self.wide || self.uses_rows()
     }
 
     /// Odd only in that it is evaluated in f64.
@@ -350,6 +353,35 @@ impl TriangleSetup {
         } else {
             self.at_f32(px, py, out);
         }
+    }
+
+    /// The first two attributes of the 4x4 pixels from (x, y) on, as [`evaluate`](Self::evaluate) finds them; `None` where f32 planes
+    /// do not serve, and where there are fewer.
+    pub(crate) fn uv_block(&self, x: u32, y: u32) -> Option<UvBlock> {
+        if self.is_odd() || self.count < 2 {
+            return None;
+        }
+        let (px, py) = self.local(x, y);
+        let xs: [f32; LANES] = core::array::from_fn(|i| px + (i % 4) as f32);
+        let ys: [f32; LANES] = core::array::from_fn(|i| py + (i / 4) as f32);
+        let r = core::array::from_fn(|i| 1.0 / self.w.clamp(self.w.at(xs[i], ys[i])));
+        let r: [f32; LANES] = r;
+        let mut out = UvBlock::default();
+        for (k, plane) in self.attributes[..2].iter().enumerate() {
+            let linear = self.is_linear(k);
+            for i in 0..LANES {
+                let at = plane.at(xs[i], ys[i]);
+                let u = plane.clamp(if linear { at } else { at * r[i] });
+                out.value[k][i] = u;
+                if linear {
+                    (out.ddx[k][i], out.ddy[k][i]) = (plane.near[0], plane.near[1]);
+                } else {
+                    out.ddx[k][i] = (plane.near[0] - u * self.w.near[0]) * r[i];
+                    out.ddy[k][i] = (plane.near[1] - u * self.w.near[1]) * r[i];
+                }
+            }
+        }
+        Some(out)
     }
 
     /// The pixel's centre from the origin; exact.

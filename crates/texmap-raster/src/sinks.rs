@@ -197,7 +197,10 @@ impl<S: Simd> Sink<S> for Last<'_> {
     }
 }
 
-/// Asks the alpha test, pixel by pixel.
+/// From so many pixels on a block is asked about as a whole.
+const FEW_PIXELS: u32 = 3;
+
+/// Asks the alpha test.
 pub(crate) struct CutOut<'p> {
     pub(crate) prepared: &'p Prepared<'p>,
     pub(crate) ids: &'p [u32],
@@ -224,6 +227,14 @@ impl CutOut<'_> {
         let Some((_, triangle, setup)) = &self.setup else {
             return 0;
         };
+        let corner = pixel_of(block, 0);
+        let [x, y] = [self.tile.x0 + corner.0, self.tile.y0 + corner.1];
+        if pass.count_ones() >= FEW_PIXELS
+            && let Some(at) = setup.uv_block(x, y)
+            && let Some(kept) = self.alpha.keep_by_uv(self.draw, &at, pass as u16)
+        {
+            return u32::from(kept) & pass;
+        }
         let mut fragment = Fragment::default();
         let mut kept = 0;
         let mut left = pass;

@@ -47,8 +47,13 @@ impl TilePlanes {
             return None;
         }
         let mut out = [[0.0; 2]; N];
-        for (out, attribute) in out.iter_mut().zip(planes.attribute) {
+        let linear = self.linear(slot);
+        for ((out, attribute), k) in out.iter_mut().zip(planes.attribute).zip(wanted) {
             let [a, b, c, lo, hi] = planes.own(attribute);
+            if linear >> k & 1 == 1 {
+                *out = [a.abs(), b.abs()];
+                continue;
+            }
             // A quotient of planes is greatest and least at corners.
             let mut range = (f32::INFINITY, f32::NEG_INFINITY);
             for ((x, y), w) in corners.into_iter().zip(w) {

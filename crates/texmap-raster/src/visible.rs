@@ -1,6 +1,8 @@
 //! Visibility: per pixel the nearest depth and the fragment that has it.
 use alloc::vec::Vec;
 
+use texmap_math::lanes::LANES;
+
 use crate::blocks::{Runs, TileBlocks};
 use crate::edge::{Edge, PixelBox, cover};
 use crate::prepared::decides_visibility;
@@ -52,6 +54,23 @@ impl TileBuffers {
 pub trait AlphaTest {
     /// Whether the fragment is kept.
     fn keep(&self, draw: u32, triangle: u32, fragment: &Fragment) -> bool;
+
+    /// [`keep`](Self::keep) for those of sixteen fragments that are `asked` for, a bit each, where the first two attributes decide;
+    /// `None` where they do not: the fragments are asked about one by one then.
+    fn keep_by_uv(&self, _draw: u32, _at: &UvBlock, _asked: u16) -> Option<u16> {
+        None
+    }
+}
+
+/// The first two attributes of the sixteen pixels of a block.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct UvBlock {
+    /// Values.
+    pub value: [[f32; LANES]; 2],
+    /// Change per pixel to the right.
+    pub ddx: [[f32; LANES]; 2],
+    /// Change per pixel down.
+    pub ddy: [[f32; LANES]; 2],
 }
 
 /// Keeps everything: for scenes without cut-outs.

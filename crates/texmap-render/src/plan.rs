@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use texmap_light::Light;
 use texmap_math::glam::DMat4;
-use texmap_raster::{AlphaTest, DepthTest, Draw, Fragment, Interp, Pass};
+use texmap_raster::{AlphaTest, DepthTest, Draw, Fragment, Interp, Pass, UvBlock};
 use texmap_sample::Origin;
 
 use crate::backdrop::{SkyStage, behind};
@@ -143,6 +143,18 @@ impl Surface<'_> {
 impl AlphaTest for Plan<'_> {
     fn keep(&self, draw: u32, _triangle: u32, fragment: &Fragment) -> bool {
         self.surfaces[draw as usize].kept(fragment)
+    }
+
+    fn keep_by_uv(&self, draw: u32, at: &UvBlock, asked: u16) -> Option<u16> {
+        let surface = &self.surfaces[draw as usize];
+        if !matches!(surface.uv, Coordinates::Vertices) {
+            return None;
+        }
+        let Some(cut) = surface.cut else {
+            return Some(asked);
+        };
+        let maps = [&surface.base_color, &surface.opacity_map].map(Option::as_ref);
+        Some(cut.keeps_block(self.level, at, maps, surface.material.opacity))
     }
 }
 

@@ -1,6 +1,7 @@
 //! Cut-outs in shadow maps: the holes that the camera sees are holes to the light.
 
-use texmap_raster::{AlphaTest, Fragment};
+use texmap_math::Level;
+use texmap_raster::{AlphaTest, Fragment, UvBlock};
 
 use crate::coordinates::Coordinates;
 use crate::plan::{Cut, cut};
@@ -12,6 +13,7 @@ use crate::{AlphaMode, Mesh, Scene, Settings};
 /// nothing through.
 pub(crate) struct Cuts<'s> {
     meshes: Vec<Option<Cutting<'s>>>,
+    level: Level,
 }
 
 struct Cutting<'s> {
@@ -45,10 +47,10 @@ impl<'s> Cuts<'s> {
                     .flatten()
             })
             .collect();
-        meshes
-            .iter()
-            .any(Option::is_some)
-            .then_some(Self { meshes })
+        meshes.iter().any(Option::is_some).then_some(Self {
+            meshes,
+            level: Level::new(),
+        })
     }
 
     /// Attributes of a mesh and how many a vertex has; `None` for one without holes.
@@ -65,6 +67,17 @@ impl AlphaTest for Cuts<'_> {
         };
         let maps = [&c.base_color, &c.opacity_map].map(Option::as_ref);
         c.cut.keeps(c.uv.at(fragment), maps, c.opacity)
+    }
+
+    fn keep_by_uv(&self, draw: u32, at: &UvBlock, asked: u16) -> Option<u16> {
+        let Some(c) = &self.meshes[draw as usize] else {
+            return Some(asked);
+        };
+        if !matches!(c.uv, Coordinates::Vertices) {
+            return None;
+        }
+        let maps = [&c.base_color, &c.opacity_map].map(Option::as_ref);
+        Some(c.cut.keeps_block(self.level, at, maps, c.opacity))
     }
 }
 

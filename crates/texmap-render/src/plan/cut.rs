@@ -1,8 +1,10 @@
 //! Alpha tests: which pixels of a cut-out exist.
 
-use texmap_math::Footprint;
-use texmap_sample::Filter;
+use texmap_math::{Footprint, Level};
+use texmap_raster::UvBlock;
+use texmap_sample::{Filter, Places, sample_columns};
 
+use crate::canvas::LANES;
 use crate::textures::Slot;
 use crate::{AlphaMode, Material};
 
@@ -24,12 +26,68 @@ impl Cut {
         let (uv, d) = place.unwrap_or_default();
         let texel = base_color.map_or(1.0, |s| s.texel(uv, d)[3]);
         let mask = opacity_map.map_or(1.0, |s| s.opacity(s.texel(uv, d)));
-        let alpha = texel * mask * opacity;
+        self.passes(texel * mask * opacity)
+    }
+
+    /// [`keeps`](Self::keeps) for sixteen pixels, a bit each.
+    pub(crate) fn keeps_block(
+        self,
+        level: Level,
+        at: &UvBlock,
+        [base_color, opacity_map]: [Option<&Slot<'_>>; 2],
+        opacity: f32,
+    ) -> u16 {
+        let texel = base_color.map_or([1.0; LANES], |slot| texels(level, slot, at)[3]);
+        let mask = opacity_map.map_or([1.0; LANES], |slot| {
+            let [r, _, _, a] = texels(level, slot, at);
+            if slot.texture.has_alpha() { a } else { r }
+        });
+        (0..LANES).fold(0, |bits, i| {
+            bits | u16::from(self.passes(texel[i] * mask[i] * opacity)) << i
+        })
+    }
+
+    fn passes(self, alpha: f32) -> bool {
         match self {
             Self::Above(t) => alpha > t,
             Self::AtLeast(t) => alpha >= t,
         }
     }
+}
+
+/// Sixteen texels, channel by channel.
+fn texels(level: Level, slot: &Slot<'_>, at: &UvBlock) -> [[f32; LANES]; 4] {
+    let placed = slot.is_transformed().then(|| placed(slot, at));
+    let UvBlock { value, ddx, ddy } = placed.as_ref().unwrap_or(at);
+    let at = Places {
+        u: &value[0],
+        v: &value[1],
+        gradients: slot
+            .reads_derivatives()
+            .then(|| [&ddx[0][..], &ddx[1], &ddy[0], &ddy[1]]),
+    };
+    let mut out = [[0.0; LANES]; 4];
+    let columns = out.each_mut().map(|c| &mut c[..]);
+    sample_columns(level, &slot.sampler, &slot.texture, &at, columns)
+        .expect("the columns have one length");
+    out
+}
+
+fn placed(slot: &Slot<'_>, at: &UvBlock) -> UvBlock {
+    let mut out = at.clone();
+    for i in 0..LANES {
+        let d = Footprint {
+            du_dx: at.ddx[0][i],
+            dv_dx: at.ddx[1][i],
+            du_dy: at.ddy[0][i],
+            dv_dy: at.ddy[1][i],
+        };
+        let (uv, d) = slot.place([at.value[0][i], at.value[1][i]], d);
+        [out.value[0][i], out.value[1][i]] = uv;
+        [out.ddx[0][i], out.ddx[1][i]] = [d.du_dx, d.dv_dx];
+        [out.ddy[0][i], out.ddy[1][i]] = [d.du_dy, d.dv_dy];
+    }
+    out
 }
 
 /// What an alpha test keeps; `None` if there is none, or nothing that it could cut out.
