@@ -6,6 +6,7 @@ use texmap_math::lanes::LANES;
 use texmap_math::on_level;
 
 use crate::edge::cover;
+use crate::floor::Floor;
 use crate::group::{Group, Known, Sharing};
 use crate::prepared::{Tile, decides_visibility};
 use crate::run::RunBlock;
@@ -281,6 +282,7 @@ impl Prepared<'_> {
         }
         let mut runs = Runs::new(self, tile);
         let mut group_index = 0;
+        let mut floor = Floor::default();
         while let Some(run) = runs.next() {
             let draw = self.draw(run.draw as u32);
             if !decides_visibility(draw.pass) {
@@ -298,6 +300,7 @@ impl Prepared<'_> {
             };
             group_index += 1;
             self.setup_group(s, run.draw, run.ids, tile as u32, sharing, &mut group);
+            floor.drop_hidden(s, draw, &mut group);
             let mut sink = Visible {
                 depth: &mut out.depth,
                 slots: &mut out.slot,
@@ -316,6 +319,7 @@ impl Prepared<'_> {
                 }),
             };
             stamp_group(s, &group, false, &mut sink);
+            floor.rise(draw, &group);
         }
         out.group = group;
         out.settle();

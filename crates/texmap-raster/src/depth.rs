@@ -7,6 +7,7 @@ use texmap_math::on_level;
 
 use crate::blocks::Runs;
 use crate::edge::cover;
+use crate::floor::Floor;
 use crate::group::{Group, Sharing};
 use crate::prepared::{decides_visibility, for_all};
 use crate::setup::TILE;
@@ -130,6 +131,7 @@ impl Prepared<'_> {
     #[inline(always)]
     fn depth_lanes<S: Simd>(&self, s: S, index: usize, out: &mut DepthTile) {
         let mut runs = Runs::new(self, index);
+        let mut floor = Floor::default();
         while let Some(run) = runs.next() {
             let draw = self.draw(run.draw as u32);
             if !decides_visibility(draw.pass) || !draw.depth_write {
@@ -143,6 +145,7 @@ impl Prepared<'_> {
                 Sharing::Nothing,
                 &mut out.group,
             );
+            floor.drop_hidden(s, draw, &mut out.group);
             stamp_group(
                 s,
                 &out.group,
@@ -152,6 +155,7 @@ impl Prepared<'_> {
                     test: draw.depth_test,
                 },
             );
+            floor.rise(draw, &out.group);
         }
     }
 }

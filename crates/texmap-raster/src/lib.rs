@@ -45,6 +45,7 @@ mod depth;
 mod draw;
 mod edge;
 mod error;
+mod floor;
 mod front;
 mod group;
 mod plane_table;

@@ -1,8 +1,9 @@
 //! The fast path gives the bits of the plain one, on every SIMD level and with any number of threads.
 use texmap_math::glam::DMat4;
 use texmap_raster::{
-    Cull, DepthTest, Draw, Fragment, Interp, NONE, NoAlphaTest, Pass, Prepared, RunBlock,
-    RunValues, SAMPLES_4, SampleSetup, TargetSize, TileBlocks, TileBuffers, TilePlanes,
+    AlphaTest, Cull, DepthTest, Draw, Fragment, Interp, NONE, NoAlphaTest, Pass, Prepared,
+    RunBlock, RunValues, SAMPLES_4, SampleSetup, TargetSize, TileBlocks, TileBuffers, TilePlanes,
+    UvBlock,
 };
 use texmap_tests::levels::levels;
 
@@ -158,6 +159,103 @@ fn every_level_and_thread_count_gives_the_plain_bits() {
         seen > 10_000 && clipped > 100,
         "{seen} seen, {clipped} clipped"
     );
+}
+
+/// A wall drawn first hides what lies behind it, and nothing else: where it covers whole tiles these need no look at a pixel.
+#[test]
+fn what_a_wall_hides_is_hidden_by_the_plain_form() {
+    let (mut walled, mut before) = (0, 0);
+    for seed in 0..120 {
+        let scene = RandomScene::new(seed);
+        let mut rng = Rng::new(seed);
+        let wall = Owned {
+            positions: vec![[-9.0, -9.0, 1.0], [9.0, -9.0, 1.0], [0.3, 9.0, 1.0]],
+            indices: vec![[0, 1, 2]],
+            attributes: vec![0.0; 6],
+            attribute_count: 2,
+        };
+        let mut wall = wall.draw(free_w(rng.log_range(1e-3, 0.1)));
+        wall.depth_test = [DepthTest::Less, DepthTest::LessOrEqual][seed as usize % 2];
+        let mut draws = scene.draws();
+        // Before what may pass without a test, and after it.
+        draws.insert(0, wall);
+        draws.insert(2, wall);
+        let plain = Prepared::plain(scene.target, &draws).expect("valid");
+        let expected = picture(&plain);
+        let mut buffers = TileBuffers::new();
+        for tile in 0..plain.tiles() {
+            plain.visible(tile, &NoAlphaTest, &mut buffers);
+            walled += buffers.id.iter().filter(|id| **id == 0).count();
+            before += buffers
+                .id
+                .iter()
+                .filter(|id| **id != 0 && **id != NONE)
+                .count();
+        }
+        for (name, level) in levels() {
+            let fast = Prepared::with_level(scene.target, &draws, level, 1).expect("valid");
+            assert!(
+                picture(&fast) == expected,
+                "seed {seed}, {name}: other bits"
+            );
+        }
+    }
+    assert!(walled > 100_000 && before > 100_000, "{walled}, {before}");
+}
+
+/// Keeps what its first two attributes and their changes say; asked about blocks or about single fragments.
+struct Grille {
+    by_blocks: bool,
+}
+
+impl Grille {
+    fn keeps(uv: [f32; 2], ddx: [f32; 2], ddy: [f32; 2]) -> bool {
+        let bits = uv.into_iter().chain(ddx).chain(ddy).map(f32::to_bits);
+        bits.fold(0u32, |sum, bits| sum.wrapping_mul(31) ^ bits) % 3 != 0
+    }
+}
+
+impl AlphaTest for Grille {
+    fn keep(&self, _: u32, _: u32, at: &Fragment) -> bool {
+        let two = |v: &[f32]| [v[0], v[1]];
+        Self::keeps(two(&at.values), two(&at.ddx), two(&at.ddy))
+    }
+
+    fn keep_by_uv(&self, _: u32, at: &UvBlock, asked: u16) -> Option<u16> {
+        let of = |v: &[[f32; 16]; 2], bit: usize| v.map(|column| column[bit]);
+        let keep = |bit| Self::keeps(of(&at.value, bit), of(&at.ddx, bit), of(&at.ddy, bit));
+        let bits = (0..16).filter(|bit| asked >> bit & 1 == 1 && keep(*bit));
+        self.by_blocks
+            .then(|| bits.fold(0, |kept, bit| kept | 1 << bit))
+    }
+}
+
+#[test]
+fn cut_outs_by_blocks_are_those_by_fragments() {
+    let mut count = 0;
+    for seed in 0..100 {
+        let scene = RandomScene::new(seed);
+        let mut draws = scene.draws();
+        for draw in &mut draws {
+            draw.pass = Pass::CutOut;
+        }
+        let plain = Prepared::plain(scene.target, &draws).expect("valid");
+        let (mut expected, mut found) = (TileBlocks::new(), TileBlocks::new());
+        for (name, level) in levels() {
+            let fast = Prepared::with_level(scene.target, &draws, level, 1).expect("valid");
+            for tile in 0..plain.tiles() {
+                plain.visible_blocks(tile, &Grille { by_blocks: false }, &mut expected);
+                fast.visible_blocks(tile, &Grille { by_blocks: true }, &mut found);
+                let bits = |d: &TileBlocks| d.depth.iter().map(|d| d.to_bits()).collect::<Vec<_>>();
+                assert!(
+                    found.slot == expected.slot && bits(&found) == bits(&expected),
+                    "seed {seed}, {name}, tile {tile}"
+                );
+                count += found.slot.iter().filter(|slot| **slot != NONE).count();
+            }
+        }
+    }
+    assert!(count > 100_000, "{count}");
 }
 
 /// Blocks handed out in submitted order are the plain form's blended fragments.

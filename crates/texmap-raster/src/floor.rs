@@ -1,0 +1,49 @@
+//! Depth for a whole tile: what lies behind a triangle that covers all of it needs no look at any pixel.
+use texmap_math::fearless_simd::{Simd, f32x16, prelude::*};
+
+use crate::group::Group;
+use crate::{DepthTest, Draw, Pass};
+
+/// The least depth that is stored anywhere in a tile, as far as it is known: that of triangles that cover all of it.
+#[derive(Debug, Default)]
+pub(crate) struct Floor(f32);
+
+impl Floor {
+    /// Drops triangles that lie behind all that is stored.
+    #[inline(always)]
+    pub(crate) fn drop_hidden<S: Simd>(&self, s: S, draw: &Draw<'_>, group: &mut Group) {
+        if self.0 <= 0.0 {
+            return;
+        }
+        let nearest = f32x16::from_slice(s, &group.z_hi);
+        let hidden = match draw.depth_test {
+            DepthTest::Less => nearest.simd_le(self.0),
+            DepthTest::LessOrEqual => nearest.simd_lt(self.0),
+            DepthTest::Always => return,
+        };
+        let hidden = hidden.to_bitmask() as u32;
+        group.live &= !hidden;
+        group.tiny &= !hidden;
+    }
+
+    /// After a group was stamped.
+    #[inline(always)]
+    pub(crate) fn rise(&mut self, draw: &Draw<'_>, group: &Group) {
+        if !draw.depth_write {
+            return;
+        }
+        if draw.depth_test == DepthTest::Always {
+            // What is stored may have become farther.
+            self.0 = 0.0;
+        } else if draw.pass == Pass::Opaque {
+            let mut large = group.live & !group.tiny;
+            while large != 0 {
+                let lane = large.trailing_zeros() as usize;
+                large &= large - 1;
+                if group.z_lo[lane] > self.0 && group.covers_tile(lane) {
+                    self.0 = group.z_lo[lane];
+                }
+            }
+        }
+    }
+}
