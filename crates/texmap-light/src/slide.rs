@@ -141,6 +141,8 @@ pub struct SlidePlaces<S: Simd> {
     pub uv: [f32x16<S>; 2],
     /// Factor of the texel.
     pub fade: f32x16<S>,
+    /// What coordinates are divided by.
+    t: f32x16<S>,
 }
 
 impl<S: Simd> core::fmt::Debug for SlidePlaces<S> {
@@ -218,7 +220,7 @@ impl<'a> SlideView<'a> {
         Some((uv, self.border.fade(self.softness, uv)?))
     }
 
-    /// [`place`](Self::place) for sixteen. The texels there are for the caller to look up: level 0, as footprints have no lanes yet.
+    /// [`place`](Self::place) for sixteen. The texels there are for the caller to look up.
     /// Lanes in which level 0 can only give black are not reached.
     #[inline(always)]
     pub fn place_lanes<S: Simd>(&self, s: S, point: V3<S>) -> SlidePlaces<S> {
@@ -246,7 +248,19 @@ impl<'a> SlideView<'a> {
             // The others read the middle, where no edge is in the way.
             uv: [reached.select(u, half), reached.select(v, half)],
             fade: factor,
+            t,
         }
+    }
+
+    /// How the coordinates of sixteen places change with steps `d` of their points.
+    #[inline(always)]
+    pub fn changes_lanes<S: Simd>(&self, places: &SlidePlaces<S>, d: V3<S>) -> [f32x16<S>; 2] {
+        let mut qst = d;
+        for (out, [a, b, c, _]) in qst.iter_mut().zip(self.rows) {
+            *out = d[0] * a + d[1] * b + d[2] * c;
+        }
+        let ([q, r, t], [u, v]) = (qst, places.uv);
+        [(q - u * t) / places.t, (r - v * t) / places.t]
     }
 }
 

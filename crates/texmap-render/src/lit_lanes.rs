@@ -69,6 +69,8 @@ struct Lamp<'a> {
     index: usize,
     shadows: &'a [ShadowReader],
     slide: Option<(&'a Thrown<'a>, SlideLookUp<'a>)>,
+    /// The slide's filter asks how large a pixel is.
+    leveled: bool,
     /// What is received of it has no lanes.
     alone: bool,
 }
@@ -122,14 +124,15 @@ struct Reads {
 }
 
 impl<'a> LitLanes<'a> {
-    /// `None` for surfaces that are not lit per pixel, or have a texture instead of light, and for levels without lanes.
+    /// `None` for surfaces that have a texture instead of light, or none but that, and for levels without lanes.
     pub(crate) fn new(plan: &'a Plan<'a>, surface: &'a Surface<'a>) -> Option<Self> {
         let material = surface.material;
-        let lit = surface.space.is_none() && matches!(surface.light, LightStage::PerPixel);
         let covered = surface.base_color.is_some() && material.texture_role == TextureRole::Decal;
-        if !lit || covered || !has_lanes(plan.level) {
+        let other = surface.space.is_some() || surface.texel.is_some();
+        if covered || other || !has_lanes(plan.level) {
             return None;
         }
+        let per_pixel = matches!(surface.light, LightStage::PerPixel);
         let mut this = Self {
             surface,
             ready: &plan.ready,
@@ -144,7 +147,7 @@ impl<'a> LitLanes<'a> {
             maps: [None; MAPS],
             look_ups: LookUps::new([None; 2]),
             reads_all: false,
-            normal: surface.normal?,
+            normal: surface.normal.unwrap_or(0),
             position: surface.position.filter(|first| first + 3 <= surface.shaded),
             tangent: 0,
             sees_eye: false,
@@ -155,6 +158,7 @@ impl<'a> LitLanes<'a> {
             level: plan.level,
         };
         match &surface.effects {
+            _ if !per_pixel => {}
             None => {
                 let lights = plan.lights.iter().enumerate();
                 this.lights.extend(lights.map(|(index, light)| Lamp {
@@ -162,6 +166,7 @@ impl<'a> LitLanes<'a> {
                     index,
                     shadows: &[],
                     slide: None,
+                    leveled: false,
                     alone: false,
                 }));
             }
@@ -214,10 +219,12 @@ impl<'a> LitLanes<'a> {
                 index: *index,
                 shadows: &ready.shadows[*index],
                 slide: slide.map(|slide| (slide, SlideLookUp::new(&slide.view))),
+                leveled: false,
                 alone: false,
             };
-            let leveled = slide.is_some_and(|slide| slide.reads_derivatives());
-            lamp.alone = leveled || lamp.shades().any(|shade| !shade.has_lanes());
+            lamp.leveled = slide.is_some_and(|slide| slide.reads_derivatives());
+            let alone = lamp.shades().any(|shade| !shade.has_lanes());
+            lamp.alone = alone;
             self.lights.push(lamp);
         }
     }
@@ -233,11 +240,12 @@ impl<'a> LitLanes<'a> {
             _ => None,
         };
         self.look_ups = LookUps::new([base, normals]);
-        self.reads_all = !matches!(self.ground, Ground::Texels)
+        self.reads_all = !matches!(self.surface.light, LightStage::PerPixel)
+            || !matches!(self.ground, Ground::Texels)
             || !matches!(self.relief, Relief::None | Relief::Normals(.., true))
             || self.maps.iter().any(Option::is_some)
             || !self.ready.paints.is_empty()
-            || self.lights.iter().any(|lamp| lamp.alone);
+            || self.lights.iter().any(|lamp| lamp.alone || lamp.leveled);
         if let Relief::Normals(_, _, Space::Tangent(first), _) = self.relief {
             self.tangent = first;
         }
@@ -366,8 +374,10 @@ impl<'a> LitLanes<'a> {
         }
     }
 
-    fn slides(&self) -> impl Iterator<Item = &SlideLookUp<'a>> {
-        self.lights.iter().filter_map(Lamp::look_up)
+    /// Slides that have lanes, and whether their filters ask how large a pixel is.
+    fn slides(&self) -> impl Iterator<Item = (&SlideLookUp<'a>, bool)> {
+        let lamps = self.lights.iter();
+        lamps.filter_map(|lamp| Some((lamp.look_up()?, lamp.leveled)))
     }
 }
 

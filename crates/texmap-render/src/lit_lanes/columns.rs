@@ -6,12 +6,14 @@ use texmap_light::lanes::{
 };
 use texmap_math::fearless_simd::{Simd, f32x16, mask32x16, prelude::*};
 use texmap_math::glam::DMat3;
+use texmap_math::lanes::below;
 use texmap_raster::{Cull, NONE, RunBlock, RunValues};
 
 use super::alone::{Three, banded, mirrored};
 use super::vectors::{changes, column, three};
 use super::{AMBIENT, EXPONENT, Lamp, LitLanes, Mirror, REFLECTIVITY, Reads, Relief, SPECULAR};
 use crate::canvas::{Colors, LANES, bits};
+use crate::plan::LightStage;
 use crate::relief::Space;
 use crate::shade::{Facing, Run};
 use crate::vertices::narrow;
@@ -74,8 +76,49 @@ impl Columns<'_> {
         side: &Side,
         found: &Colors,
     ) -> [f32x16<S>; 4] {
-        let stage = self.stage;
-        let (zero, one) = (f32x16::splat(s, 0.0), f32x16::splat(s, 1.0));
+        let (stage, one) = (self.stage, f32x16::splat(s, 1.0));
+        let [mut diffuse, highlight] = match stage.surface.light {
+            LightStage::PerPixel => self.light(s, i, at, side),
+            LightStage::Terms { diffuse, highlight } => {
+                let highlight = match highlight {
+                    Some(first) => three(s, self.values, first, i),
+                    None => [f32x16::splat(s, 0.0); 3],
+                };
+                [three(s, self.values, diffuse, i), highlight]
+            }
+            LightStage::Colors(first) => {
+                let (_, alpha) = self.ground(s, i, found);
+                let [r, g, b] = three(s, self.values, first, i);
+                return [r * alpha, g * alpha, b * alpha, alpha];
+            }
+            LightStage::None => {
+                let ([r, g, b], alpha) = self.ground(s, i, found);
+                let [r, g, b] = [below(r, one), below(g, one), below(b, one)];
+                return [r * alpha, g * alpha, b * alpha, alpha];
+            }
+        };
+        if let Some(ramp) = &stage.surface.light_ramp {
+            diffuse = load(s, &banded(ramp, at.mask, &store(diffuse)));
+        }
+        let (mut base, alpha) = self.ground(s, i, found);
+        if !stage.ready.paints.is_empty() && stage.surface.effects.is_some() {
+            let [r, g, b, a] = self.painted(i, at, side);
+            let (paint, keep) = (load(s, &[r, g, b]), 1.0 - f32x16::from_slice(s, &a));
+            for k in 0..3 {
+                base[k] = paint[k] + keep * base[k];
+            }
+        }
+        let mut out = [alpha; 4];
+        for k in 0..3 {
+            out[k] = below(base[k] * diffuse[k] + highlight[k], one) * alpha;
+        }
+        out
+    }
+
+    /// Diffuse light and highlights of a block.
+    #[inline(always)]
+    fn light<S: Simd>(&self, s: S, i: usize, at: RunBlock, side: &Side) -> [V3<S>; 2] {
+        let (stage, zero) = (self.stage, f32x16::splat(s, 0.0));
         let pixels = mask32x16::<S>::from_bitmask(s, u64::from(at.mask));
         let back = mask32x16::<S>::from_bitmask(s, u64::from(side.back));
         let point = match stage.position {
@@ -180,23 +223,7 @@ impl Columns<'_> {
                 }
             }
         }
-        if let Some(ramp) = &stage.surface.light_ramp {
-            diffuse = load(s, &banded(ramp, at.mask, &store(diffuse)));
-        }
-        let (mut base, alpha) = self.ground(s, i, found);
-        if !stage.ready.paints.is_empty() && stage.surface.effects.is_some() {
-            let [r, g, b, a] = self.painted(i, at, side);
-            let (paint, keep) = (load(s, &[r, g, b]), 1.0 - f32x16::from_slice(s, &a));
-            for k in 0..3 {
-                base[k] = paint[k] + keep * base[k];
-            }
-        }
-        let mut out = [alpha; 4];
-        for k in 0..3 {
-            let value = base[k] * diffuse[k] + highlight[k];
-            out[k] = value.simd_lt(one).select(value, one) * alpha;
-        }
-        out
+        [diffuse, highlight]
     }
 
     /// Unit normals as the relief leaves them.

@@ -93,10 +93,13 @@ impl Columns<'_> {
                 if material.alpha != AlphaMode::Blend {
                     return (base, one);
                 }
-                let mask = opacity.map_or(one, |slot| {
-                    let texel = self.read.opacity.lanes(s, i);
-                    texel[if slot.texture.has_alpha() { 3 } else { 0 }]
-                });
+                let mask = match opacity {
+                    Some(slot) => {
+                        let texel = self.read.opacity.lanes(s, i);
+                        texel[if slot.texture.has_alpha() { 3 } else { 0 }]
+                    }
+                    None => one,
+                };
                 (base, texel[3] * (mask * material.opacity))
             }
             Ground::Stages => {

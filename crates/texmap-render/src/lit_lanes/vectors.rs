@@ -70,9 +70,13 @@ impl LitLanes<'_> {
         out: &mut [SlideTexels],
     ) {
         let Some(first) = self.position else { return };
-        for (slide, out) in self.slides().zip(out) {
-            let [x, y, z] = [0, 1, 2].map(|c| &values.columns[first + c].value);
-            slide.run(s, self.level, blocks, [x, y, z], out);
+        let Some([x, y, z]) = values.columns[first..].first_chunk() else {
+            return;
+        };
+        for ((slide, leveled), out) in self.slides().zip(out) {
+            let points = [&x.value, &y.value, &z.value];
+            let changes = leveled.then_some([[&x.ddx, &y.ddx, &z.ddx], [&x.ddy, &y.ddy, &z.ddy]]);
+            slide.run(s, self.level, blocks, points, changes, out);
         }
     }
 

@@ -5,14 +5,17 @@ use texmap_math::Level;
 use texmap_math::fearless_simd::{Simd, f32x16, prelude::*};
 use texmap_raster::RUN_ROOM;
 use texmap_sample::lanes::View;
+use texmap_sample::lanes::packed::{self, FootprintLanes};
 use texmap_sample::{Places, sample_columns};
 
 use super::{Spots, Texels, look_up_words, packed_view};
 use crate::canvas::LANES;
+use crate::texel::RunUv;
 
 /// The look-ups of a slide.
 pub(crate) struct SlideLookUp<'a> {
     slide: &'a SlideView<'a>,
+    /// Where the filter gives packed bytes.
     view: Option<View<'a>>,
 }
 
@@ -21,6 +24,8 @@ pub(crate) struct SlideLookUp<'a> {
 pub(crate) struct SlideTexels {
     spots: Spots,
     fade: Fade,
+    /// Changes of the coordinates, where the filter reads them and gives no packed bytes: of u and v to the right, and down.
+    changes: [RunUv; 2],
     texels: Texels,
     /// Where each block of the run stands among those; `None` for blocks that it does not reach.
     place: [Option<u8>; RUN_ROOM / LANES],
@@ -58,7 +63,7 @@ impl<'a> SlideLookUp<'a> {
         }
     }
 
-    /// Looks a run up at the points of its blocks.
+    /// Looks a run up at the points of its blocks; `changes` of these to the right and down are there if the filter reads derivatives.
     #[inline(always)]
     pub(crate) fn run<S: Simd>(
         &self,
@@ -66,30 +71,43 @@ impl<'a> SlideLookUp<'a> {
         level: Level,
         blocks: usize,
         points: [&[f32; RUN_ROOM]; 3],
+        changes: Option<[[&[f32; RUN_ROOM]; 3]; 2]>,
         out: &mut SlideTexels,
     ) {
         let mut reached = 0;
         for i in 0..blocks {
-            let at = i * LANES..(i + 1) * LANES;
-            let point = [
-                f32x16::from_slice(s, &points[0][at.clone()]),
-                f32x16::from_slice(s, &points[1][at.clone()]),
-                f32x16::from_slice(s, &points[2][at]),
-            ];
-            let places = self.slide.place_lanes(s, point);
+            let places = self.slide.place_lanes(s, vector(s, points, i));
             out.place[i] = None;
             if places.reached.any_true() {
                 out.place[i] = Some(reached as u8);
                 out.spots.uv.put(reached, places.uv);
                 let share = places.reached.select(places.fade, f32x16::splat(s, 0.0));
-                share.store_slice(&mut out.fade.0[reached * LANES..(reached + 1) * LANES]);
+                let at = reached * LANES..(reached + 1) * LANES;
+                share.store_slice(&mut out.fade.0[at.clone()]);
+                if let Some([dx, dy]) = changes {
+                    let [ux, vx] = self.slide.changes_lanes(&places, vector(s, dx, i));
+                    let [uy, vy] = self.slide.changes_lanes(&places, vector(s, dy, i));
+                    if let Some(view) = &self.view {
+                        let footprint = FootprintLanes::new(s, view, ux, vx, uy, vy);
+                        let lod = packed::lod_lanes(s, view, &footprint);
+                        lod.store_slice(&mut out.spots.lods[0][at]);
+                    } else {
+                        out.changes[0].put(reached, [ux, vx]);
+                        out.changes[1].put(reached, [uy, vy]);
+                    }
+                }
                 reached += 1;
             }
         }
         if reached == 0 {
             return;
         }
-        let SlideTexels { spots, texels, .. } = out;
+        let SlideTexels {
+            spots,
+            texels,
+            changes: stored,
+            ..
+        } = out;
         if let Some(view) = &self.view {
             return look_up_words(s, view, spots, &spots.lods[0], reached, texels);
         }
@@ -98,12 +116,26 @@ impl<'a> SlideLookUp<'a> {
         let at = Places {
             u: &spots.uv.u[..count],
             v: &spots.uv.v[..count],
-            gradients: None,
+            gradients: changes.is_some().then(|| {
+                let [x, y] = &*stored;
+                [&x.u[..count], &x.v[..count], &y.u[..count], &y.v[..count]]
+            }),
         };
         let columns = texels.colors.0.each_mut().map(|c| &mut c[..count]);
         sample_columns(level, &self.slide.sampler, self.slide.texture, &at, columns)
             .expect("the columns have one length");
     }
+}
+
+/// A vector of a block.
+#[inline(always)]
+fn vector<S: Simd>(s: S, [x, y, z]: [&[f32; RUN_ROOM]; 3], i: usize) -> [f32x16<S>; 3] {
+    let at = i * LANES..(i + 1) * LANES;
+    [
+        f32x16::from_slice(s, &x[at.clone()]),
+        f32x16::from_slice(s, &y[at.clone()]),
+        f32x16::from_slice(s, &z[at]),
+    ]
 }
 
 #[cfg(test)]
@@ -141,7 +173,10 @@ mod tests {
             (0, SlideBorder::Clamp, 0.0),
             (1, SlideBorder::Clamp, 0.0),
         ];
-        for filter in [Filter::Nearest, Filter::Bilinear] {
+        // Steps of a fraction of a texel up to several.
+        let steps: [[f32; RUN_ROOM]; 3] =
+            [0.003, -0.001, 0.004].map(|k| core::array::from_fn(|i| k * (1 + i % 29) as f32));
+        for filter in [Filter::Nearest, Filter::Bilinear, Filter::Trilinear] {
             for (texture, border, softness) in borders {
                 let texture = &textures[texture];
                 let sampler = sampler(filter, Wrap::Repeat);
@@ -162,8 +197,10 @@ mod tests {
                 on_wide_level!(level, s => {
                     assert!(packed.view.is_some());
                     let (count, points) = (RUN / LANES, points.each_ref());
-                    packed.run(s, level, count, points, &mut words);
-                    general.run(s, level, count, points, &mut floats);
+                    let [x, y, z] = steps.each_ref();
+                    let changes = filter.reads_derivatives().then_some([[x, y, z], [z, x, y]]);
+                    packed.run(s, level, count, points, changes, &mut words);
+                    general.run(s, level, count, points, changes, &mut floats);
                     for i in 0..count {
                         let (a, b) = (words.lanes(s, i).map(bits), floats.lanes(s, i).map(bits));
                         assert_eq!(a, b, "{filter:?} {border:?} {i}");
