@@ -29,6 +29,8 @@ pub struct TilePlanes {
     /// Of each group, a bit per attribute that is linear on the screen.
     linear: Vec<u32>,
     pub(crate) has_linear: bool,
+    /// Neither set-ups nor attributes linear on the screen.
+    pub(crate) plain: bool,
     /// The tile's corner.
     pub(crate) corner: [u32; 2],
 }
@@ -169,6 +171,7 @@ impl Prepared<'_> {
             }
             None => self.planes_plain(tile, out),
         }
+        out.plain = out.setups.is_empty() && !out.has_linear;
         if self.is_sampled() {
             out.widen();
         }

@@ -184,10 +184,7 @@ impl TilePlanes {
                 let planes = self.own(s, words, slots, at.mask, &wanted);
                 values = planes.values::<D>(s, px, py);
             }
-            if self.has_linear {
-                values = self.straightened::<S, N, D>(s, words, slots, [px, py], &wanted, values);
-            }
-            if !self.setups.is_empty() {
+            if !self.is_plain() {
                 self.mend::<S, N, D>(s, slots, at, one, &wanted, &mut values);
             }
             sink.block(s, i, at, &values);
@@ -224,18 +221,14 @@ impl TilePlanes {
                 x.to_float::<f32x16<S>>() - half,
                 y.to_float::<f32x16<S>>() - half,
             );
-            let mut values = planes.values::<D>(s, px, py);
-            if self.has_linear {
-                values = self.straightened::<S, N, D>(s, words, slots, [px, py], &wanted, values);
-            }
-            sink.block(s, i, at, &values);
+            sink.block(s, i, at, &planes.values::<D>(s, px, py));
         }
     }
 
-    /// Whether f32 planes serve all slots.
+    /// Whether f32 planes serve all slots, and all attributes are exact.
     #[must_use]
     pub fn is_plain(&self) -> bool {
-        self.setups.is_empty()
+        self.plain
     }
 
     /// The slots of a block's lanes, that of its first pixel, and whether all are that one. Lanes outside the mask take the first
@@ -356,49 +349,7 @@ impl TilePlanes {
         planes
     }
 
-    /// Values at pixels where those that are linear on the screen are so. Out of line, since most tiles have none.
-    #[inline(never)]
-    fn straightened<S: Simd, const N: usize, const D: bool>(
-        &self,
-        s: S,
-        words: Words<'_>,
-        slots: u32x16<S>,
-        [px, py]: [f32x16<S>; 2],
-        wanted: &[usize; N],
-        values: BlockValues<S, N>,
-    ) -> BlockValues<S, N> {
-        s.vectorize(
-            #[inline(always)]
-            || {
-                let mut lanes = [0; LANES];
-                slots.store_slice(&mut lanes);
-                let linear = lanes.map(|slot| self.linear(slot));
-                let mut out = values;
-                let planes = if slots.simd_eq(lanes[0]).all_true() {
-                    self.one(lanes[0], wanted).lanes(s)
-                } else {
-                    self.own(s, words, slots, u16::MAX, wanted)
-                };
-                for (i, &k) in wanted.iter().enumerate() {
-                    let mut bits = 0u16;
-                    for (bit, linear) in linear.iter().enumerate() {
-                        bits |= ((linear >> k & 1) as u16) << bit;
-                    }
-                    let mine = mask32x16::from_bitmask(s, u64::from(bits));
-                    let [a, b, c, lo, hi] = planes.attribute[i];
-                    let u = clamp((c + b * py) + a * px, lo, hi);
-                    out.value[i] = mine.select(u, out.value[i]);
-                    if D {
-                        out.ddx[i] = mine.select(a, out.ddx[i]);
-                        out.ddy[i] = mine.select(b, out.ddy[i]);
-                    }
-                }
-                out
-            },
-        )
-    }
-
-    /// Replaces the values of slots that f32 planes cannot serve.
+    /// Replaces the values of slots that f32 planes cannot serve, and those that are linear on the screen.
     #[inline(always)]
     fn mend<S: Simd, const N: usize, const D: bool>(
         &self,
@@ -409,7 +360,7 @@ impl TilePlanes {
         wanted: &[usize; N],
         values: &mut BlockValues<S, N>,
     ) {
-        if one {
+        if one && !self.has_linear {
             match self.odd_setup(slots[0]) {
                 None => return,
                 Some(setup) if setup.is_wide_perspective() => {
@@ -420,6 +371,11 @@ impl TilePlanes {
         }
         let mut lanes = [0; LANES];
         slots.store_slice(&mut lanes);
+        if self.has_linear {
+            let mut spilt = values.spill();
+            self.straighten(s, &lanes, at.block, wanted, &mut spilt);
+            *values = BlockValues::load(s, &spilt);
+        }
         let mut odd = 0u16;
         for (bit, &slot) in lanes.iter().enumerate() {
             odd |= u16::from(self.odd_setup(slot).is_some()) << bit;
@@ -429,6 +385,47 @@ impl TilePlanes {
             self.evaluate(&lanes, odd & at.mask, at.block, wanted, &mut spilt);
             *values = BlockValues::load(s, &spilt);
         }
+    }
+
+    /// The attributes of a block's lanes that are linear on the screen.
+    #[inline(never)]
+    fn straighten<S: Simd, const N: usize>(
+        &self,
+        s: S,
+        lanes: &[u32; LANES],
+        block: u16,
+        wanted: &[usize; N],
+        out: &mut Spilt<N>,
+    ) {
+        s.vectorize(
+            #[inline(always)]
+            || {
+                let Some(words) = Words::new(bytemuck::cast_slice(&self.words)) else {
+                    return;
+                };
+                let slots = u32x16::from_slice(s, lanes);
+                let planes = if slots.simd_eq(lanes[0]).all_true() {
+                    self.one(lanes[0], wanted).lanes(s)
+                } else {
+                    self.own(s, words, slots, u16::MAX, wanted)
+                };
+                let linear = lanes.map(|slot| self.linear(slot));
+                let (px, py) = centres(s, block);
+                for (i, &k) in wanted.iter().enumerate() {
+                    let mut bits = 0u16;
+                    for (bit, linear) in linear.iter().enumerate() {
+                        bits |= ((linear >> k & 1) as u16) << bit;
+                    }
+                    let mine = mask32x16::from_bitmask(s, u64::from(bits));
+                    let [a, b, c, lo, hi] = planes.attribute[i];
+                    let u = clamp((c + b * py) + a * px, lo, hi);
+                    for (column, value) in out.columns[i].iter_mut().zip([u, a, b]) {
+                        let exact = f32x16::from_slice(s, column);
+                        mine.select(value, exact).store_slice(column);
+                    }
+                }
+            },
+        );
     }
 
     /// The pixels `odd` of a block by their triangles' full set-ups.

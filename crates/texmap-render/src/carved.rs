@@ -1,9 +1,15 @@
 //! Procedural bumps: the normal that a formula of heights in space leaves on a surface.
 
+use core::f32::consts::TAU;
+
 use texmap_light::bump_on;
+use texmap_light::lanes::{V3, bump_on_lanes};
 use texmap_math::det32;
+use texmap_math::fearless_simd::{Simd, f32x16, prelude::*};
 use texmap_math::glam::{DMat4, DVec4};
+use texmap_math::lanes::above;
 use texmap_sample::gradient_noise;
+use texmap_sample::lanes::gradient_noise_lanes;
 
 use crate::effects::Carving;
 use crate::lit::Site;
@@ -78,18 +84,138 @@ impl Carved {
                         fold * gradient_noise([x, y, z], seed)
                     }
                 };
-                let turns = det32::atan2(z, x) / core::f32::consts::TAU * around + noise(1);
+                let turns = det32::atan2(z, x) / TAU * around + noise(1);
                 let radius = (x * x + z * z).sqrt();
                 // Waves narrower than a pixel fade to their mean, as do all towards the axis.
-                let narrow = width * around / (core::f32::consts::TAU * radius);
+                let narrow = width * around / (TAU * radius);
                 let wave = |turns: f32, width: f32| {
                     let turns = turns - turns.floor();
-                    seen(width) * det32::cos(core::f32::consts::TAU * turns)
+                    seen(width) * det32::cos(TAU * turns)
                 };
                 0.5 + 0.5 * wave(turns, narrow) * wave(y + noise(2), width)
             }
         }
     }
+}
+
+impl Carved {
+    /// [`normal`](Self::normal) for sixteen: unit normals at positions, which change by `moves` to the right and down.
+    #[inline(always)]
+    pub(crate) fn normals<S: Simd>(
+        &self,
+        s: S,
+        position: V3<S>,
+        [dx, dy]: [V3<S>; 2],
+        n: V3<S>,
+    ) -> V3<S> {
+        let zero = f32x16::splat(s, 0.0);
+        let pixel = above(squared_lanes(dx), squared_lanes(dy)).sqrt();
+        let step = above(pixel * 0.5, f32x16::splat(s, self.step));
+        let [t, b] = along_lanes(s, n);
+        let flat = t[0].simd_eq(zero) & t[1].simd_eq(zero) & t[2].simd_eq(zero);
+        let useful = !flat & step.abs().simd_lt(f32::INFINITY);
+        let (b_u, b_v) = (
+            self.slope(s, position, t, step, pixel),
+            self.slope(s, position, b, step, pixel),
+        );
+        let turned = bump_on_lanes(s, n, t, b, b_u, b_v);
+        [
+            useful.select(turned[0], n[0]),
+            useful.select(turned[1], n[1]),
+            useful.select(turned[2], n[2]),
+        ]
+    }
+
+    #[inline(always)]
+    fn slope<S: Simd>(
+        &self,
+        s: S,
+        position: V3<S>,
+        axis: V3<S>,
+        step: f32x16<S>,
+        pixel: f32x16<S>,
+    ) -> f32x16<S> {
+        let (mut there, mut back) = (position, position);
+        for k in 0..3 {
+            there[k] = position[k] + step * axis[k];
+            back[k] = position[k] + -step * axis[k];
+        }
+        let rise = self.values(s, there, pixel) - self.values(s, back, pixel);
+        rise * self.height / (step * 2.0)
+    }
+
+    /// [`value`](Self::value) for sixteen. Out of line: it is asked for four times.
+    #[inline(never)]
+    fn values<S: Simd>(&self, s: S, p: V3<S>, width: f32x16<S>) -> f32x16<S> {
+        s.vectorize(
+            #[inline(always)]
+            || self.values_lanes(s, p, width),
+        )
+    }
+
+    #[inline(always)]
+    fn values_lanes<S: Simd>(&self, s: S, p: V3<S>, width: f32x16<S>) -> f32x16<S> {
+        let mut place = p;
+        for (out, r) in place.iter_mut().zip(self.rows) {
+            *out = p[0] * r[0] + p[1] * r[1] + p[2] * r[2] + r[3];
+        }
+        let width = width / (512.0 * self.step);
+        let (around, fold) = match self.heights {
+            Carving::Pattern(pattern) => return pattern.value_lanes(s, place, width),
+            Carving::Waves { around, fold } => (f32::from(around), fold),
+        };
+        let mut noise = [f32x16::splat(s, 0.0); 2];
+        if fold != 0.0 {
+            noise = [
+                gradient_noise_lanes(s, place, 1) * fold,
+                gradient_noise_lanes(s, place, 2) * fold,
+            ];
+        }
+        let [x, y, z] = place;
+        let turns = det32::atan2_x16(s, z, x) / TAU * around + noise[0];
+        let radius = (x * x + z * z).sqrt();
+        let narrow = width * around / (radius * TAU);
+        let wave = wave_lanes(s, turns, narrow) * 0.5;
+        wave * wave_lanes(s, y + noise[1], width) + 0.5
+    }
+}
+
+#[inline(always)]
+fn squared_lanes<S: Simd>(d: V3<S>) -> f32x16<S> {
+    d[0] * d[0] + d[1] * d[1] + d[2] * d[2]
+}
+
+/// A wave of length 1, as a pixel of this width sees it.
+#[inline(always)]
+fn wave_lanes<S: Simd>(s: S, turns: f32x16<S>, width: f32x16<S>) -> f32x16<S> {
+    let (zero, one) = (f32x16::splat(s, 0.0), f32x16::splat(s, 1.0));
+    let left = 1.5 - width * 2.0;
+    let seen = left.simd_gt(zero).select(left, zero);
+    let seen = left.simd_ge(one).select(one, seen);
+    seen * det32::cos_x16(s, (turns - turns.floor()) * TAU)
+}
+
+/// [`along`] for sixteen.
+#[inline(always)]
+fn along_lanes<S: Simd>(s: S, [x, y, z]: V3<S>) -> [V3<S>; 2] {
+    let zero = f32x16::splat(s, 0.0);
+    let steep = x.abs().simd_gt(y.abs());
+    let mut t = [
+        steep.select(-z, zero),
+        steep.select(zero, z),
+        steep.select(x, -y),
+    ];
+    let length = squared_lanes(t).sqrt();
+    let some = length.simd_gt(zero) & length.simd_lt(f32::INFINITY);
+    for c in &mut t {
+        *c = some.select(*c / length, zero);
+    }
+    let b = [
+        y * t[2] - z * t[1],
+        z * t[0] - x * t[2],
+        x * t[1] - y * t[0],
+    ];
+    [t, b]
 }
 
 /// Two unit vectors square to a unit vector and to each other; zero for none.

@@ -1,9 +1,14 @@
 //! Solid textures: colour as a function of the place in space, carved by the surface (Perlin 1985; Peachey 1985).
 
+use texmap_math::fearless_simd::{Simd, f32x16, prelude::*};
 use texmap_math::glam::{DMat4, DVec3};
+use texmap_math::lanes::above;
+use texmap_math::{Level, on_wide_level};
+use texmap_raster::{Column, RUN_ROOM};
 use texmap_sample::{Pattern, Sampler, Texture3d, Wrap};
 
 use crate::Effects;
+use crate::canvas::LANES;
 
 /// A texture that fills space. Its colour multiplies that of the surface; with a
 /// [`color_ramp`](crate::Material::color_ramp) its first channel is looked up along that.
@@ -63,6 +68,61 @@ impl<'s> SolidStage<'s> {
         }
     }
 
+    /// The values of a pattern at the world positions of a run, where it has lanes: each stands for all three channels.
+    pub(crate) fn values(
+        &self,
+        level: Level,
+        [x, y, z]: [&Column; 3],
+        blocks: usize,
+        out: &mut [f32; RUN_ROOM],
+    ) -> bool {
+        let Source::Pattern(pattern) = self.source else {
+            return false;
+        };
+        on_wide_level!(
+            level,
+            s => {
+                for i in 0..blocks {
+                    let at = i * LANES..(i + 1) * LANES;
+                    let value = [&x.value, &y.value, &z.value];
+                    let mut place = self.along_lanes(s, value, i);
+                    for (c, row) in place.iter_mut().zip(self.rows) {
+                        *c += row[3];
+                    }
+                    let [dx, dy] = [
+                        self.along_lanes(s, [&x.ddx, &y.ddx, &z.ddx], i),
+                        self.along_lanes(s, [&x.ddy, &y.ddy, &z.ddy], i),
+                    ];
+                    let width = above(squared(dx), squared(dy)).sqrt();
+                    pattern.value_lanes(s, place, width).store_slice(&mut out[at]);
+                }
+                true
+            },
+            else false
+        )
+    }
+
+    /// A vector of a block in solid space.
+    #[inline(always)]
+    fn along_lanes<S: Simd>(
+        &self,
+        s: S,
+        [x, y, z]: [&[f32; RUN_ROOM]; 3],
+        i: usize,
+    ) -> [f32x16<S>; 3] {
+        let at = i * LANES..(i + 1) * LANES;
+        let v = [
+            f32x16::from_slice(s, &x[at.clone()]),
+            f32x16::from_slice(s, &y[at.clone()]),
+            f32x16::from_slice(s, &z[at]),
+        ];
+        let mut out = v;
+        for (out, r) in out.iter_mut().zip(self.rows) {
+            *out = v[0] * r[0] + v[1] * r[1] + v[2] * r[2];
+        }
+        out
+    }
+
     /// The colour at a world position that moves by `dx` and `dy` from pixel to pixel: linear, premultiplied.
     pub(crate) fn color(&self, p: [f32; 3], dx: [f32; 3], dy: [f32; 3]) -> [f32; 4] {
         let along = |v: [f32; 3]| self.rows.map(|r| r[0] * v[0] + r[1] * v[1] + r[2] * v[2]);
@@ -80,6 +140,11 @@ impl<'s> SolidStage<'s> {
             }
         }
     }
+}
+
+#[inline(always)]
+fn squared<S: Simd>(d: [f32x16<S>; 3]) -> f32x16<S> {
+    d[0] * d[0] + d[1] * d[1] + d[2] * d[2]
 }
 
 /// Whether a matrix can be turned round.

@@ -37,6 +37,8 @@
 pub mod float;
 pub mod packed;
 
+pub use crate::pattern::gradient_noise_lanes;
+
 use crate::{
     filter::{axes, gl_of},
     sampler::{Filter, Mip, Precision, Sampler, Texel},

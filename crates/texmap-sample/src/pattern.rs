@@ -1,64 +1,13 @@
 //! Patterns that fill space: noise, marble and wood as functions of a point (Perlin 1985, "An Image Synthesizer").
 
+mod noise;
+
+use texmap_math::fearless_simd::{Simd, f32x16, prelude::*};
 use texmap_math::{det32, float};
 
-/// Gradient noise at a point: -1 to 1, 0 at whole coordinates, features about one unit wide, twice continuously
-/// differentiable (Perlin 2002, "Improving Noise": the twelve edge directions and 6t^5 - 15t^4 + 10t^3).
-///
-/// The gradients come from an integer hash of the cell and `seed`, so nothing repeats within 2^32 cells. A coordinate
-/// that is not finite gives 0, as does one beyond 2^23, where floats have no fraction. Within 2e-6 of
-/// [`reference::gradient_noise`](crate::reference::gradient_noise) of the same point.
-pub fn gradient_noise(p: [f32; 3], seed: u32) -> f32 {
-    if !in_reach(p) {
-        return 0.0;
-    }
-    let cell = p.map(float::floor_f32);
-    let at = [p[0] - cell[0], p[1] - cell[1], p[2] - cell[2]];
-    let cell = cell.map(|c| c as i32);
-    let [wx, wy, wz] = at.map(|t| t * t * t * (t * (t * 6.0 - 15.0) + 10.0));
-    let corner = |x: i32, y: i32, z: i32| {
-        let from = [at[0] - x as f32, at[1] - y as f32, at[2] - z as f32];
-        let [a, b] = edge(hash([cell[0] + x, cell[1] + y, cell[2] + z], seed));
-        let along = |(axis, negative): (usize, bool)| {
-            if negative { -from[axis] } else { from[axis] }
-        };
-        along(a) + along(b)
-    };
-    let mix = |a: f32, b: f32, w: f32| a + (b - a) * w;
-    let row = |y: i32, z: i32| mix(corner(0, y, z), corner(1, y, z), wx);
-    let slice = |z: i32| mix(row(0, z), row(1, z), wy);
-    let value = mix(slice(0), slice(1), wz);
-    clamp(value, -1.0, 1.0)
-}
-
-/// Whether floats have a fraction there.
-fn in_reach(p: [f32; 3]) -> bool {
-    p.iter().all(|x| x.abs() < 8_388_608.0)
-}
-
-/// One of the twelve edge directions of a cube as two axes with their signs; four of them come twice.
-pub(crate) fn edge(hash: u32) -> [(usize, bool); 2] {
-    let (first, second) = (hash >> 31 != 0, hash >> 30 & 1 != 0);
-    match hash >> 28 & 3 {
-        0 => [(0, first), (1, second)],
-        1 => [(0, first), (2, second)],
-        2 => [(1, first), (2, second)],
-        // (1, 1, 0), (-1, 1, 0), (0, -1, 1), (0, -1, -1), as in the paper.
-        _ if first => [(1, true), (2, second)],
-        _ => [(0, second), (1, false)],
-    }
-}
-
-/// Every bit depends on every coordinate: odd multipliers, then the finisher of MurmurHash3 (Appleby 2011).
-pub(crate) fn hash([x, y, z]: [i32; 3], seed: u32) -> u32 {
-    let mut h = (x as u32).wrapping_mul(0x9e37_79b1)
-        ^ (y as u32).wrapping_mul(0x85eb_ca77).rotate_left(11)
-        ^ (z as u32).wrapping_mul(0xc2b2_ae3d).rotate_left(22)
-        ^ seed.wrapping_mul(0x27d4_eb2f);
-    h = (h ^ (h >> 16)).wrapping_mul(0x85eb_ca6b);
-    h = (h ^ (h >> 13)).wrapping_mul(0xc2b2_ae35);
-    h ^ (h >> 16)
-}
+pub(crate) use noise::{edge, hash};
+pub use noise::{gradient_noise, gradient_noise_lanes};
+use noise::{in_reach, in_reach_lanes};
 
 /// A pattern in space. Values are 0 to 1, for a ramp of colours to be looked up with.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -124,6 +73,93 @@ impl Pattern {
             }
         }
     }
+}
+
+impl Pattern {
+    /// [`value`](Self::value) for sixteen.
+    #[inline(always)]
+    pub fn value_lanes<S: Simd>(&self, s: S, p: [f32x16<S>; 3], width: f32x16<S>) -> f32x16<S> {
+        let (zero, one) = (f32x16::splat(s, 0.0), f32x16::splat(s, 1.0));
+        let reach = in_reach_lanes(p);
+        let p = [
+            reach.select(p[0], zero),
+            reach.select(p[1], zero),
+            reach.select(p[2], zero),
+        ];
+        let width = width.simd_gt(zero).select(width, zero);
+        match *self {
+            Self::Noise { octaves } => {
+                let sum = octave_sum_lanes(s, p, width, octaves, false);
+                clamp_lanes(s, sum * 0.5 + 0.5, 0.0, 1.0)
+            }
+            Self::Marble {
+                octaves,
+                turbulence,
+            } => {
+                let turns = p[0] + octave_sum_lanes(s, p, width, octaves, true) * turbulence;
+                let turns = turns - turns.floor();
+                let half = width * core::f32::consts::PI;
+                let sinc = det32::sin_x16(s, half) / half;
+                let seen = width.simd_lt(one).select(sinc, zero);
+                let seen = half.simd_lt(1e-3).select(one, seen);
+                let wave = det32::sin_x16(s, turns * core::f32::consts::TAU);
+                clamp_lanes(s, seen * 0.5 * wave + 0.5, 0.0, 1.0)
+            }
+            Self::Wood { grain } => {
+                let fibre = [p[0], p[1], p[2] * 0.125];
+                let r = (p[0] * p[0] + p[1] * p[1]).sqrt();
+                mean_fraction_lanes(r + gradient_noise_lanes(s, fibre, 0) * grain, width)
+            }
+        }
+    }
+}
+
+/// [`octave_sum`] for sixteen, of the noise or of its magnitude.
+#[inline(always)]
+fn octave_sum_lanes<S: Simd>(
+    s: S,
+    p: [f32x16<S>; 3],
+    width: f32x16<S>,
+    octaves: u8,
+    magnitude: bool,
+) -> f32x16<S> {
+    let zero = f32x16::splat(s, 0.0);
+    let (mut sum, mut scale, mut strength) = (zero, 1.0f32, 1.0f32);
+    for octave in 0..octaves.clamp(1, Pattern::MOST_OCTAVES) {
+        let seen = clamp_lanes(s, 2.0 - width * 2.0 * scale, 0.0, 1.0);
+        let some = seen.simd_gt(zero);
+        if !some.any_true() {
+            break;
+        }
+        let at = [p[0] * scale, p[1] * scale, p[2] * scale];
+        let n = gradient_noise_lanes(s, at, u32::from(octave));
+        let n = if magnitude { n.abs() } else { n };
+        sum = some.select(sum + seen * strength * n, sum);
+        (scale, strength) = (scale * 2.0, strength * 0.5);
+    }
+    sum
+}
+
+/// [`mean_fraction`] for sixteen.
+#[inline(always)]
+fn mean_fraction_lanes<S: Simd>(x: f32x16<S>, width: f32x16<S>) -> f32x16<S> {
+    let half = f32x16::splat(x.simd, 0.5);
+    let fraction = x - x.floor();
+    let base = (x - width * 0.5).floor();
+    let low = x - width * 0.5 - base;
+    let high = low + width;
+    let whole = high.floor();
+    let rest = high - whole;
+    let mean = (whole * 0.5 + rest * 0.5 * rest - low * 0.5 * low) / width;
+    let mean = width.simd_gt(1024.0).select(half, mean);
+    width.simd_lt(1e-3).select(fraction, mean)
+}
+
+/// [`clamp`] for sixteen.
+#[inline(always)]
+fn clamp_lanes<S: Simd>(s: S, x: f32x16<S>, low: f32, high: f32) -> f32x16<S> {
+    let (low, high) = (f32x16::splat(s, low), f32x16::splat(s, high));
+    x.simd_ge(high).select(high, x.simd_gt(low).select(x, low))
 }
 
 /// Sum of `shape(noise)` over octaves, each weighed by how well a pixel of this width resolves it: all up to half a
@@ -286,5 +322,59 @@ mod tests {
             })
             .sum();
         assert!((marble.value([0.3, 0.0, 0.0], 0.6) - fine / 4096.0).abs() < 1e-4);
+    }
+
+    /// Also where points lie out of reach, and pixels of all widths stand side by side.
+    #[test]
+    fn lanes_have_the_bits_of_single_points() {
+        use texmap_math::lanes::LANES;
+        let patterns = [
+            Pattern::Noise { octaves: 5 },
+            Pattern::Marble {
+                octaves: 3,
+                turbulence: 1.5,
+            },
+            Pattern::Wood { grain: 0.3 },
+        ];
+        let odd = [f32::NAN, f32::INFINITY, 1e30, -0.0, 8_388_607.5, -5.0, 0.5];
+        let widths = [0.0, 1e-4, 0.02, 0.1, 0.3, 0.6, 1.0, 7.0, 1e9, f32::NAN];
+        let mut all: Vec<[f32; 3]> = points(16 * 40, 64.0).collect();
+        for (i, p) in all.iter_mut().enumerate().filter(|(i, _)| i % 11 == 0) {
+            p[i % 3] = odd[i / 11 % odd.len()];
+        }
+        for (k, points) in all.chunks_exact(LANES).enumerate() {
+            let columns: [[f32; LANES]; 3] =
+                [0, 1, 2].map(|c| core::array::from_fn(|i| points[i][c]));
+            let width: [f32; LANES] = core::array::from_fn(|i| widths[(k + i * i) % widths.len()]);
+            for level in [texmap_math::Level::new(), texmap_math::Level::baseline()] {
+                let mut noise = [0.0; LANES];
+                let mut values = [[0.0; LANES]; 3];
+                texmap_math::on_level!(level, s => {
+                    let p = [
+                        f32x16::from_slice(s, &columns[0]),
+                        f32x16::from_slice(s, &columns[1]),
+                        f32x16::from_slice(s, &columns[2]),
+                    ];
+                    gradient_noise_lanes(s, p, 5).store_slice(&mut noise);
+                    for (out, pattern) in values.iter_mut().zip(&patterns) {
+                        let width = f32x16::from_slice(s, &width);
+                        pattern.value_lanes(s, p, width).store_slice(out);
+                    }
+                }, else continue);
+                for (i, p) in points.iter().enumerate() {
+                    let one = gradient_noise(*p, 5);
+                    assert_eq!(noise[i].to_bits(), one.to_bits(), "{p:?}");
+                    for (values, pattern) in values.iter().zip(&patterns) {
+                        let one = pattern.value(*p, width[i]);
+                        let (a, b) = (values[i], width[i]);
+                        assert_eq!(
+                            a.to_bits(),
+                            one.to_bits(),
+                            "{pattern:?} {p:?} {b}: {a} {one}"
+                        );
+                    }
+                }
+            }
+        }
     }
 }

@@ -6,7 +6,6 @@ use texmap_raster::RunBlock;
 use super::Lamp;
 use super::columns::{Columns, Side};
 use crate::canvas::{LANES, bits, luminance, straight};
-use crate::carved::Carved;
 use crate::lit::Site;
 use crate::textures::Slot;
 
@@ -49,24 +48,6 @@ impl Columns<'_> {
         for bit in bits(at.mask) {
             let site = self.site(i, at, bit, side);
             put(&mut out, bit, self.stage.ready.paint(&site));
-        }
-        out
-    }
-
-    /// Unit normals turned by a carving.
-    #[inline(never)]
-    pub(super) fn carved(
-        &self,
-        carved: &Carved,
-        i: usize,
-        at: RunBlock,
-        side: &Side,
-        normals: &Three,
-    ) -> Three {
-        let mut out = [[0.0; LANES]; 3];
-        for bit in bits(at.mask) {
-            let site = self.site(i, at, bit, side);
-            put(&mut out, bit, carved.normal(&site, of(normals, bit)));
         }
         out
     }

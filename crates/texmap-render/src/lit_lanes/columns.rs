@@ -135,7 +135,7 @@ impl Columns<'_> {
                 }
                 toward_eye = unit_lanes(s, toward_eye);
             }
-            normal = self.relieved(s, i, at, side, unit_lanes(s, smooth));
+            normal = self.relieved(s, i, back, unit_lanes(s, smooth));
             if stage.surface.material.horizon_clamp && !matches!(stage.relief, Relief::None) {
                 normal = clamp_to_horizon_lanes(s, normal, toward_eye);
             }
@@ -228,9 +228,8 @@ impl Columns<'_> {
 
     /// Unit normals as the relief leaves them.
     #[inline(always)]
-    fn relieved<S: Simd>(&self, s: S, i: usize, at: RunBlock, side: &Side, normal: V3<S>) -> V3<S> {
+    fn relieved<S: Simd>(&self, s: S, i: usize, back: mask32x16<S>, normal: V3<S>) -> V3<S> {
         let stage = self.stage;
-        let back = mask32x16::<S>::from_bitmask(s, u64::from(side.back));
         match &stage.relief {
             Relief::None => normal,
             Relief::Normals(map, _, space, packed) => {
@@ -261,7 +260,14 @@ impl Columns<'_> {
                 }
                 None => normal,
             },
-            Relief::Carved(carved) => load(s, &self.carved(carved, i, at, side, &store(normal))),
+            Relief::Carved(carved) => match stage.position {
+                Some(first) => {
+                    let point = three(s, self.values, first, i);
+                    let moves = changes(s, self.values, first, i);
+                    carved.normals(s, point, moves, normal)
+                }
+                None => normal,
+            },
         }
     }
 
