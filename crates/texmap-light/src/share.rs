@@ -352,7 +352,7 @@ fn cone_lanes<S: Simd>(s: S, light: &Light, toward: V3<S>) -> f32x16<S> {
 mod tests {
     use super::*;
     use texmap_math::lanes::LANES;
-    use texmap_math::{Level, on_level};
+    use texmap_math::{Level, on_wide_level};
 
     /// Also where whole exponents and others stand side by side.
     #[test]
@@ -367,7 +367,7 @@ mod tests {
         for ns in [ns, whole] {
             for level in [level, Level::baseline()] {
                 let mut out = [0.0; LANES];
-                on_level!(
+                on_wide_level!(
                     level,
                     s => {
                         let each = PowerLanes::Each(f32x16::from_slice(s, &ns));

@@ -349,7 +349,7 @@ mod tests {
             for level in [texmap_math::Level::new(), texmap_math::Level::baseline()] {
                 let mut noise = [0.0; LANES];
                 let mut values = [[0.0; LANES]; 3];
-                texmap_math::on_level!(level, s => {
+                texmap_math::on_wide_level!(level, s => {
                     let p = [
                         f32x16::from_slice(s, &columns[0]),
                         f32x16::from_slice(s, &columns[1]),

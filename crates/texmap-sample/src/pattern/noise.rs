@@ -64,9 +64,17 @@ pub(crate) fn hash([x, y, z]: [i32; 3], seed: u32) -> u32 {
     h ^ (h >> 16)
 }
 
-/// [`gradient_noise`] for sixteen.
-#[inline(always)]
+/// [`gradient_noise`] for sixteen. Out of line: compiled once a level, though asked for in many places.
+#[inline(never)]
 pub fn gradient_noise_lanes<S: Simd>(s: S, p: [f32x16<S>; 3], seed: u32) -> f32x16<S> {
+    s.vectorize(
+        #[inline(always)]
+        || noise_lanes(s, p, seed),
+    )
+}
+
+#[inline(always)]
+fn noise_lanes<S: Simd>(s: S, p: [f32x16<S>; 3], seed: u32) -> f32x16<S> {
     let zero = f32x16::splat(s, 0.0);
     let reach = in_reach_lanes(p);
     let (mut at, mut weight) = (p, p);
