@@ -371,24 +371,35 @@ impl TilePlanes {
         }
         let mut lanes = [0; LANES];
         slots.store_slice(&mut lanes);
-        if self.has_linear {
-            let mut spilt = values.spill();
-            self.straighten(s, &lanes, at.block, wanted, &mut spilt);
-            *values = BlockValues::load(s, &spilt);
-        }
         let mut odd = 0u16;
         for (bit, &slot) in lanes.iter().enumerate() {
             odd |= u16::from(self.odd_setup(slot).is_some()) << bit;
         }
-        if odd & at.mask != 0 {
+        if odd & at.mask != 0 || self.has_linear {
             let mut spilt = values.spill();
-            self.evaluate(&lanes, odd & at.mask, at.block, wanted, &mut spilt);
+            self.repair(s, &lanes, odd & at.mask, at.block, wanted, &mut spilt);
             *values = BlockValues::load(s, &spilt);
         }
     }
 
-    /// The attributes of a block's lanes that are linear on the screen.
+    /// What [`mend`](Self::mend) replaces, out of its way.
     #[inline(never)]
+    fn repair<S: Simd, const N: usize>(
+        &self,
+        s: S,
+        lanes: &[u32; LANES],
+        odd: u16,
+        block: u16,
+        wanted: &[usize; N],
+        out: &mut Spilt<N>,
+    ) {
+        if self.has_linear {
+            self.straighten(s, lanes, block, wanted, out);
+        }
+        self.evaluate(lanes, odd, block, wanted, out);
+    }
+
+    /// The attributes of a block's lanes that are linear on the screen.
     fn straighten<S: Simd, const N: usize>(
         &self,
         s: S,
@@ -429,7 +440,6 @@ impl TilePlanes {
     }
 
     /// The pixels `odd` of a block by their triangles' full set-ups.
-    #[inline(never)]
     fn evaluate<const N: usize>(
         &self,
         slots: &[u32; LANES],

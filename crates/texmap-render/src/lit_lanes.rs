@@ -244,6 +244,9 @@ impl<'a> LitLanes<'a> {
             || !matches!(self.ground, Ground::Texels)
             || !matches!(self.relief, Relief::None | Relief::Normals(.., true))
             || self.maps.iter().any(Option::is_some)
+            || self.surface.light_ramp.is_some()
+            || self.specular.is_some()
+            || matches!(&self.mirror, Some((Mirror { view: None, .. }, _)))
             || !self.ready.paints.is_empty()
             || self.lights.iter().any(|lamp| lamp.alone || lamp.leveled);
         if let Relief::Normals(_, _, Space::Tangent(first), _) = self.relief {
@@ -316,7 +319,11 @@ impl<'a> LitLanes<'a> {
                 let mut side = Side::default();
                 for (i, at) in list.iter().enumerate() {
                     self.look_aside(run, *at, &mut side);
-                    let color = columns.block(s, i, *at, &side, out);
+                    let color = if self.reads_all {
+                        columns.any_block(s, i, *at, &side, out)
+                    } else {
+                        columns.block::<_, false>(s, i, *at, &side, out)
+                    };
                     for (to, c) in out.0.iter_mut().zip(color) {
                         c.store_slice(&mut to[i * LANES..(i + 1) * LANES]);
                     }

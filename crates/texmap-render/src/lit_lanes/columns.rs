@@ -10,7 +10,7 @@ use texmap_math::lanes::below;
 use texmap_raster::{Cull, NONE, RunBlock, RunValues};
 
 use super::alone::{Three, banded, mirrored};
-use super::vectors::{changes, column, three};
+use super::vectors::{NORMAL, POSITION, TANGENT, changes, column, three};
 use super::{AMBIENT, EXPONENT, Lamp, LitLanes, Mirror, REFLECTIVITY, Reads, Relief, SPECULAR};
 use crate::canvas::{Colors, LANES, bits};
 use crate::plan::LightStage;
@@ -66,9 +66,26 @@ pub(super) struct Columns<'a> {
 }
 
 impl Columns<'_> {
-    /// The colours of a block; `found` holds the base colours that the stages have found.
+    /// [`block`](Self::block) with all that any surface asks for. Out of line, so that the short form stays short.
+    #[inline(never)]
+    pub(super) fn any_block<S: Simd>(
+        &self,
+        s: S,
+        i: usize,
+        at: RunBlock,
+        side: &Side,
+        found: &Colors,
+    ) -> [f32x16<S>; 4] {
+        s.vectorize(
+            #[inline(always)]
+            || self.block::<S, true>(s, i, at, side, found),
+        )
+    }
+
+    /// The colours of a block; `found` holds the base colours that the stages have found. What only surfaces ask for that read all their
+    /// attributes is left out unless `ALL`: with it the others would be shaded by half slower.
     #[inline(always)]
-    pub(super) fn block<S: Simd>(
+    pub(super) fn block<S: Simd, const ALL: bool>(
         &self,
         s: S,
         i: usize,
@@ -78,7 +95,8 @@ impl Columns<'_> {
     ) -> [f32x16<S>; 4] {
         let (stage, one) = (self.stage, f32x16::splat(s, 1.0));
         let [mut diffuse, highlight] = match stage.surface.light {
-            LightStage::PerPixel => self.light(s, i, at, side),
+            _ if !ALL => self.light::<S, ALL>(s, i, at, side),
+            LightStage::PerPixel => self.light::<S, ALL>(s, i, at, side),
             LightStage::Terms { diffuse, highlight } => {
                 let highlight = match highlight {
                     Some(first) => three(s, self.values, first, i),
@@ -97,11 +115,15 @@ impl Columns<'_> {
                 return [r * alpha, g * alpha, b * alpha, alpha];
             }
         };
-        if let Some(ramp) = &stage.surface.light_ramp {
+        if ALL && let Some(ramp) = &stage.surface.light_ramp {
             diffuse = load(s, &banded(ramp, at.mask, &store(diffuse)));
         }
-        let (mut base, alpha) = self.ground(s, i, found);
-        if !stage.ready.paints.is_empty() && stage.surface.effects.is_some() {
+        let (mut base, alpha) = if ALL {
+            self.ground(s, i, found)
+        } else {
+            (self.texels(s, i), one)
+        };
+        if ALL && !stage.ready.paints.is_empty() && stage.surface.effects.is_some() {
             let [r, g, b, a] = self.painted(i, at, side);
             let (paint, keep) = (load(s, &[r, g, b]), 1.0 - f32x16::from_slice(s, &a));
             for k in 0..3 {
@@ -110,43 +132,53 @@ impl Columns<'_> {
         }
         let mut out = [alpha; 4];
         for k in 0..3 {
-            out[k] = below(base[k] * diffuse[k] + highlight[k], one) * alpha;
+            out[k] = below(base[k] * diffuse[k] + highlight[k], one);
+            if ALL {
+                out[k] *= alpha;
+            }
         }
         out
     }
 
     /// Diffuse light and highlights of a block.
     #[inline(always)]
-    fn light<S: Simd>(&self, s: S, i: usize, at: RunBlock, side: &Side) -> [V3<S>; 2] {
+    fn light<S: Simd, const ALL: bool>(
+        &self,
+        s: S,
+        i: usize,
+        at: RunBlock,
+        side: &Side,
+    ) -> [V3<S>; 2] {
         let (stage, zero) = (self.stage, f32x16::splat(s, 0.0));
         let pixels = mask32x16::<S>::from_bitmask(s, u64::from(at.mask));
         let back = mask32x16::<S>::from_bitmask(s, u64::from(side.back));
         let point = match stage.position {
-            Some(first) => three(s, self.values, first, i),
+            Some(first) => three(s, self.values, if ALL { first } else { POSITION }, i),
             None => [zero; 3],
         };
         let (mut smooth, mut normal, mut toward_eye) = (point, point, point);
         // Without a light that asks for the normal nothing shows it.
         if stage.turned || self.read.slides.iter().any(|slide| slide.reaches(i)) {
-            smooth = turned(back, three(s, self.values, stage.normal, i));
+            let first = if ALL { stage.normal } else { NORMAL };
+            smooth = turned(back, three(s, self.values, first, i));
             if stage.sees_eye {
                 for k in 0..3 {
                     toward_eye[k] = stage.eye[k] - point[k];
                 }
                 toward_eye = unit_lanes(s, toward_eye);
             }
-            normal = self.relieved(s, i, back, unit_lanes(s, smooth));
+            normal = self.relieved::<S, ALL>(s, i, back, unit_lanes(s, smooth));
             if stage.surface.material.horizon_clamp && !matches!(stage.relief, Relief::None) {
                 normal = clamp_to_horizon_lanes(s, normal, toward_eye);
             }
         }
         let (mut diffuse, mut highlight) = ([zero; 3], [zero; 3]);
         let power = match stage.maps[EXPONENT] {
-            Some(_) => {
+            Some(_) if ALL => {
                 let [factor, ..] = self.read.maps[EXPONENT].straight(s, i);
                 PowerLanes::Each(factor * stage.numbers.ns)
             }
-            None => PowerLanes::Same(stage.power),
+            _ => PowerLanes::Same(stage.power),
         };
         let mut slide = self.read.slides.iter();
         for lamp in &stage.lights {
@@ -172,7 +204,7 @@ impl Columns<'_> {
             if !lit.any_true() {
                 continue;
             }
-            if lamp.is_ambient() && stage.maps[AMBIENT].is_some() {
+            if ALL && lamp.is_ambient() && stage.maps[AMBIENT].is_some() {
                 // A colour of its own, which does not multiply the base colour.
                 let texel = self.read.maps[AMBIENT].straight(s, i);
                 for k in 0..3 {
@@ -180,7 +212,7 @@ impl Columns<'_> {
                 }
                 continue;
             }
-            let received = if lamp.alone {
+            let received = if ALL && lamp.alone {
                 let lit = lit.to_bitmask() as u16;
                 load(s, &self.received_alone(lamp, lit, i, at, side))
             } else {
@@ -198,26 +230,26 @@ impl Columns<'_> {
                 diffuse[k] += light[k] * share;
             }
         }
-        if stage.maps[SPECULAR].is_some() {
+        if ALL && stage.maps[SPECULAR].is_some() {
             let tint = self.read.maps[SPECULAR].straight(s, i);
             for k in 0..3 {
                 highlight[k] *= tint[k];
             }
         }
         if stage.has_mirrors() {
-            let ray = self.mirrored(s, i, at, back, smooth, normal);
+            let ray = self.mirrored::<S, ALL>(s, i, at, back, smooth, normal);
             if let Some((mirror, share)) = &stage.mirror {
                 let share = match stage.maps[REFLECTIVITY] {
-                    Some(_) => self.read.maps[REFLECTIVITY].straight(s, i)[0] * *share,
-                    None => f32x16::splat(s, *share),
+                    Some(_) if ALL => self.read.maps[REFLECTIVITY].straight(s, i)[0] * *share,
+                    _ => f32x16::splat(s, *share),
                 };
-                let light = mirror.light(s, at.mask, &ray);
+                let light = mirror.light::<S, ALL>(s, at.mask, &ray);
                 for k in 0..3 {
                     highlight[k] += light[k] * share;
                 }
             }
-            if let Some(map) = &stage.specular {
-                let light = map.light(s, at.mask, &ray);
+            if ALL && let Some(map) = &stage.specular {
+                let light = map.light::<S, ALL>(s, at.mask, &ray);
                 for k in 0..3 {
                     highlight[k] += light[k] * stage.numbers.ks;
                 }
@@ -228,12 +260,19 @@ impl Columns<'_> {
 
     /// Unit normals as the relief leaves them.
     #[inline(always)]
-    fn relieved<S: Simd>(&self, s: S, i: usize, back: mask32x16<S>, normal: V3<S>) -> V3<S> {
+    fn relieved<S: Simd, const ALL: bool>(
+        &self,
+        s: S,
+        i: usize,
+        back: mask32x16<S>,
+        normal: V3<S>,
+    ) -> V3<S> {
         let stage = self.stage;
         match &stage.relief {
             Relief::None => normal,
+            Relief::Slopes(_) | Relief::Carved(_) if !ALL => normal,
             Relief::Normals(map, _, space, packed) => {
-                let texel = if *packed {
+                let texel = if !ALL || *packed {
                     self.read.texels[1].lanes(s, i)
                 } else {
                     self.read.normals.straight(s, i)
@@ -245,8 +284,9 @@ impl Columns<'_> {
                     }
                     Space::Tangent(_) => {
                         let (zero, one) = (f32x16::splat(s, 0.0), f32x16::splat(s, 1.0));
-                        let tangent = three(s, self.values, stage.tangent, i);
-                        let sign = column(s, &self.values.columns[stage.tangent + 3].value, i);
+                        let first = if ALL { stage.tangent } else { TANGENT };
+                        let tangent = three(s, self.values, first, i);
+                        let sign = column(s, &self.values.columns[first + 3].value, i);
                         let sign = back.select(-sign, sign);
                         let sign = sign.simd_lt(zero).select(-one, one);
                         map.turn_lanes(s, normal, tangent, sign, texel)
@@ -305,7 +345,7 @@ impl Columns<'_> {
     }
 
     #[inline(always)]
-    fn mirrored<S: Simd>(
+    fn mirrored<S: Simd, const ALL: bool>(
         &self,
         s: S,
         i: usize,
@@ -320,7 +360,12 @@ impl Columns<'_> {
             dx: spread(s, rays.dx),
             dy: spread(s, rays.dy),
         };
-        let [normal_dx, normal_dy] = changes(s, self.values, self.stage.normal, i);
+        let [normal_dx, normal_dy] = changes(
+            s,
+            self.values,
+            if ALL { self.stage.normal } else { NORMAL },
+            i,
+        );
         let [x, y, z] = smooth;
         let length = (x * x + y * y + z * z).sqrt();
         let normal = RayLanes {
@@ -335,9 +380,12 @@ impl Columns<'_> {
 impl Mirror<'_> {
     /// The light from where some pixels' rays lead.
     #[inline(always)]
-    fn light<S: Simd>(&self, s: S, pixels: u16, ray: &RayLanes<S>) -> V3<S> {
-        if let Some(view) = &self.view {
-            return view.light_lanes(s, ray);
+    fn light<S: Simd, const ALL: bool>(&self, s: S, pixels: u16, ray: &RayLanes<S>) -> V3<S> {
+        match &self.view {
+            Some(view) => return view.light_lanes(s, ray),
+            // Does not occur: who mirrors such an environment reads all.
+            None if !ALL => return ray.direction,
+            None => {}
         }
         let rays = [store(ray.direction), store(ray.dx), store(ray.dy)];
         load(s, &mirrored(self.environment, pixels, &rays))

@@ -57,6 +57,17 @@ impl<'a> Ground<'a> {
 }
 
 impl Columns<'_> {
+    /// The base colours of a block by packed look-ups.
+    #[inline(always)]
+    pub(super) fn texels<S: Simd>(&self, s: S, i: usize) -> V3<S> {
+        let [r, g, b] = match self.stage.surface.base_color {
+            Some(_) => self.read.texels[0].lanes(s, i),
+            None => [f32x16::splat(s, 1.0); 3],
+        };
+        let color = self.stage.numbers.color;
+        [r * color[0], g * color[1], b * color[2]]
+    }
+
     /// The base colours of a block, straight, and its opacities; `found` holds those that the stages have found.
     #[inline(always)]
     pub(super) fn ground<S: Simd>(&self, s: S, i: usize, found: &Colors) -> (V3<S>, f32x16<S>) {
@@ -64,14 +75,7 @@ impl Columns<'_> {
         let material = surface.material;
         let color = spread(s, self.stage.numbers.color);
         match &self.stage.ground {
-            Ground::Texels => {
-                let texel = match surface.base_color {
-                    Some(_) => self.read.texels[0].lanes(s, i),
-                    None => [one; 3],
-                };
-                let [r, g, b] = texel;
-                ([r * color[0], g * color[1], b * color[2]], one)
-            }
+            Ground::Texels => (self.texels(s, i), one),
             Ground::Maps {
                 base,
                 opacity,
