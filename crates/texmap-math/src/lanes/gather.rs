@@ -184,18 +184,19 @@ fearless_simd::kernel!(
 fearless_simd::kernel!(
     #[inline(always)]
     fn loads_avx2(token: Avx2, words: Words<'_>, index: __m256i) -> __m256i {
-        let at = indices_avx2(token, index, words.last).map(|i| i as usize);
+        // No `map`: its closure is not always inlined.
+        let at = indices_avx2(token, index, words.last);
         // SAFETY: every index is at most `last`, which is below `data.len()`.
         unsafe {
             _mm256_setr_epi32(
-                *words.data.get_unchecked(at[0]) as i32,
-                *words.data.get_unchecked(at[1]) as i32,
-                *words.data.get_unchecked(at[2]) as i32,
-                *words.data.get_unchecked(at[3]) as i32,
-                *words.data.get_unchecked(at[4]) as i32,
-                *words.data.get_unchecked(at[5]) as i32,
-                *words.data.get_unchecked(at[6]) as i32,
-                *words.data.get_unchecked(at[7]) as i32,
+                *words.data.get_unchecked(at[0] as usize) as i32,
+                *words.data.get_unchecked(at[1] as usize) as i32,
+                *words.data.get_unchecked(at[2] as usize) as i32,
+                *words.data.get_unchecked(at[3] as usize) as i32,
+                *words.data.get_unchecked(at[4] as usize) as i32,
+                *words.data.get_unchecked(at[5] as usize) as i32,
+                *words.data.get_unchecked(at[6] as usize) as i32,
+                *words.data.get_unchecked(at[7] as usize) as i32,
             )
         }
     }
