@@ -118,9 +118,10 @@ pub(crate) struct SolverX8<S: Simd> {
     pub w: [f64x8<S>; 3],
 }
 
-/// Solvers of sixteen triangles with the given vertices: lanes 0 to 7, then 8 to 15. Out of line: compiled once a level.
+/// Solvers of sixteen triangles with the given vertices: lanes 0 to 7, then 8 to 15; `FLAT` for planes that are linear on the screen.
+/// Out of line: compiled once a level.
 #[inline(never)]
-pub(crate) fn solve_x16<S: Simd>(
+pub(crate) fn solve_x16<S: Simd, const FLAT: bool>(
     s: S,
     arrays: &Arrays<'_>,
     vertex: &[i32x16<S>; 3],
@@ -138,74 +139,35 @@ pub(crate) fn solve_x16<S: Simd>(
             ];
             let [[a, d], [b, e], [c, f]] = at;
             [
-                SolverX8::new(s, transform, [a, b, c], ox, oy),
-                SolverX8::new(s, transform, [d, e, f], ox, oy),
-            ]
-        },
-    )
-}
-
-/// [`solve_x16`] for planes that are linear on the screen.
-#[inline(never)]
-pub(crate) fn solve_flat_x16<S: Simd>(
-    s: S,
-    arrays: &Arrays<'_>,
-    vertex: &[i32x16<S>; 3],
-    transform: &Transform,
-    origin: [f64; 2],
-) -> [SolverX8<S>; 2] {
-    s.vectorize(
-        #[inline(always)]
-        || {
-            let [ox, oy] = origin;
-            let at = [
-                arrays.positions(s, vertex[0]),
-                arrays.positions(s, vertex[1]),
-                arrays.positions(s, vertex[2]),
-            ];
-            let [[a, d], [b, e], [c, f]] = at;
-            [
-                SolverX8::flat(s, transform, [a, b, c], ox, oy),
-                SolverX8::flat(s, transform, [d, e, f], ox, oy),
+                SolverX8::new::<FLAT>(s, transform, [a, b, c], ox, oy),
+                SolverX8::new::<FLAT>(s, transform, [d, e, f], ox, oy),
             ]
         },
     )
 }
 
 impl<S: Simd> SolverX8<S> {
+    /// With `FLAT` of the corners on the screen, all at w = 1.
     #[inline(always)]
-    pub(crate) fn new(
+    fn new<const FLAT: bool>(
         s: S,
         transform: &Transform,
         corners: [[f64x8<S>; 3]; 3],
         ox: f64,
         oy: f64,
     ) -> Self {
-        let corners = [
+        let mut v = [
             transform.apply_x8(s, corners[0]),
             transform.apply_x8(s, corners[1]),
             transform.apply_x8(s, corners[2]),
         ];
-        Self::of(s, corners, ox, oy)
-    }
-
-    /// Of the corners on the screen, all at w = 1.
-    #[inline(always)]
-    fn flat(s: S, transform: &Transform, corners: [[f64x8<S>; 3]; 3], ox: f64, oy: f64) -> Self {
-        let mut flat = [
-            transform.apply_x8(s, corners[0]),
-            transform.apply_x8(s, corners[1]),
-            transform.apply_x8(s, corners[2]),
-        ];
-        for v in &mut flat {
-            let w = v[3];
-            *v = [v[0] / w, v[1] / w, v[2] / w, f64x8::splat(s, 1.0)];
+        if FLAT {
+            for [x, y, z, w] in &mut v {
+                (*x, *y, *z) = (*x / *w, *y / *w, *z / *w);
+                *w = f64x8::splat(s, 1.0);
+            }
         }
-        Self::of(s, flat, ox, oy)
-    }
-
-    #[inline(always)]
-    fn of(s: S, [v0, v1, v2]: [[f64x8<S>; 4]; 3], ox: f64, oy: f64) -> Self {
+        let [v0, v1, v2] = v;
         let (ox, oy) = (f64x8::splat(s, ox), f64x8::splat(s, oy));
         let p0 = [v0[0] - ox * v0[3], v0[1] - oy * v0[3], v0[3]];
         let p1 = [v1[0] - ox * v1[3], v1[1] - oy * v1[3], v1[3]];
@@ -422,7 +384,7 @@ impl Prepared<'_> {
         group: &mut Group,
     ) -> u32 {
         let middle = origin(corner[0] / TILE, corner[1] / TILE).map(f64::from);
-        let [low, high] = solve_x16(s, arrays, vertex, self.transform(draw), middle);
+        let [low, high] = solve_x16::<S, false>(s, arrays, vertex, self.transform(draw), middle);
         let (low_plane, high_plane) = (low.plane(low.z), high.plane(high.z));
         let depth = [
             s.narrow_f64x8(low.z[0] / low.w[0], high.z[0] / high.w[0]),

@@ -6,7 +6,7 @@ use texmap_math::lanes::{LANES, Words, above, gather, gather_pairs, gather_quads
 use texmap_math::on_level;
 
 use crate::blocks::Runs;
-use crate::group::{Ids, extent_x8, hull_x16, solve_flat_x16, solve_x16};
+use crate::group::{Ids, extent_x8, hull_x16, solve_x16};
 use crate::setup::{
     LARGEST, Ranged, SMALLEST, TILE, TriangleSetup, W_RATIO, origin, widen_attribute, widen_w,
 };
@@ -248,7 +248,8 @@ impl Prepared<'_> {
         }
         let vertex = arrays.corners(s, ids.lanes(s));
         let middle = origin(out.corner[0] / TILE, out.corner[1] / TILE).map(f64::from);
-        let exact = solve_x16(s, &arrays, &vertex, self.transform(draw), middle);
+        let transform = self.transform(draw);
+        let exact = solve_x16::<S, false>(s, &arrays, &vertex, transform, middle);
         let [low, high] = &exact;
         let one = f64x8::splat(s, 1.0);
         let (low_w, high_w) = (low.plane([one; 3]), high.plane([one; 3]));
@@ -273,7 +274,7 @@ impl Prepared<'_> {
             let flat = if linear == 0 {
                 exact
             } else {
-                let flat = solve_flat_x16(s, &arrays, &vertex, self.transform(draw), middle);
+                let flat = solve_x16::<S, true>(s, &arrays, &vertex, transform, middle);
                 fine = [fine[0] & flat[0].solvable, fine[1] & flat[1].solvable];
                 flat
             };
