@@ -87,13 +87,15 @@ fn one_by_one(from: &[[f32; LANES]; 3], to: &mut [[f32; LANES]; 3], usual: u16) 
     }
 }
 
+/// Scalar products.
 #[inline(always)]
-pub(crate) fn dot_lanes<S: Simd>(a: V3<S>, b: V3<S>) -> f32x16<S> {
+pub fn dot_lanes<S: Simd>(a: V3<S>, b: V3<S>) -> f32x16<S> {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
+/// Vector products.
 #[inline(always)]
-pub(crate) fn cross_lanes<S: Simd>(a: V3<S>, b: V3<S>) -> V3<S> {
+pub fn cross_lanes<S: Simd>(a: V3<S>, b: V3<S>) -> V3<S> {
     [
         a[1] * b[2] - a[2] * b[1],
         a[2] * b[0] - a[0] * b[2],

@@ -458,6 +458,17 @@ pub(crate) fn straight([r, g, b, a]: [f32; 4]) -> [f32; 3] {
     }
 }
 
+/// A vector of a block from its three columns.
+#[inline(always)]
+pub(crate) fn vector<S: Simd>(s: S, [x, y, z]: [&[f32; RUN_ROOM]; 3], i: usize) -> [f32x16<S>; 3] {
+    let at = i * LANES..(i + 1) * LANES;
+    [
+        f32x16::from_slice(s, &x[at.clone()]),
+        f32x16::from_slice(s, &y[at.clone()]),
+        f32x16::from_slice(s, &z[at]),
+    ]
+}
+
 /// [`straight`] for sixteen.
 #[inline(always)]
 pub(crate) fn straight_lanes<S: Simd>(s: S, [r, g, b, a]: [f32x16<S>; 4]) -> [f32x16<S>; 3] {

@@ -3,7 +3,7 @@
 use core::f32::consts::TAU;
 
 use texmap_light::bump_on;
-use texmap_light::lanes::{V3, bump_on_lanes};
+use texmap_light::lanes::{V3, bump_on_lanes, cross_lanes, dot_lanes};
 use texmap_math::det32;
 use texmap_math::fearless_simd::{Simd, f32x16, prelude::*};
 use texmap_math::glam::{DMat4, DVec4};
@@ -109,7 +109,7 @@ impl Carved {
         n: V3<S>,
     ) -> V3<S> {
         let zero = f32x16::splat(s, 0.0);
-        let pixel = above(squared_lanes(dx), squared_lanes(dy)).sqrt();
+        let pixel = above(dot_lanes(dx, dx), dot_lanes(dy, dy)).sqrt();
         let step = above(pixel * 0.5, f32x16::splat(s, self.step));
         let [t, b] = along_lanes(s, n);
         let flat = t[0].simd_eq(zero) & t[1].simd_eq(zero) & t[2].simd_eq(zero);
@@ -180,11 +180,6 @@ impl Carved {
     }
 }
 
-#[inline(always)]
-fn squared_lanes<S: Simd>(d: V3<S>) -> f32x16<S> {
-    d[0] * d[0] + d[1] * d[1] + d[2] * d[2]
-}
-
 /// A wave of length 1, as a pixel of this width sees it.
 #[inline(always)]
 fn wave_lanes<S: Simd>(s: S, turns: f32x16<S>, width: f32x16<S>) -> f32x16<S> {
@@ -197,25 +192,20 @@ fn wave_lanes<S: Simd>(s: S, turns: f32x16<S>, width: f32x16<S>) -> f32x16<S> {
 
 /// [`along`] for sixteen.
 #[inline(always)]
-fn along_lanes<S: Simd>(s: S, [x, y, z]: V3<S>) -> [V3<S>; 2] {
-    let zero = f32x16::splat(s, 0.0);
+fn along_lanes<S: Simd>(s: S, n: V3<S>) -> [V3<S>; 2] {
+    let ([x, y, z], zero) = (n, f32x16::splat(s, 0.0));
     let steep = x.abs().simd_gt(y.abs());
     let mut t = [
         steep.select(-z, zero),
         steep.select(zero, z),
         steep.select(x, -y),
     ];
-    let length = squared_lanes(t).sqrt();
+    let length = dot_lanes(t, t).sqrt();
     let some = length.simd_gt(zero) & length.simd_lt(f32::INFINITY);
     for c in &mut t {
         *c = some.select(*c / length, zero);
     }
-    let b = [
-        y * t[2] - z * t[1],
-        z * t[0] - x * t[2],
-        x * t[1] - y * t[0],
-    ];
-    [t, b]
+    [t, cross_lanes(n, t)]
 }
 
 /// Two unit vectors square to a unit vector and to each other; zero for none.

@@ -1,6 +1,7 @@
 //! Solid textures: colour as a function of the place in space, carved by the surface (Perlin 1985; Peachey 1985).
 
-use texmap_math::fearless_simd::{Simd, f32x16, prelude::*};
+use texmap_light::lanes::{V3, dot_lanes};
+use texmap_math::fearless_simd::{Simd, prelude::*};
 use texmap_math::glam::{DMat4, DVec3};
 use texmap_math::lanes::above;
 use texmap_math::{Level, on_wide_level};
@@ -8,7 +9,7 @@ use texmap_raster::{Column, RUN_ROOM};
 use texmap_sample::{Pattern, Sampler, Texture3d, Wrap};
 
 use crate::Effects;
-use crate::canvas::LANES;
+use crate::canvas::{LANES, vector};
 
 /// A texture that fills space. Its colour multiplies that of the surface; with a
 /// [`color_ramp`](crate::Material::color_ramp) its first channel is looked up along that.
@@ -93,7 +94,7 @@ impl<'s> SolidStage<'s> {
                         self.along_lanes(s, [&x.ddx, &y.ddx, &z.ddx], i),
                         self.along_lanes(s, [&x.ddy, &y.ddy, &z.ddy], i),
                     ];
-                    let width = above(squared(dx), squared(dy)).sqrt();
+                    let width = above(dot_lanes(dx, dx), dot_lanes(dy, dy)).sqrt();
                     pattern.value_lanes(s, place, width).store_slice(&mut out[at]);
                 }
                 true
@@ -104,18 +105,8 @@ impl<'s> SolidStage<'s> {
 
     /// A vector of a block in solid space.
     #[inline(always)]
-    fn along_lanes<S: Simd>(
-        &self,
-        s: S,
-        [x, y, z]: [&[f32; RUN_ROOM]; 3],
-        i: usize,
-    ) -> [f32x16<S>; 3] {
-        let at = i * LANES..(i + 1) * LANES;
-        let v = [
-            f32x16::from_slice(s, &x[at.clone()]),
-            f32x16::from_slice(s, &y[at.clone()]),
-            f32x16::from_slice(s, &z[at]),
-        ];
+    fn along_lanes<S: Simd>(&self, s: S, columns: [&[f32; RUN_ROOM]; 3], i: usize) -> V3<S> {
+        let v = vector(s, columns, i);
         let mut out = v;
         for (out, r) in out.iter_mut().zip(self.rows) {
             *out = v[0] * r[0] + v[1] * r[1] + v[2] * r[2];
@@ -140,11 +131,6 @@ impl<'s> SolidStage<'s> {
             }
         }
     }
-}
-
-#[inline(always)]
-fn squared<S: Simd>(d: [f32x16<S>; 3]) -> f32x16<S> {
-    d[0] * d[0] + d[1] * d[1] + d[2] * d[2]
 }
 
 /// Whether a matrix can be turned round.

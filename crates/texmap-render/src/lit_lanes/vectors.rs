@@ -5,7 +5,7 @@ use texmap_math::fearless_simd::{Simd, f32x16, prelude::*};
 use texmap_raster::{BlockSink, BlockValues, Column, RUN_ROOM, RunBlock, RunValues, TilePlanes};
 
 use super::{LitLanes, Relief};
-use crate::canvas::LANES;
+use crate::canvas::{LANES, vector};
 use crate::lit_texels::SlideTexels;
 use crate::relief::Space;
 use crate::shade::Run;
@@ -197,11 +197,11 @@ pub(super) fn column<S: Simd>(s: S, values: &[f32; RUN_ROOM], i: usize) -> f32x1
 #[inline(always)]
 pub(super) fn three<S: Simd>(s: S, values: &RunValues, first: usize, i: usize) -> V3<S> {
     let columns = &values.columns[first..first + 3];
-    [
-        column(s, &columns[0].value, i),
-        column(s, &columns[1].value, i),
-        column(s, &columns[2].value, i),
-    ]
+    vector(
+        s,
+        [&columns[0].value, &columns[1].value, &columns[2].value],
+        i,
+    )
 }
 
 /// Changes of a vector to the right and down.
@@ -209,15 +209,7 @@ pub(super) fn three<S: Simd>(s: S, values: &RunValues, first: usize, i: usize) -
 pub(super) fn changes<S: Simd>(s: S, values: &RunValues, first: usize, i: usize) -> [V3<S>; 2] {
     let columns = &values.columns[first..first + 3];
     [
-        [
-            column(s, &columns[0].ddx, i),
-            column(s, &columns[1].ddx, i),
-            column(s, &columns[2].ddx, i),
-        ],
-        [
-            column(s, &columns[0].ddy, i),
-            column(s, &columns[1].ddy, i),
-            column(s, &columns[2].ddy, i),
-        ],
+        vector(s, [&columns[0].ddx, &columns[1].ddx, &columns[2].ddx], i),
+        vector(s, [&columns[0].ddy, &columns[1].ddy, &columns[2].ddy], i),
     ]
 }

@@ -9,7 +9,7 @@ use texmap_sample::lanes::packed::{self, FootprintLanes};
 use texmap_sample::{Places, sample_columns};
 
 use super::{Spots, Texels, look_up_words, packed_view};
-use crate::canvas::LANES;
+use crate::canvas::{LANES, vector};
 use crate::texel::RunUv;
 
 /// The look-ups of a slide.
@@ -125,17 +125,6 @@ impl<'a> SlideLookUp<'a> {
         sample_columns(level, &self.slide.sampler, self.slide.texture, &at, columns)
             .expect("the columns have one length");
     }
-}
-
-/// A vector of a block.
-#[inline(always)]
-fn vector<S: Simd>(s: S, [x, y, z]: [&[f32; RUN_ROOM]; 3], i: usize) -> [f32x16<S>; 3] {
-    let at = i * LANES..(i + 1) * LANES;
-    [
-        f32x16::from_slice(s, &x[at.clone()]),
-        f32x16::from_slice(s, &y[at.clone()]),
-        f32x16::from_slice(s, &z[at]),
-    ]
 }
 
 #[cfg(test)]
