@@ -154,11 +154,12 @@ impl Slot<'_> {
 
     /// What an opacity map says by this texel.
     pub(crate) fn opacity(&self, texel: [f32; 4]) -> f32 {
-        if self.texture.has_alpha() {
-            texel[3]
-        } else {
-            texel[0]
-        }
+        texel[self.opacity_channel()]
+    }
+
+    /// The channel that holds an opacity map's opacities.
+    pub(crate) fn opacity_channel(&self) -> usize {
+        if self.texture.has_alpha() { 3 } else { 0 }
     }
 }
 

@@ -98,10 +98,7 @@ impl Columns<'_> {
                     return (base, one);
                 }
                 let mask = match opacity {
-                    Some(slot) => {
-                        let texel = self.read.opacity.lanes(s, i);
-                        texel[if slot.texture.has_alpha() { 3 } else { 0 }]
-                    }
+                    Some(slot) => self.read.opacity.lanes(s, i)[slot.opacity_channel()],
                     None => one,
                 };
                 (base, texel[3] * (mask * material.opacity))

@@ -39,8 +39,7 @@ impl Cut {
     ) -> u16 {
         let texel = base_color.map_or([1.0; LANES], |slot| texels(level, slot, at)[3]);
         let mask = opacity_map.map_or([1.0; LANES], |slot| {
-            let [r, _, _, a] = texels(level, slot, at);
-            if slot.texture.has_alpha() { a } else { r }
+            texels(level, slot, at)[slot.opacity_channel()]
         });
         (0..LANES).fold(0, |bits, i| {
             bits | u16::from(self.passes(texel[i] * mask[i] * opacity)) << i
