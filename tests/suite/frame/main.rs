@@ -19,3 +19,4 @@ mod scenes;
 mod shapes;
 mod stages;
 mod texture_frame;
+mod views;

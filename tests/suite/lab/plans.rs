@@ -1,7 +1,8 @@
-//! What the planner predicts, against the truth, where coordinates are made at every pixel.
+//! What the planner predicts and leaves out, against pictures.
 use std::path::Path;
 
 use texmap_lab::verify::verify;
+use texmap_light::Light;
 use texmap_math::glam::DVec3;
 use texmap_render::planner::{Budget, choose};
 use texmap_render::{Scene, Settings, render};
@@ -67,4 +68,36 @@ fn the_error_of_a_filter_is_predicted_without_vertex_coordinates() {
             }
         }
     }
+}
+
+/// Lights that the planner calls idle change no bit of the picture, and one that it keeps does.
+#[test]
+fn pictures_do_without_idle_lights() {
+    let mut lit = frames();
+    for material in &mut lit.materials {
+        material.shading = texmap_render::Shading::PerPixel;
+    }
+    let idle = |light| {
+        let mut scene = lit.clone();
+        scene.lights.push(light);
+        let choices = choose(
+            &scene,
+            SIZE.0,
+            SIZE.1,
+            Budget {
+                texels: 0.5,
+                rmse: 1.0,
+            },
+        )
+        .unwrap();
+        let idle = choices
+            .idle_lights
+            .iter()
+            .any(|l| l.light == lit.lights.len());
+        let draw = |s: &Scene| render(s, &Settings::new(SIZE.0, SIZE.1), &|_, _| {}).unwrap();
+        (idle, draw(&scene).rgba == draw(&lit).rgba)
+    };
+    let spot = |x: f32| Light::spot([1.0; 3], [x, 1.0, 4.0], [0.0, 0.0, -1.0], 0.2, 0.3);
+    assert_eq!(idle(spot(1e3)), (true, true));
+    assert_eq!(idle(spot(0.0)), (false, false));
 }

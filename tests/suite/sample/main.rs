@@ -2,6 +2,7 @@
 
 mod conformance;
 mod cubes;
+mod encoded;
 mod filters;
 mod lanes;
 mod levels;

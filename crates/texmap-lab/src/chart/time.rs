@@ -14,9 +14,9 @@ pub struct Effort {
 }
 
 impl Effort {
-    /// For a first look: all panels in less than a minute.
+    /// For a first look: all panels in half a minute or so.
     pub const QUICK: Self = Self {
-        rounds: 11,
+        rounds: 7,
         run: Duration::from_micros(300),
         grid: 16,
     };
