@@ -372,8 +372,16 @@ impl TilePlanes {
         let mut lanes = [0; LANES];
         slots.store_slice(&mut lanes);
         let mut odd = 0u16;
-        for (bit, &slot) in lanes.iter().enumerate() {
-            odd |= u16::from(self.odd_setup(slot).is_some()) << bit;
+        if one {
+            odd = if self.odd_setup(lanes[0]).is_some() {
+                u16::MAX
+            } else {
+                0
+            };
+        } else if !self.setups.is_empty() {
+            for (bit, &slot) in lanes.iter().enumerate() {
+                odd |= u16::from(self.odd_setup(slot).is_some()) << bit;
+            }
         }
         if odd & at.mask != 0 || self.has_linear {
             let mut spilt = values.spill();
@@ -420,14 +428,18 @@ impl TilePlanes {
                 } else {
                     self.own(s, words, slots, u16::MAX, wanted)
                 };
-                let linear = lanes.map(|slot| self.linear(slot));
+                let flags = lanes.map(|slot| self.linear(slot));
+                let alike = flags.iter().all(|of| *of == flags[0]);
                 let (px, py) = centres(s, block);
                 for (i, &k) in wanted.iter().enumerate() {
-                    let mut bits = 0u16;
-                    for (bit, linear) in linear.iter().enumerate() {
-                        bits |= ((linear >> k & 1) as u16) << bit;
+                    let mut mine = mask32x16::splat(s, flags[0] >> k & 1 == 1);
+                    if !alike {
+                        let bits = flags
+                            .iter()
+                            .rev()
+                            .fold(0, |bits, of| bits << 1 | of >> k & 1);
+                        mine = mask32x16::from_bitmask(s, u64::from(bits));
                     }
-                    let mine = mask32x16::from_bitmask(s, u64::from(bits));
                     let [a, b, c, lo, hi] = planes.attribute[i];
                     let u = clamp((c + b * py) + a * px, lo, hi);
                     for (column, value) in out.columns[i].iter_mut().zip([u, a, b]) {

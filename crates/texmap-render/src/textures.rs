@@ -86,17 +86,26 @@ impl Slot<'_> {
         let [u, v, ..] = &mut values.columns[..] else {
             return;
         };
-        for i in 0..count {
-            let d = Footprint {
-                du_dx: u.ddx[i],
-                dv_dx: v.ddx[i],
-                du_dy: u.ddy[i],
-                dv_dy: v.ddy[i],
-            };
-            let (uv, d) = self.place([u.value[i], v.value[i]], d);
-            [u.value[i], v.value[i]] = uv;
-            [u.ddx[i], v.ddx[i]] = [d.du_dx, d.dv_dx];
-            [u.ddy[i], v.ddy[i]] = [d.du_dy, d.dv_dy];
+        self.place_all(
+            [&mut u.value[..count], &mut v.value[..count]],
+            [&mut u.ddx[..count], &mut v.ddx[..count]],
+            [&mut u.ddy[..count], &mut v.ddy[..count]],
+        );
+    }
+
+    /// [`place`](Self::place) over slices of one length: coordinates, and their changes to the right and down.
+    pub(crate) fn place_all(
+        &self,
+        [u, v]: [&mut [f32]; 2],
+        [ux, vx]: [&mut [f32]; 2],
+        [uy, vy]: [&mut [f32]; 2],
+    ) {
+        for i in 0..u.len() {
+            let d = Footprint::new(ux[i], vx[i], uy[i], vy[i]);
+            let (uv, d) = self.place([u[i], v[i]], d);
+            [u[i], v[i]] = uv;
+            [ux[i], vx[i]] = [d.du_dx, d.dv_dx];
+            [uy[i], vy[i]] = [d.du_dy, d.dv_dy];
         }
     }
 

@@ -5,7 +5,7 @@ use texmap_lab::verify::verify;
 use texmap_light::Light;
 use texmap_math::glam::DVec3;
 use texmap_render::planner::{Budget, choose};
-use texmap_render::{Scene, Settings, render};
+use texmap_render::{Scene, Settings, Shading, TextureRole, render};
 use texmap_uv::{Frame, Origin, PixelMapping, Round};
 
 const SIZE: (u32, u32) = (120, 90);
@@ -74,8 +74,10 @@ fn the_error_of_a_filter_is_predicted_without_vertex_coordinates() {
 #[test]
 fn pictures_do_without_idle_lights() {
     let mut lit = frames();
+    lit.lights = vec![Light::Ambient { color: [0.2; 3] }];
     for material in &mut lit.materials {
-        material.shading = texmap_render::Shading::PerPixel;
+        material.shading = Shading::PerPixel;
+        material.texture_role = TextureRole::Modulate;
     }
     let idle = |light| {
         let mut scene = lit.clone();

@@ -72,21 +72,19 @@ fn texels(level: Level, slot: &Slot<'_>, at: &UvBlock) -> [[f32; LANES]; 4] {
     out
 }
 
+/// A block at the coordinates of the slot.
 fn placed(slot: &Slot<'_>, at: &UvBlock) -> UvBlock {
     let mut out = at.clone();
-    for i in 0..LANES {
-        let d = Footprint {
-            du_dx: at.ddx[0][i],
-            dv_dx: at.ddx[1][i],
-            du_dy: at.ddy[0][i],
-            dv_dy: at.ddy[1][i],
-        };
-        let (uv, d) = slot.place([at.value[0][i], at.value[1][i]], d);
-        [out.value[0][i], out.value[1][i]] = uv;
-        [out.ddx[0][i], out.ddx[1][i]] = [d.du_dx, d.dv_dx];
-        [out.ddy[0][i], out.ddy[1][i]] = [d.du_dy, d.dv_dy];
-    }
+    slot.place_all(
+        slices(&mut out.value),
+        slices(&mut out.ddx),
+        slices(&mut out.ddy),
+    );
     out
+}
+
+fn slices(pair: &mut [[f32; LANES]; 2]) -> [&mut [f32]; 2] {
+    pair.each_mut().map(|c| &mut c[..])
 }
 
 /// What an alpha test keeps; `None` if there is none, or nothing that it could cut out.
