@@ -1,9 +1,11 @@
 //! Wavefront OBJ models with their material libraries.
 
 mod check;
+mod materials;
 mod model;
 mod mtl;
 mod normals;
+mod parts;
 
 use texmap_sample::UvTransform;
 

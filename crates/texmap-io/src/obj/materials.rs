@@ -1,0 +1,135 @@
+//! The materials of a model: its libraries, the names that none of them defines, and the maps of each.
+
+use std::path::Path;
+
+use texmap_sample::UvTransform;
+
+use super::check::Checked;
+use super::mtl::{self, Description};
+use super::{Map, Material, ReliefKind};
+use crate::scene_file::Missing;
+use crate::textures::{Content, Textures};
+use crate::{IoError, files};
+
+pub(super) fn libraries(
+    path: &Path,
+    checked: &Checked,
+    missing: Missing,
+    textures: &mut Textures,
+    warnings: &mut Vec<String>,
+) -> Result<Vec<Description>, IoError> {
+    let mut materials = Vec::new();
+    for (place, name) in &checked.libraries {
+        // A name may hold blanks, and a line may hold several names.
+        let names: Vec<&str> = if files::beside(path, name).exists() {
+            vec![name]
+        } else {
+            name.split_whitespace().collect()
+        };
+        for name in names {
+            let library = files::beside(path, name);
+            match mtl::read(&library, place, warnings) {
+                Ok(read) => materials.extend(read),
+                Err(error @ IoError::FileMissing { .. })
+                    if missing == Missing::Warn || textures.tolerant =>
+                {
+                    textures.note(&library, place, Err(error.to_string()));
+                    warnings.push(format!("{error}: its materials are left out"));
+                }
+                Err(error) => return Err(error),
+            }
+        }
+    }
+    Ok(materials)
+}
+
+pub(super) fn check_names(
+    checked: &Checked,
+    descriptions: &[Description],
+    lenient: bool,
+    warnings: &mut Vec<String>,
+) -> Result<(), IoError> {
+    let mut told: Vec<&str> = Vec::new();
+    for (place, name) in &checked.materials {
+        if told.contains(&name.as_str()) || descriptions.iter().any(|d| d.name == *name) {
+            continue;
+        }
+        let error = IoError::UnknownMaterial {
+            place: place.clone(),
+            name: name.clone(),
+        };
+        // A model that names no library at all uses material names as group names.
+        if !(lenient || checked.libraries.is_empty()) {
+            return Err(error);
+        }
+        warnings.push(error.to_string());
+        told.push(name);
+    }
+    Ok(())
+}
+
+pub(super) fn material(
+    description: Description,
+    missing: Missing,
+    textures: &mut Textures,
+    warnings: &mut Vec<String>,
+) -> Result<Material, IoError> {
+    let mut load = |map: Option<mtl::Map>, content| {
+        map.map(|map| {
+            let path = files::beside(&map.place.file, &map.name);
+            Ok(Map {
+                texture: textures.load(&path, &map.place, content, missing)?,
+                transform: UvTransform {
+                    offset: map.offset,
+                    scale: map.scale,
+                    rotation: 0.0,
+                },
+                clamp: map.clamp,
+            })
+        })
+        .transpose()
+    };
+    let name = description.name;
+    let [map_kd, map_d, map_ka, map_ks, map_ns, bump, normals, disp] = description.maps;
+    let height = bump.as_ref().and_then(|map| map.height);
+    let map_kd = load(map_kd, Content::Color)?;
+    let map_d = load(map_d, Content::Data)?;
+    let map_ka = load(map_ka, Content::Color)?;
+    let map_ks = load(map_ks, Content::Color)?;
+    let map_ns = load(map_ns, Content::Data)?;
+    let bump = load(bump, Content::Data)?;
+    let relief = load(normals, Content::Data)?
+        .map(|map| (map, ReliefKind::Normals))
+        .or(bump.map(|map| (map, ReliefKind::Bump(height.unwrap_or(DEFAULT_BUMP)))));
+    let rise = disp.as_ref().and_then(|map| map.height);
+    let displacement = load(disp, Content::Data)?.map(|map| (map, rise.unwrap_or(DEFAULT_BUMP)));
+    let kd = match (description.kd, &map_kd) {
+        // Programs that ignore Kd beside a map often write black, which would blacken the map.
+        (Some([0.0, 0.0, 0.0]), Some(_)) => {
+            warnings.push(format!(
+                "material '{name}': Kd is black and would hide map_Kd; drawn as white"
+            ));
+            [1.0; 3]
+        }
+        (Some(kd), _) => kd,
+        (None, Some(_)) => [1.0; 3],
+        (None, None) => [0.8; 3],
+    };
+    Ok(Material {
+        name,
+        kd,
+        ks: description.ks,
+        ns: description.ns.unwrap_or(5.0),
+        opacity: description.d,
+        map_kd,
+        map_d,
+        map_ka,
+        map_ks,
+        map_ns,
+        relief,
+        displacement,
+    })
+}
+
+/// Height of a bump or displacement without `-bm`, units of the model.
+const DEFAULT_BUMP: f32 = 0.02;
