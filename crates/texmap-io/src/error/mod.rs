@@ -1,36 +1,14 @@
 //! What can be wrong with a file: one line says what and where, one says why and what to try.
 
-use std::fmt;
+mod help;
+mod place;
+
 use std::io;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-/// A position in a text file: 1-based line and column (in characters), as editors count.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Place {
-    /// The file.
-    pub file: PathBuf,
-    /// Line, from 1.
-    pub line: u32,
-    /// Column in characters, from 1.
-    pub column: u32,
-}
+use place::line_of;
 
-impl Place {
-    /// The place `line`:`column` of `file`.
-    pub fn new(file: &Path, line: u32, column: u32) -> Self {
-        Self {
-            file: file.to_path_buf(),
-            line,
-            column,
-        }
-    }
-}
-
-impl fmt::Display for Place {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}:{}:{}", self.file.display(), self.line, self.column)
-    }
-}
+pub use place::Place;
 
 /// Why a file cannot be read or written.
 ///
@@ -387,108 +365,12 @@ impl IoError {
             Self::BrokenPath { .. } => "broken-camera-path",
         }
     }
-
-    /// The place in a text file that the error speaks of, if there is one.
-    pub fn place(&self) -> Option<&Place> {
-        match self {
-            Self::FileMissing { named_by, .. }
-            | Self::NotAFile { named_by, .. }
-            | Self::Read { named_by, .. }
-            | Self::BrokenImage { named_by, .. }
-            | Self::ImageSize { named_by, .. }
-            | Self::EnvironmentSize { named_by, .. }
-            | Self::EmptyMesh { named_by, .. } => named_by.as_ref(),
-            Self::NotUtf8 { place }
-            | Self::UnknownCommand { place, .. }
-            | Self::StrayNumber { place, .. }
-            | Self::ArgumentCount { place, .. }
-            | Self::NotANumber { place, .. }
-            | Self::NotFinite { place, .. }
-            | Self::OutOfRange { place, .. }
-            | Self::UnknownWord { place, .. }
-            | Self::StrayQuote { place }
-            | Self::BadIndex { place, .. }
-            | Self::TooFewCorners { place, .. }
-            | Self::MixedCorners { place, .. }
-            | Self::NeedsAbove { place, .. }
-            | Self::OpenPush { place }
-            | Self::IncludeCycle { place, .. }
-            | Self::DegenerateFrame { place, .. }
-            | Self::BadCamera { place, .. }
-            | Self::BadProjector { place, .. }
-            | Self::BadShape { place, .. }
-            | Self::UnknownMaterial { place, .. }
-            | Self::BrokenPath { place, .. } => Some(place),
-            Self::Write { .. }
-            | Self::FileTooLarge { .. }
-            | Self::UnknownFormat { .. }
-            | Self::EmptyScene { .. }
-            | Self::BrokenModel { .. }
-            | Self::BrokenArray { .. } => None,
-        }
-    }
-
-    /// One line: why this is refused, and what to try.
-    pub fn help(&self) -> String {
-        match self {
-            Self::FileMissing { named_by: Some(_), .. } => "names are relative to the file that holds the line; put the file there or mend the line (for maps and material libraries, `missing warn` draws without them)".into(),
-            Self::FileMissing { .. } => "check the spelling and the working directory".into(),
-            Self::NotAFile { .. } => "name a file, not a directory".into(),
-            Self::Read { .. } => "check the permissions of the file".into(),
-            Self::Write { .. } => "check that the directory exists and may be written; an older file of this name was left as it was".into(),
-            Self::FileTooLarge { .. } => "split the file, or store the model in parts".into(),
-            Self::NotUtf8 { .. } => "scene, OBJ and MTL files are UTF-8 text; convert the file (for example with iconv)".into(),
-            Self::UnknownFormat { .. } => "texmap reads .scene and .obj models and .png, .jpg and .gif images".into(),
-            Self::UnknownCommand { nearest: Some(nearest), .. } => format!("did you mean `{nearest}`? docs/SCENE_FORMAT.md lists the commands"),
-            Self::UnknownCommand { .. } => "docs/SCENE_FORMAT.md lists the commands; `#` begins a comment".into(),
-            Self::StrayNumber { .. } => "a line that begins with a number continues the command above it; begin with a command".into(),
-            Self::ArgumentCount { .. } => "give as many values as the command takes; every command begins its own line".into(),
-            Self::NotANumber { .. } => "write a decimal number such as 12, -0.5 or 1e-3".into(),
-            Self::NotFinite { .. } => "NaN, infinities and magnitudes above 3.4e38 cannot be drawn; mend the program that wrote the file".into(),
-            Self::OutOfRange { allowed, .. } | Self::UnknownWord { allowed, .. } => format!("allowed: {allowed}"),
-            Self::StrayQuote { .. } => "quotes stand around a whole path: \"my file.png\"".into(),
-            Self::BadIndex { place, count, .. } => index_help(place, *count),
-            Self::TooFewCorners { .. } => "remove the face or give it its missing corners".into(),
-            Self::MixedCorners { .. } => "write every corner of a face in the same form: v, v/vt, v//vn or v/vt/vn".into(),
-            Self::NeedsAbove { command: "pop", .. } => "each `pop` closes a `push` of the same file; remove one or add the other".into(),
-            Self::NeedsAbove { needs, .. } => format!("add a `{needs}` line before the first face that uses it"),
-            Self::OpenPush { .. } => "close it with `pop`".into(),
-            Self::IncludeCycle { .. } => "a file cannot contain itself; remove one of the `include` lines".into(),
-            Self::DegenerateFrame { .. } => "give U and V two directions of the texture's plane, neither zero nor parallel".into(),
-            Self::BadCamera { .. } => "eye and look must differ, up must not point along the line of sight, and 0 < near < far".into(),
-            Self::BadProjector { .. } => "its position and look must differ, and up must not be zero or point along the line of projection".into(),
-            Self::BrokenImage { .. } => "the file is damaged or of another kind than PNG, JPEG or GIF; write it again".into(),
-            Self::ImageSize { .. } => format!("textures have 1 to {} texels a side and {} in all", crate::image_io::MAX_SIDE, crate::image_io::MAX_TEXELS),
-            Self::EnvironmentSize { chart, expected, .. } => format!("a {chart} map is {expected}; name the chart that the image is in, or convert it with `texmap env`"),
-            Self::BadShape { .. } => "docs/SCENE_FORMAT.md says what the line takes, and from which sizes on it is refused".into(),
-            Self::EmptyScene { .. } => "nothing would be drawn; add `f`, `tf`, `ff` or `obj` lines".into(),
-            Self::EmptyMesh { .. } => "nothing would be drawn; the OBJ needs `f` lines (points and lines are not drawn)".into(),
-            Self::UnknownMaterial { .. } => "define it in the MTL library, mend the name, or draw without it (`missing warn`)".into(),
-            Self::BrokenModel { .. } => "export the model again as plain OBJ polygons".into(),
-            Self::BrokenArray { .. } => "texmap reads .npy arrays of format 1 to 3, C order, little-endian f4, f8, u1 or u2".into(),
-            Self::BrokenPath { .. } => "a camera path is a JSON list of {\"eye\":[x,y,z],\"look\":[x,y,z]} with optional \"up\" and \"fov\" (degrees)".into(),
-        }
-    }
-}
-
-fn line_of(place: &Option<Place>) -> String {
-    place.as_ref().map(|p| format!("{p}: ")).unwrap_or_default()
-}
-
-fn index_help(place: &Place, count: usize) -> String {
-    let one_based = place
-        .file
-        .extension()
-        .is_some_and(|e| e.eq_ignore_ascii_case("obj"));
-    match (one_based, count) {
-        (_, 0) => "none is defined above this line; list them before the faces".into(),
-        (true, n) => format!("indices count from 1 to {n}, or from -1 back to -{n}"),
-        (false, n) => format!("indices count from 0 to {}", n - 1),
-    }
 }
 
 #[cfg(test)]
 mod tests {
+    use std::path::Path;
+
     use super::*;
 
     #[test]
