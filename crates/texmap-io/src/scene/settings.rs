@@ -2,8 +2,9 @@
 
 use texmap_light::Surface;
 use texmap_math::color::srgb_to_linear;
+use texmap_math::det;
 use texmap_math::frame::TextureFrame;
-use texmap_math::glam::DMat4;
+use texmap_math::glam::{DMat4, DVec3};
 use texmap_raster::{Cull, Interp};
 use texmap_render::{
     AlphaMode, ColorMode, Displacement, Gouraud, Material, Shading, SkinBlend, TextureRole,
@@ -15,8 +16,8 @@ use texmap_uv::PixelMapping;
 use super::classics::ClassicSettings;
 use super::effects::EffectSettings;
 use super::shapes::DisplaceSetting;
-use crate::Place;
-use crate::scene_file::{Alpha, Missing, Rate, Role, Surf};
+use crate::scene_file::{Alpha, Command, Missing, Rate, Role, Surf};
+use crate::{Place, obj};
 
 /// Everything that `push` keeps and `pop` brings back.
 #[derive(Debug, Clone)]
@@ -89,6 +90,37 @@ pub(super) const WHITE: Surf = Surf {
 };
 
 impl Settings {
+    /// What the line of a setting says.
+    pub(super) fn set(&mut self, command: &Command) {
+        match command {
+            Command::Surf(surf) => self.surf = Some(*surf),
+            Command::Filter(filter) => self.filter = *filter,
+            Command::Wrap(u, v) => self.wrap = [*u, *v],
+            Command::Border(color) => self.border = *color,
+            Command::Interp(interp) => self.interp = *interp,
+            Command::Cull(cull) => self.cull = *cull,
+            Command::Alpha(alpha) => self.alpha = *alpha,
+            Command::Shade(shade) => {
+                self.role = shade.role.or(self.role);
+                self.rate = shade.rate.unwrap_or(self.rate);
+            }
+            Command::Gouraud(gouraud) => self.gouraud = *gouraud,
+            Command::Missing(missing) => self.missing = *missing,
+            Command::Frame { o, u, v } => {
+                let [o, u, v] = [o, u, v].map(|p| DVec3::from(*p));
+                self.frame = Some(TextureFrame { o, u, v }.transform(self.transform));
+                self.round = None;
+            }
+            Command::Translate(p) => self.transform *= DMat4::from_translation(DVec3::from(*p)),
+            Command::Scale(f) => self.transform *= DMat4::from_scale(DVec3::from(*f)),
+            Command::Rotate { angle, axis } => {
+                self.transform *= rotation(*angle, DVec3::from(*axis));
+            }
+            // `color` was read before; everything else is handled by the builder.
+            _ => {}
+        }
+    }
+
     /// An untextured face.
     pub(super) fn plain(&self, color: ColorMode) -> Material {
         let surf = self.surf.unwrap_or_default();
@@ -207,4 +239,22 @@ pub(super) fn surface(surf: &Surf, color: ColorMode) -> Surface {
         ks: surf.ks,
         ns: surf.ns,
     }
+}
+
+/// A turn about `axis`, exact for quarter turns.
+pub(super) fn rotation(degrees: f64, axis: DVec3) -> DMat4 {
+    let axis = obj::unit(axis).unwrap_or(DVec3::Z);
+    let angle = quarter_turns(degrees).unwrap_or_else(|| det::sin_cos(degrees.to_radians()));
+    texmap_render::turn_by(axis, angle)
+}
+
+/// Sine and cosine of whole quarter turns, exactly.
+fn quarter_turns(degrees: f64) -> Option<(f64, f64)> {
+    let turns = degrees / 90.0;
+    (turns == turns.trunc()).then(|| match turns.rem_euclid(4.0) as u8 {
+        0 => (0.0, 1.0),
+        1 => (1.0, 0.0),
+        2 => (0.0, -1.0),
+        _ => (-1.0, 0.0),
+    })
 }

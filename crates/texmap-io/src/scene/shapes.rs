@@ -7,7 +7,7 @@ use texmap_render::{
 };
 use texmap_sample::Texture2d;
 
-use super::build::rotation;
+use super::settings::rotation;
 use crate::scene_file::{BoneLine, TerrainLine};
 use crate::{IoError, Place};
 

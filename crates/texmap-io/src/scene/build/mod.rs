@@ -1,22 +1,21 @@
 //! Statements to a scene, in one pass.
 
-use texmap_light::{Light, Surface};
+mod models;
+
+use texmap_light::Light;
 use texmap_math::camera::{Camera, CameraError};
-use texmap_math::det;
 use texmap_math::frame::TextureFrame;
 use texmap_math::glam::{DMat4, DVec3};
-use texmap_render::{AlphaMode, Displacement, Material, Mesh, Scene};
-use texmap_sample::Origin;
+use texmap_render::{Material, Mesh, Scene};
 use texmap_uv::{PixelMapping, UvError};
 
 use super::classics;
 use super::effects;
 use super::facets::{Facet, Facets};
-use super::settings::{CurrentTexture, Settings, light};
+use super::settings::{CurrentTexture, Settings};
 use super::shapes::{self, Bones, DisplaceSetting};
 use super::tree::Tree;
-use crate::obj::{self, Model};
-use crate::scene_file::{Alpha, Command, Role, RoundShape, Shape, Statement};
+use crate::scene_file::{Command, Role, RoundShape, Shape, Statement};
 use crate::textures::{Content, Textures};
 use crate::{IoError, Place, files};
 
@@ -208,40 +207,9 @@ impl Builder {
                     }
                 })?;
             }
-            other => self.set(other),
+            other => self.settings.set(other),
         }
         Ok(())
-    }
-
-    fn set(&mut self, command: &Command) {
-        let now = &mut self.settings;
-        match command {
-            Command::Surf(surf) => now.surf = Some(*surf),
-            Command::Filter(filter) => now.filter = *filter,
-            Command::Wrap(u, v) => now.wrap = [*u, *v],
-            Command::Border(color) => now.border = *color,
-            Command::Interp(interp) => now.interp = *interp,
-            Command::Cull(cull) => now.cull = *cull,
-            Command::Alpha(alpha) => now.alpha = *alpha,
-            Command::Shade(shade) => {
-                now.role = shade.role.or(now.role);
-                now.rate = shade.rate.unwrap_or(now.rate);
-            }
-            Command::Gouraud(gouraud) => now.gouraud = *gouraud,
-            Command::Missing(missing) => now.missing = *missing,
-            Command::Frame { o, u, v } => {
-                let [o, u, v] = [o, u, v].map(|p| DVec3::from(*p));
-                now.frame = Some(TextureFrame { o, u, v }.transform(now.transform));
-                now.round = None;
-            }
-            Command::Translate(p) => now.transform *= DMat4::from_translation(DVec3::from(*p)),
-            Command::Scale(f) => now.transform *= DMat4::from_scale(DVec3::from(*f)),
-            Command::Rotate { angle, axis } => {
-                now.transform *= rotation(*angle, DVec3::from(*axis));
-            }
-            // `color` was read before; everything else is handled above.
-            _ => {}
-        }
     }
 
     fn textured(&self, command: &'static str, place: &Place) -> Result<Material, IoError> {
@@ -287,107 +255,6 @@ impl Builder {
         };
         self.faces += 1;
         facets.add(&mut self.scene, &facet, place);
-    }
-
-    fn obj(&mut self, name: &str, place: &Place) -> Result<(), IoError> {
-        let path = files::beside(&place.file, name);
-        let textured = self.settings.texture.is_some();
-        match obj::read(
-            &path,
-            Some(place),
-            self.settings.missing,
-            textured,
-            &mut self.textures,
-        ) {
-            Ok(model) => {
-                let stem = path
-                    .file_stem()
-                    .map_or_else(String::new, |s| s.to_string_lossy().into_owned());
-                let first = self.scene.meshes.len();
-                self.model(model, &stem);
-                match &self.settings.effects.lightmap_uv {
-                    None => Ok(()),
-                    Some((path, named)) => {
-                        effects::second_uvs(&mut self.scene.meshes[first..], path, named)
-                    }
-                }
-            }
-            Err(error @ (IoError::FileMissing { .. } | IoError::NotAFile { .. }))
-                if self.textures.tolerant =>
-            {
-                self.textures.note(&path, place, Err(error.to_string()));
-                Ok(())
-            }
-            Err(error) => Err(error),
-        }
-    }
-
-    /// Adds the parts of a model under the current settings.
-    pub(super) fn model(&mut self, model: Model, stem: &str) {
-        let color = self.scene.color;
-        self.scene.warnings.extend(model.warnings);
-        let transform = self.settings.transform;
-        let mirrored = transform.determinant() < 0.0;
-        for part in model.parts {
-            let described = part.material.and_then(|i| model.materials.get(i));
-            let displacement = described
-                .and_then(|m| self.described_displacement(m))
-                .or_else(|| self.settings.displacement(color))
-                .filter(|_| !part.uvs.is_empty());
-            let material = match described {
-                Some(described) => self.described(described),
-                None => match &self.settings.texture {
-                    Some(texture) => self.settings.textured(texture, Role::Modulate, color),
-                    None if model.colored => self.settings.colored(color),
-                    None => self.settings.plain(color),
-                },
-            };
-            let mut triangles = part.triangles;
-            if mirrored {
-                // What was outside stays outside.
-                triangles.iter_mut().for_each(|t| t.swap(1, 2));
-            }
-            let colors = if model.colored {
-                part.colors
-            } else {
-                Vec::new()
-            };
-            let mesh = Mesh {
-                name: if part.name == "unnamed_object" {
-                    stem.to_owned()
-                } else {
-                    part.name
-                },
-                positions: part.positions,
-                normals: part.normals,
-                uvs: part.uvs,
-                colors: colors.into_iter().map(|c| light(c, color)).collect(),
-                triangles,
-                faces: part.faces,
-                material: self.material(material),
-                world_from_object: transform,
-                // A shape speaks of the picture's top.
-                uv_origin: match self.settings.round {
-                    Some(_) => Origin::TopLeft,
-                    None => Origin::BottomLeft,
-                },
-                round: self.settings.round,
-                displacement,
-                ..Mesh::default()
-            };
-            self.bones
-                .follow(self.scene.meshes.len(), self.settings.skin.clone());
-            self.scene.meshes.push(mesh);
-        }
-    }
-
-    /// What `disp` says.
-    fn described_displacement(&self, m: &obj::Material) -> Option<Displacement> {
-        let (map, height) = m.displacement.as_ref()?;
-        let slot = self
-            .settings
-            .slot(map.texture, map.transform, map.clamp, self.scene.color);
-        Some(Displacement::new(slot, *height))
     }
 
     fn shape(&mut self, shape: &Shape, place: &Place) -> Result<(), IoError> {
@@ -452,55 +319,6 @@ impl Builder {
         Ok(())
     }
 
-    /// A material of an MTL library under the current settings.
-    fn described(&self, m: &obj::Material) -> Material {
-        let (now, color) = (&self.settings, self.scene.color);
-        let slot = |map: &obj::Map| now.slot(map.texture, map.transform, map.clamp, color);
-        let map_alpha = m
-            .map_kd
-            .as_ref()
-            .is_some_and(|map| self.textures.textures[map.texture].has_alpha());
-        let alpha = match now.alpha {
-            Alpha::Auto if m.opacity < 1.0 => AlphaMode::Blend,
-            _ => now.alpha(map_alpha || m.map_d.is_some()),
-        };
-        Material {
-            maps: texmap_render::SurfaceMaps {
-                ambient: m.map_ka.as_ref().map(slot),
-                specular: m.map_ks.as_ref().map(slot),
-                exponent: m.map_ns.as_ref().map(slot),
-                reflectivity: None,
-            },
-            relief: m.relief.as_ref().map(|(map, relief)| match *relief {
-                obj::ReliefKind::Bump(height) => texmap_render::Relief::Bump {
-                    slot: slot(map),
-                    height,
-                },
-                obj::ReliefKind::Normals => texmap_render::Relief::NormalMap {
-                    slot: slot(map),
-                    green: texmap_light::Green::Up,
-                    rebuild_z: false,
-                    object_space: false,
-                    strength: 1.0,
-                },
-            }),
-            name: m.name.clone(),
-            surface: Surface {
-                color: light(m.kd, color),
-                ka: 1.0,
-                kd: 1.0,
-                ks: m.ks,
-                ns: m.ns,
-            },
-            opacity: m.opacity,
-            base_color: m.map_kd.as_ref().map(slot),
-            opacity_map: m.map_d.as_ref().map(slot),
-            texture_role: now.role(Role::Modulate),
-            alpha,
-            ..now.plain(color)
-        }
-    }
-
     /// Index of a material, a new one or an equal one.
     fn material(&mut self, material: Material) -> usize {
         let material = self
@@ -551,22 +369,4 @@ fn round(shape: &RoundShape) -> Result<PixelMapping, UvError> {
         shape.repeat,
         texmap_uv::Origin::TopLeft,
     )
-}
-
-/// A turn about `axis`, exact for quarter turns.
-pub(super) fn rotation(degrees: f64, axis: DVec3) -> DMat4 {
-    let axis = obj::unit(axis).unwrap_or(DVec3::Z);
-    let angle = quarter_turns(degrees).unwrap_or_else(|| det::sin_cos(degrees.to_radians()));
-    texmap_render::turn_by(axis, angle)
-}
-
-/// Sine and cosine of whole quarter turns, exactly.
-fn quarter_turns(degrees: f64) -> Option<(f64, f64)> {
-    let turns = degrees / 90.0;
-    (turns == turns.trunc()).then(|| match turns.rem_euclid(4.0) as u8 {
-        0 => (0.0, 1.0),
-        1 => (1.0, 0.0),
-        2 => (0.0, -1.0),
-        _ => (-1.0, 0.0),
-    })
 }

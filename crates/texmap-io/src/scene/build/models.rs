@@ -1,0 +1,164 @@
+//! OBJ models to meshes under the current settings.
+
+use texmap_light::Surface;
+use texmap_render::{AlphaMode, Displacement, Material, Mesh};
+use texmap_sample::Origin;
+
+use super::Builder;
+use crate::obj::{self, Model};
+use crate::scene::effects;
+use crate::scene::settings::light;
+use crate::scene_file::{Alpha, Role};
+use crate::{IoError, Place, files};
+
+impl Builder {
+    pub(super) fn obj(&mut self, name: &str, place: &Place) -> Result<(), IoError> {
+        let path = files::beside(&place.file, name);
+        let textured = self.settings.texture.is_some();
+        match obj::read(
+            &path,
+            Some(place),
+            self.settings.missing,
+            textured,
+            &mut self.textures,
+        ) {
+            Ok(model) => {
+                let stem = path
+                    .file_stem()
+                    .map_or_else(String::new, |s| s.to_string_lossy().into_owned());
+                let first = self.scene.meshes.len();
+                self.model(model, &stem);
+                match &self.settings.effects.lightmap_uv {
+                    None => Ok(()),
+                    Some((path, named)) => {
+                        effects::second_uvs(&mut self.scene.meshes[first..], path, named)
+                    }
+                }
+            }
+            Err(error @ (IoError::FileMissing { .. } | IoError::NotAFile { .. }))
+                if self.textures.tolerant =>
+            {
+                self.textures.note(&path, place, Err(error.to_string()));
+                Ok(())
+            }
+            Err(error) => Err(error),
+        }
+    }
+
+    /// Adds the parts of a model under the current settings.
+    pub(in crate::scene) fn model(&mut self, model: Model, stem: &str) {
+        let color = self.scene.color;
+        self.scene.warnings.extend(model.warnings);
+        let transform = self.settings.transform;
+        let mirrored = transform.determinant() < 0.0;
+        for part in model.parts {
+            let described = part.material.and_then(|i| model.materials.get(i));
+            let displacement = described
+                .and_then(|m| self.described_displacement(m))
+                .or_else(|| self.settings.displacement(color))
+                .filter(|_| !part.uvs.is_empty());
+            let material = match described {
+                Some(described) => self.described(described),
+                None => match &self.settings.texture {
+                    Some(texture) => self.settings.textured(texture, Role::Modulate, color),
+                    None if model.colored => self.settings.colored(color),
+                    None => self.settings.plain(color),
+                },
+            };
+            let mut triangles = part.triangles;
+            if mirrored {
+                // What was outside stays outside.
+                triangles.iter_mut().for_each(|t| t.swap(1, 2));
+            }
+            let colors = if model.colored {
+                part.colors
+            } else {
+                Vec::new()
+            };
+            let mesh = Mesh {
+                name: if part.name == "unnamed_object" {
+                    stem.to_owned()
+                } else {
+                    part.name
+                },
+                positions: part.positions,
+                normals: part.normals,
+                uvs: part.uvs,
+                colors: colors.into_iter().map(|c| light(c, color)).collect(),
+                triangles,
+                faces: part.faces,
+                material: self.material(material),
+                world_from_object: transform,
+                // A shape speaks of the picture's top.
+                uv_origin: match self.settings.round {
+                    Some(_) => Origin::TopLeft,
+                    None => Origin::BottomLeft,
+                },
+                round: self.settings.round,
+                displacement,
+                ..Mesh::default()
+            };
+            self.bones
+                .follow(self.scene.meshes.len(), self.settings.skin.clone());
+            self.scene.meshes.push(mesh);
+        }
+    }
+
+    /// What `disp` says.
+    fn described_displacement(&self, m: &obj::Material) -> Option<Displacement> {
+        let (map, height) = m.displacement.as_ref()?;
+        let slot = self
+            .settings
+            .slot(map.texture, map.transform, map.clamp, self.scene.color);
+        Some(Displacement::new(slot, *height))
+    }
+
+    /// A material of an MTL library under the current settings.
+    fn described(&self, m: &obj::Material) -> Material {
+        let (now, color) = (&self.settings, self.scene.color);
+        let slot = |map: &obj::Map| now.slot(map.texture, map.transform, map.clamp, color);
+        let map_alpha = m
+            .map_kd
+            .as_ref()
+            .is_some_and(|map| self.textures.textures[map.texture].has_alpha());
+        let alpha = match now.alpha {
+            Alpha::Auto if m.opacity < 1.0 => AlphaMode::Blend,
+            _ => now.alpha(map_alpha || m.map_d.is_some()),
+        };
+        Material {
+            maps: texmap_render::SurfaceMaps {
+                ambient: m.map_ka.as_ref().map(slot),
+                specular: m.map_ks.as_ref().map(slot),
+                exponent: m.map_ns.as_ref().map(slot),
+                reflectivity: None,
+            },
+            relief: m.relief.as_ref().map(|(map, relief)| match *relief {
+                obj::ReliefKind::Bump(height) => texmap_render::Relief::Bump {
+                    slot: slot(map),
+                    height,
+                },
+                obj::ReliefKind::Normals => texmap_render::Relief::NormalMap {
+                    slot: slot(map),
+                    green: texmap_light::Green::Up,
+                    rebuild_z: false,
+                    object_space: false,
+                    strength: 1.0,
+                },
+            }),
+            name: m.name.clone(),
+            surface: Surface {
+                color: light(m.kd, color),
+                ka: 1.0,
+                kd: 1.0,
+                ks: m.ks,
+                ns: m.ns,
+            },
+            opacity: m.opacity,
+            base_color: m.map_kd.as_ref().map(slot),
+            opacity_map: m.map_d.as_ref().map(slot),
+            texture_role: now.role(Role::Modulate),
+            alpha,
+            ..now.plain(color)
+        }
+    }
+}
