@@ -9,10 +9,12 @@
 
 mod args;
 mod classics;
+mod commands;
 mod effects;
 mod parse;
 mod print;
 mod reliefs;
+mod settings;
 mod shapes;
 mod token;
 pub mod words;
@@ -23,8 +25,9 @@ use texmap_sample::{Filter, Wrap};
 use texmap_uv::Round;
 
 pub use classics::{Classic, SolidLine, SolidSource};
+pub use commands::COMMANDS;
 pub use effects::{Bias, Effect, EnvironmentLine, NormalMapLine, ProjectorLine};
-pub use parse::{COMMANDS, parse};
+pub use parse::parse;
 pub use print::print;
 pub use reliefs::{CarveLine, Formula, ReliefLine};
 pub use shapes::{BoneLine, DisplaceLine, Shape, TerrainLine};

@@ -2,21 +2,16 @@
 
 use std::path::Path;
 
-use texmap_math::frame::TextureFrame;
-use texmap_math::glam::DVec3;
-use texmap_raster::Cull;
-use texmap_render::{ColorMode, Gouraud};
-use texmap_uv::Round;
+use texmap_render::ColorMode;
 
 use super::args::Args;
 use super::classics;
+use super::commands::known_word;
 use super::effects;
+use super::settings;
 use super::shapes;
-use super::token::{self, Token};
-use super::{
-    Alpha, Command, Missing, Rate, Role, RoundShape, SceneFile, Shade, Statement, Surf,
-    TexturedCorner, words,
-};
+use super::token;
+use super::{Command, SceneFile, Statement, TexturedCorner};
 use crate::{IoError, Place};
 
 /// Reads a scene file's text; `file` is only named in errors.
@@ -66,74 +61,6 @@ pub fn parse(file: &Path, text: &str) -> Result<SceneFile, IoError> {
     }
 }
 
-/// The word of every command.
-pub const COMMANDS: [&str; 64] = [
-    "eye",
-    "look",
-    "up",
-    "fov",
-    "near",
-    "far",
-    "background",
-    "color",
-    "la",
-    "ld",
-    "lp",
-    "surf",
-    "v",
-    "f",
-    "texture",
-    "tf",
-    "frame",
-    "ff",
-    "round",
-    "filter",
-    "wrap",
-    "border",
-    "interp",
-    "cull",
-    "alpha",
-    "shade",
-    "gouraud",
-    "translate",
-    "rotate",
-    "scale",
-    "push",
-    "pop",
-    "missing",
-    "obj",
-    "include",
-    "ls",
-    "name",
-    "shadow",
-    "shadowless",
-    "projector",
-    "highlight",
-    "env",
-    "specmap",
-    "lightmap",
-    "lightmapuv",
-    "bump",
-    "offsetmap",
-    "carve",
-    "emboss",
-    "normalmap",
-    "horizon",
-    "solid",
-    "ramp",
-    "cel",
-    "decal",
-    "font",
-    "text",
-    "sky",
-    "volume",
-    "displace",
-    "terrain",
-    "billboard",
-    "bone",
-    "skin",
-];
-
 struct Parser {
     scene: SceneFile,
     vertices: usize,
@@ -173,6 +100,9 @@ impl Parser {
         }
         if let Some(shape) = shapes::parse(args)? {
             return Ok(Command::Shape(shape));
+        }
+        if let Some(setting) = settings::parse(args)? {
+            return Ok(setting);
         }
         Ok(match args.command {
             "eye" => Command::Eye(args.point()?),
@@ -216,61 +146,10 @@ impl Parser {
                     position: args.floats(3)?,
                 }
             }
-            "surf" => surf(args)?,
             "v" => Command::Vertex(args.point()?),
             "f" => Command::Face(self.face(args)?),
             "ff" => Command::FramedFace(self.face(args)?),
             "tf" => Command::TexturedFace(self.textured_face(args)?),
-            "texture" => texture(args)?,
-            "frame" => frame(args)?,
-            "round" => round(args)?,
-            "filter" => {
-                let name = args.single_word("1 method")?;
-                Command::Filter(name.parse().map_err(|_| args.unknown(0, words::FILTERS))?)
-            }
-            "wrap" => {
-                let count = args.len();
-                args.within(1, 2, "1 or 2 modes (U [V])")?;
-                let wrap = |i| {
-                    args.text(i)
-                        .parse()
-                        .map_err(|_| args.unknown(i, words::WRAPS))
-                };
-                Command::Wrap(wrap(0)?, wrap(count - 1)?)
-            }
-            "border" => Command::Border(args.unit_floats(0, "4 numbers (r g b a)")?),
-            "interp" => {
-                let name = args.single_word("1 method")?;
-                Command::Interp(
-                    words::parse_interp(name).ok_or_else(|| args.unknown(0, words::INTERPS))?,
-                )
-            }
-            "cull" => {
-                let table = [
-                    ("none", Cull::None),
-                    ("back", Cull::Back),
-                    ("front", Cull::Front),
-                ];
-                Command::Cull(args.one_of(&table, "none, back, front")?)
-            }
-            "alpha" => alpha(args)?,
-            "shade" => shade(args)?,
-            "gouraud" => {
-                let table = [
-                    ("screen", Gouraud::ScreenLinear),
-                    ("perspective", Gouraud::Perspective),
-                ];
-                Command::Gouraud(args.one_of(&table, "screen, perspective")?)
-            }
-            "translate" => Command::Translate(args.point()?),
-            "rotate" => {
-                args.exactly(4, "4 numbers (degrees, x y z of the axis)")?;
-                let axis = args.numbers(1)?;
-                args.check(1, axis != [0.0; 3], "an axis that is not zero")?;
-                let [angle] = args.numbers(0)?;
-                Command::Rotate { angle, axis }
-            }
-            "scale" => scale(args)?,
             "push" | "pop" => {
                 args.exactly(0, "no values")?;
                 if args.command == "push" {
@@ -279,10 +158,6 @@ impl Parser {
                     Command::Pop
                 }
             }
-            "missing" => Command::Missing(args.one_of(
-                &[("error", Missing::Error), ("warn", Missing::Warn)],
-                "error, warn",
-            )?),
             "obj" => Command::Obj(args.path()?),
             // `known_word` lets no other word through.
             _ => Command::Include(args.path()?),
@@ -314,195 +189,6 @@ impl Parser {
                 })
             })
             .collect()
-    }
-}
-
-fn surf(args: &Args<'_>) -> Result<Command, IoError> {
-    args.exactly(7, "7 numbers (r g b ka kd ks ns)")?;
-    let [ka, kd, ks, ns] = args.positive_floats(3)?;
-    let color = args.floats(0)?;
-    for (i, c) in color.iter().enumerate() {
-        args.check(i, (0.0..=1.0).contains(c), "0 to 1")?;
-    }
-    Ok(Command::Surf(Surf {
-        color,
-        ka,
-        kd,
-        ks,
-        ns,
-    }))
-}
-
-fn texture(args: &Args<'_>) -> Result<Command, IoError> {
-    let path = args.path()?;
-    let none = path == "none" && !args.quoted(0);
-    Ok(Command::Texture((!none).then_some(path)))
-}
-
-fn frame(args: &Args<'_>) -> Result<Command, IoError> {
-    args.exactly(9, "9 numbers (O, U, V)")?;
-    let (o, u, v) = (args.numbers(0)?, args.numbers(3)?, args.numbers(6)?);
-    TextureFrame::new(DVec3::from(o), DVec3::from(u), DVec3::from(v)).map_err(|e| {
-        IoError::DegenerateFrame {
-            place: args.word_place(),
-            problem: e.to_string(),
-        }
-    })?;
-    Ok(Command::Frame { o, u, v })
-}
-
-fn round(args: &Args<'_>) -> Result<Command, IoError> {
-    const ALLOWED: &str =
-        "none; or sphere or cylinder with position, angles and size (9 numbers) [and repeat u v]";
-    args.within(1, 12, ALLOWED)?;
-    let shape = match (args.text(0), args.len()) {
-        ("none", 1) => return Ok(Command::Round(None)),
-        ("sphere", 10 | 12) => Round::Sphere,
-        ("cylinder", 10 | 12) => Round::Cylinder,
-        ("none" | "sphere" | "cylinder", _) => return Err(args.count_error(ALLOWED)),
-        _ => return Err(args.unknown(0, ALLOWED)),
-    };
-    let (position, angles, size) = (args.numbers(1)?, args.numbers(4)?, args.numbers(7)?);
-    let repeat = match args.len() {
-        12 => args.numbers(10)?,
-        _ => [1.0; 2],
-    };
-    for i in 7..args.len() {
-        let [value] = args.numbers(i)?;
-        args.check(i, value != 0.0, "a number that is not 0")?;
-    }
-    Ok(Command::Round(Some(RoundShape {
-        shape,
-        position,
-        angles,
-        size,
-        repeat,
-    })))
-}
-
-fn alpha(args: &Args<'_>) -> Result<Command, IoError> {
-    const ALLOWED: &str = "auto, opaque, test [threshold], blend";
-    args.within(1, 2, ALLOWED)?;
-    let threshold = || {
-        let [t] = args.floats(1)?;
-        args.check(1, t > 0.0 && t <= 1.0, "a threshold above 0, up to 1")?;
-        Ok(t)
-    };
-    Ok(Command::Alpha(match (args.text(0), args.len()) {
-        ("auto", 1) => Alpha::Auto,
-        ("opaque", 1) => Alpha::Opaque,
-        ("blend", 1) => Alpha::Blend,
-        ("test", 1) => Alpha::Test(None),
-        ("test", _) => Alpha::Test(Some(threshold()?)),
-        _ => return Err(args.unknown(0, ALLOWED)),
-    }))
-}
-
-fn shade(args: &Args<'_>) -> Result<Command, IoError> {
-    const ALLOWED: &str = "decal or modulate, and vertex or pixel; each at most once";
-    args.within(1, 2, "1 or 2 words")?;
-    let mut shade = Shade::default();
-    for i in 0..args.len() {
-        let unset = match args.text(i) {
-            "decal" => shade.role.replace(Role::Decal).is_none(),
-            "modulate" => shade.role.replace(Role::Modulate).is_none(),
-            "vertex" => shade.rate.replace(Rate::Vertex).is_none(),
-            "pixel" => shade.rate.replace(Rate::Pixel).is_none(),
-            _ => false,
-        };
-        if !unset {
-            return Err(args.unknown(i, ALLOWED));
-        }
-    }
-    Ok(Command::Shade(shade))
-}
-
-fn scale(args: &Args<'_>) -> Result<Command, IoError> {
-    let factors = if args.len() == 1 {
-        [args.numbers::<1>(0)?[0]; 3]
-    } else {
-        args.exactly(3, "1 or 3 numbers")
-            .and_then(|()| args.numbers(0))?
-    };
-    for (i, f) in factors.iter().enumerate() {
-        args.check(i.min(args.len() - 1), *f != 0.0, "any number but 0")?;
-    }
-    Ok(Command::Scale(factors))
-}
-
-fn known_word(file: &Path, line: u32, token: Token<'_>) -> Result<&'static str, IoError> {
-    if let Some(word) = COMMANDS.iter().find(|w| **w == token.text && !token.quoted) {
-        return Ok(word);
-    }
-    let distance = |word: &&str| edit_distance(&token.text.to_lowercase(), word);
-    let nearest = COMMANDS.iter().copied().min_by_key(distance);
-    // One slip in a short word, two in a longer one.
-    let allowed = if token.text.len() <= 4 { 1 } else { 2 };
-    Err(IoError::UnknownCommand {
-        place: Place::new(file, line, token.column),
-        word: token.text.chars().take(40).collect(),
-        nearest: nearest.filter(|word| token.text.len() < 40 && distance(word) <= allowed),
-    })
-}
-
-/// Insertions, deletions and replacements that make `a` from `b` (Levenshtein).
-fn edit_distance(a: &str, b: &str) -> usize {
-    let mut row: Vec<usize> = (0..=b.len()).collect();
-    for (i, x) in a.bytes().enumerate() {
-        let mut diagonal = i;
-        row[0] = i + 1;
-        for (j, y) in b.bytes().enumerate() {
-            let replaced = diagonal + usize::from(x != y);
-            diagonal = row[j + 1];
-            row[j + 1] = replaced.min(diagonal + 1).min(row[j] + 1);
-        }
-    }
-    row[b.len()]
-}
-
-impl Command {
-    /// The word that begins its line.
-    pub fn word(&self) -> &'static str {
-        match self {
-            Self::Eye(_) => "eye",
-            Self::Look(_) => "look",
-            Self::Up(_) => "up",
-            Self::Fov(_) => "fov",
-            Self::Near(_) => "near",
-            Self::Far(_) => "far",
-            Self::Background(_) => "background",
-            Self::Color(_) => "color",
-            Self::AmbientLight(_) => "la",
-            Self::DirectionalLight { .. } => "ld",
-            Self::PointLight { .. } => "lp",
-            Self::Surf(_) => "surf",
-            Self::Vertex(_) => "v",
-            Self::Face(_) => "f",
-            Self::Texture(_) => "texture",
-            Self::TexturedFace(_) => "tf",
-            Self::Frame { .. } => "frame",
-            Self::Round(_) => "round",
-            Self::FramedFace(_) => "ff",
-            Self::Filter(_) => "filter",
-            Self::Wrap(..) => "wrap",
-            Self::Border(_) => "border",
-            Self::Interp(_) => "interp",
-            Self::Cull(_) => "cull",
-            Self::Alpha(_) => "alpha",
-            Self::Shade(_) => "shade",
-            Self::Gouraud(_) => "gouraud",
-            Self::Translate(_) => "translate",
-            Self::Rotate { .. } => "rotate",
-            Self::Scale(_) => "scale",
-            Self::Push => "push",
-            Self::Pop => "pop",
-            Self::Missing(_) => "missing",
-            Self::Obj(_) => "obj",
-            Self::Include(_) => "include",
-            Self::Effect(effect) => effect.word(),
-            Self::Classic(classic) => classic.word(),
-            Self::Shape(shape) => shape.word(),
-        }
     }
 }
 
@@ -589,27 +275,8 @@ mod tests {
             ("up 0 0 0", "out-of-range", 1, 4),
             ("ld 1 1 1 0 0 0", "out-of-range", 1, 10),
             ("la -1 0 0", "out-of-range", 1, 4),
-            ("surf 2 0 0 1 1 1 5", "out-of-range", 1, 6),
-            ("surf 1 0 0 1 1 1 -5", "out-of-range", 1, 18),
-            ("scale 1 0 1", "out-of-range", 1, 9),
-            ("rotate 30 0 0 0", "out-of-range", 1, 11),
-            ("frame 0 0 0 1 0 0 2 0 0", "degenerate-frame", 1, 1),
-            ("round torus 0 0 0 0 0 0 1 1 1", "unknown-word", 1, 7),
-            ("round sphere 0 0 0 0 0 0 1 1", "argument-count", 1, 1),
-            ("round cylinder 0 0 0 0 0 0 1 0 1", "out-of-range", 1, 30),
-            ("round sphere 0 0 0 0 0 0 1 1 1 2 0", "out-of-range", 1, 34),
-            ("filter blurry", "unknown-word", 1, 8),
-            ("filter anisotropic:99", "unknown-word", 1, 8),
-            ("wrap repeat sideways", "unknown-word", 1, 13),
-            ("interp span:0", "unknown-word", 1, 8),
-            ("cull left", "unknown-word", 1, 6),
-            ("alpha test 2", "out-of-range", 1, 12),
-            ("alpha test 0", "out-of-range", 1, 12),
-            ("shade decal modulate", "unknown-word", 1, 13),
             ("color rgb", "unknown-word", 1, 7),
             ("texture \"open.png", "stray-quote", 1, 9),
-            ("texture my wall.png", "argument-count", 1, 12),
-            ("texture", "argument-count", 1, 1),
             ("pop", "needs-line-above", 1, 1),
             ("v 0 0 0\n  push\nv 0 0 1", "open-push", 2, 3),
         ];
@@ -634,17 +301,5 @@ mod tests {
                 "{text}"
             );
         }
-    }
-
-    #[test]
-    fn a_slip_of_the_pen_gets_a_suggestion() {
-        let nearest = |text| match scene(text).unwrap_err() {
-            IoError::UnknownCommand { nearest, .. } => nearest,
-            other => panic!("{other}"),
-        };
-        assert_eq!(nearest("textrue a.png"), Some("texture"));
-        assert_eq!(nearest("Eye 0 0 0"), Some("eye"));
-        assert_eq!(nearest("hello"), None);
-        assert_eq!(nearest("translte 1 2 3"), Some("translate"));
     }
 }
