@@ -13,7 +13,6 @@ mod commands;
 mod effects;
 mod parse;
 mod print;
-mod reliefs;
 mod settings;
 mod shapes;
 mod token;
@@ -26,10 +25,11 @@ use texmap_uv::Round;
 
 pub use classics::{Classic, SolidLine, SolidSource};
 pub use commands::COMMANDS;
-pub use effects::{Bias, Effect, EnvironmentLine, NormalMapLine, ProjectorLine};
+pub use effects::{
+    Bias, CarveLine, Effect, EnvironmentLine, Formula, NormalMapLine, ProjectorLine, ReliefLine,
+};
 pub use parse::parse;
 pub use print::print;
-pub use reliefs::{CarveLine, Formula, ReliefLine};
 pub use shapes::{BoneLine, DisplaceLine, Shape, TerrainLine};
 
 /// The statements of one file in their order.

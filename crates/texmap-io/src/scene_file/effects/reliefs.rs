@@ -2,10 +2,10 @@
 
 use texmap_light::Green;
 
-use super::args::Args;
-use super::effects::{file, none};
-use super::print::{floats, number, numbers, texture_name, word};
+use super::{file, none};
 use crate::IoError;
+use crate::scene_file::args::Args;
+use crate::scene_file::print::{floats, number, numbers, texture_name, word};
 
 /// A line about bumps.
 #[derive(Debug, Clone, PartialEq)]
@@ -195,8 +195,8 @@ pub(super) fn print(out: &mut String, line: &ReliefLine) {
 
 #[cfg(test)]
 mod tests {
-    use super::super::parse::assert_faults;
-    use super::super::{Command, Effect, parse, print};
+    use crate::scene_file::parse::assert_faults;
+    use crate::scene_file::{Command, Effect, parse, print};
     use std::path::Path;
 
     #[test]
