@@ -7,8 +7,9 @@ use texmap_math::glam::DVec3;
 use crate::mesh::{Mesh, UvSet, unit_or_zero};
 use crate::overlap::{self, Flat};
 use crate::pack::{Page, pack};
-use crate::shells::{Shells, Topology};
+use crate::shells::Shells;
 use crate::solid::Part;
+use crate::topology::Topology;
 use crate::{Origin, UvError, parallel};
 
 /// Maps every face by the plane of one of the six axis directions, the one its normal is nearest to (equal ones are

@@ -27,6 +27,7 @@
 extern crate alloc;
 
 mod auto;
+mod cut;
 mod error;
 mod fallback;
 mod frame;
@@ -44,11 +45,13 @@ mod shells;
 mod solid;
 mod t_joint;
 mod tangent;
+mod topology;
 #[cfg(feature = "unwrap")]
 mod unwrap;
 mod views;
 
 pub use auto::auto_planes;
+pub use cut::{Cuts, cut, sew};
 pub use error::UvError;
 pub use fallback::{Projection, project};
 pub use frame::Frame;
@@ -60,7 +63,6 @@ pub use overlap::{Overlaps, overlaps};
 pub use pack::{Page, pack};
 pub use pixel::{PixelMapping, Round};
 pub use report::{Report, ReportOptions, TriangleReport, report};
-pub use shells::{Cuts, cut, sew};
 pub use solid::{Origin, Part, Shape};
 pub use t_joint::{TJoint, t_joints};
 pub use tangent::tangents;

@@ -7,7 +7,8 @@ use texmap_math::glam::DVec2;
 
 use crate::UvError;
 use crate::mesh::{Mesh, UvSet, length};
-use crate::shells::{Shells, Topology, compact, separate};
+use crate::shells::{Shells, compact, separate};
+use crate::topology::Topology;
 
 /// A square page for charts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

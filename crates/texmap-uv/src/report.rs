@@ -8,7 +8,8 @@ use texmap_math::glam::DVec2;
 
 use crate::mesh::{Mesh, UvSet, length};
 use crate::overlap::{self, Flat};
-use crate::shells::{MANY, RIM, Shells, Topology, edge_length};
+use crate::shells::Shells;
+use crate::topology::{MANY, RIM, Topology, edge_length};
 use crate::{Origin, TJoint, UvError, parallel, t_joint, views};
 
 /// What to look at.

@@ -10,7 +10,7 @@ use texmap_math::glam::DVec3;
 
 use crate::mesh::{Mesh, length};
 use crate::parallel;
-use crate::shells::{RIM, Topology};
+use crate::topology::{RIM, Topology};
 
 /// A vertex inside a foreign edge.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

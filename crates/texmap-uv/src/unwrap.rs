@@ -3,9 +3,10 @@
 use alloc::string::ToString;
 use alloc::vec::Vec;
 
+use crate::cut::Cuts;
 use crate::mesh::{Mesh, UvSet};
 use crate::pack::Page;
-use crate::shells::{Cuts, Topology};
+use crate::topology::Topology;
 use crate::{Origin, UvError};
 
 /// Unwraps the mesh into charts on one page, without overlaps and inside [0, 1]; `cuts` are required seams, and the

@@ -6,7 +6,7 @@ use texmap_math::float;
 use texmap_math::glam::{DVec2, DVec3};
 
 use crate::mesh::{Mesh, length, unit_or_zero};
-use crate::shells::Topology;
+use crate::topology::{Topology, edge_length};
 
 /// Edge of a depth map.
 const SIZE: usize = 256;
@@ -17,10 +17,7 @@ const SIZE: usize = 256;
 pub(crate) fn seen(mesh: &Mesh<'_>, topology: &Topology, edges: &[usize]) -> f64 {
     let (low, high) = mesh.bounds();
     let (centre, radius) = ((low + high) * 0.5, length(high - low) * 0.5);
-    let total: f64 = edges
-        .iter()
-        .map(|&k| crate::shells::edge_length(mesh, topology, k))
-        .sum();
+    let total: f64 = edges.iter().map(|&k| edge_length(mesh, topology, k)).sum();
     if radius <= 0.0 || total <= 0.0 {
         return 0.0;
     }

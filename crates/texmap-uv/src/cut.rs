@@ -1,0 +1,262 @@
+//! Cutting the picture along edges of the mesh, and sewing it together again.
+
+use alloc::vec;
+use alloc::vec::Vec;
+use texmap_math::det;
+use texmap_math::glam::DVec2;
+
+use crate::UvError;
+use crate::mesh::{Mesh, UvSet, length};
+use crate::shells::{Shells, compact, root, separate};
+use crate::topology::{MANY, Topology};
+
+/// Edges to cut along: pairs of positions, and all edges whose faces meet at a larger angle.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Cuts<'a> {
+    /// Pairs of indices of positions.
+    pub pairs: &'a [[u32; 2]],
+    /// Cut where the normals of two faces differ by more than this, radians in (0, pi).
+    pub angle: Option<f64>,
+}
+
+impl Cuts<'_> {
+    /// For every corner whether its edge is cut.
+    pub(crate) fn marks(&self, mesh: &Mesh<'_>, topology: &Topology) -> Result<Vec<bool>, UvError> {
+        let mut marks = edges_named(mesh, topology, self.pairs)?;
+        let Some(angle) = self.angle else {
+            return Ok(marks);
+        };
+        if !(angle > 0.0 && angle < core::f64::consts::PI) {
+            return Err(UvError::BadParameter {
+                what: "cut angle",
+                value: angle,
+            });
+        }
+        let least = det::cos(angle);
+        for (k, mark) in marks
+            .iter_mut()
+            .enumerate()
+            .filter(|(k, _)| topology.twin[*k] < MANY)
+        {
+            let [a, b] =
+                [k, topology.twin[k] as usize].map(|k| mesh.face_normal(topology.face[k] as usize));
+            // Without dividing: a face without area cuts nothing.
+            let (dot, size) = (a.dot(b), length(a) * length(b));
+            *mark |= size > 0.0 && dot < least * size;
+        }
+        Ok(marks)
+    }
+}
+
+/// For every corner whether its edge is among `pairs`.
+fn edges_named(
+    mesh: &Mesh<'_>,
+    topology: &Topology,
+    pairs: &[[u32; 2]],
+) -> Result<Vec<bool>, UvError> {
+    let count = mesh.positions().len();
+    let mut wanted = alloc::collections::BTreeMap::new();
+    for &[a, b] in pairs {
+        if let Some(&index) = [a, b].iter().find(|i| **i as usize >= count) {
+            return Err(UvError::NotAnEdge {
+                a,
+                b: if index == a { b } else { index },
+            });
+        }
+        let [a2, b2] = [a, b].map(|i| topology.welded[i as usize]);
+        wanted.insert((a2.min(b2), a2.max(b2)), ([a, b], false));
+    }
+    let marks = (0..topology.next.len()).map(|k| {
+        let [a, b] = [k, topology.next[k] as usize]
+            .map(|k| topology.welded[mesh.faces().corners()[k] as usize]);
+        wanted
+            .get_mut(&(a.min(b), a.max(b)))
+            .is_some_and(|(_, found)| {
+                *found = true;
+                true
+            })
+    });
+    let marks: Vec<bool> = marks.collect();
+    match wanted.values().find(|(_, found)| !found) {
+        Some(([a, b], _)) => Err(UvError::NotAnEdge { a: *a, b: *b }),
+        None => Ok(marks),
+    }
+}
+
+/// Splits the coordinates along the cuts. Nothing moves: pack afterwards to part the pieces.
+///
+/// # Errors
+/// A pair that is no edge, an angle out of range, a set that does not fit the mesh.
+pub fn cut(mesh: &Mesh<'_>, set: &UvSet, cuts: &Cuts<'_>) -> Result<UvSet, UvError> {
+    set.check(mesh)?;
+    let topology = Topology::new(mesh);
+    let marks = cuts.marks(mesh, &topology)?;
+    // Corners around a vertex stay together across uncut edges.
+    let mut parent: Vec<u32> = (0..set.corners.len() as u32).collect();
+    for k in (0..set.corners.len()).filter(|&k| !marks[k] && topology.joined(mesh, set, k)) {
+        let Some(there) = topology.across(mesh, k) else {
+            continue;
+        };
+        for (a, b) in [k, topology.next[k] as usize].into_iter().zip(there) {
+            let (a, b) = (root(&mut parent, a as u32), root(&mut parent, b as u32));
+            parent[a.max(b) as usize] = a.min(b);
+        }
+    }
+    let mut out = UvSet {
+        uvs: Vec::new(),
+        corners: vec![0; set.corners.len()],
+    };
+    for k in 0..set.corners.len() {
+        let r = root(&mut parent, k as u32) as usize;
+        out.corners[k] = if r == k {
+            out.uvs.push(set.at(k));
+            out.uvs.len() as u32 - 1
+        } else {
+            out.corners[r]
+        };
+    }
+    Ok(out)
+}
+
+/// Joins the picture across edges, in order: of two shells the smaller one (fewer faces) is moved, turned and scaled
+/// so that the edge fits; within one shell both sides take the mean.
+///
+/// # Errors
+/// A pair that is no edge between two faces, an edge without length in the picture.
+pub fn sew(mesh: &Mesh<'_>, set: &UvSet, pairs: &[[u32; 2]]) -> Result<UvSet, UvError> {
+    set.check(mesh)?;
+    let topology = Topology::new(mesh);
+    let mut set = set.clone();
+    for &[a, b] in pairs {
+        let marks = edges_named(mesh, &topology, &[[a, b]])?;
+        let edge = (0..marks.len())
+            .filter(|&k| marks[k])
+            .find_map(|k| topology.across(mesh, k).map(|there| (k, there)));
+        let Some((k, there)) = edge else {
+            return Err(UvError::NotAnEdge { a, b });
+        };
+        let here = [k, topology.next[k] as usize];
+        let shells = Shells::new(mesh, &set, &topology);
+        separate(&topology, &shells, &mut set);
+        let [one, two] = [here[0], there[0]].map(|k| shells.of_face[topology.face[k] as usize]);
+        if one != two {
+            let size = |shell: u32| shells.of_face.iter().filter(|s| **s == shell).count();
+            let (still, moved, shell) = if size(one) >= size(two) {
+                (here, there, two)
+            } else {
+                (there, here, one)
+            };
+            let at = |k: usize| DVec2::from(set.at(k).map(f64::from));
+            let (from, to) = (at(moved[1]) - at(moved[0]), at(still[1]) - at(still[0]));
+            let squared = from.dot(from);
+            if squared == 0.0 || to == DVec2::ZERO {
+                return Err(UvError::BadParameter {
+                    what: "length of a sewn edge in the picture",
+                    value: 0.0,
+                });
+            }
+            // The similarity as one complex factor.
+            let factor = DVec2::new(from.dot(to), from.perp_dot(to)) / squared;
+            let (pivot, target) = (at(moved[0]), at(still[0]));
+            let mut done = vec![false; set.uvs.len()];
+            for c in (0..set.corners.len())
+                .filter(|&c| shells.of_face[topology.face[c] as usize] == shell)
+            {
+                let index = set.corners[c] as usize;
+                if !core::mem::replace(&mut done[index], true) {
+                    let d = DVec2::from(set.uvs[index].map(f64::from)) - pivot;
+                    let p = target
+                        + DVec2::new(
+                            factor.x * d.x - factor.y * d.y,
+                            factor.x * d.y + factor.y * d.x,
+                        );
+                    set.uvs[index] = [p.x as f32, p.y as f32];
+                }
+            }
+        }
+        for (keep, merge) in here.into_iter().zip(there) {
+            let (keep, merge) = (set.corners[keep], set.corners[merge]);
+            let (p, q) = (set.uvs[keep as usize], set.uvs[merge as usize]);
+            set.uvs[keep as usize] =
+                core::array::from_fn(|i| ((f64::from(p[i]) + f64::from(q[i])) * 0.5) as f32);
+            set.corners
+                .iter_mut()
+                .filter(|c| **c == merge)
+                .for_each(|c| *c = keep);
+        }
+    }
+    Ok(compact(&set))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Faces;
+    use crate::topology::tests::flat;
+
+    /// Two squares side by side, sharing the edge 1-2.
+    const PAIR: [[f32; 3]; 6] = [
+        [0.0, 0.0, 0.0],
+        [1.0, 0.0, 0.0],
+        [1.0, 1.0, 0.0],
+        [0.0, 1.0, 0.0],
+        [2.0, 0.0, 0.0],
+        [2.0, 1.0, 0.0],
+    ];
+
+    fn pair() -> Faces {
+        let mut faces = Faces::new();
+        faces.push(&[0, 1, 2, 3]);
+        faces.push(&[1, 4, 5, 2]);
+        faces
+    }
+
+    #[test]
+    fn a_cut_parts_shells_and_sewing_joins_them() {
+        let faces = pair();
+        let mesh = Mesh::new(&PAIR, &faces).unwrap();
+        let set = flat(&mesh);
+        let topology = Topology::new(&mesh);
+        assert_eq!(Shells::new(&mesh, &set, &topology).count, 1);
+        let mut parted = cut(
+            &mesh,
+            &set,
+            &Cuts {
+                pairs: &[[2, 1]],
+                angle: None,
+            },
+        )
+        .unwrap();
+        assert_eq!(Shells::new(&mesh, &parted, &topology).count, 2);
+        assert_eq!(parted.uvs.len(), 8);
+        // Turn and shrink the second square, then sew it on again.
+        for i in 4..8 {
+            let [u, v] = parted.uvs[i];
+            parted.uvs[i] = [-0.5 * v + 3.0, 0.5 * u];
+        }
+        let sewn = sew(&mesh, &parted, &[[1, 2]]).unwrap();
+        assert_eq!(Shells::new(&mesh, &sewn, &topology).count, 1);
+        for (k, uv) in sewn.per_corner().iter().enumerate() {
+            let p = mesh.point(k);
+            assert!(
+                (f64::from(uv[0]) - p.x).abs() < 1e-6 && (f64::from(uv[1]) - p.y).abs() < 1e-6,
+                "{uv:?} {p}"
+            );
+        }
+    }
+
+    #[test]
+    fn what_is_no_edge_is_named() {
+        let faces = pair();
+        let mesh = Mesh::new(&PAIR, &faces).unwrap();
+        let set = flat(&mesh);
+        let cut_at = |pairs: &[[u32; 2]]| cut(&mesh, &set, &Cuts { pairs, angle: None });
+        assert_eq!(cut_at(&[[0, 2]]), Err(UvError::NotAnEdge { a: 0, b: 2 }));
+        assert_eq!(cut_at(&[[0, 99]]), Err(UvError::NotAnEdge { a: 0, b: 99 }));
+        // The rim cannot be sewn.
+        assert_eq!(
+            sew(&mesh, &set, &[[0, 1]]),
+            Err(UvError::NotAnEdge { a: 0, b: 1 })
+        );
+    }
+}
