@@ -1,0 +1,71 @@
+//! An environment in another chart: means of the old light over the area of each new texel.
+
+use texmap_math::float::sqrt;
+use texmap_math::glam::{DVec2, DVec3};
+
+use super::Environment;
+use crate::Chart;
+use crate::error::LightError;
+
+impl Environment {
+    /// The same light in another chart, `size` the height of its faces. Each new texel is the mean over its area of the
+    /// old light: at least one look-up per old texel that it covers.
+    ///
+    /// # Errors
+    /// As [`Environment::from_fn`].
+    pub fn convert(&self, chart: Chart, size: u32) -> Result<Self, LightError> {
+        let count =
+            |chart: Chart, w: u32, h: u32| chart.faces() as f64 * f64::from(w) * f64::from(h);
+        let (width, height) = self.size();
+        let ratio = count(self.chart, width, height)
+            / count(chart, size.max(1) * chart.aspect(), size.max(1));
+        // Solid angles within a chart differ by up to 5.2, and lat-long's poles by more: two look-ups a texel and axis.
+        let n = (2.0 * sqrt(ratio)) as u32 + 1;
+        let n = if ratio <= 0.25 { 1 } else { n.min(64) };
+        let (w, h) = (
+            f64::from(size.max(1) * chart.aspect()),
+            f64::from(size.max(1)),
+        );
+        let mut faces = FaceWalk::new(chart, size);
+        Self::from_fn(chart, size, |_| {
+            let (face, x, y) = faces.next();
+            let mut sum = DVec3::ZERO;
+            for j in 0..n {
+                for i in 0..n {
+                    let inside = |k: u32| (f64::from(k) + 0.5) / f64::from(n) - 0.5;
+                    let uv = DVec2::new((x + inside(i)) / w, (y + inside(j)) / h);
+                    let (at, uv) = self.chart.locate(chart.direction(face, uv));
+                    sum += DVec3::from(self.bilinear(self.levels[0], at, uv).map(f64::from));
+                }
+            }
+            (sum / f64::from(n * n)).to_array().map(|c| c as f32)
+        })
+    }
+}
+
+/// Counts through the texels of a chart with their borders, in the order of [`Environment::from_fn`].
+struct FaceWalk {
+    size: (u32, u32),
+    next: (usize, u32, u32),
+}
+
+impl FaceWalk {
+    fn new(chart: Chart, size: u32) -> Self {
+        Self {
+            size: (size.saturating_mul(chart.aspect()), size),
+            next: (0, 0, 0),
+        }
+    }
+
+    /// Face and the texel's centre in texels.
+    fn next(&mut self) -> (usize, f64, f64) {
+        let (face, x, y) = self.next;
+        let (width, height) = self.size;
+        self.next = match (x == width + 1, y == height + 1) {
+            (false, _) => (face, x + 1, y),
+            (true, false) => (face, 0, y + 1),
+            (true, true) => (face + 1, 0, 0),
+        };
+        (face, f64::from(x) - 0.5, f64::from(y) - 0.5)
+    }
+}
