@@ -1,110 +1,23 @@
 //! Shadow maps: the scene's depth as a light sees it, by the rasterizer's depth pass.
 
+mod closed;
 mod faces;
+mod kind;
 
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use texmap_light::{Light, Reached, ShadowBias, ShadowBounds, ShadowKind, ShadowMap, StripBounds};
+use texmap_light::{Reached, ShadowBias, ShadowBounds, ShadowKind, ShadowMap, StripBounds};
 use texmap_math::Level;
-use texmap_math::camera::Camera;
-use texmap_math::glam::{DMat4, DVec3};
-use texmap_raster::{AlphaTest, Cull, DepthTest, Draw, Pass, Prepared, TILE, TargetSize};
+use texmap_raster::{AlphaTest, DepthTest, Draw, Pass, Prepared, TILE, TargetSize};
 
 use crate::shadow_cut::Cuts;
-use crate::vertices::wide;
-use crate::{AlphaMode, Mesh, RenderError, Scene};
+use crate::{AlphaMode, RenderError, Scene};
+pub(crate) use closed::encloses;
+use closed::hidden_sides;
 use faces::views;
-
-/// Cosine and tangent of 85 degrees, half the widest pyramid.
-const LEAST_COS: f64 = 0.087;
-const MOST_TAN: f64 = 11.43;
-
-/// The part of a scene that a shadow map of a light shows.
-///
-/// A directional light gets the square around everything that casts a shadow, or around `area` (a centre and half a side), a
-/// spot light the pyramid around its outer cone, a point light all directions, or the pyramid that shows `area`.
-///
-/// # Errors
-/// [`RenderError::Index`] for a light that does not exist, [`RenderError::Value`] for one that has no shadow map (ambient light, a
-/// spot light of 85 degrees and more from its axis) or an area that is not finite and positive.
-pub fn shadow_kind(
-    scene: &Scene,
-    light: usize,
-    area: Option<(DVec3, f64)>,
-) -> Result<ShadowKind, RenderError> {
-    let place = || format!("shadow of light {light}");
-    let value = |what: &str, value: String, expected| RenderError::Value {
-        place: place(),
-        what: what.to_owned(),
-        value,
-        expected,
-    };
-    let good = |centre: DVec3, half: f64| centre.is_finite() && half.is_finite() && half > 0.0;
-    let bad_area = |centre: DVec3, half: f64| {
-        value(
-            "area",
-            format!("{centre}, half a side {half}"),
-            "it must be finite and of some size, and seen from a point light within 85 degrees of its centre",
-        )
-    };
-    let source = scene.lights.get(light).ok_or(RenderError::Index {
-        place: place(),
-        what: "light",
-        index: light as u64,
-        count: scene.lights.len(),
-    })?;
-    match *source {
-        Light::Directional { direction, .. } => {
-            let (centre, half) = area.unwrap_or_else(|| around(scene));
-            if !good(centre, half) {
-                return Err(bad_area(centre, half));
-            }
-            Ok(ShadowKind::Directional {
-                light_from_world: toward(centre, wide(direction)),
-                half,
-            })
-        }
-        Light::Point { position, .. } => {
-            let position = wide(position);
-            let Some((centre, half)) = area else {
-                return Ok(ShadowKind::Point { position });
-            };
-            let way = centre - position;
-            if !(good(centre, half) && half < MOST_TAN * way.length()) {
-                return Err(bad_area(centre, half));
-            }
-            Ok(ShadowKind::Spot {
-                light_from_world: toward(position, way),
-                tan_half: half / way.length(),
-            })
-        }
-        Light::Spot {
-            position,
-            direction,
-            cos_outer,
-            ..
-        } => {
-            let cos = f64::from(cos_outer);
-            if cos < LEAST_COS {
-                return Err(value(
-                    "cosine of its outer cone",
-                    cos.to_string(),
-                    "a spot light with a shadow must stay within 85 degrees of its axis: make it a point light",
-                ));
-            }
-            Ok(ShadowKind::Spot {
-                light_from_world: toward(wide(position), wide(direction)),
-                tan_half: (1.0 - cos * cos).sqrt() / cos,
-            })
-        }
-        _ => Err(value(
-            "kind",
-            "ambient".to_owned(),
-            "only directional, point and spot lights have shadows",
-        )),
-    }
-}
+pub(crate) use kind::around;
+pub use kind::shadow_kind;
 
 /// Draws a shadow map of `size` x `size` texels (a face): what each light ray meets first, of all opaque and cut-out meshes
 /// without the holes of these; blended ones cast nothing. The same bits for any number of `threads`.
@@ -203,27 +116,6 @@ pub(crate) fn shadow_map_in(
     Ok((map, bounds))
 }
 
-/// Sides of a mesh's faces that a shadow map leaves out: the fronts of a closed mesh hide its backs.
-fn hidden_sides(mesh: &Mesh, kind: &ShadowKind) -> Cull {
-    let (ShadowKind::Directional {
-        light_from_world, ..
-    }
-    | ShadowKind::Spot {
-        light_from_world, ..
-    }) = kind
-    else {
-        return Cull::None;
-    };
-    let turns = light_from_world.determinant() * mesh.world_from_object.determinant();
-    if mesh.closed && turns > 0.0 {
-        Cull::Back
-    } else if mesh.closed && turns < 0.0 {
-        Cull::Front
-    } else {
-        Cull::None
-    }
-}
-
 /// The bias that leaves neither acne nor detached shadows on planes: the slope form with a constant of 1e-4 of the scene's size.
 #[must_use]
 pub fn shadow_bias(scene: &Scene) -> ShadowBias {
@@ -231,81 +123,17 @@ pub fn shadow_bias(scene: &Scene) -> ShadowBias {
     ShadowBias::Slope(2e-4 * half)
 }
 
-/// Centre and half a side of a square that holds everything from any direction: of the ball around the box.
-pub(crate) fn around(scene: &Scene) -> (DVec3, f64) {
-    let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-    for p in points(scene) {
-        (low, high) = (low.min(p), high.max(p));
-    }
-    if low.x > high.x {
-        return (DVec3::ZERO, 1.0);
-    }
-    let half = 0.5 * (high - low).length();
-    (
-        0.5 * (low + high),
-        if half > 0.0 { half * 1.001 } else { 1.0 },
-    )
-}
-
-/// All vertices, world space.
-fn points(scene: &Scene) -> impl Iterator<Item = DVec3> + '_ {
-    scene.meshes.iter().flat_map(|mesh| {
-        mesh.positions
-            .iter()
-            .map(|p| mesh.world_from_object.transform_point3(wide(*p)))
-    })
-}
-
-/// World to the space of a light at `position` that looks along `direction` (not zero).
-fn toward(position: DVec3, direction: DVec3) -> DMat4 {
-    let direction = direction / direction.abs().max_element();
-    // The axis that is least along the direction cannot be parallel to it.
-    let a = direction.abs();
-    let up = if a.y <= a.x && a.y <= a.z {
-        DVec3::Y
-    } else if a.z <= a.x {
-        DVec3::Z
-    } else {
-        DVec3::X
-    };
-    let camera = Camera {
-        eye: DVec3::ZERO,
-        look: direction,
-        up,
-        fov_x: 1.0,
-        near: 1.0,
-        far: 2.0,
-    };
-    // Neither zero nor parallel, so there is a view.
-    let view = camera.view().unwrap_or(DMat4::IDENTITY);
-    view * DMat4::from_translation(-position)
-}
-
-/// Whether a point lies inside of a closed mesh: a ray in an odd direction leaves through an odd number of triangles.
-pub(crate) fn encloses(mesh: &Mesh, point: DVec3) -> bool {
-    let d = DVec3::new(0.612, 0.354, 0.709);
-    let crossed = mesh.triangles.iter().filter(|t| {
-        let [a, b, c] = t.map(|v| {
-            mesh.world_from_object
-                .transform_point3(wide(mesh.positions[v as usize]))
-        });
-        let (u, v) = (b - a, c - a);
-        let p = d.cross(v);
-        let (det, s) = (u.dot(p), point - a);
-        let q = s.cross(u);
-        let (x, y, t) = (s.dot(p) / det, d.dot(q) / det, v.dot(q) / det);
-        x >= 0.0 && y >= 0.0 && x + y < 1.0 && t > 0.0
-    });
-    crossed.count() % 2 == 1
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Material;
+    use crate::vertices::wide;
+    use crate::{Material, Mesh};
+    use texmap_light::Light;
+    use texmap_math::camera::Camera;
+    use texmap_math::glam::DVec3;
 
     /// A tetrahedron over a large floor.
-    fn scene(light: Light) -> Scene {
+    pub(super) fn scene(light: Light) -> Scene {
         let floor = Mesh {
             positions: vec![
                 [-4.0, 0.0, -4.0],
@@ -450,48 +278,6 @@ mod tests {
         }
     }
 
-    /// A closed mesh throws the shadow of an open one, mirrored too: texels at its outline may lie deeper, no other. The negative twin has
-    /// its fronts inwards.
-    #[test]
-    fn fronts_of_closed_meshes_throw_the_whole_shadow() {
-        let spot = Light::spot([1.0; 3], [0.3, 4.0, 0.5], [0.0, -1.0, -0.1], 0.5, 0.7);
-        let down = [0.1, -1.0, 0.2];
-        let sun = Light::Directional {
-            color: [1.0; 3],
-            direction: down,
-        };
-        for (light, mirrored) in [(spot, 1.0), (spot, -1.0), (sun, 1.0), (sun, -1.0)] {
-            let mut scene = scene(light);
-            scene.meshes.remove(0);
-            scene.meshes[0].world_from_object = DMat4::from_scale(DVec3::new(mirrored, 1.0, 1.0));
-            let kind = shadow_kind(&scene, 0, Some((DVec3::Y, 1.0))).unwrap();
-            let size = 200;
-            let map = |scene: &Scene| shadow_map(scene, &kind, size, 1).unwrap();
-            let open = map(&scene);
-            scene.meshes[0].closed = true;
-            let closed = map(&scene);
-            scene.meshes[0]
-                .triangles
-                .iter_mut()
-                .for_each(|t| t.reverse());
-            let inside_out = map(&scene);
-            let (mut met, mut deeper, mut backs) = (0, 0, 0);
-            for (x, y) in (0..size).flat_map(|y| (0..size).map(move |x| (x, y))) {
-                let at = |map: &ShadowMap| map.stored(0, x, y).unwrap();
-                let (a, b) = (at(&open), at(&closed));
-                assert!(b >= a && b.is_finite() == a.is_finite(), "{x} {y}: {a} {b}");
-                met += u32::from(a.is_finite());
-                deeper += u32::from(b > a);
-                backs += u32::from(at(&inside_out) > a);
-            }
-            assert!(
-                met > 500 && deeper * 100 < met,
-                "{mirrored}: {met} {deeper}"
-            );
-            assert!(backs * 2 > met, "{mirrored}: {met} {backs}");
-        }
-    }
-
     /// What the depth pass finds on its way is what a scan of its map finds, for any number of threads.
     #[test]
     fn bounds_from_the_depth_pass_are_those_of_the_map() {
@@ -513,29 +299,5 @@ mod tests {
                 ShadowBounds::join([StripBounds::new(&depths, size as usize, taps, 0, whole)]);
             assert_eq!(bounds, whole, "{size} {taps}");
         }
-    }
-
-    #[test]
-    fn lights_without_a_map_are_named() {
-        let spot = Light::spot([1.0; 3], [0.0; 3], [0.0, -1.0, 0.0], 1.0, 1.5);
-        let ambient = Light::Ambient { color: [1.0; 3] };
-        for light in [spot, ambient] {
-            let error = shadow_kind(&scene(light), 0, None).unwrap_err();
-            assert!(error.to_string().contains("light 0"), "{error}");
-        }
-        assert!(matches!(
-            shadow_kind(&scene(ambient), 3, None),
-            Err(RenderError::Index { .. })
-        ));
-        let sun = Light::Directional {
-            color: [1.0; 3],
-            direction: [0.0, -1.0, 0.0],
-        };
-        assert!(shadow_kind(&scene(sun), 0, Some((DVec3::ZERO, 0.0))).is_err());
-        let kind = shadow_kind(&scene(sun), 0, None).unwrap();
-        assert!(matches!(
-            shadow_map(&scene(sun), &kind, 0, 1),
-            Err(RenderError::Raster { .. })
-        ));
     }
 }

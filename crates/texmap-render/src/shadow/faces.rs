@@ -4,7 +4,7 @@ use texmap_light::{Chart, ShadowKind};
 use texmap_math::glam::{DMat4, DVec2, DVec3, DVec4};
 use texmap_raster::{DepthStrip, TILE};
 
-use super::points;
+use super::kind::points;
 use crate::Scene;
 
 /// One face of a map: a view, and the way from its depth buffer to the metric of the map.

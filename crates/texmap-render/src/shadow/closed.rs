@@ -1,0 +1,99 @@
+//! Closed meshes: which of their sides a shadow map leaves out, and whether a light stands inside of one.
+
+use texmap_light::ShadowKind;
+use texmap_math::glam::DVec3;
+use texmap_raster::Cull;
+
+use crate::Mesh;
+use crate::vertices::wide;
+
+/// Sides of a mesh's faces that a shadow map leaves out: the fronts of a closed mesh hide its backs.
+pub(super) fn hidden_sides(mesh: &Mesh, kind: &ShadowKind) -> Cull {
+    let (ShadowKind::Directional {
+        light_from_world, ..
+    }
+    | ShadowKind::Spot {
+        light_from_world, ..
+    }) = kind
+    else {
+        return Cull::None;
+    };
+    let turns = light_from_world.determinant() * mesh.world_from_object.determinant();
+    if mesh.closed && turns > 0.0 {
+        Cull::Back
+    } else if mesh.closed && turns < 0.0 {
+        Cull::Front
+    } else {
+        Cull::None
+    }
+}
+
+/// Whether a point lies inside of a closed mesh: a ray in an odd direction leaves through an odd number of triangles.
+pub(crate) fn encloses(mesh: &Mesh, point: DVec3) -> bool {
+    let d = DVec3::new(0.612, 0.354, 0.709);
+    let crossed = mesh.triangles.iter().filter(|t| {
+        let [a, b, c] = t.map(|v| {
+            mesh.world_from_object
+                .transform_point3(wide(mesh.positions[v as usize]))
+        });
+        let (u, v) = (b - a, c - a);
+        let p = d.cross(v);
+        let (det, s) = (u.dot(p), point - a);
+        let q = s.cross(u);
+        let (x, y, t) = (s.dot(p) / det, d.dot(q) / det, v.dot(q) / det);
+        x >= 0.0 && y >= 0.0 && x + y < 1.0 && t > 0.0
+    });
+    crossed.count() % 2 == 1
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::scene;
+    use super::super::{shadow_kind, shadow_map};
+    use super::*;
+    use crate::Scene;
+    use texmap_light::{Light, ShadowMap};
+    use texmap_math::glam::DMat4;
+
+    /// A closed mesh throws the shadow of an open one, mirrored too: texels at its outline may lie deeper, no other. The negative twin has
+    /// its fronts inwards.
+    #[test]
+    fn fronts_of_closed_meshes_throw_the_whole_shadow() {
+        let spot = Light::spot([1.0; 3], [0.3, 4.0, 0.5], [0.0, -1.0, -0.1], 0.5, 0.7);
+        let down = [0.1, -1.0, 0.2];
+        let sun = Light::Directional {
+            color: [1.0; 3],
+            direction: down,
+        };
+        for (light, mirrored) in [(spot, 1.0), (spot, -1.0), (sun, 1.0), (sun, -1.0)] {
+            let mut scene = scene(light);
+            scene.meshes.remove(0);
+            scene.meshes[0].world_from_object = DMat4::from_scale(DVec3::new(mirrored, 1.0, 1.0));
+            let kind = shadow_kind(&scene, 0, Some((DVec3::Y, 1.0))).unwrap();
+            let size = 200;
+            let map = |scene: &Scene| shadow_map(scene, &kind, size, 1).unwrap();
+            let open = map(&scene);
+            scene.meshes[0].closed = true;
+            let closed = map(&scene);
+            scene.meshes[0]
+                .triangles
+                .iter_mut()
+                .for_each(|t| t.reverse());
+            let inside_out = map(&scene);
+            let (mut met, mut deeper, mut backs) = (0, 0, 0);
+            for (x, y) in (0..size).flat_map(|y| (0..size).map(move |x| (x, y))) {
+                let at = |map: &ShadowMap| map.stored(0, x, y).unwrap();
+                let (a, b) = (at(&open), at(&closed));
+                assert!(b >= a && b.is_finite() == a.is_finite(), "{x} {y}: {a} {b}");
+                met += u32::from(a.is_finite());
+                deeper += u32::from(b > a);
+                backs += u32::from(at(&inside_out) > a);
+            }
+            assert!(
+                met > 500 && deeper * 100 < met,
+                "{mirrored}: {met} {deeper}"
+            );
+            assert!(backs * 2 > met, "{mirrored}: {met} {backs}");
+        }
+    }
+}
