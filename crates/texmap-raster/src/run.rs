@@ -180,6 +180,15 @@ impl TilePlanes {
                     spread_slot = first;
                 }
                 values = spread.lanes(s).values::<D>(s, px, py);
+                if self.has_linear {
+                    spread.straighten::<S, D>(
+                        s,
+                        [px, py],
+                        self.linear(first),
+                        &wanted,
+                        &mut values,
+                    );
+                }
             } else {
                 let planes = self.own(s, words, slots, at.mask, &wanted);
                 values = planes.values::<D>(s, px, py);
@@ -349,7 +358,7 @@ impl TilePlanes {
         planes
     }
 
-    /// Replaces the values of slots that f32 planes cannot serve, and those that are linear on the screen.
+    /// Replaces the values of slots that f32 planes cannot serve, and, where a block has several, those that are linear on the screen.
     #[inline(always)]
     fn mend<S: Simd, const N: usize, const D: bool>(
         &self,
@@ -360,7 +369,7 @@ impl TilePlanes {
         wanted: &[usize; N],
         values: &mut BlockValues<S, N>,
     ) {
-        if one && !self.has_linear {
+        if one {
             match self.odd_setup(slots[0]) {
                 None => return,
                 Some(setup) if setup.is_wide_perspective() => {
@@ -372,13 +381,7 @@ impl TilePlanes {
         let mut lanes = [0; LANES];
         slots.store_slice(&mut lanes);
         let mut odd = 0u16;
-        if one {
-            odd = if self.odd_setup(lanes[0]).is_some() {
-                u16::MAX
-            } else {
-                0
-            };
-        } else if !self.setups.is_empty() {
+        if !self.setups.is_empty() {
             for (bit, &slot) in lanes.iter().enumerate() {
                 odd |= u16::from(self.odd_setup(slot).is_some()) << bit;
             }

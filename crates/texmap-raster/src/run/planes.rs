@@ -52,6 +52,33 @@ impl<const N: usize> OnePlanes<'_, N> {
         }
         planes
     }
+
+    /// Replaces the values of attributes that are linear on the screen, by their bits of `linear`.
+    #[inline(always)]
+    pub(super) fn straighten<S: Simd, const D: bool>(
+        &self,
+        s: S,
+        [px, py]: [f32x16<S>; 2],
+        linear: u32,
+        wanted: &[usize; N],
+        values: &mut BlockValues<S, N>,
+    ) {
+        for (k, attribute) in wanted.iter().enumerate() {
+            if linear >> attribute & 1 == 1 {
+                let [a, b, c, lo, hi] = self.own(self.attribute[k]);
+                let (a, b) = (f32x16::splat(s, a), f32x16::splat(s, b));
+                let (c, lo, hi) = (
+                    f32x16::splat(s, c),
+                    f32x16::splat(s, lo),
+                    f32x16::splat(s, hi),
+                );
+                values.value[k] = clamp((c + b * py) + a * px, lo, hi);
+                if D {
+                    (values.ddx[k], values.ddy[k]) = (a, b);
+                }
+            }
+        }
+    }
 }
 
 /// The planes of sixteen lanes: a, b, c, lo, hi of 1/w and of each attribute.
