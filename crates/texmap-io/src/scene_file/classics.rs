@@ -319,43 +319,38 @@ pub(super) fn print(out: &mut String, classic: &Classic) {
 
 #[cfg(test)]
 mod tests {
-    use super::super::parse::assert_faults;
-    use super::super::{Command, parse, print};
-    use std::path::Path;
+    use super::super::Command;
+    use super::super::parse::{assert_faults, assert_reads_back};
 
     #[test]
     fn every_classic_reads_back() {
-        for text in [
-            "solid marble 0 0 0 1 1 1\n",
-            "solid wood 0 1 0 0.5 0.5 2 fold 0.25\n",
-            "solid noise 0 0 0 1 1 1 octaves 7\n",
-            "solid grid.npy 0 0 0 2 2 2\n",
-            "solid \"wood\" 0 0 0 2 2 2\n",
-            "solid none\n",
-            "ramp heat.png\n",
-            "ramp none\n",
-            "cel bands.png\n",
-            "cel \"none\"\n",
-            "decal label.png\n",
-            "decal label.png 0.25 0.5 0.5 0.25\n",
-            "decal none\n",
-            "font letters.png 16 6 32\n",
-            "font none\n",
-            "text \"No. 7\" 0 1 0 0.2 0 0 0 0.4 0\n",
-            "text \"\" 0 1 0 0.2 0 0 0 0.4 0\n",
-            "sky clouds.png\n",
-            "sky clouds.png lat-long\n",
-            "sky none\n",
-            "volume fog.npy 0 0 0 2 2 2 1.5\n",
-            "volume fog.npy 0 0 0 2 -2 2 1.5 step 0.01\n",
-        ] {
-            let file = parse(Path::new("a.scene"), text).unwrap_or_else(|e| panic!("{text}: {e}"));
-            assert!(
-                matches!(file.statements[0].command, Command::Classic(_)),
-                "{text}"
-            );
-            assert_eq!(print(&file), text);
-        }
+        assert_reads_back(
+            |c| matches!(c, Command::Classic(_)),
+            &[
+                "solid marble 0 0 0 1 1 1\n",
+                "solid wood 0 1 0 0.5 0.5 2 fold 0.25\n",
+                "solid noise 0 0 0 1 1 1 octaves 7\n",
+                "solid grid.npy 0 0 0 2 2 2\n",
+                "solid \"wood\" 0 0 0 2 2 2\n",
+                "solid none\n",
+                "ramp heat.png\n",
+                "ramp none\n",
+                "cel bands.png\n",
+                "cel \"none\"\n",
+                "decal label.png\n",
+                "decal label.png 0.25 0.5 0.5 0.25\n",
+                "decal none\n",
+                "font letters.png 16 6 32\n",
+                "font none\n",
+                "text \"No. 7\" 0 1 0 0.2 0 0 0 0.4 0\n",
+                "text \"\" 0 1 0 0.2 0 0 0 0.4 0\n",
+                "sky clouds.png\n",
+                "sky clouds.png lat-long\n",
+                "sky none\n",
+                "volume fog.npy 0 0 0 2 2 2 1.5\n",
+                "volume fog.npy 0 0 0 2 -2 2 1.5 step 0.01\n",
+            ],
+        );
     }
 
     #[test]

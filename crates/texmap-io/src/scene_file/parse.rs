@@ -192,15 +192,25 @@ impl Parser {
     }
 }
 
-/// Each line of text is refused, by this code at this column.
+/// Each line of text is a command of this kind, printed as it was read.
+#[cfg(test)]
+pub(super) fn assert_reads_back(is: fn(&Command) -> bool, cases: &[&str]) {
+    for text in cases {
+        let file = parse(Path::new("a.scene"), text).unwrap_or_else(|e| panic!("{text}: {e}"));
+        assert!(is(&file.statements[0].command), "{text}");
+        assert_eq!(super::print(&file), *text);
+    }
+}
+
+/// Each line of text is refused, by this code at this column of the first line.
 #[cfg(test)]
 pub(super) fn assert_faults(cases: &[(&str, &str, u32)]) {
     for (text, code, column) in cases {
         let error = parse(Path::new("a.scene"), text).unwrap_err();
         let place = error.place().unwrap();
         assert_eq!(
-            (error.code(), place.column),
-            (*code, *column),
+            (error.code(), place.line, place.column),
+            (*code, 1, *column),
             "{text}: {error}"
         );
     }

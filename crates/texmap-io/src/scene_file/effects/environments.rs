@@ -71,16 +71,19 @@ pub(super) fn chart_words(out: &mut String, file: &str, chart: Chart, x: f32) {
 
 #[cfg(test)]
 mod tests {
-    use crate::scene_file::effects::assert_reads_back;
-    use crate::scene_file::parse::assert_faults;
+    use crate::scene_file::Command;
+    use crate::scene_file::parse::{assert_faults, assert_reads_back};
 
     #[test]
     fn every_environment_reads_back() {
-        assert_reads_back(&[
-            "env sky.hdr lat-long 0.5 mips\n",
-            "env sky.hdr lat-long 0.5\n",
-            "env none\n",
-        ]);
+        assert_reads_back(
+            |c| matches!(c, Command::Effect(_)),
+            &[
+                "env sky.hdr lat-long 0.5 mips\n",
+                "env sky.hdr lat-long 0.5\n",
+                "env none\n",
+            ],
+        );
     }
 
     #[test]

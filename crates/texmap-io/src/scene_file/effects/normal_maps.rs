@@ -69,12 +69,15 @@ pub(super) fn print(out: &mut String, line: &NormalMapLine) {
 
 #[cfg(test)]
 mod tests {
-    use crate::scene_file::effects::assert_reads_back;
-    use crate::scene_file::parse::assert_faults;
+    use crate::scene_file::Command;
+    use crate::scene_file::parse::{assert_faults, assert_reads_back};
 
     #[test]
     fn every_normal_map_reads_back() {
-        assert_reads_back(&["normalmap n.png object down xy\n", "normalmap none\n"]);
+        assert_reads_back(
+            |c| matches!(c, Command::Effect(_)),
+            &["normalmap n.png object down xy\n", "normalmap none\n"],
+        );
     }
 
     #[test]

@@ -116,15 +116,18 @@ pub(super) fn print(out: &mut String, line: &ProjectorLine) {
 
 #[cfg(test)]
 mod tests {
-    use crate::scene_file::effects::assert_reads_back;
-    use crate::scene_file::parse::assert_faults;
+    use crate::scene_file::Command;
+    use crate::scene_file::parse::{assert_faults, assert_reads_back};
 
     #[test]
     fn every_projector_reads_back() {
-        assert_reads_back(&[
-            "projector slide.png light 0 1 2 0 0 0 0 1 0 40 black soft 0.1 color 1 1 0.5 shadow 512\n",
-            "projector \"my slide.png\" paint 0 1 2 0 0 0 0 1 0 40 repeat soft 0 color 1 1 1\n",
-        ]);
+        assert_reads_back(
+            |c| matches!(c, Command::Effect(_)),
+            &[
+                "projector slide.png light 0 1 2 0 0 0 0 1 0 40 black soft 0.1 color 1 1 0.5 shadow 512\n",
+                "projector \"my slide.png\" paint 0 1 2 0 0 0 0 1 0 40 repeat soft 0 color 1 1 1\n",
+            ],
+        );
     }
 
     #[test]

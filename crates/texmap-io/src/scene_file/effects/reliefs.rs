@@ -195,31 +195,26 @@ pub(super) fn print(out: &mut String, line: &ReliefLine) {
 
 #[cfg(test)]
 mod tests {
-    use crate::scene_file::parse::assert_faults;
+    use crate::scene_file::parse::{assert_faults, assert_reads_back};
     use crate::scene_file::{Command, Effect, parse, print};
     use std::path::Path;
 
     #[test]
     fn every_relief_reads_back() {
-        for text in [
-            "offsetmap dudv.png 0.5\n",
-            "offsetmap dudv.png -0.5 down\n",
-            "offsetmap \"none\" 1\n",
-            "carve waves 0.02 0 1 0 1 0.25 1\n",
-            "carve waves 0.02 0 1 0 1 0.25 1 around 20 fold 0.2\n",
-            "carve noise -0.1 0 0 0 1 1 1 octaves 7\n",
-            "carve marble 0.1 0 0 0 1 1 1 fold 2\n",
-            "carve wood 0.1 0 0 0 1 1 1\n",
-            "emboss \"CS 184\" 0.01\n",
-        ] {
-            let file = parse(Path::new("a.scene"), text).unwrap_or_else(|e| panic!("{text}: {e}"));
-            let command = &file.statements[0].command;
-            assert!(
-                matches!(command, Command::Effect(Effect::Relief(_))),
-                "{text}"
-            );
-            assert_eq!(print(&file), text);
-        }
+        assert_reads_back(
+            |c| matches!(c, Command::Effect(Effect::Relief(_))),
+            &[
+                "offsetmap dudv.png 0.5\n",
+                "offsetmap dudv.png -0.5 down\n",
+                "offsetmap \"none\" 1\n",
+                "carve waves 0.02 0 1 0 1 0.25 1\n",
+                "carve waves 0.02 0 1 0 1 0.25 1 around 20 fold 0.2\n",
+                "carve noise -0.1 0 0 0 1 1 1 octaves 7\n",
+                "carve marble 0.1 0 0 0 1 1 1 fold 2\n",
+                "carve wood 0.1 0 0 0 1 1 1\n",
+                "emboss \"CS 184\" 0.01\n",
+            ],
+        );
         for word in ["offsetmap", "carve", "emboss"] {
             let file = parse(Path::new("a.scene"), &format!("{word} none")).unwrap();
             assert_eq!(print(&file), "bump none\n");

@@ -102,18 +102,21 @@ pub(super) fn named(out: &mut String, name: &str, x: f64) {
 
 #[cfg(test)]
 mod tests {
-    use crate::scene_file::effects::assert_reads_back;
-    use crate::scene_file::parse::assert_faults;
+    use crate::scene_file::Command;
+    use crate::scene_file::parse::{assert_faults, assert_reads_back};
 
     #[test]
     fn every_shadow_reads_back() {
-        assert_reads_back(&[
-            "shadow auto taps 3\n",
-            "shadow 512 taps 5 slope 0.001\n",
-            "shadow 512 taps 1 constant 0.01\n",
-            "shadow auto taps 1 normal-offset 1.5\n",
-            "shadow auto taps 1 normal-offset 1.5 area 0 1 -2 3.5\n",
-        ]);
+        assert_reads_back(
+            |c| matches!(c, Command::Effect(_)),
+            &[
+                "shadow auto taps 3\n",
+                "shadow 512 taps 5 slope 0.001\n",
+                "shadow 512 taps 1 constant 0.01\n",
+                "shadow auto taps 1 normal-offset 1.5\n",
+                "shadow auto taps 1 normal-offset 1.5 area 0 1 -2 3.5\n",
+            ],
+        );
     }
 
     #[test]
