@@ -2,7 +2,7 @@
 
 use texmap_light::Chart;
 use texmap_math::glam::{DVec2, DVec3};
-use texmap_render::{Mesh, Scene, environment_of};
+use texmap_render::{ColorMode, Mesh, Scene, environment_of};
 
 use crate::scenes::{empty, unlit};
 
@@ -37,6 +37,8 @@ fn six_views_are_a_cube_map() {
         ..Mesh::default()
     };
     let scene = Scene {
+        background: [0.0; 4],
+        color: ColorMode::Srgb,
         materials: colors.map(unlit).to_vec(),
         meshes: (0..6).map(wall).chain([own]).collect(),
         ..empty()

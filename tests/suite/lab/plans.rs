@@ -5,7 +5,7 @@ use texmap_lab::verify::verify;
 use texmap_light::Light;
 use texmap_math::glam::DVec3;
 use texmap_render::planner::{Budget, choose};
-use texmap_render::{Scene, Settings, Shading, TextureRole, render};
+use texmap_render::{Scene, Settings, Shading, Shadow, TextureRole, render};
 use texmap_uv::{Frame, Origin, PixelMapping, Round};
 
 const SIZE: (u32, u32) = (120, 90);
@@ -70,36 +70,66 @@ fn the_error_of_a_filter_is_predicted_without_vertex_coordinates() {
     }
 }
 
-/// Lights that the planner calls idle change no bit of the picture, and one that it keeps does.
+/// Without the lights that the planner calls idle, and their shadows, the picture is the same, bit for bit.
 #[test]
 fn pictures_do_without_idle_lights() {
-    let mut lit = frames();
-    lit.lights = vec![Light::Ambient { color: [0.2; 3] }];
-    for material in &mut lit.materials {
+    let mut scene = frames();
+    for material in &mut scene.materials {
         material.shading = Shading::PerPixel;
         material.texture_role = TextureRole::Modulate;
     }
-    let idle = |light| {
-        let mut scene = lit.clone();
-        scene.lights.push(light);
-        let choices = choose(
-            &scene,
-            SIZE.0,
-            SIZE.1,
-            Budget {
-                texels: 0.5,
-                rmse: 1.0,
-            },
-        )
-        .unwrap();
-        let idle = choices
-            .idle_lights
-            .iter()
-            .any(|l| l.light == lit.lights.len());
-        let draw = |s: &Scene| render(s, &Settings::new(SIZE.0, SIZE.1), &|_, _| {}).unwrap();
-        (idle, draw(&scene).rgba == draw(&lit).rgba)
+    // Something to throw shadows.
+    let mut near = scene.meshes[0].clone();
+    near.positions
+        .iter_mut()
+        .for_each(|p| (p[0], p[2]) = (p[0] * 0.2, p[2] + 1.0));
+    scene.meshes.push(near);
+    let toward = [0.0, 0.0, -1.0];
+    let spot = |x: f32| Light::spot([1.0; 3], [x, 1.0, 4.0], toward, 0.2, 0.3);
+    let dark = Light::spot([0.0; 3], [0.0; 3], toward, 0.2, 0.3);
+    let sun = Light::Directional {
+        color: [0.5; 3],
+        direction: [-0.2, 0.0, -1.0],
     };
-    let spot = |x: f32| Light::spot([1.0; 3], [x, 1.0, 4.0], [0.0, 0.0, -1.0], 0.2, 0.3);
-    assert_eq!(idle(spot(1e3)), (true, true));
-    assert_eq!(idle(spot(0.0)), (false, false));
+    scene.lights = vec![dark, spot(0.0), spot(1e3), sun];
+    let shadow = |light, size| Shadow {
+        light,
+        size,
+        bias: None,
+        taps: 3,
+        area: None,
+    };
+    scene.effects.shadows = vec![shadow(2, None), shadow(3, None), shadow(1, Some(512))];
+    let budget = Budget {
+        texels: 0.5,
+        rmse: 0.05,
+    };
+    let choices = choose(&scene, SIZE.0, SIZE.1, budget).unwrap();
+    let idle: Vec<usize> = choices.idle_lights.iter().map(|l| l.light).collect();
+    assert_eq!(idle, [0, 2], "{:?}", choices.idle_lights);
+    let mut planned = scene.clone();
+    choices.apply(&mut planned);
+    assert_eq!(
+        (planned.lights.len(), planned.effects.shadows.len()),
+        (2, 2)
+    );
+    // The other choices of the plan, with all lights.
+    let mut fixed = scene.clone();
+    for (mesh, of) in fixed.meshes.iter_mut().zip(&planned.meshes) {
+        mesh.material = of.material;
+    }
+    fixed.materials.clone_from(&planned.materials);
+    let draw = |s: &Scene| render(s, &Settings::new(SIZE.0, SIZE.1), &|_, _| {}).unwrap();
+    assert_eq!(draw(&planned).rgba, draw(&fixed).rgba);
+    // Negative twins: the lights that stay are seen, and so are their shadows.
+    let shows = |change: fn(&mut Scene)| {
+        let mut other = planned.clone();
+        change(&mut other);
+        draw(&other).rgba != draw(&planned).rgba
+    };
+    assert!(shows(|s| {
+        s.lights.pop();
+        s.effects.shadows.retain(|shadow| shadow.light == 0);
+    }));
+    assert!(shows(|s| s.effects.shadows.clear()));
 }
