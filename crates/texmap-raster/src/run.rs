@@ -3,7 +3,7 @@ use alloc::vec::Vec;
 
 use texmap_math::Level;
 use texmap_math::fearless_simd::{Simd, f32x16, i32x16, mask32x16, prelude::*, u32x16};
-use texmap_math::lanes::{LANES, Words, clamp, clamp_scalar, gather, has_octets};
+use texmap_math::lanes::{LANES, Words, clamp_scalar, gather, has_octets};
 use texmap_math::on_level;
 
 use crate::blocks::{TileBlocks, pixel_of};
@@ -426,11 +426,7 @@ impl TilePlanes {
                     return;
                 };
                 let slots = u32x16::from_slice(s, lanes);
-                let planes = if slots.simd_eq(lanes[0]).all_true() {
-                    self.one(lanes[0], wanted).lanes(s)
-                } else {
-                    self.own(s, words, slots, u16::MAX, wanted)
-                };
+                let planes = self.own(s, words, slots, u16::MAX, wanted);
                 let flags = lanes.map(|slot| self.linear(slot));
                 let alike = flags.iter().all(|of| *of == flags[0]);
                 let (px, py) = centres(s, block);
@@ -443,9 +439,8 @@ impl TilePlanes {
                             .fold(0, |bits, of| bits << 1 | of >> k & 1);
                         mine = mask32x16::from_bitmask(s, u64::from(bits));
                     }
-                    let [a, b, c, lo, hi] = planes.attribute[i];
-                    let u = clamp((c + b * py) + a * px, lo, hi);
-                    for (column, value) in out.columns[i].iter_mut().zip([u, a, b]) {
+                    let straight = planes.straight(i, px, py);
+                    for (column, value) in out.columns[i].iter_mut().zip(straight) {
                         let exact = f32x16::from_slice(s, column);
                         mine.select(value, exact).store_slice(column);
                     }

@@ -63,16 +63,11 @@ impl<const N: usize> OnePlanes<'_, N> {
         wanted: &[usize; N],
         values: &mut BlockValues<S, N>,
     ) {
+        let planes = self.lanes(s);
         for (k, attribute) in wanted.iter().enumerate() {
             if linear >> attribute & 1 == 1 {
-                let [a, b, c, lo, hi] = self.own(self.attribute[k]);
-                let (a, b) = (f32x16::splat(s, a), f32x16::splat(s, b));
-                let (c, lo, hi) = (
-                    f32x16::splat(s, c),
-                    f32x16::splat(s, lo),
-                    f32x16::splat(s, hi),
-                );
-                values.value[k] = clamp((c + b * py) + a * px, lo, hi);
+                let [u, a, b] = planes.straight(k, px, py);
+                values.value[k] = u;
                 if D {
                     (values.ddx[k], values.ddy[k]) = (a, b);
                 }
@@ -127,6 +122,13 @@ impl<S: Simd, const N: usize> Planes<S, N> {
         for (to, k) in self.attribute.iter_mut().zip(wanted) {
             pick(s, to, (plane(words, 1 + k), half), within, pixels);
         }
+    }
+
+    /// Wanted attribute `k` as if it were linear on the screen: its value, and its changes to the right and down.
+    #[inline(always)]
+    pub(super) fn straight(&self, k: usize, px: f32x16<S>, py: f32x16<S>) -> [f32x16<S>; 3] {
+        let [a, b, c, lo, hi] = self.attribute[k];
+        [clamp((c + b * py) + a * px, lo, hi), a, b]
     }
 
     /// 1 / clip w at pixels, and its reciprocal.

@@ -1,8 +1,8 @@
 //! The colours of one block from what the stages of its run have read.
 
 use texmap_light::lanes::{
-    PowerLanes, RayLanes, V3, clamp_to_horizon_lanes, reflect_across_lanes, share_lanes, spread,
-    unit_lanes,
+    PowerLanes, RayLanes, V3, clamp_to_horizon_lanes, dot_lanes, reflect_across_lanes, share_lanes,
+    spread, unit_lanes,
 };
 use texmap_math::fearless_simd::{Simd, f32x16, mask32x16, prelude::*};
 use texmap_math::glam::DMat3;
@@ -366,8 +366,7 @@ impl Columns<'_> {
             if ALL { self.stage.normal } else { NORMAL },
             i,
         );
-        let [x, y, z] = smooth;
-        let length = (x * x + y * y + z * z).sqrt();
+        let length = dot_lanes(smooth, smooth).sqrt();
         let normal = RayLanes {
             direction: normal,
             dx: turned(back, normal_dx),
