@@ -124,12 +124,14 @@ impl Canvas {
             s => for (i, at) in run.iter().enumerate() {
                 let pixels = mask32x16::from_bitmask(s, u64::from(at.mask));
                 let to = block_mut(light, at.block);
-                for (to, front) in to.chunks_exact_mut(LANES).zip(colors.lanes(s, i)) {
+                let front = colors.lanes(s, i);
+                for c in 0..4 {
+                    let to = &mut to[c * LANES..(c + 1) * LANES];
                     if at.mask == u16::MAX {
-                        front.store_slice(to);
+                        front[c].store_slice(to);
                     } else {
                         let back = f32x16::from_slice(s, to);
-                        pixels.select(front, back).store_slice(to);
+                        pixels.select(front[c], back).store_slice(to);
                     }
                 }
             },
@@ -385,14 +387,16 @@ pub(crate) fn over_block<S: Simd>(
     let (solid, k) = (front[3].simd_ge(one), one - front[3]);
     let to = block_mut(light, at.block);
     if at.mask == u16::MAX && !solid.any_true() {
-        for (to, front) in to.chunks_exact_mut(LANES).zip(front) {
+        for c in 0..4 {
+            let to = &mut to[c * LANES..(c + 1) * LANES];
             let back = f32x16::from_slice(s, to);
-            (front + k * back).store_slice(to);
+            (front[c] + k * back).store_slice(to);
         }
     } else {
-        for (to, front) in to.chunks_exact_mut(LANES).zip(front) {
+        for c in 0..4 {
+            let to = &mut to[c * LANES..(c + 1) * LANES];
             let back = f32x16::from_slice(s, to);
-            let mixed = solid.select(front, front + k * back);
+            let mixed = solid.select(front[c], front[c] + k * back);
             pixels.select(mixed, back).store_slice(to);
         }
     }

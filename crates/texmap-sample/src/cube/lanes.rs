@@ -117,8 +117,8 @@ impl<'a> Batch<'a> {
                     let lod = self.at.lod.map_or(flat, |lod| load_tail(s, &lod[first..]));
                     let (c, beyond) = look::<S, FORMAT>(s, view, d, lod);
                     let end = self.at.x.len().min(first + 16);
-                    for (c, out) in c.into_iter().zip(out.iter_mut()) {
-                        store_tail(c, &mut out[first..end]);
+                    for (k, out) in out.iter_mut().enumerate() {
+                        store_tail(c[k], &mut out[first..end]);
                     }
                     if beyond.any_true() {
                         let beyond = beyond.to_bitmask();

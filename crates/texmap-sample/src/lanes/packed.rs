@@ -57,8 +57,8 @@ pub(crate) fn unpack_columns<S: Simd>(s: S, words: &[u32], mut out: [&mut [f32];
                 last[..words.len()].copy_from_slice(words);
                 let end = 16 * i + words.len();
                 let c = unpack_lanes(s, u32x16::from_slice(s, &last));
-                for (c, out) in c.into_iter().zip(&mut out) {
-                    store_tail(c, &mut out[16 * i..end]);
+                for (k, out) in out.iter_mut().enumerate() {
+                    store_tail(c[k], &mut out[16 * i..end]);
                 }
             }
         },
