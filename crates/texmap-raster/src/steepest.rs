@@ -4,7 +4,7 @@
 use texmap_math::fearless_simd::Simd;
 
 use crate::plane_table::TilePlanes;
-use crate::run::RunBlock;
+use crate::run::{One, RunBlock};
 use crate::setup::TILE;
 use crate::{NONE, TileBlocks};
 
@@ -29,8 +29,8 @@ impl TilePlanes {
         if self.odd_setup(slot).is_some() {
             return None;
         }
-        let planes = self.one(slot, &wanted);
-        let [wa, wb, wc, w_lo, w_hi] = planes.own(planes.w);
+        let planes = One::new(self, slot);
+        let [wa, wb, wc, w_lo, w_hi] = planes.own(0);
         let reach = TILE as f32 / 2.0 - 0.5;
         let corners = [
             (-reach, -reach),
@@ -47,10 +47,9 @@ impl TilePlanes {
             return None;
         }
         let mut out = [[0.0; 2]; N];
-        let linear = self.linear(slot);
-        for ((out, attribute), k) in out.iter_mut().zip(planes.attribute).zip(wanted) {
-            let [a, b, c, lo, hi] = planes.own(attribute);
-            if linear >> k & 1 == 1 {
+        for (out, k) in out.iter_mut().zip(wanted) {
+            let [a, b, c, lo, hi] = planes.own(1 + k);
+            if planes.has_linear(k) {
                 *out = [a.abs(), b.abs()];
                 continue;
             }

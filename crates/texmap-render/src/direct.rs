@@ -127,7 +127,7 @@ impl<'a> From<'a> {
 
 /// Shows the values of blocks.
 pub(crate) trait Source<S: Simd> {
-    fn each<const D: bool, K: BlockSink<S, 2>>(&self, s: S, run: &[RunBlock], sink: &mut K);
+    fn each<const D: bool, K: BlockSink<S>>(&self, s: S, run: &[RunBlock], sink: &mut K);
 
     /// Whether all texels of a block are surely magnified. `last` is the slot that was asked about before, and the answer.
     fn is_magnified(&self, s: S, at: RunBlock, view: &View<'_>, last: &mut (u32, bool)) -> bool;
@@ -141,9 +141,9 @@ pub(crate) struct Blocks<'a> {
 
 impl<S: Simd> Source<S> for Blocks<'_> {
     #[inline(always)]
-    fn each<const D: bool, K: BlockSink<S, 2>>(&self, s: S, run: &[RunBlock], sink: &mut K) {
+    fn each<const D: bool, K: BlockSink<S>>(&self, s: S, run: &[RunBlock], sink: &mut K) {
         self.planes
-            .each_block::<_, 2, D, _>(s, self.blocks, run, [0, 1], sink);
+            .each_block::<_, D, _>(s, self.blocks, run, [0, 1], sink);
     }
 
     #[inline(always)]
@@ -280,9 +280,9 @@ struct Nearest<'a, B> {
     brush: &'a mut B,
 }
 
-impl<S: Simd, B: Brush<S>> BlockSink<S, 2> for Nearest<'_, B> {
+impl<S: Simd, B: Brush<S>> BlockSink<S> for Nearest<'_, B> {
     #[inline(always)]
-    fn block(&mut self, s: S, _i: usize, at: RunBlock, values: &BlockValues<S, 2>) {
+    fn block(&mut self, s: S, _i: usize, at: RunBlock, values: &BlockValues<S>) {
         let [u, v] = values.value;
         self.brush
             .block(s, at, packed::nearest_lanes(s, self.view, u, v));
@@ -293,9 +293,9 @@ struct Placed<'a> {
     levels: &'a mut Levels,
 }
 
-impl<S: Simd> BlockSink<S, 2> for Placed<'_> {
+impl<S: Simd> BlockSink<S> for Placed<'_> {
     #[inline(always)]
-    fn block(&mut self, _s: S, i: usize, _at: RunBlock, values: &BlockValues<S, 2>) {
+    fn block(&mut self, _s: S, i: usize, _at: RunBlock, values: &BlockValues<S>) {
         self.levels.uv.put(i, values.value);
     }
 }
@@ -305,9 +305,9 @@ struct Leveled<'a> {
     levels: &'a mut Levels,
 }
 
-impl<S: Simd> BlockSink<S, 2> for Leveled<'_> {
+impl<S: Simd> BlockSink<S> for Leveled<'_> {
     #[inline(always)]
-    fn block(&mut self, s: S, i: usize, _at: RunBlock, values: &BlockValues<S, 2>) {
+    fn block(&mut self, s: S, i: usize, _at: RunBlock, values: &BlockValues<S>) {
         let ([ux, vx], [uy, vy]) = (values.ddx, values.ddy);
         let lod = packed::lod_lanes(
             s,

@@ -12,7 +12,7 @@ use texmap_light::{Environment, Light, NormalMap, Power, ShadowReader, Surface a
 use texmap_math::Level;
 use texmap_math::fearless_simd::prelude::*;
 use texmap_math::on_wide_level;
-use texmap_raster::{RunValues, TilePlanes};
+use texmap_raster::{RunBlock, RunValues, TilePlanes};
 
 use crate::TextureRole;
 use crate::canvas::{Colors, LANES};
@@ -27,7 +27,7 @@ use crate::shade::{Run, Stages};
 use crate::textures::Slot;
 use columns::{Columns, Side};
 use ground::Ground;
-use vectors::{NORMAL, POSITION, Reached, TANGENT};
+use vectors::{NORMAL, POSITION, TANGENT};
 
 /// The stages of one surface; each is there only if the material or a light asks for it.
 pub(crate) struct LitLanes<'a> {
@@ -106,7 +106,8 @@ pub(crate) struct LitScratch {
     look_ups: LookUpScratch,
     /// What the stages of a run have read.
     read: Reads,
-    reached: Reached,
+    /// The run, without the pixels of blocks that no slide reaches.
+    reached: Vec<RunBlock>,
 }
 
 /// What the stages of a run have read.

@@ -183,10 +183,10 @@ impl<'a> LookUps<'a> {
                 spots,
                 same: self.same_levels,
             };
-            planes.each_block::<_, 2, true, _>(s, blocks, run, [0, 1], &mut sink);
+            planes.each_block::<_, true, _>(s, blocks, run, [0, 1], &mut sink);
         } else {
             let mut sink = Placed { spots };
-            planes.each_block::<_, 2, false, _>(s, blocks, run, [0, 1], &mut sink);
+            planes.each_block::<_, false, _>(s, blocks, run, [0, 1], &mut sink);
         }
         for (k, (view, out)) in views.iter().zip(out).enumerate() {
             if let Some(view) = view {
@@ -208,9 +208,9 @@ struct Placed<'a> {
     spots: &'a mut Spots,
 }
 
-impl<S: Simd> BlockSink<S, 2> for Placed<'_> {
+impl<S: Simd> BlockSink<S> for Placed<'_> {
     #[inline(always)]
-    fn block(&mut self, _s: S, i: usize, _at: RunBlock, values: &BlockValues<S, 2>) {
+    fn block(&mut self, _s: S, i: usize, _at: RunBlock, values: &BlockValues<S>) {
         self.spots.uv.put(i, values.value);
     }
 }
@@ -222,9 +222,9 @@ struct Leveled<'a> {
     same: bool,
 }
 
-impl<S: Simd> BlockSink<S, 2> for Leveled<'_> {
+impl<S: Simd> BlockSink<S> for Leveled<'_> {
     #[inline(always)]
-    fn block(&mut self, s: S, i: usize, _at: RunBlock, values: &BlockValues<S, 2>) {
+    fn block(&mut self, s: S, i: usize, _at: RunBlock, values: &BlockValues<S>) {
         let ([ux, vx], [uy, vy]) = (values.ddx, values.ddy);
         self.spots.uv.put(i, values.value);
         let views = &self.views[..if self.same { 1 } else { 2 }];

@@ -1,193 +1,404 @@
-//! Planes on their way from the table into lanes.
+//! Where the planes of a block's pixels lie, and how they come into lanes. Plane 0 is that of 1/w, plane 1 + k that of attribute k.
 
 use texmap_math::fearless_simd::{Simd, f32x16, mask32x16, prelude::*, u32x16};
-use texmap_math::lanes::{LANES, clamp, octet};
+use texmap_math::lanes::{LANES, Words, clamp, clamp_scalar, gather, has_octets, octet};
 
 use super::BlockValues;
-use crate::plane_table::COEFFICIENTS;
+use crate::plane_table::{COEFFICIENTS, TilePlanes};
 
 /// A plane of sixteen slots.
-pub(crate) type Plane16 = [[f32; LANES]; COEFFICIENTS];
+type Plane16 = [[f32; LANES]; COEFFICIENTS];
 
 const NO_PLANE: &Plane16 = &[[0.0; LANES]; COEFFICIENTS];
+
+/// Triangles of a block that are taken one by one, where eight neighbours do not share a register.
+const FEW: usize = 5;
+
+/// A plane's coefficients in lanes: a, b, c, lo, hi.
+pub(super) type Plane<S> = [f32x16<S>; COEFFICIENTS];
+
+/// Gives the planes of a block's pixels.
+pub(super) trait PlaneSource<S: Simd> {
+    /// Each lane's coefficients of a plane.
+    fn plane(&self, s: S, index: usize) -> Plane<S>;
+
+    /// 1 / clip w and its reciprocal, where they are the same at all pixels: their division is the dearest step.
+    fn level(&self, _s: S) -> Option<[f32x16<S>; 2]> {
+        None
+    }
+
+    /// Whether an attribute is linear on the screen.
+    fn is_linear(&self, _attribute: usize) -> bool {
+        false
+    }
+}
 
 /// The planes of one slot, where they lie: each block spreads them anew, since a load that spreads costs less than two registers'
 /// worth of memory.
 #[derive(Clone, Copy)]
-pub(crate) struct OnePlanes<'t, const N: usize> {
-    pub(crate) w: &'t Plane16,
-    pub(crate) attribute: [&'t Plane16; N],
-    pub(super) lane: usize,
-    pub(super) level: Option<[f32; 2]>,
+pub(crate) struct One<'t> {
+    words: &'t [[f32; LANES]],
+    lane: usize,
+    level: Option<[f32; 2]>,
+    /// Attributes that are linear on the screen, a bit each.
+    linear: u32,
 }
 
-impl<const N: usize> OnePlanes<'_, N> {
+impl<'t> One<'t> {
     pub(super) const NONE: Self = Self {
-        w: NO_PLANE,
-        attribute: [NO_PLANE; N],
+        words: &[],
         lane: 0,
         level: None,
+        linear: 0,
     };
 
-    /// The slot's coefficients of one of the planes.
     #[inline(always)]
-    pub(crate) fn own(&self, plane: &Plane16) -> [f32; COEFFICIENTS] {
+    pub(crate) fn new(table: &'t TilePlanes, slot: u32) -> Self {
+        let mut one = Self {
+            words: table.group_of(slot),
+            lane: slot as usize % LANES,
+            level: None,
+            linear: table.linear(slot),
+        };
+        let [a, b, c, lo, hi] = one.own(0);
+        if a == 0.0 && b == 0.0 {
+            let w = clamp_scalar((c + b * 0.0) + a * 0.0, lo, hi);
+            one.level = Some([w, 1.0 / w]);
+        }
+        one
+    }
+
+    /// The coefficients of one of the planes.
+    #[inline(always)]
+    pub(crate) fn own(&self, index: usize) -> [f32; COEFFICIENTS] {
+        let plane = plane(self.words, index * COEFFICIENTS);
         plane.each_ref().map(|c| c[self.lane % LANES])
     }
 
-    /// In every lane.
+    /// Whether an attribute is linear on the screen.
+    pub(crate) fn has_linear(&self, attribute: usize) -> bool {
+        self.linear >> attribute & 1 == 1
+    }
+}
+
+/// 1/w and two attributes of [`One`], found once for all blocks of a slot.
+pub(super) struct OnePair<'t> {
+    planes: [&'t Plane16; 3],
+    lane: usize,
+    level: Option<[f32; 2]>,
+    linear: [bool; 2],
+}
+
+impl<'t> OnePair<'t> {
+    pub(super) const NONE: Self = Self {
+        planes: [NO_PLANE; 3],
+        lane: 0,
+        level: None,
+        linear: [false; 2],
+    };
+
     #[inline(always)]
-    pub(super) fn lanes<S: Simd>(&self, s: S) -> Planes<S, N> {
-        let (mut planes, lane) = (Planes::zero(s), self.lane % LANES);
-        for (to, from) in planes.w.iter_mut().zip(self.w) {
-            *to = f32x16::splat(s, from[lane]);
+    pub(super) fn new(table: &'t TilePlanes, slot: u32, [j, k]: [usize; 2]) -> Self {
+        let one = One::new(table, slot);
+        let of = |index: usize| plane(one.words, index * COEFFICIENTS);
+        Self {
+            planes: [of(0), of(1 + j), of(1 + k)],
+            lane: one.lane,
+            level: one.level,
+            linear: [one.has_linear(j), one.has_linear(k)],
         }
-        for (to, from) in planes.attribute.iter_mut().zip(&self.attribute) {
-            for (to, from) in to.iter_mut().zip(*from) {
-                *to = f32x16::splat(s, from[lane]);
-            }
-        }
-        if let Some([w, r]) = self.level {
-            planes.level = Some([f32x16::splat(s, w), f32x16::splat(s, r)]);
-        }
-        planes
     }
 
-    /// Replaces the values of attributes that are linear on the screen, by their bits of `linear`.
+    /// The values of a block.
     #[inline(always)]
-    pub(super) fn straighten<S: Simd, const D: bool>(
+    pub(super) fn values<S: Simd, const D: bool>(
         &self,
         s: S,
-        [px, py]: [f32x16<S>; 2],
-        linear: u32,
-        wanted: &[usize; N],
-        values: &mut BlockValues<S, N>,
-    ) {
-        let planes = self.lanes(s);
-        for (k, attribute) in wanted.iter().enumerate() {
-            if linear >> attribute & 1 == 1 {
-                let [u, a, b] = planes.straight(k, px, py);
-                values.value[k] = u;
-                if D {
-                    (values.ddx[k], values.ddy[k]) = (a, b);
+        centres: [f32x16<S>; 2],
+    ) -> BlockValues<S> {
+        let [w, first, second] = self.planes;
+        let planes = [
+            spread(s, w, self.lane),
+            spread(s, first, self.lane),
+            spread(s, second, self.lane),
+        ];
+        let mut values = BlockValues::new::<D>(s, planes, lanes_of(s, self.level), centres);
+        if self.linear != [false; 2] {
+            for k in 0..2 {
+                if self.linear[k] {
+                    let [u, dx, dy] = straight(planes[1 + k], centres);
+                    (values.value[k], values.ddx[k], values.ddy[k]) = (u, dx, dy);
                 }
             }
         }
+        values
     }
 }
 
-/// The planes of sixteen lanes: a, b, c, lo, hi of 1/w and of each attribute.
-pub(super) struct Planes<S: Simd, const N: usize> {
-    pub(super) w: [f32x16<S>; COEFFICIENTS],
-    pub(super) attribute: [[f32x16<S>; COEFFICIENTS]; N],
-    /// The planes' 1 / clip w, and its reciprocal, where they are the same at all pixels: their division is the dearest step.
-    pub(super) level: Option<[f32x16<S>; 2]>,
+impl<S: Simd> PlaneSource<S> for One<'_> {
+    #[inline(always)]
+    fn plane(&self, s: S, index: usize) -> Plane<S> {
+        spread(s, plane(self.words, index * COEFFICIENTS), self.lane)
+    }
+
+    #[inline(always)]
+    fn level(&self, s: S) -> Option<[f32x16<S>; 2]> {
+        lanes_of(s, self.level)
+    }
+
+    #[inline(always)]
+    fn is_linear(&self, attribute: usize) -> bool {
+        self.has_linear(attribute)
+    }
 }
 
-impl<S: Simd, const N: usize> Planes<S, N> {
+/// The planes of each lane's own slot: eight neighbouring slots at a time where they share a register, else slot by slot, or by gathers
+/// where a block has many.
+pub(super) struct Own<'t, S: Simd> {
+    rows: &'t [[f32; LANES]],
+    words: Words<'t>,
+    /// Coefficients a group.
+    per_group: usize,
+    slots: u32x16<S>,
+    /// What the slots of a part share, and where its planes begin.
+    keys: [u32; LANES],
+    starts: [u32; LANES],
+    parts: usize,
+    /// There are more parts.
+    gathers: bool,
+}
+
+impl<'t, S: Simd> Own<'t, S> {
     #[inline(always)]
-    pub(super) fn zero(s: S) -> Self {
-        let zero = f32x16::splat(s, 0.0);
-        Self {
-            w: [zero; COEFFICIENTS],
-            attribute: [[zero; COEFFICIENTS]; N],
-            level: None,
+    pub(super) fn new(s: S, table: &'t TilePlanes, words: Words<'t>, slots: u32x16<S>) -> Self {
+        let (octets, per_group) = (has_octets(s), table.per_group);
+        let mut own = Self {
+            rows: table.words.as_chunks().0,
+            words,
+            per_group,
+            slots,
+            keys: [0; LANES],
+            starts: [0; LANES],
+            parts: 0,
+            gathers: false,
+        };
+        let (keys, most) = if octets {
+            (slots >> 3, LANES)
+        } else {
+            (slots, FEW)
+        };
+        let mut lanes = [0; LANES];
+        keys.store_slice(&mut lanes);
+        let mut left = u16::MAX;
+        while left != 0 && own.parts < most {
+            let key = lanes[left.trailing_zeros() as usize & 15];
+            let group = if octets { key >> 1 } else { key >> 4 };
+            own.keys[own.parts] = key;
+            own.starts[own.parts] = group * per_group as u32;
+            own.parts += 1;
+            left &= !(keys.simd_eq(key).to_bitmask() as u16);
         }
+        own.gathers = left != 0;
+        own
     }
 
-    /// Takes over the planes of some pixels.
+    /// The parts after the first: what their slots share, and where their planes begin.
     #[inline(always)]
-    pub(super) fn put(&mut self, pixels: mask32x16<S>, other: &Self) {
+    fn others(&self) -> impl Iterator<Item = (u32, u32)> {
+        let others = 1..self.parts.clamp(1, LANES);
+        let starts = &self.starts[others.clone()];
+        self.keys[others]
+            .iter()
+            .copied()
+            .zip(starts.iter().copied())
+    }
+
+    #[inline(always)]
+    fn by_octets(&self, s: S, row: usize) -> Plane<S> {
+        let (octets, within) = (self.slots >> 3, self.slots & 7);
+        let first = plane(self.rows, self.starts[0] as usize + row);
+        let mut out = pick(s, first, self.keys[0], within);
+        for (key, start) in self.others() {
+            let from = plane(self.rows, start as usize + row);
+            put(octets.simd_eq(key), pick(s, from, key, within), &mut out);
+        }
+        out
+    }
+
+    #[inline(always)]
+    fn by_slots(&self, s: S, row: usize) -> Plane<S> {
+        let first = plane(self.rows, self.starts[0] as usize + row);
+        let mut out = spread(s, first, self.keys[0] as usize);
+        for (key, start) in self.others() {
+            let from = plane(self.rows, start as usize + row);
+            put(
+                self.slots.simd_eq(key),
+                spread(s, from, key as usize),
+                &mut out,
+            );
+        }
+        out
+    }
+
+    #[inline(always)]
+    fn by_gathers(&self, s: S, row: usize) -> Plane<S> {
+        let groups = (self.slots >> 4) * (self.per_group * LANES) as u32;
+        let start = groups + (self.slots & 15) + (row * LANES) as u32;
+        let mut out = [f32x16::splat(s, 0.0); COEFFICIENTS];
         for c in 0..COEFFICIENTS {
-            self.w[c] = pixels.select(other.w[c], self.w[c]);
-        }
-        for k in 0..N {
-            for c in 0..COEFFICIENTS {
-                self.attribute[k][c] = pixels.select(other.attribute[k][c], self.attribute[k][c]);
-            }
-        }
-    }
-
-    /// Takes over the planes of the pixels whose slots lie in one half of a group, or of all: `within` are their places in it.
-    #[inline(always)]
-    pub(super) fn put_octet(
-        &mut self,
-        s: S,
-        (words, half): (&[[f32; LANES]], usize),
-        within: u32x16<S>,
-        wanted: &[usize; N],
-        pixels: Option<mask32x16<S>>,
-    ) {
-        pick(s, &mut self.w, (plane(words, 0), half), within, pixels);
-        for (to, k) in self.attribute.iter_mut().zip(wanted) {
-            pick(s, to, (plane(words, 1 + k), half), within, pixels);
-        }
-    }
-
-    /// Wanted attribute `k` as if it were linear on the screen: its value, and its changes to the right and down.
-    #[inline(always)]
-    pub(super) fn straight(&self, k: usize, px: f32x16<S>, py: f32x16<S>) -> [f32x16<S>; 3] {
-        let [a, b, c, lo, hi] = self.attribute[k];
-        [clamp((c + b * py) + a * px, lo, hi), a, b]
-    }
-
-    /// 1 / clip w at pixels, and its reciprocal.
-    #[inline(always)]
-    pub(super) fn depth(&self, s: S, px: f32x16<S>, py: f32x16<S>) -> [f32x16<S>; 2] {
-        if let Some(level) = self.level {
-            return level;
-        }
-        let [a, b, c, lo, hi] = self.w;
-        let w = clamp((c + b * py) + a * px, lo, hi);
-        [w, f32x16::splat(s, 1.0) / w]
-    }
-
-    #[inline(always)]
-    pub(super) fn values<const D: bool>(
-        &self,
-        s: S,
-        px: f32x16<S>,
-        py: f32x16<S>,
-    ) -> BlockValues<S, N> {
-        let [wa, wb, ..] = self.w;
-        let [w, r] = self.depth(s, px, py);
-        let mut out = BlockValues::zero(s);
-        out.inv_w = w;
-        for k in 0..N {
-            let [a, b, c, lo, hi] = self.attribute[k];
-            let u = clamp(((c + b * py) + a * px) * r, lo, hi);
-            out.value[k] = u;
-            if D {
-                out.ddx[k] = (a - u * wa) * r;
-                out.ddy[k] = (b - u * wb) * r;
-            }
+            out[c] = gather(s, self.words, start + (c * LANES) as u32).bitcast();
         }
         out
     }
 }
 
-/// The coefficients at places in half a group, for some lanes or all. (No closures: they would lose the level's instructions.)
-#[inline(always)]
-fn pick<S: Simd>(
-    s: S,
-    to: &mut [f32x16<S>; COEFFICIENTS],
-    (from, half): (&Plane16, usize),
-    within: u32x16<S>,
-    pixels: Option<mask32x16<S>>,
-) {
-    for (to, from) in to.iter_mut().zip(from) {
-        let table = from.as_chunks().0[half % 2];
-        let value = octet(s, &table, within);
-        *to = match pixels {
-            Some(pixels) => pixels.select(value, *to),
-            None => value,
-        };
+impl<S: Simd> PlaneSource<S> for Own<'_, S> {
+    #[inline(always)]
+    fn plane(&self, s: S, index: usize) -> Plane<S> {
+        let row = index * COEFFICIENTS;
+        if has_octets(s) {
+            self.by_octets(s, row)
+        } else if self.gathers {
+            self.by_gathers(s, row)
+        } else {
+            self.by_slots(s, row)
+        }
     }
 }
 
-/// Plane `k` of sixteen slots.
+/// Three planes of each lane's own slot. Where slots share registers, parts are found on the way: for so few planes a loop that finds
+/// them beforehand costs more than it saves.
 #[inline(always)]
-pub(super) fn plane(words: &[[f32; LANES]], k: usize) -> &Plane16 {
-    let plane = words.get(k * COEFFICIENTS..).and_then(|w| w.first_chunk());
+pub(super) fn three_planes<S: Simd>(
+    s: S,
+    table: &TilePlanes,
+    words: Words<'_>,
+    slots: u32x16<S>,
+    [i, j, k]: [usize; 3],
+) -> [Plane<S>; 3] {
+    if !has_octets(s) {
+        let own = Own::new(s, table, words, slots);
+        return [own.plane(s, i), own.plane(s, j), own.plane(s, k)];
+    }
+    let (octets, within) = (slots >> 3, slots & 7);
+    let [i, j, k] = [i * COEFFICIENTS, j * COEFFICIENTS, k * COEFFICIENTS];
+    let mut lanes = [0; LANES];
+    octets.store_slice(&mut lanes);
+    let (key, rows) = (lanes[0], table.group_of(lanes[0] << 3));
+    let mut out = [
+        pick(s, plane(rows, i), key, within),
+        pick(s, plane(rows, j), key, within),
+        pick(s, plane(rows, k), key, within),
+    ];
+    let mut left = !octets.simd_eq(key).to_bitmask() as u16;
+    while left != 0 {
+        let key = lanes[left.trailing_zeros() as usize & 15];
+        let (mine, rows) = (octets.simd_eq(key), table.group_of(key << 3));
+        left &= !(mine.to_bitmask() as u16);
+        put(mine, pick(s, plane(rows, i), key, within), &mut out[0]);
+        put(mine, pick(s, plane(rows, j), key, within), &mut out[1]);
+        put(mine, pick(s, plane(rows, k), key, within), &mut out[2]);
+    }
+    out
+}
+
+/// The coefficients of the slots `within` an octet. (No closures: they would lose the level's instructions.)
+#[inline(always)]
+fn pick<S: Simd>(s: S, from: &Plane16, octet_index: u32, within: u32x16<S>) -> Plane<S> {
+    let half = octet_index as usize % 2;
+    [
+        octet(s, &from[0].as_chunks().0[half], within),
+        octet(s, &from[1].as_chunks().0[half], within),
+        octet(s, &from[2].as_chunks().0[half], within),
+        octet(s, &from[3].as_chunks().0[half], within),
+        octet(s, &from[4].as_chunks().0[half], within),
+    ]
+}
+
+/// The coefficients of one slot in every lane.
+#[inline(always)]
+fn spread<S: Simd>(s: S, from: &Plane16, slot: usize) -> Plane<S> {
+    let lane = slot % LANES;
+    [
+        f32x16::splat(s, from[0][lane]),
+        f32x16::splat(s, from[1][lane]),
+        f32x16::splat(s, from[2][lane]),
+        f32x16::splat(s, from[3][lane]),
+        f32x16::splat(s, from[4][lane]),
+    ]
+}
+
+#[inline(always)]
+fn lanes_of<S: Simd>(s: S, level: Option<[f32; 2]>) -> Option<[f32x16<S>; 2]> {
+    let [w, r] = level?;
+    Some([f32x16::splat(s, w), f32x16::splat(s, r)])
+}
+
+/// A plane as if its attribute were linear on the screen: value, and change to the right and down.
+#[inline(always)]
+pub(super) fn straight<S: Simd>(
+    [a, b, c, lo, hi]: Plane<S>,
+    [px, py]: [f32x16<S>; 2],
+) -> [f32x16<S>; 3] {
+    [clamp((c + b * py) + a * px, lo, hi), a, b]
+}
+
+/// Takes over the plane of some pixels.
+#[inline(always)]
+fn put<S: Simd>(pixels: mask32x16<S>, from: Plane<S>, to: &mut Plane<S>) {
+    for c in 0..COEFFICIENTS {
+        to[c] = pixels.select(from[c], to[c]);
+    }
+}
+
+/// The plane that begins at a row of the table.
+#[inline(always)]
+fn plane(rows: &[[f32; LANES]], row: usize) -> &Plane16 {
+    let plane = rows.get(row..).and_then(|rows| rows.first_chunk());
     plane.unwrap_or(NO_PLANE)
+}
+
+/// The pixels of a block, with 1 / clip w and its reciprocal.
+pub(super) struct Pixels<S: Simd> {
+    centres: [f32x16<S>; 2],
+    /// Change of 1/w to the right and down.
+    slope: [f32x16<S>; 2],
+    pub(super) w: f32x16<S>,
+    r: f32x16<S>,
+}
+
+impl<S: Simd> Pixels<S> {
+    #[inline(always)]
+    pub(super) fn new(
+        s: S,
+        [a, b, c, lo, hi]: Plane<S>,
+        level: Option<[f32x16<S>; 2]>,
+        [px, py]: [f32x16<S>; 2],
+    ) -> Self {
+        let [w, r] = match level {
+            Some(level) => level,
+            None => {
+                let w = clamp((c + b * py) + a * px, lo, hi);
+                [w, f32x16::splat(s, 1.0) / w]
+            }
+        };
+        Self {
+            centres: [px, py],
+            slope: [a, b],
+            w,
+            r,
+        }
+    }
+
+    /// An attribute of a plane, and if `D` its change to the right and down.
+    #[inline(always)]
+    pub(super) fn attribute<const D: bool>(&self, [a, b, c, lo, hi]: Plane<S>) -> [f32x16<S>; 3] {
+        let ([px, py], [wa, wb]) = (self.centres, self.slope);
+        let at = (c + b * py) + a * px;
+        let u = clamp(at * self.r, lo, hi);
+        if !D {
+            return [u, a, b];
+        }
+        [u, (a - u * wa) * self.r, (b - u * wb) * self.r]
+    }
 }

@@ -1,45 +1,60 @@
 //! Blocks of one triangle that f32 planes cannot serve.
 
-use texmap_math::fearless_simd::{Simd, f64x8, prelude::*};
+use texmap_math::fearless_simd::{Simd, f32x16, f64x8, prelude::*};
 
-use super::{BlockValues, centres};
+use super::centres;
 use crate::setup::{Ranged, TriangleSetup};
 
 /// [`TriangleSetup::evaluate`] in f64 for a block of one triangle.
-#[inline(always)]
-pub(super) fn wide<S: Simd, const N: usize, const D: bool>(
+pub(super) struct Wide<'t, S: Simd> {
     s: S,
-    setup: &TriangleSetup,
-    block: u16,
-    wanted: &[usize; N],
-    out: &mut BlockValues<S, N>,
-) {
-    let (px, py) = centres(s, block);
-    let ((x0, x1), (y0, y1)) = (px.widen(), py.widen());
-    let (w, attributes) = setup.planes();
-    let (w0, w1) = (wide_at(s, w, x0, y0), wide_at(s, w, x1, y1));
-    let (w0, w1) = (wide_clamp(s, w, w0), wide_clamp(s, w, w1));
-    let one = f64x8::splat(s, 1.0);
-    let (r0, r1) = (one / w0, one / w1);
-    out.inv_w = s.narrow_f64x8(w0, w1);
-    for (i, &k) in wanted.iter().enumerate() {
-        let Some(p) = attributes.get(k) else {
-            continue;
-        };
+    setup: &'t TriangleSetup,
+    x: [f64x8<S>; 2],
+    y: [f64x8<S>; 2],
+    w: [f64x8<S>; 2],
+    r: [f64x8<S>; 2],
+}
+
+impl<'t, S: Simd> Wide<'t, S> {
+    #[inline(always)]
+    pub(super) fn new(s: S, setup: &'t TriangleSetup, block: u16) -> Self {
+        let [px, py] = centres(s, block);
+        let ((x0, x1), (y0, y1)) = (px.widen(), py.widen());
+        let (w, _) = setup.planes();
+        let (w0, w1) = (wide_at(s, w, x0, y0), wide_at(s, w, x1, y1));
+        let (w0, w1) = (wide_clamp(s, w, w0), wide_clamp(s, w, w1));
+        let one = f64x8::splat(s, 1.0);
+        Self {
+            s,
+            setup,
+            x: [x0, x1],
+            y: [y0, y1],
+            w: [w0, w1],
+            r: [one / w0, one / w1],
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn inv_w(&self) -> f32x16<S> {
+        self.s.narrow_f64x8(self.w[0], self.w[1])
+    }
+
+    /// An attribute, and if `D` its change to the right and down; `None` for one that the triangle lacks.
+    #[inline(always)]
+    pub(super) fn attribute<const D: bool>(&self, k: usize) -> Option<[f32x16<S>; 3]> {
+        let (s, [x0, x1], [y0, y1], [r0, r1]) = (self.s, self.x, self.y, self.r);
+        let (w, attributes) = self.setup.planes();
+        let p = attributes.get(k)?;
         let u0 = wide_clamp(s, p, wide_at(s, p, x0, y0) * r0);
         let u1 = wide_clamp(s, p, wide_at(s, p, x1, y1) * r1);
-        out.value[i] = s.narrow_f64x8(u0, u1);
+        let u = s.narrow_f64x8(u0, u1);
         if !D {
-            continue;
+            return Some([u; 3]);
         }
-        out.ddx[i] = s.narrow_f64x8(
-            wide_slope(s, p.plane.a, w.plane.a, u0, r0),
-            wide_slope(s, p.plane.a, w.plane.a, u1, r1),
-        );
-        out.ddy[i] = s.narrow_f64x8(
-            wide_slope(s, p.plane.b, w.plane.b, u0, r0),
-            wide_slope(s, p.plane.b, w.plane.b, u1, r1),
-        );
+        let (pa, pb, wa, wb) = (p.plane.a, p.plane.b, w.plane.a, w.plane.b);
+        let dx = s.narrow_f64x8(wide_slope(s, pa, wa, u0, r0), wide_slope(s, pa, wa, u1, r1));
+        let dy = s.narrow_f64x8(wide_slope(s, pb, wb, u0, r0), wide_slope(s, pb, wb, u1, r1));
+        Some([u, dx, dy])
     }
 }
 

@@ -2,7 +2,7 @@
 
 use texmap_light::lanes::V3;
 use texmap_math::fearless_simd::{Simd, f32x16, prelude::*};
-use texmap_raster::{BlockSink, BlockValues, Column, RUN_ROOM, RunBlock, RunValues, TilePlanes};
+use texmap_raster::{Column, RUN_ROOM, RunBlock, RunValues, TilePlanes};
 
 use super::{LitLanes, Relief};
 use crate::canvas::{LANES, vector};
@@ -16,13 +16,6 @@ pub(super) const POSITION: usize = 3;
 pub(super) const TANGENT: usize = 6;
 const COLUMNS: usize = TANGENT + 4;
 
-/// Blocks of a run that some slide reaches, and their places in it.
-#[derive(Default)]
-pub(super) struct Reached {
-    blocks: Vec<RunBlock>,
-    places: Vec<usize>,
-}
-
 impl LitLanes<'_> {
     /// The vectors of a surface that reads no more, in columns of their own, and its slides.
     #[inline(always)]
@@ -33,30 +26,30 @@ impl LitLanes<'_> {
         run: &Run<'_>,
         out: &mut RunValues,
         slides: &mut [SlideTexels],
-        reached: &mut Reached,
+        reached: &mut Vec<RunBlock>,
     ) {
         if out.columns.len() < COLUMNS {
             out.columns.resize(COLUMNS, Column::ZERO);
         }
         let late = !self.turned && matches!(self.relief, Relief::None);
-        if let (true, Some(first)) = (late, self.position_attribute()) {
-            self.three(s, planes, run, [first, POSITION], run.run, &[], out);
+        if let (true, Some(p)) = (late, self.position_attribute()) {
+            let all = [p, p + 1, p + 2];
+            planes.each_column::<S, false>(s, run.blocks, run.run, &all, POSITION, out);
         } else {
             self.vectors(s, planes, run, out);
         }
         self.look_up_slides(s, out, run.run.len(), slides);
-        if let (true, Some(normal)) = (late, self.surface.normal) {
+        if let (true, Some(n)) = (late, self.surface.normal) {
             // Few blocks ask for a normal.
-            reached.blocks.clear();
-            reached.places.clear();
-            for (i, at) in run.run.iter().enumerate() {
-                if slides.iter().any(|slide| slide.reaches(i)) {
-                    reached.blocks.push(*at);
-                    reached.places.push(i);
+            reached.clear();
+            reached.extend_from_slice(run.run);
+            for (i, at) in reached.iter_mut().enumerate() {
+                if !slides.iter().any(|slide| slide.reaches(i)) {
+                    at.mask = 0;
                 }
             }
-            let Reached { blocks, places } = reached;
-            self.three(s, planes, run, [normal, NORMAL], blocks, places, out);
+            let all = [n, n + 1, n + 2];
+            planes.each_column::<S, false>(s, run.blocks, reached, &all, NORMAL, out);
         }
     }
 
@@ -85,105 +78,33 @@ impl LitLanes<'_> {
         self.position.and(self.surface.position)
     }
 
-    /// One vector of some blocks, from its attribute to its column, without its changes. The blocks stand at `places` in the run, or where
-    /// they are in the list if there are none.
-    #[inline(always)]
-    fn three<S: Simd>(
-        &self,
-        s: S,
-        planes: &TilePlanes,
-        run: &Run<'_>,
-        [attribute, column]: [usize; 2],
-        list: &[RunBlock],
-        places: &[usize],
-        out: &mut RunValues,
-    ) {
-        if let Some(columns) = out.columns[column..].first_chunk_mut() {
-            let columns = Store::<3, false>(columns.each_mut());
-            let mut sink = Placed { columns, places };
-            let all = [attribute, attribute + 1, attribute + 2];
-            planes.each_block::<_, 3, false, _>(s, run.blocks, list, all, &mut sink);
-        }
-    }
-
     /// Normals, positions and tangents of a run. The changes of normals are read by mirrors.
     #[inline(always)]
     fn vectors<S: Simd>(&self, s: S, planes: &TilePlanes, run: &Run<'_>, out: &mut RunValues) {
         let (blocks, list) = (run.blocks, run.run);
         let Some(n) = self.surface.normal else { return };
-        let columns = &mut out.columns[..];
         let tangent = match self.relief {
             Relief::Normals(_, _, Space::Tangent(first), _) => Some(first),
             _ => None,
         };
-        let Some(p) = self.position_attribute() else {
-            // Nothing but a mirror asks for no position, or light that is the same everywhere.
-            if let Some(normals) = columns.first_chunk_mut() {
-                let mut sink = Store::<3, true>(normals.each_mut());
-                let all = [n, n + 1, n + 2];
-                planes.each_block::<_, 3, true, _>(s, blocks, list, all, &mut sink);
-            }
-            return;
+        // Without a position there is no relief, and nothing but a mirror or light that is the same everywhere.
+        let (p, t) = (self.position_attribute(), tangent.unwrap_or(0));
+        let count = match (p, tangent) {
+            (None, _) => POSITION,
+            (_, None) => TANGENT,
+            _ => COLUMNS,
         };
-        match (tangent, self.has_mirrors()) {
-            (Some(t), false) => {
-                if let Some(vectors) = columns.first_chunk_mut() {
-                    let mut sink = Store::<10, false>(vectors.each_mut());
-                    let all = [n, n + 1, n + 2, p, p + 1, p + 2, t, t + 1, t + 2, t + 3];
-                    planes.each_block::<_, 10, false, _>(s, blocks, list, all, &mut sink);
-                }
+        let p = p.unwrap_or(0);
+        let all = [n, n + 1, n + 2, p, p + 1, p + 2, t, t + 1, t + 2, t + 3];
+        if self.has_mirrors() {
+            let (normal, others) = all[..count].split_at(POSITION);
+            planes.each_column::<S, true>(s, blocks, list, normal, NORMAL, out);
+            if !others.is_empty() {
+                planes.each_column::<S, false>(s, blocks, list, others, POSITION, out);
             }
-            (None, false) => {
-                if let Some(vectors) = columns.first_chunk_mut() {
-                    let mut sink = Store::<6, false>(vectors.each_mut());
-                    let all = [n, n + 1, n + 2, p, p + 1, p + 2];
-                    planes.each_block::<_, 6, false, _>(s, blocks, list, all, &mut sink);
-                }
-            }
-            (tangent, true) => {
-                if let Some(vectors) = columns.first_chunk_mut() {
-                    let mut sink = Store::<6, true>(vectors.each_mut());
-                    let all = [n, n + 1, n + 2, p, p + 1, p + 2];
-                    planes.each_block::<_, 6, true, _>(s, blocks, list, all, &mut sink);
-                }
-                if let (Some(t), Some(tangents)) = (tangent, columns[TANGENT..].first_chunk_mut()) {
-                    let mut sink = Store::<4, false>(tangents.each_mut());
-                    let all = [t, t + 1, t + 2, t + 3];
-                    planes.each_block::<_, 4, false, _>(s, blocks, list, all, &mut sink);
-                }
-            }
+        } else {
+            planes.each_column::<S, false>(s, blocks, list, &all[..count], NORMAL, out);
         }
-    }
-}
-
-/// Stores values in columns, and their changes if `D` asks for that.
-struct Store<'a, const N: usize, const D: bool>([&'a mut Column; N]);
-
-impl<S: Simd, const N: usize, const D: bool> BlockSink<S, N> for Store<'_, N, D> {
-    #[inline(always)]
-    fn block(&mut self, _s: S, i: usize, _at: RunBlock, values: &BlockValues<S, N>) {
-        let at = i * LANES..(i + 1) * LANES;
-        for (k, column) in self.0.iter_mut().enumerate() {
-            values.value[k].store_slice(&mut column.value[at.clone()]);
-            if D {
-                values.ddx[k].store_slice(&mut column.ddx[at.clone()]);
-                values.ddy[k].store_slice(&mut column.ddy[at.clone()]);
-            }
-        }
-    }
-}
-
-/// Stores values at other places of the run than they are asked for at.
-struct Placed<'a> {
-    columns: Store<'a, 3, false>,
-    places: &'a [usize],
-}
-
-impl<S: Simd> BlockSink<S, 3> for Placed<'_> {
-    #[inline(always)]
-    fn block(&mut self, s: S, i: usize, at: RunBlock, values: &BlockValues<S, 3>) {
-        let i = self.places.get(i).copied().unwrap_or(i);
-        self.columns.block(s, i, at, values);
     }
 }
 

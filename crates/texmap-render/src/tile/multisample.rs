@@ -335,10 +335,10 @@ struct Scattered<'a> {
 
 impl<S: Simd> Source<S> for Scattered<'_> {
     #[inline(always)]
-    fn each<const D: bool, K: BlockSink<S, 2>>(&self, s: S, run: &[RunBlock], sink: &mut K) {
+    fn each<const D: bool, K: BlockSink<S>>(&self, s: S, run: &[RunBlock], sink: &mut K) {
         let of = [&self.strays.pixels[..], &self.strays.slots[..]];
         self.planes
-            .each_sixteen::<_, 2, D, _>(s, of, run, [0, 1], sink);
+            .each_sixteen::<_, D, _>(s, of, run, [0, 1], sink);
     }
 
     fn is_magnified(&self, _: S, _: RunBlock, _: &View<'_>, _: &mut (u32, bool)) -> bool {
