@@ -271,13 +271,12 @@ impl Prepared<'_> {
                 (vertex[2] * n as i32).bitcast(),
             ];
             let linear = self.linear_of(draw);
-            let flat = if linear == 0 {
-                exact
-            } else {
-                let flat = solve_x16::<S, true>(s, &arrays, &vertex, transform, middle);
-                fine = [fine[0] & flat[0].solvable, fine[1] & flat[1].solvable];
-                flat
-            };
+            let mut flat = None;
+            if linear != 0 {
+                let [low, high] = solve_x16::<S, true>(s, &arrays, &vertex, transform, middle);
+                fine = [fine[0] & low.solvable, fine[1] & high.solvable];
+                flat = Some([low, high]);
+            }
             let mut ahead = [[f32x16::splat(s, 0.0); 3]; AHEAD];
             let (mut start, mut end) = (0, 0);
             for k in 0..n {
@@ -286,7 +285,10 @@ impl Prepared<'_> {
                 }
                 let v = ahead[(k - start) % AHEAD];
                 let (v0, v1, v2) = (v[0].widen(), v[1].widen(), v[2].widen());
-                let [low, high] = if linear >> k & 1 == 1 { &flat } else { &exact };
+                let [low, high] = match &flat {
+                    Some(flat) if linear >> k & 1 == 1 => flat,
+                    _ => &exact,
+                };
                 let (low_plane, high_plane) = (
                     low.plane([v0.0, v1.0, v2.0]),
                     high.plane([v0.1, v1.1, v2.1]),
@@ -333,14 +335,18 @@ fn read<S: Simd>(
         return 4;
     }
     if n - k < 2 {
-        for (v, at) in ahead[0].iter_mut().zip([a, b, c]) {
-            *v = gather(s, values, at).bitcast();
-        }
+        ahead[0] = [
+            gather(s, values, a).bitcast(),
+            gather(s, values, b).bitcast(),
+            gather(s, values, c).bitcast(),
+        ];
         return 1;
     }
-    for (i, at) in [a, b, c].into_iter().enumerate() {
-        let pair = gather_pairs(s, values, at);
-        (ahead[0][i], ahead[1][i]) = (pair[0].bitcast(), pair[1].bitcast());
+    let a = gather_pairs(s, values, a);
+    let b = gather_pairs(s, values, b);
+    let c = gather_pairs(s, values, c);
+    for i in 0..2 {
+        ahead[i] = [a[i].bitcast(), b[i].bitcast(), c[i].bitcast()];
     }
     2
 }

@@ -156,8 +156,9 @@ impl Carved {
     #[inline(always)]
     fn values_lanes<S: Simd>(&self, s: S, p: V3<S>, width: f32x16<S>) -> f32x16<S> {
         let mut place = p;
-        for (out, r) in place.iter_mut().zip(self.rows) {
-            *out = p[0] * r[0] + p[1] * r[1] + p[2] * r[2] + r[3];
+        for k in 0..3 {
+            let [a, b, c, d] = self.rows[k];
+            place[k] = p[0] * a + p[1] * b + p[2] * c + d;
         }
         let width = width / (512.0 * self.step);
         let (around, fold) = match self.heights {
