@@ -249,7 +249,7 @@ impl<'a> LitLanes<'a> {
             || self.specular.is_some()
             || matches!(&self.mirror, Some((Mirror { view: None, .. }, _)))
             || !self.ready.paints.is_empty()
-            || self.lights.iter().any(|lamp| lamp.alone || lamp.leveled);
+            || self.lights.iter().any(|lamp| lamp.alone);
         if let Relief::Normals(_, _, Space::Tangent(first), _) = self.relief {
             self.tangent = first;
         }

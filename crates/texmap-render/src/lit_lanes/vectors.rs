@@ -32,11 +32,13 @@ impl LitLanes<'_> {
             out.columns.resize(COLUMNS, Column::ZERO);
         }
         let late = !self.turned && matches!(self.relief, Relief::None);
+        // Some slide's filter asks how large a pixel is.
+        let leveled = self.slides().any(|(_, leveled)| leveled);
         if let (true, Some(p)) = (late, self.position_attribute()) {
             let all = [p, p + 1, p + 2];
-            planes.each_column::<S, false>(s, run.blocks, run.run, &all, POSITION, out);
+            each(s, planes, run, (run.run, leveled), &all, POSITION, out);
         } else {
-            self.vectors(s, planes, run, out);
+            self.vectors(s, planes, run, leveled, out);
         }
         self.look_up_slides(s, out, run.run.len(), slides);
         if let (true, Some(n)) = (late, self.surface.normal) {
@@ -49,7 +51,7 @@ impl LitLanes<'_> {
                 }
             }
             let all = [n, n + 1, n + 2];
-            planes.each_column::<S, false>(s, run.blocks, reached, &all, NORMAL, out);
+            each(s, planes, run, (reached, false), &all, NORMAL, out);
         }
     }
 
@@ -80,31 +82,58 @@ impl LitLanes<'_> {
 
     /// Normals, positions and tangents of a run. The changes of normals are read by mirrors.
     #[inline(always)]
-    fn vectors<S: Simd>(&self, s: S, planes: &TilePlanes, run: &Run<'_>, out: &mut RunValues) {
-        let (blocks, list) = (run.blocks, run.run);
+    fn vectors<S: Simd>(
+        &self,
+        s: S,
+        planes: &TilePlanes,
+        run: &Run<'_>,
+        leveled: bool,
+        out: &mut RunValues,
+    ) {
+        let (blocks, list, mirrors) = (run.blocks, run.run, self.has_mirrors());
         let Some(n) = self.surface.normal else { return };
         let tangent = match self.relief {
             Relief::Normals(_, _, Space::Tangent(first), _) => Some(first),
             _ => None,
         };
         // Without a position there is no relief, and nothing but a mirror or light that is the same everywhere.
-        let (p, t) = (self.position_attribute(), tangent.unwrap_or(0));
-        let count = match (p, tangent) {
-            (None, _) => POSITION,
-            (_, None) => TANGENT,
-            _ => COLUMNS,
-        };
-        let p = p.unwrap_or(0);
+        let (position, t) = (self.position_attribute(), tangent.unwrap_or(0));
+        let p = position.unwrap_or(0);
         let all = [n, n + 1, n + 2, p, p + 1, p + 2, t, t + 1, t + 2, t + 3];
-        if self.has_mirrors() {
-            let (normal, others) = all[..count].split_at(POSITION);
-            planes.each_column::<S, true>(s, blocks, list, normal, NORMAL, out);
-            if !others.is_empty() {
-                planes.each_column::<S, false>(s, blocks, list, others, POSITION, out);
-            }
-        } else {
-            planes.each_column::<S, false>(s, blocks, list, &all[..count], NORMAL, out);
+        let wanted = match (position, tangent) {
+            (None, _) => &all[..POSITION],
+            (_, None) => &all[..TANGENT],
+            _ => &all[..],
+        };
+        if !mirrors && !leveled {
+            return planes.each_column::<S, false>(s, blocks, list, wanted, NORMAL, out);
         }
+        let (normal, rest) = wanted.split_at(POSITION);
+        let (position, tangent) = rest.split_at(rest.len().min(TANGENT - POSITION));
+        each(s, planes, run, (list, mirrors), normal, NORMAL, out);
+        each(s, planes, run, (list, leveled), position, POSITION, out);
+        each(s, planes, run, (list, false), tangent, TANGENT, out);
+    }
+}
+
+/// Attributes of a list of blocks, with their changes or without.
+#[inline(always)]
+fn each<S: Simd>(
+    s: S,
+    planes: &TilePlanes,
+    run: &Run<'_>,
+    (list, derivatives): (&[RunBlock], bool),
+    wanted: &[usize],
+    first: usize,
+    out: &mut RunValues,
+) {
+    if wanted.is_empty() {
+        return;
+    }
+    if derivatives {
+        planes.each_column::<S, true>(s, run.blocks, list, wanted, first, out);
+    } else {
+        planes.each_column::<S, false>(s, run.blocks, list, wanted, first, out);
     }
 }
 
