@@ -129,14 +129,26 @@ impl<'a> From<'a> {
 pub(crate) trait Source<S: Simd> {
     fn each<const D: bool, K: BlockSink<S>>(&self, s: S, run: &[RunBlock], sink: &mut K);
 
-    /// Whether all texels of a block are surely magnified. `last` is the slot that was asked about before, and the answer.
-    fn is_magnified(&self, s: S, at: RunBlock, view: &View<'_>, last: &mut (u32, bool)) -> bool;
+    /// Whether all texels of the first block of `run` are surely magnified, and it is worth knowing. `last` is the slot that was asked
+    /// about before, and the answer.
+    fn is_magnified(&self, s: S, run: &[RunBlock], view: &View<'_>, last: &mut (u32, bool))
+    -> bool;
 }
+
+/// Blocks after the first that a slot must have alone for [`Source::is_magnified`] to be asked.
+const ALIKE: usize = 3;
 
 /// Blocks of a tile.
 pub(crate) struct Blocks<'a> {
     planes: &'a TilePlanes,
     blocks: &'a TileBlocks,
+}
+
+impl Blocks<'_> {
+    #[inline(always)]
+    fn only_slot<S: Simd>(&self, s: S, at: Option<&RunBlock>) -> Option<u32> {
+        self.planes.only_slot(s, self.blocks, *at?)
+    }
 }
 
 impl<S: Simd> Source<S> for Blocks<'_> {
@@ -147,11 +159,21 @@ impl<S: Simd> Source<S> for Blocks<'_> {
     }
 
     #[inline(always)]
-    fn is_magnified(&self, s: S, at: RunBlock, view: &View<'_>, last: &mut (u32, bool)) -> bool {
-        let Some(slot) = self.planes.only_slot(s, self.blocks, at) else {
+    fn is_magnified(
+        &self,
+        s: S,
+        run: &[RunBlock],
+        view: &View<'_>,
+        last: &mut (u32, bool),
+    ) -> bool {
+        let Some(slot) = self.only_slot(s, run.first()) else {
             return false;
         };
         if slot != last.0 {
+            // The question costs as much as the derivatives of a few blocks.
+            if self.only_slot(s, run.get(ALIKE)) != Some(slot) {
+                return false;
+            }
             let steepest = self.planes.steepest(slot, [0, 1]);
             *last = (
                 slot,
@@ -188,13 +210,17 @@ fn paint<S: Simd, P: Source<S>, B: Brush<S>>(
         }
         _ => {
             let mut last = (NONE, false);
-            let mut is_magnified = |at: &RunBlock| source.is_magnified(s, *at, view, &mut last);
             for mut run in run.chunks(RUN / LANES) {
-                while let Some(first) = run.first() {
+                while !run.is_empty() {
                     // Neither derivatives nor levels are asked for where the bits do not depend on them.
-                    let near = is_magnified(first);
-                    let alike = run[1..].iter().take_while(|at| is_magnified(at) == near);
-                    let (part, rest) = run.split_at(1 + alike.count());
+                    let near = source.is_magnified(s, run, view, &mut last);
+                    let mut alike = 1;
+                    while alike < run.len()
+                        && source.is_magnified(s, &run[alike..], view, &mut last) == near
+                    {
+                        alike += 1;
+                    }
+                    let (part, rest) = run.split_at(alike);
                     if near {
                         bilinear(s, view, source, levels, part, brush);
                     } else {

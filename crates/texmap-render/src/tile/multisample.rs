@@ -341,7 +341,7 @@ impl<S: Simd> Source<S> for Scattered<'_> {
             .each_sixteen::<_, D, _>(s, of, run, [0, 1], sink);
     }
 
-    fn is_magnified(&self, _: S, _: RunBlock, _: &View<'_>, _: &mut (u32, bool)) -> bool {
+    fn is_magnified(&self, _: S, _: &[RunBlock], _: &View<'_>, _: &mut (u32, bool)) -> bool {
         false
     }
 }
