@@ -7,7 +7,7 @@ use crate::{
     filter::{across_levels, floor, level_of, mix},
     mip,
     sampler::{Sampler, Texel},
-    texels::{Chain, Level},
+    texels::{Chain, Level, scaled},
     texture::{Image, Texture2d, check_size, upload},
 };
 use alloc::vec::Vec;
@@ -164,7 +164,7 @@ impl Sampler {
             in_face(chain, level, place, texel)
         });
         let scale = chain.format.scale();
-        c.map(|c| c * scale)
+        scaled(c, scale)
     }
 
     /// The colour in a direction that changes by `dx` and `dy` per pixel step.

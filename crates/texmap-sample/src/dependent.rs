@@ -1,6 +1,7 @@
 use crate::{
     filter::{axes, linear_axis},
     sampler::Sampler,
+    texels::scaled,
     texture::Texture2d,
     wrap::OUTSIDE,
 };
@@ -29,7 +30,7 @@ impl Sampler {
             if x == OUTSIDE || y == OUTSIDE {
                 self.border
             } else {
-                chain.fetch(level, x, y, 0).map(|c| c * scale)
+                scaled(chain.fetch(level, x, y, 0), scale)
             }
         };
         let (a, b, c, d) = (tap(x0, y0), tap(x1, y0), tap(x0, y1), tap(x1, y1));

@@ -8,7 +8,7 @@ use crate::{
     lanes::packed,
     lod::{TexelFootprint, log2, log2_sqrt_fixed},
     sampler::{Filter, Mip, Precision, Sampler, Texel},
-    texels::{Chain, Level},
+    texels::{Chain, Level, scaled},
     wrap::{Axis, OUTSIDE},
 };
 use texmap_math::{float, footprint::Footprint};
@@ -55,7 +55,7 @@ pub(crate) fn sample_lod(s: &Sampler, t: &Chain<'_>, uv: [f32; 2], lod: f32) -> 
         return packed::unpack(packed::sample_lod(s, t, uv, packed::fixed_lod(lod)));
     }
     let scale = t.format.scale();
-    unscaled_lod(s, t, uv, lod).map(|c| c * scale)
+    scaled(unscaled_lod(s, t, uv, lod), scale)
 }
 
 /// As [`sample_lod`] before the scale of the format.
@@ -149,7 +149,7 @@ pub(crate) fn linear_axis(axis: Axis, u: f32, n: i32) -> (i32, i32, f32) {
 #[inline(always)]
 fn tap(s: &Sampler, t: &Chain<'_>, level: &Level, x: i32, y: i32) -> [f32; 4] {
     if x == OUTSIDE || y == OUTSIDE {
-        s.border.map(|c| c * t.format.units())
+        scaled(s.border, t.format.units())
     } else {
         t.fetch(level, x, y, 0)
     }
@@ -158,7 +158,12 @@ fn tap(s: &Sampler, t: &Chain<'_>, level: &Level, x: i32, y: i32) -> [f32; 4] {
 /// `a + (b - a) w`: exact where both are equal.
 #[inline(always)]
 pub(crate) fn mix(a: [f32; 4], b: [f32; 4], w: f32) -> [f32; 4] {
-    [0, 1, 2, 3].map(|k| a[k] + (b[k] - a[k]) * w)
+    [
+        a[0] + (b[0] - a[0]) * w,
+        a[1] + (b[1] - a[1]) * w,
+        a[2] + (b[2] - a[2]) * w,
+        a[3] + (b[3] - a[3]) * w,
+    ]
 }
 
 /// Floor of a number within +-2^30.

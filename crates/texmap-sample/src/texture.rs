@@ -1,7 +1,7 @@
 use crate::{
     error::SampleError,
     mip,
-    texels::{Chain, Format, Level, Texels, Words},
+    texels::{Chain, Format, Level, Texels, Words, scaled},
 };
 use alloc::{sync::Arc, vec, vec::Vec};
 use texmap_math::color;
@@ -278,11 +278,8 @@ impl<'a> Texture2d<'a> {
             return None;
         }
         let scale = self.chain.format.scale();
-        Some(
-            self.chain
-                .fetch(l, x as i32, y as i32, 0)
-                .map(|c| c * scale),
-        )
+        let texel = self.chain.fetch(l, x as i32, y as i32, 0);
+        Some(scaled(texel, scale))
     }
 }
 
@@ -358,7 +355,7 @@ pub(crate) fn upload(image: &Image<'_>, depth: u32) -> Result<Chain<'static>, Sa
     for i in 0..count {
         let c = read_texel(image, i);
         opaque &= c[3] >= 1.0;
-        format.push(&mut words, c.map(|x| x * format.units()));
+        format.push(&mut words, scaled(c, format.units()));
     }
     let level = Level {
         offset: 0,

@@ -5,7 +5,7 @@ use crate::{
     filter::{across_levels, floor, linear_axis, mix},
     lod, mip,
     sampler::{Sampler, Texel},
-    texels::{Chain, Level},
+    texels::{Chain, Level, scaled},
     texture::{Image, Texture2d, upload},
     wrap::{Axis, OUTSIDE, Wrap},
 };
@@ -106,7 +106,7 @@ impl Texture3d<'_> {
         let scale = self.chain.format.scale();
         inside.then(|| {
             let texel = self.chain.fetch(l, x as i32, y as i32, z as i32);
-            texel.map(|c| c * scale)
+            scaled(texel, scale)
         })
     }
 }
@@ -152,7 +152,7 @@ impl Sampler {
             self.in_volume(chain, level, wraps, uvw, texel)
         });
         let scale = chain.format.scale();
-        c.map(|c| c * scale)
+        scaled(c, scale)
     }
 
     fn in_volume(
@@ -165,7 +165,7 @@ impl Sampler {
     ) -> [f32; 4] {
         let tap = |x: i32, y: i32, z: i32| {
             if x == OUTSIDE || y == OUTSIDE || z == OUTSIDE {
-                self.border.map(|c| c * t.format.units())
+                scaled(self.border, t.format.units())
             } else {
                 t.fetch(level, x, y, z)
             }

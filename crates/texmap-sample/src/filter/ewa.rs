@@ -2,7 +2,7 @@ use super::{anisotropic::Axes, axes as wraps, bilinear, floor, mix, tap};
 use crate::{
     lod::{TexelFootprint, log2},
     sampler::{Precision, Sampler},
-    texels::{Chain, Level},
+    texels::{Chain, Level, scaled},
 };
 use texmap_math::float::{ceil_f32, sqrt_f32};
 
@@ -71,7 +71,7 @@ pub(super) fn sample(
         _ => a,
     };
     let scale = t.format.scale();
-    blended.map(|c| c * scale)
+    scaled(blended, scale)
 }
 
 fn in_level(
