@@ -15,7 +15,7 @@ use crate::{
 use texmap_math::{
     Level,
     fearless_simd::{f32x16, i32x16, mask32x16, prelude::*},
-    lanes::{floor_to_i32, load_tail, store_tail},
+    lanes::{Words, floor_to_i32, gather, load_tail, store_tail},
 };
 
 /// Directions to look along, each value in a slice of its own.
@@ -115,14 +115,14 @@ impl<'a> Batch<'a> {
                         load_tail(s, &self.at.z[first..]),
                     ];
                     let lod = self.at.lod.map_or(flat, |lod| load_tail(s, &lod[first..]));
-                    let (c, beyond) = look::<S, FORMAT>(s, view, d, lod);
+                    let (c, corners) = look::<S, FORMAT>(s, view, d, lod);
                     let end = self.at.x.len().min(first + 16);
                     for (k, out) in out.iter_mut().enumerate() {
                         store_tail(c[k], &mut out[first..end]);
                     }
-                    if beyond.any_true() {
-                        let beyond = beyond.to_bitmask();
-                        for i in (first..end).filter(|i| beyond >> (i - first) & 1 == 1) {
+                    if corners.any_true() {
+                        let corners = corners.to_bitmask();
+                        for i in (first..end).filter(|i| corners >> (i - first) & 1 == 1) {
                             self.one(i, out);
                         }
                     }
@@ -132,7 +132,7 @@ impl<'a> Batch<'a> {
     }
 }
 
-/// The colours, and the lanes whose texels lie on more than one face: these have no meaning here.
+/// The colours, and the lanes that need the mean at a corner: these have no meaning here.
 #[inline(always)]
 fn look<S: Simd, const FORMAT: u8>(
     s: S,
@@ -141,7 +141,7 @@ fn look<S: Simd, const FORMAT: u8>(
     lod: f32x16<S>,
 ) -> (Color<S>, mask32x16<S>) {
     let place = Place::new(s, direction);
-    let (c, beyond) = match view.kind {
+    let (c, corners) = match view.kind {
         Kind::Nearest => {
             let at = At::uniform(s, view, 0);
             let c = place.nearest::<FORMAT>(s, view, &at);
@@ -152,18 +152,18 @@ fn look<S: Simd, const FORMAT: u8>(
             // NaN reads as 0, as it does for one.
             let lod = lod.simd_eq(lod).select(lod, f32x16::splat(s, 0.0));
             let levels = Levels::new(s, view, limit_lanes(s, view, lod));
-            let (c, beyond) = place.bilinear::<FORMAT>(s, view, &levels.fine);
+            let (c, corners) = place.bilinear::<FORMAT>(s, view, &levels.fine);
             if levels.blends {
                 let two = levels.weight.simd_gt(f32x16::splat(s, 0.0));
                 let (next, past) = place.bilinear::<FORMAT>(s, view, &levels.coarse);
                 let blended = mix::<S, FORMAT>(c, next, levels.weight);
-                (select(two, blended, c), beyond | (past & two))
+                (select(two, blended, c), corners | (past & two))
             } else {
-                (c, beyond)
+                (c, corners)
             }
         }
     };
-    (scaled(c, view), beyond)
+    (scaled(c, view), corners)
 }
 
 /// Scalar [`cube_face`](super::cube_face) for sixteen.
@@ -220,7 +220,7 @@ impl<S: Simd> Place<S> {
         fetch::<S, FORMAT>(s, view, at.word::<FORMAT>(texel))
     }
 
-    /// Four texels of one face; the lanes that need those of others.
+    /// Four texels, across edges too; the lanes that need the mean at a corner.
     #[inline(always)]
     fn bilinear<const FORMAT: u8>(
         &self,
@@ -233,12 +233,108 @@ impl<S: Simd> Place<S> {
         let (i, j) = (floor_to_i32(s, x), floor_to_i32(s, y));
         let (wx, wy) = (x - i.to_float::<f32x16<S>>(), y - j.to_float::<f32x16<S>>());
         let last = at.width - 1;
-        let inside = i.simd_ge(zero) & j.simd_ge(zero) & i.simd_lt(last) & j.simd_lt(last);
-        let texel = inside.select(self.texel(at, i, j), zero);
-        let below = inside.select(texel + at.width, zero);
-        let tap = |texel| fetch::<S, FORMAT>(s, view, at.word::<FORMAT>(texel));
-        let top = mix::<S, FORMAT>(tap(texel), tap(texel + 1), wx);
-        let bottom = mix::<S, FORMAT>(tap(below), tap(below + 1), wx);
-        (mix::<S, FORMAT>(top, bottom, wy), !inside)
+        let (in_x, in_y) = (
+            i.simd_ge(zero) & i.simd_lt(last),
+            j.simd_ge(zero) & j.simd_lt(last),
+        );
+        let texel = self.texel(at, i, j);
+        let below = texel + at.width;
+        let mut texels = [texel, texel + 1, below, below + 1];
+        let mut corners = mask32x16::splat(s, false);
+        if !(in_x & in_y).all_true() {
+            corners = !in_x & !in_y;
+            texels = [
+                self.across(s, at, i, j),
+                self.across(s, at, i + 1, j),
+                self.across(s, at, i, j + 1),
+                self.across(s, at, i + 1, j + 1),
+            ];
+        }
+        let [a, b, c, d] = [
+            fetch::<S, FORMAT>(s, view, at.word::<FORMAT>(texels[0])),
+            fetch::<S, FORMAT>(s, view, at.word::<FORMAT>(texels[1])),
+            fetch::<S, FORMAT>(s, view, at.word::<FORMAT>(texels[2])),
+            fetch::<S, FORMAT>(s, view, at.word::<FORMAT>(texels[3])),
+        ];
+        let (top, bottom) = (mix::<S, FORMAT>(a, b, wx), mix::<S, FORMAT>(c, d, wx));
+        (mix::<S, FORMAT>(top, bottom, wy), corners)
     }
+
+    /// [`texel`](Self::texel) of a face or, one step beyond one of its edges, of the neighbour; 0 beyond two.
+    #[inline(always)]
+    fn across(&self, s: S, at: &At<S>, i: i32x16<S>, j: i32x16<S>) -> i32x16<S> {
+        let (zero, last) = (i32x16::splat(s, 0), at.width - 1);
+        let (left, right) = (i.simd_lt(zero), i.simd_gt(last));
+        let (up, down) = (j.simd_lt(zero), j.simd_gt(last));
+        let (beside, above) = (left | right, up | down);
+        let edge = i32x16::splat(s, 3);
+        let edge = up.select(zero + 2, edge);
+        let edge = right.select(zero + 1, edge);
+        let edge = (self.face << 2) + left.select(zero, edge);
+        let step = match Words::new(&EDGES) {
+            Some(words) => gather(s, words, edge.bitcast()).bitcast::<i32x16<S>>(),
+            None => zero,
+        };
+        let along = beside.select(j, i);
+        let place = |shift: i32| {
+            let c = (step & (1 << shift)).simd_gt(zero).select(along, zero);
+            (step & (2 << shift)).simd_gt(zero).select(last - c, c)
+        };
+        let (x, y) = (place(3), place(5));
+        let neighbour = ((step & 7) * at.width + y) * at.width + x;
+        let texel = (beside | above).select(neighbour, self.texel(at, i, j));
+        (beside & above).select(zero, texel)
+    }
+}
+
+/// What lies beyond each face's edges to the left, right, top and bottom: the neighbour (3 bits), and for its column and then its row
+/// whether that counts along the edge or stays 0, and whether it counts from the last texel.
+const EDGES: [u32; 24] = {
+    let mut edges = [0; 24];
+    let mut k = 0;
+    while k < 24 {
+        let [right, down, major] = AXES[k / 4];
+        let (out, along) = match k % 4 {
+            0 => (times(right, -1), down),
+            1 => (right, down),
+            2 => (times(down, -1), right),
+            _ => (down, right),
+        };
+        let mut face = 0;
+        while dot(AXES[face][2], out) != 1 {
+            face += 1;
+        }
+        let [x, y, _] = AXES[face];
+        edges[k] = face as u32 | step(x, along, major) << 3 | step(y, along, major) << 5;
+        k += 1;
+    }
+    edges
+};
+
+/// To the right, down and out of each face, as [`cube_face`](super::cube_face) has them.
+const AXES: [[[i32; 3]; 3]; 6] = [
+    [[0, 0, -1], [0, -1, 0], [1, 0, 0]],
+    [[0, 0, 1], [0, -1, 0], [-1, 0, 0]],
+    [[1, 0, 0], [0, 0, 1], [0, 1, 0]],
+    [[1, 0, 0], [0, 0, -1], [0, -1, 0]],
+    [[1, 0, 0], [0, -1, 0], [0, 0, 1]],
+    [[-1, 0, 0], [0, -1, 0], [0, 0, -1]],
+];
+
+/// How a neighbour's axis runs: along the edge or, if not, towards the face that was left or away from it.
+const fn step(axis: [i32; 3], along: [i32; 3], left: [i32; 3]) -> u32 {
+    match (dot(axis, along), dot(axis, left)) {
+        (1, _) => 1,
+        (-1, _) => 3,
+        (_, 1) => 2,
+        _ => 0,
+    }
+}
+
+const fn dot(a: [i32; 3], b: [i32; 3]) -> i32 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+const fn times(v: [i32; 3], by: i32) -> [i32; 3] {
+    [v[0] * by, v[1] * by, v[2] * by]
 }
