@@ -184,21 +184,18 @@ impl<S: Simd> Place<S> {
         let good = finite & some;
         let on_z = az.simd_ge(ax) & az.simd_ge(ay);
         let on_y = ay.simd_ge(ax);
-        let along = |of_z: f32x16<S>, of_y: f32x16<S>, of_x: f32x16<S>| {
-            on_z.select(of_z, on_y.select(of_y, of_x))
-        };
-        let front = along(z, y, x).simd_gt(zero);
-        let major = good.select(along(az, ay, ax), one);
-        let right = along(front.select(x, -x), x, front.select(-z, z));
-        let down = along(-y, front.select(z, -z), -y);
-        let axis = |k: i32| i32x16::splat(s, k);
-        let face = on_z.select(axis(4), on_y.select(axis(2), axis(0)));
-        let face = front.select(face, face + 1);
-        let unit = |c: f32x16<S>| good.select(c, zero) / major * 0.5 + 0.5;
+        let front = along(on_z, z, on_y, y, x).simd_gt(zero);
+        let major = good.select(along(on_z, az, on_y, ay, ax), one);
+        let (side, depth) = (front.select(x, -x), front.select(-z, z));
+        let right = along(on_z, side, on_y, x, depth);
+        let down = along(on_z, -y, on_y, -depth, -y);
+        let axis = i32x16::splat(s, 0);
+        let axis = on_z.select(axis + 4, on_y.select(axis + 2, axis));
+        let face = front.select(axis, axis + 1);
         Self {
-            face: good.select(face, axis(4)),
-            s: unit(right),
-            t: unit(down),
+            face: good.select(face, i32x16::splat(s, 4)),
+            s: good.select(right, zero) / major * 0.5 + 0.5,
+            t: good.select(down, zero) / major * 0.5 + 0.5,
         }
     }
 
@@ -210,14 +207,11 @@ impl<S: Simd> Place<S> {
 
     #[inline(always)]
     fn nearest<const FORMAT: u8>(&self, s: S, view: &View<'_>, at: &At<S>) -> Color<S> {
-        let (zero, last) = (i32x16::splat(s, 0), at.width - 1);
-        let index = |c: f32x16<S>| {
-            let i = floor_to_i32(s, c * at.units_x);
-            let i = i.simd_gt(zero).select(i, zero);
-            i.simd_lt(last).select(i, last)
-        };
-        let texel = self.texel(at, index(self.s), index(self.t));
-        fetch::<S, FORMAT>(s, view, at.word::<FORMAT>(texel))
+        let (i, j) = (
+            within(s, self.s * at.units_x, at),
+            within(s, self.t * at.units_x, at),
+        );
+        fetch::<S, FORMAT>(s, view, at.word::<FORMAT>(self.texel(at, i, j)))
     }
 
     /// Four texels, across edges too; the lanes that need the mean at a corner.
@@ -276,15 +270,37 @@ impl<S: Simd> Place<S> {
             None => zero,
         };
         let along = beside.select(j, i);
-        let place = |shift: i32| {
-            let c = (step & (1 << shift)).simd_gt(zero).select(along, zero);
-            (step & (2 << shift)).simd_gt(zero).select(last - c, c)
-        };
-        let (x, y) = (place(3), place(5));
+        let x = (step & 8).simd_gt(zero).select(along, zero);
+        let x = (step & 16).simd_gt(zero).select(last - x, x);
+        let y = (step & 32).simd_gt(zero).select(along, zero);
+        let y = (step & 64).simd_gt(zero).select(last - y, y);
         let neighbour = ((step & 7) * at.width + y) * at.width + x;
         let texel = (beside | above).select(neighbour, self.texel(at, i, j));
         (beside & above).select(zero, texel)
     }
+}
+
+// Functions, not closures: these would lose the level's instructions.
+
+/// What belongs to the axis that a direction runs along: z, y or x.
+#[inline(always)]
+fn along<S: Simd>(
+    on_z: mask32x16<S>,
+    of_z: f32x16<S>,
+    on_y: mask32x16<S>,
+    of_y: f32x16<S>,
+    of_x: f32x16<S>,
+) -> f32x16<S> {
+    on_z.select(of_z, on_y.select(of_y, of_x))
+}
+
+/// The texel of a coordinate, on the face.
+#[inline(always)]
+fn within<S: Simd>(s: S, c: f32x16<S>, at: &At<S>) -> i32x16<S> {
+    let (zero, last) = (i32x16::splat(s, 0), at.width - 1);
+    let i = floor_to_i32(s, c);
+    let i = i.simd_gt(zero).select(i, zero);
+    i.simd_lt(last).select(i, last)
 }
 
 /// What lies beyond each face's edges to the left, right, top and bottom: the neighbour (3 bits), and for its column and then its row
