@@ -368,9 +368,9 @@ impl Flat {
     #[inline(always)]
     fn place_lanes<S: Simd>(&self, s: S, point: V3<S>) -> V3<S> {
         let mut out = point;
-        for k in 0..3 {
+        for (k, out) in out.iter_mut().enumerate() {
             let [a, b, c, d] = self.rows[k];
-            out[k] = point[0] * a + point[1] * b + point[2] * c + f32x16::splat(s, d);
+            *out = point[0] * a + point[1] * b + point[2] * c + f32x16::splat(s, d);
         }
         if self.divided {
             [out[0] / out[2], out[1] / out[2], out[2]]

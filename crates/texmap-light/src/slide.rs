@@ -227,9 +227,9 @@ impl<'a> SlideView<'a> {
         let (zero, one) = (f32x16::splat(s, 0.0), f32x16::splat(s, 1.0));
         let half = f32x16::splat(s, 0.5);
         let mut qst = point;
-        for k in 0..3 {
+        for (k, out) in qst.iter_mut().enumerate() {
             let [a, b, c, d] = self.rows[k];
-            qst[k] = point[0] * a + point[1] * b + point[2] * c + f32x16::splat(s, d);
+            *out = point[0] * a + point[1] * b + point[2] * c + f32x16::splat(s, d);
         }
         let [q, r, t] = qst;
         let (u, v) = (q / t, r / t);
@@ -256,9 +256,9 @@ impl<'a> SlideView<'a> {
     #[inline(always)]
     pub fn changes_lanes<S: Simd>(&self, places: &SlidePlaces<S>, d: V3<S>) -> [f32x16<S>; 2] {
         let mut qst = d;
-        for k in 0..3 {
+        for (k, out) in qst.iter_mut().enumerate() {
             let [x, y, z, _] = self.rows[k];
-            qst[k] = d[0] * x + d[1] * y + d[2] * z;
+            *out = d[0] * x + d[1] * y + d[2] * z;
         }
         let ([q, r, t], [u, v]) = (qst, places.uv);
         [(q - u * t) / places.t, (r - v * t) / places.t]

@@ -156,9 +156,9 @@ impl Carved {
     #[inline(always)]
     fn values_lanes<S: Simd>(&self, s: S, p: V3<S>, width: f32x16<S>) -> f32x16<S> {
         let mut place = p;
-        for k in 0..3 {
+        for (k, out) in place.iter_mut().enumerate() {
             let [a, b, c, d] = self.rows[k];
-            place[k] = p[0] * a + p[1] * b + p[2] * c + d;
+            *out = p[0] * a + p[1] * b + p[2] * c + d;
         }
         let width = width / (512.0 * self.step);
         let (around, fold) = match self.heights {
