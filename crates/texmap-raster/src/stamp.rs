@@ -190,9 +190,9 @@ impl Tiny {
             f32x16::from_slice(s, &group.z_lo),
             f32x16::from_slice(s, &group.z_hi),
         );
-        for k in 0..4 {
+        for (k, inside) in inside.iter().enumerate() {
             let (x, y) = (px + (k & 1) as f32, py + (k >> 1) as f32);
-            self.covered[k] = inside[k].to_bitmask() as u32;
+            self.covered[k] = inside.to_bitmask() as u32;
             clamp((c + b * y) + a * x, lo, hi).store_slice(&mut self.depth[k]);
         }
     }

@@ -325,8 +325,8 @@ impl<'a> LitLanes<'a> {
                     } else {
                         columns.block::<_, false>(s, i, *at, &side, out)
                     };
-                    for k in 0..4 {
-                        color[k].store_slice(&mut out.0[k][i * LANES..(i + 1) * LANES]);
+                    for (to, color) in out.0.iter_mut().zip(&color) {
+                        color.store_slice(&mut to[i * LANES..(i + 1) * LANES]);
                     }
                 }
             },

@@ -151,8 +151,8 @@ impl TexelStage {
     fn tint_lanes<S: Simd>(&self, s: S, count: usize, out: &mut Colors) {
         for i in 0..count.div_ceil(LANES) {
             let color = self.tint_block(s, out.lanes(s, i));
-            for k in 0..4 {
-                color[k].store_slice(&mut out.0[k][i * LANES..(i + 1) * LANES]);
+            for (to, color) in out.0.iter_mut().zip(&color) {
+                color.store_slice(&mut to[i * LANES..(i + 1) * LANES]);
             }
         }
     }

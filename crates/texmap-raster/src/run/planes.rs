@@ -245,8 +245,8 @@ impl<'t, S: Simd> Own<'t, S> {
         let groups = (self.slots >> 4) * (self.per_group * LANES) as u32;
         let start = groups + (self.slots & 15) + (row * LANES) as u32;
         let mut out = [f32x16::splat(s, 0.0); COEFFICIENTS];
-        for c in 0..COEFFICIENTS {
-            out[c] = gather(s, self.words, start + (c * LANES) as u32).bitcast();
+        for (c, out) in out.iter_mut().enumerate() {
+            *out = gather(s, self.words, start + (c * LANES) as u32).bitcast();
         }
         out
     }

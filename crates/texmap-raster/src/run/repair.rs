@@ -37,8 +37,8 @@ impl TilePlanes {
                 Some(setup) if setup.is_wide_perspective() => {
                     let wide = Wide::new(s, setup, at.block);
                     values.inv_w = wide.inv_w();
-                    for k in 0..2 {
-                        if let Some([u, dx, dy]) = wide.attribute::<D>(wanted[k]) {
+                    for (k, &attribute) in wanted.iter().enumerate() {
+                        if let Some([u, dx, dy]) = wide.attribute::<D>(attribute) {
                             (values.value[k], values.ddx[k], values.ddy[k]) = (u, dx, dy);
                         }
                     }

@@ -394,8 +394,8 @@ impl Mirror<'_> {
 #[inline(always)]
 fn store<S: Simd>(v: V3<S>) -> Three {
     let mut out = [[0.0; LANES]; 3];
-    for k in 0..3 {
-        v[k].store_slice(&mut out[k]);
+    for (out, c) in out.iter_mut().zip(&v) {
+        c.store_slice(out);
     }
     out
 }
