@@ -103,7 +103,7 @@ impl TilePlanes {
         );
     }
 
-    /// Stores the values of attributes `wanted` in each block of `run` that has pixels, one attribute a column from column `first` on;
+    /// Stores the values of attributes `wanted` in each block of `run` that has pixels, one attribute a column from column `first` on (nothing where these are missing);
     /// derivatives only where `D` asks for them. For stages that are generic over the SIMD level; outside semantic versioning.
     #[inline(never)]
     pub fn each_column<S: Simd, const D: bool>(
@@ -134,7 +134,11 @@ impl TilePlanes {
         let Some(words) = Words::new(bytemuck::cast_slice(&self.words)) else {
             return;
         };
-        let (inv_w, columns) = (&mut out.inv_w, &mut out.columns[first..]);
+        let columns = out.columns.get_mut(first..);
+        let Some(columns) = columns.and_then(|columns| columns.get_mut(..wanted.len())) else {
+            return;
+        };
+        let inv_w = &mut out.inv_w;
         let mut out = Columns { inv_w, columns };
         let (mut spread, mut spread_slot) = (One::NONE, NONE);
         for (i, &at) in run.iter().enumerate().take(RUN / LANES) {

@@ -12,6 +12,15 @@ use crate::blocks::pixel_of;
 use crate::plane_table::TilePlanes;
 use crate::setup::{Fragment, TriangleSetup};
 
+/// What the common way has left to do in a block.
+enum Rest<'t> {
+    Nothing,
+    /// Every pixel, in lanes.
+    Wide(&'t TriangleSetup),
+    /// Pixels of these slots: those whose bits are set, and where attributes are linear.
+    Pixels([u32; LANES], u16),
+}
+
 /// Takes what is replaced in a block.
 pub(super) trait Patch {
     fn inv_w(&mut self, bit: usize, value: f32);
@@ -31,29 +40,22 @@ impl TilePlanes {
         wanted: [usize; 2],
         values: &mut BlockValues<S>,
     ) {
-        if one {
-            match self.odd_setup(slots[0]) {
-                None => return,
-                Some(setup) if setup.is_wide_perspective() => {
-                    let wide = Wide::new(s, setup, at.block);
-                    values.inv_w = wide.inv_w();
-                    for (k, &attribute) in wanted.iter().enumerate() {
-                        if let Some([u, dx, dy]) = wide.attribute::<D>(attribute) {
-                            (values.value[k], values.ddx[k], values.ddy[k]) = (u, dx, dy);
-                        }
+        match self.rest(slots, at, one) {
+            Rest::Nothing => {}
+            Rest::Wide(setup) => {
+                let wide = Wide::new(s, setup, at.block);
+                values.inv_w = wide.inv_w();
+                for (k, &attribute) in wanted.iter().enumerate() {
+                    if let Some([u, dx, dy]) = wide.attribute::<D>(attribute) {
+                        (values.value[k], values.ddx[k], values.ddy[k]) = (u, dx, dy);
                     }
-                    return;
                 }
-                Some(_) => {}
             }
-        }
-        let mut lanes = [0; LANES];
-        slots.store_slice(&mut lanes);
-        let odd = self.odd(&lanes) & at.mask;
-        if odd != 0 || self.has_linear {
-            let mut spilt = values.spill();
-            self.repair(s, &lanes, odd, at.block, &wanted, &mut spilt);
-            *values = BlockValues::load(s, &spilt);
+            Rest::Pixels(lanes, odd) => {
+                let mut spilt = values.spill();
+                self.repair(s, &lanes, odd, at.block, &wanted, &mut spilt);
+                *values = BlockValues::load(s, &spilt);
+            }
         }
     }
 
@@ -68,41 +70,47 @@ impl TilePlanes {
         wanted: &[usize],
         out: &mut Columns<'_>,
     ) {
+        match self.rest(slots, at, one) {
+            Rest::Nothing => {}
+            Rest::Wide(setup) => {
+                let wide = Wide::new(s, setup, at.block);
+                wide.inv_w().store_slice(&mut out.inv_w[lanes_of(i)]);
+                for (column, &k) in out.columns.iter_mut().zip(wanted) {
+                    if let Some(values) = wide.attribute::<D>(k) {
+                        column.put::<S, D>(i, values);
+                    }
+                }
+            }
+            Rest::Pixels(lanes, odd) => {
+                let patch = &mut ColumnsAt(out, i);
+                self.repair(s, &lanes, odd, at.block, wanted, patch);
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn rest<S: Simd>(&self, slots: u32x16<S>, at: RunBlock, one: bool) -> Rest<'_> {
         if one {
             match self.odd_setup(slots[0]) {
-                None => return,
-                Some(setup) if setup.is_wide_perspective() => {
-                    let wide = Wide::new(s, setup, at.block);
-                    wide.inv_w().store_slice(&mut out.inv_w[lanes_of(i)]);
-                    for (column, &k) in out.columns.iter_mut().zip(wanted) {
-                        if let Some(values) = wide.attribute::<D>(k) {
-                            column.put::<S, D>(i, values);
-                        }
-                    }
-                    return;
-                }
+                None => return Rest::Nothing,
+                Some(setup) if setup.is_wide_perspective() => return Rest::Wide(setup),
                 Some(_) => {}
             }
         }
         let mut lanes = [0; LANES];
         slots.store_slice(&mut lanes);
-        let odd = self.odd(&lanes) & at.mask;
-        if odd != 0 || self.has_linear {
-            let patch = &mut ColumnsAt(out, i);
-            self.repair(s, &lanes, odd, at.block, wanted, patch);
-        }
-    }
-
-    /// The lanes whose slots f32 planes cannot serve.
-    #[inline(always)]
-    fn odd(&self, lanes: &[u32; LANES]) -> u16 {
-        let mut odd = 0;
+        let mut odd = 0u16;
         if !self.setups.is_empty() {
             for (bit, &slot) in lanes.iter().enumerate() {
                 odd |= u16::from(self.odd_setup(slot).is_some()) << bit;
             }
         }
-        odd
+        odd &= at.mask;
+        if odd != 0 || self.has_linear {
+            Rest::Pixels(lanes, odd)
+        } else {
+            Rest::Nothing
+        }
     }
 
     /// What [`mend`](Self::mend) replaces pixel by pixel, out of its way.
