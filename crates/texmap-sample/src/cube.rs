@@ -194,7 +194,7 @@ impl Sampler {
 }
 
 /// Components of a vector along sc, tc and the major axis of a face.
-fn on_face(face: usize, [x, y, z]: [f32; 3]) -> [f32; 3] {
+const fn on_face(face: usize, [x, y, z]: [f32; 3]) -> [f32; 3] {
     match face {
         0 => [-z, -y, x],
         1 => [z, -y, -x],

@@ -96,7 +96,7 @@ impl Format {
     pub(crate) fn rounded(self, c: [f32; 4]) -> [f32; 4] {
         let most = self.units();
         match self {
-            Self::Rgba8 | Self::Rgba16 => c.map(|x| round_clamped(x * most, most) as f32),
+            Self::Rgba8 | Self::Rgba16 => floats(rounded_words(scaled(c, most), most)),
             Self::Rgba32 | Self::R32 => c,
         }
     }

@@ -1,6 +1,6 @@
 //! Cube look-ups sixteen at a time, with the bits of [`Sampler::sample_cube`].
 
-use super::TextureCube;
+use super::{TextureCube, on_face};
 use crate::{
     error::SampleError,
     filter::gl_of,
@@ -309,48 +309,50 @@ const EDGES: [u32; 24] = {
     let mut edges = [0; 24];
     let mut k = 0;
     while k < 24 {
-        let [right, down, major] = AXES[k / 4];
+        let [right, down, major] = axes(k / 4);
         let (out, along) = match k % 4 {
-            0 => (times(right, -1), down),
+            0 => (opposite(right), down),
             1 => (right, down),
-            2 => (times(down, -1), right),
+            2 => (opposite(down), right),
             _ => (down, right),
         };
         let mut face = 0;
-        while dot(AXES[face][2], out) != 1 {
+        while dot(axes(face)[2], out) != 1.0 {
             face += 1;
         }
-        let [x, y, _] = AXES[face];
+        let [x, y, _] = axes(face);
         edges[k] = face as u32 | step(x, along, major) << 3 | step(y, along, major) << 5;
         k += 1;
     }
     edges
 };
 
-/// To the right, down and out of each face, as [`cube_face`](super::cube_face) has them.
-const AXES: [[[i32; 3]; 3]; 6] = [
-    [[0, 0, -1], [0, -1, 0], [1, 0, 0]],
-    [[0, 0, 1], [0, -1, 0], [-1, 0, 0]],
-    [[1, 0, 0], [0, 0, 1], [0, 1, 0]],
-    [[1, 0, 0], [0, 0, -1], [0, -1, 0]],
-    [[1, 0, 0], [0, -1, 0], [0, 0, 1]],
-    [[-1, 0, 0], [0, -1, 0], [0, 0, -1]],
-];
+/// To the right, down and out of a face.
+const fn axes(face: usize) -> [[f32; 3]; 3] {
+    let [x, y, z] = [
+        on_face(face, [1.0, 0.0, 0.0]),
+        on_face(face, [0.0, 1.0, 0.0]),
+        on_face(face, [0.0, 0.0, 1.0]),
+    ];
+    [[x[0], y[0], z[0]], [x[1], y[1], z[1]], [x[2], y[2], z[2]]]
+}
 
 /// How a neighbour's axis runs: along the edge or, if not, towards the face that was left or away from it.
-const fn step(axis: [i32; 3], along: [i32; 3], left: [i32; 3]) -> u32 {
-    match (dot(axis, along), dot(axis, left)) {
-        (1, _) => 1,
-        (-1, _) => 3,
-        (_, 1) => 2,
-        _ => 0,
+const fn step(axis: [f32; 3], along: [f32; 3], left: [f32; 3]) -> u32 {
+    let (along, left) = (dot(axis, along), dot(axis, left));
+    if along == 0.0 {
+        if left > 0.0 { 2 } else { 0 }
+    } else if along > 0.0 {
+        1
+    } else {
+        3
     }
 }
 
-const fn dot(a: [i32; 3], b: [i32; 3]) -> i32 {
+const fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-const fn times(v: [i32; 3], by: i32) -> [i32; 3] {
-    [v[0] * by, v[1] * by, v[2] * by]
+const fn opposite([x, y, z]: [f32; 3]) -> [f32; 3] {
+    [-x, -y, -z]
 }
