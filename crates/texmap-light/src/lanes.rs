@@ -10,7 +10,7 @@ pub use crate::normal_map::clamp_to_horizon_lanes;
 pub use crate::reflect::{RayLanes, reflect_across_lanes, reflect_lanes};
 pub use crate::share::{PowerLanes, ShareLanes, share_lanes};
 pub use crate::slide::SlidePlaces;
-pub use crate::vector::{cross_lanes, dot_lanes, spread, unit_lanes};
+pub use crate::vector::{affine_lanes, cross_lanes, dot_lanes, spread, unit_lanes};
 
 /// A vector in each lane.
 pub type V3<S> = [f32x16<S>; 3];

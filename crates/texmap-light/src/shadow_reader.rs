@@ -8,7 +8,7 @@ use texmap_math::lanes::{Words, floor_to_i32, floor_to_i32_scalar, gather};
 
 use crate::lanes::V3;
 use crate::shadow_bounds::{ShadowBounds, radius};
-use crate::vector::{dot, dot_lanes, spread};
+use crate::vector::{affine_lanes, dot, dot_lanes, spread};
 use crate::{ShadowBias, ShadowKind, ShadowMap};
 
 /// A shadow map with the bias and the filter of its look-ups.
@@ -255,7 +255,7 @@ impl Flat {
         normal: V3<S>,
     ) -> f32x16<S> {
         let one = f32x16::splat(s, 1.0);
-        let mut place = self.place_lanes(s, point);
+        let mut place = self.place_lanes(point);
         let mut inside = self.holds_lanes(s, place);
         if let Bias::NormalOffset(texels) = self.bias {
             let step = self.texel_at_lanes(s, place[2]) * texels;
@@ -264,7 +264,7 @@ impl Flat {
                 point[1] + normal[1] * step,
                 point[2] + normal[2] * step,
             ];
-            place = self.place_lanes(s, moved);
+            place = self.place_lanes(moved);
             inside &= self.holds_lanes(s, place);
         }
         let [x, y, depth] = place;
@@ -366,12 +366,8 @@ impl Flat {
     }
 
     #[inline(always)]
-    fn place_lanes<S: Simd>(&self, s: S, point: V3<S>) -> V3<S> {
-        let mut out = point;
-        for (k, out) in out.iter_mut().enumerate() {
-            let [a, b, c, d] = self.rows[k];
-            *out = point[0] * a + point[1] * b + point[2] * c + f32x16::splat(s, d);
-        }
+    fn place_lanes<S: Simd>(&self, point: V3<S>) -> V3<S> {
+        let out = affine_lanes(&self.rows, point);
         if self.divided {
             [out[0] / out[2], out[1] / out[2], out[2]]
         } else {

@@ -6,7 +6,7 @@ use texmap_math::{Footprint, Projector};
 use texmap_sample::{Filter, Sampler, Texture2d, Wrap};
 
 use crate::error::{LightError, same_length};
-use crate::lanes::V3;
+use crate::lanes::{V3, affine_lanes};
 
 /// A picture thrown from a projector: light, or paint.
 #[derive(Clone, Debug)]
@@ -226,12 +226,7 @@ impl<'a> SlideView<'a> {
     pub fn place_lanes<S: Simd>(&self, s: S, point: V3<S>) -> SlidePlaces<S> {
         let (zero, one) = (f32x16::splat(s, 0.0), f32x16::splat(s, 1.0));
         let half = f32x16::splat(s, 0.5);
-        let mut qst = point;
-        for (k, out) in qst.iter_mut().enumerate() {
-            let [a, b, c, d] = self.rows[k];
-            *out = point[0] * a + point[1] * b + point[2] * c + f32x16::splat(s, d);
-        }
-        let [q, r, t] = qst;
+        let [q, r, t] = affine_lanes(&self.rows, point);
         let (u, v) = (q / t, r / t);
         let infinity = f32::INFINITY;
         let finite = u.abs().simd_lt(infinity) & v.abs().simd_lt(infinity);

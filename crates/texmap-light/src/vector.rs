@@ -93,6 +93,16 @@ pub fn dot_lanes<S: Simd>(a: V3<S>, b: V3<S>) -> f32x16<S> {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
+/// Points under an affine map, by its rows.
+#[inline(always)]
+pub fn affine_lanes<S: Simd>(rows: &[[f32; 4]; 3], p: V3<S>) -> V3<S> {
+    let mut out = p;
+    for (out, [a, b, c, d]) in out.iter_mut().zip(rows) {
+        *out = p[0] * *a + p[1] * *b + p[2] * *c + *d;
+    }
+    out
+}
+
 /// Vector products.
 #[inline(always)]
 pub fn cross_lanes<S: Simd>(a: V3<S>, b: V3<S>) -> V3<S> {

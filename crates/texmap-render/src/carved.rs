@@ -3,7 +3,7 @@
 use core::f32::consts::TAU;
 
 use texmap_light::bump_on;
-use texmap_light::lanes::{V3, bump_on_lanes, cross_lanes, dot_lanes};
+use texmap_light::lanes::{V3, affine_lanes, bump_on_lanes, cross_lanes, dot_lanes};
 use texmap_math::det32;
 use texmap_math::fearless_simd::{Simd, f32x16, prelude::*};
 use texmap_math::glam::{DMat4, DVec4};
@@ -155,11 +155,7 @@ impl Carved {
 
     #[inline(always)]
     fn values_lanes<S: Simd>(&self, s: S, p: V3<S>, width: f32x16<S>) -> f32x16<S> {
-        let mut place = p;
-        for (k, out) in place.iter_mut().enumerate() {
-            let [a, b, c, d] = self.rows[k];
-            *out = p[0] * a + p[1] * b + p[2] * c + d;
-        }
+        let place = affine_lanes(&self.rows, p);
         let width = width / (512.0 * self.step);
         let (around, fold) = match self.heights {
             Carving::Pattern(pattern) => return pattern.value_lanes(s, place, width),
