@@ -72,6 +72,7 @@ impl Case {
     }
 }
 
+/// Those with kernels of their own: SSE4.2 runs SSE2's.
 fn levels() -> Vec<(&'static str, Level)> {
     let best = Level::new();
     let mut levels = Vec::new();
@@ -79,7 +80,6 @@ fn levels() -> Vec<(&'static str, Level)> {
     {
         levels.extend(best.as_avx512().map(|t| ("avx512", Level::Avx512(t))));
         levels.extend(best.as_avx2().map(|t| ("avx2", Level::Avx2(t))));
-        levels.extend(best.as_sse4_2().map(|t| ("sse4.2", Level::Sse4_2(t))));
         levels.extend(best.as_sse2().map(|t| ("sse2", Level::Sse2(t))));
     }
     if levels.is_empty() {
@@ -297,8 +297,6 @@ fn dispatch(level: Level, job: &mut Job<'_>, form: Form, run: &mut Run) {
         Level::Avx512(s) => draw(s, job, form, run),
         #[cfg(target_arch = "x86_64")]
         Level::Avx2(s) => draw(s, job, form, run),
-        #[cfg(target_arch = "x86_64")]
-        Level::Sse4_2(s) => draw(s, job, form, run),
         #[cfg(target_arch = "x86_64")]
         Level::Sse2(s) => draw(s, job, form, run),
         #[cfg(target_arch = "aarch64")]

@@ -13,16 +13,22 @@ use core::arch::x86::{
     __m128i, __m256i, __m512i, _mm_loadu_si128, _mm_set_epi64x, _mm256_castps_si256,
     _mm256_castsi256_ps, _mm256_min_epu32, _mm256_set_m128i, _mm256_set1_epi32, _mm256_setr_epi32,
     _mm256_shuffle_ps, _mm256_storeu_si256, _mm256_unpackhi_epi32, _mm256_unpackhi_epi64,
-    _mm256_unpacklo_epi32, _mm256_unpacklo_epi64, _mm512_i32gather_epi32, _mm512_min_epu32,
-    _mm512_set1_epi32,
+    _mm256_unpacklo_epi32, _mm256_unpacklo_epi64, _mm512_castsi128_si512, _mm512_castsi512_si256,
+    _mm512_extracti64x4_epi64, _mm512_i32gather_epi32, _mm512_i32gather_epi64, _mm512_inserti32x4,
+    _mm512_min_epu32, _mm512_permutex2var_epi32, _mm512_set1_epi32, _mm512_setr_epi32,
+    _mm512_storeu_si512, _mm512_unpackhi_epi32, _mm512_unpackhi_epi64, _mm512_unpacklo_epi32,
+    _mm512_unpacklo_epi64,
 };
 #[cfg(target_arch = "x86_64")]
 use core::arch::x86_64::{
     __m128i, __m256i, __m512i, _mm_loadu_si128, _mm_set_epi64x, _mm256_castps_si256,
     _mm256_castsi256_ps, _mm256_min_epu32, _mm256_set_m128i, _mm256_set1_epi32, _mm256_setr_epi32,
     _mm256_shuffle_ps, _mm256_storeu_si256, _mm256_unpackhi_epi32, _mm256_unpackhi_epi64,
-    _mm256_unpacklo_epi32, _mm256_unpacklo_epi64, _mm512_i32gather_epi32, _mm512_min_epu32,
-    _mm512_set1_epi32,
+    _mm256_unpacklo_epi32, _mm256_unpacklo_epi64, _mm512_castsi128_si512, _mm512_castsi512_si256,
+    _mm512_extracti64x4_epi64, _mm512_i32gather_epi32, _mm512_i32gather_epi64, _mm512_inserti32x4,
+    _mm512_min_epu32, _mm512_permutex2var_epi32, _mm512_set1_epi32, _mm512_setr_epi32,
+    _mm512_storeu_si512, _mm512_unpackhi_epi32, _mm512_unpackhi_epi64, _mm512_unpacklo_epi32,
+    _mm512_unpacklo_epi64,
 };
 
 /// 32-bit words to gather from: at least one. Texels of other sizes are cast to words first.
@@ -67,7 +73,8 @@ pub fn prefetch(bytes: &[u8]) {
 }
 
 /// The words at sixteen indices; an index beyond the end reads the last word. By a gather instruction on AVX-512; AVX2's is slower
-/// than loads on most CPUs that have no AVX-512 of their own: AMD's, and Intel's since it is guarded against data sampling.
+/// than loads on most CPUs that have no AVX-512 of their own: AMD's, and Intel's since it is guarded against data sampling. Pairs are
+/// half as many elements for a gather, and fours one load each on both.
 #[inline(always)]
 pub fn gather<S: Simd>(s: S, words: Words<'_>, index: u32x16<S>) -> u32x16<S> {
     #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
@@ -88,7 +95,7 @@ pub fn gather<S: Simd>(s: S, words: Words<'_>, index: u32x16<S>) -> u32x16<S> {
 #[inline(always)]
 pub fn has_pairs<S: Simd>(s: S) -> bool {
     #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-    if let Level::Avx2(_) = s.level() {
+    if let Level::Avx2(_) | Level::Avx512(_) = s.level() {
         return true;
     }
     let _ = s;
@@ -99,14 +106,21 @@ pub fn has_pairs<S: Simd>(s: S) -> bool {
 #[inline(always)]
 pub fn gather_pairs<S: Simd>(s: S, words: Words<'_>, index: u32x16<S>) -> [u32x16<S>; 2] {
     #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-    if let (Level::Avx2(token), 1..) = (s.level(), words.last) {
-        let (low, high) = s.split_u32x16(index);
-        let [low, low_next] = pairs_avx2(token, words, low.into());
-        let [high, high_next] = pairs_avx2(token, words, high.into());
-        return [
-            s.combine_u32x8(low.simd_into(s), high.simd_into(s)),
-            s.combine_u32x8(low_next.simd_into(s), high_next.simd_into(s)),
-        ];
+    match (s.level(), words.last) {
+        (Level::Avx512(token), 1..) => {
+            let [a, b] = pairs_avx512(token, words, index.into());
+            return [a.simd_into(s), b.simd_into(s)];
+        }
+        (Level::Avx2(token), 1..) => {
+            let (low, high) = s.split_u32x16(index);
+            let [low, low_next] = pairs_avx2(token, words, low.into());
+            let [high, high_next] = pairs_avx2(token, words, high.into());
+            return [
+                s.combine_u32x8(low.simd_into(s), high.simd_into(s)),
+                s.combine_u32x8(low_next.simd_into(s), high_next.simd_into(s)),
+            ];
+        }
+        _ => {}
     }
     [gather(s, words, index), gather(s, words, index + 1)]
 }
@@ -128,10 +142,25 @@ pub fn gather_triples<S: Simd>(s: S, words: Words<'_>, index: u32x16<S>) -> [u32
 #[inline(always)]
 pub fn gather_quads<S: Simd>(s: S, words: Words<'_>, index: u32x16<S>) -> Option<[u32x16<S>; 4]> {
     #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-    if let (Level::Avx2(token), Some(last)) = (s.level(), words.last.checked_sub(3)) {
+    if let (level @ (Level::Avx2(_) | Level::Avx512(_)), Some(last)) =
+        (s.level(), words.last.checked_sub(3))
+    {
         if index.simd_gt(last).any_true() {
             return None;
         }
+        let token = match level {
+            Level::Avx512(token) => {
+                let [a, b, c, d] = quads_avx512(token, words, index.into());
+                return Some([
+                    a.simd_into(s),
+                    b.simd_into(s),
+                    c.simd_into(s),
+                    d.simd_into(s),
+                ]);
+            }
+            Level::Avx2(token) => token,
+            _ => return None,
+        };
         let (low, high) = s.split_u32x16(index);
         let low = quads_avx2(token, words, low.into());
         let high = quads_avx2(token, words, high.into());
@@ -164,6 +193,32 @@ fearless_simd::kernel!(
         let index = _mm512_min_epu32(index, _mm512_set1_epi32(words.last as i32));
         // SAFETY: every index is at most `last`, which is below `data.len()` and within i32, so each address is that of an element.
         unsafe { _mm512_i32gather_epi32::<4>(index, words.data.as_ptr().cast()) }
+    }
+);
+
+#[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+fearless_simd::kernel!(
+    /// Of more than one word: a gather of eight pairs takes as long as one of sixteen words.
+    #[inline]
+    fn pairs_avx512(token: Avx512, words: Words<'_>, index: __m512i) -> [__m512i; 2] {
+        let last = words.last.saturating_sub(1) as i32;
+        let index = _mm512_min_epu32(index, _mm512_set1_epi32(last));
+        let low = _mm512_castsi512_si256(index);
+        let high = _mm512_extracti64x4_epi64::<1>(index);
+        let start = words.data.as_ptr().cast();
+        // SAFETY: every index is below `last`, which is below `data.len()` and within i32, so that both words are elements.
+        let (low, high) = unsafe {
+            (
+                _mm512_i32gather_epi64::<4>(low, start),
+                _mm512_i32gather_epi64::<4>(high, start),
+            )
+        };
+        let even = _mm512_setr_epi32(0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30);
+        let odd = _mm512_setr_epi32(1, 3, 5, 7, 9, 11, 13, 15, 17, 19, 21, 23, 25, 27, 29, 31);
+        [
+            _mm512_permutex2var_epi32(low, even, high),
+            _mm512_permutex2var_epi32(low, odd, high),
+        ]
     }
 );
 
@@ -250,6 +305,70 @@ unsafe fn quad(words: Words<'_>, at: u32) -> __m128i {
     // SAFETY: the caller's word; sixteen bytes from there on are it and the next three.
     unsafe { _mm_loadu_si128(words.data.as_ptr().add(at as usize).cast()) }
 }
+
+#[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+fearless_simd::kernel!(
+    #[inline(always)]
+    fn join_avx512(token: Avx512, a: __m128i, b: __m128i, c: __m128i, d: __m128i) -> __m512i {
+        let ab = _mm512_inserti32x4::<1>(_mm512_castsi128_si512(a), b);
+        _mm512_inserti32x4::<3>(_mm512_inserti32x4::<2>(ab, c), d)
+    }
+);
+
+#[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+fearless_simd::kernel!(
+    /// Of more than three words, each four by one load. What lies beyond the end is not read, and what is read instead has no meaning.
+    #[inline]
+    fn quads_avx512(token: Avx512, words: Words<'_>, index: __m512i) -> [__m512i; 4] {
+        let last = words.last.saturating_sub(3) as i32;
+        let index = _mm512_min_epu32(index, _mm512_set1_epi32(last));
+        let mut at = [0_u32; 16];
+        // SAFETY: sixteen words are what the array holds.
+        unsafe { _mm512_storeu_si512(at.as_mut_ptr().cast(), index) };
+        let at = core::hint::black_box(&at);
+        // SAFETY: every index is at most three before `last`, which is below `data.len()`, so that all four words are elements.
+        let [a, b, c, d] = unsafe {
+            [
+                join_avx512(
+                    token,
+                    quad(words, at[0]),
+                    quad(words, at[4]),
+                    quad(words, at[8]),
+                    quad(words, at[12]),
+                ),
+                join_avx512(
+                    token,
+                    quad(words, at[1]),
+                    quad(words, at[5]),
+                    quad(words, at[9]),
+                    quad(words, at[13]),
+                ),
+                join_avx512(
+                    token,
+                    quad(words, at[2]),
+                    quad(words, at[6]),
+                    quad(words, at[10]),
+                    quad(words, at[14]),
+                ),
+                join_avx512(
+                    token,
+                    quad(words, at[3]),
+                    quad(words, at[7]),
+                    quad(words, at[11]),
+                    quad(words, at[15]),
+                ),
+            ]
+        };
+        let (low_ab, high_ab) = (_mm512_unpacklo_epi32(a, b), _mm512_unpackhi_epi32(a, b));
+        let (low_cd, high_cd) = (_mm512_unpacklo_epi32(c, d), _mm512_unpackhi_epi32(c, d));
+        [
+            _mm512_unpacklo_epi64(low_ab, low_cd),
+            _mm512_unpackhi_epi64(low_ab, low_cd),
+            _mm512_unpacklo_epi64(high_ab, high_cd),
+            _mm512_unpackhi_epi64(high_ab, high_cd),
+        ]
+    }
+);
 
 #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
 fearless_simd::kernel!(
