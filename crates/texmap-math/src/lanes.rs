@@ -21,13 +21,13 @@ use crate::color::{SRGB8_BASE, SRGB8_FIRST, SRGB8_THRESHOLD_BITS};
 
 mod bytes;
 mod gather;
-mod octet;
+mod table;
 
 pub use bytes::lerp_bytes;
 pub use gather::{
     Words, gather, gather_by_loads, gather_pairs, gather_quads, gather_triples, has_pairs, prefetch,
 };
-pub use octet::{has_octets, octet};
+pub use table::{has_octets, look_up, octet};
 
 /// Lanes of every kernel, on every level.
 pub const LANES: usize = 16;

@@ -228,6 +228,14 @@ impl<'a> View<'a> {
     }
 }
 
+/// Where the four texels of a bilinear look-up are.
+pub(crate) enum Corners<S: Simd> {
+    /// The left ones of both rows: the right ones are the next texels in memory, and reading such pairs is the fast way.
+    Pairs([u32x16<S>; 2]),
+    /// Upper left, upper right, lower left, lower right.
+    Apart([Place<S>; 4]),
+}
+
 /// The level of each lane.
 #[derive(Clone, Copy)]
 pub(crate) struct At<S: Simd> {
@@ -353,62 +361,52 @@ impl<S: Simd> At<S> {
         view: &View<'_>,
         i: i32x16<S>,
         j: i32x16<S>,
-    ) -> [Place<S>; 4] {
+    ) -> Corners<S> {
         if view.masked {
             let (x_mask, y_mask) = (self.width - 1, self.height - 1);
-            let (x0, x1) = (i & x_mask, (i + 1) & x_mask);
+            let x0 = i & x_mask;
             let r0 = self.row_start((j & y_mask) ^ self.turn);
             let r1 = self.row_start(((j + 1) & y_mask) ^ self.turn);
-            return [
+            let left = [self.word::<FORMAT>(r0 + x0), self.word::<FORMAT>(r1 + x0)];
+            if has_pairs(s) && !x0.simd_eq(x_mask).any_true() {
+                return Corners::Pairs(left);
+            }
+            let x1 = (i + 1) & x_mask;
+            let right = [self.word::<FORMAT>(r0 + x1), self.word::<FORMAT>(r1 + x1)];
+            return Corners::Apart([
                 Place {
-                    word: self.word::<FORMAT>(r0 + x0),
+                    word: left[0],
                     sign: x0,
                 },
                 Place {
-                    word: self.word::<FORMAT>(r0 + x1),
+                    word: right[0],
                     sign: x0,
                 },
                 Place {
-                    word: self.word::<FORMAT>(r1 + x0),
+                    word: left[1],
                     sign: x0,
                 },
                 Place {
-                    word: self.word::<FORMAT>(r1 + x1),
+                    word: right[1],
                     sign: x0,
                 },
-            ];
+            ]);
         }
         let (x0, y0) = self.wrapped(s, view, i, j);
         let (x1, y1) = self.wrapped(s, view, i + 1, j + 1);
-        [
+        let left = [
             self.general::<FORMAT>(view, x0, y0),
-            self.general::<FORMAT>(view, x1, y0),
             self.general::<FORMAT>(view, x0, y1),
+        ];
+        if has_pairs(s) && !view.bordered && (x1 - x0).simd_eq(1).all_true() {
+            return Corners::Pairs([left[0].word, left[1].word]);
+        }
+        Corners::Apart([
+            left[0],
+            self.general::<FORMAT>(view, x1, y0),
+            left[1],
             self.general::<FORMAT>(view, x1, y1),
-        ]
-    }
-
-    /// The first and third of [`corners`](Self::corners) of bytes where those to the right of them are the next words in memory,
-    /// and reading these pairs is the fast way.
-    #[inline(always)]
-    pub(crate) fn left_corners(
-        &self,
-        s: S,
-        view: &View<'_>,
-        i: i32x16<S>,
-        j: i32x16<S>,
-    ) -> Option<[u32x16<S>; 2]> {
-        if !has_pairs(s) || !view.masked {
-            return None;
-        }
-        let (x_mask, y_mask) = (self.width - 1, self.height - 1);
-        let x = i & x_mask;
-        if x.simd_eq(x_mask).any_true() {
-            return None;
-        }
-        let r0 = self.row_start((j & y_mask) ^ self.turn);
-        let r1 = self.row_start(((j + 1) & y_mask) ^ self.turn);
-        Some([self.word::<RGBA8>(r0 + x), self.word::<RGBA8>(r1 + x)])
+        ])
     }
 
     #[inline(always)]

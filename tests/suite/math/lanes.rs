@@ -101,6 +101,18 @@ fn gathers_read_the_same_words_and_stay_inside() {
 }
 
 #[test]
+fn small_tables_are_read_by_index() {
+    let table: [u32; 16] = std::array::from_fn(|i| 0x9e37_79b9_u32.wrapping_mul(i as u32 + 1));
+    let index = [15, 0, 8, 7, 3, 3, 12, 1, 9, 14, 2, 11, 4, 5, 13, 6];
+    for (name, level) in levels() {
+        let read = dispatch!(level, s => {
+            <[u32; 16]>::from(lanes::look_up(s, &table, u32x16::from_slice(s, &index)))
+        });
+        assert_eq!(read, index.map(|i| table[i as usize]), "{name}");
+    }
+}
+
+#[test]
 fn octets_are_read_by_index() {
     let table: [f32; 8] = std::array::from_fn(|i| HARD[i]);
     for (name, level) in levels() {

@@ -6,7 +6,7 @@ use crate::{
     filter::gl_of,
     lanes::{
         At, Kind, RGBA16, RGBX8, View,
-        float::{Color, Levels, fetch, limit_lanes, mix, scaled, select},
+        float::{Color, Levels, fetch, fetch_two, limit_lanes, mix, scaled, select},
     },
     sampler::{Mip, Sampler, Texel},
     slice::{check, on_lanes},
@@ -231,25 +231,32 @@ impl<S: Simd> Place<S> {
             i.simd_ge(zero) & i.simd_lt(last),
             j.simd_ge(zero) & j.simd_lt(last),
         );
-        let texel = self.texel(at, i, j);
-        let below = texel + at.width;
-        let mut texels = [texel, texel + 1, below, below + 1];
         let mut corners = mask32x16::splat(s, false);
-        if !(in_x & in_y).all_true() {
+        let ([a, b], [c, d]) = if (in_x & in_y).all_true() {
+            let texel = self.texel(at, i, j);
+            (
+                fetch_two::<S, FORMAT>(s, view, at.word::<FORMAT>(texel)),
+                fetch_two::<S, FORMAT>(s, view, at.word::<FORMAT>(texel + at.width)),
+            )
+        } else {
             corners = !in_x & !in_y;
-            texels = [
+            let texels = [
                 self.across(s, at, i, j),
                 self.across(s, at, i + 1, j),
                 self.across(s, at, i, j + 1),
                 self.across(s, at, i + 1, j + 1),
             ];
-        }
-        let [a, b, c, d] = [
-            fetch::<S, FORMAT>(s, view, at.word::<FORMAT>(texels[0])),
-            fetch::<S, FORMAT>(s, view, at.word::<FORMAT>(texels[1])),
-            fetch::<S, FORMAT>(s, view, at.word::<FORMAT>(texels[2])),
-            fetch::<S, FORMAT>(s, view, at.word::<FORMAT>(texels[3])),
-        ];
+            (
+                [
+                    fetch::<S, FORMAT>(s, view, at.word::<FORMAT>(texels[0])),
+                    fetch::<S, FORMAT>(s, view, at.word::<FORMAT>(texels[1])),
+                ],
+                [
+                    fetch::<S, FORMAT>(s, view, at.word::<FORMAT>(texels[2])),
+                    fetch::<S, FORMAT>(s, view, at.word::<FORMAT>(texels[3])),
+                ],
+            )
+        };
         let (top, bottom) = (mix::<S, FORMAT>(a, b, wx), mix::<S, FORMAT>(c, d, wx));
         (mix::<S, FORMAT>(top, bottom, wy), corners)
     }

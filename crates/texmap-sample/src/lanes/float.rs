@@ -1,13 +1,13 @@
 //! The f32 filters for sixteen lanes; the scalar twins are in `filter.rs`.
 
-use super::{At, Place, RGBA16, RGBX8, View, packed::FootprintLanes};
+use super::{At, Corners, Place, RGBA16, RGBX8, View, packed::FootprintLanes};
 use crate::{
     lod::{LOG2_POLYNOMIAL, TINY},
     sampler::Precision,
 };
 use texmap_math::{
     fearless_simd::{f32x16, i32x16, mask32x16, prelude::*, u32x16},
-    lanes::{floor_to_i32, gather, gather_pairs},
+    lanes::{floor_to_i32, gather, gather_pairs, gather_quads},
 };
 
 /// Red, green, blue, alpha of sixteen lanes.
@@ -22,35 +22,60 @@ fn to_float<S: Simd>(c: u32x16<S>) -> f32x16<S> {
 #[inline(always)]
 pub(crate) fn fetch<S: Simd, const FORMAT: u8>(s: S, view: &View<'_>, word: u32x16<S>) -> Color<S> {
     match FORMAT {
-        RGBA16 => {
-            let [a, b] = gather_pairs(s, view.words, word);
-            let alpha = if view.opaque {
-                f32x16::splat(s, 65535.0)
-            } else {
-                to_float(b >> 16)
-            };
-            [
-                to_float(a & 65535),
-                to_float(a >> 16),
-                to_float(b & 65535),
-                alpha,
-            ]
-        }
-        _ => {
-            let c = gather(s, view.words, word);
-            let alpha = if FORMAT == RGBX8 {
-                f32x16::splat(s, 255.0)
-            } else {
-                to_float(c >> 24)
-            };
-            [
-                to_float(c & 255),
-                to_float((c >> 8) & 255),
-                to_float((c >> 16) & 255),
-                alpha,
-            ]
-        }
+        RGBA16 => color16(s, view, gather_pairs(s, view.words, word)),
+        _ => color8::<S, FORMAT>(s, gather(s, view.words, word)),
     }
+}
+
+/// A texel, and the next in memory.
+#[inline(always)]
+pub(crate) fn fetch_two<S: Simd, const FORMAT: u8>(
+    s: S,
+    view: &View<'_>,
+    word: u32x16<S>,
+) -> [Color<S>; 2] {
+    if FORMAT != RGBA16 {
+        let [a, b] = gather_pairs(s, view.words, word);
+        return [color8::<S, FORMAT>(s, a), color8::<S, FORMAT>(s, b)];
+    }
+    let (a, b) = match gather_quads(s, view.words, word) {
+        Some([a, b, c, d]) => ([a, b], [c, d]),
+        None => (
+            gather_pairs(s, view.words, word),
+            gather_pairs(s, view.words, word + 2),
+        ),
+    };
+    [color16(s, view, a), color16(s, view, b)]
+}
+
+#[inline(always)]
+fn color8<S: Simd, const FORMAT: u8>(s: S, c: u32x16<S>) -> Color<S> {
+    let alpha = if FORMAT == RGBX8 {
+        f32x16::splat(s, 255.0)
+    } else {
+        to_float(c >> 24)
+    };
+    [
+        to_float(c & 255),
+        to_float((c >> 8) & 255),
+        to_float((c >> 16) & 255),
+        alpha,
+    ]
+}
+
+#[inline(always)]
+fn color16<S: Simd>(s: S, view: &View<'_>, [a, b]: [u32x16<S>; 2]) -> Color<S> {
+    let alpha = if view.opaque {
+        f32x16::splat(s, 65535.0)
+    } else {
+        to_float(b >> 16)
+    };
+    [
+        to_float(a & 65535),
+        to_float(a >> 16),
+        to_float(b & 65535),
+        alpha,
+    ]
 }
 
 /// A texel, or the border.
@@ -96,13 +121,18 @@ fn bilinear_at<S: Simd, const FORMAT: u8>(
     let (x, y) = (x - 0.5, y - 0.5);
     let (i, j) = (floor_to_i32(s, x), floor_to_i32(s, y));
     let (wx, wy) = (x - i.to_float::<f32x16<S>>(), y - j.to_float::<f32x16<S>>());
-    let [a, b, c, d] = at.corners::<FORMAT>(s, view, i, j);
-    let a = tap::<S, FORMAT>(s, view, a);
-    let b = tap::<S, FORMAT>(s, view, b);
-    let top = mix::<S, FORMAT>(a, b, wx);
-    let c = tap::<S, FORMAT>(s, view, c);
-    let d = tap::<S, FORMAT>(s, view, d);
-    mix::<S, FORMAT>(top, mix::<S, FORMAT>(c, d, wx), wy)
+    let ([a, b], [c, d]) = match at.corners::<FORMAT>(s, view, i, j) {
+        Corners::Pairs([top, bottom]) => (
+            fetch_two::<S, FORMAT>(s, view, top),
+            fetch_two::<S, FORMAT>(s, view, bottom),
+        ),
+        Corners::Apart([a, b, c, d]) => (
+            [tap::<S, FORMAT>(s, view, a), tap::<S, FORMAT>(s, view, b)],
+            [tap::<S, FORMAT>(s, view, c), tap::<S, FORMAT>(s, view, d)],
+        ),
+    };
+    let (top, bottom) = (mix::<S, FORMAT>(a, b, wx), mix::<S, FORMAT>(c, d, wx));
+    mix::<S, FORMAT>(top, bottom, wy)
 }
 
 /// The nearest texels of level 0, scaled.

@@ -3,7 +3,7 @@
 //! Two channels share a 32-bit word as 16-bit halves; `(a << 8) + (b - a) w + 128` stays below 2^16
 //! whatever the sign of `b - a`, so wrapping 16-bit products are exact. The scalar form stands first.
 
-use super::{At, Place, RGBA8, View};
+use super::{At, Corners, Place, RGBA8, View};
 use crate::{
     filter::{axes, floor, gl_of},
     lod::{LIMIT, TINY, TexelFootprint, log2_sqrt_fixed},
@@ -13,7 +13,7 @@ use crate::{
 };
 use texmap_math::{
     fearless_simd::{f32x16, i32x16, prelude::*, u16x32, u32x16},
-    lanes::{Words, above, floor_to_i32, gather, gather_pairs, lerp_bytes, store_tail},
+    lanes::{above, floor_to_i32, gather, gather_pairs, lerp_bytes, look_up, store_tail},
 };
 
 const LOW: u32 = 0x00ff_00ff;
@@ -75,9 +75,9 @@ pub(crate) fn fixed_lod(lod: f32) -> i32 {
 
 /// Squared ratio of axes, in quarter octaves of the ratio, to the number of probes.
 static PROBES: [u32; 16] = [1, 2, 2, 2, 2, 3, 3, 4, 4, 5, 6, 7, 8, 10, 12, 16];
-/// 256 log2 of the number of probes.
-static PROBE_LEVELS: [u32; 17] = [
-    0, 0, 256, 406, 512, 594, 662, 719, 768, 811, 850, 886, 918, 947, 975, 1000, 1024,
+/// 256 log2 of the number of probes, from 1 on.
+static PROBE_LEVELS: [u32; 16] = [
+    0, 256, 406, 512, 594, 662, 719, 768, 811, 850, 886, 918, 947, 975, 1000, 1024,
 ];
 
 /// The footprint of one look-up: how many probes, how far apart (uv), on which level.
@@ -128,7 +128,7 @@ fn probes(s: &Sampler, t: &Chain<'_>, d: &TexelFootprint, most: u8) -> Probes {
     let k = major2 * rsqrt(major2) * rsqrt(length2);
     let share = 1.0 / count as f32;
     let base = &t.levels[0];
-    let lod = log2_sqrt_fixed(major2) - PROBE_LEVELS[count as usize] as i32;
+    let lod = log2_sqrt_fixed(major2) - PROBE_LEVELS[count as usize - 1] as i32;
     Probes {
         count,
         step: [
@@ -329,21 +329,18 @@ fn bilinear_at<S: Simd>(
     let (x, y) = (floor_to_i32(s, x) - 128, floor_to_i32(s, y) - 128);
     let (wx, wy) = (spread(x & 255), spread(y & 255));
     let (i, j) = (x >> 8, y >> 8);
-    let [a, b, c, d] = match at.left_corners(s, view, i, j) {
-        Some([top, bottom]) => {
+    let [a, b, c, d] = match at.corners::<RGBA8>(s, view, i, j) {
+        Corners::Pairs([top, bottom]) => {
             let [a, b] = gather_pairs(s, view.words, top);
             let [c, d] = gather_pairs(s, view.words, bottom);
             [a, b, c, d]
         }
-        None => {
-            let [a, b, c, d] = at.corners::<RGBA8>(s, view, i, j);
-            [
-                tap_lanes(s, view, a),
-                tap_lanes(s, view, b),
-                tap_lanes(s, view, c),
-                tap_lanes(s, view, d),
-            ]
-        }
+        Corners::Apart([a, b, c, d]) => [
+            tap_lanes(s, view, a),
+            tap_lanes(s, view, b),
+            tap_lanes(s, view, c),
+            tap_lanes(s, view, d),
+        ],
     };
     let top = lerp_lanes(s, halves(a), halves(b), wx);
     let bottom = lerp_lanes(s, halves(c), halves(d), wx);
@@ -506,10 +503,10 @@ pub fn anisotropic_lanes<S: Simd>(
     let last_slot = i32x16::splat(s, 15);
     let slot = slot.simd_gt(last_slot).select(last_slot, slot);
     let most = i32x16::splat(s, i32::from(view.most));
-    let count = lookup(s, &PROBES, slot);
+    let count: i32x16<S> = look_up(s, &PROBES, slot.bitcast()).bitcast();
     let count = count.simd_lt(most).select(count, most);
     let count = magnified.select(i32x16::splat(s, 1), count);
-    let level_drop = lookup(s, &PROBE_LEVELS, count);
+    let level_drop: i32x16<S> = look_up(s, &PROBE_LEVELS, (count - 1).bitcast()).bitcast();
     let steep = !half.simd_ge(f32x16::splat(s, 0.0));
     let x = steep.select(q, half + root);
     let y = steep.select(root - half, q);
@@ -567,14 +564,5 @@ impl<S: Simd> MeanOf<S> {
         let sum: i32x16<S> = sum.bitcast();
         let mean: i32x16<S> = (sum.to_float::<f32x16<S>>() * self.share + 0.5).to_int();
         mean.bitcast()
-    }
-}
-
-/// Small tables stay in the first cache level.
-#[inline(always)]
-fn lookup<S: Simd>(s: S, table: &[u32], i: i32x16<S>) -> i32x16<S> {
-    match Words::new(table) {
-        Some(words) => gather(s, words, i.bitcast()).bitcast(),
-        None => i,
     }
 }
