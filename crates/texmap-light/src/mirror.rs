@@ -1,7 +1,9 @@
 //! Mirrors: the light of an environment over the footprint of a mirrored ray.
 
 use texmap_math::fearless_simd::{Simd, f32x16, i32x16, prelude::*, u32x16};
-use texmap_math::lanes::{Words, floor_to_i32, floor_to_i32_scalar, gather, gather_pairs};
+use texmap_math::lanes::{
+    Words, floor_to_i32, floor_to_i32_scalar, gather, gather_pairs, gather_triples,
+};
 
 use crate::Chart;
 use crate::environment::{Environment, Level};
@@ -260,22 +262,25 @@ impl<'a> MirrorView<'a> {
         let first = level[0];
         // Most vectors see one level.
         let same = level.simd_eq(i32x16::splat(s, first)).all_true();
-        let at = if same {
-            self.level(s, first)
-        } else {
-            self.levels(s, level)
-        };
-        let mut out = self.on_face_lanes::<S, PACKED>(s, &at, face, u, v);
         let between = k.simd_gt(zero);
-        if between.any_true() {
+        let mut out = [zero; 3];
+        // A loop, so that the look-up is there once: twice as much code is not inlined whole.
+        for next in 0..2 {
             let at = if same {
-                self.level(s, first + 1)
+                self.level(s, first + next)
             } else {
-                self.levels(s, level + 1)
+                self.levels(s, level + next)
             };
-            let far = self.on_face_lanes::<S, PACKED>(s, &at, face, u, v);
+            let light = self.on_face_lanes::<S, PACKED>(s, &at, face, u, v);
+            if next == 0 {
+                out = light;
+                if !between.any_true() {
+                    break;
+                }
+                continue;
+            }
             for i in 0..3 {
-                let mixed = out[i] * (one - k) + far[i] * k;
+                let mixed = out[i] * (one - k) + light[i] * k;
                 out[i] = between.select(mixed, out[i]);
             }
         }
@@ -347,12 +352,8 @@ impl<'a> MirrorView<'a> {
 
     #[inline(always)]
     fn texel_lanes<S: Simd>(&self, s: S, at: i32x16<S>) -> V3<S> {
-        let at: u32x16<S> = (at * 3).bitcast();
-        [
-            gather(s, self.words, at).bitcast(),
-            gather(s, self.words, at + 1).bitcast(),
-            gather(s, self.words, at + 2).bitcast(),
-        ]
+        let [r, g, b] = gather_triples(s, self.words, (at * 3).bitcast());
+        [r.bitcast(), g.bitcast(), b.bitcast()]
     }
 }
 
