@@ -47,8 +47,8 @@ impl Sampler {
             let y = ay.index(floor(ay.place(uv[1], level.height)), level.height);
             return pass(x, y);
         }
-        let (x0, x1, wx) = linear_axis(ax, uv[0], level.width);
-        let (y0, y1, wy) = linear_axis(ay, uv[1], level.height);
+        let ([x0, x1], wx) = linear_axis(ax, uv[0], level.width);
+        let ([y0, y1], wy) = linear_axis(ay, uv[1], level.height);
         let (a, b, c, d) = (pass(x0, y0), pass(x1, y0), pass(x0, y1), pass(x1, y1));
         let top = a + (b - a) * wx;
         let bottom = c + (d - c) * wx;

@@ -225,16 +225,17 @@ fn in_face(
     let (i, j) = (floor(x), floor(y));
     let (wx, wy) = (x - i as f32, y - j as f32);
     let inside = i >= 0 && j >= 0 && i + 1 < n && j + 1 < n;
-    let tap = |i: i32, j: i32| {
-        if inside {
-            t.fetch(level, i, j, face as i32)
-        } else {
-            seamless(t, level, face, i, j)
-        }
+    let [a, b, c, d] = if inside {
+        t.fetch_four(level, [i, i + 1], [j, j + 1], face as i32)
+    } else {
+        [
+            seamless(t, level, face, i, j),
+            seamless(t, level, face, i + 1, j),
+            seamless(t, level, face, i, j + 1),
+            seamless(t, level, face, i + 1, j + 1),
+        ]
     };
-    let top = mix(tap(i, j), tap(i + 1, j), wx);
-    let bottom = mix(tap(i, j + 1), tap(i + 1, j + 1), wx);
-    mix(top, bottom, wy)
+    mix(mix(a, b, wx), mix(c, d, wx), wy)
 }
 
 /// A texel of a face or, one step beyond its edge, of the neighbour.

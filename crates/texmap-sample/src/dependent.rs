@@ -23,8 +23,8 @@ impl Sampler {
         };
         let level = &chain.levels[number];
         let [ax, ay] = axes(self, chain);
-        let (x0, x1, wx) = linear_axis(ax, uv[0], level.width);
-        let (y0, y1, wy) = linear_axis(ay, uv[1], level.height);
+        let ([x0, x1], wx) = linear_axis(ax, uv[0], level.width);
+        let ([y0, y1], wy) = linear_axis(ay, uv[1], level.height);
         let scale = chain.format.scale();
         let tap = |x: i32, y: i32| {
             if x == OUTSIDE || y == OUTSIDE {

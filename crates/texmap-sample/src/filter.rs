@@ -131,18 +131,27 @@ fn nearest(s: &Sampler, t: &Chain<'_>, level: &Level, uv: [f32; 2]) -> [f32; 4] 
 
 fn bilinear(s: &Sampler, t: &Chain<'_>, level: &Level, uv: [f32; 2]) -> [f32; 4] {
     let [ax, ay] = axes(s, t);
-    let (x0, x1, fx) = linear_axis(ax, uv[0], level.width);
-    let (y0, y1, fy) = linear_axis(ay, uv[1], level.height);
-    let top = mix(tap(s, t, level, x0, y0), tap(s, t, level, x1, y0), fx);
-    let bottom = mix(tap(s, t, level, x0, y1), tap(s, t, level, x1, y1), fx);
-    mix(top, bottom, fy)
+    let (x, fx) = linear_axis(ax, uv[0], level.width);
+    let (y, fy) = linear_axis(ay, uv[1], level.height);
+    let [a, b, c, d] = if x[0] | x[1] | y[0] | y[1] >= 0 {
+        t.fetch_four(level, x, y, 0)
+    } else {
+        [
+            tap(s, t, level, x[0], y[0]),
+            tap(s, t, level, x[1], y[0]),
+            tap(s, t, level, x[0], y[1]),
+            tap(s, t, level, x[1], y[1]),
+        ]
+    };
+    mix(mix(a, b, fx), mix(c, d, fx), fy)
 }
 
 /// The two texels around a coordinate and the weight of the second.
-pub(crate) fn linear_axis(axis: Axis, u: f32, n: i32) -> (i32, i32, f32) {
+#[inline(always)]
+pub(crate) fn linear_axis(axis: Axis, u: f32, n: i32) -> ([i32; 2], f32) {
     let x = axis.place(u, n) - 0.5;
     let i = floor(x);
-    (axis.index(i, n), axis.index(i + 1, n), x - i as f32)
+    (axis.pair(i, n), x - i as f32)
 }
 
 /// A texel at wrapped indices, or the border, unscaled.

@@ -178,9 +178,9 @@ impl Sampler {
                 place(az, w, level.depth),
             );
         }
-        let (x0, x1, wx) = linear_axis(ax, u, level.width);
-        let (y0, y1, wy) = linear_axis(ay, v, level.height);
-        let (z0, z1, wz) = linear_axis(az, w, level.depth);
+        let ([x0, x1], wx) = linear_axis(ax, u, level.width);
+        let ([y0, y1], wy) = linear_axis(ay, v, level.height);
+        let ([z0, z1], wz) = linear_axis(az, w, level.depth);
         let slice = |z: i32| {
             let top = mix(tap(x0, y0, z), tap(x1, y0, z), wx);
             mix(top, mix(tap(x0, y1, z), tap(x1, y1, z), wx), wy)

@@ -42,8 +42,22 @@ impl Axis {
         }
     }
 
+    /// [`Axis::index`] of an index and the next.
+    #[inline(always)]
+    pub(crate) fn pair(self, i: i32, n: i32) -> [i32; 2] {
+        if self.scaled_first {
+            [i & (n - 1), (i + 1) & (n - 1)]
+        } else if i >= 0 && i + 1 < n {
+            // Inside, every wrap leaves an index as it is.
+            [i, i + 1]
+        } else {
+            [self.index(i, n), self.index(i + 1, n)]
+        }
+    }
+
     /// The coordinate in texels of a level of `n`, whose floor is a texel for [`Axis::index`]. Unless
     /// scaling is exact, the range reduction comes before it, so that `u = 65536.25` loses nothing.
+    #[inline(always)]
     pub(crate) fn place(self, u: f32, n: i32) -> f32 {
         if self.scaled_first {
             let x = u * n as f32;

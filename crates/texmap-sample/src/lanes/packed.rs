@@ -8,7 +8,7 @@ use crate::{
     filter::{axes, floor, gl_of},
     lod::{LIMIT, TINY, TexelFootprint, log2_sqrt_fixed},
     sampler::{Filter, Mip, Precision, Sampler, Texel},
-    texels::{Chain, Format, Level},
+    texels::{Chain, Format, Level, floats, scaled},
     wrap::{OUTSIDE, Wrap},
 };
 use texmap_math::{
@@ -30,8 +30,8 @@ pub(crate) fn applies(s: &Sampler, t: &Chain<'_>) -> bool {
 
 /// Bytes to 0..1.
 pub(crate) fn unpack(c: u32) -> [f32; 4] {
-    let scale = Format::Rgba8.scale();
-    [c & 255, c >> 8 & 255, c >> 16 & 255, c >> 24].map(|c| c as f32 * scale)
+    let bytes = [c & 255, c >> 8 & 255, c >> 16 & 255, c >> 24];
+    scaled(floats(bytes), Format::Rgba8.scale())
 }
 
 /// Bytes to 0..1 for sixteen, channel by channel.
@@ -214,20 +214,14 @@ fn bilinear(s: &Sampler, t: &Chain<'_>, level: &Level, uv: [f32; 2]) -> u32 {
     let [ax, ay] = axes(s, t);
     let x = floor(ax.place(uv[0], level.width) * 256.0) - 128;
     let y = floor(ay.place(uv[1], level.height) * 256.0) - 128;
-    let (x0, x1) = (
-        ax.index(x >> 8, level.width),
-        ax.index((x >> 8) + 1, level.width),
-    );
-    let (y0, y1) = (
-        ay.index(y >> 8, level.height),
-        ay.index((y >> 8) + 1, level.height),
-    );
+    let ([x0, x1], [y0, y1]) = (ax.pair(x >> 8, level.width), ay.pair(y >> 8, level.height));
     let (wx, wy) = ((x & 255) as u32, (y & 255) as u32);
     let top = lerp(tap(s, t, level, x0, y0), tap(s, t, level, x1, y0), wx);
     let bottom = lerp(tap(s, t, level, x0, y1), tap(s, t, level, x1, y1), wx);
     lerp(top, bottom, wy)
 }
 
+#[inline(always)]
 fn tap(s: &Sampler, t: &Chain<'_>, level: &Level, x: i32, y: i32) -> u32 {
     if x == OUTSIDE || y == OUTSIDE {
         return border(s.border);
@@ -247,13 +241,22 @@ pub(super) fn border(c: [f32; 4]) -> u32 {
     byte(c[0]) | byte(c[1]) << 8 | byte(c[2]) << 16 | byte(c[3]) << 24
 }
 
-/// `a + (b - a) w / 256` per byte, rounded.
+/// `a + (b - a) w / 256` per byte, rounded: each in 16 bits of its own, which the sum does not leave.
+#[inline(always)]
 fn lerp(a: u32, b: u32, w: u32) -> u32 {
-    let channel = |shift: u32| {
-        let (a, b) = (a >> shift & 255, b >> shift & 255);
-        ((a * (256 - w) + b * w + 128) >> 8) << shift
-    };
-    channel(0) | channel(8) | channel(16) | channel(24)
+    const HALVES: u64 = 0x0080_0080_0080_0080;
+    let (a, b) = (apart(a), apart(b));
+    let sum = (a << 8)
+        .wrapping_add(b.wrapping_sub(a).wrapping_mul(u64::from(w)))
+        .wrapping_add(HALVES);
+    let (low, high) = ((sum >> 8) as u32 & LOW, (sum >> 40) as u32 & LOW);
+    low | high << 8
+}
+
+/// The even bytes and then the odd ones, 16 bits each.
+#[inline(always)]
+fn apart(c: u32) -> u64 {
+    u64::from(c & LOW) | u64::from(c >> 8 & LOW) << 32
 }
 
 /// [`bilinear`] and its kin for sixteen lanes: the even and odd bytes apart.
