@@ -17,7 +17,7 @@ use texmap_benches::textures::{square_texels, squares};
 use texmap_math::Level;
 use texmap_math::fearless_simd::{Simd, f32x16, prelude::*, u32x16};
 use texmap_math::lanes::{Words, floor_to_i32, gather, unit_to_u8};
-use texmap_sample::lanes::{RGBX8, View, float, packed};
+use texmap_sample::lanes::{RGBA8_EXACT, View, float, packed};
 use texmap_sample::{
     Alpha, ColorSpace, Directions, Filter, Image, Origin, Precision, Sampler, Texels, Texture2d,
     TextureCube, cube_direction, sample_columns, sample_cube_columns, sample_rgba8_columns,
@@ -136,13 +136,13 @@ fn shade<S: Simd, const KERNEL: u8>(s: S, job: &Job<'_>, p: &Places<S>) -> u32x1
         };
     }
     let c = match KERNEL & !EXACT {
-        NEAREST => float::nearest_lanes::<S, RGBX8>(s, view, p.u, p.v),
-        BILINEAR => float::bilinear_lanes::<S, RGBX8>(s, view, p.u, p.v),
+        NEAREST => float::nearest_lanes::<S, RGBA8_EXACT>(s, view, p.u, p.v),
+        BILINEAR => float::bilinear_lanes::<S, RGBA8_EXACT>(s, view, p.u, p.v),
         TRILINEAR => {
             let lod = float::lod_lanes(s, view, &d());
-            float::trilinear_lanes::<S, RGBX8>(s, view, p.u, p.v, lod)
+            float::trilinear_lanes::<S, RGBA8_EXACT>(s, view, p.u, p.v, lod)
         }
-        _ => float::anisotropic_lanes::<S, RGBX8>(s, view, p.u, p.v, &d()),
+        _ => float::anisotropic_lanes::<S, RGBA8_EXACT>(s, view, p.u, p.v, &d()),
     };
     bytes(s, c)
 }

@@ -51,10 +51,10 @@ use texmap_math::{
     lanes::{Words, floor_to_i32, gather, has_pairs},
 };
 
-/// One word a texel; the bytes kernels read it whole.
+/// One word a texel, for the kernels that read it whole.
 pub const RGBA8: u8 = 0;
-/// RGBA8 whose alpha is 255 throughout: the f32 kernels need not look.
-pub const RGBX8: u8 = 1;
+/// One word a texel, for the f32 kernels.
+pub const RGBA8_EXACT: u8 = 1;
 /// Two words a texel.
 pub const RGBA16: u8 = 2;
 
@@ -155,16 +155,13 @@ impl LevelView {
 }
 
 impl<'a> View<'a> {
-    /// `None` where there are no lanes and look-ups run one at a time: filters that are not a [`Kind`],
-    /// float and encoded texels, and, under exact weights, bytes with alpha or beside a border.
+    /// `None` where there are no lanes and look-ups run one at a time: filters that are not a [`Kind`], float and encoded texels.
     pub fn new(sampler: &Sampler, t: &'a Texture2d<'_>) -> Option<Self> {
         let kind = Kind::of(sampler.filter)?;
         let chain = &t.chain;
-        let wraps = [sampler.wrap_u, sampler.wrap_v];
-        let bordered = wraps.contains(&Wrap::ClampToBorder);
         let format = match chain.format {
             Format::Rgba8 if packed::applies(sampler, chain) => RGBA8,
-            Format::Rgba8 if chain.opaque && !bordered => RGBX8,
+            Format::Rgba8 => RGBA8_EXACT,
             Format::Rgba16 if chain.encoded.is_none() => RGBA16,
             _ => return None,
         };

@@ -4,7 +4,7 @@ use crate::{
     error::SampleError,
     filter,
     lanes::{
-        Kind, RGBA16, RGBX8, View, float,
+        Kind, RGBA8_EXACT, RGBA16, View, float,
         packed::{self, FootprintLanes},
     },
     sampler::Sampler,
@@ -362,8 +362,8 @@ impl Batch<'_> {
     }
 
     fn float_of<S: Simd>(&self, s: S, format: u8, out: [&mut [f32]; 4]) {
-        if format == RGBX8 {
-            self.float_format::<S, RGBX8>(s, out);
+        if format == RGBA8_EXACT {
+            self.float_format::<S, RGBA8_EXACT>(s, out);
         } else {
             self.float_format::<S, RGBA16>(s, out);
         }
@@ -417,9 +417,9 @@ impl Batch<'_> {
                             float::trilinear_lanes::<S, FORMAT>(s, view, u, v, lod)
                         }
                     };
-                    for (c, out) in c.into_iter().zip(&mut out) {
+                    for (k, out) in out.iter_mut().enumerate() {
                         let end = out.len().min(16 * i + 16);
-                        store_tail(c, &mut out[16 * i..end]);
+                        store_tail(c[k], &mut out[16 * i..end]);
                     }
                 }
             },

@@ -178,12 +178,21 @@ impl Sampler {
                 place(az, w, level.depth),
             );
         }
-        let ([x0, x1], wx) = linear_axis(ax, u, level.width);
-        let ([y0, y1], wy) = linear_axis(ay, v, level.height);
+        let (x, wx) = linear_axis(ax, u, level.width);
+        let (y, wy) = linear_axis(ay, v, level.height);
         let ([z0, z1], wz) = linear_axis(az, w, level.depth);
         let slice = |z: i32| {
-            let top = mix(tap(x0, y0, z), tap(x1, y0, z), wx);
-            mix(top, mix(tap(x0, y1, z), tap(x1, y1, z), wx), wy)
+            let [a, b, c, d] = if x[0] | x[1] | y[0] | y[1] | z >= 0 {
+                t.fetch_four(level, x, y, z)
+            } else {
+                [
+                    tap(x[0], y[0], z),
+                    tap(x[1], y[0], z),
+                    tap(x[0], y[1], z),
+                    tap(x[1], y[1], z),
+                ]
+            };
+            mix(mix(a, b, wx), mix(c, d, wx), wy)
         };
         mix(slice(z0), slice(z1), wz)
     }

@@ -5,7 +5,7 @@ use crate::{
     error::SampleError,
     filter::gl_of,
     lanes::{
-        At, Kind, RGBA16, RGBX8, View,
+        At, Kind, RGBA8_EXACT, RGBA16, View,
         float::{Color, Levels, fetch, fetch_two, limit_lanes, mix, scaled, select},
     },
     sampler::{Mip, Sampler, Texel},
@@ -78,7 +78,7 @@ impl<'a> Batch<'a> {
             _ => return None,
         };
         let format = match self.t.chain.format {
-            Format::Rgba8 if self.t.chain.opaque => RGBX8,
+            Format::Rgba8 => RGBA8_EXACT,
             Format::Rgba16 => RGBA16,
             _ => return None,
         };
@@ -98,7 +98,7 @@ impl<'a> Batch<'a> {
 
     fn on<S: Simd>(&self, s: S, view: &View<'_>, out: &mut [&mut [f32]; 4]) {
         match view.format {
-            RGBX8 => self.format::<S, RGBX8>(s, view, out),
+            RGBA8_EXACT => self.format::<S, RGBA8_EXACT>(s, view, out),
             _ => self.format::<S, RGBA16>(s, view, out),
         }
     }
@@ -156,7 +156,7 @@ fn look<S: Simd, const FORMAT: u8>(
             if levels.blends {
                 let two = levels.weight.simd_gt(f32x16::splat(s, 0.0));
                 let (next, past) = place.bilinear::<FORMAT>(s, view, &levels.coarse);
-                let blended = mix::<S, FORMAT>(c, next, levels.weight);
+                let blended = mix(view, c, next, levels.weight);
                 (select(two, blended, c), corners | (past & two))
             } else {
                 (c, corners)
@@ -257,8 +257,8 @@ impl<S: Simd> Place<S> {
                 ],
             )
         };
-        let (top, bottom) = (mix::<S, FORMAT>(a, b, wx), mix::<S, FORMAT>(c, d, wx));
-        (mix::<S, FORMAT>(top, bottom, wy), corners)
+        let (top, bottom) = (mix(view, a, b, wx), mix(view, c, d, wx));
+        (mix(view, top, bottom, wy), corners)
     }
 
     /// [`texel`](Self::texel) of a face or, one step beyond one of its edges, of the neighbour; 0 beyond two.

@@ -1,6 +1,6 @@
 //! The f32 filters for sixteen lanes; the scalar twins are in `filter.rs`.
 
-use super::{At, Corners, Place, RGBA16, RGBX8, View, packed::FootprintLanes};
+use super::{At, Corners, Place, RGBA16, View, packed::FootprintLanes};
 use crate::{
     lod::{LOG2_POLYNOMIAL, TINY},
     sampler::Precision,
@@ -23,7 +23,7 @@ fn to_float<S: Simd>(c: u32x16<S>) -> f32x16<S> {
 pub(crate) fn fetch<S: Simd, const FORMAT: u8>(s: S, view: &View<'_>, word: u32x16<S>) -> Color<S> {
     match FORMAT {
         RGBA16 => color16(s, view, gather_pairs(s, view.words, word)),
-        _ => color8::<S, FORMAT>(s, gather(s, view.words, word)),
+        _ => color8(s, view, gather(s, view.words, word)),
     }
 }
 
@@ -36,7 +36,7 @@ pub(crate) fn fetch_two<S: Simd, const FORMAT: u8>(
 ) -> [Color<S>; 2] {
     if FORMAT != RGBA16 {
         let [a, b] = gather_pairs(s, view.words, word);
-        return [color8::<S, FORMAT>(s, a), color8::<S, FORMAT>(s, b)];
+        return [color8(s, view, a), color8(s, view, b)];
     }
     let (a, b) = match gather_quads(s, view.words, word) {
         Some([a, b, c, d]) => ([a, b], [c, d]),
@@ -49,8 +49,8 @@ pub(crate) fn fetch_two<S: Simd, const FORMAT: u8>(
 }
 
 #[inline(always)]
-fn color8<S: Simd, const FORMAT: u8>(s: S, c: u32x16<S>) -> Color<S> {
-    let alpha = if FORMAT == RGBX8 {
+fn color8<S: Simd>(s: S, view: &View<'_>, c: u32x16<S>) -> Color<S> {
+    let alpha = if view.opaque {
         f32x16::splat(s, 255.0)
     } else {
         to_float(c >> 24)
@@ -95,16 +95,17 @@ fn tap<S: Simd, const FORMAT: u8>(s: S, view: &View<'_>, place: Place<S>) -> Col
     select(place.outside(s), border, c)
 }
 
+/// Alphas are those of `a` if all are one: 255 + 0 w.
 #[inline(always)]
-pub(crate) fn mix<S: Simd, const FORMAT: u8>(a: Color<S>, b: Color<S>, w: f32x16<S>) -> Color<S> {
+pub(crate) fn mix<S: Simd>(view: &View<'_>, a: Color<S>, b: Color<S>, w: f32x16<S>) -> Color<S> {
     [
         a[0] + (b[0] - a[0]) * w,
         a[1] + (b[1] - a[1]) * w,
         a[2] + (b[2] - a[2]) * w,
-        // Opaque stays opaque: 255 + 0 w.
-        match FORMAT {
-            RGBX8 => a[3],
-            _ => a[3] + (b[3] - a[3]) * w,
+        if view.opaque {
+            a[3]
+        } else {
+            a[3] + (b[3] - a[3]) * w
         },
     ]
 }
@@ -131,8 +132,8 @@ fn bilinear_at<S: Simd, const FORMAT: u8>(
             [tap::<S, FORMAT>(s, view, c), tap::<S, FORMAT>(s, view, d)],
         ),
     };
-    let (top, bottom) = (mix::<S, FORMAT>(a, b, wx), mix::<S, FORMAT>(c, d, wx));
-    mix::<S, FORMAT>(top, bottom, wy)
+    let (top, bottom) = (mix(view, a, b, wx), mix(view, c, d, wx));
+    mix(view, top, bottom, wy)
 }
 
 /// The nearest texels of level 0, scaled.
@@ -281,7 +282,7 @@ impl<S: Simd> Levels<S> {
         }
         let next = bilinear_at::<S, FORMAT>(s, view, &self.coarse, u, v);
         let two = self.weight.simd_gt(f32x16::splat(s, 0.0));
-        select(two, mix::<S, FORMAT>(c, next, self.weight), c)
+        select(two, mix(view, c, next, self.weight), c)
     }
 }
 
