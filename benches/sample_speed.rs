@@ -136,7 +136,8 @@ fn shade<S: Simd, const KERNEL: u8>(s: S, job: &Job<'_>, p: &Places<S>) -> u32x1
         };
     }
     let c = match KERNEL & !EXACT {
-        NEAREST => float::nearest_lanes::<S, RGBA8_EXACT>(s, view, p.u, p.v),
+        // Whole texels have no weights: their view is that of the bytes.
+        NEAREST => packed::unpack_lanes(s, packed::nearest_lanes(s, view, p.u, p.v)),
         BILINEAR => float::bilinear_lanes::<S, RGBA8_EXACT>(s, view, p.u, p.v),
         TRILINEAR => {
             let lod = float::lod_lanes(s, view, &d());

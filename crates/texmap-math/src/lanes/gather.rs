@@ -142,13 +142,11 @@ pub fn gather_triples<S: Simd>(s: S, words: Words<'_>, index: u32x16<S>) -> [u32
 #[inline(always)]
 pub fn gather_quads<S: Simd>(s: S, words: Words<'_>, index: u32x16<S>) -> Option<[u32x16<S>; 4]> {
     #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-    if let (level @ (Level::Avx2(_) | Level::Avx512(_)), Some(last)) =
-        (s.level(), words.last.checked_sub(3))
+    if let Some(last) = words.last.checked_sub(3)
+        && has_pairs(s)
+        && !index.simd_gt(last).any_true()
     {
-        if index.simd_gt(last).any_true() {
-            return None;
-        }
-        let token = match level {
+        match s.level() {
             Level::Avx512(token) => {
                 let [a, b, c, d] = quads_avx512(token, words, index.into());
                 return Some([
@@ -158,18 +156,19 @@ pub fn gather_quads<S: Simd>(s: S, words: Words<'_>, index: u32x16<S>) -> Option
                     d.simd_into(s),
                 ]);
             }
-            Level::Avx2(token) => token,
-            _ => return None,
-        };
-        let (low, high) = s.split_u32x16(index);
-        let low = quads_avx2(token, words, low.into());
-        let high = quads_avx2(token, words, high.into());
-        return Some([
-            s.combine_u32x8(low[0].simd_into(s), high[0].simd_into(s)),
-            s.combine_u32x8(low[1].simd_into(s), high[1].simd_into(s)),
-            s.combine_u32x8(low[2].simd_into(s), high[2].simd_into(s)),
-            s.combine_u32x8(low[3].simd_into(s), high[3].simd_into(s)),
-        ]);
+            Level::Avx2(token) => {
+                let (low, high) = s.split_u32x16(index);
+                let low = quads_avx2(token, words, low.into());
+                let high = quads_avx2(token, words, high.into());
+                return Some([
+                    s.combine_u32x8(low[0].simd_into(s), high[0].simd_into(s)),
+                    s.combine_u32x8(low[1].simd_into(s), high[1].simd_into(s)),
+                    s.combine_u32x8(low[2].simd_into(s), high[2].simd_into(s)),
+                    s.combine_u32x8(low[3].simd_into(s), high[3].simd_into(s)),
+                ]);
+            }
+            _ => {}
+        }
     }
     let _ = (s, words, index);
     None

@@ -144,6 +144,7 @@ pub fn nearest_lanes<S: Simd, const FORMAT: u8>(
     u: f32x16<S>,
     v: f32x16<S>,
 ) -> Color<S> {
+    debug_assert_eq!(view.format, FORMAT, "the texels of a view");
     let at = At::uniform(s, view, 0);
     let (x, y) = at.place(s, view, u, v);
     let place = at.texel::<FORMAT>(s, view, floor_to_i32(s, x), floor_to_i32(s, y));
@@ -158,6 +159,7 @@ pub fn bilinear_lanes<S: Simd, const FORMAT: u8>(
     u: f32x16<S>,
     v: f32x16<S>,
 ) -> Color<S> {
+    debug_assert_eq!(view.format, FORMAT, "the texels of a view");
     let at = At::uniform(s, view, 0);
     scaled(bilinear_at::<S, FORMAT>(s, view, &at, u, v), view)
 }
@@ -226,6 +228,7 @@ pub fn trilinear_lanes<S: Simd, const FORMAT: u8>(
     v: f32x16<S>,
     lod: f32x16<S>,
 ) -> Color<S> {
+    debug_assert_eq!(view.format, FORMAT, "the texels of a view");
     let levels = Levels::new(s, view, lod);
     scaled(levels.sample::<FORMAT>(s, view, u, v), view)
 }
@@ -305,6 +308,7 @@ pub fn anisotropic_lanes<S: Simd, const FORMAT: u8>(
     v: f32x16<S>,
     d: &FootprintLanes<S>,
 ) -> Color<S> {
+    debug_assert_eq!(view.format, FORMAT, "the texels of a view");
     let (zero, one) = (f32x16::splat(s, 0.0), f32x16::splat(s, 1.0));
     let p = d.ux * d.ux + d.uy * d.uy;
     let r = d.vx * d.vx + d.vy * d.vy;

@@ -1,7 +1,8 @@
 //! `Precision::Fast` on 8-bit texels: 8-bit weights, rounded to 8 bits after every blend.
 //!
 //! Two channels share a 32-bit word as 16-bit halves; `(a << 8) + (b - a) w + 128` stays below 2^16
-//! whatever the sign of `b - a`, so wrapping 16-bit products are exact. The scalar form stands first.
+//! whatever the sign of `b - a`, so wrapping 16-bit products are exact. The scalar form stands first. The functions over lanes want a
+//! view whose format is [`RGBA8`], those of [`float`](super::float) the others: debug builds check it.
 
 use super::{At, Corners, Place, RGBA8, View};
 use crate::{
@@ -308,6 +309,7 @@ fn tap_lanes<S: Simd>(s: S, view: &View<'_>, place: Place<S>) -> u32x16<S> {
 /// The nearest texel of level 0 for each lane.
 #[inline(always)]
 pub fn nearest_lanes<S: Simd>(s: S, view: &View<'_>, u: f32x16<S>, v: f32x16<S>) -> u32x16<S> {
+    debug_assert_eq!(view.format, RGBA8, "bytes that are read whole");
     let at = At::uniform(s, view, 0);
     let (x, y) = at.place(s, view, u, v);
     let (i, j) = (floor_to_i32(s, x) >> 8, floor_to_i32(s, y) >> 8);
@@ -317,6 +319,7 @@ pub fn nearest_lanes<S: Simd>(s: S, view: &View<'_>, u: f32x16<S>, v: f32x16<S>)
 /// Bilinear on level 0 for each lane.
 #[inline(always)]
 pub fn bilinear_lanes<S: Simd>(s: S, view: &View<'_>, u: f32x16<S>, v: f32x16<S>) -> u32x16<S> {
+    debug_assert_eq!(view.format, RGBA8, "bytes that are read whole");
     join(bilinear_at::<S>(s, view, &At::uniform(s, view, 0), u, v))
 }
 
@@ -443,6 +446,7 @@ pub fn trilinear_lanes<S: Simd>(
     v: f32x16<S>,
     lod: i32x16<S>,
 ) -> u32x16<S> {
+    debug_assert_eq!(view.format, RGBA8, "bytes that are read whole");
     let zero = i32x16::splat(s, 0);
     let top = i32x16::splat(s, view.last << 8);
     let lod = lod.simd_gt(top).select(top, lod);
@@ -484,6 +488,7 @@ pub fn anisotropic_lanes<S: Simd>(
     v: f32x16<S>,
     d: &FootprintLanes<S>,
 ) -> u32x16<S> {
+    debug_assert_eq!(view.format, RGBA8, "bytes that are read whole");
     let (one_f, zero) = (f32x16::splat(s, 1.0), i32x16::splat(s, 0));
     let p = d.ux * d.ux + d.uy * d.uy;
     let r = d.vx * d.vx + d.vy * d.vy;
