@@ -272,16 +272,16 @@ impl<'a> MirrorView<'a> {
                 self.levels(s, level + next)
             };
             let light = self.on_face_lanes::<S, PACKED>(s, &at, face, u, v);
-            if next == 0 {
+            if next == 1 {
+                for i in 0..3 {
+                    let mixed = out[i] * (one - k) + light[i] * k;
+                    out[i] = between.select(mixed, out[i]);
+                }
+            } else {
                 out = light;
                 if !between.any_true() {
                     break;
                 }
-                continue;
-            }
-            for i in 0..3 {
-                let mixed = out[i] * (one - k) + light[i] * k;
-                out[i] = between.select(mixed, out[i]);
             }
         }
         out

@@ -25,9 +25,9 @@ mod table;
 
 pub use bytes::lerp_bytes;
 pub use gather::{
-    Words, gather, gather_by_loads, gather_pairs, gather_quads, gather_triples, has_pairs, prefetch,
+    Words, gather, gather_by_loads, gather_pairs, gather_quads, gather_triples, prefetch,
 };
-pub use table::{has_octets, look_up, octet};
+pub use table::{look_up, octet};
 
 /// Lanes of every kernel, on every level.
 pub const LANES: usize = 16;
@@ -66,6 +66,20 @@ fn is_x86<S: Simd>(s: S) -> bool {
     {
         use Level::{Avx2, Avx512, Sse2, Sse4_2};
         matches!(s.level(), Sse2(_) | Sse4_2(_) | Avx2(_) | Avx512(_))
+    }
+    #[cfg(not(any(target_arch = "x86", target_arch = "x86_64")))]
+    {
+        let _ = s;
+        false
+    }
+}
+
+/// Whether a level has AVX2's instructions: pairs of words and small tables then cost less than words one by one.
+#[inline(always)]
+pub fn is_wide<S: Simd>(s: S) -> bool {
+    #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+    {
+        matches!(s.level(), Level::Avx2(_) | Level::Avx512(_))
     }
     #[cfg(not(any(target_arch = "x86", target_arch = "x86_64")))]
     {

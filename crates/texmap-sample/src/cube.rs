@@ -4,7 +4,7 @@ pub use lanes::{Directions, sample_cube_columns};
 
 use crate::{
     error::SampleError,
-    filter::{across_levels, floor, level_of, mix},
+    filter::{across_levels, floor, level_of, mix_four},
     mip,
     sampler::{Sampler, Texel},
     texels::{Chain, Level, scaled},
@@ -225,7 +225,7 @@ fn in_face(
     let (i, j) = (floor(x), floor(y));
     let (wx, wy) = (x - i as f32, y - j as f32);
     let inside = i >= 0 && j >= 0 && i + 1 < n && j + 1 < n;
-    let [a, b, c, d] = if inside {
+    let texels = if inside {
         t.fetch_four(level, [i, i + 1], [j, j + 1], face as i32)
     } else {
         [
@@ -235,7 +235,7 @@ fn in_face(
             seamless(t, level, face, i + 1, j + 1),
         ]
     };
-    mix(mix(a, b, wx), mix(c, d, wx), wy)
+    mix_four(texels, wx, wy)
 }
 
 /// A texel of a face or, one step beyond its edge, of the neighbour.

@@ -120,30 +120,38 @@ fn nearest(s: &Sampler, t: &Chain<'_>, level: &Level, uv: [f32; 2]) -> [f32; 4] 
     let [ax, ay] = axes(s, t);
     let x = floor(ax.place(uv[0], level.width));
     let y = floor(ay.place(uv[1], level.height));
-    tap(
-        s,
-        t,
-        level,
-        ax.index(x, level.width),
-        ay.index(y, level.height),
-    )
+    let (x, y) = (ax.index(x, level.width), ay.index(y, level.height));
+    tap(s, t, level, [x, y, 0])
 }
 
 fn bilinear(s: &Sampler, t: &Chain<'_>, level: &Level, uv: [f32; 2]) -> [f32; 4] {
     let [ax, ay] = axes(s, t);
-    let (x, fx) = linear_axis(ax, uv[0], level.width);
-    let (y, fy) = linear_axis(ay, uv[1], level.height);
-    let [a, b, c, d] = if x[0] | x[1] | y[0] | y[1] >= 0 {
-        t.fetch_four(level, x, y, 0)
+    let x = linear_axis(ax, uv[0], level.width);
+    let y = linear_axis(ay, uv[1], level.height);
+    in_slice(s, t, level, x, y, 0)
+}
+
+/// Bilinear, unscaled, in a slice of a volume; an image has one.
+#[inline(always)]
+pub(crate) fn in_slice(
+    s: &Sampler,
+    t: &Chain<'_>,
+    level: &Level,
+    (x, wx): ([i32; 2], f32),
+    (y, wy): ([i32; 2], f32),
+    z: i32,
+) -> [f32; 4] {
+    let texels = if x[0] | x[1] | y[0] | y[1] | z >= 0 {
+        t.fetch_four(level, x, y, z)
     } else {
         [
-            tap(s, t, level, x[0], y[0]),
-            tap(s, t, level, x[1], y[0]),
-            tap(s, t, level, x[0], y[1]),
-            tap(s, t, level, x[1], y[1]),
+            tap(s, t, level, [x[0], y[0], z]),
+            tap(s, t, level, [x[1], y[0], z]),
+            tap(s, t, level, [x[0], y[1], z]),
+            tap(s, t, level, [x[1], y[1], z]),
         ]
     };
-    mix(mix(a, b, fx), mix(c, d, fx), fy)
+    mix_four(texels, wx, wy)
 }
 
 /// The two texels around a coordinate and the weight of the second.
@@ -156,11 +164,11 @@ pub(crate) fn linear_axis(axis: Axis, u: f32, n: i32) -> ([i32; 2], f32) {
 
 /// A texel at wrapped indices, or the border, unscaled.
 #[inline(always)]
-fn tap(s: &Sampler, t: &Chain<'_>, level: &Level, x: i32, y: i32) -> [f32; 4] {
-    if x == OUTSIDE || y == OUTSIDE {
+pub(crate) fn tap(s: &Sampler, t: &Chain<'_>, level: &Level, [x, y, z]: [i32; 3]) -> [f32; 4] {
+    if x == OUTSIDE || y == OUTSIDE || z == OUTSIDE {
         scaled(s.border, t.format.units())
     } else {
-        t.fetch(level, x, y, 0)
+        t.fetch(level, x, y, z)
     }
 }
 
@@ -173,6 +181,12 @@ pub(crate) fn mix(a: [f32; 4], b: [f32; 4], w: f32) -> [f32; 4] {
         a[2] + (b[2] - a[2]) * w,
         a[3] + (b[3] - a[3]) * w,
     ]
+}
+
+/// Two texels of a row and two of the next.
+#[inline(always)]
+pub(crate) fn mix_four([a, b, c, d]: [[f32; 4]; 4], wx: f32, wy: f32) -> [f32; 4] {
+    mix(mix(a, b, wx), mix(c, d, wx), wy)
 }
 
 /// Floor of a number within +-2^30.

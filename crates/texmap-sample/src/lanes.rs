@@ -48,7 +48,7 @@ use crate::{
 };
 use texmap_math::{
     fearless_simd::{f32x16, i32x16, mask32x16, prelude::*, u32x16},
-    lanes::{Words, floor_to_i32, gather, has_pairs},
+    lanes::{Words, floor_to_i32, gather, is_wide},
 };
 
 /// One word a texel, for the kernels that read it whole.
@@ -365,7 +365,7 @@ impl<S: Simd> At<S> {
             let r0 = self.row_start((j & y_mask) ^ self.turn);
             let r1 = self.row_start(((j + 1) & y_mask) ^ self.turn);
             let left = [self.word::<FORMAT>(r0 + x0), self.word::<FORMAT>(r1 + x0)];
-            if has_pairs(s) && !x0.simd_eq(x_mask).any_true() {
+            if is_wide(s) && !x0.simd_eq(x_mask).any_true() {
                 return Corners::Pairs(left);
             }
             let x1 = (i + 1) & x_mask;
@@ -395,7 +395,7 @@ impl<S: Simd> At<S> {
             self.general::<FORMAT>(view, x0, y0),
             self.general::<FORMAT>(view, x0, y1),
         ];
-        if has_pairs(s) && !view.bordered && (x1 - x0).simd_eq(1).all_true() {
+        if is_wide(s) && !view.bordered && (x1 - x0).simd_eq(1).all_true() {
             return Corners::Pairs([left[0].word, left[1].word]);
         }
         Corners::Apart([

@@ -2,12 +2,12 @@
 
 use crate::{
     error::SampleError,
-    filter::{across_levels, floor, linear_axis, mix},
+    filter::{across_levels, floor, in_slice, linear_axis, mix, tap},
     lod, mip,
     sampler::{Sampler, Texel},
     texels::{Chain, Level, scaled},
     texture::{Image, Texture2d, upload},
-    wrap::{Axis, OUTSIDE, Wrap},
+    wrap::{Axis, Wrap},
 };
 
 /// A texture along a line: a ramp, a table.
@@ -163,37 +163,20 @@ impl Sampler {
         [u, v, w]: [f32; 3],
         texel: Texel,
     ) -> [f32; 4] {
-        let tap = |x: i32, y: i32, z: i32| {
-            if x == OUTSIDE || y == OUTSIDE || z == OUTSIDE {
-                scaled(self.border, t.format.units())
-            } else {
-                t.fetch(level, x, y, z)
-            }
-        };
         if texel == Texel::Nearest {
             let place = |axis: Axis, u: f32, n: i32| axis.index(floor(axis.place(u, n)), n);
-            return tap(
+            let at = [
                 place(ax, u, level.width),
                 place(ay, v, level.height),
                 place(az, w, level.depth),
-            );
+            ];
+            return tap(self, t, level, at);
         }
-        let (x, wx) = linear_axis(ax, u, level.width);
-        let (y, wy) = linear_axis(ay, v, level.height);
-        let ([z0, z1], wz) = linear_axis(az, w, level.depth);
-        let slice = |z: i32| {
-            let [a, b, c, d] = if x[0] | x[1] | y[0] | y[1] | z >= 0 {
-                t.fetch_four(level, x, y, z)
-            } else {
-                [
-                    tap(x[0], y[0], z),
-                    tap(x[1], y[0], z),
-                    tap(x[0], y[1], z),
-                    tap(x[1], y[1], z),
-                ]
-            };
-            mix(mix(a, b, wx), mix(c, d, wx), wy)
-        };
-        mix(slice(z0), slice(z1), wz)
+        let x = linear_axis(ax, u, level.width);
+        let y = linear_axis(ay, v, level.height);
+        let ([near, far], weight) = linear_axis(az, w, level.depth);
+        let near = in_slice(self, t, level, x, y, near);
+        let far = in_slice(self, t, level, x, y, far);
+        mix(near, far, weight)
     }
 }

@@ -8,6 +8,9 @@
 use fearless_simd::{Level, SimdInto};
 use fearless_simd::{Simd, SimdBase, prelude::*, u32x16};
 
+#[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+use super::is_wide;
+
 #[cfg(target_arch = "x86")]
 use core::arch::x86::{
     __m128i, __m256i, __m512i, _mm_loadu_si128, _mm_set_epi64x, _mm256_castps_si256,
@@ -16,8 +19,8 @@ use core::arch::x86::{
     _mm256_unpacklo_epi32, _mm256_unpacklo_epi64, _mm512_castsi128_si512, _mm512_castsi512_si256,
     _mm512_extracti64x4_epi64, _mm512_i32gather_epi32, _mm512_i32gather_epi64, _mm512_inserti32x4,
     _mm512_min_epu32, _mm512_permutex2var_epi32, _mm512_set1_epi32, _mm512_setr_epi32,
-    _mm512_storeu_si512, _mm512_unpackhi_epi32, _mm512_unpackhi_epi64, _mm512_unpacklo_epi32,
-    _mm512_unpacklo_epi64,
+    _mm512_setzero_si512, _mm512_storeu_si512, _mm512_unpackhi_epi32, _mm512_unpackhi_epi64,
+    _mm512_unpacklo_epi32, _mm512_unpacklo_epi64,
 };
 #[cfg(target_arch = "x86_64")]
 use core::arch::x86_64::{
@@ -27,8 +30,8 @@ use core::arch::x86_64::{
     _mm256_unpacklo_epi32, _mm256_unpacklo_epi64, _mm512_castsi128_si512, _mm512_castsi512_si256,
     _mm512_extracti64x4_epi64, _mm512_i32gather_epi32, _mm512_i32gather_epi64, _mm512_inserti32x4,
     _mm512_min_epu32, _mm512_permutex2var_epi32, _mm512_set1_epi32, _mm512_setr_epi32,
-    _mm512_storeu_si512, _mm512_unpackhi_epi32, _mm512_unpackhi_epi64, _mm512_unpacklo_epi32,
-    _mm512_unpacklo_epi64,
+    _mm512_setzero_si512, _mm512_storeu_si512, _mm512_unpackhi_epi32, _mm512_unpackhi_epi64,
+    _mm512_unpacklo_epi32, _mm512_unpacklo_epi64,
 };
 
 /// 32-bit words to gather from: at least one. Texels of other sizes are cast to words first.
@@ -91,17 +94,6 @@ pub fn gather<S: Simd>(s: S, words: Words<'_>, index: u32x16<S>) -> u32x16<S> {
     gather_by_loads(s, words, index)
 }
 
-/// Whether [`gather_pairs`] costs less than two [`gather`]s.
-#[inline(always)]
-pub fn has_pairs<S: Simd>(s: S) -> bool {
-    #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-    if let Level::Avx2(_) | Level::Avx512(_) = s.level() {
-        return true;
-    }
-    let _ = s;
-    false
-}
-
 /// The words at sixteen indices and those behind them. Where one of the two lies beyond the end, both hold no meaning.
 #[inline(always)]
 pub fn gather_pairs<S: Simd>(s: S, words: Words<'_>, index: u32x16<S>) -> [u32x16<S>; 2] {
@@ -143,7 +135,7 @@ pub fn gather_triples<S: Simd>(s: S, words: Words<'_>, index: u32x16<S>) -> [u32
 pub fn gather_quads<S: Simd>(s: S, words: Words<'_>, index: u32x16<S>) -> Option<[u32x16<S>; 4]> {
     #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
     if let Some(last) = words.last.checked_sub(3)
-        && has_pairs(s)
+        && is_wide(s)
         && !index.simd_gt(last).any_true()
     {
         match s.level() {
@@ -307,15 +299,6 @@ unsafe fn quad(words: Words<'_>, at: u32) -> __m128i {
 
 #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
 fearless_simd::kernel!(
-    #[inline(always)]
-    fn join_avx512(token: Avx512, a: __m128i, b: __m128i, c: __m128i, d: __m128i) -> __m512i {
-        let ab = _mm512_inserti32x4::<1>(_mm512_castsi128_si512(a), b);
-        _mm512_inserti32x4::<3>(_mm512_inserti32x4::<2>(ab, c), d)
-    }
-);
-
-#[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-fearless_simd::kernel!(
     /// Of more than three words, each four by one load. What lies beyond the end is not read, and what is read instead has no meaning.
     #[inline]
     fn quads_avx512(token: Avx512, words: Words<'_>, index: __m512i) -> [__m512i; 4] {
@@ -325,39 +308,17 @@ fearless_simd::kernel!(
         // SAFETY: sixteen words are what the array holds.
         unsafe { _mm512_storeu_si512(at.as_mut_ptr().cast(), index) };
         let at = core::hint::black_box(&at);
-        // SAFETY: every index is at most three before `last`, which is below `data.len()`, so that all four words are elements.
-        let [a, b, c, d] = unsafe {
-            [
-                join_avx512(
-                    token,
-                    quad(words, at[0]),
-                    quad(words, at[4]),
-                    quad(words, at[8]),
-                    quad(words, at[12]),
-                ),
-                join_avx512(
-                    token,
-                    quad(words, at[1]),
-                    quad(words, at[5]),
-                    quad(words, at[9]),
-                    quad(words, at[13]),
-                ),
-                join_avx512(
-                    token,
-                    quad(words, at[2]),
-                    quad(words, at[6]),
-                    quad(words, at[10]),
-                    quad(words, at[14]),
-                ),
-                join_avx512(
-                    token,
-                    quad(words, at[3]),
-                    quad(words, at[7]),
-                    quad(words, at[11]),
-                    quad(words, at[15]),
-                ),
-            ]
-        };
+        let mut rows = [_mm512_setzero_si512(); 4];
+        for (i, row) in rows.iter_mut().enumerate() {
+            // SAFETY: every index is at most three before `last`, which is below `data.len()`, so that all four words are elements.
+            *row = unsafe {
+                let row = _mm512_castsi128_si512(quad(words, at[i]));
+                let row = _mm512_inserti32x4::<1>(row, quad(words, at[i + 4]));
+                let row = _mm512_inserti32x4::<2>(row, quad(words, at[i + 8]));
+                _mm512_inserti32x4::<3>(row, quad(words, at[i + 12]))
+            };
+        }
+        let [a, b, c, d] = rows;
         let (low_ab, high_ab) = (_mm512_unpacklo_epi32(a, b), _mm512_unpackhi_epi32(a, b));
         let (low_cd, high_cd) = (_mm512_unpacklo_epi32(c, d), _mm512_unpackhi_epi32(c, d));
         [

@@ -18,17 +18,6 @@ use core::arch::x86_64::{
     _mm512_castps256_ps512, _mm512_permutexvar_epi32, _mm512_permutexvar_ps,
 };
 
-/// Whether [`octet`] is an instruction or two.
-#[inline(always)]
-pub fn has_octets<S: Simd>(s: S) -> bool {
-    #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-    if let Level::Avx2(_) | Level::Avx512(_) = s.level() {
-        return true;
-    }
-    let _ = s;
-    false
-}
-
 /// The values of a table of eight at sixteen indices below 8.
 #[inline(always)]
 pub fn octet<S: Simd>(s: S, table: &[f32; 8], index: u32x16<S>) -> f32x16<S> {

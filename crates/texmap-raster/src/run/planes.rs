@@ -1,7 +1,7 @@
 //! Where the planes of a block's pixels lie, and how they come into lanes. Plane 0 is that of 1/w, plane 1 + k that of attribute k.
 
 use texmap_math::fearless_simd::{Simd, f32x16, mask32x16, prelude::*, u32x16};
-use texmap_math::lanes::{LANES, Words, clamp, clamp_scalar, gather, has_octets, octet};
+use texmap_math::lanes::{LANES, Words, clamp, clamp_scalar, gather, is_wide, octet};
 
 use super::BlockValues;
 use crate::plane_table::{COEFFICIENTS, TilePlanes};
@@ -171,7 +171,7 @@ pub(super) struct Own<'t, S: Simd> {
 impl<'t, S: Simd> Own<'t, S> {
     #[inline(always)]
     pub(super) fn new(s: S, table: &'t TilePlanes, words: Words<'t>, slots: u32x16<S>) -> Self {
-        let (octets, per_group) = (has_octets(s), table.per_group);
+        let (octets, per_group) = (is_wide(s), table.per_group);
         let mut own = Self {
             rows: table.words.as_chunks().0,
             words,
@@ -256,7 +256,7 @@ impl<S: Simd> PlaneSource<S> for Own<'_, S> {
     #[inline(always)]
     fn plane(&self, s: S, index: usize) -> Plane<S> {
         let row = index * COEFFICIENTS;
-        if has_octets(s) {
+        if is_wide(s) {
             self.by_octets(s, row)
         } else if self.gathers {
             self.by_gathers(s, row)
@@ -276,7 +276,7 @@ pub(super) fn three_planes<S: Simd>(
     slots: u32x16<S>,
     [i, j, k]: [usize; 3],
 ) -> [Plane<S>; 3] {
-    if !has_octets(s) {
+    if !is_wide(s) {
         let own = Own::new(s, table, words, slots);
         return [own.plane(s, i), own.plane(s, j), own.plane(s, k)];
     }

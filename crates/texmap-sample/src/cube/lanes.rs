@@ -6,7 +6,7 @@ use crate::{
     filter::gl_of,
     lanes::{
         At, Kind, RGBA8_EXACT, RGBA16, View,
-        float::{Color, Levels, fetch, fetch_two, limit_lanes, mix, scaled, select},
+        float::{Color, Levels, fetch, fetch_two, limit_lanes, mix, mix_four, scaled, select},
     },
     sampler::{Mip, Sampler, Texel},
     slice::{check, on_lanes},
@@ -232,12 +232,12 @@ impl<S: Simd> Place<S> {
             j.simd_ge(zero) & j.simd_lt(last),
         );
         let mut corners = mask32x16::splat(s, false);
-        let ([a, b], [c, d]) = if (in_x & in_y).all_true() {
+        let [top, bottom] = if (in_x & in_y).all_true() {
             let texel = self.texel(at, i, j);
-            (
+            [
                 fetch_two::<S, FORMAT>(s, view, at.word::<FORMAT>(texel)),
                 fetch_two::<S, FORMAT>(s, view, at.word::<FORMAT>(texel + at.width)),
-            )
+            ]
         } else {
             corners = !in_x & !in_y;
             let texels = [
@@ -246,7 +246,7 @@ impl<S: Simd> Place<S> {
                 self.across(s, at, i, j + 1),
                 self.across(s, at, i + 1, j + 1),
             ];
-            (
+            [
                 [
                     fetch::<S, FORMAT>(s, view, at.word::<FORMAT>(texels[0])),
                     fetch::<S, FORMAT>(s, view, at.word::<FORMAT>(texels[1])),
@@ -255,10 +255,9 @@ impl<S: Simd> Place<S> {
                     fetch::<S, FORMAT>(s, view, at.word::<FORMAT>(texels[2])),
                     fetch::<S, FORMAT>(s, view, at.word::<FORMAT>(texels[3])),
                 ],
-            )
+            ]
         };
-        let (top, bottom) = (mix(view, a, b, wx), mix(view, c, d, wx));
-        (mix(view, top, bottom, wy), corners)
+        (mix_four(view, top, bottom, wx, wy), corners)
     }
 
     /// [`texel`](Self::texel) of a face or, one step beyond one of its edges, of the neighbour; 0 beyond two.

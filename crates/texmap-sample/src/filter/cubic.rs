@@ -46,12 +46,12 @@ pub(super) fn sample(s: &Sampler, t: &Chain<'_>, uv: [f32; 2], kernel: Cubic) ->
     let (wx, wy) = (weights(kernel, x - i as f32), weights(kernel, y - j as f32));
     let columns = [-1, 0, 1, 2].map(|k| ax.index(i + k, level.width));
     let rows = [-1, 0, 1, 2].map(|k| ay.index(j + k, level.height));
-    let centre = tap(s, t, level, columns[1], rows[1]);
+    let centre = tap(s, t, level, [columns[1], rows[1], 0]);
     let mut sum = [0.0; 4];
     for (wy, row) in wy.into_iter().zip(rows) {
         let mut line = [0.0; 4];
         for (wx, column) in wx.into_iter().zip(columns) {
-            let c = tap(s, t, level, column, row);
+            let c = tap(s, t, level, [column, row, 0]);
             for k in 0..4 {
                 line[k] += wx * (c[k] - centre[k]);
             }

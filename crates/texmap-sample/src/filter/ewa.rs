@@ -90,13 +90,12 @@ fn in_level(
     let [ax, ay] = wraps(s, t);
     let x = ax.place(uv[0], level.width) - 0.5;
     let y = ay.place(uv[1], level.height) - 0.5;
-    let centre = tap(
-        s,
-        t,
-        level,
+    let nearest = [
         ax.index(floor(x + 0.5), level.width),
         ay.index(floor(y + 0.5), level.height),
-    );
+        0,
+    ];
+    let centre = tap(s, t, level, nearest);
     let (mut sum, mut total) = ([0.0; 4], 0.0);
     for j in ceil_f32(y - ellipse.half_height) as i32..=floor(y + ellipse.half_height) {
         let dy = j as f32 - y;
@@ -107,7 +106,7 @@ fn in_level(
             if r2 < 1.0 {
                 let at = floor(r2 * STEPS as f32);
                 let w = WEIGHTS[if at > 0 { at as usize } else { 0 }];
-                let c = tap(s, t, level, ax.index(i, level.width), row);
+                let c = tap(s, t, level, [ax.index(i, level.width), row, 0]);
                 for k in 0..4 {
                     sum[k] += w * (c[k] - centre[k]);
                 }

@@ -110,6 +110,19 @@ pub(crate) fn mix<S: Simd>(view: &View<'_>, a: Color<S>, b: Color<S>, w: f32x16<
     ]
 }
 
+/// Two texels of a row and two of the next.
+#[inline(always)]
+pub(crate) fn mix_four<S: Simd>(
+    view: &View<'_>,
+    [a, b]: [Color<S>; 2],
+    [c, d]: [Color<S>; 2],
+    wx: f32x16<S>,
+    wy: f32x16<S>,
+) -> Color<S> {
+    let (top, bottom) = (mix(view, a, b, wx), mix(view, c, d, wx));
+    mix(view, top, bottom, wy)
+}
+
 #[inline(always)]
 fn bilinear_at<S: Simd, const FORMAT: u8>(
     s: S,
@@ -118,22 +131,22 @@ fn bilinear_at<S: Simd, const FORMAT: u8>(
     u: f32x16<S>,
     v: f32x16<S>,
 ) -> Color<S> {
+    debug_assert_eq!(view.format, FORMAT, "the texels of a view");
     let (x, y) = at.place(s, view, u, v);
     let (x, y) = (x - 0.5, y - 0.5);
     let (i, j) = (floor_to_i32(s, x), floor_to_i32(s, y));
     let (wx, wy) = (x - i.to_float::<f32x16<S>>(), y - j.to_float::<f32x16<S>>());
-    let ([a, b], [c, d]) = match at.corners::<FORMAT>(s, view, i, j) {
-        Corners::Pairs([top, bottom]) => (
+    let [top, bottom] = match at.corners::<FORMAT>(s, view, i, j) {
+        Corners::Pairs([top, bottom]) => [
             fetch_two::<S, FORMAT>(s, view, top),
             fetch_two::<S, FORMAT>(s, view, bottom),
-        ),
-        Corners::Apart([a, b, c, d]) => (
+        ],
+        Corners::Apart([a, b, c, d]) => [
             [tap::<S, FORMAT>(s, view, a), tap::<S, FORMAT>(s, view, b)],
             [tap::<S, FORMAT>(s, view, c), tap::<S, FORMAT>(s, view, d)],
-        ),
+        ],
     };
-    let (top, bottom) = (mix(view, a, b, wx), mix(view, c, d, wx));
-    mix(view, top, bottom, wy)
+    mix_four(view, top, bottom, wx, wy)
 }
 
 /// The nearest texels of level 0, scaled.
@@ -159,7 +172,6 @@ pub fn bilinear_lanes<S: Simd, const FORMAT: u8>(
     u: f32x16<S>,
     v: f32x16<S>,
 ) -> Color<S> {
-    debug_assert_eq!(view.format, FORMAT, "the texels of a view");
     let at = At::uniform(s, view, 0);
     scaled(bilinear_at::<S, FORMAT>(s, view, &at, u, v), view)
 }
@@ -228,7 +240,6 @@ pub fn trilinear_lanes<S: Simd, const FORMAT: u8>(
     v: f32x16<S>,
     lod: f32x16<S>,
 ) -> Color<S> {
-    debug_assert_eq!(view.format, FORMAT, "the texels of a view");
     let levels = Levels::new(s, view, lod);
     scaled(levels.sample::<FORMAT>(s, view, u, v), view)
 }
@@ -308,7 +319,6 @@ pub fn anisotropic_lanes<S: Simd, const FORMAT: u8>(
     v: f32x16<S>,
     d: &FootprintLanes<S>,
 ) -> Color<S> {
-    debug_assert_eq!(view.format, FORMAT, "the texels of a view");
     let (zero, one) = (f32x16::splat(s, 0.0), f32x16::splat(s, 1.0));
     let p = d.ux * d.ux + d.uy * d.uy;
     let r = d.vx * d.vx + d.vy * d.vy;

@@ -319,7 +319,6 @@ pub fn nearest_lanes<S: Simd>(s: S, view: &View<'_>, u: f32x16<S>, v: f32x16<S>)
 /// Bilinear on level 0 for each lane.
 #[inline(always)]
 pub fn bilinear_lanes<S: Simd>(s: S, view: &View<'_>, u: f32x16<S>, v: f32x16<S>) -> u32x16<S> {
-    debug_assert_eq!(view.format, RGBA8, "bytes that are read whole");
     join(bilinear_at::<S>(s, view, &At::uniform(s, view, 0), u, v))
 }
 
@@ -331,6 +330,7 @@ fn bilinear_at<S: Simd>(
     u: f32x16<S>,
     v: f32x16<S>,
 ) -> Halves<S> {
+    debug_assert_eq!(view.format, RGBA8, "bytes that are read whole");
     let (x, y) = at.place(s, view, u, v);
     let (x, y) = (floor_to_i32(s, x) - 128, floor_to_i32(s, y) - 128);
     let (wx, wy) = (spread(x & 255), spread(y & 255));
@@ -446,7 +446,6 @@ pub fn trilinear_lanes<S: Simd>(
     v: f32x16<S>,
     lod: i32x16<S>,
 ) -> u32x16<S> {
-    debug_assert_eq!(view.format, RGBA8, "bytes that are read whole");
     let zero = i32x16::splat(s, 0);
     let top = i32x16::splat(s, view.last << 8);
     let lod = lod.simd_gt(top).select(top, lod);
@@ -488,7 +487,6 @@ pub fn anisotropic_lanes<S: Simd>(
     v: f32x16<S>,
     d: &FootprintLanes<S>,
 ) -> u32x16<S> {
-    debug_assert_eq!(view.format, RGBA8, "bytes that are read whole");
     let (one_f, zero) = (f32x16::splat(s, 1.0), i32x16::splat(s, 0));
     let p = d.ux * d.ux + d.uy * d.uy;
     let r = d.vx * d.vx + d.vy * d.vy;
