@@ -43,7 +43,7 @@ impl<'a> Direct<'a> {
             return None;
         }
         let view = View::new(&slot.sampler, &slot.texture)?;
-        (view.kind != Kind::Anisotropic).then_some(Self { stage, view })
+        view.kind.is_plain().then_some(Self { stage, view })
     }
 
     /// Puts finished pixels, where the look-up's bytes are that; false if nothing was done.

@@ -103,7 +103,7 @@ fn packed_view<'a>(
     texture: &'a texmap_sample::Texture2d<'_>,
 ) -> Option<View<'a>> {
     let view = View::new(sampler, texture)?;
-    (view.format == RGBA8 && view.kind != Kind::Anisotropic).then_some(view)
+    (view.format == RGBA8 && view.kind.is_plain()).then_some(view)
 }
 
 /// The look-ups of a surface at the coordinates of its mesh: base colour, normal map.

@@ -3,7 +3,7 @@
 use crate::{
     error::SampleError,
     texels::{Chain, Format, Level, Texels, Words},
-    texture::{Alpha, ColorSpace, Image, Origin, Texture2d, choose_format, read_texel, upload},
+    texture::{Alpha, ColorSpace, Image, Origin, Texture2d, choose_format, upload},
 };
 use alloc::{sync::Arc, vec, vec::Vec};
 use texmap_math::color;
@@ -12,36 +12,56 @@ use texmap_math::color;
 #[derive(Clone, Debug)]
 pub(crate) struct Encoded {
     bytes: Arc<Vec<u8>>,
-    /// All but the bytes.
-    shape: Image<'static>,
+    /// 1 to 4 a texel; the alpha of two and four is straight.
+    channels: usize,
+    color: ColorSpace,
 }
 
 impl Encoded {
-    /// Unscaled texel `i`, as [`Format::Rgba16`] would hold it. Out of line: every filter fetches texels.
+    /// [`decode`](Self::decode) out of line: every filter fetches texels.
     #[inline(never)]
     pub(crate) fn fetch(&self, i: usize) -> [f32; 4] {
-        let n = self.shape.channels as usize;
-        let light = |c: u8| f32::from(color::srgb8_to_linear16(c));
+        self.decode(i)
+    }
+
+    /// Unscaled texel `i`, as [`Format::Rgba16`] would hold it.
+    #[inline(always)]
+    pub(crate) fn decode(&self, i: usize) -> [f32; 4] {
+        let n = self.channels;
+        let [r, g, b, a] = match self.bytes[i * n..(i + 1) * n] {
+            [l] => [l, l, l, 255],
+            [l, a] => [l, l, l, a],
+            [r, g, b] => [r, g, b, 255],
+            [r, g, b, a, ..] => [r, g, b, a],
+            [] => [0; 4],
+        };
         // What photographs hold needs no more than a table.
-        match self.bytes[i * n..(i + 1) * n] {
-            [r, g, b] | [r, g, b, 255] if self.shape.color == ColorSpace::Srgb => {
-                [light(r), light(g), light(b), 65535.0]
-            }
-            _ => {
-                let image = Image {
-                    texels: Texels::U8(&self.bytes),
-                    ..self.shape
-                };
-                Format::Rgba16.rounded(read_texel(&image, i))
-            }
+        if a == 255 && self.color == ColorSpace::Srgb {
+            return [light16(r), light16(g), light16(b), 65535.0];
+        }
+        let a = f32::from(a) / 255.0;
+        let [r, g, b] = [self.light(r), self.light(g), self.light(b)];
+        Format::Rgba16.rounded([r * a, g * a, b * a, a])
+    }
+
+    #[inline(always)]
+    fn light(&self, c: u8) -> f32 {
+        match self.color {
+            ColorSpace::Srgb => color::srgb8_to_linear(c),
+            ColorSpace::Linear => f32::from(c) / 255.0,
         }
     }
 }
 
+#[inline(always)]
+fn light16(c: u8) -> f32 {
+    f32::from(color::srgb8_to_linear16(c))
+}
+
 impl Texture2d<'static> {
     /// As [`Texture2d::new`], with the same values, but 8-bit colours that would take 16 bits a channel are kept as they are: 1 to 4
-    /// bytes a texel instead of 8. Each look-up decodes its texels, one place at a time, which takes several times as long; for large
-    /// pictures that are read about once. Straight alpha, rows top to bottom.
+    /// bytes a texel instead of 8. Each look-up decodes its texels, which takes several times as long; for large pictures that are read
+    /// about once. Straight alpha, rows top to bottom.
     ///
     /// # Errors
     /// As [`Texture2d::new`].
@@ -52,18 +72,14 @@ impl Texture2d<'static> {
         color: ColorSpace,
         origin: Origin,
     ) -> Result<Self, SampleError> {
-        let shape = Image {
+        let given = Image {
             width,
             height,
             channels,
-            texels: Texels::U8(&[]),
+            texels: Texels::U8(&texels),
             color,
             alpha: Alpha::Straight,
             origin,
-        };
-        let given = Image {
-            texels: Texels::U8(&texels),
-            ..shape
         };
         given.check(1)?;
         if choose_format(&given) != Format::Rgba16 {
@@ -81,7 +97,8 @@ impl Texture2d<'static> {
         };
         let encoded = Encoded {
             bytes: Arc::new(texels),
-            shape,
+            channels: n,
+            color,
         };
         Ok(Self {
             chain: Chain {

@@ -1,7 +1,7 @@
 //! The filters in f32, one sample at a time. The lanes repeat these operations in the same order.
 
 pub(crate) mod anisotropic;
-mod cubic;
+pub(crate) mod cubic;
 mod ewa;
 
 use crate::{

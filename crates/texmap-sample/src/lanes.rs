@@ -40,9 +40,10 @@ pub mod packed;
 pub use crate::pattern::gradient_noise_lanes;
 
 use crate::{
+    encoded::Encoded,
     filter::{axes, gl_of},
-    sampler::{Filter, Mip, Precision, Sampler, Texel},
-    texels::{Chain, Format},
+    sampler::{Cubic, Filter, Mip, Precision, Sampler, Texel},
+    texels::{Chain, Format, Level},
     texture::Texture2d,
     wrap::{Axis, BELOW_ONE, REACH, Wrap},
 };
@@ -57,12 +58,17 @@ pub const RGBA8: u8 = 0;
 pub const RGBA8_EXACT: u8 = 1;
 /// Two words a texel.
 pub const RGBA16: u8 = 2;
+/// Floats, and bytes that are decoded at each look-up: texels are fetched one by one, and filtered in lanes.
+pub const APART: u8 = 3;
+/// No format of a view but of kernels: any of those with f32 weights, asked for at each texel. Rare filters have one compiled form.
+pub const ANY: u8 = 4;
 
 /// Most levels of a chain: 32768 down to 1.
 const LEVELS: usize = 16;
 
-/// The filters that have lanes. The other combinations of OpenGL, the cubics and EWA do not.
+/// The filters that have lanes: all but EWA.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Kind {
     /// The nearest texel of level 0.
     Nearest,
@@ -72,21 +78,39 @@ pub enum Kind {
     Trilinear,
     /// Probes along the long axis.
     Anisotropic,
+    /// Another combination of OpenGL's.
+    Gl {
+        /// Texels of magnified lanes.
+        mag: Texel,
+        /// Texels of the others.
+        min: Texel,
+        /// Levels of the others.
+        mip: Mip,
+    },
+    /// Sixteen texels of level 0.
+    Bicubic(Cubic),
 }
 
 impl Kind {
     fn of(filter: Filter) -> Option<Self> {
         match filter {
-            Filter::Bicubic(_) | Filter::Ewa(_) => return None,
+            Filter::Ewa(_) => return None,
+            Filter::Bicubic(kernel) => return Some(Self::Bicubic(kernel)),
             Filter::Anisotropic(_) => return Some(Self::Anisotropic),
             _ => {}
         }
-        match gl_of(filter) {
-            (Texel::Nearest, Texel::Nearest, Mip::None) => Some(Self::Nearest),
-            (Texel::Linear, Texel::Linear, Mip::None) => Some(Self::Bilinear),
-            (Texel::Linear, Texel::Linear, Mip::Linear) => Some(Self::Trilinear),
-            _ => None,
-        }
+        Some(match gl_of(filter) {
+            (Texel::Nearest, Texel::Nearest, Mip::None) => Self::Nearest,
+            (Texel::Linear, Texel::Linear, Mip::None) => Self::Bilinear,
+            (Texel::Linear, Texel::Linear, Mip::Linear) => Self::Trilinear,
+            (mag, min, mip) => Self::Gl { mag, min, mip },
+        })
+    }
+
+    /// Whether it is one of the three that need no more than a place and a level.
+    #[must_use]
+    pub fn is_plain(self) -> bool {
+        matches!(self, Self::Nearest | Self::Bilinear | Self::Trilinear)
     }
 }
 
@@ -94,6 +118,7 @@ impl Kind {
 #[derive(Clone, Debug)]
 pub struct View<'a> {
     pub(crate) words: Words<'a>,
+    apart: Apart<'a>,
     /// [`RGBA8`] and so on.
     pub format: u8,
     pub(crate) opaque: bool,
@@ -155,7 +180,7 @@ impl LevelView {
 }
 
 impl<'a> View<'a> {
-    /// `None` where there are no lanes and look-ups run one at a time: filters that are not a [`Kind`], float and encoded texels.
+    /// `None` where there are no lanes and look-ups run one at a time: EWA.
     pub fn new(sampler: &Sampler, t: &'a Texture2d<'_>) -> Option<Self> {
         let kind = Kind::of(sampler.filter)?;
         let chain = &t.chain;
@@ -163,7 +188,7 @@ impl<'a> View<'a> {
             Format::Rgba8 if packed::applies(sampler, chain) => RGBA8,
             Format::Rgba8 => RGBA8_EXACT,
             Format::Rgba16 if chain.encoded.is_none() => RGBA16,
-            _ => return None,
+            _ => APART,
         };
         Self::prepared(sampler, chain, kind, format)
     }
@@ -184,9 +209,14 @@ impl<'a> View<'a> {
         let unit = if format == RGBA8 { 256.0 } else { 1.0 };
         let mut offsets = [0; LEVELS];
         let mut levels = [LevelView::new(0, 1, 1, false, unit); LEVELS];
+        let apart = Apart::new(chain);
         for (i, level) in chain.levels.iter().enumerate().take(LEVELS) {
-            offsets[i] = level.offset as u32;
-            levels[i] = LevelView::new(level.offset, level.width, level.height, chain.flip, unit);
+            let offset = match format {
+                APART => apart.first_of(level),
+                _ => level.offset,
+            };
+            offsets[i] = offset as u32;
+            levels[i] = LevelView::new(offset, level.width, level.height, chain.flip, unit);
         }
         let bias = if sampler.lod.bias.is_nan() {
             0.0
@@ -194,7 +224,9 @@ impl<'a> View<'a> {
             sampler.lod.bias.clamp(-32.0, 32.0)
         };
         Some(Self {
-            words: Words::new(chain.words())?,
+            // An encoded texture without levels has no words.
+            words: Words::new(chain.words()).or_else(|| Words::new(&[0]))?,
+            apart,
             format,
             opaque: chain.opaque && !bordered,
             flip: chain.flip,
@@ -219,9 +251,68 @@ impl<'a> View<'a> {
         })
     }
 
+    /// Whether a tap may read the border.
+    pub(crate) fn is_bordered(&self) -> bool {
+        self.bordered
+    }
+
     /// Columns and rows of level 0.
     pub fn size(&self) -> (i32, i32) {
         (self.levels[0].width, self.levels[0].height)
+    }
+}
+
+/// Texels that are fetched one by one, counted through all levels.
+#[derive(Clone, Copy, Debug)]
+struct Apart<'a> {
+    words: &'a [u32],
+    format: Format,
+    encoded: Option<&'a Encoded>,
+    /// Texels that are encoded: those of level 0.
+    kept: usize,
+    last: usize,
+}
+
+impl<'a> Apart<'a> {
+    fn new(chain: &'a Chain<'_>) -> Self {
+        let base = &chain.levels[0];
+        let kept = match chain.encoded {
+            Some(_) => base.width as usize * base.height as usize,
+            None => 0,
+        };
+        let count = kept + chain.words().len() / chain.format.words();
+        Self {
+            words: chain.words(),
+            format: chain.format,
+            encoded: chain.encoded.as_ref(),
+            kept,
+            last: count.saturating_sub(1),
+        }
+    }
+
+    fn first_of(&self, level: &Level) -> usize {
+        match level.offset {
+            Level::ENCODED => 0,
+            offset => self.kept + offset / self.format.words(),
+        }
+    }
+
+    /// Unscaled texels, channel by channel; of those beyond the end, the last. One compiled form serves all filters and levels.
+    #[inline(never)]
+    fn fetch(&self, at: &[u32; 16]) -> [[f32; 16]; 4] {
+        let mut out = [[0.0; 16]; 4];
+        for (i, at) in at.iter().enumerate() {
+            let at = (*at as usize).min(self.last);
+            let [r, g, b, a] = match self.encoded {
+                Some(encoded) if at < self.kept => encoded.decode(at),
+                _ => {
+                    let word = (at - self.kept) * self.format.words();
+                    self.format.fetch(self.words, word)
+                }
+            };
+            (out[0][i], out[1][i], out[2][i], out[3][i]) = (r, g, b, a);
+        }
+        out
     }
 }
 
@@ -283,11 +374,22 @@ impl<S: Simd> At<S> {
         }
     }
 
-    /// First word of a texel counted within the level.
+    /// The level of each lane, which are often one.
     #[inline(always)]
-    pub(crate) fn word<const FORMAT: u8>(&self, texel: i32x16<S>) -> u32x16<S> {
+    pub(crate) fn of(s: S, view: &View<'_>, level: i32x16<S>) -> Self {
+        if level.simd_eq(i32x16::splat(s, level[0])).all_true() {
+            Self::uniform(s, view, level[0])
+        } else {
+            Self::per_lane(s, view, level)
+        }
+    }
+
+    /// First word of a texel counted within the level; the texel itself where it is fetched apart.
+    #[inline(always)]
+    pub(crate) fn word<const FORMAT: u8>(&self, view: &View<'_>, texel: i32x16<S>) -> u32x16<S> {
         let word = match FORMAT {
             RGBA16 => texel << 1,
+            ANY => texel << u32::from(view.format == RGBA16),
             _ => texel,
         };
         (word + self.offset).bitcast()
@@ -342,7 +444,7 @@ impl<S: Simd> At<S> {
             let y = (j & (self.height - 1)) ^ self.turn;
             let x = i & (self.width - 1);
             return Place {
-                word: self.word::<FORMAT>(self.row_start(y) + x),
+                word: self.word::<FORMAT>(view, self.row_start(y) + x),
                 sign: x,
             };
         }
@@ -364,12 +466,18 @@ impl<S: Simd> At<S> {
             let x0 = i & x_mask;
             let r0 = self.row_start((j & y_mask) ^ self.turn);
             let r1 = self.row_start(((j + 1) & y_mask) ^ self.turn);
-            let left = [self.word::<FORMAT>(r0 + x0), self.word::<FORMAT>(r1 + x0)];
+            let left = [
+                self.word::<FORMAT>(view, r0 + x0),
+                self.word::<FORMAT>(view, r1 + x0),
+            ];
             if is_wide(s) && !x0.simd_eq(x_mask).any_true() {
                 return Corners::Pairs(left);
             }
             let x1 = (i + 1) & x_mask;
-            let right = [self.word::<FORMAT>(r0 + x1), self.word::<FORMAT>(r1 + x1)];
+            let right = [
+                self.word::<FORMAT>(view, r0 + x1),
+                self.word::<FORMAT>(view, r1 + x1),
+            ];
             return Corners::Apart([
                 Place {
                     word: left[0],
@@ -406,19 +514,32 @@ impl<S: Simd> At<S> {
         ])
     }
 
+    /// Wrapped indices; [`OUTSIDE`](crate::wrap::OUTSIDE) on the border.
     #[inline(always)]
-    fn wrapped(&self, s: S, view: &View<'_>, i: i32x16<S>, j: i32x16<S>) -> (i32x16<S>, i32x16<S>) {
+    pub(crate) fn wrapped(
+        &self,
+        s: S,
+        view: &View<'_>,
+        i: i32x16<S>,
+        j: i32x16<S>,
+    ) -> (i32x16<S>, i32x16<S>) {
         (
             index(s, view.axes[0], i, self.width),
             index(s, view.axes[1], j, self.height),
         )
     }
 
+    /// The texel at wrapped indices.
     #[inline(always)]
-    fn general<const FORMAT: u8>(&self, view: &View<'_>, x: i32x16<S>, y: i32x16<S>) -> Place<S> {
+    pub(crate) fn general<const FORMAT: u8>(
+        &self,
+        view: &View<'_>,
+        x: i32x16<S>,
+        y: i32x16<S>,
+    ) -> Place<S> {
         let turned = if view.flip { self.turn - y } else { y };
         Place {
-            word: self.word::<FORMAT>(turned * self.width + x),
+            word: self.word::<FORMAT>(view, turned * self.width + x),
             sign: x | y,
         }
     }
@@ -472,9 +593,13 @@ fn index<S: Simd>(s: S, axis: Axis, i: i32x16<S>, n: i32x16<S>) -> i32x16<S> {
             let i = i.simd_lt(zero).select(i + n, i);
             i.simd_ge(n).select(i - n, i)
         }
+        // Two indices beyond 0..2n, which cubics reach, come back as well.
         Wrap::MirroredRepeat => {
+            let i = i.simd_lt(zero).select(-1 - i, i);
             let back = n + n - 1 - i;
-            at_least_zero(s, i.simd_lt(back).select(i, back))
+            let i = i.simd_lt(back).select(i, back);
+            let i = i.simd_lt(zero).select(-1 - i, i);
+            i.simd_lt(n).select(i, n - 1)
         }
         Wrap::ClampToEdge => {
             let i = at_least_zero(s, i);

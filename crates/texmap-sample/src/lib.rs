@@ -32,10 +32,10 @@
 //!
 //! # How it is built
 //! Each filter has an f64 definition in [`mod@reference`], a scalar f32 form whose bound the tests
-//! state, and, where it pays, sixteen lanes with the bits of the scalar form: nearest, bilinear,
-//! trilinear and anisotropic on integer textures of any size under any wrap, and the first three in cubes, on
-//! SSE2, AVX2, AVX-512 and NEON (repeating over powers of two is the fast case). All else runs one at a time with
-//! the same results.
+//! state, and sixteen lanes with the bits of the scalar form on SSE2, AVX2, AVX-512 and NEON: all filters but EWA, on texels of
+//! any kind, size and wrap (integers that repeat over powers of two are the fast case; floats and bytes that stay encoded are fetched
+//! one by one), and nearest, bilinear and trilinear in cubes. All else (EWA, volumes, atlases, summed areas) runs one at a time
+//! with the same results.
 #![cfg_attr(not(feature = "std"), no_std)]
 #![forbid(unsafe_code)]
 extern crate alloc;

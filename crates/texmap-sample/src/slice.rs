@@ -2,9 +2,9 @@
 
 use crate::{
     error::SampleError,
-    filter,
+    filter::{self, cubic, gl_of},
     lanes::{
-        Kind, RGBA8_EXACT, RGBA16, View, float,
+        APART, Kind, RGBA8_EXACT, RGBA16, View, float,
         packed::{self, FootprintLanes},
     },
     sampler::Sampler,
@@ -362,10 +362,11 @@ impl Batch<'_> {
     }
 
     fn float_of<S: Simd>(&self, s: S, format: u8, out: [&mut [f32]; 4]) {
-        if format == RGBA8_EXACT {
-            self.float_format::<S, RGBA8_EXACT>(s, out);
-        } else {
-            self.float_format::<S, RGBA16>(s, out);
+        let rare = !self.view.kind.is_plain() && self.view.kind != Kind::Anisotropic;
+        match format {
+            RGBA8_EXACT if !rare => self.float_format::<S, RGBA8_EXACT>(s, out),
+            RGBA16 if !rare => self.float_format::<S, RGBA16>(s, out),
+            _ => self.any_format(s, out),
         }
     }
 
@@ -417,10 +418,36 @@ impl Batch<'_> {
                             float::trilinear_lanes::<S, FORMAT>(s, view, u, v, lod)
                         }
                     };
-                    for (k, out) in out.iter_mut().enumerate() {
-                        let end = out.len().min(16 * i + 16);
-                        store_tail(c[k], &mut out[16 * i..end]);
-                    }
+                    store_columns(c, i, &mut out);
+                }
+            },
+        );
+    }
+
+    /// Filters and texels that are rare: in one form for all texels, which takes half as long to compile.
+    fn any_format<S: Simd>(&self, s: S, mut out: [&mut [f32]; 4]) {
+        s.vectorize(
+            #[inline(always)]
+            || {
+                let view = self.view;
+                let flat = f32x16::splat(s, self.flat_lod());
+                for i in 0..self.u.len().div_ceil(16) {
+                    let (u, v) = self.uv(s, 16 * i);
+                    let d = self.footprint(s, 16 * i);
+                    let c = match (view.kind, d) {
+                        (Kind::Bicubic(kernel), _) => cubic::lanes(s, view, kernel, u, v),
+                        (Kind::Anisotropic, Some(d)) => {
+                            float::anisotropic_lanes::<S, APART>(s, view, u, v, &d)
+                        }
+                        (_, d) => {
+                            let lod = match d {
+                                Some(d) => float::lod_lanes(s, view, &d),
+                                None => flat,
+                            };
+                            float::gl_lanes(s, view, gl_of(self.sampler.filter), [u, v], lod)
+                        }
+                    };
+                    store_columns(c, i, &mut out);
                 }
             },
         );
@@ -441,12 +468,16 @@ impl Batch<'_> {
                         (Kind::Anisotropic, Some(d)) => {
                             packed::anisotropic_lanes::<S>(s, view, u, v, &d)
                         }
-                        (_, d) => {
+                        (kind, d) => {
                             let lod = match d {
                                 Some(d) => packed::lod_lanes(s, view, &d),
                                 None => flat,
                             };
-                            packed::trilinear_lanes::<S>(s, view, u, v, lod)
+                            if let Kind::Gl { mag, min, mip } = kind {
+                                packed::gl_lanes(s, view, (mag, min, mip), [u, v], lod)
+                            } else {
+                                packed::trilinear_lanes::<S>(s, view, u, v, lod)
+                            }
                         }
                     };
                     if let Some(full) = out.first_chunk_mut::<16>() {
@@ -459,6 +490,15 @@ impl Batch<'_> {
                 }
             },
         );
+    }
+}
+
+/// Puts the `i`th sixteen down, or as many as there are.
+#[inline(always)]
+fn store_columns<S: Simd>(c: float::Color<S>, i: usize, out: &mut [&mut [f32]; 4]) {
+    for (k, out) in out.iter_mut().enumerate() {
+        let end = out.len().min(16 * i + 16);
+        store_tail(c[k], &mut out[16 * i..end]);
     }
 }
 

@@ -32,6 +32,29 @@ fn cube(side: u32, color: ColorSpace, alpha: impl Fn(u32) -> u8) -> TextureCube<
     cube.unwrap().with_mips()
 }
 
+/// Random light beyond one, and below none.
+fn bright(side: u32) -> TextureCube<'static> {
+    let mut random = Random::new(u64::from(side));
+    let faces: Vec<Vec<f32>> = (0..6)
+        .map(|_| {
+            (0..side * side * 3)
+                .map(|_| random.range(-1.0, 90.0))
+                .collect()
+        })
+        .collect();
+    let image = |face: usize| Image {
+        width: side,
+        height: side,
+        channels: 3,
+        texels: Texels::F32(&faces[face]),
+        color: ColorSpace::Linear,
+        alpha: Alpha::Straight,
+        origin: Origin::TopLeft,
+    };
+    let cube = TextureCube::new(&[0, 1, 2, 3, 4, 5].map(image));
+    cube.unwrap().with_mips()
+}
+
 /// Sweeps over faces and across edges, corners, random directions of any length, and the numbers that break things.
 fn directions() -> Vec<[f32; 3]> {
     let mut random = Random::new(7);
@@ -101,6 +124,7 @@ fn batches_of_cubes_equal_single_look_ups_on_every_level() {
         ),
         ("soft", cube(32, ColorSpace::Srgb, |a| a as u8)),
         ("one texel", cube(1, ColorSpace::Srgb, |_| 255)),
+        ("floats", bright(11)),
     ];
     let mut out = [(); 4].map(|()| vec![0.0; x.len()]);
     for (name, t) in &cubes {

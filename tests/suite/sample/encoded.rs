@@ -1,5 +1,6 @@
 //! Textures that keep their bytes and decode them at each look-up.
 
+use crate::support::filters;
 use texmap_math::{Footprint, Level};
 use texmap_sample::{
     Alpha, ColorSpace, Filter, Image, Origin, SampleError, Sampler, Texels, Texture2d, sample_slice,
@@ -42,12 +43,7 @@ fn bytes_that_stay_have_the_values_of_words() {
                     assert_eq!(a, b, "{channels} {color:?} {level} {x} {y}");
                 }
             }
-            for filter in [
-                Filter::Nearest,
-                Filter::Bilinear,
-                Filter::Trilinear,
-                Filter::Ewa(8),
-            ] {
+            for filter in filters() {
                 let sampler = Sampler {
                     filter,
                     ..Sampler::default()

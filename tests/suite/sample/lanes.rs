@@ -103,6 +103,14 @@ fn textures() -> Vec<(&'static str, Texture2d<'static>)> {
         Origin::TopLeft,
     );
     let heights: Vec<f32> = (0..16 * 16).map(|i| (i * 37 % 101) as f32).collect();
+    let mut words = Random::new(2);
+    let mut kept = |size: (u32, u32), channels: u32, origin| {
+        let texels = (0..size.0 * size.1 * channels).map(|_| words.word() as u8);
+        Texture2d::from_encoded8(size, channels, texels.collect(), ColorSpace::Srgb, origin)
+            .unwrap()
+    };
+    let kept_with_levels = kept((37, 21), 3, Origin::BottomLeft).with_mips();
+    let kept_with_alpha = kept((16, 8), 4, Origin::TopLeft);
     // Four numbers a texel: the last is no opacity, and not 255.
     let data = Texture2d::new(&Image {
         width: 8,
@@ -127,11 +135,15 @@ fn textures() -> Vec<(&'static str, Texture2d<'static>)> {
                 .with_origin(Origin::BottomLeft)
                 .with_mips(),
         ),
+        // Cubics reach over the whole texture, and beyond its mirror.
+        ("bytes 3x2", random_bytes(3, 2, 4).with_mips()),
         ("bytes 1x1", random_bytes(1, 1, 5)),
         ("bytes 1x9", random_bytes(1, 9, 5).with_mips()),
         ("keyed 16x8", keyed.unwrap().with_mips()),
         ("soft 32x32", soft.unwrap().with_mips()),
         ("soft 13x7", odd.unwrap().with_mips()),
+        ("kept 37x21 flipped", kept_with_levels),
+        ("kept 16x8, no mips", kept_with_alpha),
         ("floats 31x16", random_floats(31, 16, 6).with_mips()),
         (
             "heights 16x16",

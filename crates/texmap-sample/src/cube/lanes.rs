@@ -5,7 +5,7 @@ use crate::{
     error::SampleError,
     filter::gl_of,
     lanes::{
-        At, Kind, RGBA8_EXACT, RGBA16, View,
+        ANY, APART, At, Kind, RGBA8_EXACT, RGBA16, View,
         float::{Color, Levels, fetch, fetch_two, limit_lanes, mix, mix_four, scaled, select},
     },
     sampler::{Mip, Sampler, Texel},
@@ -80,7 +80,7 @@ impl<'a> Batch<'a> {
         let format = match self.t.chain.format {
             Format::Rgba8 => RGBA8_EXACT,
             Format::Rgba16 => RGBA16,
-            _ => return None,
+            _ => APART,
         };
         View::prepared(self.sampler, &self.t.chain, kind, format)
     }
@@ -99,7 +99,8 @@ impl<'a> Batch<'a> {
     fn on<S: Simd>(&self, s: S, view: &View<'_>, out: &mut [&mut [f32]; 4]) {
         match view.format {
             RGBA8_EXACT => self.format::<S, RGBA8_EXACT>(s, view, out),
-            _ => self.format::<S, RGBA16>(s, view, out),
+            RGBA16 => self.format::<S, RGBA16>(s, view, out),
+            _ => self.format::<S, ANY>(s, view, out),
         }
     }
 
@@ -211,7 +212,7 @@ impl<S: Simd> Place<S> {
             within(s, self.s * at.units_x, at),
             within(s, self.t * at.units_x, at),
         );
-        fetch::<S, FORMAT>(s, view, at.word::<FORMAT>(self.texel(at, i, j)))
+        fetch::<S, FORMAT>(s, view, at.word::<FORMAT>(view, self.texel(at, i, j)))
     }
 
     /// Four texels, across edges too; the lanes that need the mean at a corner.
@@ -235,8 +236,8 @@ impl<S: Simd> Place<S> {
         let [top, bottom] = if (in_x & in_y).all_true() {
             let texel = self.texel(at, i, j);
             [
-                fetch_two::<S, FORMAT>(s, view, at.word::<FORMAT>(texel)),
-                fetch_two::<S, FORMAT>(s, view, at.word::<FORMAT>(texel + at.width)),
+                fetch_two::<S, FORMAT>(s, view, at.word::<FORMAT>(view, texel)),
+                fetch_two::<S, FORMAT>(s, view, at.word::<FORMAT>(view, texel + at.width)),
             ]
         } else {
             corners = !in_x & !in_y;
@@ -248,12 +249,12 @@ impl<S: Simd> Place<S> {
             ];
             [
                 [
-                    fetch::<S, FORMAT>(s, view, at.word::<FORMAT>(texels[0])),
-                    fetch::<S, FORMAT>(s, view, at.word::<FORMAT>(texels[1])),
+                    fetch::<S, FORMAT>(s, view, at.word::<FORMAT>(view, texels[0])),
+                    fetch::<S, FORMAT>(s, view, at.word::<FORMAT>(view, texels[1])),
                 ],
                 [
-                    fetch::<S, FORMAT>(s, view, at.word::<FORMAT>(texels[2])),
-                    fetch::<S, FORMAT>(s, view, at.word::<FORMAT>(texels[3])),
+                    fetch::<S, FORMAT>(s, view, at.word::<FORMAT>(view, texels[2])),
+                    fetch::<S, FORMAT>(s, view, at.word::<FORMAT>(view, texels[3])),
                 ],
             ]
         };

@@ -1,9 +1,9 @@
 //! The f32 filters for sixteen lanes; the scalar twins are in `filter.rs`.
 
-use super::{At, Corners, Place, RGBA16, View, packed::FootprintLanes};
+use super::{ANY, APART, At, Corners, Place, RGBA8_EXACT, RGBA16, View, packed::FootprintLanes};
 use crate::{
     lod::{LOG2_POLYNOMIAL, TINY},
-    sampler::Precision,
+    sampler::{Mip, Precision, Texel},
 };
 use texmap_math::{
     fearless_simd::{f32x16, i32x16, mask32x16, prelude::*, u32x16},
@@ -19,9 +19,20 @@ fn to_float<S: Simd>(c: u32x16<S>) -> f32x16<S> {
     c.to_float()
 }
 
+/// The format of a kernel that has one, else the view's.
+#[inline(always)]
+fn of_view<const FORMAT: u8>(view: &View<'_>) -> u8 {
+    debug_assert!(
+        FORMAT == ANY || FORMAT == view.format,
+        "the texels of a view"
+    );
+    if FORMAT == ANY { view.format } else { FORMAT }
+}
+
 #[inline(always)]
 pub(crate) fn fetch<S: Simd, const FORMAT: u8>(s: S, view: &View<'_>, word: u32x16<S>) -> Color<S> {
-    match FORMAT {
+    match of_view::<FORMAT>(view) {
+        APART => apart(s, view, word),
         RGBA16 => color16(s, view, gather_pairs(s, view.words, word)),
         _ => color8(s, view, gather(s, view.words, word)),
     }
@@ -34,18 +45,60 @@ pub(crate) fn fetch_two<S: Simd, const FORMAT: u8>(
     view: &View<'_>,
     word: u32x16<S>,
 ) -> [Color<S>; 2] {
-    if FORMAT != RGBA16 {
-        let [a, b] = gather_pairs(s, view.words, word);
-        return [color8(s, view, a), color8(s, view, b)];
+    match of_view::<FORMAT>(view) {
+        APART => [apart(s, view, word), apart(s, view, word + 1)],
+        RGBA16 => {
+            let (a, b) = match gather_quads(s, view.words, word) {
+                Some([a, b, c, d]) => ([a, b], [c, d]),
+                None => (
+                    gather_pairs(s, view.words, word),
+                    gather_pairs(s, view.words, word + 2),
+                ),
+            };
+            [color16(s, view, a), color16(s, view, b)]
+        }
+        _ => {
+            let [a, b] = gather_pairs(s, view.words, word);
+            [color8(s, view, a), color8(s, view, b)]
+        }
     }
-    let (a, b) = match gather_quads(s, view.words, word) {
-        Some([a, b, c, d]) => ([a, b], [c, d]),
-        None => (
-            gather_pairs(s, view.words, word),
-            gather_pairs(s, view.words, word + 2),
-        ),
-    };
-    [color16(s, view, a), color16(s, view, b)]
+}
+
+/// A texel, and the next three in memory.
+#[inline(always)]
+pub(crate) fn fetch_four<S: Simd, const FORMAT: u8>(
+    s: S,
+    view: &View<'_>,
+    word: u32x16<S>,
+) -> [Color<S>; 4] {
+    let format = of_view::<FORMAT>(view);
+    if format == RGBA8_EXACT
+        && let Some([a, b, c, d]) = gather_quads(s, view.words, word)
+    {
+        return [
+            color8(s, view, a),
+            color8(s, view, b),
+            color8(s, view, c),
+            color8(s, view, d),
+        ];
+    }
+    let [a, b] = fetch_two::<S, FORMAT>(s, view, word);
+    let two = if format == RGBA16 { 4 } else { 2 };
+    let [c, d] = fetch_two::<S, FORMAT>(s, view, word + two);
+    [a, b, c, d]
+}
+
+#[inline(always)]
+fn apart<S: Simd>(s: S, view: &View<'_>, texel: u32x16<S>) -> Color<S> {
+    let mut at = [0; 16];
+    texel.store_slice(&mut at);
+    let [r, g, b, a] = view.apart.fetch(&at);
+    [
+        f32x16::from_slice(s, &r),
+        f32x16::from_slice(s, &g),
+        f32x16::from_slice(s, &b),
+        f32x16::from_slice(s, &a),
+    ]
 }
 
 #[inline(always)]
@@ -80,7 +133,7 @@ fn color16<S: Simd>(s: S, view: &View<'_>, [a, b]: [u32x16<S>; 2]) -> Color<S> {
 
 /// A texel, or the border.
 #[inline(always)]
-fn tap<S: Simd, const FORMAT: u8>(s: S, view: &View<'_>, place: Place<S>) -> Color<S> {
+pub(crate) fn tap<S: Simd, const FORMAT: u8>(s: S, view: &View<'_>, place: Place<S>) -> Color<S> {
     let c = fetch::<S, FORMAT>(s, view, place.word);
     if !view.bordered {
         return c;
@@ -131,7 +184,6 @@ fn bilinear_at<S: Simd, const FORMAT: u8>(
     u: f32x16<S>,
     v: f32x16<S>,
 ) -> Color<S> {
-    debug_assert_eq!(view.format, FORMAT, "the texels of a view");
     let (x, y) = at.place(s, view, u, v);
     let (x, y) = (x - 0.5, y - 0.5);
     let (i, j) = (floor_to_i32(s, x), floor_to_i32(s, y));
@@ -149,6 +201,19 @@ fn bilinear_at<S: Simd, const FORMAT: u8>(
     mix_four(view, top, bottom, wx, wy)
 }
 
+#[inline(always)]
+fn nearest_at<S: Simd, const FORMAT: u8>(
+    s: S,
+    view: &View<'_>,
+    at: &At<S>,
+    u: f32x16<S>,
+    v: f32x16<S>,
+) -> Color<S> {
+    let (x, y) = at.place(s, view, u, v);
+    let place = at.texel::<FORMAT>(s, view, floor_to_i32(s, x), floor_to_i32(s, y));
+    tap::<S, FORMAT>(s, view, place)
+}
+
 /// The nearest texels of level 0, scaled.
 #[inline(always)]
 pub fn nearest_lanes<S: Simd, const FORMAT: u8>(
@@ -157,11 +222,8 @@ pub fn nearest_lanes<S: Simd, const FORMAT: u8>(
     u: f32x16<S>,
     v: f32x16<S>,
 ) -> Color<S> {
-    debug_assert_eq!(view.format, FORMAT, "the texels of a view");
     let at = At::uniform(s, view, 0);
-    let (x, y) = at.place(s, view, u, v);
-    let place = at.texel::<FORMAT>(s, view, floor_to_i32(s, x), floor_to_i32(s, y));
-    scaled(tap::<S, FORMAT>(s, view, place), view)
+    scaled(nearest_at::<S, FORMAT>(s, view, &at, u, v), view)
 }
 
 /// Bilinear on level 0, scaled. `FORMAT` is the view's.
@@ -242,6 +304,54 @@ pub fn trilinear_lanes<S: Simd, const FORMAT: u8>(
 ) -> Color<S> {
     let levels = Levels::new(s, view, lod);
     scaled(levels.sample::<FORMAT>(s, view, u, v), view)
+}
+
+/// OpenGL's choice of texels and levels for sixteen lanes, scaled: `mag` on level 0 where nothing is minified, else `min` and `mip`.
+#[inline(always)]
+pub fn gl_lanes<S: Simd>(
+    s: S,
+    view: &View<'_>,
+    (mag, min, mip): (Texel, Texel, Mip),
+    [u, v]: [f32x16<S>; 2],
+    lod: f32x16<S>,
+) -> Color<S> {
+    let (zero, none) = (f32x16::splat(s, 0.0), i32x16::splat(s, 0));
+    let magnified = lod.simd_le(zero);
+    let top = f32x16::splat(s, view.last as f32);
+    let lod = lod.simd_gt(top).select(top, lod);
+    let lod = magnified.select(zero, lod);
+    let fine = match mip {
+        Mip::None => none,
+        // ceil(lod + 0.5) - 1: halves go to the finer level.
+        Mip::Nearest => -1 - floor_to_i32(s, -0.5 - lod),
+        Mip::Linear => lod.to_int::<i32x16<S>>(),
+    };
+    let weight = match mip {
+        Mip::Linear => lod - fine.to_float::<f32x16<S>>(),
+        _ => zero,
+    };
+    let (two, last) = (weight.simd_gt(zero), i32x16::splat(s, view.last));
+    let next = fine + 1;
+    let next = next.simd_gt(last).select(last, next);
+    // One place in the code for all that may be read.
+    let reads = [
+        (magnified.any_true(), mag, none),
+        (!magnified.all_true(), min, fine),
+        (two.any_true(), min, next),
+    ];
+    let mut colors = [[zero; 4]; 3];
+    for (color, (wanted, texel, level)) in colors.iter_mut().zip(&reads) {
+        if *wanted {
+            let at = At::of(s, view, *level);
+            *color = match texel {
+                Texel::Nearest => nearest_at::<S, ANY>(s, view, &at, u, v),
+                Texel::Linear => bilinear_at::<S, ANY>(s, view, &at, u, v),
+            };
+        }
+    }
+    let [near, fine, coarse] = colors;
+    let far = select(two, mix(view, fine, coarse, weight), fine);
+    scaled(select(magnified, near, far), view)
 }
 
 /// The levels that each lane reads, found once and used by every probe.

@@ -309,8 +309,12 @@ fn tap_lanes<S: Simd>(s: S, view: &View<'_>, place: Place<S>) -> u32x16<S> {
 /// The nearest texel of level 0 for each lane.
 #[inline(always)]
 pub fn nearest_lanes<S: Simd>(s: S, view: &View<'_>, u: f32x16<S>, v: f32x16<S>) -> u32x16<S> {
+    nearest_at(s, view, &At::uniform(s, view, 0), u, v)
+}
+
+#[inline(always)]
+fn nearest_at<S: Simd>(s: S, view: &View<'_>, at: &At<S>, u: f32x16<S>, v: f32x16<S>) -> u32x16<S> {
     debug_assert_eq!(view.format, RGBA8, "bytes that are read whole");
-    let at = At::uniform(s, view, 0);
     let (x, y) = at.place(s, view, u, v);
     let (i, j) = (floor_to_i32(s, x) >> 8, floor_to_i32(s, y) >> 8);
     tap_lanes(s, view, at.texel::<RGBA8>(s, view, i, j))
@@ -469,6 +473,52 @@ pub fn trilinear_lanes<S: Simd>(
     }
     let b = bilinear_at::<S>(s, view, &b, u, v);
     join(lerp_lanes(s, a, b, spread(weight)))
+}
+
+/// OpenGL's choice of texels and levels for sixteen lanes: `mag` on level 0 where nothing is minified, else `min` and `mip`.
+#[inline(always)]
+pub fn gl_lanes<S: Simd>(
+    s: S,
+    view: &View<'_>,
+    (mag, min, mip): (Texel, Texel, Mip),
+    [u, v]: [f32x16<S>; 2],
+    lod: i32x16<S>,
+) -> u32x16<S> {
+    let zero = i32x16::splat(s, 0);
+    let magnified = lod.simd_le(zero);
+    let (last, top) = (
+        i32x16::splat(s, view.last),
+        i32x16::splat(s, view.last << 8),
+    );
+    let lod = lod.simd_gt(top).select(top, lod);
+    let lod = magnified.select(zero, lod);
+    let (fine, weight) = match mip {
+        Mip::None => (zero, zero),
+        // ceil(lod + 1/2) - 1: halves go to the finer level.
+        Mip::Nearest => ((lod + 127) >> 8, zero),
+        Mip::Linear => (lod >> 8, lod & 255),
+    };
+    let next = fine + 1;
+    let next = next.simd_gt(last).select(last, next);
+    // One place in the code for all that may be read.
+    let reads = [
+        (magnified.any_true(), mag, zero),
+        (!magnified.all_true(), min, fine),
+        (weight.simd_gt(zero).any_true(), min, next),
+    ];
+    let mut texels = [u32x16::splat(s, 0); 3];
+    for (to, (wanted, texel, level)) in texels.iter_mut().zip(&reads) {
+        if *wanted {
+            let at = At::of(s, view, *level);
+            *to = match texel {
+                Texel::Nearest => nearest_at(s, view, &at, u, v),
+                Texel::Linear => join(bilinear_at::<S>(s, view, &at, u, v)),
+            };
+        }
+    }
+    let [near, fine, coarse] = texels;
+    let far = lerp_lanes(s, halves(fine), halves(coarse), spread(weight));
+    magnified.select(near, join(far))
 }
 
 #[inline(always)]
