@@ -4,6 +4,7 @@
 use std::hint::black_box;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use texmap_math::Level;
 use texmap_sample::{
     Alpha, ColorSpace, Filter, Image, Origin, Pattern, Sampler, Texels, Texture2d, Texture3d,
     Volume, Wrap,
@@ -66,15 +67,18 @@ fn march(c: &mut Criterion) {
     ] {
         let volume =
             Volume::new(&grid, sampler, transfer, density, 1.0 / 128.0).expect("good numbers");
-        let all = || {
-            let ray = |i: u32| {
-                let at = (f64::from(i) + 0.5) / f64::from(RAYS);
-                volume.march([-1.0, at, 1.0 - 0.7 * at], [0.9, 0.05, 0.02], (0.0, 1e9))
+        let in_lanes = volume.clone().on_level(Level::new());
+        for (how, volume) in [("one at a time", volume), ("lanes", in_lanes)] {
+            let all = || {
+                let ray = |i: u32| {
+                    let at = (f64::from(i) + 0.5) / f64::from(RAYS);
+                    volume.march([-1.0, at, 1.0 - 0.7 * at], [0.9, 0.05, 0.02], (0.0, 1e9))
+                };
+                (0..RAYS).map(|i| black_box(ray(i)).steps).sum::<u32>()
             };
-            (0..RAYS).map(|i| black_box(ray(i)).steps).sum::<u32>()
-        };
-        group.throughput(Throughput::Elements(u64::from(all())));
-        group.bench_function(name, |b| b.iter(all));
+            group.throughput(Throughput::Elements(u64::from(all())));
+            group.bench_function(format!("{name}, {how}"), |b| b.iter(all));
+        }
     }
     group.finish();
 }

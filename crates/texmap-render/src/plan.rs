@@ -83,7 +83,9 @@ impl<'s> Plan<'s> {
                 .map(|slot| (&scene.textures[slot.texture], &slot.sampler));
             let rays = Rays::new(view.half, view.size);
             let to_view = view.view_from_world;
-            let stage = VolumeStage::new(volume, scene, transfer, rays, to_view, projection)?;
+            let level = settings.level;
+            let stage =
+                VolumeStage::new(volume, scene, transfer, rays, level, to_view, projection)?;
             surfaces.push(Surface {
                 space: Some(Box::new(Space::Volume(stage))),
                 ..far_sides(volume, view.clip_from_world)

@@ -2,6 +2,7 @@
 
 use std::sync::LazyLock;
 
+use texmap_math::Level;
 use texmap_math::glam::{DMat4, DVec3};
 use texmap_raster::{Cull, DepthTest};
 use texmap_sample::{Sampler, Texture2d};
@@ -129,6 +130,7 @@ impl<'s> VolumeStage<'s> {
         scene: &'s Scene,
         transfer: Option<(&'s Texture2d<'static>, &'s Sampler)>,
         rays: Rays,
+        level: Level,
         view_from_world: DMat4,
         projection: DMat4,
     ) -> Result<Self, RenderError> {
@@ -140,7 +142,8 @@ impl<'s> VolumeStage<'s> {
             volume.density,
             volume.step,
         )
-        .map_err(|error| fault(volume.grid, "numbers", error.to_string()))?;
+        .map_err(|error| fault(volume.grid, "numbers", error.to_string()))?
+        .on_level(level);
         let volume_from_world = volume.world_from_volume.inverse();
         Ok(Self {
             matter,

@@ -251,6 +251,12 @@ impl<'a> View<'a> {
         })
     }
 
+    /// As it is where a third axis may end at the border.
+    pub(crate) fn with_border(mut self) -> Self {
+        (self.bordered, self.opaque) = (true, false);
+        self
+    }
+
     /// Whether a tap may read the border.
     pub(crate) fn is_bordered(&self) -> bool {
         self.bordered
@@ -329,7 +335,7 @@ pub(crate) enum Corners<S: Simd> {
 pub(crate) struct At<S: Simd> {
     offset: i32x16<S>,
     pub(crate) width: i32x16<S>,
-    height: i32x16<S>,
+    pub(crate) height: i32x16<S>,
     turn: i32x16<S>,
     pub(crate) units_x: f32x16<S>,
     units_y: f32x16<S>,
@@ -529,6 +535,21 @@ impl<S: Simd> At<S> {
         )
     }
 
+    /// The texel at wrapped indices of a volume.
+    #[inline(always)]
+    pub(crate) fn in_slice<const FORMAT: u8>(
+        &self,
+        view: &View<'_>,
+        [x, y, z]: [i32x16<S>; 3],
+    ) -> Place<S> {
+        let turned = if view.flip { self.turn - y } else { y };
+        let row = z * self.height + turned;
+        Place {
+            word: self.word::<FORMAT>(view, row * self.width + x),
+            sign: x | y | z,
+        }
+    }
+
     /// The texel at wrapped indices.
     #[inline(always)]
     pub(crate) fn general<const FORMAT: u8>(
@@ -564,7 +585,13 @@ impl<S: Simd> Place<S> {
 
 /// Scalar [`Axis::place`] for sixteen.
 #[inline(always)]
-fn place<S: Simd>(s: S, view: &View<'_>, axis: Axis, u: f32x16<S>, units: f32x16<S>) -> f32x16<S> {
+pub(crate) fn place<S: Simd>(
+    s: S,
+    view: &View<'_>,
+    axis: Axis,
+    u: f32x16<S>,
+    units: f32x16<S>,
+) -> f32x16<S> {
     match axis.wrap {
         Wrap::Repeat if axis.scaled_first => {
             let x = u * units;
@@ -584,7 +611,7 @@ fn place<S: Simd>(s: S, view: &View<'_>, axis: Axis, u: f32x16<S>, units: f32x16
 
 /// Scalar [`Axis::index`] for sixteen, for indices that [`place`] leads to.
 #[inline(always)]
-fn index<S: Simd>(s: S, axis: Axis, i: i32x16<S>, n: i32x16<S>) -> i32x16<S> {
+pub(crate) fn index<S: Simd>(s: S, axis: Axis, i: i32x16<S>, n: i32x16<S>) -> i32x16<S> {
     let zero = i32x16::splat(s, 0);
     match axis.wrap {
         Wrap::Repeat if axis.scaled_first => i & (n - 1),

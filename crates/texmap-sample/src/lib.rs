@@ -34,8 +34,8 @@
 //! Each filter has an f64 definition in [`mod@reference`], a scalar f32 form whose bound the tests
 //! state, and sixteen lanes with the bits of the scalar form on SSE2, AVX2, AVX-512 and NEON: all filters but EWA, on texels of
 //! any kind, size and wrap (integers that repeat over powers of two are the fast case; floats and bytes that stay encoded are fetched
-//! one by one), and nearest, bilinear and trilinear in cubes. All else (EWA, volumes, atlases, summed areas) runs one at a time
-//! with the same results.
+//! one by one), OpenGL's combinations in volumes, and nearest, bilinear and trilinear in cubes. All else (EWA, summed areas) runs one
+//! at a time with the same results.
 #![cfg_attr(not(feature = "std"), no_std)]
 #![forbid(unsafe_code)]
 extern crate alloc;
@@ -79,5 +79,5 @@ pub use summed_area::SummedArea;
 pub use texels::Texels;
 pub use texture::{Alpha, ColorSpace, Image, Origin, Texture2d};
 pub use transform::UvTransform;
-pub use volume::{Texture1d, Texture3d};
+pub use volume::{Points, Texture1d, Texture3d, sample_3d_columns};
 pub use wrap::Wrap;

@@ -3,13 +3,16 @@
 
 use crate::{
     error::SampleError,
+    lanes::View,
     lod,
     sampler::{Filter, Sampler},
+    slice::{Batch, Grads, Out, gives_bytes},
     texture::Texture2d,
-    volume::Texture3d,
+    volume::{Points, Texture3d, VolumeView},
     wrap::Wrap,
 };
-use texmap_math::{det32, float};
+use alloc::boxed::Box;
+use texmap_math::{Level, det32, float};
 
 /// What is left to see through below which a ray ends: less than one code of 255, even of white in the dark.
 pub const OPAQUE: f32 = 1.0 / 4096.0;
@@ -22,14 +25,26 @@ pub const MOST_STEPS: u32 = 1 << 16;
 /// Without a transfer function a voxel's largest channel is how dense it is and its colour is itself over that (a
 /// single channel is white); a grid with alpha has its density there. With one, the voxel's first channel is looked up
 /// along it: a dependent look-up, whose colour shines and whose alpha is the density.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Volume<'a> {
     grid: &'a Texture3d<'a>,
     sampler: &'a Sampler,
     transfer: Option<(&'a Texture2d<'a>, &'a Sampler)>,
     density: f32,
     step: f32,
+    lanes: Option<Box<Lanes<'a>>>,
 }
+
+/// What looks sixteen steps up at once.
+#[derive(Clone, Debug)]
+struct Lanes<'a> {
+    level: Level,
+    voxels: VolumeView<'a>,
+    transfer: Option<(View<'a>, &'a Sampler, bool)>,
+}
+
+/// Steps that are looked up at once.
+const STEPS: usize = 16;
 
 /// What a ray has seen.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -63,7 +78,30 @@ impl<'a> Volume<'a> {
             transfer,
             density,
             step,
+            lanes: None,
         })
+    }
+
+    /// With look-ups of sixteen steps of a ray at once by the level's instructions. No bit of what a ray sees depends on it.
+    #[must_use]
+    pub fn on_level(mut self, level: Level) -> Self {
+        let transfer = self
+            .transfer
+            .map(|(ramp, along)| Some((View::new(along, ramp)?, along, gives_bytes(along, ramp))));
+        let voxels = VolumeView::new(self.sampler, self.grid, Wrap::ClampToEdge);
+        self.lanes = match (voxels, transfer) {
+            (Some(voxels), None) => Some((voxels, None)),
+            (Some(voxels), Some(Some(transfer))) => Some((voxels, Some(transfer))),
+            _ => None,
+        }
+        .map(|(voxels, transfer)| {
+            Box::new(Lanes {
+                level,
+                voxels,
+                transfer,
+            })
+        });
+        self
     }
 
     /// The ray `origin + t direction` for t in `span`, in the space of the unit cube; the eye may be inside. The part
@@ -88,20 +126,34 @@ impl<'a> Volume<'a> {
         let lod = self.level(direction, step);
         let depth = self.density * step as f32;
         let mut left = 1.0f32;
-        for i in 0..count {
+        let at = |i: u32| {
             let t = near + (f64::from(i) + 0.5) * step;
-            let at = [0, 1, 2].map(|k| (origin[k] + t * direction[k]) as f32);
-            let ([r, g, b], dense) = self.matter(at, lod);
-            seen.steps += 1;
-            if dense > 0.0 {
-                let clear = det32::exp(-depth * dense);
-                let weight = left * (1.0 - clear);
-                for (sum, c) in seen.color.iter_mut().zip([r, g, b]) {
-                    *sum += weight * c;
-                }
-                left *= clear;
-                if left < OPAQUE {
-                    break;
+            [0, 1, 2].map(|k| (origin[k] + t * direction[k]) as f32)
+        };
+        let mut ahead = [([0.0; 3], 0.0); STEPS];
+        'steps: for first in (0..count).step_by(STEPS) {
+            let part = (count - first).min(STEPS as u32);
+            let looked_up = self.lanes.as_ref().is_some_and(|lanes| {
+                let points = core::array::from_fn(|i| at(first + (i as u32).min(part - 1)));
+                self.look_up(lanes, &points, lod, &mut ahead)
+            });
+            for i in 0..part {
+                let ([r, g, b], dense) = if looked_up {
+                    ahead[i as usize]
+                } else {
+                    self.matter(at(first + i), lod)
+                };
+                seen.steps += 1;
+                if dense > 0.0 {
+                    let clear = det32::exp(-depth * dense);
+                    let weight = left * (1.0 - clear);
+                    for (sum, c) in seen.color.iter_mut().zip([r, g, b]) {
+                        *sum += weight * c;
+                    }
+                    left *= clear;
+                    if left < OPAQUE {
+                        break 'steps;
+                    }
                 }
             }
         }
@@ -114,20 +166,70 @@ impl<'a> Volume<'a> {
         let voxel = self
             .sampler
             .sample_3d(self.grid, at, Wrap::ClampToEdge, lod);
-        let [r, g, b, a] = match self.transfer {
-            Some((ramp, along)) => along.sample_lod(ramp, [voxel[0], 0.5], 0.0),
-            None if self.grid.has_alpha() => voxel,
-            None => {
-                let [r, g, b, _] = voxel;
-                let most = if r > g { r } else { g };
-                [r, g, b, if most > b { most } else { b }]
-            }
-        };
-        if a > 0.0 {
-            ([r / a, g / a, b / a], a)
-        } else {
-            ([0.0; 3], 0.0)
+        match self.transfer {
+            Some((ramp, along)) => straight(along.sample_lod(ramp, [voxel[0], 0.5], 0.0)),
+            None => straight(self.dense(voxel)),
         }
+    }
+
+    /// [`matter`](Self::matter) of sixteen points; false without a vector unit, with nothing done.
+    fn look_up(
+        &self,
+        lanes: &Lanes<'_>,
+        points: &[[f32; 3]; STEPS],
+        lod: f32,
+        out: &mut [([f32; 3], f32); STEPS],
+    ) -> bool {
+        let [u, v, w] = [0, 1, 2].map(|k| points.map(|p| p[k]));
+        let at = Points {
+            u: &u,
+            v: &v,
+            w: &w,
+            lod: Some(&[lod; STEPS]),
+        };
+        let mut columns = [[0.0; STEPS]; 4];
+        let voxels = &lanes.voxels;
+        if !voxels.columns(
+            lanes.level,
+            &at,
+            &mut columns.each_mut().map(|c| &mut c[..]),
+        ) {
+            return false;
+        }
+        if let Some((view, along, packed)) = &lanes.transfer {
+            let values = columns[0];
+            let ramp = Batch {
+                sampler: along,
+                view,
+                packed: *packed,
+                u: &values,
+                v: &[0.5; STEPS],
+                grads: Grads::None,
+            };
+            let colors = columns.each_mut().map(|c| &mut c[..]);
+            if !ramp.run(lanes.level, Out::Columns(colors)) {
+                return false;
+            }
+        }
+        let [r, g, b, a] = &columns;
+        for (i, out) in out.iter_mut().enumerate() {
+            let c = [r[i], g[i], b[i], a[i]];
+            *out = straight(if lanes.transfer.is_some() {
+                c
+            } else {
+                self.dense(c)
+            });
+        }
+        true
+    }
+
+    /// A voxel with its density for its alpha.
+    fn dense(&self, [r, g, b, a]: [f32; 4]) -> [f32; 4] {
+        if self.grid.has_alpha() {
+            return [r, g, b, a];
+        }
+        let most = if r > g { r } else { g };
+        [r, g, b, if most > b { most } else { b }]
     }
 
     /// The level whose voxels a step is long.
@@ -140,6 +242,15 @@ impl<'a> Volume<'a> {
         let size = self.grid.level_size(0).unwrap_or([1; 3]);
         let voxels = [0, 1, 2].map(|k| (step * direction[k] * f64::from(size[k])) as f32);
         0.5 * lod::log2(voxels.iter().map(|v| v * v).sum())
+    }
+}
+
+/// Straight colour, and how dense it is.
+fn straight([r, g, b, a]: [f32; 4]) -> ([f32; 3], f32) {
+    if a > 0.0 {
+        ([r / a, g / a, b / a], a)
+    } else {
+        ([0.0; 3], 0.0)
     }
 }
 

@@ -236,7 +236,7 @@ pub fn gives_bytes(sampler: &Sampler, t: &Texture2d<'_>) -> bool {
 const PART: usize = 256;
 
 /// Where a batch goes.
-enum Out<'a> {
+pub(crate) enum Out<'a> {
     Float(&'a mut [[f32; 4]]),
     Columns([&'a mut [f32]; 4]),
     Rgba8(&'a mut [u32]),
@@ -244,7 +244,7 @@ enum Out<'a> {
 
 /// Derivatives of a batch.
 #[derive(Clone, Copy)]
-enum Grads<'a> {
+pub(crate) enum Grads<'a> {
     None,
     Each(&'a [Footprint]),
     Columns([&'a [f32]; 4]),
@@ -290,18 +290,18 @@ macro_rules! on_lanes {
 pub(crate) use on_lanes;
 
 #[derive(Clone, Copy)]
-struct Batch<'a> {
-    sampler: &'a Sampler,
-    view: &'a View<'a>,
-    packed: bool,
-    u: &'a [f32],
-    v: &'a [f32],
-    grads: Grads<'a>,
+pub(crate) struct Batch<'a> {
+    pub(crate) sampler: &'a Sampler,
+    pub(crate) view: &'a View<'a>,
+    pub(crate) packed: bool,
+    pub(crate) u: &'a [f32],
+    pub(crate) v: &'a [f32],
+    pub(crate) grads: Grads<'a>,
 }
 
 impl Batch<'_> {
     /// False where there is no vector unit.
-    fn run(&self, level: Level, out: Out<'_>) -> bool {
+    pub(crate) fn run(&self, level: Level, out: Out<'_>) -> bool {
         on_lanes!(level, s => self.on(s, out))
     }
 

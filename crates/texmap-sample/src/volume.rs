@@ -1,5 +1,10 @@
 //! One- and three-dimensional textures.
 
+mod lanes;
+
+pub(crate) use lanes::VolumeView;
+pub use lanes::{Points, sample_3d_columns};
+
 use crate::{
     error::SampleError,
     filter::{across_levels, floor, in_slice, linear_axis, mix, tap},

@@ -11,4 +11,5 @@ mod plane;
 mod resampling;
 mod shapes;
 mod support;
+mod volumes;
 mod wraps;

@@ -311,36 +311,13 @@ pub fn trilinear_lanes<S: Simd, const FORMAT: u8>(
 pub fn gl_lanes<S: Simd>(
     s: S,
     view: &View<'_>,
-    (mag, min, mip): (Texel, Texel, Mip),
+    gl: (Texel, Texel, Mip),
     [u, v]: [f32x16<S>; 2],
     lod: f32x16<S>,
 ) -> Color<S> {
-    let (zero, none) = (f32x16::splat(s, 0.0), i32x16::splat(s, 0));
-    let magnified = lod.simd_le(zero);
-    let top = f32x16::splat(s, view.last as f32);
-    let lod = lod.simd_gt(top).select(top, lod);
-    let lod = magnified.select(zero, lod);
-    let fine = match mip {
-        Mip::None => none,
-        // ceil(lod + 0.5) - 1: halves go to the finer level.
-        Mip::Nearest => -1 - floor_to_i32(s, -0.5 - lod),
-        Mip::Linear => lod.to_int::<i32x16<S>>(),
-    };
-    let weight = match mip {
-        Mip::Linear => lod - fine.to_float::<f32x16<S>>(),
-        _ => zero,
-    };
-    let (two, last) = (weight.simd_gt(zero), i32x16::splat(s, view.last));
-    let next = fine + 1;
-    let next = next.simd_gt(last).select(last, next);
-    // One place in the code for all that may be read.
-    let reads = [
-        (magnified.any_true(), mag, none),
-        (!magnified.all_true(), min, fine),
-        (two.any_true(), min, next),
-    ];
-    let mut colors = [[zero; 4]; 3];
-    for (color, (wanted, texel, level)) in colors.iter_mut().zip(&reads) {
+    let reads = Reads::new(s, view, gl, lod);
+    let mut colors = reads.none(s);
+    for (color, (wanted, texel, level)) in colors.iter_mut().zip(&reads.levels) {
         if *wanted {
             let at = At::of(s, view, *level);
             *color = match texel {
@@ -349,9 +326,68 @@ pub fn gl_lanes<S: Simd>(
             };
         }
     }
-    let [near, fine, coarse] = colors;
-    let far = select(two, mix(view, fine, coarse, weight), fine);
-    scaled(select(magnified, near, far), view)
+    scaled(reads.blended(view, colors), view)
+}
+
+/// What OpenGL's choices read, in a list: code that reads a level stands once.
+pub(crate) struct Reads<S: Simd> {
+    /// Whether some lane reads it, which texels, of which level: that of magnified lanes, the finer of the others and the coarser.
+    pub(crate) levels: [(bool, Texel, i32x16<S>); 3],
+    magnified: mask32x16<S>,
+    /// Lanes that blend two levels, and the share of the coarser.
+    two: mask32x16<S>,
+    weight: f32x16<S>,
+}
+
+impl<S: Simd> Reads<S> {
+    #[inline(always)]
+    pub(crate) fn new(
+        s: S,
+        view: &View<'_>,
+        (mag, min, mip): (Texel, Texel, Mip),
+        lod: f32x16<S>,
+    ) -> Self {
+        let (zero, none) = (f32x16::splat(s, 0.0), i32x16::splat(s, 0));
+        let magnified = lod.simd_le(zero);
+        let top = f32x16::splat(s, view.last as f32);
+        let lod = lod.simd_gt(top).select(top, lod);
+        let lod = magnified.select(zero, lod);
+        let fine = match mip {
+            Mip::None => none,
+            // ceil(lod + 0.5) - 1: halves go to the finer level.
+            Mip::Nearest => -1 - floor_to_i32(s, -0.5 - lod),
+            Mip::Linear => lod.to_int::<i32x16<S>>(),
+        };
+        let weight = match mip {
+            Mip::Linear => lod - fine.to_float::<f32x16<S>>(),
+            _ => zero,
+        };
+        let (two, last) = (weight.simd_gt(zero), i32x16::splat(s, view.last));
+        let next = fine + 1;
+        let next = next.simd_gt(last).select(last, next);
+        Self {
+            levels: [
+                (magnified.any_true(), mag, none),
+                (!magnified.all_true(), min, fine),
+                (two.any_true(), min, next),
+            ],
+            magnified,
+            two,
+            weight,
+        }
+    }
+
+    /// Colours that are not read.
+    #[inline(always)]
+    pub(crate) fn none(&self, s: S) -> [Color<S>; 3] {
+        [[f32x16::splat(s, 0.0); 4]; 3]
+    }
+
+    #[inline(always)]
+    pub(crate) fn blended(&self, view: &View<'_>, [near, fine, coarse]: [Color<S>; 3]) -> Color<S> {
+        let far = select(self.two, mix(view, fine, coarse, self.weight), fine);
+        select(self.magnified, near, far)
+    }
 }
 
 /// The levels that each lane reads, found once and used by every probe.
