@@ -2,7 +2,7 @@
 
 pub(crate) mod anisotropic;
 pub(crate) mod cubic;
-mod ewa;
+pub(crate) mod ewa;
 
 use crate::{
     lanes::packed,

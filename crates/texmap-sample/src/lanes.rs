@@ -66,7 +66,7 @@ pub const ANY: u8 = 4;
 /// Most levels of a chain: 32768 down to 1.
 const LEVELS: usize = 16;
 
-/// The filters that have lanes: all but EWA.
+/// The kernel that a filter takes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Kind {
@@ -89,22 +89,24 @@ pub enum Kind {
     },
     /// Sixteen texels of level 0.
     Bicubic(Cubic),
+    /// All texels of an ellipse.
+    Ewa,
 }
 
 impl Kind {
-    fn of(filter: Filter) -> Option<Self> {
+    fn of(filter: Filter) -> Self {
         match filter {
-            Filter::Ewa(_) => return None,
-            Filter::Bicubic(kernel) => return Some(Self::Bicubic(kernel)),
-            Filter::Anisotropic(_) => return Some(Self::Anisotropic),
+            Filter::Ewa(_) => return Self::Ewa,
+            Filter::Bicubic(kernel) => return Self::Bicubic(kernel),
+            Filter::Anisotropic(_) => return Self::Anisotropic,
             _ => {}
         }
-        Some(match gl_of(filter) {
+        match gl_of(filter) {
             (Texel::Nearest, Texel::Nearest, Mip::None) => Self::Nearest,
             (Texel::Linear, Texel::Linear, Mip::None) => Self::Bilinear,
             (Texel::Linear, Texel::Linear, Mip::Linear) => Self::Trilinear,
             (mag, min, mip) => Self::Gl { mag, min, mip },
-        })
+        }
     }
 
     /// Whether it is one of the three that need no more than a place and a level.
@@ -180,9 +182,9 @@ impl LevelView {
 }
 
 impl<'a> View<'a> {
-    /// `None` where there are no lanes and look-ups run one at a time: EWA.
+    /// `None` only of a texture without a texel.
     pub fn new(sampler: &Sampler, t: &'a Texture2d<'_>) -> Option<Self> {
-        let kind = Kind::of(sampler.filter)?;
+        let kind = Kind::of(sampler.filter);
         let chain = &t.chain;
         let format = match chain.format {
             Format::Rgba8 if packed::applies(sampler, chain) => RGBA8,
@@ -203,7 +205,7 @@ impl<'a> View<'a> {
         let axes = axes(sampler, chain);
         let bordered = [sampler.wrap_u, sampler.wrap_v].contains(&Wrap::ClampToBorder);
         let most = match sampler.filter {
-            Filter::Anisotropic(most) => most.clamp(1, 16),
+            Filter::Anisotropic(most) | Filter::Ewa(most) => most.clamp(1, 16),
             _ => 1,
         };
         let unit = if format == RGBA8 { 256.0 } else { 1.0 };
@@ -520,6 +522,18 @@ impl<S: Simd> At<S> {
         ])
     }
 
+    /// [`wrapped`](Self::wrapped) of a column, however far outside.
+    #[inline(always)]
+    pub(crate) fn far_column(&self, s: S, view: &View<'_>, i: i32x16<S>) -> i32x16<S> {
+        far_index(s, view.axes[0], i, self.width)
+    }
+
+    /// [`wrapped`](Self::wrapped) of a row, however far outside.
+    #[inline(always)]
+    pub(crate) fn far_row(&self, s: S, view: &View<'_>, j: i32x16<S>) -> i32x16<S> {
+        far_index(s, view.axes[1], j, self.height)
+    }
+
     /// Wrapped indices; [`OUTSIDE`](crate::wrap::OUTSIDE) on the border.
     #[inline(always)]
     pub(crate) fn wrapped(
@@ -641,6 +655,25 @@ pub(crate) fn index<S: Simd>(s: S, axis: Axis, i: i32x16<S>, n: i32x16<S>) -> i3
             i.simd_lt(n).select(i, n - 1)
         }
     }
+}
+
+/// [`index`] of any index, however far outside.
+#[inline(always)]
+pub(crate) fn far_index<S: Simd>(s: S, axis: Axis, i: i32x16<S>, n: i32x16<S>) -> i32x16<S> {
+    match axis.wrap {
+        Wrap::Repeat if !axis.scaled_first => remainder(s, i, n),
+        Wrap::MirroredRepeat => {
+            let m = remainder(s, i, n + n);
+            m.simd_lt(n).select(m, n + n - 1 - m)
+        }
+        _ => index(s, axis, i, n),
+    }
+}
+
+/// `i` modulo `n`, from 0 on. Below 2^17 the quotient in f32 is on the right side of every integer.
+#[inline(always)]
+fn remainder<S: Simd>(s: S, i: i32x16<S>, n: i32x16<S>) -> i32x16<S> {
+    i - n * floor_to_i32(s, i.to_float::<f32x16<S>>() / n.to_float::<f32x16<S>>())
 }
 
 #[inline(always)]

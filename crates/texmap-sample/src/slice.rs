@@ -2,7 +2,7 @@
 
 use crate::{
     error::SampleError,
-    filter::{self, cubic, gl_of},
+    filter::{self, cubic, ewa, gl_of},
     lanes::{
         APART, Kind, RGBA8_EXACT, RGBA16, View, float,
         packed::{self, FootprintLanes},
@@ -439,6 +439,7 @@ impl Batch<'_> {
                         (Kind::Anisotropic, Some(d)) => {
                             float::anisotropic_lanes::<S, APART>(s, view, u, v, &d)
                         }
+                        (Kind::Ewa, Some(d)) => ewa::lanes(s, view, [u, v], &d),
                         (_, d) => {
                             let lod = match d {
                                 Some(d) => float::lod_lanes(s, view, &d),

@@ -1,16 +1,27 @@
 use super::{anisotropic::Axes, axes as wraps, bilinear, floor, mix, tap};
 use crate::{
+    lanes::{
+        ANY, At, View,
+        float::{self, AxesLanes, Color, limit_lanes},
+        packed::FootprintLanes,
+    },
     lod::{TexelFootprint, log2},
     sampler::{Precision, Sampler},
     texels::{Chain, Level, scaled},
 };
-use texmap_math::float::{ceil_f32, sqrt_f32};
+use texmap_math::{
+    fearless_simd::{f32x16, i32x16, mask32x16, prelude::*},
+    float::{ceil_f32, sqrt_f32},
+    lanes::{Words, floor_to_i32, gather},
+};
 
 /// Entries of the weight table over squared radius 0..1.
 const STEPS: usize = 128;
 
 /// The Gaussian e^(-2 r^2) of half a pixel, lowered so that it ends at 0 on the ellipse.
 static WEIGHTS: [f32; STEPS] = weight_table();
+/// [`WEIGHTS`] to gather from.
+static WEIGHT_BITS: [u32; STEPS] = weight_bits();
 
 const fn weight_table() -> [f32; STEPS] {
     let mut table = [0.0; STEPS];
@@ -21,6 +32,16 @@ const fn weight_table() -> [f32; STEPS] {
         i += 1;
     }
     table
+}
+
+const fn weight_bits() -> [u32; STEPS] {
+    let (weights, mut bits) = (weight_table(), [0; STEPS]);
+    let mut i = 0;
+    while i < STEPS {
+        bits[i] = weights[i].to_bits();
+        i += 1;
+    }
+    bits
 }
 
 /// The exponential series; enough terms for -2..0 in f64.
@@ -161,5 +182,169 @@ impl Ellipse {
             half_width: sqrt_f32(p),
             half_height: sqrt_f32(r),
         })
+    }
+}
+
+/// [`sample`] for sixteen lanes.
+#[inline(always)]
+pub(crate) fn lanes<S: Simd>(
+    s: S,
+    view: &View<'_>,
+    uv: [f32x16<S>; 2],
+    d: &FootprintLanes<S>,
+) -> Color<S> {
+    let zero = f32x16::splat(s, 0.0);
+    let axes = AxesLanes::new(s, d);
+    let most = f32::from(view.most);
+    let floor2 = axes.major2 / (most * most);
+    let minor2 = axes.minor2.simd_gt(floor2).select(axes.minor2, floor2);
+    let lod = limit_lanes(s, view, float::log2(s, minor2) * 0.5);
+    let last = f32x16::splat(s, view.last as f32);
+    let above = lod.simd_gt(zero).select(lod, zero);
+    let lod = lod.simd_gt(last).select(last, above);
+    let fine = lod.to_int::<i32x16<S>>();
+    let weight = lod - fine.to_float::<f32x16<S>>();
+    let two = match view.precision {
+        Precision::Exact => weight.simd_gt(zero),
+        Precision::Fast => mask32x16::splat(s, false),
+    };
+    let (next, last) = (fine + 1, i32x16::splat(s, view.last));
+    let next = next.simd_gt(last).select(last, next);
+    let reads = [(true, fine), (two.any_true(), next)];
+    let mut colors = [[zero; 4]; 2];
+    for (color, (wanted, level)) in colors.iter_mut().zip(&reads) {
+        if *wanted {
+            *color = in_level_lanes(s, view, *level, uv, &axes, minor2);
+        }
+    }
+    let [a, b] = colors;
+    float::scaled(float::select(two, float::mix(view, a, b, weight), a), view)
+}
+
+#[inline(always)]
+fn in_level_lanes<S: Simd>(
+    s: S,
+    view: &View<'_>,
+    level: i32x16<S>,
+    [u, v]: [f32x16<S>; 2],
+    axes: &AxesLanes<S>,
+    minor2: f32x16<S>,
+) -> Color<S> {
+    let (zero, one) = (f32x16::splat(s, 0.0), f32x16::splat(s, 1.0));
+    let at = At::of(s, view, level);
+    let ellipse = EllipseLanes::new(s, view, &at, axes, minor2);
+    let (x, y) = at.place(s, view, u, v);
+    let (x, y) = (x - 0.5, y - 0.5);
+    let centre = float::tap::<S, ANY>(
+        s,
+        view,
+        at.general::<ANY>(
+            view,
+            at.far_column(s, view, floor_to_i32(s, x + 0.5)),
+            at.far_row(s, view, floor_to_i32(s, y + 0.5)),
+        ),
+    );
+    let first = [
+        -floor_to_i32(s, ellipse.half_width - x),
+        -floor_to_i32(s, ellipse.half_height - y),
+    ];
+    let last = [
+        floor_to_i32(s, x + ellipse.half_width),
+        floor_to_i32(s, y + ellipse.half_height),
+    ];
+    let (mut sum, mut total) = ([zero; 4], zero);
+    let mut j = first[1];
+    loop {
+        let rows = j.simd_le(last[1]) & ellipse.fits;
+        if !rows.any_true() {
+            break;
+        }
+        let dy = j.to_float::<f32x16<S>>() - y;
+        let row = at.far_row(s, view, j);
+        let mut i = first[0];
+        loop {
+            let columns = i.simd_le(last[0]) & rows;
+            if !columns.any_true() {
+                break;
+            }
+            let dx = i.to_float::<f32x16<S>>() - x;
+            let r2 = (ellipse.a * dx + ellipse.b * dy) * dx + ellipse.c * dy * dy;
+            let inside = r2.simd_lt(one) & columns;
+            if inside.any_true() {
+                let w = weight_lanes(s, inside.select(r2, zero));
+                let place = at.general::<ANY>(view, at.far_column(s, view, i), row);
+                let c = float::tap::<S, ANY>(s, view, place);
+                for k in 0..4 {
+                    sum[k] = inside.select(sum[k] + w * (c[k] - centre[k]), sum[k]);
+                }
+                total = inside.select(total + w, total);
+            }
+            i += 1;
+        }
+        j += 1;
+    }
+    let some = total.simd_gt(zero);
+    let mut color = centre;
+    for k in 0..4 {
+        color[k] = some.select(centre[k] + sum[k] / total, centre[k]);
+    }
+    if ellipse.fits.all_true() {
+        return color;
+    }
+    let near = float::bilinear_at::<S, ANY>(s, view, &at, u, v);
+    float::select(ellipse.fits, color, near)
+}
+
+/// Weights of squared radii below one.
+#[inline(always)]
+fn weight_lanes<S: Simd>(s: S, r2: f32x16<S>) -> f32x16<S> {
+    let zero = i32x16::splat(s, 0);
+    let at = floor_to_i32(s, r2 * STEPS as f32);
+    let at = at.simd_gt(zero).select(at, zero);
+    match Words::new(&WEIGHT_BITS) {
+        Some(weights) => gather(s, weights, at.bitcast()).bitcast(),
+        None => r2,
+    }
+}
+
+/// [`Ellipse`] of sixteen lanes.
+struct EllipseLanes<S: Simd> {
+    a: f32x16<S>,
+    b: f32x16<S>,
+    c: f32x16<S>,
+    half_width: f32x16<S>,
+    half_height: f32x16<S>,
+    /// Lanes whose ellipse is no larger than its cost allows.
+    fits: mask32x16<S>,
+}
+
+impl<S: Simd> EllipseLanes<S> {
+    #[inline(always)]
+    fn new(s: S, view: &View<'_>, at: &At<S>, axes: &AxesLanes<S>, minor2: f32x16<S>) -> Self {
+        let zero = f32x16::splat(s, 0.0);
+        let (w, h) = view.size();
+        let sx = at.width.to_float::<f32x16<S>>() / w as f32;
+        let sy = at.height.to_float::<f32x16<S>>() / h as f32;
+        let [mx, my] = axes.major;
+        let k = (minor2 / axes.major2).sqrt();
+        let k = axes.major2.simd_gt(zero).select(k, zero);
+        let (ox, oy) = (-my * k, mx * k);
+        let (mx, my, ox, oy) = (mx * sx, my * sy, ox * sx, oy * sy);
+        let p = mx * mx + ox * ox + 1.0;
+        let r = my * my + oy * oy + 1.0;
+        let q = mx * my + ox * oy;
+        let limit = 4.0 * f32::from(view.most) + 4.0;
+        let limit = f32x16::splat(s, limit * limit);
+        let f = p * r - q * q;
+        let fits = !(p.simd_gt(limit) | r.simd_gt(limit));
+        // Lanes that do not fit keep their bounds in the range of integers.
+        Self {
+            a: r / f,
+            b: q * -2.0 / f,
+            c: p / f,
+            half_width: fits.select(p, zero).sqrt(),
+            half_height: fits.select(r, zero).sqrt(),
+            fits,
+        }
     }
 }

@@ -177,7 +177,7 @@ pub(crate) fn mix_four<S: Simd>(
 }
 
 #[inline(always)]
-fn bilinear_at<S: Simd, const FORMAT: u8>(
+pub(crate) fn bilinear_at<S: Simd, const FORMAT: u8>(
     s: S,
     view: &View<'_>,
     at: &At<S>,
@@ -456,6 +456,40 @@ pub(crate) fn select<S: Simd>(mask: mask32x16<S>, a: Color<S>, b: Color<S>) -> C
     ]
 }
 
+/// Scalar `Axes` for sixteen lanes.
+pub(crate) struct AxesLanes<S: Simd> {
+    pub(crate) major: [f32x16<S>; 2],
+    pub(crate) major2: f32x16<S>,
+    pub(crate) minor2: f32x16<S>,
+}
+
+impl<S: Simd> AxesLanes<S> {
+    #[inline(always)]
+    pub(crate) fn new(s: S, d: &FootprintLanes<S>) -> Self {
+        let zero = f32x16::splat(s, 0.0);
+        let p = d.ux * d.ux + d.uy * d.uy;
+        let r = d.vx * d.vx + d.vy * d.vy;
+        let q = d.ux * d.vx + d.uy * d.vy;
+        let half = (p - r) * 0.5;
+        let root = (half * half + q * q).sqrt();
+        let major2 = (p + r) * 0.5 + root;
+        let det = d.ux * d.vy - d.uy * d.vx;
+        let minor2 = major2.simd_gt(zero).select(det * (det / major2), zero);
+        let steep = !half.simd_ge(zero);
+        let x = steep.select(q, half + root);
+        let y = steep.select(root - half, q);
+        let length2 = x * x + y * y;
+        let length = major2.sqrt();
+        let along = length2.simd_gt(zero);
+        let k = length / length2.sqrt();
+        Self {
+            major: [along.select(x * k, length), along.select(y * k, zero)],
+            major2,
+            minor2,
+        }
+    }
+}
+
 /// The scalar anisotropic filter for sixteen lanes, scaled.
 #[inline(always)]
 pub fn anisotropic_lanes<S: Simd, const FORMAT: u8>(
@@ -466,24 +500,11 @@ pub fn anisotropic_lanes<S: Simd, const FORMAT: u8>(
     d: &FootprintLanes<S>,
 ) -> Color<S> {
     let (zero, one) = (f32x16::splat(s, 0.0), f32x16::splat(s, 1.0));
-    let p = d.ux * d.ux + d.uy * d.uy;
-    let r = d.vx * d.vx + d.vy * d.vy;
-    let q = d.ux * d.vx + d.uy * d.vy;
-    let half = (p - r) * 0.5;
-    let root = (half * half + q * q).sqrt();
-    let major2 = (p + r) * 0.5 + root;
-    let det = d.ux * d.vy - d.uy * d.vx;
-    let minor2 = major2.simd_gt(zero).select(det * (det / major2), zero);
-    // Where the texture is magnified there is one probe, whose place the axes do not move.
-    let steep = !half.simd_ge(zero);
-    let x = steep.select(q, half + root);
-    let y = steep.select(root - half, q);
-    let length2 = x * x + y * y;
-    let length = major2.sqrt();
-    let along = length2.simd_gt(zero);
-    let k = length / length2.sqrt();
-    let major_x = along.select(x * k, length);
-    let major_y = along.select(y * k, zero);
+    let AxesLanes {
+        major: [major_x, major_y],
+        major2,
+        minor2,
+    } = AxesLanes::new(s, d);
     let n = probes(s, view, major2, minor2);
     let lod = limit_lanes(s, view, log2(s, major2 / (n * n)) * 0.5);
     let lod = match view.precision {
