@@ -27,13 +27,17 @@ impl Encoded {
     /// Unscaled texel `i`, as [`Format::Rgba16`] would hold it.
     #[inline(always)]
     pub(crate) fn decode(&self, i: usize) -> [f32; 4] {
-        let n = self.channels;
-        let [r, g, b, a] = match self.bytes[i * n..(i + 1) * n] {
-            [l] => [l, l, l, 255],
-            [l, a] => [l, l, l, a],
-            [r, g, b] => [r, g, b, 255],
-            [r, g, b, a, ..] => [r, g, b, a],
-            [] => [0; 4],
+        let [r, g, b, a] = match self.channels {
+            1 => [self.bytes[i], self.bytes[i], self.bytes[i], 255],
+            2 => {
+                let [l, a] = self.bytes.as_chunks().0[i];
+                [l, l, l, a]
+            }
+            3 => {
+                let [r, g, b] = self.bytes.as_chunks().0[i];
+                [r, g, b, 255]
+            }
+            _ => self.bytes.as_chunks().0[i],
         };
         // What photographs hold needs no more than a table.
         if a == 255 && self.color == ColorSpace::Srgb {

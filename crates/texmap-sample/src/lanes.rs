@@ -308,16 +308,26 @@ impl<'a> Apart<'a> {
     /// Unscaled texels, channel by channel; of those beyond the end, the last. One compiled form serves all filters and levels.
     #[inline(never)]
     fn fetch(&self, at: &[u32; 16]) -> [[f32; 16]; 4] {
+        let (words, kept) = (self.words, self.kept);
+        // The kind of texel is asked once.
+        match (self.encoded, self.format) {
+            (Some(encoded), _) => self.each(at, |i| match i.checked_sub(kept) {
+                None => encoded.decode(i),
+                Some(i) => Format::Rgba16.fetch(words, 2 * i),
+            }),
+            (None, Format::Rgba32) => {
+                let texels = words.as_chunks::<4>().0;
+                self.each(at, |i| texels[i].map(f32::from_bits))
+            }
+            (None, format) => self.each(at, |i| format.fetch(words, i * format.words())),
+        }
+    }
+
+    #[inline(always)]
+    fn each(&self, at: &[u32; 16], texel: impl Fn(usize) -> [f32; 4]) -> [[f32; 16]; 4] {
         let mut out = [[0.0; 16]; 4];
         for (i, at) in at.iter().enumerate() {
-            let at = (*at as usize).min(self.last);
-            let [r, g, b, a] = match self.encoded {
-                Some(encoded) if at < self.kept => encoded.decode(at),
-                _ => {
-                    let word = (at - self.kept) * self.format.words();
-                    self.format.fetch(self.words, word)
-                }
-            };
+            let [r, g, b, a] = texel((*at as usize).min(self.last));
             (out[0][i], out[1][i], out[2][i], out[3][i]) = (r, g, b, a);
         }
         out
