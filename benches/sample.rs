@@ -7,7 +7,7 @@ use std::hint::black_box;
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use texmap_benches::textures::squares;
 use texmap_math::{Footprint, Level};
-use texmap_sample::{Filter, Precision, Sampler, sample_rgba8_slice, sample_slice};
+use texmap_sample::{Cubic, Filter, Precision, Sampler, sample_rgba8_slice, sample_slice};
 
 const WIDTH: usize = 1920;
 const ROWS: usize = 540;
@@ -84,6 +84,9 @@ fn floor(c: &mut Criterion) {
             ("bilinear", Filter::Bilinear),
             ("trilinear", Filter::Trilinear),
             ("anisotropic16", Filter::Anisotropic(16)),
+            ("mip-nearest", Filter::MipNearest),
+            ("bicubic", Filter::Bicubic(Cubic::CatmullRom)),
+            ("ewa8", Filter::Ewa(8)),
         ] {
             for precision in [Precision::Fast, Precision::Exact] {
                 let sampler = Sampler {
@@ -95,7 +98,7 @@ fn floor(c: &mut Criterion) {
                     let id = format!("{name}/{precision:?}/{level_name}/{side}").to_lowercase();
                     let mut bytes = vec![0; RUN];
                     let mut colors = vec![[0.0; 4]; RUN];
-                    let with_grads = !matches!(filter, Filter::Nearest | Filter::Bilinear);
+                    let with_grads = filter.reads_derivatives();
                     group.bench_function(&id, |b| {
                         b.iter(|| {
                             for row in 0..ROWS {

@@ -4,7 +4,7 @@ use crate::{
     error::SampleError,
     filter::{self, cubic, ewa, gl_of},
     lanes::{
-        APART, Kind, RGBA8_EXACT, RGBA16, View, float,
+        APART, Kind, RGBA8_EXACT, RGBA16, View, float, gl,
         packed::{self, FootprintLanes},
     },
     sampler::Sampler,
@@ -97,19 +97,17 @@ pub fn sample_rgba8_slice(
     if let Some(grads) = grads {
         check("grads", u.len(), grads.len())?;
     }
-    let packed = packed::applies(sampler, &t.chain);
-    let lanes = packed
-        && View::new(sampler, t).is_some_and(|view| {
-            Batch {
-                sampler,
-                view: &view,
-                packed,
-                u,
-                v,
-                grads: grads.map_or(Grads::None, Grads::Each),
-            }
-            .run(level, Out::Rgba8(out))
-        });
+    let lanes = View::new(sampler, t).is_some_and(|view| {
+        Batch {
+            sampler,
+            view: &view,
+            packed: packed::applies(sampler, &t.chain),
+            u,
+            v,
+            grads: grads.map_or(Grads::None, Grads::Each),
+        }
+        .run(level, Out::Rgba8(out))
+    });
     if !lanes {
         for (i, out) in out.iter_mut().enumerate() {
             let uv = [u[i], v[i]];
@@ -215,9 +213,8 @@ pub fn sample_rgba8_columns(
 ) -> Result<(), SampleError> {
     at.check(out.len())?;
     let packed = packed::applies(sampler, &t.chain);
-    let lanes = packed
-        && View::new(sampler, t)
-            .is_some_and(|view| at.batch(sampler, &view, true).run(level, Out::Rgba8(out)));
+    let lanes = View::new(sampler, t)
+        .is_some_and(|view| at.batch(sampler, &view, packed).run(level, Out::Rgba8(out)));
     if !lanes {
         for (i, out) in out.iter_mut().enumerate() {
             *out = u32::from_le_bytes(at.sample(sampler, t, i).map(color::unit_to_u8));
@@ -307,7 +304,19 @@ impl Batch<'_> {
 
     fn on<S: Simd>(&self, s: S, out: Out<'_>) {
         match (out, self.packed, self.view.format) {
-            (Out::Rgba8(out), ..) => self.packed_of::<S>(s, out),
+            (Out::Rgba8(out), true, _) => self.packed_of::<S>(s, out),
+            (Out::Rgba8(out), false, format) => {
+                let mut columns = [[0.0; PART]; 4];
+                for (i, out) in out.chunks_mut(PART).enumerate() {
+                    let part = self.part(i * PART, out.len());
+                    part.float_of(s, format, columns.each_mut().map(|c| &mut c[..out.len()]));
+                    let [r, g, b, a] = &columns;
+                    for (i, out) in out.iter_mut().enumerate() {
+                        let c = [r[i], g[i], b[i], a[i]];
+                        *out = u32::from_le_bytes(c.map(color::unit_to_u8));
+                    }
+                }
+            }
             (Out::Float(out), true, _) => {
                 let mut words = [0; PART];
                 for (i, out) in out.chunks_mut(PART).enumerate() {
@@ -445,7 +454,7 @@ impl Batch<'_> {
                                 Some(d) => float::lod_lanes(s, view, &d),
                                 None => flat,
                             };
-                            float::gl_lanes(s, view, gl_of(self.sampler.filter), [u, v], lod)
+                            gl::float_lanes(s, view, gl_of(self.sampler.filter), [u, v], lod)
                         }
                     };
                     store_columns(c, i, &mut out);
@@ -474,8 +483,8 @@ impl Batch<'_> {
                                 Some(d) => packed::lod_lanes(s, view, &d),
                                 None => flat,
                             };
-                            if let Kind::Gl { mag, min, mip } = kind {
-                                packed::gl_lanes(s, view, (mag, min, mip), [u, v], lod)
+                            if kind == Kind::Gl {
+                                gl::byte_lanes(s, view, gl_of(self.sampler.filter), [u, v], lod)
                             } else {
                                 packed::trilinear_lanes::<S>(s, view, u, v, lod)
                             }

@@ -3,7 +3,7 @@
 use super::{ANY, APART, At, Corners, Place, RGBA8_EXACT, RGBA16, View, packed::FootprintLanes};
 use crate::{
     lod::{LOG2_POLYNOMIAL, TINY},
-    sampler::{Mip, Precision, Texel},
+    sampler::Precision,
 };
 use texmap_math::{
     fearless_simd::{f32x16, i32x16, mask32x16, prelude::*, u32x16},
@@ -202,7 +202,7 @@ pub(crate) fn bilinear_at<S: Simd, const FORMAT: u8>(
 }
 
 #[inline(always)]
-fn nearest_at<S: Simd, const FORMAT: u8>(
+pub(super) fn nearest_at<S: Simd, const FORMAT: u8>(
     s: S,
     view: &View<'_>,
     at: &At<S>,
@@ -304,90 +304,6 @@ pub fn trilinear_lanes<S: Simd, const FORMAT: u8>(
 ) -> Color<S> {
     let levels = Levels::new(s, view, lod);
     scaled(levels.sample::<FORMAT>(s, view, u, v), view)
-}
-
-/// OpenGL's choice of texels and levels for sixteen lanes, scaled: `mag` on level 0 where nothing is minified, else `min` and `mip`.
-#[inline(always)]
-pub fn gl_lanes<S: Simd>(
-    s: S,
-    view: &View<'_>,
-    gl: (Texel, Texel, Mip),
-    [u, v]: [f32x16<S>; 2],
-    lod: f32x16<S>,
-) -> Color<S> {
-    let reads = Reads::new(s, view, gl, lod);
-    let mut colors = reads.none(s);
-    for (color, (wanted, texel, level)) in colors.iter_mut().zip(&reads.levels) {
-        if *wanted {
-            let at = At::of(s, view, *level);
-            *color = match texel {
-                Texel::Nearest => nearest_at::<S, ANY>(s, view, &at, u, v),
-                Texel::Linear => bilinear_at::<S, ANY>(s, view, &at, u, v),
-            };
-        }
-    }
-    scaled(reads.blended(view, colors), view)
-}
-
-/// What OpenGL's choices read, in a list: code that reads a level stands once.
-pub(crate) struct Reads<S: Simd> {
-    /// Whether some lane reads it, which texels, of which level: that of magnified lanes, the finer of the others and the coarser.
-    pub(crate) levels: [(bool, Texel, i32x16<S>); 3],
-    magnified: mask32x16<S>,
-    /// Lanes that blend two levels, and the share of the coarser.
-    two: mask32x16<S>,
-    weight: f32x16<S>,
-}
-
-impl<S: Simd> Reads<S> {
-    #[inline(always)]
-    pub(crate) fn new(
-        s: S,
-        view: &View<'_>,
-        (mag, min, mip): (Texel, Texel, Mip),
-        lod: f32x16<S>,
-    ) -> Self {
-        let (zero, none) = (f32x16::splat(s, 0.0), i32x16::splat(s, 0));
-        let magnified = lod.simd_le(zero);
-        let top = f32x16::splat(s, view.last as f32);
-        let lod = lod.simd_gt(top).select(top, lod);
-        let lod = magnified.select(zero, lod);
-        let fine = match mip {
-            Mip::None => none,
-            // ceil(lod + 0.5) - 1: halves go to the finer level.
-            Mip::Nearest => -1 - floor_to_i32(s, -0.5 - lod),
-            Mip::Linear => lod.to_int::<i32x16<S>>(),
-        };
-        let weight = match mip {
-            Mip::Linear => lod - fine.to_float::<f32x16<S>>(),
-            _ => zero,
-        };
-        let (two, last) = (weight.simd_gt(zero), i32x16::splat(s, view.last));
-        let next = fine + 1;
-        let next = next.simd_gt(last).select(last, next);
-        Self {
-            levels: [
-                (magnified.any_true(), mag, none),
-                (!magnified.all_true(), min, fine),
-                (two.any_true(), min, next),
-            ],
-            magnified,
-            two,
-            weight,
-        }
-    }
-
-    /// Colours that are not read.
-    #[inline(always)]
-    pub(crate) fn none(&self, s: S) -> [Color<S>; 3] {
-        [[f32x16::splat(s, 0.0); 4]; 3]
-    }
-
-    #[inline(always)]
-    pub(crate) fn blended(&self, view: &View<'_>, [near, fine, coarse]: [Color<S>; 3]) -> Color<S> {
-        let far = select(self.two, mix(view, fine, coarse, self.weight), fine);
-        select(self.magnified, near, far)
-    }
 }
 
 /// The levels that each lane reads, found once and used by every probe.

@@ -262,13 +262,13 @@ fn apart(c: u32) -> u64 {
 
 /// [`bilinear`] and its kin for sixteen lanes: the even and odd bytes apart.
 #[derive(Clone, Copy)]
-struct Halves<S: Simd> {
+pub(super) struct Halves<S: Simd> {
     low: u16x32<S>,
     high: u16x32<S>,
 }
 
 #[inline(always)]
-fn halves<S: Simd>(c: u32x16<S>) -> Halves<S> {
+pub(super) fn halves<S: Simd>(c: u32x16<S>) -> Halves<S> {
     Halves {
         low: (c & LOW).bitcast(),
         high: c.bitcast::<u16x32<S>>() >> 8,
@@ -276,19 +276,19 @@ fn halves<S: Simd>(c: u32x16<S>) -> Halves<S> {
 }
 
 #[inline(always)]
-fn join<S: Simd>(c: Halves<S>) -> u32x16<S> {
+pub(super) fn join<S: Simd>(c: Halves<S>) -> u32x16<S> {
     let (low, high): (u32x16<S>, u32x16<S>) = (c.low.bitcast(), c.high.bitcast());
     low | (high << 8)
 }
 
 /// The weight in both halves of every word.
 #[inline(always)]
-fn spread<S: Simd>(w: i32x16<S>) -> u16x32<S> {
+pub(super) fn spread<S: Simd>(w: i32x16<S>) -> u16x32<S> {
     (w | (w << 16)).bitcast()
 }
 
 #[inline(always)]
-fn lerp_lanes<S: Simd>(s: S, a: Halves<S>, b: Halves<S>, w: u16x32<S>) -> Halves<S> {
+pub(super) fn lerp_lanes<S: Simd>(s: S, a: Halves<S>, b: Halves<S>, w: u16x32<S>) -> Halves<S> {
     Halves {
         low: lerp_bytes(s, a.low, b.low, w),
         high: lerp_bytes(s, a.high, b.high, w),
@@ -313,7 +313,13 @@ pub fn nearest_lanes<S: Simd>(s: S, view: &View<'_>, u: f32x16<S>, v: f32x16<S>)
 }
 
 #[inline(always)]
-fn nearest_at<S: Simd>(s: S, view: &View<'_>, at: &At<S>, u: f32x16<S>, v: f32x16<S>) -> u32x16<S> {
+pub(super) fn nearest_at<S: Simd>(
+    s: S,
+    view: &View<'_>,
+    at: &At<S>,
+    u: f32x16<S>,
+    v: f32x16<S>,
+) -> u32x16<S> {
     debug_assert_eq!(view.format, RGBA8, "bytes that are read whole");
     let (x, y) = at.place(s, view, u, v);
     let (i, j) = (floor_to_i32(s, x) >> 8, floor_to_i32(s, y) >> 8);
@@ -327,7 +333,7 @@ pub fn bilinear_lanes<S: Simd>(s: S, view: &View<'_>, u: f32x16<S>, v: f32x16<S>
 }
 
 #[inline(always)]
-fn bilinear_at<S: Simd>(
+pub(super) fn bilinear_at<S: Simd>(
     s: S,
     view: &View<'_>,
     at: &At<S>,
@@ -473,52 +479,6 @@ pub fn trilinear_lanes<S: Simd>(
     }
     let b = bilinear_at::<S>(s, view, &b, u, v);
     join(lerp_lanes(s, a, b, spread(weight)))
-}
-
-/// OpenGL's choice of texels and levels for sixteen lanes: `mag` on level 0 where nothing is minified, else `min` and `mip`.
-#[inline(always)]
-pub fn gl_lanes<S: Simd>(
-    s: S,
-    view: &View<'_>,
-    (mag, min, mip): (Texel, Texel, Mip),
-    [u, v]: [f32x16<S>; 2],
-    lod: i32x16<S>,
-) -> u32x16<S> {
-    let zero = i32x16::splat(s, 0);
-    let magnified = lod.simd_le(zero);
-    let (last, top) = (
-        i32x16::splat(s, view.last),
-        i32x16::splat(s, view.last << 8),
-    );
-    let lod = lod.simd_gt(top).select(top, lod);
-    let lod = magnified.select(zero, lod);
-    let (fine, weight) = match mip {
-        Mip::None => (zero, zero),
-        // ceil(lod + 1/2) - 1: halves go to the finer level.
-        Mip::Nearest => ((lod + 127) >> 8, zero),
-        Mip::Linear => (lod >> 8, lod & 255),
-    };
-    let next = fine + 1;
-    let next = next.simd_gt(last).select(last, next);
-    // One place in the code for all that may be read.
-    let reads = [
-        (magnified.any_true(), mag, zero),
-        (!magnified.all_true(), min, fine),
-        (weight.simd_gt(zero).any_true(), min, next),
-    ];
-    let mut texels = [u32x16::splat(s, 0); 3];
-    for (to, (wanted, texel, level)) in texels.iter_mut().zip(&reads) {
-        if *wanted {
-            let at = At::of(s, view, *level);
-            *to = match texel {
-                Texel::Nearest => nearest_at(s, view, &at, u, v),
-                Texel::Linear => join(bilinear_at::<S>(s, view, &at, u, v)),
-            };
-        }
-    }
-    let [near, fine, coarse] = texels;
-    let far = lerp_lanes(s, halves(fine), halves(coarse), spread(weight));
-    magnified.select(near, join(far))
 }
 
 #[inline(always)]

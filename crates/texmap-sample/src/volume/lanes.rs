@@ -6,7 +6,8 @@ use crate::{
     filter::gl_of,
     lanes::{
         ANY, APART, At, Kind, RGBA8_EXACT, RGBA16, View,
-        float::{Color, Reads, fetch_two, limit_lanes, mix, mix_four, scaled, tap},
+        float::{Color, fetch_two, limit_lanes, mix, mix_four, scaled, tap},
+        gl::Reads,
         index, place,
     },
     sampler::{Mip, Sampler, Texel},
