@@ -6,7 +6,7 @@ use crate::{
     lanes::View,
     lod,
     sampler::{Filter, Sampler},
-    slice::{Batch, Grads, Out, gives_bytes},
+    slice::{Batch, Grads, Out, gives_bytes, on_lanes},
     texture::Texture2d,
     volume::{Points, Texture3d, VolumeView},
     wrap::Wrap,
@@ -45,6 +45,8 @@ struct Lanes<'a> {
 
 /// Steps that are looked up at once.
 const STEPS: usize = 16;
+/// So few steps cost less one by one.
+const FEW: u32 = 4;
 
 /// What a ray has seen.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -89,9 +91,10 @@ impl<'a> Volume<'a> {
             .transfer
             .map(|(ramp, along)| Some((View::new(along, ramp)?, along, gives_bytes(along, ramp))));
         let voxels = VolumeView::new(self.sampler, self.grid, Wrap::ClampToEdge);
+        let has_lanes = on_lanes!(level, _s => ());
         self.lanes = match (voxels, transfer) {
-            (Some(voxels), None) => Some((voxels, None)),
-            (Some(voxels), Some(Some(transfer))) => Some((voxels, Some(transfer))),
+            (Some(voxels), None) if has_lanes => Some((voxels, None)),
+            (Some(voxels), Some(Some(transfer))) if has_lanes => Some((voxels, Some(transfer))),
             _ => None,
         }
         .map(|(voxels, transfer)| {
@@ -133,7 +136,8 @@ impl<'a> Volume<'a> {
         let mut ahead = [([0.0; 3], 0.0); STEPS];
         'steps: for first in (0..count).step_by(STEPS) {
             let part = (count - first).min(STEPS as u32);
-            let looked_up = self.lanes.as_ref().is_some_and(|lanes| {
+            let lanes = self.lanes.as_ref().filter(|_| part > FEW);
+            let looked_up = lanes.is_some_and(|lanes| {
                 let points = core::array::from_fn(|i| at(first + (i as u32).min(part - 1)));
                 self.look_up(lanes, &points, lod, &mut ahead)
             });
