@@ -67,6 +67,15 @@ pub const APART: u8 = 3;
 /// No format of a view but of kernels: any of those with f32 weights, asked for at each texel. Rare filters have one compiled form.
 pub const ANY: u8 = 4;
 
+/// How kernels with f32 weights read a chain.
+pub(crate) fn exact_format(chain: &Chain<'_>) -> u8 {
+    match chain.format {
+        Format::Rgba8 => RGBA8_EXACT,
+        Format::Rgba16 if chain.encoded.is_none() => RGBA16,
+        _ => APART,
+    }
+}
+
 /// Most levels of a chain: 32768 down to 1.
 const LEVELS: usize = 16;
 
@@ -183,11 +192,10 @@ impl<'a> View<'a> {
     pub fn new(sampler: &Sampler, t: &'a Texture2d<'_>) -> Option<Self> {
         let kind = Kind::of(sampler.filter);
         let chain = &t.chain;
-        let format = match chain.format {
-            Format::Rgba8 if packed::applies(sampler, chain) => RGBA8,
-            Format::Rgba8 => RGBA8_EXACT,
-            Format::Rgba16 if chain.encoded.is_none() => RGBA16,
-            _ => APART,
+        let format = if packed::applies(sampler, chain) {
+            RGBA8
+        } else {
+            exact_format(chain)
         };
         Self::prepared(sampler, chain, kind, format)
     }

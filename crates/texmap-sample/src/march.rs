@@ -6,7 +6,7 @@ use crate::{
     lanes::View,
     lod,
     sampler::{Filter, Sampler},
-    slice::{Batch, Grads, Out, gives_bytes, on_lanes},
+    slice::{Batch, Grads, Out, on_lanes},
     texture::Texture2d,
     volume::{Points, Texture3d, VolumeView},
     wrap::Wrap,
@@ -40,7 +40,7 @@ pub struct Volume<'a> {
 struct Lanes<'a> {
     level: Level,
     voxels: VolumeView<'a>,
-    transfer: Option<(View<'a>, &'a Sampler, bool)>,
+    transfer: Option<(View<'a>, &'a Sampler)>,
 }
 
 /// Steps that are looked up at once.
@@ -89,7 +89,7 @@ impl<'a> Volume<'a> {
     pub fn on_level(mut self, level: Level) -> Self {
         let transfer = self
             .transfer
-            .map(|(ramp, along)| Some((View::new(along, ramp)?, along, gives_bytes(along, ramp))));
+            .map(|(ramp, along)| Some((View::new(along, ramp)?, along)));
         let voxels = VolumeView::new(self.sampler, self.grid, Wrap::ClampToEdge);
         let has_lanes = on_lanes!(level, _s => ());
         self.lanes = match (voxels, transfer) {
@@ -200,12 +200,11 @@ impl<'a> Volume<'a> {
         ) {
             return false;
         }
-        if let Some((view, along, packed)) = &lanes.transfer {
+        if let Some((view, along)) = &lanes.transfer {
             let values = columns[0];
             let ramp = Batch {
                 sampler: along,
                 view,
-                packed: *packed,
                 u: &values,
                 v: &[0.5; STEPS],
                 grads: Grads::None,

@@ -4,7 +4,7 @@ use crate::{
     error::SampleError,
     filter::{self, cubic, ewa, gl_of},
     lanes::{
-        APART, Kind, RGBA8_EXACT, RGBA16, View, float, gl,
+        APART, Kind, RGBA8, RGBA8_EXACT, RGBA16, View, float, gl,
         packed::{self, FootprintLanes},
     },
     sampler::Sampler,
@@ -57,7 +57,6 @@ pub fn sample_slice(
         Batch {
             sampler,
             view: &view,
-            packed: packed::applies(sampler, &t.chain),
             u,
             v,
             grads: grads.map_or(Grads::None, Grads::Each),
@@ -101,7 +100,6 @@ pub fn sample_rgba8_slice(
         Batch {
             sampler,
             view: &view,
-            packed: packed::applies(sampler, &t.chain),
             u,
             v,
             grads: grads.map_or(Grads::None, Grads::Each),
@@ -158,11 +156,10 @@ impl Places<'_> {
         }
     }
 
-    fn batch<'b>(&'b self, sampler: &'b Sampler, view: &'b View<'b>, packed: bool) -> Batch<'b> {
+    fn batch<'b>(&'b self, sampler: &'b Sampler, view: &'b View<'b>) -> Batch<'b> {
         Batch {
             sampler,
             view,
-            packed,
             u: self.u,
             v: self.v,
             grads: self.gradients.map_or(Grads::None, Grads::Columns),
@@ -185,10 +182,8 @@ pub fn sample_columns(
         at.check(column.len())?;
     }
     let lanes = View::new(sampler, t).is_some_and(|view| {
-        let packed = packed::applies(sampler, &t.chain);
         let out = out.each_mut().map(|c| &mut **c);
-        at.batch(sampler, &view, packed)
-            .run(level, Out::Columns(out))
+        at.batch(sampler, &view).run(level, Out::Columns(out))
     });
     if !lanes {
         for i in 0..at.u.len() {
@@ -212,9 +207,8 @@ pub fn sample_rgba8_columns(
     out: &mut [u32],
 ) -> Result<(), SampleError> {
     at.check(out.len())?;
-    let packed = packed::applies(sampler, &t.chain);
     let lanes = View::new(sampler, t)
-        .is_some_and(|view| at.batch(sampler, &view, packed).run(level, Out::Rgba8(out)));
+        .is_some_and(|view| at.batch(sampler, &view).run(level, Out::Rgba8(out)));
     if !lanes {
         for (i, out) in out.iter_mut().enumerate() {
             *out = u32::from_le_bytes(at.sample(sampler, t, i).map(color::unit_to_u8));
@@ -290,7 +284,6 @@ pub(crate) use on_lanes;
 pub(crate) struct Batch<'a> {
     pub(crate) sampler: &'a Sampler,
     pub(crate) view: &'a View<'a>,
-    pub(crate) packed: bool,
     pub(crate) u: &'a [f32],
     pub(crate) v: &'a [f32],
     pub(crate) grads: Grads<'a>,
@@ -303,21 +296,13 @@ impl Batch<'_> {
     }
 
     fn on<S: Simd>(&self, s: S, out: Out<'_>) {
-        match (out, self.packed, self.view.format) {
-            (Out::Rgba8(out), true, _) => self.packed_of::<S>(s, out),
-            (Out::Rgba8(out), false, format) => {
-                let mut columns = [[0.0; PART]; 4];
-                for (i, out) in out.chunks_mut(PART).enumerate() {
-                    let part = self.part(i * PART, out.len());
-                    part.float_of(s, format, columns.each_mut().map(|c| &mut c[..out.len()]));
-                    let [r, g, b, a] = &columns;
-                    for (i, out) in out.iter_mut().enumerate() {
-                        let c = [r[i], g[i], b[i], a[i]];
-                        *out = u32::from_le_bytes(c.map(color::unit_to_u8));
-                    }
-                }
+        let packed = self.view.format == RGBA8;
+        match out {
+            Out::Rgba8(out) if packed => self.packed_of::<S>(s, out),
+            Out::Rgba8(out) => {
+                self.colors_of(s, out, |c| u32::from_le_bytes(c.map(color::unit_to_u8)));
             }
-            (Out::Float(out), true, _) => {
+            Out::Float(out) if packed => {
                 let mut words = [0; PART];
                 for (i, out) in out.chunks_mut(PART).enumerate() {
                     self.part(i * PART, out.len())
@@ -327,7 +312,8 @@ impl Batch<'_> {
                     }
                 }
             }
-            (Out::Columns(mut out), true, _) => {
+            Out::Float(out) => self.colors_of(s, out, |c| c),
+            Out::Columns(mut out) if packed => {
                 let mut words = [0; PART];
                 for start in (0..self.u.len()).step_by(PART) {
                     let count = PART.min(self.u.len() - start);
@@ -340,18 +326,20 @@ impl Batch<'_> {
                     );
                 }
             }
-            (Out::Float(out), false, format) => {
-                let mut columns = [[0.0; PART]; 4];
-                for (i, out) in out.chunks_mut(PART).enumerate() {
-                    let part = self.part(i * PART, out.len());
-                    part.float_of(s, format, columns.each_mut().map(|c| &mut c[..out.len()]));
-                    let [r, g, b, a] = &columns;
-                    for (i, out) in out.iter_mut().enumerate() {
-                        *out = [r[i], g[i], b[i], a[i]];
-                    }
-                }
+            Out::Columns(out) => self.float_of(s, out),
+        }
+    }
+
+    /// The colours of kernels with f32 weights, one `put` after the other.
+    fn colors_of<S: Simd, T>(&self, s: S, out: &mut [T], put: impl Fn([f32; 4]) -> T) {
+        let mut columns = [[0.0; PART]; 4];
+        for (i, out) in out.chunks_mut(PART).enumerate() {
+            let part = self.part(i * PART, out.len());
+            part.float_of(s, columns.each_mut().map(|c| &mut c[..out.len()]));
+            let [r, g, b, a] = &columns;
+            for (i, out) in out.iter_mut().enumerate() {
+                *out = put([r[i], g[i], b[i], a[i]]);
             }
-            (Out::Columns(out), false, format) => self.float_of(s, format, out),
         }
     }
 
@@ -370,9 +358,9 @@ impl Batch<'_> {
         }
     }
 
-    fn float_of<S: Simd>(&self, s: S, format: u8, out: [&mut [f32]; 4]) {
+    fn float_of<S: Simd>(&self, s: S, out: [&mut [f32]; 4]) {
         let rare = !self.view.kind.is_plain() && self.view.kind != Kind::Anisotropic;
-        match format {
+        match self.view.format {
             RGBA8_EXACT if !rare => self.float_format::<S, RGBA8_EXACT>(s, out),
             RGBA16 if !rare => self.float_format::<S, RGBA16>(s, out),
             _ => self.any_format(s, out),

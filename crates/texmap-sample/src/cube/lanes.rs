@@ -5,12 +5,11 @@ use crate::{
     error::SampleError,
     filter::gl_of,
     lanes::{
-        ANY, APART, At, Kind, RGBA8_EXACT, RGBA16, View,
+        ANY, At, Kind, RGBA8_EXACT, RGBA16, View, exact_format,
         float::{Color, Levels, fetch, fetch_two, limit_lanes, mix, mix_four, scaled, select},
     },
     sampler::{Mip, Sampler, Texel},
     slice::{check, on_lanes},
-    texels::Format,
 };
 use texmap_math::{
     Level,
@@ -77,11 +76,7 @@ impl<'a> Batch<'a> {
             (Texel::Linear, Texel::Linear, Mip::Linear) => Kind::Trilinear,
             _ => return None,
         };
-        let format = match self.t.chain.format {
-            Format::Rgba8 => RGBA8_EXACT,
-            Format::Rgba16 => RGBA16,
-            _ => APART,
-        };
+        let format = exact_format(&self.t.chain);
         View::prepared(self.sampler, &self.t.chain, kind, format)
     }
 

@@ -539,12 +539,7 @@ pub fn anisotropic_lanes<S: Simd>(
     let top = i32x16::splat(s, view.last);
     let level = level.simd_gt(top).select(top, level);
     let first = (one_f - n) * 0.5;
-    let uniform = level.simd_eq(i32x16::splat(s, level[0])).all_true();
-    let at = if uniform {
-        At::uniform(s, view, level[0])
-    } else {
-        At::per_lane(s, view, level)
-    };
+    let at = At::of(s, view, level);
     let mut low = u16x32::splat(s, 0);
     let mut high = u16x32::splat(s, 0);
     let mut k = 0;

@@ -5,14 +5,13 @@ use crate::{
     error::SampleError,
     filter::gl_of,
     lanes::{
-        ANY, APART, At, Kind, RGBA8_EXACT, RGBA16, View,
+        ANY, At, Kind, View, exact_format,
         float::{Color, fetch_two, limit_lanes, mix, mix_four, scaled, tap},
         gl::Reads,
         index, place,
     },
     sampler::{Mip, Sampler, Texel},
     slice::{check, on_lanes},
-    texels::Format,
     wrap::{Axis, Wrap},
 };
 use texmap_math::{
@@ -80,11 +79,7 @@ pub(crate) struct VolumeView<'a> {
 impl<'a> VolumeView<'a> {
     /// `None` only for a volume without a texel.
     pub(crate) fn new(sampler: &Sampler, t: &'a Texture3d<'_>, wrap_w: Wrap) -> Option<Self> {
-        let format = match t.chain.format {
-            Format::Rgba8 => RGBA8_EXACT,
-            Format::Rgba16 => RGBA16,
-            _ => APART,
-        };
+        let format = exact_format(&t.chain);
         let depth = t.chain.levels.first()?.depth;
         let view = View::prepared(sampler, &t.chain, Kind::Trilinear, format)?;
         Some(Self {
