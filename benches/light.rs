@@ -5,7 +5,7 @@
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use texmap_light::lanes::{
-    MirrorView, PowerLanes, RayLanes, V3, reflect_across_lanes, share_lanes, unit_lanes,
+    EnvironmentView, PowerLanes, RayLanes, V3, reflect_across_lanes, share_lanes, unit_lanes,
 };
 use texmap_light::{
     Chart, Environment, Green, Highlight, Light, NormalMap, Power, Ray, ShadowBias, ShadowKind,
@@ -200,7 +200,7 @@ impl Effect {
         s: S,
         input: &Input,
         slide: &SlideView<'_>,
-        mirror: &MirrorView<'_>,
+        mirror: &EnvironmentView<'_>,
         block: usize,
     ) -> V3<S> {
         let (point, normal) = (input.points.lanes(s, block), input.normals.lanes(s, block));
@@ -272,7 +272,7 @@ fn run(level: Option<Level>, effect: Effect, input: &Input, out: &mut [Vec<f32>;
         }
         return;
     };
-    let mirror = MirrorView::new(&input.environment).expect("a cube with levels");
+    let mirror = EnvironmentView::new(&input.environment);
     dispatch!(level, s => s.vectorize(
         #[inline(always)]
         || for block in 0..POINTS / 16 {

@@ -1,3 +1,5 @@
+mod place;
+
 use core::f64::consts::{FRAC_1_PI, FRAC_PI_2, FRAC_PI_4, PI, TAU};
 use core::fmt;
 use core::str::FromStr;
@@ -139,7 +141,13 @@ impl Chart {
             }
             Self::SphereMap => {
                 let d = d / d.length();
-                let m = sqrt(2.0 * (1.0 + d.z));
+                // 1 + z without cancellation.
+                let rise = if d.z < 0.0 {
+                    (d.x * d.x + d.y * d.y) / (1.0 - d.z)
+                } else {
+                    1.0 + d.z
+                };
+                let m = sqrt(2.0 * rise);
                 // Exactly -Z is any point of the rim.
                 let p = if m > 0.0 { d.truncate() / m } else { DVec2::X };
                 (0, unit(p))
@@ -316,7 +324,7 @@ mod tests {
     }
 
     /// Axes, edges and corners of the cube, with zeros of both signs.
-    fn special() -> impl Iterator<Item = DVec3> {
+    pub(crate) fn special() -> impl Iterator<Item = DVec3> {
         let values = [-1.0, -0.0, 0.0, 1.0];
         let grid =
             (0..64).map(move |i| DVec3::new(values[i % 4], values[i / 4 % 4], values[i / 16]));

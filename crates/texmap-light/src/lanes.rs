@@ -5,7 +5,7 @@
 use texmap_math::fearless_simd::f32x16;
 
 pub use crate::bump::bump_on_lanes;
-pub use crate::mirror::MirrorView;
+pub use crate::mirror::EnvironmentView;
 pub use crate::normal_map::clamp_to_horizon_lanes;
 pub use crate::reflect::{RayLanes, reflect_across_lanes, reflect_lanes};
 pub use crate::share::{PowerLanes, ShareLanes, share_lanes};

@@ -28,6 +28,7 @@ extern crate alloc;
 
 mod bump;
 mod chart;
+mod cube_face;
 mod environment;
 mod error;
 pub mod lanes;

@@ -12,12 +12,12 @@ const SIDE: usize = 1 << SHIFT;
 /// Columns that are taken at a time.
 const PART: usize = 32;
 
-/// Bounds of a map of one face: of each patch and `radius` texels beyond it; texels beyond the map count as infinite.
+/// Bounds of the faces of a map: of each patch and `radius` texels beyond it; texels beyond a face count as infinite.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ShadowBounds {
-    /// Least and largest depth of each patch, row by row.
+    /// Least and largest depth of each patch, face by face, row by row.
     pairs: Vec<[f32; 2]>,
-    /// Patches a row.
+    /// Patches a row, and rows a face.
     across: i32,
     radius: usize,
 }
@@ -152,7 +152,7 @@ impl<'a> Scan<'a> {
 }
 
 impl ShadowBounds {
-    /// Of a whole map.
+    /// Of the faces of a map.
     pub(crate) fn new(depths: &[f32], size: usize, taps: u32) -> Self {
         if size == 0 {
             return Self::join([]);
@@ -161,10 +161,30 @@ impl ShadowBounds {
             parts: &[true],
             side: size.next_multiple_of(PART),
         };
-        Self::join([StripBounds::new(depths, size, taps, 0, reached)])
+        let faces = depths.chunks_exact(size * size);
+        let face = |rows| Self::join([StripBounds::new(rows, size, taps, 0, reached)]);
+        Self::of_faces(faces.map(face))
     }
 
-    /// Of the strips of a map, in any order.
+    /// `found`, if they fit such a map, else those of its depths.
+    pub(crate) fn fitting(found: Option<Self>, depths: &[f32], size: usize, taps: u32) -> Self {
+        let faces = depths.len() / (size * size).max(1);
+        let found = found.filter(|bounds| bounds.fits(faces, size, taps));
+        found.unwrap_or_else(|| Self::new(depths, size, taps))
+    }
+
+    /// Of a map from those of its faces, in order.
+    #[must_use]
+    pub fn of_faces(faces: impl IntoIterator<Item = Self>) -> Self {
+        let mut faces = faces.into_iter();
+        let Some(mut all) = faces.next() else {
+            return Self::join([]);
+        };
+        faces.for_each(|face| all.pairs.extend(face.pairs));
+        all
+    }
+
+    /// Of a face from those of its strips, in any order.
     #[must_use]
     pub fn join(strips: impl Into<Vec<StripBounds>>) -> Self {
         let mut strips: Vec<StripBounds> = strips.into();
@@ -189,22 +209,29 @@ impl ShadowBounds {
         }
     }
 
-    /// Whether these are bounds for a map of `size` and filters of `taps` x `taps`.
-    pub(crate) fn fits(&self, size: usize, taps: u32) -> bool {
+    /// Whether these are bounds for `faces` of `size` and filters of `taps` x `taps`.
+    fn fits(&self, faces: usize, size: usize, taps: u32) -> bool {
         let across = size.div_ceil(SIDE);
-        self.pairs.len() == across * across && self.radius == radius(taps)
+        self.pairs.len() == faces * across * across && self.radius == radius(taps)
     }
 
-    /// The least and the largest depth around sixteen texels of the map.
+    /// The least and the largest depth around sixteen texels of faces.
     #[inline(always)]
-    pub(crate) fn around<S: Simd>(&self, s: S, x: i32x16<S>, y: i32x16<S>) -> [f32x16<S>; 2] {
+    pub(crate) fn around<S: Simd>(
+        &self,
+        s: S,
+        face: i32x16<S>,
+        x: i32x16<S>,
+        y: i32x16<S>,
+    ) -> [f32x16<S>; 2] {
         let Some(words) = Words::new(bytemuck::cast_slice(self.pairs.as_flattened())) else {
             return [
                 f32x16::splat(s, f32::NEG_INFINITY),
                 f32x16::splat(s, f32::INFINITY),
             ];
         };
-        let patch = (y >> SHIFT) * self.across + (x >> SHIFT);
+        let row = face * self.across + (y >> SHIFT);
+        let patch = row * self.across + (x >> SHIFT);
         let at: u32x16<S> = (patch << 1).bitcast();
         [
             gather(s, words, at).bitcast(),
@@ -299,8 +326,8 @@ mod tests {
             strips.reverse();
             let joined = ShadowBounds::join(strips);
             assert_eq!(joined.pairs, whole.pairs, "{size} {taps} {high}");
-            assert!(joined.fits(size, taps) && !joined.fits(size + 8, taps));
-            assert!(!joined.fits(size, taps + 2) || taps == 15);
+            assert!(joined.fits(1, size, taps) && !joined.fits(1, size + 8, taps));
+            assert!(!joined.fits(1, size, taps + 2) || taps == 15);
         }
         assert!(left_out > 20, "{left_out}");
     }

@@ -1,43 +1,37 @@
 //! Shadow maps prepared for look-ups in f32, for one point and for sixteen. [`ShadowMap::lit`] is their reference in f64.
 
+mod cube;
+mod flat;
+
 use alloc::vec::Vec;
 
-use texmap_math::fearless_simd::{Simd, f32x16, i32x16, mask32x16, prelude::*, u32x16};
-use texmap_math::glam::{DMat4, DVec3, DVec4};
-use texmap_math::lanes::{Words, floor_to_i32, floor_to_i32_scalar, gather};
+use texmap_math::fearless_simd::{Simd, f32x16, mask32x16, prelude::*};
+use texmap_math::lanes::Words;
 
 use crate::lanes::V3;
-use crate::shadow_bounds::{ShadowBounds, radius};
-use crate::vector::{affine_lanes, dot, dot_lanes, spread};
+use crate::shadow_bounds::ShadowBounds;
 use crate::{ShadowBias, ShadowKind, ShadowMap};
+use cube::Cube;
+use flat::Flat;
 
 /// A shadow map with the bias and the filter of its look-ups.
 ///
-/// Under parallel and spot lights they are f32: the answers of [`ShadowMap::lit`], but for points within about 1e-6 of the map's width
-/// of a texel's edge, or as near to the depth they are compared with. Under point lights they are those of [`ShadowMap::lit`].
+/// They are f32: the answers of [`ShadowMap::lit`], but for points within about 1e-6 of the map's width of a texel's edge, or as near to
+/// the depth they are compared with.
 #[derive(Clone, Debug)]
 pub struct ShadowReader {
     map: ShadowMap,
-    bias: ShadowBias,
-    taps: u32,
-    flat: Option<Flat>,
+    bias: Bias,
+    form: Form,
 }
 
-/// A map of one face.
+/// What look-ups need to know of a map.
 #[derive(Clone, Debug)]
-struct Flat {
-    size: i32,
-    bounds: ShadowBounds,
-    /// Columns and rows of the map (times the depth under a spot light), and depth.
-    rows: [[f32; 4]; 3],
-    /// The light's axes: right, down, and back to the light.
-    axes: [[f32; 3]; 3],
-    /// A spot light: columns and rows are divided by the depth.
-    divided: bool,
-    /// World size of a texel, at a depth of 1 under a spot light.
-    texel: f32,
-    bias: Bias,
-    radius: i32,
+enum Form {
+    Flat(Flat),
+    Cube(Cube),
+    /// The depths are gone.
+    Empty,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -46,6 +40,16 @@ enum Bias {
     Slope(f32),
     /// In texels.
     NormalOffset(f32),
+}
+
+impl Bias {
+    fn of(bias: ShadowBias) -> Self {
+        match bias {
+            ShadowBias::Constant(constant) => Self::Constant(constant as f32),
+            ShadowBias::Slope(constant) => Self::Slope(constant as f32),
+            ShadowBias::NormalOffset(texels) => Self::NormalOffset(texels as f32),
+        }
+    }
 }
 
 impl ShadowReader {
@@ -64,47 +68,40 @@ impl ShadowReader {
         taps: u32,
         bounds: Option<ShadowBounds>,
     ) -> Self {
-        let flat = Flat::new(&map, bias, taps, bounds);
-        Self {
-            map,
-            bias,
-            taps,
-            flat,
-        }
+        let bias = Bias::of(bias);
+        let form = match map.kind() {
+            ShadowKind::Point { position } => {
+                Form::Cube(Cube::new(&map, *position, bias, taps, bounds))
+            }
+            _ => Flat::new(&map, bias, taps, bounds).map_or(Form::Empty, Form::Flat),
+        };
+        Self { map, bias, form }
     }
 
     /// The depths of the map, to be used again; everything is lit from then on.
     #[doc(hidden)]
     pub fn take_depths(&mut self) -> Vec<f32> {
-        self.flat = None;
+        self.form = Form::Empty;
         self.map.take_depths()
-    }
-
-    /// Whether there are lanes: not under point lights, whose maps have six faces.
-    #[must_use]
-    pub fn has_lanes(&self) -> bool {
-        self.flat.is_some()
     }
 
     /// Whether look-ups read the normal of the receiver's plane.
     #[must_use]
     pub fn reads_normals(&self) -> bool {
-        !matches!(self.bias, ShadowBias::Constant(_))
+        !matches!(self.bias, Bias::Constant(_))
     }
 
     /// Share of the light that reaches a point, 0..=1: see [`ShadowMap::lit`].
     #[must_use]
     pub fn lit(&self, point: [f32; 3], normal: [f32; 3]) -> f32 {
-        match &self.flat {
-            Some(flat) => flat.lit(self.map.depths(), point, normal),
-            None => {
-                let [point, normal] = [point, normal].map(|v| DVec3::from(v.map(f64::from)));
-                self.map.lit(point, normal, self.bias, self.taps)
-            }
+        match &self.form {
+            Form::Flat(flat) => flat.lit(self.map.depths(), point, normal),
+            Form::Cube(cube) => cube.lit(self.map.depths(), point, normal),
+            Form::Empty => 1.0,
         }
     }
 
-    /// [`lit`](Self::lit) for sixteen; 1 where there are no lanes. Nothing is looked up if no lane in `asked` falls into the map.
+    /// [`lit`](Self::lit) for sixteen. Nothing is looked up if no lane in `asked` falls into the map.
     #[inline(always)]
     pub fn lit_lanes<S: Simd>(
         &self,
@@ -114,335 +111,183 @@ impl ShadowReader {
         normal: V3<S>,
     ) -> f32x16<S> {
         let words = Words::new(bytemuck::cast_slice(self.map.depths()));
-        match (&self.flat, words) {
-            (Some(flat), Some(words)) => flat.lit_lanes(s, words, asked, point, normal),
+        match (&self.form, words) {
+            (Form::Flat(flat), Some(words)) => flat.lit_lanes(s, words, asked, point, normal),
+            (Form::Cube(cube), Some(words)) => cube.lit_lanes(s, words, asked, point, normal),
             _ => f32x16::splat(s, 1.0),
         }
     }
 }
 
-impl Flat {
-    fn new(
-        map: &ShadowMap,
-        bias: ShadowBias,
-        taps: u32,
-        bounds: Option<ShadowBounds>,
-    ) -> Option<Self> {
-        let texels = map.size() as usize;
-        let size = f64::from(map.size());
-        let (world, half, divided) = match *map.kind() {
-            ShadowKind::Directional {
-                light_from_world,
-                half,
-            } => (light_from_world, half, false),
-            ShadowKind::Spot {
-                light_from_world,
-                tan_half,
-            } => (light_from_world, tan_half, true),
-            ShadowKind::Point { .. } => return None,
-        };
-        let [x, y, z] = rows(world);
-        let depth = -z;
-        // (p / half + 1) / 2 of the map's size; under a spot light p is divided by the depth later.
-        let middle = if divided { depth } else { DVec4::W };
-        let across = (x * (0.5 / half) + middle * 0.5) * size;
-        let down = (y * (-0.5 / half) + middle * 0.5) * size;
-        let narrow = |v: DVec4| v.to_array().map(|c| c as f32);
-        let axis = |v: DVec4| {
-            let [x, y, z, _] = narrow(v);
-            [x, y, z]
-        };
-        let bounds = bounds.filter(|bounds| bounds.fits(texels, taps));
-        Some(Self {
-            size: map.size() as i32,
-            bounds: bounds.unwrap_or_else(|| ShadowBounds::new(map.depths(), texels, taps)),
-            rows: [across, down, depth].map(narrow),
-            axes: [axis(x), axis(-y), axis(z)],
-            divided,
-            texel: (2.0 * half / size) as f32,
-            bias: match bias {
-                ShadowBias::Constant(constant) => Bias::Constant(constant as f32),
-                ShadowBias::Slope(constant) => Bias::Slope(constant as f32),
-                ShadowBias::NormalOffset(texels) => Bias::NormalOffset(texels as f32),
-            },
-            radius: radius(taps) as i32,
-        })
-    }
-
-    fn lit(&self, depths: &[f32], point: [f32; 3], normal: [f32; 3]) -> f32 {
-        let mut place = self.place(point);
-        if !self.holds(place) {
-            return 1.0;
-        }
-        if let Bias::NormalOffset(texels) = self.bias {
-            let step = texels * self.texel_at(place[2]);
-            place = self.place([0, 1, 2].map(|i| point[i] + normal[i] * step));
-            if !self.holds(place) {
-                return 1.0;
-            }
-        }
-        let ([x, y, depth], n) = (place, self.size as f32);
-        let add = match self.bias {
-            Bias::Constant(constant) => constant,
-            Bias::NormalOffset(_) => 1e-4 * self.texel_at(depth),
-            Bias::Slope(constant) => {
-                let [right, down, back] = self.axes.map(|axis| dot(axis, normal));
-                let below = if self.divided {
-                    // n . ray, the ray's components taken from the place in the map.
-                    let (px, py) = ((x - 0.5 * n) * self.texel, (y - 0.5 * n) * self.texel);
-                    (right * px + down * py) - back
-                } else {
-                    -back
-                };
-                let slope = (right.abs() + down.abs()) * self.texel_at(depth) / below.abs();
-                let slope = if slope < f32::MAX { slope } else { f32::MAX };
-                (self.radius as f32 + 0.5) * slope + constant
-            }
-        };
-        let reference = depth - add;
-        let (x, y) = (floor_to_i32_scalar(x), floor_to_i32_scalar(y));
-        let mut lit = 0.0;
-        for j in y - self.radius..=y + self.radius {
-            for i in x - self.radius..=x + self.radius {
-                let outside = i < 0 || j < 0 || i >= self.size || j >= self.size;
-                if outside || reference <= depths[(j * self.size + i) as usize] {
-                    lit += 1.0;
-                }
-            }
-        }
-        lit / self.count()
-    }
-
-    /// Whether a place lies in the map.
-    fn holds(&self, [x, y, depth]: [f32; 3]) -> bool {
-        let n = self.size as f32;
-        let inside = x >= 0.0 && x < n && y >= 0.0 && y < n && depth < f32::INFINITY;
-        inside && (!self.divided || depth > 0.0)
-    }
-
-    /// Columns and rows of the map, and depth.
-    fn place(&self, [px, py, pz]: [f32; 3]) -> [f32; 3] {
-        let [x, y, depth] = self
-            .rows
-            .map(|row| row[0] * px + row[1] * py + row[2] * pz + row[3]);
-        if self.divided {
-            [x / depth, y / depth, depth]
-        } else {
-            [x, y, depth]
-        }
-    }
-
-    fn texel_at(&self, depth: f32) -> f32 {
-        if self.divided {
-            self.texel * depth
-        } else {
-            self.texel
-        }
-    }
-
-    fn count(&self) -> f32 {
-        let side = (2 * self.radius + 1) as f32;
-        side * side
-    }
-
-    #[inline(always)]
-    fn lit_lanes<S: Simd>(
-        &self,
-        s: S,
-        words: Words<'_>,
-        asked: mask32x16<S>,
-        point: V3<S>,
-        normal: V3<S>,
-    ) -> f32x16<S> {
-        let one = f32x16::splat(s, 1.0);
-        let mut place = self.place_lanes(point);
-        let mut inside = self.holds_lanes(s, place);
-        if let Bias::NormalOffset(texels) = self.bias {
-            let step = self.texel_at_lanes(s, place[2]) * texels;
-            let moved = [
-                point[0] + normal[0] * step,
-                point[1] + normal[1] * step,
-                point[2] + normal[2] * step,
-            ];
-            place = self.place_lanes(moved);
-            inside &= self.holds_lanes(s, place);
-        }
-        let [x, y, depth] = place;
-        if !(inside & asked).any_true() {
-            return one;
-        }
-        let add = match self.bias {
-            Bias::Constant(constant) => f32x16::splat(s, constant),
-            Bias::NormalOffset(_) => self.texel_at_lanes(s, depth) * 1e-4,
-            Bias::Slope(constant) => self.slope_lanes(s, x, y, depth, normal) + constant,
-        };
-        let reference = depth - add;
-        let middle = f32x16::splat(s, 0.5 * self.size as f32);
-        let x = floor_to_i32(s, inside.select(x, middle));
-        let y = floor_to_i32(s, inside.select(y, middle));
-        let [least, most] = self.bounds.around(s, x, y);
-        let (all, none) = (reference.simd_le(least), reference.simd_gt(most));
-        if (all | none | !(inside & asked)).all_true() {
-            return (inside & none).select(f32x16::splat(s, 0.0), one);
-        }
-        let r = self.radius;
-        let (low, high) = (i32x16::splat(s, r), i32x16::splat(s, self.size - r));
-        let within = x.simd_ge(low) & x.simd_lt(high) & y.simd_ge(low) & y.simd_lt(high);
-        let lit = if within.all_true() {
-            self.taps_lanes::<S, true>(s, words, x, y, reference)
-        } else {
-            self.taps_lanes::<S, false>(s, words, x, y, reference)
-        };
-        inside.select(lit / f32x16::splat(s, self.count()), one)
-    }
-
-    /// [`holds`](Self::holds) for sixteen.
-    #[inline(always)]
-    fn holds_lanes<S: Simd>(&self, s: S, [x, y, depth]: V3<S>) -> mask32x16<S> {
-        let (zero, n) = (f32x16::splat(s, 0.0), f32x16::splat(s, self.size as f32));
-        let inside = x.simd_ge(zero) & x.simd_lt(n) & y.simd_ge(zero) & y.simd_lt(n);
-        let inside = inside & depth.simd_lt(f32::INFINITY);
-        if self.divided {
-            inside & depth.simd_gt(zero)
-        } else {
-            inside
-        }
-    }
-
-    /// Comparisons that pass; all taps lie in the map if `WITHIN`.
-    #[inline(always)]
-    fn taps_lanes<S: Simd, const WITHIN: bool>(
-        &self,
-        s: S,
-        words: Words<'_>,
-        x: i32x16<S>,
-        y: i32x16<S>,
-        reference: f32x16<S>,
-    ) -> f32x16<S> {
-        let (zero, one) = (f32x16::splat(s, 0.0), f32x16::splat(s, 1.0));
-        let (first, size) = (i32x16::splat(s, 0), i32x16::splat(s, self.size));
-        let mut lit = zero;
-        for dj in -self.radius..=self.radius {
-            let j = y + dj;
-            let row = j * self.size;
-            for di in -self.radius..=self.radius {
-                let i = x + di;
-                let index: u32x16<S> = (row + i).bitcast();
-                let stored: f32x16<S> = gather(s, words, index).bitcast();
-                let mut passes = reference.simd_le(stored);
-                if !WITHIN {
-                    let inside = i.simd_ge(first) & j.simd_ge(first);
-                    passes |= !(inside & i.simd_lt(size) & j.simd_lt(size));
-                }
-                lit += passes.select(one, zero);
-            }
-        }
-        lit
-    }
-
-    #[inline(always)]
-    fn slope_lanes<S: Simd>(
-        &self,
-        s: S,
-        x: f32x16<S>,
-        y: f32x16<S>,
-        depth: f32x16<S>,
-        normal: V3<S>,
-    ) -> f32x16<S> {
-        let right = dot_lanes(spread(s, self.axes[0]), normal);
-        let down = dot_lanes(spread(s, self.axes[1]), normal);
-        let back = dot_lanes(spread(s, self.axes[2]), normal);
-        let below = if self.divided {
-            let half = 0.5 * self.size as f32;
-            let (px, py) = ((x - half) * self.texel, (y - half) * self.texel);
-            (right * px + down * py) - back
-        } else {
-            -back
-        };
-        let slope = (right.abs() + down.abs()) * self.texel_at_lanes(s, depth) / below.abs();
-        let most = f32x16::splat(s, f32::MAX);
-        let slope = slope.simd_lt(most).select(slope, most);
-        slope * (self.radius as f32 + 0.5)
-    }
-
-    #[inline(always)]
-    fn place_lanes<S: Simd>(&self, point: V3<S>) -> V3<S> {
-        let out = affine_lanes(&self.rows, point);
-        if self.divided {
-            [out[0] / out[2], out[1] / out[2], out[2]]
-        } else {
-            out
-        }
-    }
-
-    #[inline(always)]
-    fn texel_at_lanes<S: Simd>(&self, s: S, depth: f32x16<S>) -> f32x16<S> {
-        if self.divided {
-            depth * self.texel
-        } else {
-            f32x16::splat(s, self.texel)
-        }
-    }
-}
-
-/// The rows of a matrix that moves points.
-fn rows(m: DMat4) -> [DVec4; 3] {
-    let t = m.transpose();
-    [t.x_axis, t.y_axis, t.z_axis]
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use texmap_math::glam::{DMat4, DVec3};
+    use texmap_math::lanes::LANES;
+
+    const BIASES: [(ShadowBias, u32); 3] = [
+        (ShadowBias::Constant(0.05), 1),
+        (ShadowBias::Slope(1e-3), 3),
+        (ShadowBias::NormalOffset(1.5), 5),
+    ];
+
+    /// Numbers of -1..1.
+    fn noise() -> impl FnMut() -> f64 {
+        let mut seed = 1u32;
+        move || {
+            seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            f64::from(seed >> 8) / 8_388_608.0 - 1.0
+        }
+    }
+
+    /// A map of each kind of light, all about (-0.1, 4, 0.2), of uneven depths about 4.
+    fn maps() -> [ShadowMap; 3] {
+        let down = DMat4::from_cols_array(&[
+            1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, -1.0, 0.0, 0.0, 0.1, 0.2, -4.0, 1.0,
+        ]);
+        let mut noise = noise();
+        let mut map = |kind, faces: usize| {
+            let depths = (0..faces * 64 * 64).map(|_| (4.0 + noise()) as f32);
+            ShadowMap::new(kind, 64, depths.collect()).unwrap()
+        };
+        let (light_from_world, half, tan_half) = (down, 1.1, 0.3);
+        [
+            map(
+                ShadowKind::Directional {
+                    light_from_world,
+                    half,
+                },
+                1,
+            ),
+            map(
+                ShadowKind::Spot {
+                    light_from_world,
+                    tan_half,
+                },
+                1,
+            ),
+            map(
+                ShadowKind::Point {
+                    position: DVec3::new(-0.1, 4.0, 0.2),
+                },
+                6,
+            ),
+        ]
+    }
+
+    fn narrow(v: DVec3) -> [f32; 3] {
+        v.to_array().map(|c| c as f32)
+    }
 
     /// f32 look-ups give the answers of f64 ones at all but a few points, under every bias, beyond the map and behind the light too.
     #[test]
     fn readers_agree_with_the_reference() {
-        let down = DMat4::from_cols_array(&[
-            1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, -1.0, 0.0, 0.0, 0.1, 0.2, -4.0, 1.0,
-        ]);
-        let kinds = [
-            ShadowKind::Directional {
-                light_from_world: down,
-                half: 1.1,
-            },
-            ShadowKind::Spot {
-                light_from_world: down,
-                tan_half: 0.3,
-            },
-        ];
-        let mut seed = 1u32;
-        let mut noise = || {
-            seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            f64::from(seed >> 8) / 8_388_608.0 - 1.0
-        };
-        for kind in kinds {
-            let depths: Vec<f32> = (0..64 * 64).map(|_| (4.0 + noise()) as f32).collect();
-            let map = ShadowMap::new(kind, 64, depths).unwrap();
-            for (bias, taps) in [
-                (ShadowBias::Constant(0.05), 1),
-                (ShadowBias::Slope(1e-3), 3),
-                (ShadowBias::NormalOffset(1.5), 5),
-            ] {
+        let mut noise = noise();
+        for map in maps() {
+            let around = matches!(map.kind(), ShadowKind::Point { .. });
+            for (bias, taps) in BIASES {
                 let reader = ShadowReader::new(map.clone(), bias, taps);
-                assert!(reader.has_lanes());
                 let (mut off, mut between) = (0, 0);
                 for _ in 0..4_000 {
-                    let point = DVec3::new(1.3 * noise(), 5.0 * noise(), 1.3 * noise());
+                    let wide = if around { 4.0 } else { 1.3 };
+                    let point = DVec3::new(wide * noise(), 5.0 * noise(), wide * noise());
                     let normal = DVec3::new(noise(), 1.0 + noise(), noise()).normalize();
-                    let narrow = |v: DVec3| v.to_array().map(|c| c as f32);
                     let got = reader.lit(narrow(point), narrow(normal));
                     let expected = map.lit(point, normal, bias, taps);
                     off += u32::from((got - expected).abs() > 1e-6);
                     between += u32::from(expected < 1.0);
                 }
-                assert!(off <= 8, "{bias:?}: {off} of 4000");
+                assert!(off <= 8, "{:?} {bias:?}: {off} of 4000", map.kind());
                 assert!(between > 400, "{between}");
             }
             let reader = ShadowReader::new(map, ShadowBias::Slope(1e-3), 3);
-            for bad in [[f32::NAN, 0.0, 0.0], [1e30, -1e30, 0.0], [f32::INFINITY; 3]] {
+            for bad in [[f32::NAN, 0.0, 0.0], [f32::INFINITY; 3]] {
                 assert_eq!(reader.lit(bad, [0.0, 1.0, 0.0]), 1.0, "{bad:?}");
             }
+            // So far away that a point light's map holds nothing.
+            let far = reader.lit([1e30, -1e30, 0.0], [0.0, 1.0, 0.0]);
+            assert_eq!(far, if around { 0.0 } else { 1.0 });
+        }
+    }
+
+    /// Taps over the edges and corners of a cube's faces read the texels that the reference reads.
+    #[test]
+    fn taps_beyond_a_face_are_those_of_the_reference() {
+        let [.., map] = maps();
+        let ShadowKind::Point { position } = *map.kind() else {
+            panic!("a point light");
+        };
+        let reader = ShadowReader::new(map.clone(), ShadowBias::Constant(0.0), 15);
+        let mut noise = noise();
+        let (mut off, mut count) = (0, 0);
+        for (x, y, z) in (0..27).map(|i| (i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1)) {
+            for _ in 0..40 {
+                let near = DVec3::new(noise(), noise(), noise()) * 0.1;
+                let d = DVec3::new(f64::from(x), f64::from(y), f64::from(z)) + near;
+                let point = position + d * (4.0 / d.length());
+                let got = reader.lit(narrow(point), [0.0, 1.0, 0.0]);
+                let expected = map.lit(point, DVec3::Y, ShadowBias::Constant(0.0), 15);
+                // A tap whose depth is the point's may fall either way.
+                off += u32::from((got - expected).abs() > 1.5 / 225.0);
+                count += 1;
+            }
+        }
+        assert!(off * 100 <= count, "{off} of {count}");
+    }
+
+    /// Lanes give the bits of [`ShadowReader::lit`], at points of one face and of many, in the light and not finite.
+    #[test]
+    fn lanes_see_what_one_point_sees() {
+        let mut noise = noise();
+        let (mut lit, mut dark) = (0, 0);
+        for map in maps() {
+            for (bias, taps) in BIASES {
+                let reader = ShadowReader::new(map.clone(), bias, taps);
+                for round in 0..200 {
+                    // Rays of all directions, and of nearly one: most of those blocks lie on one face.
+                    let wide = if round % 2 == 0 { 4.0 } else { 0.2 };
+                    let middle = DVec3::new(noise(), noise(), noise()) * (4.0 - wide);
+                    let mut points: [_; LANES] = core::array::from_fn(|_| {
+                        narrow(middle + DVec3::new(noise(), noise(), noise()) * wide)
+                    });
+                    if round % 5 == 0 {
+                        points[3] = [-0.1, 4.0, 0.2];
+                        points[7] = [f32::NAN, 0.0, 1.0];
+                        points[9] = [f32::INFINITY, -1e30, 1e30];
+                        points[10] = [1e30, -1e30, 1e30];
+                    }
+                    let normals: [_; LANES] = core::array::from_fn(|_| {
+                        narrow(DVec3::new(noise(), 1.0 + noise(), noise()).normalize())
+                    });
+                    for level in [texmap_math::Level::new(), texmap_math::Level::baseline()] {
+                        let mut got = [0.0; LANES];
+                        let columns =
+                            [points, normals].map(|v| [0, 1, 2].map(|c| v.map(|v: [f32; 3]| v[c])));
+                        texmap_math::on_level!(level, s => {
+                            let [p, n] = columns.map(|v| v.map(|c| f32x16::from_slice(s, &c)));
+                            let all = mask32x16::splat(s, true);
+                            reader.lit_lanes(s, all, p, n).store_slice(&mut got);
+                        }, else continue);
+                        for i in 0..LANES {
+                            let one = reader.lit(points[i], normals[i]);
+                            assert_eq!(got[i].to_bits(), one.to_bits(), "{:?}", points[i]);
+                            lit += u32::from(one == 1.0);
+                            dark += u32::from(one < 1.0);
+                        }
+                    }
+                }
+            }
+        }
+        assert!(lit > 5_000 && dark > 5_000, "{lit} {dark}");
+    }
+
+    /// Without depths nothing is in shadow.
+    #[test]
+    fn empty_readers_shadow_nothing() {
+        for map in maps() {
+            let mut reader = ShadowReader::new(map, ShadowBias::Constant(0.0), 1);
+            assert!(!reader.take_depths().is_empty());
+            assert_eq!(reader.lit([0.0, -9.0, 0.0], [0.0, 1.0, 0.0]), 1.0);
         }
     }
 }

@@ -168,6 +168,13 @@ impl<'a> SlideView<'a> {
         }
     }
 
+    /// For paint, which black texels cover: there are none to leave out.
+    #[must_use]
+    pub fn painting(mut self) -> Self {
+        self.dark_edge = false;
+        self
+    }
+
     /// Premultiplied texel at a point of space that changes by `dx` and `dy` from pixel to pixel: see [`Slide::light`].
     #[must_use]
     pub fn light(&self, point: [f32; 3], [dx, dy]: [[f32; 3]; 2]) -> [f32; 4] {

@@ -1,6 +1,6 @@
 //! Three-component f32 arithmetic in one fixed order of operations.
 
-use texmap_math::fearless_simd::{Simd, f32x16, prelude::*};
+use texmap_math::fearless_simd::{Simd, f32x16, mask32x16, prelude::*};
 use texmap_math::float::sqrt_f32;
 use texmap_math::lanes::LANES;
 
@@ -85,6 +85,22 @@ fn one_by_one(from: &[[f32; LANES]; 3], to: &mut [[f32; LANES]; 3], usual: u16) 
             column[lane] = value;
         }
     }
+}
+
+/// +Z in place of directions that are zero or not finite, and the lanes of the others.
+#[inline(always)]
+pub(crate) fn usable_lanes<S: Simd>(s: S, [x, y, z]: V3<S>) -> (V3<S>, mask32x16<S>) {
+    let (zero, one) = (f32x16::splat(s, 0.0), f32x16::splat(s, 1.0));
+    let most = f32x16::splat(s, f32::MAX);
+    let (ax, ay, az) = (x.abs(), y.abs(), z.abs());
+    let finite = ax.simd_le(most) & ay.simd_le(most) & az.simd_le(most);
+    let usable = finite & (ax.simd_gt(zero) | ay.simd_gt(zero) | az.simd_gt(zero));
+    let d = [
+        usable.select(x, zero),
+        usable.select(y, zero),
+        usable.select(z, one),
+    ];
+    (d, usable)
 }
 
 /// Scalar products.

@@ -2,14 +2,19 @@
 
 use std::sync::LazyLock;
 
-use texmap_light::Environment;
-use texmap_math::glam::{DMat3, DMat4, DVec3};
+use texmap_light::lanes::{EnvironmentView, RayLanes};
+use texmap_light::{Environment, Ray};
+use texmap_math::fearless_simd::{f32x16, prelude::*};
+use texmap_math::glam::DMat4;
+use texmap_math::lanes::below;
+use texmap_math::{Level, on_wide_level};
 use texmap_raster::DepthTest;
 
-use crate::canvas::Colors;
-use crate::coordinates::Rays;
+use crate::canvas::{Colors, LANES};
+use crate::coordinates::{EyeRays, Rays};
 use crate::plan::Surface;
 use crate::shade::Run;
+use crate::texel::clip;
 use crate::vertices::VertexData;
 use crate::{AlphaMode, Material, Mesh, Shading, TextureRole, TextureSlot};
 
@@ -62,41 +67,67 @@ pub(crate) fn behind<'s>() -> Surface<'s> {
 /// An environment as the stages read it.
 pub(crate) struct SkyStage<'s> {
     environment: &'s Environment,
-    rays: Rays,
-    world_from_view: DMat3,
-    /// Look-ups a side of a pixel: one or more for each texel that it sees.
-    side: u32,
+    view: EnvironmentView<'s>,
+    /// Through the places of a pixel that are looked up: one or more for each texel that it sees.
+    rays: Vec<EyeRays>,
 }
 
 impl<'s> SkyStage<'s> {
-    pub(crate) fn new(environment: &'s Environment, rays: Rays, view_from_world: DMat4) -> Self {
+    pub(crate) fn new(environment: &'s Environment, rays: &Rays, view_from_world: DMat4) -> Self {
         let (width, height) = environment.size();
         let texels = f64::from(width) * f64::from(height) * environment.chart().faces() as f64;
         let texel = (4.0 * std::f64::consts::PI / texels).sqrt();
         let side = (rays.step() / texel).ceil().clamp(1.0, 8.0) as u32;
+        let middle = EyeRays::new(rays, view_from_world);
+        let inside = |k: u32| (f64::from(k) + 0.5) / f64::from(side) - 0.5;
+        let places = (0..side).flat_map(|j| (0..side).map(move |i| (i, j)));
         Self {
             environment,
-            rays,
-            world_from_view: DMat3::from_mat4(view_from_world).transpose(),
-            side,
+            view: EnvironmentView::new(environment),
+            rays: places
+                .map(|(i, j)| middle.beside([inside(i), inside(j)]))
+                .collect(),
         }
     }
 
-    pub(crate) fn shade(&self, run: &Run<'_>, out: &mut Colors) {
-        for (place, at, bit) in run.places() {
-            let pixel = run.pixel(at, bit);
-            let mut sum = DVec3::ZERO;
-            for (i, j) in (0..self.side).flat_map(|j| (0..self.side).map(move |i| (i, j))) {
-                let inside = |k: u32| (f64::from(k) + 0.5) / f64::from(self.side) - 0.5;
-                let ray = self.rays.through(pixel, [inside(i), inside(j)]);
-                let toward = (self.world_from_view * ray).as_vec3().to_array();
-                sum += DVec3::from(self.environment.light(toward).map(f64::from));
+    pub(crate) fn shade(&self, level: Level, run: &Run<'_>, out: &mut Colors) {
+        let count = self.rays.len() as f32;
+        on_wide_level!(
+            level,
+            s => {
+                let (zero, one) = (f32x16::splat(s, 0.0), f32x16::splat(s, 1.0));
+                for (i, at) in run.run.iter().enumerate() {
+                    let pixel = run.pixel(*at, 0);
+                    let mut sum = [zero; 3];
+                    for rays in &self.rays {
+                        let [x, y, z] = rays.block(s, pixel);
+                        let ray = RayLanes { direction: [-x, -y, -z], dx: [zero; 3], dy: [zero; 3] };
+                        let light = self.view.light_lanes(s, &ray);
+                        for k in 0..3 {
+                            sum[k] += light[k];
+                        }
+                    }
+                    let lanes = i * LANES..(i + 1) * LANES;
+                    for (column, c) in out.0.iter_mut().zip(sum) {
+                        let mean = below(c / f32x16::splat(s, count), one);
+                        mean.store_slice(&mut column[lanes.clone()]);
+                    }
+                    out.0[3][lanes].fill(1.0);
+                }
+            },
+            else for (place, at, bit) in run.places() {
+                let pixel = run.pixel(at, bit);
+                let mut sum = [0.0; 3];
+                for rays in &self.rays {
+                    let direction = rays.at(pixel).map(|c| -c);
+                    let light = self.environment.light_across(&Ray { direction, ..Ray::default() });
+                    sum = [0, 1, 2].map(|k| sum[k] + light[k]);
+                }
+                for (column, sum) in out.0.iter_mut().zip(sum) {
+                    column[place] = clip(sum / count);
+                }
+                out.0[3][place] = 1.0;
             }
-            let light = (sum / f64::from(self.side * self.side)).to_array();
-            for (column, value) in out.0.iter_mut().zip(light) {
-                column[place] = crate::texel::clip(value as f32);
-            }
-            out.0[3][place] = 1.0;
-        }
+        );
     }
 }

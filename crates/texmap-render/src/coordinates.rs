@@ -72,10 +72,10 @@ impl Rays {
         }
     }
 
-    /// The ray through the centre of a sample, `off` samples beside it; z = -1.
-    pub(crate) fn through(&self, [x, y]: [u32; 2], off: [f64; 2]) -> DVec3 {
-        let right = 2.0 * f64::from(x) + 1.0 - self.size[0] + 2.0 * off[0];
-        let up = self.size[1] - 2.0 * f64::from(y) - 1.0 - 2.0 * off[1];
+    /// The ray through the centre of a sample; z = -1.
+    pub(crate) fn through(&self, [x, y]: [u32; 2]) -> DVec3 {
+        let right = 2.0 * f64::from(x) + 1.0 - self.size[0];
+        let up = self.size[1] - 2.0 * f64::from(y) - 1.0;
         DVec3::new(right * self.half_step[0], up * self.half_step[1], -1.0)
     }
 
@@ -112,6 +112,15 @@ impl EyeRays {
             first: rays.size.map(|size| (0.5 - 0.5 * size) as f32),
             dx: world(DVec3::X * -right),
             dy: world(DVec3::Y * up),
+        }
+    }
+
+    /// The directions `off` samples beside.
+    pub(crate) fn beside(&self, off: [f64; 2]) -> Self {
+        let [x, y] = off.map(|c| c as f32);
+        Self {
+            middle: [0, 1, 2].map(|i| self.middle[i] + (self.dx[i] * x + self.dy[i] * y)),
+            ..*self
         }
     }
 
@@ -164,7 +173,7 @@ impl CameraFrame {
     /// uv = (A.W / C.W, B.W / C.W) for the ray W through the sample's centre, and its analytic derivatives
     /// `du/dx = (A.W_x - u C.W_x) / C.W`. `None` where the ray never meets the frame's plane.
     pub(crate) fn uv(&self, x: u32, y: u32) -> Option<([f32; 2], Footprint)> {
-        let ray = self.rays.through([x, y], [0.0; 2]);
+        let ray = self.rays.through([x, y]);
         let uv = self.magic.uv(ray)?;
         let MagicVectors { a, b, c } = self.magic;
         let w = c.dot(ray);

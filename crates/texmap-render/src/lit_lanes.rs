@@ -2,13 +2,13 @@
 //! reads all its attributes first, and what has no lanes goes pixel by pixel between the stages that have: the bits are those of
 //! [`Stages`] either way.
 
-mod alone;
+mod banded;
 mod columns;
 mod ground;
 mod vectors;
 
-use texmap_light::lanes::MirrorView;
-use texmap_light::{Environment, Light, NormalMap, Power, ShadowReader, Surface as Numbers};
+use texmap_light::lanes::EnvironmentView;
+use texmap_light::{Light, NormalMap, Power, ShadowReader, Surface as Numbers};
 use texmap_math::Level;
 use texmap_math::fearless_simd::prelude::*;
 use texmap_math::on_wide_level;
@@ -40,9 +40,11 @@ pub(crate) struct LitLanes<'a> {
     relief: Relief<'a>,
     /// Baked light: what multiplies its texels, its map, and the first attribute of the coordinates.
     baked: Option<(f32, &'a Slot<'a>, usize)>,
-    mirror: Option<(Mirror<'a>, f32)>,
+    /// Paint, the later over the earlier.
+    paints: Vec<Cast<'a>>,
+    mirror: Option<(EnvironmentView<'a>, f32)>,
     /// The environment that gives highlights.
-    specular: Option<Mirror<'a>>,
+    specular: Option<EnvironmentView<'a>>,
     /// Textures in place of numbers, by [`SurfaceEffects::maps`].
     maps: [Option<&'a Slot<'a>>; MAPS],
     look_ups: LookUps<'a>,
@@ -56,7 +58,7 @@ pub(crate) struct LitLanes<'a> {
     sees_eye: bool,
     /// Some light other than the slides' reaches every block, or a mirror does: all ask for the normal.
     turned: bool,
-    /// Some shadow reads the normal of the triangle's plane.
+    /// Some shadow or paint reads the normal of the triangle's plane.
     planes: bool,
     eye: [f32; 3],
     rays: EyeRays,
@@ -66,13 +68,14 @@ pub(crate) struct LitLanes<'a> {
 /// A light, and what it loses on its way.
 struct Lamp<'a> {
     light: Light,
-    index: usize,
     shadows: &'a [ShadowReader],
-    slide: Option<(&'a Thrown<'a>, SlideLookUp<'a>)>,
-    /// The slide's filter asks how large a pixel is.
-    leveled: bool,
-    /// What is received of it has no lanes.
-    alone: bool,
+    slide: Option<Cast<'a>>,
+}
+
+/// A slide on its way to a surface.
+struct Cast<'a> {
+    thrown: &'a Thrown<'a>,
+    look_up: SlideLookUp<'a>,
 }
 
 /// What turns the normals.
@@ -82,12 +85,6 @@ enum Relief<'a> {
     Normals(NormalMap, &'a Slot<'a>, Space, bool),
     Slopes(&'a ReliefStage<'a>),
     Carved(&'a Carved),
-}
-
-/// A mirrored environment, prepared for lanes if there are any for it.
-struct Mirror<'a> {
-    environment: &'a Environment,
-    view: Option<MirrorView<'a>>,
 }
 
 const AMBIENT: usize = 0;
@@ -115,6 +112,7 @@ pub(crate) struct LitScratch {
 struct Reads {
     /// Base colour and normal map.
     texels: [Texels; 2],
+    /// By [`LitLanes::slides`].
     slides: Vec<SlideTexels>,
     baked: MapTexels,
     maps: [MapTexels; MAPS],
@@ -143,6 +141,7 @@ impl<'a> LitLanes<'a> {
             ground: Ground::new(surface),
             relief: Relief::None,
             baked: None,
+            paints: Vec::new(),
             mirror: None,
             specular: None,
             maps: [None; MAPS],
@@ -161,14 +160,11 @@ impl<'a> LitLanes<'a> {
         match &surface.effects {
             _ if !per_pixel => {}
             None => {
-                let lights = plan.lights.iter().enumerate();
-                this.lights.extend(lights.map(|(index, light)| Lamp {
+                let lights = plan.lights.iter();
+                this.lights.extend(lights.map(|light| Lamp {
                     light: *light,
-                    index,
                     shadows: &[],
                     slide: None,
-                    leveled: false,
-                    alone: false,
                 }));
             }
             Some(effects) => this.take_effects(effects),
@@ -183,12 +179,14 @@ impl<'a> LitLanes<'a> {
             return None;
         }
         let mut shining = this.lights.iter().filter(|lamp| !lamp.is_ambient());
-        this.turned = this.has_mirrors() || shining.any(|lamp| lamp.look_up().is_none());
+        this.turned = this.has_mirrors() || shining.any(|lamp| lamp.slide.is_none());
         let shines = this.lights.iter().any(|lamp| !lamp.is_ambient());
         let clamps = has_relief && material.horizon_clamp;
         this.sees_eye = (shines && material.surface.ks > 0.0) || clamps;
         let shades = this.lights.iter().flat_map(Lamp::shades);
-        this.planes = shades.into_iter().any(ShadowReader::reads_normals);
+        let shaded = shades.into_iter().any(ShadowReader::reads_normals);
+        // Paint does not reach what turns away from its projector.
+        this.planes = shaded || !this.paints.is_empty();
         Some(this)
     }
 
@@ -204,10 +202,10 @@ impl<'a> LitLanes<'a> {
             Some(slopes) => Relief::Slopes(slopes),
         };
         self.baked = effects.baked();
-        let mirror = |index: usize| Mirror {
-            environment: &ready.environments[index],
-            view: MirrorView::new(&ready.environments[index]),
-        };
+        if self.position.is_some() {
+            self.paints.extend(ready.paints.iter().map(Cast::new));
+        }
+        let mirror = |index: usize| EnvironmentView::new(&ready.environments[index]);
         self.mirror = effects
             .reflection()
             .map(|(environment, share)| (mirror(environment), share));
@@ -215,18 +213,11 @@ impl<'a> LitLanes<'a> {
         let first_lamp = ready.lights.len() - ready.lamps.len();
         for (index, light) in effects.lights() {
             let slide = index.checked_sub(first_lamp).map(|i| &ready.lamps[i]);
-            let mut lamp = Lamp {
+            self.lights.push(Lamp {
                 light: *light,
-                index: *index,
                 shadows: &ready.shadows[*index],
-                slide: slide.map(|slide| (slide, SlideLookUp::new(&slide.view))),
-                leveled: false,
-                alone: false,
-            };
-            lamp.leveled = slide.is_some_and(|slide| slide.reads_derivatives());
-            let alone = lamp.shades().any(|shade| !shade.has_lanes());
-            lamp.alone = alone;
-            self.lights.push(lamp);
+                slide: slide.map(Cast::new),
+            });
         }
     }
 
@@ -247,9 +238,7 @@ impl<'a> LitLanes<'a> {
             || self.maps.iter().any(Option::is_some)
             || self.surface.light_ramp.is_some()
             || self.specular.is_some()
-            || matches!(&self.mirror, Some((Mirror { view: None, .. }, _)))
-            || !self.ready.paints.is_empty()
-            || self.lights.iter().any(|lamp| lamp.alone);
+            || !self.paints.is_empty();
         if let Relief::Normals(_, _, Space::Tangent(first), _) = self.relief {
             self.tangent = first;
         }
@@ -382,29 +371,35 @@ impl<'a> LitLanes<'a> {
         }
     }
 
-    /// Slides that have lanes, and whether their filters ask how large a pixel is.
-    fn slides(&self) -> impl Iterator<Item = (&SlideLookUp<'a>, bool)> {
-        let lamps = self.lights.iter();
-        lamps.filter_map(|lamp| Some((lamp.look_up()?, lamp.leveled)))
+    /// Slides of the lights, then paint.
+    fn slides(&self) -> impl Iterator<Item = &Cast<'a>> {
+        let of_lights = self.lights.iter().filter_map(|lamp| lamp.slide.as_ref());
+        of_lights.chain(&self.paints)
     }
 }
 
-impl<'a> Lamp<'a> {
+impl<'a> Cast<'a> {
+    fn new(thrown: &'a Thrown<'a>) -> Self {
+        Self {
+            thrown,
+            look_up: SlideLookUp::new(&thrown.view),
+        }
+    }
+
+    fn shade(&self) -> Option<&'a ShadowReader> {
+        self.thrown.shade.as_ref()
+    }
+}
+
+impl Lamp<'_> {
     /// Whether it shines on all normals alike.
     fn is_ambient(&self) -> bool {
         matches!(self.light, Light::Ambient { .. })
     }
 
-    /// Its slide, where that has lanes.
-    fn look_up(&self) -> Option<&SlideLookUp<'a>> {
-        let slide = self.slide.as_ref().filter(|_| !self.alone);
-        slide.map(|(_, look_up)| look_up)
-    }
-
     /// Every map that its light passes.
     fn shades(&self) -> impl Iterator<Item = &ShadowReader> {
-        let slide = self.slide.as_ref();
-        let of_slide = slide.and_then(|(slide, _)| slide.shade.as_ref());
+        let of_slide = self.slide.as_ref().and_then(Cast::shade);
         self.shadows.iter().chain(of_slide)
     }
 }

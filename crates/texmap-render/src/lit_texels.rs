@@ -41,12 +41,18 @@ impl Texels {
     /// The colours of a block.
     #[inline(always)]
     pub(crate) fn lanes<S: Simd>(&self, s: S, i: usize) -> [f32x16<S>; 3] {
-        let [r, g, b, _] = if self.packed {
+        let [r, g, b, _] = self.premultiplied(s, i);
+        [r, g, b]
+    }
+
+    /// The colours of a block with their alpha.
+    #[inline(always)]
+    fn premultiplied<S: Simd>(&self, s: S, i: usize) -> [f32x16<S>; 4] {
+        if self.packed {
             packed::unpack_lanes(s, self.block(s, i))
         } else {
             self.colors.lanes(s, i)
-        };
-        [r, g, b]
+        }
     }
 
     #[inline(always)]

@@ -151,7 +151,7 @@ fn sky<'s>(
         Backdrop::Environment(index) => {
             let environment = &scene.effects.environments[*index];
             let rays = Rays::new(view.half, view.size);
-            let stage = SkyStage::new(environment, rays, view.view_from_world);
+            let stage = SkyStage::new(environment, &rays, view.view_from_world);
             surface.space = Some(Box::new(Space::Sky(stage)));
             surface.shaded = 0;
         }

@@ -8,7 +8,7 @@ use texmap_math::glam::{DMat3, DMat4, DVec3};
 use crate::effects::{SlideProjector, SlideRole};
 use crate::lit::Site;
 use crate::shadow::{shadow_bias, shadow_kind, shadow_map_in};
-use crate::vertices::{narrow, wide};
+use crate::vertices::narrow;
 use crate::{RenderError, Scene, Settings};
 
 /// The effects of a scene, made ready: every map is finished before the first tile.
@@ -27,8 +27,9 @@ pub(crate) struct Ready<'s> {
 /// A slide, and the map that keeps it from shining through things.
 #[derive(Debug)]
 pub(crate) struct Thrown<'s> {
-    slide: &'s SlideProjector,
     pub(crate) view: SlideView<'s>,
+    /// Of the projector.
+    pub(crate) position: [f32; 3],
     pub(crate) shade: Option<ShadowReader>,
 }
 
@@ -87,14 +88,19 @@ impl<'s> Ready<'s> {
                 border: slide.border,
                 softness: slide.softness,
             });
-            let thrown = Thrown { slide, view, shade };
+            let position = slide.position.to_array().map(|c| c as f32);
+            let thrown = Thrown {
+                view: match slide.role {
+                    SlideRole::Paint => view.painting(),
+                    SlideRole::Light(_) => view,
+                },
+                position,
+                shade,
+            };
             match slide.role {
                 SlideRole::Paint => paints.push(thrown),
                 SlideRole::Light(color) => {
-                    lights.push(Light::Point {
-                        color,
-                        position: slide.position.to_array().map(|c| c as f32),
-                    });
+                    lights.push(Light::Point { color, position });
                     shadows.push(Vec::new());
                     lamps.push(thrown);
                 }
@@ -154,9 +160,11 @@ impl<'s> Ready<'s> {
     /// Paint of all projectors at a sample, premultiplied, the later over the earlier.
     pub(crate) fn paint(&self, at: &Site) -> [f32; 4] {
         let mut sum = [0.0; 4];
+        let plane = narrow(at.plane);
         for thrown in &self.paints {
-            let toward = thrown.slide.position - wide(at.position);
-            if at.plane.dot(toward) <= 0.0 {
+            let toward = [0, 1, 2].map(|i| thrown.position[i] - at.position[i]);
+            let facing = plane[0] * toward[0] + plane[1] * toward[1] + plane[2] * toward[2];
+            if facing.is_nan() || facing <= 0.0 {
                 continue;
             }
             let texel = thrown.texel(at);
@@ -166,7 +174,7 @@ impl<'s> Ready<'s> {
             let share = thrown
                 .shade
                 .as_ref()
-                .map_or(1.0, |shade| shade.lit(at.position, narrow(at.plane)));
+                .map_or(1.0, |shade| shade.lit(at.position, plane));
             let keep = 1.0 - texel[3] * share;
             sum = [0, 1, 2, 3].map(|i| texel[i] * share + keep * sum[i]);
         }

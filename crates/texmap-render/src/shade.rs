@@ -93,7 +93,7 @@ impl Stages {
         out: &mut Colors,
     ) {
         match surface.space.as_deref() {
-            Some(Space::Sky(stage)) => return stage.shade(run, out),
+            Some(Space::Sky(stage)) => return stage.shade(plan.level, run, out),
             Some(Space::Volume(stage)) => return stage.shade(run, out),
             None => {}
         }

@@ -46,7 +46,7 @@ pub(crate) fn shadow_map_in(
         TargetSize::new(size, size).map_err(|error| RenderError::of_raster(scene, error))?;
     let cuts = Cuts::new(scene);
     let mut depths = Vec::new();
-    let flat = !matches!(kind, ShadowKind::Point { .. });
+    let mut bounds = Vec::new();
     let (strips, good) = (Mutex::new(Vec::new()), AtomicBool::new(true));
     for view in views(scene, kind) {
         let draws: Vec<Draw<'_>> = scene
@@ -83,25 +83,24 @@ pub(crate) fn shadow_map_in(
             if !fine {
                 good.store(false, Ordering::Relaxed);
             }
-            if flat {
-                let reached = Reached {
-                    parts: strip.reached,
-                    side: TILE as usize,
-                };
-                let (rows, first) = (&*strip.rows, strip.first_row);
-                let found = StripBounds::new(rows, size as usize, taps, first, reached);
-                if let Ok(mut strips) = strips.lock() {
-                    strips.push(found);
-                }
+            let reached = Reached {
+                parts: strip.reached,
+                side: TILE as usize,
+            };
+            let (rows, first) = (&*strip.rows, strip.first_row);
+            let found = StripBounds::new(rows, size as usize, taps, first, reached);
+            if let Ok(mut strips) = strips.lock() {
+                strips.push(found);
             }
         });
+        let strips = strips.lock().map(|mut strips| std::mem::take(&mut *strips));
+        bounds.push(ShadowBounds::join(strips.unwrap_or_default()));
         if depths.is_empty() {
             depths = map;
         } else {
             depths.extend(map);
         }
     }
-    let bounds = ShadowBounds::join(strips.into_inner().unwrap_or_default());
     let map = if good.into_inner() {
         ShadowMap::of_good(*kind, size, depths)
     } else {
@@ -113,7 +112,7 @@ pub(crate) fn shadow_map_in(
         value: error.to_string(),
         expected: "all depths must be finite",
     })?;
-    Ok((map, bounds))
+    Ok((map, ShadowBounds::of_faces(bounds)))
 }
 
 /// The bias that leaves neither acne nor detached shadows on planes: the slope form with a constant of 1e-4 of the scene's size.

@@ -156,7 +156,7 @@ impl<'s> VolumeStage<'s> {
 
     pub(crate) fn shade(&self, run: &Run<'_>, out: &mut Colors) {
         for (place, at, bit) in run.places() {
-            let ray = self.rays.through(run.pixel(at, bit), [0.0; 2]);
+            let ray = self.rays.through(run.pixel(at, bit));
             let length = ray.length();
             let along = self.volume_from_view.transform_vector3(ray / length);
             let (offset, scale) = self.depth;

@@ -17,7 +17,7 @@ pub(crate) struct Level {
 }
 
 impl Level {
-    pub(super) fn index(&self, face: usize, x: usize, y: usize) -> usize {
+    pub(crate) fn index(&self, face: usize, x: usize, y: usize) -> usize {
         let (w, h) = (self.width as usize + 2, self.height as usize + 2);
         self.start + (face * h + y) * w + x
     }

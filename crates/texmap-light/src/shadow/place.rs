@@ -4,6 +4,7 @@ use texmap_math::float::sqrt;
 use texmap_math::glam::{DVec2, DVec3};
 
 use super::{ShadowKind, ShadowMap};
+use crate::cube_face::direction_of;
 
 /// Where a point falls in a map.
 pub(super) struct Place {
@@ -66,7 +67,8 @@ impl ShadowMap {
                 }
                 let ray = d / major;
                 let step = 2.0 / size;
-                let (right, down) = face_axes(face);
+                let axis = |of| DVec3::from(direction_of(face, of).map(f64::from));
+                let (right, down) = (axis([1.0, 0.0, 0.0]), axis([0.0, 1.0, 0.0]));
                 // distance = c |ray| / n.ray on the receiver's plane.
                 let along = |axis: DVec3| {
                     (distance * (ray.dot(axis) / ray.dot(ray) - normal.dot(axis) / normal.dot(ray)))
@@ -111,25 +113,4 @@ impl ShadowMap {
             texel_size,
         })
     }
-}
-
-/// World directions in which a cube face's coordinates grow, to the right and down.
-fn face_axes(face: usize) -> (DVec3, DVec3) {
-    let right = [
-        DVec3::NEG_Z,
-        DVec3::Z,
-        DVec3::X,
-        DVec3::X,
-        DVec3::X,
-        DVec3::NEG_X,
-    ][face];
-    let down = [
-        DVec3::NEG_Y,
-        DVec3::NEG_Y,
-        DVec3::Z,
-        DVec3::NEG_Z,
-        DVec3::NEG_Y,
-        DVec3::NEG_Y,
-    ][face];
-    (right, down)
 }

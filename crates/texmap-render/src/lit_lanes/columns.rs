@@ -9,14 +9,17 @@ use texmap_math::glam::DMat3;
 use texmap_math::lanes::below;
 use texmap_raster::{Cull, NONE, RunBlock, RunValues};
 
-use super::alone::{Three, banded, mirrored};
+use super::banded::banded;
 use super::vectors::{NORMAL, POSITION, TANGENT, changes, column, three};
-use super::{AMBIENT, EXPONENT, Lamp, LitLanes, Mirror, REFLECTIVITY, Reads, Relief, SPECULAR};
+use super::{AMBIENT, EXPONENT, Lamp, LitLanes, REFLECTIVITY, Reads, Relief, SPECULAR};
 use crate::canvas::{Colors, LANES, bits};
 use crate::plan::LightStage;
 use crate::relief::Space;
 use crate::shade::{Facing, Run};
 use crate::vertices::narrow;
+
+/// A vector of each pixel of a block.
+type Three = [[f32; LANES]; 3];
 
 /// How a block's triangles are seen.
 #[derive(Default)]
@@ -24,7 +27,14 @@ pub(super) struct Side {
     /// Pixels that show the back of theirs.
     pub(super) back: u16,
     /// Normals of their planes, where shadows read them.
-    plane: [[f32; LANES]; 3],
+    plane: Three,
+}
+
+impl Side {
+    #[inline(always)]
+    fn plane<S: Simd>(&self, s: S) -> V3<S> {
+        load(s, &self.plane)
+    }
 }
 
 impl LitLanes<'_> {
@@ -123,12 +133,10 @@ impl Columns<'_> {
         } else {
             (self.texels(s, i), one)
         };
-        if ALL && !stage.ready.paints.is_empty() && stage.surface.effects.is_some() {
-            let [r, g, b, a] = self.painted(i, at, side);
-            let (paint, keep) = (load(s, &[r, g, b]), 1.0 - f32x16::from_slice(s, &a));
-            for k in 0..3 {
-                base[k] = paint[k] + keep * base[k];
-            }
+        if ALL && !stage.paints.is_empty() {
+            let [r, g, b, a] = self.painted(s, i, at, side);
+            let keep = 1.0 - a;
+            base = [r + keep * base[0], g + keep * base[1], b + keep * base[2]];
         }
         let mut out = [alpha; 4];
         for k in 0..3 {
@@ -182,7 +190,7 @@ impl Columns<'_> {
         };
         let mut slide = self.read.slides.iter();
         for lamp in &stage.lights {
-            let texel = match lamp.look_up().and_then(|_| slide.next()) {
+            let texel = match lamp.slide.as_ref().and_then(|_| slide.next()) {
                 None => None,
                 Some(texels) => match texels.lanes(s, i) {
                     None => continue,
@@ -212,12 +220,7 @@ impl Columns<'_> {
                 }
                 continue;
             }
-            let received = if ALL && lamp.alone {
-                let lit = lit.to_bitmask() as u16;
-                load(s, &self.received_alone(lamp, lit, i, at, side))
-            } else {
-                self.received(s, lamp, texel, lit, point, side)
-            };
+            let received = self.received(s, lamp, texel, lit, point, side);
             for k in 0..3 {
                 let color = given.color[k] * received[k];
                 diffuse[k] = lit.select(diffuse[k] + color * given.diffuse, diffuse[k]);
@@ -243,13 +246,13 @@ impl Columns<'_> {
                     Some(_) if ALL => self.read.maps[REFLECTIVITY].straight(s, i)[0] * *share,
                     _ => f32x16::splat(s, *share),
                 };
-                let light = mirror.light::<S, ALL>(s, at.mask, &ray);
+                let light = mirror.light_lanes(s, &ray);
                 for k in 0..3 {
                     highlight[k] += light[k] * share;
                 }
             }
             if ALL && let Some(map) = &stage.specular {
-                let light = map.light::<S, ALL>(s, at.mask, &ray);
+                let light = map.light_lanes(s, &ray);
                 for k in 0..3 {
                     highlight[k] += light[k] * stage.numbers.ks;
                 }
@@ -323,25 +326,53 @@ impl Columns<'_> {
         side: &Side,
     ) -> V3<S> {
         let one = f32x16::splat(s, 1.0);
-        let plane = [
-            f32x16::from_slice(s, &side.plane[0]),
-            f32x16::from_slice(s, &side.plane[1]),
-            f32x16::from_slice(s, &side.plane[2]),
-        ];
+        let plane = side.plane(s);
         let mut share = one;
         for shade in lamp.shadows {
             share *= shade.lit_lanes(s, lit, point, plane);
         }
-        let (Some([r, g, b]), Some((thrown, _))) = (texel, &lamp.slide) else {
+        let (Some([r, g, b]), Some(cast)) = (texel, &lamp.slide) else {
             return [share; 3];
         };
-        if let Some(shade) = &thrown.shade {
+        if let Some(shade) = cast.shade() {
             let zero = f32x16::splat(s, 0.0);
             let some = r.simd_gt(zero) | g.simd_gt(zero) | b.simd_gt(zero);
             let left = share * shade.lit_lanes(s, lit & some, point, plane);
             share = some.select(left, share);
         }
         [r * share, g * share, b * share]
+    }
+
+    /// The paint on a block, premultiplied.
+    #[inline(always)]
+    fn painted<S: Simd>(&self, s: S, i: usize, at: RunBlock, side: &Side) -> [f32x16<S>; 4] {
+        let (stage, zero) = (self.stage, f32x16::splat(s, 0.0));
+        let mut sum = [zero; 4];
+        let Some(first) = stage.position else {
+            return sum;
+        };
+        let (point, plane) = (three(s, self.values, first, i), side.plane(s));
+        let lights = stage.slides().count() - stage.paints.len();
+        for (cast, texels) in stage.paints.iter().zip(&self.read.slides[lights..]) {
+            let Some(texel) = texels.premultiplied(s, i) else {
+                continue;
+            };
+            let mut toward = point;
+            for k in 0..3 {
+                toward[k] = cast.thrown.position[k] - point[k];
+            }
+            let on = dot_lanes(plane, toward).simd_gt(zero) & texel[3].simd_gt(zero);
+            let on = on & mask32x16::from_bitmask(s, u64::from(at.mask));
+            let share = match cast.shade() {
+                Some(shade) => shade.lit_lanes(s, on, point, plane),
+                None => f32x16::splat(s, 1.0),
+            };
+            let keep = 1.0 - texel[3] * share;
+            for k in 0..4 {
+                sum[k] = on.select(texel[k] * share + keep * sum[k], sum[k]);
+            }
+        }
+        sum
     }
 
     #[inline(always)]
@@ -373,21 +404,6 @@ impl Columns<'_> {
             dy: turned(back, normal_dy),
         };
         reflect_across_lanes(&view, &normal, length)
-    }
-}
-
-impl Mirror<'_> {
-    /// The light from where some pixels' rays lead.
-    #[inline(always)]
-    fn light<S: Simd, const ALL: bool>(&self, s: S, pixels: u16, ray: &RayLanes<S>) -> V3<S> {
-        match &self.view {
-            Some(view) => return view.light_lanes(s, ray),
-            // Does not occur: who mirrors such an environment reads all.
-            None if !ALL => return ray.direction,
-            None => {}
-        }
-        let rays = [store(ray.direction), store(ray.dx), store(ray.dy)];
-        load(s, &mirrored(self.environment, pixels, &rays))
     }
 }
 

@@ -33,7 +33,7 @@ impl LitLanes<'_> {
         }
         let late = !self.turned && matches!(self.relief, Relief::None);
         // Some slide's filter asks how large a pixel is.
-        let leveled = self.slides().any(|(_, leveled)| leveled);
+        let leveled = self.slides().any(|cast| cast.thrown.reads_derivatives());
         if let (true, Some(p)) = (late, self.position_attribute()) {
             let all = [p, p + 1, p + 2];
             each(s, planes, run, (run.run, leveled), &all, POSITION, out);
@@ -68,10 +68,12 @@ impl LitLanes<'_> {
         let Some([x, y, z]) = values.columns[first..].first_chunk() else {
             return;
         };
-        for ((slide, leveled), out) in self.slides().zip(out) {
+        for (cast, out) in self.slides().zip(out) {
             let points = [&x.value, &y.value, &z.value];
+            let leveled = cast.thrown.reads_derivatives();
             let changes = leveled.then_some([[&x.ddx, &y.ddx, &z.ddx], [&x.ddy, &y.ddy, &z.ddy]]);
-            slide.run(s, self.level, blocks, points, changes, out);
+            cast.look_up
+                .run(s, self.level, blocks, points, changes, out);
         }
     }
 

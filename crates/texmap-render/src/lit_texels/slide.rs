@@ -53,6 +53,15 @@ impl SlideTexels {
         let [r, g, b] = self.texels.lanes(s, i);
         Some([r * share, g * share, b * share])
     }
+
+    /// [`lanes`](Self::lanes) with their alpha.
+    #[inline(always)]
+    pub(crate) fn premultiplied<S: Simd>(&self, s: S, i: usize) -> Option<[f32x16<S>; 4]> {
+        let i = usize::from(self.place[i]?);
+        let share = f32x16::from_slice(s, &self.fade.0[i * LANES..(i + 1) * LANES]);
+        let [r, g, b, a] = self.texels.premultiplied(s, i);
+        Some([r * share, g * share, b * share, a * share])
+    }
 }
 
 impl<'a> SlideLookUp<'a> {
