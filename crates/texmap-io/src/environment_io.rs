@@ -54,22 +54,27 @@ pub(crate) fn read_named(
         expected: expected(chart),
     })?;
     let image = reader()?.decode().map_err(|e| broken(e.to_string()))?;
-    let linear = matches!(
-        image,
-        DynamicImage::ImageRgb32F(_) | DynamicImage::ImageRgba32F(_)
-    );
-    let texels: Vec<[f32; 3]> = image
-        .into_rgb32f()
-        .pixels()
-        .map(|&Rgb(c)| {
-            if linear {
-                // NaN stays, to be refused below.
-                c.map(|c| if c < 0.0 { 0.0 } else { c })
-            } else {
-                c.map(color::srgb_to_linear)
-            }
-        })
-        .collect();
+    let texels: Vec<[f32; 3]> = match image {
+        DynamicImage::ImageRgb32F(_) | DynamicImage::ImageRgba32F(_) => {
+            // NaN stays, to be refused below.
+            let bright = |c: f32| if c < 0.0 { 0.0 } else { c };
+            let image = image.into_rgb32f();
+            image.pixels().map(|&Rgb(c)| c.map(bright)).collect()
+        }
+        _ if image.color().bytes_per_pixel() == image.color().channel_count() => {
+            let image = image.into_rgb8();
+            let texels = image.pixels();
+            texels
+                .map(|&Rgb(c)| c.map(color::srgb8_to_linear))
+                .collect()
+        }
+        _ => {
+            let curve: Vec<f32> = (0..=u16::MAX).map(color::srgb16_to_linear).collect();
+            let image = image.into_rgb16();
+            let light = |c: u16| curve[usize::from(c)];
+            image.pixels().map(|&Rgb(c)| c.map(light)).collect()
+        }
+    };
     Environment::from_texels(chart, (width, face), &texels).map_err(|e| broken(e.to_string()))
 }
 
@@ -221,6 +226,23 @@ mod tests {
             let red = worst(&sky, &back, |c| if c > 1.0 { f32::INFINITY } else { 1.0 });
             assert!(red < 0.005, "{red}");
         }
+    }
+
+    /// 16 bits hold what 8 bits hold, 257 times as much.
+    #[test]
+    fn wide_pixels_are_the_light_of_narrow_ones() {
+        let dir = tempfile::tempdir().unwrap();
+        let code = |x: u32, y: u32| [(x * 16 + y) as u8, (y * 13) as u8, 255 - x as u8];
+        let narrow = image::RgbImage::from_fn(16, 8, |x, y| Rgb(code(x, y)));
+        let wide = |c: u8| u16::from(c) * 257;
+        let wide = image::ImageBuffer::from_fn(16, 8, |x, y| Rgb(code(x, y).map(wide)));
+        let files = ["narrow.png", "wide.png"].map(|name| dir.path().join(name));
+        narrow.save(&files[0]).unwrap();
+        wide.save(&files[1]).unwrap();
+        let [narrow, wide] = files.map(|file| read_environment(&file, Chart::LatLong).unwrap());
+        assert!(worst(&narrow, &wide, |_| 1.0) < 1e-7);
+        let [red, ..] = narrow.texel(0, 8, 0).unwrap();
+        assert!((red - 0.215_861).abs() < 1e-6, "byte 128 is {red}");
     }
 
     #[test]

@@ -27,6 +27,12 @@ pub fn srgb8_to_linear(c: u8) -> f32 {
     SRGB8_TO_LINEAR[c as usize]
 }
 
+/// A 16-bit sRGB value to linear light in `[0, 1]`. It takes a power: whoever has many makes a table of all 65536 first.
+#[must_use]
+pub fn srgb16_to_linear(c: u16) -> f32 {
+    srgb_to_linear(f32::from(c) / 65535.0)
+}
+
 /// An 8-bit sRGB value to linear light in 16 bits, by table, rounded to nearest; all 256 differ.
 #[inline]
 #[must_use]

@@ -352,8 +352,9 @@ pub(crate) fn upload(image: &Image<'_>, depth: u32) -> Result<Chain<'static>, Sa
     }
     let mut words = Vec::with_capacity(count * format.words());
     let mut opaque = true;
+    let curve = Curve::new(image, count);
     for i in 0..count {
-        let c = read_texel(image, i);
+        let c = read_texel(image, &curve, i);
         opaque &= c[3] >= 1.0;
         format.push(&mut words, scaled(c, format.units()));
     }
@@ -373,14 +374,36 @@ pub(crate) fn upload(image: &Image<'_>, depth: u32) -> Result<Chain<'static>, Sa
     })
 }
 
+/// Linear light of every 16-bit sRGB value, where an image has more texels than there are values; else empty.
+struct Curve(Vec<f32>);
+
+impl Curve {
+    fn new(image: &Image<'_>, texels: usize) -> Self {
+        let asked = image.color == ColorSpace::Srgb && matches!(image.texels, Texels::U16(_));
+        let count = if asked && texels > usize::from(u16::MAX) {
+            1 << 16
+        } else {
+            0
+        };
+        let all = (0..=u16::MAX).take(count);
+        Self(all.map(color::srgb16_to_linear).collect())
+    }
+
+    fn light(&self, c: u16) -> f32 {
+        let found = self.0.get(usize::from(c)).copied();
+        found.unwrap_or_else(|| color::srgb16_to_linear(c))
+    }
+}
+
 /// Texel `i`, linear and premultiplied.
-pub(crate) fn read_texel(image: &Image<'_>, i: usize) -> [f32; 4] {
+fn read_texel(image: &Image<'_>, curve: &Curve, i: usize) -> [f32; 4] {
     let n = image.channels as usize;
     let value = |k: usize| image.texels.value(i * n + k);
     let light = |k: usize| match (image.color, image.texels) {
         (ColorSpace::Linear, _) => value(k),
         (ColorSpace::Srgb, Texels::U8(t)) => color::srgb8_to_linear(t[i * n + k]),
-        (ColorSpace::Srgb, _) => color::srgb_to_linear(value(k)),
+        (ColorSpace::Srgb, Texels::U16(t)) => curve.light(t[i * n + k]),
+        (ColorSpace::Srgb, Texels::F32(t)) => color::srgb_to_linear(t[i * n + k]),
     };
     let [r, g, b, a] = match (n, image.alpha) {
         (1, _) => [light(0), light(0), light(0), 1.0],

@@ -3,7 +3,8 @@
 use crate::support::{Random, float_texture, random_bytes};
 use texmap_math::{Footprint, color};
 use texmap_sample::{
-    ColorSpace, Filter, Origin, SampleError, Sampler, Texture2d, UvTransform, Wrap,
+    Alpha, ColorSpace, Filter, Image, Origin, SampleError, Sampler, Texels, Texture2d, UvTransform,
+    Wrap,
 };
 
 fn bilinear_clamped() -> Sampler {
@@ -36,6 +37,36 @@ fn srgb_bytes_survive_the_texture() {
     for b in 0..=255_u8 {
         let c = t.texel(0, u32::from(b), 0).unwrap();
         assert_eq!(color::linear_to_srgb8(c[0]), b);
+    }
+}
+
+/// A large 16-bit sRGB image is decoded by table, a small one value by value: to the same light, which is that of the curve.
+#[test]
+fn wide_srgb_texels_have_the_same_light_in_small_and_large_images() {
+    fn image(side: u32, texels: &[u16]) -> Texture2d<'static> {
+        let image = Image {
+            width: side,
+            height: side,
+            channels: 1,
+            texels: Texels::U16(texels),
+            color: ColorSpace::Srgb,
+            alpha: Alpha::Data,
+            origin: Origin::TopLeft,
+        };
+        Texture2d::new(&image).unwrap()
+    }
+    let codes: Vec<u16> = (0..=u16::MAX).rev().collect();
+    let large = image(256, &codes);
+    for (i, code) in codes.iter().enumerate().step_by(97) {
+        let i = i as u32;
+        let (a, b) = (
+            large.texel(0, i % 256, i / 256),
+            image(1, &[*code]).texel(0, 0, 0),
+        );
+        assert_eq!(a, b, "{code}");
+        let light = f64::from(b.unwrap()[0]);
+        let exact = f64::from(color::srgb_to_linear(f32::from(*code) / 65535.0));
+        assert!((light - exact).abs() < 0.51 / 65535.0, "{code}");
     }
 }
 
