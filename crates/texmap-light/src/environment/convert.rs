@@ -34,7 +34,9 @@ impl Environment {
                 for i in 0..n {
                     let inside = |k: u32| (f64::from(k) + 0.5) / f64::from(n) - 0.5;
                     let uv = DVec2::new((x + inside(i)) / w, (y + inside(j)) / h);
-                    let (at, uv) = self.chart.locate(chart.direction(face, uv));
+                    let d = chart.direction(face, uv).to_array();
+                    let (at, uv) = self.chart.place(d.map(|c| c as f32));
+                    let uv = DVec2::from(uv.map(f64::from));
                     sum += DVec3::from(self.bilinear(self.levels[0], at, uv).map(f64::from));
                 }
             }

@@ -1,10 +1,13 @@
 //! Specular maps: the light of an environment that a highlight gathers around each direction.
 
 use alloc::vec::Vec;
+use core::ops::Range;
 
-use texmap_math::det;
+use texmap_math::fearless_simd::{Simd, f32x16, i32x16, prelude::*};
 use texmap_math::float::sqrt;
 use texmap_math::glam::{DVec2, DVec3};
+use texmap_math::lanes::{LANES, Words, floor_to_i32, floor_to_i32_scalar, gather_pairs};
+use texmap_math::{Level, det, on_level};
 
 use super::Environment;
 use crate::Chart;
@@ -23,25 +26,13 @@ impl Environment {
         if !(exponent.is_finite() && exponent >= 0.0) {
             return Err(LightError::Exponent { exponent });
         }
-        let lobe = Lobe::new(f64::from(exponent));
-        let patches = self.patches();
+        let gathering = Gathering::new(self, f64::from(exponent));
+        let level = level();
         let map = Self::from_fn(chart, size, |r| {
-            let (mut sum, mut weights) = (DVec3::ZERO, 0.0);
-            for patch in &patches {
-                if lobe.misses(r, patch) {
-                    continue;
-                }
-                for (d, light, angle) in &patch.texels {
-                    let weight = angle * lobe.at(r.dot(*d));
-                    if weight > 0.0 {
-                        sum += *light * weight;
-                        weights += weight;
-                    }
-                }
-            }
+            let [red, green, blue, weights] = gathering.sums(level, r);
             // A lobe narrower than a texel meets none.
             if weights > 0.0 {
-                (sum / weights).to_array().map(|c| c as f32)
+                [red, green, blue].map(|c| (c / weights) as f32)
             } else {
                 self.light(r.to_array().map(|c| c as f32))
             }
@@ -82,69 +73,170 @@ impl Environment {
             self.blur(chart, size, exponent)
         }
     }
+}
 
-    /// All texels by patches of up to 8 x 8.
-    fn patches(&self) -> Vec<Patch> {
-        const SIDE: u32 = 8;
-        let size @ (width, height) = self.size();
+/// The level of this machine, where that can be asked. No bit depends on it.
+fn level() -> Level {
+    #[cfg(feature = "std")]
+    let level = Level::new();
+    #[cfg(not(feature = "std"))]
+    let level = Level::baseline();
+    level
+}
+
+/// An environment's texels by patches, and the lobe that gathers them.
+struct Gathering {
+    patches: Vec<Patch>,
+    texels: Vec<Sixteen>,
+    lobe: Lobe,
+}
+
+/// Sixteen texels; those that a patch lacks have no solid angle.
+#[derive(Default)]
+struct Sixteen {
+    direction: [[f32; LANES]; 3],
+    /// Light times solid angle, and solid angle.
+    light: [[f32; LANES]; 4],
+}
+
+/// Neighbouring texels inside of a cone.
+struct Patch {
+    /// Among all.
+    texels: Range<usize>,
+    axis: DVec3,
+    /// Cosine of the angle from the axis beyond which no direction's lobe reaches a texel.
+    least: f64,
+}
+
+impl Gathering {
+    /// Texels a side of a patch.
+    const SIDE: u32 = 8;
+
+    fn new(environment: &Environment, exponent: f64) -> Self {
+        let size @ (width, height) = environment.size();
+        let mut this = Self {
+            patches: Vec::new(),
+            texels: Vec::new(),
+            lobe: Lobe::new(exponent),
+        };
         let texel = |face: usize, x: u32, y: u32| {
             let centre = |c: u32, n: u32| (f64::from(c) + 0.5) / f64::from(n);
             let uv = DVec2::new(centre(x, width), centre(y, height));
-            let at = self.levels[0].index(face, x as usize + 1, y as usize + 1);
+            let at = environment.levels[0].index(face, x as usize + 1, y as usize + 1);
             (
-                self.chart.direction(face, uv),
-                DVec3::from(self.texels[at].map(f64::from)),
-                self.chart.solid_angle(face, (x, y), size),
+                environment.chart.direction(face, uv),
+                environment.texels[at],
+                environment.chart.solid_angle(face, (x, y), size),
             )
         };
-        let mut patches = Vec::new();
-        for face in 0..self.chart.faces() {
-            for y0 in (0..height).step_by(SIDE as usize) {
-                for x0 in (0..width).step_by(SIDE as usize) {
-                    let columns = x0..width.min(x0 + SIDE);
-                    let rows = y0..height.min(y0 + SIDE);
-                    let places = rows.flat_map(|y| columns.clone().map(move |x| (x, y)));
-                    patches.push(Patch::new(places.map(|(x, y)| texel(face, x, y)).collect()));
+        let mut texels = Vec::new();
+        for face in 0..environment.chart.faces() {
+            for y0 in (0..height).step_by(Self::SIDE as usize) {
+                for x0 in (0..width).step_by(Self::SIDE as usize) {
+                    let columns = x0..width.min(x0 + Self::SIDE);
+                    let rows = y0..height.min(y0 + Self::SIDE);
+                    texels.clear();
+                    for y in rows {
+                        texels.extend(columns.clone().map(|x| texel(face, x, y)));
+                    }
+                    this.push(&texels);
                 }
             }
         }
-        patches
+        this
     }
-}
 
-/// Neighbouring texels: direction, light and solid angle of each, inside of a cone.
-struct Patch {
-    texels: Vec<(DVec3, DVec3, f64)>,
-    axis: DVec3,
-    /// Radians from the axis to the farthest of the directions.
-    radius: f64,
-}
-
-impl Patch {
-    fn new(texels: Vec<(DVec3, DVec3, f64)>) -> Self {
+    /// A patch of these: direction, light and solid angle of each.
+    fn push(&mut self, texels: &[(DVec3, [f32; 3], f64)]) {
         let sum: DVec3 = texels.iter().map(|t| t.0).sum();
         let axis = sum.normalize_or_zero();
         let least = texels.iter().map(|t| t.0.dot(axis)).fold(1.0, f64::min);
-        Self {
-            texels,
-            axis,
-            radius: det::acos(least),
+        let angle = self.lobe.reach + det::acos(least);
+        let start = self.texels.len();
+        for part in texels.chunks(LANES) {
+            let mut sixteen = Sixteen::default();
+            for (i, (d, light, angle)) in part.iter().enumerate() {
+                let d = d.to_array().map(|c| c as f32);
+                let [r, g, b] = light.map(|c| (f64::from(c) * angle) as f32);
+                for (column, c) in sixteen.direction.iter_mut().zip(d) {
+                    column[i] = c;
+                }
+                for (column, c) in sixteen.light.iter_mut().zip([r, g, b, *angle as f32]) {
+                    column[i] = c;
+                }
+            }
+            self.texels.push(sixteen);
         }
+        self.patches.push(Patch {
+            texels: start..self.texels.len(),
+            axis,
+            least: if angle < core::f64::consts::PI {
+                det::cos(angle)
+            } else {
+                -2.0
+            },
+        });
+    }
+
+    /// Light times weight of all texels that the lobe around `r` reaches, and weights.
+    fn sums(&self, level: Level, r: DVec3) -> [f64; 4] {
+        let to = r.to_array().map(|c| c as f32);
+        let mut sums = [[0.0; LANES]; 4];
+        on_level!(
+            level,
+            s => {
+                let mut lanes = [f32x16::splat(s, 0.0); 4];
+                for texels in self.near(r) {
+                    let weight = self.lobe.of_lanes(s, to, texels);
+                    for (sum, light) in lanes.iter_mut().zip(&texels.light) {
+                        *sum += f32x16::from_slice(s, light) * weight;
+                    }
+                }
+                for (out, sum) in sums.iter_mut().zip(&lanes) {
+                    sum.store_slice(out);
+                }
+            },
+            else sums = self.sums_one_by_one(r)
+        );
+        sums.map(|lanes| lanes.into_iter().map(f64::from).sum())
+    }
+
+    /// The sums of each lane.
+    fn sums_one_by_one(&self, r: DVec3) -> [[f32; LANES]; 4] {
+        let to = r.to_array().map(|c| c as f32);
+        let mut sums = [[0.0; LANES]; 4];
+        for texels in self.near(r) {
+            for i in 0..LANES {
+                let weight = self.lobe.of(to, texels.direction.map(|c| c[i]));
+                for (sum, light) in sums.iter_mut().zip(&texels.light) {
+                    sum[i] += light[i] * weight;
+                }
+            }
+        }
+        sums
+    }
+
+    fn near(&self, r: DVec3) -> impl Iterator<Item = &Sixteen> {
+        let near = self
+            .patches
+            .iter()
+            .filter(move |p| r.dot(p.axis) >= p.least);
+        near.flat_map(|patch| &self.texels[patch.texels.clone()])
     }
 }
 
-/// `x^exponent` for 0..=1 from a table of even steps; off by at most (exponent / 4096)^2 / 8.
+/// `x^exponent` for 0..=1 from a table of even steps; off by at most (exponent / 4096)^2 / 8, and by exponent / 10^7.
 struct Lobe {
-    powers: Vec<f64>,
+    powers: Vec<f32>,
     /// Radians beyond which the power is below a millionth.
     reach: f64,
 }
 
 impl Lobe {
-    const STEPS: usize = 4096;
+    const STEPS: i32 = 4096;
 
     fn new(exponent: f64) -> Self {
-        let power = |i: usize| det::pow(1.0 - i as f64 / Self::STEPS as f64, exponent);
+        let power = |i| det::pow(1.0 - f64::from(i) / f64::from(Self::STEPS), exponent) as f32;
         let least = if exponent > 0.0 {
             det::pow(1e-6, 1.0 / exponent)
         } else {
@@ -156,19 +248,68 @@ impl Lobe {
         }
     }
 
-    /// Whether a patch is out of reach from a direction of unit length.
-    fn misses(&self, r: DVec3, patch: &Patch) -> bool {
-        let angle = self.reach + patch.radius;
-        angle < core::f64::consts::PI && r.dot(patch.axis) < det::cos(angle)
+    /// Weight of what lies in direction `d` from `r`, both of unit length.
+    fn of(&self, r: [f32; 3], d: [f32; 3]) -> f32 {
+        let x = d[0] * r[0] + d[1] * r[1] + d[2] * r[2];
+        let t = (1.0 - if x < 1.0 { x } else { 1.0 }) * Self::STEPS as f32;
+        let i = floor_to_i32_scalar(t);
+        let i = if i < Self::STEPS - 1 {
+            i
+        } else {
+            Self::STEPS - 1
+        };
+        let k = t - i as f32;
+        let weight = self.powers[i as usize] * (1.0 - k) + self.powers[i as usize + 1] * k;
+        if x > 0.0 { weight } else { 0.0 }
     }
 
-    fn at(&self, x: f64) -> f64 {
-        if x.is_nan() || x <= 0.0 {
-            return 0.0;
+    /// [`of`](Self::of) for sixteen.
+    #[inline(always)]
+    fn of_lanes<S: Simd>(&self, s: S, r: [f32; 3], texels: &Sixteen) -> f32x16<S> {
+        let (zero, one) = (f32x16::splat(s, 0.0), f32x16::splat(s, 1.0));
+        let Some(words) = Words::new(bytemuck::cast_slice(&self.powers)) else {
+            return zero;
+        };
+        let [dx, dy, dz] = &texels.direction;
+        let x = f32x16::from_slice(s, dx) * r[0]
+            + f32x16::from_slice(s, dy) * r[1]
+            + f32x16::from_slice(s, dz) * r[2];
+        let t = (1.0 - x.simd_lt(one).select(x, one)) * Self::STEPS as f32;
+        let i = floor_to_i32(s, t);
+        let last = i32x16::splat(s, Self::STEPS - 1);
+        let i = i.simd_lt(last).select(i, last);
+        let k = t - i.to_float::<f32x16<S>>();
+        let [p, q] = gather_pairs(s, words, i.bitcast());
+        let (p, q) = (p.bitcast::<f32x16<S>>(), q.bitcast::<f32x16<S>>());
+        x.simd_gt(zero).select(p * (1.0 - k) + q * k, zero)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// One sum on every level.
+    #[test]
+    fn lanes_gather_what_one_texel_after_the_other_does() {
+        for chart in Chart::ALL {
+            let mut seed = 1u32;
+            let noise = Environment::from_fn(chart, 21, |_| {
+                seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                [8, 12, 16].map(|shift| f32::from((seed >> shift) as u8))
+            });
+            let noise = noise.unwrap();
+            for exponent in [0.0, 1.0, 7.5, 900.0] {
+                let gathering = Gathering::new(&noise, exponent);
+                for d in [DVec3::X, DVec3::NEG_Z, DVec3::new(0.36, -0.48, 0.8)] {
+                    let plain = gathering.sums_one_by_one(d);
+                    let plain = plain.map(|c| c.into_iter().map(f64::from).sum::<f64>());
+                    for level in [Level::new(), Level::baseline()] {
+                        assert_eq!(gathering.sums(level, d), plain, "{chart:?} {exponent}");
+                    }
+                    assert!(plain[3] > 0.0 && plain.iter().all(|c| c.is_finite()));
+                }
+            }
         }
-        let t = (1.0 - if x < 1.0 { x } else { 1.0 }) * Self::STEPS as f64;
-        let i = (t as usize).min(Self::STEPS - 1);
-        let k = t - i as f64;
-        self.powers[i] * (1.0 - k) + self.powers[i + 1] * k
     }
 }
