@@ -5,6 +5,7 @@
 mod banded;
 mod columns;
 mod ground;
+mod side;
 mod vectors;
 
 use texmap_light::lanes::EnvironmentView;
@@ -25,8 +26,9 @@ use crate::ready::{Ready, Thrown};
 use crate::relief::{ReliefStage, SlopeTexels, Space};
 use crate::shade::{Run, Stages};
 use crate::textures::Slot;
-use columns::{Columns, Side};
+use columns::Columns;
 use ground::Ground;
+use side::Side;
 use vectors::{NORMAL, POSITION, TANGENT};
 
 /// The stages of one surface; each is there only if the material or a light asks for it.
@@ -306,7 +308,7 @@ impl<'a> LitLanes<'a> {
                     &*values
                 };
                 let columns = Columns { stage: self, run, values, read };
-                let mut side = Side::default();
+                let mut side = Side::new();
                 for (i, at) in list.iter().enumerate() {
                     self.look_aside(run, *at, &mut side);
                     let color = if self.reads_all {

@@ -7,64 +7,16 @@ use texmap_light::lanes::{
 use texmap_math::fearless_simd::{Simd, f32x16, mask32x16, prelude::*};
 use texmap_math::glam::DMat3;
 use texmap_math::lanes::below;
-use texmap_raster::{Cull, NONE, RunBlock, RunValues};
+use texmap_raster::{RunBlock, RunValues};
 
 use super::banded::banded;
+use super::side::{Side, Three, load};
 use super::vectors::{NORMAL, POSITION, TANGENT, changes, column, three};
 use super::{AMBIENT, EXPONENT, Lamp, LitLanes, REFLECTIVITY, Reads, Relief, SPECULAR};
-use crate::canvas::{Colors, LANES, bits};
+use crate::canvas::{Colors, LANES};
 use crate::plan::LightStage;
 use crate::relief::Space;
-use crate::shade::{Facing, Run};
-use crate::vertices::narrow;
-
-/// A vector of each pixel of a block.
-type Three = [[f32; LANES]; 3];
-
-/// How a block's triangles are seen.
-#[derive(Default)]
-pub(super) struct Side {
-    /// Pixels that show the back of theirs.
-    pub(super) back: u16,
-    /// Normals of their planes, where shadows read them.
-    plane: Three,
-}
-
-impl Side {
-    #[inline(always)]
-    fn plane<S: Simd>(&self, s: S) -> V3<S> {
-        load(s, &self.plane)
-    }
-}
-
-impl LitLanes<'_> {
-    pub(super) fn look_aside(&self, run: &Run<'_>, at: RunBlock, side: &mut Side) {
-        let cull = self.surface.material.cull;
-        if cull == Cull::Back && !self.planes {
-            // All show their fronts, as the side says from the start.
-            return;
-        }
-        *side = Side::default();
-        let effects = self.surface.effects.as_ref().filter(|_| self.planes);
-        let mut facing = Facing::new(cull);
-        let mut last = (NONE, true, [0.0; 3]);
-        for bit in bits(at.mask) {
-            let slot = run.slot(at, bit);
-            if slot != last.0 {
-                let front = facing.is_front(run, slot);
-                let plane = effects.map_or([0.0; 3], |effects| {
-                    let (_, triangle) = run.prepared.source(run.blocks.ids[slot as usize]);
-                    narrow(effects.plane(triangle, front))
-                });
-                last = (slot, front, plane);
-            }
-            side.back |= u16::from(!last.1) << bit;
-            for (column, c) in side.plane.iter_mut().zip(last.2) {
-                column[bit] = c;
-            }
-        }
-    }
-}
+use crate::shade::Run;
 
 /// What the stages of a run read.
 pub(super) struct Columns<'a> {
@@ -414,15 +366,6 @@ fn store<S: Simd>(v: V3<S>) -> Three {
         c.store_slice(out);
     }
     out
-}
-
-#[inline(always)]
-fn load<S: Simd>(s: S, [x, y, z]: &Three) -> V3<S> {
-    [
-        f32x16::from_slice(s, x),
-        f32x16::from_slice(s, y),
-        f32x16::from_slice(s, z),
-    ]
 }
 
 /// A matrix times the vectors in all lanes, in f64 as for one.
