@@ -3,7 +3,7 @@
 use texmap_math::color;
 use texmap_raster::{Fragment, NONE, Prepared, TILE, TileBlocks, TriangleSetup, block_index};
 
-use crate::canvas::finish;
+use crate::canvas::{fill_rows, finish};
 use crate::direct::Direct;
 use crate::lit_lanes::LitLanes;
 use crate::plan::{Plan, Surface};
@@ -109,10 +109,8 @@ impl<'a> Job<'a> {
         }
         let index = (block.row * self.tiles_across + block.column) as usize;
         if self.scenery.prepared.is_empty(index) {
-            let word = finish(self.scenery.mode, self.scenery.background).to_le_bytes();
-            for row in block.rgba {
-                row.as_chunks_mut().0.fill(word);
-            }
+            let word = finish(self.scenery.mode, self.scenery.background);
+            fill_rows(self.scenery.plan.level, &mut block.rgba, word);
             return 0;
         }
         if let Some(places) = self.scenery.samples {
@@ -142,9 +140,7 @@ impl<'a> Job<'a> {
                 .painter
                 .paint(&self.scenery, index, Some(&block.rgba))
         };
-        for (y, row) in block.rgba.into_iter().enumerate() {
-            canvas.copy_row(y, row);
-        }
+        canvas.copy_to(self.scenery.plan.level, &mut block.rgba);
         count_ones(scratch.painter.covered())
     }
 

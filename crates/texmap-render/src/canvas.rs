@@ -1,11 +1,14 @@
 //! The colours of a tile, in the 4x4 blocks of the rasterizer: as finished bytes where nothing is to be mixed, else as
 //! premultiplied light (raw values in raw mode).
 
+mod copy;
+
 use texmap_math::fearless_simd::{Simd, f32x16, mask32x16, prelude::*, u32x16};
 use texmap_math::{Level, color, lanes};
 use texmap_raster::{RUN_ROOM, RunBlock, TILE};
 
 use crate::ColorMode;
+pub(crate) use copy::fill_rows;
 use texmap_math::on_wide_level;
 
 /// Pixels of a block.
@@ -255,35 +258,6 @@ impl Canvas {
         &mut self.words[index]
     }
 
-    /// A row of finished pixels of the tile, up to 64 of them.
-    pub(crate) fn copy_row(&self, y: usize, row: &mut [u8]) {
-        let start = (y >> 2) * 16 * LANES + (y & 3) * 4;
-        let (fours, rest) = row.as_chunks_mut::<16>();
-        let (quads, _) = self.words[start..].as_chunks::<4>();
-        // A whole row, without a question: every fourth four words.
-        if let (Some(fours), Some(quads)) = (
-            fours.first_chunk_mut::<16>(),
-            quads.first_chunk::<{ 15 * 4 + 1 }>(),
-        ) {
-            for (i, four) in fours.iter_mut().enumerate() {
-                *four = bytes(&quads[4 * i]);
-            }
-            return;
-        }
-        let blocks = self.words[start..].chunks(LANES);
-        let mut last = blocks.clone().nth(fours.len()).unwrap_or(&[]).iter();
-        for (to, block) in fours.iter_mut().zip(blocks) {
-            if let Some(words) = block.first_chunk::<4>() {
-                *to = bytes(words);
-            }
-        }
-        for pixel in rest.chunks_exact_mut(4) {
-            if let Some(word) = last.next() {
-                pixel.copy_from_slice(&word.to_le_bytes());
-            }
-        }
-    }
-
     /// The light of a pixel by its place in the tile's blocks.
     pub(crate) fn light_at(&self, index: usize) -> [f32; 4] {
         [0, 1, 2, 3].map(|c| self.light[place(c, index)])
@@ -318,16 +292,6 @@ fn mean_lanes<S: Simd>(s: S, [a, b, c, d]: [&[u32; LANES]; 4]) -> u32x16<S> {
         ((odd + 0x0002_0002) >> 2) & EVEN,
     );
     even | (odd << 8)
-}
-
-/// Four pixels in memory: one move where the machine is little-endian.
-#[inline(always)]
-fn bytes(words: &[u32; 4]) -> [u8; 16] {
-    let mut bytes = [0; 16];
-    for (to, word) in bytes.chunks_exact_mut(4).zip(words) {
-        to.copy_from_slice(&word.to_le_bytes());
-    }
-    bytes
 }
 
 /// Where a channel of a pixel lies.

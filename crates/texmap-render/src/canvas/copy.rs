@@ -1,0 +1,155 @@
+//! From the blocks of a tile to the rows of the frame.
+
+use texmap_math::fearless_simd::{Simd, prelude::*, u8x64, u32x4, u32x16};
+use texmap_math::{Level, on_wide_level};
+use texmap_raster::TILE;
+
+use super::{Canvas, LANES};
+
+/// Bytes of a tile's row.
+const ROW: usize = 4 * TILE as usize;
+/// Words of a row of blocks.
+const BAND: usize = 4 * TILE as usize;
+/// Words of the four blocks whose rows make a line of 64 bytes.
+const FOUR: usize = 4 * LANES;
+
+impl Canvas {
+    /// Finished pixels to the tile's rows of the frame.
+    pub(crate) fn copy_to(&self, level: Level, rows: &mut [&mut [u8]]) {
+        let whole = cfg!(target_endian = "little") && rows.iter().all(|row| row.len() == ROW);
+        let bands = if whole { rows.len() / 4 } else { 0 };
+        let (fours, rest) = rows.split_at_mut(4 * bands);
+        on_wide_level!(
+            level,
+            s => for (band, rows) in self.words.chunks_exact(BAND).zip(fours.chunks_exact_mut(4)) {
+                for (q, blocks) in band.chunks_exact(FOUR).enumerate() {
+                    for (y, row) in rows.iter_mut().enumerate() {
+                        line(s, blocks, y).store_slice(&mut row[64 * q..64 * (q + 1)]);
+                    }
+                }
+            },
+            else for (y, row) in fours.iter_mut().enumerate() {
+                self.copy_row(y, row);
+            }
+        );
+        for (y, row) in rest.iter_mut().enumerate() {
+            self.copy_row(4 * bands + y, row);
+        }
+    }
+
+    /// A row of finished pixels of the tile, up to 64 of them.
+    fn copy_row(&self, y: usize, row: &mut [u8]) {
+        let start = (y >> 2) * 16 * LANES + (y & 3) * 4;
+        let (fours, rest) = row.as_chunks_mut::<16>();
+        let (quads, _) = self.words[start..].as_chunks::<4>();
+        // A whole row, without a question: every fourth four words.
+        if let (Some(fours), Some(quads)) = (
+            fours.first_chunk_mut::<16>(),
+            quads.first_chunk::<{ 15 * 4 + 1 }>(),
+        ) {
+            for (i, four) in fours.iter_mut().enumerate() {
+                *four = bytes(&quads[4 * i]);
+            }
+            return;
+        }
+        let blocks = self.words[start..].chunks(LANES);
+        let mut last = blocks.clone().nth(fours.len()).unwrap_or(&[]).iter();
+        for (to, block) in fours.iter_mut().zip(blocks) {
+            if let Some(words) = block.first_chunk::<4>() {
+                *to = bytes(words);
+            }
+        }
+        for pixel in rest.chunks_exact_mut(4) {
+            if let Some(word) = last.next() {
+                pixel.copy_from_slice(&word.to_le_bytes());
+            }
+        }
+    }
+}
+
+/// One finished pixel all over rows of the frame.
+pub(crate) fn fill_rows(level: Level, rows: &mut [&mut [u8]], word: u32) {
+    for row in rows {
+        let (lines, rest) = row.as_chunks_mut::<64>();
+        on_wide_level!(
+            level,
+            s => {
+                let line: u8x64<_> = u32x16::splat(s, word.to_le()).bitcast();
+                for out in lines.iter_mut() {
+                    line.store_slice(out);
+                }
+            },
+            else for pixel in lines.as_flattened_mut().as_chunks_mut().0 {
+                *pixel = word.to_le_bytes();
+            }
+        );
+        for pixel in rest.as_chunks_mut().0 {
+            *pixel = word.to_le_bytes();
+        }
+    }
+}
+
+/// A row of four blocks side by side.
+#[inline(always)]
+fn line<S: Simd>(s: S, blocks: &[u32], y: usize) -> u8x64<S> {
+    let left = s.combine_u32x4(quad(s, blocks, 0, y), quad(s, blocks, 1, y));
+    let right = s.combine_u32x4(quad(s, blocks, 2, y), quad(s, blocks, 3, y));
+    s.combine_u32x8(left, right).bitcast()
+}
+
+#[inline(always)]
+fn quad<S: Simd>(s: S, blocks: &[u32], block: usize, y: usize) -> u32x4<S> {
+    let at = block * LANES + 4 * y;
+    u32x4::from_slice(s, &blocks[at..at + 4])
+}
+
+/// Four pixels in memory: one move where the machine is little-endian.
+#[inline(always)]
+fn bytes(words: &[u32; 4]) -> [u8; 16] {
+    let mut bytes = [0; 16];
+    for (to, word) in bytes.chunks_exact_mut(4).zip(words) {
+        to.copy_from_slice(&word.to_le_bytes());
+    }
+    bytes
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use texmap_raster::block_index;
+
+    #[test]
+    fn every_pixel_of_a_row_is_filled() {
+        for width in [64, 63, 16, 1] {
+            for level in [Level::new(), Level::baseline()] {
+                let mut bytes = vec![0; 4 * width * 3];
+                let mut rows: Vec<&mut [u8]> = bytes.chunks_mut(4 * width).collect();
+                fill_rows(level, &mut rows, 0x0403_0201);
+                assert!(
+                    bytes.chunks(4).all(|pixel| pixel == [1, 2, 3, 4]),
+                    "{width}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn rows_of_whole_and_cut_tiles_hold_their_pixels() {
+        let mut canvas = Canvas::new();
+        for (i, word) in canvas.words_mut().iter_mut().enumerate() {
+            *word = 0x0301_0500 + i as u32;
+        }
+        for (width, height) in [(64, 64), (64, 7), (64, 3), (50, 64), (17, 9), (1, 1)] {
+            for level in [Level::new(), Level::baseline()] {
+                let mut bytes = vec![0; 4 * width * height];
+                let mut rows: Vec<&mut [u8]> = bytes.chunks_mut(4 * width).collect();
+                canvas.copy_to(level, &mut rows);
+                for (i, pixel) in bytes.chunks(4).enumerate() {
+                    let at = block_index((i % width) as u32, (i / width) as u32);
+                    let word = 0x0301_0500 + at as u32;
+                    assert_eq!(pixel, word.to_le_bytes(), "{width} x {height}: {i}");
+                }
+            }
+        }
+    }
+}
