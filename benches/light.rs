@@ -68,10 +68,12 @@ struct Input {
     texels: Vectors,
     steps: [Vectors; 2],
     light: Light,
-    shadow: ShadowReader,
+    /// Of a spot light, and of a point light.
+    shadows: [ShadowReader; 2],
     picture: Texture2d<'static>,
     sampler: Sampler,
-    environment: Environment,
+    /// In a cube, and in a lat-long chart.
+    environments: [Environment; 2],
 }
 
 const MAP: NormalMap = NormalMap {
@@ -88,15 +90,23 @@ impl Input {
         let down = DMat4::from_cols_array(&[
             1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, -1.0, 0.0, 0.0, 0.0, 0.0, -4.0, 1.0,
         ]);
-        let depths = (0..512u32 * 512).map(|i| 3.0 + ((i * 7919) % 512) as f32 / 256.0);
-        let kind = ShadowKind::Spot {
+        let spot = ShadowKind::Spot {
             light_from_world: down,
             tan_half: 0.5,
         };
-        let map = ShadowMap::new(kind, 512, depths.collect()).expect("a full map");
-        let environment = Environment::from_fn(Chart::Cube, 256, |d| {
-            [d.x, d.y, d.z].map(|c| 0.5 + 0.5 * c as f32)
-        });
+        let around = ShadowKind::Point {
+            position: DVec3::new(0.0, 4.0, 0.0),
+        };
+        let reader = |kind: ShadowKind, faces: u32| {
+            let depths = (0..faces * 512 * 512).map(|i| 3.0 + ((i * 7919) % 512) as f32 / 256.0);
+            let map = ShadowMap::new(kind, 512, depths.collect()).expect("a full map");
+            ShadowReader::new(map, ShadowBias::Constant(0.01), 3)
+        };
+        let environment = |chart: Chart| {
+            let light = |d: DVec3| [d.x, d.y, d.z].map(|c| 0.5 + 0.5 * c as f32);
+            let environment = Environment::from_fn(chart, 256, light);
+            environment.expect("a chart").with_mips()
+        };
         let texels = (0..256 * 256 * 4)
             .map(|i: u32| if i % 4 == 3 { 255 } else { (i / 7 % 256) as u8 })
             .collect();
@@ -110,14 +120,14 @@ impl Input {
                 color: [0.9, 0.8, 0.7],
                 position: [1.0, 3.0, 3.0],
             },
-            shadow: ShadowReader::new(map, ShadowBias::Constant(0.01), 3),
+            shadows: [reader(spot, 1), reader(around, 6)],
             picture: Texture2d::from_rgba8(256, 256, texels, ColorSpace::Linear, Origin::TopLeft)
                 .expect("a picture"),
             sampler: Sampler {
                 filter: Filter::Bilinear,
                 ..Sampler::default()
             },
-            environment: environment.expect("a cube").with_mips(),
+            environments: [Chart::Cube, Chart::LatLong].map(environment),
         }
     }
 
@@ -139,19 +149,23 @@ impl Input {
 enum Effect {
     Share(Highlight),
     NormalMap,
-    Shadow,
+    /// By which of the maps.
+    Shadow(usize),
     Slide,
-    Mirror,
+    /// Of which of the environments.
+    Mirror(usize),
 }
 
 impl Effect {
-    const ALL: [(&'static str, Self); 6] = [
+    const ALL: [(&'static str, Self); 8] = [
         ("phong", Self::Share(Highlight::Phong)),
         ("blinn", Self::Share(Highlight::Blinn)),
         ("normal-map", Self::NormalMap),
-        ("shadow-pcf9", Self::Shadow),
+        ("shadow-pcf9", Self::Shadow(0)),
+        ("cube-shadow-pcf9", Self::Shadow(1)),
         ("slide-places", Self::Slide),
-        ("mirror", Self::Mirror),
+        ("mirror", Self::Mirror(0)),
+        ("lat-long-mirror", Self::Mirror(1)),
     ];
 
     /// One point.
@@ -170,11 +184,11 @@ impl Effect {
                 let [x, y, z] = input.tangents.at(i);
                 MAP.turn(normal, [x, y, z, 1.0], input.texels.at(i))
             }
-            Self::Shadow => [input.shadow.lit(point, normal), 0.0, 0.0],
+            Self::Shadow(map) => [input.shadows[map].lit(point, normal), 0.0, 0.0],
             Self::Slide => slide
                 .place(point)
                 .map_or(zero, |(uv, fade)| [uv[0], uv[1], fade]),
-            Self::Mirror => {
+            Self::Mirror(which) => {
                 let back = |v: [f32; 3]| v.map(|c| -c);
                 let [dx, dy] = [0, 1].map(|k| back(input.steps[k].at(i)));
                 let view = Ray {
@@ -188,7 +202,7 @@ impl Effect {
                     dy,
                 };
                 let ray = reflect_across(&view, &normal, 1.0);
-                input.environment.light_across(&ray)
+                input.environments[which].light_across(&ray)
             }
         }
     }
@@ -200,7 +214,7 @@ impl Effect {
         s: S,
         input: &Input,
         slide: &SlideView<'_>,
-        mirror: &EnvironmentView<'_>,
+        mirrors: &[EnvironmentView<'_>; 2],
         block: usize,
     ) -> V3<S> {
         let (point, normal) = (input.points.lanes(s, block), input.normals.lanes(s, block));
@@ -225,9 +239,9 @@ impl Effect {
                     (input.tangents.lanes(s, block), input.texels.lanes(s, block));
                 MAP.turn_lanes(s, normal, tangent, one, texel)
             }
-            Self::Shadow => {
+            Self::Shadow(map) => {
                 let all = mask32x16::splat(s, true);
-                let lit = input.shadow.lit_lanes(s, all, point, normal);
+                let lit = input.shadows[map].lit_lanes(s, all, point, normal);
                 [lit, zero, zero]
             }
             Self::Slide => {
@@ -238,7 +252,7 @@ impl Effect {
                     places.reached.select(places.fade, zero),
                 ]
             }
-            Self::Mirror => {
+            Self::Mirror(which) => {
                 let (mut dx, mut dy) = (
                     input.steps[0].lanes(s, block),
                     input.steps[1].lanes(s, block),
@@ -256,7 +270,7 @@ impl Effect {
                     dx,
                     dy,
                 };
-                mirror.light_lanes(s, &reflect_across_lanes(&view, &normal, one))
+                mirrors[which].light_lanes(s, &reflect_across_lanes(&view, &normal, one))
             }
         }
     }
@@ -272,11 +286,11 @@ fn run(level: Option<Level>, effect: Effect, input: &Input, out: &mut [Vec<f32>;
         }
         return;
     };
-    let mirror = EnvironmentView::new(&input.environment);
+    let mirrors = input.environments.each_ref().map(EnvironmentView::new);
     dispatch!(level, s => s.vectorize(
         #[inline(always)]
         || for block in 0..POINTS / 16 {
-            let value = effect.lanes(s, input, &slide, &mirror, block);
+            let value = effect.lanes(s, input, &slide, &mirrors, block);
             for (out, v) in out.iter_mut().zip(value) {
                 v.store_slice(&mut out[block * 16..block * 16 + 16]);
             }
