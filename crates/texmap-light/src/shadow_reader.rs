@@ -281,6 +281,32 @@ mod tests {
         assert!(lit > 5_000 && dark > 5_000, "{lit} {dark}");
     }
 
+    /// Where a face is far and its neighbour near, points beside the edge see both: what is known of a face's own depths does not decide.
+    #[test]
+    fn lanes_beside_an_edge_see_the_neighbour() {
+        // +X is near, the others are far.
+        let depths = (0..6 * 64 * 64).map(|i| if i < 64 * 64 { 2.0 } else { 8.0 });
+        let kind = ShadowKind::Point {
+            position: DVec3::ZERO,
+        };
+        let map = ShadowMap::new(kind, 64, depths.collect()).unwrap();
+        let reader = ShadowReader::new(map, ShadowBias::Constant(0.0), 5);
+        // On +Z, up to a texel from its edge with +X.
+        let points: [_; LANES] = core::array::from_fn(|i| [4.0 - 0.006 * i as f32, 0.3, 4.01]);
+        let one = points.map(|p| reader.lit(p, [0.0, 0.0, -1.0]));
+        assert!(one.iter().all(|lit| *lit > 0.5 && *lit < 1.0), "{one:?}");
+        for level in [texmap_math::Level::new(), texmap_math::Level::baseline()] {
+            let mut got = [0.0; LANES];
+            let columns = [0, 1, 2].map(|c| points.map(|p| p[c]));
+            texmap_math::on_level!(level, s => {
+                let p = columns.map(|c| f32x16::from_slice(s, &c));
+                let all = mask32x16::splat(s, true);
+                reader.lit_lanes(s, all, p, p).store_slice(&mut got);
+            }, else continue);
+            assert_eq!(got, one);
+        }
+    }
+
     /// Without depths nothing is in shadow.
     #[test]
     fn empty_readers_shadow_nothing() {
