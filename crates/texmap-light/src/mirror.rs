@@ -11,7 +11,7 @@ use crate::environment::Environment;
 use crate::lanes::V3;
 use crate::packed::{UNIT, unpack};
 use crate::reflect::{Ray, RayLanes};
-use crate::vector::{dot, dot_lanes, usable_lanes};
+use crate::vector::{dot, dot_lanes, is_usable, usable_lanes};
 use on_face::{LevelLanes, on_face, on_face_lanes};
 
 /// Half of log2 of a square, off by 0.005 at most: a parabola through each power of two.
@@ -34,8 +34,7 @@ impl Environment {
     /// angle per texel.
     #[must_use]
     pub fn light_across(&self, ray: &Ray) -> [f32; 3] {
-        let usable = ray.direction.iter().all(|c| c.is_finite()) && ray.direction != [0.0; 3];
-        let d = if usable {
+        let d = if is_usable(ray.direction) {
             ray.direction
         } else {
             [0.0, 0.0, 1.0]

@@ -2,6 +2,7 @@
 
 mod cube;
 mod flat;
+mod taps;
 
 use alloc::vec::Vec;
 
@@ -13,6 +14,7 @@ use crate::shadow_bounds::ShadowBounds;
 use crate::{ShadowBias, ShadowKind, ShadowMap};
 use cube::Cube;
 use flat::Flat;
+use taps::{Bias, Taps};
 
 /// A shadow map with the bias and the filter of its look-ups.
 ///
@@ -21,7 +23,6 @@ use flat::Flat;
 #[derive(Clone, Debug)]
 pub struct ShadowReader {
     map: ShadowMap,
-    bias: Bias,
     form: Form,
 }
 
@@ -32,24 +33,6 @@ enum Form {
     Cube(Cube),
     /// The depths are gone.
     Empty,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Bias {
-    Constant(f32),
-    Slope(f32),
-    /// In texels.
-    NormalOffset(f32),
-}
-
-impl Bias {
-    fn of(bias: ShadowBias) -> Self {
-        match bias {
-            ShadowBias::Constant(constant) => Self::Constant(constant as f32),
-            ShadowBias::Slope(constant) => Self::Slope(constant as f32),
-            ShadowBias::NormalOffset(texels) => Self::NormalOffset(texels as f32),
-        }
-    }
 }
 
 impl ShadowReader {
@@ -68,14 +51,19 @@ impl ShadowReader {
         taps: u32,
         bounds: Option<ShadowBounds>,
     ) -> Self {
-        let bias = Bias::of(bias);
-        let form = match map.kind() {
-            ShadowKind::Point { position } => {
-                Form::Cube(Cube::new(&map, *position, bias, taps, bounds))
-            }
-            _ => Flat::new(&map, bias, taps, bounds).map_or(Form::Empty, Form::Flat),
+        let taps = Taps::new(&map, bias, taps, bounds);
+        let form = match *map.kind() {
+            ShadowKind::Directional {
+                light_from_world,
+                half,
+            } => Form::Flat(Flat::new(light_from_world, half, false, taps)),
+            ShadowKind::Spot {
+                light_from_world,
+                tan_half,
+            } => Form::Flat(Flat::new(light_from_world, tan_half, true, taps)),
+            ShadowKind::Point { position } => Form::Cube(Cube::new(position, taps)),
         };
-        Self { map, bias, form }
+        Self { map, form }
     }
 
     /// The depths of the map, to be used again; everything is lit from then on.
@@ -88,7 +76,12 @@ impl ShadowReader {
     /// Whether look-ups read the normal of the receiver's plane.
     #[must_use]
     pub fn reads_normals(&self) -> bool {
-        !matches!(self.bias, Bias::Constant(_))
+        let taps = match &self.form {
+            Form::Flat(flat) => flat.taps(),
+            Form::Cube(cube) => cube.taps(),
+            Form::Empty => return false,
+        };
+        !matches!(taps.bias, Bias::Constant(_))
     }
 
     /// Share of the light that reaches a point, 0..=1: see [`ShadowMap::lit`].
@@ -124,6 +117,8 @@ mod tests {
     use super::*;
     use texmap_math::glam::{DMat4, DVec3};
     use texmap_math::lanes::LANES;
+
+    use crate::vector::narrow;
 
     const BIASES: [(ShadowBias, u32); 3] = [
         (ShadowBias::Constant(0.05), 1),
@@ -173,10 +168,6 @@ mod tests {
                 6,
             ),
         ]
-    }
-
-    fn narrow(v: DVec3) -> [f32; 3] {
-        v.to_array().map(|c| c as f32)
     }
 
     /// f32 look-ups give the answers of f64 ones at all but a few points, under every bias, beyond the map and behind the light too.

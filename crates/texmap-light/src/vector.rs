@@ -2,6 +2,7 @@
 
 use texmap_math::fearless_simd::{Simd, f32x16, mask32x16, prelude::*};
 use texmap_math::float::sqrt_f32;
+use texmap_math::glam::DVec3;
 use texmap_math::lanes::LANES;
 
 use crate::lanes::V3;
@@ -16,6 +17,16 @@ pub(crate) fn scale(a: [f32; 3], k: f32) -> [f32; 3] {
 
 pub(crate) fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// A vector in f32.
+pub(crate) fn narrow(a: DVec3) -> [f32; 3] {
+    a.to_array().map(|c| c as f32)
+}
+
+/// Whether a vector has a direction: not zero, and finite.
+pub(crate) fn is_usable(a: [f32; 3]) -> bool {
+    a.iter().all(|c| c.is_finite()) && a != [0.0; 3]
 }
 
 /// Squares of lengths between which nothing under- or overflows.
@@ -87,7 +98,7 @@ fn one_by_one(from: &[[f32; LANES]; 3], to: &mut [[f32; LANES]; 3], usual: u16) 
     }
 }
 
-/// +Z in place of directions that are zero or not finite, and the lanes of the others.
+/// +Z in place of directions that are none, and the lanes of those that are: [`is_usable`] for sixteen.
 #[inline(always)]
 pub(crate) fn usable_lanes<S: Simd>(s: S, [x, y, z]: V3<S>) -> (V3<S>, mask32x16<S>) {
     let (zero, one) = (f32x16::splat(s, 0.0), f32x16::splat(s, 1.0));

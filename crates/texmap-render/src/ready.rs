@@ -88,7 +88,7 @@ impl<'s> Ready<'s> {
                 border: slide.border,
                 softness: slide.softness,
             });
-            let position = slide.position.to_array().map(|c| c as f32);
+            let position = narrow(slide.position);
             let thrown = Thrown {
                 view: match slide.role {
                     SlideRole::Paint => view.painting(),

@@ -6,6 +6,7 @@ use texmap_math::glam::{DVec2, DVec3};
 use super::Environment;
 use crate::Chart;
 use crate::error::LightError;
+use crate::vector::narrow;
 
 impl Environment {
     /// The same light in another chart, `size` the height of its faces. Each new texel is the mean over its area of the
@@ -34,13 +35,12 @@ impl Environment {
                 for i in 0..n {
                     let inside = |k: u32| (f64::from(k) + 0.5) / f64::from(n) - 0.5;
                     let uv = DVec2::new((x + inside(i)) / w, (y + inside(j)) / h);
-                    let d = chart.direction(face, uv).to_array();
-                    let (at, uv) = self.chart.place(d.map(|c| c as f32));
+                    let (at, uv) = self.chart.place(narrow(chart.direction(face, uv)));
                     let uv = DVec2::from(uv.map(f64::from));
                     sum += DVec3::from(self.bilinear(self.levels[0], at, uv).map(f64::from));
                 }
             }
-            (sum / f64::from(n * n)).to_array().map(|c| c as f32)
+            narrow(sum / f64::from(n * n))
         })
     }
 }

@@ -12,6 +12,7 @@ use texmap_math::{Level, det, on_level};
 use super::Environment;
 use crate::Chart;
 use crate::error::LightError;
+use crate::vector::narrow;
 
 impl Environment {
     /// A specular map: the light that a highlight of this exponent gathers around each direction R, the mean of L(d) with
@@ -27,14 +28,15 @@ impl Environment {
             return Err(LightError::Exponent { exponent });
         }
         let gathering = Gathering::new(self, f64::from(exponent));
-        let level = level();
+        // No bit depends on it.
+        let level = Level::try_detect().unwrap_or(Level::baseline());
         let map = Self::from_fn(chart, size, |r| {
             let [red, green, blue, weights] = gathering.sums(level, r);
             // A lobe narrower than a texel meets none.
             if weights > 0.0 {
                 [red, green, blue].map(|c| (c / weights) as f32)
             } else {
-                self.light(r.to_array().map(|c| c as f32))
+                self.light(narrow(r))
             }
         })?;
         Ok(Self {
@@ -73,15 +75,6 @@ impl Environment {
             self.blur(chart, size, exponent)
         }
     }
-}
-
-/// The level of this machine, where that can be asked. No bit depends on it.
-fn level() -> Level {
-    #[cfg(feature = "std")]
-    let level = Level::new();
-    #[cfg(not(feature = "std"))]
-    let level = Level::baseline();
-    level
 }
 
 /// An environment's texels by patches, and the lobe that gathers them.
@@ -156,7 +149,7 @@ impl Gathering {
         for part in texels.chunks(LANES) {
             let mut sixteen = Sixteen::default();
             for (i, (d, light, angle)) in part.iter().enumerate() {
-                let d = d.to_array().map(|c| c as f32);
+                let d = narrow(*d);
                 let [r, g, b] = light.map(|c| (f64::from(c) * angle) as f32);
                 for (column, c) in sixteen.direction.iter_mut().zip(d) {
                     column[i] = c;
@@ -180,7 +173,7 @@ impl Gathering {
 
     /// Light times weight of all texels that the lobe around `r` reaches, and weights.
     fn sums(&self, level: Level, r: DVec3) -> [f64; 4] {
-        let to = r.to_array().map(|c| c as f32);
+        let to = narrow(r);
         let mut sums = [[0.0; LANES]; 4];
         on_level!(
             level,
@@ -203,7 +196,7 @@ impl Gathering {
 
     /// The sums of each lane.
     fn sums_one_by_one(&self, r: DVec3) -> [[f32; LANES]; 4] {
-        let to = r.to_array().map(|c| c as f32);
+        let to = narrow(r);
         let mut sums = [[0.0; LANES]; 4];
         for texels in self.near(r) {
             for i in 0..LANES {

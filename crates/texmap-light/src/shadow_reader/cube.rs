@@ -5,21 +5,16 @@ use texmap_math::float::sqrt_f32;
 use texmap_math::glam::DVec3;
 use texmap_math::lanes::{Words, floor_to_i32, floor_to_i32_scalar, gather};
 
-use super::Bias;
-use crate::ShadowMap;
+use super::taps::{Bias, Taps, moved, moved_lanes};
 use crate::cube_face::{Side, along, direction_of, face_of};
 use crate::lanes::V3;
-use crate::shadow_bounds::{ShadowBounds, radius};
-use crate::vector::{spread, sub, sub_lanes, usable_lanes};
+use crate::vector::{is_usable, narrow, spread, sub, sub_lanes, usable_lanes};
 
 /// A map of six faces.
 #[derive(Clone, Debug)]
 pub(super) struct Cube {
     position: [f32; 3],
-    size: i32,
-    bounds: ShadowBounds,
-    bias: Bias,
-    radius: i32,
+    taps: Taps,
 }
 
 /// Where a point falls.
@@ -38,30 +33,52 @@ struct PlaceLanes<S: Simd> {
     major: f32x16<S>,
 }
 
-impl Cube {
-    pub(super) fn new(
-        map: &ShadowMap,
-        position: DVec3,
-        bias: Bias,
-        taps: u32,
-        bounds: Option<ShadowBounds>,
-    ) -> Self {
+impl Place {
+    /// Of a usable direction from the light.
+    fn of(d: [f32; 3]) -> Self {
+        let face = face_of(d);
+        let [right, down, major] = along(face, d);
         Self {
-            position: position.to_array().map(|c| c as f32),
-            size: map.size() as i32,
-            bounds: ShadowBounds::fitting(bounds, map.depths(), map.size() as usize, taps),
-            bias,
-            radius: radius(taps) as i32,
+            face,
+            ray: [right / major, down / major],
+            major,
         }
+    }
+}
+
+impl<S: Simd> PlaceLanes<S> {
+    /// [`Place::of`] for sixteen.
+    #[inline(always)]
+    fn of(s: S, d: V3<S>) -> Self {
+        let side = Side::of(s, d);
+        let [right, down, major] = side.along(d);
+        Self {
+            side,
+            ray: [right / major, down / major],
+            major,
+        }
+    }
+}
+
+impl Cube {
+    pub(super) fn new(position: DVec3, taps: Taps) -> Self {
+        Self {
+            position: narrow(position),
+            taps,
+        }
+    }
+
+    pub(super) fn taps(&self) -> &Taps {
+        &self.taps
     }
 
     pub(super) fn lit(&self, depths: &[f32], point: [f32; 3], normal: [f32; 3]) -> f32 {
         let Some(mut place) = self.place(point) else {
             return 1.0;
         };
-        if let Bias::NormalOffset(texels) = self.bias {
+        if let Bias::NormalOffset(texels) = self.taps.bias {
             let step = texels * (place.major * self.step());
-            match self.place([0, 1, 2].map(|i| point[i] + normal[i] * step)) {
+            match self.place(moved(point, normal, step)) {
                 Some(moved) => place = moved,
                 None => return 1.0,
             }
@@ -69,7 +86,7 @@ impl Cube {
         let Place { face, ray, major } = place;
         let square = ray[0] * ray[0] + ray[1] * ray[1] + 1.0;
         let depth = major * sqrt_f32(square);
-        let add = match self.bias {
+        let add = match self.taps.bias {
             Bias::Constant(constant) => constant,
             Bias::NormalOffset(_) => 1e-4 * (major * self.step()),
             Bias::Slope(constant) => {
@@ -78,70 +95,56 @@ impl Cube {
                 let facing = right * ray[0] + down * ray[1] + axis;
                 let slope = (ray[0] / square - right / facing).abs()
                     + (ray[1] / square - down / facing).abs();
-                let slope = slope * (depth * self.step());
-                let slope = if slope < f32::MAX { slope } else { f32::MAX };
-                (self.radius as f32 + 0.5) * slope + constant
+                self.taps.over(slope * (depth * self.step())) + constant
             }
         };
         let reference = depth - add;
         let [x, y] = ray.map(|c| self.texel(c));
         let mut lit = 0.0;
-        for j in y - self.radius..=y + self.radius {
-            for i in x - self.radius..=x + self.radius {
+        let radius = self.taps.radius;
+        for j in y - radius..=y + radius {
+            for i in x - radius..=x + radius {
                 if reference <= depths[self.index(face, i, j)] {
                     lit += 1.0;
                 }
             }
         }
-        lit / self.count()
+        lit / self.taps.count()
     }
 
     /// `None` for points at the light, and those that are not finite.
     fn place(&self, point: [f32; 3]) -> Option<Place> {
         let d = sub(point, self.position);
-        let finite = d.iter().all(|c| c.is_finite());
-        if !finite || d == [0.0; 3] {
-            return None;
-        }
-        let face = face_of(d);
-        let [right, down, major] = along(face, d);
-        Some(Place {
-            face,
-            ray: [right / major, down / major],
-            major,
-        })
+        is_usable(d).then(|| Place::of(d))
     }
 
     /// Column or row of a coordinate in -1..=1 of a face.
     fn texel(&self, c: f32) -> i32 {
-        let n = self.size as f32;
+        let n = self.taps.size as f32;
         let i = floor_to_i32_scalar((c * 0.5 + 0.5) * n);
-        if i < self.size { i } else { self.size - 1 }
+        if i < self.taps.size {
+            i
+        } else {
+            self.taps.size - 1
+        }
     }
 
     /// Where a texel's depth is stored. One beyond an edge of its face lies on a neighbour: all faces store distances, so that they compare.
     fn index(&self, face: usize, i: i32, j: i32) -> usize {
-        let inside = i >= 0 && j >= 0 && i < self.size && j < self.size;
-        let (face, i, j) = if inside {
+        let (face, i, j) = if self.taps.holds(i, j) {
             (face, i, j)
         } else {
             let centre = |i: i32| (i as f32 + 0.5) * self.step() - 1.0;
-            let d = direction_of(face, [centre(i), centre(j), 1.0]);
-            let face = face_of(d);
-            let [right, down, major] = along(face, d);
-            (face, self.texel(right / major), self.texel(down / major))
+            let there = Place::of(direction_of(face, [centre(i), centre(j), 1.0]));
+            let [i, j] = there.ray.map(|c| self.texel(c));
+            (there.face, i, j)
         };
-        ((face as i32 * self.size + j) * self.size + i) as usize
+        ((face as i32 * self.taps.size + j) * self.taps.size + i) as usize
     }
 
     /// Width of a texel on a face of which the axis is 1.
     fn step(&self) -> f32 {
-        2.0 / self.size as f32
-    }
-
-    fn count(&self) -> f32 {
-        let side = (2 * self.radius + 1) as f32;
-        side * side
+        2.0 / self.taps.size as f32
     }
 
     #[inline(always)]
@@ -155,14 +158,9 @@ impl Cube {
     ) -> f32x16<S> {
         let (zero, one) = (f32x16::splat(s, 0.0), f32x16::splat(s, 1.0));
         let (mut place, mut inside) = self.place_lanes(s, point);
-        if let Bias::NormalOffset(texels) = self.bias {
+        if let Bias::NormalOffset(texels) = self.taps.bias {
             let step = place.major * self.step() * texels;
-            let moved = [
-                point[0] + normal[0] * step,
-                point[1] + normal[1] * step,
-                point[2] + normal[2] * step,
-            ];
-            let (there, holds) = self.place_lanes(s, moved);
+            let (there, holds) = self.place_lanes(s, moved_lanes(point, normal, step));
             place = there;
             inside &= holds;
         }
@@ -172,7 +170,7 @@ impl Cube {
         let PlaceLanes { side, ray, major } = place;
         let square = ray[0] * ray[0] + ray[1] * ray[1] + 1.0;
         let depth = major * square.sqrt();
-        let add = match self.bias {
+        let add = match self.taps.bias {
             Bias::Constant(constant) => f32x16::splat(s, constant),
             Bias::NormalOffset(_) => major * self.step() * 1e-4,
             Bias::Slope(constant) => {
@@ -180,20 +178,15 @@ impl Cube {
                 let facing = right * ray[0] + down * ray[1] + axis;
                 let slope = (ray[0] / square - right / facing).abs()
                     + (ray[1] / square - down / facing).abs();
-                let slope = slope * (depth * self.step());
-                let most = f32x16::splat(s, f32::MAX);
-                let slope = slope.simd_lt(most).select(slope, most);
-                slope * (self.radius as f32 + 0.5) + constant
+                self.taps.over_lanes(s, slope * (depth * self.step())) + constant
             }
         };
         let reference = depth - add;
         let face = side.face(s);
         let (x, y) = (self.texel_lanes(s, ray[0]), self.texel_lanes(s, ray[1]));
-        let r = self.radius;
-        let (low, high) = (i32x16::splat(s, r), i32x16::splat(s, self.size - r));
-        let within = x.simd_ge(low) & x.simd_lt(high) & y.simd_ge(low) & y.simd_lt(high);
+        let within = self.taps.hold_lanes(s, x, y);
         // Bounds know nothing of what lies beyond an edge.
-        let [least, most] = self.bounds.around(s, face, x, y);
+        let [least, most] = self.taps.bounds.around(s, face, x, y);
         let (all, none) = (reference.simd_le(least), reference.simd_gt(most));
         if (within & (all | none) | !(inside & asked)).all_true() {
             return (inside & none).select(zero, one);
@@ -203,27 +196,20 @@ impl Cube {
         } else {
             self.taps_lanes::<S, false>(s, words, &side, [x, y], reference)
         };
-        inside.select(lit / f32x16::splat(s, self.count()), one)
+        inside.select(lit / f32x16::splat(s, self.taps.count()), one)
     }
 
     /// [`place`](Self::place) for sixteen, and where there is one; elsewhere it is that of a point along +Z.
     #[inline(always)]
     fn place_lanes<S: Simd>(&self, s: S, point: V3<S>) -> (PlaceLanes<S>, mask32x16<S>) {
         let (d, holds) = usable_lanes(s, sub_lanes(point, spread(s, self.position)));
-        let side = Side::of(s, d);
-        let [right, down, major] = side.along(d);
-        let place = PlaceLanes {
-            side,
-            ray: [right / major, down / major],
-            major,
-        };
-        (place, holds)
+        (PlaceLanes::of(s, d), holds)
     }
 
     #[inline(always)]
     fn texel_lanes<S: Simd>(&self, s: S, c: f32x16<S>) -> i32x16<S> {
-        let i = floor_to_i32(s, (c * 0.5 + 0.5) * self.size as f32);
-        let last = i32x16::splat(s, self.size - 1);
+        let i = floor_to_i32(s, (c * 0.5 + 0.5) * self.taps.size as f32);
+        let last = i32x16::splat(s, self.taps.size - 1);
         i.simd_lt(last).select(i, last)
     }
 
@@ -238,19 +224,17 @@ impl Cube {
         reference: f32x16<S>,
     ) -> f32x16<S> {
         let (zero, one) = (f32x16::splat(s, 0.0), f32x16::splat(s, 1.0));
-        let (first, size) = (i32x16::splat(s, 0), i32x16::splat(s, self.size));
+        let Taps { size, radius, .. } = self.taps;
         let face = side.face(s);
         let mut lit = zero;
-        for dj in -self.radius..=self.radius {
+        for dj in -radius..=radius {
             let j = y + dj;
-            for di in -self.radius..=self.radius {
+            for di in -radius..=radius {
                 let i = x + di;
-                let mut index = (face * self.size + j) * self.size + i;
+                let mut index = (face * size + j) * size + i;
                 if !WITHIN {
-                    let inside = i.simd_ge(first) & j.simd_ge(first);
-                    let inside = inside & i.simd_lt(size) & j.simd_lt(size);
                     let beyond = self.beyond_lanes(s, side, [i, j]);
-                    index = inside.select(index, beyond);
+                    index = self.taps.holds_lanes(s, i, j).select(index, beyond);
                 }
                 let index: u32x16<S> = index.bitcast();
                 let stored: f32x16<S> = gather(s, words, index).bitcast();
@@ -267,12 +251,8 @@ impl Cube {
         let right = (i.to_float::<f32x16<S>>() + 0.5) * step - 1.0;
         let down = (j.to_float::<f32x16<S>>() + 0.5) * step - 1.0;
         let d = side.direction([right, down, f32x16::splat(s, 1.0)]);
-        let side = Side::of(s, d);
-        let [right, down, major] = side.along(d);
-        let (i, j) = (
-            self.texel_lanes(s, right / major),
-            self.texel_lanes(s, down / major),
-        );
-        (side.face(s) * self.size + j) * self.size + i
+        let PlaceLanes { side, ray, .. } = PlaceLanes::of(s, d);
+        let (i, j) = (self.texel_lanes(s, ray[0]), self.texel_lanes(s, ray[1]));
+        (side.face(s) * self.taps.size + j) * self.taps.size + i
     }
 }

@@ -4,17 +4,14 @@ use texmap_math::fearless_simd::{Simd, f32x16, i32x16, mask32x16, prelude::*, u3
 use texmap_math::glam::{DMat4, DVec4};
 use texmap_math::lanes::{Words, floor_to_i32, floor_to_i32_scalar, gather};
 
-use super::Bias;
+use super::taps::{Bias, Taps, moved, moved_lanes};
 use crate::lanes::V3;
-use crate::shadow_bounds::{ShadowBounds, radius};
 use crate::vector::{affine_lanes, dot, dot_lanes, spread};
-use crate::{ShadowKind, ShadowMap};
 
 /// A map of one face.
 #[derive(Clone, Debug)]
 pub(super) struct Flat {
-    size: i32,
-    bounds: ShadowBounds,
+    taps: Taps,
     /// Columns and rows of the map (times the depth under a spot light), and depth.
     rows: [[f32; 4]; 3],
     /// The light's axes: right, down, and back to the light.
@@ -23,31 +20,13 @@ pub(super) struct Flat {
     divided: bool,
     /// World size of a texel, at a depth of 1 under a spot light.
     texel: f32,
-    bias: Bias,
-    radius: i32,
 }
 
 impl Flat {
-    /// `None` under point lights.
-    pub(super) fn new(
-        map: &ShadowMap,
-        bias: Bias,
-        taps: u32,
-        bounds: Option<ShadowBounds>,
-    ) -> Option<Self> {
-        let size = f64::from(map.size());
-        let (world, half, divided) = match *map.kind() {
-            ShadowKind::Directional {
-                light_from_world,
-                half,
-            } => (light_from_world, half, false),
-            ShadowKind::Spot {
-                light_from_world,
-                tan_half,
-            } => (light_from_world, tan_half, true),
-            ShadowKind::Point { .. } => return None,
-        };
-        let [x, y, z] = rows(world);
+    /// `half` is half the width of the map, at a depth of 1 if `divided`.
+    pub(super) fn new(light_from_world: DMat4, half: f64, divided: bool, taps: Taps) -> Self {
+        let size = f64::from(taps.size);
+        let [x, y, z] = rows(light_from_world);
         let depth = -z;
         // (p / half + 1) / 2 of the map's size; under a spot light p is divided by the depth later.
         let middle = if divided { depth } else { DVec4::W };
@@ -58,16 +37,17 @@ impl Flat {
             let [x, y, z, _] = narrow(v);
             [x, y, z]
         };
-        Some(Self {
-            size: map.size() as i32,
-            bounds: ShadowBounds::fitting(bounds, map.depths(), map.size() as usize, taps),
+        Self {
             rows: [across, down, depth].map(narrow),
             axes: [axis(x), axis(-y), axis(z)],
             divided,
             texel: (2.0 * half / size) as f32,
-            bias,
-            radius: radius(taps) as i32,
-        })
+            taps,
+        }
+    }
+
+    pub(super) fn taps(&self) -> &Taps {
+        &self.taps
     }
 
     pub(super) fn lit(&self, depths: &[f32], point: [f32; 3], normal: [f32; 3]) -> f32 {
@@ -75,15 +55,15 @@ impl Flat {
         if !self.holds(place) {
             return 1.0;
         }
-        if let Bias::NormalOffset(texels) = self.bias {
+        if let Bias::NormalOffset(texels) = self.taps.bias {
             let step = texels * self.texel_at(place[2]);
-            place = self.place([0, 1, 2].map(|i| point[i] + normal[i] * step));
+            place = self.place(moved(point, normal, step));
             if !self.holds(place) {
                 return 1.0;
             }
         }
-        let ([x, y, depth], n) = (place, self.size as f32);
-        let add = match self.bias {
+        let ([x, y, depth], n) = (place, self.taps.size as f32);
+        let add = match self.taps.bias {
             Bias::Constant(constant) => constant,
             Bias::NormalOffset(_) => 1e-4 * self.texel_at(depth),
             Bias::Slope(constant) => {
@@ -96,27 +76,27 @@ impl Flat {
                     -back
                 };
                 let slope = (right.abs() + down.abs()) * self.texel_at(depth) / below.abs();
-                let slope = if slope < f32::MAX { slope } else { f32::MAX };
-                (self.radius as f32 + 0.5) * slope + constant
+                self.taps.over(slope) + constant
             }
         };
         let reference = depth - add;
         let (x, y) = (floor_to_i32_scalar(x), floor_to_i32_scalar(y));
         let mut lit = 0.0;
-        for j in y - self.radius..=y + self.radius {
-            for i in x - self.radius..=x + self.radius {
-                let outside = i < 0 || j < 0 || i >= self.size || j >= self.size;
-                if outside || reference <= depths[(j * self.size + i) as usize] {
+        let Taps { size, radius, .. } = self.taps;
+        for j in y - radius..=y + radius {
+            for i in x - radius..=x + radius {
+                let outside = !self.taps.holds(i, j);
+                if outside || reference <= depths[(j * size + i) as usize] {
                     lit += 1.0;
                 }
             }
         }
-        lit / self.count()
+        lit / self.taps.count()
     }
 
     /// Whether a place lies in the map.
     fn holds(&self, [x, y, depth]: [f32; 3]) -> bool {
-        let n = self.size as f32;
+        let n = self.taps.size as f32;
         let inside = x >= 0.0 && x < n && y >= 0.0 && y < n && depth < f32::INFINITY;
         inside && (!self.divided || depth > 0.0)
     }
@@ -141,11 +121,6 @@ impl Flat {
         }
     }
 
-    fn count(&self) -> f32 {
-        let side = (2 * self.radius + 1) as f32;
-        side * side
-    }
-
     #[inline(always)]
     pub(super) fn lit_lanes<S: Simd>(
         &self,
@@ -158,49 +133,44 @@ impl Flat {
         let one = f32x16::splat(s, 1.0);
         let mut place = self.place_lanes(point);
         let mut inside = self.holds_lanes(s, place);
-        if let Bias::NormalOffset(texels) = self.bias {
+        if let Bias::NormalOffset(texels) = self.taps.bias {
             let step = self.texel_at_lanes(s, place[2]) * texels;
-            let moved = [
-                point[0] + normal[0] * step,
-                point[1] + normal[1] * step,
-                point[2] + normal[2] * step,
-            ];
-            place = self.place_lanes(moved);
+            place = self.place_lanes(moved_lanes(point, normal, step));
             inside &= self.holds_lanes(s, place);
         }
         let [x, y, depth] = place;
         if !(inside & asked).any_true() {
             return one;
         }
-        let add = match self.bias {
+        let add = match self.taps.bias {
             Bias::Constant(constant) => f32x16::splat(s, constant),
             Bias::NormalOffset(_) => self.texel_at_lanes(s, depth) * 1e-4,
             Bias::Slope(constant) => self.slope_lanes(s, x, y, depth, normal) + constant,
         };
         let reference = depth - add;
-        let middle = f32x16::splat(s, 0.5 * self.size as f32);
+        let middle = f32x16::splat(s, 0.5 * self.taps.size as f32);
         let x = floor_to_i32(s, inside.select(x, middle));
         let y = floor_to_i32(s, inside.select(y, middle));
-        let [least, most] = self.bounds.around(s, i32x16::splat(s, 0), x, y);
+        let [least, most] = self.taps.bounds.around(s, i32x16::splat(s, 0), x, y);
         let (all, none) = (reference.simd_le(least), reference.simd_gt(most));
         if (all | none | !(inside & asked)).all_true() {
             return (inside & none).select(f32x16::splat(s, 0.0), one);
         }
-        let r = self.radius;
-        let (low, high) = (i32x16::splat(s, r), i32x16::splat(s, self.size - r));
-        let within = x.simd_ge(low) & x.simd_lt(high) & y.simd_ge(low) & y.simd_lt(high);
-        let lit = if within.all_true() {
+        let lit = if self.taps.hold_lanes(s, x, y).all_true() {
             self.taps_lanes::<S, true>(s, words, x, y, reference)
         } else {
             self.taps_lanes::<S, false>(s, words, x, y, reference)
         };
-        inside.select(lit / f32x16::splat(s, self.count()), one)
+        inside.select(lit / f32x16::splat(s, self.taps.count()), one)
     }
 
     /// [`holds`](Self::holds) for sixteen.
     #[inline(always)]
     fn holds_lanes<S: Simd>(&self, s: S, [x, y, depth]: V3<S>) -> mask32x16<S> {
-        let (zero, n) = (f32x16::splat(s, 0.0), f32x16::splat(s, self.size as f32));
+        let (zero, n) = (
+            f32x16::splat(s, 0.0),
+            f32x16::splat(s, self.taps.size as f32),
+        );
         let inside = x.simd_ge(zero) & x.simd_lt(n) & y.simd_ge(zero) & y.simd_lt(n);
         let inside = inside & depth.simd_lt(f32::INFINITY);
         if self.divided {
@@ -221,19 +191,18 @@ impl Flat {
         reference: f32x16<S>,
     ) -> f32x16<S> {
         let (zero, one) = (f32x16::splat(s, 0.0), f32x16::splat(s, 1.0));
-        let (first, size) = (i32x16::splat(s, 0), i32x16::splat(s, self.size));
+        let Taps { size, radius, .. } = self.taps;
         let mut lit = zero;
-        for dj in -self.radius..=self.radius {
+        for dj in -radius..=radius {
             let j = y + dj;
-            let row = j * self.size;
-            for di in -self.radius..=self.radius {
+            let row = j * size;
+            for di in -radius..=radius {
                 let i = x + di;
                 let index: u32x16<S> = (row + i).bitcast();
                 let stored: f32x16<S> = gather(s, words, index).bitcast();
                 let mut passes = reference.simd_le(stored);
                 if !WITHIN {
-                    let inside = i.simd_ge(first) & j.simd_ge(first);
-                    passes |= !(inside & i.simd_lt(size) & j.simd_lt(size));
+                    passes |= !self.taps.holds_lanes(s, i, j);
                 }
                 lit += passes.select(one, zero);
             }
@@ -254,16 +223,14 @@ impl Flat {
         let down = dot_lanes(spread(s, self.axes[1]), normal);
         let back = dot_lanes(spread(s, self.axes[2]), normal);
         let below = if self.divided {
-            let half = 0.5 * self.size as f32;
+            let half = 0.5 * self.taps.size as f32;
             let (px, py) = ((x - half) * self.texel, (y - half) * self.texel);
             (right * px + down * py) - back
         } else {
             -back
         };
         let slope = (right.abs() + down.abs()) * self.texel_at_lanes(s, depth) / below.abs();
-        let most = f32x16::splat(s, f32::MAX);
-        let slope = slope.simd_lt(most).select(slope, most);
-        slope * (self.radius as f32 + 0.5)
+        self.taps.over_lanes(s, slope)
     }
 
     #[inline(always)]

@@ -304,8 +304,8 @@ impl Columns<'_> {
             return sum;
         };
         let (point, plane) = (three(s, self.values, first, i), side.plane(s));
-        let lights = stage.slides().count() - stage.paints.len();
-        for (cast, texels) in stage.paints.iter().zip(&self.read.slides[lights..]) {
+        let of_lights = self.read.slides.len() - stage.paints.len();
+        for (cast, texels) in stage.paints.iter().zip(&self.read.slides[of_lights..]) {
             let Some(texel) = texels.premultiplied(s, i) else {
                 continue;
             };
