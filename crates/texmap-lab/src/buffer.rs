@@ -7,11 +7,11 @@ use texmap_io::image_io::{Depth, read_image};
 use texmap_io::npy::{self, Data};
 use texmap_render::hash_pixels;
 
-use crate::metrics::{Metrics, MetricsError, Shape, compare};
+use crate::metrics::{Metrics, MetricsError, Shape, compare_by};
 use crate::picture::Picture;
 use crate::strip::heat;
 
-/// The decoded values of a file.
+/// The decoded values of a file, kept in the file's own depth.
 #[derive(Clone, Debug)]
 pub struct Buffer {
     /// Size; an array of more than three axes has its first ones as rows.
@@ -19,9 +19,13 @@ pub struct Buffer {
     /// The largest value of the format: 1 for images (their codes are divided by 255 or 65535), else the
     /// largest finite value that the array holds.
     pub peak: f64,
-    /// The values, interleaved.
-    pub values: Vec<f64>,
-    hash: String,
+    values: Values,
+}
+
+#[derive(Clone, Debug)]
+enum Values {
+    Image(Depth),
+    Array(Data),
 }
 
 impl Buffer {
@@ -34,30 +38,21 @@ impl Buffer {
             .extension()
             .is_some_and(|e| e.eq_ignore_ascii_case("npy"))
         {
-            return Ok(Self::of_array(&npy::read(path)?));
+            return Ok(Self::of_array(npy::read(path)?));
         }
         let image = read_image(path)?;
-        let shape = Shape {
-            width: image.width as usize,
-            height: image.height as usize,
-            channels: 4,
-        };
-        let (values, bytes) = match image.texels {
-            Depth::U8(codes) => (codes.iter().map(|&c| f64::from(c) / 255.0).collect(), codes),
-            Depth::U16(codes) => {
-                let values = codes.iter().map(|&c| f64::from(c) / 65535.0).collect();
-                (values, codes.iter().flat_map(|c| c.to_le_bytes()).collect())
-            }
-        };
         Ok(Self {
-            shape,
+            shape: Shape {
+                width: image.width as usize,
+                height: image.height as usize,
+                channels: 4,
+            },
             peak: 1.0,
-            values,
-            hash: hash_pixels(image.width, image.height, &bytes),
+            values: Values::Image(image.texels),
         })
     }
 
-    fn of_array(array: &npy::Array) -> Self {
+    fn of_array(array: npy::Array) -> Self {
         let shape = match array.shape.as_slice() {
             [] => Shape {
                 width: 1,
@@ -80,38 +75,64 @@ impl Buffer {
                 channels: *channels,
             },
         };
-        let (values, bytes): (Vec<f64>, Vec<u8>) = match &array.data {
-            Data::F32(v) => (
-                v.iter().map(|&x| x.into()).collect(),
-                v.iter().flat_map(|x| x.to_le_bytes()).collect(),
-            ),
-            Data::U8(v) => (v.iter().map(|&x| x.into()).collect(), v.clone()),
-            Data::U16(v) => (
-                v.iter().map(|&x| x.into()).collect(),
-                v.iter().flat_map(|x| x.to_le_bytes()).collect(),
-            ),
-            Data::U32(v) => (
-                v.iter().map(|&x| x.into()).collect(),
-                v.iter().flat_map(|x| x.to_le_bytes()).collect(),
-            ),
-        };
-        let peak = values
-            .iter()
-            .filter(|v| v.is_finite())
-            .fold(0.0, |most: f64, v| most.max(v.abs()));
-        let side = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
-        Self {
+        let mut this = Self {
             shape,
-            peak,
-            values,
-            hash: hash_pixels(side(shape.width), side(shape.height), &bytes),
+            peak: 0.0,
+            values: Values::Array(array.data),
+        };
+        this.peak = (0..this.len())
+            .map(|i| this.value(i).abs())
+            .filter(|v| v.is_finite())
+            .fold(0.0, f64::max);
+        this
+    }
+
+    fn len(&self) -> usize {
+        match &self.values {
+            Values::Image(Depth::U8(v)) | Values::Array(Data::U8(v)) => v.len(),
+            Values::Image(Depth::U16(v)) | Values::Array(Data::U16(v)) => v.len(),
+            Values::Array(Data::F32(v)) => v.len(),
+            Values::Array(Data::U32(v)) => v.len(),
+        }
+    }
+
+    /// A value, counted as they are interleaved: 0 to 1 for images, what is written for arrays.
+    ///
+    /// # Panics
+    /// Beyond the last one that `shape` has.
+    #[must_use]
+    pub fn value(&self, index: usize) -> f64 {
+        match &self.values {
+            Values::Image(Depth::U8(v)) => f64::from(v[index]) / 255.0,
+            Values::Image(Depth::U16(v)) => f64::from(v[index]) / 65535.0,
+            Values::Array(Data::F32(v)) => v[index].into(),
+            Values::Array(Data::U8(v)) => v[index].into(),
+            Values::Array(Data::U16(v)) => v[index].into(),
+            Values::Array(Data::U32(v)) => v[index].into(),
         }
     }
 
     /// [`hash_pixels`] of the width, the height and the values as little-endian bytes of the file's own depth:
     /// what `render --json` calls `pixel_hash`, for an 8-bit image.
-    pub fn hash(&self) -> &str {
-        &self.hash
+    #[must_use]
+    pub fn hash(&self) -> String {
+        let side = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
+        let hash =
+            |bytes: &[u8]| hash_pixels(side(self.shape.width), side(self.shape.height), bytes);
+        let of_words = |words: &[u16]| {
+            let bytes: Vec<u8> = words.iter().flat_map(|c| c.to_le_bytes()).collect();
+            hash(&bytes)
+        };
+        match &self.values {
+            Values::Image(Depth::U8(v)) | Values::Array(Data::U8(v)) => hash(v),
+            Values::Image(Depth::U16(v)) | Values::Array(Data::U16(v)) => of_words(v),
+            Values::Array(Data::F32(v)) => {
+                hash(&v.iter().flat_map(|x| x.to_le_bytes()).collect::<Vec<u8>>())
+            }
+            Values::Array(Data::U32(v)) => {
+                hash(&v.iter().flat_map(|x| x.to_le_bytes()).collect::<Vec<u8>>())
+            }
+        }
     }
 
     /// Compares with the expected values; `limit` is the largest difference that does not count as over.
@@ -119,7 +140,12 @@ impl Buffer {
     /// # Errors
     /// When the sizes differ or are empty.
     pub fn compare(&self, expected: &Self, limit: f64) -> Result<Metrics, MetricsError> {
-        compare(expected.shape, &expected.values, &self.values, limit)
+        compare_by(
+            expected.shape,
+            (expected.len(), |i| expected.value(i)),
+            (self.len(), |i| self.value(i)),
+            limit,
+        )
     }
 
     /// The differences as heat: black where equal, white at `white` and above, magenta where only one value is
@@ -135,20 +161,20 @@ impl Buffer {
         if self.shape != expected.shape || channels == 0 {
             return None;
         }
-        let pixels = expected
-            .values
-            .chunks(channels)
-            .zip(self.values.chunks(channels));
-        for (index, (e, a)) in pixels.enumerate() {
-            let off = |(e, a): (&f64, &f64)| match (
+        let off = |i: usize| {
+            let (e, a) = (expected.value(i), self.value(i));
+            match (
                 e == a || e.is_nan() && a.is_nan(),
                 e.is_finite() && a.is_finite(),
             ) {
                 (true, _) => 0.0,
                 (false, true) => (a - e).abs() / white,
                 (false, false) => f64::NAN,
-            };
-            let worst = e.iter().zip(a).map(off).fold(0.0, |w: f64, d| {
+            }
+        };
+        for index in 0..width * height {
+            let values = index * channels..(index + 1) * channels;
+            let worst = values.map(off).fold(0.0, |w: f64, d| {
                 if w.is_nan() || d.is_nan() {
                     f64::NAN
                 } else {
@@ -166,7 +192,7 @@ mod tests {
     use super::*;
 
     fn array(shape: &[usize], values: &[f32]) -> Buffer {
-        Buffer::of_array(&npy::Array {
+        Buffer::of_array(npy::Array {
             shape: shape.to_vec(),
             data: Data::F32(values.to_vec()),
         })
@@ -209,7 +235,7 @@ mod tests {
 
     #[test]
     fn hashes_tell_shape_depth_and_values_apart() {
-        let bytes = Buffer::of_array(&npy::Array {
+        let bytes = Buffer::of_array(npy::Array {
             shape: vec![2, 2],
             data: Data::U8(vec![0; 4]),
         });

@@ -3,6 +3,9 @@
 //! Averages hide stability bugs (a crack one pixel wide leaves the PSNR of a 256x256 image near 28 dB), so
 //! every comparison also counts the values beyond a limit and those that are not finite.
 
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
 use thiserror::Error;
 
 /// Size of an interleaved image: `width * height * channels` values, rows top to bottom.
@@ -122,13 +125,24 @@ pub fn compare<T: Copy + Into<f64>>(
     actual: &[T],
     limit: f64,
 ) -> Result<Metrics, MetricsError> {
-    check(shape, expected.len(), actual.len())?;
-    let pairs = expected.iter().zip(actual);
-    Ok(measure(
+    compare_by(
         shape,
+        (expected.len(), |i| expected[i].into()),
+        (actual.len(), |i| actual[i].into()),
         limit,
-        pairs.map(|(&e, &a)| (e.into(), a.into())),
-    ))
+    )
+}
+
+/// [`compare`] of values by their index; each side says how many it has.
+pub(crate) fn compare_by(
+    shape: Shape,
+    (expected_len, expected): (usize, impl Fn(usize) -> f64),
+    (actual_len, actual): (usize, impl Fn(usize) -> f64),
+    limit: f64,
+) -> Result<Metrics, MetricsError> {
+    check(shape, expected_len, actual_len)?;
+    let pairs = (0..expected_len).map(|i| (expected(i), actual(i)));
+    Ok(measure(shape, limit, pairs))
 }
 
 fn check(shape: Shape, expected: usize, actual: usize) -> Result<(), MetricsError> {
@@ -156,8 +170,9 @@ fn check(shape: Shape, expected: usize, actual: usize) -> Result<(), MetricsErro
     Ok(())
 }
 
-fn measure(shape: Shape, limit: f64, pairs: impl Iterator<Item = (f64, f64)>) -> Metrics {
-    let mut differences = Vec::new();
+fn measure(shape: Shape, limit: f64, pairs: impl ExactSizeIterator<Item = (f64, f64)>) -> Metrics {
+    let mut compared = 0;
+    let mut largest = Largest::of(pairs.len());
     let (mut sum, mut squares, mut max, mut max_at) = (0.0, 0.0, 0.0, None);
     let (mut over_limit, mut non_finite, mut non_finite_at) = (0, 0, None);
     for (index, (expected, actual)) in pairs.enumerate() {
@@ -169,19 +184,19 @@ fn measure(shape: Shape, limit: f64, pairs: impl Iterator<Item = (f64, f64)>) ->
             if difference > max {
                 (max, max_at) = (difference, Some(shape.place(index)));
             }
-            differences.push(difference);
+            compared += 1;
+            largest.push(difference);
         } else if !(expected == actual || expected.is_nan() && actual.is_nan()) {
             non_finite += 1;
             non_finite_at = non_finite_at.or(Some(shape.place(index)));
         }
     }
-    let compared = differences.len();
     let count = compared.max(1) as f64;
     Metrics {
         compared,
         mean: sum / count,
         rmse: (squares / count).sqrt(),
-        p999: quantile(&mut differences, 0.999),
+        p999: largest.p999(compared),
         max,
         max_at,
         over_limit,
@@ -190,13 +205,55 @@ fn measure(shape: Shape, limit: f64, pairs: impl Iterator<Item = (f64, f64)>) ->
     }
 }
 
+/// The largest differences, as many as can lie at or above their 99.9 %: what is below need not be kept.
+struct Largest {
+    /// Bits of numbers that are not negative: in their order.
+    kept: BinaryHeap<Reverse<u64>>,
+    most: usize,
+}
+
+impl Largest {
+    /// Of at most `values` differences.
+    fn of(values: usize) -> Self {
+        // One more than a thousandth, and one for the rounding of a rank.
+        let most = values / 1000 + 2;
+        Self {
+            kept: BinaryHeap::with_capacity(most),
+            most,
+        }
+    }
+
+    fn push(&mut self, difference: f64) {
+        let bits = difference.to_bits();
+        if self.kept.len() < self.most {
+            self.kept.push(Reverse(bits));
+        } else if let Some(mut least) = self.kept.peek_mut()
+            && least.0 < bits
+        {
+            *least = Reverse(bits);
+        }
+    }
+
+    /// [`quantile`] of all `count` differences that were pushed.
+    fn p999(self, count: usize) -> f64 {
+        let kept = self.kept.into_sorted_vec();
+        let found = kept.get(count.saturating_sub(rank(count, 0.999)));
+        found.map_or(0.0, |least| f64::from_bits(least.0))
+    }
+}
+
 /// The smallest value that at least the part `q` of the values do not exceed; 0 for no values.
 pub(crate) fn quantile(values: &mut [f64], q: f64) -> f64 {
     if values.is_empty() {
         return 0.0;
     }
-    let rank = ((values.len() as f64 * q).ceil() as usize).clamp(1, values.len());
+    let rank = rank(values.len(), q);
     *values.select_nth_unstable_by(rank - 1, f64::total_cmp).1
+}
+
+/// The nearest rank, counted from 1.
+fn rank(count: usize, q: f64) -> usize {
+    ((count as f64 * q).ceil() as usize).clamp(1, count.max(1))
 }
 
 #[cfg(test)]
@@ -238,6 +295,29 @@ mod tests {
         let expected = vec![0.0f32; 2000];
         let actual: Vec<f32> = (1..=2000).map(|i| i as f32).collect();
         assert_eq!(compare(ROW, &expected, &actual, 1e9).unwrap().p999, 1998.0);
+    }
+
+    #[test]
+    fn p999_of_any_number_of_values_is_that_of_all_in_order() {
+        let mut seed = 1_u32;
+        for count in (1..40).chain([999, 1000, 1001, 1999, 2000, 2001, 12_345]) {
+            let holes = count / 7;
+            let mut differences: Vec<f64> = (0..count)
+                .map(|_| {
+                    seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                    f64::from(seed >> 20)
+                })
+                .collect();
+            let mut actual = differences.clone();
+            actual.resize(count + holes, f64::NAN);
+            let shape = Shape {
+                width: count + holes,
+                ..ROW
+            };
+            let found = compare(shape, &vec![0.0; count + holes], &actual, 0.0).unwrap();
+            assert_eq!(found.compared, count);
+            assert_eq!(found.p999, quantile(&mut differences, 0.999), "{count}");
+        }
     }
 
     #[test]

@@ -154,7 +154,7 @@ fn words(
     let at = |place: Option<Place>| {
         place.map_or_else(String::new, |p| {
             let index = (p.y * expected.shape.width + p.x) * expected.shape.channels + p.channel;
-            let (e, a) = (expected.values[index], actual.values[index]);
+            let (e, a) = (expected.value(index), actual.value(index));
             format!(
                 " at x {}, y {}, channel {}: {e} against {a}",
                 p.x, p.y, p.channel

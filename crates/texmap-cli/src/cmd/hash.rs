@@ -63,7 +63,7 @@ pub(crate) fn run(args: &HashArgs) -> Result<Exit, Failure> {
 }
 
 fn hashed(file: &Path, expected: Option<&str>) -> Result<Hashed, Failure> {
-    let pixel_hash = Buffer::read(file)?.hash().to_owned();
+    let pixel_hash = Buffer::read(file)?.hash();
     let pass = expected.map(|hash| hash == pixel_hash);
     Ok(Hashed {
         file: file.display().to_string(),
