@@ -42,26 +42,38 @@ impl Environment {
         size: u32,
         mut light: impl FnMut(DVec3) -> [f32; 3],
     ) -> Result<Self, LightError> {
-        let (width, height) = (size.saturating_mul(chart.aspect()), size);
-        if size == 0 || width > Self::MAX_SIDE {
-            return Err(LightError::ChartSize {
-                chart,
-                width,
-                height,
-            });
-        }
-        let mut texels =
-            Vec::with_capacity(chart.faces() * (width as usize + 2) * (height as usize + 2));
-        for face in 0..chart.faces() {
-            for y in 0..height + 2 {
-                for x in 0..width + 2 {
-                    let place = |i: u32, n: u32| (f64::from(i) - 0.5) / f64::from(n);
-                    let uv = DVec2::new(place(x, width), place(y, height));
-                    texels.push(light(chart.direction(face, uv)));
-                }
-            }
-        }
-        Ok(Self::of(chart, (width, height), texels))
+        let places = Places::new(chart, size)?;
+        let texels = (0..places.count()).map(|i| {
+            let (face, centre) = places.at(i);
+            light(chart.direction(face, centre / places.sides()))
+        });
+        let texels = texels.collect();
+        Ok(Self::of(chart, places.size, texels))
+    }
+
+    /// Texels that hold the `light` of a face, the texel's centre and the face's sides, both in texels; borders too. With the feature
+    /// `rayon` by every thread of the current pool, in no particular order.
+    ///
+    /// # Errors
+    /// As [`Environment::from_fn`].
+    pub(crate) fn from_places(
+        chart: Chart,
+        size: u32,
+        light: impl Fn(usize, DVec2, DVec2) -> [f32; 3] + Sync,
+    ) -> Result<Self, LightError> {
+        let places = Places::new(chart, size)?;
+        let texel = |i| {
+            let (face, centre) = places.at(i);
+            light(face, centre, places.sides())
+        };
+        #[cfg(feature = "rayon")]
+        let texels = {
+            use rayon::prelude::*;
+            (0..places.count()).into_par_iter().map(texel).collect()
+        };
+        #[cfg(not(feature = "rayon"))]
+        let texels = (0..places.count()).map(texel).collect();
+        Ok(Self::of(chart, places.size, texels))
     }
 
     /// From images of the faces, linear light, one after the other, rows top to bottom. Their borders are read from the
@@ -175,5 +187,67 @@ impl Environment {
     /// Four texels around a point of a face, the border among them.
     pub(crate) fn bilinear(&self, level: Level, face: usize, uv: DVec2) -> [f32; 3] {
         four(&self.texels, level, face, uv)
+    }
+}
+
+/// The texels of a chart with their borders, face by face, row by row.
+struct Places {
+    faces: usize,
+    size: (u32, u32),
+}
+
+impl Places {
+    fn new(chart: Chart, size: u32) -> Result<Self, LightError> {
+        let (width, height) = (size.saturating_mul(chart.aspect()), size);
+        if size == 0 || width > Environment::MAX_SIDE {
+            return Err(LightError::ChartSize {
+                chart,
+                width,
+                height,
+            });
+        }
+        Ok(Self {
+            faces: chart.faces(),
+            size: (width, height),
+        })
+    }
+
+    fn count(&self) -> usize {
+        let (width, height) = self.size;
+        self.faces * (width as usize + 2) * (height as usize + 2)
+    }
+
+    fn sides(&self) -> DVec2 {
+        DVec2::new(self.size.0.into(), self.size.1.into())
+    }
+
+    /// Face and centre of a texel, in texels; borders lie outside of the face.
+    fn at(&self, index: usize) -> (usize, DVec2) {
+        let (columns, rows) = (self.size.0 as usize + 2, self.size.1 as usize + 2);
+        let (x, y) = (index % columns, index / columns % rows);
+        let face = index / columns / rows;
+        (face, DVec2::new(x as f64, y as f64) - 0.5)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn places_lie_where_one_walk_through_the_faces_finds_them() {
+        for chart in Chart::ALL {
+            let light = |d: DVec3| d.to_array().map(|c| c as f32);
+            let one_by_one = Environment::from_fn(chart, 13, light);
+            let in_any_order = Environment::from_places(chart, 13, |face, centre, sides| {
+                light(chart.direction(face, centre / sides))
+            });
+            assert_eq!(one_by_one, in_any_order, "{chart:?}");
+            // A face's first texel: what lies before it is the border's row and one texel of its own.
+            let texel = one_by_one.unwrap().texel(0, 0, 0);
+            let (w, h) = (13 * chart.aspect(), 13);
+            let uv = DVec2::new(0.5 / f64::from(w), 0.5 / f64::from(h));
+            assert_eq!(texel, Some(light(chart.direction(0, uv))), "{chart:?}");
+        }
     }
 }

@@ -23,18 +23,12 @@ impl Environment {
         // Solid angles within a chart differ by up to 5.2, and lat-long's poles by more: two look-ups a texel and axis.
         let n = (2.0 * sqrt(ratio)) as u32 + 1;
         let n = if ratio <= 0.25 { 1 } else { n.min(64) };
-        let (w, h) = (
-            f64::from(size.max(1) * chart.aspect()),
-            f64::from(size.max(1)),
-        );
-        let mut faces = FaceWalk::new(chart, size);
-        Self::from_fn(chart, size, |_| {
-            let (face, x, y) = faces.next();
+        Self::from_places(chart, size, |face, centre, sides| {
             let mut sum = DVec3::ZERO;
             for j in 0..n {
                 for i in 0..n {
                     let inside = |k: u32| (f64::from(k) + 0.5) / f64::from(n) - 0.5;
-                    let uv = DVec2::new((x + inside(i)) / w, (y + inside(j)) / h);
+                    let uv = (centre + DVec2::new(inside(i), inside(j))) / sides;
                     let (at, uv) = self.chart.place(narrow(chart.direction(face, uv)));
                     let uv = DVec2::from(uv.map(f64::from));
                     sum += DVec3::from(self.bilinear(self.levels[0], at, uv).map(f64::from));
@@ -42,32 +36,5 @@ impl Environment {
             }
             narrow(sum / f64::from(n * n))
         })
-    }
-}
-
-/// Counts through the texels of a chart with their borders, in the order of [`Environment::from_fn`].
-struct FaceWalk {
-    size: (u32, u32),
-    next: (usize, u32, u32),
-}
-
-impl FaceWalk {
-    fn new(chart: Chart, size: u32) -> Self {
-        Self {
-            size: (size.saturating_mul(chart.aspect()), size),
-            next: (0, 0, 0),
-        }
-    }
-
-    /// Face and the texel's centre in texels.
-    fn next(&mut self) -> (usize, f64, f64) {
-        let (face, x, y) = self.next;
-        let (width, height) = self.size;
-        self.next = match (x == width + 1, y == height + 1) {
-            (false, _) => (face, x + 1, y),
-            (true, false) => (face, 0, y + 1),
-            (true, true) => (face + 1, 0, 0),
-        };
-        (face, f64::from(x) - 0.5, f64::from(y) - 0.5)
     }
 }

@@ -30,7 +30,8 @@ impl Environment {
         let gathering = Gathering::new(self, f64::from(exponent));
         // No bit depends on it.
         let level = Level::try_detect().unwrap_or(Level::baseline());
-        let map = Self::from_fn(chart, size, |r| {
+        let map = Self::from_places(chart, size, |face, centre, sides| {
+            let r = chart.direction(face, centre / sides);
             let [red, green, blue, weights] = gathering.sums(level, r);
             // A lobe narrower than a texel meets none.
             if weights > 0.0 {
