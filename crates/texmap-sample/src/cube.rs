@@ -107,13 +107,22 @@ impl TextureCube<'_> {
     }
 }
 
-/// Face (0 to 5), s, t in `[0, 1]` and the major axis' signed length of a direction. Ties go to z
-/// before y before x (Vulkan 1.4, "Cube Map Face Selection"). The zero vector and vectors with a NaN
-/// read as +Z.
+/// Face (0 to 5) of a direction and s, t in `[0, 1]` there, within 2^-23. Ties go to z before y before x (Vulkan 1.4, "Cube
+/// Map Face Selection"). The zero vector and vectors that are not finite read as +Z.
 pub fn cube_face(direction: [f32; 3]) -> (usize, [f32; 2]) {
     let (face, [s, t, m]) = select_face(direction);
-    (face, [0.5 * (s / m) + 0.5, 0.5 * (t / m) + 0.5])
+    let total = direction.map(f32::abs).iter().sum::<f32>();
+    let place = if (USUAL[0]..=USUAL[1]).contains(&total) {
+        let k = 0.5 / m;
+        [s * k, t * k]
+    } else {
+        [0.5 * (s / m), 0.5 * (t / m)]
+    };
+    (face, place.map(|c| c + 0.5))
 }
+
+/// Sums of components that are finite and whose reciprocals lose nothing.
+const USUAL: [f32; 2] = [1e-30, 1e30];
 
 /// The direction through (s, t) of a face, with the major axis at length 1.
 pub fn cube_direction(face: usize, [s, t]: [f64; 2]) -> [f64; 3] {

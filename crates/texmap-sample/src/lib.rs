@@ -34,7 +34,7 @@
 //! Each filter has an f64 definition in [`mod@reference`], a scalar f32 form whose bound the tests
 //! state, and sixteen lanes with the bits of the scalar form on SSE2, AVX2, AVX-512 and NEON: all filters on texels of any kind,
 //! size and wrap (integers that repeat over powers of two are the fast case; floats and bytes that stay encoded are fetched one by
-//! one), OpenGL's combinations in volumes, and nearest, bilinear and trilinear in cubes.
+//! one), OpenGL's combinations in volumes and cubes.
 #![cfg_attr(not(feature = "std"), no_std)]
 #![forbid(unsafe_code)]
 extern crate alloc;

@@ -1,19 +1,20 @@
 //! Cube look-ups sixteen at a time, with the bits of [`Sampler::sample_cube`].
 
-use super::{TextureCube, on_face};
+use super::{TextureCube, USUAL, on_face};
 use crate::{
     error::SampleError,
     filter::gl_of,
     lanes::{
-        ANY, At, Kind, RGBA8_EXACT, RGBA16, View, exact_format,
+        ANY, At, Kind, RGBA8_EXACT, View, exact_format,
         float::{Color, Levels, fetch, fetch_two, limit_lanes, mix, mix_four, scaled, select},
+        gl::Reads,
     },
     sampler::{Mip, Sampler, Texel},
     slice::{check, on_lanes},
 };
 use texmap_math::{
     Level,
-    fearless_simd::{f32x16, i32x16, mask32x16, prelude::*},
+    fearless_simd::{f32x16, i32x16, mask32x16, prelude::*, u32x16},
     lanes::{Words, floor_to_i32, gather, load_tail, store_tail},
 };
 
@@ -49,10 +50,14 @@ pub fn sample_cube_columns(
     for column in &out {
         check("out", at.x.len(), column.len())?;
     }
-    let batch = Batch { sampler, t, at };
-    let lanes = batch
-        .view()
-        .is_some_and(|view| on_lanes!(level, s => batch.on(s, &view, &mut out)));
+    let batch = Batch {
+        sampler,
+        t,
+        at,
+        gl: gl_of(sampler.filter),
+    };
+    let view = View::prepared(sampler, &t.chain, Kind::Gl, exact_format(&t.chain));
+    let lanes = view.is_some_and(|view| on_lanes!(level, s => batch.on(s, &view, &mut out)));
     if !lanes {
         for i in 0..at.x.len() {
             batch.one(i, &mut out);
@@ -61,25 +66,21 @@ pub fn sample_cube_columns(
     Ok(())
 }
 
+/// Every look-up reads the same texels of level 0.
+const BASE: u8 = 0;
+/// Four texels of one level or of two.
+const TRILINEAR: u8 = 1;
+/// Any choice of OpenGL's.
+const GL: u8 = 2;
+
 struct Batch<'a> {
     sampler: &'a Sampler,
     t: &'a TextureCube<'a>,
     at: &'a Directions<'a>,
+    gl: (Texel, Texel, Mip),
 }
 
-impl<'a> Batch<'a> {
-    /// `None` for filters and texels that have no lanes.
-    fn view(&self) -> Option<View<'a>> {
-        let kind = match gl_of(self.sampler.filter) {
-            (Texel::Nearest, Texel::Nearest, Mip::None) => Kind::Nearest,
-            (Texel::Linear, Texel::Linear, Mip::None) => Kind::Bilinear,
-            (Texel::Linear, Texel::Linear, Mip::Linear) => Kind::Trilinear,
-            _ => return None,
-        };
-        let format = exact_format(&self.t.chain);
-        View::prepared(self.sampler, &self.t.chain, kind, format)
-    }
-
+impl Batch<'_> {
     fn one(&self, i: usize, out: &mut [&mut [f32]; 4]) {
         let at = self.at;
         let lod = at.lod.map_or(0.0, |lod| lod[i]);
@@ -92,77 +93,174 @@ impl<'a> Batch<'a> {
     }
 
     fn on<S: Simd>(&self, s: S, view: &View<'_>, out: &mut [&mut [f32]; 4]) {
-        match view.format {
-            RGBA8_EXACT => self.format::<S, RGBA8_EXACT>(s, view, out),
-            RGBA16 => self.format::<S, RGBA16>(s, view, out),
-            _ => self.format::<S, ANY>(s, view, out),
+        let levels = match self.gl {
+            (mag, min, Mip::None) if mag == min => BASE,
+            (Texel::Linear, Texel::Linear, Mip::Linear) => TRILINEAR,
+            _ => GL,
+        };
+        match (view.format, levels) {
+            (RGBA8_EXACT, BASE) => self.format::<S, RGBA8_EXACT, BASE>(s, view, out),
+            (RGBA8_EXACT, TRILINEAR) => self.format::<S, RGBA8_EXACT, TRILINEAR>(s, view, out),
+            (_, BASE) => self.format::<S, ANY, BASE>(s, view, out),
+            (_, TRILINEAR) => self.format::<S, ANY, TRILINEAR>(s, view, out),
+            _ => self.format::<S, ANY, GL>(s, view, out),
         }
     }
 
-    fn format<S: Simd, const FORMAT: u8>(&self, s: S, view: &View<'_>, out: &mut [&mut [f32]; 4]) {
+    fn format<S: Simd, const FORMAT: u8, const LEVELS: u8>(
+        &self,
+        s: S,
+        view: &View<'_>,
+        out: &mut [&mut [f32]; 4],
+    ) {
         s.vectorize(
             #[inline(always)]
             || {
-                let flat = f32x16::splat(s, 0.0);
-                for first in (0..self.at.x.len()).step_by(16) {
-                    let d = [
-                        load_tail(s, &self.at.x[first..]),
-                        load_tail(s, &self.at.y[first..]),
-                        load_tail(s, &self.at.z[first..]),
-                    ];
-                    let lod = self.at.lod.map_or(flat, |lod| load_tail(s, &lod[first..]));
-                    let (c, corners) = look::<S, FORMAT>(s, view, d, lod);
-                    let end = self.at.x.len().min(first + 16);
-                    for (k, out) in out.iter_mut().enumerate() {
-                        store_tail(c[k], &mut out[first..end]);
+                let mut places = Places::default();
+                for start in (0..self.at.x.len()).step_by(16 * RUN) {
+                    let end = self.at.x.len().min(start + 16 * RUN);
+                    for (k, first) in (start..end).step_by(16).enumerate() {
+                        let d = [
+                            load_tail(s, &self.at.x[first..end]),
+                            load_tail(s, &self.at.y[first..end]),
+                            load_tail(s, &self.at.z[first..end]),
+                        ];
+                        places.find(s, k, d);
                     }
-                    if corners.any_true() {
-                        let corners = corners.to_bitmask();
-                        for i in (first..end).filter(|i| corners >> (i - first) & 1 == 1) {
-                            self.one(i, out);
-                        }
+                    for (k, first) in (start..end).step_by(16).enumerate() {
+                        self.look_ups::<S, FORMAT, LEVELS>(s, view, &places, k, first, out);
                     }
                 }
             },
         );
     }
-}
 
-/// The colours, and the lanes that need the mean at a corner: these have no meaning here.
-#[inline(always)]
-fn look<S: Simd, const FORMAT: u8>(
-    s: S,
-    view: &View<'_>,
-    direction: [f32x16<S>; 3],
-    lod: f32x16<S>,
-) -> (Color<S>, mask32x16<S>) {
-    let place = Place::new(s, direction);
-    let (c, corners) = match view.kind {
-        Kind::Nearest => {
-            let at = At::uniform(s, view, 0);
-            let c = place.nearest::<FORMAT>(s, view, &at);
-            (c, mask32x16::splat(s, false))
+    /// The look-ups of block `k` of a run, which is that from entry `first`.
+    #[inline(always)]
+    fn look_ups<S: Simd, const FORMAT: u8, const LEVELS: u8>(
+        &self,
+        s: S,
+        view: &View<'_>,
+        places: &Places,
+        k: usize,
+        first: usize,
+        out: &mut [&mut [f32]; 4],
+    ) {
+        let flat = f32x16::splat(s, 0.0);
+        let place = places.place(s, k);
+        let lod = self.at.lod.map_or(flat, |lod| load_tail(s, &lod[first..]));
+        let (c, corners) = self.look::<S, FORMAT, LEVELS>(s, view, &place, lod);
+        let end = self.at.x.len().min(first + 16);
+        for (k, out) in out.iter_mut().enumerate() {
+            store_tail(c[k], &mut out[first..end]);
         }
-        Kind::Bilinear => place.bilinear::<FORMAT>(s, view, &At::uniform(s, view, 0)),
-        _ => {
-            // NaN reads as 0, as it does for one.
-            let lod = lod.simd_eq(lod).select(lod, f32x16::splat(s, 0.0));
-            let levels = Levels::new(s, view, limit_lanes(s, view, lod));
-            let (c, corners) = place.bilinear::<FORMAT>(s, view, &levels.fine);
-            if levels.blends {
-                let two = levels.weight.simd_gt(f32x16::splat(s, 0.0));
-                let (next, past) = place.bilinear::<FORMAT>(s, view, &levels.coarse);
-                let blended = mix(view, c, next, levels.weight);
-                (select(two, blended, c), corners | (past & two))
-            } else {
-                (c, corners)
+        let alone = corners.to_bitmask() | places.strange[k];
+        if alone != 0 {
+            for i in (first..end).filter(|i| alone >> (i - first) & 1 == 1) {
+                self.one(i, out);
             }
         }
-    };
-    (scaled(c, view), corners)
+    }
+
+    /// The colours, and the lanes that need the mean at a corner: theirs have no meaning.
+    #[inline(always)]
+    fn look<S: Simd, const FORMAT: u8, const LEVELS: u8>(
+        &self,
+        s: S,
+        view: &View<'_>,
+        place: &Place<S>,
+        lod: f32x16<S>,
+    ) -> (Color<S>, mask32x16<S>) {
+        if LEVELS == BASE {
+            let at = At::uniform(s, view, 0);
+            let (color, corners) = place.read::<FORMAT>(s, view, &at, self.gl.0);
+            return (scaled(color, view), corners);
+        }
+        // NaN reads as 0, as it does for one.
+        let lod = lod.simd_eq(lod).select(lod, f32x16::splat(s, 0.0));
+        let lod = limit_lanes(s, view, lod);
+        if LEVELS == TRILINEAR {
+            let levels = Levels::new(s, view, lod);
+            let (color, corners) = place.bilinear::<FORMAT>(s, view, &levels.fine);
+            if !levels.blends {
+                return (scaled(color, view), corners);
+            }
+            let two = levels.weight.simd_gt(f32x16::splat(s, 0.0));
+            let (next, past) = place.bilinear::<FORMAT>(s, view, &levels.coarse);
+            let blended = select(two, mix(view, color, next, levels.weight), color);
+            return (scaled(blended, view), corners | (past & two));
+        }
+        let mut reads = Reads::new(s, view, self.gl, lod);
+        let mut corners = mask32x16::splat(s, false);
+        let mut color = [f32x16::splat(s, 0.0); 4];
+        loop {
+            if reads.lanes.any_true() {
+                let at = At::of(s, view, reads.level);
+                let (read, past) = place.read::<FORMAT>(s, view, &at, reads.texel);
+                color = reads.onto(view, color, read);
+                corners |= past & reads.lanes;
+            }
+            if !reads.step() {
+                return (scaled(color, view), corners);
+            }
+        }
+    }
 }
 
-/// Scalar [`cube_face`](super::cube_face) for sixteen.
+/// Blocks whose places are found before the first is looked up: a gather waits for its places alone.
+const RUN: usize = 8;
+
+/// Places of a run's blocks.
+#[derive(Default)]
+struct Places {
+    face: [[i32; 16]; RUN],
+    s: [[f32; 16]; RUN],
+    t: [[f32; 16]; RUN],
+    /// Bits of the lanes whose direction is zero, tiny, huge or not finite: their place is any on the cube.
+    strange: [u64; RUN],
+}
+
+impl Places {
+    /// Scalar [`cube_face`](super::cube_face) for the sixteen of block `k`.
+    #[inline(always)]
+    fn find<S: Simd>(&mut self, s: S, k: usize, [x, y, z]: [f32x16<S>; 3]) {
+        let (zero, half) = (f32x16::splat(s, 0.0), f32x16::splat(s, 0.5));
+        let (ax, ay, az) = (x.abs(), y.abs(), z.abs());
+        let [least, most] = USUAL.map(f32::to_bits);
+        let total: u32x16<S> = (ax + ay + az).bitcast();
+        let usual = (total - least).simd_le(most - least);
+        // Where it is not z, it is y; where not y, x.
+        let y_over_x = ay.simd_ge(ax);
+        let major = y_over_x.select(y, x);
+        let on_z = az.simd_ge(major.abs());
+        let major = on_z.select(z, major);
+        let signed = half / major;
+        let scale = signed.abs();
+        // To the right and down: (-z, -y) on x, (x, z) on y, (x, -y) on z, turned round on their negative sides, but for x on y and y.
+        let right = on_z.select(x, y_over_x.select(x, z));
+        let right = right * on_z.select(signed, y_over_x.select(scale, -signed)) + 0.5;
+        let down = on_z.select(y, y_over_x.select(z, y));
+        let down = down * on_z.select(-scale, y_over_x.select(signed, -scale)) + 0.5;
+        let axis = i32x16::splat(s, 0);
+        let axis = on_z.select(axis + 4, y_over_x.select(axis + 2, axis));
+        let negative = (major.bitcast::<u32x16<S>>() >> 31).bitcast::<i32x16<S>>();
+        (axis + negative).store_slice(&mut self.face[k]);
+        usual.select(right, zero).store_slice(&mut self.s[k]);
+        usual.select(down, zero).store_slice(&mut self.t[k]);
+        self.strange[k] = (!usual).to_bitmask();
+    }
+
+    #[inline(always)]
+    fn place<S: Simd>(&self, s: S, k: usize) -> Place<S> {
+        Place {
+            face: i32x16::from_slice(s, &self.face[k]),
+            s: f32x16::from_slice(s, &self.s[k]),
+            t: f32x16::from_slice(s, &self.t[k]),
+        }
+    }
+}
+
+/// Faces, and where on them.
 struct Place<S: Simd> {
     face: i32x16<S>,
     s: f32x16<S>,
@@ -170,28 +268,21 @@ struct Place<S: Simd> {
 }
 
 impl<S: Simd> Place<S> {
+    /// Colours in a level, and the lanes that need the mean at a corner.
     #[inline(always)]
-    fn new(s: S, [x, y, z]: [f32x16<S>; 3]) -> Self {
-        let (zero, one) = (f32x16::splat(s, 0.0), f32x16::splat(s, 1.0));
-        let most = f32x16::splat(s, f32::MAX);
-        let (ax, ay, az) = (x.abs(), y.abs(), z.abs());
-        let finite = ax.simd_le(most) & ay.simd_le(most) & az.simd_le(most);
-        let some = ax.simd_gt(zero) | ay.simd_gt(zero) | az.simd_gt(zero);
-        let good = finite & some;
-        let on_z = az.simd_ge(ax) & az.simd_ge(ay);
-        let on_y = ay.simd_ge(ax);
-        let front = along(on_z, z, on_y, y, x).simd_gt(zero);
-        let major = good.select(along(on_z, az, on_y, ay, ax), one);
-        let (side, depth) = (front.select(x, -x), front.select(-z, z));
-        let right = along(on_z, side, on_y, x, depth);
-        let down = along(on_z, -y, on_y, -depth, -y);
-        let axis = i32x16::splat(s, 0);
-        let axis = on_z.select(axis + 4, on_y.select(axis + 2, axis));
-        let face = front.select(axis, axis + 1);
-        Self {
-            face: good.select(face, i32x16::splat(s, 4)),
-            s: good.select(right, zero) / major * 0.5 + 0.5,
-            t: good.select(down, zero) / major * 0.5 + 0.5,
+    fn read<const FORMAT: u8>(
+        &self,
+        s: S,
+        view: &View<'_>,
+        at: &At<S>,
+        texel: Texel,
+    ) -> (Color<S>, mask32x16<S>) {
+        match texel {
+            Texel::Nearest => (
+                self.nearest::<FORMAT>(s, view, at),
+                mask32x16::splat(s, false),
+            ),
+            Texel::Linear => self.bilinear::<FORMAT>(s, view, at),
         }
     }
 
@@ -218,42 +309,33 @@ impl<S: Simd> Place<S> {
         view: &View<'_>,
         at: &At<S>,
     ) -> (Color<S>, mask32x16<S>) {
-        let zero = i32x16::splat(s, 0);
         let (x, y) = (self.s * at.units_x - 0.5, self.t * at.units_x - 0.5);
         let (i, j) = (floor_to_i32(s, x), floor_to_i32(s, y));
         let (wx, wy) = (x - i.to_float::<f32x16<S>>(), y - j.to_float::<f32x16<S>>());
-        let last = at.width - 1;
-        let (in_x, in_y) = (
-            i.simd_ge(zero) & i.simd_lt(last),
-            j.simd_ge(zero) & j.simd_lt(last),
-        );
-        let mut corners = mask32x16::splat(s, false);
-        let [top, bottom] = if (in_x & in_y).all_true() {
+        // Unsigned: -1 lies beyond the last one too.
+        let last: u32x16<S> = (at.width - 1).bitcast();
+        let in_x = i.bitcast::<u32x16<S>>().simd_lt(last);
+        let in_y = j.bitcast::<u32x16<S>>().simd_lt(last);
+        if (in_x & in_y).all_true() {
             let texel = self.texel(at, i, j);
-            [
-                fetch_two::<S, FORMAT>(s, view, at.word::<FORMAT>(view, texel)),
-                fetch_two::<S, FORMAT>(s, view, at.word::<FORMAT>(view, texel + at.width)),
-            ]
-        } else {
-            corners = !in_x & !in_y;
-            let texels = [
-                self.across(s, at, i, j),
-                self.across(s, at, i + 1, j),
-                self.across(s, at, i, j + 1),
-                self.across(s, at, i + 1, j + 1),
-            ];
-            [
-                [
-                    fetch::<S, FORMAT>(s, view, at.word::<FORMAT>(view, texels[0])),
-                    fetch::<S, FORMAT>(s, view, at.word::<FORMAT>(view, texels[1])),
-                ],
-                [
-                    fetch::<S, FORMAT>(s, view, at.word::<FORMAT>(view, texels[2])),
-                    fetch::<S, FORMAT>(s, view, at.word::<FORMAT>(view, texels[3])),
-                ],
-            ]
-        };
-        (mix_four(view, top, bottom, wx, wy), corners)
+            let top = fetch_two::<S, FORMAT>(s, view, at.word::<FORMAT>(view, texel));
+            let below = at.word::<FORMAT>(view, texel + at.width);
+            let bottom = fetch_two::<S, FORMAT>(s, view, below);
+            return (
+                mix_four(view, top, bottom, wx, wy),
+                mask32x16::splat(s, false),
+            );
+        }
+        // One place in the code for all four.
+        let mut rows = [[[f32x16::splat(s, 0.0); 4]; 2]; 2];
+        for (j, row) in [j, j + 1].iter().zip(&mut rows) {
+            for (i, texel) in [i, i + 1].iter().zip(row) {
+                let word = at.word::<FORMAT>(view, self.across(s, at, *i, *j));
+                *texel = fetch::<S, FORMAT>(s, view, word);
+            }
+        }
+        let [top, bottom] = rows;
+        (mix_four(view, top, bottom, wx, wy), !in_x & !in_y)
     }
 
     /// [`texel`](Self::texel) of a face or, one step beyond one of its edges, of the neighbour; 0 beyond two.
@@ -280,20 +362,6 @@ impl<S: Simd> Place<S> {
         let texel = (beside | above).select(neighbour, self.texel(at, i, j));
         (beside & above).select(zero, texel)
     }
-}
-
-// Functions, not closures: these would lose the level's instructions.
-
-/// What belongs to the axis that a direction runs along: z, y or x.
-#[inline(always)]
-fn along<S: Simd>(
-    on_z: mask32x16<S>,
-    of_z: f32x16<S>,
-    on_y: mask32x16<S>,
-    of_y: f32x16<S>,
-    of_x: f32x16<S>,
-) -> f32x16<S> {
-    on_z.select(of_z, on_y.select(of_y, of_x))
 }
 
 /// The texel of a coordinate, on the face.

@@ -20,28 +20,40 @@ pub fn float_lanes<S: Simd>(
     [u, v]: [f32x16<S>; 2],
     lod: f32x16<S>,
 ) -> Color<S> {
-    let reads = Reads::new(s, view, gl, lod);
-    let mut colors = reads.none(s);
-    for (color, (wanted, texel, level)) in colors.iter_mut().zip(&reads.levels) {
-        if *wanted {
-            let at = At::of(s, view, *level);
-            *color = match texel {
+    let mut reads = Reads::new(s, view, gl, lod);
+    let mut color = [f32x16::splat(s, 0.0); 4];
+    loop {
+        if reads.lanes.any_true() {
+            let at = At::of(s, view, reads.level);
+            let read = match reads.texel {
                 Texel::Nearest => float::nearest_at::<S, ANY>(s, view, &at, u, v),
                 Texel::Linear => float::bilinear_at::<S, ANY>(s, view, &at, u, v),
             };
+            color = reads.onto(view, color, read);
+        }
+        if !reads.step() {
+            return float::scaled(color, view);
         }
     }
-    float::scaled(reads.blended(view, colors), view)
 }
 
-/// What OpenGL's choices read, in a list: code that reads a level stands once.
+/// What OpenGL's choices read, one after the other, so that code that reads a level stands once: what magnified lanes read (if they
+/// read other texels than the rest), the finer level of the rest, and the coarser.
 pub(crate) struct Reads<S: Simd> {
-    /// Whether some lane reads it, which texels, of which level: that of magnified lanes, the finer of the others and the coarser.
-    pub(crate) levels: [(bool, Texel, i32x16<S>); 3],
-    magnified: mask32x16<S>,
-    /// Lanes that blend two levels, and the share of the coarser.
-    two: mask32x16<S>,
+    /// Which lanes read it, which texels, of which level.
+    pub(crate) lanes: mask32x16<S>,
+    pub(crate) texel: Texel,
+    pub(crate) level: i32x16<S>,
+    /// 0, 1 or 2.
+    count: u32,
+    rest: mask32x16<S>,
+    min: Texel,
+    fine: i32x16<S>,
+    coarse: i32x16<S>,
+    /// The share of the coarser level.
     weight: f32x16<S>,
+    /// Lanes that it has a share in.
+    two: mask32x16<S>,
 }
 
 impl<S: Simd> Reads<S> {
@@ -67,31 +79,50 @@ impl<S: Simd> Reads<S> {
             Mip::Linear => lod - fine.to_float::<f32x16<S>>(),
             _ => zero,
         };
-        let (two, last) = (weight.simd_gt(zero), i32x16::splat(s, view.last));
-        let next = fine + 1;
-        let next = next.simd_gt(last).select(last, next);
+        // What magnifies with the same texels reads level 0 as its fine one.
+        let magnified = if mag == min {
+            mask32x16::splat(s, false)
+        } else {
+            magnified
+        };
+        let last = i32x16::splat(s, view.last);
+        let coarse = fine + 1;
         Self {
-            levels: [
-                (magnified.any_true(), mag, none),
-                (!magnified.all_true(), min, fine),
-                (two.any_true(), min, next),
-            ],
-            magnified,
-            two,
+            lanes: magnified,
+            texel: mag,
+            level: none,
+            count: 0,
+            rest: !magnified,
+            min,
+            fine,
+            coarse: coarse.simd_gt(last).select(last, coarse),
             weight,
+            two: weight.simd_gt(zero),
         }
     }
 
-    /// Colours that are not read.
+    /// On to the next; whether there is one.
     #[inline(always)]
-    pub(crate) fn none(&self, s: S) -> [Color<S>; 3] {
-        [[f32x16::splat(s, 0.0); 4]; 3]
+    pub(crate) fn step(&mut self) -> bool {
+        self.count += 1;
+        self.texel = self.min;
+        (self.lanes, self.level) = if self.count == 1 {
+            (self.rest, self.fine)
+        } else {
+            (self.two, self.coarse)
+        };
+        self.count < 3
     }
 
+    /// The colours so far, and those that its lanes have read.
     #[inline(always)]
-    pub(crate) fn blended(&self, view: &View<'_>, [near, fine, coarse]: [Color<S>; 3]) -> Color<S> {
-        let far = float::select(self.two, float::mix(view, fine, coarse, self.weight), fine);
-        float::select(self.magnified, near, far)
+    pub(crate) fn onto(&self, view: &View<'_>, color: Color<S>, read: Color<S>) -> Color<S> {
+        let read = if self.count == 2 {
+            float::mix(view, color, read, self.weight)
+        } else {
+            read
+        };
+        float::select(self.lanes, read, color)
     }
 }
 

@@ -126,17 +126,20 @@ impl<'a> VolumeView<'a> {
         let view = &self.view;
         // NaN reads as 0, as it does for one.
         let lod = lod.simd_eq(lod).select(lod, f32x16::splat(s, 0.0));
-        let reads = Reads::new(s, view, self.gl, limit_lanes(s, view, lod));
-        let mut colors = reads.none(s);
-        for (color, (wanted, texel, level)) in colors.iter_mut().zip(&reads.levels) {
-            if *wanted {
-                *color = match texel {
-                    Texel::Nearest => self.nearest(s, *level, uvw),
-                    Texel::Linear => self.eight(s, *level, uvw),
+        let mut reads = Reads::new(s, view, self.gl, limit_lanes(s, view, lod));
+        let mut color = [f32x16::splat(s, 0.0); 4];
+        loop {
+            if reads.lanes.any_true() {
+                let read = match reads.texel {
+                    Texel::Nearest => self.nearest(s, reads.level, uvw),
+                    Texel::Linear => self.eight(s, reads.level, uvw),
                 };
+                color = reads.onto(view, color, read);
+            }
+            if !reads.step() {
+                return scaled(color, view);
             }
         }
-        scaled(reads.blended(view, colors), view)
     }
 
     /// Slices of a level.
