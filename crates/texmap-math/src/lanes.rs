@@ -141,7 +141,8 @@ pub fn floor_to_i32_scalar(x: f32) -> i32 {
 #[inline(always)]
 pub fn unit_to_u8<S: Simd>(s: S, x: f32x16<S>) -> u32x16<S> {
     let x = clamp(x, f32x16::splat(s, 0.0), f32x16::splat(s, 1.0));
-    (x * 255.0 + 0.5).to_int::<u32x16<S>>()
+    // By signed integers: what is below 256 needs no more, and only AVX-512 has the others.
+    (x * 255.0 + 0.5).to_int::<i32x16<S>>().bitcast()
 }
 
 /// Linear light to 8-bit sRGB, as [`crate::color::linear_to_srgb8`]: the upper bits find a part of the curve that holds one
