@@ -402,9 +402,10 @@ fn map_all<T: Send, R: Send>(
     work: Vec<T>,
     f: impl Fn(T) -> R + Sync + Send,
 ) -> Vec<R> {
-    use rayon::iter::{IntoParallelIterator, ParallelIterator};
+    use rayon::iter::{IndexedParallelIterator, IntoParallelIterator, ParallelIterator};
     if threads > 1 {
-        work.into_par_iter().map(f).collect()
+        // Items are large and unlike each other: one that is not begun can be taken by a thread that has none.
+        work.into_par_iter().with_max_len(1).map(f).collect()
     } else {
         work.into_iter().map(f).collect()
     }
@@ -417,9 +418,9 @@ fn map_all<T, R>(_threads: usize, work: Vec<T>, f: impl Fn(T) -> R) -> Vec<R> {
 
 #[cfg(feature = "rayon")]
 pub(crate) fn for_all<T: Send>(threads: usize, work: Vec<T>, f: impl Fn(T) + Sync + Send) {
-    use rayon::iter::{IntoParallelIterator, ParallelIterator};
+    use rayon::iter::{IndexedParallelIterator, IntoParallelIterator, ParallelIterator};
     if threads > 1 {
-        work.into_par_iter().for_each(f);
+        work.into_par_iter().with_max_len(1).for_each(f);
     } else {
         work.into_iter().for_each(f);
     }

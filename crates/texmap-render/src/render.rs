@@ -281,7 +281,8 @@ impl<'s> Renderer<'s> {
         }
         let blocks: Vec<Block<'_>> = order.iter().filter_map(|i| blocks[*i].take()).collect();
         let covered = AtomicU64::new(0);
-        blocks.into_par_iter().for_each_init(
+        // Some blocks take many times as long as others, and lie side by side.
+        blocks.into_par_iter().with_max_len(8).for_each_init(
             || Lent::new(&self.scratch),
             |scratch, block| {
                 covered.fetch_add(job.draw(block, scratch.get()), Ordering::Relaxed);
