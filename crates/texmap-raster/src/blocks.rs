@@ -126,13 +126,12 @@ impl TileBlocks {
             return;
         }
         for y in 0..TILE {
-            for x in 0..TILE {
-                if x >= tile.width || y >= tile.height {
-                    let index = crate::block_index(x, y);
-                    self.depth[index] = 0.0;
-                    self.slot[index] = NONE;
-                    self.masks[index / LANES] &= !(1 << (index % LANES));
-                }
+            let first = if y < tile.height { tile.width } else { 0 };
+            for x in first..TILE {
+                let index = crate::block_index(x, y);
+                self.depth[index] = 0.0;
+                self.slot[index] = NONE;
+                self.masks[index / LANES] &= !(1 << (index % LANES));
             }
         }
     }

@@ -9,7 +9,7 @@ use crate::lit_lanes::LitLanes;
 use crate::plan::{Plan, Surface};
 use crate::rows::AovRows;
 use crate::shade::{facing_normal, three};
-use crate::tile::{Painter, Scenery};
+use crate::tile::{Painter, Scenery, is_whole};
 use crate::{Aov, ColorMode, HOLE_BITS, Scene, Settings};
 
 /// Pixels of a block and samples of a tile.
@@ -204,6 +204,9 @@ impl<'a> Job<'a> {
 
 /// Four masks at a time.
 fn count_ones(masks: &[u16]) -> u64 {
+    if is_whole(masks) {
+        return masks.len() as u64 * u64::from(u16::BITS);
+    }
     let four = masks.chunks(4).map(|four| {
         let all = four
             .iter()

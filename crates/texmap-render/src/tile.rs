@@ -116,7 +116,7 @@ impl Painter {
         let finished = rows.is_some() && blended.is_none_or(|b| b.opaque);
         if !finished {
             canvas.fill_light(scenery.background);
-        } else if blocks.masks.iter().any(|mask| *mask != u16::MAX) {
+        } else if !is_whole(&blocks.masks) {
             canvas.fill_words(finish(mode, scenery.background));
         }
         self.covered.copy_from_slice(&blocks.masks);
@@ -183,6 +183,12 @@ const EMPTY: RunBlock = RunBlock {
     slot: NONE,
 };
 
+/// Whether every pixel of every block is there.
+pub(crate) fn is_whole(masks: &[u16]) -> bool {
+    // All, without stopping at the first that is not: many at a time.
+    masks.iter().fold(u16::MAX, |all, mask| all & mask) == u16::MAX
+}
+
 /// What the blended surfaces of a tile have in common.
 #[derive(Clone, Copy)]
 struct Blended {
@@ -214,6 +220,8 @@ struct Listed {
     parts: Vec<(u32, usize)>,
     /// Blocks by draw while they are sorted.
     loose: Vec<(u32, RunBlock)>,
+    /// The draw and the slot of which these are all blocks in full: most tiles of a near surface have one list.
+    whole: Option<(u32, u32)>,
 }
 
 impl Listed {
@@ -222,6 +230,11 @@ impl Listed {
         let starts = std::iter::once(0).chain(self.parts.iter().map(|(_, end)| *end));
         let parts = starts.zip(&self.parts);
         parts.map(|(start, (draw, end))| (*draw, &self.blocks[start..*end]))
+    }
+
+    fn clear(&mut self) {
+        self.blocks.clear();
+        self.parts.clear();
     }
 
     fn push(&mut self, draw: u32, at: RunBlock) {
@@ -235,8 +248,7 @@ impl Listed {
 
     /// The pixels of `masks` by draw; all are of `slot`, or each has its own.
     fn visible(&mut self, blocks: &TileBlocks, masks: &[u16], slot: u32) {
-        self.blocks.clear();
-        self.parts.clear();
+        let before = self.whole.take();
         let some = masks.iter().enumerate().filter(|(_, mask)| **mask != 0);
         let at = |block: usize, mask| RunBlock {
             block: block as u16,
@@ -244,9 +256,15 @@ impl Listed {
             slot,
         };
         let Some(&first) = blocks.draws.first() else {
+            self.clear();
             return;
         };
         if blocks.draws.iter().all(|draw| *draw == first) {
+            self.whole = is_whole(masks).then_some((first, slot));
+            if self.whole.is_some() && self.whole == before && self.blocks.len() == masks.len() {
+                return;
+            }
+            self.clear();
             // Each is put down, and kept if it has pixels.
             self.blocks.resize(masks.len(), EMPTY);
             let mut count = 0;
@@ -258,6 +276,7 @@ impl Listed {
             self.parts.push((first, count));
             return;
         }
+        self.clear();
         self.loose.clear();
         for (block, &mask) in some {
             let slots = &blocks.slot[block * LANES..(block + 1) * LANES];
@@ -290,8 +309,8 @@ impl Listed {
         offset: [i32; 2],
         blocks: &mut TileBlocks,
     ) {
-        self.blocks.clear();
-        self.parts.clear();
+        self.clear();
+        self.whole = None;
         let wanted = |draw: &texmap_raster::Draw<'_>| draw.pass == Pass::Blended;
         let prepared = scenery.prepared;
         prepared.forward_sample(tile, offset, blocks, &wanted, &mut self.blocks);
