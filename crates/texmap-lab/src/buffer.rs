@@ -1,5 +1,6 @@
 //! Images and arrays read for comparison: what `texmap diff` and `texmap hash` work on.
 
+use std::borrow::Cow;
 use std::path::Path;
 
 use texmap_io::IoError;
@@ -7,7 +8,7 @@ use texmap_io::image_io::{Depth, read_image};
 use texmap_io::npy::{self, Data};
 use texmap_render::hash_pixels;
 
-use crate::metrics::{Metrics, MetricsError, Shape, compare_by};
+use crate::metrics::{Metrics, MetricsError, Shape, check, measure};
 use crate::picture::Picture;
 use crate::strip::heat;
 
@@ -116,23 +117,16 @@ impl Buffer {
     /// what `render --json` calls `pixel_hash`, for an 8-bit image.
     #[must_use]
     pub fn hash(&self) -> String {
-        let side = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
-        let hash =
-            |bytes: &[u8]| hash_pixels(side(self.shape.width), side(self.shape.height), bytes);
-        let of_words = |words: &[u16]| {
-            let bytes: Vec<u8> = words.iter().flat_map(|c| c.to_le_bytes()).collect();
-            hash(&bytes)
+        let bytes: Cow<'_, [u8]> = match &self.values {
+            Values::Image(Depth::U8(v)) | Values::Array(Data::U8(v)) => v.into(),
+            Values::Image(Depth::U16(v)) | Values::Array(Data::U16(v)) => {
+                v.iter().flat_map(|x| x.to_le_bytes()).collect()
+            }
+            Values::Array(Data::F32(v)) => v.iter().flat_map(|x| x.to_le_bytes()).collect(),
+            Values::Array(Data::U32(v)) => v.iter().flat_map(|x| x.to_le_bytes()).collect(),
         };
-        match &self.values {
-            Values::Image(Depth::U8(v)) | Values::Array(Data::U8(v)) => hash(v),
-            Values::Image(Depth::U16(v)) | Values::Array(Data::U16(v)) => of_words(v),
-            Values::Array(Data::F32(v)) => {
-                hash(&v.iter().flat_map(|x| x.to_le_bytes()).collect::<Vec<u8>>())
-            }
-            Values::Array(Data::U32(v)) => {
-                hash(&v.iter().flat_map(|x| x.to_le_bytes()).collect::<Vec<u8>>())
-            }
-        }
+        let side = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
+        hash_pixels(side(self.shape.width), side(self.shape.height), &bytes)
     }
 
     /// Compares with the expected values; `limit` is the largest difference that does not count as over.
@@ -140,12 +134,9 @@ impl Buffer {
     /// # Errors
     /// When the sizes differ or are empty.
     pub fn compare(&self, expected: &Self, limit: f64) -> Result<Metrics, MetricsError> {
-        compare_by(
-            expected.shape,
-            (expected.len(), |i| expected.value(i)),
-            (self.len(), |i| self.value(i)),
-            limit,
-        )
+        check(expected.shape, expected.len(), self.len())?;
+        let pairs = (0..self.len()).map(|i| (expected.value(i), self.value(i)));
+        Ok(measure(expected.shape, limit, pairs))
     }
 
     /// The differences as heat: black where equal, white at `white` and above, magenta where only one value is

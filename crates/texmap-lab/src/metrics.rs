@@ -125,27 +125,17 @@ pub fn compare<T: Copy + Into<f64>>(
     actual: &[T],
     limit: f64,
 ) -> Result<Metrics, MetricsError> {
-    compare_by(
+    check(shape, expected.len(), actual.len())?;
+    let pairs = expected.iter().zip(actual);
+    Ok(measure(
         shape,
-        (expected.len(), |i| expected[i].into()),
-        (actual.len(), |i| actual[i].into()),
         limit,
-    )
+        pairs.map(|(&e, &a)| (e.into(), a.into())),
+    ))
 }
 
-/// [`compare`] of values by their index; each side says how many it has.
-pub(crate) fn compare_by(
-    shape: Shape,
-    (expected_len, expected): (usize, impl Fn(usize) -> f64),
-    (actual_len, actual): (usize, impl Fn(usize) -> f64),
-    limit: f64,
-) -> Result<Metrics, MetricsError> {
-    check(shape, expected_len, actual_len)?;
-    let pairs = (0..expected_len).map(|i| (expected(i), actual(i)));
-    Ok(measure(shape, limit, pairs))
-}
-
-fn check(shape: Shape, expected: usize, actual: usize) -> Result<(), MetricsError> {
+/// Whether a shape holds values, and both images as many.
+pub(crate) fn check(shape: Shape, expected: usize, actual: usize) -> Result<(), MetricsError> {
     let Shape {
         width,
         height,
@@ -170,7 +160,12 @@ fn check(shape: Shape, expected: usize, actual: usize) -> Result<(), MetricsErro
     Ok(())
 }
 
-fn measure(shape: Shape, limit: f64, pairs: impl ExactSizeIterator<Item = (f64, f64)>) -> Metrics {
+/// The figures of values in order, as many as the shape holds.
+pub(crate) fn measure(
+    shape: Shape,
+    limit: f64,
+    pairs: impl ExactSizeIterator<Item = (f64, f64)>,
+) -> Metrics {
     let mut compared = 0;
     let mut largest = Largest::of(pairs.len());
     let (mut sum, mut squares, mut max, mut max_at) = (0.0, 0.0, 0.0, None);
