@@ -261,7 +261,7 @@ impl Listed {
         };
         if blocks.draws.iter().all(|draw| *draw == first) {
             self.whole = is_whole(masks).then_some((first, slot));
-            if self.whole.is_some() && self.whole == before && self.blocks.len() == masks.len() {
+            if before.is_some() && before == self.whole {
                 return;
             }
             self.clear();
@@ -372,6 +372,7 @@ impl Shown<'_> {
 /// Asks for the lines of the frame's rows that a run's blocks are copied to in the end: they come while it is shaded. Sixteen blocks side
 /// by side lie in sixteen lines, so that each asks for one.
 fn ask_for(rows: &[&mut [u8]], run: &[RunBlock]) {
+    // Most runs are a row of blocks: its sixteen lines in order.
     if let [first, .., last] = run
         && first.block % 16 == 0
         && (run.len(), last.block) == (16, first.block + 15)
