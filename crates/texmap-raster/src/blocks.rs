@@ -122,7 +122,7 @@ impl TileBlocks {
 
     /// Takes back what reached over the target's right and lower edge.
     fn trim(&mut self, tile: Tile) {
-        if tile.width == TILE && tile.height == TILE {
+        if tile.is_whole() {
             return;
         }
         for y in 0..TILE {
@@ -468,6 +468,7 @@ impl Prepared<'_> {
                 test: draw.depth_test,
                 write: draw.depth_write && draw.pass != Pass::Blended,
                 tile: bounds,
+                whole: bounds.is_whole(),
                 out,
             };
             stamp_group(s, &group, false, &mut forward);

@@ -26,6 +26,13 @@ pub struct Tile {
     pub height: u32,
 }
 
+impl Tile {
+    /// Whether it is not cut by the target's edge.
+    pub(crate) fn is_whole(self) -> bool {
+        self.width == TILE && self.height == TILE
+    }
+}
+
 /// Draws made ready: transformed, clipped, culled, snapped and binned into tiles. A fragment's id names a triangle, or a
 /// piece of one that was cut or subdivided, of this `Prepared`.
 #[derive(Debug)]

@@ -260,6 +260,8 @@ pub(crate) struct Forward<'b, 'f> {
     pub(crate) test: DepthTest,
     pub(crate) write: bool,
     pub(crate) tile: Tile,
+    /// The tile is of full size.
+    pub(crate) whole: bool,
     pub(crate) out: &'f mut Vec<RunBlock>,
 }
 
@@ -267,6 +269,9 @@ impl Forward<'_, '_> {
     /// Bits of a block that lie in the target.
     #[inline(always)]
     fn inside(&self, block: usize) -> u32 {
+        if self.whole {
+            return u32::from(u16::MAX);
+        }
         let (x, y) = pixel_of(block, 0);
         let (across, down) = (
             self.tile.width.saturating_sub(x).min(4),

@@ -84,13 +84,33 @@ impl<'g, S: Simd> Depth<'g, S> {
         }
     }
 
+    /// The part that the blocks of a row share.
     #[inline(always)]
-    fn at(&self, s: S, px: f32x16<S>, py: f32x16<S>) -> f32x16<S> {
-        let z = match self.wide {
-            None => (self.c + self.b * py) + self.a * px,
-            Some(plane) => wide_at(s, plane, px, py),
+    fn row(&self, py: f32x16<S>) -> DepthRow<'_, 'g, S> {
+        DepthRow {
+            depth: self,
+            py,
+            start: self.c + self.b * py,
+        }
+    }
+}
+
+/// A depth plane on a row of blocks.
+#[derive(Debug, Clone, Copy)]
+struct DepthRow<'d, 'g, S: Simd> {
+    depth: &'d Depth<'g, S>,
+    py: f32x16<S>,
+    start: f32x16<S>,
+}
+
+impl<S: Simd> DepthRow<'_, '_, S> {
+    #[inline(always)]
+    fn at(&self, s: S, px: f32x16<S>) -> f32x16<S> {
+        let z = match self.depth.wide {
+            None => self.start + self.depth.a * px,
+            Some(plane) => wide_at(s, plane, px, self.py),
         };
-        clamp(z, self.lo, self.hi)
+        clamp(z, self.depth.lo, self.depth.hi)
     }
 }
 
@@ -300,10 +320,11 @@ fn scan<S: Simd, K: Sink<S>>(
     let left = places.px + (bx0 * 4) as f32;
     for by in by0..=y1 >> 2 {
         let (mut e, mut px) = (row, left);
+        let depths = depth.row(py);
         for bx in bx0..=x1 >> 2 {
             let covered = (e[0] | e[1] | e[2]).simd_ge(0);
             if covered.any_true() {
-                let z = depth.at(s, px, py);
+                let z = depths.at(s, px);
                 sink.block(s, lane, by as usize * BLOCKS + bx as usize, covered, z);
             }
             e = [e[0] + right[0], e[1] + right[1], e[2] + right[2]];
@@ -325,11 +346,16 @@ fn fill<S: Simd, K: Sink<S>>(
     y: i32,
     sink: &mut K,
 ) {
+    // Steps of four, as in `scan`.
+    let mut py = places.py + y as f32;
+    let left = places.px + x as f32;
     for by in y >> 2..(y >> 2) + 4 {
-        let py = places.py + (by * 4) as f32;
+        let row = depth.row(py);
+        let mut px = left;
         for bx in x >> 2..(x >> 2) + 4 {
-            let z = depth.at(s, places.px + (bx * 4) as f32, py);
-            sink.full_block(s, lane, by as usize * BLOCKS + bx as usize, z);
+            sink.full_block(s, lane, by as usize * BLOCKS + bx as usize, row.at(s, px));
+            px += 4.0;
         }
+        py += 4.0;
     }
 }

@@ -77,6 +77,23 @@ impl Canvas {
         &mut self.light
     }
 
+    /// Puts one finished pixel all over a run.
+    pub(crate) fn put_word(&mut self, level: Level, run: &[RunBlock], word: u32) {
+        let words = &mut self.words;
+        on_wide_level!(
+            level,
+            s => for at in run {
+                put_block(s, words, *at, u32x16::splat(s, word));
+            },
+            else for at in run {
+                let start = at.block as usize * LANES;
+                for bit in bits(at.mask) {
+                    words[start + bit] = word;
+                }
+            }
+        );
+    }
+
     /// Puts finished pixels of a run, sixteen a block.
     pub(crate) fn put_words(&mut self, run: &[RunBlock], words: &[u32]) {
         for (at, from) in run.iter().zip(words.chunks_exact(LANES)) {

@@ -26,6 +26,8 @@ pub(crate) struct TexelStage {
     bytes: bool,
     /// Those bytes are the finished pixels where nothing blends.
     plain: bool,
+    /// The finished pixel of an opaque surface without a texture.
+    word: u32,
 }
 
 impl TexelStage {
@@ -47,14 +49,17 @@ impl TexelStage {
             material.surface.color
         };
         let bytes = base_color.is_some_and(|slot| gives_bytes(&slot.sampler, &slot.texture));
-        Some(Self {
+        let mut stage = Self {
             tint,
             veil: material.opacity,
             blends: material.alpha == AlphaMode::Blend,
             solid,
             bytes,
             plain: bytes && mode == ColorMode::Raw && solid && tint == [1.0; 3],
-        })
+            word: 0,
+        };
+        stage.word = finish(mode, stage.tinted([1.0; 4]));
+        Some(stage)
     }
 
     /// Whether all colours are opaque.
@@ -72,8 +77,8 @@ impl TexelStage {
     }
 
     /// The finished pixel of an opaque surface without a texture.
-    pub(crate) fn word(&self, mode: ColorMode) -> u32 {
-        finish(mode, self.tinted([1.0; 4]))
+    pub(crate) fn word(&self) -> u32 {
+        self.word
     }
 
     /// Finished pixels of a run of `count` places.

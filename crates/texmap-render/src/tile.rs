@@ -314,11 +314,17 @@ impl Listed {
         let wanted = |draw: &texmap_raster::Draw<'_>| draw.pass == Pass::Blended;
         let prepared = scenery.prepared;
         prepared.forward_sample(tile, offset, blocks, &wanted, &mut self.blocks);
-        let draw_of = |at: &RunBlock| blocks.draws[at.slot as usize / LANES];
+        // Slots rise from block to block, and sixteen of them belong to one draw.
         let mut end = 0;
-        for same in self.blocks.chunk_by(|a, b| draw_of(a) == draw_of(b)) {
-            end += same.len();
-            self.parts.push((draw_of(&same[0]), end));
+        while let Some(first) = self.blocks.get(end) {
+            let sixteen = first.slot as usize / LANES;
+            let same = |at: &RunBlock| at.slot as usize / LANES == sixteen;
+            end += self.blocks[end..].partition_point(same);
+            let draw = blocks.draws[sixteen];
+            match self.parts.last_mut() {
+                Some(last) if last.0 == draw => last.1 = end,
+                _ => self.parts.push((draw, end)),
+            }
         }
     }
 }
@@ -336,6 +342,8 @@ struct Shader {
 
 /// A shaded run.
 enum Shown<'a> {
+    /// One finished pixel; opaque.
+    Word(u32),
     /// Finished pixels; opaque.
     Words(&'a [u32]),
     /// Opaque light that is to be finished.
@@ -346,25 +354,10 @@ enum Shown<'a> {
 impl Shown<'_> {
     fn put(&self, level: Level, mode: ColorMode, run: &[RunBlock], canvas: &mut Canvas) {
         match self {
+            Self::Word(word) => canvas.put_word(level, run, *word),
             Self::Words(words) => canvas.put_words(run, words),
             Self::Unfinished(colors) => canvas.put_finished(level, mode, run, colors),
             Self::Light(colors) => canvas.put(level, run, colors),
-        }
-    }
-
-    fn over(
-        &self,
-        level: Level,
-        mode: ColorMode,
-        run: &[RunBlock],
-        canvas: &mut Canvas,
-        covered: &mut [u16],
-    ) {
-        if let Self::Light(colors) = self {
-            canvas.over(level, run, colors, covered);
-        } else {
-            self.put(level, mode, run, canvas);
-            mark(run, covered);
         }
     }
 }
@@ -372,6 +365,9 @@ impl Shown<'_> {
 /// Asks for the lines of the frame's rows that a run's blocks are copied to in the end: they come while it is shaded. Sixteen blocks side
 /// by side lie in sixteen lines, so that each asks for one.
 fn ask_for(rows: &[&mut [u8]], run: &[RunBlock]) {
+    if rows.is_empty() {
+        return;
+    }
     // Most runs are a row of blocks: its sixteen lines in order.
     if let [first, .., last] = run
         && first.block % 16 == 0
@@ -424,43 +420,55 @@ impl Shader {
         mut over: Option<&mut [u16]>,
         ahead: &[&mut [u8]],
     ) {
-        let (level, mode) = (scenery.plan.level, scenery.mode);
-        let runs = listed
-            .parts()
-            .flat_map(|(draw, blocks)| blocks.chunks(RUN_BLOCKS).map(move |run| (draw, run)));
-        for (draw, blocks_of) in runs {
-            ask_for(ahead, blocks_of);
-            if let Some(direct) = &scenery.direct[draw as usize] {
-                let mut from = From {
-                    planes: &self.planes,
-                    blocks,
-                    levels: &mut self.levels,
-                };
-                let done = match (&mut over, finished) {
-                    (Some(covered), false) => {
-                        direct.over(level, &mut from, blocks_of, canvas, covered)
-                    }
-                    (None, false) => false,
-                    (over, true) => {
-                        let done = direct.put(level, &mut from, blocks_of, canvas);
-                        if let (true, Some(covered)) = (done, over) {
-                            mark(blocks_of, covered);
-                        }
-                        done
-                    }
-                };
-                if done {
-                    continue;
-                }
-            }
+        for (draw, blocks_of) in listed.parts() {
+            // Most tiles are soon covered.
+            let unmarked = over.as_ref().is_some_and(|covered| !is_whole(covered));
             for run in blocks_of.chunks(RUN_BLOCKS) {
-                let shown = self.shade(scenery, tile, draw, blocks, run, finished);
-                match &mut over {
-                    Some(covered) => shown.over(level, mode, run, canvas, covered),
-                    None => shown.put(level, mode, run, canvas),
+                ask_for(ahead, run);
+                let (part, covered) = ((draw, run), over.as_deref_mut());
+                let put = self.lay_run(scenery, tile, blocks, part, finished, canvas, covered);
+                if put && unmarked && let Some(covered) = &mut over {
+                    mark(run, covered);
                 }
             }
         }
+    }
+
+    /// Paints a run of a draw; whether it has taken the place of what was there: else it lies over that, and is marked.
+    fn lay_run(
+        &mut self,
+        scenery: &Scenery<'_>,
+        tile: usize,
+        blocks: &TileBlocks,
+        (draw, run): (u32, &[RunBlock]),
+        finished: bool,
+        canvas: &mut Canvas,
+        mut over: Option<&mut [u16]>,
+    ) -> bool {
+        let (level, mode) = (scenery.plan.level, scenery.mode);
+        if let Some(direct) = &scenery.direct[draw as usize] {
+            let mut from = From {
+                planes: &self.planes,
+                blocks,
+                levels: &mut self.levels,
+            };
+            if finished {
+                if direct.put(level, &mut from, run, canvas) {
+                    return true;
+                }
+            } else if let Some(covered) = over.as_deref_mut()
+                && direct.over(level, &mut from, run, canvas, covered)
+            {
+                return false;
+            }
+        }
+        let shown = self.shade(scenery, tile, draw, blocks, run, finished);
+        if let (Shown::Light(colors), Some(covered)) = (&shown, over) {
+            canvas.over(level, run, colors, covered);
+            return false;
+        }
+        shown.put(level, mode, run, canvas);
+        true
     }
 
     /// Shades the listed blocks in runs of one surface, in order, and shows each to `sink`.
@@ -536,10 +544,7 @@ impl Shader {
                 TexelStage::words(level, slot, &mut self.values, count, &mut self.words);
                 return Shown::Words(&self.words[..count]);
             }
-            (Some(stage), None) if finished => {
-                self.words[..count].fill(stage.word(scenery.mode));
-                return Shown::Words(&self.words[..count]);
-            }
+            (Some(stage), None) if finished => return Shown::Word(stage.word()),
             (Some(stage), _) => {
                 stage.colors(level, slot, &mut self.values, count, &mut self.colors);
             }

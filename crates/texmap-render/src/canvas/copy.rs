@@ -1,6 +1,6 @@
 //! From the blocks of a tile to the rows of the frame.
 
-use texmap_math::fearless_simd::{Simd, prelude::*, u8x64, u32x4, u32x16};
+use texmap_math::fearless_simd::{Simd, prelude::*, u8x16, u8x64, u32x4, u32x16};
 use texmap_math::{Level, on_wide_level};
 use texmap_raster::TILE;
 
@@ -10,8 +10,9 @@ use super::{Canvas, LANES};
 const ROW: usize = 4 * TILE as usize;
 /// Words of a row of blocks.
 const BAND: usize = 4 * TILE as usize;
-/// Words of the four blocks whose rows make a line of 64 bytes.
-const FOUR: usize = 4 * LANES;
+/// Bytes of a cache line, and of a block's row.
+const LINE: usize = 64;
+const QUAD: usize = 16;
 
 impl Canvas {
     /// Finished pixels to the tile's rows of the frame.
@@ -22,10 +23,8 @@ impl Canvas {
         on_wide_level!(
             level,
             s => for (band, rows) in self.words.chunks_exact(BAND).zip(fours.chunks_exact_mut(4)) {
-                for (q, blocks) in band.chunks_exact(FOUR).enumerate() {
-                    for (y, row) in rows.iter_mut().enumerate() {
-                        line(s, blocks, y).store_slice(&mut row[64 * q..64 * (q + 1)]);
-                    }
+                for (y, row) in rows.iter_mut().enumerate() {
+                    lines(s, band, y, row);
                 }
             },
             else for (y, row) in fours.iter_mut().enumerate() {
@@ -89,18 +88,40 @@ pub(crate) fn fill_rows(level: Level, rows: &mut [&mut [u8]], word: u32) {
     }
 }
 
-/// A row of four blocks side by side.
+/// Row `y` of a row of blocks. A store over the border of two cache lines takes the time of two, so that what lies before the first
+/// border, and behind the last, goes four pixels at a time.
 #[inline(always)]
-fn line<S: Simd>(s: S, blocks: &[u32], y: usize) -> u8x64<S> {
-    let left = s.combine_u32x4(quad(s, blocks, 0, y), quad(s, blocks, 1, y));
-    let right = s.combine_u32x4(quad(s, blocks, 2, y), quad(s, blocks, 3, y));
-    s.combine_u32x8(left, right).bitcast()
+fn lines<S: Simd>(s: S, band: &[u32], y: usize, row: &mut [u8]) {
+    let ahead = row.as_ptr().align_offset(LINE);
+    let head = if ahead % QUAD == 0 { ahead / QUAD } else { 0 };
+    let (front, rest) = row.split_at_mut_checked(head * QUAD).unwrap_or_default();
+    let (middle, back) = rest.as_chunks_mut::<LINE>();
+    for (block, to) in front.as_chunks_mut::<QUAD>().0.iter_mut().enumerate() {
+        put_quad(s, band, block, y, to);
+    }
+    for (i, to) in middle.iter_mut().enumerate() {
+        let block = head + 4 * i;
+        let left = s.combine_u32x4(quad(s, band, block, y), quad(s, band, block + 1, y));
+        let right = s.combine_u32x4(quad(s, band, block + 2, y), quad(s, band, block + 3, y));
+        let line: u8x64<S> = s.combine_u32x8(left, right).bitcast();
+        line.store_slice(to);
+    }
+    let first = head + 4 * middle.len();
+    for (i, to) in back.as_chunks_mut::<QUAD>().0.iter_mut().enumerate() {
+        put_quad(s, band, first + i, y, to);
+    }
 }
 
 #[inline(always)]
 fn quad<S: Simd>(s: S, blocks: &[u32], block: usize, y: usize) -> u32x4<S> {
     let at = block * LANES + 4 * y;
     u32x4::from_slice(s, &blocks[at..at + 4])
+}
+
+#[inline(always)]
+fn put_quad<S: Simd>(s: S, blocks: &[u32], block: usize, y: usize, to: &mut [u8; QUAD]) {
+    let four: u8x16<S> = quad(s, blocks, block, y).bitcast();
+    four.store_slice(to);
 }
 
 /// Four pixels in memory: one move where the machine is little-endian.
