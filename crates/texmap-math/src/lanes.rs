@@ -30,6 +30,12 @@ pub use table::{look_up, octet};
 /// Lanes of every kernel, on every level.
 pub const LANES: usize = 16;
 
+/// Values of sixteen lanes in memory, in a cache line of their own. A kernel that keeps one has its stack laid out in such lines;
+/// otherwise a compiler may put the registers that it must set aside across two of them, and each comes and goes in twice the time.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[repr(align(64))]
+pub struct Line<T>(pub [T; LANES]);
+
 /// 0, 1, ... 15.
 #[inline(always)]
 pub fn iota<S: Simd>(s: S) -> i32x16<S> {

@@ -17,9 +17,13 @@ mod values;
 mod wide;
 
 pub(crate) use planes::One;
-use planes::{OnePair, Own, three_planes};
+use crate::stamp::BLOCKS;
+use planes::{OnRow, OnePair, Own, Plane, three_planes};
 use values::Columns;
 pub use values::{BlockSink, BlockValues};
+
+/// Blocks across a tile.
+const ROW: u16 = BLOCKS as u16;
 
 /// Pixels a run holds at most.
 pub const RUN: usize = 256;
@@ -188,15 +192,39 @@ impl TilePlanes {
                 if first != spread_slot {
                     (spread, spread_slot) = (OnePair::new(self, first, wanted), first);
                 }
-                values = spread.values::<S, D>(s, centres);
+                values = spread.on_row(s, centres[1]).values::<D>(s, centres[0]);
             } else {
                 let planes = three_planes(s, self, words, slots, [0, 1 + wanted[0], 1 + wanted[1]]);
-                values = BlockValues::new::<D>(s, planes, None, centres);
+                values = pair_of::<S, D>(s, planes, centres);
             }
             if !self.is_plain() {
                 self.mend::<S, D>(s, slots, at, one, wanted, &mut values);
             }
             sink.block(s, i, at, &values);
+        }
+    }
+
+    /// [`each_block`](Self::each_block) for blocks that all name their slot, where the table [is plain](Self::is_plain): what the
+    /// blocks of a row share stays in registers.
+    #[inline(always)]
+    pub fn each_named<S: Simd, const D: bool, K: BlockSink<S>>(
+        &self,
+        s: S,
+        run: &[RunBlock],
+        wanted: [usize; 2],
+        sink: &mut K,
+    ) {
+        let same = |a: &RunBlock, b: &RunBlock| (a.slot, a.block / ROW) == (b.slot, b.block / ROW);
+        let mut first = 0;
+        for part in run.chunk_by(same) {
+            let pair = OnePair::new(self, part[0].slot, wanted);
+            let [_, py] = centres(s, part[0].block);
+            let on_row = pair.on_row(s, py);
+            for (i, &at) in part.iter().enumerate() {
+                let [px, _] = centres(s, at.block);
+                sink.block(s, first + i, at, &on_row.values::<D>(s, px));
+            }
+            first += part.len();
         }
     }
 
@@ -230,7 +258,7 @@ impl TilePlanes {
             ];
             let slots = u32x16::from_slice(s, slots);
             let planes = three_planes(s, self, words, slots, [0, 1 + wanted[0], 1 + wanted[1]]);
-            sink.block(s, i, at, &BlockValues::new::<D>(s, planes, None, centres));
+            sink.block(s, i, at, &pair_of::<S, D>(s, planes, centres));
         }
     }
 
@@ -332,11 +360,36 @@ impl TilePlanes {
     }
 }
 
+/// Two attributes of pixels by their planes of 1/w and both.
+#[inline(always)]
+fn pair_of<S: Simd, const D: bool>(
+    s: S,
+    [w, first, second]: [Plane<S>; 3],
+    [px, py]: [f32x16<S>; 2],
+) -> BlockValues<S> {
+    let planes = [
+        &OnRow::new(w, py),
+        &OnRow::new(first, py),
+        &OnRow::new(second, py),
+    ];
+    BlockValues::new::<D>(s, planes, None, px)
+}
+
+/// The centres of the first pixels of a tile's rows of blocks, and of its columns, from the tile's middle.
+static CENTRES: [f32; BLOCKS] = {
+    let mut centres = [0.0; BLOCKS];
+    let mut i = 0;
+    while i < BLOCKS {
+        centres[i] = (4 * i) as f32 - (TILE as f32 / 2.0 - 0.5);
+        i += 1;
+    }
+    centres
+};
+
 /// Pixel centres of a block from the tile's middle.
 #[inline(always)]
 fn centres<S: Simd>(s: S, block: u16) -> [f32x16<S>; 2] {
-    let (x, y) = pixel_of(block as usize, 0);
-    let half = TILE as f32 / 2.0 - 0.5;
+    let block = usize::from(block);
     let column = f32x16::from_slice(
         s,
         &[
@@ -349,5 +402,8 @@ fn centres<S: Simd>(s: S, block: u16) -> [f32x16<S>; 2] {
             0., 0., 0., 0., 1., 1., 1., 1., 2., 2., 2., 2., 3., 3., 3., 3.,
         ],
     );
-    [column + (x as f32 - half), row + (y as f32 - half)]
+    [
+        column + CENTRES[block % BLOCKS],
+        row + CENTRES[block / BLOCKS % BLOCKS],
+    ]
 }

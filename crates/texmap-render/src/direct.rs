@@ -154,8 +154,12 @@ impl Blocks<'_> {
 impl<S: Simd> Source<S> for Blocks<'_> {
     #[inline(always)]
     fn each<const D: bool, K: BlockSink<S>>(&self, s: S, run: &[RunBlock], sink: &mut K) {
-        self.planes
-            .each_block::<_, D, _>(s, self.blocks, run, [0, 1], sink);
+        let uv = [0, 1];
+        if self.planes.is_plain() && run.iter().all(|at| at.slot != NONE) {
+            self.planes.each_named::<_, D, _>(s, run, uv, sink);
+        } else {
+            self.planes.each_block::<_, D, _>(s, self.blocks, run, uv, sink);
+        }
     }
 
     #[inline(always)]
@@ -200,8 +204,13 @@ fn paint<S: Simd, P: Source<S>, B: Brush<S>>(
 ) {
     match view.kind {
         Kind::Nearest => {
-            let mut sink = Nearest { view, brush };
-            source.each::<false, _>(s, run, &mut sink);
+            for run in run.chunks(RUN / LANES) {
+                source.each::<false, _>(s, run, &mut Placed { levels });
+                for (i, at) in run.iter().enumerate() {
+                    let [u, v] = levels.uv.at(s, i);
+                    brush.block(s, *at, packed::nearest_lanes(s, view, u, v));
+                }
+            }
         }
         Kind::Bilinear => {
             for run in run.chunks(RUN / LANES) {
@@ -298,20 +307,6 @@ impl<S: Simd> Brush<S> for Over<'_> {
     fn block(&mut self, s: S, at: RunBlock, texels: u32x16<S>) {
         let color = self.stage.tint_block(s, packed::unpack_lanes(s, texels));
         over_block(s, self.light, at, color, self.covered);
-    }
-}
-
-struct Nearest<'a, B> {
-    view: &'a View<'a>,
-    brush: &'a mut B,
-}
-
-impl<S: Simd, B: Brush<S>> BlockSink<S> for Nearest<'_, B> {
-    #[inline(always)]
-    fn block(&mut self, s: S, _i: usize, at: RunBlock, values: &BlockValues<S>) {
-        let [u, v] = values.value;
-        self.brush
-            .block(s, at, packed::nearest_lanes(s, self.view, u, v));
     }
 }
 

@@ -1,7 +1,7 @@
 //! Where the planes of a block's pixels lie, and how they come into lanes. Plane 0 is that of 1/w, plane 1 + k that of attribute k.
 
 use texmap_math::fearless_simd::{Simd, f32x16, mask32x16, prelude::*, u32x16};
-use texmap_math::lanes::{LANES, Words, clamp, clamp_scalar, gather, is_wide, octet};
+use texmap_math::lanes::{LANES, Line, Words, clamp, clamp_scalar, gather, is_wide, octet};
 
 use super::BlockValues;
 use crate::plane_table::{COEFFICIENTS, TilePlanes};
@@ -109,24 +109,39 @@ impl<'t> OnePair<'t> {
         }
     }
 
+    /// What the blocks of a row share.
+    #[inline(always)]
+    pub(super) fn on_row<S: Simd>(&self, s: S, py: f32x16<S>) -> PairOnRow<S> {
+        let [w, first, second] = self.planes;
+        PairOnRow {
+            w: OnRow::new(spread(s, w, self.lane), py),
+            pair: [
+                OnRow::new(spread(s, first, self.lane), py),
+                OnRow::new(spread(s, second, self.lane), py),
+            ],
+            level: lanes_of(s, self.level),
+            linear: self.linear,
+        }
+    }
+}
+
+/// [`OnePair`] on a row of blocks.
+pub(super) struct PairOnRow<S: Simd> {
+    w: OnRow<S>,
+    pair: [OnRow<S>; 2],
+    level: Option<[f32x16<S>; 2]>,
+    linear: [bool; 2],
+}
+
+impl<S: Simd> PairOnRow<S> {
     /// The values of a block.
     #[inline(always)]
-    pub(super) fn values<S: Simd, const D: bool>(
-        &self,
-        s: S,
-        centres: [f32x16<S>; 2],
-    ) -> BlockValues<S> {
-        let [w, first, second] = self.planes;
-        let planes = [
-            spread(s, w, self.lane),
-            spread(s, first, self.lane),
-            spread(s, second, self.lane),
-        ];
-        let mut values = BlockValues::new::<D>(s, planes, lanes_of(s, self.level), centres);
+    pub(super) fn values<const D: bool>(&self, s: S, px: f32x16<S>) -> BlockValues<S> {
+        let mut values = BlockValues::new::<D>(s, [&self.w, &self.pair[0], &self.pair[1]], self.level, px);
         if self.linear != [false; 2] {
             for k in 0..2 {
                 if self.linear[k] {
-                    let [u, dx, dy] = straight(planes[1 + k], centres);
+                    let [u, dx, dy] = self.pair[k].straight(px);
                     (values.value[k], values.ddx[k], values.ddy[k]) = (u, dx, dy);
                 }
             }
@@ -282,8 +297,9 @@ pub(super) fn three_planes<S: Simd>(
     }
     let (octets, within) = (slots >> 3, slots & 7);
     let [i, j, k] = [i * COEFFICIENTS, j * COEFFICIENTS, k * COEFFICIENTS];
-    let mut lanes = [0; LANES];
-    octets.store_slice(&mut lanes);
+    let mut line = Line([0; LANES]);
+    octets.store_slice(&mut line.0);
+    let Line(lanes) = &line;
     let (key, rows) = (lanes[0], table.group_of(lanes[0] << 3));
     let mut out = [
         pick(s, plane(rows, i), key, within),
@@ -334,13 +350,34 @@ fn lanes_of<S: Simd>(s: S, level: Option<[f32; 2]>) -> Option<[f32x16<S>; 2]> {
     Some([f32x16::splat(s, w), f32x16::splat(s, r)])
 }
 
-/// A plane as if its attribute were linear on the screen: value, and change to the right and down.
-#[inline(always)]
-pub(super) fn straight<S: Simd>(
-    [a, b, c, lo, hi]: Plane<S>,
-    [px, py]: [f32x16<S>; 2],
-) -> [f32x16<S>; 3] {
-    [clamp((c + b * py) + a * px, lo, hi), a, b]
+/// A plane on a row of blocks.
+#[derive(Clone, Copy)]
+pub(super) struct OnRow<S: Simd> {
+    a: f32x16<S>,
+    b: f32x16<S>,
+    /// Its value at the tile's middle column.
+    start: f32x16<S>,
+    lo: f32x16<S>,
+    hi: f32x16<S>,
+}
+
+impl<S: Simd> OnRow<S> {
+    #[inline(always)]
+    pub(super) fn new([a, b, c, lo, hi]: Plane<S>, py: f32x16<S>) -> Self {
+        let start = c + b * py;
+        Self { a, b, start, lo, hi }
+    }
+
+    #[inline(always)]
+    fn at(&self, px: f32x16<S>) -> f32x16<S> {
+        self.start + self.a * px
+    }
+
+    /// As if the attribute were linear on the screen: value, and change to the right and down.
+    #[inline(always)]
+    pub(super) fn straight(&self, px: f32x16<S>) -> [f32x16<S>; 3] {
+        [clamp(self.at(px), self.lo, self.hi), self.a, self.b]
+    }
 }
 
 /// Takes over the plane of some pixels.
@@ -360,7 +397,7 @@ fn plane(rows: &[[f32; LANES]], row: usize) -> &Plane16 {
 
 /// The pixels of a block, with 1 / clip w and its reciprocal.
 pub(super) struct Pixels<S: Simd> {
-    centres: [f32x16<S>; 2],
+    px: f32x16<S>,
     /// Change of 1/w to the right and down.
     slope: [f32x16<S>; 2],
     pub(super) w: f32x16<S>,
@@ -371,20 +408,20 @@ impl<S: Simd> Pixels<S> {
     #[inline(always)]
     pub(super) fn new(
         s: S,
-        [a, b, c, lo, hi]: Plane<S>,
+        plane: &OnRow<S>,
         level: Option<[f32x16<S>; 2]>,
-        [px, py]: [f32x16<S>; 2],
+        px: f32x16<S>,
     ) -> Self {
         let [w, r] = match level {
             Some(level) => level,
             None => {
-                let w = clamp((c + b * py) + a * px, lo, hi);
+                let w = clamp(plane.at(px), plane.lo, plane.hi);
                 [w, f32x16::splat(s, 1.0) / w]
             }
         };
         Self {
-            centres: [px, py],
-            slope: [a, b],
+            px,
+            slope: [plane.a, plane.b],
             w,
             r,
         }
@@ -392,10 +429,9 @@ impl<S: Simd> Pixels<S> {
 
     /// An attribute of a plane, and if `D` its change to the right and down.
     #[inline(always)]
-    pub(super) fn attribute<const D: bool>(&self, [a, b, c, lo, hi]: Plane<S>) -> [f32x16<S>; 3] {
-        let ([px, py], [wa, wb]) = (self.centres, self.slope);
-        let at = (c + b * py) + a * px;
-        let u = clamp(at * self.r, lo, hi);
+    pub(super) fn attribute<const D: bool>(&self, plane: &OnRow<S>) -> [f32x16<S>; 3] {
+        let (OnRow { a, b, .. }, [wa, wb]) = (*plane, self.slope);
+        let u = clamp(plane.at(self.px) * self.r, plane.lo, plane.hi);
         if !D {
             return [u, a, b];
         }

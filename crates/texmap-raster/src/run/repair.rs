@@ -4,7 +4,7 @@
 use texmap_math::fearless_simd::{Simd, prelude::*, u32x16};
 use texmap_math::lanes::{LANES, Words};
 
-use super::planes::{Own, PlaneSource, straight};
+use super::planes::{OnRow, Own, PlaneSource};
 use super::values::{BlockValues, Columns, ColumnsAt, lanes_of};
 use super::wide::Wide;
 use super::{RunBlock, centres};
@@ -147,9 +147,10 @@ impl TilePlanes {
                 };
                 let own = Own::new(s, self, words, u32x16::from_slice(s, lanes));
                 let flags = lanes.map(|slot| self.linear(slot));
-                let centres = centres(s, block);
+                let [px, py] = centres(s, block);
                 for (i, &k) in wanted.iter().enumerate() {
-                    let [u, dx, dy] = straight(own.plane(s, 1 + k), centres);
+                    let plane = OnRow::new(own.plane(s, 1 + k), py);
+                    let [u, dx, dy] = plane.straight(px);
                     let mut values = [[0.0; LANES]; 3];
                     u.store_slice(&mut values[0]);
                     dx.store_slice(&mut values[1]);

@@ -5,7 +5,7 @@ use core::ops::Range;
 use texmap_math::fearless_simd::{Simd, f32x16, prelude::*};
 use texmap_math::lanes::LANES;
 
-use super::planes::{Pixels, Plane, PlaneSource, straight};
+use super::planes::{OnRow, Pixels, PlaneSource};
 use super::repair::Patch;
 use super::{Column, RUN_ROOM, RunBlock};
 
@@ -39,11 +39,11 @@ impl<S: Simd> BlockValues<S> {
     #[inline(always)]
     pub(super) fn new<const D: bool>(
         s: S,
-        [w, first, second]: [Plane<S>; 3],
+        [w, first, second]: [&OnRow<S>; 3],
         level: Option<[f32x16<S>; 2]>,
-        centres: [f32x16<S>; 2],
+        px: f32x16<S>,
     ) -> Self {
-        let pixels = Pixels::new(s, w, level, centres);
+        let pixels = Pixels::new(s, w, level, px);
         let [u, ux, uy] = pixels.attribute::<D>(first);
         let [v, vx, vy] = pixels.attribute::<D>(second);
         Self {
@@ -113,17 +113,18 @@ impl Columns<'_> {
         s: S,
         i: usize,
         source: &P,
-        centres: [f32x16<S>; 2],
+        [px, py]: [f32x16<S>; 2],
         wanted: &[usize],
     ) {
-        let pixels = Pixels::new(s, source.plane(s, 0), source.level(s), centres);
+        let w = OnRow::new(source.plane(s, 0), py);
+        let pixels = Pixels::new(s, &w, source.level(s), px);
         pixels.w.store_slice(&mut self.inv_w[lanes_of(i)]);
         for (column, &k) in self.columns.iter_mut().zip(wanted) {
-            let plane = source.plane(s, 1 + k);
+            let plane = OnRow::new(source.plane(s, 1 + k), py);
             if source.is_linear(k) {
-                column.put::<S, D>(i, straight(plane, centres));
+                column.put::<S, D>(i, plane.straight(px));
             } else {
-                column.put::<S, D>(i, pixels.attribute::<D>(plane));
+                column.put::<S, D>(i, pixels.attribute::<D>(&plane));
             }
         }
     }
