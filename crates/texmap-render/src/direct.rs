@@ -129,6 +129,17 @@ impl<'a> From<'a> {
 pub(crate) trait Source<S: Simd> {
     fn each<const D: bool, K: BlockSink<S>>(&self, s: S, run: &[RunBlock], sink: &mut K);
 
+    /// [`each`](Self::each) in a loop that leaves registers to the sink; false, with nothing done, where it does not serve.
+    #[inline(always)]
+    fn each_named<const D: bool, K: BlockSink<S>>(
+        &self,
+        _s: S,
+        _run: &[RunBlock],
+        _sink: &mut K,
+    ) -> bool {
+        false
+    }
+
     /// Whether all texels of the first block of `run` are surely magnified, and it is worth knowing. `last` is the slot that was asked
     /// about before, and the answer.
     fn is_magnified(&self, s: S, run: &[RunBlock], view: &View<'_>, last: &mut (u32, bool))
@@ -154,12 +165,24 @@ impl Blocks<'_> {
 impl<S: Simd> Source<S> for Blocks<'_> {
     #[inline(always)]
     fn each<const D: bool, K: BlockSink<S>>(&self, s: S, run: &[RunBlock], sink: &mut K) {
-        let uv = [0, 1];
-        if self.planes.is_plain() && run.iter().all(|at| at.slot != NONE) {
-            self.planes.each_named::<_, D, _>(s, run, uv, sink);
-        } else {
-            self.planes.each_block::<_, D, _>(s, self.blocks, run, uv, sink);
+        if !self.each_named::<D, K>(s, run, sink) {
+            self.planes
+                .each_block::<_, D, _>(s, self.blocks, run, [0, 1], sink);
         }
+    }
+
+    #[inline(always)]
+    fn each_named<const D: bool, K: BlockSink<S>>(
+        &self,
+        s: S,
+        run: &[RunBlock],
+        sink: &mut K,
+    ) -> bool {
+        let named = self.planes.is_plain() && run.iter().all(|at| at.slot != NONE);
+        if named {
+            self.planes.each_named::<_, D, _>(s, run, [0, 1], sink);
+        }
+        named
     }
 
     #[inline(always)]
@@ -204,6 +227,11 @@ fn paint<S: Simd, P: Source<S>, B: Brush<S>>(
 ) {
     match view.kind {
         Kind::Nearest => {
+            if let Some(texels) = packed::Masked::new(s, view)
+                && source.each_named::<false, _>(s, run, &mut Nearest { texels, brush })
+            {
+                return;
+            }
             for run in run.chunks(RUN / LANES) {
                 source.each::<false, _>(s, run, &mut Placed { levels });
                 for (i, at) in run.iter().enumerate() {
@@ -307,6 +335,19 @@ impl<S: Simd> Brush<S> for Over<'_> {
     fn block(&mut self, s: S, at: RunBlock, texels: u32x16<S>) {
         let color = self.stage.tint_block(s, packed::unpack_lanes(s, texels));
         over_block(s, self.light, at, color, self.covered);
+    }
+}
+
+struct Nearest<'a, 'v, S: Simd, B> {
+    texels: packed::Masked<'v, S>,
+    brush: &'a mut B,
+}
+
+impl<S: Simd, B: Brush<S>> BlockSink<S> for Nearest<'_, '_, S, B> {
+    #[inline(always)]
+    fn block(&mut self, s: S, _i: usize, at: RunBlock, values: &BlockValues<S>) {
+        let [u, v] = values.value;
+        self.brush.block(s, at, self.texels.nearest(s, u, v));
     }
 }
 

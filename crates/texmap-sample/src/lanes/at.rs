@@ -112,6 +112,18 @@ impl<S: Simd> At<S> {
                 place(s, view, view.axes[1], v, self.units_y),
             );
         }
+        self.place_masked(s, view, u, v)
+    }
+
+    /// [`place`](Self::place) where wraps are masks.
+    #[inline(always)]
+    pub(crate) fn place_masked(
+        &self,
+        s: S,
+        view: &View<'_>,
+        u: f32x16<S>,
+        v: f32x16<S>,
+    ) -> (f32x16<S>, f32x16<S>) {
         let (x, y) = (u * self.units_x, v * self.units_y);
         let reach = f32x16::splat(s, view.reach);
         let (in_x, in_y) = (x.abs().simd_lt(reach), y.abs().simd_lt(reach));
@@ -134,15 +146,26 @@ impl<S: Simd> At<S> {
         j: i32x16<S>,
     ) -> Place<S> {
         if view.masked {
-            let y = (j & (self.height - 1)) ^ self.turn;
-            let x = i & (self.width - 1);
-            return Place {
-                word: self.word::<FORMAT>(view, self.row_start(y) + x),
-                sign: x,
-            };
+            return self.texel_masked::<FORMAT>(view, i, j);
         }
         let (x, y) = self.wrapped(s, view, i, j);
         self.general::<FORMAT>(view, x, y)
+    }
+
+    /// [`texel`](Self::texel) where wraps are masks.
+    #[inline(always)]
+    pub(crate) fn texel_masked<const FORMAT: u8>(
+        &self,
+        view: &View<'_>,
+        i: i32x16<S>,
+        j: i32x16<S>,
+    ) -> Place<S> {
+        let y = (j & (self.height - 1)) ^ self.turn;
+        let x = i & (self.width - 1);
+        Place {
+            word: self.word::<FORMAT>(view, self.row_start(y) + x),
+            sign: x,
+        }
     }
 
     /// The texels at unwrapped indices (i, j), (i + 1, j), (i, j + 1), (i + 1, j + 1).
