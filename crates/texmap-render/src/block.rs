@@ -133,14 +133,13 @@ impl<'a> Job<'a> {
                 return 0;
             }
         }
-        let canvas = if self.scenery.samples.is_some() {
-            scratch.painter.resolved()
+        let painter = &mut scratch.painter;
+        if self.scenery.samples.is_some() {
+            let level = self.scenery.plan.level;
+            painter.resolved().copy_to(level, &mut block.rgba);
         } else {
-            scratch
-                .painter
-                .paint(&self.scenery, index, Some(&block.rgba))
-        };
-        canvas.copy_to(self.scenery.plan.level, &mut block.rgba);
+            painter.paint_rows(&self.scenery, index, &mut block.rgba);
+        }
         count_ones(scratch.painter.covered())
     }
 

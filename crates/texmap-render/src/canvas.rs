@@ -8,7 +8,7 @@ use texmap_math::{Level, color, lanes};
 use texmap_raster::{RUN_ROOM, RunBlock, TILE};
 
 use crate::ColorMode;
-pub(crate) use copy::fill_rows;
+pub(crate) use copy::{fill_rows, put_block_rows, rows_fit};
 use texmap_math::on_wide_level;
 
 /// Pixels of a block.

@@ -8,7 +8,7 @@ use texmap_raster::{
 use texmap_sample::lanes::packed::{self, FootprintLanes};
 use texmap_sample::lanes::{Kind, View};
 
-use crate::canvas::{Canvas, LANES, over_block, put_block};
+use crate::canvas::{Canvas, LANES, over_block, put_block, put_block_rows};
 use crate::plan::Surface;
 use crate::texel::{RunUv, TexelStage};
 use texmap_math::on_wide_level;
@@ -62,6 +62,27 @@ impl<'a> Direct<'a> {
             level,
             s => {
                 self.paint(s, &from.source(), from.levels, run, &mut Put { words });
+                true
+            },
+            else false
+        )
+    }
+
+    /// [`put`](Self::put) without a canvas in between.
+    pub(crate) fn put_rows(
+        &self,
+        level: Level,
+        from: &mut From<'_>,
+        run: &[RunBlock],
+        rows: &mut [&mut [u8]],
+    ) -> bool {
+        if !self.stage.gives_words() {
+            return false;
+        }
+        on_wide_level!(
+            level,
+            s => {
+                self.paint(s, &from.source(), from.levels, run, &mut PutRows { rows });
                 true
             },
             else false
@@ -321,6 +342,17 @@ impl<S: Simd> Brush<S> for Put<'_> {
     #[inline(always)]
     fn block(&mut self, s: S, at: RunBlock, texels: u32x16<S>) {
         put_block(s, self.words, at, texels);
+    }
+}
+
+struct PutRows<'a, 'r> {
+    rows: &'a mut [&'r mut [u8]],
+}
+
+impl<S: Simd> Brush<S> for PutRows<'_, '_> {
+    #[inline(always)]
+    fn block(&mut self, s: S, at: RunBlock, texels: u32x16<S>) {
+        put_block_rows(s, self.rows, at, texels);
     }
 }
 

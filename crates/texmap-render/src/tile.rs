@@ -7,7 +7,7 @@ use texmap_raster::{
 };
 
 use crate::ColorMode;
-use crate::canvas::{Canvas, Colors, LANES, finish};
+use crate::canvas::{Canvas, Colors, LANES, finish, rows_fit};
 use crate::direct::{Direct, From, Levels};
 use crate::lit_lanes::{LitLanes, LitScratch};
 use crate::plan::Plan;
@@ -98,6 +98,59 @@ impl Painter {
             scenery.prepared.visible_blocks(tile, scenery.plan, blocks);
         }
         blocks
+    }
+
+    /// Paints what [`see`](Self::see) saw and the blended surfaces onto the tile's rows of the frame.
+    pub(crate) fn paint_rows(
+        &mut self,
+        scenery: &Scenery<'_>,
+        tile: usize,
+        rows: &mut [&mut [u8]],
+    ) {
+        if !self.paint_straight(scenery, tile, rows) {
+            let canvas = self.paint(scenery, tile, Some(rows));
+            canvas.copy_to(scenery.plan.level, rows);
+        }
+    }
+
+    /// Paints texels without a canvas in between, where they are all of a whole tile; false, with nothing done, elsewhere.
+    fn paint_straight(
+        &mut self,
+        scenery: &Scenery<'_>,
+        tile: usize,
+        rows: &mut [&mut [u8]],
+    ) -> bool {
+        let blocks = &self.samples[0].blocks;
+        let straight = |draw: &u32| {
+            let direct = &scenery.direct[*draw as usize];
+            direct.as_ref().is_some_and(Direct::gives_words)
+        };
+        if !rows_fit(rows)
+            || !is_whole(&blocks.masks)
+            || !blocks.draws.iter().all(straight)
+            || blended(scenery.plan, blocks).is_some()
+        {
+            return false;
+        }
+        scenery.prepared.planes(tile, &mut self.shader.planes);
+        self.covered.copy_from_slice(&blocks.masks);
+        let slot = if self.alone { 0 } else { NONE };
+        self.listed.visible(blocks, &blocks.masks, slot);
+        for (draw, blocks_of) in self.listed.parts() {
+            let Some(direct) = &scenery.direct[draw as usize] else {
+                continue;
+            };
+            for run in blocks_of.chunks(RUN_BLOCKS) {
+                ask_for(rows, run);
+                let mut from = From {
+                    planes: &self.shader.planes,
+                    blocks,
+                    levels: &mut self.shader.levels,
+                };
+                direct.put_rows(scenery.plan.level, &mut from, run, rows);
+            }
+        }
+        true
     }
 
     /// Paints what [`see`](Self::see) saw and the blended surfaces: the finished tile for these rows of the frame, or its light if

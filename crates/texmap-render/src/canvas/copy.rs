@@ -2,7 +2,7 @@
 
 use texmap_math::fearless_simd::{Simd, prelude::*, u8x16, u8x64, u32x4, u32x16};
 use texmap_math::{Level, on_wide_level};
-use texmap_raster::TILE;
+use texmap_raster::{RunBlock, TILE};
 
 use super::{Canvas, LANES};
 
@@ -84,6 +84,44 @@ pub(crate) fn fill_rows(level: Level, rows: &mut [&mut [u8]], word: u32) {
         );
         for pixel in rest.as_chunks_mut().0 {
             *pixel = word.to_le_bytes();
+        }
+    }
+}
+
+/// Whether these are all rows of a tile, as a block's words lie in memory.
+pub(crate) fn rows_fit(rows: &[&mut [u8]]) -> bool {
+    cfg!(target_endian = "little")
+        && rows.len() == TILE as usize
+        && rows.iter().all(|row| row.len() == ROW)
+}
+
+/// Puts finished pixels of a block in the tile's rows.
+#[inline(always)]
+pub(crate) fn put_block_rows<S: Simd>(
+    s: S,
+    rows: &mut [&mut [u8]],
+    at: RunBlock,
+    front: u32x16<S>,
+) {
+    let (x, y) = (usize::from(at.block) % 16, usize::from(at.block) / 16);
+    let Some(rows) = rows.get_mut(4 * y..4 * y + 4) else {
+        return;
+    };
+    let (upper, lower) = s.split_u32x16(front);
+    let ((a, b), (c, d)) = (s.split_u32x8(upper), s.split_u32x8(lower));
+    for (i, (row, four)) in rows.iter_mut().zip([a, b, c, d]).enumerate() {
+        let Some(to) = row.get_mut(x * QUAD..(x + 1) * QUAD) else {
+            return;
+        };
+        let four: u8x16<S> = four.bitcast();
+        if at.mask == u16::MAX {
+            four.store_slice(to);
+        } else {
+            let mut bytes = [0; QUAD];
+            four.store_slice(&mut bytes);
+            for bit in (0..4).filter(|bit| at.mask >> (4 * i + bit) & 1 == 1) {
+                to[4 * bit..4 * bit + 4].copy_from_slice(&bytes[4 * bit..4 * bit + 4]);
+            }
         }
     }
 }
