@@ -227,8 +227,12 @@ impl Prepared<'_> {
         self.name_slots(tile, out);
         let TileBlocks { masks, group, .. } = out;
         masks.clear();
-        masks.resize(PIXELS / LANES, 0);
-        stamp_group(s, group, false, &mut Alone { masks });
+        if group.live != 0 && group.covers_tile(0) {
+            masks.resize(PIXELS / LANES, u16::MAX);
+        } else {
+            masks.resize(PIXELS / LANES, 0);
+            stamp_group(s, group, false, &mut Alone { masks });
+        }
         out.trim(self.tile(tile));
         true
     }

@@ -250,16 +250,19 @@ impl Prepared<'_> {
         group.wide = 0;
         if let Some(arrays) = self.arrays(draw) {
             let named = Ids::new(ids, self.first(draw), self.whole());
-            care = named.pieces
-                | self.setup_whole(
-                    s,
-                    &arrays,
-                    draw,
-                    &named,
-                    [bounds.x0, bounds.y0],
-                    sharing,
-                    group,
-                );
+            // Pieces of cut triangles, which are large, are often among themselves.
+            if named.pieces & exists != exists {
+                care = named.pieces
+                    | self.setup_whole(
+                        s,
+                        &arrays,
+                        draw,
+                        &named,
+                        [bounds.x0, bounds.y0],
+                        sharing,
+                        group,
+                    );
+            }
             care &= exists;
         }
         while care != 0 {

@@ -198,8 +198,10 @@ impl Prepared<'_> {
             let mut care = (1u32 << run.ids.len()) - 1;
             if self.has_lanes(run.draw) {
                 let named = Ids::new(run.ids, self.first(run.draw), self.whole());
-                care &= named.pieces
-                    | self.planes_x16(s, run.draw, &named, run.first_slot / LANES, out);
+                if named.pieces & care != care {
+                    care &= named.pieces
+                        | self.planes_x16(s, run.draw, &named, run.first_slot / LANES, out);
+                }
             }
             while care != 0 {
                 let lane = care.trailing_zeros() as usize;

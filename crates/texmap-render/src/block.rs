@@ -25,23 +25,23 @@ pub(crate) struct Job<'a> {
 }
 
 /// A block and the parts of the frame that it owns.
-pub(crate) struct Block<'a> {
+pub(crate) struct Block<'r, 'a> {
     /// In blocks, from the left and from the top.
     column: u32,
     row: u32,
     /// Empty if this pass has no colour.
-    pub(crate) rgba: Vec<&'a mut [u8]>,
-    pub(crate) aovs: Vec<(Aov, AovRows<'a>)>,
+    pub(crate) rgba: &'r mut [&'a mut [u8]],
+    pub(crate) aovs: Vec<(Aov, AovRows<'r, 'a>)>,
 }
 
-impl Block<'_> {
+impl Block<'_, '_> {
     /// All blocks of a frame, row by row from the top left, without buffers.
     pub(crate) fn all(width: u32, height: u32) -> impl Iterator<Item = Self> {
         let across = width.div_ceil(TILE);
         (0..across * height.div_ceil(TILE)).map(move |i| Self {
             column: i % across,
             row: i / across,
-            rgba: Vec::new(),
+            rgba: &mut [],
             aovs: Vec::new(),
         })
     }
@@ -103,14 +103,14 @@ impl<'a> Job<'a> {
     }
 
     /// Draws a block and returns how many of its pixels are covered.
-    pub(crate) fn draw(&self, mut block: Block<'_>, scratch: &mut Scratch) -> u64 {
+    pub(crate) fn draw(&self, mut block: Block<'_, '_>, scratch: &mut Scratch) -> u64 {
         if self.samples > 1 {
             return self.draw_supersampled(block, scratch);
         }
         let index = (block.row * self.tiles_across + block.column) as usize;
         if self.scenery.prepared.is_empty(index) {
             let word = finish(self.scenery.mode, self.scenery.background);
-            fill_rows(self.scenery.plan.level, &mut block.rgba, word);
+            fill_rows(self.scenery.plan.level, block.rgba, word);
             return 0;
         }
         if let Some(places) = self.scenery.samples {
@@ -136,15 +136,15 @@ impl<'a> Job<'a> {
         let painter = &mut scratch.painter;
         if self.scenery.samples.is_some() {
             let level = self.scenery.plan.level;
-            painter.resolved().copy_to(level, &mut block.rgba);
+            painter.resolved().copy_to(level, block.rgba);
         } else {
-            painter.paint_rows(&self.scenery, index, &mut block.rgba);
+            painter.paint_rows(&self.scenery, index, block.rgba);
         }
         count_ones(scratch.painter.covered())
     }
 
     /// The mean, in linear light, of n x n tiles of samples.
-    fn draw_supersampled(&self, block: Block<'_>, scratch: &mut Scratch) -> u64 {
+    fn draw_supersampled(&self, block: Block<'_, '_>, scratch: &mut Scratch) -> u64 {
         let n = self.samples;
         let Scratch {
             painter,
@@ -165,7 +165,7 @@ impl<'a> Job<'a> {
             }
         }
         let samples = (n * n) as f32;
-        for (y, row) in block.rgba.into_iter().enumerate() {
+        for (y, row) in block.rgba.iter_mut().enumerate() {
             for (x, pixel) in row.chunks_exact_mut(4).enumerate() {
                 let mean = sums[y * TILE as usize + x].map(|sum| sum / samples);
                 pixel.copy_from_slice(&finish(self.scenery.mode, mean).to_le_bytes());
@@ -177,7 +177,7 @@ impl<'a> Job<'a> {
     fn add_tile(
         &self,
         index: usize,
-        block: &Block<'_>,
+        block: &Block<'_, '_>,
         painter: &mut Painter,
         sums: &mut [[f32; 4]],
         covered: &mut [bool],
@@ -248,7 +248,7 @@ fn write_aovs(
     scenery: &Scenery<'_>,
     index: usize,
     blocks: &TileBlocks,
-    block: &mut Block<'_>,
+    block: &mut Block<'_, '_>,
     setups: &mut SetupCache,
 ) {
     let tile = scenery.prepared.tile(index);

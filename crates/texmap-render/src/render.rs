@@ -11,7 +11,7 @@ use texmap_raster::{Draw, Prepared, SAMPLES_4, TILE, TargetSize};
 use crate::block::{Block, Job, Scratch};
 use crate::plan::Plan;
 use crate::ready::Ready;
-use crate::rows::{AovRows, split};
+use crate::rows::{AovParts, blocks, split};
 use crate::textures::Chains;
 use crate::{Aov, AovData, Frame, HOLE_BITS, RenderError, Scene, Settings, Stats};
 
@@ -254,32 +254,21 @@ impl<'s> Renderer<'s> {
         counter: &Counter<'_>,
     ) -> u64 {
         let (width, height) = (self.settings.width, self.settings.height);
-        let mut blocks: Vec<_> = Block::all(width, height).map(Some).collect();
-        if let Some(rgba) = rgba {
-            for (block, rows) in blocks
-                .iter_mut()
-                .flatten()
-                .zip(split(rgba, 4, width, height))
-            {
-                block.rgba = rows;
-            }
+        let mut rgba = rgba.map_or(Vec::new(), |rgba| split(rgba, 4, width, height));
+        let mut aovs: Vec<_> = aovs
+            .iter_mut()
+            .map(|(aov, channels, data)| (*aov, AovParts::new(data, *channels, width, height)))
+            .collect();
+        let mut all: Vec<_> = Block::all(width, height).map(Some).collect();
+        for (block, rows) in all.iter_mut().flatten().zip(blocks(&mut rgba, width, height)) {
+            block.rgba = rows;
         }
-        for (aov, channels, data) in aovs {
-            let rows: Vec<AovRows<'_>> = match data {
-                AovData::F32(values) => split(values, *channels, width, height)
-                    .into_iter()
-                    .map(AovRows::F32)
-                    .collect(),
-                AovData::U32(values) => split(values, *channels, width, height)
-                    .into_iter()
-                    .map(AovRows::U32)
-                    .collect(),
-            };
-            for (block, rows) in blocks.iter_mut().flatten().zip(rows) {
+        for (aov, rows) in &mut aovs {
+            for (block, rows) in all.iter_mut().flatten().zip(rows.blocks(width, height)) {
                 block.aovs.push((*aov, rows));
             }
         }
-        let blocks: Vec<Block<'_>> = order.iter().filter_map(|i| blocks[*i].take()).collect();
+        let blocks: Vec<Block<'_, '_>> = order.iter().filter_map(|i| all[*i].take()).collect();
         let covered = AtomicU64::new(0);
         // Some blocks take many times as long as others, and lie side by side.
         blocks.into_par_iter().with_max_len(8).for_each_init(

@@ -2,34 +2,67 @@
 
 use texmap_raster::TILE;
 
+use crate::AovData;
+
 /// A block's rows of one AOV.
-pub(crate) enum AovRows<'a> {
+pub(crate) enum AovRows<'r, 'a> {
+    F32(&'r mut [&'a mut [f32]]),
+    U32(&'r mut [&'a mut [u32]]),
+}
+
+/// The rows of all blocks of one AOV.
+pub(crate) enum AovParts<'a> {
     F32(Vec<&'a mut [f32]>),
     U32(Vec<&'a mut [u32]>),
 }
 
-/// The rows of every block, blocks counted row by row from the top left.
+impl<'a> AovParts<'a> {
+    pub(crate) fn new(data: &'a mut AovData, channels: usize, width: u32, height: u32) -> Self {
+        match data {
+            AovData::F32(values) => Self::F32(split(values, channels, width, height)),
+            AovData::U32(values) => Self::U32(split(values, channels, width, height)),
+        }
+    }
+
+    pub(crate) fn blocks<'r>(&'r mut self, width: u32, height: u32) -> Vec<AovRows<'r, 'a>> {
+        match self {
+            Self::F32(rows) => blocks(rows, width, height).map(AovRows::F32).collect(),
+            Self::U32(rows) => blocks(rows, width, height).map(AovRows::U32).collect(),
+        }
+    }
+}
+
+/// The rows of every block, one block after the other, blocks counted row by row from the top left: see [`blocks`].
 pub(crate) fn split<T>(
     data: &mut [T],
     channels: usize,
     width: u32,
     height: u32,
-) -> Vec<Vec<&mut [T]>> {
+) -> Vec<&mut [T]> {
     let (tile, width) = (TILE as usize, width as usize);
     let across = width.div_ceil(tile);
-    let mut blocks = Vec::with_capacity(across * height.div_ceil(TILE) as usize);
+    let mut rows = Vec::with_capacity(across * height as usize);
     // Block by block: the rows of each are put down in one go.
     for band in data.chunks_mut(width * channels * tile) {
         let mut left: Vec<&mut [T]> = band.chunks_mut(width * channels).collect();
         for column in 0..across {
             let part = (width - column * tile).min(tile) * channels;
-            let rows = left.iter_mut().filter_map(|row| row.split_off_mut(..part));
-            let mut block = Vec::with_capacity(tile);
-            block.extend(rows);
-            blocks.push(block);
+            rows.extend(left.iter_mut().filter_map(|row| row.split_off_mut(..part)));
         }
     }
-    blocks
+    rows
+}
+
+/// What [`split`] gave, block by block.
+pub(crate) fn blocks<'r, 'a, T>(
+    mut rows: &'r mut [&'a mut [T]],
+    width: u32,
+    height: u32,
+) -> impl Iterator<Item = &'r mut [&'a mut [T]]> {
+    let across = width.div_ceil(TILE);
+    let heights = (0..height.div_ceil(TILE)).map(move |y| (height - y * TILE).min(TILE));
+    let heights = heights.flat_map(move |rows| (0..across).map(move |_| rows as usize));
+    heights.map_while(move |count| rows.split_off_mut(..count))
 }
 
 #[cfg(test)]
@@ -40,8 +73,9 @@ mod tests {
     fn every_value_belongs_to_its_block() {
         let (width, height) = (130, 70);
         let mut data = vec![usize::MAX; 130 * 70 * 2];
-        for (index, rows) in split(&mut data, 2, width, height).into_iter().enumerate() {
-            rows.into_iter().for_each(|row| row.fill(index));
+        let mut rows = split(&mut data, 2, width, height);
+        for (index, rows) in blocks(&mut rows, width, height).enumerate() {
+            rows.iter_mut().for_each(|row| row.fill(index));
         }
         for y in 0..70 {
             for x in 0..130 {
