@@ -219,4 +219,9 @@ impl<S: Simd> Sink<S> for Nearest<'_> {
             *stored = depth;
         }
     }
+
+    #[inline(always)]
+    fn takes_pixels(&self) -> bool {
+        true
+    }
 }

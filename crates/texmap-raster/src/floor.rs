@@ -23,7 +23,6 @@ impl Floor {
         };
         let hidden = hidden.to_bitmask() as u32;
         group.live &= !hidden;
-        group.tiny &= !hidden;
     }
 
     /// After a group was stamped.
@@ -36,7 +35,7 @@ impl Floor {
             // What is stored may have become farther.
             self.0 = 0.0;
         } else if draw.pass == Pass::Opaque {
-            let mut large = group.live & !group.tiny;
+            let mut large = group.live & !group.small;
             while large != 0 {
                 let lane = large.trailing_zeros() as usize;
                 large &= large - 1;

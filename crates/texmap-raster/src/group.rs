@@ -27,10 +27,11 @@ pub(crate) struct Group {
     pub z: [[f32; LANES]; 3],
     pub z_lo: [f32; LANES],
     pub z_hi: [f32; LANES],
-    /// Bit per lane: may cover pixels; depth in f64; at most 2x2 pixels.
+    /// Bit per lane: may cover pixels; depth in f64; boxes of at most 2x2 pixels, of at most 4x4.
     pub live: u32,
     pub wide: u32,
     pub tiny: u32,
+    pub small: u32,
     /// The f64 planes of wide lanes.
     pub z_wide: [Plane; LANES],
     /// Where the samples lie from the pixels' centres, in 1/256 pixel.
@@ -456,9 +457,13 @@ impl Prepared<'_> {
         x1.store_slice(&mut group.x1);
         y1.store_slice(&mut group.y1);
         let some: mask32x16<S> = x0.simd_le(x1) & y0.simd_le(y1);
-        let tiny = (x1 - x0).simd_lt(2) & (y1 - y0).simd_lt(2);
+        let (across, down) = (x1 - x0, y1 - y0);
+        let tiny = across.simd_lt(2) & down.simd_lt(2);
+        let small = across.simd_lt(4) & down.simd_lt(4);
         group.live &= some.to_bitmask() as u32;
-        group.tiny = tiny.to_bitmask() as u32 & group.live & !group.wide;
+        let even = group.live & !group.wide;
+        group.tiny = tiny.to_bitmask() as u32 & even;
+        group.small = small.to_bitmask() as u32 & even;
     }
 }
 

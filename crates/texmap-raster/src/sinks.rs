@@ -111,6 +111,12 @@ impl<S: Simd> Sink<S> for Visible<'_, '_> {
         self.slots[index] = self.first_slot + lane as u32;
         self.masks[block] |= 1 << (index % LANES);
     }
+
+    /// Cut-outs are asked about as blocks.
+    #[inline(always)]
+    fn takes_pixels(&self) -> bool {
+        self.cut.is_none()
+    }
 }
 
 /// Keeps what one triangle covers.
@@ -132,6 +138,11 @@ impl<S: Simd> Sink<S> for Alone<'_> {
     #[inline(always)]
     fn pixel(&mut self, _: usize, index: usize, _: f32) {
         self.masks[index / LANES] |= 1 << (index % LANES);
+    }
+
+    #[inline(always)]
+    fn takes_pixels(&self) -> bool {
+        true
     }
 }
 
@@ -194,6 +205,11 @@ impl<S: Simd> Sink<S> for Last<'_> {
                 self.depth[index] = depth;
             }
         }
+    }
+
+    #[inline(always)]
+    fn takes_pixels(&self) -> bool {
+        true
     }
 }
 
@@ -316,5 +332,11 @@ impl<S: Simd> Sink<S> for Forward<'_, '_> {
                 slot: self.first_slot + lane as u32,
             });
         }
+    }
+
+    /// Each would be shaded by itself.
+    #[inline(always)]
+    fn takes_pixels(&self) -> bool {
+        false
     }
 }

@@ -1,5 +1,5 @@
 //! Triangles to 4x4 blocks of pixels: which of the sixteen are covered, and their depth.
-use texmap_math::fearless_simd::{Simd, f32x16, f64x8, i32x16, mask32x16, prelude::*};
+use texmap_math::fearless_simd::{Simd, f32x16, f64x8, i32x16, mask32x16, prelude::*, u32x16};
 use texmap_math::lanes::{LANES, clamp};
 
 use crate::group::Group;
@@ -31,6 +31,9 @@ pub(crate) trait Sink<S: Simd> {
     }
     /// One pixel at `index` of the block order.
     fn pixel(&mut self, lane: usize, index: usize, depth: f32);
+    /// Whether the pixels of a triangle cost less one by one than as parts of blocks where they are few, though they may be more
+    /// than four.
+    fn takes_pixels(&self) -> bool;
 }
 
 /// Numbers that every stamp needs: the lanes' places in a block.
@@ -137,9 +140,15 @@ fn wide_at<S: Simd>(s: S, plane: &Plane, px: f32x16<S>, py: f32x16<S>) -> f32x16
 #[inline(always)]
 pub(crate) fn stamp_group<S: Simd, K: Sink<S>>(s: S, group: &Group, backwards: bool, sink: &mut K) {
     let places = Places::new(s, group.offset);
-    let mut tiny = Tiny::default();
-    if group.tiny != 0 {
-        tiny.fill(s, group);
+    let mut small = Small::default();
+    let boxes = if sink.takes_pixels() {
+        group.small
+    } else {
+        group.tiny
+    };
+    let by_pixels = boxes & group.live;
+    if by_pixels != 0 {
+        small.fill(s, group, by_pixels);
     }
     let mut live = group.live;
     while live != 0 {
@@ -149,60 +158,56 @@ pub(crate) fn stamp_group<S: Simd, K: Sink<S>>(s: S, group: &Group, backwards: b
             live.trailing_zeros() as usize
         };
         live &= !(1 << lane);
-        if group.tiny >> lane & 1 == 1 {
-            tiny.commit::<S, K>(group, lane, sink);
+        if by_pixels >> lane & 1 == 1 && small.covered[lane].count_ones() <= FEW {
+            small.commit::<S, K>(group, lane, sink);
         } else {
             stamp(s, &places, group, lane, sink);
         }
     }
 }
 
-/// Up to 2x2 pixels of sixteen triangles at once: lanes across triangles.
+/// Pixels of a triangle up to which they are taken one by one.
+const FEW: u32 = 6;
+
+/// The pixels of boxes of up to 4x4 of sixteen triangles at once: lanes across triangles.
 #[derive(Debug, Default)]
-struct Tiny {
-    covered: [u32; 4],
-    depth: [[f32; LANES]; 4],
+struct Small {
+    /// Of each triangle, a bit per pixel of its box, in rows of four.
+    covered: [u32; LANES],
+    /// Of each pixel of a box, that of each triangle.
+    depth: [[f32; LANES]; 16],
 }
 
-impl Tiny {
-    /// Out of line: compiled once a level.
+impl Small {
+    /// Of the triangles `asked` for, a bit each. Out of line: compiled once a level.
     #[inline(never)]
-    fn fill<S: Simd>(&mut self, s: S, group: &Group) {
+    fn fill<S: Simd>(&mut self, s: S, group: &Group, asked: u32) {
         s.vectorize(
             #[inline(always)]
-            || self.fill_lanes(s, group),
+            || self.fill_lanes(s, group, asked),
         );
     }
 
     #[inline(always)]
-    fn fill_lanes<S: Simd>(&mut self, s: S, group: &Group) {
+    fn fill_lanes<S: Simd>(&mut self, s: S, group: &Group, asked: u32) {
         let (x0, y0) = (
             i32x16::from_slice(s, &group.x0),
             i32x16::from_slice(s, &group.y0),
         );
-        let (x1, y1) = (
-            i32x16::from_slice(s, &group.x1),
-            i32x16::from_slice(s, &group.y1),
-        );
-        let mut inside = [mask32x16::splat(s, true); 4];
+        let last = [
+            i32x16::from_slice(s, &group.x1) - x0,
+            i32x16::from_slice(s, &group.y1) - y0,
+        ];
+        let zero = i32x16::splat(s, 0);
+        let (mut right, mut down, mut row) = ([zero; 3], [zero; 3], [zero; 3]);
         for k in 0..3 {
-            let a = i32x16::from_slice(s, &group.a[k]);
-            let b = i32x16::from_slice(s, &group.b[k]);
-            let e = (i32x16::from_slice(s, &group.q[k]) + b * y0) + a * x0;
-            inside[0] &= e.simd_ge(0);
-            inside[1] &= (e + a).simd_ge(0);
-            inside[2] &= (e + b).simd_ge(0);
-            inside[3] &= (e + a + b).simd_ge(0);
+            right[k] = i32x16::from_slice(s, &group.a[k]);
+            down[k] = i32x16::from_slice(s, &group.b[k]);
+            row[k] = (i32x16::from_slice(s, &group.q[k]) + down[k] * y0) + right[k] * x0;
         }
-        let (wide, high) = (x1.simd_gt(x0), y1.simd_gt(y0));
-        inside[1] &= wide;
-        inside[2] &= high;
-        inside[3] &= wide & high;
         let half = TILE as f32 / 2.0 - 0.5;
-        let (px, py) = (
-            x0.to_float::<f32x16<S>>() - half + group.offset[0] as f32 / 256.0,
-            y0.to_float::<f32x16<S>>() - half + group.offset[1] as f32 / 256.0,
-        );
+        let left = x0.to_float::<f32x16<S>>() - half + group.offset[0] as f32 / 256.0;
+        let mut py = y0.to_float::<f32x16<S>>() - half + group.offset[1] as f32 / 256.0;
         let a = f32x16::from_slice(s, &group.z[0]);
         let b = f32x16::from_slice(s, &group.z[1]);
         let c = f32x16::from_slice(s, &group.z[2]);
@@ -210,24 +215,41 @@ impl Tiny {
             f32x16::from_slice(s, &group.z_lo),
             f32x16::from_slice(s, &group.z_hi),
         );
-        for (k, inside) in inside.iter().enumerate() {
-            let (x, y) = (px + (k & 1) as f32, py + (k >> 1) as f32);
-            self.covered[k] = inside.to_bitmask() as u32;
-            clamp((c + b * y) + a * x, lo, hi).store_slice(&mut self.depth[k]);
+        let asked = mask32x16::<S>::from_bitmask(s, u64::from(asked));
+        let mut covered = zero;
+        for y in 0..4 {
+            let in_row = asked & last[1].simd_ge(y);
+            if !in_row.any_true() {
+                break;
+            }
+            let (mut e, mut px, start) = (row, left, c + b * py);
+            for x in 0..4 {
+                let there = in_row & last[0].simd_ge(x);
+                if !there.any_true() {
+                    break;
+                }
+                let k = 4 * y + x;
+                let inside = there & (e[0] | e[1] | e[2]).simd_ge(0);
+                covered = inside.select(covered | (1 << k), covered);
+                clamp(start + a * px, lo, hi).store_slice(&mut self.depth[k as usize]);
+                e = [e[0] + right[0], e[1] + right[1], e[2] + right[2]];
+                px += 1.0;
+            }
+            row = [row[0] + down[0], row[1] + down[1], row[2] + down[2]];
+            py += 1.0;
         }
+        covered.bitcast::<u32x16<S>>().store_slice(&mut self.covered);
     }
 
     #[inline(always)]
     fn commit<S: Simd, K: Sink<S>>(&self, group: &Group, lane: usize, sink: &mut K) {
         let (x, y) = (group.x0[lane] as u32, group.y0[lane] as u32);
-        for k in 0..4 {
-            if self.covered[k] >> lane & 1 == 1 {
-                sink.pixel(
-                    lane,
-                    block_index(x + (k as u32 & 1), y + (k as u32 >> 1)),
-                    self.depth[k][lane],
-                );
-            }
+        let mut left = self.covered[lane];
+        while left != 0 {
+            let k = left.trailing_zeros() & 15;
+            left &= left - 1;
+            let index = block_index(x + k % 4, y + k / 4);
+            sink.pixel(lane, index, self.depth[k as usize][lane]);
         }
     }
 }
