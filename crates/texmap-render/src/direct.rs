@@ -24,13 +24,27 @@ pub(crate) struct Direct<'a> {
 pub(crate) struct Levels {
     uv: RunUv,
     lod: [i32; RUN_ROOM],
+    /// Slots in a row of which not all texels were magnified.
+    refusals: u32,
 }
+
+/// What [`Source::is_magnified`] was asked last.
+pub(crate) struct Asked {
+    slot: u32,
+    near: bool,
+    refusals: u32,
+}
+
+/// So many refusals in a row, and only one block of so many is asked about: few surfaces of small triangles are that near.
+const PATIENCE: u32 = 4;
+const SELDOM: u16 = 8;
 
 impl Levels {
     pub(crate) fn new() -> Self {
         Self {
             uv: RunUv::default(),
             lod: [0; RUN_ROOM],
+            refusals: 0,
         }
     }
 }
@@ -161,10 +175,8 @@ pub(crate) trait Source<S: Simd> {
         false
     }
 
-    /// Whether all texels of the first block of `run` are surely magnified, and it is worth knowing. `last` is the slot that was asked
-    /// about before, and the answer.
-    fn is_magnified(&self, s: S, run: &[RunBlock], view: &View<'_>, last: &mut (u32, bool))
-    -> bool;
+    /// Whether all texels of the first block of `run` are surely magnified, and it is worth knowing.
+    fn is_magnified(&self, s: S, run: &[RunBlock], view: &View<'_>, asked: &mut Asked) -> bool;
 }
 
 /// Blocks after the first that a slot must have alone for [`Source::is_magnified`] to be asked.
@@ -212,23 +224,30 @@ impl<S: Simd> Source<S> for Blocks<'_> {
         s: S,
         run: &[RunBlock],
         view: &View<'_>,
-        last: &mut (u32, bool),
+        asked: &mut Asked,
     ) -> bool {
+        let seldom = |at: &RunBlock| at.block % SELDOM != 0;
+        if asked.refusals >= PATIENCE && run.first().is_none_or(seldom) {
+            return false;
+        }
         let Some(slot) = self.only_slot(s, run.first()) else {
             return false;
         };
-        if slot != last.0 {
+        if slot != asked.slot {
             // The question costs as much as the derivatives of a few blocks.
             if self.only_slot(s, run.get(ALIKE)) != Some(slot) {
                 return false;
             }
             let steepest = self.planes.steepest(slot, [0, 1]);
-            *last = (
+            let near = steepest.is_some_and(|[u, v]| magnifies(s, view, u, v));
+            let refusals = if near { 0 } else { asked.refusals + 1 };
+            *asked = Asked {
                 slot,
-                steepest.is_some_and(|[u, v]| magnifies(s, view, u, v)),
-            );
+                near,
+                refusals,
+            };
         }
-        last.1
+        asked.near
     }
 }
 
@@ -267,14 +286,18 @@ fn paint<S: Simd, P: Source<S>, B: Brush<S>>(
             }
         }
         _ => {
-            let mut last = (NONE, false);
+            let mut asked = Asked {
+                slot: NONE,
+                near: false,
+                refusals: levels.refusals,
+            };
             for mut run in run.chunks(RUN / LANES) {
                 while !run.is_empty() {
                     // Neither derivatives nor levels are asked for where the bits do not depend on them.
-                    let near = source.is_magnified(s, run, view, &mut last);
+                    let near = source.is_magnified(s, run, view, &mut asked);
                     let mut alike = 1;
                     while alike < run.len()
-                        && source.is_magnified(s, &run[alike..], view, &mut last) == near
+                        && source.is_magnified(s, &run[alike..], view, &mut asked) == near
                     {
                         alike += 1;
                     }
@@ -287,6 +310,7 @@ fn paint<S: Simd, P: Source<S>, B: Brush<S>>(
                     run = rest;
                 }
             }
+            levels.refusals = asked.refusals;
         }
     }
 }

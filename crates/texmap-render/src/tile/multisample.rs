@@ -7,7 +7,7 @@ use texmap_sample::lanes::View;
 
 use super::{BLOCKS, EMPTY, Painter, RUN_BLOCKS, Sample, Scenery, blended};
 use crate::canvas::{Canvas, LANES, bits, finish, put_block};
-use crate::direct::{Brush, Direct, From, Levels, Source};
+use crate::direct::{Asked, Brush, Direct, From, Levels, Source};
 use texmap_math::on_wide_level;
 
 /// `by[j][k]`: the pixels of a block whose sample j shows the fragment that sample k showed first.
@@ -341,7 +341,7 @@ impl<S: Simd> Source<S> for Scattered<'_> {
             .each_sixteen::<_, D, _>(s, of, run, [0, 1], sink);
     }
 
-    fn is_magnified(&self, _: S, _: &[RunBlock], _: &View<'_>, _: &mut (u32, bool)) -> bool {
+    fn is_magnified(&self, _: S, _: &[RunBlock], _: &View<'_>, _: &mut Asked) -> bool {
         false
     }
 }
