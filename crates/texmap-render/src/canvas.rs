@@ -335,8 +335,12 @@ fn light_lanes<S: Simd>(s: S, light: &[f32], block: usize) -> [f32x16<S>; 4] {
 }
 
 /// Set bits of a mask.
-pub(crate) fn bits(mask: u16) -> impl Iterator<Item = usize> {
-    (0..LANES).filter(move |bit| mask >> bit & 1 == 1)
+pub(crate) fn bits(mut mask: u16) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let bit = mask.trailing_zeros() as usize;
+        mask &= mask.wrapping_sub(1);
+        (bit < LANES).then_some(bit)
+    })
 }
 
 /// Puts finished pixels of a block.

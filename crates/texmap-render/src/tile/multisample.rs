@@ -362,10 +362,8 @@ impl<S: Simd> Brush<S> for Scatter<'_> {
             .iter()
             .zip(&self.strays.shown_by[start..]);
         for (word, (pixel, shown_by)) in words.into_iter().zip(strays) {
-            for (j, sample) in self.rest.iter_mut().enumerate() {
-                if shown_by >> j & 1 == 1 {
-                    *sample.canvas.word_mut(*pixel as usize) = word;
-                }
+            for j in bits(u16::from(*shown_by)) {
+                *self.rest[j].canvas.word_mut(*pixel as usize) = word;
             }
         }
     }
