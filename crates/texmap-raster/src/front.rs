@@ -43,21 +43,42 @@ pub(crate) struct Piece {
 /// What a chunk of triangles became.
 #[derive(Debug, Default)]
 pub(crate) struct Chunk {
-    /// Tile and id, in submitted order.
-    entries: Vec<(u32, u32)>,
+    /// In submitted order, tile by tile as far as neighbours lie in one.
+    ids: Vec<u32>,
+    /// A tile, and how many of the ids it has next.
+    runs: Vec<(u32, usize)>,
     pub pieces: Vec<Piece>,
     pub stats: Stats,
 }
 
 impl Chunk {
-    /// Tile and id, with pieces counted from `first_piece`.
-    pub(crate) fn entries(&self, first_piece: u32) -> impl Iterator<Item = (u32, u32)> + '_ {
-        self.entries.iter().map(move |&(tile, id)| {
-            if id & LOCAL == 0 {
-                (tile, id)
-            } else {
-                (tile, first_piece + (id & !LOCAL))
+    #[inline(always)]
+    fn put(&mut self, tile: u32, id: u32) {
+        if self.ids.len() == self.ids.capacity() {
+            self.ids.reserve(self.ids.len().max(CHUNK / 4));
+        }
+        self.ids.push(id);
+        match self.runs.last_mut() {
+            Some(last) if last.0 == tile => last.1 += 1,
+            _ => self.runs.push((tile, 1)),
+        }
+    }
+
+    /// Names pieces, which are counted within the chunk, from `first_piece` on.
+    pub(crate) fn name_pieces(&mut self, first_piece: u32) {
+        if !self.pieces.is_empty() {
+            for id in self.ids.iter_mut().filter(|id| **id & LOCAL != 0) {
+                *id = first_piece + (*id & !LOCAL);
             }
+        }
+    }
+
+    /// Tiles and their ids, in submitted order; a tile may come again.
+    pub(crate) fn runs(&self) -> impl Iterator<Item = (usize, &[u32])> {
+        let mut rest = &self.ids[..];
+        self.runs.iter().map_while(move |&(tile, count)| {
+            let ids = rest.split_off(..count)?;
+            Some((tile as usize, ids))
         })
     }
 }
@@ -159,7 +180,7 @@ impl Submission<'_, '_> {
                 };
                 let id = self.first + triangle as u32;
                 if let Some(tile) = self.only_tile(pixels) {
-                    chunk.entries.push((tile, id));
+                    chunk.put(tile, id);
                     chunk.stats.binned += 1;
                 } else {
                     let v = self.draw.indices[triangle].map(|i| self.snapped[i as usize]);
@@ -420,9 +441,9 @@ impl Submission<'_, '_> {
         let Some(edges) = edges(snapped) else {
             return false;
         };
-        let before = chunk.entries.len();
+        let before = chunk.ids.len();
         if let Some(tile) = self.only_tile(pixels) {
-            chunk.entries.push((tile, id));
+            chunk.put(tile, id);
         } else {
             let side = TILE as i32;
             let across = self.size.width().div_ceil(TILE);
@@ -439,12 +460,12 @@ impl Submission<'_, '_> {
                         .intersect(tile)
                         .is_some_and(|b| edges.iter().all(|e| reaches(*e, b, self.margin)))
                     {
-                        chunk.entries.push((ty as u32 * across + tx as u32, id));
+                        chunk.put(ty as u32 * across + tx as u32, id);
                     }
                 }
             }
         }
-        let binned = chunk.entries.len() > before;
+        let binned = chunk.ids.len() > before;
         chunk.stats.binned += usize::from(binned);
         binned
     }

@@ -197,16 +197,19 @@ impl<'a> Prepared<'a> {
         let tiles =
             self.size.width().div_ceil(TILE) as usize * self.size.height().div_ceil(TILE) as usize;
         let mut start = alloc::vec![0u32; tiles + 1];
-        let mut first_piece = Vec::with_capacity(chunks.len());
         for chunk in &mut chunks {
-            first_piece.push(self.whole() + self.pieces.len() as u32);
+            chunk.name_pieces(self.whole() + self.pieces.len() as u32);
             self.pieces.append(&mut chunk.pieces);
             if self.pieces.len() > MOST as usize {
                 return Err(RasterError::TooManyTriangles);
             }
             self.stats.add(chunk.stats);
-            for (tile, _) in chunk.entries(0) {
-                start[tile as usize + 1] += 1;
+            for (tile, ids) in chunk.runs() {
+                let count = &mut start[tile + 1];
+                *count = u32::try_from(ids.len())
+                    .ok()
+                    .and_then(|more| count.checked_add(more))
+                    .ok_or(RasterError::TooManyTriangles)?;
             }
         }
         let mut sum = 0u32;
@@ -218,12 +221,10 @@ impl<'a> Prepared<'a> {
         }
         let mut next = start.clone();
         self.bin_ids = alloc::vec![0; sum as usize];
-        for (chunk, first_piece) in chunks.iter().zip(first_piece) {
-            for (tile, id) in chunk.entries(first_piece) {
-                let slot = &mut next[tile as usize];
-                self.bin_ids[*slot as usize] = id;
-                *slot += 1;
-            }
+        for (tile, ids) in chunks.iter().flat_map(Chunk::runs) {
+            let from = next[tile] as usize;
+            self.bin_ids[from..from + ids.len()].copy_from_slice(ids);
+            next[tile] += ids.len() as u32;
         }
         self.bin_start = start;
         Ok(())
