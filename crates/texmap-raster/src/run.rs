@@ -16,8 +16,8 @@ mod repair;
 mod values;
 mod wide;
 
-pub(crate) use planes::One;
 use crate::stamp::BLOCKS;
+pub(crate) use planes::One;
 use planes::{OnRow, OnePair, Own, Plane, three_planes};
 use values::Columns;
 pub use values::{BlockSink, BlockValues};

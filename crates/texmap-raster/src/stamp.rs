@@ -238,7 +238,9 @@ impl Small {
             row = [row[0] + down[0], row[1] + down[1], row[2] + down[2]];
             py += 1.0;
         }
-        covered.bitcast::<u32x16<S>>().store_slice(&mut self.covered);
+        covered
+            .bitcast::<u32x16<S>>()
+            .store_slice(&mut self.covered);
     }
 
     #[inline(always)]

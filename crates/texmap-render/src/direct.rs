@@ -82,25 +82,24 @@ impl<'a> Direct<'a> {
         )
     }
 
-    /// [`put`](Self::put) without a canvas in between.
+    /// Whether [`put_rows`](Self::put_rows) serves.
+    pub(crate) fn gives_rows(&self, level: Level) -> bool {
+        self.stage.gives_words() && on_wide_level!(level, _s => true, else false)
+    }
+
+    /// [`put`](Self::put) without a canvas in between, where that [serves](Self::gives_rows).
     pub(crate) fn put_rows(
         &self,
         level: Level,
         from: &mut From<'_>,
         run: &[RunBlock],
         rows: &mut [&mut [u8]],
-    ) -> bool {
-        if !self.stage.gives_words() {
-            return false;
-        }
+    ) {
         on_wide_level!(
             level,
-            s => {
-                self.paint(s, &from.source(), from.levels, run, &mut PutRows { rows });
-                true
-            },
-            else false
-        )
+            s => self.paint(s, &from.source(), from.levels, run, &mut PutRows { rows }),
+            else debug_assert!(false, "asked before")
+        );
     }
 
     /// Lays light over that of the canvas, block by block, and marks in `covered` the pixels that are not all clear; false if
@@ -219,14 +218,8 @@ impl<S: Simd> Source<S> for Blocks<'_> {
     }
 
     #[inline(always)]
-    fn is_magnified(
-        &self,
-        s: S,
-        run: &[RunBlock],
-        view: &View<'_>,
-        asked: &mut Asked,
-    ) -> bool {
-        let seldom = |at: &RunBlock| at.block % SELDOM != 0;
+    fn is_magnified(&self, s: S, run: &[RunBlock], view: &View<'_>, asked: &mut Asked) -> bool {
+        let seldom = |at: &RunBlock| !at.block.is_multiple_of(SELDOM);
         if asked.refusals >= PATIENCE && run.first().is_none_or(seldom) {
             return false;
         }

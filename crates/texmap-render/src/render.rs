@@ -260,7 +260,11 @@ impl<'s> Renderer<'s> {
             .map(|(aov, channels, data)| (*aov, AovParts::new(data, *channels, width, height)))
             .collect();
         let mut all: Vec<_> = Block::all(width, height).map(Some).collect();
-        for (block, rows) in all.iter_mut().flatten().zip(blocks(&mut rgba, width, height)) {
+        for (block, rows) in all
+            .iter_mut()
+            .flatten()
+            .zip(blocks(&mut rgba, width, height))
+        {
             block.rgba = rows;
         }
         for (aov, rows) in &mut aovs {

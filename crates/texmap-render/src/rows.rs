@@ -33,12 +33,7 @@ impl<'a> AovParts<'a> {
 }
 
 /// The rows of every block, one block after the other, blocks counted row by row from the top left: see [`blocks`].
-pub(crate) fn split<T>(
-    data: &mut [T],
-    channels: usize,
-    width: u32,
-    height: u32,
-) -> Vec<&mut [T]> {
+pub(crate) fn split<T>(data: &mut [T], channels: usize, width: u32, height: u32) -> Vec<&mut [T]> {
     let (tile, width) = (TILE as usize, width as usize);
     let across = width.div_ceil(tile);
     let mut rows = Vec::with_capacity(across * height as usize);

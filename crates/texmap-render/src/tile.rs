@@ -113,7 +113,8 @@ impl Painter {
         }
     }
 
-    /// Paints texels without a canvas in between, where they are all of a whole tile; false, with nothing done, elsewhere.
+    /// Paints without a canvas in between, where a whole tile is nothing but texels and there are lanes for them; false, with nothing
+    /// done, elsewhere.
     fn paint_straight(
         &mut self,
         scenery: &Scenery<'_>,
@@ -122,8 +123,8 @@ impl Painter {
     ) -> bool {
         let blocks = &self.samples[0].blocks;
         let straight = |draw: &u32| {
-            let direct = &scenery.direct[*draw as usize];
-            direct.as_ref().is_some_and(Direct::gives_words)
+            let direct = scenery.direct[*draw as usize].as_ref();
+            direct.is_some_and(|direct| direct.gives_rows(scenery.plan.level))
         };
         if !rows_fit(rows)
             || !is_whole(&blocks.masks)
@@ -132,25 +133,37 @@ impl Painter {
         {
             return false;
         }
-        scenery.prepared.planes(tile, &mut self.shader.planes);
-        self.covered.copy_from_slice(&blocks.masks);
-        let slot = if self.alone { 0 } else { NONE };
-        self.listed.visible(blocks, &blocks.masks, slot);
-        for (draw, blocks_of) in self.listed.parts() {
+        self.prepare(scenery, tile);
+        let Self {
+            samples,
+            shader,
+            listed,
+            ..
+        } = self;
+        for (draw, blocks_of) in listed.parts() {
             let Some(direct) = &scenery.direct[draw as usize] else {
                 continue;
             };
             for run in blocks_of.chunks(RUN_BLOCKS) {
                 ask_for(rows, run);
                 let mut from = From {
-                    planes: &self.shader.planes,
-                    blocks,
-                    levels: &mut self.shader.levels,
+                    planes: &shader.planes,
+                    blocks: &samples[0].blocks,
+                    levels: &mut shader.levels,
                 };
                 direct.put_rows(scenery.plan.level, &mut from, run, rows);
             }
         }
         true
+    }
+
+    /// The planes of a tile, and the list of what is visible in it.
+    fn prepare(&mut self, scenery: &Scenery<'_>, tile: usize) {
+        scenery.prepared.planes(tile, &mut self.shader.planes);
+        let blocks = &self.samples[0].blocks;
+        self.covered.copy_from_slice(&blocks.masks);
+        let slot = if self.alone { 0 } else { NONE };
+        self.listed.visible(blocks, &blocks.masks, slot);
     }
 
     /// Paints what [`see`](Self::see) saw and the blended surfaces: the finished tile for these rows of the frame, or its light if
@@ -162,7 +175,7 @@ impl Painter {
         rows: Option<&[&mut [u8]]>,
     ) -> &Canvas {
         let (level, mode) = (scenery.plan.level, scenery.mode);
-        scenery.prepared.planes(tile, &mut self.shader.planes);
+        self.prepare(scenery, tile);
         let Sample { blocks, canvas } = &mut self.samples[0];
         let blended = blended(scenery.plan, blocks);
         // Where nothing mixes, pixels can be finished one by one.
@@ -172,9 +185,6 @@ impl Painter {
         } else if !is_whole(&blocks.masks) {
             canvas.fill_words(finish(mode, scenery.background));
         }
-        self.covered.copy_from_slice(&blocks.masks);
-        let slot = if self.alone { 0 } else { NONE };
-        self.listed.visible(blocks, &blocks.masks, slot);
         self.shader.lay(
             scenery,
             tile,
@@ -480,7 +490,10 @@ impl Shader {
                 ask_for(ahead, run);
                 let (part, covered) = ((draw, run), over.as_deref_mut());
                 let put = self.lay_run(scenery, tile, blocks, part, finished, canvas, covered);
-                if put && unmarked && let Some(covered) = &mut over {
+                if put
+                    && unmarked
+                    && let Some(covered) = &mut over
+                {
                     mark(run, covered);
                 }
             }

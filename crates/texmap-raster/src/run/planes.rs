@@ -137,7 +137,8 @@ impl<S: Simd> PairOnRow<S> {
     /// The values of a block.
     #[inline(always)]
     pub(super) fn values<const D: bool>(&self, s: S, px: f32x16<S>) -> BlockValues<S> {
-        let mut values = BlockValues::new::<D>(s, [&self.w, &self.pair[0], &self.pair[1]], self.level, px);
+        let mut values =
+            BlockValues::new::<D>(s, [&self.w, &self.pair[0], &self.pair[1]], self.level, px);
         if self.linear != [false; 2] {
             for k in 0..2 {
                 if self.linear[k] {
@@ -365,7 +366,13 @@ impl<S: Simd> OnRow<S> {
     #[inline(always)]
     pub(super) fn new([a, b, c, lo, hi]: Plane<S>, py: f32x16<S>) -> Self {
         let start = c + b * py;
-        Self { a, b, start, lo, hi }
+        Self {
+            a,
+            b,
+            start,
+            lo,
+            hi,
+        }
     }
 
     #[inline(always)]

@@ -131,7 +131,11 @@ pub(crate) fn put_block_rows<S: Simd>(
 #[inline(always)]
 fn lines<S: Simd>(s: S, band: &[u32], y: usize, row: &mut [u8]) {
     let ahead = row.as_ptr().align_offset(LINE);
-    let head = if ahead % QUAD == 0 { ahead / QUAD } else { 0 };
+    let head = if ahead.is_multiple_of(QUAD) {
+        ahead / QUAD
+    } else {
+        0
+    };
     let (front, rest) = row.split_at_mut_checked(head * QUAD).unwrap_or_default();
     let (middle, back) = rest.as_chunks_mut::<LINE>();
     for (block, to) in front.as_chunks_mut::<QUAD>().0.iter_mut().enumerate() {
@@ -190,6 +194,41 @@ mod tests {
                 );
             }
         }
+    }
+
+    #[test]
+    fn blocks_go_to_rows_as_they_go_through_the_canvas() {
+        let level = Level::new();
+        let mut canvas = Canvas::new();
+        let (mut straight, mut copied) = (vec![7; ROW * 64], vec![7; ROW * 64]);
+        for word in canvas.words_mut() {
+            *word = u32::from_le_bytes([7; 4]);
+        }
+        for (i, mask) in [u16::MAX, 0x00f0, 0x8421, 1, 0].into_iter().enumerate() {
+            let at = RunBlock {
+                block: (i * 61) as u16,
+                mask,
+                slot: 0,
+            };
+            let front: [u32; LANES] = std::array::from_fn(|k| 0x0403_0201 * (k + i) as u32);
+            canvas.put_words(&[at], &front);
+            let mut rows: Vec<&mut [u8]> = straight.chunks_mut(ROW).collect();
+            assert!(rows_fit(&rows));
+            let done = on_wide_level!(
+                level,
+                s => {
+                    put_block_rows(s, &mut rows, at, u32x16::from_slice(s, &front));
+                    true
+                },
+                else false
+            );
+            if !done {
+                return;
+            }
+        }
+        let mut rows: Vec<&mut [u8]> = copied.chunks_mut(ROW).collect();
+        canvas.copy_to(level, &mut rows);
+        assert_eq!(straight, copied);
     }
 
     #[test]
