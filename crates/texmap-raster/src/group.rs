@@ -274,9 +274,26 @@ impl Prepared<'_> {
         self.clip_boxes(s, [bounds.width, bounds.height], group);
     }
 
-    /// Lanes that are whole, small triangles; returns those that are not.
-    #[inline(always)]
+    /// Lanes that are whole, small triangles; returns those that are not. Out of line: compiled once a level.
+    #[inline(never)]
     fn setup_whole<S: Simd>(
+        &self,
+        s: S,
+        arrays: &Arrays<'_>,
+        draw: usize,
+        ids: &Ids,
+        corner: [u32; 2],
+        sharing: Sharing<'_>,
+        group: &mut Group,
+    ) -> u32 {
+        s.vectorize(
+            #[inline(always)]
+            || self.setup_lanes(s, arrays, draw, ids, corner, sharing, group),
+        )
+    }
+
+    #[inline(always)]
+    fn setup_lanes<S: Simd>(
         &self,
         s: S,
         arrays: &Arrays<'_>,

@@ -346,8 +346,14 @@ fn trilinear<S: Simd, P: Source<S>, B: Brush<S>>(
 /// Whether a footprint within these changes of u and v to the right and down takes the finest level alone.
 #[inline(always)]
 fn magnifies<S: Simd>(s: S, view: &View<'_>, [ux, uy]: [f32; 2], [vx, vy]: [f32; 2]) -> bool {
-    let [ux, vx, uy, vy] = [ux, vx, uy, vy].map(|d| f32x16::splat(s, d));
-    let footprint = FootprintLanes::new(s, view, ux, vx, uy, vy);
+    let footprint = FootprintLanes::new(
+        s,
+        view,
+        f32x16::splat(s, ux),
+        f32x16::splat(s, vx),
+        f32x16::splat(s, uy),
+        f32x16::splat(s, vy),
+    );
     packed::lod_lanes(s, view, &footprint)[0] <= 0
 }
 

@@ -9,7 +9,7 @@ use fearless_simd::{Level, SimdInto};
 use fearless_simd::{Simd, SimdBase, prelude::*, u32x16};
 
 #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-use super::is_wide;
+use super::{Line, is_wide};
 
 #[cfg(target_arch = "x86")]
 use core::arch::x86::{
@@ -302,14 +302,14 @@ unsafe fn quad(words: Words<'_>, at: u32) -> __m128i {
 #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
 fearless_simd::kernel!(
     /// Of more than three words, each four by one load. What lies beyond the end is not read, and what is read instead has no meaning.
-    #[inline]
+    #[inline(always)]
     fn quads_avx512(token: Avx512, words: Words<'_>, index: __m512i) -> [__m512i; 4] {
         let last = words.last.saturating_sub(3) as i32;
         let index = _mm512_min_epu32(index, _mm512_set1_epi32(last));
-        let mut at = [0_u32; 16];
+        let mut at = Line([0_u32; 16]);
         // SAFETY: sixteen words are what the array holds.
-        unsafe { _mm512_storeu_si512(at.as_mut_ptr().cast(), index) };
-        let at = core::hint::black_box(&at);
+        unsafe { _mm512_storeu_si512(at.0.as_mut_ptr().cast(), index) };
+        let Line(at) = core::hint::black_box(&at);
         let mut rows = [_mm512_setzero_si512(); 4];
         for (i, row) in rows.iter_mut().enumerate() {
             // SAFETY: every index is at most three before `last`, which is below `data.len()`, so that all four words are elements.
