@@ -25,14 +25,24 @@ impl Mode {
         }
     }
 
-    /// The modes in which a row is drawn: `fill` twice, with hidden layers shaded and skipped.
+    /// The modes in which a row is drawn: `fill` twice, with hidden layers shaded and skipped; without a depth buffer skipped, as
+    /// llvmpipe skips them there.
     pub(crate) fn of(scene: &BenchScene) -> Vec<Self> {
         let precisions: &[Precision] = match scene.lookup {
             Lookup::None | Lookup::Flat => &[Precision::Fast],
             _ => &[Precision::Fast, Precision::Exact],
         };
         let hidden: &[Hidden] = match scene.content {
-            Content::Layers { blend: false, .. } => &[Hidden::Shaded, Hidden::Skipped],
+            Content::Layers {
+                blend: false,
+                depth,
+            } => {
+                if depth {
+                    &[Hidden::Shaded, Hidden::Skipped]
+                } else {
+                    &[Hidden::Skipped]
+                }
+            }
             _ => &[Hidden::Shaded],
         };
         let pair = |precision| {

@@ -238,14 +238,22 @@ mod tests {
             *word = 0x0301_0500 + i as u32;
         }
         for (width, height) in [(64, 64), (64, 7), (64, 3), (50, 64), (17, 9), (1, 1)] {
-            for level in [Level::new(), Level::baseline()] {
-                let mut bytes = vec![0; 4 * width * height];
+            // Wherever rows lie in their cache lines.
+            let places = [0, 4, 16, 32, 48].map(|ahead| (Level::new(), ahead));
+            for (level, ahead) in places.into_iter().chain([(Level::baseline(), 0)]) {
+                let mut room = vec![0; 64 + ahead + 4 * width * height];
+                let start = room.as_ptr().align_offset(64) + ahead;
+                let bytes = &mut room[start..start + 4 * width * height];
                 let mut rows: Vec<&mut [u8]> = bytes.chunks_mut(4 * width).collect();
                 canvas.copy_to(level, &mut rows);
                 for (i, pixel) in bytes.chunks(4).enumerate() {
                     let at = block_index((i % width) as u32, (i / width) as u32);
                     let word = 0x0301_0500 + at as u32;
-                    assert_eq!(pixel, word.to_le_bytes(), "{width} x {height}: {i}");
+                    assert_eq!(
+                        pixel,
+                        word.to_le_bytes(),
+                        "{width} x {height} from {ahead} on: {i}"
+                    );
                 }
             }
         }
