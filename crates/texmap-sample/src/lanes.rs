@@ -133,6 +133,8 @@ pub struct View<'a> {
     flip: bool,
     /// Both axes repeat over powers of two: their wraps are masks.
     pub(crate) masked: bool,
+    /// Levels whose next is of half the width and half the height, where wraps are masks.
+    halved: i32,
     axes: [Axis; 2],
     /// Some axis ends at the border colour.
     bordered: bool,
@@ -230,6 +232,8 @@ impl<'a> View<'a> {
         } else {
             sampler.lod.bias.clamp(-32.0, 32.0)
         };
+        let masked = axes.iter().all(|axis| axis.scaled_first);
+        let smaller = levels[0].width.min(levels[0].height).max(1);
         Some(Self {
             // An encoded texture without levels has no words.
             words: Words::new(chain.words()).or_else(|| Words::new(&[0]))?,
@@ -237,7 +241,8 @@ impl<'a> View<'a> {
             format,
             opaque: chain.opaque && !bordered,
             flip: chain.flip,
-            masked: axes.iter().all(|axis| axis.scaled_first),
+            masked,
+            halved: if masked { smaller.ilog2() as i32 } else { 0 },
             axes,
             bordered,
             border: sampler.border.map(|c| c * chain.format.units()),

@@ -374,9 +374,27 @@ pub(super) fn bilinear_at<S: Simd>(
     u: f32x16<S>,
     v: f32x16<S>,
 ) -> Halves<S> {
-    debug_assert_eq!(view.format, RGBA8, "bytes that are read whole");
+    bilinear_of(s, view, at, steps_at(s, view, at, u, v))
+}
+
+/// Places in whole 256ths of texels of a level.
+#[inline(always)]
+fn steps_at<S: Simd>(
+    s: S,
+    view: &View<'_>,
+    at: &At<S>,
+    u: f32x16<S>,
+    v: f32x16<S>,
+) -> [i32x16<S>; 2] {
     let (x, y) = at.place(s, view, u, v);
-    let (x, y) = (floor_to_i32(s, x) - 128, floor_to_i32(s, y) - 128);
+    [floor_to_i32(s, x), floor_to_i32(s, y)]
+}
+
+/// [`bilinear_at`] such places.
+#[inline(always)]
+fn bilinear_of<S: Simd>(s: S, view: &View<'_>, at: &At<S>, [x, y]: [i32x16<S>; 2]) -> Halves<S> {
+    debug_assert_eq!(view.format, RGBA8, "bytes that are read whole");
+    let (x, y) = (x - 128, y - 128);
     let (wx, wy) = (spread(x & 255), spread(y & 255));
     let (i, j) = (x >> 8, y >> 8);
     let [a, b, c, d] = match at.corners::<RGBA8>(s, view, i, j) {
@@ -507,11 +525,19 @@ pub fn trilinear_lanes<S: Simd>(
             At::per_lane(s, view, next.simd_gt(last).select(last, next)),
         )
     };
-    let a = bilinear_at::<S>(s, view, &a, u, v);
+    let steps = steps_at(s, view, &a, u, v);
+    let a = bilinear_of(s, view, &a, steps);
     if weight.simd_eq(zero).all_true() {
         return join(a);
     }
-    let b = bilinear_at::<S>(s, view, &b, u, v);
+    // Powers of two times a coordinate are exact: a level of half the size has half the steps, rounded down.
+    let halved = fine.simd_lt(view.halved).all_true();
+    let steps = if halved {
+        [steps[0] >> 1, steps[1] >> 1]
+    } else {
+        steps_at(s, view, &b, u, v)
+    };
+    let b = bilinear_of(s, view, &b, steps);
     join(lerp_lanes(s, a, b, spread(weight)))
 }
 
