@@ -24,7 +24,7 @@ mod gather;
 mod table;
 
 pub use bytes::lerp_bytes;
-pub use gather::{Words, gather, gather_pairs, gather_quads, gather_triples, prefetch};
+pub use gather::{Words, gather, gather_pairs, gather_quads, gather_triples, has_pairs, prefetch};
 pub use table::{look_up, octet};
 
 /// Lanes of every kernel, on every level.

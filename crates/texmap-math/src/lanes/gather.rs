@@ -13,25 +13,27 @@ use super::{Line, is_wide};
 
 #[cfg(target_arch = "x86")]
 use core::arch::x86::{
-    __m128i, __m256i, __m512i, _mm_loadu_si128, _mm_set_epi64x, _mm256_castps_si256,
-    _mm256_castsi256_ps, _mm256_min_epu32, _mm256_set_m128i, _mm256_set1_epi32, _mm256_setr_epi32,
-    _mm256_shuffle_ps, _mm256_storeu_si256, _mm256_unpackhi_epi32, _mm256_unpackhi_epi64,
-    _mm256_unpacklo_epi32, _mm256_unpacklo_epi64, _mm512_castsi128_si512, _mm512_castsi512_si256,
-    _mm512_extracti64x4_epi64, _mm512_i32gather_epi32, _mm512_i32gather_epi64, _mm512_inserti32x4,
-    _mm512_min_epu32, _mm512_permutex2var_epi32, _mm512_set1_epi32, _mm512_setr_epi32,
-    _mm512_setzero_si512, _mm512_storeu_si512, _mm512_unpackhi_epi32, _mm512_unpackhi_epi64,
-    _mm512_unpacklo_epi32, _mm512_unpacklo_epi64,
+    __m128i, __m256i, __m512i, _mm_castps_si128, _mm_castsi128_ps, _mm_loadu_si128, _mm_set_epi64x,
+    _mm_shuffle_ps, _mm_storeu_si128, _mm256_castps_si256, _mm256_castsi256_ps, _mm256_min_epu32,
+    _mm256_set_m128i, _mm256_set1_epi32, _mm256_setr_epi32, _mm256_shuffle_ps, _mm256_storeu_si256,
+    _mm256_unpackhi_epi32, _mm256_unpackhi_epi64, _mm256_unpacklo_epi32, _mm256_unpacklo_epi64,
+    _mm512_castsi128_si512, _mm512_castsi512_si256, _mm512_extracti64x4_epi64,
+    _mm512_i32gather_epi32, _mm512_i32gather_epi64, _mm512_inserti32x4, _mm512_min_epu32,
+    _mm512_permutex2var_epi32, _mm512_set1_epi32, _mm512_setr_epi32, _mm512_setzero_si512,
+    _mm512_storeu_si512, _mm512_unpackhi_epi32, _mm512_unpackhi_epi64, _mm512_unpacklo_epi32,
+    _mm512_unpacklo_epi64,
 };
 #[cfg(target_arch = "x86_64")]
 use core::arch::x86_64::{
-    __m128i, __m256i, __m512i, _mm_loadu_si128, _mm_set_epi64x, _mm256_castps_si256,
-    _mm256_castsi256_ps, _mm256_min_epu32, _mm256_set_m128i, _mm256_set1_epi32, _mm256_setr_epi32,
-    _mm256_shuffle_ps, _mm256_storeu_si256, _mm256_unpackhi_epi32, _mm256_unpackhi_epi64,
-    _mm256_unpacklo_epi32, _mm256_unpacklo_epi64, _mm512_castsi128_si512, _mm512_castsi512_si256,
-    _mm512_extracti64x4_epi64, _mm512_i32gather_epi32, _mm512_i32gather_epi64, _mm512_inserti32x4,
-    _mm512_min_epu32, _mm512_permutex2var_epi32, _mm512_set1_epi32, _mm512_setr_epi32,
-    _mm512_setzero_si512, _mm512_storeu_si512, _mm512_unpackhi_epi32, _mm512_unpackhi_epi64,
-    _mm512_unpacklo_epi32, _mm512_unpacklo_epi64,
+    __m128i, __m256i, __m512i, _mm_castps_si128, _mm_castsi128_ps, _mm_loadu_si128, _mm_set_epi64x,
+    _mm_shuffle_ps, _mm_storeu_si128, _mm256_castps_si256, _mm256_castsi256_ps, _mm256_min_epu32,
+    _mm256_set_m128i, _mm256_set1_epi32, _mm256_setr_epi32, _mm256_shuffle_ps, _mm256_storeu_si256,
+    _mm256_unpackhi_epi32, _mm256_unpackhi_epi64, _mm256_unpacklo_epi32, _mm256_unpacklo_epi64,
+    _mm512_castsi128_si512, _mm512_castsi512_si256, _mm512_extracti64x4_epi64,
+    _mm512_i32gather_epi32, _mm512_i32gather_epi64, _mm512_inserti32x4, _mm512_min_epu32,
+    _mm512_permutex2var_epi32, _mm512_set1_epi32, _mm512_setr_epi32, _mm512_setzero_si512,
+    _mm512_storeu_si512, _mm512_unpackhi_epi32, _mm512_unpackhi_epi64, _mm512_unpacklo_epi32,
+    _mm512_unpacklo_epi64,
 };
 
 /// 32-bit words to gather from: at least one. Texels of other sizes are cast to words first.
@@ -112,9 +114,41 @@ pub fn gather_pairs<S: Simd>(s: S, words: Words<'_>, index: u32x16<S>) -> [u32x1
                 s.combine_u32x8(low_next.simd_into(s), high_next.simd_into(s)),
             ];
         }
+        (Level::Sse2(token), 1..) => {
+            let (low, high) = s.split_u32x16(index);
+            let ((a, b), (c, d)) = (s.split_u32x8(low), s.split_u32x8(high));
+            let [a, a_next] = pairs_sse2(token, words, a.into());
+            let [b, b_next] = pairs_sse2(token, words, b.into());
+            let [c, c_next] = pairs_sse2(token, words, c.into());
+            let [d, d_next] = pairs_sse2(token, words, d.into());
+            return [
+                s.combine_u32x8(
+                    s.combine_u32x4(a.simd_into(s), b.simd_into(s)),
+                    s.combine_u32x4(c.simd_into(s), d.simd_into(s)),
+                ),
+                s.combine_u32x8(
+                    s.combine_u32x4(a_next.simd_into(s), b_next.simd_into(s)),
+                    s.combine_u32x4(c_next.simd_into(s), d_next.simd_into(s)),
+                ),
+            ];
+        }
         _ => {}
     }
     [gather(s, words, index), gather(s, words, index + 1)]
+}
+
+/// Whether [`gather_pairs`] costs less than two gathers.
+#[inline(always)]
+pub fn has_pairs<S: Simd>(s: S) -> bool {
+    #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+    {
+        is_wide(s) || matches!(s.level(), Level::Sse2(_))
+    }
+    #[cfg(not(any(target_arch = "x86", target_arch = "x86_64")))]
+    {
+        let _ = s;
+        false
+    }
 }
 
 /// The words at sixteen indices and the two behind each. Where one of them lies beyond the end, it is the last word.
@@ -284,6 +318,30 @@ fearless_simd::kernel!(
         [
             _mm256_castps_si256(_mm256_shuffle_ps::<0x88>(x, y)),
             _mm256_castps_si256(_mm256_shuffle_ps::<0xdd>(x, y)),
+        ]
+    }
+);
+
+#[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+fearless_simd::kernel!(
+    /// Of more than one word.
+    #[inline(always)]
+    fn pairs_sse2(token: Sse2, words: Words<'_>, index: __m128i) -> [__m128i; 2] {
+        let last = words.last.saturating_sub(1);
+        let mut at = [0_u32; 4];
+        // SAFETY: four words are what the array holds.
+        unsafe { _mm_storeu_si128(at.as_mut_ptr().cast(), index) };
+        // SAFETY: every index is below `last` of the words, which is below `data.len()`, so that both words are elements.
+        let (x, y) = unsafe {
+            (
+                _mm_set_epi64x(pair(words, at[1].min(last)), pair(words, at[0].min(last))),
+                _mm_set_epi64x(pair(words, at[3].min(last)), pair(words, at[2].min(last))),
+            )
+        };
+        let (x, y) = (_mm_castsi128_ps(x), _mm_castsi128_ps(y));
+        [
+            _mm_castps_si128(_mm_shuffle_ps::<0x88>(x, y)),
+            _mm_castps_si128(_mm_shuffle_ps::<0xdd>(x, y)),
         ]
     }
 );

@@ -6,7 +6,7 @@ use super::{
 };
 use texmap_math::{
     fearless_simd::{f32x16, i32x16, mask32x16, prelude::*, u32x16},
-    lanes::{Words, gather, is_wide},
+    lanes::{Words, gather, has_pairs},
 };
 
 /// Where the four texels of a bilinear look-up are.
@@ -186,7 +186,7 @@ impl<S: Simd> At<S> {
                 self.word::<FORMAT>(view, r0 + x0),
                 self.word::<FORMAT>(view, r1 + x0),
             ];
-            if is_wide(s) && !x0.simd_eq(x_mask).any_true() {
+            if has_pairs(s) && !x0.simd_eq(x_mask).any_true() {
                 return Corners::Pairs(left);
             }
             let x1 = (i + 1) & x_mask;
@@ -219,7 +219,7 @@ impl<S: Simd> At<S> {
             self.general::<FORMAT>(view, x0, y0),
             self.general::<FORMAT>(view, x0, y1),
         ];
-        if is_wide(s) && !view.bordered && (x1 - x0).simd_eq(1).all_true() {
+        if has_pairs(s) && !view.bordered && (x1 - x0).simd_eq(1).all_true() {
             return Corners::Pairs([left[0].word, left[1].word]);
         }
         Corners::Apart([
