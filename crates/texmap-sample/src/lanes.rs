@@ -133,8 +133,6 @@ pub struct View<'a> {
     flip: bool,
     /// Both axes repeat over powers of two: their wraps are masks.
     pub(crate) masked: bool,
-    /// Levels whose next is of half the width and half the height, where wraps are masks.
-    halved: i32,
     axes: [Axis; 2],
     /// Some axis ends at the border colour.
     bordered: bool,
@@ -232,8 +230,6 @@ impl<'a> View<'a> {
         } else {
             sampler.lod.bias.clamp(-32.0, 32.0)
         };
-        let masked = axes.iter().all(|axis| axis.scaled_first);
-        let smaller = levels[0].width.min(levels[0].height).max(1);
         Some(Self {
             // An encoded texture without levels has no words.
             words: Words::new(chain.words()).or_else(|| Words::new(&[0]))?,
@@ -241,8 +237,7 @@ impl<'a> View<'a> {
             format,
             opaque: chain.opaque && !bordered,
             flip: chain.flip,
-            masked,
-            halved: if masked { smaller.ilog2() as i32 } else { 0 },
+            masked: axes.iter().all(|axis| axis.scaled_first),
             axes,
             bordered,
             border: sampler.border.map(|c| c * chain.format.units()),

@@ -530,9 +530,9 @@ pub fn trilinear_lanes<S: Simd>(
     if weight.simd_eq(zero).all_true() {
         return join(a);
     }
-    // Powers of two times a coordinate are exact: a level of half the size has half the steps, rounded down.
-    let halved = fine.simd_lt(view.halved).all_true();
-    let steps = if halved {
+    // Powers of two times a coordinate are exact: a level of half the size has half the steps, rounded down. Where a side is one texel
+    // long, all places on it are the same, and where there is no next level it weighs nothing.
+    let steps = if view.masked {
         [steps[0] >> 1, steps[1] >> 1]
     } else {
         steps_at(s, view, &b, u, v)
