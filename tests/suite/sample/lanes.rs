@@ -139,6 +139,9 @@ fn textures() -> Vec<(&'static str, Texture2d<'static>)> {
         ("bytes 3x2", random_bytes(3, 2, 4).with_mips()),
         ("bytes 1x1", random_bytes(1, 1, 5)),
         ("bytes 1x9", random_bytes(1, 9, 5).with_mips()),
+        // Levels of half the length whose width stays one.
+        ("bytes 16x1", random_bytes(16, 1, 6).with_mips()),
+        ("bytes 2x32", random_bytes(2, 32, 7).with_mips()),
         ("keyed 16x8", keyed.unwrap().with_mips()),
         ("soft 32x32", soft.unwrap().with_mips()),
         ("soft 13x7", odd.unwrap().with_mips()),
