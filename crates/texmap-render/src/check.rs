@@ -156,6 +156,7 @@ impl Scene {
         let textured = material.base_color.is_some()
             || material.opacity_map.is_some()
             || material.decal.is_some()
+            || material.emission.as_ref().is_some_and(|e| e.map.is_some())
             || lit && reads_uv(material);
         if lit && material.light_map.is_some() && mesh.lightmap_uvs.is_empty() {
             return Err(RenderError::MissingLightMapUv {

@@ -10,6 +10,22 @@ use crate::shadow::{encloses, shadow_kind};
 use crate::solid::has_volume;
 use crate::{Backdrop, Material, RenderError, Scene, Shading, SolidSource};
 
+/// What a material has that surfaces lit per pixel alone read.
+fn read_per_pixel(material: &Material) -> Vec<&'static str> {
+    let maps = &material.maps;
+    let has = [
+        (material.relief.is_some(), "bump or normal map"),
+        (material.light_map.is_some(), "light map"),
+        (material.reflection.is_some(), "mirrored environment"),
+        (maps.ambient.is_some(), "ambient map"),
+        (maps.specular.is_some(), "specular colour map"),
+        (maps.exponent.is_some(), "exponent map"),
+    ];
+    has.into_iter()
+        .filter_map(|(has, name)| has.then_some(name))
+        .collect()
+}
+
 /// Most texels a side of a shadow map.
 const MOST: u32 = 16_384;
 
@@ -95,6 +111,16 @@ impl Scene {
             }
             None => {}
         }
+        if let Some(emission) = &material.emission
+            && !emission.color.iter().all(|c| c.is_finite() && *c >= 0.0)
+        {
+            return Err(RenderError::Value {
+                place: place(),
+                what: "emission".to_owned(),
+                value: format!("{:?}", emission.color),
+                expected: "it must be finite and not negative",
+            });
+        }
         if let Some(map) = &material.light_map {
             if !(map.scale >= 0.0 && map.scale.is_finite()) {
                 return Err(RenderError::Value {
@@ -136,13 +162,12 @@ impl Scene {
             self.check_projector(number, slide)?;
         }
         for material in &self.materials {
-            let unread = material.relief.is_some()
-                || material.light_map.is_some()
-                || material.reflection.is_some();
-            if unread && material.shading != Shading::PerPixel {
+            let unread = read_per_pixel(material);
+            if !unread.is_empty() && material.shading != Shading::PerPixel {
                 warnings.push(format!(
-                    "material '{}' has effects (bump, light map or reflection) but is not lit per pixel: they are not drawn",
-                    material.name
+                    "material '{}' is not lit per pixel: its {} is not drawn",
+                    material.name,
+                    unread.join(", ")
                 ));
             }
         }

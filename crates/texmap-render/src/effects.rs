@@ -86,6 +86,16 @@ pub struct SurfaceMaps {
     pub reflectivity: Option<TextureSlot>,
 }
 
+/// Light that a surface gives off itself. It is added after the light that the surface receives, clipped at white with it, and is
+/// not lit, shadowed or tinted by vertex colours. It lights nothing else. A decal texel that covers the surface covers it too.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Emission {
+    /// Linear light, finite and not negative (raw values under [`ColorMode::Raw`](crate::ColorMode)).
+    pub color: [f32; 3],
+    /// A texture that multiplies the colour, at the coordinates of the mesh: straight colours, black where alpha is 0.
+    pub map: Option<TextureSlot>,
+}
+
 /// What turns the normals of a surface, without moving it.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Relief {

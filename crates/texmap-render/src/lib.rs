@@ -52,6 +52,7 @@ mod coordinates;
 mod direct;
 mod displace;
 mod effects;
+mod emission;
 mod error;
 mod frame;
 mod height_field;
@@ -88,8 +89,8 @@ pub use bake::{BakeOptions, LightMap, bake};
 pub use billboard::{Billboard, Facing};
 pub use displace::{Displacement, EdgeBudget};
 pub use effects::{
-    Carving, Effects, LightMapSlot, Reflection, Relief, Shadow, SlideProjector, SlideRole,
-    SurfaceMaps,
+    Carving, Effects, Emission, LightMapSlot, Reflection, Relief, Shadow, SlideProjector,
+    SlideRole, SurfaceMaps,
 };
 pub use error::RenderError;
 pub use frame::{AovData, Frame, HOLE_BITS, Stats, Times, hash_pixels, pixel_hash};

@@ -122,6 +122,7 @@ struct Reads {
     slopes: SlopeTexels,
     base: MapTexels,
     opacity: MapTexels,
+    emission: MapTexels,
 }
 
 impl<'a> LitLanes<'a> {
@@ -239,6 +240,7 @@ impl<'a> LitLanes<'a> {
             || !matches!(self.relief, Relief::None | Relief::Normals(.., true))
             || self.maps.iter().any(Option::is_some)
             || self.surface.light_ramp.is_some()
+            || self.surface.emission.is_some()
             || self.specular.is_some()
             || !self.paints.is_empty();
         if let Relief::Normals(_, _, Space::Tangent(first), _) = self.relief {
@@ -262,7 +264,12 @@ impl<'a> LitLanes<'a> {
             self.relief,
             Relief::Slopes(_) | Relief::Normals(_, _, _, false)
         );
-        relief || self.ground.reads_uv() || self.maps.iter().any(Option::is_some)
+        let maps = self.maps.iter().any(Option::is_some) || self.emission_map().is_some();
+        relief || self.ground.reads_uv() || maps
+    }
+
+    fn emission_map(&self) -> Option<&'a Slot<'a>> {
+        self.surface.emission.as_ref()?.map.as_ref()
     }
 
     fn has_mirrors(&self) -> bool {
@@ -354,6 +361,9 @@ impl<'a> LitLanes<'a> {
         }
         if let Relief::Normals(_, slot, _, false) = self.relief {
             read.normals.look_up(level, slot, uv, blocks);
+        }
+        if let Some(slot) = self.emission_map() {
+            read.emission.look_up(level, slot, uv, blocks);
         }
         if let Ground::Maps { base, opacity, .. } = self.ground {
             if let Some(slot) = base {

@@ -9,7 +9,7 @@ use texmap_uv::{PixelMapping, Projection};
 use crate::Solid;
 use crate::billboard::Billboard;
 use crate::displace::Displacement;
-use crate::effects::{Effects, LightMapSlot, Reflection, Relief, SurfaceMaps};
+use crate::effects::{Effects, Emission, LightMapSlot, Reflection, Relief, SurfaceMaps};
 
 /// Everything that is drawn. A scene is data: [`render`](crate::render) reads it and changes nothing.
 #[derive(Clone, Debug)]
@@ -92,6 +92,8 @@ pub struct Material {
     pub highlight: Highlight,
     /// Textures for the numbers of `surface`. Read by [`Shading::PerPixel`].
     pub maps: SurfaceMaps,
+    /// Light of its own, under every [`Shading`].
+    pub emission: Option<Emission>,
     /// What turns the normal. Read by [`Shading::PerPixel`].
     pub relief: Option<Relief>,
     /// Normals that a relief turns away from the eye are brought back to the horizon: without, such pixels are as dark or bright as
@@ -128,6 +130,7 @@ impl Default for Material {
             gouraud: Gouraud::ScreenLinear,
             highlight: Highlight::Phong,
             maps: SurfaceMaps::default(),
+            emission: None,
             relief: None,
             horizon_clamp: true,
             light_map: None,
@@ -158,6 +161,7 @@ impl Material {
                 .into_iter()
                 .flatten(),
             )
+            .chain(self.emission.as_ref().and_then(|e| e.map.as_ref()))
             .chain(relief)
             .chain(self.light_map.as_ref().map(|map| &map.slot))
     }

@@ -73,6 +73,7 @@ pub(crate) struct Stages {
     mask: Vec<[f32; 4]>,
     decal: Vec<[f32; 4]>,
     carved: Vec<[f32; 4]>,
+    emitted: Vec<[f32; 4]>,
     color: Vec<[f32; 3]>,
     normal: Vec<[f32; 3]>,
     position: Vec<[f32; 3]>,
@@ -98,6 +99,15 @@ impl Stages {
             None => {}
         }
         self.ground(plan, surface, run);
+        if let Some(slot) = surface.emission.as_ref().and_then(|e| e.map.as_ref()) {
+            look_up(
+                plan,
+                slot,
+                &self.uv,
+                (&mut self.u, &mut self.v, &mut self.footprint),
+                &mut self.emitted,
+            );
+        }
         self.vectors(surface, run);
         if let Some(effects) = &surface.effects {
             self.under_effects(plan, surface, effects, run);

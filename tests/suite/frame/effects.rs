@@ -4,14 +4,14 @@ use texmap_light::{Chart, Environment, Green, Highlight, Light, ShadowBias, Slid
 use texmap_math::Projector;
 use texmap_math::glam::{DMat4, DVec3};
 use texmap_render::{
-    Aov, AovData, BakeOptions, Carving, Effects, Frame, HOLE_BITS, LightMapSlot, Material, Mesh,
-    Reflection, Relief, RenderError, Scene, Settings, Shading, Shadow, SlideProjector, SlideRole,
-    SurfaceMaps, bake, render, shadow_bias, shadow_kind, shadow_map,
+    Aov, AovData, BakeOptions, Carving, Effects, Emission, Frame, HOLE_BITS, LightMapSlot,
+    Material, Mesh, Reflection, Relief, RenderError, Scene, Settings, Shading, Shadow,
+    SlideProjector, SlideRole, SurfaceMaps, bake, render, shadow_bias, shadow_kind, shadow_map,
 };
 use texmap_sample::{Filter, Sampler};
 use texmap_tests::levels::levels;
 
-use crate::scenes::{bits, draw, empty, pixel, quad, slot, texture, wall};
+use crate::scenes::{bits, draw, empty, of, pixel, quad, slot, texture, wall};
 
 fn shadow(light: usize) -> Shadow {
     Shadow {
@@ -596,4 +596,79 @@ fn faults_of_effects_are_named() {
         .iter_mut()
         .for_each(|s| s.bias = Some(bias));
     assert!(acne.check().is_ok());
+}
+
+/// Emission is added to what a surface receives, under every kind of shading, and clipped with it; the bytes are those of
+/// its own formula.
+#[test]
+fn surfaces_give_off_light_of_their_own() {
+    let picture = texture(2, 1, |x, _| {
+        [[255, 51, 0, 255], [51, 255, 102, 255]][x as usize]
+    });
+    let base = [0.2, 0.4, 0.6];
+    let color = [0.5, 1.0, 2.0];
+    let frame = |shading, map: bool| {
+        let material = Material {
+            surface: Surface {
+                color: base,
+                ka: 1.0,
+                ..Surface::default()
+            },
+            shading,
+            emission: Some(Emission {
+                color,
+                map: map.then(|| slot(0, Filter::Nearest).unwrap()),
+            }),
+            ..Material::default()
+        };
+        let scene = Scene {
+            lights: vec![Light::Ambient { color: [0.5; 3] }],
+            textures: vec![picture.clone()],
+            ..of(material, wall(2.0, 1.0))
+        };
+        let frame = draw(&scene, 16, 8);
+        for (name, level) in levels() {
+            let settings = Settings {
+                level,
+                ..Settings::new(16, 8)
+            };
+            let other = render(&scene, &settings, &|_, _| ()).expect("a picture");
+            assert_eq!(frame.rgba, other.rgba, "{shading:?} {name}");
+        }
+        frame
+    };
+    for (shading, light) in [
+        (Shading::Unlit, 1.0f32),
+        (Shading::PerVertex, 0.5),
+        (Shading::PerPixel, 0.5),
+    ] {
+        for map in [false, true] {
+            let frame = frame(shading, map);
+            for (x, texel) in [(4, [1.0, 0.2, 0.0]), (11, [0.2, 1.0, 0.4])] {
+                let texel = if map { texel } else { [1.0; 3] };
+                let expected =
+                    [0, 1, 2].map(|k| (base[k] * light + color[k] * texel[k]).min(1.0) * 255.0);
+                let found = pixel(&frame, x, 4);
+                for k in 0..3 {
+                    assert!(
+                        (f32::from(found[k]) - expected[k]).abs() <= 0.51,
+                        "{shading:?} {map} {found:?} {expected:?}"
+                    );
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn emission_must_be_light() {
+    let material = Material {
+        emission: Some(Emission {
+            color: [0.0, f32::NAN, 0.0],
+            map: None,
+        }),
+        ..Material::default()
+    };
+    let error = of(material, wall(1.0, 1.0)).check().unwrap_err();
+    assert!(matches!(error, RenderError::Value { what, .. } if what == "emission"));
 }

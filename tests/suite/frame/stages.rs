@@ -3,7 +3,7 @@
 use texmap_light::{Light, Surface};
 use texmap_raster::Cull;
 use texmap_render::{
-    AlphaMode, Aov, ColorMode, Frame, Material, Mesh, Renderer, Scene, Settings, Shading,
+    AlphaMode, Aov, ColorMode, Emission, Frame, Material, Mesh, Renderer, Scene, Settings, Shading,
     TextureRole, TextureSlot, pixel_hash, render, render_ordered,
 };
 use texmap_sample::{ColorSpace, Filter, Origin, Precision, Sampler, Texture2d, UvTransform, Wrap};
@@ -84,6 +84,10 @@ fn material(random: &mut Random) -> Material {
     };
     let base_color = (!random.one_in(5)).then(|| slot(random));
     let opacity_map = random.one_in(6).then(|| slot(random));
+    let emission = random.one_in(4).then(|| Emission {
+        color: [0.1, random.range(0.0, 0.5), 1.5],
+        map: (!random.one_in(3)).then(|| slot(random)),
+    });
     Material {
         surface: Surface {
             color: [random.range(0.0, 1.0), random.range(0.0, 1.0), 1.0],
@@ -92,6 +96,7 @@ fn material(random: &mut Random) -> Material {
         opacity: random.pick(&[1.0, 1.0, 0.6]),
         base_color,
         opacity_map,
+        emission,
         texture_role: random.pick(&[TextureRole::Decal, TextureRole::Modulate]),
         shading: random.pick(&[
             Shading::Unlit,

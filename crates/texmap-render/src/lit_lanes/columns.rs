@@ -56,7 +56,7 @@ impl Columns<'_> {
         found: &Colors,
     ) -> [f32x16<S>; 4] {
         let (stage, one) = (self.stage, f32x16::splat(s, 1.0));
-        let [mut diffuse, highlight] = match stage.surface.light {
+        let [mut diffuse, mut highlight] = match stage.surface.light {
             _ if !ALL => self.light::<S, ALL>(s, i, at, side),
             LightStage::PerPixel => self.light::<S, ALL>(s, i, at, side),
             LightStage::Terms { diffuse, highlight } => {
@@ -68,17 +68,34 @@ impl Columns<'_> {
             }
             LightStage::Colors(first) => {
                 let (_, alpha) = self.ground(s, i, found);
-                let [r, g, b] = three(s, self.values, first, i);
+                let mut color = three(s, self.values, first, i);
+                if let Some(emitted) = self.emitted(s, i) {
+                    for k in 0..3 {
+                        color[k] = below(color[k] + emitted[k], one);
+                    }
+                }
+                let [r, g, b] = color;
                 return [r * alpha, g * alpha, b * alpha, alpha];
             }
             LightStage::None => {
-                let ([r, g, b], alpha) = self.ground(s, i, found);
+                let (mut color, alpha) = self.ground(s, i, found);
+                if let Some(emitted) = self.emitted(s, i) {
+                    for k in 0..3 {
+                        color[k] += emitted[k];
+                    }
+                }
+                let [r, g, b] = color;
                 let [r, g, b] = [below(r, one), below(g, one), below(b, one)];
                 return [r * alpha, g * alpha, b * alpha, alpha];
             }
         };
         if ALL && let Some(ramp) = &stage.surface.light_ramp {
             diffuse = load(s, &banded(ramp, at.mask, &store(diffuse)));
+        }
+        if ALL && let Some(emitted) = self.emitted(s, i) {
+            for k in 0..3 {
+                highlight[k] += emitted[k];
+            }
         }
         let (mut base, alpha) = if ALL {
             self.ground(s, i, found)
@@ -98,6 +115,18 @@ impl Columns<'_> {
             }
         }
         out
+    }
+
+    /// The light that a block gives off itself.
+    #[inline(always)]
+    fn emitted<S: Simd>(&self, s: S, i: usize) -> Option<V3<S>> {
+        let stage = self.stage.surface.emission.as_ref()?;
+        let color = spread(s, stage.color);
+        if stage.map.is_none() {
+            return Some(color);
+        }
+        let [r, g, b] = self.read.emission.straight(s, i);
+        Some([r * color[0], g * color[1], b * color[2]])
     }
 
     /// Diffuse light and highlights of a block.

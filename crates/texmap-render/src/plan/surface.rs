@@ -7,6 +7,7 @@ use super::light_stage::{LightStage, light_stage, lights_depend_on_place};
 use super::{Cut, View, cut};
 use crate::backdrop::SkyStage;
 use crate::coordinates::{CameraFrame, Coordinates};
+use crate::emission::EmissionStage;
 use crate::lit::{SurfaceEffects, reads_uv};
 use crate::ready::Ready;
 use crate::solid::SolidStage;
@@ -28,6 +29,8 @@ pub(crate) struct Surface<'s> {
     pub(crate) light_ramp: Option<Slot<'s>>,
     pub(crate) decal: Option<Slot<'s>>,
     pub(crate) carved: Option<SolidStage<'s>>,
+    /// Where the surface shows.
+    pub(crate) emission: Option<EmissionStage<'s>>,
     /// The only stage of what is no surface.
     pub(crate) space: Option<Box<Space<'s>>>,
     pub(crate) uv: Coordinates,
@@ -79,6 +82,7 @@ impl<'s> Surface<'s> {
             light_ramp: None,
             decal: None,
             carved: None,
+            emission: None,
             space: None,
             uv: Coordinates::None,
             light: LightStage::None,
@@ -142,6 +146,8 @@ pub(super) fn surface<'s>(
     let shows_surface = base_color.is_none()
         || material.texture_role == TextureRole::Modulate
         || (material.alpha == AlphaMode::Opaque && clear_texels);
+    let emission = material.emission.as_ref().filter(|_| shows_surface);
+    let emission = emission.map(|e| EmissionStage::new(e, scene, settings, chains, mesh.uv_origin));
     let cut = cut(material, base_color.as_ref(), opacity_map.as_ref());
     let pass = match material.alpha {
         AlphaMode::Blend => Pass::Blended,
@@ -157,6 +163,7 @@ pub(super) fn surface<'s>(
     let textured = base_color.is_some()
         || opacity_map.is_some()
         || decal.is_some()
+        || emission.as_ref().is_some_and(|e| e.map.is_some())
         || material.shading == Shading::PerPixel && reads_uv(material);
 
     let mut position = None;
@@ -216,7 +223,11 @@ pub(super) fn surface<'s>(
     }
     let at_a_vertex = matches!(uv, Coordinates::Vertices) || base_color.is_none();
     let unlit = matches!(light, LightStage::None) && color.is_none() && opacity_map.is_none();
-    let plain = !material.crisp && color_ramp.is_none() && decal.is_none() && carved.is_none();
+    let plain = !material.crisp
+        && color_ramp.is_none()
+        && decal.is_none()
+        && carved.is_none()
+        && emission.is_none();
     let texel = (at_a_vertex && unlit && plain)
         .then(|| TexelStage::new(material, base_color.as_ref(), scene.color))
         .flatten();
@@ -232,6 +243,7 @@ pub(super) fn surface<'s>(
         light_ramp,
         decal,
         carved,
+        emission,
         space: None,
         uv,
         light,

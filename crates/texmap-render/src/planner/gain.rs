@@ -106,14 +106,19 @@ impl<'s> Lighting<'s> {
         }
         let color = material.surface.color;
         let lit = material.shading != Shading::Unlit;
-        if !lit && mesh.colors.is_empty() {
+        if !lit && mesh.colors.is_empty() && material.emission.is_none() {
             return Gain::Exactly(color);
         }
-        let (light, added) = if lit {
+        let (light, mut added) = if lit {
             self.most(material)
         } else {
             ([1.0; 3], [0.0; 3])
         };
+        if let Some(emission) = &material.emission {
+            let map = emission.map.as_ref();
+            let picture = map.map_or([1.0; 3], |slot| self.brightest(slot.texture));
+            added = [0, 1, 2].map(|k| added[k] + emission.color[k] * picture[k]);
+        }
         let vertex = |k: usize| mesh.colors.iter().map(|c| c[k]).reduce(f32::max);
         Gain::UpTo {
             light: [0, 1, 2].map(|k| color[k] * light[k] * vertex(k).unwrap_or(1.0)),
@@ -311,6 +316,11 @@ mod tests {
         scene.meshes[0].colors.clear();
         scene.materials[0].shading = Shading::Unlit;
         assert_eq!(of(&scene, &[]), Gain::Exactly([0.5; 3]));
+        scene.materials[0].emission = Some(crate::Emission {
+            color: [0.25, 0.0, 3.0],
+            map: None,
+        });
+        assert!(near(of(&scene, &[]), [[0.5; 3], [0.25, 0.0, 3.0]]));
         scene.materials[0].texture_role = TextureRole::Decal;
         assert_eq!(of(&scene, &[]), Gain::Exactly([1.0; 3]));
     }

@@ -87,10 +87,20 @@ impl Stages {
         }
     }
 
-    /// A base colour under the surface's light, clipped at 1.
+    /// A base colour under the surface's light and its own, clipped at 1.
     fn light(&self, surface: &Surface<'_>, i: usize, base: [f32; 3]) -> [f32; 3] {
+        let emitted = surface.emission.as_ref().map(|stage| {
+            let texel = stage.map.as_ref().map(|_| self.emitted[i]);
+            stage.of(texel)
+        });
+        let plus = |a: [f32; 3]| match emitted {
+            Some(b) => [a[0] + b[0], a[1] + b[1], a[2] + b[2]],
+            None => a,
+        };
         match surface.light {
-            LightStage::None => base.map(clip),
+            LightStage::None => plus(base).map(clip),
+            // Without emission they are clipped at the vertices.
+            LightStage::Colors(_) if emitted.is_some() => plus(self.color[i]).map(clip),
             LightStage::Colors(_) => self.color[i],
             LightStage::Terms { .. } | LightStage::PerPixel => {
                 let base = match (&surface.effects, self.paint.get(i)) {
@@ -100,7 +110,9 @@ impl Stages {
                     }
                     _ => base,
                 };
-                self.terms[i].color(base)
+                let mut terms = self.terms[i];
+                terms.highlight = plus(terms.highlight);
+                terms.color(base)
             }
         }
     }
