@@ -337,3 +337,66 @@ fn faults_name_their_line() {
         assert!(!error.help().is_empty());
     }
 }
+
+/// The sentences that a scene is loaded with.
+fn warnings(text: &str) -> Vec<String> {
+    files().scene(text).warnings
+}
+
+#[test]
+fn bumps_that_are_still_set_do_not_reach_faces_without_coordinates() {
+    let textured = "texture square.png\nshade modulate\n";
+    let tf = "tf 0 0 0 1 1 0 2 1 1\n";
+    for (line, words) in [
+        ("bump square.png 0.1", "`bump`"),
+        ("normalmap square.png", "`normalmap`"),
+        ("offsetmap square.png 0.1", "`offsetmap`"),
+        ("emboss ab 0.1", "`emboss`"),
+        ("emission 1 1 1 square.png", "`emission`"),
+        ("lightmap square.png", "`lightmap`"),
+    ] {
+        let scene = files().scene(&format!("{line}\n{FACE}f 0 2 1\n{textured}{tf}"));
+        let face = &scene.materials[scene.meshes[0].material];
+        assert!(face.relief.is_none() && face.light_map.is_none() && face.emission.is_none());
+        // Once for all faces, with the first of them.
+        let told = |warning: &&String| warning.contains(words);
+        let told: Vec<_> = scene.warnings.iter().filter(told).collect();
+        assert_eq!(told.len(), 1, "{line}: {:?}", scene.warnings);
+        assert!(told[0].contains("a.scene:5:1"), "{}", told[0]);
+        let last = &scene.materials[scene.meshes.last().unwrap().material];
+        let reaches = last.relief.is_some() || last.emission.is_some();
+        assert_eq!(reaches, line != "lightmap square.png", "{line}");
+        render(&scene, &Settings::new(16, 16), &|_, _| ()).expect("a picture");
+    }
+    // What needs no coordinates reaches all faces.
+    let carved = files().scene(&format!("carve noise 0.1 0 0 0 1 1 1\n{FACE}"));
+    assert!(carved.materials[0].relief.is_some() && carved.warnings.is_empty());
+}
+
+#[test]
+fn effects_on_faces_that_copy_their_texel_are_told_once_a_kind() {
+    let set = "ld 1 1 1 0 0 -1\nbump square.png 0.1\nenv square.png octahedron 0.5\nhighlight blinn\ncel square.png\n\
+               emission 0.1 0.1 0.1\ntexture square.png\n";
+    let faces = "tf 0 0 0 1 1 0 2 1 1\ntf 0 0 0 2 1 0 1 1 1\n";
+    let vertices = "v -1 -1 0\nv 1 -1 0\nv 1 1 0\n";
+    let told = warnings(&format!("{set}{vertices}{faces}"));
+    for kind in ["`bump`", "`env`", "`highlight`", "`cel`", "`emission`"] {
+        let of_kind = told.iter().filter(|w| w.contains(kind)).count();
+        assert_eq!(of_kind, 1, "{kind}: {told:?}");
+    }
+    assert!(told.iter().all(|w| w.contains("a.scene:11:1")), "{told:?}");
+    // Lit faces show them.
+    let lit = warnings(&format!("{set}shade modulate\n{vertices}{faces}"));
+    assert!(lit.is_empty(), "{lit:?}");
+}
+
+#[test]
+fn shadows_and_projectors_that_nothing_shows_are_told() {
+    let lines = "ld 1 1 1 0 0 -1\nshadow 64\nprojector a.png paint 0 0 5 0 0 0 0 1 0 40\ntexture square.png\n\
+                 v -1 -1 0\nv 1 -1 0\nv 1 1 0\n";
+    let face = "tf 0 0 0 1 1 0 2 1 1\n";
+    let told = warnings(&format!("{lines}{face}"));
+    assert!(told.iter().any(|w| w.contains("`shadow`")), "{told:?}");
+    assert!(told.iter().any(|w| w.contains("`projector`")), "{told:?}");
+    assert!(warnings(&format!("{lines}shade modulate\n{face}")).is_empty());
+}

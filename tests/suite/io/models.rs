@@ -214,3 +214,50 @@ fn backslashes_separate_folders_too() {
     std::fs::copy(scene.path("map.png"), scene.path("maps/wall.png")).expect("a copy");
     assert_eq!(scene.load("a.obj").expect("a model").textures.len(), 1);
 }
+
+#[test]
+fn surfaces_give_off_the_light_of_their_library() {
+    let emission = |mtl: &str| {
+        let scene = files(mtl).load("a.obj").expect("a model");
+        let emission = scene.materials[0].emission.clone();
+        (emission, scene.warnings)
+    };
+    let (none, _) = emission("newmtl m\nKe 0 0 0\n");
+    assert!(none.is_none());
+    let (some, _) = emission("newmtl m\nKd 0 0 0\nKe 1 0.5 3\n");
+    let some = some.expect("light");
+    let half = texmap_math::color::srgb_to_linear(0.5);
+    assert_eq!((some.color, some.map), ([1.0, half, 3.0], None));
+    // Without a factor the map is the light, as with one that a program wrote black.
+    let (mapped, warnings) = emission("newmtl m\nmap_Ke -s 2 2 map.png\n");
+    let mapped = mapped.expect("light");
+    assert_eq!(mapped.color, [1.0; 3]);
+    assert_eq!(mapped.map.expect("a map").transform.scale, [2.0; 2]);
+    assert!(warnings.is_empty(), "{warnings:?}");
+    let (black, warnings) = emission("newmtl m\nKe 0 0 0\nmap_Ke map.png\n");
+    assert_eq!(black.expect("light").color, [1.0; 3]);
+    assert!(warnings[0].contains("Ke is black"), "{warnings:?}");
+}
+
+#[test]
+fn a_missing_map_of_emission_is_no_black_picture() {
+    let mtl = "newmtl m\nKd 0 0 0\nKe 1 1 1\nmap_Ke gone.png\n";
+    let error = files(mtl).load("a.obj").unwrap_err();
+    assert_eq!(error.code(), "file-missing");
+    assert_eq!(error.place().map(|p| p.line), Some(4));
+    let scene = files(mtl).scene("missing warn\nla 1 1 1\nobj a.obj\n");
+    assert!(
+        scene.warnings.iter().any(|w| w.contains("gone.png")),
+        "{:?}",
+        scene.warnings
+    );
+}
+
+#[test]
+fn statements_that_are_not_drawn_are_told_with_their_line() {
+    let scene = files("newmtl m\nKd 1 1 1\nPr 0.3\nrefl -type sphere map.png\nNi 1.5\n");
+    let told = scene.load("a.obj").expect("a model").warnings;
+    assert_eq!(told.len(), 2, "{told:?}");
+    assert!(told[0].contains("a.mtl:3:1") && told[0].contains("`Pr`"));
+    assert!(told[1].contains("a.mtl:4:1") && told[1].contains("`refl`"));
+}

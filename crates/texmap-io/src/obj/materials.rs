@@ -90,19 +90,42 @@ pub(super) fn material(
         .transpose()
     };
     let name = description.name;
-    let [map_kd, map_d, map_ka, map_ks, map_ns, bump, normals, disp] = description.maps;
+    let [
+        map_kd,
+        map_d,
+        map_ka,
+        map_ks,
+        map_ns,
+        bump,
+        normals,
+        disp,
+        map_ke,
+    ] = description.maps;
     let height = bump.as_ref().and_then(|map| map.height);
     let map_kd = load(map_kd, Content::Color)?;
     let map_d = load(map_d, Content::Data)?;
     let map_ka = load(map_ka, Content::Color)?;
     let map_ks = load(map_ks, Content::Color)?;
     let map_ns = load(map_ns, Content::Data)?;
+    let map_ke = load(map_ke, Content::Color)?;
     let bump = load(bump, Content::Data)?;
     let relief = load(normals, Content::Data)?
         .map(|map| (map, ReliefKind::Normals))
         .or(bump.map(|map| (map, ReliefKind::Bump(height.unwrap_or(DEFAULT_BUMP)))));
     let rise = disp.as_ref().and_then(|map| map.height);
     let displacement = load(disp, Content::Data)?.map(|map| (map, rise.unwrap_or(DEFAULT_BUMP)));
+    let ke = match (description.ke, &map_ke) {
+        // As beside map_Kd: a black factor stands for none.
+        (Some([0.0, 0.0, 0.0]), Some(_)) => {
+            warnings.push(format!(
+                "material '{name}': Ke is black and would hide map_Ke; drawn as white"
+            ));
+            [1.0; 3]
+        }
+        (Some(ke), _) => ke,
+        (None, Some(_)) => [1.0; 3],
+        (None, None) => [0.0; 3],
+    };
     let kd = match (description.kd, &map_kd) {
         // Programs that ignore Kd beside a map often write black, which would blacken the map.
         (Some([0.0, 0.0, 0.0]), Some(_)) => {
@@ -126,6 +149,8 @@ pub(super) fn material(
         map_ka,
         map_ks,
         map_ns,
+        ke,
+        map_ke,
         relief,
         displacement,
     })

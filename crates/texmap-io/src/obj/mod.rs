@@ -5,6 +5,7 @@ mod materials;
 mod model;
 mod mtl;
 mod normals;
+mod not_drawn;
 mod parts;
 
 use texmap_sample::UvTransform;
@@ -55,6 +56,9 @@ pub(crate) struct Material {
     pub(crate) map_ka: Option<Map>,
     pub(crate) map_ks: Option<Map>,
     pub(crate) map_ns: Option<Map>,
+    /// Light of its own: sRGB up to 1, a linear factor above; black is none.
+    pub(crate) ke: [f32; 3],
+    pub(crate) map_ke: Option<Map>,
     pub(crate) relief: Option<(Map, ReliefKind)>,
     /// Heights, and how far white moves over black in units of the model (`-bm`).
     pub(crate) displacement: Option<(Map, f32)>,

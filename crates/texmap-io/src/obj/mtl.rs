@@ -1,5 +1,5 @@
-//! Material libraries: `Kd Ks Ns d Tr illum` and `map_Kd map_d map_Ka map_Ks map_Ns map_Bump bump disp norm` with the options
-//! `-s -o -clamp -bm`.
+//! Material libraries: `Kd Ks Ke Ns d Tr illum` and `map_Kd map_d map_Ka map_Ks map_Ke map_Ns map_Bump bump disp norm` with the
+//! options `-s -o -clamp -bm`. Statements that are not drawn are named in warnings.
 //!
 //! Source of the format: Wavefront, "MTL material format", version 4.2 (1995).
 
@@ -7,6 +7,7 @@ use std::fmt::Write;
 use std::path::Path;
 
 use super::check::finite;
+use super::not_drawn::NotDrawn;
 use crate::{IoError, Place, files};
 
 /// A material as its library describes it.
@@ -17,6 +18,8 @@ pub(super) struct Description {
     pub(super) kd: Option<[f32; 3]>,
     /// The largest channel of Ks.
     pub(super) ks: f32,
+    /// Ke: sRGB up to 1, a linear factor above.
+    pub(super) ke: Option<[f32; 3]>,
     pub(super) ns: Option<f32>,
     /// 1 is opaque.
     pub(super) d: f32,
@@ -32,8 +35,8 @@ impl Description {
 }
 
 /// The kinds of map that are read; `bump` is another word for `map_Bump`.
-pub(super) const MAPS: [&str; 8] = [
-    "map_Kd", "map_d", "map_Ka", "map_Ks", "map_Ns", "map_Bump", "norm", "disp",
+pub(super) const MAPS: [&str; 9] = [
+    "map_Kd", "map_d", "map_Ka", "map_Ks", "map_Ns", "map_Bump", "norm", "disp", "map_Ke",
 ];
 
 /// A map and the options before its name.
@@ -65,7 +68,7 @@ pub(super) fn read(
             problem: e.to_string(),
         })?;
     let largest = |c: [f32; 3]| c.into_iter().fold(0.0, f32::max);
-    let describe = |(m, maps): (tobj::Material, [Option<Map>; MAPS.len()])| {
+    let describe = |(m, own): (tobj::Material, Own)| {
         // Models 0 and 1 have no highlight.
         let highlight = !matches!(m.illumination_model, Some(0 | 1));
         Description {
@@ -76,14 +79,15 @@ pub(super) fn read(
             } else {
                 0.0
             },
+            ke: own.ke,
             ns: m.shininess,
             d: m.dissolve.unwrap_or(1.0),
-            maps,
+            maps: own.maps,
         }
     };
     Ok(materials
         .into_iter()
-        .zip(checked.maps)
+        .zip(checked.own)
         .map(describe)
         .collect())
 }
@@ -92,13 +96,20 @@ pub(super) fn read(
 struct Checked {
     /// What the reader needs, in a form that it takes.
     text: String,
-    /// The maps of each material.
-    maps: Vec<[Option<Map>; MAPS.len()]>,
+    /// What the reader does not keep of each material.
+    own: Vec<Own>,
+}
+
+#[derive(Debug, Default)]
+struct Own {
+    ke: Option<[f32; 3]>,
+    maps: [Option<Map>; MAPS.len()],
 }
 
 /// Places for errors: the reader's own have none, and it panics on a colour of fewer than three numbers.
 fn check(file: &Path, text: &str, warnings: &mut Vec<String>) -> Result<Checked, IoError> {
     let mut out = Checked::default();
+    let mut not_drawn = NotDrawn::default();
     for (content, line) in text.lines().zip(1..) {
         let content = content.trim_end();
         let start = content.len() - content.trim_start().len();
@@ -115,10 +126,11 @@ fn check(file: &Path, text: &str, warnings: &mut Vec<String>) -> Result<Checked,
                 return Err(count(place, "newmtl", "1 name"));
             }
             let _ = writeln!(out.text, "newmtl {rest}");
-            out.maps.push(Default::default());
+            out.own.push(Own::default());
+            not_drawn.next_material();
             continue;
         }
-        let Some(maps) = out.maps.last_mut() else {
+        let Some(own) = out.own.last_mut() else {
             let command = KNOWN
                 .iter()
                 .copied()
@@ -131,8 +143,12 @@ fn check(file: &Path, text: &str, warnings: &mut Vec<String>) -> Result<Checked,
             });
         };
         match word {
-            "Kd" => color(&mut out.text, "Kd", place, rest, warnings)?,
+            "Kd" => {
+                not_drawn.base_color(rest);
+                color(&mut out.text, "Kd", place, rest, warnings)?;
+            }
             "Ks" => color(&mut out.text, "Ks", place, rest, warnings)?,
+            "Ke" => own.ke = rgb(&place, "Ke", rest, warnings)?,
             "Ns" => {
                 let ns = one(place.clone(), "Ns", rest)?;
                 in_range(ns >= 0.0, place, "Ns", rest, "0 or more")?;
@@ -146,10 +162,13 @@ fn check(file: &Path, text: &str, warnings: &mut Vec<String>) -> Result<Checked,
                 };
                 let x = one(place.clone(), command, number)?;
                 in_range((0.0..=1.0).contains(&x), place, command, number, "0 to 1")?;
-                let _ = writeln!(out.text, "d {}", if command == "d" { x } else { 1.0 - x });
+                let opacity = if command == "d" { x } else { 1.0 - x };
+                not_drawn.opacity(opacity);
+                let _ = writeln!(out.text, "d {opacity}");
             }
             "illum" => {
                 let model = one(place.clone(), "illum", rest)?;
+                not_drawn.model(&place, model);
                 in_range(
                     (0.0..=10.0).contains(&model),
                     place,
@@ -159,20 +178,20 @@ fn check(file: &Path, text: &str, warnings: &mut Vec<String>) -> Result<Checked,
                 )?;
                 let _ = writeln!(out.text, "illum {}", model as u8);
             }
-            "bump" | "map_bump" => maps[5] = Some(map(place, "map_Bump", rest, warnings)?),
-            _ => {
-                if let Some(i) = MAPS.iter().position(|known| *known == word) {
-                    maps[i] = Some(map(place, MAPS[i], rest, warnings)?);
-                }
-            }
+            "bump" | "map_bump" => own.maps[5] = Some(map(place, "map_Bump", rest, warnings)?),
+            _ => match MAPS.iter().position(|known| *known == word) {
+                Some(i) => own.maps[i] = Some(map(place, MAPS[i], rest, warnings)?),
+                None => not_drawn.statement(&place, word, rest),
+            },
         }
     }
+    warnings.extend(not_drawn.warnings());
     Ok(out)
 }
 
-const KNOWN: [&str; 14] = [
-    "Kd", "Ks", "Ns", "d", "Tr", "illum", "map_Kd", "map_d", "map_Ka", "map_Ks", "map_Ns",
-    "map_Bump", "norm", "disp",
+const KNOWN: [&str; 16] = [
+    "Kd", "Ks", "Ke", "Ns", "d", "Tr", "illum", "map_Kd", "map_d", "map_Ka", "map_Ks", "map_Ke",
+    "map_Ns", "map_Bump", "norm", "disp",
 ];
 
 fn color(
@@ -182,6 +201,26 @@ fn color(
     rest: &str,
     warnings: &mut Vec<String>,
 ) -> Result<(), IoError> {
+    let Some(rgb) = rgb(&place, command, rest, warnings)? else {
+        return Ok(());
+    };
+    if rgb.iter().any(|c| *c > 1.0) {
+        warnings.push(format!(
+            "{place}: `{command} {rest}` is above 1 and cut to it"
+        ));
+    }
+    let [r, g, b] = rgb.map(|c| c.min(1.0));
+    let _ = writeln!(out, "{command} {r} {g} {b}");
+    Ok(())
+}
+
+/// A colour of 0 or more; `None`, with a warning, for the forms that are not supported.
+fn rgb(
+    place: &Place,
+    command: &'static str,
+    rest: &str,
+    warnings: &mut Vec<String>,
+) -> Result<Option<[f32; 3]>, IoError> {
     let words: Vec<_> = rest
         .split_whitespace()
         .take_while(|w| !w.starts_with('#'))
@@ -191,7 +230,7 @@ fn color(
             "{place}: `{command} {}` is not supported and left out",
             words[0]
         ));
-        return Ok(());
+        return Ok(None);
     }
     let mut numbers = Vec::new();
     for word in &words {
@@ -200,7 +239,7 @@ fn color(
     let rgb = match numbers[..] {
         [grey] => [grey; 3],
         [r, g, b] => [r, g, b],
-        _ => return Err(count(place, command, "1 or 3 numbers")),
+        _ => return Err(count(place.clone(), command, "1 or 3 numbers")),
     };
     in_range(
         rgb.iter().all(|c| *c >= 0.0),
@@ -209,14 +248,7 @@ fn color(
         rest,
         "0 to 1",
     )?;
-    if rgb.iter().any(|c| *c > 1.0) {
-        warnings.push(format!(
-            "{place}: `{command} {rest}` is above 1 and cut to it"
-        ));
-    }
-    let [r, g, b] = rgb.map(|c| c.min(1.0));
-    let _ = writeln!(out, "{command} {r} {g} {b}");
-    Ok(())
+    Ok(Some(rgb))
 }
 
 /// `-option values ... file name`; the name may hold blanks.
@@ -353,7 +385,8 @@ mod tests {
         let (materials, warnings) = read_text(
             "# library\nnewmtl two words\n  Kd 0.5\n\tKs 0.1 0.3 0.2\nNs 20\nTr 0.25\nillum 2\n\
              map_Kd -s 2 3 1 -o 0.5 -clamp on my wall.png\n\
-             newmtl flat\nKd 1 2 0\nKs 1 1 1\nillum 1\nmap_d -imfchan m leaf_3.png\nKe 1 1 1\n",
+             newmtl flat\nKd 1 2 0\nKs 1 1 1\nillum 1\nmap_d -imfchan m leaf_3.png\nKe 1 3 0\n\
+             map_Ke glow.png\n",
         );
         let materials = materials.unwrap();
         assert_eq!(materials[0].name, "two words");
@@ -369,6 +402,11 @@ mod tests {
             (Some([1.0, 1.0, 0.0]), 0.0)
         );
         assert_eq!(materials[1].maps[1].as_ref().unwrap().name, "leaf_3.png");
+        assert_eq!(
+            (materials[0].ke, materials[1].ke),
+            (None, Some([1.0, 3.0, 0.0]))
+        );
+        assert_eq!(materials[1].maps[8].as_ref().unwrap().name, "glow.png");
         assert_eq!(warnings.len(), 2, "{warnings:?}");
     }
 
@@ -397,6 +435,9 @@ mod tests {
             ("newmtl a\nKd 1 1", "argument-count", 2),
             ("newmtl a\nKd", "argument-count", 2),
             ("newmtl a\nKd 1 nan 1", "not-finite", 2),
+            ("newmtl a\nKe 1 nan 1", "not-finite", 2),
+            ("newmtl a\nKe 1 -1 1", "out-of-range", 2),
+            ("newmtl a\nKe", "argument-count", 2),
             ("newmtl a\nKd -1 0 0", "out-of-range", 2),
             ("newmtl a\nd 2", "out-of-range", 2),
             ("newmtl a\nNs x", "not-a-number", 2),

@@ -6,7 +6,7 @@ use texmap_render::{
 };
 use texmap_sample::{ColorSpace, Origin, Pattern, Sampler, Texture2d, UvTransform, Wrap};
 
-use super::effects::{Known, Use, environment};
+use super::effects::{Coordinates, Known, Use, environment};
 use super::settings::{CurrentTexture, Settings, WHITE, surface};
 use crate::font::built_in_font;
 use crate::scene_file::{Classic, Role, SolidLine, SolidSource as Source};
@@ -131,7 +131,9 @@ pub(super) fn statement(
             let origin = to_world.transform_point3(DVec3::from(*origin));
             let mut material = written(settings, texture, scene);
             material.name = format!("text from {place}");
-            material = settings.effects.apply(settings, scene, material);
+            material = settings
+                .effects
+                .apply(settings, scene, material, Coordinates::FIRST);
             scene.materials.push(material);
             let material = scene.materials.len() - 1;
             scene

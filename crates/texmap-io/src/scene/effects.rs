@@ -7,13 +7,13 @@ use texmap_light::{Chart, Green, Highlight, Light, ShadowBias};
 use texmap_math::Projector;
 use texmap_math::glam::{DMat4, DVec3};
 use texmap_render::{
-    Carving, LightMapSlot, Material, Mesh, Reflection, Relief, Scene, Shadow, SlideProjector,
-    SlideRole,
+    Carving, Emission, LightMapSlot, Material, Mesh, Reflection, Relief, Scene, Shadow,
+    SlideProjector, SlideRole,
 };
 use texmap_sample::{Pattern, UvTransform};
 
 use super::classics;
-use super::settings::Settings;
+use super::settings::{Settings, emitted};
 use crate::scene_file::{Bias, CarveLine, Effect, Formula, Missing, ProjectorLine, ReliefLine};
 use crate::textures::{Content, Textures};
 use crate::{IoError, Place, environment_io, files, obj};
@@ -25,6 +25,8 @@ pub(super) struct EffectSettings {
     reflection: Option<Reflection>,
     specular_map: Option<usize>,
     light_map: Option<(usize, f32)>,
+    /// Linear light and the texture that multiplies it.
+    emission: Option<([f32; 3], Option<usize>)>,
     relief: Option<ReliefSetting>,
     /// Normals beyond the horizon stay there.
     horizon_open: bool,
@@ -42,6 +44,48 @@ enum ReliefSetting {
     NormalMap(usize, crate::scene_file::NormalMapLine),
 }
 
+impl ReliefSetting {
+    fn reads_uv(&self) -> bool {
+        !matches!(self, Self::Carved(_))
+    }
+}
+
+/// Where faces copy their texel: what their material has in vain.
+pub(super) fn covered(material: &Material) -> Vec<&'static str> {
+    let has = [
+        (material.relief.is_some(), BUMPS),
+        (material.highlight != Highlight::Phong, "`highlight`"),
+        (material.reflection.is_some(), "`env`"),
+        (material.specular_map.is_some(), "`specmap`"),
+        (material.light_map.is_some(), "`lightmap`"),
+        (material.emission.is_some(), "`emission`"),
+        (material.light_ramp.is_some(), "`cel`"),
+        (material.solid.is_some(), "`solid`"),
+    ];
+    has.into_iter()
+        .filter_map(|(has, name)| has.then_some(name))
+        .collect()
+}
+
+const BUMPS: &str = "`bump`, `offsetmap`, `carve`, `emboss` or `normalmap`";
+
+/// The coordinates that faces have.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Coordinates {
+    /// Those of textures: per vertex, from a frame, or by a shape.
+    pub(super) first: bool,
+    /// Those of light maps.
+    pub(super) second: bool,
+}
+
+impl Coordinates {
+    /// Those of textures alone.
+    pub(super) const FIRST: Self = Self {
+        first: true,
+        second: false,
+    };
+}
+
 /// Environments that are read once.
 pub(super) type Known = HashMap<(PathBuf, &'static str, Use), usize>;
 
@@ -55,25 +99,68 @@ pub(super) enum Use {
 }
 
 impl EffectSettings {
-    /// A material under these effects; what it brings itself stays.
+    /// Whether some effect reads the coordinates of textures.
+    pub(super) fn reads_uv(&self) -> bool {
+        !self
+            .out_of_reach(Coordinates {
+                first: false,
+                second: true,
+            })
+            .is_empty()
+    }
+
+    /// The effects that do not reach faces with these coordinates, and why.
+    pub(super) fn out_of_reach(
+        &self,
+        coordinates: Coordinates,
+    ) -> Vec<(&'static str, &'static str)> {
+        const FIRST: &str = "has no texture coordinates";
+        const SECOND: &str = "has no second coordinates (`lightmapuv` gives them to an `obj`)";
+        let mut out = Vec::new();
+        let relief = self.relief.as_ref();
+        if !coordinates.first && relief.is_some_and(ReliefSetting::reads_uv) {
+            out.push((BUMPS, FIRST));
+        }
+        if !coordinates.first && self.emission.is_some_and(|(_, map)| map.is_some()) {
+            out.push(("`emission` with a map", FIRST));
+        }
+        if !coordinates.second && self.light_map.is_some() {
+            out.push(("`lightmap`", SECOND));
+        }
+        out
+    }
+
+    /// A material under these effects, for faces with these coordinates; what it brings itself stays.
     pub(super) fn apply(
         &self,
         settings: &Settings,
         scene: &Scene,
         mut material: Material,
+        coordinates: Coordinates,
     ) -> Material {
         let data = |texture| settings.slot(texture, UvTransform::default(), false, scene.color);
         material.highlight = self.highlight;
         material.reflection = self.reflection;
         material.specular_map = self.specular_map;
         material.horizon_clamp = !self.horizon_open;
-        material.light_map = self.light_map.map(|(texture, scale)| LightMapSlot {
+        let light_map = self.light_map.filter(|_| coordinates.second);
+        material.light_map = light_map.map(|(texture, scale)| LightMapSlot {
             slot: settings.slot(texture, UvTransform::default(), true, scene.color),
             scale,
             baked: None,
         });
+        if material.emission.is_none() {
+            let reaches = |map: Option<usize>| coordinates.first || map.is_none();
+            let emission = self.emission.filter(|(_, map)| reaches(*map));
+            material.emission = emission.map(|(color, map)| Emission {
+                color,
+                map: map.map(data),
+            });
+        }
         if material.relief.is_none() {
-            material.relief = self.relief.as_ref().map(|relief| match relief {
+            let relief = self.relief.as_ref();
+            let relief = relief.filter(|relief| coordinates.first || !relief.reads_uv());
+            material.relief = relief.map(|relief| match relief {
                 ReliefSetting::Bump(texture, height) => Relief::Bump {
                     slot: data(*texture),
                     height: *height,
@@ -196,6 +283,15 @@ pub(super) fn statement(
         }
         Effect::LightMapUv(name) => {
             settings.effects.lightmap_uv = name.as_ref().map(|name| (beside(name), place.clone()));
+        }
+        Effect::Emission(line) => {
+            settings.effects.emission = match line {
+                None => None,
+                Some((rgb, file)) => {
+                    let file = file.as_ref().map(|name| texture(name, Content::Color));
+                    Some((emitted(*rgb, scene.color), file.transpose()?))
+                }
+            };
         }
         Effect::Bump(line) => {
             settings.effects.relief = match line {

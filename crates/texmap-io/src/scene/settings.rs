@@ -231,6 +231,11 @@ pub(super) fn light(srgb: [f32; 3], color: ColorMode) -> [f32; 3] {
     }
 }
 
+/// Emitted light of a file as the renderer takes it: a colour up to 1, a linear factor above.
+pub(super) fn emitted(srgb: [f32; 3], color: ColorMode) -> [f32; 3] {
+    srgb.map(|c| if c > 1.0 { c } else { light([c; 3], color)[0] })
+}
+
 pub(super) fn surface(surf: &Surf, color: ColorMode) -> Surface {
     Surface {
         color: light(surf.color, color),

@@ -7,7 +7,7 @@ use super::token::Token;
 use crate::{IoError, Place};
 
 /// The word of every command.
-pub const COMMANDS: [&str; 64] = [
+pub const COMMANDS: [&str; 65] = [
     "eye",
     "look",
     "up",
@@ -53,6 +53,7 @@ pub const COMMANDS: [&str; 64] = [
     "specmap",
     "lightmap",
     "lightmapuv",
+    "emission",
     "bump",
     "offsetmap",
     "carve",

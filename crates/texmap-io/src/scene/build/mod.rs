@@ -6,11 +6,11 @@ use texmap_light::Light;
 use texmap_math::camera::{Camera, CameraError};
 use texmap_math::frame::TextureFrame;
 use texmap_math::glam::{DMat4, DVec3};
-use texmap_render::{Material, Mesh, Scene};
+use texmap_render::{AlphaMode, Material, Mesh, Scene, Shading, TextureRole};
 use texmap_uv::{PixelMapping, UvError};
 
 use super::classics;
-use super::effects;
+use super::effects::{self, Coordinates};
 use super::facets::{Facet, Facets};
 use super::settings::{CurrentTexture, Settings};
 use super::shapes::{self, Bones, DisplaceSetting};
@@ -30,6 +30,8 @@ pub(super) struct Builder {
     faces: u32,
     environments: effects::Known,
     bones: Bones,
+    /// Effects that some face has in vain, told once each.
+    told: Vec<(&'static str, &'static str)>,
 }
 
 impl Builder {
@@ -43,11 +45,12 @@ impl Builder {
             faces: 0,
             environments: effects::Known::default(),
             bones: Bones::default(),
+            told: Vec::new(),
         }
     }
 
     pub(super) fn finish(mut self) -> Result<(Scene, Textures), IoError> {
-        if let Some(place) = self.camera_line
+        if let Some(place) = self.camera_line.take()
             && let Err(error) = check_camera(&self.scene.camera)
         {
             return Err(IoError::BadCamera {
@@ -55,6 +58,7 @@ impl Builder {
                 problem: error.to_string(),
             });
         }
+        self.warn_of_unlit();
         self.bones.bend(&mut self.scene.meshes)?;
         self.scene.textures.clone_from(&self.textures.textures);
         self.scene.effects.grids.clone_from(&self.textures.grids);
@@ -232,10 +236,13 @@ impl Builder {
         frame: Option<TextureFrame>,
         has_uv: bool,
     ) {
-        let lit = material.base_color.is_none()
-            || material.texture_role == texmap_render::TextureRole::Modulate;
+        let lit = material.base_color.is_none() || material.texture_role == TextureRole::Modulate;
         let framed = material.base_color.is_some() && !has_uv;
-        let material = self.material(material);
+        let coordinates = Coordinates {
+            first: has_uv || framed,
+            second: false,
+        };
+        let material = self.material(material, coordinates, place);
         let facet = Facet {
             corners,
             has_uv,
@@ -291,7 +298,7 @@ impl Builder {
                     Some(texture) => self.settings.textured(texture, Role::Modulate, color),
                     None => self.settings.plain(color),
                 };
-                ground.material = self.material(material);
+                ground.material = self.material(material, Coordinates::FIRST, place);
                 ground.round = self.settings.round;
                 let cells = ground.faces.last().map_or(0, |last| last + 1);
                 ground.faces.iter_mut().for_each(|f| *f += self.faces);
@@ -306,7 +313,7 @@ impl Builder {
                 axis,
             } => {
                 let material = self.textured("billboard", place)?;
-                let material = self.material(material);
+                let material = self.material(material, Coordinates::FIRST, place);
                 let board = shapes::billboard(position, size, axis, &self.settings.transform);
                 let number = self.faces;
                 self.faces += 1;
@@ -319,16 +326,24 @@ impl Builder {
         Ok(())
     }
 
-    /// Index of a material, a new one or an equal one.
-    fn material(&mut self, material: Material) -> usize {
-        let material = self
-            .settings
-            .effects
-            .apply(&self.settings, &self.scene, material);
+    /// Index of a material under the current effects, a new one or an equal one. `place` draws faces of it.
+    fn material(&mut self, material: Material, coordinates: Coordinates, place: &Place) -> usize {
+        let effects = &self.settings.effects;
+        let out_of_reach = effects.out_of_reach(coordinates);
+        let material = effects.apply(&self.settings, &self.scene, material, coordinates);
         let material = self
             .settings
             .classics
             .apply(&self.settings, &self.scene, material);
+        for (effect, why) in out_of_reach {
+            self.tell(place, effect, why);
+        }
+        if self.is_covered(&material) {
+            for effect in effects::covered(&material) {
+                let why = "copies its texel, whatever the light (`shade modulate` lights it)";
+                self.tell(place, effect, why);
+            }
+        }
         let materials = &mut self.scene.materials;
         // Faces of one kind follow each other, so the end is the place to look first.
         match materials.iter().rposition(|m| *m == material) {
@@ -337,6 +352,47 @@ impl Builder {
                 materials.push(material);
                 materials.len() - 1
             }
+        }
+    }
+}
+
+impl Builder {
+    /// Whether the texels of a material hide the surface under them.
+    fn is_covered(&self, material: &Material) -> bool {
+        let Some(slot) = &material.base_color else {
+            return false;
+        };
+        let clear = self.textures.textures[slot.texture].has_alpha();
+        material.texture_role == TextureRole::Decal
+            && !(material.alpha == AlphaMode::Opaque && clear)
+    }
+
+    /// Warns of an effect that what this line draws does not show, the first time.
+    fn tell(&mut self, place: &Place, effect: &'static str, why: &'static str) {
+        if self.told.contains(&(effect, why)) {
+            return;
+        }
+        self.told.push((effect, why));
+        self.scene.warnings.push(format!(
+            "{place}: {effect} is not drawn here: what this line draws {why}"
+        ));
+    }
+
+    /// Warns of shadows and projectors without a surface that reads them.
+    fn warn_of_unlit(&mut self) {
+        let lit = self.scene.meshes.iter().any(|mesh| {
+            let material = &self.scene.materials[mesh.material];
+            material.shading == Shading::PerPixel && !self.is_covered(material)
+        });
+        let effects = &self.scene.effects;
+        let words = [
+            (effects.shadows.is_empty(), "`shadow`"),
+            (effects.projectors.is_empty(), "`projector`"),
+        ];
+        for (_, word) in words.into_iter().filter(|(none, _)| !none && !lit) {
+            self.scene.warnings.push(format!(
+                "{word} is not drawn: no surface of the scene is lit at its pixels"
+            ));
         }
     }
 }

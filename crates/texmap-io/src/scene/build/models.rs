@@ -1,20 +1,20 @@
 //! OBJ models to meshes under the current settings.
 
 use texmap_light::Surface;
-use texmap_render::{AlphaMode, Displacement, Material, Mesh};
+use texmap_render::{AlphaMode, Displacement, Emission, Material, Mesh};
 use texmap_sample::Origin;
 
 use super::Builder;
 use crate::obj::{self, Model};
-use crate::scene::effects;
-use crate::scene::settings::light;
+use crate::scene::effects::{self, Coordinates};
+use crate::scene::settings::{emitted, light};
 use crate::scene_file::{Alpha, Role};
 use crate::{IoError, Place, files};
 
 impl Builder {
     pub(super) fn obj(&mut self, name: &str, place: &Place) -> Result<(), IoError> {
         let path = files::beside(&place.file, name);
-        let textured = self.settings.texture.is_some();
+        let textured = self.settings.texture.is_some() || self.settings.effects.reads_uv();
         match obj::read(
             &path,
             Some(place),
@@ -27,7 +27,7 @@ impl Builder {
                     .file_stem()
                     .map_or_else(String::new, |s| s.to_string_lossy().into_owned());
                 let first = self.scene.meshes.len();
-                self.model(model, &stem);
+                self.model(model, &stem, place);
                 match &self.settings.effects.lightmap_uv {
                     None => Ok(()),
                     Some((path, named)) => {
@@ -46,7 +46,7 @@ impl Builder {
     }
 
     /// Adds the parts of a model under the current settings.
-    pub(in crate::scene) fn model(&mut self, model: Model, stem: &str) {
+    pub(in crate::scene) fn model(&mut self, model: Model, stem: &str, named_by: &Place) {
         let color = self.scene.color;
         self.scene.warnings.extend(model.warnings);
         let transform = self.settings.transform;
@@ -65,6 +65,11 @@ impl Builder {
                     None => self.settings.plain(color),
                 },
             };
+            let coordinates = Coordinates {
+                first: !part.uvs.is_empty() || self.settings.round.is_some(),
+                second: true,
+            };
+            let material = self.material(material, coordinates, named_by);
             let mut triangles = part.triangles;
             if mirrored {
                 // What was outside stays outside.
@@ -87,7 +92,7 @@ impl Builder {
                 colors: colors.into_iter().map(|c| light(c, color)).collect(),
                 triangles,
                 faces: part.faces,
-                material: self.material(material),
+                material,
                 world_from_object: transform,
                 // A shape speaks of the picture's top.
                 uv_origin: match self.settings.round {
@@ -132,6 +137,10 @@ impl Builder {
                 exponent: m.map_ns.as_ref().map(slot),
                 reflectivity: None,
             },
+            emission: (m.ke != [0.0; 3]).then(|| Emission {
+                color: emitted(m.ke, color),
+                map: m.map_ke.as_ref().map(slot),
+            }),
             relief: m.relief.as_ref().map(|(map, relief)| match *relief {
                 obj::ReliefKind::Bump(height) => texmap_render::Relief::Bump {
                     slot: slot(map),

@@ -1,4 +1,4 @@
-//! The words of lighting effects: `ls name shadow shadowless projector highlight env specmap lightmap lightmapuv bump
+//! The words of lighting effects: `ls name shadow shadowless projector highlight env specmap lightmap lightmapuv emission bump
 //! normalmap horizon`, and those of `reliefs`.
 
 mod environments;
@@ -64,6 +64,8 @@ pub enum Effect {
     LightMap(Option<(String, f32)>),
     /// `lightmapuv FILE`, or `lightmapuv none`.
     LightMapUv(Option<String>),
+    /// `emission r g b [FILE]`, or `emission none`: sRGB up to 1, a linear factor above.
+    Emission(Option<([f32; 3], Option<String>)>),
     /// `bump FILE height`, or `bump none`, which ends any relief.
     Bump(Option<(String, f32)>),
     /// `offsetmap`, `carve` or `emboss`; their `none` is that of `bump`.
@@ -119,6 +121,18 @@ pub(super) fn parse(args: &Args<'_>) -> Result<Option<Effect>, IoError> {
         "lightmapuv" => {
             args.exactly(1, "none, or 1 file name")?;
             Effect::LightMapUv(file(args)?)
+        }
+        "emission" if args.len() == 1 && none(args) => Effect::Emission(None),
+        "emission" => {
+            args.within(3, 4, "none, or r g b [FILE]")?;
+            let named = args.len() == 4;
+            args.check(
+                3,
+                !named || !args.text(3).is_empty(),
+                "a file name that is not empty",
+            )?;
+            let file = named.then(|| args.text(3).to_owned());
+            Effect::Emission(Some((args.positive_floats(0)?, file)))
         }
         "bump" if args.len() == 1 && none(args) => Effect::Bump(None),
         "bump" => {
@@ -178,6 +192,7 @@ impl Effect {
             Self::SpecularMap(_) => "specmap",
             Self::LightMap(_) => "lightmap",
             Self::LightMapUv(_) => "lightmapuv",
+            Self::Emission(_) => "emission",
             Self::Bump(_) => "bump",
             Self::Relief(line) => line.word(),
             Self::NormalMap(_) => "normalmap",
@@ -219,12 +234,19 @@ pub(super) fn print(out: &mut String, effect: &Effect) {
             texture_name(out, file);
             floats(out, &[*x]);
         }
+        Effect::Emission(Some((color, file))) => {
+            floats(out, color);
+            if let Some(file) = file {
+                texture_name(out, file);
+            }
+        }
         Effect::LightMapUv(Some(file)) => texture_name(out, file),
         Effect::NormalMap(Some(line)) => normal_maps::print(out, line),
         Effect::Environment(None)
         | Effect::SpecularMap(None)
         | Effect::LightMap(None)
         | Effect::LightMapUv(None)
+        | Effect::Emission(None)
         | Effect::Bump(None)
         | Effect::NormalMap(None) => word(out, "none"),
     }
@@ -253,6 +275,10 @@ mod tests {
                 "lightmap none\n",
                 "lightmapuv room2.obj\n",
                 "lightmapuv none\n",
+                "emission 0.5 2 0\n",
+                "emission 1 1 1 glow.png\n",
+                "emission 1 1 1 \"none\"\n",
+                "emission none\n",
                 "bump bricks.png 0.02\n",
                 "bump none\n",
                 "bump \"none\" 0.02\n",
@@ -276,6 +302,10 @@ mod tests {
             ("lightmap a.png -1", "out-of-range", 16),
             ("bump a.png", "argument-count", 1),
             ("highlight shiny", "unknown-word", 11),
+            ("emission 1 1", "argument-count", 1),
+            ("emission 1 -1 0", "out-of-range", 12),
+            ("emission 1 1 0 a.png b.png", "argument-count", 1),
+            ("emission 1 1 0 \"\"", "out-of-range", 16),
         ]);
     }
 }
