@@ -12,8 +12,8 @@ use std::fs;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
+use texmap_benches::bench_scenes::{BenchScene, Hidden, SCENES, sphere};
 use texmap_benches::chart::LogChart;
-use texmap_lab::bench_scenes::{BenchScene, Hidden, SCENES, sphere};
 use texmap_math::Level;
 use texmap_render::{Mesh, Renderer, Scene, Settings};
 use texmap_sample::Precision;

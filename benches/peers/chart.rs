@@ -18,7 +18,7 @@ use std::process::{Command, ExitCode};
 
 use plane::Peer;
 use registry::{Euc, Outcome, Racer, Retrofire, Texmap};
-use texmap_lab::bench_scenes::Lookup;
+use texmap_benches::bench_scenes::Lookup;
 use texmap_lab::chart::time::{Effort, interleaved};
 use texmap_lab::chart::{
     self, Across, ExternalPoint, Machine, Panel, PlaneScene, Point, QuadScene, SceneChart, Source,

@@ -8,7 +8,7 @@
 use std::cell::Cell;
 
 use glow::HasContext as _;
-use texmap_lab::bench_scenes::{
+use texmap_benches::bench_scenes::{
     BASE_SIZE, BenchScene, Content, DEPTH_SIZE, FACE_SIZE, GlMatrix, LIGHT, LIT_EYE, PROJECTOR,
     cube_face, light_matrix, lit_meshes, mip_chain, normal, slide, slide_matrix, turn,
 };

@@ -7,7 +7,7 @@
 
 use glow::HasContext as _;
 use khronos_egl as egl;
-use texmap_lab::bench_scenes::{BenchMesh, Lookup};
+use texmap_benches::bench_scenes::{BenchMesh, Lookup};
 
 const PLATFORM_SURFACELESS_MESA: egl::Enum = 0x31DD;
 const TEXTURE_MAX_ANISOTROPY: u32 = 0x84FE;

@@ -6,7 +6,7 @@
 )]
 
 use glow::HasContext as _;
-use texmap_lab::bench_scenes::{
+use texmap_benches::bench_scenes::{
     BASE_SIZE, BenchScene, CLEAR, Content, DEPTH_SIZE, FLAT, GlMatrix, HEIGHT, Lookup, SCENES,
     WIDTH, base, mip_chain,
 };

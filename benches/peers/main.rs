@@ -24,7 +24,7 @@ use std::path::PathBuf;
 use std::process::{Command, ExitCode};
 use std::time::{Duration, Instant};
 use texmap::{Mode, Texmap};
-use texmap_lab::bench_scenes::BenchScene;
+use texmap_benches::bench_scenes::BenchScene;
 
 struct Options {
     only: Option<String>,

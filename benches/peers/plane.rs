@@ -6,7 +6,7 @@
 )]
 
 use glow::HasContext as _;
-use texmap_lab::bench_scenes::{BenchMesh, Lookup, mip_chain};
+use texmap_benches::bench_scenes::{BenchMesh, Lookup, mip_chain};
 use texmap_lab::scenes::UvImage;
 use texmap_math::glam::DVec2;
 use texmap_render::Scene;

@@ -1,6 +1,6 @@
 //! texmap's side of the race.
 
-use texmap_lab::bench_scenes::{BenchMesh, BenchScene, Content, DEPTH_SIZE, Hidden, Lookup};
+use texmap_benches::bench_scenes::{BenchMesh, BenchScene, Content, DEPTH_SIZE, Hidden, Lookup};
 use texmap_math::Level;
 use texmap_math::glam::DMat4;
 use texmap_raster::{Cull, Draw, Prepared, RasterError, TargetSize};

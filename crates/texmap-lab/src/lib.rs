@@ -19,7 +19,6 @@
 //! ```
 #![forbid(unsafe_code)]
 
-pub mod bench_scenes;
 pub mod buffer;
 pub mod cases;
 pub mod chart;

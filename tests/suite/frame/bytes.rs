@@ -1,6 +1,6 @@
 //! The same scene gives the same bytes, however the work is handed out.
 
-use texmap_lab::bench_scenes::{Content, Hidden, SCENES};
+use texmap_benches::bench_scenes::{Content, Hidden, SCENES};
 use texmap_light::{Chart, Environment, Green, Highlight, Light, ShadowBias, SlideBorder, Surface};
 use texmap_math::glam::{DMat4, DVec3};
 use texmap_math::{Level, Projector};

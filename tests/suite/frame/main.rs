@@ -1,6 +1,7 @@
 //! Laws and regressions of whole frames.
 
 mod aov;
+mod bench_scenes;
 mod blend;
 mod bytes;
 mod classics;

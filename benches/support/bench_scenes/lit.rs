@@ -19,7 +19,7 @@ use super::{
 };
 
 /// What light and projector look at.
-const MIDDLE: [f64; 3] = [0.0, 0.5, 0.0];
+pub const MIDDLE: [f64; 3] = [0.0, 0.5, 0.0];
 /// Half a side of what the shadow map shows where the light looks: 15 degrees to each side.
 pub const LIGHT_AREA: f64 = 1.861_234_573_9;
 /// What the peers take from a depth of 0 to 1 before they compare.
@@ -215,16 +215,4 @@ fn projector(precision: Precision) -> Option<SlideProjector> {
         role: SlideRole::Light([1.0; 3]),
         shadow: None,
     })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_light_sees_fifteen_degrees_to_each_side() {
-        let way = (DVec3::from(LIGHT) - DVec3::from(MIDDLE)).length();
-        let half = way * texmap_math::det::tan(15f64.to_radians());
-        assert!((half - LIGHT_AREA).abs() < 1e-6, "{half}");
-    }
 }

@@ -123,33 +123,3 @@ fn texels(size: u32, texel: impl Fn(i32, i32) -> [i32; 3]) -> Vec<u8> {
     }
     out
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn mips_keep_a_constant_and_end_at_one_texel() {
-        let levels = mip_chain(vec![77; 8 * 8 * 4], 8);
-        assert_eq!(levels.len(), 4);
-        assert_eq!(levels[3], vec![77; 4]);
-    }
-
-    #[test]
-    fn slide_border_is_black_and_rings_are_not() {
-        let t = slide();
-        assert_eq!(&t[..3], &[0, 0, 0]);
-        let centre = (256 * 512 + 256) * 4;
-        assert_eq!(&t[centre..centre + 3], &[255, 40, 40]);
-    }
-
-    #[test]
-    fn flat_parts_of_the_normal_map_point_up() {
-        let mean: f64 = normal()
-            .chunks_exact(4)
-            .map(|t| f64::from(t[2]))
-            .sum::<f64>()
-            / 1048576.0;
-        assert!(mean > 180.0, "mean of blue is {mean}");
-    }
-}

@@ -122,34 +122,3 @@ pub fn rects() -> BenchMesh {
     }
     mesh
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn triangle_counts_are_those_of_the_scene_table() {
-        assert_eq!(sphere(142, 71).triangles.len(), 19_880);
-        assert_eq!(sphere(448, 224).triangles.len(), 199_808);
-        assert_eq!(sphere(1416, 708).triangles.len(), 2_002_224);
-    }
-
-    #[test]
-    fn spheres_face_outwards() {
-        let m = sphere(16, 8);
-        for t in &m.triangles {
-            let [a, b, c] = t.map(|i| m.positions[i as usize].map(f64::from));
-            let e = |p: [f64; 3], q: [f64; 3]| [q[0] - p[0], q[1] - p[1], q[2] - p[2]];
-            let (u, v) = (e(a, b), e(a, c));
-            let n = [
-                u[1] * v[2] - u[2] * v[1],
-                u[2] * v[0] - u[0] * v[2],
-                u[0] * v[1] - u[1] * v[0],
-            ];
-            assert!(
-                n[0] * a[0] + n[1] * a[1] + n[2] * a[2] > 0.0,
-                "{t:?} faces inwards"
-            );
-        }
-    }
-}

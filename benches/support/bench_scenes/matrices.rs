@@ -142,24 +142,3 @@ impl GlMatrix {
         Self(core::array::from_fn(|i| columns[i / 4][i % 4] as f32))
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn reversed_depth_is_one_at_near_and_zero_at_far() {
-        let m = GlMatrix::perspective(60.0, 1.0, 0.5, 8.0).reversed_depth();
-        for (z, depth) in [(-0.5, 1.0), (-8.0, 0.0)] {
-            let p = m * DVec4::new(0.0, 0.0, z, 1.0);
-            assert!((p.z / p.w - depth).abs() < 1e-6, "{p:?}");
-        }
-    }
-
-    #[test]
-    fn the_eye_looks_along_minus_z() {
-        let m = GlMatrix::look_at([0.0, 2.0, 8.0], [0.0, 0.0, 2.0]).reversed_depth();
-        let p = m * DVec4::new(0.0, 2.0, 8.0, 1.0);
-        assert!(p.x.abs() < 1e-6 && p.y.abs() < 1e-6, "{p:?}");
-    }
-}

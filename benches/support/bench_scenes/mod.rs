@@ -11,7 +11,9 @@ mod scene;
 mod textures;
 
 pub use geometry::{BenchMesh, HEIGHT, WIDTH, floor, layers, rects, sphere};
-pub use lit::{LIGHT_AREA, SHADOW_BIAS, light_matrix, lit_matrix, lit_meshes, slide_matrix, turn};
+pub use lit::{
+    LIGHT_AREA, MIDDLE, SHADOW_BIAS, light_matrix, lit_matrix, lit_meshes, slide_matrix, turn,
+};
 pub use matrices::GlMatrix;
 pub use scene::Hidden;
 pub use textures::{BASE_SIZE, FACE_SIZE, base, cube_face, hash, mip_chain, normal, slide};
