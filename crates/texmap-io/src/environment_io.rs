@@ -1,19 +1,19 @@
 //! Environments in and out: PNG and JPEG (sRGB), Radiance HDR and OpenEXR (linear light). Charts of several faces stand below each
 //! other: +X -X +Y -Y +Z -Z of a cube, +Z -Z of the paraboloids.
 
-use std::io::{self, Cursor};
+use std::io;
 use std::path::Path;
 
-use image::codecs::hdr::HdrEncoder;
-use image::codecs::openexr::OpenExrEncoder;
-use image::{DynamicImage, ExtendedColorType, ImageEncoder, ImageReader, Limits, Rgb};
+use image::{DynamicImage, Rgb};
 use texmap_light::{Chart, Environment};
 use texmap_math::color;
+use texmap_sample::ColorSpace;
 
-use crate::{IoError, Place, atomic, files, image_io};
+use crate::picture_format::{Lost, PictureFormat, PixelCode, write_pixels};
+use crate::{IoError, Place, image_io};
 
-/// Reads an image as an environment in a chart. Whole numbers (PNG, JPEG, GIF) are sRGB, floats (HDR, EXR) linear light; alpha is not
-/// read, negative floats are 0.
+/// Reads an image as an environment in a chart. Whole numbers (PNG, JPEG, GIF) are sRGB, floats (HDR, EXR) linear light, also below 0;
+/// alpha is not read.
 ///
 /// # Errors
 /// File errors; [`IoError::BrokenImage`], also for a NaN or infinity; [`IoError::EnvironmentSize`] for an image whose sides the
@@ -27,39 +27,23 @@ pub(crate) fn read_named(
     chart: Chart,
     named_by: Option<&Place>,
 ) -> Result<Environment, IoError> {
-    let bytes = files::read(path, named_by)?;
-    let broken = |problem: String| IoError::BrokenImage {
-        path: path.to_path_buf(),
-        named_by: named_by.cloned(),
-        problem: problem.trim_end().replace('\n', " "),
+    let fits = |(width, height): (u32, u32)| match face_height(chart, width, height) {
+        Some(_) => Ok(()),
+        None => Err(IoError::EnvironmentSize {
+            path: path.to_path_buf(),
+            named_by: named_by.cloned(),
+            chart: chart.name(),
+            width,
+            height,
+            expected: expected(chart),
+        }),
     };
-    let reader = || {
-        let mut reader = ImageReader::new(Cursor::new(&bytes))
-            .with_guessed_format()
-            .map_err(|e| broken(e.to_string()))?;
-        let mut limits = Limits::default();
-        limits.max_alloc = Some(16 * image_io::MAX_TEXELS);
-        reader.limits(limits);
-        Ok(reader)
-    };
-    let (width, height) = reader()?
-        .into_dimensions()
-        .map_err(|e| broken(e.to_string()))?;
-    let face = face_height(chart, width, height).ok_or_else(|| IoError::EnvironmentSize {
-        path: path.to_path_buf(),
-        named_by: named_by.cloned(),
-        chart: chart.name(),
-        width,
-        height,
-        expected: expected(chart),
-    })?;
-    let image = reader()?.decode().map_err(|e| broken(e.to_string()))?;
+    let image = image_io::decode(path, named_by, fits)?;
+    let (width, height) = (image.width(), image.height());
     let texels: Vec<[f32; 3]> = match image {
         DynamicImage::ImageRgb32F(_) | DynamicImage::ImageRgba32F(_) => {
-            // NaN stays, to be refused below.
-            let bright = |c: f32| if c < 0.0 { 0.0 } else { c };
             let image = image.into_rgb32f();
-            image.pixels().map(|&Rgb(c)| c.map(bright)).collect()
+            image.pixels().map(|&Rgb(c)| c).collect()
         }
         _ if image.color().bytes_per_pixel() == image.color().channel_count() => {
             let image = image.into_rgb8();
@@ -75,7 +59,12 @@ pub(crate) fn read_named(
             image.pixels().map(|&Rgb(c)| c.map(light)).collect()
         }
     };
-    Environment::from_texels(chart, (width, face), &texels).map_err(|e| broken(e.to_string()))
+    let face = height / chart.faces() as u32;
+    Environment::from_texels(chart, (width, face), &texels).map_err(|e| IoError::BrokenImage {
+        path: path.to_path_buf(),
+        named_by: named_by.cloned(),
+        problem: e.to_string(),
+    })
 }
 
 /// Rows of one face of an image of this size, if the chart can have it.
@@ -96,12 +85,12 @@ fn expected(chart: Chart) -> String {
     format!("{sides}, at most {} texels wide", Environment::MAX_SIDE)
 }
 
-/// Writes an environment as PNG (sRGB of 8 bits, clipped at 1), HDR or EXR (linear light), as the name's ending says, whole or not at
-/// all. Returns how many texels were brighter than PNG can hold (0 for the others).
+/// Writes an environment as PNG (sRGB of 8 bits, clipped to 0 to 1), HDR or EXR (linear light), as the name's ending says, whole or not
+/// at all. Returns how many texels the format could not hold.
 ///
 /// # Errors
 /// [`IoError::UnknownFormat`] for other endings, [`IoError::Write`].
-pub fn write_environment(path: &Path, environment: &Environment) -> Result<u64, IoError> {
+pub fn write_environment(path: &Path, environment: &Environment) -> Result<Lost, IoError> {
     let (width, face) = environment.size();
     let faces = environment.chart().faces();
     let height = face * faces as u32;
@@ -121,7 +110,7 @@ pub fn write_light(
     width: u32,
     height: u32,
     texels: &[[f32; 3]],
-) -> Result<u64, IoError> {
+) -> Result<Lost, IoError> {
     if texels.len() as u64 != u64::from(width) * u64::from(height) {
         let problem = format!("{} texels for {width} x {height}", texels.len());
         return Err(IoError::Write {
@@ -129,53 +118,26 @@ pub fn write_light(
             source: io::Error::new(io::ErrorKind::InvalidInput, problem),
         });
     }
-    let ending = path
-        .extension()
-        .and_then(|e| e.to_str())
-        .map(str::to_ascii_lowercase);
-    match ending.as_deref() {
-        Some("png") => {
-            let rgba: Vec<u8> = texels
-                .iter()
-                .flat_map(|c| {
-                    let [r, g, b] = c.map(color::linear_to_srgb8);
-                    [r, g, b, 255]
-                })
-                .collect();
-            image_io::write_png(path, width, height, &rgba)?;
-            let bright = texels.iter().filter(|c| c.iter().any(|c| *c > 1.0)).count();
-            Ok(bright as u64)
+    let code = match PictureFormat::of(path) {
+        Some(PictureFormat::Png) => PixelCode::Png8(ColorSpace::Srgb),
+        Some(PictureFormat::Hdr) => PixelCode::Hdr,
+        Some(PictureFormat::Exr) => PixelCode::Exr,
+        None => {
+            return Err(IoError::UnknownFormat {
+                path: path.to_path_buf(),
+            });
         }
-        Some("hdr") => {
-            let pixels: Vec<Rgb<f32>> = texels.iter().map(|c| Rgb(*c)).collect();
-            atomic::write(path, |out| {
-                HdrEncoder::new(out)
-                    .encode(&pixels, width as usize, height as usize)
-                    .map_err(io::Error::other)
-            })?;
-            Ok(0)
-        }
-        Some("exr") => {
-            // The encoder seeks.
-            let mut bytes = Cursor::new(Vec::new());
-            let data: Vec<u8> = texels
-                .iter()
-                .flatten()
-                .flat_map(|c| c.to_ne_bytes())
-                .collect();
-            OpenExrEncoder::new(&mut bytes)
-                .write_image(&data, width, height, ExtendedColorType::Rgb32F)
-                .map_err(|e| IoError::Write {
-                    path: path.to_path_buf(),
-                    source: io::Error::other(e),
-                })?;
-            atomic::write(path, |out| out.write_all(bytes.get_ref()))?;
-            Ok(0)
-        }
-        _ => Err(IoError::UnknownFormat {
-            path: path.to_path_buf(),
-        }),
-    }
+    };
+    let mut lost = Lost::default();
+    write_pixels(path, code, (width, height), |out| {
+        let mut row = vec![0; code.bytes() * width as usize];
+        texels.chunks(width.max(1) as usize).try_for_each(|texels| {
+            let colors: Vec<[f32; 4]> = texels.iter().map(|[r, g, b]| [*r, *g, *b, 1.0]).collect();
+            lost += code.encode(&colors, &mut row);
+            out.write_all(&row)
+        })
+    })?;
+    Ok(lost)
 }
 
 #[cfg(test)]
@@ -213,18 +175,37 @@ mod tests {
         ] {
             let sky = sky(chart, size);
             let file = |ending: &str| dir.path().join(format!("a.{ending}"));
-            assert_eq!(write_environment(&file("exr"), &sky).unwrap(), 0);
+            assert!(write_environment(&file("exr"), &sky).unwrap().nothing());
             let back = read_environment(&file("exr"), chart).unwrap();
             assert_eq!(worst(&sky, &back, |_| 1.0), 0.0, "{chart:?}");
             write_environment(&file("hdr"), &sky).unwrap();
             let back = read_environment(&file("hdr"), chart).unwrap();
-            // 8 bits of mantissa, of the largest channel.
-            assert!(worst(&sky, &back, |_| 4.0) <= 1.0 / 256.0);
+            // 8 bits of mantissa, of the largest channel: half a step of 4 / 256.
+            assert!(worst(&sky, &back, |_| 4.0) <= 0.5 / 256.0);
             // Blue is above 1 everywhere and is clipped.
-            assert!(write_environment(&file("png"), &sky).unwrap() >= u64::from(size * size));
+            let lost = write_environment(&file("png"), &sky).unwrap();
+            assert!(lost.above >= u64::from(size * size) && lost.below == 0);
             let back = read_environment(&file("png"), chart).unwrap();
             let red = worst(&sky, &back, |c| if c > 1.0 { f32::INFINITY } else { 1.0 });
             assert!(red < 0.005, "{red}");
+        }
+    }
+
+    #[test]
+    fn light_below_zero_is_kept_or_counted() {
+        let dir = tempfile::tempdir().unwrap();
+        let dark = Environment::from_fn(Chart::LatLong, 4, |d| [d.x as f32, 0.5, 0.0]).unwrap();
+        let file = |ending: &str| dir.path().join(format!("a.{ending}"));
+        assert!(write_environment(&file("exr"), &dark).unwrap().nothing());
+        let back = read_environment(&file("exr"), Chart::LatLong).unwrap();
+        assert_eq!(worst(&dark, &back, |_| 1.0), 0.0);
+        let below = (0..32)
+            .filter(|i| back.texel(0, i % 8, i / 8).unwrap()[0] < 0.0)
+            .count();
+        assert_eq!(below, 16);
+        for ending in ["hdr", "png"] {
+            let lost = write_environment(&file(ending), &dark).unwrap();
+            assert_eq!((lost.above, lost.below), (0, 16), "{ending}");
         }
     }
 

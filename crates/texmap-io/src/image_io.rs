@@ -1,10 +1,11 @@
-//! Images in (PNG, JPEG, GIF) and out (PNG).
+//! Images in (PNG, JPEG, GIF, Radiance HDR, OpenEXR) and out (PNG; [`PictureFormat`](crate::PictureFormat) has the others).
 
 use std::io::{self, Cursor};
 use std::path::Path;
 
 use image::codecs::png::PngEncoder;
 use image::{DynamicImage, ExtendedColorType, ImageEncoder, ImageReader, Limits};
+use texmap_math::color;
 use texmap_sample::{Alpha, ColorSpace, Image, Origin, SampleError, Texels, Texture2d};
 
 use crate::{IoError, Place, atomic, files};
@@ -15,8 +16,8 @@ pub const MAX_SIDE: u32 = Texture2d::MAX_SIDE;
 /// The most texels of an image: 2^28, 16384 x 16384.
 pub const MAX_TEXELS: u64 = 1 << 28;
 
-/// A decoded image: RGBA with straight alpha, rows from top to bottom.
-#[derive(Debug, Clone, PartialEq, Eq)]
+/// A decoded image: RGBA, rows from top to bottom.
+#[derive(Debug, Clone, PartialEq)]
 pub struct Rgba {
     /// Columns, 1 or more.
     pub width: u32,
@@ -29,28 +30,63 @@ pub struct Rgba {
 }
 
 /// The values of an image in the depth of its file.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum Depth {
-    /// 8 bits a channel.
+    /// 8 bits a channel: sRGB codes, straight alpha.
     U8(Vec<u8>),
-    /// 16 bits a channel (PNG).
+    /// 16 bits a channel (PNG): sRGB codes, straight alpha.
     U16(Vec<u16>),
+    /// Floats (HDR, EXR): linear light, premultiplied alpha. NaN and infinities are as the file has them.
+    F32(Vec<f32>),
 }
 
 impl Depth {
-    /// Bits a channel.
+    /// Bits a channel; 32 for floats, half floats too.
     pub fn bits(&self) -> u32 {
         match self {
             Self::U8(_) => 8,
             Self::U16(_) => 16,
+            Self::F32(_) => 32,
         }
     }
 }
 
-/// Decodes a PNG, JPEG or GIF file; its content decides which, not its name.
+impl Rgba {
+    /// The texels as floats, four a texel, with what their alpha means: linear light, or for [`ColorSpace::Linear`] the codes over
+    /// their largest. Floats are as they are.
+    #[must_use]
+    pub fn into_floats(self, color: ColorSpace) -> (Vec<f32>, Alpha) {
+        let light = match (&self.texels, color) {
+            (Depth::U16(_), ColorSpace::Srgb) => {
+                (0..=u16::MAX).map(color::srgb16_to_linear).collect()
+            }
+            _ => Vec::new(),
+        };
+        let texels = match self.texels {
+            Depth::F32(texels) => return (texels, Alpha::Premultiplied),
+            Depth::U8(texels) => floats(&texels, |c, is_alpha| match color {
+                ColorSpace::Srgb if !is_alpha => color::srgb8_to_linear(c),
+                _ => f32::from(c) / 255.0,
+            }),
+            Depth::U16(texels) => floats(&texels, |c, is_alpha| match color {
+                ColorSpace::Srgb if !is_alpha => light[usize::from(c)],
+                _ => f32::from(c) / 65535.0,
+            }),
+        };
+        (texels, Alpha::Straight)
+    }
+}
+
+fn floats<T: Copy>(texels: &[T], value: impl Fn(T, bool) -> f32) -> Vec<f32> {
+    let texels = texels.iter().enumerate();
+    texels.map(|(i, c)| value(*c, i % 4 == 3)).collect()
+}
+
+/// Decodes a PNG, JPEG, GIF, HDR or EXR file; its content decides which, not its name.
 ///
 /// Grey images become RGB, images without alpha opaque. The transparent index of a GIF becomes alpha 0; of an animated
-/// GIF the first picture is taken. Embedded colour profiles and orientations are not applied.
+/// GIF the first picture is taken; of an EXR the first layer with red, green and blue. Embedded colour profiles and orientations are
+/// not applied.
 ///
 /// # Errors
 /// File errors, [`IoError::BrokenImage`], [`IoError::ImageSize`].
@@ -58,48 +94,64 @@ pub fn read_image(path: &Path) -> Result<Rgba, IoError> {
     read_named(path, None)
 }
 
-/// Decodes an image file to a texture of one level, top-left origin. Colours are sRGB or taken as they are. The bytes of 8-bit files stay
-/// what they are in memory ([`Texture2d::from_encoded8`]).
+/// Decodes an image file to a texture of one level, top-left origin, and says how many bits a channel the file has. The colours of whole
+/// numbers are sRGB or taken as they are; floats (HDR, EXR) are linear light. The bytes of 8-bit files stay what they are in memory
+/// ([`Texture2d::from_encoded8`]); those of 16 bits become floats, which keep each of their codes apart.
 ///
 /// # Errors
-/// As [`read_image`].
-pub fn read_texture(path: &Path, color: ColorSpace) -> Result<Texture2d<'static>, IoError> {
-    let decoded = decode(path, None)?;
+/// As [`read_image`]; [`IoError::BrokenImage`] also for floats that no texture may have (NaN, infinities, beyond 2^120).
+pub fn read_texture(
+    path: &Path,
+    color: ColorSpace,
+) -> Result<(Texture2d<'static>, u32), IoError> {
+    let decoded = decode(path, None, |size| size_allowed(path, None, size))?;
     let (width, height) = (decoded.width(), decoded.height());
-    let origin = Origin::TopLeft;
     let kept = |channels: u32, texels: Vec<u8>| {
+        let origin = Origin::TopLeft;
         Texture2d::from_encoded8((width, height), channels, texels, color, origin)
     };
-    let wide =
-        |channels: u32, texels: &[u16]| upload(width, height, channels, Texels::U16(texels), color);
-    match decoded {
+    let texture = match decoded {
         DynamicImage::ImageLuma8(t) => kept(1, t.into_raw()),
         DynamicImage::ImageLumaA8(t) => kept(2, t.into_raw()),
         DynamicImage::ImageRgb8(t) => kept(3, t.into_raw()),
         DynamicImage::ImageRgba8(t) => kept(4, t.into_raw()),
-        DynamicImage::ImageLuma16(t) => wide(1, &t),
-        DynamicImage::ImageLumaA16(t) => wide(2, &t),
-        DynamicImage::ImageRgb16(t) => wide(3, &t),
-        DynamicImage::ImageRgba16(t) => wide(4, &t),
-        other => kept(4, other.into_rgba8().into_raw()),
-    }
-    .map_err(|e| unfit(path, None, &e))
+        other => {
+            let image = Rgba::of(other);
+            let bits = image.texels.bits();
+            let (texels, alpha) = image.into_floats(color);
+            return linear((width, height), &texels, alpha)
+                .map(|texture| (texture, bits))
+                .map_err(|e| unfit(path, None, &e));
+        }
+    };
+    texture
+        .map(|texture| (texture, 8))
+        .map_err(|e| unfit(path, None, &e))
+}
+
+/// A texture of linear RGBA floats.
+fn linear(
+    (width, height): (u32, u32),
+    texels: &[f32],
+    alpha: Alpha,
+) -> Result<Texture2d<'static>, SampleError> {
+    let texels = Texels::F32(texels);
+    upload((width, height), texels, ColorSpace::Linear, alpha)
 }
 
 fn upload(
-    width: u32,
-    height: u32,
-    channels: u32,
+    (width, height): (u32, u32),
     texels: Texels<'_>,
     color: ColorSpace,
+    alpha: Alpha,
 ) -> Result<Texture2d<'static>, SampleError> {
     Texture2d::new(&Image {
         width,
         height,
-        channels,
+        channels: 4,
         texels,
         color,
-        alpha: Alpha::Straight,
+        alpha,
         origin: Origin::TopLeft,
     })
 }
@@ -113,25 +165,53 @@ fn unfit(path: &Path, named_by: Option<&Place>, e: &SampleError) -> IoError {
 }
 
 pub(crate) fn read_named(path: &Path, named_by: Option<&Place>) -> Result<Rgba, IoError> {
-    let decoded = decode(path, named_by)?;
-    let (width, height) = (decoded.width(), decoded.height());
-    let channels = u32::from(decoded.color().channel_count());
-    let texels = match decoded {
-        deep @ (DynamicImage::ImageLuma16(_)
-        | DynamicImage::ImageLumaA16(_)
-        | DynamicImage::ImageRgb16(_)
-        | DynamicImage::ImageRgba16(_)) => Depth::U16(deep.into_rgba16().into_raw()),
-        other => Depth::U8(other.into_rgba8().into_raw()),
-    };
-    Ok(Rgba {
+    decode(path, named_by, |size| size_allowed(path, named_by, size)).map(Rgba::of)
+}
+
+impl Rgba {
+    fn of(decoded: DynamicImage) -> Self {
+        let (width, height) = (decoded.width(), decoded.height());
+        let color = decoded.color();
+        let texels = match color.bytes_per_pixel() / color.channel_count() {
+            1 => Depth::U8(decoded.into_rgba8().into_raw()),
+            2 => Depth::U16(decoded.into_rgba16().into_raw()),
+            _ => Depth::F32(decoded.into_rgba32f().into_raw()),
+        };
+        Self {
+            width,
+            height,
+            channels: u32::from(color.channel_count()),
+            texels,
+        }
+    }
+}
+
+fn size_allowed(
+    path: &Path,
+    named_by: Option<&Place>,
+    (width, height): (u32, u32),
+) -> Result<(), IoError> {
+    let side = 1..=MAX_SIDE;
+    if side.contains(&width)
+        && side.contains(&height)
+        && u64::from(width) * u64::from(height) <= MAX_TEXELS
+    {
+        return Ok(());
+    }
+    Err(IoError::ImageSize {
+        path: path.to_path_buf(),
+        named_by: named_by.cloned(),
         width,
         height,
-        channels,
-        texels,
     })
 }
 
-fn decode(path: &Path, named_by: Option<&Place>) -> Result<DynamicImage, IoError> {
+/// Decodes an image file of a size that `fits`.
+pub(crate) fn decode(
+    path: &Path,
+    named_by: Option<&Place>,
+    fits: impl Fn((u32, u32)) -> Result<(), IoError>,
+) -> Result<DynamicImage, IoError> {
     let bytes = files::read(path, named_by)?;
     let broken = |problem: String| IoError::BrokenImage {
         path: path.to_path_buf(),
@@ -139,51 +219,41 @@ fn decode(path: &Path, named_by: Option<&Place>) -> Result<DynamicImage, IoError
         // Some decoders end their messages with a line feed.
         problem: problem.trim_end().replace('\n', " "),
     };
-    let size_error = |(width, height)| IoError::ImageSize {
-        path: path.to_path_buf(),
-        named_by: named_by.cloned(),
-        width,
-        height,
-    };
-    let size_allowed = |(width, height): (u32, u32)| {
-        let side = 1..=MAX_SIDE;
-        side.contains(&width)
-            && side.contains(&height)
-            && u64::from(width) * u64::from(height) <= MAX_TEXELS
-    };
     // Decoders call a size of zero "broken"; say what it is.
-    if let Some(size) = header_size(&bytes).filter(|size| !size_allowed(*size)) {
-        return Err(size_error(size));
+    if let Some(size) = header_size(&bytes) {
+        fits(size)?;
     }
     let reader = || {
         let mut reader = ImageReader::new(Cursor::new(&bytes))
             .with_guessed_format()
             .map_err(|e| broken(e.to_string()))?;
         let mut limits = Limits::default();
-        limits.max_alloc = Some(8 * MAX_TEXELS);
+        // Four floats a texel.
+        limits.max_alloc = Some(16 * MAX_TEXELS);
         reader.limits(limits);
         Ok(reader)
     };
     let size = reader()?
         .into_dimensions()
         .map_err(|e| broken(e.to_string()))?;
-    if !size_allowed(size) {
-        return Err(size_error(size));
-    }
+    fits(size)?;
     reader()?.decode().map_err(|e| broken(e.to_string()))
 }
 
+/// The texture of a decoded image: floats are linear light.
 pub(crate) fn texture(
     path: &Path,
     named_by: Option<&Place>,
     image: &Rgba,
     color: ColorSpace,
 ) -> Result<Texture2d<'static>, IoError> {
-    let texels = match &image.texels {
-        Depth::U8(t) => Texels::U8(t),
-        Depth::U16(t) => Texels::U16(t),
+    let size = (image.width, image.height);
+    let texture = match &image.texels {
+        Depth::U8(t) => upload(size, Texels::U8(t), color, Alpha::Straight),
+        Depth::U16(t) => upload(size, Texels::U16(t), color, Alpha::Straight),
+        Depth::F32(t) => linear(size, t, Alpha::Premultiplied),
     };
-    upload(image.width, image.height, 4, texels, color).map_err(|e| unfit(path, named_by, &e))
+    texture.map_err(|e| unfit(path, named_by, &e))
 }
 
 /// Writes RGBA bytes (straight alpha, rows from top to bottom) as PNG, whole or not at all.
@@ -202,31 +272,6 @@ pub fn write_png(path: &Path, width: u32, height: u32, rgba: &[u8]) -> Result<()
         PngEncoder::new(out)
             .write_image(rgba, width, height, ExtendedColorType::Rgba8)
             .map_err(io::Error::other)
-    })
-}
-
-/// As [`write_png`] for pictures that are never whole in memory: `rows` writes the same bytes, in order and
-/// any number at a time, to what it is given.
-///
-/// # Errors
-/// [`IoError::Write`], also when bytes are missing or left over, or when `rows` fails.
-pub fn write_png_rows(
-    path: &Path,
-    width: u32,
-    height: u32,
-    rows: impl FnOnce(&mut dyn io::Write) -> io::Result<()>,
-) -> Result<(), IoError> {
-    atomic::write(path, |out| {
-        let mut encoder = png::Encoder::new(out, width, height);
-        encoder.set_color(png::ColorType::Rgba);
-        encoder.set_depth(png::BitDepth::Eight);
-        encoder.set_compression(png::Compression::Fast);
-        encoder.set_filter(png::Filter::Adaptive);
-        let mut writer = encoder.write_header()?;
-        let mut stream = writer.stream_writer()?;
-        rows(&mut stream)?;
-        stream.finish()?;
-        Ok(writer.finish()?)
     })
 }
 
@@ -284,23 +329,6 @@ mod tests {
     }
 
     #[test]
-    fn rows_make_the_same_picture() {
-        let dir = tempfile::tempdir().unwrap();
-        let path = dir.path().join("a.png");
-        let texels: Vec<u8> = (0..5 * 3 * 4).map(|i| (i * 4) as u8).collect();
-        write_png_rows(&path, 5, 3, |out| {
-            texels.chunks(7).try_for_each(|part| out.write_all(part))
-        })
-        .unwrap();
-        let read = read_image(&path).unwrap();
-        assert_eq!((read.width, read.height, read.channels), (5, 3, 4));
-        assert_eq!(read.texels, Depth::U8(texels));
-        let missing = write_png_rows(&path, 5, 3, |out| out.write_all(&[0; 20]));
-        assert_eq!(missing.unwrap_err().code(), "write-failed");
-        assert_eq!(read_image(&path).unwrap(), read, "the old file is left");
-    }
-
-    #[test]
     fn sixteen_bits_stay_sixteen() {
         let dir = tempfile::tempdir().unwrap();
         let path = dir.path().join("a.png");
@@ -311,6 +339,54 @@ mod tests {
             panic!("16-bit PNG")
         };
         assert_eq!(texels, [257, 257, 257, 65535, 513, 513, 513, 65535]);
+    }
+
+    /// Linear light above 1 and below 0, and premultiplied alpha, come in as the file has them.
+    #[test]
+    fn floats_stay_floats() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("a.exr");
+        let texels = vec![200.0, 3.0, -0.5, 0.25, 0.1, 0.2, 0.3, 1.0];
+        image::Rgba32FImage::from_raw(2, 1, texels.clone())
+            .unwrap()
+            .save(&path)
+            .unwrap();
+        let image = read_image(&path).unwrap();
+        assert_eq!((image.channels, image.texels.bits()), (4, 32));
+        assert_eq!(image.texels, Depth::F32(texels.clone()));
+        for color in [ColorSpace::Srgb, ColorSpace::Linear] {
+            let (texture, bits) = read_texture(&path, color).unwrap();
+            assert_eq!(bits, 32);
+            assert_eq!(texture.texel(0, 0, 0).unwrap()[..], texels[..4]);
+            let named = super::texture(&path, None, &image, color).unwrap();
+            assert_eq!(named.texel(0, 1, 0).unwrap()[..], texels[4..]);
+        }
+        let path = dir.path().join("nan.exr");
+        let holed = [1.0, 1.0, 1.0, 1.0, f32::NAN, 1.0].to_vec();
+        image::Rgb32FImage::from_raw(2, 1, holed)
+            .unwrap()
+            .save(&path)
+            .unwrap();
+        let error = read_texture(&path, ColorSpace::Srgb).unwrap_err();
+        assert_eq!(error.code(), "broken-image");
+        assert!(error.to_string().contains("texel (1, 0)"), "{error}");
+    }
+
+    /// 16-bit sRGB codes are all apart in linear light, whose 16 bits would merge the dark ones.
+    #[test]
+    fn every_code_of_sixteen_bits_is_another_value() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("a.png");
+        image::ImageBuffer::<image::Luma<u16>, _>::from_fn(256, 256, |x, y| {
+            image::Luma([(y * 256 + x) as u16])
+        })
+        .save(&path)
+        .unwrap();
+        let (texture, bits) = read_texture(&path, ColorSpace::Srgb).unwrap();
+        assert_eq!(bits, 16);
+        let red = |i: u32| texture.texel(0, i % 256, i / 256).unwrap()[0];
+        assert!((1..65536).all(|i| red(i) > red(i - 1)));
+        assert_eq!((red(0), red(65535)), (0.0, 1.0));
     }
 
     #[test]

@@ -160,7 +160,7 @@ fn range(uvs: &[[f32; 2]]) -> Option<[[f32; 2]; 2]> {
 }
 
 fn image(path: &Path, unknown: IoError) -> Result<FileInfo, IoError> {
-    let known = ["png", "jpg", "jpeg", "gif"];
+    let known = ["png", "jpg", "jpeg", "gif", "hdr", "exr"];
     let extension = path
         .extension()
         .and_then(|e| e.to_str())

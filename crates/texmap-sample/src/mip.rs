@@ -33,7 +33,7 @@ pub(crate) fn build(base: Chain<'_>, reduce: Reduce) -> Chain<'static> {
     let mut words = decoded(base);
     let share = match reduce {
         Reduce::Coverage(threshold) => {
-            coverage(&base_alpha(&words, format), threshold * format.units(), 1.0)
+            coverage(&base_alpha(&words, format), threshold * format.units())
         }
         _ => 0.0,
     };
@@ -65,7 +65,8 @@ pub(crate) fn build(base: Chain<'_>, reduce: Reduce) -> Chain<'static> {
         };
         match reduce {
             Reduce::Coverage(threshold) => {
-                let scale = coverage_scale(&reduced, share, threshold * format.units());
+                let scale =
+                    coverage_scale(&reduced, share, threshold * format.units(), format.units());
                 let most = format.units();
                 for &c in &reduced {
                     // Premultiplied: colour follows alpha, and alpha ends at one.
@@ -312,24 +313,43 @@ fn base_alpha(words: &[u32], format: Format) -> Vec<[f32; 4]> {
         .collect()
 }
 
-/// Share of texels whose scaled alpha reaches the threshold.
-fn coverage(texels: &[[f32; 4]], threshold: f32, scale: f32) -> f64 {
-    let passing = texels.iter().filter(|c| c[3] * scale >= threshold).count();
+/// Share of texels whose alpha reaches the threshold.
+fn coverage(texels: &[[f32; 4]], threshold: f32) -> f64 {
+    let passing = texels.iter().filter(|c| c[3] >= threshold).count();
     passing as f64 / texels.len() as f64
 }
 
-/// The smallest scale at which as much passes as in the base (Castano, "Computing Alpha Mipmaps", 2010).
-fn coverage_scale(texels: &[[f32; 4]], share: f64, threshold: f32) -> f32 {
-    let (mut low, mut high) = (0.0_f32, 16.0_f32);
-    for _ in 0..20 {
-        let middle = 0.5 * (low + high);
-        if coverage(texels, threshold, middle) < share {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
-    high
+/// The scale nearest to one at which at least as much passes as in the base, and as little more as there can be (Castano, "Computing
+/// Alpha Mipmaps", 2010). `threshold` and the alphas are in unscaled values, of which `units` are one.
+///
+/// The same texels pass at every scale of an interval, so that opaque texels stay opaque wherever one is in it.
+fn coverage_scale(texels: &[[f32; 4]], share: f64, threshold: f32, units: f32) -> f32 {
+    const MOST: f64 = 16.0;
+    let mut alphas: Vec<f32> = texels.iter().map(|c| c[3]).collect();
+    alphas.sort_unstable_by(|a, b| b.total_cmp(a));
+    // A share is a quotient: its product may lie a rounding above a whole number.
+    let wanted = (share * alphas.len() as f64 - 1e-6).max(0.0) as usize;
+    let last = alphas.get(wanted).filter(|_| share > 0.0);
+    let first_out = match last {
+        Some(last) => alphas[wanted..].iter().find(|a| *a < last),
+        None => alphas.first(),
+    };
+    let threshold = f64::from(threshold);
+    let ends = |margin: f64| {
+        let scale = |alpha: &f32, threshold: f64| threshold / f64::from(*alpha).max(1e-30);
+        let low = last.map_or(0.0, |a| scale(a, threshold + margin));
+        let high = first_out.map_or(f64::INFINITY, |a| scale(a, threshold - margin));
+        (low.min(MOST), high)
+    };
+    // Half a step of 8 bits on either side, so that rounding moves no texel over the threshold.
+    let (low, high) = ends(f64::from(units) * 0.5 / 255.0);
+    let nearest = if low <= high {
+        1.0_f64.clamp(low, high)
+    } else {
+        let (low, high) = ends(0.0);
+        0.5 * (low + high.min(MOST))
+    };
+    nearest.min(MOST) as f32
 }
 
 fn texels(level: &Level) -> usize {

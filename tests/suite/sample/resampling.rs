@@ -261,3 +261,39 @@ fn normals_stay_unit_vectors_down_the_chain() {
     }
     assert!(length(&plain, 4) < 0.95);
 }
+
+/// Every scale of an interval keeps the coverage; the one nearest to one is taken, so that levels change no more than they must.
+#[test]
+fn coverage_scales_no_more_than_it_must() {
+    let alphas = |texel: fn(u32, u32) -> f32| {
+        let texels: Vec<f32> = (0..32 * 32)
+            .flat_map(|i| {
+                let a = texel(i % 32, i / 32);
+                [0.5 * a, 0.25 * a, 0.0, a]
+            })
+            .collect();
+        let t = float_texture(32, 32, 4, &texels).with_coverage_mips(0.5);
+        let level = |level: u32| {
+            let (w, h) = t.level_size(level).unwrap();
+            let all = (0..w * h).map(|i| t.texel(level, i % w, i / w).unwrap()[3]);
+            all.collect::<Vec<f32>>()
+        };
+        [level(1), level(3), level(5)].concat()
+    };
+    for opaque in [1.0, 0.75] {
+        let stays = match opaque {
+            1.0 => alphas(|_, _| 1.0),
+            _ => alphas(|_, _| 0.75),
+        };
+        assert!(stays.iter().all(|a| *a == opaque), "{opaque} {stays:?}");
+    }
+    // Nothing passes in the base: nothing is scaled away.
+    assert!(alphas(|_, _| 0.25).iter().all(|a| *a == 0.25));
+    // Half of the columns: halves of texels are all that passes or fails.
+    let halves = alphas(|x, _| if x < 16 { 1.0 } else { 0.0 });
+    assert!(halves[..256].iter().all(|a| *a == 1.0 || *a == 0.0));
+    // One hole: its 2 x 2 passes with the mean of its four, and so does the base but for a thousandth.
+    let hole = alphas(|x, y| if (x, y) == (5, 7) { 0.0 } else { 1.0 });
+    assert_eq!(hole[..256].iter().filter(|a| **a == 1.0).count(), 255);
+    assert_eq!(hole[3 * 16 + 2], 0.75);
+}
