@@ -18,6 +18,7 @@ use crate::failure::{Exit, Failure};
 mod args;
 mod cmd;
 mod failure;
+mod formats;
 mod output;
 mod progress;
 mod values;

@@ -100,10 +100,7 @@ pub fn read_image(path: &Path) -> Result<Rgba, IoError> {
 ///
 /// # Errors
 /// As [`read_image`]; [`IoError::BrokenImage`] also for floats that no texture may have (NaN, infinities, beyond 2^120).
-pub fn read_texture(
-    path: &Path,
-    color: ColorSpace,
-) -> Result<(Texture2d<'static>, u32), IoError> {
+pub fn read_texture(path: &Path, color: ColorSpace) -> Result<(Texture2d<'static>, u32), IoError> {
     let decoded = decode(path, None, |size| size_allowed(path, None, size))?;
     let (width, height) = (decoded.width(), decoded.height());
     let kept = |channels: u32, texels: Vec<u8>| {

@@ -89,7 +89,7 @@ impl AddAssign for Lost {
 }
 
 /// The largest value that RGBE holds: 255/256 of 2^127.
-const HDR_MOST: f32 = 1.694_767_7e38;
+const HDR_MOST: f32 = f32::from_bits(0x7eff_0000);
 
 impl PixelCode {
     /// Bytes of a pixel.

@@ -10,6 +10,7 @@ use texmap_render::hash_pixels;
 
 use crate::metrics::{Metrics, MetricsError, Shape, check, measure};
 use crate::picture::Picture;
+use crate::ssim::ssim;
 use crate::strip::heat;
 
 /// The decoded values of a file, kept in the file's own depth.
@@ -17,10 +18,40 @@ use crate::strip::heat;
 pub struct Buffer {
     /// Size; an array of more than three axes has its first ones as rows.
     pub shape: Shape,
-    /// The largest value of the format: 1 for images (their codes are divided by 255 or 65535), else the
-    /// largest finite value that the array holds.
+    /// The largest value of the format: 1 for images of whole numbers (their codes are divided by 255 or 65535), else the largest finite
+    /// magnitude that the colours of the image or the array hold.
     pub peak: f64,
     values: Values,
+}
+
+/// What two buffers differ by.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Comparison {
+    /// Figures of all values; of red, green and blue for images.
+    pub values: Metrics,
+    /// Figures of the alpha of images, unless both are opaque all over.
+    pub alpha: Option<Metrics>,
+    /// Mean structural similarity ([`ssim`]) of the values, where there is one.
+    pub ssim: Option<f64>,
+}
+
+impl Comparison {
+    /// Nothing beyond the limit, and no value that is finite in one of them only.
+    #[must_use]
+    pub fn passes(&self) -> bool {
+        self.values.passes() && self.alpha.is_none_or(|alpha| alpha.passes())
+    }
+}
+
+/// What the values of a buffer stand for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Meaning {
+    /// The codes of an image of whole numbers, sRGB.
+    Codes,
+    /// The linear light of an image of floats (HDR, EXR).
+    Light,
+    /// What an array holds.
+    Array,
 }
 
 #[derive(Clone, Debug)]
@@ -42,7 +73,7 @@ impl Buffer {
             return Ok(Self::of_array(npy::read(path)?));
         }
         let image = read_image(path)?;
-        Ok(Self {
+        let mut this = Self {
             shape: Shape {
                 width: image.width as usize,
                 height: image.height as usize,
@@ -50,7 +81,29 @@ impl Buffer {
             },
             peak: 1.0,
             values: Values::Image(image.texels),
-        })
+        };
+        if this.meaning() == Meaning::Light {
+            this.peak = this.largest((0..this.len()).filter(|i| i % 4 != 3));
+        }
+        Ok(this)
+    }
+
+    /// What the values stand for.
+    #[must_use]
+    pub fn meaning(&self) -> Meaning {
+        match &self.values {
+            Values::Image(Depth::F32(_)) => Meaning::Light,
+            Values::Image(_) => Meaning::Codes,
+            Values::Array(_) => Meaning::Array,
+        }
+    }
+
+    /// The largest finite magnitude of these values.
+    fn largest(&self, indices: impl Iterator<Item = usize>) -> f64 {
+        indices
+            .map(|i| self.value(i).abs())
+            .filter(|v| v.is_finite())
+            .fold(0.0, f64::max)
     }
 
     fn of_array(array: npy::Array) -> Self {
@@ -81,10 +134,7 @@ impl Buffer {
             peak: 0.0,
             values: Values::Array(array.data),
         };
-        this.peak = (0..this.len())
-            .map(|i| this.value(i).abs())
-            .filter(|v| v.is_finite())
-            .fold(0.0, f64::max);
+        this.peak = this.largest(0..this.len());
         this
     }
 
@@ -92,12 +142,12 @@ impl Buffer {
         match &self.values {
             Values::Image(Depth::U8(v)) | Values::Array(Data::U8(v)) => v.len(),
             Values::Image(Depth::U16(v)) | Values::Array(Data::U16(v)) => v.len(),
-            Values::Array(Data::F32(v)) => v.len(),
+            Values::Image(Depth::F32(v)) | Values::Array(Data::F32(v)) => v.len(),
             Values::Array(Data::U32(v)) => v.len(),
         }
     }
 
-    /// A value, counted as they are interleaved: 0 to 1 for images, what is written for arrays.
+    /// A value, counted as they are interleaved: 0 to 1 for images of whole numbers, else what is written.
     ///
     /// # Panics
     /// Beyond the last one that `shape` has.
@@ -106,7 +156,7 @@ impl Buffer {
         match &self.values {
             Values::Image(Depth::U8(v)) => f64::from(v[index]) / 255.0,
             Values::Image(Depth::U16(v)) => f64::from(v[index]) / 65535.0,
-            Values::Array(Data::F32(v)) => v[index].into(),
+            Values::Image(Depth::F32(v)) | Values::Array(Data::F32(v)) => v[index].into(),
             Values::Array(Data::U8(v)) => v[index].into(),
             Values::Array(Data::U16(v)) => v[index].into(),
             Values::Array(Data::U32(v)) => v[index].into(),
@@ -122,7 +172,9 @@ impl Buffer {
             Values::Image(Depth::U16(v)) | Values::Array(Data::U16(v)) => {
                 v.iter().flat_map(|x| x.to_le_bytes()).collect()
             }
-            Values::Array(Data::F32(v)) => v.iter().flat_map(|x| x.to_le_bytes()).collect(),
+            Values::Image(Depth::F32(v)) | Values::Array(Data::F32(v)) => {
+                v.iter().flat_map(|x| x.to_le_bytes()).collect()
+            }
             Values::Array(Data::U32(v)) => v.iter().flat_map(|x| x.to_le_bytes()).collect(),
         };
         let side = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
@@ -133,10 +185,35 @@ impl Buffer {
     ///
     /// # Errors
     /// When the sizes differ or are empty.
-    pub fn compare(&self, expected: &Self, limit: f64) -> Result<Metrics, MetricsError> {
+    pub fn compare(&self, expected: &Self, limit: f64) -> Result<Comparison, MetricsError> {
         check(expected.shape, expected.len(), self.len())?;
-        let pairs = (0..self.len()).map(|i| (expected.value(i), self.value(i)));
-        Ok(measure(expected.shape, limit, pairs))
+        let pair = |index: usize| (expected.value(index), self.value(index));
+        let peak = expected.peak.max(self.peak);
+        let shape = expected.shape;
+        let image = |buffer: &Self| buffer.meaning() != Meaning::Array;
+        if !(image(self) && image(expected)) {
+            return Ok(Comparison {
+                values: measure(shape, limit, (0..self.len()).map(pair)),
+                alpha: None,
+                ssim: ssim(shape, shape.channels, peak, pair),
+            });
+        }
+        let pixels = shape.width * shape.height;
+        let part = |channels: usize| Shape { channels, ..shape };
+        let colors = (0..3 * pixels).map(|i| pair(i / 3 * 4 + i % 3));
+        let alphas = (0..pixels).map(|i| pair(4 * i + 3));
+        let opaque = alphas.clone().all(|(e, a)| e == 1.0 && a == 1.0);
+        Ok(Comparison {
+            values: measure(part(3), limit, colors),
+            alpha: (!opaque).then(|| {
+                let mut alpha = measure(part(1), limit, alphas);
+                for place in [&mut alpha.max_at, &mut alpha.non_finite_at] {
+                    place.iter_mut().for_each(|place| place.channel = 3);
+                }
+                alpha
+            }),
+            ssim: ssim(shape, 3, peak, pair),
+        })
     }
 
     /// The differences as heat: black where equal, white at `white` and above, magenta where only one value is
@@ -209,11 +286,13 @@ mod tests {
     fn heat_and_figures_show_the_one_value_that_differs() {
         let a = array(&[2, 2], &[0.0, 1.0, f32::NAN, 3.0]);
         let b = array(&[2, 2], &[0.0, 1.5, f32::NAN, 3.0]);
-        let metrics = b.compare(&a, 0.1).unwrap();
+        let found = b.compare(&a, 0.1).unwrap();
+        let metrics = found.values;
         assert_eq!(
             (metrics.over_limit, metrics.max, metrics.non_finite),
             (1, 0.5, 0)
         );
+        assert!(metrics.holes == 1 && found.alpha.is_none() && found.ssim.is_none());
         let heat = b.heat(&a, 0.5).unwrap();
         assert_eq!(heat.get(1, 0), [255, 255, 255, 255]);
         assert_eq!(

@@ -31,6 +31,7 @@ pub mod reference;
 pub mod scenes;
 pub mod shading;
 pub mod shadow_scene;
+pub mod ssim;
 pub mod strip;
 pub mod topology;
 pub mod truth;

@@ -64,11 +64,12 @@ pub struct Metrics {
     pub max_at: Option<Place>,
     /// Values that differ by more than the limit.
     pub over_limit: usize,
-    /// Values of which exactly one is finite, or that are unequal infinities. A NaN in both images is a hole
-    /// that both have and counts nowhere.
+    /// Values of which exactly one is finite, or that are unequal infinities.
     pub non_finite: usize,
     /// The first value counted by `non_finite`.
     pub non_finite_at: Option<Place>,
+    /// Holes that both images have: two NaN, or equal infinities. They are no difference.
+    pub holes: usize,
 }
 
 impl Metrics {
@@ -169,7 +170,7 @@ pub(crate) fn measure(
     let mut compared = 0;
     let mut largest = Largest::of(pairs.len());
     let (mut sum, mut squares, mut max, mut max_at) = (0.0, 0.0, 0.0, None);
-    let (mut over_limit, mut non_finite, mut non_finite_at) = (0, 0, None);
+    let (mut over_limit, mut non_finite, mut non_finite_at, mut holes) = (0, 0, None, 0);
     for (index, (expected, actual)) in pairs.enumerate() {
         if expected.is_finite() && actual.is_finite() {
             let difference = (actual - expected).abs();
@@ -184,6 +185,8 @@ pub(crate) fn measure(
         } else if !(expected == actual || expected.is_nan() && actual.is_nan()) {
             non_finite += 1;
             non_finite_at = non_finite_at.or(Some(shape.place(index)));
+        } else {
+            holes += 1;
         }
     }
     let count = compared.max(1) as f64;
@@ -197,6 +200,7 @@ pub(crate) fn measure(
         over_limit,
         non_finite,
         non_finite_at,
+        holes,
     }
 }
 
@@ -325,6 +329,7 @@ mod tests {
         let nan = f32::NAN;
         let m = compare(shape, &[nan, 1.0, 2.0, 3.0], &[nan, 1.0, nan, 3.0], 0.0).unwrap();
         assert_eq!((m.compared, m.non_finite, m.over_limit), (2, 1, 0));
+        assert_eq!(m.holes, 1);
         assert_eq!(
             m.non_finite_at,
             Some(Place {

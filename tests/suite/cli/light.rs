@@ -2,6 +2,7 @@
 
 use image::{Rgb, RgbImage, RgbaImage};
 use texmap_io::npy::{self, Values};
+use texmap_math::color;
 
 use crate::program::Desk;
 
@@ -103,10 +104,40 @@ fn environments_are_refused_with_their_reason() {
     sky(&desk);
     RgbImage::new(30, 20).save(desk.path("odd.png")).unwrap();
     desk.refused("env odd.png -o out.png --to cube", 4, "lat-long");
-    desk.refused("env sky.png -o out.gif --to cube", 2, "format");
+    desk.refused("env sky.png -o out.gif --to cube", 2, ".hdr or .exr");
     desk.refused("env sky.png -o out.png --to ball", 2, "ball");
     desk.refused("env sky.png -o out.png --to cube --blur=-1", 2, "blur");
     desk.refused("env none.png -o out.png --to cube", 4, "none.png");
+}
+
+/// Light below 0 is kept by EXR and counted where a format has no room for it.
+#[test]
+fn negative_light_is_kept_or_told() {
+    let desk = Desk::new();
+    image::Rgb32FImage::from_fn(16, 8, |x, y| {
+        Rgb([if x < 4 { -0.5 } else { 2.0 }, 0.5, y as f32])
+    })
+    .save(desk.path("dark.exr"))
+    .unwrap();
+    let env = |out: &str| {
+        desk.texmap(&format!("env dark.exr -o {out} --to lat-long --size 8"))
+            .ok()
+            .stderr
+    };
+    assert!(!env("same.exr").contains("warning"));
+    let same = image::open(desk.path("same.exr")).unwrap().into_rgb32f();
+    let red = |x, y| same.get_pixel(x, y).0[0];
+    assert_eq!((red(1, 4), red(2, 4), red(8, 4)), (-0.5, -0.5, 2.0));
+    assert!(
+        env("b.hdr").contains("pixels are below 0, which HDR"),
+        "{}",
+        env("b.hdr")
+    );
+    let told = env("c.png");
+    assert!(
+        told.contains("pixels are below 0, which PNG") && told.contains("brighter"),
+        "{told}"
+    );
 }
 
 /// A floor with coordinates, a board above it, a lamp.
@@ -145,6 +176,58 @@ fn baked_light_is_the_light_that_was_baked() {
         .ok();
     let gray = desk.picture("gray.png");
     assert!(gray.pixels().all(|p| p[0] == p[1] && p[1] == p[2]));
+}
+
+/// The floor alone under a lamp, with this surface and power, lit or under a light map.
+fn floor_under_a_lamp(desk: &Desk, kd: f32, power: f32, more: &str) {
+    room(desk, "");
+    let cool = 0.8 * power;
+    desk.put(
+        "lamp.scene",
+        format!(
+            "eye 0 4 4\nlook 0 0 0\nfov 45\nla 0.05 0.05 0.1\nlp {power} {cool} {cool} 0.5 3 0.5\nsurf 1 1 1 {kd} {kd} 0 5\n\
+             {more}\nobj floor.obj\n"
+        ),
+    );
+}
+
+/// A map is read as it was written: in each format the baked light looks like the live light, to one code of 255.
+#[test]
+fn baked_light_is_live_light_in_every_format() {
+    let desk = Desk::new();
+    let render = |out: &str| {
+        desk.texmap(&format!(
+            "render lamp.scene -o {out}.png --resolution 160x120"
+        ))
+        .ok();
+        desk.picture(&format!("{out}.png"))
+    };
+    // Beyond 1 the light of the map is clipped by PNG alone, which says so.
+    for (kd, power, clipped) in [(1.0, 0.9, false), (0.3, 3.0, true)] {
+        floor_under_a_lamp(&desk, kd, power, "");
+        let live = render("live");
+        for format in ["png", "hdr", "exr"] {
+            let bake = format!("bake lamp.scene --object floor --light --size 256 -o map.{format}");
+            let told = desk.texmap(&bake).ok().stderr.contains("were clipped");
+            assert_eq!(told, clipped && format == "png", "{format} {power}");
+        }
+        // What bake does not write, but a scene reads: 16 bits of sRGB.
+        let light = image::open(desk.path("map.exr")).unwrap().into_rgb32f();
+        let code = |c: f32| (f64::from(color::linear_to_srgb(c)) * 65535.0 + 0.5) as u16;
+        image::ImageBuffer::from_fn(256, 256, |x, y| Rgb(light.get_pixel(x, y).0.map(code)))
+            .save(desk.path("wide.png"))
+            .unwrap();
+        for map in ["map.png", "wide.png", "map.hdr", "map.exr"] {
+            let line = format!("lightmapuv floor.obj\nlightmap {map}");
+            floor_under_a_lamp(&desk, kd, power, &line);
+            let (most, _) = difference(&render("baked"), &live);
+            if clipped && map.ends_with(".png") {
+                assert!(most > 20, "{map} {power}: {most}");
+            } else {
+                assert!(most <= 1, "{map} {power}: {most}");
+            }
+        }
+    }
 }
 
 /// `--aov shadow:NAME` is the shadow of the light that the scene calls so, in a file of that name.
@@ -204,7 +287,7 @@ fn bakes_are_refused_with_their_reason() {
     desk.refused(
         "bake lit.scene --object floor --light --size 64 -o m.bmp",
         2,
-        "format",
+        ".hdr or .exr",
     );
     desk.refused(
         "bake no.scene --object floor --light --size 64 -o m.png",

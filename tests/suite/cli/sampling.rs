@@ -1,6 +1,6 @@
 //! `texmap warp`, `texmap sample` and `texmap mip`.
 
-use image::{DynamicImage, GrayImage, Rgb, RgbImage};
+use image::{DynamicImage, GrayImage, Rgb, RgbImage, Rgba};
 use texmap_io::npy;
 use texmap_math::color;
 
@@ -306,4 +306,157 @@ fn bad_chains_are_named() {
         "between 0 and 1",
     );
     desk.refused("mip photo.png -o no/m%d.png", 4, "no");
+}
+
+/// Linear light from -0.5 to 200, with alpha.
+fn light(desk: &Desk) -> image::Rgba32FImage {
+    let light = image::Rgba32FImage::from_fn(8, 4, |x, y| {
+        Rgba([
+            200.0 - x as f32,
+            3.0 + y as f32,
+            -0.5,
+            if x < 4 { 1.0 } else { 0.25 },
+        ])
+    });
+    light.save(desk.path("light.exr")).unwrap();
+    light
+}
+
+#[test]
+fn floats_stay_floats_in_every_verb() {
+    let desk = Desk::new();
+    let light = light(&desk);
+    let picture = |name: &str| image::open(desk.path(name)).unwrap().into_rgba32f();
+    for color in ["srgb", "raw"] {
+        desk.texmap(&format!("warp light.exr -o same.exr --color {color}"))
+            .ok();
+        assert_eq!(picture("same.exr"), light, "{color}");
+        desk.texmap(&format!("mip light.exr -o level%d.exr --color {color}"))
+            .ok();
+        assert_eq!(picture("level0.exr"), light, "{color}");
+        let mean = |k: usize| light.pixels().map(|p| f64::from(p.0[k])).sum::<f64>() / 32.0;
+        let last = picture("level3.exr").get_pixel(0, 0).0;
+        for (k, got) in last.into_iter().enumerate() {
+            assert!((f64::from(got) - mean(k)).abs() < 1e-4, "{color} {k} {got}");
+        }
+        desk.put("uv.csv", "0.0625,0.125\n");
+        for (how, texel) in [
+            ("--filter nearest", light.get_pixel(0, 0).0),
+            ("--lod 9", last),
+        ] {
+            desk.texmap(&format!(
+                "sample light.exr --uv uv.csv -o s.npy --color {color} {how}"
+            ))
+            .ok();
+            assert_eq!(
+                array(&desk, "s.npy"),
+                (vec![1, 4], texel.to_vec()),
+                "{color} {how}"
+            );
+        }
+    }
+    // Formats that cannot hold it say so.
+    for (verb, name) in [("warp", "out"), ("mip", "out%d")] {
+        let told = |ending: &str| {
+            let line = format!("{verb} light.exr -o {name}.{ending}");
+            desk.texmap(&line).ok().stderr
+        };
+        assert!(told("png").contains("brighter than PNG can hold"), "{verb}");
+        let hdr = told("hdr");
+        assert!(hdr.contains("below 0") && hdr.contains("no alpha"), "{hdr}");
+        assert_eq!(told("exr"), "", "{verb}");
+    }
+}
+
+#[test]
+fn sixteen_bits_stay_sixteen() {
+    let desk = Desk::new();
+    let wide = image::ImageBuffer::from_fn(64, 32, |x, y| image::Luma([(x * 1024 + y) as u16]));
+    wide.save(desk.path("wide.png")).unwrap();
+    let picture = |name: &str| {
+        let image = image::open(desk.path(name)).unwrap();
+        assert_eq!(image.color(), image::ColorType::Rgba16, "{name}");
+        image.into_luma16()
+    };
+    for color in ["srgb", "raw"] {
+        desk.texmap(&format!("warp wide.png -o out.png --color {color}"))
+            .ok();
+        assert_eq!(picture("out.png"), wide, "{color}");
+        desk.texmap(&format!("mip wide.png -o m%d.png --color {color}"))
+            .ok();
+        assert_eq!(picture("m0.png"), wide, "{color}");
+        picture("m3.png");
+    }
+}
+
+/// `--color raw --lod` reads means that no byte has rounded.
+#[test]
+fn levels_are_floats() {
+    let desk = Desk::new();
+    let photo = photo(&desk);
+    desk.put("uv.csv", "0.5,0.5\n");
+    desk.texmap("sample photo.png --uv uv.csv -o mean.npy --lod 9 --color raw")
+        .ok();
+    let mean = |k: usize| photo.pixels().map(|p| f64::from(p.0[k])).sum::<f64>() / 35.0 / 255.0;
+    for (k, got) in array(&desk, "mean.npy").1.into_iter().enumerate() {
+        assert!(
+            (f64::from(got) - mean(k)).abs() < 1e-6,
+            "{k} {got} {}",
+            mean(k)
+        );
+    }
+}
+
+#[test]
+fn an_opaque_chain_stays_opaque() {
+    let desk = Desk::new();
+    photo(&desk);
+    desk.texmap("mip photo.png -o plain%d.png").ok();
+    desk.texmap("mip photo.png -o kept%d.png --keep-coverage 0.5")
+        .ok();
+    for level in 0..3 {
+        assert_eq!(
+            desk.picture(&format!("kept{level}.png")),
+            desk.picture(&format!("plain{level}.png"))
+        );
+    }
+}
+
+/// No verb writes another format than the name says.
+#[test]
+fn endings_that_no_verb_writes_are_refused() {
+    let desk = Desk::new();
+    photo(&desk);
+    desk.put("uv.csv", "0.5,0.5\n");
+    for (line, known) in [
+        ("warp photo.png -o", ".png, .hdr or .exr"),
+        ("slice wood -o", ".png, .hdr or .exr"),
+        ("env photo.png --to cube -o", ".png, .hdr or .exr"),
+        (
+            "bake m.obj --object panel --light --size 4 -o",
+            ".png, .hdr or .exr",
+        ),
+        ("render room.scene -o", ".png"),
+        ("demo affine-checker -o", ".png"),
+        ("diff photo.png photo.png --heat", ".png"),
+        ("sample photo.png --uv uv.csv -o", ".npy"),
+        ("uv m.obj --map plane -o", ".obj"),
+        ("uv m.obj --tangents", ".npy"),
+        ("chart --quick -o", ".html or .csv"),
+        ("chart --quick -o a.html --prices", ".csv"),
+    ] {
+        for name in ["x.jpg", "x.tga", "x"] {
+            desk.refused(
+                &format!("{line} {name}"),
+                2,
+                &format!("end the name with {known}\n"),
+            );
+        }
+    }
+    desk.refused("mip photo.png -o x%d.jpg", 2, ".png, .hdr or .exr");
+    desk.refused(
+        "demo light-maps --frames 2 -o x%d.jpg",
+        2,
+        "end the name with .png",
+    );
 }

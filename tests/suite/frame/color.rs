@@ -1,11 +1,12 @@
 //! sRGB and raw values, supersampling, decals and modulation.
 
 use texmap_light::{Light, Surface};
-use texmap_math::color;
+use texmap_math::{Level, color};
 use texmap_render::{
     AlphaMode, Aov, ColorMode, Material, Scene, Settings, Shading, TextureRole, render,
 };
-use texmap_sample::{ColorSpace, Filter, Origin, Texture2d};
+use texmap_sample::{Alpha, ColorSpace, Filter, Image, Origin, Texels, Texture2d};
+use texmap_tests::levels::levels;
 
 use crate::scenes::{bits, draw, of, pixel, slot, texture, unlit, wall};
 
@@ -179,4 +180,59 @@ fn light_is_linear() {
     let expected = color::linear_to_srgb8(0.5);
     assert_eq!(expected, 188);
     assert_eq!(pixel(&draw(&scene, 8, 8), 2, 4), [expected, 0, 0, 255]);
+}
+
+/// Float texels of any size light what they modulate, in the same bits on every level.
+#[test]
+fn float_texels_are_not_clipped_on_any_level() {
+    let image = |texels: &[f32], alpha| {
+        Texture2d::new(&Image {
+            width: 2,
+            height: 1,
+            channels: 4,
+            texels: Texels::F32(texels),
+            color: ColorSpace::Linear,
+            alpha,
+            origin: Origin::TopLeft,
+        })
+        .unwrap()
+        .with_mips()
+    };
+    for (role, alpha) in [
+        (TextureRole::Modulate, AlphaMode::Opaque),
+        (TextureRole::Decal, AlphaMode::Blend),
+        (TextureRole::Decal, AlphaMode::Opaque),
+    ] {
+        let mut scene = label(role, alpha);
+        let texels = [8.0, 0.5, -2.0, 1.0, 0.25, 2.0, 0.0, 0.5];
+        scene.textures = vec![image(&texels, Alpha::Premultiplied)];
+        scene.materials[0].surface.color = [0.05; 3];
+        for filter in [
+            Filter::Nearest,
+            Filter::Bilinear,
+            Filter::Trilinear,
+            Filter::Anisotropic(8),
+        ] {
+            scene.materials[0].base_color = slot(0, filter);
+            for msaa in [1, 4] {
+                let frame = |level| {
+                    let settings = Settings {
+                        level,
+                        msaa,
+                        ..Settings::new(96, 70)
+                    };
+                    render(&scene, &settings, &|_, _| ()).unwrap()
+                };
+                let best = frame(Level::new());
+                for (name, level) in levels() {
+                    let found = frame(level);
+                    assert!(found.rgba == best.rgba, "{role:?} {filter:?} {msaa} {name}");
+                }
+                if role == TextureRole::Modulate && filter == Filter::Nearest && msaa == 1 {
+                    // .05 of surface x .5 of light x 8, .5 and -2.
+                    assert_eq!(pixel(&best, 20, 35), [51, 3, 0, 255]);
+                }
+            }
+        }
+    }
 }

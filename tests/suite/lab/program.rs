@@ -61,8 +61,8 @@ fn diff_names_the_value_that_differs_and_its_limit_decides() {
     assert_eq!(allowed.status.code(), Some(0), "{}", text(&allowed));
     let too_much = texmap(&["diff", "--fail-max", "0.0039"], &[&a, &b]);
     assert_eq!(too_much.status.code(), Some(1), "{}", text(&too_much));
-    // One value of 80 by 1/255: the root of the mean square is 0.00044.
-    for (most, code) in [("0.00043", 1), ("0.00045", 0)] {
+    // One colour value of 60 by 1/255: the root of the mean square is 0.000506.
+    for (most, code) in [("0.0005", 1), ("0.00051", 0)] {
         let found = texmap(&["diff", "--fail-rms", most], &[&a, &b]);
         assert_eq!(found.status.code(), Some(code), "{most}: {}", text(&found));
     }
@@ -92,6 +92,115 @@ fn diff_writes_json_and_heat() {
         (heat.get_pixel(3, 2).0, heat.get_pixel(2, 2).0),
         ([255; 4], [0, 0, 0, 255])
     );
+}
+
+/// What differs between 3 and 200 is no byte's business.
+#[test]
+fn floats_are_compared_and_hashed_as_floats() {
+    let folder = Folder::new();
+    for ending in ["hdr", "exr"] {
+        let [a, b] = [3.0_f32, 200.0].map(|value| {
+            let path = folder.path(&format!("{value}.{ending}"));
+            let picture = image::Rgb32FImage::from_pixel(16, 12, image::Rgb([value; 3]));
+            picture.save(&path).unwrap();
+            path
+        });
+        let found = texmap(&["diff"], &[&a, &b]);
+        let words = text(&found);
+        assert_eq!(found.status.code(), Some(1), "{words}");
+        assert!(words.contains("max   197 at"), "{words}");
+        assert_eq!(
+            texmap(&["diff", "--fail-max", "197"], &[&a, &b])
+                .status
+                .code(),
+            Some(0)
+        );
+        assert_eq!(texmap(&["diff"], &[&a, &a]).status.code(), Some(0));
+        let hashes = text(&texmap(&["hash"], &[&a, &b]));
+        let hash: Vec<&str> = hashes
+            .lines()
+            .map(|l| l.split("  ").next().unwrap())
+            .collect();
+        assert_ne!(hash[0], hash[1]);
+        let codes = folder.picture("codes.png", 100);
+        assert_eq!(texmap(&["diff"], &[&a, &codes]).status.code(), Some(1));
+    }
+}
+
+#[test]
+fn sixteen_bits_are_compared_as_sixteen() {
+    let folder = Folder::new();
+    let [a, b] = [1000_u16, 1001].map(|value| {
+        let path = folder.path(&format!("{value}.png"));
+        let picture = image::ImageBuffer::from_pixel(4, 4, image::Luma([value]));
+        picture.save(&path).unwrap();
+        path
+    });
+    assert_eq!(texmap(&["diff"], &[&a, &b]).status.code(), Some(1));
+}
+
+/// Alpha has figures of its own, NaN is told, and figures have six digits.
+#[test]
+fn diff_tells_alpha_structure_and_holes_apart() {
+    let folder = Folder::new();
+    let picture = |name: &str, change: &dyn Fn(u32, u32) -> Option<[f32; 4]>| {
+        let path = folder.path(name);
+        image::Rgba32FImage::from_fn(24, 16, |x, y| {
+            image::Rgba(change(x, y).unwrap_or([x as f32 / 24.0, y as f32 / 16.0, 0.5, 1.0]))
+        })
+        .save(&path)
+        .unwrap();
+        path
+    };
+    let json = |a: &Path, b: &Path| -> serde_json::Value {
+        serde_json::from_slice(&texmap(&["diff", "--json"], &[a, b]).stdout).unwrap()
+    };
+    let plain = picture("plain.exr", &|_, _| None);
+    let clear = picture("clear.exr", &|x, y| {
+        ((x, y) == (3, 5)).then_some([3.0 / 24.0, 5.0 / 16.0, 0.5, 0.25])
+    });
+    let report = json(&plain, &clear);
+    assert_eq!(
+        (&report["pass"], &report["max"]),
+        (&false.into(), &0.0.into())
+    );
+    assert_eq!(report["alpha"]["max"], 0.75);
+    assert_eq!(report["alpha"]["max_at"]["channel"], 3);
+    assert_eq!(report["ssim"], 1.0);
+    assert!(json(&plain, &plain)["alpha"].is_null());
+
+    let holed = picture("holed.exr", &|x, y| {
+        ((x, y) == (3, 5)).then_some([f32::NAN, 0.0, 0.5, 1.0])
+    });
+    let report = json(&holed, &holed);
+    assert_eq!(
+        (&report["pass"], &report["holes"]),
+        (&true.into(), &1.into())
+    );
+    let report = json(&plain, &holed);
+    assert_eq!(
+        (&report["pass"], &report["non_finite"]),
+        (&false.into(), &1.into())
+    );
+    let words = text(&texmap(&["diff"], &[&holed, &holed]));
+    assert!(
+        words.contains("NaN   1 values are not finite in both"),
+        "{words}"
+    );
+
+    let turned = picture("turned.exr", &|x, y| {
+        Some([1.0 - x as f32 / 24.0, y as f32 / 16.0, 0.5, 1.0])
+    });
+    let report = json(&plain, &turned);
+    let ssim = report["ssim"].as_f64().unwrap();
+    assert!(ssim < 0.9 && ssim > 0.0, "{ssim}");
+    let words = text(&texmap(&["diff"], &[&plain, &turned]));
+    let shown = words
+        .lines()
+        .find_map(|l| l.strip_prefix("SSIM  "))
+        .unwrap();
+    assert_eq!(shown.trim_start_matches("0.").len(), 6, "{words}");
+    assert!((shown.parse::<f64>().unwrap() - ssim).abs() < 1e-6);
 }
 
 #[test]

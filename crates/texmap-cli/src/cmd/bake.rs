@@ -10,6 +10,7 @@ use texmap_render::{
 };
 
 use crate::failure::{Exit, Failure, say};
+use crate::formats;
 use crate::output::{Destination, Stage};
 
 /// Bake the direct light that reaches an object, with shadows, onto its light-map coordinates.
@@ -45,7 +46,7 @@ pub(crate) struct BakeArgs {
 
 pub(crate) fn run(args: &BakeArgs) -> Result<Exit, Failure> {
     let destination = Destination::new(&args.output)?;
-    let ending = super::ending(&args.output)?;
+    let format = formats::picture(&args.output)?;
     let scene = load(&args.scene, &LoadOptions::default())?;
     let refused = |e: RenderError| {
         Failure::new(
@@ -74,8 +75,8 @@ pub(crate) fn run(args: &BakeArgs) -> Result<Exit, Failure> {
         map.texels
     };
     let mut stage = Stage::new(&destination)?;
-    let bright =
-        texmap_io::write_light(&stage.add(destination, ending), map.size, map.size, &texels)?;
+    let path = stage.add(destination, format.ending());
+    let lost = texmap_io::write_light(&path, map.size, map.size, &texels)?;
     stage.commit()?;
     let used = map
         .coverage
@@ -90,11 +91,7 @@ pub(crate) fn run(args: &BakeArgs) -> Result<Exit, Failure> {
         map.lost.len(),
         scene.meshes[mesh].triangles.len(),
     ));
-    if bright > 0 {
-        say(&format!(
-            "warning: {bright} texels are brighter than PNG can hold and were clipped: write .hdr or .exr\n"
-        ));
-    }
+    formats::warn(&args.output, format, lost);
     Ok(Exit::Done)
 }
 

@@ -9,6 +9,7 @@ use texmap_lab::chart::time::Effort;
 use texmap_lab::chart::{self, Machine, Panel};
 
 use crate::failure::{Exit, Failure, say};
+use crate::formats;
 use crate::output::{Destination, Stage};
 use crate::progress::Progress;
 use crate::values::Resolution;
@@ -50,6 +51,9 @@ pub(crate) fn run(args: &ChartArgs) -> Result<Exit, Failure> {
     let mut outputs = Vec::new();
     for path in &args.output {
         outputs.push((Kind::of(path)?, Destination::new(path)?));
+    }
+    if let Some(path) = &args.prices {
+        formats::ending("--prices", path, &["csv"])?;
     }
     // What cannot be written is refused before anything is measured.
     let charts = args.svg.as_ref().map(|folder| folder.join("chart.svg"));
@@ -137,14 +141,10 @@ enum Kind {
 
 impl Kind {
     fn of(path: &Path) -> Result<Self, Failure> {
-        match path.extension().and_then(|e| e.to_str()) {
-            Some("html") => Ok(Self::Html),
-            Some("csv") => Ok(Self::Csv),
-            _ => Err(Failure::usage(
-                format!("{}: neither .html nor .csv", path.display()),
-                "name a page, such as chart.html, or a table, such as chart.csv; both may be named",
-            )),
-        }
+        Ok(match formats::ending("-o", path, &["html", "csv"])? {
+            "csv" => Self::Csv,
+            _ => Self::Html,
+        })
     }
 }
 

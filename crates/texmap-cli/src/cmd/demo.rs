@@ -8,6 +8,7 @@ use texmap_lab::demos::{self, Claim, MovingSpot};
 
 use crate::cmd::render::plan::numbered;
 use crate::failure::{self, Exit, Failure, say};
+use crate::formats;
 use crate::output::{Destination, Stage};
 
 /// Draw a captioned side-by-side picture and check the numbers it claims.
@@ -84,6 +85,7 @@ pub(crate) fn run(args: &DemoArgs) -> Result<Exit, Failure> {
             format!("choose from {}", known.join(", ")),
         ));
     }
+    formats::png("-o", output)?;
     if let Some(count) = args.frames {
         return frames(args, name, output, count);
     }

@@ -4,16 +4,22 @@ use std::path::PathBuf;
 
 use clap::Args;
 use serde::Serialize;
-use texmap_lab::buffer::Buffer;
-use texmap_lab::metrics::{Metrics, Place};
+use texmap_lab::buffer::{Buffer, Comparison, Meaning};
+use texmap_lab::metrics::{Metrics, Place, Shape};
 
 use crate::failure::{self, Exit, Failure};
+use crate::formats;
 use crate::output::{Destination, Stage};
 
 /// Compare two images or .npy arrays: figures, PASS or FAIL.
+///
+/// Figures of images are those of red, green and blue; alpha has its own, and must pass as well. SSIM is the mean structural
+/// similarity in windows of 11 x 11 pixels (1 for equal images).
 #[derive(Args, Debug)]
 #[command(
-    after_help = "Without a limit every difference fails. Values of images are 0 to 1. Exit code 1 on FAIL."
+    after_help = "Without a limit every difference fails. Values of images are 0 to 1; those of HDR and EXR are their linear light, \
+                  and PSNR and SSIM take the largest of both images as the range. A NaN in one of the two fails; one in both is a hole. \
+                  Exit code 1 on FAIL."
 )]
 pub(crate) struct DiffArgs {
     /// What is expected
@@ -26,7 +32,7 @@ pub(crate) struct DiffArgs {
     /// Fail when the root of the mean squared difference is more
     #[arg(long, value_name = "X", value_parser = limit)]
     fail_rms: Option<f64>,
-    /// Write the differences as a heat picture, white at the largest
+    /// Write the differences as a heat picture (PNG), white at the largest
     #[arg(long, value_name = "OUT")]
     heat: Option<PathBuf>,
     /// Print the figures as JSON to standard output
@@ -41,19 +47,47 @@ struct Report {
     actual: String,
     width: usize,
     height: usize,
+    /// Of the files; the figures of images are those of three.
     channels: usize,
-    mean: f64,
-    rms: f64,
+    #[serde(flatten)]
+    values: Figures,
     /// Absent for equal images, whose ratio is infinite.
     psnr: Option<f64>,
+    /// Absent for images smaller than its window.
+    ssim: Option<f64>,
+    /// Absent when no single value can fail.
+    limit: Option<f64>,
+    /// Absent for arrays, and where both images are opaque.
+    alpha: Option<Figures>,
+}
+
+#[derive(Serialize)]
+struct Figures {
+    mean: f64,
+    rms: f64,
     p999: f64,
     max: f64,
     max_at: Option<At>,
-    /// Absent when no single value can fail.
-    limit: Option<f64>,
     over_limit: usize,
     non_finite: usize,
     non_finite_at: Option<At>,
+    holes: usize,
+}
+
+impl From<&Metrics> for Figures {
+    fn from(m: &Metrics) -> Self {
+        Self {
+            mean: m.mean,
+            rms: m.rmse,
+            p999: m.p999,
+            max: m.max,
+            max_at: m.max_at.map(At::from),
+            over_limit: m.over_limit,
+            non_finite: m.non_finite,
+            non_finite_at: m.non_finite_at.map(At::from),
+            holes: m.holes,
+        }
+    }
 }
 
 #[derive(Serialize)]
@@ -81,6 +115,9 @@ fn limit(text: &str) -> Result<f64, String> {
 }
 
 pub(crate) fn run(args: &DiffArgs) -> Result<Exit, Failure> {
+    if let Some(path) = &args.heat {
+        formats::png("--heat", path)?;
+    }
     let heat = args.heat.as_deref().map(Destination::new).transpose()?;
     if args.json && heat == Some(Destination::Stdout) {
         return Err(Failure::usage(
@@ -89,28 +126,14 @@ pub(crate) fn run(args: &DiffArgs) -> Result<Exit, Failure> {
         ));
     }
     let (expected, actual) = (Buffer::read(&args.expected)?, Buffer::read(&args.actual)?);
-    let (e, a) = (expected.shape, actual.shape);
-    if e != a {
-        let words = "the images differ in size";
-        let size = |s: texmap_lab::metrics::Shape| {
-            format!("{} x {} with {} channels", s.width, s.height, s.channels)
-        };
-        let why = format!(
-            "{} is {}, {} is {}",
-            args.expected.display(),
-            size(e),
-            args.actual.display(),
-            size(a)
-        );
-        return Err(Failure::new(Exit::Differs, "size", words, why));
-    }
+    comparable(args, &expected, &actual)?;
     // With a limit on the root mean square alone, no single value fails.
     let limit = args.fail_max.unwrap_or(if args.fail_rms.is_some() {
         f64::INFINITY
     } else {
         0.0
     });
-    let metrics = actual.compare(&expected, limit).map_err(|error| {
+    let found = actual.compare(&expected, limit).map_err(|error| {
         Failure::new(
             Exit::Input,
             "empty",
@@ -118,9 +141,12 @@ pub(crate) fn run(args: &DiffArgs) -> Result<Exit, Failure> {
             "name files that hold values",
         )
     })?;
-    let pass = metrics.passes() && args.fail_rms.is_none_or(|most| metrics.rmse <= most);
+    let parts = || [Some(found.values), found.alpha].into_iter().flatten();
+    let rms_fits = |part: Metrics| args.fail_rms.is_none_or(|most| part.rmse <= most);
+    let pass = found.passes() && parts().all(rms_fits);
     if let Some(destination) = heat {
-        let white = if metrics.max > 0.0 { metrics.max } else { 1.0 };
+        let most = parts().map(|part| part.max).fold(0.0, f64::max);
+        let white = if most > 0.0 { most } else { 1.0 };
         let picture = actual.heat(&expected, white).ok_or_else(|| {
             Failure::new(
                 Exit::Input,
@@ -134,20 +160,64 @@ pub(crate) fn run(args: &DiffArgs) -> Result<Exit, Failure> {
         texmap_io::image_io::write_png(&file, picture.width(), picture.height(), picture.rgba())?;
         stage.commit()?;
     }
-    let peak = expected.peak.max(actual.peak);
+    let psnr = found.values.psnr(expected.peak.max(actual.peak));
     if args.json {
-        failure::print_json(&report(args, &expected, &metrics, peak, limit, pass));
+        failure::print_json(&Report {
+            pass,
+            expected: args.expected.display().to_string(),
+            actual: args.actual.display().to_string(),
+            width: expected.shape.width,
+            height: expected.shape.height,
+            channels: expected.shape.channels,
+            values: Figures::from(&found.values),
+            psnr: psnr.is_finite().then_some(psnr),
+            ssim: found.ssim,
+            limit: limit.is_finite().then_some(limit),
+            alpha: found.alpha.as_ref().map(Figures::from),
+        });
     } else {
-        failure::print(&words(&expected, &actual, &metrics, peak, limit, pass));
+        failure::print(&words(&expected, &actual, &found, psnr, limit, pass));
     }
     Ok(if pass { Exit::Done } else { Exit::Differs })
+}
+
+/// Refuses what has no common values: other sizes, codes against light.
+fn comparable(args: &DiffArgs, expected: &Buffer, actual: &Buffer) -> Result<(), Failure> {
+    let names = (args.expected.display(), args.actual.display());
+    let (e, a) = (expected.shape, actual.shape);
+    if e != a {
+        let size = |s: Shape| format!("{} x {} with {} channels", s.width, s.height, s.channels);
+        return Err(Failure::new(
+            Exit::Differs,
+            "size",
+            "the images differ in size",
+            format!("{} is {}, {} is {}", names.0, size(e), names.1, size(a)),
+        ));
+    }
+    let holds = |meaning| match meaning {
+        Meaning::Codes => Some("sRGB codes"),
+        Meaning::Light => Some("linear light"),
+        Meaning::Array => None,
+    };
+    match (holds(expected.meaning()), holds(actual.meaning())) {
+        (Some(e), Some(a)) if e != a => Err(Failure::new(
+            Exit::Differs,
+            "kind",
+            "the images hold values of unlike kinds",
+            format!(
+                "{} holds {e}, {} {a}; write both in one format, for instance with `texmap warp IN -o OUT.exr --filter nearest`",
+                names.0, names.1
+            ),
+        )),
+        _ => Ok(()),
+    }
 }
 
 fn words(
     expected: &Buffer,
     actual: &Buffer,
-    m: &Metrics,
-    peak: f64,
+    found: &Comparison,
+    psnr: f64,
     limit: f64,
     pass: bool,
 ) -> String {
@@ -156,61 +226,103 @@ fn words(
             let index = (p.y * expected.shape.width + p.x) * expected.shape.channels + p.channel;
             let (e, a) = (expected.value(index), actual.value(index));
             format!(
-                " at x {}, y {}, channel {}: {e} against {a}",
-                p.x, p.y, p.channel
+                " at x {}, y {}, channel {}: {} against {}",
+                p.x,
+                p.y,
+                p.channel,
+                digits(e),
+                digits(a)
             )
         })
     };
+    let m = &found.values;
+    let ssim = found.ssim.map_or_else(
+        || "none: it needs 11 x 11 pixels without holes".to_owned(),
+        digits,
+    );
     let mut text = format!(
-        "mean  {}\nRMS   {}\nPSNR  {:.2} dB\n99.9% {}\nmax   {}{}\n",
-        m.mean,
-        m.rmse,
-        m.psnr(peak),
-        m.p999,
-        m.max,
+        "mean  {}\nRMS   {}\nPSNR  {} dB\nSSIM  {ssim}\n99.9% {}\nmax   {}{}\n",
+        digits(m.mean),
+        digits(m.rmse),
+        digits(psnr),
+        digits(m.p999),
+        digits(m.max),
         at(m.max_at),
     );
-    if limit.is_finite() {
+    if let Some(alpha) = &found.alpha {
         text.push_str(&format!(
-            "over  {} of {} values differ by more than {limit}\n",
-            m.over_limit, m.compared
+            "alpha mean {}, RMS {}, 99.9% {}, max {}{}\n",
+            digits(alpha.mean),
+            digits(alpha.rmse),
+            digits(alpha.p999),
+            digits(alpha.max),
+            at(alpha.max_at),
         ));
     }
-    if m.non_finite > 0 {
-        text.push_str(&format!(
-            "holes {} values are finite in one only{}\n",
-            m.non_finite,
-            at(m.non_finite_at)
-        ));
+    let parts = [Some(m), found.alpha.as_ref()];
+    for (part, of) in parts.into_iter().flatten().zip(["", " of alpha"]) {
+        if limit.is_finite() {
+            text.push_str(&format!(
+                "over  {} of {} values{of} differ by more than {limit}\n",
+                part.over_limit, part.compared
+            ));
+        }
+        if part.holes > 0 {
+            text.push_str(&format!(
+                "NaN   {} values{of} are not finite in both\n",
+                part.holes
+            ));
+        }
+        if part.non_finite > 0 {
+            text.push_str(&format!(
+                "NaN   {} values{of} are not finite in one of the two{}\n",
+                part.non_finite,
+                at(part.non_finite_at)
+            ));
+        }
     }
     text + if pass { "PASS\n" } else { "FAIL\n" }
 }
 
-fn report(
-    args: &DiffArgs,
-    expected: &Buffer,
-    m: &Metrics,
-    peak: f64,
-    limit: f64,
-    pass: bool,
-) -> Report {
-    let psnr = m.psnr(peak);
-    Report {
-        pass,
-        expected: args.expected.display().to_string(),
-        actual: args.actual.display().to_string(),
-        width: expected.shape.width,
-        height: expected.shape.height,
-        channels: expected.shape.channels,
-        mean: m.mean,
-        rms: m.rmse,
-        psnr: psnr.is_finite().then_some(psnr),
-        p999: m.p999,
-        max: m.max,
-        max_at: m.max_at.map(At::from),
-        limit: limit.is_finite().then_some(limit),
-        over_limit: m.over_limit,
-        non_finite: m.non_finite,
-        non_finite_at: m.non_finite_at.map(At::from),
+/// A number with six significant digits, without zeros at its end.
+fn digits(x: f64) -> String {
+    let scientific = format!("{x:.5e}");
+    let Some((mantissa, exponent)) = scientific.split_once('e') else {
+        return x.to_string();
+    };
+    let trimmed = |text: &str| match text.contains('.') {
+        true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
+        false => text.to_owned(),
+    };
+    match exponent.parse::<i32>() {
+        Ok(exponent @ -5..=14) => {
+            let places = usize::try_from(5 - exponent).unwrap_or(0);
+            trimmed(&format!("{x:.places$}"))
+        }
+        _ => format!("{}e{exponent}", trimmed(mantissa)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn six_digits_are_significant() {
+        for (x, text) in [
+            (0.0, "0"),
+            (197.0, "197"),
+            (1.0 / 3.0, "0.333333"),
+            (0.000_447_213_595_5, "0.000447214"),
+            (-2.0 / 3e7, "-6.66667e-8"),
+            (123_456.7, "123457"),
+            (1_234_567.8, "1234568"),
+            (9.999_999_9, "10"),
+            (1.5e30, "1.5e30"),
+            (f64::INFINITY, "inf"),
+            (f64::NAN, "NaN"),
+        ] {
+            assert_eq!(digits(x), text);
+        }
     }
 }

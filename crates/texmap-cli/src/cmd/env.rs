@@ -6,6 +6,7 @@ use clap::Args;
 use texmap_light::{Chart, Environment};
 
 use crate::failure::{Exit, Failure, say};
+use crate::formats;
 use crate::output::{Destination, Stage};
 
 /// Convert an environment from one chart to another, or blur it to a specular map.
@@ -13,7 +14,7 @@ use crate::output::{Destination, Stage};
 #[command(
     after_help = "Charts: cube, tan-cube, lat-long, octahedron, equal-area-octahedron, dual-paraboloid, sphere-map.\n\
     Several faces stand below each other: +X -X +Y -Y +Z -Z of a cube, +Z -Z of the paraboloids.\n\
-    PNG holds sRGB clipped at 1; HDR and EXR hold linear light. docs/charts.md tells which chart is best."
+    PNG holds sRGB from 0 to 1, HDR linear light from 0, EXR all of it. docs/charts.md tells which chart is best."
 )]
 pub(crate) struct EnvArgs {
     /// The environment: PNG, JPEG, HDR or EXR
@@ -45,7 +46,7 @@ pub(crate) fn run(args: &EnvArgs) -> Result<Exit, Failure> {
         ));
     }
     let destination = Destination::new(&args.output)?;
-    let ending = super::ending(&args.output)?;
+    let format = formats::picture(&args.output)?;
     let source = texmap_io::read_environment(&args.image, args.from)?;
     let texels = |e: &Environment| {
         let (width, height) = e.size();
@@ -77,7 +78,8 @@ pub(crate) fn run(args: &EnvArgs) -> Result<Exit, Failure> {
         }
     };
     let mut stage = Stage::new(&destination)?;
-    let bright = texmap_io::write_environment(&stage.add(destination, ending), &result)?;
+    let path = stage.add(destination, format.ending());
+    let lost = texmap_io::write_environment(&path, &result)?;
     stage.commit()?;
     let (width, height) = result.size();
     say(&format!(
@@ -85,10 +87,6 @@ pub(crate) fn run(args: &EnvArgs) -> Result<Exit, Failure> {
         args.output.display(),
         args.to.name()
     ));
-    if bright > 0 {
-        say(&format!(
-            "warning: {bright} texels are brighter than PNG can hold and were clipped: write .hdr or .exr\n"
-        ));
-    }
+    formats::warn(&args.output, format, lost);
     Ok(Exit::Done)
 }

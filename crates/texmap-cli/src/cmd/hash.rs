@@ -11,7 +11,7 @@ use crate::failure::{self, Exit, Failure};
 /// Print the pixel hash of images or .npy arrays, or check a list of them.
 #[derive(Args, Debug)]
 #[command(
-    after_help = "The hash is of the decoded values, not of the file: two PNGs of the same pixels have one hash. Exit code 1 when a check fails."
+    after_help = "The hash is of the decoded values, not of the file: two PNGs of the same pixels have one hash. HDR and EXR are hashed as floats. Exit code 1 when a check fails."
 )]
 pub(crate) struct HashArgs {
     /// The files

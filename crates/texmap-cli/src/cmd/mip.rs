@@ -3,33 +3,37 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use texmap_io::image_io;
+use texmap_io::{Lost, image_io, write_pixels};
 use texmap_render::ColorMode;
 use texmap_sample::ColorSpace;
 
-use crate::cmd::warp::encode;
 use crate::failure::{Exit, Failure};
+use crate::formats;
 use crate::output::{Destination, Stage};
 use crate::values;
 
 /// Write every mip level of an image: area-weighted, in linear light, premultiplied.
+///
+/// Levels of a 16-bit PNG are 16-bit PNGs. HDR and EXR are linear light, read and written as floats.
 #[derive(Args, Debug)]
 pub(crate) struct MipArgs {
-    /// The image: PNG, JPEG or GIF
+    /// The image: PNG, JPEG, GIF, HDR or EXR
     image: PathBuf,
-    /// Name of the PNGs with %d or %02d for the level
+    /// Name of the files with %d or %02d for the level; their ending is .png, .hdr or .exr
     #[arg(short, long, value_name = "OUT%02d.png")]
     output: String,
-    /// srgb decodes before averaging; raw averages the bytes
+    /// srgb decodes before averaging; raw averages the codes. Floats are averaged as they are
     #[arg(long, value_name = "SPACE", value_parser = values::color, default_value = "srgb")]
     color: ColorMode,
-    /// For cut-outs: scale the alpha of each level so that as much passes this threshold as in the image
+    /// For cut-outs: scale the alpha of each level, no more than needed, so that as much passes this threshold as in the image
     #[arg(long, value_name = "ALPHA")]
     keep_coverage: Option<f32>,
 }
 
 pub(crate) fn run(args: &MipArgs) -> Result<Exit, Failure> {
     let names = Pattern::new(&args.output)?;
+    let first = Destination::new(Path::new(&names.of(0)))?;
+    let format = formats::picture(Path::new(&args.output))?;
     let space = match args.color {
         ColorMode::Srgb => ColorSpace::Srgb,
         ColorMode::Raw => ColorSpace::Linear,
@@ -42,26 +46,31 @@ pub(crate) fn run(args: &MipArgs) -> Result<Exit, Failure> {
             "give a number between 0 and 1, such as 0.5",
         ));
     }
-    let texture = image_io::read_texture(&args.image, space)?;
+    let (texture, bits) = image_io::read_texture(&args.image, space)?;
     let texture = match args.keep_coverage {
         Some(threshold) => texture.with_coverage_mips(threshold),
         None => texture.with_mips(),
     };
-    let first = Destination::new(Path::new(&names.of(0)))?;
     let mut stage = Stage::new(&first)?;
+    let code = formats::pixel_code(format, bits, args.color, texture.has_alpha());
+    let mut lost = Lost::default();
     for level in 0..texture.levels() {
         let Some((width, height)) = texture.level_size(level) else {
             break;
         };
-        let rgba: Vec<u8> = (0..height)
-            .flat_map(|y| (0..width).map(move |x| (x, y)))
-            .filter_map(|(x, y)| texture.texel(level, x, y))
-            .flat_map(|c| encode(c, args.color))
-            .collect();
         let destination = Destination::new(Path::new(&names.of(level)))?;
-        image_io::write_png(&stage.add(destination, "png"), width, height, &rgba)?;
+        let path = stage.add(destination, format.ending());
+        write_pixels(&path, code, (width, height), |out| {
+            let mut row = vec![0; code.bytes() * width as usize];
+            (0..height).try_for_each(|y| {
+                let texels = (0..width).filter_map(|x| texture.texel(level, x, y));
+                lost += code.encode(&texels.collect::<Vec<_>>(), &mut row);
+                out.write_all(&row)
+            })
+        })?;
     }
     stage.commit()?;
+    formats::warn(Path::new(&args.output), format, lost);
     Ok(Exit::Done)
 }
 

@@ -12,16 +12,18 @@ use texmap_sample::{
 };
 
 use crate::failure::{Exit, Failure};
+use crate::formats;
 use crate::output::{Destination, Stage};
 use crate::values;
 
 /// Sample an image at the coordinates of a file; exact precision.
 ///
 /// The result is f32 of shape (N, channels of the image): linear and premultiplied, or with --color raw
-/// the bytes over 255 with each channel on its own. v = 0 is the top row.
+/// the codes over 255 (65535 for 16 bits) with each channel on its own. HDR and EXR are linear light, as they are. Texels and all mip
+/// levels are floats. v = 0 is the top row.
 #[derive(Args, Debug)]
 pub(crate) struct SampleArgs {
-    /// The image: PNG, JPEG or GIF
+    /// The image: PNG, JPEG, GIF, HDR or EXR
     image: PathBuf,
     /// Coordinates: .npy of shape (N, 2), or lines `u,v`
     #[arg(long, value_name = "FILE")]
@@ -48,6 +50,7 @@ pub(crate) struct SampleArgs {
 
 pub(crate) fn run(args: &SampleArgs) -> Result<Exit, Failure> {
     let main = Destination::new(&args.output)?;
+    formats::ending("-o", &args.output, &["npy"])?;
     let uv = read_rows(&args.uv, 2)?;
     let grad = args
         .grad
@@ -122,19 +125,17 @@ pub(crate) fn run(args: &SampleArgs) -> Result<Exit, Failure> {
 /// The texture and the channels that the file has.
 fn read(args: &SampleArgs) -> Result<(Texture2d<'static>, u32), Failure> {
     let image = image_io::read_image(&args.image)?;
-    let (color, alpha) = match args.color {
-        ColorMode::Srgb => (ColorSpace::Srgb, Alpha::Straight),
-        ColorMode::Raw => (ColorSpace::Linear, Alpha::Data),
+    let (width, height, channels) = (image.width, image.height, image.channels);
+    let (texels, alpha) = match args.color {
+        ColorMode::Srgb => image.into_floats(ColorSpace::Srgb),
+        ColorMode::Raw => (image.into_floats(ColorSpace::Linear).0, Alpha::Data),
     };
     let texture = Texture2d::new(&Image {
-        width: image.width,
-        height: image.height,
+        width,
+        height,
         channels: 4,
-        texels: match &image.texels {
-            image_io::Depth::U8(t) => Texels::U8(t),
-            image_io::Depth::U16(t) => Texels::U16(t),
-        },
-        color,
+        texels: Texels::F32(&texels),
+        color: ColorSpace::Linear,
         alpha,
         origin: Origin::TopLeft,
     })
@@ -146,7 +147,7 @@ fn read(args: &SampleArgs) -> Result<(Texture2d<'static>, u32), Failure> {
             "",
         )
     })?;
-    Ok((texture, image.channels))
+    Ok((texture, channels))
 }
 
 /// Rows of numbers from an .npy array or from text with commas.

@@ -3,12 +3,12 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use texmap_io::image_io;
+use texmap_io::{image_io, write_pixels};
 use texmap_render::ColorMode;
 use texmap_sample::{ColorSpace, Filter, Pattern, Sampler, Wrap};
 
-use crate::cmd::warp::encode;
 use crate::failure::{Exit, Failure, say};
+use crate::formats;
 use crate::output::{Destination, Stage};
 use crate::values;
 
@@ -21,7 +21,7 @@ use crate::values;
 pub(crate) struct SliceArgs {
     /// The grid (.npy), or the pattern: marble, wood, noise
     volume: String,
-    /// The PNG to write
+    /// The file to write; its ending (.png, .hdr, .exr) says what it becomes
     #[arg(short, long, value_name = "OUT")]
     output: PathBuf,
     /// The axis that the cut stands across
@@ -47,7 +47,7 @@ pub(crate) struct SliceArgs {
     /// Units of a pattern across the picture
     #[arg(long, value_name = "N", default_value_t = 4.0)]
     units: f64,
-    /// srgb takes values as light and encodes them; raw stores them as they are
+    /// PNG: srgb takes values as light and encodes them; raw stores them as they are
     #[arg(long, value_name = "SPACE", value_parser = values::color, default_value = "raw")]
     color: ColorMode,
 }
@@ -79,15 +79,16 @@ pub(crate) fn run(args: &SliceArgs) -> Result<Exit, Failure> {
         ));
     }
     let destination = Destination::new(&args.output)?;
+    let format = formats::picture(&args.output)?;
     let ramp = match &args.ramp {
         None => None,
-        Some(path) => Some(image_io::read_texture(
-            path,
-            match args.color {
+        Some(path) => {
+            let space = match args.color {
                 ColorMode::Srgb => ColorSpace::Srgb,
                 ColorMode::Raw => ColorSpace::Linear,
-            },
-        )?),
+            };
+            Some(image_io::read_texture(path, space)?.0)
+        }
     };
     let sampler = Sampler {
         filter: args.filter,
@@ -121,7 +122,7 @@ pub(crate) fn run(args: &SliceArgs) -> Result<Exit, Failure> {
     let scale = f64::from(args.size.unwrap_or(longer)) / f64::from(longer);
     let pixels = |n: u32| ((f64::from(n) * scale).round() as u32).max(1);
     let (width, height) = (pixels(across), pixels(down));
-    let mut rgba = Vec::with_capacity(width as usize * height as usize * 4);
+    let mut colors = Vec::with_capacity(width as usize * height as usize);
     for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
         let place = |i: u32, n: u32| (f64::from(i) + 0.5) / f64::from(n);
         let (s, t) = (place(x, width), place(y, height));
@@ -144,11 +145,20 @@ pub(crate) fn run(args: &SliceArgs) -> Result<Exit, Failure> {
         if let Some(ramp) = &ramp {
             color = sampler.sample_lod(ramp, [color[0], 0.5], 0.0);
         }
-        rgba.extend(encode(color, args.color));
+        colors.push(color);
     }
     let mut stage = Stage::new(&destination)?;
-    image_io::write_png(&stage.add(destination, "png"), width, height, &rgba)?;
+    let alpha = match &ramp {
+        Some(ramp) => ramp.has_alpha(),
+        None => grid.as_ref().is_some_and(|grid| grid.has_alpha()),
+    };
+    let code = formats::pixel_code(format, 8, args.color, alpha);
+    let mut pixels = vec![0; code.bytes() * colors.len()];
+    let lost = code.encode(&colors, &mut pixels);
+    let path = stage.add(destination, format.ending());
+    write_pixels(&path, code, (width, height), |out| out.write_all(&pixels))?;
     stage.commit()?;
+    formats::warn(&args.output, format, lost);
     say(&format!(
         "{}: {width} x {height} pixels\n",
         args.output.display()

@@ -6,13 +6,14 @@ use std::str::FromStr;
 use std::thread;
 
 use clap::Args;
-use texmap_io::image_io;
+use texmap_io::{Lost, PixelCode, image_io, write_pixels};
 use texmap_math::glam::{DMat3, DVec2, DVec3};
-use texmap_math::{Homography, Level, color, det};
+use texmap_math::{Homography, Level, det};
 use texmap_render::ColorMode;
 use texmap_sample::{ColorSpace, Filter, Outside, Resample, Texture2d};
 
 use crate::failure::{Exit, Failure};
+use crate::formats;
 use crate::output::{Destination, Stage};
 use crate::values::{self, Resolution};
 
@@ -20,16 +21,16 @@ use crate::values::{self, Resolution};
 ///
 /// Positions are pixels of (0,0) at the upper left corner; pixel centres lie at one half. Give four
 /// points (--from, --to), a matrix, or any of --scale, --rotate, --translate (applied in this order
-/// around the middle of the image).
+/// around the middle of the image). A 16-bit PNG becomes one of 16 bits. HDR and EXR are linear light, read and written as floats.
 #[derive(Args, Debug)]
 #[command(
     after_help = "Rectify a facade:   texmap warp photo.jpg --from 120,80 690,140 700,610 100,580 --size 600x500 -o facade.png\n\
                   Turn by 45 degrees: texmap warp in.png --rotate 45 -o out.png"
 )]
 pub(crate) struct WarpArgs {
-    /// The image: PNG, JPEG or GIF
+    /// The image: PNG, JPEG, GIF, HDR or EXR
     image: PathBuf,
-    /// The PNG to write; `-` is standard output
+    /// The file to write; its ending (.png, .hdr, .exr) says what it becomes; `-` is standard output, PNG
     #[arg(short, long, value_name = "OUT")]
     output: PathBuf,
     /// Four points of the input, in order around the quad [default: its corners]
@@ -59,7 +60,7 @@ pub(crate) struct WarpArgs {
     /// How texels become pixels: nearest, bilinear, bicubic:mitchell, trilinear, anisotropic:16, ewa:8
     #[arg(long, value_name = "METHOD", value_parser = values::filter, default_value = "anisotropic:16")]
     filter: Filter,
-    /// srgb decodes before filtering; raw takes the bytes as they are
+    /// srgb decodes before filtering; raw takes the codes as they are. Floats are linear light either way
     #[arg(long, value_name = "SPACE", value_parser = values::color, default_value = "srgb")]
     color: ColorMode,
     /// Threads [default: all cores]; no pixel depends on it
@@ -129,11 +130,12 @@ enum Beyond {
 
 pub(crate) fn run(args: &WarpArgs) -> Result<Exit, Failure> {
     let main = Destination::new(&args.output)?;
+    let format = formats::picture(&args.output)?;
     let space = match args.color {
         ColorMode::Srgb => ColorSpace::Srgb,
         ColorMode::Raw => ColorSpace::Linear,
     };
-    let texture = image_io::read_texture(&args.image, space)?;
+    let (texture, bits) = image_io::read_texture(&args.image, space)?;
     let (width, height) = args
         .size
         .map_or((texture.width(), texture.height()), |r| (r.width, r.height));
@@ -150,11 +152,21 @@ pub(crate) fn run(args: &WarpArgs) -> Result<Exit, Failure> {
         Beyond::Repeat => Outside::Repeat,
     };
     let resample = Resample::new(&texture, args.filter, outside, &map);
+    let alpha = texture.has_alpha() || matches!(args.outside, Beyond::Transparent);
+    let code = formats::pixel_code(format, bits, args.color, alpha);
+    let mut lost = Lost::default();
     let mut stage = Stage::new(&main)?;
-    image_io::write_png_rows(&stage.add(main, "png"), width, height, |out| {
-        draw(&resample, args, width, height, out)
+    let path = stage.add(main, format.ending());
+    write_pixels(&path, code, (width, height), |out| {
+        lost = draw(&resample, args.threads, code, (width, height), out)?;
+        Ok(())
     })?;
     stage.commit()?;
+    // Filters ring a little over whole numbers, which ends at their range.
+    if bits != 32 {
+        (lost.above, lost.below) = (0, 0);
+    }
+    formats::warn(&args.output, format, lost);
     Ok(Exit::Done)
 }
 
@@ -217,27 +229,27 @@ const BAND: usize = 32;
 /// bands are ever held.
 fn draw(
     resample: &Resample<'_>,
-    args: &WarpArgs,
-    width: u32,
-    height: u32,
+    threads: Option<u16>,
+    code: PixelCode,
+    (width, height): (u32, u32),
     out: &mut dyn Write,
-) -> io::Result<()> {
-    let threads = args.threads.map_or_else(
+) -> io::Result<Lost> {
+    let threads = threads.map_or_else(
         || thread::available_parallelism().map_or(1, usize::from),
         usize::from,
     );
-    let (row, rows) = (4 * width as usize, height as usize);
-    let (level, color) = (Level::new(), args.color);
+    let (row, rows) = (code.bytes() * width as usize, height as usize);
+    let level = Level::new();
     let work = |y0: usize, band: &mut [u8]| {
+        let mut lost = Lost::default();
         let mut colors = vec![[0.0; 4]; width as usize];
         for (y, bytes) in band.chunks_mut(row).enumerate() {
             resample.rows(level, width, (y0 + y) as u32, &mut colors)?;
-            for (c, out) in colors.iter().zip(bytes.as_chunks_mut::<4>().0) {
-                *out = encode(*c, color);
-            }
+            lost += code.encode(&colors, bytes);
         }
-        Ok::<(), texmap_sample::SampleError>(())
+        Ok::<Lost, texmap_sample::SampleError>(lost)
     };
+    let mut lost = Lost::default();
     let (mut drawn, mut next) = (Vec::new(), Vec::new());
     for y0 in (0..rows).step_by(BAND * threads) {
         next.resize((rows - y0).min(BAND * threads) * row, 0);
@@ -250,24 +262,15 @@ fn draw(
                 .collect();
             out.write_all(&drawn)?;
             handles.into_iter().try_for_each(|h| match h.join() {
-                Ok(result) => result.map_err(io::Error::other),
+                Ok(result) => {
+                    lost += result.map_err(io::Error::other)?;
+                    Ok(())
+                }
                 Err(_) => Err(io::Error::other("a worker thread stopped")),
             })
         })?;
         std::mem::swap(&mut drawn, &mut next);
     }
-    out.write_all(&drawn)
-}
-
-/// Linear premultiplied to straight bytes.
-pub(crate) fn encode(c: [f32; 4], color: ColorMode) -> [u8; 4] {
-    let a = c[3];
-    let byte = |x: f32| {
-        let x = if a > 0.0 { x / a } else { 0.0 };
-        match color {
-            ColorMode::Srgb => color::linear_to_srgb8(x),
-            ColorMode::Raw => color::unit_to_u8(x),
-        }
-    };
-    [byte(c[0]), byte(c[1]), byte(c[2]), color::unit_to_u8(a)]
+    out.write_all(&drawn)?;
+    Ok(lost)
 }

@@ -7,6 +7,7 @@ use texmap_render::Scene;
 
 use crate::cmd::render::RenderArgs;
 use crate::failure::Failure;
+use crate::formats;
 use crate::output::{Destination, Stage};
 
 /// One input and the name of its picture; none in a dry run without `-o`.
@@ -189,18 +190,7 @@ fn check_name(args: &RenderArgs, output: &Path) -> Result<(), Failure> {
         )),
         _ => Ok(()),
     }?;
-    let device = std::fs::metadata(output).is_ok_and(|m| !m.is_file());
-    let png = output
-        .extension()
-        .is_some_and(|e| e.eq_ignore_ascii_case("png"));
-    if png || device {
-        Ok(())
-    } else {
-        Err(Failure::usage(
-            format!("{text}: not a .png name"),
-            "pictures are written as PNG: end the name with .png",
-        ))
-    }
+    formats::png("-o", output)
 }
 
 /// Where `%d` or `%04d` stands in a name and how many digits it asks for.

@@ -19,6 +19,7 @@ use texmap_uv::{
 
 use self::source::Source;
 use crate::failure::{Exit, Failure, print, print_json, say};
+use crate::formats;
 use crate::output::{Destination, Stage};
 use crate::values::Triple;
 
@@ -215,6 +216,14 @@ fn check(args: &UvArgs) -> Result<(), Failure> {
             "nothing to do",
             "give -o OUT.obj, --report, --json, --pictures DIR or --tangents FILE.npy",
         ));
+    }
+    for (flag, path, known) in [
+        ("-o", &args.output, "obj"),
+        ("--tangents", &args.tangents, "npy"),
+    ] {
+        if let Some(path) = path {
+            formats::ending(flag, path, &[known])?;
+        }
     }
     let shape = matches!(
         args.map,

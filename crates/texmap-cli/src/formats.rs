@@ -1,0 +1,131 @@
+//! The format of an output: its ending says it, in every verb alike.
+
+use std::path::Path;
+
+use texmap_io::{Lost, PictureFormat, PixelCode};
+use texmap_render::ColorMode;
+use texmap_sample::ColorSpace;
+
+use crate::failure::{Failure, say};
+
+/// The one of the `known` endings that a name has; for standard output and devices the first. `flag` is what names the output.
+pub(crate) fn ending<'e>(flag: &str, output: &Path, known: &[&'e str]) -> Result<&'e str, Failure> {
+    let device = output == Path::new("-")
+        || std::fs::metadata(output).is_ok_and(|m| !m.is_file() && !m.is_dir());
+    let given = output.extension().and_then(|e| e.to_str());
+    let found = known.iter().find(|known| match given {
+        _ if device => true,
+        Some(given) => given.eq_ignore_ascii_case(known),
+        None => false,
+    });
+    found.copied().ok_or_else(|| {
+        let what = match given {
+            Some(given) => format!("cannot be written as .{given}"),
+            None => "has no ending that says its format".to_owned(),
+        };
+        let list = match known {
+            [rest @ .., last] if !rest.is_empty() => {
+                format!(".{} or .{last}", rest.join(", ."))
+            }
+            _ => format!(".{}", known.concat()),
+        };
+        Failure::usage(
+            format!("{flag} {}: {what}", output.display()),
+            format!("end the name with {list}"),
+        )
+    })
+}
+
+/// The format of a picture of colours: any that there is.
+pub(crate) fn picture(output: &Path) -> Result<PictureFormat, Failure> {
+    let endings = PictureFormat::ALL.map(PictureFormat::ending);
+    let ending = ending("-o", output, &endings)?;
+    let format = PictureFormat::ALL
+        .into_iter()
+        .find(|f| f.ending() == ending);
+    format.ok_or_else(|| Failure::internal(format!("no format for .{ending}")))
+}
+
+/// Refuses a picture of 8 bits that is not named as a PNG.
+pub(crate) fn png(flag: &str, output: &Path) -> Result<(), Failure> {
+    ending(flag, output, &["png"]).map(|_| ())
+}
+
+/// How the pixels of a picture lie that is made of one with `bits` a channel.
+pub(crate) fn pixel_code(
+    format: PictureFormat,
+    bits: u32,
+    color: ColorMode,
+    alpha: bool,
+) -> PixelCode {
+    let space = match color {
+        ColorMode::Srgb => ColorSpace::Srgb,
+        ColorMode::Raw => ColorSpace::Linear,
+    };
+    match format {
+        PictureFormat::Png if bits == 16 => PixelCode::Png16(space),
+        PictureFormat::Png => PixelCode::Png8(space),
+        PictureFormat::Hdr => PixelCode::Hdr,
+        PictureFormat::Exr if alpha => PixelCode::ExrAlpha,
+        PictureFormat::Exr => PixelCode::Exr,
+    }
+}
+
+/// Warns of pixels that the format of an output could not hold.
+pub(crate) fn warn(output: &Path, format: PictureFormat, lost: Lost) {
+    let name = format.ending().to_uppercase();
+    let wider = match format {
+        PictureFormat::Png => ".exr or .hdr",
+        _ => ".exr",
+    };
+    let Lost {
+        above,
+        below,
+        transparent,
+    } = lost;
+    for (count, what) in [
+        (
+            above,
+            format!("brighter than {name} can hold and were clipped: write {wider}"),
+        ),
+        (
+            below,
+            format!("below 0, which {name} cannot hold, and became 0: write .exr"),
+        ),
+        (
+            transparent,
+            format!(
+                "not opaque, and {name} has no alpha: they stand over black; write .exr or .png"
+            ),
+        ),
+    ] {
+        if count > 0 {
+            say(&format!(
+                "warning: {}: {count} pixels are {what}\n",
+                output.display()
+            ));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn endings_are_known_or_refused_with_those_that_are() {
+        let known = ["png", "hdr", "exr"];
+        let of = |name: &str| ending("-o", Path::new(name), &known);
+        assert_eq!(of("out.EXR").unwrap(), "exr");
+        assert_eq!(of("-").unwrap(), "png");
+        for bad in ["x.jpg", "x", "png", "x.png.gz"] {
+            let failure = of(bad).unwrap_err();
+            assert_eq!(failure.exit as u8, 2, "{bad}");
+            assert!(failure.what.contains(bad), "{}", failure.what);
+            assert_eq!(failure.why, "end the name with .png, .hdr or .exr");
+        }
+        let one = ending("--heat", Path::new("a.jpg"), &["png"]).unwrap_err();
+        assert_eq!(one.why, "end the name with .png");
+        assert_eq!(one.what, "--heat a.jpg: cannot be written as .jpg");
+    }
+}
