@@ -8,7 +8,7 @@ use image::{DynamicImage, ExtendedColorType, ImageEncoder, ImageReader, Limits};
 use texmap_math::color;
 use texmap_sample::{Alpha, ColorSpace, Image, Origin, SampleError, Texels, Texture2d};
 
-use crate::{IoError, Place, atomic, files};
+use crate::{IoError, Place, atomic, exr_header, files};
 
 /// The largest width and height of an image.
 pub const MAX_SIDE: u32 = Texture2d::MAX_SIDE;
@@ -234,6 +234,9 @@ pub(crate) fn decode(
         .into_dimensions()
         .map_err(|e| broken(e.to_string()))?;
     fits(size)?;
+    if let Some(problem) = exr_header::fault(&bytes) {
+        return Err(broken(problem));
+    }
     reader()?.decode().map_err(|e| broken(e.to_string()))
 }
 

@@ -30,6 +30,7 @@ pub mod atomic;
 mod camera_path;
 mod environment_io;
 mod error;
+mod exr_header;
 mod files;
 mod font;
 pub mod framing;
