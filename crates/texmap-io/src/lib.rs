@@ -3,11 +3,11 @@
 //! - [`load`] reads a `.scene` or `.obj` with everything that it names into a [`texmap_render::Scene`]; [`info`] lists
 //!   what a file holds and what it names in vain.
 //! - [`scene_file`] is the language alone: text to statements and back.
-//! - [`image_io`], [`npy`], [`CameraPath`]: pictures, arrays, walks. [`framing`]: cameras that show a whole model.
+//! - [`image_io`], [`write_pixels`], [`npy`], [`CameraPath`]: pictures, arrays, walks. [`framing`]: cameras that show a whole model.
 //! - [`atomic`]: files that are written whole or not at all; every writer here uses it.
 //!
 //! Everything is checked while it is read: an [`IoError`] names file, line and column, says why and what to try, and
-//! has a stable code. Colours of files are sRGB, `v` of a scene grows downwards and `v` of an OBJ upwards; the values
+//! has a stable code. Colours of files are sRGB (HDR and EXR: linear light), `v` of a scene grows downwards and `v` of an OBJ upwards; the values
 //! are kept as they are and the mesh says where its origin is.
 //!
 //! ```

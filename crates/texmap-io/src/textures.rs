@@ -11,7 +11,7 @@ use crate::{grids, image_io};
 /// What a map holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Content {
-    /// Colours, sRGB.
+    /// Colours: sRGB, or linear light where they are floats.
     Color,
     /// Numbers, taken as they are.
     Data,

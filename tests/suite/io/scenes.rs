@@ -311,3 +311,28 @@ fn later_faces_win_where_depths_are_equal() {
     assert_eq!(pixel(&format!("{red}{green}")), [0, 255]);
     assert_eq!(pixel(&format!("{green}{red}")), [255, 0]);
 }
+
+/// Floats of HDR and EXR are linear light of any size in every map, as colours, as data and in raw mode; so are maps of materials.
+#[test]
+fn float_maps_are_linear_light() {
+    let files = Files::new()
+        .with("m.mtl", "newmtl a\nmap_Kd light.exr\nmap_d light.exr\n")
+        .with("m.obj", "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nusemtl a\nf 1/1 2/2 3/3\n");
+    let light = [200.0, -0.5, 0.25, 1.0];
+    image::Rgba32FImage::from_pixel(4, 2, image::Rgba(light))
+        .save(files.path("light.exr"))
+        .unwrap();
+    image::Rgb32FImage::from_pixel(4, 2, image::Rgb([200.0, 3.0, 0.25]))
+        .save(files.path("light.hdr"))
+        .unwrap();
+    let scene = files.scene(&format!(
+        "{SQUARE}texture light.exr\nbump light.exr 1\nlightmap light.hdr\ntf 0 0 0 1 1 0 2 1 1\nobj m.obj\n"
+    ));
+    let mut found: Vec<[f32; 4]> = (scene.textures.iter())
+        .flat_map(|t| [t.texel(0, 0, 0).unwrap(), t.texel(2, 0, 0).unwrap()])
+        .collect();
+    assert!(found.len() >= 6, "{found:?}");
+    found.retain(|c| *c != light);
+    // RGBE has steps of one for 200.
+    assert_eq!(found, [[200.0, 3.0, 0.0, 1.0]; 2]);
+}
