@@ -5,6 +5,7 @@ use std::io::{self, Write};
 use clap::CommandFactory;
 use clap::error::ErrorKind;
 use serde::Serialize;
+use texmap_io::plain;
 
 use crate::args::Cli;
 
@@ -145,15 +146,17 @@ impl From<clap::Error> for Failure {
     }
 }
 
-/// Words, to standard error. A closed pipe is not a failure.
+/// Words, to standard error, without control characters but line feeds. A closed pipe is not a failure.
 pub(crate) fn say(text: &str) {
-    let _ = io::stderr().lock().write_all(text.as_bytes());
+    let _ = io::stderr().lock().write_all(plain(text).as_bytes());
 }
 
-/// Data, to standard output. A closed pipe is not a failure.
+/// Text, to standard output, without control characters but line feeds. A closed pipe is not a failure.
 pub(crate) fn print(text: &str) {
     let mut out = io::stdout().lock();
-    let _ = out.write_all(text.as_bytes()).and_then(|()| out.flush());
+    let _ = out
+        .write_all(plain(text).as_bytes())
+        .and_then(|()| out.flush());
 }
 
 /// One JSON document and a newline, to standard output.
@@ -167,7 +170,7 @@ pub(crate) fn print_json(value: &impl Serialize) {
 }
 
 fn one_line(text: &str) -> String {
-    text.split_whitespace().collect::<Vec<_>>().join(" ")
+    plain(&text.split_whitespace().collect::<Vec<_>>().join(" "))
 }
 
 #[cfg(test)]

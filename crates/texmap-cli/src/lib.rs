@@ -19,6 +19,7 @@ mod args;
 mod cmd;
 mod failure;
 mod formats;
+mod os_name;
 mod output;
 mod progress;
 mod values;

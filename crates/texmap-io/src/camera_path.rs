@@ -6,7 +6,7 @@ use serde::Deserialize;
 use texmap_math::camera::Camera;
 use texmap_math::glam::DVec3;
 
-use crate::{IoError, Place, files};
+use crate::{FileSource, IoError, Place};
 
 /// One stop of a walk, as in the JSON file.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
@@ -35,10 +35,18 @@ impl CameraPath {
     /// File errors, and [`IoError::BrokenPath`] with the place: no such list, a number that is not finite, a field of
     /// view outside of 0 to 180 degrees.
     pub fn read(path: &Path) -> Result<Self, IoError> {
-        let text = files::read_text(path, None)?;
+        Self::read_from(path, &FileSource::anywhere())
+    }
+
+    /// As [`CameraPath::read`], from a source of files.
+    ///
+    /// # Errors
+    /// The same, and [`IoError::OutsideRoot`].
+    pub fn read_from(path: &Path, files: &FileSource) -> Result<Self, IoError> {
+        let text = files.read_text(path, FileSource::MAX_LIST)?;
         let stops: Vec<Stop> = serde_json::from_str(&text).map_err(|e| IoError::BrokenPath {
             place: Place::new(path, e.line() as u32, e.column() as u32),
-            problem: e.to_string(),
+            problem: problem(&e),
         })?;
         let broken = |problem: String| IoError::BrokenPath {
             place: Place::new(path, 1, 1),
@@ -88,6 +96,21 @@ impl CameraPath {
             fov_x: a.fov_x * (1.0 - t) + b.fov_x * t,
             ..*scene
         }
+    }
+}
+
+/// The reader's words without what it quotes: the file may be no walk at all, and what it holds nobody's business.
+fn problem(error: &serde_json::Error) -> String {
+    let text = error.to_string();
+    let text = text.split(" at line ").next().unwrap_or_default();
+    if !error.is_data() || text.starts_with("missing field") {
+        text.into()
+    } else if text.starts_with("unknown field") {
+        "a stop has the fields eye, look, up and fov, and no other".into()
+    } else if text.starts_with("duplicate field") {
+        "a field stands twice".into()
+    } else {
+        "not a list of stops".into()
     }
 }
 

@@ -9,6 +9,7 @@ use texmap_light::{Chart, Environment};
 use texmap_math::color;
 use texmap_sample::ColorSpace;
 
+use crate::files::FileSource;
 use crate::picture_format::{Lost, PictureFormat, PixelCode, write_pixels};
 use crate::{IoError, Place, image_io};
 
@@ -19,10 +20,11 @@ use crate::{IoError, Place, image_io};
 /// File errors; [`IoError::BrokenImage`], also for a NaN or infinity; [`IoError::EnvironmentSize`] for an image whose sides the
 /// chart cannot have (a lat-long map that is not 2:1).
 pub fn read_environment(path: &Path, chart: Chart) -> Result<Environment, IoError> {
-    read_named(path, chart, None)
+    read_named(&FileSource::anywhere(), path, chart, None)
 }
 
 pub(crate) fn read_named(
+    files: &FileSource,
     path: &Path,
     chart: Chart,
     named_by: Option<&Place>,
@@ -38,7 +40,7 @@ pub(crate) fn read_named(
             expected: expected(chart),
         }),
     };
-    let image = image_io::decode(path, named_by, fits)?;
+    let image = image_io::decode(files, path, named_by, fits)?;
     let (width, height) = (image.width(), image.height());
     let texels: Vec<[f32; 3]> = match image {
         DynamicImage::ImageRgb32F(_) | DynamicImage::ImageRgba32F(_) => {

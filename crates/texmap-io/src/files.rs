@@ -1,78 +1,253 @@
-//! Reading whole files, with errors that name the line which asked for them.
+//! Files to read are opened here and nowhere else: only regular files, never more bytes than a limit allows, and within a
+//! root, where one is set, nothing outside of it.
 
-use std::fs::{self, Metadata};
-use std::io;
+use std::fs::{self, File};
+use std::io::{self, Read};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use crate::{IoError, Place};
 
-/// Text files (scenes, OBJ, MTL, JSON) above this size are refused: 2 GiB.
+/// Text files (scenes, OBJ, MTL) and encoded images above this size are refused: 2 GiB.
 pub(crate) const MAX_TEXT: u64 = 1 << 31;
 
-/// Metadata of a regular file that exists.
-pub(crate) fn regular(path: &Path, named_by: Option<&Place>) -> Result<Metadata, IoError> {
-    let (path, named_by) = (path.to_path_buf(), named_by.cloned());
-    match fs::metadata(&path) {
-        Ok(metadata) if metadata.is_file() => Ok(metadata),
-        Ok(_) => Err(IoError::NotAFile { path, named_by }),
-        Err(e)
-            if matches!(
-                e.kind(),
-                io::ErrorKind::NotFound | io::ErrorKind::NotADirectory
-            ) =>
-        {
-            Err(IoError::FileMissing { path, named_by })
+/// Where files are read from: the whole file system, or one folder.
+///
+/// Whatever opens a file to read it goes through this type. A pipe, a device or a folder is refused before it is opened. A file
+/// that grows meanwhile is read up to the size that it had.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct FileSource {
+    /// Canonical; `None` for the whole file system.
+    root: Option<Arc<Path>>,
+}
+
+/// A regular file that was opened, and its size.
+#[derive(Debug)]
+pub(crate) struct Opened {
+    pub(crate) file: File,
+    pub(crate) bytes: u64,
+}
+
+impl FileSource {
+    /// Lists (camera paths, hashes, pairs of vertices, rows of coordinates) above this size are refused: 256 MiB.
+    pub const MAX_LIST: u64 = 1 << 28;
+
+    /// Every file that the process may read.
+    pub fn anywhere() -> Self {
+        Self::default()
+    }
+
+    /// Only files in `folder` and below. Absolute names, `..` and symbolic links may be used as long as the file that they lead
+    /// to lies there; anything else is [`IoError::OutsideRoot`], whether it exists or not. Names are followed before the file
+    /// is opened, so nobody else should be able to change links in the folder meanwhile.
+    ///
+    /// # Errors
+    /// [`IoError::FileMissing`] and [`IoError::Read`] for a folder that is none.
+    pub fn within(folder: &Path) -> Result<Self, IoError> {
+        let canonical = folder
+            .canonicalize()
+            .and_then(|path| match path.is_dir() {
+                true => Ok(path),
+                false => Err(io::ErrorKind::NotADirectory.into()),
+            })
+            .map_err(|source| match source.kind() {
+                io::ErrorKind::NotFound => IoError::FileMissing {
+                    path: folder.to_path_buf(),
+                    named_by: None,
+                },
+                _ => IoError::Read {
+                    path: folder.to_path_buf(),
+                    named_by: None,
+                    source,
+                },
+            })?;
+        Ok(Self {
+            root: Some(canonical.into()),
+        })
+    }
+
+    /// The bytes of a regular file of at most `limit` bytes.
+    ///
+    /// # Errors
+    /// [`IoError::FileMissing`], [`IoError::NotAFile`], [`IoError::FileTooLarge`], [`IoError::OutsideRoot`], [`IoError::Read`].
+    pub fn read(&self, path: &Path, limit: u64) -> Result<Vec<u8>, IoError> {
+        self.read_named(path, None, limit)
+    }
+
+    /// The text of a UTF-8 file of at most `limit` bytes, without a byte order mark.
+    ///
+    /// # Errors
+    /// As [`FileSource::read`], and [`IoError::NotUtf8`] with the place.
+    pub fn read_text(&self, path: &Path, limit: u64) -> Result<String, IoError> {
+        self.text_named(path, None, limit)
+    }
+
+    pub(crate) fn read_named(
+        &self,
+        path: &Path,
+        named_by: Option<&Place>,
+        limit: u64,
+    ) -> Result<Vec<u8>, IoError> {
+        let Opened { file, bytes: size } = self.open(path, named_by, limit)?;
+        let mut bytes = Vec::new();
+        bytes
+            .try_reserve_exact(size as usize)
+            .map_err(io::Error::other)
+            .and_then(|()| file.take(size).read_to_end(&mut bytes))
+            .map_err(|source| unreadable(path, named_by, source))?;
+        Ok(bytes)
+    }
+
+    pub(crate) fn text_named(
+        &self,
+        path: &Path,
+        named_by: Option<&Place>,
+        limit: u64,
+    ) -> Result<String, IoError> {
+        let bytes = self.read_named(path, named_by, limit)?;
+        let mut text = String::from_utf8(bytes).map_err(|e| {
+            let (good, _) = e.as_bytes().split_at(e.utf8_error().valid_up_to());
+            let good = String::from_utf8_lossy(good);
+            let line = good.matches('\n').count() as u32 + 1;
+            let column = good.rsplit('\n').next().map_or(0, |l| l.chars().count()) as u32 + 1;
+            IoError::NotUtf8 {
+                place: Place::new(path, line, column),
+            }
+        })?;
+        if text.starts_with('\u{feff}') {
+            text.drain(..'\u{feff}'.len_utf8());
         }
-        Err(source) => Err(IoError::Read {
-            path,
-            named_by,
-            source,
-        }),
+        Ok(text)
+    }
+
+    /// Opens a regular file of at most `limit` bytes.
+    pub(crate) fn open(
+        &self,
+        path: &Path,
+        named_by: Option<&Place>,
+        limit: u64,
+    ) -> Result<Opened, IoError> {
+        let real = self.resolve(path, named_by)?;
+        let at = real.as_deref().unwrap_or(path);
+        // Opening a pipe would wait for its writer.
+        self.size(at, path, named_by)?;
+        let file = File::open(at).map_err(|source| unreadable(path, named_by, source))?;
+        let metadata = file
+            .metadata()
+            .map_err(|source| unreadable(path, named_by, source))?;
+        let bytes = metadata.len();
+        if !metadata.is_file() {
+            return Err(IoError::NotAFile {
+                path: path.to_path_buf(),
+                named_by: named_by.cloned(),
+            });
+        }
+        if bytes > limit {
+            return Err(IoError::FileTooLarge {
+                path: path.to_path_buf(),
+                bytes,
+                limit,
+            });
+        }
+        Ok(Opened { file, bytes })
+    }
+
+    /// Refuses what is missing, outside of the root, or no regular file.
+    pub(crate) fn check(&self, path: &Path, named_by: Option<&Place>) -> Result<(), IoError> {
+        let real = self.resolve(path, named_by)?;
+        self.size(real.as_deref().unwrap_or(path), path, named_by)
+            .map(|_| ())
+    }
+
+    /// `name` as seen from the directory of `file`; a backslash separates folders too.
+    pub(crate) fn beside(&self, file: &Path, name: &str) -> PathBuf {
+        let directory = file.parent().unwrap_or(Path::new(""));
+        let path = directory.join(name);
+        if !name.contains('\\') || self.exists(&path) {
+            path
+        } else {
+            directory.join(name.replace('\\', "/"))
+        }
+    }
+
+    /// Whether there is something of this name that may be read.
+    pub(crate) fn exists(&self, path: &Path) -> bool {
+        self.resolve(path, None)
+            .is_ok_and(|real| real.as_deref().unwrap_or(path).exists())
+    }
+
+    /// Bytes of the regular file `at`, which messages call `path`.
+    fn size(&self, at: &Path, path: &Path, named_by: Option<&Place>) -> Result<u64, IoError> {
+        match fs::metadata(at) {
+            Ok(metadata) if metadata.is_file() => Ok(metadata.len()),
+            Ok(_) => Err(IoError::NotAFile {
+                path: path.to_path_buf(),
+                named_by: named_by.cloned(),
+            }),
+            Err(e)
+                if matches!(
+                    e.kind(),
+                    io::ErrorKind::NotFound | io::ErrorKind::NotADirectory
+                ) =>
+            {
+                Err(IoError::FileMissing {
+                    path: path.to_path_buf(),
+                    named_by: named_by.cloned(),
+                })
+            }
+            Err(source) => Err(unreadable(path, named_by, source)),
+        }
+    }
+
+    /// The name without links and `..`, if there is a root to hold it against.
+    fn resolve(&self, path: &Path, named_by: Option<&Place>) -> Result<Option<PathBuf>, IoError> {
+        let Some(root) = &self.root else {
+            return Ok(None);
+        };
+        let outside = || IoError::OutsideRoot {
+            path: path.to_path_buf(),
+            named_by: named_by.cloned(),
+        };
+        if let Ok(real) = path.canonicalize() {
+            return match real.starts_with(root) {
+                true => Ok(Some(real)),
+                false => Err(outside()),
+            };
+        }
+        // The name leads nowhere. That is only said where its last folder that exists lies within the root, and not of a link,
+        // which may lead anywhere: messages must not tell which files there are elsewhere.
+        let mut ancestor = path;
+        let real = loop {
+            if ancestor.is_symlink() {
+                return Err(outside());
+            }
+            ancestor = match ancestor.parent() {
+                Some(parent) if !parent.as_os_str().is_empty() => parent,
+                _ => break Path::new(".").canonicalize(),
+            };
+            if let Ok(real) = ancestor.canonicalize() {
+                break Ok(real);
+            }
+        };
+        match real {
+            Ok(real) if real.starts_with(root) => Ok(Some(path.to_path_buf())),
+            _ => Err(outside()),
+        }
     }
 }
 
-/// The bytes of a regular file.
-pub(crate) fn read(path: &Path, named_by: Option<&Place>) -> Result<Vec<u8>, IoError> {
-    let bytes = regular(path, named_by)?.len();
-    if bytes > MAX_TEXT {
-        return Err(IoError::FileTooLarge {
-            path: path.to_path_buf(),
-            bytes,
-            limit: MAX_TEXT,
-        });
-    }
-    fs::read(path).map_err(|source| IoError::Read {
+/// Whether a file is called what its content is taken for. Messages quote nothing of a file that is not: a scene that names a
+/// stranger's file must not bring its words to light.
+pub(crate) fn is_called(path: &Path, ending: &str) -> bool {
+    path.extension()
+        .is_some_and(|e| e.eq_ignore_ascii_case(ending))
+}
+
+fn unreadable(path: &Path, named_by: Option<&Place>, source: io::Error) -> IoError {
+    IoError::Read {
         path: path.to_path_buf(),
         named_by: named_by.cloned(),
         source,
-    })
-}
-
-/// The text of a UTF-8 file, without a byte order mark.
-pub(crate) fn read_text(path: &Path, named_by: Option<&Place>) -> Result<String, IoError> {
-    let mut text = String::from_utf8(read(path, named_by)?).map_err(|e| {
-        let (good, _) = e.as_bytes().split_at(e.utf8_error().valid_up_to());
-        let good = String::from_utf8_lossy(good);
-        let line = good.matches('\n').count() as u32 + 1;
-        let column = good.rsplit('\n').next().map_or(0, |l| l.chars().count()) as u32 + 1;
-        IoError::NotUtf8 {
-            place: Place::new(path, line, column),
-        }
-    })?;
-    if text.starts_with('\u{feff}') {
-        text.drain(..'\u{feff}'.len_utf8());
-    }
-    Ok(text)
-}
-
-/// `name` as seen from the directory of `file`; a backslash separates folders too.
-pub(crate) fn beside(file: &Path, name: &str) -> PathBuf {
-    let directory = file.parent().unwrap_or(Path::new(""));
-    let path = directory.join(name);
-    if path.exists() || !name.contains('\\') {
-        path
-    } else {
-        directory.join(name.replace('\\', "/"))
     }
 }
 
@@ -80,23 +255,104 @@ pub(crate) fn beside(file: &Path, name: &str) -> PathBuf {
 mod tests {
     use super::*;
 
+    fn read(path: &Path) -> Result<Vec<u8>, IoError> {
+        FileSource::anywhere().read(path, MAX_TEXT)
+    }
+
     #[test]
     fn names_the_first_byte_that_is_not_text() {
         let dir = tempfile::tempdir().unwrap();
         let path = dir.path().join("a.scene");
+        let text = || FileSource::anywhere().read_text(&path, MAX_TEXT);
         fs::write(&path, b"eye 0 0 6\n# caf\xe9\n").unwrap();
-        let error = read_text(&path, None).unwrap_err();
+        let error = text().unwrap_err();
         assert_eq!(error.code(), "not-utf8");
         assert_eq!(error.place().map(|p| (p.line, p.column)), Some((2, 6)));
         fs::write(&path, "\u{feff}eye 0 0 6").unwrap();
-        assert_eq!(read_text(&path, None).unwrap(), "eye 0 0 6");
+        assert_eq!(text().unwrap(), "eye 0 0 6");
     }
 
     #[test]
     fn directories_and_missing_files_have_their_own_errors() {
         let dir = tempfile::tempdir().unwrap();
-        assert_eq!(read(dir.path(), None).unwrap_err().code(), "not-a-file");
-        let error = read(&dir.path().join("no.obj"), None).unwrap_err();
+        assert_eq!(read(dir.path()).unwrap_err().code(), "not-a-file");
+        let error = read(&dir.path().join("no.obj")).unwrap_err();
         assert_eq!(error.code(), "file-missing");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn devices_are_refused_and_sizes_are_limited() {
+        for device in ["/dev/zero", "/dev/null", "/dev/tty"] {
+            let code = read(Path::new(device)).unwrap_err().code();
+            assert!(
+                matches!(code, "not-a-file" | "file-missing"),
+                "{device}: {code}"
+            );
+        }
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("a.obj");
+        fs::write(&path, "0123456789").unwrap();
+        let files = FileSource::anywhere();
+        assert_eq!(files.read(&path, 10).unwrap().len(), 10);
+        assert_eq!(files.read(&path, 9).unwrap_err().code(), "file-too-large");
+        // A hole of 3 GiB takes no room on the disk; it is refused by its size.
+        File::options()
+            .write(true)
+            .open(&path)
+            .unwrap()
+            .set_len(3 << 30)
+            .unwrap();
+        assert_eq!(read(&path).unwrap_err().code(), "file-too-large");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_root_confines_links_dots_and_absolute_names() {
+        use std::os::unix::fs::symlink;
+        let dir = tempfile::tempdir().unwrap();
+        let at = |name: &str| dir.path().join(name);
+        fs::create_dir_all(at("root/maps")).unwrap();
+        fs::create_dir(at("rooted")).unwrap();
+        for name in ["secret", "rooted/secret", "root/a", "root/maps/b"] {
+            fs::write(at(name), name).unwrap();
+        }
+        symlink("maps/b", at("root/good")).unwrap();
+        symlink("../secret", at("root/bad")).unwrap();
+        symlink("../gone", at("root/dangling")).unwrap();
+        symlink("..", at("root/up")).unwrap();
+        symlink(at("root"), at("alias")).unwrap();
+        let files = FileSource::within(&at("alias")).unwrap();
+        let code = |name: &str| match files.read(&at(name), MAX_TEXT) {
+            Ok(bytes) => String::from_utf8(bytes).unwrap(),
+            Err(error) => error.code().to_owned(),
+        };
+        for (name, expected) in [
+            ("root/a", "root/a"),
+            ("root/maps/../a", "root/a"),
+            ("root/../root/maps/b", "root/maps/b"),
+            ("root/good", "root/maps/b"),
+            ("alias/a", "root/a"),
+            ("root/up/root/a", "root/a"),
+            ("root/gone", "file-missing"),
+            ("root/no/such/file", "file-missing"),
+            ("root/maps", "not-a-file"),
+            // Names beside the root that begin like it, and what is elsewhere, whether it exists or not.
+            ("rooted/secret", "outside-root"),
+            ("secret", "outside-root"),
+            ("gone", "outside-root"),
+            ("root/../secret", "outside-root"),
+            ("root/../gone", "outside-root"),
+            ("root/up/secret", "outside-root"),
+            ("root/up/gone", "outside-root"),
+            ("root/bad", "outside-root"),
+            ("root/dangling", "outside-root"),
+            ("root/bad/x", "outside-root"),
+        ] {
+            assert_eq!(code(name), expected, "{name}");
+        }
+        assert!(!files.exists(&at("secret")) && files.exists(&at("root/a")));
+        let error = FileSource::within(&at("secret")).unwrap_err();
+        assert_eq!(error.code(), "read-failed");
     }
 }

@@ -5,7 +5,7 @@ use std::path::Path;
 use texmap_sample::{Alpha, ColorSpace, Image, Origin, SampleError, Texels, Texture3d};
 
 use crate::npy::{self, Data};
-use crate::{IoError, Place, files};
+use crate::{FileSource, IoError, Place, image_io};
 
 /// Reads a three-dimensional texture, with its mip chain: an array of shape (D, H, W), or (D, H, W, C) with 1 to 4 channels, of
 /// u8, u16 or f32 (f64 is rounded). The first axis is the slice, from w = 0; the second the row, from v = 0; the third the
@@ -14,28 +14,43 @@ use crate::{IoError, Place, files};
 /// # Errors
 /// File errors; [`IoError::BrokenArray`] for another shape or type, an axis of length 0, and a voxel that is not finite, by name.
 pub fn read_grid(path: &Path) -> Result<Texture3d<'static>, IoError> {
-    read_named(path, None)
+    read_named(&FileSource::anywhere(), path, None)
 }
 
-pub(crate) fn read_named(path: &Path, by: Option<&Place>) -> Result<Texture3d<'static>, IoError> {
-    files::regular(path, by)?;
-    let array = npy::read(path)?;
+pub(crate) fn read_named(
+    files: &FileSource,
+    path: &Path,
+    by: Option<&Place>,
+) -> Result<Texture3d<'static>, IoError> {
+    let stored = npy::Stored::open(files, path, by)?;
     let broken = |problem: String| IoError::BrokenArray {
         path: path.to_path_buf(),
         problem,
     };
-    let (depth, height, width, channels) = match *array.shape {
+    let (depth, height, width, channels) = match *stored.shape {
         [d, h, w] => (d, h, w, 1),
         [d, h, w, c] => (d, h, w, c),
         _ => {
             return Err(broken(format!(
                 "shape {:?}: a grid is (slices, rows, columns), or that and 1 to 4 channels",
-                array.shape
+                stored.shape
             )));
         }
     };
     let small = |n: usize| u32::try_from(n).map_err(|_| broken(format!("an axis of length {n}")));
-    let (depth, width) = (small(depth)?, small(width)?);
+    let (depth, width, height) = (small(depth)?, small(width)?, small(height)?);
+    let voxels = [depth, height, width].map(u64::from);
+    let voxels = voxels
+        .iter()
+        .try_fold(1_u64, |n, &side| n.checked_mul(side));
+    if voxels.is_none_or(|n| n > image_io::MAX_TEXELS) || channels > 4 {
+        return Err(broken(format!(
+            "shape {:?}: a grid has 1 to 4 channels and at most {} voxels",
+            stored.shape,
+            image_io::MAX_TEXELS
+        )));
+    }
+    let array = stored.read()?;
     let texels = match &array.data {
         Data::U8(t) => Texels::U8(t),
         Data::U16(t) => Texels::U16(t),
@@ -48,7 +63,7 @@ pub(crate) fn read_named(path: &Path, by: Option<&Place>) -> Result<Texture3d<'s
     };
     let slices = Image {
         width,
-        height: small(height)?,
+        height,
         channels: small(channels)?,
         texels,
         color: ColorSpace::Linear,
@@ -101,7 +116,7 @@ mod tests {
             (&[24], &values, "slices, rows, columns"),
             (&[2, 0, 4], &[], "out of range"),
             (&[0, 3, 4], &[], "out of range"),
-            (&[1, 2, 2, 6], &values, "6 channels"),
+            (&[1, 2, 2, 6], &values, "1 to 4 channels"),
         ] {
             let error = of(shape, Values::F32(values)).unwrap_err();
             assert_eq!(error.code(), "broken-array");

@@ -8,7 +8,8 @@ use image::{DynamicImage, ExtendedColorType, ImageEncoder, ImageReader, Limits};
 use texmap_math::color;
 use texmap_sample::{Alpha, ColorSpace, Image, Origin, SampleError, Texels, Texture2d};
 
-use crate::{IoError, Place, atomic, exr_header, files};
+use crate::files::{FileSource, MAX_TEXT};
+use crate::{IoError, Place, atomic, exr_header};
 
 /// The largest width and height of an image.
 pub const MAX_SIDE: u32 = Texture2d::MAX_SIDE;
@@ -91,7 +92,7 @@ fn floats<T: Copy>(texels: &[T], value: impl Fn(T, bool) -> f32) -> Vec<f32> {
 /// # Errors
 /// File errors, [`IoError::BrokenImage`], [`IoError::ImageSize`].
 pub fn read_image(path: &Path) -> Result<Rgba, IoError> {
-    read_named(path, None)
+    read_named(&FileSource::anywhere(), path, None)
 }
 
 /// Decodes an image file to a texture of one level, top-left origin, and says how many bits a channel the file has. The colours of whole
@@ -101,7 +102,8 @@ pub fn read_image(path: &Path) -> Result<Rgba, IoError> {
 /// # Errors
 /// As [`read_image`]; [`IoError::BrokenImage`] also for floats that no texture may have (NaN, infinities, beyond 2^120).
 pub fn read_texture(path: &Path, color: ColorSpace) -> Result<(Texture2d<'static>, u32), IoError> {
-    let decoded = decode(path, None, |size| size_allowed(path, None, size))?;
+    let files = FileSource::anywhere();
+    let decoded = decode(&files, path, None, |size| size_allowed(path, None, size))?;
     let (width, height) = (decoded.width(), decoded.height());
     let kept = |channels: u32, texels: Vec<u8>| {
         let origin = Origin::TopLeft;
@@ -161,8 +163,15 @@ fn unfit(path: &Path, named_by: Option<&Place>, e: &SampleError) -> IoError {
     }
 }
 
-pub(crate) fn read_named(path: &Path, named_by: Option<&Place>) -> Result<Rgba, IoError> {
-    decode(path, named_by, |size| size_allowed(path, named_by, size)).map(Rgba::of)
+pub(crate) fn read_named(
+    files: &FileSource,
+    path: &Path,
+    named_by: Option<&Place>,
+) -> Result<Rgba, IoError> {
+    decode(files, path, named_by, |size| {
+        size_allowed(path, named_by, size)
+    })
+    .map(Rgba::of)
 }
 
 impl Rgba {
@@ -205,11 +214,12 @@ fn size_allowed(
 
 /// Decodes an image file of a size that `fits`.
 pub(crate) fn decode(
+    files: &FileSource,
     path: &Path,
     named_by: Option<&Place>,
     fits: impl Fn((u32, u32)) -> Result<(), IoError>,
 ) -> Result<DynamicImage, IoError> {
-    let bytes = files::read(path, named_by)?;
+    let bytes = files.read_named(path, named_by, MAX_TEXT)?;
     let broken = |problem: String| IoError::BrokenImage {
         path: path.to_path_buf(),
         named_by: named_by.cloned(),

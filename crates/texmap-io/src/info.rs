@@ -2,18 +2,19 @@
 
 use std::path::{Path, PathBuf};
 
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 use texmap_render::{Mesh, Scene};
 
 use crate::framing::Bounds;
 use crate::scene::{self, Kind, LoadOptions};
-use crate::{IoError, image_io};
+use crate::{FileSource, IoError, image_io};
 
 /// A file in figures.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[non_exhaustive]
 pub struct FileInfo {
-    /// The file.
+    /// The file; in JSON with U+FFFD for what is no Unicode.
+    #[serde(serialize_with = "lossy")]
     pub file: PathBuf,
     /// `scene`, `obj` or `image`.
     pub kind: &'static str,
@@ -61,7 +62,8 @@ pub struct MeshInfo {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[non_exhaustive]
 pub struct NamedFile {
-    /// The file as it was looked for.
+    /// The file as it was looked for; in JSON with U+FFFD for what is no Unicode.
+    #[serde(serialize_with = "lossy")]
     pub path: PathBuf,
     /// `file:line:column` of the line that names it first; empty for an image by itself.
     pub named_by: String,
@@ -79,11 +81,18 @@ pub struct NamedFile {
 /// # Errors
 /// As [`crate::load`], for faults of the file itself and of the scene files that it includes.
 pub fn info(path: &Path) -> Result<FileInfo, IoError> {
-    let options = LoadOptions::default();
-    let (kind, (scene, textures)) = match scene::kind(path) {
-        Ok(Kind::Scene) => ("scene", scene::read_scene(path, &options, true)?),
-        Ok(Kind::Obj) => ("obj", scene::read_obj(path, &options, true)?),
-        Err(error @ IoError::UnknownFormat { .. }) => return image(path, error),
+    info_with(path, &LoadOptions::default())
+}
+
+/// As [`info`], with options for what a scene or model is.
+///
+/// # Errors
+/// As [`info`], and [`IoError::OutsideRoot`] for the file itself.
+pub fn info_with(path: &Path, options: &LoadOptions) -> Result<FileInfo, IoError> {
+    let (kind, (scene, textures)) = match scene::kind(path, &options.files) {
+        Ok(Kind::Scene) => ("scene", scene::read_scene(path, options, true)?),
+        Ok(Kind::Obj) => ("obj", scene::read_obj(path, options, true)?),
+        Err(error @ IoError::UnknownFormat { .. }) => return image(path, &options.files, error),
         Err(error) => return Err(error),
     };
     let files = textures.files.into_iter().map(|f| {
@@ -109,6 +118,10 @@ pub fn info(path: &Path) -> Result<FileInfo, IoError> {
         sphere: Bounds::of(&scene).map(|b| (b.center.to_array(), b.radius)),
         warnings: scene.warnings,
     })
+}
+
+fn lossy<S: Serializer>(path: &Path, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_str(&path.display())
 }
 
 fn mesh(mesh: &Mesh, scene: &Scene) -> MeshInfo {
@@ -159,7 +172,7 @@ fn range(uvs: &[[f32; 2]]) -> Option<[[f32; 2]; 2]> {
     }))
 }
 
-fn image(path: &Path, unknown: IoError) -> Result<FileInfo, IoError> {
+fn image(path: &Path, files: &FileSource, unknown: IoError) -> Result<FileInfo, IoError> {
     let known = ["png", "jpg", "jpeg", "gif", "hdr", "exr"];
     let extension = path
         .extension()
@@ -169,7 +182,7 @@ fn image(path: &Path, unknown: IoError) -> Result<FileInfo, IoError> {
     if !known.contains(&extension.as_str()) {
         return Err(unknown);
     }
-    let image = image_io::read_image(path)?;
+    let image = image_io::read_named(files, path, None)?;
     let file = NamedFile {
         path: path.to_path_buf(),
         named_by: String::new(),

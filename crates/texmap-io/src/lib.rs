@@ -46,9 +46,10 @@ mod textures;
 
 pub use camera_path::{CameraPath, Stop};
 pub use environment_io::{read_environment, write_environment, write_light};
-pub use error::{IoError, Place};
+pub use error::{IoError, Place, plain, shortened, shown};
+pub use files::FileSource;
 pub use font::built_in_font;
 pub use grids::read_grid;
-pub use info::{FileInfo, MeshInfo, NamedFile, info};
+pub use info::{FileInfo, MeshInfo, NamedFile, info, info_with};
 pub use picture_format::{Lost, PictureFormat, PixelCode, write_pixels};
 pub use scene::{LoadOptions, load, load_obj, load_scene};

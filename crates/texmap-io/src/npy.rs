@@ -3,10 +3,11 @@
 //! Source: NEP 1, "A Simple File Format for NumPy Arrays".
 
 use std::fs::File;
-use std::io::{BufReader, Read, Write};
+use std::io::{self, BufReader, Read, Take, Write};
 use std::path::Path;
 
-use crate::{IoError, atomic};
+use crate::error::shortened;
+use crate::{FileSource, IoError, Place, atomic};
 
 /// The values of an array to write.
 #[derive(Debug, Clone, Copy)]
@@ -65,18 +66,101 @@ pub fn write(path: &Path, shape: &[usize], values: Values<'_>) -> Result<(), IoE
     })
 }
 
-/// Reads an array of `<f4`, `<f8` (rounded to f32), `|u1`, `<u2` or `<u4` in C order.
+/// The most bytes of values that are read, as they are in memory: 2 GiB.
+pub const MAX_BYTES: u64 = 1 << 31;
+
+/// Reads an array of `<f4`, `<f8` (rounded to f32), `|u1`, `<u2` or `<u4` in C order. Takes the memory of its values and no more.
 ///
 /// # Errors
-/// File errors, and [`IoError::BrokenArray`] for a damaged header, another type or order, or missing bytes.
+/// File errors; [`IoError::BrokenArray`] for a damaged header, another type or order, or missing bytes;
+/// [`IoError::FileTooLarge`] for values of more than [`MAX_BYTES`], before they are read.
 pub fn read(path: &Path) -> Result<Array, IoError> {
-    let metadata = crate::files::regular(path, None)?;
-    let fail = |source| IoError::Read {
-        path: path.to_path_buf(),
-        named_by: None,
-        source,
-    };
-    let mut input = BufReader::new(File::open(path).map_err(fail)?);
+    Stored::open(&FileSource::anywhere(), path, None)?.read()
+}
+
+/// An array whose header was read, and whose values were not.
+#[derive(Debug)]
+pub(crate) struct Stored<'a> {
+    path: &'a Path,
+    input: BufReader<Take<File>>,
+    pub(crate) shape: Vec<usize>,
+    descr: String,
+    count: usize,
+}
+
+impl<'a> Stored<'a> {
+    /// Reads and checks the header.
+    pub(crate) fn open(
+        files: &FileSource,
+        path: &'a Path,
+        named_by: Option<&Place>,
+    ) -> Result<Self, IoError> {
+        let opened = files.open(path, named_by, u64::MAX)?;
+        let bytes = opened.bytes;
+        let mut input = BufReader::new(opened.file.take(bytes));
+        let (descr, shape, start) = read_header(path, &mut input, bytes)?;
+        let stored = match descr.as_str() {
+            "|u1" => 1,
+            "<u2" => 2,
+            "<f4" | "<u4" => 4,
+            "<f8" => 8,
+            other => return Err(broken(path, format!("element type {}", shortened(other)))),
+        };
+        let count = element_count(&shape).ok_or_else(|| broken(path, "shape overflows"))?;
+        let expected = (count as u64)
+            .checked_mul(stored)
+            .ok_or_else(|| broken(path, "shape overflows"))?;
+        if bytes - start.min(bytes) < expected {
+            return Err(broken(
+                path,
+                format!("shape {shape:?} needs {expected} bytes of data; the file ends before"),
+            ));
+        }
+        let kept = count as u64 * stored.min(4);
+        if kept > MAX_BYTES {
+            return Err(IoError::FileTooLarge {
+                path: path.to_path_buf(),
+                bytes: kept,
+                limit: MAX_BYTES,
+            });
+        }
+        Ok(Self {
+            path,
+            input,
+            shape,
+            descr,
+            count,
+        })
+    }
+
+    /// Reads the values.
+    pub(crate) fn read(mut self) -> Result<Array, IoError> {
+        let (input, count) = (&mut self.input, self.count);
+        let data = match self.descr.as_str() {
+            "|u1" => words(input, count, |[b]| b).map(Data::U8),
+            "<u2" => words(input, count, u16::from_le_bytes).map(Data::U16),
+            "<u4" => words(input, count, u32::from_le_bytes).map(Data::U32),
+            "<f4" => words(input, count, f32::from_le_bytes).map(Data::F32),
+            _ => words(input, count, |b| f64::from_le_bytes(b) as f32).map(Data::F32),
+        }
+        .map_err(|source| IoError::Read {
+            path: self.path.to_path_buf(),
+            named_by: None,
+            source,
+        })?;
+        Ok(Array {
+            shape: self.shape,
+            data,
+        })
+    }
+}
+
+/// Element type and shape of the array, and where its values begin.
+fn read_header(
+    path: &Path,
+    input: &mut impl Read,
+    bytes: u64,
+) -> Result<(String, Vec<usize>, u64), IoError> {
     let mut magic = [0; 8];
     input
         .read_exact(&mut magic)
@@ -90,44 +174,23 @@ pub fn read(path: &Path) -> Result<Array, IoError> {
         .read_exact(&mut length[..length_bytes])
         .map_err(|_| broken(path, "shorter than a .npy header"))?;
     let length = u64::from(u32::from_le_bytes(length));
-    if length > metadata.len() {
+    if length > bytes {
         return Err(broken(path, "header longer than the file"));
     }
+    if length > MAX_HEADER {
+        return Err(broken(path, "header of more than 64 KiB"));
+    }
     let mut text = String::new();
-    (&mut input)
+    input
         .take(length)
         .read_to_string(&mut text)
         .map_err(|_| broken(path, "header is not text"))?;
     let (descr, shape) = parse_header(&text).map_err(|problem| broken(path, problem))?;
-    let width = match descr.as_str() {
-        "|u1" => 1,
-        "<u2" => 2,
-        "<f4" | "<u4" => 4,
-        "<f8" => 8,
-        other => return Err(broken(path, format!("element type {other}"))),
-    };
-    let count = element_count(&shape).ok_or_else(|| broken(path, "shape overflows"))?;
-    let expected = count
-        .checked_mul(width)
-        .ok_or_else(|| broken(path, "shape overflows"))?;
-    let start = 8 + length_bytes as u64 + length;
-    if metadata.len() - start.min(metadata.len()) < expected as u64 {
-        return Err(broken(
-            path,
-            format!("shape {shape:?} needs {expected} bytes of data; the file ends before"),
-        ));
-    }
-    let mut bytes = vec![0; expected];
-    input.read_exact(&mut bytes).map_err(fail)?;
-    let data = match descr.as_str() {
-        "|u1" => Data::U8(bytes),
-        "<u2" => Data::U16(words(&bytes, u16::from_le_bytes)),
-        "<u4" => Data::U32(words(&bytes, u32::from_le_bytes)),
-        "<f4" => Data::F32(words(&bytes, f32::from_le_bytes)),
-        _ => Data::F32(words(&bytes, |b| f64::from_le_bytes(b) as f32)),
-    };
-    Ok(Array { shape, data })
+    Ok((descr, shape, 8 + length_bytes as u64 + length))
 }
+
+/// NumPy itself refuses headers of more than 10,000 characters.
+const MAX_HEADER: u64 = 1 << 16;
 
 fn header(descr: &str, shape: &[usize]) -> Vec<u8> {
     let mut axes = String::new();
@@ -169,8 +232,14 @@ fn parse_header(text: &str) -> Result<(String, Vec<usize>), String> {
         .split(',')
         .map(str::trim)
         .filter(|axis| !axis.is_empty())
-        .map(|axis| axis.parse().map_err(|_| format!("axis length {axis}")))
-        .collect::<Result<_, String>>()?;
+        .map(|axis| {
+            axis.parse()
+                .map_err(|_| format!("axis length {}", shortened(axis)))
+        })
+        .collect::<Result<Vec<usize>, String>>()?;
+    if shape.len() > 64 {
+        return Err(format!("{} axes", shape.len()));
+    }
     Ok((descr, shape))
 }
 
@@ -183,20 +252,29 @@ fn element_count(shape: &[usize]) -> Option<usize> {
 fn write_words<const N: usize>(
     out: &mut dyn Write,
     words: impl Iterator<Item = [u8; N]>,
-) -> std::io::Result<()> {
+) -> io::Result<()> {
     for word in words {
         out.write_all(&word)?;
     }
     Ok(())
 }
 
-fn words<const N: usize, T>(bytes: &[u8], from: impl Fn([u8; N]) -> T) -> Vec<T> {
-    bytes
-        .as_chunks::<N>()
-        .0
-        .iter()
-        .map(|&chunk| from(chunk))
-        .collect()
+/// Reads `count` words, a block at a time: file and array never stand in memory together.
+fn words<const N: usize, T>(
+    input: &mut impl Read,
+    count: usize,
+    from: impl Fn([u8; N]) -> T,
+) -> io::Result<Vec<T>> {
+    const BLOCK: usize = 1 << 13;
+    let mut out = Vec::new();
+    out.try_reserve_exact(count).map_err(io::Error::other)?;
+    let mut block = vec![[0; N]; BLOCK.min(count)];
+    while out.len() < count {
+        let part = &mut block[..BLOCK.min(count - out.len())];
+        input.read_exact(part.as_flattened_mut())?;
+        out.extend(part.iter().map(|&word| from(word)));
+    }
+    Ok(out)
 }
 
 fn broken(path: &Path, problem: impl Into<String>) -> IoError {

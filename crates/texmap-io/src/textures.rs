@@ -1,12 +1,18 @@
 //! The textures of a scene, each file decoded once.
 
+use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 
 use texmap_sample::{Alpha, ColorSpace, Image, Origin, Texels, Texture2d, Texture3d};
 
+use crate::files::MAX_TEXT;
+use crate::obj::Model;
 use crate::scene_file::Missing;
-use crate::{IoError, Place};
+use crate::{FileSource, IoError, Place};
 use crate::{grids, image_io};
+
+/// Bytes of models and libraries that a scene may have read a second time.
+const MAX_REPEATED: usize = 1 << 27;
 
 /// What a map holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -35,20 +41,83 @@ pub(crate) struct Textures {
     pub(crate) files: Vec<MapFile>,
     /// Colours are taken as they are, too.
     raw: bool,
+    /// Where maps are read from.
+    pub(crate) source: FileSource,
     /// Every fault is only noted in `files` (for reports on files).
     pub(crate) tolerant: bool,
     loaded: Vec<(PathBuf, Content, usize)>,
     loaded_grids: Vec<(PathBuf, usize)>,
+    /// Models and libraries that were read.
+    texts: HashSet<PathBuf>,
+    /// Models that were read twice, and the bytes of their texts: scenes that name one a hundred times need not parse it as often.
+    pub(crate) models: HashMap<(PathBuf, Missing, bool), (Model, usize)>,
+    /// Bytes of those that were read before.
+    repeated: usize,
     /// Textures that no file holds.
     made: Vec<(&'static str, usize)>,
 }
 
 impl Textures {
-    pub(crate) fn new(raw: bool, tolerant: bool) -> Self {
+    pub(crate) fn new(source: FileSource, raw: bool, tolerant: bool) -> Self {
         Self {
+            source,
             raw,
             tolerant,
             ..Self::default()
+        }
+    }
+
+    /// The text of a model or library. A scene may name one again and again, so what is read twice is limited in all.
+    pub(crate) fn text(
+        &mut self,
+        path: &Path,
+        named_by: Option<&Place>,
+        command: &'static str,
+    ) -> Result<String, IoError> {
+        let text = self.source.text_named(path, named_by, MAX_TEXT)?;
+        if self.texts.insert(path.to_path_buf()) {
+            return Ok(text);
+        }
+        self.read_again(path, named_by, command, text.len())
+            .map(|()| text)
+    }
+
+    /// For a model of which only the coordinates matter: its maps are loaded apart, what is read twice is counted here.
+    pub(crate) fn for_coordinates(&mut self) -> Self {
+        Self {
+            texts: std::mem::take(&mut self.texts),
+            repeated: self.repeated,
+            ..Self::new(self.source.clone(), true, true)
+        }
+    }
+
+    /// After [`Textures::for_coordinates`].
+    pub(crate) fn take_counts(&mut self, other: Self) {
+        (self.texts, self.repeated) = (other.texts, other.repeated);
+    }
+
+    /// Whether this model or library was read before.
+    pub(crate) fn was_read(&self, path: &Path) -> bool {
+        self.texts.contains(path)
+    }
+
+    /// Counts the text of what was read before.
+    pub(crate) fn read_again(
+        &mut self,
+        path: &Path,
+        named_by: Option<&Place>,
+        command: &'static str,
+        bytes: usize,
+    ) -> Result<(), IoError> {
+        self.repeated += bytes;
+        match named_by {
+            Some(place) if self.repeated > MAX_REPEATED => Err(IoError::OutOfRange {
+                place: place.clone(),
+                command,
+                text: path.display().to_string(),
+                allowed: "models and libraries that were read before: 128 MiB in all",
+            }),
+            _ => Ok(()),
         }
     }
 
@@ -108,7 +177,7 @@ impl Textures {
         if let Some((_, index)) = self.loaded_grids.iter().find(|(p, _)| p == path) {
             return Ok(*index);
         }
-        let grid = match grids::read_named(path, Some(place)) {
+        let grid = match grids::read_named(&self.source, path, Some(place)) {
             Ok(grid) => {
                 let [width, height, _] = grid.level_size(0).unwrap_or_default();
                 self.note(path, place, Ok((width, height, 0)));
@@ -149,7 +218,7 @@ impl Textures {
         place: &Place,
         content: Content,
     ) -> Result<(Texture2d<'static>, (u32, u32, u32)), IoError> {
-        let image = image_io::read_named(path, Some(place))?;
+        let image = image_io::read_named(&self.source, path, Some(place))?;
         let bits = image.texels.bits();
         let linear = self.raw || content == Content::Data;
         let color = if linear {

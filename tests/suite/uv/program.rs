@@ -202,9 +202,9 @@ fn bad_input_ends_with_four_and_names_its_place() {
         ),
         (
             dir.path().join("none.obj").display().to_string(),
-            "none.obj: cannot be read",
+            "none.obj: no such file",
         ),
-        (dir.path().display().to_string(), "it is a folder"),
+        (dir.path().display().to_string(), "not a regular file"),
     ];
     for (path, expected) in cases {
         let output = texmap(&[&path, "--map", "sphere", "-o", &out]);

@@ -9,6 +9,7 @@ use texmap_render::{
     BakeOptions, LightMap, RenderError, Scene, bake, shadow_bias, shadow_kind, shadow_map,
 };
 
+use crate::cmd::Root;
 use crate::failure::{Exit, Failure, say};
 use crate::formats;
 use crate::output::{Destination, Stage};
@@ -42,12 +43,20 @@ pub(crate) struct BakeArgs {
     /// One luminance in place of three colours
     #[arg(long)]
     luminance: bool,
+    #[command(flatten)]
+    root: Root,
 }
 
 pub(crate) fn run(args: &BakeArgs) -> Result<Exit, Failure> {
     let destination = Destination::new(&args.output)?;
     let format = formats::picture(&args.output)?;
-    let scene = load(&args.scene, &LoadOptions::default())?;
+    let scene = load(
+        &args.scene,
+        &LoadOptions {
+            files: args.root.files()?,
+            ..LoadOptions::default()
+        },
+    )?;
     let refused = |e: RenderError| {
         Failure::new(
             Exit::Input,

@@ -8,6 +8,7 @@ use texmap_lab::cases::{self, Outcome};
 use texmap_lab::chart::time::Effort;
 use texmap_lab::chart::{self, Machine, Panel};
 
+use crate::cmd::Root;
 use crate::failure::{Exit, Failure, say};
 use crate::formats;
 use crate::output::{Destination, Stage};
@@ -44,6 +45,8 @@ pub(crate) struct ChartArgs {
         requires = "scene"
     )]
     resolution: Resolution,
+    #[command(flatten)]
+    root: Root,
 }
 
 pub(crate) fn run(args: &ChartArgs) -> Result<Exit, Failure> {
@@ -71,7 +74,13 @@ pub(crate) fn run(args: &ChartArgs) -> Result<Exit, Failure> {
     let mut report = |done: usize, of: usize, _: &str| progress.update(done, of);
     let panels: Vec<Panel> = match &args.scene {
         Some(path) => {
-            let scene = texmap_io::load(path, &texmap_io::LoadOptions::default())?;
+            let scene = texmap_io::load(
+                path,
+                &texmap_io::LoadOptions {
+                    files: args.root.files()?,
+                    ..texmap_io::LoadOptions::default()
+                },
+            )?;
             let size = (args.resolution.width, args.resolution.height);
             let panel = chart::scene_panel(&scene, size, effort, &mut report).map_err(|e| {
                 Failure::new(

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use serde::Serialize;
+use texmap_io::FileSource;
 use texmap_lab::buffer::Buffer;
 
 use crate::failure::{self, Exit, Failure};
@@ -73,15 +74,7 @@ fn hashed(file: &Path, expected: Option<&str>) -> Result<Hashed, Failure> {
 }
 
 fn check(list: &Path) -> Result<Vec<Hashed>, Failure> {
-    let unreadable = |error: std::io::Error| {
-        Failure::new(
-            Exit::Input,
-            "read",
-            format!("{}: {error}", list.display()),
-            "name a list that `texmap hash` printed",
-        )
-    };
-    let text = std::fs::read_to_string(list).map_err(unreadable)?;
+    let text = FileSource::anywhere().read_text(list, FileSource::MAX_LIST)?;
     let folder = list.parent().unwrap_or(Path::new(""));
     let lines = text
         .lines()

@@ -4,8 +4,9 @@ use std::fmt::Write;
 use std::path::PathBuf;
 
 use clap::Args;
-use texmap_io::{FileInfo, MeshInfo, NamedFile};
+use texmap_io::{FileInfo, LoadOptions, MeshInfo, NamedFile, shown};
 
+use crate::cmd::Root;
 use crate::failure::{self, Exit, Failure, say};
 
 /// Show meshes, maps, uv ranges and missing files of a scene, model or image.
@@ -14,13 +15,19 @@ use crate::failure::{self, Exit, Failure, say};
 pub(crate) struct InfoArgs {
     /// A .scene, .obj or image file
     file: PathBuf,
+    #[command(flatten)]
+    root: Root,
     /// Print the same as JSON to standard output
     #[arg(long)]
     pub(crate) json: bool,
 }
 
 pub(crate) fn run(args: &InfoArgs) -> Result<Exit, Failure> {
-    let info = texmap_io::info(&args.file)?;
+    let options = LoadOptions {
+        files: args.root.files()?,
+        ..LoadOptions::default()
+    };
+    let info = texmap_io::info_with(&args.file, &options)?;
     if args.json {
         failure::print_json(&info);
     } else {
@@ -39,7 +46,7 @@ pub(crate) fn run(args: &InfoArgs) -> Result<Exit, Failure> {
 }
 
 fn words(info: &FileInfo) -> String {
-    let mut text = format!("{} ({})\n", info.file.display(), info.kind);
+    let mut text = format!("{} ({})\n", shown(&info.file), info.kind);
     if !info.meshes.is_empty() {
         let triangles: usize = info.meshes.iter().map(|m| m.triangles).sum();
         let _ = writeln!(
@@ -116,7 +123,7 @@ fn file_row(file: &NamedFile) -> [String; 4] {
     };
     let bits = file.bits.map_or_else(|| "-".to_owned(), |b| b.to_string());
     [
-        file.path.display().to_string(),
+        shown(&file.path).to_string(),
         size,
         bits,
         file.named_by.clone(),
@@ -137,7 +144,7 @@ fn table<const N: usize>(rows: &[[String; N]]) -> String {
         let cells: Vec<String> = row
             .iter()
             .zip(widths)
-            .map(|(cell, width)| format!("{cell:width$}"))
+            .map(|(cell, width)| cell.clone() + &" ".repeat(width - cell.chars().count()))
             .collect();
         text.push_str(cells.join("  ").trim_end());
         text.push('\n');
@@ -153,5 +160,9 @@ mod tests {
     fn columns_align_by_characters() {
         let row = |a: &str, b: &str| [a.to_owned(), b.to_owned()];
         assert_eq!(table(&[row("é", "b"), row("abc", "")]), "\né    b\nabc\n");
+        // Wider than a format width may be.
+        let wide = "w".repeat(70_000);
+        let text = table(&[row(&wide, "b"), row("a", "c")]);
+        assert_eq!(text.lines().nth(2).map(str::len), Some(70_003));
     }
 }

@@ -1,5 +1,12 @@
 //! One module per verb: its arguments and what it does.
 
+use std::path::PathBuf;
+
+use clap::Args;
+use texmap_io::FileSource;
+
+use crate::failure::Failure;
+
 pub(crate) mod bake;
 pub(crate) mod chart;
 pub(crate) mod demo;
@@ -15,3 +22,23 @@ pub(crate) mod stability;
 pub(crate) mod uv;
 pub(crate) mod uv_raster;
 pub(crate) mod warp;
+
+/// Where a verb that loads scenes reads files from.
+#[derive(Args, Debug)]
+pub(crate) struct Root {
+    /// Read nothing outside of this folder, neither by `..` nor through links: for scenes of strangers
+    #[arg(long, value_name = "DIR")]
+    root: Option<PathBuf>,
+}
+
+impl Root {
+    pub(crate) fn files(&self) -> Result<FileSource, Failure> {
+        let within = |folder: &PathBuf| FileSource::within(folder);
+        Ok(self
+            .root
+            .as_ref()
+            .map(within)
+            .transpose()?
+            .unwrap_or_default())
+    }
+}

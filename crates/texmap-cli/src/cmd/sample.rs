@@ -1,10 +1,9 @@
 //! `texmap sample`: values of an image at given coordinates, for anyone who wants to check us.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use texmap_io::{image_io, npy};
+use texmap_io::{FileSource, image_io, npy};
 use texmap_math::{Footprint, Level};
 use texmap_render::ColorMode;
 use texmap_sample::{
@@ -168,14 +167,7 @@ fn read_rows(path: &Path, columns: usize) -> Result<Vec<f32>, Failure> {
         }
         return Ok(values);
     }
-    let text = fs::read_to_string(path).map_err(|e| {
-        Failure::new(
-            Exit::Input,
-            "read-failed",
-            format!("{}: {e}", path.display()),
-            "check the name; coordinates are an .npy file or text lines",
-        )
-    })?;
+    let text = FileSource::anywhere().read_text(path, FileSource::MAX_LIST)?;
     let mut values = Vec::new();
     for (i, line) in text.lines().enumerate() {
         let line = line.trim();
@@ -183,13 +175,14 @@ fn read_rows(path: &Path, columns: usize) -> Result<Vec<f32>, Failure> {
             continue;
         }
         let before = values.len();
-        for word in line.split(',') {
+        for (n, word) in line.split(',').enumerate() {
             match word.trim().parse::<f32>() {
                 Ok(x) => values.push(x),
+                // Nothing is quoted: the file may be anything.
                 Err(_) => {
                     return Err(bad_rows(
                         path,
-                        format!("line {}: `{word}` is not a number", i + 1),
+                        format!("line {}: value {} is not a number", i + 1, n + 1),
                     ));
                 }
             }

@@ -8,10 +8,11 @@ impl IoError {
         match self {
             Self::FileMissing { named_by: Some(_), .. } => "names are relative to the file that holds the line; put the file there or mend the line (for maps and material libraries, `missing warn` draws without them)".into(),
             Self::FileMissing { .. } => "check the spelling and the working directory".into(),
-            Self::NotAFile { .. } => "name a file, not a directory".into(),
+            Self::NotAFile { .. } => "name a file on a disk, not a directory, a pipe or a device".into(),
+            Self::OutsideRoot { .. } => "reading is confined to one folder (--root): put the file there, and name it without links that lead out".into(),
             Self::Read { .. } => "check the permissions of the file".into(),
             Self::Write { .. } => "check that the directory exists and may be written; an older file of this name was left as it was".into(),
-            Self::FileTooLarge { .. } => "split the file, or store the model in parts".into(),
+            Self::FileTooLarge { .. } => "split the file, or store the model or array in parts".into(),
             Self::NotUtf8 { .. } => "scene, OBJ and MTL files are UTF-8 text; convert the file (for example with iconv)".into(),
             Self::UnknownFormat { .. } => "texmap reads .scene and .obj models and .png, .jpg, .gif, .hdr and .exr images".into(),
             Self::UnknownCommand { nearest: Some(nearest), .. } => format!("did you mean `{nearest}`? docs/SCENE_FORMAT.md lists the commands"),

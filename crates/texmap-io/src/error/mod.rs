@@ -2,6 +2,7 @@
 
 mod help;
 mod place;
+mod shown;
 
 use std::io;
 use std::path::PathBuf;
@@ -9,6 +10,9 @@ use std::path::PathBuf;
 use place::line_of;
 
 pub use place::Place;
+pub use shown::{plain, shortened, shown};
+
+use shown::one_message;
 
 /// Why a file cannot be read or written.
 ///
@@ -18,7 +22,7 @@ pub use place::Place;
 #[non_exhaustive]
 pub enum IoError {
     /// No file of this name.
-    #[error("{}{}: no such file", line_of(.named_by), .path.display())]
+    #[error("{}{}: no such file", line_of(.named_by), shown(.path))]
     FileMissing {
         /// The file that was looked for.
         path: PathBuf,
@@ -26,7 +30,7 @@ pub enum IoError {
         named_by: Option<Place>,
     },
     /// A directory or a device where a file is needed.
-    #[error("{}{}: not a regular file", line_of(.named_by), .path.display())]
+    #[error("{}{}: not a regular file", line_of(.named_by), shown(.path))]
     NotAFile {
         /// The path given.
         path: PathBuf,
@@ -34,7 +38,7 @@ pub enum IoError {
         named_by: Option<Place>,
     },
     /// The operating system refused to read.
-    #[error("{}{}: cannot be read: {source}", line_of(.named_by), .path.display())]
+    #[error("{}{}: cannot be read: {source}", line_of(.named_by), shown(.path))]
     Read {
         /// The file.
         path: PathBuf,
@@ -44,15 +48,23 @@ pub enum IoError {
         source: io::Error,
     },
     /// The operating system refused to write.
-    #[error("{}: cannot be written: {source}", .path.display())]
+    #[error("{}: cannot be written: {source}", shown(.path))]
     Write {
         /// The file that should have been written.
         path: PathBuf,
         /// What the operating system said.
         source: io::Error,
     },
+    /// A file outside of the folder to which reading is confined.
+    #[error("{}{}: lies outside of the folder that may be read", line_of(.named_by), shown(.path))]
+    OutsideRoot {
+        /// The path given.
+        path: PathBuf,
+        /// The line that names it, if a file does.
+        named_by: Option<Place>,
+    },
     /// More bytes than the stated limit.
-    #[error("{}: {bytes} bytes, the limit is {limit}", .path.display())]
+    #[error("{}: {bytes} bytes, the limit is {limit}", shown(.path))]
     FileTooLarge {
         /// The file.
         path: PathBuf,
@@ -68,13 +80,13 @@ pub enum IoError {
         place: Place,
     },
     /// A file name ending that texmap does not read.
-    #[error("{}: unknown kind of file", .path.display())]
+    #[error("{}: unknown kind of file", shown(.path))]
     UnknownFormat {
         /// The file.
         path: PathBuf,
     },
     /// A word that is no command.
-    #[error("{place}: unknown command `{word}`")]
+    #[error("{place}: unknown command `{word}`", word = shortened(.word))]
     UnknownCommand {
         /// Where the word stands.
         place: Place,
@@ -84,7 +96,7 @@ pub enum IoError {
         nearest: Option<&'static str>,
     },
     /// Numbers before the first command.
-    #[error("{place}: number `{text}` with no command above it")]
+    #[error("{place}: number `{text}` with no command above it", text = shortened(.text))]
     StrayNumber {
         /// Where the number stands.
         place: Place,
@@ -104,7 +116,7 @@ pub enum IoError {
         found: usize,
     },
     /// A word where a number is needed.
-    #[error("{place}: `{command}`: `{text}` is not a number")]
+    #[error("{place}: `{command}`: `{text}` is not a number", text = shortened(.text))]
     NotANumber {
         /// Where the word stands.
         place: Place,
@@ -114,7 +126,7 @@ pub enum IoError {
         text: String,
     },
     /// NaN, an infinity, or a number beyond 32-bit floats.
-    #[error("{place}: `{command}`: `{text}` is not a finite 32-bit number")]
+    #[error("{place}: `{command}`: `{text}` is not a finite 32-bit number", text = shortened(.text))]
     NotFinite {
         /// Where the number stands.
         place: Place,
@@ -124,7 +136,7 @@ pub enum IoError {
         text: String,
     },
     /// A number outside of what its command allows.
-    #[error("{place}: `{command}`: `{text}` is out of range")]
+    #[error("{place}: `{command}`: `{text}` is out of range", text = shortened(.text))]
     OutOfRange {
         /// Where the number stands.
         place: Place,
@@ -136,7 +148,7 @@ pub enum IoError {
         allowed: &'static str,
     },
     /// A word that its command does not know.
-    #[error("{place}: `{command}` does not know `{word}`")]
+    #[error("{place}: `{command}` does not know `{word}`", word = shortened(.word))]
     UnknownWord {
         /// Where the word stands.
         place: Place,
@@ -154,7 +166,7 @@ pub enum IoError {
         place: Place,
     },
     /// An index of a vertex, texture coordinate or normal that does not exist.
-    #[error("{place}: {of} index {index} does not exist; there are {count} above this line")]
+    #[error("{place}: {of} index {index} does not exist; there are {count} above this line", index = shortened(.index))]
     BadIndex {
         /// Where the index stands.
         place: Place,
@@ -200,7 +212,7 @@ pub enum IoError {
         place: Place,
     },
     /// A file that includes itself.
-    #[error("{place}: `include` of {} goes in a circle", .path.display())]
+    #[error("{place}: `include` of {} goes in a circle", shown(.path))]
     IncludeCycle {
         /// The line that closes the circle.
         place: Place,
@@ -208,7 +220,7 @@ pub enum IoError {
         path: PathBuf,
     },
     /// A texture frame whose U and V do not span a plane.
-    #[error("{place}: `frame`: {problem}")]
+    #[error("{place}: `frame`: {problem}", problem = one_message(.problem))]
     DegenerateFrame {
         /// Where the frame stands.
         place: Place,
@@ -216,7 +228,7 @@ pub enum IoError {
         problem: String,
     },
     /// A camera that sees nothing.
-    #[error("{place}: camera: {problem}")]
+    #[error("{place}: camera: {problem}", problem = one_message(.problem))]
     BadCamera {
         /// The last line that set the camera.
         place: Place,
@@ -224,7 +236,7 @@ pub enum IoError {
         problem: String,
     },
     /// A projector that throws its slide nowhere.
-    #[error("{place}: projector: {problem}")]
+    #[error("{place}: projector: {problem}", problem = one_message(.problem))]
     BadProjector {
         /// Its line.
         place: Place,
@@ -232,7 +244,7 @@ pub enum IoError {
         problem: String,
     },
     /// An image that cannot be decoded.
-    #[error("{}{}: broken image: {problem}", line_of(.named_by), .path.display())]
+    #[error("{}{}: broken image: {problem}", line_of(.named_by), shown(.path), problem = one_message(.problem))]
     BrokenImage {
         /// The image.
         path: PathBuf,
@@ -242,7 +254,7 @@ pub enum IoError {
         problem: String,
     },
     /// An image without texels, or larger than the limit.
-    #[error("{}{}: image of {width} x {height} texels", line_of(.named_by), .path.display())]
+    #[error("{}{}: image of {width} x {height} texels", line_of(.named_by), shown(.path))]
     ImageSize {
         /// The image.
         path: PathBuf,
@@ -254,7 +266,7 @@ pub enum IoError {
         height: u32,
     },
     /// An environment whose chart cannot have the image's sides.
-    #[error("{}{}: an environment of {width} x {height} texels is no {chart} map", line_of(.named_by), .path.display())]
+    #[error("{}{}: an environment of {width} x {height} texels is no {chart} map", line_of(.named_by), shown(.path))]
     EnvironmentSize {
         /// The image.
         path: PathBuf,
@@ -270,7 +282,7 @@ pub enum IoError {
         expected: String,
     },
     /// A line whose shape cannot be made.
-    #[error("{place}: {problem}")]
+    #[error("{place}: {problem}", problem = one_message(.problem))]
     BadShape {
         /// The line.
         place: Place,
@@ -278,13 +290,13 @@ pub enum IoError {
         problem: String,
     },
     /// A scene that draws nothing.
-    #[error("{}: the scene has no faces", .path.display())]
+    #[error("{}: the scene has no faces", shown(.path))]
     EmptyScene {
         /// The scene.
         path: PathBuf,
     },
     /// A model without faces.
-    #[error("{}{}: the model has no faces", line_of(.named_by), .path.display())]
+    #[error("{}{}: the model has no faces", line_of(.named_by), shown(.path))]
     EmptyMesh {
         /// The model.
         path: PathBuf,
@@ -292,7 +304,7 @@ pub enum IoError {
         named_by: Option<Place>,
     },
     /// A `usemtl` whose material no library defines.
-    #[error("{place}: material `{name}` is not defined")]
+    #[error("{place}: material `{name}` is not defined", name = shortened(.name))]
     UnknownMaterial {
         /// The `usemtl` line.
         place: Place,
@@ -300,7 +312,7 @@ pub enum IoError {
         name: String,
     },
     /// A model that the OBJ reader refuses.
-    #[error("{}: {problem}", .path.display())]
+    #[error("{}: {problem}", shown(.path), problem = one_message(.problem))]
     BrokenModel {
         /// The model.
         path: PathBuf,
@@ -308,7 +320,7 @@ pub enum IoError {
         problem: String,
     },
     /// An array file that cannot be read.
-    #[error("{}: {problem}", .path.display())]
+    #[error("{}: {problem}", shown(.path), problem = one_message(.problem))]
     BrokenArray {
         /// The file.
         path: PathBuf,
@@ -316,7 +328,7 @@ pub enum IoError {
         problem: String,
     },
     /// A camera path that cannot be read.
-    #[error("{place}: camera path: {problem}")]
+    #[error("{place}: camera path: {problem}", problem = one_message(.problem))]
     BrokenPath {
         /// Where it is wrong.
         place: Place,
@@ -333,6 +345,7 @@ impl IoError {
             Self::NotAFile { .. } => "not-a-file",
             Self::Read { .. } => "read-failed",
             Self::Write { .. } => "write-failed",
+            Self::OutsideRoot { .. } => "outside-root",
             Self::FileTooLarge { .. } => "file-too-large",
             Self::NotUtf8 { .. } => "not-utf8",
             Self::UnknownFormat { .. } => "unknown-format",
@@ -364,6 +377,24 @@ impl IoError {
             Self::BrokenArray { .. } => "broken-array",
             Self::BrokenPath { .. } => "broken-camera-path",
         }
+    }
+}
+
+impl IoError {
+    /// The same without what it quotes of the file: for files that may be something else than they are taken for.
+    pub(crate) fn without_words(mut self) -> Self {
+        match &mut self {
+            Self::UnknownCommand { word: quoted, .. }
+            | Self::StrayNumber { text: quoted, .. }
+            | Self::NotANumber { text: quoted, .. }
+            | Self::NotFinite { text: quoted, .. }
+            | Self::OutOfRange { text: quoted, .. }
+            | Self::UnknownWord { word: quoted, .. }
+            | Self::BadIndex { index: quoted, .. }
+            | Self::UnknownMaterial { name: quoted, .. } => "...".clone_into(quoted),
+            _ => {}
+        }
+        self
     }
 }
 

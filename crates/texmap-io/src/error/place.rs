@@ -3,7 +3,7 @@
 use std::fmt;
 use std::path::{Path, PathBuf};
 
-use super::IoError;
+use super::{IoError, shown};
 
 /// A position in a text file: 1-based line and column (in characters), as editors count.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -29,7 +29,7 @@ impl Place {
 
 impl fmt::Display for Place {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}:{}:{}", self.file.display(), self.line, self.column)
+        write!(f, "{}:{}:{}", shown(&self.file), self.line, self.column)
     }
 }
 
@@ -40,6 +40,7 @@ impl IoError {
             Self::FileMissing { named_by, .. }
             | Self::NotAFile { named_by, .. }
             | Self::Read { named_by, .. }
+            | Self::OutsideRoot { named_by, .. }
             | Self::BrokenImage { named_by, .. }
             | Self::ImageSize { named_by, .. }
             | Self::EnvironmentSize { named_by, .. }

@@ -1,5 +1,6 @@
 //! The materials of a model: its libraries, the names that none of them defines, and the maps of each.
 
+use std::collections::HashSet;
 use std::path::Path;
 
 use texmap_sample::UvTransform;
@@ -7,9 +8,10 @@ use texmap_sample::UvTransform;
 use super::check::Checked;
 use super::mtl::{self, Description};
 use super::{Map, Material, ReliefKind};
+use crate::IoError;
+use crate::error::shortened;
 use crate::scene_file::Missing;
 use crate::textures::{Content, Textures};
-use crate::{IoError, files};
 
 pub(super) fn libraries(
     path: &Path,
@@ -21,14 +23,14 @@ pub(super) fn libraries(
     let mut materials = Vec::new();
     for (place, name) in &checked.libraries {
         // A name may hold blanks, and a line may hold several names.
-        let names: Vec<&str> = if files::beside(path, name).exists() {
+        let names: Vec<&str> = if textures.source.exists(&textures.source.beside(path, name)) {
             vec![name]
         } else {
             name.split_whitespace().collect()
         };
         for name in names {
-            let library = files::beside(path, name);
-            match mtl::read(&library, place, warnings) {
+            let library = textures.source.beside(path, name);
+            match mtl::read(&library, place, textures, warnings) {
                 Ok(read) => materials.extend(read),
                 Err(error @ IoError::FileMissing { .. })
                     if missing == Missing::Warn || textures.tolerant =>
@@ -49,9 +51,10 @@ pub(super) fn check_names(
     lenient: bool,
     warnings: &mut Vec<String>,
 ) -> Result<(), IoError> {
-    let mut told: Vec<&str> = Vec::new();
+    let defined: HashSet<&str> = descriptions.iter().map(|d| d.name.as_str()).collect();
+    let mut told: HashSet<&str> = HashSet::new();
     for (place, name) in &checked.materials {
-        if told.contains(&name.as_str()) || descriptions.iter().any(|d| d.name == *name) {
+        if defined.contains(name.as_str()) || !told.insert(name) {
             continue;
         }
         let error = IoError::UnknownMaterial {
@@ -63,7 +66,6 @@ pub(super) fn check_names(
             return Err(error);
         }
         warnings.push(error.to_string());
-        told.push(name);
     }
     Ok(())
 }
@@ -76,7 +78,7 @@ pub(super) fn material(
 ) -> Result<Material, IoError> {
     let mut load = |map: Option<mtl::Map>, content| {
         map.map(|map| {
-            let path = files::beside(&map.place.file, &map.name);
+            let path = textures.source.beside(&map.place.file, &map.name);
             Ok(Map {
                 texture: textures.load(&path, &map.place, content, missing)?,
                 transform: UvTransform {
@@ -118,7 +120,8 @@ pub(super) fn material(
         // As beside map_Kd: a black factor stands for none.
         (Some([0.0, 0.0, 0.0]), Some(_)) => {
             warnings.push(format!(
-                "material '{name}': Ke is black and would hide map_Ke; drawn as white"
+                "material '{}': Ke is black and would hide map_Ke; drawn as white",
+                shortened(&name)
             ));
             [1.0; 3]
         }
@@ -130,7 +133,8 @@ pub(super) fn material(
         // Programs that ignore Kd beside a map often write black, which would blacken the map.
         (Some([0.0, 0.0, 0.0]), Some(_)) => {
             warnings.push(format!(
-                "material '{name}': Kd is black and would hide map_Kd; drawn as white"
+                "material '{}': Kd is black and would hide map_Kd; drawn as white",
+                shortened(&name)
             ));
             [1.0; 3]
         }

@@ -14,7 +14,7 @@ pub(crate) use model::read;
 pub(crate) use normals::unit;
 
 /// A model as its files describe it, not yet dressed for a scene.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(crate) struct Model {
     pub(crate) parts: Vec<Part>,
     pub(crate) materials: Vec<Material>,
@@ -24,7 +24,7 @@ pub(crate) struct Model {
 }
 
 /// The faces of one object or group with one material.
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 pub(crate) struct Part {
     pub(crate) name: String,
     /// Into the materials of the model; `None` for faces without `usemtl`.

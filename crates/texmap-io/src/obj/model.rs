@@ -6,9 +6,11 @@ use super::check::{self, Checked};
 use super::materials::{check_names, libraries, material};
 use super::parts::parts;
 use super::{Model, Part};
+use crate::error::{shortened, shown};
+use crate::files::is_called;
 use crate::scene_file::Missing;
 use crate::textures::Textures;
-use crate::{IoError, Place, files};
+use crate::{IoError, Place};
 
 /// Reads a model, its libraries and their maps. `missing` tells what an absent library, material or map is;
 /// `textured`, whether faces without a material will get a texture and so need coordinates.
@@ -19,8 +21,22 @@ pub(crate) fn read(
     textured: bool,
     textures: &mut Textures,
 ) -> Result<Model, IoError> {
-    let text = files::read_text(path, named_by)?;
-    let checked = check::check(path, &text)?;
+    let key = (path.to_path_buf(), missing, textured);
+    if let Some((known, bytes)) = textures.models.get(&key) {
+        let (model, bytes) = (known.clone(), *bytes);
+        textures.read_again(path, named_by, "obj", bytes)?;
+        return Ok(model);
+    }
+    let again = textures.was_read(path);
+    let text = textures.text(path, named_by, "obj")?;
+    let bytes = text.len();
+    let quotes = is_called(path, "obj");
+    let hidden = |error: IoError| match quotes {
+        true => error,
+        false => error.without_words(),
+    };
+    let checked = check::check(path, &text).map_err(hidden)?;
+    drop(text);
     if checked.faces.is_empty() {
         return Err(IoError::EmptyMesh {
             path: path.to_path_buf(),
@@ -30,40 +46,54 @@ pub(crate) fn read(
     let mut warnings = Vec::new();
     let descriptions = libraries(path, &checked, missing, textures, &mut warnings)?;
     let lenient = missing == Missing::Warn || textures.tolerant;
-    check_names(&checked, &descriptions, lenient, &mut warnings)?;
+    check_names(&checked, &descriptions, lenient, &mut warnings).map_err(hidden)?;
     let parts = parts(path, &checked, &descriptions, textured)?;
     report(path, &checked, &parts, &mut warnings);
     let mut materials = Vec::new();
     for description in descriptions {
         materials.push(material(description, missing, textures, &mut warnings)?);
     }
-    Ok(Model {
+    let model = Model {
         parts,
         materials,
         colored: checked.colored,
         warnings,
-    })
+    };
+    if again {
+        // It will be named a third time; its warnings were told.
+        let silent = Model {
+            warnings: Vec::new(),
+            ..model.clone()
+        };
+        textures.models.insert(key, (silent, bytes));
+    }
+    Ok(model)
 }
 
 fn report(path: &Path, checked: &Checked, parts: &[Part], warnings: &mut Vec<String>) {
     if checked.lines_and_points > 0 {
         warnings.push(format!(
             "{}: {} lines and points are not drawn",
-            path.display(),
+            shown(path),
             checked.lines_and_points
         ));
     }
     if let Some((place, word)) = &checked.unknown {
+        let word = match is_called(path, "obj") {
+            true => word,
+            false => "...",
+        };
         warnings.push(format!(
-            "{place}: `{word}` is not known; lines like it are left out"
+            "{place}: `{}` is not known; lines like it are left out",
+            shortened(word)
         ));
     }
     for part in parts {
         if let Some((count, line)) = part.projected {
             warnings.push(format!(
                 "{}:{line}: mesh '{}': {count} faces without texture coordinates; box projection stands in",
-                path.display(),
-                part.name
+                shown(path),
+                shortened(&part.name)
             ));
         }
     }

@@ -8,7 +8,9 @@ use std::path::Path;
 
 use super::check::finite;
 use super::not_drawn::NotDrawn;
-use crate::{IoError, Place, files};
+use crate::error::shortened;
+use crate::textures::Textures;
+use crate::{IoError, Place};
 
 /// A material as its library describes it.
 #[derive(Debug, Clone, PartialEq)]
@@ -58,9 +60,10 @@ pub(super) struct Map {
 pub(super) fn read(
     path: &Path,
     named_by: &Place,
+    textures: &mut Textures,
     warnings: &mut Vec<String>,
 ) -> Result<Vec<Description>, IoError> {
-    let text = files::read_text(path, Some(named_by))?;
+    let text = textures.text(path, Some(named_by), "mtllib")?;
     let checked = check(path, &text, warnings)?;
     let (materials, _) =
         tobj::load_mtl_buf(&mut checked.text.as_bytes()).map_err(|e| IoError::BrokenModel {
@@ -206,7 +209,8 @@ fn color(
     };
     if rgb.iter().any(|c| *c > 1.0) {
         warnings.push(format!(
-            "{place}: `{command} {rest}` is above 1 and cut to it"
+            "{place}: `{command} {}` is above 1 and cut to it",
+            shortened(rest)
         ));
     }
     let [r, g, b] = rgb.map(|c| c.min(1.0));
@@ -319,8 +323,9 @@ fn map(
             }
             "-bm" if matches!(command, "map_Bump" | "disp") => map.height = Some(number(0, 1.0)?),
             other => warnings.push(format!(
-                "{}: `{command}`: the option {other} is not supported",
-                map.place
+                "{}: `{command}`: the option {} is not supported",
+                map.place,
+                shortened(other)
             )),
         }
     }
@@ -377,7 +382,10 @@ mod tests {
         std::fs::write(&path, text).unwrap();
         let mut warnings = Vec::new();
         let place = Place::new(Path::new("a.obj"), 1, 1);
-        (read(&path, &place, &mut warnings), warnings)
+        (
+            read(&path, &place, &mut Textures::default(), &mut warnings),
+            warnings,
+        )
     }
 
     #[test]

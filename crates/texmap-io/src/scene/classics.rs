@@ -11,7 +11,7 @@ use super::settings::{CurrentTexture, Settings, WHITE, surface};
 use crate::font::built_in_font;
 use crate::scene_file::{Classic, Role, SolidLine, SolidSource as Source};
 use crate::textures::{Content, Textures};
-use crate::{IoError, Place, files};
+use crate::{IoError, Place};
 
 /// The classics that later faces are under.
 #[derive(Debug, Clone, Default)]
@@ -56,7 +56,8 @@ pub(super) fn statement(
     known: &mut Known,
 ) -> Result<(), IoError> {
     let missing = settings.missing;
-    let beside = |name: &str| files::beside(&place.file, name);
+    let source = textures.source.clone();
+    let beside = |name: &str| source.beside(&place.file, name);
     let color = scene.color;
     let mut load = |name: &str| textures.load(&beside(name), place, Content::Color, missing);
     match classic {
@@ -148,7 +149,7 @@ pub(super) fn statement(
         }
         Classic::Sky(Some((name, Some(chart)))) => {
             let shown = Use::Shown { mips: false };
-            let index = environment(scene, known, &beside(name), place, *chart, shown)?;
+            let index = environment(scene, known, &source, &beside(name), place, *chart, shown)?;
             scene.effects.backdrop = Some(Backdrop::Environment(index));
         }
         Classic::Volume {

@@ -16,7 +16,7 @@ use super::classics;
 use super::settings::{Settings, emitted};
 use crate::scene_file::{Bias, CarveLine, Effect, Formula, Missing, ProjectorLine, ReliefLine};
 use crate::textures::{Content, Textures};
-use crate::{IoError, Place, environment_io, files, obj};
+use crate::{FileSource, IoError, Place, environment_io, obj};
 
 /// The effects that later faces are under.
 #[derive(Debug, Clone, Default)]
@@ -194,7 +194,8 @@ pub(super) fn statement(
     known: &mut Known,
 ) -> Result<(), IoError> {
     let missing = settings.missing;
-    let beside = |name: &str| files::beside(&place.file, name);
+    let source = textures.source.clone();
+    let beside = |name: &str| source.beside(&place.file, name);
     let mut texture = |name: &str, content| textures.load(&beside(name), place, content, missing);
     match effect {
         &Effect::SpotLight {
@@ -258,7 +259,9 @@ pub(super) fn statement(
                 Some(line) => {
                     let (path, shown) = (beside(&line.file), Use::Shown { mips: line.mips });
                     Some(Reflection {
-                        environment: environment(scene, known, &path, place, line.chart, shown)?,
+                        environment: environment(
+                            scene, known, &source, &path, place, line.chart, shown,
+                        )?,
                         reflectivity: line.share,
                     })
                 }
@@ -269,7 +272,9 @@ pub(super) fn statement(
                 None => None,
                 Some((name, chart, exponent)) => {
                     let (path, gathered) = (beside(name), Use::Gathered(exponent.to_bits()));
-                    Some(environment(scene, known, &path, place, *chart, gathered)?)
+                    Some(environment(
+                        scene, known, &source, &path, place, *chart, gathered,
+                    )?)
                 }
             };
         }
@@ -418,6 +423,7 @@ fn projector(
 pub(super) fn environment(
     scene: &mut Scene,
     known: &mut Known,
+    source: &FileSource,
     path: &std::path::Path,
     place: &Place,
     chart: Chart,
@@ -427,7 +433,7 @@ pub(super) fn environment(
     if let Some(&index) = known.get(&key) {
         return Ok(index);
     }
-    let read = environment_io::read_named(path, chart, Some(place))?;
+    let read = environment_io::read_named(source, path, chart, Some(place))?;
     let light = match purpose {
         Use::Shown { mips: false } => read,
         Use::Shown { mips: true } => read.with_mips(),
@@ -452,11 +458,14 @@ pub(super) fn environment(
 /// differ there are split.
 pub(super) fn second_uvs(
     meshes: &mut [Mesh],
+    textures: &mut Textures,
     path: &std::path::Path,
     place: &Place,
 ) -> Result<(), IoError> {
-    let mut unused = Textures::new(true, true);
-    let other = obj::read(path, Some(place), Missing::Warn, false, &mut unused)?;
+    let mut unused = textures.for_coordinates();
+    let other = obj::read(path, Some(place), Missing::Warn, false, &mut unused);
+    textures.take_counts(unused);
+    let other = other?;
     let broken = |problem: String| IoError::BrokenModel {
         path: path.to_path_buf(),
         problem,

@@ -18,14 +18,14 @@ use texmap_render::{ColorMode, Scene};
 use crate::framing::{AUTO_FOV, Bounds, View, auto_lights};
 use crate::scene_file::{Alpha, Missing, Surf};
 use crate::textures::Textures;
-use crate::{IoError, Place, obj};
+use crate::{FileSource, IoError, Place, obj};
 use build::Builder;
 use settings::Settings;
 
 pub(crate) use tree::Tree;
 
 /// What the files do not say.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct LoadOptions {
     /// What a missing map or material library is; `missing` lines of a scene overrule it.
     pub missing: Missing,
@@ -33,15 +33,18 @@ pub struct LoadOptions {
     pub aspect: f64,
     /// Whether colours are converted, instead of what the scene says (an OBJ: that they are).
     pub color: Option<ColorMode>,
+    /// Where all files are read from, the one that is loaded too.
+    pub files: FileSource,
 }
 
 impl Default for LoadOptions {
-    /// Missing files are errors; pictures of 16 : 9; colours as the scene says.
+    /// Missing files are errors; pictures of 16 : 9; colours as the scene says; files from anywhere.
     fn default() -> Self {
         Self {
             missing: Missing::Error,
             aspect: 16.0 / 9.0,
             color: None,
+            files: FileSource::anywhere(),
         }
     }
 }
@@ -51,7 +54,7 @@ impl Default for LoadOptions {
 /// # Errors
 /// Whatever is wrong with it or with a file it names, see [`IoError`]; [`IoError::UnknownFormat`] for other names.
 pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene, IoError> {
-    match kind(path)? {
+    match kind(path, &options.files)? {
         Kind::Scene => load_scene(path, options),
         Kind::Obj => load_obj(path, options),
     }
@@ -86,12 +89,12 @@ pub(crate) enum Kind {
     Obj,
 }
 
-pub(crate) fn kind(path: &Path) -> Result<Kind, IoError> {
+pub(crate) fn kind(path: &Path, files: &FileSource) -> Result<Kind, IoError> {
     match path.extension().and_then(|e| e.to_str()) {
         Some(e) if e.eq_ignore_ascii_case("scene") => Ok(Kind::Scene),
         Some(e) if e.eq_ignore_ascii_case("obj") => Ok(Kind::Obj),
         // A name that does not exist is that, whatever its ending.
-        _ => crate::files::regular(path, None).and(Err(IoError::UnknownFormat {
+        _ => files.check(path, None).and(Err(IoError::UnknownFormat {
             path: path.to_path_buf(),
         })),
     }
@@ -103,9 +106,9 @@ pub(crate) fn read_scene(
     options: &LoadOptions,
     tolerant: bool,
 ) -> Result<(Scene, Textures), IoError> {
-    let tree = Tree::read(path)?;
+    let tree = Tree::read(path, &options.files)?;
     let color = options.color.unwrap_or(tree.color_mode());
-    let textures = Textures::new(color == ColorMode::Raw, tolerant);
+    let textures = Textures::new(options.files.clone(), color == ColorMode::Raw, tolerant);
     let settings = Settings {
         missing: options.missing,
         ..Settings::default()
@@ -121,7 +124,7 @@ pub(crate) fn read_obj(
     tolerant: bool,
 ) -> Result<(Scene, Textures), IoError> {
     let color = options.color.unwrap_or_default();
-    let mut textures = Textures::new(color == ColorMode::Raw, tolerant);
+    let mut textures = Textures::new(options.files.clone(), color == ColorMode::Raw, tolerant);
     let model = obj::read(path, None, options.missing, false, &mut textures)?;
     let matte = Surf {
         color: [0.8; 3],

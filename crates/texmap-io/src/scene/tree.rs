@@ -4,8 +4,9 @@ use std::path::{Path, PathBuf};
 
 use texmap_render::ColorMode;
 
+use crate::files::{MAX_TEXT, is_called};
 use crate::scene_file::{self, Command, SceneFile};
-use crate::{IoError, Place, files};
+use crate::{FileSource, IoError, Place};
 
 /// A parsed file and, in the order of its `include` lines, those below it.
 #[derive(Debug)]
@@ -15,54 +16,85 @@ pub(crate) struct Tree {
     pub(crate) included: Vec<Self>,
 }
 
-/// Two `include` lines in each of n files make 2^n files of them; here is the end of that.
+/// Two `include` lines in each of n files make 2^n files of them, and a hundred lines may name one long file a hundred times;
+/// here is the end of that. The file that is loaded itself does not count.
 const MAX_FILES: u32 = 4096;
 const MAX_DEPTH: usize = 32;
+const MAX_BYTES: usize = 1 << 28;
+const MAX_LINES: usize = 1 << 22;
+const ALLOWED: &str =
+    "files within files up to 32 deep; 4096 of them, 256 MiB and 4 million lines in all";
+
+/// What was read so far.
+#[derive(Debug, Default)]
+struct Progress {
+    /// The canonical names of the files that are being read.
+    open: Vec<PathBuf>,
+    files: u32,
+    bytes: usize,
+    lines: usize,
+}
+
+impl Progress {
+    /// Counts an included file; whether it still may be read.
+    fn allows(&mut self, text: &str) -> bool {
+        self.files += 1;
+        self.bytes += text.len();
+        self.lines += text.bytes().filter(|b| *b == b'\n').count() + 1;
+        self.open.len() <= MAX_DEPTH
+            && self.files <= MAX_FILES
+            && self.bytes <= MAX_BYTES
+            && self.lines <= MAX_LINES
+    }
+}
 
 impl Tree {
-    pub(crate) fn read(path: &Path) -> Result<Self, IoError> {
-        Self::below(path, None, &mut Vec::new(), &mut 0)
+    pub(crate) fn read(path: &Path, files: &FileSource) -> Result<Self, IoError> {
+        Self::below(path, None, files, &mut Progress::default())
     }
 
-    /// `open`: the canonical names of the files that are being read; `count`: all that were.
     fn below(
         path: &Path,
         named_by: Option<&Place>,
-        open: &mut Vec<PathBuf>,
-        count: &mut u32,
+        files: &FileSource,
+        progress: &mut Progress,
     ) -> Result<Self, IoError> {
-        let text = files::read_text(path, named_by)?;
+        let text = files.text_named(path, named_by, MAX_TEXT)?;
         let canonical = path.canonicalize().unwrap_or_else(|_| path.to_path_buf());
-        if let Some(place) = named_by.filter(|_| open.contains(&canonical)) {
+        if let Some(place) = named_by.filter(|_| progress.open.contains(&canonical)) {
             return Err(IoError::IncludeCycle {
                 place: place.clone(),
                 path: path.to_path_buf(),
             });
         }
-        *count += 1;
-        if let Some(place) = named_by.filter(|_| open.len() > MAX_DEPTH || *count > MAX_FILES) {
+        if let Some(place) = named_by
+            && !progress.allows(&text)
+        {
             return Err(IoError::OutOfRange {
                 place: place.clone(),
                 command: "include",
                 text: path.display().to_string(),
-                allowed: "files within files up to 32 deep, and 4096 in all",
+                allowed: ALLOWED,
             });
         }
-        open.push(canonical);
-        let file = scene_file::parse(path, &text)?;
+        progress.open.push(canonical);
+        let file = scene_file::parse(path, &text).map_err(|error| {
+            if is_called(path, "scene") {
+                error
+            } else {
+                error.without_words()
+            }
+        })?;
+        drop(text);
         let mut included = Vec::new();
         for statement in &file.statements {
             if let Command::Include(name) = &statement.command {
                 let place = Place::new(path, statement.line, statement.column);
-                included.push(Self::below(
-                    &files::beside(path, name),
-                    Some(&place),
-                    open,
-                    count,
-                )?);
+                let name = files.beside(path, name);
+                included.push(Self::below(&name, Some(&place), files, progress)?);
             }
         }
-        open.pop();
+        progress.open.pop();
         Ok(Self {
             path: path.to_path_buf(),
             file,

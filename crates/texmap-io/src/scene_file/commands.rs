@@ -83,14 +83,18 @@ pub(super) fn known_word(
     if let Some(word) = COMMANDS.iter().find(|w| **w == token.text && !token.quoted) {
         return Ok(word);
     }
-    let distance = |word: &&str| edit_distance(&token.text.to_lowercase(), word);
-    let nearest = COMMANDS.iter().copied().min_by_key(distance);
+    // A word may be as long as a file: no command looks like one that is.
+    let written = token.text.to_lowercase();
+    let short = written.len() < 40;
+    let distance = |word: &&str| edit_distance(&written, word);
+    let nearest = COMMANDS.iter().copied().filter(|_| short);
+    let nearest = nearest.min_by_key(distance);
     // One slip in a short word, two in a longer one.
     let allowed = if token.text.len() <= 4 { 1 } else { 2 };
     Err(IoError::UnknownCommand {
         place: Place::new(file, line, token.column),
         word: token.text.chars().take(40).collect(),
-        nearest: nearest.filter(|word| token.text.len() < 40 && distance(word) <= allowed),
+        nearest: nearest.filter(|word| distance(word) <= allowed),
     })
 }
 

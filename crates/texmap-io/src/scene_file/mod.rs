@@ -271,7 +271,7 @@ pub enum Rate {
 }
 
 /// What a missing map or material library is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Missing {
     /// An error.
     #[default]

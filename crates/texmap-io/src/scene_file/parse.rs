@@ -39,7 +39,8 @@ pub fn parse(file: &Path, text: &str) -> Result<SceneFile, IoError> {
                 return Err(IoError::StrayNumber {
                     place: Place::new(file, line, first.column),
                     text: first.text.into(),
-                });
+                }
+                .without_words());
             };
             args.extend(line, &tokens);
             continue;
@@ -47,7 +48,12 @@ pub fn parse(file: &Path, text: &str) -> Result<SceneFile, IoError> {
         if let Some(complete) = args.take() {
             parser.statement(&complete)?;
         }
-        let word = known_word(file, line, first)?;
+        // A file that does not begin like a scene may be anything: nothing of it is quoted.
+        let foreign = parser.scene.statements.is_empty();
+        let word = known_word(file, line, first).map_err(|error| match foreign {
+            true => error.without_words(),
+            false => error,
+        })?;
         let mut next = Args::new(file, word, line, first.column);
         next.extend(line, rest);
         args = Some(next);

@@ -7,7 +7,7 @@ use std::time::Instant;
 
 use texmap_io::framing::{Bounds, View};
 use texmap_io::npy::{self, Values};
-use texmap_io::{CameraPath, LoadOptions};
+use texmap_io::{CameraPath, FileSource, LoadOptions};
 use texmap_lab::picture::Picture;
 use texmap_lab::verify::{Verified, verify};
 use texmap_math::Level;
@@ -34,12 +34,14 @@ pub(crate) fn item(
     item: &Item,
     level: Level,
     walk: Option<&CameraPath>,
+    files: &FileSource,
 ) -> Result<Vec<ItemReport>, Failure> {
     let began = Instant::now();
     let size = args.resolution;
     let options = LoadOptions {
         aspect: f64::from(size.width) / f64::from(size.height),
         color: args.color,
+        files: files.clone(),
         ..LoadOptions::default()
     };
     let mut scene = texmap_io::load(&item.input, &options)?;

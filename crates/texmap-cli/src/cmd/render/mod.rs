@@ -9,6 +9,7 @@ use texmap_raster::Interp;
 use texmap_render::ColorMode;
 use texmap_sample::{Filter, Wrap};
 
+use crate::cmd::Root;
 use crate::cmd::render::budget::{MaxError, Quality};
 use crate::cmd::render::report::{ItemReport, Report};
 use crate::failure::{self, Exit, Failure};
@@ -108,6 +109,8 @@ pub(crate) struct RenderArgs {
     /// room.png gives room.uv.npy of shape (height, width, channels)
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
     aov: Vec<AovArg>,
+    #[command(flatten)]
+    root: Root,
     /// Print a report as JSON to standard output
     #[arg(long)]
     pub(crate) json: bool,
@@ -119,11 +122,16 @@ pub(crate) struct RenderArgs {
 pub(crate) fn run(args: &RenderArgs) -> Result<Exit, Failure> {
     let level = args.level.level()?;
     let items = plan::items(args)?;
-    let walk = args.path.as_deref().map(CameraPath::read).transpose()?;
+    let files = args.root.files()?;
+    let walk = args
+        .path
+        .as_deref()
+        .map(|path| CameraPath::read_from(path, &files))
+        .transpose()?;
     let mut reports: Vec<ItemReport> = Vec::new();
     let mut failures = Vec::new();
     for item in &items {
-        match draw::item(args, item, level, walk.as_ref()) {
+        match draw::item(args, item, level, walk.as_ref(), &files) {
             Ok(done) => reports.extend(done),
             // Alone, a bad input is the whole answer; among others it is one line of the report.
             Err(failure) if items.len() == 1 => return Err(failure),

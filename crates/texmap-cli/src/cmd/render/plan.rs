@@ -8,6 +8,7 @@ use texmap_render::Scene;
 use crate::cmd::render::RenderArgs;
 use crate::failure::Failure;
 use crate::formats;
+use crate::os_name;
 use crate::output::{Destination, Stage};
 
 /// One input and the name of its picture; none in a dry run without `-o`.
@@ -30,14 +31,11 @@ impl Item {
 
 /// The name of frame `n`, if the name has a place for it: `%04d`.
 pub(crate) fn numbered(output: &Path, n: u32) -> Option<PathBuf> {
-    let name = output.to_string_lossy();
+    let name = os_name::bytes(output.as_os_str());
     let place = find_counter(&name)?;
-    Some(PathBuf::from(format!(
-        "{}{n:0width$}{}",
-        &name[..place.start],
-        &name[place.end..],
-        width = place.width
-    )))
+    let number = format!("{n:0width$}", width = place.width);
+    let parts = [&name[..place.start], number.as_bytes(), &name[place.end..]];
+    Some(os_name::of_bytes(parts.concat()).into())
 }
 
 /// Names all outputs and checks them: endings, numbers, twins, and that each can be written.
@@ -124,6 +122,9 @@ pub(crate) fn memory(args: &RenderArgs, scene: &Scene) -> u64 {
         + pixels * (8 * pictures + arrays as u64)
 }
 
+/// Where the name of an input stands in the name of an output.
+const MODEL: &str = "{model}";
+
 fn name(inputs: &[PathBuf], output: Option<&Path>) -> Result<Vec<Item>, Failure> {
     let Some(output) = output else {
         return Ok(inputs
@@ -134,13 +135,15 @@ fn name(inputs: &[PathBuf], output: Option<&Path>) -> Result<Vec<Item>, Failure>
             })
             .collect());
     };
-    let text = output.to_string_lossy();
-    let template = if text.ends_with('/') || output.is_dir() {
-        output.join("{model}.png").to_string_lossy().into_owned()
-    } else {
-        text.into_owned()
+    let folder = os_name::bytes(output.as_os_str()).ends_with(b"/") || output.is_dir();
+    let template = match folder {
+        true => output.join("{model}.png"),
+        false => output.to_owned(),
     };
-    if inputs.len() > 1 && !template.contains("{model}") {
+    let holds_model = os_name::bytes(template.as_os_str())
+        .windows(MODEL.len())
+        .any(|part| part == MODEL.as_bytes());
+    if inputs.len() > 1 && !holds_model {
         return Err(Failure::usage(
             format!(
                 "{} inputs and one output {}",
@@ -153,10 +156,11 @@ fn name(inputs: &[PathBuf], output: Option<&Path>) -> Result<Vec<Item>, Failure>
     Ok(inputs
         .iter()
         .map(|input| {
-            let model = input.file_stem().unwrap_or_default().to_string_lossy();
+            let model = input.file_stem().unwrap_or_default();
+            let output = os_name::replaced(template.as_os_str(), MODEL, model);
             Item {
                 input: input.clone(),
-                output: Some(PathBuf::from(template.replace("{model}", &model))),
+                output: Some(output.into()),
             }
         })
         .collect())
@@ -179,7 +183,7 @@ fn check_name(args: &RenderArgs, output: &Path) -> Result<(), Failure> {
             ))
         });
     }
-    match (args.frames, find_counter(&text)) {
+    match (args.frames, find_counter(text.as_bytes())) {
         (Some(_), None) => Err(Failure::usage(
             format!("{text}: --frames needs a place for the number"),
             "write %04d into the name: -o walk%04d.png",
@@ -200,23 +204,20 @@ struct Counter {
     width: usize,
 }
 
-fn find_counter(name: &str) -> Option<Counter> {
-    let start = name.rfind('%')?;
-    let digits: String = name[start + 1..]
-        .chars()
-        .take_while(char::is_ascii_digit)
-        .collect();
-    let end = start + 1 + digits.len();
-    if !name[end..].starts_with('d')
-        || digits.len() > 2
-        || (!digits.is_empty() && !digits.starts_with('0'))
-    {
-        return None;
-    }
-    Some(Counter {
+fn find_counter(name: &[u8]) -> Option<Counter> {
+    let start = name.iter().rposition(|b| *b == b'%')?;
+    let after = &name[start + 1..];
+    let digits = after.iter().take_while(|b| b.is_ascii_digit()).count();
+    let width = match &after[..digits] {
+        [] => 1,
+        [b'0'] => 0,
+        [b'0', digit] => usize::from(digit - b'0'),
+        _ => return None,
+    };
+    (after.get(digits) == Some(&b'd')).then_some(Counter {
         start,
-        end: end + 1,
-        width: digits.parse().unwrap_or(1),
+        end: start + 1 + digits + 1,
+        width,
     })
 }
 
@@ -267,7 +268,7 @@ mod tests {
         );
         assert_eq!(item("w.png").frame_output(None), Some("w.png".into()));
         for bad in ["w.png", "w%s.png", "w%4d.png", "w%0004d.png"] {
-            assert!(find_counter(bad).is_none(), "{bad} was taken");
+            assert!(find_counter(bad.as_bytes()).is_none(), "{bad} was taken");
         }
     }
 }

@@ -9,7 +9,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
-use texmap_io::npy;
+use texmap_io::{FileSource, npy};
 use texmap_math::Level;
 use texmap_math::glam::DVec3;
 use texmap_uv::{
@@ -142,6 +142,7 @@ pub(crate) fn run(args: &UvArgs) -> Result<Exit, Failure> {
     };
     let (set, around) =
         coordinates(args, &source, &mesh, &cuts, &seams).map_err(|e| source.fault(&e))?;
+    source.finite(&mesh, &set)?;
 
     let mut written = Vec::new();
     let main = args.output.as_deref().or(args.tangents.as_deref());
@@ -352,14 +353,7 @@ fn mapping(args: &UvArgs, map: Map) -> Mapping {
 
 /// Pairs of vertex numbers, from 1 in the file, from 0 here.
 fn read_pairs(path: &Path, vertices: usize) -> Result<Vec<[u32; 2]>, Failure> {
-    let text = fs::read_to_string(path).map_err(|e| {
-        Failure::new(
-            Exit::Input,
-            "read-failed",
-            format!("{}: cannot be read: {e}", path.display()),
-            "check the name and its permissions",
-        )
-    })?;
+    let text = FileSource::anywhere().read_text(path, FileSource::MAX_LIST)?;
     let mut pairs = Vec::new();
     for (line, content) in text.lines().enumerate() {
         let body = content.split('#').next().unwrap_or("").trim();
@@ -377,11 +371,8 @@ fn read_pairs(path: &Path, vertices: usize) -> Result<Vec<[u32; 2]>, Failure> {
         match numbers.as_deref() {
             Some([a, b]) => pairs.push([a - 1, b - 1]),
             _ => {
-                let what = format!(
-                    "{}:{}: `{body}` is no pair of vertices",
-                    path.display(),
-                    line + 1
-                );
+                // Nothing is quoted: the file may be anything.
+                let what = format!("{}:{}: no pair of vertices", path.display(), line + 1);
                 return Err(Failure::new(
                     Exit::Input,
                     "bad-pair",

@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use texmap_io::shortened;
 use texmap_uv::{Faces, UvSet};
 
 /// A fault of the file: line from 1, what, and what to try.
@@ -44,9 +45,11 @@ pub(in crate::cmd) struct Obj {
 }
 
 impl Obj {
-    pub(in crate::cmd) fn parse(text: String) -> Result<Self, Fault> {
+    /// `quotes`: whether faults may quote the text.
+    pub(in crate::cmd) fn parse(text: String, quotes: bool) -> Result<Self, Fault> {
         let mut reader = Reader {
             text: &text,
+            quotes,
             ..Reader::default()
         };
         for (number, statement) in statements(&text) {
@@ -182,6 +185,7 @@ fn statements(text: &str) -> impl Iterator<Item = (usize, Range<usize>)> + '_ {
 #[derive(Default)]
 struct Reader<'a> {
     text: &'a str,
+    quotes: bool,
     line: usize,
     positions: Vec<[f32; 3]>,
     vts: Vec<[f32; 2]>,
@@ -280,14 +284,14 @@ impl Reader<'_> {
             "" => Ok(None),
             _ => part.parse::<i64>().map(Some).map_err(|_| {
                 self.fault(
-                    format!("`{text}` is no corner"),
+                    format!("`{}` is no corner", self.quoted(text)),
                     "write v, v/vt, v//vn or v/vt/vn",
                 )
             }),
         };
         if parts.next().is_some() {
             return Err(self.fault(
-                format!("`{text}` has too many parts"),
+                format!("`{}` has too many parts", self.quoted(text)),
                 "write v, v/vt, v//vn or v/vt/vn",
             ));
         }
@@ -340,10 +344,21 @@ impl Reader<'_> {
         for (slot, value) in out.iter_mut().zip(values) {
             let text = &self.text[value.clone()];
             *slot = text.parse().map_err(|_| {
-                self.fault(format!("`{text}` is no number"), "write a decimal number")
+                self.fault(
+                    format!("`{}` is no number", self.quoted(text)),
+                    "write a decimal number",
+                )
             })?;
         }
         Ok(out)
+    }
+
+    /// A word of the file for a message.
+    fn quoted(&self, word: &str) -> String {
+        match self.quotes {
+            true => shortened(word).to_string(),
+            false => "...".to_owned(),
+        }
     }
 
     fn fault(&self, what: String, why: &'static str) -> Fault {
@@ -390,7 +405,7 @@ mod tests {
 
     #[test]
     fn only_vt_and_corners_change() {
-        let obj = Obj::parse(QUAD.into()).unwrap();
+        let obj = Obj::parse(QUAD.into(), true).unwrap();
         assert_eq!(
             (obj.positions.len(), obj.faces.len(), obj.lines[0]),
             (4, 1, 13)
@@ -408,7 +423,7 @@ mod tests {
             .replace("l 1/1 2", "l 1 2");
         assert_eq!(new, expected);
         // Reading it again gives the same set, writing that the same text.
-        let again = Obj::parse(new.clone()).unwrap();
+        let again = Obj::parse(new.clone(), true).unwrap();
         assert_eq!(again.set.as_ref(), Some(&set));
         assert_eq!(again.with(&set), new);
     }
@@ -416,9 +431,9 @@ mod tests {
     #[test]
     fn a_file_without_coordinates_gets_them_before_its_first_face() {
         let text = "v 0 0 0\nv 1 0 0\nv 0 1 0\ng a\nf 1 2 3\nf 1//1 2//1 3//1\nvn 0 0 1";
-        assert_eq!(Obj::parse(text.into()).unwrap_err().line, 6);
+        assert_eq!(Obj::parse(text.into(), true).unwrap_err().line, 6);
         let text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\ng a\nf 1 2 3\nf 1//1 2//1 3//1";
-        let obj = Obj::parse(text.into()).unwrap();
+        let obj = Obj::parse(text.into(), true).unwrap();
         assert!(obj.set.is_none() && obj.normals().is_empty());
         let set = UvSet {
             uvs: vec![[0.0, 0.5]],
@@ -442,8 +457,12 @@ mod tests {
             ("v 0 0 0\nf 1/2/3/4 1 1\n", 2),
             ("v 0 0 0\nf 1000000000000000000000 1 1\n", 2),
         ] {
-            assert_eq!(Obj::parse(text.into()).unwrap_err().line, line, "{text}");
+            assert_eq!(
+                Obj::parse(text.into(), true).unwrap_err().line,
+                line,
+                "{text}"
+            );
         }
-        assert_eq!(Obj::parse(String::new()).unwrap().faces.len(), 0);
+        assert_eq!(Obj::parse(String::new(), true).unwrap().faces.len(), 0);
     }
 }

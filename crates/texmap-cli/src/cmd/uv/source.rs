@@ -1,12 +1,15 @@
 //! An OBJ file and the words for what is wrong with it.
 
-use std::fs;
 use std::path::Path;
 
+use texmap_io::{FileSource, shown};
 use texmap_uv::{Mesh, UvError, UvSet, tangents};
 
 use super::obj::Obj;
 use crate::failure::{Exit, Failure};
+
+/// Models above this size are refused: 2 GiB, as where scenes name them.
+const MAX_OBJ: u64 = 1 << 31;
 
 /// An OBJ and its name.
 pub(in crate::cmd) struct Source<'a> {
@@ -16,31 +19,12 @@ pub(in crate::cmd) struct Source<'a> {
 
 impl<'a> Source<'a> {
     pub(in crate::cmd) fn read(path: &'a Path) -> Result<Self, Failure> {
-        let bytes = fs::read(path).map_err(|e| {
-            let why = if path.is_dir() {
-                "it is a folder".to_owned()
-            } else {
-                e.to_string()
-            };
-            Failure::new(
-                Exit::Input,
-                "read-failed",
-                format!("{}: cannot be read: {why}", path.display()),
-                "check the name and its permissions",
-            )
-        })?;
-        // OBJ is ASCII; names in other encodings pass through only as UTF-8.
-        let text = String::from_utf8(bytes).map_err(|e| {
-            let at = e.utf8_error().valid_up_to();
-            let line = e.as_bytes()[..at].iter().filter(|b| **b == b'\n').count() + 1;
-            Failure::new(
-                Exit::Input,
-                "not-text",
-                format!("{}:{line}: not UTF-8 text", path.display()),
-                "is it an OBJ? Save names in UTF-8",
-            )
-        })?;
-        let obj = Obj::parse(text).map_err(|f| {
+        let text = FileSource::anywhere().read_text(path, MAX_OBJ)?;
+        // Of a file that is not called an OBJ nothing is quoted: it may be anything.
+        let quotes = path
+            .extension()
+            .is_some_and(|e| e.eq_ignore_ascii_case("obj"));
+        let obj = Obj::parse(text, quotes).map_err(|f| {
             Failure::new(
                 Exit::Input,
                 "bad-obj",
@@ -64,6 +48,30 @@ impl<'a> Source<'a> {
         })?;
         set.check(mesh)?;
         Ok(set)
+    }
+
+    /// Refuses coordinates to be written that are not finite: large positions over small sizes go beyond what floats hold, and
+    /// an unused `vt` may be anything.
+    pub(in crate::cmd) fn finite(&self, mesh: &Mesh<'_>, set: &UvSet) -> Result<(), Failure> {
+        let bad = |uv: &[f32; 2]| !uv.iter().all(|c| c.is_finite());
+        if !set.uvs.iter().any(bad) {
+            return Ok(());
+        }
+        let of_face = |face: &usize| {
+            let corners = &set.corners[mesh.faces().range(*face)];
+            corners.iter().any(|&i| bad(&set.uvs[i as usize]))
+        };
+        let path = shown(self.path);
+        let place = match (0..mesh.faces().len()).find(of_face) {
+            Some(face) => format!("{path}:{}: a coordinate of this face", self.obj.lines[face]),
+            None => format!("{path}: a coordinate that no face uses"),
+        };
+        Err(Failure::new(
+            Exit::Input,
+            "not-finite",
+            format!("{place} is NaN or beyond 32-bit floats"),
+            "mend the `vt` line, make the model smaller, or give a larger --frame or --tile",
+        ))
     }
 
     pub(in crate::cmd) fn tangents(

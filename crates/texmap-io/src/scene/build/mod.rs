@@ -17,7 +17,7 @@ use super::shapes::{self, Bones, DisplaceSetting};
 use super::tree::Tree;
 use crate::scene_file::{Command, Role, RoundShape, Shape, Statement};
 use crate::textures::{Content, Textures};
-use crate::{IoError, Place, files};
+use crate::{IoError, Place};
 
 pub(super) struct Builder {
     scene: Scene,
@@ -188,7 +188,7 @@ impl Builder {
             Command::Shape(shape) => self.shape(shape, place)?,
             Command::Texture(None) => self.settings.texture = None,
             Command::Texture(Some(name)) => {
-                let path = files::beside(&place.file, name);
+                let path = self.textures.source.beside(&place.file, name);
                 let index =
                     self.textures
                         .load(&path, place, Content::Color, self.settings.missing)?;
@@ -267,7 +267,7 @@ impl Builder {
     fn shape(&mut self, shape: &Shape, place: &Place) -> Result<(), IoError> {
         let missing = self.settings.missing;
         let mut data = |name: &str| {
-            let path = files::beside(&place.file, name);
+            let path = self.textures.source.beside(&place.file, name);
             self.textures.load(&path, place, Content::Data, missing)
         };
         match shape {

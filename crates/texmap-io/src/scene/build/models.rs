@@ -9,11 +9,11 @@ use crate::obj::{self, Model};
 use crate::scene::effects::{self, Coordinates};
 use crate::scene::settings::{emitted, light};
 use crate::scene_file::{Alpha, Role};
-use crate::{IoError, Place, files};
+use crate::{IoError, Place, shortened};
 
 impl Builder {
     pub(super) fn obj(&mut self, name: &str, place: &Place) -> Result<(), IoError> {
-        let path = files::beside(&place.file, name);
+        let path = self.textures.source.beside(&place.file, name);
         let textured = self.settings.texture.is_some() || self.settings.effects.reads_uv();
         match obj::read(
             &path,
@@ -30,9 +30,12 @@ impl Builder {
                 self.model(model, &stem, place);
                 match &self.settings.effects.lightmap_uv {
                     None => Ok(()),
-                    Some((path, named)) => {
-                        effects::second_uvs(&mut self.scene.meshes[first..], path, named)
-                    }
+                    Some((path, named)) => effects::second_uvs(
+                        &mut self.scene.meshes[first..],
+                        &mut self.textures,
+                        path,
+                        named,
+                    ),
                 }
             }
             Err(error @ (IoError::FileMissing { .. } | IoError::NotAFile { .. }))
@@ -81,11 +84,12 @@ impl Builder {
                 Vec::new()
             };
             let mesh = Mesh {
-                name: if part.name == "unnamed_object" {
-                    stem.to_owned()
-                } else {
-                    part.name
-                },
+                // Names are for people and messages.
+                name: shortened(match part.name.as_str() {
+                    "unnamed_object" => stem,
+                    name => name,
+                })
+                .to_string(),
                 positions: part.positions,
                 normals: part.normals,
                 uvs: part.uvs,
@@ -154,7 +158,7 @@ impl Builder {
                     strength: 1.0,
                 },
             }),
-            name: m.name.clone(),
+            name: shortened(&m.name).to_string(),
             surface: Surface {
                 color: light(m.kd, color),
                 ka: 1.0,
