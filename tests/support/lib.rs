@@ -1,5 +1,7 @@
 //! What the suites share: SIMD levels, strategies, scenes, golden images.
 
+#[cfg(unix)]
+pub mod attack;
 pub mod golden;
 pub mod levels;
 

@@ -1,0 +1,130 @@
+//! One run of the program under watch: time, memory, signals.
+
+use std::ffi::OsString;
+use std::fs::{self, File};
+use std::io;
+use std::path::Path;
+use std::process::{Child, Command, ExitStatus, Stdio};
+use std::time::{Duration, Instant};
+
+/// Where standard output goes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Stdout {
+    Kept,
+    /// A device without room.
+    Full,
+    /// A pipe that nobody reads.
+    Closed,
+}
+
+/// A signal and the milliseconds after which it is sent.
+pub(super) type Interrupt = (&'static str, u64);
+
+/// How a run ended.
+#[derive(Debug)]
+pub(super) struct Ending {
+    pub(super) status: Option<ExitStatus>,
+    /// It did not end within the time; then it was killed.
+    pub(super) hung: bool,
+    /// It took more memory than allowed; then it was killed.
+    pub(super) large: bool,
+    pub(super) stdout: Vec<u8>,
+    pub(super) stderr: Vec<u8>,
+    pub(super) took: Duration,
+}
+
+/// Longest time of one run: of the processor where the system tells it, for busy machines, and of the clock where it rests.
+const LONGEST: Duration = Duration::from_secs(10);
+/// Longest time whatever the machine does.
+const LAST: Duration = Duration::from_secs(60);
+/// Most bytes of memory.
+const MOST: u64 = 3 << 30;
+
+pub(super) fn run(
+    program: &Path,
+    folder: &Path,
+    arguments: &[OsString],
+    stdout: Stdout,
+    interrupt: Option<Interrupt>,
+) -> io::Result<Ending> {
+    let logs = tempfile::tempdir()?;
+    let (out, err) = (logs.path().join("out"), logs.path().join("err"));
+    let mut command = Command::new(program);
+    command
+        .args(arguments)
+        .current_dir(folder)
+        .stdin(Stdio::null());
+    command.stderr(File::create(&err)?);
+    match stdout {
+        Stdout::Kept => command.stdout(File::create(&out)?),
+        Stdout::Full => command.stdout(File::options().write(true).open("/dev/full")?),
+        Stdout::Closed => command.stdout(Stdio::piped()),
+    };
+    let began = Instant::now();
+    let mut child = command.spawn()?;
+    drop(child.stdout.take());
+    let (mut hung, mut large) = (false, false);
+    let mut interrupt = interrupt;
+    // Processor time when it last moved, and when that was.
+    let mut moved = (Duration::ZERO, began);
+    let status = loop {
+        if let Some(status) = child.try_wait()? {
+            break Some(status);
+        }
+        let now = began.elapsed();
+        if let Some((signal, after)) = interrupt
+            && now >= Duration::from_millis(after)
+        {
+            send(&child, signal)?;
+            interrupt = None;
+        }
+        if let Some(used) = processor_time(child.id())
+            && used > moved.0
+        {
+            moved = (used, Instant::now());
+        }
+        let rests = moved.1.elapsed() > LONGEST;
+        hung = moved.0 > LONGEST || rests || now > LAST;
+        large = memory(child.id()).is_some_and(|bytes| bytes > MOST);
+        if hung || large {
+            child.kill()?;
+            child.wait()?;
+            break None;
+        }
+        std::thread::sleep(Duration::from_millis(if now.as_millis() < 100 {
+            1
+        } else {
+            5
+        }));
+    };
+    Ok(Ending {
+        status,
+        hung,
+        large,
+        stdout: fs::read(out).unwrap_or_default(),
+        stderr: fs::read(err)?,
+        took: began.elapsed(),
+    })
+}
+
+/// The shell's `kill`: the standard library sends no signal but the last one.
+fn send(child: &Child, signal: &str) -> io::Result<()> {
+    let command = format!("kill -{signal} {} 2>/dev/null || true", child.id());
+    Command::new("sh").arg("-c").arg(command).status().map(drop)
+}
+
+/// Linux: what the process has used of its processors, in ticks of a hundredth of a second.
+fn processor_time(id: u32) -> Option<Duration> {
+    let text = fs::read_to_string(format!("/proc/{id}/stat")).ok()?;
+    // The name of the program stands in brackets and may hold blanks.
+    let mut fields = text.rsplit_once(')')?.1.split_whitespace().skip(11);
+    let ticks = fields.next()?.parse::<u64>().ok()? + fields.next()?.parse::<u64>().ok()?;
+    Some(Duration::from_millis(10 * ticks))
+}
+
+/// Linux: bytes in memory, in pages of 4 KiB.
+fn memory(id: u32) -> Option<u64> {
+    let text = fs::read_to_string(format!("/proc/{id}/statm")).ok()?;
+    let pages: u64 = text.split_whitespace().nth(1)?.parse().ok()?;
+    Some(4096 * pages)
+}
