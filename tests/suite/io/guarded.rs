@@ -28,9 +28,9 @@ fn silent(error: &IoError) {
 fn a_root_holds_for_everything_that_a_scene_or_model_names() {
     let quad = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 3/1\n";
     let files = Files::new()
+        .with("in/m.obj", format!("mtllib m.mtl\n{quad}"))
         .with_png("in/a.png", 4, 2, [9, 9, 9, 255])
         .with_png("out.png", 4, 2, [9, 9, 9, 255])
-        .with("in/m.obj", format!("mtllib m.mtl\n{quad}"))
         .with("out.obj", quad)
         .with("out.mtl", "newmtl a\n")
         .with("out.scene", "v 0 0 0\n")
@@ -141,10 +141,10 @@ fn messages_keep_the_words_of_files_that_are_no_scenes() {
     assert!(error.to_string().contains("`lok`") && error.help().contains("`look`"));
     // The first word of a scene is not quoted, and still there is help.
     let error = Files::new()
-        .with("a.scene", "eey 0 0 6\n")
+        .with("a.scene", "eyee 0 0 6\n")
         .load("a.scene")
-        .expect_err("eey");
-    assert!(!error.to_string().contains("eey") && error.help().contains("`eye`"));
+        .expect_err("eyee");
+    assert!(!error.to_string().contains("eyee") && error.help().contains("`eye`"));
 }
 
 #[test]

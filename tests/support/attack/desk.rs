@@ -33,7 +33,7 @@ tf 0 0 0 3 0 4 2 4 4 1 4 0
 ";
 
 /// Lines that are added to the scene one at a time: each brings one more kind of file, or one more effect.
-const MORE: [&str; 16] = [
+const MORE: [&str; 28] = [
     "obj m.obj",
     "env sky.hdr lat-long 0.3\nobj m.obj",
     "solid grid.npy 0 0 0 4 4 4\nf 0 1 2",
@@ -50,6 +50,18 @@ const MORE: [&str; 16] = [
     "specmap sky.hdr lat-long 8\nobj m.obj",
     "billboard 0 1 0 1 1",
     "bone 0 0 0 0 1 0\nskin smooth 0.2\nobj m.obj",
+    "ls 1 1 1 0 4 0 0 -1 0 20 40\nshadow 32 taps 3 slope 0.01",
+    "lp 1 1 1 0 4 1\nshadow 16 normal-offset 1 area 0 0 0 3",
+    "round sphere 0 0 0 10 20 30 2 2 2 3 1\nff 0 1 2 3",
+    "frame 0 0 0 1 0 0 0 0 1\nff 0 1 2 3",
+    "carve marble 0.1 0 0 0 1 1 1 octaves 5 fold 2\nobj m.obj",
+    "carve waves 0.1 0 0 0 1 1 1 around 7\nobj m.obj",
+    "emboss \"AB\" 0.1\nobj m.obj",
+    "offsetmap check.png 0.5 down\nobj m.obj",
+    "translate 1 0 0\nrotate 30 0 1 0\nscale 2 1 1\nobj m.obj",
+    "alpha test 0.5\nfilter anisotropic:8\nwrap clamp-to-border repeat\nborder 1 0 0 0.5\ntf 0 -1 -1 1 9 0 2 4 4",
+    "shade modulate vertex\ngouraud perspective\ninterp span:8\ntf 0 0 0 1 1 0 2 1 1",
+    "solid wood 0 0 0 1 1 1 octaves 3 fold 0.4\nramp check.png\ncel check.png\nf 0 1 2",
 ];
 
 const PART: &str = "v 0 2 0\nv 1 2 0\nv 0 3 0\nf 0 1 2\n";

@@ -87,7 +87,7 @@ pub(super) fn spoilt(name: &str, good: &[u8], rng: &mut Rng) -> Vec<u8> {
         Path::new(name).extension().and_then(|e| e.to_str()),
         Some("png" | "gif" | "jpg" | "hdr" | "exr" | "npy")
     );
-    match rng.below(if text { 16 } else { 10 }) {
+    match rng.below(if text { 22 } else { 10 }) {
         0 => Vec::new(),
         1 => (0..rng.below(5000)).map(|_| rng.next() as u8).collect(),
         2 => good[..rng.below(good.len())].to_vec(),
@@ -122,8 +122,56 @@ pub(super) fn spoilt(name: &str, good: &[u8], rng: &mut Rng) -> Vec<u8> {
             );
             [good, line.as_bytes()].concat()
         }
-        _ => words(good, rng),
+        13..=15 => words(good, rng),
+        _ => numbers(good, rng),
     }
+}
+
+/// Numbers that a format allows and few expect.
+fn numbers(good: &[u8], rng: &mut Rng) -> Vec<u8> {
+    let text = String::from_utf8_lossy(good).into_owned();
+    let mut words: Vec<&str> = text.split_inclusive([' ', '\n', ',', '[', ']']).collect();
+    let is_number = |word: &&str| {
+        word.trim_end_matches([' ', '\n', ',', '[', ']'])
+            .parse::<f64>()
+            .is_ok()
+    };
+    let places: Vec<usize> = (0..words.len()).filter(|&i| is_number(&words[i])).collect();
+    let extremes = [
+        "0",
+        "-0",
+        "1",
+        "-1",
+        "0.5",
+        "1e-3",
+        "1e-38",
+        "1e-45",
+        "1e9",
+        "-1e9",
+        "1e30",
+        "3.4e38",
+        "-3.4e38",
+        "2",
+        "90",
+        "180",
+        "360",
+        "16384",
+        "1000000",
+        "4294967295",
+    ];
+    let mut fresh = Vec::new();
+    for _ in 0..1 + rng.below(6) {
+        if places.is_empty() {
+            break;
+        }
+        let at = places[rng.below(places.len())];
+        let end = words[at].trim_start_matches(|c: char| !" \n,[]".contains(c));
+        fresh.push((at, format!("{}{end}", rng.pick(&extremes))));
+    }
+    for (at, word) in &fresh {
+        words[*at] = word;
+    }
+    words.concat().into_bytes()
 }
 
 /// Sizes in the header of a picture or an array.
@@ -173,7 +221,7 @@ fn words(good: &[u8], rng: &mut Rng) -> Vec<u8> {
         let Some(line) = lines.get_mut(at) else { break };
         let within = rng.below(line.len());
         match rng.below(6) {
-            0 => line.truncate(within),
+            0 => line.truncate(within + 1),
             1 => line.insert(within, word(rng)),
             2 => {
                 let again = line[within].clone();

@@ -181,7 +181,7 @@ impl Case {
         let (number, turns) = (number as usize, Kind::TURNS.len());
         let kind = Kind::TURNS[number % turns];
         let mut line = Line::new(LINES[(number / turns + 7 * (number % turns)) % LINES.len()]);
-        let desk = Desk::new(rng.below(64))?;
+        let desk = Desk::new(rng.below(280))?;
         let (mut stdout, mut interrupt) = (Stdout::Kept, None);
         let change = match kind {
             Kind::Content => {

@@ -1,12 +1,13 @@
 //! `texmap mip`: the mip chain of an image as files.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::Args;
 use texmap_io::{Lost, image_io, write_pixels};
 use texmap_render::ColorMode;
 use texmap_sample::ColorSpace;
 
+use crate::cmd::render::plan::numbered;
 use crate::failure::{Exit, Failure};
 use crate::formats;
 use crate::output::{Destination, Stage};
@@ -21,7 +22,7 @@ pub(crate) struct MipArgs {
     image: PathBuf,
     /// Name of the files with %d or %02d for the level; their ending is .png, .hdr or .exr
     #[arg(short, long, value_name = "OUT%02d.png")]
-    output: String,
+    output: PathBuf,
     /// srgb decodes before averaging; raw averages the codes. Floats are averaged as they are
     #[arg(long, value_name = "SPACE", value_parser = values::color, default_value = "srgb")]
     color: ColorMode,
@@ -31,9 +32,16 @@ pub(crate) struct MipArgs {
 }
 
 pub(crate) fn run(args: &MipArgs) -> Result<Exit, Failure> {
-    let names = Pattern::new(&args.output)?;
-    let first = Destination::new(Path::new(&names.of(0)))?;
-    let format = formats::picture(Path::new(&args.output))?;
+    let name = |level| {
+        numbered(&args.output, level).ok_or_else(|| {
+            Failure::usage(
+                format!("-o {}: no place for the level", args.output.display()),
+                "name the files with %d or %02d, such as out%02d.png",
+            )
+        })
+    };
+    let first = name(0)?;
+    let format = formats::picture(&args.output)?;
     let space = match args.color {
         ColorMode::Srgb => ColorSpace::Srgb,
         ColorMode::Raw => ColorSpace::Linear,
@@ -51,6 +59,7 @@ pub(crate) fn run(args: &MipArgs) -> Result<Exit, Failure> {
         Some(threshold) => texture.with_coverage_mips(threshold),
         None => texture.with_mips(),
     };
+    let first = Destination::new(&first)?;
     let mut stage = Stage::new(&first)?;
     let code = formats::pixel_code(format, bits, args.color, texture.has_alpha());
     let mut lost = Lost::default();
@@ -58,7 +67,7 @@ pub(crate) fn run(args: &MipArgs) -> Result<Exit, Failure> {
         let Some((width, height)) = texture.level_size(level) else {
             break;
         };
-        let destination = Destination::new(Path::new(&names.of(level)))?;
+        let destination = Destination::new(&name(level)?)?;
         let path = stage.add(destination, format.ending());
         write_pixels(&path, code, (width, height), |out| {
             let mut row = vec![0; code.bytes() * width as usize];
@@ -70,66 +79,6 @@ pub(crate) fn run(args: &MipArgs) -> Result<Exit, Failure> {
         })?;
     }
     stage.commit()?;
-    formats::warn(Path::new(&args.output), format, lost);
+    formats::warn(&args.output, format, lost);
     Ok(Exit::Done)
-}
-
-/// A name around a number.
-struct Pattern<'a> {
-    before: &'a str,
-    digits: usize,
-    after: &'a str,
-}
-
-impl<'a> Pattern<'a> {
-    fn new(text: &'a str) -> Result<Self, Failure> {
-        let refused = || {
-            Failure::usage(
-                format!("-o {text}: no place for the level"),
-                "name the files with %d or %02d, such as out%02d.png",
-            )
-        };
-        let (before, rest) = text.split_once('%').ok_or_else(refused)?;
-        let (digits, after) = rest.split_once('d').ok_or_else(refused)?;
-        let digits = match digits {
-            "" => 1,
-            d => d
-                .strip_prefix('0')
-                .and_then(|d| d.parse().ok())
-                .filter(|d| (1..=9).contains(d))
-                .ok_or_else(refused)?,
-        };
-        Ok(Self {
-            before,
-            digits,
-            after,
-        })
-    }
-
-    fn of(&self, level: u32) -> String {
-        format!(
-            "{}{level:0digits$}{}",
-            self.before,
-            self.after,
-            digits = self.digits
-        )
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn names_count_the_levels() {
-        assert_eq!(Pattern::new("a%02d.png").unwrap().of(7), "a07.png");
-        assert_eq!(Pattern::new("a%d.png").unwrap().of(11), "a11.png");
-        for bad in ["a.png", "a%.png", "a%2d.png", "a%0xd.png"] {
-            assert_eq!(
-                Pattern::new(bad).err().map(|f| f.exit),
-                Some(Exit::Usage),
-                "{bad}"
-            );
-        }
-    }
 }

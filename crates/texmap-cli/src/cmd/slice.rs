@@ -20,7 +20,7 @@ use crate::values;
 )]
 pub(crate) struct SliceArgs {
     /// The grid (.npy), or the pattern: marble, wood, noise
-    volume: String,
+    volume: PathBuf,
     /// The file to write; its ending (.png, .hdr, .exr) says what it becomes
     #[arg(short, long, value_name = "OUT")]
     output: PathBuf,
@@ -96,7 +96,7 @@ pub(crate) fn run(args: &SliceArgs) -> Result<Exit, Failure> {
         wrap_v: Wrap::ClampToEdge,
         ..Sampler::default()
     };
-    let pattern = match args.volume.as_str() {
+    let pattern = match args.volume.to_str().unwrap_or_default() {
         "marble" => Some(Pattern::Marble {
             octaves: 4,
             turbulence: 1.0,
@@ -107,7 +107,7 @@ pub(crate) fn run(args: &SliceArgs) -> Result<Exit, Failure> {
     };
     let grid = match pattern {
         Some(_) => None,
-        None => Some(texmap_io::read_grid(args.volume.as_ref())?),
+        None => Some(texmap_io::read_grid(&args.volume)?),
     };
     let [columns, rows, slices] = grid
         .as_ref()
