@@ -5,7 +5,7 @@ use std::io::{self, Write};
 use clap::CommandFactory;
 use clap::error::ErrorKind;
 use serde::Serialize;
-use texmap_io::plain;
+use texmap_io::{plain, plain_json};
 
 use crate::args::Cli;
 
@@ -153,16 +153,18 @@ pub(crate) fn say(text: &str) {
 
 /// Text, to standard output, without control characters but line feeds. A closed pipe is not a failure.
 pub(crate) fn print(text: &str) {
+    write_out(&plain(text));
+}
+
+fn write_out(text: &str) {
     let mut out = io::stdout().lock();
-    let _ = out
-        .write_all(plain(text).as_bytes())
-        .and_then(|()| out.flush());
+    let _ = out.write_all(text.as_bytes()).and_then(|()| out.flush());
 }
 
 /// One JSON document and a newline, to standard output.
 pub(crate) fn print_json(value: &impl Serialize) {
     match serde_json::to_string_pretty(value) {
-        Ok(text) => print(&(text + "\n")),
+        Ok(text) => write_out(&plain_json(&(text + "\n"))),
         Err(e) => say(&format!(
             "error[internal]: the report could not be written as JSON: {e}\n"
         )),

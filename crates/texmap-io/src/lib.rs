@@ -46,7 +46,7 @@ mod textures;
 
 pub use camera_path::{CameraPath, Stop};
 pub use environment_io::{read_environment, write_environment, write_light};
-pub use error::{IoError, Place, plain, shortened, shown};
+pub use error::{IoError, Place, plain, plain_json, shortened, shown};
 pub use files::FileSource;
 pub use font::built_in_font;
 pub use grids::read_grid;

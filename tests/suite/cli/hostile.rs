@@ -131,7 +131,7 @@ fn names_and_words_of_files_cannot_command_a_terminal() {
         "b.obj",
         "o \u{1b}[31mred\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n",
     );
-    let odd = "\u{1b}[31m\u{202e}.obj";
+    let odd = "\u{1b}[31m\u{9b}\u{202e}.obj";
     std::fs::copy(desk.path("b.obj"), desk.path(odd)).unwrap();
     for words in [
         &["render", "a.scene", "-o", "out.png"][..],
@@ -158,6 +158,9 @@ fn names_and_words_of_files_cannot_command_a_terminal() {
             .find(|c| (c.is_control() && *c != '\n') || *c == '\u{202e}');
         assert_eq!(raw, None, "{words:?}: {said:?}");
     }
+    // Values of JSON are the names themselves, however they are written.
+    let run = crate::program::run(desk.path("").as_path(), &["info", odd, "--json"]).ok();
+    assert_eq!(run.json()["file"], odd);
 }
 
 #[test]

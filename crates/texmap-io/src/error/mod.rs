@@ -10,7 +10,7 @@ use std::path::PathBuf;
 use place::line_of;
 
 pub use place::Place;
-pub use shown::{plain, shortened, shown};
+pub use shown::{plain, plain_json, shortened, shown};
 
 use shown::one_message;
 

@@ -35,6 +35,21 @@ pub fn plain(text: &str) -> String {
     out
 }
 
+/// A JSON document in which strings hold no character that commands a terminal: those that JSON itself does not demand to be
+/// escaped are escaped too, which changes no value.
+pub fn plain_json(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    for c in text.chars() {
+        // Line feeds and blanks stand between values; all others of that kind lie in the Basic Multilingual Plane.
+        if c != '\n' && commands(c) {
+            let _ = write!(out, "\\u{:04x}", u32::from(c));
+        } else {
+            out.push(c);
+        }
+    }
+    out
+}
+
 /// The name of a file for a message: whole, with its control characters escaped; what is no Unicode is U+FFFD.
 pub fn shown(path: &Path) -> impl fmt::Display {
     cut(&path.to_string_lossy(), usize::MAX)
@@ -85,6 +100,10 @@ mod tests {
         assert!(short.ends_with('\u{2026}'));
         assert_eq!(shortened(&long[..400]).to_string(), long[..400]);
         assert_eq!(shown(Path::new(&long)).to_string(), long);
+        assert_eq!(
+            plain_json("{\n\"\u{9b}\u{202e}é\"}"),
+            "{\n\"\\u009b\\u202eé\"}"
+        );
         assert_eq!(plain("a\u{1b}\n\nb\r"), "a\\u{1b}\n\nb\\u{d}");
     }
 }
