@@ -10,6 +10,7 @@
 
 use std::path::PathBuf;
 use std::process::ExitCode;
+use std::time::Duration;
 
 fn main() -> ExitCode {
     #[cfg(unix)]
@@ -36,7 +37,9 @@ fn run() -> ExitCode {
         Some(one) => one..one + 1,
         None => 0..number(&cases).unwrap_or(3000),
     };
-    match texmap_tests::attack::attack(&program, seed, range) {
+    match texmap_tests::attack::attack(&program, seed, range, Duration::from_secs(10), |finding| {
+        println!("{finding}")
+    }) {
         Ok(summary) => {
             print!("{summary}");
             if summary.findings.is_empty() {

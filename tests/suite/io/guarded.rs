@@ -90,6 +90,13 @@ fn a_root_holds_for_everything_that_a_scene_or_model_names() {
     assert_eq!(listed.problems().count(), 0);
     let listed = info_with(&files.path("in/map.obj"), &within(&files, "in")).expect("a report");
     assert_eq!(listed.problems().count(), 1);
+    // A report goes on behind what is outside.
+    let text = "obj ../out.obj\nobj lib.obj\ntexture ../out.png\n";
+    fs::write(files.path("in/a.scene"), text).expect("a scene");
+    let listed = info_with(&files.path("in/a.scene"), &within(&files, "in")).expect("a report");
+    let problems: Vec<_> = listed.problems().map(|f| f.path.clone()).collect();
+    let names = ["in/../out.obj", "in/../out.mtl", "in/../out.png"];
+    assert_eq!(problems, names.map(|name| files.path(name)));
 }
 
 #[test]

@@ -33,19 +33,18 @@ pub(super) struct Ending {
     pub(super) took: Duration,
 }
 
-/// Longest time of one run: of the processor where the system tells it, for busy machines, and of the clock where it rests.
-const LONGEST: Duration = Duration::from_secs(10);
-/// Longest time whatever the machine does.
-const LAST: Duration = Duration::from_secs(60);
 /// Most bytes of memory.
 const MOST: u64 = 3 << 30;
 
+/// `longest`: of the processor where the system tells it, for busy machines, and of the clock where the program rests; six times as
+/// much whatever the machine does.
 pub(super) fn run(
     program: &Path,
     folder: &Path,
     arguments: &[OsString],
     stdout: Stdout,
     interrupt: Option<Interrupt>,
+    longest: Duration,
 ) -> io::Result<Ending> {
     let logs = tempfile::tempdir()?;
     let (out, err) = (logs.path().join("out"), logs.path().join("err"));
@@ -83,8 +82,8 @@ pub(super) fn run(
         {
             moved = (used, Instant::now());
         }
-        let rests = moved.1.elapsed() > LONGEST;
-        hung = moved.0 > LONGEST || rests || now > LAST;
+        let rests = moved.1.elapsed() > longest;
+        hung = moved.0 > longest || rests || now > 6 * longest;
         large = memory(child.id()).is_some_and(|bytes| bytes > MOST);
         if hung || large {
             child.kill()?;

@@ -13,6 +13,7 @@ use std::fmt::{self, Write as _};
 use std::io;
 use std::os::unix::process::ExitStatusExt;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use child::{Ending, Interrupt, Stdout};
 use desk::{Desk, OLD, SECRET};
@@ -58,7 +59,7 @@ impl Kind {
 pub enum Fault {
     /// A panic, or exit code 6.
     Panic,
-    /// Longer than ten seconds.
+    /// Longer than allowed.
     Hang,
     /// More than 3 GiB.
     Memory,
@@ -100,6 +101,18 @@ pub struct Finding {
     pub text: String,
 }
 
+impl fmt::Display for Finding {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self {
+            number,
+            kind,
+            fault,
+            text,
+        } = self;
+        write!(f, "case {number} ({kind:?}): {fault:?}: {text}")
+    }
+}
+
 /// What came of all cases.
 #[derive(Debug, Clone, Default)]
 pub struct Summary {
@@ -123,13 +136,6 @@ impl Summary {
 
 impl fmt::Display for Summary {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        for finding in &self.findings {
-            writeln!(
-                f,
-                "case {} ({:?}): {:?}: {}",
-                finding.number, finding.kind, finding.fault, finding.text
-            )?;
-        }
         write!(f, "| cases |")?;
         for fault in Fault::ALL {
             write!(f, " {fault:?} |")?;
@@ -149,7 +155,7 @@ impl fmt::Display for Summary {
     }
 }
 
-/// Runs the cases of these numbers.
+/// Runs the cases of these numbers, each for no more than `longest` of the processor; `told` hears what goes wrong at once.
 ///
 /// # Errors
 /// When a working folder cannot be made or the program not be started.
@@ -157,10 +163,14 @@ pub fn attack(
     program: &Path,
     seed: u64,
     numbers: impl Iterator<Item = u64>,
+    longest: Duration,
+    mut told: impl FnMut(&Finding),
 ) -> io::Result<Summary> {
     let mut summary = Summary::default();
     for number in numbers {
-        Case::new(seed, number)?.run(program, number, &mut summary)?;
+        let known = summary.findings.len();
+        Case::new(seed, number)?.run(program, number, longest, &mut summary)?;
+        summary.findings[known..].iter().for_each(&mut told);
     }
     Ok(summary)
 }
@@ -267,7 +277,13 @@ impl Case {
         })
     }
 
-    fn run(self, program: &Path, number: u64, summary: &mut Summary) -> io::Result<()> {
+    fn run(
+        self,
+        program: &Path,
+        number: u64,
+        longest: Duration,
+        summary: &mut Summary,
+    ) -> io::Result<()> {
         let before = self.desk.state()?;
         let words = &self.line.words;
         let ending = child::run(
@@ -276,6 +292,7 @@ impl Case {
             words,
             self.stdout,
             self.interrupt,
+            longest,
         )?;
         let after = self.desk.state()?;
         *summary.cases.entry(self.kind).or_default() += 1;

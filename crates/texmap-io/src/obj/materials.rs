@@ -38,6 +38,11 @@ pub(super) fn libraries(
                     textures.note(&library, place, Err(error.to_string()));
                     warnings.push(format!("{error}: its materials are left out"));
                 }
+                Err(error @ (IoError::NotAFile { .. } | IoError::OutsideRoot { .. }))
+                    if textures.tolerant =>
+                {
+                    textures.note(&library, place, Err(error.to_string()));
+                }
                 Err(error) => return Err(error),
             }
         }

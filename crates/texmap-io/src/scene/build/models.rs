@@ -38,9 +38,11 @@ impl Builder {
                     ),
                 }
             }
-            Err(error @ (IoError::FileMissing { .. } | IoError::NotAFile { .. }))
-                if self.textures.tolerant =>
-            {
+            Err(
+                error @ (IoError::FileMissing { .. }
+                | IoError::NotAFile { .. }
+                | IoError::OutsideRoot { .. }),
+            ) if self.textures.tolerant => {
                 self.textures.note(&path, place, Err(error.to_string()));
                 Ok(())
             }
