@@ -19,6 +19,8 @@ const MAX_REPEATED: usize = 1 << 27;
 pub(crate) enum Content {
     /// Colours: sRGB, or linear light where they are floats.
     Color,
+    /// Light that was baked: sRGB in raw mode too, as environments are, or linear light where it is floats.
+    Light,
     /// Numbers, taken as they are.
     Data,
 }
@@ -220,7 +222,11 @@ impl Textures {
     ) -> Result<(Texture2d<'static>, (u32, u32, u32)), IoError> {
         let image = image_io::read_named(&self.source, path, Some(place))?;
         let bits = image.texels.bits();
-        let linear = self.raw || content == Content::Data;
+        let linear = match content {
+            Content::Color => self.raw,
+            Content::Light => false,
+            Content::Data => true,
+        };
         let color = if linear {
             ColorSpace::Linear
         } else {

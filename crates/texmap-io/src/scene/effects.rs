@@ -283,7 +283,7 @@ pub(super) fn statement(
         Effect::LightMap(line) => {
             settings.effects.light_map = match line {
                 None => None,
-                Some((name, scale)) => Some((texture(name, Content::Color)?, *scale)),
+                Some((name, scale)) => Some((texture(name, Content::Light)?, *scale)),
             };
         }
         Effect::LightMapUv(name) => {
