@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use serde::{Serialize, Serializer};
 use texmap_render::{Mesh, Scene};
+use texmap_uv::TJoints;
 
 use crate::framing::Bounds;
 use crate::scene::{self, Kind, LoadOptions};
@@ -29,6 +30,8 @@ pub struct FileInfo {
     /// Vertices that lie inside an edge of a face that does not have them, over all meshes together: pixels may be
     /// missing along such edges.
     pub t_joints: usize,
+    /// Too many vertices lie along too many edges to find them all: there may be more T-joints.
+    pub t_joints_at_least: bool,
     /// What a picture of it would warn of.
     pub warnings: Vec<String>,
 }
@@ -108,13 +111,15 @@ pub fn info_with(path: &Path, options: &LoadOptions) -> Result<FileInfo, IoError
             problem,
         }
     });
+    let t_joints = t_joints(&scene);
     Ok(FileInfo {
         file: path.to_path_buf(),
         kind,
         meshes: scene.meshes.iter().map(|m| mesh(m, &scene)).collect(),
         files: files.collect(),
         lights: if kind == "obj" { 0 } else { scene.lights.len() },
-        t_joints: t_joints(&scene),
+        t_joints: t_joints.list.len(),
+        t_joints_at_least: t_joints.at_least,
         sphere: Bounds::of(&scene).map(|b| (b.center.to_array(), b.radius)),
         warnings: scene.warnings,
     })
@@ -145,7 +150,7 @@ fn mesh(mesh: &Mesh, scene: &Scene) -> MeshInfo {
 }
 
 /// T-joints of all meshes as one, in world space; none where a vertex is not finite.
-fn t_joints(scene: &Scene) -> usize {
+fn t_joints(scene: &Scene) -> TJoints {
     let (mut positions, mut triangles) = (Vec::new(), Vec::new());
     for mesh in &scene.meshes {
         let base = positions.len() as u32;
@@ -159,7 +164,8 @@ fn t_joints(scene: &Scene) -> usize {
         triangles.extend(mesh.triangles.iter().map(|t| t.map(|i| i + base)));
     }
     let faces = texmap_uv::Faces::from_triangles(&triangles);
-    texmap_uv::Mesh::new(&positions, &faces).map_or(0, |m| texmap_uv::t_joints(&m).len())
+    texmap_uv::Mesh::new(&positions, &faces)
+        .map_or_else(|_| TJoints::default(), |m| texmap_uv::t_joints(&m))
 }
 
 fn range(uvs: &[[f32; 2]]) -> Option<[[f32; 2]; 2]> {
@@ -198,6 +204,7 @@ fn image(path: &Path, files: &FileSource, unknown: IoError) -> Result<FileInfo, 
         lights: 0,
         sphere: None,
         t_joints: 0,
+        t_joints_at_least: false,
         warnings: Vec::new(),
     })
 }

@@ -12,6 +12,9 @@ use crate::solid::Part;
 use crate::topology::Topology;
 use crate::{Origin, UvError, parallel};
 
+/// A surface that folds over itself is divided in this many rounds, one layer each. What folds more often is divided at once.
+const ROUNDS: u32 = 8;
+
 /// Maps every face by the plane of one of the six axis directions, the one its normal is nearest to (equal ones are
 /// settled z before y before x), and packs the connected regions into one page.
 ///
@@ -55,23 +58,37 @@ pub fn auto_planes(mesh: &Mesh<'_>, page: Page, origin: Origin) -> Result<UvSet,
     pack(mesh, &set, page)
 }
 
+const SIDES: [Part; 6] = [
+    Part::Front,
+    Part::Back,
+    Part::Top,
+    Part::Bottom,
+    Part::Right,
+    Part::Left,
+];
+
 fn sides(mesh: &Mesh<'_>, topology: &Topology, normals: &[DVec3]) -> Vec<Part> {
     let mut sides: Vec<Part> = normals.iter().map(|n| Part::facing(*n)).collect();
     for _ in 0..4 {
         let before = sides.clone();
         for f in 0..sides.len() {
-            let around: Vec<Part> = mesh
+            let (mut votes, mut around) = ([0; 6], 0);
+            for [there, _] in mesh
                 .faces()
                 .range(f)
                 .filter_map(|k| topology.across(mesh, k))
-                .map(|[there, _]| before[topology.face[there] as usize])
-                .collect();
-            let votes = |side: Part| around.iter().filter(|s| **s == side).count();
+            {
+                let side = before[topology.face[there] as usize];
+                around += 1;
+                votes[SIDES.iter().position(|s| *s == side).unwrap_or(0)] += 1;
+            }
             let flat = normals[f] == DVec3::ZERO;
-            let winner = around
-                .iter()
-                .copied()
-                .find(|s| *s != before[f] && votes(*s) * 3 >= around.len() * 2);
+            // No two of them have two thirds.
+            let winner = SIDES
+                .into_iter()
+                .zip(votes)
+                .find(|&(side, votes)| side != before[f] && votes > 0 && votes * 3 >= around * 2)
+                .map(|(side, _)| side);
             if let Some(side) = winner.filter(|s| flat || normals[f].dot(s.outward()) > 0.342) {
                 sides[f] = side;
             }
@@ -97,27 +114,52 @@ fn divide(mesh: &Mesh<'_>, topology: &Topology, sides: &[Part], values: &[[f64; 
             });
         }
     }
-    loop {
-        let joined = |k: usize| {
-            let [a, b] = [
-                topology.face[k] as usize,
-                topology.face[topology.twin[k] as usize] as usize,
-            ];
+    let shells = |layer: &[u32]| {
+        Shells::linked(faces, topology, |k| {
+            let [a, b] = [k, topology.twin[k] as usize].map(|k| topology.face[k] as usize);
             sides[a] == sides[b] && layer[a] == layer[b]
-        };
-        let shells = Shells::linked(faces, topology, joined);
-        let overlaps = overlap::find(&triangles, Some(&shells.of_face), true);
-        if overlaps.list.is_empty() {
-            return shells.of_face;
+        })
+    };
+    for round in 0..ROUNDS {
+        let found = overlap::find(&triangles, Some(&shells(&layer).of_face));
+        if found.later.is_empty() && found.unfinished.is_empty() {
+            return shells(&layer).of_face;
         }
-        // The later face of each pair moves up a layer; at worst every face ends on its own.
-        let mut moved = vec![false; faces];
-        for [_, later] in overlaps.list {
-            moved[later as usize] = true;
+        if !found.unfinished.is_empty() {
+            break;
         }
-        for (layer, _) in layer.iter_mut().zip(&moved).filter(|(_, moved)| **moved) {
-            *layer += 1;
+        // The later face of each pair moves up a layer.
+        for &face in &found.later {
+            layer[face as usize] = round + 1;
         }
+    }
+    first_fit(&triangles, &shells(&layer).of_face, &mut layer);
+    shells(&layer).of_face
+}
+
+/// Moves each face that overlaps earlier ones of its group to the first layer where it overlaps none; faces that cannot be
+/// compared with all others, since too many lie in one place, to layers of their own.
+fn first_fit(triangles: &[Flat], group: &[u32], layer: &mut [u32]) {
+    let (pairs, unfinished) = overlap::pairs(triangles, Some(group));
+    let old = layer.to_vec();
+    // Layers above all those in use, of which each number below belongs to one old layer.
+    let layers = ROUNDS + 1;
+    layer.fill(0);
+    let mut taken = Vec::new();
+    for of_one in pairs.chunk_by(|a, b| a[0] == b[0]) {
+        taken.clear();
+        taken.extend(of_one.iter().map(|[_, earlier]| layer[*earlier as usize]));
+        taken.sort_unstable();
+        taken.dedup();
+        let free = taken.iter().zip(0..).find(|(taken, free)| **taken != *free);
+        layer[of_one[0][0] as usize] = free.map_or(taken.len() as u32, |(_, free)| free);
+    }
+    let most = layer.iter().copied().max().unwrap_or(0) + 1;
+    for (new, old) in layer.iter_mut().zip(old) {
+        *new = *new * layers + old;
+    }
+    for face in unfinished {
+        layer[face as usize] = most * layers + face;
     }
 }
 

@@ -5,10 +5,10 @@ use alloc::vec::Vec;
 use texmap_math::det;
 use texmap_math::glam::DVec2;
 
-use crate::UvError;
 use crate::mesh::{Mesh, UvSet, length};
 use crate::shells::{Shells, compact, root, separate};
 use crate::topology::{MANY, Topology};
+use crate::{UvError, parallel};
 
 /// Edges to cut along: pairs of positions, and all edges whose faces meet at a larger angle.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -33,13 +33,15 @@ impl Cuts<'_> {
             });
         }
         let least = det::cos(angle);
+        let normals = parallel::collect_chunks(mesh.faces().len(), |range| {
+            range.map(|f| mesh.face_normal(f)).collect()
+        });
         for (k, mark) in marks
             .iter_mut()
             .enumerate()
             .filter(|(k, _)| topology.twin[*k] < MANY)
         {
-            let [a, b] =
-                [k, topology.twin[k] as usize].map(|k| mesh.face_normal(topology.face[k] as usize));
+            let [a, b] = [k, topology.twin[k] as usize].map(|k| normals[topology.face[k] as usize]);
             // Without dividing: a face without area cuts nothing.
             let (dot, size) = (a.dot(b), length(a) * length(b));
             *mark |= size > 0.0 && dot < least * size;
@@ -119,73 +121,157 @@ pub fn cut(mesh: &Mesh<'_>, set: &UvSet, cuts: &Cuts<'_>) -> Result<UvSet, UvErr
 }
 
 /// Joins the picture across edges, in order: of two shells the smaller one (fewer faces) is moved, turned and scaled
-/// so that the edge fits; within one shell both sides take the mean.
+/// so that the edge fits; within one shell both sides take the mean. At most n log n steps for n corners and edges.
 ///
 /// # Errors
 /// A pair that is no edge between two faces, an edge without length in the picture.
 pub fn sew(mesh: &Mesh<'_>, set: &UvSet, pairs: &[[u32; 2]]) -> Result<UvSet, UvError> {
     set.check(mesh)?;
     let topology = Topology::new(mesh);
+    let edges = shared_edges(mesh, &topology, pairs)?;
     let mut set = set.clone();
-    for &[a, b] in pairs {
-        let marks = edges_named(mesh, &topology, &[[a, b]])?;
-        let edge = (0..marks.len())
-            .filter(|&k| marks[k])
-            .find_map(|k| topology.across(mesh, k).map(|there| (k, there)));
-        let Some((k, there)) = edge else {
-            return Err(UvError::NotAnEdge { a, b });
-        };
+    let shells = Shells::new(mesh, &set, &topology);
+    separate(&topology, &shells, &mut set);
+    let mut sewing = Sewing::new(&set, shells);
+    for (k, there) in edges {
         let here = [k, topology.next[k] as usize];
-        let shells = Shells::new(mesh, &set, &topology);
-        separate(&topology, &shells, &mut set);
-        let [one, two] = [here[0], there[0]].map(|k| shells.of_face[topology.face[k] as usize]);
+        let [one, two] = [here[0], there[0]].map(|k| sewing.shell[topology.face[k] as usize]);
         if one != two {
-            let size = |shell: u32| shells.of_face.iter().filter(|s| **s == shell).count();
-            let (still, moved, shell) = if size(one) >= size(two) {
-                (here, there, two)
+            let size = |shell: u32| sewing.faces[shell as usize].len();
+            if size(one) >= size(two) {
+                sewing.fit(mesh, there, here, [two, one])?;
             } else {
-                (there, here, one)
-            };
-            let at = |k: usize| DVec2::from(set.at(k).map(f64::from));
-            let (from, to) = (at(moved[1]) - at(moved[0]), at(still[1]) - at(still[0]));
-            let squared = from.dot(from);
-            if squared == 0.0 || to == DVec2::ZERO {
-                return Err(UvError::BadParameter {
-                    what: "length of a sewn edge in the picture",
-                    value: 0.0,
-                });
+                sewing.fit(mesh, here, there, [one, two])?;
             }
-            // The similarity as one complex factor.
-            let factor = DVec2::new(from.dot(to), from.perp_dot(to)) / squared;
-            let (pivot, target) = (at(moved[0]), at(still[0]));
-            let mut done = vec![false; set.uvs.len()];
-            for c in (0..set.corners.len())
-                .filter(|&c| shells.of_face[topology.face[c] as usize] == shell)
-            {
-                let index = set.corners[c] as usize;
-                if !core::mem::replace(&mut done[index], true) {
-                    let d = DVec2::from(set.uvs[index].map(f64::from)) - pivot;
+        }
+        for (keep, merge) in here.into_iter().zip(there) {
+            sewing.merge(keep, merge);
+        }
+    }
+    let Sewing {
+        mut parent, uvs, ..
+    } = sewing;
+    for index in &mut set.corners {
+        *index = root(&mut parent, *index);
+    }
+    set.uvs = uvs;
+    Ok(compact(&set))
+}
+
+/// For each pair the first corner whose edge it is and which has a neighbour, and the neighbour's corners at its ends.
+fn shared_edges(
+    mesh: &Mesh<'_>,
+    topology: &Topology,
+    pairs: &[[u32; 2]],
+) -> Result<Vec<(usize, [usize; 2])>, UvError> {
+    let marks = edges_named(mesh, topology, pairs)?;
+    let mut known = alloc::collections::BTreeMap::new();
+    for k in (0..marks.len()).filter(|&k| marks[k]) {
+        if let Some(there) = topology.across(mesh, k) {
+            known.entry(topology.ends(mesh, k)).or_insert((k, there));
+        }
+    }
+    pairs
+        .iter()
+        .map(|&[a, b]| {
+            let [low, high] = [a, b].map(|i| topology.welded[i as usize]);
+            known
+                .get(&[low.min(high), low.max(high)])
+                .copied()
+                .ok_or(UvError::NotAnEdge { a, b })
+        })
+        .collect()
+}
+
+/// Shells and coordinates while edges are sewn. The smaller shell moves, so that a face moves log n times at most.
+struct Sewing<'a> {
+    corners: &'a [u32],
+    uvs: Vec<[f32; 2]>,
+    /// Coordinates that have become one are a tree.
+    parent: Vec<u32>,
+    /// Shell of each face, and the faces of each shell.
+    shell: Vec<u32>,
+    faces: Vec<Vec<u32>>,
+    /// The last move of each coordinate.
+    moved: Vec<u32>,
+    moves: u32,
+}
+
+impl<'a> Sewing<'a> {
+    fn new(set: &'a UvSet, shells: Shells) -> Self {
+        let mut faces = vec![Vec::new(); shells.count];
+        for (face, shell) in shells.of_face.iter().enumerate() {
+            faces[*shell as usize].push(face as u32);
+        }
+        Self {
+            corners: &set.corners,
+            uvs: set.uvs.clone(),
+            parent: (0..set.uvs.len() as u32).collect(),
+            shell: shells.of_face,
+            faces,
+            moved: vec![0; set.uvs.len()],
+            moves: 0,
+        }
+    }
+
+    fn index(&mut self, corner: usize) -> usize {
+        root(&mut self.parent, self.corners[corner]) as usize
+    }
+
+    fn at(&mut self, corner: usize) -> DVec2 {
+        let index = self.index(corner);
+        DVec2::from(self.uvs[index].map(f64::from))
+    }
+
+    /// Moves a shell, by a similarity, so that the edge between the corners `moved` comes to lie on `still`, and adds it to
+    /// the other shell.
+    fn fit(
+        &mut self,
+        mesh: &Mesh<'_>,
+        moved: [usize; 2],
+        still: [usize; 2],
+        [shell, other]: [u32; 2],
+    ) -> Result<(), UvError> {
+        let ([pivot, p], [target, q]) = (moved.map(|k| self.at(k)), still.map(|k| self.at(k)));
+        let (from, to) = (p - pivot, q - target);
+        let squared = from.dot(from);
+        if squared == 0.0 || to == DVec2::ZERO {
+            return Err(UvError::BadParameter {
+                what: "length of a sewn edge in the picture",
+                value: 0.0,
+            });
+        }
+        // The similarity as one complex factor.
+        let factor = DVec2::new(from.dot(to), from.perp_dot(to)) / squared;
+        self.moves += 1;
+        let faces = core::mem::take(&mut self.faces[shell as usize]);
+        for &face in &faces {
+            self.shell[face as usize] = other;
+            for k in mesh.faces().range(face as usize) {
+                let index = self.index(k);
+                if core::mem::replace(&mut self.moved[index], self.moves) != self.moves {
+                    let d = DVec2::from(self.uvs[index].map(f64::from)) - pivot;
                     let p = target
                         + DVec2::new(
                             factor.x * d.x - factor.y * d.y,
                             factor.x * d.y + factor.y * d.x,
                         );
-                    set.uvs[index] = [p.x as f32, p.y as f32];
+                    self.uvs[index] = [p.x as f32, p.y as f32];
                 }
             }
         }
-        for (keep, merge) in here.into_iter().zip(there) {
-            let (keep, merge) = (set.corners[keep], set.corners[merge]);
-            let (p, q) = (set.uvs[keep as usize], set.uvs[merge as usize]);
-            set.uvs[keep as usize] =
-                core::array::from_fn(|i| ((f64::from(p[i]) + f64::from(q[i])) * 0.5) as f32);
-            set.corners
-                .iter_mut()
-                .filter(|c| **c == merge)
-                .for_each(|c| *c = keep);
-        }
+        self.faces[other as usize].extend(faces);
+        Ok(())
     }
-    Ok(compact(&set))
+
+    /// Makes the coordinates of two corners one, their mean.
+    fn merge(&mut self, keep: usize, merge: usize) {
+        let (keep, merge) = (self.index(keep), self.index(merge));
+        let (p, q) = (self.uvs[keep], self.uvs[merge]);
+        self.uvs[keep] =
+            core::array::from_fn(|i| ((f64::from(p[i]) + f64::from(q[i])) * 0.5) as f32);
+        self.parent[merge] = keep as u32;
+    }
 }
 
 #[cfg(test)]

@@ -69,6 +69,24 @@ pub enum UvError {
         /// The other end.
         b: u32,
     },
+    /// A face of more corners than the unwrapper can take.
+    TooManyCorners {
+        /// The face.
+        face: usize,
+        /// Its corners.
+        corners: usize,
+        /// The most that it takes.
+        limit: usize,
+    },
+    /// A vertex with more triangles around it than the unwrapper can take.
+    TooManyAround {
+        /// The vertex.
+        vertex: u32,
+        /// Triangles around it.
+        triangles: usize,
+        /// The most that it takes.
+        limit: usize,
+    },
     /// The unwrapper gave up.
     Unwrap {
         /// Its own words.
@@ -115,6 +133,22 @@ impl fmt::Display for UvError {
             Self::NotAnEdge { a, b } => {
                 write!(f, "no face has an edge from vertex {a} to vertex {b}")
             }
+            Self::TooManyCorners {
+                face,
+                corners,
+                limit,
+            } => write!(
+                f,
+                "face {face} has {corners} corners, of which the unwrapper takes at most {limit}"
+            ),
+            Self::TooManyAround {
+                vertex,
+                triangles,
+                limit,
+            } => write!(
+                f,
+                "{triangles} triangles lie around vertex {vertex}, of which the unwrapper takes at most {limit}"
+            ),
             Self::Unwrap { reason } => write!(f, "the mesh could not be unwrapped: {reason}"),
         }
     }

@@ -79,15 +79,15 @@ pub(crate) struct Placed {
 }
 
 impl Placed {
-    /// An upright frame fitted to an object; an axis without extent becomes flat.
-    pub(crate) fn fitted(origin: DVec3, size: DVec3) -> Self {
+    /// A frame fitted to an object; an axis without extent becomes flat.
+    pub(crate) fn fitted(origin: DVec3, size: DVec3, rotation: DMat3) -> Self {
         let flat = size.to_array().map(|s| s <= 0.0);
         let size = DVec3::from(core::array::from_fn(
             |i| if flat[i] { 1.0 } else { size[i] },
         ));
         Self {
             origin,
-            rotation: DMat3::IDENTITY,
+            rotation,
             size,
             flat,
         }

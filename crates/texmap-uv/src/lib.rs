@@ -39,6 +39,7 @@ mod overlap;
 mod pack;
 mod parallel;
 mod pixel;
+mod plane;
 mod report;
 mod seam;
 mod shells;
@@ -46,6 +47,7 @@ mod solid;
 mod t_joint;
 mod tangent;
 mod topology;
+mod tree;
 #[cfg(feature = "unwrap")]
 mod unwrap;
 mod views;
@@ -62,9 +64,9 @@ pub use mesh::{Faces, Mesh, UvSet};
 pub use overlap::{Overlaps, overlaps};
 pub use pack::{Page, pack};
 pub use pixel::{PixelMapping, Round};
-pub use report::{Report, ReportOptions, TriangleReport, report};
+pub use report::{Report, ReportOptions, TriangleReport, Unmapped, report, unmapped};
 pub use solid::{Origin, Part, Shape};
-pub use t_joint::{TJoint, t_joints};
+pub use t_joint::{TJoint, TJoints, t_joints};
 pub use tangent::tangents;
 #[cfg(feature = "unwrap")]
 pub use unwrap::unwrap;

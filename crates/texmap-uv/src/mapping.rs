@@ -4,13 +4,13 @@
 
 use alloc::vec;
 use alloc::vec::Vec;
-use texmap_math::glam::DVec3;
+use texmap_math::glam::{DMat3, DVec3};
 use texmap_math::{Level, float};
 
 use crate::frame::{Frame, Placed};
 use crate::mesh::{Mesh, UvSet, length, unit_or_zero};
 use crate::solid::{Origin, Part, Shape};
-use crate::{UvError, lanes, parallel, seam};
+use crate::{UvError, lanes, parallel, plane, seam};
 
 /// What a shape maps.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -39,10 +39,13 @@ pub struct Mapping {
     /// What is mapped.
     pub by: Entity,
     /// Where the shape stands. `None` fits it to the bounding box: a plane and a box fill it, a cylinder and a cone
-    /// keep their round section, a sphere stays round. An axis without extent maps to the middle.
+    /// keep their round section, a sphere stays round. An axis without extent maps to the middle. A plane by position
+    /// turns to the surface: along the normal of a flat one, else along z, or along y or x where that sees it more than
+    /// twice as squarely.
     pub frame: Option<Frame>,
     /// For a plane by position: the size of one picture in object units; u and v then count pictures from the
-    /// frame's (or the object's) origin and are left unbounded, to be wrapped by the sampler.
+    /// frame's (or the object's) origin and are left unbounded, to be wrapped by the sampler. Without a frame the plane
+    /// looks along z, y or x, as above.
     pub tile: Option<[f64; 2]>,
     /// How often the picture repeats on each part.
     pub repeat: [f64; 2],
@@ -76,7 +79,7 @@ impl Mapping {
         }
     }
 
-    /// Plane by its own normal: a slide projected along z.
+    /// Plane by its own normal: a slide projected onto the surface, along z where that sees enough of it.
     #[must_use]
     pub fn slide_projector() -> Self {
         Self::new(Shape::Plane)
@@ -218,10 +221,15 @@ impl Mapping {
         if let Some(frame) = &self.frame {
             return frame.placed();
         }
+        let rotation = if self.shape == Shape::Plane && self.by == Entity::Position {
+            plane::view(mesh, self.tile.is_none())
+        } else {
+            DMat3::IDENTITY
+        };
         if self.tile.is_some() {
-            return Ok(Placed::fitted(DVec3::ZERO, DVec3::ONE));
+            return Ok(Placed::fitted(DVec3::ZERO, DVec3::ONE, rotation));
         }
-        let (low, high) = mesh.bounds();
+        let (low, high) = mesh.bounds(&rotation);
         let extent = high - low;
         let wide = extent.x.max(extent.z);
         let size = match self.shape {
@@ -229,7 +237,8 @@ impl Mapping {
             Shape::Cylinder | Shape::Cone => DVec3::new(wide, extent.y, wide),
             Shape::Sphere => DVec3::splat(wide.max(extent.y)),
         };
-        Ok(Placed::fitted((low + high) * 0.5, size))
+        let middle = rotation * ((low + high) * 0.5);
+        Ok(Placed::fitted(middle, size, rotation))
     }
 
     /// The vector of every position, in the space of the unit solid.

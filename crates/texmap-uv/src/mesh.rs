@@ -4,7 +4,7 @@ use alloc::vec;
 use alloc::vec::Vec;
 use core::ops::Range;
 use texmap_math::float;
-use texmap_math::glam::DVec3;
+use texmap_math::glam::{DMat3, DVec3};
 
 use crate::UvError;
 
@@ -192,21 +192,32 @@ impl<'a> Mesh<'a> {
             .collect()
     }
 
-    /// Lowest and highest coordinates of the positions in use.
-    pub(crate) fn bounds(&self) -> (DVec3, DVec3) {
-        let first = self.vertex(self.faces.corners[0]);
+    /// Lowest and highest coordinates of the positions in use, along the columns of `axes`.
+    pub(crate) fn bounds(&self, axes: &DMat3) -> (DVec3, DVec3) {
+        let turned = axes.transpose();
+        let first = turned * self.vertex(self.faces.corners[0]);
         self.faces
             .corners
             .iter()
-            .map(|&i| self.vertex(i))
+            .map(|&i| turned * self.vertex(i))
             .fold((first, first), |(low, high), p| (low.min(p), high.max(p)))
     }
 
     /// The first position of each group of equal positions, for every position: a mesh split along texture
     /// seams or hard edges is one surface again.
     pub(crate) fn welded(&self) -> Vec<u32> {
-        // One zero for both signs.
-        let key = |i: u32| self.positions[i as usize].map(|c| (c + 0.0).to_bits());
+        // Hashed keys may meet in one place, by chance or by design: then they are sorted.
+        self.welded_by_hash(self.positions.len() as u64 * 8 + 1024)
+            .unwrap_or_else(|| self.welded_by_sorting())
+    }
+
+    /// Bits of a position, with one zero for both signs.
+    fn key(&self, i: u32) -> [u32; 3] {
+        self.positions[i as usize].map(|c| (c + 0.0).to_bits())
+    }
+
+    /// As [`Mesh::welded`] by a table with open addresses; `None` after that many steps in it.
+    fn welded_by_hash(&self, mut steps: u64) -> Option<Vec<u32>> {
         const FREE: u32 = u32::MAX;
         let bits = (2 * self.positions.len())
             .next_power_of_two()
@@ -215,19 +226,32 @@ impl<'a> Mesh<'a> {
         let mut table = vec![FREE; 1 << bits];
         let mut first: Vec<u32> = Vec::with_capacity(self.positions.len());
         for i in 0..self.positions.len() as u32 {
-            let own = key(i);
+            let own = self.key(i);
             // The high bits of a product by an odd number near 2^64 / golden ratio (Knuth 1998, section 6.4), per word.
             let mixed = own.iter().fold(0u64, |h, &word| {
                 (h.rotate_left(29) ^ u64::from(word)).wrapping_mul(0x9e37_79b9_7f4a_7c15)
             });
             let mut slot = (mixed >> (64 - bits)) as usize;
-            while table[slot] != FREE && key(table[slot]) != own {
+            while table[slot] != FREE && self.key(table[slot]) != own {
+                steps = steps.checked_sub(1)?;
                 slot = (slot + 1) & (table.len() - 1);
             }
             if table[slot] == FREE {
                 table[slot] = i;
             }
             first.push(table[slot]);
+        }
+        Some(first)
+    }
+
+    fn welded_by_sorting(&self) -> Vec<u32> {
+        let mut order: Vec<u32> = (0..self.positions.len() as u32).collect();
+        order.sort_unstable_by_key(|&i| (self.key(i), i));
+        let mut first = vec![0; order.len()];
+        for equal in order.chunk_by(|&a, &b| self.key(a) == self.key(b)) {
+            for &i in equal {
+                first[i as usize] = equal[0];
+            }
         }
         first
     }
@@ -263,10 +287,13 @@ impl UvSet {
     /// Never for a `values` of one entry per corner, which every caller in this crate makes.
     pub(crate) fn shared(mesh: &Mesh<'_>, values: &[[f32; 2]]) -> Self {
         const NONE: u32 = u32::MAX;
+        // Longest chain; a pole of very many faces has its further coordinates in a tree.
+        const CHAIN: usize = 32;
         let welded = mesh.welded();
         // For each position a chain of the coordinates it has so far.
         let mut head = vec![NONE; mesh.positions.len()];
         let mut next: Vec<u32> = Vec::new();
+        let mut further = alloc::collections::BTreeMap::new();
         let mut set = Self {
             uvs: Vec::new(),
             corners: Vec::with_capacity(values.len()),
@@ -274,15 +301,23 @@ impl UvSet {
         for (&position, value) in mesh.faces.corners.iter().zip(values) {
             let position = welded[position as usize];
             let bits = value.map(f32::to_bits);
-            let mut at = head[position as usize];
+            let (mut at, mut steps) = (head[position as usize], 0);
             while at != NONE && set.uvs[at as usize].map(f32::to_bits) != bits {
                 at = next[at as usize];
+                steps += 1;
             }
-            if at == NONE {
-                at = set.uvs.len() as u32;
+            let mut append = |after: u32| {
                 set.uvs.push(*value);
-                next.push(head[position as usize]);
+                next.push(after);
+                set.uvs.len() as u32 - 1
+            };
+            if at == NONE && steps < CHAIN {
+                at = append(head[position as usize]);
                 head[position as usize] = at;
+            } else if at == NONE {
+                at = *further
+                    .entry((position, bits))
+                    .or_insert_with(|| append(NONE));
             }
             set.corners.push(at);
         }
@@ -409,5 +444,28 @@ mod tests {
         // A position that no face uses may be anything.
         let odd = [[0.0; 3], [1.0; 3], [2.0; 3], [f32::NAN; 3], [f32::NAN; 3]];
         assert_eq!(Mesh::new(&odd, &faces).unwrap().welded(), [0, 1, 2, 3, 3]);
+        assert_eq!(mesh.welded_by_hash(10), None);
+        for positions in [&positions[..], &odd] {
+            let mesh = Mesh::new(positions, &faces).unwrap();
+            assert_eq!(mesh.welded_by_sorting(), mesh.welded());
+        }
+    }
+
+    /// A vertex with a coordinate of its own in each of many faces, in pairs: equal ones are shared on either side of the
+    /// longest chain.
+    #[test]
+    fn a_pole_of_many_coordinates_shares_equal_ones() {
+        let positions = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+        let faces = Faces::from_triangles(&[[0, 1, 2]; 200]);
+        let mesh = Mesh::new(&positions, &faces).unwrap();
+        let values: Vec<[f32; 2]> = (0..200)
+            .flat_map(|i| [[(i % 100) as f32, 0.5], [0.0; 2], [1.0; 2]])
+            .collect();
+        let set = UvSet::shared(&mesh, &values);
+        assert_eq!(set.per_corner(), values);
+        assert_eq!(set.uvs.len(), 102);
+        let poles =
+            |faces: Range<usize>| -> Vec<u32> { faces.map(|f| set.corners[3 * f]).collect() };
+        assert_eq!(poles(0..100), poles(100..200));
     }
 }

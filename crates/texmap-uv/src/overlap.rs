@@ -1,11 +1,11 @@
 //! Triangles of a picture that lie on one another, by exact clipping.
 
-use alloc::vec;
 use alloc::vec::Vec;
-use texmap_math::float;
+use core::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use texmap_math::glam::DVec2;
 
 use crate::mesh::{Mesh, UvSet};
+use crate::tree::{BoxTree, Meter, search_each, steps_for};
 use crate::{UvError, parallel};
 
 /// A triangle in the picture, counter-clockwise, with the face it belongs to.
@@ -43,14 +43,16 @@ pub struct Overlaps {
     pub area: f64,
     /// The pairs' triangles (of the faces' fans, in order), ascending, each once.
     pub triangles: Vec<u32>,
-    /// The pairs' faces, the lower one first, if they were asked for.
-    pub(crate) list: Vec<[u32; 2]>,
+    /// The later faces of the pairs, ascending, each once.
+    pub(crate) later: Vec<u32>,
+    /// Faces that were not compared with all others.
+    pub(crate) unfinished: Vec<u32>,
     /// Too many triangles lie in one place to compare them all: the numbers are lower bounds.
     pub at_least: bool,
 }
 
-/// The overlap test of [`crate::report`] alone: exact clipping, linear in the triangles unless very many lie in one
-/// place, the same on any number of threads.
+/// The overlap test of [`crate::report`] alone: exact clipping, at most n log n steps for n triangles on any input (where
+/// very many lie in one place, not every pair is compared), the same on any number of threads.
 ///
 /// # Errors
 /// A set that does not fit the mesh or is not finite.
@@ -62,155 +64,129 @@ pub fn overlaps(mesh: &Mesh<'_>, set: &UvSet) -> Result<Overlaps, UvError> {
         fans.filter_map(|(f, i, corners)| Flat::new(set, f, i, corners))
             .collect()
     });
-    Ok(find(&flats, None, false))
+    Ok(find(&flats, None))
 }
 
-/// Where one cell holds more triangles than this, each is compared with this many others only.
-const CROWD: usize = 1024;
+/// Steps of a search that the comparison of two triangles counts for.
+const CLIP: u64 = 16;
 
-/// Finds all overlapping pairs. Two triangles overlap when their common area exceeds a billionth of the smaller
-/// one, which neighbours along an edge never do. With `group` only triangles whose faces share a group count.
-pub(crate) fn find(triangles: &[Flat], group: Option<&[u32]>, keep_pairs: bool) -> Overlaps {
-    let Some(grid) = Grid::new(triangles) else {
-        return Overlaps::default();
-    };
-    let found = parallel::map_chunks(grid.cells(), |range| {
-        let mut out = Overlaps::default();
-        for cell in range {
-            let members = grid.members(cell);
-            out.at_least |= members.len() > CROWD;
-            for (n, &i) in members.iter().enumerate() {
-                for &j in members[n + 1..].iter().take(CROWD) {
-                    let (a, b) = (&triangles[i as usize], &triangles[j as usize]);
-                    let apart = group.is_some_and(|g| g[a.face as usize] != g[b.face as usize]);
-                    if a.face == b.face || apart || grid.owner(a, b) != Some(cell) {
-                        continue;
-                    }
-                    let (area, least) = (
-                        common_area(&a.corners, &b.corners),
-                        area(&a.corners).min(area(&b.corners)),
-                    );
-                    if area > least * 1e-9 {
-                        out.pairs += 1;
-                        out.area += area;
-                        out.triangles.extend([a.index, b.index]);
-                        if keep_pairs {
-                            out.list.push([a.face.min(b.face), a.face.max(b.face)]);
-                        }
-                    }
-                }
-            }
+/// Finds all overlapping pairs of triangles that are sorted by their faces. Two triangles overlap when their common area
+/// exceeds a billionth of the smaller one, which neighbours along an edge never do. With `group` only triangles whose faces
+/// share a group count.
+pub(crate) fn find(triangles: &[Flat], group: Option<&[u32]>) -> Overlaps {
+    let search = Search::new(triangles, group);
+    let marks =
+        || -> Vec<AtomicBool> { triangles.iter().map(|_| AtomicBool::new(false)).collect() };
+    let (meets, is_later) = (marks(), marks());
+    let (found, open) = search.each(|i, meter, out| {
+        let (mut pairs, mut shared) = (0, 0.0);
+        let done = search.from(i, meter, |j, common| {
+            pairs += 1;
+            shared += common;
+            meets[i].store(true, Relaxed);
+            meets[j].store(true, Relaxed);
+            is_later[j].store(true, Relaxed);
+        });
+        if pairs > 0 {
+            out.push((pairs, shared));
         }
-        out
+        done
     });
-    let mut all = Overlaps::default();
-    for part in found {
-        all.pairs += part.pairs;
-        all.area += part.area;
-        all.triangles.extend(part.triangles);
-        all.list.extend(part.list);
-        all.at_least |= part.at_least;
+    let mut all = Overlaps {
+        at_least: !open.is_empty(),
+        unfinished: search.faces(&open),
+        ..Overlaps::default()
+    };
+    for (_, (pairs, area)) in found {
+        all.pairs += pairs;
+        all.area += area;
     }
-    all.triangles.sort_unstable();
-    all.triangles.dedup();
-    all.list.sort_unstable();
+    for (k, triangle) in triangles.iter().enumerate() {
+        if meets[k].load(Relaxed) {
+            all.triangles.push(triangle.index);
+        }
+        if is_later[k].load(Relaxed) {
+            all.later.push(triangle.face);
+        }
+    }
+    all.later.dedup();
     all
 }
 
-/// Cells about as large as the triangles, each with the triangles whose bounding boxes touch it.
-struct Grid {
-    low: DVec2,
-    per_unit: DVec2,
-    columns: usize,
-    rows: usize,
-    starts: Vec<u32>,
-    members: Vec<u32>,
+/// The faces of the pairs that [`find`] finds, the later one first, ascending; and those not compared with all others.
+pub(crate) fn pairs(triangles: &[Flat], group: Option<&[u32]>) -> (Vec<[u32; 2]>, Vec<u32>) {
+    let search = Search::new(triangles, group);
+    let (found, open) = search.each(|i, meter, out| {
+        search.from(i, meter, |j, _| {
+            out.push([triangles[j].face, triangles[i].face]);
+        })
+    });
+    let mut pairs: Vec<[u32; 2]> = found.into_iter().map(|(_, pair)| pair).collect();
+    pairs.sort_unstable();
+    pairs.dedup();
+    (pairs, search.faces(&open))
 }
 
-impl Grid {
-    fn new(triangles: &[Flat]) -> Option<Self> {
-        let first = triangles.first()?.corners[0];
-        let (mut low, mut high, mut sides) = (first, first, DVec2::ZERO);
-        for t in triangles {
-            let (l, h) = bounds(t);
-            (low, high) = (low.min(l), high.max(h));
-            sides += h - l;
+/// Triangles of the picture in a tree.
+struct Search<'a> {
+    triangles: &'a [Flat],
+    group: Option<&'a [u32]>,
+    tree: BoxTree,
+}
+
+impl<'a> Search<'a> {
+    fn new(triangles: &'a [Flat], group: Option<&'a [u32]>) -> Self {
+        let items = (0..triangles.len() as u32).collect();
+        let tree = BoxTree::new(items, |i| {
+            let (low, high) = bounds(&triangles[i as usize]);
+            [low.extend(0.0), high.extend(0.0)]
+        });
+        Self {
+            triangles,
+            group,
+            tree,
         }
-        let (extent, mean) = (high - low, sides / triangles.len() as f64);
-        // No more cells than triangles on the whole, whatever the extents are.
-        let most = float::ceil(float::sqrt(triangles.len() as f64));
-        let count = |extent: f64, side: f64| {
-            let cells = if side > 0.0 { extent / side } else { most };
-            if cells < 1.0 {
-                1.0
-            } else if cells < most {
-                float::floor(cells)
-            } else {
-                most
-            }
-        };
-        let cells = DVec2::new(count(extent.x, mean.x), count(extent.y, mean.y));
-        let rate = |cells: f64, extent: f64| if extent > 0.0 { cells / extent } else { 0.0 };
-        let mut grid = Self {
-            low,
-            per_unit: DVec2::new(rate(cells.x, extent.x), rate(cells.y, extent.y)),
-            columns: cells.x as usize,
-            rows: cells.y as usize,
-            starts: vec![0; cells.x as usize * cells.y as usize + 1],
-            members: Vec::new(),
-        };
-        let each = |triangle: &Flat, act: &mut dyn FnMut(usize)| {
-            let (l, h) = bounds(triangle);
-            let ((x0, y0), (x1, y1)) = (grid.cell(l), grid.cell(h));
-            for y in y0..=y1 {
-                for x in x0..=x1 {
-                    act(y * grid.columns + x);
+    }
+
+    fn each<T: Send>(
+        &self,
+        search: impl Fn(usize, &mut Meter, &mut Vec<T>) -> bool + Sync + Send,
+    ) -> (Vec<(u32, T)>, Vec<u32>) {
+        let count = self.triangles.len();
+        search_each(count, steps_for(count), search)
+    }
+
+    fn faces(&self, items: &[u32]) -> Vec<u32> {
+        let face = |i: &u32| self.triangles[*i as usize].face;
+        items.iter().map(face).collect()
+    }
+
+    /// The later triangles that overlap the `i`th, with the common areas; false if the meter ran out.
+    fn from(&self, i: usize, meter: &mut Meter, mut found: impl FnMut(usize, f64)) -> bool {
+        let a = &self.triangles[i];
+        let (low, high) = bounds(a);
+        let meets = |l: DVec2, h: DVec2| l.x < high.x && low.x < h.x && l.y < high.y && low.y < h.y;
+        self.tree.search(
+            meter,
+            |[l, h]| meets(l.truncate(), h.truncate()),
+            |j, meter| {
+                let b = &self.triangles[j as usize];
+                let mut group = self.group.iter();
+                let apart = group.any(|g| g[a.face as usize] != g[b.face as usize]);
+                let (l, h) = bounds(b);
+                if j as usize <= i || a.face == b.face || apart || !meets(l, h) {
+                    return true;
                 }
-            }
-        };
-        let mut counts = vec![0u32; grid.columns * grid.rows + 1];
-        for t in triangles {
-            each(t, &mut |cell| counts[cell + 1] += 1);
-        }
-        for cell in 1..counts.len() {
-            counts[cell] += counts[cell - 1];
-        }
-        let mut fill = counts.clone();
-        let mut members = vec![0; counts[counts.len() - 1] as usize];
-        for (i, t) in triangles.iter().enumerate() {
-            each(t, &mut |cell| {
-                members[fill[cell] as usize] = i as u32;
-                fill[cell] += 1;
-            });
-        }
-        (grid.starts, grid.members) = (counts, members);
-        Some(grid)
-    }
-
-    fn cells(&self) -> usize {
-        self.columns * self.rows
-    }
-
-    fn members(&self, cell: usize) -> &[u32] {
-        &self.members[self.starts[cell] as usize..self.starts[cell + 1] as usize]
-    }
-
-    fn cell(&self, p: DVec2) -> (usize, usize) {
-        let at = (p - self.low) * self.per_unit;
-        (
-            (at.x as usize).min(self.columns - 1),
-            (at.y as usize).min(self.rows - 1),
+                if !meter.take(CLIP) {
+                    return false;
+                }
+                let common = common_area(&a.corners, &b.corners);
+                if common > area(&a.corners).min(area(&b.corners)) * 1e-9 {
+                    found(j as usize, common);
+                }
+                true
+            },
         )
-    }
-
-    /// The one cell that counts a pair: that of the lower left corner of the boxes' intersection.
-    fn owner(&self, a: &Flat, b: &Flat) -> Option<usize> {
-        let ((al, ah), (bl, bh)) = (bounds(a), bounds(b));
-        let (low, high) = (al.max(bl), ah.min(bh));
-        (low.x < high.x && low.y < high.y).then(|| {
-            let (x, y) = self.cell(low);
-            y * self.columns + x
-        })
     }
 }
 
@@ -298,13 +274,13 @@ mod tests {
                 })
                 .collect()
         };
-        let free = find(&strip(false), None, true);
+        let free = find(&strip(false), None);
         assert_eq!((free.pairs, free.area, free.triangles.len()), (0, 0.0, 0));
-        let folded = find(&strip(true), None, true);
+        let folded = find(&strip(true), None);
         assert_eq!((folded.pairs, folded.triangles.len()), (40, 80));
         assert!((folded.area - 20.0 * 0.037 * 0.1).abs() < 1e-12);
         let groups: Vec<u32> = (0..80).map(|f| f / 40).collect();
-        assert_eq!(find(&strip(true), Some(&groups), false).pairs, 0);
+        assert_eq!(find(&strip(true), Some(&groups)).pairs, 0);
     }
 
     #[test]
@@ -312,10 +288,10 @@ mod tests {
         let crowd: Vec<Flat> = (0..3000)
             .map(|f| flat(f, [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]))
             .collect();
-        let found = find(&crowd, None, false);
+        let found = find(&crowd, None);
         assert!(found.at_least && found.triangles.len() == 3000);
-        assert_eq!(find(&[], None, true), Overlaps::default());
+        assert_eq!(find(&[], None), Overlaps::default());
         let points: Vec<Flat> = (0..5).map(|f| flat(f, [[0.5, 0.5]; 3])).collect();
-        assert_eq!(find(&points, None, true).pairs, 0);
+        assert_eq!(find(&points, None).pairs, 0);
     }
 }

@@ -3,16 +3,19 @@
 mod edges;
 mod stretch;
 mod triangles;
+mod unmapped;
 
 use alloc::vec::Vec;
 use texmap_math::float;
 
 use crate::mesh::{Mesh, UvSet};
 use crate::overlap::{self, Flat};
-use crate::{Origin, TJoint, UvError, parallel};
+use crate::{Origin, TJoints, UvError, parallel};
 use edges::Edges;
 use stretch::raw;
 use triangles::each_triangle;
+
+pub use unmapped::{Unmapped, unmapped};
 
 /// What to look at.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -121,11 +124,10 @@ pub struct Report {
     /// Connected pieces of the picture with area in space.
     pub shells: usize,
     /// Vertices inside an edge of a face that does not have them, with the face.
-    pub t_joints: Vec<TJoint>,
+    pub t_joints: TJoints,
 }
 
-/// Looks at a mapping. Linear in the number of triangles unless very many lie in one place; the same bytes on any
-/// number of threads.
+/// Looks at a mapping. At most n log n steps for n corners on any input; the same bytes on any number of threads.
 ///
 /// # Errors
 /// A set that does not fit the mesh or is not finite.
@@ -158,7 +160,7 @@ pub fn report(mesh: &Mesh<'_>, set: &UvSet, options: &ReportOptions) -> Result<R
         0.0
     };
     let (overlaps, (edges, each)) = parallel::join(
-        || overlap::find(&flats, None, false),
+        || overlap::find(&flats, None),
         || {
             parallel::join(
                 || Edges::new(mesh, set, options),

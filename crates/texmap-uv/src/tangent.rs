@@ -1,11 +1,17 @@
-//! Tangent frames after Mikkelsen (2008), by the crate bevy_mikktspace with texmap's arc cosine.
+//! Tangent frames after Mikkelsen (2008), "Simulation of Wrinkled Surfaces Revisited", as his program MikkTSpace finds them.
+//!
+//! The same tangents as that program and its port bevy_mikktspace, which the tests hold against it, with texmap's arc cosine.
+//! Neither of them is used: their time grows with the square of the triangles around a vertex and of those without area, and
+//! their recursion ends in an overflow of the stack where very many triangles lie around one vertex.
 
-use alloc::vec;
+mod groups;
+mod sums;
+mod triangles;
+
 use alloc::vec::Vec;
-use bevy_mikktspace::{Geometry, Ops, TangentSpace, generate_tangents};
 use texmap_math::glam::DVec3;
-use texmap_math::{det, float};
 
+use self::triangles::Input;
 use crate::UvError;
 use crate::mesh::{Mesh, UvSet, unit_or_zero};
 
@@ -14,8 +20,9 @@ use crate::mesh::{Mesh, UvSet, unit_or_zero};
 ///
 /// `normals` has one entry per corner; one of zero length is replaced by the normal of its face. Faces of more than
 /// four corners are treated as their fan. Where the picture says nothing (no area, and no neighbour that has some)
-/// the tangent is some unit vector square to the normal; never NaN. The bitangent points along growing v: down the
-/// picture where v = 0 is the top.
+/// the tangent is MikkTSpace's default, x with the sign -1, made square to the normal; never NaN. The bitangent points along
+/// growing v: down the picture where v = 0 is the top. At most n log n steps on any input: around a vertex of more than 64
+/// triangles, tangents that are exactly opposite are summed with the others, which MikkTSpace keeps apart.
 ///
 /// # Errors
 /// A set or normals that do not fit the mesh.
@@ -34,26 +41,12 @@ pub fn tangents(
         });
     }
     let clean = clean_normals(mesh, normals);
-    let mut pieces = Vec::new();
-    for face in 0..mesh.faces().len() {
-        let r = mesh.faces().range(face);
-        if r.len() <= 4 {
-            pieces.push(r.collect::<Vec<usize>>());
-        } else {
-            pieces.extend((r.start + 1..r.end - 1).map(|k| vec![r.start, k, k + 1]));
-        }
-    }
-    let mut work = Work {
+    let found = sums::corner_tangents(&Input {
         mesh,
         set,
         normals: &clean,
-        pieces,
-        out: vec![None; corners],
-    };
-    // The only error of the generator is its own bookkeeping; the corners then keep their fallback.
-    let _ = generate_tangents(&mut work);
-    Ok(work
-        .out
+    });
+    Ok(found
         .iter()
         .zip(&clean)
         .map(|(t, n)| {
@@ -63,104 +56,42 @@ pub fn tangents(
         .collect())
 }
 
+/// Normals of unit length. One that is nearly that, as a file of few digits has it, stays as it is: the rule reads normals
+/// without changing them, and where tangents all but cancel each other their last bits decide.
 fn clean_normals(mesh: &Mesh<'_>, normals: &[[f32; 3]]) -> Vec<[f32; 3]> {
     let mut clean = Vec::with_capacity(normals.len());
     for face in 0..mesh.faces().len() {
         let own = unit_or_zero(mesh.face_normal(face));
         for k in mesh.faces().range(face) {
-            let n = unit_or_zero(DVec3::from(normals[k].map(f64::from)));
-            let n = if n != DVec3::ZERO {
-                n
-            } else if own != DVec3::ZERO {
-                own
+            let given = DVec3::from(normals[k].map(f64::from));
+            let n = unit_or_zero(given);
+            clean.push(if (given.dot(given) - 1.0).abs() < 1.0 / 128.0 {
+                normals[k]
             } else {
-                DVec3::Y
-            };
-            clean.push(n.to_array().map(|c| c as f32));
+                let or = |a: DVec3, b: DVec3| if a == DVec3::ZERO { b } else { a };
+                or(or(n, own), DVec3::Y).to_array().map(|c| c as f32)
+            });
         }
     }
     clean
 }
 
-/// A tangent of unit length, if it is finite and not along the normal.
+/// A tangent of unit length and square to the normal, if it is finite and not along the normal.
 fn square(t: [f32; 4], n: [f32; 3]) -> Option<[f32; 4]> {
-    let (v, n) = (
-        DVec3::new(t[0].into(), t[1].into(), t[2].into()),
-        DVec3::from(n.map(f64::from)),
-    );
+    let v = DVec3::new(t[0].into(), t[1].into(), t[2].into());
+    let n = unit_or_zero(DVec3::from(n.map(f64::from)));
     let v = unit_or_zero(v - n * n.dot(v));
-    (v != DVec3::ZERO).then(|| {
-        [
-            v.x as f32,
-            v.y as f32,
-            v.z as f32,
-            if t[3] < 0.0 { -1.0 } else { 1.0 },
-        ]
-    })
+    let [x, y, z] = v.to_array().map(|c| c as f32);
+    (v != DVec3::ZERO).then_some([x, y, z, if t[3] < 0.0 { -1.0 } else { 1.0 }])
 }
 
-/// Square to the normal, from the axis that it is farthest from.
+/// The rule's own default, x and the sign -1, made square to the normal; y where the normal lies along x.
 fn fallback(n: [f32; 3]) -> [f32; 4] {
-    let n = DVec3::from(n.map(f64::from));
-    let a = n.abs();
-    let axis = if a.x <= a.y && a.x <= a.z {
-        DVec3::X
-    } else if a.y <= a.z {
-        DVec3::Y
+    let along_x = n[1] * n[1] + n[2] * n[2] < 1e-6;
+    let axis = if along_x {
+        [0.0, 1.0, 0.0, -1.0]
     } else {
-        DVec3::Z
+        [1.0, 0.0, 0.0, -1.0]
     };
-    let t = unit_or_zero(axis - n * n.dot(axis));
-    [t.x as f32, t.y as f32, t.z as f32, 1.0]
-}
-
-struct Exact;
-
-impl Ops for Exact {
-    fn sqrt(x: f32) -> f32 {
-        float::sqrt_f32(x)
-    }
-
-    fn acos(x: f32) -> f32 {
-        det::acos(f64::from(x)) as f32
-    }
-}
-
-struct Work<'a> {
-    mesh: &'a Mesh<'a>,
-    set: &'a UvSet,
-    normals: &'a [[f32; 3]],
-    /// Corners of each triangle or quad.
-    pieces: Vec<Vec<usize>>,
-    out: Vec<Option<[f32; 4]>>,
-}
-
-impl Geometry<Exact> for Work<'_> {
-    fn num_faces(&self) -> usize {
-        self.pieces.len()
-    }
-
-    fn num_vertices_of_face(&self, face: usize) -> usize {
-        self.pieces[face].len()
-    }
-
-    fn position(&self, face: usize, vert: usize) -> [f32; 3] {
-        self.mesh.positions()[self.mesh.faces().corners()[self.pieces[face][vert]] as usize]
-    }
-
-    fn normal(&self, face: usize, vert: usize) -> [f32; 3] {
-        self.normals[self.pieces[face][vert]]
-    }
-
-    fn tex_coord(&self, face: usize, vert: usize) -> [f32; 2] {
-        self.set.at(self.pieces[face][vert])
-    }
-
-    fn set_tangent(&mut self, tangent: Option<TangentSpace>, face: usize, vert: usize) {
-        // A corner of several fan triangles keeps the first.
-        let corner = self.pieces[face][vert];
-        if self.out[corner].is_none() {
-            self.out[corner] = tangent.map(|t| t.tangent_encoded());
-        }
-    }
+    square(axis, n).unwrap_or(axis)
 }

@@ -21,6 +21,8 @@ pub(crate) struct Topology {
     pub(crate) next: Vec<u32>,
     /// The corner that owns the same edge in the neighbouring face, [`RIM`] or [`MANY`].
     pub(crate) twin: Vec<u32>,
+    /// Both corners of faces that run along an edge and back, either first, ascending.
+    bridges: Vec<[u32; 2]>,
 }
 
 impl Topology {
@@ -63,7 +65,7 @@ impl Topology {
             sorted[*slot as usize] = u64::from(high) << 32 | k as u64;
             *slot += 1;
         }
-        let mut twin = vec![RIM; count];
+        let (mut twin, mut bridges) = (vec![RIM; count], Vec::new());
         for (v, range) in start.windows(2).enumerate() {
             let bucket = &mut sorted[range[0] as usize..range[1] as usize];
             bucket.sort_unstable();
@@ -77,16 +79,21 @@ impl Topology {
                     }
                     _ => {
                         let edges = group.iter().map(|e| *e as u32).collect();
-                        link(faces, &face, &next, edges, &mut twin);
+                        bridges.extend(link(faces, &face, &next, edges, &mut twin));
                     }
                 }
             }
         }
+        bridges.extend_from_within(..);
+        let half = bridges.len() / 2;
+        bridges[half..].iter_mut().for_each(|pair| pair.reverse());
+        bridges.sort_unstable();
         Self {
             welded,
             face,
             next,
             twin,
+            bridges,
         }
     }
 
@@ -115,16 +122,15 @@ impl Topology {
 
     /// One corner for all corners that are twins of one another over faces without area: the lower one of the two
     /// faces at the ends of the chain.
-    pub(crate) fn name(&self, mesh: &Mesh<'_>, k: usize) -> usize {
-        let ends = self.ends(mesh, k);
+    pub(crate) fn name(&self, k: usize) -> usize {
         let last = |mut k: usize| {
             // Very long chains may have several names.
             for _ in 0..64 {
-                let other = mesh
-                    .faces()
-                    .range(self.face[k] as usize)
-                    .find(|&o| o != k && self.ends(mesh, o) == ends);
-                let Some(other) = other else { break };
+                let pair = self
+                    .bridges
+                    .binary_search_by_key(&(k as u32), |pair| pair[0]);
+                let Ok(pair) = pair else { break };
+                let other = self.bridges[pair][1] as usize;
                 if self.twin[other] >= MANY {
                     return other;
                 }
@@ -143,11 +149,18 @@ impl Topology {
     }
 }
 
-/// Twins on an edge that is not simply that of two faces, its corners in ascending order.
+/// Twins on an edge that is not simply that of two faces, its corners in ascending order; the pairs of corners of faces
+/// that run along it and back.
 ///
 /// A face that runs along the edge and back (two of its corners lie in one place, as in the fans of quads at a pole)
 /// has no area there: it stands between its neighbours like a bridge. Beside such faces two may meet, as on any edge.
-fn link(faces: &Faces, face: &[u32], next: &[u32], edges: Vec<u32>, twin: &mut [u32]) {
+fn link(
+    faces: &Faces,
+    face: &[u32],
+    next: &[u32],
+    edges: Vec<u32>,
+    twin: &mut [u32],
+) -> Vec<[u32; 2]> {
     let of = |k: u32| face[k as usize];
     // Corners of one face follow one another.
     let mut bridges: Vec<[u32; 2]> = Vec::new();
@@ -161,7 +174,7 @@ fn link(faces: &Faces, face: &[u32], next: &[u32], edges: Vec<u32>, twin: &mut [
     }
     if solid.len() > 2 {
         edges.iter().for_each(|&k| twin[k as usize] = MANY);
-        return;
+        return Vec::new();
     }
     // From one solid face over the bridges to the other, each step to the bridge that shares both positions if
     // there is one, and else to one that runs the opposite way.
@@ -175,10 +188,11 @@ fn link(faces: &Faces, face: &[u32], next: &[u32], edges: Vec<u32>, twin: &mut [
             _ => 0,
         }
     };
+    let pairs = bridges.clone();
     let mut solid = solid.into_iter();
     bridges.reverse();
     let Some(mut from) = solid.next().or_else(|| bridges.pop().map(|[_, out]| out)) else {
-        return;
+        return pairs;
     };
     let mut join = |a: u32, b: u32| (twin[a as usize], twin[b as usize]) = (b, a);
     while !bridges.is_empty() {
@@ -186,7 +200,7 @@ fn link(faces: &Faces, face: &[u32], next: &[u32], edges: Vec<u32>, twin: &mut [
         let near = bridges.len().saturating_sub(16)..bridges.len();
         let choices = near.flat_map(|i| [(i, 1), (i, 0)]);
         let best = choices.max_by_key(|&(i, end)| fit(from, bridges[i][end]));
-        let Some((i, end)) = best else { return };
+        let Some((i, end)) = best else { break };
         let bridge = bridges.remove(i);
         join(from, bridge[end]);
         from = bridge[1 - end];
@@ -194,6 +208,7 @@ fn link(faces: &Faces, face: &[u32], next: &[u32], edges: Vec<u32>, twin: &mut [
     if let Some(last) = solid.next() {
         join(from, last);
     }
+    pairs
 }
 
 /// Length in space of the edge of corner `k`.

@@ -9,13 +9,18 @@ use crate::pack::Page;
 use crate::topology::Topology;
 use crate::{Origin, UvError};
 
+/// Most corners of a face, and most triangles around a vertex: the unwrapper compares all triangles of a fan with one another,
+/// and the time for one of these many is a few seconds.
+const AROUND: usize = 2048;
+
 /// Unwraps the mesh into charts on one page, without overlaps and inside [0, 1]; `cuts` are required seams, and the
 /// polygons of the mesh stay whole. The same bytes on every platform and thread count.
 ///
 /// Half of the gutter, rounded up, is kept around every chart.
 ///
 /// # Errors
-/// A cut that is no edge, or whatever the unwrapper says.
+/// A cut that is no edge, a face of more than 2048 corners, more than 2048 triangles around a vertex, or whatever the
+/// unwrapper says.
 pub fn unwrap(
     mesh: &Mesh<'_>,
     cuts: &Cuts<'_>,
@@ -23,6 +28,7 @@ pub fn unwrap(
     origin: Origin,
 ) -> Result<UvSet, UvError> {
     let topology = Topology::new(mesh);
+    check(mesh, &topology)?;
     let marks = cuts.marks(mesh, &topology)?;
     let triangles: Vec<(usize, [usize; 3])> = mesh.faces().triangles().collect();
     let corners = mesh.faces().corners();
@@ -82,4 +88,31 @@ pub fn unwrap(
         }
     }
     Ok(UvSet::shared(mesh, &values))
+}
+
+/// Refuses what the unwrapper has no time for.
+fn check(mesh: &Mesh<'_>, topology: &Topology) -> Result<(), UvError> {
+    let faces = mesh.faces();
+    let large = (0..faces.len()).find(|&f| faces.face(f).len() > AROUND);
+    if let Some(face) = large {
+        return Err(UvError::TooManyCorners {
+            face,
+            corners: faces.face(face).len(),
+            limit: AROUND,
+        });
+    }
+    let mut around = alloc::vec![0; mesh.positions().len()];
+    for (_, corners) in faces.triangles() {
+        for k in corners {
+            around[topology.welded[faces.corners()[k] as usize] as usize] += 1;
+        }
+    }
+    match around.iter().position(|count| *count > AROUND) {
+        Some(vertex) => Err(UvError::TooManyAround {
+            vertex: vertex as u32,
+            triangles: around[vertex],
+            limit: AROUND,
+        }),
+        None => Ok(()),
+    }
 }

@@ -1,5 +1,6 @@
 //! Laws of the uv mapper and their negative twins.
 
+mod crowds;
 mod invariance;
 mod mapping;
 mod meshes;
@@ -7,3 +8,4 @@ mod program;
 mod raster;
 mod repair;
 mod report;
+mod tangents;

@@ -330,11 +330,14 @@ fn a_flat_axis_and_a_point_map_to_the_middle() {
                 .unwrap();
         }
     }
-    let mesh = Mesh::new(&positions, &flat).unwrap();
-    let set = Mapping::new(Shape::Plane)
-        .map(Level::new(), &mesh, &[])
-        .unwrap()
-        .set;
-    assert!(set.per_corner().iter().all(|uv| uv[1] == 0.5));
+    let plane = |positions: &[[f32; 3]]| {
+        let mesh = Mesh::new(positions, &flat).unwrap();
+        let mapped = Mapping::new(Shape::Plane).map(Level::new(), &mesh, &[]);
+        mapped.unwrap().set.per_corner()
+    };
+    // A floor is seen from above (here from below, since it faces down), a line has a width at most.
+    assert_eq!(plane(&positions[..3]), [[0.0, 1.0], [1.0, 1.0], [0.0, 0.0]]);
+    let line = [[1.0, 5.0, 0.0], [2.0, 5.0, 0.0], [1.5, 5.0, 0.0]];
+    assert_eq!(plane(&line), [[0.0, 0.5], [1.0, 0.5], [0.5, 0.5]]);
     assert_eq!(Shape::Box.uv(DVec3::X, Origin::TopLeft).0, Part::Right);
 }

@@ -250,3 +250,86 @@ fn bad_input_ends_with_four_and_names_its_place() {
     }
     assert_eq!(std::fs::read_to_string(&out).unwrap(), "untouched");
 }
+
+/// A floor in x and z has no extent along z: the plane turns to it, and a plane that does not is told.
+#[test]
+fn a_plane_is_fitted_and_what_it_loses_is_told() {
+    let dir = tempfile::tempdir().unwrap();
+    let file = |name: &str, text: &str| {
+        let path = dir.path().join(name);
+        std::fs::write(&path, text).unwrap();
+        path.display().to_string()
+    };
+    let floor = file(
+        "floor.obj",
+        "v 0 0 0\nv 0 0 2\nv 3 0 2\nv 3 0 0\nf 1 2 3 4\n",
+    );
+    let (_dir, out) = temp();
+    let out = out.display().to_string();
+    let run = |mesh: &str, flags: &[&str]| {
+        let output = texmap(&[&[mesh, "--map", "plane", "--report", "-o", &out], flags].concat());
+        assert!(output.status.success());
+        let [told, table] =
+            [&output.stderr, &output.stdout].map(|text| String::from_utf8_lossy(text).into_owned());
+        (told, table, std::fs::read_to_string(&out).unwrap())
+    };
+    let (told, table, text) = run(&floor, &[]);
+    assert!(!told.contains("warning"), "{told}");
+    assert!(
+        table.contains("without area          0 triangles"),
+        "{table}"
+    );
+    // As on a map: u to +X, v up to -Z.
+    assert!(text.contains("vt 0 1\nvt 0 0\nvt 1 0\nvt 1 1\n"), "{text}");
+    // Tiles of half a unit, counted from the origin.
+    let (told, _, text) = run(&floor, &["--tile", "0.5,0.5"]);
+    assert!(
+        !told.contains("warning") && text.contains("vt 0 -4\n"),
+        "{told}{text}"
+    );
+    let (told, table, _) = run(&floor, &["--frame", "0,0,0,0,0,0,4,4,4"]);
+    assert!(told.contains("warning: 100.0 % of the surface has no area in the picture (2 triangles, the first in line 5)"), "{told}");
+    assert!(table.contains("without area          2 triangles"));
+    // Four of six sides of a cube; of a slope nothing.
+    let (told, ..) = run(&asset("cube.obj"), &[]);
+    assert!(told.contains("warning: 66.7 % of the surface"), "{told}");
+    let slope = file(
+        "slope.obj",
+        "v 0 0 0\nv 0 0 2\nv 3 4 2\nv 3 4 0\nf 1 2 3 4\n",
+    );
+    let (told, table, _) = run(&slope, &["--texture-size", "100"]);
+    assert!(!told.contains("warning"), "{told}");
+    assert!(
+        table.contains("angle distortion      mean 2.500"),
+        "{table}"
+    );
+}
+
+#[test]
+fn polygons_too_large_for_the_unwrapper_are_refused_by_line() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("disc.obj");
+    let count = 10_000;
+    let mut text = String::new();
+    for i in 0..count {
+        let (s, c) = (f64::from(i) / f64::from(count) * std::f64::consts::TAU).sin_cos();
+        text += &format!("v {c} 0 {s}\n");
+    }
+    let corners: Vec<String> = (1..=count).rev().map(|i| i.to_string()).collect();
+    text += &format!("f {}\n", corners.join(" "));
+    std::fs::write(&path, text).unwrap();
+    let path = path.display().to_string();
+    let output = texmap(&[&path, "--map", "unwrap", "--report"]);
+    let told = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(4), "{told}");
+    assert!(
+        told.contains("disc.obj:10001: a face of 10000 corners"),
+        "{told}"
+    );
+    assert!(told.contains("--map auto"), "{told}");
+    assert!(
+        texmap(&[&path, "--map", "plane", "--report"])
+            .status
+            .success()
+    );
+}

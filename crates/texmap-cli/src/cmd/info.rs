@@ -65,7 +65,12 @@ fn words(info: &FileInfo) -> String {
     if info.t_joints > 0 {
         let _ = writeln!(
             text,
-            "{} T-joints: vertices inside an edge of another face, where pixels may be missing",
+            "{}{} T-joints: vertices inside an edge of another face, where pixels may be missing",
+            if info.t_joints_at_least {
+                "at least "
+            } else {
+                ""
+            },
             info.t_joints
         );
     }

@@ -6,7 +6,7 @@ use super::ReportOptions;
 use crate::mesh::{Mesh, UvSet, length};
 use crate::shells::Shells;
 use crate::topology::{MANY, RIM, Topology, edge_length};
-use crate::{TJoint, parallel, t_joint, views};
+use crate::{TJoints, parallel, t_joint, views};
 
 /// What the report says about edges.
 pub(super) struct Edges {
@@ -15,7 +15,7 @@ pub(super) struct Edges {
     pub(super) rim_length: f64,
     pub(super) non_manifold: usize,
     pub(super) shells: usize,
-    pub(super) t_joints: Vec<TJoint>,
+    pub(super) t_joints: TJoints,
 }
 
 impl Edges {
@@ -48,8 +48,7 @@ fn seams(mesh: &Mesh<'_>, set: &UvSet, topology: &Topology) -> Vec<usize> {
     let mut torn = parallel::collect_chunks(topology.twin.len(), |range| {
         let seam = |k: usize| match topology.twin[k] {
             RIM | MANY => None,
-            twin => ((k as u32) < twin && !meets(mesh, set, topology, k))
-                .then(|| topology.name(mesh, k)),
+            twin => ((k as u32) < twin && !meets(mesh, set, topology, k)).then(|| topology.name(k)),
         };
         range.filter_map(seam).collect()
     });

@@ -14,7 +14,7 @@ use texmap_math::Level;
 use texmap_math::glam::DVec3;
 use texmap_uv::{
     Cuts, Entity, Frame, Mapping, Mesh, Origin, Page, ReportOptions, Shape, UvError, UvSet,
-    auto_planes, cut, pack, report, sew, unwrap,
+    auto_planes, cut, pack, report, sew, unmapped, unwrap,
 };
 
 use self::source::Source;
@@ -43,7 +43,8 @@ pub(crate) struct UvArgs {
     /// Position of the eye, for --by reflection
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
     eye: Option<Triple>,
-    /// Where the shape stands: position, yaw, pitch and roll in degrees, size; fitted to the mesh by default
+    /// Where the shape stands: position, yaw, pitch and roll in degrees, size; fitted to the mesh by default (a plane turns to
+    /// a flat surface, else it looks along z, or along y or x where that sees the surface more than twice as squarely)
     #[arg(long, value_name = "PX,PY,PZ,YAW,PITCH,ROLL,SX,SY,SZ", value_parser = list::<9>, allow_hyphen_values = true)]
     frame: Option<List<9>>,
     /// How often the picture repeats on each part of the shape
@@ -190,6 +191,15 @@ pub(crate) fn run(args: &UvArgs) -> Result<Exit, Failure> {
             }
             print_json(&json);
         }
+    }
+    let lost = unmapped(&mesh, &set).map_err(|e| source.fault(&e))?;
+    if lost.share > 0.01 {
+        let line = lost.face.map_or(0, |f| source.obj.lines[f as usize]);
+        say(&format!(
+            "warning: {:.1} % of the surface has no area in the picture ({} triangles, the first in line {line}): nothing can be drawn or baked there; give another --map, or a --frame that looks at it\n",
+            100.0 * lost.share,
+            lost.triangles,
+        ));
     }
     if !around.is_empty() {
         let first: Vec<String> = around

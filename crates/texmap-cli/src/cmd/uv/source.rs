@@ -96,7 +96,8 @@ impl<'a> Source<'a> {
         let line = match error {
             UvError::NotFinite { face, .. }
             | UvError::BadIndex { face, .. }
-            | UvError::TooFewCorners { face, .. } => self.obj.lines.get(*face).copied(),
+            | UvError::TooFewCorners { face, .. }
+            | UvError::TooManyCorners { face, .. } => self.obj.lines.get(*face).copied(),
             _ => None,
         };
         let place = match line {
@@ -123,6 +124,30 @@ impl<'a> Source<'a> {
                 "bad-frame",
                 error.to_string(),
                 "every size in --frame must differ from 0",
+            ),
+            UvError::TooManyCorners { corners, limit, .. } => (
+                "unwrap-limit",
+                format!(
+                    "a face of {corners} corners, of which the unwrapper takes at most {limit}"
+                ),
+                "divide the face, or give another --map, such as --map auto",
+            ),
+            UvError::TooManyAround {
+                vertex,
+                triangles,
+                limit,
+            } => (
+                "unwrap-limit",
+                format!(
+                    "{triangles} triangles lie around vertex {}, of which the unwrapper takes at most {limit}",
+                    vertex + 1
+                ),
+                "divide them in rings, or give another --map, such as --map auto",
+            ),
+            UvError::Unwrap { .. } => (
+                "unwrap-failed",
+                error.to_string(),
+                "give another --map, such as --map auto",
             ),
             UvError::NotAnEdge { a, b } => (
                 "not-an-edge",

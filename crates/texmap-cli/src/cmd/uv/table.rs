@@ -83,12 +83,13 @@ pub(super) fn text(path: &Path, r: &Report) -> String {
     if r.non_manifold_edges > 0 {
         row("non-manifold edges", r.non_manifold_edges.to_string());
     }
-    if !r.t_joints.is_empty() {
+    if !r.t_joints.list.is_empty() {
+        let least = if r.t_joints.at_least { "at least " } else { "" };
         row(
             "T-joints",
             format!(
-                "{} vertices inside an edge of another face",
-                r.t_joints.len()
+                "{least}{} vertices inside an edge of another face",
+                r.t_joints.list.len()
             ),
         );
     }
@@ -138,7 +139,8 @@ pub(super) fn json(path: &Path, r: &Report, around_axis: &[u32]) -> Value {
         "rim_length": r.rim_length,
         "non_manifold_edges": r.non_manifold_edges,
         "degenerate": r.degenerate,
-        "t_joints": r.t_joints.iter().map(|j| json!({ "vertex": j.vertex, "face": j.face, "edge": j.edge })).collect::<Vec<_>>(),
+        "t_joints": r.t_joints.list.iter().map(|j| json!({ "vertex": j.vertex, "face": j.face, "edge": j.edge })).collect::<Vec<_>>(),
+        "t_joints_lower_bound": r.t_joints.at_least,
         "faces_around_axis": around_axis,
     })
 }
