@@ -1,10 +1,11 @@
 //! Every filter on a floor and on a magnified patch, with its error and its price:
 //! `cargo run --release -p texmap-tests --example sample_filters` writes `docs/filters.png` and
 //! `docs/filters.md` (figures from `benches/results/sample_accuracy.md` and `sample_speed.csv`).
+//! `sample_filters ACCURACY.md FOLDER` reads other figures and writes there.
 
 use std::fmt::Write as _;
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use texmap_io::image_io;
 use texmap_lab::picture::Picture;
@@ -113,6 +114,10 @@ fn draw(
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let root = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/.."));
+    let mut given = std::env::args_os().skip(1).map(PathBuf::from);
+    let figures = given.next();
+    let figures = figures.unwrap_or_else(|| root.join("benches/results/sample_accuracy.md"));
+    let folder = given.next().unwrap_or_else(|| root.join("docs"));
     let t = texture();
     let cell = [FLOOR[0] + PATCH[0] + 3 * GAP, FLOOR[1] + 20 + GAP];
     let rows = FILTERS.len().div_ceil(2) as u32;
@@ -127,14 +132,14 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         sheet.blit(right, y + 18, &draw(filter, &t, PATCH, patch));
     }
     image_io::write_png(
-        &root.join("docs/filters.png"),
+        &folder.join("filters.png"),
         sheet.width(),
         sheet.height(),
         sheet.rgba(),
     )?;
-    let accuracy = fs::read_to_string(root.join("benches/results/sample_accuracy.md"))?;
+    let accuracy = fs::read_to_string(figures)?;
     let speed = fs::read_to_string(root.join("benches/results/sample_speed.csv"))?;
-    fs::write(root.join("docs/filters.md"), page(&accuracy, &speed))?;
+    fs::write(folder.join("filters.md"), page(&accuracy, &speed))?;
     Ok(())
 }
 

@@ -285,11 +285,11 @@ mod tests {
 
     #[test]
     fn a_crowd_is_a_lower_bound_and_nothing_is_nothing() {
-        let crowd: Vec<Flat> = (0..3000)
+        let crowd: Vec<Flat> = (0..12_000)
             .map(|f| flat(f, [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]))
             .collect();
         let found = find(&crowd, None);
-        assert!(found.at_least && found.triangles.len() == 3000);
+        assert!(found.at_least && found.triangles.len() == 12_000);
         assert_eq!(find(&[], None), Overlaps::default());
         let points: Vec<Flat> = (0..5).map(|f| flat(f, [[0.5, 0.5]; 3])).collect();
         assert_eq!(find(&points, None).pairs, 0);

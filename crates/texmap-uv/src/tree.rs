@@ -153,10 +153,10 @@ impl Meter {
     }
 }
 
-/// Steps for searches around `count` items: 256 each, and up to 2^14 each while that makes no more than 2^28 together.
+/// Steps for searches around `count` items: 256 each, and up to 2^16 each while that makes no more than 2^28 together.
 pub(crate) fn steps_for(count: usize) -> u64 {
     let count = count as u64;
-    (count * 256).max((count << 14).min(1 << 28))
+    (count * 256).max((count << 16).min(1 << 28))
 }
 
 /// Finds something around each of `count` items within a number of steps, on all cores, in the order of the items: what was
@@ -251,7 +251,7 @@ mod tests {
         let search = |needy: usize| {
             search_each(
                 10_000,
-                10_000 * 100,
+                10_000 * 300,
                 move |item, meter, out: &mut Vec<u32>| {
                     let need = if item < needy { 900_000 } else { 10 };
                     let mut took = 0;

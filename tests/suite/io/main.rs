@@ -4,6 +4,7 @@ mod effects;
 mod guarded;
 mod language;
 mod malformed;
+mod manual;
 mod models;
 mod scenes;
 mod shapes;

@@ -135,9 +135,17 @@ fn few_triangles_have_the_overlaps_of_a_comparison_of_all() {
                 b.iter().all(|p| depth(*p) <= margin)
             })
         };
+        // As without area as rounding of f32 makes them.
+        let flat = |t: &[DVec2; 3]| {
+            let (e, f) = (t[1] - t[0], t[2] - t[0]);
+            e.perp_dot(f).abs() <= 1e-9 * e.length_squared().max(f.length_squared())
+        };
         let (mut sure, mut possible) = (0, 0);
         for (i, j) in (0..200).flat_map(|i| (i + 1..200).map(move |j| (i, j))) {
             let (a, b) = (of(i), of(j));
+            if flat(&a) || flat(&b) {
+                continue;
+            }
             let apart = |margin: f64| parted(&a, &b, margin) || parted(&b, &a, margin);
             sure += u64::from(!apart(1e-3));
             possible += u64::from(!apart(0.0));

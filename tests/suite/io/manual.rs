@@ -1,0 +1,145 @@
+//! The tables of docs/SCENE_FORMAT.md against the parser: which words a command takes, and which value it has without its line.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::Path;
+
+use texmap_io::IoError;
+use texmap_io::scene_file::parse;
+
+use crate::support::Files;
+
+/// A row of a table of commands.
+struct Row {
+    command: &'static str,
+    values: &'static str,
+    default: Option<&'static str>,
+    meaning: &'static str,
+}
+
+fn rows() -> Vec<Row> {
+    let manual = include_str!("../../../docs/SCENE_FORMAT.md");
+    let (mut rows, mut columns) = (Vec::new(), Vec::new());
+    for line in manual.lines() {
+        let Some(body) = line.strip_prefix('|') else {
+            columns.clear();
+            continue;
+        };
+        let cells: Vec<&str> = body
+            .trim_end_matches('|')
+            .split(" | ")
+            .map(str::trim)
+            .collect();
+        if columns.is_empty() {
+            columns = cells;
+            continue;
+        }
+        let cell = |name: &str| columns.iter().position(|c| *c == name).map(|i| cells[i]);
+        if columns[0] == "command" && !cells[0].starts_with("---") {
+            rows.push(Row {
+                command: cells[0].trim_matches('`'),
+                values: cell("values").expect("values"),
+                default: cell("default"),
+                meaning: cell("meaning").expect("a meaning"),
+            });
+        }
+    }
+    rows
+}
+
+/// The words between backquotes.
+fn quoted(cell: &str) -> impl Iterator<Item = &str> {
+    cell.split('`').skip(1).step_by(2)
+}
+
+/// A word without its parameter, and with one that is allowed.
+fn bare(word: &str) -> &str {
+    word.split([':', ' ', '[']).next().unwrap_or("")
+}
+
+#[test]
+fn the_manual_has_the_words_of_every_choice() {
+    // Where they stand: `filter`, `wrap` and `interp` have too many for the column of values.
+    let choices = [
+        ("color", false),
+        ("filter", true),
+        ("wrap", true),
+        ("interp", true),
+        ("cull", false),
+        ("alpha", false),
+        ("gouraud", false),
+        ("missing", false),
+        ("shadowless", false),
+        ("highlight", false),
+        ("horizon", false),
+    ];
+    let rows = rows();
+    for (command, in_meaning) in choices {
+        let row = rows.iter().find(|r| r.command == command).expect(command);
+        let Err(IoError::UnknownWord { allowed, .. }) =
+            parse(Path::new("a"), &format!("{command} zzz"))
+        else {
+            panic!("{command} takes any word");
+        };
+        let known: BTreeSet<&str> = allowed.split(", ").map(bare).collect();
+        let cell = if in_meaning { row.meaning } else { row.values };
+        let listed: BTreeSet<&str> = quoted(cell).map(bare).collect();
+        let missing: Vec<_> = known.difference(&listed).collect();
+        assert!(
+            missing.is_empty(),
+            "{command}: the manual lacks {missing:?}"
+        );
+        for word in quoted(cell).filter(|word| !in_meaning || known.contains(bare(word))) {
+            let word = word.split(" [").next().unwrap_or("");
+            let word = word.replace(":N", ":2").replace("TOLERANCE", "0.5");
+            let read = parse(Path::new("a"), &format!("{command} {word}"));
+            assert!(read.is_ok(), "{command} {word}: {read:?}");
+        }
+        if !in_meaning {
+            assert_eq!(listed, known, "{command}");
+        }
+    }
+}
+
+#[test]
+fn a_line_with_the_default_of_the_manual_changes_nothing() {
+    let files = Files::new().with_png("a.png", 4, 4, [9, 90, 190, 255]);
+    let scene = |line: &str| {
+        let body = "ld 1 1 1 0 -1 1\nv 0 0 0\nv 1 0 0\nv 1 1 0\nf 0 1 2\ntexture a.png\ntf 0 0 0 1 1 0 2 1 1\n";
+        fs::write(files.path("a.scene"), format!("{line}\n{body}")).expect("a file");
+        files.load("a.scene").map(|scene| format!("{scene:?}"))
+    };
+    let without = scene("# nothing").expect("a scene");
+    let mut checked = Vec::new();
+    for row in rows() {
+        let default = row
+            .default
+            .and_then(|d| d.split([';', ',']).next())
+            .unwrap_or("");
+        let line = format!("{} {}", row.command, default.replace('`', ""));
+        // Words such as "built in" and what is added by a line have none that can be written.
+        if default.is_empty() || parse(Path::new("a"), &line).is_err() {
+            continue;
+        }
+        let with = scene(&line).unwrap_or_else(|e| panic!("{line}: {e}"));
+        assert!(with == without, "`{line}` is not the default");
+        checked.push(row.command);
+    }
+    for command in [
+        "eye",
+        "fov",
+        "surf",
+        "near",
+        "far",
+        "background",
+        "filter",
+        "wrap",
+        "cull",
+        "alpha",
+        "bump",
+        "cel",
+    ] {
+        assert!(checked.contains(&command), "{command}: {checked:?}");
+    }
+    assert!(checked.len() >= 30, "{checked:?}");
+}
