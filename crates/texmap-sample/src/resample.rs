@@ -1,3 +1,5 @@
+mod edges;
+
 use crate::{
     error::SampleError,
     sampler::{Filter, Sampler},
@@ -5,10 +7,11 @@ use crate::{
     texture::Texture2d,
     wrap::Wrap,
 };
+use edges::Edges;
 use texmap_math::{
     Homography, Level,
     footprint::Footprint,
-    glam::{DMat3, DVec2},
+    glam::{DMat3, DVec2, DVec3},
 };
 
 /// What lies beyond the source image.
@@ -29,13 +32,15 @@ pub enum Outside {
 ///
 /// Positions are in pixels: the first pixel's centre is (0.5, 0.5), y grows downward. Each output
 /// pixel gets the footprint of the inverse map, so that shrinking is filtered as texturing is
-/// (give the texture mips); edges of the image are cut by their distance in output pixels.
+/// (give the texture mips). A pixel that an edge of the image cuts is covered by exactly the area of its square inside of the image
+/// (before the horizon), and takes the colour in the middle of that area.
 #[derive(Clone, Debug)]
 pub struct Resample<'a> {
     texture: &'a Texture2d<'a>,
     sampler: Sampler,
     outside: Outside,
     source_from_output: DMat3,
+    edges: Edges,
 }
 
 /// Pixels per call of the sampler: its arrays stay on the stack.
@@ -75,6 +80,7 @@ impl<'a> Resample<'a> {
             sampler,
             outside,
             source_from_output: matrix,
+            edges: Edges::new(&matrix, middle * 2.0),
         }
     }
 
@@ -135,10 +141,14 @@ impl<'a> Resample<'a> {
         Ok(())
     }
 
-    /// uv, footprint and coverage of one output position.
+    /// uv, footprint and coverage of the output pixel around a position.
     fn place(&self, x: f64, y: f64) -> (f32, f32, Footprint, f32) {
+        let (cover, at) = match self.outside {
+            Outside::Edge | Outside::Repeat => (1.0, DVec2::new(x, y)),
+            _ => self.edges.cover(DVec2::new(x, y)),
+        };
         let m = &self.source_from_output;
-        let p = *m * DVec2::new(x, y).extend(1.0);
+        let p = *m * at.extend(1.0);
         if p.z <= 0.0 {
             let beyond = matches!(self.outside, Outside::Edge | Outside::Repeat);
             return (
@@ -153,17 +163,13 @@ impl<'a> Resample<'a> {
             f64::from(self.texture.height()),
         );
         let (sx, sy) = (p.x / p.z, p.y / p.z);
-        let slope = |column: texmap_math::glam::DVec3| {
+        let slope = |column: DVec3| {
             [
                 (column.x - sx * column.z) / p.z,
                 (column.y - sy * column.z) / p.z,
             ]
         };
         let ([ux, vx], [uy, vy]) = (slope(m.x_axis), slope(m.y_axis));
-        let cover = match self.outside {
-            Outside::Edge | Outside::Repeat => 1.0,
-            _ => ramp(sx, w, ux, uy) * ramp(sy, h, vx, vy),
-        };
         let d = Footprint::new(
             (ux / w) as f32,
             (vx / h) as f32,
@@ -171,29 +177,5 @@ impl<'a> Resample<'a> {
             (vy / h) as f32,
         );
         ((sx / w) as f32, (sy / h) as f32, d, cover as f32)
-    }
-}
-
-/// How much of a pixel lies within `0..n` of a coordinate that changes by (dx, dy) per pixel.
-fn ramp(s: f64, n: f64, dx: f64, dy: f64) -> f64 {
-    // The width of a pixel's square across the edge: diagonal edges take a longer ramp, and every
-    // row of pixels along any edge adds up to its area.
-    let slope = dx.abs() + dy.abs();
-    let within = if s < n - s { s } else { n - s };
-    let cover = if slope > 0.0 {
-        within / slope + 0.5
-    } else if within >= 0.0 {
-        1.0
-    } else {
-        0.0
-    };
-    // An image thinner than a pixel covers no more than its width.
-    let most = if slope > n { n / slope } else { 1.0 };
-    if cover > most {
-        most
-    } else if cover > 0.0 {
-        cover
-    } else {
-        0.0
     }
 }

@@ -102,6 +102,27 @@ fn four_points_place_the_image_and_the_rest_is_outside() {
     );
 }
 
+/// A pixel on a slanted edge is as opaque as its square is covered, not as its distance to the edge says.
+#[test]
+fn slanted_edges_cover_what_they_cover() {
+    let desk = Desk::new();
+    RgbImage::from_pixel(1200, 900, Rgb([255; 3]))
+        .save(desk.path("white.png"))
+        .unwrap();
+    desk.texmap(
+        "warp white.png -o out.png --to 130.3,20.7 300.2,60.1 395.6,290.4 8.9,220.5 --size 400x300",
+    )
+    .ok();
+    let alpha = desk.picture("out.png").get_pixel(55, 144).0[3];
+    // 0.8799 by 1000 x 1000 points.
+    assert!((f32::from(alpha) / 255.0 - 0.8799).abs() < 0.003, "{alpha}");
+    desk.texmap("warp white.png -o turned.png --rotate 30 --scale .1 --size 200x200")
+        .ok();
+    let turned = desk.picture("turned.png");
+    let area: f64 = turned.pixels().map(|p| f64::from(p.0[3]) / 255.0).sum();
+    assert!((area - 120.0 * 90.0).abs() < 2.0, "{area}");
+}
+
 /// More rows than one round of bands, on any number of threads.
 #[test]
 fn threads_do_not_change_a_warp() {

@@ -124,6 +124,97 @@ fn turned_edges_keep_the_area() {
     }
 }
 
+/// The share of a pixel's square that lies in the image, by 128 x 128 points.
+fn counted(map: &Homography, size: [f64; 2], x: usize, y: usize) -> f64 {
+    const SIDE: usize = 128;
+    let back = map.inverse();
+    let front = back
+        .apply_homogeneous(map.apply(DVec2::from_array(size) * 0.5).unwrap())
+        .z;
+    let mut inside = 0;
+    for j in 0..SIDE {
+        for i in 0..SIDE {
+            let step = |k: usize| (k as f64 + 0.5) / SIDE as f64;
+            let p = back.apply_homogeneous(DVec2::new(x as f64 + step(i), y as f64 + step(j)));
+            let source = p.truncate() / p.z;
+            inside += usize::from(
+                p.z * front > 0.0
+                    && source.min_element() >= 0.0
+                    && source.x <= size[0]
+                    && source.y <= size[1],
+            );
+        }
+    }
+    inside as f64 / (SIDE * SIDE) as f64
+}
+
+/// Slanted edges, corners, slivers, images within a pixel and images that end at their horizon: a white image's alpha is the share of the
+/// pixel's square that it covers.
+#[test]
+fn edges_cover_the_area_of_the_pixel() {
+    let t = float_texture(30, 20, 1, &[1.0; 600]).with_mips();
+    let size = [30.0, 20.0];
+    let corners =
+        [[0.0, 0.0], [30.0, 0.0], [30.0, 20.0], [0.0, 20.0]].map(|p| DVec2::from_array(p));
+    let mut random = Random::new(7);
+    let mut maps = Vec::new();
+    while maps.len() < 60 {
+        // From a third of a pixel to the whole picture.
+        let reach = 40.0 * f64::from(random.unit()).powi(3) + 0.3;
+        let mut c = || f64::from(random.range(-0.5, 0.5)) * reach;
+        let turn = [[-0.6, -0.5], [0.5, -0.6], [0.6, 0.5], [-0.5, 0.6]];
+        let quad = turn.map(|[x, y]| DVec2::new(20.3 + x * reach + c(), 19.8 + y * reach + c()));
+        maps.extend(Homography::from_quads(corners, quad));
+    }
+    // Steep planes whose horizon crosses the picture, and the source too.
+    for tilt in [0.04, 0.11, -0.07] {
+        let plane = DMat3::from_cols(
+            DVec3::new(0.9, 0.2, tilt * 0.3),
+            DVec3::new(-0.3, 1.1, tilt),
+            DVec3::new(2.0, 3.0, 1.0),
+        );
+        maps.push(Homography::from_matrix(plane).unwrap());
+        maps.push(Homography::from_matrix(plane * -2.0).unwrap());
+    }
+    maps.push(affine([0.9, 0.4, 3.0, -0.4, 0.9, 14.0]));
+    let (mut partial, mut within) = (0, 0);
+    for map in &maps {
+        for outside in [Outside::Transparent, Outside::Border([0.0; 4])] {
+            let out = draw(&t, Filter::Anisotropic(16), outside, map, 40, 40);
+            for (i, c) in out.iter().enumerate() {
+                let want = counted(map, size, i % 40, i / 40);
+                assert!(
+                    (f64::from(c[3]) - want).abs() < 0.005 && (c[0] - c[3]).abs() < 1e-5,
+                    "{map:?} ({}, {}): {} {want}",
+                    i % 40,
+                    i / 40,
+                    c[3]
+                );
+                partial += usize::from(want > 0.0 && want < 1.0);
+            }
+            let covered = out.iter().filter(|c| c[3] > 0.0).count();
+            within += usize::from(covered == 1);
+        }
+    }
+    assert!(partial > 5000 && within > 3, "{partial} {within}");
+}
+
+/// A pixel at the edge shows what of the image is in it, not what would lie beyond.
+#[test]
+fn a_cut_pixel_takes_its_colour_inside() {
+    let ramp: Vec<f32> = (0..8).flat_map(|i| [i as f32, 0.0, 0.0, 1.0]).collect();
+    let t = float_texture(8, 1, 4, &ramp);
+    // Pixel 0 holds half of texel 0, pixel 8 half of texel 7: their middles are a quarter of a texel from the edges.
+    let shifted = affine([1.0, 0.0, 0.5, 0.0, 1.0, 0.0]);
+    let out = draw(&t, Filter::Bilinear, Outside::Transparent, &shifted, 9, 1);
+    let colors: Vec<f32> = out.iter().map(|c| c[0] / c[3]).collect();
+    assert_eq!(colors[..2], [0.0, 0.5]);
+    assert_eq!((colors[8], out[8][3]), (7.0, 0.5));
+    let slow = affine([4.0, 0.0, 2.0, 0.0, 1.0, 0.0]);
+    let out = draw(&t, Filter::Bilinear, Outside::Transparent, &slow, 36, 1);
+    assert!(out.iter().all(|c| c[3] == 1.0 || c[3] == 0.0));
+}
+
 /// Shrinking to a sixteenth gives the means, not every sixteenth texel.
 #[test]
 fn shrinking_is_filtered() {

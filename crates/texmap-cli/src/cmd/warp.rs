@@ -22,6 +22,7 @@ use crate::values::{self, Resolution};
 /// Positions are pixels of (0,0) at the upper left corner; pixel centres lie at one half. Give four
 /// points (--from, --to), a matrix, or any of --scale, --rotate, --translate (applied in this order
 /// around the middle of the image). A 16-bit PNG becomes one of 16 bits. HDR and EXR are linear light, read and written as floats.
+/// A pixel that an edge of the image cuts is as opaque as the share of its square that the image covers.
 #[derive(Args, Debug)]
 #[command(
     after_help = "Rectify a facade:   texmap warp photo.jpg --from 120,80 690,140 700,610 100,580 --size 600x500 -o facade.png\n\
@@ -57,7 +58,7 @@ pub(crate) struct WarpArgs {
     /// What lies beyond the image: transparent, border (black), edge or repeat
     #[arg(long, value_name = "WHAT", default_value = "transparent")]
     outside: Beyond,
-    /// How texels become pixels: nearest, bilinear, bicubic:mitchell, trilinear, anisotropic:16, ewa:8
+    /// How texels become pixels: nearest, bilinear, bicubic:mitchell, trilinear, anisotropic:16, ewa:8, ewa:8:0.75
     #[arg(long, value_name = "METHOD", value_parser = values::filter, default_value = "anisotropic:16")]
     filter: Filter,
     /// srgb decodes before filtering; raw takes the codes as they are. Floats are linear light either way
