@@ -59,14 +59,7 @@ impl AtlasRect {
             let n = n as f32;
             let place = match wrap {
                 Wrap::Repeat => place - n * texmap_math::float::floor_f32(place / n),
-                Wrap::MirroredRepeat => {
-                    if place > n {
-                        2.0 * n - place
-                    } else {
-                        place
-                    }
-                }
-                Wrap::MirrorClampToEdge => place.abs(),
+                Wrap::MirroredRepeat | Wrap::MirrorClampToEdge => place.abs(),
                 Wrap::ClampToEdge | Wrap::ClampToBorder => place,
             };
             let place = if place > 0.0 {

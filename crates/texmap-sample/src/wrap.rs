@@ -67,7 +67,7 @@ impl Axis {
         }
         match self.wrap {
             Wrap::Repeat => fraction(u) * n as f32,
-            Wrap::MirroredRepeat => fraction(u * 0.5) * 2.0 * n as f32,
+            Wrap::MirroredRepeat => centred(u) * n as f32,
             // Wide kernels still reach the image from outside, so the coordinate is only kept small.
             Wrap::ClampToEdge | Wrap::ClampToBorder | Wrap::MirrorClampToEdge => {
                 clamp(u) * n as f32
@@ -111,6 +111,24 @@ fn fraction(u: f32) -> f32 {
         BELOW_ONE
     } else {
         f
+    }
+}
+
+/// `u` less the even number next to it, in `[-1, 1]`: a coordinate of the image (from 0 on) or of its mirror image (below 0). Exact, so
+/// that a mirrored image keeps every bit of the coordinate; NaN and infinities give 0.
+fn centred(u: f32) -> f32 {
+    let half = u * 0.5;
+    let whole = float::floor_f32(half);
+    // Beyond 2^24 all numbers are even.
+    if half.abs() < 8_388_608.0 {
+        let nearest = if half - whole >= 0.5 {
+            whole + 1.0
+        } else {
+            whole
+        };
+        u - 2.0 * nearest
+    } else {
+        0.0
     }
 }
 
@@ -185,5 +203,8 @@ mod tests {
         assert_eq!(Axis::new(Wrap::Repeat, 64).place(65536.25 * 64.0, 64), 0.0);
         assert_eq!(Axis::new(Wrap::Repeat, 63).place(65536.25, 63), 15.75);
         assert!(Axis::new(Wrap::Repeat, 63).place(-1e-30, 63) < 63.0);
+        let mirrored = Axis::new(Wrap::MirroredRepeat, 63);
+        assert_eq!(mirrored.place(65537.25, 63), -0.75 * 63.0);
+        assert_eq!(mirrored.place(-0.1, 63), -0.1 * 63.0);
     }
 }

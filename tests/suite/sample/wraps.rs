@@ -182,6 +182,49 @@ fn large_coordinates_keep_their_precision() {
     }
 }
 
+/// Mirroring keeps every bit of a coordinate that repeating keeps.
+#[test]
+fn mirrored_coordinates_keep_every_bit() {
+    let sampler = |wrap, filter| Sampler {
+        filter,
+        wrap_u: wrap,
+        wrap_v: wrap,
+        ..Sampler::default()
+    };
+    for n in [63, 255, 1000] {
+        // A ramp makes the value the place.
+        let ramp: Vec<f32> = (0..n).map(|i| i as f32).collect();
+        let t = crate::support::float_texture(n, 1, 1, &ramp);
+        for (low, high) in [(-3.0, 4.0), (-0.5, 0.5), (-1.0, 0.0)] {
+            let error = |wrap| {
+                let s = sampler(wrap, Filter::Bilinear);
+                let mut random = Random::new(3);
+                (0..60_000).fold(0.0, |most: f64, _| {
+                    let u = random.range(low, high);
+                    let truth = reference::sample(&s, &t, [f64::from(u), 0.5])[0];
+                    // Repeating jumps between the ends of the ramp.
+                    let inside = truth > 1.0 && truth < f64::from(n) - 2.0;
+                    let error = (f64::from(s.sample(&t, [u, 0.5])[0]) - truth).abs();
+                    if inside { most.max(error) } else { most }
+                })
+            };
+            let (mirrored, repeated) = (error(Wrap::MirroredRepeat), error(Wrap::Repeat));
+            assert!(
+                mirrored <= repeated,
+                "{n} {low} to {high}: {mirrored:e} {repeated:e}"
+            );
+        }
+    }
+    let t = random_floats(255, 130, 5);
+    let s = sampler(Wrap::MirroredRepeat, Filter::Nearest);
+    let mut random = Random::new(3);
+    for _ in 0..60_000 {
+        let uv = [random.range(-3.0, 4.0), random.range(-3.0, 4.0)];
+        let truth = reference::sample(&s, &t, uv.map(f64::from));
+        assert!(largest_difference(s.sample(&t, uv), truth) < 1e-6, "{uv:?}");
+    }
+}
+
 /// S3. Anything at all may come in; what comes out is a colour of the texture.
 #[test]
 fn no_coordinate_or_derivative_breaks_a_filter() {

@@ -23,7 +23,7 @@ pub(crate) fn place<S: Simd>(
             inside.select(x, fraction(s, u) * units)
         }
         Wrap::Repeat => fraction(s, u) * units,
-        Wrap::MirroredRepeat => fraction(s, u * 0.5) * 2.0 * units,
+        Wrap::MirroredRepeat => centred(s, u) * units,
         Wrap::ClampToEdge | Wrap::ClampToBorder | Wrap::MirrorClampToEdge => {
             let (low, high) = (f32x16::splat(s, -64.0), f32x16::splat(s, 65.0));
             let u = u.simd_eq(u).select(u, f32x16::splat(s, 0.0));
@@ -44,7 +44,7 @@ pub(crate) fn index<S: Simd>(s: S, axis: Axis, i: i32x16<S>, n: i32x16<S>) -> i3
             let i = i.simd_lt(zero).select(i + n, i);
             i.simd_ge(n).select(i - n, i)
         }
-        // Two indices beyond 0..2n, which cubics reach, come back as well.
+        // Two indices beyond -n..n, which cubics reach, come back as well.
         Wrap::MirroredRepeat => {
             let i = i.simd_lt(zero).select(-1 - i, i);
             let back = n + n - 1 - i;
@@ -90,6 +90,18 @@ fn remainder<S: Simd>(s: S, i: i32x16<S>, n: i32x16<S>) -> i32x16<S> {
 fn at_least_zero<S: Simd>(s: S, i: i32x16<S>) -> i32x16<S> {
     let zero = i32x16::splat(s, 0);
     i.simd_gt(zero).select(i, zero)
+}
+
+/// Scalar `centred` for sixteen.
+#[inline(always)]
+fn centred<S: Simd>(s: S, u: f32x16<S>) -> f32x16<S> {
+    let zero = f32x16::splat(s, 0.0);
+    let half = u * 0.5;
+    let near = half.abs().simd_lt(f32x16::splat(s, 8_388_608.0));
+    let (u, half) = (near.select(u, zero), near.select(half, zero));
+    let whole = floor_to_i32(s, half).to_float::<f32x16<S>>();
+    let upper = (half - whole).simd_ge(f32x16::splat(s, 0.5));
+    u - upper.select(whole + 1.0, whole) * 2.0
 }
 
 #[inline(always)]
