@@ -86,7 +86,7 @@ fn floor(c: &mut Criterion) {
             ("anisotropic16", Filter::Anisotropic(16)),
             ("mip-nearest", Filter::MipNearest),
             ("bicubic", Filter::Bicubic(Cubic::CatmullRom)),
-            ("ewa8", Filter::Ewa(8)),
+            ("ewa8", Filter::ewa(8)),
         ] {
             for precision in [Precision::Fast, Precision::Exact] {
                 let sampler = Sampler {

@@ -32,9 +32,9 @@ fn main() {
         ("anisotropic:4", Filter::Anisotropic(4)),
         ("anisotropic:8", Filter::Anisotropic(8)),
         ("anisotropic:16", Filter::Anisotropic(16)),
-        ("ewa:4", Filter::Ewa(4)),
-        ("ewa:8", Filter::Ewa(8)),
-        ("ewa:16", Filter::Ewa(16)),
+        ("ewa:4", Filter::ewa(4)),
+        ("ewa:8", Filter::ewa(8)),
+        ("ewa:16", Filter::ewa(16)),
     ];
     for (name, filter) in filters {
         for precision in [Precision::Exact, Precision::Fast] {

@@ -21,7 +21,7 @@ pub(crate) fn gl_of(filter: Filter) -> (Texel, Texel, Mip) {
         Filter::Nearest => (Texel::Nearest, Texel::Nearest, Mip::None),
         Filter::MipNearest => (Texel::Nearest, Texel::Nearest, Mip::Nearest),
         Filter::BilinearMipNearest => (Texel::Linear, Texel::Linear, Mip::Nearest),
-        Filter::Trilinear | Filter::Anisotropic(_) | Filter::Ewa(_) => {
+        Filter::Trilinear | Filter::Anisotropic(_) | Filter::Ewa { .. } => {
             (Texel::Linear, Texel::Linear, Mip::Linear)
         }
         Filter::Gl { mag, min, mip } => (mag, min, mip),
@@ -36,7 +36,7 @@ pub(crate) fn sample_grad(s: &Sampler, t: &Chain<'_>, uv: [f32; 2], d: Footprint
     match s.filter {
         Filter::Nearest | Filter::Bilinear | Filter::Bicubic(_) => sample_lod(s, t, uv, 0.0),
         Filter::Anisotropic(most) => anisotropic::sample(s, t, uv, d, most),
-        Filter::Ewa(most) => ewa::sample(s, t, uv, d, most),
+        Filter::Ewa { ratio, percent } => ewa::sample(s, t, uv, d, ratio, percent),
         _ => sample_lod(s, t, uv, s.limit_lod(level_of(s, d.rho_max_squared()))),
     }
 }

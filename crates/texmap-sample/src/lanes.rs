@@ -48,7 +48,7 @@ pub(crate) use axis::{index, place};
 use apart::Apart;
 
 use crate::{
-    filter::{axes, gl_of},
+    filter::{axes, ewa, gl_of},
     sampler::{Cubic, Filter, Mip, Precision, Sampler, Texel},
     texels::{Chain, Format},
     texture::Texture2d,
@@ -102,7 +102,7 @@ pub enum Kind {
 impl Kind {
     fn of(filter: Filter) -> Self {
         match filter {
-            Filter::Ewa(_) => return Self::Ewa,
+            Filter::Ewa { .. } => return Self::Ewa,
             Filter::Bicubic(kernel) => return Self::Bicubic(kernel),
             Filter::Anisotropic(_) => return Self::Anisotropic,
             _ => {}
@@ -150,6 +150,8 @@ pub struct View<'a> {
     /// Which kernel the filter takes.
     pub kind: Kind,
     pub(crate) most: u8,
+    /// Width of an elliptical filter.
+    pub(crate) width: f32,
     pub(crate) precision: Precision,
     pub(crate) bias: f32,
     pub(crate) lod_min: f32,
@@ -210,8 +212,12 @@ impl<'a> View<'a> {
         let axes = axes(sampler, chain);
         let bordered = [sampler.wrap_u, sampler.wrap_v].contains(&Wrap::ClampToBorder);
         let most = match sampler.filter {
-            Filter::Anisotropic(most) | Filter::Ewa(most) => most.clamp(1, 16),
+            Filter::Anisotropic(most) | Filter::Ewa { ratio: most, .. } => most.clamp(1, 16),
             _ => 1,
+        };
+        let width = match sampler.filter {
+            Filter::Ewa { percent, .. } => ewa::width(percent),
+            _ => 1.0,
         };
         let unit = if format == RGBA8 { 256.0 } else { 1.0 };
         let mut offsets = [0; LEVELS];
@@ -250,6 +256,7 @@ impl<'a> View<'a> {
             scale: chain.format.scale(),
             kind,
             most,
+            width,
             precision: sampler.precision,
             bias,
             lod_min: sampler.lod.min,

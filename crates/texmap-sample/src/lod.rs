@@ -26,6 +26,16 @@ impl TexelFootprint {
         }
     }
 
+    /// All derivatives times a number of at most 2, whose powers stay finite too.
+    pub(crate) fn times(&self, by: f32) -> Self {
+        Self {
+            ux: self.ux * by,
+            vx: self.vx * by,
+            uy: self.uy * by,
+            vy: self.vy * by,
+        }
+    }
+
     /// The larger of the squared lengths of the two columns (Vulkan 1.4, "Scale Factor Operation").
     pub(crate) fn rho_max_squared(&self) -> f32 {
         let x = self.ux * self.ux + self.vx * self.vx;

@@ -24,8 +24,17 @@ pub fn sample(s: &Sampler, t: &Texture2d<'_>, uv: [f64; 2]) -> [f64; 4] {
 /// [`Sampler::sample_grad`] in f64.
 pub fn sample_grad(s: &Sampler, t: &Texture2d<'_>, uv: [f64; 2], d: Gradient) -> [f64; 4] {
     match s.filter {
-        Filter::Anisotropic(most) => anisotropic(s, t, uv, d, f64::from(most)),
-        Filter::Ewa(most) => ewa(s, t, uv, d, f64::from(most)),
+        Filter::Anisotropic(most) => anisotropic(s, t, uv, d, f64::from(most.clamp(1, 16))),
+        Filter::Ewa { ratio, percent } => {
+            let width = f64::from(percent.clamp(25, 200)) / 100.0;
+            ewa(
+                s,
+                t,
+                uv,
+                d.map(|d| d * width),
+                f64::from(ratio.clamp(1, 16)),
+            )
+        }
         _ => sample_limited(s, t, uv, lod(s, t, d)),
     }
 }
@@ -60,7 +69,7 @@ fn sample_limited(s: &Sampler, t: &Texture2d<'_>, uv: [f64; 2], lod: f64) -> [f6
         Filter::BilinearMipNearest => (Texel::Linear, Texel::Linear, Mip::Nearest),
         Filter::Gl { mag, min, mip } => (mag, min, mip),
         Filter::Bicubic(kernel) => return cubic(s, t, uv, kernel),
-        Filter::Trilinear | Filter::Anisotropic(_) | Filter::Ewa(_) => {
+        Filter::Trilinear | Filter::Anisotropic(_) | Filter::Ewa { .. } => {
             (Texel::Linear, Texel::Linear, Mip::Linear)
         }
     };

@@ -54,8 +54,14 @@ pub enum Filter {
     Trilinear,
     /// Up to this many (2 to 16) trilinear probes along the long axis of the footprint.
     Anisotropic(u8),
-    /// The elliptical weighted average (Heckbert 1989) with at most this ratio of axes (1 to 16).
-    Ewa(u8),
+    /// The elliptical weighted average (Heckbert 1989).
+    Ewa {
+        /// Largest ratio of the ellipse's axes, 1 to 16.
+        ratio: u8,
+        /// Width of the pixel's Gaussian in hundredths of Heckbert's, 25 to 200 (others are cut to that): 75 is nearest to a box
+        /// pixel, less is sharper and aliases.
+        percent: u8,
+    },
     /// Any of OpenGL's combinations: `mag` where the texture is magnified, else `min` with `mip`.
     Gl {
         /// Texels where one texel covers a pixel or more.
@@ -68,6 +74,15 @@ pub enum Filter {
 }
 
 impl Filter {
+    /// The elliptical weighted average at Heckbert's width, with at most this ratio of axes (1 to 16).
+    #[must_use]
+    pub const fn ewa(ratio: u8) -> Self {
+        Self::Ewa {
+            ratio,
+            percent: 100,
+        }
+    }
+
     /// Whether look-ups ask how large a pixel is, so that they need a footprint.
     #[must_use]
     pub fn reads_derivatives(self) -> bool {
@@ -188,13 +203,13 @@ impl Sampler {
 }
 
 /// `nearest`, `bilinear`, `bicubic:mitchell`, `mip-nearest`, `bilinear-mip-nearest`, `trilinear`,
-/// `anisotropic:16`, `ewa:8`.
+/// `anisotropic:16`, `ewa:8`, `ewa:8:0.75` (ratio and width).
 impl FromStr for Filter {
     type Err = &'static str;
 
     fn from_str(s: &str) -> Result<Self, Self::Err> {
         let (name, parameter) = s.split_once(':').map_or((s, None), |(n, p)| (n, Some(p)));
-        let ratio = |low: u8| match parameter {
+        let ratio = |text: Option<&str>, low: u8| match text {
             None => Ok(16),
             Some(p) => match p.parse::<u8>() {
                 Ok(n) if (low..=16).contains(&n) => Ok(n),
@@ -210,13 +225,33 @@ impl FromStr for Filter {
             ("bicubic", None | Some("catmull-rom")) => Ok(Self::Bicubic(Cubic::CatmullRom)),
             ("bicubic", Some("mitchell")) => Ok(Self::Bicubic(Cubic::Mitchell)),
             ("bicubic", Some("b-spline")) => Ok(Self::Bicubic(Cubic::BSpline)),
-            ("anisotropic", _) => ratio(2).map(Self::Anisotropic),
-            ("ewa", _) => ratio(1).map(Self::Ewa),
+            ("anisotropic", _) => ratio(parameter, 2).map(Self::Anisotropic),
+            ("ewa", _) => {
+                let (axes, width) = match parameter.and_then(|p| p.split_once(':')) {
+                    Some((axes, width)) => (Some(axes), Some(width)),
+                    None => (parameter, None),
+                };
+                Ok(Self::Ewa {
+                    ratio: ratio(axes, 1)?,
+                    percent: width.map_or(Ok(100), percent)?,
+                })
+            }
             _ => Err(
                 "know nearest, bilinear, bicubic:catmull-rom|mitchell|b-spline, mip-nearest, \
-                      bilinear-mip-nearest, trilinear, anisotropic:2..16, ewa:1..16",
+                      bilinear-mip-nearest, trilinear, anisotropic:2..16, ewa:1..16[:WIDTH]",
             ),
         }
+    }
+}
+
+/// Hundredths of a width of 0.25 to 2 with at most two decimals.
+fn percent(width: &str) -> Result<u8, &'static str> {
+    let hundredths = width.parse::<f32>().map_or(f32::NAN, |w| w * 100.0);
+    let whole = texmap_math::float::floor_f32(hundredths + 0.5);
+    if (25.0..=200.0).contains(&whole) && (hundredths - whole).abs() < 1e-3 {
+        Ok(whole as u8)
+    } else {
+        Err("the width must be 0.25 to 2 in steps of 0.01, as in ewa:8:0.75")
     }
 }
 

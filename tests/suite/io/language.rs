@@ -89,7 +89,7 @@ fn settings() -> impl Strategy<Value = Command> {
         Filter::BilinearMipNearest,
         Filter::Trilinear,
         Filter::Anisotropic(16),
-        Filter::Ewa(8),
+        Filter::ewa(8),
     ];
     let wraps = vec![
         Wrap::Repeat,

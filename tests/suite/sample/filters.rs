@@ -208,14 +208,14 @@ fn filters_follow_their_definitions() {
     }
 }
 
-fn bound(filter: Filter) -> f64 {
+pub(crate) fn bound(filter: Filter) -> f64 {
     match filter {
         Filter::Nearest | Filter::Bilinear | Filter::MipNearest | Filter::BilinearMipNearest => {
             4e-5
         }
         Filter::Bicubic(_) => 8e-5,
         // The weight table has 128 steps.
-        Filter::Ewa(_) => 6e-3,
+        Filter::Ewa { .. } => 6e-3,
         _ => 1e-4,
     }
 }

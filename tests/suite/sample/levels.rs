@@ -167,13 +167,13 @@ fn anisotropy_comes_from_the_true_axes() {
 #[test]
 fn the_horizon_is_finite() {
     let t = random_floats(64, 64, 3).with_mips();
-    for filter in [Filter::Trilinear, Filter::Anisotropic(16), Filter::Ewa(16)] {
+    for filter in [Filter::Trilinear, Filter::Anisotropic(16), Filter::ewa(16)] {
         let s = Sampler {
             filter,
             ..Sampler::default()
         };
         let zero = s.sample_grad(&t, [0.3, 0.7], Footprint::default());
-        if filter != Filter::Ewa(16) {
+        if filter != Filter::ewa(16) {
             assert_eq!(
                 zero,
                 Sampler {

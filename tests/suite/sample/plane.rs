@@ -56,7 +56,7 @@ fn filters_reach_their_accuracy_on_the_tilted_plane() {
 fn ewa_wins_under_a_gaussian_pixel() {
     let scene = TiltedPlane::default();
     let truth = scene.truth(Truth::Gaussian, 48);
-    let ewa = errors(&scene, &truth, Filter::Ewa(16), Precision::Exact);
+    let ewa = errors(&scene, &truth, Filter::ewa(16), Precision::Exact);
     let probes = errors(&scene, &truth, Filter::Anisotropic(16), Precision::Exact);
     assert_within(ewa, [0.036, 0.017, 0.018]);
     assert!(ewa.iter().zip(probes).all(|(e, p)| *e < p));

@@ -25,8 +25,8 @@ pub(crate) fn filters() -> Vec<Filter> {
         Filter::Trilinear,
         Filter::Anisotropic(2),
         Filter::Anisotropic(16),
-        Filter::Ewa(4),
-        Filter::Ewa(16),
+        Filter::ewa(4),
+        Filter::ewa(16),
     ];
     for mag in [Texel::Nearest, Texel::Linear] {
         for min in [Texel::Nearest, Texel::Linear] {

@@ -33,7 +33,8 @@ pub(crate) struct SampleArgs {
     /// One level of detail for all
     #[arg(long, value_name = "LEVEL", allow_hyphen_values = true)]
     lod: Option<f32>,
-    /// nearest, bilinear, bicubic:mitchell, mip-nearest, bilinear-mip-nearest, trilinear, anisotropic:16, ewa:8
+    /// nearest, bilinear, bicubic:mitchell, mip-nearest, bilinear-mip-nearest, trilinear, anisotropic:16, ewa:8,
+    /// ewa:8:0.75
     #[arg(long, value_name = "METHOD", value_parser = values::filter, default_value = "trilinear")]
     filter: Filter,
     /// repeat, mirrored-repeat, clamp-to-edge, clamp-to-border (transparent), mirror-clamp-to-edge

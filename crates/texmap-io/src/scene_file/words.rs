@@ -8,7 +8,7 @@ use texmap_sample::{Cubic, Filter, Wrap};
 
 /// What [`filter`] may say.
 pub const FILTERS: &str = "nearest, bilinear, bicubic:catmull-rom|mitchell|b-spline, mip-nearest, \
-     bilinear-mip-nearest, trilinear, anisotropic:2..16, ewa:1..16";
+     bilinear-mip-nearest, trilinear, anisotropic:2..16, ewa:1..16[:WIDTH]";
 /// What [`wrap`] may say.
 pub const WRAPS: &str =
     "repeat, mirrored-repeat, clamp-to-edge, clamp-to-border, mirror-clamp-to-edge";
@@ -27,7 +27,11 @@ pub fn filter(filter: Filter) -> Option<String> {
         Filter::BilinearMipNearest => "bilinear-mip-nearest".into(),
         Filter::Trilinear => "trilinear".into(),
         Filter::Anisotropic(n) => format!("anisotropic:{n}"),
-        Filter::Ewa(n) => format!("ewa:{n}"),
+        Filter::Ewa {
+            ratio,
+            percent: 100,
+        } => format!("ewa:{ratio}"),
+        Filter::Ewa { ratio, percent } => format!("ewa:{ratio}:{}", f32::from(percent) / 100.0),
         _ => return None,
     })
 }
@@ -100,9 +104,26 @@ mod tests {
             "trilinear",
             "anisotropic:16",
             "ewa:8",
+            "ewa:16:0.75",
+            "ewa:4:1.2",
         ] {
             let read: Filter = text.parse().unwrap();
             assert_eq!(filter(read).as_deref(), Some(text));
+        }
+        for text in ["ewa:8:1", "ewa:8:1.00"] {
+            assert_eq!(filter(text.parse().unwrap()).as_deref(), Some("ewa:8"));
+        }
+        for text in [
+            "ewa:8:",
+            "ewa::1",
+            "ewa:8:0.24",
+            "ewa:8:2.01",
+            "ewa:8:0.755",
+            "ewa:8:nan",
+            "ewa:8:1:1",
+            "anisotropic:8:1",
+        ] {
+            assert!(text.parse::<Filter>().is_err(), "{text}");
         }
         for text in WRAPS.split(", ") {
             assert_eq!(wrap(text.parse().unwrap()), text);

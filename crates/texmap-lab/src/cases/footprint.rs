@@ -298,7 +298,7 @@ pub(super) fn s9() -> Result<Vec<Measurement>, LabError> {
                 Footprint::new(big, 0.0, 0.0, small),
                 Footprint::new(big, big, small, small),
             ] {
-                for filter in [Filter::Anisotropic(16), Filter::Ewa(16), Filter::Trilinear] {
+                for filter in [Filter::Anisotropic(16), Filter::ewa(16), Filter::Trilinear] {
                     let c = sampler(filter).sample_grad(&texture, [0.3, 0.7], d);
                     bad += u32::from(!c.iter().all(|c| c.is_finite()));
                 }

@@ -311,7 +311,7 @@ pub(super) fn s10() -> Result<Vec<Measurement>, LabError> {
         Filter::BilinearMipNearest,
         Filter::Trilinear,
         Filter::Anisotropic(16),
-        Filter::Ewa(8),
+        Filter::ewa(8),
     ];
     let (mut ulps, mut codes, mut truncated) = (0.0f64, 0u32, 0u32);
     for filter in filters {

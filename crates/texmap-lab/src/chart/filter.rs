@@ -60,7 +60,7 @@ fn methods(magnified: bool) -> Vec<Method> {
         out.push(Method::Sampler(filter, Precision::Exact));
         out.push(Method::Sampler(filter, Precision::Fast));
     }
-    for filter in [Filter::Ewa(4), Filter::Ewa(16)] {
+    for filter in [Filter::ewa(4), Filter::ewa(16)] {
         out.push(Method::Sampler(filter, Precision::Exact));
     }
     if magnified {

@@ -19,7 +19,7 @@ const FILTERS: [Filter; 9] = [
     Filter::Trilinear,
     Filter::Anisotropic(4),
     Filter::Anisotropic(16),
-    Filter::Ewa(8),
+    Filter::ewa(8),
     Filter::Gl {
         mag: texmap_sample::Texel::Nearest,
         min: texmap_sample::Texel::Linear,

@@ -217,7 +217,7 @@ pub(super) fn antialiasing(size: u32) -> Result<DemoPicture, LabError> {
         (
             "Filtered, EWA",
             "The same star as a texture: the filter smooths its edges.",
-            draw(&as_texture(Filter::Ewa(16))?, size, 1, 1)?,
+            draw(&as_texture(Filter::ewa(16))?, size, 1, 1)?,
             13.0,
             4.0,
         ),

@@ -18,7 +18,8 @@ use texmap_math::{
 /// Entries of the weight table over squared radius 0..1.
 const STEPS: usize = 128;
 
-/// The Gaussian e^(-2 r^2) of half a pixel, lowered so that it ends at 0 on the ellipse.
+/// The Gaussian e^(-2 r^2) of half a pixel, lowered so that it ends at 0 on the ellipse; times 2^-16, so that the sum over an ellipse of
+/// texels of any size stays finite.
 static WEIGHTS: [f32; STEPS] = weight_table();
 /// [`WEIGHTS`] to gather from.
 static WEIGHT_BITS: [u32; STEPS] = weight_bits();
@@ -28,7 +29,7 @@ const fn weight_table() -> [f32; STEPS] {
     let mut i = 0;
     while i < STEPS {
         let r2 = (i as f64 + 0.5) / STEPS as f64;
-        table[i] = (exp(-2.0 * r2) - exp(-2.0)) as f32;
+        table[i] = ((exp(-2.0 * r2) - exp(-2.0)) as f32) / 65536.0;
         i += 1;
     }
     table
@@ -55,8 +56,13 @@ const fn exp(x: f64) -> f64 {
     sum
 }
 
+/// The width that a filter gives in hundredths.
+pub(crate) fn width(percent: u8) -> f32 {
+    f32::from(percent.clamp(25, 200)) / 100.0
+}
+
 /// The exact ellipse of Heckbert 1989 ("Fundamentals of Texture Mapping and Image Warping", section
-/// 3.5): the pixel's Gaussian through the Jacobian plus one texel for reconstruction, over the level
+/// 3.5): the pixel's Gaussian, `percent` hundredths as wide, through the Jacobian plus one texel for reconstruction, over the level
 /// (`Exact`: two levels) on which the short axis is one to two texels. `most` bounds the ratio of axes.
 pub(super) fn sample(
     s: &Sampler,
@@ -64,8 +70,9 @@ pub(super) fn sample(
     uv: [f32; 2],
     d: TexelFootprint,
     most: u8,
+    percent: u8,
 ) -> [f32; 4] {
-    let axes = Axes::new(&d);
+    let axes = Axes::new(&d.times(width(percent)));
     let most = f32::from(most.clamp(1, 16));
     let floor2 = axes.major2 / (most * most);
     let minor2 = if axes.minor2 > floor2 {
@@ -194,7 +201,7 @@ pub(crate) fn lanes<S: Simd>(
     d: &FootprintLanes<S>,
 ) -> Color<S> {
     let zero = f32x16::splat(s, 0.0);
-    let axes = AxesLanes::new(s, d);
+    let axes = AxesLanes::new(s, &d.times(view.width));
     let most = f32::from(view.most);
     let floor2 = axes.major2 / (most * most);
     let minor2 = axes.minor2.simd_gt(floor2).select(axes.minor2, floor2);

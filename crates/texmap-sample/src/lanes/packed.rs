@@ -26,7 +26,7 @@ pub(crate) fn applies(s: &Sampler, t: &Chain<'_>) -> bool {
     let whole = s.filter == Filter::Nearest && !border;
     (s.precision == Precision::Fast || whole)
         && t.format == Format::Rgba8
-        && !matches!(s.filter, Filter::Bicubic(_) | Filter::Ewa(_))
+        && !matches!(s.filter, Filter::Bicubic(_) | Filter::Ewa { .. })
 }
 
 /// Bytes to 0..1.
@@ -454,6 +454,17 @@ impl<S: Simd> FootprintLanes<S> {
             vx: tame(s, vx),
             uy: tame(s, uy),
             vy: tame(s, vy),
+        }
+    }
+
+    /// Scalar `TexelFootprint::times`.
+    #[inline(always)]
+    pub(crate) fn times(&self, by: f32) -> Self {
+        Self {
+            ux: self.ux * by,
+            vx: self.vx * by,
+            uy: self.uy * by,
+            vy: self.vy * by,
         }
     }
 
