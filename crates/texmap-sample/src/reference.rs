@@ -212,20 +212,20 @@ fn axes([ux, vx, uy, vy]: Gradient) -> ([f64; 2], f64, f64) {
     )
 }
 
-/// Box-weighted trilinear probes spread evenly over the long axis.
+/// Box-weighted trilinear probes spread evenly over the long axis; where the short axis is below a texel, no more than one a texel, and
+/// over what bilinear filtering leaves of the long axis.
 fn anisotropic(s: &Sampler, t: &Texture2d<'_>, uv: [f64; 2], d: Gradient, most: f64) -> [f64; 4] {
     let (axis, major, minor) = axes(in_texels(t, d));
-    let n = if major <= 1.0 {
-        1.0
-    } else if major >= most * minor {
-        most
-    } else {
-        ceil(major / minor).max(1.0)
-    };
+    let n = ceil((major / minor.max(1.0)).min(most)).max(1.0);
     let lod = limit(s, log2(major / n));
+    let spread = sqrt(((major * major + minor * minor - 1.0) / (major * major)).clamp(0.0, 1.0));
     let mut sum = [0.0; 4];
     for k in 0..n as u32 {
-        let at = (f64::from(k) + 0.5) / n - 0.5;
+        let at = if n > 1.0 {
+            spread * ((f64::from(k) + 0.5) / n - 0.5)
+        } else {
+            0.0
+        };
         let place = [
             uv[0] + at * axis[0] / f64::from(t.width()),
             uv[1] + at * axis[1] / f64::from(t.height()),

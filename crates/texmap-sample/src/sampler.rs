@@ -52,7 +52,7 @@ pub enum Filter {
     /// Bilinear in the two levels around.
     #[default]
     Trilinear,
-    /// Up to this many (2 to 16) trilinear probes along the long axis of the footprint.
+    /// Up to this many (2 to 16) trilinear probes along the long axis of the footprint, no closer than a texel.
     Anisotropic(u8),
     /// The elliptical weighted average (Heckbert 1989).
     Ewa {

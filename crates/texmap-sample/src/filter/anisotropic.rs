@@ -14,6 +14,8 @@ pub(crate) struct Axes {
     pub(crate) minor2: f32,
     /// The long half axis as a vector in texels.
     pub(crate) major: [f32; 2],
+    /// The sum of both squared half axes, without the rounding of either.
+    trace: f32,
 }
 
 impl Axes {
@@ -24,7 +26,8 @@ impl Axes {
         let r = d.vx * d.vx + d.vy * d.vy;
         let q = d.ux * d.vx + d.uy * d.vy;
         let half = 0.5 * (p - r);
-        let mean = 0.5 * (p + r);
+        let trace = p + r;
+        let mean = 0.5 * trace;
         let root = sqrt_f32(half * half + q * q);
         let major2 = mean + root;
         // The determinant gives the short axis without the cancellation of mean - root.
@@ -51,26 +54,33 @@ impl Axes {
             major2,
             minor2,
             major,
+            trace,
         }
     }
 
-    /// How many probes of a round filter cover the ellipse, at most `most`; one where the texture
-    /// is magnified along every direction.
+    /// How many probes of a round filter cover the ellipse, at most `most`. A probe is a texel wide at least, so that a short axis
+    /// below a texel counts as one.
     pub(crate) fn probes(&self, most: u8) -> f32 {
         let most = f32::from(most.clamp(1, 16));
-        if self.major2 <= 1.0 {
-            return 1.0;
-        }
-        if self.major2 >= most * most * self.minor2 {
-            return most;
-        }
-        let n = ceil_f32(sqrt_f32(self.major2 / self.minor2));
+        let minor2 = if self.minor2 > 1.0 { self.minor2 } else { 1.0 };
+        let ratio = sqrt_f32(self.major2 / minor2);
+        let n = ceil_f32(if ratio < most { ratio } else { most });
         if n > 1.0 { n } else { 1.0 }
+    }
+
+    /// The share of the long axis that probes are spread over. A bilinear probe on level 0 blurs as much as a pixel of one texel does
+    /// (in twelfths of a squared texel, variance 2 against `1 + axis^2`); what a shorter short axis has too much of it, `1 - minor^2`, is
+    /// taken off the square of the long one.
+    fn spread(&self) -> f32 {
+        let share = (self.trace - 1.0) / self.major2;
+        let share = if share > 0.0 { share } else { 0.0 };
+        sqrt_f32(if share < 1.0 { share } else { 1.0 })
     }
 }
 
 /// Box-weighted trilinear probes along the true long axis (EXT_texture_filter_anisotropic with the
-/// orthogonalised footprint that the Direct3D 11.3 specification asks for).
+/// orthogonalised footprint that the Direct3D 11.3 specification asks for), with fewer and closer probes where they would be less
+/// than a texel apart.
 pub(super) fn sample(
     s: &Sampler,
     t: &Chain<'_>,
@@ -87,9 +97,10 @@ pub(super) fn sample(
         Precision::Fast => floor(lod.clamp(-64.0, 64.0) + 0.5) as f32,
     };
     let level = &t.levels[0];
+    let spread = axes.spread();
     let step = [
-        axes.major[0] / (level.width as f32 * n),
-        axes.major[1] / (level.height as f32 * n),
+        axes.major[0] * spread / (n * level.width as f32),
+        axes.major[1] * spread / (n * level.height as f32),
     ];
     let first = unscaled_lod(s, t, probe(uv, step, 0.5 * (1.0 - n)), lod);
     let mut sum = [0.0; 4];

@@ -377,6 +377,7 @@ pub(crate) struct AxesLanes<S: Simd> {
     pub(crate) major: [f32x16<S>; 2],
     pub(crate) major2: f32x16<S>,
     pub(crate) minor2: f32x16<S>,
+    trace: f32x16<S>,
 }
 
 impl<S: Simd> AxesLanes<S> {
@@ -388,7 +389,8 @@ impl<S: Simd> AxesLanes<S> {
         let q = d.ux * d.vx + d.uy * d.vy;
         let half = (p - r) * 0.5;
         let root = (half * half + q * q).sqrt();
-        let major2 = (p + r) * 0.5 + root;
+        let trace = p + r;
+        let major2 = trace * 0.5 + root;
         let det = d.ux * d.vy - d.uy * d.vx;
         let minor2 = major2.simd_gt(zero).select(det * (det / major2), zero);
         let steep = !half.simd_ge(zero);
@@ -402,7 +404,17 @@ impl<S: Simd> AxesLanes<S> {
             major: [along.select(x * k, length), along.select(y * k, zero)],
             major2,
             minor2,
+            trace,
         }
+    }
+
+    /// Scalar `Axes::spread`.
+    #[inline(always)]
+    fn spread(&self, s: S) -> f32x16<S> {
+        let (zero, one) = (f32x16::splat(s, 0.0), f32x16::splat(s, 1.0));
+        let share = (self.trace - one) / self.major2;
+        let share = share.simd_gt(zero).select(share, zero);
+        share.simd_lt(one).select(share, one).sqrt()
     }
 }
 
@@ -416,11 +428,14 @@ pub fn anisotropic_lanes<S: Simd, const FORMAT: u8>(
     d: &FootprintLanes<S>,
 ) -> Color<S> {
     let (zero, one) = (f32x16::splat(s, 0.0), f32x16::splat(s, 1.0));
+    let axes = AxesLanes::new(s, d);
+    let spread = axes.spread(s);
     let AxesLanes {
         major: [major_x, major_y],
         major2,
         minor2,
-    } = AxesLanes::new(s, d);
+        ..
+    } = axes;
     let n = probes(s, view, major2, minor2);
     let lod = limit_lanes(s, view, log2(s, major2 / (n * n)) * 0.5);
     let lod = match view.precision {
@@ -429,8 +444,8 @@ pub fn anisotropic_lanes<S: Simd, const FORMAT: u8>(
         Precision::Fast => floor_to_i32(s, bounded(s, lod) + 0.5).to_float::<f32x16<S>>(),
     };
     let (w, h) = view.size();
-    let step_u = major_x / (n * (w as f32));
-    let step_v = major_y / (n * (h as f32));
+    let step_u = major_x * spread / (n * (w as f32));
+    let step_v = major_y * spread / (n * (h as f32));
     let start = (one - n) * 0.5;
     let levels = Levels::new(s, view, lod);
     let (mut first, mut sum) = ([zero; 4], [zero; 4]);
@@ -479,12 +494,8 @@ fn bounded<S: Simd>(s: S, lod: f32x16<S>) -> f32x16<S> {
 fn probes<S: Simd>(s: S, view: &View<'_>, major2: f32x16<S>, minor2: f32x16<S>) -> f32x16<S> {
     let one = f32x16::splat(s, 1.0);
     let most = f32x16::splat(s, f32::from(view.most));
-    let long = major2.simd_ge(minor2 * (most * most));
-    // The quotient may be anything where it is not used; keep its conversion in range.
-    let ratio = (major2 / long.select(one, minor2)).sqrt();
+    let ratio = (major2 / minor2.simd_gt(one).select(minor2, one)).sqrt();
     let ratio = ratio.simd_lt(most).select(ratio, most);
     let n = (-floor_to_i32(s, -ratio)).to_float::<f32x16<S>>();
-    let n = n.simd_gt(one).select(n, one);
-    let n = long.select(most, n);
-    (!major2.simd_gt(one)).select(one, n)
+    n.simd_gt(one).select(n, one)
 }

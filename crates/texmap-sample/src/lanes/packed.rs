@@ -14,7 +14,7 @@ use crate::{
 };
 use texmap_math::{
     fearless_simd::{f32x16, i32x16, prelude::*, u16x32, u32x16},
-    lanes::{above, floor_to_i32, gather, gather_pairs, lerp_bytes, look_up, store_tail},
+    lanes::{above, below, floor_to_i32, gather, gather_pairs, lerp_bytes, look_up, store_tail},
 };
 
 const LOW: u32 = 0x00ff_00ff;
@@ -104,8 +104,10 @@ fn probes(s: &Sampler, t: &Chain<'_>, d: &TexelFootprint, most: u8) -> Probes {
     let major2 = 0.5 * (p + r) + root;
     let det = d.ux * d.vy - d.uy * d.vx;
     let det2 = det * det;
-    // ratio^2 = major2 / minor2 = major2^2 / det^2, in fixed-point logarithms of lengths.
-    let ratio = 2 * log2_sqrt_fixed(major2) - log2_sqrt_fixed(det2);
+    let log_major = log2_sqrt_fixed(major2);
+    // ratio^2 = major2 / minor2 = major2^2 / det^2, in fixed-point logarithms of lengths; a short axis below a texel counts as one.
+    let ratio = 2 * log_major - log2_sqrt_fixed(det2);
+    let ratio = if ratio < log_major { ratio } else { log_major };
     let slot = if ratio < 0 {
         0
     } else if ratio > 1023 {
@@ -126,10 +128,14 @@ fn probes(s: &Sampler, t: &Chain<'_>, d: &TexelFootprint, most: u8) -> Probes {
         (q, root - half)
     };
     let length2 = x * x + y * y;
-    let k = major2 * rsqrt(major2) * rsqrt(length2);
+    // The square of what probes are spread over, as `Axes::spread` has it.
+    let along2 = p + r - 1.0;
+    let along2 = if along2 < major2 { along2 } else { major2 };
+    let along2 = if along2 > 0.0 { along2 } else { 0.0 };
+    let k = along2 * rsqrt(along2) * rsqrt(length2);
     let share = 1.0 / count as f32;
     let base = &t.levels[0];
-    let lod = log2_sqrt_fixed(major2) - PROBE_LEVELS[count as usize - 1] as i32;
+    let lod = log_major - PROBE_LEVELS[count as usize - 1] as i32;
     Probes {
         count,
         step: [
@@ -586,6 +592,7 @@ pub fn anisotropic_lanes<S: Simd>(
     let log_major = log2_sqrt_lanes(s, major2);
     let det = d.ux * d.vy - d.uy * d.vx;
     let ratio = (log_major << 1) - log2_sqrt_lanes(s, det * det);
+    let ratio = ratio.simd_lt(log_major).select(ratio, log_major);
     let slot = ratio.simd_lt(zero).select(zero, ratio >> 6);
     let last_slot = i32x16::splat(s, 15);
     let slot = slot.simd_gt(last_slot).select(last_slot, slot);
@@ -598,7 +605,9 @@ pub fn anisotropic_lanes<S: Simd>(
     let x = steep.select(q, half + root);
     let y = steep.select(root - half, q);
     let length2 = x * x + y * y;
-    let k = major2 * rsqrt_lanes(s, major2) * rsqrt_lanes(s, length2);
+    let along2 = below((p + r) - 1.0, major2);
+    let along2 = above(along2, f32x16::splat(s, 0.0));
+    let k = along2 * rsqrt_lanes(s, along2) * rsqrt_lanes(s, length2);
     let n = count.to_float::<f32x16<S>>();
     let share = one_f / n;
     let (w, h) = view.size();
