@@ -216,6 +216,6 @@ impl Slot<'_> {
     pub(crate) fn can_be_transparent(&self) -> bool {
         let s = &self.sampler;
         let border = s.wrap_u == Wrap::ClampToBorder || s.wrap_v == Wrap::ClampToBorder;
-        self.texture.has_alpha() || (border && s.border[3] < 1.0)
+        self.texture.has_alpha() || (border && !(s.border[3] >= 1.0))
     }
 }

@@ -32,7 +32,7 @@ impl Sampler {
         let [ax, ay] = axes(self, chain);
         let pass = |x: i32, y: i32| {
             let texel = if x == OUTSIDE || y == OUTSIDE {
-                self.border[0]
+                self.border_in(1.0)[0]
             } else {
                 chain.fetch(level, x, y, 0)[0] * scale
             };

@@ -28,7 +28,7 @@ impl Sampler {
         let scale = chain.format.scale();
         let tap = |x: i32, y: i32| {
             if x == OUTSIDE || y == OUTSIDE {
-                self.border
+                self.border_in(1.0)
             } else {
                 scaled(chain.fetch(level, x, y, 0), scale)
             }

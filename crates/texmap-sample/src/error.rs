@@ -27,7 +27,7 @@ pub enum SampleError {
         /// Values given.
         got: usize,
     },
-    /// A float texel is NaN, infinite or beyond +-2^120.
+    /// A float texel is NaN, infinite or beyond +-2^120, as it is or decoded and premultiplied.
     Texel {
         /// Column of the texel.
         x: u32,

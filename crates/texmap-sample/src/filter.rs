@@ -166,7 +166,7 @@ pub(crate) fn linear_axis(axis: Axis, u: f32, n: i32) -> ([i32; 2], f32) {
 #[inline(always)]
 pub(crate) fn tap(s: &Sampler, t: &Chain<'_>, level: &Level, [x, y, z]: [i32; 3]) -> [f32; 4] {
     if x == OUTSIDE || y == OUTSIDE || z == OUTSIDE {
-        scaled(s.border, t.format.units())
+        s.border_in(t.format.units())
     } else {
         t.fetch(level, x, y, z)
     }

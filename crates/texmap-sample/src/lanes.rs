@@ -129,6 +129,7 @@ pub struct View<'a> {
     apart: Apart<'a>,
     /// [`RGBA8`] and so on.
     pub format: u8,
+    /// Every alpha is exactly one, and no tap reads a border.
     pub(crate) opaque: bool,
     flip: bool,
     /// Both axes repeat over powers of two: their wraps are masks.
@@ -231,22 +232,19 @@ impl<'a> View<'a> {
             offsets[i] = offset as u32;
             levels[i] = LevelView::new(offset, level.width, level.height, chain.flip, unit);
         }
-        let bias = if sampler.lod.bias.is_nan() {
-            0.0
-        } else {
-            sampler.lod.bias.clamp(-32.0, 32.0)
-        };
+        let bias = sampler.lod_bias();
         Some(Self {
             // An encoded texture without levels has no words.
             words: Words::new(chain.words()).or_else(|| Words::new(&[0]))?,
             apart,
             format,
-            opaque: chain.opaque && !bordered,
+            // Floats may be above one, which is opaque and yet no constant.
+            opaque: chain.opaque && !bordered && chain.format != Format::Rgba32,
             flip: chain.flip,
             masked: axes.iter().all(|axis| axis.scaled_first),
             axes,
             bordered,
-            border: sampler.border.map(|c| c * chain.format.units()),
+            border: sampler.border_in(chain.format.units()),
             border_word: packed::border(sampler.border),
             offsets,
             levels,

@@ -29,7 +29,9 @@ pub(crate) fn build(base: Chain<'_>, reduce: Reduce) -> Chain<'static> {
         ..base.levels[0]
     };
     let format = base.format;
-    let Chain { flip, opaque, .. } = base;
+    let Chain {
+        flip, mut opaque, ..
+    } = base;
     let mut words = decoded(base);
     let share = match reduce {
         Reduce::Coverage(threshold) => {
@@ -75,7 +77,9 @@ pub(crate) fn build(base: Chain<'_>, reduce: Reduce) -> Chain<'static> {
                     } else {
                         scale
                     };
-                    format.push(&mut words, c.map(|x| x * k));
+                    let c = c.map(|x| x * k);
+                    opaque &= c[3] >= most;
+                    format.push(&mut words, c);
                 }
             }
             _ => {
@@ -296,7 +300,13 @@ fn taps(i: i32, n: i32) -> (i32, [f64; 3]) {
 /// The unit vector along a mean of unit vectors; +z where they cancel.
 fn normalized(c: [f32; 4], units: f32) -> [f32; 4] {
     let n = [0, 1, 2].map(|k| 2.0 * c[k] / units - 1.0);
-    let length2 = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
+    let mut n = n;
+    let mut length2 = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
+    if !length2.is_finite() {
+        // Floats whose squares are too large.
+        n = n.map(|x| x * 1e-36);
+        length2 = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
+    }
     let [x, y, z] = if length2 > 1e-12 {
         let length = sqrt_f32(length2);
         n.map(|x| x / length)

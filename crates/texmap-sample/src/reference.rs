@@ -51,7 +51,9 @@ pub fn lod(s: &Sampler, t: &Texture2d<'_>, d: Gradient) -> f64 {
 }
 
 fn limit(s: &Sampler, lod: f64) -> f64 {
-    (lod + f64::from(s.lod.bias))
+    let lod = if lod.is_nan() { 0.0 } else { lod };
+    // The limits of `max` and `min` that are NaN limit nothing.
+    (lod + f64::from(s.lod_bias()))
         .max(f64::from(s.lod.min))
         .min(f64::from(s.lod.max))
 }
@@ -135,7 +137,7 @@ fn fetch(s: &Sampler, t: &Chain<'_>, level: &Level, x: i64, y: i64) -> [f64; 4] 
             let c = t.fetch(level, x as i32, y as i32, 0);
             c.map(|c| f64::from(c) / f64::from(t.format.units()))
         }
-        _ => s.border.map(f64::from),
+        _ => s.border_in(1.0).map(f64::from),
     }
 }
 

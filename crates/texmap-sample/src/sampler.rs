@@ -1,5 +1,6 @@
 use crate::{
-    filter, filter::anisotropic::Axes, lod::TexelFootprint, texture::Texture2d, wrap::Wrap,
+    filter, filter::anisotropic::Axes, lod::TexelFootprint, texels::scaled, texture::Texture2d,
+    wrap::Wrap,
 };
 use core::str::FromStr;
 use texmap_math::footprint::Footprint;
@@ -106,14 +107,14 @@ pub enum Precision {
     Fast,
 }
 
-/// Shifts and limits the level of detail: `clamp(lod + bias, min, max)`.
+/// Shifts and limits the level of detail: `clamp(lod + bias, min, max)`; where `min` is above `max`, `max`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lod {
-    /// Added to every level, cut to +-32.
+    /// Added to every level, cut to +-32; NaN reads as 0.
     pub bias: f32,
-    /// Smallest level.
+    /// Smallest level; NaN limits nothing.
     pub min: f32,
-    /// Largest level.
+    /// Largest level; NaN limits nothing.
     pub max: f32,
 }
 
@@ -138,7 +139,7 @@ pub struct Sampler {
     pub wrap_u: Wrap,
     /// Outside `[0, 1)` in v.
     pub wrap_v: Wrap,
-    /// Linear premultiplied colour of [`Wrap::ClampToBorder`].
+    /// Linear premultiplied colour of [`Wrap::ClampToBorder`]; NaN reads as 0, and values are cut to +-2^100.
     pub border: [f32; 4],
     /// Level of detail.
     pub lod: Lod,
@@ -181,18 +182,38 @@ impl Sampler {
         }
     }
 
-    /// Bias and limits; NaN reads as 0.
-    pub(crate) fn limit_lod(&self, lod: f32) -> f32 {
-        let bias = if self.lod.bias.is_nan() {
+    /// The bias of levels, within its range.
+    pub(crate) fn lod_bias(&self) -> f32 {
+        if self.lod.bias.is_nan() {
             0.0
         } else {
             self.lod.bias.clamp(-32.0, 32.0)
+        }
+    }
+
+    /// The border in units of a format, finite in any of them.
+    pub(crate) fn border_in(&self, units: f32) -> [f32; 4] {
+        const MOST: f32 = 1.267_650_6e30;
+        let within = |c: f32| {
+            if c.is_nan() {
+                0.0
+            } else {
+                c.clamp(-MOST, MOST)
+            }
         };
+        let [r, g, b, a] = self.border;
+        scaled([within(r), within(g), within(b), within(a)], units)
+    }
+
+    /// Bias and limits; NaN reads as 0.
+    pub(crate) fn limit_lod(&self, lod: f32) -> f32 {
+        let bias = self.lod_bias();
         let biased = if lod.is_nan() { bias } else { lod + bias };
-        let low = if biased > self.lod.min {
-            biased
-        } else {
+        // Comparisons that a limit of NaN fails: it limits nothing.
+        let low = if biased < self.lod.min {
             self.lod.min
+        } else {
+            biased
         };
         if low > self.lod.max {
             self.lod.max

@@ -11,7 +11,7 @@ pub enum Texels<'a> {
     U8(&'a [u8]),
     /// 0..65535 stands for 0..1.
     U16(&'a [u16]),
-    /// Any finite value within +-2^120.
+    /// Any finite value within +-2^120, and so after its sRGB curve and opacity.
     F32(&'a [f32]),
 }
 

@@ -219,7 +219,8 @@ impl<'a> Texture2d<'a> {
     }
 
     /// A mip chain for cut-outs: alpha (and the premultiplied colour with it) of each level is scaled
-    /// so that the share of texels at or above `threshold` stays that of the base.
+    /// so that the share of texels at or above `threshold` stays that of the base; by the factor nearest to one that does it, so that an
+    /// opaque image stays opaque.
     #[must_use]
     pub fn with_coverage_mips(self, threshold: f32) -> Texture2d<'static> {
         Texture2d {
@@ -257,7 +258,7 @@ impl<'a> Texture2d<'a> {
             .map(|l| (l.width as u32, l.height as u32))
     }
 
-    /// Whether any texel is not fully opaque.
+    /// Whether any texel of any level is not fully opaque (float alphas above one are).
     pub fn has_alpha(&self) -> bool {
         !self.chain.opaque
     }
@@ -300,8 +301,10 @@ fn check_length(expected: usize, got: usize) -> Result<(), SampleError> {
     }
 }
 
+/// 2^120: differences and sums of weights stay finite.
+const LIMIT: f32 = 1.329_228e36;
+
 fn check_finite(texels: &Texels<'_>, width: u32, channels: u32) -> Result<(), SampleError> {
-    const LIMIT: f32 = 1.329_228e36; // 2^120: differences and cubic weights stay finite.
     let Texels::F32(values) = texels else {
         return Ok(());
     };
@@ -355,6 +358,11 @@ pub(crate) fn upload(image: &Image<'_>, depth: u32) -> Result<Chain<'static>, Sa
     let curve = Curve::new(image, count);
     for i in 0..count {
         let c = read_texel(image, &curve, i);
+        // The sRGB curve and the opacity of float texels may take them beyond the limit.
+        if !c.iter().all(|c| c.abs() <= LIMIT) {
+            let (x, y) = (i as u32 % width, i as u32 / width);
+            return Err(SampleError::Texel { x, y });
+        }
         opaque &= c[3] >= 1.0;
         format.push(&mut words, scaled(c, format.units()));
     }

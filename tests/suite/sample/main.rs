@@ -4,6 +4,7 @@ mod conformance;
 mod cubes;
 mod encoded;
 mod filters;
+mod hostile;
 mod lanes;
 mod levels;
 mod light;

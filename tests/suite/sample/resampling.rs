@@ -1,6 +1,6 @@
 //! Images as functions: resampling through affine maps and homographies; mip options.
 
-use crate::support::{Random, float_texture, random_floats};
+use crate::support::{Random, float_texture, random_bytes, random_floats};
 use texmap_math::glam::{DMat3, DVec2, DVec3};
 use texmap_math::{Homography, Level};
 use texmap_sample::{
@@ -316,6 +316,26 @@ fn coverage_survives_the_chain() {
         assert!(c[3] <= 1.0 && (c[1] - 0.8 * c[3]).abs() < 1e-5);
     }
     assert!(share(&plain, 3) < 0.1);
+}
+
+/// An opaque image has nothing to keep, and an image whose means pass as often as its texels needs no scale.
+#[test]
+fn coverage_mips_change_no_more_than_they_must() {
+    for threshold in [0.1, 0.5, 1.0, 0.0, -1.0, 1.5, f32::NAN] {
+        let t = random_bytes(16, 9, 2).with_coverage_mips(threshold);
+        assert!(!t.has_alpha(), "{threshold}");
+        for level in 0..t.levels() {
+            assert_eq!(t.texel(level, 0, 0).unwrap()[3], 1.0, "{threshold} {level}");
+        }
+    }
+    // Half of the texels stand out, in blocks that means keep.
+    let texels: Vec<f32> = (0..16 * 16)
+        .flat_map(|i| [0.0, 0.0, 0.0, if i % 16 < 8 { 0.9 } else { 0.2 }])
+        .collect();
+    let t = float_texture(16, 16, 4, &texels).with_coverage_mips(0.5);
+    for level in 0..4 {
+        assert_eq!(t.texel(level, 0, 0).unwrap()[3], 0.9, "{level}");
+    }
 }
 
 #[test]

@@ -274,7 +274,7 @@ pub(crate) fn limit_lanes<S: Simd>(s: S, view: &View<'_>, lod: f32x16<S>) -> f32
         f32x16::splat(s, view.lod_min),
         f32x16::splat(s, view.lod_max),
     );
-    let lod = lod.simd_gt(low).select(lod, low);
+    let lod = lod.simd_lt(low).select(low, lod);
     lod.simd_gt(high).select(high, lod)
 }
 
