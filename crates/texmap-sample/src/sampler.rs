@@ -259,7 +259,7 @@ impl FromStr for Filter {
             }
             _ => Err(
                 "know nearest, bilinear, bicubic:catmull-rom|mitchell|b-spline, mip-nearest, \
-                      bilinear-mip-nearest, trilinear, anisotropic:2..16, ewa:1..16[:WIDTH]",
+                      bilinear-mip-nearest, trilinear, anisotropic:2..16, ewa:1..16[:0.25..2]",
             ),
         }
     }

@@ -8,7 +8,7 @@ use texmap_sample::{Cubic, Filter, Wrap};
 
 /// What [`filter`] may say.
 pub const FILTERS: &str = "nearest, bilinear, bicubic:catmull-rom|mitchell|b-spline, mip-nearest, \
-     bilinear-mip-nearest, trilinear, anisotropic:2..16, ewa:1..16[:WIDTH]";
+     bilinear-mip-nearest, trilinear, anisotropic:2..16, ewa:1..16[:0.25..2]";
 /// What [`wrap`] may say.
 pub const WRAPS: &str =
     "repeat, mirrored-repeat, clamp-to-edge, clamp-to-border, mirror-clamp-to-edge";
