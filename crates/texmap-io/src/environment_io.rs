@@ -8,7 +8,7 @@ use image::codecs::hdr::HdrEncoder;
 use image::codecs::openexr::OpenExrEncoder;
 use image::{DynamicImage, ExtendedColorType, ImageEncoder, ImageReader, Limits, Rgb};
 use texmap_light::{Chart, Environment};
-use texmap_math::color;
+use texmap_math::{MemoryBudget, color};
 
 use crate::{IoError, Place, atomic, files, image_io};
 
@@ -19,13 +19,14 @@ use crate::{IoError, Place, atomic, files, image_io};
 /// File errors; [`IoError::BrokenImage`], also for a NaN or infinity; [`IoError::EnvironmentSize`] for an image whose sides the
 /// chart cannot have (a lat-long map that is not 2:1).
 pub fn read_environment(path: &Path, chart: Chart) -> Result<Environment, IoError> {
-    read_named(path, chart, None)
+    read_named(path, chart, None, MemoryBudget::of_process())
 }
 
 pub(crate) fn read_named(
     path: &Path,
     chart: Chart,
     named_by: Option<&Place>,
+    memory: MemoryBudget,
 ) -> Result<Environment, IoError> {
     let bytes = files::read(path, named_by)?;
     let broken = |problem: String| IoError::BrokenImage {
@@ -53,6 +54,8 @@ pub(crate) fn read_named(
         height,
         expected: expected(chart),
     })?;
+    // As it is decoded, as three floats, and the copies with borders and mips that an environment keeps.
+    image_io::ask_for_texels(memory, path, named_by, (width, height), 16 + 12 + 22)?;
     let image = reader()?.decode().map_err(|e| broken(e.to_string()))?;
     let texels: Vec<[f32; 3]> = match image {
         DynamicImage::ImageRgb32F(_) | DynamicImage::ImageRgba32F(_) => {

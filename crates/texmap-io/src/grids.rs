@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use texmap_math::MemoryBudget;
 use texmap_sample::{Alpha, ColorSpace, Image, Origin, SampleError, Texels, Texture3d};
 
 use crate::npy::{self, Data};
@@ -14,12 +15,16 @@ use crate::{IoError, Place, files};
 /// # Errors
 /// File errors; [`IoError::BrokenArray`] for another shape or type, an axis of length 0, and a voxel that is not finite, by name.
 pub fn read_grid(path: &Path) -> Result<Texture3d<'static>, IoError> {
-    read_named(path, None)
+    read_named(path, None, MemoryBudget::of_process())
 }
 
-pub(crate) fn read_named(path: &Path, by: Option<&Place>) -> Result<Texture3d<'static>, IoError> {
+pub(crate) fn read_named(
+    path: &Path,
+    by: Option<&Place>,
+    memory: MemoryBudget,
+) -> Result<Texture3d<'static>, IoError> {
     files::regular(path, by)?;
-    let array = npy::read(path)?;
+    let array = npy::read_within(path, memory)?;
     let broken = |problem: String| IoError::BrokenArray {
         path: path.to_path_buf(),
         problem,
@@ -55,6 +60,14 @@ pub(crate) fn read_named(path: &Path, by: Option<&Place>) -> Result<Texture3d<'s
         alpha: Alpha::Straight,
         origin: Origin::TopLeft,
     };
+    // Up to four floats a voxel, and a seventh more for the mip chain.
+    let voxels = array.shape.iter().take(3).map(|n| *n as u64);
+    let asked = memory.ask(
+        voxels.product::<u64>() * 16 * 8 / 7,
+        format_args!("{}: a grid of shape {:?}", path.display(), array.shape),
+        "take a smaller grid",
+    );
+    asked.map_err(|refused| IoError::memory(refused, by))?;
     let grid = Texture3d::new(depth, &slices).map_err(|error| {
         broken(match error {
             SampleError::Texel { x, y } => {

@@ -4,7 +4,8 @@ use std::io::{self, Cursor};
 use std::path::Path;
 
 use image::codecs::png::PngEncoder;
-use image::{DynamicImage, ExtendedColorType, ImageEncoder, ImageReader, Limits};
+use image::{DynamicImage, ExtendedColorType, ImageDecoder, ImageEncoder, ImageReader, Limits};
+use texmap_math::MemoryBudget;
 use texmap_sample::{Alpha, ColorSpace, Image, Origin, SampleError, Texels, Texture2d};
 
 use crate::{IoError, Place, atomic, files};
@@ -53,9 +54,9 @@ impl Depth {
 /// GIF the first picture is taken. Embedded colour profiles and orientations are not applied.
 ///
 /// # Errors
-/// File errors, [`IoError::BrokenImage`], [`IoError::ImageSize`].
+/// File errors, [`IoError::BrokenImage`], [`IoError::ImageSize`], [`IoError::Memory`].
 pub fn read_image(path: &Path) -> Result<Rgba, IoError> {
-    read_named(path, None)
+    read_named(path, None, MemoryBudget::of_process())
 }
 
 /// Decodes an image file to a texture of one level, top-left origin. Colours are sRGB or taken as they are. The bytes of 8-bit files stay
@@ -64,7 +65,7 @@ pub fn read_image(path: &Path) -> Result<Rgba, IoError> {
 /// # Errors
 /// As [`read_image`].
 pub fn read_texture(path: &Path, color: ColorSpace) -> Result<Texture2d<'static>, IoError> {
-    let decoded = decode(path, None)?;
+    let decoded = decode(path, None, MemoryBudget::of_process())?;
     let (width, height) = (decoded.width(), decoded.height());
     let origin = Origin::TopLeft;
     let kept = |channels: u32, texels: Vec<u8>| {
@@ -112,8 +113,12 @@ fn unfit(path: &Path, named_by: Option<&Place>, e: &SampleError) -> IoError {
     }
 }
 
-pub(crate) fn read_named(path: &Path, named_by: Option<&Place>) -> Result<Rgba, IoError> {
-    let decoded = decode(path, named_by)?;
+pub(crate) fn read_named(
+    path: &Path,
+    named_by: Option<&Place>,
+    memory: MemoryBudget,
+) -> Result<Rgba, IoError> {
+    let decoded = decode(path, named_by, memory)?;
     let (width, height) = (decoded.width(), decoded.height());
     let channels = u32::from(decoded.color().channel_count());
     let texels = match decoded {
@@ -131,7 +136,27 @@ pub(crate) fn read_named(path: &Path, named_by: Option<&Place>) -> Result<Rgba, 
     })
 }
 
-fn decode(path: &Path, named_by: Option<&Place>) -> Result<DynamicImage, IoError> {
+/// Asks for `bytes` bytes for each of an image's texels.
+pub(crate) fn ask_for_texels(
+    memory: MemoryBudget,
+    path: &Path,
+    named_by: Option<&Place>,
+    (width, height): (u32, u32),
+    bytes: u64,
+) -> Result<(), IoError> {
+    let asked = memory.ask(
+        u64::from(width) * u64::from(height) * bytes,
+        format_args!("{}: an image of {width} x {height} texels", path.display()),
+        "take a smaller image",
+    );
+    asked.map_err(|refused| IoError::memory(refused, named_by))
+}
+
+fn decode(
+    path: &Path,
+    named_by: Option<&Place>,
+    memory: MemoryBudget,
+) -> Result<DynamicImage, IoError> {
     let bytes = files::read(path, named_by)?;
     let broken = |problem: String| IoError::BrokenImage {
         path: path.to_path_buf(),
@@ -170,7 +195,14 @@ fn decode(path: &Path, named_by: Option<&Place>) -> Result<DynamicImage, IoError
     if !size_allowed(size) {
         return Err(size_error(size));
     }
-    reader()?.decode().map_err(|e| broken(e.to_string()))
+    let decoder = reader()?
+        .into_decoder()
+        .map_err(|e| broken(e.to_string()))?;
+    // As it is decoded, then with four channels of the same depth.
+    let color = decoder.color_type();
+    let bytes = color.bytes_per_pixel() + 4 * (color.bytes_per_pixel() / color.channel_count());
+    ask_for_texels(memory, path, named_by, size, u64::from(bytes))?;
+    DynamicImage::from_decoder(decoder).map_err(|e| broken(e.to_string()))
 }
 
 pub(crate) fn texture(
@@ -191,6 +223,9 @@ pub(crate) fn texture(
 /// # Errors
 /// [`IoError::Write`], also when `rgba` does not hold `4 * width * height` bytes or a side is zero.
 pub fn write_png(path: &Path, width: u32, height: u32, rgba: &[u8]) -> Result<(), IoError> {
+    // The encoder holds all filtered rows and all compressed bytes.
+    let size = (width, height);
+    ask_for_texels(MemoryBudget::of_process(), path, None, size, 8)?;
     atomic::write(path, |out| {
         if width == 0
             || height == 0

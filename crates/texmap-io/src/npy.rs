@@ -6,6 +6,8 @@ use std::fs::File;
 use std::io::{BufReader, Read, Write};
 use std::path::Path;
 
+use texmap_math::MemoryBudget;
+
 use crate::{IoError, atomic};
 
 /// The values of an array to write.
@@ -68,8 +70,13 @@ pub fn write(path: &Path, shape: &[usize], values: Values<'_>) -> Result<(), IoE
 /// Reads an array of `<f4`, `<f8` (rounded to f32), `|u1`, `<u2` or `<u4` in C order.
 ///
 /// # Errors
-/// File errors, and [`IoError::BrokenArray`] for a damaged header, another type or order, or missing bytes.
+/// File errors, [`IoError::BrokenArray`] for a damaged header, another type or order, or missing bytes, and
+/// [`IoError::Memory`].
 pub fn read(path: &Path) -> Result<Array, IoError> {
+    read_within(path, MemoryBudget::of_process())
+}
+
+pub(crate) fn read_within(path: &Path, memory: MemoryBudget) -> Result<Array, IoError> {
     let metadata = crate::files::regular(path, None)?;
     let fail = |source| IoError::Read {
         path: path.to_path_buf(),
@@ -117,6 +124,13 @@ pub fn read(path: &Path) -> Result<Array, IoError> {
             format!("shape {shape:?} needs {expected} bytes of data; the file ends before"),
         ));
     }
+    // The bytes and the values made of them.
+    let asked = memory.ask(
+        2 * expected as u64,
+        format_args!("{}: an array of shape {shape:?}", path.display()),
+        "take a smaller array",
+    );
+    asked.map_err(|refused| IoError::memory(refused, None))?;
     let mut bytes = vec![0; expected];
     input.read_exact(&mut bytes).map_err(fail)?;
     let data = match descr.as_str() {

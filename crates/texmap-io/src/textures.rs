@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use texmap_math::MemoryBudget;
 use texmap_sample::{Alpha, ColorSpace, Image, Origin, Texels, Texture2d, Texture3d};
 
 use crate::scene_file::Missing;
@@ -37,6 +38,8 @@ pub(crate) struct Textures {
     raw: bool,
     /// Every fault is only noted in `files` (for reports on files).
     pub(crate) tolerant: bool,
+    /// Asked for every map.
+    pub(crate) memory: MemoryBudget,
     loaded: Vec<(PathBuf, Content, usize)>,
     loaded_grids: Vec<(PathBuf, usize)>,
     /// Textures that no file holds.
@@ -44,10 +47,11 @@ pub(crate) struct Textures {
 }
 
 impl Textures {
-    pub(crate) fn new(raw: bool, tolerant: bool) -> Self {
+    pub(crate) fn new(raw: bool, tolerant: bool, memory: MemoryBudget) -> Self {
         Self {
             raw,
             tolerant,
+            memory,
             ..Self::default()
         }
     }
@@ -108,7 +112,7 @@ impl Textures {
         if let Some((_, index)) = self.loaded_grids.iter().find(|(p, _)| p == path) {
             return Ok(*index);
         }
-        let grid = match grids::read_named(path, Some(place)) {
+        let grid = match grids::read_named(path, Some(place), self.memory) {
             Ok(grid) => {
                 let [width, height, _] = grid.level_size(0).unwrap_or_default();
                 self.note(path, place, Ok((width, height, 0)));
@@ -134,7 +138,8 @@ impl Textures {
         missing: Missing,
     ) -> Result<(), IoError> {
         let absent = matches!(error, IoError::FileMissing { .. });
-        if !(self.tolerant || absent && missing == Missing::Warn) {
+        let over = matches!(error, IoError::Memory { .. });
+        if over || !(self.tolerant || absent && missing == Missing::Warn) {
             return Err(error);
         }
         self.note(path, place, Err(error.to_string()));
@@ -149,7 +154,7 @@ impl Textures {
         place: &Place,
         content: Content,
     ) -> Result<(Texture2d<'static>, (u32, u32, u32)), IoError> {
-        let image = image_io::read_named(path, Some(place))?;
+        let image = image_io::read_named(path, Some(place), self.memory)?;
         let bits = image.texels.bits();
         let linear = self.raw || content == Content::Data;
         let color = if linear {
@@ -157,6 +162,9 @@ impl Textures {
         } else {
             ColorSpace::Srgb
         };
+        // At most eight bytes a texel, and a third more for the mip chain.
+        let size = (image.width, image.height);
+        image_io::ask_for_texels(self.memory, path, Some(place), size, 11)?;
         let texture = image_io::texture(path, Some(place), &image, color)?;
         Ok((texture, (image.width, image.height, bits)))
     }

@@ -1,9 +1,9 @@
 //! The effects of a scene, made ready before the first tile: shadow maps, slides, environments.
 
 use texmap_light::{Environment, Light, ShadowBias, ShadowKind, ShadowReader, Slide, SlideView};
-use texmap_math::Projector;
 use texmap_math::camera::Camera;
 use texmap_math::glam::{DMat3, DMat4, DVec3};
+use texmap_math::{MemoryBudget, Projector};
 
 use crate::effects::{SlideProjector, SlideRole};
 use crate::lit::Site;
@@ -61,6 +61,7 @@ impl<'s> Ready<'s> {
         let threads = settings.threads.unwrap_or(usize::MAX);
         let mut draw = |kind: &ShadowKind, size: u32, bias: ShadowBias, taps: u32| {
             let room = rooms.next().unwrap_or_default();
+            ask_for_map(settings.memory, kind, size, room.capacity())?;
             let (map, bounds) = shadow_map_in(scene, kind, size, taps, threads, room)?;
             let bounds = Some(bounds);
             Ok::<_, RenderError>(ShadowReader::with_bounds(map, bias, taps, bounds))
@@ -180,6 +181,29 @@ impl<'s> Ready<'s> {
         }
         sum
     }
+}
+
+/// Asks for the depths of a shadow map that do not fit into a vector of `room` depths. A map of six faces grows once, by a copy of the first.
+pub(crate) fn ask_for_map(
+    memory: MemoryBudget,
+    kind: &ShadowKind,
+    size: u32,
+    room: usize,
+) -> Result<(), RenderError> {
+    let (faces, copies) = match kind {
+        ShadowKind::Point { .. } => (6, 1),
+        _ => (1, 0),
+    };
+    let face = u64::from(size) * u64::from(size);
+    if room as u64 >= faces * face {
+        return Ok(());
+    }
+    memory.ask(
+        (faces + copies) * face * size_of::<f32>() as u64,
+        format_args!("a shadow map of {faces} x {size} x {size} texels"),
+        "give `shadow` a smaller size",
+    )?;
+    Ok(())
 }
 
 /// The pyramid of a projector as a spot light's map: square, as wide as the wider side of the picture.

@@ -8,9 +8,10 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use texmap_light::{Reached, ShadowBias, ShadowBounds, ShadowKind, ShadowMap, StripBounds};
-use texmap_math::Level;
+use texmap_math::{Level, MemoryBudget};
 use texmap_raster::{AlphaTest, DepthTest, Draw, Pass, Prepared, TILE, TargetSize};
 
+use crate::ready::ask_for_map;
 use crate::shadow_cut::Cuts;
 use crate::{AlphaMode, RenderError, Scene};
 pub(crate) use closed::encloses;
@@ -30,6 +31,7 @@ pub fn shadow_map(
     size: u32,
     threads: usize,
 ) -> Result<ShadowMap, RenderError> {
+    ask_for_map(MemoryBudget::of_process(), kind, size, 0)?;
     shadow_map_in(scene, kind, size, 1, threads, Vec::new()).map(|(map, _)| map)
 }
 
@@ -44,11 +46,13 @@ pub(crate) fn shadow_map_in(
 ) -> Result<(ShadowMap, ShadowBounds), RenderError> {
     let target =
         TargetSize::new(size, size).map_err(|error| RenderError::of_raster(scene, error))?;
-    let cuts = Cuts::new(scene);
+    let cuts = Cuts::new(scene)?;
     let mut depths = Vec::new();
     let mut bounds = Vec::new();
     let (strips, good) = (Mutex::new(Vec::new()), AtomicBool::new(true));
-    for view in views(scene, kind) {
+    let views = views(scene, kind);
+    let faces = views.len();
+    for view in views {
         let draws: Vec<Draw<'_>> = scene
             .meshes
             .iter()
@@ -97,6 +101,8 @@ pub(crate) fn shadow_map_in(
         bounds.push(ShadowBounds::join(strips.unwrap_or_default()));
         if depths.is_empty() {
             depths = map;
+            // Doubling would ask for more than the faces take.
+            depths.reserve_exact((faces - 1) * depths.len());
         } else {
             depths.extend(map);
         }

@@ -71,6 +71,7 @@ pub(crate) fn run(args: &UvRasterArgs) -> Result<Exit, Failure> {
         conservative: args.conservative,
         gutter: args.gutter,
         threads: pool.current_num_threads(),
+        ..AtlasOptions::default()
     };
     let atlas_mesh = AtlasMesh {
         uvs: &uvs,

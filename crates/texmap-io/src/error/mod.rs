@@ -7,6 +7,7 @@ use std::io;
 use std::path::PathBuf;
 
 use place::line_of;
+use texmap_math::OverBudget;
 
 pub use place::Place;
 
@@ -315,6 +316,14 @@ pub enum IoError {
         /// What is wrong with it.
         problem: String,
     },
+    /// Something that takes more memory than the budget has.
+    #[error("{}{refused}", line_of(.named_by))]
+    Memory {
+        /// The line that asks for it, if a file does.
+        named_by: Option<Place>,
+        /// How much it takes.
+        refused: OverBudget,
+    },
     /// A camera path that cannot be read.
     #[error("{place}: camera path: {problem}")]
     BrokenPath {
@@ -326,6 +335,14 @@ pub enum IoError {
 }
 
 impl IoError {
+    /// A refusal of the memory budget, for what a line of a file asks for.
+    pub(crate) fn memory(refused: OverBudget, named_by: Option<&Place>) -> Self {
+        Self::Memory {
+            named_by: named_by.cloned(),
+            refused,
+        }
+    }
+
     /// A short name of the error that stays the same from version to version.
     pub fn code(&self) -> &'static str {
         match self {
@@ -363,6 +380,7 @@ impl IoError {
             Self::BrokenModel { .. } => "broken-model",
             Self::BrokenArray { .. } => "broken-array",
             Self::BrokenPath { .. } => "broken-camera-path",
+            Self::Memory { .. } => "over-memory-budget",
         }
     }
 }

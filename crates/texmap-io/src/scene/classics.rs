@@ -131,6 +131,13 @@ pub(super) fn statement(
             let origin = to_world.transform_point3(DVec3::from(*origin));
             let mut material = written(settings, texture, scene);
             material.name = format!("text from {place}");
+            // Of each letter: four vertices of position and coordinates, two triangles of indices and a face.
+            let asked = textures.memory.ask(
+                words.len() as u64 * (4 * (12 + 8) + 2 * (12 + 4)),
+                format_args!("a text of {} letters", words.len()),
+                "write fewer words",
+            );
+            asked.map_err(|refused| IoError::memory(refused, Some(place)))?;
             material = settings
                 .effects
                 .apply(settings, scene, material, Coordinates::FIRST);
@@ -148,7 +155,15 @@ pub(super) fn statement(
         }
         Classic::Sky(Some((name, Some(chart)))) => {
             let shown = Use::Shown { mips: false };
-            let index = environment(scene, known, &beside(name), place, *chart, shown)?;
+            let index = environment(
+                scene,
+                known,
+                textures.memory,
+                &beside(name),
+                place,
+                *chart,
+                shown,
+            )?;
             scene.effects.backdrop = Some(Backdrop::Environment(index));
         }
         Classic::Volume {

@@ -4,8 +4,8 @@ use std::collections::HashMap;
 use std::path::PathBuf;
 
 use texmap_light::{Chart, Green, Highlight, Light, ShadowBias};
-use texmap_math::Projector;
 use texmap_math::glam::{DMat4, DVec3};
+use texmap_math::{MemoryBudget, Projector};
 use texmap_render::{
     Carving, Emission, LightMapSlot, Material, Mesh, Reflection, Relief, Scene, Shadow,
     SlideProjector, SlideRole,
@@ -258,7 +258,15 @@ pub(super) fn statement(
                 Some(line) => {
                     let (path, shown) = (beside(&line.file), Use::Shown { mips: line.mips });
                     Some(Reflection {
-                        environment: environment(scene, known, &path, place, line.chart, shown)?,
+                        environment: environment(
+                            scene,
+                            known,
+                            textures.memory,
+                            &path,
+                            place,
+                            line.chart,
+                            shown,
+                        )?,
                         reflectivity: line.share,
                     })
                 }
@@ -269,7 +277,15 @@ pub(super) fn statement(
                 None => None,
                 Some((name, chart, exponent)) => {
                     let (path, gathered) = (beside(name), Use::Gathered(exponent.to_bits()));
-                    Some(environment(scene, known, &path, place, *chart, gathered)?)
+                    Some(environment(
+                        scene,
+                        known,
+                        textures.memory,
+                        &path,
+                        place,
+                        *chart,
+                        gathered,
+                    )?)
                 }
             };
         }
@@ -307,7 +323,16 @@ pub(super) fn statement(
         }
         Effect::Relief(ReliefLine::Emboss { words, height }) => {
             let (atlas, font) = classics::font(settings, textures);
-            let heights = font.heights(words, &textures.textures[atlas]);
+            let atlas = &textures.textures[atlas];
+            let [across, down] = font.heights_size(words, atlas);
+            // Bytes, then words with a third more for the mip chain.
+            let asked = textures.memory.ask(
+                u64::from(across) * u64::from(down) * 7,
+                format_args!("the words of `emboss` as {across} x {down} texels"),
+                "write fewer words, or take a smaller font",
+            );
+            asked.map_err(|refused| IoError::memory(refused, Some(place)))?;
+            let heights = font.heights(words, atlas);
             let heights = heights.map_err(|e| IoError::BadShape {
                 place: place.clone(),
                 problem: format!("the words of `emboss` make no map: {e}"),
@@ -418,6 +443,7 @@ fn projector(
 pub(super) fn environment(
     scene: &mut Scene,
     known: &mut Known,
+    memory: MemoryBudget,
     path: &std::path::Path,
     place: &Place,
     chart: Chart,
@@ -427,7 +453,7 @@ pub(super) fn environment(
     if let Some(&index) = known.get(&key) {
         return Ok(index);
     }
-    let read = environment_io::read_named(path, chart, Some(place))?;
+    let read = environment_io::read_named(path, chart, Some(place), memory)?;
     let light = match purpose {
         Use::Shown { mips: false } => read,
         Use::Shown { mips: true } => read.with_mips(),
@@ -455,7 +481,7 @@ pub(super) fn second_uvs(
     path: &std::path::Path,
     place: &Place,
 ) -> Result<(), IoError> {
-    let mut unused = Textures::new(true, true);
+    let mut unused = Textures::new(true, true, MemoryBudget::of_process());
     let other = obj::read(path, Some(place), Missing::Warn, false, &mut unused)?;
     let broken = |problem: String| IoError::BrokenModel {
         path: path.to_path_buf(),

@@ -10,6 +10,7 @@ mod tree;
 
 use std::path::Path;
 
+use texmap_math::MemoryBudget;
 use texmap_math::camera::Camera;
 use texmap_math::glam::DVec3;
 use texmap_raster::DepthTest;
@@ -33,15 +34,18 @@ pub struct LoadOptions {
     pub aspect: f64,
     /// Whether colours are converted, instead of what the scene says (an OBJ: that they are).
     pub color: Option<ColorMode>,
+    /// Asked for everything large before it is allocated: maps, grids, environments.
+    pub memory: MemoryBudget,
 }
 
 impl Default for LoadOptions {
-    /// Missing files are errors; pictures of 16 : 9; colours as the scene says.
+    /// Missing files are errors; pictures of 16 : 9; colours as the scene says; the memory budget of the process.
     fn default() -> Self {
         Self {
             missing: Missing::Error,
             aspect: 16.0 / 9.0,
             color: None,
+            memory: MemoryBudget::of_process(),
         }
     }
 }
@@ -105,7 +109,7 @@ pub(crate) fn read_scene(
 ) -> Result<(Scene, Textures), IoError> {
     let tree = Tree::read(path)?;
     let color = options.color.unwrap_or(tree.color_mode());
-    let textures = Textures::new(color == ColorMode::Raw, tolerant);
+    let textures = Textures::new(color == ColorMode::Raw, tolerant, options.memory);
     let settings = Settings {
         missing: options.missing,
         ..Settings::default()
@@ -121,7 +125,7 @@ pub(crate) fn read_obj(
     tolerant: bool,
 ) -> Result<(Scene, Textures), IoError> {
     let color = options.color.unwrap_or_default();
-    let mut textures = Textures::new(color == ColorMode::Raw, tolerant);
+    let mut textures = Textures::new(color == ColorMode::Raw, tolerant, options.memory);
     let model = obj::read(path, None, options.missing, false, &mut textures)?;
     let matte = Surf {
         color: [0.8; 3],
