@@ -8,7 +8,7 @@ use texmap_lab::buffer::Buffer;
 use texmap_lab::metrics::{Metrics, Place};
 
 use crate::failure::{self, Exit, Failure};
-use crate::output::{Destination, Stage};
+use crate::output::{Destination, Stage, distinct};
 
 /// Compare two images or .npy arrays: figures, PASS or FAIL.
 #[derive(Args, Debug)]
@@ -81,6 +81,7 @@ fn limit(text: &str) -> Result<f64, String> {
 }
 
 pub(crate) fn run(args: &DiffArgs) -> Result<Exit, Failure> {
+    distinct(&args.heat, [&args.expected, &args.actual])?;
     let heat = args.heat.as_deref().map(Destination::new).transpose()?;
     if args.json && heat == Some(Destination::Stdout) {
         return Err(Failure::usage(
@@ -136,9 +137,9 @@ pub(crate) fn run(args: &DiffArgs) -> Result<Exit, Failure> {
     }
     let peak = expected.peak.max(actual.peak);
     if args.json {
-        failure::print_json(&report(args, &expected, &metrics, peak, limit, pass));
+        failure::print_json(&report(args, &expected, &metrics, peak, limit, pass))?;
     } else {
-        failure::print(&words(&expected, &actual, &metrics, peak, limit, pass));
+        failure::print(&words(&expected, &actual, &metrics, peak, limit, pass))?;
     }
     Ok(if pass { Exit::Done } else { Exit::Differs })
 }

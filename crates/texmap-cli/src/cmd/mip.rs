@@ -5,11 +5,11 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use texmap_io::image_io;
 use texmap_render::ColorMode;
-use texmap_sample::ColorSpace;
+use texmap_sample::{ColorSpace, Texture2d};
 
 use crate::cmd::warp::encode;
 use crate::failure::{Exit, Failure};
-use crate::output::{Destination, Stage};
+use crate::output::{Destination, Stage, distinct};
 use crate::values;
 
 /// Write every mip level of an image: area-weighted, in linear light, premultiplied.
@@ -42,6 +42,10 @@ pub(crate) fn run(args: &MipArgs) -> Result<Exit, Failure> {
             "give a number between 0 and 1, such as 0.5",
         ));
     }
+    distinct(
+        (0..=Texture2d::MAX_SIDE.ilog2()).map(|level| names.of(level)),
+        [&args.image],
+    )?;
     let texture = image_io::read_texture(&args.image, space)?;
     let texture = match args.keep_coverage {
         Some(threshold) => texture.with_coverage_mips(threshold),

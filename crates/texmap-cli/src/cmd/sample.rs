@@ -12,7 +12,7 @@ use texmap_sample::{
 };
 
 use crate::failure::{Exit, Failure};
-use crate::output::{Destination, Stage};
+use crate::output::{Destination, Stage, distinct};
 use crate::values;
 
 /// Sample an image at the coordinates of a file; exact precision.
@@ -47,6 +47,8 @@ pub(crate) struct SampleArgs {
 }
 
 pub(crate) fn run(args: &SampleArgs) -> Result<Exit, Failure> {
+    let inputs = [&args.image, &args.uv].into_iter().chain(&args.grad);
+    distinct([&args.output], inputs)?;
     let main = Destination::new(&args.output)?;
     let uv = read_rows(&args.uv, 2)?;
     let grad = args

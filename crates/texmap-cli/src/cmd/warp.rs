@@ -13,7 +13,7 @@ use texmap_render::ColorMode;
 use texmap_sample::{ColorSpace, Filter, Outside, Resample, Texture2d};
 
 use crate::failure::{Exit, Failure};
-use crate::output::{Destination, Stage};
+use crate::output::{Destination, Stage, distinct};
 use crate::values::{self, Resolution};
 
 /// Draw an image through a homography or an affine map, filtered and with antialiased edges.
@@ -128,6 +128,7 @@ enum Beyond {
 }
 
 pub(crate) fn run(args: &WarpArgs) -> Result<Exit, Failure> {
+    distinct([&args.output], [&args.image])?;
     let main = Destination::new(&args.output)?;
     let space = match args.color {
         ColorMode::Srgb => ColorSpace::Srgb,

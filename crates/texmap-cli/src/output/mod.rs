@@ -1,13 +1,17 @@
 //! Where results go: checked before anything is drawn, written into a temporary folder beside
 //! their final names, and renamed together when all of them are complete.
 
-use std::fs;
+mod distinct;
+mod folder;
+
+use std::fs::{self, File};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-use tempfile::TempDir;
-
-use crate::failure::{Exit, Failure};
+use crate::failure::{self, Exit, Failure};
+use crate::interrupt;
+pub(crate) use distinct::distinct;
+use folder::Folder;
 
 /// One output that was found to be writable.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -64,7 +68,7 @@ impl Destination {
 /// Outputs that appear together or not at all.
 #[derive(Debug)]
 pub(crate) struct Stage {
-    folder: TempDir,
+    folder: Folder,
     files: Vec<(PathBuf, Destination)>,
 }
 
@@ -75,16 +79,13 @@ impl Stage {
             Destination::Stdout | Destination::Device(_) => std::env::temp_dir(),
             Destination::File(path) => folder_of(path).to_owned(),
         };
-        let folder = tempfile::Builder::new()
-            .prefix(".texmap-")
-            .tempdir_in(&at)
-            .map_err(|e| {
-                unwritable(
-                    &at,
-                    &e.to_string(),
-                    "check the permissions and the free space of the folder",
-                )
-            })?;
+        let folder = Folder::new(&at).map_err(|e| {
+            unwritable(
+                &at,
+                &e.to_string(),
+                "check the permissions and the free space of the folder",
+            )
+        })?;
         Ok(Self {
             folder,
             files: Vec::new(),
@@ -101,32 +102,52 @@ impl Stage {
         path
     }
 
-    /// Renames everything into place.
+    /// Streams what goes to standard output and devices, then renames the rest into place. No signal comes between two renames.
     pub(crate) fn commit(self) -> Result<(), Failure> {
+        let refused = |path: &Path, e: &io::Error| {
+            let attempt = "check the permissions and the free space";
+            unwritable(path, &e.to_string(), attempt)
+        };
         for (from, to) in &self.files {
             match to {
-                Destination::File(path) => fs::rename(from, path).map_err(|e| (path.clone(), e)),
-                Destination::Device(path) => fs::read(from)
-                    .and_then(|bytes| {
-                        fs::OpenOptions::new()
-                            .write(true)
-                            .open(path)?
-                            .write_all(&bytes)
-                    })
-                    .map_err(|e| (path.clone(), e)),
-                Destination::Stdout => fs::read(from)
-                    .and_then(|bytes| io::stdout().lock().write_all(&bytes))
-                    .map_err(|e| (PathBuf::from("standard output"), e)),
+                Destination::File(_) => {}
+                Destination::Device(path) => {
+                    copy_to_device(from, path).map_err(|e| refused(path, &e))?;
+                }
+                Destination::Stdout => {
+                    failure::deliver(|out| io::copy(&mut File::open(from)?, out).map(drop))?;
+                }
             }
-            .map_err(|(path, e)| {
-                unwritable(
-                    &path,
-                    &e.to_string(),
-                    "check the permissions and the free space",
-                )
-            })?;
         }
+        let folders = interrupt::folders();
+        for (from, to) in &self.files {
+            if let Destination::File(path) = to {
+                replace(from, path).map_err(|e| refused(path, &e))?;
+            }
+        }
+        drop(folders);
         Ok(())
+    }
+}
+
+fn copy_to_device(from: &Path, device: &Path) -> io::Result<()> {
+    let mut out = fs::OpenOptions::new().write(true).open(device)?;
+    io::copy(&mut File::open(from)?, &mut out)?;
+    out.flush()
+}
+
+/// Renames a file over another, which keeps its mode; across file systems it is copied.
+fn replace(from: &Path, to: &Path) -> io::Result<()> {
+    #[cfg(unix)]
+    if let Ok(old) = fs::metadata(to) {
+        fs::set_permissions(from, old.permissions())?;
+    }
+    match fs::rename(from, to) {
+        Err(e) if e.kind() == io::ErrorKind::CrossesDevices => {
+            let copy = |out: &mut dyn Write| io::copy(&mut File::open(from)?, out).map(drop);
+            texmap_io::atomic::write(to, copy).map_err(io::Error::other)
+        }
+        done => done,
     }
 }
 
@@ -164,6 +185,25 @@ mod tests {
         assert_eq!(fs::read_to_string(&a).unwrap(), "new");
         assert_eq!(fs::read_to_string(&b).unwrap(), "uv");
         assert_eq!(fs::read_dir(dir.path()).unwrap().count(), 2);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn an_overwritten_file_keeps_its_mode() {
+        use std::os::unix::fs::PermissionsExt;
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("a.png");
+        for mode in [0o600, 0o640, 0o755] {
+            fs::write(&path, "old").unwrap();
+            fs::set_permissions(&path, fs::Permissions::from_mode(mode)).unwrap();
+            let main = Destination::new(&path).unwrap();
+            let mut stage = Stage::new(&main).unwrap();
+            fs::write(stage.add(main, "png"), "new").unwrap();
+            stage.commit().unwrap();
+            assert_eq!(fs::read_to_string(&path).unwrap(), "new");
+            let kept = fs::metadata(&path).unwrap().permissions().mode();
+            assert_eq!(kept & 0o777, mode, "{kept:o}");
+        }
     }
 
     #[test]
