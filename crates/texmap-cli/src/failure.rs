@@ -14,6 +14,7 @@ use texmap_render::RenderError;
 
 use crate::args::Cli;
 use crate::interrupt;
+use crate::output::shown;
 
 /// How the program ends. The numbers are part of its interface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -138,6 +139,10 @@ impl From<IoError> for Failure {
     fn from(error: IoError) -> Self {
         match &error {
             IoError::Memory { refused, .. } => Self::over_memory(refused, error.to_string()),
+            IoError::Write { path, source } => {
+                let what = format!("{}: cannot be written: {source}", shown(path).display());
+                Self::new(Exit::Input, error.code(), what, error.help())
+            }
             _ => Self::new(Exit::Input, error.code(), error.to_string(), error.help()),
         }
     }

@@ -13,7 +13,10 @@ use texmap_math::MemoryBudget;
 pub(crate) fn set_budget(limit: Option<u64>) {
     let budget = match (limit, granted()) {
         (Some(limit), _) => MemoryBudget::measured(limit, resident),
-        (None, Some(grant)) => MemoryBudget::measured(grant.bytes / 4 * 3, grant.used),
+        (None, Some(grant)) => {
+            bound_threads();
+            MemoryBudget::measured(grant.bytes / 4 * 3, grant.used)
+        }
         (None, None) => MemoryBudget::UNLIMITED,
     };
     // A second run in one process, as tests make them, keeps the first budget.
@@ -49,8 +52,26 @@ struct Grant {
     used: fn() -> u64,
 }
 
+/// Fewer threads where RLIMIT_AS is small: each takes up to 64 MiB of addresses for its heap, of which it uses little.
+fn bound_threads() {
+    const EACH: u64 = 256 << 20;
+    let Some(addresses) = soft_limit(&own_limits(), "Max address space") else {
+        return;
+    };
+    let all = std::thread::available_parallelism().map_or(1, usize::from);
+    let threads = all.min((addresses / EACH).max(1) as usize);
+    // A second run in one process keeps the first pool.
+    let _ = rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build_global();
+}
+
+fn own_limits() -> String {
+    fs::read_to_string("/proc/self/limits").unwrap_or_default()
+}
+
 fn granted() -> Option<Grant> {
-    let limits = fs::read_to_string("/proc/self/limits").unwrap_or_default();
+    let limits = own_limits();
     let groups = fs::read_to_string("/proc/self/cgroup").unwrap_or_default();
     let machine = fs::read_to_string("/proc/meminfo").unwrap_or_default();
     let group = group_files(&groups)

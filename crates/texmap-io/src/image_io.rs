@@ -224,8 +224,12 @@ pub(crate) fn texture(
 /// [`IoError::Write`], also when `rgba` does not hold `4 * width * height` bytes or a side is zero.
 pub fn write_png(path: &Path, width: u32, height: u32, rgba: &[u8]) -> Result<(), IoError> {
     // The encoder holds all filtered rows and all compressed bytes.
-    let size = (width, height);
-    ask_for_texels(MemoryBudget::of_process(), path, None, size, 8)?;
+    let asked = MemoryBudget::of_process().ask(
+        2 * rgba.len() as u64,
+        format_args!("a PNG of {width} x {height} pixels"),
+        "write a smaller picture",
+    );
+    asked.map_err(|refused| IoError::memory(refused, None))?;
     atomic::write(path, |out| {
         if width == 0
             || height == 0

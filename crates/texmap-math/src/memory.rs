@@ -106,6 +106,33 @@ impl MemoryBudget {
             lower,
         })
     }
+
+    /// Asks for a buffer as [`ask`](Self::ask) does and reserves it at once, for one that is filled much later. A buffer that has
+    /// the capacity already is not asked for.
+    ///
+    /// # Errors
+    /// As [`ask`](Self::ask).
+    pub fn reserve<T>(
+        &self,
+        buffer: &mut Vec<T>,
+        len: usize,
+        what: fmt::Arguments<'_>,
+        lower: &'static str,
+    ) -> Result<(), OverBudget> {
+        if buffer.capacity() >= len {
+            return Ok(());
+        }
+        let bytes = (len as u64).saturating_mul(size_of::<T>() as u64);
+        self.ask(bytes, what, lower)?;
+        let more = len - buffer.len();
+        buffer.try_reserve_exact(more).map_err(|_| OverBudget {
+            what: what.to_string(),
+            bytes,
+            used: (self.used)(),
+            limit: None,
+            lower,
+        })
+    }
 }
 
 impl Default for MemoryBudget {
@@ -225,6 +252,16 @@ mod tests {
         let refused = ask(MemoryBudget::UNLIMITED, 1 << 62).unwrap_err();
         assert_eq!((refused.limit, refused.bytes), (None, 1 << 62));
         assert!(refused.to_string().contains("the system has not"));
+        let mut buffer: Vec<u32> = Vec::new();
+        let mut reserve = |budget: MemoryBudget, len| {
+            let done = budget.reserve(&mut buffer, len, format_args!("words"), "");
+            done.map(|()| buffer.capacity())
+        };
+        assert_eq!(reserve(MemoryBudget::new(0), 1_000), Ok(1_000));
+        assert_eq!(reserve(MemoryBudget::new(0), 900), Ok(1_000));
+        assert!(reserve(MemoryBudget::new(1 << 25), 1 << 24).is_err());
+        assert!(reserve(MemoryBudget::UNLIMITED, usize::MAX).is_err());
+        assert_eq!(reserve(MemoryBudget::new(1 << 26), 1 << 24), Ok(1 << 24));
         let refused = ask(MemoryBudget::UNLIMITED, u64::MAX).unwrap_err();
         assert!(refused.to_string().contains("more than 16 EiB"));
         assert_eq!(ask(MemoryBudget::default(), LARGE), Ok(()));

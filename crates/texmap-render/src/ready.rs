@@ -60,8 +60,8 @@ impl<'s> Ready<'s> {
         let mut rooms = rooms.into_iter();
         let threads = settings.threads.unwrap_or(usize::MAX);
         let mut draw = |kind: &ShadowKind, size: u32, bias: ShadowBias, taps: u32| {
-            let room = rooms.next().unwrap_or_default();
-            ask_for_map(settings.memory, kind, size, room.capacity())?;
+            let mut room = rooms.next().unwrap_or_default();
+            reserve_map(settings.memory, kind, size, &mut room)?;
             let (map, bounds) = shadow_map_in(scene, kind, size, taps, threads, room)?;
             let bounds = Some(bounds);
             Ok::<_, RenderError>(ShadowReader::with_bounds(map, bias, taps, bounds))
@@ -183,23 +183,20 @@ impl<'s> Ready<'s> {
     }
 }
 
-/// Asks for the depths of a shadow map that do not fit into a vector of `room` depths. A map of six faces grows once, by a copy of the first.
-pub(crate) fn ask_for_map(
+/// Reserves the depths of all faces of a shadow map.
+pub(crate) fn reserve_map(
     memory: MemoryBudget,
     kind: &ShadowKind,
     size: u32,
-    room: usize,
+    room: &mut Vec<f32>,
 ) -> Result<(), RenderError> {
-    let (faces, copies) = match kind {
-        ShadowKind::Point { .. } => (6, 1),
-        _ => (1, 0),
+    let faces = match kind {
+        ShadowKind::Point { .. } => 6,
+        _ => 1,
     };
-    let face = u64::from(size) * u64::from(size);
-    if room as u64 >= faces * face {
-        return Ok(());
-    }
-    memory.ask(
-        (faces + copies) * face * size_of::<f32>() as u64,
+    memory.reserve(
+        room,
+        faces * size as usize * size as usize,
         format_args!("a shadow map of {faces} x {size} x {size} texels"),
         "give `shadow` a smaller size",
     )?;

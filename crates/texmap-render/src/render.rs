@@ -69,6 +69,7 @@ impl<'s> Renderer<'s> {
         settings.check()?;
         ask_for_frame(settings)?;
         let checked = scene.check()?;
+        ask_for_geometry(scene, settings)?;
         if let Some(mesh) = scene.meshes.iter().find(|m| m.is_unshaped()) {
             return Err(RenderError::Value {
                 place: format!("mesh '{}'", mesh.name),
@@ -359,6 +360,21 @@ fn ask_for_frame(settings: &Settings) -> Result<(), RenderError> {
             settings.aovs.len()
         ),
         "take a smaller resolution or fewer arrays",
+    )?;
+    Ok(())
+}
+
+/// Asks for what vertices and triangles become before the first tile: snapped positions, attributes, normals and positions in
+/// world space, lists of triangles.
+fn ask_for_geometry(scene: &Scene, settings: &Settings) -> Result<(), RenderError> {
+    const VERTEX: u64 = 64;
+    const TRIANGLE: u64 = 16;
+    let vertices: usize = scene.meshes.iter().map(|m| m.positions.len()).sum();
+    let triangles: usize = scene.meshes.iter().map(|m| m.triangles.len()).sum();
+    settings.memory.ask(
+        vertices as u64 * VERTEX + triangles as u64 * TRIANGLE,
+        format_args!("the geometry of {triangles} triangles and {vertices} vertices"),
+        "draw fewer triangles",
     )?;
     Ok(())
 }

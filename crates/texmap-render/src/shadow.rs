@@ -11,7 +11,7 @@ use texmap_light::{Reached, ShadowBias, ShadowBounds, ShadowKind, ShadowMap, Str
 use texmap_math::{Level, MemoryBudget};
 use texmap_raster::{AlphaTest, DepthTest, Draw, Pass, Prepared, TILE, TargetSize};
 
-use crate::ready::ask_for_map;
+use crate::ready::reserve_map;
 use crate::shadow_cut::Cuts;
 use crate::{AlphaMode, RenderError, Scene};
 pub(crate) use closed::encloses;
@@ -31,8 +31,9 @@ pub fn shadow_map(
     size: u32,
     threads: usize,
 ) -> Result<ShadowMap, RenderError> {
-    ask_for_map(MemoryBudget::of_process(), kind, size, 0)?;
-    shadow_map_in(scene, kind, size, 1, threads, Vec::new()).map(|(map, _)| map)
+    let mut room = Vec::new();
+    reserve_map(MemoryBudget::of_process(), kind, size, &mut room)?;
+    shadow_map_in(scene, kind, size, 1, threads, room).map(|(map, _)| map)
 }
 
 /// [`shadow_map`] in the room of an earlier one, with the bounds that look-ups of `taps` x `taps` comparisons ask for.
@@ -50,9 +51,7 @@ pub(crate) fn shadow_map_in(
     let mut depths = Vec::new();
     let mut bounds = Vec::new();
     let (strips, good) = (Mutex::new(Vec::new()), AtomicBool::new(true));
-    let views = views(scene, kind);
-    let faces = views.len();
-    for view in views {
+    for view in views(scene, kind) {
         let draws: Vec<Draw<'_>> = scene
             .meshes
             .iter()
@@ -101,10 +100,9 @@ pub(crate) fn shadow_map_in(
         bounds.push(ShadowBounds::join(strips.unwrap_or_default()));
         if depths.is_empty() {
             depths = map;
-            // Doubling would ask for more than the faces take.
-            depths.reserve_exact((faces - 1) * depths.len());
         } else {
-            depths.extend(map);
+            depths.extend_from_slice(&map);
+            room = map;
         }
     }
     let map = if good.into_inner() {

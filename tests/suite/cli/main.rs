@@ -3,9 +3,12 @@
 mod demos;
 mod files;
 mod info;
+mod interruption;
 mod lab;
 mod light;
 mod malformed;
+mod memory;
+mod outputs;
 mod program;
 mod readme;
 mod render;

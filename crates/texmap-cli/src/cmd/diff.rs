@@ -121,6 +121,13 @@ pub(crate) fn run(args: &DiffArgs) -> Result<Exit, Failure> {
     })?;
     let pass = metrics.passes() && args.fail_rms.is_none_or(|most| metrics.rmse <= most);
     if let Some(destination) = heat {
+        texmap_math::MemoryBudget::of_process().ask(
+            (e.width as u64)
+                .saturating_mul(e.height as u64)
+                .saturating_mul(4),
+            format_args!("a heat map of {} x {} pixels", e.width, e.height),
+            "leave --heat out",
+        )?;
         let white = if metrics.max > 0.0 { metrics.max } else { 1.0 };
         let picture = actual.heat(&expected, white).ok_or_else(|| {
             Failure::new(

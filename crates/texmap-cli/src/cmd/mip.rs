@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use texmap_io::image_io;
+use texmap_math::MemoryBudget;
 use texmap_render::ColorMode;
 use texmap_sample::{ColorSpace, Texture2d};
 
@@ -57,6 +58,12 @@ pub(crate) fn run(args: &MipArgs) -> Result<Exit, Failure> {
         let Some((width, height)) = texture.level_size(level) else {
             break;
         };
+        // A vector that doubles while it grows.
+        MemoryBudget::of_process().ask(
+            u64::from(width) * u64::from(height) * 8,
+            format_args!("a level of {width} x {height} texels"),
+            "take a smaller image",
+        )?;
         let rgba: Vec<u8> = (0..height)
             .flat_map(|y| (0..width).map(move |x| (x, y)))
             .filter_map(|(x, y)| texture.texel(level, x, y))

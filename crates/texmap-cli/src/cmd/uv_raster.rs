@@ -90,7 +90,10 @@ pub(crate) fn run(args: &UvRasterArgs) -> Result<Exit, Failure> {
         .map(|(face, corners)| (face, corners.map(|k| k as u32)))
         .unzip();
     let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(args.threads.map_or(0, usize::from))
+        .num_threads(
+            args.threads
+                .map_or_else(rayon::current_num_threads, usize::from),
+        )
         .build()
         .map_err(|e| Failure::internal(format!("no threads: {e}")))?;
     let options = AtlasOptions {

@@ -11,7 +11,7 @@ use tempfile::TempDir;
 use crate::interrupt;
 
 /// How the names of all temporary folders begin.
-const PREFIX: &str = ".texmap-";
+pub(super) const PREFIX: &str = ".texmap-";
 
 /// Locked by the run that a folder belongs to, as long as it lives.
 const LOCK: &str = "lock";

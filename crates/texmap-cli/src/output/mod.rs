@@ -4,6 +4,7 @@
 mod distinct;
 mod folder;
 
+use std::ffi::OsString;
 use std::fs::{self, File};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -94,10 +95,8 @@ impl Stage {
 
     /// Where to write what shall become `destination`.
     pub(crate) fn add(&mut self, destination: Destination, ending: &str) -> PathBuf {
-        let path = self
-            .folder
-            .path()
-            .join(format!("{}.{ending}", self.files.len()));
+        let name = staged_name(self.files.len(), &destination, ending);
+        let path = self.folder.path().join(name);
         self.files.push((path.clone(), destination));
         path
     }
@@ -128,6 +127,36 @@ impl Stage {
         drop(folders);
         Ok(())
     }
+}
+
+/// `0-room.png`: unlike any other name of the stage, and readable in messages.
+fn staged_name(number: usize, destination: &Destination, ending: &str) -> OsString {
+    let plain = OsString::from(format!("{number}.{ending}"));
+    let Destination::File(path) = destination else {
+        return plain;
+    };
+    let same = path.extension().is_some_and(|e| e == ending);
+    match path.file_name() {
+        // Names have at most 255 bytes.
+        Some(name) if same && name.len() < 200 => {
+            let mut staged = OsString::from(format!("{number}-"));
+            staged.push(name);
+            staged
+        }
+        _ => plain,
+    }
+}
+
+/// The output that a file of a stage becomes, for messages; other paths are as they are.
+pub(crate) fn shown(path: &Path) -> PathBuf {
+    let output = || {
+        let stage = path.parent()?;
+        let name = stage.file_name()?.to_str()?;
+        let (number, output) = path.file_name()?.to_str()?.split_once('-')?;
+        let ours = name.starts_with(folder::PREFIX) && number.bytes().all(|b| b.is_ascii_digit());
+        ours.then(|| stage.with_file_name(output))
+    };
+    output().unwrap_or_else(|| path.to_owned())
 }
 
 fn copy_to_device(from: &Path, device: &Path) -> io::Result<()> {
@@ -204,6 +233,28 @@ mod tests {
             let kept = fs::metadata(&path).unwrap().permissions().mode();
             assert_eq!(kept & 0o777, mode, "{kept:o}");
         }
+    }
+
+    #[test]
+    fn messages_name_the_output_and_not_the_stage() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("room-2.png");
+        let main = Destination::new(&path).unwrap();
+        let mut stage = Stage::new(&main).unwrap();
+        let (first, second) = (
+            stage.add(main.clone(), "png"),
+            stage.add(main.clone(), "png"),
+        );
+        assert_ne!(first, second);
+        // The stage's own path is absolute; so is that of a temporary folder.
+        assert_eq!(
+            (shown(&first), shown(&second)),
+            (path.clone(), path.clone())
+        );
+        assert_eq!(shown(&path), path);
+        let long = dir.path().join("a".repeat(251) + ".png");
+        let staged = stage.add(Destination::new(&long).unwrap(), "png");
+        fs::write(staged, "").unwrap();
     }
 
     #[test]

@@ -3,6 +3,7 @@
 use std::fs;
 use std::path::Path;
 
+use texmap_math::MemoryBudget;
 use texmap_uv::{Mesh, UvError, UvSet, tangents};
 
 use super::obj::Obj;
@@ -29,6 +30,12 @@ impl<'a> Source<'a> {
                 "check the name and its permissions",
             )
         })?;
+        // Measured on a grid of a million vertices: the text, its faces, corners and coordinates, and tangents of all corners.
+        MemoryBudget::of_process().ask(
+            24 * bytes.len() as u64,
+            format_args!("{}: {} bytes of text", path.display(), bytes.len()),
+            "split the model",
+        )?;
         // OBJ is ASCII; names in other encodings pass through only as UTF-8.
         let text = String::from_utf8(bytes).map_err(|e| {
             let at = e.utf8_error().valid_up_to();
