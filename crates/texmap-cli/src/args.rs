@@ -15,7 +15,7 @@ use crate::{cmd, memory};
 pub(crate) struct Cli {
     #[command(subcommand)]
     pub(crate) verb: Verb,
-    /// Memory for pictures, maps and meshes, such as 2G; default: three quarters of what the system grants
+    /// Memory for pictures, maps and meshes, such as 2G; default: three quarters of what the system grants; exit code 5 beyond it
     #[arg(long, global = true, value_name = "SIZE", value_parser = memory::parse_size)]
     pub(crate) memory_limit: Option<u64>,
 }

@@ -356,8 +356,8 @@ fn ask_for_frame(settings: &Settings) -> Result<(), RenderError> {
     settings.memory.ask(
         bytes,
         format_args!(
-            "a frame of {width} x {height} pixels with {} arrays",
-            settings.aovs.len()
+            "a frame of {width} x {height} pixels of {} bytes",
+            4 * channels
         ),
         "take a smaller resolution or fewer arrays",
     )?;

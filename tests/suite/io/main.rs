@@ -3,6 +3,7 @@
 mod effects;
 mod language;
 mod malformed;
+mod memory;
 mod models;
 mod scenes;
 mod shapes;
