@@ -43,6 +43,12 @@ pub(crate) fn read(path: &Path, named_by: Option<&Place>) -> Result<Vec<u8>, IoE
             limit: MAX_TEXT,
         });
     }
+    let asked = MemoryBudget::of_process().ask(
+        bytes,
+        format_args!("the {bytes} bytes of {}", path.display()),
+        "split the file",
+    );
+    asked.map_err(|refused| IoError::memory(refused, named_by))?;
     fs::read(path).map_err(|source| IoError::Read {
         path: path.to_path_buf(),
         named_by: named_by.cloned(),
@@ -56,7 +62,7 @@ pub(crate) fn read_text(path: &Path, named_by: Option<&Place>) -> Result<String,
     // A parser and the meshes that it makes take eleven times the bytes of an OBJ, measured on a grid of a million vertices.
     let asked = MemoryBudget::of_process().ask(
         12 * bytes.len() as u64,
-        format_args!("{}: {} bytes of text", path.display(), bytes.len()),
+        format_args!("what the {} bytes of {} say", bytes.len(), path.display()),
         "split the file",
     );
     asked.map_err(|refused| IoError::memory(refused, named_by))?;

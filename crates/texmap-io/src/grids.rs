@@ -64,7 +64,7 @@ pub(crate) fn read_named(
     let voxels = array.shape.iter().take(3).map(|n| *n as u64);
     let asked = memory.ask(
         voxels.product::<u64>() * 16 * 8 / 7,
-        format_args!("{}: a grid of shape {:?}", path.display(), array.shape),
+        format_args!("the grid of shape {:?} of {}", array.shape, path.display()),
         "take a smaller grid",
     );
     asked.map_err(|refused| IoError::memory(refused, by))?;

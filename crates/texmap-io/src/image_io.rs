@@ -146,7 +146,7 @@ pub(crate) fn ask_for_texels(
 ) -> Result<(), IoError> {
     let asked = memory.ask(
         u64::from(width) * u64::from(height) * bytes,
-        format_args!("{}: an image of {width} x {height} texels", path.display()),
+        format_args!("the {width} x {height} texels of {}", path.display()),
         "take a smaller image",
     );
     asked.map_err(|refused| IoError::memory(refused, named_by))

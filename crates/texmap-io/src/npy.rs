@@ -127,7 +127,7 @@ pub(crate) fn read_within(path: &Path, memory: MemoryBudget) -> Result<Array, Io
     // The bytes and the values made of them.
     let asked = memory.ask(
         2 * expected as u64,
-        format_args!("{}: an array of shape {shape:?}", path.display()),
+        format_args!("the array of shape {shape:?} of {}", path.display()),
         "take a smaller array",
     );
     asked.map_err(|refused| IoError::memory(refused, None))?;

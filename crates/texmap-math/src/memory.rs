@@ -170,9 +170,9 @@ pub struct OverBudget {
 
 impl fmt::Display for OverBudget {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} takes {} of memory; ", self.what, Size(self.bytes))?;
+        write!(f, "no memory for {} ({}): ", self.what, Size(self.bytes))?;
         match self.limit {
-            None => f.write_str("the system has not that much left"),
+            None => f.write_str("the system has less than that left"),
             Some(limit) if self.used == 0 => write!(f, "the budget is {}", Size(limit)),
             Some(limit) => {
                 let (used, limit) = (Size(self.used), Size(limit));
@@ -228,7 +228,7 @@ mod tests {
         let refused = ask(budget, (30 << 20) + 1).unwrap_err();
         assert_eq!(
             refused.to_string(),
-            "a picture of 7 x 9 takes 30.0 MiB of memory; 70.0 MiB of a budget of 100.0 MiB are in use"
+            "no memory for a picture of 7 x 9 (30.0 MiB): 70.0 MiB of a budget of 100.0 MiB are in use"
         );
         assert_eq!(refused.lower, "lower the size");
         // Each by itself.
@@ -236,7 +236,7 @@ mod tests {
         assert_eq!(ask(budget, 100 << 20), Ok(()));
         let refused = ask(budget, 1 << 30).unwrap_err().to_string();
         assert!(
-            refused.ends_with("1.0 GiB of memory; the budget is 100.0 MiB"),
+            refused.ends_with("(1.0 GiB): the budget is 100.0 MiB"),
             "{refused}"
         );
     }
@@ -251,7 +251,7 @@ mod tests {
     fn the_allocator_has_the_last_word() {
         let refused = ask(MemoryBudget::UNLIMITED, 1 << 62).unwrap_err();
         assert_eq!((refused.limit, refused.bytes), (None, 1 << 62));
-        assert!(refused.to_string().contains("the system has not"));
+        assert!(refused.to_string().contains("the system has less"));
         let mut buffer: Vec<u32> = Vec::new();
         let mut reserve = |budget: MemoryBudget, len| {
             let done = budget.reserve(&mut buffer, len, format_args!("words"), "");

@@ -134,20 +134,29 @@ fn files_are_small_and_what_they_hold_is_large() {
         ),
     );
     for (arguments, word) in [
-        ("render textured.scene -o o.png", "textured.scene:6:1: "),
+        (
+            "render textured.scene -o o.png",
+            "textured.scene:6:1: no memory for ",
+        ),
         ("render words.scene -o o.png", "a text of 3000000 letters"),
-        ("info big.png", "an image of 7000 x 7000 texels"),
-        ("hash big.png", "an image of 7000 x 7000 texels"),
-        ("diff big.png big.png", "an image of 7000 x 7000 texels"),
+        ("info big.png", "the 7000 x 7000 texels of big.png"),
+        ("hash big.png", "the 7000 x 7000 texels of big.png"),
+        ("diff big.png big.png", "the 7000 x 7000 texels of big.png"),
         ("mip big.png -o m%d.png", "big.png"),
         ("warp big.png -o w.png", "big.png"),
         ("sample check.png --uv uv.npy -o s.npy", "9000000"),
-        ("slice grid.npy -o s.png", "a grid of shape [300, 300, 300]"),
+        (
+            "slice grid.npy -o s.png",
+            "the grid of shape [300, 300, 300]",
+        ),
         (
             "slice noise -o s.png --size 12000",
             "a picture of 12000 x 12000",
         ),
-        ("env sky.png -o e.hdr --to cube", "an image of 4000 x 2000"),
+        (
+            "env sky.png -o e.hdr --to cube",
+            "the 4000 x 2000 texels of sky.png",
+        ),
     ] {
         desk.over_memory(300, arguments, word);
     }

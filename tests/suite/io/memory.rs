@@ -37,7 +37,7 @@ fn loading_asks_the_options() {
     assert!(
         error
             .to_string()
-            .contains("big.png: an image of 2200 x 2200 texels takes")
+            .contains("no memory for the 2200 x 2200 texels of")
     );
     assert!(
         error.help().contains("take a smaller image"),

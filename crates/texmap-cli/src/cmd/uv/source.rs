@@ -33,7 +33,7 @@ impl<'a> Source<'a> {
         // Measured on a grid of a million vertices: the text, its faces, corners and coordinates, and tangents of all corners.
         MemoryBudget::of_process().ask(
             24 * bytes.len() as u64,
-            format_args!("{}: {} bytes of text", path.display(), bytes.len()),
+            format_args!("what the {} bytes of {} say", bytes.len(), path.display()),
             "split the model",
         )?;
         // OBJ is ASCII; names in other encodings pass through only as UTF-8.
