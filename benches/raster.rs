@@ -127,6 +127,7 @@ fn atlas(c: &mut Criterion) {
             conservative,
             gutter: 4,
             threads: 1,
+            ..AtlasOptions::default()
         };
         let name = if conservative {
             "conservative"

@@ -197,6 +197,7 @@ fn atlases(threads: usize) -> Rows {
                 conservative,
                 gutter,
                 threads,
+                ..AtlasOptions::default()
             };
             rows.push(Row {
                 step,

@@ -2,7 +2,7 @@
 
 use clap::{Parser, Subcommand};
 
-use crate::cmd;
+use crate::{cmd, memory};
 
 /// Textured scenes to pictures on the CPU, the same bytes on every machine.
 #[derive(Debug, Parser)]
@@ -15,6 +15,9 @@ use crate::cmd;
 pub(crate) struct Cli {
     #[command(subcommand)]
     pub(crate) verb: Verb,
+    /// Memory for pictures, maps and meshes, such as 2G; default: three quarters of what the system grants; exit code 5 beyond it
+    #[arg(long, global = true, value_name = "SIZE", value_parser = memory::parse_size)]
+    pub(crate) memory_limit: Option<u64>,
 }
 
 #[derive(Debug, Subcommand)]

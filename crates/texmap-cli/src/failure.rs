@@ -5,9 +5,15 @@ use std::io::{self, Write};
 use clap::CommandFactory;
 use clap::error::ErrorKind;
 use serde::Serialize;
-use texmap_io::{plain, plain_json};
+use texmap_io::{IoError, plain, plain_json};
+use texmap_lab::LabError;
+use texmap_math::OverBudget;
+use texmap_raster::RasterError;
+use texmap_render::RenderError;
 
 use crate::args::Cli;
+use crate::interrupt;
+use crate::output::shown;
 
 /// How the program ends. The numbers are part of its interface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -22,7 +28,8 @@ pub(crate) enum Exit {
     Partial = 3,
     /// An input or output is bad: the same call will fail again.
     Input = 4,
-    /// Something is dearer or less accurate than it was allowed to be; the output is written all the same.
+    /// Something is dearer or less accurate than it was allowed to be and was written all the same, or it takes more memory than
+    /// the budget has and was not.
     OverBudget = 5,
     /// A bug of texmap.
     Internal = 6,
@@ -82,6 +89,27 @@ impl Failure {
         )
     }
 
+    /// A buffer beyond the memory budget; `what` is the whole first line.
+    fn over_memory(refused: &OverBudget, what: String) -> Self {
+        let why = match refused.limit {
+            Some(_) => format!("{}, or raise --memory-limit", refused.lower),
+            None => refused.lower.to_owned(),
+        };
+        Self::new(Exit::OverBudget, "over-memory-budget", what, why)
+    }
+
+    /// An error of the renderer: `place` is what was drawn, `why` the second line unless memory is missing.
+    pub(crate) fn of_render(error: &RenderError, place: Option<&str>, why: &str) -> Self {
+        let what = match place {
+            Some(place) => format!("{place}: {error}"),
+            None => error.to_string(),
+        };
+        match error {
+            RenderError::Memory(refused) => Self::over_memory(refused, what),
+            _ => Self::new(Exit::Input, error.code(), what, why),
+        }
+    }
+
     pub(crate) fn body(&self) -> ErrorBody {
         ErrorBody {
             code: self.code.clone(),
@@ -93,20 +121,49 @@ impl Failure {
 
     /// Two lines to standard error and, where the caller asked for JSON, the object to standard output.
     pub(crate) fn report(&self, json: bool) {
+        interrupt::stop_if_ending();
         let mut text = format!("error[{}]: {}\n", self.code, one_line(&self.what));
         if !self.why.is_empty() {
             text.push_str(&format!("  {}\n", one_line(&self.why)));
         }
         say(&text);
         if json {
-            print_json(&ErrorObject { error: self.body() });
+            // The same stands on standard error.
+            let _ = print_json(&ErrorObject { error: self.body() });
         }
     }
 }
 
-impl From<texmap_io::IoError> for Failure {
-    fn from(error: texmap_io::IoError) -> Self {
-        Self::new(Exit::Input, error.code(), error.to_string(), error.help())
+impl From<IoError> for Failure {
+    fn from(error: IoError) -> Self {
+        match &error {
+            IoError::Memory { refused, .. } => Self::over_memory(refused, error.to_string()),
+            IoError::Write { path, source } => {
+                let what = format!("{}: cannot be written: {source}", shown(path).display());
+                Self::new(Exit::Input, error.code(), what, error.help())
+            }
+            _ => Self::new(Exit::Input, error.code(), error.to_string(), error.help()),
+        }
+    }
+}
+
+impl From<OverBudget> for Failure {
+    fn from(refused: OverBudget) -> Self {
+        let what = refused.to_string();
+        Self::over_memory(&refused, what)
+    }
+}
+
+impl From<LabError> for Failure {
+    /// The lab's own scenes are right: only memory may be missing.
+    fn from(error: LabError) -> Self {
+        match &error {
+            LabError::Render(RenderError::Memory(refused))
+            | LabError::Raster(RasterError::Memory(refused)) => {
+                Self::over_memory(refused, error.to_string())
+            }
+            _ => Self::internal(error.to_string()),
+        }
     }
 }
 
@@ -151,23 +208,32 @@ pub(crate) fn say(text: &str) {
     let _ = io::stderr().lock().write_all(plain(text).as_bytes());
 }
 
-/// Text, to standard output, without control characters but line feeds. A closed pipe is not a failure.
-pub(crate) fn print(text: &str) {
-    write_out(&plain(text));
-}
-
-fn write_out(text: &str) {
-    let mut out = io::stdout().lock();
-    let _ = out.write_all(text.as_bytes()).and_then(|()| out.flush());
+/// Text, to standard output, without control characters but line feeds. A full device is a failure; a closed pipe is not, since
+/// its reader has seen enough.
+pub(crate) fn print(text: &str) -> Result<(), Failure> {
+    deliver(|out| out.write_all(plain(text).as_bytes()))
 }
 
 /// One JSON document and a newline, to standard output.
-pub(crate) fn print_json(value: &impl Serialize) {
-    match serde_json::to_string_pretty(value) {
-        Ok(text) => write_out(&plain_json(&(text + "\n"))),
-        Err(e) => say(&format!(
-            "error[internal]: the report could not be written as JSON: {e}\n"
+pub(crate) fn print_json(value: &impl Serialize) -> Result<(), Failure> {
+    let text = serde_json::to_string_pretty(value)
+        .map_err(|e| Failure::internal(format!("the report could not be written as JSON: {e}")))?;
+    deliver(|out| out.write_all(plain_json(&(text + "\n")).as_bytes()))
+}
+
+/// Lets `write` write to standard output, and flushes it: errors come when bytes leave.
+pub(crate) fn deliver(
+    write: impl FnOnce(&mut io::StdoutLock<'_>) -> io::Result<()>,
+) -> Result<(), Failure> {
+    let mut out = io::stdout().lock();
+    match write(&mut out).and_then(|()| out.flush()) {
+        Err(e) if e.kind() != io::ErrorKind::BrokenPipe => Err(Failure::new(
+            Exit::Input,
+            "write-failed",
+            format!("standard output: cannot be written: {e}"),
+            "check the free space where it is redirected to",
         )),
+        _ => Ok(()),
     }
 }
 

@@ -2,8 +2,8 @@
 //!
 //! Conventions: data goes to standard output, words and progress to standard error. Every file
 //! is written under a temporary name and renamed. Exit codes: 0 done, 1 a comparison or claim
-//! failed, 2 usage, 3 some of several items failed, 4 bad input or output, 5 over a budget,
-//! 6 internal error.
+//! failed, 2 usage, 3 some of several items failed, 4 bad input or output, 5 over a budget (of
+//! memory too), 6 internal error; 129, 130 and 143 after SIGHUP, SIGINT and SIGTERM.
 #![forbid(unsafe_code)]
 
 use std::ffi::OsString;
@@ -19,6 +19,8 @@ mod args;
 mod cmd;
 mod failure;
 mod formats;
+mod interrupt;
+mod memory;
 mod os_name;
 mod output;
 mod progress;
@@ -28,21 +30,29 @@ mod values;
 #[must_use]
 pub fn main() -> ExitCode {
     let arguments: Vec<OsString> = std::env::args_os().collect();
-    let exit = guarded(|| run(&arguments));
+    let exit = guarded(|| {
+        interrupt::watch();
+        run(&arguments)
+    });
+    interrupt::stop_if_ending();
     ExitCode::from(exit as u8)
 }
 
 fn run(arguments: &[OsString]) -> Exit {
     let (json, result) = match Cli::try_parse_from(arguments) {
-        Ok(cli) => (cli.verb.json(), dispatch(cli.verb)),
+        Ok(cli) => {
+            memory::set_budget(cli.memory_limit);
+            (cli.verb.json(), dispatch(cli.verb))
+        }
         Err(refusal) => {
             if !refusal.use_stderr() {
                 // `--help` and `--version` are answers, not errors.
-                failure::print(&refusal.render().to_string());
-                return Exit::Done;
+                let printed = failure::print(&refusal.render().to_string());
+                (false, printed.map(|()| Exit::Done))
+            } else {
+                let json = arguments.iter().any(|a| a == "--json");
+                (json, Err(Failure::from(refusal)))
             }
-            let json = arguments.iter().any(|a| a == "--json");
-            (json, Err(Failure::from(refusal)))
         }
     };
     result.unwrap_or_else(|failure| {

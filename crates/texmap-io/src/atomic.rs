@@ -7,7 +7,8 @@ use crate::IoError;
 
 /// Writes `path` through `write`: into a temporary name in the same directory, renamed when all is written.
 ///
-/// When anything fails, an older file of this name keeps its bytes and the temporary one is removed.
+/// When anything fails, an older file of this name keeps its bytes and the temporary one is removed. A file that is replaced keeps
+/// its mode.
 ///
 /// # Errors
 /// [`IoError::Write`] when the directory is missing or read-only, when `path` is a directory, or when `write` fails.
@@ -32,6 +33,7 @@ fn try_write(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) 
         Some(parent) if !parent.as_os_str().is_empty() => parent,
         _ => Path::new("."),
     };
+    let old = std::fs::metadata(path).ok().map(|old| old.permissions());
     let mut builder = tempfile::Builder::new();
     builder.prefix(".texmap-").suffix(".part");
     #[cfg(unix)]
@@ -39,10 +41,20 @@ fn try_write(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) 
         // The mode of an ordinary new file (less the umask), not the private one of temporary files.
         use std::os::unix::fs::PermissionsExt;
         builder.permissions(std::fs::Permissions::from_mode(0o666));
+        if let Some(old) = &old {
+            builder.permissions(old.clone());
+        }
     }
-    let mut out = BufWriter::new(builder.tempfile_in(directory)?);
+    let file = builder.tempfile_in(directory)?;
+    // Errors of the file itself say nothing of its temporary name.
+    let mut out = BufWriter::new(file.as_file());
     write(&mut out)?;
-    let file = out.into_inner().map_err(io::IntoInnerError::into_error)?;
+    out.flush()?;
+    drop(out);
+    if let Some(old) = old {
+        // The umask took its part of the mode.
+        file.as_file().set_permissions(old)?;
+    }
     file.persist(path).map_err(|e| e.error)?;
     Ok(())
 }
@@ -67,6 +79,27 @@ mod tests {
         assert_eq!(fs::read_dir(dir.path()).unwrap().count(), 1);
         write(&path, |w| w.write_all(b"new")).unwrap();
         assert_eq!(fs::read(&path).unwrap(), b"new");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_replaced_file_keeps_its_mode() {
+        use std::os::unix::fs::PermissionsExt;
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("a.txt");
+        let mode = || fs::metadata(&path).unwrap().permissions().mode() & 0o777;
+        write(&path, |w| w.write_all(b"new")).unwrap();
+        let plain = dir.path().join("b.txt");
+        fs::write(&plain, "").unwrap();
+        assert_eq!(
+            mode(),
+            fs::metadata(&plain).unwrap().permissions().mode() & 0o777
+        );
+        for kept in [0o600, 0o666, 0o751] {
+            fs::set_permissions(&path, fs::Permissions::from_mode(kept)).unwrap();
+            write(&path, |w| w.write_all(b"newer")).unwrap();
+            assert_eq!(mode(), kept);
+        }
     }
 
     #[test]

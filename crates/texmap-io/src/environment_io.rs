@@ -42,6 +42,8 @@ pub(crate) fn read_named(
     };
     let image = image_io::decode(files, path, named_by, fits)?;
     let (width, height) = (image.width(), image.height());
+    // Three floats, and the copies with borders and mips that an environment keeps.
+    image_io::ask_for_texels(files, path, named_by, (width, height), 12 + 22)?;
     let texels: Vec<[f32; 3]> = match image {
         DynamicImage::ImageRgb32F(_) | DynamicImage::ImageRgba32F(_) => {
             let image = image.into_rgb32f();

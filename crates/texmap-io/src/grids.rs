@@ -70,6 +70,14 @@ pub(crate) fn read_named(
         alpha: Alpha::Straight,
         origin: Origin::TopLeft,
     };
+    // Up to four floats a voxel, and a seventh more for the mip chain.
+    let voxels = array.shape.iter().take(3).map(|n| *n as u64);
+    files.ask(
+        voxels.product::<u64>() * 16 * 8 / 7,
+        format_args!("the grid of shape {:?} of {}", array.shape, path.display()),
+        "take a smaller grid",
+        by,
+    )?;
     let grid = Texture3d::new(depth, &slices).map_err(|error| {
         broken(match error {
             SampleError::Texel { x, y } => {

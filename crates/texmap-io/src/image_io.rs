@@ -4,8 +4,8 @@ use std::io::{self, Cursor};
 use std::path::Path;
 
 use image::codecs::png::PngEncoder;
-use image::{DynamicImage, ExtendedColorType, ImageEncoder, ImageReader, Limits};
-use texmap_math::color;
+use image::{DynamicImage, ExtendedColorType, ImageDecoder, ImageEncoder, ImageReader, Limits};
+use texmap_math::{MemoryBudget, color};
 use texmap_sample::{Alpha, ColorSpace, Image, Origin, SampleError, Texels, Texture2d};
 
 use crate::files::{FileSource, MAX_TEXT};
@@ -90,7 +90,7 @@ fn floats<T: Copy>(texels: &[T], value: impl Fn(T, bool) -> f32) -> Vec<f32> {
 /// not applied.
 ///
 /// # Errors
-/// File errors, [`IoError::BrokenImage`], [`IoError::ImageSize`].
+/// File errors, [`IoError::BrokenImage`], [`IoError::ImageSize`], [`IoError::Memory`].
 pub fn read_image(path: &Path) -> Result<Rgba, IoError> {
     read_named(&FileSource::anywhere(), path, None)
 }
@@ -212,6 +212,22 @@ fn size_allowed(
     })
 }
 
+/// Asks for `bytes` bytes for each of an image's texels.
+pub(crate) fn ask_for_texels(
+    files: &FileSource,
+    path: &Path,
+    named_by: Option<&Place>,
+    (width, height): (u32, u32),
+    bytes: u64,
+) -> Result<(), IoError> {
+    files.ask(
+        u64::from(width) * u64::from(height) * bytes,
+        format_args!("the {width} x {height} texels of {}", path.display()),
+        "take a smaller image",
+        named_by,
+    )
+}
+
 /// Decodes an image file of a size that `fits`.
 pub(crate) fn decode(
     files: &FileSource,
@@ -247,7 +263,14 @@ pub(crate) fn decode(
     if let Some(problem) = exr_header::fault(&bytes) {
         return Err(broken(problem));
     }
-    reader()?.decode().map_err(|e| broken(e.to_string()))
+    let decoder = reader()?
+        .into_decoder()
+        .map_err(|e| broken(e.to_string()))?;
+    // As it is decoded, then with four channels of the same depth.
+    let color = decoder.color_type();
+    let bytes = color.bytes_per_pixel() + 4 * (color.bytes_per_pixel() / color.channel_count());
+    ask_for_texels(files, path, named_by, size, u64::from(bytes))?;
+    DynamicImage::from_decoder(decoder).map_err(|e| broken(e.to_string()))
 }
 
 /// The texture of a decoded image: floats are linear light.
@@ -271,6 +294,13 @@ pub(crate) fn texture(
 /// # Errors
 /// [`IoError::Write`], also when `rgba` does not hold `4 * width * height` bytes or a side is zero.
 pub fn write_png(path: &Path, width: u32, height: u32, rgba: &[u8]) -> Result<(), IoError> {
+    // The encoder holds all filtered rows and all compressed bytes.
+    let asked = MemoryBudget::of_process().ask(
+        2 * rgba.len() as u64,
+        format_args!("a PNG of {width} x {height} pixels"),
+        "write a smaller picture",
+    );
+    asked.map_err(|refused| IoError::memory(refused, None))?;
     atomic::write(path, |out| {
         if width == 0
             || height == 0

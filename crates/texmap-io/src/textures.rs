@@ -205,7 +205,8 @@ impl Textures {
         missing: Missing,
     ) -> Result<(), IoError> {
         let absent = matches!(error, IoError::FileMissing { .. });
-        if !(self.tolerant || absent && missing == Missing::Warn) {
+        let over = matches!(error, IoError::Memory { .. });
+        if over || !(self.tolerant || absent && missing == Missing::Warn) {
             return Err(error);
         }
         self.note(path, place, Err(error.to_string()));
@@ -232,6 +233,9 @@ impl Textures {
         } else {
             ColorSpace::Srgb
         };
+        // At most eight bytes a texel, and a third more for the mip chain.
+        let size = (image.width, image.height);
+        image_io::ask_for_texels(&self.source, path, Some(place), size, 11)?;
         let texture = image_io::texture(path, Some(place), &image, color)?;
         Ok((texture, (image.width, image.height, bits)))
     }

@@ -28,6 +28,7 @@
 //! - [`frame`], [`homography`], [`camera`], [`projector`], [`reflection`]: maps between texture, space and screen, in f64.
 //! - [`fixed`], [`edge`]: 24.8 positions, exact edge functions, the top-left rule.
 //! - [`det`], [`det32`], [`float`], [`color`]: deterministic functions; [`wrap`], [`footprint`]: texel choice.
+//! - [`memory`]: the budget that large buffers ask.
 //!
 //! # Conventions of the workspace
 //! - The centre of texel i of N lies at `(i + 0.5)/N`; the internal texture origin is top-left, a bottom-left texture is flipped at fetch, in
@@ -53,6 +54,8 @@
 #![cfg_attr(not(feature = "std"), no_std)]
 #![deny(unsafe_code)]
 
+extern crate alloc;
+
 #[cfg(not(any(feature = "std", feature = "libm")))]
 compile_error!("texmap-math needs the feature `std` or `libm` (square roots and rounding)");
 
@@ -71,6 +74,7 @@ pub mod homography;
 pub mod interp;
 #[doc(hidden)]
 pub mod lanes;
+pub mod memory;
 mod on_level;
 pub mod plane;
 pub mod projector;
@@ -84,4 +88,5 @@ pub use footprint::Footprint;
 pub use frame::{FrameError, MagicVectors, TextureFrame};
 pub use glam;
 pub use homography::{Homography, HomographyError};
+pub use memory::{MemoryBudget, OverBudget};
 pub use projector::Projector;

@@ -2,6 +2,7 @@
 use alloc::vec::Vec;
 use core::ops::Range;
 
+use texmap_math::MemoryBudget;
 use texmap_math::float::sqrt;
 use texmap_math::glam::{DMat4, DVec3};
 
@@ -70,14 +71,24 @@ pub struct AtlasOptions {
     pub gutter: u32,
     /// Threads; above 1 work goes to the current rayon pool (feature `rayon`).
     pub threads: usize,
+    /// Asked for the arrays before they are allocated.
+    pub memory: MemoryBudget,
+}
+
+/// Bytes of all arrays of an atlas per texel.
+fn texel_bytes(mesh: &AtlasMesh<'_>) -> u64 {
+    let triple = size_of::<[f32; 3]>();
+    let triples =
+        1 + usize::from(!mesh.positions.is_empty()) + usize::from(!mesh.normals.is_empty());
+    (size_of::<Coverage>() + size_of::<u32>() + triples * triple) as u64
 }
 
 impl Atlas {
     /// Rasterizes a mesh in texture space.
     ///
     /// # Errors
-    /// [`RasterError::IndexOutOfRange`], [`RasterError::AttributeLength`] when positions or normals do not match the uvs, and
-    /// [`RasterError::TooManyTriangles`].
+    /// [`RasterError::IndexOutOfRange`], [`RasterError::AttributeLength`] when positions or normals do not match the uvs,
+    /// [`RasterError::TooManyTriangles`], and [`RasterError::Memory`] for arrays beyond [`AtlasOptions::memory`].
     pub fn new(
         size: TargetSize,
         mesh: &AtlasMesh<'_>,
@@ -92,6 +103,13 @@ impl Atlas {
                 });
             }
         }
+        let texels = size.width() as usize * size.height() as usize;
+        let bytes = texels as u64 * texel_bytes(mesh);
+        options.memory.ask(
+            bytes,
+            format_args!("an atlas of {} x {} texels", size.width(), size.height()),
+            "take a smaller atlas",
+        )?;
         let flat: Vec<_> = mesh.uvs.iter().map(|uv| [uv[0], uv[1], 0.5]).collect();
         // 0..1 to clip space, y up: v from the bottom already points up.
         let up = if mesh.bottom_up { 1.0 } else { -1.0 };
@@ -108,7 +126,6 @@ impl Atlas {
             crate::prepared::best_level(),
             options.threads,
         )?;
-        let texels = size.width() as usize * size.height() as usize;
         let mut atlas = Self {
             size,
             coverage: alloc::vec![Coverage::None; texels],

@@ -1,8 +1,10 @@
 //! What can be wrong with a draw or a target, with the offending numbers.
 use core::fmt;
 
+use texmap_math::OverBudget;
+
 /// Why a target or a list of draws was refused. Nothing is drawn when one is returned.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum RasterError {
     /// A target side is zero.
@@ -69,11 +71,20 @@ pub enum RasterError {
     },
     /// More triangles, after subdivision and clipping, than 32-bit ids can name.
     TooManyTriangles,
+    /// A buffer beyond the memory budget.
+    Memory(OverBudget),
+}
+
+impl From<OverBudget> for RasterError {
+    fn from(refused: OverBudget) -> Self {
+        Self::Memory(refused)
+    }
 }
 
 impl fmt::Display for RasterError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match *self {
+            Self::Memory(ref refused) => write!(f, "{refused}; {}", refused.lower),
             Self::ZeroTarget { width, height } => {
                 write!(
                     f,

@@ -2,10 +2,10 @@
 use alloc::vec::Vec;
 use core::ops::Range;
 
-use texmap_math::Level;
 use texmap_math::fearless_simd::{Simd, i32x16, mask32x16, prelude::*};
 use texmap_math::lanes::{LANES, iota};
 use texmap_math::on_level;
+use texmap_math::{Level, MemoryBudget, OverBudget};
 
 use crate::arrays::Arrays;
 use crate::clip::{Corner, Hom, Region, clip, region};
@@ -49,19 +49,36 @@ pub(crate) struct Chunk {
     runs: Vec<(u32, usize)>,
     pub pieces: Vec<Piece>,
     pub stats: Stats,
+    /// Set when the ids outgrow the memory budget; ids after that are dropped, and the chunk is an error.
+    refused: Option<OverBudget>,
 }
 
 impl Chunk {
     #[inline(always)]
     fn put(&mut self, tile: u32, id: u32) {
-        if self.ids.len() == self.ids.capacity() {
-            self.ids.reserve(self.ids.len().max(CHUNK / 4));
+        if self.ids.len() == self.ids.capacity() && !self.grow() {
+            return;
         }
         self.ids.push(id);
         match self.runs.last_mut() {
             Some(last) if last.0 == tile => last.1 += 1,
             _ => self.runs.push((tile, 1)),
         }
+    }
+
+    /// Makes room for twice the ids, unless the budget of the process refuses it.
+    #[cold]
+    #[inline(never)]
+    fn grow(&mut self) -> bool {
+        let more = self.ids.len().max(CHUNK / 4);
+        let bytes = ((self.ids.len() + more) * size_of::<u32>()) as u64;
+        let asked = bins(MemoryBudget::of_process(), bytes);
+        if let Err(refused) = asked {
+            self.refused.get_or_insert(refused);
+            return false;
+        }
+        self.ids.reserve(more);
+        true
     }
 
     /// Names pieces, which are counted within the chunk, from `first_piece` on.
@@ -81,6 +98,15 @@ impl Chunk {
             Some((tile as usize, ids))
         })
     }
+}
+
+/// Asks for the ids of triangles in tiles.
+pub(crate) fn bins(memory: MemoryBudget, bytes: u64) -> Result<(), OverBudget> {
+    memory.ask(
+        bytes,
+        format_args!("the lists of the triangles in each tile"),
+        "take a smaller picture, or fewer triangles that fill it",
+    )
 }
 
 /// Triangles whose indices are checked and then read while they are still in the nearest cache: a multiple of the lanes.
@@ -104,7 +130,8 @@ impl Submission<'_, '_> {
     /// Does the triangles of `range`; `level` `None` takes them one by one.
     ///
     /// # Errors
-    /// [`RasterError::TooManyTriangles`] when subdivision leaves too many pieces.
+    /// [`RasterError::TooManyTriangles`] when subdivision leaves too many pieces, [`RasterError::Memory`] when the triangles
+    /// lie in too many tiles.
     pub(crate) fn run(
         &self,
         level: Option<Level>,
@@ -115,6 +142,9 @@ impl Submission<'_, '_> {
         for start in range.clone().step_by(PART) {
             let part = start..range.end.min(start + PART);
             self.run_part(level, part, &mut chunk)?;
+            if let Some(refused) = chunk.refused.take() {
+                return Err(refused.into());
+            }
         }
         Ok(chunk)
     }

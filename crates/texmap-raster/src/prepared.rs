@@ -1,7 +1,7 @@
 //! The front end: transform, clip, cull, snap, bin.
 use alloc::vec::Vec;
 
-use texmap_math::Level;
+use texmap_math::{Level, MemoryBudget};
 
 use crate::arrays::Arrays;
 use crate::edge::{PixelBox, Snapped, area, edges, seen_from, snap};
@@ -219,6 +219,8 @@ impl<'a> Prepared<'a> {
                 .ok_or(RasterError::TooManyTriangles)?;
             *count = sum;
         }
+        let bytes = u64::from(sum) * size_of::<u32>() as u64;
+        front::bins(MemoryBudget::of_process(), bytes)?;
         let mut next = start.clone();
         self.bin_ids = alloc::vec![0; sum as usize];
         for (tile, ids) in chunks.iter().flat_map(Chunk::runs) {

@@ -2,8 +2,9 @@
 
 use rayon::prelude::*;
 use texmap_light::{Highlight, ShadowBias, ShadowMap, Surface, terms_received};
+use texmap_math::MemoryBudget;
 use texmap_math::glam::DVec3;
-use texmap_raster::{Atlas, AtlasMesh, AtlasOptions, Coverage, TargetSize};
+use texmap_raster::{Atlas, AtlasMesh, AtlasOptions, Coverage, RasterError, TargetSize};
 use texmap_sample::Origin;
 
 use crate::canvas::luminance;
@@ -44,7 +45,7 @@ pub struct LightMap {
 ///
 /// # Errors
 /// Those of [`Scene::check`]; [`RenderError::Index`] for a mesh that does not exist, [`RenderError::MissingUv`] for one without
-/// coordinates, [`RenderError::Raster`] for a size out of range.
+/// coordinates, [`RenderError::Raster`] for a size out of range, [`RenderError::Memory`] for a map beyond the memory budget of the process.
 pub fn bake(
     scene: &Scene,
     mesh: usize,
@@ -69,9 +70,12 @@ pub fn bake(
             material: "a light map".to_owned(),
         });
     }
-    let refused = |error| RenderError::Raster {
-        mesh: mesh.name.clone(),
-        error,
+    let refused = |error| match error {
+        RasterError::Memory(refused) => RenderError::Memory(refused),
+        error => RenderError::Raster {
+            mesh: mesh.name.clone(),
+            error,
+        },
     };
     let normals: Vec<[f32; 3]> = world_normals(mesh)
         .iter()
@@ -99,6 +103,7 @@ pub fn bake(
             conservative: true,
             gutter: options.gutter,
             threads: rayon::current_num_threads(),
+            memory: MemoryBudget::of_process(),
         },
     )
     .map_err(refused)?;
@@ -121,6 +126,12 @@ pub fn bake(
     let (numbers, lights): (Vec<usize>, Vec<_>) = lights.into_iter().unzip();
     let eye = scene.camera.eye.to_array().map(|c| c as f32);
     let width = options.size as usize;
+    let size = options.size;
+    MemoryBudget::of_process().ask(
+        (atlas.face.len() * size_of::<[f32; 3]>()) as u64,
+        format_args!("a light map of {size} x {size} texels"),
+        "take a smaller light map",
+    )?;
     let mut texels = vec![[0.0; 3]; atlas.face.len()];
     texels
         .par_chunks_mut(width)

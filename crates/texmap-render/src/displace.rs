@@ -7,6 +7,7 @@
 
 use std::collections::HashMap;
 
+use texmap_math::MemoryBudget;
 use texmap_math::det32;
 use texmap_math::glam::{DMat4, DVec3};
 use texmap_sample::{Sampler, Texture2d};
@@ -57,6 +58,10 @@ pub enum EdgeBudget {
     Pixels(f32),
 }
 
+/// Memory that displacement takes at its peak for each triangle that it makes, measured: cut triangles with their vertices and
+/// edges, then points before and after with their normals, then the finished mesh.
+const TRIANGLE_BYTES: u64 = 400;
+
 /// Displaces every mesh that says so, all together, for a picture of `width` pixels by the scene's camera.
 pub(crate) fn displace(scene: &mut Scene, width: u32) -> Result<(), RenderError> {
     let moves = |mesh: &&Mesh| mesh.displacement.is_some();
@@ -75,12 +80,27 @@ pub(crate) fn displace(scene: &mut Scene, width: u32) -> Result<(), RenderError>
             .as_ref()
             .is_some_and(|map| map.too_long(net, a, b))
     };
-    net.refine(too_long, limit as usize)
-        .map_err(|triangles| RenderError::TooManyTriangles {
-            mesh: name,
-            triangles: triangles as u64,
-            limit,
-        })?;
+    let memory = MemoryBudget::of_process();
+    let affordable = usize::try_from(memory.room() / TRIANGLE_BYTES).unwrap_or(usize::MAX);
+    let refined = net.refine(too_long, affordable.min(limit as usize));
+    refined.map_err(|triangles| {
+        let triangles = triangles as u64;
+        let asked = memory.ask(
+            triangles * TRIANGLE_BYTES,
+            format_args!(
+                "the displacement of mesh '{name}' into {triangles} triangles and counting"
+            ),
+            "allow longer edges (texels or pixels), or take a smaller map",
+        );
+        match asked {
+            Err(refused) if triangles <= u64::from(limit) => RenderError::Memory(refused),
+            _ => RenderError::TooManyTriangles {
+                mesh: name,
+                triangles,
+                limit,
+            },
+        }
+    })?;
     let field = Field::new(&net, &maps);
     let normals = field.normals(&net, &maps);
     for (number, &index) in (0..).zip(&members) {

@@ -1,3 +1,4 @@
+use texmap_math::OverBudget;
 use texmap_math::camera::CameraError;
 use texmap_raster::RasterError;
 
@@ -116,12 +117,16 @@ pub enum RenderError {
         /// What it said.
         error: RasterError,
     },
+    /// A buffer beyond the memory budget.
+    #[error("{0}")]
+    Memory(#[from] OverBudget),
 }
 
 impl RenderError {
     /// Names the mesh behind the rasterizer's number of a draw.
     pub(crate) fn of_raster(scene: &Scene, error: RasterError) -> Self {
         let draw = match error {
+            RasterError::Memory(refused) => return Self::Memory(refused),
             RasterError::IndexOutOfRange { draw, .. }
             | RasterError::AttributeLength { draw, .. }
             | RasterError::TooManyAttributes { draw, .. }
@@ -153,6 +158,7 @@ impl RenderError {
             Self::MissingLightMapUv { .. } => "render-missing-light-map-uv",
             Self::TooManyTriangles { .. } => "render-too-many-triangles",
             Self::Raster { .. } => "render-raster",
+            Self::Memory(_) => "over-memory-budget",
         }
     }
 }

@@ -1,5 +1,6 @@
 //! Terrain: a grid over a picture of heights.
 
+use texmap_math::MemoryBudget;
 use texmap_math::glam::DVec3;
 use texmap_sample::{Origin, Texture2d};
 
@@ -15,7 +16,7 @@ impl Mesh {
     ///
     /// # Errors
     /// [`RenderError::Value`] for a map of fewer than 2 x 2 texels, a step of 0, or sizes that are not finite or, across, not
-    /// above 0; [`RenderError::TooManyTriangles`] beyond [`Displacement::MAX_TRIANGLES`].
+    /// above 0; [`RenderError::TooManyTriangles`] beyond [`Displacement::MAX_TRIANGLES`]; [`RenderError::Memory`].
     pub fn height_field(
         name: &str,
         heights: &Texture2d<'_>,
@@ -55,6 +56,12 @@ impl Mesh {
                 limit: Displacement::MAX_TRIANGLES,
             });
         }
+        // A vertex has position, normal and coordinates; a triangle, of which there are two a vertex, indices and a face.
+        MemoryBudget::of_process().ask(
+            triangles * ((12 + 12 + 8) / 2 + 12 + 4),
+            format_args!("the height field '{name}' of {triangles} triangles"),
+            "take a larger step, or a smaller map",
+        )?;
         let [sx, sy, sz] = size.map(f64::from);
         let at = |x: u32, y: u32| heights.texel(0, x, y).map_or(0.0, |t| sy * f64::from(t[0]));
         let mut mesh = Self {

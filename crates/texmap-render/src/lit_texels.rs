@@ -352,7 +352,7 @@ mod tests {
         let list: Vec<RunBlock> = all.collect();
         assert!(list.len() > 150, "{}", list.len());
         let settings = Settings::new(64, 64);
-        let chains = Chains::new(&scene, &settings);
+        let chains = Chains::new(&scene, &settings).unwrap();
         let (mut shared, mut compared) = (0, 0);
         for filter in [Filter::Nearest, Filter::Bilinear, Filter::Trilinear] {
             for wrap in [Wrap::Repeat, Wrap::ClampToEdge, Wrap::MirroredRepeat] {

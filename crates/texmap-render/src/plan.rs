@@ -218,7 +218,7 @@ mod tests {
             let mut scene = scene(material);
             scene.meshes[0].lightmap_uvs = vec![[0.0; 2]; 3];
             let settings = Settings::new(8, 8);
-            let chains = Chains::new(&scene, &settings);
+            let chains = Chains::new(&scene, &settings).unwrap();
             let ready = Arc::new(Ready::new(&scene, &settings).unwrap());
             let plan = Plan::new(&scene, &settings, &chains, &ready, (8, 8), &[]).unwrap();
             crate::lit_lanes::LitLanes::new(&plan, &plan.surfaces[0]).is_some()
@@ -263,7 +263,7 @@ mod tests {
     fn needs(material: Material, aovs: &[Aov]) -> (usize, Pass, bool) {
         let scene = scene(material);
         let settings = Settings::new(8, 8);
-        let chains = Chains::new(&scene, &settings);
+        let chains = Chains::new(&scene, &settings).unwrap();
         let ready = Arc::new(Ready::new(&scene, &settings).unwrap());
         let plan = Plan::new(&scene, &settings, &chains, &ready, (8, 8), aovs).unwrap();
         let surface = &plan.surfaces[0];

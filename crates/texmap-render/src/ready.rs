@@ -1,9 +1,9 @@
 //! The effects of a scene, made ready before the first tile: shadow maps, slides, environments.
 
 use texmap_light::{Environment, Light, ShadowBias, ShadowKind, ShadowReader, Slide, SlideView};
-use texmap_math::Projector;
 use texmap_math::camera::Camera;
 use texmap_math::glam::{DMat3, DMat4, DVec3};
+use texmap_math::{MemoryBudget, Projector};
 
 use crate::effects::{SlideProjector, SlideRole};
 use crate::lit::Site;
@@ -60,7 +60,8 @@ impl<'s> Ready<'s> {
         let mut rooms = rooms.into_iter();
         let threads = settings.threads.unwrap_or(usize::MAX);
         let mut draw = |kind: &ShadowKind, size: u32, bias: ShadowBias, taps: u32| {
-            let room = rooms.next().unwrap_or_default();
+            let mut room = rooms.next().unwrap_or_default();
+            reserve_map(settings.memory, kind, size, &mut room)?;
             let (map, bounds) = shadow_map_in(scene, kind, size, taps, threads, room)?;
             let bounds = Some(bounds);
             Ok::<_, RenderError>(ShadowReader::with_bounds(map, bias, taps, bounds))
@@ -180,6 +181,26 @@ impl<'s> Ready<'s> {
         }
         sum
     }
+}
+
+/// Reserves the depths of all faces of a shadow map.
+pub(crate) fn reserve_map(
+    memory: MemoryBudget,
+    kind: &ShadowKind,
+    size: u32,
+    room: &mut Vec<f32>,
+) -> Result<(), RenderError> {
+    let faces = match kind {
+        ShadowKind::Point { .. } => 6,
+        _ => 1,
+    };
+    memory.reserve(
+        room,
+        faces * size as usize * size as usize,
+        format_args!("a shadow map of {faces} x {size} x {size} texels"),
+        "give `shadow` a smaller size",
+    )?;
+    Ok(())
 }
 
 /// The pyramid of a projector as a spot light's map: square, as wide as the wider side of the picture.

@@ -67,7 +67,9 @@ impl<'s> Renderer<'s> {
     pub fn new(scene: &'s Scene, settings: &Settings) -> Result<Self, RenderError> {
         let start = Instant::now();
         settings.check()?;
+        ask_for_frame(settings)?;
         let checked = scene.check()?;
+        ask_for_geometry(scene, settings)?;
         if let Some(mesh) = scene.meshes.iter().find(|m| m.is_unshaped()) {
             return Err(RenderError::Value {
                 place: format!("mesh '{}'", mesh.name),
@@ -85,7 +87,7 @@ impl<'s> Renderer<'s> {
                     reason: error.to_string(),
                 })
         });
-        let chains = Chains::new(scene, settings);
+        let chains = Chains::new(scene, settings)?;
         let ready = Arc::new(Ready::new(scene, settings)?);
         let n = settings.supersample;
         let shared = n == 1 && settings.msaa == 1;
@@ -110,8 +112,9 @@ impl<'s> Renderer<'s> {
     /// Draws the frame. A scene in which nothing is visible gives a frame of background and a warning that says why.
     ///
     /// # Errors
-    /// More triangles after clipping than ids.
+    /// More triangles after clipping than ids; [`RenderError::Memory`].
     pub fn draw(&self, progress: &(dyn Fn(usize, usize) + Sync)) -> Result<Frame, RenderError> {
+        ask_for_frame(&self.settings)?;
         let mut frame = empty_frame(&self.settings);
         self.draw_into(&mut frame, progress, &|blocks| (0..blocks).collect())?;
         Ok(frame)
@@ -336,6 +339,44 @@ impl Counter<'_> {
     fn step(&self) {
         (self.progress)(self.done.fetch_add(1, Ordering::Relaxed) + 1, self.of);
     }
+}
+
+/// Asks for the frame's buffers, and for the slices of them that blocks hold while they are drawn.
+fn ask_for_frame(settings: &Settings) -> Result<(), RenderError> {
+    let (width, height) = (settings.width, settings.height);
+    let pixels = u64::from(width) * u64::from(height);
+    let channels: usize = 1 + settings
+        .aovs
+        .iter()
+        .map(|aov| aov.channels())
+        .sum::<usize>();
+    let slices = u64::from(width.div_ceil(TILE)) * u64::from(height);
+    let buffers = 1 + settings.aovs.len() as u64;
+    let bytes = pixels * 4 * channels as u64 + buffers * slices * 2 * size_of::<&[u8]>() as u64;
+    settings.memory.ask(
+        bytes,
+        format_args!(
+            "a frame of {width} x {height} pixels of {} bytes",
+            4 * channels
+        ),
+        "take a smaller resolution or fewer arrays",
+    )?;
+    Ok(())
+}
+
+/// Asks for what vertices and triangles become before the first tile: snapped positions, attributes, normals and positions in
+/// world space, lists of triangles.
+fn ask_for_geometry(scene: &Scene, settings: &Settings) -> Result<(), RenderError> {
+    const VERTEX: u64 = 64;
+    const TRIANGLE: u64 = 16;
+    let vertices: usize = scene.meshes.iter().map(|m| m.positions.len()).sum();
+    let triangles: usize = scene.meshes.iter().map(|m| m.triangles.len()).sum();
+    settings.memory.ask(
+        vertices as u64 * VERTEX + triangles as u64 * TRIANGLE,
+        format_args!("the geometry of {triangles} triangles and {vertices} vertices"),
+        "draw fewer triangles",
+    )?;
+    Ok(())
 }
 
 /// Buffers of the right sizes; drawing fills them.

@@ -1,7 +1,7 @@
 use std::fmt;
 use std::str::FromStr;
 
-use texmap_math::Level;
+use texmap_math::{Level, MemoryBudget};
 use texmap_raster::Interp;
 use texmap_sample::{Filter, Wrap};
 
@@ -31,10 +31,12 @@ pub struct Settings {
     pub wrap: Option<Wrap>,
     /// Replaces the interpolation of every material.
     pub interp: Option<Interp>,
+    /// Asked for the frame, the shadow maps and the mip chains before they are allocated.
+    pub memory: MemoryBudget,
 }
 
 impl Settings {
-    /// One sample a pixel, the best SIMD level of this machine, no AOV, nothing overridden.
+    /// One sample a pixel, the best SIMD level of this machine, no AOV, nothing overridden, the memory budget of the process.
     #[must_use]
     pub fn new(width: u32, height: u32) -> Self {
         Self {
@@ -48,6 +50,7 @@ impl Settings {
             filter: None,
             wrap: None,
             interp: None,
+            memory: MemoryBudget::of_process(),
         }
     }
 }

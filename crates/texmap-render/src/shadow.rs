@@ -8,9 +8,10 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use texmap_light::{Reached, ShadowBias, ShadowBounds, ShadowKind, ShadowMap, StripBounds};
-use texmap_math::Level;
+use texmap_math::{Level, MemoryBudget};
 use texmap_raster::{AlphaTest, DepthTest, Draw, Pass, Prepared, TILE, TargetSize};
 
+use crate::ready::reserve_map;
 use crate::shadow_cut::Cuts;
 use crate::{AlphaMode, RenderError, Scene};
 pub(crate) use closed::encloses;
@@ -30,7 +31,9 @@ pub fn shadow_map(
     size: u32,
     threads: usize,
 ) -> Result<ShadowMap, RenderError> {
-    shadow_map_in(scene, kind, size, 1, threads, Vec::new()).map(|(map, _)| map)
+    let mut room = Vec::new();
+    reserve_map(MemoryBudget::of_process(), kind, size, &mut room)?;
+    shadow_map_in(scene, kind, size, 1, threads, room).map(|(map, _)| map)
 }
 
 /// [`shadow_map`] in the room of an earlier one, with the bounds that look-ups of `taps` x `taps` comparisons ask for.
@@ -44,7 +47,7 @@ pub(crate) fn shadow_map_in(
 ) -> Result<(ShadowMap, ShadowBounds), RenderError> {
     let target =
         TargetSize::new(size, size).map_err(|error| RenderError::of_raster(scene, error))?;
-    let cuts = Cuts::new(scene);
+    let cuts = Cuts::new(scene)?;
     let mut depths = Vec::new();
     let mut bounds = Vec::new();
     let (strips, good) = (Mutex::new(Vec::new()), AtomicBool::new(true));
@@ -98,7 +101,8 @@ pub(crate) fn shadow_map_in(
         if depths.is_empty() {
             depths = map;
         } else {
-            depths.extend(map);
+            depths.extend_from_slice(&map);
+            room = map;
         }
     }
     let map = if good.into_inner() {

@@ -7,7 +7,7 @@ use crate::coordinates::Coordinates;
 use crate::plan::{Cut, cut};
 use crate::textures::{Chains, Slot};
 use crate::vertices::{narrow, wide};
-use crate::{AlphaMode, Mesh, Scene, Settings};
+use crate::{AlphaMode, Mesh, RenderError, Scene, Settings};
 
 /// What the meshes of a scene let through. Those whose coordinates come from a texture frame, which is bound to the camera, let
 /// nothing through.
@@ -28,16 +28,19 @@ struct Cutting<'s> {
 
 impl<'s> Cuts<'s> {
     /// `None` if nothing has holes.
-    pub(crate) fn new(scene: &'s Scene) -> Option<Self> {
+    ///
+    /// # Errors
+    /// [`RenderError::Memory`].
+    pub(crate) fn new(scene: &'s Scene) -> Result<Option<Self>, RenderError> {
         let tested = |mesh: &Mesh| {
             let alpha = scene.materials[mesh.material].alpha;
             matches!(alpha, AlphaMode::Test(_)) && mesh.frame.is_none()
         };
         if !scene.meshes.iter().any(tested) {
-            return None;
+            return Ok(None);
         }
         let settings = Settings::new(1, 1);
-        let chains = Chains::new(scene, &settings);
+        let chains = Chains::new(scene, &settings)?;
         let meshes: Vec<_> = scene
             .meshes
             .iter()
@@ -47,10 +50,10 @@ impl<'s> Cuts<'s> {
                     .flatten()
             })
             .collect();
-        meshes.iter().any(Option::is_some).then_some(Self {
+        Ok(meshes.iter().any(Option::is_some).then_some(Self {
             meshes,
             level: Level::new(),
-        })
+        }))
     }
 
     /// Attributes of a mesh and how many a vertex has; `None` for one without holes.

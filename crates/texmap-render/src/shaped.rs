@@ -16,7 +16,7 @@ impl Scene {
     /// What folds or cannot move is told in [`Scene::warnings`].
     ///
     /// # Errors
-    /// Every fault that [`Scene::check`] finds, and [`RenderError::TooManyTriangles`].
+    /// Every fault that [`Scene::check`] finds, [`RenderError::TooManyTriangles`], and [`RenderError::Memory`] beyond the memory budget of the process.
     pub fn shaped(&self, width: u32) -> Result<Cow<'_, Self>, RenderError> {
         if !self.meshes.iter().any(Mesh::is_unshaped) {
             return Ok(Cow::Borrowed(self));

@@ -99,6 +99,45 @@ impl Font {
         mesh
     }
 
+    /// Texels across and down of [`heights`](Self::heights).
+    #[must_use]
+    pub fn heights_size(&self, words: &str, atlas: &Texture2d<'_>) -> [u32; 2] {
+        let [_, body] = self.body_texels(atlas);
+        let lines = words.lines();
+        let longest = lines.clone().map(|line| line.chars().count()).max();
+        // A character more than is written makes the margin.
+        let side = |count: usize, body: u32| {
+            u32::try_from((count as u64 + 1).saturating_mul(u64::from(body))).unwrap_or(u32::MAX)
+        };
+        [
+            side(longest.unwrap_or(0), body[0]),
+            side(lines.count(), body[1]),
+        ]
+    }
+
+    /// First texel of the body in its cell, and texels of the body, across and down.
+    fn body_texels(&self, atlas: &Texture2d<'_>) -> [[u32; 2]; 2] {
+        let cell = self.cell_texels(atlas);
+        let texel = |k: usize, part: f32| (part * cell[k] as f32 + 0.5) as u32;
+        let [left, top, right, bottom] = self.body;
+        let first = [texel(0, left), texel(1, top)];
+        let body = [
+            texel(0, right).saturating_sub(first[0]),
+            texel(1, bottom).saturating_sub(first[1]),
+        ];
+        [first, body]
+    }
+
+    /// Texels of a cell, across and down.
+    fn cell_texels(&self, atlas: &Texture2d<'_>) -> [u32; 2] {
+        let (columns, rows) = if self.is_valid() {
+            (self.columns, self.rows)
+        } else {
+            (1, 1)
+        };
+        [atlas.width() / columns, atlas.height() / rows]
+    }
+
     /// Words as heights for a bump map: 1 where the atlas is opaque (or white, if it has no alpha), 0 elsewhere, half a character
     /// of margin around. The atlas's own texels, so that each keeps its place.
     ///
@@ -109,29 +148,12 @@ impl Font {
         words: &str,
         atlas: &Texture2d<'_>,
     ) -> Result<Texture2d<'static>, SampleError> {
-        let valid = self.is_valid();
-        let (columns, rows) = if valid {
-            (self.columns, self.rows)
-        } else {
-            (1, 1)
-        };
-        let cell = [atlas.width() / columns, atlas.height() / rows];
-        let texel = |k: usize, part: f32| (part * cell[k] as f32 + 0.5) as u32;
-        let [left, top, right, bottom] = self.body;
-        let first = [texel(0, left), texel(1, top)];
-        let body = [
-            texel(0, right).saturating_sub(first[0]),
-            texel(1, bottom).saturating_sub(first[1]),
-        ];
+        let columns = self.columns.max(1);
+        let cell = self.cell_texels(atlas);
+        let [first, body] = self.body_texels(atlas);
         let lines: Vec<&str> = words.lines().collect();
-        let longest = lines.iter().map(|line| line.chars().count()).max();
-        // A character more than is written makes the margin.
-        let side = |count: usize, body: u32| {
-            u32::try_from((count as u64 + 1).saturating_mul(u64::from(body))).unwrap_or(u32::MAX)
-        };
-        let width = side(longest.unwrap_or(0), body[0]);
-        let height = side(lines.len(), body[1]);
-        let fits = valid && u64::from(width) * u64::from(height) <= 1 << 28;
+        let [width, height] = self.heights_size(words, atlas);
+        let fits = self.is_valid() && u64::from(width) * u64::from(height) <= 1 << 28;
         let mut texels = vec![0u8; if fits { (width * height) as usize } else { 0 }];
         for (row, line) in lines.iter().enumerate().filter(|_| fits) {
             for (column, glyph) in line.chars().map(|c| self.cell(c)).enumerate() {

@@ -6,13 +6,13 @@ use texmap_math::Footprint;
 use texmap_raster::RunValues;
 use texmap_sample::{Origin, Sampler, Texture2d, UvTransform, Wrap};
 
-use crate::{Backdrop, Scene, Settings, TextureSlot};
+use crate::{Backdrop, RenderError, Scene, Settings, TextureSlot};
 
 /// Mip chains by texture, built once for both passes and only where a sampler reads them.
 pub(crate) struct Chains(pub(crate) Vec<Option<Texture2d<'static>>>);
 
 impl Chains {
-    pub(crate) fn new(scene: &Scene, settings: &Settings) -> Self {
+    pub(crate) fn new(scene: &Scene, settings: &Settings) -> Result<Self, RenderError> {
         let mut chains = vec![None; scene.textures.len()];
         let backdrop = match &scene.effects.backdrop {
             Some(Backdrop::Picture(slot)) => Some(slot),
@@ -25,10 +25,17 @@ impl Chains {
             let filter = settings.filter.unwrap_or(slot.sampler.filter);
             let chain = &mut chains[slot.texture];
             if filter.reads_mips() && texture.levels() == 1 && chain.is_none() {
+                let (width, height) = (texture.width(), texture.height());
+                // Up to four floats a texel, and a third more for the levels.
+                settings.memory.ask(
+                    u64::from(width) * u64::from(height) * 16 / 3 * 4,
+                    format_args!("the mip chain of a texture of {width} x {height} texels"),
+                    "take a smaller texture, or a filter that reads one level",
+                )?;
                 *chain = Some(texture.clone().with_mips());
             }
         }
-        Self(chains)
+        Ok(Self(chains))
     }
 
     /// The texture of a slot, with the levels that were built for it.

@@ -1,6 +1,7 @@
 //! Six views from an object: what it would mirror.
 
 use texmap_light::{Chart, Environment};
+use texmap_math::MemoryBudget;
 use texmap_math::camera::Camera;
 use texmap_math::color::srgb_to_linear;
 use texmap_math::glam::{DVec2, DVec3};
@@ -42,6 +43,12 @@ pub fn environment_of(scene: &Scene, mesh: usize, size: u32) -> Result<Environme
     if !(1..=Environment::MAX_SIDE).contains(&size) {
         return Err(refused("size", size.to_string()));
     }
+    // Its texels, and the copies with borders and mips that an environment keeps.
+    MemoryBudget::of_process().ask(
+        6 * u64::from(size) * u64::from(size) * (12 + 16 + 6),
+        format_args!("an environment of 6 x {size} x {size} texels"),
+        "take fewer texels a side",
+    )?;
     let mut around = scene.clone();
     around.meshes.remove(mesh);
     let mut texels = vec![[0.0; 3]; 6 * size as usize * size as usize];

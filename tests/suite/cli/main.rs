@@ -7,9 +7,12 @@ mod files;
 #[cfg(unix)]
 mod hostile;
 mod info;
+mod interruption;
 mod lab;
 mod light;
 mod malformed;
+mod memory;
+mod outputs;
 mod program;
 mod readme;
 mod render;

@@ -5,6 +5,7 @@ mod guarded;
 mod language;
 mod malformed;
 mod manual;
+mod memory;
 mod models;
 mod scenes;
 mod shapes;

@@ -272,6 +272,7 @@ fn no_texel_depends_on_the_number_of_threads() {
             conservative: true,
             gutter: 6,
             threads,
+            ..AtlasOptions::default()
         };
         Atlas::new(size(300, 210), &atlas_mesh, options).expect("valid")
     };

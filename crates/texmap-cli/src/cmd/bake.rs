@@ -12,7 +12,7 @@ use texmap_render::{
 use crate::cmd::Root;
 use crate::failure::{Exit, Failure, say};
 use crate::formats;
-use crate::output::{Destination, Stage};
+use crate::output::{Destination, Stage, distinct};
 
 /// Bake the direct light that reaches an object, with shadows, onto its light-map coordinates.
 #[derive(Args, Debug)]
@@ -48,6 +48,7 @@ pub(crate) struct BakeArgs {
 }
 
 pub(crate) fn run(args: &BakeArgs) -> Result<Exit, Failure> {
+    distinct([&args.output], [&args.scene])?;
     let destination = Destination::new(&args.output)?;
     let format = formats::picture(&args.output)?;
     let scene = load(
@@ -57,14 +58,8 @@ pub(crate) fn run(args: &BakeArgs) -> Result<Exit, Failure> {
             ..LoadOptions::default()
         },
     )?;
-    let refused = |e: RenderError| {
-        Failure::new(
-            Exit::Input,
-            e.code(),
-            e.to_string(),
-            "mend the scene, or bake another object",
-        )
-    };
+    let refused =
+        |e: RenderError| Failure::of_render(&e, None, "mend the scene, or bake another object");
     // Edges in pixels are measured by the light map's own size.
     let scene = scene.shaped(args.size).map_err(refused)?;
     let mesh = find(&scene, &args.object)?;

@@ -11,7 +11,7 @@ use texmap_lab::chart::{self, Machine, Panel};
 use crate::cmd::Root;
 use crate::failure::{Exit, Failure, say};
 use crate::formats;
-use crate::output::{Destination, Stage};
+use crate::output::{Destination, Stage, distinct};
 use crate::progress::Progress;
 use crate::values::Resolution;
 
@@ -50,7 +50,10 @@ pub(crate) struct ChartArgs {
 }
 
 pub(crate) fn run(args: &ChartArgs) -> Result<Exit, Failure> {
-    let internal = |e: LabError| Failure::internal(e.to_string());
+    let internal = |e: LabError| Failure::from(e);
+    let chart = args.svg.iter().map(|folder| folder.join("chart.svg"));
+    let outputs = args.output.iter().chain(&args.prices).cloned();
+    distinct(outputs.chain(chart), &args.scene)?;
     let mut outputs = Vec::new();
     for path in &args.output {
         outputs.push((Kind::of(path)?, Destination::new(path)?));

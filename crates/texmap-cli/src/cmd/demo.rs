@@ -69,7 +69,7 @@ struct Listed {
 
 pub(crate) fn run(args: &DemoArgs) -> Result<Exit, Failure> {
     let (Some(name), Some(output)) = (&args.name, &args.output) else {
-        list(args.json);
+        list(args.json)?;
         return Ok(Exit::Done);
     };
     if args.json && output.as_os_str() == "-" {
@@ -91,8 +91,7 @@ pub(crate) fn run(args: &DemoArgs) -> Result<Exit, Failure> {
     }
     let destination = Destination::new(output)?;
     let mut stage = Stage::new(&destination)?;
-    let demo =
-        demos::demo(name, demos::DEFAULT_SIZE).map_err(|e| Failure::internal(e.to_string()))?;
+    let demo = demos::demo(name, demos::DEFAULT_SIZE).map_err(Failure::from)?;
     let picture = &demo.image;
     texmap_io::image_io::write_png(
         &stage.add(destination, "png"),
@@ -101,7 +100,7 @@ pub(crate) fn run(args: &DemoArgs) -> Result<Exit, Failure> {
         picture.rgba(),
     )?;
     stage.commit()?;
-    let exit = tell(args, name, output, &demo.captions, &demo.claims);
+    let exit = tell(args, name, output, &demo.captions, &demo.claims)?;
     say(&format!(
         "{}: {} x {} pixels\n",
         output.display(),
@@ -112,7 +111,13 @@ pub(crate) fn run(args: &DemoArgs) -> Result<Exit, Failure> {
 }
 
 /// Says each claim, and whether all hold.
-fn tell(args: &DemoArgs, name: &str, output: &Path, captions: &[String], claims: &[Claim]) -> Exit {
+fn tell(
+    args: &DemoArgs,
+    name: &str,
+    output: &Path,
+    captions: &[String],
+    claims: &[Claim],
+) -> Result<Exit, Failure> {
     for claim in claims {
         say(&format!("{claim}\n"));
     }
@@ -124,13 +129,13 @@ fn tell(args: &DemoArgs, name: &str, output: &Path, captions: &[String], claims:
             output: output.display().to_string(),
             captions,
             claims: claims.iter().map(ClaimReport::from).collect(),
-        });
+        })?;
     }
-    if held == claims.len() {
+    Ok(if held == claims.len() {
         Exit::Done
     } else {
         Exit::Differs
-    }
+    })
 }
 
 /// A demo that moves: numbered pictures, all or none.
@@ -153,7 +158,7 @@ fn frames(args: &DemoArgs, name: &str, output: &Path, count: u32) -> Result<Exit
         .map(|path| Destination::new(path))
         .collect::<Result<_, _>>()?;
     let mut stage = Stage::new(&places[0])?;
-    let internal = |e: texmap_lab::LabError| Failure::internal(e.to_string());
+    let internal = |e: texmap_lab::LabError| Failure::from(e);
     let round = MovingSpot::new(demos::DEFAULT_SIZE).map_err(internal)?;
     let mut claims = Vec::new();
     for (number, place) in (0..count).zip(places) {
@@ -164,19 +169,20 @@ fn frames(args: &DemoArgs, name: &str, output: &Path, count: u32) -> Result<Exit
         claims.push(claim);
     }
     stage.commit()?;
-    Ok(tell(args, name, output, &[], &claims))
+    tell(args, name, output, &[], &claims)
 }
 
-fn list(json: bool) {
+fn list(json: bool) -> Result<(), Failure> {
     if json {
         let all: Vec<Listed> = demos::list()
             .map(|(name, shows)| Listed { name, shows })
             .collect();
-        failure::print_json(&all);
+        failure::print_json(&all)?;
     } else {
         let width = demos::list().map(|(name, _)| name.len()).max().unwrap_or(0);
         for (name, shows) in demos::list() {
-            failure::print(&format!("{name:width$}  {shows}\n"));
+            failure::print(&format!("{name:width$}  {shows}\n"))?;
         }
     }
+    Ok(())
 }

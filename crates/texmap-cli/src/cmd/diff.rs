@@ -9,7 +9,7 @@ use texmap_lab::metrics::{Metrics, Place, Shape};
 
 use crate::failure::{self, Exit, Failure};
 use crate::formats;
-use crate::output::{Destination, Stage};
+use crate::output::{Destination, Stage, distinct};
 
 /// Compare two images or .npy arrays: figures, PASS or FAIL.
 ///
@@ -118,6 +118,7 @@ pub(crate) fn run(args: &DiffArgs) -> Result<Exit, Failure> {
     if let Some(path) = &args.heat {
         formats::png("--heat", path)?;
     }
+    distinct(&args.heat, [&args.expected, &args.actual])?;
     let heat = args.heat.as_deref().map(Destination::new).transpose()?;
     if args.json && heat == Some(Destination::Stdout) {
         return Err(Failure::usage(
@@ -145,6 +146,16 @@ pub(crate) fn run(args: &DiffArgs) -> Result<Exit, Failure> {
     let rms_fits = |part: Metrics| args.fail_rms.is_none_or(|most| part.rmse <= most);
     let pass = found.passes() && parts().all(rms_fits);
     if let Some(destination) = heat {
+        texmap_math::MemoryBudget::of_process().ask(
+            (expected.shape.width as u64)
+                .saturating_mul(expected.shape.height as u64)
+                .saturating_mul(4),
+            format_args!(
+                "a heat map of {} x {} pixels",
+                expected.shape.width, expected.shape.height
+            ),
+            "leave --heat out",
+        )?;
         let most = parts().map(|part| part.max).fold(0.0, f64::max);
         let white = if most > 0.0 { most } else { 1.0 };
         let picture = actual.heat(&expected, white).ok_or_else(|| {
@@ -174,9 +185,9 @@ pub(crate) fn run(args: &DiffArgs) -> Result<Exit, Failure> {
             ssim: found.ssim,
             limit: limit.is_finite().then_some(limit),
             alpha: found.alpha.as_ref().map(Figures::from),
-        });
+        })?;
     } else {
-        failure::print(&words(&expected, &actual, &found, psnr, limit, pass));
+        failure::print(&words(&expected, &actual, &found, psnr, limit, pass))?;
     }
     Ok(if pass { Exit::Done } else { Exit::Differs })
 }

@@ -7,7 +7,7 @@ use texmap_light::{Chart, Environment};
 
 use crate::failure::{Exit, Failure, say};
 use crate::formats;
-use crate::output::{Destination, Stage};
+use crate::output::{Destination, Stage, distinct};
 
 /// Convert an environment from one chart to another, or blur it to a specular map.
 #[derive(Args, Debug)]
@@ -45,6 +45,7 @@ pub(crate) fn run(args: &EnvArgs) -> Result<Exit, Failure> {
             "give 0 or more: 1 is all but diffuse, 1000 nearly a mirror",
         ));
     }
+    distinct([&args.output], [&args.image])?;
     let destination = Destination::new(&args.output)?;
     let format = formats::picture(&args.output)?;
     let source = texmap_io::read_environment(&args.image, args.from)?;

@@ -44,7 +44,7 @@ pub(crate) fn run(args: &HashArgs) -> Result<Exit, Failure> {
             .collect::<Result<_, _>>()?,
     };
     if args.json {
-        failure::print_json(&results);
+        failure::print_json(&results)?;
     } else {
         for Hashed {
             file,
@@ -56,7 +56,7 @@ pub(crate) fn run(args: &HashArgs) -> Result<Exit, Failure> {
                 None => format!("{pixel_hash}  {file}\n"),
                 Some(true) => format!("PASS  {file}\n"),
                 Some(false) => format!("FAIL  {file}: it is {pixel_hash}\n"),
-            });
+            })?;
         }
     }
     let failed = results.iter().any(|result| result.pass == Some(false));

@@ -29,9 +29,9 @@ pub(crate) fn run(args: &InfoArgs) -> Result<Exit, Failure> {
     };
     let info = texmap_io::info_with(&args.file, &options)?;
     if args.json {
-        failure::print_json(&info);
+        failure::print_json(&info)?;
     } else {
-        failure::print(&words(&info));
+        failure::print(&words(&info))?;
     }
     let problems: Vec<&NamedFile> = info.problems().collect();
     for file in &problems {

@@ -5,12 +5,12 @@ use std::path::PathBuf;
 use clap::Args;
 use texmap_io::{Lost, image_io, write_pixels};
 use texmap_render::ColorMode;
-use texmap_sample::ColorSpace;
+use texmap_sample::{ColorSpace, Texture2d};
 
 use crate::cmd::render::plan::numbered;
 use crate::failure::{Exit, Failure};
 use crate::formats;
-use crate::output::{Destination, Stage};
+use crate::output::{Destination, Stage, distinct};
 use crate::values;
 
 /// Write every mip level of an image: area-weighted, in linear light, premultiplied.
@@ -54,6 +54,10 @@ pub(crate) fn run(args: &MipArgs) -> Result<Exit, Failure> {
             "give a number between 0 and 1, such as 0.5",
         ));
     }
+    let names: Vec<_> = (0..=Texture2d::MAX_SIDE.ilog2())
+        .map(&name)
+        .collect::<Result<_, _>>()?;
+    distinct(&names, [&args.image])?;
     let (texture, bits) = image_io::read_texture(&args.image, space)?;
     let texture = match args.keep_coverage {
         Some(threshold) => texture.with_coverage_mips(threshold),

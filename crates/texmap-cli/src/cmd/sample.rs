@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use texmap_io::{FileSource, image_io, npy};
-use texmap_math::{Footprint, Level};
+use texmap_math::{Footprint, Level, MemoryBudget};
 use texmap_render::ColorMode;
 use texmap_sample::{
     Alpha, ColorSpace, Filter, Image, Origin, Sampler, Texels, Texture2d, Wrap, sample_slice,
@@ -12,7 +12,7 @@ use texmap_sample::{
 
 use crate::failure::{Exit, Failure};
 use crate::formats;
-use crate::output::{Destination, Stage};
+use crate::output::{Destination, Stage, distinct};
 use crate::values;
 
 /// Sample an image at the coordinates of a file; exact precision.
@@ -49,6 +49,8 @@ pub(crate) struct SampleArgs {
 }
 
 pub(crate) fn run(args: &SampleArgs) -> Result<Exit, Failure> {
+    let inputs = [&args.image, &args.uv].into_iter().chain(&args.grad);
+    distinct([&args.output], inputs)?;
     let main = Destination::new(&args.output)?;
     formats::ending("-o", &args.output, &["npy"])?;
     let uv = read_rows(&args.uv, 2)?;
@@ -77,6 +79,12 @@ pub(crate) fn run(args: &SampleArgs) -> Result<Exit, Failure> {
         wrap_v: args.wrap,
         ..Sampler::default()
     };
+    // Two coordinates, four channels, and those that are written.
+    MemoryBudget::of_process().ask(
+        uv.len() as u64 / 2 * (8 + 16 + 16),
+        format_args!("the values at {} coordinates", uv.len() / 2),
+        "give fewer coordinates at a time",
+    )?;
     let (u, v): (Vec<f32>, Vec<f32>) = uv.as_chunks::<2>().0.iter().map(|[u, v]| (*u, *v)).unzip();
     let mut out = vec![[0.0; 4]; u.len()];
     if let Some(lod) = args.lod {

@@ -9,7 +9,7 @@ use texmap_sample::{ColorSpace, Filter, Pattern, Sampler, Wrap};
 
 use crate::failure::{Exit, Failure, say};
 use crate::formats;
-use crate::output::{Destination, Stage};
+use crate::output::{Destination, Stage, distinct};
 use crate::values;
 
 /// Write a cut through a volume across one of its axes.
@@ -78,6 +78,11 @@ pub(crate) fn run(args: &SliceArgs) -> Result<Exit, Failure> {
             "choose nearest or bilinear",
         ));
     }
+    let ramp = args.ramp.as_ref().map(|ramp| ramp.as_os_str());
+    distinct(
+        [&args.output],
+        ramp.into_iter().chain([args.volume.as_ref()]),
+    )?;
     let destination = Destination::new(&args.output)?;
     let format = formats::picture(&args.output)?;
     let ramp = match &args.ramp {
@@ -122,6 +127,11 @@ pub(crate) fn run(args: &SliceArgs) -> Result<Exit, Failure> {
     let scale = f64::from(args.size.unwrap_or(longer)) / f64::from(longer);
     let pixels = |n: u32| ((f64::from(n) * scale).round() as u32).max(1);
     let (width, height) = (pixels(across), pixels(down));
+    texmap_math::MemoryBudget::of_process().ask(
+        u64::from(width) * u64::from(height) * 16,
+        format_args!("a picture of {width} x {height} pixels"),
+        "give a smaller --size",
+    )?;
     let mut colors = Vec::with_capacity(width as usize * height as usize);
     for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
         let place = |i: u32, n: u32| (f64::from(i) + 0.5) / f64::from(n);

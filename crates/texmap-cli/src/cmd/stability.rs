@@ -73,7 +73,7 @@ impl<'a> From<&'a Verdict> for CheckReport<'a> {
 }
 
 pub(crate) fn run(args: &StabilityArgs) -> Result<Exit, Failure> {
-    let internal = |e: texmap_lab::LabError| Failure::internal(e.to_string());
+    let internal = |e: texmap_lab::LabError| Failure::from(e);
     let all = cases::all().map_err(internal)?;
     if let Some(unknown) = args.ids.iter().find(|id| !all.iter().any(|c| c.id == **id)) {
         let known: Vec<&str> = all.iter().map(|c| c.id.as_str()).collect();
@@ -110,9 +110,9 @@ pub(crate) fn run(args: &StabilityArgs) -> Result<Exit, Failure> {
                     checks: o.verdicts.iter().map(CheckReport::from).collect(),
                 })
                 .collect(),
-        });
+        })?;
     } else {
-        failure::print(&cases::markdown(&outcomes));
+        failure::print(&cases::markdown(&outcomes))?;
     }
     for outcome in outcomes.iter().filter(|o| !o.passes()) {
         say(&format!("{}: a demand is not met\n", outcome.case.id));

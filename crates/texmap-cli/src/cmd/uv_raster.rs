@@ -5,11 +5,12 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use serde_json::json;
 use texmap_io::{image_io, npy};
-use texmap_raster::{Atlas, AtlasMesh, AtlasOptions, Coverage, NONE, TargetSize};
+use texmap_math::MemoryBudget;
+use texmap_raster::{Atlas, AtlasMesh, AtlasOptions, Coverage, NONE, RasterError, TargetSize};
 
 use super::uv::source::Source;
 use crate::failure::{Exit, Failure, print_json, say};
-use crate::output::{Destination, Stage};
+use crate::output::{Destination, Stage, distinct};
 
 /// Draw a mesh into its own texture space: which face, where on it, position and normal of every texel.
 ///
@@ -47,7 +48,32 @@ pub(crate) struct UvRasterArgs {
     pub(crate) json: bool,
 }
 
+/// Endings of the arrays.
+const ARRAYS: [&str; 7] = [
+    "face.npy",
+    "triangle.npy",
+    "triangles.npy",
+    "barycentric.npy",
+    "position.npy",
+    "normal.npy",
+    "coverage.npy",
+];
+
+/// Endings of the pictures.
+const PICTURES: [&str; 5] = [
+    "face.png",
+    "barycentric.png",
+    "position.png",
+    "normal.png",
+    "coverage.png",
+];
+
 pub(crate) fn run(args: &UvRasterArgs) -> Result<Exit, Failure> {
+    let outputs = ARRAYS.iter().chain(&PICTURES);
+    distinct(
+        outputs.map(|ending| named(&args.output, ending)),
+        [&args.mesh],
+    )?;
     let main = Destination::new(&named(&args.output, "face.npy"))?;
     let source = Source::read(&args.mesh)?;
     let mesh = source.mesh()?;
@@ -64,13 +90,17 @@ pub(crate) fn run(args: &UvRasterArgs) -> Result<Exit, Failure> {
         .map(|(face, corners)| (face, corners.map(|k| k as u32)))
         .unzip();
     let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(args.threads.map_or(0, usize::from))
+        .num_threads(
+            args.threads
+                .map_or_else(rayon::current_num_threads, usize::from),
+        )
         .build()
         .map_err(|e| Failure::internal(format!("no threads: {e}")))?;
     let options = AtlasOptions {
         conservative: args.conservative,
         gutter: args.gutter,
         threads: pool.current_num_threads(),
+        ..AtlasOptions::default()
     };
     let atlas_mesh = AtlasMesh {
         uvs: &uvs,
@@ -79,7 +109,10 @@ pub(crate) fn run(args: &UvRasterArgs) -> Result<Exit, Failure> {
         indices: &indices,
         bottom_up: true,
     };
-    let refused = |e| Failure::internal(format!("the atlas refused a checked mesh: {e}"));
+    let refused = |e| match e {
+        RasterError::Memory(refused) => Failure::from(refused),
+        e => Failure::internal(format!("the atlas refused a checked mesh: {e}")),
+    };
     let size = TargetSize::new(args.size, args.size).map_err(refused)?;
     let atlas = pool
         .install(|| Atlas::new(size, &atlas_mesh, options))
@@ -96,7 +129,7 @@ pub(crate) fn run(args: &UvRasterArgs) -> Result<Exit, Failure> {
     let mut stage = Stage::new(&main)?;
     let names = write(args, &atlas, &triangles, &mut stage)?;
     stage.commit()?;
-    report(args, &source, &atlas, &faces, &names);
+    report(args, &source, &atlas, &faces, &names)?;
     Ok(Exit::Done)
 }
 
@@ -116,6 +149,12 @@ fn write(
     stage: &mut Stage,
 ) -> Result<Vec<PathBuf>, Failure> {
     let side = args.size as usize;
+    // The file's faces and the coverage as numbers, then one picture at a time.
+    MemoryBudget::of_process().ask(
+        atlas.face.len() as u64 * (4 + 1 + 4),
+        format_args!("the arrays of an atlas of {side} x {side} texels"),
+        "give a smaller --size",
+    )?;
     let face: Vec<u32> = atlas
         .face
         .iter()
@@ -152,8 +191,8 @@ fn write(
     if !args.no_pictures {
         for (name, texel) in pictures(atlas, &face) {
             let free = |at: usize| atlas.face[at] == NONE;
-            let rgba: Vec<u8> = (0..face.len())
-                .flat_map(|at| match free(at) {
+            let rgba: Vec<[u8; 4]> = (0..face.len())
+                .map(|at| match free(at) {
                     true => [0; 4],
                     false => {
                         let [r, g, b] = texel(at);
@@ -161,7 +200,8 @@ fn write(
                     }
                 })
                 .collect();
-            image_io::write_png(&place(name, "png", stage)?, args.size, args.size, &rgba)?;
+            let rgba = rgba.as_flattened();
+            image_io::write_png(&place(name, "png", stage)?, args.size, args.size, rgba)?;
         }
     }
     Ok(names)
@@ -230,7 +270,7 @@ fn report(
     atlas: &Atlas,
     faces: &[usize],
     names: &[PathBuf],
-) {
+) -> Result<(), Failure> {
     let count = |kind| atlas.coverage.iter().filter(|c| **c == kind).count();
     let [free, centre, touched, gutter] = [
         Coverage::None,
@@ -250,7 +290,7 @@ fn report(
             "texels": { "centre": centre, "touched": touched, "gutter": gutter, "free": free },
             "lost_triangles": atlas.lost,
             "files": names.iter().map(|n| n.display().to_string()).collect::<Vec<_>>(),
-        }));
+        }))?;
     }
     if !atlas.lost.is_empty() {
         let mut lines: Vec<usize> = atlas
@@ -278,4 +318,5 @@ fn report(
         args.output.display(),
         names.len(),
     ));
+    Ok(())
 }

@@ -14,7 +14,7 @@ use texmap_sample::{ColorSpace, Filter, Outside, Resample, Texture2d};
 
 use crate::failure::{Exit, Failure};
 use crate::formats;
-use crate::output::{Destination, Stage};
+use crate::output::{Destination, Stage, distinct};
 use crate::values::{self, Resolution};
 
 /// Draw an image through a homography or an affine map, filtered and with antialiased edges.
@@ -130,6 +130,7 @@ enum Beyond {
 }
 
 pub(crate) fn run(args: &WarpArgs) -> Result<Exit, Failure> {
+    distinct([&args.output], [&args.image])?;
     let main = Destination::new(&args.output)?;
     let format = formats::picture(&args.output)?;
     let space = match args.color {

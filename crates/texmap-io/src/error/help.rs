@@ -42,6 +42,7 @@ impl IoError {
             Self::UnknownMaterial { .. } => "define it in the MTL library, mend the name, or draw without it (`missing warn`)".into(),
             Self::BrokenModel { .. } => "export the model again as plain OBJ polygons".into(),
             Self::BrokenArray { .. } => "texmap reads .npy arrays of format 1 to 3, C order, little-endian f4, f8, u1 or u2".into(),
+            Self::Memory { refused, .. } => format!("{}, or raise the memory budget", refused.lower),
             Self::BrokenPath { .. } => "a camera path is a JSON list of {\"eye\":[x,y,z],\"look\":[x,y,z]} with optional \"up\" and \"fov\" (degrees)".into(),
         }
     }

@@ -8,6 +8,7 @@ use std::io;
 use std::path::PathBuf;
 
 use place::line_of;
+use texmap_math::OverBudget;
 
 pub use place::Place;
 pub use shown::{plain, plain_json, shortened, shown};
@@ -327,6 +328,14 @@ pub enum IoError {
         /// What is wrong with it.
         problem: String,
     },
+    /// Something that takes more memory than the budget has.
+    #[error("{}{refused}", line_of(.named_by))]
+    Memory {
+        /// The line that asks for it, if a file does.
+        named_by: Option<Place>,
+        /// How much it takes.
+        refused: OverBudget,
+    },
     /// A camera path that cannot be read.
     #[error("{place}: camera path: {problem}", problem = one_message(.problem))]
     BrokenPath {
@@ -338,6 +347,14 @@ pub enum IoError {
 }
 
 impl IoError {
+    /// A refusal of the memory budget, for what a line of a file asks for.
+    pub(crate) fn memory(refused: OverBudget, named_by: Option<&Place>) -> Self {
+        Self::Memory {
+            named_by: named_by.cloned(),
+            refused,
+        }
+    }
+
     /// A short name of the error that stays the same from version to version.
     pub fn code(&self) -> &'static str {
         match self {
@@ -376,6 +393,7 @@ impl IoError {
             Self::BrokenModel { .. } => "broken-model",
             Self::BrokenArray { .. } => "broken-array",
             Self::BrokenPath { .. } => "broken-camera-path",
+            Self::Memory { .. } => "over-memory-budget",
         }
     }
 }

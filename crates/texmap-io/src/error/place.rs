@@ -44,7 +44,8 @@ impl IoError {
             | Self::BrokenImage { named_by, .. }
             | Self::ImageSize { named_by, .. }
             | Self::EnvironmentSize { named_by, .. }
-            | Self::EmptyMesh { named_by, .. } => named_by.as_ref(),
+            | Self::EmptyMesh { named_by, .. }
+            | Self::Memory { named_by, .. } => named_by.as_ref(),
             Self::NotUtf8 { place }
             | Self::UnknownCommand { place, .. }
             | Self::StrayNumber { place, .. }

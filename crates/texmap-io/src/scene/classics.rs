@@ -132,6 +132,13 @@ pub(super) fn statement(
             let origin = to_world.transform_point3(DVec3::from(*origin));
             let mut material = written(settings, texture, scene);
             material.name = format!("text from {place}");
+            // Of each letter: four vertices of position and coordinates, two triangles of indices and a face.
+            textures.source.ask(
+                words.len() as u64 * (4 * (12 + 8) + 2 * (12 + 4)),
+                format_args!("a text of {} letters", words.len()),
+                "write fewer words",
+                Some(place),
+            )?;
             material = settings
                 .effects
                 .apply(settings, scene, material, Coordinates::FIRST);

@@ -4,8 +4,8 @@ use std::collections::HashMap;
 use std::path::PathBuf;
 
 use texmap_light::{Chart, Green, Highlight, Light, ShadowBias};
-use texmap_math::Projector;
 use texmap_math::glam::{DMat4, DVec3};
+use texmap_math::Projector;
 use texmap_render::{
     Carving, Emission, LightMapSlot, Material, Mesh, Reflection, Relief, Scene, Shadow,
     SlideProjector, SlideRole,
@@ -312,7 +312,16 @@ pub(super) fn statement(
         }
         Effect::Relief(ReliefLine::Emboss { words, height }) => {
             let (atlas, font) = classics::font(settings, textures);
-            let heights = font.heights(words, &textures.textures[atlas]);
+            let atlas = &textures.textures[atlas];
+            let [across, down] = font.heights_size(words, atlas);
+            // Bytes, then words with a third more for the mip chain.
+            textures.source.ask(
+                u64::from(across) * u64::from(down) * 7,
+                format_args!("the words of `emboss` as {across} x {down} texels"),
+                "write fewer words, or take a smaller font",
+                Some(place),
+            )?;
+            let heights = font.heights(words, atlas);
             let heights = heights.map_err(|e| IoError::BadShape {
                 place: place.clone(),
                 problem: format!("the words of `emboss` make no map: {e}"),

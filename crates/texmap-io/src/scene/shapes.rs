@@ -153,6 +153,9 @@ pub(super) fn billboard(
 }
 
 fn bad_shape(place: &Place, error: &RenderError) -> IoError {
+    if let RenderError::Memory(refused) = error {
+        return IoError::memory(refused.clone(), Some(place));
+    }
     IoError::BadShape {
         place: place.clone(),
         problem: error.to_string(),

@@ -10,15 +10,15 @@ use texmap_io::npy::{self, Values};
 use texmap_io::{CameraPath, FileSource, LoadOptions};
 use texmap_lab::picture::Picture;
 use texmap_lab::verify::{Verified, verify};
-use texmap_math::Level;
 use texmap_math::camera::Camera;
 use texmap_math::glam::DVec3;
+use texmap_math::{Level, MemoryBudget};
 use texmap_render::planner::{self, Choices};
 use texmap_render::{Aov, AovData, Frame, RenderError, Scene, Settings};
 
 use crate::cmd::render::RenderArgs;
 use crate::cmd::render::budget::{PlanReport, SAMPLES, TruthReport};
-use crate::cmd::render::plan::{Item, array_name};
+use crate::cmd::render::plan::{Item, array_name, heat_name};
 use crate::cmd::render::report::{
     AovReport, CameraReport, Counts, ItemReport, SceneReport, TimesReport, milliseconds,
 };
@@ -153,7 +153,7 @@ impl Context<'_> {
         report.frame = number;
         report.cameras.extend(self.camera(None, &scene.camera));
         report.output = output.as_ref().map(|p| p.display().to_string());
-        let Some(output) = self.to_draw(&mut report, output.as_deref()) else {
+        let Some(output) = self.to_draw(&mut report, output.as_deref())? else {
             return Ok(report);
         };
         let label = number.map_or_else(
@@ -189,9 +189,16 @@ impl Context<'_> {
         for (view, camera) in cameras {
             report.cameras.extend(self.camera(*view, camera));
         }
-        let Some(output) = self.to_draw(&mut report, output) else {
+        let Some(output) = self.to_draw(&mut report, output)? else {
             return Ok(report);
         };
+        let size = self.args.resolution;
+        // The views, the sheet, and its copy while it is written.
+        MemoryBudget::of_process().ask(
+            u64::from(size.width) * u64::from(size.height) * 12 * cameras.len() as u64,
+            format_args!("a sheet of {} views", cameras.len()),
+            "lower --resolution, or name fewer views",
+        )?;
         let mut times = TimesReport::new(self.load);
         let mut counts = Counts::default();
         let mut cells = Vec::new();
@@ -273,7 +280,7 @@ impl Context<'_> {
         let shaped = scene
             .shaped(self.args.resolution.width)
             .map_err(|e| self.refused(&e))?;
-        verify(&shaped, frame, SAMPLES).map_err(|e| Failure::internal(e.to_string()))
+        verify(&shaped, frame, SAMPLES).map_err(Failure::from)
     }
 
     /// Puts the plan and the truth into the report and, where asked, into words.
@@ -360,7 +367,7 @@ impl Context<'_> {
             });
         }
         if let Some(heat) = heat {
-            let path = output.with_extension("heat.png");
+            let path = heat_name(output);
             let place = stage.add(Destination::new(&path)?, "png");
             texmap_io::image_io::write_png(&place, heat.width(), heat.height(), heat.rgba())?;
             if let Some(truth) = &mut report.truth {
@@ -423,12 +430,16 @@ impl Context<'_> {
     }
 
     /// The output, unless this is a dry run, which says what would be drawn instead.
-    fn to_draw<'o>(&self, report: &mut ItemReport, output: Option<&'o Path>) -> Option<&'o Path> {
+    fn to_draw<'o>(
+        &self,
+        report: &mut ItemReport,
+        output: Option<&'o Path>,
+    ) -> Result<Option<&'o Path>, Failure> {
         let output = output.filter(|_| !self.args.dry_run);
         if output.is_none() && !self.args.json {
-            crate::failure::print(&report.plan(self.args));
+            crate::failure::print(&report.plan(self.args))?;
         }
-        output
+        Ok(output)
     }
 
     fn label(&self) -> String {
@@ -441,10 +452,9 @@ impl Context<'_> {
     }
 
     fn refused(&self, error: &RenderError) -> Failure {
-        Failure::new(
-            Exit::Input,
-            error.code(),
-            format!("{}: {error}", self.item.input.display()),
+        Failure::of_render(
+            error,
+            Some(&self.item.input.display().to_string()),
             "nothing was drawn; an older picture of this name was left as it was",
         )
     }

@@ -150,7 +150,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<Exit, Failure> {
         Some(_) => Exit::Partial,
     };
     if args.json {
-        failure::print_json(&Report::new(args, level, reports, exit));
+        failure::print_json(&Report::new(args, level, reports, exit))?;
     }
     Ok(exit)
 }

@@ -9,7 +9,7 @@ use crate::cmd::render::RenderArgs;
 use crate::failure::Failure;
 use crate::formats;
 use crate::os_name;
-use crate::output::{Destination, Stage};
+use crate::output::{Destination, Stage, distinct};
 
 /// One input and the name of its picture; none in a dry run without `-o`.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -41,19 +41,11 @@ pub(crate) fn numbered(output: &Path, n: u32) -> Option<PathBuf> {
 /// Names all outputs and checks them: endings, numbers, twins, and that each can be written.
 pub(crate) fn items(args: &RenderArgs) -> Result<Vec<Item>, Failure> {
     let items = name(&args.inputs, args.output.as_deref())?;
+    let mut outputs = Vec::new();
     let mut owner: BTreeMap<PathBuf, PathBuf> = BTreeMap::new();
     for item in &items {
         let Some(output) = &item.output else { continue };
         check_name(args, output)?;
-        let destination = destinations(args, item)?;
-        if let Some(Destination::File(path)) = &destination
-            && std::fs::canonicalize(&item.input).is_ok_and(|input| input == *path)
-        {
-            return Err(Failure::usage(
-                format!("{}: the output is the input", output.display()),
-                "give -o another name",
-            ));
-        }
         if let Some(other) = owner.insert(output.clone(), item.input.clone()) {
             return Err(Failure::usage(
                 format!(
@@ -65,32 +57,42 @@ pub(crate) fn items(args: &RenderArgs) -> Result<Vec<Item>, Failure> {
                 "put {model} into the name, or render inputs of one name separately",
             ));
         }
-        if let Some(destination) = destination {
-            Stage::new(&destination)?;
+        let mine = destinations(args, item)?;
+        if let Some((_, destination)) = mine.first() {
+            Stage::new(destination)?;
         }
+        outputs.extend(mine.into_iter().map(|(path, _)| path));
     }
+    distinct(outputs, args.inputs.iter().chain(&args.path))?;
     Ok(items)
 }
 
-/// Checks every file that an input will give; the first picture's destination.
-fn destinations(args: &RenderArgs, item: &Item) -> Result<Option<Destination>, Failure> {
+/// Every file that an input will give, checked.
+fn destinations(args: &RenderArgs, item: &Item) -> Result<Vec<(PathBuf, Destination)>, Failure> {
     let numbers = args
         .frames
         .map_or(vec![None], |n| (0..n).map(Some).collect());
-    let mut first = None;
-    for output in numbers.into_iter().filter_map(|n| item.frame_output(n)) {
-        let picture = Destination::new(&output)?;
-        for aov in &args.aov {
-            Destination::new(&array_name(&output, &aov.name))?;
+    let mut all = Vec::new();
+    for picture in numbers.into_iter().filter_map(|n| item.frame_output(n)) {
+        let arrays = args.aov.iter().map(|aov| array_name(&picture, &aov.name));
+        let heat = args.verify.then(|| heat_name(&picture));
+        let beside: Vec<PathBuf> = arrays.chain(heat).collect();
+        for path in [picture].into_iter().chain(beside) {
+            let destination = Destination::new(&path)?;
+            all.push((path, destination));
         }
-        first.get_or_insert(picture);
     }
-    Ok(first)
+    Ok(all)
 }
 
 /// `room.png` and `uv` give `room.uv.npy`.
 pub(crate) fn array_name(picture: &Path, aov: &str) -> PathBuf {
     picture.with_extension(format!("{aov}.npy"))
+}
+
+/// `room.png` gives `room.heat.png`: where its errors are.
+pub(crate) fn heat_name(picture: &Path) -> PathBuf {
+    picture.with_extension("heat.png")
 }
 
 /// Estimate of the bytes in use while one picture is drawn: program, scene, frame and its file, arrays.

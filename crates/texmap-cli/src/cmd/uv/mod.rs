@@ -20,7 +20,7 @@ use texmap_uv::{
 use self::source::Source;
 use crate::failure::{Exit, Failure, print, print_json, say};
 use crate::formats;
-use crate::output::{Destination, Stage};
+use crate::output::{Destination, Stage, distinct};
 use crate::values::Triple;
 
 /// Give a mesh texture coordinates, or report on the ones it has.
@@ -130,6 +130,11 @@ fn list<const N: usize>(text: &str) -> Result<List<N>, String> {
 
 pub(crate) fn run(args: &UvArgs) -> Result<Exit, Failure> {
     check(args)?;
+    let pictures = args.pictures.iter();
+    let pictures = pictures.flat_map(|folder| pictures::NAMES.map(|name| folder.join(name)));
+    let outputs = args.output.iter().chain(&args.tangents).cloned();
+    let inputs = [&args.mesh].into_iter().chain(&args.cut).chain(&args.sew);
+    distinct(outputs.chain(pictures), inputs)?;
     let source = Source::read(&args.mesh)?;
     let mesh = source.mesh()?;
     let pairs = |path: &Option<PathBuf>| {
@@ -182,14 +187,14 @@ pub(crate) fn run(args: &UvArgs) -> Result<Exit, Failure> {
             written.extend(pictures::draw(folder, &mesh, &set, &found)?);
         }
         if args.report && !args.json {
-            print(&table::text(&args.mesh, &found));
+            print(&table::text(&args.mesh, &found))?;
         }
         if args.json {
             let mut json = table::json(&args.mesh, &found, &around);
             if args.per_triangle {
                 json["per_triangle"] = table::per_triangle(&found);
             }
-            print_json(&json);
+            print_json(&json)?;
         }
     }
     let lost = unmapped(&mesh, &set).map_err(|e| source.fault(&e))?;

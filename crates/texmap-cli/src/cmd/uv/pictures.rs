@@ -12,6 +12,10 @@ use texmap_uv::{Mesh, Origin, Report, UvSet, layout_svg};
 
 use super::write_failed;
 use crate::failure::Failure;
+use crate::output::{Destination, Stage};
+
+/// Names of the pictures in their folder.
+pub(super) const NAMES: [&str; 4] = ["checker.png", "heat.png", "layout.png", "layout.svg"];
 
 /// Edge of each picture.
 const SIZE: u32 = 512;
@@ -27,8 +31,7 @@ pub(super) fn draw(
     let both = |one: &dyn Fn(View) -> Result<Picture, LabError>| -> Result<Picture, Failure> {
         let mut sheet = Picture::new(2 * SIZE, SIZE, [255; 4]);
         for (x, view) in [(0, View::Iso), (i64::from(SIZE), View::Back)] {
-            let picture = one(view)
-                .map_err(|e| Failure::internal(format!("the model could not be drawn: {e}")))?;
+            let picture = one(view)?;
             sheet.blit(x, 0, &picture);
         }
         Ok(sheet)
@@ -50,15 +53,19 @@ pub(super) fn draw(
             "the unwrapped picture: overlaps pink, flipped blue",
         ),
     ];
+    let mut stage = Stage::new(&Destination::new(&folder.join(NAMES[0]))?)?;
     let mut lines = Vec::new();
     for (name, picture, what) in pictures {
         let path = folder.join(name);
-        image_io::write_png(&path, picture.width(), picture.height(), picture.rgba())?;
+        let place = stage.add(Destination::new(&path)?, "png");
+        image_io::write_png(&place, picture.width(), picture.height(), picture.rgba())?;
         lines.push(format!("{}: {what}", path.display()));
     }
     let path = folder.join("layout.svg");
     let svg = layout_svg(set, report, Origin::BottomLeft, 2 * SIZE);
-    texmap_io::atomic::write(&path, |out| out.write_all(svg.as_bytes()))?;
+    let place = stage.add(Destination::new(&path)?, "svg");
+    texmap_io::atomic::write(&place, |out| out.write_all(svg.as_bytes()))?;
+    stage.commit()?;
     lines.push(format!("{}: the same as SVG", path.display()));
     Ok(lines)
 }

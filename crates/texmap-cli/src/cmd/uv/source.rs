@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use texmap_io::{FileSource, shown};
+use texmap_math::MemoryBudget;
 use texmap_uv::{Mesh, UvError, UvSet, tangents};
 
 use super::obj::Obj;
@@ -20,6 +21,12 @@ pub(in crate::cmd) struct Source<'a> {
 impl<'a> Source<'a> {
     pub(in crate::cmd) fn read(path: &'a Path) -> Result<Self, Failure> {
         let text = FileSource::anywhere().read_text(path, MAX_OBJ)?;
+        // Measured on a grid of a million vertices: the text, its faces, corners and coordinates, and tangents of all corners.
+        MemoryBudget::of_process().ask(
+            24 * text.len() as u64,
+            format_args!("what the {} bytes of {} say", text.len(), path.display()),
+            "split the model",
+        )?;
         // Of a file that is not called an OBJ nothing is quoted: it may be anything.
         let quotes = path
             .extension()

@@ -1,13 +1,18 @@
 //! Where results go: checked before anything is drawn, written into a temporary folder beside
 //! their final names, and renamed together when all of them are complete.
 
-use std::fs;
+mod distinct;
+mod folder;
+
+use std::ffi::OsString;
+use std::fs::{self, File};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-use tempfile::TempDir;
-
-use crate::failure::{Exit, Failure};
+use crate::failure::{self, Exit, Failure};
+use crate::interrupt;
+pub(crate) use distinct::distinct;
+use folder::Folder;
 
 /// One output that was found to be writable.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -64,7 +69,7 @@ impl Destination {
 /// Outputs that appear together or not at all.
 #[derive(Debug)]
 pub(crate) struct Stage {
-    folder: TempDir,
+    folder: Folder,
     files: Vec<(PathBuf, Destination)>,
 }
 
@@ -75,16 +80,13 @@ impl Stage {
             Destination::Stdout | Destination::Device(_) => std::env::temp_dir(),
             Destination::File(path) => folder_of(path).to_owned(),
         };
-        let folder = tempfile::Builder::new()
-            .prefix(".texmap-")
-            .tempdir_in(&at)
-            .map_err(|e| {
-                unwritable(
-                    &at,
-                    &e.to_string(),
-                    "check the permissions and the free space of the folder",
-                )
-            })?;
+        let folder = Folder::new(&at).map_err(|e| {
+            unwritable(
+                &at,
+                &e.to_string(),
+                "check the permissions and the free space of the folder",
+            )
+        })?;
         Ok(Self {
             folder,
             files: Vec::new(),
@@ -93,40 +95,88 @@ impl Stage {
 
     /// Where to write what shall become `destination`.
     pub(crate) fn add(&mut self, destination: Destination, ending: &str) -> PathBuf {
-        let path = self
-            .folder
-            .path()
-            .join(format!("{}.{ending}", self.files.len()));
+        let name = staged_name(self.files.len(), &destination, ending);
+        let path = self.folder.path().join(name);
         self.files.push((path.clone(), destination));
         path
     }
 
-    /// Renames everything into place.
+    /// Streams what goes to standard output and devices, then renames the rest into place. No signal comes between two renames.
     pub(crate) fn commit(self) -> Result<(), Failure> {
+        let refused = |path: &Path, e: &io::Error| {
+            let attempt = "check the permissions and the free space";
+            unwritable(path, &e.to_string(), attempt)
+        };
         for (from, to) in &self.files {
             match to {
-                Destination::File(path) => fs::rename(from, path).map_err(|e| (path.clone(), e)),
-                Destination::Device(path) => fs::read(from)
-                    .and_then(|bytes| {
-                        fs::OpenOptions::new()
-                            .write(true)
-                            .open(path)?
-                            .write_all(&bytes)
-                    })
-                    .map_err(|e| (path.clone(), e)),
-                Destination::Stdout => fs::read(from)
-                    .and_then(|bytes| io::stdout().lock().write_all(&bytes))
-                    .map_err(|e| (PathBuf::from("standard output"), e)),
+                Destination::File(_) => {}
+                Destination::Device(path) => {
+                    copy_to_device(from, path).map_err(|e| refused(path, &e))?;
+                }
+                Destination::Stdout => {
+                    failure::deliver(|out| io::copy(&mut File::open(from)?, out).map(drop))?;
+                }
             }
-            .map_err(|(path, e)| {
-                unwritable(
-                    &path,
-                    &e.to_string(),
-                    "check the permissions and the free space",
-                )
-            })?;
         }
+        let folders = interrupt::folders();
+        for (from, to) in &self.files {
+            if let Destination::File(path) = to {
+                replace(from, path).map_err(|e| refused(path, &e))?;
+            }
+        }
+        drop(folders);
         Ok(())
+    }
+}
+
+/// `0-room.png`: unlike any other name of the stage, and readable in messages.
+fn staged_name(number: usize, destination: &Destination, ending: &str) -> OsString {
+    let plain = OsString::from(format!("{number}.{ending}"));
+    let Destination::File(path) = destination else {
+        return plain;
+    };
+    let same = path.extension().is_some_and(|e| e == ending);
+    match path.file_name() {
+        // Names have at most 255 bytes.
+        Some(name) if same && name.len() < 200 => {
+            let mut staged = OsString::from(format!("{number}-"));
+            staged.push(name);
+            staged
+        }
+        _ => plain,
+    }
+}
+
+/// The output that a file of a stage becomes, for messages; other paths are as they are.
+pub(crate) fn shown(path: &Path) -> PathBuf {
+    let output = || {
+        let stage = path.parent()?;
+        let name = stage.file_name()?.to_str()?;
+        let (number, output) = path.file_name()?.to_str()?.split_once('-')?;
+        let ours = name.starts_with(folder::PREFIX) && number.bytes().all(|b| b.is_ascii_digit());
+        ours.then(|| stage.with_file_name(output))
+    };
+    output().unwrap_or_else(|| path.to_owned())
+}
+
+fn copy_to_device(from: &Path, device: &Path) -> io::Result<()> {
+    let mut out = fs::OpenOptions::new().write(true).open(device)?;
+    io::copy(&mut File::open(from)?, &mut out)?;
+    out.flush()
+}
+
+/// Renames a file over another, which keeps its mode; across file systems it is copied.
+fn replace(from: &Path, to: &Path) -> io::Result<()> {
+    #[cfg(unix)]
+    if let Ok(old) = fs::metadata(to) {
+        fs::set_permissions(from, old.permissions())?;
+    }
+    match fs::rename(from, to) {
+        Err(e) if e.kind() == io::ErrorKind::CrossesDevices => {
+            let copy = |out: &mut dyn Write| io::copy(&mut File::open(from)?, out).map(drop);
+            texmap_io::atomic::write(to, copy).map_err(io::Error::other)
+        }
+        done => done,
     }
 }
 
@@ -164,6 +214,47 @@ mod tests {
         assert_eq!(fs::read_to_string(&a).unwrap(), "new");
         assert_eq!(fs::read_to_string(&b).unwrap(), "uv");
         assert_eq!(fs::read_dir(dir.path()).unwrap().count(), 2);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn an_overwritten_file_keeps_its_mode() {
+        use std::os::unix::fs::PermissionsExt;
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("a.png");
+        for mode in [0o600, 0o640, 0o755] {
+            fs::write(&path, "old").unwrap();
+            fs::set_permissions(&path, fs::Permissions::from_mode(mode)).unwrap();
+            let main = Destination::new(&path).unwrap();
+            let mut stage = Stage::new(&main).unwrap();
+            fs::write(stage.add(main, "png"), "new").unwrap();
+            stage.commit().unwrap();
+            assert_eq!(fs::read_to_string(&path).unwrap(), "new");
+            let kept = fs::metadata(&path).unwrap().permissions().mode();
+            assert_eq!(kept & 0o777, mode, "{kept:o}");
+        }
+    }
+
+    #[test]
+    fn messages_name_the_output_and_not_the_stage() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("room-2.png");
+        let main = Destination::new(&path).unwrap();
+        let mut stage = Stage::new(&main).unwrap();
+        let (first, second) = (
+            stage.add(main.clone(), "png"),
+            stage.add(main.clone(), "png"),
+        );
+        assert_ne!(first, second);
+        // The stage's own path is absolute; so is that of a temporary folder.
+        assert_eq!(
+            (shown(&first), shown(&second)),
+            (path.clone(), path.clone())
+        );
+        assert_eq!(shown(&path), path);
+        let long = dir.path().join("a".repeat(251) + ".png");
+        let staged = stage.add(Destination::new(&long).unwrap(), "png");
+        fs::write(staged, "").unwrap();
     }
 
     #[test]

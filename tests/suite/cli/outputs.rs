@@ -1,0 +1,165 @@
+//! Outputs: never an input, never two in one file, with their old mode; and standard output that takes nothing.
+
+use crate::program::Desk;
+
+#[test]
+fn no_output_is_an_input_or_another_output() {
+    let desk = Desk::new();
+    for name in ["uv.txt", "grid.npy", "out.depth.npy"] {
+        desk.put(name, "0.5 0.5\n");
+    }
+    std::fs::copy(desk.path("check.png"), desk.path("b.png")).unwrap();
+    std::fs::copy(desk.path("check.png"), desk.path("l0.png")).unwrap();
+    std::fs::copy(desk.path("m.obj"), desk.path("q.face.npy")).unwrap();
+    for (arguments, input) in [
+        ("diff check.png b.png --heat b.png", "b.png"),
+        ("diff check.png b.png --heat ./check.png", "check.png"),
+        ("warp check.png -o check.png", "check.png"),
+        ("mip l0.png -o l%d.png", "l0.png"),
+        ("sample check.png --uv uv.txt -o uv.txt", "uv.txt"),
+        ("slice grid.npy -o grid.npy", "grid.npy"),
+        ("slice noise --ramp check.png -o check.png", "check.png"),
+        ("env check.png --to cube -o check.png", "check.png"),
+        (
+            "bake room.scene --object a --light --size 8 -o room.scene",
+            "room.scene",
+        ),
+        ("uv m.obj --map sphere -o m.obj", "m.obj"),
+        ("uv m.obj --map sphere --tangents ./m.obj", "m.obj"),
+        ("uv-raster q.face.npy -o q", "q.face.npy"),
+        (
+            "render out.depth.npy -o out.png --aov depth",
+            "out.depth.npy",
+        ),
+    ] {
+        let before = desk.read(input);
+        desk.refused(arguments, 2, "the output is the input");
+        assert_eq!(desk.read(input), before, "{arguments}");
+    }
+    for arguments in [
+        "uv m.obj --map sphere -o x --tangents x",
+        "uv m.obj --map sphere -o x --tangents ./x",
+    ] {
+        desk.refused(arguments, 2, "");
+    }
+    desk.refused(
+        "uv m.obj --map sphere -o x --tangents ./x",
+        2,
+        "two outputs are one file",
+    );
+}
+
+#[cfg(unix)]
+#[test]
+fn links_hide_no_input() {
+    let desk = Desk::new();
+    std::os::unix::fs::symlink(desk.path("check.png"), desk.path("soft.png")).unwrap();
+    std::fs::hard_link(desk.path("check.png"), desk.path("hard.png")).unwrap();
+    for name in ["soft.png", "hard.png"] {
+        desk.refused(
+            &format!("warp check.png -o {name}"),
+            2,
+            "the output is the input check.png",
+        );
+    }
+    // A link to another file is an output like any other.
+    std::fs::write(desk.path("old.png"), "old").unwrap();
+    std::os::unix::fs::symlink(desk.path("old.png"), desk.path("new.png")).unwrap();
+    desk.texmap("warp check.png -o new.png").ok();
+    assert!(desk.path("new.png").is_symlink() && desk.read("old.png") != b"old");
+}
+
+#[cfg(unix)]
+#[test]
+fn overwritten_outputs_keep_their_mode() {
+    use std::os::unix::fs::PermissionsExt;
+    let desk = Desk::new();
+    let mode = |name: &str| {
+        std::fs::metadata(desk.path(name))
+            .unwrap()
+            .permissions()
+            .mode()
+            & 0o777
+    };
+    for (name, arguments) in [
+        (
+            "o.png",
+            "render room.scene --resolution 16x16 -o o.png --aov depth",
+        ),
+        (
+            "o.depth.npy",
+            "render room.scene --resolution 16x16 -o o.png --aov depth",
+        ),
+        ("x.obj", "uv m.obj --map sphere -o x.obj"),
+        ("w.png", "warp check.png -o w.png"),
+    ] {
+        desk.put(name, "old");
+        std::fs::set_permissions(desk.path(name), std::fs::Permissions::from_mode(0o600)).unwrap();
+        desk.texmap(arguments).ok();
+        assert_eq!(mode(name), 0o600, "{name}");
+    }
+    std::fs::remove_file(desk.path("o.png")).unwrap();
+    desk.texmap("render room.scene --resolution 16x16 -o o.png")
+        .ok();
+    assert_ne!(mode("o.png"), 0o600, "a new file has the mode of any other");
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_standard_output_is_an_error_and_a_closed_one_is_not() {
+    use std::fs::OpenOptions;
+    use std::io::Read;
+    use std::process::{Command, Stdio};
+
+    let desk = Desk::new();
+    let program = |arguments: &str| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_texmap-tested"));
+        command
+            .args(arguments.split(' '))
+            .current_dir(desk.path("."));
+        command
+    };
+    for arguments in [
+        "info room.scene",
+        "info room.scene --json",
+        "hash check.png",
+        "hash check.png --json",
+        "diff check.png check.png",
+        "uv m.obj --map sphere --report",
+        "demo --list",
+        "stability R1",
+        "render room.scene --dry-run",
+        "render room.scene --resolution 8x8 -o p.png --json",
+        "render room.scene --resolution 8x8 -o -",
+        "--help",
+    ] {
+        let full = OpenOptions::new().write(true).open("/dev/full").unwrap();
+        let out = program(arguments).stdout(full).output().unwrap();
+        let words = String::from_utf8(out.stderr).unwrap();
+        assert_eq!(out.status.code(), Some(4), "{arguments}: {words}");
+        assert!(
+            words.contains("standard output: cannot be written"),
+            "{arguments}: {words}"
+        );
+
+        let mut child = program(arguments)
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        drop(child.stdout.take());
+        let mut words = String::new();
+        child
+            .stderr
+            .take()
+            .unwrap()
+            .read_to_string(&mut words)
+            .unwrap();
+        assert_eq!(
+            child.wait().unwrap().code(),
+            Some(0),
+            "{arguments}: {words}"
+        );
+        assert!(!words.contains("error"), "{arguments}: {words}");
+    }
+}
