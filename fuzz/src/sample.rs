@@ -49,12 +49,14 @@ pub fn sample(bytes: &[u8]) {
         2 => texture.with_coverage_mips(c.number()),
         _ => texture.with_mips(),
     };
+    // Products of colour and alpha stay in range.
+    let tame = floats.iter().all(|x| x.abs() <= 1e15);
     for _ in 0..1 + c.below(3) {
-        looked_up(&texture, &mut c);
+        looked_up(&texture, tame, &mut c);
     }
 }
 
-fn looked_up(texture: &Texture2d<'_>, c: &mut Choices<'_>) {
+fn looked_up(texture: &Texture2d<'_>, tame: bool, c: &mut Choices<'_>) {
     const WRAPS: [Wrap; 5] = [
         Wrap::Repeat,
         Wrap::MirroredRepeat,
@@ -92,6 +94,7 @@ fn looked_up(texture: &Texture2d<'_>, c: &mut Choices<'_>) {
         },
         ..Sampler::default()
     };
+    let tame = tame && sampler.border.iter().all(|x| x.abs() <= 1e15);
     let count = c.below(20);
     let (u, v): (Vec<f32>, Vec<f32>) = (0..count).map(|_| (c.number(), c.number())).unzip();
     let grads: Vec<Footprint> = (0..count)
@@ -116,9 +119,8 @@ fn looked_up(texture: &Texture2d<'_>, c: &mut Choices<'_>) {
             [u[i], v[i]],
             grads.map(|g| g[i])
         );
-        let border = sampler.border.iter().all(|c| c.is_finite());
         assert!(
-            !border || colour.iter().all(|c| c.is_finite()),
+            !tame || colour.iter().all(|c| c.is_finite()),
             "{colour:?} {sampler:?} {:?}",
             [u[i], v[i]]
         );
