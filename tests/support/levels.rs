@@ -52,6 +52,13 @@ mod tests {
         );
     }
 
+    /// Kernels without optimisation are scalar on every level: then the suites would compare scalars with scalars.
+    #[test]
+    fn the_levels_have_lanes() {
+        let lanes = texmap_math::LANES;
+        assert!(lanes, "texmap-math is compiled at opt-level 0");
+    }
+
     #[test]
     fn names_are_distinct_and_a_wrong_one_is_missing() {
         let mut names: Vec<_> = levels().iter().map(|l| l.0).collect();

@@ -44,9 +44,17 @@ impl CameraPath {
     /// The same, and [`IoError::OutsideRoot`].
     pub fn read_from(path: &Path, files: &FileSource) -> Result<Self, IoError> {
         let text = files.read_text(path, FileSource::MAX_LIST)?;
-        let stops: Vec<Stop> = serde_json::from_str(&text).map_err(|e| IoError::BrokenPath {
-            place: Place::new(path, e.line() as u32, e.column() as u32),
-            problem: problem(&e),
+        let stops: Vec<Stop> = serde_json::from_str(&text).map_err(|e| {
+            // The end of a text that ends in a line feed is column 0 of a line that it does not have.
+            let last = text.lines().count().max(1);
+            let (line, column) = match e.line() {
+                line if line > last => (last, text.lines().last().map_or(0, str::len) + 1),
+                line => (line.max(1), e.column().max(1)),
+            };
+            IoError::BrokenPath {
+                place: Place::new(path, line as u32, column as u32),
+                problem: problem(&e),
+            }
         })?;
         let broken = |problem: String| IoError::BrokenPath {
             place: Place::new(path, 1, 1),
@@ -188,5 +196,14 @@ mod tests {
         }
         let error = read("[\n{\"eye\":[0,0,0],\"luck\":[1,0,0]}]").unwrap_err();
         assert_eq!(error.place().map(|p| p.line), Some(2));
+        // A text that ends too soon ends on a line that it has.
+        for (text, place) in [("", (1, 1)), ("\n", (1, 1)), ("[\n{\n", (2, 2))] {
+            let error = read(text).unwrap_err();
+            assert_eq!(
+                error.place().map(|p| (p.line, p.column)),
+                Some(place),
+                "{text:?}"
+            );
+        }
     }
 }

@@ -53,6 +53,20 @@
 //! Texture Mapping and Image Warping" (1989); J. Blinn, "Hyperbolic Interpolation" (1992); J.-M. Muller, "Elementary Functions" (3rd ed., 2016). Each item names its own.
 #![cfg_attr(not(feature = "std"), no_std)]
 #![deny(unsafe_code)]
+#![cfg_attr(
+    not(any(
+        target_arch = "x86",
+        target_arch = "x86_64",
+        target_arch = "aarch64",
+        all(target_arch = "wasm32", target_feature = "simd128")
+    )),
+    allow(
+        dead_code,
+        unused_imports,
+        unused_variables,
+        reason = "without a vector unit the scalar twins of the kernels do all of the work"
+    )
+)]
 
 extern crate alloc;
 
@@ -89,4 +103,6 @@ pub use frame::{FrameError, MagicVectors, TextureFrame};
 pub use glam;
 pub use homography::{Homography, HomographyError};
 pub use memory::{MemoryBudget, OverBudget};
+#[doc(hidden)]
+pub use on_level::LANES;
 pub use projector::Projector;

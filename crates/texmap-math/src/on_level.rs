@@ -1,5 +1,10 @@
 //! From a level to code: kernels exist up to three times on x86 and once elsewhere.
 
+/// False in builds without optimisation (opt-level 0 of this crate): each lane operation is a call there and has stack of its own, so
+/// that kernels would need megabytes of it and more time than their scalar twins, which stand in with the same bits.
+#[doc(hidden)]
+pub const LANES: bool = !cfg!(texmap_unoptimised);
+
 /// Runs `$lanes` with the token `$s` of `$level` and its instructions, or `$plain` where there are no lanes (the scalar
 /// fallback: the plain twin gives the same bits and compiles in a fraction of the time; lanes of arrays took texmap-uv minutes).
 ///
@@ -10,13 +15,14 @@ macro_rules! on_level {
     ($level:expr, $s:ident => $lanes:expr, else $plain:expr) => {
         $crate::on_wide_level!($level, $s => $lanes, else {
             #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-            match $level.as_sse2() {
-                Some($s) => $crate::fearless_simd::Simd::vectorize(
+            if $crate::LANES && let Some($s) = $level.as_sse2() {
+                $crate::fearless_simd::Simd::vectorize(
                     $s,
                     #[inline(always)]
                     || $lanes,
-                ),
-                None => $plain,
+                )
+            } else {
+                $plain
             }
             #[cfg(not(any(target_arch = "x86", target_arch = "x86_64")))]
             $plain
@@ -31,29 +37,31 @@ macro_rules! on_wide_level {
     ($level:expr, $s:ident => $lanes:expr, else $plain:expr) => {
         match $level {
             #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-            $crate::Level::Avx512($s) => $crate::fearless_simd::Simd::vectorize(
+            $crate::Level::Avx512($s) if $crate::LANES => $crate::fearless_simd::Simd::vectorize(
                 $s,
                 #[inline(always)]
                 || $lanes,
             ),
             #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-            $crate::Level::Avx2($s) => $crate::fearless_simd::Simd::vectorize(
+            $crate::Level::Avx2($s) if $crate::LANES => $crate::fearless_simd::Simd::vectorize(
                 $s,
                 #[inline(always)]
                 || $lanes,
             ),
             #[cfg(target_arch = "aarch64")]
-            $crate::Level::Neon($s) => $crate::fearless_simd::Simd::vectorize(
+            $crate::Level::Neon($s) if $crate::LANES => $crate::fearless_simd::Simd::vectorize(
                 $s,
                 #[inline(always)]
                 || $lanes,
             ),
             #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
-            $crate::Level::WasmSimd128($s) => $crate::fearless_simd::Simd::vectorize(
-                $s,
-                #[inline(always)]
-                || $lanes,
-            ),
+            $crate::Level::WasmSimd128($s) if $crate::LANES => {
+                $crate::fearless_simd::Simd::vectorize(
+                    $s,
+                    #[inline(always)]
+                    || $lanes,
+                )
+            }
             _ => $plain,
         }
     };

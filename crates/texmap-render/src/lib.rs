@@ -11,6 +11,15 @@
 //! sRGB. Depth is reversed: 1 at the near plane, 0 at infinity. The same input gives the same bytes on every machine, for
 //! any number of threads.
 //!
+//! # Debug builds
+//! Without optimisation (opt-level 0, plain `cargo run`) lanes are left out and the scalar code draws the same bytes: no function needs
+//! more than 128 KiB of stack, a whole frame less than 1 MiB, but pixels take tens of times as long. These lines in the `Cargo.toml` of a
+//! program optimise what it depends on and leave the program itself to the debugger:
+//! ```toml
+//! [profile.dev.package."*"]
+//! opt-level = 3
+//! ```
+//!
 //! ```
 //! use texmap_light::Surface;
 //! use texmap_math::{Camera, glam::DVec3};
@@ -39,6 +48,20 @@
 //! # Ok::<(), texmap_render::RenderError>(())
 //! ```
 #![forbid(unsafe_code)]
+#![cfg_attr(
+    not(any(
+        target_arch = "x86",
+        target_arch = "x86_64",
+        target_arch = "aarch64",
+        all(target_arch = "wasm32", target_feature = "simd128")
+    )),
+    allow(
+        dead_code,
+        unused_imports,
+        unused_variables,
+        reason = "without a vector unit the scalar twins of the kernels do all of the work"
+    )
+)]
 
 mod backdrop;
 mod bake;

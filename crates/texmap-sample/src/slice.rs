@@ -253,11 +253,15 @@ pub(crate) fn check(what: &'static str, expected: usize, got: usize) -> Result<(
     }
 }
 
-/// Runs `$run` with the vector unit of a level as `$s`; false where there is none, and the scalar twin stands in with the same bits.
+/// Runs `$run` with the vector unit of a level as `$s`; false where there is none (or no optimisation), and the scalar twin
+/// stands in with the same bits.
 /// SSE4.2 runs the SSE2 build, which is as fast (see `benches/results/sample_speed.md`).
 macro_rules! on_lanes {
     ($level:expr, $s:ident => $run:expr) => {
         'lanes: {
+            if !texmap_math::LANES {
+                break 'lanes false;
+            }
             match $level {
                 #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
                 Level::Avx512($s) => $run,

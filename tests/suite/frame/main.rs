@@ -19,5 +19,6 @@ mod samples;
 mod scenes;
 mod shapes;
 mod stages;
+mod targets;
 mod texture_frame;
 mod views;

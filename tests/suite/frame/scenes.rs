@@ -1,37 +1,12 @@
 //! Small scenes and ways to read their frames.
 
 use texmap_light::Surface;
-use texmap_math::Camera;
-use texmap_math::glam::DVec3;
-use texmap_raster::DepthTest;
 use texmap_render::{
-    Aov, AovData, ColorMode, Frame, Material, Mesh, Scene, Settings, Shading, TextureSlot, render,
+    Aov, AovData, Frame, Material, Mesh, Scene, Settings, Shading, TextureSlot, render,
 };
 use texmap_sample::{ColorSpace, Filter, Origin, Sampler, Texture2d, UvTransform};
 
-/// Raw colours, black opaque background, no light, nothing in it; the camera stands in the origin, looks along -Z and sees
-/// 90 degrees.
-pub(crate) fn empty() -> Scene {
-    Scene {
-        camera: Camera {
-            eye: DVec3::ZERO,
-            look: DVec3::NEG_Z,
-            up: DVec3::Y,
-            fov_x: std::f64::consts::FRAC_PI_2,
-            near: 1e-4,
-            far: f64::INFINITY,
-        },
-        background: [0.0, 0.0, 0.0, 1.0],
-        color: ColorMode::Raw,
-        depth_test: DepthTest::Less,
-        lights: Vec::new(),
-        textures: Vec::new(),
-        materials: Vec::new(),
-        meshes: Vec::new(),
-        warnings: Vec::new(),
-        effects: Default::default(),
-    }
-}
+pub(crate) use texmap_targets::scenes::{empty, quad};
 
 /// A scene of one mesh and its material.
 pub(crate) fn of(material: Material, mesh: Mesh) -> Scene {
@@ -50,16 +25,6 @@ pub(crate) fn unlit(color: [f32; 3]) -> Material {
         },
         shading: Shading::Unlit,
         ..Material::default()
-    }
-}
-
-/// Four corners, counter-clockwise from the lower left, as two triangles with the whole texture on them.
-pub(crate) fn quad(positions: [[f32; 3]; 4]) -> Mesh {
-    Mesh {
-        positions: positions.to_vec(),
-        uvs: vec![[0.0, 1.0], [1.0, 1.0], [1.0, 0.0], [0.0, 0.0]],
-        triangles: vec![[0, 1, 2], [0, 2, 3]],
-        ..Mesh::default()
     }
 }
 

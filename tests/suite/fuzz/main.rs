@@ -1,6 +1,7 @@
 //! The fuzz targets on stable: their corpus, and seeded mutations of it. `fuzz/README.md` says how to go on from here.
 
 use std::path::Path;
+use std::time::Instant;
 
 #[path = "../../../fuzz/src/lib.rs"]
 #[expect(
@@ -75,23 +76,40 @@ fn mutated(seeds: &[Vec<u8>], words: &[&str], rng: &mut Rng) -> Vec<u8> {
     bytes
 }
 
-/// Runs the seeds and `count` mutations; a failure names the input.
+/// Runs the seeds and `count` mutations, or mutations for `TEXMAP_FUZZ_SECONDS`; a failure names the input.
 fn smoke(target: &str, words: &[&str], count: usize, run: fn(&[u8])) {
     let seeds = corpus(target);
-    let mut rng = Rng(1);
-    let mutations = (0..count).map(|_| mutated(&seeds, words, &mut rng));
-    for (n, bytes) in seeds
-        .iter()
-        .cloned()
-        .chain(mutations.collect::<Vec<_>>())
-        .enumerate()
-    {
+    let seconds: Option<u64> = std::env::var("TEXMAP_FUZZ_SECONDS")
+        .ok()
+        .map(|s| s.parse().expect("seconds"));
+    let begin = Instant::now();
+    let goes_on = |n: usize| match seconds {
+        Some(seconds) => begin.elapsed().as_secs() < seconds,
+        None => n < seeds.len() + count,
+    };
+    // A long run has inputs of its own.
+    let mut rng = Rng(seconds.map_or(1, |_| std::process::id().into()));
+    let mut n = 0;
+    while goes_on(n) {
+        let bytes = seeds
+            .get(n)
+            .cloned()
+            .unwrap_or_else(|| mutated(&seeds, words, &mut rng));
         let caught = std::panic::catch_unwind(|| run(&bytes));
+        if caught.is_err() && seconds.is_some() {
+            let file = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("{target}-{n}"));
+            std::fs::write(&file, &bytes).expect("the input");
+            panic!("{target}, input {n}: {}", file.display());
+        }
         assert!(
             caught.is_ok(),
             "{target}, input {n}: {:?}",
             String::from_utf8_lossy(&bytes)
         );
+        n += 1;
+    }
+    if seconds.is_some() {
+        eprintln!("{target}: {n} inputs");
     }
 }
 
@@ -165,6 +183,113 @@ fn models() {
         "l 1 2\n",
     ];
     smoke("obj", &words, 1500, targets::obj);
+}
+
+#[test]
+fn material_libraries() {
+    let words = [
+        "nan",
+        "1e39",
+        "-1",
+        "0",
+        "newmtl a\n",
+        "newmtl b\n",
+        "map_Kd a.png\n",
+        "map_Ke absent.png\n",
+        "-clamp on ",
+        "-bm 1e30 ",
+        "-s 0 0 0 ",
+        "Kd ",
+        "Ke ",
+        "d ",
+        "Tr ",
+        "illum ",
+        "norm a.png\n",
+        "disp a.png\n",
+        "bump a.png\n",
+        "\\\n",
+        "\r",
+        "\0",
+        "\u{e9}",
+        "#",
+        "map_d fuzz.mtl\n",
+    ];
+    smoke("mtl", &words, 1000, targets::mtl);
+}
+
+#[test]
+fn pictures() {
+    smoke("image", &[], 1500, targets::image);
+}
+
+#[test]
+fn arrays() {
+    let words = [
+        "(0,)",
+        "()",
+        "(1, 0, 2)",
+        "(99999999999,)",
+        "'<f8'",
+        "'|u1'",
+        "'>f4'",
+        "True",
+        "\n",
+        "'descr'",
+        "-1",
+        ",",
+    ];
+    smoke("npy", &words, 1500, targets::npy);
+}
+
+#[test]
+fn camera_paths() {
+    let words = [
+        "1e309",
+        "-0",
+        "null",
+        "[",
+        "]",
+        "{}",
+        ",",
+        "\"up\": [0, 0, 0]",
+        "\"fov\": 0",
+        "\\u0000",
+        "\n",
+        "true",
+    ];
+    smoke("path", &words, 1500, targets::path);
+}
+
+#[test]
+fn plans() {
+    let words = [
+        "nan",
+        "1e39",
+        "0",
+        "-1",
+        "interp affine\n",
+        "shade modulate vertex\n",
+        "fov 180\n",
+        "near 1e38\n",
+        "scale 0\n",
+        "f 0 1 2\n",
+    ];
+    smoke("planner", &words, 400, targets::planner);
+}
+
+#[test]
+fn coordinates() {
+    smoke("uv", &[], 2000, targets::uv);
+}
+
+#[test]
+fn look_ups() {
+    smoke("sample", &[], 4000, targets::sample);
+}
+
+#[test]
+fn light() {
+    smoke("light", &[], 2000, targets::light);
 }
 
 /// The harness sees a panic: a target that refuses long inputs fails.

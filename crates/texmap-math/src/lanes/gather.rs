@@ -5,8 +5,8 @@
 )]
 
 #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-use fearless_simd::{Level, SimdInto};
-use fearless_simd::{Simd, SimdBase, prelude::*, u32x16};
+use fearless_simd::{Level, SimdInto, prelude::*};
+use fearless_simd::{Simd, SimdBase, u32x16};
 
 #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
 use super::{Line, is_wide};

@@ -1,9 +1,9 @@
 //! Look-ups in tables that fit a register.
 
-#[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-use fearless_simd::Level;
 use fearless_simd::prelude::*;
-use fearless_simd::{f32x8, f32x16, u32x8, u32x16};
+#[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+use fearless_simd::{Level, f32x8, u32x8};
+use fearless_simd::{f32x16, u32x16};
 
 #[cfg(target_arch = "x86")]
 use core::arch::x86::{

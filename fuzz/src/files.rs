@@ -1,0 +1,205 @@
+//! Files of every kind that texmap reads.
+
+use std::path::Path;
+
+use texmap_io::{
+    CameraPath, IoError, LoadOptions, image_io, npy as array, read_environment, read_grid,
+    scene_file,
+};
+use texmap_light::Chart;
+use texmap_math::glam::DVec3;
+use texmap_render::planner::{Budget, choose};
+use texmap_render::{Scene, Settings, render};
+use texmap_sample::ColorSpace;
+
+/// A scene file: refused by name with its line, or printed, read again as the same, and drawn.
+pub fn scene(bytes: &[u8]) {
+    let name = Path::new("fuzz.scene");
+    if let Ok(text) = std::str::from_utf8(bytes) {
+        match scene_file::parse(name, text) {
+            Ok(file) => {
+                let printed = scene_file::print(&file);
+                let again = scene_file::parse(name, &printed)
+                    .unwrap_or_else(|e| panic!("{printed:?} is not read again: {e}"));
+                assert!(file.commands().eq(again.commands()), "{text:?} {printed:?}");
+            }
+            Err(error) => named(&error, text),
+        }
+    }
+    file(bytes, "fuzz.scene");
+}
+
+/// A model: refused by name, or drawn.
+pub fn obj(bytes: &[u8]) {
+    file(bytes, "fuzz.obj");
+}
+
+/// A library of materials beside a model that uses it.
+pub fn mtl(bytes: &[u8]) {
+    let model = "mtllib fuzz.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nvn 0 0 1\n\
+                 usemtl a\nf 1/1/1 2/2/1 3/3/1\nusemtl b\nf 1/1 2/2 3/3\n";
+    in_folder(
+        &[("fuzz.obj", model.as_bytes()), ("fuzz.mtl", bytes)],
+        |folder| {
+            image_io::write_png(
+                &folder.join("a.png"),
+                2,
+                1,
+                &[90, 200, 30, 255, 0, 0, 255, 40],
+            )
+            .expect("a picture");
+            loaded(&folder.join("fuzz.obj"));
+        },
+    );
+}
+
+/// A picture: refused, or decoded to what its header says, as a texture and as an environment in any chart.
+pub fn image(bytes: &[u8]) {
+    in_folder(&[("fuzz.png", bytes)], |folder| {
+        let path = folder.join("fuzz.png");
+        match image_io::read_image(&path) {
+            Ok(image) => {
+                assert!(image.width > 0 && image.height > 0 && (1..=4).contains(&image.channels))
+            }
+            Err(error) => named(&error, ""),
+        }
+        for space in [ColorSpace::Srgb, ColorSpace::Linear] {
+            match image_io::read_texture(&path, space) {
+                Ok(texture) => assert!(texture.width() > 0 && texture.height() > 0),
+                Err(error) => named(&error, ""),
+            }
+        }
+        for chart in Chart::ALL {
+            match read_environment(&path, chart) {
+                Ok(sky) => assert!(sky.light([0.3, 0.5, -0.2]).iter().all(|c| c.is_finite())),
+                Err(error) => named(&error, ""),
+            }
+        }
+    });
+}
+
+/// An array: refused, or as many values as its shape holds; a grid where it can be one.
+pub fn npy(bytes: &[u8]) {
+    in_folder(&[("fuzz.npy", bytes)], |folder| {
+        let path = folder.join("fuzz.npy");
+        match array::read(&path) {
+            Ok(array) => {
+                let values = match &array.data {
+                    array::Data::F32(v) => v.len(),
+                    array::Data::U8(v) => v.len(),
+                    array::Data::U16(v) => v.len(),
+                    array::Data::U32(v) => v.len(),
+                };
+                assert_eq!(array.shape.iter().product::<usize>(), values);
+            }
+            Err(error) => named(&error, ""),
+        }
+        if let Err(error) = read_grid(&path) {
+            named(&error, "");
+        }
+    });
+}
+
+/// A camera path: refused by name, or cameras of finite places.
+pub fn path(bytes: &[u8]) {
+    in_folder(&[("fuzz.json", bytes)], |folder| {
+        match CameraPath::read(&folder.join("fuzz.json")) {
+            Ok(path) => {
+                assert!(!path.stops().is_empty());
+                let camera = texmap_math::Camera {
+                    eye: DVec3::ZERO,
+                    look: DVec3::NEG_Z,
+                    up: DVec3::Y,
+                    fov_x: 1.0,
+                    near: 1e-4,
+                    far: f64::INFINITY,
+                };
+                for (frame, frames) in [(0, 1), (0, 7), (3, 7), (6, 7), (9, 7), (0, 0)] {
+                    let at = path.camera(&camera, frame, frames);
+                    assert!(at.fov_x > 0.0 && at.fov_x < std::f64::consts::PI, "{at:?}");
+                    // Whether a view exists is the renderer's question: eye and point may coincide.
+                    let _ = at.view();
+                }
+            }
+            Err(error) => named(&error, &String::from_utf8_lossy(bytes)),
+        }
+    });
+}
+
+/// A scene, and a budget of its first bytes: plans have finite prices, keep what they say and draw.
+pub fn planner(bytes: &[u8]) {
+    let [texels, rmse] = [0, 1].map(|i| f64::from(bytes.get(i).copied().unwrap_or(0)));
+    let budget = Budget {
+        texels: texels / 64.0,
+        rmse: rmse / 1024.0,
+    };
+    in_folder(&[("fuzz.scene", bytes.get(2..).unwrap_or(&[]))], |folder| {
+        let Ok(mut scene) = texmap_io::load(&folder.join("fuzz.scene"), &LoadOptions::default())
+        else {
+            return;
+        };
+        match choose(&scene, 24, 18, budget) {
+            Ok(choices) => {
+                for choice in &choices.meshes {
+                    assert!(choice.price >= 0.0, "{choice:?}");
+                    assert!(
+                        choice.predicted_rmse >= 0.0 && choice.predicted_texels >= 0.0,
+                        "{choice:?}"
+                    );
+                }
+                choices.apply(&mut scene);
+                picture(&scene);
+            }
+            Err(error) => assert!(!error.to_string().is_empty()),
+        }
+    });
+}
+
+fn file(bytes: &[u8], name: &str) {
+    in_folder(&[(name, bytes)], |folder| {
+        let path = folder.join(name);
+        match texmap_io::load(&path, &LoadOptions::default()) {
+            Ok(scene) => picture(&scene),
+            Err(error) => named(&error, &String::from_utf8_lossy(bytes)),
+        }
+        // What a file holds is told or refused likewise.
+        if let Err(error) = texmap_io::info(&path) {
+            named(&error, &String::from_utf8_lossy(bytes));
+        }
+    });
+}
+
+fn loaded(path: &Path) {
+    match texmap_io::load(path, &LoadOptions::default()) {
+        Ok(scene) => picture(&scene),
+        Err(error) => assert!(!error.to_string().is_empty() && !error.code().is_empty()),
+    }
+}
+
+fn in_folder(files: &[(&str, &[u8])], run: impl FnOnce(&Path)) {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    for (name, bytes) in files {
+        std::fs::write(folder.path().join(name), bytes).expect("a file in it");
+    }
+    run(folder.path());
+}
+
+fn picture(scene: &Scene) {
+    let settings = Settings {
+        threads: Some(1),
+        ..Settings::new(24, 18)
+    };
+    match render(scene, &settings, &|_, _| {}) {
+        Ok(frame) => assert_eq!(frame.rgba.len(), 24 * 18 * 4),
+        Err(error) => assert!(!error.to_string().is_empty()),
+    }
+}
+
+/// An error has one line, a code, and a place within the text.
+fn named(error: &IoError, text: &str) {
+    assert!(!error.to_string().is_empty() && !error.code().is_empty());
+    if let Some(place) = error.place().filter(|_| !text.is_empty()) {
+        let lines = text.lines().count() as u32;
+        assert!((1..=lines.max(1)).contains(&place.line), "{error}");
+    }
+}
