@@ -2,7 +2,7 @@
 
 use texmap_math::glam::DVec3;
 use texmap_render::{Backdrop, Frame, Material, Relief, Scene, SolidSource};
-use texmap_sample::{Filter, Precision, Sampler};
+use texmap_sample::{Filter, Precision, Sampler, Wrap};
 
 use crate::LabError;
 use crate::picture::Picture;
@@ -68,10 +68,25 @@ pub fn verify_all(
     Ok(judged.collect())
 }
 
+/// The scene with one wrap mode in both directions for everything that lies on surfaces: what
+/// [`Settings::wrap`](texmap_render::Settings) draws.
+#[must_use]
+pub fn with_wrap(scene: &Scene, wrap: Wrap) -> Scene {
+    let mut scene = scene.clone();
+    let samplers = scene.materials.iter_mut().flat_map(surface_samplers);
+    samplers.for_each(|sampler| (sampler.wrap_u, sampler.wrap_v) = (wrap, wrap));
+    scene
+}
+
 fn reference(scene: &Scene, (width, height): (u32, u32), samples: u32) -> Result<Truth, LabError> {
     let mut reference = scene.clone();
     for material in &mut reference.materials {
-        samplers(material).for_each(sharpen);
+        if let Some(SolidSource::Grid { sampler, .. }) =
+            material.solid.as_mut().map(|solid| &mut solid.source)
+        {
+            sharpen(sampler);
+        }
+        surface_samplers(material).for_each(sharpen);
     }
     let effects = &mut reference.effects;
     if let Some(Backdrop::Picture(slot)) = &mut effects.backdrop {
@@ -84,18 +99,13 @@ fn reference(scene: &Scene, (width, height): (u32, u32), samples: u32) -> Result
 }
 
 /// The samplers of everything that is filtered over the surface. Ramps are tables, and are read as they say.
-fn samplers(material: &mut Material) -> impl Iterator<Item = &mut Sampler> {
+fn surface_samplers(material: &mut Material) -> impl Iterator<Item = &mut Sampler> {
     let maps = &mut material.maps;
     let relief = material.relief.as_mut().and_then(|relief| match relief {
-        Relief::Bump { slot, .. } | Relief::Offsets { slot, .. } | Relief::NormalMap { slot, .. } => {
-            Some(slot)
-        }
+        Relief::Bump { slot, .. }
+        | Relief::Offsets { slot, .. }
+        | Relief::NormalMap { slot, .. } => Some(slot),
         Relief::Carved { .. } => None,
-    });
-    let solid = material.solid.as_mut();
-    let solid = solid.and_then(|solid| match &mut solid.source {
-        SolidSource::Grid { sampler, .. } => Some(sampler),
-        SolidSource::Pattern(_) => None,
     });
     material
         .base_color
@@ -109,7 +119,6 @@ fn samplers(material: &mut Material) -> impl Iterator<Item = &mut Sampler> {
         .chain(relief)
         .chain(material.light_map.as_mut().map(|map| &mut map.slot))
         .map(|slot| &mut slot.sampler)
-        .chain(solid)
 }
 
 fn sharpen(sampler: &mut Sampler) {

@@ -70,6 +70,47 @@ fn the_error_of_a_filter_is_predicted_without_vertex_coordinates() {
     }
 }
 
+/// Words, ramps and what is carved out of space: the error of their look-ups is predicted, too.
+#[test]
+fn the_error_of_text_ramps_and_solids_is_predicted() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
+    for (name, least) in [("signs", 3), ("solids", 8)] {
+        let file = root.join(format!("assets/scenes/{name}.scene"));
+        let scene = texmap_io::load_scene(&file, &Default::default()).unwrap();
+        for rmse in [0.05, 0.02] {
+            let budget = Budget { texels: 0.5, rmse };
+            let choices = choose(&scene, SIZE.0, SIZE.1, budget).unwrap();
+            assert!(choices.met(), "{name}, {rmse}: {choices:?}");
+            let mut planned = scene.clone();
+            choices.apply(&mut planned);
+            let settings = Settings {
+                supersample: choices.supersample,
+                ..Settings::new(SIZE.0, SIZE.1)
+            };
+            let frame = render(&planned, &settings, &|_, _| {}).unwrap();
+            let truth = verify(&scene, &frame, 6).unwrap();
+            assert!(truth.rmse <= rmse, "{name}: {} for {rmse}", truth.rmse);
+            let mut predicted = 0;
+            for choice in &choices.meshes {
+                let material = &scene.materials[scene.meshes[choice.mesh].material];
+                let special =
+                    material.crisp || material.color_ramp.is_some() || material.solid.is_some();
+                let Some(measured) = truth.meshes[choice.mesh].filter(|_| special) else {
+                    continue;
+                };
+                predicted += usize::from(choice.tried > 0);
+                assert!(
+                    measured <= 1.05 * choice.predicted_rmse + 0.002,
+                    "{name}, mesh {}: {measured} measured, {} predicted",
+                    choice.mesh,
+                    choice.predicted_rmse
+                );
+            }
+            assert!(predicted + 5 >= least, "{name}: {predicted} of {least}");
+        }
+    }
+}
+
 /// Without the lights that the planner calls idle, and their shadows, the picture is the same, bit for bit.
 #[test]
 fn pictures_do_without_idle_lights() {

@@ -3,8 +3,9 @@ use std::path::{Path, PathBuf};
 
 use texmap_io::LoadOptions;
 use texmap_lab::truth::{Truth, frame};
+use texmap_lab::verify::verify;
 use texmap_raster::Interp;
-use texmap_render::{Frame, Scene, Settings, render};
+use texmap_render::{Frame, Material, Scene, Settings, render};
 
 const WIDTH: u32 = 160;
 const HEIGHT: u32 = 120;
@@ -17,7 +18,7 @@ fn scenes() -> Vec<PathBuf> {
         .collect();
     files.retain(|file| file.extension().is_some_and(|e| e == "scene"));
     files.sort();
-    assert!(files.len() >= 5, "{files:?}");
+    assert!(files.len() >= 17, "{files:?}");
     files
 }
 
@@ -28,7 +29,8 @@ struct Compared {
     worst: f64,
 }
 
-/// A pixel lies inside when its neighbours see the same triangle, so that snapped vertices change nothing.
+/// A pixel lies inside when its neighbours see the same triangle under the same meshes, so that snapped vertices change nothing, and no
+/// shadow ends beside it.
 fn compare(truth: &Truth, frame: &Frame) -> Compared {
     let (w, h) = (WIDTH as usize, HEIGHT as usize);
     let codes = truth.codes();
@@ -39,10 +41,10 @@ fn compare(truth: &Truth, frame: &Frame) -> Compared {
     };
     for y in 1..h - 1 {
         for x in 1..w - 1 {
-            let seen = truth.seen[y * w + x];
-            let same =
-                (y - 1..=y + 1).all(|y| (x - 1..=x + 1).all(|x| truth.seen[y * w + x] == seen));
-            if !same {
+            let sees = |i: usize| (truth.seen[i], truth.layers[i]);
+            let seen = sees(y * w + x);
+            let same = (y - 1..=y + 1).all(|y| (x - 1..=x + 1).all(|x| sees(y * w + x) == seen));
+            if !same || truth.shadow_edges[y * w + x] {
                 continue;
             }
             for c in 0..4 {
@@ -85,13 +87,12 @@ fn drawn(scene: &Scene, interp: Option<Interp>) -> Frame {
     .unwrap()
 }
 
+/// Sample by sample, with the filters of the scene: shadows, reliefs, mirrors, projectors, solids, volumes, text and skies included.
 #[test]
 fn every_scene_is_drawn_as_rays_say() {
+    let mut off = Vec::new();
     for file in scenes() {
-        let mut scene = texmap_io::load_scene(&file, &LoadOptions::default()).unwrap();
-        // The truth knows no shadow maps, and takes meshes as they are.
-        scene.effects = Default::default();
-        let scene = scene.shaped(WIDTH).unwrap();
+        let scene = texmap_io::load_scene(&file, &LoadOptions::default()).unwrap();
         let truth = frame(&scene, WIDTH, HEIGHT, 1).unwrap();
         let found = compare(&truth, &drawn(&scene, None));
         let name = file.file_name().unwrap().display().to_string();
@@ -100,14 +101,126 @@ fn every_scene_is_drawn_as_rays_say() {
             "{name}: {} values inside",
             found.inside
         );
-        assert!(
-            found.over == 0,
-            "{name}: {} of {} values differ, worst {}",
-            found.over,
-            found.inside,
-            found.worst
-        );
+        if found.over * 2_000 > found.inside {
+            off.push(format!(
+                "{name}: {} of {} values differ, worst {}",
+                found.over, found.inside, found.worst
+            ));
+        }
     }
+    assert!(off.is_empty(), "{}", off.join("\n"));
+}
+
+/// What `--verify` calls the true picture is what the renderer comes to with many samples.
+#[test]
+fn the_reference_is_where_supersampling_leads() {
+    let (mut off, size) = (Vec::new(), (120, 90));
+    for file in scenes() {
+        let scene = texmap_io::load_scene(&file, &LoadOptions::default()).unwrap();
+        let settings = Settings {
+            supersample: 8,
+            ..Settings::new(size.0, size.1)
+        };
+        let frame = render(&scene, &settings, &|_, _| {}).unwrap();
+        let found = verify(&scene, &frame, 4).unwrap();
+        if !(found.rmse <= 0.01 && found.judged > 2_000) {
+            let name = file.file_name().unwrap().display().to_string();
+            let (rmse, max, at) = (found.rmse, found.max, found.max_at);
+            off.push(format!(
+                "{name}: RMSE {rmse}, {max} at {at:?}, {} judged",
+                found.judged
+            ));
+        }
+    }
+    assert!(off.is_empty(), "{}", off.join("\n"));
+}
+
+/// Each effect is in the truth: without it the truth is another picture.
+#[test]
+fn no_effect_is_left_out_of_the_truth() {
+    type Change = fn(&mut Scene);
+    fn all(scene: &mut Scene, change: fn(&mut Material)) {
+        scene.materials.iter_mut().for_each(change);
+    }
+    let effects: [(&str, &str, Change); 19] = [
+        ("shadows of lights", "shadows", |s| {
+            s.effects.shadows.clear()
+        }),
+        ("shadows of projectors", "teapot_slides", |s| {
+            s.effects
+                .projectors
+                .iter_mut()
+                .for_each(|p| p.shadow = None);
+        }),
+        ("light of projectors", "teapot_slides", |s| {
+            s.effects.projectors.clear()
+        }),
+        ("paint of projectors", "painted_cow", |s| {
+            s.effects.projectors.clear()
+        }),
+        ("skies by direction", "mirrors", |s| {
+            s.effects.backdrop = None
+        }),
+        ("stretched skies", "signs", |s| s.effects.backdrop = None),
+        ("mirrors", "mirrors", |s| all(s, |m| m.reflection = None)),
+        ("specular maps", "mirrors", |s| {
+            all(s, |m| m.specular_map = None)
+        }),
+        ("reliefs", "reliefs", |s| all(s, |m| m.relief = None)),
+        ("maps of ambient light", "reliefs", |s| {
+            all(s, |m| m.maps.ambient = None)
+        }),
+        ("maps of highlights", "reliefs", |s| {
+            all(s, |m| m.maps.specular = None)
+        }),
+        ("maps of exponents", "reliefs", |s| {
+            all(s, |m| m.maps.exponent = None)
+        }),
+        ("light maps", "baked_light", |s| {
+            all(s, |m| m.light_map = None)
+        }),
+        ("solids", "solids", |s| all(s, |m| m.solid = None)),
+        ("ramps", "solids", |s| all(s, |m| m.color_ramp = None)),
+        ("volumes", "cloud", |s| s.effects.volumes.clear()),
+        ("text", "signs", |s| {
+            s.meshes.retain(|m| !m.name.starts_with("text"))
+        }),
+        ("labels", "signs", |s| all(s, |m| m.decal = None)),
+        ("cel shading", "signs", |s| all(s, |m| m.light_ramp = None)),
+    ];
+    for (effect, name, change) in effects {
+        let file = scenes()
+            .into_iter()
+            .find(|f| f.file_stem().is_some_and(|n| n == name));
+        let scene = texmap_io::load_scene(&file.unwrap(), &LoadOptions::default()).unwrap();
+        let mut without = scene.clone();
+        change(&mut without);
+        let colors = |scene: &Scene| frame(scene, 64, 48, 1).unwrap().codes();
+        let (with, without) = (colors(&scene), colors(&without));
+        let differ = with
+            .iter()
+            .zip(&without)
+            .filter(|(a, b)| (*a - *b).abs() > 2.0);
+        assert!(differ.count() > 12, "{effect} do not show in {name}");
+    }
+}
+
+/// The truth does not depend on threads.
+#[test]
+fn any_number_of_threads_computes_the_same_truth() {
+    let file = scenes().into_iter().find(|f| f.ends_with("shadows.scene"));
+    let scene = texmap_io::load_scene(&file.unwrap(), &LoadOptions::default()).unwrap();
+    let alone = rayon::ThreadPoolBuilder::new()
+        .num_threads(1)
+        .build()
+        .unwrap();
+    let many = rayon::ThreadPoolBuilder::new()
+        .num_threads(5)
+        .build()
+        .unwrap();
+    let colors =
+        |pool: &rayon::ThreadPool| pool.install(|| frame(&scene, 40, 30, 2).unwrap().color);
+    assert_eq!(colors(&alone), colors(&many));
 }
 
 /// The negative twin: the floor drawn affine is far from what rays see.

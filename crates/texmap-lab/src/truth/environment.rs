@@ -72,7 +72,11 @@ impl Level {
         let [w, h] = size;
         let (iw, ih) = (w as i64, h as i64);
         let clamped = |face: usize, x: i64, y: i64| {
-            texel(face, x.clamp(0, iw - 1) as usize, y.clamp(0, ih - 1) as usize)
+            texel(
+                face,
+                x.clamp(0, iw - 1) as usize,
+                y.clamp(0, ih - 1) as usize,
+            )
         };
         let mut texels = Vec::with_capacity(chart.faces() * (w + 2) * (h + 2));
         for face in 0..chart.faces() {
@@ -122,7 +126,11 @@ impl Sphere {
         let (width, height) = environment.size();
         let size = [width as usize, height as usize];
         let texel = |face, x: usize, y: usize| {
-            wide(environment.texel(face, x as u32, y as u32).unwrap_or_default())
+            wide(
+                environment
+                    .texel(face, x as u32, y as u32)
+                    .unwrap_or_default(),
+            )
         };
         let mut levels = vec![Level::new(chart, size, texel)];
         while levels.len() < environment.levels() {
@@ -131,7 +139,10 @@ impl Sphere {
             let mean = |face, x: usize, y: usize| {
                 let (x, y) = (2 * x as i64, 2 * y as i64);
                 let four = [(x, y), (x + 1, y), (x, y + 1), (x + 1, y + 1)];
-                four.iter().map(|(x, y)| above.at(face, *x, *y)).sum::<DVec3>() / 4.0
+                four.iter()
+                    .map(|(x, y)| above.at(face, *x, *y))
+                    .sum::<DVec3>()
+                    / 4.0
             };
             let next = Level::new(chart, size, mean);
             levels.push(next);
@@ -193,7 +204,9 @@ impl Sphere {
     /// Texels that a pixel turns by, of their mean width.
     fn by_angle(&self, direction: DVec3, ray: &Ray) -> f64 {
         let unit = direction.normalize();
-        let turns = ray.changes.map(|d| (d - unit * unit.dot(d)).length() / direction.length());
+        let turns = ray
+            .changes
+            .map(|d| (d - unit * unit.dot(d)).length() / direction.length());
         turns[0].max(turns[1]) / self.texel_angle()
     }
 }
@@ -213,7 +226,9 @@ mod tests {
             };
             let plain = Environment::from_fn(chart, 32, light).unwrap();
             let texels: Vec<[f32; 3]> = (0..chart.faces())
-                .flat_map(|f| (0..32).flat_map(move |y| (0..32 * chart.aspect()).map(move |x| (f, x, y))))
+                .flat_map(|f| {
+                    (0..32).flat_map(move |y| (0..32 * chart.aspect()).map(move |x| (f, x, y)))
+                })
                 .map(|(f, x, y)| plain.texel(f, x, y).unwrap())
                 .collect();
             let read = Environment::from_texels(chart, (32 * chart.aspect(), 32), &texels).unwrap();
@@ -236,7 +251,11 @@ mod tests {
                     worst = worst.max((wide(wanted) - found).abs().max_element());
                 }
                 // Its levels of detail are off by .005.
-                assert!(worst < 4e-3, "{chart:?}, {} levels: {worst}", environment.levels());
+                assert!(
+                    worst < 4e-3,
+                    "{chart:?}, {} levels: {worst}",
+                    environment.levels()
+                );
             }
         }
     }

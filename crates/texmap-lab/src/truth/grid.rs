@@ -23,8 +23,10 @@ impl Grid {
         let level = |number: u32| {
             let size = grid.level_size(number).unwrap_or([1; 3]);
             let [w, h, d] = size;
-            let places = (0..d).flat_map(|z| (0..h).flat_map(move |y| (0..w).map(move |x| [x, y, z])));
-            let voxel = |at| DVec4::from_array(grid.texel(number, at).unwrap_or_default().map(f64::from));
+            let places =
+                (0..d).flat_map(|z| (0..h).flat_map(move |y| (0..w).map(move |x| [x, y, z])));
+            let voxel =
+                |at| DVec4::from_array(grid.texel(number, at).unwrap_or_default().map(f64::from));
             Level {
                 size: size.map(i64::from),
                 voxels: places.map(voxel).collect(),
@@ -55,7 +57,12 @@ impl Grid {
         let square = steps.map(|d| (d * self.size()).length_squared());
         let square = square[0].max(square[1]);
         let last = (self.levels.len() - 1) as f64;
-        let lod = if square > 1.0 { 0.5 * det::log2(square) } else { 0.0 }.min(last);
+        let lod = if square > 1.0 {
+            0.5 * det::log2(square)
+        } else {
+            0.0
+        }
+        .min(last);
         let fine = lod.floor();
         let near = self.linear(fine as usize, at);
         if lod == fine {

@@ -122,8 +122,7 @@ pub(super) fn terms(world: &World<'_>, surface: &Surface<'_>, at: &Point) -> Ter
         if baked(index) {
             continue;
         }
-        let (color, diffuse, highlight) =
-            share(&numbers, model, light, at.position, normal, view);
+        let (color, diffuse, highlight) = share(&numbers, model, light, at.position, normal, view);
         match (light, ambient) {
             // A colour of its own, which does not multiply the base colour.
             (Light::Ambient { .. }, Some(texel)) => own_ambient += color * texel * diffuse,
@@ -141,8 +140,7 @@ pub(super) fn terms(world: &World<'_>, surface: &Surface<'_>, at: &Point) -> Ter
         };
         let position = slide.projector.position.as_vec3().to_array();
         let lamp = Light::Point { color, position };
-        let (color, diffuse, highlight) =
-            share(&numbers, model, &lamp, at.position, normal, view);
+        let (color, diffuse, highlight) = share(&numbers, model, &lamp, at.position, normal, view);
         let picture = slide.texel(at.position, at.moves).truncate();
         if diffuse > 0.0 && picture != DVec3::ZERO && world.slide_reaches(index, at) {
             sum.diffuse += color * picture * diffuse;

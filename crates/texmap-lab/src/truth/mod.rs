@@ -124,9 +124,11 @@ pub fn frame(scene: &Scene, width: u32, height: u32, samples: u32) -> Result<Tru
         let mut meshes: Vec<usize> = solid.into_iter().chain(blended).collect();
         meshes.dedup();
         // FNV-1a over the numbers.
-        meshes.iter().fold(0xcbf2_9ce4_8422_2325, |hash: u64, mesh| {
-            (hash ^ (*mesh as u64 + 1)).wrapping_mul(0x0100_0000_01b3)
-        })
+        meshes
+            .iter()
+            .fold(0xcbf2_9ce4_8422_2325, |hash: u64, mesh| {
+                (hash ^ (*mesh as u64 + 1)).wrapping_mul(0x0100_0000_01b3)
+            })
     };
     let top = |pixel: &Pixel| {
         let centre = &pixel.centre;
@@ -154,7 +156,10 @@ fn pixel(world: &World<'_>, x: u32, y: u32, samples: u32) -> Pixel {
     let mut pixel = Pixel::default();
     for j in 0..samples {
         for i in 0..samples {
-            let (x, y) = (corner[0] + f64::from(i) + 0.5, corner[1] + f64::from(j) + 0.5);
+            let (x, y) = (
+                corner[0] + f64::from(i) + 0.5,
+                corner[1] + f64::from(j) + 0.5,
+            );
             let sight = world.look(x, y);
             let (color, mixed) = world.color(&sight, x, y);
             pixel.color += color;

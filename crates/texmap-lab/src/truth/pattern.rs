@@ -51,7 +51,9 @@ fn octave_sum(p: DVec3, width: f64, octaves: u8, shape: impl Fn(f64) -> f64) -> 
             0.0
         }
     };
-    (0..octaves.clamp(1, Pattern::MOST_OCTAVES)).map(octave).sum()
+    (0..octaves.clamp(1, Pattern::MOST_OCTAVES))
+        .map(octave)
+        .sum()
 }
 
 fn fraction(x: f64) -> f64 {
@@ -95,7 +97,10 @@ mod tests {
                 let found = value(pattern, super::super::wide(p), f64::from(width));
                 // At a ring's end a sixteenth of an ulp turns 1 to 0.
                 let off = (wanted - found).abs();
-                assert!(off < 2e-4 || off > 0.999, "{pattern:?} {p:?} {width}: {off}");
+                assert!(
+                    off < 2e-4 || off > 0.999,
+                    "{pattern:?} {p:?} {width}: {off}"
+                );
             }
         }
     }

@@ -41,9 +41,11 @@ impl<'s> Turned<'s> {
             Relief::Bump { slot, height } => {
                 Self::Heights(textures.slot(slot, origin), f64::from(*height) * unit)
             }
-            Relief::Offsets { slot, slope, green } => {
-                Self::Offsets(textures.slot(slot, origin), f64::from(*slope) * unit, *green)
-            }
+            Relief::Offsets { slot, slope, green } => Self::Offsets(
+                textures.slot(slot, origin),
+                f64::from(*slope) * unit,
+                *green,
+            ),
             Relief::Carved {
                 heights,
                 world_from_solid,
@@ -75,7 +77,12 @@ impl<'s> Turned<'s> {
             Self::Formula(formula) => formula.normal(at, n),
             Self::Heights(slot, height) => {
                 let place = slot.placed(at.place);
-                bumped(at, n, place, heights(slot, place).map(|slope| slope * height))
+                bumped(
+                    at,
+                    n,
+                    place,
+                    heights(slot, place).map(|slope| slope * height),
+                )
             }
             Self::Offsets(slot, slope, green) => {
                 let place = slot.placed(at.place);
@@ -93,7 +100,11 @@ impl<'s> Turned<'s> {
                 world_from_normal,
             } => {
                 let texel = slot.straight(at.place) * 2.0 - 1.0;
-                let y = if *green == Green::Up { texel.y } else { -texel.y };
+                let y = if *green == Green::Up {
+                    texel.y
+                } else {
+                    -texel.y
+                };
                 let z = if *rebuild_z {
                     (1.0 - texel.x * texel.x - y * y).max(0.0).sqrt()
                 } else {
@@ -156,8 +167,12 @@ pub(super) fn raised(n: DVec3, o_u: DVec3, o_v: DVec3, b_u: f64, b_v: f64) -> DV
 /// Slopes of a height map along u and v: central differences over a texel to each side, or the sample where that is wider.
 fn heights(slot: &Slot<'_>, place: Place) -> [f64; 2] {
     let (w, h) = (slot.texture.width(), slot.texture.height());
-    let du = (1.0 / f64::from(w)).max(place.dx.x.abs()).max(place.dy.x.abs());
-    let dv = (1.0 / f64::from(h)).max(place.dx.y.abs()).max(place.dy.y.abs());
+    let du = (1.0 / f64::from(w))
+        .max(place.dx.x.abs())
+        .max(place.dy.x.abs());
+    let dv = (1.0 / f64::from(h))
+        .max(place.dx.y.abs())
+        .max(place.dy.y.abs());
     let height = |u: f64, v: f64| {
         let mut beside = place;
         (beside.uv.x, beside.uv.y) = (place.uv.x + u, place.uv.y + v);

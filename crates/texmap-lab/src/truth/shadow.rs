@@ -43,7 +43,9 @@ impl Shadow {
             }
             _ => Origin::Toward(DVec3::ZERO),
         };
-        let texels = shadow.size.map_or_else(|| automatic(scene, &kind, width), f64::from);
+        let texels = shadow
+            .size
+            .map_or_else(|| automatic(scene, &kind, width), f64::from);
         Ok(Self {
             origin,
             kind,
@@ -121,7 +123,9 @@ fn automatic(scene: &Scene, kind: &ShadowKind, width: u32) -> f64 {
 impl World<'_> {
     /// Whether a light of the scene reaches a point, by the shadows that it has.
     pub(super) fn light_reaches(&self, light: usize, at: &Point) -> bool {
-        self.shadows[light].iter().all(|shadow| self.lit(shadow, at.position, at.owner))
+        self.shadows[light]
+            .iter()
+            .all(|shadow| self.lit(shadow, at.position, at.owner))
     }
 
     /// Whether a projector reaches a point, by the shadow that it has.

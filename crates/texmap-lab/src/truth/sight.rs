@@ -27,28 +27,29 @@ impl World<'_> {
         let (eye, direction) = (self.pinhole.eye, self.pinhole.direction(x, y));
         let (near, far) = (self.scene.camera.near, self.scene.camera.far);
         let mut met: Vec<((usize, u32), Hit)> = Vec::new();
-        self.rays.candidates(eye, direction, (0.0, far), |owner, end| {
-            let surface = &self.surfaces[owner.0];
-            let hit = self.pinhole.meet(x, y, &surface.corners(owner.1));
-            let Some(hit) = hit.filter(|hit| hit.t >= near && hit.t <= far) else {
-                return end;
-            };
-            let front = surface.front(&hit);
-            let culled = match surface.material().cull {
-                Cull::None => false,
-                Cull::Back => !front,
-                Cull::Front => front,
-            };
-            if culled || !surface.kept(owner.1, &hit, &self.pinhole, x, y) {
-                return end;
-            }
-            met.push((owner, hit));
-            let hides = surface.material().alpha != AlphaMode::Blend
-                && self.scene.depth_test != DepthTest::Always;
-            // What lies at the same depth may be drawn over it.
-            let behind = hit.t * (1.0 + 4.0 * SAME_DEPTH);
-            if hides { end.min(behind) } else { end }
-        });
+        self.rays
+            .candidates(eye, direction, (0.0, far), |owner, end| {
+                let surface = &self.surfaces[owner.0];
+                let hit = self.pinhole.meet(x, y, &surface.corners(owner.1));
+                let Some(hit) = hit.filter(|hit| hit.t >= near && hit.t <= far) else {
+                    return end;
+                };
+                let front = surface.front(&hit);
+                let culled = match surface.material().cull {
+                    Cull::None => false,
+                    Cull::Back => !front,
+                    Cull::Front => front,
+                };
+                if culled || !surface.kept(owner.1, &hit, &self.pinhole, x, y) {
+                    return end;
+                }
+                met.push((owner, hit));
+                let hides = surface.material().alpha != AlphaMode::Blend
+                    && self.scene.depth_test != DepthTest::Always;
+                // What lies at the same depth may be drawn over it.
+                let behind = hit.t * (1.0 + 4.0 * SAME_DEPTH);
+                if hides { end.min(behind) } else { end }
+            });
         // The order of the scene.
         met.sort_by_key(|(owner, _)| *owner);
         let mut sight = Sight::default();
@@ -91,7 +92,9 @@ impl World<'_> {
             color = over(shade(*owner, hit), color);
         }
         let ray = self.pinhole.direction(x, y);
-        let end = sight.solid.map_or(f64::INFINITY, |(_, hit)| hit.t * ray.length());
+        let end = sight
+            .solid
+            .map_or(f64::INFINITY, |(_, hit)| hit.t * ray.length());
         for matter in &self.volumes {
             let seen = matter.seen(self.pinhole.eye, ray.normalize(), end);
             mixed |= seen.w > 0.0;

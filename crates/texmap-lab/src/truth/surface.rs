@@ -69,7 +69,8 @@ impl<'s> Surface<'s> {
         };
         let (color_ramp, light_ramp) = (ramp(&material.color_ramp), ramp(&material.light_ramp));
         let mut slot = |slot: &'s Option<texmap_render::TextureSlot>| {
-            slot.as_ref().map(|slot| textures.slot(slot, mesh.uv_origin))
+            slot.as_ref()
+                .map(|slot| textures.slot(slot, mesh.uv_origin))
         };
         let maps = &material.maps;
         Ok(Self {
@@ -174,7 +175,10 @@ impl<'s> Surface<'s> {
     /// The colour where a ray meets a triangle: linear light, premultiplied.
     pub(super) fn shade(&self, world: &World<'_>, at: &Point, hit: &Hit) -> DVec4 {
         let material = self.material();
-        let texel = self.base_color.as_ref().map(|slot| self.base_texel(slot, at));
+        let texel = self
+            .base_color
+            .as_ref()
+            .map(|slot| self.base_texel(slot, at));
         let label = self.decal.as_ref().map(|slot| slot.texel(at.place));
         let opaque = |color: DVec3| color.min(DVec3::ONE).extend(1.0);
         let surface = wide(material.surface.color);
@@ -325,7 +329,14 @@ impl<'s> Surface<'s> {
     }
 
     /// Everything that shading asks for at a hit.
-    pub(super) fn point(&self, owner: (usize, u32), hit: &Hit, pinhole: &Pinhole, x: f64, y: f64) -> Point {
+    pub(super) fn point(
+        &self,
+        owner: (usize, u32),
+        hit: &Hit,
+        pinhole: &Pinhole,
+        x: f64,
+        y: f64,
+    ) -> Point {
         let triangle = owner.1;
         let vertices = self.mesh.triangles[triangle as usize];
         let (corners, front) = (self.corners(triangle), self.front(hit));
@@ -337,7 +348,12 @@ impl<'s> Surface<'s> {
                 uv.map_or(0.0, |uv| f64::from(uv[axis]))
             })
         };
-        let tangent = |k: usize| self.tangents.get(3 * triangle as usize + k).copied().unwrap_or_default();
+        let tangent = |k: usize| {
+            self.tangents
+                .get(3 * triangle as usize + k)
+                .copied()
+                .unwrap_or_default()
+        };
         let tangents = [0, 1, 2].map(tangent);
         Point {
             owner,
@@ -362,7 +378,8 @@ impl<'s> Surface<'s> {
     }
 
     fn place(&self, triangle: u32, hit: &Hit, pinhole: &Pinhole, x: f64, y: f64) -> Place {
-        let Some(MagicVectors { a, b, c }) = self.frame.filter(|_| self.mesh.round.is_none()) else {
+        let Some(MagicVectors { a, b, c }) = self.frame.filter(|_| self.mesh.round.is_none())
+        else {
             return self.vertex_place(triangle, hit);
         };
         let ray = pinhole.direction(x, y);

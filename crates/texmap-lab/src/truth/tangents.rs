@@ -13,7 +13,12 @@ pub(super) fn corner_tangents(mesh: &Mesh) -> Vec<(DVec3, f64)> {
     let faces = texmap_uv::Faces::from_triangles(&mesh.triangles);
     let corners: Vec<u32> = mesh.triangles.iter().flatten().copied().collect();
     let normals = object_normals(mesh);
-    let normal = |v: &u32| normals[*v as usize].normalize_or_zero().as_vec3().to_array();
+    let normal = |v: &u32| {
+        normals[*v as usize]
+            .normalize_or_zero()
+            .as_vec3()
+            .to_array()
+    };
     let at_corners: Vec<[f32; 3]> = corners.iter().map(normal).collect();
     let set = texmap_uv::UvSet {
         uvs: mesh.uvs.clone(),
@@ -27,7 +32,11 @@ pub(super) fn corner_tangents(mesh: &Mesh) -> Vec<(DVec3, f64)> {
     let world = linear(mesh);
     let mirror = if world.determinant() < 0.0 { -1.0 } else { 1.0 };
     // The bitangent follows growing v, which runs down the picture from a top-left origin.
-    let up = if mesh.uv_origin == Origin::TopLeft { -1.0 } else { 1.0 };
+    let up = if mesh.uv_origin == Origin::TopLeft {
+        -1.0
+    } else {
+        1.0
+    };
     let in_world = |[x, y, z, sign]: [f32; 4]| {
         let tangent = (world * wide([x, y, z])).normalize_or_zero();
         (tangent, f64::from(sign) * mirror * up)

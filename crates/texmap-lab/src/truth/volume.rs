@@ -88,10 +88,7 @@ fn within(origin: DVec3, direction: DVec3, end: f64) -> Option<(f64, f64)> {
             }
             continue;
         }
-        let (a, b) = (
-            -origin[k] / direction[k],
-            (1.0 - origin[k]) / direction[k],
-        );
+        let (a, b) = (-origin[k] / direction[k], (1.0 - origin[k]) / direction[k]);
         (near, far) = (near.max(a.min(b)), far.min(a.max(b)));
     }
     (near < far && far.is_finite()).then_some((near, far))

@@ -46,7 +46,10 @@ impl<'s> World<'s> {
         for shadow in &effects.shadows {
             shadows[shadow.light].push(Shadow::of_light(scene, shadow, width)?);
         }
-        let surfaces = scene.meshes.iter().map(|mesh| Surface::new(scene, mesh, &mut textures));
+        let surfaces = scene
+            .meshes
+            .iter()
+            .map(|mesh| Surface::new(scene, mesh, &mut textures));
         let surfaces = surfaces.collect::<Result<Vec<_>, _>>()?;
         let (mut low, mut high) = (scene.camera.eye, scene.camera.eye);
         for p in scene.meshes.iter().flat_map(super::world) {
@@ -63,9 +66,17 @@ impl<'s> World<'s> {
             rays: RayScene::new(scene.meshes.iter().map(RayObject::Mesh)),
             extent: (high - low).length(),
             shadows,
-            slides: projectors.iter().map(|p| Slide::new(p, &mut textures)).collect(),
+            slides: projectors
+                .iter()
+                .map(|p| Slide::new(p, &mut textures))
+                .collect(),
             slide_shadows: projectors.iter().map(Shadow::of_slide).collect(),
-            environments: effects.environments.iter().enumerate().map(environment).collect(),
+            environments: effects
+                .environments
+                .iter()
+                .enumerate()
+                .map(environment)
+                .collect(),
             volumes: effects
                 .volumes
                 .iter()

@@ -8,6 +8,7 @@
 mod environments;
 mod gain;
 mod lights;
+mod look;
 mod maps;
 mod pilot;
 mod prices;
@@ -59,7 +60,7 @@ pub struct Choice {
     pub filter: Option<(Filter, Precision)>,
     /// The colour that stands for a texture of one colour: no look-up at all. Premultiplied, linear.
     pub constant: Option<[f32; 4]>,
-    /// Predicted root mean square error of the filter, with its margin; infinite where nothing is predicted.
+    /// Predicted root mean square error of the look-ups, with its margin.
     pub predicted_rmse: f64,
     /// Nanoseconds a pixel by the table, interpolation and filter of all its samples.
     pub price: f64,

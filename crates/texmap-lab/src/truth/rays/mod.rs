@@ -107,7 +107,9 @@ impl RayScene {
     ) -> bool {
         let mut met = false;
         self.walk(origin, direction, range, |body, range| {
-            met = body.meet(origin, direction, range).is_some_and(|hit| counts(&hit));
+            met = body
+                .meet(origin, direction, range)
+                .is_some_and(|hit| counts(&hit));
             (!met).then_some(range.1)
         });
         met
