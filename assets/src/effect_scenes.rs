@@ -90,9 +90,9 @@ env none
 specmap ../textures/lamps.png lat-long 40
 surf 0.35 0.08 0.10 1 1 0.8 40
 push
-translate 0 0.55 1.9
-scale 1.1
-obj ../models/head.obj
+translate 0 0.6 1.9
+scale 1.2
+obj ../models/ball_plain.obj
 pop
 specmap none
 ";
@@ -107,6 +107,7 @@ background 0.20 0.22 0.26
 la 0.22 0.22 0.24
 ld 0.7 0.68 0.62 -0.9 -0.8 -0.6
 lp 0.35 0.35 0.4 2.4 2.2 3
+lp 0.4 0.38 0.34 -0.15 2.3 -0.8
 surf 0.72 0.66 0.58 1 1 0.3 24
 shade modulate pixel
 texture ../textures/brick.png

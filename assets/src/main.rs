@@ -62,7 +62,7 @@ fn main() -> ExitCode {
 }
 
 const PLATE: &str = "newmtl plate\nKd 1 1 1\nKs 0.8 0.8 0.8\nNs 60\nillum 2\n\
-    map_Kd ../textures/brick.png\nmap_Ks ../textures/checker.png\nmap_Ns ../textures/hills.png\nmap_Ka ../textures/brick.png\n";
+    map_Kd ../textures/brick.png\nmap_Ks ../textures/checker.png\nmap_Ns ../textures/hills.png\nmap_Ka ../textures/hills.png\n";
 
 /// Name below `assets/` and content of every generated file.
 fn files() -> Vec<(String, Vec<u8>)> {

@@ -171,7 +171,9 @@ fn judge(scene: &Scene, frame: &Frame, truth: &Truth) -> Verified {
                 continue;
             }
             judged.add(color);
-            if let Some(mesh) = truth.top[here] {
+            // Blended ones count where nothing solid is behind them.
+            let solid = truth.seen[here].map(|(mesh, _)| mesh);
+            if let Some(mesh) = solid.or(truth.top[here]) {
                 meshes[mesh].add(color);
             }
             if color.max_element() > out.max {

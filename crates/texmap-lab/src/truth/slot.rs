@@ -2,7 +2,7 @@
 
 use texmap_math::glam::{DVec2, DVec3, DVec4};
 use texmap_render::{Scene, TextureSlot};
-use texmap_sample::{Filter, Origin, Sampler, Texture2d, reference as sampling};
+use texmap_sample::{Filter, Lod, Origin, Sampler, Texture2d, reference as sampling};
 
 use super::color::straight;
 
@@ -101,10 +101,12 @@ impl Slot<'_> {
         DVec4::from_array(texel)
     }
 
-    /// The texel of a ramp where the first channel of this texture points: a dependent look-up of the bilinear picture.
+    /// The texel of a ramp where the first channel of this texture points: a dependent look-up, of the bilinear picture of the level
+    /// nearest to the one that the sample asks for.
     pub(super) fn dependent(&self, place: Place, ramp: &Slot<'_>) -> DVec4 {
         let at = self.placed(place);
-        let value = |uv: DVec2| self.bilinear(uv).x;
+        let lod = self.lod(at);
+        let value = |uv: DVec2| self.bilinear(uv, lod).x;
         let (dx, dy) = (self.slope(at, at.dx, value), self.slope(at, at.dy, value));
         let at = Place {
             uv: DVec2::new(value(at.uv), 0.5),
@@ -114,16 +116,21 @@ impl Slot<'_> {
         ramp.filtered(at)
     }
 
+    /// Level of detail at coordinates of the slot.
+    fn lod(&self, at: Place) -> f64 {
+        let gradient = [at.dx.x, at.dx.y, at.dy.x, at.dy.y];
+        sampling::lod(self.sampler, &self.texture, gradient)
+    }
+
     /// The share of a sample inside of the outline where the alpha of the bilinear picture is a half; `filtered` is the alpha that the
     /// filter gave, which is the coverage where a sample sees more than a texel (Green 2007, SIGGRAPH course "Improved Alpha-Tested
     /// Magnification").
     pub(super) fn outline(&self, place: Place, filtered: f64) -> f64 {
         let at = self.placed(place);
-        let gradient = [at.dx.x, at.dx.y, at.dy.x, at.dy.y];
-        if sampling::lod(self.sampler, &self.texture, gradient) > 0.0 {
+        if self.lod(at) > 0.0 {
             return filtered;
         }
-        let alpha = |uv: DVec2| self.bilinear(uv).w;
+        let alpha = |uv: DVec2| self.bilinear(uv, 0.0).w;
         let change = DVec2::new(self.slope(at, at.dx, alpha), self.slope(at, at.dy, alpha));
         let inside = alpha(at.uv) - 0.5;
         let width = change.length().min(1.0);
@@ -134,13 +141,15 @@ impl Slot<'_> {
         }
     }
 
-    /// The picture itself, level 0, bilinear.
-    fn bilinear(&self, uv: DVec2) -> DVec4 {
+    /// The bilinear picture of the level nearest to a level of detail.
+    fn bilinear(&self, uv: DVec2, lod: f64) -> DVec4 {
         let sampler = Sampler {
-            filter: Filter::Bilinear,
+            filter: Filter::BilinearMipNearest,
+            lod: Lod::default(),
             ..self.sampler.clone()
         };
-        DVec4::from_array(sampling::sample(&sampler, &self.texture, uv.to_array()))
+        let texel = sampling::sample_lod(&sampler, &self.texture, uv.to_array(), lod);
+        DVec4::from_array(texel)
     }
 
     /// Change of a value along a step of the coordinates, by a central difference of a thousandth of it.
