@@ -257,7 +257,8 @@ ramp none
 ";
 
 const SIGNS: &str = "\
-# Letters on a wall before a stretched picture of a sky, a label on a cube, a picture through a ramp of heat, and a teapot in three tones.
+# Letters on a wall before a stretched picture of a sky, a label on a cube, a picture through a ramp of heat, a ball that shines in parts,
+# and a teapot in three tones.
 eye 0.5 1.6 5.4
 look 0.1 0.8 0
 fov 50
@@ -290,6 +291,14 @@ rotate 24 0 1 0
 obj ../models/cube.obj
 pop
 decal none
+surf 0.2 0.2 0.22 1 1 0.3 30
+emission 1 0.72 0.3 ../textures/checker.png
+push
+translate -0.2 0.3 1.6
+scale 0.6
+obj ../models/ball_plain.obj
+pop
+emission none
 cel ../textures/tones.png
 surf 0.30 0.55 0.75 1 1 0.3 20
 push

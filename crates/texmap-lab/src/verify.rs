@@ -117,6 +117,7 @@ fn surface_samplers(material: &mut Material) -> impl Iterator<Item = &mut Sample
         .chain(&mut maps.exponent)
         .chain(&mut maps.reflectivity)
         .chain(relief)
+        .chain(material.emission.as_mut().and_then(|e| e.map.as_mut()))
         .chain(material.light_map.as_mut().map(|map| &mut map.slot))
         .map(|slot| &mut slot.sampler)
 }

@@ -142,7 +142,7 @@ fn no_effect_is_left_out_of_the_truth() {
     fn all(scene: &mut Scene, change: fn(&mut Material)) {
         scene.materials.iter_mut().for_each(change);
     }
-    let effects: [(&str, &str, Change); 19] = [
+    let effects: [(&str, &str, Change); 20] = [
         ("shadows of lights", "shadows", |s| {
             s.effects.shadows.clear()
         }),
@@ -186,6 +186,7 @@ fn no_effect_is_left_out_of_the_truth() {
             s.meshes.retain(|m| !m.name.starts_with("text"))
         }),
         ("labels", "signs", |s| all(s, |m| m.decal = None)),
+        ("emission", "signs", |s| all(s, |m| m.emission = None)),
         ("cel shading", "signs", |s| all(s, |m| m.light_ramp = None)),
     ];
     for (effect, name, change) in effects {

@@ -4,7 +4,7 @@ use texmap_math::glam::{DVec2, DVec3, DVec4};
 use texmap_render::{Backdrop, Scene};
 
 use super::color::{background, over, straight};
-use super::environment::{Ray, Sphere};
+use super::environment::{EnvironmentMap, Ray};
 use super::slot::{Place, Slot, Textures};
 use crate::reference::Pinhole;
 
@@ -12,7 +12,7 @@ use crate::reference::Pinhole;
 const MOST: f64 = 8.0;
 
 /// What stands behind everything.
-pub(super) struct Behind<'s> {
+pub(super) struct Background<'s> {
     color: DVec4,
     sky: Option<Sky<'s>>,
 }
@@ -22,7 +22,7 @@ enum Sky<'s> {
     Environment(usize),
 }
 
-impl<'s> Behind<'s> {
+impl<'s> Background<'s> {
     /// `size` is that of the frame in samples.
     pub(super) fn new(scene: &'s Scene, size: DVec2, textures: &mut Textures<'s>) -> Self {
         let sky = scene.effects.backdrop.as_ref().map(|sky| match sky {
@@ -46,7 +46,7 @@ impl<'s> Behind<'s> {
     /// The colour behind a sample at (x, y) of the frame.
     pub(super) fn color(
         &self,
-        environments: &[Option<Sphere>],
+        environments: &[Option<EnvironmentMap>],
         pinhole: &Pinhole,
         x: f64,
         y: f64,
@@ -71,7 +71,7 @@ impl<'s> Behind<'s> {
 }
 
 /// The mean light over a sample: one look-up, or as many as it sees texels.
-fn seen(sphere: &Sphere, pinhole: &Pinhole, x: f64, y: f64) -> DVec3 {
+fn seen(sphere: &EnvironmentMap, pinhole: &Pinhole, x: f64, y: f64) -> DVec3 {
     let along = pinhole.direction(x, y).length();
     let step = pinhole.right.length().max(pinhole.down.length()) / along;
     let side = (step / sphere.texel_angle()).ceil().clamp(1.0, MOST);

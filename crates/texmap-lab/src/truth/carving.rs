@@ -6,9 +6,9 @@ use texmap_math::det;
 use texmap_math::glam::{DMat4, DVec3};
 use texmap_render::Carving;
 
+use super::bump::raised;
 use super::lighting::Point;
 use super::pattern::{noise, value};
-use super::relief::raised;
 
 /// Heights by a formula.
 pub(super) struct Formula {

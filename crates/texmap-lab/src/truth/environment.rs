@@ -35,7 +35,7 @@ impl Ray {
 }
 
 /// The faces of an environment, level after level, each with a border of one texel that belongs to its neighbours.
-pub(super) struct Sphere {
+pub(super) struct EnvironmentMap {
     chart: Chart,
     levels: Vec<Level>,
 }
@@ -119,7 +119,7 @@ impl Level {
     }
 }
 
-impl Sphere {
+impl EnvironmentMap {
     /// With as many levels as the environment has; each texel is the mean of four of the level before it.
     pub(super) fn new(environment: &Environment) -> Self {
         let chart = environment.chart();
@@ -233,7 +233,7 @@ mod tests {
                 .collect();
             let read = Environment::from_texels(chart, (32 * chart.aspect(), 32), &texels).unwrap();
             for environment in [read.clone(), read.with_mips()] {
-                let sphere = Sphere::new(&environment);
+                let sphere = EnvironmentMap::new(&environment);
                 let mut worst = 0.0f64;
                 for i in 0..3_000u32 {
                     let c = |k: f64| (f64::from(i) * k).sin();

@@ -49,7 +49,7 @@ pub(super) struct Point {
 }
 
 /// One light on a point, with nothing in its way: colour, and the shares of it that go into the two terms. `view` has unit length.
-pub(super) fn share(
+pub(super) fn contribution(
     numbers: &Numbers,
     model: Highlight,
     light: &Light,
@@ -122,7 +122,8 @@ pub(super) fn terms(world: &World<'_>, surface: &Surface<'_>, at: &Point) -> Ter
         if baked(index) {
             continue;
         }
-        let (color, diffuse, highlight) = share(&numbers, model, light, at.position, normal, view);
+        let (color, diffuse, highlight) =
+            contribution(&numbers, model, light, at.position, normal, view);
         match (light, ambient) {
             // A colour of its own, which does not multiply the base colour.
             (Light::Ambient { .. }, Some(texel)) => own_ambient += color * texel * diffuse,
@@ -134,15 +135,16 @@ pub(super) fn terms(world: &World<'_>, surface: &Surface<'_>, at: &Point) -> Ter
             }
         }
     }
-    for (index, slide) in world.slides.iter().enumerate() {
-        let SlideRole::Light(color) = slide.projector.role else {
+    for (index, cast) in world.projectors.iter().enumerate() {
+        let SlideRole::Light(color) = cast.projector.role else {
             continue;
         };
-        let position = slide.projector.position.as_vec3().to_array();
+        let position = cast.projector.position.as_vec3().to_array();
         let lamp = Light::Point { color, position };
-        let (color, diffuse, highlight) = share(&numbers, model, &lamp, at.position, normal, view);
-        let picture = slide.texel(at.position, at.moves).truncate();
-        if diffuse > 0.0 && picture != DVec3::ZERO && world.slide_reaches(index, at) {
+        let (color, diffuse, highlight) =
+            contribution(&numbers, model, &lamp, at.position, normal, view);
+        let picture = cast.texel(at.position, at.moves).truncate();
+        if diffuse > 0.0 && picture != DVec3::ZERO && world.projector_reaches(index, at) {
             sum.diffuse += color * picture * diffuse;
             sum.highlight += color * picture * highlight;
         }

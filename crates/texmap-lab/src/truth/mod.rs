@@ -8,22 +8,23 @@
 //! [`ASSUMPTIONS`] says what is taken for true without being derived.
 
 mod backdrop;
+mod bump;
 mod carving;
 mod color;
+mod emission;
 mod environment;
 mod grid;
 mod lighting;
 mod pattern;
+mod projector;
 pub mod rays;
-mod relief;
 mod shadow;
-mod sight;
-mod slide;
 mod slot;
 mod solids;
 mod space;
 mod surface;
 mod tangents;
+mod visible;
 mod volume;
 mod world;
 
@@ -34,7 +35,7 @@ use texmap_render::{ColorMode, Mesh, Scene};
 use crate::LabError;
 use crate::picture::Picture;
 use color::{encode, wide};
-use sight::Sight;
+use visible::Visible;
 use world::World;
 
 /// What a frame of the truth takes for true.
@@ -68,7 +69,7 @@ pub struct Truth {
 #[derive(Default)]
 struct Pixel {
     color: DVec4,
-    centre: Sight,
+    centre: Visible,
     shadow_edge: bool,
     drawn: bool,
 }
@@ -160,10 +161,10 @@ fn pixel(world: &World<'_>, x: u32, y: u32, samples: u32) -> Pixel {
                 corner[0] + f64::from(i) + 0.5,
                 corner[1] + f64::from(j) + 0.5,
             );
-            let sight = world.look(x, y);
-            let (color, mixed) = world.color(&sight, x, y);
+            let visible = world.look(x, y);
+            let (color, mixed) = world.color(&visible, x, y);
             pixel.color += color;
-            pixel.drawn |= mixed || sight.solid.is_some() || world.behind.has_sky();
+            pixel.drawn |= mixed || visible.solid.is_some() || world.behind.has_sky();
         }
     }
     pixel.color /= f64::from(samples * samples);

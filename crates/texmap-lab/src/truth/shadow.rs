@@ -55,20 +55,20 @@ impl Shadow {
     }
 
     /// The shadow of a projector that has a depth map.
-    pub(super) fn of_slide(slide: &SlideProjector) -> Option<Self> {
-        let t = slide.projector.t.truncate();
-        let right = slide.projector.q.truncate() - t * 0.5;
-        let down = slide.projector.s.truncate() - t * 0.5;
+    pub(super) fn of_projector(projector: &SlideProjector) -> Option<Self> {
+        let t = projector.projector.t.truncate();
+        let right = projector.projector.q.truncate() - t * 0.5;
+        let down = projector.projector.s.truncate() - t * 0.5;
         let axes = DMat3::from_cols(right.normalize(), -down.normalize(), -t.normalize());
         Some(Self {
-            origin: Origin::Place(slide.position),
+            origin: Origin::Place(projector.position),
             kind: ShadowKind::Spot {
                 light_from_world: DMat4::from_mat3(axes.transpose())
-                    * DMat4::from_translation(-slide.position),
+                    * DMat4::from_translation(-projector.position),
                 tan_half: 0.5 / right.length().min(down.length()),
             },
             reach: 4.0,
-            texels: f64::from(slide.shadow?),
+            texels: f64::from(projector.shadow?),
         })
     }
 
@@ -129,8 +129,8 @@ impl World<'_> {
     }
 
     /// Whether a projector reaches a point, by the shadow that it has.
-    pub(super) fn slide_reaches(&self, slide: usize, at: &Point) -> bool {
-        let shadow = self.slide_shadows[slide].as_ref();
+    pub(super) fn projector_reaches(&self, projector: usize, at: &Point) -> bool {
+        let shadow = self.projector_shadows[projector].as_ref();
         shadow.is_none_or(|shadow| self.lit(shadow, at.position, at.owner))
     }
 
@@ -182,8 +182,8 @@ impl World<'_> {
     /// a pixel of this width holds the edge.
     pub(super) fn near_an_edge(&self, at: &Point, pixel: f64) -> bool {
         let lights = self.shadows.iter().flatten();
-        let slides = self.slide_shadows.iter().flatten();
-        let mut all = lights.chain(slides);
+        let cast = self.projector_shadows.iter().flatten();
+        let mut all = lights.chain(cast);
         all.any(|shadow| self.near_edge_of(shadow, at, pixel))
     }
 

@@ -8,7 +8,7 @@ use super::grid::Grid;
 use super::pattern;
 
 /// A solid texture.
-pub(super) struct Carved {
+pub(super) struct SolidTexture {
     source: Source,
     solid_from_world: DMat4,
 }
@@ -18,7 +18,7 @@ enum Source {
     Pattern(Pattern),
 }
 
-impl Carved {
+impl SolidTexture {
     pub(super) fn new(solid: &Solid, effects: &Effects) -> Self {
         let source = match &solid.source {
             SolidSource::Grid {

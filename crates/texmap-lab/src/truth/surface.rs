@@ -6,13 +6,14 @@ use texmap_math::glam::{DMat3, DVec2, DVec3, DVec4};
 use texmap_render::{AlphaMode, Gouraud, Material, Mesh, Scene, Shading, TextureRole};
 use texmap_sample::Filter;
 
+use super::bump::{BumpMap, clamped};
 use super::color::{luminance, over, straight, wide};
+use super::emission::Emitter;
 use super::environment::Ray;
-use super::lighting::{Point, Terms, share, terms};
-use super::relief::{Turned, clamped};
-use super::slide::paint;
+use super::lighting::{Point, Terms, contribution, terms};
+use super::projector::paint;
 use super::slot::{Place, Slot, Textures};
-use super::space::Carved;
+use super::space::SolidTexture;
 use super::tangents::corner_tangents;
 use super::world;
 use super::world::World;
@@ -31,8 +32,9 @@ pub(super) struct Surface<'s> {
     color_ramp: Option<Slot<'s>>,
     light_ramp: Option<Slot<'s>>,
     decal: Option<Slot<'s>>,
-    solid: Option<Carved>,
-    relief: Option<Turned<'s>>,
+    solid: Option<SolidTexture>,
+    relief: Option<BumpMap<'s>>,
+    emission: Option<Emitter<'s>>,
     pub(super) ambient: Option<Slot<'s>>,
     pub(super) specular: Option<Slot<'s>>,
     pub(super) exponent: Option<Slot<'s>>,
@@ -55,9 +57,11 @@ impl<'s> Surface<'s> {
             Ok(TextureFrame::new(world.o - scene.camera.eye, world.u, world.v)?.magic())
         };
         let relief = material.relief.as_ref();
-        let relief = relief.map(|relief| Turned::new(relief, mesh, textures));
+        let relief = relief.map(|relief| BumpMap::new(relief, mesh, textures));
+        let emission = material.emission.as_ref();
+        let emission = emission.map(|emission| Emitter::new(emission, mesh, textures));
         let tangents = match &relief {
-            Some(Turned::Normals {
+            Some(BumpMap::Normals {
                 world_from_normal: None,
                 ..
             }) => corner_tangents(mesh),
@@ -95,8 +99,9 @@ impl<'s> Surface<'s> {
             solid: material
                 .solid
                 .as_ref()
-                .map(|solid| Carved::new(solid, &scene.effects)),
+                .map(|solid| SolidTexture::new(solid, &scene.effects)),
             relief,
+            emission,
             frame: mesh.frame.map(frame).transpose()?,
             mirrored: mesh.world_from_object.determinant() < 0.0,
         })
@@ -249,19 +254,22 @@ impl<'s> Surface<'s> {
             };
             values[0] * b.x + values[1] * b.y + values[2] * b.z
         };
-        let ramped = |mut terms: Terms| {
+        let emitter = self.emission.as_ref();
+        let emitted = emitter.map_or(DVec3::ZERO, |emitter| emitter.light(at.place));
+        let finished = |mut terms: Terms| {
             if let Some(ramp) = &self.light_ramp {
                 terms.diffuse = straight(ramp.along(luminance(terms.diffuse)));
             }
+            terms.highlight += emitted;
             terms
         };
         match material.shading {
-            Shading::Unlit => (base * mix(vertices.map(tint))).min(DVec3::ONE),
+            Shading::Unlit => (base * mix(vertices.map(tint)) + emitted).min(DVec3::ONE),
             Shading::PerPixel => {
                 let paint = paint(world, at);
                 let base = base * mix(vertices.map(tint));
                 let base = paint.truncate() + base * (1.0 - paint.w);
-                ramped(terms(world, self, at)).color(base)
+                finished(terms(world, self, at)).color(base)
             }
             Shading::PerVertex => {
                 let light = vertices.map(|vertex| self.vertex_terms(world, vertex, at.front));
@@ -271,10 +279,11 @@ impl<'s> Surface<'s> {
                         diffuse: mix(tinted),
                         highlight: mix(light.map(|terms| terms.highlight)),
                     };
-                    return ramped(terms).color(base);
+                    return finished(terms).color(base);
                 }
                 // What does not vary is finished, and clipped, at the vertices.
-                mix([0, 1, 2].map(|k| light[k].color(base * tint(vertices[k]))))
+                let color = mix([0, 1, 2].map(|k| light[k].color(base * tint(vertices[k]))));
+                (color + emitted).min(DVec3::ONE)
             }
         }
     }
@@ -288,7 +297,7 @@ impl<'s> Surface<'s> {
         let mut sum = Terms::default();
         for light in &self.scene.lights {
             let (color, diffuse, highlight) =
-                share(numbers, Highlight::Phong, light, point, normal, view);
+                contribution(numbers, Highlight::Phong, light, point, normal, view);
             sum.diffuse += color * diffuse;
             sum.highlight += color * highlight;
         }
@@ -316,7 +325,7 @@ impl<'s> Surface<'s> {
         }
     }
 
-    /// Barycentrics on the screen: those in space times the vertices' distances along the line of sight.
+    /// Barycentrics on the screen: those in space times the vertices' distances along the line of visible.
     fn screen_weights(&self, triangle: u32, hit: &Hit) -> DVec3 {
         let camera = &self.scene.camera;
         let forward = (camera.look - camera.eye).normalize();

@@ -15,14 +15,14 @@ const PER_VOXEL: f64 = 2.0;
 const MOST: f64 = 4096.0;
 
 /// A box of matter.
-pub(super) struct Matter<'s> {
+pub(super) struct Medium<'s> {
     volume: &'s Volume,
     grid: Grid,
     transfer: Option<Slot<'s>>,
     volume_from_world: DMat4,
 }
 
-impl<'s> Matter<'s> {
+impl<'s> Medium<'s> {
     pub(super) fn new(scene: &'s Scene, volume: &'s Volume, textures: &mut Textures<'s>) -> Self {
         let transfer = volume.transfer.as_ref();
         Self {

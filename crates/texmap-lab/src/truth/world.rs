@@ -3,14 +3,14 @@
 use texmap_math::glam::DVec2;
 use texmap_render::{Backdrop, Scene};
 
-use super::backdrop::Behind;
-use super::environment::Sphere;
+use super::backdrop::Background;
+use super::environment::EnvironmentMap;
+use super::projector::Cast;
 use super::rays::{RayObject, RayScene};
 use super::shadow::Shadow;
-use super::slide::Slide;
 use super::slot::Textures;
 use super::surface::Surface;
-use super::volume::Matter;
+use super::volume::Medium;
 use crate::LabError;
 use crate::reference::Pinhole;
 
@@ -25,12 +25,12 @@ pub(super) struct World<'s> {
     pub(super) extent: f64,
     /// By light.
     pub(super) shadows: Vec<Vec<Shadow>>,
-    pub(super) slides: Vec<Slide<'s>>,
-    pub(super) slide_shadows: Vec<Option<Shadow>>,
+    pub(super) projectors: Vec<Cast<'s>>,
+    pub(super) projector_shadows: Vec<Option<Shadow>>,
     /// Those that something reads.
-    pub(super) environments: Vec<Option<Sphere>>,
-    pub(super) volumes: Vec<Matter<'s>>,
-    pub(super) behind: Behind<'s>,
+    pub(super) environments: Vec<Option<EnvironmentMap>>,
+    pub(super) volumes: Vec<Medium<'s>>,
+    pub(super) behind: Background<'s>,
 }
 
 impl<'s> World<'s> {
@@ -56,7 +56,8 @@ impl<'s> World<'s> {
             (low, high) = (low.min(p), high.max(p));
         }
         let read = environments_read(scene);
-        let environment = |(i, environment)| read.contains(&i).then(|| Sphere::new(environment));
+        let environment =
+            |(i, environment)| read.contains(&i).then(|| EnvironmentMap::new(environment));
         let size = DVec2::new(f64::from(width * samples), f64::from(height * samples));
         let projectors = &effects.projectors;
         Ok(Self {
@@ -66,11 +67,11 @@ impl<'s> World<'s> {
             rays: RayScene::new(scene.meshes.iter().map(RayObject::Mesh)),
             extent: (high - low).length(),
             shadows,
-            slides: projectors
+            projectors: projectors
                 .iter()
-                .map(|p| Slide::new(p, &mut textures))
+                .map(|p| Cast::new(p, &mut textures))
                 .collect(),
-            slide_shadows: projectors.iter().map(Shadow::of_slide).collect(),
+            projector_shadows: projectors.iter().map(Shadow::of_projector).collect(),
             environments: effects
                 .environments
                 .iter()
@@ -80,16 +81,16 @@ impl<'s> World<'s> {
             volumes: effects
                 .volumes
                 .iter()
-                .map(|volume| Matter::new(scene, volume, &mut textures))
+                .map(|volume| Medium::new(scene, volume, &mut textures))
                 .collect(),
-            behind: Behind::new(scene, size, &mut textures),
+            behind: Background::new(scene, size, &mut textures),
         })
     }
 
     /// Whether shadows reach the surface of a mesh.
     pub(super) fn has_shadows(&self) -> bool {
-        let slides = self.slide_shadows.iter().any(Option::is_some);
-        slides || self.shadows.iter().any(|of_light| !of_light.is_empty())
+        let cast = self.projector_shadows.iter().any(Option::is_some);
+        cast || self.shadows.iter().any(|of_light| !of_light.is_empty())
     }
 }
 

@@ -254,6 +254,27 @@ mod tests {
         assert!(seen > 500, "{seen}");
     }
 
+    /// Things of ever smaller size make a hierarchy as deep as they are many.
+    #[test]
+    fn a_hierarchy_of_any_depth_is_walked() {
+        let mut mesh = Mesh::default();
+        for k in 0..100u32 {
+            let side = 0.5f32.powi(k as i32);
+            let first = mesh.positions.len() as u32;
+            let corner = |x: f32, y: f32| [x * side, y * side, 0.0];
+            mesh.positions
+                .extend([corner(1.0, 0.0), corner(1.5, 0.0), corner(1.0, 0.5)]);
+            mesh.triangles.push([first, first + 1, first + 2]);
+        }
+        let scene = RayScene::new([RayObject::Mesh(&mesh)]);
+        for k in 0..100u32 {
+            let side = 0.5f64.powi(k as i32);
+            let origin = DVec3::new(1.1 * side, 0.1 * side, 1.0);
+            let hit = scene.nearest(origin, DVec3::NEG_Z, EVERYWHERE).unwrap();
+            assert_eq!(hit.triangle, k);
+        }
+    }
+
     /// A square before a small lamp: umbra, half shadow and light where similar triangles put them.
     #[test]
     fn area_lights_have_penumbrae_of_the_right_width() {

@@ -15,7 +15,7 @@ use super::surface::linear;
 const HORIZON: f64 = 0.01;
 
 /// A relief on a mesh.
-pub(super) enum Turned<'s> {
+pub(super) enum BumpMap<'s> {
     /// Heights, and the world units of a white texel over a black one.
     Heights(Slot<'s>, f64),
     /// Slopes, and the world units over the whole picture where a channel is 1.
@@ -32,7 +32,7 @@ pub(super) enum Turned<'s> {
     },
 }
 
-impl<'s> Turned<'s> {
+impl<'s> BumpMap<'s> {
     pub(super) fn new(relief: &'s Relief, mesh: &Mesh, textures: &mut Textures<'s>) -> Self {
         let origin = mesh.uv_origin;
         // World units of one of the object's: the mean of its axes by volume.

@@ -14,7 +14,7 @@ const SAME_DEPTH: f64 = 1.0 / (1u64 << 22) as f64;
 
 /// What one ray sees.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Sight {
+pub(super) struct Visible {
     /// The nearest opaque or cut-out surface: mesh, triangle.
     pub(super) solid: Option<((usize, u32), Hit)>,
     /// Blended surfaces before it, in the order in which they are drawn.
@@ -23,7 +23,7 @@ pub(super) struct Sight {
 
 impl World<'_> {
     /// What the ray through (x, y) meets.
-    pub(super) fn look(&self, x: f64, y: f64) -> Sight {
+    pub(super) fn look(&self, x: f64, y: f64) -> Visible {
         let (eye, direction) = (self.pinhole.eye, self.pinhole.direction(x, y));
         let (near, far) = (self.scene.camera.near, self.scene.camera.far);
         let mut met: Vec<((usize, u32), Hit)> = Vec::new();
@@ -52,17 +52,17 @@ impl World<'_> {
             });
         // The order of the scene.
         met.sort_by_key(|(owner, _)| *owner);
-        let mut sight = Sight::default();
+        let mut visible = Visible::default();
         for (owner, hit) in &met {
             if self.surfaces[owner.0].material().alpha == AlphaMode::Blend {
-                sight.blended.push((*owner, *hit));
-            } else if self.passes(hit.t, sight.solid.map(|(_, solid)| solid.t)) {
-                sight.solid = Some((*owner, *hit));
+                visible.blended.push((*owner, *hit));
+            } else if self.passes(hit.t, visible.solid.map(|(_, solid)| solid.t)) {
+                visible.solid = Some((*owner, *hit));
             }
         }
-        let end = sight.solid.map(|(_, solid)| solid.t);
-        sight.blended.retain(|(_, hit)| self.passes(hit.t, end));
-        sight
+        let end = visible.solid.map(|(_, solid)| solid.t);
+        visible.blended.retain(|(_, hit)| self.passes(hit.t, end));
+        visible
     }
 
     /// The depth test against what was drawn before.
@@ -77,22 +77,22 @@ impl World<'_> {
     }
 
     /// The colour that the ray through (x, y) leaves, premultiplied linear light, and whether anything blended or a volume is in it.
-    pub(super) fn color(&self, sight: &Sight, x: f64, y: f64) -> (DVec4, bool) {
+    pub(super) fn color(&self, visible: &Visible, x: f64, y: f64) -> (DVec4, bool) {
         let shade = |owner: (usize, u32), hit: &Hit| {
             let surface = &self.surfaces[owner.0];
             let point = surface.point(owner, hit, &self.pinhole, x, y);
             surface.shade(self, &point, hit)
         };
-        let mut color = match &sight.solid {
+        let mut color = match &visible.solid {
             Some((owner, hit)) => shade(*owner, hit),
             None => self.behind.color(&self.environments, &self.pinhole, x, y),
         };
-        let mut mixed = !sight.blended.is_empty();
-        for (owner, hit) in &sight.blended {
+        let mut mixed = !visible.blended.is_empty();
+        for (owner, hit) in &visible.blended {
             color = over(shade(*owner, hit), color);
         }
         let ray = self.pinhole.direction(x, y);
-        let end = sight
+        let end = visible
             .solid
             .map_or(f64::INFINITY, |(_, hit)| hit.t * ray.length());
         for matter in &self.volumes {
@@ -104,10 +104,10 @@ impl World<'_> {
     }
 
     /// Whether the pixel of `samples` samples a side about (x, y) lies at the edge of a shadow on what is seen there.
-    pub(super) fn at_an_edge(&self, sight: &Sight, samples: u32, x: f64, y: f64) -> bool {
-        let solid = sight.solid.iter();
+    pub(super) fn at_an_edge(&self, visible: &Visible, samples: u32, x: f64, y: f64) -> bool {
+        let solid = visible.solid.iter();
         self.has_shadows()
-            && solid.chain(&sight.blended).any(|(owner, hit)| {
+            && solid.chain(&visible.blended).any(|(owner, hit)| {
                 let surface = &self.surfaces[owner.0];
                 if surface.material().shading != Shading::PerPixel {
                     return false;

@@ -12,13 +12,13 @@ use super::slot::{Place, Textures, sample};
 use super::world::World;
 
 /// A projector with its picture.
-pub(super) struct Slide<'s> {
+pub(super) struct Cast<'s> {
     pub(super) projector: &'s SlideProjector,
     texture: Texture2d<'static>,
     sampler: Sampler,
 }
 
-impl<'s> Slide<'s> {
+impl<'s> Cast<'s> {
     pub(super) fn new(projector: &'s SlideProjector, textures: &mut Textures<'s>) -> Self {
         let wrap = match projector.border {
             SlideBorder::Repeat => Wrap::Repeat,
@@ -78,14 +78,14 @@ impl<'s> Slide<'s> {
 /// The paint of all projectors on a point, premultiplied, the later over the earlier: on what faces them and is not behind something.
 pub(super) fn paint(world: &World<'_>, at: &Point) -> DVec4 {
     let mut sum = DVec4::ZERO;
-    for (index, slide) in world.slides.iter().enumerate() {
-        let projector = slide.projector;
+    for (index, cast) in world.projectors.iter().enumerate() {
+        let projector = cast.projector;
         let toward = projector.position - at.position;
         if projector.role != SlideRole::Paint || at.plane.dot(toward) <= 0.0 {
             continue;
         }
-        let texel = slide.texel(at.position, at.moves);
-        if texel.w > 0.0 && world.slide_reaches(index, at) {
+        let texel = cast.texel(at.position, at.moves);
+        if texel.w > 0.0 && world.projector_reaches(index, at) {
             sum = over(texel, sum);
         }
     }
