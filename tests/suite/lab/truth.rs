@@ -144,7 +144,7 @@ fn no_effect_is_left_out_of_the_truth() {
     }
     let effects: [(&str, &str, Change); 20] = [
         ("shadows of lights", "shadows", |s| {
-            s.effects.shadows.clear()
+            s.effects.shadows.clear();
         }),
         ("shadows of projectors", "teapot_slides", |s| {
             s.effects
@@ -153,37 +153,37 @@ fn no_effect_is_left_out_of_the_truth() {
                 .for_each(|p| p.shadow = None);
         }),
         ("light of projectors", "teapot_slides", |s| {
-            s.effects.projectors.clear()
+            s.effects.projectors.clear();
         }),
         ("paint of projectors", "painted_cow", |s| {
-            s.effects.projectors.clear()
+            s.effects.projectors.clear();
         }),
         ("skies by direction", "mirrors", |s| {
-            s.effects.backdrop = None
+            s.effects.backdrop = None;
         }),
         ("stretched skies", "signs", |s| s.effects.backdrop = None),
         ("mirrors", "mirrors", |s| all(s, |m| m.reflection = None)),
         ("specular maps", "mirrors", |s| {
-            all(s, |m| m.specular_map = None)
+            all(s, |m| m.specular_map = None);
         }),
         ("reliefs", "reliefs", |s| all(s, |m| m.relief = None)),
         ("maps of ambient light", "reliefs", |s| {
-            all(s, |m| m.maps.ambient = None)
+            all(s, |m| m.maps.ambient = None);
         }),
         ("maps of highlights", "reliefs", |s| {
-            all(s, |m| m.maps.specular = None)
+            all(s, |m| m.maps.specular = None);
         }),
         ("maps of exponents", "reliefs", |s| {
-            all(s, |m| m.maps.exponent = None)
+            all(s, |m| m.maps.exponent = None);
         }),
         ("light maps", "baked_light", |s| {
-            all(s, |m| m.light_map = None)
+            all(s, |m| m.light_map = None);
         }),
         ("solids", "solids", |s| all(s, |m| m.solid = None)),
         ("ramps", "solids", |s| all(s, |m| m.color_ramp = None)),
         ("volumes", "cloud", |s| s.effects.volumes.clear()),
         ("text", "signs", |s| {
-            s.meshes.retain(|m| !m.name.starts_with("text"))
+            s.meshes.retain(|m| !m.name.starts_with("text"));
         }),
         ("labels", "signs", |s| all(s, |m| m.decal = None)),
         ("emission", "signs", |s| all(s, |m| m.emission = None)),

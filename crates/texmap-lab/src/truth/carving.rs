@@ -69,6 +69,7 @@ impl Formula {
 
 /// The part of a wave of length 1 that a sample of this width leaves: all up to a quarter, nothing from three quarters on.
 fn seen(width: f64) -> f64 {
+    let left = 1.5 - 2.0 * width;
     // NaN, on the axis itself, leaves nothing.
-    (1.5 - 2.0 * width).min(1.0).max(0.0)
+    if left > 0.0 { left.min(1.0) } else { 0.0 }
 }

@@ -98,7 +98,7 @@ mod tests {
                 // At a ring's end a sixteenth of an ulp turns 1 to 0.
                 let off = (wanted - found).abs();
                 assert!(
-                    off < 2e-4 || off > 0.999,
+                    !(2e-4..=0.999).contains(&off),
                     "{pattern:?} {p:?} {width}: {off}"
                 );
             }

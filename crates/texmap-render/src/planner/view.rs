@@ -79,7 +79,7 @@ impl View<'_> {
             }
             Some(look) => match look.slot() {
                 Some(slot) => {
-                    self.choose_filter((slot, &look), budget, places, all, samples, &mut choice)
+                    self.choose_filter((slot, &look), budget, places, all, samples, &mut choice);
                 }
                 None => self.predict(&look, budget, places, all, samples, &mut choice),
             },
