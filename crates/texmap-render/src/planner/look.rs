@@ -1,7 +1,7 @@
 //! What a surface looks like before the light: its texel, through a ramp or within an outline, times what it is carved out of.
 
 use texmap_math::Footprint;
-use texmap_sample::{Sampler, Texture2d};
+use texmap_sample::{Filter, Lod, Precision, Sampler, Texture2d};
 
 use super::view::constant;
 use crate::canvas::straight;
@@ -23,7 +23,19 @@ pub(super) struct Look<'s> {
     texture: Option<(Texture2d<'static>, &'s TextureSlot)>,
     ramp: Option<(Texture2d<'static>, &'s Sampler)>,
     solid: Option<SolidStage<'s>>,
+    /// A label over it; its filter is the scene's.
+    label: Option<(Texture2d<'static>, &'s TextureSlot)>,
+    /// The surface colour, where it lies below a label.
+    under: [f32; 3],
     crisp: bool,
+}
+
+/// How the textures of a surface are read.
+#[derive(Clone)]
+pub(super) struct Read {
+    pub(super) base: Sampler,
+    /// That of the label, unless its own.
+    pub(super) label: Option<Sampler>,
 }
 
 impl<'s> Look<'s> {
@@ -40,19 +52,25 @@ impl<'s> Look<'s> {
         // What copies its texel shows nothing that lies below.
         let copies = material.base_color.is_some() && material.texture_role == TextureRole::Decal;
         let solid = material.solid.as_ref().filter(|_| !copies);
-        if material.base_color.is_none() && solid.is_none() {
+        if material.base_color.is_none() && solid.is_none() && material.decal.is_none() {
             return None;
         }
+        let on_mesh = |slot: &'s TextureSlot| {
+            let texture = with_mips(slot.texture).with_origin(mesh.uv_origin);
+            (texture, slot)
+        };
         Some(Self {
-            texture: material.base_color.as_ref().map(|slot| {
-                let texture = with_mips(slot.texture).with_origin(mesh.uv_origin);
-                (texture, slot)
-            }),
+            texture: material.base_color.as_ref().map(on_mesh),
+            label: material.decal.as_ref().map(on_mesh),
             ramp: material
                 .color_ramp
                 .as_ref()
                 .map(|slot| (with_mips(slot.texture), &slot.sampler)),
             solid: solid.map(|solid| SolidStage::new(solid, &scene.effects, 0)),
+            under: match material.decal {
+                Some(_) if !copies => material.surface.color,
+                _ => [1.0; 3],
+            },
             crisp: material.crisp,
         })
     }
@@ -62,28 +80,54 @@ impl<'s> Look<'s> {
         self.texture.as_ref().map(|(_, slot)| *slot)
     }
 
+    /// The best filter for both textures.
+    pub(super) fn reference(&self) -> Read {
+        let best = |slot: Option<&TextureSlot>| Sampler {
+            filter: Filter::Anisotropic(16),
+            precision: Precision::Exact,
+            lod: Lod::default(),
+            ..slot.map(|slot| slot.sampler.clone()).unwrap_or_default()
+        };
+        Read {
+            base: best(self.slot()),
+            label: self.label.as_ref().map(|(_, slot)| best(Some(slot))),
+        }
+    }
+
     /// The one colour of its texture, if nothing but that is seen.
     pub(super) fn constant(&self) -> Option<[f32; 4]> {
-        let plain = self.ramp.is_none() && self.solid.is_none() && !self.crisp;
+        let plain = self.ramp.is_none() && self.solid.is_none() && self.label.is_none();
+        let plain = plain && !self.crisp;
         let (texture, _) = self.texture.as_ref().filter(|_| plain)?;
         constant(texture)
     }
 
-    /// The colour at a spot, its texture read by this sampler: linear, premultiplied.
-    pub(super) fn color(&self, sampler: &Sampler, at: &Spot) -> [f32; 4] {
-        let texel = match &self.texture {
-            Some((texture, slot)) => self.texel(sampler, texture, slot, at),
+    /// The colour at a spot: linear, premultiplied.
+    pub(super) fn color(&self, read: &Read, at: &Spot) -> [f32; 4] {
+        let mut texel = match &self.texture {
+            Some((texture, slot)) => self.texel(&read.base, texture, slot, at),
             None => [1.0; 4],
         };
-        let Some(solid) = &self.solid else {
-            return texel;
-        };
-        let mut color = solid.color(at.position, at.moves[0], at.moves[1]);
-        if let Some((ramp, along)) = &self.ramp {
-            color = along.sample_lod(ramp, [color[0], 0.5], 0.0);
+        if let Some(solid) = &self.solid {
+            let mut color = solid.color(at.position, at.moves[0], at.moves[1]);
+            if let Some((ramp, along)) = &self.ramp {
+                color = along.sample_lod(ramp, [color[0], 0.5], 0.0);
+            }
+            let [r, g, b] = straight(color);
+            texel = [texel[0] * r, texel[1] * g, texel[2] * b, texel[3]];
         }
-        let [r, g, b] = straight(color);
-        [texel[0] * r, texel[1] * g, texel[2] * b, texel[3]]
+        if let Some((texture, slot)) = &self.label {
+            let uv = slot.transform.apply(at.uv);
+            let d = slot.transform.apply_footprint(at.footprint);
+            let sampler = read.label.as_ref().unwrap_or(&slot.sampler);
+            let label = sampler.sample_grad(texture, uv, d);
+            // It covers the colour, not the holes.
+            let keep = 1.0 - label[3];
+            for k in 0..3 {
+                texel[k] = label[k] * texel[3] + keep * texel[k] * self.under[k];
+            }
+        }
+        texel
     }
 
     fn texel(

@@ -4,12 +4,11 @@ use std::collections::HashSet;
 
 use texmap_math::glam::{DMat3, DVec2, DVec3};
 use texmap_math::{Footprint, color};
-use texmap_sample::{Filter, Lod, Precision, Sampler};
 use texmap_uv::PixelMapping;
 
 use super::View;
 use super::gain::Gain;
-use super::look::{Look, Spot};
+use super::look::{Look, Read, Spot};
 use crate::coordinates::CameraFrame;
 
 /// Positions a side of the grid over the mesh's part of the picture, where that has more pixels.
@@ -154,15 +153,7 @@ impl Pilot {
         if places.list.len() < FEWEST {
             return None;
         }
-        let reference = Sampler {
-            filter: Filter::Anisotropic(16),
-            precision: Precision::Exact,
-            lod: Lod::default(),
-            ..look
-                .slot()
-                .map(|slot| slot.sampler.clone())
-                .unwrap_or_default()
-        };
+        let reference = look.reference();
         let step = if all {
             1
         } else {
@@ -200,12 +191,12 @@ impl Pilot {
         self.ends.len()
     }
 
-    /// The error of a sampler over the mesh's pixels. What blends is tried before black and before white: the worse of both.
-    pub(super) fn error(&self, look: &Look<'_>, sampler: &Sampler, srgb: bool) -> Predicted {
+    /// The error of what is read so over the mesh's pixels. What blends is tried before black and before white: the worse of both.
+    pub(super) fn error(&self, look: &Look<'_>, read: &Read, srgb: bool) -> Predicted {
         let samples = self.places.len() / self.ends.len().max(1);
         let places = self.places.chunks_exact(samples.max(1));
         let found: Vec<Vec<[f32; 4]>> = places
-            .map(|places| places.iter().map(|at| look.color(sampler, at)).collect())
+            .map(|places| places.iter().map(|at| look.color(read, at)).collect())
             .collect();
         let black = self.error_before(0.0, &found, srgb);
         if !self.blended {

@@ -6,7 +6,7 @@ use texmap_raster::Interp;
 use texmap_sample::{Filter, Precision, Sampler, Texture2d};
 
 use super::gain::Lighting;
-use super::look::Look;
+use super::look::{Look, Read};
 use super::pilot::{Pilot, Places};
 use super::prices::{self, Price, prices};
 use super::{Budget, Choice, maps};
@@ -100,24 +100,34 @@ impl View<'_> {
     ) {
         choice.left_out.push("texture look-up");
         let srgb = self.scene.color == ColorMode::Srgb;
+        let read = Read {
+            base: Sampler::default(),
+            label: None,
+        };
         // Everything that is known, where a first look leaves it undecided.
         for all_of_them in [false, true] {
             let Some(pilot) = self.pilot(places, all_of_them, samples, look) else {
                 unseen(places, all).clone_into(&mut choice.why);
                 return;
             };
-            let found = pilot.error(look, &Sampler::default(), srgb);
+            let found = pilot.error(look, &read, srgb);
             (choice.tried, choice.predicted_rmse) = (pilot.len(), found.bound);
             if found.low > budget.rmse || found.bound <= budget.rmse {
                 break;
             }
         }
-        "carved out of space: its samples decide".clone_into(&mut choice.why);
+        "no filter to choose: its samples decide".clone_into(&mut choice.why);
     }
 
     fn pilot(&self, places: &Places, all: bool, samples: u32, look: &Look<'_>) -> Option<Pilot> {
         let material = &self.scene.materials[self.mesh.material];
-        let gain = self.lighting.gain(self.mesh, material);
+        let mut gain = self.lighting.gain(self.mesh, material);
+        if material.decal.is_some() {
+            // The surface colour lies below the label, and is in the look already.
+            let mut white = material.clone();
+            white.surface.color = [1.0; 3];
+            gain = self.lighting.gain(self.mesh, &white);
+        }
         let blended = material.alpha == AlphaMode::Blend;
         Pilot::new(places, all, samples, look, (gain, blended))
     }
@@ -162,12 +172,13 @@ impl View<'_> {
         let srgb = self.scene.color == ColorMode::Srgb;
         let mut best: Option<(f64, &Price)> = None;
         for price in prices() {
-            let sampler = Sampler {
+            let base = Sampler {
                 filter: price.filter,
                 precision: price.precision,
                 ..slot.sampler.clone()
             };
-            let first = pilot.error(look, &sampler, srgb);
+            let read = Read { base, label: None };
+            let first = pilot.error(look, &read, srgb);
             let mut predicted = first.bound;
             if first.low <= budget.rmse && predicted > budget.rmse {
                 if whole.is_none() {
@@ -175,7 +186,7 @@ impl View<'_> {
                 }
                 if let Some(whole) = &whole {
                     choice.tried = whole.len();
-                    predicted = whole.error(look, &sampler, srgb).bound;
+                    predicted = whole.error(look, &read, srgb).bound;
                 }
             }
             if best.is_none_or(|(error, _)| predicted < error) {
