@@ -70,16 +70,16 @@ fn the_error_of_a_filter_is_predicted_without_vertex_coordinates() {
     }
 }
 
-/// The error of ramps and of what is carved out of space is predicted, too, and the plan is kept.
+/// The error of ramps, of labels and of what is carved out of space is predicted, too, and the plan is kept.
 #[test]
-fn the_error_of_ramps_and_solids_is_predicted() {
-    for (name, least) in [("signs", 1), ("solids", 4)] {
+fn the_error_of_ramps_labels_and_solids_is_predicted() {
+    for (name, least) in [("signs", 3), ("solids", 4)] {
         let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
         let file = root.join(format!("assets/scenes/{name}.scene"));
         let scene = texmap_io::load_scene(&file, &Default::default()).unwrap();
         let special = |mesh: usize| {
             let material = &scene.materials[scene.meshes[mesh].material];
-            material.color_ramp.is_some() || material.solid.is_some()
+            material.color_ramp.is_some() || material.solid.is_some() || material.decal.is_some()
         };
         predicted(name, &scene, least, special);
     }

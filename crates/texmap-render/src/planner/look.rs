@@ -23,7 +23,7 @@ pub(super) struct Look<'s> {
     texture: Option<(Texture2d<'static>, &'s TextureSlot)>,
     ramp: Option<(Texture2d<'static>, &'s Sampler)>,
     solid: Option<SolidStage<'s>>,
-    /// A label over it; its filter is the scene's.
+    /// A label over it.
     label: Option<(Texture2d<'static>, &'s TextureSlot)>,
     /// The surface colour, where it lies below a label.
     under: [f32; 3],
@@ -80,18 +80,33 @@ impl<'s> Look<'s> {
         self.texture.as_ref().map(|(_, slot)| *slot)
     }
 
-    /// The best filter for both textures.
-    pub(super) fn reference(&self) -> Read {
-        let best = |slot: Option<&TextureSlot>| Sampler {
-            filter: Filter::Anisotropic(16),
-            precision: Precision::Exact,
-            lod: Lod::default(),
+    /// Both textures by one filter.
+    pub(super) fn by(&self, filter: Filter, precision: Precision) -> Read {
+        let sampler = |slot: Option<&TextureSlot>| Sampler {
+            filter,
+            precision,
             ..slot.map(|slot| slot.sampler.clone()).unwrap_or_default()
         };
+        let label = self.label.as_ref();
         Read {
-            base: best(self.slot()),
-            label: self.label.as_ref().map(|(_, slot)| best(Some(slot))),
+            base: sampler(self.slot()),
+            label: label.map(|(_, slot)| sampler(Some(slot))),
         }
+    }
+
+    /// Both by the best filter, without a bias.
+    pub(super) fn reference(&self) -> Read {
+        let mut read = self.by(Filter::Anisotropic(16), Precision::Exact);
+        read.base.lod = Lod::default();
+        if let Some(label) = &mut read.label {
+            label.lod = Lod::default();
+        }
+        read
+    }
+
+    /// Textures that its filter reads.
+    pub(super) fn textures(&self) -> usize {
+        usize::from(self.texture.is_some()) + usize::from(self.label.is_some())
     }
 
     /// The one colour of its texture, if nothing but that is seen.

@@ -172,12 +172,7 @@ impl View<'_> {
         let srgb = self.scene.color == ColorMode::Srgb;
         let mut best: Option<(f64, &Price)> = None;
         for price in prices() {
-            let base = Sampler {
-                filter: price.filter,
-                precision: price.precision,
-                ..slot.sampler.clone()
-            };
-            let read = Read { base, label: None };
+            let read = look.by(price.filter, price.precision);
             let first = pilot.error(look, &read, srgb);
             let mut predicted = first.bound;
             if first.low <= budget.rmse && predicted > budget.rmse {
@@ -202,7 +197,7 @@ impl View<'_> {
         };
         choice.filter = Some((price.filter, price.precision));
         choice.predicted_rmse = predicted;
-        choice.price += price.ns;
+        choice.price += price.ns * look.textures() as f64;
         choice.why = if predicted <= budget.rmse {
             format!("the cheapest of {} filters that fits", prices().len())
         } else {
