@@ -1,7 +1,11 @@
 //! Holds the f64 reference and the renderer against each other: every scene of `assets/scenes`, the reference with 6 x 6 samples a pixel
 //! against a frame of the renderer with 8 x 8. `cargo run --release -p texmap-lab --example verify_table > docs/verify.md`; with `--size WxH`
 //! and names of scenes it prints those alone, with `--heat FOLDER` it puts the frames, the references and the errors there.
-#![allow(clippy::print_stdout, clippy::print_stderr, reason = "the table is the output")]
+#![allow(
+    clippy::print_stdout,
+    clippy::print_stderr,
+    reason = "the table is the output"
+)]
 
 use std::error::Error;
 use std::path::{Path, PathBuf};

@@ -239,3 +239,125 @@ fn affine_frames_differ() {
         found.inside
     );
 }
+
+/// The less usual words of the scene language, a few at a time, around a few things of every kind.
+const RARE: [(&str, &str); 13] = [
+    ("blinn", "highlight blinn\nsurf .6 .5 .4 1 1 .6 40\n"),
+    (
+        "lit at vertices",
+        "shade vertex\nsurf .6 .5 .4 1 1 .6 12\ngouraud perspective\nspecmap TEX/lamps.png lat-long 20\n",
+    ),
+    (
+        "lit at vertices, on the screen",
+        "shade modulate vertex\ncel TEX/tones.png\n",
+    ),
+    (
+        "objects' normals",
+        "normalmap TEX/normals.png object down xy\n",
+    ),
+    (
+        "tangents' normals, downwards",
+        "normalmap TEX/normals.png tangent down xy\nhorizon open\n",
+    ),
+    ("mirrored", "scale -1 1 1\nnormalmap TEX/normals.png\n"),
+    (
+        "mirrored heights from behind",
+        "scale 1 1 -1\nbump TEX/brick_heights.png -0.05\ncull back\n",
+    ),
+    (
+        "uneven",
+        "scale 1 .6 1.3\noffsetmap TEX/offsets.png 2 down\n",
+    ),
+    (
+        "carved noise, folded waves",
+        "carve waves .06 0 0 0 1 .3 1 around 7 fold .5\n",
+    ),
+    (
+        "an octahedron of light",
+        "env TEX/label.png octahedron .6 mips\nspecmap TEX/checker.png equal-area-octahedron 6\nsurf .3 .3 .3 1 1 .5 10\n",
+    ),
+    (
+        "a mirror ball and paraboloids",
+        "env TEX/face.png sphere-map .5\n",
+    ),
+    (
+        "raw",
+        "color raw\nbump TEX/brick_heights.png 0.05\nsurf .6 .5 .4 .7 .7 .6 12\n",
+    ),
+    (
+        "voxels, nearest",
+        "filter nearest\nwrap mirrored-repeat\nsolid TEX/cloud.npy 0 0 0 .7 .8 .9\n",
+    ),
+];
+
+const THINGS: &str = "la .2 .2 .25\nld .5 .5 .4 -.5 -1 -.6\nls .6 .5 .5 1.5 2.5 2 -1.5 -2.5 -2 30 60\n\
+    obj MODELS/ball_plain.obj\ntranslate 1.3 .1 -.4\nrotate 30 .2 1 0\ntexture TEX/uv_grid.png\nobj MODELS/cube_plain.obj\n\
+    shade modulate pixel\nv -2.2 -.6 -1\nv -.7 -.6 -1.4\nv -.7 .9 -1.4\nv -2.2 .9 -1\ntf 0 0 1 1 1 1 2 1 0 3 0 0\n";
+
+/// Lights and casters: each line is a scene's effects over a floor and a wall.
+const CAST: [(&str, &str); 7] = [
+    (
+        "areas",
+        "ld .6 .6 .5 -.5 -1 -.6\nshadow 1024 area 0 0 0 1.2\nlp .4 .4 .5 1 2 1.5\nshadow 512 area 0 -.5 0 1\n",
+    ),
+    (
+        "a bias of its own",
+        "ld .6 .6 .5 -.5 -1 -.6\nshadow 1024 slope .002\nls .5 .5 .5 1 2.4 1 -1 -2.4 -1 40 60\nshadow 1024 slope .001\n",
+    ),
+    (
+        "a lamp all around",
+        "lp .8 .8 .7 .2 1.6 .3\nshadow 256 taps 1\n",
+    ),
+    (
+        "light beyond its picture",
+        "projector TEX/label.png light 1 2 3 0 0 0 0 1 0 20 clamp\nprojector TEX/checker.png light -2 2 2 0 0 0 0 1 0 16 repeat color .4 .5 .6 shadow 512\n",
+    ),
+    (
+        "soft light and paint",
+        "projector TEX/face.png light 0 2 3 0 -.2 0 0 1 0 40 soft .2 shadow 512\nprojector TEX/label.png paint -2 1.5 2 0 0 0 0 1 0 40 shadow 512\n",
+    ),
+    (
+        "shadowless and blended casters",
+        "ld .7 .7 .6 -.5 -1 -.6\nshadow 1024\nshadowless yes\nobj MODELS/cube_plain.obj\nshadowless no\nalpha blend\ntranslate 1 .3 .3\nobj MODELS/ball_plain.obj\n",
+    ),
+    (
+        "cut-outs at a threshold",
+        "ld .7 .7 .6 -.3 -1 -.9\nshadow 1024 taps 1\ntexture TEX/leaf.png\nalpha test .3\nv -.9 -.5 .9\nv .9 -.5 .9\nv .9 .6 .7\nv -.9 .6 .7\nshade modulate\ntf 8 0 1 9 1 1 10 1 0 11 0 0\n",
+    ),
+];
+
+const ROOM: &str = "surf .8 .75 .7 1 1 .2 20\nv -3 -.5 3\nv 3 -.5 3\nv 3 -.5 -2\nv -3 -.5 -2\nf 0 1 2 3\n\
+    v -3 -.5 -2\nv 3 -.5 -2\nv 3 2 -2\nv -3 2 -2\nf 4 5 6 7\npush\nscale .7\nobj MODELS/ball_plain.obj\npop\n";
+
+#[test]
+fn rare_words_are_drawn_as_rays_say() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../assets");
+    let folder = tempfile::tempdir().unwrap();
+    let things = RARE.map(|(name, words)| (name, format!("{words}{THINGS}")));
+    let rooms = CAST.map(|(name, words)| (name, format!("la .2 .2 .2\n{ROOM}{words}")));
+    let mut off = Vec::new();
+    for (name, text) in things.into_iter().chain(rooms) {
+        let place = |word: &str| root.join(word).display().to_string();
+        let text = text
+            .replace("TEX", &place("textures"))
+            .replace("MODELS", &place("models"));
+        let file = folder.path().join("rare.scene");
+        std::fs::write(
+            &file,
+            format!("eye .4 .8 3.4\nfov 50\nbackground .2 .3 .4\n{text}"),
+        )
+        .unwrap();
+        let scene = texmap_io::load_scene(&file, &LoadOptions::default())
+            .unwrap_or_else(|error| panic!("{name}: {error}"));
+        let truth = frame(&scene, WIDTH, HEIGHT, 1).unwrap();
+        let found = compare(&truth, &drawn(&scene, None));
+        assert!(found.inside > 3_000, "{name}: {} inside", found.inside);
+        if found.over > 0 {
+            let (over, inside, worst) = (found.over, found.inside, found.worst);
+            off.push(format!(
+                "{name}: {over} of {inside} values differ, worst {worst}"
+            ));
+        }
+    }
+    assert!(off.is_empty(), "{}", off.join("\n"));
+}

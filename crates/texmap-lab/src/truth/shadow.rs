@@ -201,10 +201,11 @@ impl World<'_> {
         }
         let a = direction.any_orthonormal_vector();
         let b = direction.cross(a);
-        // Eight places around, and four half as far.
-        (0..12).any(|k| {
-            let (turn, way) = if k < 8 { (k, 1.0) } else { (2 * k, 0.5) };
-            let (sin, cos) = det::sin_cos(f64::from(turn) * std::f64::consts::FRAC_PI_4);
+        // Eight places around, and eight between them half as far.
+        (0..16).any(|k| {
+            let (turn, way) = if k < 8 { (0.0, 1.0) } else { (0.5, 0.5) };
+            let angle = (f64::from(k) + turn) * std::f64::consts::FRAC_PI_4;
+            let (sin, cos) = det::sin_cos(angle);
             let beside = at.position + (a * cos + b * sin) * (way * radius);
             let Some((point, owner)) = self.surface_near(beside, toward(beside)) else {
                 return true;
