@@ -6,6 +6,7 @@
 #![forbid(unsafe_code)]
 
 mod cow;
+mod effect_scenes;
 mod mesh;
 mod picture;
 mod scenes;
@@ -60,6 +61,9 @@ fn main() -> ExitCode {
     }
 }
 
+const PLATE: &str = "newmtl plate\nKd 1 1 1\nKs 0.8 0.8 0.8\nNs 60\nillum 2\n\
+    map_Kd ../textures/brick.png\nmap_Ks ../textures/checker.png\nmap_Ns ../textures/hills.png\nmap_Ka ../textures/hills.png\n";
+
 /// Name below `assets/` and content of every generated file.
 fn files() -> Vec<(String, Vec<u8>)> {
     let (cow, hide) = cow::cow();
@@ -76,6 +80,17 @@ fn files() -> Vec<(String, Vec<u8>)> {
         ("ceilingtile.gif", textures::ceiling_tile().gif()),
         ("walls.gif", textures::walls().gif()),
         ("cow.png", hide.png()),
+        ("sky.png", textures::sky().png()),
+        ("lamps.png", textures::lamps().png()),
+        ("offsets.png", textures::offsets().png()),
+        ("normals.png", textures::normals().png()),
+        ("brick_heights.png", textures::brick_heights().png()),
+        ("heat.png", textures::heat().png()),
+        ("flames.png", textures::flames().png()),
+        ("tones.png", textures::tones().png()),
+        ("label.png", textures::label().png()),
+        ("baked.png", textures::baked().png()),
+        ("cloud.npy", textures::cloud()),
     ];
     let models = [
         ("cow", "A purple cow", cow, "cow.png"),
@@ -148,8 +163,42 @@ fn files() -> Vec<(String, Vec<u8>)> {
     files.push((format!("models/{white}.obj"), text.into_bytes()));
     let text = format!("newmtl {white}\nKd 0.95 0.93 0.9\nKs 0.2 0.2 0.2\nNs 40\nillum 2\n");
     files.push((format!("models/{white}.mtl"), text.into_bytes()));
+    let heading = "The unit cube, each face in a cell of its own: coordinates for baked light. Made by texmap-assets.";
+    let text = shapes::unfolded_cube().obj(heading, "cube.mtl", "cube");
+    files.push(("models/cube_unfolded.obj".to_owned(), text.into_bytes()));
+    let plain = [
+        (
+            "ball_plain",
+            "The unit ball, coarser and without a material",
+            shapes::coarse_ball(),
+        ),
+        (
+            "cube_plain",
+            "The unit cube without a material",
+            shapes::cube(),
+        ),
+    ];
+    for (name, heading, mesh) in plain {
+        let text = mesh.obj(
+            &format!("{heading}. Made by texmap-assets."),
+            "none.mtl",
+            "none",
+        );
+        let lines = text
+            .lines()
+            .filter(|line| !line.starts_with("mtllib") && !line.starts_with("usemtl"));
+        let text: String = lines.flat_map(|line| [line, "\n"]).collect();
+        files.push((format!("models/{name}.obj"), text.into_bytes()));
+    }
+    let heading = "A plate with maps for its highlight. Made by texmap-assets.";
+    let text = shapes::plate().obj(heading, "plate.mtl", "plate");
+    files.push(("models/plate.obj".to_owned(), text.into_bytes()));
+    files.push(("models/plate.mtl".to_owned(), PLATE.as_bytes().to_vec()));
     files.extend(
-        scenes::SCENES.map(|(name, text)| (format!("scenes/{name}"), text.as_bytes().to_vec())),
+        scenes::SCENES
+            .into_iter()
+            .chain(effect_scenes::SCENES)
+            .map(|(name, text)| (format!("scenes/{name}"), text.as_bytes().to_vec())),
     );
     files
 }

@@ -31,6 +31,42 @@ pub(crate) fn cube() -> Mesh {
     mesh.welded()
 }
 
+/// The unit cube with each face in a cell of 3 x 2.
+pub(crate) fn unfolded_cube() -> Mesh {
+    let mut cube = cube();
+    let mut uvs = Vec::new();
+    for (number, corner) in cube
+        .groups
+        .iter_mut()
+        .enumerate()
+        .flat_map(|(number, (_, faces))| {
+            let corners = faces.iter_mut().flatten();
+            corners.map(move |corner| (number, corner))
+        })
+    {
+        let [u, v] = cube.uvs[corner.uv];
+        let (column, row) = ((number % 3) as f64, (number / 3) as f64);
+        // Half a texel of 32 stays clear around each cell.
+        let inset = |c: f64| (0.5 + 31.0 * c) / 32.0;
+        corner.uv = uvs.len();
+        uvs.push([
+            (column + inset(u)) / 3.0,
+            1.0 - (row + 1.0 - inset(v)) / 2.0,
+        ]);
+    }
+    cube.uvs = uvs;
+    cube
+}
+
+/// A square on the ground, twice the picture each way.
+pub(crate) fn plate() -> Mesh {
+    let mut mesh = Mesh::default();
+    let corner = |x: f64, z: f64| (DVec3::new(x, 0.0, z), [x + 1.0, 1.0 - z]);
+    let corners = [(-1.0, 1.0), (1.0, 1.0), (1.0, -1.0), (-1.0, -1.0)];
+    mesh.polygon("plate", &corners.map(|(x, z)| corner(x, z)));
+    mesh.welded()
+}
+
 /// A head without features, for a label texture: longitude is u with the face at u = 0.5 (+Z), latitude is v.
 pub(crate) fn head() -> Mesh {
     const AROUND: usize = 48;
@@ -314,6 +350,34 @@ pub(crate) fn ball_profile() -> Vec<[f64; 2]> {
     let mut profile: Vec<[f64; 2]> = (0..=16).map(ring).collect();
     (profile[0][0], profile[16][0]) = (0.0, 0.0);
     profile
+}
+
+/// The unit ball in 24 x 16 parts, smooth.
+pub(crate) fn coarse_ball() -> Mesh {
+    const AROUND: usize = 24;
+    const DOWN: usize = 16;
+    let mut mesh = Mesh::default();
+    let point = |i: usize, j: usize| {
+        let (sin, cos) = det::sin_cos(j as f64 / DOWN as f64 * core::f64::consts::PI);
+        let (x, z) = det::sin_cos((i % AROUND) as f64 / AROUND as f64 * core::f64::consts::TAU);
+        let ring = if j == 0 || j == DOWN { 0.0 } else { 0.5 * sin };
+        let uv = [i as f64 / AROUND as f64, 1.0 - j as f64 / DOWN as f64];
+        (DVec3::new(x * ring, 0.5 * cos, z * ring), uv)
+    };
+    for (j, i) in (0..DOWN * AROUND).map(|k| (k / AROUND, k % AROUND)) {
+        let (a, b, c, d) = (
+            point(i, j),
+            point(i, j + 1),
+            point(i + 1, j + 1),
+            point(i + 1, j),
+        );
+        match j {
+            0 => mesh.polygon("ball", &[a, b, c]),
+            _ if j + 1 == DOWN => mesh.polygon("ball", &[a, b, d]),
+            _ => mesh.polygon("ball", &[a, b, c, d]),
+        }
+    }
+    smooth(mesh.welded())
 }
 
 /// Replaces the normals by the area-weighted mean of the faces around each position.

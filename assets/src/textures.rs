@@ -2,10 +2,14 @@
 
 mod cutout;
 mod face;
+mod maps;
 mod room;
 
 pub(crate) use cutout::{fence, leaf};
 pub(crate) use face::face;
+pub(crate) use maps::{
+    baked, brick_heights, cloud, flames, heat, label, lamps, normals, offsets, sky, tones,
+};
 pub(crate) use room::{carpet, ceiling_tile, walls};
 
 use crate::picture::{Picture, Rgba, blend, chance, clouds, mix, rgb, shade};

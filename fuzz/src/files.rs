@@ -65,7 +65,7 @@ pub fn image(bytes: &[u8]) {
         }
         for space in [ColorSpace::Srgb, ColorSpace::Linear] {
             match image_io::read_texture(&path, space) {
-                Ok(texture) => assert!(texture.width() > 0 && texture.height() > 0),
+                Ok((texture, _)) => assert!(texture.width() > 0 && texture.height() > 0),
                 Err(error) => named(&error, ""),
             }
         }

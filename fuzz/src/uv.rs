@@ -34,7 +34,7 @@ pub fn uv(bytes: &[u8]) {
         origin,
     );
     assert_eq!(projected.len(), positions.len());
-    assert!(t_joints(&mesh).len() <= faces.corners().len() * positions.len());
+    assert!(t_joints(&mesh).list.len() <= faces.corners().len() * positions.len());
     let mapping = Mapping {
         by: c.of(&[Entity::Position, Entity::Normal, Entity::Centroid]),
         repeat: [c.number().into(), c.number().into()],

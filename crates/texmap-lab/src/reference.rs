@@ -45,6 +45,37 @@ impl Pinhole {
     pub fn direction(&self, x: f64, y: f64) -> DVec3 {
         self.corner + self.right * x + self.down * y
     }
+
+    /// Where the ray through position (x, y) meets a triangle given by its corners, at a positive distance. Its number is 0.
+    pub fn meet(&self, x: f64, y: f64, corners: &[DVec3; 3]) -> Option<Hit> {
+        let inverse = inverse(self, corners)?;
+        self.through(&inverse, self.direction(x, y), 0)
+    }
+
+    /// The hit of a triangle of which the inverse of `[P0 - eye, P1 - eye, P2 - eye]` is known.
+    fn through(&self, inverse: &DMat3, direction: DVec3, triangle: u32) -> Option<Hit> {
+        let g = *inverse * direction;
+        if !(g.x >= 0.0 && g.y >= 0.0 && g.z >= 0.0) {
+            return None;
+        }
+        let sum = g.element_sum();
+        if !(sum > 0.0 && sum.is_finite()) {
+            return None;
+        }
+        let weights = g / sum;
+        let change = |step: DVec3| {
+            let dg = *inverse * step;
+            (dg - weights * dg.element_sum()) / sum
+        };
+        Some(Hit {
+            triangle,
+            weights,
+            d_dx: change(self.right),
+            d_dy: change(self.down),
+            t: 1.0 / sum,
+            front: inverse.determinant() < 0.0,
+        })
+    }
 }
 
 /// A triangle as seen from a pinhole.
@@ -77,6 +108,16 @@ impl Hit {
     /// The attribute of the hit from its values at the three vertices.
     pub fn attribute(&self, at: [f64; 3]) -> f64 {
         self.weights.dot(DVec3::from_array(at))
+    }
+
+    /// A vector of the hit from its values at the three vertices.
+    pub fn vector(&self, at: [DVec3; 3]) -> DVec3 {
+        at[0] * self.weights.x + at[1] * self.weights.y + at[2] * self.weights.z
+    }
+
+    /// Change of a vector for one pixel to the right and for one pixel down.
+    pub fn vector_changes(&self, at: [DVec3; 3]) -> [DVec3; 2] {
+        [self.d_dx, self.d_dy].map(|d| at[0] * d.x + at[1] * d.y + at[2] * d.z)
     }
 
     /// Change of an attribute for one pixel to the right and for one pixel down.
@@ -116,27 +157,7 @@ impl Caster {
                 let lens = lens
                     .as_ref()
                     .filter(|l| within(l.columns, x) && within(l.rows, y))?;
-                let g = lens.inverse * direction;
-                if !(g.x >= 0.0 && g.y >= 0.0 && g.z >= 0.0) {
-                    return None;
-                }
-                let sum = g.element_sum();
-                if !(sum > 0.0 && sum.is_finite()) {
-                    return None;
-                }
-                let weights = g / sum;
-                let change = |step: DVec3| {
-                    let dg = lens.inverse * step;
-                    (dg - weights * dg.element_sum()) / sum
-                };
-                Some(Hit {
-                    triangle: index as u32,
-                    weights,
-                    d_dx: change(self.pinhole.right),
-                    d_dy: change(self.pinhole.down),
-                    t: 1.0 / sum,
-                    front: lens.inverse.determinant() < 0.0,
-                })
+                self.pinhole.through(&lens.inverse, direction, index as u32)
             })
     }
 
@@ -155,10 +176,7 @@ impl Caster {
 
 fn lens(pinhole: &Pinhole, width: u32, height: u32, corners: &[DVec3; 3]) -> Option<Lens> {
     let [a, b, c] = corners.map(|p| p - pinhole.eye);
-    let inverse = DMat3::from_cols(a, b, c).inverse();
-    if !inverse.is_finite() {
-        return None;
-    }
+    let inverse = inverse(pinhole, corners)?;
     let view = DMat3::from_cols(pinhole.right, pinhole.down, pinhole.corner).inverse();
     let (mut columns, mut rows) = ((0, width), (0, height));
     // The screen box of a triangle in front of the eye; any other may show anywhere.
@@ -173,6 +191,13 @@ fn lens(pinhole: &Pinhole, width: u32, height: u32, corners: &[DVec3; 3]) -> Opt
         columns,
         rows,
     })
+}
+
+/// The inverse of `[P0 - eye, P1 - eye, P2 - eye]`; none for a plane that holds the eye or a corner that is not finite.
+fn inverse(pinhole: &Pinhole, corners: &[DVec3; 3]) -> Option<DMat3> {
+    let [a, b, c] = corners.map(|p| p - pinhole.eye);
+    let inverse = DMat3::from_cols(a, b, c).inverse();
+    inverse.is_finite().then_some(inverse)
 }
 
 /// The pixels of 0..size that three positions span, one more on each side.

@@ -203,7 +203,7 @@ impl<'s> SurfaceEffects<'s> {
             .ambient
             .as_ref()
             .map(|slot| straight(slot.texel(uv.0, uv.1)));
-        let mut terms = self.direct(ready, &numbers, ambient, at, normal, unit(view));
+        let (mut terms, own) = self.direct(ready, &numbers, ambient, at, normal, unit(view));
         if let (Some((map, slot)), Some(first)) = (&self.light_map, self.lightmap_uv) {
             let (uv, d) = attributes(at.fragment, first);
             for (sum, c) in terms.diffuse.iter_mut().zip(straight(slot.texel(uv, d))) {
@@ -214,10 +214,13 @@ impl<'s> SurfaceEffects<'s> {
             let tint = straight(slot.texel(uv.0, uv.1));
             terms.highlight = [0, 1, 2].map(|i| terms.highlight[i] * tint[i]);
         }
+        terms.highlight = [0, 1, 2].map(|i| terms.highlight[i] + own[i]);
         self.mirror(plan, at, smooth, normal, uv, numbers.ks, &mut terms);
         (terms, ready.paint(&at.site))
     }
 
+    /// The light of all lights, and the ambient light of an ambient map: a colour of its own, which multiplies neither the base colour nor
+    /// that of the highlight.
     fn direct(
         &self,
         ready: &Ready<'_>,
@@ -226,9 +229,9 @@ impl<'s> SurfaceEffects<'s> {
         at: &Sample<'_>,
         normal: [f32; 3],
         view: [f32; 3],
-    ) -> Terms {
+    ) -> (Terms, [f32; 3]) {
         let power = Power::new(numbers.ns);
-        let mut sum = Terms::default();
+        let (mut sum, mut own) = (Terms::default(), [0.0; 3]);
         for (index, light) in &self.lights {
             let model = self.material.highlight;
             let Some(given) = share(numbers, power, model, light, at.site.position, normal, view)
@@ -237,16 +240,15 @@ impl<'s> SurfaceEffects<'s> {
             };
             match (light, ambient) {
                 (Light::Ambient { color }, Some(texel)) => {
-                    // A colour of its own, which does not multiply the base colour.
                     for i in 0..3 {
-                        sum.highlight[i] += color[i] * given.diffuse * texel[i];
+                        own[i] += color[i] * given.diffuse * texel[i];
                     }
                 }
                 (Light::Ambient { .. }, None) => sum.add(&given, [1.0; 3]),
                 _ => sum.add(&given, ready.received(*index, &at.site)),
             }
         }
-        sum
+        (sum, own)
     }
 
     fn mirror(

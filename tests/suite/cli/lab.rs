@@ -51,6 +51,54 @@ fn a_budget_that_nothing_meets_is_said_and_ends_with_five() {
     assert!(desk.path("m.heat.png").is_file());
 }
 
+/// A promise that does not hold is a failed claim: here light comes from a volume whose steps are too long, which no filter can tell.
+#[test]
+fn a_true_error_over_the_budget_ends_with_one() {
+    let desk = Desk::new();
+    let face = "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nf 0 1 2 3\n";
+    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR"))
+        .parent()
+        .unwrap();
+    let cloud = root.join("assets/textures/cloud.npy");
+    std::fs::copy(cloud, desk.path("cloud.npy")).unwrap();
+    let scene = |step: &str| {
+        format!("eye 0 0 4\nla 1 1 1\n{face}volume cloud.npy 0 0 1 2 2 1 4 step {step}\n")
+    };
+    desk.put("coarse.scene", scene("2"));
+    desk.put("fine.scene", scene("0.02"));
+    let words = "-o a.png --resolution 48x36 --quality good --verify --json";
+    let coarse = desk.texmap(&format!("render coarse.scene {words}"));
+    assert_eq!(coarse.code, 1, "{}", coarse.stderr);
+    assert!(
+        coarse.stderr.contains("is over the budget of 0.02"),
+        "{}",
+        coarse.stderr
+    );
+    assert!(
+        coarse
+            .stderr
+            .contains("assumed true: perspective coordinates, bilinear texels")
+    );
+    let fine = desk.texmap(&format!("render fine.scene {words}"));
+    assert_eq!(fine.code, 0, "{}", fine.stderr);
+    let truth = &fine.json()["items"][0]["truth"];
+    assert!(truth["assumes"].as_str().unwrap().contains("hard shadows"));
+    assert_eq!(truth["shadow_edge_pixels"], 0);
+}
+
+/// The reference wraps as the picture does.
+#[test]
+fn verify_follows_a_wrap_mode_of_the_command_line() {
+    let desk = Desk::new();
+    let face =
+        "texture check.png\nv -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\ntf 0 0 2 1 2 2 2 2 0 3 0 0\n";
+    desk.put("wall.scene", format!("eye 0 0 2\n{face}"));
+    let words = "-o a.png --resolution 48x36 --wrap clamp-to-edge --verify --json";
+    let run = desk.texmap(&format!("render wall.scene {words}"));
+    let rmse = run.json()["items"][0]["truth"]["rmse"].as_f64().unwrap();
+    assert!(rmse < 0.05, "{rmse}");
+}
+
 #[test]
 fn a_plan_names_the_environments_that_are_read() {
     let desk = Desk::new();

@@ -70,6 +70,79 @@ fn the_error_of_a_filter_is_predicted_without_vertex_coordinates() {
     }
 }
 
+/// The error of ramps, of labels and of what is carved out of space is predicted, too, and the plan is kept.
+#[test]
+fn the_error_of_ramps_labels_and_solids_is_predicted() {
+    for (name, least) in [("signs", 3), ("solids", 4)] {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
+        let file = root.join(format!("assets/scenes/{name}.scene"));
+        let scene = texmap_io::load_scene(&file, &Default::default()).unwrap();
+        let special = |mesh: usize| {
+            let material = &scene.materials[scene.meshes[mesh].material];
+            material.color_ramp.is_some() || material.solid.is_some() || material.decal.is_some()
+        };
+        predicted(name, &scene, least, special);
+    }
+}
+
+/// Words that are far larger than their texels, and far smaller, before nothing else: opaque and clear alike.
+#[test]
+fn the_error_of_text_is_predicted() {
+    let folder = tempfile::tempdir().unwrap();
+    let put = |height: f64| {
+        let file = folder.path().join("words.scene");
+        let lines = "eye 0 0 5\nfov 40\nbackground 0.7 0.75 0.8\nsurf 0.1 0.1 0.2 1 1 0 5\nwrap clamp-to-edge\n";
+        let (step, lines_of) = (0.7 * height, (2.0 / height) as usize);
+        let words = |k: usize| {
+            let y = 1.0 - (k as f64 + 1.0) * height;
+            format!("text \"ABCDEFGHIJKLMNOPQRS\" -1.7 {y} 0 {step} 0 0 0.05 {height} 0\n")
+        };
+        let text: String = (0..lines_of).map(words).collect();
+        std::fs::write(&file, format!("{lines}{text}")).unwrap();
+        texmap_io::load_scene(&file, &Default::default()).unwrap()
+    };
+    for (name, height) in [("large", 0.9), ("middle", 0.3), ("small", 0.12)] {
+        predicted(name, &put(height), 1, |_| true);
+    }
+}
+
+/// Holds what is predicted for these meshes, at least so many of them, against what is measured, and the plan to its budget.
+fn predicted(name: &str, scene: &Scene, least: usize, special: impl Fn(usize) -> bool) {
+    for rmse in [0.05, 0.02] {
+        let budget = Budget { texels: 0.5, rmse };
+        let choices = choose(scene, SIZE.0, SIZE.1, budget).unwrap();
+        assert!(choices.met(), "{name}, {rmse}: {choices:?}");
+        let mut planned = scene.clone();
+        choices.apply(&mut planned);
+        let settings = Settings {
+            supersample: choices.supersample,
+            ..Settings::new(SIZE.0, SIZE.1)
+        };
+        let frame = render(&planned, &settings, &|_, _| {}).unwrap();
+        let truth = verify(scene, &frame, 6).unwrap();
+        assert!(truth.rmse <= rmse, "{name}: {} for {rmse}", truth.rmse);
+        let mut held = 0;
+        for choice in choices
+            .meshes
+            .iter()
+            .filter(|c| special(c.mesh) && c.tried > 0)
+        {
+            let Some(measured) = truth.meshes[choice.mesh] else {
+                continue;
+            };
+            held += 1;
+            // Margins, and light that shines straight at nothing, raise a prediction.
+            assert!(
+                measured <= 1.05 * choice.predicted_rmse && choice.predicted_rmse < 0.05,
+                "{name}, mesh {}: {measured} measured, {} predicted",
+                choice.mesh,
+                choice.predicted_rmse
+            );
+        }
+        assert!(held >= least, "{name}: {held} of {least}");
+    }
+}
+
 /// Without the lights that the planner calls idle, and their shadows, the picture is the same, bit for bit.
 #[test]
 fn pictures_do_without_idle_lights() {

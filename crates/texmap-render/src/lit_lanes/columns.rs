@@ -162,6 +162,8 @@ impl Columns<'_> {
             }
         }
         let (mut diffuse, mut highlight) = ([zero; 3], [zero; 3]);
+        // Ambient light of an ambient map: a colour of its own, which multiplies neither the base colour nor that of the highlight.
+        let mut own = [zero; 3];
         let power = match stage.maps[EXPONENT] {
             Some(_) if ALL => {
                 let [factor, ..] = self.read.maps[EXPONENT].straight(s, i);
@@ -194,10 +196,9 @@ impl Columns<'_> {
                 continue;
             }
             if ALL && lamp.is_ambient() && stage.maps[AMBIENT].is_some() {
-                // A colour of its own, which does not multiply the base colour.
                 let texel = self.read.maps[AMBIENT].straight(s, i);
                 for k in 0..3 {
-                    highlight[k] += given.color[k] * given.diffuse * texel[k];
+                    own[k] += given.color[k] * given.diffuse * texel[k];
                 }
                 continue;
             }
@@ -218,6 +219,11 @@ impl Columns<'_> {
             let tint = self.read.maps[SPECULAR].straight(s, i);
             for k in 0..3 {
                 highlight[k] *= tint[k];
+            }
+        }
+        if ALL && stage.maps[AMBIENT].is_some() {
+            for k in 0..3 {
+                highlight[k] += own[k];
             }
         }
         if stage.has_mirrors() {

@@ -25,7 +25,8 @@ pub(super) enum Gain {
 }
 
 impl Gain {
-    /// The most that two pixels can be stored apart in a channel, given the texels at the samples of each.
+    /// The most that two pixels can be stored apart in a channel, given the texels at the samples of each and the light that comes
+    /// through each of them.
     ///
     /// Each sample is cut at white before their mean. Where none is, the strength that shows most is the greatest: stored values
     /// rise ever slower, but x times their slope grows; and what is added to both only brings them nearer. Beyond white there is
@@ -35,14 +36,16 @@ impl Gain {
         self,
         channel: usize,
         [a, b]: [&[[f32; 4]]; 2],
+        through: [f32; 2],
         store: impl Fn(f32) -> f64,
     ) -> f64 {
         let off = |gain: f32, more: f32| {
-            let stored = |texels: &[[f32; 4]]| {
+            let stored = |texels: &[[f32; 4]], through: f32| {
                 let cut = |texel: &[f32; 4]| f64::from((texel[channel] * gain + more).min(1.0));
-                store((texels.iter().map(cut).sum::<f64>() / texels.len() as f64) as f32)
+                let mean = texels.iter().map(cut).sum::<f64>() / texels.len() as f64;
+                store(mean as f32 + through)
             };
-            (stored(a) - stored(b)).abs()
+            (stored(a, through[0]) - stored(b, through[1])).abs()
         };
         let (most, added) = match self {
             Self::Exactly(gain) => return off(gain[channel], 0.0),
@@ -221,7 +224,7 @@ mod tests {
             light: [most; 3],
             added: [added; 3],
         };
-        gain.apart(0, [&a, &b], |c| stored(c, srgb))
+        gain.apart(0, [&a, &b], [0.0; 2], |c| stored(c, srgb))
     }
 
     const VALUES: [f32; 7] = [0.0, 1e-4, 0.003, 0.05, 0.3, 0.7, 1.0];

@@ -8,6 +8,7 @@
 mod environments;
 mod gain;
 mod lights;
+mod look;
 mod maps;
 mod pilot;
 mod prices;
@@ -55,11 +56,11 @@ pub struct Choice {
     pub interp: Interp,
     /// Predicted largest error of `interp` in texels.
     pub predicted_texels: f64,
-    /// How its texture is read; none where no texture is.
+    /// How its texture is read, and a label over it; none where no texture is.
     pub filter: Option<(Filter, Precision)>,
     /// The colour that stands for a texture of one colour: no look-up at all. Premultiplied, linear.
     pub constant: Option<[f32; 4]>,
-    /// Predicted root mean square error of the filter, with its margin; infinite where nothing is predicted.
+    /// Predicted root mean square error of the look-ups, with its margin.
     pub predicted_rmse: f64,
     /// Nanoseconds a pixel by the table, interpolation and filter of all its samples.
     pub price: f64,
@@ -126,8 +127,10 @@ impl Choices {
             if let (Some(slot), Some((filter, precision))) =
                 (&mut material.base_color, choice.filter)
             {
-                slot.sampler.filter = filter;
-                slot.sampler.precision = precision;
+                for slot in std::iter::once(slot).chain(&mut material.decal) {
+                    slot.sampler.filter = filter;
+                    slot.sampler.precision = precision;
+                }
             }
             mesh.material = scene.materials.len();
             scene.materials.push(material);

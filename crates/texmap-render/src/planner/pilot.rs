@@ -4,12 +4,11 @@ use std::collections::HashSet;
 
 use texmap_math::glam::{DMat3, DVec2, DVec3};
 use texmap_math::{Footprint, color};
-use texmap_sample::{Filter, Lod, Precision, Sampler, Texture2d};
 use texmap_uv::PixelMapping;
 
 use super::View;
 use super::gain::Gain;
-use crate::TextureSlot;
+use super::look::{Look, Read, Spot};
 use crate::coordinates::CameraFrame;
 
 /// Positions a side of the grid over the mesh's part of the picture, where that has more pixels.
@@ -26,18 +25,20 @@ const ROUGH: [f64; 2] = [0.02, 0.005];
 /// Standard errors of the mean that a prediction's margin is.
 const MARGIN: f64 = 3.0;
 
-/// Pixels with the texture's true values in each.
+/// Pixels with the true colours in each.
 pub(super) struct Pilot {
     /// Each pixel's samples, one pixel after the other.
-    places: Vec<([f32; 2], Footprint)>,
-    /// Texels in each pixel, one pixel after the other.
+    places: Vec<Spot>,
+    /// Colours in each pixel, one pixel after the other.
     truth: Vec<[f32; 4]>,
     /// Where each pixel's end in `truth`.
     ends: Vec<usize>,
     /// Part of the mesh's pixels that these are.
     share: f64,
-    /// What multiplies every texel.
+    /// What multiplies every colour.
     gain: Gain,
+    /// Whether something shows through by alpha.
+    blended: bool,
     /// Part of itself by which a prediction is raised.
     rough: f64,
 }
@@ -91,48 +92,52 @@ enum Source {
     Round(PixelMapping),
 }
 
-/// A pixel of a triangle: its centre, and the planes over the picture of what its vertices hold, by w: u and v, or the
-/// world position for a round shape.
+/// A pixel of a triangle: its centre, and the planes over the picture of what its vertices hold, by w.
 #[derive(Clone, Copy)]
 pub(super) struct Place {
     pub(super) centre: DVec2,
-    values: [DVec3; 3],
+    uv: [DVec3; 2],
+    /// The place in the world.
+    world: [DVec3; 3],
     /// The plane of 1/w.
     pub(super) inv_w: DVec3,
 }
 
 impl Place {
-    /// Coordinates and their change per pixel at a place beside the centre; `None` beyond the horizon.
-    fn at(&self, source: &Source, offset: DVec2) -> Option<([f32; 2], Footprint)> {
+    /// What is seen at a place beside the centre, as one of `samples` x `samples` samples of the pixel; `None` beyond the horizon.
+    fn spot(&self, source: &Source, offset: DVec2, samples: u32) -> Option<Spot> {
         let p = (self.centre + offset).extend(1.0);
-        let ([a, b, c], w) = match source {
-            Source::Frame([a, b, w]) => ([*a, *b, DVec3::ZERO], *w),
-            _ => (self.values, self.inv_w),
-        };
-        let by_w = w.dot(p);
-        if !(self.inv_w.dot(p) > 0.0 && by_w != 0.0) {
+        if !(self.inv_w.dot(p) > 0.0) {
             return None;
         }
         // Value and change to the right and down.
-        let of = |plane: DVec3| {
+        let of = |plane: DVec3, w: DVec3| {
+            let by_w = w.dot(p);
             let value = plane.dot(p) / by_w;
-            let step = |plane: f64, w: f64| ((plane - value * w) / by_w) as f32;
+            let step =
+                |plane: f64, w: f64| ((plane - value * w) / by_w / f64::from(samples)) as f32;
             (value as f32, step(plane.x, w.x), step(plane.y, w.y))
         };
-        let [(u, ux, uy), (v, vx, vy), (z, zx, zy)] = [a, b, c].map(of);
-        Some(match source {
-            Source::Round(map) => map.one([u, v, z], [ux, vx, zx], [uy, vy, zy]),
-            _ => ([u, v], Footprint::new(ux, vx, uy, vy)),
+        let [x, y, z] = self.world.map(|plane| of(plane, self.inv_w));
+        let position = [x.0, y.0, z.0];
+        let moves = [[x.1, y.1, z.1], [x.2, y.2, z.2]];
+        let (uv, footprint) = match source {
+            Source::Round(map) => map.one(position, moves[0], moves[1]),
+            Source::Frame([a, b, w]) if w.dot(p) != 0.0 => placed(of(*a, *w), of(*b, *w)),
+            Source::Frame(_) => return None,
+            Source::Vertices => placed(of(self.uv[0], self.inv_w), of(self.uv[1], self.inv_w)),
+        };
+        Some(Spot {
+            uv,
+            footprint,
+            position,
+            moves,
         })
     }
+}
 
-    /// The same for one of `samples` x `samples` parts of the pixel.
-    fn part(&self, source: &Source, offset: DVec2, samples: u32) -> Option<([f32; 2], Footprint)> {
-        let share = 1.0 / samples as f32;
-        let (uv, d) = self.at(source, offset)?;
-        let d = [d.du_dx, d.dv_dx, d.du_dy, d.dv_dy].map(|c| c * share);
-        Some((uv, Footprint::new(d[0], d[1], d[2], d[3])))
-    }
+fn placed(u: (f32, f32, f32), v: (f32, f32, f32)) -> ([f32; 2], Footprint) {
+    ([u.0, v.0], Footprint::new(u.1, v.1, u.2, v.2))
 }
 
 impl Pilot {
@@ -142,22 +147,13 @@ impl Pilot {
         places: &Places,
         all: bool,
         samples: u32,
-        slot: &TextureSlot,
-        texture: &Texture2d<'_>,
-        gain: Gain,
+        look: &Look<'_>,
+        (gain, blended): (Gain, bool),
     ) -> Option<Self> {
         if places.list.len() < FEWEST {
             return None;
         }
-        let read = |(uv, d): ([f32; 2], Footprint)| {
-            (slot.transform.apply(uv), slot.transform.apply_footprint(d))
-        };
-        let reference = Sampler {
-            filter: Filter::Anisotropic(16),
-            precision: Precision::Exact,
-            lod: Lod::default(),
-            ..slot.sampler.clone()
-        };
+        let reference = look.reference();
         let step = if all {
             1
         } else {
@@ -169,22 +165,22 @@ impl Pilot {
             ends: Vec::new(),
             share: places.share / step as f64,
             gain,
+            blended,
             rough: ROUGH[usize::from(all)],
         };
         for pixel in places.list.iter().step_by(step) {
             let known = pilot.places.len();
             let own =
-                parts(samples).map_while(|offset| pixel.part(&places.source, offset, samples));
-            pilot.places.extend(own.map(read));
+                parts(samples).map_while(|offset| pixel.spot(&places.source, offset, samples));
+            pilot.places.extend(own);
             if pilot.places.len() < known + (samples * samples) as usize {
                 pilot.places.truncate(known);
             } else {
-                let parts = parts(SAMPLES)
-                    .filter_map(|offset| pixel.part(&places.source, offset, SAMPLES))
-                    .map(read);
+                let parts =
+                    parts(SAMPLES).filter_map(|offset| pixel.spot(&places.source, offset, SAMPLES));
                 pilot
                     .truth
-                    .extend(parts.map(|(uv, d)| reference.sample_grad(texture, uv, d)));
+                    .extend(parts.map(|at| look.color(&reference, &at)));
                 pilot.ends.push(pilot.truth.len());
             }
         }
@@ -195,32 +191,45 @@ impl Pilot {
         self.ends.len()
     }
 
-    /// The error of a sampler over the mesh's pixels.
-    pub(super) fn error(
-        &self,
-        sampler: &Sampler,
-        texture: &Texture2d<'_>,
-        srgb: bool,
-    ) -> Predicted {
+    /// The error of what is read so over the mesh's pixels. What blends is tried before black and before white: the worse of both.
+    pub(super) fn error(&self, look: &Look<'_>, read: &Read, srgb: bool) -> Predicted {
+        let samples = self.places.len() / self.ends.len().max(1);
+        let places = self.places.chunks_exact(samples.max(1));
+        let found: Vec<Vec<[f32; 4]>> = places
+            .map(|places| places.iter().map(|at| look.color(read, at)).collect())
+            .collect();
+        let black = self.error_before(0.0, &found, srgb);
+        if !self.blended {
+            return black;
+        }
+        let white = self.error_before(1.0, &found, srgb);
+        if white.bound > black.bound {
+            white
+        } else {
+            black
+        }
+    }
+
+    /// The error of what was found, with this light behind it.
+    fn error_before(&self, behind: f32, found: &[Vec<[f32; 4]>], srgb: bool) -> Predicted {
         let store = |c: f32| {
             let c = c.clamp(0.0, 1.0);
             f64::from(if srgb { color::linear_to_srgb(c) } else { c })
         };
-        let samples = self.places.len() / self.ends.len().max(1);
         let mut start = 0;
-        let squares: Vec<f64> = self
-            .places
-            .chunks_exact(samples.max(1))
+        let squares: Vec<f64> = found
+            .iter()
             .zip(&self.ends)
-            .map(|(places, end)| {
-                let found: Vec<[f32; 4]> = places
-                    .iter()
-                    .map(|p| sampler.sample_grad(texture, p.0, p.1))
-                    .collect();
+            .map(|(found, end)| {
                 let truth = &self.truth[start..*end];
                 start = *end;
-                let off = |k: usize| self.gain.apart(k, [&found, truth], store).powi(2);
-                let alpha = (alpha(&found) - alpha(truth)).powi(2);
+                let opacities = [alpha(found), alpha(truth)];
+                let through = opacities.map(|alpha| behind * (1.0 - alpha) as f32);
+                let off = |k: usize| {
+                    let apart = self.gain.apart(k, [found, truth], through, store);
+                    apart.powi(2)
+                };
+                let alpha = (opacities[0] - opacities[1]).powi(2);
                 ((off(0) + off(1) + off(2)) / 3.0).max(alpha)
             })
             .collect();
@@ -290,14 +299,10 @@ pub(super) fn places(view: &View<'_>) -> Places {
     let mut nearest: Vec<Option<(f64, Place)>> = vec![None; cells as usize];
     for triangle in &view.mesh.triangles {
         let corners = triangle.map(|i| view.positions[i as usize]);
-        let held = triangle.map(|i| match &source {
-            Source::Round(_) => view.world(i),
-            _ => {
-                let uv = view.mesh.uvs.get(i as usize);
-                uv.map_or(DVec3::ZERO, |[u, v]| {
-                    DVec3::new(f64::from(*u), f64::from(*v), 0.0)
-                })
-            }
+        let world = triangle.map(|i| view.world(i));
+        let uvs = triangle.map(|i| {
+            let uv = view.mesh.uvs.get(i as usize);
+            uv.map_or([0.0; 2], |uv| uv.map(f64::from))
         });
         let [a, b, c] = corners.map(|p| DVec3::new(p.x, p.y, p.w));
         let m = DMat3::from_cols(a, b, c);
@@ -307,7 +312,8 @@ pub(super) fn places(view: &View<'_>) -> Places {
         let weights = m.inverse();
         // Rows of the inverse are the planes of the corners' weights over w.
         let plane = |values: [f64; 3]| weights.transpose() * DVec3::from(values);
-        let values = [0, 1, 2].map(|k| plane(held.map(|c| c[k])));
+        let world = [0, 1, 2].map(|k| plane(world.map(|c| c[k])));
+        let uv = [0, 1].map(|k| plane(uvs.map(|c| c[k])));
         let plane_w = plane([1.0; 3]);
         let Some((from, to)) = grid.range(&corners.map(|p| DVec3::new(p.x, p.y, p.w))) else {
             continue;
@@ -325,7 +331,8 @@ pub(super) fn places(view: &View<'_>) -> Places {
                 }
                 let place = Place {
                     centre: p,
-                    values,
+                    uv,
+                    world,
                     inv_w: plane_w,
                 };
                 nearest[index] = Some((inv_w, place));
@@ -427,7 +434,8 @@ mod tests {
         let pixels = (0..size[0] * size[1]).map(|i| [from[0] + i % size[0], from[1] + i / size[0]]);
         let place = |[x, y]: [u32; 2]| Place {
             centre: DVec2::new(f64::from(x), f64::from(y)) + 0.5,
-            values: [DVec3::Z; 3],
+            uv: [DVec3::Z; 2],
+            world: [DVec3::Z; 3],
             inv_w: DVec3::Z,
         };
         let mut places = Places {

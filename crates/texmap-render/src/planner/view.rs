@@ -6,6 +6,7 @@ use texmap_raster::Interp;
 use texmap_sample::{Filter, Precision, Sampler, Texture2d};
 
 use super::gain::Lighting;
+use super::look::{Look, Read};
 use super::pilot::{Pilot, Places};
 use super::prices::{self, Price, prices};
 use super::{Budget, Choice, maps};
@@ -71,25 +72,69 @@ impl View<'_> {
                 .left_out
                 .push("perspective divide (w is equal at the corners)");
         }
-        match &material.base_color {
+        match Look::new(self.scene, self.mesh, material) {
             None => {
                 "no texture".clone_into(&mut choice.why);
                 choice.left_out.push("texture look-up");
             }
-            Some(_) if material.color_ramp.is_some() || material.crisp => {
-                choice.predicted_rmse = f64::INFINITY;
-                "a ramp or a crisp outline follows the look-up: not predicted, the filter is the scene's"
-                    .clone_into(&mut choice.why);
-            }
-            Some(slot) => self.choose_filter(slot, budget, places, all, samples, &mut choice),
+            Some(look) => match look.slot() {
+                Some(slot) => {
+                    self.choose_filter((slot, &look), budget, places, all, samples, &mut choice);
+                }
+                None => self.predict(&look, budget, places, all, samples, &mut choice),
+            },
         }
         choice.price *= f64::from(samples * samples);
         choice
     }
 
+    /// The error of a surface that has no texture to be filtered.
+    fn predict(
+        &self,
+        look: &Look<'_>,
+        budget: Budget,
+        places: &Places,
+        all: usize,
+        samples: u32,
+        choice: &mut Choice,
+    ) {
+        choice.left_out.push("texture look-up");
+        let srgb = self.scene.color == ColorMode::Srgb;
+        let read = Read {
+            base: Sampler::default(),
+            label: None,
+        };
+        // Everything that is known, where a first look leaves it undecided.
+        for all_of_them in [false, true] {
+            let Some(pilot) = self.pilot(places, all_of_them, samples, look) else {
+                unseen(places, all).clone_into(&mut choice.why);
+                return;
+            };
+            let found = pilot.error(look, &read, srgb);
+            (choice.tried, choice.predicted_rmse) = (pilot.len(), found.bound);
+            if found.low > budget.rmse || found.bound <= budget.rmse {
+                break;
+            }
+        }
+        "no filter to choose: its samples decide".clone_into(&mut choice.why);
+    }
+
+    fn pilot(&self, places: &Places, all: bool, samples: u32, look: &Look<'_>) -> Option<Pilot> {
+        let material = &self.scene.materials[self.mesh.material];
+        let mut gain = self.lighting.gain(self.mesh, material);
+        if material.decal.is_some() {
+            // The surface colour lies below the label, and is in the look already.
+            let mut white = material.clone();
+            white.surface.color = [1.0; 3];
+            gain = self.lighting.gain(self.mesh, &white);
+        }
+        let blended = material.alpha == AlphaMode::Blend;
+        Pilot::new(places, all, samples, look, (gain, blended))
+    }
+
     fn choose_filter(
         &self,
-        slot: &TextureSlot,
+        (slot, look): (&TextureSlot, &Look<'_>),
         budget: Budget,
         places: &Places,
         all: usize,
@@ -97,10 +142,7 @@ impl View<'_> {
         choice: &mut Choice,
     ) {
         let material = &self.scene.materials[self.mesh.material];
-        let texture = self.scene.textures[slot.texture]
-            .clone()
-            .with_origin(self.mesh.uv_origin);
-        if let Some(color) = constant(&texture) {
+        if let Some(color) = look.constant() {
             let border = [slot.sampler.wrap_u, slot.sampler.wrap_v]
                 .contains(&texmap_sample::Wrap::ClampToBorder);
             let opaque = color[3] >= 1.0
@@ -119,19 +161,9 @@ impl View<'_> {
             }
             return;
         }
-        let texture = if texture.levels() == 1 {
-            texture.with_mips()
-        } else {
-            texture
-        };
-        let gain = self.lighting.gain(self.mesh, material);
-        let Some(pilot) = Pilot::new(places, false, samples, slot, &texture, gain) else {
+        let Some(pilot) = self.pilot(places, false, samples, look) else {
             choice.filter = Some((slot.sampler.filter, slot.sampler.precision));
-            choice.why = if places.list.len() < all {
-                "nearly all of it is hidden by others: the filter is the scene's".to_owned()
-            } else {
-                "hardly seen: the filter is the scene's".to_owned()
-            };
+            choice.why = format!("{}: the filter is the scene's", unseen(places, all));
             return;
         };
         choice.tried = pilot.len();
@@ -140,20 +172,16 @@ impl View<'_> {
         let srgb = self.scene.color == ColorMode::Srgb;
         let mut best: Option<(f64, &Price)> = None;
         for price in prices() {
-            let sampler = Sampler {
-                filter: price.filter,
-                precision: price.precision,
-                ..slot.sampler.clone()
-            };
-            let first = pilot.error(&sampler, &texture, srgb);
+            let read = look.by(price.filter, price.precision);
+            let first = pilot.error(look, &read, srgb);
             let mut predicted = first.bound;
             if first.low <= budget.rmse && predicted > budget.rmse {
                 if whole.is_none() {
-                    whole = Pilot::new(places, true, samples, slot, &texture, gain);
+                    whole = self.pilot(places, true, samples, look);
                 }
                 if let Some(whole) = &whole {
                     choice.tried = whole.len();
-                    predicted = whole.error(&sampler, &texture, srgb).bound;
+                    predicted = whole.error(look, &read, srgb).bound;
                 }
             }
             if best.is_none_or(|(error, _)| predicted < error) {
@@ -169,7 +197,7 @@ impl View<'_> {
         };
         choice.filter = Some((price.filter, price.precision));
         choice.predicted_rmse = predicted;
-        choice.price += price.ns;
+        choice.price += price.ns * look.textures() as f64;
         choice.why = if predicted <= budget.rmse {
             format!("the cheapest of {} filters that fits", prices().len())
         } else {
@@ -206,6 +234,15 @@ impl View<'_> {
             };
         }
         most
+    }
+}
+
+/// Why so few of a mesh's pixels are seen that nothing can be said.
+fn unseen(places: &Places, all: usize) -> &'static str {
+    if places.list.len() < all {
+        "nearly all of it is hidden by others"
+    } else {
+        "hardly seen"
     }
 }
 

@@ -7,6 +7,7 @@ use clap::ValueEnum;
 use serde::Serialize;
 use texmap_io::scene_file::words;
 use texmap_lab::cases::figure;
+use texmap_lab::truth::ASSUMPTIONS;
 use texmap_lab::verify::Verified;
 use texmap_light::ShadowBias;
 use texmap_render::Scene;
@@ -142,7 +143,11 @@ pub(crate) struct TruthReport {
     max_at: Option<(u32, u32)>,
     pixels_judged: usize,
     outline_pixels: usize,
+    shadow_edge_pixels: usize,
+    shadow_edge_rmse: f64,
     samples: u32,
+    /// What the reference takes for true.
+    assumes: &'static str,
     pub(crate) heat: Option<String>,
 }
 
@@ -278,7 +283,10 @@ impl TruthReport {
             max_at: truth.max_at,
             pixels_judged: truth.judged,
             outline_pixels: truth.outlines,
+            shadow_edge_pixels: truth.shadow_edges,
+            shadow_edge_rmse: truth.shadow_rmse,
             samples: SAMPLES,
+            assumes: ASSUMPTIONS,
             heat,
         }
     }
@@ -287,13 +295,33 @@ impl TruthReport {
         let place = self
             .max_at
             .map_or_else(String::new, |(x, y)| format!(" at x {x}, y {y}"));
+        let edges = match self.shadow_edge_pixels {
+            0 => String::new(),
+            n => format!(
+                ", {n} at edges of shadows, where the RMSE is {}",
+                figure(self.shadow_edge_rmse)
+            ),
+        };
         format!(
-            "true error: RMSE {} of 1, largest {}{place}, over {} pixels ({} at outlines left out), against {SAMPLES} x {SAMPLES} samples in f64\n",
+            "true error: RMSE {} of 1, largest {}{place}, over {} pixels (left out: {} at outlines{edges}), against {SAMPLES} x {SAMPLES} samples in f64\n\
+             assumed true: {}\n",
             figure(self.rmse),
             figure(self.max),
             self.pixels_judged,
             self.outline_pixels,
+            self.assumes,
         )
+    }
+
+    /// What to say where the error is larger than a budget allows.
+    pub(crate) fn over(&self, plan: &PlanReport) -> Option<String> {
+        (self.rmse > plan.max_rmse).then(|| {
+            format!(
+                "the true RMSE {} is over the budget of {}",
+                figure(self.rmse),
+                figure(plan.max_rmse)
+            )
+        })
     }
 }
 

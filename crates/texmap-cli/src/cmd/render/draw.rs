@@ -9,7 +9,8 @@ use texmap_io::framing::{Bounds, View};
 use texmap_io::npy::{self, Values};
 use texmap_io::{CameraPath, FileSource, LoadOptions};
 use texmap_lab::picture::Picture;
-use texmap_lab::verify::{Verified, verify};
+use texmap_lab::verify::{Verified, verify, with_wrap};
+use texmap_math::Level;
 use texmap_math::camera::Camera;
 use texmap_math::glam::DVec3;
 use texmap_math::{Level, MemoryBudget};
@@ -277,10 +278,9 @@ impl Context<'_> {
 
     fn verify(&self, scene: &Scene, frame: &Frame) -> Result<Verified, Failure> {
         say("verify: drawing the f64 reference, which is slow\n");
-        let shaped = scene
-            .shaped(self.args.resolution.width)
-            .map_err(|e| self.refused(&e))?;
-        verify(&shaped, frame, SAMPLES).map_err(Failure::from)
+        let rewrapped = self.args.wrap.map(|wrap| with_wrap(scene, wrap));
+        let scene = rewrapped.as_ref().unwrap_or(scene);
+        verify(scene, frame, SAMPLES).map_err(Failure::from)
     }
 
     /// Puts the plan and the truth into the report and, where asked, into words.
@@ -306,6 +306,8 @@ impl Context<'_> {
         if let Some(truth) = truth {
             let truth = TruthReport::new(truth, None);
             say(&truth.words());
+            let over = report.plans.iter().find_map(|plan| truth.over(plan));
+            report.warnings.extend(over);
             report.truth = Some(truth);
         }
     }

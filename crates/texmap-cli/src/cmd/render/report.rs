@@ -131,6 +131,12 @@ impl ItemReport {
         self.plans.iter().any(|plan| !plan.met)
     }
 
+    /// Whether the true error is over a budget that the plan promised to keep.
+    pub(crate) fn breaks_budget(&self) -> bool {
+        let truth = self.truth.as_ref();
+        truth.is_some_and(|truth| self.plans.iter().any(|plan| truth.over(plan).is_some()))
+    }
+
     /// What a dry run says.
     pub(crate) fn plan(&self, args: &RenderArgs) -> String {
         let size = args.resolution;

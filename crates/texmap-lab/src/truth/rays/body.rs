@@ -52,6 +52,14 @@ impl BHShape<f64, 3> for Body {
 }
 
 impl Body {
+    /// Object and triangle (0 of a solid).
+    pub(super) fn source(&self) -> (usize, u32) {
+        match self.kind {
+            Kind::Triangle { index, .. } => (self.object, index),
+            Kind::Solid { .. } => (self.object, 0),
+        }
+    }
+
     pub(super) fn meet(
         &self,
         origin: DVec3,

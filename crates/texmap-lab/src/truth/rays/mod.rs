@@ -2,10 +2,9 @@
 //! shadows of area lights, mirror rays; a bounding volume hierarchy finds what a ray may meet.
 
 mod body;
+mod walk;
 
 use bvh::bvh::Bvh;
-use bvh::ray::Ray;
-use nalgebra::{Point3, Vector3};
 use texmap_math::glam::{DMat4, DVec2, DVec3};
 use texmap_render::Mesh;
 use texmap_uv::{Part, Shape};
@@ -78,12 +77,12 @@ impl RayScene {
     /// The nearest surface with `range.0 < t < range.1` along `origin + t direction`, seen from either side.
     pub fn nearest(&self, origin: DVec3, direction: DVec3, range: (f64, f64)) -> Option<RayHit> {
         let mut best: Option<RayHit> = None;
-        self.visit(origin, direction, |body| {
-            let far = best.map_or(range.1, |hit| hit.t);
-            if let Some(hit) = body.meet(origin, direction, (range.0, far)) {
+        self.walk(origin, direction, range, |body, range| {
+            if let Some(hit) = body.meet(origin, direction, range) {
                 best = Some(hit);
+                return Some(hit.t);
             }
-            true
+            Some(range.1)
         });
         best
     }
@@ -95,12 +94,39 @@ impl RayScene {
 
     /// Whether anything is met at all along a ray.
     pub fn meets(&self, origin: DVec3, direction: DVec3, range: (f64, f64)) -> bool {
+        self.meets_any(origin, direction, range, |_| true)
+    }
+
+    /// Whether some hit along a ray counts.
+    pub(super) fn meets_any(
+        &self,
+        origin: DVec3,
+        direction: DVec3,
+        range: (f64, f64),
+        mut counts: impl FnMut(&RayHit) -> bool,
+    ) -> bool {
         let mut met = false;
-        self.visit(origin, direction, |body| {
-            met |= body.meet(origin, direction, range).is_some();
-            !met
+        self.walk(origin, direction, range, |body, range| {
+            met = body
+                .meet(origin, direction, range)
+                .is_some_and(|hit| counts(&hit));
+            (!met).then_some(range.1)
         });
         met
+    }
+
+    /// Object and triangle of everything whose box a ray meets, nearer boxes first. The visitor gets the end of the range and returns
+    /// that of what is left.
+    pub(super) fn candidates(
+        &self,
+        origin: DVec3,
+        direction: DVec3,
+        range: (f64, f64),
+        mut each: impl FnMut((usize, u32), f64) -> f64,
+    ) {
+        self.walk(origin, direction, range, |body, range| {
+            Some(each(body.source(), range.1))
+        });
     }
 
     /// Share of an area light that a point sees, 0..=1: rays to the centres of `side` x `side` equal parts. A hard shadow for 1.
@@ -125,23 +151,6 @@ impl RayScene {
             1.0
         };
         (hit.point + hit.normal * (side * lift), toward_eye)
-    }
-
-    /// Bodies whose boxes the ray meets, until `go_on` says no.
-    fn visit(&self, origin: DVec3, direction: DVec3, mut go_on: impl FnMut(&Body) -> bool) {
-        let Some(tree) = &self.tree else { return };
-        if !(origin.is_finite() && direction.is_finite()) || direction == DVec3::ZERO {
-            return;
-        }
-        let ray = Ray::new(
-            Point3::new(origin.x, origin.y, origin.z),
-            Vector3::new(direction.x, direction.y, direction.z),
-        );
-        for body in tree.traverse_iterator(&ray, &self.bodies) {
-            if !go_on(body) {
-                return;
-            }
-        }
     }
 }
 
@@ -243,6 +252,27 @@ mod tests {
             assert!((found - DVec2::new(uv(0), uv(1))).length() < 1e-12);
         }
         assert!(seen > 500, "{seen}");
+    }
+
+    /// Things of ever smaller size make a hierarchy as deep as they are many.
+    #[test]
+    fn a_hierarchy_of_any_depth_is_walked() {
+        let mut mesh = Mesh::default();
+        for k in 0..100u32 {
+            let side = 0.5f32.powi(k as i32);
+            let first = mesh.positions.len() as u32;
+            let corner = |x: f32, y: f32| [x * side, y * side, 0.0];
+            mesh.positions
+                .extend([corner(1.0, 0.0), corner(1.5, 0.0), corner(1.0, 0.5)]);
+            mesh.triangles.push([first, first + 1, first + 2]);
+        }
+        let scene = RayScene::new([RayObject::Mesh(&mesh)]);
+        for k in 0..100u32 {
+            let side = 0.5f64.powi(k as i32);
+            let origin = DVec3::new(1.1 * side, 0.1 * side, 1.0);
+            let hit = scene.nearest(origin, DVec3::NEG_Z, EVERYWHERE).unwrap();
+            assert_eq!(hit.triangle, k);
+        }
     }
 
     /// A square before a small lamp: umbra, half shadow and light where similar triangles put them.

@@ -1,0 +1,29 @@
+//! Light that a surface gives off itself.
+
+use texmap_math::glam::DVec3;
+use texmap_render::{Emission, Mesh};
+
+use super::color::wide;
+use super::slot::{Place, Slot, Textures};
+
+/// The emission of a surface.
+pub(super) struct Emitter<'s> {
+    color: DVec3,
+    map: Option<Slot<'s>>,
+}
+
+impl<'s> Emitter<'s> {
+    pub(super) fn new(emission: &'s Emission, mesh: &Mesh, textures: &mut Textures<'s>) -> Self {
+        let map = emission.map.as_ref();
+        Self {
+            color: wide(emission.color),
+            map: map.map(|slot| textures.slot(slot, mesh.uv_origin)),
+        }
+    }
+
+    /// The light that is added at a place to what the surface returns there.
+    pub(super) fn light(&self, place: Place) -> DVec3 {
+        let map = self.map.as_ref();
+        self.color * map.map_or(DVec3::ONE, |slot| slot.straight(place))
+    }
+}

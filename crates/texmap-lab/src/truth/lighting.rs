@@ -1,0 +1,182 @@
+//! The light that a surface returns at a point, light by light (Phong 1975, Blinn 1977; MIT 6.837, Fall 2000, lecture 19).
+
+use texmap_light::{Highlight, Light, Surface as Numbers};
+use texmap_math::det;
+use texmap_math::glam::DVec3;
+use texmap_render::SlideRole;
+
+use super::color::wide;
+use super::environment::Ray;
+use super::slot::Place;
+use super::surface::Surface;
+use super::world::World;
+
+/// Light that a point returns: what the base colour multiplies, and what is added to it.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Terms {
+    pub(super) diffuse: DVec3,
+    pub(super) highlight: DVec3,
+}
+
+impl Terms {
+    /// The light of a base colour, clipped at 1.
+    pub(super) fn color(&self, base: DVec3) -> DVec3 {
+        (base * self.diffuse + self.highlight).min(DVec3::ONE)
+    }
+}
+
+/// A point of a surface, as a sample sees it. Vectors look to the side that is seen.
+pub(super) struct Point {
+    /// Mesh and triangle.
+    pub(super) owner: (usize, u32),
+    pub(super) front: bool,
+    /// World space, and its change for one sample to the right and one down.
+    pub(super) position: DVec3,
+    pub(super) moves: [DVec3; 2],
+    /// The interpolated normal, of any length, and its change.
+    pub(super) normal: DVec3,
+    pub(super) turns: [DVec3; 2],
+    /// Unit normal of the triangle.
+    pub(super) plane: DVec3,
+    /// Texture coordinates.
+    pub(super) place: Place,
+    /// Coordinates of the light map.
+    pub(super) baked_place: Place,
+    /// Tangent and the sign of the bitangent; zero without.
+    pub(super) tangent: (DVec3, f64),
+    /// To the eye.
+    pub(super) view: Ray,
+}
+
+/// One light on a point, with nothing in its way: colour, and the shares of it that go into the two terms. `view` has unit length.
+pub(super) fn contribution(
+    numbers: &Numbers,
+    model: Highlight,
+    light: &Light,
+    point: DVec3,
+    normal: DVec3,
+    view: DVec3,
+) -> (DVec3, f64, f64) {
+    let dark = (DVec3::ZERO, 0.0, 0.0);
+    let (color, toward) = match *light {
+        Light::Ambient { color } => return (wide(color), f64::from(numbers.ka), 0.0),
+        Light::Directional { color, direction } => (wide(color), -wide(direction)),
+        Light::Point { color, position } => (wide(color), wide(position) - point),
+        Light::Spot {
+            color,
+            position,
+            direction,
+            cos_inner,
+            cos_outer,
+        } => {
+            let toward = wide(position) - point;
+            let along = -wide(direction)
+                .normalize_or_zero()
+                .dot(toward.normalize_or_zero());
+            let (inner, outer) = (f64::from(cos_inner), f64::from(cos_outer));
+            let x = match along >= inner {
+                true => 1.0,
+                false => ((along - outer) / (inner - outer)).max(0.0),
+            };
+            (wide(color) * (x * x * (3.0 - 2.0 * x)), toward)
+        }
+        _ => return dark,
+    };
+    let toward = toward.normalize_or_zero();
+    let facing = normal.dot(toward);
+    if facing <= 0.0 {
+        return dark;
+    }
+    let along = match model {
+        Highlight::Phong => view.dot(2.0 * facing * normal - toward),
+        Highlight::Blinn => normal.dot((view + toward).normalize_or_zero()),
+    };
+    let highlight = if along > 0.0 && numbers.ks > 0.0 {
+        f64::from(numbers.ks) * det::pow(along, f64::from(numbers.ns))
+    } else {
+        0.0
+    };
+    (color, f64::from(numbers.kd) * facing, highlight)
+}
+
+/// The light at a point of a surface that is lit per pixel.
+pub(super) fn terms(world: &World<'_>, surface: &Surface<'_>, at: &Point) -> Terms {
+    let material = surface.material();
+    let view = at.view.direction.normalize_or_zero();
+    let normal = surface.turned_normal(at);
+    let map = |slot: &Option<super::slot::Slot<'_>>| slot.as_ref().map(|s| s.straight(at.place));
+    let mut numbers = material.surface;
+    if let Some(texel) = map(&surface.exponent) {
+        numbers.ns = (f64::from(numbers.ns) * texel.x) as f32;
+    }
+    let ambient = map(&surface.ambient);
+    let mut sum = Terms::default();
+    let mut own_ambient = DVec3::ZERO;
+    let baked = |index: usize| match material.light_map.as_ref().map(|map| &map.baked) {
+        None => false,
+        Some(None) => true,
+        Some(Some(all)) => all.contains(&index),
+    };
+    let model = material.highlight;
+    for (index, light) in world.scene.lights.iter().enumerate() {
+        if baked(index) {
+            continue;
+        }
+        let (color, diffuse, highlight) =
+            contribution(&numbers, model, light, at.position, normal, view);
+        match (light, ambient) {
+            // A colour of its own, which does not multiply the base colour.
+            (Light::Ambient { .. }, Some(texel)) => own_ambient += color * texel * diffuse,
+            _ if diffuse == 0.0 && highlight == 0.0 => {}
+            _ if !world.light_reaches(index, at) => {}
+            _ => {
+                sum.diffuse += color * diffuse;
+                sum.highlight += color * highlight;
+            }
+        }
+    }
+    for (index, cast) in world.projectors.iter().enumerate() {
+        let SlideRole::Light(color) = cast.projector.role else {
+            continue;
+        };
+        let position = cast.projector.position.as_vec3().to_array();
+        let lamp = Light::Point { color, position };
+        let (color, diffuse, highlight) =
+            contribution(&numbers, model, &lamp, at.position, normal, view);
+        let picture = cast.texel(at.position, at.moves).truncate();
+        if diffuse > 0.0 && picture != DVec3::ZERO && world.projector_reaches(index, at) {
+            sum.diffuse += color * picture * diffuse;
+            sum.highlight += color * picture * highlight;
+        }
+    }
+    if let (Some(map), Some(slot)) = (&material.light_map, &surface.light_map) {
+        let texel = slot.straight(at.baked_place);
+        sum.diffuse += texel * f64::from(numbers.kd) * f64::from(map.scale);
+    }
+    let tint = map(&surface.specular);
+    sum.highlight = sum.highlight * tint.unwrap_or(DVec3::ONE) + own_ambient;
+    mirror(world, surface, at, normal, &mut sum);
+    sum
+}
+
+/// The light of mirrored environments and of specular maps.
+fn mirror(world: &World<'_>, surface: &Surface<'_>, at: &Point, normal: DVec3, sum: &mut Terms) {
+    let material = surface.material();
+    if material.reflection.is_none() && material.specular_map.is_none() {
+        return;
+    }
+    // A relief turns the normal; its bends are left to its own texels.
+    let mirrored = at.view.mirrored(normal, at.normal.length(), at.turns);
+    let light = |index: usize| {
+        let sphere = world.environments[index].as_ref();
+        sphere.map_or(DVec3::ZERO, |sphere| sphere.light(&mirrored))
+    };
+    if let Some(reflection) = material.reflection {
+        let map = surface.reflectivity.as_ref();
+        let share = map.map_or(1.0, |slot| slot.straight(at.place).x);
+        sum.highlight += light(reflection.environment) * share * f64::from(reflection.reflectivity);
+    }
+    if let Some(map) = material.specular_map {
+        sum.highlight += light(map) * f64::from(material.surface.ks);
+    }
+}

@@ -1,0 +1,45 @@
+//! Tangent frames for normal maps: MikkTSpace's, as the bakers of such maps use them.
+
+use texmap_math::glam::DVec3;
+use texmap_render::Mesh;
+use texmap_sample::Origin;
+
+use super::color::wide;
+use super::surface::{linear, object_normals};
+
+/// World-space tangents of a mesh's corners, and the sign that makes `sign (N x T)` point up the picture; zero where the mesh has no
+/// coordinates.
+pub(super) fn corner_tangents(mesh: &Mesh) -> Vec<(DVec3, f64)> {
+    let faces = texmap_uv::Faces::from_triangles(&mesh.triangles);
+    let corners: Vec<u32> = mesh.triangles.iter().flatten().copied().collect();
+    let normals = object_normals(mesh);
+    let normal = |v: &u32| {
+        normals[*v as usize]
+            .normalize_or_zero()
+            .as_vec3()
+            .to_array()
+    };
+    let at_corners: Vec<[f32; 3]> = corners.iter().map(normal).collect();
+    let set = texmap_uv::UvSet {
+        uvs: mesh.uvs.clone(),
+        corners,
+    };
+    let found = texmap_uv::Mesh::new(&mesh.positions, &faces)
+        .and_then(|shape| texmap_uv::tangents(&shape, &set, &at_corners));
+    let Ok(found) = found else {
+        return Vec::new();
+    };
+    let world = linear(mesh);
+    let mirror = if world.determinant() < 0.0 { -1.0 } else { 1.0 };
+    // The bitangent follows growing v, which runs down the picture from a top-left origin.
+    let up = if mesh.uv_origin == Origin::TopLeft {
+        -1.0
+    } else {
+        1.0
+    };
+    let in_world = |[x, y, z, sign]: [f32; 4]| {
+        let tangent = (world * wide([x, y, z])).normalize_or_zero();
+        (tangent, f64::from(sign) * mirror * up)
+    };
+    found.into_iter().map(in_world).collect()
+}
