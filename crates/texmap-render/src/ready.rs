@@ -61,7 +61,7 @@ impl<'s> Ready<'s> {
         let threads = settings.threads.unwrap_or(usize::MAX);
         let mut draw = |kind: &ShadowKind, size: u32, bias: ShadowBias, taps: u32| {
             let room = rooms.next().unwrap_or_default();
-            let (map, bounds) = shadow_map_in(scene, kind, size, taps, threads, room)?;
+            let (map, bounds) = shadow_map_in(scene, kind, size, (bias, taps), threads, room)?;
             let bounds = Some(bounds);
             Ok::<_, RenderError>(ShadowReader::with_bounds(map, bias, taps, bounds))
         };
