@@ -211,24 +211,29 @@ impl<'s> ShadowTruth<'s> {
             let toward = self.to_light(place).normalize();
             let beside = self.of.surface_beside(place + toward * 1e-7, toward);
             beside.is_none_or(|(p, n)| self.dark(p, n) != point.dark)
-                || (!point.dark && self.hides_shadow(place, toward, 3.0 * reach))
+                || (!point.dark && self.hides_shadow(point, place, toward, reach))
         })
     }
 
-    /// Whether a front that lies in the dark is met within `reach` of a place, towards the light or away from it: the shadow behind
-    /// a ridge, which may be less than a texel wide as the light sees it.
-    fn hides_shadow(&self, place: DVec3, toward: DVec3, reach: f64) -> bool {
-        let mut from = place + toward * reach;
+    /// Whether something dark stands between the light and the plane of a point that is lit, at a place beside it: the far side of a
+    /// ridge, or the shadow behind it, which may be less than a texel wide as the light sees them.
+    fn hides_shadow(&self, point: &Point, place: DVec3, toward: DVec3, reach: f64) -> bool {
+        let plane = point.normal.dot(point.at - place) / point.normal.dot(toward);
+        let mut along = plane.max(0.0) + 16.0 * reach;
         for _ in 0..12 {
-            let left = reach + (from - place).dot(toward);
+            let (from, left) = (place + toward * along, along - plane);
             let Some(hit) = self.of.rays.nearest(from, -toward, (0.0, left)) else {
                 return false;
             };
+            along -= hit.t + 1e-6;
+            if along - plane < 1e-3 * reach {
+                return false;
+            }
             let normal = self.of.plane(&hit);
-            if normal.dot(toward) > 1e-6 && self.dark(hit.point, normal) {
+            let side = if normal.dot(toward) < 0.0 { -1.0 } else { 1.0 };
+            if self.dark(hit.point, normal * side) {
                 return true;
             }
-            from = hit.point - toward * 1e-6;
         }
         false
     }
