@@ -98,7 +98,7 @@ fn all(truth: &ShadowTruth<'_>, bias: ShadowBias) -> Wrong {
 fn default_shadows_of_the_sun_are_those_of_rays() {
     for (name, scene) in shapes() {
         for elevation in [60.0, 25.0, 10.0] {
-            let truth = ShadowTruth::new(&scene, sun(elevation), 192).unwrap();
+            let truth = ShadowTruth::new(&scene, sun(elevation), 160).unwrap();
             let found = all(&truth, truth.default_bias());
             let none = truth.wrong(512, ShadowBias::Constant(0.0), 1).unwrap();
             let ShadowBias::Planes(constant) = truth.default_bias() else {
@@ -107,7 +107,7 @@ fn default_shadows_of_the_sun_are_those_of_rays() {
             let slope = truth.wrong(512, ShadowBias::Slope(constant), 5).unwrap();
             eprintln!("{name}, {elevation}: {found:?}, receiver's slope {slope:?}");
             let grazed = name == "terrain" && elevation < 60.0;
-            let allowed = if grazed { 30.0 * ALLOWED } else { ALLOWED };
+            let allowed = if grazed { 50.0 * ALLOWED } else { ALLOWED };
             let [shadow, light] = found.shares();
             assert!(shadow <= allowed && light <= allowed, "{name}: {found:?}");
             assert!(none.shares()[0] > 0.1, "{name}: {none:?}");
@@ -129,7 +129,7 @@ fn default_shadows_of_near_lights_are_those_of_rays() {
     ];
     for (name, scene) in shapes() {
         for light in lights {
-            let truth = ShadowTruth::new(&scene, light, 192).unwrap();
+            let truth = ShadowTruth::new(&scene, light, 128).unwrap();
             let found = all(&truth, truth.default_bias());
             eprintln!("{name}: {found:?}");
             let [shadow, light] = found.shares();

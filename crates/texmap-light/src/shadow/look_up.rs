@@ -296,6 +296,30 @@ mod tests {
         }
     }
 
+    /// Of the comparisons of the default bias, fewer than a row that contradict all others say nothing; an edge stays where it is.
+    #[test]
+    fn stray_comparisons_say_nothing() {
+        let kind = ShadowKind::Directional {
+            light_from_world: DMat4::IDENTITY,
+            half: 8.0,
+        };
+        let bias = ShadowBias::Planes(1e-4);
+        let lit = |near: &dyn Fn(usize, usize) -> bool| {
+            let depth = |i: usize| if near(i % 16, i / 16) { 1.0 } else { 9.0 };
+            let map = ShadowMap::new(kind, 16, (0..256).map(depth).collect()).unwrap();
+            // The middle of texel (8, 7).
+            map.lit(DVec3::new(0.5, 0.5, -5.0), DVec3::Z, bias, 5)
+        };
+        assert_eq!((bias.stray(5), bias.stray(1)), (4, 0));
+        assert_eq!(ShadowBias::Slope(1e-4).stray(5), 0);
+        assert_eq!(lit(&|_, _| false), 1.0);
+        assert_eq!(lit(&|x, y| x == 6 && y < 9), 1.0, "four of a row");
+        assert_eq!(lit(&|x, y| x != 6 || y > 8), 0.0);
+        let rows = [7, 8, 9, 10, 11].map(|edge| lit(&|x, _| x < edge));
+        assert!(rows.windows(2).all(|w| w[0] > w[1]), "{rows:?}");
+        assert!((rows[0] + rows[3] - 1.0).abs() < 1e-6, "{rows:?}");
+    }
+
     #[test]
     fn spot_and_point_lights_compare_in_their_own_metric() {
         let position = DVec3::new(1.0, -1.2, 2.0);
