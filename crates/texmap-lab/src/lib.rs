@@ -31,6 +31,8 @@ pub mod reference;
 pub mod scenes;
 pub mod shading;
 pub mod shadow_scene;
+mod shadow_shapes;
+pub mod shadow_truth;
 pub mod ssim;
 pub mod strip;
 pub mod topology;

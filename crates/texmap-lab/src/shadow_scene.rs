@@ -14,14 +14,14 @@ use crate::reference::Pinhole;
 use crate::truth::rays::{RayHit, RayObject, RayScene};
 
 /// Half the side of the shadow map, world units.
-const HALF: f64 = 2.6;
+pub(crate) const HALF: f64 = 2.6;
 
 /// A mesh on its plane.
 #[derive(Debug)]
 pub struct ShadowScene {
     /// Z up; the light is set by each measurement.
     pub scene: Scene,
-    rays: RayScene,
+    pub(crate) rays: RayScene,
 }
 
 /// Shares of the points that face the light and lie outside of the band around the true shadow's edge.
@@ -89,8 +89,13 @@ impl ShadowScene {
         Ok(Self::of(loaded.meshes))
     }
 
-    fn of(mut meshes: Vec<Mesh>) -> Self {
+    /// Meshes on the floor.
+    pub(crate) fn of(mut meshes: Vec<Mesh>) -> Self {
         meshes.push(floor(3.0));
+        Self::of_meshes(meshes)
+    }
+
+    pub(crate) fn of_meshes(meshes: Vec<Mesh>) -> Self {
         let rays = RayScene::new(meshes.iter().map(RayObject::Mesh));
         let scene = Scene {
             camera: Camera {
@@ -115,7 +120,7 @@ impl ShadowScene {
     }
 
     /// Points that a picture of `pixels` x `pixels` sees, each with the normal of its triangle's plane.
-    fn points(&self, pixels: u32) -> Result<Vec<(DVec3, DVec3)>, LabError> {
+    pub(crate) fn points(&self, pixels: u32) -> Result<Vec<(DVec3, DVec3)>, LabError> {
         let pinhole = Pinhole::of_camera(&self.scene.camera, pixels, pixels)?;
         let place = |i: u32| f64::from(i) + 0.5;
         Ok((0..pixels * pixels)
@@ -130,7 +135,7 @@ impl ShadowScene {
             .collect())
     }
 
-    fn plane(&self, hit: &RayHit) -> DVec3 {
+    pub(crate) fn plane(&self, hit: &RayHit) -> DVec3 {
         let mesh = &self.scene.meshes[hit.object];
         let [a, b, c] = mesh.triangles[hit.triangle as usize].map(|v| {
             let p = DVec3::from(mesh.positions[v as usize].map(f64::from));
@@ -253,7 +258,7 @@ impl ShadowScene {
 
     /// The surface on the light's ray through a place, nearest to it: its point and the side that faces the light. A plane of the
     /// receiver would do on the floor, but on facets that the light grazes it runs into the body and calls everything dark.
-    fn surface_beside(&self, place: DVec3, toward: DVec3) -> Option<(DVec3, DVec3)> {
+    pub(crate) fn surface_beside(&self, place: DVec3, toward: DVec3) -> Option<(DVec3, DVec3)> {
         let range = (0.0, f64::INFINITY);
         let up = self.rays.nearest(place, toward, range);
         let down = self.rays.nearest(place, -toward, range);
@@ -287,7 +292,7 @@ pub fn sun(elevation: f64) -> Light {
 }
 
 /// Two unit vectors square to a direction.
-fn across(d: DVec3) -> (DVec3, DVec3) {
+pub(crate) fn across(d: DVec3) -> (DVec3, DVec3) {
     let a = d.cross(DVec3::X).normalize();
     (a, d.cross(a).normalize())
 }

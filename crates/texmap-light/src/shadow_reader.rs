@@ -120,7 +120,9 @@ mod tests {
 
     use crate::vector::narrow;
 
-    const BIASES: [(ShadowBias, u32); 3] = [
+    const BIASES: [(ShadowBias, u32); 5] = [
+        (ShadowBias::Planes(1e-3), 1),
+        (ShadowBias::Planes(1e-3), 5),
         (ShadowBias::Constant(0.05), 1),
         (ShadowBias::Slope(1e-3), 3),
         (ShadowBias::NormalOffset(1.5), 5),

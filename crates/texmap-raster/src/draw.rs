@@ -136,6 +136,10 @@ pub struct Draw<'a> {
     pub depth_write: bool,
     /// When the draw takes part.
     pub pass: Pass,
+    /// Polygon offset: every triangle's depth is moved away from the eye by this many times what its plane changes in a pixel,
+    /// `|dz/dx| + |dz/dy|`. With r it is the farthest that the plane reaches within r pixels across and down of each pixel. What is
+    /// moved beyond the far plane is behind everything.
+    pub depth_slope: f32,
 }
 
 impl Default for Draw<'_> {
@@ -153,6 +157,7 @@ impl Default for Draw<'_> {
             depth_test: DepthTest::Less,
             depth_write: true,
             pass: Pass::Opaque,
+            depth_slope: 0.0,
         }
     }
 }

@@ -6,7 +6,7 @@ use crate::Prepared;
 use crate::arrays::Arrays;
 use crate::edge::Edge;
 use crate::planes::{Plane, Solver};
-use crate::setup::{DEPTH_RATIO, DepthPlane, REACH, TILE, origin};
+use crate::setup::{DEPTH_RATIO, DepthPlane, LEAVES_NOTHING, REACH, TILE, origin};
 use crate::vertex::{SPECIAL, Transform};
 
 /// A snapped extent below this keeps i32 edge set-up exact.
@@ -418,6 +418,15 @@ impl Prepared<'_> {
         for (k, slot) in group.z.iter_mut().enumerate() {
             s.narrow_f64x8(low_plane[k], high_plane[k])
                 .store_slice(slot);
+        }
+        let depth_slope = self.draw(draw as u32).depth_slope;
+        if depth_slope != 0.0 {
+            let [a, b, c] = [0, 1, 2].map(|k| f32x16::from_slice(s, &group.z[k]));
+            let most = f32x16::splat(s, LEAVES_NOTHING);
+            let away = below((a.abs() + b.abs()) * depth_slope, most);
+            (c - away).store_slice(&mut group.z[2]);
+            (lo - away).store_slice(&mut group.z_lo);
+            (hi - away).store_slice(&mut group.z_hi);
         }
         let (low_lo, high_lo) = lo.widen();
         let even = is_even(low_plane, low_lo).to_bitmask()

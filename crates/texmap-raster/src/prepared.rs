@@ -372,6 +372,7 @@ impl<'a> Prepared<'a> {
             width: self.size.width() as i32,
             interp: draw.interp,
             interp_scale: draw.interp_scale,
+            depth_slope: draw.depth_slope,
         };
         (
             shape,

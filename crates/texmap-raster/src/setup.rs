@@ -23,6 +23,9 @@ pub(crate) const W_RATIO: f64 = 2.0;
 /// The same for depth: up to it depth keeps 20 bits, relative to its value.
 pub(crate) const DEPTH_RATIO: f64 = 8.0;
 
+/// A polygon offset that moves any depth beyond the far plane.
+pub(crate) const LEAVES_NOTHING: f32 = 2.0;
+
 /// What is known of a fragment.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Fragment {
@@ -78,6 +81,8 @@ pub(crate) struct Shape<'a> {
     pub width: i32,
     pub interp: Interp,
     pub interp_scale: f32,
+    /// Of the draw.
+    pub depth_slope: f32,
 }
 
 /// The depth of a triangle over one tile.
@@ -94,10 +99,13 @@ impl DepthPlane {
         // A corner cut off at the far plane may lie beyond it by a rounding.
         let depths = shape.piece.map(|p| (p.z / p.w).clamp(0.0, 1.0));
         let plane = solve(solver, shape.outer.map(|p| p.z), mean(depths));
-        let z = Ranged::new(plane, depths.map(|v| v as f32));
+        let mut z = Ranged::new(plane, depths.map(|v| v as f32));
         // Reversed depth near the horizon is small: keep its digits where it varies much within the tile.
         let lowest = larger(z.plane.smallest(REACH), f64::from(z.lo));
         let even = z.plane.largest(REACH) <= 1.0 && z.plane.largest(REACH) <= DEPTH_RATIO * lowest;
+        if shape.depth_slope != 0.0 {
+            z.lower(away(shape.depth_slope, z.near));
+        }
         Self { z, wide: !even }
     }
 
@@ -109,6 +117,17 @@ impl DepthPlane {
         } else {
             self.z.clamp(self.z.at(px, py))
         }
+    }
+}
+
+/// What a draw's [`depth_slope`](crate::Draw::depth_slope) takes off a depth plane.
+fn away(depth_slope: f32, near: [f32; 3]) -> f32 {
+    let by = (near[0].abs() + near[1].abs()) * depth_slope;
+    // A plane that is seen on edge leaves nothing.
+    if by < LEAVES_NOTHING {
+        by
+    } else {
+        LEAVES_NOTHING
     }
 }
 
@@ -179,6 +198,14 @@ impl Ranged {
             lo,
             hi,
         }
+    }
+
+    /// Takes `by` off all values.
+    fn lower(&mut self, by: f32) {
+        self.plane.c -= f64::from(by);
+        self.near[2] -= by;
+        self.lo -= by;
+        self.hi -= by;
     }
 
     /// Multiply, then add; never stepped, never fused.

@@ -123,7 +123,7 @@ pub use scene::{
     AlphaMode, ColorMode, Gouraud, Material, Mesh, Scene, Shading, TextureRole, TextureSlot,
 };
 pub use settings::{Aov, Settings, UnknownAov};
-pub use shadow::{shadow_bias, shadow_kind, shadow_map};
+pub use shadow::{shadow_bias, shadow_kind, shadow_map, shadow_map_for};
 pub use skin::{Bone, Skeleton, Skin, SkinBlend, turn, turn_by};
 pub use solid::{Solid, SolidSource};
 pub use text::Font;

@@ -118,6 +118,7 @@ impl<'s> Plan<'s> {
                 depth_test: s.depth_test.unwrap_or(scene.depth_test),
                 depth_write: true,
                 pass: s.pass,
+                depth_slope: 0.0,
             })
             .collect()
     }

@@ -62,7 +62,7 @@ impl<'s> Ready<'s> {
         let mut draw = |kind: &ShadowKind, size: u32, bias: ShadowBias, taps: u32| {
             let mut room = rooms.next().unwrap_or_default();
             reserve_map(settings.memory, kind, size, &mut room)?;
-            let (map, bounds) = shadow_map_in(scene, kind, size, taps, threads, room)?;
+            let (map, bounds) = shadow_map_in(scene, kind, size, (bias, taps), threads, room)?;
             let bounds = Some(bounds);
             Ok::<_, RenderError>(ShadowReader::with_bounds(map, bias, taps, bounds))
         };

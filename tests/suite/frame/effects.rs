@@ -6,7 +6,7 @@ use texmap_math::glam::{DMat4, DVec3};
 use texmap_render::{
     Aov, AovData, BakeOptions, Carving, Effects, Emission, Frame, HOLE_BITS, LightMapSlot,
     Material, Mesh, Reflection, Relief, RenderError, Scene, Settings, Shading, Shadow,
-    SlideProjector, SlideRole, SurfaceMaps, bake, render, shadow_bias, shadow_kind, shadow_map,
+    SlideProjector, SlideRole, SurfaceMaps, bake, render, shadow_bias, shadow_kind, shadow_map_for,
 };
 use texmap_sample::{Filter, Sampler};
 use texmap_tests::levels::levels;
@@ -472,12 +472,9 @@ fn bakes_are_the_same_on_any_number_of_threads() {
     let mut shadows = Vec::new();
     for light in 1..4 {
         let kind = shadow_kind(&scene, light, None).unwrap();
-        shadows.push((
-            light,
-            shadow_map(&scene, &kind, 128, 1).unwrap(),
-            shadow_bias(&scene),
-            3,
-        ));
+        let bias = shadow_bias(&scene);
+        let map = shadow_map_for(&scene, &kind, 128, bias, 3, 1).unwrap();
+        shadows.push((light, map, bias, 3));
     }
     let options = BakeOptions {
         size: 64,

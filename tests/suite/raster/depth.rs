@@ -1,5 +1,5 @@
 //! The depth-only pass is the depth of visibility, at every level and thread count.
-use texmap_raster::{Draw, NoAlphaTest, Pass, Prepared, TileBuffers};
+use texmap_raster::{Draw, NoAlphaTest, Pass, Prepared, TargetSize, TileBuffers};
 use texmap_tests::levels::levels;
 
 use crate::levels::RandomScene;
@@ -47,4 +47,48 @@ fn depth_map_is_the_depth_of_visibility() {
         }
     }
     assert!(seen > 10_000, "{seen} pixels");
+}
+
+/// A polygon offset takes the slope of each triangle off its depth, with the same bits on every level: on a slanted plane that is the
+/// farthest that the plane reaches within so many pixels.
+#[test]
+fn depth_slope_moves_each_plane_by_its_own_slope() {
+    // Depth .5 + .2 x + .1 y over the target, in pixels of 1/32.
+    let at = |x: f32, y: f32| [x, y, 0.5 + 0.2 * x + 0.1 * y];
+    let positions = [at(-1.0, -1.0), at(1.0, -1.0), at(1.0, 1.0), at(-1.0, 1.0)];
+    let draw = |depth_slope| Draw {
+        positions: &positions,
+        indices: &[[0, 1, 2], [0, 2, 3]],
+        depth_slope,
+        ..Draw::default()
+    };
+    let size = TargetSize::new(64, 64).unwrap();
+    let map = |slope| Prepared::plain(size, &[draw(slope)]).unwrap().depth_map(1);
+    let (flat, moved) = (map(0.0), map(3.0));
+    for (a, b) in flat.iter().zip(&moved) {
+        let expected = a - 3.0 * (0.2 + 0.1) / 32.0;
+        assert!((b - expected).abs() < 1e-6, "{a} {b} {expected}");
+    }
+    assert!(map(40.0).contains(&0.0), "beyond the far plane");
+    for seed in 0..40 {
+        let scene = RandomScene::new(seed);
+        let opaque = |d| Draw {
+            pass: Pass::Opaque,
+            depth_write: true,
+            depth_slope: 2.5,
+            ..d
+        };
+        let draws: Vec<_> = scene.draws().into_iter().map(opaque).collect();
+        let plain = Prepared::plain(scene.target, &draws).expect("valid");
+        let expected = plain.depth_map(1);
+        for (name, level) in levels() {
+            let fast = Prepared::with_level(scene.target, &draws, level, 1).expect("valid");
+            let same = fast.depth_map(1);
+            let mut pairs = expected.iter().zip(&same);
+            assert!(
+                pairs.all(|(a, b)| a.to_bits() == b.to_bits()),
+                "{seed}, {name}"
+            );
+        }
+    }
 }

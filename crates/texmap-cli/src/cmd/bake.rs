@@ -6,7 +6,7 @@ use clap::Args;
 use texmap_io::{LoadOptions, load};
 use texmap_light::Light;
 use texmap_render::{
-    BakeOptions, LightMap, RenderError, Scene, bake, shadow_bias, shadow_kind, shadow_map,
+    BakeOptions, LightMap, RenderError, Scene, bake, shadow_bias, shadow_kind, shadow_map_for,
 };
 
 use crate::cmd::Root;
@@ -37,7 +37,7 @@ pub(crate) struct BakeArgs {
     /// Texels a side of the shadow map of each light (of each face, for point lights); 0 for no shadows
     #[arg(long, value_name = "N", default_value_t = 1024, value_parser = clap::value_parser!(u32).range(0..=16_384))]
     shadow_size: u32,
-    /// Comparisons a side of the shadow filter, odd
+    /// Comparisons a side of the shadow filter, odd. Its bias is that of a `shadow` line that names none
     #[arg(long, value_name = "K", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=15))]
     shadow_taps: u32,
     /// One luminance in place of three colours
@@ -125,8 +125,9 @@ fn baked(args: &BakeArgs, scene: &Scene, mesh: usize) -> Result<LightMap, Render
     for (index, light) in scene.lights.iter().enumerate() {
         if args.shadow_size > 0 && !matches!(light, Light::Ambient { .. }) {
             let kind = shadow_kind(scene, index, None)?;
-            let map = shadow_map(scene, &kind, args.shadow_size, usize::MAX)?;
-            shadows.push((index, map, shadow_bias(scene), args.shadow_taps));
+            let (bias, taps) = (shadow_bias(scene), args.shadow_taps);
+            let map = shadow_map_for(scene, &kind, args.shadow_size, bias, taps, usize::MAX)?;
+            shadows.push((index, map, bias, taps));
         }
     }
     let options = BakeOptions {

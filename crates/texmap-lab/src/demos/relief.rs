@@ -5,7 +5,7 @@ use texmap_math::det;
 use texmap_math::glam::DVec3;
 use texmap_render::{
     BakeOptions, LightMap, LightMapSlot, Relief, Scene, Shadow, TextureSlot, bake, shadow_bias,
-    shadow_kind, shadow_map,
+    shadow_kind, shadow_map_for,
 };
 use texmap_sample::{
     Alpha, ColorSpace, Filter, Image, Origin, Sampler, Texels, Texture2d, UvTransform, Wrap,
@@ -266,12 +266,9 @@ pub(super) fn baked(
     for (index, light) in scene.lights.iter().enumerate() {
         if !matches!(light, Light::Ambient { .. }) {
             let kind = shadow_kind(scene, index, None)?;
-            shadows.push((
-                index,
-                shadow_map(scene, &kind, 1024, 1)?,
-                shadow_bias(scene),
-                3,
-            ));
+            let bias = shadow_bias(scene);
+            let map = shadow_map_for(scene, &kind, 1024, bias, 3, 1)?;
+            shadows.push((index, map, bias, 3));
         }
     }
     let options = BakeOptions {

@@ -177,7 +177,7 @@ pub(super) fn shadows(size: u32) -> Result<DemoPicture, LabError> {
     let pixels = f64::from(size * size);
     let claims = vec![
         Claim::new(
-            "wrong pixels under the slope bias",
+            "wrong pixels under the default bias",
             count(&slope),
             0.0,
             3e-4 * pixels,
@@ -210,8 +210,8 @@ pub(super) fn shadows(size: u32) -> Result<DemoPicture, LabError> {
         ),
         Panel::new(
             slope.picture,
-            "The receiver's slope",
-            "Neither: exact for planes.",
+            "The default",
+            "Neither: the planes of both surfaces.",
         ),
         Panel::new(
             soft.picture,

@@ -5,9 +5,10 @@ use texmap_math::float::sqrt_f32;
 use texmap_math::glam::DVec3;
 use texmap_math::lanes::{Words, floor_to_i32, floor_to_i32_scalar, gather};
 
-use super::taps::{Bias, Taps, moved, moved_lanes};
+use super::taps::{Bias, Receiver, ReceiverLanes, Taps, moved, moved_lanes};
 use crate::cube_face::{Side, along, direction_of, face_of};
 use crate::lanes::V3;
+use crate::shadow::STEEPEST;
 use crate::vector::{is_usable, narrow, spread, sub, sub_lanes, usable_lanes};
 
 /// A map of six faces.
@@ -86,30 +87,47 @@ impl Cube {
         let Place { face, ray, major } = place;
         let square = ray[0] * ray[0] + ray[1] * ray[1] + 1.0;
         let depth = major * sqrt_f32(square);
-        let add = match self.taps.bias {
-            Bias::Constant(constant) => constant,
-            Bias::NormalOffset(_) => 1e-4 * (major * self.step()),
+        let [x, y] = ray.map(|c| self.texel(c));
+        // distance = c |ray| / n.ray on the receiver's plane.
+        let tilt = || {
+            let [right, down, axis] = along(face, normal);
+            let facing = right * ray[0] + down * ray[1] + axis;
+            [
+                ray[0] / square - right / facing,
+                ray[1] / square - down / facing,
+            ]
+        };
+        let receiver = match self.taps.bias {
+            Bias::Constant(constant) => Receiver::level(depth - constant),
+            Bias::NormalOffset(_) => Receiver::level(depth - 1e-4 * (major * self.step())),
             Bias::Slope(constant) => {
-                // distance = c |ray| / n.ray on the receiver's plane.
-                let [right, down, axis] = along(face, normal);
-                let facing = right * ray[0] + down * ray[1] + axis;
-                let slope = (ray[0] / square - right / facing).abs()
-                    + (ray[1] / square - down / facing).abs();
-                self.taps.over(slope * (depth * self.step())) + constant
+                let [right, down] = tilt();
+                let slope = right.abs() + down.abs();
+                let over = self.taps.over(slope * (depth * self.step()));
+                Receiver::level(depth - (over + constant))
+            }
+            Bias::Planes(constant) => {
+                let texel = depth * self.step();
+                let slope = tilt().map(|c| c * texel);
+                let place = ray.map(|c| self.place_in_texels(c));
+                Receiver::new(depth - constant, slope, texel * STEEPEST, place, [x, y])
             }
         };
-        let reference = depth - add;
-        let [x, y] = ray.map(|c| self.texel(c));
         let mut lit = 0.0;
         let radius = self.taps.radius;
-        for j in y - radius..=y + radius {
-            for i in x - radius..=x + radius {
-                if reference <= depths[self.index(face, i, j)] {
+        for j in -radius..=radius {
+            for i in -radius..=radius {
+                if receiver.at(i, j) <= depths[self.index(face, x + i, y + j)] {
                     lit += 1.0;
                 }
             }
         }
-        lit / self.taps.count()
+        self.taps.share(lit)
+    }
+
+    /// Texels from the first edge of a face to a coordinate in -1..=1.
+    fn place_in_texels(&self, c: f32) -> f32 {
+        (c * 0.5 + 0.5) * self.taps.size as f32
     }
 
     /// `None` for points at the light, and those that are not finite.
@@ -120,8 +138,7 @@ impl Cube {
 
     /// Column or row of a coordinate in -1..=1 of a face.
     fn texel(&self, c: f32) -> i32 {
-        let n = self.taps.size as f32;
-        let i = floor_to_i32_scalar((c * 0.5 + 0.5) * n);
+        let i = floor_to_i32_scalar(self.place_in_texels(c));
         if i < self.taps.size {
             i
         } else {
@@ -170,33 +187,52 @@ impl Cube {
         let PlaceLanes { side, ray, major } = place;
         let square = ray[0] * ray[0] + ray[1] * ray[1] + 1.0;
         let depth = major * square.sqrt();
-        let add = match self.taps.bias {
-            Bias::Constant(constant) => f32x16::splat(s, constant),
-            Bias::NormalOffset(_) => major * self.step() * 1e-4,
+        let reference = match self.taps.bias {
+            Bias::Constant(constant) | Bias::Planes(constant) => depth - constant,
+            Bias::NormalOffset(_) => depth - major * self.step() * 1e-4,
             Bias::Slope(constant) => {
-                let [right, down, axis] = side.along(normal);
-                let facing = right * ray[0] + down * ray[1] + axis;
-                let slope = (ray[0] / square - right / facing).abs()
-                    + (ray[1] / square - down / facing).abs();
-                self.taps.over_lanes(s, slope * (depth * self.step())) + constant
+                let [right, down] = tilt_lanes(&side, ray, square, normal);
+                let slope = (right.abs() + down.abs()) * (depth * self.step());
+                depth - (self.taps.over_lanes(s, slope) + constant)
             }
         };
-        let reference = depth - add;
         let face = side.face(s);
         let (x, y) = (self.texel_lanes(s, ray[0]), self.texel_lanes(s, ray[1]));
+        let mut receiver = ReceiverLanes::level(s, reference);
+        let planes = matches!(self.taps.bias, Bias::Planes(_));
+        if planes {
+            let texel = depth * self.step();
+            let tilt = tilt_lanes(&side, ray, square, normal);
+            let slope = [tilt[0] * texel, tilt[1] * texel];
+            let place = [
+                self.place_in_texels_lanes(ray[0]),
+                self.place_in_texels_lanes(ray[1]),
+            ];
+            receiver = ReceiverLanes::new(reference, slope, texel * STEEPEST, place, [x, y]);
+        }
         let within = self.taps.hold_lanes(s, x, y);
         // Bounds know nothing of what lies beyond an edge.
         let [least, most] = self.taps.bounds.around(s, face, x, y);
-        let (all, none) = (reference.simd_le(least), reference.simd_gt(most));
+        let lowest = receiver.least(self.taps.radius);
+        let (all, none) = (reference.simd_le(least), lowest.simd_gt(most));
         if (within & (all | none) | !(inside & asked)).all_true() {
             return (inside & none).select(zero, one);
         }
-        let lit = if within.all_true() {
-            self.taps_lanes::<S, true>(s, words, &side, [x, y], reference)
-        } else {
-            self.taps_lanes::<S, false>(s, words, &side, [x, y], reference)
+        let lit = match (planes, within.all_true()) {
+            (false, true) => self.taps_lanes::<S, true, false>(s, words, &side, [x, y], &receiver),
+            (false, false) => {
+                self.taps_lanes::<S, false, false>(s, words, &side, [x, y], &receiver)
+            }
+            (true, true) => self.taps_lanes::<S, true, true>(s, words, &side, [x, y], &receiver),
+            (true, false) => self.taps_lanes::<S, false, true>(s, words, &side, [x, y], &receiver),
         };
-        inside.select(lit / f32x16::splat(s, self.taps.count()), one)
+        inside.select(self.taps.share_lanes(s, lit), one)
+    }
+
+    /// [`place_in_texels`](Self::place_in_texels) for sixteen.
+    #[inline(always)]
+    fn place_in_texels_lanes<S: Simd>(&self, c: f32x16<S>) -> f32x16<S> {
+        (c * 0.5 + 0.5) * self.taps.size as f32
     }
 
     /// [`place`](Self::place) for sixteen, and where there is one; elsewhere it is that of a point along +Z.
@@ -208,20 +244,20 @@ impl Cube {
 
     #[inline(always)]
     fn texel_lanes<S: Simd>(&self, s: S, c: f32x16<S>) -> i32x16<S> {
-        let i = floor_to_i32(s, (c * 0.5 + 0.5) * self.taps.size as f32);
+        let i = floor_to_i32(s, self.place_in_texels_lanes(c));
         let last = i32x16::splat(s, self.taps.size - 1);
         i.simd_lt(last).select(i, last)
     }
 
-    /// Comparisons that pass; all taps lie on the faces of their points if `WITHIN`.
+    /// Comparisons that pass; all taps lie on the faces of their points if `WITHIN`, the receiver's depth differs between them if `PLANES`.
     #[inline(always)]
-    fn taps_lanes<S: Simd, const WITHIN: bool>(
+    fn taps_lanes<S: Simd, const WITHIN: bool, const PLANES: bool>(
         &self,
         s: S,
         words: Words<'_>,
         side: &Side<S>,
         [x, y]: [i32x16<S>; 2],
-        reference: f32x16<S>,
+        receiver: &ReceiverLanes<S>,
     ) -> f32x16<S> {
         let (zero, one) = (f32x16::splat(s, 0.0), f32x16::splat(s, 1.0));
         let Taps { size, radius, .. } = self.taps;
@@ -238,7 +274,8 @@ impl Cube {
                 }
                 let index: u32x16<S> = index.bitcast();
                 let stored: f32x16<S> = gather(s, words, index).bitcast();
-                lit += reference.simd_le(stored).select(one, zero);
+                let passes = receiver.at::<PLANES>(s, di, dj).simd_le(stored);
+                lit += passes.select(one, zero);
             }
         }
         lit
@@ -255,4 +292,20 @@ impl Cube {
         let (i, j) = (self.texel_lanes(s, ray[0]), self.texel_lanes(s, ray[1]));
         (side.face(s) * self.taps.size + j) * self.taps.size + i
     }
+}
+
+/// What the distance of a receiver's plane changes right and down, as a part of it: distance = c |ray| / n.ray.
+#[inline(always)]
+fn tilt_lanes<S: Simd>(
+    side: &Side<S>,
+    ray: [f32x16<S>; 2],
+    square: f32x16<S>,
+    normal: V3<S>,
+) -> [f32x16<S>; 2] {
+    let [right, down, axis] = side.along(normal);
+    let facing = right * ray[0] + down * ray[1] + axis;
+    [
+        ray[0] / square - right / facing,
+        ray[1] / square - down / facing,
+    ]
 }

@@ -4,8 +4,9 @@ use texmap_math::fearless_simd::{Simd, f32x16, i32x16, mask32x16, prelude::*, u3
 use texmap_math::glam::{DMat4, DVec4};
 use texmap_math::lanes::{Words, floor_to_i32, floor_to_i32_scalar, gather};
 
-use super::taps::{Bias, Taps, moved, moved_lanes};
+use super::taps::{Bias, Receiver, ReceiverLanes, Taps, moved, moved_lanes};
 use crate::lanes::V3;
+use crate::shadow::STEEPEST;
 use crate::vector::{affine_lanes, dot, dot_lanes, spread};
 
 /// A map of one face.
@@ -62,36 +63,48 @@ impl Flat {
                 return 1.0;
             }
         }
-        let ([x, y, depth], n) = (place, self.taps.size as f32);
-        let add = match self.taps.bias {
-            Bias::Constant(constant) => constant,
-            Bias::NormalOffset(_) => 1e-4 * self.texel_at(depth),
+        let [x, y, depth] = place;
+        let (column, row) = (floor_to_i32_scalar(x), floor_to_i32_scalar(y));
+        let receiver = match self.taps.bias {
+            Bias::Constant(constant) => Receiver::level(depth - constant),
+            Bias::NormalOffset(_) => Receiver::level(depth - 1e-4 * self.texel_at(depth)),
             Bias::Slope(constant) => {
-                let [right, down, back] = self.axes.map(|axis| dot(axis, normal));
-                let below = if self.divided {
-                    // n . ray, the ray's components taken from the place in the map.
-                    let (px, py) = ((x - 0.5 * n) * self.texel, (y - 0.5 * n) * self.texel);
-                    (right * px + down * py) - back
-                } else {
-                    -back
-                };
+                let ([right, down], below) = self.tilt(x, y, normal);
                 let slope = (right.abs() + down.abs()) * self.texel_at(depth) / below.abs();
-                self.taps.over(slope) + constant
+                Receiver::level(depth - (self.taps.over(slope) + constant))
+            }
+            Bias::Planes(constant) => {
+                let ([right, down], below) = self.tilt(x, y, normal);
+                let (depth, texel) = (depth - constant, self.texel_at(depth));
+                let per_texel = texel / -below;
+                let slope = [right * per_texel, down * per_texel];
+                Receiver::new(depth, slope, texel * STEEPEST, [x, y], [column, row])
             }
         };
-        let reference = depth - add;
-        let (x, y) = (floor_to_i32_scalar(x), floor_to_i32_scalar(y));
         let mut lit = 0.0;
         let Taps { size, radius, .. } = self.taps;
-        for j in y - radius..=y + radius {
-            for i in x - radius..=x + radius {
-                let outside = !self.taps.holds(i, j);
-                if outside || reference <= depths[(j * size + i) as usize] {
+        for j in -radius..=radius {
+            for i in -radius..=radius {
+                let outside = !self.taps.holds(column + i, row + j);
+                let index = ((row + j) * size + column + i) as usize;
+                if outside || receiver.at(i, j) <= depths[index] {
                     lit += 1.0;
                 }
             }
         }
-        lit / self.taps.count()
+        self.taps.share(lit)
+    }
+
+    /// A normal's components right and down in the map, and along the ray to a place in it.
+    fn tilt(&self, x: f32, y: f32, normal: [f32; 3]) -> ([f32; 2], f32) {
+        let [right, down, back] = self.axes.map(|axis| dot(axis, normal));
+        if !self.divided {
+            return ([right, down], -back);
+        }
+        // n . ray, the ray's components taken from the place in the map.
+        let n = self.taps.size as f32;
+        let (px, py) = ((x - 0.5 * n) * self.texel, (y - 0.5 * n) * self.texel);
+        ([right, down], (right * px + down * py) - back)
     }
 
     /// Whether a place lies in the map.
@@ -142,26 +155,42 @@ impl Flat {
         if !(inside & asked).any_true() {
             return one;
         }
-        let add = match self.taps.bias {
-            Bias::Constant(constant) => f32x16::splat(s, constant),
-            Bias::NormalOffset(_) => self.texel_at_lanes(s, depth) * 1e-4,
-            Bias::Slope(constant) => self.slope_lanes(s, x, y, depth, normal) + constant,
-        };
-        let reference = depth - add;
         let middle = f32x16::splat(s, 0.5 * self.taps.size as f32);
-        let x = floor_to_i32(s, inside.select(x, middle));
-        let y = floor_to_i32(s, inside.select(y, middle));
+        let place = [inside.select(x, middle), inside.select(y, middle)];
+        let [x, y] = [floor_to_i32(s, place[0]), floor_to_i32(s, place[1])];
         let [least, most] = self.taps.bounds.around(s, i32x16::splat(s, 0), x, y);
-        let (all, none) = (reference.simd_le(least), reference.simd_gt(most));
+        let reference = match self.taps.bias {
+            Bias::Constant(constant) | Bias::Planes(constant) => depth - constant,
+            Bias::NormalOffset(_) => depth - self.texel_at_lanes(s, depth) * 1e-4,
+            Bias::Slope(constant) => {
+                let ([right, down], below) = self.tilt_lanes(s, place, normal);
+                let texel = self.texel_at_lanes(s, depth);
+                let slope = (right.abs() + down.abs()) * texel / below.abs();
+                depth - (self.taps.over_lanes(s, slope) + constant)
+            }
+        };
+        let mut receiver = ReceiverLanes::level(s, reference);
+        let planes = matches!(self.taps.bias, Bias::Planes(_));
+        if planes {
+            let ([right, down], below) = self.tilt_lanes(s, place, normal);
+            let texel = self.texel_at_lanes(s, depth);
+            let per_texel = texel / -below;
+            let slope = [right * per_texel, down * per_texel];
+            receiver = ReceiverLanes::new(reference, slope, texel * STEEPEST, place, [x, y]);
+        }
+        let lowest = receiver.least(self.taps.radius);
+        let (all, none) = (reference.simd_le(least), lowest.simd_gt(most));
         if (all | none | !(inside & asked)).all_true() {
             return (inside & none).select(f32x16::splat(s, 0.0), one);
         }
-        let lit = if self.taps.hold_lanes(s, x, y).all_true() {
-            self.taps_lanes::<S, true>(s, words, x, y, reference)
-        } else {
-            self.taps_lanes::<S, false>(s, words, x, y, reference)
+        let within = self.taps.hold_lanes(s, x, y).all_true();
+        let lit = match (planes, within) {
+            (false, true) => self.taps_lanes::<S, true, false>(s, words, x, y, &receiver),
+            (false, false) => self.taps_lanes::<S, false, false>(s, words, x, y, &receiver),
+            (true, true) => self.taps_lanes::<S, true, true>(s, words, x, y, &receiver),
+            (true, false) => self.taps_lanes::<S, false, true>(s, words, x, y, &receiver),
         };
-        inside.select(lit / f32x16::splat(s, self.taps.count()), one)
+        inside.select(self.taps.share_lanes(s, lit), one)
     }
 
     /// [`holds`](Self::holds) for sixteen.
@@ -180,15 +209,15 @@ impl Flat {
         }
     }
 
-    /// Comparisons that pass; all taps lie in the map if `WITHIN`.
+    /// Comparisons that pass; all taps lie in the map if `WITHIN`, the receiver's depth differs between them if `PLANES`.
     #[inline(always)]
-    fn taps_lanes<S: Simd, const WITHIN: bool>(
+    fn taps_lanes<S: Simd, const WITHIN: bool, const PLANES: bool>(
         &self,
         s: S,
         words: Words<'_>,
         x: i32x16<S>,
         y: i32x16<S>,
-        reference: f32x16<S>,
+        receiver: &ReceiverLanes<S>,
     ) -> f32x16<S> {
         let (zero, one) = (f32x16::splat(s, 0.0), f32x16::splat(s, 1.0));
         let Taps { size, radius, .. } = self.taps;
@@ -200,7 +229,7 @@ impl Flat {
                 let i = x + di;
                 let index: u32x16<S> = (row + i).bitcast();
                 let stored: f32x16<S> = gather(s, words, index).bitcast();
-                let mut passes = reference.simd_le(stored);
+                let mut passes = receiver.at::<PLANES>(s, di, dj).simd_le(stored);
                 if !WITHIN {
                     passes |= !self.taps.holds_lanes(s, i, j);
                 }
@@ -210,27 +239,23 @@ impl Flat {
         lit
     }
 
+    /// [`tilt`](Self::tilt) for sixteen.
     #[inline(always)]
-    fn slope_lanes<S: Simd>(
+    fn tilt_lanes<S: Simd>(
         &self,
         s: S,
-        x: f32x16<S>,
-        y: f32x16<S>,
-        depth: f32x16<S>,
+        [x, y]: [f32x16<S>; 2],
         normal: V3<S>,
-    ) -> f32x16<S> {
+    ) -> ([f32x16<S>; 2], f32x16<S>) {
         let right = dot_lanes(spread(s, self.axes[0]), normal);
         let down = dot_lanes(spread(s, self.axes[1]), normal);
         let back = dot_lanes(spread(s, self.axes[2]), normal);
-        let below = if self.divided {
-            let half = 0.5 * self.taps.size as f32;
-            let (px, py) = ((x - half) * self.texel, (y - half) * self.texel);
-            (right * px + down * py) - back
-        } else {
-            -back
-        };
-        let slope = (right.abs() + down.abs()) * self.texel_at_lanes(s, depth) / below.abs();
-        self.taps.over_lanes(s, slope)
+        if !self.divided {
+            return ([right, down], -back);
+        }
+        let half = 0.5 * self.taps.size as f32;
+        let (px, py) = ((x - half) * self.texel, (y - half) * self.texel);
+        ([right, down], (right * px + down * py) - back)
     }
 
     #[inline(always)]

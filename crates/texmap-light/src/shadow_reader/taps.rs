@@ -1,6 +1,7 @@
 //! What look-ups in flat maps and in cubes have in common: a bias, and comparisons around a texel of a face.
 
 use texmap_math::fearless_simd::{Simd, f32x16, i32x16, mask32x16, prelude::*};
+use texmap_math::lanes::{above, below};
 
 use crate::lanes::V3;
 use crate::shadow_bounds::{ShadowBounds, radius};
@@ -8,6 +9,7 @@ use crate::{ShadowBias, ShadowMap};
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Bias {
+    Planes(f32),
     Constant(f32),
     Slope(f32),
     /// In texels.
@@ -23,6 +25,114 @@ pub(super) struct Taps {
     pub(super) radius: i32,
     pub(super) bounds: ShadowBounds,
     pub(super) bias: Bias,
+    /// Comparisons that say nothing where they contradict all others.
+    stray: f32,
+}
+
+/// The receiver's depth at the comparisons around a texel.
+pub(super) struct Receiver {
+    depth: f32,
+    /// Change of the depth per texel right and down.
+    slope: [f32; 2],
+    /// From the receiver to the middle of its texel.
+    middle: [f32; 2],
+}
+
+/// [`Receiver`] in each lane.
+pub(super) struct ReceiverLanes<S: Simd> {
+    depth: f32x16<S>,
+    slope: [f32x16<S>; 2],
+    middle: [f32x16<S>; 2],
+}
+
+impl Receiver {
+    /// `slope` per texel, `steepest` at most, of a receiver at `place` (texels) in the texel whose column and row are `texel`.
+    pub(super) fn new(
+        depth: f32,
+        slope: [f32; 2],
+        steepest: f32,
+        place: [f32; 2],
+        texel: [i32; 2],
+    ) -> Self {
+        Self {
+            depth,
+            slope: slope.map(|c| {
+                let c = if c < steepest { c } else { steepest };
+                if c > -steepest { c } else { -steepest }
+            }),
+            middle: [0, 1].map(|k| 0.5 - (place[k] - texel[k] as f32)),
+        }
+    }
+
+    /// Of one depth.
+    pub(super) fn level(depth: f32) -> Self {
+        Self {
+            depth,
+            slope: [0.0; 2],
+            middle: [0.0; 2],
+        }
+    }
+
+    /// At the texel `i` columns and `j` rows away: on its plane where that is nearer to the light.
+    pub(super) fn at(&self, i: i32, j: i32) -> f32 {
+        let [across, down] = [i, j].map(|c| c as f32);
+        let change =
+            self.slope[0] * (across + self.middle[0]) + self.slope[1] * (down + self.middle[1]);
+        self.depth + if change < 0.0 { change } else { 0.0 }
+    }
+}
+
+impl<S: Simd> ReceiverLanes<S> {
+    /// [`Receiver::new`] for sixteen.
+    #[inline(always)]
+    pub(super) fn new(
+        depth: f32x16<S>,
+        slope: [f32x16<S>; 2],
+        steepest: f32x16<S>,
+        place: [f32x16<S>; 2],
+        texel: [i32x16<S>; 2],
+    ) -> Self {
+        let mut out = Self {
+            depth,
+            slope,
+            middle: place,
+        };
+        for k in 0..2 {
+            out.slope[k] = above(below(slope[k], steepest), -steepest);
+            out.middle[k] = 0.5 - (place[k] - texel[k].to_float::<f32x16<S>>());
+        }
+        out
+    }
+
+    /// Of one depth.
+    #[inline(always)]
+    pub(super) fn level(s: S, depth: f32x16<S>) -> Self {
+        let zero = f32x16::splat(s, 0.0);
+        Self {
+            depth,
+            slope: [zero; 2],
+            middle: [zero; 2],
+        }
+    }
+
+    /// [`Receiver::at`] for sixteen; its one depth unless `PLANES`.
+    #[inline(always)]
+    pub(super) fn at<const PLANES: bool>(&self, s: S, i: i32, j: i32) -> f32x16<S> {
+        if !PLANES {
+            return self.depth;
+        }
+        let change = self.slope[0] * (self.middle[0] + i as f32)
+            + self.slope[1] * (self.middle[1] + j as f32);
+        self.depth + below(change, f32x16::splat(s, 0.0))
+    }
+
+    /// Not above any depth within `radius` texels, to the last bit: rounding keeps order.
+    #[inline(always)]
+    pub(super) fn least(&self, radius: i32) -> f32x16<S> {
+        let reach = radius as f32 + 0.5;
+        let [across, down] = [self.slope[0].abs() * reach, self.slope[1].abs() * reach];
+        self.depth + (-across - down)
+    }
 }
 
 impl Taps {
@@ -36,7 +146,9 @@ impl Taps {
             size: map.size() as i32,
             radius: radius(taps) as i32,
             bounds: ShadowBounds::fitting(bounds, map.depths(), map.size() as usize, taps),
+            stray: bias.stray(taps) as f32,
             bias: match bias {
+                ShadowBias::Planes(constant) => Bias::Planes(constant as f32),
                 ShadowBias::Constant(constant) => Bias::Constant(constant as f32),
                 ShadowBias::Slope(constant) => Bias::Slope(constant as f32),
                 ShadowBias::NormalOffset(texels) => Bias::NormalOffset(texels as f32),
@@ -45,9 +157,24 @@ impl Taps {
     }
 
     /// How many there are.
-    pub(super) fn count(&self) -> f32 {
+    fn count(&self) -> f32 {
         let side = (2 * self.radius + 1) as f32;
         side * side
+    }
+
+    /// The share of the light that `lit` comparisons leave.
+    pub(super) fn share(&self, lit: f32) -> f32 {
+        let share = (lit - self.stray) / (self.count() - 2.0 * self.stray);
+        let share = if share > 0.0 { share } else { 0.0 };
+        if share < 1.0 { share } else { 1.0 }
+    }
+
+    /// [`share`](Self::share) for sixteen.
+    #[inline(always)]
+    pub(super) fn share_lanes<S: Simd>(&self, s: S, lit: f32x16<S>) -> f32x16<S> {
+        let of = f32x16::splat(s, self.count() - 2.0 * self.stray);
+        let share = (lit - self.stray) / of;
+        below(above(share, f32x16::splat(s, 0.0)), f32x16::splat(s, 1.0))
     }
 
     /// Whether a texel lies on its face.

@@ -23,8 +23,9 @@ enum Metric {
 }
 
 impl FaceView {
-    /// From the depths of rows of a face's buffer to those of its map. Whether all are numbers, none below 0 but under parallel light.
-    pub(super) fn measure(&self, strip: &mut DepthStrip<'_>, size: u32) -> bool {
+    /// From the depths of rows of a face's buffer, each moved by `reach` texels of its slope, to those of its map. Whether all are numbers,
+    /// none below 0 but under parallel light.
+    pub(super) fn measure(&self, strip: &mut DepthStrip<'_>, size: u32, reach: f64) -> bool {
         match self.metric {
             Metric::Linear(near, far) => {
                 each_reached(strip, size, f32::NEG_INFINITY, |_, depth| {
@@ -33,7 +34,9 @@ impl FaceView {
             }
             Metric::Reciprocal(near) => each_reached(strip, size, 0.0, |_, depth| near / depth),
             Metric::Distance(near) => {
-                let centre = |i: usize| (i as f64 + 0.5) / f64::from(size) * 2.0 - 1.0;
+                // A plane square to the axis becomes farther away from the middle of the face.
+                let step = 2.0 / f64::from(size);
+                let centre = |i: usize| ((i as f64 + 0.5) * step - 1.0).abs() + reach * step;
                 each_reached(strip, size, 0.0, |[x, y], depth| {
                     let p = DVec2::new(centre(x), centre(y));
                     near / depth * (1.0 + p.length_squared()).sqrt()

@@ -179,6 +179,7 @@ impl PlanReport {
             size: s.size,
             bias: match s.bias {
                 ShadowBias::Constant(c) => format!("constant {}", figure(c)),
+                ShadowBias::Planes(c) => format!("planes and {}", figure(c)),
                 ShadowBias::Slope(c) => format!("slope and {}", figure(c)),
                 other => format!("{other:?}"),
             },

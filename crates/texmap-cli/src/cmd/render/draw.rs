@@ -10,7 +10,6 @@ use texmap_io::npy::{self, Values};
 use texmap_io::{CameraPath, FileSource, LoadOptions};
 use texmap_lab::picture::Picture;
 use texmap_lab::verify::{Verified, verify, with_wrap};
-use texmap_math::Level;
 use texmap_math::camera::Camera;
 use texmap_math::glam::DVec3;
 use texmap_math::{Level, MemoryBudget};
