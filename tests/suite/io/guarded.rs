@@ -167,6 +167,7 @@ fn long_words_are_cut_and_terminals_are_not_commanded() {
     ] {
         let files = Files::new().with("a.scene", format!("eye 0 0 6\n{line}\n"));
         let text = files.load("a.scene").expect_err("nonsense").to_string();
+        assert!(text.len() < 1000, "{} bytes", text.len());
         let longest = text
             .split(['`', ' '])
             .filter(|w| w.starts_with(['Q', '9']))

@@ -361,8 +361,8 @@ pub(super) fn huge(folder: &Path, rng: &mut Rng) -> io::Result<&'static str> {
         }
         11 => {
             fs::write(&model, format!("{quad}{}", "f 1 2 3\n".repeat(20_000)))?;
-            lines(300, &|_| "obj m.obj".into());
-            "300 times a model of 20,000 faces"
+            lines(100, &|_| "obj m.obj".into());
+            "100 times a model of 20,000 faces"
         }
         12 => {
             let groups: String = (0..20_000)

@@ -50,9 +50,13 @@ pub fn plain_json(text: &str) -> String {
     out
 }
 
-/// The name of a file for a message: whole, with its control characters escaped; what is no Unicode is U+FFFD.
+/// The name of a file for a message: whole, with its control characters escaped; what is no Unicode is U+FFFD. A name that is longer
+/// than files have is a word of the file that holds it, and cut like one.
 pub fn shown(path: &Path) -> impl fmt::Display {
-    cut(&path.to_string_lossy(), usize::MAX)
+    const LONGEST_PATH: usize = 4096;
+    let text = path.to_string_lossy();
+    let long = text.len() > LONGEST_PATH || path.iter().any(|name| name.len() > 255);
+    cut(&text, if long { LONGEST } else { usize::MAX })
 }
 
 fn cut(text: &str, longest: usize) -> String {
@@ -99,7 +103,9 @@ mod tests {
         assert_eq!(short.chars().count(), 201);
         assert!(short.ends_with('\u{2026}'));
         assert_eq!(shortened(&long[..400]).to_string(), long[..400]);
-        assert_eq!(shown(Path::new(&long)).to_string(), long);
+        let deep = format!("{0}/{0}/{0}", &long[..254]);
+        assert_eq!(shown(Path::new(&deep)).to_string(), deep);
+        assert_eq!(shown(Path::new(&long.repeat(9))).to_string(), short);
         assert_eq!(
             plain_json("{\n\"\u{9b}\u{202e}é\"}"),
             "{\n\"\\u009b\\u202eé\"}"
