@@ -11,7 +11,7 @@ fn spoilt_inputs_special_files_and_signals_do_no_harm() {
     // Ten seconds are the aim, measured by the example; a suite may run beside anything.
     let minute = Duration::from_secs(60);
     let summary = attack(program, 29, 0..150, minute, |finding| {
-        eprintln!("{finding}")
+        eprintln!("{finding}");
     })
     .unwrap();
     assert!(summary.findings.is_empty(), "{summary}");
