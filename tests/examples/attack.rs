@@ -8,9 +8,7 @@
     reason = "a table is what it makes"
 )]
 
-use std::path::PathBuf;
 use std::process::ExitCode;
-use std::time::Duration;
 
 fn main() -> ExitCode {
     #[cfg(unix)]
@@ -21,6 +19,11 @@ fn main() -> ExitCode {
 
 #[cfg(unix)]
 fn run() -> ExitCode {
+    use std::path::PathBuf;
+    use std::time::Duration;
+
+    use texmap_tests::attack::{Finding, attack};
+
     let mut arguments = std::env::args().skip(1);
     let cases = arguments.next().unwrap_or_else(|| "3000".into());
     let seed = arguments.next().and_then(|s| s.parse().ok()).unwrap_or(1);
@@ -37,9 +40,8 @@ fn run() -> ExitCode {
         Some(one) => one..one + 1,
         None => 0..number(&cases).unwrap_or(3000),
     };
-    match texmap_tests::attack::attack(&program, seed, range, Duration::from_secs(10), |finding| {
-        println!("{finding}")
-    }) {
+    let told = |finding: &Finding| println!("{finding}");
+    match attack(&program, seed, range, Duration::from_secs(10), told) {
         Ok(summary) => {
             print!("{summary}");
             if summary.findings.is_empty() {
