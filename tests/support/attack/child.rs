@@ -17,13 +17,15 @@ pub(super) enum Stdout {
     Closed,
 }
 
-/// A signal and the milliseconds after which it is sent.
+/// A signal and the milliseconds after which it is sent, from when the program is ready for it: nothing of it runs before.
 pub(super) type Interrupt = (&'static str, u64);
 
 /// How a run ended.
 #[derive(Debug)]
 pub(super) struct Ending {
     pub(super) status: Option<ExitStatus>,
+    /// Linux: it was seen to be ready for the signal.
+    pub(super) ready: bool,
     /// It did not end within the time; then it was killed.
     pub(super) hung: bool,
     /// It took more memory than allowed; then it was killed.
@@ -64,6 +66,7 @@ pub(super) fn run(
     drop(child.stdout.take());
     let (mut hung, mut large) = (false, false);
     let mut interrupt = interrupt;
+    let (mut ready, mut caught) = (None, false);
     // Processor time when it last moved, and when that was.
     let mut moved = (Duration::ZERO, began);
     let status = loop {
@@ -71,11 +74,16 @@ pub(super) fn run(
             break Some(status);
         }
         let now = began.elapsed();
-        if let Some((signal, after)) = interrupt
-            && now >= Duration::from_millis(after)
-        {
-            send(&child, signal)?;
-            interrupt = None;
+        if let Some((signal, after)) = interrupt {
+            // One that never is ready gets it all the same.
+            caught |= catches(child.id(), signal);
+            if ready.is_none() && (caught || now > Duration::from_secs(2)) {
+                ready = Some(now);
+            }
+            if ready.is_some_and(|ready| now >= ready + Duration::from_millis(after)) {
+                send(&child, signal)?;
+                interrupt = None;
+            }
         }
         if let Some(used) = processor_time(child.id())
             && used > moved.0
@@ -98,6 +106,7 @@ pub(super) fn run(
     };
     Ok(Ending {
         status,
+        ready: caught,
         hung,
         large,
         stdout: fs::read(out).unwrap_or_default(),
@@ -110,6 +119,22 @@ pub(super) fn run(
 fn send(child: &Child, signal: &str) -> io::Result<()> {
     let command = format!("kill -{signal} {} 2>/dev/null || true", child.id());
     Command::new("sh").arg("-c").arg(command).status().map(drop)
+}
+
+/// Linux: whether the process has said what to do with the signal.
+fn catches(id: u32, signal: &str) -> bool {
+    let number = match signal {
+        "HUP" => 1,
+        "INT" => 2,
+        _ => 15,
+    };
+    let status = fs::read_to_string(format!("/proc/{id}/status")).unwrap_or_default();
+    let masks = status.lines().filter_map(|line| {
+        let (name, mask) = line.split_once(':')?;
+        let mask = u64::from_str_radix(mask.trim(), 16).ok();
+        mask.filter(|_| matches!(name, "SigCgt" | "SigBlk"))
+    });
+    masks.fold(0, |all, mask| all | mask) >> (number - 1) & 1 == 1
 }
 
 /// Linux: what the process has used of its processors, in ticks of a hundredth of a second.

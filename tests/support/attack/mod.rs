@@ -63,7 +63,7 @@ pub enum Fault {
     Hang,
     /// More than 3 GiB.
     Memory,
-    /// Death by a signal, sent or not.
+    /// Death by a signal, sent or not; a run that would not notice one.
     Signal,
     /// An exit code that is not documented.
     ExitCode,
@@ -333,6 +333,9 @@ impl Case {
         }
         if let Some(signal) = ending.status.and_then(|status| status.signal()) {
             fault(Fault::Signal, format!("died of signal {signal}"));
+        }
+        if cfg!(target_os = "linux") && self.interrupt.is_some() && !ending.ready {
+            fault(Fault::Signal, "is not ready for signals".into());
         }
         let interrupted = match self.interrupt.map(|(signal, _)| signal) {
             Some("INT") => Some(130),
