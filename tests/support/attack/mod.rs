@@ -247,7 +247,7 @@ impl Case {
                     [
                         "render @all.scene -o >out.png --resolution 800x600 --supersample 2 --aov uv,position",
                         "uv-raster @m.obj -o >out --size 2048",
-                        "env @sky.hdr -o >out.exr --to cube --size 512 --blur 64",
+                        "env @sky.hdr -o >out.exr --to cube --size 1024",
                         "render @all.scene --path @walk.json --frames 30 -o >out%d.png --resolution 400x300",
                         "warp @check.png -o >out.png --size 3000x3000",
                         "bake @all.scene --object panel --light --size 1024 -o >out.exr",
