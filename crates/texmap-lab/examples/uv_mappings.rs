@@ -8,7 +8,7 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 use texmap_io::framing::View;
-use texmap_io::{LoadOptions, image_io, load_obj};
+use texmap_io::image_io;
 use texmap_lab::picture::Picture;
 use texmap_lab::uv_pictures::{checker, layout};
 use texmap_math::Level;
@@ -153,15 +153,29 @@ fn square(mesh: &Mesh<'_>) -> Frame {
 type Model = (Vec<[f32; 3]>, Faces);
 
 /// Positions and triangles of an OBJ, its materials joined.
+/// The vertices and polygons of an OBJ of the assets, as `texmap uv` reads them: triangles, or vertices that are split where
+/// normals differ, would give other charts.
 fn read(path: &Path) -> Result<Model, Box<dyn Error>> {
-    let scene = load_obj(path, &LoadOptions::default())?;
-    let (mut positions, mut triangles) = (Vec::new(), Vec::new());
-    for mesh in &scene.meshes {
-        let base = positions.len() as u32;
-        positions.extend(&mesh.positions);
-        triangles.extend(mesh.triangles.iter().map(|t| t.map(|i| i + base)));
+    let text = std::fs::read_to_string(path)?;
+    let (mut positions, mut faces) = (Vec::new(), Faces::new());
+    for line in text.lines() {
+        let (word, values) = line.split_once(' ').unwrap_or((line, ""));
+        let mut values = values.split_whitespace();
+        match word {
+            "v" => {
+                let mut number = || values.next().unwrap_or("").parse::<f32>();
+                positions.push([number()?, number()?, number()?]);
+            }
+            "f" => {
+                let vertex = |corner: &str| corner.split('/').next().unwrap_or("").parse::<u32>();
+                let corners: Result<Vec<u32>, _> = values.map(vertex).collect();
+                let corners: Vec<u32> = corners?.into_iter().map(|k| k.wrapping_sub(1)).collect();
+                faces.push(&corners);
+            }
+            _ => {}
+        }
     }
-    Ok((positions, Faces::from_triangles(&triangles)))
+    Ok((positions, faces))
 }
 
 /// What the lecture says about its objects, held against the figures.
