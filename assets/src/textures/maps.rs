@@ -134,7 +134,7 @@ pub(crate) fn baked() -> Picture {
         let (u, v) = (f64::from(x % 32) / 31.0, f64::from(y % 32) / 31.0);
         let light = FACES[face] * (0.55 + 0.45 * (1.0 - v)) * (0.75 + 0.25 * u);
         let code = (255.0 * light) as u32;
-        rgb(code << 16 | code << 8 | code * 15 / 16)
+        rgb((code << 16) | (code << 8) | (code * 15 / 16))
     })
 }
 
