@@ -98,7 +98,7 @@ const DEMOS: [(&str, &str, Draw); 23] = [
     ),
     (
         "shadows",
-        "shadow maps: no bias, a constant, the receiver's slope, filtered; the map itself",
+        "shadow maps: no bias, a constant, the default, filtered; the map itself",
         shadows::shadows,
     ),
     (
