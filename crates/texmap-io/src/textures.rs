@@ -233,9 +233,10 @@ impl Textures {
         } else {
             ColorSpace::Srgb
         };
-        // At most eight bytes a texel, and a third more for the mip chain.
+        // Eight bytes a texel, sixteen of floats, and a third more for the mip chain.
         let size = (image.width, image.height);
-        image_io::ask_for_texels(&self.source, path, Some(place), size, 11)?;
+        let kept = if bits == 32 { 22 } else { 11 };
+        image_io::ask_for_texels(&self.source, path, Some(place), size, kept)?;
         let texture = image_io::texture(path, Some(place), &image, color)?;
         Ok((texture, (image.width, image.height, bits)))
     }
