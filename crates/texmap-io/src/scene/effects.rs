@@ -4,8 +4,8 @@ use std::collections::HashMap;
 use std::path::PathBuf;
 
 use texmap_light::{Chart, Green, Highlight, Light, ShadowBias};
-use texmap_math::glam::{DMat4, DVec3};
 use texmap_math::Projector;
+use texmap_math::glam::{DMat4, DVec3};
 use texmap_render::{
     Carving, Emission, LightMapSlot, Material, Mesh, Reflection, Relief, Scene, Shadow,
     SlideProjector, SlideRole,
