@@ -129,12 +129,11 @@ fn catches(id: u32, signal: &str) -> bool {
         _ => 15,
     };
     let status = fs::read_to_string(format!("/proc/{id}/status")).unwrap_or_default();
-    let masks = status.lines().filter_map(|line| {
-        let (name, mask) = line.split_once(':')?;
-        let mask = u64::from_str_radix(mask.trim(), 16).ok();
-        mask.filter(|_| matches!(name, "SigCgt" | "SigBlk"))
-    });
-    masks.fold(0, |all, mask| all | mask) >> (number - 1) & 1 == 1
+    let mask = status
+        .lines()
+        .find_map(|line| line.strip_prefix("SigCgt:"))
+        .and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok());
+    mask.is_some_and(|mask| mask >> (number - 1) & 1 == 1)
 }
 
 /// Linux: what the process has used of its processors, in ticks of a hundredth of a second.
