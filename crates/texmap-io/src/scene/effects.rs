@@ -16,7 +16,7 @@ use super::classics;
 use super::settings::{Settings, emitted};
 use crate::scene_file::{Bias, CarveLine, Effect, Formula, Missing, ProjectorLine, ReliefLine};
 use crate::textures::{Content, Textures};
-use crate::{FileSource, IoError, Place, environment_io, obj};
+use crate::{FileSource, IoError, Place, environment_io, obj, shortened};
 
 /// The effects that later faces are under.
 #[derive(Debug, Clone, Default)]
@@ -485,7 +485,7 @@ pub(super) fn second_uvs(
         if part.uvs.is_empty() {
             return Err(broken(format!(
                 "`lightmapuv`: the part `{}` has no `vt`",
-                part.name
+                shortened(&part.name)
             )));
         }
         for (triangle, face) in part.triangles.iter().zip(&part.faces) {
