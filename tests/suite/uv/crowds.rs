@@ -43,7 +43,7 @@ fn soup(kind: &str, count: u32) -> Vec<[DVec3; 3]> {
             v(random(2 * i + 1), 0.0, 0.0),
             v(0.5, 1.0 + random(i), 0.0),
         ],
-        "mixed" if i % 50 == 0 => [any(3 * i), any(3 * i + 1), any(3 * i + 2)],
+        "mixed" if i.is_multiple_of(50) => [any(3 * i), any(3 * i + 1), any(3 * i + 2)],
         "mixed" => small(any(i), 1e-4),
         "spread" => {
             let (_, low) = det::sin_cos(f64::from(i));

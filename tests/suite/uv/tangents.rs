@@ -207,7 +207,6 @@ fn every_corner_of_a_sculpture_has_the_references_tangent() {
         for (name, set) in sets(&mesh) {
             for normals in [&smooth, &rounded] {
                 let without = compare(&positions, &faces, &set, normals);
-                println!("{name}: {without} of {} without", smooth.len());
                 assert!(name != "islands" || without > 300, "{without}");
             }
         }
