@@ -154,8 +154,7 @@ fn counted(map: &Homography, size: [f64; 2], x: usize, y: usize) -> f64 {
 fn edges_cover_the_area_of_the_pixel() {
     let t = float_texture(30, 20, 1, &[1.0; 600]).with_mips();
     let size = [30.0, 20.0];
-    let corners =
-        [[0.0, 0.0], [30.0, 0.0], [30.0, 20.0], [0.0, 20.0]].map(|p| DVec2::from_array(p));
+    let corners = [[0.0, 0.0], [30.0, 0.0], [30.0, 20.0], [0.0, 20.0]].map(DVec2::from_array);
     let mut random = Random::new(7);
     let mut maps = Vec::new();
     while maps.len() < 60 {
