@@ -73,8 +73,10 @@ pub(crate) fn read_named(
 
 /// Rows of one face of an image of this size, if the chart can have it.
 fn face_height(chart: Chart, width: u32, height: u32) -> Option<u32> {
-    let face = height / chart.faces() as u32;
-    let fits = face > 0 && face * chart.faces() as u32 == height && width == face * chart.aspect();
+    let faces = chart.faces() as u32;
+    let face = height / faces;
+    let fits =
+        face > 0 && height.is_multiple_of(faces) && face.checked_mul(chart.aspect()) == Some(width);
     (fits && width <= Environment::MAX_SIDE).then_some(face)
 }
 

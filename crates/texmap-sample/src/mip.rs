@@ -335,6 +335,10 @@ fn coverage(texels: &[[f32; 4]], threshold: f32) -> f64 {
 /// The same texels pass at every scale of an interval, so that opaque texels stay opaque wherever one is in it.
 fn coverage_scale(texels: &[[f32; 4]], share: f64, threshold: f32, units: f32) -> f32 {
     const MOST: f64 = 16.0;
+    // Nothing reaches a threshold that is no number, and everything one that is not above zero, whatever the scale.
+    if !(threshold > 0.0 && threshold.is_finite()) {
+        return 1.0;
+    }
     let mut alphas: Vec<f32> = texels.iter().map(|c| c[3]).collect();
     alphas.sort_unstable_by(|a, b| b.total_cmp(a));
     // A share is a quotient: its product may lie a rounding above a whole number.

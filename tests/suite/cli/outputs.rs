@@ -25,7 +25,6 @@ fn no_output_is_an_input_or_another_output() {
             "room.scene",
         ),
         ("uv m.obj --map sphere -o m.obj", "m.obj"),
-        ("uv m.obj --map sphere --tangents ./m.obj", "m.obj"),
         ("uv-raster q.face.npy -o q", "q.face.npy"),
         (
             "render out.depth.npy -o out.png --aov depth",
@@ -37,13 +36,14 @@ fn no_output_is_an_input_or_another_output() {
         assert_eq!(desk.read(input), before, "{arguments}");
     }
     for arguments in [
-        "uv m.obj --map sphere -o x --tangents x",
-        "uv m.obj --map sphere -o x --tangents ./x",
+        "uv m.obj --map sphere --tangents ./m.obj",
+        "uv m.obj --map sphere -o x.npy --tangents x.npy",
+        "uv m.obj --map sphere -o x.npy --tangents ./x.npy",
     ] {
         desk.refused(arguments, 2, "");
     }
     desk.refused(
-        "uv m.obj --map sphere -o x --tangents ./x",
+        "chart --quick -o c.csv -o ./c.csv",
         2,
         "two outputs are one file",
     );

@@ -88,7 +88,10 @@ fn the_manual_has_the_words_of_every_choice() {
         );
         for word in quoted(cell).filter(|word| !in_meaning || known.contains(bare(word))) {
             let word = word.split(" [").next().unwrap_or("");
-            let word = word.replace(":N", ":2").replace("TOLERANCE", "0.5");
+            let word = word
+                .replace(":N", ":2")
+                .replace("TOLERANCE", "0.5")
+                .replace("WIDTH", "0.75");
             let read = parse(Path::new("a"), &format!("{command} {word}"));
             assert!(read.is_ok(), "{command} {word}: {read:?}");
         }

@@ -129,11 +129,14 @@ fn catches(id: u32, signal: &str) -> bool {
         _ => 15,
     };
     let status = fs::read_to_string(format!("/proc/{id}/status")).unwrap_or_default();
-    let mask = status
-        .lines()
-        .find_map(|line| line.strip_prefix("SigCgt:"))
-        .and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok());
-    mask.is_some_and(|mask| mask >> (number - 1) & 1 == 1)
+    // A signal that was ignored when the attack started (`nohup`, a job in the background) is to stay ignored.
+    ["SigCgt:", "SigIgn:"].iter().any(|mask| {
+        let mask = status
+            .lines()
+            .find_map(|line| line.strip_prefix(mask))
+            .and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok());
+        mask.is_some_and(|mask| mask >> (number - 1) & 1 == 1)
+    })
 }
 
 /// Linux: what the process has used of its processors, in ticks of a hundredth of a second.

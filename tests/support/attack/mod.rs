@@ -318,6 +318,11 @@ impl Case {
         Ok(())
     }
 
+    /// Whether files that were finished before a signal came, or before the report could not be written, stay.
+    fn may_leave(&self) -> bool {
+        self.interrupt.is_some() || matches!(self.stdout, Stdout::Full)
+    }
+
     fn faults(&self, ending: &Ending, before: &State, after: &State) -> Vec<(Fault, String)> {
         let mut faults = Vec::new();
         let mut fault = |fault, what: String| faults.push((fault, what));
@@ -352,7 +357,7 @@ impl Case {
         for what in self.lost(code, before, after) {
             fault(Fault::Output, what);
         }
-        for what in litter(code, self.interrupt.is_some(), before, after) {
+        for what in litter(code, self.may_leave(), before, after) {
             fault(Fault::Litter, what);
         }
         for what in self.messages(code, ending) {

@@ -304,7 +304,7 @@ mod tests {
             ("highlight shiny", "unknown-word", 11),
             ("emission 1 1", "argument-count", 1),
             ("emission 1 -1 0", "out-of-range", 12),
-            ("emission 1 1 0 a.png b.png", "argument-count", 1),
+            ("emission 1 1 0 a.png b.png", "argument-count", 22),
             ("emission 1 1 0 \"\"", "out-of-range", 16),
         ]);
     }
