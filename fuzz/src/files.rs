@@ -59,7 +59,7 @@ pub fn image(bytes: &[u8]) {
         let path = folder.join("fuzz.png");
         match image_io::read_image(&path) {
             Ok(image) => {
-                assert!(image.width > 0 && image.height > 0 && (1..=4).contains(&image.channels))
+                assert!(image.width > 0 && image.height > 0 && (1..=4).contains(&image.channels));
             }
             Err(error) => named(&error, ""),
         }

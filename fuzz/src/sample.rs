@@ -92,7 +92,6 @@ fn looked_up(texture: &Texture2d<'_>, tame: bool, c: &mut Choices<'_>) {
             min: c.number(),
             max: c.number(),
         },
-        ..Sampler::default()
     };
     let tame = tame && sampler.border.iter().all(|x| x.abs() <= 1e15);
     let count = c.below(20);

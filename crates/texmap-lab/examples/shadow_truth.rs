@@ -2,6 +2,8 @@
 //!
 //! For each scene, light, size and filter: under the slope of the receiver alone, then under the default bias.
 
+#![allow(clippy::print_stdout, reason = "the table is the output")]
+
 use std::path::Path;
 
 use texmap_lab::shadow_scene::{ShadowScene, sun};

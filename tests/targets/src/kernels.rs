@@ -71,7 +71,8 @@ pub(crate) fn results(level: Level) -> Vec<(String, String)> {
         }
     }
     let angles = numbers(500);
-    let functions: [(&str, fn(f32) -> f32); 4] = [
+    type Function = (&'static str, fn(f32) -> f32);
+    let functions: [Function; 4] = [
         ("sin", det32::sin),
         ("cos", det32::cos),
         ("exp2", det32::exp2),

@@ -144,7 +144,7 @@ fn line(name: &str, frame: &Frame) -> String {
     for (_, _, data) in &frame.aovs {
         match data {
             AovData::F32(values) => {
-                aovs.extend(values.iter().flat_map(|v| v.to_bits().to_le_bytes()))
+                aovs.extend(values.iter().flat_map(|v| v.to_bits().to_le_bytes()));
             }
             AovData::U32(values) => aovs.extend(values.iter().flat_map(|v| v.to_le_bytes())),
         }
