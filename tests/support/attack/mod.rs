@@ -386,7 +386,7 @@ impl Case {
             match content(after, name) {
                 None => lost.push(format!("{} is gone", name.display())),
                 // A signal comes before or after an output is whole.
-                Some(Some(now)) if self.interrupt.is_some() && is_output(name) && whole(&now) => {}
+                Some(Some(now)) if self.may_leave() && is_output(name) && whole(&now) => {}
                 Some(now)
                     if now != *content_before && !(writes && (unknown || is_output(name))) =>
                 {
