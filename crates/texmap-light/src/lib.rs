@@ -33,6 +33,7 @@
     )),
     allow(
         dead_code,
+        unused_assignments,
         unused_imports,
         unused_variables,
         reason = "without a vector unit the scalar twins of the kernels do all of the work"

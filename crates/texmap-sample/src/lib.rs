@@ -46,6 +46,7 @@
     )),
     allow(
         dead_code,
+        unreachable_code,
         unused_imports,
         unused_variables,
         reason = "without a vector unit the scalar twins of the kernels do all of the work"
