@@ -58,6 +58,7 @@
     allow(
         dead_code,
         unused_imports,
+        unused_mut,
         unused_variables,
         reason = "without a vector unit the scalar twins of the kernels do all of the work"
     )
