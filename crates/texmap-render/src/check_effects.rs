@@ -10,7 +10,7 @@ use crate::shadow::{encloses, shadow_kind};
 use crate::solid::has_volume;
 use crate::{Backdrop, Material, RenderError, Scene, Shading, SolidSource};
 
-/// What a material has that surfaces lit per pixel alone read.
+/// Parts of a material that only surfaces lit per pixel read.
 fn read_per_pixel(material: &Material) -> Vec<&'static str> {
     let maps = &material.maps;
     let has = [

@@ -30,7 +30,7 @@ const STATEMENTS: [(&str, &str); 21] = [
     ("map_Tr", "write the map as `map_d`, where 1 is opaque"),
 ];
 
-/// What a library says in vain.
+/// Statements of one library that are not drawn.
 #[derive(Debug, Default)]
 pub(super) struct NotDrawn {
     /// Word, what is lost, the first line and how many there are.

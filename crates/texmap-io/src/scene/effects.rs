@@ -50,7 +50,7 @@ impl ReliefSetting {
     }
 }
 
-/// Where faces copy their texel: what their material has in vain.
+/// Effects of a material that faces do not show whose texel covers the surface.
 pub(super) fn covered(material: &Material) -> Vec<&'static str> {
     let has = [
         (material.relief.is_some(), BUMPS),
