@@ -66,7 +66,7 @@ impl Power {
     #[inline(always)]
     pub fn of_lanes<S: Simd>(self, s: S, x: f32x16<S>) -> f32x16<S> {
         match self {
-            Self::Real(ns) => det32::pow_x16(s, x, f32x16::splat(s, ns)),
+            Self::Real(ns) => det32::pow_lanes(texmap_math::simd::X16(s), x, f32x16::splat(s, ns)),
             Self::Whole(mut left) => {
                 let (mut power, mut square) = (f32x16::splat(s, 1.0), x);
                 loop {
@@ -126,7 +126,7 @@ fn of_each<S: Simd>(s: S, x: f32x16<S>, ns: f32x16<S>) -> f32x16<S> {
             let real = if whole.all_true() {
                 zero
             } else {
-                det32::pow_x16(s, x, ns)
+                det32::pow_lanes(texmap_math::simd::X16(s), x, ns)
             };
             let (mut power, mut square) = (one, x);
             let some = i32x16::splat(s, 1);

@@ -25,6 +25,7 @@ mod table;
 
 pub use bytes::lerp_bytes;
 pub use gather::{Words, gather, gather_pairs, gather_quads, gather_triples, has_pairs, prefetch};
+pub(crate) use gather::{gather_pairs_x4, gather_x4};
 pub use table::{look_up, octet};
 
 /// Lanes of every kernel, on every level.
@@ -65,7 +66,7 @@ pub fn below<S: Simd>(a: f32x16<S>, b: f32x16<S>) -> f32x16<S> {
 
 /// Whether a maximum is one of x86's instructions: the fallback is not.
 #[inline(always)]
-fn is_x86<S: Simd>(s: S) -> bool {
+pub(crate) fn is_x86<S: Simd>(s: S) -> bool {
     #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
     {
         use Level::{Avx2, Avx512, Sse2, Sse4_2};

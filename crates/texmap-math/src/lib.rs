@@ -93,6 +93,8 @@ mod on_level;
 pub mod plane;
 pub mod projector;
 pub mod reflection;
+#[doc(hidden)]
+pub mod simd;
 pub mod wrap;
 
 pub use camera::{Camera, CameraError};

@@ -169,7 +169,7 @@ impl Carved {
             ];
         }
         let [x, y, z] = place;
-        let turns = det32::atan2_x16(s, z, x) / TAU * around + noise[0];
+        let turns = det32::atan2_lanes(texmap_math::simd::X16(s), z, x) / TAU * around + noise[0];
         let radius = (x * x + z * z).sqrt();
         let narrow = width * around / (radius * TAU);
         let wave = wave_lanes(s, turns, narrow) * 0.5;
@@ -184,7 +184,7 @@ fn wave_lanes<S: Simd>(s: S, turns: f32x16<S>, width: f32x16<S>) -> f32x16<S> {
     let left = 1.5 - width * 2.0;
     let seen = left.simd_gt(zero).select(left, zero);
     let seen = left.simd_ge(one).select(one, seen);
-    seen * det32::cos_x16(s, (turns - turns.floor()) * TAU)
+    seen * det32::cos_lanes(texmap_math::simd::X16(s), (turns - turns.floor()) * TAU)
 }
 
 /// [`along`] for sixteen.

@@ -99,10 +99,11 @@ impl Pattern {
                 let turns = p[0] + octave_sum_lanes(s, p, width, octaves, true) * turbulence;
                 let turns = turns - turns.floor();
                 let half = width * core::f32::consts::PI;
-                let sinc = det32::sin_x16(s, half) / half;
+                let sinc = det32::sin_lanes(texmap_math::simd::X16(s), half) / half;
                 let seen = width.simd_lt(one).select(sinc, zero);
                 let seen = half.simd_lt(1e-3).select(one, seen);
-                let wave = det32::sin_x16(s, turns * core::f32::consts::TAU);
+                let wave =
+                    det32::sin_lanes(texmap_math::simd::X16(s), turns * core::f32::consts::TAU);
                 clamp_lanes(s, seen * 0.5 * wave + 0.5, 0.0, 1.0)
             }
             Self::Wood { grain } => {

@@ -1,7 +1,8 @@
 //! The f32 functions: lanes equal the scalars on every level, and the error against f64 stays within the stated bound.
 
 use texmap_math::det32::{self, MAX_ULPS};
-use texmap_math::fearless_simd::{Simd, dispatch, f32x16, prelude::*};
+use texmap_math::dispatch_simd;
+use texmap_math::simd::{Isa, prelude::*};
 use texmap_tests::levels::levels;
 
 /// Values at which formulas break: zeros, subnormals, the ends of each range, reduction limits, whole and half numbers.
@@ -171,18 +172,24 @@ fn exhaustive() {
 }
 
 #[inline(always)]
-fn one_argument<S: Simd>(s: S, x: [f32; 16]) -> [[f32; 16]; 7] {
-    let x = f32x16::from_slice(s, &x);
-    let (sine, cosine) = det32::sin_cos_x16(s, x);
-    [
-        sine.into(),
-        cosine.into(),
-        det32::asin_x16(s, x).into(),
-        det32::cos_x16(s, x * 3.0).into(),
-        det32::exp2_x16(s, x).into(),
-        det32::log2_x16(s, x).into(),
-        det32::sin_x16(s, x * 0.5).into(),
-    ]
+fn one_argument<I: Isa>(i: I, x: &[f32; 16]) -> [[f32; 16]; 7] {
+    let mut out = [[0.0; 16]; 7];
+    for at in (0..16).step_by(I::LANES) {
+        let x = i.load_f32(&x[at..]);
+        let results = [
+            det32::sin_lanes(i, x),
+            det32::cos_lanes(i, x),
+            det32::asin_lanes(i, x),
+            det32::cos_lanes(i, x * 3.0),
+            det32::exp2_lanes(i, x),
+            det32::log2_lanes(i, x),
+            det32::sin_lanes(i, x * 0.5),
+        ];
+        for (out, result) in out.iter_mut().zip(results) {
+            result.store(&mut out[at..]);
+        }
+    }
+    out
 }
 
 fn one_argument_scalar(x: f32) -> [f32; 7] {
@@ -198,12 +205,18 @@ fn one_argument_scalar(x: f32) -> [f32; 7] {
 }
 
 #[inline(always)]
-fn two_arguments<S: Simd>(s: S, x: [f32; 16], y: [f32; 16]) -> [[f32; 16]; 2] {
-    let (x, y) = (f32x16::from_slice(s, &x), f32x16::from_slice(s, &y));
-    [
-        det32::atan2_x16(s, x, y).into(),
-        det32::pow_x16(s, x, y).into(),
-    ]
+fn two_arguments<I: Isa>(i: I, x: &[f32; 16], y: &[f32; 16]) -> [[f32; 16]; 2] {
+    let mut out = [[0.0; 16]; 2];
+    for at in (0..16).step_by(I::LANES) {
+        let (x, y) = (i.load_f32(&x[at..]), i.load_f32(&y[at..]));
+        det32::atan2_lanes(i, x, y).store(&mut out[0][at..]);
+        det32::pow_lanes(i, x, y).store(&mut out[1][at..]);
+    }
+    out
+}
+
+fn bits(values: &[f32]) -> Vec<u32> {
+    values.iter().map(|x| x.to_bits()).collect()
 }
 
 #[test]
@@ -222,8 +235,20 @@ fn lanes_equal_scalars_on_every_level() {
             .iter()
             .zip(turned.as_chunks::<16>().0)
         {
-            let one = dispatch!(level, s => one_argument(s, *x));
-            let two = dispatch!(level, s => two_arguments(s, *x, *y));
+            let one = dispatch_simd!(level, i => one_argument(i, x));
+            let wide = dispatch_simd!(level, wide i => one_argument(i, x));
+            let two = dispatch_simd!(level, i => two_arguments(i, x, y));
+            let wide_two = dispatch_simd!(level, wide i => two_arguments(i, x, y));
+            assert_eq!(
+                bits(one.as_flattened()),
+                bits(wide.as_flattened()),
+                "{name}, {x:?}"
+            );
+            assert_eq!(
+                bits(two.as_flattened()),
+                bits(wide_two.as_flattened()),
+                "{name}, {x:?}"
+            );
             for i in 0..16 {
                 let want = one_argument_scalar(x[i]);
                 for (k, want) in want.into_iter().enumerate() {
@@ -255,7 +280,7 @@ fn lanes_equal_scalars_on_every_level() {
         for x in HARD {
             for y in HARD.as_chunks::<8>().0 {
                 let y: [f32; 16] = std::array::from_fn(|i| y[i / 2]);
-                let two = dispatch!(level, s => two_arguments(s, [x; 16], y));
+                let two = dispatch_simd!(level, i => two_arguments(i, &[x; 16], &y));
                 for i in 0..16 {
                     assert_eq!(
                         two[0][i].to_bits(),

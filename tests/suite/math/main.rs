@@ -8,6 +8,7 @@ mod det32;
 mod frames;
 mod lanes;
 mod quad;
+mod simd;
 mod span;
 mod strategies;
 mod triangle;

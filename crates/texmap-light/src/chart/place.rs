@@ -94,15 +94,16 @@ impl Chart {
                     (right / axis, down / axis)
                 } else {
                     (
-                        det32::atan2_x16(s, right, axis) * FRAC_4_PI,
-                        det32::atan2_x16(s, down, axis) * FRAC_4_PI,
+                        det32::atan2_lanes(texmap_math::simd::X16(s), right, axis) * FRAC_4_PI,
+                        det32::atan2_lanes(texmap_math::simd::X16(s), down, axis) * FRAC_4_PI,
                     )
                 };
                 (side.face(s), [p * 0.5 + 0.5, q * 0.5 + 0.5])
             }
             Self::LatLong => {
-                let longitude = det32::atan2_x16(s, x, -z);
-                let from_top = det32::atan2_x16(s, (x * x + z * z).sqrt(), y);
+                let longitude = det32::atan2_lanes(texmap_math::simd::X16(s), x, -z);
+                let from_top =
+                    det32::atan2_lanes(texmap_math::simd::X16(s), (x * x + z * z).sqrt(), y);
                 let uv = [longitude * FRAC_1_TAU + 0.5, from_top * FRAC_1_PI];
                 (first, uv)
             }
@@ -114,7 +115,8 @@ impl Chart {
             Self::EqualAreaOctahedron => {
                 let [x, y, z] = [x / length, y / length, z / length];
                 let r = ((x * x + y * y) / (z.abs() + 1.0)).sqrt();
-                let along = r * det32::atan2_x16(s, y.abs(), x.abs()) * FRAC_2_PI;
+                let along =
+                    r * det32::atan2_lanes(texmap_math::simd::X16(s), y.abs(), x.abs()) * FRAC_2_PI;
                 let p = [sign_lanes(s, x) * (r - along), sign_lanes(s, y) * along];
                 (first, unit_lanes(fold_lanes(s, back, p)))
             }

@@ -1,9 +1,10 @@
 //! Arc functions.
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Level, f32x16};
+use fearless_simd::{Level, f32x4, f32x16};
 
 use super::wide::{Wide, lanes_of, polynomial, round};
+use crate::simd::Isa;
 
 /// tan(pi/8).
 const TAN_PI_8: f64 = 0.414_213_562_373_095_03;
@@ -38,13 +39,13 @@ pub fn acos(x: f32) -> f32 {
 }
 
 lanes_of! {
-    /// The angle of sixteen points.
-    atan2_x16(y, x) = angle, atan2
+    /// The angle of points in lanes.
+    atan2_lanes(y, x) by apply2 = angle, atan2
 }
 
 lanes_of! {
-    /// Arc sine of sixteen lanes.
-    asin_x16(x) = arc_sine, asin
+    /// Arc sine of lanes.
+    asin_lanes(x) by apply = arc_sine, asin
 }
 
 #[inline(always)]

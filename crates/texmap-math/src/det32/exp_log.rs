@@ -3,9 +3,10 @@
 use core::f64::consts::{LN_2, LOG2_E};
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Level, f32x16};
+use fearless_simd::{Level, f32x4, f32x16};
 
 use super::wide::{Wide, lanes_of, polynomial, round};
+use crate::simd::Isa;
 
 /// 2^x.
 #[inline]
@@ -43,18 +44,18 @@ pub fn pow(x: f32, y: f32) -> f32 {
 }
 
 lanes_of! {
-    /// 2^x of sixteen lanes.
-    exp2_x16(x) = power, exp2
+    /// 2^x of lanes.
+    exp2_lanes(x) by apply = power, exp2
 }
 
 lanes_of! {
-    /// Logarithm to base 2 of sixteen lanes.
-    log2_x16(x) = logarithm, log2
+    /// Logarithm to base 2 of lanes.
+    log2_lanes(x) by apply = logarithm, log2
 }
 
 lanes_of! {
-    /// `x` to the power `y`, sixteen lanes.
-    pow_x16(x, y) = raise, pow
+    /// `x` to the power `y`.
+    pow_lanes(x, y) by apply2 = raise, pow
 }
 
 /// 2^x: Taylor of e^r to the 9th power for |r| <= ln(2)/2 (remainder below 2^-37). Beyond +-200 the f32 result is infinite or 0.

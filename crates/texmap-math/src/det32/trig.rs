@@ -1,10 +1,11 @@
 //! Sine and cosine.
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Level, f32x16};
+use fearless_simd::{Level, f32x4, f32x16};
 
-use super::wide::{Wide, narrow, on_level, polynomial, round};
+use super::wide::{Wide, narrow, narrow_x4, on_level, polynomial, round};
 use crate::det;
+use crate::simd::{Isa, X4};
 
 /// pi/2 to 33 bits and the rest: their product with `|n| < 2^20` is exact, or far below the result.
 const HALF_PI: (f64, f64) = (1.570_796_326_734_125_6, 6.077_100_506_506_192e-11);
@@ -49,26 +50,43 @@ pub fn tan(x: f32) -> f32 {
     round(s / c)
 }
 
-/// Sine of sixteen lanes.
+/// Sine of lanes.
 #[inline(always)]
-pub fn sin_x16<S: Simd>(s: S, x: f32x16<S>) -> f32x16<S> {
-    sin_cos_x16(s, x).0
+pub fn sin_lanes<I: Isa>(i: I, x: I::F32) -> I::F32 {
+    i.apply(
+        x,
+        sin,
+        |level, x| four(level, x).0,
+        |level, x| sixteen(level, x).0,
+    )
 }
 
-/// Cosine of sixteen lanes.
+/// Cosine of lanes.
 #[inline(always)]
-pub fn cos_x16<S: Simd>(s: S, x: f32x16<S>) -> f32x16<S> {
-    sin_cos_x16(s, x).1
+pub fn cos_lanes<I: Isa>(i: I, x: I::F32) -> I::F32 {
+    i.apply(
+        x,
+        cos,
+        |level, x| four(level, x).1,
+        |level, x| sixteen(level, x).1,
+    )
 }
 
-/// Sine and cosine of sixteen lanes.
-#[inline(always)]
-pub fn sin_cos_x16<S: Simd>(s: S, x: f32x16<S>) -> (f32x16<S>, f32x16<S>) {
-    let (sine, cosine) = by_level(s.level(), x.into());
-    (f32x16::from_slice(s, &sine), f32x16::from_slice(s, &cosine))
+fn four(level: Level, x: [f32; 4]) -> ([f32; 4], [f32; 4]) {
+    if !x.iter().all(|x| x.abs() <= NEAR) {
+        return one_by_one(x);
+    }
+    on_level!(
+        level,
+        t => {
+            let (sine, cosine) = near(X4(t).widen(f32x4::from_slice(t, &x)));
+            (narrow_x4(sine).into(), narrow_x4(cosine).into())
+        },
+        one_by_one(x)
+    )
 }
 
-fn by_level(level: Level, x: [f32; 16]) -> ([f32; 16], [f32; 16]) {
+fn sixteen(level: Level, x: [f32; 16]) -> ([f32; 16], [f32; 16]) {
     if !x.iter().all(|x| x.abs() <= NEAR) {
         return one_by_one(x);
     }
@@ -83,7 +101,7 @@ fn by_level(level: Level, x: [f32; 16]) -> ([f32; 16], [f32; 16]) {
     )
 }
 
-fn one_by_one(x: [f32; 16]) -> ([f32; 16], [f32; 16]) {
+fn one_by_one<const N: usize>(x: [f32; N]) -> ([f32; N], [f32; N]) {
     let both = x.map(sin_cos);
     (both.map(|b| b.0), both.map(|b| b.1))
 }

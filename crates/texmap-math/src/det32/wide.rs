@@ -3,7 +3,9 @@
 use core::ops::{Add, BitAnd, BitOr, Div, Mul, Not, Sub};
 
 use fearless_simd::prelude::*;
-use fearless_simd::{f32x16, f64x8, mask64x8};
+use fearless_simd::{f32x4, f32x16, f64x4, f64x8, mask64x4, mask64x8};
+
+use crate::simd::Isa;
 
 /// 1.5 * 2^52: added to `|x| < 2^51` it leaves the nearest integer in the low bits.
 const MAGIC: f64 = 6_755_399_441_055_744.0;
@@ -129,77 +131,89 @@ impl Wide for f64 {
     }
 }
 
-impl<S: Simd> Wide for f64x8<S> {
-    type Mask = mask64x8<S>;
+macro_rules! wide {
+    ($lanes:ident, $mask:ident) => {
+        impl<S: Simd> Wide for $lanes<S> {
+            type Mask = $mask<S>;
 
-    #[inline(always)]
-    fn constant(self, c: f64) -> Self {
-        Self::splat(self.simd, c)
-    }
+            #[inline(always)]
+            fn constant(self, c: f64) -> Self {
+                Self::splat(self.simd, c)
+            }
 
-    #[inline(always)]
-    fn abs(self) -> Self {
-        SimdBase::abs(self)
-    }
+            #[inline(always)]
+            fn abs(self) -> Self {
+                SimdBase::abs(self)
+            }
 
-    #[inline(always)]
-    fn sqrt(self) -> Self {
-        SimdFloat::sqrt(self)
-    }
+            #[inline(always)]
+            fn sqrt(self) -> Self {
+                SimdFloat::sqrt(self)
+            }
 
-    #[inline(always)]
-    fn lt(self, other: Self) -> mask64x8<S> {
-        self.simd_lt(other)
-    }
+            #[inline(always)]
+            fn lt(self, other: Self) -> $mask<S> {
+                self.simd_lt(other)
+            }
 
-    #[inline(always)]
-    fn eq(self, other: Self) -> mask64x8<S> {
-        self.simd_eq(other)
-    }
+            #[inline(always)]
+            fn eq(self, other: Self) -> $mask<S> {
+                self.simd_eq(other)
+            }
 
-    #[inline(always)]
-    fn select(mask: mask64x8<S>, yes: Self, no: Self) -> Self {
-        Select::select(mask, yes, no)
-    }
+            #[inline(always)]
+            fn select(mask: $mask<S>, yes: Self, no: Self) -> Self {
+                Select::select(mask, yes, no)
+            }
 
-    #[inline(always)]
-    fn has_bit(self, bit: u32) -> mask64x8<S> {
-        !((self + MAGIC).to_bits() & (1 << bit)).simd_eq(0)
-    }
+            #[inline(always)]
+            fn has_bit(self, bit: u32) -> $mask<S> {
+                !((self + MAGIC).to_bits() & (1 << bit)).simd_eq(0)
+            }
 
-    #[inline(always)]
-    fn power_of_two(self) -> Self {
-        Self::from_bits(((self + MAGIC).to_bits() << 52) + ONE_BITS)
-    }
+            #[inline(always)]
+            fn power_of_two(self) -> Self {
+                Self::from_bits(((self + MAGIC).to_bits() << 52) + ONE_BITS)
+            }
 
-    #[inline(always)]
-    fn decompose(self) -> (Self, Self) {
-        let moved = self.to_bits() + (ONE_BITS - SQRT_HALF_BITS);
-        let e = Self::from_bits((moved >> 52) | TWO_52.to_bits()) - (TWO_52 + 1023.0);
-        let m = Self::from_bits((moved & MANTISSA) + SQRT_HALF_BITS);
-        (e, m - 1.0)
-    }
+            #[inline(always)]
+            fn decompose(self) -> (Self, Self) {
+                let moved = self.to_bits() + (ONE_BITS - SQRT_HALF_BITS);
+                let e = Self::from_bits((moved >> 52) | TWO_52.to_bits()) - (TWO_52 + 1023.0);
+                let m = Self::from_bits((moved & MANTISSA) + SQRT_HALF_BITS);
+                (e, m - 1.0)
+            }
 
-    #[inline(always)]
-    fn with_sign_of(self, other: Self) -> Self {
-        Self::from_bits((self.to_bits() & !SIGN) | (other.to_bits() & SIGN))
-    }
+            #[inline(always)]
+            fn with_sign_of(self, other: Self) -> Self {
+                Self::from_bits((self.to_bits() & !SIGN) | (other.to_bits() & SIGN))
+            }
+        }
+    };
 }
+wide!(f64x4, mask64x4);
+wide!(f64x8, mask64x8);
 
-/// Defines a function of sixteen lanes: eight f64 at a time, or the scalar function in each lane on the fallback. The formulas are
-/// compiled here, once per level, and not again in each generic kernel that calls them.
+/// Defines a function over lanes: of 16 and of 4 at once, or the scalar function for one. The formulas are compiled here, once per
+/// level, and not again in each generic kernel that calls them.
 macro_rules! lanes_of {
-    ($(#[$doc:meta])* $name:ident($($x:ident),+) = $formula:ident, $scalar:ident) => {
+    ($(#[$doc:meta])* $name:ident($($x:ident),+) by $apply:ident = $formula:ident, $scalar:ident) => {
         $(#[$doc])*
         #[inline(always)]
-        pub fn $name<S: Simd>(s: S, $($x: f32x16<S>),+) -> f32x16<S> {
-            fn by_level(level: Level, $($x: [f32; 16]),+) -> [f32; 16] {
+        pub fn $name<I: Isa>(i: I, $($x: I::F32),+) -> I::F32 {
+            fn four(level: Level, $($x: [f32; 4]),+) -> [f32; 4] {
+                $crate::det32::wide::on_level!(level, t => {
+                    $(let $x = $crate::simd::X4(t).widen(f32x4::from_slice(t, &$x));)+
+                    $crate::det32::wide::narrow_x4($formula($($x),+)).into()
+                }, core::array::from_fn(|i| $scalar($($x[i]),+)))
+            }
+            fn sixteen(level: Level, $($x: [f32; 16]),+) -> [f32; 16] {
                 $crate::det32::wide::on_level!(level, t => {
                     $(let $x = t.widen_f32x16(f32x16::from_slice(t, &$x));)+
                     $crate::det32::wide::narrow($formula($($x.0),+), $formula($($x.1),+)).into()
                 }, core::array::from_fn(|i| $scalar($($x[i]),+)))
             }
-            f32x16::from_slice(s, &by_level(s.level(), $($x.into()),+))
+            i.$apply($($x,)+ $scalar, four, sixteen)
         }
     };
 }
@@ -267,6 +281,13 @@ pub(super) use on_level;
 pub(super) fn narrow<S: Simd>(low: f64x8<S>, high: f64x8<S>) -> f32x16<S> {
     let x = low.simd.narrow_f64x8(low, high);
     x.simd_eq(x).select(x, f32x16::splat(x.simd, f32::NAN))
+}
+
+/// [`narrow`] of four.
+#[inline(always)]
+pub(super) fn narrow_x4<S: Simd>(x: f64x4<S>) -> f32x4<S> {
+    let x = crate::simd::X4(x.simd).narrow(x);
+    x.simd_eq(x).select(x, f32x4::splat(x.simd, f32::NAN))
 }
 
 /// [`narrow`] for one number.

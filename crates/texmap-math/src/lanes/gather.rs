@@ -6,7 +6,7 @@
 
 #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
 use fearless_simd::{Level, SimdInto, prelude::*};
-use fearless_simd::{Simd, SimdBase, u32x16};
+use fearless_simd::{Simd, SimdBase, u32x4, u32x16};
 
 #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
 use super::{Line, is_wide};
@@ -211,6 +211,30 @@ fn gather_by_loads<S: Simd>(s: S, words: Words<'_>, index: u32x16<S>) -> u32x16<
         *lane = unsafe { *words.data.get_unchecked(at) };
     }
     u32x16::from_slice(s, &lanes)
+}
+
+/// [`gather`] for four lanes, by loads.
+#[inline(always)]
+pub(crate) fn gather_x4<S: Simd>(s: S, words: Words<'_>, index: u32x4<S>) -> u32x4<S> {
+    let mut lanes = [0; 4];
+    index.store_slice(&mut lanes);
+    for lane in &mut lanes {
+        let at = (*lane).min(words.last) as usize;
+        // SAFETY: `last` is below `data.len()`.
+        *lane = unsafe { *words.data.get_unchecked(at) };
+    }
+    u32x4::from_slice(s, &lanes)
+}
+
+/// [`gather_pairs`] for four lanes.
+#[inline(always)]
+pub(crate) fn gather_pairs_x4<S: Simd>(s: S, words: Words<'_>, index: u32x4<S>) -> [u32x4<S>; 2] {
+    #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+    if let (Level::Sse2(token), 1..) = (s.level(), words.last) {
+        let [a, b] = pairs_sse2(token, words, index.into());
+        return [a.simd_into(s), b.simd_into(s)];
+    }
+    [gather_x4(s, words, index), gather_x4(s, words, index + 1)]
 }
 
 #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
