@@ -93,6 +93,8 @@ mod on_level;
 pub mod plane;
 pub mod projector;
 pub mod reflection;
+pub mod vector;
+pub mod view_rays;
 pub mod wrap;
 
 pub use camera::{Camera, CameraError};
@@ -106,3 +108,5 @@ pub use memory::{MemoryBudget, OverBudget};
 #[doc(hidden)]
 pub use on_level::LANES;
 pub use projector::Projector;
+pub use vector::{narrow, wide};
+pub use view_rays::{CameraFrame, ViewRays};
