@@ -16,7 +16,7 @@ use crate::plan::Surface;
 use crate::shade::Run;
 use crate::texel::clip;
 use crate::vertices::VertexData;
-use crate::{AlphaMode, Material, Mesh, Shading, TextureRole};
+use texmap_scene::{AlphaMode, Material, Mesh, Shading, TextureRole};
 
 /// The frame in clip space, at no depth.
 static FRAME: LazyLock<Mesh> = LazyLock::new(|| Mesh {

@@ -8,9 +8,9 @@ use texmap_math::fearless_simd::{Simd, f32x16, mask32x16, prelude::*, u32x16};
 use texmap_math::{Level, color, lanes};
 use texmap_raster::{RUN_ROOM, RunBlock, TILE};
 
-use crate::ColorMode;
 pub(crate) use copy::{fill_rows, put_block_rows, rows_fit};
 use texmap_math::on_wide_level;
+use texmap_scene::ColorMode;
 
 /// Pixels of a block.
 pub(crate) const LANES: usize = 16;

@@ -8,15 +8,15 @@ use texmap_math::Footprint;
 use texmap_math::glam::DVec3;
 use texmap_raster::Fragment;
 
+use crate::Settings;
 use crate::coordinates::attributes;
-use crate::effects::{LightMapSlot, Reflection};
 use crate::plan::Plan;
 use crate::ready::Ready;
 use crate::relief::ReliefStage;
 use crate::textures::{Chains, Slot};
 use crate::vertices::{Values, Vertices};
-use crate::{Material, Mesh, Scene, Settings};
 use texmap_math::color::straight;
+use texmap_scene::{LightMapSlot, Material, Mesh, Reflection, Scene};
 
 /// What one surface adds: its maps, and the attributes that they read.
 pub(crate) struct SurfaceEffects<'s> {

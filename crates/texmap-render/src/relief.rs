@@ -10,16 +10,15 @@ use texmap_raster::RunValues;
 use texmap_sample::Origin;
 use texmap_sample::sample_columns;
 
-use crate::Mesh;
 use crate::canvas::{Colors, LANES, straight_lanes};
 use crate::carved::Carved;
-use crate::effects::Relief;
 use crate::lit::{Sample, Site};
 use crate::shade::three;
 use crate::texel::{RunUv, places};
 use crate::textures::Slot;
 use crate::vertices::{Values, Vertices};
 use texmap_math::color::straight;
+use texmap_scene::{Mesh, Relief};
 
 /// A relief, as the stages read it.
 pub(crate) enum ReliefStage<'s> {
@@ -55,7 +54,7 @@ impl<'s> ReliefStage<'s> {
         relief: &'s Relief,
         mesh: &Mesh,
         vertices: &mut Vertices,
-        slot: impl Fn(&'s crate::TextureSlot) -> Slot<'s>,
+        slot: impl Fn(&'s texmap_scene::TextureSlot) -> Slot<'s>,
     ) -> Self {
         let unit = unit_of(mesh);
         let rise = |height| Rise {

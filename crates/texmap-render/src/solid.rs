@@ -7,7 +7,7 @@ use texmap_math::{Level, on_wide_level};
 use texmap_raster::{Column, RUN_ROOM};
 
 use crate::canvas::{LANES, vector};
-use crate::{Effects, Solid, SolidField};
+use texmap_scene::{Effects, Solid, SolidField};
 
 /// A solid texture as the stages read it.
 pub(crate) struct SolidStage<'s> {

@@ -9,7 +9,7 @@ use texmap_math::glam::DVec3;
 use texmap_raster::Cull;
 
 use crate::relief::corner_tangents;
-use crate::{Mesh, Scene};
+use texmap_scene::{Mesh, Scene};
 
 /// A group of attributes.
 #[derive(Clone, Copy, PartialEq)]

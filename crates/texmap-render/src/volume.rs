@@ -1,6 +1,7 @@
 //! Volumes in a scene: a box of matter that shines and absorbs, between the eye and what is solid.
 
 use std::sync::LazyLock;
+use texmap_scene::SceneError;
 
 use texmap_math::glam::{DMat4, DVec3};
 use texmap_math::{Level, ViewRays};
@@ -8,12 +9,13 @@ use texmap_raster::{Cull, DepthTest};
 use texmap_sample::{Sampler, Texture2d};
 
 use crate::canvas::Colors;
-use crate::check_effects::fault;
+
+use crate::RenderError;
 use crate::plan::Surface;
 use crate::shade::Run;
 use crate::texel::clip;
 use crate::vertices::VertexData;
-use crate::{AlphaMode, Material, Mesh, RenderError, Scene, Shading, Volume};
+use texmap_scene::{AlphaMode, Material, Mesh, Scene, Shading, Volume};
 
 /// The unit cube, fronts outwards.
 static CUBE: LazyLock<Mesh> = LazyLock::new(|| Mesh {
@@ -93,7 +95,12 @@ impl<'s> VolumeStage<'s> {
             volume.density,
             volume.step,
         )
-        .map_err(|error| fault(volume.grid, "numbers", error.to_string()))?
+        .map_err(|error| SceneError::Value {
+            place: format!("volume of grid {}", volume.grid),
+            what: "its numbers".to_owned(),
+            value: error.to_string(),
+            expected: "see Scene::check",
+        })?
         .on_level(level);
         let volume_from_world = volume.world_from_volume.inverse();
         Ok(Self {

@@ -15,10 +15,9 @@ use crate::texel::TexelStage;
 use crate::textures::{Chains, Slot};
 use crate::vertices::{Values, VertexData, Vertices};
 use crate::volume::VolumeStage;
-use crate::{
-    AlphaMode, Aov, Gouraud, Material, Mesh, Scene, Settings, Shading, TextureRole, TextureSlot,
-};
+use crate::{Aov, Settings};
 use texmap_math::CameraFrame;
+use texmap_scene::{AlphaMode, Gouraud, Material, Mesh, Scene, Shading, TextureRole, TextureSlot};
 
 /// One mesh, ready for the rasterizer and the stages.
 pub(crate) struct Surface<'s> {

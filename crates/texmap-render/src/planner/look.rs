@@ -4,10 +4,8 @@ use texmap_math::Footprint;
 use texmap_sample::{Filter, Lod, Precision, Sampler, Texture2d};
 
 use super::view::constant;
-use crate::SolidField;
 use texmap_math::color::straight;
-
-use crate::{Material, Mesh, Scene, TextureRole, TextureSlot};
+use texmap_scene::{Material, Mesh, Scene, SolidField, TextureRole, TextureSlot};
 
 /// Where a sample looks: coordinates of the mesh, and the place in the world with its change to the right and down.
 #[derive(Clone, Copy)]

@@ -10,7 +10,7 @@ use super::look::{Look, Read};
 use super::pilot::{Pilot, Places};
 use super::prices::{self, Price, prices};
 use super::{Budget, Choice, maps};
-use crate::{AlphaMode, ColorMode, Mesh, Scene, TextureSlot};
+use texmap_scene::{AlphaMode, ColorMode, Mesh, Scene, TextureSlot};
 
 /// A mesh as the camera sees it.
 pub(super) struct View<'s> {

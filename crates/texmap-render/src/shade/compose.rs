@@ -3,8 +3,8 @@
 use super::{Stages, with_alpha};
 use crate::plan::{LightStage, Surface};
 use crate::texel::clip;
-use crate::{AlphaMode, TextureRole};
 use texmap_math::color::straight;
+use texmap_scene::{AlphaMode, TextureRole};
 
 impl Stages {
     /// The colour of sample `i`.

@@ -14,14 +14,15 @@ use texmap_sample::{Sampler, Texture2d};
 
 use crate::refine::{Net, Triangle, Vertex};
 
-use crate::{EdgeBudget, Mesh, RenderError, Scene};
+use crate::MeshError;
+use texmap_scene::{EdgeBudget, Mesh, Scene};
 
 /// Memory that displacement takes at its peak for each triangle that it makes, measured: cut triangles with their vertices and
 /// edges, then points before and after with their normals, then the finished mesh.
 const TRIANGLE_BYTES: u64 = 400;
 
 /// Displaces every mesh that says so, all together, for a picture of `width` pixels by the scene's camera.
-pub(crate) fn displace(scene: &mut Scene, width: u32) -> Result<(), RenderError> {
+pub(crate) fn displace(scene: &mut Scene, width: u32) -> Result<(), MeshError> {
     let moves = |mesh: &&Mesh| mesh.displacement.is_some();
     let Some(first) = scene.meshes.iter().find(moves) else {
         return Ok(());
@@ -51,8 +52,8 @@ pub(crate) fn displace(scene: &mut Scene, width: u32) -> Result<(), RenderError>
             "allow longer edges (texels or pixels), or take a smaller map",
         );
         match asked {
-            Err(refused) if triangles <= u64::from(limit) => RenderError::Memory(refused),
-            _ => RenderError::TooManyTriangles {
+            Err(refused) if triangles <= u64::from(limit) => MeshError::Memory(refused),
+            _ => MeshError::TooManyTriangles {
                 mesh: name,
                 triangles,
                 limit,

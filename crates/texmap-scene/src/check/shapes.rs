@@ -2,12 +2,12 @@
 
 use texmap_math::glam::DVec3;
 
-use crate::{EdgeBudget, Facing, Mesh, RenderError};
+use crate::{EdgeBudget, Facing, Mesh, SceneError};
 
 impl Mesh {
-    pub(crate) fn check_shape(&self) -> Result<(), RenderError> {
+    pub(crate) fn check_shape(&self) -> Result<(), SceneError> {
         let value = |what: &str, value: String, expected| {
-            Err(RenderError::Value {
+            Err(SceneError::Value {
                 place: format!("mesh '{}'", self.name),
                 what: what.to_owned(),
                 value,
@@ -44,7 +44,7 @@ impl Mesh {
         Ok(())
     }
 
-    fn check_billboards(&self) -> Result<(), RenderError> {
+    fn check_billboards(&self) -> Result<(), SceneError> {
         for (i, board) in self.billboards.iter().enumerate() {
             let axis = match board.facing {
                 Facing::Screen => DVec3::Y,
@@ -53,7 +53,7 @@ impl Mesh {
             let sized = board.size.iter().all(|s| *s > 0.0 && s.is_finite());
             let turns = axis.is_finite() && axis.length_squared() > 0.0;
             if !(sized && turns && board.position.is_finite()) {
-                return Err(RenderError::Value {
+                return Err(SceneError::Value {
                     place: format!("mesh '{}' billboard {i}", self.name),
                     what: "it".to_owned(),
                     value: format!("{board:?}"),
@@ -62,7 +62,7 @@ impl Mesh {
             }
         }
         if !self.billboards.is_empty() && self.displacement.is_some() {
-            return Err(RenderError::Value {
+            return Err(SceneError::Value {
                 place: format!("mesh '{}'", self.name),
                 what: "displacement".to_owned(),
                 value: "that of billboards".to_owned(),

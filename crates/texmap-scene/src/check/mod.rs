@@ -1,9 +1,9 @@
 //! Everything is checked before the first pixel.
 
-use crate::{Material, Mesh, RenderError, Scene, Settings, Shading, TextureSlot};
+mod effects;
+mod shapes;
 
-/// The largest picture side in samples.
-pub(crate) const MAX_SIDE: u64 = 16384;
+use crate::{Material, Mesh, Scene, SceneError, Shading, TextureSlot};
 
 impl Scene {
     /// Checks every number and index of the scene and returns warnings: one sentence for each thing that
@@ -11,7 +11,7 @@ impl Scene {
     ///
     /// # Errors
     /// The first fault found, by mesh, material, vertex, triangle and face.
-    pub fn check(&self) -> Result<Vec<String>, RenderError> {
+    pub fn check(&self) -> Result<Vec<String>, SceneError> {
         let camera = &self.camera;
         let place = || "camera".to_owned();
         for (what, v) in [
@@ -22,11 +22,11 @@ impl Scene {
             finite(place, || what.to_owned(), &v.to_array())?;
         }
         finite(place, || "near".to_owned(), &[camera.near])?;
-        camera.view().map_err(RenderError::Camera)?;
+        camera.view().map_err(SceneError::Camera)?;
         unit_range(|| "background".to_owned(), "channel", &self.background)?;
         for (index, light) in self.lights.iter().enumerate() {
             if !light.is_valid() {
-                return Err(RenderError::Value {
+                return Err(SceneError::Value {
                     place: format!("light {index}"),
                     what: "it".to_owned(),
                     value: format!("{light:?}"),
@@ -45,10 +45,23 @@ impl Scene {
         Ok(warnings)
     }
 
-    fn check_material(&self, material: &Material) -> Result<(), RenderError> {
+    /// Checks that all meshes are triangles: what renderers and the planner ask beside [`check`](Self::check).
+    ///
+    /// # Errors
+    /// [`SceneError::NotTessellated`] names the first mesh with a displacement or billboards.
+    pub fn check_tessellated(&self) -> Result<(), SceneError> {
+        match self.meshes.iter().find(|mesh| !mesh.is_tessellated()) {
+            None => Ok(()),
+            Some(mesh) => Err(SceneError::NotTessellated {
+                mesh: mesh.name.clone(),
+            }),
+        }
+    }
+
+    fn check_material(&self, material: &Material) -> Result<(), SceneError> {
         let place = || format!("material '{}'", material.name);
         if !material.surface.is_valid() {
-            return Err(RenderError::Value {
+            return Err(SceneError::Value {
                 place: place(),
                 what: "surface".to_owned(),
                 value: format!("{:?}", material.surface),
@@ -69,7 +82,7 @@ impl Scene {
         &self,
         slot: &TextureSlot,
         place: impl Fn() -> String,
-    ) -> Result<(), RenderError> {
+    ) -> Result<(), SceneError> {
         index(&place, "texture", slot.texture as u64, self.textures.len())?;
         let t = &slot.transform;
         finite(
@@ -82,7 +95,7 @@ impl Scene {
         if lod.bias.is_finite() && lod.min <= lod.max {
             return Ok(());
         }
-        Err(RenderError::Value {
+        Err(SceneError::Value {
             place: place(),
             what: "level-of-detail limits".to_owned(),
             value: format!("{lod:?}"),
@@ -90,7 +103,7 @@ impl Scene {
         })
     }
 
-    fn check_mesh(&self, mesh: &Mesh, warnings: &mut Vec<String>) -> Result<(), RenderError> {
+    fn check_mesh(&self, mesh: &Mesh, warnings: &mut Vec<String>) -> Result<(), SceneError> {
         let place = || format!("mesh '{}'", mesh.name);
         index(
             place,
@@ -137,7 +150,7 @@ impl Scene {
         finite(place, || "transform".to_owned(), &matrix.to_cols_array())?;
         let determinant = matrix.determinant();
         if !(determinant.is_finite() && determinant != 0.0) {
-            return Err(RenderError::Value {
+            return Err(SceneError::Value {
                 place: place(),
                 what: "determinant of the transform".to_owned(),
                 value: format!("{determinant}"),
@@ -156,7 +169,7 @@ impl Scene {
             || material.emission.as_ref().is_some_and(|e| e.map.is_some())
             || lit && material.reads_uv();
         if lit && material.light_map.is_some() && mesh.lightmap_uvs.is_empty() {
-            return Err(RenderError::MissingLightMapUv {
+            return Err(SceneError::MissingLightMapUv {
                 mesh: mesh.name.clone(),
                 material: material.name.clone(),
             });
@@ -167,7 +180,7 @@ impl Scene {
             && mesh.round.is_none()
             && !mesh.triangles.is_empty()
         {
-            return Err(RenderError::MissingUv {
+            return Err(SceneError::MissingUv {
                 mesh: mesh.name.clone(),
                 material: material.name.clone(),
             });
@@ -190,48 +203,18 @@ impl Scene {
 /// tilted polygon are no more exact.
 const FLAT: f64 = 1e-5;
 
-impl Settings {
-    pub(crate) fn check(&self) -> Result<(), RenderError> {
-        let side_fits =
-            |side: u32| (1..=MAX_SIDE).contains(&(u64::from(side) * u64::from(self.supersample)));
-        if !side_fits(self.width) || !side_fits(self.height) {
-            let (width, height, supersample) = (self.width, self.height, self.supersample);
-            return Err(RenderError::Size {
-                width,
-                height,
-                supersample,
-            });
-        }
-        if !(self.msaa == 1 || (self.msaa == 4 && self.supersample == 1)) {
-            return Err(RenderError::Value {
-                place: "settings".to_owned(),
-                what: "msaa".to_owned(),
-                value: self.msaa.to_string(),
-                expected: "give 1, or 4 without supersampling",
-            });
-        }
-        if self.threads == Some(0) {
-            return Err(RenderError::Threads {
-                threads: 0,
-                reason: "give at least 1".to_owned(),
-            });
-        }
-        Ok(())
-    }
-}
-
 pub(crate) fn finite<T: Copy + Into<f64>>(
     place: impl Fn() -> String,
     what: impl Fn() -> String,
     values: &[T],
-) -> Result<(), RenderError> {
+) -> Result<(), SceneError> {
     match values
         .iter()
         .map(|v| (*v).into())
         .find(|v: &f64| !v.is_finite())
     {
         None => Ok(()),
-        Some(v) => Err(RenderError::Value {
+        Some(v) => Err(SceneError::Value {
             place: place(),
             what: what(),
             value: v.to_string(),
@@ -240,10 +223,10 @@ pub(crate) fn finite<T: Copy + Into<f64>>(
     }
 }
 
-fn all_finite(mesh: &Mesh, what: &str, values: &[f32], channels: usize) -> Result<(), RenderError> {
+fn all_finite(mesh: &Mesh, what: &str, values: &[f32], channels: usize) -> Result<(), SceneError> {
     match values.iter().position(|v| !v.is_finite()) {
         None => Ok(()),
-        Some(i) => Err(RenderError::Value {
+        Some(i) => Err(SceneError::Value {
             place: format!("mesh '{}' vertex {}", mesh.name, i / channels),
             what: what.to_owned(),
             value: values[i].to_string(),
@@ -256,10 +239,10 @@ pub(crate) fn unit_range(
     place: impl Fn() -> String,
     what: &str,
     values: &[f32],
-) -> Result<(), RenderError> {
+) -> Result<(), SceneError> {
     match values.iter().find(|v| !(0.0..=1.0).contains(*v)) {
         None => Ok(()),
-        Some(v) => Err(RenderError::Value {
+        Some(v) => Err(SceneError::Value {
             place: place(),
             what: what.to_owned(),
             value: v.to_string(),
@@ -273,11 +256,11 @@ pub(crate) fn index(
     what: &'static str,
     index: u64,
     count: usize,
-) -> Result<(), RenderError> {
+) -> Result<(), SceneError> {
     if index < count as u64 {
         Ok(())
     } else {
-        Err(RenderError::Index {
+        Err(SceneError::Index {
             place: place(),
             what,
             index,
@@ -292,11 +275,11 @@ fn per(
     found: usize,
     of: &'static str,
     expected: usize,
-) -> Result<(), RenderError> {
+) -> Result<(), SceneError> {
     if found == 0 || found == expected {
         return Ok(());
     }
-    Err(RenderError::Count {
+    Err(SceneError::Count {
         mesh: mesh.name.clone(),
         what,
         found,

@@ -4,69 +4,71 @@ use texmap_math::camera::Camera;
 use texmap_math::glam::{DMat4, DVec3};
 use texmap_sample::Origin;
 
-use crate::{Billboard, Facing, Mesh};
+use texmap_scene::{Billboard, Facing, Mesh};
 
-impl Mesh {
-    /// A mesh of billboards, each with the whole picture of the material's texture, which should be cut out by its alpha.
-    ///
-    /// They face +Z until [`Scene::shaped`](crate::Scene::shaped) turns them to the camera.
-    #[must_use]
-    pub fn of_billboards(name: &str, billboards: Vec<Billboard>, material: usize) -> Self {
-        let mut mesh = Self {
-            name: name.to_owned(),
-            material,
-            uvs: [[0.0, 1.0], [1.0, 1.0], [1.0, 0.0], [0.0, 0.0]].repeat(billboards.len()),
-            uv_origin: Origin::TopLeft,
-            triangles: (0..billboards.len() as u32)
-                .flat_map(|i| [[4 * i, 4 * i + 1, 4 * i + 2], [4 * i, 4 * i + 2, 4 * i + 3]])
-                .collect(),
-            faces: (0..billboards.len() as u32).flat_map(|i| [i, i]).collect(),
-            billboards,
-            ..Self::default()
-        };
-        mesh.place_billboards(|_| [DVec3::X, DVec3::Y]);
-        mesh
-    }
+/// A mesh of billboards, each with the whole picture of the material's texture, which should be cut out by its alpha.
+///
+/// They face +Z until [`tessellate`](crate::tessellate) turns them to the camera.
+#[must_use]
+pub fn billboards(name: &str, billboards: Vec<Billboard>, material: usize) -> Mesh {
+    let mut mesh = Mesh {
+        name: name.to_owned(),
+        material,
+        uvs: [[0.0, 1.0], [1.0, 1.0], [1.0, 0.0], [0.0, 0.0]].repeat(billboards.len()),
+        uv_origin: Origin::TopLeft,
+        triangles: (0..billboards.len() as u32)
+            .flat_map(|i| [[4 * i, 4 * i + 1, 4 * i + 2], [4 * i, 4 * i + 2, 4 * i + 3]])
+            .collect(),
+        faces: (0..billboards.len() as u32).flat_map(|i| [i, i]).collect(),
+        billboards,
+        ..Mesh::default()
+    };
+    place(&mut mesh, |_| [DVec3::X, DVec3::Y]);
+    mesh
+}
 
-    /// Turns all billboards to a camera that has a view.
-    pub(crate) fn turn_to(&mut self, camera: &Camera) {
-        let forward = (camera.look - camera.eye).normalize_or_zero();
-        let right = forward.cross(camera.up).normalize_or_zero();
-        self.place_billboards(|board| match board.facing {
-            Facing::Screen => [right, right.cross(forward)],
-            Facing::Axis(axis) => {
-                let upright = axis.normalize_or_zero();
-                let across = upright.cross(camera.eye - board.position);
-                // On the axis there is no such direction; any will do, for nothing is seen.
-                let across = if across.length_squared() > 0.0 {
-                    across
-                } else {
-                    right
-                };
-                [across.normalize_or_zero(), upright]
-            }
-        });
-    }
-
-    fn place_billboards(&mut self, axes: impl Fn(&Billboard) -> [DVec3; 2]) {
-        self.world_from_object = DMat4::IDENTITY;
-        self.positions.clear();
-        self.normals.clear();
-        for board in &self.billboards {
-            let [right, up] = axes(board);
-            let (x, y) = (right * (0.5 * board.size[0]), up * (0.5 * board.size[1]));
-            let corners = [-x - y, x - y, x + y, y - x];
-            self.positions
-                .extend(corners.map(|c| (board.position + c).as_vec3().to_array()));
-            self.normals
-                .extend([right.cross(up).as_vec3().to_array(); 4]);
+/// Turns all billboards of a mesh to a camera that has a view; they are plain triangles from then on.
+pub(crate) fn turn_to(mesh: &mut Mesh, camera: &Camera) {
+    let forward = (camera.look - camera.eye).normalize_or_zero();
+    let right = forward.cross(camera.up).normalize_or_zero();
+    place(mesh, |board| match board.facing {
+        Facing::Screen => [right, right.cross(forward)],
+        Facing::Axis(axis) => {
+            let upright = axis.normalize_or_zero();
+            let across = upright.cross(camera.eye - board.position);
+            // On the axis there is no such direction; any will do, for nothing is seen.
+            let across = if across.length_squared() > 0.0 {
+                across
+            } else {
+                right
+            };
+            [across.normalize_or_zero(), upright]
         }
+    });
+    mesh.billboards.clear();
+}
+
+/// Positions and normals of all billboards, each with the axes to its right and up.
+fn place(mesh: &mut Mesh, axes: impl Fn(&Billboard) -> [DVec3; 2]) {
+    mesh.world_from_object = DMat4::IDENTITY;
+    mesh.positions.clear();
+    mesh.normals.clear();
+    for board in &mesh.billboards {
+        let [right, up] = axes(board);
+        let (x, y) = (right * (0.5 * board.size[0]), up * (0.5 * board.size[1]));
+        let corners = [-x - y, x - y, x + y, y - x];
+        mesh.positions
+            .extend(corners.map(|c| (board.position + c).as_vec3().to_array()));
+        mesh.normals
+            .extend([right.cross(up).as_vec3().to_array(); 4]);
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use texmap_scene::Material;
+    use texmap_scene::Scene;
 
     fn camera(eye: DVec3) -> Camera {
         Camera {
@@ -85,7 +87,7 @@ mod tests {
 
     fn faced(facing: Facing, eye: DVec3) -> [DVec3; 3] {
         let position = DVec3::new(0.5, 0.0, 0.25);
-        let mut mesh = Mesh::of_billboards(
+        let mut mesh = billboards(
             "tree",
             vec![Billboard {
                 position,
@@ -94,7 +96,7 @@ mod tests {
             }],
             0,
         );
-        mesh.turn_to(&camera(eye));
+        turn_to(&mut mesh, &camera(eye));
         let p: Vec<DVec3> = mesh
             .positions
             .iter()
@@ -155,9 +157,12 @@ mod tests {
                 ..good
             },
         ] {
-            let error = Mesh::of_billboards("trees", vec![good, bad], 0)
-                .check_shape()
-                .unwrap_err();
+            let scene = Scene {
+                meshes: vec![billboards("trees", vec![good, bad], 0)],
+                materials: vec![Material::default()],
+                ..Scene::new(camera(DVec3::ONE))
+            };
+            let error = scene.check().unwrap_err();
             assert!(error.to_string().contains("'trees' billboard 1"), "{error}");
         }
     }

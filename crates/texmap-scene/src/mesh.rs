@@ -6,7 +6,7 @@ use texmap_math::wide;
 use texmap_sample::Origin;
 use texmap_uv::{PixelMapping, Projection};
 
-use crate::shapes::{Billboard, Displacement};
+use crate::{Billboard, Displacement};
 
 /// Triangles of one material.
 #[derive(Clone, Debug)]
@@ -97,9 +97,11 @@ impl Mesh {
         self.uvs = texmap_uv::project(&self.positions, &self.normals, projection, origin);
     }
 
-    /// Whether [`Scene::shaped`] has something to do.
-    pub(crate) fn is_unshaped(&self) -> bool {
-        self.displacement.is_some() || !self.billboards.is_empty()
+    /// Whether the mesh is triangles alone: without a displacement or billboards that `texmap_mesh::tessellate` must turn into triangles
+    /// first.
+    #[must_use]
+    pub fn is_tessellated(&self) -> bool {
+        self.displacement.is_none() && self.billboards.is_empty()
     }
 
     /// Angle (radians, 0 to pi/2) between the plane of [`frame`](Self::frame) and that of the mesh's first

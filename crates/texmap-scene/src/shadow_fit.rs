@@ -6,7 +6,7 @@ use texmap_light::{Light, ShadowKind};
 use texmap_math::camera::Camera;
 use texmap_math::glam::{DMat4, DVec3};
 
-use crate::{RenderError, Scene};
+use crate::{Scene, SceneError};
 use texmap_math::wide;
 
 /// Cosine and tangent of 85 degrees, half the widest pyramid.
@@ -19,15 +19,15 @@ const MOST_TAN: f64 = 11.43;
 /// spot light the pyramid around its outer cone, a point light all directions, or the pyramid that shows `area`.
 ///
 /// # Errors
-/// [`RenderError::Index`] for a light that does not exist, [`RenderError::Value`] for one that has no shadow map (ambient light, a
+/// [`SceneError::Index`] for a light that does not exist, [`SceneError::Value`] for one that has no shadow map (ambient light, a
 /// spot light of 85 degrees and more from its axis) or an area that is not finite and positive.
 pub fn shadow_kind(
     scene: &Scene,
     light: usize,
     area: Option<(DVec3, f64)>,
-) -> Result<ShadowKind, RenderError> {
+) -> Result<ShadowKind, SceneError> {
     let place = || format!("shadow of light {light}");
-    let value = |what: &str, value: String, expected| RenderError::Value {
+    let value = |what: &str, value: String, expected| SceneError::Value {
         place: place(),
         what: what.to_owned(),
         value,
@@ -41,7 +41,7 @@ pub fn shadow_kind(
             "it must be finite and of some size, and seen from a point light within 85 degrees of its centre",
         )
     };
-    let source = scene.lights.get(light).ok_or(RenderError::Index {
+    let source = scene.lights.get(light).ok_or(SceneError::Index {
         place: place(),
         what: "light",
         index: light as u64,

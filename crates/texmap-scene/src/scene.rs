@@ -1,5 +1,7 @@
 //! The scene: everything that is drawn, as data.
 
+use std::borrow::Cow;
+
 use texmap_light::Light;
 use texmap_math::camera::Camera;
 use texmap_raster::DepthTest;
@@ -32,6 +34,37 @@ pub struct Scene {
     pub effects: Effects,
     /// What the loader had to decide, one sentence each; carried into [`Frame::warnings`](crate::Frame).
     pub warnings: Vec<String>,
+}
+
+impl Scene {
+    /// An empty scene: black opaque background, colours in sRGB, the nearer surface wins, and of two at one depth the first.
+    #[must_use]
+    pub fn new(camera: Camera) -> Self {
+        Self {
+            camera,
+            background: [0.0, 0.0, 0.0, 1.0],
+            color: ColorMode::Srgb,
+            depth_test: DepthTest::Less,
+            lights: Vec::new(),
+            textures: Vec::new(),
+            materials: Vec::new(),
+            meshes: Vec::new(),
+            effects: Effects::default(),
+            warnings: Vec::new(),
+        }
+    }
+}
+
+impl From<Scene> for Cow<'_, Scene> {
+    fn from(scene: Scene) -> Self {
+        Self::Owned(scene)
+    }
+}
+
+impl<'s> From<&'s Scene> for Cow<'s, Scene> {
+    fn from(scene: &'s Scene) -> Self {
+        Self::Borrowed(scene)
+    }
 }
 
 /// Whether colours are converted.

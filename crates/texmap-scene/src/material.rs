@@ -4,7 +4,7 @@ use texmap_light::{Highlight, Surface};
 use texmap_raster::{Cull, Interp};
 use texmap_sample::{Sampler, UvTransform};
 
-use crate::effects::{Emission, LightMapSlot, Reflection, Relief, Solid, SurfaceMaps};
+use crate::{Emission, LightMapSlot, Reflection, Relief, Solid, SurfaceMaps};
 
 /// How a surface looks.
 #[derive(Clone, Debug, PartialEq)]
