@@ -123,7 +123,7 @@ fn vertices(c: &mut Criterion) {
     );
     group.throughput(Throughput::Elements(250_000));
     group.bench_function("identity", |b| {
-        b.iter(|| texmap_mesh::map_vertices(&mesh, |_, v| v))
+        b.iter(|| texmap_mesh::map_vertices(&mesh, |_, v| v));
     });
     group.bench_function("skin", |b| b.iter(|| skin.bend(&mesh, &pose)));
     let heights = noise(512);

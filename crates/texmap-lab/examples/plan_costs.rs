@@ -13,7 +13,7 @@ use texmap_lab::verify::verify_all;
 use texmap_light::Surface;
 use texmap_math::camera::Camera;
 use texmap_math::glam::DVec3;
-use texmap_render::planner::{Budget, choose, prices};
+use texmap_planner::{Budget, choose, prices};
 use texmap_render::{Frame, Settings, render};
 use texmap_sample::{ColorSpace, Filter, Origin, Precision, Sampler, Texture2d, UvTransform};
 use texmap_scene::{ColorMode, Material, Mesh, Scene, Shading, TextureSlot};

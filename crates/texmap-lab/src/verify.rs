@@ -216,7 +216,7 @@ mod tests {
     use texmap_math::camera::Camera;
     use texmap_math::det;
     use texmap_math::glam::{DVec2, DVec3};
-    use texmap_render::planner::{Budget, Price, choose, choose_sampled, prices};
+    use texmap_planner::{Budget, Price, choose, choose_sampled, prices};
     use texmap_render::{Settings, render};
     use texmap_sample::{ColorSpace, Origin, Sampler, Texture2d, UvTransform};
     use texmap_scene::{ColorMode, Material, Mesh, Shading, TextureSlot};

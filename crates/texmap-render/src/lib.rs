@@ -65,7 +65,6 @@
 )]
 
 mod backdrop;
-mod bake;
 mod block;
 mod canvas;
 mod carved;
@@ -78,7 +77,6 @@ mod lit;
 mod lit_lanes;
 mod lit_texels;
 mod plan;
-pub mod planner;
 mod ready;
 mod relief;
 mod render;
@@ -92,10 +90,8 @@ mod texel;
 mod textures;
 mod tile;
 mod vertices;
-mod views;
 mod volume;
 
-pub use bake::{BakeOptions, LightMap, bake};
 pub use error::RenderError;
 pub use frame::{AovData, Frame, HOLE_BITS, Stats, Times, hash_pixels, pixel_hash};
 pub use render::{Renderer, render, render_ordered};
@@ -103,4 +99,3 @@ pub use settings::{Aov, Settings, UnknownAov};
 pub use shadow::{shadow_map, shadow_map_for};
 /// The crate of scenes.
 pub use texmap_scene as scene;
-pub use views::environment_of;

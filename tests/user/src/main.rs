@@ -5,7 +5,8 @@
 use texmap_light::{Chart, Environment, Light, Surface, illuminate_slice};
 use texmap_math::glam::{DMat4, DVec2, DVec3};
 use texmap_math::{Camera, Footprint, Homography, Level};
-use texmap_render::{Aov, BakeOptions, Settings, bake, pixel_hash, render, shadow_map};
+use texmap_render::{Aov, Settings, pixel_hash, render, shadow_map};
+use texmap_bake::{BakeOptions, bake};
 use texmap_scene::{Carving, ColorMode, Displacement, Effects, Material, Mesh, Reflection, Relief, Scene, Shading, Shadow, Solid, SolidSource, TextureRole, TextureSlot, shadow_bias, shadow_kind};
 use texmap_sample::{
     ColorSpace, Filter, Origin, Outside, Pattern, Precision, Resample, Sampler, Texture2d, UvTransform,
@@ -144,7 +145,7 @@ fn reliefs() {
 fn displaced() {
     let mut scene = shadowed();
     scene.meshes[1].displacement = Some(Displacement::new(slot(Filter::Trilinear), 0.1));
-    draw(&scene, 1);
+    draw(&texmap_mesh::tessellate(scene, 96).expect("triangles"), 1);
 }
 
 fn baked() {

@@ -2,13 +2,13 @@
 
 use std::f64::consts::TAU;
 
+use texmap_bake::{BakeOptions, bake};
 use texmap_light::{Chart, Environment, Light};
 use texmap_math::camera::Camera;
 use texmap_math::color;
 use texmap_math::det;
 use texmap_math::glam::{DVec2, DVec3};
 use texmap_raster::{Coverage, DepthTest};
-use texmap_render::{BakeOptions, bake};
 use texmap_scene::{ColorMode, Material, Mesh, Scene};
 
 use super::Measurement;

@@ -5,6 +5,8 @@
 //! of interpolation are predicted by the closed form of affine mapping, those of filters by a pilot: each candidate is
 //! tried at some of the mesh's own pixels, where all are known at those off its outlines, against the mean over the pixel.
 
+#![forbid(unsafe_code)]
+
 mod environments;
 mod gain;
 mod lights;
@@ -20,7 +22,6 @@ use texmap_raster::{Interp, TargetSize};
 use texmap_sample::{Filter, Precision};
 use texmap_scene::SceneError;
 
-use crate::RenderError;
 pub use environments::EnvironmentChoice;
 use gain::Lighting;
 pub use lights::{IdleLight, ShadowChoice};
@@ -78,7 +79,7 @@ pub struct Choice {
 pub struct Choices {
     /// The budget.
     pub budget: Budget,
-    /// Samples a side of a pixel: [`Settings::supersample`](crate::Settings::supersample).
+    /// Samples a side of a pixel: `Settings::supersample` of texmap-render.
     pub supersample: u32,
     /// One for each mesh with triangles.
     pub meshes: Vec<Choice>,
@@ -150,7 +151,7 @@ pub fn choose(
     width: u32,
     height: u32,
     budget: Budget,
-) -> Result<Choices, RenderError> {
+) -> Result<Choices, SceneError> {
     choose_sampled(scene, width, height, budget, &[1, 2, 4])
 }
 
@@ -164,7 +165,7 @@ pub fn choose_sampled(
     height: u32,
     budget: Budget,
     samples: &[u32],
-) -> Result<Choices, RenderError> {
+) -> Result<Choices, SceneError> {
     scene.check()?;
     scene.check_tessellated()?;
     let aspect = f64::from(width) / f64::from(height);
