@@ -321,7 +321,6 @@ mod tests {
             ..Material::default()
         };
         let scene = Scene {
-            camera,
             background: [0.0; 4],
             color: if srgb {
                 ColorMode::Srgb
@@ -345,9 +344,7 @@ mod tests {
                 triangles: vec![[0, 3, 2], [0, 2, 1]],
                 ..Mesh::default()
             }],
-            effects: Default::default(),
-            depth_test: Default::default(),
-            warnings: Vec::new(),
+            ..Scene::new(camera)
         };
         (scene, Budget { texels: 0.5, rmse })
     }

@@ -279,23 +279,19 @@ mod tests {
             ..Material::default()
         };
         Scene {
-            camera: Camera {
+            background: [0.0; 4],
+            lights: vec![Light::Ambient { color: [1.0; 3] }],
+            textures: vec![texture],
+            materials: vec![noisy, Material::default()],
+            meshes: vec![square(-1.0, 0), square(0.0, 1)],
+            ..Scene::new(Camera {
                 eye: DVec3::new(0.0, 0.0, 5.0),
                 look: DVec3::ZERO,
                 up: DVec3::Y,
                 fov_x: 1.0,
                 near: 1e-2,
                 far: f64::INFINITY,
-            },
-            background: [0.0; 4],
-            color: ColorMode::Srgb,
-            depth_test: DepthTest::Less,
-            lights: vec![Light::Ambient { color: [1.0; 3] }],
-            textures: vec![texture],
-            materials: vec![noisy, Material::default()],
-            meshes: vec![square(-1.0, 0), square(0.0, 1)],
-            warnings: Vec::new(),
-            effects: Default::default(),
+            })
         }
     }
 

@@ -7,6 +7,7 @@ mod error;
 mod light_names;
 mod material;
 mod mesh;
+mod primitives;
 mod scene;
 pub mod shadow_fit;
 mod shapes;

@@ -150,6 +150,18 @@ pub struct TextureSlot {
     pub transform: UvTransform,
 }
 
+impl TextureSlot {
+    /// The texture of this index in [`Scene::textures`](crate::Scene::textures), by the default sampler and without a transform.
+    #[must_use]
+    pub fn new(texture: usize) -> Self {
+        Self {
+            texture,
+            sampler: Sampler::default(),
+            transform: UvTransform::default(),
+        }
+    }
+}
+
 /// What a texel does to the surface colour.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum TextureRole {

@@ -77,17 +77,7 @@ fn scene() -> Scene {
         ..Mesh::default()
     };
     Scene {
-        camera: Camera {
-            eye: DVec3::new(1.5, 1.4, 2.6),
-            look: DVec3::ZERO,
-            up: DVec3::Y,
-            fov_x: 1.0,
-            near: 1e-4,
-            far: f64::INFINITY,
-        },
         background: [0.1, 0.2, 0.3, 1.0],
-        color: ColorMode::Srgb,
-        depth_test: Default::default(),
         lights: vec![
             Light::Ambient { color: [0.2; 3] },
             Light::Directional { color: [0.8; 3], direction: [-0.5, -1.0, -0.3] },
@@ -95,9 +85,15 @@ fn scene() -> Scene {
         textures: vec![checker()],
         materials: vec![Material { base_color: Some(slot(Filter::Trilinear)), ..Material::default() }],
         meshes: vec![cube, floor],
-        effects: Effects::default(),
-        warnings: Vec::new(),
-    }
+..Scene::new(Camera {
+            eye: DVec3::new(1.5, 1.4, 2.6),
+            look: DVec3::ZERO,
+            up: DVec3::Y,
+            fov_x: 1.0,
+            near: 1e-4,
+            far: f64::INFINITY,
+        })
+}
 }
 
 fn with(change: impl Fn(&mut Material)) -> Scene {
