@@ -4,7 +4,29 @@
 //! part of the crate ([`prices`]), never from a clock, so that the same scene gets the same plan on every machine. Errors
 //! of interpolation are predicted by the closed form of affine mapping, those of filters by a pilot: each candidate is
 //! tried at some of the mesh's own pixels, where all are known at those off its outlines, against the mean over the pixel.
-
+//!
+//! ```
+//! use texmap_math::{Camera, glam::DVec3};
+//! use texmap_planner::{Budget, choose};
+//! use texmap_scene::{Material, Mesh, Scene};
+//!
+//! let camera = Camera {
+//!     eye: DVec3::new(0.0, 1.0, 5.0), look: DVec3::ZERO, up: DVec3::Y,
+//!     fov_x: 1.0, near: 1e-4, far: f64::INFINITY,
+//! };
+//! let mut scene = Scene {
+//!     materials: vec![Material::default()],
+//!     meshes: vec![Mesh::cube()],
+//!     ..Scene::new(camera)
+//! };
+//! let choices = choose(&scene, 64, 48, Budget::default())?;
+//! assert!(choices.met() && choices.meshes.len() == 1);
+//! choices.apply(&mut scene);
+//! # Ok::<(), texmap_scene::SceneError>(())
+//! ```
+//!
+//! # Limits
+//! Meshes are read as triangles: `texmap_mesh::tessellate` comes first. Errors are predictions with a margin, no bounds.
 #![forbid(unsafe_code)]
 
 mod environments;
