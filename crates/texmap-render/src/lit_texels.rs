@@ -247,8 +247,8 @@ impl<S: Simd> BlockSink<S> for Leveled<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Settings;
     use crate::textures::Chains;
-    use crate::{ColorMode, Effects, Scene, Settings, TextureSlot};
     use texmap_math::camera::Camera;
     use texmap_math::glam::{DMat4, DVec3, DVec4};
     use texmap_math::on_wide_level;
@@ -256,6 +256,7 @@ mod tests {
     use texmap_sample::{
         ColorSpace, Filter, Origin, Precision, Sampler, Texture2d, UvTransform, Wrap,
     };
+    use texmap_scene::{ColorMode, Scene, TextureSlot};
 
     pub(super) fn noise(width: u32, height: u32) -> Texture2d<'static> {
         bordered(width, height, 0)
@@ -282,23 +283,18 @@ mod tests {
 
     fn scene(textures: Vec<Texture2d<'static>>) -> Scene {
         Scene {
-            camera: Camera {
+            background: [0.0; 4],
+            color: ColorMode::Raw,
+            depth_test: texmap_raster::DepthTest::Less,
+            textures,
+            ..Scene::new(Camera {
                 eye: DVec3::Z,
                 look: DVec3::ZERO,
                 up: DVec3::Y,
                 fov_x: 1.0,
                 near: 0.1,
                 far: 10.0,
-            },
-            background: [0.0; 4],
-            color: ColorMode::Raw,
-            depth_test: texmap_raster::DepthTest::Less,
-            lights: Vec::new(),
-            textures,
-            materials: Vec::new(),
-            meshes: Vec::new(),
-            warnings: Vec::new(),
-            effects: Effects::default(),
+            })
         }
     }
 
