@@ -11,7 +11,7 @@ use texmap_math::{Footprint, float};
 
 use super::{PixelMapping, Round};
 use crate::Origin;
-use crate::lanes::{around, around_x16, components, latitude, latitude_x16};
+use crate::spherical::{around, around_x16, components, latitude, latitude_x16};
 
 /// A share of the distance from the middle below which a direction from the axis means nothing in f32.
 const AXIS: f32 = 1e-12;
