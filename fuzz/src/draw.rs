@@ -73,7 +73,7 @@ impl Submitted {
     }
 }
 
-/// Draw calls: refused by name, or the same by lanes and one by one, with every value within its triangle's.
+/// Draw calls: refused by name, or the same in many lanes and in one, with every value within its triangle's.
 pub fn draw(bytes: &[u8]) {
     let mut c = Choices(bytes);
     let size = match TargetSize::new(c.below(141) as u32, c.below(97) as u32) {
