@@ -8,9 +8,9 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use texmap_io::image_io;
-use texmap_lab::picture::Picture;
 use texmap_math::{Footprint, Level, color};
 use texmap_sample::{ColorSpace, Filter, Origin, Sampler, Texture2d, Wrap, sample_slice};
+use texmap_truth::picture::Picture;
 
 const FILTERS: [&str; 12] = [
     "nearest",

@@ -9,7 +9,6 @@ use std::error::Error;
 use std::process::ExitCode;
 
 use texmap_lab::plane::{Pattern, TEXELS};
-use texmap_lab::verify::verify_all;
 use texmap_light::Surface;
 use texmap_math::camera::Camera;
 use texmap_math::glam::DVec3;
@@ -18,6 +17,7 @@ use texmap_render::{
     ColorMode, Frame, Material, Mesh, Scene, Settings, Shading, TextureSlot, render,
 };
 use texmap_sample::{ColorSpace, Filter, Origin, Precision, Sampler, Texture2d, UvTransform};
+use texmap_truth::verify::verify_all;
 
 /// Pixels a side: half of the chart's, for the sake of the reference.
 const SIDE: u32 = 128;

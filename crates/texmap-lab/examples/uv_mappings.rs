@@ -9,10 +9,10 @@ use std::path::{Path, PathBuf};
 
 use texmap_io::framing::View;
 use texmap_io::image_io;
-use texmap_lab::picture::Picture;
 use texmap_lab::uv_pictures::{checker, layout};
 use texmap_math::Level;
 use texmap_math::glam::DVec3;
+use texmap_truth::picture::Picture;
 use texmap_uv::{
     Cuts, Faces, Frame, Mapping, Mesh, Origin, Page, Report, ReportOptions, Shape, UvSet,
     auto_planes, report, unwrap,

@@ -11,7 +11,7 @@ use texmap_raster::{
 use texmap_render::{Aov, AovData, ColorMode, Material, Mesh, Scene, Settings, Shading};
 
 use crate::LabError;
-use crate::reference::{Caster, Pinhole};
+use texmap_truth::caster::{Caster, Pinhole};
 
 /// Coordinates under each pixel, rows top to bottom; `None` where nothing is seen.
 pub type UvImage = Vec<Option<DVec2>>;

@@ -10,7 +10,7 @@ use texmap_sample::{ColorSpace, Sampler, Texture2d, UvTransform};
 use texmap_uv::{Mesh, Report, UvSet};
 
 use crate::LabError;
-use crate::picture::{Picture, Rgba};
+use texmap_truth::picture::{Picture, Rgba};
 
 const PAPER: Rgba = [240, 241, 243, 255];
 const INK: Rgba = [48, 48, 56, 255];

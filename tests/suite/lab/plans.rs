@@ -1,11 +1,11 @@
 //! What the planner predicts and leaves out, against pictures.
 use std::path::Path;
 
-use texmap_lab::verify::verify;
 use texmap_light::Light;
 use texmap_math::glam::DVec3;
 use texmap_render::planner::{Budget, choose};
 use texmap_render::{Scene, Settings, Shading, Shadow, TextureRole, render};
+use texmap_truth::verify::verify;
 use texmap_uv::{Frame, Origin, PixelMapping, Round};
 
 const SIZE: (u32, u32) = (120, 90);

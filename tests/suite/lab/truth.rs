@@ -2,10 +2,10 @@
 use std::path::{Path, PathBuf};
 
 use texmap_io::LoadOptions;
-use texmap_lab::truth::{Truth, frame};
-use texmap_lab::verify::verify;
 use texmap_raster::Interp;
 use texmap_render::{Frame, Material, Scene, Settings, render};
+use texmap_truth::verify::verify;
+use texmap_truth::{Truth, frame};
 
 const WIDTH: u32 = 160;
 const HEIGHT: u32 = 120;

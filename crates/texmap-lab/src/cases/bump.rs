@@ -11,7 +11,7 @@ use texmap_uv::Shape;
 use super::Measurement;
 use super::environment::Noise;
 use crate::LabError;
-use crate::truth::rays::{RayObject, RayScene};
+use texmap_truth::rays::{RayObject, RayScene};
 
 fn degrees(a: DVec3, b: DVec3) -> f64 {
     det::atan2(a.cross(b).length(), a.dot(b)).to_degrees()

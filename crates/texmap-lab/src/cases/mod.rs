@@ -21,8 +21,8 @@ mod volume;
 
 use serde::Deserialize;
 
-pub(crate) use probe::Random;
-pub use table::{Outcome, figure, markdown};
+pub use probe::Random;
+pub use table::{Outcome, markdown};
 
 use crate::LabError;
 

@@ -102,10 +102,11 @@ pub(super) fn double_and_missing(counts: &[u32]) -> (f64, f64) {
 
 /// Random numbers of a case, the same everywhere (SplitMix64, Steele, Lea and Flood 2014).
 #[derive(Debug)]
-pub(crate) struct Random(pub(crate) u64);
+pub struct Random(pub u64);
 
 impl Random {
-    pub(crate) fn bits(&mut self) -> u64 {
+    /// 64 random bits.
+    pub fn bits(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut z = self.0;
         z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -114,7 +115,7 @@ impl Random {
     }
 
     /// Uniform in `from..to`.
-    pub(crate) fn range(&mut self, from: f64, to: f64) -> f64 {
+    pub fn range(&mut self, from: f64, to: f64) -> f64 {
         from + (to - from) * (self.bits() >> 11) as f64 / (1u64 << 53) as f64
     }
 }

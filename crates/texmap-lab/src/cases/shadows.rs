@@ -139,7 +139,7 @@ pub(super) fn p3() -> Result<Vec<Measurement>, LabError> {
     };
     let size = 256;
     let prepared = Prepared::new(TargetSize::new(size, size)?, &[draw])?;
-    let pinhole = crate::reference::Pinhole::of_camera(&camera, size, size)?;
+    let pinhole = texmap_truth::caster::Pinhole::of_camera(&camera, size, size)?;
     let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
     let (mut buffers, mut fragment) = (TileBuffers::new(), Fragment::default());
     let (mut worst, mut naive) = (0.0f64, 0.0f64);

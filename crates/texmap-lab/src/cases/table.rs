@@ -4,6 +4,7 @@ use std::fmt::Write;
 
 use super::{Case, Check, Verdict, judge};
 use crate::LabError;
+use texmap_truth::metrics::figure;
 
 /// A case with the verdicts on all its demands.
 #[derive(Clone, Debug, PartialEq)]
@@ -63,22 +64,6 @@ impl Check {
             parts.push(format!("{} within {} %", figure(value), figure(within)));
         }
         parts.join(", ")
-    }
-}
-
-/// A number in at most four digits.
-pub fn figure(value: f64) -> String {
-    let size = value.abs();
-    if value == value.trunc() && size < 1e7 {
-        format!("{value}")
-    } else if !value.is_finite() {
-        value.to_string()
-    } else if !(1e-3..1e5).contains(&size) {
-        format!("{value:.2e}")
-    } else {
-        let digits = (3 - size.log10().floor() as i32).clamp(0, 6) as usize;
-        let text = format!("{value:.digits$}");
-        text.trim_end_matches('0').trim_end_matches('.').to_owned()
     }
 }
 
@@ -183,21 +168,6 @@ fn measured(verdict: &Verdict) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn figures_have_four_digits_at_most() {
-        for (value, text) in [
-            (0.0, "0"),
-            (1826.0, "1826"),
-            (0.5, "0.5"),
-            (175.7263, "175.7"),
-            (2.4e-7, "2.40e-7"),
-            (f64::INFINITY, "inf"),
-            (0.00390625, "0.003906"),
-        ] {
-            assert_eq!(figure(value), text);
-        }
-    }
 
     #[test]
     fn a_naive_method_that_does_not_fail_is_shouted() {

@@ -7,8 +7,8 @@ use texmap_math::glam::DVec3;
 use super::time::{Effort, interleaved};
 use super::{Across, Error, Panel, Point, SceneChart, Source};
 use crate::LabError;
-use crate::picture::Picture;
-use crate::strip::heat;
+use texmap_truth::picture::Picture;
+use texmap_truth::strip::heat;
 
 const SIDE: u32 = 128;
 

@@ -8,8 +8,8 @@ use super::time::{Effort, interleaved};
 use super::{Across, Error, Panel, Point, SceneChart, Source};
 use crate::LabError;
 use crate::cases::Random;
-use crate::picture::Picture;
-use crate::strip::heat;
+use texmap_truth::picture::Picture;
+use texmap_truth::strip::heat;
 
 /// Light from all around: 64 plane waves of one frequency, unit RMS.
 pub(super) struct Waves(Vec<(DVec3, f64)>);

@@ -11,9 +11,9 @@ use super::spans::{self, Method, Plane, Row};
 use super::time::{Effort, interleaved};
 use super::{Across, Error, Panel, Point, SceneChart, Source};
 use crate::LabError;
-use crate::picture::Picture;
 use crate::scenes::{UvImage, UvScene};
-use crate::strip::heat;
+use texmap_truth::picture::Picture;
+use texmap_truth::strip::heat;
 
 const MODES: [Interp; 12] = [
     Interp::Perspective,

@@ -31,7 +31,7 @@ pub use svg::svg;
 pub use table::{csv, prices};
 
 use crate::LabError;
-use crate::picture::Picture;
+use texmap_truth::picture::Picture;
 use time::{Effort, Time};
 
 /// One method with its parameters on one scene.
@@ -85,7 +85,7 @@ impl Error {
         }
         let squares: f64 = all.iter().map(|e| e * e).sum();
         let rmse = (squares / all.len() as f64).sqrt();
-        let p999 = crate::metrics::quantile(&mut all, 0.999);
+        let p999 = texmap_truth::metrics::quantile(&mut all, 0.999);
         Self {
             rmse,
             p999,

@@ -6,9 +6,9 @@ use texmap_sample::{ColorSpace, Origin, Sampler, Texture2d, UvTransform};
 
 use super::Error;
 use crate::LabError;
-use crate::picture::Picture;
 use crate::plane::{Pattern, SIDE, TEXELS, TiltedPlane, Truth, View, nearest, sines};
-use crate::strip::heat;
+use texmap_truth::picture::Picture;
+use texmap_truth::strip::heat;
 
 /// A picture on the tilted plane, and what it should look like.
 #[derive(Debug)]

@@ -8,8 +8,8 @@ use texmap_sample::Filter;
 use super::time::{Effort, interleaved};
 use super::{Across, Error, Panel, Point, Report, SceneChart, Source};
 use crate::LabError;
-use crate::picture::Picture;
-use crate::strip::difference;
+use texmap_truth::picture::Picture;
+use texmap_truth::strip::difference;
 
 const FILTERS: [Filter; 9] = [
     Filter::Nearest,

@@ -9,9 +9,9 @@ use texmap_uv::Shape;
 use super::time::{Effort, interleaved};
 use super::{Across, Error, Panel, Point, SceneChart, Source};
 use crate::LabError;
-use crate::picture::Picture;
-use crate::strip::heat;
-use crate::truth::rays::{RayObject, RayScene};
+use texmap_truth::picture::Picture;
+use texmap_truth::rays::{RayObject, RayScene};
+use texmap_truth::strip::heat;
 
 /// Half the side of the map, world units; the scene is of size 1 on a floor of 6.
 const HALF: f64 = 2.6;

@@ -69,8 +69,8 @@ pub fn interleaved(effort: Effort, items: usize, runs: &mut [Box<dyn FnMut() + '
         }
     }
     let summary = |samples: &mut Vec<f64>| Time {
-        median: crate::metrics::quantile(samples, 0.5),
-        p95: crate::metrics::quantile(samples, 0.95),
+        median: texmap_truth::metrics::quantile(samples, 0.5),
+        p95: texmap_truth::metrics::quantile(samples, 0.95),
         best: samples.iter().copied().fold(f64::INFINITY, f64::min),
     };
     samples.iter_mut().map(summary).collect()

@@ -10,8 +10,8 @@ use super::sheet::sheet;
 use super::stage::{self, Shot};
 use super::{Claim, DemoPicture, Panel, paint};
 use crate::LabError;
-use crate::picture::{Picture, Rgba};
-use crate::strip::heat;
+use texmap_truth::picture::{Picture, Rgba};
+use texmap_truth::strip::heat;
 
 const DARK: Rgba = [44, 52, 74, 255];
 const LIGHT: Rgba = [244, 238, 222, 255];
@@ -241,8 +241,8 @@ fn against_rays(scene: &Scene, shot: &Shot) -> Result<f64, LabError> {
             uvs.push(triangle.map(|vertex| coordinates(mesh, vertex)));
         }
     }
-    let pinhole = crate::reference::Pinhole::of_camera(&scene.camera, size, size)?;
-    let caster = crate::reference::Caster::new(pinhole, size, size, &triangles);
+    let pinhole = texmap_truth::caster::Pinhole::of_camera(&scene.camera, size, size)?;
+    let caster = texmap_truth::caster::Caster::new(pinhole, size, size, &triangles);
     let mut most = 0.0f64;
     for (x, y) in shot.pixels() {
         let hit = caster.nearest(f64::from(x) + 0.5, f64::from(y) + 0.5, false);

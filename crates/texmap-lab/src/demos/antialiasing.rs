@@ -12,7 +12,7 @@ use super::sheet::sheet;
 use super::stage;
 use super::{Claim, DemoPicture, Panel};
 use crate::LabError;
-use crate::picture::Picture;
+use texmap_truth::picture::Picture;
 
 /// Rays of the star, all from its middle: edges of every slope.
 const RAYS: u32 = 17;

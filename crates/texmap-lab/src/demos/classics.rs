@@ -12,7 +12,7 @@ use super::lit::{ball, difference, matte};
 use super::sheet::sheet;
 use super::{Claim, DemoPicture, Panel, stage};
 use crate::LabError;
-use crate::picture::Picture;
+use texmap_truth::picture::Picture;
 
 fn slot(texture: usize, filter: Filter, wrap: Wrap) -> TextureSlot {
     TextureSlot {

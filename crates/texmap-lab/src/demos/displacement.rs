@@ -14,9 +14,9 @@ use super::sheet::sheet;
 use super::stage;
 use super::{Claim, DemoPicture, Panel};
 use crate::LabError;
-use crate::picture::Picture;
 use crate::topology::open_edges;
-use crate::truth::rays::{RayObject, RayScene};
+use texmap_truth::picture::Picture;
+use texmap_truth::rays::{RayObject, RayScene};
 
 /// Texels of the height map.
 const TEXELS: (u32, u32) = (1024, 512);

@@ -10,8 +10,8 @@ use super::lit::{Lit, ball, difference, matte};
 use super::sheet::sheet;
 use super::{Claim, DemoPicture, Panel, stage};
 use crate::LabError;
-use crate::picture::Picture;
-use crate::truth::rays::{RayObject, RayScene};
+use texmap_truth::picture::Picture;
+use texmap_truth::rays::{RayObject, RayScene};
 
 /// Half the side of the room.
 const HALF: f64 = 5.0;

@@ -11,7 +11,7 @@ use super::sheet::sheet;
 use super::stage::{self, Shot};
 use super::{Claim, DemoPicture, Panel, paint};
 use crate::LabError;
-use crate::picture::{Picture, Rgba};
+use texmap_truth::picture::{Picture, Rgba};
 
 /// How far the second panel turns and the fourth leaves the plane, in degrees.
 const TURN: f64 = 30.0;

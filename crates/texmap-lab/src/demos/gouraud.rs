@@ -8,8 +8,8 @@ use super::sheet::sheet;
 use super::stage::{self, Shot};
 use super::{Claim, DemoPicture, Panel};
 use crate::LabError;
-use crate::picture::{Picture, Rgba};
-use crate::strip::heat;
+use texmap_truth::picture::{Picture, Rgba};
+use texmap_truth::strip::heat;
 
 /// Colour at the near and at the far edge of the floor, raw values. Green runs over the whole range and is
 /// the channel that figures are taken from.

@@ -6,7 +6,7 @@ use texmap_math::glam::DVec3;
 use texmap_render::{Aov, AovData, Material, Mesh, Scene, Settings, Shading};
 
 use crate::LabError;
-use crate::picture::Picture;
+use texmap_truth::picture::Picture;
 
 /// A matte surface of one linear colour, lit per pixel, with a highlight of strength `ks`.
 pub(super) fn matte(color: [f32; 3], ks: f32) -> Material {

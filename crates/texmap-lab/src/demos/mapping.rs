@@ -11,7 +11,7 @@ use texmap_raster::{
 use super::sheet::sheet;
 use super::{Claim, DemoPicture, Panel, paint};
 use crate::LabError;
-use crate::picture::{Picture, Rgba};
+use texmap_truth::picture::{Picture, Rgba};
 
 const SKY: Rgba = [204, 217, 230, 255];
 const HOLE: Rgba = [255, 0, 160, 255];
@@ -302,7 +302,7 @@ fn counts(written: &Written, size: u32) -> Picture {
             index as i64 % i64::from(size),
             index as i64 / i64::from(size),
         );
-        picture.set(x, y, crate::strip::heat(f64::from(n) / most));
+        picture.set(x, y, texmap_truth::strip::heat(f64::from(n) / most));
     }
     picture
 }

@@ -35,7 +35,7 @@ pub use moving_spot::MovingSpot;
 pub use projections::projections;
 
 use crate::LabError;
-use crate::picture::Picture;
+use texmap_truth::picture::Picture;
 
 /// Pixels a side that a panel may have.
 pub const SIZES: RangeInclusive<u32> = 128..=1024;

@@ -10,7 +10,7 @@ use super::lit::{ball, difference, matte};
 use super::relief::{baked, under};
 use super::{Claim, paint, stage};
 use crate::LabError;
-use crate::picture::Picture;
+use texmap_truth::picture::Picture;
 
 /// Texels a side of the room's light map.
 const TEXELS: u32 = 192;

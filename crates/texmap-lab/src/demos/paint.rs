@@ -1,7 +1,7 @@
 //! The demos' textures, painted in code so that the program needs no files: a checker, a lettered grid, a
 //! brick wall, a cow's face as photo and a lattice with holes.
 
-use crate::picture::{Picture, Rgba};
+use texmap_truth::picture::{Picture, Rgba};
 
 /// A checkerboard of `cells` by `cells` fields on `size` by `size` texels.
 pub(super) fn checker(size: u32, cells: u32, dark: Rgba, light: Rgba) -> Picture {

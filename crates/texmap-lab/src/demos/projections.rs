@@ -9,7 +9,7 @@ use super::lit::{Lit, difference, matte, wrong};
 use super::sheet::sheet;
 use super::{Claim, DemoPicture, Panel, stage};
 use crate::LabError;
-use crate::truth::rays::{RayObject, RayScene};
+use texmap_truth::rays::{RayObject, RayScene};
 
 /// The sheet of a scene with projectors, `size` pixels a panel; `spoiled` is the share of the picture, in percent, that is expected to
 /// be wrong without their depth maps.

@@ -15,7 +15,7 @@ use super::lit::{Lit, ball, difference, floor, matte};
 use super::sheet::sheet;
 use super::{Claim, DemoPicture, Panel, carving, stage};
 use crate::LabError;
-use crate::picture::Picture;
+use texmap_truth::picture::Picture;
 
 /// Texels a side of the height field, and its periods.
 const TEXELS: u32 = 512;

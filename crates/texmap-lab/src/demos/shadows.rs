@@ -11,8 +11,8 @@ use super::sheet::sheet;
 use super::stage::{self, texture};
 use super::{Claim, DemoPicture, Panel, paint};
 use crate::LabError;
-use crate::picture::Picture;
-use crate::truth::rays::{RayObject, RayScene};
+use texmap_truth::picture::Picture;
+use texmap_truth::rays::{RayObject, RayScene};
 
 /// A ball and a small ball on a floor.
 fn table() -> Scene {

@@ -13,7 +13,7 @@ use super::lit::{Lit, ball, floor, matte};
 use super::sheet::sheet;
 use super::{Claim, DemoPicture, Panel, stage};
 use crate::LabError;
-use crate::picture::Picture;
+use texmap_truth::picture::Picture;
 
 /// A row of sRGB colours and alphas as a ramp of a scene.
 fn ramp(scene: &mut Scene, stops: &[[u8; 4]]) -> Result<TextureSlot, LabError> {

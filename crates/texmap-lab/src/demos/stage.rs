@@ -11,7 +11,7 @@ use texmap_render::{
 use texmap_sample::{ColorSpace, Filter, Origin, Sampler, Texture2d, UvTransform, Wrap};
 
 use crate::LabError;
-use crate::picture::Picture;
+use texmap_truth::picture::Picture;
 
 /// Sky behind everything, as sRGB values.
 const BACKGROUND: [f32; 4] = [0.80, 0.85, 0.90, 1.0];

@@ -9,7 +9,7 @@ use super::sheet::sheet;
 use super::stage::{self, Shot};
 use super::{Claim, DemoPicture, Panel, paint};
 use crate::LabError;
-use crate::picture::{Picture, Rgba};
+use texmap_truth::picture::{Picture, Rgba};
 
 /// The wall shows u and v from here to here, so that the texture itself is the middle third.
 const FROM: f32 = -1.0;

@@ -9,7 +9,7 @@ use super::sheet::sheet;
 use super::stage::{self, Shot};
 use super::{Claim, DemoPicture, Panel, paint};
 use crate::LabError;
-use crate::picture::Picture;
+use texmap_truth::picture::Picture;
 
 /// Texels a side of the lattice's texture.
 const TEXELS: u32 = 256;

@@ -8,13 +8,13 @@ use std::time::Instant;
 use texmap_io::framing::{Bounds, View};
 use texmap_io::npy::{self, Values};
 use texmap_io::{CameraPath, FileSource, LoadOptions};
-use texmap_lab::picture::Picture;
-use texmap_lab::verify::{Verified, verify, with_wrap};
 use texmap_math::camera::Camera;
 use texmap_math::glam::DVec3;
 use texmap_math::{Level, MemoryBudget};
 use texmap_render::planner::{self, Choices};
 use texmap_render::{Aov, AovData, Frame, RenderError, Scene, Settings};
+use texmap_truth::picture::Picture;
+use texmap_truth::verify::{Verified, verify, with_wrap};
 
 use crate::cmd::render::RenderArgs;
 use crate::cmd::render::budget::{PlanReport, SAMPLES, TruthReport};

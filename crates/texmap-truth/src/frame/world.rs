@@ -6,13 +6,13 @@ use texmap_render::{Backdrop, Scene};
 use super::backdrop::Background;
 use super::environment::EnvironmentMap;
 use super::projector::Cast;
-use super::rays::{RayObject, RayScene};
 use super::shadow::Shadow;
 use super::slot::Textures;
 use super::surface::Surface;
 use super::volume::Medium;
-use crate::LabError;
-use crate::reference::Pinhole;
+use crate::TruthError;
+use crate::caster::Pinhole;
+use crate::rays::{RayObject, RayScene};
 
 pub(super) struct World<'s> {
     pub(super) scene: &'s Scene,
@@ -39,7 +39,7 @@ impl<'s> World<'s> {
         scene: &'s Scene,
         (width, height): (u32, u32),
         samples: u32,
-    ) -> Result<Self, LabError> {
+    ) -> Result<Self, TruthError> {
         let mut textures = Textures::new(scene);
         let effects = &scene.effects;
         let mut shadows: Vec<Vec<Shadow>> = scene.lights.iter().map(|_| Vec::new()).collect();

@@ -242,7 +242,7 @@ impl Largest {
 }
 
 /// The smallest value that at least the part `q` of the values do not exceed; 0 for no values.
-pub(crate) fn quantile(values: &mut [f64], q: f64) -> f64 {
+pub fn quantile(values: &mut [f64], q: f64) -> f64 {
     if values.is_empty() {
         return 0.0;
     }
@@ -253,6 +253,22 @@ pub(crate) fn quantile(values: &mut [f64], q: f64) -> f64 {
 /// The nearest rank, counted from 1.
 fn rank(count: usize, q: f64) -> usize {
     ((count as f64 * q).ceil() as usize).clamp(1, count.max(1))
+}
+
+/// A number in at most four digits.
+pub fn figure(value: f64) -> String {
+    let size = value.abs();
+    if value == value.trunc() && size < 1e7 {
+        format!("{value}")
+    } else if !value.is_finite() {
+        value.to_string()
+    } else if !(1e-3..1e5).contains(&size) {
+        format!("{value:.2e}")
+    } else {
+        let digits = (3 - size.log10().floor() as i32).clamp(0, 6) as usize;
+        let text = format!("{value:.digits$}");
+        text.trim_end_matches('0').trim_end_matches('.').to_owned()
+    }
 }
 
 #[cfg(test)]
@@ -384,5 +400,20 @@ mod tests {
             compare::<f32>(huge, &[], &[], 0.0),
             Err(MetricsError::Shape(..))
         ));
+    }
+
+    #[test]
+    fn figures_have_four_digits_at_most() {
+        for (value, text) in [
+            (0.0, "0"),
+            (1826.0, "1826"),
+            (0.5, "0.5"),
+            (175.7263, "175.7"),
+            (2.4e-7, "2.40e-7"),
+            (f64::INFINITY, "inf"),
+            (0.00390625, "0.003906"),
+        ] {
+            assert_eq!(figure(value), text);
+        }
     }
 }

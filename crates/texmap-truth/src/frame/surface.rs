@@ -17,8 +17,8 @@ use super::space::SolidTexture;
 use super::tangents::corner_tangents;
 use super::world;
 use super::world::World;
-use crate::LabError;
-use crate::reference::{Hit, Pinhole};
+use crate::TruthError;
+use crate::caster::{Hit, Pinhole};
 
 pub(super) struct Surface<'s> {
     scene: &'s Scene,
@@ -50,9 +50,9 @@ impl<'s> Surface<'s> {
         scene: &'s Scene,
         mesh: &'s Mesh,
         textures: &mut Textures<'s>,
-    ) -> Result<Self, LabError> {
+    ) -> Result<Self, TruthError> {
         let material = &scene.materials[mesh.material];
-        let frame = |frame: TextureFrame| -> Result<MagicVectors, LabError> {
+        let frame = |frame: TextureFrame| -> Result<MagicVectors, TruthError> {
             let world = frame.transform(mesh.world_from_object);
             Ok(TextureFrame::new(world.o - scene.camera.eye, world.u, world.v)?.magic())
         };

@@ -1,7 +1,7 @@
 //! A whole frame in f64: what the renderer must draw, computed without any of its code paths.
 //!
-//! One ray for each sample meets the triangles through a tree of boxes ([`rays`]); coordinates, colours, normals and positions come
-//! from its barycentrics ([`crate::reference`]), texels from `texmap_sample::reference`, light from its definition, shadows from hard
+//! One ray for each sample meets the triangles through a tree of boxes ([`crate::rays`]); coordinates, colours, normals and positions come
+//! from its barycentrics ([`crate::caster`]), texels from `texmap_sample::reference`, light from its definition, shadows from hard
 //! rays. Each effect is a file of its own, from the formula that the scene types and the scene language give for it. Nothing is
 //! snapped, clipped or binned. The interpolation that a material names is not followed: the truth is perspective.
 //!
@@ -17,10 +17,10 @@ mod grid;
 mod lighting;
 mod pattern;
 mod projector;
-pub mod rays;
+
 mod shadow;
 mod slot;
-mod solids;
+
 mod space;
 mod surface;
 mod tangents;
@@ -32,9 +32,10 @@ use rayon::prelude::*;
 use texmap_math::glam::{DVec3, DVec4};
 use texmap_render::{ColorMode, Mesh, Scene};
 
-use crate::LabError;
+use crate::TruthError;
 use crate::picture::Picture;
-use color::{encode, wide};
+use color::encode;
+pub(crate) use color::wide;
 use visible::Visible;
 use world::World;
 
@@ -110,7 +111,7 @@ impl Truth {
 ///
 /// # Errors
 /// When the scene does not pass its own check.
-pub fn frame(scene: &Scene, width: u32, height: u32, samples: u32) -> Result<Truth, LabError> {
+pub fn frame(scene: &Scene, width: u32, height: u32, samples: u32) -> Result<Truth, TruthError> {
     scene.check()?;
     let scene = &*scene.shaped(width)?;
     let samples = samples.max(1);
@@ -176,7 +177,7 @@ fn pixel(world: &World<'_>, x: u32, y: u32, samples: u32) -> Pixel {
 }
 
 /// The world positions of a mesh's vertices.
-fn world(mesh: &Mesh) -> Vec<DVec3> {
+pub(crate) fn world(mesh: &Mesh) -> Vec<DVec3> {
     mesh.positions
         .iter()
         .map(|p| mesh.world_from_object.transform_point3(wide(*p)))

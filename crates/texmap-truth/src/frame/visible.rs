@@ -6,7 +6,7 @@ use texmap_render::{AlphaMode, Shading};
 
 use super::color::over;
 use super::world::World;
-use crate::reference::Hit;
+use crate::caster::Hit;
 
 /// Two distances along a ray closer than this part of their size are one depth: the resolution of the
 /// renderer's f32 depth buffer, so that surfaces in one plane tie here too.

@@ -2,6 +2,7 @@
 //! shadows of area lights, mirror rays; a bounding volume hierarchy finds what a ray may meet.
 
 mod body;
+mod solids;
 mod walk;
 
 use bvh::bvh::Bvh;
@@ -98,7 +99,7 @@ impl RayScene {
     }
 
     /// Whether some hit along a ray counts.
-    pub(super) fn meets_any(
+    pub(crate) fn meets_any(
         &self,
         origin: DVec3,
         direction: DVec3,
@@ -117,7 +118,7 @@ impl RayScene {
 
     /// Object and triangle of everything whose box a ray meets, nearer boxes first. The visitor gets the end of the range and returns
     /// that of what is left.
-    pub(super) fn candidates(
+    pub(crate) fn candidates(
         &self,
         origin: DVec3,
         direction: DVec3,
@@ -157,7 +158,7 @@ impl RayScene {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::truth::wide;
+    use crate::frame::wide;
     use texmap_math::camera::Camera;
 
     pub(super) const EVERYWHERE: (f64, f64) = (0.0, f64::INFINITY);
@@ -212,7 +213,7 @@ mod tests {
     /// uv and position of the caster of whole frames, a code path that shares nothing with this one.
     #[test]
     fn eye_rays_see_what_the_frame_caster_sees() {
-        use crate::reference::{Caster, Pinhole};
+        use crate::caster::{Caster, Pinhole};
         let mesh = grid(6);
         let camera = Camera {
             eye: DVec3::new(0.5, -2.0, 2.5),

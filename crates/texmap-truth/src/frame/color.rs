@@ -52,7 +52,7 @@ pub(super) fn luminance(color: DVec3) -> f64 {
 }
 
 /// A stored vector in f64.
-pub(super) fn wide(a: [f32; 3]) -> DVec3 {
+pub(crate) fn wide(a: [f32; 3]) -> DVec3 {
     DVec3::from_array(a.map(f64::from))
 }
 

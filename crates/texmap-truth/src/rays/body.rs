@@ -8,7 +8,8 @@ use texmap_render::Mesh;
 use texmap_uv::{Origin, Part, Shape};
 
 use super::RayHit;
-use crate::truth::{solids, wide, world};
+use super::solids;
+use crate::frame::{wide, world};
 
 #[derive(Debug)]
 pub(super) struct Body {

@@ -1,5 +1,5 @@
 //! Holds the f64 reference and the renderer against each other: every scene of `assets/scenes`, the reference with 6 x 6 samples a pixel
-//! against a frame of the renderer with 8 x 8. `cargo run --release -p texmap-lab --example verify_table > docs/verify.md`; with `--size WxH`
+//! against a frame of the renderer with 8 x 8. `cargo run --release -p texmap-truth --example verify_table > docs/verify.md`; with `--size WxH`
 //! and names of scenes it prints those alone, with `--heat FOLDER` it puts the frames, the references and the errors there.
 #![allow(
     clippy::print_stdout,
@@ -11,10 +11,10 @@ use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use texmap_lab::cases::figure;
-use texmap_lab::truth::ASSUMPTIONS;
-use texmap_lab::verify::verify;
 use texmap_render::{Settings, render};
+use texmap_truth::ASSUMPTIONS;
+use texmap_truth::metrics::figure;
+use texmap_truth::verify::verify;
 
 /// Samples a side of a pixel in the reference, as `--verify` takes.
 const SAMPLES: u32 = 6;
@@ -46,7 +46,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     files.retain(|file| names.is_empty() || names.contains(&name(file)));
     println!(
         "# The reference against the renderer\n\n\
-         Made by `cargo run --release -p texmap-lab --example verify_table > docs/verify.md`: the f64 reference of `--verify`, with \
+         Made by `cargo run --release -p texmap-truth --example verify_table > docs/verify.md`: the f64 reference of `--verify`, with \
          {SAMPLES} x {SAMPLES} samples a pixel, against the renderer's own frame with {SUPERSAMPLE} x {SUPERSAMPLE}, {} x {} pixels. \
          Errors are of stored values, 0 to 1, outside of outlines and of the edges of shadows. The reference assumes {ASSUMPTIONS}.\n\n\
          | scene | RMSE | largest error | at | pixels judged | at outlines | at shadows' edges | RMSE there |\n\
@@ -76,13 +76,13 @@ fn main() -> Result<(), Box<dyn Error>> {
         );
         eprintln!("{name}: {:.1} s", began.elapsed().as_secs_f64());
         if let Some(folder) = &heat {
-            let put = |what: &str, picture: &texmap_lab::picture::Picture| {
+            let put = |what: &str, picture: &texmap_truth::picture::Picture| {
                 let file = Path::new(folder).join(format!("{name}.{what}.png"));
                 let (w, h) = (picture.width(), picture.height());
                 texmap_io::image_io::write_png(&file, w, h, picture.rgba())
             };
             put("heat", &found.heat)?;
-            let drawn = texmap_lab::picture::Picture::from_rgba(size.0, size.1, frame.rgba);
+            let drawn = texmap_truth::picture::Picture::from_rgba(size.0, size.1, frame.rgba);
             put("frame", &drawn.ok_or("a frame of its size")?)?;
             put("truth", &found.truth)?;
         }

@@ -6,7 +6,7 @@ use texmap_render::{Backdrop, Scene};
 use super::color::{background, over, straight};
 use super::environment::{EnvironmentMap, Ray};
 use super::slot::{Place, Slot, Textures};
-use crate::reference::Pinhole;
+use crate::caster::Pinhole;
 
 /// The most places a side at which a sample looks an environment up.
 const MOST: f64 = 8.0;
