@@ -1,8 +1,6 @@
 //! What rays meet: a triangle of a mesh or a unit solid, placed in the world, with a box around it.
 
-use bvh::aabb::{Aabb, Bounded};
-use bvh::bounding_hierarchy::BHShape;
-use nalgebra::Point3;
+use rstar::{AABB, RTreeObject};
 use texmap_math::glam::{DMat3, DMat4, DVec2, DVec3};
 use texmap_render::Mesh;
 use texmap_uv::{Origin, Part, Shape};
@@ -15,8 +13,7 @@ use crate::frame::{wide, world};
 pub(super) struct Body {
     kind: Kind,
     object: usize,
-    bounds: [DVec3; 2],
-    node: usize,
+    bounds: AABB<[f64; 3]>,
 }
 
 #[derive(Debug)]
@@ -35,20 +32,11 @@ enum Kind {
     },
 }
 
-impl Bounded<f64, 3> for Body {
-    fn aabb(&self) -> Aabb<f64, 3> {
-        let point = |p: DVec3| Point3::new(p.x, p.y, p.z);
-        Aabb::with_bounds(point(self.bounds[0]), point(self.bounds[1]))
-    }
-}
+impl RTreeObject for Body {
+    type Envelope = AABB<[f64; 3]>;
 
-impl BHShape<f64, 3> for Body {
-    fn set_bh_node_index(&mut self, index: usize) {
-        self.node = index;
-    }
-
-    fn bh_node_index(&self) -> usize {
-        self.node
+    fn envelope(&self) -> Self::Envelope {
+        self.bounds
     }
 }
 
@@ -161,7 +149,6 @@ pub(super) fn push_mesh(mesh: &Mesh, object: usize, bodies: &mut Vec<Body>) {
                 mirrored,
             },
             object,
-            node: 0,
         });
     }
 }
@@ -188,16 +175,15 @@ pub(super) fn solid(shape: Shape, world: DMat4, object: usize) -> Option<Body> {
             normal_to_world: DMat3::from_mat4(world).inverse().transpose(),
         },
         object,
-        node: 0,
     })
 }
 
 /// A box around points, a little larger, so that flat things keep a thickness.
-fn bounds(points: &[DVec3]) -> [DVec3; 2] {
+fn bounds(points: &[DVec3]) -> AABB<[f64; 3]> {
     let low = points.iter().copied().fold(DVec3::INFINITY, DVec3::min);
     let high = points.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
     let air = DVec3::splat(1e-9 * (1.0 + low.abs().max(high.abs()).max_element()));
-    [low - air, high + air]
+    AABB::from_bounds((low - air).to_array(), (high + air).to_array())
 }
 
 #[cfg(test)]

@@ -1,11 +1,11 @@
 //! A ray tracer in f64: what light and mirrors really do, for whatever is judged by it. Meshes and the unit solids, hard shadows,
-//! shadows of area lights, mirror rays; a bounding volume hierarchy finds what a ray may meet.
+//! shadows of area lights, mirror rays; an R-tree of their boxes finds the candidates of a ray.
 
 mod body;
 mod solids;
 mod walk;
 
-use bvh::bvh::Bvh;
+use rstar::RTree;
 use texmap_math::glam::{DMat4, DVec2, DVec3};
 use texmap_render::Mesh;
 use texmap_uv::{Part, Shape};
@@ -15,8 +15,7 @@ use body::{Body, push_mesh, solid};
 /// Everything that rays can meet, in world space.
 #[derive(Debug)]
 pub struct RayScene {
-    bodies: Vec<Body>,
-    tree: Option<Bvh<f64, 3>>,
+    tree: RTree<Body>,
 }
 
 /// Where a ray meets a surface.
@@ -71,8 +70,9 @@ impl RayScene {
                 RayObject::Solid(shape, world) => bodies.extend(solid(shape, world, object)),
             }
         }
-        let tree = (!bodies.is_empty()).then(|| Bvh::build(&mut bodies));
-        Self { bodies, tree }
+        Self {
+            tree: RTree::bulk_load(bodies),
+        }
     }
 
     /// The nearest surface with `range.0 < t < range.1` along `origin + t direction`, seen from either side.
@@ -198,7 +198,7 @@ mod tests {
         for _ in 0..3_000 {
             let mut v = || DVec3::new(noise(&mut seed), noise(&mut seed), noise(&mut seed));
             let (o, d) = (v() * 2.0, v());
-            let all = scene.bodies.iter().filter_map(|b| b.meet(o, d, EVERYWHERE));
+            let all = scene.tree.iter().filter_map(|b| b.meet(o, d, EVERYWHERE));
             let expected = all.map(|hit| hit.t).fold(f64::INFINITY, f64::min);
             let found = scene
                 .nearest(o, d, EVERYWHERE)
@@ -320,7 +320,7 @@ mod tests {
         mesh.triangles.push([1, 1, 2]);
         let flat = RayObject::Solid(Shape::Box, DMat4::from_scale(DVec3::new(1.0, 0.0, 1.0)));
         let scene = RayScene::new([RayObject::Mesh(&mesh), flat]);
-        assert!(scene.bodies.is_empty());
+        assert!(scene.tree.size() == 0);
         let ball = RayScene::new([RayObject::Solid(Shape::Sphere, DMat4::IDENTITY)]);
         assert!(!ball.meets(DVec3::new(0.0, 0.0, 3.0), DVec3::ZERO, EVERYWHERE));
         assert!(!ball.meets(DVec3::splat(f64::NAN), DVec3::X, EVERYWHERE));

@@ -1,7 +1,6 @@
-//! The way of a ray through the tree of boxes.
+//! Traversal of the tree of boxes by a ray.
 
-use bvh::aabb::Aabb;
-use bvh::bvh::BvhNode;
+use rstar::{AABB, RTreeNode, RTreeObject};
 use texmap_math::glam::DVec3;
 
 use super::RayScene;
@@ -17,57 +16,47 @@ impl RayScene {
         range: (f64, f64),
         mut visit: impl FnMut(&Body, (f64, f64)) -> Option<f64>,
     ) {
-        let Some(tree) = &self.tree else { return };
         if !(origin.is_finite() && direction.is_finite()) || direction == DVec3::ZERO {
             return;
         }
         let inverse = 1.0 / direction;
         let mut end = range.1;
-        let mut waiting = vec![(range.0, 0usize)];
-        while let Some((entry, index)) = waiting.pop() {
-            if entry > end {
-                continue;
+        // The nearest box of the last node is on top.
+        let mut waiting: Vec<(f64, &RTreeNode<Body>)> = Vec::new();
+        let mut node = Some(self.tree.root());
+        loop {
+            if let Some(parent) = node.take() {
+                let first = waiting.len();
+                waiting.extend(parent.children().iter().filter_map(|child| {
+                    let entry = entry_of(&child.envelope(), origin, inverse, (range.0, end))?;
+                    Some((entry, child))
+                }));
+                waiting[first..].sort_by(|a, b| b.0.total_cmp(&a.0));
             }
-            match &tree.nodes[index] {
-                BvhNode::Leaf { shape_index, .. } => {
-                    match visit(&self.bodies[*shape_index], (range.0, end)) {
-                        Some(new) => end = new,
-                        None => return,
-                    }
-                }
-                BvhNode::Node {
-                    child_l_index,
-                    child_l_aabb,
-                    child_r_index,
-                    child_r_aabb,
-                    ..
-                } => {
-                    let left = entry_of(child_l_aabb, origin, inverse, (range.0, end));
-                    let right = entry_of(child_r_aabb, origin, inverse, (range.0, end));
-                    let left = left.map(|t| (t, *child_l_index));
-                    let right = right.map(|t| (t, *child_r_index));
-                    match (left, right) {
-                        (Some(left), Some(right)) if left.0 <= right.0 => {
-                            waiting.extend([right, left]);
-                        }
-                        (left, right) => waiting.extend(left.into_iter().chain(right)),
-                    }
-                }
+            match waiting.pop() {
+                None => return,
+                Some((entry, _)) if entry > end => {}
+                Some((_, RTreeNode::Parent(parent))) => node = Some(parent),
+                Some((_, RTreeNode::Leaf(body))) => match visit(body, (range.0, end)) {
+                    Some(new) => end = new,
+                    None => return,
+                },
             }
         }
     }
 }
 
-/// Where a ray enters a box within a range of t (Kay and Kajiya 1986: slabs). Along a face of the box the slab of that axis says nothing.
+/// Entry of a ray into a box within a range of t (Kay and Kajiya 1986: slabs). Along a face of the box the slab of that axis says nothing.
 fn entry_of(
-    bounds: &Aabb<f64, 3>,
+    bounds: &AABB<[f64; 3]>,
     origin: DVec3,
     inverse: DVec3,
     (mut near, mut far): (f64, f64),
 ) -> Option<f64> {
+    let (lower, upper) = (bounds.lower(), bounds.upper());
     for axis in 0..3 {
-        let a = (bounds.min[axis] - origin[axis]) * inverse[axis];
-        let b = (bounds.max[axis] - origin[axis]) * inverse[axis];
+        let a = (lower[axis] - origin[axis]) * inverse[axis];
+        let b = (upper[axis] - origin[axis]) * inverse[axis];
         if a.is_nan() || b.is_nan() {
             continue;
         }
