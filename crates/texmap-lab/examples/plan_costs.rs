@@ -1,4 +1,4 @@
-//! What the planner's choice costs beside every fixed filter, on the chart's tilted planes: the second half of docs/plans.md.
+//! What the planner's choice costs beside every fixed filter, on the chart's tilted planes: the second half of docs/generated/plans.md.
 //!
 //! `cargo run --release -p texmap-lab --example plan_costs` prints the table and ends with 1 if a plan is over its budget, costs
 //! more than 1.15 times the cheapest filter that keeps it, or as much as all features where less would do.

@@ -1,5 +1,5 @@
 //! Holds the f64 reference and the renderer against each other: every scene of `assets/scenes`, the reference with 6 x 6 samples a pixel
-//! against a frame of the renderer with 8 x 8. `cargo run --release -p texmap-truth --example verify_table > docs/verify.md`; with `--size WxH`
+//! against a frame of the renderer with 8 x 8. `cargo run --release -p texmap-truth --example verify_table > docs/generated/verify.md`; with `--size WxH`
 //! and names of scenes it prints those alone, with `--heat FOLDER` it puts the frames, the references and the errors there.
 #![allow(
     clippy::print_stdout,
@@ -46,7 +46,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     files.retain(|file| names.is_empty() || names.contains(&name(file)));
     println!(
         "# The reference against the renderer\n\n\
-         Made by `cargo run --release -p texmap-truth --example verify_table > docs/verify.md`: the f64 reference of `--verify`, with \
+         Made by `cargo run --release -p texmap-truth --example verify_table > docs/generated/verify.md`: the f64 reference of `--verify`, with \
          {SAMPLES} x {SAMPLES} samples a pixel, against the renderer's own frame with {SUPERSAMPLE} x {SUPERSAMPLE}, {} x {} pixels. \
          Errors are of stored values, 0 to 1, outside of outlines and of the edges of shadows. The reference assumes {ASSUMPTIONS}.\n\n\
          | scene | RMSE | largest error | at | pixels judged | at outlines | at shadows' edges | RMSE there |\n\

@@ -93,7 +93,7 @@ pub fn markdown(outcomes: &[Outcome]) -> String {
     let broken = outcomes.iter().filter(|o| !o.passes()).count();
     let mut page = format!(
         "# Stability: inputs on which methods fail\n\n\
-         Written by `cargo run --release -p texmap-cli -- stability > docs/stability.md`; `--json` gives the same for \
+         Written by `cargo run --release -p texmap-cli -- stability > docs/generated/stability.md`; `--json` gives the same for \
          programs. Counts and largest errors, never averages. A method marked *naive* is the textbook's, kept to show \
          that its case really breaks something: it must fail.\n\n\
          {} cases, {demands} demands, of which {} on naive methods; {} cases with a demand that is not met.\n\n\
