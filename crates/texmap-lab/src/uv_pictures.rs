@@ -265,7 +265,5 @@ fn shot(
     }
     let mut settings = Settings::new(size, size);
     settings.supersample = 2;
-    let frame = render(&scene, &settings, &|_, _| {})?;
-    Ok(Picture::from_rgba(frame.width, frame.height, frame.rgba)
-        .unwrap_or_else(|| Picture::new(size, size, PAPER)))
+    Ok(render(&scene, &settings, &|_, _| {})?.into())
 }

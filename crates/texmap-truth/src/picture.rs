@@ -3,6 +3,7 @@
 //! Everything drawn is integer work, so a picture has the same bytes on every machine.
 
 use font8x8::UnicodeFonts;
+use texmap_render::Frame;
 
 /// A colour as red, green, blue and alpha bytes.
 pub type Rgba = [u8; 4];
@@ -24,6 +25,17 @@ impl std::fmt::Debug for Picture {
     }
 }
 
+impl From<Frame> for Picture {
+    /// The colours of a frame.
+    fn from(frame: Frame) -> Self {
+        Self {
+            width: frame.width,
+            height: frame.height,
+            rgba: frame.rgba,
+        }
+    }
+}
+
 impl Picture {
     /// A picture of one colour.
     pub fn new(width: u32, height: u32, color: Rgba) -> Self {
@@ -41,6 +53,16 @@ impl Picture {
             height,
             rgba,
         })
+    }
+
+    /// A picture whose pixel at column x and row y is `color(x, y)`.
+    pub fn from_fn(width: u32, height: u32, mut color: impl FnMut(u32, u32) -> Rgba) -> Self {
+        let rows = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+        Self {
+            width,
+            height,
+            rgba: rows.flat_map(|(x, y)| color(x, y)).collect(),
+        }
     }
 
     /// Pixels in a row.

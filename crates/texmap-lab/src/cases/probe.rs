@@ -52,7 +52,7 @@ pub(super) fn place(size: (u32, u32), vertex: [f32; 3]) -> [f64; 3] {
     ]
 }
 
-/// How often each pixel of the target is covered.
+/// Number of times that each pixel of the target is covered.
 pub(super) fn coverage(size: (u32, u32), draw: Draw<'_>) -> Result<Vec<u32>, LabError> {
     let target = TargetSize::new(size.0, size.1)?;
     let prepared = Prepared::new(
@@ -74,7 +74,7 @@ pub(super) fn coverage(size: (u32, u32), draw: Draw<'_>) -> Result<Vec<u32>, Lab
 }
 
 /// Calls `see` with every visible fragment and its pixel.
-pub(super) fn visit(
+pub(crate) fn visit(
     size: (u32, u32),
     draws: &[Draw<'_>],
     mut see: impl FnMut(u32, u32, &Fragment),
@@ -92,6 +92,16 @@ pub(super) fn visit(
     }
     Ok(())
 }
+
+/// Coordinates at which a look-up must give a colour all the same.
+pub(crate) const SENSELESS: [f32; 6] = [
+    f32::NAN,
+    f32::INFINITY,
+    f32::NEG_INFINITY,
+    1e30,
+    -1e30,
+    f32::MAX,
+];
 
 /// Pixels hit more than once, and not at all.
 pub(super) fn double_and_missing(counts: &[u32]) -> (f64, f64) {

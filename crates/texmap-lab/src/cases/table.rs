@@ -27,14 +27,14 @@ impl Outcome {
         })
     }
 
-    /// Whether every demand is met and every naive method fails its own.
+    /// True if every demand is met and every naive method fails its own.
     pub fn passes(&self) -> bool {
         self.verdicts.iter().all(Verdict::passes)
     }
 }
 
 impl Verdict {
-    /// What a reader should see: a naive method that fails is what the case is there to show.
+    /// The verdict for a reader: a naive method that fails is what the case is there to show.
     pub fn word(&self) -> &'static str {
         match (self.passes(), self.check.must_fail) {
             (true, false) => "holds",

@@ -5,7 +5,7 @@ use texmap_raster::Interp;
 use texmap_render::{ColorMode, Frame, Renderer, Scene, Settings};
 use texmap_sample::Filter;
 
-use super::time::{Effort, interleaved};
+use super::time::{Effort, timed};
 use super::{Across, Error, Panel, Point, Report, SceneChart, Source};
 use crate::LabError;
 use texmap_truth::picture::Picture;
@@ -38,7 +38,7 @@ const INTERPS: [Interp; 4] = [
 /// render with `effort.grid` / 4 x as many samples a side (8 at most) and 16 anisotropic probes in each.
 ///
 /// # Errors
-/// What the renderer refuses.
+/// When the renderer refuses the scene.
 pub fn panel(
     scene: &Scene,
     (width, height): (u32, u32),
@@ -116,10 +116,7 @@ pub fn panel(
             std::hint::black_box(renderer.draw(&|_, _| {}).ok());
         }));
     }
-    let times = interleaved(effort, covered, &mut runs);
-    for (point, time) in points.iter_mut().zip(times) {
-        point.time = Some(time);
-    }
+    timed(&mut points, effort, covered, &mut runs);
     report(steps, steps, "done");
     Ok(Panel {
         id: "scene",
