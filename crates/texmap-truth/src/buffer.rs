@@ -24,7 +24,7 @@ pub struct Buffer {
     values: Values,
 }
 
-/// What two buffers differ by.
+/// The difference of two buffers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Comparison {
     /// Figures of all values; of red, green and blue for images.
@@ -43,14 +43,14 @@ impl Comparison {
     }
 }
 
-/// What the values of a buffer stand for.
+/// The meaning of the values of a buffer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Meaning {
     /// The codes of an image of whole numbers, sRGB.
     Codes,
     /// The linear light of an image of floats (HDR, EXR).
     Light,
-    /// What an array holds.
+    /// The numbers of an array.
     Array,
 }
 
@@ -64,7 +64,7 @@ impl Buffer {
     /// Reads a `.npy` array, or else an image of any format that textures may have.
     ///
     /// # Errors
-    /// What is wrong with the file.
+    /// When the file cannot be read or decoded.
     pub fn read(path: &Path) -> Result<Self, IoError> {
         if path
             .extension()
@@ -88,7 +88,7 @@ impl Buffer {
         Ok(this)
     }
 
-    /// What the values stand for.
+    /// The meaning of the values.
     #[must_use]
     pub fn meaning(&self) -> Meaning {
         match &self.values {

@@ -12,7 +12,7 @@ use texmap_math::glam::{DMat3, DVec2, DVec3};
 /// A pinhole: the ray through position (x, y) of the picture has the direction `corner + x * right + y * down`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pinhole {
-    /// Where all rays start.
+    /// Origin of all rays.
     pub eye: DVec3,
     /// Direction through the top left corner of the picture, position (0, 0).
     pub corner: DVec3,
@@ -46,7 +46,7 @@ impl Pinhole {
         self.corner + self.right * x + self.down * y
     }
 
-    /// Where the ray through position (x, y) meets a triangle given by its corners, at a positive distance. Its number is 0.
+    /// The hit of the ray through position (x, y) on a triangle given by its corners, at a positive distance. Its number is 0.
     pub fn meet(&self, x: f64, y: f64, corners: &[DVec3; 3]) -> Option<Hit> {
         let inverse = inverse(self, corners)?;
         self.through(&inverse, self.direction(x, y), 0)
@@ -87,7 +87,7 @@ struct Lens {
     rows: (u32, u32),
 }
 
-/// Where a ray meets a triangle.
+/// The hit of a ray on a triangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {
     /// Index of the triangle.

@@ -36,7 +36,7 @@ impl Shape {
     }
 }
 
-/// Where a value of an image lies.
+/// Position of a value in an image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Place {
     /// Column, 0 at the left.
@@ -47,7 +47,7 @@ pub struct Place {
     pub channel: usize,
 }
 
-/// What two images differ by. All differences are absolute, in the unit of the values.
+/// The difference of two images. All differences are absolute, in the unit of the values.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Metrics {
     /// Values compared: both finite.
@@ -135,7 +135,7 @@ pub fn compare<T: Copy + Into<f64>>(
     ))
 }
 
-/// Whether a shape holds values, and both images as many.
+/// Checks that a shape holds values, and both images as many.
 pub(crate) fn check(shape: Shape, expected: usize, actual: usize) -> Result<(), MetricsError> {
     let Shape {
         width,
@@ -255,7 +255,7 @@ fn rank(count: usize, q: f64) -> usize {
     ((count as f64 * q).ceil() as usize).clamp(1, count.max(1))
 }
 
-/// A number in at most four digits.
+/// A number as text in at most four digits.
 pub fn figure(value: f64) -> String {
     let size = value.abs();
     if value == value.trunc() && size < 1e7 {

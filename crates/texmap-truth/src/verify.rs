@@ -1,4 +1,4 @@
-//! What a picture is really off by: a frame against the f64 reference of its scene.
+//! The true error of a picture: a frame against the f64 reference of its scene.
 
 use texmap_math::glam::DVec3;
 use texmap_render::{Backdrop, Frame, Material, Relief, Scene, SolidSource};

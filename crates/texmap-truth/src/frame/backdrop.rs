@@ -11,7 +11,7 @@ use crate::caster::Pinhole;
 /// The most places a side at which a sample looks an environment up.
 const MOST: f64 = 8.0;
 
-/// What stands behind everything.
+/// The background of a scene.
 pub(super) struct Background<'s> {
     color: DVec4,
     sky: Option<Sky<'s>>,
@@ -38,7 +38,7 @@ impl<'s> Background<'s> {
         }
     }
 
-    /// Whether there is more than a colour.
+    /// True if the background is more than one colour.
     pub(super) fn has_sky(&self) -> bool {
         self.sky.is_some()
     }

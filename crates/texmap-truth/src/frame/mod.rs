@@ -39,7 +39,7 @@ pub(crate) use color::wide;
 use visible::Visible;
 use world::World;
 
-/// What a frame of the truth takes for true.
+/// Assumptions of the reference that are not derived.
 pub const ASSUMPTIONS: &str = "perspective coordinates, bilinear texels, hard shadows by rays, environments and specular maps as their \
      texels are, displaced meshes and billboards as the triangles that are drawn, light that is clipped at white in each sample";
 

@@ -9,7 +9,7 @@ use super::color::wide;
 use super::lighting::Point;
 use super::world::World;
 
-/// Where light comes from.
+/// The source of light.
 #[derive(Clone, Copy)]
 pub(super) enum Origin {
     /// Along a direction, from infinity.
@@ -20,7 +20,7 @@ pub(super) enum Origin {
 /// A shadow of a light or a projector.
 pub(super) struct Shadow {
     pub(super) origin: Origin,
-    /// What its map shows: beyond it everything is lit.
+    /// Area of the shadow map: everything outside is lit.
     kind: ShadowKind,
     /// Texels of the map around a true edge in which the map may say something else.
     reach: f64,
@@ -121,14 +121,14 @@ fn automatic(scene: &Scene, kind: &ShadowKind, width: u32) -> f64 {
 }
 
 impl World<'_> {
-    /// Whether a light of the scene reaches a point, by the shadows that it has.
+    /// True if a light of the scene reaches a point, by the shadows that it has.
     pub(super) fn light_reaches(&self, light: usize, at: &Point) -> bool {
         self.shadows[light]
             .iter()
             .all(|shadow| self.lit(shadow, at.position, at.owner))
     }
 
-    /// Whether a projector reaches a point, by the shadow that it has.
+    /// True if a projector reaches a point, by the shadow that it has.
     pub(super) fn projector_reaches(&self, projector: usize, at: &Point) -> bool {
         let shadow = self.projector_shadows[projector].as_ref();
         shadow.is_none_or(|shadow| self.lit(shadow, at.position, at.owner))
@@ -139,7 +139,7 @@ impl World<'_> {
         !shown || !self.blocked(shadow, point, owner)
     }
 
-    /// Whether anything that casts shadows stands between a point of a triangle and a light. The triangle itself does not.
+    /// True if anything that casts shadows stands between a point of a triangle and a light. The triangle itself does not.
     fn blocked(&self, shadow: &Shadow, point: DVec3, owner: (usize, u32)) -> bool {
         let (toward, end) = match shadow.origin {
             Origin::Toward(direction) => (direction, f64::INFINITY),
@@ -156,7 +156,7 @@ impl World<'_> {
         })
     }
 
-    /// Whether a triangle holds up light at these weights of its corners.
+    /// True if a triangle blocks light at these weights of its corners.
     fn casts(
         &self,
         object: usize,
@@ -178,7 +178,7 @@ impl World<'_> {
         surface.holds_light(triangle, weights)
     }
 
-    /// Whether the edge of some shadow is so near to a point that its map, with its texels and its filter, may differ from rays, or that
+    /// True if the edge of some shadow is so near to a point that its map, with its texels and its filter, may differ from rays, or that
     /// a pixel of this width holds the edge.
     pub(super) fn near_an_edge(&self, at: &Point, pixel: f64) -> bool {
         let lights = self.shadows.iter().flatten();

@@ -85,7 +85,7 @@ impl Slot<'_> {
         straight(self.texel(place))
     }
 
-    /// What an opacity map says: its alpha, or its red channel if it has none.
+    /// Opacity of an opacity map: its alpha, or its red channel if it has none.
     pub(super) fn opacity(&self, place: Place) -> f64 {
         let texel = self.texel(place);
         if self.texture.has_alpha() {

@@ -25,7 +25,7 @@ pub(super) struct Surface<'s> {
     pub(super) mesh: &'s Mesh,
     points: Vec<DVec3>,
     normals: Vec<DVec3>,
-    /// Of the corners, three for each triangle; empty without a normal map.
+    /// Tangents of the corners, three for each triangle; empty without a normal map.
     tangents: Vec<(DVec3, f64)>,
     base_color: Option<Slot<'s>>,
     opacity_map: Option<Slot<'s>>,
@@ -122,7 +122,7 @@ impl<'s> Surface<'s> {
         if self.mirrored { -normal } else { normal }
     }
 
-    /// Whether the counter-clockwise side is seen.
+    /// True if the counter-clockwise side is seen.
     pub(super) fn front(&self, hit: &Hit) -> bool {
         hit.front != self.mirrored
     }
@@ -137,7 +137,7 @@ impl<'s> Surface<'s> {
         }
     }
 
-    /// Whether a cut-out holds up light at these weights of a triangle's corners; the coordinates of a texture frame are bound to the
+    /// True if a cut-out blocks light at these weights of a triangle's corners; the coordinates of a texture frame are bound to the
     /// camera, and what has them is whole to the light.
     pub(super) fn holds_light(&self, triangle: u32, weights: DVec3) -> bool {
         let AlphaMode::Test(threshold) = self.material().alpha else {

@@ -12,7 +12,7 @@ use crate::caster::Hit;
 /// renderer's f32 depth buffer, so that surfaces in one plane tie here too.
 const SAME_DEPTH: f64 = 1.0 / (1u64 << 22) as f64;
 
-/// What one ray sees.
+/// The surfaces that one ray sees.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Visible {
     /// The nearest opaque or cut-out surface: mesh, triangle.
@@ -22,7 +22,7 @@ pub(super) struct Visible {
 }
 
 impl World<'_> {
-    /// What the ray through (x, y) meets.
+    /// The surfaces along the ray through (x, y).
     pub(super) fn look(&self, x: f64, y: f64) -> Visible {
         let (eye, direction) = (self.pinhole.eye, self.pinhole.direction(x, y));
         let (near, far) = (self.scene.camera.near, self.scene.camera.far);
@@ -103,7 +103,7 @@ impl World<'_> {
         (color, mixed)
     }
 
-    /// Whether the pixel of `samples` samples a side about (x, y) lies at the edge of a shadow on what is seen there.
+    /// True if the pixel of `samples` samples a side about (x, y) lies at the edge of a shadow on what is seen there.
     pub(super) fn at_an_edge(&self, visible: &Visible, samples: u32, x: f64, y: f64) -> bool {
         let solid = visible.solid.iter();
         self.has_shadows()

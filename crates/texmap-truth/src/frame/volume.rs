@@ -37,7 +37,7 @@ impl<'s> Medium<'s> {
         }
     }
 
-    /// What a ray of unit direction sees of it up to a distance: premultiplied, alpha is what it hides. The matter is taken as even
+    /// Light of the volume along a ray of unit direction up to a distance: premultiplied, alpha is its opacity. The matter is taken as even
     /// over each of the short steps, the light that comes through them as `exp(-density length)`.
     pub(super) fn seen(&self, origin: DVec3, direction: DVec3, end: f64) -> DVec4 {
         let o = self.volume_from_world.transform_point3(origin);

@@ -16,7 +16,7 @@ use crate::rays::{RayObject, RayScene};
 
 pub(super) struct World<'s> {
     pub(super) scene: &'s Scene,
-    /// Of the samples.
+    /// Rays of the samples.
     pub(super) pinhole: Pinhole,
     pub(super) surfaces: Vec<Surface<'s>>,
     /// The triangles of all surfaces.
@@ -34,7 +34,7 @@ pub(super) struct World<'s> {
 }
 
 impl<'s> World<'s> {
-    /// Of a checked scene for a picture of this size with `samples` x `samples` samples a pixel.
+    /// A checked scene for a picture of this size with `samples` x `samples` samples a pixel.
     pub(super) fn new(
         scene: &'s Scene,
         (width, height): (u32, u32),
@@ -87,7 +87,7 @@ impl<'s> World<'s> {
         })
     }
 
-    /// Whether shadows reach the surface of a mesh.
+    /// True if shadows reach the surface of a mesh.
     pub(super) fn has_shadows(&self) -> bool {
         let cast = self.projector_shadows.iter().any(Option::is_some);
         cast || self.shadows.iter().any(|of_light| !of_light.is_empty())

@@ -1,4 +1,4 @@
-//! What rays meet: a triangle of a mesh or a unit solid, placed in the world, with a box around it.
+//! The bodies that rays meet: a triangle of a mesh or a unit solid, placed in the world, with a box around it.
 
 use rstar::{AABB, RTreeObject};
 use texmap_math::glam::{DMat3, DMat4, DVec2, DVec3};
@@ -107,7 +107,7 @@ impl Body {
     }
 }
 
-/// Where a ray meets the plane of a triangle `a, a + u, a + v`, and the corner weights there, if it meets the triangle or its edge
+/// Distance of a ray to the plane of a triangle `a, a + u, a + v`, and the corner weights there, if it meets the triangle or its edge
 /// (Moeller and Trumbore 1997).
 fn triangle(o: DVec3, d: DVec3, a: DVec3, u: DVec3, v: DVec3) -> Option<(f64, DVec3)> {
     let p = d.cross(v);

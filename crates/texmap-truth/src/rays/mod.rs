@@ -18,7 +18,7 @@ pub struct RayScene {
     tree: RTree<Body>,
 }
 
-/// Where a ray meets a surface.
+/// The hit of a ray on a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RayHit {
     /// The point is `origin + t direction`.
@@ -39,7 +39,7 @@ pub struct RayHit {
     pub weights: DVec3,
 }
 
-/// What a ray scene is made of.
+/// An object of a ray scene.
 #[derive(Clone, Copy, Debug)]
 pub enum RayObject<'a> {
     /// Triangles under the mesh's own transform.
@@ -88,17 +88,17 @@ impl RayScene {
         best
     }
 
-    /// Whether anything stands between a point and a place: hits at `0 < t < 1` of the way count.
+    /// True if anything stands between a point and a place: hits at `0 < t < 1` of the way count.
     pub fn blocked(&self, point: DVec3, place: DVec3) -> bool {
         self.meets(point, place - point, (0.0, 1.0))
     }
 
-    /// Whether anything is met at all along a ray.
+    /// True if a ray meets anything within a range of t.
     pub fn meets(&self, origin: DVec3, direction: DVec3, range: (f64, f64)) -> bool {
         self.meets_any(origin, direction, range, |_| true)
     }
 
-    /// Whether some hit along a ray counts.
+    /// True if some hit along a ray counts.
     pub(crate) fn meets_any(
         &self,
         origin: DVec3,
