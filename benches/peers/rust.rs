@@ -17,11 +17,10 @@ use std::time::Instant;
 use registry::{Euc, Outcome, Racer, Retrofire, Texmap};
 use texmap_benches::textures::squares;
 use texmap_lab::chart::decal_scene;
-use texmap_lab::truth::rays::{RayObject, RayScene};
 use texmap_math::camera::Camera;
 use texmap_math::glam::DVec3;
 use texmap_sample::{Filter, Precision, Sampler};
-use texmap_scene::{Mesh, Scene};
+use texmap_truth::rays::{RayObject, RayScene};
 
 const WIDTH: u32 = 1920;
 const HEIGHT: u32 = 1080;

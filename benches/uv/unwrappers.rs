@@ -1,7 +1,7 @@
 //! Unwrappers held against one another on three meshes, by the report of `texmap-uv`.
 //!
 //! `cargo run --release -p texmap-benches --features unwrappers --bin unwrappers` writes
-//! `benches/results/unwrappers.md`, which docs/uv-mappings.md takes over. With arguments `-- MESH UNWRAPPER` (a part of
+//! `benches/results/unwrappers.md`, which docs/generated/uv-mappings.md takes over. With arguments `-- MESH UNWRAPPER` (a part of
 //! each name, such as `knot uvgen`) only those rows are measured, and the file's others stay.
 
 #![allow(clippy::print_stdout, reason = "the figures are the output")]

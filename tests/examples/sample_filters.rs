@@ -1,6 +1,6 @@
 //! Every filter on a floor and on a magnified patch, with its error and its price:
-//! `cargo run --release -p texmap-tests --example sample_filters` writes `docs/filters.png` and
-//! `docs/filters.md` (figures from `benches/results/sample_accuracy.md` and `sample_speed.csv`).
+//! `cargo run --release -p texmap-tests --example sample_filters` writes `docs/generated/filters.png` and
+//! `docs/generated/filters.md` (figures from `benches/results/sample_accuracy.md` and `sample_speed.csv`).
 //! `sample_filters ACCURACY.md FOLDER` reads other figures and writes there.
 
 use std::fmt::Write as _;
@@ -8,9 +8,9 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use texmap_io::image_io;
-use texmap_lab::picture::Picture;
 use texmap_math::{Footprint, Level, color};
 use texmap_sample::{ColorSpace, Filter, Origin, Sampler, Texture2d, Wrap, sample_slice};
+use texmap_truth::picture::Picture;
 
 const FILTERS: [&str; 12] = [
     "nearest",
@@ -117,7 +117,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut given = std::env::args_os().skip(1).map(PathBuf::from);
     let figures = given.next();
     let figures = figures.unwrap_or_else(|| root.join("benches/results/sample_accuracy.md"));
-    let folder = given.next().unwrap_or_else(|| root.join("docs"));
+    let folder = given.next().unwrap_or_else(|| root.join("docs/generated"));
     let t = texture();
     let cell = [FLOOR[0] + PATCH[0] + 3 * GAP, FLOOR[1] + 20 + GAP];
     let rows = FILTERS.len().div_ceil(2) as u32;
@@ -169,8 +169,8 @@ fn page(accuracy: &str, speed: &str) -> String {
     let mut out = String::from(
         "# The filters\n\n\
          Written by `cargo run --release -p texmap-tests --example sample_filters`, with figures from\n\
-         [sample_accuracy.md](../benches/results/sample_accuracy.md) and\n\
-         [sample_speed.md](../benches/results/sample_speed.md).\n\n\
+         [sample_accuracy.md](../../benches/results/sample_accuracy.md) and\n\
+         [sample_speed.md](../../benches/results/sample_speed.md).\n\n\
          ![Each filter on a floor and on fourteen magnified texels](filters.png)\n\n\
          Error: RMSE on the tilted plane (noise texture) against a box and a Gaussian pixel. Price: a pixel of a\n\
          half-magnified floor, 1024 x 1024 texels, one thread, and its ratio to computing and storing the coordinates\n\

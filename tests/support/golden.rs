@@ -6,9 +6,9 @@
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
-use texmap_lab::picture::Picture;
-use texmap_lab::strip::strip;
 use texmap_render::hash_pixels;
+use texmap_truth::picture::Picture;
+use texmap_truth::strip::strip;
 
 static FILE: Mutex<()> = Mutex::new(());
 

@@ -12,6 +12,7 @@ use texmap_mesh::MeshError;
 use texmap_raster::RasterError;
 use texmap_render::RenderError;
 use texmap_scene::SceneError;
+use texmap_truth::TruthError;
 
 use crate::args::Cli;
 use crate::interrupt;
@@ -207,6 +208,18 @@ impl From<LabError> for Failure {
             LabError::Render(RenderError::Memory(refused))
             | LabError::Mesh(MeshError::Memory(refused))
             | LabError::Raster(RasterError::Memory(refused)) => {
+                Self::over_memory(refused, error.to_string())
+            }
+            _ => Self::internal(error.to_string()),
+        }
+    }
+}
+
+impl From<TruthError> for Failure {
+    /// A scene that was drawn has a reference: only memory may be missing.
+    fn from(error: TruthError) -> Self {
+        match &error {
+            TruthError::Render(RenderError::Memory(refused)) => {
                 Self::over_memory(refused, error.to_string())
             }
             _ => Self::internal(error.to_string()),

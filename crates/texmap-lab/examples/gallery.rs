@@ -1,4 +1,4 @@
-//! Writes the gallery of lighting effects and shapes: `cargo run --release -p texmap-lab --example gallery` fills `docs/gallery`. Every count on the
+//! Writes the gallery of lighting effects and shapes: `cargo run --release -p texmap-lab --example gallery` fills `docs/generated/gallery`. Every count on the
 //! page is measured while it is made, and the program fails when a claim does not hold.
 
 use std::error::Error;
@@ -31,7 +31,7 @@ const SCENES: [(&str, &str, f64); 2] = [
 ];
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/gallery");
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/generated/gallery");
     std::fs::create_dir_all(&folder)?;
     let mut page = String::from(
         "# Lighting effects: on, off, wrong and cured\n\n\

@@ -1,4 +1,4 @@
-//! What the planner's choice costs beside every fixed filter, on the chart's tilted planes: the second half of docs/plans.md.
+//! What the planner's choice costs beside every fixed filter, on the chart's tilted planes: the second half of docs/generated/plans.md.
 //!
 //! `cargo run --release -p texmap-lab --example plan_costs` prints the table and ends with 1 if a plan is over its budget, costs
 //! more than 1.15 times the cheapest filter that keeps it, or as much as all features where less would do.
@@ -9,7 +9,6 @@ use std::error::Error;
 use std::process::ExitCode;
 
 use texmap_lab::plane::{Pattern, TEXELS};
-use texmap_lab::verify::verify_all;
 use texmap_light::Surface;
 use texmap_math::camera::Camera;
 use texmap_math::glam::DVec3;
@@ -17,6 +16,7 @@ use texmap_planner::{Budget, choose, prices};
 use texmap_render::{Frame, Settings, render};
 use texmap_sample::{ColorSpace, Filter, Origin, Precision, Sampler, Texture2d, UvTransform};
 use texmap_scene::{ColorMode, Material, Mesh, Scene, Shading, TextureSlot};
+use texmap_truth::verify::verify_all;
 
 /// Pixels a side: half of the chart's, for the sake of the reference.
 const SIDE: u32 = 128;

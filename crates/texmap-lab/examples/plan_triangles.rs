@@ -1,4 +1,4 @@
-//! What a plan for each triangle would save over one for each mesh: the last part of docs/plans.md.
+//! What a plan for each triangle would save over one for each mesh: the last part of docs/generated/plans.md.
 //!
 //! `cargo run --release -p texmap-lab --example plan_triangles` draws a floor, whose triangles in front are magnified, with one
 //! filter, and again with bilinear for just those triangles; and a wall across the line of sight, where w is equal, with

@@ -1,4 +1,4 @@
-//! Writes docs/shading.md: `cargo run --release -p texmap-lab --example shading > docs/shading.md`.
+//! Writes docs/generated/shading.md: `cargo run --release -p texmap-lab --example shading > docs/generated/shading.md`.
 
 use std::io::Write;
 
@@ -12,7 +12,7 @@ fn main() -> std::io::Result<()> {
     writeln!(
         out,
         "# Light per vertex, along light vectors, per pixel\n\n\
-         Written by `cargo run --release -p texmap-lab --example shading > docs/shading.md`. A square of side 2 under a point light\n\
+         Written by `cargo run --release -p texmap-lab --example shading > docs/generated/shading.md`. A square of side 2 under a point light\n\
          at (0.5, 0.5, -0.25) above it, cut into N x N squares of two triangles; the error of its diffuse light against f64 light at\n\
          160 x 160 points, in 255ths of full light: largest (RMS). The second table gives it the normals of waves (slope up to 0.3,\n\
          five a side), which every method but Gouraud's reads at the pixel, as from a normal map.\n"

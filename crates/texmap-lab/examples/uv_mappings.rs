@@ -1,4 +1,4 @@
-//! Draws the contact sheet of docs/uv-mappings.md and writes both, into docs or the folder that is given: every mapping on the
+//! Draws the contact sheet of docs/generated/uv-mappings.md and writes both, into docs or the folder that is given: every mapping on the
 //! objects of SUSTech CS lecture 08, with the figures of the report.
 //!
 //! `cargo run --release -p texmap-lab --example uv_mappings [FOLDER]`
@@ -9,10 +9,10 @@ use std::path::{Path, PathBuf};
 
 use texmap_io::framing::View;
 use texmap_io::image_io;
-use texmap_lab::picture::Picture;
 use texmap_lab::uv_pictures::{checker, layout};
 use texmap_math::Level;
 use texmap_math::glam::DVec3;
+use texmap_truth::picture::Picture;
 use texmap_uv::{
     Cuts, Faces, Frame, Mapping, Mesh, Origin, Page, Report, ReportOptions, Shape, UvSet,
     auto_planes, report, unwrap,
@@ -30,7 +30,7 @@ const ORIGIN: Origin = Origin::TopLeft;
 fn main() -> Result<(), Box<dyn Error>> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
     let folder = std::env::args_os().nth(1);
-    let folder = folder.map_or_else(|| root.join("docs"), PathBuf::from);
+    let folder = folder.map_or_else(|| root.join("docs/generated"), PathBuf::from);
     let mut sheet = Picture::new(CELL * 7, (CELL + TEXT) * 6 + CELL * 2, [255; 4]);
     let mut table = String::new();
     let mut all: Vec<Vec<Report>> = Vec::new();
@@ -276,10 +276,10 @@ fn page(table: &str, claims: &[String], unwrappers: &str) -> String {
          `--map unwrap` is uvunwrap: nothing flipped, nothing overlapping and an L2 stretch within 0.002 of 1 in every row measured, and the same bytes on every machine by its own tests.\n\
          Six planes are far quicker, at a longer seam and more shells.\n\n\
          ## Speed\n\n\
-         `cargo run --release -p texmap-benches --bin uv-scaling` writes [uv_scaling.csv](../benches/results/uv_scaling.csv) and this chart.\n\
+         `cargo run --release -p texmap-benches --bin uv-scaling` writes [uv_scaling.csv](../../benches/results/uv_scaling.csv) and this chart.\n\
          Overlaps and T-joints are found in trees, with n log n steps on any mesh; every other step visits each triangle a fixed number of times, and what grows with the mesh is the price of memory. Of the report on 4 million triangles\n\
          more than a quarter of the time is the system handing out cleared pages (`perf record`), and rows of the mesh leave the caches next to the cores.\n\n\
-         ![time over triangles](../benches/results/uv_scaling.svg)\n",
+         ![time over triangles](../../benches/results/uv_scaling.svg)\n",
         claims
             .iter()
             .map(|c| format!("- {c}"))

@@ -6,11 +6,11 @@
 use texmap_math::camera::Camera;
 use texmap_math::glam::DVec3;
 use texmap_math::{Footprint, det};
-use texmap_sample::{Alpha, ColorSpace, Image, Origin, Sampler, Texels, Texture2d};
+use texmap_sample::{Alpha, ColorSpace, Image, Origin, SampleError, Sampler, Texels, Texture2d};
 
 const EYE: DVec3 = DVec3::new(0.0, -3.0, 1.0);
 const LOOK: DVec3 = DVec3::new(0.3, 0.0, 0.35);
-/// Where the plane ends.
+/// Lowest corner of the plane.
 const LOW: [f64; 2] = [-10.0, -2.5];
 const HIGH: [f64; 2] = [10.0, 20.0];
 
@@ -28,7 +28,7 @@ pub fn nearest([x, y]: [f64; 2]) -> usize {
     wrap(y) * TEXELS + wrap(x)
 }
 
-/// What is painted on the plane.
+/// The texture of the plane.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Pattern {
     /// Squares of 16 texels.
@@ -95,7 +95,7 @@ pub fn sines([x, y]: [f64; 2]) -> f64 {
     0.5 + 0.25 * a + 0.25 * b
 }
 
-/// How the texture lies on the plane.
+/// Placement of the texture on the plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct View {
     /// Turned by this angle, radians.
@@ -118,6 +118,23 @@ impl View {
         let (sin, cos) = det::sin_cos(self.turn);
         [x * cos - y * sin, x * sin + y * cos].map(|c| c / (4.0 * self.magnify))
     }
+}
+
+/// A linear texture of floats without mips, `width` texels wide, rows top to bottom.
+pub(crate) fn floats(
+    width: u32,
+    channels: u32,
+    texels: &[f32],
+) -> Result<Texture2d<'static>, SampleError> {
+    Texture2d::new(&Image {
+        width,
+        height: texels.len() as u32 / width / channels,
+        channels,
+        texels: Texels::F32(texels),
+        color: ColorSpace::Linear,
+        alpha: Alpha::Straight,
+        origin: Origin::TopLeft,
+    })
 }
 
 /// The hash of the benchmark scenes' textures.
@@ -266,17 +283,9 @@ impl TiltedPlane {
 
     /// The texture with its mip chain.
     pub fn texture(pattern: Pattern) -> Texture2d<'static> {
-        Texture2d::new(&Image {
-            width: TEXELS as u32,
-            height: TEXELS as u32,
-            channels: 1,
-            texels: Texels::F32(&pattern.texels()),
-            color: ColorSpace::Linear,
-            alpha: Alpha::Data,
-            origin: Origin::TopLeft,
-        })
-        .expect("the size is in range")
-        .with_mips()
+        floats(TEXELS as u32, 1, &pattern.texels())
+            .expect("the size is in range")
+            .with_mips()
     }
 
     /// `grid` x `grid` nearest look-ups a counted pixel, for each pattern.

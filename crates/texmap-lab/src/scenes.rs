@@ -5,14 +5,13 @@
 
 use texmap_math::camera::Camera;
 use texmap_math::glam::{DMat3, DVec2, DVec3, DVec4};
-use texmap_raster::{
-    Draw, Fragment, Interp, NONE, NoAlphaTest, Prepared, TILE, TargetSize, TileBuffers,
-};
+use texmap_raster::{Draw, Interp};
 use texmap_render::{Aov, AovData, Settings};
 use texmap_scene::{ColorMode, Material, Mesh, Scene, Shading};
 
 use crate::LabError;
-use crate::reference::{Caster, Pinhole};
+use crate::cases::visit;
+use texmap_truth::caster::{Caster, Pinhole};
 
 /// Coordinates under each pixel, rows top to bottom; `None` where nothing is seen.
 pub type UvImage = Vec<Option<DVec2>>;
@@ -34,7 +33,7 @@ pub struct UvScene {
     pub allowed: f64,
 }
 
-/// How far an image of coordinates is from the truth.
+/// Error of an image of coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct UvError {
     /// Pixels that both see.
@@ -148,10 +147,10 @@ impl UvScene {
         }
     }
 
-    /// What the renderer puts into its `uv` buffer.
+    /// The `uv` buffer of the renderer.
     ///
     /// # Errors
-    /// What the renderer refuses.
+    /// When the renderer refuses the scene.
     pub fn by_render(&self, interp: Interp) -> Result<UvImage, LabError> {
         let settings = Settings {
             aovs: vec![Aov::Uv],
@@ -181,10 +180,10 @@ impl UvScene {
         uv.flat_map(|c| c.as_vec2().to_array()).collect()
     }
 
-    /// What the rasterizer interpolates.
+    /// The coordinates that the rasterizer interpolates.
     ///
     /// # Errors
-    /// What the rasterizer refuses.
+    /// When the rasterizer refuses the draw.
     pub fn by_raster(&self, interp: Interp) -> Result<UvImage, LabError> {
         let (positions, attributes) = (self.positions(), self.attributes());
         let draw = Draw {
@@ -196,19 +195,11 @@ impl UvScene {
             interp,
             ..Draw::default()
         };
-        let prepared = Prepared::new(TargetSize::new(self.size, self.size)?, &[draw])?;
         let mut image = self.empty();
-        let (mut buffers, mut fragment) = (TileBuffers::new(), Fragment::default());
-        for index in 0..prepared.tiles() {
-            prepared.visible(index, &NoAlphaTest, &mut buffers);
-            let tile = prepared.tile(index);
-            for (cell, &id) in buffers.id.iter().enumerate().filter(|&(_, &id)| id != NONE) {
-                let (x, y) = (tile.x0 + cell as u32 % TILE, tile.y0 + cell as u32 / TILE);
-                prepared.evaluate(id, x, y, &mut fragment);
-                let uv = DVec2::new(f64::from(fragment.values[0]), f64::from(fragment.values[1]));
-                image[(y * self.size + x) as usize] = Some(uv);
-            }
-        }
+        visit((self.size, self.size), &[draw], |x, y, fragment| {
+            let uv = DVec2::new(f64::from(fragment.values[0]), f64::from(fragment.values[1]));
+            image[(y * self.size + x) as usize] = Some(uv);
+        })?;
         Ok(image)
     }
 

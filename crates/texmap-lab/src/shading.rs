@@ -1,4 +1,4 @@
-//! Where light is computed: at the vertices, along interpolated light vectors, or at every pixel.
+//! Three ways to compute light: at the vertices, along interpolated light vectors, or at every pixel.
 //!
 //! CS184's lecture on normal maps interpolates the vector to the light across each polygon and takes the normal from the map at every
 //! pixel. Here are its two readings (unit vectors, brought back to length 1 or not), the one that is right, and Gouraud's colours,
@@ -8,7 +8,7 @@ use texmap_light::{Light, Surface, terms};
 use texmap_math::det;
 use texmap_math::glam::DVec3;
 
-/// What is interpolated across a triangle.
+/// The quantity that is interpolated across a triangle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Method {
     /// Nothing but the position: texmap's light per pixel.
@@ -84,7 +84,7 @@ impl Floor {
         }
     }
 
-    /// What a method gives at (x, z) less the truth.
+    /// Error of a method at (x, z).
     pub fn error(&self, method: Method, x: f64, z: f64) -> f64 {
         let point = DVec3::new(x, 0.0, z);
         let normal = self.normal(point);
@@ -129,7 +129,7 @@ impl Floor {
         self.light - p
     }
 
-    /// What a normal map would hold there.
+    /// The texel of a normal map there.
     fn normal(&self, p: DVec3) -> DVec3 {
         let slope = |c: f64| self.waves * det::sin(c * 5.0 * std::f64::consts::PI);
         DVec3::new(slope(p.x), 1.0, slope(p.z)).normalize()

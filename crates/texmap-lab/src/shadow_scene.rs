@@ -10,8 +10,8 @@ use texmap_render::shadow_map;
 use texmap_scene::{Material, Mesh, Scene, shadow_kind};
 
 use crate::LabError;
-use crate::reference::Pinhole;
-use crate::truth::rays::{RayHit, RayObject, RayScene};
+use texmap_truth::caster::Pinhole;
+use texmap_truth::rays::{RayHit, RayObject, RayScene};
 
 /// Half the side of the shadow map, world units.
 pub(crate) const HALF: f64 = 2.6;

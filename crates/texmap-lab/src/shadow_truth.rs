@@ -27,7 +27,7 @@ pub struct ShadowTruth<'s> {
 #[derive(Clone, Copy, Debug)]
 struct Point {
     at: DVec3,
-    /// Of its triangle's plane, on the side that is seen.
+    /// Normal of its triangle's plane, on the side that is seen.
     normal: DVec3,
     dark: bool,
 }
@@ -87,7 +87,7 @@ impl<'s> ShadowTruth<'s> {
         texmap_scene::shadow_bias(&self.scene)
     }
 
-    /// What a map of `size` texels with a bias and `taps` x `taps` comparisons gets wrong.
+    /// Errors of a map of `size` texels with a bias and `taps` x `taps` comparisons gets wrong.
     ///
     /// # Errors
     /// Sizes out of range.
@@ -198,7 +198,7 @@ impl<'s> ShadowTruth<'s> {
         self.of.rays.blocked(from, from + self.to_light(from))
     }
 
-    /// Whether the light differs anywhere within `reach` of a point, seen from the light.
+    /// True if the light differs anywhere within `reach` of a point, seen from the light.
     fn near_edge(&self, point: &Point, reach: f64) -> bool {
         let (a, b) = across(self.to_light(point.at).normalize());
         (0..PLACES).any(|k| {
@@ -218,7 +218,7 @@ impl<'s> ShadowTruth<'s> {
         })
     }
 
-    /// Whether something dark stands between the light and the plane of a point that is lit, at a place beside it: the far side of a
+    /// True if something dark stands between the light and the plane of a point that is lit, at a place beside it: the far side of a
     /// ridge, or the shadow behind it, which may be less than a texel wide as the light sees them.
     fn hides_shadow(&self, point: &Point, place: DVec3, toward: DVec3, reach: f64) -> bool {
         let plane = point.normal.dot(point.at - place) / point.normal.dot(toward);

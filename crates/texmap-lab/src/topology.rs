@@ -1,4 +1,4 @@
-//! Whether a mesh is closed, counted by the positions of its corners.
+//! Open edges of a mesh, counted by the positions of its corners.
 
 use std::collections::BTreeMap;
 

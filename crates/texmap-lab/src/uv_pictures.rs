@@ -10,7 +10,7 @@ use texmap_scene::{Material, Scene, Shading, TextureSlot};
 use texmap_uv::{Mesh, Report, UvSet};
 
 use crate::LabError;
-use crate::picture::{Picture, Rgba};
+use texmap_truth::picture::{Picture, Rgba};
 
 const PAPER: Rgba = [240, 241, 243, 255];
 const INK: Rgba = [48, 48, 56, 255];
@@ -261,7 +261,5 @@ fn shot(
     }
     let mut settings = Settings::new(size, size);
     settings.supersample = 2;
-    let frame = render(&scene, &settings, &|_, _| {})?;
-    Ok(Picture::from_rgba(frame.width, frame.height, frame.rgba)
-        .unwrap_or_else(|| Picture::new(size, size, PAPER)))
+    Ok(render(&scene, &settings, &|_, _| {})?.into())
 }

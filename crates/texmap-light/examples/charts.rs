@@ -1,4 +1,4 @@
-//! "What's the best chart?" (MIT 6.837, lecture 18, slide 29): prints the page `docs/charts.md`. The error of each chart on a
+//! "What's the best chart?" (MIT 6.837, lecture 18, slide 29): prints the page `docs/generated/charts.md`. The error of each chart on a
 //! known function of directions, at about 24,400 stored texels, bilinear, without seams.
 #![allow(clippy::print_stdout, reason = "the page is its output")]
 
@@ -18,7 +18,7 @@ fn main() {
         .unwrap_or(400_000 / DRAWS as u32);
     println!("# What's the best chart?\n");
     println!(
-        "Written by `cargo run --release -p texmap-light --example charts > docs/charts.md`. Light is a sum of 64 plane"
+        "Written by `cargo run --release -p texmap-light --example charts > docs/generated/charts.md`. Light is a sum of 64 plane"
     );
     println!(
         "waves of frequency F with unit RMS; each chart stores about 24,400 texels with a border of one texel over its"

@@ -1,4 +1,5 @@
 //! The truth, the failure cases and the demos.
+mod budget;
 mod cases;
 mod demos;
 mod plans;

@@ -3,11 +3,11 @@ use std::path::{Path, PathBuf};
 use texmap_mesh::tessellate;
 
 use texmap_io::LoadOptions;
-use texmap_lab::truth::{Truth, frame};
-use texmap_lab::verify::verify;
 use texmap_raster::Interp;
 use texmap_render::{Frame, Settings, render};
 use texmap_scene::{Material, Scene};
+use texmap_truth::verify::verify;
+use texmap_truth::{Truth, frame};
 
 const WIDTH: u32 = 160;
 const HEIGHT: u32 = 120;

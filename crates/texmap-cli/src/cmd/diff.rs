@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 use serde::Serialize;
-use texmap_lab::buffer::{Buffer, Comparison, Meaning};
-use texmap_lab::metrics::{Metrics, Place, Shape};
+use texmap_truth::buffer::{Buffer, Comparison, Meaning};
+use texmap_truth::metrics::{Metrics, Place, Shape};
 
 use crate::failure::{self, Exit, Failure};
 use crate::formats;

@@ -14,7 +14,7 @@ use crate::output::{Destination, Stage, distinct};
 #[command(
     after_help = "Charts: cube, tan-cube, lat-long, octahedron, equal-area-octahedron, dual-paraboloid, sphere-map.\n\
     Several faces stand below each other: +X -X +Y -Y +Z -Z of a cube, +Z -Z of the paraboloids.\n\
-    PNG holds sRGB from 0 to 1, HDR linear light from 0, EXR all of it. docs/charts.md tells which chart is best."
+    PNG holds sRGB from 0 to 1, HDR linear light from 0, EXR all of it. docs/generated/charts.md tells which chart is best."
 )]
 pub(crate) struct EnvArgs {
     /// The environment: PNG, JPEG, HDR or EXR

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use serde::Serialize;
 use texmap_io::FileSource;
-use texmap_lab::buffer::Buffer;
+use texmap_truth::buffer::Buffer;
 
 use crate::failure::{self, Exit, Failure};
 

@@ -65,7 +65,7 @@ impl<'a> From<&'a Verdict> for CheckReport<'a> {
             at_least: check.at_least,
             figure: check.figure,
             measured: verdict.measured,
-            measured_text: verdict.measured.map(cases::figure),
+            measured_text: verdict.measured.map(texmap_truth::metrics::figure),
             verdict: verdict.word(),
             passes: verdict.passes(),
         }

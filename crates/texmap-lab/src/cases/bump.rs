@@ -11,7 +11,7 @@ use texmap_uv::Shape;
 use super::Measurement;
 use super::environment::Noise;
 use crate::LabError;
-use crate::truth::rays::{RayObject, RayScene};
+use texmap_truth::rays::{RayObject, RayScene};
 
 fn degrees(a: DVec3, b: DVec3) -> f64 {
     det::atan2(a.cross(b).length(), a.dot(b)).to_degrees()
@@ -70,10 +70,10 @@ pub(super) fn b2() -> Result<Vec<Measurement>, LabError> {
         Ok(worst)
     };
     let measure = "largest angle to the true normal, degrees, 512 texels, amplitude 0.1";
-    Ok(vec![
-        Measurement::new("float heights", measure, worst(&float)?),
-        Measurement::new("16-bit heights", measure, worst(&stored(65535.0))?),
-        Measurement::new("8-bit heights", measure, worst(&stored(255.0))?),
+    Ok(measured![
+        "float heights", measure => worst(&float)?;
+        "16-bit heights", measure => worst(&stored(65535.0))?;
+        "8-bit heights", measure => worst(&stored(255.0))?;
     ])
 }
 
@@ -100,16 +100,12 @@ pub(super) fn b3() -> Result<Vec<Measurement>, LabError> {
         wrong = wrong.max(degrees(wide(bytes), n));
     }
     let measure = "largest error of an 8-bit normal, degrees";
-    Ok(vec![
-        Measurement::new("three channels", measure, full),
-        Measurement::new(
-            "three channels",
-            "mean error of an 8-bit normal, degrees",
-            sum / f64::from(count),
-        ),
-        Measurement::new("z rebuilt", measure, rebuilt),
-        Measurement::new("no bias", measure, wrong),
-        Measurement::new("green flipped", measure, flipped),
+    Ok(measured![
+        "three channels", measure => full;
+        "three channels", "mean error of an 8-bit normal, degrees" => sum / f64::from(count);
+        "z rebuilt", measure => rebuilt;
+        "no bias", measure => wrong;
+        "green flipped", measure => flipped;
     ])
 }
 
@@ -148,9 +144,9 @@ pub(super) fn b5() -> Result<Vec<Measurement>, LabError> {
         naive = naive.max(degrees(straight, truths[i]));
     }
     let measure = "largest angle to the true normal, degrees, scaled by -2, 0.5, 1";
-    Ok(vec![
-        Measurement::new("inverse transpose", measure, worst),
-        Measurement::new("the matrix itself", measure, naive),
+    Ok(measured![
+        "inverse transpose", measure => worst;
+        "the matrix itself", measure => naive;
     ])
 }
 
@@ -169,13 +165,9 @@ pub(super) fn b6() -> Result<Vec<Measurement>, LabError> {
         naive += u32::from(normal.dot(view) < 0.0);
     }
     let measure = "normals turned away from the eye, of 20000";
-    Ok(vec![
-        Measurement::new("clamped to the horizon", measure, f64::from(below)),
-        Measurement::new(
-            "clamped to the horizon",
-            "values that are not finite",
-            f64::from(bad),
-        ),
-        Measurement::new("the map as it is", measure, f64::from(naive)),
+    Ok(measured![
+        "clamped to the horizon", measure => f64::from(below);
+        "clamped to the horizon", "values that are not finite" => f64::from(bad);
+        "the map as it is", measure => f64::from(naive);
     ])
 }

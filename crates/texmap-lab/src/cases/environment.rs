@@ -117,9 +117,9 @@ pub(super) fn e1() -> Result<Vec<Measurement>, LabError> {
     });
     let (worst, naive) = errors(Chart::Cube, 64, near_edges)?;
     let measure = "largest error at edges and corners, 64 x 64 faces, f = 10";
-    Ok(vec![
-        Measurement::new("border texels", measure, worst),
-        Measurement::new("clamped faces", measure, naive),
+    Ok(measured![
+        "border texels", measure => worst;
+        "clamped faces", measure => naive;
     ])
 }
 
@@ -141,9 +141,9 @@ pub(super) fn e2() -> Result<Vec<Measurement>, LabError> {
         naive += u32::from(!(x / m + 0.5).is_finite());
     }
     let measure = "directions at -Z without a defined colour";
-    Ok(vec![
-        Measurement::new("the rim for m = 0", measure, f64::from(bad)),
-        Measurement::new("division by m", measure, f64::from(naive)),
+    Ok(measured![
+        "the rim for m = 0", measure => f64::from(bad);
+        "division by m", measure => f64::from(naive);
     ])
 }
 
@@ -173,9 +173,9 @@ pub(super) fn e3() -> Result<Vec<Measurement>, LabError> {
         naive = naive.max(1.0 - back.dot(unit));
     }
     let measure = "1 less the cosine of a direction and its round trip";
-    Ok(vec![
-        Measurement::new("sign(0) = 1", measure, worst),
-        Measurement::new("sign(0) = 0", measure, naive),
+    Ok(measured![
+        "sign(0) = 1", measure => worst;
+        "sign(0) = 0", measure => naive;
     ])
 }
 
@@ -193,9 +193,9 @@ pub(super) fn e4() -> Result<Vec<Measurement>, LabError> {
     let (at_rim, naive) = errors(Chart::DualParaboloid, 110, equator)?;
     let (interior, _) = errors(Chart::DualParaboloid, 110, inside)?;
     let measure = "largest error at the equator over that of the interior";
-    Ok(vec![
-        Measurement::new("texels past the rim", measure, at_rim / interior),
-        Measurement::new("clamped squares", "largest error at the equator", naive),
+    Ok(measured![
+        "texels past the rim", measure => at_rim / interior;
+        "clamped squares", "largest error at the equator" => naive;
     ])
 }
 
@@ -215,9 +215,9 @@ pub(super) fn e5() -> Result<Vec<Measurement>, LabError> {
     };
     let (worst, naive) = errors(Chart::LatLong, 111, directions())?;
     let measure = "largest error of the clamped look-up over that of the method, poles and seam";
-    Ok(vec![
-        Measurement::new("wrapped, across the pole", measure, naive / worst),
-        Measurement::new("clamped", measure, 1.0),
+    Ok(measured![
+        "wrapped, across the pole", measure => naive / worst;
+        "clamped", measure => 1.0;
     ])
 }
 
@@ -327,11 +327,11 @@ pub(super) fn e6() -> Result<Vec<Measurement>, LabError> {
         }
     };
     let measure = |level| format!("largest leak, /255, level {level}");
-    Ok(vec![
-        Measurement::new("gutter of 1", measure(0), leak(1, 0)?),
-        Measurement::new("gutter of 2", measure(1), leak(2, 1)?),
-        Measurement::new("no gutter", measure(0), leak(0, 0)?),
-        Measurement::new("gutter of 1", measure(2), leak(1, 2)?),
+    Ok(measured![
+        "gutter of 1", measure(0) => leak(1, 0)?;
+        "gutter of 2", measure(1) => leak(2, 1)?;
+        "no gutter", measure(0) => leak(0, 0)?;
+        "gutter of 1", measure(2) => leak(1, 2)?;
     ])
 }
 
@@ -354,8 +354,8 @@ pub(super) fn e7() -> Result<Vec<Measurement>, LabError> {
         naive = naive.max((f64::from(base * light) * 255.0 - truth).abs());
     }
     let measure = "largest error of structure times light, /255";
-    Ok(vec![
-        Measurement::new("multiplied in linear light", measure, worst),
-        Measurement::new("multiplied as codes", measure, naive),
+    Ok(measured![
+        "multiplied in linear light", measure => worst;
+        "multiplied as codes", measure => naive;
     ])
 }

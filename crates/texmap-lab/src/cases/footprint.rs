@@ -3,11 +3,12 @@
 use texmap_math::glam::{DMat2, DVec2, DVec3};
 use texmap_math::{Footprint, camera::Camera, det};
 use texmap_raster::Draw;
-use texmap_sample::{Alpha, ColorSpace, Filter, Image, Origin, Sampler, Texels, Texture2d, Wrap};
+use texmap_sample::{ColorSpace, Filter, Origin, Sampler, Texture2d, Wrap};
 
 use super::Measurement;
 use super::probe::{Random, visit};
 use crate::LabError;
+use crate::plane::floats;
 
 /// S6: a green disc among transparent texels of magenta, composed over white.
 pub(super) fn s6() -> Result<Vec<Measurement>, LabError> {
@@ -57,9 +58,9 @@ pub(super) fn s6() -> Result<Vec<Measurement>, LabError> {
         }
     }
     let measure = "difference from the composed picture, of 255";
-    Ok(vec![
-        Measurement::new("premultiplied", measure, own * 255.0),
-        Measurement::new("straight alpha", measure, straight * 255.0),
+    Ok(measured![
+        "premultiplied", measure => own * 255.0;
+        "straight alpha", measure => straight * 255.0;
     ])
 }
 
@@ -90,20 +91,7 @@ fn level_gauge(side: u32) -> Result<Texture2d<'static>, LabError> {
             }
         })
         .collect();
-    float(side, &texels)
-}
-
-fn float(side: u32, texels: &[f32]) -> Result<Texture2d<'static>, LabError> {
-    Ok(Texture2d::new(&Image {
-        width: side,
-        height: side,
-        channels: 1,
-        texels: Texels::F32(texels),
-        color: ColorSpace::Linear,
-        alpha: Alpha::Data,
-        origin: Origin::TopLeft,
-    })?
-    .with_mips())
+    Ok(floats(side, 1, &texels)?.with_mips())
 }
 
 /// S7: footprints turned and sheared by any angle: level and axes of the ellipse, not of the columns.
@@ -150,11 +138,11 @@ pub(super) fn s7() -> Result<Vec<Measurement>, LabError> {
         "error of the level of detail",
         "wrong probe counts of 2000, ratios 1e-4 beside whole ones",
     );
-    Ok(vec![
-        Measurement::new("axes of the ellipse", level, own),
-        Measurement::new("columns of the Jacobian", level, columns),
-        Measurement::new("axes of the ellipse", count, wrong.into()),
-        Measurement::new("columns of the Jacobian", count, wrong_columns.into()),
+    Ok(measured![
+        "axes of the ellipse", level => own;
+        "columns of the Jacobian", level => columns;
+        "axes of the ellipse", count => wrong.into();
+        "columns of the Jacobian", count => wrong_columns.into();
     ])
 }
 
@@ -264,11 +252,11 @@ pub(super) fn s8() -> Result<Vec<Measurement>, LabError> {
         "error of a derivative, of the larger one",
         "jump of the level between neighbours in a row",
     );
-    Ok(vec![
-        Measurement::new("analytic, per triangle", error, own),
-        Measurement::new("differences in 2x2 quads", error, quads),
-        Measurement::new("analytic, per triangle", jump, own_jump),
-        Measurement::new("differences in 2x2 quads", jump, quad_jump),
+    Ok(measured![
+        "analytic, per triangle", error => own;
+        "differences in 2x2 quads", error => quads;
+        "analytic, per triangle", jump => own_jump;
+        "differences in 2x2 quads", jump => quad_jump;
     ])
 }
 
@@ -283,7 +271,7 @@ pub(super) fn s9() -> Result<Vec<Measurement>, LabError> {
     let texels: Vec<f32> = (0..SIDE * SIDE)
         .map(|i| wave(f64::from(i % SIDE) + 0.5, f64::from(i / SIDE) + 0.5) as f32)
         .collect();
-    let texture = float(SIDE, &texels)?;
+    let texture = floats(SIDE, 1, &texels)?.with_mips();
     let sampler = |filter| Sampler {
         filter,
         ..Sampler::default()
@@ -342,22 +330,10 @@ pub(super) fn s9() -> Result<Vec<Measurement>, LabError> {
         own += error(&most);
         other += error(&plain);
     }
-    Ok(vec![
-        Measurement::new(
-            "anisotropic:16, ewa:16, trilinear",
-            "colours that are not finite",
-            bad.into(),
-        ),
-        Measurement::new("anisotropic:16", "most probes of a look-up", probes.into()),
-        Measurement::new(
-            "a probe for each unit of the ratio",
-            "most probes of a look-up",
-            unbounded,
-        ),
-        Measurement::new(
-            "anisotropic:16",
-            "RMSE at ratios to 200, of trilinear's",
-            (own / other).sqrt(),
-        ),
+    Ok(measured![
+        "anisotropic:16, ewa:16, trilinear", "colours that are not finite" => bad.into();
+        "anisotropic:16", "most probes of a look-up" => probes.into();
+        "a probe for each unit of the ratio", "most probes of a look-up" => unbounded;
+        "anisotropic:16", "RMSE at ratios to 200, of trilinear's" => (own / other).sqrt();
     ])
 }

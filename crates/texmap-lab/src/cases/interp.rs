@@ -178,21 +178,11 @@ pub(super) fn i4() -> Result<Vec<Measurement>, LabError> {
             stepped = Some(row);
             steps = steps.max((value - expected).abs());
         })?;
-        out.push(Measurement::new(
-            "perspective",
-            format!("w {name}: error in texels"),
-            most,
-        ));
-        out.push(Measurement::new(
-            "f32 planes",
-            format!("w {name}: error in texels"),
-            planes,
-        ));
-        out.push(Measurement::new(
-            "f32 stepping",
-            format!("w {name}: error in texels"),
-            steps,
-        ));
+        out.extend(measured![
+            "perspective", format!("w {name}: error in texels") => most;
+            "f32 planes", format!("w {name}: error in texels") => planes;
+            "f32 stepping", format!("w {name}: error in texels") => steps;
+        ]);
     }
     Ok(out)
 }
@@ -267,23 +257,11 @@ pub(super) fn i5() -> Result<Vec<Measurement>, LabError> {
         .iter()
         .filter(|uv| uv.is_some())
         .count();
-    Ok(vec![
-        Measurement::new("clip at w > 0", "pixels on one side only", error.mismatches),
-        Measurement::new(
-            "clip at w > 0",
-            "error, of what is allowed",
-            error.of_allowed,
-        ),
-        Measurement::new(
-            "clip at w > 0",
-            "pixels of a plane behind the eye",
-            seen as f64,
-        ),
-        Measurement::new(
-            "projected vertices",
-            "pixels on one side only",
-            naive.mismatches,
-        ),
+    Ok(measured![
+        "clip at w > 0", "pixels on one side only" => error.mismatches;
+        "clip at w > 0", "error, of what is allowed" => error.of_allowed;
+        "clip at w > 0", "pixels of a plane behind the eye" => seen as f64;
+        "projected vertices", "pixels on one side only" => naive.mismatches;
     ])
 }
 
@@ -322,19 +300,11 @@ pub(super) fn i6() -> Result<Vec<Measurement>, LabError> {
         .zip([1.3, 0.8, 0.01, 2.0f32])
         .filter(|(f, w)| !(**f / w).is_finite())
         .count();
-    Ok(vec![
-        Measurement::new("perspective", "+-2^125: error, of the range", large),
-        Measurement::new("perspective", "denormals: error, of the range", denormal),
-        Measurement::new(
-            "perspective",
-            "a constant: error in units of its last place",
-            constant,
-        ),
-        Measurement::new(
-            "f32 sum of b f / w",
-            "+-2^125 at w = 0.01: terms that overflow",
-            overflow as f64,
-        ),
+    Ok(measured![
+        "perspective", "+-2^125: error, of the range" => large;
+        "perspective", "denormals: error, of the range" => denormal;
+        "perspective", "a constant: error in units of its last place" => constant;
+        "f32 sum of b f / w", "+-2^125 at w = 0.01: terms that overflow" => overflow as f64;
     ])
 }
 

@@ -4,6 +4,13 @@
 //! A file of cases ([`parse`]) says what is put in, what must come out and how good is good enough; a runner
 //! of the same id ([`run`]) measures texmap's public API and, beside it, the naive methods that must fail.
 
+/// A table of measurements: `method, measure => value;` a row.
+macro_rules! measured {
+    ($($method:expr, $measure:expr => $value:expr;)*) => {
+        vec![$($crate::cases::Measurement::new($method, $measure, $value)),*]
+    };
+}
+
 mod bump;
 mod environment;
 mod footprint;
@@ -21,8 +28,9 @@ mod volume;
 
 use serde::Deserialize;
 
-pub(crate) use probe::Random;
-pub use table::{Outcome, figure, markdown};
+pub use probe::Random;
+pub(crate) use probe::{SENSELESS, visit};
+pub use table::{Outcome, markdown};
 
 use crate::LabError;
 
@@ -35,9 +43,9 @@ pub struct Case {
     /// where light is computed, G for
     /// moved, bent and turned shapes, V for volumes, solid textures and ramps.
     pub id: String,
-    /// What is put in.
+    /// The input.
     pub input: String,
-    /// What must come out.
+    /// The expected output.
     pub expected: String,
     /// The figures that are demanded.
     #[serde(rename = "check")]
@@ -50,7 +58,7 @@ pub struct Case {
 pub struct Check {
     /// The method measured; a naive one has `must_fail`.
     pub method: String,
-    /// What is measured, with its unit.
+    /// The measured quantity, with its unit.
     pub measure: String,
     /// Largest value that is accepted.
     pub limit: Option<f64>,
@@ -66,7 +74,7 @@ pub struct Check {
 }
 
 impl Check {
-    /// Whether a measured value is what the check asks for. NaN meets no bound.
+    /// True if a measured value meets the check. NaN meets no bound.
     pub fn holds(&self, value: f64) -> bool {
         let figure = self
             .figure
@@ -82,7 +90,7 @@ impl Check {
 pub struct Measurement {
     /// The method measured.
     pub method: String,
-    /// What was measured, with its unit.
+    /// The measured quantity, with its unit.
     pub measure: String,
     /// The figure.
     pub value: f64,
@@ -244,7 +252,7 @@ pub struct Verdict {
 }
 
 impl Verdict {
-    /// Whether the figure is what the case asks for: a naive method passes by failing.
+    /// True if the figure meets the case: a naive method passes by failing.
     pub fn passes(&self) -> bool {
         self.measured.is_some_and(|value| self.check.holds(value))
     }

@@ -52,7 +52,7 @@ pub(super) fn place(size: (u32, u32), vertex: [f32; 3]) -> [f64; 3] {
     ]
 }
 
-/// How often each pixel of the target is covered.
+/// Number of times that each pixel of the target is covered.
 pub(super) fn coverage(size: (u32, u32), draw: Draw<'_>) -> Result<Vec<u32>, LabError> {
     let target = TargetSize::new(size.0, size.1)?;
     let prepared = Prepared::new(
@@ -74,7 +74,7 @@ pub(super) fn coverage(size: (u32, u32), draw: Draw<'_>) -> Result<Vec<u32>, Lab
 }
 
 /// Calls `see` with every visible fragment and its pixel.
-pub(super) fn visit(
+pub(crate) fn visit(
     size: (u32, u32),
     draws: &[Draw<'_>],
     mut see: impl FnMut(u32, u32, &Fragment),
@@ -93,6 +93,16 @@ pub(super) fn visit(
     Ok(())
 }
 
+/// Coordinates at which a look-up must give a colour all the same.
+pub(crate) const SENSELESS: [f32; 6] = [
+    f32::NAN,
+    f32::INFINITY,
+    f32::NEG_INFINITY,
+    1e30,
+    -1e30,
+    f32::MAX,
+];
+
 /// Pixels hit more than once, and not at all.
 pub(super) fn double_and_missing(counts: &[u32]) -> (f64, f64) {
     let double = counts.iter().filter(|&&n| n > 1).count();
@@ -102,10 +112,11 @@ pub(super) fn double_and_missing(counts: &[u32]) -> (f64, f64) {
 
 /// Random numbers of a case, the same everywhere (SplitMix64, Steele, Lea and Flood 2014).
 #[derive(Debug)]
-pub(crate) struct Random(pub(crate) u64);
+pub struct Random(pub u64);
 
 impl Random {
-    pub(crate) fn bits(&mut self) -> u64 {
+    /// 64 random bits.
+    pub fn bits(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut z = self.0;
         z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -114,7 +125,7 @@ impl Random {
     }
 
     /// Uniform in `from..to`.
-    pub(crate) fn range(&mut self, from: f64, to: f64) -> f64 {
+    pub fn range(&mut self, from: f64, to: f64) -> f64 {
         from + (to - from) * (self.bits() >> 11) as f64 / (1u64 << 53) as f64
     }
 }

@@ -25,10 +25,10 @@ pub(super) fn r1() -> Result<Vec<Measurement>, LabError> {
         false,
     );
     let (naive_double, naive_missing) = double_and_missing(&counts);
-    Ok(vec![
-        Measurement::new("fixed point", OVERDRAW, double),
-        Measurement::new("fixed point", HOLES, missing),
-        Measurement::new("f32 edges", EITHER, naive_double + naive_missing),
+    Ok(measured![
+        "fixed point", OVERDRAW => double;
+        "fixed point", HOLES => missing;
+        "f32 edges", EITHER => naive_double + naive_missing;
     ])
 }
 
@@ -53,10 +53,10 @@ pub(super) fn r2() -> Result<Vec<Measurement>, LabError> {
         false,
     );
     let (naive_double, naive_missing) = double_and_missing(&counts);
-    Ok(vec![
-        Measurement::new("fixed point", OVERDRAW, double),
-        Measurement::new("fixed point", HOLES, missing),
-        Measurement::new("f32 planes Ax+By+C", EITHER, naive_double + naive_missing),
+    Ok(measured![
+        "fixed point", OVERDRAW => double;
+        "fixed point", HOLES => missing;
+        "f32 planes Ax+By+C", EITHER => naive_double + naive_missing;
     ])
 }
 
@@ -107,17 +107,9 @@ pub(super) fn r3() -> Result<Vec<Measurement>, LabError> {
             wrong += u32::from(!on_edge && (count != 0) != inside);
         }
     }
-    Ok(vec![
-        Measurement::new(
-            "fixed point",
-            "pixels that differ from 128-bit edges",
-            wrong.into(),
-        ),
-        Measurement::new(
-            "i32 products",
-            "edge products out of range",
-            overflows.into(),
-        ),
+    Ok(measured![
+        "fixed point", "pixels that differ from 128-bit edges" => wrong.into();
+        "i32 products", "edge products out of range" => overflows.into();
     ])
 }
 
@@ -181,10 +173,10 @@ pub(super) fn r4() -> Result<Vec<Measurement>, LabError> {
             }
         }
     }
-    Ok(vec![
-        Measurement::new("top-left rule", OVERDRAW, overdraw),
-        Measurement::new("top-left rule", HOLES, holes),
-        Measurement::new("inclusive edges", OVERDRAW, inclusive),
+    Ok(measured![
+        "top-left rule", OVERDRAW => overdraw;
+        "top-left rule", HOLES => holes;
+        "inclusive edges", OVERDRAW => inclusive;
     ])
 }
 
@@ -244,22 +236,10 @@ pub(super) fn r5() -> Result<Vec<Measurement>, LabError> {
         let weight = naive::edge_f32([a[0], a[1]], [b[0], b[1]], [a[0], a[1]]) / area;
         divided += u32::from(!weight.is_finite());
     }
-    Ok(vec![
-        Measurement::new(
-            "fixed point",
-            "fragments with a value that is not finite",
-            bad.into(),
-        ),
-        Measurement::new(
-            "fixed point",
-            "attribute outside the hull, of the range",
-            outside,
-        ),
-        Measurement::new(
-            "barycentrics over the area",
-            "triangles whose weights are not finite",
-            divided.into(),
-        ),
+    Ok(measured![
+        "fixed point", "fragments with a value that is not finite" => bad.into();
+        "fixed point", "attribute outside the hull, of the range" => outside;
+        "barycentrics over the area", "triangles whose weights are not finite" => divided.into();
     ])
 }
 
@@ -270,16 +250,10 @@ pub(super) fn r6() -> Result<Vec<Measurement>, LabError> {
         let plane = UvScene::ground(half);
         let found = plane.by_raster(Interp::Perspective)?;
         let error = plane.error(&found)?;
-        out.push(Measurement::new(
-            "perspective",
-            format!("half-size {name}: pixels on one side only"),
-            error.mismatches,
-        ));
-        out.push(Measurement::new(
-            "perspective",
-            format!("half-size {name}: error, of what is allowed"),
-            error.of_allowed,
-        ));
+        out.extend(measured![
+            "perspective", format!("half-size {name}: pixels on one side only") => error.mismatches;
+            "perspective", format!("half-size {name}: error, of what is allowed") => error.of_allowed;
+        ]);
         let naive = plane.error(&plane.by_f32_homogeneous()?)?;
         out.push(Measurement::new(
             "f32 homogeneous planes",
@@ -340,13 +314,9 @@ pub(super) fn r7() -> Result<Vec<Measurement>, LabError> {
         let (double, missing) = double_and_missing(&coverage(size, mesh.draw())?);
         torn += double + missing;
     }
-    Ok(vec![
-        Measurement::new(
-            "subdivided:4",
-            "cracks and double hits of 20 meshes",
-            cracks,
-        ),
-        Measurement::new("a T-joint", "cracks and double hits of 200 meshes", torn),
+    Ok(measured![
+        "subdivided:4", "cracks and double hits of 20 meshes" => cracks;
+        "a T-joint", "cracks and double hits of 200 meshes" => torn;
     ])
 }
 
@@ -384,17 +354,10 @@ pub(super) fn r8() -> Result<Vec<Measurement>, LabError> {
         (None, None) => 0.0,
         _ => f64::INFINITY,
     };
-    Ok(vec![
-        Measurement::new(
-            "screen-linear depth",
-            "same triangles: pixels with other bits",
-            bits as f64,
-        ),
-        Measurement::new(
-            "screen-linear depth",
-            "other diagonal: largest difference",
-            one.iter().zip(&other).map(distance).fold(0.0, f64::max),
-        ),
+    Ok(measured![
+        "screen-linear depth", "same triangles: pixels with other bits" => bits as f64;
+        "screen-linear depth", "other diagonal: largest difference" =>
+            one.iter().zip(&other).map(distance).fold(0.0, f64::max);
     ])
 }
 

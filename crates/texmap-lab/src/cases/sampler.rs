@@ -1,13 +1,12 @@
 //! S1 to S5 and S10: wrap, large and senseless coordinates, odd mip chains, sRGB, constants.
 
 use texmap_math::{Footprint, Level};
-use texmap_sample::{
-    Alpha, ColorSpace, Cubic, Filter, Image, Origin, Sampler, Texels, Texture2d, Wrap, sample_slice,
-};
+use texmap_sample::{ColorSpace, Cubic, Filter, Origin, Sampler, Texture2d, Wrap, sample_slice};
 
 use super::Measurement;
-use super::probe::Random;
+use super::probe::{Random, SENSELESS};
 use crate::LabError;
+use crate::plane::floats;
 
 const WRAPS: [Wrap; 4] = [
     Wrap::Repeat,
@@ -19,19 +18,7 @@ const WRAPS: [Wrap; 4] = [
 /// A one-row float texture that holds its column's number.
 fn ruler(width: u32) -> Result<Texture2d<'static>, LabError> {
     let texels: Vec<f32> = (0..width).map(|x| x as f32).collect();
-    float(width, 1, &texels)
-}
-
-fn float(width: u32, height: u32, texels: &[f32]) -> Result<Texture2d<'static>, LabError> {
-    Ok(Texture2d::new(&Image {
-        width,
-        height,
-        channels: 1,
-        texels: Texels::F32(texels),
-        color: ColorSpace::Linear,
-        alpha: Alpha::Data,
-        origin: Origin::TopLeft,
-    })?)
+    Ok(floats(width, 1, &texels)?)
 }
 
 fn sampler(filter: Filter, wrap: Wrap) -> Sampler {
@@ -88,9 +75,9 @@ pub(super) fn s1() -> Result<Vec<Measurement>, LabError> {
             }
         }
     }
-    Ok(vec![
-        Measurement::new("floor", "wrong texels", wrong.into()),
-        Measurement::new("truncation", "wrong texels", truncated.into()),
+    Ok(measured![
+        "floor", "wrong texels" => wrong.into();
+        "truncation", "wrong texels" => truncated.into();
     ])
 }
 
@@ -99,7 +86,7 @@ pub(super) fn s2() -> Result<Vec<Measurement>, LabError> {
     const WIDTH: u32 = 1000;
     // A triangle wave, so that bilinear results are continuous across the seam.
     let texels: Vec<f32> = (0..WIDTH).map(|x| x.min(WIDTH - 1 - x) as f32).collect();
-    let texture = float(WIDTH, 1, &texels)?;
+    let texture = floats(WIDTH, 1, &texels)?;
     let mut random = Random(2);
     let mut out = Vec::new();
     for base in [4096.0, 65_536.0, 1e6] {
@@ -116,16 +103,10 @@ pub(super) fn s2() -> Result<Vec<Measurement>, LabError> {
             most = most.max((f64::from(found) - truth).abs());
             naive = naive.max((wave(f64::from(u * WIDTH as f32 - 0.5)) - truth).abs());
         }
-        out.push(Measurement::new(
-            "reduce, then scale",
-            format!("u = {base}: added error in texels"),
-            most,
-        ));
-        out.push(Measurement::new(
-            "scale in f32, then reduce",
-            format!("u = {base}: added error in texels"),
-            naive,
-        ));
+        out.extend(measured![
+            "reduce, then scale", format!("u = {base}: added error in texels") => most;
+            "scale in f32, then reduce", format!("u = {base}: added error in texels") => naive;
+        ]);
     }
     Ok(out)
 }
@@ -133,14 +114,6 @@ pub(super) fn s2() -> Result<Vec<Measurement>, LabError> {
 /// S3: NaN, infinities and 1e30 give a colour and leave the neighbours alone.
 pub(super) fn s3() -> Result<Vec<Measurement>, LabError> {
     let texture = ruler(64)?.with_mips();
-    let bad = [
-        f32::NAN,
-        f32::INFINITY,
-        f32::NEG_INFINITY,
-        1e30,
-        -1e30,
-        f32::MAX,
-    ];
     let (mut not_finite, mut touched, mut beyond) = (0u32, 0u32, 0u32);
     for filter in [
         Filter::Nearest,
@@ -150,7 +123,7 @@ pub(super) fn s3() -> Result<Vec<Measurement>, LabError> {
     ] {
         for wrap in WRAPS {
             let sampler = sampler(filter, wrap);
-            for u in bad {
+            for u in SENSELESS {
                 let footprint = Footprint {
                     du_dx: u,
                     ..Footprint::default()
@@ -194,18 +167,10 @@ pub(super) fn s3() -> Result<Vec<Measurement>, LabError> {
             }
         }
     }
-    Ok(vec![
-        Measurement::new(
-            "reduced coordinates",
-            "colours that are not finite",
-            not_finite.into(),
-        ),
-        Measurement::new(
-            "reduced coordinates",
-            "neighbours in a slice that change",
-            touched.into(),
-        ),
-        Measurement::new("saturating cast, then + 1", "overflows", beyond.into()),
+    Ok(measured![
+        "reduced coordinates", "colours that are not finite" => not_finite.into();
+        "reduced coordinates", "neighbours in a slice that change" => touched.into();
+        "saturating cast, then + 1", "overflows" => beyond.into();
     ])
 }
 
@@ -217,7 +182,7 @@ pub(super) fn s4() -> Result<Vec<Measurement>, LabError> {
         let texels: Vec<f32> = (0..width * height)
             .map(|_| random.range(0.0, 1.0) as f32)
             .collect();
-        let texture = float(width, height, &texels)?.with_mips();
+        let texture = floats(width, 1, &texels)?.with_mips();
         let mean = texels.iter().map(|&t| f64::from(t)).sum::<f64>() / texels.len() as f64;
         for level in 0..texture.levels() {
             let (w, h) = texture.level_size(level).unwrap_or((0, 0));
@@ -235,17 +200,9 @@ pub(super) fn s4() -> Result<Vec<Measurement>, LabError> {
         );
         dropped = dropped.max((top - mean).abs());
     }
-    Ok(vec![
-        Measurement::new(
-            "weights by area",
-            "mean of a level less that of the base",
-            most,
-        ),
-        Measurement::new(
-            "2 x 2 means, odd rows dropped",
-            "mean of a level less that of the base",
-            dropped,
-        ),
+    Ok(measured![
+        "weights by area", "mean of a level less that of the base" => most;
+        "2 x 2 means, odd rows dropped", "mean of a level less that of the base" => dropped;
     ])
 }
 
@@ -274,18 +231,10 @@ pub(super) fn s5() -> Result<Vec<Measurement>, LabError> {
     let found = sampler(Filter::Bilinear, Wrap::ClampToEdge).sample(&texture, [0.5, 0.5])[1];
     // The wrong way: filter the code values, then decode.
     let wrong = texmap_math::color::srgb_to_linear(0.5);
-    Ok(vec![
-        Measurement::new(
-            "decode, then filter",
-            "distance from 0.5 in linear light",
-            (f64::from(found) - 0.5).abs(),
-        ),
-        Measurement::new(
-            "filter, then decode",
-            "distance from 0.5 in linear light",
-            (f64::from(wrong) - 0.5).abs(),
-        ),
-        Measurement::new("filter, then decode", "value in linear light", wrong.into()),
+    Ok(measured![
+        "decode, then filter", "distance from 0.5 in linear light" => (f64::from(found) - 0.5).abs();
+        "filter, then decode", "distance from 0.5 in linear light" => (f64::from(wrong) - 0.5).abs();
+        "filter, then decode", "value in linear light" => wrong.into();
     ])
 }
 
@@ -293,7 +242,7 @@ pub(super) fn s5() -> Result<Vec<Measurement>, LabError> {
 pub(super) fn s10() -> Result<Vec<Measurement>, LabError> {
     let mut random = Random(10);
     let value = 0.3f32;
-    let float = float(37, 19, &[value; 37 * 19])?.with_mips();
+    let float = floats(37, 1, &[value; 37 * 19])?.with_mips();
     let bytes = Texture2d::from_rgba8(
         37,
         19,
@@ -341,21 +290,9 @@ pub(super) fn s10() -> Result<Vec<Measurement>, LabError> {
             truncated += u32::from(weights.map(|w| (w * 77) >> 16).iter().sum::<u32>() != 77);
         }
     }
-    Ok(vec![
-        Measurement::new(
-            "weights that sum to 1",
-            "f32: units of the last place",
-            ulps,
-        ),
-        Measurement::new(
-            "weights that sum to 1",
-            "u8: look-ups that differ",
-            codes.into(),
-        ),
-        Measurement::new(
-            "truncated products",
-            "u8: look-ups that differ",
-            truncated.into(),
-        ),
+    Ok(measured![
+        "weights that sum to 1", "f32: units of the last place" => ulps;
+        "weights that sum to 1", "u8: look-ups that differ" => codes.into();
+        "truncated products", "u8: look-ups that differ" => truncated.into();
     ])
 }

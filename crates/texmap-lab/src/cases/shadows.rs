@@ -62,14 +62,10 @@ pub(super) fn p1() -> Result<Vec<Measurement>, LabError> {
         (0.0..1.0).contains(&u) && (0.0..1.0).contains(&v)
     });
     let measure = "points behind the projector that are lit";
-    Ok(vec![
-        Measurement::new("t tested before the division", measure, count(&lit)),
-        Measurement::new(
-            "t tested before the division",
-            "points in front that are lit",
-            count(&front),
-        ),
-        Measurement::new("no test of t", measure, naive.count() as f64),
+    Ok(measured![
+        "t tested before the division", measure => count(&lit);
+        "t tested before the division", "points in front that are lit" => count(&front);
+        "no test of t", measure => naive.count() as f64;
     ])
 }
 
@@ -138,7 +134,7 @@ pub(super) fn p3() -> Result<Vec<Measurement>, LabError> {
     };
     let size = 256;
     let prepared = Prepared::new(TargetSize::new(size, size)?, &[draw])?;
-    let pinhole = crate::reference::Pinhole::of_camera(&camera, size, size)?;
+    let pinhole = texmap_truth::caster::Pinhole::of_camera(&camera, size, size)?;
     let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
     let (mut buffers, mut fragment) = (TileBuffers::new(), Fragment::default());
     let (mut worst, mut naive) = (0.0f64, 0.0f64);
@@ -173,9 +169,9 @@ pub(super) fn p3() -> Result<Vec<Measurement>, LabError> {
         }
     }
     let measure = "largest error of slide coordinates, texels of 512";
-    Ok(vec![
-        Measurement::new("division per pixel", measure, worst * 512.0),
-        Measurement::new("division at the vertices", measure, naive * 512.0),
+    Ok(measured![
+        "division per pixel", measure => worst * 512.0;
+        "division at the vertices", measure => naive * 512.0;
     ])
 }
 
@@ -238,9 +234,9 @@ pub(super) fn h4() -> Result<Vec<Measurement>, LabError> {
     let scene = ShadowScene::ring();
     let (ruled, clamped) = scene.outside(60.0, 512, 256)?;
     let measure = "false shadow of points outside of the map, %";
-    Ok(vec![
-        Measurement::new("outside is lit", measure, 100.0 * ruled),
-        Measurement::new("clamped look-up", measure, 100.0 * clamped),
+    Ok(measured![
+        "outside is lit", measure => 100.0 * ruled;
+        "clamped look-up", measure => 100.0 * clamped;
     ])
 }
 
@@ -273,17 +269,9 @@ pub(super) fn h5() -> Result<Vec<Measurement>, LabError> {
         let texel = ((**k * 0.5 + 0.5) * 64.0) as i32;
         texel.checked_add(2).is_none()
     });
-    Ok(vec![
-        Measurement::new(
-            "clamped before the taps",
-            "far or bad points that are not lit",
-            f64::from(dark),
-        ),
-        Measurement::new(
-            "taps before the clamp",
-            "coordinates that overflow",
-            overflows.count() as f64,
-        ),
+    Ok(measured![
+        "clamped before the taps", "far or bad points that are not lit" => f64::from(dark);
+        "taps before the clamp", "coordinates that overflow" => overflows.count() as f64;
     ])
 }
 
@@ -370,10 +358,10 @@ pub(super) fn h6() -> Result<Vec<Measurement>, LabError> {
     let (_, thin) = gap(ShadowBias::Slope(1e-4), 2.0)?;
     let (far, _) = gap(ShadowBias::Constant(0.1), 4.0)?;
     let measure = "gap between a wall and its shadow, texels";
-    Ok(vec![
-        Measurement::new("slope", measure, near),
-        Measurement::new("slope", "points lit behind a wall of two texels", thin),
-        Measurement::new("constant of ten texels", measure, far),
+    Ok(measured![
+        "slope", measure => near;
+        "slope", "points lit behind a wall of two texels" => thin;
+        "constant of ten texels", measure => far;
     ])
 }
 
@@ -399,8 +387,8 @@ pub(super) fn h7() -> Result<Vec<Measurement>, LabError> {
         naive = naive.max((f64::from(u8::from(0.9 <= mean)) - share).abs());
     }
     let measure = "difference to the share of taps that pass";
-    Ok(vec![
-        Measurement::new("mean of comparisons", measure, worst),
-        Measurement::new("comparison of the mean", measure, naive),
+    Ok(measured![
+        "mean of comparisons", measure => worst;
+        "comparison of the mean", measure => naive;
     ])
 }

@@ -2,10 +2,9 @@
 
 use texmap_math::det;
 use texmap_math::glam::{DMat4, DVec3};
-use texmap_mesh::MeshError;
-use texmap_mesh::{Bone, Skeleton, Skin, SkinBlend, turn};
+use texmap_mesh::{Bone, MeshError, Skeleton, Skin, SkinBlend, turn};
 use texmap_render::{Settings, render};
-use texmap_sample::{Alpha, ColorSpace, Filter, Image, Origin, Sampler, Texels, Texture2d};
+use texmap_sample::{Filter, Sampler, Texture2d};
 use texmap_scene::{
     Billboard, Displacement, EdgeBudget, Facing, Material, Mesh, Scene, Shading, TextureSlot,
 };
@@ -13,6 +12,7 @@ use texmap_scene::{
 use super::Measurement;
 use super::environment::Noise;
 use crate::LabError;
+use crate::plane::floats;
 use crate::topology::open_edges;
 
 /// Texels a side of the height map.
@@ -22,16 +22,7 @@ const MAP: u32 = 64;
 fn heights(width: u32, height: u32) -> Result<(Texture2d<'static>, Vec<f32>), LabError> {
     let mut noise = Noise::new(5);
     let values: Vec<f32> = (0..width * height).map(|_| noise.unit() as f32).collect();
-    let image = Image {
-        width,
-        height,
-        channels: 1,
-        texels: Texels::F32(&values),
-        color: ColorSpace::Linear,
-        alpha: Alpha::Straight,
-        origin: Origin::TopLeft,
-    };
-    Ok((Texture2d::new(&image)?, values))
+    Ok((floats(width, 1, &values)?, values))
 }
 
 /// A cube of side 2 whose faces have normals and coordinates of their own: 24 vertices at 8 positions. The map repeats more often
@@ -129,8 +120,10 @@ pub(super) fn b7() -> Result<Vec<Measurement>, LabError> {
     const HOLES: &str = "pixels of background from inside of the cube, of 294912";
     let mut all = Vec::new();
     let mut both = |name: &str, meshes: &[Mesh]| -> Result<(), LabError> {
-        all.push(Measurement::new(name, OPEN, open_edges(meshes) as f64));
-        all.push(Measurement::new(name, HOLES, holes(meshes)?));
+        all.extend(measured![
+            name, OPEN => open_edges(meshes) as f64;
+            name, HOLES => holes(meshes)?;
+        ]);
         Ok(())
     };
     for (height, name) in [
@@ -244,14 +237,10 @@ pub(super) fn g1() -> Result<Vec<Measurement>, LabError> {
             .as_vec3()
             .to_array();
     }
-    Ok(vec![
-        Measurement::new("texmap", TOLD, told),
-        Measurement::new("texmap", LOST, all),
-        Measurement::new(
-            "normals divided by their length",
-            LOST,
-            naive.iter().map(not_finite).sum(),
-        ),
+    Ok(measured![
+        "texmap", TOLD => told;
+        "texmap", LOST => all;
+        "normals divided by their length", LOST => naive.iter().map(not_finite).sum();
     ])
 }
 
@@ -310,10 +299,10 @@ pub(super) fn g2() -> Result<Vec<Measurement>, LabError> {
     // The sum of w M P as it is written, whatever the weights sum to.
     let p = DVec3::from(mesh.positions[7].map(f64::from));
     let naive = ((pose[0].transform_point3(p)) * 0.9 - expected).length();
-    Ok(vec![
-        Measurement::new("texmap", TOLD, told as f64),
-        Measurement::new("weights divided by their sum", OFF, normalized),
-        Measurement::new("weights as they are", OFF, naive),
+    Ok(measured![
+        "texmap", TOLD => told as f64;
+        "weights divided by their sum", OFF => normalized;
+        "weights as they are", OFF => naive;
     ])
 }
 
@@ -379,11 +368,11 @@ pub(super) fn g3() -> Result<Vec<Measurement>, LabError> {
         worst = worst.max((area / 6.0 - 1.0).abs());
         fixed = fixed.max((eye.normalize().z - 1.0).abs());
     }
-    Ok(vec![
-        Measurement::new("texmap", LOST, lost.into()),
-        Measurement::new("across divided by its length", LOST, naive.into()),
-        Measurement::new("screen-aligned", AREA, 100.0 * worst),
-        Measurement::new("a card that does not turn", AREA, 100.0 * fixed),
+    Ok(measured![
+        "texmap", LOST => lost.into();
+        "across divided by its length", LOST => naive.into();
+        "screen-aligned", AREA => 100.0 * worst;
+        "a card that does not turn", AREA => 100.0 * fixed;
     ])
 }
 
@@ -411,13 +400,9 @@ pub(super) fn g4() -> Result<Vec<Measurement>, LabError> {
         texmap_mesh::height_field("a", &map, [1.0; 3], 0),
         texmap_mesh::height_field("a", &heights(2048, 2048)?.0, [1.0; 3], 1),
     ];
-    Ok(vec![
-        Measurement::new("texmap", OFF, off),
-        Measurement::new("texel i at i / N", OFF, naive),
-        Measurement::new(
-            "texmap",
-            REFUSED,
-            bad.iter().filter(|m| m.is_err()).count() as f64,
-        ),
+    Ok(measured![
+        "texmap", OFF => off;
+        "texel i at i / N", OFF => naive;
+        "texmap", REFUSED => bad.iter().filter(|m| m.is_err()).count() as f64;
     ])
 }

@@ -4,6 +4,7 @@ use std::fmt::Write;
 
 use super::{Case, Check, Verdict, judge};
 use crate::LabError;
+use texmap_truth::metrics::figure;
 
 /// A case with the verdicts on all its demands.
 #[derive(Clone, Debug, PartialEq)]
@@ -26,14 +27,14 @@ impl Outcome {
         })
     }
 
-    /// Whether every demand is met and every naive method fails its own.
+    /// True if every demand is met and every naive method fails its own.
     pub fn passes(&self) -> bool {
         self.verdicts.iter().all(Verdict::passes)
     }
 }
 
 impl Verdict {
-    /// What a reader should see: a naive method that fails is what the case is there to show.
+    /// The verdict for a reader: a naive method that fails is what the case is there to show.
     pub fn word(&self) -> &'static str {
         match (self.passes(), self.check.must_fail) {
             (true, false) => "holds",
@@ -66,22 +67,6 @@ impl Check {
     }
 }
 
-/// A number in at most four digits.
-pub fn figure(value: f64) -> String {
-    let size = value.abs();
-    if value == value.trunc() && size < 1e7 {
-        format!("{value}")
-    } else if !value.is_finite() {
-        value.to_string()
-    } else if !(1e-3..1e5).contains(&size) {
-        format!("{value:.2e}")
-    } else {
-        let digits = (3 - size.log10().floor() as i32).clamp(0, 6) as usize;
-        let text = format!("{value:.digits$}");
-        text.trim_end_matches('0').trim_end_matches('.').to_owned()
-    }
-}
-
 /// Headings of the groups of ids.
 const GROUPS: &[(char, &str)] = &[
     ('R', "Rasterizer"),
@@ -108,7 +93,7 @@ pub fn markdown(outcomes: &[Outcome]) -> String {
     let broken = outcomes.iter().filter(|o| !o.passes()).count();
     let mut page = format!(
         "# Stability: inputs on which methods fail\n\n\
-         Written by `cargo run --release -p texmap-cli -- stability > docs/stability.md`; `--json` gives the same for \
+         Written by `cargo run --release -p texmap-cli -- stability > docs/generated/stability.md`; `--json` gives the same for \
          programs. Counts and largest errors, never averages. A method marked *naive* is the textbook's, kept to show \
          that its case really breaks something: it must fail.\n\n\
          {} cases, {demands} demands, of which {} on naive methods; {} cases with a demand that is not met.\n\n\
@@ -183,21 +168,6 @@ fn measured(verdict: &Verdict) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn figures_have_four_digits_at_most() {
-        for (value, text) in [
-            (0.0, "0"),
-            (1826.0, "1826"),
-            (0.5, "0.5"),
-            (175.7263, "175.7"),
-            (2.4e-7, "2.40e-7"),
-            (f64::INFINITY, "inf"),
-            (0.00390625, "0.003906"),
-        ] {
-            assert_eq!(figure(value), text);
-        }
-    }
 
     #[test]
     fn a_naive_method_that_does_not_fail_is_shouted() {

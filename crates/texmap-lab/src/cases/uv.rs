@@ -63,9 +63,9 @@ pub(super) fn u1() -> Result<Vec<Measurement>, LabError> {
     let mesh = Mesh::new(&positions, &faces)?;
     let measure = "triangles with a difference of u above 0.5";
     let count = |set: &UvSet| torn(&faces, |f| corners(&faces, set, f));
-    Ok(vec![
-        Measurement::new("unwrapped per face", measure, count(&sphere(&mesh, true)?)),
-        Measurement::new("u of each vertex", measure, count(&sphere(&mesh, false)?)),
+    Ok(measured![
+        "unwrapped per face", measure => count(&sphere(&mesh, true)?);
+        "u of each vertex", measure => count(&sphere(&mesh, false)?);
     ])
 }
 
@@ -101,14 +101,10 @@ pub(super) fn u2() -> Result<Vec<Measurement>, LabError> {
             .count() as f64
     };
     let measure = "u of a pole less the mean of the other two corners";
-    Ok(vec![
-        Measurement::new("fan", measure, off(&sphere(&mesh, true)?)),
-        Measurement::new("u = 0.5 at the pole", measure, off(&sphere(&mesh, false)?)),
-        Measurement::new(
-            "fan",
-            "values that are not finite, a vertex at the centre",
-            bad(&with_centre),
-        ),
+    Ok(measured![
+        "fan", measure => off(&sphere(&mesh, true)?);
+        "u = 0.5 at the pole", measure => off(&sphere(&mesh, false)?);
+        "fan", "values that are not finite, a vertex at the centre" => bad(&with_centre);
     ])
 }
 
@@ -125,9 +121,9 @@ pub(super) fn u3() -> Result<Vec<Measurement>, LabError> {
         arc = arc.max((f64::from(det32::acos(p[1].min(1.0))) - exact).abs());
     }
     let measure = "error of the angle from the pole, radians";
-    Ok(vec![
-        Measurement::new("atan2 of hypot", measure, own),
-        Measurement::new("arc cosine", measure, arc),
+    Ok(measured![
+        "atan2 of hypot", measure => own;
+        "arc cosine", measure => arc;
     ])
 }
 
@@ -145,20 +141,10 @@ pub(super) fn u4() -> Result<Vec<Measurement>, LabError> {
         (0..faces.len()).filter(|f| spans(uv(*f))).count() as f64
     };
     let measure = "triangles of mixed sides";
-    Ok(vec![
-        Measurement::new(
-            "one side per face",
-            measure,
-            mixed(&|f| corners(&faces, &set, f)),
-        ),
-        Measurement::new(
-            "one side per vertex",
-            measure,
-            mixed(&|f| {
-                let face = faces.face(f);
-                [0, 1, 2].map(|k| per_vertex[face[k] as usize])
-            }),
-        ),
+    Ok(measured![
+        "one side per face", measure => mixed(&|f| corners(&faces, &set, f));
+        "one side per vertex", measure =>
+            mixed(&|f| { let face = faces.face(f); [0, 1, 2].map(|k| per_vertex[face[k] as usize]) });
     ])
 }
 
@@ -202,24 +188,14 @@ pub(super) fn u5() -> Result<Vec<Measurement>, LabError> {
         .iter()
         .filter(|[space, picture]| (space / picture).is_nan())
         .count();
-    Ok(vec![
-        Measurement::new(
-            "report",
-            "figures that are NaN",
-            (figures.iter().filter(|f| f.is_nan()).count() + per_triangle) as f64,
-        ),
-        Measurement::new("division by the area", "figures that are NaN", naive as f64),
-        Measurement::new("report", "triangles flagged as mirrored", r.flipped as f64),
-        Measurement::new(
-            "report",
-            "triangles flagged as collapsed",
-            r.collapsed as f64,
-        ),
-        Measurement::new(
-            "report",
-            "stretch of the collapsed triangle is infinite",
-            f64::from(u8::from(collapsed.l2.is_infinite())),
-        ),
+    Ok(measured![
+        "report", "figures that are NaN" =>
+            (figures.iter().filter(|f| f.is_nan()).count() + per_triangle) as f64;
+        "division by the area", "figures that are NaN" => naive as f64;
+        "report", "triangles flagged as mirrored" => r.flipped as f64;
+        "report", "triangles flagged as collapsed" => r.collapsed as f64;
+        "report", "stretch of the collapsed triangle is infinite" =>
+            f64::from(u8::from(collapsed.l2.is_infinite()));
     ])
 }
 
@@ -275,18 +251,10 @@ pub(super) fn b4() -> Result<Vec<Measurement>, LabError> {
         Ok(a.iter().zip(&b).filter(|(a, b)| a[3] == b[3]).count() as f64)
     };
     let measure = "values that are not finite";
-    Ok(vec![
-        Measurement::new("MikkTSpace", measure, bad as f64),
-        Measurement::new(
-            "MikkTSpace",
-            "slant of a tangent, or its length less 1",
-            slanted,
-        ),
-        Measurement::new(
-            "MikkTSpace",
-            "corners whose sign ignores the mirror",
-            signs(&mirrored)?,
-        ),
-        Measurement::new("dP/du over the determinant", measure, raw as f64),
+    Ok(measured![
+        "MikkTSpace", measure => bad as f64;
+        "MikkTSpace", "slant of a tangent, or its length less 1" => slanted;
+        "MikkTSpace", "corners whose sign ignores the mirror" => signs(&mirrored)?;
+        "dP/du over the determinant", measure => raw as f64;
     ])
 }

@@ -56,9 +56,9 @@ pub(super) fn v1() -> Result<Vec<Measurement>, LabError> {
         }
     }
     let measure = "largest error of the opacity against 1 - exp(-density length)";
-    Ok(vec![
-        Measurement::new("steps of their own length", measure, worst),
-        Measurement::new("one opacity for every step", measure, naive),
+    Ok(measured![
+        "steps of their own length", measure => worst;
+        "one opacity for every step", measure => naive;
     ])
 }
 
@@ -94,9 +94,9 @@ pub(super) fn v2() -> Result<Vec<Measurement>, LabError> {
         divided += f64::from(u8::from(!((found - length).abs() <= 1e-6)));
     }
     let measure = "rays whose part inside is wrong, of 9";
-    Ok(vec![
-        Measurement::new("slabs, rays along them apart", measure, wrong),
-        Measurement::new("slabs by division", measure, divided),
+    Ok(measured![
+        "slabs, rays along them apart", measure => wrong;
+        "slabs by division", measure => divided;
     ])
 }
 
@@ -119,13 +119,9 @@ pub(super) fn v3() -> Result<Vec<Measurement>, LabError> {
         left *= 1.0 - 0.1 * dense;
     }
     let measure = "faulty grids taken, of 5, or rays that end in NaN";
-    Ok(vec![
-        Measurement::new("checked where they enter", measure, taken as f64),
-        Measurement::new(
-            "marched as they are",
-            measure,
-            f64::from(u8::from(left.is_nan())),
-        ),
+    Ok(measured![
+        "checked where they enter", measure => taken as f64;
+        "marched as they are", measure => f64::from(u8::from(left.is_nan()));
     ])
 }
 
@@ -143,9 +139,9 @@ pub(super) fn v4() -> Result<Vec<Measurement>, LabError> {
         centre = centre.max((at(x, 0.0) - truth).abs());
     }
     let measure = "largest error of what a pixel sees, pixels of 0.2 to 4.2 rings";
-    Ok(vec![
-        Measurement::new("mean over the pixel's width", measure, filtered),
-        Measurement::new("the pixel's centre", measure, centre),
+    Ok(measured![
+        "mean over the pixel's width", measure => filtered;
+        "the pixel's centre", measure => centre;
     ])
 }
 
@@ -197,14 +193,10 @@ pub(super) fn v5() -> Result<Vec<Measurement>, LabError> {
         }
     }
     let measure = "largest error of the noise, coordinates -8 to 8";
-    Ok(vec![
-        Measurement::new("cells by floor", measure, worst),
-        Measurement::new("cells by truncation", measure, truncated),
-        Measurement::new(
-            "cells by floor",
-            "values of patterns outside of 0 to 1, of 96",
-            outside,
-        ),
+    Ok(measured![
+        "cells by floor", measure => worst;
+        "cells by truncation", measure => truncated;
+        "cells by floor", "values of patterns outside of 0 to 1, of 96" => outside;
     ])
 }
 
@@ -247,8 +239,8 @@ pub(super) fn v6() -> Result<Vec<Measurement>, LabError> {
         before = before.max((ends[0] + (ends[1] - ends[0]) * number - exact).abs());
     }
     let measure = "largest error of the colour between two numbers";
-    Ok(vec![
-        Measurement::new("filtered, then looked up", measure, after),
-        Measurement::new("looked up, then filtered", measure, before),
+    Ok(measured![
+        "filtered, then looked up", measure => after;
+        "looked up, then filtered", measure => before;
     ])
 }

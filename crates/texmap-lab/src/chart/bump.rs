@@ -4,11 +4,11 @@ use texmap_light::{Green, Heights, Slope, decode_normal, encode_normal};
 use texmap_math::det;
 use texmap_math::glam::DVec3;
 
-use super::time::{Effort, interleaved};
+use super::time::{Effort, timed};
 use super::{Across, Error, Panel, Point, SceneChart, Source};
 use crate::LabError;
-use crate::picture::Picture;
-use crate::strip::heat;
+use texmap_truth::picture::Picture;
+use texmap_truth::strip::heat;
 
 const SIDE: u32 = 128;
 
@@ -173,11 +173,7 @@ pub(super) fn panel(effort: Effort) -> Result<Panel, LabError> {
             let angles = field.angles(&out);
             points.push(Point {
                 method: method.name(),
-                source: if method == Method::Forward {
-                    Source::Lab
-                } else {
-                    Source::Texmap
-                },
+                source: Source::of_lab(method == Method::Forward),
                 time: None,
                 picture: Some(picture(&out, &angles)),
                 error: Error::of(angles),
@@ -199,10 +195,7 @@ pub(super) fn panel(effort: Effort) -> Result<Panel, LabError> {
                 std::hint::black_box(&out);
             }));
         }
-        let times = interleaved(effort, count, &mut runs);
-        for (point, time) in points.iter_mut().zip(times) {
-            point.time = Some(time);
-        }
+        timed(&mut points, effort, count, &mut runs);
         charts.push(SceneChart {
             id: format!("bump-{n}"),
             title: format!("A sine of {n} samples a period, steepest slope 1"),

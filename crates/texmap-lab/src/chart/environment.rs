@@ -4,12 +4,12 @@ use texmap_light::{Chart, Environment};
 use texmap_math::det;
 use texmap_math::glam::{DVec2, DVec3};
 
-use super::time::{Effort, interleaved};
+use super::time::{Effort, timed};
 use super::{Across, Error, Panel, Point, SceneChart, Source};
 use crate::LabError;
 use crate::cases::Random;
-use crate::picture::Picture;
-use crate::strip::heat;
+use texmap_truth::picture::Picture;
+use texmap_truth::strip::heat;
 
 /// Light from all around: 64 plane waves of one frequency, unit RMS.
 pub(super) struct Waves(Vec<(DVec3, f64)>);
@@ -54,7 +54,7 @@ pub(super) fn size(chart: Chart) -> u32 {
     }
 }
 
-/// How texels become light.
+/// A reconstruction of light from texels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Lookup {
     /// Bilinear with a border that continues over the edge of each face.
@@ -176,10 +176,7 @@ pub(super) fn panel(effort: Effort) -> Result<Panel, LabError> {
                 std::hint::black_box(&out);
             }));
         }
-        let times = interleaved(effort, part.len(), &mut runs);
-        for (point, time) in points.iter_mut().zip(times) {
-            point.time = Some(time);
-        }
+        timed(&mut points, effort, part.len(), &mut runs);
         charts.push(SceneChart {
             id: format!("environment-{frequency}"),
             title: format!("64 plane waves of frequency {frequency}, about 24,400 texels"),

@@ -10,7 +10,7 @@ const TABLE: &str = include_str!("external.csv");
 
 const HEADING: &str = "chart,method,rmse,p99.9,max,failures\n";
 
-/// What another program makes of a scene.
+/// A scene drawn by another program.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ExternalPoint {
     /// [`SceneChart::id`](super::SceneChart::id).
@@ -19,7 +19,7 @@ pub struct ExternalPoint {
     pub method: String,
     /// In the unit of the chart.
     pub error: Error,
-    /// What it breaks; without commas.
+    /// Failures; without commas.
     pub failures: Vec<String>,
 }
 

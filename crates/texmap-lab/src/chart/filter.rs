@@ -6,9 +6,10 @@ use texmap_sample::{
     sample_rgba8_slice, sample_slice,
 };
 
-use super::time::{Effort, interleaved};
+use super::time::{Effort, timed};
 use super::{Across, Panel, PlaneScene, Point, SceneChart, Source};
 use crate::LabError;
+use crate::cases::SENSELESS;
 use crate::plane::{Pattern, TEXELS};
 
 /// A way to a pixel's value.
@@ -130,7 +131,7 @@ struct Scene<'p> {
     footprints: Vec<Footprint>,
 }
 
-/// Where look-ups go: floats, or bytes for the fast precision.
+/// Output of the look-ups: floats, or bytes for the fast precision.
 struct Out {
     floats: Vec<[f32; 4]>,
     words: Vec<u32>,
@@ -196,10 +197,7 @@ impl<'p> Scene<'p> {
                 std::hint::black_box((&out.floats, &out.words));
             }));
         }
-        let times = interleaved(effort, self.u.len(), &mut runs);
-        for (point, time) in points.iter_mut().zip(times) {
-            point.time = Some(time);
-        }
+        timed(&mut points, effort, self.u.len(), &mut runs);
         Ok((points, all))
     }
 
@@ -268,17 +266,9 @@ impl<'p> Scene<'p> {
 
     /// Look-ups at senseless places and footprints that give no number.
     fn failures(&self, method: &Method) -> Vec<String> {
-        let senseless = [
-            f32::NAN,
-            f32::INFINITY,
-            f32::NEG_INFINITY,
-            1e30,
-            -1e30,
-            f32::MAX,
-        ];
         let mut bad = 0u32;
-        for a in senseless {
-            for b in senseless.into_iter().chain([0.0, 0.3]) {
+        for a in SENSELESS {
+            for b in SENSELESS.into_iter().chain([0.0, 0.3]) {
                 let d = Footprint::new(b, 0.0, a, b);
                 for uv in [[a, b], [b, a], [0.3, 0.4]] {
                     let color = match *method {

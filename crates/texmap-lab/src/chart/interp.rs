@@ -8,12 +8,12 @@ use texmap_raster::{
 };
 
 use super::spans::{self, Method, Plane, Row};
-use super::time::{Effort, interleaved};
+use super::time::{Effort, timed};
 use super::{Across, Error, Panel, Point, SceneChart, Source};
 use crate::LabError;
-use crate::picture::Picture;
 use crate::scenes::{UvImage, UvScene};
-use crate::strip::heat;
+use texmap_truth::picture::Picture;
+use texmap_truth::strip::heat;
 
 const MODES: [Interp; 12] = [
     Interp::Perspective,
@@ -35,7 +35,7 @@ const MODES: [Interp; 12] = [
 pub struct QuadScene {
     /// Short name, unique: that of the chart.
     pub id: String,
-    /// What is drawn.
+    /// The drawn scene.
     pub title: String,
     /// The quad.
     pub quad: UvScene,
@@ -112,10 +112,7 @@ fn chart(effort: Effort, of: QuadScene) -> Result<SceneChart, LabError> {
     for drawn in &mut drawn {
         runs.push(Box::new(|| drawn.run()));
     }
-    let times = interleaved(effort, covered, &mut runs);
-    for (point, time) in points.iter_mut().zip(times) {
-        point.time = Some(time);
-    }
+    timed(&mut points, effort, covered, &mut runs);
     if let Some(ratio) = of.ratio {
         points.extend(rows(effort, scene, ratio));
     }
@@ -356,9 +353,6 @@ fn rows(effort: Effort, scene: &UvScene, ratio: f64) -> Vec<Point> {
             }
         }));
     }
-    let times = interleaved(effort, n * n, &mut runs);
-    for (point, time) in points.iter_mut().zip(times) {
-        point.time = Some(time);
-    }
+    timed(&mut points, effort, n * n, &mut runs);
     points
 }

@@ -106,7 +106,7 @@ fn textures(effort: Effort) -> Result<SceneChart, LabError> {
     })
 }
 
-/// How a texel is kept.
+/// Storage of a texel.
 #[derive(Clone, Copy, Debug)]
 enum Format {
     Byte,
@@ -125,7 +125,7 @@ impl Format {
         }
     }
 
-    /// Of a texel in memory: texmap keeps integer images in four channels.
+    /// Bytes of a texel in memory: texmap keeps integer images in four channels.
     fn bytes(self) -> u64 {
         match self {
             Self::Byte | Self::Float => 4,

@@ -31,7 +31,7 @@ pub use svg::svg;
 pub use table::{csv, prices};
 
 use crate::LabError;
-use crate::picture::Picture;
+use texmap_truth::picture::Picture;
 use time::{Effort, Time};
 
 /// One method with its parameters on one scene.
@@ -39,7 +39,7 @@ use time::{Effort, Time};
 pub struct Point {
     /// Name and parameters, as on the command line where it has one: `anisotropic:16`.
     pub method: String,
-    /// Where the method lives.
+    /// Home of the method.
     pub source: Source,
     /// Nanoseconds an item on one thread; none for a method that was not timed in this run.
     pub time: Option<Time>,
@@ -47,13 +47,13 @@ pub struct Point {
     pub error: Error,
     /// Bytes of the tables that the method reads, where that is the question.
     pub bytes: Option<u64>,
-    /// What breaks, with its count: a point with any is hollow.
+    /// Failures with their counts: a point with any is hollow.
     pub failures: Vec<String>,
-    /// What the method gives on the scene, beside its error.
+    /// The method's picture of the scene, beside its error.
     pub picture: Option<Picture>,
 }
 
-/// Where a method lives.
+/// Home of a method.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Source {
     /// In one of the published crates.
@@ -64,12 +64,19 @@ pub enum Source {
     External,
 }
 
+impl Source {
+    /// The lab, or else texmap.
+    fn of_lab(lab: bool) -> Self {
+        if lab { Self::Lab } else { Self::Texmap }
+    }
+}
+
 /// Errors over the items of a scene, in the chart's unit.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Error {
     /// Root mean square.
     pub rmse: f64,
-    /// What 99.9 % of the items do not exceed.
+    /// The 99.9 % quantile.
     pub p999: f64,
     /// Largest.
     pub max: f64,
@@ -85,7 +92,7 @@ impl Error {
         }
         let squares: f64 = all.iter().map(|e| e * e).sum();
         let rmse = (squares / all.len() as f64).sqrt();
-        let p999 = crate::metrics::quantile(&mut all, 0.999);
+        let p999 = texmap_truth::metrics::quantile(&mut all, 0.999);
         Self {
             rmse,
             p999,
@@ -94,7 +101,7 @@ impl Error {
     }
 }
 
-/// What the horizontal axis of a chart shows.
+/// Quantity of the horizontal axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Across {
     /// Nanoseconds an item.
@@ -108,11 +115,11 @@ pub enum Across {
 pub struct SceneChart {
     /// Short name, unique: part of file names.
     pub id: String,
-    /// What is drawn.
+    /// The drawn scene.
     pub title: String,
-    /// What the errors are measured against, and over what.
+    /// The reference of the errors, and the items that they are taken over.
     pub truth: String,
-    /// What one item is: a covered pixel, a look-up.
+    /// One item: a covered pixel, a look-up.
     pub item: &'static str,
     /// Unit of the error.
     pub unit: &'static str,
@@ -129,7 +136,7 @@ pub struct Panel {
     pub id: &'static str,
     /// Heading.
     pub title: &'static str,
-    /// What to know before reading the charts.
+    /// Introduction to the charts.
     pub about: &'static str,
     /// One for each scene class.
     pub charts: Vec<SceneChart>,

@@ -10,8 +10,9 @@ use image::{ExtendedColorType, ImageEncoder};
 use super::svg::escape;
 use super::{Machine, Panel, Point, SceneChart, dominator, front, svg};
 use crate::LabError;
-use crate::cases::{Outcome, figure};
-use crate::picture::Picture;
+use crate::cases::Outcome;
+use texmap_truth::metrics::figure;
+use texmap_truth::picture::Picture;
 
 const STYLE: &str = "body{font:15px/1.45 sans-serif;color:#222;max-width:1160px;margin:2em auto;padding:0 1em}\
 h1{margin-bottom:.2em}h2{margin-top:2em;border-bottom:1px solid #ccc}h3{margin:1.6em 0 .2em}\

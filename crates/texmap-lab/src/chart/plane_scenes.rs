@@ -6,20 +6,20 @@ use texmap_scene::{ColorMode, Material, Mesh, Scene, Shading, TextureRole, Textu
 
 use super::Error;
 use crate::LabError;
-use crate::picture::Picture;
 use crate::plane::{Pattern, SIDE, TEXELS, TiltedPlane, Truth, View, nearest, sines};
-use crate::strip::heat;
+use texmap_truth::picture::Picture;
+use texmap_truth::strip::heat;
 
 /// A picture on the tilted plane, and what it should look like.
 #[derive(Debug)]
 pub struct PlaneScene {
     /// Short name, unique: that of the chart.
     pub id: String,
-    /// What is drawn.
+    /// The drawn scene.
     pub title: String,
-    /// What the truth is.
+    /// The reference, in words.
     pub told: String,
-    /// What is painted on the plane.
+    /// The texture of the plane.
     pub pattern: Pattern,
     /// The plane with the pixels that count.
     pub plane: TiltedPlane,
@@ -103,7 +103,7 @@ impl PlaneScene {
         Error::of(values.iter().zip(&self.truth).map(|(v, t)| v - t))
     }
 
-    /// Of a value for each counted pixel: 128 x 128 pixels from the far edge of the plane and, beside them, their error: white from 0.25.
+    /// A picture of a value for each counted pixel: 128 x 128 pixels from the far edge of the plane and, beside them, their error: white from 0.25.
     pub fn picture(&self, values: &[f64]) -> Picture {
         const PART: u32 = 128;
         let top = self.plane.places().map(|p| p.1).min().unwrap_or(0) as i64;
@@ -183,7 +183,7 @@ mod tests {
 
     use super::*;
 
-    /// What texmap's renderer shows of a plane's polygon, nearest texel.
+    /// The plane's polygon drawn by texmap, nearest texel.
     fn drawn(plane: &TiltedPlane) -> Vec<f64> {
         let sampler = Sampler {
             filter: Filter::Nearest,

@@ -6,11 +6,11 @@ use texmap_render::{Frame, Renderer, Settings};
 use texmap_sample::Filter;
 use texmap_scene::{ColorMode, Scene};
 
-use super::time::{Effort, interleaved};
+use super::time::{Effort, timed};
 use super::{Across, Error, Panel, Point, Report, SceneChart, Source};
 use crate::LabError;
-use crate::picture::Picture;
-use crate::strip::difference;
+use texmap_truth::picture::Picture;
+use texmap_truth::strip::difference;
 
 const FILTERS: [Filter; 9] = [
     Filter::Nearest,
@@ -39,7 +39,7 @@ const INTERPS: [Interp; 4] = [
 /// render with `effort.grid` / 4 x as many samples a side (8 at most) and 16 anisotropic probes in each.
 ///
 /// # Errors
-/// What the renderer refuses.
+/// When the renderer refuses the scene.
 pub fn panel(
     scene: &Scene,
     (width, height): (u32, u32),
@@ -117,10 +117,7 @@ pub fn panel(
             std::hint::black_box(renderer.draw(&|_, _| {}).ok());
         }));
     }
-    let times = interleaved(effort, covered, &mut runs);
-    for (point, time) in points.iter_mut().zip(times) {
-        point.time = Some(time);
-    }
+    timed(&mut points, effort, covered, &mut runs);
     report(steps, steps, "done");
     Ok(Panel {
         id: "scene",

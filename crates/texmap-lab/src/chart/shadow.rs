@@ -6,12 +6,12 @@ use texmap_math::det;
 use texmap_math::glam::{DMat3, DMat4, DVec3};
 use texmap_uv::Shape;
 
-use super::time::{Effort, interleaved};
+use super::time::{Effort, timed};
 use super::{Across, Error, Panel, Point, SceneChart, Source};
 use crate::LabError;
-use crate::picture::Picture;
-use crate::strip::heat;
-use crate::truth::rays::{RayObject, RayScene};
+use texmap_truth::picture::Picture;
+use texmap_truth::rays::{RayObject, RayScene};
+use texmap_truth::strip::heat;
 
 /// Half the side of the map, world units; the scene is of size 1 on a floor of 6.
 const HALF: f64 = 2.6;
@@ -116,7 +116,7 @@ impl<'s> Sun<'s> {
         Ok(ShadowMap::new(self.kind, size, depths)?)
     }
 
-    /// Whether each point lies within `reach` (world units on the light's plane) of a true edge.
+    /// True for points that lie within `reach` (world units on the light's plane) of a true edge.
     fn near_edge(&self, reach: f64) -> Vec<bool> {
         let (right, up) = self.to_light.any_orthonormal_pair();
         let near = |&(_, p, n, lit): &(u32, DVec3, DVec3, bool)| {
@@ -167,7 +167,7 @@ fn looking_from(to_light: DVec3) -> DMat4 {
     DMat4::from_mat3(DMat3::from_cols(right, up, to_light).transpose())
 }
 
-/// What went wrong outside the band.
+/// Errors outside the band.
 #[derive(Default)]
 pub(super) struct Judgement {
     pub(super) errors: Vec<f64>,
@@ -272,11 +272,7 @@ pub(super) fn panel(effort: Effort) -> Result<Panel, LabError> {
             let judgement = sun.judge(&out, judged);
             points.push(Point {
                 method: method.name(*size),
-                source: if *method == Method::Ray {
-                    Source::Lab
-                } else {
-                    Source::Texmap
-                },
+                source: Source::of_lab(*method == Method::Ray),
                 time: None,
                 error: Error::of(judgement.errors.iter().copied()),
                 bytes: Some(4 * u64::from(*size) * u64::from(*size)),
@@ -293,10 +289,7 @@ pub(super) fn panel(effort: Effort) -> Result<Panel, LabError> {
                 std::hint::black_box(&out);
             }));
         }
-        let times = interleaved(effort, sun.len(), &mut runs);
-        for (point, time) in points.iter_mut().zip(times) {
-            point.time = Some(time);
-        }
+        timed(&mut points, effort, sun.len(), &mut runs);
         charts.push(SceneChart {
             id: format!("shadows-{elevation}"),
             title: format!("Parallel light at an elevation of {elevation} degrees"),
@@ -320,7 +313,7 @@ pub(super) fn panel(effort: Effort) -> Result<Panel, LabError> {
     })
 }
 
-/// What is lit and, beside it, what is wrong: the band too.
+/// A picture of the light and, beside it, of its error: the band too.
 fn picture(sun: &Sun<'_>, values: &[f32]) -> Picture {
     let side = sun.stage.side;
     let step = side / 128;

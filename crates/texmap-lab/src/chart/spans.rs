@@ -34,7 +34,7 @@ impl Plane {
     }
 }
 
-/// How a row is filled.
+/// A method that fills a row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Method {
     /// One IEEE divide a pixel.

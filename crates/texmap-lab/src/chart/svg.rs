@@ -7,7 +7,7 @@ use plotters::prelude::*;
 
 use super::{Across, Point, SceneChart, Source, front};
 use crate::LabError;
-use crate::cases::figure;
+use texmap_truth::metrics::figure;
 
 const SIZE: (u32, u32) = (760, 470);
 

@@ -1,13 +1,14 @@
 //! Times of methods measured in turns, so that whatever disturbs the machine disturbs all of them alike.
 
+use super::Point;
 use std::time::{Duration, Instant};
 
-/// How much work a chart may be.
+/// Amount of work for a chart.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Effort {
     /// Runs of each method.
     pub rounds: usize,
-    /// How long one run of a method lasts at least.
+    /// Least duration of one run of a method.
     pub run: Duration,
     /// Samples a side of a pixel in supersampled truths.
     pub grid: usize,
@@ -33,7 +34,7 @@ impl Effort {
 pub struct Time {
     /// Median of the runs.
     pub median: f64,
-    /// What 95 % of the runs do not exceed.
+    /// The 95 % quantile.
     pub p95: f64,
     /// Shortest run: what a busy machine disturbs least.
     pub best: f64,
@@ -69,11 +70,24 @@ pub fn interleaved(effort: Effort, items: usize, runs: &mut [Box<dyn FnMut() + '
         }
     }
     let summary = |samples: &mut Vec<f64>| Time {
-        median: crate::metrics::quantile(samples, 0.5),
-        p95: crate::metrics::quantile(samples, 0.95),
+        median: texmap_truth::metrics::quantile(samples, 0.5),
+        p95: texmap_truth::metrics::quantile(samples, 0.95),
         best: samples.iter().copied().fold(f64::INFINITY, f64::min),
     };
     samples.iter_mut().map(summary).collect()
+}
+
+/// Times the functions of some points ([`interleaved`]).
+pub(super) fn timed(
+    points: &mut [Point],
+    effort: Effort,
+    items: usize,
+    runs: &mut [Box<dyn FnMut() + '_>],
+) {
+    let times = interleaved(effort, items, runs);
+    for (point, time) in points.iter_mut().zip(times) {
+        point.time = Some(time);
+    }
 }
 
 #[cfg(test)]

@@ -10,8 +10,8 @@ use super::sheet::sheet;
 use super::stage::{self, Shot};
 use super::{Claim, DemoPicture, Panel, paint};
 use crate::LabError;
-use crate::picture::{Picture, Rgba};
-use crate::strip::heat;
+use texmap_truth::picture::{Picture, Rgba};
+use texmap_truth::strip::heat;
 
 const DARK: Rgba = [44, 52, 74, 255];
 const LIGHT: Rgba = [244, 238, 222, 255];
@@ -68,22 +68,15 @@ fn compare(title: &str, photo: &Picture, size: u32) -> Result<DemoPicture, LabEr
         &Shot::take(&perspective, size)?,
         size,
     );
-    let panels = vec![
-        Panel {
-            picture: stage::photograph(&affine, size)?,
-            title: "Affine".into(),
-            caption: "u and v are linear on the screen in each triangle: straight lines break at the diagonal.".into(),
-        },
-        Panel {
-            picture: stage::photograph(&perspective, size)?,
-            title: "Perspective".into(),
-            caption: "u/z, v/z and 1/z are linear on the screen; one divide a pixel gives u and v.".into(),
-        },
-        Panel {
-            picture: map,
-            title: "How far the texture slides".into(),
-            caption: "Black: nothing. White: a quarter of the texture. It is worst along an edge.".into(),
-        },
+    let panels = panels![
+        stage::photograph(&affine, size)? =>
+            "Affine",
+            "u and v are linear on the screen in each triangle: straight lines break at the diagonal.";
+        stage::photograph(&perspective, size)? =>
+            "Perspective", "u/z, v/z and 1/z are linear on the screen; one divide a pixel gives u and v.";
+        map =>
+            "How far the texture slides",
+            "Black: nothing. White: a quarter of the texture. It is worst along an edge.";
     ];
     Ok(sheet(title, panels, claims))
 }
@@ -122,30 +115,13 @@ pub(super) fn subdivided(size: u32) -> Result<DemoPicture, LabError> {
         closed_form(&scene, 0, 1, second)?,
         closed_form(&scene, 0, 2, second)?,
     );
-    claims.push(Claim::new(
-        "right cube, 2 triangles a face: largest error in u",
-        errors[0],
-        whole,
-        0.01 * whole,
-    ));
-    claims.push(Claim::new(
-        "right cube, 8 triangles a face: largest error in u",
-        errors[1],
-        cut,
-        0.01 * cut,
-    ));
-    claims.push(Claim::new(
-        "8 triangles a face leave this part of the error (0.276 at a depth ratio of 1.5 to 0.338 at 4)",
-        errors[1] / errors[0],
-        cut / whole,
-        0.005,
-    ));
-    claims.push(Claim::new(
-        "right cube, perspective: largest error in u",
-        errors[2],
-        0.0,
-        0.0,
-    ));
+    claims.extend(claims![
+        "right cube, 2 triangles a face: largest error in u" => errors[0], whole, 0.01 * whole;
+        "right cube, 8 triangles a face: largest error in u" => errors[1], cut, 0.01 * cut;
+        "8 triangles a face leave this part of the error (0.276 at a depth ratio of 1.5 to 0.338 at 4)" =>
+            errors[1] / errors[0], cut / whole, 0.005;
+        "right cube, perspective: largest error in u" => errors[2], 0.0, 0.0;
+    ]);
     Ok(sheet(
         "Subdivision shrinks the error, it does not remove it",
         panels,
@@ -185,7 +161,7 @@ fn largest_error(wrong: &Shot, right: &Shot, axis: usize, of: impl Fn(u32) -> bo
     right.pixels().filter_map(difference).fold(0.0, f64::max)
 }
 
-/// What the largest error must be: along a line of equal w the error of a triangle is linear, so its extreme
+/// The largest error in closed form: along a line of equal w the error of a triangle is linear, so its extreme
 /// lies on an edge, and there it is `|du| |sqrt r - 1| / (sqrt r + 1)`. Taken over the edges of every face
 /// that is turned to the eye, with each triangle cut into `parts` x `parts`.
 fn closed_form(
@@ -241,8 +217,8 @@ fn against_rays(scene: &Scene, shot: &Shot) -> Result<f64, LabError> {
             uvs.push(triangle.map(|vertex| coordinates(mesh, vertex)));
         }
     }
-    let pinhole = crate::reference::Pinhole::of_camera(&scene.camera, size, size)?;
-    let caster = crate::reference::Caster::new(pinhole, size, size, &triangles);
+    let pinhole = texmap_truth::caster::Pinhole::of_camera(&scene.camera, size, size)?;
+    let caster = texmap_truth::caster::Caster::new(pinhole, size, size, &triangles);
     let mut most = 0.0f64;
     for (x, y) in shot.pixels() {
         let hit = caster.nearest(f64::from(x) + 0.5, f64::from(y) + 0.5, false);

@@ -13,7 +13,7 @@ use super::sheet::sheet;
 use super::stage;
 use super::{Claim, DemoPicture, Panel};
 use crate::LabError;
-use crate::picture::Picture;
+use texmap_truth::picture::Picture;
 
 /// Rays of the star, all from its middle: edges of every slope.
 const RAYS: u32 = 17;
@@ -95,12 +95,10 @@ fn area(polygon: &[DVec2]) -> f64 {
 
 /// Linear coverage as grey.
 fn grey(cover: &[f64], size: u32) -> Picture {
-    let texel = |c: &f64| {
-        let code = linear_to_srgb8(*c as f32);
+    Picture::from_fn(size, size, |x, y| {
+        let code = linear_to_srgb8(cover[(y * size + x) as usize] as f32);
         [code, code, code, 255]
-    };
-    let rgba = cover.iter().flat_map(texel).collect();
-    Picture::from_rgba(size, size, rgba).unwrap_or_else(|| Picture::new(size, size, [0; 4]))
+    })
 }
 
 /// A camera whose picture is exactly the unit square at z = 0, y down on the screen.
@@ -165,9 +163,7 @@ fn draw(scene: &Scene, size: u32, supersample: u32, msaa: u32) -> Result<Picture
         msaa,
         ..Settings::new(size, size)
     };
-    let frame = texmap_render::render(scene, &settings, &|_, _| {})?;
-    Ok(Picture::from_rgba(size, size, frame.rgba)
-        .unwrap_or_else(|| Picture::new(size, size, [0; 4])))
+    Ok(texmap_render::render(scene, &settings, &|_, _| {})?.into())
 }
 
 /// RMS difference from the exact coverage over the pixels that an edge cuts, % of full light.
@@ -239,17 +235,10 @@ pub(super) fn antialiasing(size: u32) -> Result<DemoPicture, LabError> {
     ));
     let mut panels: Vec<Panel> = Vec::new();
     for (title, caption, picture, ..) in shots {
-        panels.push(Panel {
-            picture: magnified(&picture, size),
-            title: title.into(),
-            caption: caption.into(),
-        });
+        panels.push(Panel::new(magnified(&picture, size), title, caption));
     }
-    panels.push(Panel {
-        picture: magnified(&truth, size),
-        title: "Truth".into(),
-        caption: "The exact area of the star in each pixel, in f64.".into(),
-    });
+    let caption = "The exact area of the star in each pixel, in f64.";
+    panels.push(Panel::new(magnified(&truth, size), "Truth", caption));
     Ok(sheet("Anti-aliasing of edges", panels, claims))
 }
 

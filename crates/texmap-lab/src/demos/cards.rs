@@ -1,21 +1,18 @@
 //! Billboards and terrain: cards that face the viewer, and ground from a picture.
 
-use texmap_light::Light;
 use texmap_math::color::srgb_to_linear;
 use texmap_math::det;
 use texmap_math::glam::DVec3;
 use texmap_raster::Interp;
-use texmap_sample::{
-    Alpha, ColorSpace, Filter, Image, Origin, Sampler, Texels, Texture2d, UvTransform, Wrap,
-};
-use texmap_scene::{AlphaMode, Billboard, Facing, Mesh, Scene, Shadow, TextureRole, TextureSlot};
+use texmap_sample::{ColorSpace, Filter, Origin, Texture2d, Wrap};
+use texmap_scene::{AlphaMode, Billboard, Facing, Mesh, Scene, TextureRole};
 
 use super::lit::{Lit, matte};
 use super::sheet::sheet;
 use super::stage::{self, Shot};
-use super::{Claim, DemoPicture, Panel};
+use super::{DemoPicture, Panel};
 use crate::LabError;
-use crate::picture::Picture;
+use texmap_truth::picture::Picture;
 
 /// Texels of the tree.
 const TREE: u32 = 128;
@@ -98,43 +95,14 @@ pub(super) fn billboards(size: u32) -> Result<DemoPicture, LabError> {
     let side = f64::from(size) / (6.0 * det::tan(15_f64.to_radians()));
     let area = side * side * solid(&tree());
     let percent = |shot: &Shot| 100.0 * covered(shot) / area;
-    let claims = vec![
-        Claim::new(
-            "screen-aligned, level: % of the tree's area",
-            percent(&level),
-            100.0,
-            2.0,
-        ),
-        Claim::new(
-            "screen-aligned, 60 degrees above: %",
-            percent(&high_screen),
-            100.0,
-            2.0,
-        ),
-        Claim::new(
-            "axis-aligned, 60 degrees above: % (cosine)",
-            percent(&high_axis),
-            50.0,
-            3.0,
-        ),
-        Claim::new(
-            "screen-aligned, from right above: %",
-            percent(&top_screen),
-            100.0,
-            2.0,
-        ),
-        Claim::new(
-            "axis-aligned, from right above (edge-on): pixels",
-            covered(&top_axis),
-            0.0,
-            0.0,
-        ),
+    let claims = claims![
+        "screen-aligned, level: % of the tree's area" => percent(&level), 100.0, 2.0;
+        "screen-aligned, 60 degrees above: %" => percent(&high_screen), 100.0, 2.0;
+        "axis-aligned, 60 degrees above: % (cosine)" => percent(&high_axis), 50.0, 3.0;
+        "screen-aligned, from right above: %" => percent(&top_screen), 100.0, 2.0;
+        "axis-aligned, from right above (edge-on): pixels" => covered(&top_axis), 0.0, 0.0;
     ];
-    let panel = |shot: Shot, title: &str, caption: &str| Panel {
-        picture: shot.picture,
-        title: title.into(),
-        caption: caption.into(),
-    };
+    let panel = |shot: Shot, title: &str, caption: &str| Panel::new(shot.picture, title, caption);
     let panels = vec![
         panel(
             level,
@@ -180,7 +148,7 @@ fn ground(x: f64, z: f64) -> f64 {
     (0.5 + 0.5 * sum).clamp(0.0, 1.0)
 }
 
-/// Where the centre of texel `i` comes to lie.
+/// Coordinate of the centre of texel `i`.
 fn post(i: u32) -> f64 {
     SIDE * (f64::from(i) / f64::from(POSTS - 1) - 0.5)
 }
@@ -189,15 +157,6 @@ fn maps() -> Result<[Texture2d<'static>; 2], LabError> {
     let heights: Vec<f32> = (0..POSTS * POSTS)
         .map(|i| ground(post(i % POSTS), post(i / POSTS)) as f32)
         .collect();
-    let image = Image {
-        width: POSTS,
-        height: POSTS,
-        channels: 1,
-        texels: Texels::F32(&heights),
-        color: ColorSpace::Linear,
-        alpha: Alpha::Straight,
-        origin: Origin::TopLeft,
-    };
     let bands = [
         (0.30, [70, 110, 160]),
         (0.36, [200, 184, 130]),
@@ -212,41 +171,22 @@ fn maps() -> Result<[Texture2d<'static>; 2], LabError> {
     };
     let texels: Vec<u8> = heights.iter().flat_map(color).collect();
     let picture = Texture2d::from_rgba8(POSTS, POSTS, texels, ColorSpace::Srgb, Origin::TopLeft)?;
-    Ok([Texture2d::new(&image)?, picture.with_mips()])
+    Ok([
+        crate::plane::floats(POSTS, 1, &heights)?,
+        picture.with_mips(),
+    ])
 }
 
 /// The ground with a vertex for every `step` texels, under a sun, with trees on its grass.
 fn landscape(step: u32, trees: bool) -> Result<Scene, LabError> {
     let mut scene = stage::scene(DVec3::new(0.5, 4.6, 9.5), DVec3::new(0.0, 0.9, 0.0), 55.0);
-    scene.lights = vec![
-        Light::Ambient { color: [0.22; 3] },
-        Light::Directional {
-            color: [0.9, 0.87, 0.8],
-            direction: [-0.8, -0.6, -0.25],
-        },
-    ];
-    scene.effects.shadows = vec![Shadow {
-        light: 1,
-        size: Some(1024),
-        bias: None,
-        taps: 3,
-        area: None,
-    }];
+    scene.lights = stage::daylight(0.22, [0.9, 0.87, 0.8], [-0.8, -0.6, -0.25]);
+    scene.effects.shadows = vec![stage::shadow(1, 1024)];
     let [heights, picture] = maps()?;
     scene.textures.push(picture);
     let mut grass = matte([srgb_to_linear(1.0); 3], 0.0);
     grass.texture_role = TextureRole::Modulate;
-    let sampler = Sampler {
-        filter: Filter::Trilinear,
-        wrap_u: Wrap::ClampToEdge,
-        wrap_v: Wrap::ClampToEdge,
-        ..Sampler::default()
-    };
-    grass.base_color = Some(TextureSlot {
-        texture: 0,
-        sampler,
-        transform: UvTransform::default(),
-    });
+    grass.base_color = Some(stage::slot(0, Filter::Trilinear, Wrap::ClampToEdge));
     let material = stage::add(&mut scene, grass);
     let size = [SIDE as f32, RISE as f32, SIDE as f32];
     let land = texmap_mesh::height_field("land", &heights, size, step)?;
@@ -295,59 +235,25 @@ fn errors(scene: &Scene, size: u32) -> Result<(f64, f64), LabError> {
 pub(super) fn terrain(size: u32) -> Result<DemoPicture, LabError> {
     let full = errors(&landscape(1, false)?, size)?;
     let coarse = errors(&landscape(8, false)?, size)?;
-    let claims = vec![
-        Claim::new(
-            "largest error of the height, a vertex a texel, % of the rise",
-            100.0 * full.0 / RISE,
-            0.0,
-            0.25,
-        ),
-        Claim::new(
-            "with a vertex for 8 texels, %",
-            100.0 * coarse.0 / RISE,
-            9.3,
-            2.0,
-        ),
-        Claim::new(
-            "largest error of the picture's place on the ground, texels",
-            full.1.max(coarse.1),
-            0.0,
-            0.01,
-        ),
+    let claims = claims![
+        "largest error of the height, a vertex a texel, % of the rise" => 100.0 * full.0 / RISE, 0.0, 0.25;
+        "with a vertex for 8 texels, %" => 100.0 * coarse.0 / RISE, 9.3, 2.0;
+        "largest error of the picture's place on the ground, texels" => full.1.max(coarse.1), 0.0, 0.01;
     ];
     let triangles =
         |step| -> Result<usize, LabError> { Ok(landscape(step, false)?.meshes[0].triangles.len()) };
-    let map: Vec<u8> = (0..size * size)
-        .flat_map(|i| {
-            let at = |c: u32| post((c * POSTS / size).min(POSTS - 1));
-            let h = (ground(at(i % size), at(i / size)) * 255.0) as u8;
-            [h, h, h, 255]
-        })
-        .collect();
-    let map =
-        Picture::from_rgba(size, size, map).unwrap_or_else(|| Picture::new(size, size, [0; 4]));
-    let panels = vec![
-        Panel::new(
-            map,
-            "Heights",
-            format!("A picture of {POSTS} x {POSTS} heights."),
-        ),
-        Panel::new(
-            stage::photograph(&landscape(1, true)?, size)?,
-            "Terrain",
-            format!(
-                "{} triangles with their picture, shadows, and trees on cards.",
-                triangles(1)?
-            ),
-        ),
-        Panel::new(
-            stage::photograph(&landscape(8, false)?, size)?,
+    let at = |c: u32| post((c * POSTS / size).min(POSTS - 1));
+    let map = Picture::from_fn(size, size, |x, y| {
+        let h = (ground(at(x), at(y)) * 255.0) as u8;
+        [h, h, h, 255]
+    });
+    let panels = panels![
+        map => "Heights", format!("A picture of {POSTS} x {POSTS} heights.");
+        stage::photograph(&landscape(1, true)?, size)? =>
+            "Terrain", format!("{} triangles with their picture, shadows, and trees on cards.", triangles(1)?);
+        stage::photograph(&landscape(8, false)?, size)? =>
             "Every 8th texel",
-            format!(
-                "{} triangles: hills lose their detail and their outline.",
-                triangles(8)?
-            ),
-        ),
+            format!("{} triangles: hills lose their detail and their outline.", triangles(8)?);
     ];
     Ok(sheet("Terrain from a height field", panels, claims))
 }

@@ -1,13 +1,12 @@
 //! Bumps that no height map brings: two slopes a texel, waves in cylindrical space, embossed words.
 
-use texmap_light::{Green, Heights, Light, Slope, encode_offsets};
+use texmap_light::{Green, Heights, Slope, encode_offsets};
 use texmap_math::det;
 use texmap_math::glam::{DMat4, DVec3};
 use texmap_sample::{Filter, Wrap};
 use texmap_scene::{Carving, Mesh, Relief, Scene};
 
 use super::lit::{Lit, difference, floor, matte};
-use super::relief::{floats, slot};
 use super::{Claim, Panel, stage};
 use crate::LabError;
 
@@ -17,7 +16,7 @@ const RISE: f64 = 0.35;
 /// Height of the waves; the pot's radius is 0.8.
 const HEIGHT: f64 = 0.05;
 
-/// What one method gave: a panel and what was measured on it.
+/// The result of one method: a panel and its claims.
 pub(super) struct Shown {
     pub(super) panel: Panel,
     pub(super) claims: Vec<Claim>,
@@ -42,9 +41,11 @@ pub(super) fn offset_map(
             [r, g, 0.0]
         })
         .collect();
-    scene.textures.push(floats(heights.width, 3, &texels)?);
+    scene
+        .textures
+        .push(crate::plane::floats(heights.width, 3, &texels)?.with_mips());
     scene.materials[0].relief = Some(Relief::Offsets {
-        slot: slot(scene.textures.len() - 1, Wrap::Repeat),
+        slot: stage::slot(scene.textures.len() - 1, Filter::Trilinear, Wrap::Repeat),
         slope,
         green: Green::Up,
     });
@@ -56,25 +57,16 @@ pub(super) fn offset_map(
             "Offset map",
             "Its two slopes a texel, as Blinn's other form stores them.",
         ),
-        claims: vec![Claim::new(
-            "wrong pixels under the offset map",
-            count,
-            0.0,
-            allowed,
-        )],
+        claims: claims![
+            "wrong pixels under the offset map" => count, 0.0, allowed;
+        ],
     })
 }
 
 /// A pot under waves in cylindrical space, against the normals of the displaced cylinder.
 pub(super) fn pot(size: u32) -> Result<Shown, LabError> {
     let mut scene = stage::scene(DVec3::new(0.3, 2.0, 3.6), DVec3::new(0.0, 0.65, 0.0), 40.0);
-    scene.lights = vec![
-        Light::Ambient { color: [0.1; 3] },
-        Light::Directional {
-            color: [0.9; 3],
-            direction: [1.0, -0.8, -0.9],
-        },
-    ];
+    scene.lights = stage::daylight(0.1, [0.9; 3], [1.0, -0.8, -0.9]);
     let clay = stage::add(&mut scene, matte([0.6, 0.4, 0.3], 0.3));
     let ground = stage::add(&mut scene, matte([0.55, 0.55, 0.5], 0.0));
     scene.meshes = vec![pipe(0.8, 1.4, clay), floor(2.0, ground)];
@@ -88,52 +80,35 @@ pub(super) fn pot(size: u32) -> Result<Shown, LabError> {
         height: HEIGHT as f32,
     });
     let waved = Lit::take(&scene, size)?;
-    let (mut seen, mut wrong, mut before) = (0u32, 0u32, 0u32);
-    let mut truth = smooth.picture.clone();
-    for (i, p) in smooth.position.iter().enumerate() {
-        let normal = smooth.normal[i];
-        let view = (scene.camera.eye - *p).normalize_or_zero();
+    let surface = scene.materials[clay].surface;
+    let mut on_pot = Vec::new();
+    let truth = smooth.painted(|i, p| {
+        let (normal, eye) = (smooth.normal[i], scene.camera.eye);
         // At the outline pixels are wide and the waves fade to their mean, as they should.
-        if !p.is_finite() || p.y < 1e-6 || normal.dot(view) < 0.5 {
-            continue;
+        if p.y < 1e-6 || normal.dot((eye - p).normalize_or_zero()) < 0.5 {
+            return None;
         }
-        let lit = texmap_light::reference::illuminate(
-            &scene.materials[clay].surface,
-            &scene.lights,
-            *p,
-            displaced(*p, normal),
-            scene.camera.eye,
-        );
-        let [r, g, b] = lit
-            .as_vec3()
-            .to_array()
-            .map(texmap_math::color::linear_to_srgb8);
-        let side = i64::from(size);
-        truth.set(i as i64 % side, i as i64 / side, [r, g, b, 255]);
-        seen += 1;
-        wrong += u32::from(difference(&waved.picture, &truth, i) > 6);
-        before += u32::from(difference(&smooth.picture, &truth, i) > 6);
-    }
-    let share = |n: u32| 100.0 * f64::from(n) / f64::from(seen.max(1));
+        on_pot.push(i);
+        let n = displaced(p, normal);
+        let lit = texmap_light::reference::illuminate(&surface, &scene.lights, p, n, eye);
+        Some(lit.as_vec3().to_array())
+    });
+    let off = |shot: &Lit| {
+        let wrong = on_pot
+            .iter()
+            .filter(|i| difference(&shot.picture, &truth, **i) > 6);
+        100.0 * wrong.count() as f64 / on_pot.len().max(1) as f64
+    };
+    let (wrong, before) = (off(&waved), off(&smooth));
     Ok(Shown {
         panel: Panel::new(
             waved.picture,
             "Carved waves",
             "A formula in cylindrical space: no map, no seam.",
         ),
-        claims: vec![
-            Claim::new(
-                "wrong pixels of the pot under waves in cylindrical space, %",
-                share(wrong),
-                0.0,
-                1.0,
-            ),
-            Claim::new(
-                "wrong without them, % of the pot",
-                share(before),
-                73.0,
-                10.0,
-            ),
+        claims: claims![
+            "wrong pixels of the pot under waves in cylindrical space, %" => wrong, 0.0, 1.0;
+            "wrong without them, % of the pot" => before, 73.0, 10.0;
         ],
     })
 }
@@ -171,7 +146,7 @@ pub(super) fn words(mut scene: Scene, size: u32) -> Result<Shown, LabError> {
                 .is_some_and(|texel| texel[0] > 0.5)
     };
     scene.textures.push(map.clone());
-    let mut words = slot(scene.textures.len() - 1, Wrap::Repeat);
+    let mut words = stage::slot(scene.textures.len() - 1, Filter::Trilinear, Wrap::Repeat);
     words.sampler.filter = Filter::Bilinear;
     scene.materials[0].relief = Some(Relief::Bump {
         slot: words,
@@ -205,19 +180,9 @@ pub(super) fn words(mut scene: Scene, size: u32) -> Result<Shown, LabError> {
     let share = |part: u32, of: u32| 100.0 * f64::from(part) / f64::from(of.max(1));
     Ok(Shown {
         panel: Panel::new(shot.picture, "Engraved words", "Letters as a height field."),
-        claims: vec![
-            Claim::new(
-                "pixels that words change beyond their letters, %",
-                share(beyond, far),
-                0.0,
-                0.0,
-            ),
-            Claim::new(
-                "pixels that they change at the letters' edges, %",
-                share(turned, edges),
-                70.0,
-                15.0,
-            ),
+        claims: claims![
+            "pixels that words change beyond their letters, %" => share(beyond, far), 0.0, 0.0;
+            "pixels that they change at the letters' edges, %" => share(turned, edges), 70.0, 15.0;
         ],
     })
 }

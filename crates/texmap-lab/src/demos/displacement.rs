@@ -6,21 +6,21 @@ use texmap_light::Light;
 use texmap_math::color::linear_to_srgb8;
 use texmap_math::det;
 use texmap_math::glam::DVec3;
-use texmap_sample::{Alpha, ColorSpace, Filter, Image, Origin, Sampler, Texels, Texture2d};
-use texmap_scene::{Displacement, EdgeBudget, Mesh, Relief, Scene, Shadow};
+use texmap_sample::{Filter, Texture2d, Wrap};
+use texmap_scene::{Displacement, EdgeBudget, Mesh, Relief, Scene};
 
-use super::lit::{Lit, ball, difference, floor, matte, wrong};
+use super::DemoPicture;
+use super::lit::{Lit, ball, difference, floor, grid, matte, wrong};
 use super::sheet::sheet;
 use super::stage;
-use super::{Claim, DemoPicture, Panel};
 use crate::LabError;
-use crate::picture::Picture;
 use crate::topology::open_edges;
-use crate::truth::rays::{RayObject, RayScene};
+use texmap_truth::picture::Picture;
+use texmap_truth::rays::{RayObject, RayScene};
 
 /// Texels of the height map.
 const TEXELS: (u32, u32) = (1024, 512);
-/// How far white moves the ball of radius 1 over black.
+/// Displacement of white over black on the ball of radius 1.
 const HEIGHT: f64 = 0.3;
 const CENTRE: DVec3 = DVec3::new(0.0, 1.35, 0.0);
 
@@ -59,35 +59,14 @@ fn map() -> Result<Texture2d<'static>, LabError> {
     let values: Vec<f32> = (0..width * rows)
         .map(|i| height(centre(i % width, width), centre(i / width, rows)) as f32)
         .collect();
-    let image = Image {
-        width,
-        height: rows,
-        channels: 1,
-        texels: Texels::F32(&values),
-        color: ColorSpace::Linear,
-        alpha: Alpha::Straight,
-        origin: Origin::TopLeft,
-    };
-    Ok(Texture2d::new(&image)?.with_mips())
+    Ok(crate::plane::floats(width, 1, &values)?.with_mips())
 }
 
 /// A ball over a floor under a low sun that throws shadows.
 fn scene() -> Result<Scene, LabError> {
     let mut scene = stage::scene(DVec3::new(0.0, 2.4, 5.2), DVec3::new(0.1, 0.95, 0.0), 42.0);
-    scene.lights = vec![
-        Light::Ambient { color: [0.12; 3] },
-        Light::Directional {
-            color: [0.85; 3],
-            direction: [0.8, -0.75, -0.35],
-        },
-    ];
-    scene.effects.shadows = vec![Shadow {
-        light: 1,
-        size: Some(2048),
-        bias: None,
-        taps: 3,
-        area: None,
-    }];
+    scene.lights = stage::daylight(0.12, [0.85; 3], [0.8, -0.75, -0.35]);
+    scene.effects.shadows = vec![stage::shadow(1, 2048)];
     scene.textures.push(map()?);
     let stone = stage::add(&mut scene, matte([0.55, 0.48, 0.4], 0.0));
     let ground = stage::add(&mut scene, matte([0.5; 3], 0.0));
@@ -100,22 +79,11 @@ fn scene() -> Result<Scene, LabError> {
     Ok(scene)
 }
 
-fn slot() -> texmap_scene::TextureSlot {
-    texmap_scene::TextureSlot {
-        texture: 0,
-        sampler: Sampler {
-            filter: Filter::Trilinear,
-            ..Sampler::default()
-        },
-        transform: Default::default(),
-    }
-}
-
-/// Where each pixel's ray goes in f64: what it meets, and its colour under light and hard shadow.
+/// The f64 reference of each pixel: what its ray meets, and the colour under light and hard shadow.
 struct Truth {
     picture: Picture,
     ball: Vec<Option<bool>>,
-    /// Of pixels of the floor.
+    /// True for lit pixels of the floor.
     lit: Vec<Option<bool>>,
 }
 
@@ -130,11 +98,7 @@ fn truth(scene: &Scene, size: u32) -> Result<Truth, LabError> {
         fine.positions.push(p.as_vec3().to_array());
         fine.normals.push(n.as_vec3().to_array());
     }
-    for (i, j) in (0..down).flat_map(|j| (0..around).map(move |i| (i, j))) {
-        let a = j * (around + 1) + i;
-        let b = a + around + 1;
-        fine.triangles.extend([[a, b, b + 1], [a, b + 1, a + 1]]);
-    }
+    fine.triangles = grid(around, down);
     let rays = RayScene::new([RayObject::Mesh(&fine), RayObject::Mesh(&scene.meshes[1])]);
     let sun = match scene.lights[1] {
         Light::Directional { direction, .. } => -DVec3::from(direction.map(f64::from)),
@@ -176,7 +140,7 @@ fn truth(scene: &Scene, size: u32) -> Result<Truth, LabError> {
     Ok(truth)
 }
 
-/// What a rendered picture has wrong.
+/// Errors of a rendered picture.
 struct Faults {
     outline: f64,
     shadow: f64,
@@ -213,7 +177,7 @@ pub(super) fn displacement(size: u32) -> Result<DemoPicture, LabError> {
         match budget {
             None => {
                 scene.materials[0].relief = Some(Relief::Bump {
-                    slot: slot(),
+                    slot: stage::slot(0, Filter::Trilinear, Wrap::Repeat),
                     height: HEIGHT as f32,
                 });
             }
@@ -221,7 +185,10 @@ pub(super) fn displacement(size: u32) -> Result<DemoPicture, LabError> {
                 scene.meshes[0].displacement = Some(Displacement {
                     middle: 0.5,
                     budget,
-                    ..Displacement::new(slot(), HEIGHT as f32)
+                    ..Displacement::new(
+                        stage::slot(0, Filter::Trilinear, Wrap::Repeat),
+                        HEIGHT as f32,
+                    )
                 });
             }
         }
@@ -237,75 +204,28 @@ pub(super) fn displacement(size: u32) -> Result<DemoPicture, LabError> {
     let [flat_faults, bump, rough, fine_faults] =
         [&flat, &bumped, &coarse, &fine].map(|shot| faults(shot, &truth, size));
     let share = |count: f64, of: f64| 100.0 * count / of.max(1.0);
-    let claims = vec![
-        Claim::new(
-            "wrong pixels of the outline, displaced to 2 pixels",
-            fine_faults.outline,
-            0.0,
-            0.0,
-        ),
-        Claim::new(
-            "of the outline under the bump map, % of the ball",
-            share(bump.outline, pixels),
-            5.5,
-            2.0,
-        ),
-        Claim::new(
-            "wrong pixels of the shadow, displaced to 2 pixels, % of it",
-            share(fine_faults.shadow, dark),
-            0.0,
-            1.0,
-        ),
-        Claim::new(
-            "of the shadow under the bump map, % of it",
-            share(bump.shadow, dark),
-            4.5,
-            3.5,
-        ),
-        Claim::new(
-            "shading off by more than 24/255, displaced to 2 pixels, % of the ball",
-            fine_faults.shading,
-            0.0,
-            2.0,
-        ),
-        Claim::new("the same under the bump map", bump.shading, 14.0, 6.0),
-        Claim::new("the same without either", flat_faults.shading, 52.0, 12.0),
-        Claim::new(
-            "edges that are not shared by two triangles",
-            open as f64,
-            0.0,
-            0.0,
-        ),
+    let claims = claims![
+        "wrong pixels of the outline, displaced to 2 pixels" => fine_faults.outline, 0.0, 0.0;
+        "of the outline under the bump map, % of the ball" => share(bump.outline, pixels), 5.5, 2.0;
+        "wrong pixels of the shadow, displaced to 2 pixels, % of it" =>
+            share(fine_faults.shadow, dark), 0.0, 1.0;
+        "of the shadow under the bump map, % of it" => share(bump.shadow, dark), 4.5, 3.5;
+        "shading off by more than 24/255, displaced to 2 pixels, % of the ball" =>
+            fine_faults.shading, 0.0, 2.0;
+        "the same under the bump map" => bump.shading, 14.0, 6.0;
+        "the same without either" => flat_faults.shading, 52.0, 12.0;
+        "edges that are not shared by two triangles" => open as f64, 0.0, 0.0;
     ];
     let count = |mesh: &Mesh| mesh.triangles.len();
-    let panels = vec![
-        Panel::new(
-            bumped.picture,
-            "Bump map",
-            "Light follows the waves; outline and shadow are a ball's.",
-        ),
-        Panel::new(
-            coarse.picture,
+    let panels = panels![
+        bumped.picture => "Bump map", "Light follows the waves; outline and shadow are a ball's.";
+        coarse.picture =>
             "Displaced, 24 pixels",
-            format!(
-                "{} triangles; {} outline pixels are wrong.",
-                count(&coarse_ball),
-                rough.outline
-            ),
-        ),
-        Panel::new(
-            fine.picture,
+            format!("{} triangles; {} outline pixels are wrong.", count(&coarse_ball), rough.outline);
+        fine.picture =>
             "Displaced, 2 pixels",
-            format!(
-                "{} triangles; outline and shadow are the surface's.",
-                count(&fine_ball)
-            ),
-        ),
-        Panel::new(
-            truth.picture,
-            "Truth",
-            "The waves' own formula by ray tracing in f64.",
-        ),
+            format!("{} triangles; outline and shadow are the surface's.", count(&fine_ball));
+        truth.picture => "Truth", "The waves' own formula by ray tracing in f64.";
     ];
     Ok(sheet("Displacement and bump mapping", panels, claims))
 }

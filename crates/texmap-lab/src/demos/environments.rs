@@ -8,10 +8,10 @@ use texmap_uv::Shape;
 
 use super::lit::{Lit, ball, difference, matte};
 use super::sheet::sheet;
-use super::{Claim, DemoPicture, Panel, stage};
+use super::{Claim, DemoPicture, stage};
 use crate::LabError;
-use crate::picture::Picture;
-use crate::truth::rays::{RayObject, RayScene};
+use texmap_truth::picture::Picture;
+use texmap_truth::rays::{RayObject, RayScene};
 
 /// Half the side of the room.
 const HALF: f64 = 5.0;
@@ -40,7 +40,7 @@ fn wall(p: DVec3) -> [f32; 3] {
     if even { light } else { dark }
 }
 
-/// Where a ray from inside of the room meets its wall.
+/// The room as a ray scene.
 fn room() -> RayScene {
     let world = DMat4::from_scale(DVec3::splat(2.0 * HALF));
     RayScene::new([RayObject::Solid(Shape::Box, world)])
@@ -97,18 +97,12 @@ pub(super) fn environments(size: u32) -> Result<DemoPicture, LabError> {
             expected,
             tolerance,
         ));
-        panels.push(Panel {
-            picture: traced,
-            title: format!("Mirror rays, {name} ball"),
-            caption: "Each ray starts where it is mirrored.".into(),
-        });
-        panels.push(Panel {
-            picture: mapped.picture,
-            title: format!("Environment map, {name} ball"),
-            caption: format!(
-                "All rays start at the centre; radius {radius} in a room of half side 5."
-            ),
-        });
+        panels.extend(panels![
+            traced => format!("Mirror rays, {name} ball"), "Each ray starts where it is mirrored.";
+            mapped.picture =>
+                format!("Environment map, {name} ball"),
+                format!("All rays start at the centre; radius {radius} in a room of half side 5.");
+        ]);
     }
     for (part, degrees) in [(0.01, 0.6), (0.1, 5.7), (0.3, 17.4)] {
         claims.push(Claim::new(
@@ -120,7 +114,7 @@ pub(super) fn environments(size: u32) -> Result<DemoPicture, LabError> {
     }
     let small = Environment::from_fn(Chart::Cube, 8, light).map_err(failed)?;
     let seamless = Lit::take(&scene(small.clone(), 1.0), size)?;
-    let clamped = clamp_picture(&scene(small.clone(), 1.0), &small, &seamless, size);
+    let clamped = clamp_picture(&scene(small.clone(), 1.0), &small, &seamless);
     let unlike = (0..seamless.position.len())
         .filter(|&i| difference(&seamless.picture, &clamped, i) > 8)
         .count();
@@ -131,28 +125,15 @@ pub(super) fn environments(size: u32) -> Result<DemoPicture, LabError> {
         1.5,
     ));
     let torn = |picture: &Picture| f64::from(seams(&scene(small.clone(), 1.0), &seamless, picture));
-    claims.push(Claim::new(
-        "neighbouring pixels that mirror two faces and are more than 48 / 255 apart, clamped",
-        torn(&clamped),
-        f64::from(size),
-        0.3 * f64::from(size),
-    ));
-    claims.push(Claim::new(
-        "the same where texels past the edge continue the neighbour",
-        torn(&seamless.picture),
-        0.0,
-        0.0,
-    ));
-    panels.push(Panel {
-        picture: clamped,
-        title: "8 x 8 cube, clamped (wrong)".into(),
-        caption: "Each face ends at its edge: the seams show.".into(),
-    });
-    panels.push(Panel {
-        picture: seamless.picture,
-        title: "8 x 8 cube, seamless".into(),
-        caption: "Texels past the edge continue the neighbour.".into(),
-    });
+    claims.extend(claims![
+        "neighbouring pixels that mirror two faces and are more than 48 / 255 apart, clamped" =>
+            torn(&clamped), f64::from(size), 0.3 * f64::from(size);
+        "the same where texels past the edge continue the neighbour" => torn(&seamless.picture), 0.0, 0.0;
+    ]);
+    panels.extend(panels![
+        clamped => "8 x 8 cube, clamped (wrong)", "Each face ends at its edge: the seams show.";
+        seamless.picture => "8 x 8 cube, seamless", "Texels past the edge continue the neighbour.";
+    ]);
     Ok(sheet(
         "Environment maps: which one is ray-traced?",
         panels,
@@ -162,20 +143,12 @@ pub(super) fn environments(size: u32) -> Result<DemoPicture, LabError> {
 
 /// The ball by mirror rays, under the mapped picture's own pixels.
 fn traced(scene: &Scene, room: &RayScene, radius: f64, mapped: &Lit) -> Picture {
-    let mut picture = mapped.picture.clone();
-    let size = i64::from(picture.width());
-    for (i, p) in mapped.position.iter().enumerate() {
-        if !p.is_finite() {
-            continue;
-        }
+    mapped.painted(|_, p| {
         let n = p.normalize();
-        let view = (scene.camera.eye - *p).normalize();
+        let view = (scene.camera.eye - p).normalize();
         let mirrored = texmap_math::reflection::reflect(view, n);
-        let color = seen(room, n * radius, mirrored).map_or([0.0; 3], wall);
-        let [r, g, b] = color.map(texmap_math::color::linear_to_srgb8);
-        picture.set(i as i64 % size, i as i64 / size, [r, g, b, 255]);
-    }
-    picture
+        Some(seen(room, n * radius, mirrored).map_or([0.0; 3], wall))
+    })
 }
 
 /// Largest angle between the true direction from the centre to what a mirror at `part` of the half side sees, and the one looked up.
@@ -216,14 +189,10 @@ fn seams(scene: &Scene, shot: &Lit, picture: &Picture) -> u32 {
 }
 
 /// The mirror with each face of its cube clamped.
-fn clamp_picture(scene: &Scene, cube: &Environment, shot: &Lit, size: u32) -> Picture {
-    let mut picture = shot.picture.clone();
+fn clamp_picture(scene: &Scene, cube: &Environment, shot: &Lit) -> Picture {
     let n = f64::from(cube.size().0);
-    for (i, p) in shot.position.iter().enumerate() {
-        if !p.is_finite() {
-            continue;
-        }
-        let view = (scene.camera.eye - *p).normalize();
+    shot.painted(|_, p| {
+        let view = (scene.camera.eye - p).normalize();
         let d = texmap_math::reflection::reflect(view, p.normalize());
         let (face, uv) = Chart::Cube.locate(d);
         let at = (uv * n - 0.5).clamp(DVec2::ZERO, DVec2::splat(n - 1.0));
@@ -233,16 +202,9 @@ fn clamp_picture(scene: &Scene, cube: &Environment, shot: &Lit, size: u32) -> Pi
             cube.texel(face, x(low.x + i), x(low.y + j))
                 .map_or(0.0, |c| f64::from(c[k]))
         };
-        let color = [0, 1, 2].map(|k| {
+        Some([0, 1, 2].map(|k| {
             let row = |j: f64| texel(0.0, j, k) * (1.0 - f.x) + texel(1.0, j, k) * f.x;
-            texmap_math::color::linear_to_srgb8((row(0.0) * (1.0 - f.y) + row(1.0) * f.y) as f32)
-        });
-        let [r, g, b] = color;
-        picture.set(
-            i as i64 % i64::from(size),
-            i as i64 / i64::from(size),
-            [r, g, b, 255],
-        );
-    }
-    picture
+            (row(0.0) * (1.0 - f.y) + row(1.0) * f.y) as f32
+        }))
+    })
 }

@@ -9,14 +9,14 @@ use texmap_scene::{Mesh, Scene};
 
 use super::sheet::sheet;
 use super::stage::{self, Shot};
-use super::{Claim, DemoPicture, Panel, paint};
+use super::{DemoPicture, Panel, paint};
 use crate::LabError;
-use crate::picture::{Picture, Rgba};
+use texmap_truth::picture::{Picture, Rgba};
 
-/// How far the second panel turns and the fourth leaves the plane, in degrees.
+/// Turn of the second panel and tilt of the fourth out of the plane, in degrees.
 const TURN: f64 = 30.0;
 const TILT: f64 = 25.0;
-/// How far the third panel shifts O, in units of U and V.
+/// Shift of O in the third panel, in units of U and V.
 const SHIFT: DVec2 = DVec2::new(0.5, 0.25);
 
 /// Length of U and V.
@@ -69,37 +69,17 @@ pub(super) fn frame(size: u32) -> Result<DemoPicture, LabError> {
     let tilt = scene_tilted.meshes[0]
         .frame_tilt()
         .map_or(f64::NAN, f64::to_degrees);
-    let claims = vec![
-        Claim::new(
-            "aligned: A.W/C.W and B.W/C.W against uv interpolated from the vertices",
-            largest(&straight, &|x, y| by_vertices.uv(x, y)),
-            0.0,
-            1e-6,
-        ),
-        Claim::new(
-            "turned: coordinates against the aligned ones turned back",
-            largest(&round, &|x, y| straight.uv(x, y).map(turn_back)),
-            0.0,
-            1e-6,
-        ),
-        Claim::new(
-            "shifted: coordinates against the aligned ones less (0.5, 0.25)",
-            largest(&moved, &|x, y| straight.uv(x, y).map(|uv| uv - SHIFT)),
-            0.0,
-            1e-6,
-        ),
-        Claim::new(
-            "out of plane: coordinates against those where the ray meets the frame's own plane",
-            largest(&leaning, &on_frame_plane),
-            0.0,
-            1e-5,
-        ),
-        Claim::new(
-            "out of plane: angle of the frame to the polygon that the warning names, in degrees",
-            tilt,
-            TILT,
-            1e-3,
-        ),
+    let claims = claims![
+        "aligned: A.W/C.W and B.W/C.W against uv interpolated from the vertices" =>
+            largest(&straight, &|x, y| by_vertices.uv(x, y)), 0.0, 1e-6;
+        "turned: coordinates against the aligned ones turned back" =>
+            largest(&round, &|x, y| straight.uv(x, y).map(turn_back)), 0.0, 1e-6;
+        "shifted: coordinates against the aligned ones less (0.5, 0.25)" =>
+            largest(&moved, &|x, y| straight.uv(x, y).map(|uv| uv - SHIFT)), 0.0, 1e-6;
+        "out of plane: coordinates against those where the ray meets the frame's own plane" =>
+            largest(&leaning, &on_frame_plane), 0.0, 1e-5;
+        "out of plane: angle of the frame to the polygon that the warning names, in degrees" =>
+            tilt, TILT, 1e-3;
     ];
     let mut panels = Vec::new();
     for (frame, title, caption) in [
@@ -127,11 +107,7 @@ pub(super) fn frame(size: u32) -> Result<DemoPicture, LabError> {
         let scene = scene(Some(frame))?;
         let mut picture = stage::photograph(&scene, size)?;
         arrows(&mut picture, &scene, &frame, size)?;
-        panels.push(Panel {
-            picture,
-            title: title.into(),
-            caption: caption.into(),
-        });
+        panels.push(Panel::new(picture, title, caption));
     }
     Ok(sheet(
         "The O-U-V frame: a texture placed by a point and two vectors",

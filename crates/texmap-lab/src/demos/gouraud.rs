@@ -4,12 +4,12 @@ use texmap_math::glam::DVec3;
 use texmap_math::interp;
 use texmap_scene::{ColorMode, Gouraud, Mesh, Scene};
 
+use super::DemoPicture;
 use super::sheet::sheet;
 use super::stage::{self, Shot};
-use super::{Claim, DemoPicture, Panel};
 use crate::LabError;
-use crate::picture::{Picture, Rgba};
-use crate::strip::heat;
+use texmap_truth::picture::{Picture, Rgba};
+use texmap_truth::strip::heat;
 
 /// Colour at the near and at the far edge of the floor, raw values. Green runs over the whole range and is
 /// the channel that figures are taken from.
@@ -34,19 +34,10 @@ pub(super) fn tjoint(size: u32) -> Result<DemoPicture, LabError> {
     let side = size.max(MEASURED) & !1;
     let seam = seam_at_joint(&linear, side)?;
     let cured = seam_at_joint(&right, side)?;
-    let claims = vec![
-        Claim::new(
-            "step of colour across the T-joint is |(1 - r)/(2(1 + r))|, r the depth ratio",
-            seam,
-            expected,
-            TOLERANCE,
-        ),
-        Claim::new(
-            "the same step with colours linear on the surface",
-            cured,
-            0.0,
-            TOLERANCE,
-        ),
+    let claims = claims![
+        "step of colour across the T-joint is |(1 - r)/(2(1 + r))|, r the depth ratio" =>
+            seam, expected, TOLERANCE;
+        "the same step with colours linear on the surface" => cured, 0.0, TOLERANCE;
     ];
     let picture = stage::photograph(&linear, size)?;
     let mut mesh = picture.clone();
@@ -62,27 +53,17 @@ pub(super) fn tjoint(size: u32) -> Result<DemoPicture, LabError> {
         region,
         size / (2 * reach as u32),
     );
-    let panels = vec![
-        Panel::new(
-            mesh,
+    let panels = panels![
+        mesh =>
             "The mesh",
-            "Left one quad, right two: a vertex of the right lies in the middle of the left's edge.",
-        ),
-        Panel::new(
-            picture,
+            "Left one quad, right two: a vertex of the right lies in the middle of the left's edge.";
+        picture =>
             "Screen-linear Gouraud",
-            "The colours are one ramp on the floor, yet the left half is wrong: a seam.",
-        ),
-        Panel::new(
-            zoom,
-            "At the joint",
-            "The right quads have the true colour here, the left one that of another depth.",
-        ),
-        Panel::new(
-            stage::photograph(&right, size)?,
-            "Perspective Gouraud",
-            "Colours premultiplied by 1/w: the seam is gone.",
-        ),
+            "The colours are one ramp on the floor, yet the left half is wrong: a seam.";
+        zoom =>
+            "At the joint", "The right quads have the true colour here, the left one that of another depth.";
+        stage::photograph(&right, size)? =>
+            "Perspective Gouraud", "Colours premultiplied by 1/w: the seam is gone.";
     ];
     Ok(sheet(
         "Gouraud shading: the seam at a T-joint",
@@ -107,19 +88,10 @@ pub(super) fn lod(size: u32) -> Result<DemoPicture, LabError> {
         .map(|k| f64::from(k) / 4.0)
         .map(|s| (s - interp::t_from_s_z(s, 1.0, ratio)).abs())
         .fold(0.0, f64::max);
-    let claims = vec![
-        Claim::new(
-            "largest pop of the colour at the switch is max |s - t(s)| at the new vertices",
-            largest_step(&a, &b),
-            pop,
-            TOLERANCE,
-        ),
-        Claim::new(
-            "largest pop with colours linear on the surface",
-            largest_step(&pa, &pb),
-            0.0,
-            1.0 / 255.0,
-        ),
+    let claims = claims![
+        "largest pop of the colour at the switch is max |s - t(s)| at the new vertices" =>
+            largest_step(&a, &b), pop, TOLERANCE;
+        "largest pop with colours linear on the surface" => largest_step(&pa, &pb), 0.0, 1.0 / 255.0;
     ];
     let (small_a, small_b) = (Shot::take(&coarse, size)?, Shot::take(&fine, size)?);
     let mut map = Picture::new(size, size, GRAY);
@@ -138,27 +110,13 @@ pub(super) fn lod(size: u32) -> Result<DemoPicture, LabError> {
         outline(&mut picture, scene, size)?;
         Ok(picture)
     };
-    let panels = vec![
-        Panel::new(
-            with_wires(&coarse)?,
-            "Coarse level of detail",
-            "One quad deep, colours linear on the screen.",
-        ),
-        Panel::new(
-            with_wires(&fine)?,
-            "Fine level of detail",
-            "Four quads deep, the same ramp: the whole floor changes its colour.",
-        ),
-        Panel::new(
-            map,
-            "What pops at the switch",
-            "Black: nothing. White: half of the whole ramp.",
-        ),
-        Panel::new(
-            stage::photograph(&floor(Gouraud::Perspective, [1, 1])?, size)?,
-            "Perspective Gouraud",
-            "Coarse and fine are the same picture: no pop.",
-        ),
+    let panels = panels![
+        with_wires(&coarse)? => "Coarse level of detail", "One quad deep, colours linear on the screen.";
+        with_wires(&fine)? =>
+            "Fine level of detail", "Four quads deep, the same ramp: the whole floor changes its colour.";
+        map => "What pops at the switch", "Black: nothing. White: half of the whole ramp.";
+        stage::photograph(&floor(Gouraud::Perspective, [1, 1])?, size)? =>
+            "Perspective Gouraud", "Coarse and fine are the same picture: no pop.";
     ];
     Ok(sheet(
         "Gouraud shading: the pop of a level-of-detail switch",
@@ -209,7 +167,7 @@ fn floor(gouraud: Gouraud, parts: [u32; 2]) -> Result<Scene, LabError> {
     Ok(scene)
 }
 
-/// Where the vertex of the right half meets the edge of the left.
+/// Position of the right half's vertex on the edge of the left.
 fn joint() -> DVec3 {
     DVec3::new(0.0, 0.0, 0.5 * (NEAR_Z + FAR_Z))
 }

@@ -1,13 +1,15 @@
-//! What the demos of light share: round meshes, pictures under effects, and counts of wrong pixels.
+//! Shared parts of the demos of light: round meshes, pictures under effects, and counts of wrong pixels.
 
 use texmap_light::Surface;
+use texmap_math::color::linear_to_srgb8;
 use texmap_math::det;
 use texmap_math::glam::DVec3;
-use texmap_render::{Aov, AovData, Settings};
+use texmap_render::Aov;
 use texmap_scene::{Material, Mesh, Scene, Shading};
 
+use super::stage;
 use crate::LabError;
-use crate::picture::Picture;
+use texmap_truth::picture::Picture;
 
 /// A matte surface of one linear colour, lit per pixel, with a highlight of strength `ks`.
 pub(super) fn matte(color: [f32; 3], ks: f32) -> Material {
@@ -47,12 +49,19 @@ pub(super) fn ball(center: DVec3, radius: f64, material: usize) -> Mesh {
         mesh.normals.push(n.as_vec3().to_array());
         mesh.uvs.push([u as f32, v as f32]);
     }
-    for (i, j) in (0..down).flat_map(|j| (0..around).map(move |i| (i, j))) {
-        let a = j * (around + 1) + i;
-        let b = a + around + 1;
-        mesh.triangles.extend([[a, b, b + 1], [a, b + 1, a + 1]]);
-    }
+    mesh.triangles = grid(around, down);
     mesh
+}
+
+/// Triangles of a grid of `(across + 1) * (down + 1)` vertices, row by row.
+pub(super) fn grid(across: u32, down: u32) -> Vec<[u32; 3]> {
+    let cells = (0..down).flat_map(|j| (0..across).map(move |i| j * (across + 1) + i));
+    cells
+        .flat_map(|a| {
+            let b = a + across + 1;
+            [[a, b, b + 1], [a, b + 1, a + 1]]
+        })
+        .collect()
 }
 
 /// A horizontal square at y = 0, its front up.
@@ -82,24 +91,59 @@ pub(super) struct Lit {
 
 impl Lit {
     pub(super) fn take(scene: &Scene, size: u32) -> Result<Self, LabError> {
-        let settings = Settings {
-            aovs: vec![Aov::Position, Aov::Normal],
-            ..Settings::new(size, size)
-        };
-        let frame = texmap_render::render(scene, &settings, &|_, _| {})?;
-        let triples = |wanted: Aov| match frame.aovs.iter().find(|(aov, ..)| *aov == wanted) {
-            Some((_, _, AovData::F32(values))) => values
-                .chunks_exact(3)
+        let frame = stage::with_aovs(scene, size, vec![Aov::Position, Aov::Normal])?;
+        let triples = |wanted: Aov| -> Vec<DVec3> {
+            let values = stage::floats_of(&frame, wanted).chunks_exact(3);
+            values
                 .map(|v| DVec3::new(v[0].into(), v[1].into(), v[2].into()))
-                .collect(),
-            _ => Vec::new(),
+                .collect()
         };
         Ok(Self {
             position: triples(Aov::Position),
             normal: triples(Aov::Normal),
-            picture: Picture::from_rgba(size, size, frame.rgba)
-                .unwrap_or_else(|| Picture::new(size, size, [0; 4])),
+            picture: frame.into(),
         })
+    }
+
+    /// The picture with another linear colour wherever `color` gives one for a pixel and its position.
+    pub(super) fn painted(
+        &self,
+        mut color: impl FnMut(usize, DVec3) -> Option<[f32; 3]>,
+    ) -> Picture {
+        let mut picture = self.picture.clone();
+        let size = i64::from(picture.width());
+        for (i, p) in self
+            .position
+            .iter()
+            .enumerate()
+            .filter(|(_, p)| p.is_finite())
+        {
+            if let Some([r, g, b]) = color(i, *p).map(|c| c.map(linear_to_srgb8)) {
+                picture.set(i as i64 % size, i as i64 / size, [r, g, b, 255]);
+            }
+        }
+        picture
+    }
+
+    /// Pixels whose codes differ from another picture's by more than `by`.
+    pub(super) fn changed(&self, other: &Self, by: u8) -> Vec<bool> {
+        (0..self.position.len())
+            .map(|i| difference(&self.picture, &other.picture, i) > by)
+            .collect()
+    }
+
+    /// Truth of each pixel whose normal is turned to `toward` by a cosine above `least`; `None` for all others.
+    pub(super) fn facing(
+        &self,
+        least: f64,
+        toward: impl Fn(DVec3) -> DVec3,
+        truth: impl Fn(DVec3, DVec3) -> bool,
+    ) -> Vec<Option<bool>> {
+        let judged = |(p, n): (&DVec3, &DVec3)| {
+            let turned = n.dot(toward(*p).normalize_or_zero()) > least;
+            (p.is_finite() && turned).then(|| truth(*p, *n))
+        };
+        self.position.iter().zip(&self.normal).map(judged).collect()
     }
 }
 

@@ -4,14 +4,13 @@
 use texmap_math::camera::Camera;
 use texmap_math::glam::{DVec2, DVec3};
 use texmap_math::homography::Homography;
-use texmap_raster::{
-    Draw, Fragment, NONE, NoAlphaTest, Pass, Prepared, TILE, TargetSize, TileBuffers,
-};
+use texmap_raster::{Draw, NoAlphaTest, Pass, Prepared, TargetSize, TileBuffers};
 
 use super::sheet::sheet;
-use super::{Claim, DemoPicture, Panel, paint};
+use super::{DemoPicture, paint};
 use crate::LabError;
-use crate::picture::{Picture, Rgba};
+use crate::cases::visit;
+use texmap_truth::picture::{Picture, Rgba};
 
 const SKY: Rgba = [204, 217, 230, 255];
 const HOLE: Rgba = [255, 0, 160, 255];
@@ -23,12 +22,12 @@ struct Wall {
     texture: Picture,
 }
 
-/// What one way of mapping wrote.
+/// The pixels that one way of mapping wrote.
 struct Written {
     picture: Picture,
     /// Writes of each pixel.
     writes: Vec<u32>,
-    /// Whether a texel reached a pixel.
+    /// True for texels that reached a pixel.
     seen: Vec<bool>,
 }
 
@@ -88,67 +87,30 @@ pub(super) fn forward_inverse(size: u32) -> Result<DemoPicture, LabError> {
     }
     let overdrawn = points.total() as usize - points.pixels();
     let twice = quads.writes.iter().filter(|&&n| n > 1).count();
-    let claims = vec![
-        Claim::new(
-            "texels whose quad covers no pixel centre, against texels that no pixel fetches",
-            quads.unseen() as f64,
-            inverse.unseen() as f64,
-            // The corners of texels are snapped to 1/256 pixel: a quad beside a centre may gain or lose it.
-            f64::from(all) * 0.001,
-        ),
-        Claim::new("quads: pixels written twice", twice as f64, 0.0, 0.0),
-        Claim::new(
-            "pixels that the quads cover, against the pixels of the polygon",
-            quads.pixels() as f64,
-            inverse.pixels() as f64,
-            0.002 * inverse.pixels() as f64,
-        ),
-        Claim::new(
-            "inverse: pixels written more than once",
-            f64::from(inverse.total()) - inverse.pixels() as f64,
-            0.0,
-            0.0,
-        ),
-        Claim::new(
-            "inverse: pixels whose texel differs from the homography's",
-            f64::from(stray),
-            0.0,
-            0.0,
-        ),
+    // The corners of texels are snapped to 1/256 pixel: a quad beside a centre may gain or lose it.
+    let claims = claims![
+        "texels whose quad covers no pixel centre, against texels that no pixel fetches" =>
+            quads.unseen() as f64, inverse.unseen() as f64, f64::from(all) * 0.001;
+        "quads: pixels written twice" => twice as f64, 0.0, 0.0;
+        "pixels that the quads cover, against the pixels of the polygon" =>
+            quads.pixels() as f64, inverse.pixels() as f64, 0.002 * inverse.pixels() as f64;
+        "inverse: pixels written more than once" =>
+            f64::from(inverse.total()) - inverse.pixels() as f64, 0.0, 0.0;
+        "inverse: pixels whose texel differs from the homography's" => f64::from(stray), 0.0, 0.0;
     ];
-    let panels = vec![
-        Panel {
-            picture: holed,
-            title: "Texel to pixel, points".into(),
-            caption: format!(
-                "{all} texels, one pixel each: {holes} holes (pink) near the eye, {overdrawn} texels overwritten far away."
-            ),
-        },
-        Panel {
-            picture: counts(&points, size),
-            title: "Writes of each pixel".into(),
-            caption: format!(
-                "Black 0, then red to white with the count, up to {}.",
-                points.writes.iter().max().unwrap_or(&0)
-            ),
-        },
-        Panel {
-            picture: quads.picture.clone(),
-            title: "Texel to pixel, solid quads".into(),
-            caption: format!(
-                "{all} quads are set up for {} pixels; {} of them are never seen.",
-                quads.pixels(),
-                quads.unseen()
-            ),
-        },
-        Panel {
-            picture: inverse.picture.clone(),
-            title: "Pixel to texel".into(),
-            caption: format!(
-                "One polygon, {} pixels, each fetches one texel: no hole, no overdraw.",
-                inverse.pixels()
-            ),
-        },
+    let panels = panels![
+        holed =>
+            "Texel to pixel, points",
+            format!("{all} texels, one pixel each: {holes} holes (pink) near the eye, {overdrawn} texels overwritten far away.");
+        counts(&points, size) =>
+            "Writes of each pixel",
+            format!("Black 0, then red to white with the count, up to {}.", points.writes.iter().max().unwrap_or(&0));
+        quads.picture.clone() =>
+            "Texel to pixel, solid quads",
+            format!("{all} quads are set up for {} pixels; {} of them are never seen.", quads.pixels(), quads.unseen());
+        inverse.picture.clone() =>
+            "Pixel to texel",
+            format!("One polygon, {} pixels, each fetches one texel: no hole, no overdraw.", inverse.pixels());
     ];
     Ok(sheet("Forward against inverse mapping", panels, claims))
 }
@@ -262,47 +224,31 @@ fn inverse(wall: &Wall) -> Result<(Written, u32), LabError> {
         *corner = project(place(u, v), size)?;
     }
     let to_texture = Homography::from_square(screen)?.inverse();
-    let prepared = Prepared::new(TargetSize::new(size, size)?, &[draw])?;
     let (mut written, mut stray) = (Written::new(wall), 0);
-    let (mut buffers, mut fragment) = (TileBuffers::new(), Fragment::default());
     let texel_of = |c: f64| {
         (c * f64::from(texels))
             .floor()
             .clamp(0.0, f64::from(texels - 1)) as u32
     };
-    for index in 0..prepared.tiles() {
-        prepared.visible(index, &NoAlphaTest, &mut buffers);
-        let tile = prepared.tile(index);
-        for (cell, &id) in buffers.id.iter().enumerate().filter(|&(_, &id)| id != NONE) {
-            let (x, y) = (tile.x0 + cell as u32 % TILE, tile.y0 + cell as u32 / TILE);
-            prepared.evaluate(id, x, y, &mut fragment);
-            let (u, v) = (f64::from(fragment.values[0]), f64::from(fragment.values[1]));
-            let texel = texel_of(v) * texels + texel_of(u);
-            written.write(x, y, texel, wall);
-            let centre = DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5);
-            let Some(truth) = to_texture.apply(centre) else {
-                continue;
-            };
-            let border =
-                |c: f64| (c * f64::from(texels) - (c * f64::from(texels)).round()).abs() < 1e-3;
-            if !border(truth.x) && !border(truth.y) {
-                stray += u32::from(texel != texel_of(truth.y) * texels + texel_of(truth.x));
-            }
+    visit((size, size), &[draw], |x, y, fragment| {
+        let (u, v) = (f64::from(fragment.values[0]), f64::from(fragment.values[1]));
+        let texel = texel_of(v) * texels + texel_of(u);
+        written.write(x, y, texel, wall);
+        let centre = DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5);
+        let border =
+            |c: f64| (c * f64::from(texels) - (c * f64::from(texels)).round()).abs() < 1e-3;
+        let inner = |truth: &DVec2| !border(truth.x) && !border(truth.y);
+        if let Some(truth) = to_texture.apply(centre).filter(inner) {
+            stray += u32::from(texel != texel_of(truth.y) * texels + texel_of(truth.x));
         }
-    }
+    })?;
     Ok((written, stray))
 }
 
 /// Black for no write, then heat up to the most written pixel.
 fn counts(written: &Written, size: u32) -> Picture {
     let most = f64::from(*written.writes.iter().max().unwrap_or(&1)).max(1.0);
-    let mut picture = Picture::new(size, size, SKY);
-    for (index, &n) in written.writes.iter().enumerate() {
-        let (x, y) = (
-            index as i64 % i64::from(size),
-            index as i64 / i64::from(size),
-        );
-        picture.set(x, y, crate::strip::heat(f64::from(n) / most));
-    }
-    picture
+    Picture::from_fn(size, size, |x, y| {
+        texmap_truth::strip::heat(f64::from(written.writes[(y * size + x) as usize]) / most)
+    })
 }

@@ -6,6 +6,20 @@
 //! with the renderer's own named methods, measures what the picture shows and holds it against the closed
 //! form.
 
+/// A table of claims: `text => measured, expected, tolerance;` a row.
+macro_rules! claims {
+    ($($text:expr => $measured:expr, $expected:expr, $tolerance:expr;)*) => {
+        vec![$($crate::demos::Claim::new($text, $measured, $expected, $tolerance)),*]
+    };
+}
+
+/// A table of panels: `picture => title, caption;` a row.
+macro_rules! panels {
+    ($($picture:expr => $title:expr, $caption:expr;)*) => {
+        vec![$($crate::demos::Panel::new($picture, $title, $caption)),*]
+    };
+}
+
 mod affine;
 mod antialiasing;
 mod cards;
@@ -35,7 +49,7 @@ pub use moving_spot::MovingSpot;
 pub use projections::projections;
 
 use crate::LabError;
-use crate::picture::Picture;
+use texmap_truth::picture::Picture;
 
 /// Pixels a side that a panel may have.
 pub const SIZES: RangeInclusive<u32> = 128..=1024;
@@ -192,7 +206,7 @@ pub fn demo(name: &str, size: u32) -> Result<DemoPicture, LabError> {
 /// A figure that a demo measures on its own pictures and what theory says it must be.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Claim {
-    /// What is claimed, in words.
+    /// The claim in words.
     pub text: String,
     /// The figure measured.
     pub measured: f64,
@@ -212,7 +226,7 @@ impl Claim {
         }
     }
 
-    /// Whether the measured figure supports the claim; a NaN never does.
+    /// True if the measured figure supports the claim; a NaN never does.
     pub fn holds(&self) -> bool {
         (self.measured - self.expected).abs() <= self.tolerance
     }
@@ -247,14 +261,14 @@ fn figure(value: f64, digits: i32) -> String {
     }
 }
 
-/// What [`demo`] gives back.
+/// The result of [`demo`].
 #[derive(Clone, Debug)]
 pub struct DemoPicture {
     /// Title, panels with captions, and the claims with their verdicts.
     pub image: Picture,
     /// The panels' captions, left to right.
     pub captions: Vec<String>,
-    /// What was measured.
+    /// The claims with their measured figures.
     pub claims: Vec<Claim>,
 }
 

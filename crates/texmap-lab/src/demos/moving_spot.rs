@@ -4,14 +4,14 @@ use texmap_bake::LightMap;
 use texmap_light::Light;
 use texmap_math::det;
 use texmap_math::glam::DVec3;
-use texmap_sample::{Filter, Sampler, UvTransform};
-use texmap_scene::{Mesh, Scene, TextureSlot};
+use texmap_sample::{Filter, Wrap};
+use texmap_scene::{Mesh, Scene};
 
 use super::lit::{ball, difference, matte};
 use super::relief::{baked, under};
 use super::{Claim, paint, stage};
 use crate::LabError;
-use crate::picture::Picture;
+use texmap_truth::picture::Picture;
 
 /// Texels a side of the room's light map.
 const TEXELS: u32 = 192;
@@ -96,14 +96,7 @@ fn room() -> Result<Scene, LabError> {
         },
     ];
     let mut wall = matte([1.0; 3], 0.0);
-    wall.base_color = Some(TextureSlot {
-        texture: bricks,
-        sampler: Sampler {
-            filter: Filter::Trilinear,
-            ..Sampler::default()
-        },
-        transform: UvTransform::default(),
-    });
+    wall.base_color = Some(stage::slot(bricks, Filter::Trilinear, Wrap::Repeat));
     let wall = stage::add(&mut scene, wall);
     let plaster = stage::add(&mut scene, matte([0.75, 0.7, 0.65], 0.0));
     let sides = [

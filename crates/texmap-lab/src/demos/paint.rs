@@ -1,12 +1,12 @@
 //! The demos' textures, painted in code so that the program needs no files: a checker, a lettered grid, a
 //! brick wall, a cow's face as photo and a lattice with holes.
 
-use crate::picture::{Picture, Rgba};
+use texmap_truth::picture::{Picture, Rgba};
 
 /// A checkerboard of `cells` by `cells` fields on `size` by `size` texels.
 pub(super) fn checker(size: u32, cells: u32, dark: Rgba, light: Rgba) -> Picture {
     let cell = (size / cells).max(1);
-    paint(size, |x, y| {
+    Picture::from_fn(size, size, |x, y| {
         if (x / cell + y / cell).is_multiple_of(2) {
             light
         } else {
@@ -18,7 +18,7 @@ pub(super) fn checker(size: u32, cells: u32, dark: Rgba, light: Rgba) -> Picture
 /// Four by four fields lettered A1 (top left) to D4: shows at a glance where a texture lies and which way up.
 pub(super) fn letters(size: u32) -> Picture {
     let cell = size / 4;
-    let mut picture = paint(size, |x, y| {
+    let mut picture = Picture::from_fn(size, size, |x, y| {
         let edge = x > 0 && x % cell == 0 || y > 0 && y % cell == 0;
         if edge {
             [40, 40, 48, 255]
@@ -59,7 +59,7 @@ pub(super) fn field(column: u32, row: u32) -> Rgba {
 pub(super) fn bricks(size: u32) -> Picture {
     let (brick, course) = (size / 4, size / 8);
     let joint = (size / 64).max(1);
-    paint(size, |x, y| {
+    Picture::from_fn(size, size, |x, y| {
         let row = y / course;
         let shifted = (x + if row % 2 == 1 { brick / 2 } else { 0 }) % size;
         let mortar = shifted % brick < joint || y % course < joint;
@@ -82,7 +82,7 @@ pub(super) fn bricks(size: u32) -> Picture {
 pub(super) fn lattice(size: u32) -> Picture {
     let period = (size / 4) as i64;
     let slat = period * 5 / 16;
-    paint(size, |x, y| {
+    Picture::from_fn(size, size, |x, y| {
         let (x, y) = (i64::from(x), i64::from(y));
         let rising = (x + y).rem_euclid(period);
         let falling = (x - y).rem_euclid(period);
@@ -103,7 +103,7 @@ pub(super) fn lattice(size: u32) -> Picture {
 
 /// A purple cow looking out of a round window, with a frame of straight lines that shows any bend.
 pub(super) fn cow_photo(size: u32) -> Picture {
-    paint(size, |x, y| {
+    Picture::from_fn(size, size, |x, y| {
         let mut sum = [0u32; 3];
         for (dx, dy) in [(1, 1), (3, 1), (1, 3), (3, 3)] {
             let at = |v: u32, d: u32| ((v * 4 + d) * 1000) as i64 / (i64::from(size) * 4);
@@ -172,16 +172,6 @@ fn cow(x: i64, y: i64) -> [u8; 3] {
     }
     let haze = (y / 12).clamp(0, 66) as u8;
     [128 + haze, 178 + haze, 236]
-}
-
-fn paint(size: u32, color: impl Fn(u32, u32) -> Rgba) -> Picture {
-    let mut picture = Picture::new(size, size, [0; 4]);
-    for y in 0..size {
-        for x in 0..size {
-            picture.set(i64::from(x), i64::from(y), color(x, y));
-        }
-    }
-    picture
 }
 
 /// A well-mixed hash of a texel position (the finalizer of MurmurHash3, Appleby 2011).

@@ -5,11 +5,11 @@ use texmap_math::glam::DVec3;
 use texmap_sample::{ColorSpace, Origin, Texture2d};
 use texmap_scene::{Scene, Shading, SlideProjector, SlideRole};
 
-use super::lit::{Lit, difference, matte, wrong};
+use super::lit::{Lit, matte, wrong};
 use super::sheet::sheet;
-use super::{Claim, DemoPicture, Panel, stage};
+use super::{DemoPicture, stage};
 use crate::LabError;
-use crate::truth::rays::{RayObject, RayScene};
+use texmap_truth::rays::{RayObject, RayScene};
 
 /// The sheet of a scene with projectors, `size` pixels a panel; `spoiled` is the share of the picture, in percent, that is expected to
 /// be wrong without their depth maps.
@@ -39,27 +39,12 @@ pub fn projections(
     }
     let mut beside = scene.clone();
     beside.camera.eye = first.position;
-    let panels = vec![
-        Panel::new(
-            stage::photograph(&dark, size)?,
-            "Off",
-            "The scene without its projectors.",
-        ),
-        Panel::new(
-            stage::photograph(scene, size)?,
-            "On",
-            "Beside the projector: what it does not see stays as it was.",
-        ),
-        Panel::new(
-            stage::photograph(&beside, size)?,
-            "From the projector",
-            "Its own eye sees the picture whole, and no shadow.",
-        ),
-        Panel::new(
-            stage::photograph(&through, size)?,
-            "No depth map (wrong)",
-            "It shines through to the far side.",
-        ),
+    let panels = panels![
+        stage::photograph(&dark, size)? => "Off", "The scene without its projectors.";
+        stage::photograph(scene, size)? => "On", "Beside the projector: what it does not see stays as it was.";
+        stage::photograph(&beside, size)? =>
+            "From the projector", "Its own eye sees the picture whole, and no shadow.";
+        stage::photograph(&through, size)? => "No depth map (wrong)", "It shines through to the far side.";
     ];
     let pixels = f64::from(size * size);
     let rays = RayScene::new(scene.meshes.iter().map(RayObject::Mesh));
@@ -68,19 +53,9 @@ pub fn projections(
         with += spoils(scene, slide, slide.shadow, &rays, size)?;
         without += spoils(scene, slide, None, &rays, size)?;
     }
-    let claims = vec![
-        Claim::new(
-            "wrong pixels, with depth maps",
-            f64::from(with),
-            0.0,
-            5e-4 * pixels,
-        ),
-        Claim::new(
-            "wrong without them, % of the picture",
-            100.0 * f64::from(without) / pixels,
-            spoiled,
-            0.25 * spoiled,
-        ),
+    let claims = claims![
+        "wrong pixels, with depth maps" => f64::from(with), 0.0, 5e-4 * pixels;
+        "wrong without them, % of the picture" => 100.0 * f64::from(without) / pixels, spoiled, 0.25 * spoiled;
     ];
     Ok(sheet(title, panels, claims))
 }
@@ -112,18 +87,12 @@ fn spoils(
         ..slide.clone()
     }];
     let on = Lit::take(&bare, size)?;
-    let truth: Vec<Option<bool>> = off
-        .position
-        .iter()
-        .zip(&off.normal)
-        .map(|(p, n)| {
-            let facing = n.dot((slide.position - *p).normalize_or_zero());
-            (p.is_finite() && facing > 0.15).then(|| shone_on(slide, rays, *p, *n))
-        })
-        .collect();
-    let lit: Vec<bool> = (0..off.position.len())
-        .map(|i| difference(&on.picture, &off.picture, i) > 1)
-        .collect();
+    let truth = off.facing(
+        0.15,
+        |p| slide.position - p,
+        |p, n| shone_on(slide, rays, p, n),
+    );
+    let lit = on.changed(&off, 1);
     Ok(wrong(&truth, &lit, size, i64::from(size / 100).max(1)))
 }
 

@@ -5,16 +5,14 @@ use texmap_light::{Green, Heights, Light, Slope, encode_normal};
 use texmap_math::det;
 use texmap_math::glam::DVec3;
 use texmap_render::shadow_map_for;
-use texmap_sample::{
-    Alpha, ColorSpace, Filter, Image, Origin, Sampler, Texels, Texture2d, UvTransform, Wrap,
-};
-use texmap_scene::{LightMapSlot, Relief, Scene, Shadow, TextureSlot, shadow_bias, shadow_kind};
+use texmap_sample::{ColorSpace, Filter, Origin, Texture2d, Wrap};
+use texmap_scene::{LightMapSlot, Relief, Scene, shadow_bias, shadow_kind};
 
 use super::lit::{Lit, ball, difference, floor, matte};
 use super::sheet::sheet;
-use super::{Claim, DemoPicture, Panel, carving, stage};
+use super::{DemoPicture, carving, stage};
 use crate::LabError;
-use crate::picture::Picture;
+use texmap_truth::picture::Picture;
 
 /// Texels a side of the height field, and its periods.
 const TEXELS: u32 = 512;
@@ -28,37 +26,6 @@ fn height(u: f64, v: f64) -> f64 {
     0.5 + 0.25 * (wave(u) + wave(v))
 }
 
-pub(super) fn floats(
-    width: u32,
-    channels: u32,
-    texels: &[f32],
-) -> Result<Texture2d<'static>, LabError> {
-    let height = texels.len() as u32 / width / channels;
-    let image = Image {
-        width,
-        height,
-        channels,
-        texels: Texels::F32(texels),
-        color: ColorSpace::Linear,
-        alpha: Alpha::Straight,
-        origin: Origin::TopLeft,
-    };
-    Ok(Texture2d::new(&image)?.with_mips())
-}
-
-pub(super) fn slot(texture: usize, wrap: Wrap) -> TextureSlot {
-    TextureSlot {
-        texture,
-        sampler: Sampler {
-            filter: Filter::Trilinear,
-            wrap_u: wrap,
-            wrap_v: wrap,
-            ..Sampler::default()
-        },
-        transform: UvTransform::default(),
-    }
-}
-
 /// Heights of the waves, row by row.
 fn wave_heights() -> Vec<f32> {
     let place = |i: u32| (f64::from(i) + 0.5) / f64::from(TEXELS);
@@ -70,15 +37,11 @@ fn wave_heights() -> Vec<f32> {
 /// A floor under a low light, with two textures: heights, and their normals in 8 bits with green up.
 fn waves() -> Result<Scene, LabError> {
     let mut scene = stage::scene(DVec3::new(0.0, 2.6, 3.2), DVec3::ZERO, 50.0);
-    scene.lights = vec![
-        Light::Ambient { color: [0.1; 3] },
-        Light::Directional {
-            color: [0.9; 3],
-            direction: [1.0, -0.8, 0.6],
-        },
-    ];
+    scene.lights = stage::daylight(0.1, [0.9; 3], [1.0, -0.8, 0.6]);
     let values = wave_heights();
-    scene.textures.push(floats(TEXELS, 1, &values)?);
+    scene
+        .textures
+        .push(crate::plane::floats(TEXELS, 1, &values)?.with_mips());
     let heights = Heights {
         width: TEXELS,
         values: &values,
@@ -108,29 +71,19 @@ fn waves() -> Result<Scene, LabError> {
 }
 
 /// The floor in f64 with the exact normal of its waves, where the floor is seen.
-fn truth(scene: &Scene, flat: &Lit) -> Result<Picture, LabError> {
-    let mut picture = flat.picture.clone();
+fn truth(scene: &Scene, flat: &Lit) -> Picture {
     let surface = scene.materials[0].surface;
-    let size = i64::from(picture.width());
-    for (i, p) in flat.position.iter().enumerate() {
-        if !p.is_finite() || p.y.abs() > 1e-6 {
-            continue;
-        }
+    flat.painted(|_, p| {
         let (u, v) = (0.5 + p.x / 4.0, 0.5 + p.z / 4.0);
         let slope = |c: f64| {
             let w = PERIODS * std::f64::consts::TAU;
             0.25 * w * det::cos(c * w) * HEIGHT / 4.0
         };
         let n = DVec3::new(-slope(u), 1.0, -slope(v)).normalize();
-        let lit =
-            texmap_light::reference::illuminate(&surface, &scene.lights, *p, n, scene.camera.eye);
-        let [r, g, b] = lit
-            .as_vec3()
-            .to_array()
-            .map(texmap_math::color::linear_to_srgb8);
-        picture.set(i as i64 % size, i as i64 / size, [r, g, b, 255]);
-    }
-    Ok(picture)
+        let eye = scene.camera.eye;
+        let lit = texmap_light::reference::illuminate(&surface, &scene.lights, p, n, eye);
+        (p.y.abs() <= 1e-6).then(|| lit.as_vec3().to_array())
+    })
 }
 
 pub(super) fn bumps(size: u32) -> Result<DemoPicture, LabError> {
@@ -141,7 +94,7 @@ pub(super) fn bumps(size: u32) -> Result<DemoPicture, LabError> {
     };
     let normal_map = |green| {
         Some(Relief::NormalMap {
-            slot: slot(1, Wrap::Repeat),
+            slot: stage::slot(1, Filter::Trilinear, Wrap::Repeat),
             green,
             rebuild_z: false,
             object_space: false,
@@ -150,12 +103,12 @@ pub(super) fn bumps(size: u32) -> Result<DemoPicture, LabError> {
     };
     let flat = take(None)?;
     let bumped = take(Some(Relief::Bump {
-        slot: slot(0, Wrap::Repeat),
+        slot: stage::slot(0, Filter::Trilinear, Wrap::Repeat),
         height: HEIGHT as f32,
     }))?;
     let mapped = take(normal_map(Green::Up))?;
     let flipped = take(normal_map(Green::Down))?;
-    let truth = truth(&waves()?, &flat)?;
+    let truth = truth(&waves()?, &flat);
     let on_floor: Vec<usize> = (0..flat.position.len())
         .filter(|&i| flat.position[i].is_finite() && flat.position[i].y.abs() < 1e-6)
         .collect();
@@ -181,54 +134,19 @@ pub(super) fn bumps(size: u32) -> Result<DemoPicture, LabError> {
         carving::pot(size)?,
         carving::words(waves()?, size)?,
     ];
-    let mut claims = vec![
-        Claim::new(
-            "wrong pixels of the floor under the bump map",
-            wrong(&bumped),
-            0.0,
-            0.01 * floor_pixels,
-        ),
-        Claim::new(
-            "wrong pixels under the normal map",
-            wrong(&mapped),
-            0.0,
-            0.01 * floor_pixels,
-        ),
-        Claim::new(
-            "wrong without either, % of the floor",
-            100.0 * wrong(&flat) / floor_pixels,
-            67.0,
-            10.0,
-        ),
-        Claim::new(
-            "wrong with the green channel flipped, % of the floor",
-            100.0 * wrong(&flipped) / floor_pixels,
-            65.0,
-            15.0,
-        ),
+    let mut claims = claims![
+        "wrong pixels of the floor under the bump map" => wrong(&bumped), 0.0, 0.01 * floor_pixels;
+        "wrong pixels under the normal map" => wrong(&mapped), 0.0, 0.01 * floor_pixels;
+        "wrong without either, % of the floor" => 100.0 * wrong(&flat) / floor_pixels, 67.0, 10.0;
+        "wrong with the green channel flipped, % of the floor" =>
+            100.0 * wrong(&flipped) / floor_pixels, 65.0, 15.0;
     ];
-    let mut panels = vec![
-        Panel::new(flat.picture, "Off", "The floor is flat."),
-        Panel::new(
-            bumped.picture,
-            "Bump map",
-            "A height field by central differences, Blinn's normal.",
-        ),
-        Panel::new(
-            mapped.picture,
-            "Normal map",
-            "The same field as an 8-bit normal map, MikkTSpace.",
-        ),
-        Panel::new(
-            flipped.picture,
-            "Green flipped (wrong)",
-            "Along v light comes from the wrong side.",
-        ),
-        Panel::new(
-            truth,
-            "Truth",
-            "The floor with the waves' exact normals, in f64.",
-        ),
+    let mut panels = panels![
+        flat.picture => "Off", "The floor is flat.";
+        bumped.picture => "Bump map", "A height field by central differences, Blinn's normal.";
+        mapped.picture => "Normal map", "The same field as an 8-bit normal map, MikkTSpace.";
+        flipped.picture => "Green flipped (wrong)", "Along v light comes from the wrong side.";
+        truth => "Truth", "The floor with the waves' exact normals, in f64.";
     ];
     for shown in more {
         panels.push(shown.panel);
@@ -240,13 +158,7 @@ pub(super) fn bumps(size: u32) -> Result<DemoPicture, LabError> {
 /// A floor with a ball on it under a sun that throws shadows.
 fn yard() -> Scene {
     let mut scene = stage::scene(DVec3::new(1.6, 2.6, 3.6), DVec3::new(0.0, 0.2, 0.0), 45.0);
-    scene.lights = vec![
-        Light::Ambient { color: [0.1; 3] },
-        Light::Directional {
-            color: [0.6, 0.58, 0.5],
-            direction: [0.7, -0.8, -0.4],
-        },
-    ];
+    scene.lights = stage::daylight(0.1, [0.6, 0.58, 0.5], [0.7, -0.8, -0.4]);
     let ground = stage::add(&mut scene, matte([0.8; 3], 0.0));
     let red = stage::add(&mut scene, matte([0.75, 0.3, 0.2], 0.0));
     scene.meshes = vec![
@@ -286,10 +198,12 @@ pub(super) fn under(mut scene: Scene, map: &LightMap) -> Result<Scene, LabError>
         .iter()
         .flat_map(|c| [c[0], c[1], c[2], 1.0])
         .collect();
-    scene.textures.push(floats(map.size, 4, &texels)?);
+    scene
+        .textures
+        .push(crate::plane::floats(map.size, 4, &texels)?.with_mips());
     let texture = scene.textures.len() - 1;
     scene.materials[0].light_map = Some(LightMapSlot {
-        slot: slot(texture, Wrap::ClampToEdge),
+        slot: stage::slot(texture, Filter::Trilinear, Wrap::ClampToEdge),
         scale: 1.0,
         baked: None,
     });
@@ -298,13 +212,7 @@ pub(super) fn under(mut scene: Scene, map: &LightMap) -> Result<Scene, LabError>
 
 fn shadowed(mut scene: Scene) -> Scene {
     for light in 1..scene.lights.len() {
-        scene.effects.shadows.push(Shadow {
-            light,
-            size: Some(1024),
-            bias: None,
-            taps: 3,
-            area: None,
-        });
+        scene.effects.shadows.push(stage::shadow(light, 1024));
     }
     scene
 }
@@ -350,53 +258,18 @@ pub(super) fn light_maps(size: u32) -> Result<DemoPicture, LabError> {
         }
     }
     let count = floor.len().max(1) as f64;
-    let claims = vec![
-        Claim::new(
-            "wrong pixels of the floor under 512 x 512 baked texels",
-            wrong(&fine),
-            0.0,
-            0.02 * count,
-        ),
-        Claim::new(
-            "wrong with 24 x 24, % of the floor",
-            100.0 * wrong(&coarse) / count,
-            2.9,
-            1.2,
-        ),
-        Claim::new(
-            "wrong without repaired borders and gutters, % of the floor beyond that",
-            100.0 * (wrong(&torn) - wrong(&coarse)) / count,
-            1.15,
-            0.7,
-        ),
-        Claim::new(
-            "moving spotlight: resting map and spot, against a fresh bake, /255",
-            f64::from(worst),
-            0.0,
-            1.0,
-        ),
+    let claims = claims![
+        "wrong pixels of the floor under 512 x 512 baked texels" => wrong(&fine), 0.0, 0.02 * count;
+        "wrong with 24 x 24, % of the floor" => 100.0 * wrong(&coarse) / count, 2.9, 1.2;
+        "wrong without repaired borders and gutters, % of the floor beyond that" =>
+            100.0 * (wrong(&torn) - wrong(&coarse)) / count, 1.15, 0.7;
+        "moving spotlight: resting map and spot, against a fresh bake, /255" => f64::from(worst), 0.0, 1.0;
     ];
-    let panels = vec![
-        Panel::new(
-            direct.picture,
-            "Computed per pixel",
-            "Lights and shadow maps for every pixel.",
-        ),
-        Panel::new(
-            fine.picture,
-            "Baked, 512 x 512",
-            "The floor reads its light from a map.",
-        ),
-        Panel::new(
-            coarse.picture,
-            "Baked, 24 x 24",
-            "Low resolution blurs the shadow, nothing else.",
-        ),
-        Panel::new(
-            torn.picture,
-            "No repair, no gutter (wrong)",
-            "Texels whose centre is off the chart are black.",
-        ),
+    let panels = panels![
+        direct.picture => "Computed per pixel", "Lights and shadow maps for every pixel.";
+        fine.picture => "Baked, 512 x 512", "The floor reads its light from a map.";
+        coarse.picture => "Baked, 24 x 24", "Low resolution blurs the shadow, nothing else.";
+        torn.picture => "No repair, no gutter (wrong)", "Texels whose centre is off the chart are black.";
     ];
     Ok(sheet("Light maps", panels, claims))
 }

@@ -4,16 +4,16 @@ use texmap_light::{Light, ShadowBias, SlideBorder};
 use texmap_math::Projector;
 use texmap_math::glam::DVec3;
 use texmap_render::shadow_map;
-use texmap_sample::{Filter, Sampler};
+use texmap_sample::{Filter, Wrap};
 use texmap_scene::{Scene, Shadow, SlideProjector, SlideRole, shadow_kind};
 
-use super::lit::{Lit, ball, difference, floor, matte, wrong};
+use super::lit::{Lit, ball, floor, matte, wrong};
 use super::sheet::sheet;
 use super::stage::{self, texture};
-use super::{Claim, DemoPicture, Panel, paint};
+use super::{DemoPicture, paint};
 use crate::LabError;
-use crate::picture::Picture;
-use crate::truth::rays::{RayObject, RayScene};
+use texmap_truth::picture::Picture;
+use texmap_truth::rays::{RayObject, RayScene};
 
 /// A ball and a small ball on a floor.
 fn table() -> Scene {
@@ -42,10 +42,7 @@ pub(super) fn slides(size: u32) -> Result<DemoPicture, LabError> {
         projector,
         position,
         texture: index,
-        sampler: Sampler {
-            filter: Filter::Trilinear,
-            ..Sampler::default()
-        },
+        sampler: stage::sampler(Filter::Trilinear, Wrap::Repeat),
         border,
         softness: 0.0,
         role: SlideRole::Light([1.0; 3]),
@@ -65,70 +62,30 @@ pub(super) fn slides(size: u32) -> Result<DemoPicture, LabError> {
     }])?;
     // Truth by rays: the slide holds the point, and nothing stands between it and the projector.
     let rays = rays(&table());
-    let truth: Vec<Option<bool>> = off
-        .position
-        .iter()
-        .zip(&off.normal)
-        .map(|(p, n)| {
-            let facing = n.dot((position - *p).normalize_or_zero());
-            (p.is_finite() && facing > 0.1).then(|| {
-                let inside = projector
-                    .uv(*p)
-                    .is_some_and(|uv| uv.min_element() >= 0.0 && uv.max_element() <= 1.0);
-                inside && !rays.blocked(*p + *n * 1e-4, position)
-            })
-        })
-        .collect();
-    let lit = |shot: &Lit| -> Vec<bool> {
-        (0..off.position.len())
-            .map(|i| difference(&shot.picture, &off.picture, i) > 1)
-            .collect()
-    };
+    let truth = off.facing(
+        0.1,
+        |p| position - p,
+        |p, n| {
+            let inside = projector
+                .uv(p)
+                .is_some_and(|uv| uv.min_element() >= 0.0 && uv.max_element() <= 1.0);
+            inside && !rays.blocked(p + n * 1e-4, position)
+        },
+    );
     let reach = i64::from(size / 100);
-    let count = |shot: &Lit| f64::from(wrong(&truth, &lit(shot), size, reach));
+    let count = |shot: &Lit| f64::from(wrong(&truth, &shot.changed(&off, 1), size, reach));
     let pixels = f64::from(size * size);
-    let claims = vec![
-        Claim::new(
-            "wrong pixels, with a depth map and a black border",
-            count(&on),
-            0.0,
-            2e-4 * pixels,
-        ),
-        Claim::new(
-            "wrong without the depth map, % of the picture",
-            100.0 * count(&through) / pixels,
-            7.8,
-            1.5,
-        ),
-        Claim::new(
-            "wrong where the slide repeats, % of the picture",
-            100.0 * count(&repeated) / pixels,
-            27.0,
-            4.0,
-        ),
+    let claims = claims![
+        "wrong pixels, with a depth map and a black border" => count(&on), 0.0, 2e-4 * pixels;
+        "wrong without the depth map, % of the picture" => 100.0 * count(&through) / pixels, 7.8, 1.5;
+        "wrong where the slide repeats, % of the picture" => 100.0 * count(&repeated) / pixels, 27.0, 4.0;
     ];
-    let panels = vec![
-        Panel::new(off.picture, "Off", "Ambient light alone."),
-        Panel::new(
-            on.picture,
-            "A slide as light",
-            "Nothing behind what it meets is lit, nothing beyond its edge.",
-        ),
-        Panel::new(
-            painted.picture,
-            "A slide as paint",
-            "The surface takes the colours, whatever the light.",
-        ),
-        Panel::new(
-            through.picture,
-            "No depth map (wrong)",
-            "It shines through the balls.",
-        ),
-        Panel::new(
-            repeated.picture,
-            "Repeated (wrong for a lamp)",
-            "A texture's wrap mode tiles the floor.",
-        ),
+    let panels = panels![
+        off.picture => "Off", "Ambient light alone.";
+        on.picture => "A slide as light", "Nothing behind what it meets is lit, nothing beyond its edge.";
+        painted.picture => "A slide as paint", "The surface takes the colours, whatever the light.";
+        through.picture => "No depth map (wrong)", "It shines through the balls.";
+        repeated.picture => "Repeated (wrong for a lamp)", "A texture's wrap mode tiles the floor.";
     ];
     Ok(sheet("Slide projectors: light and paint", panels, claims))
 }
@@ -159,71 +116,33 @@ pub(super) fn shadows(size: u32) -> Result<DemoPicture, LabError> {
     let toward = -DVec3::from(direction.map(f64::from));
     let scene = table();
     let rays = rays(&scene);
-    let truth: Vec<Option<bool>> = off
-        .position
-        .iter()
-        .zip(&off.normal)
-        .map(|(p, n)| {
-            let facing = n.dot(toward.normalize());
-            (p.is_finite() && facing > 0.1)
-                .then(|| rays.meets(*p + *n * 2e-3, toward, (0.0, f64::INFINITY)))
-        })
-        .collect();
-    let dark = |shot: &Lit| -> Vec<bool> {
-        (0..off.position.len())
-            .map(|i| difference(&shot.picture, &off.picture, i) > 4)
-            .collect()
+    let truth = off.facing(
+        0.1,
+        |_| toward,
+        |p, n| rays.meets(p + n * 2e-3, toward, (0.0, f64::INFINITY)),
+    );
+    let count = |shot: &Lit| {
+        f64::from(wrong(
+            &truth,
+            &shot.changed(&off, 4),
+            size,
+            i64::from(size / 80),
+        ))
     };
-    let count = |shot: &Lit| f64::from(wrong(&truth, &dark(shot), size, i64::from(size / 80)));
     let pixels = f64::from(size * size);
-    let claims = vec![
-        Claim::new(
-            "wrong pixels under the default bias",
-            count(&slope),
-            0.0,
-            3e-4 * pixels,
-        ),
-        Claim::new(
-            "wrong without a bias, % of the picture",
-            100.0 * count(&none) / pixels,
-            23.0,
-            5.0,
-        ),
-        Claim::new(
-            "wrong under a constant of 0.8, % of the picture",
-            100.0 * count(&large) / pixels,
-            0.18,
-            0.12,
-        ),
+    let claims = claims![
+        "wrong pixels under the default bias" => count(&slope), 0.0, 3e-4 * pixels;
+        "wrong without a bias, % of the picture" => 100.0 * count(&none) / pixels, 23.0, 5.0;
+        "wrong under a constant of 0.8, % of the picture" => 100.0 * count(&large) / pixels, 0.18, 0.12;
     ];
     let depth = depth_picture(&scene_with(scene, direction), size)?;
-    let panels = vec![
-        Panel::new(off.picture, "Off", "Light goes through everything."),
-        Panel::new(
-            none.picture,
-            "No bias (wrong)",
-            "Surfaces shadow themselves: acne.",
-        ),
-        Panel::new(
-            large.picture,
-            "A large constant (wrong)",
-            "No acne, but shadows stand off their things.",
-        ),
-        Panel::new(
-            slope.picture,
-            "The default",
-            "Neither: the planes of both surfaces.",
-        ),
-        Panel::new(
-            soft.picture,
-            "5 x 5 comparisons",
-            "The mean of comparisons softens the edge.",
-        ),
-        Panel::new(
-            depth,
-            "The map",
-            "Near the light is light, far dark; white is nothing.",
-        ),
+    let panels = panels![
+        off.picture => "Off", "Light goes through everything.";
+        none.picture => "No bias (wrong)", "Surfaces shadow themselves: acne.";
+        large.picture => "A large constant (wrong)", "No acne, but shadows stand off their things.";
+        slope.picture => "The default", "Neither: the planes of both surfaces.";
+        soft.picture => "5 x 5 comparisons", "The mean of comparisons softens the edge.";
+        depth => "The map", "Near the light is light, far dark; white is nothing.";
     ];
     Ok(sheet("Shadow maps: bias and filter", panels, claims))
 }
@@ -248,16 +167,10 @@ fn depth_picture(scene: &Scene, size: u32) -> Result<Picture, LabError> {
         seen().fold(f32::MAX, f32::min),
         seen().fold(f32::MIN, f32::max),
     );
-    let rgba = depths
-        .iter()
-        .flat_map(|d| {
-            let c = if d.is_finite() {
-                (230.0 - 210.0 * (d - near) / (far - near)) as u8
-            } else {
-                255
-            };
-            [c, c, c, 255]
-        })
-        .collect();
-    Ok(Picture::from_rgba(size, size, rgba).unwrap_or_else(|| Picture::new(size, size, [0; 4])))
+    Ok(Picture::from_fn(size, size, |x, y| {
+        let d = depths[(y * size + x) as usize];
+        let near_is_light = || (230.0 - 210.0 * (d - near) / (far - near)) as u8;
+        let c = if d.is_finite() { near_is_light() } else { 255 };
+        [c, c, c, 255]
+    }))
 }

@@ -1,7 +1,7 @@
 //! A sheet of equal captioned panels with the claims below: the layout that every demo shares.
 
 use super::{Claim, DemoPicture, Panel};
-use crate::picture::{GLYPH, Picture, Rgba, wrap};
+use texmap_truth::picture::{GLYPH, Picture, Rgba, wrap};
 
 const PAPER: Rgba = [247, 245, 240, 255];
 const INK: Rgba = [30, 32, 40, 255];

@@ -1,6 +1,5 @@
 //! Two bones bend an arm: what linear blending loses of its volume, and rigid parts beside it.
 
-use texmap_light::Light;
 use texmap_math::det;
 use texmap_math::glam::{DMat4, DVec3};
 use texmap_mesh::{Bone, Skeleton, SkinBlend, turn};
@@ -110,13 +109,7 @@ fn overlap(degrees: f64) -> f64 {
 
 fn scene() -> Result<Scene, LabError> {
     let mut scene = stage::scene(DVec3::new(0.0, 1.0, 7.6), DVec3::new(0.0, 0.4, 0.0), 36.0);
-    scene.lights = vec![
-        Light::Ambient { color: [0.3; 3] },
-        Light::Directional {
-            color: [0.8; 3],
-            direction: [-0.4, -0.8, -0.9],
-        },
-    ];
+    scene.lights = stage::daylight(0.3, [0.8; 3], [-0.4, -0.8, -0.9]);
     let texture = stage::texture(
         &mut scene,
         &paint::checker(256, 4, [176, 92, 60, 255], [236, 214, 180, 255]),

@@ -4,38 +4,16 @@ use texmap_math::color::linear_to_srgb8;
 use texmap_math::det;
 use texmap_math::glam::{DMat4, DVec3};
 use texmap_sample::{
-    Alpha, ColorSpace, Filter, Image, Origin, Pattern, Sampler, Texels, Texture2d, Texture3d,
-    UvTransform, Wrap, gradient_noise, reference,
+    Alpha, ColorSpace, Filter, Image, Origin, Pattern, Texels, Texture3d, Wrap, gradient_noise,
+    reference,
 };
 use texmap_scene::{Material, Mesh, Scene, Shading, Solid, SolidSource, TextureSlot, Volume};
 
 use super::lit::{Lit, ball, floor, matte};
 use super::sheet::sheet;
-use super::{Claim, DemoPicture, Panel, stage};
+use super::{DemoPicture, stage};
 use crate::LabError;
-use crate::picture::Picture;
-
-/// A row of sRGB colours and alphas as a ramp of a scene.
-fn ramp(scene: &mut Scene, stops: &[[u8; 4]]) -> Result<TextureSlot, LabError> {
-    let texels = stops.concat();
-    let width = stops.len() as u32;
-    let texture = Texture2d::from_rgba8(width, 1, texels, ColorSpace::Srgb, Origin::TopLeft)?;
-    scene.textures.push(texture);
-    Ok(TextureSlot {
-        texture: scene.textures.len() - 1,
-        sampler: clamped(Filter::Bilinear),
-        transform: UvTransform::default(),
-    })
-}
-
-fn clamped(filter: Filter) -> Sampler {
-    Sampler {
-        filter,
-        wrap_u: Wrap::ClampToEdge,
-        wrap_v: Wrap::ClampToEdge,
-        ..Sampler::default()
-    }
-}
+use texmap_truth::picture::Picture;
 
 /// A material carved out of a pattern whose unit is `unit` wide.
 fn carved(pattern: Pattern, unit: f64, at: DVec3, shading: Shading) -> Material {
@@ -65,20 +43,14 @@ const WOOD: [[u8; 4]; 4] = [
 pub(super) fn solids(size: u32) -> Result<DemoPicture, LabError> {
     let eye = DVec3::new(0.0, 2.2, 5.6);
     let mut still = stage::scene(eye, DVec3::new(0.0, 0.7, 0.0), 36.0);
-    still.lights = vec![
-        texmap_light::Light::Ambient { color: [0.25; 3] },
-        texmap_light::Light::Directional {
-            color: [0.85; 3],
-            direction: [-0.6, -1.0, -0.7],
-        },
-    ];
+    still.lights = stage::daylight(0.25, [0.85; 3], [-0.6, -1.0, -0.7]);
     let marble = Pattern::Marble {
         octaves: 5,
         turbulence: 1.2,
     };
     let wood = Pattern::Wood { grain: 0.25 };
-    let light = ramp(&mut still, &MARBLE)?;
-    let brown = ramp(&mut still, &WOOD)?;
+    let light = stage::ramp(&mut still, &MARBLE, Filter::Bilinear)?;
+    let brown = stage::ramp(&mut still, &WOOD, Filter::Bilinear)?;
     let first = Material {
         color_ramp: Some(light),
         ..carved(marble, 0.6, DVec3::ZERO, Shading::PerPixel)
@@ -143,21 +115,13 @@ pub(super) fn solids(size: u32) -> Result<DemoPicture, LabError> {
     }
     let upright = stage::add(&mut far, upright);
     far.meshes.push(floor(60.0, upright));
-    let truth = render(&far, size, 16)?;
+    let truth = stage::picture(&far, size, 16)?;
     let filtered = Lit::take(&far, size)?;
-    let mut centre = filtered.picture.clone();
-    for (i, p) in filtered
-        .position
-        .iter()
-        .enumerate()
-        .filter(|(_, p)| p.is_finite())
-    {
-        let q = *p - DVec3::new(0.3, 0.0, -1.0);
+    let centre = filtered.painted(|_, p| {
+        let q = p - DVec3::new(0.3, 0.0, -1.0);
         let r = (q.x * q.x + q.z * q.z).sqrt() / 0.25;
-        let v = linear_to_srgb8((r - r.floor()) as f32);
-        let (x, y) = (i as u32 % size, i as u32 / size);
-        centre.set(i64::from(x), i64::from(y), [v, v, v, 255]);
-    }
+        Some([(r - r.floor()) as f32; 3])
+    });
     let error = |p: &Picture| {
         let all = (0..(size * size) as usize).filter(|i| filtered.position[*i].is_finite());
         let (mut sum, mut n) = (0.0, 0.0);
@@ -169,54 +133,21 @@ pub(super) fn solids(size: u32) -> Result<DemoPicture, LabError> {
     };
     let percent = |n: u32| 100.0 * f64::from(n) / f64::from(covered.max(1));
     let (by_width, by_centre) = (error(&filtered.picture), error(&centre));
-    let claims = vec![
-        Claim::new(
-            "pixels of a ball of noise more than 1/255 off the f64 noise",
-            off.into(),
-            0.0,
-            0.0,
-        ),
-        Claim::new(
-            "the same noise wrapped around by longitude: % more than 16/255 off",
-            percent(wrapped),
-            60.0,
-            20.0,
-        ),
-        Claim::new(
-            "rings to the horizon, filtered by the pixel's width: mean error, /255",
-            by_width,
-            0.0,
-            6.0,
-        ),
-        Claim::new(
-            "the same looked up at the pixel's centre: mean error, /255",
-            by_centre,
-            14.0,
-            10.0,
-        ),
+    let claims = claims![
+        "pixels of a ball of noise more than 1/255 off the f64 noise" => off.into(), 0.0, 0.0;
+        "the same noise wrapped around by longitude: % more than 16/255 off" => percent(wrapped), 60.0, 20.0;
+        "rings to the horizon, filtered by the pixel's width: mean error, /255" => by_width, 0.0, 6.0;
+        "the same looked up at the pixel's centre: mean error, /255" => by_centre, 14.0, 10.0;
     ];
-    let panels = vec![
-        Panel::new(
-            stage::photograph(&still, size)?,
+    let panels = panels![
+        stage::photograph(&still, size)? =>
             "Carved out of space",
-            "Marble and wood as functions of the point: no coordinates, no seams, rings run through the block.",
-        ),
-        Panel::new(
-            Picture::from_rgba(side, side, seen.picture.rgba().to_vec())
-                .map_or_else(|| Picture::new(size, size, [0; 4]), |p| shrunk(&p, size)),
-            "Gradient noise",
-            "One octave on a ball: the f64 noise of every point.",
-        ),
-        Panel::new(
-            filtered.picture.clone(),
-            "Rings, filtered",
-            "Each pixel sees the mean over its width: grey from afar.",
-        ),
-        Panel::new(
-            centre,
-            "Rings at pixel centres",
-            "The naive look-up: moire where rings are finer than pixels.",
-        ),
+            "Marble and wood as functions of the point: no coordinates, no seams, rings run through the block.";
+        shrunk(&seen.picture, size) =>
+            "Gradient noise", "One octave on a ball: the f64 noise of every point.";
+        filtered.picture.clone() =>
+            "Rings, filtered", "Each pixel sees the mean over its width: grey from afar.";
+        centre => "Rings at pixel centres", "The naive look-up: moire where rings are finer than pixels.";
     ];
     Ok(sheet(
         "Solid textures: colour as a function of space",
@@ -226,23 +157,8 @@ pub(super) fn solids(size: u32) -> Result<DemoPicture, LabError> {
 }
 
 fn shrunk(picture: &Picture, size: u32) -> Picture {
-    let mut out = Picture::new(size, size, [0; 4]);
-    for (x, y) in (0..size).flat_map(|y| (0..size).map(move |x| (x, y))) {
-        let at = |i: u32| i64::from(i * picture.width() / size);
-        out.set(x.into(), y.into(), picture.get(at(x), at(y)));
-    }
-    out
-}
-
-/// A picture at n x n samples a pixel.
-fn render(scene: &Scene, size: u32, supersample: u32) -> Result<Picture, LabError> {
-    let settings = texmap_render::Settings {
-        supersample,
-        ..texmap_render::Settings::new(size, size)
-    };
-    let frame = texmap_render::render(scene, &settings, &|_, _| {})?;
-    Ok(Picture::from_rgba(size, size, frame.rgba)
-        .unwrap_or_else(|| Picture::new(size, size, [0; 4])))
+    let at = |i: u32| i64::from(i * picture.width() / size);
+    Picture::from_fn(size, size, |x, y| picture.get(at(x), at(y)))
 }
 
 /// A grid of one number a voxel.
@@ -275,7 +191,7 @@ fn grid(side: u32, value: impl Fn(DVec3) -> f64) -> Result<Texture3d<'static>, L
 fn boxed(density: f32, step: f32, transfer: Option<TextureSlot>) -> Volume {
     Volume {
         grid: 0,
-        sampler: clamped(Filter::Bilinear),
+        sampler: stage::sampler(Filter::Bilinear, Wrap::ClampToEdge),
         transfer,
         density,
         step,
@@ -292,9 +208,9 @@ pub(super) fn volumes(size: u32) -> Result<DemoPicture, LabError> {
     even.background = black;
     even.effects.grids = vec![grid(1, |_| 1.0)?];
     even.effects.volumes = vec![boxed(0.8, 10.0, None)];
-    let picture = render(&even, size, 1)?;
+    let picture = stage::picture(&even, size, 1)?;
     even.effects.volumes[0].step = 0.013;
-    let fine = render(&even, size, 1)?;
+    let fine = stage::picture(&even, size, 1)?;
     let lengths = chords(&even, size)?;
     let code = |a: f64| i32::from(linear_to_srgb8(a as f32));
     let (mut wrong, mut stepped, mut naive) = (0u32, 0u32, 0u32);
@@ -321,96 +237,50 @@ pub(super) fn volumes(size: u32) -> Result<DemoPicture, LabError> {
     cloud.background = [0.05, 0.06, 0.09, 1.0];
     cloud.effects.grids = vec![grid(48, matter)?];
     cloud.effects.volumes = vec![boxed(2.0, 0.02, None)];
-    let gray = render(&cloud, size, 1)?;
-    let heat = ramp(
-        &mut cloud,
-        &[
-            [0, 0, 0, 0],
-            [70, 120, 220, 26],
-            [60, 160, 210, 40],
-            [250, 150, 40, 160],
-            [255, 235, 170, 255],
-            [255, 255, 240, 255],
-        ],
-    )?;
+    let gray = stage::picture(&cloud, size, 1)?;
+    let stops = [
+        [0, 0, 0, 0],
+        [70, 120, 220, 26],
+        [60, 160, 210, 40],
+        [250, 150, 40, 160],
+        [255, 235, 170, 255],
+        [255, 255, 240, 255],
+    ];
+    let heat = stage::ramp(&mut cloud, &stops, Filter::Bilinear)?;
     cloud.effects.volumes = vec![boxed(9.0, 0.02, Some(heat))];
-    let colored = render(&cloud, size, 1)?;
+    let colored = stage::picture(&cloud, size, 1)?;
     let red = stage::add(&mut cloud, matte([0.7, 0.1, 0.08], 0.4));
     cloud
         .meshes
         .push(ball(DVec3::new(0.45, 0.0, 0.35), 0.4, red));
-    cloud.lights = vec![
-        texmap_light::Light::Ambient { color: [0.3; 3] },
-        texmap_light::Light::Directional {
-            color: [0.8; 3],
-            direction: [1.0, -1.0, -0.6],
-        },
-    ];
+    cloud.lights = stage::daylight(0.3, [0.8; 3], [1.0, -1.0, -0.6]);
     cloud.camera.eye = DVec3::new(-0.5, 0.1, 0.75);
     cloud.camera.look = DVec3::new(0.3, 0.0, 0.1);
     cloud.camera.fov_x = 1.4;
     cloud.effects.volumes[0].density = 3.0;
-    let within = render(&cloud, size, 1)?;
+    let within = stage::picture(&cloud, size, 1)?;
 
     // What ending early saves, and costs.
     let dense = grid(1, |_| 1.0)?;
-    let sampler = clamped(Filter::Bilinear);
+    let sampler = stage::sampler(Filter::Bilinear, Wrap::ClampToEdge);
     let thick = texmap_sample::Volume::new(&dense, &sampler, None, 40.0, 0.005)?;
     let seen = thick.march([-1.0, 0.5, 0.5], [1.0, 0.0, 0.0], (0.0, f64::INFINITY));
     let saved = 100.0 * (1.0 - f64::from(seen.steps) / 200.0);
-    let claims = vec![
-        Claim::new(
-            "pixels more than 1/255 off 1 - exp(-density length), one step",
-            wrong.into(),
-            0.0,
-            0.0,
-        ),
-        Claim::new(
-            "pixels that change between steps of 10 and of 0.013",
-            stepped.into(),
-            0.0,
-            0.0,
-        ),
-        Claim::new(
-            "with one opacity for every step, % that change when steps are halved",
-            100.0 * f64::from(naive) / inside as f64,
-            100.0,
-            10.0,
-        ),
-        Claim::new(
-            "steps saved by ending where 1/4096 is left, % (density 40)",
-            saved,
-            79.0,
-            2.0,
-        ),
-        Claim::new(
-            "opacity lost by it, /255",
-            255.0 * (1.0 - det::exp(-40.0) - f64::from(seen.color[3])),
-            0.0,
-            0.1,
-        ),
+    let claims = claims![
+        "pixels more than 1/255 off 1 - exp(-density length), one step" => wrong.into(), 0.0, 0.0;
+        "pixels that change between steps of 10 and of 0.013" => stepped.into(), 0.0, 0.0;
+        "with one opacity for every step, % that change when steps are halved" =>
+            100.0 * f64::from(naive) / inside as f64, 100.0, 10.0;
+        "steps saved by ending where 1/4096 is left, % (density 40)" => saved, 79.0, 2.0;
+        "opacity lost by it, /255" => 255.0 * (1.0 - det::exp(-40.0) - f64::from(seen.color[3])), 0.0, 0.1;
     ];
-    let panels = vec![
-        Panel::new(
-            picture,
-            "Homogeneous",
-            "A white fog box: 1 - exp(-tau) at every pixel, whatever the step.",
-        ),
-        Panel::new(
-            gray,
-            "A grid of 48 x 48 x 48",
-            "Density is the voxel; a shell around folded matter.",
-        ),
-        Panel::new(
-            colored,
+    let panels = panels![
+        picture => "Homogeneous", "A white fog box: 1 - exp(-tau) at every pixel, whatever the step.";
+        gray => "A grid of 48 x 48 x 48", "Density is the voxel; a shell around folded matter.";
+        colored =>
             "With a transfer function",
-            "The voxel is looked up along a ramp of colour and alpha: a dependent look-up.",
-        ),
-        Panel::new(
-            within,
-            "The eye inside",
-            "Rays begin at the eye and end at the ball that is solid.",
-        ),
+            "The voxel is looked up along a ramp of colour and alpha: a dependent look-up.";
+        within => "The eye inside", "Rays begin at the eye and end at the ball that is solid.";
     ];
     Ok(sheet(
         "Volumes: emission and absorption along rays",

@@ -1,15 +1,17 @@
-//! What the demos put before the camera: quads and cubes, their materials, and pictures taken of them.
+//! The props of the demos: quads and cubes, their materials, and pictures taken of them.
 
-use texmap_light::Surface;
+use texmap_light::{Light, Surface};
 use texmap_math::camera::Camera;
 use texmap_math::glam::{DMat4, DVec2, DVec3, DVec4};
 use texmap_raster::Interp;
-use texmap_render::{Aov, AovData, Settings};
+use texmap_render::{Aov, AovData, Frame, Settings};
 use texmap_sample::{ColorSpace, Filter, Origin, Sampler, Texture2d, UvTransform, Wrap};
-use texmap_scene::{AlphaMode, Gouraud, Material, Mesh, Scene, Shading, TextureRole, TextureSlot};
+use texmap_scene::{
+    AlphaMode, Gouraud, Material, Mesh, Scene, Shading, Shadow, TextureRole, TextureSlot,
+};
 
 use crate::LabError;
-use crate::picture::Picture;
+use texmap_truth::picture::Picture;
 
 /// Sky behind everything, as sRGB values.
 const BACKGROUND: [f32; 4] = [0.80, 0.85, 0.90, 1.0];
@@ -46,20 +48,63 @@ pub(super) fn texture(scene: &mut Scene, picture: &Picture) -> Result<usize, Lab
     Ok(scene.textures.len() - 1)
 }
 
+/// Grey ambient light and light from one direction.
+pub(super) fn daylight(ambient: f32, color: [f32; 3], direction: [f32; 3]) -> Vec<Light> {
+    let ambient = Light::Ambient {
+        color: [ambient; 3],
+    };
+    vec![ambient, Light::Directional { color, direction }]
+}
+
+/// The default shadow of a light: a map of `size` texels a side, 3 x 3 comparisons.
+pub(super) fn shadow(light: usize, size: u32) -> Shadow {
+    Shadow {
+        light,
+        size: Some(size),
+        bias: None,
+        taps: 3,
+        area: None,
+    }
+}
+
+/// A slot with one filter, and one wrap mode in both directions.
+pub(super) fn slot(texture: usize, filter: Filter, wrap: Wrap) -> TextureSlot {
+    let sampler = sampler(filter, wrap);
+    TextureSlot {
+        texture,
+        sampler,
+        transform: UvTransform::default(),
+    }
+}
+
+/// A sampler with one filter, and one wrap mode in both directions.
+pub(super) fn sampler(filter: Filter, wrap: Wrap) -> Sampler {
+    Sampler {
+        filter,
+        wrap_u: wrap,
+        wrap_v: wrap,
+        ..Sampler::default()
+    }
+}
+
+/// Adds a row of sRGB colours and alphas as a texture, and gives the slot of a ramp.
+pub(super) fn ramp(
+    scene: &mut Scene,
+    stops: &[[u8; 4]],
+    filter: Filter,
+) -> Result<TextureSlot, LabError> {
+    let (width, texels) = (stops.len() as u32, stops.concat());
+    let texture = Texture2d::from_rgba8(width, 1, texels, ColorSpace::Srgb, Origin::TopLeft)?;
+    scene.textures.push(texture);
+    Ok(slot(scene.textures.len() - 1, filter, Wrap::ClampToEdge))
+}
+
 /// Adds an unlit material that copies the texels of a texture.
 pub(super) fn decal(scene: &mut Scene, texture: usize, filter: Filter, interp: Interp) -> usize {
-    let sampler = Sampler {
-        filter,
-        ..Sampler::default()
-    };
     add(
         scene,
         Material {
-            base_color: Some(TextureSlot {
-                texture,
-                sampler,
-                transform: UvTransform::default(),
-            }),
+            base_color: Some(slot(texture, filter, Wrap::Repeat)),
             texture_role: TextureRole::Decal,
             shading: Shading::Unlit,
             interp,
@@ -112,6 +157,16 @@ pub(super) fn quad(corners: [DVec3; 4], uv: [[f32; 2]; 4], material: usize) -> M
     }
 }
 
+/// The square of half side 1 about the origin, seen from +z, with the whole texture.
+pub(super) fn square(material: usize) -> Mesh {
+    let corners = [(-1.0, 1.0), (1.0, 1.0), (1.0, -1.0), (-1.0, -1.0)];
+    quad(
+        corners.map(|(x, y)| DVec3::new(x, y, 0.0)),
+        UNIT_UV,
+        material,
+    )
+}
+
 /// The whole texture once.
 pub(super) const UNIT_UV: [[f32; 2]; 4] = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
 
@@ -138,14 +193,35 @@ fn turn(yaw: f64) -> DMat4 {
 
 /// A picture of a scene without buffers, smoothed by 3 x 3 samples.
 pub(super) fn photograph(scene: &Scene, size: u32) -> Result<Picture, LabError> {
+    picture(scene, size, 3)
+}
+
+/// A picture of a scene with `supersample` x `supersample` samples a pixel.
+pub(super) fn picture(scene: &Scene, size: u32, supersample: u32) -> Result<Picture, LabError> {
     let settings = Settings {
-        supersample: 3,
+        supersample,
         ..Settings::new(size, size)
     };
     let scene = texmap_mesh::tessellate(scene, size)?;
-    let frame = texmap_render::render(&scene, &settings, &|_, _| {})?;
-    Ok(Picture::from_rgba(size, size, frame.rgba)
-        .unwrap_or_else(|| Picture::new(size, size, [0; 4])))
+    Ok(texmap_render::render(&scene, &settings, &|_, _| {})?.into())
+}
+
+/// A frame at one sample a pixel with further buffers.
+pub(super) fn with_aovs(scene: &Scene, size: u32, aovs: Vec<Aov>) -> Result<Frame, LabError> {
+    let settings = Settings {
+        aovs,
+        ..Settings::new(size, size)
+    };
+    let scene = texmap_mesh::tessellate(scene, size)?;
+    Ok(texmap_render::render(&scene, &settings, &|_, _| {})?)
+}
+
+/// The floats of a buffer; none if the frame lacks it.
+pub(super) fn floats_of(frame: &Frame, wanted: Aov) -> &[f32] {
+    match frame.aovs.iter().find(|(aov, ..)| *aov == wanted) {
+        Some((_, _, AovData::F32(values))) => values,
+        _ => &[],
+    }
 }
 
 /// A picture at one sample a pixel together with what lies under each pixel.
@@ -161,33 +237,17 @@ pub(super) struct Shot {
 impl Shot {
     /// Takes the picture.
     pub(super) fn take(scene: &Scene, size: u32) -> Result<Self, LabError> {
-        let aovs = vec![Aov::Uv, Aov::Face, Aov::Depth];
-        let scene = texmap_mesh::tessellate(scene, size)?;
-        let frame = texmap_render::render(
-            &scene,
-            &Settings {
-                aovs,
-                ..Settings::new(size, size)
-            },
-            &|_, _| {},
-        )?;
-        let floats = |wanted: Aov| match frame.aovs.iter().find(|(aov, ..)| *aov == wanted) {
-            Some((_, _, AovData::F32(values))) => values.clone(),
-            _ => Vec::new(),
-        };
+        let frame = with_aovs(scene, size, vec![Aov::Uv, Aov::Face, Aov::Depth])?;
         let face = match frame.aovs.iter().find(|(aov, ..)| *aov == Aov::Face) {
             Some((_, _, AovData::U32(values))) => values.clone(),
             _ => Vec::new(),
         };
-        let (uv, depth) = (floats(Aov::Uv), floats(Aov::Depth));
-        let picture = Picture::from_rgba(size, size, frame.rgba)
-            .unwrap_or_else(|| Picture::new(size, size, [0; 4]));
         Ok(Self {
-            picture,
             size,
-            uv,
+            uv: floats_of(&frame, Aov::Uv).to_vec(),
             face,
-            depth,
+            depth: floats_of(&frame, Aov::Depth).to_vec(),
+            picture: frame.into(),
         })
     }
 

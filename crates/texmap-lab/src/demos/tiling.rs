@@ -1,15 +1,15 @@
 //! Tiling: the five wrap modes, and what truncation does to the texel at zero.
 
-use texmap_math::glam::DVec3;
+use texmap_math::glam::{DVec2, DVec3};
 use texmap_raster::Interp;
 use texmap_sample::{Filter, Wrap};
 use texmap_scene::Scene;
 
 use super::sheet::sheet;
 use super::stage::{self, Shot};
-use super::{Claim, DemoPicture, Panel, paint};
+use super::{DemoPicture, Panel, paint};
 use crate::LabError;
-use crate::picture::{Picture, Rgba};
+use texmap_truth::picture::{Picture, Rgba};
 
 /// The wall shows u and v from here to here, so that the texture itself is the middle third.
 const FROM: f32 = -1.0;
@@ -54,11 +54,7 @@ pub(super) fn tiling(size: u32) -> Result<DemoPicture, LabError> {
     for (wrap, title, caption) in modes {
         let mut picture = stage::photograph(&wall(&letters, wrap, Filter::Trilinear)?, size)?;
         mark(&mut picture);
-        panels.push(Panel {
-            picture,
-            title: title.into(),
-            caption: caption.into(),
-        });
+        panels.push(Panel::new(picture, title, caption));
     }
     let coarse = coarse();
     let side = size.next_multiple_of(UNITS * TEXELS);
@@ -84,31 +80,15 @@ pub(super) fn tiling(size: u32) -> Result<DemoPicture, LabError> {
             .filter(|&x| picture.get(x, row) != picture.get(partner(x), row))
             .count() as f64
     };
-    let claims = vec![
-        Claim::new(
-            "repeat: pixels of a row that differ from the pixel one tile on",
-            unlike(&floor.picture, &|x| x + period),
-            0.0,
-            0.0,
-        ),
-        Claim::new(
-            "mirrored repeat: pixels of a row that differ from their reflection about u = 0",
-            unlike(&mirrored.picture, &|x| 2 * period - 1 - x),
-            0.0,
-            0.0,
-        ),
-        Claim::new(
-            "width of the texel at u = 0 by floor, in texels",
-            run_at(&floor.picture, period, row) / texel,
-            1.0,
-            0.0,
-        ),
-        Claim::new(
-            "width of the texel at u = 0 by truncation, in texels",
-            run_at(&truncate(&floor, &coarse), period, row) / texel,
-            2.0,
-            0.0,
-        ),
+    let claims = claims![
+        "repeat: pixels of a row that differ from the pixel one tile on" =>
+            unlike(&floor.picture, &|x| x + period), 0.0, 0.0;
+        "mirrored repeat: pixels of a row that differ from their reflection about u = 0" =>
+            unlike(&mirrored.picture, &|x| 2 * period - 1 - x), 0.0, 0.0;
+        "width of the texel at u = 0 by floor, in texels" =>
+            run_at(&floor.picture, period, row) / texel, 1.0, 0.0;
+        "width of the texel at u = 0 by truncation, in texels" =>
+            run_at(&truncate(&floor, &coarse), period, row) / texel, 2.0, 0.0;
     ];
     Ok(sheet(
         "Tiling: the wrap modes (the frame marks the texture itself)",
@@ -127,41 +107,24 @@ fn wall(photo: &Picture, wrap: Wrap, filter: Filter) -> Result<Scene, LabError> 
     if let Some(slot) = &mut scene.materials[material].base_color {
         slot.sampler.border = [0.03, 0.035, 0.05, 1.0];
     }
-    let corners =
-        [(-1.0, 1.0), (1.0, 1.0), (1.0, -1.0), (-1.0, -1.0)].map(|(x, y)| DVec3::new(x, y, 0.0));
-    scene.meshes.push(stage::quad(
-        corners,
-        [[FROM, FROM], [TO, FROM], [TO, TO], [FROM, TO]],
-        material,
-    ));
+    let mut mesh = stage::square(material);
+    mesh.uvs = vec![[FROM, FROM], [TO, FROM], [TO, TO], [FROM, TO]];
+    scene.meshes.push(mesh);
     Ok(scene)
 }
 
 /// The lettered grid with one texel a field.
 fn coarse() -> Picture {
-    let mut coarse = Picture::new(TEXELS, TEXELS, [0; 4]);
-    for y in 0..TEXELS {
-        for x in 0..TEXELS {
-            coarse.set(x.into(), y.into(), paint::field(x, y));
-        }
-    }
-    coarse
+    Picture::from_fn(TEXELS, TEXELS, paint::field)
 }
 
 /// The lecture's `tile((int) u, size)`: truncate, then add the size until the texel is in range.
 fn truncate(shot: &Shot, texels: &Picture) -> Picture {
-    let mut out = Picture::new(shot.size(), shot.size(), [0; 4]);
-    for (x, y) in shot.pixels() {
-        if let Some(uv) = shot.uv(x, y) {
-            let texel = |c: f64| ((c * f64::from(TEXELS)) as i64).rem_euclid(i64::from(TEXELS));
-            out.set(
-                i64::from(x),
-                i64::from(y),
-                texels.get(texel(uv.x), texel(uv.y)),
-            );
-        }
-    }
-    out
+    let texel = |c: f64| ((c * f64::from(TEXELS)) as i64).rem_euclid(i64::from(TEXELS));
+    let color = |uv: DVec2| texels.get(texel(uv.x), texel(uv.y));
+    Picture::from_fn(shot.size(), shot.size(), |x, y| {
+        shot.uv(x, y).map_or([0; 4], color)
+    })
 }
 
 /// Length of the run of one colour that holds the pixel (x, y), along the row.

@@ -7,14 +7,14 @@ use texmap_scene::{AlphaMode, Scene};
 
 use super::sheet::sheet;
 use super::stage::{self, Shot};
-use super::{Claim, DemoPicture, Panel, paint};
+use super::{DemoPicture, paint};
 use crate::LabError;
-use crate::picture::Picture;
+use texmap_truth::picture::Picture;
 
 /// Texels a side of the lattice's texture.
 const TEXELS: u32 = 256;
 
-/// What stands in the scene, in the order of submission.
+/// The objects of the scene, in the order of submission.
 #[derive(Clone, Copy, PartialEq)]
 enum Order {
     FenceFirst,
@@ -70,53 +70,23 @@ pub(super) fn transparency(size: u32) -> Result<DemoPicture, LabError> {
     let texture = paint::lattice(TEXELS);
     let clear =
         texture.rgba().chunks(4).filter(|p| p[3] == 0).count() as f64 / f64::from(TEXELS * TEXELS);
-    let claims = vec![
-        Claim::new(
-            "alpha test: pixels of the fence with another depth than the slat's or, in a hole, what stands behind",
-            wrong_depth.into(),
-            0.0,
-            0.0,
-        ),
-        Claim::new(
-            "alpha test: pixels that change when the fence is drawn last instead of first",
-            unlike as f64,
-            0.0,
-            0.0,
-        ),
-        Claim::new(
-            "part of the fence that is hole, against the texture's",
-            f64::from(holes) / f64::from(fence.max(1)),
-            clear,
-            0.01,
-        ),
-        Claim::new(
-            "blended: pixels that show the green hidden under alpha 0",
-            fringe as f64,
-            0.0,
-            0.0,
-        ),
+    let claims = claims![
+        "alpha test: pixels of the fence with another depth than the slat's or, in a hole, what stands behind" =>
+            wrong_depth.into(), 0.0, 0.0;
+        "alpha test: pixels that change when the fence is drawn last instead of first" =>
+            unlike as f64, 0.0, 0.0;
+        "part of the fence that is hole, against the texture's" =>
+            f64::from(holes) / f64::from(fence.max(1)), clear, 0.01;
+        "blended: pixels that show the green hidden under alpha 0" => fringe as f64, 0.0, 0.0;
     ];
-    let panels = vec![
-        Panel::new(
-            opaque.picture,
-            "No test",
-            "Alpha is ignored: the holes are solid.",
-        ),
-        Panel::new(
-            tested.picture,
-            "Alpha test",
-            "alpha > 0 is drawn; a hole writes neither colour nor depth.",
-        ),
-        Panel::new(
-            blocked,
-            "Holes that write depth (wrong)",
-            "The fence is drawn first: the holes hide what comes later.",
-        ),
-        Panel::new(
-            stage::photograph(&blend, size)?,
+    let panels = panels![
+        opaque.picture => "No test", "Alpha is ignored: the holes are solid.";
+        tested.picture => "Alpha test", "alpha > 0 is drawn; a hole writes neither colour nor depth.";
+        blocked =>
+            "Holes that write depth (wrong)", "The fence is drawn first: the holes hide what comes later.";
+        stage::photograph(&blend, size)? =>
             "Blended, filtered alpha",
-            "Texels are premultiplied before they are filtered: smooth edges, no fringe of the hidden colour.",
-        ),
+            "Texels are premultiplied before they are filtered: smooth edges, no fringe of the hidden colour.";
     ];
     Ok(sheet(
         "Transparency: texels with alpha 0 are holes",

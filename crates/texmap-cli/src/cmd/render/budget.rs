@@ -6,13 +6,13 @@ use std::str::FromStr;
 use clap::ValueEnum;
 use serde::Serialize;
 use texmap_io::scene_file::words;
-use texmap_lab::cases::figure;
-use texmap_lab::truth::ASSUMPTIONS;
-use texmap_lab::verify::Verified;
 use texmap_light::ShadowBias;
 use texmap_planner::{Budget, Choices, EnvironmentChoice, IdleLight, ShadowChoice};
 use texmap_sample::Precision;
 use texmap_scene::Scene;
+use texmap_truth::ASSUMPTIONS;
+use texmap_truth::metrics::figure;
+use texmap_truth::verify::Verified;
 
 use crate::cmd::render::RenderArgs;
 

@@ -10,14 +10,15 @@ use texmap_scene::SceneError;
 use texmap_io::framing::{Bounds, View};
 use texmap_io::npy::{self, Values};
 use texmap_io::{CameraPath, FileSource, LoadOptions};
-use texmap_lab::picture::Picture;
-use texmap_lab::verify::{Verified, verify, with_wrap};
 use texmap_math::camera::Camera;
 use texmap_math::glam::DVec3;
 use texmap_math::{Level, MemoryBudget};
-use texmap_planner::{self as planner, Choices};
+use texmap_planner as planner;
+use texmap_planner::Choices;
 use texmap_render::{Aov, AovData, Frame, Settings};
 use texmap_scene::Scene;
+use texmap_truth::picture::Picture;
+use texmap_truth::verify::{Verified, verify, with_wrap};
 
 use crate::cmd::render::RenderArgs;
 use crate::cmd::render::budget::{PlanReport, SAMPLES, TruthReport};

@@ -1,6 +1,6 @@
 //! The contact sheet of `--views`.
 
-use texmap_lab::picture::{GLYPH, Picture};
+use texmap_truth::picture::{GLYPH, Picture};
 
 /// Between the cells, and around a caption.
 const GAP: u32 = 8;

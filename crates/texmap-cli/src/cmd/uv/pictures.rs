@@ -6,8 +6,8 @@ use std::path::Path;
 use texmap_io::framing::View;
 use texmap_io::image_io;
 use texmap_lab::LabError;
-use texmap_lab::picture::Picture;
 use texmap_lab::uv_pictures::{checker, heat, layout};
+use texmap_truth::picture::Picture;
 use texmap_uv::{Mesh, Origin, Report, UvSet, layout_svg};
 
 use super::write_failed;

@@ -1,0 +1,27 @@
+use texmap_math::camera::CameraError;
+use texmap_math::frame::FrameError;
+use texmap_mesh::MeshError;
+use texmap_render::RenderError;
+use texmap_scene::SceneError;
+use thiserror::Error;
+
+/// Reasons why a scene has no reference.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum TruthError {
+    /// The scene does not pass its own check.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// A mesh cannot be tessellated.
+    #[error(transparent)]
+    Mesh(#[from] MeshError),
+    /// The frame cannot be drawn.
+    #[error(transparent)]
+    Render(#[from] RenderError),
+    /// The camera has no view.
+    #[error(transparent)]
+    Camera(#[from] CameraError),
+    /// A texture frame without area.
+    #[error(transparent)]
+    Frame(#[from] FrameError),
+}

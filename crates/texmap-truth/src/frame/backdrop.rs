@@ -1,0 +1,88 @@
+//! Skies: a picture stretched over the frame, or an environment seen by direction.
+
+use texmap_math::glam::{DVec2, DVec3, DVec4};
+use texmap_scene::{Backdrop, Scene};
+
+use super::color::{background, over, straight};
+use super::environment::{EnvironmentMap, Ray};
+use super::slot::{Place, Slot, Textures};
+use crate::caster::Pinhole;
+
+/// The most places a side at which a sample looks an environment up.
+const MOST: f64 = 8.0;
+
+/// The background of a scene.
+pub(super) struct Background<'s> {
+    color: DVec4,
+    sky: Option<Sky<'s>>,
+}
+
+enum Sky<'s> {
+    Picture(Slot<'s>, DVec2),
+    Environment(usize),
+}
+
+impl<'s> Background<'s> {
+    /// `size` is that of the frame in samples.
+    pub(super) fn new(scene: &'s Scene, size: DVec2, textures: &mut Textures<'s>) -> Self {
+        let sky = scene.effects.backdrop.as_ref().map(|sky| match sky {
+            Backdrop::Picture(slot) => {
+                let slot = textures.slot(slot, texmap_sample::Origin::TopLeft);
+                Sky::Picture(slot, size)
+            }
+            Backdrop::Environment(index) => Sky::Environment(*index),
+        });
+        Self {
+            color: background(scene),
+            sky,
+        }
+    }
+
+    /// True if the background is more than one colour.
+    pub(super) fn has_sky(&self) -> bool {
+        self.sky.is_some()
+    }
+
+    /// The colour behind a sample at (x, y) of the frame.
+    pub(super) fn color(
+        &self,
+        environments: &[Option<EnvironmentMap>],
+        pinhole: &Pinhole,
+        x: f64,
+        y: f64,
+    ) -> DVec4 {
+        match &self.sky {
+            None => self.color,
+            Some(Sky::Picture(slot, size)) => {
+                let texel = slot.texel(Place {
+                    uv: DVec2::new(x, y) / *size,
+                    dx: DVec2::new(1.0 / size.x, 0.0),
+                    dy: DVec2::new(0.0, 1.0 / size.y),
+                });
+                let color = straight(texel).min(DVec3::ONE) * texel.w;
+                over(color.extend(texel.w), self.color)
+            }
+            Some(Sky::Environment(index)) => match &environments[*index] {
+                Some(sphere) => seen(sphere, pinhole, x, y).min(DVec3::ONE).extend(1.0),
+                None => self.color,
+            },
+        }
+    }
+}
+
+/// The mean light over a sample: one look-up, or as many as it sees texels.
+fn seen(sphere: &EnvironmentMap, pinhole: &Pinhole, x: f64, y: f64) -> DVec3 {
+    let along = pinhole.direction(x, y).length();
+    let step = pinhole.right.length().max(pinhole.down.length()) / along;
+    let side = (step / sphere.texel_angle()).ceil().clamp(1.0, MOST);
+    let offset = |k: u32| (f64::from(k) + 0.5) / side - 0.5;
+    let side = side as u32;
+    let light = |i: u32| {
+        let direction = pinhole.direction(x + offset(i % side), y + offset(i / side));
+        sphere.light(&Ray {
+            direction,
+            changes: [DVec3::ZERO; 2],
+        })
+    };
+    (0..side * side).map(light).sum::<DVec3>() / f64::from(side * side)
+}

@@ -1,0 +1,120 @@
+//! One ray of the eye: what it meets, in which order that is drawn, and the colour that it leaves.
+
+use texmap_math::glam::DVec4;
+use texmap_raster::{Cull, DepthTest};
+use texmap_scene::{AlphaMode, Shading};
+
+use super::color::over;
+use super::world::World;
+use crate::caster::Hit;
+
+/// Two distances along a ray closer than this part of their size are one depth: the resolution of the
+/// renderer's f32 depth buffer, so that surfaces in one plane tie here too.
+const SAME_DEPTH: f64 = 1.0 / (1u64 << 22) as f64;
+
+/// The surfaces that one ray sees.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Visible {
+    /// The nearest opaque or cut-out surface: mesh, triangle.
+    pub(super) solid: Option<((usize, u32), Hit)>,
+    /// Blended surfaces before it, in the order in which they are drawn.
+    pub(super) blended: Vec<((usize, u32), Hit)>,
+}
+
+impl World<'_> {
+    /// The surfaces along the ray through (x, y).
+    pub(super) fn look(&self, x: f64, y: f64) -> Visible {
+        let (eye, direction) = (self.pinhole.eye, self.pinhole.direction(x, y));
+        let (near, far) = (self.scene.camera.near, self.scene.camera.far);
+        let mut met: Vec<((usize, u32), Hit)> = Vec::new();
+        self.rays
+            .candidates(eye, direction, (0.0, far), |owner, end| {
+                let surface = &self.surfaces[owner.0];
+                let hit = self.pinhole.meet(x, y, &surface.corners(owner.1));
+                let Some(hit) = hit.filter(|hit| hit.t >= near && hit.t <= far) else {
+                    return end;
+                };
+                let front = surface.front(&hit);
+                let culled = match surface.material().cull {
+                    Cull::None => false,
+                    Cull::Back => !front,
+                    Cull::Front => front,
+                };
+                if culled || !surface.kept(owner.1, &hit, &self.pinhole, x, y) {
+                    return end;
+                }
+                met.push((owner, hit));
+                let hides = surface.material().alpha != AlphaMode::Blend
+                    && self.scene.depth_test != DepthTest::Always;
+                // What lies at the same depth may be drawn over it.
+                let behind = hit.t * (1.0 + 4.0 * SAME_DEPTH);
+                if hides { end.min(behind) } else { end }
+            });
+        // The order of the scene.
+        met.sort_by_key(|(owner, _)| *owner);
+        let mut visible = Visible::default();
+        for (owner, hit) in &met {
+            if self.surfaces[owner.0].material().alpha == AlphaMode::Blend {
+                visible.blended.push((*owner, *hit));
+            } else if self.passes(hit.t, visible.solid.map(|(_, solid)| solid.t)) {
+                visible.solid = Some((*owner, *hit));
+            }
+        }
+        let end = visible.solid.map(|(_, solid)| solid.t);
+        visible.blended.retain(|(_, hit)| self.passes(hit.t, end));
+        visible
+    }
+
+    /// The depth test against what was drawn before.
+    fn passes(&self, t: f64, before: Option<f64>) -> bool {
+        let Some(before) = before else { return true };
+        let same = (t - before).abs() <= SAME_DEPTH * before;
+        match self.scene.depth_test {
+            DepthTest::Less => t < before && !same,
+            DepthTest::LessOrEqual => t < before || same,
+            DepthTest::Always => true,
+        }
+    }
+
+    /// The colour that the ray through (x, y) leaves, premultiplied linear light, and whether anything blended or a volume is in it.
+    pub(super) fn color(&self, visible: &Visible, x: f64, y: f64) -> (DVec4, bool) {
+        let shade = |owner: (usize, u32), hit: &Hit| {
+            let surface = &self.surfaces[owner.0];
+            let point = surface.point(owner, hit, &self.pinhole, x, y);
+            surface.shade(self, &point, hit)
+        };
+        let mut color = match &visible.solid {
+            Some((owner, hit)) => shade(*owner, hit),
+            None => self.behind.color(&self.environments, &self.pinhole, x, y),
+        };
+        let mut mixed = !visible.blended.is_empty();
+        for (owner, hit) in &visible.blended {
+            color = over(shade(*owner, hit), color);
+        }
+        let ray = self.pinhole.direction(x, y);
+        let end = visible
+            .solid
+            .map_or(f64::INFINITY, |(_, hit)| hit.t * ray.length());
+        for matter in &self.volumes {
+            let seen = matter.seen(self.pinhole.eye, ray.normalize(), end);
+            mixed |= seen.w > 0.0;
+            color = over(seen, color);
+        }
+        (color, mixed)
+    }
+
+    /// True if the pixel of `samples` samples a side about (x, y) lies at the edge of a shadow on what is seen there.
+    pub(super) fn at_an_edge(&self, visible: &Visible, samples: u32, x: f64, y: f64) -> bool {
+        let solid = visible.solid.iter();
+        self.has_shadows()
+            && solid.chain(&visible.blended).any(|(owner, hit)| {
+                let surface = &self.surfaces[owner.0];
+                if surface.material().shading != Shading::PerPixel {
+                    return false;
+                }
+                let at = surface.point(*owner, hit, &self.pinhole, x, y);
+                let step = at.moves[0].length().max(at.moves[1].length());
+                self.near_an_edge(&at, step * f64::from(samples))
+            })
+    }
+}

@@ -1,0 +1,109 @@
+//! A scene made ready for rays: its surfaces, and everything that they look up.
+
+use texmap_math::glam::DVec2;
+use texmap_scene::{Backdrop, Scene};
+
+use super::backdrop::Background;
+use super::environment::EnvironmentMap;
+use super::projector::Cast;
+use super::shadow::Shadow;
+use super::slot::Textures;
+use super::surface::Surface;
+use super::volume::Medium;
+use crate::TruthError;
+use crate::caster::Pinhole;
+use crate::rays::{RayObject, RayScene};
+
+pub(super) struct World<'s> {
+    pub(super) scene: &'s Scene,
+    /// Rays of the samples.
+    pub(super) pinhole: Pinhole,
+    pub(super) surfaces: Vec<Surface<'s>>,
+    /// The triangles of all surfaces.
+    pub(super) rays: RayScene,
+    /// Length of the diagonal of everything.
+    pub(super) extent: f64,
+    /// By light.
+    pub(super) shadows: Vec<Vec<Shadow>>,
+    pub(super) projectors: Vec<Cast<'s>>,
+    pub(super) projector_shadows: Vec<Option<Shadow>>,
+    /// Those that something reads.
+    pub(super) environments: Vec<Option<EnvironmentMap>>,
+    pub(super) volumes: Vec<Medium<'s>>,
+    pub(super) behind: Background<'s>,
+}
+
+impl<'s> World<'s> {
+    /// A checked scene for a picture of this size with `samples` x `samples` samples a pixel.
+    pub(super) fn new(
+        scene: &'s Scene,
+        (width, height): (u32, u32),
+        samples: u32,
+    ) -> Result<Self, TruthError> {
+        let mut textures = Textures::new(scene);
+        let effects = &scene.effects;
+        let mut shadows: Vec<Vec<Shadow>> = scene.lights.iter().map(|_| Vec::new()).collect();
+        for shadow in &effects.shadows {
+            shadows[shadow.light].push(Shadow::of_light(scene, shadow, width)?);
+        }
+        let surfaces = scene
+            .meshes
+            .iter()
+            .map(|mesh| Surface::new(scene, mesh, &mut textures));
+        let surfaces = surfaces.collect::<Result<Vec<_>, _>>()?;
+        let (mut low, mut high) = (scene.camera.eye, scene.camera.eye);
+        for p in scene.meshes.iter().flat_map(super::world) {
+            (low, high) = (low.min(p), high.max(p));
+        }
+        let read = environments_read(scene);
+        let environment =
+            |(i, environment)| read.contains(&i).then(|| EnvironmentMap::new(environment));
+        let size = DVec2::new(f64::from(width * samples), f64::from(height * samples));
+        let projectors = &effects.projectors;
+        Ok(Self {
+            scene,
+            pinhole: Pinhole::of_camera(&scene.camera, width * samples, height * samples)?,
+            surfaces,
+            rays: RayScene::new(scene.meshes.iter().map(RayObject::Mesh)),
+            extent: (high - low).length(),
+            shadows,
+            projectors: projectors
+                .iter()
+                .map(|p| Cast::new(p, &mut textures))
+                .collect(),
+            projector_shadows: projectors.iter().map(Shadow::of_projector).collect(),
+            environments: effects
+                .environments
+                .iter()
+                .enumerate()
+                .map(environment)
+                .collect(),
+            volumes: effects
+                .volumes
+                .iter()
+                .map(|volume| Medium::new(scene, volume, &mut textures))
+                .collect(),
+            behind: Background::new(scene, size, &mut textures),
+        })
+    }
+
+    /// True if shadows reach the surface of a mesh.
+    pub(super) fn has_shadows(&self) -> bool {
+        let cast = self.projector_shadows.iter().any(Option::is_some);
+        cast || self.shadows.iter().any(|of_light| !of_light.is_empty())
+    }
+}
+
+/// Environments that some surface or the sky looks up.
+fn environments_read(scene: &Scene) -> Vec<usize> {
+    let of_mesh = |mesh: &texmap_scene::Mesh| {
+        let material = &scene.materials[mesh.material];
+        let mirrored = material.reflection.map(|reflection| reflection.environment);
+        mirrored.into_iter().chain(material.specular_map)
+    };
+    let mut read: Vec<usize> = scene.meshes.iter().flat_map(of_mesh).collect();
+    if let Some(Backdrop::Environment(index)) = scene.effects.backdrop {
+        read.push(index);
+    }
+    read
+}
