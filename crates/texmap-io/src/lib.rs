@@ -44,9 +44,9 @@ mod scene;
 pub mod scene_file;
 mod textures;
 
-pub use camera_path::{CameraPath, Stop};
+pub use camera_path::{CameraPath, Keyframe};
 pub use environment_io::{read_environment, write_environment, write_light};
-pub use error::{IoError, Place, plain, plain_json, shortened, shown};
+pub use error::{IoError, SourceLocation, plain, plain_json, shortened, shown};
 pub use files::FileSource;
 pub use font::built_in_font;
 pub use grids::read_grid;

@@ -330,7 +330,7 @@ fn faults_name_their_line() {
         let files = files().with("a.scene", format!("{text}{FACE}"));
         let error = files.load("a.scene").unwrap_err();
         assert_eq!(
-            (error.code(), error.place().unwrap().line),
+            (error.code(), error.location().unwrap().line),
             (code, line),
             "{error}"
         );

@@ -449,7 +449,7 @@ fn garbage_is_refused_and_never_panics() {
         match parse(Path::new("a.scene"), &text) {
             Ok(file) => assert_eq!(print(&read(&print(&file))), print(&file)),
             Err(error) => {
-                let place = error.place().expect("a place");
+                let place = error.location().expect("a place");
                 let lines = text.lines().count() as u32;
                 assert!(
                     (1..=lines).contains(&place.line) && place.column >= 1,

@@ -1,6 +1,6 @@
 //! The second line of an error: why a file is refused, and what to try.
 
-use super::{IoError, Place};
+use super::{IoError, SourceLocation};
 
 impl IoError {
     /// One line: why this is refused, and what to try.
@@ -23,7 +23,7 @@ impl IoError {
             Self::NotFinite { .. } => "NaN, infinities and magnitudes above 3.4e38 cannot be drawn; mend the program that wrote the file".into(),
             Self::OutOfRange { allowed, .. } | Self::UnknownWord { allowed, .. } => format!("allowed: {allowed}"),
             Self::StrayQuote { .. } => "quotes stand around a whole path: \"my file.png\"".into(),
-            Self::BadIndex { place, count, .. } => index_help(place, *count),
+            Self::BadIndex { location, count, .. } => index_help(location, *count),
             Self::TooFewCorners { .. } => "remove the face or give it its missing corners".into(),
             Self::MixedCorners { .. } => "write every corner of a face in the same form: v, v/vt, v//vn or v/vt/vn".into(),
             Self::NeedsAbove { command: "pop", .. } => "each `pop` closes a `push` of the same file; remove one or add the other".into(),
@@ -48,8 +48,8 @@ impl IoError {
     }
 }
 
-fn index_help(place: &Place, count: usize) -> String {
-    let one_based = place
+fn index_help(location: &SourceLocation, count: usize) -> String {
+    let one_based = location
         .file
         .extension()
         .is_some_and(|e| e.eq_ignore_ascii_case("obj"));

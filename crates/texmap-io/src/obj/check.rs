@@ -6,7 +6,7 @@
 use std::fmt::Write;
 use std::path::Path;
 
-use crate::{IoError, Place};
+use crate::{IoError, SourceLocation};
 
 /// What the check has learned.
 #[derive(Debug, Default)]
@@ -18,9 +18,9 @@ pub(super) struct Checked {
     /// Vertex of each corner of each face, counted through the file from 0.
     pub(super) corners: Vec<u32>,
     /// `mtllib` lines.
-    pub(super) libraries: Vec<(Place, String)>,
+    pub(super) libraries: Vec<(SourceLocation, String)>,
     /// `usemtl` lines.
-    pub(super) materials: Vec<(Place, String)>,
+    pub(super) materials: Vec<(SourceLocation, String)>,
     /// Number of vertices.
     pub(super) vertices: usize,
     /// Some vertex has a colour.
@@ -28,7 +28,7 @@ pub(super) struct Checked {
     /// Lines and points, which are not drawn.
     pub(super) lines_and_points: usize,
     /// The first statement that is not known, and its place.
-    pub(super) unknown: Option<(Place, String)>,
+    pub(super) unknown: Option<(SourceLocation, String)>,
 }
 
 /// One face of the file.
@@ -132,11 +132,11 @@ impl Checker<'_> {
             "usemtl" => {
                 let name = self.name("usemtl", word, values)?;
                 let _ = writeln!(self.out.text, "usemtl {name}");
-                self.out.materials.push((self.place(word), name));
+                self.out.materials.push((self.location(word), name));
             }
             "mtllib" => {
                 let name = self.name("mtllib", word, values)?;
-                self.out.libraries.push((self.place(word), name));
+                self.out.libraries.push((self.location(word), name));
             }
             "s" => {
                 let group = values.first().map_or("off", |w| w.text);
@@ -149,7 +149,7 @@ impl Checker<'_> {
             "l" | "p" => self.out.lines_and_points += 1,
             other => {
                 if self.out.unknown.is_none() {
-                    self.out.unknown = Some((self.place(word), other.into()));
+                    self.out.unknown = Some((self.location(word), other.into()));
                 }
             }
         }
@@ -194,7 +194,7 @@ impl Checker<'_> {
     fn face(&mut self, word: &Word<'_>, values: &[Word<'_>]) -> Result<(), IoError> {
         if values.len() < 3 {
             return Err(IoError::TooFewCorners {
-                place: self.place(word),
+                location: self.location(word),
                 command: "f",
                 found: values.len(),
             });
@@ -212,7 +212,7 @@ impl Checker<'_> {
                     "texture coordinate"
                 };
                 return Err(IoError::MixedCorners {
-                    place: self.place(value),
+                    location: self.location(value),
                     of,
                 });
             }
@@ -247,7 +247,7 @@ impl Checker<'_> {
             ("normal", self.normals),
         ];
         let not_a_corner = || IoError::NotANumber {
-            place: self.place(word),
+            location: self.location(word),
             command: "f",
             text: word.text.into(),
         };
@@ -266,7 +266,7 @@ impl Checker<'_> {
             };
             if resolved < 1 || resolved > count as i128 {
                 return Err(IoError::BadIndex {
-                    place: self.place(word),
+                    location: self.location(word),
                     of,
                     index: part.into(),
                     count,
@@ -293,7 +293,7 @@ impl Checker<'_> {
         }
         values
             .iter()
-            .map(|value| finite(self.place(value), command, value.text))
+            .map(|value| finite(self.location(value), command, value.text))
             .collect()
     }
 
@@ -309,8 +309,8 @@ impl Checker<'_> {
         Ok(joined(values))
     }
 
-    fn place(&self, word: &Word<'_>) -> Place {
-        Place::new(self.file, word.line, word.column)
+    fn location(&self, word: &Word<'_>) -> SourceLocation {
+        SourceLocation::new(self.file, word.line, word.column)
     }
 
     fn count_error(
@@ -321,7 +321,7 @@ impl Checker<'_> {
         expected: &'static str,
     ) -> IoError {
         IoError::ArgumentCount {
-            place: self.place(word),
+            location: self.location(word),
             command,
             expected,
             found: values.len(),
@@ -335,7 +335,7 @@ impl Checker<'_> {
         allowed: &'static str,
     ) -> IoError {
         IoError::OutOfRange {
-            place: self.place(word),
+            location: self.location(word),
             command,
             text: word.text.into(),
             allowed,
@@ -344,16 +344,20 @@ impl Checker<'_> {
 }
 
 /// A finite 32-bit number.
-pub(super) fn finite(place: Place, command: &'static str, text: &str) -> Result<f32, IoError> {
+pub(super) fn finite(
+    location: SourceLocation,
+    command: &'static str,
+    text: &str,
+) -> Result<f32, IoError> {
     match text.parse::<f32>() {
         Ok(x) if x.is_finite() => Ok(x),
         Ok(_) => Err(IoError::NotFinite {
-            place,
+            location,
             command,
             text: text.into(),
         }),
         Err(_) => Err(IoError::NotANumber {
-            place,
+            location,
             command,
             text: text.into(),
         }),
@@ -373,8 +377,8 @@ mod tests {
 
     fn error(text: &str) -> (&'static str, u32, u32) {
         let error = check(Path::new("a.obj"), text).unwrap_err();
-        let place = error.place().unwrap();
-        (error.code(), place.line, place.column)
+        let location = error.location().unwrap();
+        (error.code(), location.line, location.column)
     }
 
     #[test]

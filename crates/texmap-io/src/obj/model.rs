@@ -10,13 +10,13 @@ use crate::error::{shortened, shown};
 use crate::files::is_called;
 use crate::scene_file::Missing;
 use crate::textures::Textures;
-use crate::{IoError, Place};
+use crate::{IoError, SourceLocation};
 
 /// Reads a model, its libraries and their maps. `missing` tells what an absent library, material or map is;
 /// `textured`, whether faces without a material will get a texture and so need coordinates.
 pub(crate) fn read(
     path: &Path,
-    named_by: Option<&Place>,
+    named_by: Option<&SourceLocation>,
     missing: Missing,
     textured: bool,
     textures: &mut Textures,
@@ -78,13 +78,13 @@ fn report(path: &Path, checked: &Checked, parts: &[Part], warnings: &mut Vec<Str
             checked.lines_and_points
         ));
     }
-    if let Some((place, word)) = &checked.unknown {
+    if let Some((location, word)) = &checked.unknown {
         let word = match is_called(path, "obj") {
             true => word,
             false => "...",
         };
         warnings.push(format!(
-            "{place}: `{}` is not known; lines like it are left out",
+            "{location}: `{}` is not known; lines like it are left out",
             shortened(word)
         ));
     }

@@ -10,7 +10,7 @@ use super::check::finite;
 use super::not_drawn::NotDrawn;
 use crate::error::shortened;
 use crate::textures::Textures;
-use crate::{IoError, Place};
+use crate::{IoError, SourceLocation};
 
 /// A material as its library describes it.
 #[derive(Debug, Clone, PartialEq)]
@@ -44,7 +44,7 @@ pub(super) const MAPS: [&str; 9] = [
 /// A map and the options before its name.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Map {
-    pub(super) place: Place,
+    pub(super) location: SourceLocation,
     pub(super) name: String,
     /// `-s u v`.
     pub(super) scale: [f32; 2],
@@ -59,7 +59,7 @@ pub(super) struct Map {
 /// Reads a library; what cannot be used is told in `warnings`.
 pub(super) fn read(
     path: &Path,
-    named_by: &Place,
+    named_by: &SourceLocation,
     textures: &mut Textures,
     warnings: &mut Vec<String>,
 ) -> Result<Vec<Description>, IoError> {
@@ -123,10 +123,10 @@ fn check(file: &Path, text: &str, warnings: &mut Vec<String>) -> Result<Checked,
         if word.is_empty() || word.starts_with('#') {
             continue;
         }
-        let place = Place::new(file, line, content[..start].chars().count() as u32 + 1);
+        let location = SourceLocation::new(file, line, content[..start].chars().count() as u32 + 1);
         if word == "newmtl" {
             if rest.is_empty() {
-                return Err(count(place, "newmtl", "1 name"));
+                return Err(count(location, "newmtl", "1 name"));
             }
             let _ = writeln!(out.text, "newmtl {rest}");
             out.own.push(Own::default());
@@ -140,7 +140,7 @@ fn check(file: &Path, text: &str, warnings: &mut Vec<String>) -> Result<Checked,
                 .find(|k| *k == word)
                 .unwrap_or("a material statement");
             return Err(IoError::NeedsAbove {
-                place,
+                location,
                 command,
                 needs: "newmtl",
             });
@@ -148,13 +148,13 @@ fn check(file: &Path, text: &str, warnings: &mut Vec<String>) -> Result<Checked,
         match word {
             "Kd" => {
                 not_drawn.base_color(rest);
-                color(&mut out.text, "Kd", place, rest, warnings)?;
+                color(&mut out.text, "Kd", location, rest, warnings)?;
             }
-            "Ks" => color(&mut out.text, "Ks", place, rest, warnings)?,
-            "Ke" => own.ke = rgb(&place, "Ke", rest, warnings)?,
+            "Ks" => color(&mut out.text, "Ks", location, rest, warnings)?,
+            "Ke" => own.ke = rgb(&location, "Ke", rest, warnings)?,
             "Ns" => {
-                let ns = one(place.clone(), "Ns", rest)?;
-                in_range(ns >= 0.0, place, "Ns", rest, "0 or more")?;
+                let ns = one(location.clone(), "Ns", rest)?;
+                in_range(ns >= 0.0, location, "Ns", rest, "0 or more")?;
                 let _ = writeln!(out.text, "Ns {ns}");
             }
             "d" | "Tr" => {
@@ -163,28 +163,34 @@ fn check(file: &Path, text: &str, warnings: &mut Vec<String>) -> Result<Checked,
                     (_, Some(number)) => ("d", number.trim()),
                     _ => ("d", rest),
                 };
-                let x = one(place.clone(), command, number)?;
-                in_range((0.0..=1.0).contains(&x), place, command, number, "0 to 1")?;
+                let x = one(location.clone(), command, number)?;
+                in_range(
+                    (0.0..=1.0).contains(&x),
+                    location,
+                    command,
+                    number,
+                    "0 to 1",
+                )?;
                 let opacity = if command == "d" { x } else { 1.0 - x };
                 not_drawn.opacity(opacity);
                 let _ = writeln!(out.text, "d {opacity}");
             }
             "illum" => {
-                let model = one(place.clone(), "illum", rest)?;
-                not_drawn.model(&place, model);
+                let model = one(location.clone(), "illum", rest)?;
+                not_drawn.model(&location, model);
                 in_range(
                     (0.0..=10.0).contains(&model),
-                    place,
+                    location,
                     "illum",
                     rest,
                     "0 to 10",
                 )?;
                 let _ = writeln!(out.text, "illum {}", model as u8);
             }
-            "bump" | "map_bump" => own.maps[5] = Some(map(place, "map_Bump", rest, warnings)?),
+            "bump" | "map_bump" => own.maps[5] = Some(map(location, "map_Bump", rest, warnings)?),
             _ => match MAPS.iter().position(|known| *known == word) {
-                Some(i) => own.maps[i] = Some(map(place, MAPS[i], rest, warnings)?),
-                None => not_drawn.statement(&place, word, rest),
+                Some(i) => own.maps[i] = Some(map(location, MAPS[i], rest, warnings)?),
+                None => not_drawn.statement(&location, word, rest),
             },
         }
     }
@@ -200,16 +206,16 @@ const KNOWN: [&str; 16] = [
 fn color(
     out: &mut String,
     command: &'static str,
-    place: Place,
+    location: SourceLocation,
     rest: &str,
     warnings: &mut Vec<String>,
 ) -> Result<(), IoError> {
-    let Some(rgb) = rgb(&place, command, rest, warnings)? else {
+    let Some(rgb) = rgb(&location, command, rest, warnings)? else {
         return Ok(());
     };
     if rgb.iter().any(|c| *c > 1.0) {
         warnings.push(format!(
-            "{place}: `{command} {}` is above 1 and cut to it",
+            "{location}: `{command} {}` is above 1 and cut to it",
             shortened(rest)
         ));
     }
@@ -220,7 +226,7 @@ fn color(
 
 /// A colour of 0 or more; `None`, with a warning, for the forms that are not supported.
 fn rgb(
-    place: &Place,
+    location: &SourceLocation,
     command: &'static str,
     rest: &str,
     warnings: &mut Vec<String>,
@@ -231,23 +237,23 @@ fn rgb(
         .collect();
     if matches!(words.first(), Some(&("spectral" | "xyz"))) {
         warnings.push(format!(
-            "{place}: `{command} {}` is not supported and left out",
+            "{location}: `{command} {}` is not supported and left out",
             words[0]
         ));
         return Ok(None);
     }
     let mut numbers = Vec::new();
     for word in &words {
-        numbers.push(finite(place.clone(), command, word)?);
+        numbers.push(finite(location.clone(), command, word)?);
     }
     let rgb = match numbers[..] {
         [grey] => [grey; 3],
         [r, g, b] => [r, g, b],
-        _ => return Err(count(place.clone(), command, "1 or 3 numbers")),
+        _ => return Err(count(location.clone(), command, "1 or 3 numbers")),
     };
     in_range(
         rgb.iter().all(|c| *c >= 0.0),
-        place.clone(),
+        location.clone(),
         command,
         rest,
         "0 to 1",
@@ -257,13 +263,13 @@ fn rgb(
 
 /// `-option values ... file name`; the name may hold blanks.
 fn map(
-    place: Place,
+    location: SourceLocation,
     command: &'static str,
     text: &str,
     warnings: &mut Vec<String>,
 ) -> Result<Map, IoError> {
     let mut map = Map {
-        place,
+        location,
         name: String::new(),
         scale: [1.0; 2],
         offset: [0.0; 2],
@@ -295,7 +301,7 @@ fn map(
             rest = rest[value.len()..].trim_start();
         }
         let number = |i: usize, default: f32| match values.get(i) {
-            Some(text) => finite(map.place.clone(), command, text),
+            Some(text) => finite(map.location.clone(), command, text),
             None => Ok(default),
         };
         match option {
@@ -304,7 +310,7 @@ fn map(
                 let allowed = "scales of -s that are not zero";
                 in_range(
                     !map.scale.contains(&0.0),
-                    map.place.clone(),
+                    map.location.clone(),
                     command,
                     text,
                     allowed,
@@ -314,7 +320,7 @@ fn map(
             "-clamp" => {
                 in_range(
                     matches!(values[0], "on" | "off"),
-                    map.place.clone(),
+                    map.location.clone(),
                     command,
                     text,
                     "-clamp on, -clamp off",
@@ -324,29 +330,29 @@ fn map(
             "-bm" if matches!(command, "map_Bump" | "disp") => map.height = Some(number(0, 1.0)?),
             other => warnings.push(format!(
                 "{}: `{command}`: the option {} is not supported",
-                map.place,
+                map.location,
                 shortened(other)
             )),
         }
     }
     if rest.is_empty() {
-        return Err(count(map.place, command, "a file name"));
+        return Err(count(map.location, command, "a file name"));
     }
     map.name = rest.into();
     Ok(map)
 }
 
-fn one(place: Place, command: &'static str, rest: &str) -> Result<f32, IoError> {
+fn one(location: SourceLocation, command: &'static str, rest: &str) -> Result<f32, IoError> {
     let mut words = rest.split_whitespace().take_while(|w| !w.starts_with('#'));
     match (words.next(), words.next()) {
-        (Some(word), None) => finite(place, command, word),
-        _ => Err(count(place, command, "1 number")),
+        (Some(word), None) => finite(location, command, word),
+        _ => Err(count(location, command, "1 number")),
     }
 }
 
 fn in_range(
     valid: bool,
-    place: Place,
+    location: SourceLocation,
     command: &'static str,
     text: &str,
     allowed: &'static str,
@@ -355,7 +361,7 @@ fn in_range(
         Ok(())
     } else {
         Err(IoError::OutOfRange {
-            place,
+            location,
             command,
             text: text.into(),
             allowed,
@@ -363,9 +369,9 @@ fn in_range(
     }
 }
 
-fn count(place: Place, command: &'static str, expected: &'static str) -> IoError {
+fn count(location: SourceLocation, command: &'static str, expected: &'static str) -> IoError {
     IoError::ArgumentCount {
-        place,
+        location,
         command,
         expected,
         found: 0,
@@ -381,9 +387,9 @@ mod tests {
         let path = dir.path().join("a.mtl");
         std::fs::write(&path, text).unwrap();
         let mut warnings = Vec::new();
-        let place = Place::new(Path::new("a.obj"), 1, 1);
+        let location = SourceLocation::new(Path::new("a.obj"), 1, 1);
         (
-            read(&path, &place, &mut Textures::default(), &mut warnings),
+            read(&path, &location, &mut Textures::default(), &mut warnings),
             warnings,
         )
     }
@@ -456,7 +462,7 @@ mod tests {
         ] {
             let error = read_text(text).0.unwrap_err();
             assert_eq!(
-                (error.code(), error.place().unwrap().line),
+                (error.code(), error.location().unwrap().line),
                 (code, line),
                 "{text}"
             );

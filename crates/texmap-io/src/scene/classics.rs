@@ -11,7 +11,7 @@ use super::settings::{CurrentTexture, Settings, WHITE, surface};
 use crate::font::built_in_font;
 use crate::scene_file::{Classic, Role, SolidLine, SolidSource as Source};
 use crate::textures::{Content, Textures};
-use crate::{IoError, Place};
+use crate::{IoError, SourceLocation};
 
 /// The classics that later faces are under.
 #[derive(Debug, Clone, Default)]
@@ -49,7 +49,7 @@ impl ClassicSettings {
 /// Does what a line says.
 pub(super) fn statement(
     classic: &Classic,
-    place: &Place,
+    location: &SourceLocation,
     scene: &mut Scene,
     textures: &mut Textures,
     settings: &mut Settings,
@@ -57,15 +57,15 @@ pub(super) fn statement(
 ) -> Result<(), IoError> {
     let missing = settings.missing;
     let source = textures.source.clone();
-    let beside = |name: &str| source.beside(&place.file, name);
+    let beside = |name: &str| source.beside(&location.file, name);
     let color = scene.color;
-    let mut load = |name: &str| textures.load(&beside(name), place, Content::Color, missing);
+    let mut load = |name: &str| textures.load(&beside(name), location, Content::Color, missing);
     match classic {
         Classic::Solid(None) => settings.classics.solid = None,
         Classic::Solid(Some(line)) => {
             let source = match &line.source {
                 Source::File(name) => SolidSource::Grid {
-                    grid: textures.grid(&beside(name), place, missing)?,
+                    grid: textures.grid(&beside(name), location, missing)?,
                     sampler: sampler(settings),
                     wrap_w: settings.wrap[1],
                 },
@@ -131,13 +131,13 @@ pub(super) fn statement(
             let [right, up] = [right, up].map(|v| to_world.transform_vector3(DVec3::from(*v)));
             let origin = to_world.transform_point3(DVec3::from(*origin));
             let mut material = written(settings, texture, scene);
-            material.name = format!("text from {place}");
+            material.name = format!("text from {location}");
             // Of each letter: four vertices of position and coordinates, two triangles of indices and a face.
             textures.source.ask(
                 words.len() as u64 * (4 * (12 + 8) + 2 * (12 + 4)),
                 format_args!("a text of {} letters", words.len()),
                 "write fewer words",
-                Some(place),
+                Some(location),
             )?;
             material = settings
                 .effects
@@ -156,7 +156,15 @@ pub(super) fn statement(
         }
         Classic::Sky(Some((name, Some(chart)))) => {
             let shown = Use::Shown { mips: false };
-            let index = environment(scene, known, &source, &beside(name), place, *chart, shown)?;
+            let index = environment(
+                scene,
+                known,
+                &source,
+                &beside(name),
+                location,
+                *chart,
+                shown,
+            )?;
             scene.effects.backdrop = Some(Backdrop::Environment(index));
         }
         Classic::Volume {
@@ -166,7 +174,7 @@ pub(super) fn statement(
             density,
             step,
         } => {
-            let grid = textures.grid(&beside(file), place, missing)?;
+            let grid = textures.grid(&beside(file), location, missing)?;
             let world_from_volume = settings.transform * placed(*middle, *size, true);
             let voxels = textures.grids[grid].level_size(0).unwrap_or([1; 3]);
             let sides = [0, 1, 2].map(|k| {

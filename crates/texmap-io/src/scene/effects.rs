@@ -16,7 +16,7 @@ use super::classics;
 use super::settings::{Settings, emitted};
 use crate::scene_file::{Bias, CarveLine, Effect, Formula, Missing, ProjectorLine, ReliefLine};
 use crate::textures::{Content, Textures};
-use crate::{FileSource, IoError, Place, environment_io, obj, shortened};
+use crate::{FileSource, IoError, SourceLocation, environment_io, obj, shortened};
 
 /// The effects that later faces are under.
 #[derive(Debug, Clone, Default)]
@@ -33,7 +33,7 @@ pub(super) struct EffectSettings {
     /// Meshes throw no shadow.
     pub(super) shadowless: bool,
     /// The model with the second set of coordinates, and the line that names it.
-    pub(super) lightmap_uv: Option<(PathBuf, Place)>,
+    pub(super) lightmap_uv: Option<(PathBuf, SourceLocation)>,
 }
 
 #[derive(Debug, Clone)]
@@ -187,7 +187,7 @@ impl EffectSettings {
 /// Does what an effect line says.
 pub(super) fn statement(
     effect: &Effect,
-    place: &Place,
+    location: &SourceLocation,
     scene: &mut Scene,
     textures: &mut Textures,
     settings: &mut Settings,
@@ -195,8 +195,9 @@ pub(super) fn statement(
 ) -> Result<(), IoError> {
     let missing = settings.missing;
     let source = textures.source.clone();
-    let beside = |name: &str| source.beside(&place.file, name);
-    let mut texture = |name: &str, content| textures.load(&beside(name), place, content, missing);
+    let beside = |name: &str| source.beside(&location.file, name);
+    let mut texture =
+        |name: &str, content| textures.load(&beside(name), location, content, missing);
     match effect {
         &Effect::SpotLight {
             color,
@@ -211,7 +212,7 @@ pub(super) fn statement(
             inner.to_radians(),
             outer.to_radians(),
         )),
-        Effect::LightName(name) => light_name(scene, name, place)?,
+        Effect::LightName(name) => light_name(scene, name, location)?,
         Effect::Shadow {
             size,
             taps,
@@ -223,7 +224,7 @@ pub(super) fn statement(
                 .iter()
                 .rposition(|light| !matches!(light, Light::Ambient { .. }))
                 .ok_or_else(|| IoError::NeedsAbove {
-                    place: place.clone(),
+                    location: location.clone(),
                     command: "shadow",
                     needs: "ld, lp or ls",
                 })?;
@@ -246,7 +247,7 @@ pub(super) fn statement(
             let aspect = f64::from(slide.width()) / f64::from(slide.height());
             let slide = projector(line, index, aspect, settings).map_err(|problem| {
                 IoError::BadProjector {
-                    place: place.clone(),
+                    location: location.clone(),
                     problem,
                 }
             })?;
@@ -260,7 +261,7 @@ pub(super) fn statement(
                     let (path, shown) = (beside(&line.file), Use::Shown { mips: line.mips });
                     Some(Reflection {
                         environment: environment(
-                            scene, known, &source, &path, place, line.chart, shown,
+                            scene, known, &source, &path, location, line.chart, shown,
                         )?,
                         reflectivity: line.share,
                     })
@@ -273,7 +274,7 @@ pub(super) fn statement(
                 Some((name, chart, exponent)) => {
                     let (path, gathered) = (beside(name), Use::Gathered(exponent.to_bits()));
                     Some(environment(
-                        scene, known, &source, &path, place, *chart, gathered,
+                        scene, known, &source, &path, location, *chart, gathered,
                     )?)
                 }
             };
@@ -287,7 +288,8 @@ pub(super) fn statement(
             };
         }
         Effect::LightMapUv(name) => {
-            settings.effects.lightmap_uv = name.as_ref().map(|name| (beside(name), place.clone()));
+            settings.effects.lightmap_uv =
+                name.as_ref().map(|name| (beside(name), location.clone()));
         }
         Effect::Emission(line) => {
             settings.effects.emission = match line {
@@ -319,11 +321,11 @@ pub(super) fn statement(
                 u64::from(across) * u64::from(down) * 7,
                 format_args!("the words of `emboss` as {across} x {down} texels"),
                 "write fewer words, or take a smaller font",
-                Some(place),
+                Some(location),
             )?;
             let heights = font.heights(words, atlas);
             let heights = heights.map_err(|e| IoError::BadShape {
-                place: place.clone(),
+                location: location.clone(),
                 problem: format!("the words of `emboss` make no map: {e}"),
             })?;
             textures.textures.push(heights);
@@ -347,10 +349,10 @@ pub(super) fn statement(
 }
 
 /// Names the light above.
-fn light_name(scene: &mut Scene, name: &str, place: &Place) -> Result<(), IoError> {
+fn light_name(scene: &mut Scene, name: &str, location: &SourceLocation) -> Result<(), IoError> {
     let Some(last) = scene.lights.len().checked_sub(1) else {
         return Err(IoError::NeedsAbove {
-            place: place.clone(),
+            location: location.clone(),
             command: "name",
             needs: "la, ld, lp or ls",
         });
@@ -358,7 +360,7 @@ fn light_name(scene: &mut Scene, name: &str, place: &Place) -> Result<(), IoErro
     let names = &mut scene.effects.light_names;
     if let Some(other) = names.iter().position(|known| known == name) {
         return Err(IoError::BadShape {
-            place: place.clone(),
+            location: location.clone(),
             problem: format!("`name`: light {other} is called `{name}` already"),
         });
     }
@@ -434,7 +436,7 @@ pub(super) fn environment(
     known: &mut Known,
     source: &FileSource,
     path: &std::path::Path,
-    place: &Place,
+    location: &SourceLocation,
     chart: Chart,
     purpose: Use,
 ) -> Result<usize, IoError> {
@@ -442,7 +444,7 @@ pub(super) fn environment(
     if let Some(&index) = known.get(&key) {
         return Ok(index);
     }
-    let read = environment_io::read_named(source, path, chart, Some(place))?;
+    let read = environment_io::read_named(source, path, chart, Some(location))?;
     let light = match purpose {
         Use::Shown { mips: false } => read,
         Use::Shown { mips: true } => read.with_mips(),
@@ -452,7 +454,7 @@ pub(super) fn environment(
             read.specular_map(Chart::Cube, size, exponent)
                 .map_err(|e| IoError::BrokenImage {
                     path: path.to_path_buf(),
-                    named_by: Some(place.clone()),
+                    named_by: Some(location.clone()),
                     problem: e.to_string(),
                 })?
         }
@@ -469,10 +471,10 @@ pub(super) fn second_uvs(
     meshes: &mut [Mesh],
     textures: &mut Textures,
     path: &std::path::Path,
-    place: &Place,
+    location: &SourceLocation,
 ) -> Result<(), IoError> {
     let mut unused = textures.for_coordinates();
-    let other = obj::read(path, Some(place), Missing::Warn, false, &mut unused);
+    let other = obj::read(path, Some(location), Missing::Warn, false, &mut unused);
     textures.take_counts(unused);
     let other = other?;
     let broken = |problem: String| IoError::BrokenModel {
@@ -524,9 +526,9 @@ pub(super) fn second_uvs(
                 (triangle[k], uv)
             };
             let mut corners = [0; 3];
-            for (k, place) in corners.iter_mut().enumerate() {
+            for (k, location) in corners.iter_mut().enumerate() {
                 let (vertex, uv) = corner(k);
-                *place = *split
+                *location = *split
                     .entry((vertex, uv.map(f32::to_bits)))
                     .or_insert_with(|| {
                         let v = vertex as usize;

@@ -9,7 +9,7 @@ use texmap_render::{Displacement, Mesh, Scene, SkinBlend};
 use texmap_uv::PixelMapping;
 
 use super::shapes::Bones;
-use crate::Place;
+use crate::SourceLocation;
 use crate::obj::unit;
 
 /// Vertices of a file, and the meshes that its faces have made.
@@ -29,7 +29,7 @@ struct Run {
     lit: bool,
     frame: Option<TextureFrame>,
     round: Option<PixelMapping>,
-    skin: Option<(SkinBlend, Place)>,
+    skin: Option<(SkinBlend, SourceLocation)>,
     /// Vertex of the file behind each vertex of the mesh.
     sources: Vec<u32>,
     known: HashMap<(u32, [u32; 2]), u32>,
@@ -44,7 +44,7 @@ pub(super) struct Facet<'a> {
     pub(super) frame: Option<TextureFrame>,
     pub(super) round: Option<PixelMapping>,
     pub(super) displacement: Option<Displacement>,
-    pub(super) skin: Option<(SkinBlend, Place)>,
+    pub(super) skin: Option<(SkinBlend, SourceLocation)>,
     pub(super) shadowless: bool,
     pub(super) lit: bool,
     pub(super) material: usize,
@@ -59,7 +59,7 @@ impl Facets {
     }
 
     /// Cuts a face into its fan and adds it to the last mesh, or to a new one where the settings differ.
-    pub(super) fn add(&mut self, scene: &mut Scene, facet: &Facet<'_>, place: &Place) {
+    pub(super) fn add(&mut self, scene: &mut Scene, facet: &Facet<'_>, location: &SourceLocation) {
         let fits = |run: &Run| {
             let mesh = &scene.meshes[run.mesh];
             run.mesh + 1 == scene.meshes.len()
@@ -74,7 +74,7 @@ impl Facets {
         };
         if !self.meshes.last().is_some_and(fits) {
             scene.meshes.push(Mesh {
-                name: format!("faces from {}:{}", place.file.display(), place.line),
+                name: format!("faces from {}:{}", location.file.display(), location.line),
                 material: facet.material,
                 frame: facet.frame,
                 round: facet.round,

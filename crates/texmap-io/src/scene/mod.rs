@@ -18,7 +18,7 @@ use texmap_render::{ColorMode, Scene};
 use crate::framing::{AUTO_FOV, Bounds, View, auto_lights};
 use crate::scene_file::{Alpha, Missing, Surf};
 use crate::textures::Textures;
-use crate::{FileSource, IoError, Place, obj};
+use crate::{FileSource, IoError, SourceLocation, obj};
 use build::Builder;
 use settings::Settings;
 
@@ -143,7 +143,7 @@ pub(crate) fn read_obj(
     let stem = path
         .file_stem()
         .map_or_else(String::new, |s| s.to_string_lossy().into_owned());
-    builder.model(model, &stem, &Place::new(path, 1, 1));
+    builder.model(model, &stem, &SourceLocation::new(path, 1, 1));
     let (mut scene, textures) = builder.finish()?;
     // Neither black nor white: dark and light parts stand out.
     scene.background = [0.22, 0.24, 0.27, 1.0];

@@ -17,7 +17,7 @@ use super::classics::ClassicSettings;
 use super::effects::EffectSettings;
 use super::shapes::DisplaceSetting;
 use crate::scene_file::{Alpha, Command, Missing, Rate, Role, Surf};
-use crate::{Place, obj};
+use crate::{SourceLocation, obj};
 
 /// Everything that `push` keeps and `pop` brings back.
 #[derive(Debug, Clone)]
@@ -43,7 +43,7 @@ pub(super) struct Settings {
     pub(super) classics: ClassicSettings,
     pub(super) displace: Option<DisplaceSetting>,
     /// With its line.
-    pub(super) skin: Option<(SkinBlend, Place)>,
+    pub(super) skin: Option<(SkinBlend, SourceLocation)>,
 }
 
 /// The texture of the last `texture` line.

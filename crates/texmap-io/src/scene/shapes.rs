@@ -9,7 +9,7 @@ use texmap_sample::Texture2d;
 
 use super::settings::rotation;
 use crate::scene_file::{BoneLine, TerrainLine};
-use crate::{IoError, Place};
+use crate::{IoError, SourceLocation};
 
 /// A `displace` line with its map read.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -39,7 +39,7 @@ pub(super) struct Bones {
     skeleton: Skeleton,
     turns: Vec<DMat4>,
     /// Mesh, blend, and the `skin` line.
-    followers: Vec<(usize, SkinBlend, Place)>,
+    followers: Vec<(usize, SkinBlend, SourceLocation)>,
 }
 
 impl Bones {
@@ -47,11 +47,11 @@ impl Bones {
         &mut self,
         line: &BoneLine,
         transform: &DMat4,
-        place: &Place,
+        location: &SourceLocation,
     ) -> Result<(), IoError> {
         let count = self.skeleton.bones.len();
         let out_of_range = |text: String, allowed| IoError::OutOfRange {
-            place: place.clone(),
+            location: location.clone(),
             command: "bone",
             text,
             allowed,
@@ -77,9 +77,9 @@ impl Bones {
         Ok(())
     }
 
-    pub(super) fn follow(&mut self, mesh: usize, skin: Option<(SkinBlend, Place)>) {
+    pub(super) fn follow(&mut self, mesh: usize, skin: Option<(SkinBlend, SourceLocation)>) {
         self.followers
-            .extend(skin.map(|(blend, place)| (mesh, blend, place)));
+            .extend(skin.map(|(blend, location)| (mesh, blend, location)));
     }
 
     /// Bends every mesh that follows.
@@ -89,7 +89,7 @@ impl Bones {
         };
         if self.skeleton.bones.is_empty() {
             return Err(IoError::NeedsAbove {
-                place: first.clone(),
+                location: first.clone(),
                 command: "skin",
                 needs: "bone",
             });
@@ -98,7 +98,7 @@ impl Bones {
             .skeleton
             .pose(&self.turns)
             .map_err(|e| bad_shape(first, &e))?;
-        for (index, blend, place) in &self.followers {
+        for (index, blend, location) in &self.followers {
             let mesh = &mut meshes[*index];
             let (to_world, from_world) = (mesh.world_from_object, mesh.world_from_object.inverse());
             let world: Vec<[f32; 3]> = mesh
@@ -116,7 +116,7 @@ impl Bones {
                 .skeleton
                 .skin(&world, *blend)
                 .bend(mesh, &pose)
-                .map_err(|e| bad_shape(place, &e))?;
+                .map_err(|e| bad_shape(location, &e))?;
         }
         Ok(())
     }
@@ -126,10 +126,10 @@ impl Bones {
 pub(super) fn terrain(
     line: &TerrainLine,
     heights: &Texture2d<'_>,
-    place: &Place,
+    location: &SourceLocation,
 ) -> Result<Mesh, IoError> {
-    let name = format!("terrain from {}:{}", place.file.display(), place.line);
-    Mesh::height_field(&name, heights, line.size, line.step).map_err(|e| bad_shape(place, &e))
+    let name = format!("terrain from {}:{}", location.file.display(), location.line);
+    Mesh::height_field(&name, heights, line.size, line.step).map_err(|e| bad_shape(location, &e))
 }
 
 /// A billboard of a `billboard` line. It is scaled by the lengths of the transform's sides and turned to the camera.
@@ -152,12 +152,12 @@ pub(super) fn billboard(
     }
 }
 
-fn bad_shape(place: &Place, error: &RenderError) -> IoError {
+fn bad_shape(location: &SourceLocation, error: &RenderError) -> IoError {
     if let RenderError::Memory(refused) = error {
-        return IoError::memory(refused.clone(), Some(place));
+        return IoError::memory(refused.clone(), Some(location));
     }
     IoError::BadShape {
-        place: place.clone(),
+        location: location.clone(),
         problem: error.to_string(),
     }
 }

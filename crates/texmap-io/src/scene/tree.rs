@@ -6,7 +6,7 @@ use texmap_render::ColorMode;
 
 use crate::files::{MAX_TEXT, is_called};
 use crate::scene_file::{self, Command, SceneFile};
-use crate::{FileSource, IoError, Place};
+use crate::{FileSource, IoError, SourceLocation};
 
 /// A parsed file and, in the order of its `include` lines, those below it.
 #[derive(Debug)]
@@ -55,23 +55,23 @@ impl Tree {
 
     fn below(
         path: &Path,
-        named_by: Option<&Place>,
+        named_by: Option<&SourceLocation>,
         files: &FileSource,
         progress: &mut Progress,
     ) -> Result<Self, IoError> {
         let text = files.text_named(path, named_by, MAX_TEXT)?;
         let canonical = path.canonicalize().unwrap_or_else(|_| path.to_path_buf());
-        if let Some(place) = named_by.filter(|_| progress.open.contains(&canonical)) {
+        if let Some(location) = named_by.filter(|_| progress.open.contains(&canonical)) {
             return Err(IoError::IncludeCycle {
-                place: place.clone(),
+                location: location.clone(),
                 path: path.to_path_buf(),
             });
         }
-        if let Some(place) = named_by
+        if let Some(location) = named_by
             && !progress.allows(&text)
         {
             return Err(IoError::OutOfRange {
-                place: place.clone(),
+                location: location.clone(),
                 command: "include",
                 text: path.display().to_string(),
                 allowed: ALLOWED,
@@ -89,9 +89,9 @@ impl Tree {
         let mut included = Vec::new();
         for statement in &file.statements {
             if let Command::Include(name) = &statement.command {
-                let place = Place::new(path, statement.line, statement.column);
+                let location = SourceLocation::new(path, statement.line, statement.column);
                 let name = files.beside(path, name);
-                included.push(Self::below(&name, Some(&place), files, progress)?);
+                included.push(Self::below(&name, Some(&location), files, progress)?);
             }
         }
         progress.open.pop();

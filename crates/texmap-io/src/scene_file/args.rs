@@ -4,7 +4,7 @@ use std::path::Path;
 use std::str::FromStr;
 
 use super::token::Token;
-use crate::{IoError, Place};
+use crate::{IoError, SourceLocation};
 
 /// A command's word and the values after it, which may stand on several lines.
 #[derive(Debug)]
@@ -35,15 +35,15 @@ impl<'a> Args<'a> {
         self.tokens.len()
     }
 
-    pub(super) fn word_place(&self) -> Place {
-        Place::new(self.file, self.line, self.column)
+    pub(super) fn word_location(&self) -> SourceLocation {
+        SourceLocation::new(self.file, self.line, self.column)
     }
 
-    /// Place of value `i`, or of the command where there is none.
-    fn place(&self, i: usize) -> Place {
+    /// SourceLocation of value `i`, or of the command where there is none.
+    fn location(&self, i: usize) -> SourceLocation {
         match self.tokens.get(i) {
-            Some((line, token)) => Place::new(self.file, *line, token.column),
-            None => self.word_place(),
+            Some((line, token)) => SourceLocation::new(self.file, *line, token.column),
+            None => self.word_location(),
         }
     }
 
@@ -57,7 +57,7 @@ impl<'a> Args<'a> {
 
     pub(super) fn count_error(&self, expected: &'static str) -> IoError {
         IoError::ArgumentCount {
-            place: self.word_place(),
+            location: self.word_location(),
             command: self.command,
             expected,
             found: self.len(),
@@ -75,7 +75,7 @@ impl<'a> Args<'a> {
         }
         Err(IoError::ArgumentCount {
             // The first value too many, or the command that lacks one.
-            place: self.place(if self.len() > most { most } else { usize::MAX }),
+            location: self.location(if self.len() > most { most } else { usize::MAX }),
             command: self.command,
             expected,
             found: self.len(),
@@ -166,7 +166,7 @@ impl<'a> Args<'a> {
             Ok(index) if (index as usize) < count => Ok(index),
             _ if self.text(i).parse::<f64>().is_err() => Err(self.not_a_number(i)),
             _ => Err(IoError::BadIndex {
-                place: self.place(i),
+                location: self.location(i),
                 of: "vertex",
                 index: self.text(i).into(),
                 count,
@@ -207,7 +207,7 @@ impl<'a> Args<'a> {
             return Ok(());
         }
         Err(IoError::OutOfRange {
-            place: self.place(i),
+            location: self.location(i),
             command: self.command,
             text: self.text(i).into(),
             allowed,
@@ -216,7 +216,7 @@ impl<'a> Args<'a> {
 
     pub(super) fn unknown(&self, i: usize, allowed: &'static str) -> IoError {
         IoError::UnknownWord {
-            place: self.place(i),
+            location: self.location(i),
             command: self.command,
             word: self.text(i).into(),
             allowed,
@@ -225,7 +225,7 @@ impl<'a> Args<'a> {
 
     pub(super) fn too_few_corners(&self, found: usize) -> IoError {
         IoError::TooFewCorners {
-            place: self.word_place(),
+            location: self.word_location(),
             command: self.command,
             found,
         }
@@ -240,7 +240,7 @@ impl<'a> Args<'a> {
 
     fn not_a_number(&self, i: usize) -> IoError {
         IoError::NotANumber {
-            place: self.place(i),
+            location: self.location(i),
             command: self.command,
             text: self.text(i).into(),
         }
@@ -248,7 +248,7 @@ impl<'a> Args<'a> {
 
     fn not_finite(&self, i: usize) -> IoError {
         IoError::NotFinite {
-            place: self.place(i),
+            location: self.location(i),
             command: self.command,
             text: self.text(i).into(),
         }

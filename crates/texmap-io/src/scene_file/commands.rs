@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::Command;
 use super::token::Token;
-use crate::{IoError, Place};
+use crate::{IoError, SourceLocation};
 
 /// The word of every command.
 pub const COMMANDS: [&str; 65] = [
@@ -92,7 +92,7 @@ pub(super) fn known_word(
     // One slip in a short word, two in a longer one.
     let allowed = if token.text.len() <= 4 { 1 } else { 2 };
     Err(IoError::UnknownCommand {
-        place: Place::new(file, line, token.column),
+        location: SourceLocation::new(file, line, token.column),
         word: token.text.chars().take(40).collect(),
         nearest: nearest.filter(|word| distance(word) <= allowed),
     })

@@ -12,7 +12,7 @@ use super::settings;
 use super::shapes;
 use super::token;
 use super::{Command, SceneFile, Statement, TexturedCorner};
-use crate::{IoError, Place};
+use crate::{IoError, SourceLocation};
 
 /// Reads a scene file's text; `file` is only named in errors.
 ///
@@ -29,7 +29,7 @@ pub fn parse(file: &Path, text: &str) -> Result<SceneFile, IoError> {
     let mut args: Option<Args<'_>> = None;
     for (content, line) in text.lines().zip(1..) {
         let tokens = token::words(content).map_err(|column| IoError::StrayQuote {
-            place: Place::new(file, line, column),
+            location: SourceLocation::new(file, line, column),
         })?;
         let Some((&first, rest)) = tokens.split_first() else {
             continue;
@@ -37,7 +37,7 @@ pub fn parse(file: &Path, text: &str) -> Result<SceneFile, IoError> {
         if first.begins_number() {
             let Some(args) = &mut args else {
                 return Err(IoError::StrayNumber {
-                    place: Place::new(file, line, first.column),
+                    location: SourceLocation::new(file, line, first.column),
                     text: first.text.into(),
                 }
                 .without_words());
@@ -62,7 +62,7 @@ pub fn parse(file: &Path, text: &str) -> Result<SceneFile, IoError> {
         parser.statement(&complete)?;
     }
     match parser.open.pop() {
-        Some(place) => Err(IoError::OpenPush { place }),
+        Some(location) => Err(IoError::OpenPush { location }),
         None => Ok(parser.scene),
     }
 }
@@ -71,7 +71,7 @@ struct Parser {
     scene: SceneFile,
     vertices: usize,
     /// The `push` lines that wait for their `pop`.
-    open: Vec<Place>,
+    open: Vec<SourceLocation>,
 }
 
 impl Parser {
@@ -79,10 +79,10 @@ impl Parser {
         let command = self.command(args)?;
         match command {
             Command::Vertex(_) => self.vertices += 1,
-            Command::Push => self.open.push(args.word_place()),
+            Command::Push => self.open.push(args.word_location()),
             Command::Pop if self.open.pop().is_none() => {
                 return Err(IoError::NeedsAbove {
-                    place: args.word_place(),
+                    location: args.word_location(),
                     command: "pop",
                     needs: "push",
                 });
@@ -213,9 +213,9 @@ pub(super) fn assert_reads_back(is: fn(&Command) -> bool, cases: &[&str]) {
 pub(super) fn assert_faults(cases: &[(&str, &str, u32)]) {
     for (text, code, column) in cases {
         let error = parse(Path::new("a.scene"), text).unwrap_err();
-        let place = error.place().unwrap();
+        let location = error.location().unwrap();
         assert_eq!(
-            (error.code(), place.line, place.column),
+            (error.code(), location.line, location.column),
             (*code, 1, *column),
             "{text}: {error}"
         );
@@ -232,8 +232,8 @@ mod tests {
 
     fn error(text: &str) -> (&'static str, u32, u32) {
         let error = scene(text).unwrap_err();
-        let place = error.place().expect("every parse error has a place");
-        (error.code(), place.line, place.column)
+        let location = error.location().expect("every parse error has a place");
+        (error.code(), location.line, location.column)
     }
 
     #[test]

@@ -100,7 +100,7 @@ fn frame(args: &Args<'_>) -> Result<Command, IoError> {
     let (o, u, v) = (args.numbers(0)?, args.numbers(3)?, args.numbers(6)?);
     TextureFrame::new(DVec3::from(o), DVec3::from(u), DVec3::from(v)).map_err(|e| {
         IoError::DegenerateFrame {
-            place: args.word_place(),
+            location: args.word_location(),
             problem: e.to_string(),
         }
     })?;

@@ -17,7 +17,7 @@ use super::shapes::{self, Bones, DisplaceSetting};
 use super::tree::Tree;
 use crate::scene_file::{Command, Role, RoundShape, Shape, Statement};
 use crate::textures::{Content, Textures};
-use crate::{IoError, Place};
+use crate::{IoError, SourceLocation};
 
 pub(super) struct Builder {
     scene: Scene,
@@ -25,7 +25,7 @@ pub(super) struct Builder {
     settings: Settings,
     kept: Vec<Settings>,
     /// The last line that set the camera.
-    camera_line: Option<Place>,
+    camera_line: Option<SourceLocation>,
     /// Faces of the scene so far.
     faces: u32,
     environments: effects::Known,
@@ -50,11 +50,11 @@ impl Builder {
     }
 
     pub(super) fn finish(mut self) -> Result<(Scene, Textures), IoError> {
-        if let Some(place) = self.camera_line.take()
+        if let Some(location) = self.camera_line.take()
             && let Err(error) = check_camera(&self.scene.camera)
         {
             return Err(IoError::BadCamera {
-                place,
+                location,
                 problem: error.to_string(),
             });
         }
@@ -72,7 +72,7 @@ impl Builder {
         let mut facets = Facets::default();
         let mut included = tree.included.iter();
         for statement in &tree.file.statements {
-            let place = Place::new(&tree.path, statement.line, statement.column);
+            let location = SourceLocation::new(&tree.path, statement.line, statement.column);
             match &statement.command {
                 Command::Include(_) => {
                     if let Some(below) = included.next() {
@@ -81,7 +81,7 @@ impl Builder {
                 }
                 _ => {
                     let first = self.scene.meshes.len();
-                    self.statement(statement, &place, &mut facets)?;
+                    self.statement(statement, &location, &mut facets)?;
                     for mesh in &mut self.scene.meshes[first..] {
                         mesh.shadowless = self.settings.effects.shadowless;
                     }
@@ -96,7 +96,7 @@ impl Builder {
     fn statement(
         &mut self,
         statement: &Statement,
-        place: &Place,
+        location: &SourceLocation,
         facets: &mut Facets,
     ) -> Result<(), IoError> {
         let camera = &mut self.scene.camera;
@@ -107,16 +107,16 @@ impl Builder {
             Command::Fov(degrees) => camera.fov_x = degrees.to_radians(),
             Command::Near(distance) => camera.near = *distance,
             Command::Far(distance) => camera.far = *distance,
-            other => return self.after_camera(other, place, facets),
+            other => return self.after_camera(other, location, facets),
         }
-        self.camera_line = Some(place.clone());
+        self.camera_line = Some(location.clone());
         Ok(())
     }
 
     fn after_camera(
         &mut self,
         command: &Command,
-        place: &Place,
+        location: &SourceLocation,
         facets: &mut Facets,
     ) -> Result<(), IoError> {
         let lights = &mut self.scene.lights;
@@ -134,7 +134,7 @@ impl Builder {
                 if !position.as_vec3().is_finite() {
                     let text = position.to_string();
                     return Err(IoError::NotFinite {
-                        place: place.clone(),
+                        location: location.clone(),
                         command: "v",
                         text,
                     });
@@ -144,34 +144,34 @@ impl Builder {
             Command::Face(corners) => {
                 let corners: Vec<_> = corners.iter().map(|&i| (i, [0.0; 2])).collect();
                 let material = self.settings.plain(self.scene.color);
-                self.facet(facets, place, material, &corners, None, false);
+                self.facet(facets, location, material, &corners, None, false);
             }
             Command::TexturedFace(corners) => {
                 let corners: Vec<_> = corners.iter().map(|c| (c.vertex, c.uv)).collect();
-                let material = self.textured("tf", place)?;
-                self.facet(facets, place, material, &corners, None, true);
+                let material = self.textured("tf", location)?;
+                self.facet(facets, location, material, &corners, None, true);
             }
             Command::FramedFace(indices) => {
-                let material = self.textured("ff", place)?;
+                let material = self.textured("ff", location)?;
                 let frame = self
                     .settings
                     .frame
                     .filter(|_| self.settings.round.is_none());
                 if frame.is_none() && self.settings.round.is_none() {
-                    return Err(needs("ff", place, "frame"));
+                    return Err(needs("ff", location, "frame"));
                 }
                 if let Some(how) = frame.and_then(|frame| facets.out_of_plane(indices, &frame)) {
                     self.scene.warnings.push(format!(
-                        "{place}: the frame is {how}: the texture slides over it as the eye moves"
+                        "{location}: the frame is {how}: the texture slides over it as the eye moves"
                     ));
                 }
                 let corners: Vec<_> = indices.iter().map(|&i| (i, [0.0; 2])).collect();
-                self.facet(facets, place, material, &corners, frame, false);
+                self.facet(facets, location, material, &corners, frame, false);
             }
-            Command::Obj(name) => self.obj(name, place)?,
+            Command::Obj(name) => self.obj(name, location)?,
             Command::Classic(classic) => classics::statement(
                 classic,
-                place,
+                location,
                 &mut self.scene,
                 &mut self.textures,
                 &mut self.settings,
@@ -179,19 +179,19 @@ impl Builder {
             )?,
             Command::Effect(effect) => effects::statement(
                 effect,
-                place,
+                location,
                 &mut self.scene,
                 &mut self.textures,
                 &mut self.settings,
                 &mut self.environments,
             )?,
-            Command::Shape(shape) => self.shape(shape, place)?,
+            Command::Shape(shape) => self.shape(shape, location)?,
             Command::Texture(None) => self.settings.texture = None,
             Command::Texture(Some(name)) => {
-                let path = self.textures.source.beside(&place.file, name);
+                let path = self.textures.source.beside(&location.file, name);
                 let index =
                     self.textures
-                        .load(&path, place, Content::Color, self.settings.missing)?;
+                        .load(&path, location, Content::Color, self.settings.missing)?;
                 let has_alpha = self.textures.textures[index].has_alpha();
                 self.settings.texture = Some(CurrentTexture {
                     index,
@@ -206,7 +206,7 @@ impl Builder {
                 let moved = |r| round(r).map(|m| m.moved(&self.settings.transform));
                 self.settings.round = shape.as_ref().map(moved).transpose().map_err(|e| {
                     IoError::DegenerateFrame {
-                        place: place.clone(),
+                        location: location.clone(),
                         problem: e.to_string(),
                     }
                 })?;
@@ -216,12 +216,16 @@ impl Builder {
         Ok(())
     }
 
-    fn textured(&self, command: &'static str, place: &Place) -> Result<Material, IoError> {
+    fn textured(
+        &self,
+        command: &'static str,
+        location: &SourceLocation,
+    ) -> Result<Material, IoError> {
         let texture = self
             .settings
             .texture
             .as_ref()
-            .ok_or_else(|| needs(command, place, "texture"))?;
+            .ok_or_else(|| needs(command, location, "texture"))?;
         Ok(self
             .settings
             .textured(texture, Role::Decal, self.scene.color))
@@ -230,7 +234,7 @@ impl Builder {
     fn facet(
         &mut self,
         facets: &mut Facets,
-        place: &Place,
+        location: &SourceLocation,
         material: Material,
         corners: &[(u32, [f32; 2])],
         frame: Option<TextureFrame>,
@@ -242,7 +246,7 @@ impl Builder {
             first: has_uv || framed,
             second: false,
         };
-        let material = self.material(material, coordinates, place);
+        let material = self.material(material, coordinates, location);
         let facet = Facet {
             corners,
             has_uv,
@@ -261,14 +265,14 @@ impl Builder {
             number: self.faces,
         };
         self.faces += 1;
-        facets.add(&mut self.scene, &facet, place);
+        facets.add(&mut self.scene, &facet, location);
     }
 
-    fn shape(&mut self, shape: &Shape, place: &Place) -> Result<(), IoError> {
+    fn shape(&mut self, shape: &Shape, location: &SourceLocation) -> Result<(), IoError> {
         let missing = self.settings.missing;
         let mut data = |name: &str| {
-            let path = self.textures.source.beside(&place.file, name);
-            self.textures.load(&path, place, Content::Data, missing)
+            let path = self.textures.source.beside(&location.file, name);
+            self.textures.load(&path, location, Content::Data, missing)
         };
         match shape {
             Shape::Displace(None) => self.settings.displace = None,
@@ -281,13 +285,13 @@ impl Builder {
                     triangles: line.triangles,
                 });
             }
-            Shape::Bone(line) => self.bones.add(line, &self.settings.transform, place)?,
+            Shape::Bone(line) => self.bones.add(line, &self.settings.transform, location)?,
             Shape::Skin(skin) => {
-                self.settings.skin = skin.map(|blend| (blend, place.clone()));
+                self.settings.skin = skin.map(|blend| (blend, location.clone()));
             }
             Shape::Terrain(line) => {
                 let heights = data(&line.file)?;
-                let mut ground = shapes::terrain(line, &self.textures.textures[heights], place)?;
+                let mut ground = shapes::terrain(line, &self.textures.textures[heights], location)?;
                 let middle = DMat4::from_translation(line.position.into());
                 ground.world_from_object = self.settings.transform * middle;
                 if self.settings.transform.determinant() < 0.0 {
@@ -298,7 +302,7 @@ impl Builder {
                     Some(texture) => self.settings.textured(texture, Role::Modulate, color),
                     None => self.settings.plain(color),
                 };
-                ground.material = self.material(material, Coordinates::FIRST, place);
+                ground.material = self.material(material, Coordinates::FIRST, location);
                 ground.round = self.settings.round;
                 let cells = ground.faces.last().map_or(0, |last| last + 1);
                 ground.faces.iter_mut().for_each(|f| *f += self.faces);
@@ -312,12 +316,16 @@ impl Builder {
                 size,
                 axis,
             } => {
-                let material = self.textured("billboard", place)?;
-                let material = self.material(material, Coordinates::FIRST, place);
+                let material = self.textured("billboard", location)?;
+                let material = self.material(material, Coordinates::FIRST, location);
                 let board = shapes::billboard(position, size, axis, &self.settings.transform);
                 let number = self.faces;
                 self.faces += 1;
-                let name = format!("billboard from {}:{}", place.file.display(), place.line);
+                let name = format!(
+                    "billboard from {}:{}",
+                    location.file.display(),
+                    location.line
+                );
                 let mut mesh = Mesh::of_billboards(&name, vec![board], material);
                 mesh.faces = vec![number; 2];
                 self.scene.meshes.push(mesh);
@@ -327,7 +335,12 @@ impl Builder {
     }
 
     /// Index of a material under the current effects, a new one or an equal one. `place` draws faces of it.
-    fn material(&mut self, material: Material, coordinates: Coordinates, place: &Place) -> usize {
+    fn material(
+        &mut self,
+        material: Material,
+        coordinates: Coordinates,
+        location: &SourceLocation,
+    ) -> usize {
         let effects = &self.settings.effects;
         let out_of_reach = effects.out_of_reach(coordinates);
         let material = effects.apply(&self.settings, &self.scene, material, coordinates);
@@ -336,12 +349,12 @@ impl Builder {
             .classics
             .apply(&self.settings, &self.scene, material);
         for (effect, why) in out_of_reach {
-            self.tell(place, effect, why);
+            self.tell(location, effect, why);
         }
         if self.is_covered(&material) {
             for effect in effects::covered(&material) {
                 let why = "copies its texel, whatever the light (`shade modulate` lights it)";
-                self.tell(place, effect, why);
+                self.tell(location, effect, why);
             }
         }
         let materials = &mut self.scene.materials;
@@ -368,13 +381,13 @@ impl Builder {
     }
 
     /// Warns of an effect that what this line draws does not show, the first time.
-    fn tell(&mut self, place: &Place, effect: &'static str, why: &'static str) {
+    fn tell(&mut self, location: &SourceLocation, effect: &'static str, why: &'static str) {
         if self.told.contains(&(effect, why)) {
             return;
         }
         self.told.push((effect, why));
         self.scene.warnings.push(format!(
-            "{place}: {effect} is not drawn here: what this line draws {why}"
+            "{location}: {effect} is not drawn here: what this line draws {why}"
         ));
     }
 
@@ -397,9 +410,9 @@ impl Builder {
     }
 }
 
-fn needs(command: &'static str, place: &Place, needs: &'static str) -> IoError {
+fn needs(command: &'static str, location: &SourceLocation, needs: &'static str) -> IoError {
     IoError::NeedsAbove {
-        place: place.clone(),
+        location: location.clone(),
         command,
         needs,
     }

@@ -9,15 +9,15 @@ use crate::obj::{self, Model};
 use crate::scene::effects::{self, Coordinates};
 use crate::scene::settings::{emitted, light};
 use crate::scene_file::{Alpha, Role};
-use crate::{IoError, Place, shortened};
+use crate::{IoError, SourceLocation, shortened};
 
 impl Builder {
-    pub(super) fn obj(&mut self, name: &str, place: &Place) -> Result<(), IoError> {
-        let path = self.textures.source.beside(&place.file, name);
+    pub(super) fn obj(&mut self, name: &str, location: &SourceLocation) -> Result<(), IoError> {
+        let path = self.textures.source.beside(&location.file, name);
         let textured = self.settings.texture.is_some() || self.settings.effects.reads_uv();
         match obj::read(
             &path,
-            Some(place),
+            Some(location),
             self.settings.missing,
             textured,
             &mut self.textures,
@@ -27,7 +27,7 @@ impl Builder {
                     .file_stem()
                     .map_or_else(String::new, |s| s.to_string_lossy().into_owned());
                 let first = self.scene.meshes.len();
-                self.model(model, &stem, place);
+                self.model(model, &stem, location);
                 match &self.settings.effects.lightmap_uv {
                     None => Ok(()),
                     Some((path, named)) => effects::second_uvs(
@@ -43,7 +43,7 @@ impl Builder {
                 | IoError::NotAFile { .. }
                 | IoError::OutsideRoot { .. }),
             ) if self.textures.tolerant => {
-                self.textures.note(&path, place, Err(error.to_string()));
+                self.textures.note(&path, location, Err(error.to_string()));
                 Ok(())
             }
             Err(error) => Err(error),
@@ -51,7 +51,7 @@ impl Builder {
     }
 
     /// Adds the parts of a model under the current settings.
-    pub(in crate::scene) fn model(&mut self, model: Model, stem: &str, named_by: &Place) {
+    pub(in crate::scene) fn model(&mut self, model: Model, stem: &str, named_by: &SourceLocation) {
         let color = self.scene.color;
         self.scene.warnings.extend(model.warnings);
         let transform = self.settings.transform;
