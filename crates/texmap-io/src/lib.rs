@@ -51,5 +51,6 @@ pub use files::FileSource;
 pub use font::built_in_font;
 pub use grids::read_grid;
 pub use info::{FileInfo, MeshInfo, NamedFile, info, info_with};
+pub use obj::ObjText;
 pub use picture_format::{Lost, PictureFormat, PixelCode, write_pixels};
 pub use scene::{LoadOptions, load, load_obj, load_scene};

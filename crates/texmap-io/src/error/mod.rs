@@ -4,6 +4,7 @@ mod help;
 mod location;
 mod shown;
 
+use std::borrow::Cow;
 use std::io;
 use std::path::PathBuf;
 
@@ -112,7 +113,7 @@ pub enum IoError {
         /// The command.
         command: &'static str,
         /// What it takes.
-        expected: &'static str,
+        expected: Cow<'static, str>,
         /// How many values were found.
         found: usize,
     },
@@ -158,7 +159,7 @@ pub enum IoError {
         /// The word.
         word: String,
         /// What is allowed.
-        allowed: &'static str,
+        allowed: Cow<'static, str>,
     },
     /// A quote that does not end, or one inside a word.
     #[error("{location}: stray quote")]

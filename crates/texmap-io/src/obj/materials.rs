@@ -5,8 +5,8 @@ use std::path::Path;
 
 use texmap_sample::UvTransform;
 
-use super::check::Checked;
 use super::mtl::{self, Description};
+use super::read::Obj;
 use super::{Map, Material, ReliefKind};
 use crate::IoError;
 use crate::error::shortened;
@@ -15,13 +15,13 @@ use crate::textures::{Content, Textures};
 
 pub(super) fn libraries(
     path: &Path,
-    checked: &Checked,
+    obj: &Obj,
     missing: Missing,
     textures: &mut Textures,
     warnings: &mut Vec<String>,
 ) -> Result<Vec<Description>, IoError> {
     let mut materials = Vec::new();
-    for (location, name) in &checked.libraries {
+    for (location, name) in &obj.libraries {
         // A name may hold blanks, and a line may hold several names.
         let names: Vec<&str> = if textures.source.exists(&textures.source.beside(path, name)) {
             vec![name]
@@ -51,14 +51,14 @@ pub(super) fn libraries(
 }
 
 pub(super) fn check_names(
-    checked: &Checked,
+    obj: &Obj,
     descriptions: &[Description],
     lenient: bool,
     warnings: &mut Vec<String>,
 ) -> Result<(), IoError> {
     let defined: HashSet<&str> = descriptions.iter().map(|d| d.name.as_str()).collect();
     let mut told: HashSet<&str> = HashSet::new();
-    for (location, name) in &checked.materials {
+    for (location, name) in &obj.materials {
         if defined.contains(name.as_str()) || !told.insert(name) {
             continue;
         }
@@ -67,7 +67,7 @@ pub(super) fn check_names(
             name: name.clone(),
         };
         // A model that names no library at all uses material names as group names.
-        if !(lenient || checked.libraries.is_empty()) {
+        if !(lenient || obj.libraries.is_empty()) {
             return Err(error);
         }
         warnings.push(error.to_string());

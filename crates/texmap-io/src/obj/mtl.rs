@@ -3,11 +3,10 @@
 //!
 //! Source of the format: Wavefront, "MTL material format", version 4.2 (1995).
 
-use std::fmt::Write;
 use std::path::Path;
 
-use super::check::finite;
 use super::not_drawn::NotDrawn;
+use super::read::finite;
 use crate::error::shortened;
 use crate::textures::Textures;
 use crate::{IoError, SourceLocation};
@@ -27,9 +26,24 @@ pub(super) struct Description {
     pub(super) d: f32,
     /// In the order of [`MAPS`].
     pub(super) maps: [Option<Map>; MAPS.len()],
+    /// Illumination models 0 and 1 have none.
+    highlight: bool,
 }
 
 impl Description {
+    fn new(name: &str) -> Self {
+        Self {
+            name: name.into(),
+            kd: None,
+            ks: 0.0,
+            ke: None,
+            ns: None,
+            d: 1.0,
+            maps: Default::default(),
+            highlight: true,
+        }
+    }
+
     /// Whether faces need coordinates.
     pub(super) fn has_map(&self) -> bool {
         self.maps.iter().any(Option::is_some)
@@ -56,7 +70,7 @@ pub(super) struct Map {
     pub(super) height: Option<f32>,
 }
 
-/// Reads a library; what cannot be used is told in `warnings`.
+/// Reads a library; what cannot be used is reported in `warnings`.
 pub(super) fn read(
     path: &Path,
     named_by: &SourceLocation,
@@ -64,54 +78,7 @@ pub(super) fn read(
     warnings: &mut Vec<String>,
 ) -> Result<Vec<Description>, IoError> {
     let text = textures.text(path, Some(named_by), "mtllib")?;
-    let checked = check(path, &text, warnings)?;
-    let (materials, _) =
-        tobj::load_mtl_buf(&mut checked.text.as_bytes()).map_err(|e| IoError::BrokenModel {
-            path: path.to_path_buf(),
-            problem: e.to_string(),
-        })?;
-    let largest = |c: [f32; 3]| c.into_iter().fold(0.0, f32::max);
-    let describe = |(m, own): (tobj::Material, Own)| {
-        // Models 0 and 1 have no highlight.
-        let highlight = !matches!(m.illumination_model, Some(0 | 1));
-        Description {
-            name: m.name,
-            kd: m.diffuse,
-            ks: if highlight {
-                m.specular.map_or(0.0, largest)
-            } else {
-                0.0
-            },
-            ke: own.ke,
-            ns: m.shininess,
-            d: m.dissolve.unwrap_or(1.0),
-            maps: own.maps,
-        }
-    };
-    Ok(materials
-        .into_iter()
-        .zip(checked.own)
-        .map(describe)
-        .collect())
-}
-
-#[derive(Debug, Default)]
-struct Checked {
-    /// What the reader needs, in a form that it takes.
-    text: String,
-    /// What the reader does not keep of each material.
-    own: Vec<Own>,
-}
-
-#[derive(Debug, Default)]
-struct Own {
-    ke: Option<[f32; 3]>,
-    maps: [Option<Map>; MAPS.len()],
-}
-
-/// Places for errors: the reader's own have none, and it panics on a colour of fewer than three numbers.
-fn check(file: &Path, text: &str, warnings: &mut Vec<String>) -> Result<Checked, IoError> {
-    let mut out = Checked::default();
+    let mut out: Vec<Description> = Vec::new();
     let mut not_drawn = NotDrawn::default();
     for (content, line) in text.lines().zip(1..) {
         let content = content.trim_end();
@@ -123,17 +90,16 @@ fn check(file: &Path, text: &str, warnings: &mut Vec<String>) -> Result<Checked,
         if word.is_empty() || word.starts_with('#') {
             continue;
         }
-        let location = SourceLocation::new(file, line, content[..start].chars().count() as u32 + 1);
+        let location = SourceLocation::new(path, line, content[..start].chars().count() as u32 + 1);
         if word == "newmtl" {
             if rest.is_empty() {
                 return Err(count(location, "newmtl", "1 name"));
             }
-            let _ = writeln!(out.text, "newmtl {rest}");
-            out.own.push(Own::default());
+            out.push(Description::new(rest));
             not_drawn.next_material();
             continue;
         }
-        let Some(own) = out.own.last_mut() else {
+        let Some(material) = out.last_mut() else {
             let command = KNOWN
                 .iter()
                 .copied()
@@ -148,14 +114,19 @@ fn check(file: &Path, text: &str, warnings: &mut Vec<String>) -> Result<Checked,
         match word {
             "Kd" => {
                 not_drawn.base_color(rest);
-                color(&mut out.text, "Kd", location, rest, warnings)?;
+                let kd = color(location, "Kd", rest, warnings)?;
+                material.kd = kd.or(material.kd);
             }
-            "Ks" => color(&mut out.text, "Ks", location, rest, warnings)?,
-            "Ke" => own.ke = rgb(&location, "Ke", rest, warnings)?,
+            "Ks" => {
+                if let Some(ks) = color(location, "Ks", rest, warnings)? {
+                    material.ks = ks.into_iter().fold(0.0, f32::max);
+                }
+            }
+            "Ke" => material.ke = rgb(&location, "Ke", rest, warnings)?,
             "Ns" => {
                 let ns = one(location.clone(), "Ns", rest)?;
                 in_range(ns >= 0.0, location, "Ns", rest, "0 or more")?;
-                let _ = writeln!(out.text, "Ns {ns}");
+                material.ns = Some(ns);
             }
             "d" | "Tr" => {
                 let (command, number) = match (word, rest.strip_prefix("-halo")) {
@@ -173,7 +144,7 @@ fn check(file: &Path, text: &str, warnings: &mut Vec<String>) -> Result<Checked,
                 )?;
                 let opacity = if command == "d" { x } else { 1.0 - x };
                 not_drawn.opacity(opacity);
-                let _ = writeln!(out.text, "d {opacity}");
+                material.d = opacity;
             }
             "illum" => {
                 let model = one(location.clone(), "illum", rest)?;
@@ -185,16 +156,23 @@ fn check(file: &Path, text: &str, warnings: &mut Vec<String>) -> Result<Checked,
                     rest,
                     "0 to 10",
                 )?;
-                let _ = writeln!(out.text, "illum {}", model as u8);
+                material.highlight = !matches!(model as u8, 0 | 1);
             }
-            "bump" | "map_bump" => own.maps[5] = Some(map(location, "map_Bump", rest, warnings)?),
+            "bump" | "map_bump" => {
+                material.maps[5] = Some(map(location, "map_Bump", rest, warnings)?)
+            }
             _ => match MAPS.iter().position(|known| *known == word) {
-                Some(i) => own.maps[i] = Some(map(location, MAPS[i], rest, warnings)?),
+                Some(i) => material.maps[i] = Some(map(location, MAPS[i], rest, warnings)?),
                 None => not_drawn.statement(&location, word, rest),
             },
         }
     }
     warnings.extend(not_drawn.warnings());
+    for material in &mut out {
+        if !material.highlight {
+            material.ks = 0.0;
+        }
+    }
     Ok(out)
 }
 
@@ -203,15 +181,15 @@ const KNOWN: [&str; 16] = [
     "map_Ns", "map_Bump", "norm", "disp",
 ];
 
+/// A colour of 0 to 1, cut to it.
 fn color(
-    out: &mut String,
-    command: &'static str,
     location: SourceLocation,
+    command: &'static str,
     rest: &str,
     warnings: &mut Vec<String>,
-) -> Result<(), IoError> {
+) -> Result<Option<[f32; 3]>, IoError> {
     let Some(rgb) = rgb(&location, command, rest, warnings)? else {
-        return Ok(());
+        return Ok(None);
     };
     if rgb.iter().any(|c| *c > 1.0) {
         warnings.push(format!(
@@ -219,9 +197,7 @@ fn color(
             shortened(rest)
         ));
     }
-    let [r, g, b] = rgb.map(|c| c.min(1.0));
-    let _ = writeln!(out, "{command} {r} {g} {b}");
-    Ok(())
+    Ok(Some(rgb.map(|c| c.min(1.0))))
 }
 
 /// A colour of 0 or more; `None`, with a warning, for the forms that are not supported.
@@ -244,7 +220,7 @@ fn rgb(
     }
     let mut numbers = Vec::new();
     for word in &words {
-        numbers.push(finite(location.clone(), command, word)?);
+        numbers.push(finite(|| location.clone(), command, word)?);
     }
     let rgb = match numbers[..] {
         [grey] => [grey; 3],
@@ -301,7 +277,7 @@ fn map(
             rest = rest[value.len()..].trim_start();
         }
         let number = |i: usize, default: f32| match values.get(i) {
-            Some(text) => finite(map.location.clone(), command, text),
+            Some(text) => finite(|| map.location.clone(), command, text),
             None => Ok(default),
         };
         match option {
@@ -345,7 +321,7 @@ fn map(
 fn one(location: SourceLocation, command: &'static str, rest: &str) -> Result<f32, IoError> {
     let mut words = rest.split_whitespace().take_while(|w| !w.starts_with('#'));
     match (words.next(), words.next()) {
-        (Some(word), None) => finite(location, command, word),
+        (Some(word), None) => finite(|| location.clone(), command, word),
         _ => Err(count(location, command, "1 number")),
     }
 }
@@ -373,7 +349,7 @@ fn count(location: SourceLocation, command: &'static str, expected: &'static str
     IoError::ArgumentCount {
         location,
         command,
-        expected,
+        expected: expected.into(),
         found: 0,
     }
 }

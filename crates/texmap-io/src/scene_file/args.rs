@@ -59,7 +59,7 @@ impl<'a> Args<'a> {
         IoError::ArgumentCount {
             location: self.word_location(),
             command: self.command,
-            expected,
+            expected: expected.into(),
             found: self.len(),
         }
     }
@@ -77,7 +77,7 @@ impl<'a> Args<'a> {
             // The first value too many, or the command that lacks one.
             location: self.location(if self.len() > most { most } else { usize::MAX }),
             command: self.command,
-            expected,
+            expected: expected.into(),
             found: self.len(),
         })
     }
@@ -219,7 +219,7 @@ impl<'a> Args<'a> {
             location: self.location(i),
             command: self.command,
             word: self.text(i).into(),
-            allowed,
+            allowed: allowed.into(),
         }
     }
 
