@@ -186,7 +186,7 @@ fn bad_input_ends_with_four_and_names_its_place() {
                     .replace("1 1 0", "nan 1 0")
                     .replace("\nv 0 1 0\n", "\nv 0 1 0\nf 1 2 3 4\n"),
             ),
-            "nan.obj:4:3: `v`: `nan` is not a finite",
+            "nan.obj:3:3: `v`: `nan` is not a finite",
         ),
         (
             file("index.obj", &format!("{quad}f 1 2 9\n")),

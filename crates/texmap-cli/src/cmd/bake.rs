@@ -59,7 +59,7 @@ pub(crate) fn run(args: &BakeArgs) -> Result<Exit, Failure> {
         },
     )?;
     let refused =
-        |e: RenderError| Failure::of_render(&e, None, "mend the scene, or bake another object");
+        |e: RenderError| Failure::of_render(&e, None, "correct the scene, or bake another object");
     // Edges in pixels are measured by the light map's own size.
     let scene = scene.shaped(args.size).map_err(refused)?;
     let mesh = find(&scene, &args.object)?;

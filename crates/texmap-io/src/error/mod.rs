@@ -198,13 +198,13 @@ pub enum IoError {
         of: &'static str,
     },
     /// A command that needs another one above it.
-    #[error("{location}: `{command}` without a `{needs}` line above it")]
+    #[error("{location}: `{command}` needs {needs} above it")]
     NeedsAbove {
         /// Where the command stands.
         location: SourceLocation,
         /// The command.
         command: &'static str,
-        /// The command that it needs.
+        /// What it needs, such as "a `texture` line".
         needs: &'static str,
     },
     /// A `push` that no `pop` closes.
@@ -237,7 +237,7 @@ pub enum IoError {
         /// What is wrong with it.
         problem: String,
     },
-    /// A projector that throws its slide nowhere.
+    /// A projector that projects nowhere.
     #[error("{location}: projector: {problem}", problem = one_message(.problem))]
     BadProjector {
         /// Its line.

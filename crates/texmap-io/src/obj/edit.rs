@@ -5,7 +5,8 @@ use std::path::Path;
 
 use texmap_uv::{Faces, UvSet};
 
-use super::read::{self, NONE, Obj, Span, Spans};
+use super::read::{self, NONE, Obj, Spans};
+use super::source::Span;
 use crate::files::{MAX_TEXT, is_called};
 use crate::{FileSource, IoError};
 

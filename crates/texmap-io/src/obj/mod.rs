@@ -8,6 +8,7 @@ mod normals;
 mod not_drawn;
 mod parts;
 mod read;
+mod source;
 
 use texmap_sample::UvTransform;
 

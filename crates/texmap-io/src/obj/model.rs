@@ -60,7 +60,7 @@ pub(crate) fn read(
         warnings,
     };
     if again {
-        // It will be named a third time; its warnings were told.
+        // It will be named a third time; its warnings were reported.
         let silent = Model {
             warnings: Vec::new(),
             ..model.clone()

@@ -6,7 +6,7 @@
 use std::path::Path;
 
 use super::not_drawn::NotDrawn;
-use super::read::finite;
+use super::source::finite;
 use crate::error::shortened;
 use crate::textures::Textures;
 use crate::{IoError, SourceLocation};
@@ -108,7 +108,7 @@ pub(super) fn read(
             return Err(IoError::NeedsAbove {
                 location,
                 command,
-                needs: "newmtl",
+                needs: "a `newmtl` line",
             });
         };
         match word {

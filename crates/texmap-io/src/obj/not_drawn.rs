@@ -1,4 +1,4 @@
-//! MTL statements that are known and not drawn: each is told once for its library, where it changes a picture at all.
+//! MTL statements that are known and not drawn: each is reported once for its library, where it changes a picture at all.
 
 use crate::SourceLocation;
 

@@ -2,9 +2,9 @@
 //!
 //! Source of the format: Wavefront, "Advanced Visualizer Manual", appendix B1.
 
-use std::ops::Range;
 use std::path::Path;
 
+use super::source::{Source, Span};
 use crate::{IoError, SourceLocation};
 
 /// The index of what a corner lacks.
@@ -80,114 +80,47 @@ pub(super) struct Spans {
     pub(super) first_face: Option<u32>,
 }
 
-/// A range of bytes; texts have at most 2 GiB.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Span {
-    pub(super) start: u32,
-    pub(super) end: u32,
-}
-
-impl Span {
-    pub(super) fn range(self) -> Range<usize> {
-        self.start as usize..self.end as usize
-    }
-}
-
 /// Reads the text of a model.
 ///
 /// With `spans`, the text is read to be given new coordinates: those of the file may be anything, and faces may have them at some
 /// corners.
 pub(super) fn read(file: &Path, text: &str, spans: Option<&mut Spans>) -> Result<Obj, IoError> {
     let mut reader = Reader {
-        file,
-        text,
-        start: 0,
-        first_line: 1,
+        source: Source::new(file, text),
         obj: Obj::default(),
         smoothing: UNSET_GROUP,
         spans,
     };
     let mut words = Vec::new();
-    let (mut at, mut line) = (0, 1);
-    while at < text.len() {
-        (reader.start, reader.first_line) = (at, line);
-        words.clear();
-        loop {
-            let end = text[at..].find('\n').map_or(text.len(), |n| at + n);
-            let content = text[at..end].trim_end();
-            let joined = content.strip_suffix('\\');
-            push_words(text, at..at + joined.unwrap_or(content).len(), &mut words);
-            at = (end + 1).min(text.len());
-            line += 1;
-            if joined.is_none() || at == text.len() {
-                break;
-            }
-        }
-        reader.statement(&words, at)?;
+    while reader.source.next(&mut words) {
+        reader.statement(&words)?;
     }
     Ok(reader.obj)
 }
 
-/// Blanks separate words; a word that begins with `#` begins a comment.
-fn push_words(text: &str, line: Range<usize>, words: &mut Vec<Span>) {
-    let bytes = text.as_bytes();
-    let mut at = line.start;
-    // Length of the blank at a byte.
-    let blank = |at: usize| match bytes[at] {
-        b' ' | b'\t'..=b'\r' => Some(1),
-        byte if byte.is_ascii() => None,
-        _ => text[at..]
-            .chars()
-            .next()
-            .filter(|c| c.is_whitespace())
-            .map(char::len_utf8),
-    };
-    while at < line.end {
-        if let Some(length) = blank(at) {
-            at += length;
-            continue;
-        }
-        if bytes[at] == b'#' {
-            break;
-        }
-        let start = at;
-        while at < line.end && (bytes[at] & 0xc0 == 0x80 || blank(at).is_none()) {
-            at += 1;
-        }
-        words.push(Span {
-            start: start as u32,
-            end: at as u32,
-        });
-    }
-}
-
 struct Reader<'a> {
-    file: &'a Path,
-    text: &'a str,
-    /// Start of the statement.
-    start: usize,
-    /// Line of its start.
-    first_line: u32,
+    source: Source<'a>,
     obj: Obj,
     smoothing: u32,
     spans: Option<&'a mut Spans>,
 }
 
 impl<'a> Reader<'a> {
-    fn statement(&mut self, words: &[Span], end: usize) -> Result<(), IoError> {
+    fn statement(&mut self, words: &[Span]) -> Result<(), IoError> {
         let Some((&word, values)) = words.split_first() else {
             return Ok(());
         };
-        match self.of(word) {
+        match self.source.of(word) {
             "v" => self.vertex(word, values)?,
             "vt" => {
-                self.count("vt", word, values, 1..=3, "1 to 3 numbers")?;
+                self.source
+                    .count("vt", word, values, 1..=3, "1 to 3 numbers")?;
                 let any = self.spans.is_some();
                 let mut uv = [0.0; 2];
                 for (i, value) in values.iter().enumerate() {
-                    let x = match self.of(*value).parse::<f32>() {
+                    let x = match self.source.of(*value).parse::<f32>() {
                         Ok(x) if any || x.is_finite() => x,
-                        _ => self.number("vt", *value)?,
+                        _ => self.source.number("vt", *value)?,
                     };
                     if let Some(c) = uv.get_mut(i) {
                         *c = x;
@@ -195,33 +128,30 @@ impl<'a> Reader<'a> {
                 }
                 self.obj.uvs.push(uv);
                 if let Some(spans) = &mut self.spans {
-                    spans.uvs.push(Span {
-                        start: self.start as u32,
-                        end: end as u32,
-                    });
+                    spans.uvs.push(self.source.statement);
                 }
             }
             "vn" => {
-                self.count("vn", word, values, 3..=3, "3 numbers")?;
-                let normal = self.three("vn", values)?;
+                self.source.count("vn", word, values, 3..=3, "3 numbers")?;
+                let normal = self.source.three("vn", values)?;
                 self.obj.normals.push(normal);
             }
             "f" | "fo" => self.face(word, values)?,
             "o" | "g" => {
-                let name = Some(self.joined(values));
+                let name = Some(self.source.joined(values));
                 self.group(name);
             }
             "usemtl" => {
-                let name = self.name("usemtl", word, values)?;
-                self.obj.materials.push((self.location(word), name));
+                let name = self.source.name("usemtl", word, values)?;
+                self.obj.materials.push((self.source.location(word), name));
                 self.group(None);
             }
             "mtllib" => {
-                let name = self.name("mtllib", word, values)?;
-                self.obj.libraries.push((self.location(word), name));
+                let name = self.source.name("mtllib", word, values)?;
+                self.obj.libraries.push((self.source.location(word), name));
             }
             "s" => {
-                let group = values.first().map_or("off", |w| self.of(*w));
+                let group = values.first().map_or("off", |w| self.source.of(*w));
                 self.smoothing = if group == "off" {
                     0
                 } else {
@@ -231,13 +161,13 @@ impl<'a> Reader<'a> {
             "l" | "p" => {
                 self.obj.lines_and_points += 1;
                 if let Some(spans) = &mut self.spans {
-                    let indexed = |w: &&Span| self.text[w.range()].contains('/');
+                    let indexed = |w: &&Span| self.source.of(**w).contains('/');
                     spans.others.extend(values.iter().filter(indexed));
                 }
             }
             other => {
                 if self.obj.unknown.is_none() {
-                    self.obj.unknown = Some((self.location(word), other.into()));
+                    self.obj.unknown = Some((self.source.location(word), other.into()));
                 }
             }
         }
@@ -246,30 +176,36 @@ impl<'a> Reader<'a> {
 
     fn vertex(&mut self, word: Span, values: &[Span]) -> Result<(), IoError> {
         let expected = "3 numbers (x y z), 4 (with w) or 6 (with r g b)";
-        self.count("v", word, values, 3..=6, expected)?;
-        let mut position = self.three("v", values)?;
+        self.source.count("v", word, values, 3..=6, expected)?;
+        let mut position = self.source.three("v", values)?;
         match values[3..] {
             [] => {}
             [weight] => {
-                let w = self.number("v", weight)?;
+                let w = self.source.number("v", weight)?;
                 position = position.map(|x| x / w);
                 if !position.iter().all(|x| x.is_finite()) {
-                    return Err(self.out_of_range("v", weight, "a weight that is not zero"));
+                    return Err(self
+                        .source
+                        .out_of_range("v", weight, "a weight that is not zero"));
                 }
             }
             [_, _, _] => {
-                let rgb = self.three("v", &values[3..])?;
+                let rgb = self.source.three("v", &values[3..])?;
                 if let Some(bad) = rgb.iter().position(|c| !(0.0..=1.0).contains(c)) {
-                    return Err(self.out_of_range("v", values[3 + bad], "colours of 0 to 1"));
+                    return Err(self.source.out_of_range(
+                        "v",
+                        values[3 + bad],
+                        "colours of 0 to 1",
+                    ));
                 }
                 self.obj.colors.resize(self.obj.positions.len(), [1.0; 3]);
                 self.obj.colors.push(rgb);
             }
             _ => {
                 for value in &values[3..] {
-                    self.number("v", *value)?;
+                    self.source.number("v", *value)?;
                 }
-                return Err(self.count_error("v", word, values, expected));
+                return Err(self.source.count_error("v", word, values, expected));
             }
         }
         self.obj.positions.push(position);
@@ -282,7 +218,7 @@ impl<'a> Reader<'a> {
     fn face(&mut self, word: Span, values: &[Span]) -> Result<(), IoError> {
         if values.len() < 3 {
             return Err(IoError::TooFewCorners {
-                location: self.location(word),
+                location: self.source.location(word),
                 command: "f",
                 found: values.len(),
             });
@@ -295,7 +231,7 @@ impl<'a> Reader<'a> {
             let (uv, normal) = has(self.obj.corners[first]);
             if has(corner) != (uv, normal) && self.spans.is_none() {
                 return Err(IoError::MixedCorners {
-                    location: self.location(*value),
+                    location: self.source.location(*value),
                     of: match has(corner).0 == uv {
                         true => "normal",
                         false => "texture coordinate",
@@ -305,14 +241,14 @@ impl<'a> Reader<'a> {
         }
         let corners = &self.obj.corners[first..];
         self.obj.faces.push(Face {
-            line: self.line(word),
+            line: self.source.line(word),
             corners: values.len() as u32,
             has_uv: corners.iter().all(|c| c.uv != NONE),
             smoothing: self.smoothing,
         });
         if let Some(spans) = &mut self.spans {
             spans.corners.extend_from_slice(values);
-            spans.first_face.get_or_insert(self.start as u32);
+            spans.first_face.get_or_insert(self.source.statement.start);
         }
         Ok(())
     }
@@ -325,12 +261,12 @@ impl<'a> Reader<'a> {
             ("normal", self.obj.normals.len()),
         ];
         let not_a_corner = || IoError::NotANumber {
-            location: self.location(word),
+            location: self.source.location(word),
             command: "f",
-            text: self.of(word).into(),
+            text: self.source.of(word).into(),
         };
         let mut indices = [NONE; 3];
-        let mut parts = self.of(word).split('/');
+        let mut parts = self.source.of(word).split('/');
         for ((of, count), index) in counts.into_iter().zip(&mut indices) {
             let Some(part) = parts.next() else { break };
             if part.is_empty() {
@@ -348,7 +284,7 @@ impl<'a> Reader<'a> {
             };
             if !(0..count as i128).contains(&resolved) {
                 return Err(IoError::BadIndex {
-                    location: self.location(word),
+                    location: self.source.location(word),
                     of,
                     index: part.into(),
                     count,
@@ -366,103 +302,6 @@ impl<'a> Reader<'a> {
     fn group(&mut self, name: Option<String>) {
         let first_face = self.obj.faces.len();
         self.obj.groups.push(Group { first_face, name });
-    }
-
-    fn of(&self, word: Span) -> &'a str {
-        &self.text[word.range()]
-    }
-
-    fn joined(&self, words: &[Span]) -> String {
-        let texts: Vec<_> = words.iter().map(|w| self.of(*w)).collect();
-        texts.join(" ")
-    }
-
-    fn three(&self, command: &'static str, values: &[Span]) -> Result<[f32; 3], IoError> {
-        let mut three = [0.0; 3];
-        for (x, value) in three.iter_mut().zip(values) {
-            *x = self.number(command, *value)?;
-        }
-        Ok(three)
-    }
-
-    fn number(&self, command: &'static str, word: Span) -> Result<f32, IoError> {
-        finite(|| self.location(word), command, self.of(word))
-    }
-
-    fn name(&self, command: &'static str, word: Span, values: &[Span]) -> Result<String, IoError> {
-        self.count(command, word, values, 1..=usize::MAX, "1 name")?;
-        Ok(self.joined(values))
-    }
-
-    fn count(
-        &self,
-        command: &'static str,
-        word: Span,
-        values: &[Span],
-        allowed: std::ops::RangeInclusive<usize>,
-        expected: &'static str,
-    ) -> Result<(), IoError> {
-        match allowed.contains(&values.len()) {
-            true => Ok(()),
-            false => Err(self.count_error(command, word, values, expected)),
-        }
-    }
-
-    fn count_error(
-        &self,
-        command: &'static str,
-        word: Span,
-        values: &[Span],
-        expected: &'static str,
-    ) -> IoError {
-        IoError::ArgumentCount {
-            location: self.location(word),
-            command,
-            expected: expected.into(),
-            found: values.len(),
-        }
-    }
-
-    fn out_of_range(&self, command: &'static str, word: Span, allowed: &'static str) -> IoError {
-        IoError::OutOfRange {
-            location: self.location(word),
-            command,
-            text: self.of(word).into(),
-            allowed,
-        }
-    }
-
-    fn line(&self, word: Span) -> u32 {
-        let before = &self.text.as_bytes()[self.start..word.start as usize];
-        self.first_line + before.iter().filter(|b| **b == b'\n').count() as u32
-    }
-
-    fn location(&self, word: Span) -> SourceLocation {
-        let before = &self.text[..word.start as usize];
-        let in_line = &before[before.rfind('\n').map_or(0, |n| n + 1)..];
-        let column = in_line.chars().count() as u32 + 1;
-        SourceLocation::new(self.file, self.line(word), column)
-    }
-}
-
-/// A finite 32-bit number.
-pub(super) fn finite(
-    location: impl Fn() -> SourceLocation,
-    command: &'static str,
-    text: &str,
-) -> Result<f32, IoError> {
-    match text.parse::<f32>() {
-        Ok(x) if x.is_finite() => Ok(x),
-        Ok(_) => Err(IoError::NotFinite {
-            location: location(),
-            command,
-            text: text.into(),
-        }),
-        Err(_) => Err(IoError::NotANumber {
-            location: location(),
-            command,
-            text: text.into(),
-        }),
     }
 }
 

@@ -154,8 +154,15 @@ impl Facets {
     }
 
     /// How a frame misses the plane of a face, if it does: then its picture slides over the face as the eye moves.
-    pub(super) fn out_of_plane(&self, corners: &[u32], frame: &TextureFrame) -> Option<String> {
-        let points: Vec<DVec3> = corners.iter().map(|&i| self.vertices[i as usize]).collect();
+    pub(super) fn out_of_plane(
+        &self,
+        corners: &[(u32, [f32; 2])],
+        frame: &TextureFrame,
+    ) -> Option<String> {
+        let points: Vec<DVec3> = corners
+            .iter()
+            .map(|&(i, _)| self.vertices[i as usize])
+            .collect();
         let area: DVec3 = points[1..]
             .windows(2)
             .map(|w| (w[0] - points[0]).cross(w[1] - points[0]))

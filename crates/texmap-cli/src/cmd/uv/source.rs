@@ -54,7 +54,7 @@ impl<'a> Source<'a> {
             Exit::Input,
             "not-finite",
             format!("{place} is NaN or beyond 32-bit floats"),
-            "mend the `vt` line, make the model smaller, or give a larger --frame or --tile",
+            "correct the `vt` line, make the model smaller, or give a larger --frame or --tile",
         ))
     }
 

@@ -1,18 +1,22 @@
 //! OBJ models to meshes under the current settings.
 
 use texmap_light::Surface;
-use texmap_render::{AlphaMode, Displacement, Emission, Material, Mesh};
+use texmap_render::{AlphaMode, Displacement, Emission, Material, Mesh, TextureRole};
 use texmap_sample::Origin;
 
 use super::Builder;
 use crate::obj::{self, Model};
-use crate::scene::effects::{self, Coordinates};
+use crate::scene::effects::Coordinates;
+use crate::scene::second_uvs::second_uvs;
 use crate::scene::settings::{emitted, light};
-use crate::scene_file::{Alpha, Role};
 use crate::{IoError, SourceLocation, shortened};
 
 impl Builder {
-    pub(super) fn obj(&mut self, name: &str, location: &SourceLocation) -> Result<(), IoError> {
+    pub(in crate::scene) fn obj(
+        &mut self,
+        name: &str,
+        location: &SourceLocation,
+    ) -> Result<(), IoError> {
         let path = self.textures.source.beside(&location.file, name);
         let textured = self.settings.texture.is_some() || self.settings.effects.reads_uv();
         match obj::read(
@@ -30,7 +34,7 @@ impl Builder {
                 self.model(model, &stem, location);
                 match &self.settings.effects.lightmap_uv {
                     None => Ok(()),
-                    Some((path, named)) => effects::second_uvs(
+                    Some((path, named)) => second_uvs(
                         &mut self.scene.meshes[first..],
                         &mut self.textures,
                         path,
@@ -65,7 +69,9 @@ impl Builder {
             let material = match described {
                 Some(described) => self.described(described),
                 None => match &self.settings.texture {
-                    Some(texture) => self.settings.textured(texture, Role::Modulate, color),
+                    Some(texture) => self
+                        .settings
+                        .textured(texture, TextureRole::Modulate, color),
                     None if model.colored => self.settings.colored(color),
                     None => self.settings.plain(color),
                 },
@@ -133,7 +139,7 @@ impl Builder {
             .as_ref()
             .is_some_and(|map| self.textures.textures[map.texture].has_alpha());
         let alpha = match now.alpha {
-            Alpha::Auto if m.opacity < 1.0 => AlphaMode::Blend,
+            None if m.opacity < 1.0 => AlphaMode::Blend,
             _ => now.alpha(map_alpha || m.map_d.is_some()),
         };
         Material {
@@ -171,7 +177,7 @@ impl Builder {
             opacity: m.opacity,
             base_color: m.map_kd.as_ref().map(slot),
             opacity_map: m.map_d.as_ref().map(slot),
-            texture_role: now.role(Role::Modulate),
+            texture_role: now.role.unwrap_or(TextureRole::Modulate),
             alpha,
             ..now.plain(color)
         }
