@@ -154,7 +154,7 @@ impl ObjText {
     }
 }
 
-/// What stands in the place of a span.
+/// The replacement of a span.
 enum Edit {
     /// The new `vt` lines.
     Block,

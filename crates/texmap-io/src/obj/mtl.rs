@@ -159,7 +159,7 @@ pub(super) fn read(
                 material.highlight = !matches!(model as u8, 0 | 1);
             }
             "bump" | "map_bump" => {
-                material.maps[5] = Some(map(location, "map_Bump", rest, warnings)?)
+                material.maps[5] = Some(map(location, "map_Bump", rest, warnings)?);
             }
             _ => match MAPS.iter().position(|known| *known == word) {
                 Some(i) => material.maps[i] = Some(map(location, MAPS[i], rest, warnings)?),

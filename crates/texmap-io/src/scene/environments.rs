@@ -1,4 +1,4 @@
-//! Environments: what surfaces mirror, and light that was gathered from them.
+//! Environments that surfaces mirror, and light that was gathered from them.
 
 use std::collections::HashMap;
 use std::path::PathBuf;
@@ -13,10 +13,10 @@ use crate::{IoError, environment_io};
 /// Environments that are read once.
 pub(super) type Known = HashMap<(PathBuf, &'static str, Use), usize>;
 
-/// What an environment is read for.
+/// The use of an environment.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(super) enum Use {
-    /// What it shows, with smaller levels or without.
+    /// The environment itself, with smaller levels or without.
     Shown { mips: bool },
     /// Gathered with the exponent of these bits.
     Gathered(u32),

@@ -1,4 +1,4 @@
-//! What lines say of the lights above them, and projectors.
+//! Names and shadows of the lights above a line, and projectors.
 
 use texmap_light::{Light, ShadowBias, SlideBorder};
 use texmap_math::Projector;

@@ -36,7 +36,7 @@ pub(crate) enum Arg {
     Either(&'static [&'static [Self]]),
 }
 
-/// Says what is allowed where value `i` of a group is not.
+/// The allowed values, in words, where value `i` of a group is not one of them.
 pub(crate) type Check = fn(&[f64], usize) -> Option<&'static str>;
 
 pub(crate) fn unless(valid: bool, allowed: &'static str) -> Option<&'static str> {
@@ -144,16 +144,28 @@ impl Arg {
         }
     }
 
+    /// The arguments of which a line has one here.
+    fn leaves(&self, quote: &str) -> Vec<String> {
+        match self {
+            OneOf(words) => words
+                .iter()
+                .map(|word| format!("{quote}{word}{quote}"))
+                .collect(),
+            Either(lists) if lists.iter().all(|args| args.len() == 1) => {
+                let args = lists.iter().flat_map(|args| args.iter());
+                args.flat_map(|arg| arg.leaves(quote)).collect()
+            }
+            _ => vec![self.usage(quote)],
+        }
+    }
+
     /// The argument in words; `quote` stands around what is written as it is.
     fn usage(&self, quote: &str) -> String {
         let list = |args: &&[Self]| usage(args, quote);
         match self {
             Numbers(names, _) | Self::Floats(names, _) => (*names).to_owned(),
             Frame => "Ox Oy Oz Ux Uy Uz Vx Vy Vz".to_owned(),
-            OneOf(words) => {
-                let words = words.iter().map(|word| format!("{quote}{word}{quote}"));
-                alternatives(words.collect())
-            }
+            OneOf(_) => alternatives(self.leaves(quote)),
             Method(name, ..) => (*name).to_owned(),
             Name(_) => "NAME".to_owned(),
             File => "FILE".to_owned(),
@@ -169,7 +181,7 @@ impl Arg {
                 options.join(" ")
             }
             Either(lists) if lists.iter().all(|args| args.len() == 1) => {
-                alternatives(lists.iter().map(list).collect())
+                alternatives(self.leaves(quote))
             }
             Either(lists) => lists.iter().map(list).collect::<Vec<_>>().join(", or "),
         }
@@ -193,7 +205,16 @@ pub(super) fn words(args: &[Arg]) -> Vec<&'static str> {
 
 /// A list of arguments in words; `quote` stands around what is written as it is.
 pub(crate) fn usage(args: &[Arg], quote: &str) -> String {
-    let args: Vec<_> = args.iter().map(|arg| arg.usage(quote)).collect();
+    let alone = args.len() == 1;
+    let args: Vec<_> = args
+        .iter()
+        .map(|arg| match arg {
+            OneOf(_) | Either(_) if !alone && arg.leaves(quote).len() > 1 => {
+                format!("({})", arg.usage(quote))
+            }
+            _ => arg.usage(quote),
+        })
+        .collect();
     args.join(" ")
 }
 

@@ -4,7 +4,7 @@
 //! same style: one command a line, a word and its values; a line that begins with a number
 //! continues the command above; `#` begins a comment.
 //!
-//! One table has a row for each command: its word, its arguments, its default, its help, and what a line of it does to the scene.
+//! One table has a row for each command: its word, its arguments, its default, its help, and the effect of a line on the scene.
 //! Reading, printing, suggestions, error texts and the tables of `docs/SCENE_FORMAT.md` ([`Section::manual`]) come from it.
 //!
 //! [`parse`] checks everything that one file can show by itself (words, counts, ranges, indices);
@@ -58,7 +58,7 @@ impl FromIterator<Command> for SceneFile {
 /// A command and the location of its word.
 #[derive(Debug, Clone)]
 pub struct Statement {
-    /// What it says.
+    /// Its word and values.
     pub command: Command,
     /// Line, from 1.
     pub line: u32,
@@ -74,7 +74,7 @@ pub fn print(file: &SceneFile) -> String {
         .collect()
 }
 
-/// What a missing map or material library is.
+/// Treatment of a missing map or material library.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Missing {
     /// An error.

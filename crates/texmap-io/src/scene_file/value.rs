@@ -25,7 +25,7 @@ pub enum Value {
     Text(Box<str>),
 }
 
-/// One command: what the table says of its word, and the values of the line.
+/// One command: its row of the table, and the values of the line.
 ///
 /// `Display` writes the line: numbers in their shortest exact form, without blanks at the end.
 #[derive(Clone, PartialEq)]
@@ -95,7 +95,7 @@ impl fmt::Display for Command {
     }
 }
 
-/// Whether a magnitude is shorter with an exponent.
+/// True for a magnitude that is shorter with an exponent.
 fn exponent(magnitude: f64) -> bool {
     magnitude != 0.0 && !(1e-5..1e16).contains(&magnitude)
 }

@@ -24,7 +24,7 @@ pub(super) const SPECS: &[Spec] = &[
         default: "0 0 0",
         help: "the point it looks at (not a direction)",
         set: Plain(|b, line| {
-            b.set_camera(line, |camera, line| camera.look = line.numbers().into())
+            b.set_camera(line, |camera, line| camera.look = line.numbers().into());
         }),
     },
     Spec {
@@ -41,8 +41,8 @@ pub(super) const SPECS: &[Spec] = &[
         help: "horizontal field of view, more than 0 and less than 180",
         set: Plain(|b, line| {
             b.set_camera(line, |camera, line| {
-                camera.fov_x = line.number().to_radians()
-            })
+                camera.fov_x = line.number().to_radians();
+            });
         }),
     },
     Spec {

@@ -111,7 +111,7 @@ pub(super) const SPECS: &[Spec] = &[
             ]),
         ],
         default: "black, soft 0, color 1 1 1",
-        help: "adds a slide projector with this horizontal field of view and the slide's own aspect",
+        help: "adds a slide projector at x y z that looks at lx ly lz with ux uy uz up and this horizontal field of view and the slide's own aspect",
         set: Fallible(lights::projector),
     },
     Spec {

@@ -1,4 +1,4 @@
-//! The table of commands, and what each does to the scene.
+//! The table of commands: word, arguments, default, help, and effect on the scene.
 
 mod course;
 mod light;

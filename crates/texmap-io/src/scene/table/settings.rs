@@ -43,8 +43,8 @@ pub(super) const PICTURE: &[Spec] = &[
                 camera.far = match line.takes("infinite") {
                     true => f64::INFINITY,
                     false => line.number(),
-                }
-            })
+                };
+            });
         }),
     },
     Spec {
@@ -111,7 +111,7 @@ pub(super) const SPECS: &[Spec] = &[
         default: "perspective",
         help: "`perspective`, `affine`, `subdivided:N`, `span:N`, `within:TOLERANCE` (texels): how coordinates run over a triangle",
         set: Plain(|b, line| {
-            b.settings.interp = words::parse_interp(line.name()).unwrap_or(b.settings.interp)
+            b.settings.interp = words::parse_interp(line.name()).unwrap_or(b.settings.interp);
         }),
     },
     Spec {
@@ -200,7 +200,7 @@ pub(super) const SPECS: &[Spec] = &[
         default: "",
         help: "moves later vertices, frames and models",
         set: Plain(|b, line| {
-            b.settings.transform *= DMat4::from_translation(line.numbers().into())
+            b.settings.transform *= DMat4::from_translation(line.numbers().into());
         }),
     },
     Spec {
@@ -209,7 +209,7 @@ pub(super) const SPECS: &[Spec] = &[
         default: "",
         help: "turns them about an axis through the origin, counter-clockwise when the axis points at the viewer",
         set: Plain(|b, line| {
-            b.settings.transform *= rotation(line.number(), line.numbers().into())
+            b.settings.transform *= rotation(line.number(), line.numbers().into());
         }),
     },
     Spec {
