@@ -344,7 +344,7 @@ mod tests {
                 obj.faces[0].smoothing,
                 obj.faces[1].smoothing
             ),
-            (11, 3, 0)
+            (12, 3, 0)
         );
         assert_eq!((obj.faces[1].has_uv, obj.faces[1].corners), (false, 4));
         assert_eq!(obj.lines_and_points, 1);
