@@ -107,7 +107,7 @@ pub fn path(bytes: &[u8]) {
     in_folder(&[("fuzz.json", bytes)], |folder| {
         match CameraPath::read(&folder.join("fuzz.json")) {
             Ok(path) => {
-                assert!(!path.stops().is_empty());
+                assert!(!path.keyframes().is_empty());
                 let camera = texmap_math::Camera {
                     eye: DVec3::ZERO,
                     look: DVec3::NEG_Z,
@@ -205,7 +205,7 @@ fn picture(scene: &Scene) {
 /// An error has one line, a code, and a place within the text.
 fn named(error: &IoError, text: &str) {
     assert!(!error.to_string().is_empty() && !error.code().is_empty());
-    if let Some(place) = error.place().filter(|_| !text.is_empty()) {
+    if let Some(place) = error.location().filter(|_| !text.is_empty()) {
         let lines = text.lines().count() as u32;
         assert!((1..=lines.max(1)).contains(&place.line), "{error}");
     }

@@ -186,11 +186,18 @@ impl LevelName {
             let name = self.to_possible_value();
             let name = name.as_ref().map_or("", |value| value.get_name());
             Failure::usage(
-                format!("--level {name} is not to be had here"),
                 match self {
-                    Self::Fallback => "build with `--features force-fallback`, or use another level",
-                    Self::Avx512 => "it needs what Ice Lake and Zen 4 have; no pixel depends on the level, so `auto` gives the same picture",
-                    _ => "this processor lacks it; no pixel depends on the level, so `auto` gives the same picture",
+                    Self::Fallback => "this program is built without `--level fallback`".to_owned(),
+                    _ => format!("this CPU does not support `--level {name}`"),
+                },
+                match self {
+                    Self::Fallback => {
+                        "build with `--features force-fallback`, or use another level"
+                    }
+                    Self::Avx512 => {
+                        "it needs the AVX-512 of Ice Lake or Zen 4; `auto` gives the same picture"
+                    }
+                    _ => "`auto` gives the same picture",
                 },
             )
         })

@@ -6,12 +6,12 @@ use serde::Deserialize;
 use texmap_math::camera::Camera;
 use texmap_math::glam::DVec3;
 
-use crate::{FileSource, IoError, Place};
+use crate::{FileSource, IoError, SourceLocation};
 
-/// One stop of a walk, as in the JSON file.
+/// One keyframe of a walk, as in the JSON file.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Stop {
+pub struct Keyframe {
     /// Where the eye is.
     pub eye: [f64; 3],
     /// The point it looks at.
@@ -22,14 +22,14 @@ pub struct Stop {
     pub fov: Option<f64>,
 }
 
-/// A walk: straight lines from stop to stop, equal shares of the frames for each.
+/// A walk: straight lines from keyframe to keyframe, equal shares of the frames for each.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CameraPath {
-    stops: Vec<Stop>,
+    keyframes: Vec<Keyframe>,
 }
 
 impl CameraPath {
-    /// Reads a JSON list of stops, at least one.
+    /// Reads a JSON list of keyframes, at least one.
     ///
     /// # Errors
     /// File errors, and [`IoError::BrokenPath`] with the place: no such list, a number that is not finite, a field of
@@ -44,7 +44,7 @@ impl CameraPath {
     /// The same, and [`IoError::OutsideRoot`].
     pub fn read_from(path: &Path, files: &FileSource) -> Result<Self, IoError> {
         let text = files.read_text(path, FileSource::MAX_LIST)?;
-        let stops: Vec<Stop> = serde_json::from_str(&text).map_err(|e| {
+        let keyframes: Vec<Keyframe> = serde_json::from_str(&text).map_err(|e| {
             // The end of a text that ends in a line feed is column 0 of a line that it does not have.
             let last = text.lines().count().max(1);
             let (line, column) = match e.line() {
@@ -52,39 +52,39 @@ impl CameraPath {
                 line => (line.max(1), e.column().max(1)),
             };
             IoError::BrokenPath {
-                place: Place::new(path, line as u32, column as u32),
+                location: SourceLocation::new(path, line as u32, column as u32),
                 problem: problem(&e),
             }
         })?;
         let broken = |problem: String| IoError::BrokenPath {
-            place: Place::new(path, 1, 1),
+            location: SourceLocation::new(path, 1, 1),
             problem,
         };
-        if stops.is_empty() {
+        if keyframes.is_empty() {
             return Err(broken("the list is empty".into()));
         }
-        for (i, stop) in stops.iter().enumerate() {
-            let numbers = [stop.eye, stop.look, stop.up.unwrap_or_default()];
+        for (i, keyframe) in keyframes.iter().enumerate() {
+            let numbers = [keyframe.eye, keyframe.look, keyframe.up.unwrap_or_default()];
             if !numbers.as_flattened().iter().all(|x| x.is_finite()) {
-                return Err(broken(format!("stop {i}: a number is not finite")));
+                return Err(broken(format!("keyframe {i}: a number is not finite")));
             }
-            if stop.fov.is_some_and(|f| !(f > 0.0 && f < 180.0)) {
+            if keyframe.fov.is_some_and(|f| !(f > 0.0 && f < 180.0)) {
                 return Err(broken(format!(
-                    "stop {i}: fov must be more than 0 and less than 180 degrees"
+                    "keyframe {i}: fov must be more than 0 and less than 180 degrees"
                 )));
             }
         }
-        Ok(Self { stops })
+        Ok(Self { keyframes })
     }
 
-    /// The stops in order.
-    pub fn stops(&self) -> &[Stop] {
-        &self.stops
+    /// The keyframes in order.
+    pub fn keyframes(&self) -> &[Keyframe] {
+        &self.keyframes
     }
 
-    /// The camera of frame `frame` of `frames`; the first frame stands on the first stop, the last on the last.
+    /// The camera of frame `frame` of `frames`; the first frame stands on the first keyframe, the last on the last.
     pub fn camera(&self, scene: &Camera, frame: u32, frames: u32) -> Camera {
-        let last = self.stops.len() - 1;
+        let last = self.keyframes.len() - 1;
         let along = if frames > 1 {
             f64::from(frame.min(frames - 1)) * last as f64 / f64::from(frames - 1)
         } else {
@@ -93,8 +93,8 @@ impl CameraPath {
         let leg = (along as usize).min(last.saturating_sub(1));
         let t = along - leg as f64;
         let (a, b) = (
-            at(&self.stops[leg], scene),
-            at(&self.stops[(leg + 1).min(last)], scene),
+            at(&self.keyframes[leg], scene),
+            at(&self.keyframes[(leg + 1).min(last)], scene),
         );
         let mix = |a: DVec3, b: DVec3| a * (1.0 - t) + b * t;
         Camera {
@@ -114,20 +114,20 @@ fn problem(error: &serde_json::Error) -> String {
     if !error.is_data() || text.starts_with("missing field") {
         text.into()
     } else if text.starts_with("unknown field") {
-        "a stop has the fields eye, look, up and fov, and no other".into()
+        "a keyframe has the fields eye, look, up and fov, and no other".into()
     } else if text.starts_with("duplicate field") {
         "a field stands twice".into()
     } else {
-        "not a list of stops".into()
+        "not a list of keyframes".into()
     }
 }
 
-fn at(stop: &Stop, scene: &Camera) -> Camera {
+fn at(keyframe: &Keyframe, scene: &Camera) -> Camera {
     Camera {
-        eye: DVec3::from(stop.eye),
-        look: DVec3::from(stop.look),
-        up: stop.up.map_or(scene.up, DVec3::from),
-        fov_x: stop.fov.map_or(scene.fov_x, f64::to_radians),
+        eye: DVec3::from(keyframe.eye),
+        look: DVec3::from(keyframe.look),
+        up: keyframe.up.map_or(scene.up, DVec3::from),
+        fov_x: keyframe.fov.map_or(scene.fov_x, f64::to_radians),
         ..*scene
     }
 }
@@ -195,13 +195,13 @@ mod tests {
             );
         }
         let error = read("[\n{\"eye\":[0,0,0],\"luck\":[1,0,0]}]").unwrap_err();
-        assert_eq!(error.place().map(|p| p.line), Some(2));
+        assert_eq!(error.location().map(|p| p.line), Some(2));
         // A text that ends too soon ends on a line that it has.
-        for (text, place) in [("", (1, 1)), ("\n", (1, 1)), ("[\n{\n", (2, 2))] {
+        for (text, location) in [("", (1, 1)), ("\n", (1, 1)), ("[\n{\n", (2, 2))] {
             let error = read(text).unwrap_err();
             assert_eq!(
-                error.place().map(|p| (p.line, p.column)),
-                Some(place),
+                error.location().map(|p| (p.line, p.column)),
+                Some(location),
                 "{text:?}"
             );
         }

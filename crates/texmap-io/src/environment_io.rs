@@ -11,7 +11,7 @@ use texmap_sample::ColorSpace;
 
 use crate::files::FileSource;
 use crate::picture_format::{Lost, PictureFormat, PixelCode, write_pixels};
-use crate::{IoError, Place, image_io};
+use crate::{IoError, SourceLocation, image_io};
 
 /// Reads an image as an environment in a chart. Whole numbers (PNG, JPEG, GIF) are sRGB, floats (HDR, EXR) linear light, also below 0;
 /// alpha is not read.
@@ -27,7 +27,7 @@ pub(crate) fn read_named(
     files: &FileSource,
     path: &Path,
     chart: Chart,
-    named_by: Option<&Place>,
+    named_by: Option<&SourceLocation>,
 ) -> Result<Environment, IoError> {
     let fits = |(width, height): (u32, u32)| match face_height(chart, width, height) {
         Some(_) => Ok(()),

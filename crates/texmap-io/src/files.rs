@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use texmap_math::MemoryBudget;
 
-use crate::{IoError, Place};
+use crate::{IoError, SourceLocation};
 
 /// Text files (scenes, OBJ, MTL) and encoded images above this size are refused: 2 GiB.
 pub(crate) const MAX_TEXT: u64 = 1 << 31;
@@ -84,7 +84,7 @@ impl FileSource {
         bytes: u64,
         what: fmt::Arguments<'_>,
         lower: &'static str,
-        named_by: Option<&Place>,
+        named_by: Option<&SourceLocation>,
     ) -> Result<(), IoError> {
         let asked = self.memory.ask(bytes, what, lower);
         asked.map_err(|refused| IoError::memory(refused, named_by))
@@ -109,7 +109,7 @@ impl FileSource {
     pub(crate) fn read_named(
         &self,
         path: &Path,
-        named_by: Option<&Place>,
+        named_by: Option<&SourceLocation>,
         limit: u64,
     ) -> Result<Vec<u8>, IoError> {
         let Opened { file, bytes: size } = self.open(path, named_by, limit)?;
@@ -127,7 +127,7 @@ impl FileSource {
     pub(crate) fn text_named(
         &self,
         path: &Path,
-        named_by: Option<&Place>,
+        named_by: Option<&SourceLocation>,
         limit: u64,
     ) -> Result<String, IoError> {
         let bytes = self.read_named(path, named_by, limit)?;
@@ -140,7 +140,7 @@ impl FileSource {
             let line = good.matches('\n').count() as u32 + 1;
             let column = good.rsplit('\n').next().map_or(0, |l| l.chars().count()) as u32 + 1;
             IoError::NotUtf8 {
-                place: Place::new(path, line, column),
+                location: SourceLocation::new(path, line, column),
             }
         })?;
         if text.starts_with('\u{feff}') {
@@ -153,7 +153,7 @@ impl FileSource {
     pub(crate) fn open(
         &self,
         path: &Path,
-        named_by: Option<&Place>,
+        named_by: Option<&SourceLocation>,
         limit: u64,
     ) -> Result<Opened, IoError> {
         let real = self.resolve(path, named_by)?;
@@ -182,7 +182,11 @@ impl FileSource {
     }
 
     /// Refuses what is missing, outside of the root, or no regular file.
-    pub(crate) fn check(&self, path: &Path, named_by: Option<&Place>) -> Result<(), IoError> {
+    pub(crate) fn check(
+        &self,
+        path: &Path,
+        named_by: Option<&SourceLocation>,
+    ) -> Result<(), IoError> {
         let real = self.resolve(path, named_by)?;
         self.size(real.as_deref().unwrap_or(path), path, named_by)
             .map(|_| ())
@@ -206,7 +210,12 @@ impl FileSource {
     }
 
     /// Bytes of the regular file `at`, which messages call `path`.
-    fn size(&self, at: &Path, path: &Path, named_by: Option<&Place>) -> Result<u64, IoError> {
+    fn size(
+        &self,
+        at: &Path,
+        path: &Path,
+        named_by: Option<&SourceLocation>,
+    ) -> Result<u64, IoError> {
         match fs::metadata(at) {
             Ok(metadata) if metadata.is_file() => Ok(metadata.len()),
             Ok(_) => Err(IoError::NotAFile {
@@ -229,7 +238,11 @@ impl FileSource {
     }
 
     /// The name without links and `..`, if there is a root to hold it against.
-    fn resolve(&self, path: &Path, named_by: Option<&Place>) -> Result<Option<PathBuf>, IoError> {
+    fn resolve(
+        &self,
+        path: &Path,
+        named_by: Option<&SourceLocation>,
+    ) -> Result<Option<PathBuf>, IoError> {
         let Some(root) = &self.root else {
             return Ok(None);
         };
@@ -272,7 +285,7 @@ pub(crate) fn is_called(path: &Path, ending: &str) -> bool {
         .is_some_and(|e| e.eq_ignore_ascii_case(ending))
 }
 
-fn unreadable(path: &Path, named_by: Option<&Place>, source: io::Error) -> IoError {
+fn unreadable(path: &Path, named_by: Option<&SourceLocation>, source: io::Error) -> IoError {
     IoError::Read {
         path: path.to_path_buf(),
         named_by: named_by.cloned(),
@@ -296,7 +309,7 @@ mod tests {
         fs::write(&path, b"eye 0 0 6\n# caf\xe9\n").unwrap();
         let error = text().unwrap_err();
         assert_eq!(error.code(), "not-utf8");
-        assert_eq!(error.place().map(|p| (p.line, p.column)), Some((2, 6)));
+        assert_eq!(error.location().map(|p| (p.line, p.column)), Some((2, 6)));
         fs::write(&path, "\u{feff}eye 0 0 6").unwrap();
         assert_eq!(text().unwrap(), "eye 0 0 6");
     }

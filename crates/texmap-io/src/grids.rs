@@ -5,7 +5,7 @@ use std::path::Path;
 use texmap_sample::{Alpha, ColorSpace, Image, Origin, SampleError, Texels, Texture3d};
 
 use crate::npy::{self, Data};
-use crate::{FileSource, IoError, Place, image_io};
+use crate::{FileSource, IoError, SourceLocation, image_io};
 
 /// Reads a three-dimensional texture, with its mip chain: an array of shape (D, H, W), or (D, H, W, C) with 1 to 4 channels, of
 /// u8, u16 or f32 (f64 is rounded). The first axis is the slice, from w = 0; the second the row, from v = 0; the third the
@@ -20,7 +20,7 @@ pub fn read_grid(path: &Path) -> Result<Texture3d<'static>, IoError> {
 pub(crate) fn read_named(
     files: &FileSource,
     path: &Path,
-    by: Option<&Place>,
+    by: Option<&SourceLocation>,
 ) -> Result<Texture3d<'static>, IoError> {
     let stored = npy::Stored::open(files, path, by)?;
     let broken = |problem: String| IoError::BrokenArray {

@@ -9,7 +9,7 @@ use texmap_math::{MemoryBudget, color};
 use texmap_sample::{Alpha, ColorSpace, Image, Origin, SampleError, Texels, Texture2d};
 
 use crate::files::{FileSource, MAX_TEXT};
-use crate::{IoError, Place, atomic, exr_header};
+use crate::{IoError, SourceLocation, atomic, exr_header};
 
 /// The largest width and height of an image.
 pub const MAX_SIDE: u32 = Texture2d::MAX_SIDE;
@@ -155,7 +155,7 @@ fn upload(
     })
 }
 
-fn unfit(path: &Path, named_by: Option<&Place>, e: &SampleError) -> IoError {
+fn unfit(path: &Path, named_by: Option<&SourceLocation>, e: &SampleError) -> IoError {
     IoError::BrokenImage {
         path: path.to_path_buf(),
         named_by: named_by.cloned(),
@@ -166,7 +166,7 @@ fn unfit(path: &Path, named_by: Option<&Place>, e: &SampleError) -> IoError {
 pub(crate) fn read_named(
     files: &FileSource,
     path: &Path,
-    named_by: Option<&Place>,
+    named_by: Option<&SourceLocation>,
 ) -> Result<Rgba, IoError> {
     decode(files, path, named_by, |size| {
         size_allowed(path, named_by, size)
@@ -194,7 +194,7 @@ impl Rgba {
 
 fn size_allowed(
     path: &Path,
-    named_by: Option<&Place>,
+    named_by: Option<&SourceLocation>,
     (width, height): (u32, u32),
 ) -> Result<(), IoError> {
     let side = 1..=MAX_SIDE;
@@ -216,7 +216,7 @@ fn size_allowed(
 pub(crate) fn ask_for_texels(
     files: &FileSource,
     path: &Path,
-    named_by: Option<&Place>,
+    named_by: Option<&SourceLocation>,
     (width, height): (u32, u32),
     bytes: u64,
 ) -> Result<(), IoError> {
@@ -232,7 +232,7 @@ pub(crate) fn ask_for_texels(
 pub(crate) fn decode(
     files: &FileSource,
     path: &Path,
-    named_by: Option<&Place>,
+    named_by: Option<&SourceLocation>,
     fits: impl Fn((u32, u32)) -> Result<(), IoError>,
 ) -> Result<DynamicImage, IoError> {
     let bytes = files.read_named(path, named_by, MAX_TEXT)?;
@@ -276,7 +276,7 @@ pub(crate) fn decode(
 /// The texture of a decoded image: floats are linear light.
 pub(crate) fn texture(
     path: &Path,
-    named_by: Option<&Place>,
+    named_by: Option<&SourceLocation>,
     image: &Rgba,
     color: ColorSpace,
 ) -> Result<Texture2d<'static>, IoError> {

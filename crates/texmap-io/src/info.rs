@@ -105,7 +105,7 @@ pub fn info_with(path: &Path, options: &LoadOptions) -> Result<FileInfo, IoError
         };
         NamedFile {
             path: f.path,
-            named_by: f.place.to_string(),
+            named_by: f.location.to_string(),
             size: found.map(|(width, height, _)| [width, height]),
             bits: found.map(|(_, _, bits)| bits),
             problem,

@@ -12,11 +12,11 @@
 //!
 //! ```
 //! use std::path::Path;
-//! use texmap_io::scene_file::{Command, parse, print};
+//! use texmap_io::scene_file::{Value, parse, print};
 //!
 //! let text = "v 0 0 0   # three corners\nv 1 0 0\nv 0 1e0 0\nf 0 1\n  2\n";
 //! let file = parse(Path::new("triangle.scene"), text)?;
-//! assert_eq!(file.statements[3].command, Command::Face(vec![0, 1, 2]));
+//! assert_eq!(file.statements[3].command.values(), [0, 1, 2].map(Value::Index));
 //! assert_eq!(print(&file), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 0 1 2\n");
 //!
 //! let error = parse(Path::new("triangle.scene"), "v 0 0 0\nf 0 0 3\n").unwrap_err();
@@ -44,12 +44,13 @@ mod scene;
 pub mod scene_file;
 mod textures;
 
-pub use camera_path::{CameraPath, Stop};
+pub use camera_path::{CameraPath, Keyframe};
 pub use environment_io::{read_environment, write_environment, write_light};
-pub use error::{IoError, Place, plain, plain_json, shortened, shown};
+pub use error::{IoError, SourceLocation, plain, plain_json, shortened, shown};
 pub use files::FileSource;
 pub use font::built_in_font;
 pub use grids::read_grid;
 pub use info::{FileInfo, MeshInfo, NamedFile, info, info_with};
+pub use obj::ObjText;
 pub use picture_format::{Lost, PictureFormat, PixelCode, write_pixels};
 pub use scene::{LoadOptions, load, load_obj, load_scene};

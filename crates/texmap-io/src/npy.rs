@@ -7,7 +7,7 @@ use std::io::{self, BufReader, Read, Take, Write};
 use std::path::Path;
 
 use crate::error::shortened;
-use crate::{FileSource, IoError, Place, atomic};
+use crate::{FileSource, IoError, SourceLocation, atomic};
 
 /// The values of an array to write.
 #[derive(Debug, Clone, Copy)]
@@ -93,7 +93,7 @@ impl<'a> Stored<'a> {
     pub(crate) fn open(
         files: &FileSource,
         path: &'a Path,
-        named_by: Option<&Place>,
+        named_by: Option<&SourceLocation>,
     ) -> Result<Self, IoError> {
         let opened = files.open(path, named_by, u64::MAX)?;
         let bytes = opened.bytes;

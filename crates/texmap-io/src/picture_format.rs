@@ -1,4 +1,4 @@
-//! Picture files that are written: their formats, told by the ending of a name, and how their pixels lie.
+//! Picture files that are written: their formats, chosen by the ending of a name, and how their pixels lie.
 
 use std::io::{self, Cursor, Write};
 use std::ops::AddAssign;

@@ -8,7 +8,7 @@ use texmap_sample::{Alpha, ColorSpace, Image, Origin, Texels, Texture2d, Texture
 use crate::files::MAX_TEXT;
 use crate::obj::Model;
 use crate::scene_file::Missing;
-use crate::{FileSource, IoError, Place};
+use crate::{FileSource, IoError, SourceLocation};
 use crate::{grids, image_io};
 
 /// Bytes of models and libraries that a scene may have read a second time.
@@ -29,7 +29,7 @@ pub(crate) enum Content {
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct MapFile {
     pub(crate) path: PathBuf,
-    pub(crate) place: Place,
+    pub(crate) location: SourceLocation,
     /// Width, height, bits a channel; or what is wrong.
     pub(crate) found: Result<(u32, u32, u32), String>,
 }
@@ -73,7 +73,7 @@ impl Textures {
     pub(crate) fn text(
         &mut self,
         path: &Path,
-        named_by: Option<&Place>,
+        named_by: Option<&SourceLocation>,
         command: &'static str,
     ) -> Result<String, IoError> {
         let text = self.source.text_named(path, named_by, MAX_TEXT)?;
@@ -107,14 +107,14 @@ impl Textures {
     pub(crate) fn read_again(
         &mut self,
         path: &Path,
-        named_by: Option<&Place>,
+        named_by: Option<&SourceLocation>,
         command: &'static str,
         bytes: usize,
     ) -> Result<(), IoError> {
         self.repeated += bytes;
         match named_by {
-            Some(place) if self.repeated > MAX_REPEATED => Err(IoError::OutOfRange {
-                place: place.clone(),
+            Some(location) if self.repeated > MAX_REPEATED => Err(IoError::OutOfRange {
+                location: location.clone(),
                 command,
                 text: path.display().to_string(),
                 allowed: "models and libraries that were read before: 128 MiB in all",
@@ -127,7 +127,7 @@ impl Textures {
     pub(crate) fn load(
         &mut self,
         path: &Path,
-        place: &Place,
+        location: &SourceLocation,
         content: Content,
         missing: Missing,
     ) -> Result<usize, IoError> {
@@ -138,13 +138,13 @@ impl Textures {
         if let Some((_, _, index)) = known {
             return Ok(*index);
         }
-        let texture = match self.read(path, place, content) {
+        let texture = match self.read(path, location, content) {
             Ok((texture, size)) => {
-                self.note(path, place, Ok(size));
+                self.note(path, location, Ok(size));
                 texture
             }
             Err(error) => {
-                self.forgive(path, place, error, missing)?;
+                self.forgive(path, location, error, missing)?;
                 stand_in()
             }
         };
@@ -173,20 +173,20 @@ impl Textures {
     pub(crate) fn grid(
         &mut self,
         path: &Path,
-        place: &Place,
+        location: &SourceLocation,
         missing: Missing,
     ) -> Result<usize, IoError> {
         if let Some((_, index)) = self.loaded_grids.iter().find(|(p, _)| p == path) {
             return Ok(*index);
         }
-        let grid = match grids::read_named(&self.source, path, Some(place)) {
+        let grid = match grids::read_named(&self.source, path, Some(location)) {
             Ok(grid) => {
                 let [width, height, _] = grid.level_size(0).unwrap_or_default();
-                self.note(path, place, Ok((width, height, 0)));
+                self.note(path, location, Ok((width, height, 0)));
                 grid
             }
             Err(error) => {
-                self.forgive(path, place, error, missing)?;
+                self.forgive(path, location, error, missing)?;
                 stand_in_grid()
             }
         };
@@ -200,7 +200,7 @@ impl Textures {
     fn forgive(
         &mut self,
         path: &Path,
-        place: &Place,
+        location: &SourceLocation,
         error: IoError,
         missing: Missing,
     ) -> Result<(), IoError> {
@@ -209,7 +209,7 @@ impl Textures {
         if over || !(self.tolerant || absent && missing == Missing::Warn) {
             return Err(error);
         }
-        self.note(path, place, Err(error.to_string()));
+        self.note(path, location, Err(error.to_string()));
         self.warnings
             .push(format!("{error}: a magenta and black checker stands in"));
         Ok(())
@@ -218,10 +218,10 @@ impl Textures {
     fn read(
         &self,
         path: &Path,
-        place: &Place,
+        location: &SourceLocation,
         content: Content,
     ) -> Result<(Texture2d<'static>, (u32, u32, u32)), IoError> {
-        let image = image_io::read_named(&self.source, path, Some(place))?;
+        let image = image_io::read_named(&self.source, path, Some(location))?;
         let bits = image.texels.bits();
         let linear = match content {
             Content::Color => self.raw,
@@ -236,21 +236,21 @@ impl Textures {
         // Eight bytes a texel, sixteen of floats, and a third more for the mip chain.
         let size = (image.width, image.height);
         let kept = if bits == 32 { 22 } else { 11 };
-        image_io::ask_for_texels(&self.source, path, Some(place), size, kept)?;
-        let texture = image_io::texture(path, Some(place), &image, color)?;
+        image_io::ask_for_texels(&self.source, path, Some(location), size, kept)?;
+        let texture = image_io::texture(path, Some(location), &image, color)?;
         Ok((texture, (image.width, image.height, bits)))
     }
 
     pub(crate) fn note(
         &mut self,
         path: &Path,
-        place: &Place,
+        location: &SourceLocation,
         found: Result<(u32, u32, u32), String>,
     ) {
         if !self.files.iter().any(|f| f.path == path) {
             self.files.push(MapFile {
                 path: path.to_path_buf(),
-                place: place.clone(),
+                location: location.clone(),
                 found,
             });
         }

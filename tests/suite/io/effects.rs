@@ -2,8 +2,7 @@
 
 use texmap_light::{Green, Light, ShadowBias};
 use texmap_math::glam::DVec3;
-use texmap_render::Aov;
-use texmap_render::{Settings, render};
+use texmap_render::{Aov, Settings, render};
 use texmap_scene::{Carving, Relief, SlideRole};
 
 use crate::support::Files;
@@ -332,7 +331,7 @@ fn faults_name_their_line() {
         let files = files().with("a.scene", format!("{text}{FACE}"));
         let error = files.load("a.scene").unwrap_err();
         assert_eq!(
-            (error.code(), error.place().unwrap().line),
+            (error.code(), error.location().unwrap().line),
             (code, line),
             "{error}"
         );

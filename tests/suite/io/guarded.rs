@@ -74,7 +74,7 @@ fn a_root_holds_for_everything_that_a_scene_or_model_names() {
         let error = load(&scene, &within(&files, "in")).expect_err(line);
         // Maps that are outside are never stood in for, as missing ones are.
         assert_eq!(error.code(), "outside-root", "{line}: {error}");
-        assert!(error.place().is_some(), "{line}");
+        assert!(error.location().is_some(), "{line}");
         // The twin: in a wider folder the same name is read, or fails for another reason.
         if let Err(error) = load(&scene, &within(&files, ".")) {
             assert_ne!(error.code(), "outside-root", "{line}: {error}");
@@ -202,7 +202,7 @@ fn what_a_scene_has_read_again_and_again_is_limited() {
         );
     let error = files.load("a.scene").expect_err("five million lines");
     assert_eq!(
-        (error.code(), error.place().map(|p| p.line)),
+        (error.code(), error.location().map(|p| p.line)),
         ("out-of-range", Some(336))
     );
     assert!(error.help().contains("million lines"), "{}", error.help());
@@ -213,7 +213,7 @@ fn what_a_scene_has_read_again_and_again_is_limited() {
         .with("a.scene", "include part.scene\n".repeat(300));
     let error = files.load("a.scene").expect_err("300 MiB");
     assert_eq!(
-        (error.code(), error.place().map(|p| p.line)),
+        (error.code(), error.location().map(|p| p.line)),
         ("out-of-range", Some(256))
     );
     // Models: the first reading is free.
@@ -227,7 +227,7 @@ fn what_a_scene_has_read_again_and_again_is_limited() {
         .with("b.scene", "obj m.obj\n".repeat(20));
     let error = files.load("a.scene").expect_err("240 MiB");
     assert_eq!(
-        (error.code(), error.place().map(|p| p.line)),
+        (error.code(), error.location().map(|p| p.line)),
         ("out-of-range", Some(33))
     );
     files.load("b.scene").expect("80 MiB");

@@ -7,6 +7,7 @@ mod malformed;
 mod manual;
 mod memory;
 mod models;
+mod oracle;
 mod scenes;
 mod shapes;
 mod support;

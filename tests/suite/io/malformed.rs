@@ -15,7 +15,7 @@ fn refused(files: &Files, name: &str, code: &str, place: (&str, u32, u32)) {
     assert_code(&error, code);
     let expected = format!("{}:{}:{}", files.path(place.0).display(), place.1, place.2);
     assert_eq!(
-        error.place().map(ToString::to_string),
+        error.location().map(ToString::to_string),
         Some(expected.clone()),
         "{error}"
     );
@@ -293,7 +293,7 @@ fn camera_paths_and_arrays() {
         .with("a.npy", b"\x93NUMPY\x01\0\xff\xff");
     let error = CameraPath::read(&files.path("walk.json")).expect_err("two numbers");
     assert_code(&error, "broken-camera-path");
-    assert_eq!(error.place().map(|p| p.line), Some(2));
+    assert_eq!(error.location().map(|p| p.line), Some(2));
     assert_code(
         &npy::read(&files.path("a.npy")).expect_err("no header"),
         "broken-array",

@@ -5,7 +5,7 @@ use std::fs;
 use std::path::Path;
 
 use texmap_io::IoError;
-use texmap_io::scene_file::parse;
+use texmap_io::scene_file::{SECTIONS, Section, parse};
 
 use crate::support::Files;
 
@@ -52,6 +52,33 @@ fn quoted(cell: &str) -> impl Iterator<Item = &str> {
 /// A word without its parameter, and with one that is allowed.
 fn bare(word: &str) -> &str {
     word.split([':', ' ', '[']).next().unwrap_or("")
+}
+
+/// `SCENE_FORMAT=write` puts the tables of the language into the manual.
+#[test]
+fn the_tables_are_those_of_the_language() {
+    let manual = include_str!("../../../docs/SCENE_FORMAT.md");
+    let mut sections = SECTIONS.iter().map(Section::manual);
+    let (mut out, mut in_table) = (String::new(), false);
+    for line in manual.split_inclusive('\n') {
+        let begins = line.starts_with("| command |");
+        in_table = begins || (in_table && line.starts_with('|'));
+        if begins {
+            out += &sections.next().expect("a section for each table");
+        } else if !in_table {
+            out += line;
+        }
+    }
+    assert_eq!(sections.next(), None, "a table for each section");
+    if std::env::var_os("SCENE_FORMAT").is_some_and(|how| how == "write") {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/SCENE_FORMAT.md");
+        fs::write(path, &out).expect("the manual is written");
+        return;
+    }
+    for (new, old) in out.lines().zip(manual.lines()) {
+        assert_eq!(new, old, "write the tables by `.ci/pages write`");
+    }
+    assert_eq!(out, manual);
 }
 
 #[test]

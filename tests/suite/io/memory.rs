@@ -34,7 +34,7 @@ fn loading_asks_the_options() {
     let error = scene(lines, LITTLE).unwrap_err();
     assert_eq!(error.code(), "over-memory-budget");
     // The line that names the map, the map, and advice.
-    assert_eq!(error.place().map(|p| p.line), Some(6));
+    assert_eq!(error.location().map(|p| p.line), Some(6));
     assert!(
         error
             .to_string()

@@ -245,7 +245,7 @@ fn a_missing_map_of_emission_is_no_black_picture() {
     let mtl = "newmtl m\nKd 0 0 0\nKe 1 1 1\nmap_Ke gone.png\n";
     let error = files(mtl).load("a.obj").unwrap_err();
     assert_eq!(error.code(), "file-missing");
-    assert_eq!(error.place().map(|p| p.line), Some(4));
+    assert_eq!(error.location().map(|p| p.line), Some(4));
     let scene = files(mtl).scene("missing warn\nla 1 1 1\nobj a.obj\n");
     assert!(
         scene.warnings.iter().any(|w| w.contains("gone.png")),

@@ -167,7 +167,7 @@ fn faults_name_their_line() {
             .with("a.scene", format!("{text}{SQUARE}f 0 1 2\n"));
         let error = files.load("a.scene").unwrap_err();
         assert_eq!(
-            (error.code(), error.place().unwrap().line),
+            (error.code(), error.location().unwrap().line),
             (code, line),
             "{text}: {error}"
         );

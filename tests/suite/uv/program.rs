@@ -186,19 +186,19 @@ fn bad_input_ends_with_four_and_names_its_place() {
                     .replace("1 1 0", "nan 1 0")
                     .replace("\nv 0 1 0\n", "\nv 0 1 0\nf 1 2 3 4\n"),
             ),
-            "nan.obj:5: face 1 uses vertex 3",
+            "nan.obj:3:3: `v`: `nan` is not a finite",
         ),
         (
             file("index.obj", &format!("{quad}f 1 2 9\n")),
-            "index.obj:5: vertex 9 is not there",
+            "index.obj:5:7: vertex index 9 does not exist",
         ),
         (
             file("short.obj", &format!("{quad}\nf 1 2\n")),
-            "short.obj:6: a face of 2 corners",
+            "short.obj:6:1: `f`",
         ),
         (
             file("word.obj", "v 0 zero 0\n"),
-            "word.obj:1: `zero` is no number",
+            "word.obj:1:5: `v`: `zero` is not a number",
         ),
         (
             dir.path().join("none.obj").display().to_string(),

@@ -134,7 +134,7 @@ fn meshes_without_usable_coordinates_are_refused_by_name() {
             "m.obj:5: face 1",
         ),
         (String::new(), "empty-mesh", "no face"),
-        (format!("{quad}f 1 2 4\n"), "bad-obj", "m.obj:4"),
+        (format!("{quad}f 1 2 4\n"), "bad-index", "m.obj:4:7"),
     ] {
         let path = dir.path().join("m.obj");
         std::fs::write(&path, text).unwrap();

@@ -6,7 +6,7 @@ use std::io;
 use std::path::Path;
 use std::process::Command;
 
-use texmap_io::scene_file::COMMANDS;
+use texmap_io::scene_file::commands;
 
 use super::rng::Rng;
 
@@ -212,7 +212,8 @@ fn words(good: &[u8], rng: &mut Rng) -> Vec<u8> {
         .collect();
     for _ in 0..1 + rng.below(4) {
         if rng.chance(3) {
-            let mut line = vec![rng.pick(&COMMANDS).to_owned()];
+            let words: Vec<_> = commands().map(|spec| spec.word).collect();
+            let mut line = vec![rng.pick(&words).to_owned()];
             line.extend((0..rng.below(14)).map(|_| word(rng)));
             lines.insert(rng.below(lines.len() + 1), line);
             continue;

@@ -60,7 +60,7 @@ pub(crate) fn run(args: &BakeArgs) -> Result<Exit, Failure> {
         },
     )?;
     fn refused(error: impl Into<Refusal>) -> Failure {
-        Failure::of_render(error, None, "mend the scene, or bake another object")
+        Failure::of_render(error, None, "correct the scene, or bake another object")
     }
     // Edges in pixels are measured by the light map's own size.
     let scene = texmap_mesh::tessellate(&scene, args.size).map_err(refused)?;

@@ -1,4 +1,4 @@
-//! `texmap env`: environments from chart to chart, and blurred to specular maps.
+//! `texmap env`: environments from layout to layout, and blurred to specular maps.
 
 use std::path::PathBuf;
 
@@ -9,12 +9,12 @@ use crate::failure::{Exit, Failure, say};
 use crate::formats;
 use crate::output::{Destination, Stage, distinct};
 
-/// Convert an environment from one chart to another, or blur it to a specular map.
+/// Convert an environment from one layout to another, or blur it to a specular map.
 #[derive(Args, Debug)]
 #[command(
-    after_help = "Charts: cube, tan-cube, lat-long, octahedron, equal-area-octahedron, dual-paraboloid, sphere-map.\n\
+    after_help = "Layouts: cube, tan-cube, lat-long, octahedron, equal-area-octahedron, dual-paraboloid, sphere-map.\n\
     Several faces stand below each other: +X -X +Y -Y +Z -Z of a cube, +Z -Z of the paraboloids.\n\
-    PNG holds sRGB from 0 to 1, HDR linear light from 0, EXR all of it. docs/generated/charts.md tells which chart is best."
+    PNG holds sRGB from 0 to 1, HDR linear light from 0, EXR all of it. docs/generated/charts.md tells which layout is best."
 )]
 pub(crate) struct EnvArgs {
     /// The environment: PNG, JPEG, HDR or EXR
@@ -22,11 +22,11 @@ pub(crate) struct EnvArgs {
     /// The file to write; its ending (.png, .hdr, .exr) says what it becomes
     #[arg(short, long, value_name = "OUT")]
     output: PathBuf,
-    /// The chart that the image is in
-    #[arg(long, value_name = "CHART", default_value = "lat-long")]
+    /// The layout of the image
+    #[arg(long, value_name = "LAYOUT", default_value = "lat-long")]
     from: Chart,
-    /// The chart to write
-    #[arg(long, value_name = "CHART")]
+    /// The layout to write
+    #[arg(long, value_name = "LAYOUT")]
     to: Chart,
     /// Height of a face in texels [default: as many texels in all as the image has]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=8192))]

@@ -283,7 +283,7 @@ fn report(
         print_json(&json!({
             "file": args.mesh.display().to_string(),
             "size": [args.size, args.size],
-            "faces": source.obj.lines.len(),
+            "faces": source.obj.faces().len(),
             "triangles": faces.len(),
             "conservative": args.conservative,
             "gutter": args.gutter,
@@ -293,13 +293,13 @@ fn report(
         }))?;
     }
     if !atlas.lost.is_empty() {
-        let mut lines: Vec<usize> = atlas
+        let mut lines: Vec<u32> = atlas
             .lost
             .iter()
-            .map(|t| source.obj.lines[faces[*t as usize]])
+            .map(|t| source.obj.line(faces[*t as usize]))
             .collect();
         lines.dedup();
-        let first: Vec<String> = lines.iter().take(5).map(usize::to_string).collect();
+        let first: Vec<String> = lines.iter().take(5).map(u32::to_string).collect();
         let advice = if args.conservative {
             "they lie outside of [0, 1] or under others; a larger --size may hold more"
         } else {

@@ -55,7 +55,7 @@ pub(crate) struct WarpArgs {
     /// Size of the output [default: that of the input]
     #[arg(long, value_name = "WxH")]
     size: Option<Resolution>,
-    /// What lies beyond the image: transparent, border (black), edge or repeat
+    /// Behaviour outside the image: transparent, border (black), edge or repeat
     #[arg(long, value_name = "WHAT", default_value = "transparent")]
     outside: Beyond,
     /// How texels become pixels: nearest, bilinear, bicubic:mitchell, trilinear, anisotropic:16, ewa:8, ewa:8:0.75

@@ -1,12 +1,12 @@
 //! The second line of an error: why a file is refused, and what to try.
 
-use super::{IoError, Place};
+use super::{IoError, SourceLocation};
 
 impl IoError {
     /// One line: why this is refused, and what to try.
     pub fn help(&self) -> String {
         match self {
-            Self::FileMissing { named_by: Some(_), .. } => "names are relative to the file that holds the line; put the file there or mend the line (for maps and material libraries, `missing warn` draws without them)".into(),
+            Self::FileMissing { named_by: Some(_), .. } => "names are relative to the file that holds the line; put the file there or correct the line (for maps and material libraries, `missing warn` draws without them)".into(),
             Self::FileMissing { .. } => "check the spelling and the working directory".into(),
             Self::NotAFile { .. } => "name a file on a disk, not a directory, a pipe or a device".into(),
             Self::OutsideRoot { .. } => "reading is confined to one folder (--root): put the file there, and name it without links that lead out".into(),
@@ -20,14 +20,16 @@ impl IoError {
             Self::StrayNumber { .. } => "a line that begins with a number continues the command above it; begin with a command".into(),
             Self::ArgumentCount { .. } => "give as many values as the command takes; every command begins its own line".into(),
             Self::NotANumber { .. } => "write a decimal number such as 12, -0.5 or 1e-3".into(),
-            Self::NotFinite { .. } => "NaN, infinities and magnitudes above 3.4e38 cannot be drawn; mend the program that wrote the file".into(),
-            Self::OutOfRange { allowed, .. } | Self::UnknownWord { allowed, .. } => format!("allowed: {allowed}"),
+            Self::NotFinite { .. } => "NaN, infinities and magnitudes above 3.4e38 cannot be drawn; fix the exporter".into(),
+            Self::OutOfRange { allowed, .. } => format!("allowed: {allowed}"),
+            Self::UnknownWord { allowed, .. } => format!("allowed: {allowed}"),
             Self::StrayQuote { .. } => "quotes stand around a whole path: \"my file.png\"".into(),
-            Self::BadIndex { place, count, .. } => index_help(place, *count),
+            Self::BadIndex { location, count, .. } => index_help(location, *count),
             Self::TooFewCorners { .. } => "remove the face or give it its missing corners".into(),
             Self::MixedCorners { .. } => "write every corner of a face in the same form: v, v/vt, v//vn or v/vt/vn".into(),
             Self::NeedsAbove { command: "pop", .. } => "each `pop` closes a `push` of the same file; remove one or add the other".into(),
-            Self::NeedsAbove { needs, .. } => format!("add a `{needs}` line before the first face that uses it"),
+            Self::NeedsAbove { command: command @ ("shadow" | "name"), .. } => format!("add the light before this line; `{command}` applies to the nearest light above"),
+            Self::NeedsAbove { needs, .. } => format!("add {needs} before this line"),
             Self::OpenPush { .. } => "close it with `pop`".into(),
             Self::IncludeCycle { .. } => "a file cannot contain itself; remove one of the `include` lines".into(),
             Self::DegenerateFrame { .. } => "give U and V two directions of the texture's plane, neither zero nor parallel".into(),
@@ -39,7 +41,7 @@ impl IoError {
             Self::BadShape { .. } => "docs/SCENE_FORMAT.md says what the line takes, and from which sizes on it is refused".into(),
             Self::EmptyScene { .. } => "nothing would be drawn; add `f`, `tf`, `ff` or `obj` lines".into(),
             Self::EmptyMesh { .. } => "nothing would be drawn; the OBJ needs `f` lines (points and lines are not drawn)".into(),
-            Self::UnknownMaterial { .. } => "define it in the MTL library, mend the name, or draw without it (`missing warn`)".into(),
+            Self::UnknownMaterial { .. } => "define it in the MTL library, correct the name, or draw without it (`missing warn`)".into(),
             Self::BrokenModel { .. } => "export the model again as plain OBJ polygons".into(),
             Self::BrokenArray { .. } => "texmap reads .npy arrays of format 1 to 3, C order, little-endian f4, f8, u1 or u2".into(),
             Self::Memory { refused, .. } => format!("{}, or raise the memory budget", refused.lower),
@@ -48,8 +50,8 @@ impl IoError {
     }
 }
 
-fn index_help(place: &Place, count: usize) -> String {
-    let one_based = place
+fn index_help(location: &SourceLocation, count: usize) -> String {
+    let one_based = location
         .file
         .extension()
         .is_some_and(|e| e.eq_ignore_ascii_case("obj"));

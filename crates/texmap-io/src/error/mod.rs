@@ -1,16 +1,17 @@
 //! What can be wrong with a file: one line says what and where, one says why and what to try.
 
 mod help;
-mod place;
+mod location;
 mod shown;
 
+use std::borrow::Cow;
 use std::io;
 use std::path::PathBuf;
 
-use place::line_of;
+use location::line_of;
 use texmap_math::OverBudget;
 
-pub use place::Place;
+pub use location::SourceLocation;
 pub use shown::{plain, plain_json, shortened, shown};
 
 use shown::one_message;
@@ -28,7 +29,7 @@ pub enum IoError {
         /// The file that was looked for.
         path: PathBuf,
         /// The line that names it, if a file does.
-        named_by: Option<Place>,
+        named_by: Option<SourceLocation>,
     },
     /// A directory or a device where a file is needed.
     #[error("{}{}: not a regular file", line_of(.named_by), shown(.path))]
@@ -36,7 +37,7 @@ pub enum IoError {
         /// The path given.
         path: PathBuf,
         /// The line that names it, if a file does.
-        named_by: Option<Place>,
+        named_by: Option<SourceLocation>,
     },
     /// The operating system refused to read.
     #[error("{}{}: cannot be read: {source}", line_of(.named_by), shown(.path))]
@@ -44,7 +45,7 @@ pub enum IoError {
         /// The file.
         path: PathBuf,
         /// The line that names it, if a file does.
-        named_by: Option<Place>,
+        named_by: Option<SourceLocation>,
         /// What the operating system said.
         source: io::Error,
     },
@@ -62,7 +63,7 @@ pub enum IoError {
         /// The path given.
         path: PathBuf,
         /// The line that names it, if a file does.
-        named_by: Option<Place>,
+        named_by: Option<SourceLocation>,
     },
     /// More bytes than the stated limit.
     #[error("{}: {bytes} bytes, the limit is {limit}", shown(.path))]
@@ -75,10 +76,10 @@ pub enum IoError {
         limit: u64,
     },
     /// A text file that is not UTF-8.
-    #[error("{place}: not UTF-8 text")]
+    #[error("{location}: not UTF-8 text")]
     NotUtf8 {
         /// The first byte that is not text.
-        place: Place,
+        location: SourceLocation,
     },
     /// A file name ending that texmap does not read.
     #[error("{}: unknown kind of file", shown(.path))]
@@ -87,60 +88,60 @@ pub enum IoError {
         path: PathBuf,
     },
     /// A word that is no command.
-    #[error("{place}: unknown command `{word}`", word = shortened(.word))]
+    #[error("{location}: unknown command `{word}`", word = shortened(.word))]
     UnknownCommand {
         /// Where the word stands.
-        place: Place,
+        location: SourceLocation,
         /// The word.
         word: String,
         /// The command that looks most like it.
         nearest: Option<&'static str>,
     },
     /// Numbers before the first command.
-    #[error("{place}: number `{text}` with no command above it", text = shortened(.text))]
+    #[error("{location}: number `{text}` with no command above it", text = shortened(.text))]
     StrayNumber {
         /// Where the number stands.
-        place: Place,
+        location: SourceLocation,
         /// The number.
         text: String,
     },
     /// Too few or too many values after a command.
-    #[error("{place}: `{command}` takes {expected}, found {found}")]
+    #[error("{location}: `{command}` takes {expected}, found {found}")]
     ArgumentCount {
         /// The first value too many, or the command.
-        place: Place,
+        location: SourceLocation,
         /// The command.
         command: &'static str,
         /// What it takes.
-        expected: &'static str,
+        expected: Cow<'static, str>,
         /// How many values were found.
         found: usize,
     },
     /// A word where a number is needed.
-    #[error("{place}: `{command}`: `{text}` is not a number", text = shortened(.text))]
+    #[error("{location}: `{command}`: `{text}` is not a number", text = shortened(.text))]
     NotANumber {
         /// Where the word stands.
-        place: Place,
+        location: SourceLocation,
         /// The command.
         command: &'static str,
         /// The word.
         text: String,
     },
     /// NaN, an infinity, or a number beyond 32-bit floats.
-    #[error("{place}: `{command}`: `{text}` is not a finite 32-bit number", text = shortened(.text))]
+    #[error("{location}: `{command}`: `{text}` is not a finite 32-bit number", text = shortened(.text))]
     NotFinite {
         /// Where the number stands.
-        place: Place,
+        location: SourceLocation,
         /// The command.
         command: &'static str,
         /// The number.
         text: String,
     },
     /// A number outside of what its command allows.
-    #[error("{place}: `{command}`: `{text}` is out of range", text = shortened(.text))]
+    #[error("{location}: `{command}`: `{text}` is out of range", text = shortened(.text))]
     OutOfRange {
         /// Where the number stands.
-        place: Place,
+        location: SourceLocation,
         /// The command.
         command: &'static str,
         /// The number.
@@ -149,28 +150,28 @@ pub enum IoError {
         allowed: &'static str,
     },
     /// A word that its command does not know.
-    #[error("{place}: `{command}` does not know `{word}`", word = shortened(.word))]
+    #[error("{location}: `{command}` does not know `{word}`", word = shortened(.word))]
     UnknownWord {
         /// Where the word stands.
-        place: Place,
+        location: SourceLocation,
         /// The command.
         command: &'static str,
         /// The word.
         word: String,
         /// What is allowed.
-        allowed: &'static str,
+        allowed: Cow<'static, str>,
     },
     /// A quote that does not end, or one inside a word.
-    #[error("{place}: stray quote")]
+    #[error("{location}: stray quote")]
     StrayQuote {
         /// Where the quote stands.
-        place: Place,
+        location: SourceLocation,
     },
     /// An index of a vertex, texture coordinate or normal that does not exist.
-    #[error("{place}: {of} index {index} does not exist; there are {count} above this line", index = shortened(.index))]
+    #[error("{location}: {of} index {index} does not exist; there are {count} above this line", index = shortened(.index))]
     BadIndex {
         /// Where the index stands.
-        place: Place,
+        location: SourceLocation,
         /// `vertex`, `texture coordinate` or `normal`.
         of: &'static str,
         /// The index as written.
@@ -179,68 +180,68 @@ pub enum IoError {
         count: usize,
     },
     /// A face of fewer than three corners.
-    #[error("{place}: `{command}` with {found} corners; a face needs 3 or more")]
+    #[error("{location}: `{command}` with {found} corners; a face needs 3 or more")]
     TooFewCorners {
         /// Where the face stands.
-        place: Place,
+        location: SourceLocation,
         /// The command.
         command: &'static str,
         /// How many corners it has.
         found: usize,
     },
     /// An OBJ face whose corners do not all name the same kinds of data.
-    #[error("{place}: corners of one face differ: some name a {of}, some do not")]
+    #[error("{location}: corners of one face differ: some name a {of}, some do not")]
     MixedCorners {
         /// Where the odd corner stands.
-        place: Place,
+        location: SourceLocation,
         /// `texture coordinate` or `normal`.
         of: &'static str,
     },
     /// A command that needs another one above it.
-    #[error("{place}: `{command}` without a `{needs}` line above it")]
+    #[error("{location}: `{command}` needs {needs} above it")]
     NeedsAbove {
         /// Where the command stands.
-        place: Place,
+        location: SourceLocation,
         /// The command.
         command: &'static str,
-        /// The command that it needs.
+        /// What it needs, such as "a `texture` line".
         needs: &'static str,
     },
     /// A `push` that no `pop` closes.
-    #[error("{place}: `push` without a `pop` in the same file")]
+    #[error("{location}: `push` without a `pop` in the same file")]
     OpenPush {
         /// Where the push stands.
-        place: Place,
+        location: SourceLocation,
     },
     /// A file that includes itself.
-    #[error("{place}: `include` of {} goes in a circle", shown(.path))]
+    #[error("{location}: `include` of {} goes in a circle", shown(.path))]
     IncludeCycle {
         /// The line that closes the circle.
-        place: Place,
+        location: SourceLocation,
         /// The file that is already open.
         path: PathBuf,
     },
     /// A texture frame whose U and V do not span a plane.
-    #[error("{place}: `frame`: {problem}", problem = one_message(.problem))]
+    #[error("{location}: `frame`: {problem}", problem = one_message(.problem))]
     DegenerateFrame {
         /// Where the frame stands.
-        place: Place,
+        location: SourceLocation,
         /// What is wrong with it.
         problem: String,
     },
     /// A camera that sees nothing.
-    #[error("{place}: camera: {problem}", problem = one_message(.problem))]
+    #[error("{location}: camera: {problem}", problem = one_message(.problem))]
     BadCamera {
         /// The last line that set the camera.
-        place: Place,
+        location: SourceLocation,
         /// What is wrong with it.
         problem: String,
     },
-    /// A projector that throws its slide nowhere.
-    #[error("{place}: projector: {problem}", problem = one_message(.problem))]
+    /// A projector that projects nowhere.
+    #[error("{location}: projector: {problem}", problem = one_message(.problem))]
     BadProjector {
         /// Its line.
-        place: Place,
+        location: SourceLocation,
         /// What is wrong with it.
         problem: String,
     },
@@ -250,7 +251,7 @@ pub enum IoError {
         /// The image.
         path: PathBuf,
         /// The line that names it, if a file does.
-        named_by: Option<Place>,
+        named_by: Option<SourceLocation>,
         /// What the decoder said.
         problem: String,
     },
@@ -260,7 +261,7 @@ pub enum IoError {
         /// The image.
         path: PathBuf,
         /// The line that names it, if a file does.
-        named_by: Option<Place>,
+        named_by: Option<SourceLocation>,
         /// Its width.
         width: u32,
         /// Its height.
@@ -272,7 +273,7 @@ pub enum IoError {
         /// The image.
         path: PathBuf,
         /// The line that names it, if a file does.
-        named_by: Option<Place>,
+        named_by: Option<SourceLocation>,
         /// The chart.
         chart: &'static str,
         /// Its width.
@@ -283,10 +284,10 @@ pub enum IoError {
         expected: String,
     },
     /// A line whose shape cannot be made.
-    #[error("{place}: {problem}", problem = one_message(.problem))]
+    #[error("{location}: {problem}", problem = one_message(.problem))]
     BadShape {
         /// The line.
-        place: Place,
+        location: SourceLocation,
         /// What is wrong with it.
         problem: String,
     },
@@ -302,13 +303,13 @@ pub enum IoError {
         /// The model.
         path: PathBuf,
         /// The line that names it, if a file does.
-        named_by: Option<Place>,
+        named_by: Option<SourceLocation>,
     },
     /// A `usemtl` whose material no library defines.
-    #[error("{place}: material `{name}` is not defined", name = shortened(.name))]
+    #[error("{location}: material `{name}` is not defined", name = shortened(.name))]
     UnknownMaterial {
         /// The `usemtl` line.
-        place: Place,
+        location: SourceLocation,
         /// The name.
         name: String,
     },
@@ -332,15 +333,15 @@ pub enum IoError {
     #[error("{}{refused}", line_of(.named_by))]
     Memory {
         /// The line that asks for it, if a file does.
-        named_by: Option<Place>,
+        named_by: Option<SourceLocation>,
         /// How much it takes.
         refused: OverBudget,
     },
     /// A camera path that cannot be read.
-    #[error("{place}: camera path: {problem}", problem = one_message(.problem))]
+    #[error("{location}: camera path: {problem}", problem = one_message(.problem))]
     BrokenPath {
         /// Where it is wrong.
-        place: Place,
+        location: SourceLocation,
         /// What is wrong with it.
         problem: String,
     },
@@ -348,7 +349,7 @@ pub enum IoError {
 
 impl IoError {
     /// A refusal of the memory budget, for what a line of a file asks for.
-    pub(crate) fn memory(refused: OverBudget, named_by: Option<&Place>) -> Self {
+    pub(crate) fn memory(refused: OverBudget, named_by: Option<&SourceLocation>) -> Self {
         Self::Memory {
             named_by: named_by.cloned(),
             refused,
@@ -425,7 +426,7 @@ mod tests {
     #[test]
     fn one_line_each_and_the_place_comes_first() {
         let error = IoError::BadIndex {
-            place: Place::new(Path::new("room.scene"), 3, 7),
+            location: SourceLocation::new(Path::new("room.scene"), 3, 7),
             of: "vertex",
             index: "9".into(),
             count: 4,
@@ -436,6 +437,6 @@ mod tests {
         );
         assert_eq!(error.help(), "indices count from 0 to 3");
         assert_eq!(error.code(), "bad-index");
-        assert_eq!(error.place().map(|p| p.line), Some(3));
+        assert_eq!(error.location().map(|p| p.line), Some(3));
     }
 }

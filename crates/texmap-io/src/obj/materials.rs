@@ -5,8 +5,8 @@ use std::path::Path;
 
 use texmap_sample::UvTransform;
 
-use super::check::Checked;
 use super::mtl::{self, Description};
+use super::read::Obj;
 use super::{Map, Material, ReliefKind};
 use crate::IoError;
 use crate::error::shortened;
@@ -15,13 +15,13 @@ use crate::textures::{Content, Textures};
 
 pub(super) fn libraries(
     path: &Path,
-    checked: &Checked,
+    obj: &Obj,
     missing: Missing,
     textures: &mut Textures,
     warnings: &mut Vec<String>,
 ) -> Result<Vec<Description>, IoError> {
     let mut materials = Vec::new();
-    for (place, name) in &checked.libraries {
+    for (location, name) in &obj.libraries {
         // A name may hold blanks, and a line may hold several names.
         let names: Vec<&str> = if textures.source.exists(&textures.source.beside(path, name)) {
             vec![name]
@@ -30,18 +30,18 @@ pub(super) fn libraries(
         };
         for name in names {
             let library = textures.source.beside(path, name);
-            match mtl::read(&library, place, textures, warnings) {
+            match mtl::read(&library, location, textures, warnings) {
                 Ok(read) => materials.extend(read),
                 Err(error @ IoError::FileMissing { .. })
                     if missing == Missing::Warn || textures.tolerant =>
                 {
-                    textures.note(&library, place, Err(error.to_string()));
+                    textures.note(&library, location, Err(error.to_string()));
                     warnings.push(format!("{error}: its materials are left out"));
                 }
                 Err(error @ (IoError::NotAFile { .. } | IoError::OutsideRoot { .. }))
                     if textures.tolerant =>
                 {
-                    textures.note(&library, place, Err(error.to_string()));
+                    textures.note(&library, location, Err(error.to_string()));
                 }
                 Err(error) => return Err(error),
             }
@@ -51,23 +51,23 @@ pub(super) fn libraries(
 }
 
 pub(super) fn check_names(
-    checked: &Checked,
+    obj: &Obj,
     descriptions: &[Description],
     lenient: bool,
     warnings: &mut Vec<String>,
 ) -> Result<(), IoError> {
     let defined: HashSet<&str> = descriptions.iter().map(|d| d.name.as_str()).collect();
     let mut told: HashSet<&str> = HashSet::new();
-    for (place, name) in &checked.materials {
+    for (location, name) in &obj.materials {
         if defined.contains(name.as_str()) || !told.insert(name) {
             continue;
         }
         let error = IoError::UnknownMaterial {
-            place: place.clone(),
+            location: location.clone(),
             name: name.clone(),
         };
         // A model that names no library at all uses material names as group names.
-        if !(lenient || checked.libraries.is_empty()) {
+        if !(lenient || obj.libraries.is_empty()) {
             return Err(error);
         }
         warnings.push(error.to_string());
@@ -83,9 +83,9 @@ pub(super) fn material(
 ) -> Result<Material, IoError> {
     let mut load = |map: Option<mtl::Map>, content| {
         map.map(|map| {
-            let path = textures.source.beside(&map.place.file, &map.name);
+            let path = textures.source.beside(&map.location.file, &map.name);
             Ok(Map {
-                texture: textures.load(&path, &map.place, content, missing)?,
+                texture: textures.load(&path, &map.location, content, missing)?,
                 transform: UvTransform {
                     offset: map.offset,
                     scale: map.scale,

@@ -1,15 +1,18 @@
 //! Wavefront OBJ models with their material libraries.
 
-mod check;
+mod edit;
 mod materials;
 mod model;
 mod mtl;
 mod normals;
 mod not_drawn;
 mod parts;
+mod read;
+mod source;
 
 use texmap_sample::UvTransform;
 
+pub use edit::ObjText;
 pub(crate) use model::read;
 pub(crate) use normals::unit;
 

@@ -2,21 +2,21 @@
 
 use std::path::Path;
 
-use super::check::{self, Checked};
 use super::materials::{check_names, libraries, material};
 use super::parts::parts;
+use super::read::{self, Obj};
 use super::{Model, Part};
 use crate::error::{shortened, shown};
 use crate::files::is_called;
 use crate::scene_file::Missing;
 use crate::textures::Textures;
-use crate::{IoError, Place};
+use crate::{IoError, SourceLocation};
 
 /// Reads a model, its libraries and their maps. `missing` tells what an absent library, material or map is;
 /// `textured`, whether faces without a material will get a texture and so need coordinates.
 pub(crate) fn read(
     path: &Path,
-    named_by: Option<&Place>,
+    named_by: Option<&SourceLocation>,
     missing: Missing,
     textured: bool,
     textures: &mut Textures,
@@ -35,20 +35,20 @@ pub(crate) fn read(
         true => error,
         false => error.without_words(),
     };
-    let checked = check::check(path, &text).map_err(hidden)?;
+    let obj = read::read(path, &text, None).map_err(hidden)?;
     drop(text);
-    if checked.faces.is_empty() {
+    if obj.faces.is_empty() {
         return Err(IoError::EmptyMesh {
             path: path.to_path_buf(),
             named_by: named_by.cloned(),
         });
     }
     let mut warnings = Vec::new();
-    let descriptions = libraries(path, &checked, missing, textures, &mut warnings)?;
+    let descriptions = libraries(path, &obj, missing, textures, &mut warnings)?;
     let lenient = missing == Missing::Warn || textures.tolerant;
-    check_names(&checked, &descriptions, lenient, &mut warnings).map_err(hidden)?;
-    let parts = parts(path, &checked, &descriptions, textured)?;
-    report(path, &checked, &parts, &mut warnings);
+    check_names(&obj, &descriptions, lenient, &mut warnings).map_err(hidden)?;
+    let parts = parts(&obj, &descriptions, textured);
+    report(path, &obj, &parts, &mut warnings);
     let mut materials = Vec::new();
     for description in descriptions {
         materials.push(material(description, missing, textures, &mut warnings)?);
@@ -56,11 +56,11 @@ pub(crate) fn read(
     let model = Model {
         parts,
         materials,
-        colored: checked.colored,
+        colored: !obj.colors.is_empty(),
         warnings,
     };
     if again {
-        // It will be named a third time; its warnings were told.
+        // It will be named a third time; its warnings were reported.
         let silent = Model {
             warnings: Vec::new(),
             ..model.clone()
@@ -70,21 +70,21 @@ pub(crate) fn read(
     Ok(model)
 }
 
-fn report(path: &Path, checked: &Checked, parts: &[Part], warnings: &mut Vec<String>) {
-    if checked.lines_and_points > 0 {
+fn report(path: &Path, obj: &Obj, parts: &[Part], warnings: &mut Vec<String>) {
+    if obj.lines_and_points > 0 {
         warnings.push(format!(
             "{}: {} lines and points are not drawn",
             shown(path),
-            checked.lines_and_points
+            obj.lines_and_points
         ));
     }
-    if let Some((place, word)) = &checked.unknown {
+    if let Some((location, word)) = &obj.unknown {
         let word = match is_called(path, "obj") {
             true => word,
             false => "...",
         };
         warnings.push(format!(
-            "{place}: `{}` is not known; lines like it are left out",
+            "{location}: `{}` is not known; lines like it are left out",
             shortened(word)
         ));
     }

@@ -3,14 +3,13 @@
 //!
 //! Source of the format: Wavefront, "MTL material format", version 4.2 (1995).
 
-use std::fmt::Write;
 use std::path::Path;
 
-use super::check::finite;
 use super::not_drawn::NotDrawn;
+use super::source::finite;
 use crate::error::shortened;
 use crate::textures::Textures;
-use crate::{IoError, Place};
+use crate::{IoError, SourceLocation};
 
 /// A material as its library describes it.
 #[derive(Debug, Clone, PartialEq)]
@@ -27,9 +26,24 @@ pub(super) struct Description {
     pub(super) d: f32,
     /// In the order of [`MAPS`].
     pub(super) maps: [Option<Map>; MAPS.len()],
+    /// Illumination models 0 and 1 have none.
+    highlight: bool,
 }
 
 impl Description {
+    fn new(name: &str) -> Self {
+        Self {
+            name: name.into(),
+            kd: None,
+            ks: 0.0,
+            ke: None,
+            ns: None,
+            d: 1.0,
+            maps: Default::default(),
+            highlight: true,
+        }
+    }
+
     /// Whether faces need coordinates.
     pub(super) fn has_map(&self) -> bool {
         self.maps.iter().any(Option::is_some)
@@ -44,7 +58,7 @@ pub(super) const MAPS: [&str; 9] = [
 /// A map and the options before its name.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Map {
-    pub(super) place: Place,
+    pub(super) location: SourceLocation,
     pub(super) name: String,
     /// `-s u v`.
     pub(super) scale: [f32; 2],
@@ -56,62 +70,15 @@ pub(super) struct Map {
     pub(super) height: Option<f32>,
 }
 
-/// Reads a library; what cannot be used is told in `warnings`.
+/// Reads a library; what cannot be used is reported in `warnings`.
 pub(super) fn read(
     path: &Path,
-    named_by: &Place,
+    named_by: &SourceLocation,
     textures: &mut Textures,
     warnings: &mut Vec<String>,
 ) -> Result<Vec<Description>, IoError> {
     let text = textures.text(path, Some(named_by), "mtllib")?;
-    let checked = check(path, &text, warnings)?;
-    let (materials, _) =
-        tobj::load_mtl_buf(&mut checked.text.as_bytes()).map_err(|e| IoError::BrokenModel {
-            path: path.to_path_buf(),
-            problem: e.to_string(),
-        })?;
-    let largest = |c: [f32; 3]| c.into_iter().fold(0.0, f32::max);
-    let describe = |(m, own): (tobj::Material, Own)| {
-        // Models 0 and 1 have no highlight.
-        let highlight = !matches!(m.illumination_model, Some(0 | 1));
-        Description {
-            name: m.name,
-            kd: m.diffuse,
-            ks: if highlight {
-                m.specular.map_or(0.0, largest)
-            } else {
-                0.0
-            },
-            ke: own.ke,
-            ns: m.shininess,
-            d: m.dissolve.unwrap_or(1.0),
-            maps: own.maps,
-        }
-    };
-    Ok(materials
-        .into_iter()
-        .zip(checked.own)
-        .map(describe)
-        .collect())
-}
-
-#[derive(Debug, Default)]
-struct Checked {
-    /// What the reader needs, in a form that it takes.
-    text: String,
-    /// What the reader does not keep of each material.
-    own: Vec<Own>,
-}
-
-#[derive(Debug, Default)]
-struct Own {
-    ke: Option<[f32; 3]>,
-    maps: [Option<Map>; MAPS.len()],
-}
-
-/// Places for errors: the reader's own have none, and it panics on a colour of fewer than three numbers.
-fn check(file: &Path, text: &str, warnings: &mut Vec<String>) -> Result<Checked, IoError> {
-    let mut out = Checked::default();
+    let mut out: Vec<Description> = Vec::new();
     let mut not_drawn = NotDrawn::default();
     for (content, line) in text.lines().zip(1..) {
         let content = content.trim_end();
@@ -123,39 +90,43 @@ fn check(file: &Path, text: &str, warnings: &mut Vec<String>) -> Result<Checked,
         if word.is_empty() || word.starts_with('#') {
             continue;
         }
-        let place = Place::new(file, line, content[..start].chars().count() as u32 + 1);
+        let location = SourceLocation::new(path, line, content[..start].chars().count() as u32 + 1);
         if word == "newmtl" {
             if rest.is_empty() {
-                return Err(count(place, "newmtl", "1 name"));
+                return Err(count(location, "newmtl", "1 name"));
             }
-            let _ = writeln!(out.text, "newmtl {rest}");
-            out.own.push(Own::default());
+            out.push(Description::new(rest));
             not_drawn.next_material();
             continue;
         }
-        let Some(own) = out.own.last_mut() else {
+        let Some(material) = out.last_mut() else {
             let command = KNOWN
                 .iter()
                 .copied()
                 .find(|k| *k == word)
                 .unwrap_or("a material statement");
             return Err(IoError::NeedsAbove {
-                place,
+                location,
                 command,
-                needs: "newmtl",
+                needs: "a `newmtl` line",
             });
         };
         match word {
             "Kd" => {
                 not_drawn.base_color(rest);
-                color(&mut out.text, "Kd", place, rest, warnings)?;
+                let kd = color(location, "Kd", rest, warnings)?;
+                material.kd = kd.or(material.kd);
             }
-            "Ks" => color(&mut out.text, "Ks", place, rest, warnings)?,
-            "Ke" => own.ke = rgb(&place, "Ke", rest, warnings)?,
+            "Ks" => {
+                if let Some(ks) = color(location, "Ks", rest, warnings)? {
+                    material.ks = ks.into_iter().fold(0.0, f32::max);
+                }
+            }
+            "Ke" => material.ke = rgb(&location, "Ke", rest, warnings)?,
             "Ns" => {
-                let ns = one(place.clone(), "Ns", rest)?;
-                in_range(ns >= 0.0, place, "Ns", rest, "0 or more")?;
-                let _ = writeln!(out.text, "Ns {ns}");
+                let ns = one(location.clone(), "Ns", rest)?;
+                in_range(ns >= 0.0, location, "Ns", rest, "0 or more")?;
+                material.ns = Some(ns);
             }
             "d" | "Tr" => {
                 let (command, number) = match (word, rest.strip_prefix("-halo")) {
@@ -163,32 +134,45 @@ fn check(file: &Path, text: &str, warnings: &mut Vec<String>) -> Result<Checked,
                     (_, Some(number)) => ("d", number.trim()),
                     _ => ("d", rest),
                 };
-                let x = one(place.clone(), command, number)?;
-                in_range((0.0..=1.0).contains(&x), place, command, number, "0 to 1")?;
+                let x = one(location.clone(), command, number)?;
+                in_range(
+                    (0.0..=1.0).contains(&x),
+                    location,
+                    command,
+                    number,
+                    "0 to 1",
+                )?;
                 let opacity = if command == "d" { x } else { 1.0 - x };
                 not_drawn.opacity(opacity);
-                let _ = writeln!(out.text, "d {opacity}");
+                material.d = opacity;
             }
             "illum" => {
-                let model = one(place.clone(), "illum", rest)?;
-                not_drawn.model(&place, model);
+                let model = one(location.clone(), "illum", rest)?;
+                not_drawn.model(&location, model);
                 in_range(
                     (0.0..=10.0).contains(&model),
-                    place,
+                    location,
                     "illum",
                     rest,
                     "0 to 10",
                 )?;
-                let _ = writeln!(out.text, "illum {}", model as u8);
+                material.highlight = !matches!(model as u8, 0 | 1);
             }
-            "bump" | "map_bump" => own.maps[5] = Some(map(place, "map_Bump", rest, warnings)?),
+            "bump" | "map_bump" => {
+                material.maps[5] = Some(map(location, "map_Bump", rest, warnings)?);
+            }
             _ => match MAPS.iter().position(|known| *known == word) {
-                Some(i) => own.maps[i] = Some(map(place, MAPS[i], rest, warnings)?),
-                None => not_drawn.statement(&place, word, rest),
+                Some(i) => material.maps[i] = Some(map(location, MAPS[i], rest, warnings)?),
+                None => not_drawn.statement(&location, word, rest),
             },
         }
     }
     warnings.extend(not_drawn.warnings());
+    for material in &mut out {
+        if !material.highlight {
+            material.ks = 0.0;
+        }
+    }
     Ok(out)
 }
 
@@ -197,30 +181,28 @@ const KNOWN: [&str; 16] = [
     "map_Ns", "map_Bump", "norm", "disp",
 ];
 
+/// A colour of 0 to 1, cut to it.
 fn color(
-    out: &mut String,
+    location: SourceLocation,
     command: &'static str,
-    place: Place,
     rest: &str,
     warnings: &mut Vec<String>,
-) -> Result<(), IoError> {
-    let Some(rgb) = rgb(&place, command, rest, warnings)? else {
-        return Ok(());
+) -> Result<Option<[f32; 3]>, IoError> {
+    let Some(rgb) = rgb(&location, command, rest, warnings)? else {
+        return Ok(None);
     };
     if rgb.iter().any(|c| *c > 1.0) {
         warnings.push(format!(
-            "{place}: `{command} {}` is above 1 and cut to it",
+            "{location}: `{command} {}` is above 1 and cut to it",
             shortened(rest)
         ));
     }
-    let [r, g, b] = rgb.map(|c| c.min(1.0));
-    let _ = writeln!(out, "{command} {r} {g} {b}");
-    Ok(())
+    Ok(Some(rgb.map(|c| c.min(1.0))))
 }
 
 /// A colour of 0 or more; `None`, with a warning, for the forms that are not supported.
 fn rgb(
-    place: &Place,
+    location: &SourceLocation,
     command: &'static str,
     rest: &str,
     warnings: &mut Vec<String>,
@@ -231,23 +213,23 @@ fn rgb(
         .collect();
     if matches!(words.first(), Some(&("spectral" | "xyz"))) {
         warnings.push(format!(
-            "{place}: `{command} {}` is not supported and left out",
+            "{location}: `{command} {}` is not supported and left out",
             words[0]
         ));
         return Ok(None);
     }
     let mut numbers = Vec::new();
     for word in &words {
-        numbers.push(finite(place.clone(), command, word)?);
+        numbers.push(finite(|| location.clone(), command, word)?);
     }
     let rgb = match numbers[..] {
         [grey] => [grey; 3],
         [r, g, b] => [r, g, b],
-        _ => return Err(count(place.clone(), command, "1 or 3 numbers")),
+        _ => return Err(count(location.clone(), command, "1 or 3 numbers")),
     };
     in_range(
         rgb.iter().all(|c| *c >= 0.0),
-        place.clone(),
+        location.clone(),
         command,
         rest,
         "0 to 1",
@@ -257,13 +239,13 @@ fn rgb(
 
 /// `-option values ... file name`; the name may hold blanks.
 fn map(
-    place: Place,
+    location: SourceLocation,
     command: &'static str,
     text: &str,
     warnings: &mut Vec<String>,
 ) -> Result<Map, IoError> {
     let mut map = Map {
-        place,
+        location,
         name: String::new(),
         scale: [1.0; 2],
         offset: [0.0; 2],
@@ -295,7 +277,7 @@ fn map(
             rest = rest[value.len()..].trim_start();
         }
         let number = |i: usize, default: f32| match values.get(i) {
-            Some(text) => finite(map.place.clone(), command, text),
+            Some(text) => finite(|| map.location.clone(), command, text),
             None => Ok(default),
         };
         match option {
@@ -304,7 +286,7 @@ fn map(
                 let allowed = "scales of -s that are not zero";
                 in_range(
                     !map.scale.contains(&0.0),
-                    map.place.clone(),
+                    map.location.clone(),
                     command,
                     text,
                     allowed,
@@ -314,7 +296,7 @@ fn map(
             "-clamp" => {
                 in_range(
                     matches!(values[0], "on" | "off"),
-                    map.place.clone(),
+                    map.location.clone(),
                     command,
                     text,
                     "-clamp on, -clamp off",
@@ -324,29 +306,29 @@ fn map(
             "-bm" if matches!(command, "map_Bump" | "disp") => map.height = Some(number(0, 1.0)?),
             other => warnings.push(format!(
                 "{}: `{command}`: the option {} is not supported",
-                map.place,
+                map.location,
                 shortened(other)
             )),
         }
     }
     if rest.is_empty() {
-        return Err(count(map.place, command, "a file name"));
+        return Err(count(map.location, command, "a file name"));
     }
     map.name = rest.into();
     Ok(map)
 }
 
-fn one(place: Place, command: &'static str, rest: &str) -> Result<f32, IoError> {
+fn one(location: SourceLocation, command: &'static str, rest: &str) -> Result<f32, IoError> {
     let mut words = rest.split_whitespace().take_while(|w| !w.starts_with('#'));
     match (words.next(), words.next()) {
-        (Some(word), None) => finite(place, command, word),
-        _ => Err(count(place, command, "1 number")),
+        (Some(word), None) => finite(|| location.clone(), command, word),
+        _ => Err(count(location, command, "1 number")),
     }
 }
 
 fn in_range(
     valid: bool,
-    place: Place,
+    location: SourceLocation,
     command: &'static str,
     text: &str,
     allowed: &'static str,
@@ -355,7 +337,7 @@ fn in_range(
         Ok(())
     } else {
         Err(IoError::OutOfRange {
-            place,
+            location,
             command,
             text: text.into(),
             allowed,
@@ -363,11 +345,11 @@ fn in_range(
     }
 }
 
-fn count(place: Place, command: &'static str, expected: &'static str) -> IoError {
+fn count(location: SourceLocation, command: &'static str, expected: &'static str) -> IoError {
     IoError::ArgumentCount {
-        place,
+        location,
         command,
-        expected,
+        expected: expected.into(),
         found: 0,
     }
 }
@@ -381,9 +363,9 @@ mod tests {
         let path = dir.path().join("a.mtl");
         std::fs::write(&path, text).unwrap();
         let mut warnings = Vec::new();
-        let place = Place::new(Path::new("a.obj"), 1, 1);
+        let location = SourceLocation::new(Path::new("a.obj"), 1, 1);
         (
-            read(&path, &place, &mut Textures::default(), &mut warnings),
+            read(&path, &location, &mut Textures::default(), &mut warnings),
             warnings,
         )
     }
@@ -456,7 +438,7 @@ mod tests {
         ] {
             let error = read_text(text).0.unwrap_err();
             assert_eq!(
-                (error.code(), error.place().unwrap().line),
+                (error.code(), error.location().unwrap().line),
                 (code, line),
                 "{text}"
             );

@@ -1,6 +1,6 @@
-//! MTL statements that are known and not drawn: each is told once for its library, where it changes a picture at all.
+//! MTL statements that are known and not drawn: each is reported once for its library, where it changes a picture at all.
 
-use crate::Place;
+use crate::SourceLocation;
 
 /// Statements and what is lost without them.
 const STATEMENTS: [(&str, &str); 21] = [
@@ -34,28 +34,28 @@ const STATEMENTS: [(&str, &str); 21] = [
 #[derive(Debug, Default)]
 pub(super) struct NotDrawn {
     /// Word, what is lost, the first line and how many there are.
-    told: Vec<(String, &'static str, Place, u32)>,
+    told: Vec<(String, &'static str, SourceLocation, u32)>,
     /// Of the material that is read.
     kd: Option<Vec<f32>>,
-    ka: Option<(Place, Vec<f32>)>,
-    ni: Option<Place>,
+    ka: Option<(SourceLocation, Vec<f32>)>,
+    ni: Option<SourceLocation>,
     opacity: Option<f32>,
 }
 
 impl NotDrawn {
     pub(super) fn next_material(&mut self) {
         // An ambient colour that is none, white or the diffuse one says what is drawn anyway.
-        if let Some((place, ka)) = self.ka.take() {
+        if let Some((location, ka)) = self.ka.take() {
             let neutral = ka.iter().all(|c| *c == 0.0) || ka.iter().all(|c| *c == 1.0);
             if !neutral && self.kd.as_ref() != Some(&ka) {
-                self.note(&place, "Ka");
+                self.note(&location, "Ka");
             }
         }
         // Nothing shines through what is opaque.
-        if let Some(place) = self.ni.take()
+        if let Some(location) = self.ni.take()
             && self.opacity.is_some_and(|d| d < 1.0)
         {
-            self.note(&place, "Ni");
+            self.note(&location, "Ni");
         }
         (self.kd, self.opacity) = (None, None);
     }
@@ -68,36 +68,40 @@ impl NotDrawn {
         self.opacity = Some(opacity);
     }
 
-    pub(super) fn model(&mut self, place: &Place, model: f32) {
+    pub(super) fn model(&mut self, location: &SourceLocation, model: f32) {
         if model >= 3.0 {
             let why = "models 3 to 10 mirror or refract; the surface is drawn as model 2";
-            self.tell(place, &format!("illum {}", model as u8), why);
+            self.tell(location, &format!("illum {}", model as u8), why);
         }
     }
 
-    pub(super) fn statement(&mut self, place: &Place, word: &str, rest: &str) {
+    pub(super) fn statement(&mut self, location: &SourceLocation, word: &str, rest: &str) {
         let values = numbers(rest);
         match word {
-            "Ka" => self.ka = Some((place.clone(), values)),
-            "Ni" => self.ni = Some(place.clone()),
+            "Ka" => self.ka = Some((location.clone(), values)),
+            "Ni" => self.ni = Some(location.clone()),
             // These values are those without the statement.
             "Tf" if !values.is_empty() && values.iter().all(|c| *c == 1.0) => {}
             "Pm" | "Ps" | "Pc" | "Pcr" | "aniso" | "anisor" if values == [0.0] => {}
-            _ => self.note(place, word),
+            _ => self.note(location, word),
         }
     }
 
-    fn note(&mut self, place: &Place, word: &str) {
+    fn note(&mut self, location: &SourceLocation, word: &str) {
         let known = STATEMENTS.iter().find(|(known, _)| *known == word);
-        self.tell(place, word, known.map_or("it is not known", |(_, why)| why));
+        self.tell(
+            location,
+            word,
+            known.map_or("it is not known", |(_, why)| why),
+        );
     }
 
-    fn tell(&mut self, place: &Place, word: &str, why: &'static str) {
+    fn tell(&mut self, location: &SourceLocation, word: &str, why: &'static str) {
         match self.told.iter_mut().find(|(told, ..)| told == word) {
             Some((.., count)) => *count += 1,
             None => {
                 let word = word.chars().take(40).collect();
-                self.told.push((word, why, place.clone(), 1));
+                self.told.push((word, why, location.clone(), 1));
             }
         }
     }
@@ -105,14 +109,14 @@ impl NotDrawn {
     /// One sentence for each word, in the order of their lines.
     pub(super) fn warnings(mut self) -> Vec<String> {
         self.next_material();
-        self.told.sort_by_key(|(.., place, _)| place.line);
-        let told = self.told.iter().map(|(word, why, place, count)| {
+        self.told.sort_by_key(|(.., location, _)| location.line);
+        let told = self.told.iter().map(|(word, why, location, count)| {
             let more = match count {
                 1 => String::new(),
                 2 => " (1 more line says so)".to_owned(),
                 n => format!(" ({} more lines say so)", n - 1),
             };
-            format!("{place}: `{word}` is not drawn: {why}{more}")
+            format!("{location}: `{word}` is not drawn: {why}{more}")
         });
         told.collect()
     }
@@ -134,13 +138,13 @@ mod tests {
     fn told(statements: &[(&str, &str)]) -> Vec<String> {
         let mut all = NotDrawn::default();
         for (line, (word, rest)) in (1..).zip(statements) {
-            let place = Place::new(Path::new("a.mtl"), line, 1);
+            let location = SourceLocation::new(Path::new("a.mtl"), line, 1);
             match *word {
                 "newmtl" => all.next_material(),
                 "Kd" => all.base_color(rest),
                 "d" => all.opacity(rest.parse().unwrap()),
-                "illum" => all.model(&place, rest.parse().unwrap()),
-                word => all.statement(&place, word, rest),
+                "illum" => all.model(&location, rest.parse().unwrap()),
+                word => all.statement(&location, word, rest),
             }
         }
         all.warnings()

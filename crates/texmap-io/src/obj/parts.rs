@@ -1,228 +1,222 @@
-//! The reader's meshes to parts with one index per vertex, with the normals and coordinates that the file lacks.
+//! Groups of faces to meshes with one index per vertex, with the normals and coordinates that the file lacks.
 
 use std::collections::HashMap;
-use std::io::Read;
-use std::path::Path;
+use std::ops::Range;
 
 use texmap_math::glam::DVec3;
 use texmap_uv::{Origin, Projection, project};
 
 use super::Part;
-use super::check::{Checked, Face};
 use super::mtl::Description;
 use super::normals::{Smooth, area_normal, unit};
-use crate::IoError;
+use super::read::{Corner, Face, NONE, Obj};
 
-pub(super) fn parts(
-    path: &Path,
-    checked: &Checked,
-    descriptions: &[Description],
-    textured: bool,
-) -> Result<Vec<Part>, IoError> {
-    let models = meshes(path, checked, descriptions)?;
-    let mut polygons: Vec<Vec<Polygon<'_>>> = Vec::new();
-    let (mut faces, mut vertices) = (checked.faces.iter().zip(0..), &checked.corners[..]);
-    for model in &models {
-        let mesh = &model.mesh;
-        let mut start = 0;
-        let mut list = Vec::new();
-        while start < mesh.indices.len() {
-            let Some((face, number)) = faces.next() else {
-                break;
-            };
-            let range = start..start + face.corners as usize;
-            start = range.end;
-            let (own, rest) = vertices.split_at(range.len());
-            vertices = rest;
-            let points: Vec<DVec3> = mesh.indices[range.clone()]
-                .iter()
-                .map(|&i| DVec3::from(position(&mesh.positions, i).map(f64::from)))
-                .collect();
-            list.push(Polygon {
+pub(super) fn parts(obj: &Obj, descriptions: &[Description], textured: bool) -> Vec<Part> {
+    let mut corners = &obj.corners[..];
+    let polygons: Vec<Polygon<'_>> = (obj.faces.iter().zip(0..))
+        .map(|(face, number)| {
+            let (own, rest) = corners.split_at(face.corners as usize);
+            corners = rest;
+            let points: Vec<DVec3> = own.iter().map(|c| obj.point(c.vertex)).collect();
+            Polygon {
                 number,
                 face,
-                range,
-                vertices: own,
+                corners: own,
                 area: area_normal(&points),
-                mesh,
-            });
-        }
-        polygons.push(list);
+            }
+        })
+        .collect();
+    let mut smooth = Smooth::new(obj.positions.len());
+    for p in &polygons {
+        smooth.add(p.face, p.corners, p.area);
     }
-    let mut smooth = Smooth::default();
-    for p in polygons.iter().flatten() {
-        smooth.add(p.face, p.vertices, p.area);
-    }
-    let (low, high) = bounds(&models);
-    let build = |(model, polygons): (&tobj::Model, &Vec<Polygon<'_>>)| {
-        let has_map = |i: usize| descriptions.get(i).is_some_and(Description::has_map);
-        let needs_uv = model.mesh.material_id.map_or(textured, has_map);
-        let uv = needs_uv || polygons.iter().any(|p| p.face.has_uv);
-        let mut part = part(polygons, &smooth, uv, [low, high]);
-        part.name.clone_from(&model.name);
-        part.material = model.mesh.material_id;
-        part
+    let mut builder = Builder {
+        obj,
+        smooth,
+        bounds: bounds(obj),
+        newest: vec![(NONE, NONE); obj.positions.len()],
+        known: HashMap::new(),
     };
-    Ok(models.iter().zip(&polygons).map(build).collect())
+    let sections = sections(obj, descriptions);
+    let build = |(section, number): (Section<'_>, u32)| {
+        let polygons = &polygons[section.faces];
+        let has_map = |i: usize| descriptions.get(i).is_some_and(Description::has_map);
+        let needs_uv = section.material.map_or(textured, has_map);
+        let uv = needs_uv || polygons.iter().any(|p| p.face.has_uv);
+        Part {
+            name: section.name.to_owned(),
+            material: section.material,
+            ..builder.part(polygons, number, uv)
+        }
+    };
+    sections.into_iter().zip(0..).map(build).collect()
 }
 
-/// The reader's meshes, cut where object, group or material change.
-fn meshes(
-    path: &Path,
-    checked: &Checked,
-    descriptions: &[Description],
-) -> Result<Vec<tobj::Model>, IoError> {
-    let materials = || {
-        let materials = descriptions.iter().map(|d| tobj::Material {
-            name: d.name.clone(),
-            ..Default::default()
-        });
-        let indices = descriptions
-            .iter()
-            .enumerate()
-            .map(|(i, d)| (d.name.clone(), i));
-        Ok((materials.collect(), indices.collect()))
+/// Faces of one object or group with one material.
+#[derive(Clone)]
+struct Section<'a> {
+    name: &'a str,
+    material: Option<usize>,
+    faces: Range<usize>,
+}
+
+/// The faces, cut where object, group or material change.
+fn sections<'a>(obj: &'a Obj, descriptions: &[Description]) -> Vec<Section<'a>> {
+    // Of two materials of one name the later one holds.
+    let known = descriptions.iter().map(|d| d.name.as_str()).zip(0..);
+    let known: HashMap<&str, usize> = known.collect();
+    let mut materials = obj.materials.iter();
+    let mut now = Section {
+        name: "unnamed_object",
+        material: None,
+        faces: 0..0,
     };
-    // The libraries were read before, so the name is never looked at.
-    let mut text = b"mtllib read-before\n"
-        .as_slice()
-        .chain(checked.text.as_bytes());
-    let (mut models, _) =
-        tobj::load_obj_buf(&mut text, &tobj::LoadOptions::default(), |_| materials()).map_err(
-            |e| IoError::BrokenModel {
-                path: path.to_path_buf(),
-                problem: e.to_string(),
-            },
-        )?;
-    models.retain(|m| !m.mesh.indices.is_empty());
-    let corners: usize = models.iter().map(|m| m.mesh.indices.len()).sum();
-    if corners != checked.corners.len() {
-        let problem = format!(
-            "{} corners in the file, {corners} read",
-            checked.corners.len()
-        );
-        return Err(IoError::BrokenModel {
-            path: path.to_path_buf(),
-            problem,
-        });
+    let mut sections = Vec::new();
+    let mut end_at = |now: &mut Section<'a>, face: usize| {
+        now.faces.end = face;
+        if !now.faces.is_empty() {
+            sections.push(now.clone());
+        }
+        now.faces.start = face;
+    };
+    for group in &obj.groups {
+        match group.name.as_deref() {
+            Some(name) => {
+                end_at(&mut now, group.first_face);
+                now.name = if name.is_empty() {
+                    "unnamed_object"
+                } else {
+                    name
+                };
+            }
+            None => {
+                let name = materials.next().map_or("", |(_, name)| name);
+                let material = known.get(name).copied();
+                if material != now.material {
+                    end_at(&mut now, group.first_face);
+                    now.material = material;
+                }
+            }
+        }
     }
-    Ok(models)
+    end_at(&mut now, obj.faces.len());
+    sections
 }
 
 /// One face with everything that its file says about it.
 struct Polygon<'a> {
     number: u32,
     face: &'a Face,
-    /// Corners in `mesh`.
-    range: std::ops::Range<usize>,
-    /// Vertices of the file.
-    vertices: &'a [u32],
+    corners: &'a [Corner],
     area: DVec3,
-    mesh: &'a tobj::Mesh,
 }
 
-impl Polygon<'_> {
-    fn uv(&self, corner: usize) -> [f32; 2] {
-        let i = 2 * self.mesh.texcoord_indices[corner] as usize;
-        [self.mesh.texcoords[i], self.mesh.texcoords[i + 1]]
+impl Obj {
+    fn point(&self, vertex: u32) -> DVec3 {
+        DVec3::from(self.positions[vertex as usize].map(f64::from))
     }
 
     /// The file's normal, unless it has none or it has no direction.
-    fn normal(&self, corner: usize) -> Option<[f32; 3]> {
-        if !self.face.has_normal {
-            return None;
-        }
-        let normal = position(&self.mesh.normals, self.mesh.normal_indices[corner]);
+    fn normal(&self, corner: Corner) -> Option<[f32; 3]> {
+        let normal = *self.normals.get(corner.normal as usize)?;
         unit(DVec3::from(normal.map(f64::from))).map(|_| normal)
     }
 }
 
-fn position(values: &[f32], index: u32) -> [f32; 3] {
-    let i = 3 * index as usize;
-    [values[i], values[i + 1], values[i + 2]]
+struct Builder<'a> {
+    obj: &'a Obj,
+    smooth: Smooth,
+    bounds: [[f32; 3]; 2],
+    /// Of each vertex of the file: the part and the vertex in it that was made last.
+    newest: Vec<(u32, u32)>,
+    /// Vertices of the part by vertex of the file, bits of coordinates and normal, and projected face.
+    known: HashMap<[u32; 7], u32>,
 }
 
-/// `uv`: every vertex gets coordinates, projected ones where the file has none.
-fn part(polygons: &[Polygon<'_>], smooth: &Smooth, uv: bool, bounds: [[f32; 3]; 2]) -> Part {
-    let mut part = Part::default();
-    let mut known: HashMap<[u32; 7], u32> = HashMap::new();
-    // Vertices whose coordinates are projected, and the normals of their faces.
-    let (mut bare, mut towards) = (Vec::new(), Vec::new());
-    for p in polygons {
-        let project = uv && !p.face.has_uv;
-        let corners: Vec<u32> = p
-            .range
-            .clone()
-            .zip(p.vertices)
-            .map(|(corner, &vertex)| {
-                let index = p.mesh.indices[corner];
-                let uv = if p.face.has_uv {
-                    p.uv(corner)
-                } else {
-                    [0.0; 2]
+impl Builder<'_> {
+    /// `uv`: every vertex gets coordinates, projected ones where the file has none.
+    fn part(&mut self, polygons: &[Polygon<'_>], number: u32, uv: bool) -> Part {
+        let obj = self.obj;
+        let mut part = Part::default();
+        self.known.clear();
+        // Keys of the part's vertices.
+        let mut keys: Vec<[u32; 7]> = Vec::new();
+        // Vertices whose coordinates are projected, and the normals of their faces.
+        let (mut bare, mut towards) = (Vec::new(), Vec::new());
+        let mut corners: Vec<u32> = Vec::new();
+        for p in polygons {
+            let project = uv && !p.face.has_uv;
+            corners.clear();
+            for &corner in p.corners {
+                let vertex = corner.vertex as usize;
+                let uv = match p.face.has_uv {
+                    true => obj.uvs[corner.uv as usize],
+                    false => [0.0; 2],
                 };
-                let normal = p
-                    .normal(corner)
-                    .unwrap_or_else(|| smooth.at(p.face, vertex, p.area));
+                let normal = obj.normal(corner);
+                let normal =
+                    normal.unwrap_or_else(|| self.smooth.at(p.face, corner.vertex, p.area));
                 let [u, v] = uv.map(f32::to_bits);
                 let [x, y, z] = normal.map(f32::to_bits);
                 // Projection looks at the face, so its corners are not shared.
-                let alone = if project { p.number } else { u32::MAX };
-                *known
-                    .entry([index, u, v, x, y, z, alone])
-                    .or_insert_with(|| {
-                        let new = part.positions.len() as u32;
-                        part.positions.push(position(&p.mesh.positions, index));
-                        part.normals.push(normal);
-                        part.uvs.push(uv);
-                        part.colors.push(position(&p.mesh.vertex_color, index));
-                        if project {
-                            bare.push(new);
-                            towards.push(p.area.as_vec3().to_array());
-                        }
-                        new
-                    })
-            })
-            .collect();
-        for pair in corners[1..].windows(2) {
-            part.triangles.push([corners[0], pair[0], pair[1]]);
-            part.faces.push(p.number);
+                let alone = if project { p.number } else { NONE };
+                let key = [corner.vertex, u, v, x, y, z, alone];
+                let (of, newest) = self.newest[vertex];
+                if of == number && keys[newest as usize] == key {
+                    corners.push(newest);
+                    continue;
+                }
+                let index = *self.known.entry(key).or_insert_with(|| {
+                    part.positions.push(obj.positions[vertex]);
+                    part.normals.push(normal);
+                    part.uvs.push(uv);
+                    part.colors.extend(obj.colors.get(vertex));
+                    keys.push(key);
+                    let new = keys.len() as u32 - 1;
+                    if project {
+                        bare.push(new);
+                        towards.push(p.area.as_vec3().to_array());
+                    }
+                    new
+                });
+                self.newest[vertex] = (number, index);
+                corners.push(index);
+            }
+            for pair in corners[1..].windows(2) {
+                part.triangles.push([corners[0], pair[0], pair[1]]);
+                part.faces.push(p.number);
+            }
+            if project {
+                let (count, _) = part.projected.get_or_insert((0, p.face.line));
+                *count += 1;
+            }
         }
-        if project {
-            let (count, _) = part.projected.get_or_insert((0, p.face.line));
-            *count += 1;
+        if !uv {
+            part.uvs.clear();
         }
+        // The corners of the whole model's box keep parts in one scale.
+        let mut points: Vec<_> = bare.iter().map(|&i| part.positions[i as usize]).collect();
+        points.extend(self.bounds);
+        towards.extend([[0.0; 3]; 2]);
+        let projected = project(&points, &towards, Projection::Box, Origin::BottomLeft);
+        for (&i, uv) in bare.iter().zip(projected) {
+            part.uvs[i as usize] = uv;
+        }
+        part
     }
-    if !uv {
-        part.uvs.clear();
-    }
-    // The corners of the whole model's box keep parts in one scale.
-    let mut points: Vec<_> = bare.iter().map(|&i| part.positions[i as usize]).collect();
-    points.extend(bounds);
-    towards.extend([[0.0; 3]; 2]);
-    for (&i, uv) in bare.iter().zip(project(
-        &points,
-        &towards,
-        Projection::Box,
-        Origin::BottomLeft,
-    )) {
-        part.uvs[i as usize] = uv;
-    }
-    part
 }
 
-fn bounds(models: &[tobj::Model]) -> ([f32; 3], [f32; 3]) {
+/// The least and largest coordinates of vertices that faces use.
+fn bounds(obj: &Obj) -> [[f32; 3]; 2] {
     let (mut low, mut high) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
-    for point in models
-        .iter()
-        .flat_map(|m| m.mesh.positions.as_chunks::<3>().0)
-    {
+    for corner in &obj.corners {
+        let point = obj.positions[corner.vertex as usize];
         for axis in 0..3 {
             low[axis] = low[axis].min(point[axis]);
             high[axis] = high[axis].max(point[axis]);
         }
     }
-    (low, high)
+    [low, high]
 }
 
 #[cfg(test)]

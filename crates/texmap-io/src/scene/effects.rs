@@ -1,47 +1,51 @@
-//! Effect lines to the scene: what they add, and the settings that they are.
+//! Settings of what surfaces do with light, beyond their colours.
 
-use std::collections::HashMap;
 use std::path::PathBuf;
 
-use texmap_light::{Chart, Green, Highlight, Light, ShadowBias};
-use texmap_math::Projector;
+use texmap_light::{Green, Highlight};
 use texmap_math::glam::{DMat4, DVec3};
 use texmap_sample::{Pattern, UvTransform};
-use texmap_scene::{
-    Carving, Emission, LightMapSlot, Material, Mesh, Reflection, Relief, Scene, Shadow,
-    SlideProjector, SlideRole,
-};
+use texmap_scene::{Carving, Emission, LightMapSlot, Material, Reflection, Relief, Scene};
 
-use super::classics;
-use super::settings::{Settings, emitted};
-use crate::scene_file::{Bias, CarveLine, Effect, Formula, Missing, ProjectorLine, ReliefLine};
-use crate::textures::{Content, Textures};
-use crate::{FileSource, IoError, Place, environment_io, obj, shortened};
+use super::build::Builder;
+use super::settings::Settings;
+use crate::scene_file::Line;
+use crate::textures::Content;
+use crate::{IoError, SourceLocation};
 
 /// The effects that later faces are under.
 #[derive(Debug, Clone, Default)]
 pub(super) struct EffectSettings {
-    highlight: Highlight,
-    reflection: Option<Reflection>,
-    specular_map: Option<usize>,
-    light_map: Option<(usize, f32)>,
+    pub(super) highlight: Highlight,
+    pub(super) reflection: Option<Reflection>,
+    pub(super) specular_map: Option<usize>,
+    pub(super) light_map: Option<(usize, f32)>,
     /// Linear light and the texture that multiplies it.
-    emission: Option<([f32; 3], Option<usize>)>,
-    relief: Option<ReliefSetting>,
+    pub(super) emission: Option<([f32; 3], Option<usize>)>,
+    pub(super) relief: Option<ReliefSetting>,
     /// Normals beyond the horizon stay there.
-    horizon_open: bool,
-    /// Meshes throw no shadow.
+    pub(super) horizon_open: bool,
+    /// Meshes cast no shadow.
     pub(super) shadowless: bool,
     /// The model with the second set of coordinates, and the line that names it.
-    pub(super) lightmap_uv: Option<(PathBuf, Place)>,
+    pub(super) lightmap_uv: Option<(PathBuf, SourceLocation)>,
 }
 
+/// The last line of `bump` and its like, with its map read.
 #[derive(Debug, Clone)]
-enum ReliefSetting {
+pub(super) enum ReliefSetting {
     Bump(usize, f32),
     Offsets(usize, f32, Green),
     Carved(Relief),
-    NormalMap(usize, crate::scene_file::NormalMapLine),
+    NormalMap(usize, NormalMapSetting),
+}
+
+/// How the colours of a normal map are read.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct NormalMapSetting {
+    object_space: bool,
+    green: Green,
+    rebuild_z: bool,
 }
 
 impl ReliefSetting {
@@ -84,18 +88,6 @@ impl Coordinates {
         first: true,
         second: false,
     };
-}
-
-/// Environments that are read once.
-pub(super) type Known = HashMap<(PathBuf, &'static str, Use), usize>;
-
-/// What an environment is read for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub(super) enum Use {
-    /// What it shows, with smaller levels or without.
-    Shown { mips: bool },
-    /// Gathered with the exponent of these bits.
-    Gathered(u32),
 }
 
 impl EffectSettings {
@@ -184,363 +176,152 @@ impl EffectSettings {
     }
 }
 
-/// Does what an effect line says.
-pub(super) fn statement(
-    effect: &Effect,
-    place: &Place,
-    scene: &mut Scene,
-    textures: &mut Textures,
-    settings: &mut Settings,
-    known: &mut Known,
-) -> Result<(), IoError> {
-    let missing = settings.missing;
-    let source = textures.source.clone();
-    let beside = |name: &str| source.beside(&place.file, name);
-    let mut texture = |name: &str, content| textures.load(&beside(name), place, content, missing);
-    match effect {
-        &Effect::SpotLight {
-            color,
-            position,
-            direction,
-            inner,
-            outer,
-        } => scene.lights.push(Light::spot(
-            color,
-            position,
-            direction,
-            inner.to_radians(),
-            outer.to_radians(),
-        )),
-        Effect::LightName(name) => light_name(scene, name, place)?,
-        Effect::Shadow {
-            size,
-            taps,
-            bias,
-            area,
-        } => {
-            let light = scene
-                .lights
-                .iter()
-                .rposition(|light| !matches!(light, Light::Ambient { .. }))
-                .ok_or_else(|| IoError::NeedsAbove {
-                    place: place.clone(),
-                    command: "shadow",
-                    needs: "ld, lp or ls",
-                })?;
-            let bias = bias.map(|bias| match bias {
-                Bias::Slope(x) => ShadowBias::Slope(x),
-                Bias::Constant(x) => ShadowBias::Constant(x),
-                Bias::NormalOffset(x) => ShadowBias::NormalOffset(x),
-            });
-            scene.effects.shadows.push(Shadow {
-                light,
-                size: *size,
-                bias,
-                taps: *taps,
-                area: area.map(|(middle, half)| (DVec3::from(middle), half)),
-            });
-        }
-        Effect::Projector(line) => {
-            let index = texture(&line.file, Content::Color)?;
-            let slide = &textures.textures[index];
-            let aspect = f64::from(slide.width()) / f64::from(slide.height());
-            let slide = projector(line, index, aspect, settings).map_err(|problem| {
-                IoError::BadProjector {
-                    place: place.clone(),
-                    problem,
-                }
-            })?;
-            scene.effects.projectors.push(slide);
-        }
-        Effect::Highlight(highlight) => settings.effects.highlight = *highlight,
-        Effect::Environment(line) => {
-            settings.effects.reflection = match line {
-                None => None,
-                Some(line) => {
-                    let (path, shown) = (beside(&line.file), Use::Shown { mips: line.mips });
-                    Some(Reflection {
-                        environment: environment(
-                            scene, known, &source, &path, place, line.chart, shown,
-                        )?,
-                        reflectivity: line.share,
-                    })
-                }
-            };
-        }
-        Effect::SpecularMap(line) => {
-            settings.effects.specular_map = match line {
-                None => None,
-                Some((name, chart, exponent)) => {
-                    let (path, gathered) = (beside(name), Use::Gathered(exponent.to_bits()));
-                    Some(environment(
-                        scene, known, &source, &path, place, *chart, gathered,
-                    )?)
-                }
-            };
-        }
-        Effect::Shadowless(shadowless) => settings.effects.shadowless = *shadowless,
-        Effect::Horizon { clamp } => settings.effects.horizon_open = !clamp,
-        Effect::LightMap(line) => {
-            settings.effects.light_map = match line {
-                None => None,
-                Some((name, scale)) => Some((texture(name, Content::Light)?, *scale)),
-            };
-        }
-        Effect::LightMapUv(name) => {
-            settings.effects.lightmap_uv = name.as_ref().map(|name| (beside(name), place.clone()));
-        }
-        Effect::Emission(line) => {
-            settings.effects.emission = match line {
-                None => None,
-                Some((rgb, file)) => {
-                    let file = file.as_ref().map(|name| texture(name, Content::Color));
-                    Some((emitted(*rgb, scene.color), file.transpose()?))
-                }
-            };
-        }
-        Effect::Bump(line) => {
-            settings.effects.relief = match line {
-                None => None,
-                Some((name, height)) => {
-                    Some(ReliefSetting::Bump(texture(name, Content::Data)?, *height))
-                }
-            };
-        }
-        Effect::Relief(ReliefLine::Offsets { file, slope, green }) => {
-            let texture = texture(file, Content::Data)?;
-            settings.effects.relief = Some(ReliefSetting::Offsets(texture, *slope, *green));
-        }
-        Effect::Relief(ReliefLine::Emboss { words, height }) => {
-            let (atlas, font) = classics::font(settings, textures);
-            let atlas = &textures.textures[atlas];
-            let [across, down] = font.heights_size(words, atlas);
-            // Bytes, then words with a third more for the mip chain.
-            textures.source.ask(
-                u64::from(across) * u64::from(down) * 7,
-                format_args!("the words of `emboss` as {across} x {down} texels"),
-                "write fewer words, or take a smaller font",
-                Some(place),
-            )?;
-            let heights = font.heights(words, atlas);
-            let heights = heights.map_err(|e| IoError::BadShape {
-                place: place.clone(),
-                problem: format!("the words of `emboss` make no map: {e}"),
-            })?;
-            textures.textures.push(heights);
-            let texture = textures.textures.len() - 1;
-            settings.effects.relief = Some(ReliefSetting::Bump(texture, *height));
-        }
-        Effect::Relief(ReliefLine::Carve(line)) => {
-            settings.effects.relief = Some(ReliefSetting::Carved(carved(line, settings)));
-        }
-        Effect::NormalMap(line) => {
-            settings.effects.relief = match line {
-                None => None,
-                Some(line) => Some(ReliefSetting::NormalMap(
-                    texture(&line.file, Content::Data)?,
-                    line.clone(),
-                )),
-            };
-        }
-    }
-    Ok(())
-}
-
-/// Names the light above.
-fn light_name(scene: &mut Scene, name: &str, place: &Place) -> Result<(), IoError> {
-    let Some(last) = scene.lights.len().checked_sub(1) else {
-        return Err(IoError::NeedsAbove {
-            place: place.clone(),
-            command: "name",
-            needs: "la, ld, lp or ls",
-        });
-    };
-    let names = &mut scene.effects.light_names;
-    if let Some(other) = names.iter().position(|known| known == name) {
-        return Err(IoError::BadShape {
-            place: place.clone(),
-            problem: format!("`name`: light {other} is called `{name}` already"),
-        });
-    }
-    names.resize(last + 1, String::new());
-    name.clone_into(&mut names[last]);
-    Ok(())
-}
-
-fn carved(line: &CarveLine, settings: &Settings) -> Relief {
-    let octaves = line.octaves;
-    let heights = match line.formula {
-        Formula::Waves => Carving::Waves {
-            around: line.around,
-            fold: line.fold.unwrap_or(0.0),
-        },
-        Formula::Noise => Carving::Pattern(Pattern::Noise { octaves }),
-        Formula::Marble => Carving::Pattern(Pattern::Marble {
-            octaves,
-            turbulence: line.fold.unwrap_or(1.0),
-        }),
-        Formula::Wood => Carving::Pattern(Pattern::Wood {
-            grain: line.fold.unwrap_or(0.2),
-        }),
-    };
-    let (origin, size) = (DVec3::from(line.origin), DVec3::from(line.size));
-    let placed = DMat4::from_translation(origin) * DMat4::from_scale(size);
-    Relief::Carved {
-        heights,
-        world_from_solid: settings.transform * placed,
-        height: line.height,
+/// Which way green points.
+pub(super) fn green(word: Option<&str>) -> Green {
+    match word {
+        Some("down") => Green::Down,
+        _ => Green::Up,
     }
 }
 
-fn projector(
-    line: &ProjectorLine,
-    texture: usize,
-    aspect: f64,
-    settings: &Settings,
-) -> Result<SlideProjector, String> {
-    let [position, look, up] = [line.position, line.look, line.up].map(DVec3::from);
-    let projector =
-        Projector::new(position, look, up, line.fov.to_radians(), aspect).map_err(|e| {
-            e.to_string()
-                .replace("camera: ", "")
-                .replace("eye", "position")
-        })?;
-    let sampler = settings
-        .slot(
-            texture,
-            UvTransform::default(),
-            true,
-            texmap_scene::ColorMode::Raw,
-        )
-        .sampler;
-    Ok(SlideProjector {
-        projector,
-        position,
-        texture,
-        sampler,
-        border: line.border,
-        softness: line.softness,
-        role: if line.paint {
-            SlideRole::Paint
-        } else {
-            SlideRole::Light(line.color)
-        },
-        shadow: line.shadow,
-    })
-}
-
-pub(super) fn environment(
-    scene: &mut Scene,
-    known: &mut Known,
-    source: &FileSource,
-    path: &std::path::Path,
-    place: &Place,
-    chart: Chart,
-    purpose: Use,
-) -> Result<usize, IoError> {
-    let key = (path.to_path_buf(), chart.name(), purpose);
-    if let Some(&index) = known.get(&key) {
-        return Ok(index);
-    }
-    let read = environment_io::read_named(source, path, chart, Some(place))?;
-    let light = match purpose {
-        Use::Shown { mips: false } => read,
-        Use::Shown { mips: true } => read.with_mips(),
-        Use::Gathered(bits) => {
-            let exponent = f32::from_bits(bits);
-            let size = texmap_light::Environment::blurred_size(exponent);
-            read.specular_map(Chart::Cube, size, exponent)
-                .map_err(|e| IoError::BrokenImage {
-                    path: path.to_path_buf(),
-                    named_by: Some(place.clone()),
-                    problem: e.to_string(),
-                })?
-        }
-    };
-    scene.effects.environments.push(light);
-    let index = scene.effects.environments.len() - 1;
-    known.insert(key, index);
-    Ok(index)
-}
-
-/// Gives the meshes of a model the coordinates of another model of the same faces as their second set. Vertices whose corners
-/// differ there are split.
-pub(super) fn second_uvs(
-    meshes: &mut [Mesh],
-    textures: &mut Textures,
-    path: &std::path::Path,
-    place: &Place,
-) -> Result<(), IoError> {
-    let mut unused = textures.for_coordinates();
-    let other = obj::read(path, Some(place), Missing::Warn, false, &mut unused);
-    textures.take_counts(unused);
-    let other = other?;
-    let broken = |problem: String| IoError::BrokenModel {
-        path: path.to_path_buf(),
-        problem,
-    };
-    // The triangles of each face of the file, in their order.
-    let mut faces: HashMap<u32, Vec<[[f32; 2]; 3]>> = HashMap::new();
-    for part in &other.parts {
-        if part.uvs.is_empty() {
-            return Err(broken(format!(
-                "`lightmapuv`: the part `{}` has no `vt`",
-                shortened(&part.name)
-            )));
-        }
-        for (triangle, face) in part.triangles.iter().zip(&part.faces) {
-            faces
-                .entry(*face)
-                .or_default()
-                .push(triangle.map(|v| part.uvs[v as usize]));
-        }
-    }
-    let mut next: HashMap<u32, usize> = HashMap::new();
-    for mesh in meshes {
-        let mut split: HashMap<(u32, [u32; 2]), u32> = HashMap::new();
-        let mut out = Mesh {
-            positions: Vec::new(),
-            normals: Vec::new(),
-            uvs: Vec::new(),
-            colors: Vec::new(),
-            triangles: Vec::new(),
-            lightmap_uvs: Vec::new(),
-            ..mesh.clone()
+impl Builder {
+    /// The relief of a line, or none; every `none` ends any relief.
+    pub(super) fn set_relief(
+        &mut self,
+        line: &mut Line<'_>,
+        read: impl Fn(&mut Self, &mut Line<'_>) -> Result<ReliefSetting, IoError>,
+    ) -> Result<(), IoError> {
+        self.settings.effects.relief = match line.takes("none") {
+            true => None,
+            false => Some(read(self, line)?),
         };
-        for (t, triangle) in mesh.triangles.iter().enumerate() {
-            let face = mesh.face(t as u32);
-            let at = next.entry(face).or_default();
-            let uvs = faces.get(&face).and_then(|all| all.get(*at)).ok_or_else(|| {
-                broken(format!(
-                    "`lightmapuv`: face {} of the model has no like in it; both files must have the same faces in the same order",
-                    face + 1
-                ))
-            })?;
-            *at += 1;
-            let mirrored = mesh.world_from_object.determinant() < 0.0;
-            let corner = |k: usize| {
-                // A mirrored model has its second and third corners swapped.
-                let uv = uvs[if mirrored && k > 0 { 3 - k } else { k }];
-                (triangle[k], uv)
-            };
-            let mut corners = [0; 3];
-            for (k, place) in corners.iter_mut().enumerate() {
-                let (vertex, uv) = corner(k);
-                *place = *split
-                    .entry((vertex, uv.map(f32::to_bits)))
-                    .or_insert_with(|| {
-                        let v = vertex as usize;
-                        out.positions.push(mesh.positions[v]);
-                        out.normals.extend(mesh.normals.get(v));
-                        out.uvs.extend(mesh.uvs.get(v));
-                        out.colors.extend(mesh.colors.get(v));
-                        out.lightmap_uvs.push(uv);
-                        out.positions.len() as u32 - 1
-                    });
-            }
-            out.triangles.push(corners);
-        }
-        *mesh = out;
+        Ok(())
     }
-    Ok(())
+}
+
+/// `normalmap`.
+pub(super) fn normal_map(b: &mut Builder, line: &mut Line<'_>) -> Result<ReliefSetting, IoError> {
+    let texture = b.load(line, Content::Data)?;
+    let mut setting = NormalMapSetting {
+        object_space: false,
+        green: Green::Up,
+        rebuild_z: false,
+    };
+    while let Some(word) = line.word() {
+        match word {
+            "tangent" | "object" => setting.object_space = word == "object",
+            "up" | "down" => setting.green = green(Some(word)),
+            _ => setting.rebuild_z = word == "xy",
+        }
+    }
+    Ok(ReliefSetting::NormalMap(texture, setting))
+}
+
+/// `carve`.
+pub(super) fn carved(b: &mut Builder, line: &mut Line<'_>) -> Result<ReliefSetting, IoError> {
+    let (formula, height) = (line.word(), line.float());
+    let (origin, size) = (DVec3::from(line.numbers()), DVec3::from(line.numbers()));
+    let (mut around, mut octaves, mut fold) = (12, 4, None);
+    while let Some(word) = line.word() {
+        match word {
+            "around" => around = line.whole() as u16,
+            "octaves" => octaves = line.whole() as u8,
+            _ => fold = Some(line.float()),
+        }
+    }
+    let heights = match formula {
+        Some("waves") => Carving::Waves {
+            around,
+            fold: fold.unwrap_or(0.0),
+        },
+        formula => Carving::Pattern(pattern(formula, octaves, fold)),
+    };
+    let placed = DMat4::from_translation(origin) * DMat4::from_scale(size);
+    Ok(ReliefSetting::Carved(Relief::Carved {
+        heights,
+        world_from_solid: b.settings.transform * placed,
+        height,
+    }))
+}
+
+/// The pattern that a word names.
+pub(super) fn pattern(word: Option<&str>, octaves: u8, fold: Option<f32>) -> Pattern {
+    match word {
+        Some("marble") => Pattern::Marble {
+            octaves,
+            turbulence: fold.unwrap_or(1.0),
+        },
+        Some("wood") => Pattern::Wood {
+            grain: fold.unwrap_or(0.2),
+        },
+        _ => Pattern::Noise { octaves },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::scene_file::{assert_faults, assert_reads_back};
+
+    #[test]
+    fn every_line_reads_back() {
+        assert_reads_back(&[
+            "shadowless yes\n",
+            "shadowless no\n",
+            "horizon clamp\n",
+            "horizon open\n",
+            "highlight blinn\n",
+            "lightmap room.png 2\n",
+            "lightmap none\n",
+            "lightmapuv room2.obj\n",
+            "lightmapuv none\n",
+            "emission 0.5 2 0\n",
+            "emission 1 1 1 glow.png\n",
+            "emission 1 1 1 \"none\"\n",
+            "emission none\n",
+            "bump bricks.png 0.02\n",
+            "bump none\n",
+            "bump \"none\" 0.02\n",
+            "normalmap n.png object down xy\n",
+            "normalmap none\n",
+            "offsetmap dudv.png 0.5\n",
+            "offsetmap dudv.png -0.5 down\n",
+            "offsetmap \"none\" 1\n",
+            "offsetmap none\n",
+            "carve waves 0.02 0 1 0 1 0.25 1\n",
+            "carve waves 0.02 0 1 0 1 0.25 1 around 20 fold 0.2\n",
+            "carve noise -0.1 0 0 0 1 1 1 octaves 7\n",
+            "carve marble 0.1 0 0 0 1 1 1 fold 2\n",
+            "carve wood 0.1 0 0 0 1 1 1\n",
+            "carve none\n",
+            "emboss \"CS 184\" 0.01\n",
+            "emboss none\n",
+        ]);
+    }
+
+    #[test]
+    fn faults_have_their_columns() {
+        assert_faults(&[
+            ("shadowless maybe", "unknown-word", 12),
+            ("shadowless", "argument-count", 1),
+            ("horizon far", "unknown-word", 9),
+            ("lightmap a.png -1", "out-of-range", 16),
+            ("bump a.png", "argument-count", 1),
+            ("highlight shiny", "unknown-word", 11),
+            ("emission 1 1", "argument-count", 1),
+            ("emission 1 -1 0", "out-of-range", 12),
+            ("emission 1 1 0 a.png b.png", "argument-count", 22),
+            ("emission 1 1 0 \"\"", "out-of-range", 16),
+            ("normalmap a.png left", "unknown-word", 17),
+            ("offsetmap a.png", "argument-count", 1),
+            ("offsetmap a.png 1 left", "unknown-word", 19),
+            ("carve dots 1 0 0 0 1 1 1", "unknown-word", 7),
+            ("carve waves 1 0 0 0 1 0 1", "out-of-range", 23),
+            ("carve waves 1 0 0 0 1 1", "argument-count", 1),
+            ("carve waves 1 0 0 0 1 1 1 around 0", "out-of-range", 34),
+            ("carve noise 1 0 0 0 1 1 1 octaves 2.5", "out-of-range", 35),
+            ("carve noise 1 0 0 0 1 1 1 bend 2", "unknown-word", 27),
+            ("emboss \" \" 1", "out-of-range", 8),
+            ("emboss A", "argument-count", 1),
+        ]);
+    }
 }

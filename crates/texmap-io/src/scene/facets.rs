@@ -10,7 +10,7 @@ use texmap_scene::{Displacement, Mesh, Scene};
 use texmap_uv::PixelMapping;
 
 use super::shapes::Bones;
-use crate::Place;
+use crate::SourceLocation;
 use crate::obj::unit;
 
 /// Vertices of a file, and the meshes that its faces have made.
@@ -30,7 +30,7 @@ struct Run {
     lit: bool,
     frame: Option<TextureFrame>,
     round: Option<PixelMapping>,
-    skin: Option<(SkinBlend, Place)>,
+    skin: Option<(SkinBlend, SourceLocation)>,
     /// Vertex of the file behind each vertex of the mesh.
     sources: Vec<u32>,
     known: HashMap<(u32, [u32; 2]), u32>,
@@ -45,7 +45,7 @@ pub(super) struct Facet<'a> {
     pub(super) frame: Option<TextureFrame>,
     pub(super) round: Option<PixelMapping>,
     pub(super) displacement: Option<Displacement>,
-    pub(super) skin: Option<(SkinBlend, Place)>,
+    pub(super) skin: Option<(SkinBlend, SourceLocation)>,
     pub(super) shadowless: bool,
     pub(super) lit: bool,
     pub(super) material: usize,
@@ -60,7 +60,7 @@ impl Facets {
     }
 
     /// Cuts a face into its fan and adds it to the last mesh, or to a new one where the settings differ.
-    pub(super) fn add(&mut self, scene: &mut Scene, facet: &Facet<'_>, place: &Place) {
+    pub(super) fn add(&mut self, scene: &mut Scene, facet: &Facet<'_>, location: &SourceLocation) {
         let fits = |run: &Run| {
             let mesh = &scene.meshes[run.mesh];
             run.mesh + 1 == scene.meshes.len()
@@ -75,7 +75,7 @@ impl Facets {
         };
         if !self.meshes.last().is_some_and(fits) {
             scene.meshes.push(Mesh {
-                name: format!("faces from {}:{}", place.file.display(), place.line),
+                name: format!("faces from {}:{}", location.file.display(), location.line),
                 material: facet.material,
                 frame: facet.frame,
                 round: facet.round,
@@ -155,8 +155,15 @@ impl Facets {
     }
 
     /// How a frame misses the plane of a face, if it does: then its picture slides over the face as the eye moves.
-    pub(super) fn out_of_plane(&self, corners: &[u32], frame: &TextureFrame) -> Option<String> {
-        let points: Vec<DVec3> = corners.iter().map(|&i| self.vertices[i as usize]).collect();
+    pub(super) fn out_of_plane(
+        &self,
+        corners: &[(u32, [f32; 2])],
+        frame: &TextureFrame,
+    ) -> Option<String> {
+        let points: Vec<DVec3> = corners
+            .iter()
+            .map(|&(i, _)| self.vertices[i as usize])
+            .collect();
         let area: DVec3 = points[1..]
             .windows(2)
             .map(|w| (w[0] - points[0]).cross(w[1] - points[0]))

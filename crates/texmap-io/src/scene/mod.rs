@@ -1,27 +1,36 @@
 //! Files to scenes.
 
 mod build;
-mod classics;
 mod effects;
+mod environments;
 mod facets;
+mod labels;
+mod lights;
+mod materials;
+mod second_uvs;
 mod settings;
 mod shapes;
+mod table;
 mod tree;
+mod volumes;
 
 use std::path::Path;
 
+use texmap_light::Surface;
 use texmap_math::camera::Camera;
 use texmap_math::glam::DVec3;
 use texmap_raster::DepthTest;
 use texmap_scene::{ColorMode, Scene};
 
 use crate::framing::{AUTO_FOV, Bounds, View, auto_lights};
-use crate::scene_file::{Alpha, Missing, Surf};
+use crate::scene_file::Missing;
 use crate::textures::Textures;
-use crate::{FileSource, IoError, Place, obj};
+use crate::{FileSource, IoError, SourceLocation, obj};
 use build::Builder;
 use settings::Settings;
 
+pub(crate) use table::nearest;
+pub use table::{SECTIONS, Section, Spec, commands};
 pub(crate) use tree::Tree;
 
 /// What the files do not say.
@@ -126,7 +135,7 @@ pub(crate) fn read_obj(
     let color = options.color.unwrap_or_default();
     let mut textures = Textures::new(options.files.clone(), color == ColorMode::Raw, tolerant);
     let model = obj::read(path, None, options.missing, false, &mut textures)?;
-    let matte = Surf {
+    let matte = Surface {
         color: [0.8; 3],
         ka: 1.0,
         kd: 1.0,
@@ -136,14 +145,13 @@ pub(crate) fn read_obj(
     let settings = Settings {
         missing: options.missing,
         surf: Some(matte),
-        alpha: Alpha::Auto,
         ..Settings::default()
     };
     let mut builder = Builder::new(empty_scene(color), textures, settings);
     let stem = path
         .file_stem()
         .map_or_else(String::new, |s| s.to_string_lossy().into_owned());
-    builder.model(model, &stem, &Place::new(path, 1, 1));
+    builder.model(model, &stem, &SourceLocation::new(path, 1, 1));
     let (mut scene, textures) = builder.finish()?;
     // Neither black nor white: dark and light parts stand out.
     scene.background = [0.22, 0.24, 0.27, 1.0];

@@ -13,16 +13,17 @@ use texmap_scene::{
 };
 use texmap_uv::PixelMapping;
 
-use super::classics::ClassicSettings;
 use super::effects::EffectSettings;
+use super::materials::MaterialSettings;
 use super::shapes::DisplaceSetting;
-use crate::scene_file::{Alpha, Command, Missing, Rate, Role, Surf};
-use crate::{Place, obj};
+use crate::scene_file::Missing;
+use crate::{SourceLocation, obj};
 
 /// Everything that `push` keeps and `pop` brings back.
 #[derive(Debug, Clone)]
 pub(super) struct Settings {
-    pub(super) surf: Option<Surf>,
+    /// With colours as the file has them.
+    pub(super) surf: Option<Surface>,
     pub(super) texture: Option<CurrentTexture>,
     pub(super) frame: Option<TextureFrame>,
     /// In world space; wins over `frame`.
@@ -33,17 +34,18 @@ pub(super) struct Settings {
     pub(super) border: [f32; 4],
     pub(super) interp: Interp,
     pub(super) cull: Cull,
-    pub(super) alpha: Alpha,
-    pub(super) role: Option<Role>,
-    pub(super) rate: Rate,
+    /// `None`: tested where the texture has alpha.
+    pub(super) alpha: Option<AlphaMode>,
+    pub(super) role: Option<TextureRole>,
+    pub(super) shading: Shading,
     pub(super) gouraud: Gouraud,
     pub(super) missing: Missing,
     pub(super) transform: DMat4,
     pub(super) effects: EffectSettings,
-    pub(super) classics: ClassicSettings,
+    pub(super) materials: MaterialSettings,
     pub(super) displace: Option<DisplaceSetting>,
     /// With its line.
-    pub(super) skin: Option<(SkinBlend, Place)>,
+    pub(super) skin: Option<(SkinBlend, SourceLocation)>,
 }
 
 /// The texture of the last `texture` line.
@@ -66,22 +68,31 @@ impl Default for Settings {
             border: [0.0; 4],
             interp: Interp::Perspective,
             cull: Cull::None,
-            alpha: Alpha::Auto,
+            alpha: None,
             role: None,
-            rate: Rate::Pixel,
+            shading: Shading::PerPixel,
             gouraud: Gouraud::ScreenLinear,
             missing: Missing::Error,
             transform: DMat4::IDENTITY,
             effects: EffectSettings::default(),
-            classics: ClassicSettings::default(),
+            materials: MaterialSettings::default(),
             displace: None,
             skin: None,
         }
     }
 }
 
+/// The course loader's `surf` of faces that no line says it for.
+const COURSE: Surface = Surface {
+    color: [0.5; 3],
+    ka: 1.0,
+    kd: 1.0,
+    ks: 1.0,
+    ns: 5.0,
+};
+
 /// What a texel multiplies where no `surf` line says otherwise: white, without a highlight.
-pub(super) const WHITE: Surf = Surf {
+pub(super) const WHITE: Surface = Surface {
     color: [1.0; 3],
     ka: 1.0,
     kd: 1.0,
@@ -90,44 +101,13 @@ pub(super) const WHITE: Surf = Surf {
 };
 
 impl Settings {
-    /// What the line of a setting says.
-    pub(super) fn set(&mut self, command: &Command) {
-        match command {
-            Command::Surf(surf) => self.surf = Some(*surf),
-            Command::Filter(filter) => self.filter = *filter,
-            Command::Wrap(u, v) => self.wrap = [*u, *v],
-            Command::Border(color) => self.border = *color,
-            Command::Interp(interp) => self.interp = *interp,
-            Command::Cull(cull) => self.cull = *cull,
-            Command::Alpha(alpha) => self.alpha = *alpha,
-            Command::Shade(shade) => {
-                self.role = shade.role.or(self.role);
-                self.rate = shade.rate.unwrap_or(self.rate);
-            }
-            Command::Gouraud(gouraud) => self.gouraud = *gouraud,
-            Command::Missing(missing) => self.missing = *missing,
-            Command::Frame { o, u, v } => {
-                let [o, u, v] = [o, u, v].map(|p| DVec3::from(*p));
-                self.frame = Some(TextureFrame { o, u, v }.transform(self.transform));
-                self.round = None;
-            }
-            Command::Translate(p) => self.transform *= DMat4::from_translation(DVec3::from(*p)),
-            Command::Scale(f) => self.transform *= DMat4::from_scale(DVec3::from(*f)),
-            Command::Rotate { angle, axis } => {
-                self.transform *= rotation(*angle, DVec3::from(*axis));
-            }
-            // `color` was read before; everything else is handled by the builder.
-            _ => {}
-        }
-    }
-
     /// An untextured face.
     pub(super) fn plain(&self, color: ColorMode) -> Material {
-        let surf = self.surf.unwrap_or_default();
+        let surf = self.surf.unwrap_or(COURSE);
         Material {
             name: "surf".into(),
             surface: surface(&surf, color),
-            shading: self.shading(),
+            shading: self.shading,
             interp: self.interp,
             cull: self.cull,
             gouraud: self.gouraud,
@@ -139,14 +119,14 @@ impl Settings {
     pub(super) fn textured(
         &self,
         texture: &CurrentTexture,
-        role: Role,
+        role: TextureRole,
         color: ColorMode,
     ) -> Material {
         Material {
             name: texture.name.clone(),
             surface: surface(&self.surf.unwrap_or(WHITE), color),
             base_color: Some(self.slot(texture.index, UvTransform::default(), false, color)),
-            texture_role: self.role(role),
+            texture_role: self.role.unwrap_or(role),
             alpha: self.alpha(texture.has_alpha),
             ..self.plain(color)
         }
@@ -162,22 +142,12 @@ impl Settings {
         }
     }
 
-    pub(super) fn role(&self, default: Role) -> TextureRole {
-        match self.role.unwrap_or(default) {
-            Role::Decal => TextureRole::Decal,
-            Role::Modulate => TextureRole::Modulate,
-        }
-    }
-
     pub(super) fn alpha(&self, has_alpha: bool) -> AlphaMode {
-        match self.alpha {
-            Alpha::Auto if !has_alpha => AlphaMode::Opaque,
+        self.alpha.unwrap_or(match has_alpha {
+            false => AlphaMode::Opaque,
             // A threshold of 0 stands for the rule of the filter.
-            Alpha::Auto | Alpha::Test(None) => AlphaMode::Test(0.0),
-            Alpha::Opaque => AlphaMode::Opaque,
-            Alpha::Test(Some(threshold)) => AlphaMode::Test(threshold),
-            Alpha::Blend => AlphaMode::Blend,
-        }
+            true => AlphaMode::Test(0.0),
+        })
     }
 
     pub(super) fn slot(
@@ -214,13 +184,6 @@ impl Settings {
         let slot = self.slot(setting.texture, UvTransform::default(), false, color);
         Some(setting.displacement(slot))
     }
-
-    fn shading(&self) -> Shading {
-        match self.rate {
-            Rate::Vertex => Shading::PerVertex,
-            Rate::Pixel => Shading::PerPixel,
-        }
-    }
 }
 
 /// Colours of a file as the renderer takes them.
@@ -236,13 +199,11 @@ pub(super) fn emitted(srgb: [f32; 3], color: ColorMode) -> [f32; 3] {
     srgb.map(|c| if c > 1.0 { c } else { light([c; 3], color)[0] })
 }
 
-pub(super) fn surface(surf: &Surf, color: ColorMode) -> Surface {
+/// A surface whose colour is that of a file.
+pub(super) fn surface(surf: &Surface, color: ColorMode) -> Surface {
     Surface {
         color: light(surf.color, color),
-        ka: surf.ka,
-        kd: surf.kd,
-        ks: surf.ks,
-        ns: surf.ns,
+        ..*surf
     }
 }
 
@@ -262,4 +223,34 @@ fn quarter_turns(degrees: f64) -> Option<(f64, f64)> {
         2 => (0.0, -1.0),
         _ => (-1.0, 0.0),
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::scene_file::assert_faults;
+
+    #[test]
+    fn faults_have_their_columns() {
+        assert_faults(&[
+            ("surf 2 0 0 1 1 1 5", "out-of-range", 6),
+            ("surf 1 0 0 1 1 1 -5", "out-of-range", 18),
+            ("scale 1 0 1", "out-of-range", 9),
+            ("rotate 30 0 0 0", "out-of-range", 11),
+            ("frame 0 0 0 1 0 0 2 0 0", "degenerate-frame", 1),
+            ("round torus 0 0 0 0 0 0 1 1 1", "unknown-word", 7),
+            ("round sphere 0 0 0 0 0 0 1 1", "argument-count", 1),
+            ("round cylinder 0 0 0 0 0 0 1 0 1", "out-of-range", 30),
+            ("round sphere 0 0 0 0 0 0 1 1 1 2 0", "out-of-range", 34),
+            ("filter blurry", "unknown-word", 8),
+            ("filter anisotropic:99", "unknown-word", 8),
+            ("wrap repeat sideways", "unknown-word", 13),
+            ("interp span:0", "unknown-word", 8),
+            ("cull left", "unknown-word", 6),
+            ("alpha test 2", "out-of-range", 12),
+            ("alpha test 0", "out-of-range", 12),
+            ("shade decal modulate", "unknown-word", 13),
+            ("texture my wall.png", "argument-count", 12),
+            ("texture", "argument-count", 1),
+        ]);
+    }
 }

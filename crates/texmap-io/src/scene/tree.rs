@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use texmap_scene::ColorMode;
 
 use crate::files::{MAX_TEXT, is_called};
-use crate::scene_file::{self, Command, SceneFile};
-use crate::{FileSource, IoError, Place};
+use crate::scene_file::{self, SceneFile, Statement, Value};
+use crate::{FileSource, IoError, SourceLocation};
 
 /// A parsed file and, in the order of its `include` lines, those below it.
 #[derive(Debug)]
@@ -55,23 +55,23 @@ impl Tree {
 
     fn below(
         path: &Path,
-        named_by: Option<&Place>,
+        named_by: Option<&SourceLocation>,
         files: &FileSource,
         progress: &mut Progress,
     ) -> Result<Self, IoError> {
         let text = files.text_named(path, named_by, MAX_TEXT)?;
         let canonical = path.canonicalize().unwrap_or_else(|_| path.to_path_buf());
-        if let Some(place) = named_by.filter(|_| progress.open.contains(&canonical)) {
+        if let Some(location) = named_by.filter(|_| progress.open.contains(&canonical)) {
             return Err(IoError::IncludeCycle {
-                place: place.clone(),
+                location: location.clone(),
                 path: path.to_path_buf(),
             });
         }
-        if let Some(place) = named_by
+        if let Some(location) = named_by
             && !progress.allows(&text)
         {
             return Err(IoError::OutOfRange {
-                place: place.clone(),
+                location: location.clone(),
                 command: "include",
                 text: path.display().to_string(),
                 allowed: ALLOWED,
@@ -87,12 +87,12 @@ impl Tree {
         })?;
         drop(text);
         let mut included = Vec::new();
-        for statement in &file.statements {
-            if let Command::Include(name) = &statement.command {
-                let place = Place::new(path, statement.line, statement.column);
-                let name = files.beside(path, name);
-                included.push(Self::below(&name, Some(&place), files, progress)?);
-            }
+        let includes = |s: &&Statement| s.command.word() == "include";
+        for statement in file.statements.iter().filter(includes) {
+            let location = SourceLocation::new(path, statement.line, statement.column);
+            let mut line = statement.command.line(location);
+            let name = files.beside(path, line.name());
+            included.push(Self::below(&name, Some(&line.location), files, progress)?);
         }
         progress.open.pop();
         Ok(Self {
@@ -111,9 +111,12 @@ impl Tree {
         let mut included = self.included.iter();
         let mut last = None;
         for command in self.file.commands() {
-            last = match command {
-                Command::Color(mode) => Some(*mode),
-                Command::Include(_) => included.next().and_then(Self::last_color).or(last),
+            last = match command.word() {
+                "color" => match command.values() {
+                    [Value::Word("raw")] => Some(ColorMode::Raw),
+                    _ => Some(ColorMode::Srgb),
+                },
+                "include" => included.next().and_then(Self::last_color).or(last),
                 _ => last,
             };
         }

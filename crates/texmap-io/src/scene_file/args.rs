@@ -1,29 +1,44 @@
-//! The values after a command's word, with checks that know their places.
+//! The words after a command, read by the arguments that its row of the table has.
 
 use std::path::Path;
 use std::str::FromStr;
 
-use super::token::Token;
-use crate::{IoError, Place};
+use texmap_math::frame::TextureFrame;
+use texmap_math::glam::DVec3;
 
-/// A command's word and the values after it, which may stand on several lines.
+use super::grammar::{Arg, Check, range, usage, words};
+use super::token::Token;
+use super::value::{Command, Value};
+use crate::scene::Spec;
+use crate::{IoError, SourceLocation};
+
+/// The most numbers of one argument.
+const MOST_NUMBERS: usize = 9;
+
+/// A command's word and the words after it, which may stand on several lines.
 #[derive(Debug)]
 pub(super) struct Args<'a> {
-    pub(super) command: &'static str,
+    spec: &'static Spec,
     pub(super) line: u32,
     pub(super) column: u32,
     file: &'a Path,
     tokens: Vec<(u32, Token<'a>)>,
+    /// Vertices above it.
+    vertices: usize,
+    /// What was read of it.
+    values: Vec<Value>,
 }
 
 impl<'a> Args<'a> {
-    pub(super) fn new(file: &'a Path, command: &'static str, line: u32, column: u32) -> Self {
+    pub(super) fn new(file: &'a Path, spec: &'static Spec, line: u32, column: u32) -> Self {
         Self {
-            command,
+            spec,
             line,
             column,
             file,
             tokens: Vec::new(),
+            vertices: 0,
+            values: Vec::new(),
         }
     }
 
@@ -31,226 +46,318 @@ impl<'a> Args<'a> {
         self.tokens.extend(tokens.iter().map(|t| (line, *t)));
     }
 
-    pub(super) fn len(&self) -> usize {
-        self.tokens.len()
-    }
-
-    pub(super) fn word_place(&self) -> Place {
-        Place::new(self.file, self.line, self.column)
-    }
-
-    /// Place of value `i`, or of the command where there is none.
-    fn place(&self, i: usize) -> Place {
-        match self.tokens.get(i) {
-            Some((line, token)) => Place::new(self.file, *line, token.column),
-            None => self.word_place(),
-        }
-    }
-
-    pub(super) fn text(&self, i: usize) -> &'a str {
-        self.tokens.get(i).map_or("", |(_, token)| token.text)
-    }
-
-    pub(super) fn quoted(&self, i: usize) -> bool {
-        self.tokens.get(i).is_some_and(|(_, token)| token.quoted)
-    }
-
-    pub(super) fn count_error(&self, expected: &'static str) -> IoError {
-        IoError::ArgumentCount {
-            place: self.word_place(),
-            command: self.command,
-            expected,
-            found: self.len(),
-        }
-    }
-
-    pub(super) fn within(
-        &self,
-        least: usize,
-        most: usize,
-        expected: &'static str,
-    ) -> Result<(), IoError> {
-        if (least..=most).contains(&self.len()) {
-            return Ok(());
-        }
-        Err(IoError::ArgumentCount {
-            // The first value too many, or the command that lacks one.
-            place: self.place(if self.len() > most { most } else { usize::MAX }),
-            command: self.command,
-            expected,
-            found: self.len(),
+    /// The command with its values, below so many vertices.
+    pub(super) fn read(mut self, vertices: usize) -> Result<Command, IoError> {
+        self.vertices = vertices;
+        self.values.reserve_exact(self.tokens.len());
+        self.list(self.spec.args, 0, true)?;
+        Ok(Command {
+            spec: self.spec,
+            values: self.values,
         })
     }
 
-    pub(super) fn exactly(&self, count: usize, expected: &'static str) -> Result<(), IoError> {
-        self.within(count, count, expected)
+    /// Reads a list of arguments from word `at` on; `last`, if the line ends with it. Returns the word after it.
+    fn list(&mut self, args: &[Arg], mut at: usize, last: bool) -> Result<usize, IoError> {
+        if last {
+            self.count(at, range(args))?;
+        }
+        for (i, arg) in args.iter().enumerate() {
+            at = self.arg(arg, at, last && i + 1 == args.len())?;
+        }
+        Ok(at)
     }
 
-    /// Three numbers.
-    pub(super) fn point(&self) -> Result<[f64; 3], IoError> {
-        self.exactly(3, "3 numbers (x y z)")?;
-        self.numbers(0)
-    }
-
-    /// Three numbers, not all zero.
-    pub(super) fn direction(&self) -> Result<[f64; 3], IoError> {
-        let direction = self.point()?;
-        self.check(0, direction != [0.0; 3], "a direction that is not zero")?;
-        Ok(direction)
-    }
-
-    pub(super) fn one_number(
-        &self,
-        valid: impl Fn(f64) -> bool,
-        allowed: &'static str,
-    ) -> Result<f64, IoError> {
-        self.exactly(1, "1 number")?;
-        let [x] = self.numbers(0)?;
-        self.check(0, valid(x), allowed)?;
-        Ok(x)
-    }
-
-    /// `N` numbers from value `first` on; the caller has checked the count.
-    pub(super) fn numbers<const N: usize>(&self, first: usize) -> Result<[f64; N], IoError> {
-        let mut values = [0.0; N];
-        for (i, value) in values.iter_mut().enumerate() {
-            *value = self.parse::<f64>(first + i)?;
-            // Positions become 32-bit floats, so that is the limit for all.
-            if value.is_nan() || value.abs() > f64::from(f32::MAX) {
-                return Err(self.not_finite(first + i));
+    fn arg(&mut self, arg: &Arg, at: usize, last: bool) -> Result<usize, IoError> {
+        let end = at + arg.range().0;
+        match arg {
+            Arg::Numbers(_, check) => {
+                let mut numbers = [0.0; MOST_NUMBERS];
+                for (i, x) in (at..end).zip(&mut numbers) {
+                    *x = self.number(i)?;
+                    self.values.push(Value::Number(*x));
+                }
+                self.check(at, &numbers[..end - at], *check)?;
+            }
+            Arg::Floats(_, check) => {
+                let mut numbers = [0.0; MOST_NUMBERS];
+                for (i, x) in (at..end).zip(&mut numbers) {
+                    let value = self.float(i)?;
+                    self.values.push(Value::Float(value));
+                    *x = f64::from(value);
+                }
+                self.check(at, &numbers[..end - at], *check)?;
+            }
+            Arg::Frame => {
+                for i in at..end {
+                    let x = self.number(i)?;
+                    self.values.push(Value::Number(x));
+                }
+                self.frame()?;
+            }
+            Arg::OneOf(words) => {
+                let found = words.iter().find(|word| **word == self.text(at)).copied();
+                let word = found.ok_or_else(|| self.unknown(at, words.join(", ")))?;
+                self.values.push(Value::Word(word));
+            }
+            Arg::Method(_, allowed, is) => {
+                if !is(self.text(at)) {
+                    return Err(self.unknown(at, allowed()));
+                }
+                self.values.push(Value::Name(self.text(at).into()));
+            }
+            Arg::Name(problem) | Arg::Text(problem) => {
+                let text = self.text(at);
+                if let Some(allowed) = problem(text) {
+                    return Err(self.out_of_range(at, allowed));
+                }
+                self.values.push(match arg {
+                    Arg::Text(_) => Value::Text(text.into()),
+                    _ => Value::Name(text.into()),
+                });
+            }
+            Arg::File => {
+                if self.text(at).is_empty() {
+                    return Err(self.out_of_range(at, "a file name that is not empty"));
+                }
+                self.values.push(Value::File(self.text(at).into()));
+            }
+            Arg::Corners => return self.corners(at, 1),
+            Arg::TexturedCorners => return self.corners(at, 3),
+            Arg::Optional(args) => {
+                let begins = match last {
+                    true => at < self.tokens.len(),
+                    false => self.tokens.get(at).is_some_and(|(_, token)| {
+                        token.begins_number() || words(args).contains(&token.text)
+                    }),
+                };
+                return match begins {
+                    true => self.list(args, at, last),
+                    false => Ok(at),
+                };
+            }
+            Arg::Options(options) => {
+                let mut at = at;
+                while at < self.tokens.len() {
+                    let option = options
+                        .iter()
+                        .find(|args| leading(args).contains(&self.text(at)));
+                    let option = option.ok_or_else(|| {
+                        let all = options.iter().map(|args| usage(args, ""));
+                        self.unknown(at, all.collect::<Vec<_>>().join(", "))
+                    })?;
+                    at = self.list(option, at, false)?;
+                }
+                return Ok(at);
+            }
+            Arg::Either(alternatives) => {
+                let args = self.alternative(alternatives, at, last)?;
+                return self.list(args, at, last);
             }
         }
-        Ok(values)
+        Ok(end)
     }
 
-    /// As [`Args::numbers`], rounded once to 32 bits.
-    pub(super) fn floats<const N: usize>(&self, first: usize) -> Result<[f32; N], IoError> {
-        let mut values = [0.0; N];
-        for (i, value) in values.iter_mut().enumerate() {
-            *value = self.parse::<f32>(first + i)?;
-            if !value.is_finite() {
-                return Err(self.not_finite(first + i));
-            }
-        }
-        Ok(values)
-    }
-
-    pub(super) fn positive_floats<const N: usize>(
+    /// The alternative that the words from `at` on are: by its first word, or else by their number.
+    fn alternative<'b>(
         &self,
-        first: usize,
-    ) -> Result<[f32; N], IoError> {
-        let values = self.floats(first)?;
-        for (i, value) in values.iter().enumerate() {
-            self.check(first + i, *value >= 0.0, "0 or more")?;
+        alternatives: &[&'b [Arg]],
+        at: usize,
+        last: bool,
+    ) -> Result<&'b [Arg], IoError> {
+        let left = self.tokens.len() - at.min(self.tokens.len());
+        let fits = |args: &[Arg]| {
+            let (least, most) = range(args);
+            !last || (least..=most).contains(&left)
+        };
+        let (worded, other): (Vec<_>, Vec<_>) = alternatives
+            .iter()
+            .copied()
+            .partition(|args| !leading(args).is_empty());
+        let quoted = self.tokens.get(at).is_some_and(|(_, token)| token.quoted);
+        let named = worded.iter().find(|args| {
+            // A file may have the name of a word.
+            leading(args).contains(&self.text(at)) && (other.is_empty() || !quoted && fits(args))
+        });
+        if let Some(args) = named {
+            return Ok(args);
         }
-        Ok(values)
+        let found = other.iter().find(|args| fits(args)).or(other.last());
+        found.copied().ok_or_else(|| {
+            let words: Vec<_> = worded
+                .iter()
+                .flat_map(|args| leading(args))
+                .copied()
+                .collect();
+            self.unknown(at, words.join(", "))
+        })
     }
 
-    /// All values, `N` of them, each 0 to 1.
-    pub(super) fn unit_floats<const N: usize>(
-        &self,
-        first: usize,
-        expected: &'static str,
-    ) -> Result<[f32; N], IoError> {
-        self.exactly(first + N, expected)?;
-        let values = self.floats(first)?;
-        for (i, value) in values.iter().enumerate() {
-            self.check(first + i, (0.0..=1.0).contains(value), "0 to 1")?;
+    /// Faces: corners of so many values, the first an index.
+    fn corners(&mut self, at: usize, values: usize) -> Result<usize, IoError> {
+        let found = self.tokens.len() - at;
+        if !found.is_multiple_of(values) {
+            return Err(self.count_error(usize::MAX, "3 numbers a corner (i u v)".into()));
         }
-        Ok(values)
+        if found < 3 * values {
+            return Err(IoError::TooFewCorners {
+                location: self.word_location(),
+                command: self.spec.word,
+                found: found / values,
+            });
+        }
+        for i in 0..found {
+            let value = match i % values {
+                0 => Value::Index(self.index(at + i)?),
+                _ => Value::Float(self.float(at + i)?),
+            };
+            self.values.push(value);
+        }
+        Ok(self.tokens.len())
     }
 
-    /// An index below `count`.
-    pub(super) fn index(&self, i: usize, count: usize) -> Result<u32, IoError> {
+    fn count(&self, at: usize, (least, most): (usize, usize)) -> Result<(), IoError> {
+        let found = self.tokens.len().saturating_sub(at);
+        if (least..=most).contains(&found) {
+            return Ok(());
+        }
+        // The first value too many, or the command that lacks one.
+        let i = if found > most { at + most } else { usize::MAX };
+        Err(self.count_error(i, usage_or_none(self.spec.args)))
+    }
+
+    fn count_error(&self, i: usize, expected: String) -> IoError {
+        IoError::ArgumentCount {
+            location: self.location(i),
+            command: self.spec.word,
+            expected: expected.into(),
+            found: self.tokens.len(),
+        }
+    }
+
+    fn number(&self, i: usize) -> Result<f64, IoError> {
+        let value = self.parse::<f64>(i)?;
+        // Positions become 32-bit floats, so that is the limit for all.
+        if value.is_nan() || value.abs() > f64::from(f32::MAX) {
+            return Err(self.not_finite(i));
+        }
+        Ok(value)
+    }
+
+    fn float(&self, i: usize) -> Result<f32, IoError> {
+        let value = self.parse::<f32>(i)?;
+        match value.is_finite() {
+            true => Ok(value),
+            false => Err(self.not_finite(i)),
+        }
+    }
+
+    /// An index of a vertex above.
+    fn index(&self, i: usize) -> Result<u32, IoError> {
         match self.text(i).parse::<u32>() {
-            Ok(index) if (index as usize) < count => Ok(index),
+            Ok(index) if (index as usize) < self.vertices => Ok(index),
             _ if self.text(i).parse::<f64>().is_err() => Err(self.not_a_number(i)),
             _ => Err(IoError::BadIndex {
-                place: self.place(i),
+                location: self.location(i),
                 of: "vertex",
                 index: self.text(i).into(),
-                count,
+                count: self.vertices,
             }),
         }
     }
 
-    pub(super) fn single_word(&self, expected: &'static str) -> Result<&'a str, IoError> {
-        self.exactly(1, expected)?;
-        Ok(self.text(0))
-    }
-
-    pub(super) fn one_of<T: Copy>(
-        &self,
-        table: &[(&str, T)],
-        allowed: &'static str,
-    ) -> Result<T, IoError> {
-        let word = self.single_word("1 word")?;
-        let found = table.iter().find(|(name, _)| *name == word);
-        found
-            .map(|(_, value)| *value)
-            .ok_or_else(|| self.unknown(0, allowed))
-    }
-
-    pub(super) fn path(&self) -> Result<String, IoError> {
-        let path = self.single_word("1 file name (in quotes if it has blanks)")?;
-        self.check(0, !path.is_empty(), "a file name that is not empty")?;
-        Ok(path.into())
-    }
-
-    pub(super) fn check(
-        &self,
-        i: usize,
-        valid: bool,
-        allowed: &'static str,
-    ) -> Result<(), IoError> {
-        if valid {
-            return Ok(());
+    fn parse<T: FromStr>(&self, i: usize) -> Result<T, IoError> {
+        let quoted = self.tokens.get(i).is_some_and(|(_, token)| token.quoted);
+        match self.text(i).parse() {
+            Ok(value) if !quoted => Ok(value),
+            _ => Err(self.not_a_number(i)),
         }
-        Err(IoError::OutOfRange {
-            place: self.place(i),
-            command: self.command,
-            text: self.text(i).into(),
-            allowed,
+    }
+
+    fn check(&self, at: usize, numbers: &[f64], check: Check) -> Result<(), IoError> {
+        let problem = (0..numbers.len()).find_map(|i| Some((i, check(numbers, i)?)));
+        problem.map_or(Ok(()), |(i, allowed)| {
+            Err(self.out_of_range(at + i, allowed))
         })
     }
 
-    pub(super) fn unknown(&self, i: usize, allowed: &'static str) -> IoError {
-        IoError::UnknownWord {
-            place: self.place(i),
-            command: self.command,
-            word: self.text(i).into(),
+    /// U and V of a frame that was read must span a plane.
+    fn frame(&self) -> Result<(), IoError> {
+        let number = |i: usize| match self.values[i] {
+            Value::Number(x) => x,
+            _ => 0.0,
+        };
+        let [o, u, v] = [0, 3, 6].map(|i| DVec3::new(number(i), number(i + 1), number(i + 2)));
+        TextureFrame::new(o, u, v)
+            .map(|_| ())
+            .map_err(|e| IoError::DegenerateFrame {
+                location: self.word_location(),
+                problem: e.to_string(),
+            })
+    }
+
+    fn text(&self, i: usize) -> &'a str {
+        self.tokens.get(i).map_or("", |(_, token)| token.text)
+    }
+
+    pub(super) fn word_location(&self) -> SourceLocation {
+        SourceLocation::new(self.file, self.line, self.column)
+    }
+
+    /// Location of value `i`, or of the command where there is none.
+    fn location(&self, i: usize) -> SourceLocation {
+        match self.tokens.get(i) {
+            Some((line, token)) => SourceLocation::new(self.file, *line, token.column),
+            None => self.word_location(),
+        }
+    }
+
+    fn out_of_range(&self, i: usize, allowed: &'static str) -> IoError {
+        IoError::OutOfRange {
+            location: self.location(i),
+            command: self.spec.word,
+            text: self.text(i).into(),
             allowed,
         }
     }
 
-    pub(super) fn too_few_corners(&self, found: usize) -> IoError {
-        IoError::TooFewCorners {
-            place: self.word_place(),
-            command: self.command,
-            found,
-        }
-    }
-
-    fn parse<T: FromStr>(&self, i: usize) -> Result<T, IoError> {
-        match self.text(i).parse() {
-            Ok(value) if !self.quoted(i) => Ok(value),
-            _ => Err(self.not_a_number(i)),
+    fn unknown(&self, i: usize, allowed: String) -> IoError {
+        IoError::UnknownWord {
+            location: self.location(i),
+            command: self.spec.word,
+            word: self.text(i).into(),
+            allowed: allowed.into(),
         }
     }
 
     fn not_a_number(&self, i: usize) -> IoError {
         IoError::NotANumber {
-            place: self.place(i),
-            command: self.command,
+            location: self.location(i),
+            command: self.spec.word,
             text: self.text(i).into(),
         }
     }
 
     fn not_finite(&self, i: usize) -> IoError {
         IoError::NotFinite {
-            place: self.place(i),
-            command: self.command,
+            location: self.location(i),
+            command: self.spec.word,
             text: self.text(i).into(),
         }
+    }
+}
+
+/// The words that may begin a list of arguments; none if it may begin otherwise.
+fn leading(args: &[Arg]) -> &'static [&'static str] {
+    match args.first() {
+        Some(Arg::OneOf(words)) => words,
+        _ => &[],
+    }
+}
+
+fn usage_or_none(args: &[Arg]) -> String {
+    match args {
+        [] => "no values".into(),
+        _ => usage(args, ""),
     }
 }

@@ -2,17 +2,11 @@
 
 use std::path::Path;
 
-use texmap_scene::ColorMode;
-
 use super::args::Args;
-use super::classics;
-use super::commands::known_word;
-use super::effects;
-use super::settings;
-use super::shapes;
-use super::token;
-use super::{Command, SceneFile, Statement, TexturedCorner};
-use crate::{IoError, Place};
+use super::token::{self, Token};
+use super::{SceneFile, Statement};
+use crate::scene::{Spec, commands, nearest};
+use crate::{IoError, SourceLocation};
 
 /// Reads a scene file's text; `file` is only named in errors.
 ///
@@ -29,7 +23,7 @@ pub fn parse(file: &Path, text: &str) -> Result<SceneFile, IoError> {
     let mut args: Option<Args<'_>> = None;
     for (content, line) in text.lines().zip(1..) {
         let tokens = token::words(content).map_err(|column| IoError::StrayQuote {
-            place: Place::new(file, line, column),
+            location: SourceLocation::new(file, line, column),
         })?;
         let Some((&first, rest)) = tokens.split_first() else {
             continue;
@@ -37,7 +31,7 @@ pub fn parse(file: &Path, text: &str) -> Result<SceneFile, IoError> {
         if first.begins_number() {
             let Some(args) = &mut args else {
                 return Err(IoError::StrayNumber {
-                    place: Place::new(file, line, first.column),
+                    location: SourceLocation::new(file, line, first.column),
                     text: first.text.into(),
                 }
                 .without_words());
@@ -46,176 +40,86 @@ pub fn parse(file: &Path, text: &str) -> Result<SceneFile, IoError> {
             continue;
         }
         if let Some(complete) = args.take() {
-            parser.statement(&complete)?;
+            parser.statement(complete)?;
         }
         // A file that does not begin like a scene may be anything: nothing of it is quoted.
         let foreign = parser.scene.statements.is_empty();
-        let word = known_word(file, line, first).map_err(|error| match foreign {
+        let spec = spec(file, line, first).map_err(|error| match foreign {
             true => error.without_words(),
             false => error,
         })?;
-        let mut next = Args::new(file, word, line, first.column);
+        let mut next = Args::new(file, spec, line, first.column);
         next.extend(line, rest);
         args = Some(next);
     }
     if let Some(complete) = args {
-        parser.statement(&complete)?;
+        parser.statement(complete)?;
     }
     match parser.open.pop() {
-        Some(place) => Err(IoError::OpenPush { place }),
+        Some(location) => Err(IoError::OpenPush { location }),
         None => Ok(parser.scene),
     }
+}
+
+/// The row of the table for the word that begins a line.
+fn spec(file: &Path, line: u32, token: Token<'_>) -> Result<&'static Spec, IoError> {
+    let known = commands().find(|spec| spec.word == token.text && !token.quoted);
+    known.ok_or_else(|| IoError::UnknownCommand {
+        location: SourceLocation::new(file, line, token.column),
+        word: token.text.chars().take(40).collect(),
+        nearest: nearest(token.text),
+    })
 }
 
 struct Parser {
     scene: SceneFile,
     vertices: usize,
     /// The `push` lines that wait for their `pop`.
-    open: Vec<Place>,
+    open: Vec<SourceLocation>,
 }
 
 impl Parser {
-    fn statement(&mut self, args: &Args<'_>) -> Result<(), IoError> {
-        let command = self.command(args)?;
-        match command {
-            Command::Vertex(_) => self.vertices += 1,
-            Command::Push => self.open.push(args.word_place()),
-            Command::Pop if self.open.pop().is_none() => {
+    fn statement(&mut self, args: Args<'_>) -> Result<(), IoError> {
+        let (line, column, location) = (args.line, args.column, args.word_location());
+        let command = args.read(self.vertices)?;
+        match command.word() {
+            "v" => self.vertices += 1,
+            "push" => self.open.push(location),
+            "pop" if self.open.pop().is_none() => {
                 return Err(IoError::NeedsAbove {
-                    place: args.word_place(),
+                    location,
                     command: "pop",
-                    needs: "push",
+                    needs: "a `push` line",
                 });
             }
             _ => {}
         }
         self.scene.statements.push(Statement {
             command,
-            line: args.line,
-            column: args.column,
+            line,
+            column,
         });
         Ok(())
     }
-
-    fn command(&self, args: &Args<'_>) -> Result<Command, IoError> {
-        if let Some(effect) = effects::parse(args)? {
-            return Ok(Command::Effect(effect));
-        }
-        if let Some(classic) = classics::parse(args)? {
-            return Ok(Command::Classic(classic));
-        }
-        if let Some(shape) = shapes::parse(args)? {
-            return Ok(Command::Shape(shape));
-        }
-        if let Some(setting) = settings::parse(args)? {
-            return Ok(setting);
-        }
-        Ok(match args.command {
-            "eye" => Command::Eye(args.point()?),
-            "look" => Command::Look(args.point()?),
-            "up" => Command::Up(args.direction()?),
-            "fov" => Command::Fov(args.one_number(
-                |x| x > 0.0 && x < 180.0,
-                "more than 0 and less than 180 degrees",
-            )?),
-            "near" => Command::Near(args.one_number(|x| x > 0.0, "a distance above 0")?),
-            "far" if args.single_word("1 distance")? == "infinite" => Command::Far(f64::INFINITY),
-            "far" => {
-                Command::Far(args.one_number(|x| x > 0.0, "a distance above 0, or `infinite`")?)
-            }
-            "background" if args.len() == 3 => {
-                let [r, g, b] = args.unit_floats::<3>(0, "3 or 4 numbers (r g b [a])")?;
-                Command::Background([r, g, b, 1.0])
-            }
-            "background" => Command::Background(args.unit_floats(0, "3 or 4 numbers (r g b [a])")?),
-            "color" => Command::Color(args.one_of(
-                &[("srgb", ColorMode::Srgb), ("raw", ColorMode::Raw)],
-                "srgb, raw",
-            )?),
-            "la" => {
-                args.exactly(3, "3 numbers (r g b)")?;
-                Command::AmbientLight(args.positive_floats(0)?)
-            }
-            "ld" => {
-                args.exactly(6, "6 numbers (r g b x y z)")?;
-                let direction = args.floats(3)?;
-                args.check(3, direction != [0.0; 3], "a direction that is not zero")?;
-                Command::DirectionalLight {
-                    color: args.positive_floats(0)?,
-                    direction,
-                }
-            }
-            "lp" => {
-                args.exactly(6, "6 numbers (r g b x y z)")?;
-                Command::PointLight {
-                    color: args.positive_floats(0)?,
-                    position: args.floats(3)?,
-                }
-            }
-            "v" => Command::Vertex(args.point()?),
-            "f" => Command::Face(self.face(args)?),
-            "ff" => Command::FramedFace(self.face(args)?),
-            "tf" => Command::TexturedFace(self.textured_face(args)?),
-            "push" | "pop" => {
-                args.exactly(0, "no values")?;
-                if args.command == "push" {
-                    Command::Push
-                } else {
-                    Command::Pop
-                }
-            }
-            "obj" => Command::Obj(args.path()?),
-            // `known_word` lets no other word through.
-            _ => Command::Include(args.path()?),
-        })
-    }
-
-    fn face(&self, args: &Args<'_>) -> Result<Vec<u32>, IoError> {
-        if args.len() < 3 {
-            return Err(args.too_few_corners(args.len()));
-        }
-        (0..args.len())
-            .map(|i| args.index(i, self.vertices))
-            .collect()
-    }
-
-    fn textured_face(&self, args: &Args<'_>) -> Result<Vec<TexturedCorner>, IoError> {
-        if !args.len().is_multiple_of(3) {
-            return Err(args.count_error("3 numbers a corner (i u v)"));
-        }
-        if args.len() < 9 {
-            return Err(args.too_few_corners(args.len() / 3));
-        }
-        (0..args.len())
-            .step_by(3)
-            .map(|i| {
-                Ok(TexturedCorner {
-                    vertex: args.index(i, self.vertices)?,
-                    uv: args.floats(i + 1)?,
-                })
-            })
-            .collect()
-    }
 }
 
-/// Each line of text is a command of this kind, printed as it was read.
+/// Each line of text is printed as it was read.
 #[cfg(test)]
-pub(super) fn assert_reads_back(is: fn(&Command) -> bool, cases: &[&str]) {
+pub(crate) fn assert_reads_back(cases: &[&str]) {
     for text in cases {
         let file = parse(Path::new("a.scene"), text).unwrap_or_else(|e| panic!("{text}: {e}"));
-        assert!(is(&file.statements[0].command), "{text}");
         assert_eq!(super::print(&file), *text);
     }
 }
 
 /// Each line of text is refused, by this code at this column of the first line.
 #[cfg(test)]
-pub(super) fn assert_faults(cases: &[(&str, &str, u32)]) {
+pub(crate) fn assert_faults(cases: &[(&str, &str, u32)]) {
     for (text, code, column) in cases {
         let error = parse(Path::new("a.scene"), text).unwrap_err();
-        let place = error.place().unwrap();
+        let location = error.location().unwrap();
         assert_eq!(
-            (error.code(), place.line, place.column),
+            (error.code(), location.line, location.column),
             (*code, 1, *column),
             "{text}: {error}"
         );
@@ -224,6 +128,7 @@ pub(super) fn assert_faults(cases: &[(&str, &str, u32)]) {
 
 #[cfg(test)]
 mod tests {
+    use super::super::{Command, Value};
     use super::*;
 
     fn scene(text: &str) -> Result<SceneFile, IoError> {
@@ -232,8 +137,8 @@ mod tests {
 
     fn error(text: &str) -> (&'static str, u32, u32) {
         let error = scene(text).unwrap_err();
-        let place = error.place().expect("every parse error has a place");
-        (error.code(), place.line, place.column)
+        let location = error.location().expect("every parse error has a place");
+        (error.code(), location.line, location.column)
     }
 
     #[test]
@@ -252,26 +157,14 @@ mod tests {
     #[test]
     fn exponents_paths_and_underscores_are_read() {
         let s = scene("eye 1e-3 -2E2 .5\ntexture tex/wall_1.gif\ntexture 2nd.png\ntexture \"a b.png\"\ntexture none\ntexture \"none\"\nfar infinite").unwrap();
-        let commands: Vec<_> = s.commands().cloned().collect();
-        assert_eq!(commands[0], Command::Eye([1e-3, -200.0, 0.5]));
-        let names: Vec<_> = commands[1..6]
-            .iter()
-            .map(|c| match c {
-                Command::Texture(name) => name.as_deref(),
-                _ => Some("not a texture"),
-            })
-            .collect();
-        assert_eq!(
-            names,
-            [
-                Some("tex/wall_1.gif"),
-                Some("2nd.png"),
-                Some("a b.png"),
-                None,
-                Some("none")
-            ]
-        );
-        assert_eq!(commands[6], Command::Far(f64::INFINITY));
+        let values: Vec<_> = s.commands().map(Command::values).collect();
+        let numbers = [1e-3, -200.0, 0.5].map(Value::Number);
+        assert_eq!(values[0], numbers);
+        let files = ["tex/wall_1.gif", "2nd.png", "a b.png"].map(|name| [Value::File(name.into())]);
+        assert_eq!(values[1..4], files);
+        assert_eq!(values[4], [Value::Word("none")]);
+        assert_eq!(values[5], [Value::File("none".into())]);
+        assert_eq!(values[6], [Value::Word("infinite")]);
     }
 
     #[test]

@@ -1,9 +1,9 @@
 //! The words of `filter`, `wrap`, `interp` and their like.
 //!
-//! What a word means is told by the crates that own the methods; here is only the way back. The program's
+//! The crates that own the methods read the words; this module writes them. The program's
 //! flags use the same words.
 
-use texmap_raster::{Cull, Interp};
+use texmap_raster::Interp;
 use texmap_sample::{Cubic, Filter, Wrap};
 
 /// What [`filter`] may say.
@@ -55,14 +55,6 @@ pub fn interp(interp: Interp) -> String {
         Interp::Subdivided(n) => format!("subdivided:{n}"),
         Interp::Span(n) => format!("span:{n}"),
         Interp::WithinError(tolerance) => format!("within:{tolerance:?}"),
-    }
-}
-
-pub(super) fn cull(cull: Cull) -> &'static str {
-    match cull {
-        Cull::None => "none",
-        Cull::Back => "back",
-        Cull::Front => "front",
     }
 }
 

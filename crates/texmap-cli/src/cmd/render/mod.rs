@@ -68,10 +68,10 @@ pub(crate) struct RenderArgs {
     /// Samples of coverage and depth per pixel, shaded once for each triangle: 1 or 4
     #[arg(long, value_name = "N", default_value_t = 1, conflicts_with = "supersample", value_parser = values::msaa)]
     msaa: u32,
-    /// Worker threads; default: as many as the machine gives. No pixel depends on it
+    /// Worker threads; default: as many as the machine gives. Does not change the picture
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
-    /// Instruction set: auto, avx512, avx2, sse4.2, sse2 or fallback. No pixel depends on it
+    /// Instruction set: auto, avx512, avx2, sse4.2, sse2 or fallback. Does not change the picture
     #[arg(
         long,
         value_name = "LEVEL",

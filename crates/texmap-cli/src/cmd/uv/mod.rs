@@ -1,6 +1,5 @@
 //! `texmap uv`: texture coordinates for an OBJ, and a report on the ones it has.
 
-pub(super) mod obj;
 mod pictures;
 pub(super) mod source;
 mod table;
@@ -199,7 +198,7 @@ pub(crate) fn run(args: &UvArgs) -> Result<Exit, Failure> {
     }
     let lost = unmapped(&mesh, &set).map_err(|e| source.fault(&e))?;
     if lost.share > 0.01 {
-        let line = lost.face.map_or(0, |f| source.obj.lines[f as usize]);
+        let line = lost.face.map_or(0, |f| source.obj.line(f as usize));
         say(&format!(
             "warning: {:.1} % of the surface has no area in the picture ({} triangles, the first in line {line}): nothing can be drawn or baked there; give another --map, or a --frame that looks at it\n",
             100.0 * lost.share,
@@ -210,7 +209,7 @@ pub(crate) fn run(args: &UvArgs) -> Result<Exit, Failure> {
         let first: Vec<String> = around
             .iter()
             .take(5)
-            .map(|f| source.obj.lines[*f as usize].to_string())
+            .map(|f| source.obj.line(*f as usize).to_string())
             .collect();
         say(&format!(
             "warning: {} faces enclose the axis of the shape and cannot be mapped right by their vertices (lines {}{}); divide them at the axis\n",
@@ -307,7 +306,8 @@ fn coordinates(
         Some(Map::Auto) => (auto_planes(mesh, page, Origin::BottomLeft)?, Vec::new()),
         Some(Map::Unwrap) => (unwrap(mesh, cuts, page, Origin::BottomLeft)?, Vec::new()),
         Some(map) => {
-            let mapped = mapping(args, map).map(Level::new(), mesh, &source.obj.normals())?;
+            let mapped =
+                mapping(args, map).map(Level::new(), mesh, &source.obj.vertex_normals())?;
             (mapped.set, mapped.around_axis)
         }
         None => (source.set(mesh)?, Vec::new()),

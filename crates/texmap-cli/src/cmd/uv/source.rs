@@ -2,53 +2,30 @@
 
 use std::path::Path;
 
-use texmap_io::{FileSource, shown};
-use texmap_math::MemoryBudget;
+use texmap_io::{FileSource, ObjText, shown};
 use texmap_uv::{Mesh, UvError, UvSet, tangents};
 
-use super::obj::Obj;
 use crate::failure::{Exit, Failure};
-
-/// Models above this size are refused: 2 GiB, as where scenes name them.
-const MAX_OBJ: u64 = 1 << 31;
 
 /// An OBJ and its name.
 pub(in crate::cmd) struct Source<'a> {
     path: &'a Path,
-    pub(in crate::cmd) obj: Obj,
+    pub(in crate::cmd) obj: ObjText,
 }
 
 impl<'a> Source<'a> {
     pub(in crate::cmd) fn read(path: &'a Path) -> Result<Self, Failure> {
-        let text = FileSource::anywhere().read_text(path, MAX_OBJ)?;
-        // Measured on a grid of a million vertices: the text, its faces, corners and coordinates, and tangents of all corners.
-        MemoryBudget::of_process().ask(
-            24 * text.len() as u64,
-            format_args!("what the {} bytes of {} say", text.len(), path.display()),
-            "split the model",
-        )?;
-        // Of a file that is not called an OBJ nothing is quoted: it may be anything.
-        let quotes = path
-            .extension()
-            .is_some_and(|e| e.eq_ignore_ascii_case("obj"));
-        let obj = Obj::parse(text, quotes).map_err(|f| {
-            Failure::new(
-                Exit::Input,
-                "bad-obj",
-                format!("{}:{}: {}", path.display(), f.line, f.what),
-                f.why,
-            )
-        })?;
+        let obj = ObjText::read(path, &FileSource::anywhere())?;
         Ok(Self { path, obj })
     }
 
     pub(in crate::cmd) fn mesh(&self) -> Result<Mesh<'_>, Failure> {
-        Mesh::new(&self.obj.positions, &self.obj.faces).map_err(|e| self.fault(&e))
+        Mesh::new(self.obj.positions(), self.obj.faces()).map_err(|e| self.fault(&e))
     }
 
     /// The file's coordinates.
     pub(in crate::cmd) fn set(&self, mesh: &Mesh<'_>) -> Result<UvSet, UvError> {
-        let set = self.obj.set.clone().ok_or(UvError::WrongLength {
+        let set = self.obj.uv_set().ok_or(UvError::WrongLength {
             what: "the list of texture corners",
             found: 0,
             expected: mesh.faces().corners().len(),
@@ -70,14 +47,14 @@ impl<'a> Source<'a> {
         };
         let path = shown(self.path);
         let place = match (0..mesh.faces().len()).find(of_face) {
-            Some(face) => format!("{path}:{}: a coordinate of this face", self.obj.lines[face]),
+            Some(face) => format!("{path}:{}: a coordinate of this face", self.obj.line(face)),
             None => format!("{path}: a coordinate that no face uses"),
         };
         Err(Failure::new(
             Exit::Input,
             "not-finite",
             format!("{place} is NaN or beyond 32-bit floats"),
-            "mend the `vt` line, make the model smaller, or give a larger --frame or --tile",
+            "correct the `vt` line, make the model smaller, or give a larger --frame or --tile",
         ))
     }
 
@@ -104,7 +81,7 @@ impl<'a> Source<'a> {
             UvError::NotFinite { face, .. }
             | UvError::BadIndex { face, .. }
             | UvError::TooFewCorners { face, .. }
-            | UvError::TooManyCorners { face, .. } => self.obj.lines.get(*face).copied(),
+            | UvError::TooManyCorners { face, .. } => Some(self.obj.line(*face)),
             _ => None,
         };
         let place = match line {

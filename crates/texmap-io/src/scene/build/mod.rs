@@ -2,36 +2,39 @@
 
 mod models;
 
-use texmap_light::Light;
+use std::path::PathBuf;
+
 use texmap_math::camera::{Camera, CameraError};
 use texmap_math::frame::TextureFrame;
-use texmap_math::glam::{DMat4, DVec3};
+use texmap_math::glam::DVec3;
 use texmap_scene::{AlphaMode, Material, Scene, Shading, TextureRole};
-use texmap_uv::{PixelMapping, UvError};
+use texmap_uv::{PixelMapping, Round};
 
-use super::classics;
 use super::effects::{self, Coordinates};
+use super::environments;
 use super::facets::{Facet, Facets};
 use super::settings::{CurrentTexture, Settings};
-use super::shapes::{self, Bones, DisplaceSetting};
+use super::shapes::Bones;
 use super::tree::Tree;
-use crate::scene_file::{Command, Role, RoundShape, Shape, Statement};
+use crate::scene_file::Line;
 use crate::textures::{Content, Textures};
-use crate::{IoError, Place};
+use crate::{IoError, SourceLocation};
 
 pub(super) struct Builder {
-    scene: Scene,
-    textures: Textures,
-    settings: Settings,
-    kept: Vec<Settings>,
+    pub(super) scene: Scene,
+    pub(super) textures: Textures,
+    pub(super) settings: Settings,
+    pub(super) kept: Vec<Settings>,
     /// The last line that set the camera.
-    camera_line: Option<Place>,
+    camera_line: Option<SourceLocation>,
     /// Faces of the scene so far.
-    faces: u32,
-    environments: effects::Known,
-    bones: Bones,
-    /// Effects that some face has in vain, told once each.
-    told: Vec<(&'static str, &'static str)>,
+    pub(super) faces: u32,
+    pub(super) environments: environments::Known,
+    pub(super) bones: Bones,
+    /// Vertices and faces of the file that is read.
+    facets: Facets,
+    /// Effects that some face has in vain, reported once each.
+    reported: Vec<(&'static str, &'static str)>,
 }
 
 impl Builder {
@@ -43,18 +46,19 @@ impl Builder {
             kept: Vec::new(),
             camera_line: None,
             faces: 0,
-            environments: effects::Known::default(),
+            environments: environments::Known::default(),
             bones: Bones::default(),
-            told: Vec::new(),
+            facets: Facets::default(),
+            reported: Vec::new(),
         }
     }
 
     pub(super) fn finish(mut self) -> Result<(Scene, Textures), IoError> {
-        if let Some(place) = self.camera_line.take()
+        if let Some(location) = self.camera_line.take()
             && let Err(error) = check_camera(&self.scene.camera)
         {
             return Err(IoError::BadCamera {
-                place,
+                location,
                 problem: error.to_string(),
             });
         }
@@ -69,168 +73,161 @@ impl Builder {
     /// All statements of a file. What it sets ends with it; what it draws, its lights and its camera stay.
     pub(super) fn file(&mut self, tree: &Tree) -> Result<(), IoError> {
         let settings = self.settings.clone();
-        let mut facets = Facets::default();
+        let outer = std::mem::take(&mut self.facets);
         let mut included = tree.included.iter();
         for statement in &tree.file.statements {
-            let place = Place::new(&tree.path, statement.line, statement.column);
-            match &statement.command {
-                Command::Include(_) => {
-                    if let Some(below) = included.next() {
-                        self.file(below)?;
-                    }
+            let command = &statement.command;
+            if command.word() == "include" {
+                if let Some(below) = included.next() {
+                    self.file(below)?;
                 }
-                _ => {
-                    let first = self.scene.meshes.len();
-                    self.statement(statement, &place, &mut facets)?;
-                    for mesh in &mut self.scene.meshes[first..] {
-                        mesh.shadowless = self.settings.effects.shadowless;
-                    }
-                }
+                continue;
+            }
+            let location = SourceLocation::new(&tree.path, statement.line, statement.column);
+            let first = self.scene.meshes.len();
+            command.spec().set(self, &mut command.line(location))?;
+            for mesh in &mut self.scene.meshes[first..] {
+                mesh.shadowless = self.settings.effects.shadowless;
             }
         }
+        let facets = std::mem::replace(&mut self.facets, outer);
         facets.finish(&mut self.scene, &mut self.bones);
         self.settings = settings;
         Ok(())
     }
 
-    fn statement(
+    /// A line about the camera.
+    pub(super) fn set_camera(
         &mut self,
-        statement: &Statement,
-        place: &Place,
-        facets: &mut Facets,
-    ) -> Result<(), IoError> {
-        let camera = &mut self.scene.camera;
-        match &statement.command {
-            Command::Eye(p) => camera.eye = DVec3::from(*p),
-            Command::Look(p) => camera.look = DVec3::from(*p),
-            Command::Up(p) => camera.up = DVec3::from(*p),
-            Command::Fov(degrees) => camera.fov_x = degrees.to_radians(),
-            Command::Near(distance) => camera.near = *distance,
-            Command::Far(distance) => camera.far = *distance,
-            other => return self.after_camera(other, place, facets),
+        line: &mut Line<'_>,
+        set: impl Fn(&mut Camera, &mut Line<'_>),
+    ) {
+        set(&mut self.scene.camera, line);
+        self.camera_line = Some(line.location.clone());
+    }
+
+    /// The path of a file that a line names.
+    pub(super) fn beside(&self, line: &mut Line<'_>) -> PathBuf {
+        let name = line.name();
+        self.textures.source.beside(&line.location.file, name)
+    }
+
+    /// The texture of a file that a line names.
+    pub(super) fn load(&mut self, line: &mut Line<'_>, content: Content) -> Result<usize, IoError> {
+        let path = self.beside(line);
+        let missing = self.settings.missing;
+        self.textures.load(&path, &line.location, content, missing)
+    }
+
+    /// `v`.
+    pub(super) fn vertex(&mut self, line: &mut Line<'_>) -> Result<(), IoError> {
+        let position = DVec3::from(line.numbers());
+        let position = self.settings.transform.transform_point3(position);
+        if !position.as_vec3().is_finite() {
+            return Err(IoError::NotFinite {
+                location: line.location.clone(),
+                command: "v",
+                text: position.to_string(),
+            });
         }
-        self.camera_line = Some(place.clone());
+        self.facets.vertex(position);
         Ok(())
     }
 
-    fn after_camera(
-        &mut self,
-        command: &Command,
-        place: &Place,
-        facets: &mut Facets,
-    ) -> Result<(), IoError> {
-        let lights = &mut self.scene.lights;
-        match command {
-            Command::Background(color) => self.scene.background = *color,
-            &Command::AmbientLight(color) => lights.push(Light::Ambient { color }),
-            &Command::DirectionalLight { color, direction } => {
-                lights.push(Light::Directional { color, direction });
-            }
-            &Command::PointLight { color, position } => {
-                lights.push(Light::Point { color, position });
-            }
-            Command::Vertex(p) => {
-                let position = self.settings.transform.transform_point3(DVec3::from(*p));
-                if !position.as_vec3().is_finite() {
-                    let text = position.to_string();
-                    return Err(IoError::NotFinite {
-                        place: place.clone(),
-                        command: "v",
-                        text,
-                    });
-                }
-                facets.vertex(position);
-            }
-            Command::Face(corners) => {
-                let corners: Vec<_> = corners.iter().map(|&i| (i, [0.0; 2])).collect();
-                let material = self.settings.plain(self.scene.color);
-                self.facet(facets, place, material, &corners, None, false);
-            }
-            Command::TexturedFace(corners) => {
-                let corners: Vec<_> = corners.iter().map(|c| (c.vertex, c.uv)).collect();
-                let material = self.textured("tf", place)?;
-                self.facet(facets, place, material, &corners, None, true);
-            }
-            Command::FramedFace(indices) => {
-                let material = self.textured("ff", place)?;
-                let frame = self
-                    .settings
-                    .frame
-                    .filter(|_| self.settings.round.is_none());
-                if frame.is_none() && self.settings.round.is_none() {
-                    return Err(needs("ff", place, "frame"));
-                }
-                if let Some(how) = frame.and_then(|frame| facets.out_of_plane(indices, &frame)) {
-                    self.scene.warnings.push(format!(
-                        "{place}: the frame is {how}: the texture slides over it as the eye moves"
-                    ));
-                }
-                let corners: Vec<_> = indices.iter().map(|&i| (i, [0.0; 2])).collect();
-                self.facet(facets, place, material, &corners, frame, false);
-            }
-            Command::Obj(name) => self.obj(name, place)?,
-            Command::Classic(classic) => classics::statement(
-                classic,
-                place,
-                &mut self.scene,
-                &mut self.textures,
-                &mut self.settings,
-                &mut self.environments,
-            )?,
-            Command::Effect(effect) => effects::statement(
-                effect,
-                place,
-                &mut self.scene,
-                &mut self.textures,
-                &mut self.settings,
-                &mut self.environments,
-            )?,
-            Command::Shape(shape) => self.shape(shape, place)?,
-            Command::Texture(None) => self.settings.texture = None,
-            Command::Texture(Some(name)) => {
-                let path = self.textures.source.beside(&place.file, name);
-                let index =
-                    self.textures
-                        .load(&path, place, Content::Color, self.settings.missing)?;
-                let has_alpha = self.textures.textures[index].has_alpha();
-                self.settings.texture = Some(CurrentTexture {
+    /// `texture`.
+    pub(super) fn texture(&mut self, line: &mut Line<'_>) -> Result<(), IoError> {
+        self.settings.texture = match line.takes("none") {
+            true => None,
+            false => {
+                let name = line.clone().name();
+                let index = self.load(line, Content::Color)?;
+                Some(CurrentTexture {
                     index,
-                    name: name.clone(),
-                    has_alpha,
-                });
+                    name: name.to_owned(),
+                    has_alpha: self.textures.textures[index].has_alpha(),
+                })
             }
-            Command::Push => self.kept.push(self.settings.clone()),
-            // The parser has matched each `pop` with a `push`.
-            Command::Pop => self.settings = self.kept.pop().unwrap_or_default(),
-            Command::Round(shape) => {
-                let moved = |r| round(r).map(|m| m.moved(&self.settings.transform));
-                self.settings.round = shape.as_ref().map(moved).transpose().map_err(|e| {
-                    IoError::DegenerateFrame {
-                        place: place.clone(),
-                        problem: e.to_string(),
-                    }
-                })?;
-            }
-            other => self.settings.set(other),
-        }
+        };
         Ok(())
     }
 
-    fn textured(&self, command: &'static str, place: &Place) -> Result<Material, IoError> {
-        let texture = self
-            .settings
-            .texture
-            .as_ref()
-            .ok_or_else(|| needs(command, place, "texture"))?;
-        Ok(self
-            .settings
-            .textured(texture, Role::Decal, self.scene.color))
+    /// `round`.
+    pub(super) fn round(&mut self, line: &mut Line<'_>) -> Result<(), IoError> {
+        let shape = match line.word() {
+            Some("sphere") => Round::Sphere,
+            Some("cylinder") => Round::Cylinder,
+            _ => {
+                self.settings.round = None;
+                return Ok(());
+            }
+        };
+        let position = line.numbers().into();
+        let [yaw, pitch, roll] = line.numbers().map(f64::to_radians);
+        let frame = texmap_uv::Frame {
+            position,
+            yaw,
+            pitch,
+            roll,
+            scale: line.numbers().into(),
+        };
+        let repeat = match line.left() {
+            0 => [1.0; 2],
+            _ => line.numbers(),
+        };
+        let mapping = PixelMapping::new(shape, &frame, repeat, texmap_uv::Origin::TopLeft);
+        let mapping = mapping.map_err(|e| IoError::DegenerateFrame {
+            location: line.location.clone(),
+            problem: e.to_string(),
+        })?;
+        self.settings.round = Some(mapping.moved(&self.settings.transform));
+        Ok(())
+    }
+
+    /// `f`.
+    pub(super) fn face(&mut self, line: &mut Line<'_>) {
+        let material = self.settings.plain(self.scene.color);
+        let corners = line.corners();
+        self.facet(&line.location, material, &corners, None, false);
+    }
+
+    /// `tf`.
+    pub(super) fn textured_face(&mut self, line: &mut Line<'_>) -> Result<(), IoError> {
+        let material = self.textured(line)?;
+        let corners = line.corners();
+        self.facet(&line.location, material, &corners, None, true);
+        Ok(())
+    }
+
+    /// `ff`.
+    pub(super) fn framed_face(&mut self, line: &mut Line<'_>) -> Result<(), IoError> {
+        let material = self.textured(line)?;
+        let settings = &self.settings;
+        let frame = settings.frame.filter(|_| settings.round.is_none());
+        if frame.is_none() && settings.round.is_none() {
+            return Err(line.needs("a `frame` line"));
+        }
+        let corners = line.corners();
+        if let Some(how) = frame.and_then(|frame| self.facets.out_of_plane(&corners, &frame)) {
+            self.scene.warnings.push(format!(
+                "{}: the frame is {how}: the texture slides over it as the eye moves",
+                line.location
+            ));
+        }
+        self.facet(&line.location, material, &corners, frame, false);
+        Ok(())
+    }
+
+    /// The material of a line that needs a texture.
+    pub(super) fn textured(&self, line: &Line<'_>) -> Result<Material, IoError> {
+        let texture = self.settings.texture.as_ref();
+        let texture = texture.ok_or_else(|| line.needs("a `texture` line"))?;
+        let color = self.scene.color;
+        Ok(self.settings.textured(texture, TextureRole::Decal, color))
     }
 
     fn facet(
         &mut self,
-        facets: &mut Facets,
-        place: &Place,
+        location: &SourceLocation,
         material: Material,
         corners: &[(u32, [f32; 2])],
         frame: Option<TextureFrame>,
@@ -242,7 +239,7 @@ impl Builder {
             first: has_uv || framed,
             second: false,
         };
-        let material = self.material(material, coordinates, place);
+        let material = self.material(material, coordinates, location);
         let facet = Facet {
             corners,
             has_uv,
@@ -261,87 +258,30 @@ impl Builder {
             number: self.faces,
         };
         self.faces += 1;
-        facets.add(&mut self.scene, &facet, place);
-    }
-
-    fn shape(&mut self, shape: &Shape, place: &Place) -> Result<(), IoError> {
-        let missing = self.settings.missing;
-        let mut data = |name: &str| {
-            let path = self.textures.source.beside(&place.file, name);
-            self.textures.load(&path, place, Content::Data, missing)
-        };
-        match shape {
-            Shape::Displace(None) => self.settings.displace = None,
-            Shape::Displace(Some(line)) => {
-                self.settings.displace = Some(DisplaceSetting {
-                    texture: data(&line.file)?,
-                    height: line.height,
-                    middle: line.middle,
-                    budget: line.budget,
-                    triangles: line.triangles,
-                });
-            }
-            Shape::Bone(line) => self.bones.add(line, &self.settings.transform, place)?,
-            Shape::Skin(skin) => {
-                self.settings.skin = skin.map(|blend| (blend, place.clone()));
-            }
-            Shape::Terrain(line) => {
-                let heights = data(&line.file)?;
-                let mut ground = shapes::terrain(line, &self.textures.textures[heights], place)?;
-                let middle = DMat4::from_translation(line.position.into());
-                ground.world_from_object = self.settings.transform * middle;
-                if self.settings.transform.determinant() < 0.0 {
-                    ground.triangles.iter_mut().for_each(|t| t.swap(1, 2));
-                }
-                let color = self.scene.color;
-                let material = match &self.settings.texture {
-                    Some(texture) => self.settings.textured(texture, Role::Modulate, color),
-                    None => self.settings.plain(color),
-                };
-                ground.material = self.material(material, Coordinates::FIRST, place);
-                ground.round = self.settings.round;
-                let cells = ground.faces.last().map_or(0, |last| last + 1);
-                ground.faces.iter_mut().for_each(|f| *f += self.faces);
-                self.faces += cells;
-                self.bones
-                    .follow(self.scene.meshes.len(), self.settings.skin.clone());
-                self.scene.meshes.push(ground);
-            }
-            &Shape::Billboard {
-                position,
-                size,
-                axis,
-            } => {
-                let material = self.textured("billboard", place)?;
-                let material = self.material(material, Coordinates::FIRST, place);
-                let board = shapes::billboard(position, size, axis, &self.settings.transform);
-                let number = self.faces;
-                self.faces += 1;
-                let name = format!("billboard from {}:{}", place.file.display(), place.line);
-                let mut mesh = texmap_mesh::billboards(&name, vec![board], material);
-                mesh.faces = vec![number; 2];
-                self.scene.meshes.push(mesh);
-            }
-        }
-        Ok(())
+        self.facets.add(&mut self.scene, &facet, location);
     }
 
     /// Index of a material under the current effects, a new one or an equal one. `place` draws faces of it.
-    fn material(&mut self, material: Material, coordinates: Coordinates, place: &Place) -> usize {
+    pub(super) fn material(
+        &mut self,
+        material: Material,
+        coordinates: Coordinates,
+        location: &SourceLocation,
+    ) -> usize {
         let effects = &self.settings.effects;
         let out_of_reach = effects.out_of_reach(coordinates);
         let material = effects.apply(&self.settings, &self.scene, material, coordinates);
         let material = self
             .settings
-            .classics
+            .materials
             .apply(&self.settings, &self.scene, material);
         for (effect, why) in out_of_reach {
-            self.tell(place, effect, why);
+            self.tell(location, effect, why);
         }
         if self.is_covered(&material) {
             for effect in effects::covered(&material) {
                 let why = "copies its texel, whatever the light (`shade modulate` lights it)";
-                self.tell(place, effect, why);
+                self.tell(location, effect, why);
             }
         }
         let materials = &mut self.scene.materials;
@@ -368,13 +308,13 @@ impl Builder {
     }
 
     /// Warns of an effect that what this line draws does not show, the first time.
-    fn tell(&mut self, place: &Place, effect: &'static str, why: &'static str) {
-        if self.told.contains(&(effect, why)) {
+    fn tell(&mut self, location: &SourceLocation, effect: &'static str, why: &'static str) {
+        if self.reported.contains(&(effect, why)) {
             return;
         }
-        self.told.push((effect, why));
+        self.reported.push((effect, why));
         self.scene.warnings.push(format!(
-            "{place}: {effect} is not drawn here: what this line draws {why}"
+            "{location}: {effect} is not drawn here: what this line draws {why}"
         ));
     }
 
@@ -397,32 +337,6 @@ impl Builder {
     }
 }
 
-fn needs(command: &'static str, place: &Place, needs: &'static str) -> IoError {
-    IoError::NeedsAbove {
-        place: place.clone(),
-        command,
-        needs,
-    }
-}
-
 fn check_camera(camera: &Camera) -> Result<(), CameraError> {
     camera.view().map(|_| ())
-}
-
-/// A shape in the space of its line.
-fn round(shape: &RoundShape) -> Result<PixelMapping, UvError> {
-    let [yaw, pitch, roll] = shape.angles.map(f64::to_radians);
-    let frame = texmap_uv::Frame {
-        position: shape.position.into(),
-        yaw,
-        pitch,
-        roll,
-        scale: shape.size.into(),
-    };
-    PixelMapping::new(
-        shape.shape,
-        &frame,
-        shape.repeat,
-        texmap_uv::Origin::TopLeft,
-    )
 }

@@ -2,22 +2,26 @@
 
 use texmap_light::Surface;
 use texmap_sample::Origin;
-use texmap_scene::{AlphaMode, Displacement, Emission, Material, Mesh};
+use texmap_scene::{AlphaMode, Displacement, Emission, Material, Mesh, TextureRole};
 
 use super::Builder;
 use crate::obj::{self, Model};
-use crate::scene::effects::{self, Coordinates};
+use crate::scene::effects::Coordinates;
+use crate::scene::second_uvs::second_uvs;
 use crate::scene::settings::{emitted, light};
-use crate::scene_file::{Alpha, Role};
-use crate::{IoError, Place, shortened};
+use crate::{IoError, SourceLocation, shortened};
 
 impl Builder {
-    pub(super) fn obj(&mut self, name: &str, place: &Place) -> Result<(), IoError> {
-        let path = self.textures.source.beside(&place.file, name);
+    pub(in crate::scene) fn obj(
+        &mut self,
+        name: &str,
+        location: &SourceLocation,
+    ) -> Result<(), IoError> {
+        let path = self.textures.source.beside(&location.file, name);
         let textured = self.settings.texture.is_some() || self.settings.effects.reads_uv();
         match obj::read(
             &path,
-            Some(place),
+            Some(location),
             self.settings.missing,
             textured,
             &mut self.textures,
@@ -27,10 +31,10 @@ impl Builder {
                     .file_stem()
                     .map_or_else(String::new, |s| s.to_string_lossy().into_owned());
                 let first = self.scene.meshes.len();
-                self.model(model, &stem, place);
+                self.model(model, &stem, location);
                 match &self.settings.effects.lightmap_uv {
                     None => Ok(()),
-                    Some((path, named)) => effects::second_uvs(
+                    Some((path, named)) => second_uvs(
                         &mut self.scene.meshes[first..],
                         &mut self.textures,
                         path,
@@ -43,7 +47,7 @@ impl Builder {
                 | IoError::NotAFile { .. }
                 | IoError::OutsideRoot { .. }),
             ) if self.textures.tolerant => {
-                self.textures.note(&path, place, Err(error.to_string()));
+                self.textures.note(&path, location, Err(error.to_string()));
                 Ok(())
             }
             Err(error) => Err(error),
@@ -51,7 +55,7 @@ impl Builder {
     }
 
     /// Adds the parts of a model under the current settings.
-    pub(in crate::scene) fn model(&mut self, model: Model, stem: &str, named_by: &Place) {
+    pub(in crate::scene) fn model(&mut self, model: Model, stem: &str, named_by: &SourceLocation) {
         let color = self.scene.color;
         self.scene.warnings.extend(model.warnings);
         let transform = self.settings.transform;
@@ -65,7 +69,9 @@ impl Builder {
             let material = match described {
                 Some(described) => self.described(described),
                 None => match &self.settings.texture {
-                    Some(texture) => self.settings.textured(texture, Role::Modulate, color),
+                    Some(texture) => self
+                        .settings
+                        .textured(texture, TextureRole::Modulate, color),
                     None if model.colored => self.settings.colored(color),
                     None => self.settings.plain(color),
                 },
@@ -133,7 +139,7 @@ impl Builder {
             .as_ref()
             .is_some_and(|map| self.textures.textures[map.texture].has_alpha());
         let alpha = match now.alpha {
-            Alpha::Auto if m.opacity < 1.0 => AlphaMode::Blend,
+            None if m.opacity < 1.0 => AlphaMode::Blend,
             _ => now.alpha(map_alpha || m.map_d.is_some()),
         };
         Material {
@@ -171,7 +177,7 @@ impl Builder {
             opacity: m.opacity,
             base_color: m.map_kd.as_ref().map(slot),
             opacity_map: m.map_d.as_ref().map(slot),
-            texture_role: now.role(Role::Modulate),
+            texture_role: now.role.unwrap_or(TextureRole::Modulate),
             alpha,
             ..now.plain(color)
         }

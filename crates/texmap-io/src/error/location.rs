@@ -7,7 +7,7 @@ use super::{IoError, shown};
 
 /// A position in a text file: 1-based line and column (in characters), as editors count.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Place {
+pub struct SourceLocation {
     /// The file.
     pub file: PathBuf,
     /// Line, from 1.
@@ -16,7 +16,7 @@ pub struct Place {
     pub column: u32,
 }
 
-impl Place {
+impl SourceLocation {
     /// The place `line`:`column` of `file`.
     pub fn new(file: &Path, line: u32, column: u32) -> Self {
         Self {
@@ -27,7 +27,7 @@ impl Place {
     }
 }
 
-impl fmt::Display for Place {
+impl fmt::Display for SourceLocation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}:{}:{}", shown(&self.file), self.line, self.column)
     }
@@ -35,7 +35,7 @@ impl fmt::Display for Place {
 
 impl IoError {
     /// The place in a text file that the error speaks of, if there is one.
-    pub fn place(&self) -> Option<&Place> {
+    pub fn location(&self) -> Option<&SourceLocation> {
         match self {
             Self::FileMissing { named_by, .. }
             | Self::NotAFile { named_by, .. }
@@ -46,27 +46,27 @@ impl IoError {
             | Self::EnvironmentSize { named_by, .. }
             | Self::EmptyMesh { named_by, .. }
             | Self::Memory { named_by, .. } => named_by.as_ref(),
-            Self::NotUtf8 { place }
-            | Self::UnknownCommand { place, .. }
-            | Self::StrayNumber { place, .. }
-            | Self::ArgumentCount { place, .. }
-            | Self::NotANumber { place, .. }
-            | Self::NotFinite { place, .. }
-            | Self::OutOfRange { place, .. }
-            | Self::UnknownWord { place, .. }
-            | Self::StrayQuote { place }
-            | Self::BadIndex { place, .. }
-            | Self::TooFewCorners { place, .. }
-            | Self::MixedCorners { place, .. }
-            | Self::NeedsAbove { place, .. }
-            | Self::OpenPush { place }
-            | Self::IncludeCycle { place, .. }
-            | Self::DegenerateFrame { place, .. }
-            | Self::BadCamera { place, .. }
-            | Self::BadProjector { place, .. }
-            | Self::BadShape { place, .. }
-            | Self::UnknownMaterial { place, .. }
-            | Self::BrokenPath { place, .. } => Some(place),
+            Self::NotUtf8 { location }
+            | Self::UnknownCommand { location, .. }
+            | Self::StrayNumber { location, .. }
+            | Self::ArgumentCount { location, .. }
+            | Self::NotANumber { location, .. }
+            | Self::NotFinite { location, .. }
+            | Self::OutOfRange { location, .. }
+            | Self::UnknownWord { location, .. }
+            | Self::StrayQuote { location }
+            | Self::BadIndex { location, .. }
+            | Self::TooFewCorners { location, .. }
+            | Self::MixedCorners { location, .. }
+            | Self::NeedsAbove { location, .. }
+            | Self::OpenPush { location }
+            | Self::IncludeCycle { location, .. }
+            | Self::DegenerateFrame { location, .. }
+            | Self::BadCamera { location, .. }
+            | Self::BadProjector { location, .. }
+            | Self::BadShape { location, .. }
+            | Self::UnknownMaterial { location, .. }
+            | Self::BrokenPath { location, .. } => Some(location),
             Self::Write { .. }
             | Self::FileTooLarge { .. }
             | Self::UnknownFormat { .. }
@@ -78,6 +78,9 @@ impl IoError {
 }
 
 /// The place as a message begins with it, if there is one.
-pub(super) fn line_of(place: &Option<Place>) -> String {
-    place.as_ref().map(|p| format!("{p}: ")).unwrap_or_default()
+pub(super) fn line_of(location: &Option<SourceLocation>) -> String {
+    location
+        .as_ref()
+        .map(|p| format!("{p}: "))
+        .unwrap_or_default()
 }

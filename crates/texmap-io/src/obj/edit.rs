@@ -1,0 +1,253 @@
+//! An OBJ as text whose texture coordinates are replaced in place: every other byte is kept.
+
+use std::fmt::Write;
+use std::path::Path;
+
+use texmap_uv::{Faces, UvSet};
+
+use super::read::{self, NONE, Obj, Spans};
+use super::source::Span;
+use crate::files::{MAX_TEXT, is_called};
+use crate::{FileSource, IoError};
+
+/// The text of an OBJ file and the mesh that it describes: vertices as the file counts them, polygons, texture coordinates.
+///
+/// Coordinates of the file may be missing at some corners, or not finite: [`ObjText::with`] replaces them all.
+#[derive(Debug)]
+pub struct ObjText {
+    text: String,
+    obj: Obj,
+    spans: Spans,
+    faces: Faces,
+}
+
+impl ObjText {
+    /// Reads a file.
+    ///
+    /// # Errors
+    /// File errors, a statement that is wrong, with line and column, or [`IoError::Memory`].
+    pub fn read(path: &Path, files: &FileSource) -> Result<Self, IoError> {
+        let text = files.read_text(path, MAX_TEXT)?;
+        // Measured on a grid of a million vertices: the text, its faces, corners and coordinates, and tangents of all corners.
+        let what = format_args!("what the {} bytes of {} say", text.len(), path.display());
+        files.ask(24 * text.len() as u64, what, "split the model", None)?;
+        Self::parse(path, text).map_err(|error| match is_called(path, "obj") {
+            true => error,
+            false => error.without_words(),
+        })
+    }
+
+    fn parse(path: &Path, text: String) -> Result<Self, IoError> {
+        let mut spans = Spans::default();
+        let obj = read::read(path, &text, Some(&mut spans))?;
+        let (mut faces, mut corners) = (Faces::new(), obj.corners.as_slice());
+        let mut vertices = Vec::new();
+        for face in &obj.faces {
+            let (own, rest) = corners.split_at(face.corners as usize);
+            corners = rest;
+            vertices.clear();
+            vertices.extend(own.iter().map(|c| c.vertex));
+            faces.push(&vertices);
+        }
+        Ok(Self {
+            text,
+            obj,
+            spans,
+            faces,
+        })
+    }
+
+    /// Positions of the vertices.
+    pub fn positions(&self) -> &[[f32; 3]] {
+        &self.obj.positions
+    }
+
+    /// Polygons over the vertices.
+    pub fn faces(&self) -> &Faces {
+        &self.faces
+    }
+
+    /// Line of a face in the file, from 1; 0 for a face that it does not have.
+    pub fn line(&self, face: usize) -> u32 {
+        self.obj.faces.get(face).map_or(0, |face| face.line)
+    }
+
+    /// The file's coordinates; `None` if a corner has none.
+    pub fn uv_set(&self) -> Option<UvSet> {
+        let corners = &self.obj.corners;
+        let complete = !corners.is_empty() && corners.iter().all(|c| c.uv != NONE);
+        complete.then(|| UvSet {
+            uvs: self.obj.uvs.clone(),
+            corners: corners.iter().map(|c| c.uv).collect(),
+        })
+    }
+
+    /// The file's normal of each corner; `None` if a corner has none.
+    pub fn corner_normals(&self) -> Option<Vec<[f32; 3]>> {
+        let corners = self.obj.corners.iter();
+        let normals = corners.map(|c| self.obj.normals.get(c.normal as usize).copied());
+        normals
+            .collect::<Option<Vec<_>>>()
+            .filter(|n| !n.is_empty())
+    }
+
+    /// A normal per vertex, of any length: the sum of the file's normals there; empty if a corner has none.
+    pub fn vertex_normals(&self) -> Vec<[f32; 3]> {
+        let Some(normals) = self.corner_normals() else {
+            return Vec::new();
+        };
+        let mut sums = vec![[0.0f64; 3]; self.obj.positions.len()];
+        for (corner, normal) in self.obj.corners.iter().zip(normals) {
+            for (s, c) in sums[corner.vertex as usize].iter_mut().zip(normal) {
+                *s += f64::from(c);
+            }
+        }
+        sums.into_iter().map(|s| s.map(|c| c as f32)).collect()
+    }
+
+    /// The text with other coordinates: the `vt` lines make way for new ones where the first of them stood (or
+    /// before the first face), and each corner names its new index.
+    #[must_use]
+    pub fn with(&self, set: &UvSet) -> String {
+        let first_face = self.spans.first_face.unwrap_or(0);
+        let first_uv = self.spans.uvs.first();
+        let at = first_uv.map_or(first_face, |span| span.start.min(first_face));
+        // The block is the first edit at its place: a stable sort keeps it before the line that it replaces.
+        let mut edits = vec![(Span { start: at, end: at }, Edit::Block)];
+        edits.extend(self.spans.uvs.iter().map(|span| (*span, Edit::Remove)));
+        let corners = self.spans.corners.iter().zip(&set.corners);
+        edits.extend(corners.map(|(span, index)| (*span, Edit::Corner(*index))));
+        edits.extend(self.spans.others.iter().map(|span| (*span, Edit::Vertex)));
+        edits.sort_by_key(|(span, _)| span.start);
+        let (mut out, mut done) = (String::with_capacity(self.text.len() * 2), 0);
+        for (span, edit) in edits {
+            out.push_str(&self.text[done..span.start as usize]);
+            let mut parts = self.text[span.range()].split('/');
+            let vertex = parts.next().unwrap_or("");
+            // Writing to a String cannot fail.
+            match edit {
+                Edit::Block => self.push_coordinates(&mut out, set),
+                Edit::Remove => {}
+                Edit::Vertex => out.push_str(vertex),
+                Edit::Corner(index) => {
+                    let _ = write!(out, "{vertex}/{}", index + 1);
+                    if let Some(normal) = parts.nth(1).filter(|n| !n.is_empty()) {
+                        let _ = write!(out, "/{normal}");
+                    }
+                }
+            }
+            done = span.end as usize;
+        }
+        out.push_str(&self.text[done..]);
+        out
+    }
+
+    fn push_coordinates(&self, out: &mut String, set: &UvSet) {
+        let line_end = if self.text.contains("\r\n") {
+            "\r\n"
+        } else {
+            "\n"
+        };
+        for [u, v] in &set.uvs {
+            let _ = write!(out, "vt {u} {v}{line_end}");
+        }
+    }
+}
+
+/// The replacement of a span.
+enum Edit {
+    /// The new `vt` lines.
+    Block,
+    Remove,
+    /// The corner with this index of coordinates, from 0.
+    Corner(u32),
+    /// The corner without coordinates and normal.
+    Vertex,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const QUAD: &str = "# house\r\nmtllib a.mtl\r\no Wall\r\nv 0 0 0\r\nv 1 0 0 # right\r\nv 1 1 0\r\nv 0 1 0\r\nvt 0 0\r\nvn 0 0 1\r\nvt 1 1\r\nusemtl brick\r\ns 1\r\nf  1/1/1 2/2/1 \\\r\n  3/2/1   -1/1/1 # last\r\nl 1/1 2\r\n";
+
+    fn parse(text: &str) -> Result<ObjText, IoError> {
+        ObjText::parse(Path::new("a.obj"), text.into())
+    }
+
+    fn fault_line(read: Result<ObjText, IoError>) -> u32 {
+        read.unwrap_err().location().unwrap().line
+    }
+
+    #[test]
+    fn only_vt_and_corners_change() {
+        let obj = parse(QUAD).unwrap();
+        assert_eq!(
+            (obj.positions().len(), obj.faces().len(), obj.line(0)),
+            (4, 1, 13)
+        );
+        assert_eq!(obj.uv_set().unwrap().corners, [0, 1, 1, 0]);
+        let set = UvSet {
+            uvs: vec![[0.5, 0.25], [1.0, 0.0], [1.5, -1.0]],
+            corners: vec![0, 1, 2, 0],
+        };
+        let new = obj.with(&set);
+        let expected = QUAD
+            .replace("vt 0 0\r\n", "vt 0.5 0.25\r\nvt 1 0\r\nvt 1.5 -1\r\n")
+            .replace("vt 1 1\r\n", "")
+            .replace("3/2/1   -1/1/1", "3/3/1   -1/1/1")
+            .replace("l 1/1 2", "l 1 2");
+        assert_eq!(new, expected);
+        // Reading it again gives the same set, writing that the same text.
+        let again = parse(&new).unwrap();
+        assert_eq!(again.uv_set().as_ref(), Some(&set));
+        assert_eq!(again.with(&set), new);
+    }
+
+    #[test]
+    fn a_file_without_coordinates_gets_them_before_its_first_face() {
+        let text = "v 0 0 0\nv 1 0 0\nv 0 1 0\ng a\nf 1 2 3\nf 1//1 2//1 3//1\nvn 0 0 1";
+        assert_eq!(fault_line(parse(text)), 6);
+        let text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\ng a\nf 1 2 3\nf 1//1 2//1 3//1";
+        let obj = parse(text).unwrap();
+        assert!(obj.uv_set().is_none() && obj.vertex_normals().is_empty());
+        let set = UvSet {
+            uvs: vec![[0.0, 0.5]],
+            corners: vec![0; 6],
+        };
+        assert_eq!(
+            obj.with(&set),
+            "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\ng a\nvt 0 0.5\nf 1/1 2/1 3/1\nf 1/1/1 2/1/1 3/1/1"
+        );
+    }
+
+    #[test]
+    fn faults_name_their_line() {
+        for (text, line) in [
+            ("v 0 0\n", 1),
+            ("v 0 0 x\n", 1),
+            ("v 0 0 0\nf 1 1 2\n", 2),
+            ("v 0 0 0\n\nf 1 1\n", 3),
+            ("v 0 0 0\nf 1/1 1 1\n", 2),
+            ("v 0 0 0\nf 0 1 1\n", 2),
+            ("v 0 0 0\nf 1/2/3/4 1 1\n", 2),
+            ("v 0 0 0\nf 1000000000000000000000 1 1\n", 2),
+        ] {
+            assert_eq!(fault_line(parse(text)), line, "{text}");
+        }
+        assert_eq!(parse("").unwrap().faces().len(), 0);
+    }
+
+    #[test]
+    fn coordinates_of_the_file_may_be_anything() {
+        let text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt nan 1e99\nf 1/1 2 3/1\n";
+        let obj = parse(text).unwrap();
+        assert!(obj.uv_set().is_none());
+        let set = UvSet {
+            uvs: vec![[0.0, 0.5]],
+            corners: vec![0; 3],
+        };
+        assert!(obj.with(&set).ends_with("vt 0 0.5\nf 1/1 2/1 3/1\n"));
+        assert_eq!(fault_line(parse("v 0 0 0\nvt x\n")), 2);
+    }
+}
