@@ -1,16 +1,19 @@
 //! From a triangle to what a pixel needs: planes about the centre of a 64x64 tile, hulls, and the way to evaluate them.
 use texmap_math::simd::{Isa, Scalar, prelude::*};
 
-use crate::clip::Hom;
-use crate::edge::Edge;
-use crate::planes::{
+use crate::coverage::edge::Edge;
+use crate::coverage::stamp::{BLOCK_PIXELS, block_lanes};
+use crate::front_end::clip::Hom;
+use crate::setup::planes::{
     COEFFICIENTS, Perspective, Plane, RowPlane, Solver, hull, is_moderate, plane_at, w_is_even,
 };
-use crate::stamp::{BLOCK_PIXELS, block_lanes};
-use crate::visible::UvBlock;
+use crate::visibility::visible::UvBlock;
 use crate::{Interp, MAX_ATTRIBUTES};
 
 mod depth;
+pub(crate) mod group;
+pub(crate) mod plane_table;
+pub(crate) mod planes;
 mod rows;
 mod wide;
 

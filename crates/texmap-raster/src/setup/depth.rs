@@ -3,7 +3,7 @@
 use texmap_math::simd::{Isa, Scalar, prelude::*};
 
 use super::{LEAVES_NOTHING, Ranged, Shape, mean, solve};
-use crate::planes::{COEFFICIENTS, Plane, RowPlane, Solver, depth_is_even, plane_at};
+use crate::setup::planes::{COEFFICIENTS, Plane, RowPlane, Solver, depth_is_even, plane_at};
 
 /// The depth of a triangle over one tile.
 #[derive(Debug, Clone, Copy)]

@@ -5,7 +5,7 @@ use texmap_math::simd::{Scalar, prelude::*};
 use super::wide::finite;
 use super::{Fragment, Shape, TriangleSetup};
 use crate::Interp;
-use crate::edge::{Edge, row_span};
+use crate::coverage::edge::{Edge, row_span};
 
 /// How perspective attributes are evaluated.
 #[derive(Debug, Clone, Copy)]

@@ -5,8 +5,8 @@ use texmap_math::glam::DMat4;
 use texmap_math::simd::{Isa, Scalar, Words, prelude::*};
 use texmap_math::{Level, dispatch_simd};
 
-use crate::clip::{GUARD_BAND, Hom};
-use crate::edge::{Snapped, to_units};
+use crate::coverage::edge::{Snapped, to_units};
+use crate::front_end::clip::{GUARD_BAND, Hom};
 use crate::{Draw, TargetSize};
 
 /// Stands for a vertex that cannot be taken as it is: behind the eye, outside the depth range or the guard band, not finite,
@@ -196,7 +196,10 @@ mod tests {
         // What is taken as it is has the position of the form for pieces.
         for (&position, &found) in positions.iter().zip(&one) {
             if found != SPECIAL {
-                assert_eq!(found, crate::edge::snap(transform.apply(position)));
+                assert_eq!(
+                    found,
+                    crate::coverage::edge::snap(transform.apply(position))
+                );
             }
         }
         let special = one.iter().filter(|&&p| p == SPECIAL).count();

@@ -4,11 +4,11 @@ use alloc::vec::Vec;
 use texmap_math::dispatch_simd;
 use texmap_math::simd::{Isa, Words, prelude::*};
 
-use crate::blocks::Runs;
-use crate::group::{GROUP, Ids, solve};
-use crate::planes::{COEFFICIENTS, hull, is_moderate, w_is_even};
+use crate::setup::group::{GROUP, Ids, solve};
+use crate::setup::planes::{COEFFICIENTS, hull, is_moderate, w_is_even};
 use crate::setup::{Ranged, TILE, TriangleSetup, origin, widen_attribute, widen_w};
-use crate::visible::NONE;
+use crate::visibility::blocks::Runs;
+use crate::visibility::visible::NONE;
 use crate::{Interp, MAX_ATTRIBUTES, Prepared};
 
 /// Planes of 1/w and of every attribute for each slot of a tile (see [`TileBlocks::slot`](crate::TileBlocks)),

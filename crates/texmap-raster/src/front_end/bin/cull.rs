@@ -4,9 +4,9 @@ use texmap_math::simd::{Isa, prelude::*};
 
 use super::Submission;
 use crate::Cull;
-use crate::arrays::Arrays;
-use crate::group::{GROUP, area_of, edges_of, extremes, least_inside};
-use crate::vertex::SPECIAL;
+use crate::front_end::arrays::Arrays;
+use crate::front_end::transform::SPECIAL;
+use crate::setup::group::{GROUP, area_of, edges_of, extremes, least_inside};
 
 /// A snapped extent below this keeps i32 edge products exact.
 const SMALL: i32 = 1 << 15;

@@ -3,11 +3,11 @@ use alloc::vec::Vec;
 
 use texmap_math::{Level, MemoryBudget};
 
-use crate::arrays::Arrays;
-use crate::edge::{PixelBox, Snapped, area, edges, seen_from, snap};
-use crate::front::{self, Chunk, MOST, Piece, Submission};
+use crate::coverage::edge::{PixelBox, Snapped, area, edges, seen_from, snap};
+use crate::front_end::arrays::Arrays;
+use crate::front_end::bin::{self, Chunk, MOST, Piece, Submission};
+use crate::front_end::transform::{self, Transform};
 use crate::setup::{Fragment, Shape, TILE, TriangleSetup};
-use crate::vertex::{self, Transform};
 use crate::{Draw, Interp, Pass, RasterError, Stats, TargetSize};
 
 /// In 1/256 pixel.
@@ -116,17 +116,17 @@ impl<'a> Prepared<'a> {
             .iter()
             .map(|d| Transform::new(&d.clip_from_object, size))
             .collect();
-        let mut snapped: Vec<_> = draws.iter().map(vertex::room).collect();
+        let mut snapped: Vec<_> = draws.iter().map(transform::room).collect();
         for ((draw, transform), room) in draws.iter().zip(&transforms).zip(&mut snapped) {
             let work = draw
                 .positions
-                .chunks(vertex::CHUNK)
-                .zip(room.chunks_mut(vertex::CHUNK))
+                .chunks(transform::CHUNK)
+                .zip(room.chunks_mut(transform::CHUNK))
                 .collect();
             for_all(threads, work, |(positions, out)| {
-                vertex::snap_all(level, positions, transform, out);
+                transform::snap_all(level, positions, transform, out);
             });
-            vertex::mark_bad_attributes(level, draw, room);
+            transform::mark_bad_attributes(level, draw, room);
         }
         let mut work = Vec::new();
         for (draw_index, draw) in draws.iter().enumerate() {
@@ -142,8 +142,8 @@ impl<'a> Prepared<'a> {
             let triangles = draw.indices.len();
             work.extend(
                 (0..triangles)
-                    .step_by(front::CHUNK)
-                    .map(|at| (submission, at..triangles.min(at + front::CHUNK))),
+                    .step_by(bin::CHUNK)
+                    .map(|at| (submission, at..triangles.min(at + bin::CHUNK))),
             );
         }
         let chunks = map_all(threads, work, |(submission, range)| {
@@ -200,7 +200,7 @@ impl<'a> Prepared<'a> {
             *count = sum;
         }
         let bytes = u64::from(sum) * size_of::<u32>() as u64;
-        front::bins(MemoryBudget::of_process(), bytes)?;
+        bin::bins(MemoryBudget::of_process(), bytes)?;
         let mut next = start.clone();
         self.bin_ids = alloc::vec![0; sum as usize];
         for (tile, ids) in chunks.iter().flat_map(Chunk::runs) {

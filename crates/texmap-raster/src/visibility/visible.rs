@@ -1,10 +1,10 @@
 //! Visibility: per pixel the nearest depth and the fragment that has it.
 use alloc::vec::Vec;
 
-use crate::blocks::{TileBlocks, pixel_of};
-use crate::prepared::decides_visibility;
+use crate::coverage::stamp::BLOCK_PIXELS;
+use crate::front_end::prepared::decides_visibility;
 use crate::setup::{Fragment, TILE};
-use crate::stamp::BLOCK_PIXELS;
+use crate::visibility::blocks::{TileBlocks, pixel_of};
 use crate::{Prepared, block_index};
 
 /// The id of a pixel where nothing was drawn.

@@ -2,11 +2,11 @@
 
 use texmap_math::simd::{Isa, prelude::*};
 
+use super::f64_fallback::Patch;
 use super::planes::PlaneSource;
-use super::repair::Patch;
 use super::{Column, RUN_ROOM, RunBlock};
-use crate::planes::{Perspective, RowPlane};
-use crate::stamp::BLOCK_PIXELS;
+use crate::coverage::stamp::BLOCK_PIXELS;
+use crate::setup::planes::{Perspective, RowPlane};
 
 /// Two attributes of pixels of a block, one in each lane; those outside its mask hold no meaning.
 #[derive(Clone, Copy)]

@@ -4,14 +4,14 @@ use alloc::vec::Vec;
 use texmap_math::dispatch_simd;
 use texmap_math::simd::Isa;
 
-use crate::floor::Floor;
-use crate::group::{GROUP, Group, Known, Sharing};
-use crate::prepared::{Tile, decides_visibility};
-use crate::run::RunBlock;
+use crate::coverage::hierarchical_z::Floor;
+use crate::coverage::stamp::{BLOCK_PIXELS, BLOCKS, stamp_group};
+use crate::front_end::prepared::{Tile, decides_visibility};
+use crate::interpolate::RunBlock;
 use crate::setup::TILE;
-use crate::sinks::{Alone, CutOut, Forward, Last, Visible};
-use crate::stamp::{BLOCK_PIXELS, BLOCKS, stamp_group};
-use crate::visible::{AlphaTest, NONE};
+use crate::setup::group::{GROUP, Group, Known, Sharing};
+use crate::visibility::sinks::{Alone, CutOut, Forward, Last, Visible};
+use crate::visibility::visible::{AlphaTest, NONE};
 use crate::{DepthTest, Draw, Pass, Prepared};
 
 /// The four samples of a pixel, in 1/256 pixel to the right of its centre and below it: the standard locations of Vulkan 1.4,

@@ -2,12 +2,12 @@
 use texmap_math::simd::{Isa, Scalar, prelude::*};
 
 use crate::Prepared;
-use crate::arrays::Arrays;
-use crate::clip::Hom;
-use crate::edge::Edge;
-use crate::planes::{Plane, Solver, depth_is_even, hull};
+use crate::coverage::edge::Edge;
+use crate::front_end::arrays::Arrays;
+use crate::front_end::clip::Hom;
+use crate::front_end::transform::{SPECIAL, Transform};
+use crate::setup::planes::{Plane, Solver, depth_is_even, hull};
 use crate::setup::{DepthPlane, TILE, depth_offset, origin};
-use crate::vertex::{SPECIAL, Transform};
 
 /// Most triangles of a group.
 pub(crate) const GROUP: usize = 16;

@@ -1,7 +1,7 @@
 //! Triangles to 4x4 blocks of pixels: which of the sixteen are covered, and their depth.
 use texmap_math::simd::{Isa, prelude::*};
 
-use crate::group::{GROUP, Group};
+use crate::setup::group::{GROUP, Group};
 use crate::setup::{Depth, DepthRow, TILE};
 
 /// 4x4 blocks across a tile.

@@ -3,10 +3,10 @@
 
 use texmap_math::simd::Isa;
 
-use crate::plane_table::TilePlanes;
-use crate::run::{One, Part, RunBlock};
+use crate::coverage::stamp::BLOCK_PIXELS;
+use crate::interpolate::{One, Part, RunBlock};
 use crate::setup::TILE;
-use crate::stamp::BLOCK_PIXELS;
+use crate::setup::plane_table::TilePlanes;
 use crate::{NONE, TileBlocks};
 
 /// Part of its terms below which 1/w is too close to the eye's plane to say anything.

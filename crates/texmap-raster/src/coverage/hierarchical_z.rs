@@ -1,7 +1,7 @@
 //! Depth for a whole tile: what lies behind a triangle that covers all of it needs no look at any pixel.
 use texmap_math::simd::{Isa, prelude::*};
 
-use crate::group::{GROUP, Group};
+use crate::setup::group::{GROUP, Group};
 use crate::{DepthTest, Draw, Pass};
 
 /// The least depth that is stored anywhere in a tile, as far as it is known: that of triangles that cover all of it.

@@ -3,12 +3,12 @@ use alloc::vec::Vec;
 
 use texmap_math::simd::{Isa, Scalar, prelude::*};
 
-use crate::blocks::pixel_of;
-use crate::prepared::Tile;
-use crate::run::RunBlock;
+use crate::coverage::stamp::{BLOCK_PIXELS, Sink};
+use crate::front_end::prepared::Tile;
+use crate::interpolate::RunBlock;
 use crate::setup::{Fragment, TILE, TriangleSetup};
-use crate::stamp::{BLOCK_PIXELS, Sink};
-use crate::visible::{AlphaTest, NONE};
+use crate::visibility::blocks::pixel_of;
+use crate::visibility::visible::{AlphaTest, NONE};
 use crate::{DepthTest, Prepared};
 
 /// The depth test; depth is reversed, so nearer is larger.

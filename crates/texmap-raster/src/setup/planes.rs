@@ -1,7 +1,7 @@
 //! Planes over the screen from unsnapped homogeneous vertices, in f64, about a local origin; and their f32 forms.
 use texmap_math::simd::{Isa, Scalar, prelude::*};
 
-use crate::clip::Hom;
+use crate::front_end::clip::Hom;
 use crate::setup::{DEPTH_RATIO, LARGEST, REACH, SMALLEST, W_RATIO};
 
 /// `a x + b y + c`: a, b and c; x and y in pixels from the origin that the plane was made about.

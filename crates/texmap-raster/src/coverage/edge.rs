@@ -1,7 +1,7 @@
 //! Coverage: 24.8 fixed-point vertices, exact integer edge functions, the top-left rule.
 use texmap_math::simd::{Isa, Scalar, prelude::*};
 
-use crate::clip::{GUARD_BAND, Hom};
+use crate::front_end::clip::{GUARD_BAND, Hom};
 
 /// Sub-pixel bits of a vertex position.
 pub const SUBPIXEL_BITS: u32 = 8;

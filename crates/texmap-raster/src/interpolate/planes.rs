@@ -4,9 +4,9 @@ use texmap_math::lanes::Line;
 use texmap_math::simd::{Isa, Scalar, Words, prelude::*};
 
 use super::BlockValues;
-use crate::group::GROUP;
-use crate::plane_table::TilePlanes;
-use crate::planes::{COEFFICIENTS, RowPlane};
+use crate::setup::group::GROUP;
+use crate::setup::plane_table::TilePlanes;
+use crate::setup::planes::{COEFFICIENTS, RowPlane};
 
 /// A plane of sixteen slots.
 type GroupPlane = [[f32; GROUP]; COEFFICIENTS];

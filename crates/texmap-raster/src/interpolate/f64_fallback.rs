@@ -6,11 +6,11 @@ use texmap_math::simd::{Isa, Words, prelude::*};
 use super::planes::{Own, PlaneSource};
 use super::values::{BlockValues, Columns, ColumnsAt};
 use super::{Part, Slots};
-use crate::blocks::pixel_of;
-use crate::plane_table::TilePlanes;
-use crate::planes::RowPlane;
+use crate::coverage::stamp::BLOCK_PIXELS;
+use crate::setup::plane_table::TilePlanes;
+use crate::setup::planes::RowPlane;
 use crate::setup::{Fragment, TriangleSetup, WidePixels};
-use crate::stamp::BLOCK_PIXELS;
+use crate::visibility::blocks::pixel_of;
 
 /// What the common way has left to do for pixels of a block.
 enum Rest<'t> {

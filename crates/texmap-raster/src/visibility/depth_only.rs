@@ -4,13 +4,13 @@ use alloc::vec::Vec;
 use texmap_math::dispatch_simd;
 use texmap_math::simd::{Isa, Scalar, prelude::*};
 
-use crate::blocks::Runs;
-use crate::floor::Floor;
-use crate::group::{Group, Sharing};
-use crate::prepared::{decides_visibility, for_all};
+use crate::coverage::hierarchical_z::Floor;
+use crate::coverage::stamp::{BLOCK_PIXELS, BLOCKS, Sink, stamp_group};
+use crate::front_end::prepared::{decides_visibility, for_all};
 use crate::setup::TILE;
-use crate::sinks::passes;
-use crate::stamp::{BLOCK_PIXELS, BLOCKS, Sink, stamp_group};
+use crate::setup::group::{Group, Sharing};
+use crate::visibility::blocks::Runs;
+use crate::visibility::sinks::passes;
 use crate::{AlphaTest, DepthTest, Prepared, TileBlocks};
 
 impl Prepared<'_> {

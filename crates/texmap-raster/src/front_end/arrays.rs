@@ -2,7 +2,7 @@
 use texmap_math::simd::{Isa, Words, prelude::*};
 
 use crate::Draw;
-use crate::edge::Snapped;
+use crate::coverage::edge::Snapped;
 
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Arrays<'a> {

@@ -5,18 +5,18 @@ use core::ops::Range;
 use texmap_math::simd::Isa;
 use texmap_math::{Level, MemoryBudget, OverBudget, dispatch_simd};
 
-use crate::arrays::Arrays;
-use crate::clip::{Corner, Hom, Region, clip, region};
-use crate::edge::{Edge, PixelBox, Snapped, area, centre, edges, snap};
-use crate::group::GROUP;
-use crate::planes::determinant;
+use crate::coverage::edge::{Edge, PixelBox, Snapped, area, centre, edges, snap};
+use crate::front_end::arrays::Arrays;
+use crate::front_end::clip::{Corner, Hom, Region, clip, region};
+use crate::front_end::transform::Transform;
 use crate::setup::TILE;
-use crate::vertex::Transform;
+use crate::setup::group::GROUP;
+use crate::setup::planes::determinant;
 use crate::{Cull, Draw, Interp, RasterError, Stats, TargetSize};
 
-mod sort;
+mod cull;
 
-use sort::Sorted;
+use cull::Sorted;
 
 /// Triangles a chunk.
 pub(crate) const CHUNK: usize = 4096;

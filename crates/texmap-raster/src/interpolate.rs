@@ -4,15 +4,16 @@ use alloc::vec::Vec;
 use texmap_math::simd::{Isa, Words, prelude::*};
 use texmap_math::{Level, dispatch_simd};
 
-use crate::blocks::TileBlocks;
-use crate::plane_table::TilePlanes;
-use crate::planes::{COEFFICIENTS, RowPlane};
+use crate::coverage::stamp::{BLOCK_PIXELS, BLOCKS, block_lanes};
 use crate::setup::TILE;
-use crate::stamp::{BLOCK_PIXELS, BLOCKS, block_lanes};
-use crate::visible::NONE;
+use crate::setup::plane_table::TilePlanes;
+use crate::setup::planes::{COEFFICIENTS, RowPlane};
+use crate::visibility::blocks::TileBlocks;
+use crate::visibility::visible::NONE;
 
+mod f64_fallback;
 mod planes;
-mod repair;
+mod steepest;
 mod values;
 
 pub(crate) use planes::One;
