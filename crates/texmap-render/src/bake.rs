@@ -7,8 +7,8 @@ use texmap_math::glam::DVec3;
 use texmap_raster::{Atlas, AtlasMesh, AtlasOptions, Coverage, RasterError, TargetSize};
 use texmap_sample::Origin;
 
-use crate::canvas::luminance;
-use crate::vertices::{flat_normals, world_normals};
+use texmap_math::color::luminance;
+
 use crate::{RenderError, Scene};
 
 /// What is baked, and how.
@@ -77,7 +77,8 @@ pub fn bake(
             error,
         },
     };
-    let normals: Vec<[f32; 3]> = world_normals(mesh)
+    let normals: Vec<[f32; 3]> = mesh
+        .world_normals()
         .iter()
         .map(|n| n.to_array().map(|c| c as f32))
         .collect();
@@ -107,7 +108,7 @@ pub fn bake(
         },
     )
     .map_err(refused)?;
-    let flat = flat_normals(mesh);
+    let flat = mesh.triangle_normals();
     let matte = Surface {
         color: [1.0; 3],
         ka: 1.0,

@@ -4,28 +4,7 @@ use texmap_math::camera::Camera;
 use texmap_math::glam::{DMat4, DVec3};
 use texmap_sample::Origin;
 
-use crate::{Mesh, RenderError};
-
-/// A rectangle that faces the camera.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Billboard {
-    /// Its middle, in world space.
-    pub position: DVec3,
-    /// Width and height, both above 0.
-    pub size: [f64; 2],
-    /// How it turns.
-    pub facing: Facing,
-}
-
-/// How a billboard turns.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Facing {
-    /// Parallel to the picture, its top where the picture's top is: never seen edge-on.
-    Screen,
-    /// About this direction, its upright, towards the eye: trees. Seen along the axis it is edge-on: a line, which covers
-    /// no pixel; from near there it is foreshortened, as a standing card is.
-    Axis(DVec3),
-}
+use crate::{Billboard, Facing, Mesh};
 
 impl Mesh {
     /// A mesh of billboards, each with the whole picture of the material's texture, which should be cut out by its alpha.
@@ -82,34 +61,6 @@ impl Mesh {
             self.normals
                 .extend([right.cross(up).as_vec3().to_array(); 4]);
         }
-    }
-
-    pub(crate) fn check_billboards(&self) -> Result<(), RenderError> {
-        for (i, board) in self.billboards.iter().enumerate() {
-            let axis = match board.facing {
-                Facing::Screen => DVec3::Y,
-                Facing::Axis(axis) => axis,
-            };
-            let sized = board.size.iter().all(|s| *s > 0.0 && s.is_finite());
-            let turns = axis.is_finite() && axis.length_squared() > 0.0;
-            if !(sized && turns && board.position.is_finite()) {
-                return Err(RenderError::Value {
-                    place: format!("mesh '{}' billboard {i}", self.name),
-                    what: "it".to_owned(),
-                    value: format!("{board:?}"),
-                    expected: "numbers must be finite, sizes above 0 and axes not zero",
-                });
-            }
-        }
-        if !self.billboards.is_empty() && self.displacement.is_some() {
-            return Err(RenderError::Value {
-                place: format!("mesh '{}'", self.name),
-                what: "displacement".to_owned(),
-                value: "that of billboards".to_owned(),
-                expected: "billboards cannot be displaced: give the displacement to another mesh",
-            });
-        }
-        Ok(())
     }
 }
 
@@ -205,7 +156,7 @@ mod tests {
             },
         ] {
             let error = Mesh::of_billboards("trees", vec![good, bad], 0)
-                .check_billboards()
+                .check_shape()
                 .unwrap_err();
             assert!(error.to_string().contains("'trees' billboard 1"), "{error}");
         }

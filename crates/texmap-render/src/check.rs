@@ -1,8 +1,5 @@
 //! Everything is checked before the first pixel.
 
-use texmap_math::glam::DVec3;
-
-use crate::lit::reads_uv;
 use crate::{Material, Mesh, RenderError, Scene, Settings, Shading, TextureSlot};
 
 /// The largest picture side in samples.
@@ -157,7 +154,7 @@ impl Scene {
             || material.opacity_map.is_some()
             || material.decal.is_some()
             || material.emission.as_ref().is_some_and(|e| e.map.is_some())
-            || lit && reads_uv(material);
+            || lit && material.reads_uv();
         if lit && material.light_map.is_some() && mesh.lightmap_uvs.is_empty() {
             return Err(RenderError::MissingLightMapUv {
                 mesh: mesh.name.clone(),
@@ -192,38 +189,6 @@ impl Scene {
 /// Frames closer to the polygon's plane than this (radians) are taken to lie in it: f32 positions of a
 /// tilted polygon are no more exact.
 const FLAT: f64 = 1e-5;
-
-impl Mesh {
-    /// Angle (radians, 0 to pi/2) between the plane of [`frame`](Self::frame) and that of the mesh's first
-    /// triangle with an area; `None` without a frame or without such a triangle. Beyond 0 the texture lies
-    /// in another plane than the polygon (Brackeen 2003: "at an angle when seen head on").
-    #[must_use]
-    pub fn frame_tilt(&self) -> Option<f64> {
-        let frame = self.frame?.normal().normalize_or_zero();
-        let normal = self
-            .triangles
-            .iter()
-            .map(|t| self.cross(*t).normalize_or_zero())
-            .find(|n| *n != DVec3::ZERO)?;
-        Some(texmap_math::det::atan2(
-            frame.cross(normal).length(),
-            frame.dot(normal).abs(),
-        ))
-    }
-
-    /// Cross product of two edges: the normal, twice the area long. Zero if an index is out of range.
-    pub(crate) fn cross(&self, triangle: [u32; 3]) -> DVec3 {
-        let vertex = |i: u32| {
-            self.positions
-                .get(i as usize)
-                .map(|p| DVec3::new(p[0].into(), p[1].into(), p[2].into()))
-        };
-        match triangle.map(vertex) {
-            [Some(a), Some(b), Some(c)] => (b - a).cross(c - a),
-            _ => DVec3::ZERO,
-        }
-    }
-}
 
 impl Settings {
     pub(crate) fn check(&self) -> Result<(), RenderError> {

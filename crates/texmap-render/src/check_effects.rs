@@ -1,14 +1,13 @@
 //! Checks of effects, before the first pixel.
 
 use texmap_light::Light;
-use texmap_math::glam::DVec3;
+use texmap_math::glam::{DMat4, DVec3};
 use texmap_sample::Pattern;
 
 use crate::check::{finite, index, unit_range};
 use crate::effects::{Carving, Relief, Shadow, SlideProjector, SlideRole};
-use crate::shadow::{encloses, shadow_kind};
-use crate::solid::has_volume;
-use crate::{Backdrop, Material, RenderError, Scene, Shading, SolidSource};
+use crate::shadow_fit::{encloses, shadow_kind};
+use crate::{Backdrop, Effects, Material, RenderError, Scene, Shading, SolidSource, Volume};
 
 /// Parts of a material that only surfaces lit per pixel read.
 fn read_per_pixel(material: &Material) -> Vec<&'static str> {
@@ -240,4 +239,42 @@ impl Scene {
             None => Ok(()),
         }
     }
+}
+
+impl Volume {
+    /// What a check of the scene finds wrong with it.
+    fn check(&self, number: usize, effects: &Effects) -> Result<(), RenderError> {
+        let place = || format!("volume {number}");
+        index(place, "grid", self.grid as u64, effects.grids.len())?;
+        if !(self.density.is_finite() && self.density >= 0.0) {
+            return Err(fault(number, "density", self.density.to_string()));
+        }
+        if !(self.step.is_finite() && self.step > 0.0) {
+            return Err(fault(number, "step", self.step.to_string()));
+        }
+        if !has_volume(&self.world_from_volume) {
+            let matrix = self.world_from_volume.to_string();
+            return Err(fault(number, "placement", matrix));
+        }
+        Ok(())
+    }
+}
+
+pub(crate) fn fault(number: usize, what: &str, value: String) -> RenderError {
+    RenderError::Value {
+        place: format!("volume {number}"),
+        what: what.to_owned(),
+        value,
+        expected: "the density must be finite and not negative, the step finite and above 0, no side of the box 0",
+    }
+}
+
+/// Whether a matrix can be turned round.
+fn has_volume(matrix: &DMat4) -> bool {
+    let determinant = matrix.determinant();
+    let inverse = matrix.inverse();
+    determinant != 0.0
+        && determinant.is_finite()
+        && inverse.is_finite()
+        && inverse.transform_vector3(DVec3::ONE).as_vec3().is_finite()
 }

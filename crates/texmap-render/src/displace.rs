@@ -13,50 +13,8 @@ use texmap_math::glam::{DMat4, DVec3};
 use texmap_sample::{Sampler, Texture2d};
 
 use crate::refine::{Net, Triangle, Vertex};
-use crate::vertices::object_normals;
-use crate::{Mesh, RenderError, Scene, TextureSlot};
 
-/// A height map that moves the surface of a mesh.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Displacement {
-    /// The heights: red channel, data. A filter with mip levels reads the level whose texels are as far apart as the vertices.
-    pub slot: TextureSlot,
-    /// How far a value of 1 above `middle` moves the surface along its normal, in units of the object; negative moves it in.
-    pub height: f32,
-    /// The value that leaves the surface where it is.
-    pub middle: f32,
-    /// How fine triangles become.
-    pub budget: EdgeBudget,
-    /// More triangles than this, of all displaced meshes together, are refused.
-    pub max_triangles: u32,
-}
-
-impl Displacement {
-    /// Edges of at most two pixels, black stays, at most [`MAX_TRIANGLES`](Self::MAX_TRIANGLES).
-    #[must_use]
-    pub fn new(slot: TextureSlot, height: f32) -> Self {
-        Self {
-            slot,
-            height,
-            middle: 0.0,
-            budget: EdgeBudget::Pixels(2.0),
-            max_triangles: Self::MAX_TRIANGLES,
-        }
-    }
-
-    /// Triangles that are allowed unless said otherwise.
-    pub const MAX_TRIANGLES: u32 = 4_000_000;
-}
-
-/// The longest edge of a displaced mesh.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum EdgeBudget {
-    /// Texels of the height map.
-    Texels(f32),
-    /// Pixels of the picture, as a line of this length square to the view at the middle of the edge would have, wherever the
-    /// camera looks; but no edge below half a texel is halved.
-    Pixels(f32),
-}
+use crate::{EdgeBudget, Mesh, RenderError, Scene};
 
 /// Memory that displacement takes at its peak for each triangle that it makes, measured: cut triangles with their vertices and
 /// edges, then points before and after with their normals, then the finished mesh.
@@ -138,7 +96,7 @@ fn join(scene: &Scene) -> (Net, Vec<usize>) {
     let add =
         |net: &mut Net, points: &mut HashMap<_, u32>, place: usize, mesh: &Mesh, number: usize| {
             let first = net.vertices.len() as u32;
-            for (v, (p, n)) in mesh.positions.iter().zip(object_normals(mesh)).enumerate() {
+            for (v, (p, n)) in mesh.positions.iter().zip(mesh.object_normals()).enumerate() {
                 let vertex = Vertex {
                     point: *points.entry(key(place, p)).or_insert_with(|| {
                         net.points.push(*p);

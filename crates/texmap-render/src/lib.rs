@@ -72,6 +72,7 @@ mod canvas;
 mod carved;
 mod check;
 mod check_effects;
+mod check_shapes;
 mod coordinates;
 mod direct;
 mod displace;
@@ -84,6 +85,8 @@ mod light_names;
 mod lit;
 mod lit_lanes;
 mod lit_texels;
+mod material;
+mod mesh;
 mod plan;
 pub mod planner;
 mod ready;
@@ -96,9 +99,12 @@ mod settings;
 mod shade;
 mod shadow;
 mod shadow_cut;
+pub mod shadow_fit;
 mod shaped;
+mod shapes;
 mod skin;
 mod solid;
+mod solid_field;
 mod texel;
 mod text;
 mod textures;
@@ -108,27 +114,24 @@ mod vertices;
 mod views;
 mod volume;
 
-pub use backdrop::Backdrop;
 pub use bake::{BakeOptions, LightMap, bake};
-pub use billboard::{Billboard, Facing};
-pub use displace::{Displacement, EdgeBudget};
 pub use effects::{
-    Carving, Effects, Emission, LightMapSlot, Reflection, Relief, Shadow, SlideProjector,
-    SlideRole, SurfaceMaps,
+    Backdrop, Carving, Effects, Emission, LightMapSlot, Reflection, Relief, Shadow, SlideProjector,
+    SlideRole, Solid, SolidSource, SurfaceMaps, Volume,
 };
 pub use error::RenderError;
 pub use frame::{AovData, Frame, HOLE_BITS, Stats, Times, hash_pixels, pixel_hash};
 pub use light_names::is_light_name;
+pub use material::{AlphaMode, Gouraud, Material, Shading, TextureRole, TextureSlot};
+pub use mesh::Mesh;
 pub use render::{Renderer, render, render_ordered};
-pub use scene::{
-    AlphaMode, ColorMode, Gouraud, Material, Mesh, Scene, Shading, TextureRole, TextureSlot,
-};
+pub use scene::{ColorMode, Scene};
 pub use settings::{Aov, Settings, UnknownAov};
-pub use shadow::{shadow_bias, shadow_kind, shadow_map, shadow_map_for};
+pub use shadow::{shadow_map, shadow_map_for};
+pub use shadow_fit::{shadow_bias, shadow_kind};
+pub use shapes::{Billboard, Displacement, EdgeBudget, Facing};
 pub use skin::{Bone, Skeleton, Skin, SkinBlend, turn, turn_by};
-pub use solid::{Solid, SolidSource};
+pub use solid_field::SolidField;
 pub use text::Font;
 pub use vertex_stage::MeshVertex;
-pub use vertices::world_normals;
 pub use views::environment_of;
-pub use volume::Volume;

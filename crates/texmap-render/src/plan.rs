@@ -12,12 +12,13 @@ use texmap_raster::{AlphaTest, Draw, Fragment, UvBlock};
 use texmap_sample::Origin;
 
 use crate::backdrop::{SkyStage, behind};
-use crate::coordinates::{Coordinates, EyeRays, Rays};
+use crate::coordinates::{Coordinates, EyeRays};
 use crate::ready::Ready;
 use crate::texel::TexelStage;
 use crate::textures::{Chains, Slot};
 use crate::volume::{VolumeStage, far_sides};
 use crate::{Aov, Backdrop, RenderError, Scene, Settings};
+use texmap_math::ViewRays;
 
 pub(crate) use cut::{Cut, cut};
 pub(crate) use light_stage::LightStage;
@@ -81,7 +82,7 @@ impl<'s> Plan<'s> {
                 .transfer
                 .as_ref()
                 .map(|slot| (&scene.textures[slot.texture], &slot.sampler));
-            let rays = Rays::new(view.half, view.size);
+            let rays = ViewRays::new(view.half, view.size);
             let to_view = view.view_from_world;
             let level = settings.level;
             let stage =
@@ -97,7 +98,7 @@ impl<'s> Plan<'s> {
             lights: &scene.lights,
             ready: Arc::clone(ready),
             eye,
-            rays: EyeRays::new(&Rays::new(view.half, view.size), view.view_from_world),
+            rays: EyeRays::new(&ViewRays::new(view.half, view.size), view.view_from_world),
             level: settings.level,
         })
     }
@@ -151,7 +152,7 @@ fn sky<'s>(
         }
         Backdrop::Environment(index) => {
             let environment = &scene.effects.environments[*index];
-            let rays = Rays::new(view.half, view.size);
+            let rays = ViewRays::new(view.half, view.size);
             let stage = SkyStage::new(environment, &rays, view.view_from_world);
             surface.space = Some(Box::new(Space::Sky(stage)));
             surface.shaded = 0;

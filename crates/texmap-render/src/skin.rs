@@ -4,10 +4,9 @@
 //! volume where bones bend: blending two rotations shrinks. For a bend by an angle `a` whose weights change linearly over a
 //! band of width `b`, a limb of constant symmetric section `s` loses the volume `s b (1 - cos a) / 6`.
 
-use texmap_math::det;
 use texmap_math::glam::{DMat3, DMat4, DVec3};
+use texmap_math::{det, narrow, wide};
 
-use crate::vertices::{linear, narrow, wide};
 use crate::{Mesh, RenderError};
 
 /// Up to four bones and their weights for each vertex.
@@ -83,8 +82,9 @@ impl Skin {
             }
             vertex.position = narrow(matrix.transform_point3(wide(vertex.position)));
             if vertex.normal != [0.0; 3] {
-                vertex.normal =
-                    narrow((cofactors(linear(matrix)) * wide(vertex.normal)).normalize_or_zero());
+                vertex.normal = narrow(
+                    (cofactors(DMat3::from_mat4(matrix)) * wide(vertex.normal)).normalize_or_zero(),
+                );
             }
             vertex
         })

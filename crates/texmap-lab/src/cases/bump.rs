@@ -142,7 +142,7 @@ pub(super) fn b5() -> Result<Vec<Measurement>, LabError> {
         world_from_object: world,
         ..Mesh::default()
     };
-    for (i, found) in texmap_render::world_normals(&mesh).iter().enumerate() {
+    for (i, found) in mesh.world_normals().iter().enumerate() {
         worst = worst.max(degrees(*found, truths[i]));
         let straight = DMat3::from_mat4(world) * points[i];
         naive = naive.max(degrees(straight, truths[i]));

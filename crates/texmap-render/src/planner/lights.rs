@@ -4,10 +4,9 @@ use texmap_light::{Light, ShadowBias};
 use texmap_math::glam::DVec3;
 
 use crate::effects::Shadow;
-use crate::ready::{fitting_size, texel_in_pixels};
-use crate::shadow::{shadow_bias, shadow_kind};
-use crate::vertices::wide;
+use crate::shadow_fit::{fitting_size, shadow_bias, shadow_kind, texel_in_pixels};
 use crate::{Mesh, RenderError, Scene, Shading};
+use texmap_math::wide;
 
 /// A light that reaches nothing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
