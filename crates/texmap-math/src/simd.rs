@@ -30,11 +30,13 @@
 //! ```
 
 mod dispatch;
+mod encode;
 mod isa;
 mod scalar;
 mod wide;
 
 pub use crate::lanes::Words;
+pub use encode::{encode_srgb8, encode_unorm8};
 pub use fearless_simd::Level;
 pub use isa::{Compare, F32s, Float, I32s, Int, Isa, Mask, Number, Select, U32s};
 pub use scalar::{One, Scalar};
