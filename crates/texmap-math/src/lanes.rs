@@ -17,7 +17,6 @@ use fearless_simd::Level;
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x16, i32x16, u32x16};
 
-
 mod bytes;
 mod gather;
 mod table;

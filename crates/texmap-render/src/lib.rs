@@ -64,36 +64,26 @@
     )
 )]
 
-mod backdrop;
 mod bake;
 mod billboard;
-mod block;
-mod canvas;
-mod carved;
 mod check;
 mod check_effects;
 mod check_shapes;
-mod coordinates;
-mod direct;
 mod displace;
 mod effects;
-mod emission;
 mod error;
 mod frame;
 mod height_field;
 mod light_names;
 mod lit;
-mod lit_lanes;
-mod lit_texels;
 mod material;
 mod mesh;
 mod plan;
 pub mod planner;
 mod ready;
 mod refine;
-mod relief;
 mod render;
-mod rows;
+mod resolve;
 mod scene;
 mod settings;
 mod shade;
@@ -103,16 +93,13 @@ pub mod shadow_fit;
 mod shaped;
 mod shapes;
 mod skin;
-mod solid;
 mod solid_field;
-mod texel;
 mod text;
 mod textures;
 mod tile;
 mod vertex_stage;
 mod vertices;
 mod views;
-mod volume;
 
 pub use bake::{BakeOptions, LightMap, bake};
 pub use effects::{

@@ -8,11 +8,11 @@ use texmap_math::Footprint;
 use texmap_math::glam::DVec3;
 use texmap_raster::Fragment;
 
-use crate::coordinates::attributes;
 use crate::effects::{LightMapSlot, Reflection};
 use crate::plan::Plan;
 use crate::ready::Ready;
-use crate::relief::ReliefStage;
+use crate::shade::coordinates::attributes;
+use crate::shade::normal::ReliefStage;
 use crate::textures::{Chains, Slot};
 use crate::vertices::{Values, Vertices};
 use crate::{Material, Mesh, Scene, Settings};

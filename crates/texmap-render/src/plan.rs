@@ -11,12 +11,12 @@ use texmap_math::glam::DMat4;
 use texmap_raster::{AlphaTest, Draw, Fragment, UvBlock};
 use texmap_sample::Origin;
 
-use crate::backdrop::{SkyStage, behind};
-use crate::coordinates::{Coordinates, EyeRays};
 use crate::ready::Ready;
-use crate::texel::TexelStage;
+use crate::shade::coordinates::{Coordinates, EyeRays};
+use crate::shade::sky::{SkyStage, behind};
+use crate::shade::unlit::TexelStage;
+use crate::shade::volume::{VolumeStage, far_sides};
 use crate::textures::{Chains, Slot};
-use crate::volume::{VolumeStage, far_sides};
 use crate::{Aov, Backdrop, RenderError, Scene, Settings};
 use texmap_math::ViewRays;
 
@@ -223,7 +223,7 @@ mod tests {
             let chains = Chains::new(&scene, &settings).unwrap();
             let ready = Arc::new(Ready::new(&scene, &settings).unwrap());
             let plan = Plan::new(&scene, &settings, &chains, &ready, (8, 8), &[]).unwrap();
-            crate::lit_lanes::LitLanes::new(&plan, &plan.surfaces[0]).is_some()
+            crate::shade::lighting::LitLanes::new(&plan, &plan.surfaces[0]).is_some()
         };
         let normals = |object_space| crate::Relief::NormalMap {
             slot: slot(Filter::Trilinear).unwrap(),

@@ -8,11 +8,11 @@ use std::time::{Duration, Instant};
 use rayon::prelude::*;
 use texmap_raster::{Draw, Prepared, SAMPLES_4, TILE, TargetSize};
 
-use crate::block::{Block, Job, Scratch};
 use crate::plan::Plan;
 use crate::ready::Ready;
-use crate::rows::{AovParts, blocks, split};
+use crate::resolve::rows::{AovParts, blocks, split};
 use crate::textures::Chains;
+use crate::tile::job::{Block, Job, Scratch};
 use crate::{Aov, AovData, Frame, HOLE_BITS, RenderError, Scene, Settings, Stats};
 
 /// Draws a scene: [`Renderer::new`], then [`Renderer::draw`].

@@ -8,7 +8,7 @@ use texmap_light::{Surface, Terms, reflect, terms};
 use texmap_math::glam::DVec3;
 use texmap_raster::Cull;
 
-use crate::relief::corner_tangents;
+use crate::shade::normal::corner_tangents;
 use crate::{Mesh, Scene};
 
 /// A group of attributes.

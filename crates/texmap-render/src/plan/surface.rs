@@ -5,16 +5,16 @@ use texmap_raster::{DepthTest, Fragment, Interp, Pass};
 
 use super::light_stage::{LightStage, light_stage, lights_depend_on_place};
 use super::{Cut, View, cut};
-use crate::backdrop::SkyStage;
-use crate::coordinates::Coordinates;
-use crate::emission::EmissionStage;
 use crate::lit::SurfaceEffects;
 use crate::ready::Ready;
-use crate::solid::SolidStage;
-use crate::texel::TexelStage;
+use crate::shade::coordinates::Coordinates;
+use crate::shade::emission::EmissionStage;
+use crate::shade::sky::SkyStage;
+use crate::shade::solid::SolidStage;
+use crate::shade::unlit::TexelStage;
+use crate::shade::volume::VolumeStage;
 use crate::textures::{Chains, Slot};
 use crate::vertices::{Values, VertexData, Vertices};
-use crate::volume::VolumeStage;
 use crate::{
     AlphaMode, Aov, Gouraud, Material, Mesh, Scene, Settings, Shading, TextureRole, TextureSlot,
 };

@@ -2,7 +2,7 @@
 
 use super::{Stages, with_alpha};
 use crate::plan::{LightStage, Surface};
-use crate::texel::clip;
+use crate::shade::unlit::clip;
 use crate::{AlphaMode, TextureRole};
 use texmap_math::color::straight;
 

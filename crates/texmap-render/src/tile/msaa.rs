@@ -6,8 +6,8 @@ use texmap_raster::{BlockSink, NONE, RunBlock, TileBlocks, TilePlanes};
 use texmap_sample::lanes::View;
 
 use super::{BLOCKS, EMPTY, Painter, RUN_BLOCKS, Sample, Scenery, blended};
-use crate::canvas::{Canvas, LANES, bits, finish, put_block};
-use crate::direct::{Asked, Brush, Direct, From, Levels, Source};
+use crate::resolve::tile_buffer::{Canvas, LANES, bits, finish, put_block};
+use crate::shade::texels::{Asked, Brush, Direct, From, Levels, Source};
 use texmap_math::on_wide_level;
 
 /// `by[j][k]`: the pixels of a block whose sample j shows the fragment that sample k showed first.

@@ -7,7 +7,7 @@ use texmap_math::lanes::below;
 use texmap_raster::{RUN_ROOM, RunValues};
 use texmap_sample::{Places, gives_bytes, sample_columns, sample_rgba8_columns};
 
-use crate::canvas::{Colors, LANES, finish, straight_lanes};
+use crate::resolve::tile_buffer::{Colors, LANES, finish, straight_lanes};
 use crate::textures::Slot;
 use crate::{AlphaMode, ColorMode, Material, TextureRole};
 use texmap_math::color::straight;

@@ -11,12 +11,12 @@ use texmap_sample::Origin;
 use texmap_sample::sample_columns;
 
 use crate::Mesh;
-use crate::canvas::{Colors, LANES, straight_lanes};
-use crate::carved::Carved;
 use crate::effects::Relief;
 use crate::lit::{Sample, Site};
+use crate::resolve::tile_buffer::{Colors, LANES, straight_lanes};
+use crate::shade::procedural::Carved;
 use crate::shade::three;
-use crate::texel::{RunUv, places};
+use crate::shade::unlit::{RunUv, places};
 use crate::textures::Slot;
 use crate::vertices::{Values, Vertices};
 use texmap_math::color::straight;

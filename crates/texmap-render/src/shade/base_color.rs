@@ -13,8 +13,8 @@ use texmap_sample::lanes::packed::{self, FootprintLanes};
 use texmap_sample::lanes::{Kind, RGBA8, View};
 use texmap_sample::sample_columns;
 
-use crate::canvas::{Colors, LANES};
-use crate::texel::{RunUv, places};
+use crate::resolve::tile_buffer::{Colors, LANES};
+use crate::shade::unlit::{RunUv, places};
 use crate::textures::Slot;
 use crate::tile::ATTRIBUTES;
 pub(crate) use map::MapTexels;

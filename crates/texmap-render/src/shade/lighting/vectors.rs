@@ -5,10 +5,10 @@ use texmap_math::fearless_simd::{Simd, f32x16, prelude::*};
 use texmap_raster::{Column, RUN_ROOM, RunBlock, RunValues, TilePlanes};
 
 use super::{LitLanes, Relief};
-use crate::canvas::{LANES, vector};
-use crate::lit_texels::SlideTexels;
-use crate::relief::Space;
+use crate::resolve::tile_buffer::{LANES, vector};
 use crate::shade::Run;
+use crate::shade::base_color::SlideTexels;
+use crate::shade::normal::Space;
 
 /// Columns of vectors.
 pub(super) const NORMAL: usize = 0;

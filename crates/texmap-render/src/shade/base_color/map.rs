@@ -5,8 +5,8 @@ use texmap_math::fearless_simd::{Simd, f32x16};
 use texmap_raster::RunValues;
 use texmap_sample::sample_columns;
 
-use crate::canvas::{Colors, LANES, straight_lanes};
-use crate::texel::places;
+use crate::resolve::tile_buffer::{Colors, LANES, straight_lanes};
+use crate::shade::unlit::places;
 use crate::textures::Slot;
 
 /// A map's texels over a run, premultiplied.

@@ -9,8 +9,8 @@ use texmap_sample::lanes::packed::{self, FootprintLanes};
 use texmap_sample::{Places, sample_columns};
 
 use super::{Spots, Texels, look_up_words, packed_view};
-use crate::canvas::{LANES, vector};
-use crate::texel::RunUv;
+use crate::resolve::tile_buffer::{LANES, vector};
+use crate::shade::unlit::RunUv;
 
 /// The look-ups of a slide.
 pub(crate) struct SlideLookUp<'a> {

@@ -4,7 +4,7 @@ use texmap_math::fearless_simd::{Simd, prelude::*, u8x16, u8x64, u32x4, u32x16};
 use texmap_math::{Level, on_wide_level};
 use texmap_raster::{RunBlock, TILE};
 
-use super::{Canvas, LANES};
+use super::tile_buffer::{Canvas, LANES};
 
 /// Bytes of a tile's row.
 const ROW: usize = 4 * TILE as usize;

@@ -7,11 +7,11 @@ use texmap_math::{Level, ViewRays};
 use texmap_raster::{Cull, DepthTest};
 use texmap_sample::{Sampler, Texture2d};
 
-use crate::canvas::Colors;
 use crate::check_effects::fault;
 use crate::plan::Surface;
+use crate::resolve::tile_buffer::Colors;
 use crate::shade::Run;
-use crate::texel::clip;
+use crate::shade::unlit::clip;
 use crate::vertices::VertexData;
 use crate::{AlphaMode, Material, Mesh, RenderError, Scene, Shading, Volume};
 

@@ -7,16 +7,18 @@ use texmap_raster::{
 };
 
 use crate::ColorMode;
-use crate::canvas::{Canvas, Colors, LANES, finish, rows_fit};
-use crate::direct::{Direct, From, Levels};
-use crate::lit_lanes::{LitLanes, LitScratch};
 use crate::plan::Plan;
+use crate::resolve::copy::rows_fit;
+use crate::resolve::tile_buffer::{Canvas, Colors, LANES, finish};
+use crate::shade::lighting::{LitLanes, LitScratch};
+use crate::shade::texels::{Direct, From, Levels};
+use crate::shade::unlit::TexelStage;
 use crate::shade::{Run, Stages};
-use crate::texel::TexelStage;
 
-mod multisample;
+pub(crate) mod job;
+mod msaa;
 
-use multisample::{Sharing, Strays};
+use msaa::{Sharing, Strays};
 
 /// Blocks a run.
 const RUN_BLOCKS: usize = RUN / LANES;

@@ -1,7 +1,18 @@
 //! Shading in stages over a run of samples of one surface: coordinates -> base colour -> opacity -> light -> compose.
 //! A stage that the surface lacks is not run.
 
+pub(crate) mod base_color;
 mod compose;
+pub(crate) mod coordinates;
+pub(crate) mod emission;
+pub(crate) mod lighting;
+pub(crate) mod normal;
+pub(crate) mod procedural;
+pub(crate) mod sky;
+pub(crate) mod solid;
+pub(crate) mod texels;
+pub(crate) mod unlit;
+pub(crate) mod volume;
 
 use texmap_light::{Terms, terms_slice};
 use texmap_math::{Footprint, Level};
@@ -11,10 +22,10 @@ use texmap_raster::{
 use texmap_sample::sample_slice;
 use texmap_uv::PixelMapping;
 
-use crate::canvas::{Colors, LANES, bits};
-use crate::coordinates::Coordinates;
 use crate::lit::{Sample, SurfaceEffects};
 use crate::plan::{LightStage, Plan, Space, Surface};
+use crate::resolve::tile_buffer::{Colors, LANES, bits};
+use crate::shade::coordinates::Coordinates;
 use crate::textures::Slot;
 use texmap_math::color::{luminance, straight};
 

@@ -1,6 +1,6 @@
 //! Light in bands: pixel by pixel between the stages that have lanes.
 
-use crate::canvas::{LANES, bits};
+use crate::resolve::tile_buffer::{LANES, bits};
 use crate::textures::Slot;
 use texmap_math::color::{luminance, straight};
 

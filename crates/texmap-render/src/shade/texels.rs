@@ -8,9 +8,10 @@ use texmap_raster::{
 use texmap_sample::lanes::packed::{self, FootprintLanes};
 use texmap_sample::lanes::{Kind, View};
 
-use crate::canvas::{Canvas, LANES, over_block, put_block, put_block_rows};
 use crate::plan::Surface;
-use crate::texel::{RunUv, TexelStage};
+use crate::resolve::copy::put_block_rows;
+use crate::resolve::tile_buffer::{Canvas, LANES, over_block, put_block};
+use crate::shade::unlit::{RunUv, TexelStage};
 use texmap_math::on_wide_level;
 
 /// What a surface's texels are painted with.

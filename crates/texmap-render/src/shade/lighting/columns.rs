@@ -13,10 +13,10 @@ use super::banded::banded;
 use super::side::{Side, Three, load};
 use super::vectors::{NORMAL, POSITION, TANGENT, changes, column, three};
 use super::{AMBIENT, EXPONENT, Lamp, LitLanes, REFLECTIVITY, Reads, Relief, SPECULAR};
-use crate::canvas::{Colors, LANES};
 use crate::plan::LightStage;
-use crate::relief::Space;
+use crate::resolve::tile_buffer::{Colors, LANES};
 use crate::shade::Run;
+use crate::shade::normal::Space;
 
 /// What the stages of a run read.
 pub(super) struct Columns<'a> {

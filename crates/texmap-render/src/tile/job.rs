@@ -3,11 +3,12 @@
 use texmap_math::color;
 use texmap_raster::{Fragment, NONE, Prepared, TILE, TileBlocks, TriangleSetup, block_index};
 
-use crate::canvas::{fill_rows, finish};
-use crate::direct::Direct;
-use crate::lit_lanes::LitLanes;
 use crate::plan::{Plan, Surface};
-use crate::rows::AovRows;
+use crate::resolve::copy::fill_rows;
+use crate::resolve::rows::AovRows;
+use crate::resolve::tile_buffer::finish;
+use crate::shade::lighting::LitLanes;
+use crate::shade::texels::Direct;
 use crate::shade::{facing_normal, three};
 use crate::tile::{Painter, Scenery, is_whole};
 use crate::{Aov, ColorMode, HOLE_BITS, Scene, Settings};

@@ -1,15 +1,12 @@
 //! The colours of a tile, in the 4x4 blocks of the rasterizer: as finished bytes where nothing is to be mixed, else as
 //! premultiplied light (raw values in raw mode).
 
-mod copy;
-
 use texmap_math::color::straight;
 use texmap_math::fearless_simd::{Simd, f32x16, mask32x16, prelude::*, u32x16};
 use texmap_math::{Level, color, lanes};
 use texmap_raster::{RUN_ROOM, RunBlock, TILE};
 
 use crate::ColorMode;
-pub(crate) use copy::{fill_rows, put_block_rows, rows_fit};
 use texmap_math::on_wide_level;
 
 /// Pixels of a block.
@@ -45,7 +42,7 @@ impl Colors {
 
 pub(crate) struct Canvas {
     /// Packed straight RGBA bytes, red lowest.
-    words: Vec<u32>,
+    pub(super) words: Vec<u32>,
     /// Block by block.
     light: Vec<f32>,
 }

@@ -16,14 +16,16 @@ use texmap_math::on_wide_level;
 use texmap_raster::{RunBlock, RunValues, TilePlanes};
 
 use crate::TextureRole;
-use crate::canvas::{Colors, LANES};
-use crate::carved::Carved;
-use crate::coordinates::{Coordinates, EyeRays};
 use crate::lit::SurfaceEffects;
-use crate::lit_texels::{LookUpScratch, LookUps, MapTexels, SlideLookUp, SlideTexels, Texels};
 use crate::plan::{LightStage, Plan, Surface};
 use crate::ready::{Ready, Thrown};
-use crate::relief::{ReliefStage, SlopeTexels, Space};
+use crate::resolve::tile_buffer::{Colors, LANES};
+use crate::shade::base_color::{
+    LookUpScratch, LookUps, MapTexels, SlideLookUp, SlideTexels, Texels,
+};
+use crate::shade::coordinates::{Coordinates, EyeRays};
+use crate::shade::normal::{ReliefStage, SlopeTexels, Space};
+use crate::shade::procedural::Carved;
 use crate::shade::{Run, Stages};
 use crate::textures::Slot;
 use columns::Columns;
