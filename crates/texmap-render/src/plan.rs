@@ -14,7 +14,7 @@ use texmap_sample::Origin;
 use crate::ready::Ready;
 use crate::shade::coordinates::{Coordinates, EyeRays};
 use crate::shade::sky::{SkyStage, behind};
-use crate::shade::unlit::TexelStage;
+use crate::shade::unlit::UnlitColor;
 use crate::shade::volume::{VolumeStage, far_sides};
 use crate::textures::{Chains, Slot};
 use crate::{Aov, Backdrop, RenderError, Scene, Settings};
@@ -146,7 +146,7 @@ fn sky<'s>(
         Backdrop::Picture(slot) => {
             let slot = Slot::new(slot, scene, settings, chains, Origin::TopLeft);
             surface.solid = !slot.can_be_transparent();
-            surface.texel = TexelStage::new(surface.material, Some(&slot), scene.color);
+            surface.unlit = UnlitColor::new(surface.material, Some(&slot), scene.color);
             surface.uv = Coordinates::Vertices;
             surface.base_color = Some(slot);
         }

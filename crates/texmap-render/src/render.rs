@@ -154,7 +154,7 @@ impl<'s> Renderer<'s> {
     #[must_use]
     pub fn staged(mut self) -> Self {
         for plan in self.centres.iter_mut().chain([&mut self.plan]) {
-            plan.surfaces.iter_mut().for_each(|s| s.texel = None);
+            plan.surfaces.iter_mut().for_each(|s| s.unlit = None);
         }
         self
     }

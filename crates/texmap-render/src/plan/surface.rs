@@ -11,7 +11,7 @@ use crate::shade::coordinates::Coordinates;
 use crate::shade::emission::EmissionStage;
 use crate::shade::sky::SkyStage;
 use crate::shade::solid::SolidStage;
-use crate::shade::unlit::TexelStage;
+use crate::shade::unlit::UnlitColor;
 use crate::shade::volume::VolumeStage;
 use crate::textures::{Chains, Slot};
 use crate::vertices::{Values, VertexData, Vertices};
@@ -47,13 +47,13 @@ pub(crate) struct Surface<'s> {
     /// Every look-up of the base colour is opaque.
     pub(crate) solid: bool,
     /// The one stage of a surface that needs no other.
-    pub(crate) texel: Option<TexelStage>,
+    pub(crate) unlit: Option<UnlitColor>,
     /// `None` if nothing is cut out.
     pub(super) cut: Option<Cut>,
     pub(crate) pass: Pass,
     /// Instead of the scene's.
     pub(super) depth_test: Option<DepthTest>,
-    pub(super) vertices: VertexData<'s>,
+    pub(crate) vertices: VertexData<'s>,
     pub(super) interp: Interp,
     pub(super) interp_scale: f32,
     pub(super) clip_from_object: DMat4,
@@ -93,7 +93,7 @@ impl<'s> Surface<'s> {
             position: None,
             shaded: vertices.attribute_count,
             solid: false,
-            texel: None,
+            unlit: None,
             cut: None,
             pass: Pass::Blended,
             depth_test: Some(depth_test),
@@ -223,14 +223,14 @@ pub(super) fn surface<'s>(
         position = Some(vertices.push(Values::Position, false));
     }
     let at_a_vertex = matches!(uv, Coordinates::Vertices) || base_color.is_none();
-    let unlit = matches!(light, LightStage::None) && color.is_none() && opacity_map.is_none();
+    let is_unlit = matches!(light, LightStage::None) && color.is_none() && opacity_map.is_none();
     let plain = !material.crisp
         && color_ramp.is_none()
         && decal.is_none()
         && carved.is_none()
         && emission.is_none();
-    let texel = (at_a_vertex && unlit && plain)
-        .then(|| TexelStage::new(material, base_color.as_ref(), scene.color))
+    let unlit = (at_a_vertex && is_unlit && plain)
+        .then(|| UnlitColor::new(material, base_color.as_ref(), scene.color))
         .flatten();
 
     let vertices = vertices.finish(scene, mesh);
@@ -254,7 +254,7 @@ pub(super) fn surface<'s>(
         position,
         shaded,
         solid: !clear_texels,
-        texel,
+        unlit,
         cut,
         pass,
         depth_test: None,

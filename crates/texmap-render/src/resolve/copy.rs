@@ -4,7 +4,8 @@ use texmap_math::fearless_simd::{Simd, prelude::*, u8x16, u8x64, u32x4, u32x16};
 use texmap_math::{Level, on_wide_level};
 use texmap_raster::{RunBlock, TILE};
 
-use super::tile_buffer::{Canvas, LANES};
+use super::tile_buffer::TileBuffer;
+use crate::shade::batch::{LANES, set_bits};
 
 /// Bytes of a tile's row.
 const ROW: usize = 4 * TILE as usize;
@@ -14,7 +15,7 @@ const BAND: usize = 4 * TILE as usize;
 const LINE: usize = 64;
 const QUAD: usize = 16;
 
-impl Canvas {
+impl TileBuffer {
     /// Finished pixels to the tile's rows of the frame.
     pub(crate) fn copy_to(&self, level: Level, rows: &mut [&mut [u8]]) {
         let whole = cfg!(target_endian = "little") && rows.iter().all(|row| row.len() == ROW);
@@ -95,32 +96,23 @@ pub(crate) fn rows_fit(rows: &[&mut [u8]]) -> bool {
         && rows.iter().all(|row| row.len() == ROW)
 }
 
-/// Puts finished pixels of a block in the tile's rows.
+/// Stores the encoded colors of a block in the rows of the tile.
 #[inline(always)]
-pub(crate) fn put_block_rows<S: Simd>(
-    s: S,
-    rows: &mut [&mut [u8]],
-    at: RunBlock,
-    front: u32x16<S>,
-) {
+pub(crate) fn put_block_rows(rows: &mut [&mut [u8]], at: RunBlock, words: &[u32; LANES]) {
     let (x, y) = (usize::from(at.block) % 16, usize::from(at.block) / 16);
     let Some(rows) = rows.get_mut(4 * y..4 * y + 4) else {
         return;
     };
-    let (upper, lower) = s.split_u32x16(front);
-    let ((a, b), (c, d)) = (s.split_u32x8(upper), s.split_u32x8(lower));
-    for (i, (row, four)) in rows.iter_mut().zip([a, b, c, d]).enumerate() {
-        let Some(to) = row.get_mut(x * QUAD..(x + 1) * QUAD) else {
+    for (k, (row, four)) in rows.iter_mut().zip(words.as_chunks().0).enumerate() {
+        let Some(to) = row.as_chunks_mut::<QUAD>().0.get_mut(x) else {
             return;
         };
-        let four: u8x16<S> = four.bitcast();
+        let from = bytes(four);
         if at.mask == u16::MAX {
-            four.store_slice(to);
+            *to = from;
         } else {
-            let mut bytes = [0; QUAD];
-            four.store_slice(&mut bytes);
-            for bit in (0..4).filter(|bit| at.mask >> (4 * i + bit) & 1 == 1) {
-                to[4 * bit..4 * bit + 4].copy_from_slice(&bytes[4 * bit..4 * bit + 4]);
+            for bit in set_bits(at.mask >> (4 * k) & 15) {
+                to[4 * bit..4 * bit + 4].copy_from_slice(&from[4 * bit..4 * bit + 4]);
             }
         }
     }
@@ -197,11 +189,11 @@ mod tests {
     }
 
     #[test]
-    fn blocks_go_to_rows_as_they_go_through_the_canvas() {
+    fn blocks_go_to_rows_as_they_go_through_the_buffer() {
         let level = Level::new();
-        let mut canvas = Canvas::new();
+        let mut buffer = TileBuffer::new();
         let (mut straight, mut copied) = (vec![7; ROW * 64], vec![7; ROW * 64]);
-        for word in canvas.words_mut() {
+        for word in buffer.words.iter_mut() {
             *word = u32::from_le_bytes([7; 4]);
         }
         for (i, mask) in [u16::MAX, 0x00f0, 0x8421, 1, 0].into_iter().enumerate() {
@@ -211,30 +203,20 @@ mod tests {
                 slot: 0,
             };
             let front: [u32; LANES] = std::array::from_fn(|k| 0x0403_0201 * (k + i) as u32);
-            canvas.put_words(&[at], &front);
+            buffer.put_block(at, &front);
             let mut rows: Vec<&mut [u8]> = straight.chunks_mut(ROW).collect();
             assert!(rows_fit(&rows));
-            let done = on_wide_level!(
-                level,
-                s => {
-                    put_block_rows(s, &mut rows, at, u32x16::from_slice(s, &front));
-                    true
-                },
-                else false
-            );
-            if !done {
-                return;
-            }
+            put_block_rows(&mut rows, at, &front);
         }
         let mut rows: Vec<&mut [u8]> = copied.chunks_mut(ROW).collect();
-        canvas.copy_to(level, &mut rows);
+        buffer.copy_to(level, &mut rows);
         assert_eq!(straight, copied);
     }
 
     #[test]
     fn rows_of_whole_and_cut_tiles_hold_their_pixels() {
-        let mut canvas = Canvas::new();
-        for (i, word) in canvas.words_mut().iter_mut().enumerate() {
+        let mut buffer = TileBuffer::new();
+        for (i, word) in buffer.words.iter_mut().enumerate() {
             *word = 0x0301_0500 + i as u32;
         }
         for (width, height) in [(64, 64), (64, 7), (64, 3), (50, 64), (17, 9), (1, 1)] {
@@ -245,7 +227,7 @@ mod tests {
                 let start = room.as_ptr().align_offset(64) + ahead;
                 let bytes = &mut room[start..start + 4 * width * height];
                 let mut rows: Vec<&mut [u8]> = bytes.chunks_mut(4 * width).collect();
-                canvas.copy_to(level, &mut rows);
+                buffer.copy_to(level, &mut rows);
                 for (i, pixel) in bytes.chunks(4).enumerate() {
                     let at = block_index((i % width) as u32, (i / width) as u32);
                     let word = 0x0301_0500 + at as u32;

@@ -1,20 +1,18 @@
-//! The look-ups of lit runs: what the packed filters give stays words until a block reads it, and places and levels are found once for all
-//! textures that are read at the same coordinates.
+//! Texture fetches of lit batches. RGBA8 texels stay packed until a block needs them; uv and mips are computed once for all textures
+//! that share coordinates.
 
 mod map;
 mod slide;
 
 use texmap_math::Level;
-use texmap_math::fearless_simd::{Simd, f32x16, i32x16, prelude::*};
-use texmap_raster::{
-    BlockSink, BlockValues, RUN_ROOM, RunBlock, RunValues, TileBlocks, TilePlanes,
-};
-use texmap_sample::lanes::packed::{self, FootprintLanes};
-use texmap_sample::lanes::{Kind, RGBA8, View};
+use texmap_math::fearless_simd::{Simd, SimdBase, f32x16};
+use texmap_raster::{RUN_ROOM, RunBlock, RunValues, TileBlocks, TilePlanes};
+use texmap_sample::lanes::{View, packed};
 use texmap_sample::sample_columns;
 
-use crate::resolve::tile_buffer::{Colors, LANES};
-use crate::shade::unlit::{RunUv, places};
+use crate::shade::batch::{Colors, LANES};
+use crate::shade::texels::{Pixels, TexelAddresses, packed_view, read_pair};
+use crate::shade::unlit::places;
 use crate::textures::Slot;
 use crate::tile::ATTRIBUTES;
 pub(crate) use map::MapTexels;
@@ -31,7 +29,7 @@ impl Default for Texels {
     fn default() -> Self {
         Self {
             words: [0; RUN_ROOM],
-            colors: Colors::new(),
+            colors: Colors::default(),
             packed: false,
         }
     }
@@ -61,57 +59,6 @@ impl Texels {
     }
 }
 
-/// Where a run is looked up.
-pub(crate) struct Spots {
-    uv: RunUv,
-    /// Levels of detail in each texture.
-    lods: [[i32; RUN_ROOM]; 2],
-}
-
-impl Default for Spots {
-    fn default() -> Self {
-        Self {
-            uv: RunUv::default(),
-            lods: [[0; RUN_ROOM]; 2],
-        }
-    }
-}
-
-/// A packed texture's texels at places, and at levels of detail if its filter asks for them.
-#[inline(always)]
-fn look_up_words<S: Simd>(
-    s: S,
-    view: &View<'_>,
-    spots: &Spots,
-    lods: &[i32; RUN_ROOM],
-    blocks: usize,
-    out: &mut Texels,
-) {
-    out.packed = true;
-    for i in 0..blocks {
-        let at = i * LANES..(i + 1) * LANES;
-        let [u, v] = spots.uv.at(s, i);
-        let word = match view.kind {
-            Kind::Nearest => packed::nearest_lanes(s, view, u, v),
-            Kind::Bilinear => packed::bilinear_lanes(s, view, u, v),
-            _ => {
-                let lod = i32x16::from_slice(s, &lods[at.clone()]);
-                packed::trilinear_lanes(s, view, u, v, lod)
-            }
-        };
-        word.store_slice(&mut out.words[at]);
-    }
-}
-
-/// A texture whose filter gives bytes, from a level of detail or without.
-fn packed_view<'a>(
-    sampler: &texmap_sample::Sampler,
-    texture: &'a texmap_sample::Texture2d<'_>,
-) -> Option<View<'a>> {
-    let view = View::new(sampler, texture)?;
-    (view.format == RGBA8 && view.kind.is_plain()).then_some(view)
-}
-
 /// The look-ups of a surface at the coordinates of its mesh: base colour, normal map.
 pub(crate) struct LookUps<'a> {
     slots: [Option<&'a Slot<'a>>; 2],
@@ -124,8 +71,9 @@ pub(crate) struct LookUps<'a> {
 }
 
 impl<'a> LookUps<'a> {
-    pub(crate) fn new(slots: [Option<&'a Slot<'a>>; 2]) -> Self {
-        let views = slots.map(|slot| slot.map(|slot| packed_view(&slot.sampler, &slot.texture)));
+    pub(crate) fn new(level: Level, slots: [Option<&'a Slot<'a>>; 2]) -> Self {
+        let views =
+            slots.map(|slot| slot.map(|slot| packed_view(level, &slot.sampler, &slot.texture)));
         // A slot without a view spoils it.
         let views = match views {
             [Some(None), _] | [_, Some(None)] => None,
@@ -146,11 +94,9 @@ impl<'a> LookUps<'a> {
         }
     }
 
-    /// The texels of a run.
-    #[inline(always)]
-    pub(crate) fn run<S: Simd>(
+    /// Reads the texels of a batch.
+    pub(crate) fn run(
         &self,
-        s: S,
         level: Level,
         planes: &TilePlanes,
         blocks: &TileBlocks,
@@ -161,87 +107,43 @@ impl<'a> LookUps<'a> {
         if self.slots.iter().all(Option::is_none) {
             return;
         }
-        let LookUpScratch { values, spots } = scratch;
-        let Some(views) = &self.views else {
-            planes.values(
+        let LookUpScratch { values, addresses } = scratch;
+        if let Some(views) = &self.views {
+            let pixels = Pixels::Blocks(planes, blocks);
+            let words = out.each_mut().map(|out| {
+                out.packed = true;
+                &mut out.words
+            });
+            read_pair(
                 level,
-                blocks,
-                run,
-                &ATTRIBUTES[..2],
-                self.derivatives,
-                values,
-            );
-            let count = run.len() * LANES;
-            for (slot, out) in self.slots.iter().zip(out) {
-                if let Some(slot) = slot {
-                    out.packed = false;
-                    let columns = out.colors.0.each_mut().map(|c| &mut c[..count]);
-                    let at = places(slot, values, count);
-                    sample_columns(level, &slot.sampler, &slot.texture, &at, columns)
-                        .expect("the columns have one length");
-                }
-            }
-            return;
-        };
-        if self.derivatives {
-            let mut sink = Leveled {
                 views,
-                spots,
-                same: self.same_levels,
-            };
-            planes.each_block::<_, true, _>(s, blocks, run, [0, 1], &mut sink);
-        } else {
-            let mut sink = Placed { spots };
-            planes.each_block::<_, false, _>(s, blocks, run, [0, 1], &mut sink);
+                self.same_levels,
+                &pixels,
+                run,
+                addresses,
+                words,
+            );
+            return;
         }
-        for (k, (view, out)) in views.iter().zip(out).enumerate() {
-            if let Some(view) = view {
-                let lods = &spots.lods[if self.same_levels { 0 } else { k }];
-                look_up_words(s, view, spots, lods, run.len(), out);
+        let wanted = &ATTRIBUTES[..2];
+        planes.values(level, blocks, run, wanted, self.derivatives, values);
+        let count = run.len() * LANES;
+        for (slot, out) in self.slots.iter().zip(out) {
+            if let Some(slot) = slot {
+                out.packed = false;
+                let (at, columns) = (places(slot, values, count), out.colors.columns_mut(count));
+                sample_columns(level, &slot.sampler, &slot.texture, &at, columns)
+                    .expect("the columns have one length");
             }
         }
     }
 }
 
-/// Columns of a run's look-ups.
+/// Columns of a batch's look-ups.
 #[derive(Default)]
 pub(crate) struct LookUpScratch {
     values: RunValues,
-    spots: Spots,
-}
-
-struct Placed<'a> {
-    spots: &'a mut Spots,
-}
-
-impl<S: Simd> BlockSink<S> for Placed<'_> {
-    #[inline(always)]
-    fn block(&mut self, _s: S, i: usize, _at: RunBlock, values: &BlockValues<S>) {
-        self.spots.uv.put(i, values.value);
-    }
-}
-
-struct Leveled<'a> {
-    views: &'a [Option<View<'a>>; 2],
-    spots: &'a mut Spots,
-    /// The level in the first is that in the second.
-    same: bool,
-}
-
-impl<S: Simd> BlockSink<S> for Leveled<'_> {
-    #[inline(always)]
-    fn block(&mut self, s: S, i: usize, _at: RunBlock, values: &BlockValues<S>) {
-        let ([ux, vx], [uy, vy]) = (values.ddx, values.ddy);
-        self.spots.uv.put(i, values.value);
-        let views = &self.views[..if self.same { 1 } else { 2 }];
-        for (view, lods) in views.iter().zip(&mut self.spots.lods) {
-            if let Some(view) = view {
-                let footprint = FootprintLanes::new(s, view, ux, vx, uy, vy);
-                let lod = packed::lod_lanes(s, view, &footprint);
-                lod.store_slice(&mut lods[i * LANES..(i + 1) * LANES]);
-            }
-        }
-    }
+    addresses: TexelAddresses,
 }
 
 #[cfg(test)]
@@ -369,10 +271,10 @@ mod tests {
                     let slots = slots
                         .each_ref()
                         .map(|s| Slot::new(s, &scene, &settings, &chains, origin));
-                    let packed = LookUps::new(slots.each_ref().map(Some));
+                    let packed = LookUps::new(level, slots.each_ref().map(Some));
                     let general = LookUps {
                         views: None,
-                        ..LookUps::new(slots.each_ref().map(Some))
+                        ..LookUps::new(level, slots.each_ref().map(Some))
                     };
                     assert!(packed.views.is_some(), "{filter:?} {wrap:?}");
                     shared += u32::from(packed.same_levels);
@@ -381,8 +283,8 @@ mod tests {
                     let mut floats: [Texels; 2] = Default::default();
                     for run in list.chunks(RUN / LANES) {
                         on_wide_level!(level, s => {
-                            packed.run(s, level, &planes, &blocks, run, &mut scratch, &mut words);
-                            general.run(s, level, &planes, &blocks, run, &mut scratch, &mut floats);
+                            packed.run(level, &planes, &blocks, run, &mut scratch, &mut words);
+                            general.run(level, &planes, &blocks, run, &mut scratch, &mut floats);
                             for (words, floats) in words.iter().zip(&floats) {
                                 assert!(words.packed && !floats.packed);
                                 for (i, at) in run.iter().enumerate() {

@@ -2,7 +2,7 @@
 
 use super::{Stages, with_alpha};
 use crate::plan::{LightStage, Surface};
-use crate::shade::unlit::clip;
+use crate::shade::batch::clip;
 use crate::{AlphaMode, TextureRole};
 use texmap_math::color::straight;
 

@@ -19,10 +19,10 @@ use crate::TextureRole;
 use crate::lit::SurfaceEffects;
 use crate::plan::{LightStage, Plan, Surface};
 use crate::ready::{Ready, Thrown};
-use crate::resolve::tile_buffer::{Colors, LANES};
 use crate::shade::base_color::{
     LookUpScratch, LookUps, MapTexels, SlideLookUp, SlideTexels, Texels,
 };
+use crate::shade::batch::{Colors, LANES};
 use crate::shade::coordinates::{Coordinates, EyeRays};
 use crate::shade::normal::{ReliefStage, SlopeTexels, Space};
 use crate::shade::procedural::Carved;
@@ -132,7 +132,7 @@ impl<'a> LitLanes<'a> {
     pub(crate) fn new(plan: &'a Plan<'a>, surface: &'a Surface<'a>) -> Option<Self> {
         let material = surface.material;
         let covered = surface.base_color.is_some() && material.texture_role == TextureRole::Decal;
-        let other = surface.space.is_some() || surface.texel.is_some();
+        let other = surface.space.is_some() || surface.unlit.is_some();
         if covered || other || !has_lanes(plan.level) {
             return None;
         }
@@ -150,7 +150,7 @@ impl<'a> LitLanes<'a> {
             mirror: None,
             specular: None,
             maps: [None; MAPS],
-            look_ups: LookUps::new([None; 2]),
+            look_ups: LookUps::new(plan.level, [None; 2]),
             reads_all: false,
             normal: surface.normal.unwrap_or(0),
             position: surface.position.filter(|first| first + 3 <= surface.shaded),
@@ -196,7 +196,7 @@ impl<'a> LitLanes<'a> {
     }
 
     fn take_effects(&mut self, effects: &'a SurfaceEffects<'a>) {
-        let ready = self.ready;
+        let (ready, level) = (self.ready, self.level);
         self.maps = effects.maps();
         self.relief = match effects.relief_stage() {
             None => Relief::None,
@@ -208,7 +208,8 @@ impl<'a> LitLanes<'a> {
         };
         self.baked = effects.baked();
         if self.position.is_some() {
-            self.paints.extend(ready.paints.iter().map(Cast::new));
+            self.paints
+                .extend(ready.paints.iter().map(|thrown| Cast::new(level, thrown)));
         }
         let mirror = |index: usize| EnvironmentView::new(&ready.environments[index]);
         self.mirror = effects
@@ -221,7 +222,7 @@ impl<'a> LitLanes<'a> {
             self.lights.push(Lamp {
                 light: *light,
                 shadows: &ready.shadows[*index],
-                slide: slide.map(Cast::new),
+                slide: slide.map(|thrown| Cast::new(level, thrown)),
             });
         }
     }
@@ -236,7 +237,7 @@ impl<'a> LitLanes<'a> {
             Relief::Normals(_, slot, _, true) => Some(*slot),
             _ => None,
         };
-        self.look_ups = LookUps::new([base, normals]);
+        self.look_ups = LookUps::new(self.level, [base, normals]);
         self.reads_all = !matches!(self.surface.light, LightStage::PerPixel)
             || !matches!(self.ground, Ground::Texels)
             || !matches!(self.relief, Relief::None | Relief::Normals(.., true))
@@ -305,7 +306,7 @@ impl<'a> LitLanes<'a> {
         on_wide_level!(
             level,
             s => {
-                self.look_ups.run(s, level, planes, run.blocks, list, look_ups, &mut read.texels);
+                self.look_ups.run(level, planes, run.blocks, list, look_ups, &mut read.texels);
                 if let Relief::Slopes(stage) = &self.relief {
                     stage.slopes(s, level, self.uv(run, uv), list.len(), &mut read.slopes);
                 }
@@ -393,10 +394,10 @@ impl<'a> LitLanes<'a> {
 }
 
 impl<'a> Cast<'a> {
-    fn new(thrown: &'a Thrown<'a>) -> Self {
+    fn new(level: Level, thrown: &'a Thrown<'a>) -> Self {
         Self {
             thrown,
-            look_up: SlideLookUp::new(&thrown.view),
+            look_up: SlideLookUp::new(level, &thrown.view),
         }
     }
 

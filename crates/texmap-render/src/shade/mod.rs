@@ -2,6 +2,7 @@
 //! A stage that the surface lacks is not run.
 
 pub(crate) mod base_color;
+pub(crate) mod batch;
 mod compose;
 pub(crate) mod coordinates;
 pub(crate) mod emission;
@@ -24,7 +25,7 @@ use texmap_uv::PixelMapping;
 
 use crate::lit::{Sample, SurfaceEffects};
 use crate::plan::{LightStage, Plan, Space, Surface};
-use crate::resolve::tile_buffer::{Colors, LANES, bits};
+use crate::shade::batch::{Colors, LANES, set_bits as bits};
 use crate::shade::coordinates::Coordinates;
 use crate::textures::Slot;
 use texmap_math::color::{luminance, straight};

@@ -13,10 +13,11 @@ use texmap_sample::sample_columns;
 use crate::Mesh;
 use crate::effects::Relief;
 use crate::lit::{Sample, Site};
-use crate::resolve::tile_buffer::{Colors, LANES, straight_lanes};
+use crate::shade::batch::{Colors, LANES, straight_lanes};
 use crate::shade::procedural::Carved;
+use crate::shade::texels::BatchUv;
 use crate::shade::three;
-use crate::shade::unlit::{RunUv, places};
+use crate::shade::unlit::places;
 use crate::textures::Slot;
 use crate::vertices::{Values, Vertices};
 use texmap_math::color::straight;
@@ -174,19 +175,19 @@ pub(crate) struct SlopeTexels {
     /// Coordinates of the slot.
     placed: RunValues,
     /// What is looked up beside them.
-    beside: RunUv,
+    beside: BatchUv,
     colors: Colors,
     /// Rise along u and v.
-    slopes: RunUv,
+    slopes: BatchUv,
 }
 
 impl Default for SlopeTexels {
     fn default() -> Self {
         Self {
             placed: RunValues::default(),
-            beside: RunUv::default(),
-            colors: Colors::new(),
-            slopes: RunUv::default(),
+            beside: BatchUv::default(),
+            colors: Colors::default(),
+            slopes: BatchUv::default(),
         }
     }
 }
@@ -233,22 +234,22 @@ impl ReliefStage<'_> {
                     out.look_up(level, slot, blocks, true);
                     for i in 0..blocks {
                         let [above, ..] = straight_lanes(s, out.colors.lanes(s, i));
-                        let mut slopes = out.slopes.at(s, i);
+                        let mut slopes = out.slopes.at(s, i * LANES);
                         slopes[axis] = above;
-                        out.slopes.put(i, slopes);
+                        out.slopes.put(i * LANES, slopes);
                         out.step_aside(s, i, axis, texel, true);
                     }
                     out.look_up(level, slot, blocks, true);
                     for i in 0..blocks {
                         let [below, ..] = straight_lanes(s, out.colors.lanes(s, i));
-                        let mut slopes = out.slopes.at(s, i);
+                        let mut slopes = out.slopes.at(s, i * LANES);
                         slopes[axis] =
                             (slopes[axis] - below) / (out.width(s, i, axis, texel) * 2.0);
-                        out.slopes.put(i, slopes);
+                        out.slopes.put(i * LANES, slopes);
                     }
                 }
                 for i in 0..blocks {
-                    let slopes = out.slopes.at(s, i);
+                    let slopes = out.slopes.at(s, i * LANES);
                     out.put(i, slopes, rise);
                 }
             }
@@ -270,7 +271,7 @@ impl SlopeTexels {
             o_u[k] = (px[k] * vy - py[k] * vx) / det;
             o_v[k] = (py[k] * ux - px[k] * uy) / det;
         }
-        let [b_u, b_v] = self.slopes.at(s, i);
+        let [b_u, b_v] = self.slopes.at(s, i * LANES);
         let bumped = bump_on_lanes(s, n, o_u, o_v, b_u, b_v);
         [
             useful.select(bumped[0], n[0]),
@@ -311,7 +312,7 @@ impl SlopeTexels {
         } else {
             uv[axis] + width
         };
-        self.beside.put(i, uv);
+        self.beside.put(i * LANES, uv);
     }
 
     /// The texels of a run at its places, or `beside` them.
@@ -330,8 +331,10 @@ impl SlopeTexels {
     #[inline(always)]
     fn put<S: Simd>(&mut self, i: usize, [along_u, along_v]: [f32x16<S>; 2], rise: &Rise) {
         let (height, unit) = (rise.height, rise.unit);
-        self.slopes
-            .put(i, [along_u * height * unit, along_v * height * unit]);
+        self.slopes.put(
+            i * LANES,
+            [along_u * height * unit, along_v * height * unit],
+        );
     }
 }
 

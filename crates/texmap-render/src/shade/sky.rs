@@ -11,10 +11,10 @@ use texmap_math::{Level, ViewRays, on_wide_level};
 use texmap_raster::DepthTest;
 
 use crate::plan::Surface;
-use crate::resolve::tile_buffer::{Colors, LANES};
 use crate::shade::Run;
+use crate::shade::batch::clip;
+use crate::shade::batch::{Colors, LANES};
 use crate::shade::coordinates::EyeRays;
-use crate::shade::unlit::clip;
 use crate::vertices::VertexData;
 use crate::{AlphaMode, Material, Mesh, Shading, TextureRole};
 

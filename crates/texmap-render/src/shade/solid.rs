@@ -6,7 +6,7 @@ use texmap_math::lanes::above;
 use texmap_math::{Level, on_wide_level};
 use texmap_raster::{Column, RUN_ROOM};
 
-use crate::resolve::tile_buffer::{LANES, vector};
+use crate::shade::batch::{LANES, vector};
 use crate::{Effects, Solid, SolidField};
 
 /// A solid texture as the stages read it.

@@ -1,350 +1,359 @@
-//! Texels straight onto the canvas: the way of unlit surfaces whose look-ups are bytes, without a column in between.
+//! Packed RGBA8 texels of a batch: uv and mip of its pixels, then one word a pixel. Textures whose filter gives bytes take this
+//! kernel on levels with wide registers; others are read channel by channel.
 
-use texmap_math::Level;
-use texmap_math::fearless_simd::{Simd, f32x16, i32x16, prelude::*, u32x16};
-use texmap_raster::{
-    BlockSink, BlockValues, NONE, RUN, RUN_ROOM, RunBlock, TileBlocks, TilePlanes,
-};
+use texmap_math::fearless_simd::{Simd, f32x16, i32x16, prelude::*};
+use texmap_math::{Level, on_wide_level};
+use texmap_raster::{BlockSink, BlockValues, NONE, RUN_ROOM, RunBlock, TileBlocks, TilePlanes};
 use texmap_sample::lanes::packed::{self, FootprintLanes};
-use texmap_sample::lanes::{Kind, View};
+use texmap_sample::lanes::{Kind, RGBA8, View};
+use texmap_sample::{Sampler, Texture2d};
 
-use crate::plan::Surface;
-use crate::resolve::copy::put_block_rows;
-use crate::resolve::tile_buffer::{Canvas, LANES, over_block, put_block};
-use crate::shade::unlit::{RunUv, TexelStage};
-use texmap_math::on_wide_level;
+use super::batch::LANES;
 
-/// What a surface's texels are painted with.
-#[derive(Debug)]
-pub(crate) struct Direct<'a> {
-    stage: TexelStage,
-    view: View<'a>,
+/// A texture whose look-ups are RGBA8 words; `None` if they are not, or the level has no kernel for them.
+pub(crate) fn packed_view<'a>(
+    level: Level,
+    sampler: &Sampler,
+    texture: &'a Texture2d<'_>,
+) -> Option<View<'a>> {
+    let view = View::new(sampler, texture)?;
+    let packed = view.format == RGBA8 && view.kind.is_plain();
+    (packed && on_wide_level!(level, _s => true, else false)).then_some(view)
 }
 
-/// Places and levels of a run: with the derivatives done, fewer registers are wanted at a time.
-pub(crate) struct Levels {
-    uv: RunUv,
-    lod: [i32; RUN_ROOM],
-    /// Slots in a row of which not all texels were magnified.
-    refusals: u32,
+/// Coordinates of a batch.
+pub(crate) struct BatchUv {
+    pub(crate) u: [f32; RUN_ROOM],
+    pub(crate) v: [f32; RUN_ROOM],
 }
 
-/// What [`Source::is_magnified`] was asked last.
-pub(crate) struct Asked {
-    slot: u32,
-    near: bool,
-    refusals: u32,
-}
-
-/// So many refusals in a row, and only one block of so many is asked about: few surfaces of small triangles are that near.
-const PATIENCE: u32 = 4;
-const SELDOM: u16 = 8;
-
-impl Levels {
-    pub(crate) fn new() -> Self {
+impl Default for BatchUv {
+    fn default() -> Self {
         Self {
-            uv: RunUv::default(),
-            lod: [0; RUN_ROOM],
+            u: [0.0; RUN_ROOM],
+            v: [0.0; RUN_ROOM],
+        }
+    }
+}
+
+/// Coordinates and mips of the texels that a batch reads.
+pub(crate) struct TexelAddresses {
+    pub(crate) uv: BatchUv,
+    /// In each of two textures, with 8 fraction bits.
+    mips: [[i32; RUN_ROOM]; 2],
+    /// Triangles in a row of which not all texels were magnified.
+    refusals: u32,
+}
+
+impl Default for TexelAddresses {
+    fn default() -> Self {
+        Self {
+            uv: BatchUv::default(),
+            mips: [[0; RUN_ROOM]; 2],
             refusals: 0,
         }
     }
 }
 
-impl<'a> Direct<'a> {
-    /// `None` where a surface needs more than that, or has no lanes.
-    pub(crate) fn new(surface: &'a Surface<'_>) -> Option<Self> {
-        let (stage, slot) = (surface.texel?, surface.base_color.as_ref()?);
-        if !stage.looks_up_bytes() || slot.is_transformed() {
-            return None;
-        }
-        let view = View::new(&slot.sampler, &slot.texture)?;
-        view.kind.is_plain().then_some(Self { stage, view })
-    }
-
-    /// Puts finished pixels, where the look-up's bytes are that; false if nothing was done.
-    pub(crate) fn put(
-        &self,
-        level: Level,
-        from: &mut From<'_>,
-        run: &[RunBlock],
-        canvas: &mut Canvas,
-    ) -> bool {
-        if !self.stage.gives_words() {
-            return false;
-        }
-        let words = canvas.words_mut();
-        on_wide_level!(
-            level,
-            s => {
-                self.paint(s, &from.source(), from.levels, run, &mut Put { words });
-                true
-            },
-            else false
-        )
-    }
-
-    /// Whether [`put_rows`](Self::put_rows) serves.
-    pub(crate) fn gives_rows(&self, level: Level) -> bool {
-        self.stage.gives_words() && on_wide_level!(level, _s => true, else false)
-    }
-
-    /// [`put`](Self::put) without a canvas in between, where that [serves](Self::gives_rows).
-    pub(crate) fn put_rows(
-        &self,
-        level: Level,
-        from: &mut From<'_>,
-        run: &[RunBlock],
-        rows: &mut [&mut [u8]],
-    ) {
-        on_wide_level!(
-            level,
-            s => self.paint(s, &from.source(), from.levels, run, &mut PutRows { rows }),
-            else debug_assert!(false, "asked before")
-        );
-    }
-
-    /// Lays light over that of the canvas, block by block, and marks in `covered` the pixels that are not all clear; false if
-    /// nothing was done.
-    pub(crate) fn over(
-        &self,
-        level: Level,
-        from: &mut From<'_>,
-        run: &[RunBlock],
-        canvas: &mut Canvas,
-        covered: &mut [u16],
-    ) -> bool {
-        let stage = &self.stage;
-        let light = canvas.light_mut();
-        on_wide_level!(
-            level,
-            s => {
-                self.paint(s, &from.source(), from.levels, run, &mut Over { stage, light, covered });
-                true
-            },
-            else false
-        )
-    }
-
-    /// Whether the bytes of a look-up are the finished pixels.
-    pub(crate) fn gives_words(&self) -> bool {
-        self.stage.gives_words()
-    }
-
-    /// Shows `brush` the texels of a run.
+impl TexelAddresses {
+    /// Stores the mips of 16 pixels from `at` on, by the changes of uv to the right and down.
     #[inline(always)]
-    pub(crate) fn paint<S: Simd, P: Source<S>, B: Brush<S>>(
+    pub(crate) fn put_mips<S: Simd>(
+        &mut self,
+        s: S,
+        (texture, view): (usize, &View<'_>),
+        at: usize,
+        [ux, vx]: [f32x16<S>; 2],
+        [uy, vy]: [f32x16<S>; 2],
+    ) {
+        let footprint = FootprintLanes::new(s, view, ux, vx, uy, vy);
+        let mip = packed::lod_lanes(s, view, &footprint);
+        mip.store_slice(&mut self.mips[texture][at..at + LANES]);
+    }
+}
+
+/// Pixels of a tile whose attributes 0 and 1 are the coordinates.
+pub(crate) enum Pixels<'a> {
+    /// The blocks of a tile.
+    Blocks(&'a TilePlanes, &'a TileBlocks),
+    /// Pixels anywhere in the tile, and the slot of each: see [`TilePlanes::each_sixteen`].
+    Scattered(&'a TilePlanes, [&'a [u32]; 2]),
+}
+
+/// Reads the texels of a batch.
+pub(crate) fn read_texels(
+    level: Level,
+    view: &View<'_>,
+    pixels: &Pixels<'_>,
+    batch: &[RunBlock],
+    addresses: &mut TexelAddresses,
+    out: &mut [u32; RUN_ROOM],
+) {
+    on_wide_level!(
+        level,
+        s => read(s, view, pixels, batch, addresses, out),
+        else debug_assert!(false, "no view on this level")
+    );
+}
+
+/// Reads the texels of two textures at the same coordinates; `same_mips` if their sizes, filters and mips are the same.
+pub(crate) fn read_pair(
+    level: Level,
+    views: &[Option<View<'_>>; 2],
+    same_mips: bool,
+    pixels: &Pixels<'_>,
+    batch: &[RunBlock],
+    addresses: &mut TexelAddresses,
+    out: [&mut [u32; RUN_ROOM]; 2],
+) {
+    if let [Some(view), None] = views {
+        let [out, _] = out;
+        return read_texels(level, view, pixels, batch, addresses, out);
+    }
+    on_wide_level!(
+        level,
+        s => {
+            let [a, b] = views.each_ref().map(Option::as_ref);
+            if a.into_iter().chain(b).any(reads_mips) {
+                let own = [a, if same_mips { None } else { b }];
+                pixels.each::<_, true, _>(s, batch, &mut Store::<true>::new(0, own, addresses));
+            } else {
+                pixels.each::<_, false, _>(s, batch, &mut Store::<false>::new(0, [None; 2], addresses));
+            }
+            for (k, (view, out)) in views.iter().zip(out).enumerate() {
+                if let Some(view) = view {
+                    let mips = if same_mips { 0 } else { k };
+                    texels(s, view, addresses, mips, 0..batch.len(), out);
+                }
+            }
+        },
+        else debug_assert!(false, "no view on this level")
+    );
+}
+
+/// Reads the texels at stored addresses.
+pub(crate) fn read_addresses(
+    level: Level,
+    view: &View<'_>,
+    addresses: &TexelAddresses,
+    blocks: usize,
+    out: &mut [u32; RUN_ROOM],
+) {
+    on_wide_level!(
+        level,
+        s => texels(s, view, addresses, 0, 0..blocks, out),
+        else debug_assert!(false, "no view on this level")
+    );
+}
+
+impl Pixels<'_> {
+    #[inline(always)]
+    fn each<S: Simd, const D: bool, K: BlockSink<S>>(
         &self,
         s: S,
-        source: &P,
-        levels: &mut Levels,
-        run: &[RunBlock],
-        brush: &mut B,
+        batch: &[RunBlock],
+        sink: &mut K,
     ) {
-        paint(s, &self.view, source, levels, run, brush);
-    }
-}
-
-/// Where the places of a run come from.
-pub(crate) struct From<'a> {
-    pub(crate) planes: &'a TilePlanes,
-    pub(crate) blocks: &'a TileBlocks,
-    pub(crate) levels: &'a mut Levels,
-}
-
-impl<'a> From<'a> {
-    pub(crate) fn source(&self) -> Blocks<'a> {
-        Blocks {
-            planes: self.planes,
-            blocks: self.blocks,
-        }
-    }
-}
-
-/// Shows the values of blocks.
-pub(crate) trait Source<S: Simd> {
-    fn each<const D: bool, K: BlockSink<S>>(&self, s: S, run: &[RunBlock], sink: &mut K);
-
-    /// [`each`](Self::each) in a loop that leaves registers to the sink; false, with nothing done, where it does not serve.
-    #[inline(always)]
-    fn each_named<const D: bool, K: BlockSink<S>>(
-        &self,
-        _s: S,
-        _run: &[RunBlock],
-        _sink: &mut K,
-    ) -> bool {
-        false
-    }
-
-    /// Whether all texels of the first block of `run` are surely magnified, and it is worth knowing.
-    fn is_magnified(&self, s: S, run: &[RunBlock], view: &View<'_>, asked: &mut Asked) -> bool;
-}
-
-/// Blocks after the first that a slot must have alone for [`Source::is_magnified`] to be asked.
-const ALIKE: usize = 3;
-
-/// Blocks of a tile.
-pub(crate) struct Blocks<'a> {
-    planes: &'a TilePlanes,
-    blocks: &'a TileBlocks,
-}
-
-impl Blocks<'_> {
-    #[inline(always)]
-    fn only_slot<S: Simd>(&self, s: S, at: Option<&RunBlock>) -> Option<u32> {
-        self.planes.only_slot(s, self.blocks, *at?)
-    }
-}
-
-impl<S: Simd> Source<S> for Blocks<'_> {
-    #[inline(always)]
-    fn each<const D: bool, K: BlockSink<S>>(&self, s: S, run: &[RunBlock], sink: &mut K) {
-        if !self.each_named::<D, K>(s, run, sink) {
-            self.planes
-                .each_block::<_, D, _>(s, self.blocks, run, [0, 1], sink);
+        match self {
+            Self::Blocks(planes, blocks) => {
+                if !self.each_named::<S, D, K>(s, batch, sink) {
+                    planes.each_block::<_, D, _>(s, blocks, batch, [0, 1], sink);
+                }
+            }
+            Self::Scattered(planes, of) => {
+                planes.each_sixteen::<_, D, _>(s, *of, batch, [0, 1], sink);
+            }
         }
     }
 
+    /// [`each`](Self::each) in a loop that leaves more registers to the sink; false, with nothing done, where it does not serve.
     #[inline(always)]
-    fn each_named<const D: bool, K: BlockSink<S>>(
+    fn each_named<S: Simd, const D: bool, K: BlockSink<S>>(
         &self,
         s: S,
-        run: &[RunBlock],
+        batch: &[RunBlock],
         sink: &mut K,
     ) -> bool {
-        let named = self.planes.is_plain() && run.iter().all(|at| at.slot != NONE);
+        let Self::Blocks(planes, _) = self else {
+            return false;
+        };
+        let named = planes.is_plain() && batch.iter().all(|at| at.slot != NONE);
         if named {
-            self.planes.each_named::<_, D, _>(s, run, [0, 1], sink);
+            planes.each_named::<_, D, _>(s, batch, [0, 1], sink);
         }
         named
     }
-
-    #[inline(always)]
-    fn is_magnified(&self, s: S, run: &[RunBlock], view: &View<'_>, asked: &mut Asked) -> bool {
-        let seldom = |at: &RunBlock| !at.block.is_multiple_of(SELDOM);
-        if asked.refusals >= PATIENCE && run.first().is_none_or(seldom) {
-            return false;
-        }
-        let Some(slot) = self.only_slot(s, run.first()) else {
-            return false;
-        };
-        if slot != asked.slot {
-            // The question costs as much as the derivatives of a few blocks.
-            if self.only_slot(s, run.get(ALIKE)) != Some(slot) {
-                return false;
-            }
-            let steepest = self.planes.steepest(slot, [0, 1]);
-            let near = steepest.is_some_and(|[u, v]| magnifies(s, view, u, v));
-            let refusals = if near { 0 } else { asked.refusals + 1 };
-            *asked = Asked {
-                slot,
-                near,
-                refusals,
-            };
-        }
-        asked.near
-    }
-}
-
-/// Takes texels.
-pub(crate) trait Brush<S: Simd> {
-    fn block(&mut self, s: S, at: RunBlock, texels: u32x16<S>);
 }
 
 #[inline(always)]
-fn paint<S: Simd, P: Source<S>, B: Brush<S>>(
+fn read<S: Simd>(
     s: S,
     view: &View<'_>,
-    source: &P,
-    levels: &mut Levels,
-    run: &[RunBlock],
-    brush: &mut B,
+    pixels: &Pixels<'_>,
+    batch: &[RunBlock],
+    addresses: &mut TexelAddresses,
+    out: &mut [u32; RUN_ROOM],
+) {
+    if view.kind == Kind::Nearest
+        && let Some(texels) = packed::Masked::new(s, view)
+        && pixels.each_named::<_, false, _>(s, batch, &mut Nearest { texels, out })
+    {
+        return;
+    }
+    if !reads_mips(view) {
+        let mut sink = Store::<false>::new(0, [None; 2], addresses);
+        pixels.each::<_, false, _>(s, batch, &mut sink);
+        return texels(s, view, addresses, 0, 0..batch.len(), out);
+    }
+    // Neither derivatives nor mips are asked for where the bits do not depend on them.
+    let mut magnified = Magnified::new(addresses.refusals);
+    let mut first = 0;
+    while first < batch.len() {
+        let near = magnified.covers(s, pixels, view, &batch[first..]);
+        let mut end = first + 1;
+        while end < batch.len() && magnified.covers(s, pixels, view, &batch[end..]) == near {
+            end += 1;
+        }
+        let part = &batch[first..end];
+        if near {
+            let mut sink = Store::<false>::new(first, [None; 2], addresses);
+            pixels.each::<_, false, _>(s, part, &mut sink);
+            bilinear(s, view, addresses, first..end, out);
+        } else {
+            let mut sink = Store::<true>::new(first, [Some(view), None], addresses);
+            pixels.each::<_, true, _>(s, part, &mut sink);
+            texels(s, view, addresses, 0, first..end, out);
+        }
+        first = end;
+    }
+    addresses.refusals = magnified.refusals;
+}
+
+#[inline(always)]
+fn texels<S: Simd>(
+    s: S,
+    view: &View<'_>,
+    addresses: &TexelAddresses,
+    mips: usize,
+    blocks: core::ops::Range<usize>,
+    out: &mut [u32; RUN_ROOM],
 ) {
     match view.kind {
         Kind::Nearest => {
-            if let Some(texels) = packed::Masked::new(s, view)
-                && source.each_named::<false, _>(s, run, &mut Nearest { texels, brush })
-            {
-                return;
-            }
-            for run in run.chunks(RUN / LANES) {
-                source.each::<false, _>(s, run, &mut Placed { levels });
-                for (i, at) in run.iter().enumerate() {
-                    let [u, v] = levels.uv.at(s, i);
-                    brush.block(s, *at, packed::nearest_lanes(s, view, u, v));
-                }
+            for k in blocks {
+                let [u, v] = addresses.uv.at(s, k * LANES);
+                let word = packed::nearest_lanes(s, view, u, v);
+                word.store_slice(&mut out[k * LANES..(k + 1) * LANES]);
             }
         }
-        Kind::Bilinear => {
-            for run in run.chunks(RUN / LANES) {
-                bilinear(s, view, source, levels, run, brush);
-            }
-        }
+        Kind::Bilinear => bilinear(s, view, addresses, blocks, out),
         _ => {
-            let mut asked = Asked {
-                slot: NONE,
-                near: false,
-                refusals: levels.refusals,
-            };
-            for mut run in run.chunks(RUN / LANES) {
-                while !run.is_empty() {
-                    // Neither derivatives nor levels are asked for where the bits do not depend on them.
-                    let near = source.is_magnified(s, run, view, &mut asked);
-                    let mut alike = 1;
-                    while alike < run.len()
-                        && source.is_magnified(s, &run[alike..], view, &mut asked) == near
-                    {
-                        alike += 1;
-                    }
-                    let (part, rest) = run.split_at(alike);
-                    if near {
-                        bilinear(s, view, source, levels, part, brush);
-                    } else {
-                        trilinear(s, view, source, levels, part, brush);
-                    }
-                    run = rest;
-                }
+            for k in blocks {
+                let [u, v] = addresses.uv.at(s, k * LANES);
+                let mip = i32x16::from_slice(s, &addresses.mips[mips][k * LANES..(k + 1) * LANES]);
+                let word = packed::trilinear_lanes(s, view, u, v, mip);
+                word.store_slice(&mut out[k * LANES..(k + 1) * LANES]);
             }
-            levels.refusals = asked.refusals;
         }
     }
 }
 
 #[inline(always)]
-fn bilinear<S: Simd, P: Source<S>, B: Brush<S>>(
+fn bilinear<S: Simd>(
     s: S,
     view: &View<'_>,
-    source: &P,
-    levels: &mut Levels,
-    run: &[RunBlock],
-    brush: &mut B,
+    addresses: &TexelAddresses,
+    blocks: core::ops::Range<usize>,
+    out: &mut [u32; RUN_ROOM],
 ) {
-    let mut sink = Placed { levels };
-    source.each::<false, _>(s, run, &mut sink);
-    for (i, at) in run.iter().enumerate() {
-        let [u, v] = levels.uv.at(s, i);
-        brush.block(s, *at, packed::bilinear_lanes(s, view, u, v));
+    for k in blocks {
+        let [u, v] = addresses.uv.at(s, k * LANES);
+        let word = packed::bilinear_lanes(s, view, u, v);
+        word.store_slice(&mut out[k * LANES..(k + 1) * LANES]);
     }
 }
 
-#[inline(always)]
-fn trilinear<S: Simd, P: Source<S>, B: Brush<S>>(
-    s: S,
-    view: &View<'_>,
-    source: &P,
-    levels: &mut Levels,
-    run: &[RunBlock],
-    brush: &mut B,
-) {
-    let mut sink = Leveled { view, levels };
-    source.each::<true, _>(s, run, &mut sink);
-    for (i, at) in run.iter().enumerate() {
-        let [u, v] = levels.uv.at(s, i);
-        let lod = i32x16::from_slice(s, &levels.lod[i * LANES..(i + 1) * LANES]);
-        brush.block(s, *at, packed::trilinear_lanes(s, view, u, v, lod));
+impl BatchUv {
+    #[inline(always)]
+    pub(crate) fn at<S: Simd>(&self, s: S, at: usize) -> [f32x16<S>; 2] {
+        [
+            f32x16::from_slice(s, &self.u[at..at + LANES]),
+            f32x16::from_slice(s, &self.v[at..at + LANES]),
+        ]
+    }
+
+    #[inline(always)]
+    pub(crate) fn put<S: Simd>(&mut self, at: usize, [u, v]: [f32x16<S>; 2]) {
+        u.store_slice(&mut self.u[at..at + LANES]);
+        v.store_slice(&mut self.v[at..at + LANES]);
     }
 }
 
-/// Whether a footprint within these changes of u and v to the right and down takes the finest level alone.
+/// So many refusals in a row, and only one block of so many is asked about: few surfaces of small triangles are that near.
+const PATIENCE: u32 = 4;
+const SELDOM: u16 = 8;
+/// Blocks after the first that a slot must have alone to be asked about: that costs as much as the derivatives of a few blocks.
+const ALIKE: usize = 3;
+
+/// The triangle that was asked about last.
+struct Magnified {
+    slot: u32,
+    near: bool,
+    refusals: u32,
+}
+
+impl Magnified {
+    fn new(refusals: u32) -> Self {
+        Self {
+            slot: NONE,
+            near: false,
+            refusals,
+        }
+    }
+
+    /// True if all texels of the first block of `batch` are surely magnified, and it is worth knowing.
+    #[inline(always)]
+    fn covers<S: Simd>(
+        &mut self,
+        s: S,
+        pixels: &Pixels<'_>,
+        view: &View<'_>,
+        batch: &[RunBlock],
+    ) -> bool {
+        let Pixels::Blocks(planes, blocks) = pixels else {
+            return false;
+        };
+        let seldom = |at: &RunBlock| !at.block.is_multiple_of(SELDOM);
+        if self.refusals >= PATIENCE && batch.first().is_none_or(seldom) {
+            return false;
+        }
+        let Some(slot) = batch.first().and_then(
+            #[inline(always)]
+            |at| planes.only_slot(s, blocks, *at),
+        ) else {
+            return false;
+        };
+        if slot != self.slot {
+            let later = batch.get(ALIKE).and_then(
+                #[inline(always)]
+                |at| planes.only_slot(s, blocks, *at),
+            );
+            if later != Some(slot) {
+                return false;
+            }
+            let steepest = planes.steepest(slot, [0, 1]);
+            self.near = steepest.is_some_and(
+                #[inline(always)]
+                |[u, v]| magnifies(s, view, u, v),
+            );
+            self.refusals = if self.near { 0 } else { self.refusals + 1 };
+            self.slot = slot;
+        }
+        self.near
+    }
+}
+
+/// True if a footprint within these changes of u and v to the right and down reads the finest mip alone.
 #[inline(always)]
 fn magnifies<S: Simd>(s: S, view: &View<'_>, [ux, uy]: [f32; 2], [vx, vy]: [f32; 2]) -> bool {
     let footprint = FootprintLanes::new(
@@ -358,81 +367,60 @@ fn magnifies<S: Simd>(s: S, view: &View<'_>, [ux, uy]: [f32; 2], [vx, vy]: [f32;
     packed::lod_lanes(s, view, &footprint)[0] <= 0
 }
 
-struct Put<'a> {
-    words: &'a mut [u32],
-}
-
-impl<S: Simd> Brush<S> for Put<'_> {
-    #[inline(always)]
-    fn block(&mut self, s: S, at: RunBlock, texels: u32x16<S>) {
-        put_block(s, self.words, at, texels);
-    }
-}
-
-struct PutRows<'a, 'r> {
-    rows: &'a mut [&'r mut [u8]],
-}
-
-impl<S: Simd> Brush<S> for PutRows<'_, '_> {
-    #[inline(always)]
-    fn block(&mut self, s: S, at: RunBlock, texels: u32x16<S>) {
-        put_block_rows(s, self.rows, at, texels);
-    }
-}
-
-struct Over<'a> {
-    stage: &'a TexelStage,
-    light: &'a mut [f32],
-    covered: &'a mut [u16],
-}
-
-impl<S: Simd> Brush<S> for Over<'_> {
-    #[inline(always)]
-    fn block(&mut self, s: S, at: RunBlock, texels: u32x16<S>) {
-        let color = self.stage.tint_block(s, packed::unpack_lanes(s, texels));
-        over_block(s, self.light, at, color, self.covered);
-    }
-}
-
-struct Nearest<'a, 'v, S: Simd, B> {
+/// Nearest texels, from the coordinates in registers.
+struct Nearest<'a, 'v, S: Simd> {
     texels: packed::Masked<'v, S>,
-    brush: &'a mut B,
+    out: &'a mut [u32; RUN_ROOM],
 }
 
-impl<S: Simd, B: Brush<S>> BlockSink<S> for Nearest<'_, '_, S, B> {
+impl<S: Simd> BlockSink<S> for Nearest<'_, '_, S> {
     #[inline(always)]
-    fn block(&mut self, s: S, _i: usize, at: RunBlock, values: &BlockValues<S>) {
+    fn block(&mut self, s: S, k: usize, _: RunBlock, values: &BlockValues<S>) {
         let [u, v] = values.value;
-        self.brush.block(s, at, self.texels.nearest(s, u, v));
+        let word = self.texels.nearest(s, u, v);
+        word.store_slice(&mut self.out[k * LANES..(k + 1) * LANES]);
     }
 }
 
-struct Placed<'a> {
-    levels: &'a mut Levels,
+/// Stores coordinates, and mips in the views where `D` asks for them.
+struct Store<'a, 'v, const D: bool> {
+    /// The block of the batch that the first one shown is.
+    first: usize,
+    views: [Option<&'a View<'v>>; 2],
+    addresses: &'a mut TexelAddresses,
 }
 
-impl<S: Simd> BlockSink<S> for Placed<'_> {
+impl<'a, 'v, const D: bool> Store<'a, 'v, D> {
+    fn new(
+        first: usize,
+        views: [Option<&'a View<'v>>; 2],
+        addresses: &'a mut TexelAddresses,
+    ) -> Self {
+        Self {
+            first,
+            views,
+            addresses,
+        }
+    }
+}
+
+impl<S: Simd, const D: bool> BlockSink<S> for Store<'_, '_, D> {
     #[inline(always)]
-    fn block(&mut self, _s: S, i: usize, _at: RunBlock, values: &BlockValues<S>) {
-        self.levels.uv.put(i, values.value);
+    fn block(&mut self, s: S, k: usize, _: RunBlock, values: &BlockValues<S>) {
+        let at = (self.first + k) * LANES;
+        self.addresses.uv.put(at, values.value);
+        if D {
+            for (texture, view) in self.views.iter().enumerate() {
+                if let Some(view) = view {
+                    let of = (texture, *view);
+                    self.addresses.put_mips(s, of, at, values.ddx, values.ddy);
+                }
+            }
+        }
     }
 }
 
-struct Leveled<'a> {
-    view: &'a View<'a>,
-    levels: &'a mut Levels,
-}
-
-impl<S: Simd> BlockSink<S> for Leveled<'_> {
-    #[inline(always)]
-    fn block(&mut self, s: S, i: usize, _at: RunBlock, values: &BlockValues<S>) {
-        let ([ux, vx], [uy, vy]) = (values.ddx, values.ddy);
-        let lod = packed::lod_lanes(
-            s,
-            self.view,
-            &FootprintLanes::new(s, self.view, ux, vx, uy, vy),
-        );
-        self.levels.uv.put(i, values.value);
-        lod.store_slice(&mut self.levels.lod[i * LANES..(i + 1) * LANES]);
-    }
+/// True if the filter of a view asks how large a pixel is.
+fn reads_mips(view: &View<'_>) -> bool {
+    view.kind == Kind::Trilinear
 }

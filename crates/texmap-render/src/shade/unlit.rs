@@ -1,47 +1,43 @@
-//! The fast stage: surfaces whose colour is a texel or one colour, unlit and tinted by one factor. Their runs stay in columns
-//! from the look-up to the canvas.
+//! Unlit surfaces whose color is a texel or one color, times a constant: they need no other stage.
 
-use texmap_math::Level;
-use texmap_math::fearless_simd::{Simd, f32x16, prelude::*};
-use texmap_math::lanes::below;
-use texmap_raster::{RUN_ROOM, RunValues};
+use texmap_math::simd::{Isa, prelude::*};
+use texmap_math::{Level, dispatch_simd};
+use texmap_raster::{RUN_ROOM, RunBlock, RunValues};
+use texmap_sample::lanes::View;
 use texmap_sample::{Places, gives_bytes, sample_columns, sample_rgba8_columns};
 
-use crate::resolve::tile_buffer::{Colors, LANES, finish, straight_lanes};
+use super::batch::{Colors, LANES, straight};
+use super::texels::{Pixels, TexelAddresses, packed_view, read_texels};
 use crate::textures::Slot;
 use crate::{AlphaMode, ColorMode, Material, TextureRole};
-use texmap_math::color::straight;
-use texmap_math::on_wide_level;
 
-/// What stands between a texel and its colour.
+/// From a texel to the color of an unlit surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct TexelStage {
+pub(crate) struct UnlitColor {
     /// Factors of the straight texel.
     tint: [f32; 3],
     /// Factor of its alpha where the surface blends.
-    veil: f32,
+    opacity: f32,
     blends: bool,
-    /// Every look-up is opaque.
-    solid: bool,
-    /// Look-ups are bytes.
+    /// Every texel is opaque.
+    opaque_texels: bool,
+    /// Texels are bytes.
     bytes: bool,
-    /// Those bytes are the finished pixels where nothing blends.
-    plain: bool,
-    /// The finished pixel of an opaque surface without a texture.
-    word: u32,
+    /// Those bytes are the encoded pixels where nothing blends.
+    exact: bool,
 }
 
-impl TexelStage {
-    /// For a surface that is unlit, without vertex colours and without an opacity map.
+impl UnlitColor {
+    /// For a surface that is unlit, without vertex colors and without an opacity map; `None` where a transparent decal shows the
+    /// surface below it.
     pub(crate) fn new(
         material: &Material,
         base_color: Option<&Slot<'_>>,
         mode: ColorMode,
     ) -> Option<Self> {
         let decal = base_color.is_some() && material.texture_role == TextureRole::Decal;
-        let solid = !base_color.is_some_and(Slot::can_be_transparent);
-        // Where a clear decal lies on an opaque surface, that shows.
-        if decal && !solid && material.alpha == AlphaMode::Opaque {
+        let opaque_texels = !base_color.is_some_and(Slot::can_be_transparent);
+        if decal && !opaque_texels && material.alpha == AlphaMode::Opaque {
             return None;
         }
         let tint = if decal {
@@ -50,176 +46,164 @@ impl TexelStage {
             material.surface.color
         };
         let bytes = base_color.is_some_and(|slot| gives_bytes(&slot.sampler, &slot.texture));
-        let mut stage = Self {
+        Some(Self {
             tint,
-            veil: material.opacity,
+            opacity: material.opacity,
             blends: material.alpha == AlphaMode::Blend,
-            solid,
+            opaque_texels,
             bytes,
-            plain: bytes && mode == ColorMode::Raw && solid && tint == [1.0; 3],
-            word: 0,
-        };
-        stage.word = finish(mode, stage.tinted([1.0; 4]));
-        Some(stage)
+            exact: bytes && mode == ColorMode::Raw && opaque_texels && tint == [1.0; 3],
+        })
     }
 
-    /// Whether all colours are opaque.
+    /// True if all colors are opaque.
     pub(crate) fn is_opaque(&self) -> bool {
-        !self.blends || (self.solid && self.veil >= 1.0)
+        !self.blends || (self.opaque_texels && self.opacity >= 1.0)
     }
 
-    /// Whether [`words`](Self::words) may stand for [`colors`](Self::colors).
-    pub(crate) fn gives_words(&self) -> bool {
-        self.plain && self.is_opaque()
+    /// True if packed texels are the encoded pixels of the surface.
+    pub(crate) fn is_exact(&self) -> bool {
+        self.exact && self.is_opaque()
     }
 
-    pub(crate) fn looks_up_bytes(&self) -> bool {
-        self.bytes
-    }
-
-    /// The finished pixel of an opaque surface without a texture.
-    pub(crate) fn word(&self) -> u32 {
-        self.word
-    }
-
-    /// Finished pixels of a run of `count` places.
-    pub(crate) fn words(
-        level: Level,
-        slot: &Slot<'_>,
-        values: &mut RunValues,
-        count: usize,
-        out: &mut [u32],
-    ) {
-        slot.place_columns(values, count);
-        sample_rgba8_columns(
-            level,
-            &slot.sampler,
-            &slot.texture,
-            &places(slot, values, count),
-            &mut out[..count],
-        )
-        .expect("the columns have one length");
-    }
-
-    /// Colours of a run of `count` places.
-    pub(crate) fn colors(
-        &self,
-        level: Level,
-        slot: Option<&Slot<'_>>,
-        values: &mut RunValues,
-        count: usize,
-        out: &mut Colors,
-    ) {
-        match slot {
-            Some(slot) => {
-                slot.place_columns(values, count);
-                let columns = out.0.each_mut().map(|c| &mut c[..count]);
-                sample_columns(
-                    level,
-                    &slot.sampler,
-                    &slot.texture,
-                    &places(slot, values, count),
-                    columns,
-                )
-                .expect("the columns have one length");
-            }
-            None => out.0.iter_mut().for_each(|c| c[..count].fill(1.0)),
-        }
-        on_wide_level!(
-            level,
-            s => self.tint_lanes(s, count, out),
-            else for place in 0..count {
-                let color = self.tinted(out.0.each_ref().map(|c| c[place]));
-                for (column, value) in out.0.iter_mut().zip(color) {
-                    column[place] = value;
-                }
-            }
-        );
-    }
-
-    /// A look-up to the colour of the surface, premultiplied.
-    fn tinted(&self, texel: [f32; 4]) -> [f32; 4] {
-        let color = if self.solid {
-            [texel[0], texel[1], texel[2]]
-        } else {
-            straight(texel)
-        };
-        let alpha = match (self.blends, self.solid) {
-            (false, _) => 1.0,
-            (true, true) => self.veil,
-            (true, false) => texel[3] * self.veil,
-        };
-        let [r, g, b] = [0, 1, 2].map(|c| clip(self.tint[c] * color[c]) * alpha);
-        [r, g, b, alpha]
-    }
-
+    /// The premultiplied color of a texel.
     #[inline(always)]
-    fn tint_lanes<S: Simd>(&self, s: S, count: usize, out: &mut Colors) {
-        for i in 0..count.div_ceil(LANES) {
-            let color = self.tint_block(s, out.lanes(s, i));
-            for (to, color) in out.0.iter_mut().zip(&color) {
-                color.store_slice(&mut to[i * LANES..(i + 1) * LANES]);
-            }
-        }
-    }
-
-    /// [`tinted`](Self::tinted) for sixteen.
-    #[inline(always)]
-    pub(crate) fn tint_block<S: Simd>(&self, s: S, texel: [f32x16<S>; 4]) -> [f32x16<S>; 4] {
-        let one = f32x16::splat(s, 1.0);
+    pub(crate) fn tint<I: Isa>(&self, i: I, texel: [I::F32; 4]) -> [I::F32; 4] {
+        let one = i.f32(1.0);
         let [mut r, mut g, mut b, a] = texel;
-        let alpha = match (self.blends, self.solid) {
+        let alpha = match (self.blends, self.opaque_texels) {
             (false, _) => one,
-            (true, true) => f32x16::splat(s, self.veil),
-            (true, false) => a * self.veil,
+            (true, true) => i.f32(self.opacity),
+            (true, false) => a * self.opacity,
         };
-        if !self.solid {
-            [r, g, b] = straight_lanes(s, texel);
+        if !self.opaque_texels {
+            [r, g, b] = straight(i, texel);
         }
         // A factor of one changes nothing, and bytes are not above one.
-        if !(self.bytes && self.solid && self.tint == [1.0; 3]) {
+        if !(self.bytes && self.opaque_texels && self.tint == [1.0; 3]) {
             (r, g, b) = (r * self.tint[0], g * self.tint[1], b * self.tint[2]);
-            (r, g, b) = (below(r, one), below(g, one), below(b, one));
+            (r, g, b) = (r.below(one), g.below(one), b.below(one));
         }
         [r * alpha, g * alpha, b * alpha, alpha]
     }
 }
 
-/// Coordinates of a run's pixels.
-pub(crate) struct RunUv {
-    pub(crate) u: [f32; RUN_ROOM],
-    pub(crate) v: [f32; RUN_ROOM],
+/// The one stage of an unlit surface.
+pub(crate) struct Unlit<'a> {
+    color: UnlitColor,
+    slot: Option<&'a Slot<'a>>,
+    /// Where texels are read as packed words.
+    view: Option<View<'a>>,
 }
 
-impl Default for RunUv {
-    fn default() -> Self {
+impl<'a> Unlit<'a> {
+    pub(crate) fn new(level: Level, color: UnlitColor, slot: Option<&'a Slot<'a>>) -> Self {
+        let packed = slot.filter(|slot| color.bytes && !slot.is_transformed());
         Self {
-            u: [0.0; RUN_ROOM],
-            v: [0.0; RUN_ROOM],
+            color,
+            slot,
+            view: packed.and_then(|slot| packed_view(level, &slot.sampler, &slot.texture)),
+        }
+    }
+
+    pub(crate) fn color(&self) -> &UnlitColor {
+        &self.color
+    }
+
+    /// The view by which encoded pixels are read straight from the texture.
+    pub(crate) fn exact_view(&self) -> Option<&View<'a>> {
+        self.view.as_ref().filter(|_| self.color.is_exact())
+    }
+
+    pub(crate) fn has_texture(&self) -> bool {
+        self.slot.is_some()
+    }
+
+    /// True if the texels of a batch are packed words.
+    pub(crate) fn gives_words(&self) -> bool {
+        self.color.bytes
+    }
+
+    /// Reads the packed texels of a batch.
+    pub(crate) fn read_words(
+        &self,
+        level: Level,
+        pixels: &Pixels<'_>,
+        batch: &[RunBlock],
+        scratch: &mut UnlitScratch,
+        out: &mut [u32; RUN_ROOM],
+    ) {
+        if let Some(view) = &self.view {
+            return read_texels(level, view, pixels, batch, &mut scratch.addresses, out);
+        }
+        let Some(slot) = self.slot else { return };
+        let count = scratch.read_uv(level, slot, pixels, batch);
+        let at = places(slot, &scratch.values, count);
+        let out = &mut out[..count];
+        sample_rgba8_columns(level, &slot.sampler, &slot.texture, &at, out)
+            .expect("the columns have one length");
+    }
+
+    /// The colors of a batch.
+    pub(crate) fn shade(
+        &self,
+        level: Level,
+        pixels: &Pixels<'_>,
+        batch: &[RunBlock],
+        scratch: &mut UnlitScratch,
+        out: &mut Colors,
+    ) {
+        let mut count = batch.len() * LANES;
+        match self.slot {
+            Some(slot) => {
+                count = scratch.read_uv(level, slot, pixels, batch);
+                let (at, columns) = (places(slot, &scratch.values, count), out.columns_mut(count));
+                sample_columns(level, &slot.sampler, &slot.texture, &at, columns)
+                    .expect("the columns have one length");
+            }
+            None => out.columns_mut(count).into_iter().for_each(|c| c.fill(1.0)),
+        }
+        dispatch_simd!(level, i => self.tint_batch(i, count, out));
+    }
+
+    #[inline(always)]
+    fn tint_batch<I: Isa>(&self, i: I, count: usize, out: &mut Colors) {
+        for at in (0..count).step_by(I::LANES) {
+            let color = self.color.tint(i, out.load(i, at));
+            out.store(i, at, color);
         }
     }
 }
 
-impl RunUv {
-    /// Those of a block.
-    #[inline(always)]
-    pub(crate) fn at<S: Simd>(&self, s: S, i: usize) -> [f32x16<S>; 2] {
-        let at = i * LANES..(i + 1) * LANES;
-        [
-            f32x16::from_slice(s, &self.u[at.clone()]),
-            f32x16::from_slice(s, &self.v[at]),
-        ]
-    }
+/// What unlit stages keep between batches.
+#[derive(Default)]
+pub(crate) struct UnlitScratch {
+    pub(crate) addresses: TexelAddresses,
+    values: RunValues,
+}
 
-    #[inline(always)]
-    pub(crate) fn put<S: Simd>(&mut self, i: usize, [u, v]: [f32x16<S>; 2]) {
-        let at = i * LANES..(i + 1) * LANES;
-        u.store_slice(&mut self.u[at.clone()]);
-        v.store_slice(&mut self.v[at]);
+impl UnlitScratch {
+    /// The coordinates of a batch as columns 0 and 1, as the slot reads them, and how many pixels that are.
+    fn read_uv(
+        &mut self,
+        level: Level,
+        slot: &Slot<'_>,
+        pixels: &Pixels<'_>,
+        batch: &[RunBlock],
+    ) -> usize {
+        let count = batch.len() * LANES;
+        let Pixels::Blocks(planes, blocks) = pixels else {
+            debug_assert!(false, "scattered pixels are read by views");
+            return count;
+        };
+        let (wanted, derivatives) = ([0, 1], slot.reads_derivatives());
+        planes.values(level, blocks, batch, &wanted, derivatives, &mut self.values);
+        slot.place_columns(&mut self.values, count);
+        count
     }
 }
 
-/// Attributes 0 and 1 as places to sample, with the derivatives that the filter reads.
+/// Columns 0 and 1 as coordinates to sample at, with the derivatives that the filter reads.
 pub(crate) fn places<'a>(slot: &Slot<'_>, values: &'a RunValues, count: usize) -> Places<'a> {
     let [u, v] = [&values.columns[0], &values.columns[1]];
     Places {
@@ -234,8 +218,4 @@ pub(crate) fn places<'a>(slot: &Slot<'_>, values: &'a RunValues, count: usize) -
             ]
         }),
     }
-}
-
-pub(crate) fn clip(value: f32) -> f32 {
-    if value < 1.0 { value } else { 1.0 }
 }

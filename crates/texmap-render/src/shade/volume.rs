@@ -9,9 +9,9 @@ use texmap_sample::{Sampler, Texture2d};
 
 use crate::check_effects::fault;
 use crate::plan::Surface;
-use crate::resolve::tile_buffer::Colors;
 use crate::shade::Run;
-use crate::shade::unlit::clip;
+use crate::shade::batch::Colors;
+use crate::shade::batch::clip;
 use crate::vertices::VertexData;
 use crate::{AlphaMode, Material, Mesh, RenderError, Scene, Shading, Volume};
 

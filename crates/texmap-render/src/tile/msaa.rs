@@ -1,22 +1,24 @@
 //! Four samples a pixel: each pixel is shaded at its centre, once for every triangle that one of its samples shows.
 
-use texmap_math::Level;
-use texmap_math::fearless_simd::{Simd, prelude::*, u32x16};
-use texmap_raster::{BlockSink, NONE, RunBlock, TileBlocks, TilePlanes};
+use texmap_math::simd::{Isa, Scalar, prelude::*};
+use texmap_math::{Level, dispatch_simd};
+use texmap_raster::{NONE, RUN_ROOM, RunBlock, TileBlocks, TilePlanes};
 use texmap_sample::lanes::View;
 
-use super::{BLOCKS, EMPTY, Painter, RUN_BLOCKS, Sample, Scenery, blended};
-use crate::resolve::tile_buffer::{Canvas, LANES, bits, finish, put_block};
-use crate::shade::texels::{Asked, Brush, Direct, From, Levels, Source};
-use texmap_math::on_wide_level;
+use super::fragments::{EMPTY, blended};
+use super::{BATCH_BLOCKS, BLOCKS, Context, Painter, Sample, Target, Tile};
+use crate::resolve::blend::mean;
+use crate::resolve::encode::encode;
+use crate::shade::batch::{LANES, set_bits};
+use crate::shade::texels::{Pixels, TexelAddresses, read_texels};
 
 /// `by[j][k]`: the pixels of a block whose sample j shows the fragment that sample k showed first.
 #[derive(Clone, Copy, Default)]
-pub(super) struct Sharing {
+pub(super) struct SampleReuse {
     by: [[u16; 4]; 4],
 }
 
-impl Sharing {
+impl SampleReuse {
     /// Each sample shows what the first shows, in all pixels.
     fn is_alike(&self) -> bool {
         self.by.iter().all(|by| by[0] == u16::MAX)
@@ -28,75 +30,95 @@ impl Painter {
     /// shows: at a centre outside of it, with the values its planes have there.
     pub(crate) fn paint_multisampled(
         &mut self,
-        scenery: &Scenery<'_>,
-        places: [[i32; 2]; 4],
+        context: &Context<'_>,
+        positions: [[i32; 2]; 4],
         tile: usize,
     ) {
-        let (level, mode) = (scenery.plan.level, scenery.mode);
-        scenery.prepared.planes(tile, &mut self.shader.planes);
+        let (level, mode) = (context.plan.level, context.mode);
+        context.prepared.planes(tile, &mut self.shader.planes);
         self.samples.resize_with(4, Sample::new);
         let blocks = self.samples.iter_mut().map(|sample| &mut sample.blocks);
-        let (shared, samples) = (&mut self.shared, places.into_iter().zip(blocks));
-        scenery
+        let (shared, samples) = (&mut self.shared, positions.into_iter().zip(blocks));
+        context
             .prepared
-            .visible_samples(tile, scenery.plan, shared, samples);
-        self.share(level);
+            .visible_samples(tile, context.plan, shared, samples);
+        self.find_reuse(level);
         self.covered.fill(0);
-        if self.paint_words(scenery) {
+        if self.paint_words(context) {
             return;
         }
         for sample in &mut self.samples {
-            sample.canvas.fill_light(scenery.background);
+            sample.buffer.fill_light(context.background);
         }
         let Self {
             samples,
             shader,
-            listed,
-            sharing,
+            list,
+            reuse,
             covered,
             resolved,
             ..
         } = self;
         for k in 0..4 {
-            let masks: [u16; BLOCKS] = std::array::from_fn(|block| sharing[block].by[k][k]);
+            let masks: [u16; BLOCKS] = std::array::from_fn(|block| reuse[block].by[k][k]);
             for (covered, mask) in covered.iter_mut().zip(masks) {
                 *covered |= mask;
             }
-            listed.visible(&samples[k].blocks, &masks, NONE);
-            // The canvases are lent out while the blocks are read.
+            list.visible(&samples[k].blocks, &masks, NONE);
+            // The buffers are lent out while the blocks are read.
             let blocks = std::mem::take(&mut samples[k].blocks);
-            shader.each_run(scenery, tile, &blocks, listed, |shown, run| {
-                for (j, sample) in samples.iter_mut().enumerate().skip(k) {
-                    let mut shared = [EMPTY; RUN_BLOCKS];
-                    for (to, at) in shared.iter_mut().zip(run) {
-                        *to = *at;
-                        to.mask &= sharing[at.block as usize].by[j][k];
+            let of_sample = Tile {
+                context,
+                index: tile,
+                blocks: &blocks,
+            };
+            for (draw, blocks_of) in list.parts() {
+                for batch in blocks_of.chunks(BATCH_BLOCKS) {
+                    let shaded = shader.shade(of_sample, draw, batch, false);
+                    for (j, sample) in samples.iter_mut().enumerate().skip(k) {
+                        let mut shared = [EMPTY; BATCH_BLOCKS];
+                        for (to, at) in shared.iter_mut().zip(batch) {
+                            *to = *at;
+                            to.mask &= reuse[at.block as usize].by[j][k];
+                        }
+                        sample
+                            .buffer
+                            .put_light(level, &shared[..batch.len()], &shaded);
                     }
-                    shown.put(level, mode, &shared[..run.len()], &mut sample.canvas);
                 }
-            });
+            }
             samples[k].blocks = blocks;
         }
-        if blended(scenery.plan, &samples[0].blocks).is_some() {
-            for (sample, offset) in samples.iter_mut().zip(places) {
-                let Sample { blocks, canvas } = sample;
-                listed.blended(scenery, tile, offset, blocks);
-                let covered = Some(&mut covered[..]);
-                shader.lay(scenery, tile, blocks, listed, false, canvas, covered, &[]);
+        if blended(context.plan, &samples[0].blocks).is_some() {
+            for (sample, offset) in samples.iter_mut().zip(positions) {
+                let Sample { blocks, buffer } = sample;
+                list.blended(context.prepared, tile, offset, blocks);
+                let of_sample = Tile {
+                    context,
+                    index: tile,
+                    blocks,
+                };
+                let mut target = Target {
+                    buffer,
+                    encoded: false,
+                    covered: Some(&mut covered[..]),
+                    rows: &[],
+                };
+                shader.draw(of_sample, list, &mut target);
             }
         }
         if let [a, b, c, d] = &samples[..] {
-            resolved.resolve(level, mode, [&a.canvas, &b.canvas, &c.canvas, &d.canvas]);
+            resolved.resolve(level, mode, [&a.buffer, &b.buffer, &c.buffer, &d.buffer]);
         }
     }
 
     /// Where the tile shows one surface whose look-ups are finished pixels: false, with nothing done, elsewhere.
-    fn paint_words(&mut self, scenery: &Scenery<'_>) -> bool {
+    fn paint_words(&mut self, context: &Context<'_>) -> bool {
         let Self {
             samples,
             shader,
-            listed,
-            sharing,
+            list,
+            reuse,
             strays,
             covered,
             resolved,
@@ -106,161 +128,100 @@ impl Painter {
             return false;
         };
         let draws = &first.blocks.draws;
-        let Some(direct) = draws
-            .first()
-            .and_then(|d| scenery.direct[*d as usize].as_ref())
-        else {
+        let view = draws.first().and_then(|draw| {
+            let (unlit, _) = context.unlit[*draw as usize].as_ref()?;
+            unlit.exact_view()
+        });
+        let Some(view) = view else {
             return false;
         };
         if draws.iter().any(|draw| *draw != draws[0])
-            || blended(scenery.plan, &first.blocks).is_some()
-            || !direct.gives_words()
+            || blended(context.plan, &first.blocks).is_some()
             || !shader.planes.is_plain()
         {
             return false;
         }
-        let level = scenery.plan.level;
-        let masks: [u16; BLOCKS] = std::array::from_fn(|block| sharing[block].by[0][0]);
-        listed.visible(&first.blocks, &masks, NONE);
-        let mut from = From {
-            planes: &shader.planes,
-            blocks: &first.blocks,
-            levels: &mut shader.levels,
-        };
-        let mut brush = First {
-            words: first.canvas.words_mut(),
-            rest,
-            sharing,
-        };
-        if !brush.paint(level, direct, &mut from, &listed.blocks) {
-            return false;
+        let level = context.plan.level;
+        let masks: [u16; BLOCKS] = std::array::from_fn(|block| reuse[block].by[0][0]);
+        list.visible(&first.blocks, &masks, NONE);
+        let pixels = Pixels::Blocks(&shader.planes, &first.blocks);
+        let (addresses, words) = (&mut shader.unlit.addresses, &mut shader.words);
+        for batch in list.blocks.chunks(BATCH_BLOCKS) {
+            read_texels(level, view, &pixels, batch, addresses, words);
+            for (at, words) in batch.iter().zip(words.as_chunks().0) {
+                first.buffer.put_block(*at, words);
+                let reuse = &reuse[at.block as usize];
+                if reuse.is_alike() {
+                    continue;
+                }
+                for (sample, by) in rest.iter_mut().zip(&reuse.by[1..]) {
+                    sample
+                        .buffer
+                        .put_block(RunBlock { mask: by[0], ..*at }, words);
+                }
+            }
         }
-        strays.collect(sharing, rest);
-        strays.paint(level, direct, &shader.planes, &mut shader.levels, rest);
+        strays.collect(reuse, rest);
+        strays.paint(level, view, &shader.planes, addresses, words, rest);
         if let [a, b, c, d] = &samples[..] {
-            let canvases = [&a.canvas, &b.canvas, &c.canvas, &d.canvas];
-            resolved.resolve_words(level, canvases, |block| sharing[block].is_alike());
+            let buffers = [&a.buffer, &b.buffer, &c.buffer, &d.buffer];
+            resolved.resolve_words(level, buffers, |block| reuse[block].is_alike());
         }
         for (block, covered) in covered.iter_mut().enumerate() {
             let masks = samples.iter().map(|sample| sample.blocks.masks[block]);
             *covered = masks.clone().fold(0, |all, mask| all | mask);
-            for bit in bits(!masks.fold(u16::MAX, |all, mask| all & mask)) {
-                let place = block * LANES + bit;
-                *resolved.word_mut(place) = edge(scenery, samples, place);
+            for bit in set_bits(!masks.fold(u16::MAX, |all, mask| all & mask)) {
+                let pixel = block * LANES + bit;
+                *resolved.word_mut(pixel) = edge(context, samples, pixel);
             }
         }
         true
     }
 
     /// Finds out which samples of a pixel show the same fragment.
-    fn share(&mut self, level: Level) {
-        self.sharing.clear();
-        self.sharing.resize(BLOCKS, Sharing::default());
+    fn find_reuse(&mut self, level: Level) {
+        self.reuse.clear();
+        self.reuse.resize(BLOCKS, SampleReuse::default());
         let [a, b, c, d] = &self.samples[..] else {
             return;
         };
         let samples = [&a.blocks, &b.blocks, &c.blocks, &d.blocks];
-        on_wide_level!(
-            level,
-            s => for (block, sharing) in self.sharing.iter_mut().enumerate() {
-                share_lanes(s, samples, block, sharing);
-            },
-            else for (block, sharing) in self.sharing.iter_mut().enumerate() {
-                share_plain(samples, block, sharing);
-            }
-        );
+        dispatch_simd!(level, i => for (block, reuse) in self.reuse.iter_mut().enumerate() {
+            reuse_in_block(i, samples, block, reuse);
+        });
     }
 }
 
 #[inline(always)]
-fn share_lanes<S: Simd>(s: S, samples: [&TileBlocks; 4], block: usize, sharing: &mut Sharing) {
-    let at = block * LANES..(block + 1) * LANES;
-    let slots = [
-        u32x16::from_slice(s, &samples[0].slot[at.clone()]),
-        u32x16::from_slice(s, &samples[1].slot[at.clone()]),
-        u32x16::from_slice(s, &samples[2].slot[at.clone()]),
-        u32x16::from_slice(s, &samples[3].slot[at]),
-    ];
+fn reuse_in_block<I: Isa>(i: I, samples: [&TileBlocks; 4], block: usize, reuse: &mut SampleReuse) {
     for j in 0..4 {
         let mut left = samples[j].masks[block];
         for k in 0..j {
-            let same = slots[j].simd_eq(slots[k]).to_bitmask() as u16 & left;
-            sharing.by[j][k] = same;
+            let mut same = 0;
+            for part in (0..LANES).step_by(I::LANES) {
+                let at = block * LANES + part;
+                let slot = i.load_u32(&samples[j].slot[at..]);
+                let equal = slot.simd_eq(i.load_u32(&samples[k].slot[at..]));
+                same |= (equal.to_bitmask() as u16) << part;
+            }
+            reuse.by[j][k] = same & left;
             left &= !same;
         }
-        sharing.by[j][j] = left;
-    }
-}
-
-fn share_plain(samples: [&TileBlocks; 4], block: usize, sharing: &mut Sharing) {
-    for j in 0..4 {
-        let mut left = samples[j].masks[block];
-        for k in 0..j {
-            for bit in 0..LANES {
-                let at = block * LANES + bit;
-                let same = samples[j].slot[at] == samples[k].slot[at];
-                sharing.by[j][k] |= (u16::from(same) << bit) & left;
-            }
-            left &= !sharing.by[j][k];
-        }
-        sharing.by[j][j] = left;
+        reuse.by[j][j] = left;
     }
 }
 
 /// A pixel of which samples show the background.
-fn edge(scenery: &Scenery<'_>, samples: &[Sample], place: usize) -> u32 {
+fn edge(context: &Context<'_>, samples: &[Sample], pixel: usize) -> u32 {
     let mut light = [[0.0; 4]; 4];
     for (light, sample) in light.iter_mut().zip(samples) {
-        *light = if sample.blocks.masks[place / LANES] >> (place % LANES) & 1 == 1 {
-            sample.canvas.light_of_word(place)
+        *light = if sample.blocks.masks[pixel / LANES] >> (pixel % LANES) & 1 == 1 {
+            sample.buffer.light_of_word(pixel)
         } else {
-            scenery.background
+            context.background
         };
     }
-    finish(scenery.mode, Canvas::mean(light))
-}
-
-/// Puts what the first samples of a tile show, and what others of their pixels share with them.
-struct First<'a> {
-    words: &'a mut [u32],
-    /// The other samples.
-    rest: &'a mut [Sample],
-    sharing: &'a [Sharing],
-}
-
-impl First<'_> {
-    /// False where there are no lanes, with nothing done.
-    fn paint(
-        &mut self,
-        level: Level,
-        direct: &Direct<'_>,
-        from: &mut From<'_>,
-        run: &[RunBlock],
-    ) -> bool {
-        on_wide_level!(
-            level,
-            s => {
-                direct.paint(s, &from.source(), from.levels, run, self);
-                true
-            },
-            else false
-        )
-    }
-}
-
-impl<S: Simd> Brush<S> for First<'_> {
-    #[inline(always)]
-    fn block(&mut self, s: S, at: RunBlock, texels: u32x16<S>) {
-        put_block(s, self.words, at, texels);
-        let sharing = &self.sharing[at.block as usize];
-        if sharing.is_alike() {
-            return;
-        }
-        for (sample, by) in self.rest.iter_mut().zip(&sharing.by[1..]) {
-            let shared = RunBlock { mask: by[0], ..at };
-            put_block(s, sample.canvas.words_mut(), shared, texels);
-        }
-    }
+    encode(context.mode, mean(Scalar, light))
 }
 
 /// Pixels of which a later sample shows another fragment than those before.
@@ -276,14 +237,14 @@ pub(super) struct Strays {
 }
 
 impl Strays {
-    fn collect(&mut self, sharing: &[Sharing], rest: &[Sample]) {
+    fn collect(&mut self, reuse: &[SampleReuse], rest: &[Sample]) {
         self.pixels.clear();
         self.slots.clear();
         self.shown_by.clear();
         self.run.clear();
-        for (block, Sharing { by }) in sharing.iter().enumerate() {
+        for (block, SampleReuse { by }) in reuse.iter().enumerate() {
             for (k, sample) in (1..).zip(rest) {
-                for bit in bits(by[k][k]) {
+                for bit in set_bits(by[k][k]) {
                     let place = block * LANES + bit;
                     let shown = |j: usize| u8::from(by[j][k] >> bit & 1 == 1) << (j - 1);
                     self.pixels.push(place as u32);
@@ -309,61 +270,23 @@ impl Strays {
     fn paint(
         &self,
         level: Level,
-        direct: &Direct<'_>,
+        view: &View<'_>,
         planes: &TilePlanes,
-        levels: &mut Levels,
+        addresses: &mut TexelAddresses,
+        words: &mut [u32; RUN_ROOM],
         rest: &mut [Sample],
     ) {
-        let source = Scattered {
-            planes,
-            strays: self,
-        };
-        let mut brush = Scatter { strays: self, rest };
-        on_wide_level!(
-            level,
-            s => direct.paint(s, &source, levels, &self.run, &mut brush),
-            else ()
-        );
-    }
-}
-
-/// The values of strays.
-struct Scattered<'a> {
-    planes: &'a TilePlanes,
-    strays: &'a Strays,
-}
-
-impl<S: Simd> Source<S> for Scattered<'_> {
-    #[inline(always)]
-    fn each<const D: bool, K: BlockSink<S>>(&self, s: S, run: &[RunBlock], sink: &mut K) {
-        let of = [&self.strays.pixels[..], &self.strays.slots[..]];
-        self.planes
-            .each_sixteen::<_, D, _>(s, of, run, [0, 1], sink);
-    }
-
-    fn is_magnified(&self, _: S, _: &[RunBlock], _: &View<'_>, _: &mut Asked) -> bool {
-        false
-    }
-}
-
-/// Puts the texels of strays.
-struct Scatter<'a> {
-    strays: &'a Strays,
-    rest: &'a mut [Sample],
-}
-
-impl<S: Simd> Brush<S> for Scatter<'_> {
-    #[inline(always)]
-    fn block(&mut self, _s: S, at: RunBlock, texels: u32x16<S>) {
-        let mut words = [0; LANES];
-        texels.store_slice(&mut words);
-        let start = at.block as usize * LANES;
-        let strays = self.strays.pixels[start..]
-            .iter()
-            .zip(&self.strays.shown_by[start..]);
-        for (word, (pixel, shown_by)) in words.into_iter().zip(strays) {
-            for j in bits(u16::from(*shown_by)) {
-                *self.rest[j].canvas.word_mut(*pixel as usize) = word;
+        let pixels = Pixels::Scattered(planes, [&self.pixels, &self.slots]);
+        for batch in self.run.chunks(BATCH_BLOCKS) {
+            read_texels(level, view, &pixels, batch, addresses, words);
+            let Some(start) = batch.first().map(|at| usize::from(at.block) * LANES) else {
+                return;
+            };
+            let strays = self.pixels[start..].iter().zip(&self.shown_by[start..]);
+            for (word, (pixel, shown_by)) in words[..batch.len() * LANES].iter().zip(strays) {
+                for j in set_bits(u16::from(*shown_by)) {
+                    *rest[j].buffer.word_mut(*pixel as usize) = *word;
+                }
             }
         }
     }

@@ -5,7 +5,7 @@ use texmap_math::fearless_simd::{Simd, f32x16};
 use texmap_raster::RunValues;
 use texmap_sample::sample_columns;
 
-use crate::resolve::tile_buffer::{Colors, LANES, straight_lanes};
+use crate::shade::batch::{Colors, LANES, straight_lanes};
 use crate::shade::unlit::places;
 use crate::textures::Slot;
 
@@ -20,7 +20,7 @@ impl Default for MapTexels {
     fn default() -> Self {
         Self {
             placed: RunValues::default(),
-            colors: Colors::new(),
+            colors: Colors::default(),
         }
     }
 }

@@ -5,12 +5,12 @@ use texmap_math::Level;
 use texmap_math::fearless_simd::{Simd, f32x16, prelude::*};
 use texmap_raster::RUN_ROOM;
 use texmap_sample::lanes::View;
-use texmap_sample::lanes::packed::{self, FootprintLanes};
 use texmap_sample::{Places, sample_columns};
 
-use super::{Spots, Texels, look_up_words, packed_view};
-use crate::resolve::tile_buffer::{LANES, vector};
-use crate::shade::unlit::RunUv;
+use super::Texels;
+use crate::shade::batch::{LANES, vector};
+use crate::shade::texels::BatchUv;
+use crate::shade::texels::{TexelAddresses, packed_view, read_addresses};
 
 /// The look-ups of a slide.
 pub(crate) struct SlideLookUp<'a> {
@@ -22,10 +22,10 @@ pub(crate) struct SlideLookUp<'a> {
 /// Texels of a slide over a run: those blocks that it reaches.
 #[derive(Default)]
 pub(crate) struct SlideTexels {
-    spots: Spots,
+    addresses: TexelAddresses,
     fade: Fade,
     /// Changes of the coordinates, where the filter reads them and gives no packed bytes: of u and v to the right, and down.
-    changes: [RunUv; 2],
+    changes: [BatchUv; 2],
     texels: Texels,
     /// Where each block of the run stands among those; `None` for blocks that it does not reach.
     place: [Option<u8>; RUN_ROOM / LANES],
@@ -65,10 +65,10 @@ impl SlideTexels {
 }
 
 impl<'a> SlideLookUp<'a> {
-    pub(crate) fn new(slide: &'a SlideView<'a>) -> Self {
+    pub(crate) fn new(level: Level, slide: &'a SlideView<'a>) -> Self {
         Self {
             slide,
-            view: packed_view(&slide.sampler_within(), slide.texture),
+            view: packed_view(level, &slide.sampler_within(), slide.texture),
         }
     }
 
@@ -89,20 +89,20 @@ impl<'a> SlideLookUp<'a> {
             out.place[i] = None;
             if places.reached.any_true() {
                 out.place[i] = Some(reached as u8);
-                out.spots.uv.put(reached, places.uv);
+                out.addresses.uv.put(reached * LANES, places.uv);
                 let share = places.reached.select(places.fade, f32x16::splat(s, 0.0));
                 let at = reached * LANES..(reached + 1) * LANES;
-                share.store_slice(&mut out.fade.0[at.clone()]);
+                share.store_slice(&mut out.fade.0[at]);
                 if let Some([dx, dy]) = changes {
                     let [ux, vx] = self.slide.changes_lanes(&places, vector(s, dx, i));
                     let [uy, vy] = self.slide.changes_lanes(&places, vector(s, dy, i));
                     if let Some(view) = &self.view {
-                        let footprint = FootprintLanes::new(s, view, ux, vx, uy, vy);
-                        let lod = packed::lod_lanes(s, view, &footprint);
-                        lod.store_slice(&mut out.spots.lods[0][at]);
+                        let of = (0, view);
+                        out.addresses
+                            .put_mips(s, of, reached * LANES, [ux, vx], [uy, vy]);
                     } else {
-                        out.changes[0].put(reached, [ux, vx]);
-                        out.changes[1].put(reached, [uy, vy]);
+                        out.changes[0].put(reached * LANES, [ux, vx]);
+                        out.changes[1].put(reached * LANES, [uy, vy]);
                     }
                 }
                 reached += 1;
@@ -112,19 +112,20 @@ impl<'a> SlideLookUp<'a> {
             return;
         }
         let SlideTexels {
-            spots,
+            addresses,
             texels,
             changes: stored,
             ..
         } = out;
         if let Some(view) = &self.view {
-            return look_up_words(s, view, spots, &spots.lods[0], reached, texels);
+            texels.packed = true;
+            return read_addresses(level, view, addresses, reached, &mut texels.words);
         }
         texels.packed = false;
         let count = reached * LANES;
         let at = Places {
-            u: &spots.uv.u[..count],
-            v: &spots.uv.v[..count],
+            u: &addresses.uv.u[..count],
+            v: &addresses.uv.v[..count],
             gradients: changes.is_some().then(|| {
                 let [x, y] = &*stored;
                 [&x.u[..count], &x.v[..count], &y.u[..count], &y.v[..count]]
@@ -185,7 +186,7 @@ mod tests {
                     border,
                     softness,
                 });
-                let packed = SlideLookUp::new(&slide);
+                let packed = SlideLookUp::new(level, &slide);
                 let general = SlideLookUp {
                     slide: &slide,
                     view: None,

@@ -1,6 +1,6 @@
 //! Light in bands: pixel by pixel between the stages that have lanes.
 
-use crate::resolve::tile_buffer::{LANES, bits};
+use crate::shade::batch::{LANES, set_bits as bits};
 use crate::textures::Slot;
 use texmap_math::color::{luminance, straight};
 

@@ -14,8 +14,8 @@ use super::side::{Side, Three, load};
 use super::vectors::{NORMAL, POSITION, TANGENT, changes, column, three};
 use super::{AMBIENT, EXPONENT, Lamp, LitLanes, REFLECTIVITY, Reads, Relief, SPECULAR};
 use crate::plan::LightStage;
-use crate::resolve::tile_buffer::{Colors, LANES};
 use crate::shade::Run;
+use crate::shade::batch::{Colors, LANES};
 use crate::shade::normal::Space;
 
 /// What the stages of a run read.

@@ -8,7 +8,7 @@ use super::fits;
 use super::vectors::three;
 use crate::AlphaMode;
 use crate::plan::Surface;
-use crate::resolve::tile_buffer::{Colors, straight_lanes};
+use crate::shade::batch::{Colors, straight_lanes};
 use crate::textures::Slot;
 
 /// How base colours are found.

@@ -5,7 +5,7 @@ use texmap_math::fearless_simd::{Simd, f32x16, prelude::*};
 use texmap_raster::{Cull, NONE, RunBlock};
 
 use super::LitLanes;
-use crate::resolve::tile_buffer::{LANES, bits};
+use crate::shade::batch::{LANES, set_bits as bits};
 use crate::shade::{Facing, Run};
 use texmap_math::narrow;
 

@@ -5,9 +5,9 @@ use texmap_math::fearless_simd::{Simd, f32x16, prelude::*};
 use texmap_raster::{Column, RUN_ROOM, RunBlock, RunValues, TilePlanes};
 
 use super::{LitLanes, Relief};
-use crate::resolve::tile_buffer::{LANES, vector};
 use crate::shade::Run;
 use crate::shade::base_color::SlideTexels;
+use crate::shade::batch::{LANES, vector};
 use crate::shade::normal::Space;
 
 /// Columns of vectors.
