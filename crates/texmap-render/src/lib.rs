@@ -75,7 +75,6 @@ mod error;
 mod frame;
 mod height_field;
 mod light_names;
-mod lit;
 mod material;
 mod mesh;
 mod plan;

@@ -1,7 +1,10 @@
 //! From a checked scene to draws: which values each mesh carries per vertex, and which stages run on its pixels.
 
 mod cut;
+pub(crate) mod effects;
 mod light_stage;
+mod shader;
+mod space;
 mod surface;
 
 use std::sync::Arc;
@@ -13,15 +16,16 @@ use texmap_sample::Origin;
 
 use crate::ready::Ready;
 use crate::shade::coordinates::{Coordinates, EyeRays};
-use crate::shade::sky::{SkyStage, behind};
+use crate::shade::sky::SkyStage;
 use crate::shade::unlit::UnlitColor;
-use crate::shade::volume::{VolumeStage, far_sides};
+use crate::shade::volume::VolumeStage;
 use crate::textures::{Chains, Slot};
 use crate::{Aov, Backdrop, RenderError, Scene, Settings};
 use texmap_math::ViewRays;
 
 pub(crate) use cut::{Cut, cut};
-pub(crate) use light_stage::LightStage;
+pub(crate) use shader::Shader;
+use space::{behind, far_sides};
 use surface::surface;
 pub(crate) use surface::{Space, Surface};
 
@@ -213,17 +217,20 @@ mod tests {
         })
     }
 
-    /// Which surfaces are shaded sixteen samples at a time, where the level has lanes.
+    /// Surfaces that read a few columns of vectors and the texels of a pair, and those that read all of their attributes.
     #[test]
-    fn surfaces_lit_per_pixel_have_lanes() {
-        let has_lanes = |material: Material| {
+    fn plain_lit_surfaces_read_few_columns() {
+        let is_short = |material: Material| {
             let mut scene = scene(material);
             scene.meshes[0].lightmap_uvs = vec![[0.0; 2]; 3];
             let settings = Settings::new(8, 8);
             let chains = Chains::new(&scene, &settings).unwrap();
             let ready = Arc::new(Ready::new(&scene, &settings).unwrap());
             let plan = Plan::new(&scene, &settings, &chains, &ready, (8, 8), &[]).unwrap();
-            crate::shade::lighting::LitLanes::new(&plan, &plan.surfaces[0]).is_some()
+            match Shader::new(&plan, &plan.surfaces[0]) {
+                Shader::Surface(shader) => shader.attributes.is_none(),
+                _ => false,
+            }
         };
         let normals = |object_space| crate::Relief::NormalMap {
             slot: slot(Filter::Trilinear).unwrap(),
@@ -244,21 +251,30 @@ mod tests {
             }),
             ..Material::default()
         };
-        let some = has_lanes(Material::default());
+        for material in [
+            Material::default(),
+            with(normals(false)),
+            with(normals(true)),
+            baked,
+        ] {
+            assert!(is_short(material));
+        }
         let bump = crate::Relief::Bump {
             slot: slot(Filter::Bilinear).unwrap(),
             height: 0.1,
         };
-        for material in [with(normals(false)), with(normals(true)), with(bump), baked] {
-            assert_eq!(has_lanes(material), some);
-        }
-        // A texel that covers the light.
+        let blended = Material {
+            alpha: AlphaMode::Blend,
+            ..Material::default()
+        };
         let decal = Material {
             base_color: slot(Filter::Bilinear),
             texture_role: TextureRole::Decal,
             ..Material::default()
         };
-        assert!(!has_lanes(decal));
+        for material in [with(bump), blended, decal] {
+            assert!(!is_short(material));
+        }
     }
 
     /// Attributes per vertex, pass, and whether a mip chain was built.

@@ -61,7 +61,7 @@ const WORDS: [u32; 16] = [
 ];
 
 /// Every operation of one lane, as words: NaN as one word, since its payload is no result.
-const RESULTS: usize = 48;
+const RESULTS: usize = 49;
 
 #[inline(always)]
 fn every_operation<I: Isa>(i: I, at: usize, table: &[u32], out: &mut [[u32; 16]; RESULTS]) {
@@ -99,6 +99,7 @@ fn every_operation<I: Isa>(i: I, at: usize, table: &[u32], out: &mut [[u32; 16];
         i.narrow(positive),
         i.table8(&[1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0], w & 7),
         (w & 0x3fff_ffff).to_f32_bits(),
+        (x * 1.5).floor(),
     ];
     let integers = [
         (small * 0.7).floor_to_i32().to_u32(),

@@ -86,6 +86,9 @@ pub trait F32s<I: Isa>: Float<f32, I::Mask> {
     /// `floor(self)`, for `|self| < 2^31`.
     fn floor_to_i32(self) -> I::I32;
 
+    /// The largest whole number that is not above `self`; of -0 it is -0.
+    fn floor(self) -> Self;
+
     /// Within `[low, high]` by comparison and selection; NaN gives `low`.
     #[inline(always)]
     fn clamp(self, low: Self, high: Self) -> Self {

@@ -118,6 +118,10 @@ impl F32s<Scalar> for f32 {
         let cut = self as i32;
         One(cut - i32::from(cut as Self > self))
     }
+    #[inline(always)]
+    fn floor(self) -> Self {
+        crate::float::floor_f32(self)
+    }
 }
 
 macro_rules! int {

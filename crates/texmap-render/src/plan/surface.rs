@@ -3,12 +3,12 @@
 use texmap_math::glam::DMat4;
 use texmap_raster::{DepthTest, Fragment, Interp, Pass};
 
-use super::light_stage::{LightStage, light_stage, lights_depend_on_place};
+use super::effects::SurfaceEffects;
+use super::light_stage::{light_stage, lights_depend_on_place};
 use super::{Cut, View, cut};
-use crate::lit::SurfaceEffects;
 use crate::ready::Ready;
 use crate::shade::coordinates::Coordinates;
-use crate::shade::emission::EmissionStage;
+use crate::shade::lighting::LightStage;
 use crate::shade::sky::SkyStage;
 use crate::shade::solid::SolidStage;
 use crate::shade::unlit::UnlitColor;
@@ -30,8 +30,8 @@ pub(crate) struct Surface<'s> {
     pub(crate) light_ramp: Option<Slot<'s>>,
     pub(crate) decal: Option<Slot<'s>>,
     pub(crate) carved: Option<SolidStage<'s>>,
-    /// Where the surface shows.
-    pub(crate) emission: Option<EmissionStage<'s>>,
+    /// Emitted light (raw values in raw mode) and the map that multiplies it, where the surface shows.
+    pub(crate) emission: Option<([f32; 3], Option<Slot<'s>>)>,
     /// The only stage of what is no surface.
     pub(crate) space: Option<Box<Space<'s>>>,
     pub(crate) uv: Coordinates,
@@ -148,7 +148,10 @@ pub(super) fn surface<'s>(
         || material.texture_role == TextureRole::Modulate
         || (material.alpha == AlphaMode::Opaque && clear_texels);
     let emission = material.emission.as_ref().filter(|_| shows_surface);
-    let emission = emission.map(|e| EmissionStage::new(e, scene, settings, chains, mesh.uv_origin));
+    let emission = emission.map(|e| {
+        let slot = |s| Slot::new(s, scene, settings, chains, mesh.uv_origin);
+        (e.color, e.map.as_ref().map(slot))
+    });
     let cut = cut(material, base_color.as_ref(), opacity_map.as_ref());
     let pass = match material.alpha {
         AlphaMode::Blend => Pass::Blended,
@@ -164,7 +167,7 @@ pub(super) fn surface<'s>(
     let textured = base_color.is_some()
         || opacity_map.is_some()
         || decal.is_some()
-        || emission.as_ref().is_some_and(|e| e.map.is_some())
+        || emission.as_ref().is_some_and(|e| e.1.is_some())
         || material.shading == Shading::PerPixel && material.reads_uv();
 
     let mut position = None;

@@ -4,24 +4,24 @@ use texmap_raster::Fragment;
 
 use super::rows::AovRows;
 use crate::plan::{Plan, Surface};
-use crate::shade::{Facing, Run, facing_normal, three};
+use crate::shade::batch::{Batch, Facing};
 use crate::{Aov, HOLE_BITS};
 
 /// Writes the values of a batch of `surface`.
 pub(crate) fn write_batch(
     plan: &Plan<'_>,
     surface: &Surface<'_>,
-    batch: &Run<'_>,
+    batch: &Batch<'_>,
     aovs: &mut [(Aov, AovRows<'_, '_>)],
 ) {
     let mut facing = Facing::new(surface.material.cull);
     let mut fragment = Fragment::default();
-    for (place, at, bit) in batch.places() {
+    for (place, at, bit) in batch.fragments() {
         let slot = batch.slot(at, bit);
         let (_, triangle) = batch.prepared.source(batch.blocks.ids[slot as usize]);
         fragment.depth = batch.depth(at, bit);
         fragment.inv_w = batch.values.inv_w[place];
-        fragment.pixel = batch.pixel(at, bit);
+        fragment.pixel = batch.sample(at, bit);
         fragment.front = facing.is_front(batch, slot);
         let columns = &batch.values.columns[..surface.vertices.attribute_count];
         for (k, column) in columns.iter().enumerate() {
@@ -67,7 +67,7 @@ fn aov_values(
             }),
         Aov::Normal => surface
             .normal
-            .and_then(|first| unit(facing_normal(fragment, first))),
+            .and_then(|first| unit(seen_normal(fragment, first))),
         Aov::Position => surface.position.map(|first| three(fragment, first)),
         Aov::Shadow(light) => surface.effects.as_ref().and_then(|effects| {
             let point = three(fragment, surface.position?);
@@ -81,6 +81,20 @@ fn aov_values(
     values
         .filter(|v| v[..channels].iter().all(|v| v.is_finite()))
         .unwrap_or([hole; 3])
+}
+
+/// The interpolated normal on the side that is seen.
+fn seen_normal(fragment: &Fragment, first: usize) -> [f32; 3] {
+    let normal = three(fragment, first);
+    if fragment.front {
+        normal
+    } else {
+        normal.map(|x| -x)
+    }
+}
+
+fn three(fragment: &Fragment, first: usize) -> [f32; 3] {
+    [0, 1, 2].map(|k| fragment.values[first + k])
 }
 
 fn unit(v: [f32; 3]) -> Option<[f32; 3]> {

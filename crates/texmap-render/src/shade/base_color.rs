@@ -1,309 +1,200 @@
-//! Texture fetches of lit batches. RGBA8 texels stay packed until a block needs them; uv and mips are computed once for all textures
-//! that share coordinates.
+//! Base color and opacity: texture, color ramp, antialiased alpha, solid texture, decal, vertex colors, opacity map.
 
-mod map;
-mod slide;
-
+use texmap_light::lanes::{Vector, splat};
 use texmap_math::Level;
-use texmap_math::fearless_simd::{Simd, SimdBase, f32x16};
-use texmap_raster::{RUN_ROOM, RunBlock, RunValues, TileBlocks, TilePlanes};
-use texmap_sample::lanes::{View, packed};
-use texmap_sample::sample_columns;
+use texmap_math::simd::{Isa, Scalar, prelude::*};
+use texmap_raster::RunValues;
 
-use crate::shade::batch::{Colors, LANES};
-use crate::shade::texels::{Pixels, TexelAddresses, packed_view, read_pair};
-use crate::shade::unlit::places;
+use super::batch::{Batch, Colors, columns, load_vector, straight};
+use super::fetch::{PackedTexels, Texels, footprint_at};
+use super::solid::SolidStage;
+use crate::AlphaMode;
 use crate::textures::Slot;
-use crate::tile::ATTRIBUTES;
-pub(crate) use map::MapTexels;
-pub(crate) use slide::{SlideLookUp, SlideTexels};
 
-/// Texels of a run: packed bytes, or channel by channel.
-pub(crate) struct Texels {
-    words: [u32; RUN_ROOM],
-    colors: Colors,
-    packed: bool,
+/// The base color of a surface.
+pub(crate) struct BaseColor<'a> {
+    /// Factors of the straight texel.
+    pub(crate) color: [f32; 3],
+    pub(crate) texture: Option<&'a Slot<'a>>,
+    /// The base color is one color, or an opaque texture that is read at the coordinates of the vertices: see
+    /// [`TexturePair`](super::fetch::TexturePair).
+    pub(crate) paired: bool,
+    /// Every texel is opaque.
+    pub(crate) opaque_texels: bool,
+    /// The first channel of the texture, or of the solid texture, is looked up along this.
+    pub(crate) ramp: Option<&'a Slot<'a>>,
+    /// Alpha becomes the coverage of the outline where it is a half.
+    pub(crate) antialiased: bool,
+    pub(crate) solid: Option<&'a SolidStage<'a>>,
+    pub(crate) decal: Option<&'a Slot<'a>>,
+    pub(crate) opacity_map: Option<&'a Slot<'a>>,
+    /// First attribute of the vertex colors.
+    pub(crate) vertex_color: Option<usize>,
+    pub(crate) alpha: AlphaMode,
+    pub(crate) opacity: f32,
 }
 
-impl Default for Texels {
-    fn default() -> Self {
-        Self {
-            words: [0; RUN_ROOM],
-            colors: Colors::default(),
-            packed: false,
-        }
-    }
+/// Texels that base colors are computed from.
+#[derive(Default)]
+pub(crate) struct BaseTexels {
+    texture: Texels,
+    solid: Colors,
+    decal: Texels,
+    opacity: Texels,
 }
 
-impl Texels {
-    /// The colours of a block.
-    #[inline(always)]
-    pub(crate) fn lanes<S: Simd>(&self, s: S, i: usize) -> [f32x16<S>; 3] {
-        let [r, g, b, _] = self.premultiplied(s, i);
-        [r, g, b]
+impl BaseColor<'_> {
+    /// True if some texture is read by columns of coordinates.
+    pub(crate) fn reads_uv(&self) -> bool {
+        !self.paired
+            && (self.texture.is_some() || self.decal.is_some() || self.opacity_map.is_some())
     }
 
-    /// The colours of a block with their alpha.
-    #[inline(always)]
-    fn premultiplied<S: Simd>(&self, s: S, i: usize) -> [f32x16<S>; 4] {
-        if self.packed {
-            packed::unpack_lanes(s, self.block(s, i))
-        } else {
-            self.colors.lanes(s, i)
-        }
-    }
-
-    #[inline(always)]
-    fn block<S: Simd>(&self, s: S, i: usize) -> texmap_math::fearless_simd::u32x16<S> {
-        SimdBase::from_slice(s, &self.words[i * LANES..(i + 1) * LANES])
-    }
-}
-
-/// The look-ups of a surface at the coordinates of its mesh: base colour, normal map.
-pub(crate) struct LookUps<'a> {
-    slots: [Option<&'a Slot<'a>>; 2],
-    /// All of them, if all are packed.
-    views: Option<[Option<View<'a>>; 2]>,
-    /// Levels in both are the same.
-    same_levels: bool,
-    /// Some filter asks how large a pixel is.
-    derivatives: bool,
-}
-
-impl<'a> LookUps<'a> {
-    pub(crate) fn new(level: Level, slots: [Option<&'a Slot<'a>>; 2]) -> Self {
-        let views =
-            slots.map(|slot| slot.map(|slot| packed_view(level, &slot.sampler, &slot.texture)));
-        // A slot without a view spoils it.
-        let views = match views {
-            [Some(None), _] | [_, Some(None)] => None,
-            [base, bumps] => Some([base.flatten(), bumps.flatten()]),
-        };
-        let same_levels = match (slots, &views) {
-            ([Some(base), Some(bumps)], Some([Some(a), Some(b)])) => {
-                a.kind == b.kind && a.size() == b.size() && base.sampler.lod == bumps.sampler.lod
-            }
-            _ => false,
-        };
-        let derivatives = slots.into_iter().flatten().any(Slot::reads_derivatives);
-        Self {
-            slots,
-            views,
-            same_levels,
-            derivatives,
-        }
-    }
-
-    /// Reads the texels of a batch.
-    pub(crate) fn run(
+    /// Reads what a batch is colored by, but for the texels of the pair; columns 0 and 1 of `uv` are its coordinates.
+    pub(crate) fn fetch(
         &self,
         level: Level,
-        planes: &TilePlanes,
-        blocks: &TileBlocks,
-        run: &[RunBlock],
-        scratch: &mut LookUpScratch,
-        out: &mut [Texels; 2],
+        batch: &Batch<'_>,
+        uv: &RunValues,
+        out: &mut BaseTexels,
     ) {
-        if self.slots.iter().all(Option::is_none) {
-            return;
+        let blocks = batch.list.len();
+        if let Some(slot) = self.texture {
+            out.texture.fetch(level, slot, uv, blocks);
+            let colors = &mut out.texture.colors;
+            if let (Some(ramp), None) = (self.ramp, self.solid) {
+                for (at, ..) in batch.fragments() {
+                    let (place, d) = footprint_at(uv, at);
+                    let [.., keep] = colors.get(at);
+                    colors.set(at, slot.dependent(place, d, ramp).map(|c| c * keep));
+                }
+            }
+            if self.antialiased {
+                for (at, ..) in batch.fragments() {
+                    let (place, d) = footprint_at(uv, at);
+                    let texel = colors.get(at);
+                    let alpha = slot.outline(place, d, texel[3]);
+                    let [r, g, b] = straight(Scalar, texel);
+                    colors.set(at, [r * alpha, g * alpha, b * alpha, alpha]);
+                }
+            }
         }
-        let LookUpScratch { values, addresses } = scratch;
-        if let Some(views) = &self.views {
-            let pixels = Pixels::Blocks(planes, blocks);
-            let words = out.each_mut().map(|out| {
-                out.packed = true;
-                &mut out.words
-            });
-            read_pair(
-                level,
-                views,
-                self.same_levels,
-                &pixels,
-                run,
-                addresses,
-                words,
-            );
-            return;
+        if let Some(slot) = self.decal {
+            out.decal.fetch(level, slot, uv, blocks);
         }
-        let wanted = &ATTRIBUTES[..2];
-        planes.values(level, blocks, run, wanted, self.derivatives, values);
-        let count = run.len() * LANES;
-        for (slot, out) in self.slots.iter().zip(out) {
-            if let Some(slot) = slot {
-                out.packed = false;
-                let (at, columns) = (places(slot, values, count), out.colors.columns_mut(count));
-                sample_columns(level, &slot.sampler, &slot.texture, &at, columns)
-                    .expect("the columns have one length");
+        if let Some(slot) = self.opacity_map {
+            out.opacity.fetch(level, slot, uv, blocks);
+        }
+        if let Some(solid) = self.solid {
+            solid.fetch(level, batch, &mut out.solid);
+            if let Some(ramp) = self.ramp {
+                for (at, ..) in batch.fragments() {
+                    let [value, ..] = out.solid.get(at);
+                    out.solid.set(at, ramp.along(value));
+                }
             }
         }
     }
-}
 
-/// Columns of a batch's look-ups.
-#[derive(Default)]
-pub(crate) struct LookUpScratch {
-    values: RunValues,
-    addresses: TexelAddresses,
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::textures::Chains;
-    use crate::{ColorMode, Effects, Scene, Settings, TextureSlot};
-    use texmap_math::camera::Camera;
-    use texmap_math::glam::{DMat4, DVec3, DVec4};
-    use texmap_math::on_wide_level;
-    use texmap_raster::{Draw, NONE, NoAlphaTest, Prepared, RUN, TargetSize};
-    use texmap_sample::{
-        ColorSpace, Filter, Origin, Precision, Sampler, Texture2d, UvTransform, Wrap,
-    };
-
-    pub(super) fn noise(width: u32, height: u32) -> Texture2d<'static> {
-        bordered(width, height, 0)
-    }
-
-    /// Within a black border.
-    pub(super) fn bordered(width: u32, height: u32, border: u32) -> Texture2d<'static> {
-        let mut seed = width * 31 + height;
-        let within = |i: u32, n: u32| (border..n - border).contains(&i);
-        let texels: Vec<u8> = (0..width * height)
-            .flat_map(|i| {
-                seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-                let [_, r, g, b] = seed.to_le_bytes();
-                match within(i % width, width) && within(i / width, height) {
-                    true => [r, g, b, 255],
-                    false => [0, 0, 0, 255],
-                }
-            })
-            .collect();
-        let texture =
-            Texture2d::from_rgba8(width, height, texels, ColorSpace::Linear, Origin::TopLeft);
-        texture.unwrap().with_mips()
-    }
-
-    fn scene(textures: Vec<Texture2d<'static>>) -> Scene {
-        Scene {
-            camera: Camera {
-                eye: DVec3::Z,
-                look: DVec3::ZERO,
-                up: DVec3::Y,
-                fov_x: 1.0,
-                near: 0.1,
-                far: 10.0,
-            },
-            background: [0.0; 4],
-            color: ColorMode::Raw,
-            depth_test: texmap_raster::DepthTest::Less,
-            lights: Vec::new(),
-            textures,
-            materials: Vec::new(),
-            meshes: Vec::new(),
-            warnings: Vec::new(),
-            effects: Effects::default(),
-        }
-    }
-
-    pub(super) fn sampler(filter: Filter, wrap: Wrap) -> Sampler {
-        Sampler {
-            filter,
-            wrap_u: wrap,
-            precision: Precision::Fast,
-            ..Sampler::default()
-        }
-    }
-
-    pub(super) fn bits<S: Simd>(lanes: [f32x16<S>; 3]) -> [[u32; LANES]; 3] {
-        lanes.map(|c| core::array::from_fn(|i| c[i].to_bits()))
-    }
-
-    /// Packed words are the texels that [`sample_columns`] gives, for each filter, wrap, origin and pair of sizes, with levels that both
-    /// textures share and levels of their own, in perspective and over the edge of two triangles.
-    #[test]
-    fn packed_words_are_the_texels_of_the_general_look_ups() {
-        let level = Level::new();
-        let scene = scene(vec![noise(64, 64), noise(64, 64), noise(16, 32)]);
-        let corners = [[-1.3, -1.3], [1.3, -1.3], [1.3, 1.3], [-1.3, 1.3]];
-        let draw = Draw {
-            positions: &corners.map(|[x, y]| [x, y, 0.0]),
-            indices: &[[0, 1, 2], [0, 2, 3]],
-            // w is 1 + 0.4 y.
-            clip_from_object: DMat4::from_cols(
-                DVec4::X,
-                DVec4::new(0.0, 1.0, 0.0, 0.4),
-                DVec4::ZERO,
-                DVec4::new(0.0, 0.0, 0.3, 1.0),
-            ),
-            attributes: &[-0.4, 0.2, 3.3, -0.3, 1.1, 2.7, 0.1, 5.9],
-            attribute_count: 2,
-            ..Draw::default()
+    /// The texels of the pair, times the color.
+    #[inline(always)]
+    pub(crate) fn of_pair<I: Isa>(&self, i: I, texels: &PackedTexels, at: usize) -> Vector<I> {
+        let [r, g, b] = match self.texture {
+            Some(_) => {
+                let [r, g, b, _] = texels.load(i, at);
+                [r, g, b]
+            }
+            None => [i.f32(1.0); 3],
         };
-        let size = TargetSize::new(64, 64).unwrap();
-        let prepared = Prepared::with_level(size, &[draw], level, 1).unwrap();
-        let (mut blocks, mut planes) = (TileBlocks::new(), TilePlanes::new());
-        prepared.visible_blocks(0, &NoAlphaTest, &mut blocks);
-        prepared.planes(0, &mut planes);
-        let all = blocks.masks.iter().enumerate();
-        let all = all
-            .filter(|(_, mask)| **mask != 0)
-            .map(|(i, mask)| RunBlock {
-                block: i as u16,
-                mask: *mask,
-                slot: NONE,
-            });
-        let list: Vec<RunBlock> = all.collect();
-        assert!(list.len() > 150, "{}", list.len());
-        let settings = Settings::new(64, 64);
-        let chains = Chains::new(&scene, &settings).unwrap();
-        let (mut shared, mut compared) = (0, 0);
-        for filter in [Filter::Nearest, Filter::Bilinear, Filter::Trilinear] {
-            for wrap in [Wrap::Repeat, Wrap::ClampToEdge, Wrap::MirroredRepeat] {
-                for (second, origin) in [
-                    (1, Origin::TopLeft),
-                    (1, Origin::BottomLeft),
-                    (2, Origin::TopLeft),
-                ] {
-                    let slots = [0, second].map(|texture| TextureSlot {
-                        texture,
-                        sampler: sampler(filter, wrap),
-                        transform: UvTransform::default(),
-                    });
-                    let slots = slots
-                        .each_ref()
-                        .map(|s| Slot::new(s, &scene, &settings, &chains, origin));
-                    let packed = LookUps::new(level, slots.each_ref().map(Some));
-                    let general = LookUps {
-                        views: None,
-                        ..LookUps::new(level, slots.each_ref().map(Some))
-                    };
-                    assert!(packed.views.is_some(), "{filter:?} {wrap:?}");
-                    shared += u32::from(packed.same_levels);
-                    let mut scratch = LookUpScratch::default();
-                    let mut words: [Texels; 2] = Default::default();
-                    let mut floats: [Texels; 2] = Default::default();
-                    for run in list.chunks(RUN / LANES) {
-                        on_wide_level!(level, s => {
-                            packed.run(level, &planes, &blocks, run, &mut scratch, &mut words);
-                            general.run(level, &planes, &blocks, run, &mut scratch, &mut floats);
-                            for (words, floats) in words.iter().zip(&floats) {
-                                assert!(words.packed && !floats.packed);
-                                for (i, at) in run.iter().enumerate() {
-                                    let (a, b) = (bits(words.lanes(s, i)), bits(floats.lanes(s, i)));
-                                    for k in (0..LANES).filter(|k| at.mask >> k & 1 == 1) {
-                                        let of = |c: &[[u32; LANES]; 3]| [c[0][k], c[1][k], c[2][k]];
-                                        assert_eq!(of(&a), of(&b), "{filter:?} {wrap:?} {i} {k}");
-                                        compared += 1;
-                                    }
-                                }
-                            }
-                        }, else {
-                            // A level without lanes shades sample by sample.
-                            return;
-                        });
-                    }
-                }
+        [r * self.color[0], g * self.color[1], b * self.color[2]]
+    }
+
+    /// The premultiplied texels of the texture.
+    #[inline(always)]
+    pub(crate) fn texel<I: Isa>(&self, i: I, read: &BaseTexels, at: usize) -> [I::F32; 4] {
+        let mut texel = match self.texture {
+            Some(_) => read.texture.colors.load(i, at),
+            None => [i.f32(1.0); 4],
+        };
+        if self.opaque_texels {
+            texel[3] = i.f32(1.0);
+        }
+        texel
+    }
+
+    /// The decal over premultiplied colors, or colors without alpha.
+    #[inline(always)]
+    pub(crate) fn under_decal<I: Isa, const N: usize>(
+        &self,
+        i: I,
+        read: &BaseTexels,
+        at: usize,
+        mut colors: [I::F32; N],
+    ) -> [I::F32; N] {
+        if self.decal.is_some() {
+            let label = read.decal.colors.load(i, at);
+            let keep = i.f32(1.0) - label[3];
+            for (color, label) in colors.iter_mut().zip(label) {
+                *color = label + keep * *color;
             }
         }
-        assert!(shared > 5 && compared > 100_000, "{shared} {compared}");
+        colors
+    }
+
+    /// Colors times the vertex colors.
+    #[inline(always)]
+    pub(crate) fn tinted<I: Isa>(
+        &self,
+        i: I,
+        values: &RunValues,
+        at: usize,
+        base: Vector<I>,
+    ) -> Vector<I> {
+        match self.vertex_color {
+            Some(first) => {
+                let tint = load_vector(i, columns(values, first), at);
+                [base[0] * tint[0], base[1] * tint[1], base[2] * tint[2]]
+            }
+            None => base,
+        }
+    }
+
+    /// Opacity of the material and its opacity map.
+    #[inline(always)]
+    pub(crate) fn opacity<I: Isa>(&self, i: I, read: &BaseTexels, at: usize) -> I::F32 {
+        match self.opacity_map {
+            Some(slot) => read.opacity.colors.load(i, at)[slot.opacity_channel()] * self.opacity,
+            None => i.f32(self.opacity),
+        }
+    }
+
+    /// Straight base colors and their alpha.
+    #[inline(always)]
+    pub(crate) fn load<I: Isa>(
+        &self,
+        i: I,
+        read: &BaseTexels,
+        values: &RunValues,
+        at: usize,
+    ) -> (Vector<I>, I::F32) {
+        let texel = self.texel(i, read, at);
+        let [r, g, b] = straight(i, texel);
+        let mut base = [r * self.color[0], g * self.color[1], b * self.color[2]];
+        if self.solid.is_some() {
+            let [r, g, b] = straight(i, read.solid.load(i, at));
+            base = [base[0] * r, base[1] * g, base[2] * b];
+        }
+        let base = self.under_decal(i, read, at, base);
+        let alpha = match self.alpha {
+            AlphaMode::Blend => texel[3] * self.opacity(i, read, at),
+            _ => i.f32(1.0),
+        };
+        (self.tinted(i, values, at, base), alpha)
+    }
+
+    /// The color of the material alone, times the vertex colors.
+    #[inline(always)]
+    pub(crate) fn material_color<I: Isa>(&self, i: I, values: &RunValues, at: usize) -> Vector<I> {
+        self.tinted(i, values, at, splat(i, self.color))
     }
 }

@@ -1,14 +1,14 @@
-//! Texture coordinates of a fragment: from the vertices, or per pixel from a texture frame or a round shape.
+//! Texture coordinates of fragments: from the vertices, or per pixel from a texture frame or a round shape.
 
-use texmap_math::CameraFrame;
-use texmap_math::Footprint;
-use texmap_math::ViewRays;
-use texmap_math::fearless_simd::{Simd, f32x16, prelude::*};
 use texmap_math::glam::{DMat4, DVec3};
-use texmap_raster::Fragment;
+use texmap_math::simd::{Isa, prelude::*};
+use texmap_math::{CameraFrame, Footprint, Level, ViewRays};
+use texmap_raster::{Column, Fragment, RunValues};
 use texmap_uv::PixelMapping;
 
-/// Where texture coordinates come from.
+use super::batch::{Batch, LANES, columns};
+
+/// The source of texture coordinates.
 pub(crate) enum Coordinates {
     None,
     /// Attributes 0 and 1.
@@ -18,40 +18,96 @@ pub(crate) enum Coordinates {
     Round(PixelMapping, usize),
 }
 
+/// Lists of the fragments of a batch: positions and their changes right and down, uv, footprints.
+#[derive(Default)]
+pub(crate) struct UvScratch {
+    moves: [Vec<[f32; 3]>; 3],
+    uv: Vec<[f32; 2]>,
+    footprint: Vec<Footprint>,
+}
+
 impl Coordinates {
     /// Coordinates of a fragment; `None` if the mesh has none there.
     pub(crate) fn at(&self, fragment: &Fragment) -> Option<([f32; 2], Footprint)> {
+        let Fragment {
+            values, ddx, ddy, ..
+        } = fragment;
         match self {
             Self::None => None,
-            Self::Vertices => Some(attributes(fragment, 0)),
+            Self::Vertices => {
+                let d = Footprint::new(ddx[0], ddx[1], ddy[0], ddy[1]);
+                Some(([values[0], values[1]], d))
+            }
             Self::Frame(frame) => frame.uv(fragment.pixel[0], fragment.pixel[1]),
             Self::Round(map, first) => {
                 let three = |of: &[f32]| [of[*first], of[first + 1], of[first + 2]];
-                let Fragment {
-                    values, ddx, ddy, ..
-                } = fragment;
                 Some(map.one(three(values), three(ddx), three(ddy)))
             }
         }
     }
+
+    /// Coordinates of a batch and their changes as columns 0 and 1: those of its attributes, or computed into `out`; 0 where a mesh has
+    /// none.
+    pub(crate) fn columns<'b>(
+        &self,
+        level: Level,
+        batch: &Batch<'b>,
+        scratch: &mut UvScratch,
+        out: &'b mut RunValues,
+    ) -> &'b RunValues {
+        let UvScratch {
+            moves,
+            uv,
+            footprint,
+        } = scratch;
+        uv.clear();
+        footprint.clear();
+        match self {
+            Self::Vertices => return batch.values,
+            Self::None => {
+                uv.resize(batch.list.len() * LANES, [0.0; 2]);
+                footprint.resize(uv.len(), Footprint::default());
+            }
+            Self::Frame(frame) => {
+                for (_, at, bit) in batch.fragments() {
+                    let [x, y] = batch.sample(at, bit);
+                    let (place, d) = frame.uv(x, y).unwrap_or_default();
+                    uv.push(place);
+                    footprint.push(d);
+                }
+            }
+            Self::Round(map, first) => {
+                let position: &[Column; 3] = columns(batch.values, *first);
+                let [points, dx, dy] = moves;
+                for list in [&mut *points, &mut *dx, &mut *dy] {
+                    list.clear();
+                }
+                for (at, ..) in batch.fragments() {
+                    points.push(position.each_ref().map(|c| c.value[at]));
+                    dx.push(position.each_ref().map(|c| c.ddx[at]));
+                    dy.push(position.each_ref().map(|c| c.ddy[at]));
+                }
+                uv.resize(points.len(), [0.0; 2]);
+                footprint.resize(points.len(), Footprint::default());
+                map.slice(level, points, dx, dy, uv, footprint)
+                    .expect("the lists have one length");
+            }
+        }
+        out.columns.resize(2, Column::ZERO);
+        for ((at, ..), (uv, d)) in batch.fragments().zip(uv.iter().zip(footprint)) {
+            let changes = [[d.du_dx, d.du_dy], [d.dv_dx, d.dv_dy]];
+            for ((column, value), [dx, dy]) in out.columns.iter_mut().zip(uv).zip(changes) {
+                column.value[at] = *value;
+                column.ddx[at] = dx;
+                column.ddy[at] = dy;
+            }
+        }
+        out
+    }
 }
 
-/// Coordinates among the attributes of a fragment, from this one on, and their footprint.
-pub(crate) fn attributes(fragment: &Fragment, first: usize) -> ([f32; 2], Footprint) {
-    let Fragment {
-        values, ddx, ddy, ..
-    } = fragment;
-    let d = Footprint {
-        du_dx: ddx[first],
-        dv_dx: ddx[first + 1],
-        du_dy: ddy[first],
-        dv_dy: ddy[first + 1],
-    };
-    ([values[first], values[first + 1]], d)
-}
-
-/// Directions to the eye from what is seen at the samples of a grid, world space. Their length is that of the ray where it is 1 along the
-/// camera's axis, so that they change evenly from sample to sample.
+/// Directions to the eye from the samples of a grid, world space. Their length is that of the ray where it is 1 along the camera's axis,
+/// so that they change evenly from sample to sample.
 #[derive(Clone, Copy)]
 pub(crate) struct EyeRays {
     /// At the middle of the picture.
@@ -89,15 +145,9 @@ impl EyeRays {
         }
     }
 
-    /// At the centre of a sample.
-    pub(crate) fn at(&self, [x, y]: [u32; 2]) -> [f32; 3] {
-        let (x, y) = (x as f32 + self.first[0], y as f32 + self.first[1]);
-        [0, 1, 2].map(|i| self.middle[i] + (self.dx[i] * x + self.dy[i] * y))
-    }
-
-    /// [`at`](Self::at) for the 4 x 4 samples from one on.
+    /// The directions from `pixel` on of the 4 x 4 samples whose first is `[x, y]`.
     #[inline(always)]
-    pub(crate) fn block<S: Simd>(&self, s: S, [x, y]: [u32; 2]) -> [f32x16<S>; 3] {
+    pub(crate) fn part<I: Isa>(&self, i: I, [x, y]: [u32; 2], pixel: usize) -> [I::F32; 3] {
         let column = [
             0., 1., 2., 3., 0., 1., 2., 3., 0., 1., 2., 3., 0., 1., 2., 3.,
         ];
@@ -105,8 +155,8 @@ impl EyeRays {
             0., 0., 0., 0., 1., 1., 1., 1., 2., 2., 2., 2., 3., 3., 3., 3.,
         ];
         // Whole numbers and halves: nothing is rounded.
-        let x = f32x16::from_slice(s, &column) + (x as f32 + self.first[0]);
-        let y = f32x16::from_slice(s, &row) + (y as f32 + self.first[1]);
+        let x = i.load_f32(&column[pixel..]) + (x as f32 + self.first[0]);
+        let y = i.load_f32(&row[pixel..]) + (y as f32 + self.first[1]);
         [
             x * self.dx[0] + y * self.dy[0] + self.middle[0],
             x * self.dx[1] + y * self.dy[1] + self.middle[1],

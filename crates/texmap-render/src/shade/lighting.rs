@@ -1,430 +1,264 @@
-//! Lighting and effects sixteen pixels at a time. A surface whose stages all read columns of their own takes the short way; another
-//! reads all its attributes first, and what has no lanes goes pixel by pixel between the stages that have: the bits are those of
-//! [`Stages`] either way.
+//! Lighting per pixel: the sum over lights of their contribution times their visibility, light maps, and maps of the material's numbers.
 
-mod banded;
-mod columns;
-mod ground;
-mod side;
-mod vectors;
+use texmap_light::lanes::{PowerLanes, TermsLanes, Vector, dot, share, splat, unit};
+use texmap_light::{Highlight, Light, Power, ShadowReader, Surface};
+use texmap_math::simd::{Isa, prelude::*};
 
-use texmap_light::lanes::EnvironmentView;
-use texmap_light::{Light, NormalMap, Power, ShadowReader, Surface as Numbers};
-use texmap_math::Level;
-use texmap_math::fearless_simd::prelude::*;
-use texmap_math::on_wide_level;
-use texmap_raster::{RunBlock, RunValues, TilePlanes};
-
-use crate::TextureRole;
-use crate::lit::SurfaceEffects;
-use crate::plan::{LightStage, Plan, Surface};
-use crate::ready::{Ready, Thrown};
-use crate::shade::base_color::{
-    LookUpScratch, LookUps, MapTexels, SlideLookUp, SlideTexels, Texels,
-};
-use crate::shade::batch::{Colors, LANES};
-use crate::shade::coordinates::{Coordinates, EyeRays};
-use crate::shade::normal::{ReliefStage, SlopeTexels, Space};
-use crate::shade::procedural::Carved;
-use crate::shade::{Run, Stages};
+use super::batch::{Batch, Part, flip, load_vector};
+use super::environment::Reflections;
+use super::facing::Side;
+use super::fetch::{PackedTexels, Texels};
+use super::normal::{NormalStage, NormalTexels, Vectors};
+use super::projector::{ProjectorStage, ProjectorTexels};
 use crate::textures::Slot;
-use columns::Columns;
-use ground::Ground;
-use side::Side;
-use vectors::{NORMAL, POSITION, TANGENT};
 
-/// The stages of one surface; each is there only if the material or a light asks for it.
-pub(crate) struct LitLanes<'a> {
-    surface: &'a Surface<'a>,
-    ready: &'a Ready<'a>,
-    numbers: Numbers,
-    power: Power,
-    lights: Vec<Lamp<'a>>,
-    ground: Ground<'a>,
-    relief: Relief<'a>,
-    /// Baked light: what multiplies its texels, its map, and the first attribute of the coordinates.
-    baked: Option<(f32, &'a Slot<'a>, usize)>,
-    /// Paint, the later over the earlier.
-    paints: Vec<Cast<'a>>,
-    mirror: Option<(EnvironmentView<'a>, f32)>,
-    /// The environment that gives highlights.
-    specular: Option<EnvironmentView<'a>>,
-    /// Textures in place of numbers, by [`SurfaceEffects::maps`].
-    maps: [Option<&'a Slot<'a>>; MAPS],
-    look_ups: LookUps<'a>,
-    /// All attributes are read before the first stage.
-    reads_all: bool,
-    /// First columns of normals, positions and tangents.
-    normal: usize,
-    position: Option<usize>,
-    tangent: usize,
-    /// Highlights or a relief's horizon ask for the direction to the eye.
-    sees_eye: bool,
-    /// Some light other than the slides' reaches every block, or a mirror does: all ask for the normal.
-    turned: bool,
-    /// Some shadow or paint reads the normal of the triangle's plane.
-    planes: bool,
-    eye: [f32; 3],
-    rays: EyeRays,
-    level: Level,
-}
-
-/// A light, and what it loses on its way.
-struct Lamp<'a> {
-    light: Light,
-    shadows: &'a [ShadowReader],
-    slide: Option<Cast<'a>>,
-}
-
-/// A slide on its way to a surface.
-struct Cast<'a> {
-    thrown: &'a Thrown<'a>,
-    look_up: SlideLookUp<'a>,
-}
-
-/// What turns the normals.
-enum Relief<'a> {
+/// The source of the light of a surface; numbers are attribute indices.
+#[derive(Clone, Copy)]
+pub(crate) enum LightStage {
+    /// The base color is the color.
     None,
-    /// The texels are those of the packed look-ups, or those of a map of its own.
-    Normals(NormalMap, &'a Slot<'a>, Space, bool),
-    Slopes(&'a ReliefStage<'a>),
-    Carved(&'a Carved),
+    /// Finished colors at the vertices: the base color is in them.
+    Colors(usize),
+    /// Terms at the vertices (vertex colors in the diffuse one), a texel between them.
+    Terms {
+        diffuse: usize,
+        highlight: Option<usize>,
+    },
+    /// Computed per pixel.
+    PerPixel,
+}
+
+/// The lighting stage of a surface that is lit per pixel.
+pub(crate) struct Lighting<'a> {
+    pub(crate) numbers: Surface,
+    pub(crate) power: Power,
+    pub(crate) model: Highlight,
+    pub(crate) lights: Vec<LitBy<'a>>,
+    /// Baked light: the factor of its texels, its map, and the first attribute of the coordinates.
+    pub(crate) light_map: Option<(f32, &'a Slot<'a>, usize)>,
+    /// Projectors that paint, the later over the earlier.
+    pub(crate) paints: Vec<ProjectorStage<'a>>,
+    /// Textures in place of numbers: ambient color, specular color, exponent, reflectivity.
+    pub(crate) maps: [Option<&'a Slot<'a>>; MAPS],
+    pub(crate) eye: [f32; 3],
+    /// Highlights or the horizon of a normal detail ask for the direction to the eye.
+    pub(crate) sees_eye: bool,
+    /// Every block asks for the normal: a light other than the projectors' reaches it, or something is mirrored.
+    pub(crate) needs_normal: bool,
+}
+
+/// A light, its shadow maps and its projected texture.
+pub(crate) struct LitBy<'a> {
+    pub(crate) light: Light,
+    pub(crate) shadows: &'a [ShadowReader],
+    pub(crate) projector: Option<ProjectorStage<'a>>,
 }
 
 const AMBIENT: usize = 0;
 const SPECULAR: usize = 1;
 const EXPONENT: usize = 2;
 const REFLECTIVITY: usize = 3;
-const MAPS: usize = 4;
+pub(crate) const MAPS: usize = 4;
 
-/// Columns between the stages; a thread keeps them.
+/// Texels that lighting reads.
 #[derive(Default)]
-pub(crate) struct LitScratch {
-    /// The columns of `vectors`.
-    values: RunValues,
-    /// Coordinates of maps: of the mesh, of the light map.
-    uv: RunValues,
-    look_ups: LookUpScratch,
-    /// What the stages of a run have read.
-    read: Reads,
-    /// The run, without the pixels of blocks that no slide reaches.
-    reached: Vec<RunBlock>,
+pub(crate) struct LightTexels {
+    /// Projectors of the lights, then those that paint.
+    pub(crate) projectors: Vec<ProjectorTexels>,
+    pub(crate) light_map: Texels,
+    pub(crate) maps: [Texels; MAPS],
 }
 
-/// What the stages of a run have read.
-#[derive(Default)]
-struct Reads {
-    /// Base colour and normal map.
-    texels: [Texels; 2],
-    /// By [`LitLanes::slides`].
-    slides: Vec<SlideTexels>,
-    baked: MapTexels,
-    maps: [MapTexels; MAPS],
-    normals: MapTexels,
-    slopes: SlopeTexels,
-    base: MapTexels,
-    opacity: MapTexels,
-    emission: MapTexels,
-}
-
-impl<'a> LitLanes<'a> {
-    /// `None` for surfaces that have a texture instead of light, or none but that, and for levels without lanes.
-    pub(crate) fn new(plan: &'a Plan<'a>, surface: &'a Surface<'a>) -> Option<Self> {
-        let material = surface.material;
-        let covered = surface.base_color.is_some() && material.texture_role == TextureRole::Decal;
-        let other = surface.space.is_some() || surface.unlit.is_some();
-        if covered || other || !has_lanes(plan.level) {
-            return None;
-        }
-        let per_pixel = matches!(surface.light, LightStage::PerPixel);
-        let mut this = Self {
-            surface,
-            ready: &plan.ready,
-            numbers: material.surface,
-            power: Power::new(material.surface.ns),
-            lights: Vec::new(),
-            ground: Ground::new(surface),
-            relief: Relief::None,
-            baked: None,
-            paints: Vec::new(),
-            mirror: None,
-            specular: None,
-            maps: [None; MAPS],
-            look_ups: LookUps::new(plan.level, [None; 2]),
-            reads_all: false,
-            normal: surface.normal.unwrap_or(0),
-            position: surface.position.filter(|first| first + 3 <= surface.shaded),
-            tangent: 0,
-            sees_eye: false,
-            turned: false,
-            planes: false,
-            eye: plan.eye,
-            rays: plan.rays,
-            level: plan.level,
-        };
-        match &surface.effects {
-            _ if !per_pixel => {}
-            None => {
-                let lights = plan.lights.iter();
-                this.lights.extend(lights.map(|light| Lamp {
-                    light: *light,
-                    shadows: &[],
-                    slide: None,
-                }));
-            }
-            Some(effects) => this.take_effects(effects),
-        }
-        let has_relief = !matches!(this.relief, Relief::None);
-        if has_relief && this.position.is_none() {
-            return None;
-        }
-        this.choose_way();
-        let mapped = this.reads_uv();
-        if mapped && matches!(surface.uv, Coordinates::None) {
-            return None;
-        }
-        let mut shining = this.lights.iter().filter(|lamp| !lamp.is_ambient());
-        this.turned = this.has_mirrors() || shining.any(|lamp| lamp.slide.is_none());
-        let shines = this.lights.iter().any(|lamp| !lamp.is_ambient());
-        let clamps = has_relief && material.horizon_clamp;
-        this.sees_eye = (shines && material.surface.ks > 0.0) || clamps;
-        let shades = this.lights.iter().flat_map(Lamp::shades);
-        let shaded = shades.into_iter().any(ShadowReader::reads_normals);
-        // Paint does not reach what turns away from its projector.
-        this.planes = shaded || !this.paints.is_empty();
-        Some(this)
-    }
-
-    fn take_effects(&mut self, effects: &'a SurfaceEffects<'a>) {
-        let (ready, level) = (self.ready, self.level);
-        self.maps = effects.maps();
-        self.relief = match effects.relief_stage() {
-            None => Relief::None,
-            Some(ReliefStage::NormalMap(slot, map, space)) => {
-                Relief::Normals(*map, slot, *space, fits(self.surface, slot))
-            }
-            Some(ReliefStage::Carved(carved)) => Relief::Carved(carved),
-            Some(slopes) => Relief::Slopes(slopes),
-        };
-        self.baked = effects.baked();
-        if self.position.is_some() {
-            self.paints
-                .extend(ready.paints.iter().map(|thrown| Cast::new(level, thrown)));
-        }
-        let mirror = |index: usize| EnvironmentView::new(&ready.environments[index]);
-        self.mirror = effects
-            .reflection()
-            .map(|(environment, share)| (mirror(environment), share));
-        self.specular = effects.specular_map().map(mirror);
-        let first_lamp = ready.lights.len() - ready.lamps.len();
-        for (index, light) in effects.lights() {
-            let slide = index.checked_sub(first_lamp).map(|i| &ready.lamps[i]);
-            self.lights.push(Lamp {
-                light: *light,
-                shadows: &ready.shadows[*index],
-                slide: slide.map(|thrown| Cast::new(level, thrown)),
-            });
-        }
-    }
-
-    /// Whether columns of a few attributes will do, and where the vectors stand in those that are read.
-    fn choose_way(&mut self) {
-        let base = match &self.ground {
-            Ground::Texels => self.surface.base_color.as_ref(),
-            _ => None,
-        };
-        let normals = match &self.relief {
-            Relief::Normals(_, slot, _, true) => Some(*slot),
-            _ => None,
-        };
-        self.look_ups = LookUps::new(self.level, [base, normals]);
-        self.reads_all = !matches!(self.surface.light, LightStage::PerPixel)
-            || !matches!(self.ground, Ground::Texels)
-            || !matches!(self.relief, Relief::None | Relief::Normals(.., true))
-            || self.maps.iter().any(Option::is_some)
-            || self.surface.light_ramp.is_some()
-            || self.surface.emission.is_some()
-            || self.specular.is_some()
-            || !self.paints.is_empty();
-        if let Relief::Normals(_, _, Space::Tangent(first), _) = self.relief {
-            self.tangent = first;
-        }
-        if !self.reads_all {
-            self.normal = NORMAL;
-            self.tangent = TANGENT;
-            self.position = self.position.map(|_| POSITION);
-        }
-    }
-
-    /// Whether all that shading reads must be among the values of a run.
-    pub(crate) fn reads_all(&self) -> bool {
-        self.reads_all
-    }
-
-    /// Whether some stage reads coordinates as columns.
-    fn reads_uv(&self) -> bool {
-        let relief = matches!(
-            self.relief,
-            Relief::Slopes(_) | Relief::Normals(_, _, _, false)
-        );
-        let maps = self.maps.iter().any(Option::is_some) || self.emission_map().is_some();
-        relief || self.ground.reads_uv() || maps
-    }
-
-    fn emission_map(&self) -> Option<&'a Slot<'a>> {
-        self.surface.emission.as_ref()?.map.as_ref()
-    }
-
-    fn has_mirrors(&self) -> bool {
-        self.mirror.is_some() || self.specular.is_some()
-    }
-
-    /// Shades a run: the colours of [`Stages::shade`].
-    pub(crate) fn shade(
-        &self,
-        plan: &Plan<'_>,
-        planes: &TilePlanes,
-        run: &Run<'_>,
-        stages: &mut Stages,
-        scratch: &mut LitScratch,
-        out: &mut Colors,
-    ) {
-        let (level, list) = (self.level, run.run);
-        if let Ground::Stages = self.ground {
-            stages.base_colors(plan, self.surface, run, out);
-        }
-        self.read_maps(planes, run, stages, scratch);
-        let LitScratch {
-            values,
-            uv,
-            look_ups,
-            read,
-            reached,
-        } = scratch;
-        read.slides
-            .resize_with(self.slides().count(), SlideTexels::default);
-        on_wide_level!(
-            level,
-            s => {
-                self.look_ups.run(level, planes, run.blocks, list, look_ups, &mut read.texels);
-                if let Relief::Slopes(stage) = &self.relief {
-                    stage.slopes(s, level, self.uv(run, uv), list.len(), &mut read.slopes);
-                }
-                let values = if self.reads_all {
-                    self.look_up_slides(s, run.values, list.len(), &mut read.slides);
-                    run.values
-                } else {
-                    self.few_attributes(s, planes, run, values, &mut read.slides, reached);
-                    &*values
-                };
-                let columns = Columns { stage: self, run, values, read };
-                let mut side = Side::new();
-                for (i, at) in list.iter().enumerate() {
-                    self.look_aside(run, *at, &mut side);
-                    let color = if self.reads_all {
-                        columns.any_block(s, i, *at, &side, out)
-                    } else {
-                        columns.block::<_, false>(s, i, *at, &side, out)
-                    };
-                    for (to, color) in out.0.iter_mut().zip(&color) {
-                        color.store_slice(&mut to[i * LANES..(i + 1) * LANES]);
-                    }
-                }
-            },
-            else {}
-        );
-    }
-
-    /// The look-ups that need no lanes around them.
-    fn read_maps(
-        &self,
-        planes: &TilePlanes,
-        run: &Run<'_>,
-        stages: &mut Stages,
-        scratch: &mut LitScratch,
-    ) {
-        let (level, blocks) = (self.level, run.run.len());
-        let LitScratch { uv, read, .. } = scratch;
-        if let Some((_, slot, first)) = self.baked {
-            let (wanted, derivatives) = ([first, first + 1], slot.reads_derivatives());
-            planes.values(level, run.blocks, run.run, &wanted, derivatives, uv);
-            read.baked.look_up(level, slot, uv, blocks);
-        }
-        if !self.reads_uv() {
-            return;
-        }
-        if !matches!(self.surface.uv, Coordinates::Vertices) {
-            stages.uv_columns(level, self.surface, run, uv);
-        }
-        let uv = self.uv(run, uv);
-        for (slot, out) in self.maps.iter().zip(&mut read.maps) {
-            if let Some(slot) = slot {
-                out.look_up(level, slot, uv, blocks);
-            }
-        }
-        if let Relief::Normals(_, slot, _, false) = self.relief {
-            read.normals.look_up(level, slot, uv, blocks);
-        }
-        if let Some(slot) = self.emission_map() {
-            read.emission.look_up(level, slot, uv, blocks);
-        }
-        if let Ground::Maps { base, opacity, .. } = self.ground {
-            if let Some(slot) = base {
-                read.base.look_up(level, slot, uv, blocks);
-            }
-            if let Some(slot) = opacity {
-                read.opacity.look_up(level, slot, uv, blocks);
-            }
-        }
-    }
-
-    /// Coordinates of the mesh: among the values of a run, or found for it.
-    fn uv<'b>(&self, run: &Run<'b>, found: &'b RunValues) -> &'b RunValues {
-        match self.surface.uv {
-            Coordinates::Vertices => run.values,
-            _ => found,
-        }
-    }
-
-    /// Slides of the lights, then paint.
-    fn slides(&self) -> impl Iterator<Item = &Cast<'a>> {
-        let of_lights = self.lights.iter().filter_map(|lamp| lamp.slide.as_ref());
-        of_lights.chain(&self.paints)
-    }
-}
-
-impl<'a> Cast<'a> {
-    fn new(level: Level, thrown: &'a Thrown<'a>) -> Self {
-        Self {
-            thrown,
-            look_up: SlideLookUp::new(level, &thrown.view),
-        }
-    }
-
-    fn shade(&self) -> Option<&'a ShadowReader> {
-        self.thrown.shade.as_ref()
-    }
-}
-
-impl Lamp<'_> {
-    /// Whether it shines on all normals alike.
-    fn is_ambient(&self) -> bool {
+impl LitBy<'_> {
+    /// True if it shines on all normals alike.
+    pub(crate) fn is_ambient(&self) -> bool {
         matches!(self.light, Light::Ambient { .. })
     }
 
-    /// Every map that its light passes.
-    fn shades(&self) -> impl Iterator<Item = &ShadowReader> {
-        let of_slide = self.slide.as_ref().and_then(Cast::shade);
-        self.shadows.iter().chain(of_slide)
+    /// Every shadow map that its light passes.
+    pub(crate) fn shadow_maps(&self) -> impl Iterator<Item = &ShadowReader> {
+        let of_projector = self.projector.as_ref();
+        let of_projector = of_projector.and_then(|stage| stage.projected.shadow.as_ref());
+        self.shadows.iter().chain(of_projector)
+    }
+
+    /// The share of the light that reaches the lanes of `lit`, times the projected texels.
+    #[inline(always)]
+    fn visibility<I: Isa>(
+        &self,
+        i: I,
+        texel: Option<[I::F32; 4]>,
+        lit: I::Mask,
+        point: Vector<I>,
+        plane: Vector<I>,
+    ) -> Vector<I> {
+        let mut share = i.f32(1.0);
+        for shadow in self.shadows {
+            share = share * shadow.visibility(i, lit, point, plane);
+        }
+        let (Some([r, g, b, _]), Some(stage)) = (texel, &self.projector) else {
+            return [share; 3];
+        };
+        if let Some(shadow) = &stage.projected.shadow {
+            let some = r.simd_gt(0.0) | g.simd_gt(0.0) | b.simd_gt(0.0);
+            let left = share * shadow.visibility(i, lit & some, point, plane);
+            share = some.select(left, share);
+        }
+        [r * share, g * share, b * share]
     }
 }
 
-/// Whether the packed look-ups read a slot: at the coordinates of the mesh as they are, and without an alpha that matters.
-fn fits(surface: &Surface<'_>, slot: &Slot<'_>) -> bool {
-    let uv = matches!(surface.uv, Coordinates::Vertices);
-    uv && !slot.is_transformed() && !slot.can_be_transparent()
-}
+impl<'a> Lighting<'a> {
+    /// The projectors of the lights, then those that paint.
+    pub(crate) fn projectors(&self) -> impl Iterator<Item = &ProjectorStage<'a>> {
+        let of_lights = self.lights.iter().filter_map(|by| by.projector.as_ref());
+        of_lights.chain(&self.paints)
+    }
 
-fn has_lanes(level: Level) -> bool {
-    on_wide_level!(level, s => { let _ = s; true }, else false)
+    /// The light of a part. Without `ALL`, there are no maps but that of baked light.
+    #[inline(always)]
+    pub(crate) fn terms<I: Isa, const ALL: bool>(
+        &self,
+        i: I,
+        (batch, part): (&Batch<'_>, &Part),
+        vectors: &Vectors<'_>,
+        side: &Side,
+        (normals, reflections): (&NormalStage<'_>, &Reflections<'_>),
+        (pair, of_normals, read): (&PackedTexels, &NormalTexels, &LightTexels),
+    ) -> TermsLanes<I> {
+        let at = part.at;
+        let pixels = part.mask(i, part.block.mask);
+        let back = part.mask(i, side.back);
+        let point = match vectors.position {
+            Some(position) => load_vector(i, position, at),
+            None => [i.f32(0.0); 3],
+        };
+        let (mut smooth, mut normal, mut toward_eye) = (point, point, point);
+        // Without a light that asks for the normal nothing shows it.
+        if self.needs_normal
+            || read
+                .projectors
+                .iter()
+                .any(|texels| texels.reaches(part.index))
+        {
+            smooth = flip(i, back, load_vector(i, vectors.normal, at));
+            if self.sees_eye {
+                for k in 0..3 {
+                    toward_eye[k] = i.f32(self.eye[k]) - point[k];
+                }
+                toward_eye = unit(i, toward_eye);
+            }
+            let texels = (pair, of_normals);
+            let unit_smooth = unit(i, smooth);
+            normal =
+                normals.normal::<I, ALL>(i, at, vectors, texels, back, unit_smooth, toward_eye);
+        }
+        let mut sum = TermsLanes::dark(i);
+        // Ambient light of an ambient map: a color of its own, which multiplies neither the base color nor that of the highlight.
+        let mut ambient = [i.f32(0.0); 3];
+        let power = match self.maps[EXPONENT] {
+            Some(_) if ALL => {
+                let [factor, ..] = read.maps[EXPONENT].straight(i, at);
+                PowerLanes::Each(factor * self.numbers.ns)
+            }
+            _ => PowerLanes::Same(self.power),
+        };
+        let mut projectors = read.projectors.iter();
+        for by in &self.lights {
+            let texel = match by.projector.as_ref().and_then(|_| projectors.next()) {
+                None => None,
+                Some(texels) => match texels.load(i, part.index, part.pixel) {
+                    None => continue,
+                    some => some,
+                },
+            };
+            let (numbers, light) = (&self.numbers, &by.light);
+            let given = share(
+                i, numbers, power, self.model, light, point, normal, toward_eye,
+            );
+            let lit = given.lit & pixels;
+            if !lit.any_true() {
+                continue;
+            }
+            if ALL && by.is_ambient() && self.maps[AMBIENT].is_some() {
+                let texel = read.maps[AMBIENT].straight(i, at);
+                for k in 0..3 {
+                    ambient[k] = ambient[k] + given.color[k] * given.diffuse * texel[k];
+                }
+                continue;
+            }
+            let plane = side.plane(i, part);
+            sum.add(&given, lit, by.visibility(i, texel, lit, point, plane));
+        }
+        if let Some((factor, ..)) = self.light_map {
+            let light = read.light_map.straight(i, at);
+            for k in 0..3 {
+                sum.diffuse[k] = sum.diffuse[k] + light[k] * factor;
+            }
+        }
+        if ALL && self.maps[SPECULAR].is_some() {
+            let tint = read.maps[SPECULAR].straight(i, at);
+            for k in 0..3 {
+                sum.highlight[k] = sum.highlight[k] * tint[k];
+            }
+        }
+        if ALL && self.maps[AMBIENT].is_some() {
+            for k in 0..3 {
+                sum.highlight[k] = sum.highlight[k] + ambient[k];
+            }
+        }
+        if !reflections.is_empty() {
+            let factor = match self.maps[REFLECTIVITY] {
+                Some(_) if ALL => Some(read.maps[REFLECTIVITY].straight(i, at)[0]),
+                _ => None,
+            };
+            let of = (batch, part);
+            reflections.add::<I, ALL>(i, of, vectors, back, [smooth, normal], factor, &mut sum);
+        }
+        sum
+    }
+
+    /// The paint of all projectors, premultiplied, over base colors.
+    #[inline(always)]
+    pub(crate) fn painted<I: Isa>(
+        &self,
+        i: I,
+        part: &Part,
+        vectors: &Vectors<'_>,
+        side: &Side,
+        read: &LightTexels,
+        base: Vector<I>,
+    ) -> Vector<I> {
+        let Some(position) = vectors.position else {
+            return base;
+        };
+        if self.paints.is_empty() {
+            return base;
+        }
+        let mut sum = [i.f32(0.0); 4];
+        let (point, plane) = (load_vector(i, position, part.at), side.plane(i, part));
+        let of_lights = read.projectors.len() - self.paints.len();
+        for (stage, texels) in self.paints.iter().zip(&read.projectors[of_lights..]) {
+            let Some(texel) = texels.load(i, part.index, part.pixel) else {
+                continue;
+            };
+            let mut toward = splat(i, stage.projected.position);
+            for k in 0..3 {
+                toward[k] = toward[k] - point[k];
+            }
+            let on = dot(plane, toward).simd_gt(0.0) & texel[3].simd_gt(0.0);
+            let on = on & part.mask(i, part.block.mask);
+            let share = match &stage.projected.shadow {
+                Some(shadow) => shadow.visibility(i, on, point, plane),
+                None => i.f32(1.0),
+            };
+            let keep = i.f32(1.0) - texel[3] * share;
+            for k in 0..4 {
+                sum[k] = on.select(texel[k] * share + keep * sum[k], sum[k]);
+            }
+        }
+        let [r, g, b, a] = sum;
+        let keep = i.f32(1.0) - a;
+        [r + keep * base[0], g + keep * base[1], b + keep * base[2]]
+    }
 }

@@ -1,402 +1,342 @@
-//! What turns the normal of a sample without moving the surface: bump and offset maps, carvings, normal maps.
+//! Normals: bump and offset maps, normal maps and procedural bumps turn those of the vertices.
 
-use texmap_light::lanes::{V3, bump_on_lanes};
-use texmap_light::{Green, NormalMap, bump_on, decode_offsets, unit};
-use texmap_math::fearless_simd::{Simd, f32x16, prelude::*};
-use texmap_math::glam::{DMat3, DVec3};
-use texmap_math::lanes::above;
-use texmap_math::{Footprint, Level, narrow, wide};
-use texmap_raster::RunValues;
-use texmap_sample::Origin;
-use texmap_sample::sample_columns;
+use texmap_light::lanes::{Vector, bump_on, clamp_to_horizon, unit};
+use texmap_light::{Green, NormalMap};
+use texmap_math::glam::DMat3;
+use texmap_math::simd::{Isa, prelude::*};
+use texmap_math::{Level, dispatch_simd};
+use texmap_raster::{Column, RunValues};
+use texmap_sample::{Origin, sample_columns};
 
-use crate::Mesh;
-use crate::effects::Relief;
-use crate::lit::{Sample, Site};
-use crate::shade::batch::{Colors, LANES, straight_lanes};
-use crate::shade::procedural::Carved;
-use crate::shade::texels::BatchUv;
-use crate::shade::three;
-use crate::shade::unlit::places;
+use super::batch::{BatchUv, Colors, LANES, flip, load, load_changes, load_vector, straight};
+use super::fetch::{PackedTexels, Texels, places};
+use super::procedural::ProceduralBump;
 use crate::textures::Slot;
-use crate::vertices::{Values, Vertices};
-use texmap_math::color::straight;
 
-/// A relief, as the stages read it.
-pub(crate) enum ReliefStage<'s> {
+/// The normal detail of a surface.
+pub(crate) enum NormalDetail<'s> {
     /// A height map.
     Bump(Slot<'s>, Rise),
     /// A map of slopes.
     Offsets(Slot<'s>, Rise, Green),
-    Carved(Carved),
-    NormalMap(Slot<'s>, NormalMap, Space),
+    Procedural(ProceduralBump),
+    Map(Slot<'s>, NormalMap, NormalSpace),
 }
 
-/// How far a value of 1 rises.
+/// The height of a value of 1.
 #[derive(Clone, Copy)]
 pub(crate) struct Rise {
     /// Units of the object.
-    height: f32,
+    pub(crate) height: f32,
     /// World units of one of them.
-    unit: f32,
+    pub(crate) unit: f32,
 }
 
-/// What the vectors of a normal map are relative to.
+/// The space of the vectors of a normal map.
 #[derive(Clone, Copy)]
-pub(crate) enum Space {
+pub(crate) enum NormalSpace {
     /// The object; normals go to the world by this.
     Object(DMat3),
     /// Tangent frames, which are attributes from here on.
     Tangent(usize),
 }
 
-impl<'s> ReliefStage<'s> {
-    /// Asks for the attributes that it reads; the caller sees to uv, normals and positions.
-    pub(crate) fn new(
-        relief: &'s Relief,
-        mesh: &Mesh,
-        vertices: &mut Vertices,
-        slot: impl Fn(&'s crate::TextureSlot) -> Slot<'s>,
-    ) -> Self {
-        let unit = unit_of(mesh);
-        let rise = |height| Rise {
-            height,
-            unit: unit as f32,
-        };
-        match relief {
-            Relief::Bump { slot: map, height } => Self::Bump(slot(map), rise(*height)),
-            Relief::Offsets {
-                slot: map,
-                slope,
-                green,
-            } => Self::Offsets(slot(map), rise(*slope), *green),
-            Relief::Carved {
-                heights,
-                world_from_solid,
-                height,
-            } => {
-                let height = (f64::from(*height) * unit) as f32;
-                Self::Carved(Carved::new(*heights, *world_from_solid, height))
-            }
-            Relief::NormalMap {
-                slot: map,
-                green,
-                rebuild_z,
-                object_space,
-                strength,
-            } => {
-                let space = if *object_space {
-                    Space::Object(
-                        DMat3::from_mat4(mesh.world_from_object)
-                            .inverse()
-                            .transpose(),
-                    )
-                } else {
-                    Space::Tangent(vertices.push(Values::Tangent, false))
-                };
-                let decoder = NormalMap {
-                    green: *green,
-                    rebuild_z: *rebuild_z,
-                    strength: *strength,
-                };
-                Self::NormalMap(slot(map), decoder, space)
-            }
-        }
-    }
-
-    /// The unit normal that it leaves of an interpolated one on the side that is seen.
-    pub(crate) fn normal(
-        &self,
-        at: &Sample<'_>,
-        normal: [f32; 3],
-        uv: ([f32; 2], Footprint),
-    ) -> [f32; 3] {
-        let n = unit(normal);
-        match self {
-            Self::Carved(carved) => carved.normal(&at.site, n),
-            Self::Bump(slot, rise) => bumped(&at.site, n, slot.place(uv.0, uv.1), |place, d| {
-                heights(slot, place, d).map(|c| c * rise.height * rise.unit)
-            }),
-            Self::Offsets(slot, rise, green) => {
-                bumped(&at.site, n, slot.place(uv.0, uv.1), |place, d| {
-                    let [r, g, _] = straight(slot.sampler.sample_grad(&slot.texture, place, d));
-                    let [along_u, along_v] = decode_offsets([r, g], *green);
-                    // The slot counts v down the picture, or up it from a bottom-left origin.
-                    let down = match slot.texture.origin() {
-                        Origin::TopLeft => along_v,
-                        Origin::BottomLeft => -along_v,
-                    };
-                    [along_u, down].map(|c| c * rise.height * rise.unit)
-                })
-            }
-            Self::NormalMap(slot, map, space) => {
-                let texel = straight(slot.texel(uv.0, uv.1));
-                let front = at.fragment.front;
-                match *space {
-                    Space::Object(normal_to_world) => {
-                        let world = normal_to_world * wide(map.decode(texel));
-                        unit(narrow(if front { world } else { -world }))
-                    }
-                    Space::Tangent(first) => {
-                        let [x, y, z] = three(at.fragment, first);
-                        let sign = at.fragment.values[first + 3];
-                        // The frame belongs to the front; on the back N and so B are turned round with it.
-                        let sign = if front { sign } else { -sign };
-                        let sign = if sign < 0.0 { -1.0 } else { 1.0 };
-                        map.turn(n, [x, y, z, sign], texel)
-                    }
-                }
-            }
-        }
-    }
+/// The normal stage of a surface.
+pub(crate) struct NormalStage<'a> {
+    pub(crate) detail: Option<&'a NormalDetail<'a>>,
+    /// The texels of a normal map are the second of the pair: see [`TexturePair`](super::fetch::TexturePair).
+    pub(crate) paired: bool,
+    /// Normals turned away from the eye are brought back to the horizon.
+    pub(crate) horizon_clamp: bool,
 }
 
-/// Blinn's normal on the unit normal `n`, with O_u and O_v from the analytic change of position and coordinates from pixel to pixel
-/// and the slopes that `slopes` finds there.
-fn bumped(
-    at: &Site,
-    n: [f32; 3],
-    (place, d): ([f32; 2], Footprint),
-    slopes: impl Fn([f32; 2], Footprint) -> [f32; 2],
-) -> [f32; 3] {
-    let det = d.du_dx * d.dv_dy - d.dv_dx * d.du_dy;
-    if det == 0.0 || !det.is_finite() {
-        return n;
-    }
-    let (px, py) = (at.position_dx, at.position_dy);
-    let o_u = [0, 1, 2].map(|i| (px[i] * d.dv_dy - py[i] * d.dv_dx) / det);
-    let o_v = [0, 1, 2].map(|i| (py[i] * d.du_dx - px[i] * d.du_dy) / det);
-    let [b_u, b_v] = slopes(place, d);
-    bump_on(n, o_u, o_v, b_u, b_v)
+/// Vectors that normals are computed from, in columns.
+pub(crate) struct Vectors<'a> {
+    pub(crate) normal: &'a [Column; 3],
+    pub(crate) position: Option<&'a [Column; 3]>,
+    /// And the sign of the bitangent.
+    pub(crate) tangent: &'a [Column; 4],
 }
 
-/// Slopes of a relief over a run, and where it is read.
-pub(crate) struct SlopeTexels {
+/// Texels that normals are computed from.
+#[derive(Default)]
+pub(crate) struct NormalTexels {
+    map: Texels,
+    slopes: Slopes,
+}
+
+/// Slopes of a bump or offset map over a batch.
+#[derive(Default)]
+struct Slopes {
     /// Coordinates of the slot.
     placed: RunValues,
-    /// What is looked up beside them.
+    /// Coordinates beside them.
     beside: BatchUv,
     colors: Colors,
-    /// Rise along u and v.
-    slopes: BatchUv,
+    /// Rise along u and v, world units.
+    rise: BatchUv,
 }
 
-impl Default for SlopeTexels {
-    fn default() -> Self {
-        Self {
-            placed: RunValues::default(),
-            beside: BatchUv::default(),
-            colors: Colors::default(),
-            slopes: BatchUv::default(),
+impl NormalStage<'_> {
+    /// True if the detail reads columns of coordinates.
+    pub(crate) fn reads_uv(&self) -> bool {
+        match self.detail {
+            Some(NormalDetail::Bump(..) | NormalDetail::Offsets(..)) => true,
+            Some(NormalDetail::Map(..)) => !self.paired,
+            _ => false,
         }
     }
-}
 
-impl ReliefStage<'_> {
-    /// The slopes that a bump or offset map has over `blocks` blocks, at columns 0 and 1 of `uv`.
-    #[inline(always)]
-    pub(crate) fn slopes<S: Simd>(
+    /// True if vectors without further attributes and the texels of the pair suffice.
+    pub(crate) fn is_short(&self) -> bool {
+        self.detail.is_none() || self.paired
+    }
+
+    /// First attribute of the tangent frames.
+    pub(crate) fn tangent(&self) -> Option<usize> {
+        match self.detail {
+            Some(NormalDetail::Map(_, _, NormalSpace::Tangent(first))) => Some(*first),
+            _ => None,
+        }
+    }
+
+    /// Reads the texels of `blocks` blocks at columns 0 and 1 of `uv`.
+    pub(crate) fn fetch(
         &self,
-        s: S,
         level: Level,
         uv: &RunValues,
         blocks: usize,
-        out: &mut SlopeTexels,
+        out: &mut NormalTexels,
     ) {
-        let (Self::Bump(slot, rise) | Self::Offsets(slot, rise, _)) = self else {
-            return;
-        };
-        out.placed.columns.clear();
-        out.placed
-            .columns
-            .extend(uv.columns.iter().take(2).cloned());
-        slot.place_columns(&mut out.placed, blocks * LANES);
-        match self {
-            Self::Offsets(_, _, green) => {
-                out.look_up(level, slot, blocks, false);
+        match self.detail {
+            Some(NormalDetail::Map(slot, ..)) if !self.paired => {
+                out.map.fetch(level, slot, uv, blocks);
+            }
+            Some(NormalDetail::Bump(slot, rise)) => {
+                out.slopes.place(slot, uv, blocks);
+                out.slopes.differences(level, slot, blocks, rise);
+            }
+            Some(NormalDetail::Offsets(slot, rise, green)) => {
+                let slopes = &mut out.slopes;
+                slopes.place(slot, uv, blocks);
+                slopes.look_up(level, slot, blocks, false);
+                // The slot counts v down the picture, or up it from a bottom-left origin.
                 let up = (*green == Green::Up) != (slot.texture.origin() == Origin::BottomLeft);
-                for i in 0..blocks {
-                    let [r, g, _] = straight_lanes(s, out.colors.lanes(s, i));
-                    let (x, y) = (r * 2.0 - 1.0, g * 2.0 - 1.0);
-                    let y = if up { -y } else { y };
-                    out.put(i, [x, y], rise);
+                dispatch_simd!(level, i => slopes.offsets(i, blocks, up, rise));
+            }
+            _ => {}
+        }
+    }
+
+    /// Unit normals from the unit normals of the vertices on the side that is seen; `toward_eye` are unit directions.
+    /// Without `ALL` the detail is none or a normal map of the pair.
+    #[inline(always)]
+    pub(crate) fn normal<I: Isa, const ALL: bool>(
+        &self,
+        i: I,
+        at: usize,
+        vectors: &Vectors<'_>,
+        (pair, read): (&PackedTexels, &NormalTexels),
+        back: I::Mask,
+        smooth: Vector<I>,
+        toward_eye: Vector<I>,
+    ) -> Vector<I> {
+        let normal = match self.detail {
+            None => return smooth,
+            Some(NormalDetail::Map(_, map, space)) => {
+                let texel = if !ALL || self.paired {
+                    let [r, g, b, _] = pair.load(i, at);
+                    [r, g, b]
+                } else {
+                    read.map.straight(i, at)
+                };
+                match space {
+                    NormalSpace::Object(to_world) => {
+                        let world = transform(i, to_world, map.decode(i, texel));
+                        unit(i, flip(i, back, world))
+                    }
+                    NormalSpace::Tangent(_) => {
+                        let [x, y, z, w] = vectors.tangent;
+                        let tangent = [
+                            load(i, &x.value, at),
+                            load(i, &y.value, at),
+                            load(i, &z.value, at),
+                        ];
+                        // The frame belongs to the front; on the back N and so B are flipped with it.
+                        let sign = load(i, &w.value, at);
+                        let sign = back.select(-sign, sign);
+                        let sign = sign.simd_lt(0.0).select(i.f32(-1.0), i.f32(1.0));
+                        map.turn(i, smooth, tangent, sign, texel)
+                    }
                 }
             }
-            _ => {
-                let texels = [
-                    1.0 / slot.texture.width() as f32,
-                    1.0 / slot.texture.height() as f32,
-                ];
-                for (axis, texel) in texels.into_iter().enumerate() {
-                    for i in 0..blocks {
-                        out.step_aside(s, i, axis, texel, false);
-                    }
-                    out.look_up(level, slot, blocks, true);
-                    for i in 0..blocks {
-                        let [above, ..] = straight_lanes(s, out.colors.lanes(s, i));
-                        let mut slopes = out.slopes.at(s, i * LANES);
-                        slopes[axis] = above;
-                        out.slopes.put(i * LANES, slopes);
-                        out.step_aside(s, i, axis, texel, true);
-                    }
-                    out.look_up(level, slot, blocks, true);
-                    for i in 0..blocks {
-                        let [below, ..] = straight_lanes(s, out.colors.lanes(s, i));
-                        let mut slopes = out.slopes.at(s, i * LANES);
-                        slopes[axis] =
-                            (slopes[axis] - below) / (out.width(s, i, axis, texel) * 2.0);
-                        out.slopes.put(i * LANES, slopes);
-                    }
+            Some(_) if !ALL => smooth,
+            Some(detail) => match (detail, vectors.position) {
+                (NormalDetail::Procedural(bump), Some(position)) => {
+                    let changes = load_changes(i, position, at);
+                    bump.normal(i, load_vector(i, position, at), changes, smooth)
                 }
-                for i in 0..blocks {
-                    let slopes = out.slopes.at(s, i * LANES);
-                    out.put(i, slopes, rise);
+                (_, Some(position)) => {
+                    let changes = load_changes(i, position, at);
+                    read.slopes.bump(i, at, smooth, changes)
                 }
-            }
+                (_, None) => smooth,
+            },
+        };
+        if self.horizon_clamp {
+            clamp_to_horizon(i, normal, toward_eye)
+        } else {
+            normal
         }
     }
 }
 
-impl SlopeTexels {
-    /// [`bumped`] for a block: on unit normals `n`, where positions change by these from pixel to pixel.
-    #[inline(always)]
-    pub(crate) fn bump<S: Simd>(&self, s: S, i: usize, n: V3<S>, changes: [V3<S>; 2]) -> V3<S> {
-        let [ux, uy] = self.changes(s, i, 0);
-        let [vx, vy] = self.changes(s, i, 1);
-        let det = ux * vy - vx * uy;
-        let useful = det.abs().simd_lt(f32::INFINITY) & !det.simd_eq(0.0);
-        let [px, py] = changes;
-        let (mut o_u, mut o_v) = (n, n);
-        for k in 0..3 {
-            o_u[k] = (px[k] * vy - py[k] * vx) / det;
-            o_v[k] = (py[k] * ux - px[k] * uy) / det;
-        }
-        let [b_u, b_v] = self.slopes.at(s, i * LANES);
-        let bumped = bump_on_lanes(s, n, o_u, o_v, b_u, b_v);
-        [
-            useful.select(bumped[0], n[0]),
-            useful.select(bumped[1], n[1]),
-            useful.select(bumped[2], n[2]),
-        ]
+impl Slopes {
+    /// The coordinates of the slot.
+    fn place(&mut self, slot: &Slot<'_>, uv: &RunValues, blocks: usize) {
+        self.placed.columns.clear();
+        let columns = uv.columns.iter().take(2).cloned();
+        self.placed.columns.extend(columns);
+        slot.place_columns(&mut self.placed, blocks * LANES);
     }
 
-    /// Change of a placed coordinate to the right and down.
-    #[inline(always)]
-    fn changes<S: Simd>(&self, s: S, i: usize, axis: usize) -> [f32x16<S>; 2] {
-        let (at, column) = (i * LANES..(i + 1) * LANES, &self.placed.columns[axis]);
-        [
-            f32x16::from_slice(s, &column.ddx[at.clone()]),
-            f32x16::from_slice(s, &column.ddy[at]),
-        ]
-    }
-
-    /// Half the width of the difference along an axis: a texel, or the pixel where that is wider.
-    #[inline(always)]
-    fn width<S: Simd>(&self, s: S, i: usize, axis: usize, texel: f32) -> f32x16<S> {
-        let [dx, dy] = self.changes(s, i, axis);
-        above(above(dx.abs(), dy.abs()), f32x16::splat(s, texel))
-    }
-
-    /// Places beside a block's.
-    #[inline(always)]
-    fn step_aside<S: Simd>(&mut self, s: S, i: usize, axis: usize, texel: f32, back: bool) {
-        let at = i * LANES..(i + 1) * LANES;
-        let columns = &self.placed.columns;
-        let mut uv = [
-            f32x16::from_slice(s, &columns[0].value[at.clone()]),
-            f32x16::from_slice(s, &columns[1].value[at]),
-        ];
-        let width = self.width(s, i, axis, texel);
-        uv[axis] = if back {
-            uv[axis] - width
-        } else {
-            uv[axis] + width
-        };
-        self.beside.put(i * LANES, uv);
-    }
-
-    /// The texels of a run at its places, or `beside` them.
+    /// The texels of a batch at its coordinates, or `beside` them.
     fn look_up(&mut self, level: Level, slot: &Slot<'_>, blocks: usize, beside: bool) {
         let count = blocks * LANES;
         let mut at = places(slot, &self.placed, count);
         if beside {
             (at.u, at.v) = (&self.beside.u[..count], &self.beside.v[..count]);
         }
-        let columns = self.colors.0.each_mut().map(|c| &mut c[..count]);
+        let columns = self.colors.columns_mut(count);
         sample_columns(level, &slot.sampler, &slot.texture, &at, columns)
             .expect("the columns have one length");
     }
 
-    /// Slopes in world units.
     #[inline(always)]
-    fn put<S: Simd>(&mut self, i: usize, [along_u, along_v]: [f32x16<S>; 2], rise: &Rise) {
-        let (height, unit) = (rise.height, rise.unit);
-        self.slopes.put(
-            i * LANES,
-            [along_u * height * unit, along_v * height * unit],
-        );
+    fn offsets<I: Isa>(&mut self, i: I, blocks: usize, up: bool, rise: &Rise) {
+        for at in (0..blocks * LANES).step_by(I::LANES) {
+            let [r, g, _] = straight(i, self.colors.load(i, at));
+            let (x, y) = (r * 2.0 - 1.0, g * 2.0 - 1.0);
+            let y = if up { -y } else { y };
+            self.rise.store(i, at, in_world([x, y], rise));
+        }
+    }
+
+    /// Slopes of a height map over u and v: central differences over a texel to each side, or over the pixel where that is wider.
+    fn differences(&mut self, level: Level, slot: &Slot<'_>, blocks: usize, rise: &Rise) {
+        let (width, height) = (slot.texture.width(), slot.texture.height());
+        for (axis, texels) in [width, height].into_iter().enumerate() {
+            let texel = 1.0 / texels as f32;
+            dispatch_simd!(level, i => self.step(i, blocks, axis, texel));
+            self.look_up(level, slot, blocks, true);
+            dispatch_simd!(level, i => self.step_back(i, blocks, axis, texel));
+            self.look_up(level, slot, blocks, true);
+            dispatch_simd!(level, i => self.difference(i, blocks, axis, texel));
+        }
+        dispatch_simd!(level, i => self.scale(i, blocks, rise));
+    }
+
+    /// Coordinates beside those of the batch, along an axis.
+    #[inline(always)]
+    fn step<I: Isa>(&mut self, i: I, blocks: usize, axis: usize, texel: f32) {
+        for at in (0..blocks * LANES).step_by(I::LANES) {
+            let mut uv = self.uv(i, at);
+            uv[axis] = uv[axis] + self.width(i, at, axis, texel);
+            self.beside.store(i, at, uv);
+        }
+    }
+
+    /// Keeps the heights there, and steps to the other side.
+    #[inline(always)]
+    fn step_back<I: Isa>(&mut self, i: I, blocks: usize, axis: usize, texel: f32) {
+        for at in (0..blocks * LANES).step_by(I::LANES) {
+            let [above, ..] = straight(i, self.colors.load(i, at));
+            let mut slopes = self.rise.load(i, at);
+            slopes[axis] = above;
+            self.rise.store(i, at, slopes);
+            let mut uv = self.uv(i, at);
+            uv[axis] = uv[axis] - self.width(i, at, axis, texel);
+            self.beside.store(i, at, uv);
+        }
+    }
+
+    #[inline(always)]
+    fn difference<I: Isa>(&mut self, i: I, blocks: usize, axis: usize, texel: f32) {
+        for at in (0..blocks * LANES).step_by(I::LANES) {
+            let [below, ..] = straight(i, self.colors.load(i, at));
+            let mut slopes = self.rise.load(i, at);
+            slopes[axis] = (slopes[axis] - below) / (self.width(i, at, axis, texel) * 2.0);
+            self.rise.store(i, at, slopes);
+        }
+    }
+
+    #[inline(always)]
+    fn scale<I: Isa>(&mut self, i: I, blocks: usize, rise: &Rise) {
+        for at in (0..blocks * LANES).step_by(I::LANES) {
+            let slopes = self.rise.load(i, at);
+            self.rise.store(i, at, in_world(slopes, rise));
+        }
+    }
+
+    #[inline(always)]
+    fn uv<I: Isa>(&self, i: I, at: usize) -> [I::F32; 2] {
+        let columns = &self.placed.columns;
+        [
+            load(i, &columns[0].value, at),
+            load(i, &columns[1].value, at),
+        ]
+    }
+
+    /// Changes of a coordinate to the right and down.
+    #[inline(always)]
+    fn changes<I: Isa>(&self, i: I, at: usize, axis: usize) -> [I::F32; 2] {
+        let column = &self.placed.columns[axis];
+        [load(i, &column.ddx, at), load(i, &column.ddy, at)]
+    }
+
+    /// Half the width of the difference along an axis.
+    #[inline(always)]
+    fn width<I: Isa>(&self, i: I, at: usize, axis: usize, texel: f32) -> I::F32 {
+        let [dx, dy] = self.changes(i, at, axis);
+        dx.abs().above(dy.abs()).above(i.f32(texel))
+    }
+
+    /// Blinn's normal on unit normals `n`, with O_u and O_v from the changes of position and coordinates from pixel to pixel.
+    #[inline(always)]
+    fn bump<I: Isa>(&self, i: I, at: usize, n: Vector<I>, [px, py]: [Vector<I>; 2]) -> Vector<I> {
+        let [ux, uy] = self.changes(i, at, 0);
+        let [vx, vy] = self.changes(i, at, 1);
+        let det = ux * vy - vx * uy;
+        let useful = det.abs().simd_lt(f32::INFINITY) & !det.simd_eq(0.0);
+        let (mut o_u, mut o_v) = (n, n);
+        for k in 0..3 {
+            o_u[k] = (px[k] * vy - py[k] * vx) / det;
+            o_v[k] = (py[k] * ux - px[k] * uy) / det;
+        }
+        let [b_u, b_v] = self.rise.load(i, at);
+        let bumped = bump_on(i, n, o_u, o_v, b_u, b_v);
+        [
+            useful.select(bumped[0], n[0]),
+            useful.select(bumped[1], n[1]),
+            useful.select(bumped[2], n[2]),
+        ]
     }
 }
 
-/// Slopes of a height map over u and v: central differences over a texel to each side, or over the pixel where that is wider.
-fn heights(slot: &Slot<'_>, [u, v]: [f32; 2], placed: Footprint) -> [f32; 2] {
-    let wider = |texel: f32, a: f32, b: f32| {
-        let pixel = if a.abs() > b.abs() { a.abs() } else { b.abs() };
-        if pixel > texel { pixel } else { texel }
-    };
-    let (w, h) = (slot.texture.width() as f32, slot.texture.height() as f32);
-    let (du, dv) = (
-        wider(1.0 / w, placed.du_dx, placed.du_dy),
-        wider(1.0 / h, placed.dv_dx, placed.dv_dy),
-    );
-    let sample =
-        |u: f32, v: f32| straight(slot.sampler.sample_grad(&slot.texture, [u, v], placed))[0];
-    [
-        (sample(u + du, v) - sample(u - du, v)) / (2.0 * du),
-        (sample(u, v + dv) - sample(u, v - dv)) / (2.0 * dv),
-    ]
+#[inline(always)]
+fn in_world<F: Number<f32>>([along_u, along_v]: [F; 2], rise: &Rise) -> [F; 2] {
+    let (height, unit) = (rise.height, rise.unit);
+    [along_u * height * unit, along_v * height * unit]
 }
 
-/// World units of one unit of a mesh's own space, the mean of its three axes by volume.
-fn unit_of(mesh: &Mesh) -> f64 {
-    let volume = DMat3::from_mat4(mesh.world_from_object).determinant().abs();
-    texmap_math::det::pow(volume, 1.0 / 3.0)
-}
-
-/// Tangents of a mesh's corners for normal maps whose y points up the picture: world-space vectors and the sign of the bitangent.
-pub(crate) fn corner_tangents(mesh: &Mesh, normals: &[DVec3]) -> Vec<[f32; 4]> {
-    let faces = texmap_uv::Faces::from_triangles(&mesh.triangles);
-    let corners: Vec<u32> = mesh.triangles.iter().flatten().copied().collect();
-    let set = texmap_uv::UvSet {
-        uvs: mesh.uvs.clone(),
-        corners: corners.clone(),
-    };
-    let normal = |v: &u32| normals[*v as usize].normalize_or_zero().to_array();
-    let at_corners: Vec<[f32; 3]> = corners
-        .iter()
-        .map(|v| normal(v).map(|c| c as f32))
-        .collect();
-    let fallback = || vec![[0.0; 4]; corners.len()];
-    let Ok(shape) = texmap_uv::Mesh::new(&mesh.positions, &faces) else {
-        return fallback();
-    };
-    let Ok(tangents) = texmap_uv::tangents(&shape, &set, &at_corners) else {
-        return fallback();
-    };
-    let world = DMat3::from_mat4(mesh.world_from_object);
-    let mirror = if world.determinant() < 0.0 { -1.0 } else { 1.0 };
-    // The bitangent follows growing v, which runs down the picture from a top-left origin.
-    let down = if mesh.uv_origin == Origin::TopLeft {
-        -1.0
-    } else {
-        1.0
-    };
-    tangents
-        .into_iter()
-        .map(|[x, y, z, sign]| {
-            let t = (world * DVec3::new(x.into(), y.into(), z.into())).normalize_or_zero();
-            let [x, y, z] = t.to_array().map(|c| c as f32);
-            [x, y, z, sign * mirror * down]
-        })
-        .collect()
+/// A matrix times vectors, in f64.
+#[inline(always)]
+fn transform<I: Isa>(i: I, matrix: &DMat3, v: Vector<I>) -> Vector<I> {
+    let [x, y, z] = [i.widen(v[0]), i.widen(v[1]), i.widen(v[2])];
+    let mut out = v;
+    for (k, out) in out.iter_mut().enumerate() {
+        let (a, b, c) = (matrix.x_axis[k], matrix.y_axis[k], matrix.z_axis[k]);
+        *out = i.narrow(x * a + y * b + z * c);
+    }
+    out
 }

@@ -2,21 +2,17 @@
 
 use core::f32::consts::TAU;
 
-use texmap_light::bump_on;
-use texmap_light::lanes::{V3, affine_lanes, bump_on_lanes, cross_lanes, dot_lanes};
+use texmap_light::lanes::{Vector, affine, bump_on, cross, dot};
 use texmap_math::det32;
-use texmap_math::fearless_simd::{Simd, f32x16, prelude::*};
 use texmap_math::glam::{DMat4, DVec4};
-use texmap_math::lanes::above;
-use texmap_sample::gradient_noise;
+use texmap_math::simd::{Isa, prelude::*};
 use texmap_sample::lanes::gradient_noise_lanes;
 
-use crate::effects::Carving;
-use crate::lit::Site;
+use crate::Carving;
 
 /// A formula of heights, as the stages read it.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Carved {
+pub(crate) struct ProceduralBump {
     heights: Carving,
     /// World units.
     height: f32,
@@ -26,7 +22,7 @@ pub(crate) struct Carved {
     step: f32,
 }
 
-impl Carved {
+impl ProceduralBump {
     /// `height` in world units.
     pub(crate) fn new(heights: Carving, world_from_solid: DMat4, height: f32) -> Self {
         let inverse = world_from_solid.inverse();
@@ -43,82 +39,24 @@ impl Carved {
         }
     }
 
-    /// The unit normal `n` turned by the slope of the heights along the surface (Perlin 1985), which is measured over half a pixel or
-    /// the least step to each side.
-    pub(crate) fn normal(&self, at: &Site, n: [f32; 3]) -> [f32; 3] {
-        let squared = |d: [f32; 3]| d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
-        let (x, y) = (squared(at.position_dx), squared(at.position_dy));
-        let pixel = (if x > y { x } else { y }).sqrt();
-        let step = if 0.5 * pixel > self.step {
-            0.5 * pixel
-        } else {
-            self.step
-        };
-        let [t, b] = along(n);
-        if t == [0.0; 3] || !step.is_finite() {
-            return n;
-        }
-        let slope = |axis: [f32; 3]| {
-            let there = |way: f32| [0, 1, 2].map(|k| at.position[k] + way * axis[k]);
-            let rise = self.value(there(step), pixel) - self.value(there(-step), pixel);
-            self.height * rise / (2.0 * step)
-        };
-        bump_on(n, t, b, slope(t), slope(b))
-    }
-
-    /// The height at a world position, as a pixel of this width sees it.
-    fn value(&self, p: [f32; 3], width: f32) -> f32 {
-        let [x, y, z] = self
-            .rows
-            .map(|r| r[0] * p[0] + r[1] * p[1] + r[2] * p[2] + r[3]);
-        // The least step is 1/512 of the shortest side of the unit.
-        let width = width / (512.0 * self.step);
-        match self.heights {
-            Carving::Pattern(pattern) => pattern.value([x, y, z], width),
-            Carving::Waves { around, fold } => {
-                let around = f32::from(around);
-                let noise = |seed| {
-                    if fold == 0.0 {
-                        0.0
-                    } else {
-                        fold * gradient_noise([x, y, z], seed)
-                    }
-                };
-                let turns = det32::atan2(z, x) / TAU * around + noise(1);
-                let radius = (x * x + z * z).sqrt();
-                // Waves narrower than a pixel fade to their mean, as do all towards the axis.
-                let narrow = width * around / (TAU * radius);
-                let wave = |turns: f32, width: f32| {
-                    let turns = turns - turns.floor();
-                    seen(width) * det32::cos(TAU * turns)
-                };
-                0.5 + 0.5 * wave(turns, narrow) * wave(y + noise(2), width)
-            }
-        }
-    }
-}
-
-impl Carved {
-    /// [`normal`](Self::normal) for sixteen: unit normals at positions, which change by `moves` to the right and down.
+    /// The unit normals `n` turned by the slope of the heights along the surface (Perlin 1985), which is measured over half a pixel or
+    /// the least step to each side; positions change by `dx` and `dy` to the right and down.
     #[inline(always)]
-    pub(crate) fn normals<S: Simd>(
+    pub(crate) fn normal<I: Isa>(
         &self,
-        s: S,
-        position: V3<S>,
-        [dx, dy]: [V3<S>; 2],
-        n: V3<S>,
-    ) -> V3<S> {
-        let zero = f32x16::splat(s, 0.0);
-        let pixel = above(dot_lanes(dx, dx), dot_lanes(dy, dy)).sqrt();
-        let step = above(pixel * 0.5, f32x16::splat(s, self.step));
-        let [t, b] = along_lanes(s, n);
-        let flat = t[0].simd_eq(zero) & t[1].simd_eq(zero) & t[2].simd_eq(zero);
+        i: I,
+        position: Vector<I>,
+        [dx, dy]: [Vector<I>; 2],
+        n: Vector<I>,
+    ) -> Vector<I> {
+        let pixel = dot(dx, dx).above(dot(dy, dy)).sqrt();
+        let step = (pixel * 0.5).above(i.f32(self.step));
+        let [t, b] = tangents(i, n);
+        let flat = t[0].simd_eq(0.0) & t[1].simd_eq(0.0) & t[2].simd_eq(0.0);
         let useful = !flat & step.abs().simd_lt(f32::INFINITY);
-        let (b_u, b_v) = (
-            self.slope(s, position, t, step, pixel),
-            self.slope(s, position, b, step, pixel),
-        );
-        let turned = bump_on_lanes(s, n, t, b, b_u, b_v);
+        let b_u = self.slope(i, position, t, step, pixel);
+        let b_v = self.slope(i, position, b, step, pixel);
+        let turned = bump_on(i, n, t, b, b_u, b_v);
         [
             useful.select(turned[0], n[0]),
             useful.select(turned[1], n[1]),
@@ -127,113 +65,81 @@ impl Carved {
     }
 
     #[inline(always)]
-    fn slope<S: Simd>(
+    fn slope<I: Isa>(
         &self,
-        s: S,
-        position: V3<S>,
-        axis: V3<S>,
-        step: f32x16<S>,
-        pixel: f32x16<S>,
-    ) -> f32x16<S> {
+        i: I,
+        position: Vector<I>,
+        axis: Vector<I>,
+        step: I::F32,
+        pixel: I::F32,
+    ) -> I::F32 {
         let (mut there, mut back) = (position, position);
         for k in 0..3 {
             there[k] = position[k] + step * axis[k];
             back[k] = position[k] + -step * axis[k];
         }
-        let rise = self.values(s, there, pixel) - self.values(s, back, pixel);
+        let rise = self.value(i, there, pixel) - self.value(i, back, pixel);
         rise * self.height / (step * 2.0)
     }
 
-    /// [`value`](Self::value) for sixteen. Out of line: it is asked for four times.
+    /// The heights at world positions, as a pixel of this width sees them. Out of line: it is asked for four times.
     #[inline(never)]
-    fn values<S: Simd>(&self, s: S, p: V3<S>, width: f32x16<S>) -> f32x16<S> {
-        s.vectorize(
+    fn value<I: Isa>(&self, i: I, p: Vector<I>, width: I::F32) -> I::F32 {
+        i.vectorize(
             #[inline(always)]
-            || self.values_lanes(s, p, width),
+            || self.value_inline(i, p, width),
         )
     }
 
     #[inline(always)]
-    fn values_lanes<S: Simd>(&self, s: S, p: V3<S>, width: f32x16<S>) -> f32x16<S> {
-        let place = affine_lanes(&self.rows, p);
+    fn value_inline<I: Isa>(&self, i: I, p: Vector<I>, width: I::F32) -> I::F32 {
+        let place = affine(&self.rows, p);
+        // The least step is 1/512 of the shortest side of the unit.
         let width = width / (512.0 * self.step);
         let (around, fold) = match self.heights {
-            Carving::Pattern(pattern) => return pattern.value_lanes(s, place, width),
+            Carving::Pattern(pattern) => return pattern.value_lanes(i, place, width),
             Carving::Waves { around, fold } => (f32::from(around), fold),
         };
-        let mut noise = [f32x16::splat(s, 0.0); 2];
+        let mut noise = [i.f32(0.0); 2];
         if fold != 0.0 {
             noise = [
-                gradient_noise_lanes(s, place, 1) * fold,
-                gradient_noise_lanes(s, place, 2) * fold,
+                gradient_noise_lanes(i, place, 1) * fold,
+                gradient_noise_lanes(i, place, 2) * fold,
             ];
         }
         let [x, y, z] = place;
-        let turns = det32::atan2_lanes(texmap_math::simd::X16(s), z, x) / TAU * around + noise[0];
+        let turns = det32::atan2_lanes(i, z, x) / TAU * around + noise[0];
         let radius = (x * x + z * z).sqrt();
+        // Waves narrower than a pixel fade to their mean, as do all towards the axis.
         let narrow = width * around / (radius * TAU);
-        let wave = wave_lanes(s, turns, narrow) * 0.5;
-        wave * wave_lanes(s, y + noise[1], width) + 0.5
+        let first = wave(i, turns, narrow) * 0.5;
+        first * wave(i, y + noise[1], width) + 0.5
     }
 }
 
-/// A wave of length 1, as a pixel of this width sees it.
+/// A wave of length 1, as a pixel of this width sees it: whole up to a quarter, nothing from three quarters on.
 #[inline(always)]
-fn wave_lanes<S: Simd>(s: S, turns: f32x16<S>, width: f32x16<S>) -> f32x16<S> {
-    let (zero, one) = (f32x16::splat(s, 0.0), f32x16::splat(s, 1.0));
-    let left = 1.5 - width * 2.0;
-    let seen = left.simd_gt(zero).select(left, zero);
-    let seen = left.simd_ge(one).select(one, seen);
-    seen * det32::cos_lanes(texmap_math::simd::X16(s), (turns - turns.floor()) * TAU)
+fn wave<I: Isa>(i: I, turns: I::F32, width: I::F32) -> I::F32 {
+    let left = i.f32(1.5) - width * 2.0;
+    let seen = left.above(i.f32(0.0));
+    let seen = left.simd_ge(1.0).select(i.f32(1.0), seen);
+    seen * det32::cos_lanes(i, (turns - turns.floor()) * TAU)
 }
 
-/// [`along`] for sixteen.
+/// Two unit vectors square to a unit vector and to each other; zero for none.
 #[inline(always)]
-fn along_lanes<S: Simd>(s: S, n: V3<S>) -> [V3<S>; 2] {
-    let ([x, y, z], zero) = (n, f32x16::splat(s, 0.0));
+fn tangents<I: Isa>(i: I, n: Vector<I>) -> [Vector<I>; 2] {
+    let ([x, y, z], zero) = (n, i.f32(0.0));
     let steep = x.abs().simd_gt(y.abs());
     let mut t = [
         steep.select(-z, zero),
         steep.select(zero, z),
         steep.select(x, -y),
     ];
-    let length = dot_lanes(t, t).sqrt();
-    let some = length.simd_gt(zero) & length.simd_lt(f32::INFINITY);
+    let length = dot(t, t).sqrt();
+    let some = length.simd_gt(0.0) & length.simd_lt(f32::INFINITY);
     for c in &mut t {
         *c = some.select(*c / length, zero);
     }
-    [t, cross_lanes(n, t)]
-}
-
-/// Two unit vectors square to a unit vector and to each other; zero for none.
-fn along(n: [f32; 3]) -> [[f32; 3]; 2] {
-    let [x, y, z] = n;
-    let t = if x.abs() > y.abs() {
-        [-z, 0.0, x]
-    } else {
-        [0.0, z, -y]
-    };
-    let length = (t[0] * t[0] + t[1] * t[1] + t[2] * t[2]).sqrt();
-    if !(length > 0.0 && length.is_finite()) {
-        return [[0.0; 3]; 2];
-    }
-    let t = t.map(|c| c / length);
-    let b = [
-        y * t[2] - z * t[1],
-        z * t[0] - x * t[2],
-        x * t[1] - y * t[0],
-    ];
-    [t, b]
-}
-
-/// What is left of a wave of length 1 that a pixel of this width averages: 1 up to a quarter, nothing from three quarters on.
-fn seen(width: f32) -> f32 {
-    let left = 1.5 - 2.0 * width;
-    if left >= 1.0 {
-        1.0
-    } else if left > 0.0 {
-        left
-    } else {
-        0.0
-    }
+    [t, cross(n, t)]
 }

@@ -1,64 +1,18 @@
-//! What stands behind everything: a picture stretched over the frame, or an environment seen from inside.
+//! The sky: an environment seen from inside.
 
-use std::sync::LazyLock;
-
-use texmap_light::lanes::{EnvironmentView, RayLanes};
-use texmap_light::{Environment, Ray};
-use texmap_math::fearless_simd::{f32x16, prelude::*};
+use texmap_light::Environment;
+use texmap_light::lanes::RayLanes;
 use texmap_math::glam::DMat4;
-use texmap_math::lanes::below;
-use texmap_math::{Level, ViewRays, on_wide_level};
-use texmap_raster::DepthTest;
+use texmap_math::simd::{Isa, prelude::*};
+use texmap_math::{Level, ViewRays, dispatch_simd};
 
-use crate::plan::Surface;
-use crate::shade::Run;
-use crate::shade::batch::clip;
-use crate::shade::batch::{Colors, LANES};
-use crate::shade::coordinates::EyeRays;
-use crate::vertices::VertexData;
-use crate::{AlphaMode, Material, Mesh, Shading, TextureRole};
+use super::batch::{Batch, Colors, LANES};
+use super::coordinates::EyeRays;
 
-/// The frame in clip space, at no depth.
-static FRAME: LazyLock<Mesh> = LazyLock::new(|| Mesh {
-    name: "backdrop".into(),
-    positions: vec![
-        [-1.0, 1.0, 0.0],
-        [-1.0, -1.0, 0.0],
-        [1.0, -1.0, 0.0],
-        [1.0, 1.0, 0.0],
-    ],
-    uvs: vec![[0.0, 0.0], [0.0, 1.0], [1.0, 1.0], [1.0, 0.0]],
-    triangles: vec![[0, 1, 2], [0, 2, 3]],
-    ..Mesh::default()
-});
-
-static MATERIAL: LazyLock<Material> = LazyLock::new(|| Material {
-    name: "backdrop".into(),
-    shading: Shading::Unlit,
-    texture_role: TextureRole::Decal,
-    // Blended surfaces are drawn where nothing nearer is, and leave the arrays alone.
-    alpha: AlphaMode::Blend,
-    ..Material::default()
-});
-
-/// A surface over the whole frame, behind all others. It still lacks its colour.
-pub(crate) fn behind<'s>() -> Surface<'s> {
-    let mesh = &*FRAME;
-    let vertices = VertexData::of(mesh, mesh.uvs.as_flattened().to_vec(), 2);
-    Surface::bare(
-        mesh,
-        &MATERIAL,
-        vertices,
-        DMat4::IDENTITY,
-        DepthTest::LessOrEqual,
-    )
-}
-
-/// An environment as the stages read it.
+/// An environment as a sky.
 pub(crate) struct SkyStage<'s> {
     environment: &'s Environment,
-    view: EnvironmentView<'s>,
-    /// Through the places of a pixel that are looked up: one or more for each texel that it sees.
+    /// Through the positions in a pixel that are looked up: one or more for each texel that it sees.
     rays: Vec<EyeRays>,
 }
 
@@ -77,51 +31,43 @@ impl<'s> SkyStage<'s> {
         let places = (0..side).flat_map(|j| (0..side).map(move |i| (i, j)));
         Self {
             environment,
-            view: EnvironmentView::new(environment),
             rays: places
                 .map(|(i, j)| middle.beside([inside(i), inside(j)]))
                 .collect(),
         }
     }
 
-    pub(crate) fn shade(&self, level: Level, run: &Run<'_>, out: &mut Colors) {
-        let count = self.rays.len() as f32;
-        on_wide_level!(
-            level,
-            s => {
-                let (zero, one) = (f32x16::splat(s, 0.0), f32x16::splat(s, 1.0));
-                for (i, at) in run.run.iter().enumerate() {
-                    let pixel = run.pixel(*at, 0);
-                    let mut sum = [zero; 3];
-                    for rays in &self.rays {
-                        let [x, y, z] = rays.block(s, pixel);
-                        let ray = RayLanes { direction: [-x, -y, -z], dx: [zero; 3], dy: [zero; 3] };
-                        let light = self.view.light_lanes(s, &ray);
-                        for k in 0..3 {
-                            sum[k] += light[k];
-                        }
-                    }
-                    let lanes = i * LANES..(i + 1) * LANES;
-                    for (column, c) in out.0.iter_mut().zip(sum) {
-                        let mean = below(c / f32x16::splat(s, count), one);
-                        mean.store_slice(&mut column[lanes.clone()]);
-                    }
-                    out.0[3][lanes].fill(1.0);
+    /// The light behind the fragments of a batch, clipped at 1.
+    pub(crate) fn shade(&self, level: Level, batch: &Batch<'_>, out: &mut Colors) {
+        dispatch_simd!(level, i => for (index, block) in batch.list.iter().enumerate() {
+            self.shade_block(i, batch.sample(*block, 0), index * LANES, out);
+        });
+    }
+
+    #[inline(always)]
+    fn shade_block<I: Isa>(&self, i: I, sample: [u32; 2], first: usize, out: &mut Colors) {
+        let (zero, one) = (i.f32(0.0), i.f32(1.0));
+        for pixel in (0..LANES).step_by(I::LANES) {
+            let mut sum = [zero; 3];
+            for rays in &self.rays {
+                let [x, y, z] = rays.part(i, sample, pixel);
+                let ray = RayLanes {
+                    direction: [-x, -y, -z],
+                    dx: [zero; 3],
+                    dy: [zero; 3],
+                };
+                let light = self.environment.radiance(i, &ray);
+                for k in 0..3 {
+                    sum[k] = sum[k] + light[k];
                 }
-            },
-            else for (place, at, bit) in run.places() {
-                let pixel = run.pixel(at, bit);
-                let mut sum = [0.0; 3];
-                for rays in &self.rays {
-                    let direction = rays.at(pixel).map(|c| -c);
-                    let light = self.environment.light_across(&Ray { direction, ..Ray::default() });
-                    sum = [0, 1, 2].map(|k| sum[k] + light[k]);
-                }
-                for (column, sum) in out.0.iter_mut().zip(sum) {
-                    column[place] = clip(sum / count);
-                }
-                out.0[3][place] = 1.0;
             }
-        );
+            let count = self.rays.len() as f32;
+            let [r, g, b] = [sum[0] / count, sum[1] / count, sum[2] / count];
+            out.store(
+                i,
+                first + pixel,
+                [r.below(one), g.below(one), b.below(one), one],
+            );
+        }
     }
 }

@@ -1,19 +1,19 @@
-//! Solid textures: colour as a function of the place in space, carved by the surface (Perlin 1985; Peachey 1985).
+//! Solid textures: color as a function of the position in space (Perlin 1985; Peachey 1985).
 
-use texmap_light::lanes::{V3, dot_lanes};
-use texmap_math::fearless_simd::{Simd, prelude::*};
-use texmap_math::lanes::above;
-use texmap_math::{Level, on_wide_level};
+use texmap_light::lanes::{Vector, dot};
+use texmap_math::simd::{Isa, prelude::*};
+use texmap_math::{Level, dispatch_simd};
 use texmap_raster::{Column, RUN_ROOM};
+use texmap_sample::Pattern;
 
-use crate::shade::batch::{LANES, vector};
+use super::batch::{Batch, Colors, LANES, columns, load_changes, load_vector};
 use crate::{Effects, Solid, SolidField};
 
 /// A solid texture as the stages read it.
 pub(crate) struct SolidStage<'s> {
     field: SolidField<'s>,
     /// First of the attributes that hold the world position.
-    pub(crate) position: usize,
+    position: usize,
 }
 
 impl<'s> SolidStage<'s> {
@@ -24,49 +24,51 @@ impl<'s> SolidStage<'s> {
         }
     }
 
-    /// The colour at a world position that moves by `dx` and `dy` from pixel to pixel: linear, premultiplied.
-    pub(crate) fn color(&self, p: [f32; 3], dx: [f32; 3], dy: [f32; 3]) -> [f32; 4] {
-        self.field.color(p, dx, dy)
+    /// The colors of a batch, premultiplied; a pattern gives its value in all three channels.
+    pub(crate) fn fetch(&self, level: Level, batch: &Batch<'_>, out: &mut Colors) {
+        let position: &[Column; 3] = columns(batch.values, self.position);
+        if let Some(pattern) = self.field.pattern() {
+            let [r, g, b, a] = &mut out.0;
+            let count = batch.list.len() * LANES;
+            dispatch_simd!(level, i => self.values(i, &pattern, position, count, r));
+            g[..count].copy_from_slice(&r[..count]);
+            b[..count].copy_from_slice(&r[..count]);
+            a[..count].fill(1.0);
+            return;
+        }
+        for (at, ..) in batch.fragments() {
+            let value = position.each_ref().map(|c| c.value[at]);
+            let dx = position.each_ref().map(|c| c.ddx[at]);
+            let dy = position.each_ref().map(|c| c.ddy[at]);
+            out.set(at, self.field.color(value, dx, dy));
+        }
     }
 
-    /// The values of a pattern at the world positions of a run, where it has lanes: each stands for all three channels.
-    pub(crate) fn values(
-        &self,
-        level: Level,
-        [x, y, z]: [&Column; 3],
-        blocks: usize,
-        out: &mut [f32; RUN_ROOM],
-    ) -> bool {
-        let Some(pattern) = self.field.pattern() else {
-            return false;
-        };
-        on_wide_level!(
-            level,
-            s => {
-                for i in 0..blocks {
-                    let at = i * LANES..(i + 1) * LANES;
-                    let value = [&x.value, &y.value, &z.value];
-                    let mut place = self.along_lanes(s, value, i);
-                    for (c, row) in place.iter_mut().zip(self.field.rows()) {
-                        *c += row[3];
-                    }
-                    let [dx, dy] = [
-                        self.along_lanes(s, [&x.ddx, &y.ddx, &z.ddx], i),
-                        self.along_lanes(s, [&x.ddy, &y.ddy, &z.ddy], i),
-                    ];
-                    let width = above(dot_lanes(dx, dx), dot_lanes(dy, dy)).sqrt();
-                    pattern.value_lanes(s, place, width).store_slice(&mut out[at]);
-                }
-                true
-            },
-            else false
-        )
-    }
-
-    /// A vector of a block in solid space.
     #[inline(always)]
-    fn along_lanes<S: Simd>(&self, s: S, columns: [&[f32; RUN_ROOM]; 3], i: usize) -> V3<S> {
-        let v = vector(s, columns, i);
+    fn values<I: Isa>(
+        &self,
+        i: I,
+        pattern: &Pattern,
+        position: &[Column; 3],
+        count: usize,
+        out: &mut [f32; RUN_ROOM],
+    ) {
+        for at in (0..count).step_by(I::LANES) {
+            let mut place = self.along(i, load_vector(i, position, at));
+            for (c, row) in place.iter_mut().zip(self.field.rows()) {
+                *c = *c + row[3];
+            }
+            let [dx, dy] = load_changes(i, position, at);
+            let (dx, dy) = (self.along(i, dx), self.along(i, dy));
+            let width = dot(dx, dx).above(dot(dy, dy)).sqrt();
+            let value = pattern.value_lanes(i, place, width);
+            value.store(&mut out[at..at + I::LANES]);
+        }
+    }
+
+    /// A vector in the space of the texture.
+    #[inline(always)]
+    fn along<I: Isa>(&self, _: I, v: Vector<I>) -> Vector<I> {
         let mut out = v;
         for (out, r) in out.iter_mut().zip(self.field.rows()) {
             *out = v[0] * r[0] + v[1] * r[1] + v[2] * r[2];

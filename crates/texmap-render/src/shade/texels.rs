@@ -1,14 +1,15 @@
 //! Packed RGBA8 texels of a batch: uv and mip of its pixels, then one word a pixel. Textures whose filter gives bytes take this
 //! kernel on levels with wide registers; others are read channel by channel.
 
-use texmap_math::fearless_simd::{Simd, f32x16, i32x16, prelude::*};
+use texmap_math::fearless_simd::{Simd, SimdBase, f32x16, i32x16};
+use texmap_math::simd::X16;
 use texmap_math::{Level, on_wide_level};
 use texmap_raster::{BlockSink, BlockValues, NONE, RUN_ROOM, RunBlock, TileBlocks, TilePlanes};
 use texmap_sample::lanes::packed::{self, FootprintLanes};
 use texmap_sample::lanes::{Kind, RGBA8, View};
 use texmap_sample::{Sampler, Texture2d};
 
-use super::batch::LANES;
+use super::batch::{BatchUv, LANES};
 
 /// A texture whose look-ups are RGBA8 words; `None` if they are not, or the level has no kernel for them.
 pub(crate) fn packed_view<'a>(
@@ -19,21 +20,6 @@ pub(crate) fn packed_view<'a>(
     let view = View::new(sampler, texture)?;
     let packed = view.format == RGBA8 && view.kind.is_plain();
     (packed && on_wide_level!(level, _s => true, else false)).then_some(view)
-}
-
-/// Coordinates of a batch.
-pub(crate) struct BatchUv {
-    pub(crate) u: [f32; RUN_ROOM],
-    pub(crate) v: [f32; RUN_ROOM],
-}
-
-impl Default for BatchUv {
-    fn default() -> Self {
-        Self {
-            u: [0.0; RUN_ROOM],
-            v: [0.0; RUN_ROOM],
-        }
-    }
 }
 
 /// Coordinates and mips of the texels that a batch reads.
@@ -58,7 +44,7 @@ impl Default for TexelAddresses {
 impl TexelAddresses {
     /// Stores the mips of 16 pixels from `at` on, by the changes of uv to the right and down.
     #[inline(always)]
-    pub(crate) fn put_mips<S: Simd>(
+    fn put_mips<S: Simd>(
         &mut self,
         s: S,
         (texture, view): (usize, &View<'_>),
@@ -131,17 +117,26 @@ pub(crate) fn read_pair(
     );
 }
 
-/// Reads the texels at stored addresses.
-pub(crate) fn read_addresses(
+/// Reads the texels at stored coordinates, which change by `changes` to the right and down.
+pub(crate) fn read_placed(
     level: Level,
     view: &View<'_>,
-    addresses: &TexelAddresses,
+    addresses: &mut TexelAddresses,
+    [dx, dy]: &[BatchUv; 2],
     blocks: usize,
     out: &mut [u32; RUN_ROOM],
 ) {
     on_wide_level!(
         level,
-        s => texels(s, view, addresses, 0, 0..blocks, out),
+        s => {
+            if reads_mips(view) {
+                for at in (0..blocks * LANES).step_by(LANES) {
+                    let (dx, dy) = (dx.load(X16(s), at), dy.load(X16(s), at));
+                    addresses.put_mips(s, (0, view), at, dx, dy);
+                }
+            }
+            texels(s, view, addresses, 0, 0..blocks, out);
+        },
         else debug_assert!(false, "no view on this level")
     );
 }
@@ -241,7 +236,7 @@ fn texels<S: Simd>(
     match view.kind {
         Kind::Nearest => {
             for k in blocks {
-                let [u, v] = addresses.uv.at(s, k * LANES);
+                let [u, v] = addresses.uv.load(X16(s), k * LANES);
                 let word = packed::nearest_lanes(s, view, u, v);
                 word.store_slice(&mut out[k * LANES..(k + 1) * LANES]);
             }
@@ -249,7 +244,7 @@ fn texels<S: Simd>(
         Kind::Bilinear => bilinear(s, view, addresses, blocks, out),
         _ => {
             for k in blocks {
-                let [u, v] = addresses.uv.at(s, k * LANES);
+                let [u, v] = addresses.uv.load(X16(s), k * LANES);
                 let mip = i32x16::from_slice(s, &addresses.mips[mips][k * LANES..(k + 1) * LANES]);
                 let word = packed::trilinear_lanes(s, view, u, v, mip);
                 word.store_slice(&mut out[k * LANES..(k + 1) * LANES]);
@@ -267,25 +262,9 @@ fn bilinear<S: Simd>(
     out: &mut [u32; RUN_ROOM],
 ) {
     for k in blocks {
-        let [u, v] = addresses.uv.at(s, k * LANES);
+        let [u, v] = addresses.uv.load(X16(s), k * LANES);
         let word = packed::bilinear_lanes(s, view, u, v);
         word.store_slice(&mut out[k * LANES..(k + 1) * LANES]);
-    }
-}
-
-impl BatchUv {
-    #[inline(always)]
-    pub(crate) fn at<S: Simd>(&self, s: S, at: usize) -> [f32x16<S>; 2] {
-        [
-            f32x16::from_slice(s, &self.u[at..at + LANES]),
-            f32x16::from_slice(s, &self.v[at..at + LANES]),
-        ]
-    }
-
-    #[inline(always)]
-    pub(crate) fn put<S: Simd>(&mut self, at: usize, [u, v]: [f32x16<S>; 2]) {
-        u.store_slice(&mut self.u[at..at + LANES]);
-        v.store_slice(&mut self.v[at..at + LANES]);
     }
 }
 
@@ -408,7 +387,7 @@ impl<S: Simd, const D: bool> BlockSink<S> for Store<'_, '_, D> {
     #[inline(always)]
     fn block(&mut self, s: S, k: usize, _: RunBlock, values: &BlockValues<S>) {
         let at = (self.first + k) * LANES;
-        self.addresses.uv.put(at, values.value);
+        self.addresses.uv.store(X16(s), at, values.value);
         if D {
             for (texture, view) in self.views.iter().enumerate() {
                 if let Some(view) = view {

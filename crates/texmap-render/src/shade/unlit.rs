@@ -4,9 +4,10 @@ use texmap_math::simd::{Isa, prelude::*};
 use texmap_math::{Level, dispatch_simd};
 use texmap_raster::{RUN_ROOM, RunBlock, RunValues};
 use texmap_sample::lanes::View;
-use texmap_sample::{Places, gives_bytes, sample_columns, sample_rgba8_columns};
+use texmap_sample::{gives_bytes, sample_columns, sample_rgba8_columns};
 
 use super::batch::{Colors, LANES, straight};
+use super::fetch::places;
 use super::texels::{Pixels, TexelAddresses, packed_view, read_texels};
 use crate::textures::Slot;
 use crate::{AlphaMode, ColorMode, Material, TextureRole};
@@ -200,22 +201,5 @@ impl UnlitScratch {
         planes.values(level, blocks, batch, &wanted, derivatives, &mut self.values);
         slot.place_columns(&mut self.values, count);
         count
-    }
-}
-
-/// Columns 0 and 1 as coordinates to sample at, with the derivatives that the filter reads.
-pub(crate) fn places<'a>(slot: &Slot<'_>, values: &'a RunValues, count: usize) -> Places<'a> {
-    let [u, v] = [&values.columns[0], &values.columns[1]];
-    Places {
-        u: &u.value[..count],
-        v: &v.value[..count],
-        gradients: slot.reads_derivatives().then(|| {
-            [
-                &u.ddx[..count],
-                &v.ddx[..count],
-                &u.ddy[..count],
-                &v.ddy[..count],
-            ]
-        }),
     }
 }

@@ -6,12 +6,10 @@ use texmap_raster::{Prepared, TILE};
 
 use super::supersample::Sums;
 use super::{Context, Painter, is_whole};
-use crate::plan::Plan;
+use crate::plan::{Plan, Shader};
 use crate::resolve::copy::fill_rows;
 use crate::resolve::encode::encode;
 use crate::resolve::rows::AovRows;
-use crate::shade::lighting::LitLanes;
-use crate::shade::unlit::Unlit;
 use crate::{Aov, ColorMode, Scene, Settings};
 
 /// One pass over the frame.
@@ -77,18 +75,15 @@ impl<'a> Job<'a> {
                 c
             }
         };
-        let unlit = plan.surfaces.iter().map(|surface| {
-            let color = surface.unlit?;
-            let unlit = Unlit::new(plan.level, color, surface.base_color.as_ref());
-            let word = encode(scene.color, color.tint(Scalar, [1.0; 4]));
-            Some((unlit, word))
+        let shaders = plan.surfaces.iter().map(|surface| {
+            let shader = Shader::new(plan, surface);
+            let color = surface.unlit.map(|color| color.tint(Scalar, [1.0; 4]));
+            (shader, encode(scene.color, color.unwrap_or_default()))
         });
-        let lit = plan.surfaces.iter();
         Self {
             context: Context {
                 plan,
-                unlit: unlit.collect(),
-                lit: lit.map(|surface| LitLanes::new(plan, surface)).collect(),
+                shaders: shaders.collect(),
                 prepared,
                 mode: scene.color,
                 background: [light(r) * a, light(g) * a, light(b) * a, a],

@@ -10,17 +10,16 @@ use texmap_raster::{
     NONE, Prepared, RUN, RUN_ROOM, RunBlock, RunValues, SampleSetup, TileBlocks, TilePlanes,
 };
 
-use crate::plan::Plan;
+use crate::plan::{Plan, Shader};
 use crate::resolve::aov::write_batch;
 use crate::resolve::copy::{put_block_rows, rows_fit};
 use crate::resolve::encode::encode;
 use crate::resolve::rows::AovRows;
 use crate::resolve::tile_buffer::{Shaded, TileBuffer};
-use crate::shade::batch::{Colors, LANES};
-use crate::shade::lighting::{LitLanes, LitScratch};
+use crate::shade::batch::{Batch, Colors, LANES};
+use crate::shade::surface::SurfaceScratch;
 use crate::shade::texels::Pixels;
-use crate::shade::unlit::{Unlit, UnlitScratch};
-use crate::shade::{Run, Stages};
+use crate::shade::unlit::UnlitScratch;
 use crate::{Aov, ColorMode};
 pub(crate) use fragments::is_whole;
 use fragments::{FragmentList, blended};
@@ -44,10 +43,8 @@ pub(crate) const ATTRIBUTES: [usize; texmap_raster::MAX_ATTRIBUTES] = {
 /// What all tiles of a pass share.
 pub(crate) struct Context<'a> {
     pub(crate) plan: &'a Plan<'a>,
-    /// The one stage of each unlit surface, and its encoded color where it has no texture.
-    pub(crate) unlit: Vec<Option<(Unlit<'a>, u32)>>,
-    /// Surfaces that are lit sixteen pixels at a time.
-    pub(crate) lit: Vec<Option<LitLanes<'a>>>,
+    /// The stages of each draw, and its encoded color where it is unlit and has no texture.
+    pub(crate) shaders: Vec<(Shader<'a>, u32)>,
     pub(crate) prepared: &'a Prepared<'a>,
     pub(crate) mode: ColorMode,
     /// Linear (or raw), premultiplied.
@@ -140,14 +137,14 @@ impl Painter {
             let wanted = &ATTRIBUTES[..surface.vertices.attribute_count];
             for batch in blocks_of.chunks(BATCH_BLOCKS) {
                 planes.values(level, blocks, batch, wanted, true, values);
-                let run = Run {
+                let batch = Batch {
                     prepared: context.prepared,
                     tile: context.prepared.tile(index),
                     blocks,
-                    run: batch,
+                    list: batch,
                     values,
                 };
-                write_batch(context.plan, surface, &run, aovs);
+                write_batch(context.plan, surface, &batch, aovs);
             }
         }
     }
@@ -169,8 +166,8 @@ impl Painter {
     fn paint_straight(&mut self, context: &Context<'_>, rows: &mut [&mut [u8]]) -> bool {
         let blocks = &self.samples[0].blocks;
         let exact = |draw: &u32| {
-            let unlit = context.unlit[*draw as usize].as_ref();
-            unlit.is_some_and(|(unlit, _)| unlit.exact_view().is_some())
+            let unlit = context.shaders[*draw as usize].0.unlit();
+            unlit.is_some_and(|unlit| unlit.exact_view().is_some())
         };
         if !rows_fit(rows)
             || !is_whole(&blocks.masks)
@@ -187,7 +184,7 @@ impl Painter {
         } = &mut self.shader;
         let pixels = Pixels::Blocks(planes, blocks);
         for (draw, blocks_of) in self.list.parts() {
-            let Some((unlit, _)) = &context.unlit[draw as usize] else {
+            let Some(unlit) = context.shaders[draw as usize].0.unlit() else {
                 continue;
             };
             for batch in blocks_of.chunks(BATCH_BLOCKS) {
@@ -302,8 +299,7 @@ struct BatchShader {
     planes: TilePlanes,
     values: RunValues,
     unlit: UnlitScratch,
-    stages: Stages,
-    lit: LitScratch,
+    surface: SurfaceScratch,
     colors: Colors,
     words: [u32; RUN_ROOM],
 }
@@ -314,8 +310,7 @@ impl Default for BatchShader {
             planes: TilePlanes::new(),
             values: RunValues::default(),
             unlit: UnlitScratch::default(),
-            stages: Stages::default(),
-            lit: LitScratch::default(),
+            surface: SurfaceScratch::default(),
             colors: Colors::default(),
             words: [0; RUN_ROOM],
         }
@@ -363,8 +358,9 @@ impl BatchShader {
             index,
             blocks,
         } = tile;
-        let (plan, level) = (context.plan, context.plan.level);
-        if let Some((unlit, word)) = &context.unlit[draw as usize] {
+        let level = context.plan.level;
+        let (shader, word) = &context.shaders[draw as usize];
+        if let Shader::Unlit(unlit) = shader {
             let pixels = Pixels::Blocks(&self.planes, blocks);
             if unlit.gives_words() {
                 unlit.read_words(level, &pixels, batch, &mut self.unlit, &mut self.words);
@@ -380,26 +376,29 @@ impl BatchShader {
             unlit.shade(level, &pixels, batch, &mut self.unlit, &mut self.colors);
             return Shaded::Light(&self.colors);
         }
-        let surface = &plan.surfaces[draw as usize];
-        let lit = context.lit[draw as usize].as_ref();
-        if lit.is_none_or(LitLanes::reads_all) {
-            let (wanted, values) = (&ATTRIBUTES[..surface.shaded], &mut self.values);
-            if !wanted.is_empty() {
-                self.planes
-                    .values(level, blocks, batch, wanted, true, values);
-            }
+        if let Shader::Surface(surface) = shader
+            && let Some(count) = surface.attributes.filter(|count| *count > 0)
+        {
+            let wanted = &ATTRIBUTES[..count];
+            let values = &mut self.values;
+            self.planes
+                .values(level, blocks, batch, wanted, true, values);
         }
-        let run = Run {
+        let batch = Batch {
             prepared: context.prepared,
             tile: context.prepared.tile(index),
             blocks,
-            run: batch,
+            list: batch,
             values: &self.values,
         };
-        let (stages, colors) = (&mut self.stages, &mut self.colors);
-        match lit {
-            Some(lit) => lit.shade(plan, &self.planes, &run, stages, &mut self.lit, colors),
-            None => stages.shade(plan, surface, &run, colors),
+        match shader {
+            Shader::Surface(surface) => {
+                let scratch = &mut self.surface;
+                surface.shade(&self.planes, &batch, scratch, &mut self.colors);
+            }
+            Shader::Sky(sky) => sky.shade(level, &batch, &mut self.colors),
+            Shader::Volume(volume) => volume.shade(&batch, &mut self.colors),
+            Shader::Unlit(_) => {}
         }
         Shaded::Light(&self.colors)
     }

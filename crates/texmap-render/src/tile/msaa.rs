@@ -128,10 +128,9 @@ impl Painter {
             return false;
         };
         let draws = &first.blocks.draws;
-        let view = draws.first().and_then(|draw| {
-            let (unlit, _) = context.unlit[*draw as usize].as_ref()?;
-            unlit.exact_view()
-        });
+        let view = draws
+            .first()
+            .and_then(|draw| context.shaders[*draw as usize].0.unlit()?.exact_view());
         let Some(view) = view else {
             return false;
         };
