@@ -5,8 +5,9 @@ use texmap_math::narrow;
 use texmap_math::wide;
 
 use texmap_light::{Surface, Terms, reflect, terms};
-use texmap_math::glam::DVec3;
+use texmap_math::glam::{DMat3, DVec3};
 use texmap_raster::Cull;
+use texmap_sample::Origin;
 
 use crate::{Mesh, Scene};
 

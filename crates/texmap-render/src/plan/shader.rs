@@ -109,8 +109,10 @@ fn surface_shader<'a>(plan: &'a Plan<'a>, surface: &'a Surface<'a>) -> SurfaceSh
     };
 
     let mut shadow_maps = lighting.lights.iter().flat_map(LitBy::shadow_maps);
+    let by_shadows = shadow_maps.any(ShadowReader::reads_normals);
+    drop(shadow_maps);
     // Paint does not reach what faces away from its projector.
-    let reads_planes = shadow_maps.any(ShadowReader::reads_normals) || !lighting.paints.is_empty();
+    let reads_planes = by_shadows || !lighting.paints.is_empty();
     let emission = surface.emission.as_ref();
     let emission = emission.map(|(color, map)| (*color, map.as_ref()));
     let light_ramp = surface.light_ramp.as_ref();

@@ -136,7 +136,11 @@ fn put_light<I: Isa>(i: I, light: &mut [f32], batch: &[RunBlock], colors: &Shade
             let front = colors.load(i, k * LANES + part);
             for c in 0..4 {
                 let to = &mut to[c * LANES + part..c * LANES + part + I::LANES];
-                pixels.select(front[c], i.load_f32(to)).store(to);
+                if at.mask == u16::MAX {
+                    front[c].store(to);
+                } else {
+                    pixels.select(front[c], i.load_f32(to)).store(to);
+                }
             }
         }
     }

@@ -2,7 +2,7 @@
 
 use texmap_light::lanes::{Vector, splat};
 use texmap_math::Level;
-use texmap_math::simd::{Isa, Scalar, prelude::*};
+use texmap_math::simd::{Isa, Scalar};
 use texmap_raster::RunValues;
 
 use super::batch::{Batch, Colors, columns, load_vector, straight};

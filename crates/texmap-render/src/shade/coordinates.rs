@@ -1,7 +1,7 @@
 //! Texture coordinates of fragments: from the vertices, or per pixel from a texture frame or a round shape.
 
 use texmap_math::glam::{DMat4, DVec3};
-use texmap_math::simd::{Isa, prelude::*};
+use texmap_math::simd::Isa;
 use texmap_math::{CameraFrame, Footprint, Level, ViewRays};
 use texmap_raster::{Column, Fragment, RunValues};
 use texmap_uv::PixelMapping;
@@ -48,13 +48,13 @@ impl Coordinates {
 
     /// Coordinates of a batch and their changes as columns 0 and 1: those of its attributes, or computed into `out`; 0 where a mesh has
     /// none.
-    pub(crate) fn columns<'b>(
+    pub(crate) fn columns<'c>(
         &self,
         level: Level,
-        batch: &Batch<'b>,
+        batch: &Batch<'c>,
         scratch: &mut UvScratch,
-        out: &'b mut RunValues,
-    ) -> &'b RunValues {
+        out: &'c mut RunValues,
+    ) -> &'c RunValues {
         let UvScratch {
             moves,
             uv,

@@ -3,7 +3,7 @@
 use texmap_light::lanes::Vector;
 use texmap_math::glam::DVec3;
 use texmap_math::narrow;
-use texmap_math::simd::{Isa, prelude::*};
+use texmap_math::simd::Isa;
 use texmap_raster::{Cull, NONE, RunBlock};
 
 use super::batch::{Batch, Facing, LANES, Part, set_bits};

@@ -54,16 +54,21 @@ pub(crate) struct SurfaceTexels {
 /// Columns between the stages; a thread keeps them.
 #[derive(Default)]
 pub(crate) struct SurfaceScratch {
-    /// Vectors of a surface that reads no other attributes.
-    vectors: RunValues,
-    normals: RunValues,
+    /// Vectors of a surface that reads no other attributes, and normals that are read after them.
+    vectors: [RunValues; 2],
+    columns: ColumnScratch,
+    read: SurfaceTexels,
+}
+
+/// Columns that texture fetches are made from.
+#[derive(Default)]
+struct ColumnScratch {
     /// Coordinates of the mesh, where they are no attributes.
     uv: RunValues,
     /// Coordinates of the light map.
     light_map_uv: RunValues,
     coordinates: UvScratch,
     pair: PairScratch,
-    read: SurfaceTexels,
     /// The batch, without the pixels of blocks that no projector reaches.
     reached: Vec<RunBlock>,
 }
@@ -77,15 +82,19 @@ impl SurfaceShader<'_> {
         scratch: &mut SurfaceScratch,
         out: &mut Colors,
     ) {
-        let level = self.level;
-        let vectors = self.fetch(planes, batch, scratch);
+        let SurfaceScratch {
+            vectors,
+            columns,
+            read,
+        } = scratch;
+        let vectors = self.fetch(planes, batch, columns, vectors, read);
         let inputs = Inputs {
             shader: self,
             batch,
             vectors,
-            read: &scratch.read,
+            read,
         };
-        dispatch_simd!(level, i => shade_blocks(i, &inputs, out));
+        dispatch_simd!(self.level, i => shade_blocks(i, &inputs, out));
     }
 
     /// Reads vectors and texels.
@@ -93,17 +102,16 @@ impl SurfaceShader<'_> {
         &self,
         planes: &TilePlanes,
         batch: &Batch<'b>,
-        scratch: &'b mut SurfaceScratch,
+        scratch: &mut ColumnScratch,
+        [vectors, normals]: &'b mut [RunValues; 2],
+        read: &mut SurfaceTexels,
     ) -> Vectors<'b> {
         let (level, list, blocks) = (self.level, batch.list, batch.list.len());
-        let SurfaceScratch {
-            vectors,
-            normals,
+        let ColumnScratch {
             uv,
             light_map_uv,
             coordinates,
             pair,
-            read,
             reached,
         } = scratch;
         if let Some((_, slot, first)) = self.lighting.light_map {
