@@ -15,12 +15,11 @@ use texmap_math::{Footprint, Level};
 use texmap_raster::{
     Draw, NoAlphaTest, Prepared, RUN, RunBlock, RunValues, TargetSize, TileBlocks, TilePlanes,
 };
-use texmap_render::{
-    ColorMode, Material, Mesh, Renderer, Scene, Settings, Shading, TextureRole, TextureSlot,
-};
+use texmap_render::{Renderer, Settings};
 use texmap_sample::{
     ColorSpace, Filter, Origin, Precision, Sampler, Texture2d, UvTransform, sample_rgba8_slice,
 };
+use texmap_scene::{ColorMode, Material, Mesh, Scene, Shading, TextureRole, TextureSlot};
 
 const SIDE: u32 = 1024;
 
@@ -40,17 +39,8 @@ fn scene(filter: Filter) -> Scene {
     .expect("a texture");
     let corners = [[-10.0, -2.5], [10.0, -2.5], [10.0, 20.0], [-10.0, 20.0]];
     Scene {
-        camera: Camera {
-            eye: DVec3::new(0.0, -3.0, 1.0),
-            look: DVec3::new(0.3, 0.0, 0.35),
-            up: DVec3::Z,
-            fov_x: 60f64.to_radians(),
-            near: 1e-3,
-            far: f64::INFINITY,
-        },
         background: [0.0; 4],
         color: ColorMode::Raw,
-        lights: Vec::new(),
         textures: vec![texture.with_mips()],
         materials: vec![Material {
             base_color: Some(TextureSlot {
@@ -72,9 +62,14 @@ fn scene(filter: Filter) -> Scene {
             triangles: vec![[0, 1, 2], [0, 2, 3]],
             ..Mesh::default()
         }],
-        effects: Default::default(),
-        depth_test: Default::default(),
-        warnings: Vec::new(),
+        ..Scene::new(Camera {
+            eye: DVec3::new(0.0, -3.0, 1.0),
+            look: DVec3::new(0.3, 0.0, 0.35),
+            up: DVec3::Z,
+            fov_x: 60f64.to_radians(),
+            near: 1e-3,
+            far: f64::INFINITY,
+        })
     }
 }
 

@@ -5,11 +5,11 @@ use texmap_math::camera::Camera;
 use texmap_math::det::{atan, tan};
 use texmap_math::glam::{DMat4, DVec3};
 use texmap_raster::{Cull, DepthTest};
-use texmap_render::{
-    AlphaMode, ColorMode, Material, Mesh, Scene, Shading, TextureRole, TextureSlot,
-};
 use texmap_sample::{
     ColorSpace, Filter, Origin, Precision, SampleError, Sampler, Texture2d, UvTransform,
+};
+use texmap_scene::{
+    AlphaMode, ColorMode, Material, Mesh, Scene, Shading, TextureRole, TextureSlot,
 };
 
 use super::{
@@ -76,14 +76,12 @@ impl BenchScene {
             ..Mesh::default()
         };
         Ok(Some(Scene {
-            camera: self.camera(),
             background: CLEAR,
             color: ColorMode::Raw,
             depth_test: match self.content {
                 Content::Layers { depth: false, .. } => DepthTest::Always,
                 _ => DepthTest::Less,
             },
-            lights: Vec::new(),
             textures: vec![texture],
             materials: vec![self.material(precision, hidden)],
             meshes: if self.content == Content::Clear {
@@ -91,8 +89,7 @@ impl BenchScene {
             } else {
                 vec![mesh]
             },
-            warnings: Vec::new(),
-            effects: Default::default(),
+            ..Scene::new(self.camera())
         }))
     }
 

@@ -14,8 +14,9 @@ use texmap_light::Surface;
 use texmap_math::camera::Camera;
 use texmap_math::glam::DVec3;
 use texmap_raster::Interp;
-use texmap_render::{ColorMode, Material, Mesh, Renderer, Scene, Settings, Shading, TextureSlot};
+use texmap_render::{Renderer, Settings};
 use texmap_sample::{ColorSpace, Filter, Origin, Precision, Sampler, Texture2d, UvTransform};
+use texmap_scene::{ColorMode, Material, Mesh, Scene, Shading, TextureSlot};
 
 const SIZE: (u32, u32) = (1920, 1080);
 const ROUNDS: usize = 61;
@@ -163,22 +164,18 @@ fn scene(meshes: Vec<Mesh>, materials: Vec<Material>) -> Result<Scene, Box<dyn E
     let noise = Pattern::Noise.rgba();
     let texture = Texture2d::from_rgba8(side, side, noise, ColorSpace::Linear, Origin::TopLeft)?;
     Ok(Scene {
-        camera: Camera {
+        background: [0.0; 4],
+        color: ColorMode::Raw,
+        textures: vec![texture],
+        materials,
+        meshes,
+        ..Scene::new(Camera {
             eye: DVec3::ZERO,
             look: DVec3::NEG_Z,
             up: DVec3::Y,
             fov_x: FOV,
             near: 0.1,
             far: f64::INFINITY,
-        },
-        background: [0.0; 4],
-        color: ColorMode::Raw,
-        lights: Vec::new(),
-        textures: vec![texture],
-        materials,
-        meshes,
-        effects: Default::default(),
-        depth_test: Default::default(),
-        warnings: Vec::new(),
+        })
     })
 }

@@ -1,11 +1,13 @@
 //! Shadow maps against shadow rays: false shadow and false light outside of the band around the edges of true shadows.
 
+use texmap_bake::{BakeOptions, bake};
 use texmap_light::{Light, ShadowBias, ShadowKind};
 use texmap_math::det;
 use texmap_math::glam::DVec3;
 use texmap_raster::{Atlas, AtlasMesh, AtlasOptions, Coverage, TargetSize};
-use texmap_render::{BakeOptions, Scene, bake, shadow_kind, shadow_map_for};
+use texmap_render::shadow_map_for;
 use texmap_sample::Origin;
+use texmap_scene::{Scene, shadow_kind};
 
 use crate::LabError;
 use crate::shadow_scene::{HALF, ShadowScene, across};
@@ -82,7 +84,7 @@ impl<'s> ShadowTruth<'s> {
 
     /// The bias of a scene that names none.
     pub fn default_bias(&self) -> ShadowBias {
-        texmap_render::shadow_bias(&self.scene)
+        texmap_scene::shadow_bias(&self.scene)
     }
 
     /// What a map of `size` texels with a bias and `taps` x `taps` comparisons gets wrong.

@@ -8,6 +8,7 @@ mod space;
 mod surface;
 
 use std::sync::Arc;
+use texmap_scene::SceneError;
 
 use texmap_light::Light;
 use texmap_math::glam::DMat4;
@@ -20,8 +21,9 @@ use crate::shade::sky::SkyStage;
 use crate::shade::unlit::UnlitColor;
 use crate::shade::volume::VolumeStage;
 use crate::textures::{Chains, Slot};
-use crate::{Aov, Backdrop, RenderError, Scene, Settings};
+use crate::{Aov, RenderError, Settings};
 use texmap_math::ViewRays;
+use texmap_scene::{Backdrop, Scene};
 
 pub(crate) use cut::{Cut, cut};
 pub(crate) use shader::Shader;
@@ -68,7 +70,7 @@ impl<'s> Plan<'s> {
         aovs: &[Aov],
     ) -> Result<Self, RenderError> {
         let aspect = f64::from(width) / f64::from(height);
-        let view = scene.camera.view().map_err(RenderError::Camera)?;
+        let view = scene.camera.view().map_err(SceneError::Camera)?;
         let projection = scene.camera.projection(aspect);
         let view = View {
             view_from_world: view,
@@ -170,10 +172,10 @@ mod tests {
     use super::*;
     use texmap_math::Camera;
     use texmap_math::glam::DVec3;
-    use texmap_raster::{DepthTest, Pass};
+    use texmap_raster::Pass;
     use texmap_sample::{ColorSpace, Filter, Origin, Sampler, Texture2d, UvTransform, Wrap};
 
-    use crate::{AlphaMode, Material, Mesh, Shading, TextureRole, TextureSlot};
+    use texmap_scene::{AlphaMode, Material, Mesh, Shading, TextureRole, TextureSlot};
 
     fn scene(material: Material) -> Scene {
         let texture =
@@ -185,23 +187,19 @@ mod tests {
             ..Mesh::default()
         };
         Scene {
-            camera: Camera {
+            background: [0.0; 4],
+            lights: vec![Light::Ambient { color: [1.0; 3] }],
+            textures: vec![texture],
+            materials: vec![material],
+            meshes: vec![mesh],
+            ..Scene::new(Camera {
                 eye: DVec3::new(0.0, 0.0, 5.0),
                 look: DVec3::ZERO,
                 up: DVec3::Y,
                 fov_x: 1.0,
                 near: 1e-4,
                 far: f64::INFINITY,
-            },
-            background: [0.0; 4],
-            color: crate::ColorMode::Srgb,
-            depth_test: DepthTest::Less,
-            lights: vec![Light::Ambient { color: [1.0; 3] }],
-            textures: vec![texture],
-            materials: vec![material],
-            meshes: vec![mesh],
-            warnings: Vec::new(),
-            effects: Default::default(),
+            })
         }
     }
 
@@ -232,7 +230,7 @@ mod tests {
                 _ => false,
             }
         };
-        let normals = |object_space| crate::Relief::NormalMap {
+        let normals = |object_space| texmap_scene::Relief::NormalMap {
             slot: slot(Filter::Trilinear).unwrap(),
             green: texmap_light::Green::Up,
             rebuild_z: false,
@@ -244,7 +242,7 @@ mod tests {
             ..Material::default()
         };
         let baked = Material {
-            light_map: Some(crate::LightMapSlot {
+            light_map: Some(texmap_scene::LightMapSlot {
                 slot: slot(Filter::Bilinear).unwrap(),
                 scale: 1.0,
                 baked: None,
@@ -259,7 +257,7 @@ mod tests {
         ] {
             assert!(is_short(material));
         }
-        let bump = crate::Relief::Bump {
+        let bump = texmap_scene::Relief::Bump {
             slot: slot(Filter::Bilinear).unwrap(),
             height: 0.1,
         };

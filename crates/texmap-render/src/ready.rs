@@ -1,15 +1,14 @@
 //! The effects of a scene, made ready before the first tile: shadow maps, slides, environments.
 
-use crate::shadow_fit::fitting_size;
 use texmap_light::{Environment, Light, ShadowBias, ShadowKind, ShadowReader, Slide, SlideView};
 use texmap_math::glam::{DMat3, DMat4, DVec3};
 use texmap_math::{MemoryBudget, Projector, narrow};
+use texmap_scene::shadow_fit::{fitting_size, shadow_bias, shadow_kind};
 
-use crate::effects::{SlideProjector, SlideRole};
 use crate::shade::projector::Projected;
 use crate::shadow::shadow_map_in;
-use crate::shadow_fit::{shadow_bias, shadow_kind};
-use crate::{RenderError, Scene, Settings};
+use crate::{RenderError, Settings};
+use texmap_scene::{Scene, SlideProjector, SlideRole};
 
 /// The effects of a scene, made ready: every map is finished before the first tile.
 #[derive(Debug)]

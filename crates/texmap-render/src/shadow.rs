@@ -5,16 +5,18 @@ mod faces;
 
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
+use texmap_scene::SceneError;
 
 use texmap_light::{Reached, ShadowBias, ShadowBounds, ShadowKind, ShadowMap, StripBounds};
 use texmap_math::{Level, MemoryBudget};
 use texmap_raster::{AlphaTest, DepthTest, Draw, Pass, Prepared, TILE, TargetSize};
 
+use crate::RenderError;
 use crate::ready::reserve_map;
 use crate::shadow_cut::Cuts;
-use crate::{AlphaMode, RenderError, Scene};
 use closed::hidden_sides;
 use faces::views;
+use texmap_scene::{AlphaMode, Scene};
 
 /// Draws a shadow map of `size` x `size` texels (a face): what each light ray meets first, of all opaque and cut-out meshes
 /// without the holes of these; blended ones cast nothing. The same bits for any number of `threads`.
@@ -125,7 +127,7 @@ pub(crate) fn shadow_map_in(
     } else {
         ShadowMap::new(*kind, size, depths)
     };
-    let map = map.map_err(|error| RenderError::Value {
+    let map = map.map_err(|error| SceneError::Value {
         place: "shadow map".to_owned(),
         what: "depths".to_owned(),
         value: error.to_string(),
@@ -137,12 +139,12 @@ pub(crate) fn shadow_map_in(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::shadow_fit::shadow_kind;
-    use crate::{Material, Mesh};
     use texmap_light::Light;
     use texmap_math::camera::Camera;
     use texmap_math::glam::DVec3;
     use texmap_math::wide;
+    use texmap_scene::shadow_fit::shadow_kind;
+    use texmap_scene::{Material, Mesh};
 
     /// A tetrahedron over a large floor.
     pub(super) fn scene(light: Light) -> Scene {
@@ -167,23 +169,18 @@ mod tests {
             ..Mesh::default()
         };
         Scene {
-            camera: Camera {
+            background: [0.0; 4],
+            lights: vec![light],
+            materials: vec![Material::default()],
+            meshes: vec![floor, top],
+            ..Scene::new(Camera {
                 eye: DVec3::new(0.0, 2.0, 5.0),
                 look: DVec3::ZERO,
                 up: DVec3::Y,
                 fov_x: 1.0,
                 near: 1e-4,
                 far: f64::INFINITY,
-            },
-            background: [0.0; 4],
-            color: crate::ColorMode::Srgb,
-            depth_test: DepthTest::Less,
-            lights: vec![light],
-            textures: Vec::new(),
-            materials: vec![Material::default()],
-            meshes: vec![floor, top],
-            warnings: Vec::new(),
-            effects: Default::default(),
+            })
         }
     }
 
@@ -324,7 +321,7 @@ mod tests {
         }
         assert!(matches!(
             shadow_kind(&scene(ambient), 3, None),
-            Err(RenderError::Index { .. })
+            Err(SceneError::Index { .. })
         ));
         let sun = Light::Directional {
             color: [1.0; 3],

@@ -6,7 +6,8 @@ use texmap_raster::{AlphaTest, Fragment, UvBlock};
 use crate::plan::{Cut, cut};
 use crate::shade::coordinates::Coordinates;
 use crate::textures::{Chains, Slot};
-use crate::{AlphaMode, Mesh, RenderError, Scene, Settings};
+use crate::{RenderError, Settings};
+use texmap_scene::{AlphaMode, Mesh, Scene};
 
 /// What the meshes of a scene let through. Those whose coordinates come from a texture frame, which is bound to the camera, let
 /// nothing through.

@@ -6,7 +6,8 @@ use texmap_math::Footprint;
 use texmap_raster::RunValues;
 use texmap_sample::{Origin, Sampler, Texture2d, UvTransform, Wrap};
 
-use crate::{Backdrop, RenderError, Scene, Settings, TextureSlot};
+use crate::{RenderError, Settings};
+use texmap_scene::{Backdrop, Scene, TextureSlot};
 
 /// Mip chains by texture, built once for both passes and only where a sampler reads them.
 pub(crate) struct Chains(pub(crate) Vec<Option<Texture2d<'static>>>);

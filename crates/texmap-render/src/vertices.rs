@@ -9,7 +9,7 @@ use texmap_math::glam::{DMat3, DVec3};
 use texmap_raster::Cull;
 use texmap_sample::Origin;
 
-use crate::{Mesh, Scene};
+use texmap_scene::{Mesh, Scene};
 
 /// A group of attributes.
 #[derive(Clone, Copy, PartialEq)]

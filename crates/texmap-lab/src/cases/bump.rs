@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use texmap_light::{Green, Heights, Slope, clamp_to_horizon, decode_normal, encode_normal};
 use texmap_math::det;
 use texmap_math::glam::{DMat3, DMat4, DVec3};
-use texmap_render::Mesh;
+use texmap_scene::Mesh;
 use texmap_uv::Shape;
 
 use super::Measurement;

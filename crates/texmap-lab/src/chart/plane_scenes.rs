@@ -1,8 +1,8 @@
 //! The scenes of the filtering panel with their truths, for whoever draws them.
 
 use texmap_math::camera::Camera;
-use texmap_render::{ColorMode, Material, Mesh, Scene, Shading, TextureRole, TextureSlot};
 use texmap_sample::{ColorSpace, Origin, Sampler, Texture2d, UvTransform};
+use texmap_scene::{ColorMode, Material, Mesh, Scene, Shading, TextureRole, TextureSlot};
 
 use super::Error;
 use crate::LabError;
@@ -150,11 +150,7 @@ pub fn decal_scene(
     sampler: Sampler,
 ) -> Scene {
     Scene {
-        camera,
-        background: [0.0, 0.0, 0.0, 1.0],
         color: ColorMode::Raw,
-        depth_test: Default::default(),
-        lights: Vec::new(),
         textures: vec![texture.with_mips()],
         materials: vec![Material {
             base_color: Some(TextureSlot {
@@ -167,8 +163,7 @@ pub fn decal_scene(
             ..Material::default()
         }],
         meshes: vec![mesh],
-        effects: Default::default(),
-        warnings: Vec::new(),
+        ..Scene::new(camera)
     }
 }
 

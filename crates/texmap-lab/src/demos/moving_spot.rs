@@ -1,10 +1,11 @@
 //! A spotlight that moves over a baked room: the resting light stays as it is, and only the spot is baked anew.
 
+use texmap_bake::LightMap;
 use texmap_light::Light;
 use texmap_math::det;
 use texmap_math::glam::DVec3;
-use texmap_render::{LightMap, Mesh, Scene, TextureSlot};
 use texmap_sample::{Filter, Sampler, UvTransform};
+use texmap_scene::{Mesh, Scene, TextureSlot};
 
 use super::lit::{ball, difference, matte};
 use super::relief::{baked, under};

@@ -30,7 +30,7 @@ mod world;
 
 use rayon::prelude::*;
 use texmap_math::glam::{DVec3, DVec4};
-use texmap_render::{ColorMode, Mesh, Scene};
+use texmap_scene::{ColorMode, Mesh, Scene};
 
 use crate::LabError;
 use crate::picture::Picture;
@@ -106,13 +106,13 @@ impl Truth {
 }
 
 /// Computes a frame with `samples` x `samples` samples a pixel, on all threads of rayon's pool; the result does not depend on their
-/// number. Displaced meshes and billboards are taken as the triangles that [`Scene::shaped`] makes of them.
+/// number. Displaced meshes and billboards are taken as the triangles that [`texmap_mesh::tessellate`] makes of them.
 ///
 /// # Errors
 /// When the scene does not pass its own check.
 pub fn frame(scene: &Scene, width: u32, height: u32, samples: u32) -> Result<Truth, LabError> {
     scene.check()?;
-    let scene = &*scene.shaped(width)?;
+    let scene = &*texmap_mesh::tessellate(scene, width)?;
     let samples = samples.max(1);
     let world = World::new(scene, (width, height), samples)?;
     let pixels: Vec<Pixel> = (0..width * height)

@@ -3,14 +3,15 @@
 use texmap_light::{Light, NormalMap};
 use texmap_math::glam::{DMat3, DVec3};
 
-use crate::effects::{LightMapSlot, Relief};
+use crate::Settings;
 use crate::ready::Ready;
 use crate::shade::lighting::MAPS;
 use crate::shade::normal::{NormalDetail, NormalSpace, Rise};
 use crate::shade::procedural::ProceduralBump;
 use crate::textures::{Chains, Slot};
 use crate::vertices::{Values, Vertices};
-use crate::{Material, Mesh, Scene, Settings, TextureSlot};
+use texmap_scene::{LightMapSlot, Relief};
+use texmap_scene::{Material, Mesh, Scene, TextureSlot};
 
 /// The maps of one surface, and the attributes that they read.
 pub(crate) struct SurfaceEffects<'s> {

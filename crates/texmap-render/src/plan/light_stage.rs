@@ -4,7 +4,7 @@ use texmap_light::Light;
 
 use crate::shade::lighting::LightStage;
 use crate::vertices::{Values, Vertices};
-use crate::{Gouraud, Material, Shading};
+use texmap_scene::{Gouraud, Material, Shading};
 
 pub(super) fn light_stage(
     material: &Material,

@@ -19,7 +19,7 @@ use crate::shade::surface::SurfaceShader;
 use crate::shade::unlit::Unlit;
 use crate::shade::volume::VolumeStage;
 use crate::textures::Slot;
-use crate::{AlphaMode, TextureRole};
+use texmap_scene::{AlphaMode, TextureRole};
 
 /// The stages of a draw.
 pub(crate) enum Shader<'a> {

@@ -7,7 +7,7 @@ use texmap_raster::{Cull, DepthTest};
 
 use super::Surface;
 use crate::vertices::VertexData;
-use crate::{AlphaMode, Material, Mesh, Shading, TextureRole, Volume};
+use texmap_scene::{AlphaMode, Material, Mesh, Shading, TextureRole, Volume};
 
 /// The frame in clip space, at no depth.
 static FRAME: LazyLock<Mesh> = LazyLock::new(|| Mesh {

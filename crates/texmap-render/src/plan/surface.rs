@@ -15,10 +15,9 @@ use crate::shade::unlit::UnlitColor;
 use crate::shade::volume::VolumeStage;
 use crate::textures::{Chains, Slot};
 use crate::vertices::{Values, VertexData, Vertices};
-use crate::{
-    AlphaMode, Aov, Gouraud, Material, Mesh, Scene, Settings, Shading, TextureRole, TextureSlot,
-};
+use crate::{Aov, Settings};
 use texmap_math::CameraFrame;
+use texmap_scene::{AlphaMode, Gouraud, Material, Mesh, Scene, Shading, TextureRole, TextureSlot};
 
 /// One mesh, ready for the rasterizer and the stages.
 pub(crate) struct Surface<'s> {

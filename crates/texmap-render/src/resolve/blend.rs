@@ -6,8 +6,8 @@ use texmap_raster::RunBlock;
 
 use super::encode::encode_lanes;
 use super::tile_buffer::{Shaded, TileBuffer, block_mut, load_light};
-use crate::ColorMode;
 use crate::shade::batch::LANES;
+use texmap_scene::ColorMode;
 
 impl TileBuffer {
     /// Blends the blocks of a batch, in order, over what is there, and marks in `covered` the pixels whose alpha is above 0.

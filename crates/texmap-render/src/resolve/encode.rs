@@ -5,8 +5,8 @@ use texmap_math::{Level, dispatch_simd};
 use texmap_raster::{RUN_ROOM, RunBlock};
 
 use super::tile_buffer::{Shaded, TileBuffer, load_light};
-use crate::ColorMode;
 use crate::shade::batch::{LANES, straight};
+use texmap_scene::ColorMode;
 
 /// Premultiplied light to packed straight bytes, red lowest.
 pub(crate) fn encode(mode: ColorMode, light: [f32; 4]) -> u32 {

@@ -8,8 +8,8 @@ use texmap_raster::RunValues;
 use super::batch::{Batch, Colors, columns, load_vector, straight};
 use super::fetch::{PackedTexels, Texels, footprint_at};
 use super::solid::SolidStage;
-use crate::AlphaMode;
 use crate::textures::Slot;
+use texmap_scene::AlphaMode;
 
 /// The base color of a surface.
 pub(crate) struct BaseColor<'a> {

@@ -9,8 +9,8 @@ use super::facing::Side;
 use super::lighting::LightStage;
 use super::normal::Vectors;
 use super::surface::{SurfaceShader, SurfaceTexels};
-use crate::AlphaMode;
 use crate::textures::Slot;
+use texmap_scene::AlphaMode;
 
 /// What the kernel of a surface reads.
 pub(super) struct Inputs<'a> {

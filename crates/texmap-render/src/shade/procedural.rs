@@ -8,7 +8,7 @@ use texmap_math::glam::{DMat4, DVec4};
 use texmap_math::simd::{Isa, prelude::*};
 use texmap_sample::lanes::gradient_noise_lanes;
 
-use crate::Carving;
+use texmap_scene::Carving;
 
 /// A formula of heights, as the stages read it.
 #[derive(Clone, Copy, Debug)]

@@ -7,7 +7,7 @@ use texmap_raster::{Column, RUN_ROOM};
 use texmap_sample::Pattern;
 
 use super::batch::{Batch, Colors, LANES, columns, load_changes, load_vector};
-use crate::{Effects, Solid, SolidField};
+use texmap_scene::{Effects, Solid, SolidField};
 
 /// A solid texture as the stages read it.
 pub(crate) struct SolidStage<'s> {

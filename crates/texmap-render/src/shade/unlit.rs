@@ -10,7 +10,7 @@ use super::batch::{Colors, LANES, straight};
 use super::fetch::places;
 use super::texels::{Pixels, TexelAddresses, packed_view, read_texels};
 use crate::textures::Slot;
-use crate::{AlphaMode, ColorMode, Material, TextureRole};
+use texmap_scene::{AlphaMode, ColorMode, Material, TextureRole};
 
 /// From a texel to the color of an unlit surface.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -6,8 +6,8 @@ use texmap_math::{Level, ViewRays};
 use texmap_sample::{Sampler, Texture2d};
 
 use super::batch::{Batch, Colors};
-use crate::check_effects::fault;
-use crate::{RenderError, Scene, Volume};
+use crate::RenderError;
+use texmap_scene::{Scene, SceneError, Volume};
 
 /// A volume as the stages read it.
 pub(crate) struct VolumeStage<'s> {
@@ -38,7 +38,12 @@ impl<'s> VolumeStage<'s> {
             volume.density,
             volume.step,
         )
-        .map_err(|error| fault(volume.grid, "numbers", error.to_string()))?
+        .map_err(|error| SceneError::Value {
+            place: format!("volume of grid {}", volume.grid),
+            what: "its numbers".to_owned(),
+            value: error.to_string(),
+            expected: "see Scene::check",
+        })?
         .on_level(level);
         let volume_from_world = volume.world_from_volume.inverse();
         Ok(Self {

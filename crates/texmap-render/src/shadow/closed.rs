@@ -3,7 +3,7 @@
 use texmap_light::ShadowKind;
 use texmap_raster::Cull;
 
-use crate::Mesh;
+use texmap_scene::Mesh;
 
 /// Sides of a mesh's faces that a shadow map leaves out: the fronts of a closed mesh hide its backs.
 pub(super) fn hidden_sides(mesh: &Mesh, kind: &ShadowKind) -> Cull {
@@ -30,12 +30,12 @@ pub(super) fn hidden_sides(mesh: &Mesh, kind: &ShadowKind) -> Cull {
 mod tests {
     use super::super::shadow_map;
     use super::super::tests::scene;
-    use crate::shadow_fit::shadow_kind;
     use texmap_math::glam::DVec3;
+    use texmap_scene::shadow_fit::shadow_kind;
 
-    use crate::Scene;
     use texmap_light::{Light, ShadowMap};
     use texmap_math::glam::DMat4;
+    use texmap_scene::Scene;
 
     /// A closed mesh throws the shadow of an open one, mirrored too: texels at its outline may lie deeper, no other. The negative twin has
     /// its fronts inwards.

@@ -4,8 +4,8 @@ use texmap_light::{Chart, ShadowKind};
 use texmap_math::glam::{DMat4, DVec2, DVec3, DVec4};
 use texmap_raster::{DepthStrip, TILE};
 
-use crate::Scene;
-use crate::shadow_fit::world_positions;
+use texmap_scene::Scene;
+use texmap_scene::shadow_fit::world_positions;
 
 /// One face of a map: a view, and the way from its depth buffer to the metric of the map.
 pub(super) struct FaceView {

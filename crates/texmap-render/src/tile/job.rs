@@ -10,7 +10,8 @@ use crate::plan::{Plan, Shader};
 use crate::resolve::copy::fill_rows;
 use crate::resolve::encode::encode;
 use crate::resolve::rows::AovRows;
-use crate::{Aov, ColorMode, Scene, Settings};
+use crate::{Aov, Settings};
+use texmap_scene::{ColorMode, Scene};
 
 /// One pass over the frame.
 pub(crate) struct Job<'a> {

@@ -10,6 +10,7 @@ use texmap_raster::{
     NONE, Prepared, RUN, RUN_ROOM, RunBlock, RunValues, SampleSetup, TileBlocks, TilePlanes,
 };
 
+use crate::Aov;
 use crate::plan::{Plan, Shader};
 use crate::resolve::aov::write_batch;
 use crate::resolve::copy::{put_block_rows, rows_fit};
@@ -20,10 +21,10 @@ use crate::shade::batch::{Batch, Colors, LANES};
 use crate::shade::surface::SurfaceScratch;
 use crate::shade::texels::Pixels;
 use crate::shade::unlit::UnlitScratch;
-use crate::{Aov, ColorMode};
 pub(crate) use fragments::is_whole;
 use fragments::{FragmentList, blended};
 use msaa::{SampleReuse, Strays};
+use texmap_scene::ColorMode;
 
 /// Blocks of a batch.
 const BATCH_BLOCKS: usize = RUN / LANES;

@@ -1,0 +1,186 @@
+//! Light maps: direct light with shadows, baked onto the second uv set of a mesh.
+
+use rayon::prelude::*;
+use texmap_light::{Highlight, ShadowBias, ShadowMap, Surface, terms_received};
+use texmap_math::MemoryBudget;
+use texmap_math::glam::DVec3;
+use texmap_raster::{Atlas, AtlasMesh, AtlasOptions, Coverage, RasterError, TargetSize};
+use texmap_sample::Origin;
+use texmap_scene::SceneError;
+
+use texmap_math::color::luminance;
+
+use texmap_render::RenderError;
+use texmap_scene::Scene;
+
+/// What is baked, and how.
+#[derive(Clone, Debug)]
+pub struct BakeOptions<'a> {
+    /// Texels a side, 1..=16384.
+    pub size: u32,
+    /// Texels by which charts are dilated: 1 for bilinear look-ups, 2^L for mips down to level L.
+    pub gutter: u32,
+    /// Shadow maps, each with the index of its light, its bias and its taps a side.
+    pub shadows: &'a [(usize, ShadowMap, ShadowBias, u32)],
+    /// Lights that count, by index; all of them if `None`.
+    pub lights: Option<&'a [usize]>,
+}
+
+/// A baked map: the light that a white matte surface returns there (`sum La + sum max(0, N.L) Ll`), linear, not clipped.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LightMap {
+    /// Texels a side.
+    pub size: u32,
+    /// Rows top to bottom; black where no chart and no gutter is.
+    pub texels: Vec<[f32; 3]>,
+    /// How each texel came to its value.
+    pub coverage: Vec<Coverage>,
+    /// Faces that own no texel: their light is that of their neighbours in the map.
+    pub lost: Vec<u32>,
+}
+
+/// Bakes the light that reaches a mesh, at the centre of every texel of its light-map coordinates
+/// ([`Mesh::lightmap_uvs`](texmap_scene::Mesh::lightmap_uvs), or `uvs` where it has no second set).
+///
+/// Texels that a face touches without covering their centre are lit at the nearest point of that face, so that no texel in use is
+/// lit off the mesh; then charts are dilated. The same bits for any number of threads.
+///
+/// # Errors
+/// Those of [`Scene::check`]; [`SceneError::Index`] for a mesh that does not exist, [`SceneError::MissingUv`] for one without
+/// coordinates, [`RenderError::Raster`] for a size out of range, [`RenderError::Memory`] for a map beyond the memory budget of the process.
+pub fn bake(
+    scene: &Scene,
+    mesh: usize,
+    options: &BakeOptions<'_>,
+) -> Result<LightMap, RenderError> {
+    scene.check()?;
+    let count = scene.meshes.len();
+    let mesh = scene.meshes.get(mesh).ok_or(SceneError::Index {
+        place: "bake".to_owned(),
+        what: "mesh",
+        index: mesh as u64,
+        count,
+    })?;
+    let uvs = if mesh.lightmap_uvs.is_empty() {
+        &mesh.uvs
+    } else {
+        &mesh.lightmap_uvs
+    };
+    if uvs.is_empty() {
+        return Err(SceneError::MissingUv {
+            mesh: mesh.name.clone(),
+            material: "a light map".to_owned(),
+        }
+        .into());
+    }
+    let refused = |error| match error {
+        RasterError::Memory(refused) => RenderError::Memory(refused),
+        error => RenderError::Raster {
+            mesh: mesh.name.clone(),
+            error,
+        },
+    };
+    let normals: Vec<[f32; 3]> = mesh
+        .world_normals()
+        .iter()
+        .map(|n| n.to_array().map(|c| c as f32))
+        .collect();
+    let positions: Vec<[f32; 3]> = mesh
+        .positions
+        .iter()
+        .map(|p| {
+            let p = DVec3::from(p.map(f64::from));
+            let world = mesh.world_from_object.transform_point3(p);
+            world.to_array().map(|c| c as f32)
+        })
+        .collect();
+    let atlas = Atlas::new(
+        TargetSize::new(options.size, options.size).map_err(refused)?,
+        &AtlasMesh {
+            uvs,
+            positions: &positions,
+            normals: &normals,
+            indices: &mesh.triangles,
+            bottom_up: mesh.uv_origin == Origin::BottomLeft,
+        },
+        AtlasOptions {
+            conservative: true,
+            gutter: options.gutter,
+            threads: rayon::current_num_threads(),
+            memory: MemoryBudget::of_process(),
+        },
+    )
+    .map_err(refused)?;
+    let flat = mesh.triangle_normals();
+    let matte = Surface {
+        color: [1.0; 3],
+        ka: 1.0,
+        kd: 1.0,
+        ks: 0.0,
+        ns: 1.0,
+    };
+    let counts = |light: usize| options.lights.is_none_or(|all| all.contains(&light));
+    let lights: Vec<_> = scene
+        .lights
+        .iter()
+        .enumerate()
+        .filter(|(i, _)| counts(*i))
+        .map(|(i, light)| (i, *light))
+        .collect();
+    let (numbers, lights): (Vec<usize>, Vec<_>) = lights.into_iter().unzip();
+    let eye = scene.camera.eye.to_array().map(|c| c as f32);
+    let width = options.size as usize;
+    let size = options.size;
+    MemoryBudget::of_process().ask(
+        (atlas.face.len() * size_of::<[f32; 3]>()) as u64,
+        format_args!("a light map of {size} x {size} texels"),
+        "take a smaller light map",
+    )?;
+    let mut texels = vec![[0.0; 3]; atlas.face.len()];
+    texels
+        .par_chunks_mut(width)
+        .enumerate()
+        .for_each(|(row, out)| {
+            for (x, texel) in out.iter_mut().enumerate() {
+                let at = row * width + x;
+                if atlas.coverage[at] == Coverage::None {
+                    continue;
+                }
+                let (point, normal) = (atlas.position[at], atlas.normal[at]);
+                let plane = flat[atlas.face[at] as usize];
+                let received = |light: usize| {
+                    let light = numbers[light];
+                    let mut share = 1.0;
+                    for (_, map, bias, taps) in options.shadows.iter().filter(|s| s.0 == light) {
+                        let point = DVec3::from(point.map(f64::from));
+                        share *= map.lit(point, plane, *bias, *taps);
+                    }
+                    [share; 3]
+                };
+                *texel = terms_received(
+                    &matte,
+                    Highlight::Phong,
+                    &lights,
+                    point,
+                    normal,
+                    eye,
+                    received,
+                )
+                .diffuse;
+            }
+        });
+    Ok(LightMap {
+        size: options.size,
+        texels,
+        coverage: atlas.coverage,
+        lost: atlas.lost,
+    })
+}
+
+impl LightMap {
+    /// One channel: the luminance of each texel (Rec. ITU-R BT.709), 0.2126 R + 0.7152 G + 0.0722 B.
+    #[must_use]
+    pub fn luminance(&self) -> Vec<f32> {
+        self.texels.iter().map(|c| luminance(*c)).collect()
+    }
+}

@@ -1,0 +1,244 @@
+//! Lighting effects as data: what a scene says about shadows, projectors and environments, and materials about maps.
+
+use texmap_light::{Environment, Green, ShadowBias, SlideBorder};
+use texmap_math::Projector;
+use texmap_math::glam::{DMat4, DVec3};
+use texmap_sample::{Pattern, Sampler, Texture3d, Wrap};
+
+use crate::TextureSlot;
+
+/// Effects of a whole scene. None costs anything where it is not named.
+#[derive(Clone, Debug, Default)]
+pub struct Effects {
+    /// Names of lights in their order, for [`Scene::light_named`](crate::Scene::light_named); an empty name, or a list that ends
+    /// early, is no name.
+    pub light_names: Vec<String>,
+    /// Lights that throw shadows.
+    pub shadows: Vec<Shadow>,
+    /// Slide projectors.
+    pub projectors: Vec<SlideProjector>,
+    /// Environments and specular maps that materials name by index.
+    pub environments: Vec<Environment>,
+    /// Grids that solid textures and volumes name by index.
+    pub grids: Vec<Texture3d<'static>>,
+    /// Matter between the eye and the surfaces.
+    pub volumes: Vec<Volume>,
+    /// A sky.
+    pub backdrop: Option<Backdrop>,
+}
+
+/// A shadow map for a light. Read by surfaces that are lit per pixel.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Shadow {
+    /// Index into [`Scene::lights`](crate::Scene::lights).
+    pub light: usize,
+    /// Texels a side (of each face, for a point light); `None`: about one texel for each pixel at the middle of the scene, 256 to 4096.
+    pub size: Option<u32>,
+    /// What keeps a surface from shadowing itself; `None`: [`shadow_bias`](crate::shadow_bias).
+    pub bias: Option<ShadowBias>,
+    /// Comparisons a side of the filter, 1 or an odd number up to 15.
+    pub taps: u32,
+    /// For a directional light the square that its map shows, by centre and half a side; `None`: all of the scene. For a point light
+    /// one map in place of six, which looks at the centre and shows half a side there: what lies beyond it is lit.
+    pub area: Option<(DVec3, f64)>,
+}
+
+/// A slide projector: a lamp whose light is a picture, or paint thrown onto surfaces. Read by surfaces that are lit per pixel.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SlideProjector {
+    /// Where it stands and what it covers; made with the aspect of its picture.
+    pub projector: Projector,
+    /// Where it stands: light comes from here.
+    pub position: DVec3,
+    /// Index into [`Scene::textures`](crate::Scene::textures), v = 0 at the top.
+    pub texture: usize,
+    /// How the picture is read; its wrap modes are not.
+    pub sampler: Sampler,
+    /// What lies beyond the picture.
+    pub border: SlideBorder,
+    /// Part of the picture's width and height over which its edge fades, 0..=0.5.
+    pub softness: f32,
+    /// Lamp or paint.
+    pub role: SlideRole,
+    /// Texels a side of the depth map that keeps it from shining through things; `None`: it shines through.
+    pub shadow: Option<u32>,
+}
+
+/// What a slide does to a surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum SlideRole {
+    /// It is light of this linear colour times the picture, from the projector's position: diffuse, with highlights.
+    Light([f32; 3]),
+    /// It covers the base colour of what faces the projector, as alpha says.
+    Paint,
+}
+
+/// Textures for the numbers of a surface; each multiplies what the surface says.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SurfaceMaps {
+    /// Colour of the ambient term.
+    pub ambient: Option<TextureSlot>,
+    /// Colour of the highlight.
+    pub specular: Option<TextureSlot>,
+    /// The exponent of the highlight (red channel).
+    pub exponent: Option<TextureSlot>,
+    /// How much of the environment is mirrored (red channel).
+    pub reflectivity: Option<TextureSlot>,
+}
+
+/// Light that a surface gives off itself. It is added after the light that the surface receives, clipped at white with it, and is
+/// not lit, shadowed or tinted by vertex colours. It lights nothing else. A decal texel that covers the surface covers it too.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Emission {
+    /// Linear light, finite and not negative (raw values under [`ColorMode::Raw`](crate::ColorMode)).
+    pub color: [f32; 3],
+    /// A texture that multiplies the colour, at the coordinates of the mesh: straight colours, black where alpha is 0.
+    pub map: Option<TextureSlot>,
+}
+
+/// What turns the normals of a surface, without moving it.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Relief {
+    /// A height field (red channel), Blinn 1978.
+    Bump {
+        /// The texture.
+        slot: TextureSlot,
+        /// Height of a white texel over a black one, in units of the object; negative turns it inside out.
+        height: f32,
+    },
+    /// The slopes of a height field as colours, red along u and green along v (Blinn 1978): half is level. What a bump map measures
+    /// at every look-up is stored, with no loss at fine detail.
+    Offsets {
+        /// The texture: data, not sRGB.
+        slot: TextureSlot,
+        /// Change of the height over the whole picture where a channel is 1, in units of the object; negative turns it inside out.
+        slope: f32,
+        /// Which way the height rises where green is more than half.
+        green: Green,
+    },
+    /// Heights by a formula of the place in the world.
+    Carved {
+        /// The formula.
+        heights: Carving,
+        /// Where its unit stands in the world; may not be flat.
+        world_from_solid: DMat4,
+        /// Height of 1 over 0, in units of the object; negative turns it inside out.
+        height: f32,
+    },
+    /// Normals as colours.
+    NormalMap {
+        /// The texture: data, not sRGB.
+        slot: TextureSlot,
+        /// Which way the green channel points.
+        green: Green,
+        /// Only red and green are stored.
+        rebuild_z: bool,
+        /// The normals are those of the object, not of its tangent frames.
+        object_space: bool,
+        /// Multiplies x and y before the normal is brought to length 1; 1 is the map as it is.
+        strength: f32,
+    },
+}
+
+impl Relief {
+    /// Its texture, if it has one.
+    #[must_use]
+    pub fn slot(&self) -> Option<&TextureSlot> {
+        match self {
+            Self::Bump { slot, .. } | Self::Offsets { slot, .. } | Self::NormalMap { slot, .. } => {
+                Some(slot)
+            }
+            Self::Carved { .. } => None,
+        }
+    }
+}
+
+/// A height of 0 to 1 as a formula of a place, for [`Relief::Carved`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Carving {
+    /// A pattern in space.
+    Pattern(Pattern),
+    /// Waves in cylindrical space about the y axis: 1/2 + 1/2 cos(around a) cos(2 pi y), a the angle about the axis. A whole number
+    /// around leaves no seam.
+    Waves {
+        /// Waves around, 1 to 65535; those along the axis are one unit long.
+        around: u16,
+        /// How far noise folds the waves, as a share of one.
+        fold: f32,
+    },
+}
+
+/// A light map on the second uv set of the meshes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LightMapSlot {
+    /// The texture: linear light; one channel or three.
+    pub slot: TextureSlot,
+    /// Multiplies the texel: maps of 8 bits can hold more than 1 that way.
+    pub scale: f32,
+    /// Lights that are in the map, by index, and are not computed again; `None`: all of the scene (not its projectors).
+    pub baked: Option<Vec<usize>>,
+}
+
+/// A mirrored environment.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reflection {
+    /// Index into [`Effects::environments`].
+    pub environment: usize,
+    /// Share of the mirrored light that is added, 0..=1.
+    pub reflectivity: f32,
+}
+
+/// A sky. It is drawn over the background colour and under everything else, and leaves no trace in output arrays.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Backdrop {
+    /// The picture is stretched over the whole frame, whatever its shape and wherever the camera looks: an opaque texel
+    /// hides the background colour.
+    Picture(TextureSlot),
+    /// The light of [`Effects::environments`](crate::Effects) in the direction of each pixel.
+    Environment(usize),
+}
+
+/// A box of matter, marched through at every pixel up to the solid surface there; blended over everything else, several in
+/// the order of their list. It throws and takes no shadows, and leaves no trace in output arrays.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Volume {
+    /// Index into [`Effects::grids`].
+    pub grid: usize,
+    /// How the grid is read; its wrap modes are not.
+    pub sampler: Sampler,
+    /// The transfer function: a row of texels along which the grid's first channel is looked up. Its colour shines, its alpha
+    /// is the density. Without one, see [`texmap_sample::Volume`].
+    pub transfer: Option<TextureSlot>,
+    /// Extinction of density 1 per world unit: through a length L of it shows `exp(-density L)` of what is behind.
+    pub density: f32,
+    /// World units between look-ups.
+    pub step: f32,
+    /// Where the grid's unit cube stands: column 0 of the grid at x = 0, row 0 at y = 0, slice 0 at z = 0. Not flat.
+    pub world_from_volume: DMat4,
+}
+
+/// A texture that fills space. Its colour multiplies that of the surface; with a
+/// [`color_ramp`](crate::Material::color_ramp) its first channel is looked up along that.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Solid {
+    /// What it is made of.
+    pub source: SolidSource,
+    /// Where its unit cube (of a grid) or its unit (of a pattern) stands in the world; may not be flat.
+    pub world_from_solid: DMat4,
+}
+
+/// What a solid texture is made of.
+#[derive(Clone, Debug, PartialEq)]
+pub enum SolidSource {
+    /// A grid over the unit cube.
+    Grid {
+        /// Index into [`Effects::grids`].
+        grid: usize,
+        /// Filter and the wrap along x and y.
+        sampler: Sampler,
+        /// The wrap along z.
+        wrap_w: Wrap,
+    },
+    /// A formula; grey without a ramp.
+    Pattern(Pattern),
+}

@@ -1,0 +1,212 @@
+//! Materials: base colour, textures, answer to light.
+
+use texmap_light::{Highlight, Surface};
+use texmap_raster::{Cull, Interp};
+use texmap_sample::{Sampler, UvTransform};
+
+use crate::{Emission, LightMapSlot, Reflection, Relief, Solid, SurfaceMaps};
+
+/// How a surface looks.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Material {
+    /// For messages.
+    pub name: String,
+    /// Base colour (linear light; raw under [`ColorMode::Raw`](crate::ColorMode::Raw)) and its answer to light.
+    pub surface: Surface,
+    /// 0 (clear) to 1; multiplies the alpha of the texture. Read by [`AlphaMode::Test`] and
+    /// [`AlphaMode::Blend`].
+    pub opacity: f32,
+    /// Colour, and alpha if the texture has one.
+    pub base_color: Option<TextureSlot>,
+    /// Opacity from the alpha of a texture, or from its red channel if it has no alpha.
+    pub opacity_map: Option<TextureSlot>,
+    /// The base colour's alpha is an outline: cut at a half, with one pixel of coverage at its edge, however far it is
+    /// magnified (Green 2007, for alpha that falls evenly across the edge). For text and signs.
+    pub crisp: bool,
+    /// A texture that fills space; multiplies the surface colour.
+    pub solid: Option<Solid>,
+    /// A row of texels along which the first channel of `solid`, else of `base_color`, is looked up: its colour takes the
+    /// place of theirs. A dependent look-up.
+    pub color_ramp: Option<TextureSlot>,
+    /// A row of texels along which the diffuse light is looked up by its luminance: bands of cel shading. Highlights stay.
+    pub light_ramp: Option<TextureSlot>,
+    /// A label over the base colour, as its alpha says, under the light. Same coordinates; clamped to a clear border it is
+    /// there once.
+    pub decal: Option<TextureSlot>,
+    /// What the texel does to the surface colour.
+    pub texture_role: TextureRole,
+    /// Where light is computed.
+    pub shading: Shading,
+    /// What alpha does.
+    pub alpha: AlphaMode,
+    /// How texture coordinates run across a triangle.
+    pub interp: Interp,
+    /// Which side of a triangle is not drawn. Drawn back sides are lit from the side that is seen.
+    pub cull: Cull,
+    /// How colours of [`Shading::PerVertex`] and vertex colours run across a triangle.
+    pub gouraud: Gouraud,
+    /// How highlights fall off, per pixel.
+    pub highlight: Highlight,
+    /// Textures for the numbers of `surface`. Read by [`Shading::PerPixel`].
+    pub maps: SurfaceMaps,
+    /// Light of its own, under every [`Shading`].
+    pub emission: Option<Emission>,
+    /// What turns the normal. Read by [`Shading::PerPixel`].
+    pub relief: Option<Relief>,
+    /// Normals that a relief turns away from the eye are brought back to the horizon: without, such pixels are as dark or bright as
+    /// the far side of the relief.
+    pub horizon_clamp: bool,
+    /// Baked light. Read by [`Shading::PerPixel`].
+    pub light_map: Option<LightMapSlot>,
+    /// A mirrored environment. Read by [`Shading::PerPixel`].
+    pub reflection: Option<Reflection>,
+    /// A specular map: index into [`Effects::environments`](crate::Effects::environments) of area lights blurred by the highlight's lobe, looked up along the
+    /// mirrored view, times `ks`; per pixel or per vertex, as the shading is.
+    pub specular_map: Option<usize>,
+}
+
+impl Default for Material {
+    /// The grey default surface, untextured, opaque, two-sided, lit per pixel.
+    fn default() -> Self {
+        Self {
+            name: String::new(),
+            surface: Surface::default(),
+            opacity: 1.0,
+            base_color: None,
+            opacity_map: None,
+            crisp: false,
+            solid: None,
+            color_ramp: None,
+            light_ramp: None,
+            decal: None,
+            texture_role: TextureRole::Modulate,
+            shading: Shading::PerPixel,
+            alpha: AlphaMode::Opaque,
+            interp: Interp::Perspective,
+            cull: Cull::None,
+            gouraud: Gouraud::ScreenLinear,
+            highlight: Highlight::Phong,
+            maps: SurfaceMaps::default(),
+            emission: None,
+            relief: None,
+            horizon_clamp: true,
+            light_map: None,
+            reflection: None,
+            specular_map: None,
+        }
+    }
+}
+
+impl Material {
+    /// Every texture that the material names.
+    pub fn slots(&self) -> impl Iterator<Item = &TextureSlot> {
+        let maps = &self.maps;
+        let relief = self.relief.as_ref().and_then(Relief::slot);
+        self.base_color
+            .iter()
+            .chain(&self.opacity_map)
+            .chain(&self.color_ramp)
+            .chain(&self.light_ramp)
+            .chain(&self.decal)
+            .chain(
+                [
+                    &maps.ambient,
+                    &maps.specular,
+                    &maps.exponent,
+                    &maps.reflectivity,
+                ]
+                .into_iter()
+                .flatten(),
+            )
+            .chain(self.emission.as_ref().and_then(|e| e.map.as_ref()))
+            .chain(relief)
+            .chain(self.light_map.as_ref().map(|map| &map.slot))
+    }
+
+    /// Whether a surface that is lit per pixel reads the first texture coordinates of a mesh beside its base colour.
+    #[must_use]
+    pub fn reads_uv(&self) -> bool {
+        let maps = &self.maps;
+        self.relief.as_ref().is_some_and(|r| r.slot().is_some())
+            || [
+                &maps.ambient,
+                &maps.specular,
+                &maps.exponent,
+                &maps.reflectivity,
+            ]
+            .into_iter()
+            .any(Option::is_some)
+    }
+}
+
+/// A texture and how it is read.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TextureSlot {
+    /// Index into [`Scene::textures`](crate::Scene::textures).
+    pub texture: usize,
+    /// Filter, wrap modes, level of detail.
+    pub sampler: Sampler,
+    /// Applied to the coordinates of the mesh before the look-up.
+    pub transform: UvTransform,
+}
+
+impl TextureSlot {
+    /// The texture of this index in [`Scene::textures`](crate::Scene::textures), by the default sampler and without a transform.
+    #[must_use]
+    pub fn new(texture: usize) -> Self {
+        Self {
+            texture,
+            sampler: Sampler::default(),
+            transform: UvTransform::default(),
+        }
+    }
+}
+
+/// What a texel does to the surface colour.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum TextureRole {
+    /// The texel is copied and ignores the lights: the MIT `tf` face. Where an opaque material's texel is
+    /// (partly) transparent, the lit surface shows through, as around a label.
+    Decal,
+    /// The texel multiplies the surface colour (and the vertex colour), then light is applied. A white
+    /// surface makes it a replacement.
+    #[default]
+    Modulate,
+}
+
+/// Where light is computed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Shading {
+    /// No light: the base colour is the colour.
+    Unlit,
+    /// At the vertices, interpolated across the triangle (Gouraud).
+    PerVertex,
+    /// At every pixel, from the interpolated position and normal.
+    #[default]
+    PerPixel,
+}
+
+/// How colours run across a triangle.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Gouraud {
+    /// Linear on the screen: what the lecture's rasterizer does, with its seams at T-joints.
+    #[default]
+    ScreenLinear,
+    /// Linear on the surface.
+    Perspective,
+}
+
+/// What alpha does.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum AlphaMode {
+    /// Nothing: every covered pixel is opaque. The colour that a texture hides under alpha 0 is lost
+    /// (texels are premultiplied) and drawn black.
+    #[default]
+    Opaque,
+    /// A pixel is drawn, and its depth written, only where alpha reaches the threshold (`alpha >= t`).
+    /// `Test(0.0)` is the rule of the filter: `alpha > 0` for nearest (the lecture's test), `alpha >= 0.5`
+    /// for filtered alpha.
+    Test(f32),
+    /// Composed over what stands behind, in submission order; writes no depth.
+    Blend,
+}
