@@ -94,7 +94,7 @@ impl<'s> Plan<'s> {
             let stage =
                 VolumeStage::new(volume, scene, transfer, rays, level, to_view, projection)?;
             surfaces.push(Surface {
-                space: Some(Box::new(Space::Volume(stage))),
+                space: Some(Space::Volume(Box::new(stage))),
                 ..far_sides(volume, view.clip_from_world)
             });
         }
@@ -160,7 +160,7 @@ fn sky<'s>(
             let environment = &scene.effects.environments[*index];
             let rays = ViewRays::new(view.half, view.size);
             let stage = SkyStage::new(environment, &rays, view.view_from_world);
-            surface.space = Some(Box::new(Space::Sky(stage)));
+            surface.space = Some(Space::Sky(stage));
             surface.shaded = 0;
         }
     }

@@ -23,7 +23,7 @@ use texmap_scene::{AlphaMode, TextureRole};
 
 /// The stages of a draw.
 pub(crate) enum Shader<'a> {
-    Unlit(Unlit<'a>),
+    Unlit(Box<Unlit<'a>>),
     Surface(Box<SurfaceShader<'a>>),
     Sky(&'a SkyStage<'a>),
     Volume(&'a VolumeStage<'a>),
@@ -31,11 +31,12 @@ pub(crate) enum Shader<'a> {
 
 impl<'a> Shader<'a> {
     pub(crate) fn new(plan: &'a Plan<'a>, surface: &'a Surface<'a>) -> Self {
-        match (surface.space.as_deref(), surface.unlit) {
+        match (&surface.space, surface.unlit) {
             (Some(Space::Sky(stage)), _) => Self::Sky(stage),
             (Some(Space::Volume(stage)), _) => Self::Volume(stage),
             (None, Some(color)) => {
-                Self::Unlit(Unlit::new(plan.level, color, surface.base_color.as_ref()))
+                let slot = surface.base_color.as_ref();
+                Self::Unlit(Box::new(Unlit::new(plan.level, color, slot)))
             }
             (None, None) => Self::Surface(Box::new(surface_shader(plan, surface))),
         }

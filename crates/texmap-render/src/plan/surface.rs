@@ -32,7 +32,7 @@ pub(crate) struct Surface<'s> {
     /// Emitted light (raw values in raw mode) and the map that multiplies it, where the surface shows.
     pub(crate) emission: Option<([f32; 3], Option<Slot<'s>>)>,
     /// The only stage of what is no surface.
-    pub(crate) space: Option<Box<Space<'s>>>,
+    pub(crate) space: Option<Space<'s>>,
     pub(crate) uv: Coordinates,
     pub(crate) light: LightStage,
     /// What a surface lit per pixel is under beside plain lights.
@@ -61,7 +61,7 @@ pub(crate) struct Surface<'s> {
 /// What is seen along a ray rather than on a surface.
 pub(crate) enum Space<'s> {
     Sky(SkyStage<'s>),
-    Volume(VolumeStage<'s>),
+    Volume(Box<VolumeStage<'s>>),
 }
 
 impl<'s> Surface<'s> {

@@ -175,3 +175,186 @@ pub(crate) struct PairScratch {
     values: RunValues,
     addresses: TexelAddresses,
 }
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+    use crate::Settings;
+    use crate::textures::Chains;
+    use texmap_math::camera::Camera;
+    use texmap_math::glam::{DMat4, DVec3, DVec4};
+    use texmap_math::simd::Scalar;
+    use texmap_raster::{Draw, NONE, NoAlphaTest, Prepared, RUN, TargetSize};
+    use texmap_sample::{
+        ColorSpace, Filter, Origin, Precision, Sampler, Texture2d, UvTransform, Wrap,
+    };
+    use texmap_scene::{Scene, TextureSlot};
+
+    pub(in crate::shade) fn noise(width: u32, height: u32) -> Texture2d<'static> {
+        bordered(width, height, 0)
+    }
+
+    /// Within a black border.
+    pub(in crate::shade) fn bordered(width: u32, height: u32, border: u32) -> Texture2d<'static> {
+        let mut seed = width * 31 + height;
+        let within = |i: u32, n: u32| (border..n - border).contains(&i);
+        let texels: Vec<u8> = (0..width * height)
+            .flat_map(|i| {
+                seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                let [_, r, g, b] = seed.to_le_bytes();
+                match within(i % width, width) && within(i / width, height) {
+                    true => [r, g, b, 255],
+                    false => [0, 0, 0, 255],
+                }
+            })
+            .collect();
+        let texture =
+            Texture2d::from_rgba8(width, height, texels, ColorSpace::Linear, Origin::TopLeft);
+        texture.unwrap().with_mips()
+    }
+
+    pub(in crate::shade) fn sampler(filter: Filter, wrap: Wrap) -> Sampler {
+        Sampler {
+            filter,
+            wrap_u: wrap,
+            precision: Precision::Fast,
+            ..Sampler::default()
+        }
+    }
+
+    /// The bits of the color of a pixel.
+    pub(in crate::shade) fn bits(texels: &PackedTexels, at: usize) -> [u32; 3] {
+        let [r, g, b, _] = texels.load(Scalar, at);
+        [r, g, b].map(f32::to_bits)
+    }
+
+    fn scene(textures: Vec<Texture2d<'static>>) -> Scene {
+        Scene {
+            textures,
+            ..Scene::new(Camera {
+                eye: DVec3::Z,
+                look: DVec3::ZERO,
+                up: DVec3::Y,
+                fov_x: 1.0,
+                near: 0.1,
+                far: 10.0,
+            })
+        }
+    }
+
+    /// Packed words are the texels that [`sample_columns`] gives, for each filter, wrap, origin and pair of sizes, with mips that both
+    /// textures share and mips of their own, in perspective and over the edge of two triangles.
+    #[test]
+    fn packed_words_are_the_texels_of_the_general_fetches() {
+        let level = Level::new();
+        let scene = scene(vec![noise(64, 64), noise(64, 64), noise(16, 32)]);
+        let corners = [[-1.3, -1.3], [1.3, -1.3], [1.3, 1.3], [-1.3, 1.3]];
+        let draw = Draw {
+            positions: &corners.map(|[x, y]| [x, y, 0.0]),
+            indices: &[[0, 1, 2], [0, 2, 3]],
+            // w is 1 + 0.4 y.
+            clip_from_object: DMat4::from_cols(
+                DVec4::X,
+                DVec4::new(0.0, 1.0, 0.0, 0.4),
+                DVec4::ZERO,
+                DVec4::new(0.0, 0.0, 0.3, 1.0),
+            ),
+            attributes: &[-0.4, 0.2, 3.3, -0.3, 1.1, 2.7, 0.1, 5.9],
+            attribute_count: 2,
+            ..Draw::default()
+        };
+        let size = TargetSize::new(64, 64).unwrap();
+        let prepared = Prepared::with_level(size, &[draw], level, 1).unwrap();
+        let (mut blocks, mut planes) = (TileBlocks::new(), TilePlanes::new());
+        prepared.visible_blocks(0, &NoAlphaTest, &mut blocks);
+        prepared.planes(0, &mut planes);
+        let all = blocks.masks.iter().enumerate();
+        let all = all
+            .filter(|(_, mask)| **mask != 0)
+            .map(|(k, mask)| RunBlock {
+                block: k as u16,
+                mask: *mask,
+                slot: NONE,
+            });
+        let list: Vec<RunBlock> = all.collect();
+        assert!(list.len() > 150, "{}", list.len());
+        let settings = Settings::new(64, 64);
+        let chains = Chains::new(&scene, &settings).unwrap();
+        let (mut shared, mut compared) = (0, 0);
+        for filter in [Filter::Nearest, Filter::Bilinear, Filter::Trilinear] {
+            for wrap in [Wrap::Repeat, Wrap::ClampToEdge, Wrap::MirroredRepeat] {
+                for (second, origin) in [
+                    (1, Origin::TopLeft),
+                    (1, Origin::BottomLeft),
+                    (2, Origin::TopLeft),
+                ] {
+                    let slots = [0, second].map(|texture| TextureSlot {
+                        texture,
+                        sampler: sampler(filter, wrap),
+                        transform: UvTransform::default(),
+                    });
+                    let slots = slots
+                        .each_ref()
+                        .map(|s| Slot::new(s, &scene, &settings, &chains, origin));
+                    let packed = TexturePair::new(level, slots.each_ref().map(Some));
+                    if packed.views.is_none() {
+                        // The level has no packed kernels.
+                        return;
+                    }
+                    let general = TexturePair {
+                        views: None,
+                        ..TexturePair::new(level, slots.each_ref().map(Some))
+                    };
+                    shared += u32::from(packed.same_mips);
+                    let mut scratch = PairScratch::default();
+                    let mut words: [PackedTexels; 2] = Default::default();
+                    let mut floats: [PackedTexels; 2] = Default::default();
+                    for batch in list.chunks(RUN / LANES) {
+                        packed.fetch(level, &planes, &blocks, batch, &mut scratch, &mut words);
+                        general.fetch(level, &planes, &blocks, batch, &mut scratch, &mut floats);
+                        for (words, floats) in words.iter().zip(&floats) {
+                            assert!(words.packed && !floats.packed);
+                            for (k, at) in batch.iter().enumerate() {
+                                for bit in super::super::batch::set_bits(at.mask) {
+                                    let at = k * LANES + bit;
+                                    let (a, b) = (bits(words, at), bits(floats, at));
+                                    assert_eq!(a, b, "{filter:?} {wrap:?} {at}");
+                                    compared += 1;
+                                }
+                            }
+                        }
+                    }
+                }
+            }
+        }
+        assert!(shared > 5 && compared > 100_000, "{shared} {compared}");
+    }
+
+    /// Unpacked bytes are whole numbers over 255 at every width.
+    #[test]
+    fn unpacked_bytes_are_those_of_every_width() {
+        use texmap_math::dispatch_simd;
+        let mut texels = PackedTexels {
+            packed: true,
+            ..PackedTexels::default()
+        };
+        for (k, word) in texels.words.iter_mut().enumerate() {
+            *word = (k as u32).wrapping_mul(0x9e37_79b9);
+        }
+        let mut out = Colors::default();
+        for level in [Level::new(), Level::baseline()] {
+            dispatch_simd!(level, i => load_all(i, &texels, &mut out));
+            for at in 0..RUN {
+                let bytes = texels.words[at].to_le_bytes();
+                assert_eq!(out.get(at), bytes.map(|b| f32::from(b) * (1.0 / 255.0)));
+            }
+        }
+
+        #[inline(always)]
+        fn load_all<I: Isa>(i: I, texels: &PackedTexels, out: &mut Colors) {
+            for at in (0..RUN).step_by(I::LANES) {
+                out.store(i, at, texels.load(i, at));
+            }
+        }
+    }
+}

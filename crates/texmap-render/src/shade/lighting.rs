@@ -192,19 +192,19 @@ impl<'a> Lighting<'a> {
         }
         if let Some((factor, ..)) = self.light_map {
             let light = read.light_map.straight(i, at);
-            for k in 0..3 {
-                sum.diffuse[k] = sum.diffuse[k] + light[k] * factor;
+            for (sum, light) in sum.diffuse.iter_mut().zip(light) {
+                *sum = *sum + light * factor;
             }
         }
         if ALL && self.maps[SPECULAR].is_some() {
             let tint = read.maps[SPECULAR].straight(i, at);
-            for k in 0..3 {
-                sum.highlight[k] = sum.highlight[k] * tint[k];
+            for (sum, tint) in sum.highlight.iter_mut().zip(tint) {
+                *sum = *sum * tint;
             }
         }
         if ALL && self.maps[AMBIENT].is_some() {
-            for k in 0..3 {
-                sum.highlight[k] = sum.highlight[k] + ambient[k];
+            for (sum, ambient) in sum.highlight.iter_mut().zip(ambient) {
+                *sum = *sum + ambient;
             }
         }
         if !reflections.is_empty() {
