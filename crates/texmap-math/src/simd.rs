@@ -29,6 +29,7 @@
 //! assert_eq!(out[8], blend(Scalar, 2.0, 4.0, 0.5));
 //! ```
 
+mod bytes;
 mod dispatch;
 mod isa;
 mod scalar;
@@ -36,6 +37,7 @@ mod wide;
 
 pub use crate::lanes::Words;
 pub use fearless_simd::Level;
+pub use bytes::{ByteHalves, ByteIsa};
 pub use isa::{Compare, F32s, Float, I32s, Int, Isa, Mask, Number, Select, U32s};
 pub use scalar::{One, Scalar};
 pub use wide::{Pair, X4, X16};

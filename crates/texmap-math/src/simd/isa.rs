@@ -91,6 +91,9 @@ pub trait F32s<I: Isa>: Float<f32, I::Mask> {
     fn clamp(self, low: Self, high: Self) -> Self {
         self.above(low).below(high)
     }
+
+    /// The nearest whole number at most `self`.
+    fn floor(self) -> Self;
 }
 
 /// Lanes of i32 or u32 (`C`); arithmetic wraps.
@@ -114,7 +117,7 @@ pub trait Int<C, M: Mask>:
 }
 
 /// Lanes of i32.
-pub trait I32s<I: Isa>: Int<i32, I::Mask> + Neg<Output = Self> {
+pub trait I32s<I: Isa>: Int<i32, I::Mask> + Neg<Output = Self> + Shr<Output = Self> {
     /// To the nearest f32, ties to even.
     fn to_f32(self) -> I::F32;
     /// The same bits.
@@ -223,4 +226,7 @@ pub trait Isa: Copy + core::fmt::Debug + Send + Sync + 'static {
         }
         self.load_f32(&lanes)
     }
+
+    /// The first lane.
+    fn first(self, x: Self::I32) -> i32;
 }
