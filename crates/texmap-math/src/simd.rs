@@ -36,8 +36,8 @@ mod scalar;
 mod wide;
 
 pub use crate::lanes::Words;
-pub use fearless_simd::Level;
 pub use bytes::{ByteHalves, ByteIsa};
+pub use fearless_simd::Level;
 pub use isa::{Compare, F32s, Float, I32s, Int, Isa, Mask, Number, Select, U32s};
 pub use scalar::{One, Scalar};
 pub use wide::{Pair, X4, X16};

@@ -1,3 +1,4 @@
+#[path = "cube/kernel.rs"]
 mod lanes;
 
 pub use lanes::{Directions, sample_cube_columns};

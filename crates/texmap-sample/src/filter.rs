@@ -1,6 +1,7 @@
 //! The filters in f32, one sample at a time. The lanes repeat these operations in the same order.
 
 pub(crate) mod anisotropic;
+#[path = "filter/bicubic.rs"]
 pub(crate) mod cubic;
 pub(crate) mod ewa;
 

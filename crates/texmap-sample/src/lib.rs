@@ -62,7 +62,9 @@ mod encoded;
 mod error;
 mod filter;
 #[doc(hidden)]
+#[path = "bound_texture.rs"]
 pub mod lanes;
+#[path = "address/lod.rs"]
 mod lod;
 mod march;
 mod mip;
@@ -70,12 +72,14 @@ mod pattern;
 pub mod reference;
 mod resample;
 mod sampler;
+#[path = "batch.rs"]
 mod slice;
 mod summed_area;
 mod texels;
 mod texture;
 mod transform;
 mod volume;
+#[path = "address/wrap.rs"]
 mod wrap;
 
 pub use atlas::AtlasRect;

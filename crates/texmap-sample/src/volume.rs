@@ -1,5 +1,6 @@
 //! One- and three-dimensional textures.
 
+#[path = "volume/kernel.rs"]
 mod lanes;
 
 pub(crate) use lanes::VolumeView;

@@ -107,7 +107,12 @@ macro_rules! wide {
                 }
             }
             #[inline(always)]
-            fn add_bytes(self, sum: Self::Bytes, bytes: Self::Bytes, mask: Self::Mask) -> Self::Bytes {
+            fn add_bytes(
+                self,
+                sum: Self::Bytes,
+                bytes: Self::Bytes,
+                mask: Self::Mask,
+            ) -> Self::Bytes {
                 let ones = $i32::splat(self.0, -1);
                 let mask: $u16<S> = Select::select(mask, ones, $i32::splat(self.0, 0)).bitcast();
                 ByteHalves {

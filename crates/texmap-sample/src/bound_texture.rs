@@ -34,11 +34,17 @@
 //! # Ok::<(), texmap_sample::SampleError>(())
 //! ```
 
+#[path = "lanes/apart.rs"]
 mod apart;
+#[path = "address/texel.rs"]
 mod at;
+#[path = "lanes/axis.rs"]
 mod axis;
+#[path = "fetch.rs"]
 pub mod float;
+#[path = "filter/gl.rs"]
 pub mod gl;
+#[path = "rgba8.rs"]
 pub mod packed;
 
 pub use crate::pattern::gradient_noise_lanes;
