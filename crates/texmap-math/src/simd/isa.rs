@@ -31,7 +31,12 @@ pub trait Select<T> {
 
 /// One truth value for each lane.
 pub trait Mask:
-    Copy + BitAnd<Output = Self> + BitOr<Output = Self> + BitXor<Output = Self> + Not<Output = Self>
+    Copy
+    + core::fmt::Debug
+    + BitAnd<Output = Self>
+    + BitOr<Output = Self>
+    + BitXor<Output = Self>
+    + Not<Output = Self>
 {
     /// True if any lane is.
     fn any_true(self) -> bool;
@@ -44,6 +49,7 @@ pub trait Mask:
 /// Arithmetic that floats and integers share, with lanes or a constant on the right.
 pub trait Number<C>:
     Copy
+    + core::fmt::Debug
     + Add<Output = Self>
     + Add<C, Output = Self>
     + Sub<Output = Self>
