@@ -1,20 +1,19 @@
-//! Batches: check once, dispatch once, sixteen at a time.
+//! Batches of look-ups: checked once, dispatched once.
 
 use crate::{
+    address::lod::TexelFootprint,
+    bound_texture::{RGBA8, View},
     error::SampleError,
-    filter::{self, cubic, ewa, gl_of},
-    lanes::{
-        APART, Kind, RGBA8, RGBA8_EXACT, RGBA16, View, float, gl,
-        packed::{self, FootprintLanes},
-    },
+    fetch::Color,
+    filter::{ByteKernel, Kernel, LookUp, Run, Single, run},
+    rgba8,
     sampler::Sampler,
     texture::Texture2d,
 };
 use texmap_math::{
-    Level, color,
-    fearless_simd::{f32x4, f32x16, i32x16, prelude::*},
+    Level, color, dispatch_simd,
     footprint::Footprint,
-    lanes::{load_tail, store_tail},
+    simd::{ByteIsa, Isa, prelude::*},
 };
 
 /// Samples many places at once; dispatches to the SIMD level once. Results equal
@@ -48,32 +47,15 @@ pub fn sample_slice(
     grads: Option<&[Footprint]>,
     out: &mut [[f32; 4]],
 ) -> Result<(), SampleError> {
-    check("v", u.len(), v.len())?;
     check("out", u.len(), out.len())?;
-    if let Some(grads) = grads {
-        check("grads", u.len(), grads.len())?;
-    }
-    let lanes = View::new(sampler, t).is_some_and(|view| {
-        Batch {
-            sampler,
-            view: &view,
-            u,
-            v,
-            grads: grads.map_or(Grads::None, Grads::Each),
+    let mut colors = [[0.0; PART]; 4];
+    in_parts(sampler, t, [u, v], grads, |first, batch| {
+        let count = batch.u.len();
+        batch.columns(level, colors.each_mut().map(|c| &mut c[..count]));
+        for (k, out) in out[first..first + count].iter_mut().enumerate() {
+            *out = colors.each_ref().map(|c| c[k]);
         }
-        .run(level, Out::Float(out))
-    });
-    if lanes {
-        return Ok(());
-    }
-    for (i, out) in out.iter_mut().enumerate() {
-        let uv = [u[i], v[i]];
-        *out = match grads {
-            Some(grads) => filter::sample_grad(sampler, &t.chain, uv, grads[i]),
-            None => sampler.sample(t, uv),
-        };
-    }
-    Ok(())
+    })
 }
 
 /// As [`sample_slice`] for [`Precision::Fast`](crate::Precision::Fast) on 8-bit textures (linear,
@@ -91,30 +73,39 @@ pub fn sample_rgba8_slice(
     grads: Option<&[Footprint]>,
     out: &mut [u32],
 ) -> Result<(), SampleError> {
-    check("v", u.len(), v.len())?;
     check("out", u.len(), out.len())?;
+    in_parts(sampler, t, [u, v], grads, |first, batch| {
+        batch.words(level, &mut out[first..first + batch.u.len()]);
+    })
+}
+
+/// Calls `run` with the first index and the batch of each part.
+fn in_parts(
+    sampler: &Sampler,
+    t: &Texture2d<'_>,
+    [u, v]: [&[f32]; 2],
+    grads: Option<&[Footprint]>,
+    mut run: impl FnMut(usize, &Batch<'_>),
+) -> Result<(), SampleError> {
+    check("v", u.len(), v.len())?;
     if let Some(grads) = grads {
         check("grads", u.len(), grads.len())?;
     }
-    let lanes = View::new(sampler, t).is_some_and(|view| {
-        Batch {
-            sampler,
-            view: &view,
-            u,
-            v,
-            grads: grads.map_or(Grads::None, Grads::Each),
+    let Some(view) = View::new(sampler, t) else {
+        return Ok(());
+    };
+    let mut columns = [[0.0; PART]; 4];
+    for (i, (u, v)) in u.chunks(PART).zip(v.chunks(PART)).enumerate() {
+        let first = i * PART;
+        for (k, d) in grads
+            .iter()
+            .flat_map(|g| g[first..][..u.len()].iter().enumerate())
+        {
+            let parts = [d.du_dx, d.dv_dx, d.du_dy, d.dv_dy];
+            columns.iter_mut().zip(parts).for_each(|(c, d)| c[k] = d);
         }
-        .run(level, Out::Rgba8(out))
-    });
-    if !lanes {
-        for (i, out) in out.iter_mut().enumerate() {
-            let uv = [u[i], v[i]];
-            let c = match grads {
-                Some(grads) => sampler.sample_grad(t, uv, grads[i]),
-                None => sampler.sample(t, uv),
-            };
-            *out = u32::from_le_bytes(c.map(color::unit_to_u8));
-        }
+        let gradients = grads.map(|_| columns.each_ref().map(|c| &c[..u.len()]));
+        run(first, &Batch::new(sampler, &view, u, v, gradients));
     }
     Ok(())
 }
@@ -139,32 +130,6 @@ impl Places<'_> {
         }
         Ok(())
     }
-
-    fn sample(&self, sampler: &Sampler, t: &Texture2d<'_>, i: usize) -> [f32; 4] {
-        let uv = [self.u[i], self.v[i]];
-        match self.gradients {
-            Some([ux, vx, uy, vy]) => {
-                let d = Footprint {
-                    du_dx: ux[i],
-                    dv_dx: vx[i],
-                    du_dy: uy[i],
-                    dv_dy: vy[i],
-                };
-                sampler.sample_grad(t, uv, d)
-            }
-            None => sampler.sample(t, uv),
-        }
-    }
-
-    fn batch<'b>(&'b self, sampler: &'b Sampler, view: &'b View<'b>) -> Batch<'b> {
-        Batch {
-            sampler,
-            view,
-            u: self.u,
-            v: self.v,
-            grads: self.gradients.map_or(Grads::None, Grads::Columns),
-        }
-    }
 }
 
 /// [`sample_slice`] over columns: red, green, blue and alpha each go to a slice of their own.
@@ -176,21 +141,13 @@ pub fn sample_columns(
     sampler: &Sampler,
     t: &Texture2d<'_>,
     at: &Places<'_>,
-    mut out: [&mut [f32]; 4],
+    out: [&mut [f32]; 4],
 ) -> Result<(), SampleError> {
     for column in &out {
         at.check(column.len())?;
     }
-    let lanes = View::new(sampler, t).is_some_and(|view| {
-        let out = out.each_mut().map(|c| &mut **c);
-        at.batch(sampler, &view).run(level, Out::Columns(out))
-    });
-    if !lanes {
-        for i in 0..at.u.len() {
-            for (out, c) in out.iter_mut().zip(at.sample(sampler, t, i)) {
-                out[i] = c;
-            }
-        }
+    if let Some(view) = View::new(sampler, t) {
+        Batch::new(sampler, &view, at.u, at.v, at.gradients).columns(level, out);
     }
     Ok(())
 }
@@ -207,39 +164,20 @@ pub fn sample_rgba8_columns(
     out: &mut [u32],
 ) -> Result<(), SampleError> {
     at.check(out.len())?;
-    let lanes = View::new(sampler, t)
-        .is_some_and(|view| at.batch(sampler, &view).run(level, Out::Rgba8(out)));
-    if !lanes {
-        for (i, out) in out.iter_mut().enumerate() {
-            *out = u32::from_le_bytes(at.sample(sampler, t, i).map(color::unit_to_u8));
-        }
+    if let Some(view) = View::new(sampler, t) {
+        Batch::new(sampler, &view, at.u, at.v, at.gradients).words(level, out);
     }
     Ok(())
 }
 
-/// Whether [`sample_rgba8_columns`] gives the very colours of this sampler on this texture: 8-bit weights on 8-bit texels.
+/// True if [`sample_rgba8_columns`] gives the very colours of this sampler on this texture: 8-bit weights on 8-bit texels.
 #[must_use]
 pub fn gives_bytes(sampler: &Sampler, t: &Texture2d<'_>) -> bool {
-    packed::applies(sampler, &t.chain)
+    rgba8::applies(sampler, &t.chain)
 }
 
-/// Places that go through a buffer at a time.
+/// Look-ups that go through a buffer at a time.
 const PART: usize = 256;
-
-/// Where a batch goes.
-pub(crate) enum Out<'a> {
-    Float(&'a mut [[f32; 4]]),
-    Columns([&'a mut [f32]; 4]),
-    Rgba8(&'a mut [u32]),
-}
-
-/// Derivatives of a batch.
-#[derive(Clone, Copy)]
-pub(crate) enum Grads<'a> {
-    None,
-    Each(&'a [Footprint]),
-    Columns([&'a [f32]; 4]),
-}
 
 pub(crate) fn check(what: &'static str, expected: usize, got: usize) -> Result<(), SampleError> {
     if expected == got {
@@ -253,295 +191,256 @@ pub(crate) fn check(what: &'static str, expected: usize, got: usize) -> Result<(
     }
 }
 
-/// Runs `$run` with the vector unit of a level as `$s`; false where there is none (or no optimisation), and the scalar twin
-/// stands in with the same bits.
-/// SSE4.2 runs the SSE2 build, which is as fast (see `benches/results/sample_speed.md`).
-macro_rules! on_lanes {
-    ($level:expr, $s:ident => $run:expr) => {
-        'lanes: {
-            if !texmap_math::LANES {
-                break 'lanes false;
-            }
-            match $level {
-                #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-                Level::Avx512($s) => $run,
-                #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-                Level::Avx2($s) => $run,
-                #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-                level @ (Level::Sse4_2(_) | Level::Sse2(_)) => match level.as_sse2() {
-                    Some($s) => $run,
-                    None => break 'lanes false,
-                },
-                #[cfg(target_arch = "aarch64")]
-                Level::Neon($s) => $run,
-                #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
-                Level::WasmSimd128($s) => $run,
-                _ => break 'lanes false,
-            }
-            true
-        }
-    };
-}
-pub(crate) use on_lanes;
-
-#[derive(Clone, Copy)]
+/// Look-ups in one texture.
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct Batch<'a> {
-    pub(crate) sampler: &'a Sampler,
-    pub(crate) view: &'a View<'a>,
-    pub(crate) u: &'a [f32],
-    pub(crate) v: &'a [f32],
-    pub(crate) grads: Grads<'a>,
+    sampler: &'a Sampler,
+    view: &'a View<'a>,
+    u: &'a [f32],
+    v: &'a [f32],
+    gradients: Option<[&'a [f32]; 4]>,
+    /// The limited level of look-ups without gradients.
+    flat: f32,
 }
 
-impl Batch<'_> {
-    /// False where there is no vector unit.
-    pub(crate) fn run(&self, level: Level, out: Out<'_>) -> bool {
-        on_lanes!(level, s => self.on(s, out))
-    }
-
-    fn on<S: Simd>(&self, s: S, out: Out<'_>) {
-        let packed = self.view.format == RGBA8;
-        match out {
-            Out::Rgba8(out) if packed => self.packed_of::<S>(s, out),
-            Out::Rgba8(out) => {
-                self.colors_of(s, out, |c| u32::from_le_bytes(c.map(color::unit_to_u8)));
-            }
-            Out::Float(out) if packed => {
-                let mut words = [0; PART];
-                for (i, out) in out.chunks_mut(PART).enumerate() {
-                    self.part(i * PART, out.len())
-                        .packed_of::<S>(s, &mut words[..out.len()]);
-                    for (out, word) in out.iter_mut().zip(words) {
-                        *out = packed::unpack(word);
-                    }
-                }
-            }
-            Out::Float(out) => self.colors_of(s, out, |c| c),
-            Out::Columns(mut out) if packed => {
-                let mut words = [0; PART];
-                for start in (0..self.u.len()).step_by(PART) {
-                    let count = PART.min(self.u.len() - start);
-                    self.part(start, count)
-                        .packed_of::<S>(s, &mut words[..count]);
-                    packed::unpack_columns(
-                        s,
-                        &words[..count],
-                        out.each_mut().map(|c| &mut c[start..start + count]),
-                    );
-                }
-            }
-            Out::Columns(out) => self.float_of(s, out),
+impl<'a> Batch<'a> {
+    /// Of columns of one length.
+    pub(crate) fn new(
+        sampler: &'a Sampler,
+        view: &'a View<'a>,
+        u: &'a [f32],
+        v: &'a [f32],
+        gradients: Option<[&'a [f32]; 4]>,
+    ) -> Self {
+        Self {
+            sampler,
+            view,
+            u,
+            v,
+            gradients,
+            flat: sampler.limit_lod(0.0),
         }
     }
 
-    /// The colours of kernels with f32 weights, one `put` after the other.
-    fn colors_of<S: Simd, T>(&self, s: S, out: &mut [T], put: impl Fn([f32; 4]) -> T) {
-        let mut columns = [[0.0; PART]; 4];
-        for (i, out) in out.chunks_mut(PART).enumerate() {
-            let part = self.part(i * PART, out.len());
-            part.float_of(s, columns.each_mut().map(|c| &mut c[..out.len()]));
-            let [r, g, b, a] = &columns;
-            for (i, out) in out.iter_mut().enumerate() {
-                *out = put([r[i], g[i], b[i], a[i]]);
-            }
+    /// Colours into columns of the batch's length.
+    pub(crate) fn columns(&self, level: Level, mut out: [&mut [f32]; 4]) {
+        if self.view.format != RGBA8 {
+            self.run(Columns {
+                batch: self,
+                level,
+                out,
+            });
+            return;
+        }
+        let mut words = [0; PART];
+        for first in (0..self.u.len()).step_by(PART) {
+            let count = PART.min(self.u.len() - first);
+            self.part(first, count).words(level, &mut words[..count]);
+            let out = out.each_mut().map(|c| &mut c[first..first + count]);
+            dispatch_simd!(level, i => unpack_columns(i, &words[..count], out));
         }
     }
 
-    /// `count` places from `start` on.
-    fn part(&self, start: usize, count: usize) -> Self {
-        let range = start..start + count;
+    /// Colours as packed bytes.
+    fn words(&self, level: Level, out: &mut [u32]) {
+        self.run(Words {
+            batch: self,
+            level,
+            out,
+        });
+    }
+
+    fn run<R: Run>(&self, kernel: R) -> R::Out {
+        let View { kind, format, .. } = *self.view;
+        run(kind, format, self.gradients.is_some(), kernel)
+    }
+
+    /// `count` look-ups from `first` on.
+    fn part(&self, first: usize, count: usize) -> Self {
+        let range = first..first + count;
         Self {
             u: &self.u[range.clone()],
             v: &self.v[range.clone()],
-            grads: match self.grads {
-                Grads::None => Grads::None,
-                Grads::Each(each) => Grads::Each(&each[range]),
-                Grads::Columns(columns) => Grads::Columns(columns.map(|c| &c[range.clone()])),
-            },
+            gradients: self.gradients.map(|all| all.map(|c| &c[range.clone()])),
             ..*self
         }
     }
 
-    fn float_of<S: Simd>(&self, s: S, out: [&mut [f32]; 4]) {
-        let rare = !self.view.kind.is_plain() && self.view.kind != Kind::Anisotropic;
-        match self.view.format {
-            RGBA8_EXACT if !rare => self.float_format::<S, RGBA8_EXACT>(s, out),
-            RGBA16 if !rare => self.float_format::<S, RGBA16>(s, out),
-            _ => self.any_format(s, out),
+    /// Look-up `k`.
+    fn single(&self, k: usize) -> Single<'_> {
+        Single {
+            sampler: self.sampler,
+            chain: self.view.chain,
+            uv: [self.u[k], self.v[k]],
+            footprint: self.gradients.map(|d| Footprint {
+                du_dx: d[0][k],
+                dv_dx: d[1][k],
+                du_dy: d[2][k],
+                dv_dy: d[3][k],
+            }),
+            flat: self.flat,
         }
     }
 
+    /// As many as there are lanes, from `first` on.
     #[inline(always)]
-    fn uv<S: Simd>(&self, s: S, i: usize) -> (f32x16<S>, f32x16<S>) {
-        (load_tail(s, &self.u[i..]), load_tail(s, &self.v[i..]))
-    }
-
-    #[inline(always)]
-    fn footprint<S: Simd>(&self, s: S, i: usize) -> Option<FootprintLanes<S>> {
-        let [ux, vx, uy, vy] = match self.grads {
-            Grads::None => return None,
-            Grads::Columns([a, b, c, d]) => [
-                load_tail(s, &a[i..]),
-                load_tail(s, &b[i..]),
-                load_tail(s, &c[i..]),
-                load_tail(s, &d[i..]),
+    fn look_up<I: Isa>(&self, i: I, first: usize) -> LookUp<I> {
+        LookUp {
+            uv: [
+                load_tail(i, &self.u[first..]),
+                load_tail(i, &self.v[first..]),
             ],
-            Grads::Each(each) => sixteen_footprints(s, &each[i..]),
-        };
-        Some(FootprintLanes::new(s, self.view, ux, vx, uy, vy))
-    }
-
-    /// The limited level of look-ups without gradients.
-    fn flat_lod(&self) -> f32 {
-        self.sampler.limit_lod(0.0)
-    }
-
-    fn float_format<S: Simd, const FORMAT: u8>(&self, s: S, mut out: [&mut [f32]; 4]) {
-        s.vectorize(
-            #[inline(always)]
-            || {
-                let view = self.view;
-                let flat = f32x16::splat(s, self.flat_lod());
-                for i in 0..self.u.len().div_ceil(16) {
-                    let (u, v) = self.uv(s, 16 * i);
-                    let d = self.footprint(s, 16 * i);
-                    let c = match (view.kind, d) {
-                        (Kind::Nearest, _) => float::nearest_lanes::<S, FORMAT>(s, view, u, v),
-                        (Kind::Bilinear, _) => float::bilinear_lanes::<S, FORMAT>(s, view, u, v),
-                        (Kind::Anisotropic, Some(d)) => {
-                            float::anisotropic_lanes::<S, FORMAT>(s, view, u, v, &d)
-                        }
-                        (_, d) => {
-                            let lod = match d {
-                                Some(d) => float::lod_lanes(s, view, &d),
-                                None => flat,
-                            };
-                            float::trilinear_lanes::<S, FORMAT>(s, view, u, v, lod)
-                        }
-                    };
-                    store_columns(c, i, &mut out);
-                }
-            },
-        );
-    }
-
-    /// Filters and texels that are rare: in one form for all texels, which takes half as long to compile.
-    fn any_format<S: Simd>(&self, s: S, mut out: [&mut [f32]; 4]) {
-        s.vectorize(
-            #[inline(always)]
-            || {
-                let view = self.view;
-                let flat = f32x16::splat(s, self.flat_lod());
-                for i in 0..self.u.len().div_ceil(16) {
-                    let (u, v) = self.uv(s, 16 * i);
-                    let d = self.footprint(s, 16 * i);
-                    let c = match (view.kind, d) {
-                        (Kind::Bicubic(kernel), _) => cubic::lanes(s, view, kernel, u, v),
-                        (Kind::Anisotropic, Some(d)) => {
-                            float::anisotropic_lanes::<S, APART>(s, view, u, v, &d)
-                        }
-                        (Kind::Ewa, Some(d)) => ewa::lanes(s, view, [u, v], &d),
-                        (_, d) => {
-                            let lod = match d {
-                                Some(d) => float::lod_lanes(s, view, &d),
-                                None => flat,
-                            };
-                            gl::float_lanes(s, view, gl_of(self.sampler.filter), [u, v], lod)
-                        }
-                    };
-                    store_columns(c, i, &mut out);
-                }
-            },
-        );
-    }
-
-    fn packed_of<S: Simd>(&self, s: S, out: &mut [u32]) {
-        s.vectorize(
-            #[inline(always)]
-            || {
-                let view = self.view;
-                let flat = i32x16::splat(s, packed::fixed_lod(self.flat_lod()));
-                for (i, out) in out.chunks_mut(16).enumerate() {
-                    let (u, v) = self.uv(s, 16 * i);
-                    let d = self.footprint(s, 16 * i);
-                    let c = match (view.kind, d) {
-                        (Kind::Nearest, _) => packed::nearest_lanes::<S>(s, view, u, v),
-                        (Kind::Bilinear, _) => packed::bilinear_lanes::<S>(s, view, u, v),
-                        (Kind::Anisotropic, Some(d)) => {
-                            packed::anisotropic_lanes::<S>(s, view, u, v, &d)
-                        }
-                        (kind, d) => {
-                            let lod = match d {
-                                Some(d) => packed::lod_lanes(s, view, &d),
-                                None => flat,
-                            };
-                            if kind == Kind::Gl {
-                                gl::byte_lanes(s, view, gl_of(self.sampler.filter), [u, v], lod)
-                            } else {
-                                packed::trilinear_lanes::<S>(s, view, u, v, lod)
-                            }
-                        }
-                    };
-                    if let Some(full) = out.first_chunk_mut::<16>() {
-                        c.store_slice(full);
-                    } else {
-                        let mut words = [0; 16];
-                        c.store_slice(&mut words);
-                        out.copy_from_slice(&words[..out.len()]);
-                    }
-                }
-            },
-        );
-    }
-}
-
-/// Puts the `i`th sixteen down, or as many as there are.
-#[inline(always)]
-fn store_columns<S: Simd>(c: float::Color<S>, i: usize, out: &mut [&mut [f32]; 4]) {
-    for (k, out) in out.iter_mut().enumerate() {
-        let end = out.len().min(16 * i + 16);
-        store_tail(c[k], &mut out[16 * i..end]);
-    }
-}
-
-/// Components of sixteen footprints, or of those there are.
-#[inline(always)]
-fn sixteen_footprints<S: Simd>(s: S, grads: &[Footprint]) -> [f32x16<S>; 4] {
-    let mut tail = [Footprint::default(); 16];
-    let grads = match grads.first_chunk::<16>() {
-        Some(grads) => grads,
-        None => {
-            tail[..grads.len()].copy_from_slice(grads);
-            &tail
+            footprint: self.gradients.map(
+                #[inline(always)]
+                |[ux, vx, uy, vy]| {
+                    TexelFootprint::new(
+                        i,
+                        self.view,
+                        load_tail(i, &ux[first..]),
+                        load_tail(i, &vx[first..]),
+                        load_tail(i, &uy[first..]),
+                        load_tail(i, &vy[first..]),
+                    )
+                },
+            ),
+            flat: self.flat,
         }
-    };
-    let parts = [
-        four_footprints(s, grads, 0),
-        four_footprints(s, grads, 4),
-        four_footprints(s, grads, 8),
-        four_footprints(s, grads, 12),
-    ];
-    [
-        joined(s, &parts, 0),
-        joined(s, &parts, 1),
-        joined(s, &parts, 2),
-        joined(s, &parts, 3),
-    ]
-}
-
-/// Components of four footprints from the `i`th on.
-#[inline(always)]
-fn four_footprints<S: Simd>(s: S, grads: &[Footprint; 16], i: usize) -> [f32x4<S>; 4] {
-    let mut flat = [0.0; 16];
-    for (flat, d) in flat.as_chunks_mut::<4>().0.iter_mut().zip(&grads[i..]) {
-        *flat = [d.du_dx, d.dv_dx, d.du_dy, d.dv_dy];
     }
-    s.load_four_interleaved_f32x4(&flat)
 }
 
-/// Component `k` of four times four.
+/// A batch into columns.
+struct Columns<'a> {
+    batch: &'a Batch<'a>,
+    level: Level,
+    out: [&'a mut [f32]; 4],
+}
+
+impl Run for Columns<'_> {
+    type Out = ();
+
+    fn color<K: Kernel>(self) {
+        let Self { batch, level, out } = self;
+        dispatch_simd!(level, i => color_columns::<_, K>(i, batch, out));
+    }
+
+    fn bytes<K: ByteKernel>(self) {
+        self.batch.columns(self.level, self.out);
+    }
+}
+
+/// A batch into packed bytes.
+struct Words<'a> {
+    batch: &'a Batch<'a>,
+    level: Level,
+    out: &'a mut [u32],
+}
+
+impl Run for Words<'_> {
+    type Out = ();
+
+    fn color<K: Kernel>(self) {
+        let mut colors = [[0.0; PART]; 4];
+        for (i, out) in self.out.chunks_mut(PART).enumerate() {
+            let count = out.len();
+            let part = self.batch.part(i * PART, count);
+            part.columns(self.level, colors.each_mut().map(|c| &mut c[..count]));
+            for (k, out) in out.iter_mut().enumerate() {
+                let c = colors.each_ref().map(|c| color::unit_to_u8(c[k]));
+                *out = u32::from_le_bytes(c);
+            }
+        }
+    }
+
+    fn bytes<K: ByteKernel>(self) {
+        let Self { batch, level, out } = self;
+        if K::WIDE {
+            dispatch_simd!(level, wide i => byte_words::<_, K>(i, batch, out));
+        } else {
+            dispatch_simd!(level, i => byte_words::<_, K>(i, batch, out));
+        }
+    }
+}
+
+/// A function of its own for each filter, so that they compile side by side.
+#[inline(never)]
+fn color_columns<I: Isa, K: Kernel>(i: I, batch: &Batch<'_>, mut out: [&mut [f32]; 4]) {
+    if const { I::LANES == 1 } {
+        for k in 0..batch.u.len() {
+            let c = batch.single(k).color::<K>();
+            out.iter_mut().zip(c).for_each(|(out, c)| out[k] = c);
+        }
+        return;
+    }
+    i.vectorize(
+        #[inline(always)]
+        || {
+            for first in (0..batch.u.len()).step_by(I::LANES) {
+                let at = batch.look_up(i, first);
+                store_columns(i, K::color(i, batch.view, &at), first, &mut out);
+            }
+        },
+    );
+}
+
+/// See [`color_columns`].
+#[inline(never)]
+fn byte_words<I: ByteIsa, K: ByteKernel>(i: I, batch: &Batch<'_>, out: &mut [u32]) {
+    if const { I::LANES == 1 } {
+        for (k, out) in out.iter_mut().enumerate() {
+            *out = batch.single(k).word::<K>();
+        }
+        return;
+    }
+    i.vectorize(
+        #[inline(always)]
+        || {
+            for (k, out) in out.chunks_mut(I::LANES).enumerate() {
+                let at = batch.look_up(i, k * I::LANES);
+                let c = K::word(i, batch.view, &at);
+                if out.len() == I::LANES {
+                    c.store(out);
+                } else {
+                    let mut words = [0; 16];
+                    c.store(&mut words);
+                    out.copy_from_slice(&words[..out.len()]);
+                }
+            }
+        },
+    );
+}
+
 #[inline(always)]
-fn joined<S: Simd>(s: S, parts: &[[f32x4<S>; 4]; 4], k: usize) -> f32x16<S> {
-    let [a, b, c, d] = parts;
-    s.combine_f32x8(s.combine_f32x4(a[k], b[k]), s.combine_f32x4(c[k], d[k]))
+fn unpack_columns<I: Isa>(i: I, words: &[u32], mut out: [&mut [f32]; 4]) {
+    let mut last = [0; 16];
+    for (k, words) in words.chunks(I::LANES).enumerate() {
+        last[..words.len()].copy_from_slice(words);
+        let c = rgba8::unpack(i, i.load_u32(&last));
+        store_columns(i, c, k * I::LANES, &mut out);
+    }
+}
+
+/// Stores as many as there are lanes from `first` on, or as many as there are.
+#[inline(always)]
+pub(crate) fn store_columns<I: Isa>(_: I, c: Color<I>, first: usize, out: &mut [&mut [f32]; 4]) {
+    for (c, out) in c.iter().zip(out) {
+        let out = &mut out[first..];
+        if out.len() >= I::LANES {
+            c.store(out);
+        } else {
+            let mut lanes = [0.0; 16];
+            c.store(&mut lanes);
+            out.copy_from_slice(&lanes[..out.len()]);
+        }
+    }
+}
+
+/// The first values, or what there is of them, the rest filled with the last.
+#[inline(always)]
+pub(crate) fn load_tail<I: Isa>(i: I, values: &[f32]) -> I::F32 {
+    if values.len() >= I::LANES {
+        return i.load_f32(values);
+    }
+    let mut lanes = [values.last().copied().unwrap_or(0.0); 16];
+    lanes[..values.len()].copy_from_slice(values);
+    i.load_f32(&lanes)
 }

@@ -1,96 +1,108 @@
-//! Where the texels of sixteen look-ups lie.
+//! Addresses of texels in memory.
 
-use super::{
-    ANY, RGBA16, View,
-    axis::{far_index, fraction, index, place},
-};
+use super::wrap::fraction;
+use crate::bound_texture::{ANY, RGBA16, View};
 use texmap_math::{
-    fearless_simd::{f32x16, i32x16, mask32x16, prelude::*, u32x16},
-    lanes::{Words, gather, has_pairs},
+    lanes::Words,
+    simd::{Isa, prelude::*},
 };
 
-/// Where the four texels of a bilinear look-up are.
-pub(crate) enum Corners<S: Simd> {
+/// Addresses of the four texels of a bilinear look-up.
+pub(crate) enum Corners<I: Isa> {
     /// The left ones of both rows: the right ones are the next texels in memory, and reading such pairs is the fast way.
-    Pairs([u32x16<S>; 2]),
+    Pairs([I::U32; 2]),
     /// Upper left, upper right, lower left, lower right.
-    Apart([Place<S>; 4]),
+    Apart([TexelAddress<I>; 4]),
 }
 
-/// The level of each lane.
-#[derive(Clone, Copy)]
-pub(crate) struct At<S: Simd> {
-    offset: i32x16<S>,
-    pub(crate) width: i32x16<S>,
-    pub(crate) height: i32x16<S>,
-    turn: i32x16<S>,
-    pub(crate) units_x: f32x16<S>,
-    units_y: f32x16<S>,
+/// The mip level of each lane.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct LaneLevel<I: Isa> {
+    offset: I::I32,
+    pub(crate) width: I::I32,
+    pub(crate) height: I::I32,
+    /// Last row of a flipped texture, else 0.
+    turn: I::I32,
+    pub(crate) units_x: I::F32,
+    units_y: I::F32,
     /// log2 of the width of a power of two where all lanes share the level.
     shift: Option<u32>,
 }
 
-impl<S: Simd> At<S> {
+impl<I: Isa> LaneLevel<I> {
     #[inline(always)]
-    pub(crate) fn uniform(s: S, view: &View<'_>, level: i32) -> Self {
-        let level = &view.levels[(level & 15) as usize];
+    pub(crate) fn uniform(i: I, view: &View<'_>, level: i32) -> Self {
+        let level = view.level::<I>(level);
         Self {
-            offset: i32x16::splat(s, level.offset),
-            width: i32x16::splat(s, level.width),
-            height: i32x16::splat(s, level.height),
-            turn: i32x16::splat(s, level.turn),
-            units_x: f32x16::splat(s, level.units_x),
-            units_y: f32x16::splat(s, level.units_y),
+            offset: i.i32(level.offset),
+            width: i.i32(level.width),
+            height: i.i32(level.height),
+            turn: i.i32(level.turn),
+            units_x: i.f32(level.units_x),
+            units_y: i.f32(level.units_y),
             shift: Some(level.shift),
         }
     }
 
     #[inline(always)]
-    pub(crate) fn per_lane(s: S, view: &View<'_>, level: i32x16<S>) -> Self {
-        let (zero, one) = (i32x16::splat(s, 0), i32x16::splat(s, 1));
+    fn per_lane(i: I, view: &View<'_>, level: I::I32) -> Self {
         let (w, h) = view.size();
-        let (w, h) = (i32x16::splat(s, w) >> level, i32x16::splat(s, h) >> level);
-        let width = w.simd_gt(one).select(w, one);
-        let height = h.simd_gt(one).select(h, one);
+        let (w, h) = (i.i32(w) >> level, i.i32(h) >> level);
+        let width = w.simd_gt(1).select(w, i.i32(1));
+        let height = h.simd_gt(1).select(h, i.i32(1));
         let offset = match Words::new(&view.offsets) {
-            Some(offsets) => gather(s, offsets, level.bitcast()).bitcast(),
-            None => zero,
+            Some(offsets) => i.gather(offsets, level.to_u32()).to_i32(),
+            None => i.i32(0),
         };
         Self {
             offset,
             width,
             height,
-            turn: if view.flip { height - 1 } else { zero },
-            units_x: width.to_float::<f32x16<S>>() * view.unit,
-            units_y: height.to_float::<f32x16<S>>() * view.unit,
+            turn: if view.flip { height - 1 } else { i.i32(0) },
+            units_x: width.to_f32() * view.unit,
+            units_y: height.to_f32() * view.unit,
             shift: None,
         }
     }
 
     /// The level of each lane, which are often one.
     #[inline(always)]
-    pub(crate) fn of(s: S, view: &View<'_>, level: i32x16<S>) -> Self {
-        if level.simd_eq(i32x16::splat(s, level[0])).all_true() {
-            Self::uniform(s, view, level[0])
+    pub(crate) fn of(i: I, view: &View<'_>, level: I::I32) -> Self {
+        let first = i.first(level);
+        if I::LANES == 1 || level.simd_eq(first).all_true() {
+            Self::uniform(i, view, first)
         } else {
-            Self::per_lane(s, view, level)
+            Self::per_lane(i, view, level)
         }
     }
 
-    /// First word of a texel counted within the level; the texel itself where it is fetched apart.
+    /// [`of`](Self::of) a level from 0 on, and of the next one where there is one.
     #[inline(always)]
-    pub(crate) fn word<const FORMAT: u8>(&self, view: &View<'_>, texel: i32x16<S>) -> u32x16<S> {
+    pub(crate) fn pair(i: I, view: &View<'_>, fine: I::I32) -> [Self; 2] {
+        let first = i.first(fine);
+        if I::LANES == 1 || fine.simd_eq(first).all_true() {
+            let next = if first < view.last { first + 1 } else { first };
+            [Self::uniform(i, view, first), Self::uniform(i, view, next)]
+        } else {
+            let next = (fine + 1).min(i.i32(view.last));
+            [Self::per_lane(i, view, fine), Self::per_lane(i, view, next)]
+        }
+    }
+
+    /// First word of a texel counted within the level; the texel itself where it is fetched one by one.
+    #[inline(always)]
+    pub(crate) fn word<const FORMAT: u8>(&self, view: &View<'_>, texel: I::I32) -> I::U32 {
         let word = match FORMAT {
             RGBA16 => texel << 1,
             ANY => texel << u32::from(view.format == RGBA16),
             _ => texel,
         };
-        (word + self.offset).bitcast()
+        (word + self.offset).to_u32()
     }
 
     /// Texels before a row in memory.
     #[inline(always)]
-    fn row_start(&self, y: i32x16<S>) -> i32x16<S> {
+    fn row_start(&self, y: I::I32) -> I::I32 {
         match self.shift {
             Some(shift) => y << shift,
             None => y * self.width,
@@ -99,57 +111,42 @@ impl<S: Simd> At<S> {
 
     /// The scaled coordinates, whose floor holds a texel (and its fraction, where units are fractions).
     #[inline(always)]
-    pub(crate) fn place(
-        &self,
-        s: S,
-        view: &View<'_>,
-        u: f32x16<S>,
-        v: f32x16<S>,
-    ) -> (f32x16<S>, f32x16<S>) {
-        if !view.masked {
-            return (
-                place(s, view, view.axes[0], u, self.units_x),
-                place(s, view, view.axes[1], v, self.units_y),
-            );
+    pub(crate) fn scale(&self, i: I, view: &View<'_>, [u, v]: [I::F32; 2]) -> [I::F32; 2] {
+        if view.masked {
+            return self.scale_masked(i, view, [u, v]);
         }
-        self.place_masked(s, view, u, v)
+        [
+            view.axes[0].scale(i, u, self.units_x, view.reach),
+            view.axes[1].scale(i, v, self.units_y, view.reach),
+        ]
     }
 
-    /// [`place`](Self::place) where wraps are masks.
+    /// [`scale`](Self::scale) where wraps are masks.
     #[inline(always)]
-    pub(crate) fn place_masked(
-        &self,
-        s: S,
-        view: &View<'_>,
-        u: f32x16<S>,
-        v: f32x16<S>,
-    ) -> (f32x16<S>, f32x16<S>) {
+    pub(crate) fn scale_masked(&self, i: I, view: &View<'_>, [u, v]: [I::F32; 2]) -> [I::F32; 2] {
         let (x, y) = (u * self.units_x, v * self.units_y);
-        let reach = f32x16::splat(s, view.reach);
-        let (in_x, in_y) = (x.abs().simd_lt(reach), y.abs().simd_lt(reach));
+        let (in_x, in_y) = (x.abs().simd_lt(view.reach), y.abs().simd_lt(view.reach));
         if (in_x & in_y).all_true() {
-            return (x, y);
+            return [x, y];
         }
-        (
-            in_x.select(x, fraction(s, u) * self.units_x),
-            in_y.select(y, fraction(s, v) * self.units_y),
-        )
+        [
+            in_x.select(x, fraction(i, u) * self.units_x),
+            in_y.select(y, fraction(i, v) * self.units_y),
+        ]
     }
 
     /// The texel at unwrapped indices.
     #[inline(always)]
     pub(crate) fn texel<const FORMAT: u8>(
         &self,
-        s: S,
+        i: I,
         view: &View<'_>,
-        i: i32x16<S>,
-        j: i32x16<S>,
-    ) -> Place<S> {
+        [x, y]: [I::I32; 2],
+    ) -> TexelAddress<I> {
         if view.masked {
-            return self.texel_masked::<FORMAT>(view, i, j);
+            return self.texel_masked::<FORMAT>(view, [x, y]);
         }
-        let (x, y) = self.wrapped(s, view, i, j);
-        self.general::<FORMAT>(view, x, y)
+        self.wrapped_texel::<FORMAT>(view, self.wrapped(i, view, [x, y]))
     }
 
     /// [`texel`](Self::texel) where wraps are masks.
@@ -157,104 +154,83 @@ impl<S: Simd> At<S> {
     pub(crate) fn texel_masked<const FORMAT: u8>(
         &self,
         view: &View<'_>,
-        i: i32x16<S>,
-        j: i32x16<S>,
-    ) -> Place<S> {
-        let y = (j & (self.height - 1)) ^ self.turn;
-        let x = i & (self.width - 1);
-        Place {
-            word: self.word::<FORMAT>(view, self.row_start(y) + x),
-            sign: x,
-        }
+        [x, y]: [I::I32; 2],
+    ) -> TexelAddress<I> {
+        let y = (y & (self.height - 1)) ^ self.turn;
+        let x = x & (self.width - 1);
+        TexelAddress::new(self.word::<FORMAT>(view, self.row_start(y) + x), x)
     }
 
-    /// The texels at unwrapped indices (i, j), (i + 1, j), (i, j + 1), (i + 1, j + 1).
+    /// The texels at unwrapped indices (x, y), (x + 1, y), (x, y + 1), (x + 1, y + 1).
     #[inline(always)]
     pub(crate) fn corners<const FORMAT: u8>(
         &self,
-        s: S,
+        i: I,
         view: &View<'_>,
-        i: i32x16<S>,
-        j: i32x16<S>,
-    ) -> Corners<S> {
+        [x, y]: [I::I32; 2],
+    ) -> Corners<I> {
         if view.masked {
             let (x_mask, y_mask) = (self.width - 1, self.height - 1);
-            let x0 = i & x_mask;
-            let r0 = self.row_start((j & y_mask) ^ self.turn);
-            let r1 = self.row_start(((j + 1) & y_mask) ^ self.turn);
-            let left = [
-                self.word::<FORMAT>(view, r0 + x0),
-                self.word::<FORMAT>(view, r1 + x0),
+            let x0 = x & x_mask;
+            let rows = [
+                self.row_start((y & y_mask) ^ self.turn),
+                self.row_start(((y + 1) & y_mask) ^ self.turn),
             ];
-            if has_pairs(s) && !x0.simd_eq(x_mask).any_true() {
+            let left = [
+                self.word::<FORMAT>(view, rows[0] + x0),
+                self.word::<FORMAT>(view, rows[1] + x0),
+            ];
+            if i.has_pairs() && !x0.simd_eq(x_mask).any_true() {
                 return Corners::Pairs(left);
             }
-            let x1 = (i + 1) & x_mask;
+            let x1 = (x + 1) & x_mask;
             let right = [
-                self.word::<FORMAT>(view, r0 + x1),
-                self.word::<FORMAT>(view, r1 + x1),
+                self.word::<FORMAT>(view, rows[0] + x1),
+                self.word::<FORMAT>(view, rows[1] + x1),
             ];
             return Corners::Apart([
-                Place {
-                    word: left[0],
-                    sign: x0,
-                },
-                Place {
-                    word: right[0],
-                    sign: x0,
-                },
-                Place {
-                    word: left[1],
-                    sign: x0,
-                },
-                Place {
-                    word: right[1],
-                    sign: x0,
-                },
+                TexelAddress::new(left[0], x0),
+                TexelAddress::new(right[0], x0),
+                TexelAddress::new(left[1], x0),
+                TexelAddress::new(right[1], x0),
             ]);
         }
-        let (x0, y0) = self.wrapped(s, view, i, j);
-        let (x1, y1) = self.wrapped(s, view, i + 1, j + 1);
+        let [x0, y0] = self.wrapped(i, view, [x, y]);
+        let [x1, y1] = self.wrapped(i, view, [x + 1, y + 1]);
         let left = [
-            self.general::<FORMAT>(view, x0, y0),
-            self.general::<FORMAT>(view, x0, y1),
+            self.wrapped_texel::<FORMAT>(view, [x0, y0]),
+            self.wrapped_texel::<FORMAT>(view, [x0, y1]),
         ];
-        if has_pairs(s) && !view.bordered && (x1 - x0).simd_eq(1).all_true() {
+        if i.has_pairs() && !view.bordered && (x1 - x0).simd_eq(1).all_true() {
             return Corners::Pairs([left[0].word, left[1].word]);
         }
         Corners::Apart([
             left[0],
-            self.general::<FORMAT>(view, x1, y0),
+            self.wrapped_texel::<FORMAT>(view, [x1, y0]),
             left[1],
-            self.general::<FORMAT>(view, x1, y1),
+            self.wrapped_texel::<FORMAT>(view, [x1, y1]),
         ])
     }
 
     /// [`wrapped`](Self::wrapped) of a column, however far outside.
     #[inline(always)]
-    pub(crate) fn far_column(&self, s: S, view: &View<'_>, i: i32x16<S>) -> i32x16<S> {
-        far_index(s, view.axes[0], i, self.width)
+    pub(crate) fn far_column(&self, i: I, view: &View<'_>, x: I::I32) -> I::I32 {
+        view.axes[0].far_index(i, x, self.width)
     }
 
     /// [`wrapped`](Self::wrapped) of a row, however far outside.
     #[inline(always)]
-    pub(crate) fn far_row(&self, s: S, view: &View<'_>, j: i32x16<S>) -> i32x16<S> {
-        far_index(s, view.axes[1], j, self.height)
+    pub(crate) fn far_row(&self, i: I, view: &View<'_>, y: I::I32) -> I::I32 {
+        view.axes[1].far_index(i, y, self.height)
     }
 
-    /// Wrapped indices; [`OUTSIDE`](crate::wrap::OUTSIDE) on the border.
+    /// Wrapped indices; [`OUTSIDE`](super::wrap::OUTSIDE) on the border.
     #[inline(always)]
-    pub(crate) fn wrapped(
-        &self,
-        s: S,
-        view: &View<'_>,
-        i: i32x16<S>,
-        j: i32x16<S>,
-    ) -> (i32x16<S>, i32x16<S>) {
-        (
-            index(s, view.axes[0], i, self.width),
-            index(s, view.axes[1], j, self.height),
-        )
+    pub(crate) fn wrapped(&self, i: I, view: &View<'_>, [x, y]: [I::I32; 2]) -> [I::I32; 2] {
+        [
+            view.axes[0].index(i, x, self.width),
+            view.axes[1].index(i, y, self.height),
+        ]
     }
 
     /// The texel at wrapped indices of a volume.
@@ -262,45 +238,45 @@ impl<S: Simd> At<S> {
     pub(crate) fn in_slice<const FORMAT: u8>(
         &self,
         view: &View<'_>,
-        [x, y, z]: [i32x16<S>; 3],
-    ) -> Place<S> {
+        [x, y, z]: [I::I32; 3],
+    ) -> TexelAddress<I> {
         let turned = if view.flip { self.turn - y } else { y };
         let row = z * self.height + turned;
-        Place {
-            word: self.word::<FORMAT>(view, row * self.width + x),
-            sign: x | y | z,
-        }
+        let word = self.word::<FORMAT>(view, row * self.width + x);
+        TexelAddress::new(word, x | y | z)
     }
 
     /// The texel at wrapped indices.
     #[inline(always)]
-    pub(crate) fn general<const FORMAT: u8>(
+    pub(crate) fn wrapped_texel<const FORMAT: u8>(
         &self,
         view: &View<'_>,
-        x: i32x16<S>,
-        y: i32x16<S>,
-    ) -> Place<S> {
+        [x, y]: [I::I32; 2],
+    ) -> TexelAddress<I> {
         let turned = if view.flip { self.turn - y } else { y };
-        Place {
-            word: self.word::<FORMAT>(view, turned * self.width + x),
-            sign: x | y,
-        }
+        let word = self.word::<FORMAT>(view, turned * self.width + x);
+        TexelAddress::new(word, x | y)
     }
 }
 
-/// Where a tap reads.
-#[derive(Clone, Copy)]
-pub(crate) struct Place<S: Simd> {
-    /// First word of the texel; anything where the tap reads the border.
-    pub(crate) word: u32x16<S>,
-    /// Negative where the tap reads the border.
-    sign: i32x16<S>,
+/// Address of a texel, or the border.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct TexelAddress<I: Isa> {
+    /// First word of the texel; anything on the border.
+    pub(crate) word: I::U32,
+    /// Negative on the border.
+    sign: I::I32,
 }
 
-impl<S: Simd> Place<S> {
+impl<I: Isa> TexelAddress<I> {
+    #[inline(always)]
+    fn new(word: I::U32, sign: I::I32) -> Self {
+        Self { word, sign }
+    }
+
     /// Lanes that read the border instead of a texel.
     #[inline(always)]
-    pub(crate) fn outside(&self, s: S) -> mask32x16<S> {
-        self.sign.simd_lt(i32x16::splat(s, 0))
+    pub(crate) fn outside(&self) -> I::Mask {
+        self.sign.simd_lt(0)
     }
 }

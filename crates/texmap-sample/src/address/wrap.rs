@@ -1,4 +1,4 @@
-use texmap_math::float;
+use texmap_math::simd::{Isa, One, Scalar, prelude::*};
 
 /// What happens to coordinates outside `[0, 1)`, per axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -35,6 +35,7 @@ pub(crate) struct Axis {
 
 impl Axis {
     /// `n` is the side of level 0; all levels of a power of two are powers of two.
+    #[inline(always)]
     pub(crate) fn new(wrap: Wrap, n: i32) -> Self {
         Self {
             wrap,
@@ -42,107 +43,134 @@ impl Axis {
         }
     }
 
-    /// [`Axis::index`] of an index and the next.
+    /// The coordinate in `units` of a level, whose floor is a texel for [`index`](Self::index). Unless scaling is exact, the
+    /// range reduction comes before it, so that `u = 65536.25` loses nothing. Scaled coordinates below `reach` are used as they are.
     #[inline(always)]
-    pub(crate) fn pair(self, i: i32, n: i32) -> [i32; 2] {
-        if self.scaled_first {
-            [i & (n - 1), (i + 1) & (n - 1)]
-        } else if i >= 0 && i + 1 < n {
-            // Inside, every wrap leaves an index as it is.
-            [i, i + 1]
-        } else {
-            [self.index(i, n), self.index(i + 1, n)]
-        }
-    }
-
-    /// The coordinate in texels of a level of `n`, whose floor is a texel for [`Axis::index`]. Unless
-    /// scaling is exact, the range reduction comes before it, so that `u = 65536.25` loses nothing.
-    #[inline(always)]
-    pub(crate) fn place(self, u: f32, n: i32) -> f32 {
-        if self.scaled_first {
-            let x = u * n as f32;
-            if x.abs() < REACH {
-                return x;
-            }
-        }
+    pub(crate) fn scale<I: Isa>(self, i: I, u: I::F32, units: I::F32, reach: f32) -> I::F32 {
         match self.wrap {
-            Wrap::Repeat => fraction(u) * n as f32,
-            Wrap::MirroredRepeat => centred(u) * n as f32,
+            Wrap::Repeat if self.scaled_first => {
+                let x = u * units;
+                let inside = x.abs().simd_lt(reach);
+                if inside.all_true() {
+                    return x;
+                }
+                inside.select(x, fraction(i, u) * units)
+            }
+            Wrap::Repeat => fraction(i, u) * units,
+            Wrap::MirroredRepeat => centred(i, u) * units,
             // Wide kernels still reach the image from outside, so the coordinate is only kept small.
             Wrap::ClampToEdge | Wrap::ClampToBorder | Wrap::MirrorClampToEdge => {
-                clamp(u) * n as f32
+                let u = u.simd_eq(u).select(u, i.f32(0.0));
+                let u = u.simd_gt(65.0).select(i.f32(65.0), u);
+                u.simd_gt(-64.0).select(u, i.f32(-64.0)) * units
             }
         }
     }
 
-    /// Texel of an index on an axis of `n` texels; [`OUTSIDE`] a border.
-    pub(crate) fn index(self, i: i32, n: i32) -> i32 {
+    /// Texel of an index that [`scale`](Self::scale) leads to, on an axis of `n` texels; [`OUTSIDE`] a border.
+    #[inline(always)]
+    pub(crate) fn index<I: Isa>(self, i: I, x: I::I32, n: I::I32) -> I::I32 {
         match self.wrap {
-            Wrap::Repeat if self.scaled_first => i & (n - 1),
-            Wrap::Repeat => i.rem_euclid(n),
+            Wrap::Repeat if self.scaled_first => x & (n - 1),
+            // Fractions keep the index within a texel of 0..n.
+            Wrap::Repeat => {
+                let x = x.simd_lt(0).select(x + n, x);
+                x.simd_ge(n).select(x - n, x)
+            }
+            // Two indices beyond -n..n, which cubics reach, come back as well.
             Wrap::MirroredRepeat => {
-                let m = i.rem_euclid(2 * n);
-                if m < n { m } else { 2 * n - 1 - m }
+                let x = mirrored(i, x);
+                let back = n + n - 1 - x;
+                let x = x.simd_lt(back).select(x, back);
+                let x = mirrored(i, x);
+                x.simd_lt(n).select(x, n - 1)
             }
-            Wrap::ClampToEdge => i.clamp(0, n - 1),
+            Wrap::ClampToEdge => {
+                let x = x.simd_gt(0).select(x, i.i32(0));
+                x.simd_lt(n).select(x, n - 1)
+            }
             Wrap::ClampToBorder => {
-                if i < 0 || i >= n {
-                    OUTSIDE
-                } else {
-                    i
-                }
+                let inside = x.simd_lt(n) & x.simd_ge(0);
+                inside.select(x, i.i32(OUTSIDE))
             }
-            Wrap::MirrorClampToEdge => (if i < 0 { -1 - i } else { i }).min(n - 1),
+            Wrap::MirrorClampToEdge => {
+                let x = mirrored(i, x);
+                x.simd_lt(n).select(x, n - 1)
+            }
         }
     }
+
+    /// [`index`](Self::index) of any index, however far outside.
+    #[inline(always)]
+    pub(crate) fn far_index<I: Isa>(self, i: I, x: I::I32, n: I::I32) -> I::I32 {
+        match self.wrap {
+            Wrap::Repeat if !self.scaled_first => remainder::<I>(x, n),
+            Wrap::MirroredRepeat => {
+                let m = remainder::<I>(x, n + n);
+                m.simd_lt(n).select(m, n + n - 1 - m)
+            }
+            _ => self.index(i, x, n),
+        }
+    }
+
+    /// One coordinate in texels.
+    #[inline(always)]
+    pub(crate) fn texels(self, u: f32, n: i32) -> f32 {
+        self.scale(Scalar, u, n as f32, REACH)
+    }
+
+    /// The texel of one coordinate.
+    #[inline(always)]
+    pub(crate) fn nearest(self, u: f32, n: i32) -> i32 {
+        let x = self.texels(u, n).floor_to_i32();
+        self.index(Scalar, x, One(n)).0
+    }
+
+    /// The two texels around one coordinate and the weight of the second.
+    #[inline(always)]
+    pub(crate) fn around(self, u: f32, n: i32) -> ([i32; 2], f32) {
+        let x = self.texels(u, n) - 0.5;
+        let first = x.floor_to_i32();
+        let texels = [first, first + 1].map(|x| self.index(Scalar, x, One(n)).0);
+        (texels, x - first.to_f32())
+    }
+}
+
+/// An index, or its mirror image from 0 on.
+#[inline(always)]
+fn mirrored<I: Isa>(i: I, x: I::I32) -> I::I32 {
+    x.simd_lt(0).select(i.i32(-1) - x, x)
+}
+
+/// `x` modulo `n`, from 0 on. Below 2^17 the quotient in f32 is on the right side of every integer.
+#[inline(always)]
+fn remainder<I: Isa>(x: I::I32, n: I::I32) -> I::I32 {
+    x - n * (x.to_f32() / n.to_f32()).floor_to_i32()
 }
 
 /// `u - floor(u)` in `[0, 1)`; NaN and infinities give 0.
-fn fraction(u: f32) -> f32 {
-    let f = u - float::floor_f32(u);
-    // The negated test also catches NaN.
-    #[allow(
-        clippy::neg_cmp_op_on_partial_ord,
-        reason = "NaN must take the first branch"
-    )]
-    if !(f > 0.0) {
-        0.0
-    } else if f > BELOW_ONE {
-        BELOW_ONE
-    } else {
-        f
-    }
+#[inline(always)]
+pub(crate) fn fraction<I: Isa>(i: I, u: I::F32) -> I::F32 {
+    let u = u.abs().simd_lt(WHOLE).select(u, i.f32(0.0));
+    let f = u - u.floor_to_i32().to_f32();
+    let f = f.simd_gt(0.0).select(f, i.f32(0.0));
+    f.simd_gt(BELOW_ONE).select(i.f32(BELOW_ONE), f)
 }
+
+/// Floats from here on have no fraction, and half of them is at most the next whole number.
+const WHOLE: f32 = 8_388_608.0;
 
 /// `u` less the even number next to it, in `[-1, 1]`: a coordinate of the image (from 0 on) or of its mirror image (below 0). Exact, so
 /// that a mirrored image keeps every bit of the coordinate; NaN and infinities give 0.
-fn centred(u: f32) -> f32 {
+#[inline(always)]
+fn centred<I: Isa>(i: I, u: I::F32) -> I::F32 {
     let half = u * 0.5;
-    let whole = float::floor_f32(half);
     // Beyond 2^24 all numbers are even.
-    if half.abs() < 8_388_608.0 {
-        let nearest = if half - whole >= 0.5 {
-            whole + 1.0
-        } else {
-            whole
-        };
-        u - 2.0 * nearest
-    } else {
-        0.0
-    }
-}
-
-/// To `[-64, 65]`, past the reach of any kernel on any level; NaN gives 0.
-fn clamp(u: f32) -> f32 {
-    if u > 65.0 {
-        65.0
-    } else if u > -64.0 {
-        u
-    } else if u.is_nan() {
-        0.0
-    } else {
-        -64.0
-    }
+    let near = half.abs().simd_lt(WHOLE);
+    let (u, half) = (near.select(u, i.f32(0.0)), near.select(half, i.f32(0.0)));
+    let whole = half.floor_to_i32().to_f32();
+    let upper = (half - whole).simd_ge(0.5);
+    u - upper.select(whole + 1.0, whole) * 2.0
 }
 
 #[cfg(test)]
@@ -155,7 +183,9 @@ mod tests {
         let expect = |wrap, list: [i32; 13]| {
             for (k, want) in list.into_iter().enumerate() {
                 assert_eq!(
-                    Axis::new(wrap, n).index(k as i32 - 6, n),
+                    Axis::new(wrap, n)
+                        .far_index(Scalar, One(k as i32 - 6), One(n))
+                        .0,
                     want,
                     "{wrap:?} {}",
                     k as i32 - 6
@@ -195,16 +225,21 @@ mod tests {
                 f32::NEG_INFINITY,
             ] {
                 for wrap in [Wrap::Repeat, Wrap::MirroredRepeat, Wrap::ClampToEdge] {
-                    let x = Axis::new(wrap, n).place(u, n);
+                    let x = Axis::new(wrap, n).texels(u, n);
                     assert!(x.abs() < REACH, "{u} {wrap:?} -> {x}");
                 }
             }
         }
-        assert_eq!(Axis::new(Wrap::Repeat, 64).place(65536.25 * 64.0, 64), 0.0);
-        assert_eq!(Axis::new(Wrap::Repeat, 63).place(65536.25, 63), 15.75);
-        assert!(Axis::new(Wrap::Repeat, 63).place(-1e-30, 63) < 63.0);
-        let mirrored = Axis::new(Wrap::MirroredRepeat, 63);
-        assert_eq!(mirrored.place(65537.25, 63), -0.75 * 63.0);
-        assert_eq!(mirrored.place(-0.1, 63), -0.1 * 63.0);
+        assert_eq!(Axis::new(Wrap::Repeat, 64).texels(65536.25 * 64.0, 64), 0.0);
+        assert_eq!(Axis::new(Wrap::Repeat, 63).texels(65536.25, 63), 15.75);
+        assert!(Axis::new(Wrap::Repeat, 63).texels(-1e-30, 63) < 63.0);
+        assert_eq!(
+            Axis::new(Wrap::MirroredRepeat, 63).texels(65537.25, 63),
+            -0.75 * 63.0
+        );
+        assert_eq!(
+            Axis::new(Wrap::MirroredRepeat, 63).texels(-0.1, 63),
+            -0.1 * 63.0
+        );
     }
 }

@@ -1,21 +1,19 @@
-//! Cube look-ups sixteen at a time, with the bits of [`Sampler::sample_cube`].
+//! Look-ups in cubes.
 
-use super::{TextureCube, USUAL, on_face};
+use super::{TextureCube, edges::EDGES};
 use crate::{
+    address::texel::LaneLevel,
+    batch::{check, load_tail, store_columns},
+    bound_texture::{ANY, RGBA8_EXACT, View, exact_format},
     error::SampleError,
-    filter::gl_of,
-    lanes::{
-        ANY, At, Kind, RGBA8_EXACT, View, exact_format,
-        float::{Color, Levels, fetch, fetch_two, limit_lanes, mix, mix_four, scaled, select},
-        gl::Reads,
-    },
+    fetch::{Color, fetch, fetch_two, mix, mix_four, scaled, select},
+    filter::{Kind, bilinear::cell, gl::Reads, gl_of, trilinear::LevelPair},
     sampler::{Mip, Sampler, Texel},
-    slice::{check, on_lanes},
 };
 use texmap_math::{
-    Level,
-    fearless_simd::{f32x16, i32x16, mask32x16, prelude::*, u32x16},
-    lanes::{Words, floor_to_i32, gather, load_tail, store_tail},
+    Level, dispatch_simd,
+    lanes::Words,
+    simd::{Isa, Scalar, prelude::*},
 };
 
 /// Directions to look along, each value in a slice of its own.
@@ -50,20 +48,37 @@ pub fn sample_cube_columns(
     for column in &out {
         check("out", at.x.len(), column.len())?;
     }
-    let batch = Batch {
-        sampler,
-        t,
-        at,
-        gl: gl_of(sampler.filter),
-    };
-    let view = View::prepared(sampler, &t.chain, Kind::Gl, exact_format(&t.chain));
-    let lanes = view.is_some_and(|view| on_lanes!(level, s => batch.on(s, &view, &mut out)));
-    if !lanes {
-        for i in 0..at.x.len() {
-            batch.one(i, &mut out);
-        }
+    let format = exact_format(&t.chain);
+    if let Some(view) = View::of_chain(sampler, &t.chain, Kind::Gl, format) {
+        let batch = Batch {
+            level,
+            sampler,
+            t,
+            view: &view,
+            at,
+            out: &mut out,
+        };
+        run(sampler, format, batch);
     }
     Ok(())
+}
+
+/// The colour in one direction.
+#[inline(always)]
+pub(super) fn sample(
+    sampler: &Sampler,
+    t: &TextureCube<'_>,
+    direction: [f32; 3],
+    lod: f32,
+) -> [f32; 4] {
+    let format = exact_format(&t.chain);
+    let single = Single {
+        sampler,
+        t,
+        direction,
+        lod,
+    };
+    run(sampler, format, single)
 }
 
 /// Every look-up reads the same texels of level 0.
@@ -73,138 +88,119 @@ const TRILINEAR: u8 = 1;
 /// Any choice of OpenGL's.
 const GL: u8 = 2;
 
-struct Batch<'a> {
-    sampler: &'a Sampler,
-    t: &'a TextureCube<'a>,
-    at: &'a Directions<'a>,
-    gl: (Texel, Texel, Mip),
+/// Runs a kernel: over a batch, or for one look-up.
+trait Run {
+    type Out;
+    fn run<const FORMAT: u8, const LEVELS: u8>(self) -> Self::Out;
 }
 
-impl Batch<'_> {
-    fn one(&self, i: usize, out: &mut [&mut [f32]; 4]) {
-        let at = self.at;
-        let lod = at.lod.map_or(0.0, |lod| lod[i]);
-        let c = self
-            .sampler
-            .sample_cube(self.t, [at.x[i], at.y[i], at.z[i]], lod);
-        for (out, c) in out.iter_mut().zip(c) {
-            out[i] = c;
-        }
+/// Runs the kernel of a filter on a format.
+#[inline(always)]
+fn run<R: Run>(sampler: &Sampler, format: u8, run: R) -> R::Out {
+    let levels = match gl_of(sampler.filter) {
+        (mag, min, Mip::None) if mag == min => BASE,
+        (Texel::Linear, Texel::Linear, Mip::Linear) => TRILINEAR,
+        _ => GL,
+    };
+    match (format, levels) {
+        (RGBA8_EXACT, BASE) => run.run::<RGBA8_EXACT, BASE>(),
+        (RGBA8_EXACT, TRILINEAR) => run.run::<RGBA8_EXACT, TRILINEAR>(),
+        (_, BASE) => run.run::<ANY, BASE>(),
+        (_, TRILINEAR) => run.run::<ANY, TRILINEAR>(),
+        _ => run.run::<ANY, GL>(),
     }
+}
 
-    fn on<S: Simd>(&self, s: S, view: &View<'_>, out: &mut [&mut [f32]; 4]) {
-        let levels = match self.gl {
-            (mag, min, Mip::None) if mag == min => BASE,
-            (Texel::Linear, Texel::Linear, Mip::Linear) => TRILINEAR,
-            _ => GL,
+struct Single<'a> {
+    sampler: &'a Sampler,
+    t: &'a TextureCube<'a>,
+    direction: [f32; 3],
+    lod: f32,
+}
+
+impl Run for Single<'_> {
+    type Out = [f32; 4];
+
+    #[inline(never)]
+    fn run<const FORMAT: u8, const LEVELS: u8>(self) -> [f32; 4] {
+        let chain = &self.t.chain;
+        let format = match FORMAT {
+            ANY => exact_format(chain),
+            format => format,
         };
-        match (view.format, levels) {
-            (RGBA8_EXACT, BASE) => self.format::<S, RGBA8_EXACT, BASE>(s, view, out),
-            (RGBA8_EXACT, TRILINEAR) => self.format::<S, RGBA8_EXACT, TRILINEAR>(s, view, out),
-            (_, BASE) => self.format::<S, ANY, BASE>(s, view, out),
-            (_, TRILINEAR) => self.format::<S, ANY, TRILINEAR>(s, view, out),
-            _ => self.format::<S, ANY, GL>(s, view, out),
-        }
+        let Some(view) = View::single(self.sampler, chain, Kind::Gl, format) else {
+            return [0.0; 4];
+        };
+        let (place, usual) = FaceVector::new(Scalar, self.direction);
+        let [s, t] = place.coordinates(Scalar, usual);
+        let place = Place {
+            face: place.face,
+            s,
+            t,
+        };
+        place.look::<FORMAT, LEVELS>(Scalar, &view, self.lod)
     }
+}
 
-    fn format<S: Simd, const FORMAT: u8, const LEVELS: u8>(
-        &self,
-        s: S,
-        view: &View<'_>,
-        out: &mut [&mut [f32]; 4],
-    ) {
-        s.vectorize(
-            #[inline(always)]
-            || {
-                let mut places = Places::default();
-                for start in (0..self.at.x.len()).step_by(16 * RUN) {
-                    let end = self.at.x.len().min(start + 16 * RUN);
-                    for (k, first) in (start..end).step_by(16).enumerate() {
-                        let d = [
-                            load_tail(s, &self.at.x[first..end]),
-                            load_tail(s, &self.at.y[first..end]),
-                            load_tail(s, &self.at.z[first..end]),
-                        ];
-                        places.find(s, k, d);
-                    }
-                    for (k, first) in (start..end).step_by(16).enumerate() {
-                        self.look_ups::<S, FORMAT, LEVELS>(s, view, &places, k, first, out);
-                    }
+struct Batch<'a, 'o> {
+    level: Level,
+    sampler: &'a Sampler,
+    t: &'a TextureCube<'a>,
+    view: &'a View<'a>,
+    at: &'a Directions<'a>,
+    out: &'a mut [&'o mut [f32]; 4],
+}
+
+impl Run for Batch<'_, '_> {
+    type Out = ();
+
+    fn run<const FORMAT: u8, const LEVELS: u8>(self) {
+        dispatch_simd!(self.level, i => columns::<_, FORMAT, LEVELS>(i, self));
+    }
+}
+
+#[inline(never)]
+fn columns<I: Isa, const FORMAT: u8, const LEVELS: u8>(i: I, batch: Batch<'_, '_>) {
+    let Batch { view, at, out, .. } = batch;
+    if const { I::LANES == 1 } {
+        for k in 0..at.x.len() {
+            let single = Single {
+                sampler: batch.sampler,
+                t: batch.t,
+                direction: [at.x[k], at.y[k], at.z[k]],
+                lod: at.lod.map_or(0.0, |lod| lod[k]),
+            };
+            let c = single.run::<FORMAT, LEVELS>();
+            out.iter_mut().zip(c).for_each(|(out, c)| out[k] = c);
+        }
+        return;
+    }
+    i.vectorize(
+        #[inline(always)]
+        || {
+            let mut places = Places::default();
+            for start in (0..at.x.len()).step_by(I::LANES * RUN) {
+                let end = at.x.len().min(start + I::LANES * RUN);
+                for (k, first) in (start..end).step_by(I::LANES).enumerate() {
+                    let d = [
+                        load_tail(i, &at.x[first..end]),
+                        load_tail(i, &at.y[first..end]),
+                        load_tail(i, &at.z[first..end]),
+                    ];
+                    places.find(i, k, d);
                 }
-            },
-        );
-    }
-
-    /// The look-ups of block `k` of a run, which is that from entry `first`.
-    #[inline(always)]
-    fn look_ups<S: Simd, const FORMAT: u8, const LEVELS: u8>(
-        &self,
-        s: S,
-        view: &View<'_>,
-        places: &Places,
-        k: usize,
-        first: usize,
-        out: &mut [&mut [f32]; 4],
-    ) {
-        let flat = f32x16::splat(s, 0.0);
-        let place = places.place(s, k);
-        let lod = self.at.lod.map_or(flat, |lod| load_tail(s, &lod[first..]));
-        let (c, corners) = self.look::<S, FORMAT, LEVELS>(s, view, &place, lod);
-        let end = self.at.x.len().min(first + 16);
-        for (k, out) in out.iter_mut().enumerate() {
-            store_tail(c[k], &mut out[first..end]);
-        }
-        let alone = corners.to_bitmask() | places.strange[k];
-        if alone != 0 {
-            for i in (first..end).filter(|i| alone >> (i - first) & 1 == 1) {
-                self.one(i, out);
+                for (k, first) in (start..end).step_by(I::LANES).enumerate() {
+                    let lod = match at.lod {
+                        Some(lod) => load_tail(i, &lod[first..]),
+                        None => i.f32(0.0),
+                    };
+                    let place = places.place(i, k);
+                    let c = place.look::<FORMAT, LEVELS>(i, view, lod);
+                    store_columns(i, c, first, out);
+                }
             }
-        }
-    }
-
-    /// The colours, and the lanes that need the mean at a corner: theirs have no meaning.
-    #[inline(always)]
-    fn look<S: Simd, const FORMAT: u8, const LEVELS: u8>(
-        &self,
-        s: S,
-        view: &View<'_>,
-        place: &Place<S>,
-        lod: f32x16<S>,
-    ) -> (Color<S>, mask32x16<S>) {
-        if LEVELS == BASE {
-            let at = At::uniform(s, view, 0);
-            let (color, corners) = place.read::<FORMAT>(s, view, &at, self.gl.0);
-            return (scaled(color, view), corners);
-        }
-        // NaN reads as 0, as it does for one.
-        let lod = lod.simd_eq(lod).select(lod, f32x16::splat(s, 0.0));
-        let lod = limit_lanes(s, view, lod);
-        if LEVELS == TRILINEAR {
-            let levels = Levels::new(s, view, lod);
-            let (color, corners) = place.bilinear::<FORMAT>(s, view, &levels.fine);
-            if !levels.blends {
-                return (scaled(color, view), corners);
-            }
-            let two = levels.weight.simd_gt(f32x16::splat(s, 0.0));
-            let (next, past) = place.bilinear::<FORMAT>(s, view, &levels.coarse);
-            let blended = select(two, mix(view, color, next, levels.weight), color);
-            return (scaled(blended, view), corners | (past & two));
-        }
-        let mut reads = Reads::new(s, view, self.gl, lod);
-        let mut corners = mask32x16::splat(s, false);
-        let mut color = [f32x16::splat(s, 0.0); 4];
-        loop {
-            if reads.lanes.any_true() {
-                let at = At::of(s, view, reads.level);
-                let (read, past) = place.read::<FORMAT>(s, view, &at, reads.texel);
-                color = reads.onto(view, color, read);
-                corners |= past & reads.lanes;
-            }
-            if !reads.step() {
-                return (scaled(color, view), corners);
-            }
-        }
-    }
+        },
+    );
 }
 
 /// Blocks whose places are found before the first is looked up: a gather waits for its places alone.
@@ -216,213 +212,276 @@ struct Places {
     face: [[i32; 16]; RUN],
     s: [[f32; 16]; RUN],
     t: [[f32; 16]; RUN],
-    /// Bits of the lanes whose direction is zero, tiny, huge or not finite: their place is any on the cube.
-    strange: [u64; RUN],
 }
 
 impl Places {
-    /// Scalar [`cube_face`](super::cube_face) for the sixteen of block `k`.
+    /// The places of block `k`.
     #[inline(always)]
-    fn find<S: Simd>(&mut self, s: S, k: usize, [x, y, z]: [f32x16<S>; 3]) {
-        let (zero, half) = (f32x16::splat(s, 0.0), f32x16::splat(s, 0.5));
+    fn find<I: Isa>(&mut self, i: I, k: usize, direction: [I::F32; 3]) {
+        let (place, usual) = FaceVector::new(i, direction);
+        let [s, t] = place.coordinates(i, usual);
+        place.face.store(&mut self.face[k]);
+        s.store(&mut self.s[k]);
+        t.store(&mut self.t[k]);
+    }
+
+    #[inline(always)]
+    fn place<I: Isa>(&self, i: I, k: usize) -> Place<I> {
+        Place {
+            face: i.load_i32(&self.face[k]),
+            s: i.load_f32(&self.s[k]),
+            t: i.load_f32(&self.t[k]),
+        }
+    }
+}
+
+/// Directions in the axes of their faces.
+pub(super) struct FaceVector<I: Isa> {
+    pub(super) face: I::I32,
+    /// To the right and down: (-z, -y) on +X, (x, z) on +Y, (x, -y) on +Z; mirrored on the other sides as OpenGL has it.
+    pub(super) across: [I::F32; 2],
+    /// Out of the face, above 0.
+    pub(super) major: I::F32,
+}
+
+impl<I: Isa> FaceVector<I> {
+    /// Also the lanes whose reciprocals lose nothing. Zero and what is not finite point out of the middle of +Z.
+    #[inline(always)]
+    pub(super) fn new(i: I, [x, y, z]: [I::F32; 3]) -> (Self, I::Mask) {
         let (ax, ay, az) = (x.abs(), y.abs(), z.abs());
         let [least, most] = USUAL.map(f32::to_bits);
-        let total: u32x16<S> = (ax + ay + az).bitcast();
-        let usual = (total - least).simd_le(most - least);
+        let total = ax + ay + az;
+        let usual = (total.to_bits() - least).simd_le(most - least);
         // Where it is not z, it is y; where not y, x.
         let y_over_x = ay.simd_ge(ax);
         let major = y_over_x.select(y, x);
         let on_z = az.simd_ge(major.abs());
         let major = on_z.select(z, major);
-        let signed = half / major;
-        let scale = signed.abs();
-        // To the right and down: (-z, -y) on x, (x, z) on y, (x, -y) on z, turned round on their negative sides, but for x on y and y.
-        let right = on_z.select(x, y_over_x.select(x, z));
-        let right = right * on_z.select(signed, y_over_x.select(scale, -signed)) + 0.5;
-        let down = on_z.select(y, y_over_x.select(z, y));
-        let down = down * on_z.select(-scale, y_over_x.select(signed, -scale)) + 0.5;
-        let axis = i32x16::splat(s, 0);
-        let axis = on_z.select(axis + 4, y_over_x.select(axis + 2, axis));
-        let negative = (major.bitcast::<u32x16<S>>() >> 31).bitcast::<i32x16<S>>();
-        (axis + negative).store_slice(&mut self.face[k]);
-        usual.select(right, zero).store_slice(&mut self.s[k]);
-        usual.select(down, zero).store_slice(&mut self.t[k]);
-        self.strange[k] = (!usual).to_bitmask();
+        let sign = major.to_bits() & SIGN;
+        let right = on_z.select(x, y_over_x.select(x, z)).to_bits();
+        let right = right ^ on_z.select(sign, y_over_x.select(i.u32(0), sign ^ SIGN));
+        let down = on_z.select(y, y_over_x.select(z, y)).to_bits();
+        let down = down ^ on_z.select(i.u32(SIGN), y_over_x.select(sign, i.u32(SIGN)));
+        let axis = on_z.select(i.i32(4), y_over_x.select(i.i32(2), i.i32(0)));
+        let mut all = Self {
+            face: axis + (sign >> 31).to_i32(),
+            across: [right.to_f32_bits(), down.to_f32_bits()],
+            major: major.abs(),
+        };
+        if !usual.all_true() {
+            let finite = ax.simd_le(f32::MAX) & ay.simd_le(f32::MAX) & az.simd_le(f32::MAX);
+            let zero = ax.simd_eq(0.0) & ay.simd_eq(0.0) & az.simd_eq(0.0);
+            let points = finite & !zero;
+            all.face = points.select(all.face, i.i32(4));
+            all.across = [
+                points.select(all.across[0], i.f32(0.0)),
+                points.select(all.across[1], i.f32(0.0)),
+            ];
+            all.major = points.select(all.major, i.f32(1.0));
+        }
+        (all, usual)
     }
 
+    /// (s, t) on the face.
     #[inline(always)]
-    fn place<S: Simd>(&self, s: S, k: usize) -> Place<S> {
-        Place {
-            face: i32x16::from_slice(s, &self.face[k]),
-            s: f32x16::from_slice(s, &self.s[k]),
-            t: f32x16::from_slice(s, &self.t[k]),
+    pub(super) fn coordinates(&self, i: I, usual: I::Mask) -> [I::F32; 2] {
+        let [right, down] = self.across;
+        let scale = i.f32(0.5) / self.major;
+        let [mut s, mut t] = [right * scale, down * scale];
+        if !usual.all_true() {
+            s = usual.select(s, (right / self.major) * 0.5);
+            t = usual.select(t, (down / self.major) * 0.5);
+        }
+        [s + 0.5, t + 0.5]
+    }
+}
+
+const SIGN: u32 = 1 << 31;
+
+/// Sums of components that are finite and whose reciprocals lose nothing.
+const USUAL: [f32; 2] = [1e-30, 1e30];
+
+/// Faces, and coordinates on them.
+struct Place<I: Isa> {
+    face: I::I32,
+    s: I::F32,
+    t: I::F32,
+}
+
+impl<I: Isa> Place<I> {
+    #[inline(always)]
+    fn look<const FORMAT: u8, const LEVELS: u8>(
+        &self,
+        i: I,
+        view: &View<'_>,
+        lod: I::F32,
+    ) -> Color<I> {
+        if LEVELS == BASE {
+            let at = LaneLevel::uniform(i, view, 0);
+            let color = self.read::<FORMAT>(i, view, &at, view.gl.0);
+            return scaled::<I>(color, view);
+        }
+        let lod = lod.simd_eq(lod).select(lod, i.f32(0.0));
+        let lod = view.lod_range.limit(i, lod);
+        if LEVELS == TRILINEAR {
+            let levels = LevelPair::new(i, view, lod);
+            let color = self.bilinear::<FORMAT>(i, view, &levels.fine);
+            if !levels.blends {
+                return scaled::<I>(color, view);
+            }
+            let two = levels.weight.simd_gt(0.0);
+            let next = self.bilinear::<FORMAT>(i, view, &levels.coarse);
+            let blended = mix::<I>(view, color, next, levels.weight);
+            return scaled::<I>(select::<I>(two, blended, color), view);
+        }
+        let mut reads = Reads::new(i, view, lod);
+        let mut color = [i.f32(0.0); 4];
+        loop {
+            if reads.lanes.any_true() {
+                let at = LaneLevel::of(i, view, reads.level);
+                let read = self.read::<FORMAT>(i, view, &at, reads.texel);
+                color = reads.onto(view, color, read);
+            }
+            if !reads.step() {
+                return scaled::<I>(color, view);
+            }
         }
     }
-}
 
-/// Faces, and where on them.
-struct Place<S: Simd> {
-    face: i32x16<S>,
-    s: f32x16<S>,
-    t: f32x16<S>,
-}
-
-impl<S: Simd> Place<S> {
-    /// Colours in a level, and the lanes that need the mean at a corner.
+    /// Colours in a level.
     #[inline(always)]
     fn read<const FORMAT: u8>(
         &self,
-        s: S,
+        i: I,
         view: &View<'_>,
-        at: &At<S>,
+        at: &LaneLevel<I>,
         texel: Texel,
-    ) -> (Color<S>, mask32x16<S>) {
+    ) -> Color<I> {
         match texel {
-            Texel::Nearest => (
-                self.nearest::<FORMAT>(s, view, at),
-                mask32x16::splat(s, false),
-            ),
-            Texel::Linear => self.bilinear::<FORMAT>(s, view, at),
+            Texel::Nearest => self.nearest::<FORMAT>(i, view, at),
+            Texel::Linear => self.bilinear::<FORMAT>(i, view, at),
         }
     }
 
     /// Texels before a place of the face in a level.
     #[inline(always)]
-    fn texel(&self, at: &At<S>, i: i32x16<S>, j: i32x16<S>) -> i32x16<S> {
-        (self.face * at.width + j) * at.width + i
+    fn texel(&self, at: &LaneLevel<I>, [x, y]: [I::I32; 2]) -> I::I32 {
+        (self.face * at.width + y) * at.width + x
     }
 
     #[inline(always)]
-    fn nearest<const FORMAT: u8>(&self, s: S, view: &View<'_>, at: &At<S>) -> Color<S> {
-        let (i, j) = (
-            within(s, self.s * at.units_x, at),
-            within(s, self.t * at.units_x, at),
-        );
-        fetch::<S, FORMAT>(s, view, at.word::<FORMAT>(view, self.texel(at, i, j)))
+    fn nearest<const FORMAT: u8>(&self, i: I, view: &View<'_>, at: &LaneLevel<I>) -> Color<I> {
+        let texel = [
+            on_face(i, (self.s * at.units_x).floor_to_i32(), at),
+            on_face(i, (self.t * at.units_x).floor_to_i32(), at),
+        ];
+        let word = at.word::<FORMAT>(view, self.texel(at, texel));
+        fetch::<I, FORMAT>(i, view, word)
     }
 
-    /// Four texels, across edges too; the lanes that need the mean at a corner.
+    /// Four texels, across edges too.
     #[inline(always)]
-    fn bilinear<const FORMAT: u8>(
-        &self,
-        s: S,
-        view: &View<'_>,
-        at: &At<S>,
-    ) -> (Color<S>, mask32x16<S>) {
-        let (x, y) = (self.s * at.units_x - 0.5, self.t * at.units_x - 0.5);
-        let (i, j) = (floor_to_i32(s, x), floor_to_i32(s, y));
-        let (wx, wy) = (x - i.to_float::<f32x16<S>>(), y - j.to_float::<f32x16<S>>());
+    fn bilinear<const FORMAT: u8>(&self, i: I, view: &View<'_>, at: &LaneLevel<I>) -> Color<I> {
+        let ([x, y], weights) = cell::<I>([self.s * at.units_x - 0.5, self.t * at.units_x - 0.5]);
         // Unsigned: -1 lies beyond the last one too.
-        let last: u32x16<S> = (at.width - 1).bitcast();
-        let in_x = i.bitcast::<u32x16<S>>().simd_lt(last);
-        let in_y = j.bitcast::<u32x16<S>>().simd_lt(last);
+        let last = (at.width - 1).to_u32();
+        let (in_x, in_y) = (x.to_u32().simd_lt(last), y.to_u32().simd_lt(last));
         if (in_x & in_y).all_true() {
-            let texel = self.texel(at, i, j);
-            let top = fetch_two::<S, FORMAT>(s, view, at.word::<FORMAT>(view, texel));
+            let texel = self.texel(at, [x, y]);
             let below = at.word::<FORMAT>(view, texel + at.width);
-            let bottom = fetch_two::<S, FORMAT>(s, view, below);
-            return (
-                mix_four(view, top, bottom, wx, wy),
-                mask32x16::splat(s, false),
-            );
+            let rows = [
+                fetch_two::<I, FORMAT>(i, view, at.word::<FORMAT>(view, texel)),
+                fetch_two::<I, FORMAT>(i, view, below),
+            ];
+            return mix_four::<I>(view, rows, weights);
         }
+        let corners = (!in_x & !in_y).any_true();
         // One place in the code for all four.
-        let mut rows = [[[f32x16::splat(s, 0.0); 4]; 2]; 2];
-        for (j, row) in [j, j + 1].iter().zip(&mut rows) {
-            for (i, texel) in [i, i + 1].iter().zip(row) {
-                let word = at.word::<FORMAT>(view, self.across(s, at, *i, *j));
-                *texel = fetch::<S, FORMAT>(s, view, word);
+        let mut rows = [[[i.f32(0.0); 4]; 2]; 2];
+        for (y, row) in [y, y + 1].iter().zip(&mut rows) {
+            for (x, texel) in [x, x + 1].iter().zip(row) {
+                let word = at.word::<FORMAT>(view, self.across(i, at, [*x, *y]));
+                *texel = fetch::<I, FORMAT>(i, view, word);
+                if corners {
+                    *texel = self.at_corner::<FORMAT>(i, view, at, [*x, *y], *texel);
+                }
             }
         }
-        let [top, bottom] = rows;
-        (mix_four(view, top, bottom, wx, wy), !in_x & !in_y)
+        mix_four::<I>(view, rows, weights)
+    }
+
+    /// The texel, or beyond two edges the mean of the three around the corner: rare, and out of line.
+    #[inline(never)]
+    fn at_corner<const FORMAT: u8>(
+        &self,
+        i: I,
+        view: &View<'_>,
+        at: &LaneLevel<I>,
+        place: [I::I32; 2],
+        texel: Color<I>,
+    ) -> Color<I> {
+        i.vectorize(
+            #[inline(always)]
+            || self.corner_mean::<FORMAT>(i, view, at, place, texel),
+        )
+    }
+
+    #[inline(always)]
+    fn corner_mean<const FORMAT: u8>(
+        &self,
+        i: I,
+        view: &View<'_>,
+        at: &LaneLevel<I>,
+        [x, y]: [I::I32; 2],
+        texel: Color<I>,
+    ) -> Color<I> {
+        let (inner_x, inner_y) = (on_face(i, x, at), on_face(i, y, at));
+        let beyond = !x.simd_eq(inner_x) & !y.simd_eq(inner_y);
+        if !beyond.any_true() {
+            return texel;
+        }
+        let mut around = [texel; 3];
+        let places = [[inner_x, inner_y], [x, inner_y], [inner_x, y]];
+        for (c, place) in around.iter_mut().zip(&places) {
+            let word = at.word::<FORMAT>(view, self.across(i, at, *place));
+            *c = fetch::<I, FORMAT>(i, view, word);
+        }
+        let [a, b, c] = around;
+        let mut mean = a;
+        for k in 0..4 {
+            // The mean over differences keeps a constant cube constant.
+            mean[k] = a[k] + ((b[k] - a[k]) + (c[k] - a[k])) / 3.0;
+        }
+        select::<I>(beyond, mean, texel)
     }
 
     /// [`texel`](Self::texel) of a face or, one step beyond one of its edges, of the neighbour; 0 beyond two.
     #[inline(always)]
-    fn across(&self, s: S, at: &At<S>, i: i32x16<S>, j: i32x16<S>) -> i32x16<S> {
-        let (zero, last) = (i32x16::splat(s, 0), at.width - 1);
-        let (left, right) = (i.simd_lt(zero), i.simd_gt(last));
-        let (up, down) = (j.simd_lt(zero), j.simd_gt(last));
+    fn across(&self, i: I, at: &LaneLevel<I>, [x, y]: [I::I32; 2]) -> I::I32 {
+        let (zero, last) = (i.i32(0), at.width - 1);
+        let (left, right) = (x.simd_lt(0), x.simd_gt(last));
+        let (up, down) = (y.simd_lt(0), y.simd_gt(last));
         let (beside, above) = (left | right, up | down);
-        let edge = i32x16::splat(s, 3);
-        let edge = up.select(zero + 2, edge);
-        let edge = right.select(zero + 1, edge);
+        let edge = up.select(i.i32(2), i.i32(3));
+        let edge = right.select(i.i32(1), edge);
         let edge = (self.face << 2) + left.select(zero, edge);
         let step = match Words::new(&EDGES) {
-            Some(words) => gather(s, words, edge.bitcast()).bitcast::<i32x16<S>>(),
+            Some(words) => i.gather(words, edge.to_u32()).to_i32(),
             None => zero,
         };
-        let along = beside.select(j, i);
-        let x = (step & 8).simd_gt(zero).select(along, zero);
-        let x = (step & 16).simd_gt(zero).select(last - x, x);
-        let y = (step & 32).simd_gt(zero).select(along, zero);
-        let y = (step & 64).simd_gt(zero).select(last - y, y);
-        let neighbour = ((step & 7) * at.width + y) * at.width + x;
-        let texel = (beside | above).select(neighbour, self.texel(at, i, j));
+        let along = beside.select(y, x);
+        let column = (step & 8).simd_gt(0).select(along, zero);
+        let column = (step & 16).simd_gt(0).select(last - column, column);
+        let row = (step & 32).simd_gt(0).select(along, zero);
+        let row = (step & 64).simd_gt(0).select(last - row, row);
+        let neighbour = ((step & 7) * at.width + row) * at.width + column;
+        let texel = (beside | above).select(neighbour, self.texel(at, [x, y]));
         (beside & above).select(zero, texel)
     }
 }
 
-/// The texel of a coordinate, on the face.
+/// A column or row within the face.
 #[inline(always)]
-fn within<S: Simd>(s: S, c: f32x16<S>, at: &At<S>) -> i32x16<S> {
-    let (zero, last) = (i32x16::splat(s, 0), at.width - 1);
-    let i = floor_to_i32(s, c);
-    let i = i.simd_gt(zero).select(i, zero);
-    i.simd_lt(last).select(i, last)
-}
-
-/// What lies beyond each face's edges to the left, right, top and bottom: the neighbour (3 bits), and for its column and then its row
-/// whether that counts along the edge or stays 0, and whether it counts from the last texel.
-const EDGES: [u32; 24] = {
-    let mut edges = [0; 24];
-    let mut k = 0;
-    while k < 24 {
-        let [right, down, major] = axes(k / 4);
-        let (out, along) = match k % 4 {
-            0 => (opposite(right), down),
-            1 => (right, down),
-            2 => (opposite(down), right),
-            _ => (down, right),
-        };
-        let mut face = 0;
-        while dot(axes(face)[2], out) != 1.0 {
-            face += 1;
-        }
-        let [x, y, _] = axes(face);
-        edges[k] = face as u32 | step(x, along, major) << 3 | step(y, along, major) << 5;
-        k += 1;
-    }
-    edges
-};
-
-/// To the right, down and out of a face.
-const fn axes(face: usize) -> [[f32; 3]; 3] {
-    let [x, y, z] = [
-        on_face(face, [1.0, 0.0, 0.0]),
-        on_face(face, [0.0, 1.0, 0.0]),
-        on_face(face, [0.0, 0.0, 1.0]),
-    ];
-    [[x[0], y[0], z[0]], [x[1], y[1], z[1]], [x[2], y[2], z[2]]]
-}
-
-/// How a neighbour's axis runs: along the edge or, if not, towards the face that was left or away from it.
-const fn step(axis: [f32; 3], along: [f32; 3], left: [f32; 3]) -> u32 {
-    let (along, left) = (dot(axis, along), dot(axis, left));
-    if along == 0.0 {
-        if left > 0.0 { 2 } else { 0 }
-    } else if along > 0.0 {
-        1
-    } else {
-        3
-    }
-}
-
-const fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-const fn opposite([x, y, z]: [f32; 3]) -> [f32; 3] {
-    [-x, -y, -z]
+fn on_face<I: Isa>(i: I, x: I::I32, at: &LaneLevel<I>) -> I::I32 {
+    x.max(i.i32(0)).min(at.width - 1)
 }

@@ -1,23 +1,21 @@
-//! Look-ups in volumes sixteen at a time, with the bits of [`Sampler::sample_3d`].
+//! Look-ups in volumes.
 
 use super::Texture3d;
 use crate::{
-    error::SampleError,
-    filter::gl_of,
-    lanes::{
-        ANY, At, Kind, View, exact_format,
-        float::{Color, fetch_two, limit_lanes, mix, mix_four, scaled, tap},
-        gl::Reads,
-        index, place,
+    address::{
+        texel::LaneLevel,
+        wrap::{Axis, Wrap},
     },
-    sampler::{Mip, Sampler, Texel},
-    slice::{check, on_lanes},
-    wrap::{Axis, Wrap},
+    batch::{check, load_tail, store_columns},
+    bound_texture::{ANY, View, exact_format},
+    error::SampleError,
+    fetch::{Color, fetch_two, mix, mix_four, scaled, tap},
+    filter::{Kind, bilinear::cell, gl::Reads},
+    sampler::{Sampler, Texel},
 };
 use texmap_math::{
-    Level,
-    fearless_simd::{f32x16, i32x16, prelude::*},
-    lanes::{floor_to_i32, is_wide, load_tail, store_tail},
+    Level, dispatch_simd,
+    simd::{Isa, prelude::*},
 };
 
 /// Points of the unit cube that repeats or ends as the wraps say, each coordinate in a slice of its own.
@@ -53,25 +51,16 @@ pub fn sample_3d_columns(
     for column in &out {
         check("out", at.u.len(), column.len())?;
     }
-    let lanes =
-        VolumeView::new(sampler, t, wrap_w).is_some_and(|view| view.columns(level, at, &mut out));
-    if !lanes {
-        for i in 0..at.u.len() {
-            let lod = at.lod.map_or(0.0, |lod| lod[i]);
-            let c = sampler.sample_3d(t, [at.u[i], at.v[i], at.w[i]], wrap_w, lod);
-            for (out, c) in out.iter_mut().zip(c) {
-                out[i] = c;
-            }
-        }
+    if let Some(view) = VolumeView::new(sampler, t, wrap_w) {
+        view.columns(level, at, &mut out);
     }
     Ok(())
 }
 
-/// A volume and a sampler prepared for look-ups in lanes.
+/// A volume and a sampler prepared for look-ups.
 #[derive(Clone, Debug)]
 pub(crate) struct VolumeView<'a> {
     view: View<'a>,
-    gl: (Texel, Texel, Mip),
     along_w: Axis,
     depth: i32,
 }
@@ -80,136 +69,118 @@ impl<'a> VolumeView<'a> {
     /// `None` only for a volume without a texel.
     pub(crate) fn new(sampler: &Sampler, t: &'a Texture3d<'_>, wrap_w: Wrap) -> Option<Self> {
         let format = exact_format(&t.chain);
-        let depth = t.chain.levels.first()?.depth;
-        let view = View::prepared(sampler, &t.chain, Kind::Trilinear, format)?;
-        Some(Self {
+        let view = View::of_chain(sampler, &t.chain, Kind::Gl, format)?;
+        Some(Self::of(view, sampler, wrap_w, t.depth()))
+    }
+
+    #[inline(always)]
+    pub(super) fn of(view: View<'a>, sampler: &Sampler, wrap_w: Wrap, depth: i32) -> Self {
+        Self {
             view: if wrap_w == Wrap::ClampToBorder {
-                view.with_border()
+                view.with_border(sampler)
             } else {
                 view
             },
-            gl: gl_of(sampler.filter),
             along_w: Axis::new(wrap_w, depth),
             depth,
-        })
+        }
     }
 
-    /// False where there is no vector unit, with nothing done. The columns have one length.
-    pub(crate) fn columns(&self, level: Level, at: &Points<'_>, out: &mut [&mut [f32]; 4]) -> bool {
-        on_lanes!(level, s => self.on(s, at, out))
+    /// The columns have one length.
+    pub(crate) fn columns(&self, level: Level, at: &Points<'_>, out: &mut [&mut [f32]; 4]) {
+        dispatch_simd!(level, i => self.columns_on(i, at, out));
     }
 
-    fn on<S: Simd>(&self, s: S, at: &Points<'_>, out: &mut [&mut [f32]; 4]) {
-        s.vectorize(
+    #[inline(never)]
+    fn columns_on<I: Isa>(&self, i: I, at: &Points<'_>, out: &mut [&mut [f32]; 4]) {
+        i.vectorize(
             #[inline(always)]
             || {
-                let flat = f32x16::splat(s, 0.0);
-                for first in (0..at.u.len()).step_by(16) {
+                for first in (0..at.u.len()).step_by(I::LANES) {
                     let uvw = [
-                        load_tail(s, &at.u[first..]),
-                        load_tail(s, &at.v[first..]),
-                        load_tail(s, &at.w[first..]),
+                        load_tail(i, &at.u[first..]),
+                        load_tail(i, &at.v[first..]),
+                        load_tail(i, &at.w[first..]),
                     ];
-                    let lod = at.lod.map_or(flat, |lod| load_tail(s, &lod[first..]));
-                    let c = self.look(s, uvw, lod);
-                    let end = at.u.len().min(first + 16);
-                    for (k, out) in out.iter_mut().enumerate() {
-                        store_tail(c[k], &mut out[first..end]);
-                    }
+                    let lod = match at.lod {
+                        Some(lod) => load_tail(i, &lod[first..]),
+                        None => i.f32(0.0),
+                    };
+                    store_columns(i, self.look(i, uvw, lod), first, out);
                 }
             },
         );
     }
 
     #[inline(always)]
-    fn look<S: Simd>(&self, s: S, uvw: [f32x16<S>; 3], lod: f32x16<S>) -> Color<S> {
+    pub(super) fn look<I: Isa>(&self, i: I, uvw: [I::F32; 3], lod: I::F32) -> Color<I> {
         let view = &self.view;
-        // NaN reads as 0, as it does for one.
-        let lod = lod.simd_eq(lod).select(lod, f32x16::splat(s, 0.0));
-        let mut reads = Reads::new(s, view, self.gl, limit_lanes(s, view, lod));
-        let mut color = [f32x16::splat(s, 0.0); 4];
+        let lod = lod.simd_eq(lod).select(lod, i.f32(0.0));
+        let mut reads = Reads::new(i, view, view.lod_range.limit(i, lod));
+        let mut color = [i.f32(0.0); 4];
         loop {
             if reads.lanes.any_true() {
                 let read = match reads.texel {
-                    Texel::Nearest => self.nearest(s, reads.level, uvw),
-                    Texel::Linear => self.eight(s, reads.level, uvw),
+                    Texel::Nearest => self.nearest(i, reads.level, uvw),
+                    Texel::Linear => self.eight(i, reads.level, uvw),
                 };
                 color = reads.onto(view, color, read);
             }
             if !reads.step() {
-                return scaled(color, view);
+                return scaled::<I>(color, view);
             }
         }
     }
 
     /// Slices of a level.
     #[inline(always)]
-    fn depth<S: Simd>(&self, s: S, level: i32x16<S>) -> i32x16<S> {
-        let one = i32x16::splat(s, 1);
-        let depth = i32x16::splat(s, self.depth) >> level;
-        depth.simd_gt(one).select(depth, one)
+    fn depth<I: Isa>(&self, i: I, level: I::I32) -> I::I32 {
+        (i.i32(self.depth) >> level).max(i.i32(1))
     }
 
     #[inline(always)]
-    fn nearest<S: Simd>(&self, s: S, level: i32x16<S>, [u, v, w]: [f32x16<S>; 3]) -> Color<S> {
+    fn nearest<I: Isa>(&self, i: I, level: I::I32, [u, v, w]: [I::F32; 3]) -> Color<I> {
         let view = &self.view;
-        let (at, depth) = (At::of(s, view, level), self.depth(s, level));
-        let (x, y) = at.place(s, view, u, v);
-        let z = place(s, view, self.along_w, w, depth.to_float());
-        let (x, y) = at.wrapped(s, view, floor_to_i32(s, x), floor_to_i32(s, y));
-        let z = index(s, self.along_w, floor_to_i32(s, z), depth);
-        tap::<S, ANY>(s, view, at.in_slice::<ANY>(view, [x, y, z]))
+        let (at, depth) = (LaneLevel::of(i, view, level), self.depth(i, level));
+        let [x, y] = at.scale(i, view, [u, v]);
+        let z = self.along_w.scale(i, w, depth.to_f32(), view.reach);
+        let [x, y] = at.wrapped(i, view, [x.floor_to_i32(), y.floor_to_i32()]);
+        let z = self.along_w.index(i, z.floor_to_i32(), depth);
+        tap::<I, ANY>(i, view, at.in_slice::<ANY>(view, [x, y, z]))
     }
 
     /// Eight texels, weighted.
     #[inline(always)]
-    fn eight<S: Simd>(&self, s: S, level: i32x16<S>, [u, v, w]: [f32x16<S>; 3]) -> Color<S> {
+    fn eight<I: Isa>(&self, i: I, level: I::I32, [u, v, w]: [I::F32; 3]) -> Color<I> {
         let view = &self.view;
-        let (at, depth) = (At::of(s, view, level), self.depth(s, level));
-        let (x, y) = at.place(s, view, u, v);
-        let z = place(s, view, self.along_w, w, depth.to_float());
-        let (x, y, z) = (x - 0.5, y - 0.5, z - 0.5);
-        let (i, j, k) = (floor_to_i32(s, x), floor_to_i32(s, y), floor_to_i32(s, z));
-        let wx = x - i.to_float::<f32x16<S>>();
-        let wy = y - j.to_float::<f32x16<S>>();
-        let wz = z - k.to_float::<f32x16<S>>();
-        let (x0, y0) = at.wrapped(s, view, i, j);
-        let (x1, y1) = at.wrapped(s, view, i + 1, j + 1);
+        let (at, depth) = (LaneLevel::of(i, view, level), self.depth(i, level));
+        let [x, y] = at.scale(i, view, [u, v]);
+        let z = self.along_w.scale(i, w, depth.to_f32(), view.reach) - 0.5;
+        let ([x, y], weights) = cell::<I>([x - 0.5, y - 0.5]);
+        let k = z.floor_to_i32();
+        let wz = z - k.to_f32();
+        let [x0, y0] = at.wrapped(i, view, [x, y]);
+        let [x1, y1] = at.wrapped(i, view, [x + 1, y + 1]);
         let z = [
-            index(s, self.along_w, k, depth),
-            index(s, self.along_w, k + 1, depth),
+            self.along_w.index(i, k, depth),
+            self.along_w.index(i, k + 1, depth),
         ];
-        let pairs = is_wide(s) && !view.is_bordered() && (x1 - x0).simd_eq(1).all_true();
-        let mut slices = [[f32x16::splat(s, 0.0); 4]; 2];
+        let pairs = i.is_wide() && !view.bordered && (x1 - x0).simd_eq(1).all_true();
+        let mut slices = [[i.f32(0.0); 4]; 2];
         for (slice, z) in slices.iter_mut().zip(&z) {
-            let left = [
-                at.in_slice::<ANY>(view, [x0, y0, *z]),
-                at.in_slice::<ANY>(view, [x0, y1, *z]),
-            ];
-            let [top, bottom] = if pairs {
-                [
-                    fetch_two::<S, ANY>(s, view, left[0].word),
-                    fetch_two::<S, ANY>(s, view, left[1].word),
-                ]
-            } else {
-                let right = [
-                    at.in_slice::<ANY>(view, [x1, y0, *z]),
-                    at.in_slice::<ANY>(view, [x1, y1, *z]),
-                ];
-                [
-                    [
-                        tap::<S, ANY>(s, view, left[0]),
-                        tap::<S, ANY>(s, view, right[0]),
-                    ],
-                    [
-                        tap::<S, ANY>(s, view, left[1]),
-                        tap::<S, ANY>(s, view, right[1]),
-                    ],
-                ]
-            };
-            *slice = mix_four(view, top, bottom, wx, wy);
+            let mut rows = [[[i.f32(0.0); 4]; 2]; 2];
+            for (row, y) in rows.iter_mut().zip([y0, y1]) {
+                let left = at.in_slice::<ANY>(view, [x0, y, *z]);
+                *row = if pairs {
+                    fetch_two::<I, ANY>(i, view, left.word)
+                } else {
+                    let right = at.in_slice::<ANY>(view, [x1, y, *z]);
+                    [tap::<I, ANY>(i, view, left), tap::<I, ANY>(i, view, right)]
+                };
+            }
+            *slice = mix_four::<I>(view, rows, weights);
         }
         let [near, far] = slices;
-        mix(view, near, far, wz)
+        mix::<I>(view, near, far, wz)
     }
 }
