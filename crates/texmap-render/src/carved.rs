@@ -8,6 +8,7 @@ use texmap_math::det32;
 use texmap_math::fearless_simd::{Simd, f32x16, prelude::*};
 use texmap_math::glam::{DMat4, DVec4};
 use texmap_math::lanes::above;
+use texmap_math::simd::X16;
 use texmap_sample::gradient_noise;
 use texmap_sample::lanes::gradient_noise_lanes;
 
@@ -158,18 +159,18 @@ impl Carved {
         let place = affine_lanes(&self.rows, p);
         let width = width / (512.0 * self.step);
         let (around, fold) = match self.heights {
-            Carving::Pattern(pattern) => return pattern.value_lanes(s, place, width),
+            Carving::Pattern(pattern) => return pattern.value_lanes(X16(s), place, width),
             Carving::Waves { around, fold } => (f32::from(around), fold),
         };
         let mut noise = [f32x16::splat(s, 0.0); 2];
         if fold != 0.0 {
             noise = [
-                gradient_noise_lanes(s, place, 1) * fold,
-                gradient_noise_lanes(s, place, 2) * fold,
+                gradient_noise_lanes(X16(s), place, 1) * fold,
+                gradient_noise_lanes(X16(s), place, 2) * fold,
             ];
         }
         let [x, y, z] = place;
-        let turns = det32::atan2_lanes(texmap_math::simd::X16(s), z, x) / TAU * around + noise[0];
+        let turns = det32::atan2_lanes(X16(s), z, x) / TAU * around + noise[0];
         let radius = (x * x + z * z).sqrt();
         let narrow = width * around / (radius * TAU);
         let wave = wave_lanes(s, turns, narrow) * 0.5;
@@ -184,7 +185,7 @@ fn wave_lanes<S: Simd>(s: S, turns: f32x16<S>, width: f32x16<S>) -> f32x16<S> {
     let left = 1.5 - width * 2.0;
     let seen = left.simd_gt(zero).select(left, zero);
     let seen = left.simd_ge(one).select(one, seen);
-    seen * det32::cos_lanes(texmap_math::simd::X16(s), (turns - turns.floor()) * TAU)
+    seen * det32::cos_lanes(X16(s), (turns - turns.floor()) * TAU)
 }
 
 /// [`along`] for sixteen.

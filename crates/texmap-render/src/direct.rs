@@ -2,6 +2,7 @@
 
 use texmap_math::Level;
 use texmap_math::fearless_simd::{Simd, f32x16, i32x16, prelude::*, u32x16};
+use texmap_math::simd::X16;
 use texmap_raster::{
     BlockSink, BlockValues, NONE, RUN, RUN_ROOM, RunBlock, TileBlocks, TilePlanes,
 };
@@ -260,7 +261,7 @@ fn paint<S: Simd, P: Source<S>, B: Brush<S>>(
 ) {
     match view.kind {
         Kind::Nearest => {
-            if let Some(texels) = packed::Masked::new(s, view)
+            if let Some(texels) = packed::Masked::new(X16(s), view)
                 && source.each_named::<false, _>(s, run, &mut Nearest { texels, brush })
             {
                 return;
@@ -269,7 +270,7 @@ fn paint<S: Simd, P: Source<S>, B: Brush<S>>(
                 source.each::<false, _>(s, run, &mut Placed { levels });
                 for (i, at) in run.iter().enumerate() {
                     let [u, v] = levels.uv.at(s, i);
-                    brush.block(s, *at, packed::nearest_lanes(s, view, u, v));
+                    brush.block(s, *at, packed::nearest_lanes(X16(s), view, u, v));
                 }
             }
         }
@@ -321,7 +322,7 @@ fn bilinear<S: Simd, P: Source<S>, B: Brush<S>>(
     source.each::<false, _>(s, run, &mut sink);
     for (i, at) in run.iter().enumerate() {
         let [u, v] = levels.uv.at(s, i);
-        brush.block(s, *at, packed::bilinear_lanes(s, view, u, v));
+        brush.block(s, *at, packed::bilinear_lanes(X16(s), view, u, v));
     }
 }
 
@@ -339,7 +340,7 @@ fn trilinear<S: Simd, P: Source<S>, B: Brush<S>>(
     for (i, at) in run.iter().enumerate() {
         let [u, v] = levels.uv.at(s, i);
         let lod = i32x16::from_slice(s, &levels.lod[i * LANES..(i + 1) * LANES]);
-        brush.block(s, *at, packed::trilinear_lanes(s, view, u, v, lod));
+        brush.block(s, *at, packed::trilinear_lanes(X16(s), view, u, v, lod));
     }
 }
 
@@ -347,14 +348,14 @@ fn trilinear<S: Simd, P: Source<S>, B: Brush<S>>(
 #[inline(always)]
 fn magnifies<S: Simd>(s: S, view: &View<'_>, [ux, uy]: [f32; 2], [vx, vy]: [f32; 2]) -> bool {
     let footprint = FootprintLanes::new(
-        s,
+        X16(s),
         view,
         f32x16::splat(s, ux),
         f32x16::splat(s, vx),
         f32x16::splat(s, uy),
         f32x16::splat(s, vy),
     );
-    packed::lod_lanes(s, view, &footprint)[0] <= 0
+    packed::lod_lanes(X16(s), view, &footprint)[0] <= 0
 }
 
 struct Put<'a> {
@@ -388,13 +389,15 @@ struct Over<'a> {
 impl<S: Simd> Brush<S> for Over<'_> {
     #[inline(always)]
     fn block(&mut self, s: S, at: RunBlock, texels: u32x16<S>) {
-        let color = self.stage.tint_block(s, packed::unpack_lanes(s, texels));
+        let color = self
+            .stage
+            .tint_block(s, packed::unpack_lanes(X16(s), texels));
         over_block(s, self.light, at, color, self.covered);
     }
 }
 
 struct Nearest<'a, 'v, S: Simd, B> {
-    texels: packed::Masked<'v, S>,
+    texels: packed::Masked<'v, X16<S>>,
     brush: &'a mut B,
 }
 
@@ -402,7 +405,7 @@ impl<S: Simd, B: Brush<S>> BlockSink<S> for Nearest<'_, '_, S, B> {
     #[inline(always)]
     fn block(&mut self, s: S, _i: usize, at: RunBlock, values: &BlockValues<S>) {
         let [u, v] = values.value;
-        self.brush.block(s, at, self.texels.nearest(s, u, v));
+        self.brush.block(s, at, self.texels.nearest(X16(s), u, v));
     }
 }
 
@@ -427,9 +430,9 @@ impl<S: Simd> BlockSink<S> for Leveled<'_> {
     fn block(&mut self, s: S, i: usize, _at: RunBlock, values: &BlockValues<S>) {
         let ([ux, vx], [uy, vy]) = (values.ddx, values.ddy);
         let lod = packed::lod_lanes(
-            s,
+            X16(s),
             self.view,
-            &FootprintLanes::new(s, self.view, ux, vx, uy, vy),
+            &FootprintLanes::new(X16(s), self.view, ux, vx, uy, vy),
         );
         self.levels.uv.put(i, values.value);
         lod.store_slice(&mut self.levels.lod[i * LANES..(i + 1) * LANES]);

@@ -6,6 +6,7 @@ mod slide;
 
 use texmap_math::Level;
 use texmap_math::fearless_simd::{Simd, f32x16, i32x16, prelude::*};
+use texmap_math::simd::X16;
 use texmap_raster::{
     BlockSink, BlockValues, RUN_ROOM, RunBlock, RunValues, TileBlocks, TilePlanes,
 };
@@ -49,7 +50,7 @@ impl Texels {
     #[inline(always)]
     fn premultiplied<S: Simd>(&self, s: S, i: usize) -> [f32x16<S>; 4] {
         if self.packed {
-            packed::unpack_lanes(s, self.block(s, i))
+            packed::unpack_lanes(X16(s), self.block(s, i))
         } else {
             self.colors.lanes(s, i)
         }
@@ -92,11 +93,11 @@ fn look_up_words<S: Simd>(
         let at = i * LANES..(i + 1) * LANES;
         let [u, v] = spots.uv.at(s, i);
         let word = match view.kind {
-            Kind::Nearest => packed::nearest_lanes(s, view, u, v),
-            Kind::Bilinear => packed::bilinear_lanes(s, view, u, v),
+            Kind::Nearest => packed::nearest_lanes(X16(s), view, u, v),
+            Kind::Bilinear => packed::bilinear_lanes(X16(s), view, u, v),
             _ => {
                 let lod = i32x16::from_slice(s, &lods[at.clone()]);
-                packed::trilinear_lanes(s, view, u, v, lod)
+                packed::trilinear_lanes(X16(s), view, u, v, lod)
             }
         };
         word.store_slice(&mut out.words[at]);
@@ -236,8 +237,8 @@ impl<S: Simd> BlockSink<S> for Leveled<'_> {
         let views = &self.views[..if self.same { 1 } else { 2 }];
         for (view, lods) in views.iter().zip(&mut self.spots.lods) {
             if let Some(view) = view {
-                let footprint = FootprintLanes::new(s, view, ux, vx, uy, vy);
-                let lod = packed::lod_lanes(s, view, &footprint);
+                let footprint = FootprintLanes::new(X16(s), view, ux, vx, uy, vy);
+                let lod = packed::lod_lanes(X16(s), view, &footprint);
                 lod.store_slice(&mut lods[i * LANES..(i + 1) * LANES]);
             }
         }

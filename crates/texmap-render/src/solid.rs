@@ -4,6 +4,7 @@ use texmap_light::lanes::{V3, dot_lanes};
 use texmap_math::fearless_simd::{Simd, prelude::*};
 use texmap_math::glam::{DMat4, DVec3};
 use texmap_math::lanes::above;
+use texmap_math::simd::X16;
 use texmap_math::{Level, on_wide_level};
 use texmap_raster::{Column, RUN_ROOM};
 use texmap_sample::{Pattern, Sampler, Texture3d, Wrap};
@@ -95,7 +96,7 @@ impl<'s> SolidStage<'s> {
                         self.along_lanes(s, [&x.ddy, &y.ddy, &z.ddy], i),
                     ];
                     let width = above(dot_lanes(dx, dx), dot_lanes(dy, dy)).sqrt();
-                    pattern.value_lanes(s, place, width).store_slice(&mut out[at]);
+                    pattern.value_lanes(X16(s), place, width).store_slice(&mut out[at]);
                 }
                 true
             },

@@ -3,6 +3,7 @@
 use texmap_light::SlideView;
 use texmap_math::Level;
 use texmap_math::fearless_simd::{Simd, f32x16, prelude::*};
+use texmap_math::simd::X16;
 use texmap_raster::RUN_ROOM;
 use texmap_sample::lanes::View;
 use texmap_sample::lanes::packed::{self, FootprintLanes};
@@ -97,8 +98,8 @@ impl<'a> SlideLookUp<'a> {
                     let [ux, vx] = self.slide.changes_lanes(&places, vector(s, dx, i));
                     let [uy, vy] = self.slide.changes_lanes(&places, vector(s, dy, i));
                     if let Some(view) = &self.view {
-                        let footprint = FootprintLanes::new(s, view, ux, vx, uy, vy);
-                        let lod = packed::lod_lanes(s, view, &footprint);
+                        let footprint = FootprintLanes::new(X16(s), view, ux, vx, uy, vy);
+                        let lod = packed::lod_lanes(X16(s), view, &footprint);
                         lod.store_slice(&mut out.spots.lods[0][at]);
                     } else {
                         out.changes[0].put(reached, [ux, vx]);
