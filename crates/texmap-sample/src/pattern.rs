@@ -42,17 +42,17 @@ impl Pattern {
         self.value_lanes(Scalar, p, width)
     }
 
-    /// [`value`](Self::value) at the points of a block.
+    /// [`value`](Self::value) for each lane.
     #[inline(always)]
     pub fn value_lanes<I: Isa>(&self, i: I, p: [I::F32; 3], width: I::F32) -> I::F32 {
         let (zero, one) = (i.f32(0.0), i.f32(1.0));
-        let reach = in_reach(i, p);
+        let reach = in_reach::<I>(p);
         let p = [
             reach.select(p[0], zero),
             reach.select(p[1], zero),
             reach.select(p[2], zero),
         ];
-        let width = width.above(zero);
+        let width = width.simd_gt(0.0).select(width, zero);
         match *self {
             Self::Noise { octaves } => {
                 let sum = octave_sum(i, p, width, octaves, false);
@@ -82,7 +82,7 @@ impl Pattern {
     }
 }
 
-/// Sum of the noise, or of its magnitude, over octaves, each weighed by how well a pixel of this width resolves it: all up to half a
+/// Sum of noise, or of its magnitude, over octaves, each weighed by how well a pixel of this width resolves it: all up to half a
 /// cell, none from a cell on.
 #[inline(always)]
 fn octave_sum<I: Isa>(i: I, p: [I::F32; 3], width: I::F32, octaves: u8, magnitude: bool) -> I::F32 {
@@ -120,7 +120,8 @@ fn mean_fraction<I: Isa>(i: I, x: I::F32, width: I::F32) -> I::F32 {
 /// NaN gives `low`.
 #[inline(always)]
 fn clamp<I: Isa>(i: I, x: I::F32, low: f32, high: f32) -> I::F32 {
-    x.above(i.f32(low)).below(i.f32(high))
+    let above = x.simd_gt(low).select(x, i.f32(low));
+    x.simd_ge(high).select(i.f32(high), above)
 }
 
 #[cfg(test)]
@@ -240,11 +241,28 @@ mod tests {
         assert!((marble.value([0.3, 0.0, 0.0], 0.6) - fine / 4096.0).abs() < 1e-4);
     }
 
+    fn every_lane<I: Isa>(
+        i: I,
+        columns: &[[f32; 16]; 3],
+        width: &[f32; 16],
+        patterns: &[Pattern],
+        noise: &mut [f32],
+        values: &mut [[f32; 16]; 3],
+    ) {
+        for k in (0..16).step_by(I::LANES) {
+            let p = [0, 1, 2].map(|c| i.load_f32(&columns[c][k..]));
+            gradient_noise_lanes(i, p, 5).store(&mut noise[k..]);
+            for (out, pattern) in values.iter_mut().zip(patterns) {
+                let width = i.load_f32(&width[k..]);
+                pattern.value_lanes(i, p, width).store(&mut out[k..]);
+            }
+        }
+    }
+
     /// Also where points lie out of reach, and pixels of all widths stand side by side.
     #[test]
-    fn every_width_has_the_bits_of_single_points() {
-        use texmap_math::{Level, dispatch_simd};
-        const LANES: usize = 16;
+    fn every_level_and_width_has_the_bits_of_single_points() {
+        use texmap_math::lanes::LANES;
         let patterns = [
             Pattern::Noise { octaves: 5 },
             Pattern::Marble {
@@ -263,37 +281,33 @@ mod tests {
             let columns: [[f32; LANES]; 3] =
                 [0, 1, 2].map(|c| core::array::from_fn(|i| points[i][c]));
             let width: [f32; LANES] = core::array::from_fn(|i| widths[(k + i * i) % widths.len()]);
-            for pattern in &patterns {
-                for level in [Level::new(), Level::baseline()] {
-                    let (mut noise, mut values) = ([0.0; LANES], [0.0; LANES]);
-                    let out = (&mut noise, &mut values);
-                    dispatch_simd!(level, i => block(i, pattern, &columns, &width, out));
-                    for (i, p) in points.iter().enumerate() {
-                        let one = [gradient_noise(*p, 5), pattern.value(*p, width[i])];
-                        let got = [noise[i], values[i]].map(f32::to_bits);
-                        assert_eq!(got, one.map(f32::to_bits), "{pattern:?} {p:?} {one:?}");
+            let (new, least) = (texmap_math::Level::new(), texmap_math::Level::baseline());
+            for (level, wide) in [(new, false), (least, false), (least, true)] {
+                let mut noise = [0.0; LANES];
+                let mut values = [[0.0; LANES]; 3];
+                let (noise, values) = (&mut noise, &mut values);
+                if wide {
+                    texmap_math::dispatch_simd!(level, wide i => {
+                        every_lane(i, &columns, &width, &patterns, noise, values);
+                    });
+                } else {
+                    texmap_math::dispatch_simd!(level, i => {
+                        every_lane(i, &columns, &width, &patterns, noise, values);
+                    });
+                }
+                for (i, p) in points.iter().enumerate() {
+                    let one = gradient_noise(*p, 5);
+                    assert_eq!(noise[i].to_bits(), one.to_bits(), "{p:?}");
+                    for (values, pattern) in values.iter().zip(&patterns) {
+                        let one = pattern.value(*p, width[i]);
+                        let (a, b) = (values[i], width[i]);
+                        assert_eq!(
+                            a.to_bits(),
+                            one.to_bits(),
+                            "{pattern:?} {p:?} {b}: {a} {one}"
+                        );
                     }
                 }
-            }
-        }
-
-        #[inline(always)]
-        fn block<I: Isa>(
-            i: I,
-            pattern: &Pattern,
-            [x, y, z]: &[[f32; LANES]; 3],
-            width: &[f32; LANES],
-            (noise, values): (&mut [f32; LANES], &mut [f32; LANES]),
-        ) {
-            for at in (0..LANES).step_by(I::LANES) {
-                let p = [
-                    i.load_f32(&x[at..]),
-                    i.load_f32(&y[at..]),
-                    i.load_f32(&z[at..]),
-                ];
-                gradient_noise_lanes(i, p, 5).store(&mut noise[at..]);
-                let value = pattern.value_lanes(i, p, i.load_f32(&width[at..]));
-                value.store(&mut values[at..]);
             }
         }
     }

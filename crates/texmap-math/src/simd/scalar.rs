@@ -199,6 +199,14 @@ macro_rules! int {
 int!(i32);
 int!(u32);
 
+impl Shr for One<i32> {
+    type Output = Self;
+    #[inline(always)]
+    fn shr(self, by: Self) -> Self {
+        Self(self.0.wrapping_shr(by.0 as u32))
+    }
+}
+
 impl Neg for One<i32> {
     type Output = Self;
     #[inline(always)]
@@ -342,5 +350,9 @@ impl Isa for Scalar {
         _: fn(Level, [f32; 16], [f32; 16]) -> [f32; 16],
     ) -> f32 {
         x1(x, y)
+    }
+    #[inline(always)]
+    fn first(self, x: One<i32>) -> i32 {
+        x.0
     }
 }

@@ -247,6 +247,10 @@ macro_rules! common {
         fn vectorize<R>(self, f: impl FnOnce() -> R) -> R {
             self.0.vectorize(f)
         }
+        #[inline(always)]
+        fn first(self, x: $i32<S>) -> i32 {
+            x[0]
+        }
     };
 }
 

@@ -11,7 +11,7 @@ use super::clamp;
 /// that is not finite gives 0, as does one beyond 2^23, where floats have no fraction. Within 2e-6 of
 /// [`reference::gradient_noise`](crate::reference::gradient_noise) of the same point.
 pub fn gradient_noise(p: [f32; 3], seed: u32) -> f32 {
-    gradient_noise_lanes(Scalar, p, seed)
+    noise_lanes(Scalar, p, seed)
 }
 
 /// One of the twelve edge directions of a cube as two axes with their signs; four of them come twice.
@@ -38,90 +38,84 @@ pub(crate) fn hash([x, y, z]: [i32; 3], seed: u32) -> u32 {
     h ^ (h >> 16)
 }
 
-/// [`gradient_noise`] of the points of a block. Out of line: compiled once a level, though asked for in many places.
+/// [`gradient_noise`] for each lane. Out of line: compiled once a level, though asked for in many places.
 #[inline(never)]
 pub fn gradient_noise_lanes<I: Isa>(i: I, p: [I::F32; 3], seed: u32) -> I::F32 {
     i.vectorize(
         #[inline(always)]
-        || noise(i, p, seed),
+        || noise_lanes(i, p, seed),
     )
 }
 
 #[inline(always)]
-fn noise<I: Isa>(i: I, p: [I::F32; 3], seed: u32) -> I::F32 {
-    let zero = i.f32(0.0);
-    let reach = in_reach(i, p);
+fn noise_lanes<I: Isa>(i: I, p: [I::F32; 3], seed: u32) -> I::F32 {
+    let reach = in_reach::<I>(p);
     let (mut at, mut weight) = (p, p);
     let mut cell = [i.i32(0); 3];
     for k in 0..3 {
-        let p = reach.select(p[k], zero);
+        let p = reach.select(p[k], i.f32(0.0));
         cell[k] = p.floor_to_i32();
         let t = p - cell[k].to_f32();
         at[k] = t;
         weight[k] = t * t * t * (t * (t * 6.0 - 15.0) + 10.0);
     }
-    let parts = Parts::new(i, cell, seed);
+    let parts = HashParts::<I>::new(cell, seed);
     let [wx, wy, wz] = weight;
-    let near = mix(
-        i,
-        mix(i, parts.corner(i, at, 0), parts.corner(i, at, 1), wx),
-        mix(i, parts.corner(i, at, 2), parts.corner(i, at, 3), wx),
-        wy,
-    );
-    let far = mix(
-        i,
-        mix(i, parts.corner(i, at, 4), parts.corner(i, at, 5), wx),
-        mix(i, parts.corner(i, at, 6), parts.corner(i, at, 7), wx),
-        wy,
-    );
-    let value = clamp(i, mix(i, near, far, wz), -1.0, 1.0);
-    reach.select(value, zero)
+    let near = mix::<I>(parts.row(at, wx, 0, 0), parts.row(at, wx, 1, 0), wy);
+    let far = mix::<I>(parts.row(at, wx, 0, 1), parts.row(at, wx, 1, 1), wy);
+    let value = clamp(i, mix::<I>(near, far, wz), -1.0, 1.0);
+    reach.select(value, i.f32(0.0))
 }
 
 #[inline(always)]
-fn mix<I: Isa>(_: I, a: I::F32, b: I::F32, w: I::F32) -> I::F32 {
+fn mix<I: Isa>(a: I::F32, b: I::F32, w: I::F32) -> I::F32 {
     a + (b - a) * w
 }
 
-/// True where floats have a fraction.
+/// Lanes where floats have a fraction.
 #[inline(always)]
-pub(super) fn in_reach<I: Isa>(_: I, p: [I::F32; 3]) -> I::Mask {
+pub(super) fn in_reach<I: Isa>(p: [I::F32; 3]) -> I::Mask {
     let reach = 8_388_608.0;
     p[0].abs().simd_lt(reach) & p[1].abs().simd_lt(reach) & p[2].abs().simd_lt(reach)
 }
 
-/// The part of each coordinate of a cell's two sides in the hash.
-struct Parts<I: Isa> {
+/// The parts of [`hash`] that each coordinate of a cell's two sides gives.
+struct HashParts<I: Isa> {
     x: [I::U32; 2],
     y: [I::U32; 2],
     z: [I::U32; 2],
 }
 
-impl<I: Isa> Parts<I> {
+impl<I: Isa> HashParts<I> {
     #[inline(always)]
-    fn new(i: I, cell: [I::I32; 3], seed: u32) -> Self {
-        let [x, y, z] = cell;
-        let seed = i.u32(seed.wrapping_mul(0x27d4_eb2f));
+    fn new([x, y, z]: [I::I32; 3], seed: u32) -> Self {
+        let seed = seed.wrapping_mul(0x27d4_eb2f);
         let [x, y, z] = [
-            sides(i, x, 0x9e37_79b1),
-            sides(i, y, 0x85eb_ca77),
-            sides(i, z, 0xc2b2_ae3d),
+            sides::<I>(x, 0x9e37_79b1),
+            sides::<I>(y, 0x85eb_ca77),
+            sides::<I>(z, 0xc2b2_ae3d),
         ];
         Self {
             x: [x[0] ^ seed, x[1] ^ seed],
-            y: [rotate(i, y[0], 11), rotate(i, y[1], 11)],
-            z: [rotate(i, z[0], 22), rotate(i, z[1], 22)],
+            y: [rotate::<I>(y[0], 11), rotate::<I>(y[1], 11)],
+            z: [rotate::<I>(z[0], 22), rotate::<I>(z[1], 22)],
         }
     }
 
-    /// The gradient of a corner, its bits are x, y and z, times the way from it.
+    /// Between two corners along x.
     #[inline(always)]
-    fn corner(&self, _: I, at: [I::F32; 3], corner: usize) -> I::F32 {
-        let (x, y, z) = (corner & 1, corner >> 1 & 1, corner >> 2);
-        let mut h = self.x[x] ^ self.y[y] ^ self.z[z];
-        h = (h ^ (h >> 16)) * 0x85eb_ca6b;
-        h = (h ^ (h >> 13)) * 0xc2b2_ae35;
-        h = h ^ (h >> 16);
+    fn row(&self, at: [I::F32; 3], wx: I::F32, y: usize, z: usize) -> I::F32 {
+        let (left, right) = (self.corner(at, [0, y, z]), self.corner(at, [1, y, z]));
+        mix::<I>(left, right, wx)
+    }
+
+    /// The gradient of a corner times the way from it.
+    #[inline(always)]
+    fn corner(&self, at: [I::F32; 3], [x, y, z]: [usize; 3]) -> I::F32 {
+        let h = self.x[x] ^ self.y[y] ^ self.z[z];
+        let h = (h ^ (h >> 16)) * 0x85eb_ca6b;
+        let h = (h ^ (h >> 13)) * 0xc2b2_ae35;
+        let h = h ^ (h >> 16);
         let from = [at[0] - x as f32, at[1] - y as f32, at[2] - z as f32];
         // As `edge` says.
         let kind = (h >> 28) & 3;
@@ -139,12 +133,12 @@ impl<I: Isa> Parts<I> {
 
 /// A coordinate of a cell and the next one, times an odd number.
 #[inline(always)]
-fn sides<I: Isa>(_: I, c: I::I32, k: u32) -> [I::U32; 2] {
+fn sides<I: Isa>(c: I::I32, k: u32) -> [I::U32; 2] {
     let low = c.to_u32() * k;
     [low, low + k]
 }
 
 #[inline(always)]
-fn rotate<I: Isa>(_: I, x: I::U32, by: u32) -> I::U32 {
+fn rotate<I: Isa>(x: I::U32, by: u32) -> I::U32 {
     (x << by) | (x >> (32 - by))
 }
