@@ -34,6 +34,7 @@ mod dispatch;
 mod encode;
 mod isa;
 mod scalar;
+mod shuffle;
 mod wide;
 
 pub use crate::lanes::Words;

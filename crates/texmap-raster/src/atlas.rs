@@ -6,8 +6,8 @@ use texmap_math::MemoryBudget;
 use texmap_math::float::sqrt;
 use texmap_math::glam::{DMat4, DVec3};
 
-use crate::edge::{Edge, ONE, Snapped, centre, edges};
-use crate::prepared::for_all;
+use crate::coverage::edge::{Edge, ONE, Snapped, centre, edges};
+use crate::front_end::prepared::for_all;
 use crate::{Draw, NONE, NoAlphaTest, Prepared, RasterError, TILE, TargetSize, TileBuffers};
 
 /// A mesh with texture coordinates.
@@ -123,7 +123,7 @@ impl Atlas {
         let prepared = Prepared::with_level(
             size,
             &[draw],
-            crate::prepared::best_level(),
+            crate::front_end::prepared::best_level(),
             options.threads,
         )?;
         let mut atlas = Self {

@@ -35,54 +35,27 @@
 //! ```
 #![cfg_attr(not(feature = "std"), no_std)]
 #![forbid(unsafe_code)]
-#![cfg_attr(
-    not(any(
-        target_arch = "x86",
-        target_arch = "x86_64",
-        target_arch = "aarch64",
-        all(target_arch = "wasm32", target_feature = "simd128")
-    )),
-    allow(
-        dead_code,
-        unused_imports,
-        unused_variables,
-        reason = "without a vector unit the scalar twins of the kernels do all of the work"
-    )
-)]
 extern crate alloc;
 
-mod arrays;
 mod atlas;
-mod blocks;
-mod clip;
-mod depth;
+mod coverage;
 mod draw;
-mod edge;
 mod error;
-mod floor;
-mod front;
-mod group;
-mod plane_table;
-mod planes;
-mod prepared;
+mod front_end;
+mod interpolate;
 pub mod reference;
-mod run;
 mod setup;
-mod sinks;
-mod stamp;
-mod steepest;
-mod vertex;
-mod visible;
+mod visibility;
 
 pub use atlas::{Atlas, AtlasMesh, AtlasOptions, Coverage};
-pub use blocks::{SAMPLES_4, SampleSetup, TileBlocks};
-pub use depth::DepthStrip;
+pub use coverage::edge::SUBPIXEL_BITS;
+pub use coverage::stamp::block_index;
 pub use draw::{Cull, DepthTest, Draw, Interp, MAX_ATTRIBUTES, MAX_PARTS, Pass, Stats, TargetSize};
-pub use edge::SUBPIXEL_BITS;
 pub use error::RasterError;
-pub use plane_table::TilePlanes;
-pub use prepared::{Prepared, Tile};
-pub use run::{BlockSink, BlockValues, Column, RUN, RUN_ROOM, RunBlock, RunValues};
+pub use front_end::prepared::{Prepared, Tile};
+pub use interpolate::{BlockSink, BlockValues, Column, RUN, RUN_ROOM, RunBlock, RunValues};
+pub use setup::plane_table::TilePlanes;
 pub use setup::{Fragment, TILE, TriangleSetup};
-pub use stamp::block_index;
-pub use visible::{AlphaTest, NONE, NoAlphaTest, TileBuffers, UvBlock};
+pub use visibility::blocks::{SAMPLES_4, SampleSetup, TileBlocks};
+pub use visibility::depth_only::DepthStrip;
+pub use visibility::visible::{AlphaTest, NONE, NoAlphaTest, TileBuffers, UvBlock};

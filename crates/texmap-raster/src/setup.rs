@@ -1,11 +1,26 @@
 //! From a triangle to what a pixel needs: planes about the centre of a 64x64 tile, hulls, and the way to evaluate them.
-use texmap_math::lanes::LANES;
+use texmap_math::simd::{Isa, Scalar, prelude::*};
 
-use crate::clip::Hom;
-use crate::edge::{Edge, row_span};
-use crate::planes::{Plane, Solver};
-use crate::visible::UvBlock;
+use crate::coverage::edge::Edge;
+use crate::coverage::stamp::{BLOCK_PIXELS, block_lanes};
+use crate::front_end::clip::Hom;
+use crate::setup::planes::{
+    COEFFICIENTS, Perspective, Plane, RowPlane, Solver, hull, is_moderate, plane_at, w_is_even,
+};
+use crate::visibility::visible::UvBlock;
 use crate::{Interp, MAX_ATTRIBUTES};
+
+mod depth;
+pub(crate) mod group;
+pub(crate) mod plane_table;
+pub(crate) mod planes;
+mod rows;
+mod wide;
+
+pub(crate) use depth::{Depth, DepthPlane, DepthRow, depth_offset};
+use rows::{Rows, rows};
+pub(crate) use wide::WidePixels;
+use wide::bound;
 
 /// Side of a tile in pixels, whatever the target's size: planes are anchored at tile centres, so this decides bits.
 pub const TILE: u32 = 64;
@@ -62,6 +77,12 @@ impl Default for Fragment {
     }
 }
 
+impl Fragment {
+    fn set(&mut self, k: usize, [value, ddx, ddy]: [f32; 3]) {
+        (self.values[k], self.ddx[k], self.ddy[k]) = (value, ddx, ddy);
+    }
+}
+
 /// A triangle as the front end left it.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Shape<'a> {
@@ -85,68 +106,18 @@ pub(crate) struct Shape<'a> {
     pub depth_slope: f32,
 }
 
-/// The depth of a triangle over one tile.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct DepthPlane {
-    pub z: Ranged,
-    /// An f32 plane would lose digits here: evaluate in f64.
-    pub wide: bool,
-}
-
-impl DepthPlane {
-    /// About (`ox`, `oy`) in pixels.
-    pub(crate) fn new(shape: &Shape<'_>, solver: Option<&Solver>) -> Self {
-        // A corner cut off at the far plane may lie beyond it by a rounding.
-        let depths = shape.piece.map(|p| (p.z / p.w).clamp(0.0, 1.0));
-        let plane = solve(solver, shape.outer.map(|p| p.z), mean(depths));
-        let mut z = Ranged::new(plane, depths.map(|v| v as f32));
-        // Reversed depth near the horizon is small: keep its digits where it varies much within the tile.
-        let lowest = larger(z.plane.smallest(REACH), f64::from(z.lo));
-        let even = z.plane.largest(REACH) <= 1.0 && z.plane.largest(REACH) <= DEPTH_RATIO * lowest;
-        if shape.depth_slope != 0.0 {
-            z.lower(away(shape.depth_slope, z.near));
-        }
-        Self { z, wide: !even }
-    }
-
-    /// `px`, `py`: a pixel's centre from the origin.
-    pub(crate) fn at(&self, px: f32, py: f32) -> f32 {
-        if self.wide {
-            self.z
-                .clamp(self.z.plane.at(f64::from(px), f64::from(py)) as f32)
-        } else {
-            self.z.clamp(self.z.at(px, py))
-        }
-    }
-}
-
-/// What a draw's [`depth_slope`](crate::Draw::depth_slope) takes off a depth plane.
-fn away(depth_slope: f32, near: [f32; 3]) -> f32 {
-    let by = (near[0].abs() + near[1].abs()) * depth_slope;
-    // A plane that is seen on edge leaves nothing.
-    if by < LEAVES_NOTHING {
-        by
-    } else {
-        LEAVES_NOTHING
-    }
-}
-
-fn solve(solver: Option<&Solver>, v: [f64; 3], middle: f64) -> Plane {
+fn solve(solver: &Solver<Scalar>, v: [f64; 3], middle: f64) -> Plane {
     // A triangle whose snapped form has area while its own has none gets constant planes.
-    let plane = solver.map(|s| s.plane(v)).filter(|p| p.is_finite());
-    plane.unwrap_or(Plane {
-        a: 0.0,
-        b: 0.0,
-        c: middle,
-    })
+    let plane = solver.plane(v);
+    if solver.solvable && plane.iter().all(|c| c.is_finite()) {
+        plane
+    } else {
+        [0.0, 0.0, middle]
+    }
 }
 
 fn mean(v: [f64; 3]) -> f64 {
     v[0] / 3.0 + v[1] / 3.0 + v[2] / 3.0
-}
-
-fn larger(a: f64, b: f64) -> f64 {
-    if a > b { a } else { b }
 }
 
 /// The middle of a tile in pixels.
@@ -181,20 +152,11 @@ pub(crate) struct Ranged {
 }
 
 impl Ranged {
-    fn new(plane: Plane, hull: [f32; 3]) -> Self {
-        let near = [plane.a as f32, plane.b as f32, plane.c as f32];
-        let (mut lo, mut hi) = (hull[0], hull[0]);
-        for v in hull {
-            if v < lo {
-                lo = v;
-            }
-            if v > hi {
-                hi = v;
-            }
-        }
+    fn new(plane: Plane, vertices: [f32; 3]) -> Self {
+        let [lo, hi] = hull(Scalar, vertices);
         Self {
             plane,
-            near,
+            near: plane.map(|c| c as f32),
             lo,
             hi,
         }
@@ -202,47 +164,29 @@ impl Ranged {
 
     /// Takes `by` off all values.
     fn lower(&mut self, by: f32) {
-        self.plane.c -= f64::from(by);
+        self.plane[2] -= f64::from(by);
         self.near[2] -= by;
         self.lo -= by;
         self.hi -= by;
     }
 
-    /// Multiply, then add; never stepped, never fused.
-    fn at(&self, x: f32, y: f32) -> f32 {
-        (self.near[2] + self.near[1] * y) + self.near[0] * x
+    #[inline(always)]
+    pub(crate) fn coefficients<I: Isa>(&self, i: I) -> [I::F32; COEFFICIENTS] {
+        let [a, b, c] = self.near;
+        [i.f32(a), i.f32(b), i.f32(c), i.f32(self.lo), i.f32(self.hi)]
     }
 
-    fn clamp(&self, v: f32) -> f32 {
-        let v = if v > self.lo { v } else { self.lo };
-        if v < self.hi { v } else { self.hi }
+    /// Clamps values in f64.
+    #[inline(always)]
+    pub(crate) fn clamp<I: Isa>(&self, i: I, v: I::F64) -> I::F64 {
+        bound(v, i.f64(f64::from(self.lo)), i.f64(f64::from(self.hi)))
     }
 
-    fn clamp_wide(&self, v: f64) -> f64 {
-        let (lo, hi) = (f64::from(self.lo), f64::from(self.hi));
-        let v = if v > lo { v } else { lo };
-        if v < hi { v } else { hi }
+    /// The value at a place on the screen, not divided.
+    #[inline(always)]
+    pub(crate) fn at<I: Isa>(&self, i: I, x: I::F64, y: I::F64) -> I::F64 {
+        plane_at(i, self.plane, x, y)
     }
-}
-
-/// How perspective attributes are evaluated.
-#[derive(Debug, Clone, Copy)]
-enum Rows {
-    /// At the pixel.
-    Exact,
-    /// Between exact nodes on the row.
-    Nodes {
-        edges: [Edge; 3],
-        width: i32,
-        spacing: Spacing,
-    },
-}
-
-#[derive(Debug, Clone, Copy)]
-enum Spacing {
-    Pixels(u32),
-    /// Tolerance of attributes 0 and 1.
-    Error(f64),
 }
 
 impl TriangleSetup {
@@ -256,15 +200,12 @@ impl TriangleSetup {
             z: p.z / p.w,
             w: 1.0,
         });
-        let outer = Solver::new(&shape.outer, ox, oy);
-        let screen = Solver::new(&flat, ox, oy);
+        let outer = Solver::new(Scalar, &shape.outer, [ox, oy]);
+        let screen = Solver::new(Scalar, &flat, [ox, oy]);
 
         let inv_w = shape.piece.map(|p| 1.0 / p.w);
         let middle_w = mean(inv_w);
-        let w = Ranged::new(
-            solve(outer.as_ref(), [1.0; 3], middle_w),
-            inv_w.map(|v| v as f32),
-        );
+        let w = Ranged::new(solve(&outer, [1.0; 3], middle_w), inv_w.map(|v| v as f32));
         let count = shape.attributes[0].len().min(MAX_ATTRIBUTES);
         let mut attributes = [Ranged::default(); MAX_ATTRIBUTES];
         for (k, slot) in attributes.iter_mut().enumerate().take(count) {
@@ -275,14 +216,14 @@ impl TriangleSetup {
                     Some(rows) => rows.map(|r| r[0] * value[0] + r[1] * value[1] + r[2] * value[2]),
                     None => value,
                 };
-                Ranged::new(solve(screen.as_ref(), corner, mean(corner)), vertex)
+                Ranged::new(solve(&screen, corner, mean(corner)), vertex)
             } else {
-                Ranged::new(solve(outer.as_ref(), value, mean(value) * middle_w), vertex)
+                Ranged::new(solve(&outer, value, mean(value) * middle_w), vertex)
             };
         }
         let mut setup = Self {
             origin,
-            depth: DepthPlane::new(shape, outer.as_ref()),
+            depth: DepthPlane::new(shape, &outer),
             w,
             attributes,
             count,
@@ -297,15 +238,10 @@ impl TriangleSetup {
 
     /// Whether f32 planes about the tile's centre are too coarse. Decided from the triangle and its fixed tile alone.
     fn needs_f64(&self) -> bool {
-        // Written so that NaN counts as uneven.
-        let lowest = larger(self.w.plane.smallest(REACH), f64::from(self.w.lo));
-        let even = self.w.plane.largest(REACH) <= W_RATIO * lowest;
-        let extreme = |r: &Ranged| {
-            let size = larger(f64::from(r.lo.abs()), f64::from(r.hi.abs()));
-            let in_range = size == 0.0 || (SMALLEST..=LARGEST).contains(&size);
-            !(in_range && r.plane.largest(REACH) <= LARGEST)
-        };
-        !even || extreme(&self.w) || self.attributes[..self.count].iter().any(extreme)
+        let moderate = |r: &Ranged| is_moderate(Scalar, r.plane, [r.lo, r.hi]);
+        !w_is_even(Scalar, self.w.plane, f64::from(self.w.lo))
+            || !moderate(&self.w)
+            || !self.attributes[..self.count].iter().all(moderate)
     }
 
     /// Lets values leave the triangle's by what they can change within half a pixel.
@@ -331,16 +267,12 @@ impl TriangleSetup {
     }
 
     /// Odd only in that it is evaluated in f64.
-    pub(crate) fn is_wide_perspective(&self) -> bool {
-        self.wide && !self.uses_rows() && !self.has_linear()
+    pub(crate) fn is_wide(&self) -> bool {
+        self.wide && !self.uses_rows()
     }
 
     fn uses_rows(&self) -> bool {
         matches!(self.rows, Rows::Nodes { .. })
-    }
-
-    fn has_linear(&self) -> bool {
-        (0..self.count).any(|k| self.is_linear(k))
     }
 
     /// The planes of 1/w and of the attributes.
@@ -351,14 +283,8 @@ impl TriangleSetup {
     /// Depth at a pixel's centre.
     #[must_use]
     pub fn depth(&self, x: u32, y: u32) -> f32 {
-        self.depth_at(x, y, [0; 2])
-    }
-
-    /// Depth at a sample `offset` 1/256 pixel from a pixel's centre.
-    pub(crate) fn depth_at(&self, x: u32, y: u32, offset: [i32; 2]) -> f32 {
         let (px, py) = self.local(x, y);
-        let [dx, dy] = offset.map(|o| o as f32 / 256.0);
-        self.depth.at(px + dx, py + dy)
+        self.depth.at(px, py)
     }
 
     /// Everything at a pixel's centre.
@@ -384,28 +310,28 @@ impl TriangleSetup {
 
     /// The first two attributes of the 4x4 pixels from (x, y) on, as [`evaluate`](Self::evaluate) finds them; `None` where f32 planes
     /// do not serve, and where there are fewer.
-    pub(crate) fn uv_block(&self, x: u32, y: u32) -> Option<UvBlock> {
+    #[inline(always)]
+    pub(crate) fn uv_block<I: Isa>(&self, i: I, x: u32, y: u32) -> Option<UvBlock> {
         if self.is_odd() || self.count < 2 {
             return None;
         }
         let (px, py) = self.local(x, y);
-        let xs: [f32; LANES] = core::array::from_fn(|i| px + (i % 4) as f32);
-        let ys: [f32; LANES] = core::array::from_fn(|i| py + (i / 4) as f32);
-        let r = core::array::from_fn(|i| 1.0 / self.w.clamp(self.w.at(xs[i], ys[i])));
-        let r: [f32; LANES] = r;
         let mut out = UvBlock::default();
-        for (k, plane) in self.attributes[..2].iter().enumerate() {
-            let linear = self.is_linear(k);
-            for i in 0..LANES {
-                let at = plane.at(xs[i], ys[i]);
-                let u = plane.clamp(if linear { at } else { at * r[i] });
-                out.value[k][i] = u;
-                if linear {
-                    (out.ddx[k][i], out.ddy[k][i]) = (plane.near[0], plane.near[1]);
+        for at in (0..BLOCK_PIXELS).step_by(I::LANES) {
+            let [dx, dy] = block_lanes(i, at);
+            let (px, py) = (dx.to_f32() + px, dy.to_f32() + py);
+            let w = RowPlane::new(self.w.coefficients(i), py);
+            let pixels = Perspective::new(i, &w, None, px);
+            for (k, plane) in self.attributes[..2].iter().enumerate() {
+                let plane = RowPlane::new(plane.coefficients(i), py);
+                let [u, dx, dy] = if self.is_linear(k) {
+                    plane.linear(px)
                 } else {
-                    out.ddx[k][i] = (plane.near[0] - u * self.w.near[0]) * r[i];
-                    out.ddy[k][i] = (plane.near[1] - u * self.w.near[1]) * r[i];
-                }
+                    pixels.attribute::<true>(&plane)
+                };
+                u.store(&mut out.value[k][at..]);
+                dx.store(&mut out.ddx[k][at..]);
+                dy.store(&mut out.ddy[k][at..]);
             }
         }
         Some(out)
@@ -424,138 +350,29 @@ impl TriangleSetup {
     }
 
     fn at_f32(&self, px: f32, py: f32, out: &mut Fragment) {
-        let w = self.w.clamp(self.w.at(px, py));
-        let r = 1.0 / w;
-        out.inv_w = w;
+        let w = RowPlane::new(self.w.coefficients(Scalar), py);
+        let pixel = Perspective::new(Scalar, &w, None, px);
+        out.inv_w = pixel.inv_w;
         for (k, plane) in self.attributes[..self.count].iter().enumerate() {
-            if self.is_linear(k) {
-                out.values[k] = plane.clamp(plane.at(px, py));
-                out.ddx[k] = plane.near[0];
-                out.ddy[k] = plane.near[1];
-            } else {
-                let u = plane.clamp(plane.at(px, py) * r);
-                out.values[k] = u;
-                out.ddx[k] = (plane.near[0] - u * self.w.near[0]) * r;
-                out.ddy[k] = (plane.near[1] - u * self.w.near[1]) * r;
-            }
+            let plane = RowPlane::new(plane.coefficients(Scalar), py);
+            out.set(
+                k,
+                if self.is_linear(k) {
+                    plane.linear(px)
+                } else {
+                    pixel.attribute::<true>(&plane)
+                },
+            );
         }
     }
 
     fn at_f64(&self, px: f64, py: f64, out: &mut Fragment) {
-        let w = self.w.clamp_wide(self.w.plane.at(px, py));
-        let r = 1.0 / w;
-        out.inv_w = w as f32;
-        for (k, ranged) in self.attributes[..self.count].iter().enumerate() {
-            let plane = &ranged.plane;
-            if self.is_linear(k) {
-                out.values[k] = ranged.clamp(plane.at(px, py) as f32);
-                out.ddx[k] = finite(plane.a);
-                out.ddy[k] = finite(plane.b);
-            } else {
-                let u = ranged.clamp_wide(plane.at(px, py) * r);
-                out.values[k] = u as f32;
-                out.ddx[k] = finite((plane.a - u * self.w.plane.a) * r);
-                out.ddy[k] = finite((plane.b - u * self.w.plane.b) * r);
+        let pixel = WidePixels::new(Scalar, self, [px, py]);
+        out.inv_w = pixel.inv_w();
+        for k in 0..self.count {
+            if let Some(values) = pixel.attribute::<true>(k) {
+                out.set(k, values);
             }
-        }
-    }
-
-    /// Exact at two nodes on the row, linear between them.
-    fn between_nodes(
-        &self,
-        edges: &[Edge; 3],
-        width: i32,
-        spacing: Spacing,
-        x: u32,
-        y: u32,
-        out: &mut Fragment,
-    ) {
-        let (px, py) = self.local(x, y);
-        let (px, py) = (f64::from(px), f64::from(py));
-        self.at_f64(px, py, out);
-        let Some((first, last)) = row_span(edges, y as i32, 0, width - 1) else {
-            return;
-        };
-        // Node positions from the origin, and the pixel's place between them.
-        let [first, last] = [first, last].map(|x| f64::from(x - self.origin[0]) + 0.5);
-        let [a, b] = match spacing {
-            Spacing::Pixels(n) => {
-                let n = f64::from(n);
-                let start = first + ((px - first) / n).trunc_to_int() * n;
-                let end = start + n;
-                [start, if end < last { end } else { last }]
-            }
-            Spacing::Error(tolerance) => self.error_nodes(first, last, px, py, tolerance),
-        };
-        let length = b - a;
-        if length.is_nan() || length <= 0.0 {
-            return;
-        }
-        let t = (px - a) / length;
-        let [wa, wb] = [a, b].map(|x| self.w.clamp_wide(self.w.plane.at(x, py)));
-        for (k, ranged) in self.attributes[..self.count].iter().enumerate() {
-            if self.is_linear(k) {
-                continue;
-            }
-            let [ua, ub] =
-                [(a, wa), (b, wb)].map(|(x, w)| ranged.clamp_wide(ranged.plane.at(x, py) / w));
-            out.values[k] = ranged.clamp((ua * (1.0 - t) + ub * t) as f32);
-            out.ddx[k] = finite((ub - ua) / length);
-        }
-    }
-
-    /// The two nodes about `px` such that attributes 0 and 1 are off by at most the tolerance between any two nodes.
-    ///
-    /// Between nodes with W = a and W = b (W linear along the row) an affine span is off by at most
-    /// `|du| |sqrt b - sqrt a| / (sqrt b + sqrt a)`. With `du = K (1/a - 1/b)`, K = (U_x W - U W_x) / W_x constant along
-    /// the row, that is `K (a^-1/2 - b^-1/2)^2`: nodes at equal steps of W^-1/2 share the error evenly.
-    fn error_nodes(&self, first: f64, last: f64, px: f64, py: f64, tolerance: f64) -> [f64; 2] {
-        let slope = self.w.plane.a;
-        let at = |x: f64| self.w.clamp_wide(self.w.plane.at(x, py));
-        let (w1, w2) = (at(first), at(last));
-        if slope == 0.0 || w1 == w2 {
-            return [first, last];
-        }
-        let mut largest = 0.0;
-        for (k, ranged) in self.attributes[..self.count.min(2)].iter().enumerate() {
-            if !self.is_linear(k) {
-                let turn = ranged.plane.a * w1 - ranged.plane.at(first, py) * slope;
-                let size = (turn / slope).abs();
-                if size > largest {
-                    largest = size;
-                }
-            }
-        }
-        let root = |w: f64| 1.0 / texmap_math::float::sqrt(w);
-        let (g1, g2) = (root(w1), root(w2));
-        // The nodes are exact only to rounding: a hair below the tolerance keeps the sum below it.
-        let parts = (g2 - g1).abs() * texmap_math::float::sqrt(largest / (tolerance * 0.999));
-        // More parts than pixels: every pixel is a node.
-        if parts.is_nan() || parts > last - first {
-            return [px, px];
-        }
-        let parts = parts.trunc_to_int() + 1.0;
-        let node = |k: f64| {
-            if k <= 0.0 {
-                first
-            } else if k >= parts {
-                last
-            } else {
-                let g = g1 + (g2 - g1) * (k / parts);
-                let x = first + (1.0 / (g * g) - w1) / slope;
-                let x = if x > first { x } else { first };
-                if x < last { x } else { last }
-            }
-        };
-        let g = root(at(px));
-        let k = ((g - g1) / (g2 - g1) * parts).trunc_to_int();
-        // Rounding may put the pixel a hair outside its part; the neighbouring part then holds it.
-        if px < node(k) {
-            [node(k - 1.0), node(k)]
-        } else if px > node(k + 1.0) {
-            [node(k + 1.0), node(k + 2.0)]
-        } else {
-            [node(k), node(k + 1.0)]
         }
     }
 }
@@ -577,37 +394,4 @@ pub(crate) fn widen_attribute(slope: f32, w_slope: f32, w_lo: f32, lo: &mut f32,
     let reach = 0.5 * (slope + size * w_slope) / w_lo;
     *lo -= reach;
     *hi += reach;
-}
-
-fn rows(shape: &Shape<'_>) -> Rows {
-    let spacing = match shape.interp {
-        Interp::Span(n) => Spacing::Pixels(n),
-        Interp::WithinError(tolerance) => {
-            Spacing::Error(f64::from(tolerance) / f64::from(shape.interp_scale))
-        }
-        Interp::Perspective | Interp::Affine | Interp::Subdivided(_) => return Rows::Exact,
-    };
-    Rows::Nodes {
-        edges: shape.edges,
-        width: shape.width,
-        spacing,
-    }
-}
-
-/// Derivatives may exceed f32 at a horizon.
-fn finite(v: f64) -> f32 {
-    let largest = f64::from(f32::MAX);
-    let v = if v > -largest { v } else { -largest };
-    (if v < largest { v } else { largest }) as f32
-}
-
-trait Truncate {
-    /// Towards zero, for values in the range of i64.
-    fn trunc_to_int(self) -> Self;
-}
-
-impl Truncate for f64 {
-    fn trunc_to_int(self) -> Self {
-        self as i64 as Self
-    }
 }

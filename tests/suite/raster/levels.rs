@@ -1,9 +1,11 @@
-//! The fast path gives the bits of the plain one, on every SIMD level and with any number of threads.
+//! All lanes give the bits of one lane, on every SIMD level and with any number of threads.
 use texmap_math::glam::DMat4;
+use texmap_math::simd::{Isa, prelude::*};
+use texmap_math::{Level, dispatch_simd};
 use texmap_raster::{
-    AlphaTest, Cull, DepthTest, Draw, Fragment, Interp, NONE, NoAlphaTest, Pass, Prepared,
-    RunBlock, RunValues, SAMPLES_4, SampleSetup, TargetSize, TileBlocks, TileBuffers, TilePlanes,
-    UvBlock,
+    AlphaTest, BlockSink, BlockValues, Column, Cull, DepthTest, Draw, Fragment, Interp, NONE,
+    NoAlphaTest, Pass, Prepared, RunBlock, RunValues, SAMPLES_4, SampleSetup, TargetSize,
+    TileBlocks, TileBuffers, TilePlanes, UvBlock,
 };
 use texmap_tests::levels::levels;
 
@@ -127,7 +129,7 @@ fn picture(prepared: &Prepared<'_>) -> Vec<u32> {
 }
 
 #[test]
-fn every_level_and_thread_count_gives_the_plain_bits() {
+fn every_level_and_thread_count_gives_the_bits_of_one_lane() {
     let (mut seen, mut clipped) = (0, 0);
     for seed in 0..200 {
         let scene = RandomScene::new(seed);
@@ -141,14 +143,14 @@ fn every_level_and_thread_count_gives_the_plain_bits() {
                 }
             }
         }
-        let plain = Prepared::plain(scene.target, &draws).expect("valid");
-        let expected = picture(&plain);
-        seen += plain.stats().binned;
-        clipped += plain.stats().clipped;
+        let one = Prepared::with_level(scene.target, &draws, Level::fallback(), 1).expect("valid");
+        let expected = picture(&one);
+        seen += one.stats().binned;
+        clipped += one.stats().clipped;
         for (name, level) in levels() {
             let threads = 1 + seed as usize % 3;
             let fast = Prepared::with_level(scene.target, &draws, level, threads).expect("valid");
-            assert_eq!(fast.stats(), plain.stats(), "seed {seed}, {name}");
+            assert_eq!(fast.stats(), one.stats(), "seed {seed}, {name}");
             assert!(
                 picture(&fast) == expected,
                 "seed {seed}, {name}: other bits"
@@ -163,7 +165,7 @@ fn every_level_and_thread_count_gives_the_plain_bits() {
 
 /// A wall drawn first hides what lies behind it, and nothing else: where it covers whole tiles these need no look at a pixel.
 #[test]
-fn what_a_wall_hides_is_hidden_by_the_plain_form() {
+fn what_a_wall_hides_is_hidden_in_one_lane() {
     let (mut walled, mut before) = (0, 0);
     for seed in 0..120 {
         let scene = RandomScene::new(seed);
@@ -180,11 +182,11 @@ fn what_a_wall_hides_is_hidden_by_the_plain_form() {
         // Before what may pass without a test, and after it.
         draws.insert(0, wall);
         draws.insert(2, wall);
-        let plain = Prepared::plain(scene.target, &draws).expect("valid");
-        let expected = picture(&plain);
+        let one = Prepared::with_level(scene.target, &draws, Level::fallback(), 1).expect("valid");
+        let expected = picture(&one);
         let mut buffers = TileBuffers::new();
-        for tile in 0..plain.tiles() {
-            plain.visible(tile, &NoAlphaTest, &mut buffers);
+        for tile in 0..one.tiles() {
+            one.visible(tile, &NoAlphaTest, &mut buffers);
             walled += buffers.id.iter().filter(|id| **id == 0).count();
             before += buffers
                 .id
@@ -239,12 +241,12 @@ fn cut_outs_by_blocks_are_those_by_fragments() {
         for draw in &mut draws {
             draw.pass = Pass::CutOut;
         }
-        let plain = Prepared::plain(scene.target, &draws).expect("valid");
+        let one = Prepared::with_level(scene.target, &draws, Level::fallback(), 1).expect("valid");
         let (mut expected, mut found) = (TileBlocks::new(), TileBlocks::new());
         for (name, level) in levels() {
             let fast = Prepared::with_level(scene.target, &draws, level, 1).expect("valid");
-            for tile in 0..plain.tiles() {
-                plain.visible_blocks(tile, &Grille { by_blocks: false }, &mut expected);
+            for tile in 0..one.tiles() {
+                one.visible_blocks(tile, &Grille { by_blocks: false }, &mut expected);
                 fast.visible_blocks(tile, &Grille { by_blocks: true }, &mut found);
                 let bits = |d: &TileBlocks| d.depth.iter().map(|d| d.to_bits()).collect::<Vec<_>>();
                 assert!(
@@ -258,7 +260,7 @@ fn cut_outs_by_blocks_are_those_by_fragments() {
     assert!(count > 100_000, "{count}");
 }
 
-/// Blocks handed out in submitted order are the plain form's blended fragments.
+/// Blocks handed out in submitted order are one lane's blended fragments.
 #[test]
 fn forward_blocks_are_the_blended_fragments() {
     let mut count = 0;
@@ -272,13 +274,13 @@ fn forward_blocks_are_the_blended_fragments() {
                 ..d
             })
             .collect();
-        let plain = Prepared::plain(scene.target, &draws).expect("valid");
+        let one = Prepared::with_level(scene.target, &draws, Level::fallback(), 1).expect("valid");
         for (name, level) in levels() {
             let fast = Prepared::with_level(scene.target, &draws, level, 1).expect("valid");
-            for index in 0..plain.tiles() {
-                let tile = plain.tile(index);
+            for index in 0..one.tiles() {
+                let tile = one.tile(index);
                 let mut expected = Vec::new();
-                plain.blended(index, &TileBuffers::new(), &mut |id, x, y| {
+                one.blended(index, &TileBuffers::new(), &mut |id, x, y| {
                     expected.push((id, x, y));
                 });
                 let mut found = Vec::new();
@@ -315,6 +317,72 @@ fn forward_blocks_are_the_blended_fragments() {
         }
     }
     assert!(count > 100_000, "{count}");
+}
+
+/// Values of runs in the lanes that a level takes by default, four on 128-bit levels: stored, and shown to a sink.
+struct Narrow {
+    stored: RunValues,
+    shown: RunValues,
+}
+
+impl Narrow {
+    fn new(columns: usize) -> Self {
+        let mut stored = RunValues::default();
+        stored.columns.resize(columns, Column::ZERO);
+        let mut shown = RunValues::default();
+        shown.columns.resize(2, Column::ZERO);
+        Self { stored, shown }
+    }
+
+    #[inline(always)]
+    fn fill<I: Isa>(
+        &mut self,
+        i: I,
+        planes: &TilePlanes,
+        blocks: &TileBlocks,
+        run: &[RunBlock],
+        wanted: &[usize],
+    ) {
+        planes.each_column::<_, true>(i, blocks, run, wanted, 0, &mut self.stored);
+        planes.each_block::<_, true, _>(i, blocks, run, [1, 0], &mut Store(&mut self.shown));
+    }
+
+    fn assert_bits(&self, all: &RunValues, run: &[RunBlock], wanted: &[usize]) {
+        let bits = |of: &RunValues, k: usize, place: usize| {
+            let column = &of.columns[k];
+            [column.value[place], column.ddx[place], column.ddy[place]].map(f32::to_bits)
+        };
+        for (i, at) in run.iter().enumerate() {
+            for bit in (0..16).filter(|bit| at.mask >> bit & 1 == 1) {
+                let place = i * 16 + bit;
+                let inv_w = all.inv_w[place].to_bits();
+                assert_eq!(self.stored.inv_w[place].to_bits(), inv_w);
+                for k in 0..wanted.len() {
+                    assert_eq!(bits(&self.stored, k, place), bits(all, k, place));
+                }
+                if wanted.starts_with(&[1, 0]) {
+                    assert_eq!(self.shown.inv_w[place].to_bits(), inv_w);
+                    for k in 0..2 {
+                        assert_eq!(bits(&self.shown, k, place), bits(all, k, place));
+                    }
+                }
+            }
+        }
+    }
+}
+
+struct Store<'a>(&'a mut RunValues);
+
+impl<I: Isa> BlockSink<I> for Store<'_> {
+    #[inline(always)]
+    fn pixels(&mut self, _: I, place: usize, _: RunBlock, values: &BlockValues<I>) {
+        values.inv_w.store(&mut self.0.inv_w[place..]);
+        for (k, column) in self.0.columns.iter_mut().enumerate() {
+            values.value[k].store(&mut column.value[place..]);
+            values.ddx[k].store(&mut column.ddx[place..]);
+            values.ddy[k].store(&mut column.ddy[place..]);
+        }
+    }
 }
 
 /// Values of runs of blocks are the bits of `evaluate`, pixel by pixel.
@@ -388,6 +456,9 @@ fn runs_of_blocks_have_the_bits_of_single_pixels() {
                         }
                     }
                     let all = run.clone();
+                    let mut narrow = Narrow::new(wanted.len());
+                    dispatch_simd!(level, i => narrow.fill(i, &planes, &blocks, chunk, wanted));
+                    narrow.assert_bits(&all, chunk, wanted);
                     planes.values(level, &blocks, chunk, wanted, false, &mut run);
                     for (i, at) in chunk.iter().enumerate() {
                         for place in (0..16)
@@ -410,25 +481,26 @@ fn runs_of_blocks_have_the_bits_of_single_pixels() {
     assert!(count > 100_000, "{count}");
 }
 
-/// Samples beside the centres: the lanes are the plain form, and the fill rule holds for them as for the centres.
+/// Samples beside the centres: lanes give the bits of one lane, and the fill rule holds for them as for the centres.
 #[test]
-fn samples_have_the_plain_bits_and_leave_no_crack() {
+fn samples_have_the_bits_of_one_lane_and_leave_no_crack() {
     let mut seen = 0;
     for seed in 0..40 {
         let scene = RandomScene::new(seed);
         let draws = scene.draws();
-        let plain = Prepared::plain_with_samples(scene.target, &draws).expect("valid");
+        let one =
+            Prepared::with_samples(scene.target, &draws, Level::fallback(), 1).expect("valid");
         let (mut expected, mut found) = (TileBlocks::new(), TileBlocks::new());
         let mut all: [TileBlocks; 4] = std::array::from_fn(|_| TileBlocks::new());
         let mut setup = SampleSetup::default();
         for (name, level) in levels() {
             let fast = Prepared::with_samples(scene.target, &draws, level, 1).expect("valid");
-            assert_eq!(fast.stats(), plain.stats(), "seed {seed}, {name}");
-            for tile in 0..plain.tiles() {
+            assert_eq!(fast.stats(), one.stats(), "seed {seed}, {name}");
+            for tile in 0..one.tiles() {
                 let together = SAMPLES_4.into_iter().zip(&mut all);
                 fast.visible_samples(tile, &NoAlphaTest, &mut setup, together);
                 for (offset, shared) in SAMPLES_4.into_iter().zip(&all) {
-                    plain.visible_sample(tile, offset, &NoAlphaTest, &mut expected);
+                    one.visible_sample(tile, offset, &NoAlphaTest, &mut expected);
                     fast.visible_sample(tile, offset, &NoAlphaTest, &mut found);
                     assert!(
                         found.slot == expected.slot,
@@ -459,8 +531,7 @@ fn samples_have_the_plain_bits_and_leave_no_crack() {
         *p = [p[0] * 1.1, p[1] * 1.1, 0.5];
     }
     let draw = mesh.draw(DMat4::IDENTITY);
-    let prepared =
-        Prepared::with_samples(target, &[draw], texmap_math::Level::new(), 1).expect("valid");
+    let prepared = Prepared::with_samples(target, &[draw], Level::new(), 1).expect("valid");
     let mut blocks = TileBlocks::new();
     for offset in SAMPLES_4 {
         prepared.visible_sample(0, offset, &NoAlphaTest, &mut blocks);

@@ -355,4 +355,12 @@ impl Isa for Scalar {
     fn first(self, x: One<i32>) -> i32 {
         x.0
     }
+    #[inline(always)]
+    fn interleave(self, a: One<u32>, b: One<u32>) -> [One<u32>; 2] {
+        [a, b]
+    }
+    #[inline(always)]
+    fn load_xyz(self, vectors: &[[f32; 3]]) -> [f32; 3] {
+        vectors[0]
+    }
 }

@@ -1,7 +1,6 @@
 //! The stages that run on the fragments of a surface, and their inputs: the one module that knows all stages.
 
 use texmap_light::{Light, Power, ShadowReader};
-use texmap_math::Level;
 
 use super::effects::SurfaceEffects;
 use super::{Plan, Space, Surface};
@@ -36,7 +35,7 @@ impl<'a> Shader<'a> {
             (Some(Space::Volume(stage)), _) => Self::Volume(stage),
             (None, Some(color)) => {
                 let slot = surface.base_color.as_ref();
-                Self::Unlit(Box::new(Unlit::new(plan.level, color, slot)))
+                Self::Unlit(Box::new(Unlit::new(color, slot)))
             }
             (None, None) => Self::Surface(Box::new(surface_shader(plan, surface))),
         }
@@ -69,7 +68,7 @@ fn surface_shader<'a>(plan: &'a Plan<'a>, surface: &'a Surface<'a>) -> SurfaceSh
         horizon_clamp: material.horizon_clamp,
     };
     let base = base_color(surface, covers);
-    let pair = TexturePair::new(level, [base.texture.filter(|_| base.paired), normal_map]);
+    let pair = TexturePair::new([base.texture.filter(|_| base.paired), normal_map]);
 
     let environment = |index: usize| &ready.environments[index];
     let reflection = material.reflection.filter(|_| effects.is_some());
@@ -83,7 +82,7 @@ fn surface_shader<'a>(plan: &'a Plan<'a>, surface: &'a Surface<'a>) -> SurfaceSh
     let lights = match (per_pixel, effects) {
         (false, _) => Vec::new(),
         (true, None) => plan.lights.iter().map(unshadowed).collect(),
-        (true, Some(effects)) => lights(level, ready, effects),
+        (true, Some(effects)) => lights(ready, effects),
     };
     let paints = ready.paints.iter();
     let paints = paints.filter(|_| effects.is_some() && position.is_some());
@@ -96,9 +95,7 @@ fn surface_shader<'a>(plan: &'a Plan<'a>, surface: &'a Surface<'a>) -> SurfaceSh
         light_map: effects
             .and_then(|effects| effects.light_map.as_ref())
             .map(|(map, slot, first)| (material.surface.kd * map.scale, slot, *first)),
-        paints: paints
-            .map(|paint| ProjectorStage::new(level, paint))
-            .collect(),
+        paints: paints.map(|paint| ProjectorStage::new(paint)).collect(),
         maps: effects.map_or([None; MAPS], |effects| {
             effects.maps.each_ref().map(Option::as_ref)
         }),
@@ -187,18 +184,14 @@ fn unshadowed<'a>(light: &Light) -> LitBy<'a> {
 }
 
 /// The lights of a surface, their shadow maps and projectors.
-fn lights<'a>(
-    level: Level,
-    ready: &'a Ready<'a>,
-    effects: &'a SurfaceEffects<'a>,
-) -> Vec<LitBy<'a>> {
+fn lights<'a>(ready: &'a Ready<'a>, effects: &'a SurfaceEffects<'a>) -> Vec<LitBy<'a>> {
     let first_lamp = ready.lights.len() - ready.lamps.len();
     let lights = effects.lights.iter().map(|(index, light)| {
         let projected = index.checked_sub(first_lamp).map(|k| &ready.lamps[k]);
         LitBy {
             light: *light,
             shadows: &ready.shadows[*index],
-            projector: projected.map(|projected| ProjectorStage::new(level, projected)),
+            projector: projected.map(|projected| ProjectorStage::new(projected)),
         }
     });
     lights.collect()

@@ -72,11 +72,11 @@ impl ProjectorTexels {
 }
 
 impl<'a> ProjectorStage<'a> {
-    pub(crate) fn new(level: Level, projected: &'a Projected<'a>) -> Self {
+    pub(crate) fn new(projected: &'a Projected<'a>) -> Self {
         let view = &projected.view;
         Self {
             projected,
-            view: packed_view(level, &view.sampler_within(), view.texture),
+            view: packed_view(&view.sampler_within(), view.texture),
         }
     }
 
@@ -222,7 +222,7 @@ mod tests {
                     position: [0.0; 3],
                     shadow: None,
                 };
-                let packed = ProjectorStage::new(level, &projected);
+                let packed = ProjectorStage::new(&projected);
                 let general = ProjectorStage {
                     projected: &projected,
                     view: None,

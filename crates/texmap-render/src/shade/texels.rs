@@ -1,9 +1,8 @@
 //! Packed RGBA8 texels of a batch: uv and mip of its pixels, then one word a pixel. Textures whose filter gives bytes take this
-//! kernel on levels with wide registers; others are read channel by channel.
+//! kernel; others are read channel by channel.
 
-use texmap_math::fearless_simd::{Simd, SimdBase, f32x16, i32x16};
-use texmap_math::simd::X16;
-use texmap_math::{Level, on_wide_level};
+use texmap_math::simd::{ByteIsa, Isa, prelude::*};
+use texmap_math::{Level, dispatch_simd};
 use texmap_raster::{BlockSink, BlockValues, NONE, RUN_ROOM, RunBlock, TileBlocks, TilePlanes};
 use texmap_sample::lanes::packed::{self, FootprintLanes};
 use texmap_sample::lanes::{Kind, RGBA8, View};
@@ -11,15 +10,10 @@ use texmap_sample::{Sampler, Texture2d};
 
 use super::batch::{BatchUv, LANES};
 
-/// A texture whose look-ups are RGBA8 words; `None` if they are not, or the level has no kernel for them.
-pub(crate) fn packed_view<'a>(
-    level: Level,
-    sampler: &Sampler,
-    texture: &'a Texture2d<'_>,
-) -> Option<View<'a>> {
+/// A texture whose look-ups are RGBA8 words; `None` if they are not.
+pub(crate) fn packed_view<'a>(sampler: &Sampler, texture: &'a Texture2d<'_>) -> Option<View<'a>> {
     let view = View::new(sampler, texture)?;
-    let packed = view.format == RGBA8 && view.kind.is_plain();
-    (packed && on_wide_level!(level, _s => true, else false)).then_some(view)
+    (view.format == RGBA8 && view.kind.is_plain()).then_some(view)
 }
 
 /// Coordinates and mips of the texels that a batch reads.
@@ -42,19 +36,19 @@ impl Default for TexelAddresses {
 }
 
 impl TexelAddresses {
-    /// Stores the mips of 16 pixels from `at` on, by the changes of uv to the right and down.
+    /// Stores the mips of the pixels from `at` on, by the changes of uv to the right and down.
     #[inline(always)]
-    fn put_mips<S: Simd>(
+    fn put_mips<I: ByteIsa>(
         &mut self,
-        s: S,
+        i: I,
         (texture, view): (usize, &View<'_>),
         at: usize,
-        [ux, vx]: [f32x16<S>; 2],
-        [uy, vy]: [f32x16<S>; 2],
+        [ux, vx]: [I::F32; 2],
+        [uy, vy]: [I::F32; 2],
     ) {
-        let footprint = FootprintLanes::new(s, view, ux, vx, uy, vy);
-        let mip = packed::lod_lanes(s, view, &footprint);
-        mip.store_slice(&mut self.mips[texture][at..at + LANES]);
+        let footprint = FootprintLanes::new(i, view, ux, vx, uy, vy);
+        let mip = packed::lod_lanes(i, view, &footprint);
+        mip.store(&mut self.mips[texture][at..at + I::LANES]);
     }
 }
 
@@ -75,11 +69,7 @@ pub(crate) fn read_texels(
     addresses: &mut TexelAddresses,
     out: &mut [u32; RUN_ROOM],
 ) {
-    on_wide_level!(
-        level,
-        s => read(s, view, pixels, batch, addresses, out),
-        else debug_assert!(false, "no view on this level")
-    );
+    dispatch_simd!(level, wide i => read(i, view, pixels, batch, addresses, out));
 }
 
 /// Reads the texels of two textures at the same coordinates; `same_mips` if their sizes, filters and mips are the same.
@@ -96,25 +86,33 @@ pub(crate) fn read_pair(
         let [out, _] = out;
         return read_texels(level, view, pixels, batch, addresses, out);
     }
-    on_wide_level!(
-        level,
-        s => {
-            let [a, b] = views.each_ref().map(Option::as_ref);
-            if a.into_iter().chain(b).any(reads_mips) {
-                let own = [a, if same_mips { None } else { b }];
-                pixels.each::<_, true, _>(s, batch, &mut Store::<true>::new(0, own, addresses));
-            } else {
-                pixels.each::<_, false, _>(s, batch, &mut Store::<false>::new(0, [None; 2], addresses));
-            }
-            for (k, (view, out)) in views.iter().zip(out).enumerate() {
-                if let Some(view) = view {
-                    let mips = if same_mips { 0 } else { k };
-                    texels(s, view, addresses, mips, 0..batch.len(), out);
-                }
-            }
-        },
-        else debug_assert!(false, "no view on this level")
-    );
+    let views = views.each_ref().map(Option::as_ref);
+    dispatch_simd!(level, wide i => pair(i, views, same_mips, pixels, batch, addresses, out));
+}
+
+#[inline(always)]
+fn pair<I: ByteIsa>(
+    i: I,
+    views: [Option<&View<'_>>; 2],
+    same_mips: bool,
+    pixels: &Pixels<'_>,
+    batch: &[RunBlock],
+    addresses: &mut TexelAddresses,
+    out: [&mut [u32; RUN_ROOM]; 2],
+) {
+    let [a, b] = views;
+    if a.into_iter().chain(b).any(reads_mips) {
+        let own = [a, if same_mips { None } else { b }];
+        pixels.each::<_, true, _>(i, batch, &mut Store::<true>::new(0, own, addresses));
+    } else {
+        pixels.each::<_, false, _>(i, batch, &mut Store::<false>::new(0, [None; 2], addresses));
+    }
+    for (k, (view, out)) in views.into_iter().zip(out).enumerate() {
+        if let Some(view) = view {
+            let mips = if same_mips { 0 } else { k };
+            texels(i, view, addresses, mips, 0..batch.len(), out);
+        }
+    }
 }
 
 /// Reads the texels at stored coordinates, which change by `changes` to the right and down.
@@ -122,50 +120,55 @@ pub(crate) fn read_placed(
     level: Level,
     view: &View<'_>,
     addresses: &mut TexelAddresses,
+    changes: &[BatchUv; 2],
+    blocks: usize,
+    out: &mut [u32; RUN_ROOM],
+) {
+    dispatch_simd!(level, wide i => placed(i, view, addresses, changes, blocks, out));
+}
+
+#[inline(always)]
+fn placed<I: ByteIsa>(
+    i: I,
+    view: &View<'_>,
+    addresses: &mut TexelAddresses,
     [dx, dy]: &[BatchUv; 2],
     blocks: usize,
     out: &mut [u32; RUN_ROOM],
 ) {
-    on_wide_level!(
-        level,
-        s => {
-            if reads_mips(view) {
-                for at in (0..blocks * LANES).step_by(LANES) {
-                    let (dx, dy) = (dx.load(X16(s), at), dy.load(X16(s), at));
-                    addresses.put_mips(s, (0, view), at, dx, dy);
-                }
-            }
-            texels(s, view, addresses, 0, 0..blocks, out);
-        },
-        else debug_assert!(false, "no view on this level")
-    );
+    if reads_mips(view) {
+        for at in (0..blocks * LANES).step_by(I::LANES) {
+            addresses.put_mips(i, (0, view), at, dx.load(i, at), dy.load(i, at));
+        }
+    }
+    texels(i, view, addresses, 0, 0..blocks, out);
 }
 
 impl Pixels<'_> {
     #[inline(always)]
-    fn each<S: Simd, const D: bool, K: BlockSink<S>>(
+    fn each<I: ByteIsa, const D: bool, K: BlockSink<I>>(
         &self,
-        s: S,
+        i: I,
         batch: &[RunBlock],
         sink: &mut K,
     ) {
         match self {
             Self::Blocks(planes, blocks) => {
-                if !self.each_named::<S, D, K>(s, batch, sink) {
-                    planes.each_block::<_, D, _>(s, blocks, batch, [0, 1], sink);
+                if !self.each_named::<I, D, K>(i, batch, sink) {
+                    planes.each_block::<_, D, _>(i, blocks, batch, [0, 1], sink);
                 }
             }
             Self::Scattered(planes, of) => {
-                planes.each_sixteen::<_, D, _>(s, *of, batch, [0, 1], sink);
+                planes.each_sixteen::<_, D, _>(i, *of, batch, [0, 1], sink);
             }
         }
     }
 
     /// [`each`](Self::each) in a loop that leaves more registers to the sink; false, with nothing done, where it does not serve.
     #[inline(always)]
-    fn each_named<S: Simd, const D: bool, K: BlockSink<S>>(
+    fn each_named<I: ByteIsa, const D: bool, K: BlockSink<I>>(
         &self,
-        s: S,
+        i: I,
         batch: &[RunBlock],
         sink: &mut K,
     ) -> bool {
@@ -174,15 +177,15 @@ impl Pixels<'_> {
         };
         let named = planes.is_plain() && batch.iter().all(|at| at.slot != NONE);
         if named {
-            planes.each_named::<_, D, _>(s, batch, [0, 1], sink);
+            planes.each_named::<_, D, _>(i, batch, [0, 1], sink);
         }
         named
     }
 }
 
 #[inline(always)]
-fn read<S: Simd>(
-    s: S,
+fn read<I: ByteIsa>(
+    i: I,
     view: &View<'_>,
     pixels: &Pixels<'_>,
     batch: &[RunBlock],
@@ -190,34 +193,34 @@ fn read<S: Simd>(
     out: &mut [u32; RUN_ROOM],
 ) {
     if view.kind == Kind::Nearest
-        && let Some(texels) = packed::Masked::new(s, view)
-        && pixels.each_named::<_, false, _>(s, batch, &mut Nearest { texels, out })
+        && let Some(texels) = packed::Masked::new(i, view)
+        && pixels.each_named::<_, false, _>(i, batch, &mut Nearest { texels, out })
     {
         return;
     }
     if !reads_mips(view) {
         let mut sink = Store::<false>::new(0, [None; 2], addresses);
-        pixels.each::<_, false, _>(s, batch, &mut sink);
-        return texels(s, view, addresses, 0, 0..batch.len(), out);
+        pixels.each::<_, false, _>(i, batch, &mut sink);
+        return texels(i, view, addresses, 0, 0..batch.len(), out);
     }
     // Neither derivatives nor mips are asked for where the bits do not depend on them.
     let mut magnified = Magnified::new(addresses.refusals);
     let mut first = 0;
     while first < batch.len() {
-        let near = magnified.covers(s, pixels, view, &batch[first..]);
+        let near = magnified.covers(i, pixels, view, &batch[first..]);
         let mut end = first + 1;
-        while end < batch.len() && magnified.covers(s, pixels, view, &batch[end..]) == near {
+        while end < batch.len() && magnified.covers(i, pixels, view, &batch[end..]) == near {
             end += 1;
         }
         let part = &batch[first..end];
         if near {
             let mut sink = Store::<false>::new(first, [None; 2], addresses);
-            pixels.each::<_, false, _>(s, part, &mut sink);
-            bilinear(s, view, addresses, first..end, out);
+            pixels.each::<_, false, _>(i, part, &mut sink);
+            bilinear(i, view, addresses, first..end, out);
         } else {
             let mut sink = Store::<true>::new(first, [Some(view), None], addresses);
-            pixels.each::<_, true, _>(s, part, &mut sink);
-            texels(s, view, addresses, 0, first..end, out);
+            pixels.each::<_, true, _>(i, part, &mut sink);
+            texels(i, view, addresses, 0, first..end, out);
         }
         first = end;
     }
@@ -225,46 +228,47 @@ fn read<S: Simd>(
 }
 
 #[inline(always)]
-fn texels<S: Simd>(
-    s: S,
+fn texels<I: ByteIsa>(
+    i: I,
     view: &View<'_>,
     addresses: &TexelAddresses,
     mips: usize,
     blocks: core::ops::Range<usize>,
     out: &mut [u32; RUN_ROOM],
 ) {
+    let pixels = blocks.start * LANES..blocks.end * LANES;
     match view.kind {
         Kind::Nearest => {
-            for k in blocks {
-                let [u, v] = addresses.uv.load(X16(s), k * LANES);
-                let word = packed::nearest_lanes(s, view, u, v);
-                word.store_slice(&mut out[k * LANES..(k + 1) * LANES]);
+            for at in pixels.step_by(I::LANES) {
+                let [u, v] = addresses.uv.load(i, at);
+                let word = packed::nearest_lanes(i, view, u, v);
+                word.store(&mut out[at..at + I::LANES]);
             }
         }
-        Kind::Bilinear => bilinear(s, view, addresses, blocks, out),
+        Kind::Bilinear => bilinear(i, view, addresses, blocks, out),
         _ => {
-            for k in blocks {
-                let [u, v] = addresses.uv.load(X16(s), k * LANES);
-                let mip = i32x16::from_slice(s, &addresses.mips[mips][k * LANES..(k + 1) * LANES]);
-                let word = packed::trilinear_lanes(s, view, u, v, mip);
-                word.store_slice(&mut out[k * LANES..(k + 1) * LANES]);
+            for at in pixels.step_by(I::LANES) {
+                let [u, v] = addresses.uv.load(i, at);
+                let mip = i.load_i32(&addresses.mips[mips][at..at + I::LANES]);
+                let word = packed::trilinear_lanes(i, view, u, v, mip);
+                word.store(&mut out[at..at + I::LANES]);
             }
         }
     }
 }
 
 #[inline(always)]
-fn bilinear<S: Simd>(
-    s: S,
+fn bilinear<I: ByteIsa>(
+    i: I,
     view: &View<'_>,
     addresses: &TexelAddresses,
     blocks: core::ops::Range<usize>,
     out: &mut [u32; RUN_ROOM],
 ) {
-    for k in blocks {
-        let [u, v] = addresses.uv.load(X16(s), k * LANES);
-        let word = packed::bilinear_lanes(s, view, u, v);
-        word.store_slice(&mut out[k * LANES..(k + 1) * LANES]);
+    for at in (blocks.start * LANES..blocks.end * LANES).step_by(I::LANES) {
+        let [u, v] = addresses.uv.load(i, at);
+        let word = packed::bilinear_lanes(i, view, u, v);
+        word.store(&mut out[at..at + I::LANES]);
     }
 }
 
@@ -292,9 +296,9 @@ impl Magnified {
 
     /// True if all texels of the first block of `batch` are surely magnified, and it is worth knowing.
     #[inline(always)]
-    fn covers<S: Simd>(
+    fn covers<I: ByteIsa>(
         &mut self,
-        s: S,
+        i: I,
         pixels: &Pixels<'_>,
         view: &View<'_>,
         batch: &[RunBlock],
@@ -308,14 +312,14 @@ impl Magnified {
         }
         let Some(slot) = batch.first().and_then(
             #[inline(always)]
-            |at| planes.only_slot(s, blocks, *at),
+            |at| planes.only_slot(i, blocks, *at),
         ) else {
             return false;
         };
         if slot != self.slot {
             let later = batch.get(ALIKE).and_then(
                 #[inline(always)]
-                |at| planes.only_slot(s, blocks, *at),
+                |at| planes.only_slot(i, blocks, *at),
             );
             if later != Some(slot) {
                 return false;
@@ -323,7 +327,7 @@ impl Magnified {
             let steepest = planes.steepest(slot, [0, 1]);
             self.near = steepest.is_some_and(
                 #[inline(always)]
-                |[u, v]| magnifies(s, view, u, v),
+                |[u, v]| magnifies(i, view, u, v),
             );
             self.refusals = if self.near { 0 } else { self.refusals + 1 };
             self.slot = slot;
@@ -334,30 +338,23 @@ impl Magnified {
 
 /// True if a footprint within these changes of u and v to the right and down reads the finest mip alone.
 #[inline(always)]
-fn magnifies<S: Simd>(s: S, view: &View<'_>, [ux, uy]: [f32; 2], [vx, vy]: [f32; 2]) -> bool {
-    let footprint = FootprintLanes::new(
-        s,
-        view,
-        f32x16::splat(s, ux),
-        f32x16::splat(s, vx),
-        f32x16::splat(s, uy),
-        f32x16::splat(s, vy),
-    );
-    packed::lod_lanes(s, view, &footprint)[0] <= 0
+fn magnifies<I: ByteIsa>(i: I, view: &View<'_>, [ux, uy]: [f32; 2], [vx, vy]: [f32; 2]) -> bool {
+    let footprint = FootprintLanes::new(i, view, i.f32(ux), i.f32(vx), i.f32(uy), i.f32(vy));
+    i.first(packed::lod_lanes(i, view, &footprint)) <= 0
 }
 
 /// Nearest texels, from the coordinates in registers.
-struct Nearest<'a, 'v, S: Simd> {
-    texels: packed::Masked<'v, S>,
+struct Nearest<'a, 'v, I: ByteIsa> {
+    texels: packed::Masked<'v, I>,
     out: &'a mut [u32; RUN_ROOM],
 }
 
-impl<S: Simd> BlockSink<S> for Nearest<'_, '_, S> {
+impl<I: ByteIsa> BlockSink<I> for Nearest<'_, '_, I> {
     #[inline(always)]
-    fn block(&mut self, s: S, k: usize, _: RunBlock, values: &BlockValues<S>) {
+    fn pixels(&mut self, i: I, at: usize, _: RunBlock, values: &BlockValues<I>) {
         let [u, v] = values.value;
-        let word = self.texels.nearest(s, u, v);
-        word.store_slice(&mut self.out[k * LANES..(k + 1) * LANES]);
+        let word = self.texels.nearest(i, u, v);
+        word.store(&mut self.out[at..at + I::LANES]);
     }
 }
 
@@ -383,16 +380,16 @@ impl<'a, 'v, const D: bool> Store<'a, 'v, D> {
     }
 }
 
-impl<S: Simd, const D: bool> BlockSink<S> for Store<'_, '_, D> {
+impl<I: ByteIsa, const D: bool> BlockSink<I> for Store<'_, '_, D> {
     #[inline(always)]
-    fn block(&mut self, s: S, k: usize, _: RunBlock, values: &BlockValues<S>) {
-        let at = (self.first + k) * LANES;
-        self.addresses.uv.store(X16(s), at, values.value);
+    fn pixels(&mut self, i: I, at: usize, _: RunBlock, values: &BlockValues<I>) {
+        let at = self.first * LANES + at;
+        self.addresses.uv.store(i, at, values.value);
         if D {
             for (texture, view) in self.views.iter().enumerate() {
                 if let Some(view) = view {
                     let of = (texture, *view);
-                    self.addresses.put_mips(s, of, at, values.ddx, values.ddy);
+                    self.addresses.put_mips(i, of, at, values.ddx, values.ddy);
                 }
             }
         }

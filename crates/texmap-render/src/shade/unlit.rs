@@ -98,12 +98,12 @@ pub(crate) struct Unlit<'a> {
 }
 
 impl<'a> Unlit<'a> {
-    pub(crate) fn new(level: Level, color: UnlitColor, slot: Option<&'a Slot<'a>>) -> Self {
+    pub(crate) fn new(color: UnlitColor, slot: Option<&'a Slot<'a>>) -> Self {
         let packed = slot.filter(|slot| color.bytes && !slot.is_transformed());
         Self {
             color,
             slot,
-            view: packed.and_then(|slot| packed_view(level, &slot.sampler, &slot.texture)),
+            view: packed.and_then(|slot| packed_view(&slot.sampler, &slot.texture)),
         }
     }
 

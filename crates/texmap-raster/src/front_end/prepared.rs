@@ -3,11 +3,11 @@ use alloc::vec::Vec;
 
 use texmap_math::{Level, MemoryBudget};
 
-use crate::arrays::Arrays;
-use crate::edge::{PixelBox, Snapped, area, edges, seen_from, snap};
-use crate::front::{self, Chunk, MOST, Piece, Submission};
+use crate::coverage::edge::{PixelBox, Snapped, area, edges, seen_from, snap};
+use crate::front_end::arrays::Arrays;
+use crate::front_end::bin::{self, Chunk, MOST, Piece, Submission};
+use crate::front_end::transform::{self, Transform};
 use crate::setup::{Fragment, Shape, TILE, TriangleSetup};
-use crate::vertex::{self, Transform};
 use crate::{Draw, Interp, Pass, RasterError, Stats, TargetSize};
 
 /// In 1/256 pixel.
@@ -44,8 +44,7 @@ pub struct Prepared<'a> {
     transforms: Vec<Transform>,
     /// Vertices of each draw in 1/256 pixel.
     snapped: Vec<Vec<Snapped>>,
-    /// `None`: everything one by one.
-    level: Option<Level>,
+    level: Level,
     /// Pixels are shaded at their centre for samples beside it.
     sampled: bool,
     /// Ids from `first.last()` on.
@@ -76,7 +75,7 @@ impl<'a> Prepared<'a> {
         level: Level,
         threads: usize,
     ) -> Result<Self, RasterError> {
-        Self::build(size, draws, Some(level), threads, 0)
+        Self::build(size, draws, level, threads, 0)
     }
 
     /// [`with_level`](Self::with_level) for [`visible_sample`](Self::visible_sample): keeps triangles that cover no pixel's centre
@@ -90,31 +89,13 @@ impl<'a> Prepared<'a> {
         level: Level,
         threads: usize,
     ) -> Result<Self, RasterError> {
-        Self::build(size, draws, Some(level), threads, HALF_PIXEL)
-    }
-
-    /// One triangle after the other, no lanes: what the fast path is compared with.
-    ///
-    /// # Errors
-    /// As [`new`](Self::new).
-    #[doc(hidden)]
-    pub fn plain(size: TargetSize, draws: &[Draw<'a>]) -> Result<Self, RasterError> {
-        Self::build(size, draws, None, 1, 0)
-    }
-
-    /// [`plain`](Self::plain) for samples.
-    ///
-    /// # Errors
-    /// As [`new`](Self::new).
-    #[doc(hidden)]
-    pub fn plain_with_samples(size: TargetSize, draws: &[Draw<'a>]) -> Result<Self, RasterError> {
-        Self::build(size, draws, None, 1, HALF_PIXEL)
+        Self::build(size, draws, level, threads, HALF_PIXEL)
     }
 
     fn build(
         size: TargetSize,
         draws: &[Draw<'a>],
-        level: Option<Level>,
+        level: Level,
         threads: usize,
         margin: i32,
     ) -> Result<Self, RasterError> {
@@ -135,18 +116,17 @@ impl<'a> Prepared<'a> {
             .iter()
             .map(|d| Transform::new(&d.clip_from_object, size))
             .collect();
-        let mut snapped: Vec<_> = draws.iter().map(vertex::room).collect();
+        let mut snapped: Vec<_> = draws.iter().map(transform::room).collect();
         for ((draw, transform), room) in draws.iter().zip(&transforms).zip(&mut snapped) {
             let work = draw
                 .positions
-                .chunks(vertex::CHUNK)
-                .zip(room.chunks_mut(vertex::CHUNK))
+                .chunks(transform::CHUNK)
+                .zip(room.chunks_mut(transform::CHUNK))
                 .collect();
-            for_all(threads, work, |(positions, out)| match level {
-                Some(level) => vertex::snap_all(level, positions, transform, out),
-                None => vertex::snap_all_scalar(positions, transform, out),
+            for_all(threads, work, |(positions, out)| {
+                transform::snap_all(level, positions, transform, out);
             });
-            vertex::mark_bad_attributes(level, draw, room);
+            transform::mark_bad_attributes(level, draw, room);
         }
         let mut work = Vec::new();
         for (draw_index, draw) in draws.iter().enumerate() {
@@ -162,8 +142,8 @@ impl<'a> Prepared<'a> {
             let triangles = draw.indices.len();
             work.extend(
                 (0..triangles)
-                    .step_by(front::CHUNK)
-                    .map(|at| (submission, at..triangles.min(at + front::CHUNK))),
+                    .step_by(bin::CHUNK)
+                    .map(|at| (submission, at..triangles.min(at + bin::CHUNK))),
             );
         }
         let chunks = map_all(threads, work, |(submission, range)| {
@@ -220,7 +200,7 @@ impl<'a> Prepared<'a> {
             *count = sum;
         }
         let bytes = u64::from(sum) * size_of::<u32>() as u64;
-        front::bins(MemoryBudget::of_process(), bytes)?;
+        bin::bins(MemoryBudget::of_process(), bytes)?;
         let mut next = start.clone();
         self.bin_ids = alloc::vec![0; sum as usize];
         for (tile, ids) in chunks.iter().flat_map(Chunk::runs) {
@@ -326,7 +306,7 @@ impl<'a> Prepared<'a> {
         Arrays::new(&self.draws[draw], &self.snapped[draw])
     }
 
-    pub(crate) fn level(&self) -> Option<Level> {
+    pub(crate) fn level(&self) -> Level {
         self.level
     }
 

@@ -1,0 +1,52 @@
+//! A draw's arrays as 32-bit words: corners, snapped vertices and positions of triangles by gathers.
+use texmap_math::simd::{Isa, Words, prelude::*};
+
+use crate::Draw;
+use crate::coverage::edge::Snapped;
+
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Arrays<'a> {
+    indices: Words<'a>,
+    snapped: Words<'a>,
+    positions: Words<'a>,
+}
+
+impl<'a> Arrays<'a> {
+    /// `None` where they are empty or too long for 32-bit indices.
+    pub(crate) fn new(draw: &Draw<'a>, snapped: &'a [Snapped]) -> Option<Self> {
+        let limit = i32::MAX as usize / 3;
+        if draw.indices.len() >= limit || snapped.len() >= limit {
+            return None;
+        }
+        Some(Self {
+            indices: Words::new(bytemuck::cast_slice(draw.indices))?,
+            snapped: Words::new(bytemuck::cast_slice(snapped))?,
+            positions: Words::new(bytemuck::cast_slice(draw.positions))?,
+        })
+    }
+
+    /// Vertex numbers of triangles' corners.
+    #[inline(always)]
+    pub(crate) fn corners<I: Isa>(&self, i: I, triangle: I::I32) -> [I::I32; 3] {
+        let [a, b, c] = i.gather_triples(self.indices, (triangle * 3).to_u32());
+        [a.to_i32(), b.to_i32(), c.to_i32()]
+    }
+
+    /// Snapped x and y.
+    #[inline(always)]
+    pub(crate) fn snapped<I: Isa>(&self, i: I, vertex: I::I32) -> [I::I32; 2] {
+        let [x, y] = i.gather_pairs(self.snapped, (vertex << 1).to_u32());
+        [x.to_i32(), y.to_i32()]
+    }
+
+    /// Positions as f64.
+    #[inline(always)]
+    pub(crate) fn positions<I: Isa>(&self, i: I, vertex: I::I32) -> [I::F64; 3] {
+        let [x, y, z] = i.gather_triples(self.positions, (vertex * 3).to_u32());
+        [
+            i.widen(x.to_f32_bits()),
+            i.widen(y.to_f32_bits()),
+            i.widen(z.to_f32_bits()),
+        ]
+    }
+}

@@ -1,0 +1,192 @@
+//! Blocks whose pixels the common way does not serve: triangles that f32 planes are too coarse for, and attributes linear on the screen
+//! where a block has several triangles.
+
+use texmap_math::simd::{Isa, Words, prelude::*};
+
+use super::planes::{Own, PlaneSource};
+use super::values::{BlockValues, Columns, ColumnsAt};
+use super::{Part, Slots};
+use crate::coverage::stamp::BLOCK_PIXELS;
+use crate::setup::plane_table::TilePlanes;
+use crate::setup::planes::RowPlane;
+use crate::setup::{Fragment, TriangleSetup, WidePixels};
+use crate::visibility::blocks::pixel_of;
+
+/// What the common way has left to do for pixels of a block.
+enum Rest<'t> {
+    Nothing,
+    /// All, in lanes.
+    Wide(&'t TriangleSetup),
+    /// Those of these slots: the ones whose bits are set, and where attributes are linear.
+    Pixels([u32; BLOCK_PIXELS], u32),
+}
+
+/// Takes what is replaced, lane by lane.
+pub(super) trait Patch {
+    fn inv_w(&mut self, lane: usize, value: f32);
+    /// Value, and change to the right and down, of the attribute at place `i` of those asked for.
+    fn attribute(&mut self, i: usize, lane: usize, value: [f32; 3]);
+}
+
+impl TilePlanes {
+    /// Replaces the values of slots that f32 planes cannot serve, and, where a block has several, those that are linear on the screen.
+    #[inline(always)]
+    pub(super) fn mend<I: Isa, const D: bool>(
+        &self,
+        i: I,
+        part: Part,
+        slots: &Slots<I>,
+        wanted: [usize; 2],
+        values: &mut BlockValues<I>,
+    ) {
+        match self.rest(i, slots, part) {
+            Rest::Nothing => {}
+            Rest::Wide(setup) => {
+                let wide = wide_pixels(i, setup, part);
+                values.inv_w = wide.inv_w();
+                for (k, &attribute) in wanted.iter().enumerate() {
+                    if let Some([u, dx, dy]) = wide.attribute::<D>(attribute) {
+                        (values.value[k], values.ddx[k], values.ddy[k]) = (u, dx, dy);
+                    }
+                }
+            }
+            Rest::Pixels(lanes, odd) => {
+                let mut spilt = values.spill();
+                self.repair(i, &lanes, odd, part, &wanted, &mut spilt);
+                *values = BlockValues::load(i, &spilt);
+            }
+        }
+    }
+
+    /// [`mend`](Self::mend) in the columns of a run, at `place`.
+    #[inline(always)]
+    pub(super) fn mend_columns<I: Isa, const D: bool>(
+        &self,
+        i: I,
+        (place, part): (usize, Part),
+        slots: &Slots<I>,
+        wanted: &[usize],
+        out: &mut Columns<'_>,
+    ) {
+        match self.rest(i, slots, part) {
+            Rest::Nothing => {}
+            Rest::Wide(setup) => {
+                let wide = wide_pixels(i, setup, part);
+                wide.inv_w().store(&mut out.inv_w[place..]);
+                for (column, &k) in out.columns.iter_mut().zip(wanted) {
+                    if let Some(values) = wide.attribute::<D>(k) {
+                        column.put::<I, D>(place, values);
+                    }
+                }
+            }
+            Rest::Pixels(lanes, odd) => {
+                let patch = &mut ColumnsAt(out, place);
+                self.repair(i, &lanes, odd, part, wanted, patch);
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn rest<I: Isa>(&self, i: I, slots: &Slots<I>, part: Part) -> Rest<'_> {
+        if slots.one {
+            match self.odd_setup(slots.first) {
+                None => return Rest::Nothing,
+                Some(setup) if setup.is_wide() => return Rest::Wide(setup),
+                Some(_) => {}
+            }
+        }
+        let mut lanes = [0; BLOCK_PIXELS];
+        slots.each.store(&mut lanes);
+        let mut odd = 0;
+        if !self.setups.is_empty() {
+            for (lane, &slot) in lanes[..I::LANES].iter().enumerate() {
+                odd |= u32::from(self.odd_setup(slot).is_some()) << lane;
+            }
+        }
+        odd &= part.mask(i);
+        if odd != 0 || self.has_linear {
+            Rest::Pixels(lanes, odd)
+        } else {
+            Rest::Nothing
+        }
+    }
+
+    /// What [`mend`](Self::mend) replaces pixel by pixel, out of its way.
+    #[inline(never)]
+    fn repair<I: Isa>(
+        &self,
+        i: I,
+        slots: &[u32; BLOCK_PIXELS],
+        odd: u32,
+        part: Part,
+        wanted: &[usize],
+        out: &mut dyn Patch,
+    ) {
+        if self.has_linear {
+            i.vectorize(
+                #[inline(always)]
+                || self.replace_linear(i, slots, part, wanted, out),
+            );
+        }
+        self.evaluate(slots, odd, part, wanted, out);
+    }
+
+    /// The attributes of lanes that are linear on the screen.
+    #[inline(always)]
+    fn replace_linear<I: Isa>(
+        &self,
+        i: I,
+        slots: &[u32; BLOCK_PIXELS],
+        part: Part,
+        wanted: &[usize],
+        out: &mut dyn Patch,
+    ) {
+        let Some(words) = Words::new(bytemuck::cast_slice(&self.words)) else {
+            return;
+        };
+        let own = Own::new(i, self, words, i.load_u32(slots));
+        let flags = slots.map(|slot| self.linear(slot));
+        let [px, py] = part.centres(i);
+        for (place, &k) in wanted.iter().enumerate() {
+            let plane = RowPlane::<I>::new(own.plane(i, 1 + k), py);
+            let [u, dx, dy] = plane.linear(px);
+            let mut values = [[0.0; BLOCK_PIXELS]; 3];
+            u.store(&mut values[0]);
+            dx.store(&mut values[1]);
+            dy.store(&mut values[2]);
+            for lane in (0..I::LANES).filter(|lane| flags[*lane] >> k & 1 == 1) {
+                out.attribute(place, lane, values.each_ref().map(|v| v[lane]));
+            }
+        }
+    }
+
+    /// The lanes `odd` by their triangles' full set-ups.
+    fn evaluate(
+        &self,
+        slots: &[u32; BLOCK_PIXELS],
+        odd: u32,
+        part: Part,
+        wanted: &[usize],
+        out: &mut dyn Patch,
+    ) {
+        let mut fragment = Fragment::default();
+        for lane in (0..BLOCK_PIXELS).filter(|lane| odd >> lane & 1 == 1) {
+            let Some(setup) = self.odd_setup(slots[lane]) else {
+                continue;
+            };
+            let (x, y) = pixel_of(usize::from(part.block.block), (part.at + lane) as u32);
+            setup.evaluate(self.corner[0] + x, self.corner[1] + y, &mut fragment);
+            out.inv_w(lane, fragment.inv_w);
+            for (i, &k) in wanted.iter().enumerate() {
+                let value = [fragment.values[k], fragment.ddx[k], fragment.ddy[k]];
+                out.attribute(i, lane, value);
+            }
+        }
+    }
+}
+
+#[inline(always)]
+fn wide_pixels<I: Isa>(i: I, setup: &TriangleSetup, part: Part) -> WidePixels<'_, I> {
+    let [px, py] = part.centres(i);
+    WidePixels::new(i, setup, [i.widen(px), i.widen(py)])
+}

@@ -1,0 +1,6 @@
+//! Visibility: which of the covering triangles a pixel shows.
+
+pub(crate) mod blocks;
+pub(crate) mod depth_only;
+pub(crate) mod sinks;
+pub(crate) mod visible;
