@@ -1,7 +1,7 @@
 //! Packed RGBA8 texels of a batch: uv and mip of its pixels, then one word a pixel. Textures whose filter gives bytes take this
 //! kernel; others are read channel by channel.
 
-use texmap_math::simd::{ByteIsa, Isa, prelude::*};
+use texmap_math::simd::{ByteIsa, prelude::*};
 use texmap_math::{Level, dispatch_simd};
 use texmap_raster::{BlockSink, BlockValues, NONE, RUN_ROOM, RunBlock, TileBlocks, TilePlanes};
 use texmap_sample::lanes::packed::{self, FootprintLanes};
