@@ -17,6 +17,7 @@ use texmap_benches::textures::{square_texels, squares};
 use texmap_math::Level;
 use texmap_math::fearless_simd::{Simd, f32x16, prelude::*, u32x16};
 use texmap_math::lanes::{Words, floor_to_i32, gather, unit_to_u8};
+use texmap_math::simd::X16;
 use texmap_sample::lanes::{RGBA8_EXACT, View, float, packed};
 use texmap_sample::{
     Alpha, ColorSpace, Directions, Filter, Image, Origin, Precision, Sampler, Texels, Texture2d,
@@ -109,7 +110,7 @@ const TRILINEAR: u8 = 3;
 const EXACT: u8 = 16;
 
 #[inline(always)]
-fn bytes<S: Simd>(s: S, [r, g, b, a]: float::Color<S>) -> u32x16<S> {
+fn bytes<S: Simd>(s: S, [r, g, b, a]: float::Color<X16<S>>) -> u32x16<S> {
     unit_to_u8(s, r) | (unit_to_u8(s, g) << 8) | (unit_to_u8(s, b) << 16) | (unit_to_u8(s, a) << 24)
 }
 
@@ -118,7 +119,7 @@ fn shade<S: Simd, const KERNEL: u8>(s: S, job: &Job<'_>, p: &Places<S>) -> u32x1
     let view = job.view;
     let d = || {
         let [ux, vx, uy, vy] = job.floor.slopes(p);
-        packed::FootprintLanes::new(s, view, ux, vx, uy, vy)
+        packed::FootprintLanes::new(X16(s), view, ux, vx, uy, vy)
     };
     if KERNEL == BASE {
         let (a, b): (u32x16<S>, u32x16<S>) = (p.u.bitcast(), p.v.bitcast());
@@ -126,24 +127,24 @@ fn shade<S: Simd, const KERNEL: u8>(s: S, job: &Job<'_>, p: &Places<S>) -> u32x1
     }
     if KERNEL & EXACT == 0 {
         return match KERNEL {
-            NEAREST => packed::nearest_lanes(s, view, p.u, p.v),
-            BILINEAR => packed::bilinear_lanes(s, view, p.u, p.v),
+            NEAREST => packed::nearest_lanes(X16(s), view, p.u, p.v),
+            BILINEAR => packed::bilinear_lanes(X16(s), view, p.u, p.v),
             TRILINEAR => {
-                let lod = packed::lod_lanes(s, view, &d());
-                packed::trilinear_lanes(s, view, p.u, p.v, lod)
+                let lod = packed::lod_lanes(X16(s), view, &d());
+                packed::trilinear_lanes(X16(s), view, p.u, p.v, lod)
             }
-            _ => packed::anisotropic_lanes(s, view, p.u, p.v, &d()),
+            _ => packed::anisotropic_lanes(X16(s), view, p.u, p.v, &d()),
         };
     }
     let c = match KERNEL & !EXACT {
         // Whole texels have no weights: their view is that of the bytes.
-        NEAREST => packed::unpack_lanes(s, packed::nearest_lanes(s, view, p.u, p.v)),
-        BILINEAR => float::bilinear_lanes::<S, RGBA8_EXACT>(s, view, p.u, p.v),
+        NEAREST => packed::unpack_lanes(X16(s), packed::nearest_lanes(X16(s), view, p.u, p.v)),
+        BILINEAR => float::bilinear_lanes::<_, RGBA8_EXACT>(X16(s), view, p.u, p.v),
         TRILINEAR => {
-            let lod = float::lod_lanes(s, view, &d());
-            float::trilinear_lanes::<S, RGBA8_EXACT>(s, view, p.u, p.v, lod)
+            let lod = float::lod_lanes(X16(s), view, &d());
+            float::trilinear_lanes::<_, RGBA8_EXACT>(X16(s), view, p.u, p.v, lod)
         }
-        _ => float::anisotropic_lanes::<S, RGBA8_EXACT>(s, view, p.u, p.v, &d()),
+        _ => float::anisotropic_lanes::<_, RGBA8_EXACT>(X16(s), view, p.u, p.v, &d()),
     };
     bytes(s, c)
 }

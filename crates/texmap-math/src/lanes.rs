@@ -17,8 +17,6 @@ use fearless_simd::Level;
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x16, i32x16, u32x16};
 
-use crate::color::{SRGB8_BASE, SRGB8_FIRST, SRGB8_THRESHOLD_BITS};
-
 mod bytes;
 mod gather;
 mod table;
@@ -144,30 +142,16 @@ pub fn floor_to_i32_scalar(x: f32) -> i32 {
     cut - i32::from(cut as f32 > x)
 }
 
-/// `[0, 1]` to `0..=255`, nearest, as [`crate::color::unit_to_u8`].
+/// See [`encode_unorm8`](crate::simd::encode_unorm8).
 #[inline(always)]
 pub fn unit_to_u8<S: Simd>(s: S, x: f32x16<S>) -> u32x16<S> {
-    let x = clamp(x, f32x16::splat(s, 0.0), f32x16::splat(s, 1.0));
-    // By signed integers: what is below 256 needs no more, and only AVX-512 has the others.
-    (x * 255.0 + 0.5).to_int::<i32x16<S>>().bitcast()
+    crate::simd::encode_unorm8(crate::simd::X16(s), x)
 }
 
-/// Linear light to 8-bit sRGB, as [`crate::color::linear_to_srgb8`]: the upper bits find a part of the curve that holds one
-/// threshold at most.
+/// See [`encode_srgb8`](crate::simd::encode_srgb8).
 #[inline(always)]
 pub fn linear_to_srgb8<S: Simd>(s: S, x: f32x16<S>) -> u32x16<S> {
-    let lowest = f32x16::splat(s, f32::from_bits(SRGB8_FIRST));
-    let x = clamp(x, lowest, f32x16::splat(s, 1.0));
-    let (Some(base), Some(thresholds)) =
-        (Words::new(&SRGB8_BASE), Words::new(&SRGB8_THRESHOLD_BITS))
-    else {
-        return u32x16::splat(s, 0);
-    };
-    let bits: u32x16<S> = x.bitcast();
-    let base = gather(s, base, (bits >> 16) - (SRGB8_FIRST >> 16));
-    let threshold: f32x16<S> = gather(s, thresholds, base).bitcast();
-    let (one, zero) = (u32x16::splat(s, 1), u32x16::splat(s, 0));
-    base + x.simd_ge(threshold).select(one, zero)
+    crate::simd::encode_srgb8(crate::simd::X16(s), x)
 }
 
 /// Sixteen values, or what there is of them, the rest filled with the last (0 for none).

@@ -29,13 +29,17 @@
 //! assert_eq!(out[8], blend(Scalar, 2.0, 4.0, 0.5));
 //! ```
 
+mod bytes;
 mod dispatch;
+mod encode;
 mod isa;
 mod scalar;
 mod shuffle;
 mod wide;
 
 pub use crate::lanes::Words;
+pub use bytes::{ByteHalves, ByteIsa};
+pub use encode::{encode_srgb8, encode_unorm8};
 pub use fearless_simd::Level;
 pub use isa::{Compare, F32s, Float, I32s, Int, Isa, Mask, Number, Select, U32s};
 pub use scalar::{One, Scalar};

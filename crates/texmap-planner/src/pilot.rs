@@ -83,7 +83,7 @@ pub(super) struct Predicted {
     pub(super) bound: f64,
 }
 
-/// Where a mesh's coordinates come from, as [`Coordinates`](crate::coordinates::Coordinates).
+/// Where a mesh's coordinates come from, as [`Coordinates`](crate::shade::coordinates::Coordinates).
 enum Source {
     Vertices,
     /// The planes of A.W, B.W and C.W over the picture.

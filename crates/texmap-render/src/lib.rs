@@ -68,33 +68,19 @@
     )
 )]
 
-mod backdrop;
-mod block;
-mod canvas;
-mod carved;
-mod coordinates;
-mod direct;
-mod emission;
 mod error;
 mod frame;
-mod lit;
-mod lit_lanes;
-mod lit_texels;
 mod plan;
 mod ready;
-mod relief;
 mod render;
-mod rows;
+mod resolve;
 mod settings;
 mod shade;
 mod shadow;
 mod shadow_cut;
-mod solid;
-mod texel;
 mod textures;
 mod tile;
 mod vertices;
-mod volume;
 
 pub use error::RenderError;
 pub use frame::{AovData, Frame, HOLE_BITS, Stats, Times, hash_pixels, pixel_hash};

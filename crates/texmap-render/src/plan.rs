@@ -1,7 +1,10 @@
 //! From a checked scene to draws: which values each mesh carries per vertex, and which stages run on its pixels.
 
 mod cut;
+pub(crate) mod effects;
 mod light_stage;
+mod shader;
+mod space;
 mod surface;
 
 use std::sync::Arc;
@@ -12,18 +15,19 @@ use texmap_math::glam::DMat4;
 use texmap_raster::{AlphaTest, Draw, Fragment, UvBlock};
 use texmap_sample::Origin;
 
-use crate::backdrop::{SkyStage, behind};
-use crate::coordinates::{Coordinates, EyeRays};
 use crate::ready::Ready;
-use crate::texel::TexelStage;
+use crate::shade::coordinates::{Coordinates, EyeRays};
+use crate::shade::sky::SkyStage;
+use crate::shade::unlit::UnlitColor;
+use crate::shade::volume::VolumeStage;
 use crate::textures::{Chains, Slot};
-use crate::volume::{VolumeStage, far_sides};
 use crate::{Aov, RenderError, Settings};
 use texmap_math::ViewRays;
 use texmap_scene::{Backdrop, Scene};
 
 pub(crate) use cut::{Cut, cut};
-pub(crate) use light_stage::LightStage;
+pub(crate) use shader::Shader;
+use space::{behind, far_sides};
 use surface::surface;
 pub(crate) use surface::{Space, Surface};
 
@@ -90,7 +94,7 @@ impl<'s> Plan<'s> {
             let stage =
                 VolumeStage::new(volume, scene, transfer, rays, level, to_view, projection)?;
             surfaces.push(Surface {
-                space: Some(Box::new(Space::Volume(stage))),
+                space: Some(Space::Volume(Box::new(stage))),
                 ..far_sides(volume, view.clip_from_world)
             });
         }
@@ -148,7 +152,7 @@ fn sky<'s>(
         Backdrop::Picture(slot) => {
             let slot = Slot::new(slot, scene, settings, chains, Origin::TopLeft);
             surface.solid = !slot.can_be_transparent();
-            surface.texel = TexelStage::new(surface.material, Some(&slot), scene.color);
+            surface.unlit = UnlitColor::new(surface.material, Some(&slot), scene.color);
             surface.uv = Coordinates::Vertices;
             surface.base_color = Some(slot);
         }
@@ -156,7 +160,7 @@ fn sky<'s>(
             let environment = &scene.effects.environments[*index];
             let rays = ViewRays::new(view.half, view.size);
             let stage = SkyStage::new(environment, &rays, view.view_from_world);
-            surface.space = Some(Box::new(Space::Sky(stage)));
+            surface.space = Some(Space::Sky(stage));
             surface.shaded = 0;
         }
     }
@@ -211,17 +215,20 @@ mod tests {
         })
     }
 
-    /// Which surfaces are shaded sixteen samples at a time, where the level has lanes.
+    /// Surfaces that read a few columns of vectors and the texels of a pair, and those that read all of their attributes.
     #[test]
-    fn surfaces_lit_per_pixel_have_lanes() {
-        let has_lanes = |material: Material| {
+    fn plain_lit_surfaces_read_few_columns() {
+        let is_short = |material: Material| {
             let mut scene = scene(material);
             scene.meshes[0].lightmap_uvs = vec![[0.0; 2]; 3];
             let settings = Settings::new(8, 8);
             let chains = Chains::new(&scene, &settings).unwrap();
             let ready = Arc::new(Ready::new(&scene, &settings).unwrap());
             let plan = Plan::new(&scene, &settings, &chains, &ready, (8, 8), &[]).unwrap();
-            crate::lit_lanes::LitLanes::new(&plan, &plan.surfaces[0]).is_some()
+            match Shader::new(&plan, &plan.surfaces[0]) {
+                Shader::Surface(shader) => shader.attributes.is_none(),
+                _ => false,
+            }
         };
         let normals = |object_space| texmap_scene::Relief::NormalMap {
             slot: slot(Filter::Trilinear).unwrap(),
@@ -242,21 +249,30 @@ mod tests {
             }),
             ..Material::default()
         };
-        let some = has_lanes(Material::default());
+        for material in [
+            Material::default(),
+            with(normals(false)),
+            with(normals(true)),
+            baked,
+        ] {
+            assert!(is_short(material));
+        }
         let bump = texmap_scene::Relief::Bump {
             slot: slot(Filter::Bilinear).unwrap(),
             height: 0.1,
         };
-        for material in [with(normals(false)), with(normals(true)), with(bump), baked] {
-            assert_eq!(has_lanes(material), some);
-        }
-        // A texel that covers the light.
+        let blended = Material {
+            alpha: AlphaMode::Blend,
+            ..Material::default()
+        };
         let decal = Material {
             base_color: slot(Filter::Bilinear),
             texture_role: TextureRole::Decal,
             ..Material::default()
         };
-        assert!(!has_lanes(decal));
+        for material in [with(bump), blended, decal] {
+            assert!(!is_short(material));
+        }
     }
 
     /// Attributes per vertex, pass, and whether a mip chain was built.

@@ -5,7 +5,7 @@ use texmap_math::glam::{DMat3, DMat4, DVec3};
 use texmap_math::{MemoryBudget, Projector, narrow};
 use texmap_scene::shadow_fit::{fitting_size, shadow_bias, shadow_kind};
 
-use crate::lit::Site;
+use crate::shade::projector::Projected;
 use crate::shadow::shadow_map_in;
 use crate::{RenderError, Settings};
 use texmap_scene::{Scene, SlideProjector, SlideRole};
@@ -18,30 +18,9 @@ pub(crate) struct Ready<'s> {
     /// Per light.
     pub(crate) shadows: Vec<Vec<ShadowReader>>,
     /// Slides of the lamps, from light `lights.len() - lamps.len()` on.
-    pub(crate) lamps: Vec<Thrown<'s>>,
-    pub(crate) paints: Vec<Thrown<'s>>,
+    pub(crate) lamps: Vec<Projected<'s>>,
+    pub(crate) paints: Vec<Projected<'s>>,
     pub(crate) environments: &'s [Environment],
-}
-
-/// A slide, and the map that keeps it from shining through things.
-#[derive(Debug)]
-pub(crate) struct Thrown<'s> {
-    pub(crate) view: SlideView<'s>,
-    /// Of the projector.
-    pub(crate) position: [f32; 3],
-    pub(crate) shade: Option<ShadowReader>,
-}
-
-impl Thrown<'_> {
-    /// Whether the filter asks how large a pixel is.
-    pub(crate) fn reads_derivatives(&self) -> bool {
-        self.view.sampler.filter.reads_derivatives()
-    }
-
-    fn texel(&self, at: &Site) -> [f32; 4] {
-        self.view
-            .light(at.position, [at.position_dx, at.position_dy])
-    }
 }
 
 impl<'s> Ready<'s> {
@@ -77,7 +56,7 @@ impl<'s> Ready<'s> {
         }
         let (mut lamps, mut paints) = (Vec::new(), Vec::new());
         for slide in &scene.effects.projectors {
-            let shade = match slide.shadow {
+            let shadow = match slide.shadow {
                 None => None,
                 Some(size) => Some(draw(&slide_kind(slide), size, shadow_bias(scene), 3)?),
             };
@@ -89,20 +68,20 @@ impl<'s> Ready<'s> {
                 softness: slide.softness,
             });
             let position = narrow(slide.position);
-            let thrown = Thrown {
+            let projected = Projected {
                 view: match slide.role {
                     SlideRole::Paint => view.painting(),
                     SlideRole::Light(_) => view,
                 },
                 position,
-                shade,
+                shadow,
             };
             match slide.role {
-                SlideRole::Paint => paints.push(thrown),
+                SlideRole::Paint => paints.push(projected),
                 SlideRole::Light(color) => {
                     lights.push(Light::Point { color, position });
                     shadows.push(Vec::new());
-                    lamps.push(thrown);
+                    lamps.push(projected);
                 }
             }
         }
@@ -119,7 +98,7 @@ impl<'s> Ready<'s> {
     pub(crate) fn rooms(&mut self) -> Vec<Vec<f32>> {
         let of_lights = self.shadows.iter_mut().flatten();
         let slides = self.lamps.iter_mut().chain(&mut self.paints);
-        let of_slides = slides.filter_map(|thrown| thrown.shade.as_mut());
+        let of_slides = slides.filter_map(|projected| projected.shadow.as_mut());
         let all = of_lights.chain(of_slides);
         all.map(ShadowReader::take_depths).collect()
     }
@@ -133,52 +112,6 @@ impl<'s> Ready<'s> {
     pub(crate) fn shadow(&self, light: usize, point: [f32; 3], plane: DVec3) -> Option<f32> {
         let shades = self.shadows.get(light).filter(|s| !s.is_empty())?;
         Some(shades.iter().map(|s| s.lit(point, narrow(plane))).product())
-    }
-
-    /// What reaches a sample of light `index`.
-    pub(crate) fn received(&self, index: usize, at: &Site) -> [f32; 3] {
-        let mut share = 1.0;
-        for shade in &self.shadows[index] {
-            share *= shade.lit(at.position, narrow(at.plane));
-        }
-        let first_lamp = self.lights.len() - self.lamps.len();
-        match index.checked_sub(first_lamp).map(|i| &self.lamps[i]) {
-            None => [share; 3],
-            Some(lamp) => {
-                let [r, g, b, _] = lamp.texel(at);
-                let share = match &lamp.shade {
-                    Some(shade) if r > 0.0 || g > 0.0 || b > 0.0 => {
-                        share * shade.lit(at.position, narrow(at.plane))
-                    }
-                    _ => share,
-                };
-                [r, g, b].map(|c| c * share)
-            }
-        }
-    }
-
-    /// Paint of all projectors at a sample, premultiplied, the later over the earlier.
-    pub(crate) fn paint(&self, at: &Site) -> [f32; 4] {
-        let mut sum = [0.0; 4];
-        let plane = narrow(at.plane);
-        for thrown in &self.paints {
-            let toward = [0, 1, 2].map(|i| thrown.position[i] - at.position[i]);
-            let facing = plane[0] * toward[0] + plane[1] * toward[1] + plane[2] * toward[2];
-            if facing.is_nan() || facing <= 0.0 {
-                continue;
-            }
-            let texel = thrown.texel(at);
-            if texel[3] <= 0.0 {
-                continue;
-            }
-            let share = thrown
-                .shade
-                .as_ref()
-                .map_or(1.0, |shade| shade.lit(at.position, plane));
-            let keep = 1.0 - texel[3] * share;
-            sum = [0, 1, 2, 3].map(|i| texel[i] * share + keep * sum[i]);
-        }
-        sum
     }
 }
 

@@ -8,11 +8,11 @@ use std::time::{Duration, Instant};
 use rayon::prelude::*;
 use texmap_raster::{Draw, Prepared, SAMPLES_4, TILE, TargetSize};
 
-use crate::block::{Block, Job, Scratch};
 use crate::plan::Plan;
 use crate::ready::Ready;
-use crate::rows::{AovParts, blocks, split};
+use crate::resolve::rows::{AovParts, blocks, split};
 use crate::textures::Chains;
+use crate::tile::job::{Block, Job, Scratch};
 use crate::{Aov, AovData, Frame, HOLE_BITS, RenderError, Settings, Stats};
 use texmap_scene::Scene;
 
@@ -147,7 +147,7 @@ impl<'s> Renderer<'s> {
     #[must_use]
     pub fn staged(mut self) -> Self {
         for plan in self.centres.iter_mut().chain([&mut self.plan]) {
-            plan.surfaces.iter_mut().for_each(|s| s.texel = None);
+            plan.surfaces.iter_mut().for_each(|s| s.unlit = None);
         }
         self
     }

@@ -3,8 +3,8 @@
 use texmap_math::{Level, narrow, wide};
 use texmap_raster::{AlphaTest, Fragment, UvBlock};
 
-use crate::coordinates::Coordinates;
 use crate::plan::{Cut, cut};
+use crate::shade::coordinates::Coordinates;
 use crate::textures::{Chains, Slot};
 use crate::{RenderError, Settings};
 use texmap_scene::{AlphaMode, Mesh, Scene};

@@ -5,10 +5,10 @@ use texmap_math::narrow;
 use texmap_math::wide;
 
 use texmap_light::{Surface, Terms, reflect, terms};
-use texmap_math::glam::DVec3;
+use texmap_math::glam::{DMat3, DVec3};
 use texmap_raster::Cull;
+use texmap_sample::Origin;
 
-use crate::relief::corner_tangents;
 use texmap_scene::{Mesh, Scene};
 
 /// A group of attributes.
@@ -290,4 +290,42 @@ fn facing_away(points: &[DVec3], triangles: &[[u32; 3]], eye: DVec3) -> Vec<bool
 
 fn times(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
     [a[0] * b[0], a[1] * b[1], a[2] * b[2]]
+}
+
+/// Tangents of a mesh's corners for normal maps whose y points up the picture: world-space vectors and the sign of the bitangent.
+fn corner_tangents(mesh: &Mesh, normals: &[DVec3]) -> Vec<[f32; 4]> {
+    let faces = texmap_uv::Faces::from_triangles(&mesh.triangles);
+    let corners: Vec<u32> = mesh.triangles.iter().flatten().copied().collect();
+    let set = texmap_uv::UvSet {
+        uvs: mesh.uvs.clone(),
+        corners: corners.clone(),
+    };
+    let normal = |v: &u32| normals[*v as usize].normalize_or_zero().to_array();
+    let at_corners: Vec<[f32; 3]> = corners
+        .iter()
+        .map(|v| normal(v).map(|c| c as f32))
+        .collect();
+    let fallback = || vec![[0.0; 4]; corners.len()];
+    let Ok(shape) = texmap_uv::Mesh::new(&mesh.positions, &faces) else {
+        return fallback();
+    };
+    let Ok(tangents) = texmap_uv::tangents(&shape, &set, &at_corners) else {
+        return fallback();
+    };
+    let world = DMat3::from_mat4(mesh.world_from_object);
+    let mirror = if world.determinant() < 0.0 { -1.0 } else { 1.0 };
+    // The bitangent follows growing v, which runs down the picture from a top-left origin.
+    let down = if mesh.uv_origin == Origin::TopLeft {
+        -1.0
+    } else {
+        1.0
+    };
+    tangents
+        .into_iter()
+        .map(|[x, y, z, sign]| {
+            let t = (world * DVec3::new(x.into(), y.into(), z.into())).normalize_or_zero();
+            let [x, y, z] = t.to_array().map(|c| c as f32);
+            [x, y, z, sign * mirror * down]
+        })
+        .collect()
 }

@@ -1,8 +1,8 @@
 use crate::{
+    address::wrap::{Axis, Wrap},
     error::SampleError,
     sampler::Sampler,
     texture::Texture2d,
-    wrap::{Axis, Wrap},
 };
 use texmap_math::footprint::Footprint;
 
@@ -55,7 +55,7 @@ impl AtlasRect {
     pub fn uv(&self, [u, v]: [f32; 2], wrap_u: Wrap, wrap_v: Wrap) -> [f32; 2] {
         let one = |u: f32, wrap: Wrap, at: u32, n: u32, side: u32| {
             let size = n as i32;
-            let place = Axis::new(wrap, size).place(u, size);
+            let place = Axis::new(wrap, size).texels(u, size);
             let n = n as f32;
             let place = match wrap {
                 Wrap::Repeat => place - n * texmap_math::float::floor_f32(place / n),

@@ -1,8 +1,8 @@
 use crate::{
-    filter::{axes, floor, gl_of, linear_axis},
+    address::wrap::OUTSIDE,
+    filter::gl_of,
     sampler::{Sampler, Texel},
     texture::Texture2d,
-    wrap::OUTSIDE,
 };
 
 /// Which way a depth comparison goes.
@@ -29,7 +29,7 @@ impl Sampler {
         let chain = &t.chain;
         let level = &chain.levels[0];
         let scale = chain.format.scale();
-        let [ax, ay] = axes(self, chain);
+        let [ax, ay] = self.axes(chain);
         let pass = |x: i32, y: i32| {
             let texel = if x == OUTSIDE || y == OUTSIDE {
                 self.border_in(1.0)[0]
@@ -43,12 +43,13 @@ impl Sampler {
             f32::from(u8::from(passed))
         };
         if gl_of(self.filter).0 == Texel::Nearest {
-            let x = ax.index(floor(ax.place(uv[0], level.width)), level.width);
-            let y = ay.index(floor(ay.place(uv[1], level.height)), level.height);
-            return pass(x, y);
+            return pass(
+                ax.nearest(uv[0], level.width),
+                ay.nearest(uv[1], level.height),
+            );
         }
-        let ([x0, x1], wx) = linear_axis(ax, uv[0], level.width);
-        let ([y0, y1], wy) = linear_axis(ay, uv[1], level.height);
+        let ([x0, x1], wx) = ax.around(uv[0], level.width);
+        let ([y0, y1], wy) = ay.around(uv[1], level.height);
         let (a, b, c, d) = (pass(x0, y0), pass(x1, y0), pass(x0, y1), pass(x1, y1));
         let top = a + (b - a) * wx;
         let bottom = c + (d - c) * wx;

@@ -1,10 +1,4 @@
-use crate::{
-    filter::{axes, linear_axis},
-    sampler::Sampler,
-    texels::scaled,
-    texture::Texture2d,
-    wrap::OUTSIDE,
-};
+use crate::{address::wrap::OUTSIDE, sampler::Sampler, texels::scaled, texture::Texture2d};
 use texmap_math::{float, footprint::Footprint};
 
 impl Sampler {
@@ -22,9 +16,9 @@ impl Sampler {
             0
         };
         let level = &chain.levels[number];
-        let [ax, ay] = axes(self, chain);
-        let ([x0, x1], wx) = linear_axis(ax, uv[0], level.width);
-        let ([y0, y1], wy) = linear_axis(ay, uv[1], level.height);
+        let [ax, ay] = self.axes(chain);
+        let ([x0, x1], wx) = ax.around(uv[0], level.width);
+        let ([y0, y1], wy) = ay.around(uv[1], level.height);
         let scale = chain.format.scale();
         let tap = |x: i32, y: i32| {
             if x == OUTSIDE || y == OUTSIDE {

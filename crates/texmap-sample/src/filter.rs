@@ -1,19 +1,78 @@
-//! The filters in f32, one sample at a time. The lanes repeat these operations in the same order.
+//! Filters: one kernel each, and the table that picks it.
 
 pub(crate) mod anisotropic;
-pub(crate) mod cubic;
+pub(crate) mod bicubic;
+pub(crate) mod bilinear;
 pub(crate) mod ewa;
+pub(crate) mod gl;
+pub(crate) mod nearest;
+pub(crate) mod trilinear;
 
 use crate::{
-    lanes::packed,
-    lod::{TexelFootprint, log2, log2_sqrt_fixed},
-    sampler::{Filter, Mip, Precision, Sampler, Texel},
-    texels::{Chain, Level, scaled},
-    wrap::{Axis, OUTSIDE},
+    address::lod::{self, TexelFootprint},
+    bound_texture::{ANY, RGBA8, RGBA8_EXACT, RGBA16, View, exact_format},
+    fetch::Color,
+    rgba8,
+    sampler::{Cubic, Filter, Mip, Sampler, Texel},
+    texels::Chain,
 };
-use texmap_math::{float, footprint::Footprint};
+use texmap_math::{
+    footprint::Footprint,
+    simd::{ByteIsa, Isa, One, Scalar},
+};
 
-/// What [`Filter`] comes down to where no axis of the footprint matters.
+/// The kernel that a filter takes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Kind {
+    /// The nearest texel of level 0.
+    Nearest,
+    /// Bilinear on level 0.
+    Bilinear,
+    /// Bilinear on the two levels around.
+    Trilinear,
+    /// Probes along the long axis.
+    Anisotropic,
+    /// Another combination of OpenGL's.
+    Gl,
+    /// Sixteen texels of level 0.
+    Bicubic(Cubic),
+    /// All texels of an ellipse.
+    Ewa,
+}
+
+impl Kind {
+    #[inline(always)]
+    pub(crate) fn of(filter: Filter) -> Self {
+        match filter {
+            Filter::Ewa { .. } => return Self::Ewa,
+            Filter::Bicubic(kernel) => return Self::Bicubic(kernel),
+            Filter::Anisotropic(_) => return Self::Anisotropic,
+            _ => {}
+        }
+        match gl_of(filter) {
+            (Texel::Nearest, Texel::Nearest, Mip::None) => Self::Nearest,
+            (Texel::Linear, Texel::Linear, Mip::None) => Self::Bilinear,
+            (Texel::Linear, Texel::Linear, Mip::Linear) => Self::Trilinear,
+            _ => Self::Gl,
+        }
+    }
+
+    /// True if it has a kernel with 8-bit weights.
+    #[inline(always)]
+    pub(crate) fn has_bytes(self) -> bool {
+        !matches!(self, Self::Bicubic(_) | Self::Ewa)
+    }
+
+    /// True for the three that need no more than coordinates and a level.
+    #[must_use]
+    pub fn is_plain(self) -> bool {
+        matches!(self, Self::Nearest | Self::Bilinear | Self::Trilinear)
+    }
+}
+
+/// OpenGL's choices of texels and levels for a filter, where no axis of the footprint matters.
+#[inline(always)]
 pub(crate) fn gl_of(filter: Filter) -> (Texel, Texel, Mip) {
     match filter {
         // Cubics have their own kernel on level 0.
@@ -28,170 +87,157 @@ pub(crate) fn gl_of(filter: Filter) -> (Texel, Texel, Mip) {
     }
 }
 
-pub(crate) fn sample_grad(s: &Sampler, t: &Chain<'_>, uv: [f32; 2], d: Footprint) -> [f32; 4] {
-    let d = TexelFootprint::new(d, &t.levels[0]);
-    if packed::applies(s, t) {
-        return packed::unpack(packed::sample_grad(s, t, uv, &d));
-    }
-    match s.filter {
-        Filter::Nearest | Filter::Bilinear | Filter::Bicubic(_) => sample_lod(s, t, uv, 0.0),
-        Filter::Anisotropic(most) => anisotropic::sample(s, t, uv, d, most),
-        Filter::Ewa { ratio, percent } => ewa::sample(s, t, uv, d, ratio, percent),
-        _ => sample_lod(s, t, uv, s.limit_lod(level_of(s, d.rho_max_squared()))),
-    }
+/// The look-ups of as many lanes as a kernel takes.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct LookUp<I: Isa> {
+    pub(crate) uv: [I::F32; 2],
+    /// `Some` for filters that take its axes.
+    pub(crate) footprint: Option<TexelFootprint<I>>,
+    /// The limited level of detail without a footprint.
+    pub(crate) flat: f32,
 }
 
-/// Level of detail of a squared length in texels.
-pub(crate) fn level_of(s: &Sampler, rho2: f32) -> f32 {
-    match s.precision {
-        Precision::Exact => 0.5 * log2(rho2),
-        Precision::Fast => log2_sqrt_fixed(rho2) as f32 / 256.0,
-    }
-}
-
-/// `lod` has its bias and limits behind it.
-pub(crate) fn sample_lod(s: &Sampler, t: &Chain<'_>, uv: [f32; 2], lod: f32) -> [f32; 4] {
-    if packed::applies(s, t) {
-        return packed::unpack(packed::sample_lod(s, t, uv, packed::fixed_lod(lod)));
-    }
-    let scale = t.format.scale();
-    scaled(unscaled_lod(s, t, uv, lod), scale)
-}
-
-/// As [`sample_lod`] before the scale of the format.
-fn unscaled_lod(s: &Sampler, t: &Chain<'_>, uv: [f32; 2], lod: f32) -> [f32; 4] {
-    if let Filter::Bicubic(kernel) = s.filter {
-        return cubic::sample(s, t, uv, kernel);
-    }
-    across_levels(s.filter, t, lod, |level, texel| {
-        in_level(s, t, level, uv, texel)
-    })
-}
-
-/// The choice of levels that all shapes of texture share: `at` gives the colour of one level, `lod` has
-/// its bias and limits behind it.
-pub(crate) fn across_levels(
-    filter: Filter,
-    t: &Chain<'_>,
-    lod: f32,
-    at: impl Fn(&Level, Texel) -> [f32; 4],
-) -> [f32; 4] {
-    let (mag, min, mip) = gl_of(filter);
-    if lod <= 0.0 {
-        return at(&t.levels[0], mag);
-    }
-    let last = (t.levels.len() - 1) as f32;
-    let lod = if lod > last { last } else { lod };
-    match mip {
-        Mip::None => at(&t.levels[0], min),
-        // ceil(lod + 0.5) - 1: halves go to the finer level.
-        Mip::Nearest => at(&t.levels[float::ceil_f32(lod + 0.5) as usize - 1], min),
-        Mip::Linear => {
-            let fine = lod as usize;
-            let weight = lod - fine as f32;
-            let a = at(&t.levels[fine], min);
-            if weight > 0.0 {
-                mix(a, at(&t.levels[fine + 1], min), weight)
-            } else {
-                a
-            }
+impl<I: Isa> LookUp<I> {
+    /// The limited level of detail.
+    #[inline(always)]
+    pub(crate) fn lod(&self, i: I, view: &View<'_>) -> I::F32 {
+        match &self.footprint {
+            Some(d) => lod::lod(i, view, d),
+            None => i.f32(self.flat),
         }
     }
 }
 
-fn in_level(s: &Sampler, t: &Chain<'_>, level: &Level, uv: [f32; 2], texel: Texel) -> [f32; 4] {
-    match texel {
-        Texel::Nearest => nearest(s, t, level, uv),
-        Texel::Linear => bilinear(s, t, level, uv),
-    }
+/// A filter with f32 weights, on the texels of [`FORMAT`](Self::FORMAT).
+pub(crate) trait Kernel {
+    const FORMAT: u8;
+    fn color<I: Isa>(i: I, view: &View<'_>, at: &LookUp<I>) -> Color<I>;
 }
 
-/// The wrap of both axes.
+/// A filter with 8-bit weights on RGBA8.
+pub(crate) trait ByteKernel {
+    /// Whether sixteen lanes are faster on 128-bit levels than four.
+    const WIDE: bool;
+    fn word<I: ByteIsa>(i: I, view: &View<'_>, at: &LookUp<I>) -> I::U32;
+}
+
+/// Runs a kernel: over a batch, or for one look-up.
+pub(crate) trait Run {
+    type Out;
+    fn color<K: Kernel>(self) -> Self::Out;
+    fn bytes<K: ByteKernel>(self) -> Self::Out;
+}
+
+/// Runs the kernel of a filter on a format. Probes and ellipses need a footprint; look-ups without one are trilinear.
 #[inline(always)]
-pub(crate) fn axes(s: &Sampler, t: &Chain<'_>) -> [Axis; 2] {
-    let base = &t.levels[0];
-    [
-        Axis::new(s.wrap_u, base.width),
-        Axis::new(s.wrap_v, base.height),
-    ]
-}
-
-fn nearest(s: &Sampler, t: &Chain<'_>, level: &Level, uv: [f32; 2]) -> [f32; 4] {
-    let [ax, ay] = axes(s, t);
-    let x = floor(ax.place(uv[0], level.width));
-    let y = floor(ay.place(uv[1], level.height));
-    let (x, y) = (ax.index(x, level.width), ay.index(y, level.height));
-    tap(s, t, level, [x, y, 0])
-}
-
-fn bilinear(s: &Sampler, t: &Chain<'_>, level: &Level, uv: [f32; 2]) -> [f32; 4] {
-    let [ax, ay] = axes(s, t);
-    let x = linear_axis(ax, uv[0], level.width);
-    let y = linear_axis(ay, uv[1], level.height);
-    in_slice(s, t, level, x, y, 0)
-}
-
-/// Bilinear, unscaled, in a slice of a volume; an image has one.
-#[inline(always)]
-pub(crate) fn in_slice(
-    s: &Sampler,
-    t: &Chain<'_>,
-    level: &Level,
-    (x, wx): ([i32; 2], f32),
-    (y, wy): ([i32; 2], f32),
-    z: i32,
-) -> [f32; 4] {
-    let texels = if x[0] | x[1] | y[0] | y[1] | z >= 0 {
-        t.fetch_four(level, x, y, z)
-    } else {
-        [
-            tap(s, t, level, [x[0], y[0], z]),
-            tap(s, t, level, [x[1], y[0], z]),
-            tap(s, t, level, [x[0], y[1], z]),
-            tap(s, t, level, [x[1], y[1], z]),
-        ]
+pub(crate) fn run<R: Run>(kind: Kind, format: u8, has_footprint: bool, run: R) -> R::Out {
+    use Kind::{Anisotropic, Bicubic, Bilinear, Ewa, Gl, Nearest, Trilinear};
+    let kind = match kind {
+        Anisotropic | Ewa if !has_footprint => Trilinear,
+        kind => kind,
     };
-    mix_four(texels, wx, wy)
-}
-
-/// The two texels around a coordinate and the weight of the second.
-#[inline(always)]
-pub(crate) fn linear_axis(axis: Axis, u: f32, n: i32) -> ([i32; 2], f32) {
-    let x = axis.place(u, n) - 0.5;
-    let i = floor(x);
-    (axis.pair(i, n), x - i as f32)
-}
-
-/// A texel at wrapped indices, or the border, unscaled.
-#[inline(always)]
-pub(crate) fn tap(s: &Sampler, t: &Chain<'_>, level: &Level, [x, y, z]: [i32; 3]) -> [f32; 4] {
-    if x == OUTSIDE || y == OUTSIDE || z == OUTSIDE {
-        s.border_in(t.format.units())
-    } else {
-        t.fetch(level, x, y, z)
+    match (format, kind) {
+        (RGBA8, Nearest) => run.bytes::<rgba8::nearest::Nearest>(),
+        (RGBA8, Bilinear) => run.bytes::<rgba8::bilinear::Bilinear>(),
+        (RGBA8, Anisotropic) => run.bytes::<rgba8::anisotropic::Anisotropic>(),
+        (RGBA8, Gl) => run.bytes::<rgba8::gl::Gl>(),
+        (RGBA8, _) => run.bytes::<rgba8::trilinear::Trilinear>(),
+        (RGBA8_EXACT, Bilinear) => run.color::<bilinear::Bilinear<RGBA8_EXACT>>(),
+        (RGBA8_EXACT, Trilinear) => run.color::<trilinear::Trilinear<RGBA8_EXACT>>(),
+        (RGBA16, Nearest) => run.color::<nearest::Nearest<RGBA16>>(),
+        (RGBA16, Bilinear) => run.color::<bilinear::Bilinear<RGBA16>>(),
+        (RGBA16, Trilinear) => run.color::<trilinear::Trilinear<RGBA16>>(),
+        (_, Anisotropic) => run.color::<anisotropic::Anisotropic>(),
+        (_, Bicubic(_)) => run.color::<bicubic::Bicubic>(),
+        (_, Ewa) => run.color::<ewa::Ewa>(),
+        (_, Nearest | Bilinear | Trilinear | Gl) => run.color::<gl::Gl>(),
     }
 }
 
-/// `a + (b - a) w`: exact where both are equal.
-#[inline(always)]
-pub(crate) fn mix(a: [f32; 4], b: [f32; 4], w: f32) -> [f32; 4] {
-    [
-        a[0] + (b[0] - a[0]) * w,
-        a[1] + (b[1] - a[1]) * w,
-        a[2] + (b[2] - a[2]) * w,
-        a[3] + (b[3] - a[3]) * w,
-    ]
+/// One look-up, `flat` the limited level of detail where it has no footprint.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Single<'a> {
+    pub(crate) sampler: &'a Sampler,
+    pub(crate) chain: &'a Chain<'a>,
+    pub(crate) uv: [f32; 2],
+    pub(crate) footprint: Option<Footprint>,
+    pub(crate) flat: f32,
 }
 
-/// Two texels of a row and two of the next.
-#[inline(always)]
-pub(crate) fn mix_four([a, b, c, d]: [[f32; 4]; 4], wx: f32, wy: f32) -> [f32; 4] {
-    mix(mix(a, b, wx), mix(c, d, wx), wy)
+impl Single<'_> {
+    #[inline(always)]
+    fn look_up(&self, view: &View<'_>) -> LookUp<Scalar> {
+        LookUp {
+            uv: self.uv,
+            footprint: self.footprint.map(
+                #[inline(always)]
+                |d| TexelFootprint::of(view, d),
+            ),
+            flat: self.flat,
+        }
+    }
+
+    #[inline(never)]
+    pub(crate) fn word<K: ByteKernel>(self) -> u32 {
+        match self.view(RGBA8) {
+            Some(view) => K::word(Scalar, &view, &self.look_up(&view)).0,
+            None => 0,
+        }
+    }
+
+    #[inline(always)]
+    fn view(&self, format: u8) -> Option<View<'_>> {
+        let kind = Kind::of(self.sampler.filter);
+        View::single(self.sampler, self.chain, kind, format)
+    }
 }
 
-/// Floor of a number within +-2^30.
+impl Run for Single<'_> {
+    type Out = [f32; 4];
+
+    #[inline(never)]
+    fn color<K: Kernel>(self) -> [f32; 4] {
+        let format = match K::FORMAT {
+            ANY => exact_format(self.chain),
+            format => format,
+        };
+        match self.view(format) {
+            Some(view) => K::color(Scalar, &view, &self.look_up(&view)),
+            None => [0.0; 4],
+        }
+    }
+
+    #[inline(always)]
+    fn bytes<K: ByteKernel>(self) -> [f32; 4] {
+        rgba8::unpack(Scalar, One(self.word::<K>()))
+    }
+}
+
+/// See [`Single`].
 #[inline(always)]
-pub(crate) fn floor(x: f32) -> i32 {
-    let i = x as i32;
-    i - i32::from(i as f32 > x)
+pub(crate) fn sample(
+    sampler: &Sampler,
+    chain: &Chain<'_>,
+    uv: [f32; 2],
+    footprint: Option<Footprint>,
+    flat: f32,
+) -> [f32; 4] {
+    let format = if rgba8::applies(sampler, chain) {
+        RGBA8
+    } else {
+        exact_format(chain)
+    };
+    let single = Single {
+        sampler,
+        chain,
+        uv,
+        footprint,
+        flat,
+    };
+    run(
+        Kind::of(sampler.filter),
+        format,
+        footprint.is_some(),
+        single,
+    )
 }

@@ -31,55 +31,46 @@
 //! ```
 //!
 //! # How it is built
-//! Each filter has an f64 definition in [`mod@reference`], a scalar f32 form whose bound the tests
-//! state, and sixteen lanes with the bits of the scalar form on SSE2, AVX2, AVX-512 and NEON: all filters on texels of any kind,
-//! size and wrap (integers that repeat over powers of two are the fast case; floats and bytes that stay encoded are fetched one by
-//! one), OpenGL's combinations in volumes and cubes.
+//! Each filter has an f64 definition in [`mod@reference`] and one kernel in f32, written over the number of lanes: one for a single
+//! look-up, four or sixteen for batches, with the same bits on SSE2, AVX2, AVX-512 and NEON and for texels of any kind, size and wrap
+//! (integers that repeat over powers of two are the fast case; floats and bytes that stay encoded are fetched one by one). The tests
+//! state the bound between the two.
 #![cfg_attr(not(feature = "std"), no_std)]
 #![forbid(unsafe_code)]
-#![cfg_attr(
-    not(any(
-        target_arch = "x86",
-        target_arch = "x86_64",
-        target_arch = "aarch64",
-        all(target_arch = "wasm32", target_feature = "simd128")
-    )),
-    allow(
-        dead_code,
-        unreachable_code,
-        unused_imports,
-        unused_variables,
-        reason = "without a vector unit the scalar twins of the kernels do all of the work"
-    )
-)]
 extern crate alloc;
 
+mod address;
 mod antialias;
 mod atlas;
+mod batch;
+mod bound_texture;
 mod compare;
 mod cube;
 mod dependent;
 mod encoded;
 mod error;
+mod fetch;
 mod filter;
 #[doc(hidden)]
 pub mod lanes;
-mod lod;
 mod march;
 mod mip;
 mod pattern;
 pub mod reference;
 mod resample;
+mod rgba8;
 mod sampler;
-mod slice;
 mod summed_area;
 mod texels;
 mod texture;
 mod transform;
 mod volume;
-mod wrap;
 
+pub use address::wrap::Wrap;
 pub use atlas::AtlasRect;
+pub use batch::{
+    Places, gives_bytes, sample_columns, sample_rgba8_columns, sample_rgba8_slice, sample_slice,
+};
 pub use compare::Compare;
 pub use cube::{Directions, TextureCube, cube_direction, cube_face, sample_cube_columns};
 pub use error::SampleError;
@@ -87,12 +78,8 @@ pub use march::{MOST_STEPS, OPAQUE, Seen, Volume};
 pub use pattern::{Pattern, gradient_noise};
 pub use resample::{Outside, Resample};
 pub use sampler::{Cubic, Filter, Lod, Mip, Precision, Sampler, Texel};
-pub use slice::{
-    Places, gives_bytes, sample_columns, sample_rgba8_columns, sample_rgba8_slice, sample_slice,
-};
 pub use summed_area::SummedArea;
 pub use texels::Texels;
 pub use texture::{Alpha, ColorSpace, Image, Origin, Texture2d};
 pub use transform::UvTransform;
 pub use volume::{Points, Texture1d, Texture3d, sample_3d_columns};
-pub use wrap::Wrap;

@@ -2,17 +2,16 @@
 //! Rendering", emission and absorption).
 
 use crate::{
+    address::{lod, wrap::Wrap},
+    batch::Batch,
+    bound_texture::View,
     error::SampleError,
-    lanes::View,
-    lod,
     sampler::{Filter, Sampler},
-    slice::{Batch, Grads, Out, on_lanes},
     texture::Texture2d,
     volume::{Points, Texture3d, VolumeView},
-    wrap::Wrap,
 };
 use alloc::boxed::Box;
-use texmap_math::{Level, det32, float};
+use texmap_math::{Level, det32, float, simd::Scalar};
 
 /// What is left to see through below which a ray ends: less than one code of 255, even of white in the dark.
 pub const OPAQUE: f32 = 1.0 / 4096.0;
@@ -91,10 +90,9 @@ impl<'a> Volume<'a> {
             .transfer
             .map(|(ramp, along)| Some((View::new(along, ramp)?, along)));
         let voxels = VolumeView::new(self.sampler, self.grid, Wrap::ClampToEdge);
-        let has_lanes = on_lanes!(level, _s => ());
         self.lanes = match (voxels, transfer) {
-            (Some(voxels), None) if has_lanes => Some((voxels, None)),
-            (Some(voxels), Some(Some(transfer))) if has_lanes => Some((voxels, Some(transfer))),
+            (Some(voxels), None) => Some((voxels, None)),
+            (Some(voxels), Some(Some(transfer))) => Some((voxels, Some(transfer))),
             _ => None,
         }
         .map(|(voxels, transfer)| {
@@ -137,12 +135,12 @@ impl<'a> Volume<'a> {
         'steps: for first in (0..count).step_by(STEPS) {
             let part = (count - first).min(STEPS as u32);
             let lanes = self.lanes.as_ref().filter(|_| part > FEW);
-            let looked_up = lanes.is_some_and(|lanes| {
+            if let Some(lanes) = lanes {
                 let points = core::array::from_fn(|i| at(first + (i as u32).min(part - 1)));
-                self.look_up(lanes, &points, lod, &mut ahead)
-            });
+                self.look_up(lanes, &points, lod, &mut ahead);
+            }
             for i in 0..part {
-                let ([r, g, b], dense) = if looked_up {
+                let ([r, g, b], dense) = if lanes.is_some() {
                     ahead[i as usize]
                 } else {
                     self.matter(at(first + i), lod)
@@ -176,14 +174,14 @@ impl<'a> Volume<'a> {
         }
     }
 
-    /// [`matter`](Self::matter) of sixteen points; false without a vector unit, with nothing done.
+    /// [`matter`](Self::matter) of the steps ahead.
     fn look_up(
         &self,
         lanes: &Lanes<'_>,
         points: &[[f32; 3]; STEPS],
         lod: f32,
         out: &mut [([f32; 3], f32); STEPS],
-    ) -> bool {
+    ) {
         let [u, v, w] = [0, 1, 2].map(|k| points.map(|p| p[k]));
         let at = Points {
             u: &u,
@@ -192,27 +190,12 @@ impl<'a> Volume<'a> {
             lod: Some(&[lod; STEPS]),
         };
         let mut columns = [[0.0; STEPS]; 4];
-        let voxels = &lanes.voxels;
-        if !voxels.columns(
-            lanes.level,
-            &at,
-            &mut columns.each_mut().map(|c| &mut c[..]),
-        ) {
-            return false;
-        }
+        let mut colors = columns.each_mut().map(|c| &mut c[..]);
+        lanes.voxels.columns(lanes.level, &at, &mut colors);
         if let Some((view, along)) = &lanes.transfer {
             let values = columns[0];
-            let ramp = Batch {
-                sampler: along,
-                view,
-                u: &values,
-                v: &[0.5; STEPS],
-                grads: Grads::None,
-            };
-            let colors = columns.each_mut().map(|c| &mut c[..]);
-            if !ramp.run(lanes.level, Out::Columns(colors)) {
-                return false;
-            }
+            let ramp = Batch::new(along, view, &values, &[0.5; STEPS], None);
+            ramp.columns(lanes.level, columns.each_mut().map(|c| &mut c[..]));
         }
         let [r, g, b, a] = &columns;
         for (i, out) in out.iter_mut().enumerate() {
@@ -223,7 +206,6 @@ impl<'a> Volume<'a> {
                 self.dense(c)
             });
         }
-        true
     }
 
     /// A voxel with its density for its alpha.
@@ -244,7 +226,7 @@ impl<'a> Volume<'a> {
         }
         let size = self.grid.level_size(0).unwrap_or([1; 3]);
         let voxels = [0, 1, 2].map(|k| (step * direction[k] * f64::from(size[k])) as f32);
-        0.5 * lod::log2(voxels.iter().map(|v| v * v).sum())
+        0.5 * lod::log2(Scalar, voxels.iter().map(|v| v * v).sum())
     }
 }
 

@@ -2,12 +2,12 @@
 
 mod noise;
 
-use texmap_math::fearless_simd::{Simd, f32x16, prelude::*};
-use texmap_math::{det32, float};
+use texmap_math::det32;
+use texmap_math::simd::{Isa, Scalar, prelude::*};
 
+use noise::in_reach;
 pub(crate) use noise::{edge, hash};
 pub use noise::{gradient_noise, gradient_noise_lanes};
-use noise::{in_reach, in_reach_lanes};
 
 /// A pattern in space. Values are 0 to 1, for a ramp of colours to be looked up with.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -39,101 +39,62 @@ impl Pattern {
     /// go to their mean, so that nothing flickers from afar. A width of 0 (or NaN) gives the pattern itself. A point
     /// beyond 2^23, where floats have no fraction, or not finite, reads as the origin.
     pub fn value(&self, p: [f32; 3], width: f32) -> f32 {
-        let p = if in_reach(p) { p } else { [0.0; 3] };
-        let width = if width > 0.0 { width } else { 0.0 };
-        match *self {
-            Self::Noise { octaves } => {
-                let sum = octave_sum(p, width, octaves, |n| n);
-                clamp(0.5 + 0.5 * sum, 0.0, 1.0)
-            }
-            Self::Marble {
-                octaves,
-                turbulence,
-            } => {
-                let fold = turbulence * octave_sum(p, width, octaves, f32::abs);
-                let turns = p[0] + fold;
-                let turns = turns - float::floor_f32(turns);
-                // The mean of a sine over a width: its value times sinc.
-                let half = core::f32::consts::PI * width;
-                let seen = if half < 1e-3 {
-                    1.0
-                } else if width < 1.0 {
-                    det32::sin(half) / half
-                } else {
-                    0.0
-                };
-                let wave = det32::sin(core::f32::consts::TAU * turns);
-                clamp(0.5 + 0.5 * seen * wave, 0.0, 1.0)
-            }
-            Self::Wood { grain } => {
-                // Fibres run along z: noise is drawn out that way.
-                let fibre = [p[0], p[1], p[2] * 0.125];
-                let r = float::sqrt_f32(p[0] * p[0] + p[1] * p[1]);
-                mean_fraction(r + grain * gradient_noise(fibre, 0), width)
-            }
-        }
+        self.value_lanes(Scalar, p, width)
     }
-}
 
-impl Pattern {
-    /// [`value`](Self::value) for sixteen.
+    /// [`value`](Self::value) for each lane.
     #[inline(always)]
-    pub fn value_lanes<S: Simd>(&self, s: S, p: [f32x16<S>; 3], width: f32x16<S>) -> f32x16<S> {
-        let (zero, one) = (f32x16::splat(s, 0.0), f32x16::splat(s, 1.0));
-        let reach = in_reach_lanes(p);
+    pub fn value_lanes<I: Isa>(&self, i: I, p: [I::F32; 3], width: I::F32) -> I::F32 {
+        let (zero, one) = (i.f32(0.0), i.f32(1.0));
+        let reach = in_reach::<I>(p);
         let p = [
             reach.select(p[0], zero),
             reach.select(p[1], zero),
             reach.select(p[2], zero),
         ];
-        let width = width.simd_gt(zero).select(width, zero);
+        let width = width.simd_gt(0.0).select(width, zero);
         match *self {
             Self::Noise { octaves } => {
-                let sum = octave_sum_lanes(s, p, width, octaves, false);
-                clamp_lanes(s, sum * 0.5 + 0.5, 0.0, 1.0)
+                let sum = octave_sum(i, p, width, octaves, false);
+                clamp(i, sum * 0.5 + 0.5, 0.0, 1.0)
             }
             Self::Marble {
                 octaves,
                 turbulence,
             } => {
-                let turns = p[0] + octave_sum_lanes(s, p, width, octaves, true) * turbulence;
+                let turns = p[0] + octave_sum(i, p, width, octaves, true) * turbulence;
                 let turns = turns - turns.floor();
+                // The mean of a sine over a width: its value times sinc.
                 let half = width * core::f32::consts::PI;
-                let sinc = det32::sin_lanes(texmap_math::simd::X16(s), half) / half;
-                let seen = width.simd_lt(one).select(sinc, zero);
+                let sinc = det32::sin_lanes(i, half) / half;
+                let seen = width.simd_lt(1.0).select(sinc, zero);
                 let seen = half.simd_lt(1e-3).select(one, seen);
-                let wave =
-                    det32::sin_lanes(texmap_math::simd::X16(s), turns * core::f32::consts::TAU);
-                clamp_lanes(s, seen * 0.5 * wave + 0.5, 0.0, 1.0)
+                let wave = det32::sin_lanes(i, turns * core::f32::consts::TAU);
+                clamp(i, seen * 0.5 * wave + 0.5, 0.0, 1.0)
             }
             Self::Wood { grain } => {
+                // Fibres run along z: noise is drawn out that way.
                 let fibre = [p[0], p[1], p[2] * 0.125];
                 let r = (p[0] * p[0] + p[1] * p[1]).sqrt();
-                mean_fraction_lanes(r + gradient_noise_lanes(s, fibre, 0) * grain, width)
+                mean_fraction(i, r + gradient_noise_lanes(i, fibre, 0) * grain, width)
             }
         }
     }
 }
 
-/// [`octave_sum`] for sixteen, of the noise or of its magnitude.
+/// Sum of noise, or of its magnitude, over octaves, each weighed by how well a pixel of this width resolves it: all up to half a
+/// cell, none from a cell on.
 #[inline(always)]
-fn octave_sum_lanes<S: Simd>(
-    s: S,
-    p: [f32x16<S>; 3],
-    width: f32x16<S>,
-    octaves: u8,
-    magnitude: bool,
-) -> f32x16<S> {
-    let zero = f32x16::splat(s, 0.0);
-    let (mut sum, mut scale, mut strength) = (zero, 1.0f32, 1.0f32);
+fn octave_sum<I: Isa>(i: I, p: [I::F32; 3], width: I::F32, octaves: u8, magnitude: bool) -> I::F32 {
+    let (mut sum, mut scale, mut strength) = (i.f32(0.0), 1.0f32, 1.0f32);
     for octave in 0..octaves.clamp(1, Pattern::MOST_OCTAVES) {
-        let seen = clamp_lanes(s, 2.0 - width * 2.0 * scale, 0.0, 1.0);
-        let some = seen.simd_gt(zero);
+        let seen = clamp(i, i.f32(2.0) - width * 2.0 * scale, 0.0, 1.0);
+        let some = seen.simd_gt(0.0);
         if !some.any_true() {
             break;
         }
         let at = [p[0] * scale, p[1] * scale, p[2] * scale];
-        let n = gradient_noise_lanes(s, at, u32::from(octave));
+        let n = gradient_noise_lanes(i, at, u32::from(octave));
         let n = if magnitude { n.abs() } else { n };
         sum = some.select(sum + seen * strength * n, sum);
         (scale, strength) = (scale * 2.0, strength * 0.5);
@@ -141,71 +102,26 @@ fn octave_sum_lanes<S: Simd>(
     sum
 }
 
-/// [`mean_fraction`] for sixteen.
+/// The mean of x - floor(x) over `width` around x, by its integral floor(x) / 2 + (x - floor(x))^2 / 2.
 #[inline(always)]
-fn mean_fraction_lanes<S: Simd>(x: f32x16<S>, width: f32x16<S>) -> f32x16<S> {
-    let half = f32x16::splat(x.simd, 0.5);
+fn mean_fraction<I: Isa>(i: I, x: I::F32, width: I::F32) -> I::F32 {
     let fraction = x - x.floor();
+    // Both ends are measured from one whole number, so that nothing cancels far out.
     let base = (x - width * 0.5).floor();
     let low = x - width * 0.5 - base;
     let high = low + width;
     let whole = high.floor();
     let rest = high - whole;
     let mean = (whole * 0.5 + rest * 0.5 * rest - low * 0.5 * low) / width;
-    let mean = width.simd_gt(1024.0).select(half, mean);
+    let mean = width.simd_gt(1024.0).select(i.f32(0.5), mean);
     width.simd_lt(1e-3).select(fraction, mean)
 }
 
-/// [`clamp`] for sixteen.
-#[inline(always)]
-fn clamp_lanes<S: Simd>(s: S, x: f32x16<S>, low: f32, high: f32) -> f32x16<S> {
-    let (low, high) = (f32x16::splat(s, low), f32x16::splat(s, high));
-    x.simd_ge(high).select(high, x.simd_gt(low).select(x, low))
-}
-
-/// Sum of `shape(noise)` over octaves, each weighed by how well a pixel of this width resolves it: all up to half a
-/// cell, none from a cell on.
-fn octave_sum(p: [f32; 3], width: f32, octaves: u8, shape: impl Fn(f32) -> f32) -> f32 {
-    let (mut sum, mut scale, mut strength) = (0.0, 1.0f32, 1.0f32);
-    for octave in 0..octaves.clamp(1, Pattern::MOST_OCTAVES) {
-        let seen = clamp(2.0 - 2.0 * width * scale, 0.0, 1.0);
-        if seen <= 0.0 {
-            break;
-        }
-        let n = gradient_noise(p.map(|x| x * scale), u32::from(octave));
-        sum += seen * strength * shape(n);
-        (scale, strength) = (scale * 2.0, strength * 0.5);
-    }
-    sum
-}
-
-/// The mean of x - floor(x) over `width` around x, by its integral floor(x) / 2 + (x - floor(x))^2 / 2.
-fn mean_fraction(x: f32, width: f32) -> f32 {
-    let fraction = |x: f32| x - float::floor_f32(x);
-    if width < 1e-3 {
-        return fraction(x);
-    }
-    if width > 1024.0 {
-        return 0.5;
-    }
-    // Both ends are measured from one whole number, so that nothing cancels far out.
-    let base = float::floor_f32(x - 0.5 * width);
-    let low = x - 0.5 * width - base;
-    let high = low + width;
-    let whole = float::floor_f32(high);
-    let rest = high - whole;
-    (0.5 * whole + 0.5 * rest * rest - 0.5 * low * low) / width
-}
-
 /// NaN gives `low`.
-fn clamp(x: f32, low: f32, high: f32) -> f32 {
-    if x >= high {
-        high
-    } else if x > low {
-        x
-    } else {
-        low
-    }
+#[inline(always)]
+fn clamp<I: Isa>(i: I, x: I::F32, low: f32, high: f32) -> I::F32 {
+    let above = x.simd_gt(low).select(x, i.f32(low));
+    x.simd_ge(high).select(i.f32(high), above)
 }
 
 #[cfg(test)]
@@ -325,9 +241,27 @@ mod tests {
         assert!((marble.value([0.3, 0.0, 0.0], 0.6) - fine / 4096.0).abs() < 1e-4);
     }
 
+    fn every_lane<I: Isa>(
+        i: I,
+        columns: &[[f32; 16]; 3],
+        width: &[f32; 16],
+        patterns: &[Pattern],
+        noise: &mut [f32],
+        values: &mut [[f32; 16]; 3],
+    ) {
+        for k in (0..16).step_by(I::LANES) {
+            let p = [0, 1, 2].map(|c| i.load_f32(&columns[c][k..]));
+            gradient_noise_lanes(i, p, 5).store(&mut noise[k..]);
+            for (out, pattern) in values.iter_mut().zip(patterns) {
+                let width = i.load_f32(&width[k..]);
+                pattern.value_lanes(i, p, width).store(&mut out[k..]);
+            }
+        }
+    }
+
     /// Also where points lie out of reach, and pixels of all widths stand side by side.
     #[test]
-    fn lanes_have_the_bits_of_single_points() {
+    fn every_level_and_width_has_the_bits_of_single_points() {
         use texmap_math::lanes::LANES;
         let patterns = [
             Pattern::Noise { octaves: 5 },
@@ -347,21 +281,20 @@ mod tests {
             let columns: [[f32; LANES]; 3] =
                 [0, 1, 2].map(|c| core::array::from_fn(|i| points[i][c]));
             let width: [f32; LANES] = core::array::from_fn(|i| widths[(k + i * i) % widths.len()]);
-            for level in [texmap_math::Level::new(), texmap_math::Level::baseline()] {
+            let (new, least) = (texmap_math::Level::new(), texmap_math::Level::baseline());
+            for (level, wide) in [(new, false), (least, false), (least, true)] {
                 let mut noise = [0.0; LANES];
                 let mut values = [[0.0; LANES]; 3];
-                texmap_math::on_wide_level!(level, s => {
-                    let p = [
-                        f32x16::from_slice(s, &columns[0]),
-                        f32x16::from_slice(s, &columns[1]),
-                        f32x16::from_slice(s, &columns[2]),
-                    ];
-                    gradient_noise_lanes(s, p, 5).store_slice(&mut noise);
-                    for (out, pattern) in values.iter_mut().zip(&patterns) {
-                        let width = f32x16::from_slice(s, &width);
-                        pattern.value_lanes(s, p, width).store_slice(out);
-                    }
-                }, else continue);
+                let (noise, values) = (&mut noise, &mut values);
+                if wide {
+                    texmap_math::dispatch_simd!(level, wide i => {
+                        every_lane(i, &columns, &width, &patterns, noise, values);
+                    });
+                } else {
+                    texmap_math::dispatch_simd!(level, i => {
+                        every_lane(i, &columns, &width, &patterns, noise, values);
+                    });
+                }
                 for (i, p) in points.iter().enumerate() {
                     let one = gradient_noise(*p, 5);
                     assert_eq!(noise[i].to_bits(), one.to_bits(), "{p:?}");

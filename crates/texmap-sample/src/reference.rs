@@ -3,10 +3,10 @@
 //! The f32 forms are held against these. Texels are taken as stored (linear, premultiplied).
 
 use crate::{
+    address::wrap::Wrap,
     sampler::{Cubic, Filter, Mip, Sampler, Texel},
     texels::{Chain, Level},
     texture::Texture2d,
-    wrap::Wrap,
 };
 use texmap_math::{
     det,
@@ -53,7 +53,7 @@ pub fn lod(s: &Sampler, t: &Texture2d<'_>, d: Gradient) -> f64 {
 fn limit(s: &Sampler, lod: f64) -> f64 {
     let lod = if lod.is_nan() { 0.0 } else { lod };
     // The limits of `max` and `min` that are NaN limit nothing.
-    (lod + f64::from(s.lod_bias()))
+    (lod + f64::from(s.lod_range().bias))
         .max(f64::from(s.lod.min))
         .min(f64::from(s.lod.max))
 }

@@ -1,11 +1,11 @@
 mod edges;
 
 use crate::{
+    address::wrap::Wrap,
+    batch::{check, sample_slice},
     error::SampleError,
     sampler::{Filter, Sampler},
-    slice::{check, sample_slice},
     texture::Texture2d,
-    wrap::Wrap,
 };
 use edges::Edges;
 use texmap_math::{

@@ -1,9 +1,15 @@
 use crate::{
-    filter, filter::anisotropic::Axes, lod::TexelFootprint, texels::scaled, texture::Texture2d,
-    wrap::Wrap,
+    address::{
+        lod::{LodRange, TexelFootprint, lod},
+        wrap::{Axis, Wrap},
+    },
+    bound_texture::{View, exact_format},
+    filter::{self, Kind, anisotropic::Axes},
+    texels::{Chain, scaled},
+    texture::Texture2d,
 };
 use core::str::FromStr;
-use texmap_math::footprint::Footprint;
+use texmap_math::{footprint::Footprint, simd::Scalar};
 
 /// Kernel of a bicubic filter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -155,40 +161,60 @@ impl Sampler {
 
     /// The colour at `uv` where one pixel step moves uv by the footprint.
     pub fn sample_grad(&self, t: &Texture2d<'_>, uv: [f32; 2], d: Footprint) -> [f32; 4] {
-        filter::sample_grad(self, &t.chain, uv, d)
+        filter::sample(self, &t.chain, uv, Some(d), 0.0)
     }
 
     /// The colour at `uv` with a level of detail of the caller's (bias and limits apply).
     ///
     /// An anisotropic or EWA filter takes a round footprint of that level.
     pub fn sample_lod(&self, t: &Texture2d<'_>, uv: [f32; 2], lod: f32) -> [f32; 4] {
-        filter::sample_lod(self, &t.chain, uv, self.limit_lod(lod))
+        filter::sample(self, &t.chain, uv, None, self.limit_lod(lod))
     }
 
     /// The level of detail of a footprint: log2 of the longer column of the Jacobian in texels,
     /// plus bias, between the limits; not cut to the levels that the texture has.
     pub fn lod(&self, t: &Texture2d<'_>, d: Footprint) -> f32 {
-        let rho2 = TexelFootprint::new(d, &t.chain.levels[0]).rho_max_squared();
-        self.limit_lod(filter::level_of(self, rho2))
+        self.view(t).map_or(0.0, |view| {
+            lod(Scalar, &view, &TexelFootprint::of(&view, d))
+        })
     }
 
     /// How many trilinear look-ups an anisotropic filter takes for a footprint; 1 for the others.
     pub fn probes(&self, t: &Texture2d<'_>, d: Footprint) -> u32 {
         match self.filter {
-            Filter::Anisotropic(most) => {
-                Axes::new(&TexelFootprint::new(d, &t.chain.levels[0])).probes(most) as u32
-            }
+            Filter::Anisotropic(_) => self.view(t).map_or(1, |view| {
+                let axes = Axes::new(Scalar, &TexelFootprint::of(&view, d));
+                axes.probes(Scalar, view.most) as u32
+            }),
             _ => 1,
         }
     }
 
-    /// The bias of levels, within its range.
-    pub(crate) fn lod_bias(&self) -> f32 {
-        if self.lod.bias.is_nan() {
+    #[inline(always)]
+    fn view<'a>(&self, t: &'a Texture2d<'_>) -> Option<View<'a>> {
+        let (kind, format) = (Kind::of(self.filter), exact_format(&t.chain));
+        View::single(self, &t.chain, kind, format)
+    }
+
+    /// The wraps of both axes.
+    #[inline(always)]
+    pub(crate) fn axes(&self, t: &Chain<'_>) -> [Axis; 2] {
+        let base = &t.levels[0];
+        [
+            Axis::new(self.wrap_u, base.width),
+            Axis::new(self.wrap_v, base.height),
+        ]
+    }
+
+    /// Bias and limits of levels, the bias within its range.
+    pub(crate) fn lod_range(&self) -> LodRange {
+        let Lod { bias, min, max } = self.lod;
+        let bias = if bias.is_nan() {
             0.0
         } else {
-            self.lod.bias.clamp(-32.0, 32.0)
-        }
+            bias.clamp(-32.0, 32.0)
+        };
+        LodRange { bias, min, max }
     }
 
     /// The border in units of a format, finite in any of them.
@@ -206,20 +232,10 @@ impl Sampler {
     }
 
     /// Bias and limits; NaN reads as 0.
+    #[inline(always)]
     pub(crate) fn limit_lod(&self, lod: f32) -> f32 {
-        let bias = self.lod_bias();
-        let biased = if lod.is_nan() { bias } else { lod + bias };
-        // Comparisons that a limit of NaN fails: it limits nothing.
-        let low = if biased < self.lod.min {
-            self.lod.min
-        } else {
-            biased
-        };
-        if low > self.lod.max {
-            self.lod.max
-        } else {
-            low
-        }
+        let lod = if lod.is_nan() { 0.0 } else { lod };
+        self.lod_range().limit(Scalar, lod)
     }
 }
 

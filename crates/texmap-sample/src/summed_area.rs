@@ -1,4 +1,4 @@
-use crate::{sampler::Sampler, texture::Texture2d, wrap::Wrap};
+use crate::{address::wrap::Wrap, sampler::Sampler, texture::Texture2d};
 use alloc::{vec, vec::Vec};
 use texmap_math::{float::floor, footprint::Footprint};
 

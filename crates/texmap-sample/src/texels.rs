@@ -127,17 +127,6 @@ impl Format {
     }
 }
 
-#[inline(always)]
-fn four(format: Format, words: &[u32], [a, b, c, d]: [usize; 4]) -> [[f32; 4]; 4] {
-    let size = format.words();
-    [
-        format.fetch(words, a * size),
-        format.fetch(words, b * size),
-        format.fetch(words, c * size),
-        format.fetch(words, d * size),
-    ]
-}
-
 // Written out: a compiler leaves the closures of `array::map` out of line, which doubles the price of a look-up.
 
 /// A colour times a number.
@@ -215,42 +204,6 @@ impl Chain<'_> {
         match &self.words {
             Words::Owned(w) => w,
             Words::Borrowed(w) => w,
-        }
-    }
-
-    /// Four unscaled texels inside the level, at two columns of a row and then of another.
-    #[inline(always)]
-    pub(crate) fn fetch_four(
-        &self,
-        level: &Level,
-        [x0, x1]: [i32; 2],
-        [y0, y1]: [i32; 2],
-        z: i32,
-    ) -> [[f32; 4]; 4] {
-        if level.offset == Level::ENCODED {
-            return [
-                self.fetch(level, x0, y0, z),
-                self.fetch(level, x1, y0, z),
-                self.fetch(level, x0, y1, z),
-                self.fetch(level, x1, y1, z),
-            ];
-        }
-        let (width, height) = (level.width as usize, level.height as usize);
-        let [y0, y1] = if self.flip {
-            [level.height - 1 - y0, level.height - 1 - y1]
-        } else {
-            [y0, y1]
-        };
-        let (x0, x1, first) = (x0 as usize, x1 as usize, z as usize * height);
-        let (row0, row1) = ((first + y0 as usize) * width, (first + y1 as usize) * width);
-        let texels = [row0 + x0, row0 + x1, row1 + x0, row1 + x1];
-        // The format is asked once.
-        let words = self.words().get(level.offset..).unwrap_or_default();
-        match self.format {
-            Format::Rgba8 => four(Format::Rgba8, words, texels),
-            Format::Rgba16 => four(Format::Rgba16, words, texels),
-            Format::Rgba32 => four(Format::Rgba32, words, texels),
-            Format::R32 => four(Format::R32, words, texels),
         }
     }
 

@@ -1,19 +1,21 @@
 //! One- and three-dimensional textures.
 
-mod lanes;
+mod kernel;
 
-pub(crate) use lanes::VolumeView;
-pub use lanes::{Points, sample_3d_columns};
+pub(crate) use kernel::VolumeView;
+pub use kernel::{Points, sample_3d_columns};
 
 use crate::{
+    address::{lod, wrap::Wrap},
+    bound_texture::{View, exact_format},
     error::SampleError,
-    filter::{across_levels, floor, in_slice, linear_axis, mix, tap},
-    lod, mip,
-    sampler::{Sampler, Texel},
-    texels::{Chain, Level, scaled},
+    filter::Kind,
+    mip,
+    sampler::Sampler,
+    texels::{Chain, scaled},
     texture::{Image, Texture2d, upload},
-    wrap::{Axis, Wrap},
 };
+use texmap_math::simd::Scalar;
 
 /// A texture along a line: a ramp, a table.
 #[derive(Clone, Debug)]
@@ -98,7 +100,12 @@ impl Texture3d<'_> {
         self.chain.levels.len() as u32
     }
 
-    /// Whether any texel is not fully opaque.
+    /// Slices of level 0.
+    fn depth(&self) -> i32 {
+        self.chain.levels.first().map_or(1, |level| level.depth)
+    }
+
+    /// True if any texel is not fully opaque.
     pub fn has_alpha(&self) -> bool {
         !self.chain.opaque
     }
@@ -123,11 +130,11 @@ impl Texture3d<'_> {
         let base = &self.chain.levels[0];
         let size = [base.width as f32, base.height as f32, base.depth as f32];
         let squared = |d: [f32; 3]| {
-            let d = [0, 1, 2].map(|k| lod::tame(d[k] * size[k]));
+            let d = [0, 1, 2].map(|k| lod::tame(Scalar, d[k] * size[k]));
             d[0] * d[0] + d[1] * d[1] + d[2] * d[2]
         };
         let (x, y) = (squared(dx), squared(dy));
-        0.5 * lod::log2(if x > y { x } else { y })
+        0.5 * lod::log2(Scalar, if x > y { x } else { y })
     }
 }
 
@@ -145,43 +152,10 @@ impl Sampler {
     /// of levels at `lod`. The third axis wraps as `wrap_w` says; bicubic, anisotropic and EWA filters
     /// have no form in three dimensions and take eight texels.
     pub fn sample_3d(&self, t: &Texture3d<'_>, uvw: [f32; 3], wrap_w: Wrap, lod: f32) -> [f32; 4] {
-        let chain = &t.chain;
-        let base = &chain.levels[0];
-        let wraps = [
-            Axis::new(self.wrap_u, base.width),
-            Axis::new(self.wrap_v, base.height),
-            Axis::new(wrap_w, base.depth),
-        ];
-        let lod = self.limit_lod(lod);
-        let c = across_levels(self.filter, chain, lod, |level, texel| {
-            self.in_volume(chain, level, wraps, uvw, texel)
-        });
-        let scale = chain.format.scale();
-        scaled(c, scale)
-    }
-
-    fn in_volume(
-        &self,
-        t: &Chain<'_>,
-        level: &Level,
-        [ax, ay, az]: [Axis; 3],
-        [u, v, w]: [f32; 3],
-        texel: Texel,
-    ) -> [f32; 4] {
-        if texel == Texel::Nearest {
-            let place = |axis: Axis, u: f32, n: i32| axis.index(floor(axis.place(u, n)), n);
-            let at = [
-                place(ax, u, level.width),
-                place(ay, v, level.height),
-                place(az, w, level.depth),
-            ];
-            return tap(self, t, level, at);
+        let format = exact_format(&t.chain);
+        match View::single(self, &t.chain, Kind::Gl, format) {
+            Some(view) => VolumeView::of(view, self, wrap_w, t.depth()).look(Scalar, uvw, lod),
+            None => [0.0; 4],
         }
-        let x = linear_axis(ax, u, level.width);
-        let y = linear_axis(ay, v, level.height);
-        let ([near, far], weight) = linear_axis(az, w, level.depth);
-        let near = in_slice(self, t, level, x, y, near);
-        let far = in_slice(self, t, level, x, y, far);
-        mix(near, far, weight)
     }
 }

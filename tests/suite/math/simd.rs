@@ -1,7 +1,7 @@
 //! Kernels over lane widths: each operation gives the scalar's bits in every lane, on every level and width.
 
 use texmap_math::lanes::Words;
-use texmap_math::simd::{Isa, Scalar, prelude::*};
+use texmap_math::simd::{ByteIsa, Isa, Scalar, prelude::*};
 use texmap_math::{dispatch_simd, float};
 use texmap_tests::levels::levels;
 
@@ -61,7 +61,7 @@ const WORDS: [u32; 16] = [
 ];
 
 /// Every operation of one lane, as words: NaN as one word, since its payload is no result.
-const RESULTS: usize = 54;
+const RESULTS: usize = 61;
 
 /// Vectors from the numbers at `at` on, then once more from the first.
 fn vectors(at: usize) -> [[f32; 3]; 16] {
@@ -69,7 +69,7 @@ fn vectors(at: usize) -> [[f32; 3]; 16] {
 }
 
 #[inline(always)]
-fn every_operation<I: Isa>(i: I, at: usize, table: &[u32], out: &mut [[u32; 16]; RESULTS]) {
+fn every_operation<I: ByteIsa>(i: I, at: usize, table: &[u32], out: &mut [[u32; 16]; RESULTS]) {
     let (x, y) = (i.load_f32(&LEFT[at..]), i.load_f32(&RIGHT[at..]));
     let small = x.above(i.f32(-1e9)).below(i.f32(1e9));
     let n = small.to_i32();
@@ -114,6 +114,9 @@ fn every_operation<I: Isa>(i: I, at: usize, table: &[u32], out: &mut [[u32; 16];
         vector[1],
         vector[2],
     ];
+    let (left, right) = (i.bytes(w), i.bytes(first));
+    let [a, b, c, d] = i.byte_sums(i.add_bytes(left, right, n.simd_lt(4)));
+    let weights = i.weights((v << 3).to_i32());
     let integers = [
         (small * 0.7).floor_to_i32().to_u32(),
         n.to_u32(),
@@ -138,10 +141,20 @@ fn every_operation<I: Isa>(i: I, at: usize, table: &[u32], out: &mut [[u32; 16];
         first,
         second,
         i.table16(&WORDS, w & 15),
+        small.floor().to_bits(),
+        (n >> v.to_i32()).to_u32(),
+        i.words(i.lerp_bytes(left, right, weights)),
+        a,
+        b,
+        c,
+        d,
         triple[0],
         triple[1],
         triple[2],
     ];
+    let mut ints = [0; 16];
+    n.store(&mut ints);
+    assert_eq!(i.first(n), ints[0]);
     let mut lanes = [0.0; 16];
     let mut k = 0;
     for x in floats {
@@ -181,7 +194,7 @@ fn every_operation<I: Isa>(i: I, at: usize, table: &[u32], out: &mut [[u32; 16];
 }
 
 #[inline(always)]
-fn all<I: Isa>(i: I, table: &[u32], out: &mut [[u32; 16]; RESULTS]) {
+fn all<I: ByteIsa>(i: I, table: &[u32], out: &mut [[u32; 16]; RESULTS]) {
     for at in (0..16).step_by(I::LANES) {
         every_operation(i, at, table, out);
     }

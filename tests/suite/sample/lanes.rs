@@ -1,7 +1,10 @@
-//! Lanes equal their scalar twins bit for bit, on every SIMD level and the forced fallback.
+//! Every SIMD level, the forced fallback among them, and every number of lanes gives the bits of single look-ups.
 
 use crate::support::{Random, WRAPS, filters, random_bytes, random_floats};
-use texmap_math::Footprint;
+use texmap_math::simd::{ByteIsa, prelude::*};
+use texmap_math::{Footprint, dispatch_simd};
+use texmap_sample::lanes::packed::{self, FootprintLanes};
+use texmap_sample::lanes::{Kind, View};
 use texmap_sample::{
     Alpha, ColorSpace, Filter, Image, Lod, Origin, Places as Columns, Precision, Sampler, Texels,
     Texture2d, Wrap, gives_bytes, sample_columns, sample_rgba8_columns, sample_rgba8_slice,
@@ -405,6 +408,71 @@ fn byte_slices_equal_float_slices() {
                 for (a, b) in bytes.iter().zip(&colors) {
                     let b = u32::from_le_bytes(b.map(texmap_math::color::unit_to_u8));
                     assert_eq!(*a, b, "{name} {filter:?} {level_name}");
+                }
+            }
+        }
+    }
+}
+
+/// Look-ups by the functions for stages of one's own, as many at a time as there are lanes.
+#[inline(always)]
+fn stage<I: ByteIsa>(i: I, view: &View<'_>, at: &Places, d: &[Vec<f32>; 4], out: &mut [u32]) {
+    for (k, out) in out.chunks_exact_mut(I::LANES).enumerate() {
+        let k = k * I::LANES;
+        let (u, v) = (i.load_f32(&at.u[k..]), i.load_f32(&at.v[k..]));
+        let [ux, vx, uy, vy] = d.each_ref().map(|d| i.load_f32(&d[k..]));
+        let d = FootprintLanes::new(i, view, ux, vx, uy, vy);
+        match view.kind {
+            Kind::Nearest => packed::nearest_lanes(i, view, u, v),
+            Kind::Bilinear => packed::bilinear_lanes(i, view, u, v),
+            Kind::Trilinear => {
+                packed::trilinear_lanes(i, view, u, v, packed::lod_lanes(i, view, &d))
+            }
+            _ => packed::anisotropic_lanes(i, view, u, v, &d),
+        }
+        .store(out);
+    }
+}
+
+#[test]
+fn stages_give_the_bits_of_single_samples_on_every_level_and_width() {
+    let places = places(3);
+    let d = [
+        places.d.iter().map(|d| d.du_dx).collect::<Vec<_>>(),
+        places.d.iter().map(|d| d.dv_dx).collect(),
+        places.d.iter().map(|d| d.du_dy).collect(),
+        places.d.iter().map(|d| d.dv_dy).collect(),
+    ];
+    let mut out = vec![0; places.u.len() / 16 * 16];
+    for t in [random_bytes(64, 32, 3), random_bytes(63, 57, 4)] {
+        let t = t.with_mips();
+        for filter in [
+            Filter::Nearest,
+            Filter::Bilinear,
+            Filter::Trilinear,
+            Filter::Anisotropic(16),
+        ] {
+            for wrap_u in WRAPS {
+                let s = Sampler {
+                    filter,
+                    wrap_u,
+                    precision: Precision::Fast,
+                    ..Sampler::default()
+                };
+                let view = View::new(&s, &t).expect("a texture has texels");
+                let want: Vec<u32> = (0..out.len())
+                    .map(|i| {
+                        let c = s.sample_grad(&t, [places.u[i], places.v[i]], places.d[i]);
+                        u32::from_le_bytes(c.map(texmap_math::color::unit_to_u8))
+                    })
+                    .collect();
+                for (name, level) in levels() {
+                    out.fill(0);
+                    dispatch_simd!(level, i => stage(i, &view, &places, &d, &mut out));
+                    assert_eq!(out, want, "{filter:?} {wrap_u:?} {name}");
+                    out.fill(0);
+                    dispatch_simd!(level, wide i => stage(i, &view, &places, &d, &mut out));
+                    assert_eq!(out, want, "{filter:?} {wrap_u:?} {name}, wide");
                 }
             }
         }

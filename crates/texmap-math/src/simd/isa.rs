@@ -31,7 +31,12 @@ pub trait Select<T> {
 
 /// One truth value for each lane.
 pub trait Mask:
-    Copy + BitAnd<Output = Self> + BitOr<Output = Self> + BitXor<Output = Self> + Not<Output = Self>
+    Copy
+    + core::fmt::Debug
+    + BitAnd<Output = Self>
+    + BitOr<Output = Self>
+    + BitXor<Output = Self>
+    + Not<Output = Self>
 {
     /// True if any lane is.
     fn any_true(self) -> bool;
@@ -44,6 +49,7 @@ pub trait Mask:
 /// Arithmetic that floats and integers share, with lanes or a constant on the right.
 pub trait Number<C>:
     Copy
+    + core::fmt::Debug
     + Add<Output = Self>
     + Add<C, Output = Self>
     + Sub<Output = Self>
@@ -91,6 +97,9 @@ pub trait F32s<I: Isa>: Float<f32, I::Mask> {
     fn clamp(self, low: Self, high: Self) -> Self {
         self.above(low).below(high)
     }
+
+    /// The nearest whole number at most `self`.
+    fn floor(self) -> Self;
 }
 
 /// Lanes of i32 or u32 (`C`); arithmetic wraps.
@@ -114,7 +123,7 @@ pub trait Int<C, M: Mask>:
 }
 
 /// Lanes of i32.
-pub trait I32s<I: Isa>: Int<i32, I::Mask> + Neg<Output = Self> {
+pub trait I32s<I: Isa>: Int<i32, I::Mask> + Neg<Output = Self> + Shr<Output = Self> {
     /// To the nearest f32, ties to even.
     fn to_f32(self) -> I::F32;
     /// The same bits.
@@ -223,6 +232,9 @@ pub trait Isa: Copy + core::fmt::Debug + Send + Sync + 'static {
         }
         self.load_f32(&lanes)
     }
+
+    /// The first lane.
+    fn first(self, x: Self::I32) -> i32;
 
     /// The words at `index` and the two behind each. Where one of them lies beyond the end, it is the last word.
     #[inline(always)]

@@ -118,6 +118,10 @@ impl F32s<Scalar> for f32 {
         let cut = self as i32;
         One(cut - i32::from(cut as Self > self))
     }
+    #[inline(always)]
+    fn floor(self) -> Self {
+        crate::float::floor_f32(self)
+    }
 }
 
 macro_rules! int {
@@ -194,6 +198,14 @@ macro_rules! int {
 }
 int!(i32);
 int!(u32);
+
+impl Shr for One<i32> {
+    type Output = Self;
+    #[inline(always)]
+    fn shr(self, by: Self) -> Self {
+        Self(self.0.wrapping_shr(by.0 as u32))
+    }
+}
 
 impl Neg for One<i32> {
     type Output = Self;
@@ -338,6 +350,10 @@ impl Isa for Scalar {
         _: fn(Level, [f32; 16], [f32; 16]) -> [f32; 16],
     ) -> f32 {
         x1(x, y)
+    }
+    #[inline(always)]
+    fn first(self, x: One<i32>) -> i32 {
+        x.0
     }
     #[inline(always)]
     fn interleave(self, a: One<u32>, b: One<u32>) -> [One<u32>; 2] {

@@ -170,6 +170,10 @@ macro_rules! width {
                 let above = Compare::simd_gt(SimdInt::to_float::<$f32<S>>(cut), self);
                 cut - Select::select(above, $i32::splat(s, 1), $i32::splat(s, 0))
             }
+            #[inline(always)]
+            fn floor(self) -> Self {
+                SimdFloat::floor(self)
+            }
         }
 
         impl<S: Simd> I32s<$isa<S>> for $i32<S> {
@@ -244,6 +248,10 @@ macro_rules! common {
         #[inline(always)]
         fn vectorize<R>(self, f: impl FnOnce() -> R) -> R {
             self.0.vectorize(f)
+        }
+        #[inline(always)]
+        fn first(self, x: $i32<S>) -> i32 {
+            x[0]
         }
     };
 }

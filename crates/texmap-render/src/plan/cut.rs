@@ -4,7 +4,7 @@ use texmap_math::{Footprint, Level};
 use texmap_raster::UvBlock;
 use texmap_sample::{Filter, Places, sample_columns};
 
-use crate::canvas::LANES;
+use crate::shade::batch::LANES;
 use crate::textures::Slot;
 use texmap_scene::{AlphaMode, Material};
 

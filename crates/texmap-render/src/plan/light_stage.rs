@@ -1,24 +1,10 @@
-//! Where the light of a surface comes from: its vertices, its pixels, or nowhere.
+//! The choice of a lighting stage, and the attributes that it reads.
 
 use texmap_light::Light;
 
+use crate::shade::lighting::LightStage;
 use crate::vertices::{Values, Vertices};
 use texmap_scene::{Gouraud, Material, Shading};
-
-/// The lighting stage of a surface; numbers are attribute indices.
-pub(crate) enum LightStage {
-    /// The base colour is the colour.
-    None,
-    /// Finished colours at the vertices: the base colour is in them.
-    Colors(usize),
-    /// Terms at the vertices (vertex colours in the diffuse one), a texel between them.
-    Terms {
-        diffuse: usize,
-        highlight: Option<usize>,
-    },
-    /// Computed per pixel.
-    PerPixel,
-}
 
 pub(super) fn light_stage(
     material: &Material,

@@ -3,18 +3,18 @@
 use texmap_math::glam::DMat4;
 use texmap_raster::{DepthTest, Fragment, Interp, Pass};
 
-use super::light_stage::{LightStage, light_stage, lights_depend_on_place};
+use super::effects::SurfaceEffects;
+use super::light_stage::{light_stage, lights_depend_on_place};
 use super::{Cut, View, cut};
-use crate::backdrop::SkyStage;
-use crate::coordinates::Coordinates;
-use crate::emission::EmissionStage;
-use crate::lit::SurfaceEffects;
 use crate::ready::Ready;
-use crate::solid::SolidStage;
-use crate::texel::TexelStage;
+use crate::shade::coordinates::Coordinates;
+use crate::shade::lighting::LightStage;
+use crate::shade::sky::SkyStage;
+use crate::shade::solid::SolidStage;
+use crate::shade::unlit::UnlitColor;
+use crate::shade::volume::VolumeStage;
 use crate::textures::{Chains, Slot};
 use crate::vertices::{Values, VertexData, Vertices};
-use crate::volume::VolumeStage;
 use crate::{Aov, Settings};
 use texmap_math::CameraFrame;
 use texmap_scene::{AlphaMode, Gouraud, Material, Mesh, Scene, Shading, TextureRole, TextureSlot};
@@ -29,10 +29,10 @@ pub(crate) struct Surface<'s> {
     pub(crate) light_ramp: Option<Slot<'s>>,
     pub(crate) decal: Option<Slot<'s>>,
     pub(crate) carved: Option<SolidStage<'s>>,
-    /// Where the surface shows.
-    pub(crate) emission: Option<EmissionStage<'s>>,
+    /// Emitted light (raw values in raw mode) and the map that multiplies it, where the surface shows.
+    pub(crate) emission: Option<([f32; 3], Option<Slot<'s>>)>,
     /// The only stage of what is no surface.
-    pub(crate) space: Option<Box<Space<'s>>>,
+    pub(crate) space: Option<Space<'s>>,
     pub(crate) uv: Coordinates,
     pub(crate) light: LightStage,
     /// What a surface lit per pixel is under beside plain lights.
@@ -46,13 +46,13 @@ pub(crate) struct Surface<'s> {
     /// Every look-up of the base colour is opaque.
     pub(crate) solid: bool,
     /// The one stage of a surface that needs no other.
-    pub(crate) texel: Option<TexelStage>,
+    pub(crate) unlit: Option<UnlitColor>,
     /// `None` if nothing is cut out.
     pub(super) cut: Option<Cut>,
     pub(crate) pass: Pass,
     /// Instead of the scene's.
     pub(super) depth_test: Option<DepthTest>,
-    pub(super) vertices: VertexData<'s>,
+    pub(crate) vertices: VertexData<'s>,
     pub(super) interp: Interp,
     pub(super) interp_scale: f32,
     pub(super) clip_from_object: DMat4,
@@ -61,7 +61,7 @@ pub(crate) struct Surface<'s> {
 /// What is seen along a ray rather than on a surface.
 pub(crate) enum Space<'s> {
     Sky(SkyStage<'s>),
-    Volume(VolumeStage<'s>),
+    Volume(Box<VolumeStage<'s>>),
 }
 
 impl<'s> Surface<'s> {
@@ -92,7 +92,7 @@ impl<'s> Surface<'s> {
             position: None,
             shaded: vertices.attribute_count,
             solid: false,
-            texel: None,
+            unlit: None,
             cut: None,
             pass: Pass::Blended,
             depth_test: Some(depth_test),
@@ -147,7 +147,10 @@ pub(super) fn surface<'s>(
         || material.texture_role == TextureRole::Modulate
         || (material.alpha == AlphaMode::Opaque && clear_texels);
     let emission = material.emission.as_ref().filter(|_| shows_surface);
-    let emission = emission.map(|e| EmissionStage::new(e, scene, settings, chains, mesh.uv_origin));
+    let emission = emission.map(|e| {
+        let slot = |s| Slot::new(s, scene, settings, chains, mesh.uv_origin);
+        (e.color, e.map.as_ref().map(slot))
+    });
     let cut = cut(material, base_color.as_ref(), opacity_map.as_ref());
     let pass = match material.alpha {
         AlphaMode::Blend => Pass::Blended,
@@ -163,7 +166,7 @@ pub(super) fn surface<'s>(
     let textured = base_color.is_some()
         || opacity_map.is_some()
         || decal.is_some()
-        || emission.as_ref().is_some_and(|e| e.map.is_some())
+        || emission.as_ref().is_some_and(|e| e.1.is_some())
         || material.shading == Shading::PerPixel && material.reads_uv();
 
     let mut position = None;
@@ -222,14 +225,14 @@ pub(super) fn surface<'s>(
         position = Some(vertices.push(Values::Position, false));
     }
     let at_a_vertex = matches!(uv, Coordinates::Vertices) || base_color.is_none();
-    let unlit = matches!(light, LightStage::None) && color.is_none() && opacity_map.is_none();
+    let is_unlit = matches!(light, LightStage::None) && color.is_none() && opacity_map.is_none();
     let plain = !material.crisp
         && color_ramp.is_none()
         && decal.is_none()
         && carved.is_none()
         && emission.is_none();
-    let texel = (at_a_vertex && unlit && plain)
-        .then(|| TexelStage::new(material, base_color.as_ref(), scene.color))
+    let unlit = (at_a_vertex && is_unlit && plain)
+        .then(|| UnlitColor::new(material, base_color.as_ref(), scene.color))
         .flatten();
 
     let vertices = vertices.finish(scene, mesh);
@@ -253,7 +256,7 @@ pub(super) fn surface<'s>(
         position,
         shaded,
         solid: !clear_texels,
-        texel,
+        unlit,
         cut,
         pass,
         depth_test: None,

@@ -1,119 +1,158 @@
-use super::{floor, unscaled_lod};
+//! Trilinear probes along the long axis of the footprint.
+
+use super::{Kernel, LookUp, trilinear::LevelPair};
 use crate::{
-    lod::{TexelFootprint, log2},
-    sampler::{Precision, Sampler},
-    texels::Chain,
+    address::lod::{TexelFootprint, log2},
+    bound_texture::{ANY, View},
+    fetch::{Color, scaled, select},
+    sampler::Precision,
 };
-use texmap_math::float::{ceil_f32, sqrt_f32};
+use texmap_math::simd::{Isa, prelude::*};
 
 /// Axes of the ellipse that a unit circle of pixels maps to.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Axes {
-    /// Squared half axes in texels.
-    pub(crate) major2: f32,
-    pub(crate) minor2: f32,
+pub(crate) struct Axes<I: Isa> {
     /// The long half axis as a vector in texels.
-    pub(crate) major: [f32; 2],
+    pub(crate) major: [I::F32; 2],
+    /// Squared half axes in texels.
+    pub(crate) major2: I::F32,
+    pub(crate) minor2: I::F32,
     /// The sum of both squared half axes, without the rounding of either.
-    trace: f32,
+    trace: I::F32,
 }
 
-impl Axes {
+impl<I: Isa> Axes<I> {
     /// The singular values of the Jacobian (Heckbert 1989, section 3.5.9): the columns of a sheared
     /// Jacobian are not the axes. `J J^T = [p q; q r]`.
-    pub(crate) fn new(d: &TexelFootprint) -> Self {
+    #[inline(always)]
+    pub(crate) fn new(i: I, d: &TexelFootprint<I>) -> Self {
+        let zero = i.f32(0.0);
         let p = d.ux * d.ux + d.uy * d.uy;
         let r = d.vx * d.vx + d.vy * d.vy;
         let q = d.ux * d.vx + d.uy * d.vy;
-        let half = 0.5 * (p - r);
+        let half = (p - r) * 0.5;
+        let root = (half * half + q * q).sqrt();
         let trace = p + r;
-        let mean = 0.5 * trace;
-        let root = sqrt_f32(half * half + q * q);
-        let major2 = mean + root;
+        let major2 = trace * 0.5 + root;
         // The determinant gives the short axis without the cancellation of mean - root.
         let det = d.ux * d.vy - d.uy * d.vx;
-        let minor2 = if major2 > 0.0 {
-            det * (det / major2)
-        } else {
-            0.0
-        };
+        let minor2 = major2.simd_gt(0.0).select(det * (det / major2), zero);
         // An eigenvector from the better conditioned row.
-        let (x, y) = if half >= 0.0 {
-            (half + root, q)
-        } else {
-            (q, root - half)
-        };
+        let steep = !half.simd_ge(0.0);
+        let x = steep.select(q, half + root);
+        let y = steep.select(root - half, q);
         let length2 = x * x + y * y;
-        let major = if length2 > 0.0 {
-            let k = sqrt_f32(major2) / sqrt_f32(length2);
-            [x * k, y * k]
-        } else {
-            [sqrt_f32(major2), 0.0]
-        };
+        let length = major2.sqrt();
+        let along = length2.simd_gt(0.0);
+        let k = length / length2.sqrt();
         Self {
+            major: [along.select(x * k, length), along.select(y * k, zero)],
             major2,
             minor2,
-            major,
             trace,
         }
     }
 
     /// How many probes of a round filter cover the ellipse, at most `most`. A probe is a texel wide at least, so that a short axis
     /// below a texel counts as one.
-    pub(crate) fn probes(&self, most: u8) -> f32 {
-        let most = f32::from(most.clamp(1, 16));
-        let minor2 = if self.minor2 > 1.0 { self.minor2 } else { 1.0 };
-        let ratio = sqrt_f32(self.major2 / minor2);
-        let n = ceil_f32(if ratio < most { ratio } else { most });
-        if n > 1.0 { n } else { 1.0 }
+    #[inline(always)]
+    pub(crate) fn probes(&self, i: I, most: u8) -> I::F32 {
+        let (one, most) = (i.f32(1.0), i.f32(f32::from(most)));
+        let minor2 = self.minor2.simd_gt(1.0).select(self.minor2, one);
+        let ratio = (self.major2 / minor2).sqrt();
+        let ratio = ratio.simd_lt(most).select(ratio, most);
+        let n = (-(-ratio).floor_to_i32()).to_f32();
+        n.simd_gt(1.0).select(n, one)
     }
 
     /// The share of the long axis that probes are spread over. A bilinear probe on level 0 blurs as much as a pixel of one texel does
     /// (in twelfths of a squared texel, variance 2 against `1 + axis^2`); what a shorter short axis has too much of it, `1 - minor^2`, is
     /// taken off the square of the long one.
-    fn spread(&self) -> f32 {
+    #[inline(always)]
+    fn spread(&self, i: I) -> I::F32 {
         let share = (self.trace - 1.0) / self.major2;
-        let share = if share > 0.0 { share } else { 0.0 };
-        sqrt_f32(if share < 1.0 { share } else { 1.0 })
+        let share = share.simd_gt(0.0).select(share, i.f32(0.0));
+        share.simd_lt(1.0).select(share, i.f32(1.0)).sqrt()
     }
 }
 
 /// Box-weighted trilinear probes along the true long axis (EXT_texture_filter_anisotropic with the
 /// orthogonalised footprint that the Direct3D 11.3 specification asks for), with fewer and closer probes where they would be less
 /// than a texel apart.
-pub(super) fn sample(
-    s: &Sampler,
-    t: &Chain<'_>,
-    uv: [f32; 2],
-    d: TexelFootprint,
-    most: u8,
-) -> [f32; 4] {
-    let axes = Axes::new(&d);
-    let n = axes.probes(most);
-    let lod = s.limit_lod(0.5 * log2(axes.major2 / (n * n)));
-    let lod = match s.precision {
-        Precision::Exact => lod,
-        // One rounded level a pixel.
-        Precision::Fast => floor(lod.clamp(-64.0, 64.0) + 0.5) as f32,
-    };
-    let level = &t.levels[0];
-    let spread = axes.spread();
-    let step = [
-        axes.major[0] * spread / (n * level.width as f32),
-        axes.major[1] * spread / (n * level.height as f32),
-    ];
-    let first = unscaled_lod(s, t, probe(uv, step, 0.5 * (1.0 - n)), lod);
-    let mut sum = [0.0; 4];
-    for k in 1..n as u32 {
-        let c = unscaled_lod(s, t, probe(uv, step, k as f32 + 0.5 * (1.0 - n)), lod);
-        for i in 0..4 {
-            sum[i] += c[i] - first[i];
-        }
+pub(crate) struct Anisotropic;
+
+impl Kernel for Anisotropic {
+    const FORMAT: u8 = ANY;
+
+    #[inline(always)]
+    fn color<I: Isa>(i: I, view: &View<'_>, at: &LookUp<I>) -> Color<I> {
+        let Some(d) = &at.footprint else {
+            return [i.f32(0.0); 4];
+        };
+        let [u, v] = at.uv;
+        anisotropic::<I, ANY>(i, view, u, v, d)
     }
-    let scale = t.format.scale();
-    [0, 1, 2, 3].map(|i| (first[i] + sum[i] / n) * scale)
 }
 
-fn probe(uv: [f32; 2], step: [f32; 2], k: f32) -> [f32; 2] {
-    [uv[0] + step[0] * k, uv[1] + step[1] * k]
+/// The mean of probes.
+#[inline(always)]
+pub fn anisotropic<I: Isa, const FORMAT: u8>(
+    i: I,
+    view: &View<'_>,
+    u: I::F32,
+    v: I::F32,
+    d: &TexelFootprint<I>,
+) -> Color<I> {
+    let axes = Axes::new(i, d);
+    let spread = axes.spread(i);
+    let n = axes.probes(i, view.most);
+    let lod = log2(i, axes.major2 / (n * n)) * 0.5;
+    let lod = view.lod_range.limit(i, lod);
+    let lod = match view.precision {
+        Precision::Exact => lod,
+        // One rounded level a pixel.
+        Precision::Fast => {
+            let lod = lod.simd_gt(64.0).select(i.f32(64.0), lod);
+            let lod = lod.simd_gt(-64.0).select(lod, i.f32(-64.0));
+            (lod + 0.5).floor_to_i32().to_f32()
+        }
+    };
+    let (w, h) = view.size();
+    let step_u = axes.major[0] * spread / (n * (w as f32));
+    let step_v = axes.major[1] * spread / (n * (h as f32));
+    let start = (i.f32(1.0) - n) * 0.5;
+    let levels = LevelPair::new(i, view, lod);
+    // Sums run over differences to the first probe, so that a constant texture stays constant to the bit.
+    let (mut first, mut sum) = ([i.f32(0.0); 4], [i.f32(0.0); 4]);
+    let mut k = 0.0;
+    loop {
+        let active = n.simd_gt(k);
+        if !active.any_true() {
+            break;
+        }
+        let at = start + k;
+        let c = levels.sample::<FORMAT>(i, view, [u + step_u * at, v + step_v * at]);
+        if k == 0.0 {
+            first = c;
+            k = 1.0;
+            continue;
+        }
+        let more = [
+            sum[0] + (c[0] - first[0]),
+            sum[1] + (c[1] - first[1]),
+            sum[2] + (c[2] - first[2]),
+            sum[3] + (c[3] - first[3]),
+        ];
+        sum = select::<I>(active, more, sum);
+        k += 1.0;
+    }
+    scaled::<I>(
+        [
+            first[0] + sum[0] / n,
+            first[1] + sum[1] / n,
+            first[2] + sum[2] / n,
+            first[3] + sum[3] / n,
+        ],
+        view,
+    )
 }

@@ -1,10 +1,8 @@
-//! Gradient noise, for one point and for sixteen.
+//! Gradient noise.
 
-use texmap_math::fearless_simd::{Simd, f32x16, i32x16, mask32x16, prelude::*, u32x16};
-use texmap_math::float;
-use texmap_math::lanes::floor_to_i32;
+use texmap_math::simd::{Isa, Scalar, prelude::*};
 
-use super::{clamp, clamp_lanes};
+use super::clamp;
 
 /// Gradient noise at a point: -1 to 1, 0 at whole coordinates, features about one unit wide, twice continuously
 /// differentiable (Perlin 2002, "Improving Noise": the twelve edge directions and 6t^5 - 15t^4 + 10t^3).
@@ -13,31 +11,7 @@ use super::{clamp, clamp_lanes};
 /// that is not finite gives 0, as does one beyond 2^23, where floats have no fraction. Within 2e-6 of
 /// [`reference::gradient_noise`](crate::reference::gradient_noise) of the same point.
 pub fn gradient_noise(p: [f32; 3], seed: u32) -> f32 {
-    if !in_reach(p) {
-        return 0.0;
-    }
-    let cell = p.map(float::floor_f32);
-    let at = [p[0] - cell[0], p[1] - cell[1], p[2] - cell[2]];
-    let cell = cell.map(|c| c as i32);
-    let [wx, wy, wz] = at.map(|t| t * t * t * (t * (t * 6.0 - 15.0) + 10.0));
-    let corner = |x: i32, y: i32, z: i32| {
-        let from = [at[0] - x as f32, at[1] - y as f32, at[2] - z as f32];
-        let [a, b] = edge(hash([cell[0] + x, cell[1] + y, cell[2] + z], seed));
-        let along = |(axis, negative): (usize, bool)| {
-            if negative { -from[axis] } else { from[axis] }
-        };
-        along(a) + along(b)
-    };
-    let mix = |a: f32, b: f32, w: f32| a + (b - a) * w;
-    let row = |y: i32, z: i32| mix(corner(0, y, z), corner(1, y, z), wx);
-    let slice = |z: i32| mix(row(0, z), row(1, z), wy);
-    let value = mix(slice(0), slice(1), wz);
-    clamp(value, -1.0, 1.0)
-}
-
-/// Whether floats have a fraction there.
-pub(super) fn in_reach(p: [f32; 3]) -> bool {
-    p.iter().all(|x| x.abs() < 8_388_608.0)
+    noise_lanes(Scalar, p, seed)
 }
 
 /// One of the twelve edge directions of a cube as two axes with their signs; four of them come twice.
@@ -64,92 +38,89 @@ pub(crate) fn hash([x, y, z]: [i32; 3], seed: u32) -> u32 {
     h ^ (h >> 16)
 }
 
-/// [`gradient_noise`] for sixteen. Out of line: compiled once a level, though asked for in many places.
+/// [`gradient_noise`] for each lane. Out of line: compiled once a level, though asked for in many places.
 #[inline(never)]
-pub fn gradient_noise_lanes<S: Simd>(s: S, p: [f32x16<S>; 3], seed: u32) -> f32x16<S> {
-    s.vectorize(
+pub fn gradient_noise_lanes<I: Isa>(i: I, p: [I::F32; 3], seed: u32) -> I::F32 {
+    i.vectorize(
         #[inline(always)]
-        || noise_lanes(s, p, seed),
+        || noise_lanes(i, p, seed),
     )
 }
 
 #[inline(always)]
-fn noise_lanes<S: Simd>(s: S, p: [f32x16<S>; 3], seed: u32) -> f32x16<S> {
-    let zero = f32x16::splat(s, 0.0);
-    let reach = in_reach_lanes(p);
+fn noise_lanes<I: Isa>(i: I, p: [I::F32; 3], seed: u32) -> I::F32 {
+    let reach = in_reach::<I>(p);
     let (mut at, mut weight) = (p, p);
-    let mut cell = [i32x16::splat(s, 0); 3];
+    let mut cell = [i.i32(0); 3];
     for k in 0..3 {
-        let p = reach.select(p[k], zero);
-        cell[k] = floor_to_i32(s, p);
-        let t = p - cell[k].to_float::<f32x16<S>>();
+        let p = reach.select(p[k], i.f32(0.0));
+        cell[k] = p.floor_to_i32();
+        let t = p - cell[k].to_f32();
         at[k] = t;
         weight[k] = t * t * t * (t * (t * 6.0 - 15.0) + 10.0);
     }
-    let parts = Parts::new(s, cell, seed);
+    let parts = HashParts::<I>::new(cell, seed);
     let [wx, wy, wz] = weight;
-    let near = mix(
-        mix(parts.corner(s, at, 0), parts.corner(s, at, 1), wx),
-        mix(parts.corner(s, at, 2), parts.corner(s, at, 3), wx),
-        wy,
-    );
-    let far = mix(
-        mix(parts.corner(s, at, 4), parts.corner(s, at, 5), wx),
-        mix(parts.corner(s, at, 6), parts.corner(s, at, 7), wx),
-        wy,
-    );
-    let value = clamp_lanes(s, mix(near, far, wz), -1.0, 1.0);
-    reach.select(value, zero)
+    let near = mix::<I>(parts.row(at, wx, 0, 0), parts.row(at, wx, 1, 0), wy);
+    let far = mix::<I>(parts.row(at, wx, 0, 1), parts.row(at, wx, 1, 1), wy);
+    let value = clamp(i, mix::<I>(near, far, wz), -1.0, 1.0);
+    reach.select(value, i.f32(0.0))
 }
 
 #[inline(always)]
-fn mix<S: Simd>(a: f32x16<S>, b: f32x16<S>, w: f32x16<S>) -> f32x16<S> {
+fn mix<I: Isa>(a: I::F32, b: I::F32, w: I::F32) -> I::F32 {
     a + (b - a) * w
 }
 
+/// Lanes where floats have a fraction.
 #[inline(always)]
-pub(super) fn in_reach_lanes<S: Simd>(p: [f32x16<S>; 3]) -> mask32x16<S> {
+pub(super) fn in_reach<I: Isa>(p: [I::F32; 3]) -> I::Mask {
     let reach = 8_388_608.0;
     p[0].abs().simd_lt(reach) & p[1].abs().simd_lt(reach) & p[2].abs().simd_lt(reach)
 }
 
-/// What each coordinate of a cell's two sides gives to the hash.
-struct Parts<S: Simd> {
-    x: [u32x16<S>; 2],
-    y: [u32x16<S>; 2],
-    z: [u32x16<S>; 2],
+/// The parts of [`hash`] that each coordinate of a cell's two sides gives.
+struct HashParts<I: Isa> {
+    x: [I::U32; 2],
+    y: [I::U32; 2],
+    z: [I::U32; 2],
 }
 
-impl<S: Simd> Parts<S> {
+impl<I: Isa> HashParts<I> {
     #[inline(always)]
-    fn new(s: S, cell: [i32x16<S>; 3], seed: u32) -> Self {
-        let [x, y, z] = cell;
-        let seed = u32x16::splat(s, seed.wrapping_mul(0x27d4_eb2f));
+    fn new([x, y, z]: [I::I32; 3], seed: u32) -> Self {
+        let seed = seed.wrapping_mul(0x27d4_eb2f);
         let [x, y, z] = [
-            sides(x, 0x9e37_79b1),
-            sides(y, 0x85eb_ca77),
-            sides(z, 0xc2b2_ae3d),
+            sides::<I>(x, 0x9e37_79b1),
+            sides::<I>(y, 0x85eb_ca77),
+            sides::<I>(z, 0xc2b2_ae3d),
         ];
         Self {
             x: [x[0] ^ seed, x[1] ^ seed],
-            y: [rotate(y[0], 11), rotate(y[1], 11)],
-            z: [rotate(z[0], 22), rotate(z[1], 22)],
+            y: [rotate::<I>(y[0], 11), rotate::<I>(y[1], 11)],
+            z: [rotate::<I>(z[0], 22), rotate::<I>(z[1], 22)],
         }
     }
 
-    /// The gradient of a corner, its bits are x, y and z, times the way from it.
+    /// Between two corners along x.
     #[inline(always)]
-    fn corner(&self, s: S, at: [f32x16<S>; 3], corner: usize) -> f32x16<S> {
-        let (i, j, k) = (corner & 1, corner >> 1 & 1, corner >> 2);
-        let mut h = self.x[i] ^ self.y[j] ^ self.z[k];
-        h = (h ^ (h >> 16)) * 0x85eb_ca6b;
-        h = (h ^ (h >> 13)) * 0xc2b2_ae35;
-        h ^= h >> 16;
-        let from = [at[0] - i as f32, at[1] - j as f32, at[2] - k as f32];
+    fn row(&self, at: [I::F32; 3], wx: I::F32, y: usize, z: usize) -> I::F32 {
+        let (left, right) = (self.corner(at, [0, y, z]), self.corner(at, [1, y, z]));
+        mix::<I>(left, right, wx)
+    }
+
+    /// The gradient of a corner times the way from it.
+    #[inline(always)]
+    fn corner(&self, at: [I::F32; 3], [x, y, z]: [usize; 3]) -> I::F32 {
+        let h = self.x[x] ^ self.y[y] ^ self.z[z];
+        let h = (h ^ (h >> 16)) * 0x85eb_ca6b;
+        let h = (h ^ (h >> 13)) * 0xc2b2_ae35;
+        let h = h ^ (h >> 16);
+        let from = [at[0] - x as f32, at[1] - y as f32, at[2] - z as f32];
         // As `edge` says.
-        let (one, kind) = (u32x16::splat(s, 1), (h >> 28) & 3);
-        let first = (h >> 31).simd_eq(one);
-        let second = ((h >> 30) & 1).simd_eq(one);
+        let kind = (h >> 28) & 3;
+        let first = (h >> 31).simd_eq(1);
+        let second = ((h >> 30) & 1).simd_eq(1);
         let (middle, last, other) = (kind.simd_eq(1), kind.simd_eq(2), kind.simd_eq(3));
         let turned = other & first;
         let a = (last | turned).select(from[1], from[0]);
@@ -162,12 +133,12 @@ impl<S: Simd> Parts<S> {
 
 /// A coordinate of a cell and the next one, times an odd number.
 #[inline(always)]
-fn sides<S: Simd>(c: i32x16<S>, k: u32) -> [u32x16<S>; 2] {
-    let low = c.bitcast::<u32x16<S>>() * k;
+fn sides<I: Isa>(c: I::I32, k: u32) -> [I::U32; 2] {
+    let low = c.to_u32() * k;
     [low, low + k]
 }
 
 #[inline(always)]
-fn rotate<S: Simd>(x: u32x16<S>, by: u32) -> u32x16<S> {
+fn rotate<I: Isa>(x: I::U32, by: u32) -> I::U32 {
     (x << by) | (x >> (32 - by))
 }

@@ -1,0 +1,155 @@
+//! Effects of one surface that is lit per pixel: its maps, and the attributes that they read.
+
+use texmap_light::{Light, NormalMap};
+use texmap_math::glam::{DMat3, DVec3};
+
+use crate::Settings;
+use crate::ready::Ready;
+use crate::shade::lighting::MAPS;
+use crate::shade::normal::{NormalDetail, NormalSpace, Rise};
+use crate::shade::procedural::ProceduralBump;
+use crate::textures::{Chains, Slot};
+use crate::vertices::{Values, Vertices};
+use texmap_scene::{LightMapSlot, Relief};
+use texmap_scene::{Material, Mesh, Scene, TextureSlot};
+
+/// The maps of one surface, and the attributes that they read.
+pub(crate) struct SurfaceEffects<'s> {
+    /// Ambient color, specular color, exponent, reflectivity.
+    pub(crate) maps: [Option<Slot<'s>>; MAPS],
+    pub(crate) normal: Option<NormalDetail<'s>>,
+    /// Baked light, its map, and the first attribute of the coordinates.
+    pub(crate) light_map: Option<(&'s LightMapSlot, Slot<'s>, usize)>,
+    /// Unit normals of the triangles' planes, world space.
+    pub(crate) planes: Vec<DVec3>,
+    /// The lights that are not baked, by their number.
+    pub(crate) lights: Vec<(usize, Light)>,
+}
+
+impl<'s> SurfaceEffects<'s> {
+    /// The effects that a surface lit per pixel is under; `None` if there are none. Asks for the attributes that they read; the
+    /// caller sees to uv, normals and positions.
+    pub(crate) fn new(
+        scene: &'s Scene,
+        settings: &Settings,
+        chains: &Chains,
+        ready: &Ready<'s>,
+        mesh: &'s Mesh,
+        vertices: &mut Vertices,
+    ) -> Option<Box<Self>> {
+        let material = &scene.materials[mesh.material];
+        if ready.is_plain() && !has_effects(material) {
+            return None;
+        }
+        let slot = |slot| Slot::new(slot, scene, settings, chains, mesh.uv_origin);
+        let maps = &material.maps;
+        let relief = material.relief.as_ref();
+        let normal = relief.map(|relief| normal_detail(relief, mesh, vertices, slot));
+        let light_map = material.light_map.as_ref();
+        let lightmap_uv = light_map.map(|_| vertices.push(Values::LightMapUv, false));
+        let baked = |index: usize| match light_map.map(|map| &map.baked) {
+            None => false,
+            Some(None) => index < scene.lights.len(),
+            Some(Some(all)) => all.contains(&index),
+        };
+        let lights = ready.lights.iter().copied().enumerate();
+        Some(Box::new(Self {
+            maps: [
+                &maps.ambient,
+                &maps.specular,
+                &maps.exponent,
+                &maps.reflectivity,
+            ]
+            .map(|map| map.as_ref().map(slot)),
+            normal,
+            light_map: light_map
+                .zip(lightmap_uv)
+                .map(|(map, first)| (map, slot(&map.slot), first)),
+            planes: mesh.triangle_normals(),
+            lights: lights.filter(|(index, _)| !baked(*index)).collect(),
+        }))
+    }
+
+    /// True if some stage asks for positions. (A mirror asks for the direction to the eye alone.)
+    pub(crate) fn reads_positions(&self, ready: &Ready<'_>) -> bool {
+        let mut lights = self.lights.iter();
+        self.normal.is_some()
+            || !ready.paints.is_empty()
+            || lights.any(|(_, light)| !matches!(light, Light::Ambient { .. }))
+    }
+
+    /// Normal of a triangle's plane on the side that is seen.
+    pub(crate) fn plane(&self, triangle: u32, front: bool) -> DVec3 {
+        let plane = self.planes[triangle as usize];
+        if front { plane } else { -plane }
+    }
+}
+
+/// The normal stage of a material, and the attributes that it reads but uv, normals and positions.
+fn normal_detail<'s>(
+    relief: &'s Relief,
+    mesh: &Mesh,
+    vertices: &mut Vertices,
+    slot: impl Fn(&'s TextureSlot) -> Slot<'s>,
+) -> NormalDetail<'s> {
+    let unit = world_unit(mesh);
+    let rise = |height| Rise {
+        height,
+        unit: unit as f32,
+    };
+    match relief {
+        Relief::Bump { slot: map, height } => NormalDetail::Bump(slot(map), rise(*height)),
+        Relief::Offsets {
+            slot: map,
+            slope,
+            green,
+        } => NormalDetail::Offsets(slot(map), rise(*slope), *green),
+        Relief::Carved {
+            heights,
+            world_from_solid,
+            height,
+        } => {
+            let height = (f64::from(*height) * unit) as f32;
+            NormalDetail::Procedural(ProceduralBump::new(*heights, *world_from_solid, height))
+        }
+        Relief::NormalMap {
+            slot: map,
+            green,
+            rebuild_z,
+            object_space,
+            strength,
+        } => {
+            let space = if *object_space {
+                let linear = DMat3::from_mat4(mesh.world_from_object);
+                NormalSpace::Object(linear.inverse().transpose())
+            } else {
+                NormalSpace::Tangent(vertices.push(Values::Tangent, false))
+            };
+            let decoder = NormalMap {
+                green: *green,
+                rebuild_z: *rebuild_z,
+                strength: *strength,
+            };
+            NormalDetail::Map(slot(map), decoder, space)
+        }
+    }
+}
+
+/// World units of one unit of a mesh's own space, the mean of its three axes by volume.
+fn world_unit(mesh: &Mesh) -> f64 {
+    let volume = DMat3::from_mat4(mesh.world_from_object).determinant().abs();
+    texmap_math::det::pow(volume, 1.0 / 3.0)
+}
+
+/// True if a material lit per pixel needs more than lights.
+fn has_effects(material: &Material) -> bool {
+    let maps = &material.maps;
+    material.relief.is_some()
+        || material.light_map.is_some()
+        || material.reflection.is_some()
+        || material.specular_map.is_some()
+        || material.highlight != texmap_light::Highlight::Phong
+        || [&maps.ambient, &maps.specular, &maps.exponent]
+            .into_iter()
+            .any(Option::is_some)
+}

@@ -1,0 +1,200 @@
+//! Base color and opacity: texture, color ramp, antialiased alpha, solid texture, decal, vertex colors, opacity map.
+
+use texmap_light::lanes::{Vector, splat};
+use texmap_math::Level;
+use texmap_math::simd::{Isa, Scalar};
+use texmap_raster::RunValues;
+
+use super::batch::{Batch, Colors, columns, load_vector, straight};
+use super::fetch::{PackedTexels, Texels, footprint_at};
+use super::solid::SolidStage;
+use crate::textures::Slot;
+use texmap_scene::AlphaMode;
+
+/// The base color of a surface.
+pub(crate) struct BaseColor<'a> {
+    /// Factors of the straight texel.
+    pub(crate) color: [f32; 3],
+    pub(crate) texture: Option<&'a Slot<'a>>,
+    /// The base color is one color, or an opaque texture that is read at the coordinates of the vertices: see
+    /// [`TexturePair`](super::fetch::TexturePair).
+    pub(crate) paired: bool,
+    /// Every texel is opaque.
+    pub(crate) opaque_texels: bool,
+    /// The first channel of the texture, or of the solid texture, is looked up along this.
+    pub(crate) ramp: Option<&'a Slot<'a>>,
+    /// Alpha becomes the coverage of the outline where it is a half.
+    pub(crate) antialiased: bool,
+    pub(crate) solid: Option<&'a SolidStage<'a>>,
+    pub(crate) decal: Option<&'a Slot<'a>>,
+    pub(crate) opacity_map: Option<&'a Slot<'a>>,
+    /// First attribute of the vertex colors.
+    pub(crate) vertex_color: Option<usize>,
+    pub(crate) alpha: AlphaMode,
+    pub(crate) opacity: f32,
+}
+
+/// Texels that base colors are computed from.
+#[derive(Default)]
+pub(crate) struct BaseTexels {
+    texture: Texels,
+    solid: Colors,
+    decal: Texels,
+    opacity: Texels,
+}
+
+impl BaseColor<'_> {
+    /// True if some texture is read by columns of coordinates.
+    pub(crate) fn reads_uv(&self) -> bool {
+        !self.paired
+            && (self.texture.is_some() || self.decal.is_some() || self.opacity_map.is_some())
+    }
+
+    /// Reads what a batch is colored by, but for the texels of the pair; columns 0 and 1 of `uv` are its coordinates.
+    pub(crate) fn fetch(
+        &self,
+        level: Level,
+        batch: &Batch<'_>,
+        uv: &RunValues,
+        out: &mut BaseTexels,
+    ) {
+        let blocks = batch.list.len();
+        if let Some(slot) = self.texture {
+            out.texture.fetch(level, slot, uv, blocks);
+            let colors = &mut out.texture.colors;
+            if let (Some(ramp), None) = (self.ramp, self.solid) {
+                for (at, ..) in batch.fragments() {
+                    let (place, d) = footprint_at(uv, at);
+                    let [.., keep] = colors.get(at);
+                    colors.set(at, slot.dependent(place, d, ramp).map(|c| c * keep));
+                }
+            }
+            if self.antialiased {
+                for (at, ..) in batch.fragments() {
+                    let (place, d) = footprint_at(uv, at);
+                    let texel = colors.get(at);
+                    let alpha = slot.outline(place, d, texel[3]);
+                    let [r, g, b] = straight(Scalar, texel);
+                    colors.set(at, [r * alpha, g * alpha, b * alpha, alpha]);
+                }
+            }
+        }
+        if let Some(slot) = self.decal {
+            out.decal.fetch(level, slot, uv, blocks);
+        }
+        if let Some(slot) = self.opacity_map {
+            out.opacity.fetch(level, slot, uv, blocks);
+        }
+        if let Some(solid) = self.solid {
+            solid.fetch(level, batch, &mut out.solid);
+            if let Some(ramp) = self.ramp {
+                for (at, ..) in batch.fragments() {
+                    let [value, ..] = out.solid.get(at);
+                    out.solid.set(at, ramp.along(value));
+                }
+            }
+        }
+    }
+
+    /// The texels of the pair, times the color.
+    #[inline(always)]
+    pub(crate) fn of_pair<I: Isa>(&self, i: I, texels: &PackedTexels, at: usize) -> Vector<I> {
+        let [r, g, b] = match self.texture {
+            Some(_) => {
+                let [r, g, b, _] = texels.load(i, at);
+                [r, g, b]
+            }
+            None => [i.f32(1.0); 3],
+        };
+        [r * self.color[0], g * self.color[1], b * self.color[2]]
+    }
+
+    /// The premultiplied texels of the texture.
+    #[inline(always)]
+    pub(crate) fn texel<I: Isa>(&self, i: I, read: &BaseTexels, at: usize) -> [I::F32; 4] {
+        let mut texel = match self.texture {
+            Some(_) => read.texture.colors.load(i, at),
+            None => [i.f32(1.0); 4],
+        };
+        if self.opaque_texels {
+            texel[3] = i.f32(1.0);
+        }
+        texel
+    }
+
+    /// The decal over premultiplied colors, or colors without alpha.
+    #[inline(always)]
+    pub(crate) fn under_decal<I: Isa, const N: usize>(
+        &self,
+        i: I,
+        read: &BaseTexels,
+        at: usize,
+        mut colors: [I::F32; N],
+    ) -> [I::F32; N] {
+        if self.decal.is_some() {
+            let label = read.decal.colors.load(i, at);
+            let keep = i.f32(1.0) - label[3];
+            for (color, label) in colors.iter_mut().zip(label) {
+                *color = label + keep * *color;
+            }
+        }
+        colors
+    }
+
+    /// Colors times the vertex colors.
+    #[inline(always)]
+    pub(crate) fn tinted<I: Isa>(
+        &self,
+        i: I,
+        values: &RunValues,
+        at: usize,
+        base: Vector<I>,
+    ) -> Vector<I> {
+        match self.vertex_color {
+            Some(first) => {
+                let tint = load_vector(i, columns(values, first), at);
+                [base[0] * tint[0], base[1] * tint[1], base[2] * tint[2]]
+            }
+            None => base,
+        }
+    }
+
+    /// Opacity of the material and its opacity map.
+    #[inline(always)]
+    pub(crate) fn opacity<I: Isa>(&self, i: I, read: &BaseTexels, at: usize) -> I::F32 {
+        match self.opacity_map {
+            Some(slot) => read.opacity.colors.load(i, at)[slot.opacity_channel()] * self.opacity,
+            None => i.f32(self.opacity),
+        }
+    }
+
+    /// Straight base colors and their alpha.
+    #[inline(always)]
+    pub(crate) fn load<I: Isa>(
+        &self,
+        i: I,
+        read: &BaseTexels,
+        values: &RunValues,
+        at: usize,
+    ) -> (Vector<I>, I::F32) {
+        let texel = self.texel(i, read, at);
+        let [r, g, b] = straight(i, texel);
+        let mut base = [r * self.color[0], g * self.color[1], b * self.color[2]];
+        if self.solid.is_some() {
+            let [r, g, b] = straight(i, read.solid.load(i, at));
+            base = [base[0] * r, base[1] * g, base[2] * b];
+        }
+        let base = self.under_decal(i, read, at, base);
+        let alpha = match self.alpha {
+            AlphaMode::Blend => texel[3] * self.opacity(i, read, at),
+            _ => i.f32(1.0),
+        };
+        (self.tinted(i, values, at, base), alpha)
+    }
+
+    /// The color of the material alone, times the vertex colors.
+    #[inline(always)]
+    pub(crate) fn material_color<I: Isa>(&self, i: I, values: &RunValues, at: usize) -> Vector<I> {
+        self.tinted(i, values, at, splat(i, self.color))
+    }
+}

@@ -1,0 +1,261 @@
+//! A batch: up to 256 fragments of one surface, in the 4x4 blocks of the rasterizer, and its columns of values.
+
+use texmap_math::simd::{Isa, prelude::*};
+use texmap_raster::{
+    Column, Cull, NONE, Prepared, RUN_ROOM, RunBlock, RunValues, Tile, TileBlocks,
+};
+
+/// Pixels of a 4x4 block.
+pub(crate) const LANES: usize = 16;
+
+/// The fragments of a batch and their attributes.
+pub(crate) struct Batch<'a> {
+    pub(crate) prepared: &'a Prepared<'a>,
+    pub(crate) tile: Tile,
+    pub(crate) blocks: &'a TileBlocks,
+    pub(crate) list: &'a [RunBlock],
+    pub(crate) values: &'a RunValues,
+}
+
+impl Batch<'_> {
+    /// The slot of the triangle that a pixel of a block shows.
+    pub(crate) fn slot(&self, at: RunBlock, bit: usize) -> u32 {
+        if at.slot == NONE {
+            self.blocks.slot[usize::from(at.block) * LANES + bit]
+        } else {
+            at.slot
+        }
+    }
+
+    /// The sample of a pixel of a block: column and row of the target.
+    pub(crate) fn sample(&self, at: RunBlock, bit: usize) -> [u32; 2] {
+        let (x, y) = (at.block as usize % 16 * 4, at.block as usize / 16 * 4);
+        [
+            self.tile.x0 + (x + bit % 4) as u32,
+            self.tile.y0 + (y + bit / 4) as u32,
+        ]
+    }
+
+    /// Reversed depth of the opaque surface at a pixel of a block.
+    pub(crate) fn depth(&self, at: RunBlock, bit: usize) -> f32 {
+        self.blocks.depth[usize::from(at.block) * LANES + bit]
+    }
+
+    /// The fragments: index in the columns, block, pixel of the block.
+    pub(crate) fn fragments(&self) -> impl Iterator<Item = (usize, RunBlock, usize)> {
+        self.list
+            .iter()
+            .enumerate()
+            .flat_map(|(k, &at)| set_bits(at.mask).map(move |bit| (k * LANES + bit, at, bit)))
+    }
+}
+
+/// The lanes of a block that a kernel computes at once: all sixteen, or a part.
+#[derive(Clone, Copy)]
+pub(crate) struct Part {
+    /// Index of the first pixel in the columns of the batch.
+    pub(crate) at: usize,
+    /// First pixel in the block.
+    pub(crate) pixel: usize,
+    pub(crate) block: RunBlock,
+    /// Index of the block in the batch.
+    pub(crate) index: usize,
+}
+
+impl Part {
+    /// The lanes that are set in a mask of the block.
+    #[inline(always)]
+    pub(crate) fn mask<I: Isa>(&self, i: I, block: u16) -> I::Mask {
+        i.mask_from_bits(u32::from(block) >> self.pixel)
+    }
+}
+
+/// The triangle of a slot seen from its front or its back; asked once for pixels of one triangle in a row.
+pub(crate) struct Facing {
+    cull: Cull,
+    last: (u32, bool),
+}
+
+impl Facing {
+    pub(crate) fn new(cull: Cull) -> Self {
+        Self {
+            cull,
+            last: (NONE, true),
+        }
+    }
+
+    pub(crate) fn is_front(&mut self, batch: &Batch<'_>, slot: u32) -> bool {
+        match self.cull {
+            Cull::Back => return true,
+            Cull::Front => return false,
+            Cull::None => {}
+        }
+        if self.last.0 != slot {
+            let id = batch.blocks.ids[slot as usize];
+            self.last = (slot, batch.prepared.is_front(id));
+        }
+        self.last.1
+    }
+}
+
+/// Premultiplied colors of a batch, channel by channel.
+pub(crate) struct Colors(pub(crate) [[f32; RUN_ROOM]; 4]);
+
+impl Default for Colors {
+    fn default() -> Self {
+        Self([[0.0; RUN_ROOM]; 4])
+    }
+}
+
+impl Colors {
+    /// The colors from pixel `at` of the batch on.
+    #[inline(always)]
+    pub(crate) fn load<I: Isa>(&self, i: I, at: usize) -> [I::F32; 4] {
+        let [r, g, b, a] = &self.0;
+        [
+            load(i, r, at),
+            load(i, g, at),
+            load(i, b, at),
+            load(i, a, at),
+        ]
+    }
+
+    /// Stores colors from pixel `at` of the batch on.
+    #[inline(always)]
+    pub(crate) fn store<I: Isa>(&mut self, _: I, at: usize, colors: [I::F32; 4]) {
+        for (column, color) in self.0.iter_mut().zip(&colors) {
+            color.store(&mut column[at..at + I::LANES]);
+        }
+    }
+
+    /// Sets the color of pixel `at`.
+    pub(crate) fn set(&mut self, at: usize, color: [f32; 4]) {
+        for (column, value) in self.0.iter_mut().zip(color) {
+            column[at] = value;
+        }
+    }
+
+    /// The color of pixel `at`.
+    pub(crate) fn get(&self, at: usize) -> [f32; 4] {
+        self.0.each_ref().map(|column| column[at])
+    }
+
+    /// The four channels over the first `count` pixels.
+    pub(crate) fn columns_mut(&mut self, count: usize) -> [&mut [f32]; 4] {
+        self.0.each_mut().map(|column| &mut column[..count])
+    }
+}
+
+/// Coordinates of a batch.
+pub(crate) struct BatchUv {
+    pub(crate) u: [f32; RUN_ROOM],
+    pub(crate) v: [f32; RUN_ROOM],
+}
+
+impl Default for BatchUv {
+    fn default() -> Self {
+        Self {
+            u: [0.0; RUN_ROOM],
+            v: [0.0; RUN_ROOM],
+        }
+    }
+}
+
+impl BatchUv {
+    #[inline(always)]
+    pub(crate) fn load<I: Isa>(&self, i: I, at: usize) -> [I::F32; 2] {
+        [load(i, &self.u, at), load(i, &self.v, at)]
+    }
+
+    #[inline(always)]
+    pub(crate) fn store<I: Isa>(&mut self, _: I, at: usize, [u, v]: [I::F32; 2]) {
+        u.store(&mut self.u[at..at + I::LANES]);
+        v.store(&mut self.v[at..at + I::LANES]);
+    }
+}
+
+/// Values of a column from pixel `at` of the batch on.
+#[inline(always)]
+pub(crate) fn load<I: Isa>(i: I, column: &[f32; RUN_ROOM], at: usize) -> I::F32 {
+    i.load_f32(&column[at..at + I::LANES])
+}
+
+/// A vector from its three columns.
+#[inline(always)]
+pub(crate) fn load_vector<I: Isa>(i: I, [x, y, z]: &[Column; 3], at: usize) -> [I::F32; 3] {
+    [
+        load(i, &x.value, at),
+        load(i, &y.value, at),
+        load(i, &z.value, at),
+    ]
+}
+
+/// The changes of a vector from pixel to pixel, to the right and down.
+#[inline(always)]
+pub(crate) fn load_changes<I: Isa>(i: I, [x, y, z]: &[Column; 3], at: usize) -> [[I::F32; 3]; 2] {
+    [
+        [
+            load(i, &x.ddx, at),
+            load(i, &y.ddx, at),
+            load(i, &z.ddx, at),
+        ],
+        [
+            load(i, &x.ddy, at),
+            load(i, &y.ddy, at),
+            load(i, &z.ddy, at),
+        ],
+    ]
+}
+
+/// The columns of `values` from this attribute on; zeros where there are none.
+pub(crate) fn columns<const N: usize>(values: &RunValues, first: usize) -> &[Column; N] {
+    static ZEROS: [Column; 4] = [Column::ZERO; 4];
+    let columns = values.columns.get(first..).unwrap_or_default();
+    let zeros = ZEROS.first_chunk();
+    match columns.first_chunk().or(zeros) {
+        Some(columns) => columns,
+        None => unreachable!("vectors of at most four columns are asked for"),
+    }
+}
+
+/// Premultiplied to straight color; black where alpha is 0 or NaN.
+#[inline(always)]
+pub(crate) fn straight<I: Isa>(i: I, [r, g, b, a]: [I::F32; 4]) -> [I::F32; 3] {
+    let (zero, some) = (i.f32(0.0), a.simd_gt(0.0));
+    [
+        some.select(r / a, zero),
+        some.select(g / a, zero),
+        some.select(b / a, zero),
+    ]
+}
+
+/// The opposite vector in some lanes.
+#[inline(always)]
+pub(crate) fn flip<I: Isa>(_: I, lanes: I::Mask, v: [I::F32; 3]) -> [I::F32; 3] {
+    [
+        lanes.select(-v[0], v[0]),
+        lanes.select(-v[1], v[1]),
+        lanes.select(-v[2], v[2]),
+    ]
+}
+
+/// The channels of packed RGBA8 texels, 0..=1.
+#[inline(always)]
+pub(crate) fn unpack<I: Isa>(_: I, word: I::U32) -> [I::F32; 4] {
+    let scale = 1.0 / 255.0;
+    [
+        (word & 255).to_i32().to_f32() * scale,
+        ((word >> 8) & 255).to_i32().to_f32() * scale,
+        ((word >> 16) & 255).to_i32().to_f32() * scale,
+        (word >> 24).to_i32().to_f32() * scale,
+    ]
+}
+
+/// The positions of the bits that are set, from the lowest up.
+pub(crate) fn set_bits(mut mask: u16) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let bit = mask.trailing_zeros() as usize;
+        mask &= mask.wrapping_sub(1);
+        (bit < LANES).then_some(bit)
+    })
+}

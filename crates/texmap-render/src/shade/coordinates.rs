@@ -1,0 +1,166 @@
+//! Texture coordinates of fragments: from the vertices, or per pixel from a texture frame or a round shape.
+
+use texmap_math::glam::{DMat4, DVec3};
+use texmap_math::simd::Isa;
+use texmap_math::{CameraFrame, Footprint, Level, ViewRays};
+use texmap_raster::{Column, Fragment, RunValues};
+use texmap_uv::PixelMapping;
+
+use super::batch::{Batch, LANES, columns};
+
+/// The source of texture coordinates.
+pub(crate) enum Coordinates {
+    None,
+    /// Attributes 0 and 1.
+    Vertices,
+    Frame(CameraFrame),
+    /// A shape in world space, and the first of the attributes that hold the world position.
+    Round(PixelMapping, usize),
+}
+
+/// Lists of the fragments of a batch: positions and their changes right and down, uv, footprints.
+#[derive(Default)]
+pub(crate) struct UvScratch {
+    moves: [Vec<[f32; 3]>; 3],
+    uv: Vec<[f32; 2]>,
+    footprint: Vec<Footprint>,
+}
+
+impl Coordinates {
+    /// Coordinates of a fragment; `None` if the mesh has none there.
+    pub(crate) fn at(&self, fragment: &Fragment) -> Option<([f32; 2], Footprint)> {
+        let Fragment {
+            values, ddx, ddy, ..
+        } = fragment;
+        match self {
+            Self::None => None,
+            Self::Vertices => {
+                let d = Footprint::new(ddx[0], ddx[1], ddy[0], ddy[1]);
+                Some(([values[0], values[1]], d))
+            }
+            Self::Frame(frame) => frame.uv(fragment.pixel[0], fragment.pixel[1]),
+            Self::Round(map, first) => {
+                let three = |of: &[f32]| [of[*first], of[first + 1], of[first + 2]];
+                Some(map.one(three(values), three(ddx), three(ddy)))
+            }
+        }
+    }
+
+    /// Coordinates of a batch and their changes as columns 0 and 1: those of its attributes, or computed into `out`; 0 where a mesh has
+    /// none.
+    pub(crate) fn columns<'c>(
+        &self,
+        level: Level,
+        batch: &Batch<'c>,
+        scratch: &mut UvScratch,
+        out: &'c mut RunValues,
+    ) -> &'c RunValues {
+        let UvScratch {
+            moves,
+            uv,
+            footprint,
+        } = scratch;
+        uv.clear();
+        footprint.clear();
+        match self {
+            Self::Vertices => return batch.values,
+            Self::None => {
+                uv.resize(batch.list.len() * LANES, [0.0; 2]);
+                footprint.resize(uv.len(), Footprint::default());
+            }
+            Self::Frame(frame) => {
+                for (_, at, bit) in batch.fragments() {
+                    let [x, y] = batch.sample(at, bit);
+                    let (place, d) = frame.uv(x, y).unwrap_or_default();
+                    uv.push(place);
+                    footprint.push(d);
+                }
+            }
+            Self::Round(map, first) => {
+                let position: &[Column; 3] = columns(batch.values, *first);
+                let [points, dx, dy] = moves;
+                for list in [&mut *points, &mut *dx, &mut *dy] {
+                    list.clear();
+                }
+                for (at, ..) in batch.fragments() {
+                    points.push(position.each_ref().map(|c| c.value[at]));
+                    dx.push(position.each_ref().map(|c| c.ddx[at]));
+                    dy.push(position.each_ref().map(|c| c.ddy[at]));
+                }
+                uv.resize(points.len(), [0.0; 2]);
+                footprint.resize(points.len(), Footprint::default());
+                map.slice(level, points, dx, dy, uv, footprint)
+                    .expect("the lists have one length");
+            }
+        }
+        out.columns.resize(2, Column::ZERO);
+        for ((at, ..), (uv, d)) in batch.fragments().zip(uv.iter().zip(footprint)) {
+            let changes = [[d.du_dx, d.du_dy], [d.dv_dx, d.dv_dy]];
+            for ((column, value), [dx, dy]) in out.columns.iter_mut().zip(uv).zip(changes) {
+                column.value[at] = *value;
+                column.ddx[at] = dx;
+                column.ddy[at] = dy;
+            }
+        }
+        out
+    }
+}
+
+/// Directions to the eye from the samples of a grid, world space. Their length is that of the ray where it is 1 along the camera's axis,
+/// so that they change evenly from sample to sample.
+#[derive(Clone, Copy)]
+pub(crate) struct EyeRays {
+    /// At the middle of the picture.
+    middle: [f32; 3],
+    /// From the middle to the centre of the first sample, in samples.
+    first: [f32; 2],
+    /// Change per sample to the right.
+    pub(crate) dx: [f32; 3],
+    /// Change per sample down.
+    pub(crate) dy: [f32; 3],
+}
+
+impl EyeRays {
+    pub(crate) fn new(rays: &ViewRays, view_from_world: DMat4) -> Self {
+        let world_from_view = view_from_world.inverse();
+        let world = |v: DVec3| {
+            let v = world_from_view.transform_vector3(v);
+            v.to_array().map(|c| c as f32)
+        };
+        let [right, up] = rays.half_step().map(|half| 2.0 * half);
+        Self {
+            middle: world(DVec3::Z),
+            first: rays.size().map(|size| (0.5 - 0.5 * size) as f32),
+            dx: world(DVec3::X * -right),
+            dy: world(DVec3::Y * up),
+        }
+    }
+
+    /// The directions `off` samples beside.
+    pub(crate) fn beside(&self, off: [f64; 2]) -> Self {
+        let [x, y] = off.map(|c| c as f32);
+        Self {
+            middle: [0, 1, 2].map(|i| self.middle[i] + (self.dx[i] * x + self.dy[i] * y)),
+            ..*self
+        }
+    }
+
+    /// The directions from `pixel` on of the 4 x 4 samples whose first is `[x, y]`.
+    #[inline(always)]
+    pub(crate) fn part<I: Isa>(&self, i: I, [x, y]: [u32; 2], pixel: usize) -> [I::F32; 3] {
+        let column = [
+            0., 1., 2., 3., 0., 1., 2., 3., 0., 1., 2., 3., 0., 1., 2., 3.,
+        ];
+        let row = [
+            0., 0., 0., 0., 1., 1., 1., 1., 2., 2., 2., 2., 3., 3., 3., 3.,
+        ];
+        // Whole numbers and halves: nothing is rounded.
+        let x = i.load_f32(&column[pixel..]) + (x as f32 + self.first[0]);
+        let y = i.load_f32(&row[pixel..]) + (y as f32 + self.first[1]);
+        [
+            x * self.dx[0] + y * self.dy[0] + self.middle[0],
+            x * self.dx[1] + y * self.dy[1] + self.middle[1],
+            x * self.dx[2] + y * self.dy[2] + self.middle[2],
+        ]
+    }
+}

@@ -1,0 +1,257 @@
+//! Projected textures, read where they reach: of projector lights, and of projectors that paint.
+
+use texmap_light::lanes::Vector;
+use texmap_light::{ShadowReader, SlideView};
+use texmap_math::simd::{Isa, prelude::*};
+use texmap_math::{Level, dispatch_simd};
+use texmap_raster::{Column, RUN_ROOM};
+use texmap_sample::lanes::View;
+use texmap_sample::{Places, sample_columns};
+
+use super::batch::{BatchUv, LANES, load, load_changes, load_vector};
+use super::fetch::PackedTexels;
+use super::texels::{TexelAddresses, packed_view, read_placed};
+
+/// A projected texture, and the shadow map of its projector.
+#[derive(Debug)]
+pub(crate) struct Projected<'s> {
+    pub(crate) view: SlideView<'s>,
+    /// Of the projector.
+    pub(crate) position: [f32; 3],
+    pub(crate) shadow: Option<ShadowReader>,
+}
+
+impl Projected<'_> {
+    /// True if the filter asks how large a pixel is.
+    pub(crate) fn reads_derivatives(&self) -> bool {
+        self.view.sampler.filter.reads_derivatives()
+    }
+}
+
+/// The texture fetch of a projector.
+pub(crate) struct ProjectorStage<'a> {
+    pub(crate) projected: &'a Projected<'a>,
+    /// Where the filter gives packed bytes.
+    view: Option<View<'a>>,
+}
+
+/// Texels of a projector over a batch: those blocks that it reaches.
+#[derive(Default)]
+pub(crate) struct ProjectorTexels {
+    addresses: TexelAddresses,
+    /// Changes of the coordinates, where the filter reads them: to the right, and down.
+    changes: [BatchUv; 2],
+    fade: Fade,
+    texels: PackedTexels,
+    /// The place of each block of the batch among those; `None` for blocks that are not reached.
+    place: [Option<u8>; RUN_ROOM / LANES],
+}
+
+struct Fade([f32; RUN_ROOM]);
+
+impl Default for Fade {
+    fn default() -> Self {
+        Self([0.0; RUN_ROOM])
+    }
+}
+
+impl ProjectorTexels {
+    /// True if the projector reaches some pixel of a block.
+    pub(crate) fn reaches(&self, block: usize) -> bool {
+        self.place[block].is_some()
+    }
+
+    /// The premultiplied texels of a block from `pixel` on, 0 where the projector does not reach; `None` if it reaches no pixel.
+    #[inline(always)]
+    pub(crate) fn load<I: Isa>(&self, i: I, block: usize, pixel: usize) -> Option<[I::F32; 4]> {
+        let at = usize::from(self.place[block]?) * LANES + pixel;
+        let fade = load(i, &self.fade.0, at);
+        let [r, g, b, a] = self.texels.load(i, at);
+        Some([r * fade, g * fade, b * fade, a * fade])
+    }
+}
+
+impl<'a> ProjectorStage<'a> {
+    pub(crate) fn new(projected: &'a Projected<'a>) -> Self {
+        let view = &projected.view;
+        Self {
+            projected,
+            view: packed_view(&view.sampler_within(), view.texture),
+        }
+    }
+
+    /// Reads the texels of `blocks` blocks at positions, whose changes are there if the filter reads derivatives.
+    pub(crate) fn fetch(
+        &self,
+        level: Level,
+        position: &[Column; 3],
+        blocks: usize,
+        out: &mut ProjectorTexels,
+    ) {
+        let leveled = self.projected.reads_derivatives();
+        let reached = dispatch_simd!(level, i => self.place(i, position, blocks, leveled, out));
+        if reached == 0 {
+            return;
+        }
+        let ProjectorTexels {
+            addresses,
+            changes,
+            texels,
+            ..
+        } = out;
+        if let Some(view) = &self.view {
+            texels.packed = true;
+            return read_placed(level, view, addresses, changes, reached, &mut texels.words);
+        }
+        texels.packed = false;
+        let count = reached * LANES;
+        let at = Places {
+            u: &addresses.uv.u[..count],
+            v: &addresses.uv.v[..count],
+            gradients: leveled.then(|| {
+                let [x, y] = &*changes;
+                [&x.u[..count], &x.v[..count], &y.u[..count], &y.v[..count]]
+            }),
+        };
+        let (view, columns) = (&self.projected.view, texels.colors.columns_mut(count));
+        sample_columns(level, &view.sampler, view.texture, &at, columns)
+            .expect("the columns have one length");
+    }
+
+    /// The coordinates of the blocks that are reached, and how many these are.
+    #[inline(always)]
+    fn place<I: Isa>(
+        &self,
+        i: I,
+        position: &[Column; 3],
+        blocks: usize,
+        leveled: bool,
+        out: &mut ProjectorTexels,
+    ) -> usize {
+        let view = &self.projected.view;
+        let mut count = 0;
+        for block in 0..blocks {
+            let mut reached = false;
+            for pixel in (0..LANES).step_by(I::LANES) {
+                let (from, to) = (block * LANES + pixel, count * LANES + pixel);
+                let places = view.place(i, load_vector(i, position, from));
+                let fade = places.reached.select(places.fade, i.f32(0.0));
+                fade.store(&mut out.fade.0[to..to + I::LANES]);
+                if !places.reached.any_true() {
+                    continue;
+                }
+                reached = true;
+                out.addresses.uv.store(i, to, places.uv);
+                if leveled {
+                    let [dx, dy]: [Vector<I>; 2] = load_changes(i, position, from);
+                    let [right, down] = &mut out.changes;
+                    right.store(i, to, view.changes(i, &places, dx));
+                    down.store(i, to, view.changes(i, &places, dy));
+                }
+            }
+            out.place[block] = reached.then_some(count as u8);
+            count += usize::from(reached);
+        }
+        count
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::fetch::tests::{bordered, noise, sampler};
+    use super::*;
+    use texmap_light::{Slide, SlideBorder};
+    use texmap_math::Projector;
+    use texmap_math::glam::DVec3;
+    use texmap_math::simd::Scalar;
+    use texmap_raster::RUN;
+    use texmap_sample::{Filter, Wrap};
+
+    /// The packed words of a projector are its texels, blocks that it does not reach have none, and each pixel is what it is alone.
+    #[test]
+    fn packed_words_of_projectors_are_their_texels() {
+        let level = Level::new();
+        let textures = [noise(32, 32), bordered(32, 32, 1)];
+        let projector = Projector::new(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y, 1.2, 1.0).unwrap();
+        // Steps of a fraction of a texel up to several.
+        let step = |k: f32| core::array::from_fn(|i| k * (1 + i % 29) as f32);
+        let axis = |value: [f32; RUN_ROOM], right: f32, down: f32| Column {
+            value,
+            ddx: step(right),
+            ddy: step(down),
+        };
+        let position = [
+            axis(
+                core::array::from_fn(|i| (i % 37) as f32 * 0.09 - 0.6),
+                0.003,
+                0.004,
+            ),
+            axis(
+                core::array::from_fn(|i| (i % 23) as f32 * 0.13 - 1.4),
+                -0.001,
+                0.003,
+            ),
+            // The first lie behind the projector.
+            axis(
+                core::array::from_fn(|i| match i {
+                    0..32 => 2.0,
+                    _ => -1.0 - (i % 5) as f32 * 0.3,
+                }),
+                0.004,
+                -0.001,
+            ),
+        ];
+        // The last reaches no further than its picture, which is then read as if it were repeated.
+        let borders = [
+            (0, SlideBorder::Black, 0.2),
+            (0, SlideBorder::Clamp, 0.0),
+            (1, SlideBorder::Clamp, 0.0),
+        ];
+        for filter in [Filter::Nearest, Filter::Bilinear, Filter::Trilinear] {
+            for (texture, border, softness) in borders {
+                let sampler = sampler(filter, Wrap::Repeat);
+                let view = SlideView::new(&Slide {
+                    projector,
+                    texture: &textures[texture],
+                    sampler: &sampler,
+                    border,
+                    softness,
+                });
+                let projected = Projected {
+                    view,
+                    position: [0.0; 3],
+                    shadow: None,
+                };
+                let packed = ProjectorStage::new(&projected);
+                let general = ProjectorStage {
+                    projected: &projected,
+                    view: None,
+                };
+                let (mut words, mut floats) = <(ProjectorTexels, ProjectorTexels)>::default();
+                let count = RUN / LANES;
+                packed.fetch(level, &position, count, &mut words);
+                general.fetch(level, &position, count, &mut floats);
+                let mut reached = 0;
+                for block in 0..count {
+                    reached += usize::from(words.reaches(block));
+                    for pixel in 0..LANES {
+                        let [a, b] = [&words, &floats].map(|texels| {
+                            let color = texels.load(Scalar, block, pixel)?;
+                            Some(color.map(f32::to_bits))
+                        });
+                        assert_eq!(a, b, "{filter:?} {border:?} {block}");
+                        let at = block * LANES + pixel;
+                        let of = |pick: fn(&Column) -> &[f32; RUN_ROOM]| {
+                            position.each_ref().map(|column| pick(column)[at])
+                        };
+                        let changes = [of(|c| &c.ddx), of(|c| &c.ddy)];
+                        let alone = projected.view.light(of(|c| &c.value), changes);
+                        let [r, g, b, _] = b.map_or([0.0; 4], |c| c.map(f32::from_bits));
+                        assert_eq!([r, g, b], [alone[0], alone[1], alone[2]]);
+                    }
+                }
+                assert!(reached > 4 && reached < count, "{reached}");
+            }
+        }
+    }
+}

@@ -1,0 +1,73 @@
+//! The sky: an environment seen from inside.
+
+use texmap_light::Environment;
+use texmap_light::lanes::RayLanes;
+use texmap_math::glam::DMat4;
+use texmap_math::simd::{Isa, prelude::*};
+use texmap_math::{Level, ViewRays, dispatch_simd};
+
+use super::batch::{Batch, Colors, LANES};
+use super::coordinates::EyeRays;
+
+/// An environment as a sky.
+pub(crate) struct SkyStage<'s> {
+    environment: &'s Environment,
+    /// Through the positions in a pixel that are looked up: one or more for each texel that it sees.
+    rays: Vec<EyeRays>,
+}
+
+impl<'s> SkyStage<'s> {
+    pub(crate) fn new(
+        environment: &'s Environment,
+        rays: &ViewRays,
+        view_from_world: DMat4,
+    ) -> Self {
+        let (width, height) = environment.size();
+        let texels = f64::from(width) * f64::from(height) * environment.chart().faces() as f64;
+        let texel = (4.0 * std::f64::consts::PI / texels).sqrt();
+        let side = (rays.step() / texel).ceil().clamp(1.0, 8.0) as u32;
+        let middle = EyeRays::new(rays, view_from_world);
+        let inside = |k: u32| (f64::from(k) + 0.5) / f64::from(side) - 0.5;
+        let places = (0..side).flat_map(|j| (0..side).map(move |i| (i, j)));
+        Self {
+            environment,
+            rays: places
+                .map(|(i, j)| middle.beside([inside(i), inside(j)]))
+                .collect(),
+        }
+    }
+
+    /// The light behind the fragments of a batch, clipped at 1.
+    pub(crate) fn shade(&self, level: Level, batch: &Batch<'_>, out: &mut Colors) {
+        dispatch_simd!(level, i => for (index, block) in batch.list.iter().enumerate() {
+            self.shade_block(i, batch.sample(*block, 0), index * LANES, out);
+        });
+    }
+
+    #[inline(always)]
+    fn shade_block<I: Isa>(&self, i: I, sample: [u32; 2], first: usize, out: &mut Colors) {
+        let (zero, one) = (i.f32(0.0), i.f32(1.0));
+        for pixel in (0..LANES).step_by(I::LANES) {
+            let mut sum = [zero; 3];
+            for rays in &self.rays {
+                let [x, y, z] = rays.part(i, sample, pixel);
+                let ray = RayLanes {
+                    direction: [-x, -y, -z],
+                    dx: [zero; 3],
+                    dy: [zero; 3],
+                };
+                let light = self.environment.radiance(i, &ray);
+                for k in 0..3 {
+                    sum[k] = sum[k] + light[k];
+                }
+            }
+            let count = self.rays.len() as f32;
+            let [r, g, b] = [sum[0] / count, sum[1] / count, sum[2] / count];
+            out.store(
+                i,
+                first + pixel,
+                [r.below(one), g.below(one), b.below(one), one],
+            );
+        }
+    }
+}

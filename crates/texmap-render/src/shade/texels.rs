@@ -1,0 +1,402 @@
+//! Packed RGBA8 texels of a batch: uv and mip of its pixels, then one word a pixel. Textures whose filter gives bytes take this
+//! kernel; others are read channel by channel.
+
+use texmap_math::simd::{ByteIsa, prelude::*};
+use texmap_math::{Level, dispatch_simd};
+use texmap_raster::{BlockSink, BlockValues, NONE, RUN_ROOM, RunBlock, TileBlocks, TilePlanes};
+use texmap_sample::lanes::packed::{self, FootprintLanes};
+use texmap_sample::lanes::{Kind, RGBA8, View};
+use texmap_sample::{Sampler, Texture2d};
+
+use super::batch::{BatchUv, LANES};
+
+/// A texture whose look-ups are RGBA8 words; `None` if they are not.
+pub(crate) fn packed_view<'a>(sampler: &Sampler, texture: &'a Texture2d<'_>) -> Option<View<'a>> {
+    let view = View::new(sampler, texture)?;
+    (view.format == RGBA8 && view.kind.is_plain()).then_some(view)
+}
+
+/// Coordinates and mips of the texels that a batch reads.
+pub(crate) struct TexelAddresses {
+    pub(crate) uv: BatchUv,
+    /// In each of two textures, with 8 fraction bits.
+    mips: [[i32; RUN_ROOM]; 2],
+    /// Triangles in a row of which not all texels were magnified.
+    refusals: u32,
+}
+
+impl Default for TexelAddresses {
+    fn default() -> Self {
+        Self {
+            uv: BatchUv::default(),
+            mips: [[0; RUN_ROOM]; 2],
+            refusals: 0,
+        }
+    }
+}
+
+impl TexelAddresses {
+    /// Stores the mips of the pixels from `at` on, by the changes of uv to the right and down.
+    #[inline(always)]
+    fn put_mips<I: ByteIsa>(
+        &mut self,
+        i: I,
+        (texture, view): (usize, &View<'_>),
+        at: usize,
+        [ux, vx]: [I::F32; 2],
+        [uy, vy]: [I::F32; 2],
+    ) {
+        let footprint = FootprintLanes::new(i, view, ux, vx, uy, vy);
+        let mip = packed::lod_lanes(i, view, &footprint);
+        mip.store(&mut self.mips[texture][at..at + I::LANES]);
+    }
+}
+
+/// Pixels of a tile whose attributes 0 and 1 are the coordinates.
+pub(crate) enum Pixels<'a> {
+    /// The blocks of a tile.
+    Blocks(&'a TilePlanes, &'a TileBlocks),
+    /// Pixels anywhere in the tile, and the slot of each: see [`TilePlanes::each_sixteen`].
+    Scattered(&'a TilePlanes, [&'a [u32]; 2]),
+}
+
+/// Reads the texels of a batch.
+pub(crate) fn read_texels(
+    level: Level,
+    view: &View<'_>,
+    pixels: &Pixels<'_>,
+    batch: &[RunBlock],
+    addresses: &mut TexelAddresses,
+    out: &mut [u32; RUN_ROOM],
+) {
+    dispatch_simd!(level, wide i => read(i, view, pixels, batch, addresses, out));
+}
+
+/// Reads the texels of two textures at the same coordinates; `same_mips` if their sizes, filters and mips are the same.
+pub(crate) fn read_pair(
+    level: Level,
+    views: &[Option<View<'_>>; 2],
+    same_mips: bool,
+    pixels: &Pixels<'_>,
+    batch: &[RunBlock],
+    addresses: &mut TexelAddresses,
+    out: [&mut [u32; RUN_ROOM]; 2],
+) {
+    if let [Some(view), None] = views {
+        let [out, _] = out;
+        return read_texels(level, view, pixels, batch, addresses, out);
+    }
+    let views = views.each_ref().map(Option::as_ref);
+    dispatch_simd!(level, wide i => pair(i, views, same_mips, pixels, batch, addresses, out));
+}
+
+#[inline(always)]
+fn pair<I: ByteIsa>(
+    i: I,
+    views: [Option<&View<'_>>; 2],
+    same_mips: bool,
+    pixels: &Pixels<'_>,
+    batch: &[RunBlock],
+    addresses: &mut TexelAddresses,
+    out: [&mut [u32; RUN_ROOM]; 2],
+) {
+    let [a, b] = views;
+    if a.into_iter().chain(b).any(reads_mips) {
+        let own = [a, if same_mips { None } else { b }];
+        pixels.each::<_, true, _>(i, batch, &mut Store::<true>::new(0, own, addresses));
+    } else {
+        pixels.each::<_, false, _>(i, batch, &mut Store::<false>::new(0, [None; 2], addresses));
+    }
+    for (k, (view, out)) in views.into_iter().zip(out).enumerate() {
+        if let Some(view) = view {
+            let mips = if same_mips { 0 } else { k };
+            texels(i, view, addresses, mips, 0..batch.len(), out);
+        }
+    }
+}
+
+/// Reads the texels at stored coordinates, which change by `changes` to the right and down.
+pub(crate) fn read_placed(
+    level: Level,
+    view: &View<'_>,
+    addresses: &mut TexelAddresses,
+    changes: &[BatchUv; 2],
+    blocks: usize,
+    out: &mut [u32; RUN_ROOM],
+) {
+    dispatch_simd!(level, wide i => placed(i, view, addresses, changes, blocks, out));
+}
+
+#[inline(always)]
+fn placed<I: ByteIsa>(
+    i: I,
+    view: &View<'_>,
+    addresses: &mut TexelAddresses,
+    [dx, dy]: &[BatchUv; 2],
+    blocks: usize,
+    out: &mut [u32; RUN_ROOM],
+) {
+    if reads_mips(view) {
+        for at in (0..blocks * LANES).step_by(I::LANES) {
+            addresses.put_mips(i, (0, view), at, dx.load(i, at), dy.load(i, at));
+        }
+    }
+    texels(i, view, addresses, 0, 0..blocks, out);
+}
+
+impl Pixels<'_> {
+    #[inline(always)]
+    fn each<I: ByteIsa, const D: bool, K: BlockSink<I>>(
+        &self,
+        i: I,
+        batch: &[RunBlock],
+        sink: &mut K,
+    ) {
+        match self {
+            Self::Blocks(planes, blocks) => {
+                if !self.each_named::<I, D, K>(i, batch, sink) {
+                    planes.each_block::<_, D, _>(i, blocks, batch, [0, 1], sink);
+                }
+            }
+            Self::Scattered(planes, of) => {
+                planes.each_sixteen::<_, D, _>(i, *of, batch, [0, 1], sink);
+            }
+        }
+    }
+
+    /// [`each`](Self::each) in a loop that leaves more registers to the sink; false, with nothing done, where it does not serve.
+    #[inline(always)]
+    fn each_named<I: ByteIsa, const D: bool, K: BlockSink<I>>(
+        &self,
+        i: I,
+        batch: &[RunBlock],
+        sink: &mut K,
+    ) -> bool {
+        let Self::Blocks(planes, _) = self else {
+            return false;
+        };
+        let named = planes.is_plain() && batch.iter().all(|at| at.slot != NONE);
+        if named {
+            planes.each_named::<_, D, _>(i, batch, [0, 1], sink);
+        }
+        named
+    }
+}
+
+#[inline(always)]
+fn read<I: ByteIsa>(
+    i: I,
+    view: &View<'_>,
+    pixels: &Pixels<'_>,
+    batch: &[RunBlock],
+    addresses: &mut TexelAddresses,
+    out: &mut [u32; RUN_ROOM],
+) {
+    if view.kind == Kind::Nearest
+        && let Some(texels) = packed::Masked::new(i, view)
+        && pixels.each_named::<_, false, _>(i, batch, &mut Nearest { texels, out })
+    {
+        return;
+    }
+    if !reads_mips(view) {
+        let mut sink = Store::<false>::new(0, [None; 2], addresses);
+        pixels.each::<_, false, _>(i, batch, &mut sink);
+        return texels(i, view, addresses, 0, 0..batch.len(), out);
+    }
+    // Neither derivatives nor mips are asked for where the bits do not depend on them.
+    let mut magnified = Magnified::new(addresses.refusals);
+    let mut first = 0;
+    while first < batch.len() {
+        let near = magnified.covers(i, pixels, view, &batch[first..]);
+        let mut end = first + 1;
+        while end < batch.len() && magnified.covers(i, pixels, view, &batch[end..]) == near {
+            end += 1;
+        }
+        let part = &batch[first..end];
+        if near {
+            let mut sink = Store::<false>::new(first, [None; 2], addresses);
+            pixels.each::<_, false, _>(i, part, &mut sink);
+            bilinear(i, view, addresses, first..end, out);
+        } else {
+            let mut sink = Store::<true>::new(first, [Some(view), None], addresses);
+            pixels.each::<_, true, _>(i, part, &mut sink);
+            texels(i, view, addresses, 0, first..end, out);
+        }
+        first = end;
+    }
+    addresses.refusals = magnified.refusals;
+}
+
+#[inline(always)]
+fn texels<I: ByteIsa>(
+    i: I,
+    view: &View<'_>,
+    addresses: &TexelAddresses,
+    mips: usize,
+    blocks: core::ops::Range<usize>,
+    out: &mut [u32; RUN_ROOM],
+) {
+    let pixels = blocks.start * LANES..blocks.end * LANES;
+    match view.kind {
+        Kind::Nearest => {
+            for at in pixels.step_by(I::LANES) {
+                let [u, v] = addresses.uv.load(i, at);
+                let word = packed::nearest_lanes(i, view, u, v);
+                word.store(&mut out[at..at + I::LANES]);
+            }
+        }
+        Kind::Bilinear => bilinear(i, view, addresses, blocks, out),
+        _ => {
+            for at in pixels.step_by(I::LANES) {
+                let [u, v] = addresses.uv.load(i, at);
+                let mip = i.load_i32(&addresses.mips[mips][at..at + I::LANES]);
+                let word = packed::trilinear_lanes(i, view, u, v, mip);
+                word.store(&mut out[at..at + I::LANES]);
+            }
+        }
+    }
+}
+
+#[inline(always)]
+fn bilinear<I: ByteIsa>(
+    i: I,
+    view: &View<'_>,
+    addresses: &TexelAddresses,
+    blocks: core::ops::Range<usize>,
+    out: &mut [u32; RUN_ROOM],
+) {
+    for at in (blocks.start * LANES..blocks.end * LANES).step_by(I::LANES) {
+        let [u, v] = addresses.uv.load(i, at);
+        let word = packed::bilinear_lanes(i, view, u, v);
+        word.store(&mut out[at..at + I::LANES]);
+    }
+}
+
+/// So many refusals in a row, and only one block of so many is asked about: few surfaces of small triangles are that near.
+const PATIENCE: u32 = 4;
+const SELDOM: u16 = 8;
+/// Blocks after the first that a slot must have alone to be asked about: that costs as much as the derivatives of a few blocks.
+const ALIKE: usize = 3;
+
+/// The triangle that was asked about last.
+struct Magnified {
+    slot: u32,
+    near: bool,
+    refusals: u32,
+}
+
+impl Magnified {
+    fn new(refusals: u32) -> Self {
+        Self {
+            slot: NONE,
+            near: false,
+            refusals,
+        }
+    }
+
+    /// True if all texels of the first block of `batch` are surely magnified, and it is worth knowing.
+    #[inline(always)]
+    fn covers<I: ByteIsa>(
+        &mut self,
+        i: I,
+        pixels: &Pixels<'_>,
+        view: &View<'_>,
+        batch: &[RunBlock],
+    ) -> bool {
+        let Pixels::Blocks(planes, blocks) = pixels else {
+            return false;
+        };
+        let seldom = |at: &RunBlock| !at.block.is_multiple_of(SELDOM);
+        if self.refusals >= PATIENCE && batch.first().is_none_or(seldom) {
+            return false;
+        }
+        let Some(slot) = batch.first().and_then(
+            #[inline(always)]
+            |at| planes.only_slot(i, blocks, *at),
+        ) else {
+            return false;
+        };
+        if slot != self.slot {
+            let later = batch.get(ALIKE).and_then(
+                #[inline(always)]
+                |at| planes.only_slot(i, blocks, *at),
+            );
+            if later != Some(slot) {
+                return false;
+            }
+            let steepest = planes.steepest(slot, [0, 1]);
+            self.near = steepest.is_some_and(
+                #[inline(always)]
+                |[u, v]| magnifies(i, view, u, v),
+            );
+            self.refusals = if self.near { 0 } else { self.refusals + 1 };
+            self.slot = slot;
+        }
+        self.near
+    }
+}
+
+/// True if a footprint within these changes of u and v to the right and down reads the finest mip alone.
+#[inline(always)]
+fn magnifies<I: ByteIsa>(i: I, view: &View<'_>, [ux, uy]: [f32; 2], [vx, vy]: [f32; 2]) -> bool {
+    let footprint = FootprintLanes::new(i, view, i.f32(ux), i.f32(vx), i.f32(uy), i.f32(vy));
+    i.first(packed::lod_lanes(i, view, &footprint)) <= 0
+}
+
+/// Nearest texels, from the coordinates in registers.
+struct Nearest<'a, 'v, I: ByteIsa> {
+    texels: packed::Masked<'v, I>,
+    out: &'a mut [u32; RUN_ROOM],
+}
+
+impl<I: ByteIsa> BlockSink<I> for Nearest<'_, '_, I> {
+    #[inline(always)]
+    fn pixels(&mut self, i: I, at: usize, _: RunBlock, values: &BlockValues<I>) {
+        let [u, v] = values.value;
+        let word = self.texels.nearest(i, u, v);
+        word.store(&mut self.out[at..at + I::LANES]);
+    }
+}
+
+/// Stores coordinates, and mips in the views where `D` asks for them.
+struct Store<'a, 'v, const D: bool> {
+    /// The block of the batch that the first one shown is.
+    first: usize,
+    views: [Option<&'a View<'v>>; 2],
+    addresses: &'a mut TexelAddresses,
+}
+
+impl<'a, 'v, const D: bool> Store<'a, 'v, D> {
+    fn new(
+        first: usize,
+        views: [Option<&'a View<'v>>; 2],
+        addresses: &'a mut TexelAddresses,
+    ) -> Self {
+        Self {
+            first,
+            views,
+            addresses,
+        }
+    }
+}
+
+impl<I: ByteIsa, const D: bool> BlockSink<I> for Store<'_, '_, D> {
+    #[inline(always)]
+    fn pixels(&mut self, i: I, at: usize, _: RunBlock, values: &BlockValues<I>) {
+        let at = self.first * LANES + at;
+        self.addresses.uv.store(i, at, values.value);
+        if D {
+            for (texture, view) in self.views.iter().enumerate() {
+                if let Some(view) = view {
+                    let of = (texture, *view);
+                    self.addresses.put_mips(i, of, at, values.ddx, values.ddy);
+                }
+            }
+        }
+    }
+}
+
+/// True if the filter of a view asks how large a pixel is.
+fn reads_mips(view: &View<'_>) -> bool {
+    view.kind == Kind::Trilinear
+}

@@ -1,0 +1,205 @@
+//! Unlit surfaces whose color is a texel or one color, times a constant: they need no other stage.
+
+use texmap_math::simd::{Isa, prelude::*};
+use texmap_math::{Level, dispatch_simd};
+use texmap_raster::{RUN_ROOM, RunBlock, RunValues};
+use texmap_sample::lanes::View;
+use texmap_sample::{gives_bytes, sample_columns, sample_rgba8_columns};
+
+use super::batch::{Colors, LANES, straight};
+use super::fetch::places;
+use super::texels::{Pixels, TexelAddresses, packed_view, read_texels};
+use crate::textures::Slot;
+use texmap_scene::{AlphaMode, ColorMode, Material, TextureRole};
+
+/// From a texel to the color of an unlit surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct UnlitColor {
+    /// Factors of the straight texel.
+    tint: [f32; 3],
+    /// Factor of its alpha where the surface blends.
+    opacity: f32,
+    blends: bool,
+    /// Every texel is opaque.
+    opaque_texels: bool,
+    /// Texels are bytes.
+    bytes: bool,
+    /// Those bytes are the encoded pixels where nothing blends.
+    exact: bool,
+}
+
+impl UnlitColor {
+    /// For a surface that is unlit, without vertex colors and without an opacity map; `None` where a transparent decal shows the
+    /// surface below it.
+    pub(crate) fn new(
+        material: &Material,
+        base_color: Option<&Slot<'_>>,
+        mode: ColorMode,
+    ) -> Option<Self> {
+        let decal = base_color.is_some() && material.texture_role == TextureRole::Decal;
+        let opaque_texels = !base_color.is_some_and(Slot::can_be_transparent);
+        if decal && !opaque_texels && material.alpha == AlphaMode::Opaque {
+            return None;
+        }
+        let tint = if decal {
+            [1.0; 3]
+        } else {
+            material.surface.color
+        };
+        let bytes = base_color.is_some_and(|slot| gives_bytes(&slot.sampler, &slot.texture));
+        Some(Self {
+            tint,
+            opacity: material.opacity,
+            blends: material.alpha == AlphaMode::Blend,
+            opaque_texels,
+            bytes,
+            exact: bytes && mode == ColorMode::Raw && opaque_texels && tint == [1.0; 3],
+        })
+    }
+
+    /// True if all colors are opaque.
+    pub(crate) fn is_opaque(&self) -> bool {
+        !self.blends || (self.opaque_texels && self.opacity >= 1.0)
+    }
+
+    /// True if packed texels are the encoded pixels of the surface.
+    pub(crate) fn is_exact(&self) -> bool {
+        self.exact && self.is_opaque()
+    }
+
+    /// The premultiplied color of a texel.
+    #[inline(always)]
+    pub(crate) fn tint<I: Isa>(&self, i: I, texel: [I::F32; 4]) -> [I::F32; 4] {
+        let one = i.f32(1.0);
+        let [mut r, mut g, mut b, a] = texel;
+        let alpha = match (self.blends, self.opaque_texels) {
+            (false, _) => one,
+            (true, true) => i.f32(self.opacity),
+            (true, false) => a * self.opacity,
+        };
+        if !self.opaque_texels {
+            [r, g, b] = straight(i, texel);
+        }
+        // A factor of one changes nothing, and bytes are not above one.
+        if !(self.bytes && self.opaque_texels && self.tint == [1.0; 3]) {
+            (r, g, b) = (r * self.tint[0], g * self.tint[1], b * self.tint[2]);
+            (r, g, b) = (r.below(one), g.below(one), b.below(one));
+        }
+        [r * alpha, g * alpha, b * alpha, alpha]
+    }
+}
+
+/// The one stage of an unlit surface.
+pub(crate) struct Unlit<'a> {
+    color: UnlitColor,
+    slot: Option<&'a Slot<'a>>,
+    /// Where texels are read as packed words.
+    view: Option<View<'a>>,
+}
+
+impl<'a> Unlit<'a> {
+    pub(crate) fn new(color: UnlitColor, slot: Option<&'a Slot<'a>>) -> Self {
+        let packed = slot.filter(|slot| color.bytes && !slot.is_transformed());
+        Self {
+            color,
+            slot,
+            view: packed.and_then(|slot| packed_view(&slot.sampler, &slot.texture)),
+        }
+    }
+
+    pub(crate) fn color(&self) -> &UnlitColor {
+        &self.color
+    }
+
+    /// The view by which encoded pixels are read straight from the texture.
+    pub(crate) fn exact_view(&self) -> Option<&View<'a>> {
+        self.view.as_ref().filter(|_| self.color.is_exact())
+    }
+
+    pub(crate) fn has_texture(&self) -> bool {
+        self.slot.is_some()
+    }
+
+    /// True if the texels of a batch are packed words.
+    pub(crate) fn gives_words(&self) -> bool {
+        self.color.bytes
+    }
+
+    /// Reads the packed texels of a batch.
+    pub(crate) fn read_words(
+        &self,
+        level: Level,
+        pixels: &Pixels<'_>,
+        batch: &[RunBlock],
+        scratch: &mut UnlitScratch,
+        out: &mut [u32; RUN_ROOM],
+    ) {
+        if let Some(view) = &self.view {
+            return read_texels(level, view, pixels, batch, &mut scratch.addresses, out);
+        }
+        let Some(slot) = self.slot else { return };
+        let count = scratch.read_uv(level, slot, pixels, batch);
+        let at = places(slot, &scratch.values, count);
+        let out = &mut out[..count];
+        sample_rgba8_columns(level, &slot.sampler, &slot.texture, &at, out)
+            .expect("the columns have one length");
+    }
+
+    /// The colors of a batch.
+    pub(crate) fn shade(
+        &self,
+        level: Level,
+        pixels: &Pixels<'_>,
+        batch: &[RunBlock],
+        scratch: &mut UnlitScratch,
+        out: &mut Colors,
+    ) {
+        let mut count = batch.len() * LANES;
+        match self.slot {
+            Some(slot) => {
+                count = scratch.read_uv(level, slot, pixels, batch);
+                let (at, columns) = (places(slot, &scratch.values, count), out.columns_mut(count));
+                sample_columns(level, &slot.sampler, &slot.texture, &at, columns)
+                    .expect("the columns have one length");
+            }
+            None => out.columns_mut(count).into_iter().for_each(|c| c.fill(1.0)),
+        }
+        dispatch_simd!(level, i => self.tint_batch(i, count, out));
+    }
+
+    #[inline(always)]
+    fn tint_batch<I: Isa>(&self, i: I, count: usize, out: &mut Colors) {
+        for at in (0..count).step_by(I::LANES) {
+            let color = self.color.tint(i, out.load(i, at));
+            out.store(i, at, color);
+        }
+    }
+}
+
+/// What unlit stages keep between batches.
+#[derive(Default)]
+pub(crate) struct UnlitScratch {
+    pub(crate) addresses: TexelAddresses,
+    values: RunValues,
+}
+
+impl UnlitScratch {
+    /// The coordinates of a batch as columns 0 and 1, as the slot reads them, and how many pixels that are.
+    fn read_uv(
+        &mut self,
+        level: Level,
+        slot: &Slot<'_>,
+        pixels: &Pixels<'_>,
+        batch: &[RunBlock],
+    ) -> usize {
+        let count = batch.len() * LANES;
+        let Pixels::Blocks(planes, blocks) = pixels else {
+            debug_assert!(false, "scattered pixels are read by views");
+            return count;
+        };
+        let (wanted, derivatives) = ([0, 1], slot.reads_derivatives());
+        planes.values(level, blocks, batch, &wanted, derivatives, &mut self.values);
+        slot.place_columns(&mut self.values, count);
+        count
+    }
+}

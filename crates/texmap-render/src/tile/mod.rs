@@ -1,0 +1,406 @@
+//! One tile of samples: visibility first, then each visible pixel is shaded once, then the blended surfaces in their order.
+
+mod fragments;
+pub(crate) mod job;
+mod msaa;
+mod supersample;
+
+use texmap_math::lanes::prefetch;
+use texmap_raster::{
+    NONE, Prepared, RUN, RUN_ROOM, RunBlock, RunValues, SampleSetup, TileBlocks, TilePlanes,
+};
+
+use crate::Aov;
+use crate::plan::{Plan, Shader};
+use crate::resolve::aov::write_batch;
+use crate::resolve::copy::{put_block_rows, rows_fit};
+use crate::resolve::encode::encode;
+use crate::resolve::rows::AovRows;
+use crate::resolve::tile_buffer::{Shaded, TileBuffer};
+use crate::shade::batch::{Batch, Colors, LANES};
+use crate::shade::surface::SurfaceScratch;
+use crate::shade::texels::Pixels;
+use crate::shade::unlit::UnlitScratch;
+pub(crate) use fragments::is_whole;
+use fragments::{FragmentList, blended};
+use msaa::{SampleReuse, Strays};
+use texmap_scene::ColorMode;
+
+/// Blocks of a batch.
+const BATCH_BLOCKS: usize = RUN / LANES;
+/// Blocks of a tile.
+const BLOCKS: usize = 256;
+/// Attributes in order.
+pub(crate) const ATTRIBUTES: [usize; texmap_raster::MAX_ATTRIBUTES] = {
+    let mut all = [0; texmap_raster::MAX_ATTRIBUTES];
+    let mut k = 0;
+    while k < all.len() {
+        all[k] = k;
+        k += 1;
+    }
+    all
+};
+
+/// What all tiles of a pass share.
+pub(crate) struct Context<'a> {
+    pub(crate) plan: &'a Plan<'a>,
+    /// The stages of each draw, and its encoded color where it is unlit and has no texture.
+    pub(crate) shaders: Vec<(Shader<'a>, u32)>,
+    pub(crate) prepared: &'a Prepared<'a>,
+    pub(crate) mode: ColorMode,
+    /// Linear (or raw), premultiplied.
+    pub(crate) background: [f32; 4],
+    /// The positions of the four samples of a pixel, if it has four.
+    pub(crate) samples: Option<[[i32; 2]; 4]>,
+}
+
+/// The buffers of a tile; a thread keeps them from tile to tile.
+pub(crate) struct Painter {
+    /// One, or four of four samples.
+    samples: Vec<Sample>,
+    resolved: TileBuffer,
+    shader: BatchShader,
+    list: FragmentList,
+    /// One triangle covers the tile.
+    alone: bool,
+    /// [`SampleReuse`] of each block.
+    reuse: Vec<SampleReuse>,
+    strays: Strays,
+    shared: SampleSetup,
+    /// Of each block, a bit per pixel that is not all background.
+    covered: Vec<u16>,
+}
+
+/// A sample of each pixel of a tile.
+struct Sample {
+    blocks: TileBlocks,
+    buffer: TileBuffer,
+}
+
+/// A tile whose visibility is known.
+#[derive(Clone, Copy)]
+struct Tile<'a> {
+    context: &'a Context<'a>,
+    index: usize,
+    blocks: &'a TileBlocks,
+}
+
+/// Where and how batches are stored.
+struct Target<'a> {
+    buffer: &'a mut TileBuffer,
+    /// The buffer holds encoded pixels, else light.
+    encoded: bool,
+    /// Batches are blended over the buffer; pixels that are not all transparent are marked.
+    covered: Option<&'a mut [u16]>,
+    /// Rows of the frame to prefetch.
+    rows: &'a [&'a mut [u8]],
+}
+
+impl Painter {
+    pub(crate) fn new() -> Self {
+        Self {
+            samples: vec![Sample::new()],
+            resolved: TileBuffer::new(),
+            shader: BatchShader::default(),
+            list: FragmentList::default(),
+            alone: false,
+            reuse: Vec::new(),
+            strays: Strays::default(),
+            shared: SampleSetup::default(),
+            covered: vec![0; BLOCKS],
+        }
+    }
+
+    /// Finds the visible triangle of each pixel; `brief` if nothing but [`paint`](Self::paint) reads them.
+    pub(crate) fn see(&mut self, context: &Context<'_>, tile: usize, brief: bool) {
+        let blocks = &mut self.samples[0].blocks;
+        self.alone = brief && context.prepared.visible_alone(tile, blocks);
+        if !self.alone {
+            context.prepared.visible_blocks(tile, context.plan, blocks);
+        }
+        context.prepared.planes(tile, &mut self.shader.planes);
+        self.covered.copy_from_slice(&blocks.masks);
+        let slot = if self.alone { 0 } else { NONE };
+        self.list.visible(blocks, &blocks.masks, slot);
+    }
+
+    /// Writes the output arrays of the visible fragments.
+    pub(crate) fn write_aovs(
+        &mut self,
+        context: &Context<'_>,
+        index: usize,
+        aovs: &mut [(Aov, AovRows<'_, '_>)],
+    ) {
+        let (level, blocks) = (context.plan.level, &self.samples[0].blocks);
+        let BatchShader { planes, values, .. } = &mut self.shader;
+        for (draw, blocks_of) in self.list.parts() {
+            let surface = &context.plan.surfaces[draw as usize];
+            let wanted = &ATTRIBUTES[..surface.vertices.attribute_count];
+            for batch in blocks_of.chunks(BATCH_BLOCKS) {
+                planes.values(level, blocks, batch, wanted, true, values);
+                let batch = Batch {
+                    prepared: context.prepared,
+                    tile: context.prepared.tile(index),
+                    blocks,
+                    list: batch,
+                    values,
+                };
+                write_batch(context.plan, surface, &batch, aovs);
+            }
+        }
+    }
+
+    /// Paints the tile into its rows of the frame.
+    pub(crate) fn paint_rows(
+        &mut self,
+        context: &Context<'_>,
+        tile: usize,
+        rows: &mut [&mut [u8]],
+    ) {
+        if !self.paint_straight(context, rows) {
+            let buffer = self.paint(context, tile, Some(rows));
+            buffer.copy_to(context.plan.level, rows);
+        }
+    }
+
+    /// Paints without a tile buffer, where every pixel of a tile is an encoded texel; false, with nothing done, elsewhere.
+    fn paint_straight(&mut self, context: &Context<'_>, rows: &mut [&mut [u8]]) -> bool {
+        let blocks = &self.samples[0].blocks;
+        let exact = |draw: &u32| {
+            let unlit = context.shaders[*draw as usize].0.unlit();
+            unlit.is_some_and(|unlit| unlit.exact_view().is_some())
+        };
+        if !rows_fit(rows)
+            || !is_whole(&blocks.masks)
+            || !blocks.draws.iter().all(exact)
+            || blended(context.plan, blocks).is_some()
+        {
+            return false;
+        }
+        let BatchShader {
+            planes,
+            unlit: scratch,
+            words,
+            ..
+        } = &mut self.shader;
+        let pixels = Pixels::Blocks(planes, blocks);
+        for (draw, blocks_of) in self.list.parts() {
+            let Some(unlit) = context.shaders[draw as usize].0.unlit() else {
+                continue;
+            };
+            for batch in blocks_of.chunks(BATCH_BLOCKS) {
+                prefetch_rows(rows, batch);
+                unlit.read_words(context.plan.level, &pixels, batch, scratch, words);
+                for (at, words) in batch.iter().zip(words.as_chunks().0) {
+                    put_block_rows(rows, *at, words);
+                }
+            }
+        }
+        true
+    }
+
+    /// Paints the visible and then the blended surfaces: encoded for these rows of the frame, or as light if there are none.
+    pub(crate) fn paint(
+        &mut self,
+        context: &Context<'_>,
+        index: usize,
+        rows: Option<&[&mut [u8]]>,
+    ) -> &TileBuffer {
+        let (level, mode) = (context.plan.level, context.mode);
+        let Sample { blocks, buffer } = &mut self.samples[0];
+        let blended = blended(context.plan, blocks);
+        // Where nothing mixes, pixels can be encoded one by one.
+        let encoded = rows.is_some() && blended.is_none_or(|b| b.opaque);
+        if !encoded {
+            buffer.fill_light(context.background);
+        } else if !is_whole(&blocks.masks) {
+            buffer.fill_words(encode(mode, context.background));
+        }
+        let tile = Tile {
+            context,
+            index,
+            blocks,
+        };
+        let mut target = Target {
+            buffer,
+            encoded,
+            covered: None,
+            rows: rows.unwrap_or_default(),
+        };
+        self.shader.draw(tile, &self.list, &mut target);
+        if blended.is_some() {
+            self.list.blended(context.prepared, index, [0; 2], blocks);
+            let tile = Tile {
+                context,
+                index,
+                blocks,
+            };
+            let mut target = Target {
+                buffer,
+                encoded,
+                covered: Some(&mut self.covered),
+                rows: &[],
+            };
+            self.shader.draw(tile, &self.list, &mut target);
+        }
+        if !encoded && rows.is_some() {
+            buffer.encode_all(level, mode);
+        }
+        buffer
+    }
+
+    /// The tile that [`paint_multisampled`](Self::paint_multisampled) painted.
+    pub(crate) fn resolved(&self) -> &TileBuffer {
+        &self.resolved
+    }
+
+    /// Of each block, the pixels that are not all background.
+    pub(crate) fn covered(&self) -> &[u16] {
+        &self.covered
+    }
+}
+
+impl Sample {
+    fn new() -> Self {
+        Self {
+            blocks: TileBlocks::new(),
+            buffer: TileBuffer::new(),
+        }
+    }
+}
+
+/// Prefetches the lines of the frame's rows that the blocks of a batch are copied to in the end: they come while it is shaded.
+/// Sixteen blocks side by side lie in sixteen lines, so that each asks for one.
+fn prefetch_rows(rows: &[&mut [u8]], batch: &[RunBlock]) {
+    if rows.is_empty() {
+        return;
+    }
+    // Most batches are a row of blocks: its sixteen lines in order.
+    if let [first, .., last] = batch
+        && first.block % 16 == 0
+        && (batch.len(), last.block) == (16, first.block + 15)
+    {
+        let four = rows.iter().skip(usize::from(first.block) / 4).take(4);
+        four.for_each(|row| row.chunks(64).for_each(prefetch));
+        return;
+    }
+    for at in batch {
+        let (column, row) = (usize::from(at.block) % 16, usize::from(at.block) / 16);
+        let line = rows
+            .get(row * 4 + column % 4)
+            .and_then(|row| row.get(column / 4 * 64..));
+        if let Some(line) = line {
+            prefetch(line);
+        }
+    }
+}
+
+/// Shades batches.
+struct BatchShader {
+    planes: TilePlanes,
+    values: RunValues,
+    unlit: UnlitScratch,
+    surface: SurfaceScratch,
+    colors: Colors,
+    words: [u32; RUN_ROOM],
+}
+
+impl Default for BatchShader {
+    fn default() -> Self {
+        Self {
+            planes: TilePlanes::new(),
+            values: RunValues::default(),
+            unlit: UnlitScratch::default(),
+            surface: SurfaceScratch::default(),
+            colors: Colors::default(),
+            words: [0; RUN_ROOM],
+        }
+    }
+}
+
+impl BatchShader {
+    /// Shades the listed blocks, in order, and stores them.
+    fn draw(&mut self, tile: Tile<'_>, list: &FragmentList, target: &mut Target<'_>) {
+        let (level, mode) = (tile.context.plan.level, tile.context.mode);
+        for (draw, blocks_of) in list.parts() {
+            for batch in blocks_of.chunks(BATCH_BLOCKS) {
+                prefetch_rows(target.rows, batch);
+                let shaded = self.shade(tile, draw, batch, target.encoded);
+                let buffer = &mut *target.buffer;
+                match (&shaded, &mut target.covered) {
+                    (Shaded::Word(word), _) => buffer.put_word(batch, *word),
+                    (Shaded::Words(words), _) => buffer.put_words(batch, words),
+                    _ if target.encoded => buffer.put_encoded(level, mode, batch, &shaded),
+                    (_, Some(covered)) => {
+                        buffer.blend(level, batch, &shaded, covered);
+                        continue;
+                    }
+                    (_, None) => buffer.put_light(level, batch, &shaded),
+                }
+                if let Some(covered) = &mut target.covered {
+                    batch
+                        .iter()
+                        .for_each(|at| covered[usize::from(at.block)] |= at.mask);
+                }
+            }
+        }
+    }
+
+    /// The colors of a batch; encoded where that costs nothing more and `encoded` asks for it.
+    fn shade(
+        &mut self,
+        tile: Tile<'_>,
+        draw: u32,
+        batch: &[RunBlock],
+        encoded: bool,
+    ) -> Shaded<'_> {
+        let Tile {
+            context,
+            index,
+            blocks,
+        } = tile;
+        let level = context.plan.level;
+        let (shader, word) = &context.shaders[draw as usize];
+        if let Shader::Unlit(unlit) = shader {
+            let pixels = Pixels::Blocks(&self.planes, blocks);
+            if unlit.gives_words() {
+                unlit.read_words(level, &pixels, batch, &mut self.unlit, &mut self.words);
+                return if encoded && unlit.color().is_exact() {
+                    Shaded::Words(&self.words)
+                } else {
+                    Shaded::Texels(*unlit.color(), &self.words)
+                };
+            }
+            if encoded && !unlit.has_texture() {
+                return Shaded::Word(*word);
+            }
+            unlit.shade(level, &pixels, batch, &mut self.unlit, &mut self.colors);
+            return Shaded::Light(&self.colors);
+        }
+        if let Shader::Surface(surface) = shader
+            && let Some(count) = surface.attributes.filter(|count| *count > 0)
+        {
+            let wanted = &ATTRIBUTES[..count];
+            let values = &mut self.values;
+            self.planes
+                .values(level, blocks, batch, wanted, true, values);
+        }
+        let batch = Batch {
+            prepared: context.prepared,
+            tile: context.prepared.tile(index),
+            blocks,
+            list: batch,
+            values: &self.values,
+        };
+        match shader {
+            Shader::Surface(surface) => {
+                let scratch = &mut self.surface;
+                surface.shade(&self.planes, &batch, scratch, &mut self.colors);
+            }
+            Shader::Sky(sky) => sky.shade(level, &batch, &mut self.colors),
+            Shader::Volume(volume) => volume.shade(&batch, &mut self.colors),
+            Shader::Unlit(_) => {}
+        }
+        Shaded::Light(&self.colors)
+    }
+}

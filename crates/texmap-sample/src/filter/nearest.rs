@@ -1,0 +1,35 @@
+//! The nearest texel.
+
+use super::{Kernel, LookUp};
+use crate::{
+    address::texel::LaneLevel,
+    bound_texture::View,
+    fetch::{Color, scaled, tap},
+};
+use texmap_math::simd::{Isa, prelude::*};
+
+/// The nearest texel of level 0.
+pub(crate) struct Nearest<const FORMAT: u8>;
+
+impl<const FORMAT: u8> Kernel for Nearest<FORMAT> {
+    const FORMAT: u8 = FORMAT;
+
+    #[inline(always)]
+    fn color<I: Isa>(i: I, view: &View<'_>, at: &LookUp<I>) -> Color<I> {
+        let level = LaneLevel::uniform(i, view, 0);
+        scaled::<I>(nearest::<I, FORMAT>(i, view, &level, at.uv), view)
+    }
+}
+
+/// The nearest texel of a level, unscaled.
+#[inline(always)]
+pub(crate) fn nearest<I: Isa, const FORMAT: u8>(
+    i: I,
+    view: &View<'_>,
+    level: &LaneLevel<I>,
+    uv: [I::F32; 2],
+) -> Color<I> {
+    let [x, y] = level.scale(i, view, uv);
+    let at = [x.floor_to_i32(), y.floor_to_i32()];
+    tap::<I, FORMAT>(i, view, level.texel::<FORMAT>(i, view, at))
+}

@@ -1,0 +1,80 @@
+//! Bilinear on the two mip levels around.
+
+use super::{Kernel, LookUp, bilinear::bilinear};
+use crate::{
+    address::texel::LaneLevel,
+    bound_texture::View,
+    fetch::{Color, mix, scaled, select},
+};
+use texmap_math::simd::{Isa, prelude::*};
+
+/// Trilinear.
+pub(crate) struct Trilinear<const FORMAT: u8>;
+
+impl<const FORMAT: u8> Kernel for Trilinear<FORMAT> {
+    const FORMAT: u8 = FORMAT;
+
+    #[inline(always)]
+    fn color<I: Isa>(i: I, view: &View<'_>, at: &LookUp<I>) -> Color<I> {
+        let [u, v] = at.uv;
+        trilinear::<I, FORMAT>(i, view, u, v, at.lod(i, view))
+    }
+}
+
+/// Trilinear at a limited level of detail. `FORMAT` is the view's.
+#[inline(always)]
+pub fn trilinear<I: Isa, const FORMAT: u8>(
+    i: I,
+    view: &View<'_>,
+    u: I::F32,
+    v: I::F32,
+    lod: I::F32,
+) -> Color<I> {
+    let levels = LevelPair::new(i, view, lod);
+    scaled::<I>(levels.sample::<FORMAT>(i, view, [u, v]), view)
+}
+
+/// The levels that each lane reads, found once and used by every probe.
+pub(crate) struct LevelPair<I: Isa> {
+    pub(crate) fine: LaneLevel<I>,
+    pub(crate) coarse: LaneLevel<I>,
+    pub(crate) weight: I::F32,
+    /// Some lane blends two levels.
+    pub(crate) blends: bool,
+}
+
+impl<I: Isa> LevelPair<I> {
+    #[inline(always)]
+    pub(crate) fn new(i: I, view: &View<'_>, lod: I::F32) -> Self {
+        let magnified = lod.simd_le(0.0);
+        let last = i.f32(view.last as f32);
+        let lod = lod.simd_gt(last).select(last, lod);
+        let lod = magnified.select(i.f32(0.0), lod);
+        let level = lod.to_i32();
+        let weight = lod - level.to_f32();
+        let [fine, coarse] = LaneLevel::pair(i, view, level);
+        Self {
+            fine,
+            coarse,
+            weight,
+            blends: weight.simd_gt(0.0).any_true(),
+        }
+    }
+
+    /// Unscaled.
+    #[inline(always)]
+    pub(crate) fn sample<const FORMAT: u8>(
+        &self,
+        i: I,
+        view: &View<'_>,
+        uv: [I::F32; 2],
+    ) -> Color<I> {
+        let c = bilinear::<I, FORMAT>(i, view, &self.fine, uv);
+        if !self.blends {
+            return c;
+        }
+        let next = bilinear::<I, FORMAT>(i, view, &self.coarse, uv);
+        let two = self.weight.simd_gt(0.0);
+        select::<I>(two, mix::<I>(view, c, next, self.weight), c)
+    }
+}
