@@ -244,8 +244,8 @@ impl<'s> SurfaceEffects<'s> {
                         own[i] += color[i] * given.diffuse * texel[i];
                     }
                 }
-                (Light::Ambient { .. }, None) => sum.add(&given, [1.0; 3]),
-                _ => sum.add(&given, ready.received(*index, &at.site)),
+                (Light::Ambient { .. }, None) => sum.add(&given, true, [1.0; 3]),
+                _ => sum.add(&given, true, ready.received(*index, &at.site)),
             }
         }
         (sum, own)
