@@ -8,7 +8,7 @@ use crate::normal_map::NormalMap;
 use crate::unit;
 use crate::vector::{self, cross, dot, is_zero, select};
 
-/// How the slope of a height field is measured.
+/// Measure of the slope of a height field.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Slope {
     /// `(f(x + 1) - f(x - 1)) / 2`. On a sine of n samples a period it falls short by `1 - sin(2 pi / n) / (2 pi / n)`.
@@ -124,7 +124,7 @@ impl Heights<'_> {
     }
 }
 
-/// Which way the green channel of a normal map points.
+/// Direction of the green channel of a normal map.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Green {
     /// +Y, up the picture (OpenGL, glTF).

@@ -140,7 +140,7 @@ impl Environment {
         (self.levels[0].width, self.levels[0].height)
     }
 
-    /// How many levels there are: one without [`with_mips`](Self::with_mips).
+    /// Number of levels: one without [`with_mips`](Self::with_mips).
     #[must_use]
     pub fn levels(&self) -> usize {
         self.levels.len()

@@ -8,7 +8,7 @@ use crate::{Chart, Environment};
 pub enum LightError {
     /// Slices that belong together have different lengths.
     Length {
-        /// Which slice.
+        /// Name of the slice.
         what: &'static str,
         /// Its length.
         found: usize,

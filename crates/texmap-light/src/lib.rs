@@ -66,18 +66,17 @@ pub use environment::Environment;
 pub use error::LightError;
 pub use normal_map::NormalMap;
 pub use points::{
-    bump_on, clamp_to_horizon, clamp_unit_to_horizon, perturb, perturb_slice, reflect,
-    reflect_across, share, unit,
+    Ray, Share, Terms, bump_on, clamp_to_horizon, clamp_unit_to_horizon, perturb, perturb_slice,
+    reflect, reflect_across, share, unit,
 };
-pub use reflect::Ray;
 pub use shade::{
-    Terms, illuminate, illuminate_slice, illuminate_two_sided, terms, terms_received, terms_slice,
+    illuminate, illuminate_slice, illuminate_two_sided, terms, terms_received, terms_slice,
 };
 pub use shadow::{ShadowBias, ShadowKind, ShadowMap};
 #[doc(hidden)]
 pub use shadow_bounds::{Reached, ShadowBounds, StripBounds};
 pub use shadow_reader::ShadowReader;
-pub use share::{Power, Share};
+pub use share::Power;
 pub use slide::{Slide, SlideBorder, SlideView, slide_texel};
 pub use surface::{Highlight, Light, Surface};
 

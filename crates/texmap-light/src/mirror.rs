@@ -5,13 +5,13 @@ mod on_face;
 use texmap_math::lanes::Words;
 use texmap_math::simd::{Isa, Scalar, prelude::*};
 
-use crate::Chart;
 use crate::cube_face::Side;
 use crate::environment::Environment;
 use crate::lanes::Vector;
 use crate::packed::UNIT;
-use crate::reflect::{Ray, RayLanes};
+use crate::reflect::RayLanes;
 use crate::vector::{dot, usable};
+use crate::{Chart, Ray};
 use on_face::{LevelLanes, on_face};
 
 /// The largest square of a footprint, in texels, that is told from more.
@@ -26,7 +26,7 @@ impl Environment {
     /// angle per texel.
     #[must_use]
     pub fn light_across(&self, ray: &Ray) -> [f32; 3] {
-        self.radiance(Scalar, &(*ray).into())
+        self.radiance(Scalar, ray)
     }
 
     /// [`light_across`](Self::light_across) for the rays of a block; outside of semantic versioning.

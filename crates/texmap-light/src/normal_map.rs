@@ -7,10 +7,10 @@ use crate::Green;
 use crate::lanes::Vector;
 use crate::vector::{cross, dot, is_zero, scale, select, sub, unit};
 
-/// How the texels of a tangent-space normal map are read.
+/// Format of the texels of a tangent-space normal map.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NormalMap {
-    /// Which way the green channel points.
+    /// Direction of the green channel.
     pub green: Green,
     /// Only red and green are stored.
     pub rebuild_z: bool,

@@ -7,10 +7,10 @@ use crate::lanes::Vector;
 
 /// Steps of 1.
 const STEPS: f32 = 1020.0;
-/// What a channel of an unpacked texel is multiplied with.
+/// Factor of a channel of an unpacked texel.
 pub(crate) const UNIT: f32 = 1.0 / STEPS;
 
-/// Whether [`pack`] loses nothing.
+/// True if [`pack`] loses nothing.
 pub(crate) fn holds(texel: &[f32; 3]) -> bool {
     texel.iter().all(|c| {
         let step = steps(*c);

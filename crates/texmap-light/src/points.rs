@@ -4,9 +4,19 @@ use texmap_math::dispatch_simd;
 use texmap_math::simd::{Isa, Scalar};
 
 use crate::error::{LightError, same_length};
-use crate::lanes::{self, PowerLanes, RayLanes};
+use crate::lanes::{self, PowerLanes, RayLanes, ShareLanes, TermsLanes};
 use crate::vector::{columns, load};
-use crate::{Highlight, Light, Power, Ray, Share, Surface};
+use crate::{Highlight, Light, Power, Surface};
+
+/// A direction and its change for one pixel to the right and one down.
+pub type Ray = RayLanes<Scalar>;
+
+/// The contribution of one light to a point: `color * diffuse` to the diffuse term, `color * highlight` to the highlight.
+pub type Share = ShareLanes<Scalar>;
+
+/// Light that reaches the eye from one point, split so that a texture can stand in for the colour:
+/// `base colour * diffuse + highlight`.
+pub type Terms = TermsLanes<Scalar>;
 
 /// Unit vector; zero for a vector without a direction (zero or not finite). Off by 2 units in the last place.
 #[must_use]
@@ -25,15 +35,7 @@ pub fn reflect(view: [f32; 3], normal: [f32; 3]) -> [f32; 3] {
 /// 1999, Tracing Ray Differentials.)
 #[must_use]
 pub fn reflect_across(view: &Ray, normal: &Ray, length: f32) -> Ray {
-    let ray = lanes::reflect_across(Scalar, &(*view).into(), &(*normal).into(), length);
-    let RayLanes { direction, dx, dy } = ray;
-    Ray { direction, dx, dy }
-}
-
-impl From<Ray> for RayLanes<Scalar> {
-    fn from(Ray { direction, dx, dy }: Ray) -> Self {
-        Self { direction, dx, dy }
-    }
+    lanes::reflect_across(Scalar, view, normal, length)
 }
 
 /// [`bump`](crate::bump()) on a surface with smooth normals: `n` is the unit normal of the shading, on the side that is seen, and stands
@@ -116,17 +118,146 @@ pub fn share(
 ) -> Option<Share> {
     let power = PowerLanes::Same(power);
     let given = lanes::share(Scalar, surface, power, model, light, point, normal, view);
-    given.lit.then_some(Share {
-        color: given.color,
-        diffuse: given.diffuse,
-        highlight: given.highlight,
-    })
+    given.lit.then_some(given)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use alloc::vec::Vec;
+    use texmap_math::Projector;
+    use texmap_math::glam::DVec3;
+    use texmap_math::simd::prelude::*;
+    use texmap_sample::{ColorSpace, Origin, Sampler, Texture2d};
+
+    use crate::lanes::Vector;
+    use crate::{Green, NormalMap, Slide, SlideBorder, SlideView};
+
+    /// Vectors of every length, some without a direction.
+    fn vector(i: usize) -> [f32; 3] {
+        match i % 13 {
+            0 => [0.0; 3],
+            1 => [f32::NAN, 1.0, 0.0],
+            2 => [3e-25, -2e-26, 0.0],
+            n => [3, 5, 7].map(|k| ((i * k) % 11) as f32 * 0.3 - 0.1 * n as f32),
+        }
+    }
+
+    /// The results of every effect, vector by vector.
+    const RESULTS: usize = 33;
+
+    #[inline(always)]
+    fn every_effect<I: Isa>(i: I, first: usize, slides: &[SlideView<'_>], out: &mut [Vec<f32>]) {
+        let all: [_; 96] = core::array::from_fn(vector);
+        let v = |k: usize| load(i, &all[k * 5..], first);
+        let (p, n, t, d) = (v(0), lanes::unit(i, v(1)), v(2), v(3));
+        let eye = lanes::unit(i, v(4));
+        let mut results = Vec::new();
+        let view = RayLanes {
+            direction: p,
+            dx: d,
+            dy: t,
+        };
+        let normal = RayLanes {
+            direction: n,
+            dx: t,
+            dy: d,
+        };
+        let ray = lanes::reflect_across(i, &view, &normal, p[0]);
+        results.extend([
+            ray.direction,
+            ray.dx,
+            ray.dy,
+            lanes::clamp_to_horizon(i, n, eye),
+        ]);
+        results.push(lanes::bump_on(i, n, t, d, p[1], p[2]));
+        for (green, rebuild_z) in [(Green::Up, false), (Green::Down, true)] {
+            let map = NormalMap {
+                green,
+                rebuild_z,
+                strength: 1.5,
+            };
+            results.push(map.turn(i, n, t, p[0], d));
+        }
+        let color = [0.9, 0.4, 0.0];
+        let (position, direction) = ([0.3, 0.2, 1.5], [0.1, -0.2, -1.0]);
+        for light in [
+            Light::Ambient { color },
+            Light::Directional { color, direction },
+            Light::Directional {
+                color: [0.0; 3],
+                direction,
+            },
+            Light::Point { color, position },
+            Light::spot(color, position, direction, 0.4, 0.9),
+        ] {
+            for (model, ns) in [(Highlight::Phong, 5.0), (Highlight::Blinn, 7.3)] {
+                let (power, surface) = (PowerLanes::Same(Power::new(ns)), Surface::default());
+                let given = lanes::share(i, &surface, power, model, &light, p, n, eye);
+                let mut sum = TermsLanes::dark(i);
+                sum.add(&given, given.lit, d);
+                results.extend([sum.diffuse, sum.highlight]);
+            }
+        }
+        for slide in slides {
+            let places = slide.place(i, p);
+            let fade = places.reached.select(places.fade, i.f32(-1.0));
+            let change = slide.changes(i, &places, d);
+            results.push([places.uv[0], places.uv[1], fade]);
+            results.push([change[0], change[1], fade]);
+        }
+        put(i, &results, out);
+    }
+
+    fn put<I: Isa>(i: I, results: &[Vector<I>], out: &mut [Vec<f32>]) {
+        assert_eq!(results.len(), RESULTS);
+        for (result, out) in results.iter().zip(out) {
+            let columns = columns(i, *result);
+            for lane in 0..I::LANES {
+                out.extend(columns.map(|c| c[lane]));
+            }
+        }
+    }
+
+    /// Every width gives the bits of one point.
+    #[test]
+    fn widths_agree() {
+        let texels = (0..64u8).map(|i| i.wrapping_mul(77)).collect();
+        let texture = Texture2d::from_rgba8(4, 4, texels, ColorSpace::Linear, Origin::TopLeft);
+        let (texture, sampler) = (texture.unwrap(), Sampler::default());
+        let projector = Projector::new(DVec3::ZERO, DVec3::Z, DVec3::Y, 1.5, 1.0).unwrap();
+        let borders = [SlideBorder::Black, SlideBorder::Clamp, SlideBorder::Repeat];
+        let slides = borders.map(|border| {
+            SlideView::new(&Slide {
+                projector,
+                texture: &texture,
+                sampler: &sampler,
+                border,
+                softness: 0.2,
+            })
+        });
+        let run = |each: &mut dyn FnMut(&mut [Vec<f32>])| {
+            let mut out = alloc::vec![Vec::new(); RESULTS];
+            each(&mut out);
+            let bits = |c: &f32| if c.is_nan() { u32::MAX } else { c.to_bits() };
+            let all = out.iter().map(|c| c.iter().map(bits).collect());
+            all.collect::<Vec<Vec<u32>>>()
+        };
+        let one = run(&mut |out| {
+            for first in 0..64 {
+                every_effect(Scalar, first, &slides, out);
+            }
+        });
+        every_width!(i => {
+            let got = run(&mut |out| blocks(i, &slides, out));
+            assert_eq!(got, one);
+        });
+        fn blocks<I: Isa>(i: I, slides: &[SlideView<'_>], out: &mut [Vec<f32>]) {
+            for first in (0..64).step_by(I::LANES) {
+                every_effect(i, first, slides, out);
+            }
+        }
+    }
 
     /// Frames and normals without length among them.
     #[test]

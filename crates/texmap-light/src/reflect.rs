@@ -5,19 +5,8 @@ use texmap_math::simd::{Isa, Number};
 use crate::lanes::Vector;
 use crate::vector::dot;
 
-/// A direction and its change for one pixel to the right and one down.
+/// A direction and its change for one pixel to the right and one down, in each lane.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Ray {
-    /// Of any length.
-    pub direction: [f32; 3],
-    /// To the right.
-    pub dx: [f32; 3],
-    /// Down.
-    pub dy: [f32; 3],
-}
-
-/// A [`Ray`] in each lane.
-#[derive(Clone, Copy, Debug)]
 pub struct RayLanes<I: Isa> {
     /// Of any length.
     pub direction: [I::F32; 3],

@@ -5,55 +5,26 @@ use texmap_math::simd::{Isa, Scalar, prelude::*};
 
 use crate::error::{LightError, same_length};
 use crate::lanes::Vector;
-use crate::share::{Power, PowerLanes, Share, ShareLanes, share};
+use crate::share::{Power, PowerLanes, ShareLanes, share};
 use crate::vector::{columns, dot, load, scale, splat, sub, unit};
-use crate::{Highlight, Light, Surface};
+use crate::{Highlight, Light, Surface, Terms};
 
-/// Light that reaches the eye from one point, split so that a texture can stand in for the colour:
+/// Light that reaches the eye from each point, split so that a texture can stand in for the colour:
 /// `base colour * diffuse + highlight`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Terms {
+pub struct TermsLanes<I: Isa> {
     /// `sum ka La + sum kd max(0, N.L) Ll`: multiplies the base colour.
-    pub diffuse: [f32; 3],
+    pub diffuse: [I::F32; 3],
     /// `sum ks max(0, V.R)^ns Ll`: added in the light's colour.
-    pub highlight: [f32; 3],
+    pub highlight: [I::F32; 3],
 }
 
-impl Terms {
-    /// Adds the contribution of a light, of which so much is received.
-    pub fn add(&mut self, given: &Share, received: [f32; 3]) {
-        let mut sum = TermsLanes::<Scalar> {
-            diffuse: self.diffuse,
-            highlight: self.highlight,
-        };
-        let given = ShareLanes {
-            lit: true,
-            color: given.color,
-            diffuse: given.diffuse,
-            highlight: given.highlight,
-        };
-        sum.add(&given, true, received);
-        *self = sum.into();
-    }
-
+impl TermsLanes<Scalar> {
     /// The colour of a surface of this base colour, linear light, clipped at 1 per channel.
     #[must_use]
     pub fn color(&self, base: [f32; 3]) -> [f32; 3] {
-        let channel = |i: usize| {
-            let value = base[i] * self.diffuse[i] + self.highlight[i];
-            if value < 1.0 { value } else { 1.0 }
-        };
-        [channel(0), channel(1), channel(2)]
+        [0, 1, 2].map(|k| (base[k] * self.diffuse[k] + self.highlight[k]).below(1.0))
     }
-}
-
-/// [`Terms`] of the points of a block.
-#[derive(Clone, Copy, Debug)]
-pub struct TermsLanes<I: Isa> {
-    /// See [`Terms`].
-    pub diffuse: [I::F32; 3],
-    /// See [`Terms`].
-    pub highlight: [I::F32; 3],
 }
 
 impl<I: Isa> TermsLanes<I> {
@@ -76,12 +47,6 @@ impl<I: Isa> TermsLanes<I> {
             diffuse[k] = lit.select(diffuse[k] + color * given.diffuse, diffuse[k]);
             highlight[k] = lit.select(highlight[k] + color * given.highlight, highlight[k]);
         }
-    }
-}
-
-impl From<TermsLanes<Scalar>> for Terms {
-    fn from(TermsLanes { diffuse, highlight }: TermsLanes<Scalar>) -> Self {
-        Self { diffuse, highlight }
     }
 }
 
@@ -158,7 +123,7 @@ pub fn terms_received(
     mut received: impl FnMut(usize) -> [f32; 3],
 ) -> Terms {
     let received = |index, _| received(index);
-    sum_over_lights(Scalar, surface, model, lights, point, normal, eye, received).into()
+    sum_over_lights(Scalar, surface, model, lights, point, normal, eye, received)
 }
 
 /// Colour of a surface at a point: [`terms`] applied to its own colour, clipped at 1, linear light.
@@ -433,7 +398,7 @@ mod tests {
         assert!(one(Highlight::Blinn, 4.0, grazing) > 2.0 * one(Highlight::Phong, 4.0, grazing));
     }
 
-    /// What a light loses on its way is asked for it alone, and ones change no bit.
+    /// `received` is asked for each light alone, and ones change no bit.
     #[test]
     fn each_light_is_asked_what_reaches_the_point() {
         let lights = [

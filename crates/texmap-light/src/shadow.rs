@@ -22,7 +22,7 @@ pub struct ShadowMap {
     depths: Vec<f32>,
 }
 
-/// What kind of light a shadow map belongs to.
+/// Kind of the light that a shadow map belongs to.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ShadowKind {
     /// Parallel light: a square of half-side `half` in the light's x and y.
@@ -79,7 +79,7 @@ impl ShadowMap {
         Ok(Self { kind, size, depths })
     }
 
-    /// How many depths a map has.
+    /// Number of depths of a map.
     fn count(kind: &ShadowKind, size: u32) -> usize {
         let side = size.max(1) as usize;
         match kind {

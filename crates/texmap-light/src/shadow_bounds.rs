@@ -28,7 +28,7 @@ pub struct StripBounds {
     first_row: usize,
     /// Of its rows of patches, as far as the strip reaches.
     pairs: Vec<[f32; 2]>,
-    /// What its first and its last rows add to the patches above and below.
+    /// Bounds of its first and last rows, for the patches above and below.
     ends: [Vec<[f32; 2]>; 2],
     radius: usize,
     across: usize,
@@ -37,7 +37,7 @@ pub struct StripBounds {
 /// Columns of depths that a strip knows to be infinite, or not.
 #[derive(Clone, Copy, Debug)]
 pub struct Reached<'a> {
-    /// Whether some depth of each part of a row may be finite.
+    /// True for the parts of a row in which some depth may be finite.
     pub parts: &'a [bool],
     /// Columns a part, a multiple of 32.
     pub side: usize,
@@ -50,7 +50,7 @@ impl Reached<'_> {
     }
 }
 
-/// How many texels a filter of `taps` x `taps` reads beyond its middle.
+/// Texels that a filter of `taps` x `taps` reads beyond its middle.
 pub(crate) fn radius(taps: u32) -> usize {
     taps.min(15) as usize / 2
 }
@@ -209,7 +209,7 @@ impl ShadowBounds {
         }
     }
 
-    /// Whether these are bounds for `faces` of `size` and filters of `taps` x `taps`.
+    /// True if these are bounds for `faces` of `size` and filters of `taps` x `taps`.
     fn fits(&self, faces: usize, size: usize, taps: u32) -> bool {
         let across = size.div_ceil(SIDE);
         self.pairs.len() == faces * across * across && self.radius == radius(taps)

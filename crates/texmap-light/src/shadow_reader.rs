@@ -26,7 +26,7 @@ pub struct ShadowReader {
     form: Form,
 }
 
-/// What look-ups need to know of a map.
+/// A map in the form that look-ups read.
 #[derive(Clone, Debug)]
 enum Form {
     Flat(Flat),
@@ -73,7 +73,7 @@ impl ShadowReader {
         self.map.take_depths()
     }
 
-    /// Whether look-ups read the normal of the receiver's plane.
+    /// True if look-ups read the normal of the receiver's plane.
     #[must_use]
     pub fn reads_normals(&self) -> bool {
         let taps = match &self.form {
@@ -271,7 +271,7 @@ mod tests {
         }
     }
 
-    /// Where a face is far and its neighbour near, points beside the edge see both: what is known of a face's own depths does not decide.
+    /// Points beside the edge of a far face and a near one see both: the bounds of a face's own depths do not decide.
     #[test]
     fn lanes_beside_an_edge_see_the_neighbour() {
         // +X is near, the others are far.

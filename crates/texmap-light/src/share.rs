@@ -7,17 +7,6 @@ use crate::lanes::Vector;
 use crate::vector::{add, dot, is_zero, scale, splat, sub, unit};
 use crate::{Highlight, Light, Surface};
 
-/// The contribution of one light: `color * diffuse` to the diffuse term, `color * highlight` to the highlight.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Share {
-    /// The light's colour, in a spot light's cone.
-    pub color: [f32; 3],
-    /// `kd N.L`, or `ka` of ambient light.
-    pub diffuse: f32,
-    /// `ks (V.R)^ns` or `ks (N.H)^ns`.
-    pub highlight: f32,
-}
-
 /// An exponent: whole ones up to 256 by squaring, off by at most as many units in the last place (and by 2e-19), others by
 /// [`det32::pow`].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -120,16 +109,16 @@ fn flushed<I: Isa>(i: I, power: I::F32) -> I::F32 {
     power.simd_gt(LEAST).select(power, i.f32(0.0))
 }
 
-/// [`Share`] of the points of a block.
-#[derive(Clone, Copy, Debug)]
+/// The contribution of one light: `color * diffuse` to the diffuse term, `color * highlight` to the highlight.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ShareLanes<I: Isa> {
     /// Lanes that the light reaches: it is not behind them, and they lie in its cone. The values of the others have no meaning.
     pub lit: I::Mask,
-    /// See [`Share`].
+    /// The light's colour, in a spot light's cone.
     pub color: [I::F32; 3],
-    /// See [`Share`].
+    /// `kd N.L`, or `ka` of ambient light.
     pub diffuse: I::F32,
-    /// See [`Share`].
+    /// `ks (V.R)^ns` or `ks (N.H)^ns`.
     pub highlight: I::F32,
 }
 

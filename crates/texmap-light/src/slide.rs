@@ -11,20 +11,20 @@ use crate::lanes::{Vector, affine};
 /// A picture thrown from a projector: light, or paint.
 #[derive(Clone, Debug)]
 pub struct Slide<'a> {
-    /// Where it is thrown from.
+    /// The projector that throws it.
     pub projector: Projector,
     /// The picture, v = 0 at its top.
     pub texture: &'a Texture2d<'a>,
-    /// How the picture is read. Its wrap modes are not: `border` says what is beyond the picture.
+    /// Filter of the picture. Its wrap modes are not read: `border` says what is beyond the picture.
     pub sampler: &'a Sampler,
-    /// What lies beyond the picture.
+    /// Continuation beyond the picture.
     pub border: SlideBorder,
     /// Width of the band inside the picture's edge, in parts of its width and height, 0..=0.5, over which the light fades out
     /// smoothly. Only with [`SlideBorder::Black`].
     pub softness: f32,
 }
 
-/// What lies beyond the picture of a projector.
+/// Continuation beyond the picture of a projector.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum SlideBorder {
     /// No light: what a projector does.
@@ -129,7 +129,7 @@ pub struct SlideView<'a> {
     rows: [[f32; 4]; 3],
     /// The picture.
     pub texture: &'a Texture2d<'a>,
-    /// How it is read, with the wrap modes that its border asks for.
+    /// Its filter, with the wrap modes that its border asks for.
     pub sampler: Sampler,
     border: SlideBorder,
     softness: f32,
@@ -146,7 +146,7 @@ pub struct SlidePlaces<I: Isa> {
     pub uv: [I::F32; 2],
     /// Factor of the texel.
     pub fade: I::F32,
-    /// What coordinates are divided by.
+    /// Divisor of the coordinates.
     t: I::F32,
 }
 
@@ -245,7 +245,7 @@ impl<'a> SlideView<'a> {
     }
 }
 
-/// Whether the outermost texels of level 0 are black, so that what a clamped filter reads beyond them is.
+/// True if the outermost texels of level 0 are black: then so is everything that a clamped filter reads beyond them.
 fn has_dark_edge(texture: &Texture2d<'_>) -> bool {
     let (width, height) = (texture.width(), texture.height());
     let black = |x: u32, y: u32| {
@@ -265,7 +265,7 @@ fn fade<I: Isa>(i: I, softness: f32, c: I::F32) -> I::F32 {
     from_edge.simd_lt(softness).select(soft, i.f32(1.0))
 }
 
-/// Whether a slide coordinate falls into the picture's texels, as an index: `None` beyond. For callers with texels of their own.
+/// The picture's texel, as column and row, at a slide coordinate: `None` beyond. For callers with texels of their own.
 #[must_use]
 pub fn slide_texel(qst: DVec3, (width, height): (u32, u32)) -> Option<(u32, u32)> {
     let place = slide_coordinates(qst)?;

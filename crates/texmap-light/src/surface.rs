@@ -1,6 +1,6 @@
 use texmap_math::det;
 
-/// How a highlight falls off.
+/// Falloff of a highlight.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Highlight {
     /// `max(0, V.R)^ns`, the angle between the eye and the mirrored light (Phong 1975; the lecture's).
@@ -11,7 +11,7 @@ pub enum Highlight {
     Blinn,
 }
 
-/// What a surface does with light: a colour and the four numbers of the MIT 6.837 `surf` command.
+/// Reflectance of a surface: a colour and the four numbers of the MIT 6.837 `surf` command.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Surface {
     /// Diffuse and ambient colour, linear light, 0..=1. The highlight does not take it.
@@ -40,7 +40,7 @@ impl Default for Surface {
 }
 
 impl Surface {
-    /// Whether every number is finite and none is negative.
+    /// True if every number is finite and none is negative.
     #[must_use]
     pub fn is_valid(&self) -> bool {
         let [r, g, b] = self.color;
@@ -70,14 +70,14 @@ pub enum Light {
     Point {
         /// Linear intensity per channel.
         color: [f32; 3],
-        /// Where the light stands.
+        /// Position of the light.
         position: [f32; 3],
     },
     /// Light from one point into a cone; [`Light::spot`] makes it from angles.
     Spot {
         /// Linear intensity per channel on the axis.
         color: [f32; 3],
-        /// Where the light stands.
+        /// Position of the light.
         position: [f32; 3],
         /// The cone's axis, away from the light; any length but zero.
         direction: [f32; 3],
@@ -109,7 +109,7 @@ impl Light {
         }
     }
 
-    /// Whether every number is finite, no intensity is negative, and a direction has a length.
+    /// True if every number is finite, no intensity is negative, and a direction has a length.
     #[must_use]
     pub fn is_valid(&self) -> bool {
         let (color, vector) = match *self {

@@ -9,7 +9,7 @@ use crate::error::{LightError, same_length};
 /// Steepest change of a receiver's depth that [`ShadowBias::Planes`] follows, texels of depth per texel: light at half a degree.
 pub(crate) const STEEPEST: f32 = 128.0;
 
-/// What is added to the stored depth before the comparison, against a surface that shadows itself.
+/// Addition to the stored depth before the comparison, against a surface that shadows itself.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ShadowBias {
     /// The planes of both surfaces, with this constant (1e-4 of the scene's size is enough). Each comparison takes the receiver's depth
@@ -38,7 +38,7 @@ impl ShadowBias {
         }
     }
 
-    /// How many comparisons of `taps` x `taps` may contradict all others and say nothing. The edge of a shadow crosses a filter in a
+    /// Number of comparisons of `taps` x `taps` that may contradict all others and say nothing. The edge of a shadow crosses a filter in a
     /// row at least; fewer are a crease or a bump within the filter. 2 r under [`Planes`](Self::Planes) with filter radius r,
     /// else 0; the share that is lit is the lit ones less these, of all but twice these.
     #[must_use]

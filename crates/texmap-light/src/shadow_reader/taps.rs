@@ -1,4 +1,4 @@
-//! What look-ups in flat maps and in cubes have in common: a bias, and comparisons around a texel of a face.
+//! The common part of look-ups in flat maps and in cubes: a bias, and comparisons around a texel of a face.
 
 use texmap_math::simd::{Isa, prelude::*};
 
@@ -21,7 +21,7 @@ pub(super) enum Bias {
 pub(super) struct Taps {
     /// Texels a side of a face.
     pub(super) size: i32,
-    /// How far around a texel depths are compared.
+    /// Radius in texels within which depths are compared.
     pub(super) radius: i32,
     pub(super) bounds: ShadowBounds,
     pub(super) bias: Bias,
@@ -112,7 +112,7 @@ impl Taps {
         }
     }
 
-    /// How many there are.
+    /// Number of comparisons.
     fn count(&self) -> f32 {
         let side = (2 * self.radius + 1) as f32;
         side * side

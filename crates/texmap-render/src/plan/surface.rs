@@ -58,7 +58,8 @@ pub(crate) struct Surface<'s> {
     pub(super) clip_from_object: DMat4,
 }
 
-/// What is seen along a ray rather than on a surface.
+/// Light along a ray rather than from a surface.
+#[expect(clippy::large_enum_variant, reason = "a surface holds it in a box")]
 pub(crate) enum Space<'s> {
     Sky(SkyStage<'s>),
     Volume(Box<VolumeStage<'s>>),
