@@ -67,8 +67,6 @@ fn place(mesh: &mut Mesh, axes: impl Fn(&Billboard) -> [DVec3; 2]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use texmap_scene::Material;
-    use texmap_scene::Scene;
 
     fn camera(eye: DVec3) -> Camera {
         Camera {
@@ -130,40 +128,5 @@ mod tests {
         // From above on the axis: edge-on, but of finite size.
         let [_, up, normal] = faced(Facing::Axis(DVec3::Y), DVec3::new(0.5, 9.0, 0.25));
         assert!((up - DVec3::Y).length() < 1e-6 && normal.y.abs() < 1e-6);
-    }
-
-    #[test]
-    fn bad_ones_are_named() {
-        let good = Billboard {
-            position: DVec3::ZERO,
-            size: [1.0; 2],
-            facing: Facing::Screen,
-        };
-        for bad in [
-            Billboard {
-                size: [0.0, 1.0],
-                ..good
-            },
-            Billboard {
-                size: [1.0, f64::NAN],
-                ..good
-            },
-            Billboard {
-                position: DVec3::NAN,
-                ..good
-            },
-            Billboard {
-                facing: Facing::Axis(DVec3::ZERO),
-                ..good
-            },
-        ] {
-            let scene = Scene {
-                meshes: vec![billboards("trees", vec![good, bad], 0)],
-                materials: vec![Material::default()],
-                ..Scene::new(camera(DVec3::ONE))
-            };
-            let error = scene.check().unwrap_err();
-            assert!(error.to_string().contains("'trees' billboard 1"), "{error}");
-        }
     }
 }

@@ -72,3 +72,44 @@ impl Mesh {
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Billboard;
+
+    #[test]
+    fn bad_billboards_are_named() {
+        let good = Billboard {
+            position: DVec3::ZERO,
+            size: [1.0; 2],
+            facing: Facing::Screen,
+        };
+        for bad in [
+            Billboard {
+                size: [0.0, 1.0],
+                ..good
+            },
+            Billboard {
+                size: [1.0, f64::NAN],
+                ..good
+            },
+            Billboard {
+                position: DVec3::NAN,
+                ..good
+            },
+            Billboard {
+                facing: Facing::Axis(DVec3::ZERO),
+                ..good
+            },
+        ] {
+            let mesh = Mesh {
+                name: "trees".to_owned(),
+                billboards: vec![good, bad],
+                ..Mesh::default()
+            };
+            let error = mesh.check_shape().unwrap_err();
+            assert!(error.to_string().contains("'trees' billboard 1"), "{error}");
+        }
+    }
+}
