@@ -74,7 +74,7 @@ pub use frame::Frame;
 pub use lanes::{cylinder_one, cylinder_slice, sphere_one, sphere_slice};
 pub use layout::layout_svg;
 pub use mapping::{Entity, Mapped, Mapping, tile};
-pub use mesh::{Faces, Mesh, UvSet};
+pub use mesh::{Faces, Mesh, UvSet, VertexBuffer};
 pub use overlap::{Overlaps, overlaps};
 pub use pack::{Page, pack};
 pub use pixel::{PixelMapping, Round};
