@@ -15,8 +15,9 @@ use std::time::{Duration, Instant};
 use texmap_benches::bench_scenes::{BenchScene, Hidden, SCENES, sphere};
 use texmap_benches::chart::LogChart;
 use texmap_math::Level;
-use texmap_render::{Mesh, Renderer, Scene, Settings};
+use texmap_render::{Renderer, Settings};
 use texmap_sample::Precision;
+use texmap_scene::{Mesh, Scene};
 
 type Outcome<T> = Result<T, Box<dyn Error + Send + Sync>>;
 

@@ -15,12 +15,11 @@ use texmap_math::{Footprint, Level};
 use texmap_raster::{
     Draw, NoAlphaTest, Prepared, RUN, RunBlock, RunValues, TargetSize, TileBlocks, TilePlanes,
 };
-use texmap_render::{
-    ColorMode, Material, Mesh, Renderer, Scene, Settings, Shading, TextureRole, TextureSlot,
-};
+use texmap_render::{Renderer, Settings};
 use texmap_sample::{
     ColorSpace, Filter, Origin, Precision, Sampler, Texture2d, UvTransform, sample_rgba8_slice,
 };
+use texmap_scene::{ColorMode, Material, Mesh, Scene, Shading, TextureRole, TextureSlot};
 
 const SIDE: u32 = 1024;
 

@@ -7,10 +7,9 @@ use std::hint::black_box;
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use texmap_lab::topology::open_edges;
 use texmap_math::glam::{DMat4, DVec3};
-use texmap_render::{
-    Bone, Displacement, EdgeBudget, Material, Mesh, Scene, Skeleton, SkinBlend, TextureSlot, turn,
-};
+use texmap_mesh::{Bone, Skeleton, SkinBlend, turn};
 use texmap_sample::{ColorSpace, Origin, Sampler, Texture2d};
+use texmap_scene::{Displacement, EdgeBudget, Material, Mesh, Scene, TextureSlot};
 
 /// A cube of side 2 with a height map on every face.
 fn cube(texels: f32) -> Scene {
@@ -73,14 +72,13 @@ fn displace(c: &mut Criterion) {
     group.sample_size(10);
     for texels in [8.0, 4.0, 2.0] {
         let scene = cube(texels);
-        let shaped = scene.shaped(512).expect("a good scene");
+        let shaped = texmap_mesh::tessellate(&scene, 512).expect("a good scene");
         let triangles = shaped.meshes[0].triangles.len();
         assert_eq!(open_edges(&shaped.meshes), 0);
         group.throughput(Throughput::Elements(triangles as u64));
         group.bench_with_input(BenchmarkId::new("texels", triangles), &scene, |b, scene| {
             b.iter(|| {
-                black_box(scene)
-                    .shaped(512)
+                texmap_mesh::tessellate(black_box(scene), 512)
                     .expect("a good scene")
                     .meshes
                     .len()
@@ -124,10 +122,12 @@ fn vertices(c: &mut Criterion) {
             .is_ok_and(|m| m.positions.len() == 250_000)
     );
     group.throughput(Throughput::Elements(250_000));
-    group.bench_function("identity", |b| b.iter(|| mesh.map_vertices(|_, v| v)));
+    group.bench_function("identity", |b| {
+        b.iter(|| texmap_mesh::map_vertices(&mesh, |_, v| v))
+    });
     group.bench_function("skin", |b| b.iter(|| skin.bend(&mesh, &pose)));
     let heights = noise(512);
-    let field = || Mesh::height_field("land", &heights, [1.0, 0.1, 1.0], 1);
+    let field = || texmap_mesh::height_field("land", &heights, [1.0, 0.1, 1.0], 1);
     assert!(field().is_ok_and(|m| m.triangles.len() == 2 * 511 * 511));
     group.throughput(Throughput::Elements(2 * 511 * 511));
     group.bench_function("height-field", |b| b.iter(field));

@@ -26,8 +26,8 @@ use texmap_lab::chart::{
 use texmap_lab::plane::SIDE;
 use texmap_lab::scenes::UvImage;
 use texmap_raster::Interp;
-use texmap_render::Scene;
 use texmap_sample::{Filter, Precision, Sampler};
+use texmap_scene::Scene;
 
 const SIZE: [u32; 2] = [SIDE as u32; 2];
 

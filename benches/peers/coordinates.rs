@@ -7,7 +7,7 @@ use euc::buffer::Buffer2d;
 use retrofire_core::math::rgba;
 use texmap_lab::scenes::UvImage;
 use texmap_math::glam::DVec2;
-use texmap_render::Scene;
+use texmap_scene::Scene;
 
 use crate::registry::{Given, Outcome, Place, RetrofireMesh, draw_euc};
 

@@ -9,7 +9,7 @@ use glow::HasContext as _;
 use texmap_benches::bench_scenes::{BenchMesh, Lookup, mip_chain};
 use texmap_lab::scenes::UvImage;
 use texmap_math::glam::DVec2;
-use texmap_render::Scene;
+use texmap_scene::Scene;
 
 use crate::gl::{
     GpuMesh, TEXTURED, Target, VERTEX, context, levels, program_of, sampler, target,

@@ -15,7 +15,8 @@ use retrofire_core::render::{Colorbuf, Context, Frag, Framebuf, TexCoord, Textur
 use retrofire_core::util::pixfmt::Rgba8888;
 use retrofire_core::util::{Buf2, Dims};
 use texmap_math::glam::DMat4;
-use texmap_render::{Frame, Renderer, Scene, Settings};
+use texmap_render::{Frame, Renderer, Settings};
+use texmap_scene::Scene;
 
 pub(crate) type Outcome<T> = Result<T, Box<dyn Error>>;
 

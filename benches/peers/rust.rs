@@ -20,8 +20,8 @@ use texmap_lab::chart::decal_scene;
 use texmap_lab::truth::rays::{RayObject, RayScene};
 use texmap_math::camera::Camera;
 use texmap_math::glam::DVec3;
-use texmap_render::{Mesh, Scene};
 use texmap_sample::{Filter, Precision, Sampler};
+use texmap_scene::{Mesh, Scene};
 
 const WIDTH: u32 = 1920;
 const HEIGHT: u32 = 1080;

@@ -4,9 +4,10 @@ use texmap_benches::bench_scenes::{BenchMesh, BenchScene, Content, DEPTH_SIZE, H
 use texmap_math::Level;
 use texmap_math::glam::DMat4;
 use texmap_raster::{Cull, Draw, Prepared, RasterError, TargetSize};
-use texmap_render::{Frame, Renderer, Scene, Settings};
+use texmap_render::{Frame, Renderer, Settings};
 use texmap_sample::Filter;
 pub(crate) use texmap_sample::Precision;
+use texmap_scene::Scene;
 
 /// How texmap draws a row: sampler precision, and what happens to hidden layers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,6 +1,7 @@
 //! Files of every kind that texmap reads.
 
 use std::path::Path;
+use texmap_mesh::tessellate;
 
 use texmap_io::{
     CameraPath, IoError, LoadOptions, image_io, npy as array, read_environment, read_grid,
@@ -9,8 +10,9 @@ use texmap_io::{
 use texmap_light::Chart;
 use texmap_math::glam::DVec3;
 use texmap_render::planner::{Budget, choose};
-use texmap_render::{Scene, Settings, render};
+use texmap_render::{Settings, render};
 use texmap_sample::ColorSpace;
+use texmap_scene::Scene;
 
 /// A scene file: refused by name with its line, or printed, read again as the same, and drawn.
 pub fn scene(bytes: &[u8]) {
@@ -134,10 +136,11 @@ pub fn planner(bytes: &[u8]) {
         rmse: rmse / 1024.0,
     };
     in_folder(&[("fuzz.scene", bytes.get(2..).unwrap_or(&[]))], |folder| {
-        let Ok(mut scene) = texmap_io::load(&folder.join("fuzz.scene"), &LoadOptions::default())
-        else {
+        let loaded = texmap_io::load(&folder.join("fuzz.scene"), &LoadOptions::default());
+        let Some(Ok(scene)) = loaded.ok().map(|scene| tessellate(scene, 24)) else {
             return;
         };
+        let mut scene = scene.into_owned();
         match choose(&scene, 24, 18, budget) {
             Ok(choices) => {
                 for choice in &choices.meshes {
@@ -189,7 +192,11 @@ fn picture(scene: &Scene) {
         threads: Some(1),
         ..Settings::new(24, 18)
     };
-    match render(scene, &settings, &|_, _| {}) {
+    let scene = match tessellate(scene, settings.width) {
+        Ok(scene) => scene,
+        Err(error) => return assert!(!error.to_string().is_empty()),
+    };
+    match render(&scene, &settings, &|_, _| {}) {
         Ok(frame) => assert_eq!(frame.rgba.len(), 24 * 18 * 4),
         Err(error) => assert!(!error.to_string().is_empty()),
     }

@@ -4,12 +4,12 @@ use texmap_light::{Chart, Environment, Green, Highlight, Light, ShadowBias, Slid
 use texmap_math::Projector;
 use texmap_math::glam::{DMat4, DVec3};
 use texmap_raster::{Cull, DepthTest};
-use texmap_render::{
-    ColorMode, Effects, Material, Mesh, Reflection, Relief, Scene, Shadow, SlideProjector,
-    SlideRole, TextureSlot,
-};
 use texmap_sample::{
     ColorSpace, Filter, Origin, Precision, SampleError, Sampler, Texture2d, UvTransform,
+};
+use texmap_scene::{
+    ColorMode, Effects, Material, Mesh, Reflection, Relief, Scene, Shadow, SlideProjector,
+    SlideRole, TextureSlot,
 };
 
 use super::scene::model;

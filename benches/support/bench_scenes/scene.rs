@@ -5,11 +5,11 @@ use texmap_math::camera::Camera;
 use texmap_math::det::{atan, tan};
 use texmap_math::glam::{DMat4, DVec3};
 use texmap_raster::{Cull, DepthTest};
-use texmap_render::{
-    AlphaMode, ColorMode, Material, Mesh, Scene, Shading, TextureRole, TextureSlot,
-};
 use texmap_sample::{
     ColorSpace, Filter, Origin, Precision, SampleError, Sampler, Texture2d, UvTransform,
+};
+use texmap_scene::{
+    AlphaMode, ColorMode, Material, Mesh, Scene, Shading, TextureRole, TextureSlot,
 };
 
 use super::{

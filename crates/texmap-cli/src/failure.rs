@@ -8,8 +8,10 @@ use serde::Serialize;
 use texmap_io::{IoError, plain, plain_json};
 use texmap_lab::LabError;
 use texmap_math::OverBudget;
+use texmap_mesh::MeshError;
 use texmap_raster::RasterError;
 use texmap_render::RenderError;
+use texmap_scene::SceneError;
 
 use crate::args::Cli;
 use crate::interrupt;
@@ -98,15 +100,16 @@ impl Failure {
         Self::new(Exit::OverBudget, "over-memory-budget", what, why)
     }
 
-    /// An error of the renderer: `place` is what was drawn, `why` the second line unless memory is missing.
-    pub(crate) fn of_render(error: &RenderError, place: Option<&str>, why: &str) -> Self {
+    /// An error of a scene or of what makes it a picture: `place` is what was drawn, `why` the second line unless memory is missing.
+    pub(crate) fn of_render(error: impl Into<Refusal>, place: Option<&str>, why: &str) -> Self {
+        let error = error.into();
         let what = match place {
-            Some(place) => format!("{place}: {error}"),
-            None => error.to_string(),
+            Some(place) => format!("{place}: {}", error.text),
+            None => error.text,
         };
-        match error {
-            RenderError::Memory(refused) => Self::over_memory(refused, what),
-            _ => Self::new(Exit::Input, error.code(), what, why),
+        match error.memory {
+            Some(refused) => Self::over_memory(&refused, what),
+            None => Self::new(Exit::Input, error.code, what, why),
         }
     }
 
@@ -130,6 +133,49 @@ impl Failure {
         if json {
             // The same stands on standard error.
             let _ = print_json(&ErrorObject { error: self.body() });
+        }
+    }
+}
+
+/// What the errors of scenes, meshes and pictures have in common.
+pub(crate) struct Refusal {
+    code: &'static str,
+    text: String,
+    memory: Option<OverBudget>,
+}
+
+impl From<SceneError> for Refusal {
+    fn from(error: SceneError) -> Self {
+        Self {
+            code: error.code(),
+            text: error.to_string(),
+            memory: None,
+        }
+    }
+}
+
+impl From<MeshError> for Refusal {
+    fn from(error: MeshError) -> Self {
+        Self {
+            code: error.code(),
+            text: error.to_string(),
+            memory: match error {
+                MeshError::Memory(refused) => Some(refused),
+                _ => None,
+            },
+        }
+    }
+}
+
+impl From<RenderError> for Refusal {
+    fn from(error: RenderError) -> Self {
+        Self {
+            code: error.code(),
+            text: error.to_string(),
+            memory: match error {
+                RenderError::Memory(refused) => Some(refused),
+                _ => None,
+            },
         }
     }
 }
@@ -159,6 +205,7 @@ impl From<LabError> for Failure {
     fn from(error: LabError) -> Self {
         match &error {
             LabError::Render(RenderError::Memory(refused))
+            | LabError::Mesh(MeshError::Memory(refused))
             | LabError::Raster(RasterError::Memory(refused)) => {
                 Self::over_memory(refused, error.to_string())
             }

@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use texmap_io::{Lost, PictureFormat, PixelCode};
-use texmap_render::ColorMode;
 use texmap_sample::ColorSpace;
+use texmap_scene::ColorMode;
 
 use crate::failure::{Failure, say};
 

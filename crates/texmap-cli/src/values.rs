@@ -1,13 +1,15 @@
 //! Values of flags: sizes, points, colours. Each refusal says what would be accepted.
 
 use std::str::FromStr;
+use texmap_scene::SceneError;
 
 use clap::ValueEnum as _;
 use texmap_io::scene_file::words;
 use texmap_math::Level;
 use texmap_raster::Interp;
-use texmap_render::{Aov, ColorMode, RenderError, Scene, UnknownAov, is_light_name};
+use texmap_render::{Aov, UnknownAov};
 use texmap_sample::{Filter, Wrap};
+use texmap_scene::{ColorMode, Scene, is_light_name};
 
 use crate::failure::Failure;
 
@@ -55,9 +57,9 @@ pub(crate) struct AovArg {
 
 impl AovArg {
     /// Which buffer of this scene it is.
-    pub(crate) fn of(&self, scene: &Scene) -> Result<Aov, RenderError> {
+    pub(crate) fn of(&self, scene: &Scene) -> Result<Aov, SceneError> {
         let light = self.name.strip_prefix(SHADOW).unwrap_or_default();
-        self.known.map_or_else(|| scene.shadow_aov(light), Ok)
+        self.known.map_or_else(|| Aov::shadow_of(scene, light), Ok)
     }
 
     /// Values per pixel.

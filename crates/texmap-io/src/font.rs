@@ -1,7 +1,7 @@
 //! The font that texmap brings: the characters of the code page of the first PCs, 8 x 8 dots each.
 
 use font8x8::UnicodeFonts;
-use texmap_render::Font;
+use texmap_mesh::Font;
 use texmap_sample::{ColorSpace, Origin, SampleError, Texture2d};
 
 /// Dots a side of a character, and texels a side of its cell: the gutter keeps neighbours apart on mip levels.

@@ -6,7 +6,7 @@ use texmap_light::Light;
 use texmap_math::camera::Camera;
 use texmap_math::det;
 use texmap_math::glam::DVec3;
-use texmap_render::Scene;
+use texmap_scene::Scene;
 
 /// From where a model is seen. +Y is up and +Z is the front, as in most OBJ files.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

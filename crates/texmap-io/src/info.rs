@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use serde::{Serialize, Serializer};
-use texmap_render::{Mesh, Scene};
+use texmap_scene::{Mesh, Scene};
 use texmap_uv::TJoints;
 
 use crate::framing::Bounds;

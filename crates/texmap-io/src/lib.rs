@@ -1,6 +1,6 @@
 //! Files in and out of texmap: the scene language, OBJ/MTL models, images, `.npy` arrays. The only crate that sees files.
 //!
-//! - [`load`] reads a `.scene` or `.obj` with everything that it names into a [`texmap_render::Scene`]; [`info`] lists
+//! - [`load`] reads a `.scene` or `.obj` with everything that it names into a [`texmap_scene::Scene`]; [`info`] lists
 //!   what a file holds and what it names in vain.
 //! - [`scene_file`] is the language alone: text to statements and back.
 //! - [`image_io`], [`write_pixels`], [`npy`], [`CameraPath`]: pictures, arrays, walks. [`framing`]: cameras that show a whole model.

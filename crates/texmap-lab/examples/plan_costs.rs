@@ -14,10 +14,9 @@ use texmap_light::Surface;
 use texmap_math::camera::Camera;
 use texmap_math::glam::DVec3;
 use texmap_render::planner::{Budget, choose, prices};
-use texmap_render::{
-    ColorMode, Frame, Material, Mesh, Scene, Settings, Shading, TextureSlot, render,
-};
+use texmap_render::{Frame, Settings, render};
 use texmap_sample::{ColorSpace, Filter, Origin, Precision, Sampler, Texture2d, UvTransform};
+use texmap_scene::{ColorMode, Material, Mesh, Scene, Shading, TextureSlot};
 
 /// Pixels a side: half of the chart's, for the sake of the reference.
 const SIDE: u32 = 128;

@@ -14,8 +14,9 @@ use texmap_light::Surface;
 use texmap_math::camera::Camera;
 use texmap_math::glam::DVec3;
 use texmap_raster::Interp;
-use texmap_render::{ColorMode, Material, Mesh, Renderer, Scene, Settings, Shading, TextureSlot};
+use texmap_render::{Renderer, Settings};
 use texmap_sample::{ColorSpace, Filter, Origin, Precision, Sampler, Texture2d, UvTransform};
+use texmap_scene::{ColorMode, Material, Mesh, Scene, Shading, TextureSlot};
 
 const SIZE: (u32, u32) = (1920, 1080);
 const ROUNDS: usize = 61;

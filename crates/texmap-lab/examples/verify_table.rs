@@ -56,6 +56,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut over = Vec::new();
     for file in files {
         let scene = texmap_io::load_scene(&file, &Default::default())?;
+        let scene = texmap_mesh::tessellate(scene, size.0)?;
         let settings = Settings {
             supersample: SUPERSAMPLE,
             ..Settings::new(size.0, size.1)

@@ -2,9 +2,11 @@ use texmap_light::LightError;
 use texmap_math::camera::CameraError;
 use texmap_math::frame::FrameError;
 use texmap_math::homography::HomographyError;
+use texmap_mesh::MeshError;
 use texmap_raster::RasterError;
 use texmap_render::RenderError;
 use texmap_sample::SampleError;
+use texmap_scene::SceneError;
 use texmap_uv::UvError;
 use thiserror::Error;
 
@@ -24,6 +26,12 @@ pub enum LabError {
     /// The file of cases does not fit the schema.
     #[error("cases: {0}")]
     Cases(String),
+    /// A scene with a fault.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// A mesh that could not be made.
+    #[error(transparent)]
+    Mesh(#[from] MeshError),
     /// The renderer refused a scene.
     #[error(transparent)]
     Render(#[from] RenderError),

@@ -8,7 +8,8 @@ use texmap_math::glam::{DMat3, DVec2, DVec3, DVec4};
 use texmap_raster::{
     Draw, Fragment, Interp, NONE, NoAlphaTest, Prepared, TILE, TargetSize, TileBuffers,
 };
-use texmap_render::{Aov, AovData, ColorMode, Material, Mesh, Scene, Settings, Shading};
+use texmap_render::{Aov, AovData, Settings};
+use texmap_scene::{ColorMode, Material, Mesh, Scene, Shading};
 
 use crate::LabError;
 use crate::reference::{Caster, Pinhole};

@@ -7,7 +7,8 @@ use texmap_math::camera::Camera;
 use texmap_math::det;
 use texmap_math::glam::{DMat4, DVec2, DVec3};
 use texmap_raster::DepthTest;
-use texmap_render::{ColorMode, Material, Mesh, Scene, shadow_kind, shadow_map};
+use texmap_render::shadow_map;
+use texmap_scene::{ColorMode, Material, Mesh, Scene, shadow_kind};
 
 use crate::LabError;
 use crate::reference::Pinhole;

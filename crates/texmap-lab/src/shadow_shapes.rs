@@ -2,7 +2,7 @@
 
 use texmap_math::det;
 use texmap_math::glam::DVec3;
-use texmap_render::Mesh;
+use texmap_scene::Mesh;
 
 use crate::shadow_scene::ShadowScene;
 

@@ -4,8 +4,9 @@ use texmap_light::{Light, ShadowBias, ShadowKind};
 use texmap_math::det;
 use texmap_math::glam::DVec3;
 use texmap_raster::{Atlas, AtlasMesh, AtlasOptions, Coverage, TargetSize};
-use texmap_render::{BakeOptions, Scene, bake, shadow_kind, shadow_map_for};
+use texmap_render::{BakeOptions, bake, shadow_map_for};
 use texmap_sample::Origin;
+use texmap_scene::{Scene, shadow_kind};
 
 use crate::LabError;
 use crate::shadow_scene::{HALF, ShadowScene, across};
@@ -82,7 +83,7 @@ impl<'s> ShadowTruth<'s> {
 
     /// The bias of a scene that names none.
     pub fn default_bias(&self) -> ShadowBias {
-        texmap_render::shadow_bias(&self.scene)
+        texmap_scene::shadow_bias(&self.scene)
     }
 
     /// What a map of `size` texels with a bias and `taps` x `taps` comparisons gets wrong.

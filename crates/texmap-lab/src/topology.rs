@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use texmap_render::Mesh;
+use texmap_scene::Mesh;
 
 /// Edges, by the bits of their ends (both zeros alike), at which not exactly two triangles lie; over all meshes together. Triangles with
 /// two corners at one position cover nothing and do not count.

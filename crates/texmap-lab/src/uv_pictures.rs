@@ -5,8 +5,9 @@ use texmap_light::Surface;
 use texmap_math::camera::Camera;
 use texmap_math::glam::DVec3;
 use texmap_raster::DepthTest;
-use texmap_render::{ColorMode, Material, Scene, Settings, Shading, TextureSlot, render};
+use texmap_render::{Settings, render};
 use texmap_sample::{ColorSpace, Sampler, Texture2d, UvTransform};
+use texmap_scene::{ColorMode, Material, Scene, Shading, TextureSlot};
 use texmap_uv::{Mesh, Report, UvSet};
 
 use crate::LabError;
@@ -209,18 +210,18 @@ fn corner_order<'a>(mesh: &Mesh<'a>) -> impl Iterator<Item = usize> + 'a {
 }
 
 /// The model with three vertices of its own per triangle, so that colours and coordinates may jump.
-fn model(mesh: &Mesh<'_>) -> texmap_render::Mesh {
+fn model(mesh: &Mesh<'_>) -> texmap_scene::Mesh {
     let smooth = mesh.smooth_normals();
     let vertex = |k: usize| mesh.faces().corners()[k] as usize;
     let count = mesh.faces().triangles().count() as u32;
-    texmap_render::Mesh {
+    texmap_scene::Mesh {
         name: "model".into(),
         positions: corner_order(mesh)
             .map(|k| mesh.positions()[vertex(k)])
             .collect(),
         normals: corner_order(mesh).map(|k| smooth[vertex(k)]).collect(),
         triangles: (0..count).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect(),
-        ..texmap_render::Mesh::default()
+        ..texmap_scene::Mesh::default()
     }
 }
 
@@ -235,7 +236,7 @@ fn matte() -> Surface {
 }
 
 fn shot(
-    model: texmap_render::Mesh,
+    model: texmap_scene::Mesh,
     material: Material,
     textures: Vec<Texture2d<'static>>,
     view: View,

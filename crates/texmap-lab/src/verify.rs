@@ -1,8 +1,9 @@
 //! What a picture is really off by: a frame against the f64 reference of its scene.
 
 use texmap_math::glam::DVec3;
-use texmap_render::{Backdrop, Frame, Material, Relief, Scene, SolidSource};
+use texmap_render::Frame;
 use texmap_sample::{Filter, Precision, Sampler, Wrap};
+use texmap_scene::{Backdrop, Material, Relief, Scene, SolidSource};
 
 use crate::LabError;
 use crate::picture::Picture;
@@ -216,8 +217,9 @@ mod tests {
     use texmap_math::det;
     use texmap_math::glam::{DVec2, DVec3};
     use texmap_render::planner::{Budget, Price, choose, choose_sampled, prices};
-    use texmap_render::{ColorMode, Material, Mesh, Settings, Shading, TextureSlot, render};
+    use texmap_render::{Settings, render};
     use texmap_sample::{ColorSpace, Origin, Sampler, Texture2d, UvTransform};
+    use texmap_scene::{ColorMode, Material, Mesh, Shading, TextureSlot};
 
     use super::*;
     use crate::cases::Random;

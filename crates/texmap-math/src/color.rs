@@ -141,3 +141,21 @@ const fn decode(c: f64) -> f64 {
         det::pow((c + 0.055) / 1.055, 2.4)
     }
 }
+
+/// Luminance of linear light (Rec. ITU-R BT.709): 0.2126 R + 0.7152 G + 0.0722 B.
+#[must_use]
+#[inline]
+pub fn luminance([r, g, b]: [f32; 3]) -> f32 {
+    0.2126 * r + 0.7152 * g + 0.0722 * b
+}
+
+/// Straight colour of a premultiplied one; black where alpha is 0, less or NaN.
+#[must_use]
+#[inline]
+pub fn straight([r, g, b, a]: [f32; 4]) -> [f32; 3] {
+    if a > 0.0 {
+        [r / a, g / a, b / a]
+    } else {
+        [0.0; 3]
+    }
+}

@@ -95,6 +95,8 @@ pub mod projector;
 pub mod reflection;
 #[doc(hidden)]
 pub mod simd;
+pub mod vector;
+pub mod view_rays;
 pub mod wrap;
 
 pub use camera::{Camera, CameraError};
@@ -108,3 +110,5 @@ pub use memory::{MemoryBudget, OverBudget};
 #[doc(hidden)]
 pub use on_level::LANES;
 pub use projector::Projector;
+pub use vector::{narrow, wide};
+pub use view_rays::{CameraFrame, ViewRays};

@@ -7,11 +7,11 @@ use texmap_light::{Light, Surface};
 use texmap_math::Camera;
 use texmap_math::glam::DVec3;
 use texmap_raster::DepthTest;
-use texmap_render::{
-    AlphaMode, ColorMode, Material, Mesh, Scene, Settings, Shading, TextureRole, TextureSlot,
-    render,
-};
+use texmap_render::{Settings, render};
 use texmap_sample::{ColorSpace, Filter, Origin, Sampler, Texture2d, UvTransform};
+use texmap_scene::{
+    AlphaMode, ColorMode, Material, Mesh, Scene, Shading, TextureRole, TextureSlot,
+};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let checker = texture(64, |x, y| {

@@ -7,26 +7,16 @@ use texmap_light::{Environment, Ray};
 use texmap_math::fearless_simd::{f32x16, prelude::*};
 use texmap_math::glam::DMat4;
 use texmap_math::lanes::below;
-use texmap_math::{Level, on_wide_level};
+use texmap_math::{Level, ViewRays, on_wide_level};
 use texmap_raster::DepthTest;
 
 use crate::canvas::{Colors, LANES};
-use crate::coordinates::{EyeRays, Rays};
+use crate::coordinates::EyeRays;
 use crate::plan::Surface;
 use crate::shade::Run;
 use crate::texel::clip;
 use crate::vertices::VertexData;
-use crate::{AlphaMode, Material, Mesh, Shading, TextureRole, TextureSlot};
-
-/// A sky. It is drawn over the background colour and under everything else, and leaves no trace in output arrays.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Backdrop {
-    /// The picture is stretched over the whole frame, whatever its shape and wherever the camera looks: an opaque texel
-    /// hides the background colour.
-    Picture(TextureSlot),
-    /// The light of [`Effects::environments`](crate::Effects) in the direction of each pixel.
-    Environment(usize),
-}
+use texmap_scene::{AlphaMode, Material, Mesh, Shading, TextureRole};
 
 /// The frame in clip space, at no depth.
 static FRAME: LazyLock<Mesh> = LazyLock::new(|| Mesh {
@@ -73,7 +63,11 @@ pub(crate) struct SkyStage<'s> {
 }
 
 impl<'s> SkyStage<'s> {
-    pub(crate) fn new(environment: &'s Environment, rays: &Rays, view_from_world: DMat4) -> Self {
+    pub(crate) fn new(
+        environment: &'s Environment,
+        rays: &ViewRays,
+        view_from_world: DMat4,
+    ) -> Self {
         let (width, height) = environment.size();
         let texels = f64::from(width) * f64::from(height) * environment.chart().faces() as f64;
         let texel = (4.0 * std::f64::consts::PI / texels).sqrt();

@@ -6,10 +6,12 @@ use texmap_math::MemoryBudget;
 use texmap_math::glam::DVec3;
 use texmap_raster::{Atlas, AtlasMesh, AtlasOptions, Coverage, RasterError, TargetSize};
 use texmap_sample::Origin;
+use texmap_scene::SceneError;
 
-use crate::canvas::luminance;
-use crate::vertices::{flat_normals, world_normals};
-use crate::{RenderError, Scene};
+use texmap_math::color::luminance;
+
+use crate::RenderError;
+use texmap_scene::Scene;
 
 /// What is baked, and how.
 #[derive(Clone, Debug)]
@@ -38,13 +40,13 @@ pub struct LightMap {
 }
 
 /// Bakes the light that reaches a mesh, at the centre of every texel of its light-map coordinates
-/// ([`Mesh::lightmap_uvs`](crate::Mesh::lightmap_uvs), or `uvs` where it has no second set).
+/// ([`Mesh::lightmap_uvs`](texmap_scene::Mesh::lightmap_uvs), or `uvs` where it has no second set).
 ///
 /// Texels that a face touches without covering their centre are lit at the nearest point of that face, so that no texel in use is
 /// lit off the mesh; then charts are dilated. The same bits for any number of threads.
 ///
 /// # Errors
-/// Those of [`Scene::check`]; [`RenderError::Index`] for a mesh that does not exist, [`RenderError::MissingUv`] for one without
+/// Those of [`Scene::check`]; [`SceneError::Index`] for a mesh that does not exist, [`SceneError::MissingUv`] for one without
 /// coordinates, [`RenderError::Raster`] for a size out of range, [`RenderError::Memory`] for a map beyond the memory budget of the process.
 pub fn bake(
     scene: &Scene,
@@ -53,7 +55,7 @@ pub fn bake(
 ) -> Result<LightMap, RenderError> {
     scene.check()?;
     let count = scene.meshes.len();
-    let mesh = scene.meshes.get(mesh).ok_or(RenderError::Index {
+    let mesh = scene.meshes.get(mesh).ok_or(SceneError::Index {
         place: "bake".to_owned(),
         what: "mesh",
         index: mesh as u64,
@@ -65,10 +67,11 @@ pub fn bake(
         &mesh.lightmap_uvs
     };
     if uvs.is_empty() {
-        return Err(RenderError::MissingUv {
+        return Err(SceneError::MissingUv {
             mesh: mesh.name.clone(),
             material: "a light map".to_owned(),
-        });
+        }
+        .into());
     }
     let refused = |error| match error {
         RasterError::Memory(refused) => RenderError::Memory(refused),
@@ -77,7 +80,8 @@ pub fn bake(
             error,
         },
     };
-    let normals: Vec<[f32; 3]> = world_normals(mesh)
+    let normals: Vec<[f32; 3]> = mesh
+        .world_normals()
         .iter()
         .map(|n| n.to_array().map(|c| c as f32))
         .collect();
@@ -107,7 +111,7 @@ pub fn bake(
         },
     )
     .map_err(refused)?;
-    let flat = flat_normals(mesh);
+    let flat = mesh.triangle_normals();
     let matte = Surface {
         color: [1.0; 3],
         ka: 1.0,

@@ -10,7 +10,8 @@ use crate::plan::{Plan, Surface};
 use crate::rows::AovRows;
 use crate::shade::{facing_normal, three};
 use crate::tile::{Painter, Scenery, is_whole};
-use crate::{Aov, ColorMode, HOLE_BITS, Scene, Settings};
+use crate::{Aov, HOLE_BITS, Settings};
+use texmap_scene::{ColorMode, Scene};
 
 /// Pixels of a block and samples of a tile.
 const PIXELS: usize = (TILE * TILE) as usize;

@@ -3,13 +3,14 @@
 
 mod copy;
 
+use texmap_math::color::straight;
 use texmap_math::fearless_simd::{Simd, f32x16, mask32x16, prelude::*, u32x16};
 use texmap_math::{Level, color, lanes};
 use texmap_raster::{RUN_ROOM, RunBlock, TILE};
 
-use crate::ColorMode;
 pub(crate) use copy::{fill_rows, put_block_rows, rows_fit};
 use texmap_math::on_wide_level;
+use texmap_scene::ColorMode;
 
 /// Pixels of a block.
 pub(crate) const LANES: usize = 16;
@@ -431,20 +432,6 @@ fn finish_lanes<S: Simd>(s: S, mode: ColorMode, [r, g, b, a]: [f32x16<S>; 4]) ->
         ),
     };
     r | (g << 8) | (b << 16) | (lanes::unit_to_u8(s, a) << 24)
-}
-
-/// Luminance of linear light: Rec. ITU-R BT.709.
-pub(crate) fn luminance([r, g, b]: [f32; 3]) -> f32 {
-    0.2126 * r + 0.7152 * g + 0.0722 * b
-}
-
-/// Premultiplied to straight colour; black where nothing is left of it.
-pub(crate) fn straight([r, g, b, a]: [f32; 4]) -> [f32; 3] {
-    if a > 0.0 {
-        [r / a, g / a, b / a]
-    } else {
-        [0.0; 3]
-    }
 }
 
 /// A vector of a block from its three columns.

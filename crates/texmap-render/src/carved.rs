@@ -11,8 +11,8 @@ use texmap_math::lanes::above;
 use texmap_sample::gradient_noise;
 use texmap_sample::lanes::gradient_noise_lanes;
 
-use crate::effects::Carving;
 use crate::lit::Site;
+use texmap_scene::Carving;
 
 /// A formula of heights, as the stages read it.
 #[derive(Clone, Copy, Debug)]

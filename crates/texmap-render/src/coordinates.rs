@@ -1,8 +1,10 @@
 //! Texture coordinates of a fragment: from the vertices, or per pixel from a texture frame or a round shape.
 
+use texmap_math::CameraFrame;
+use texmap_math::Footprint;
+use texmap_math::ViewRays;
 use texmap_math::fearless_simd::{Simd, f32x16, prelude::*};
 use texmap_math::glam::{DMat4, DVec3};
-use texmap_math::{Footprint, MagicVectors, TextureFrame};
 use texmap_raster::Fragment;
 use texmap_uv::PixelMapping;
 
@@ -48,43 +50,6 @@ pub(crate) fn attributes(fragment: &Fragment, first: usize) -> ([f32; 2], Footpr
     ([values[first], values[first + 1]], d)
 }
 
-/// A texture frame in camera space and the rays of a grid of samples.
-pub(crate) struct CameraFrame {
-    magic: MagicVectors,
-    rays: Rays,
-}
-
-/// The rays of a grid of samples, camera space.
-#[derive(Clone, Copy)]
-pub(crate) struct Rays {
-    /// Half the step of a ray from sample to sample.
-    half_step: [f64; 2],
-    /// Samples.
-    size: [f64; 2],
-}
-
-impl Rays {
-    /// `half` is half the width and height of the picture at distance 1, `size` its samples.
-    pub(crate) fn new(half: [f64; 2], size: [f64; 2]) -> Self {
-        Self {
-            half_step: [half[0] / size[0], half[1] / size[1]],
-            size,
-        }
-    }
-
-    /// The ray through the centre of a sample; z = -1.
-    pub(crate) fn through(&self, [x, y]: [u32; 2]) -> DVec3 {
-        let right = 2.0 * f64::from(x) + 1.0 - self.size[0];
-        let up = self.size[1] - 2.0 * f64::from(y) - 1.0;
-        DVec3::new(right * self.half_step[0], up * self.half_step[1], -1.0)
-    }
-
-    /// From sample to sample across, at distance 1.
-    pub(crate) fn step(&self) -> f64 {
-        2.0 * self.half_step[0]
-    }
-}
-
 /// Directions to the eye from what is seen at the samples of a grid, world space. Their length is that of the ray where it is 1 along the
 /// camera's axis, so that they change evenly from sample to sample.
 #[derive(Clone, Copy)]
@@ -100,16 +65,16 @@ pub(crate) struct EyeRays {
 }
 
 impl EyeRays {
-    pub(crate) fn new(rays: &Rays, view_from_world: DMat4) -> Self {
+    pub(crate) fn new(rays: &ViewRays, view_from_world: DMat4) -> Self {
         let world_from_view = view_from_world.inverse();
         let world = |v: DVec3| {
             let v = world_from_view.transform_vector3(v);
             v.to_array().map(|c| c as f32)
         };
-        let [right, up] = rays.half_step.map(|half| 2.0 * half);
+        let [right, up] = rays.half_step().map(|half| 2.0 * half);
         Self {
             middle: world(DVec3::Z),
-            first: rays.size.map(|size| (0.5 - 0.5 * size) as f32),
+            first: rays.size().map(|size| (0.5 - 0.5 * size) as f32),
             dx: world(DVec3::X * -right),
             dy: world(DVec3::Y * up),
         }
@@ -147,44 +112,5 @@ impl EyeRays {
             x * self.dx[1] + y * self.dy[1] + self.middle[1],
             x * self.dx[2] + y * self.dy[2] + self.middle[2],
         ]
-    }
-}
-
-impl CameraFrame {
-    /// `half` is half the width and height of the picture at distance 1, `size` its samples.
-    pub(crate) fn new(frame: TextureFrame, half: [f64; 2], size: [f64; 2]) -> Self {
-        Self {
-            magic: frame.magic(),
-            rays: Rays::new(half, size),
-        }
-    }
-
-    /// The planes of A.W, B.W and C.W over the picture: their scalar product with (x, y, 1), x and y in samples from the top left
-    /// corner.
-    pub(crate) fn planes(&self) -> [DVec3; 3] {
-        let [right, up] = self.rays.half_step;
-        let [width, height] = self.rays.size;
-        [self.magic.a, self.magic.b, self.magic.c].map(|m| {
-            let (x, y) = (m.x * right, m.y * up);
-            DVec3::new(2.0 * x, -2.0 * y, y * height - x * width - m.z)
-        })
-    }
-
-    /// uv = (A.W / C.W, B.W / C.W) for the ray W through the sample's centre, and its analytic derivatives
-    /// `du/dx = (A.W_x - u C.W_x) / C.W`. `None` where the ray never meets the frame's plane.
-    pub(crate) fn uv(&self, x: u32, y: u32) -> Option<([f32; 2], Footprint)> {
-        let ray = self.rays.through([x, y]);
-        let uv = self.magic.uv(ray)?;
-        let MagicVectors { a, b, c } = self.magic;
-        let w = c.dot(ray);
-        let [dx, dy] = self.rays.half_step.map(|half| 2.0 * half);
-        let dy = -dy;
-        let footprint = Footprint {
-            du_dx: ((a.x - uv.x * c.x) * dx / w) as f32,
-            dv_dx: ((b.x - uv.y * c.x) * dx / w) as f32,
-            du_dy: ((a.y - uv.x * c.y) * dy / w) as f32,
-            dv_dy: ((b.y - uv.y * c.y) * dy / w) as f32,
-        };
-        Some(([uv.x as f32, uv.y as f32], footprint))
     }
 }

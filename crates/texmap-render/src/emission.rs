@@ -2,10 +2,10 @@
 
 use texmap_sample::Origin;
 
-use crate::canvas::straight;
-use crate::effects::Emission;
+use crate::Settings;
 use crate::textures::{Chains, Slot};
-use crate::{Scene, Settings};
+use texmap_math::color::straight;
+use texmap_scene::{Emission, Scene};
 
 /// The emission of one surface.
 pub(crate) struct EmissionStage<'s> {

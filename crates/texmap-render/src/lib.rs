@@ -66,69 +66,41 @@
 
 mod backdrop;
 mod bake;
-mod billboard;
 mod block;
 mod canvas;
 mod carved;
-mod check;
-mod check_effects;
 mod coordinates;
 mod direct;
-mod displace;
-mod effects;
 mod emission;
 mod error;
 mod frame;
-mod height_field;
-mod light_names;
 mod lit;
 mod lit_lanes;
 mod lit_texels;
 mod plan;
 pub mod planner;
 mod ready;
-mod refine;
 mod relief;
 mod render;
 mod rows;
-mod scene;
 mod settings;
 mod shade;
 mod shadow;
 mod shadow_cut;
-mod shaped;
-mod skin;
 mod solid;
 mod texel;
-mod text;
 mod textures;
 mod tile;
-mod vertex_stage;
 mod vertices;
 mod views;
 mod volume;
 
-pub use backdrop::Backdrop;
 pub use bake::{BakeOptions, LightMap, bake};
-pub use billboard::{Billboard, Facing};
-pub use displace::{Displacement, EdgeBudget};
-pub use effects::{
-    Carving, Effects, Emission, LightMapSlot, Reflection, Relief, Shadow, SlideProjector,
-    SlideRole, SurfaceMaps,
-};
 pub use error::RenderError;
 pub use frame::{AovData, Frame, HOLE_BITS, Stats, Times, hash_pixels, pixel_hash};
-pub use light_names::is_light_name;
 pub use render::{Renderer, render, render_ordered};
-pub use scene::{
-    AlphaMode, ColorMode, Gouraud, Material, Mesh, Scene, Shading, TextureRole, TextureSlot,
-};
 pub use settings::{Aov, Settings, UnknownAov};
-pub use shadow::{shadow_bias, shadow_kind, shadow_map, shadow_map_for};
-pub use skin::{Bone, Skeleton, Skin, SkinBlend, turn, turn_by};
-pub use solid::{Solid, SolidSource};
-pub use text::Font;
-pub use vertex_stage::MeshVertex;
-pub use vertices::world_normals;
+pub use shadow::{shadow_map, shadow_map_for};
+/// The crate of scenes.
+pub use texmap_scene as scene;
 pub use views::environment_of;
-pub use volume::Volume;

@@ -8,15 +8,15 @@ use texmap_math::Footprint;
 use texmap_math::glam::DVec3;
 use texmap_raster::Fragment;
 
-use crate::canvas::straight;
+use crate::Settings;
 use crate::coordinates::attributes;
-use crate::effects::{LightMapSlot, Reflection};
 use crate::plan::Plan;
 use crate::ready::Ready;
 use crate::relief::ReliefStage;
 use crate::textures::{Chains, Slot};
-use crate::vertices::{Values, Vertices, flat_normals};
-use crate::{Material, Mesh, Scene, Settings};
+use crate::vertices::{Values, Vertices};
+use texmap_math::color::straight;
+use texmap_scene::{LightMapSlot, Material, Mesh, Reflection, Scene};
 
 /// What one surface adds: its maps, and the attributes that they read.
 pub(crate) struct SurfaceEffects<'s> {
@@ -116,7 +116,7 @@ impl<'s> SurfaceEffects<'s> {
             relief,
             light_map: light_map.map(|map| (map, slot(&map.slot))),
             lightmap_uv,
-            planes: flat_normals(mesh),
+            planes: mesh.triangle_normals(),
             lights: ready
                 .lights
                 .iter()
@@ -330,20 +330,6 @@ fn has_effects(material: &Material) -> bool {
         || [&maps.ambient, &maps.specular, &maps.exponent]
             .into_iter()
             .any(Option::is_some)
-}
-
-/// Whether effects read the first coordinates of a mesh.
-pub(crate) fn reads_uv(material: &Material) -> bool {
-    let maps = &material.maps;
-    material.relief.as_ref().is_some_and(|r| r.slot().is_some())
-        || [
-            &maps.ambient,
-            &maps.specular,
-            &maps.exponent,
-            &maps.reflectivity,
-        ]
-        .into_iter()
-        .any(Option::is_some)
 }
 
 fn length(v: [f32; 3]) -> f32 {

@@ -15,7 +15,6 @@ use texmap_math::fearless_simd::prelude::*;
 use texmap_math::on_wide_level;
 use texmap_raster::{RunBlock, RunValues, TilePlanes};
 
-use crate::TextureRole;
 use crate::canvas::{Colors, LANES};
 use crate::carved::Carved;
 use crate::coordinates::{Coordinates, EyeRays};
@@ -29,6 +28,7 @@ use crate::textures::Slot;
 use columns::Columns;
 use ground::Ground;
 use side::Side;
+use texmap_scene::TextureRole;
 use vectors::{NORMAL, POSITION, TANGENT};
 
 /// The stages of one surface; each is there only if the material or a light asks for it.

@@ -247,8 +247,8 @@ impl<S: Simd> BlockSink<S> for Leveled<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Settings;
     use crate::textures::Chains;
-    use crate::{ColorMode, Effects, Scene, Settings, TextureSlot};
     use texmap_math::camera::Camera;
     use texmap_math::glam::{DMat4, DVec3, DVec4};
     use texmap_math::on_wide_level;
@@ -256,6 +256,7 @@ mod tests {
     use texmap_sample::{
         ColorSpace, Filter, Origin, Precision, Sampler, Texture2d, UvTransform, Wrap,
     };
+    use texmap_scene::{ColorMode, Effects, Scene, TextureSlot};
 
     pub(super) fn noise(width: u32, height: u32) -> Texture2d<'static> {
         bordered(width, height, 0)

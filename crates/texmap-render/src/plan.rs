@@ -5,6 +5,7 @@ mod light_stage;
 mod surface;
 
 use std::sync::Arc;
+use texmap_scene::SceneError;
 
 use texmap_light::Light;
 use texmap_math::glam::DMat4;
@@ -12,12 +13,14 @@ use texmap_raster::{AlphaTest, Draw, Fragment, UvBlock};
 use texmap_sample::Origin;
 
 use crate::backdrop::{SkyStage, behind};
-use crate::coordinates::{Coordinates, EyeRays, Rays};
+use crate::coordinates::{Coordinates, EyeRays};
 use crate::ready::Ready;
 use crate::texel::TexelStage;
 use crate::textures::{Chains, Slot};
 use crate::volume::{VolumeStage, far_sides};
-use crate::{Aov, Backdrop, RenderError, Scene, Settings};
+use crate::{Aov, RenderError, Settings};
+use texmap_math::ViewRays;
+use texmap_scene::{Backdrop, Scene};
 
 pub(crate) use cut::{Cut, cut};
 pub(crate) use light_stage::LightStage;
@@ -63,7 +66,7 @@ impl<'s> Plan<'s> {
         aovs: &[Aov],
     ) -> Result<Self, RenderError> {
         let aspect = f64::from(width) / f64::from(height);
-        let view = scene.camera.view().map_err(RenderError::Camera)?;
+        let view = scene.camera.view().map_err(SceneError::Camera)?;
         let projection = scene.camera.projection(aspect);
         let view = View {
             view_from_world: view,
@@ -81,7 +84,7 @@ impl<'s> Plan<'s> {
                 .transfer
                 .as_ref()
                 .map(|slot| (&scene.textures[slot.texture], &slot.sampler));
-            let rays = Rays::new(view.half, view.size);
+            let rays = ViewRays::new(view.half, view.size);
             let to_view = view.view_from_world;
             let level = settings.level;
             let stage =
@@ -97,7 +100,7 @@ impl<'s> Plan<'s> {
             lights: &scene.lights,
             ready: Arc::clone(ready),
             eye,
-            rays: EyeRays::new(&Rays::new(view.half, view.size), view.view_from_world),
+            rays: EyeRays::new(&ViewRays::new(view.half, view.size), view.view_from_world),
             level: settings.level,
         })
     }
@@ -151,7 +154,7 @@ fn sky<'s>(
         }
         Backdrop::Environment(index) => {
             let environment = &scene.effects.environments[*index];
-            let rays = Rays::new(view.half, view.size);
+            let rays = ViewRays::new(view.half, view.size);
             let stage = SkyStage::new(environment, &rays, view.view_from_world);
             surface.space = Some(Box::new(Space::Sky(stage)));
             surface.shaded = 0;
@@ -168,7 +171,7 @@ mod tests {
     use texmap_raster::{DepthTest, Pass};
     use texmap_sample::{ColorSpace, Filter, Origin, Sampler, Texture2d, UvTransform, Wrap};
 
-    use crate::{AlphaMode, Material, Mesh, Shading, TextureRole, TextureSlot};
+    use texmap_scene::{AlphaMode, Material, Mesh, Shading, TextureRole, TextureSlot};
 
     fn scene(material: Material) -> Scene {
         let texture =
@@ -189,7 +192,7 @@ mod tests {
                 far: f64::INFINITY,
             },
             background: [0.0; 4],
-            color: crate::ColorMode::Srgb,
+            color: texmap_scene::ColorMode::Srgb,
             depth_test: DepthTest::Less,
             lights: vec![Light::Ambient { color: [1.0; 3] }],
             textures: vec![texture],
@@ -224,7 +227,7 @@ mod tests {
             let plan = Plan::new(&scene, &settings, &chains, &ready, (8, 8), &[]).unwrap();
             crate::lit_lanes::LitLanes::new(&plan, &plan.surfaces[0]).is_some()
         };
-        let normals = |object_space| crate::Relief::NormalMap {
+        let normals = |object_space| texmap_scene::Relief::NormalMap {
             slot: slot(Filter::Trilinear).unwrap(),
             green: texmap_light::Green::Up,
             rebuild_z: false,
@@ -236,7 +239,7 @@ mod tests {
             ..Material::default()
         };
         let baked = Material {
-            light_map: Some(crate::LightMapSlot {
+            light_map: Some(texmap_scene::LightMapSlot {
                 slot: slot(Filter::Bilinear).unwrap(),
                 scale: 1.0,
                 baked: None,
@@ -244,7 +247,7 @@ mod tests {
             ..Material::default()
         };
         let some = has_lanes(Material::default());
-        let bump = crate::Relief::Bump {
+        let bump = texmap_scene::Relief::Bump {
             slot: slot(Filter::Bilinear).unwrap(),
             height: 0.1,
         };

@@ -1,15 +1,14 @@
 //! The effects of a scene, made ready before the first tile: shadow maps, slides, environments.
 
 use texmap_light::{Environment, Light, ShadowBias, ShadowKind, ShadowReader, Slide, SlideView};
-use texmap_math::camera::Camera;
 use texmap_math::glam::{DMat3, DMat4, DVec3};
-use texmap_math::{MemoryBudget, Projector};
+use texmap_math::{MemoryBudget, Projector, narrow};
+use texmap_scene::shadow_fit::{fitting_size, shadow_bias, shadow_kind};
 
-use crate::effects::{SlideProjector, SlideRole};
 use crate::lit::Site;
-use crate::shadow::{shadow_bias, shadow_kind, shadow_map_in};
-use crate::vertices::narrow;
-use crate::{RenderError, Scene, Settings};
+use crate::shadow::shadow_map_in;
+use crate::{RenderError, Settings};
+use texmap_scene::{Scene, SlideProjector, SlideRole};
 
 /// The effects of a scene, made ready: every map is finished before the first tile.
 #[derive(Debug)]
@@ -216,28 +215,4 @@ fn slide_kind(slide: &SlideProjector) -> ShadowKind {
         light_from_world: DMat4::from_mat3(rotation) * DMat4::from_translation(-slide.position),
         tan_half,
     }
-}
-
-/// Texels a side for about one texel a pixel, where the scene's middle is.
-pub(crate) fn fitting_size(scene: &Scene, kind: &ShadowKind, width: u32) -> u32 {
-    let texels = texel_in_pixels(scene, kind, width).clamp(256.0, 4096.0);
-    (texels / 64.0).ceil() as u32 * 64
-}
-
-/// Pixels that the one texel of a map of size 1 would be wide, where the scene's middle is.
-pub(crate) fn texel_in_pixels(scene: &Scene, kind: &ShadowKind, width: u32) -> f64 {
-    let Camera { eye, fov_x, .. } = scene.camera;
-    let (centre, half) = crate::shadow::around(scene);
-    // The nearer half of the scene is what is looked at.
-    let way = |from: DVec3| (from - centre).length().max(0.5 * half);
-    let pixel = 2.0 * texmap_math::det::tan(0.5 * fov_x) * way(eye) / f64::from(width);
-    let side = match kind {
-        ShadowKind::Directional { half, .. } => 2.0 * half,
-        ShadowKind::Spot {
-            light_from_world,
-            tan_half,
-        } => 2.0 * tan_half * way(light_from_world.inverse().transform_point3(DVec3::ZERO)),
-        ShadowKind::Point { position } => 2.0 * way(*position),
-    };
-    side / pixel
 }

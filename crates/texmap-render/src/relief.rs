@@ -5,20 +5,20 @@ use texmap_light::{Green, NormalMap, bump_on, decode_offsets, unit};
 use texmap_math::fearless_simd::{Simd, f32x16, prelude::*};
 use texmap_math::glam::{DMat3, DVec3};
 use texmap_math::lanes::above;
-use texmap_math::{Footprint, Level};
+use texmap_math::{Footprint, Level, narrow, wide};
 use texmap_raster::RunValues;
 use texmap_sample::Origin;
 use texmap_sample::sample_columns;
 
-use crate::Mesh;
-use crate::canvas::{Colors, LANES, straight, straight_lanes};
+use crate::canvas::{Colors, LANES, straight_lanes};
 use crate::carved::Carved;
-use crate::effects::Relief;
 use crate::lit::{Sample, Site};
 use crate::shade::three;
 use crate::texel::{RunUv, places};
 use crate::textures::Slot;
-use crate::vertices::{Values, Vertices, linear, narrow, wide};
+use crate::vertices::{Values, Vertices};
+use texmap_math::color::straight;
+use texmap_scene::{Mesh, Relief};
 
 /// A relief, as the stages read it.
 pub(crate) enum ReliefStage<'s> {
@@ -54,7 +54,7 @@ impl<'s> ReliefStage<'s> {
         relief: &'s Relief,
         mesh: &Mesh,
         vertices: &mut Vertices,
-        slot: impl Fn(&'s crate::TextureSlot) -> Slot<'s>,
+        slot: impl Fn(&'s texmap_scene::TextureSlot) -> Slot<'s>,
     ) -> Self {
         let unit = unit_of(mesh);
         let rise = |height| Rise {
@@ -84,7 +84,11 @@ impl<'s> ReliefStage<'s> {
                 strength,
             } => {
                 let space = if *object_space {
-                    Space::Object(linear(mesh.world_from_object).inverse().transpose())
+                    Space::Object(
+                        DMat3::from_mat4(mesh.world_from_object)
+                            .inverse()
+                            .transpose(),
+                    )
                 } else {
                     Space::Tangent(vertices.push(Values::Tangent, false))
                 };
@@ -351,7 +355,7 @@ fn heights(slot: &Slot<'_>, [u, v]: [f32; 2], placed: Footprint) -> [f32; 2] {
 
 /// World units of one unit of a mesh's own space, the mean of its three axes by volume.
 fn unit_of(mesh: &Mesh) -> f64 {
-    let volume = linear(mesh.world_from_object).determinant().abs();
+    let volume = DMat3::from_mat4(mesh.world_from_object).determinant().abs();
     texmap_math::det::pow(volume, 1.0 / 3.0)
 }
 
@@ -375,7 +379,7 @@ pub(crate) fn corner_tangents(mesh: &Mesh, normals: &[DVec3]) -> Vec<[f32; 4]> {
     let Ok(tangents) = texmap_uv::tangents(&shape, &set, &at_corners) else {
         return fallback();
     };
-    let world = linear(mesh.world_from_object);
+    let world = DMat3::from_mat4(mesh.world_from_object);
     let mirror = if world.determinant() < 0.0 { -1.0 } else { 1.0 };
     // The bitangent follows growing v, which runs down the picture from a top-left origin.
     let down = if mesh.uv_origin == Origin::TopLeft {

@@ -13,7 +13,8 @@ use crate::plan::Plan;
 use crate::ready::Ready;
 use crate::rows::{AovParts, blocks, split};
 use crate::textures::Chains;
-use crate::{Aov, AovData, Frame, HOLE_BITS, RenderError, Scene, Settings, Stats};
+use crate::{Aov, AovData, Frame, HOLE_BITS, RenderError, Settings, Stats};
+use texmap_scene::Scene;
 
 /// Draws a scene: [`Renderer::new`], then [`Renderer::draw`].
 ///
@@ -27,8 +28,7 @@ pub fn render(
     progress: &(dyn Fn(usize, usize) + Sync),
 ) -> Result<Frame, RenderError> {
     settings.check()?;
-    let scene = scene.shaped(settings.width)?;
-    Renderer::new(&scene, settings)?.draw(progress)
+    Renderer::new(scene, settings)?.draw(progress)
 }
 
 /// A scene made ready: checked, mip chains built, vertex values computed. Drawing it again costs none of that.
@@ -70,14 +70,7 @@ impl<'s> Renderer<'s> {
         ask_for_frame(settings)?;
         let checked = scene.check()?;
         ask_for_geometry(scene, settings)?;
-        if let Some(mesh) = scene.meshes.iter().find(|m| m.is_unshaped()) {
-            return Err(RenderError::Value {
-                place: format!("mesh '{}'", mesh.name),
-                what: "shape".to_owned(),
-                value: "still that of its description".to_owned(),
-                expected: "call Scene::shaped before Renderer::new",
-            });
-        }
+        scene.check_tessellated()?;
         let pool = settings.threads.map(|threads| {
             rayon::ThreadPoolBuilder::new()
                 .num_threads(threads)
@@ -297,8 +290,7 @@ pub fn render_ordered(
     progress: &(dyn Fn(usize, usize) + Sync),
     order: &(dyn Fn(usize) -> Vec<usize> + Sync),
 ) -> Result<Frame, RenderError> {
-    let scene = scene.shaped(settings.width)?;
-    let renderer = Renderer::new(&scene, settings)?;
+    let renderer = Renderer::new(scene, settings)?;
     let mut frame = empty_frame(settings);
     renderer.draw_into(&mut frame, progress, order)?;
     Ok(frame)

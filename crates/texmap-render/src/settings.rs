@@ -2,8 +2,11 @@ use std::fmt;
 use std::str::FromStr;
 
 use texmap_math::{Level, MemoryBudget};
-use texmap_raster::Interp;
+use texmap_raster::{Interp, TargetSize};
 use texmap_sample::{Filter, Wrap};
+use texmap_scene::{Scene, SceneError};
+
+use crate::RenderError;
 
 /// How a scene becomes a picture. No setting but the size, `supersample`, `msaa` and the three overrides changes
 /// a pixel.
@@ -55,6 +58,33 @@ impl Settings {
     }
 }
 
+impl Settings {
+    pub(crate) fn check(&self) -> Result<(), RenderError> {
+        let side_fits = |side: u32| {
+            (1..=u64::from(TargetSize::MAX))
+                .contains(&(u64::from(side) * u64::from(self.supersample)))
+        };
+        if !side_fits(self.width) || !side_fits(self.height) {
+            let (width, height, supersample) = (self.width, self.height, self.supersample);
+            return Err(RenderError::Size {
+                width,
+                height,
+                supersample,
+            });
+        }
+        if !(self.msaa == 1 || (self.msaa == 4 && self.supersample == 1)) {
+            return Err(RenderError::Samples { samples: self.msaa });
+        }
+        if self.threads == Some(0) {
+            return Err(RenderError::Threads {
+                threads: 0,
+                reason: "give at least 1".to_owned(),
+            });
+        }
+        Ok(())
+    }
+}
+
 /// A buffer beside the colour. Each describes the nearest opaque or cut-out surface at the centre of the
 /// pixel, whatever the supersampling; blended surfaces leave no trace. Where no surface is, or the surface
 /// lacks the value, every channel is the f32 with bits 0x7fc00000 (NaN), or `u32::MAX`.
@@ -69,7 +99,7 @@ pub enum Aov {
     Uv,
     /// Level of detail of the base colour's look-up after bias and clamp. 1 channel, f32.
     Lod,
-    /// Source face, [`Mesh::face`](crate::Mesh::face). 1 channel, u32.
+    /// Source face, [`Mesh::face`](texmap_scene::Mesh::face). 1 channel, u32.
     Face,
     /// Unit normal in world space, on the side that is seen. 3 channels, f32.
     Normal,
@@ -111,6 +141,22 @@ impl Aov {
         Self::Normal,
         Self::Position,
     ];
+
+    /// The buffer of the shadow of a light, by the light's name.
+    ///
+    /// # Errors
+    /// [`SceneError::UnknownLight`] lists the names that there are; [`SceneError::Index`] for a light beyond number 255.
+    pub fn shadow_of(scene: &Scene, light: &str) -> Result<Self, SceneError> {
+        let index = scene.light_named(light)?;
+        u8::try_from(index)
+            .map(Self::Shadow)
+            .map_err(|_| SceneError::Index {
+                place: format!("light '{light}'"),
+                what: "shadow AOV",
+                index: index as u64,
+                count: 256,
+            })
+    }
 
     /// The name in files and flags.
     #[must_use]

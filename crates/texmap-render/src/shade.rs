@@ -11,11 +11,12 @@ use texmap_raster::{
 use texmap_sample::sample_slice;
 use texmap_uv::PixelMapping;
 
-use crate::canvas::{Colors, LANES, bits, luminance, straight};
+use crate::canvas::{Colors, LANES, bits};
 use crate::coordinates::Coordinates;
 use crate::lit::{Sample, SurfaceEffects};
 use crate::plan::{LightStage, Plan, Space, Surface};
 use crate::textures::Slot;
+use texmap_math::color::{luminance, straight};
 
 /// A run of one surface: its blocks and their attributes.
 pub(crate) struct Run<'a> {

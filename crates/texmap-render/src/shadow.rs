@@ -2,23 +2,21 @@
 
 mod closed;
 mod faces;
-mod kind;
 
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
+use texmap_scene::SceneError;
 
 use texmap_light::{Reached, ShadowBias, ShadowBounds, ShadowKind, ShadowMap, StripBounds};
 use texmap_math::{Level, MemoryBudget};
 use texmap_raster::{AlphaTest, DepthTest, Draw, Pass, Prepared, TILE, TargetSize};
 
+use crate::RenderError;
 use crate::ready::reserve_map;
 use crate::shadow_cut::Cuts;
-use crate::{AlphaMode, RenderError, Scene};
-pub(crate) use closed::encloses;
 use closed::hidden_sides;
 use faces::views;
-pub(crate) use kind::around;
-pub use kind::shadow_kind;
+use texmap_scene::{AlphaMode, Scene};
 
 /// Draws a shadow map of `size` x `size` texels (a face): what each light ray meets first, of all opaque and cut-out meshes
 /// without the holes of these; blended ones cast nothing. The same bits for any number of `threads`.
@@ -129,7 +127,7 @@ pub(crate) fn shadow_map_in(
     } else {
         ShadowMap::new(*kind, size, depths)
     };
-    let map = map.map_err(|error| RenderError::Value {
+    let map = map.map_err(|error| SceneError::Value {
         place: "shadow map".to_owned(),
         what: "depths".to_owned(),
         value: error.to_string(),
@@ -138,22 +136,15 @@ pub(crate) fn shadow_map_in(
     Ok((map, ShadowBounds::of_faces(bounds)))
 }
 
-/// The bias of shadows that name none: the planes of receiver and caster, and a constant of 1e-4 of the scene's size. It leaves neither
-/// acne, at creases neither, nor light that leaks, with maps of [`shadow_map_for`].
-#[must_use]
-pub fn shadow_bias(scene: &Scene) -> ShadowBias {
-    let (_, half) = around(scene);
-    ShadowBias::Planes(2e-4 * half)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::vertices::wide;
-    use crate::{Material, Mesh};
     use texmap_light::Light;
     use texmap_math::camera::Camera;
     use texmap_math::glam::DVec3;
+    use texmap_math::wide;
+    use texmap_scene::shadow_fit::shadow_kind;
+    use texmap_scene::{Material, Mesh};
 
     /// A tetrahedron over a large floor.
     pub(super) fn scene(light: Light) -> Scene {
@@ -187,7 +178,7 @@ mod tests {
                 far: f64::INFINITY,
             },
             background: [0.0; 4],
-            color: crate::ColorMode::Srgb,
+            color: texmap_scene::ColorMode::Srgb,
             depth_test: DepthTest::Less,
             lights: vec![light],
             textures: Vec::new(),
@@ -323,5 +314,29 @@ mod tests {
                 ShadowBounds::join([StripBounds::new(&depths, size as usize, taps, 0, whole)]);
             assert_eq!(bounds, whole, "{size} {taps}");
         }
+    }
+
+    #[test]
+    fn lights_without_a_map_are_named() {
+        let spot = Light::spot([1.0; 3], [0.0; 3], [0.0, -1.0, 0.0], 1.0, 1.5);
+        let ambient = Light::Ambient { color: [1.0; 3] };
+        for light in [spot, ambient] {
+            let error = shadow_kind(&scene(light), 0, None).unwrap_err();
+            assert!(error.to_string().contains("light 0"), "{error}");
+        }
+        assert!(matches!(
+            shadow_kind(&scene(ambient), 3, None),
+            Err(SceneError::Index { .. })
+        ));
+        let sun = Light::Directional {
+            color: [1.0; 3],
+            direction: [0.0, -1.0, 0.0],
+        };
+        assert!(shadow_kind(&scene(sun), 0, Some((DVec3::ZERO, 0.0))).is_err());
+        let kind = shadow_kind(&scene(sun), 0, None).unwrap();
+        assert!(matches!(
+            shadow_map(&scene(sun), &kind, 0, 1),
+            Err(RenderError::Raster { .. })
+        ));
     }
 }

@@ -1,13 +1,13 @@
 //! Cut-outs in shadow maps: the holes that the camera sees are holes to the light.
 
-use texmap_math::Level;
+use texmap_math::{Level, narrow, wide};
 use texmap_raster::{AlphaTest, Fragment, UvBlock};
 
 use crate::coordinates::Coordinates;
 use crate::plan::{Cut, cut};
 use crate::textures::{Chains, Slot};
-use crate::vertices::{narrow, wide};
-use crate::{AlphaMode, Mesh, RenderError, Scene, Settings};
+use crate::{RenderError, Settings};
+use texmap_scene::{AlphaMode, Mesh, Scene};
 
 /// What the meshes of a scene let through. Those whose coordinates come from a texture frame, which is bound to the camera, let
 /// nothing through.

@@ -7,10 +7,11 @@ use texmap_math::lanes::below;
 use texmap_raster::{RUN_ROOM, RunValues};
 use texmap_sample::{Places, gives_bytes, sample_columns, sample_rgba8_columns};
 
-use crate::canvas::{Colors, LANES, finish, straight, straight_lanes};
+use crate::canvas::{Colors, LANES, finish, straight_lanes};
 use crate::textures::Slot;
-use crate::{AlphaMode, ColorMode, Material, TextureRole};
+use texmap_math::color::straight;
 use texmap_math::on_wide_level;
+use texmap_scene::{AlphaMode, ColorMode, Material, TextureRole};
 
 /// What stands between a texel and its colour.
 #[derive(Clone, Copy, Debug, PartialEq)]

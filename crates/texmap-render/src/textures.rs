@@ -6,7 +6,8 @@ use texmap_math::Footprint;
 use texmap_raster::RunValues;
 use texmap_sample::{Origin, Sampler, Texture2d, UvTransform, Wrap};
 
-use crate::{Backdrop, RenderError, Scene, Settings, TextureSlot};
+use crate::{RenderError, Settings};
+use texmap_scene::{Backdrop, Scene, TextureSlot};
 
 /// Mip chains by texture, built once for both passes and only where a sampler reads them.
 pub(crate) struct Chains(pub(crate) Vec<Option<Texture2d<'static>>>);
@@ -148,7 +149,7 @@ impl Slot<'_> {
     /// How much of a pixel lies inside of the outline where alpha is a half; `alpha` is what the filter gave.
     pub(crate) fn outline(&self, uv: [f32; 2], d: Footprint, alpha: f32) -> f32 {
         let (uv, d) = self.place(uv, d);
-        outline(&self.sampler, &self.texture, uv, d, alpha)
+        self.sampler.antialiased_alpha(&self.texture, uv, d, alpha)
     }
 
     /// What an opacity map says by this texel.
@@ -159,34 +160,6 @@ impl Slot<'_> {
     /// The channel that holds an opacity map's opacities.
     pub(crate) fn opacity_channel(&self) -> usize {
         if self.texture.has_alpha() { 3 } else { 0 }
-    }
-}
-
-/// How much of a pixel lies inside of the outline where alpha is a half: alpha over its change from pixel to pixel. `alpha` is what the
-/// filter gave; where a pixel sees several texels it is the coverage already.
-pub(crate) fn outline(
-    sampler: &Sampler,
-    texture: &Texture2d<'_>,
-    uv: [f32; 2],
-    d: Footprint,
-    alpha: f32,
-) -> f32 {
-    let lod = sampler.lod(texture, d);
-    if lod > 0.0 {
-        return alpha;
-    }
-    let [value, du, dv] = sampler.sample_slope(texture, uv, 0.0);
-    let dx = du[3] * d.du_dx + dv[3] * d.dv_dx;
-    let dy = du[3] * d.du_dy + dv[3] * d.dv_dy;
-    let change = (dx * dx + dy * dy).sqrt();
-    let change = if change < 1.0 { change } else { 1.0 };
-    let inside = value[3] - 0.5;
-    if inside >= 0.5 * change {
-        1.0
-    } else if inside <= -0.5 * change {
-        0.0
-    } else {
-        inside / change + 0.5
     }
 }
 

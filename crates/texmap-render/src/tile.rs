@@ -6,13 +6,13 @@ use texmap_raster::{
     NONE, Pass, Prepared, RUN, RUN_ROOM, RunBlock, RunValues, SampleSetup, TileBlocks, TilePlanes,
 };
 
-use crate::ColorMode;
 use crate::canvas::{Canvas, Colors, LANES, finish, rows_fit};
 use crate::direct::{Direct, From, Levels};
 use crate::lit_lanes::{LitLanes, LitScratch};
 use crate::plan::Plan;
 use crate::shade::{Run, Stages};
 use crate::texel::TexelStage;
+use texmap_scene::ColorMode;
 
 mod multisample;
 

@@ -1,13 +1,15 @@
 //! The values that a mesh carries per vertex: those that its stages read, and no others.
 
 use std::borrow::Cow;
+use texmap_math::narrow;
+use texmap_math::wide;
 
 use texmap_light::{Surface, Terms, reflect, terms};
-use texmap_math::glam::{DMat3, DMat4, DVec3};
+use texmap_math::glam::DVec3;
 use texmap_raster::Cull;
 
 use crate::relief::corner_tangents;
-use crate::{Mesh, Scene};
+use texmap_scene::{Mesh, Scene};
 
 /// A group of attributes.
 #[derive(Clone, Copy, PartialEq)]
@@ -108,7 +110,7 @@ impl Vertices {
             triangles.to_mut().iter_mut().for_each(|t| t.swap(1, 2));
         }
         let normals = if lit || needs(Values::Normal) {
-            world_normals(mesh)
+            mesh.world_normals()
         } else {
             Vec::new()
         };
@@ -182,7 +184,7 @@ struct Split {
 impl Split {
     fn new(mesh: &Mesh) -> Self {
         const NONE: u32 = u32::MAX;
-        let of_corners = corner_tangents(mesh, &object_normals(mesh));
+        let of_corners = corner_tangents(mesh, &mesh.object_normals());
         let (mut vertices, mut tangents) = (Vec::new(), Vec::<[f32; 4]>::new());
         // The first part of each vertex, and the next part after each part.
         let mut first = vec![NONE; mesh.positions.len()];
@@ -276,37 +278,6 @@ impl Source<'_> {
     }
 }
 
-/// Unit normals in world space by the inverse transpose; zero where a vertex has none.
-///
-/// Those of the mesh, or else the area-weighted mean of the triangles at each vertex.
-#[must_use]
-pub fn world_normals(mesh: &Mesh) -> Vec<DVec3> {
-    let matrix = linear(mesh.world_from_object).inverse().transpose();
-    object_normals(mesh)
-        .into_iter()
-        .map(|n| (matrix * n.normalize_or_zero()).normalize_or_zero())
-        .collect()
-}
-
-pub(crate) fn object_normals(mesh: &Mesh) -> Vec<DVec3> {
-    match mesh.normals.is_empty() {
-        true => vertex_normals(mesh),
-        false => mesh.normals.iter().map(|n| wide(*n)).collect(),
-    }
-}
-
-/// Sum of the un-normalised cross products of the triangles at each vertex: weighted by area.
-fn vertex_normals(mesh: &Mesh) -> Vec<DVec3> {
-    let mut normals = vec![DVec3::ZERO; mesh.positions.len()];
-    for triangle in &mesh.triangles {
-        let normal = mesh.cross(*triangle);
-        for vertex in triangle {
-            normals[*vertex as usize] += normal;
-        }
-    }
-    normals
-}
-
 fn facing_away(points: &[DVec3], triangles: &[[u32; 3]], eye: DVec3) -> Vec<bool> {
     triangles
         .iter()
@@ -315,31 +286,6 @@ fn facing_away(points: &[DVec3], triangles: &[[u32; 3]], eye: DVec3) -> Vec<bool
             (b - a).cross(c - a).dot(eye - a) < 0.0
         })
         .collect()
-}
-
-/// Unit normals of the triangles' planes in world space: what a shadow's bias is measured against.
-pub(crate) fn flat_normals(mesh: &Mesh) -> Vec<DVec3> {
-    let matrix = linear(mesh.world_from_object).inverse().transpose();
-    mesh.triangles
-        .iter()
-        .map(|t| (matrix * mesh.cross(*t)).normalize_or_zero())
-        .collect()
-}
-
-pub(crate) fn linear(m: DMat4) -> DMat3 {
-    DMat3::from_cols(
-        m.x_axis.truncate(),
-        m.y_axis.truncate(),
-        m.z_axis.truncate(),
-    )
-}
-
-pub(crate) fn wide(a: [f32; 3]) -> DVec3 {
-    DVec3::from(a.map(f64::from))
-}
-
-pub(crate) fn narrow(a: DVec3) -> [f32; 3] {
-    a.to_array().map(|x| x as f32)
 }
 
 fn times(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {

@@ -5,19 +5,21 @@ use texmap_math::MemoryBudget;
 use texmap_math::camera::Camera;
 use texmap_math::color::srgb_to_linear;
 use texmap_math::glam::{DVec2, DVec3};
+use texmap_scene::SceneError;
 
-use crate::{ColorMode, RenderError, Scene, Settings, render};
+use crate::{RenderError, Settings, render};
+use texmap_scene::{ColorMode, Scene};
 
 /// The environment of a mesh as a cube of `size` x `size` texels a face: the scene without the mesh, seen from the middle of its box
 /// (SUSTech CS lecture 08). Its light has the 8 bits of frames, 1 at most. A mirror that uses it is right for small objects and far
 /// surroundings: at a tenth of the way to the wall directions err by 5.7 degrees.
 ///
 /// # Errors
-/// [`RenderError::Index`] for a mesh that does not exist, [`RenderError::Value`] for a mesh without vertices or an environment of no
+/// [`SceneError::Index`] for a mesh that does not exist, [`SceneError::Value`] for a mesh without vertices or an environment of no
 /// size, and those of [`render`].
 pub fn environment_of(scene: &Scene, mesh: usize, size: u32) -> Result<Environment, RenderError> {
     let count = scene.meshes.len();
-    let own = scene.meshes.get(mesh).ok_or(RenderError::Index {
+    let own = scene.meshes.get(mesh).ok_or(SceneError::Index {
         place: "environment".to_owned(),
         what: "mesh",
         index: mesh as u64,
@@ -31,11 +33,14 @@ pub fn environment_of(scene: &Scene, mesh: usize, size: u32) -> Result<Environme
         (low, high) = (low.min(p), high.max(p));
     }
     let eye = 0.5 * (low + high);
-    let refused = |what: &str, value: String| RenderError::Value {
-        place: format!("environment of mesh '{}'", own.name),
-        what: what.to_owned(),
-        value,
-        expected: "a mesh with vertices and 1 to 8192 texels a side",
+    let refused = |what: &str, value: String| -> RenderError {
+        SceneError::Value {
+            place: format!("environment of mesh '{}'", own.name),
+            what: what.to_owned(),
+            value,
+            expected: "a mesh with vertices and 1 to 8192 texels a side",
+        }
+        .into()
     };
     if !eye.is_finite() {
         return Err(refused("centre", eye.to_string()));

@@ -1,40 +1,21 @@
 //! Volumes in a scene: a box of matter that shines and absorbs, between the eye and what is solid.
 
 use std::sync::LazyLock;
+use texmap_scene::SceneError;
 
-use texmap_math::Level;
 use texmap_math::glam::{DMat4, DVec3};
+use texmap_math::{Level, ViewRays};
 use texmap_raster::{Cull, DepthTest};
 use texmap_sample::{Sampler, Texture2d};
 
 use crate::canvas::Colors;
-use crate::check::index;
-use crate::coordinates::Rays;
+
+use crate::RenderError;
 use crate::plan::Surface;
 use crate::shade::Run;
-use crate::solid::has_volume;
 use crate::texel::clip;
 use crate::vertices::VertexData;
-use crate::{AlphaMode, Effects, Material, Mesh, RenderError, Scene, Shading, TextureSlot};
-
-/// A box of matter, marched through at every pixel up to the solid surface there; blended over everything else, several in
-/// the order of their list. It throws and takes no shadows, and leaves no trace in output arrays.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Volume {
-    /// Index into [`Effects::grids`].
-    pub grid: usize,
-    /// How the grid is read; its wrap modes are not.
-    pub sampler: Sampler,
-    /// The transfer function: a row of texels along which the grid's first channel is looked up. Its colour shines, its alpha
-    /// is the density. Without one, see [`texmap_sample::Volume`].
-    pub transfer: Option<TextureSlot>,
-    /// Extinction of density 1 per world unit: through a length L of it shows `exp(-density L)` of what is behind.
-    pub density: f32,
-    /// World units between look-ups.
-    pub step: f32,
-    /// Where the grid's unit cube stands: column 0 of the grid at x = 0, row 0 at y = 0, slice 0 at z = 0. Not flat.
-    pub world_from_volume: DMat4,
-}
+use texmap_scene::{AlphaMode, Material, Mesh, Scene, Shading, Volume};
 
 /// The unit cube, fronts outwards.
 static CUBE: LazyLock<Mesh> = LazyLock::new(|| Mesh {
@@ -65,34 +46,6 @@ static MATERIAL: LazyLock<Material> = LazyLock::new(|| Material {
     ..Material::default()
 });
 
-impl Volume {
-    /// What a check of the scene finds wrong with it.
-    pub(crate) fn check(&self, number: usize, effects: &Effects) -> Result<(), RenderError> {
-        let place = || format!("volume {number}");
-        index(place, "grid", self.grid as u64, effects.grids.len())?;
-        if !(self.density.is_finite() && self.density >= 0.0) {
-            return Err(fault(number, "density", self.density.to_string()));
-        }
-        if !(self.step.is_finite() && self.step > 0.0) {
-            return Err(fault(number, "step", self.step.to_string()));
-        }
-        if !has_volume(&self.world_from_volume) {
-            let matrix = self.world_from_volume.to_string();
-            return Err(fault(number, "placement", matrix));
-        }
-        Ok(())
-    }
-}
-
-fn fault(number: usize, what: &str, value: String) -> RenderError {
-    RenderError::Value {
-        place: format!("volume {number}"),
-        what: what.to_owned(),
-        value,
-        expected: "the density must be finite and not negative, the step finite and above 0, no side of the box 0",
-    }
-}
-
 /// The far sides of a volume's box, whatever stands before them. They still lack their stage.
 pub(crate) fn far_sides<'s>(volume: &Volume, clip_from_world: DMat4) -> Surface<'s> {
     let mesh = &*CUBE;
@@ -116,7 +69,7 @@ pub(crate) fn far_sides<'s>(volume: &Volume, clip_from_world: DMat4) -> Surface<
 /// A volume as the stages read it.
 pub(crate) struct VolumeStage<'s> {
     matter: texmap_sample::Volume<'s>,
-    rays: Rays,
+    rays: ViewRays,
     /// The eye, and the matrix of directions, in the space of the grid.
     eye: DVec3,
     volume_from_view: DMat4,
@@ -129,7 +82,7 @@ impl<'s> VolumeStage<'s> {
         volume: &'s Volume,
         scene: &'s Scene,
         transfer: Option<(&'s Texture2d<'static>, &'s Sampler)>,
-        rays: Rays,
+        rays: ViewRays,
         level: Level,
         view_from_world: DMat4,
         projection: DMat4,
@@ -142,7 +95,12 @@ impl<'s> VolumeStage<'s> {
             volume.density,
             volume.step,
         )
-        .map_err(|error| fault(volume.grid, "numbers", error.to_string()))?
+        .map_err(|error| SceneError::Value {
+            place: format!("volume of grid {}", volume.grid),
+            what: "its numbers".to_owned(),
+            value: error.to_string(),
+            expected: "see Scene::check",
+        })?
         .on_level(level);
         let volume_from_world = volume.world_from_volume.inverse();
         Ok(Self {

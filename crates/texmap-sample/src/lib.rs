@@ -54,6 +54,7 @@
 )]
 extern crate alloc;
 
+mod antialias;
 mod atlas;
 mod compare;
 mod cube;

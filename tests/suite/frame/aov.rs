@@ -1,8 +1,9 @@
 //! Every buffer beside the colour: its values, and nothing but the written constant where there are none.
 
 use texmap_math::glam::{DMat4, DVec3};
-use texmap_render::{AlphaMode, Aov, AovData, HOLE_BITS, Material, Mesh, Scene, TextureRole};
+use texmap_render::{Aov, AovData, HOLE_BITS};
 use texmap_sample::{Filter, UvTransform};
+use texmap_scene::{AlphaMode, Material, Mesh, Scene, TextureRole};
 
 use crate::scenes::{draw_aovs, empty, faces, quad, slot, texture, unlit, values, wall};
 

@@ -1,6 +1,7 @@
 //! Blended surfaces: composed in submission order, tested against depth, leaving none.
 
-use texmap_render::{AlphaMode, Aov, Material, Mesh, Scene};
+use texmap_render::Aov;
+use texmap_scene::{AlphaMode, Material, Mesh, Scene};
 
 use crate::scenes::{draw, draw_aovs, empty, pixel, unlit, values, wall};
 

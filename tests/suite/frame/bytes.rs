@@ -6,11 +6,13 @@ use texmap_math::glam::{DMat4, DVec3};
 use texmap_math::{Level, Projector};
 use texmap_raster::Cull;
 use texmap_render::{
-    AlphaMode, Aov, Effects, Frame, LightMapSlot, Material, Mesh, Reflection, Relief, RenderError,
-    Renderer, Scene, Settings, Shading, Shadow, SlideProjector, SlideRole, TextureRole, pixel_hash,
-    render, render_ordered,
+    Aov, Frame, RenderError, Renderer, Settings, pixel_hash, render, render_ordered,
 };
 use texmap_sample::{Filter, Precision, Sampler};
+use texmap_scene::{
+    AlphaMode, Effects, LightMapSlot, Material, Mesh, Reflection, Relief, Scene, Shading, Shadow,
+    SlideProjector, SlideRole, TextureRole,
+};
 use texmap_tests::levels::levels;
 
 use crate::scenes::{bits, empty, quad, slot, texture, unlit, wall};

@@ -2,13 +2,14 @@
 
 use texmap_light::{Chart, Environment, Light};
 use texmap_math::glam::{DMat4, DVec3};
-use texmap_render::{
-    AlphaMode, Aov, Backdrop, Font, Material, Renderer, Scene, Settings, Shading, Solid,
-    SolidSource, TextureSlot, Volume, pixel_hash, render, render_ordered,
-};
+use texmap_mesh::Font;
+use texmap_render::{Aov, Renderer, Settings, pixel_hash, render, render_ordered};
 use texmap_sample::{
     Alpha, ColorSpace, Filter, Image, Origin, Pattern, Sampler, Texels, Texture2d, Texture3d,
     UvTransform, Wrap,
+};
+use texmap_scene::{
+    AlphaMode, Backdrop, Material, Scene, Shading, Solid, SolidSource, TextureSlot, Volume,
 };
 use texmap_tests::levels::levels;
 
@@ -178,7 +179,7 @@ fn everything(seed: u32) -> Scene {
     });
     scene.materials.push(Material {
         color_ramp: Some(slot(0, Filter::Trilinear, Wrap::ClampToEdge)),
-        texture_role: texmap_render::TextureRole::Decal,
+        texture_role: texmap_scene::TextureRole::Decal,
         ..textured
     });
     for material in 0..scene.materials.len() - 2 {

@@ -2,10 +2,9 @@
 
 use texmap_light::{Light, Surface};
 use texmap_math::{Level, color};
-use texmap_render::{
-    AlphaMode, Aov, ColorMode, Material, Scene, Settings, Shading, TextureRole, render,
-};
+use texmap_render::{Aov, Settings, render};
 use texmap_sample::{Alpha, ColorSpace, Filter, Image, Origin, Texels, Texture2d};
+use texmap_scene::{AlphaMode, ColorMode, Material, Scene, Shading, TextureRole};
 use texmap_tests::levels::levels;
 
 use crate::scenes::{bits, draw, of, pixel, slot, texture, unlit, wall};

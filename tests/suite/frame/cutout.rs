@@ -1,7 +1,8 @@
 //! The alpha test: holes show what is behind, in colour and in depth.
 
-use texmap_render::{AlphaMode, Aov, Material, Mesh, Scene, Settings, TextureRole, render};
+use texmap_render::{Aov, Settings, render};
 use texmap_sample::{Filter, Texture2d};
+use texmap_scene::{AlphaMode, Material, Mesh, Scene, TextureRole};
 
 use crate::scenes::{draw, draw_aovs, empty, faces, pixel, slot, texture, unlit, values, wall};
 
@@ -140,7 +141,7 @@ fn opacity_and_its_map_take_part() {
 #[test]
 fn holes_let_light_through() {
     let mut scene = fence(AlphaMode::Test(0.0), Filter::Nearest);
-    scene.materials[1].shading = texmap_render::Shading::PerPixel;
+    scene.materials[1].shading = texmap_scene::Shading::PerPixel;
     // A point of the fence at x throws its shadow to x + 0.5 on the wall.
     scene.lights = vec![texmap_light::Light::Directional {
         color: [1.0; 3],
@@ -148,7 +149,7 @@ fn holes_let_light_through() {
     }];
     let shadow = |threads: usize| {
         let mut scene = scene.clone();
-        scene.effects.shadows = vec![texmap_render::Shadow {
+        scene.effects.shadows = vec![texmap_scene::Shadow {
             light: 0,
             size: Some(512),
             bias: None,

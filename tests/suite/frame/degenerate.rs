@@ -3,8 +3,9 @@
 use texmap_light::Light;
 use texmap_math::glam::{DMat4, DVec3};
 use texmap_raster::{Cull, Interp};
-use texmap_render::{AlphaMode, Frame, Material, Mesh, Scene, Shading};
+use texmap_render::Frame;
 use texmap_sample::Filter;
+use texmap_scene::{AlphaMode, Material, Mesh, Scene, Shading};
 
 use crate::scenes::{draw, empty, of, slot, texture, unlit, wall};
 

@@ -4,11 +4,14 @@ use texmap_light::{Chart, Environment, Green, Highlight, Light, ShadowBias, Slid
 use texmap_math::Projector;
 use texmap_math::glam::{DMat4, DVec3};
 use texmap_render::{
-    Aov, AovData, BakeOptions, Carving, Effects, Emission, Frame, HOLE_BITS, LightMapSlot,
-    Material, Mesh, Reflection, Relief, RenderError, Scene, Settings, Shading, Shadow,
-    SlideProjector, SlideRole, SurfaceMaps, bake, render, shadow_bias, shadow_kind, shadow_map_for,
+    Aov, AovData, BakeOptions, Frame, HOLE_BITS, Settings, bake, render, shadow_map_for,
 };
 use texmap_sample::{Filter, Sampler};
+use texmap_scene::SceneError;
+use texmap_scene::{
+    Carving, Effects, Emission, LightMapSlot, Material, Mesh, Reflection, Relief, Scene, Shading,
+    Shadow, SlideProjector, SlideRole, SurfaceMaps, shadow_bias, shadow_kind,
+};
 use texmap_tests::levels::levels;
 
 use crate::scenes::{bits, draw, empty, of, pixel, quad, slot, texture, wall};
@@ -526,15 +529,15 @@ fn faults_of_effects_are_named() {
     assert!(thrown(DVec3::Z, DVec3::Y, 0.0, 1.0).contains("field of view"));
     assert!(matches!(
         refused(|s| s.meshes[0].lightmap_uvs.clear()),
-        RenderError::MissingLightMapUv { .. }
+        SceneError::MissingLightMapUv { .. }
     ));
     assert!(matches!(
         refused(|s| s.meshes[0].uvs.clear()),
-        RenderError::MissingUv { .. }
+        SceneError::MissingUv { .. }
     ));
     assert!(matches!(
         refused(|s| s.meshes[0].lightmap_uvs[0][1] = f32::NAN),
-        RenderError::Value { .. }
+        SceneError::Value { .. }
     ));
     // Wrong but drawable: a warning.
     let mut inside = all();
@@ -667,5 +670,5 @@ fn emission_must_be_light() {
         ..Material::default()
     };
     let error = of(material, wall(1.0, 1.0)).check().unwrap_err();
-    assert!(matches!(error, RenderError::Value { what, .. } if what == "emission"));
+    assert!(matches!(error, SceneError::Value { what, .. } if what == "emission"));
 }

@@ -3,8 +3,9 @@
 use texmap_light::Light;
 use texmap_math::glam::{DMat4, DVec3};
 use texmap_raster::Interp;
-use texmap_render::{Mesh, RenderError, Scene, Settings, render};
+use texmap_render::{RenderError, Settings, render};
 use texmap_sample::Filter;
+use texmap_scene::{Mesh, Scene};
 use texmap_uv::Projection;
 
 use crate::scenes::{draw, of, slot, texture, unlit, wall};

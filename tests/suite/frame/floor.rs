@@ -3,8 +3,9 @@
 use texmap_math::Homography;
 use texmap_math::glam::{DVec2, DVec3, DVec4};
 use texmap_raster::Interp;
-use texmap_render::{Aov, Material, Mesh, Scene};
+use texmap_render::Aov;
 use texmap_sample::Filter;
+use texmap_scene::{Material, Mesh, Scene};
 
 use crate::scenes::{draw_aovs, faces, of, pixel, quad, slot, texture, unlit, values};
 

@@ -1,6 +1,6 @@
 //! Colours interpolated on the screen tear at T-joints by a known amount (MIT 6.837, lecture 18, slides 14-15).
 
-use texmap_render::{Gouraud, Material, Mesh, Scene};
+use texmap_scene::{Gouraud, Material, Mesh, Scene};
 
 use crate::scenes::{draw, of, pixel, unlit};
 

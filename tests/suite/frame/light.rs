@@ -3,8 +3,9 @@
 use texmap_light::{Light, Surface, illuminate};
 use texmap_math::glam::{DMat4, DVec3};
 use texmap_raster::Cull;
-use texmap_render::{Aov, Gouraud, Material, Mesh, Scene, Shading};
+use texmap_render::Aov;
 use texmap_sample::Filter;
+use texmap_scene::{Gouraud, Material, Mesh, Scene, Shading};
 
 use crate::scenes::{draw, draw_aovs, of, pixel, slot, texture, values, wall};
 

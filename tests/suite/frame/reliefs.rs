@@ -4,8 +4,10 @@ use texmap_light::{
     Green, Heights, Light, ShadowBias, Slope, Surface, encode_normal, encode_offsets,
 };
 use texmap_math::glam::{DMat4, DVec3};
-use texmap_render::{Aov, Carving, Frame, Material, Mesh, Relief, RenderError, Scene, Shadow};
+use texmap_render::{Aov, Frame};
 use texmap_sample::{Alpha, ColorSpace, Filter, Image, Origin, Pattern, Texels, Texture2d};
+use texmap_scene::SceneError;
+use texmap_scene::{Carving, Material, Mesh, Relief, Scene, Shadow};
 use texmap_tests::levels::levels;
 
 use crate::scenes::{draw, draw_aovs, empty, of, pixel, quad, slot, values, wall};
@@ -461,7 +463,7 @@ fn faults_of_reliefs_are_named() {
     assert!(text(offsets(1, f32::NAN, Green::Up)).contains("slope of the offset map"));
     assert!(matches!(
         refused(offsets(9, 1.0, Green::Up)),
-        RenderError::Index { .. }
+        SceneError::Index { .. }
     ));
     assert!(text(dimples(0, 0.0)).contains("waves around"));
     assert!(text(dimples(3, f32::INFINITY)).contains("fold"));
@@ -479,7 +481,7 @@ fn faults_of_reliefs_are_named() {
     scene.materials[0] = matte(carved(DMat4::IDENTITY, 1.0));
     assert!(scene.check().is_ok());
     scene.materials[0] = matte(offsets(1, 1.0, Green::Up));
-    assert!(matches!(scene.check(), Err(RenderError::MissingUv { .. })));
+    assert!(matches!(scene.check(), Err(SceneError::MissingUv { .. })));
 }
 
 /// Names of lights lead to their shadows, and what is wrong with them is said.
@@ -489,15 +491,15 @@ fn lights_have_names() {
         lights: vec![Light::Ambient { color: [0.1; 3] }; 3],
         ..empty()
     };
-    let error = scene.shadow_aov("sun").unwrap_err();
+    let error = Aov::shadow_of(&scene, "sun").unwrap_err();
     assert!(
         error
             .to_string()
             .contains("no light is called 'sun'; there are no names")
     );
     scene.effects.light_names = vec![String::new(), "sun".into(), "lamp-2".into()];
-    assert_eq!(scene.shadow_aov("lamp-2"), Ok(Aov::Shadow(2)));
-    let error = scene.shadow_aov("moon").unwrap_err();
+    assert_eq!(Aov::shadow_of(&scene, "lamp-2"), Ok(Aov::Shadow(2)));
+    let error = Aov::shadow_of(&scene, "moon").unwrap_err();
     assert_eq!(
         error.to_string(),
         "no light is called 'moon'; there are 'sun' (light 1), 'lamp-2' (light 2)"

@@ -2,8 +2,9 @@
 
 use texmap_math::glam::{DMat4, DVec3};
 use texmap_math::{Level, det};
-use texmap_render::{Aov, Frame, Scene};
+use texmap_render::{Aov, Frame};
 use texmap_sample::Filter;
+use texmap_scene::Scene;
 use texmap_uv::{Entity, Faces, Mapping, PixelMapping, Round, Shape};
 
 use crate::scenes::{draw_aovs, of, pixel, quad, slot, texture, unlit, values};

@@ -1,7 +1,8 @@
 //! Four samples a pixel: what is shaded at a centre that lies outside of the triangle.
 
-use texmap_render::{ColorMode, Mesh, Renderer, Scene, Settings, pixel_hash, render};
+use texmap_render::{Renderer, Settings, pixel_hash, render};
 use texmap_sample::{Filter, Precision};
+use texmap_scene::{ColorMode, Mesh, Scene};
 use texmap_tests::levels::levels;
 
 use crate::scenes::{of, slot, texture, unlit};

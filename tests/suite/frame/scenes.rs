@@ -1,10 +1,9 @@
 //! Small scenes and ways to read their frames.
 
 use texmap_light::Surface;
-use texmap_render::{
-    Aov, AovData, Frame, Material, Mesh, Scene, Settings, Shading, TextureSlot, render,
-};
+use texmap_render::{Aov, AovData, Frame, Settings, render};
 use texmap_sample::{ColorSpace, Filter, Origin, Sampler, Texture2d, UvTransform};
+use texmap_scene::{Material, Mesh, Scene, Shading, TextureSlot};
 
 pub(crate) use texmap_targets::scenes::{empty, quad};
 

@@ -2,11 +2,11 @@
 
 use texmap_light::{Light, Surface};
 use texmap_math::glam::{DMat4, DVec3};
-use texmap_render::{
-    Aov, AovData, Billboard, Bone, Displacement, EdgeBudget, Facing, Material, Mesh, Renderer,
-    Scene, Settings, Shadow, Skeleton, SkinBlend, render, render_ordered, turn,
-};
+use texmap_mesh::tessellate;
+use texmap_mesh::{Bone, Skeleton, SkinBlend, turn};
+use texmap_render::{Aov, AovData, Renderer, Settings, render, render_ordered};
 use texmap_sample::Filter;
+use texmap_scene::{Billboard, Displacement, EdgeBudget, Facing, Material, Mesh, Scene, Shadow};
 use texmap_tests::levels::levels;
 
 use crate::scenes::{bits, empty, quad, slot, texture, wall};
@@ -98,20 +98,20 @@ fn everything() -> Scene {
             Material {
                 surface: white,
                 base_color: slot(1, Filter::Nearest),
-                alpha: texmap_render::AlphaMode::Test(0.0),
+                alpha: texmap_scene::AlphaMode::Test(0.0),
                 ..Material::default()
             },
         ],
         meshes: vec![
             displaced(back, 0, 0.4, EdgeBudget::Pixels(3.0)),
             displaced(floor, 0, 0.3, EdgeBudget::Texels(2.0)),
-            Mesh::of_billboards("trees", cards.to_vec(), 1),
+            texmap_mesh::billboards("trees", cards.to_vec(), 1),
             Mesh {
                 material: 1,
                 ..bent
             },
         ],
-        effects: texmap_render::Effects {
+        effects: texmap_scene::Effects {
             shadows: vec![Shadow {
                 light: 1,
                 size: Some(256),
@@ -132,6 +132,7 @@ fn shapes_have_one_picture_on_every_level_and_number_of_threads() {
         aovs: Aov::ALL.to_vec(),
         ..Settings::new(100, 80)
     };
+    let scene = tessellate(scene, 100).expect("a good scene");
     let expected = render(&scene, &settings, &|_, _| ()).expect("a good scene");
     assert!(
         expected.stats.triangles_submitted > 2_000,
@@ -156,12 +157,11 @@ fn shapes_have_one_picture_on_every_level_and_number_of_threads() {
             render_ordered(&scene, &settings, &|_, _| (), &backwards).expect("a good scene");
         assert_eq!(bits(&frame), bits(&expected), "{threads} threads");
     }
-    // Shaping is a pure function: what is shaped once is drawn alike.
-    let shaped = scene.shaped(100).expect("a good scene").into_owned();
-    assert_eq!(
-        bits(&render(&shaped, &settings, &|_, _| ()).expect("a good scene")),
-        bits(&expected)
-    );
+    // A scene of triangles is left as it is.
+    assert!(matches!(
+        tessellate(&*scene, 100),
+        Ok(std::borrow::Cow::Borrowed(_))
+    ));
 }
 
 /// No edge is longer than its budget, and none of them was needed: twice the length would not do.
@@ -183,7 +183,7 @@ fn edges_keep_within_their_budget_of_pixels() {
             height,
             EdgeBudget::Pixels(pixels),
         )];
-        let shaped = scene.shaped(200).expect("a good scene").into_owned();
+        let shaped = tessellate(&scene, 200).expect("a good scene").into_owned();
         let mesh = &shaped.meshes[0];
         let at = |v: u32| DVec3::from(mesh.positions[v as usize].map(f64::from));
         // 200 pixels see 90 degrees: 100 pixels for a length of 1 at distance 1.
@@ -226,6 +226,7 @@ fn a_height_of_zero_changes_no_picture() {
             aovs: vec![Aov::Face],
             ..Settings::new(100, 80)
         };
+        let scene = tessellate(scene, 100).expect("a good scene");
         render(&scene, &settings, &|_, _| ()).expect("a good scene")
     };
     let (none, zero, some) = (resting(None), resting(Some(0.0)), resting(Some(0.3)));
@@ -263,7 +264,7 @@ fn normals_follow_the_moved_surface() {
             0.2,
             EdgeBudget::Texels(texels),
         )];
-        let shaped = scene.shaped(64).expect("a good scene").into_owned();
+        let shaped = tessellate(&scene, 64).expect("a good scene").into_owned();
         let mesh = &shaped.meshes[0];
         let inner = mesh
             .positions
@@ -325,7 +326,7 @@ fn moved(mesh: Mesh, map: texmap_sample::Texture2d<'static>, height: f32) -> Vec
     scene.textures = vec![map];
     scene.materials = vec![Material::default()];
     scene.meshes = vec![displaced(mesh, 0, height, EdgeBudget::Texels(100.0))];
-    scene.shaped(64).expect("a good scene").meshes[0]
+    tessellate(&scene, 64).expect("a good scene").meshes[0]
         .positions
         .clone()
 }
@@ -376,20 +377,17 @@ fn seams_move_by_the_mean_of_their_heights() {
 }
 
 #[test]
-fn an_unshaped_scene_is_refused_and_bad_displacements_are_named() {
+fn a_scene_of_descriptions_is_refused_and_bad_displacements_are_named() {
     let scene = everything();
     let error = Renderer::new(&scene, &Settings::new(8, 8))
         .expect_err("refused")
         .to_string();
-    assert!(error.contains("Scene::shaped"), "{error}");
+    assert!(error.contains("texmap_mesh::tessellate"), "{error}");
     let refused = |change: fn(&mut Mesh)| {
         let mut scene = everything();
         scene.meshes[0].name = "wall".to_owned();
         change(&mut scene.meshes[0]);
-        let settings = Settings::new(8, 8);
-        render(&scene, &settings, &|_, _| ())
-            .expect_err("refused")
-            .to_string()
+        tessellate(scene, 8).expect_err("refused").to_string()
     };
     for (change, word) in [
         (

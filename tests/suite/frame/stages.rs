@@ -1,8 +1,7 @@
 //! Random scenes: every path through the tile gives the same bytes, on every level, any number of threads and in any order.
 
-use texmap_render::{
-    Aov, ColorMode, Frame, Renderer, Scene, Settings, pixel_hash, render, render_ordered,
-};
+use texmap_render::{Aov, Frame, Renderer, Settings, pixel_hash, render, render_ordered};
+use texmap_scene::{ColorMode, Scene};
 use texmap_targets::random::{scene, settings};
 use texmap_tests::levels::levels;
 

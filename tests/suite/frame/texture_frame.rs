@@ -2,8 +2,9 @@
 
 use texmap_math::TextureFrame;
 use texmap_math::glam::{DMat4, DVec2, DVec3};
-use texmap_render::{Aov, Frame, Mesh, Scene};
+use texmap_render::{Aov, Frame};
 use texmap_sample::Filter;
+use texmap_scene::{Mesh, Scene};
 
 use crate::scenes::{draw, draw_aovs, of, quad, slot, texture, unlit, values};
 

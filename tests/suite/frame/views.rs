@@ -2,7 +2,8 @@
 
 use texmap_light::Chart;
 use texmap_math::glam::{DVec2, DVec3};
-use texmap_render::{ColorMode, Mesh, Scene, environment_of};
+use texmap_render::environment_of;
+use texmap_scene::{ColorMode, Mesh, Scene};
 
 use crate::scenes::{empty, unlit};
 

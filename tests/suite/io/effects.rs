@@ -2,7 +2,9 @@
 
 use texmap_light::{Green, Light, ShadowBias};
 use texmap_math::glam::DVec3;
-use texmap_render::{Carving, Relief, Settings, SlideRole, render};
+use texmap_render::Aov;
+use texmap_render::{Settings, render};
+use texmap_scene::{Carving, Relief, SlideRole};
 
 use crate::support::Files;
 
@@ -183,7 +185,7 @@ fn lights_are_named_below_their_lines() {
         "la 1 1 1\nlp 1 1 1 0 3 3\nname lamp\nshadow 64\nld 1 1 1 0 -1 0\nls 1 1 1 0 2 3 0 -1 -1 10 30\nname spot_2\n{FACE}"
     ));
     assert_eq!(scene.effects.light_names, ["", "lamp", "", "spot_2"]);
-    assert_eq!(scene.shadow_aov("lamp"), Ok(texmap_render::Aov::Shadow(1)));
+    assert_eq!(Aov::shadow_of(&scene, "lamp"), Ok(Aov::Shadow(1)));
 }
 
 #[test]
@@ -274,7 +276,7 @@ fn every_map_of_a_library_is_drawn() {
             .with("m.mtl", format!("newmtl m\nKd 0.8 0.8 0.8\nKs 0.9 0.9 0.9\nNs 30\nillum 2\n{}\n", maps.join("\n")))
             .with("m.obj", obj)
             .scene("eye 0 0 4\nlook 0 0 0\nfov 40\nbackground 0 0 0.4\nla 0.3 0.3 0.3\nlp 0.6 0.6 0.6 0.5 0.6 1.5\ndisplace none\nobj m.obj\n");
-        let shaped = scene.shaped(64).unwrap();
+        let shaped = texmap_mesh::tessellate(&scene, 64).unwrap();
         render(&shaped, &Settings::new(64, 64), &|_, _| ())
             .unwrap()
             .rgba

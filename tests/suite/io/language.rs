@@ -8,9 +8,10 @@ use texmap_io::scene_file::{
     Role, RoundShape, SceneFile, Shade, Shape, Surf, TerrainLine, TexturedCorner, parse, print,
 };
 use texmap_light::Chart;
+use texmap_mesh::SkinBlend;
 use texmap_raster::{Cull, Interp};
-use texmap_render::{ColorMode, EdgeBudget, Gouraud, SkinBlend};
 use texmap_sample::{Cubic, Filter, Wrap};
+use texmap_scene::{ColorMode, EdgeBudget, Gouraud};
 use texmap_uv::Round;
 
 use crate::support::Files;

@@ -5,7 +5,8 @@ use std::fs;
 use texmap_io::{FileSource, IoError, LoadOptions, load};
 use texmap_math::MemoryBudget;
 use texmap_raster::{Atlas, AtlasMesh, AtlasOptions, RasterError, TargetSize};
-use texmap_render::{Aov, RenderError, Renderer, Scene, Settings, render};
+use texmap_render::{Aov, RenderError, Renderer, Settings, render};
+use texmap_scene::Scene;
 
 /// Less than anything large.
 const LITTLE: MemoryBudget = MemoryBudget::new(20 << 20);

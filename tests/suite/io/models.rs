@@ -2,8 +2,9 @@
 
 use texmap_io::scene_file::Missing;
 use texmap_io::{LoadOptions, load};
-use texmap_render::{AlphaMode, Frame, Scene, Settings, TextureRole, render};
+use texmap_render::{Frame, Settings, render};
 use texmap_sample::{Origin, Wrap};
+use texmap_scene::{AlphaMode, Scene, TextureRole};
 
 use crate::support::Files;
 

@@ -3,10 +3,9 @@
 use texmap_light::Light;
 use texmap_math::glam::DVec3;
 use texmap_raster::{Cull, DepthTest};
-use texmap_render::{
-    AlphaMode, Aov, AovData, ColorMode, Scene, Settings, Shading, TextureRole, render,
-};
+use texmap_render::{Aov, AovData, Settings, render};
 use texmap_sample::{Filter, Wrap};
+use texmap_scene::{AlphaMode, ColorMode, Scene, Shading, TextureRole};
 
 use crate::support::Files;
 

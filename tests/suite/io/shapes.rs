@@ -1,7 +1,8 @@
 //! What the lines of shape become: displaced, bent and turned meshes.
 
 use texmap_math::glam::DVec3;
-use texmap_render::{EdgeBudget, Mesh, Scene, Settings, render};
+use texmap_render::{Settings, render};
+use texmap_scene::{EdgeBudget, Mesh, Scene};
 
 use crate::support::Files;
 
@@ -18,7 +19,9 @@ fn files() -> Files {
 }
 
 fn shaped(scene: &Scene) -> Scene {
-    scene.shaped(64).expect("a good scene").into_owned()
+    texmap_mesh::tessellate(scene, 64)
+        .expect("a good scene")
+        .into_owned()
 }
 
 fn top(mesh: &Mesh) -> f32 {
@@ -101,7 +104,7 @@ fn terrain_is_a_grid_over_its_map() {
     assert!((world(15) - DVec3::new(8.0, height, 3.5)).length() < 1e-3);
     assert_eq!(
         scene.materials[mesh.material].texture_role,
-        texmap_render::TextureRole::Modulate
+        texmap_scene::TextureRole::Modulate
     );
 }
 

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use tempfile::TempDir;
 use texmap_io::{IoError, LoadOptions, image_io, load};
-use texmap_render::Scene;
+use texmap_scene::Scene;
 
 pub(crate) struct Files(TempDir);
 

@@ -5,7 +5,8 @@ use texmap_lab::verify::verify;
 use texmap_light::Light;
 use texmap_math::glam::DVec3;
 use texmap_render::planner::{Budget, choose};
-use texmap_render::{Scene, Settings, Shading, Shadow, TextureRole, render};
+use texmap_render::{Settings, render};
+use texmap_scene::{Scene, Shading, Shadow, TextureRole};
 use texmap_uv::{Frame, Origin, PixelMapping, Round};
 
 const SIZE: (u32, u32) = (120, 90);

@@ -1,11 +1,13 @@
 //! The renderer against the f64 frame of rays, on every scene of `assets/`.
 use std::path::{Path, PathBuf};
+use texmap_mesh::tessellate;
 
 use texmap_io::LoadOptions;
 use texmap_lab::truth::{Truth, frame};
 use texmap_lab::verify::verify;
 use texmap_raster::Interp;
-use texmap_render::{Frame, Material, Scene, Settings, render};
+use texmap_render::{Frame, Settings, render};
+use texmap_scene::{Material, Scene};
 
 const WIDTH: u32 = 160;
 const HEIGHT: u32 = 120;
@@ -77,7 +79,7 @@ fn what_is_seen_does_not_depend_on_the_number_of_samples() {
 
 fn drawn(scene: &Scene, interp: Option<Interp>) -> Frame {
     render(
-        scene,
+        &tessellate(scene, WIDTH).unwrap(),
         &Settings {
             interp,
             ..Settings::new(WIDTH, HEIGHT)
@@ -121,6 +123,7 @@ fn the_reference_is_where_supersampling_leads() {
             supersample: 8,
             ..Settings::new(size.0, size.1)
         };
+        let scene = tessellate(scene, size.0).unwrap();
         let frame = render(&scene, &settings, &|_, _| {}).unwrap();
         let found = verify(&scene, &frame, 6).unwrap();
         if !(found.rmse <= 0.01 && found.judged > 1_000) {

@@ -13,12 +13,14 @@ pub mod scenes;
 use std::error::Error;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
+use texmap_mesh::tessellate;
 
 pub use effects::Folders;
 use texmap_io::{IoError, LoadOptions, image_io, load, read_environment, write_environment};
 use texmap_light::{Chart, Environment};
 use texmap_math::Level;
-use texmap_render::{Aov, AovData, Frame, Scene, Settings, hash_pixels, pixel_hash, render};
+use texmap_render::{Aov, AovData, Frame, Settings, hash_pixels, pixel_hash, render};
+use texmap_scene::Scene;
 
 /// Random scenes of every effect.
 pub const EFFECT_SCENES: u64 = 60;
@@ -53,11 +55,9 @@ pub fn hashes(folders: &Folders, level: Level) -> Result<String, Box<dyn Error>>
         let name = format!("effects-{seed:02}");
         let frame = effect_scene(seed, folders)
             .and_then(|scene| {
-                Ok(render(
-                    &scene,
-                    &effect_settings(seed, &scene, level),
-                    &|_, _| (),
-                )?)
+                let settings = effect_settings(seed, &scene, level);
+                let scene = tessellate(scene, settings.width)?;
+                Ok(render(&scene, &settings, &|_, _| ())?)
             })
             .map_err(|error| format!("{name}: {error}"))?;
         writeln!(list, "{}", line(&name, &frame))?;
@@ -69,6 +69,7 @@ pub fn hashes(folders: &Folders, level: Level) -> Result<String, Box<dyn Error>>
             aovs: Aov::ALL.to_vec(),
             ..Settings::new(160, 120)
         };
+        let scene = tessellate(scene, settings.width)?;
         let frame = render(&scene, &settings, &|_, _| ())?;
         writeln!(list, "{}", line(&name_of(&path), &frame))?;
     }

@@ -2,11 +2,11 @@
 
 use texmap_light::{Light, Surface};
 use texmap_raster::Cull;
-use texmap_render::{
-    AlphaMode, Aov, ColorMode, Emission, Material, Mesh, Scene, Settings, Shading, TextureRole,
-    TextureSlot,
-};
+use texmap_render::{Aov, Settings};
 use texmap_sample::{ColorSpace, Filter, Origin, Precision, Sampler, Texture2d, UvTransform, Wrap};
+use texmap_scene::{
+    AlphaMode, ColorMode, Emission, Material, Mesh, Scene, Shading, TextureRole, TextureSlot,
+};
 
 use crate::scenes::{empty, quad};
 

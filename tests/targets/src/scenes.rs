@@ -3,7 +3,7 @@
 use texmap_math::Camera;
 use texmap_math::glam::DVec3;
 use texmap_raster::DepthTest;
-use texmap_render::{ColorMode, Mesh, Scene};
+use texmap_scene::{ColorMode, Mesh, Scene};
 
 /// Raw colours, black opaque background, no light, nothing in it; the camera stands in the origin, looks along -Z and sees
 /// 90 degrees.

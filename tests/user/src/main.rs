@@ -5,11 +5,8 @@
 use texmap_light::{Chart, Environment, Light, Surface, illuminate_slice};
 use texmap_math::glam::{DMat4, DVec2, DVec3};
 use texmap_math::{Camera, Footprint, Homography, Level};
-use texmap_render::{
-    Aov, BakeOptions, Carving, ColorMode, Displacement, Effects, Material, Mesh, Reflection, Relief, Scene, Settings,
-    Shading, Shadow, Solid, SolidSource, TextureRole, TextureSlot, bake, pixel_hash, render, shadow_bias, shadow_kind,
-    shadow_map,
-};
+use texmap_render::{Aov, BakeOptions, Settings, bake, pixel_hash, render, shadow_map};
+use texmap_scene::{Carving, ColorMode, Displacement, Effects, Material, Mesh, Reflection, Relief, Scene, Shading, Shadow, Solid, SolidSource, TextureRole, TextureSlot, shadow_bias, shadow_kind};
 use texmap_sample::{
     ColorSpace, Filter, Origin, Outside, Pattern, Precision, Resample, Sampler, Texture2d, UvTransform,
     sample_rgba8_slice, sample_slice,

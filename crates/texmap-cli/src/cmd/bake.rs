@@ -1,13 +1,13 @@
 //! `texmap bake`: the light on a mesh as a light map.
 
+use crate::failure::Refusal;
 use std::path::PathBuf;
 
 use clap::Args;
 use texmap_io::{LoadOptions, load};
 use texmap_light::Light;
-use texmap_render::{
-    BakeOptions, LightMap, RenderError, Scene, bake, shadow_bias, shadow_kind, shadow_map_for,
-};
+use texmap_render::{BakeOptions, LightMap, RenderError, bake, shadow_map_for};
+use texmap_scene::{Scene, shadow_bias, shadow_kind};
 
 use crate::cmd::Root;
 use crate::failure::{Exit, Failure, say};
@@ -58,10 +58,11 @@ pub(crate) fn run(args: &BakeArgs) -> Result<Exit, Failure> {
             ..LoadOptions::default()
         },
     )?;
-    let refused =
-        |e: RenderError| Failure::of_render(&e, None, "mend the scene, or bake another object");
+    fn refused(error: impl Into<Refusal>) -> Failure {
+        Failure::of_render(error, None, "mend the scene, or bake another object")
+    }
     // Edges in pixels are measured by the light map's own size.
-    let scene = scene.shaped(args.size).map_err(refused)?;
+    let scene = texmap_mesh::tessellate(&scene, args.size).map_err(refused)?;
     let mesh = find(&scene, &args.object)?;
     for warning in &scene.warnings {
         say(&format!("warning: {warning}\n"));

@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 use texmap_io::{Lost, image_io, write_pixels};
-use texmap_render::ColorMode;
 use texmap_sample::{ColorSpace, Texture2d};
+use texmap_scene::ColorMode;
 
 use crate::cmd::render::plan::numbered;
 use crate::failure::{Exit, Failure};

@@ -5,10 +5,10 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use texmap_io::{FileSource, image_io, npy};
 use texmap_math::{Footprint, Level, MemoryBudget};
-use texmap_render::ColorMode;
 use texmap_sample::{
     Alpha, ColorSpace, Filter, Image, Origin, Sampler, Texels, Texture2d, Wrap, sample_slice,
 };
+use texmap_scene::ColorMode;
 
 use crate::failure::{Exit, Failure};
 use crate::formats;

@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 use texmap_io::{image_io, write_pixels};
-use texmap_render::ColorMode;
 use texmap_sample::{ColorSpace, Filter, Pattern, Sampler, Wrap};
+use texmap_scene::ColorMode;
 
 use crate::failure::{Exit, Failure, say};
 use crate::formats;

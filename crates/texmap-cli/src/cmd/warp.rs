@@ -9,8 +9,8 @@ use clap::Args;
 use texmap_io::{Lost, PixelCode, image_io, write_pixels};
 use texmap_math::glam::{DMat3, DVec2, DVec3};
 use texmap_math::{Homography, Level, det};
-use texmap_render::ColorMode;
 use texmap_sample::{ColorSpace, Filter, Outside, Resample, Texture2d};
+use texmap_scene::ColorMode;
 
 use crate::failure::{Exit, Failure};
 use crate::formats;

@@ -1,10 +1,11 @@
 //! Solid textures, ramps, decals, words, skies and volumes: lines to the scene.
 
 use texmap_math::glam::{DMat4, DVec3};
-use texmap_render::{
-    AlphaMode, Backdrop, Font, Material, Scene, Shading, Solid, SolidSource, TextureSlot, Volume,
-};
+use texmap_mesh::Font;
 use texmap_sample::{ColorSpace, Origin, Pattern, Sampler, Texture2d, UvTransform, Wrap};
+use texmap_scene::{
+    AlphaMode, Backdrop, Material, Scene, Shading, Solid, SolidSource, TextureSlot, Volume,
+};
 
 use super::effects::{Coordinates, Known, Use, environment};
 use super::settings::{CurrentTexture, Settings, WHITE, surface};
@@ -227,7 +228,7 @@ fn written(settings: &Settings, texture: usize, scene: &Scene) -> Material {
     let material = settings.textured(&current, Role::Modulate, scene.color);
     let lit = settings.role == Some(Role::Modulate);
     Material {
-        texture_role: texmap_render::TextureRole::Modulate,
+        texture_role: texmap_scene::TextureRole::Modulate,
         shading: if lit {
             material.shading
         } else {
@@ -271,14 +272,14 @@ const WOOD: [[u8; 3]; 5] = [
     [104, 60, 28],
 ];
 
-fn ramp_of(stops: &[[u8; 3]], color: texmap_render::ColorMode) -> Texture2d<'static> {
+fn ramp_of(stops: &[[u8; 3]], color: texmap_scene::ColorMode) -> Texture2d<'static> {
     let texels = stops
         .iter()
         .flat_map(|[r, g, b]| [*r, *g, *b, 255])
         .collect();
     let space = match color {
-        texmap_render::ColorMode::Srgb => ColorSpace::Srgb,
-        texmap_render::ColorMode::Raw => ColorSpace::Linear,
+        texmap_scene::ColorMode::Srgb => ColorSpace::Srgb,
+        texmap_scene::ColorMode::Raw => ColorSpace::Linear,
     };
     Texture2d::from_rgba8(stops.len() as u32, 1, texels, space, Origin::TopLeft)
         .expect("a row of a few texels")

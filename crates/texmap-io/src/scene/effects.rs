@@ -6,11 +6,11 @@ use std::path::PathBuf;
 use texmap_light::{Chart, Green, Highlight, Light, ShadowBias};
 use texmap_math::Projector;
 use texmap_math::glam::{DMat4, DVec3};
-use texmap_render::{
+use texmap_sample::{Pattern, UvTransform};
+use texmap_scene::{
     Carving, Emission, LightMapSlot, Material, Mesh, Reflection, Relief, Scene, Shadow,
     SlideProjector, SlideRole,
 };
-use texmap_sample::{Pattern, UvTransform};
 
 use super::classics;
 use super::settings::{Settings, emitted};
@@ -410,7 +410,7 @@ fn projector(
             texture,
             UvTransform::default(),
             true,
-            texmap_render::ColorMode::Raw,
+            texmap_scene::ColorMode::Raw,
         )
         .sampler;
     Ok(SlideProjector {

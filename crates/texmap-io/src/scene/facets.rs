@@ -5,7 +5,8 @@ use std::collections::HashMap;
 use texmap_math::det;
 use texmap_math::frame::TextureFrame;
 use texmap_math::glam::DVec3;
-use texmap_render::{Displacement, Mesh, Scene, SkinBlend};
+use texmap_mesh::SkinBlend;
+use texmap_scene::{Displacement, Mesh, Scene};
 use texmap_uv::PixelMapping;
 
 use super::shapes::Bones;

@@ -13,7 +13,7 @@ use std::path::Path;
 use texmap_math::camera::Camera;
 use texmap_math::glam::DVec3;
 use texmap_raster::DepthTest;
-use texmap_render::{ColorMode, Scene};
+use texmap_scene::{ColorMode, Scene};
 
 use crate::framing::{AUTO_FOV, Bounds, View, auto_lights};
 use crate::scene_file::{Alpha, Missing, Surf};

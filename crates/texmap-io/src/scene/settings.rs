@@ -5,12 +5,12 @@ use texmap_math::color::srgb_to_linear;
 use texmap_math::det;
 use texmap_math::frame::TextureFrame;
 use texmap_math::glam::{DMat4, DVec3};
+use texmap_mesh::SkinBlend;
 use texmap_raster::{Cull, Interp};
-use texmap_render::{
-    AlphaMode, ColorMode, Displacement, Gouraud, Material, Shading, SkinBlend, TextureRole,
-    TextureSlot,
-};
 use texmap_sample::{Filter, Sampler, UvTransform, Wrap};
+use texmap_scene::{
+    AlphaMode, ColorMode, Displacement, Gouraud, Material, Shading, TextureRole, TextureSlot,
+};
 use texmap_uv::PixelMapping;
 
 use super::classics::ClassicSettings;
@@ -250,7 +250,7 @@ pub(super) fn surface(surf: &Surf, color: ColorMode) -> Surface {
 pub(super) fn rotation(degrees: f64, axis: DVec3) -> DMat4 {
     let axis = obj::unit(axis).unwrap_or(DVec3::Z);
     let angle = quarter_turns(degrees).unwrap_or_else(|| det::sin_cos(degrees.to_radians()));
-    texmap_render::turn_by(axis, angle)
+    texmap_mesh::turn_by(axis, angle)
 }
 
 /// Sine and cosine of whole quarter turns, exactly.

@@ -1,11 +1,10 @@
 //! Shape lines to the scene: terrain, billboards, and the bones that meshes follow when all lines are read.
 
 use texmap_math::glam::{DMat4, DVec3};
-use texmap_render::{
-    Billboard, Bone, Displacement, EdgeBudget, Facing, Mesh, RenderError, Skeleton, SkinBlend,
-    TextureSlot,
-};
+use texmap_mesh::MeshError;
+use texmap_mesh::{Bone, Skeleton, SkinBlend};
 use texmap_sample::Texture2d;
+use texmap_scene::{Billboard, Displacement, EdgeBudget, Facing, Mesh, TextureSlot};
 
 use super::settings::rotation;
 use crate::scene_file::{BoneLine, TerrainLine};
@@ -129,7 +128,8 @@ pub(super) fn terrain(
     place: &Place,
 ) -> Result<Mesh, IoError> {
     let name = format!("terrain from {}:{}", place.file.display(), place.line);
-    Mesh::height_field(&name, heights, line.size, line.step).map_err(|e| bad_shape(place, &e))
+    texmap_mesh::height_field(&name, heights, line.size, line.step)
+        .map_err(|e| bad_shape(place, &e))
 }
 
 /// A billboard of a `billboard` line. It is scaled by the lengths of the transform's sides and turned to the camera.
@@ -152,8 +152,8 @@ pub(super) fn billboard(
     }
 }
 
-fn bad_shape(place: &Place, error: &RenderError) -> IoError {
-    if let RenderError::Memory(refused) = error {
+fn bad_shape(place: &Place, error: &MeshError) -> IoError {
+    if let MeshError::Memory(refused) = error {
         return IoError::memory(refused.clone(), Some(place));
     }
     IoError::BadShape {

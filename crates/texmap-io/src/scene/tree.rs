@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use texmap_render::ColorMode;
+use texmap_scene::ColorMode;
 
 use crate::files::{MAX_TEXT, is_called};
 use crate::scene_file::{self, Command, SceneFile};

@@ -19,8 +19,8 @@ mod token;
 pub mod words;
 
 use texmap_raster::{Cull, Interp};
-use texmap_render::{ColorMode, Gouraud};
 use texmap_sample::{Filter, Wrap};
+use texmap_scene::{ColorMode, Gouraud};
 use texmap_uv::Round;
 
 pub use classics::{Classic, SolidLine, SolidSource};

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use texmap_render::ColorMode;
+use texmap_scene::ColorMode;
 
 use super::args::Args;
 use super::classics;

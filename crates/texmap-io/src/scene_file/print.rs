@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use texmap_render::{ColorMode, Gouraud};
+use texmap_scene::{ColorMode, Gouraud};
 
 use super::classics;
 use super::effects;

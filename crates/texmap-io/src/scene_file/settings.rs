@@ -4,7 +4,7 @@
 use texmap_math::frame::TextureFrame;
 use texmap_math::glam::DVec3;
 use texmap_raster::Cull;
-use texmap_render::Gouraud;
+use texmap_scene::Gouraud;
 use texmap_uv::Round;
 
 use super::args::Args;

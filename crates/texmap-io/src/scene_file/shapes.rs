@@ -1,6 +1,7 @@
 //! The words of shapes that move, bend or turn: `displace terrain billboard bone skin`.
 
-use texmap_render::{Displacement, EdgeBudget, SkinBlend};
+use texmap_mesh::SkinBlend;
+use texmap_scene::{Displacement, EdgeBudget};
 
 use super::args::Args;
 use super::print::{floats, number, numbers, texture_name, word};

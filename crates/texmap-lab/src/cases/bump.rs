@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use texmap_light::{Green, Heights, Slope, clamp_to_horizon, decode_normal, encode_normal};
 use texmap_math::det;
 use texmap_math::glam::{DMat3, DMat4, DVec3};
-use texmap_render::Mesh;
+use texmap_scene::Mesh;
 use texmap_uv::Shape;
 
 use super::Measurement;
@@ -142,7 +142,7 @@ pub(super) fn b5() -> Result<Vec<Measurement>, LabError> {
         world_from_object: world,
         ..Mesh::default()
     };
-    for (i, found) in texmap_render::world_normals(&mesh).iter().enumerate() {
+    for (i, found) in mesh.world_normals().iter().enumerate() {
         worst = worst.max(degrees(*found, truths[i]));
         let straight = DMat3::from_mat4(world) * points[i];
         naive = naive.max(degrees(straight, truths[i]));

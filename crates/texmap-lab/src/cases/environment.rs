@@ -8,7 +8,8 @@ use texmap_math::color;
 use texmap_math::det;
 use texmap_math::glam::{DVec2, DVec3};
 use texmap_raster::{Coverage, DepthTest};
-use texmap_render::{BakeOptions, ColorMode, Material, Mesh, Scene, bake};
+use texmap_render::{BakeOptions, bake};
+use texmap_scene::{ColorMode, Material, Mesh, Scene};
 
 use super::Measurement;
 use crate::LabError;

@@ -7,8 +7,9 @@ use texmap_math::{Projector, det};
 use texmap_raster::{
     DepthTest, Draw, Fragment, NONE, NoAlphaTest, Prepared, TargetSize, TileBuffers,
 };
-use texmap_render::{ColorMode, Material, Mesh, Scene, shadow_kind, shadow_map};
+use texmap_render::shadow_map;
 use texmap_sample::{ColorSpace, Filter, Origin, Sampler, Texture2d};
+use texmap_scene::{ColorMode, Material, Mesh, Scene, shadow_kind};
 
 use super::Measurement;
 use crate::LabError;

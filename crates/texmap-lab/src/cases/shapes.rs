@@ -2,11 +2,13 @@
 
 use texmap_math::det;
 use texmap_math::glam::{DMat4, DVec3};
-use texmap_render::{
-    Billboard, Bone, Displacement, EdgeBudget, Facing, Material, Mesh, RenderError, Scene,
-    Settings, Shading, Skeleton, Skin, SkinBlend, TextureSlot, render, turn,
-};
+use texmap_mesh::MeshError;
+use texmap_mesh::{Bone, Skeleton, Skin, SkinBlend, turn};
+use texmap_render::{Settings, render};
 use texmap_sample::{Alpha, ColorSpace, Filter, Image, Origin, Sampler, Texels, Texture2d};
+use texmap_scene::{
+    Billboard, Displacement, EdgeBudget, Facing, Material, Mesh, Scene, Shading, TextureSlot,
+};
 
 use super::Measurement;
 use super::environment::Noise;
@@ -125,9 +127,7 @@ fn displaced(mut meshes: Vec<Mesh>, height: f32, texels: f32) -> Result<Scene, L
             ..Displacement::new(slot(), height)
         });
     }
-    Ok(scene(meshes, map, DVec3::ZERO, DVec3::X)
-        .shaped(64)?
-        .into_owned())
+    Ok(texmap_mesh::tessellate(scene(meshes, map, DVec3::ZERO, DVec3::X), 64)?.into_owned())
 }
 
 pub(super) fn b7() -> Result<Vec<Measurement>, LabError> {
@@ -170,8 +170,7 @@ pub(super) fn b7() -> Result<Vec<Measurement>, LabError> {
             ..Displacement::new(slot(), 0.4)
         });
     }
-    let meshes = scene(lid, map, DVec3::ZERO, DVec3::X)
-        .shaped(64)?
+    let meshes = texmap_mesh::tessellate(scene(lid, map, DVec3::ZERO, DVec3::X), 64)?
         .into_owned()
         .meshes;
     both("three faces moved, three at rest", &meshes)?;
@@ -198,7 +197,7 @@ pub(super) fn g1() -> Result<Vec<Measurement>, LabError> {
                 height: f32,
                 limit: u32,
                 map: u32|
-     -> Result<Result<Scene, RenderError>, LabError> {
+     -> Result<Result<Scene, MeshError>, LabError> {
         let mut meshes = cube();
         let (map, _) = heights(map, map)?;
         for mesh in &mut meshes {
@@ -211,9 +210,10 @@ pub(super) fn g1() -> Result<Vec<Measurement>, LabError> {
             };
             mesh.displacement = Some(displacement);
         }
-        Ok(scene(meshes, map, DVec3::ZERO, DVec3::X)
-            .shaped(64)
-            .map(std::borrow::Cow::into_owned))
+        Ok(
+            texmap_mesh::tessellate(scene(meshes, map, DVec3::ZERO, DVec3::X), 64)
+                .map(std::borrow::Cow::into_owned),
+        )
     };
     const MANY: u32 = Displacement::MAX_TRIANGLES;
     let nothing: fn(&mut Mesh) = |_| ();
@@ -231,7 +231,7 @@ pub(super) fn g1() -> Result<Vec<Measurement>, LabError> {
     ));
     told += f64::from(u8::from(matches!(
         with(nothing, 0.5, 1_000, MAP)?,
-        Err(RenderError::TooManyTriangles { .. })
+        Err(MeshError::TooManyTriangles { .. })
     )));
     told += f64::from(u8::from(with(nothing, f32::NAN, MANY, MAP)?.is_err()));
     let one = with(nothing, 0.5, MANY, 1)??;
@@ -346,7 +346,7 @@ pub(super) fn g3() -> Result<Vec<Measurement>, LabError> {
         };
         let eye = DVec3::new(off(), 4.0, off());
         let mut seen = scene(
-            vec![Mesh::of_billboards(
+            vec![texmap_mesh::billboards(
                 "card",
                 board(Facing::Axis(DVec3::Y)),
                 0,
@@ -356,7 +356,7 @@ pub(super) fn g3() -> Result<Vec<Measurement>, LabError> {
             DVec3::ZERO,
         );
         seen.camera.up = DVec3::Z;
-        let turned = seen.shaped(64)?.into_owned();
+        let turned = texmap_mesh::tessellate(&seen, 64)?.into_owned();
         lost += turned.meshes[0]
             .positions
             .as_flattened()
@@ -370,12 +370,12 @@ pub(super) fn g3() -> Result<Vec<Measurement>, LabError> {
         let mut next = || 2.0 * noise.unit() - 1.0;
         let eye = DVec3::new(next(), next(), next()) * 7.0;
         let seen = scene(
-            vec![Mesh::of_billboards("card", board(Facing::Screen), 0)],
+            vec![texmap_mesh::billboards("card", board(Facing::Screen), 0)],
             map.clone(),
             eye,
             DVec3::ZERO,
         );
-        let turned = seen.shaped(64)?.into_owned();
+        let turned = texmap_mesh::tessellate(&seen, 64)?.into_owned();
         let p: Vec<DVec3> = turned.meshes[0]
             .positions
             .iter()
@@ -398,7 +398,7 @@ pub(super) fn g4() -> Result<Vec<Measurement>, LabError> {
     const REFUSED: &str = "maps and sizes without an area that are refused, of 5";
     let (width, height) = (17u32, 9u32);
     let (map, values) = heights(width, height)?;
-    let land = Mesh::height_field("land", &map, [1.0, 1.0, 1.0], 1)?;
+    let land = texmap_mesh::height_field("land", &map, [1.0, 1.0, 1.0], 1)?;
     let (mut off, mut naive) = (0.0f64, 0.0f64);
     for (i, p) in land.positions.iter().enumerate() {
         let (x, y) = (i as u32 % width, i as u32 / width);
@@ -411,11 +411,11 @@ pub(super) fn g4() -> Result<Vec<Measurement>, LabError> {
     }
     let (line, _) = heights(1, 9)?;
     let bad = [
-        Mesh::height_field("a", &line, [1.0; 3], 1),
-        Mesh::height_field("a", &map, [0.0, 1.0, 1.0], 1),
-        Mesh::height_field("a", &map, [1.0, f32::NAN, 1.0], 1),
-        Mesh::height_field("a", &map, [1.0; 3], 0),
-        Mesh::height_field("a", &heights(2048, 2048)?.0, [1.0; 3], 1),
+        texmap_mesh::height_field("a", &line, [1.0; 3], 1),
+        texmap_mesh::height_field("a", &map, [0.0, 1.0, 1.0], 1),
+        texmap_mesh::height_field("a", &map, [1.0, f32::NAN, 1.0], 1),
+        texmap_mesh::height_field("a", &map, [1.0; 3], 0),
+        texmap_mesh::height_field("a", &heights(2048, 2048)?.0, [1.0; 3], 1),
     ];
     Ok(vec![
         Measurement::new("texmap", OFF, off),

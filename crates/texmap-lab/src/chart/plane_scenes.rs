@@ -1,8 +1,8 @@
 //! The scenes of the filtering panel with their truths, for whoever draws them.
 
 use texmap_math::camera::Camera;
-use texmap_render::{ColorMode, Material, Mesh, Scene, Shading, TextureRole, TextureSlot};
 use texmap_sample::{ColorSpace, Origin, Sampler, Texture2d, UvTransform};
+use texmap_scene::{ColorMode, Material, Mesh, Scene, Shading, TextureRole, TextureSlot};
 
 use super::Error;
 use crate::LabError;

@@ -2,8 +2,9 @@
 
 use texmap_io::scene_file::words;
 use texmap_raster::Interp;
-use texmap_render::{ColorMode, Frame, Renderer, Scene, Settings};
+use texmap_render::{Frame, Renderer, Settings};
 use texmap_sample::Filter;
+use texmap_scene::{ColorMode, Scene};
 
 use super::time::{Effort, interleaved};
 use super::{Across, Error, Panel, Point, Report, SceneChart, Source};
@@ -69,7 +70,7 @@ pub fn panel(
         ways.push((format!("trilinear, {}", words::interp(interp)), settings));
     }
     // Only drawing is timed.
-    let shaped = scene.shaped(width)?;
+    let shaped = texmap_mesh::tessellate(scene, width)?;
     let scene = shaped.as_ref();
     let steps = ways.len() + 2;
     report(0, steps, "truth");

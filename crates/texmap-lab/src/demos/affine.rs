@@ -3,8 +3,8 @@
 use texmap_math::affine_error::max_error;
 use texmap_math::glam::{DVec2, DVec3};
 use texmap_raster::Interp;
-use texmap_render::{Mesh, Scene};
 use texmap_sample::Filter;
+use texmap_scene::{Mesh, Scene};
 
 use super::sheet::sheet;
 use super::stage::{self, Shot};

@@ -5,8 +5,9 @@ use texmap_math::color::{linear_to_srgb8, srgb_to_linear};
 use texmap_math::det;
 use texmap_math::glam::{DVec2, DVec3};
 use texmap_raster::Interp;
-use texmap_render::{ColorMode, Material, Mesh, Scene, Settings, Shading};
+use texmap_render::Settings;
 use texmap_sample::{Filter, Wrap};
+use texmap_scene::{ColorMode, Material, Mesh, Scene, Shading};
 
 use super::sheet::sheet;
 use super::stage;

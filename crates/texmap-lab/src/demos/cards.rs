@@ -5,10 +5,10 @@ use texmap_math::color::srgb_to_linear;
 use texmap_math::det;
 use texmap_math::glam::DVec3;
 use texmap_raster::Interp;
-use texmap_render::{AlphaMode, Billboard, Facing, Mesh, Scene, Shadow, TextureRole, TextureSlot};
 use texmap_sample::{
     Alpha, ColorSpace, Filter, Image, Origin, Sampler, Texels, Texture2d, UvTransform, Wrap,
 };
+use texmap_scene::{AlphaMode, Billboard, Facing, Mesh, Scene, Shadow, TextureRole, TextureSlot};
 
 use super::lit::{Lit, matte};
 use super::sheet::sheet;
@@ -62,7 +62,7 @@ fn with_tree(mut scene: Scene, boards: Vec<Billboard>) -> Result<Scene, LabError
     stage::set_alpha(&mut scene, material, AlphaMode::Test(0.0));
     scene
         .meshes
-        .push(Mesh::of_billboards("trees", boards, material));
+        .push(texmap_mesh::billboards("trees", boards, material));
     Ok(scene)
 }
 
@@ -249,7 +249,7 @@ fn landscape(step: u32, trees: bool) -> Result<Scene, LabError> {
     });
     let material = stage::add(&mut scene, grass);
     let size = [SIDE as f32, RISE as f32, SIDE as f32];
-    let land = Mesh::height_field("land", &heights, size, step)?;
+    let land = texmap_mesh::height_field("land", &heights, size, step)?;
     scene.meshes.push(Mesh { material, ..land });
     if !trees {
         return Ok(scene);

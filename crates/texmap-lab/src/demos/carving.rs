@@ -3,8 +3,8 @@
 use texmap_light::{Green, Heights, Light, Slope, encode_offsets};
 use texmap_math::det;
 use texmap_math::glam::{DMat4, DVec3};
-use texmap_render::{Carving, Mesh, Relief, Scene};
 use texmap_sample::{Filter, Wrap};
+use texmap_scene::{Carving, Mesh, Relief, Scene};
 
 use super::lit::{Lit, difference, floor, matte};
 use super::relief::{floats, slot};

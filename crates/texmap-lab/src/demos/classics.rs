@@ -3,10 +3,10 @@
 use texmap_light::{Chart, Environment, Light};
 use texmap_math::color::linear_to_srgb8;
 use texmap_math::glam::DVec3;
-use texmap_render::{
-    AlphaMode, Backdrop, Font, Material, Scene, Settings, Shading, TextureRole, TextureSlot,
-};
+use texmap_mesh::Font;
+use texmap_render::Settings;
 use texmap_sample::{ColorSpace, Filter, Origin, Sampler, Texture2d, UvTransform, Wrap};
+use texmap_scene::{AlphaMode, Backdrop, Material, Scene, Shading, TextureRole, TextureSlot};
 
 use super::lit::{ball, difference, matte};
 use super::sheet::sheet;

@@ -6,8 +6,8 @@ use texmap_light::Light;
 use texmap_math::color::linear_to_srgb8;
 use texmap_math::det;
 use texmap_math::glam::DVec3;
-use texmap_render::{Displacement, EdgeBudget, Mesh, Relief, Scene, Shadow};
 use texmap_sample::{Alpha, ColorSpace, Filter, Image, Origin, Sampler, Texels, Texture2d};
+use texmap_scene::{Displacement, EdgeBudget, Mesh, Relief, Scene, Shadow};
 
 use super::lit::{Lit, ball, difference, floor, matte, wrong};
 use super::sheet::sheet;
@@ -100,8 +100,8 @@ fn scene() -> Result<Scene, LabError> {
     Ok(scene)
 }
 
-fn slot() -> texmap_render::TextureSlot {
-    texmap_render::TextureSlot {
+fn slot() -> texmap_scene::TextureSlot {
+    texmap_scene::TextureSlot {
         texture: 0,
         sampler: Sampler {
             filter: Filter::Trilinear,
@@ -151,7 +151,7 @@ fn truth(scene: &Scene, size: u32) -> Result<Truth, LabError> {
         let ray = scene
             .camera
             .ray(size, size, f64::from(x) + 0.5, f64::from(y) + 0.5);
-        let ray = ray.map_err(texmap_render::RenderError::Camera)?;
+        let ray = ray.map_err(texmap_scene::SceneError::Camera)?;
         let hit = rays.nearest(eye, ray, (0.0, f64::INFINITY));
         truth.ball.push(Some(hit.is_some_and(|h| h.object == 0)));
         let Some(hit) = hit else {
@@ -225,7 +225,7 @@ pub(super) fn displacement(size: u32) -> Result<DemoPicture, LabError> {
                 });
             }
         }
-        let shaped = scene.shaped(size)?.into_owned();
+        let shaped = texmap_mesh::tessellate(&scene, size)?.into_owned();
         Ok((Lit::take(&shaped, size)?, shaped.meshes[0].clone()))
     };
     let (bumped, _) = shot(None)?;

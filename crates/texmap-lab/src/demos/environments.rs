@@ -3,7 +3,7 @@
 use texmap_light::{Chart, Environment};
 use texmap_math::det;
 use texmap_math::glam::{DMat4, DVec2, DVec3};
-use texmap_render::{Reflection, Scene};
+use texmap_scene::{Reflection, Scene};
 use texmap_uv::Shape;
 
 use super::lit::{Lit, ball, difference, matte};

@@ -4,8 +4,8 @@ use texmap_math::det;
 use texmap_math::frame::TextureFrame;
 use texmap_math::glam::{DVec2, DVec3};
 use texmap_raster::Interp;
-use texmap_render::{Mesh, Scene};
 use texmap_sample::{Filter, Wrap};
+use texmap_scene::{Mesh, Scene};
 
 use super::sheet::sheet;
 use super::stage::{self, Shot};

@@ -2,7 +2,7 @@
 
 use texmap_math::glam::DVec3;
 use texmap_math::interp;
-use texmap_render::{ColorMode, Gouraud, Mesh, Scene};
+use texmap_scene::{ColorMode, Gouraud, Mesh, Scene};
 
 use super::sheet::sheet;
 use super::stage::{self, Shot};

@@ -3,7 +3,8 @@
 use texmap_light::Surface;
 use texmap_math::det;
 use texmap_math::glam::DVec3;
-use texmap_render::{Aov, AovData, Material, Mesh, Scene, Settings, Shading};
+use texmap_render::{Aov, AovData, Settings};
+use texmap_scene::{Material, Mesh, Scene, Shading};
 
 use crate::LabError;
 use crate::picture::Picture;

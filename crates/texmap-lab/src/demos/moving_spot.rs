@@ -3,8 +3,9 @@
 use texmap_light::Light;
 use texmap_math::det;
 use texmap_math::glam::DVec3;
-use texmap_render::{LightMap, Mesh, Scene, TextureSlot};
+use texmap_render::LightMap;
 use texmap_sample::{Filter, Sampler, UvTransform};
+use texmap_scene::{Mesh, Scene, TextureSlot};
 
 use super::lit::{ball, difference, matte};
 use super::relief::{baked, under};

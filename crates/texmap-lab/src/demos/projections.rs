@@ -2,8 +2,8 @@
 
 use texmap_light::Light;
 use texmap_math::glam::DVec3;
-use texmap_render::{Scene, Shading, SlideProjector, SlideRole};
 use texmap_sample::{ColorSpace, Origin, Texture2d};
+use texmap_scene::{Scene, Shading, SlideProjector, SlideRole};
 
 use super::lit::{Lit, difference, matte, wrong};
 use super::sheet::sheet;
@@ -96,7 +96,7 @@ fn spoils(
     let mut bare = scene.clone();
     bare.lights = vec![Light::Ambient { color: [0.1; 3] }];
     for material in &mut bare.materials {
-        *material = texmap_render::Material {
+        *material = texmap_scene::Material {
             shading: Shading::PerPixel,
             ..matte([0.8; 3], 0.0)
         };

@@ -3,13 +3,11 @@
 use texmap_light::{Green, Heights, Light, Slope, encode_normal};
 use texmap_math::det;
 use texmap_math::glam::DVec3;
-use texmap_render::{
-    BakeOptions, LightMap, LightMapSlot, Relief, Scene, Shadow, TextureSlot, bake, shadow_bias,
-    shadow_kind, shadow_map_for,
-};
+use texmap_render::{BakeOptions, LightMap, bake, shadow_map_for};
 use texmap_sample::{
     Alpha, ColorSpace, Filter, Image, Origin, Sampler, Texels, Texture2d, UvTransform, Wrap,
 };
+use texmap_scene::{LightMapSlot, Relief, Scene, Shadow, TextureSlot, shadow_bias, shadow_kind};
 
 use super::lit::{Lit, ball, difference, floor, matte};
 use super::sheet::sheet;

@@ -3,8 +3,9 @@
 use texmap_light::{Light, ShadowBias, SlideBorder};
 use texmap_math::Projector;
 use texmap_math::glam::DVec3;
-use texmap_render::{Scene, Shadow, SlideProjector, SlideRole, shadow_kind, shadow_map};
+use texmap_render::shadow_map;
 use texmap_sample::{Filter, Sampler};
+use texmap_scene::{Scene, Shadow, SlideProjector, SlideRole, shadow_kind};
 
 use super::lit::{Lit, ball, difference, floor, matte, wrong};
 use super::sheet::sheet;

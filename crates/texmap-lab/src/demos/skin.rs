@@ -3,7 +3,8 @@
 use texmap_light::Light;
 use texmap_math::det;
 use texmap_math::glam::{DMat4, DVec3};
-use texmap_render::{Bone, Mesh, Scene, Skeleton, SkinBlend, turn};
+use texmap_mesh::{Bone, Skeleton, SkinBlend, turn};
+use texmap_scene::{Mesh, Scene};
 
 use super::lit::matte;
 use super::sheet::sheet;
@@ -121,7 +122,7 @@ fn scene() -> Result<Scene, LabError> {
         &paint::checker(256, 4, [176, 92, 60, 255], [236, 214, 180, 255]),
     )?;
     let mut skin = matte([1.0; 3], 0.0);
-    skin.base_color = Some(texmap_render::TextureSlot {
+    skin.base_color = Some(texmap_scene::TextureSlot {
         texture,
         sampler: Default::default(),
         transform: Default::default(),

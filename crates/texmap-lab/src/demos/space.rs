@@ -3,11 +3,11 @@
 use texmap_math::color::linear_to_srgb8;
 use texmap_math::det;
 use texmap_math::glam::{DMat4, DVec3};
-use texmap_render::{Material, Mesh, Scene, Shading, Solid, SolidSource, TextureSlot, Volume};
 use texmap_sample::{
     Alpha, ColorSpace, Filter, Image, Origin, Pattern, Sampler, Texels, Texture2d, Texture3d,
     UvTransform, Wrap, gradient_noise, reference,
 };
+use texmap_scene::{Material, Mesh, Scene, Shading, Solid, SolidSource, TextureSlot, Volume};
 
 use super::lit::{Lit, ball, floor, matte};
 use super::sheet::sheet;

@@ -4,11 +4,11 @@ use texmap_light::Surface;
 use texmap_math::camera::Camera;
 use texmap_math::glam::{DMat4, DVec2, DVec3, DVec4};
 use texmap_raster::Interp;
-use texmap_render::{
-    AlphaMode, Aov, AovData, ColorMode, Gouraud, Material, Mesh, Scene, Settings, Shading,
-    TextureRole, TextureSlot,
-};
+use texmap_render::{Aov, AovData, Settings};
 use texmap_sample::{ColorSpace, Filter, Origin, Sampler, Texture2d, UvTransform, Wrap};
+use texmap_scene::{
+    AlphaMode, ColorMode, Gouraud, Material, Mesh, Scene, Shading, TextureRole, TextureSlot,
+};
 
 use crate::LabError;
 use crate::picture::Picture;
@@ -178,7 +178,8 @@ pub(super) fn photograph(scene: &Scene, size: u32) -> Result<Picture, LabError> 
         supersample: 3,
         ..Settings::new(size, size)
     };
-    let frame = texmap_render::render(scene, &settings, &|_, _| {})?;
+    let scene = texmap_mesh::tessellate(scene, size)?;
+    let frame = texmap_render::render(&scene, &settings, &|_, _| {})?;
     Ok(Picture::from_rgba(size, size, frame.rgba)
         .unwrap_or_else(|| Picture::new(size, size, [0; 4])))
 }
@@ -197,8 +198,9 @@ impl Shot {
     /// Takes the picture.
     pub(super) fn take(scene: &Scene, size: u32) -> Result<Self, LabError> {
         let aovs = vec![Aov::Uv, Aov::Face, Aov::Depth];
+        let scene = texmap_mesh::tessellate(scene, size)?;
         let frame = texmap_render::render(
-            scene,
+            &scene,
             &Settings {
                 aovs,
                 ..Settings::new(size, size)

@@ -2,8 +2,8 @@
 
 use texmap_math::glam::DVec3;
 use texmap_raster::Interp;
-use texmap_render::{AlphaMode, Scene};
 use texmap_sample::{Filter, Wrap};
+use texmap_scene::{AlphaMode, Scene};
 
 use super::sheet::sheet;
 use super::stage::{self, Shot};

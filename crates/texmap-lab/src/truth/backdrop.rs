@@ -1,7 +1,7 @@
 //! Skies: a picture stretched over the frame, or an environment seen by direction.
 
 use texmap_math::glam::{DVec2, DVec3, DVec4};
-use texmap_render::{Backdrop, Scene};
+use texmap_scene::{Backdrop, Scene};
 
 use super::color::{background, over, straight};
 use super::environment::{EnvironmentMap, Ray};

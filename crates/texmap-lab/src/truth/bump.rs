@@ -2,8 +2,8 @@
 
 use texmap_light::Green;
 use texmap_math::glam::{DMat3, DVec3};
-use texmap_render::{Mesh, Relief};
 use texmap_sample::Origin;
+use texmap_scene::{Mesh, Relief};
 
 use super::carving::Formula;
 use super::color::straight;

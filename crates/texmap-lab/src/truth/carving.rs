@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use texmap_math::det;
 use texmap_math::glam::{DMat4, DVec3};
-use texmap_render::Carving;
+use texmap_scene::Carving;
 
 use super::bump::raised;
 use super::lighting::Point;

@@ -2,7 +2,7 @@
 
 use texmap_math::det;
 use texmap_math::glam::{DVec3, DVec4};
-use texmap_render::{ColorMode, Scene};
+use texmap_scene::{ColorMode, Scene};
 
 /// sRGB to linear light (IEC 61966-2-1).
 pub(super) fn decode(c: f64) -> f64 {

@@ -1,7 +1,7 @@
 //! Light that a surface gives off itself.
 
 use texmap_math::glam::DVec3;
-use texmap_render::{Emission, Mesh};
+use texmap_scene::{Emission, Mesh};
 
 use super::color::wide;
 use super::slot::{Place, Slot, Textures};

@@ -3,7 +3,7 @@
 use texmap_light::{Highlight, Light, Surface as Numbers};
 use texmap_math::det;
 use texmap_math::glam::DVec3;
-use texmap_render::SlideRole;
+use texmap_scene::SlideRole;
 
 use super::color::wide;
 use super::environment::Ray;

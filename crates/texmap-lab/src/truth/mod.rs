@@ -30,7 +30,7 @@ mod world;
 
 use rayon::prelude::*;
 use texmap_math::glam::{DVec3, DVec4};
-use texmap_render::{ColorMode, Mesh, Scene};
+use texmap_scene::{ColorMode, Mesh, Scene};
 
 use crate::LabError;
 use crate::picture::Picture;
@@ -112,7 +112,7 @@ impl Truth {
 /// When the scene does not pass its own check.
 pub fn frame(scene: &Scene, width: u32, height: u32, samples: u32) -> Result<Truth, LabError> {
     scene.check()?;
-    let scene = &*scene.shaped(width)?;
+    let scene = &*texmap_mesh::tessellate(scene, width)?;
     let samples = samples.max(1);
     let world = World::new(scene, (width, height), samples)?;
     let pixels: Vec<Pixel> = (0..width * height)

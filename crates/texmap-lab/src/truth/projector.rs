@@ -3,8 +3,8 @@
 use texmap_light::SlideBorder;
 use texmap_math::Projector;
 use texmap_math::glam::{DVec2, DVec3, DVec4};
-use texmap_render::{SlideProjector, SlideRole};
 use texmap_sample::{Sampler, Texture2d, Wrap};
+use texmap_scene::{SlideProjector, SlideRole};
 
 use super::color::over;
 use super::lighting::Point;

@@ -3,7 +3,7 @@
 use texmap_light::{Light, ShadowKind};
 use texmap_math::det;
 use texmap_math::glam::{DMat3, DMat4, DVec2, DVec3};
-use texmap_render::{AlphaMode, Scene, SlideProjector};
+use texmap_scene::{AlphaMode, Scene, SlideProjector};
 
 use super::color::wide;
 use super::lighting::Point;
@@ -32,10 +32,10 @@ impl Shadow {
     /// The shadow of a light of the scene.
     pub(super) fn of_light(
         scene: &Scene,
-        shadow: &texmap_render::Shadow,
+        shadow: &texmap_scene::Shadow,
         width: u32,
     ) -> Result<Self, texmap_render::RenderError> {
-        let kind = texmap_render::shadow_kind(scene, shadow.light, shadow.area)?;
+        let kind = texmap_scene::shadow_kind(scene, shadow.light, shadow.area)?;
         let origin = match scene.lights[shadow.light] {
             Light::Directional { direction, .. } => Origin::Toward(-wide(direction).normalize()),
             Light::Point { position, .. } | Light::Spot { position, .. } => {

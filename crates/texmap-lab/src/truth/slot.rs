@@ -1,8 +1,8 @@
 //! A texture as a surface reads it: transformed coordinates, filtered texels, outlines, ramps.
 
 use texmap_math::glam::{DVec2, DVec3, DVec4};
-use texmap_render::{Scene, TextureSlot};
 use texmap_sample::{Filter, Lod, Origin, Sampler, Texture2d, reference as sampling};
+use texmap_scene::{Scene, TextureSlot};
 
 use super::color::straight;
 

@@ -1,8 +1,8 @@
 //! Solid textures: colour as a function of the place in space (Perlin 1985; Peachey 1985).
 
 use texmap_math::glam::{DMat4, DVec3, DVec4};
-use texmap_render::{Effects, Solid, SolidSource};
 use texmap_sample::Pattern;
+use texmap_scene::{Effects, Solid, SolidSource};
 
 use super::grid::Grid;
 use super::pattern;

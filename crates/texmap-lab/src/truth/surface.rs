@@ -3,8 +3,8 @@
 use texmap_light::Highlight;
 use texmap_math::frame::{MagicVectors, TextureFrame};
 use texmap_math::glam::{DMat3, DVec2, DVec3, DVec4};
-use texmap_render::{AlphaMode, Gouraud, Material, Mesh, Scene, Shading, TextureRole};
 use texmap_sample::Filter;
+use texmap_scene::{AlphaMode, Gouraud, Material, Mesh, Scene, Shading, TextureRole};
 
 use super::bump::{BumpMap, clamped};
 use super::color::{luminance, over, straight, wide};
@@ -67,12 +67,12 @@ impl<'s> Surface<'s> {
             }) => corner_tangents(mesh),
             _ => Vec::new(),
         };
-        let mut ramp = |slot: &'s Option<texmap_render::TextureSlot>| {
+        let mut ramp = |slot: &'s Option<texmap_scene::TextureSlot>| {
             let slot = slot.as_ref();
             slot.map(|slot| textures.slot(slot, texmap_sample::Origin::TopLeft))
         };
         let (color_ramp, light_ramp) = (ramp(&material.color_ramp), ramp(&material.light_ramp));
-        let mut slot = |slot: &'s Option<texmap_render::TextureSlot>| {
+        let mut slot = |slot: &'s Option<texmap_scene::TextureSlot>| {
             slot.as_ref()
                 .map(|slot| textures.slot(slot, mesh.uv_origin))
         };

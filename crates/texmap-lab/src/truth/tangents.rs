@@ -1,8 +1,8 @@
 //! Tangent frames for normal maps: MikkTSpace's, as the bakers of such maps use them.
 
 use texmap_math::glam::DVec3;
-use texmap_render::Mesh;
 use texmap_sample::Origin;
+use texmap_scene::Mesh;
 
 use super::color::wide;
 use super::surface::{linear, object_normals};

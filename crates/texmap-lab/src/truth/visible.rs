@@ -2,7 +2,7 @@
 
 use texmap_math::glam::DVec4;
 use texmap_raster::{Cull, DepthTest};
-use texmap_render::{AlphaMode, Shading};
+use texmap_scene::{AlphaMode, Shading};
 
 use super::color::over;
 use super::world::World;

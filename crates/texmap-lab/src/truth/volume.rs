@@ -2,8 +2,8 @@
 
 use texmap_math::det;
 use texmap_math::glam::{DMat4, DVec3, DVec4};
-use texmap_render::{Scene, Volume};
 use texmap_sample::Wrap;
+use texmap_scene::{Scene, Volume};
 
 use super::color::straight;
 use super::grid::Grid;

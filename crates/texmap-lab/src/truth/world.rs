@@ -1,7 +1,7 @@
 //! A scene made ready for rays: its surfaces, and everything that they look up.
 
 use texmap_math::glam::DVec2;
-use texmap_render::{Backdrop, Scene};
+use texmap_scene::{Backdrop, Scene};
 
 use super::backdrop::Background;
 use super::environment::EnvironmentMap;
@@ -96,7 +96,7 @@ impl<'s> World<'s> {
 
 /// Environments that some surface or the sky looks up.
 fn environments_read(scene: &Scene) -> Vec<usize> {
-    let of_mesh = |mesh: &texmap_render::Mesh| {
+    let of_mesh = |mesh: &texmap_scene::Mesh| {
         let material = &scene.materials[mesh.material];
         let mirrored = material.reflection.map(|reflection| reflection.environment);
         mirrored.into_iter().chain(material.specular_map)

@@ -1,7 +1,8 @@
 //! Light in bands: pixel by pixel between the stages that have lanes.
 
-use crate::canvas::{LANES, bits, luminance, straight};
+use crate::canvas::{LANES, bits};
 use crate::textures::Slot;
+use texmap_math::color::{luminance, straight};
 
 /// Light along a ramp, by its luminance.
 #[inline(never)]

@@ -6,10 +6,10 @@ use texmap_math::fearless_simd::{Simd, f32x16, prelude::*};
 use super::columns::Columns;
 use super::fits;
 use super::vectors::three;
-use crate::AlphaMode;
 use crate::canvas::{Colors, straight_lanes};
 use crate::plan::Surface;
 use crate::textures::Slot;
+use texmap_scene::AlphaMode;
 
 /// How base colours are found.
 pub(super) enum Ground<'a> {

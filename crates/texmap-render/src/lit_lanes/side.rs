@@ -7,7 +7,7 @@ use texmap_raster::{Cull, NONE, RunBlock};
 use super::LitLanes;
 use crate::canvas::{LANES, bits};
 use crate::shade::{Facing, Run};
-use crate::vertices::narrow;
+use texmap_math::narrow;
 
 /// A vector of each pixel of a block.
 pub(super) type Three = [[f32; LANES]; 3];

@@ -6,7 +6,7 @@ use texmap_sample::{Filter, Places, sample_columns};
 
 use crate::canvas::LANES;
 use crate::textures::Slot;
-use crate::{AlphaMode, Material};
+use texmap_scene::{AlphaMode, Material};
 
 /// Alpha of which a cut-out pixel is kept.
 #[derive(Clone, Copy)]

@@ -3,7 +3,7 @@
 use texmap_light::Light;
 
 use crate::vertices::{Values, Vertices};
-use crate::{Gouraud, Material, Shading};
+use texmap_scene::{Gouraud, Material, Shading};
 
 /// The lighting stage of a surface; numbers are attribute indices.
 pub(crate) enum LightStage {

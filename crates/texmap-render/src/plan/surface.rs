@@ -6,18 +6,18 @@ use texmap_raster::{DepthTest, Fragment, Interp, Pass};
 use super::light_stage::{LightStage, light_stage, lights_depend_on_place};
 use super::{Cut, View, cut};
 use crate::backdrop::SkyStage;
-use crate::coordinates::{CameraFrame, Coordinates};
+use crate::coordinates::Coordinates;
 use crate::emission::EmissionStage;
-use crate::lit::{SurfaceEffects, reads_uv};
+use crate::lit::SurfaceEffects;
 use crate::ready::Ready;
 use crate::solid::SolidStage;
 use crate::texel::TexelStage;
 use crate::textures::{Chains, Slot};
 use crate::vertices::{Values, VertexData, Vertices};
 use crate::volume::VolumeStage;
-use crate::{
-    AlphaMode, Aov, Gouraud, Material, Mesh, Scene, Settings, Shading, TextureRole, TextureSlot,
-};
+use crate::{Aov, Settings};
+use texmap_math::CameraFrame;
+use texmap_scene::{AlphaMode, Gouraud, Material, Mesh, Scene, Shading, TextureRole, TextureSlot};
 
 /// One mesh, ready for the rasterizer and the stages.
 pub(crate) struct Surface<'s> {
@@ -164,7 +164,7 @@ pub(super) fn surface<'s>(
         || opacity_map.is_some()
         || decal.is_some()
         || emission.as_ref().is_some_and(|e| e.map.is_some())
-        || material.shading == Shading::PerPixel && reads_uv(material);
+        || material.shading == Shading::PerPixel && material.reads_uv();
 
     let mut position = None;
     let uv = match mesh.frame {

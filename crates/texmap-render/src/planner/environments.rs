@@ -2,12 +2,12 @@
 
 use texmap_light::{Chart, Environment};
 
-use crate::{Backdrop, Scene};
+use texmap_scene::{Backdrop, Scene};
 
 /// An environment that something reads.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EnvironmentChoice {
-    /// Index into [`Effects::environments`](crate::Effects::environments).
+    /// Index into [`Effects::environments`](texmap_scene::Effects::environments).
     pub environment: usize,
     /// Its chart.
     pub chart: Chart,
@@ -77,7 +77,7 @@ mod tests {
     use texmap_math::glam::DVec3;
 
     use super::*;
-    use crate::{Material, Mesh, Reflection};
+    use texmap_scene::{Material, Mesh, Reflection};
 
     fn sky(size: u32) -> Environment {
         let light = |d: DVec3| [d.x.abs() as f32, 0.5, 0.25];

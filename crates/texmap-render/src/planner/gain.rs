@@ -6,8 +6,7 @@ use texmap_light::Light;
 use texmap_sample::Texture2d;
 
 use super::IdleLight;
-use crate::effects::SlideRole;
-use crate::{Material, Mesh, Scene, Shading, TextureRole};
+use texmap_scene::{Material, Mesh, Scene, Shading, SlideRole, TextureRole};
 
 /// Strengths of light beyond white that are tried: each is this many times the one before it, up to where nothing but white is left.
 const STEP: f32 = std::f32::consts::SQRT_2;
@@ -319,7 +318,7 @@ mod tests {
         scene.meshes[0].colors.clear();
         scene.materials[0].shading = Shading::Unlit;
         assert_eq!(of(&scene, &[]), Gain::Exactly([0.5; 3]));
-        scene.materials[0].emission = Some(crate::Emission {
+        scene.materials[0].emission = Some(texmap_scene::Emission {
             color: [0.25, 0.0, 3.0],
             map: None,
         });

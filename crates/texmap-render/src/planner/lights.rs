@@ -3,11 +3,10 @@
 use texmap_light::{Light, ShadowBias};
 use texmap_math::glam::DVec3;
 
-use crate::effects::Shadow;
-use crate::ready::{fitting_size, texel_in_pixels};
-use crate::shadow::{shadow_bias, shadow_kind};
-use crate::vertices::wide;
-use crate::{Mesh, RenderError, Scene, Shading};
+use crate::RenderError;
+use texmap_math::wide;
+use texmap_scene::shadow_fit::{fitting_size, shadow_bias, shadow_kind, texel_in_pixels};
+use texmap_scene::{Mesh, Scene, Shading, Shadow};
 
 /// A light that reaches nothing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -4,10 +4,8 @@ use texmap_math::Footprint;
 use texmap_sample::{Filter, Lod, Precision, Sampler, Texture2d};
 
 use super::view::constant;
-use crate::canvas::straight;
-use crate::solid::SolidStage;
-use crate::textures::outline;
-use crate::{Material, Mesh, Scene, TextureRole, TextureSlot};
+use texmap_math::color::straight;
+use texmap_scene::{Material, Mesh, Scene, SolidField, TextureRole, TextureSlot};
 
 /// Where a sample looks: coordinates of the mesh, and the place in the world with its change to the right and down.
 #[derive(Clone, Copy)]
@@ -22,7 +20,7 @@ pub(super) struct Spot {
 pub(super) struct Look<'s> {
     texture: Option<(Texture2d<'static>, &'s TextureSlot)>,
     ramp: Option<(Texture2d<'static>, &'s Sampler)>,
-    solid: Option<SolidStage<'s>>,
+    solid: Option<SolidField<'s>>,
     /// A label over it.
     label: Option<(Texture2d<'static>, &'s TextureSlot)>,
     /// The surface colour, where it lies below a label.
@@ -66,7 +64,7 @@ impl<'s> Look<'s> {
                 .color_ramp
                 .as_ref()
                 .map(|slot| (with_mips(slot.texture), &slot.sampler)),
-            solid: solid.map(|solid| SolidStage::new(solid, &scene.effects, 0)),
+            solid: solid.map(|solid| SolidField::new(solid, &scene.effects)),
             under: match material.decal {
                 Some(_) if !copies => material.surface.color,
                 _ => [1.0; 3],
@@ -163,7 +161,7 @@ impl<'s> Look<'s> {
         }
         if self.crisp {
             let [r, g, b] = straight(texel);
-            let alpha = outline(sampler, texture, uv, d, texel[3]);
+            let alpha = sampler.antialiased_alpha(texture, uv, d, texel[3]);
             texel = [r * alpha, g * alpha, b * alpha, alpha];
         }
         texel

@@ -3,7 +3,7 @@
 use texmap_sample::{Texture2d, Wrap};
 
 use super::view::constant;
-use crate::{AlphaMode, Material, Relief, TextureSlot};
+use texmap_scene::{AlphaMode, Material, Relief, TextureSlot};
 
 /// Puts numbers in the place of maps of one colour, and says which maps are gone.
 pub(super) fn drop_constant(
@@ -54,7 +54,7 @@ mod tests {
     use texmap_sample::{ColorSpace, Origin, Sampler, UvTransform};
 
     use super::*;
-    use crate::SurfaceMaps;
+    use texmap_scene::SurfaceMaps;
 
     fn slot(texture: usize) -> TextureSlot {
         TextureSlot {

@@ -16,16 +16,17 @@ mod view;
 mod visible;
 
 use texmap_math::glam::{DVec2, DVec4};
-use texmap_raster::Interp;
+use texmap_raster::{Interp, TargetSize};
 use texmap_sample::{Filter, Precision};
+use texmap_scene::SceneError;
 
-use crate::check::MAX_SIDE;
-use crate::{Mesh, RenderError, Scene, Shading, TextureRole};
+use crate::RenderError;
 pub use environments::EnvironmentChoice;
 use gain::Lighting;
 pub use lights::{IdleLight, ShadowChoice};
 use pilot::Places;
 pub use prices::{Price, prices};
+use texmap_scene::{Mesh, Scene, Shading, TextureRole};
 use view::View;
 
 /// What a picture may be off by.
@@ -164,10 +165,10 @@ pub fn choose_sampled(
     budget: Budget,
     samples: &[u32],
 ) -> Result<Choices, RenderError> {
-    let scene = &*scene.shaped(width)?;
     scene.check()?;
+    scene.check_tessellated()?;
     let aspect = f64::from(width) / f64::from(height);
-    let view_from_world = scene.camera.view().map_err(RenderError::Camera)?;
+    let view_from_world = scene.camera.view().map_err(SceneError::Camera)?;
     let projection = scene.camera.projection(aspect);
     let clip_from_world = projection * view_from_world;
     let size = DVec2::new(f64::from(width), f64::from(height));
@@ -212,7 +213,7 @@ pub fn choose_sampled(
     };
     for (k, &supersample) in samples.iter().enumerate() {
         let side = u64::from(width.max(height)) * u64::from(supersample);
-        if k > 0 && side > MAX_SIDE {
+        if k > 0 && side > u64::from(TargetSize::MAX) {
             break;
         }
         let meshes = (0..views.len())
@@ -243,7 +244,7 @@ mod tests {
     use texmap_sample::{ColorSpace, Origin, Sampler, Texture2d, UvTransform};
 
     use super::*;
-    use crate::{AlphaMode, ColorMode, Material, Shadow, TextureSlot};
+    use texmap_scene::{AlphaMode, ColorMode, Material, Shadow, TextureSlot};
 
     /// A square of side 4 across the view at this depth, with a picture that no filter can show at its size.
     fn square(z: f32, material: usize) -> Mesh {

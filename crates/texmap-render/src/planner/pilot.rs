@@ -3,13 +3,12 @@
 use std::collections::HashSet;
 
 use texmap_math::glam::{DMat3, DVec2, DVec3};
-use texmap_math::{Footprint, color};
+use texmap_math::{CameraFrame, Footprint, color};
 use texmap_uv::PixelMapping;
 
 use super::View;
 use super::gain::Gain;
 use super::look::{Look, Read, Spot};
-use crate::coordinates::CameraFrame;
 
 /// Positions a side of the grid over the mesh's part of the picture, where that has more pixels.
 const GRID: u32 = 128;

@@ -1,7 +1,7 @@
 //! One mesh as the camera sees it, and what is chosen for it.
 
-use texmap_math::affine_error;
 use texmap_math::glam::{DMat4, DVec2, DVec3, DVec4};
+use texmap_math::{affine_error, wide};
 use texmap_raster::Interp;
 use texmap_sample::{Filter, Precision, Sampler, Texture2d};
 
@@ -10,8 +10,7 @@ use super::look::{Look, Read};
 use super::pilot::{Pilot, Places};
 use super::prices::{self, Price, prices};
 use super::{Budget, Choice, maps};
-use crate::vertices::wide;
-use crate::{AlphaMode, ColorMode, Mesh, Scene, TextureSlot};
+use texmap_scene::{AlphaMode, ColorMode, Mesh, Scene, TextureSlot};
 
 /// A mesh as the camera sees it.
 pub(super) struct View<'s> {

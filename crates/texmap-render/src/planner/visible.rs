@@ -4,7 +4,7 @@ use texmap_math::glam::{DMat3, DVec2, DVec4};
 use texmap_raster::{Cull, DepthTest};
 
 use super::pilot::{Place, Places};
-use crate::{AlphaMode, Scene};
+use texmap_scene::{AlphaMode, Scene};
 
 /// Cells a side of the grid over the picture.
 const CELLS: usize = 64;

@@ -1,10 +1,10 @@
 //! The colour of a sample from what the stages have found.
 
 use super::{Stages, with_alpha};
-use crate::canvas::straight;
 use crate::plan::{LightStage, Surface};
 use crate::texel::clip;
-use crate::{AlphaMode, TextureRole};
+use texmap_math::color::straight;
+use texmap_scene::{AlphaMode, TextureRole};
 
 impl Stages {
     /// The colour of sample `i`.

@@ -1,11 +1,9 @@
 //! Closed meshes: which of their sides a shadow map leaves out, and whether a light stands inside of one.
 
 use texmap_light::ShadowKind;
-use texmap_math::glam::DVec3;
 use texmap_raster::Cull;
 
-use crate::Mesh;
-use crate::vertices::wide;
+use texmap_scene::Mesh;
 
 /// Sides of a mesh's faces that a shadow map leaves out: the fronts of a closed mesh hide its backs.
 pub(super) fn hidden_sides(mesh: &Mesh, kind: &ShadowKind) -> Cull {
@@ -28,32 +26,16 @@ pub(super) fn hidden_sides(mesh: &Mesh, kind: &ShadowKind) -> Cull {
     }
 }
 
-/// Whether a point lies inside of a closed mesh: a ray in an odd direction leaves through an odd number of triangles.
-pub(crate) fn encloses(mesh: &Mesh, point: DVec3) -> bool {
-    let d = DVec3::new(0.612, 0.354, 0.709);
-    let crossed = mesh.triangles.iter().filter(|t| {
-        let [a, b, c] = t.map(|v| {
-            mesh.world_from_object
-                .transform_point3(wide(mesh.positions[v as usize]))
-        });
-        let (u, v) = (b - a, c - a);
-        let p = d.cross(v);
-        let (det, s) = (u.dot(p), point - a);
-        let q = s.cross(u);
-        let (x, y, t) = (s.dot(p) / det, d.dot(q) / det, v.dot(q) / det);
-        x >= 0.0 && y >= 0.0 && x + y < 1.0 && t > 0.0
-    });
-    crossed.count() % 2 == 1
-}
-
 #[cfg(test)]
 mod tests {
+    use super::super::shadow_map;
     use super::super::tests::scene;
-    use super::super::{shadow_kind, shadow_map};
-    use super::*;
-    use crate::Scene;
+    use texmap_math::glam::DVec3;
+    use texmap_scene::shadow_fit::shadow_kind;
+
     use texmap_light::{Light, ShadowMap};
     use texmap_math::glam::DMat4;
+    use texmap_scene::Scene;
 
     /// A closed mesh throws the shadow of an open one, mirrored too: texels at its outline may lie deeper, no other. The negative twin has
     /// its fronts inwards.

@@ -4,8 +4,8 @@ use texmap_light::{Chart, ShadowKind};
 use texmap_math::glam::{DMat4, DVec2, DVec3, DVec4};
 use texmap_raster::{DepthStrip, TILE};
 
-use super::kind::points;
-use crate::Scene;
+use texmap_scene::Scene;
+use texmap_scene::shadow_fit::world_positions;
 
 /// One face of a map: a view, and the way from its depth buffer to the metric of the map.
 pub(super) struct FaceView {
@@ -81,7 +81,7 @@ pub(super) fn views(scene: &Scene, kind: &ShadowKind) -> Vec<FaceView> {
         } => {
             // From the first to the last vertex along the light, with a little air.
             let (mut near, mut far) = (f64::INFINITY, f64::NEG_INFINITY);
-            for p in points(scene) {
+            for p in world_positions(scene) {
                 let z = -light_from_world.transform_point3(p).z;
                 (near, far) = (near.min(z), far.max(z));
             }
@@ -142,7 +142,7 @@ pub(super) fn views(scene: &Scene, kind: &ShadowKind) -> Vec<FaceView> {
 
 /// A near plane that cuts nothing off which is not about in the light: reversed float depth loses nothing by it.
 fn nearness(scene: &Scene, light: DVec3) -> f64 {
-    let farthest = points(scene)
+    let farthest = world_positions(scene)
         .map(|p| (p - light).length_squared())
         .fold(0.0, f64::max)
         .sqrt();

@@ -10,9 +10,9 @@ use texmap_lab::cases::figure;
 use texmap_lab::truth::ASSUMPTIONS;
 use texmap_lab::verify::Verified;
 use texmap_light::ShadowBias;
-use texmap_render::Scene;
 use texmap_render::planner::{Budget, Choices, EnvironmentChoice, IdleLight, ShadowChoice};
 use texmap_sample::Precision;
+use texmap_scene::Scene;
 
 use crate::cmd::render::RenderArgs;
 

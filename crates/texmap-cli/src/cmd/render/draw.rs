@@ -1,9 +1,11 @@
 //! One input: load it, set the camera, draw its pictures, write them.
 
+use crate::failure::Refusal;
 use std::cell::RefCell;
 use std::collections::BTreeSet;
 use std::path::Path;
 use std::time::Instant;
+use texmap_scene::SceneError;
 
 use texmap_io::framing::{Bounds, View};
 use texmap_io::npy::{self, Values};
@@ -14,7 +16,8 @@ use texmap_math::camera::Camera;
 use texmap_math::glam::DVec3;
 use texmap_math::{Level, MemoryBudget};
 use texmap_render::planner::{self, Choices};
-use texmap_render::{Aov, AovData, Frame, RenderError, Scene, Settings};
+use texmap_render::{Aov, AovData, Frame, Settings};
+use texmap_scene::Scene;
 
 use crate::cmd::render::RenderArgs;
 use crate::cmd::render::budget::{PlanReport, SAMPLES, TruthReport};
@@ -56,12 +59,12 @@ pub(crate) fn item(
     };
     let cameras = cameras(args, &scene, walk)?;
     // Everything is checked before the first pixel: the scene once, the camera of every picture.
-    let warnings = scene.check().map_err(|e| context.refused(&e))?;
+    let warnings = scene.check().map_err(|e| context.refused(e))?;
     context.aovs(&scene)?;
     for (_, camera) in &cameras {
         camera
             .view()
-            .map_err(|e| context.refused(&RenderError::Camera(e)))?;
+            .map_err(|e| context.refused(SceneError::Camera(e)))?;
     }
     if args.dry_run {
         scene.warnings.extend(warnings);
@@ -238,7 +241,7 @@ impl Context<'_> {
     fn draw(&self, scene: &Scene, label: String) -> Result<(Frame, Option<Choices>), Failure> {
         let progress = Progress::new(label);
         let size = self.args.resolution;
-        let shaped = scene.shaped(size.width).map_err(|e| self.refused(&e))?;
+        let shaped = texmap_mesh::tessellate(scene, size.width).map_err(|e| self.refused(e))?;
         let scene = shaped.as_ref();
         let choices = match self.args.budget() {
             None => None,
@@ -251,7 +254,7 @@ impl Context<'_> {
                 };
                 let (width, height) = (size.width, size.height);
                 let mut choices = planner::choose_sampled(scene, width, height, budget, samples)
-                    .map_err(|e| self.refused(&e))?;
+                    .map_err(|e| self.refused(e))?;
                 // Shadows that are written out are those of the scene's own lights.
                 if self.args.aov.iter().any(AovArg::is_shadow) {
                     choices.idle_lights.clear();
@@ -271,7 +274,7 @@ impl Context<'_> {
             settings.supersample = choices.supersample;
         }
         let frame =
-            texmap_render::render(scene, &settings, &report).map_err(|e| self.refused(&e))?;
+            texmap_render::render(scene, &settings, &report).map_err(|e| self.refused(e))?;
         Ok((frame, choices))
     }
 
@@ -314,7 +317,7 @@ impl Context<'_> {
     /// The buffers that are asked for, as this scene names them.
     fn aovs(&self, scene: &Scene) -> Result<Vec<Aov>, Failure> {
         let aovs = self.args.aov.iter().map(|aov| aov.of(scene));
-        aovs.map(|aov| aov.map_err(|e| self.refused(&e))).collect()
+        aovs.map(|aov| aov.map_err(|e| self.refused(e))).collect()
     }
 
     fn settings(&self, aovs: Vec<Aov>) -> Settings {
@@ -452,7 +455,7 @@ impl Context<'_> {
             .into_owned()
     }
 
-    fn refused(&self, error: &RenderError) -> Failure {
+    fn refused(&self, error: impl Into<Refusal>) -> Failure {
         Failure::of_render(
             error,
             Some(&self.item.input.display().to_string()),

@@ -6,8 +6,8 @@ use clap::Args;
 use texmap_io::CameraPath;
 use texmap_io::framing::View;
 use texmap_raster::Interp;
-use texmap_render::ColorMode;
 use texmap_sample::{Filter, Wrap};
+use texmap_scene::ColorMode;
 
 use crate::cmd::Root;
 use crate::cmd::render::budget::{MaxError, Quality};

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use texmap_render::Scene;
+use texmap_scene::Scene;
 
 use crate::cmd::render::RenderArgs;
 use crate::failure::Failure;

@@ -8,8 +8,9 @@ use texmap_io::scene_file::words;
 use texmap_math::Level;
 use texmap_math::camera::Camera;
 use texmap_math::glam::DMat4;
-use texmap_render::{ColorMode, Frame, Scene};
+use texmap_render::Frame;
 use texmap_sample::Origin;
+use texmap_scene::{ColorMode, Scene};
 
 use crate::cmd::render::RenderArgs;
 use crate::cmd::render::budget::{PlanReport, TruthReport};

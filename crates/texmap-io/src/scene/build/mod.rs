@@ -6,7 +6,7 @@ use texmap_light::Light;
 use texmap_math::camera::{Camera, CameraError};
 use texmap_math::frame::TextureFrame;
 use texmap_math::glam::{DMat4, DVec3};
-use texmap_render::{AlphaMode, Material, Mesh, Scene, Shading, TextureRole};
+use texmap_scene::{AlphaMode, Material, Scene, Shading, TextureRole};
 use texmap_uv::{PixelMapping, UvError};
 
 use super::classics;
@@ -318,7 +318,7 @@ impl Builder {
                 let number = self.faces;
                 self.faces += 1;
                 let name = format!("billboard from {}:{}", place.file.display(), place.line);
-                let mut mesh = Mesh::of_billboards(&name, vec![board], material);
+                let mut mesh = texmap_mesh::billboards(&name, vec![board], material);
                 mesh.faces = vec![number; 2];
                 self.scene.meshes.push(mesh);
             }

@@ -1,8 +1,8 @@
 //! OBJ models to meshes under the current settings.
 
 use texmap_light::Surface;
-use texmap_render::{AlphaMode, Displacement, Emission, Material, Mesh};
 use texmap_sample::Origin;
+use texmap_scene::{AlphaMode, Displacement, Emission, Material, Mesh};
 
 use super::Builder;
 use crate::obj::{self, Model};
@@ -137,7 +137,7 @@ impl Builder {
             _ => now.alpha(map_alpha || m.map_d.is_some()),
         };
         Material {
-            maps: texmap_render::SurfaceMaps {
+            maps: texmap_scene::SurfaceMaps {
                 ambient: m.map_ka.as_ref().map(slot),
                 specular: m.map_ks.as_ref().map(slot),
                 exponent: m.map_ns.as_ref().map(slot),
@@ -148,11 +148,11 @@ impl Builder {
                 map: m.map_ke.as_ref().map(slot),
             }),
             relief: m.relief.as_ref().map(|(map, relief)| match *relief {
-                obj::ReliefKind::Bump(height) => texmap_render::Relief::Bump {
+                obj::ReliefKind::Bump(height) => texmap_scene::Relief::Bump {
                     slot: slot(map),
                     height,
                 },
-                obj::ReliefKind::Normals => texmap_render::Relief::NormalMap {
+                obj::ReliefKind::Normals => texmap_scene::Relief::NormalMap {
                     slot: slot(map),
                     green: texmap_light::Green::Up,
                     rebuild_z: false,

@@ -86,7 +86,7 @@ pub(super) fn parse(args: &Args<'_>) -> Result<Option<Effect>, IoError> {
         "name" => {
             const ALLOWED: &str = "letters, digits, - and _, not digits alone";
             let name = args.single_word("1 name")?;
-            args.check(0, texmap_render::is_light_name(name), ALLOWED)?;
+            args.check(0, texmap_scene::is_light_name(name), ALLOWED)?;
             Effect::LightName(name.to_owned())
         }
         "shadow" => shadows::parse(args)?,

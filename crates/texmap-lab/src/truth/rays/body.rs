@@ -4,7 +4,7 @@ use bvh::aabb::{Aabb, Bounded};
 use bvh::bounding_hierarchy::BHShape;
 use nalgebra::Point3;
 use texmap_math::glam::{DMat3, DMat4, DVec2, DVec3};
-use texmap_render::Mesh;
+use texmap_scene::Mesh;
 use texmap_uv::{Origin, Part, Shape};
 
 use super::RayHit;

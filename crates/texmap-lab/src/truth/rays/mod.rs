@@ -6,7 +6,7 @@ mod walk;
 
 use bvh::bvh::Bvh;
 use texmap_math::glam::{DMat4, DVec2, DVec3};
-use texmap_render::Mesh;
+use texmap_scene::Mesh;
 use texmap_uv::{Part, Shape};
 
 use body::{Body, push_mesh, solid};

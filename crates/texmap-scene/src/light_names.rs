@@ -1,6 +1,6 @@
 //! Names of lights, by which their shadows are asked for.
 
-use crate::{Aov, RenderError, Scene};
+use crate::{Scene, SceneError};
 
 /// Whether a light may have this name: letters, digits, `-` and `_`, not digits alone (those are its number).
 #[must_use]
@@ -10,48 +10,42 @@ pub fn is_light_name(name: &str) -> bool {
 }
 
 impl Scene {
-    /// The AOV of the shadow of a light by its name.
+    /// The index of the light of this name.
     ///
     /// # Errors
-    /// [`RenderError::UnknownLight`] lists the names that there are; [`RenderError::Index`] for a light beyond number 255.
-    pub fn shadow_aov(&self, light: &str) -> Result<Aov, RenderError> {
+    /// [`SceneError::UnknownLight`] lists the names that there are.
+    pub fn light_named(&self, light: &str) -> Result<usize, SceneError> {
         let names = &self.effects.light_names;
-        let Some(index) = names.iter().position(|known| known == light) else {
-            let named = names
-                .iter()
-                .enumerate()
-                .filter(|(_, name)| !name.is_empty());
-            let list: Vec<_> = named
-                .map(|(number, name)| format!("'{name}' (light {number})"))
-                .collect();
-            return Err(RenderError::UnknownLight {
-                name: light.to_owned(),
-                known: match list.len() {
-                    0 => "are no names: a `name` line below a light gives it one".to_owned(),
-                    1 => format!("is {}", list[0]),
-                    _ => format!("are {}", list.join(", ")),
-                },
-            });
-        };
-        match u8::try_from(index) {
-            Ok(index) => Ok(Aov::Shadow(index)),
-            Err(_) => Err(RenderError::Index {
-                place: format!("light '{light}'"),
-                what: "shadow AOV",
-                index: index as u64,
-                count: 256,
-            }),
-        }
+        names
+            .iter()
+            .position(|known| known == light)
+            .ok_or_else(|| {
+                let named = names
+                    .iter()
+                    .enumerate()
+                    .filter(|(_, name)| !name.is_empty());
+                let list: Vec<_> = named
+                    .map(|(number, name)| format!("'{name}' (light {number})"))
+                    .collect();
+                SceneError::UnknownLight {
+                    name: light.to_owned(),
+                    known: match list.len() {
+                        0 => "are no names: a `name` line below a light gives it one".to_owned(),
+                        1 => format!("is {}", list[0]),
+                        _ => format!("are {}", list.join(", ")),
+                    },
+                }
+            })
     }
 
     /// Names belong to lights, say who is meant, and are each other's only.
-    pub(crate) fn check_light_names(&self) -> Result<(), RenderError> {
+    pub(crate) fn check_light_names(&self) -> Result<(), SceneError> {
         let names = &self.effects.light_names;
         for (number, name) in names.iter().enumerate() {
             let twice = names[..number].contains(name);
             let lost = number >= self.lights.len();
             if !name.is_empty() && (!is_light_name(name) || twice || lost) {
-                return Err(RenderError::Value {
+                return Err(SceneError::Value {
                     place: format!("light {number}"),
                     what: "name".to_owned(),
                     value: format!("'{name}'"),

@@ -13,57 +13,16 @@ use texmap_math::glam::{DMat4, DVec3};
 use texmap_sample::{Sampler, Texture2d};
 
 use crate::refine::{Net, Triangle, Vertex};
-use crate::vertices::object_normals;
-use crate::{Mesh, RenderError, Scene, TextureSlot};
 
-/// A height map that moves the surface of a mesh.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Displacement {
-    /// The heights: red channel, data. A filter with mip levels reads the level whose texels are as far apart as the vertices.
-    pub slot: TextureSlot,
-    /// How far a value of 1 above `middle` moves the surface along its normal, in units of the object; negative moves it in.
-    pub height: f32,
-    /// The value that leaves the surface where it is.
-    pub middle: f32,
-    /// How fine triangles become.
-    pub budget: EdgeBudget,
-    /// More triangles than this, of all displaced meshes together, are refused.
-    pub max_triangles: u32,
-}
-
-impl Displacement {
-    /// Edges of at most two pixels, black stays, at most [`MAX_TRIANGLES`](Self::MAX_TRIANGLES).
-    #[must_use]
-    pub fn new(slot: TextureSlot, height: f32) -> Self {
-        Self {
-            slot,
-            height,
-            middle: 0.0,
-            budget: EdgeBudget::Pixels(2.0),
-            max_triangles: Self::MAX_TRIANGLES,
-        }
-    }
-
-    /// Triangles that are allowed unless said otherwise.
-    pub const MAX_TRIANGLES: u32 = 4_000_000;
-}
-
-/// The longest edge of a displaced mesh.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum EdgeBudget {
-    /// Texels of the height map.
-    Texels(f32),
-    /// Pixels of the picture, as a line of this length square to the view at the middle of the edge would have, wherever the
-    /// camera looks; but no edge below half a texel is halved.
-    Pixels(f32),
-}
+use crate::MeshError;
+use texmap_scene::{EdgeBudget, Mesh, Scene};
 
 /// Memory that displacement takes at its peak for each triangle that it makes, measured: cut triangles with their vertices and
 /// edges, then points before and after with their normals, then the finished mesh.
 const TRIANGLE_BYTES: u64 = 400;
 
 /// Displaces every mesh that says so, all together, for a picture of `width` pixels by the scene's camera.
-pub(crate) fn displace(scene: &mut Scene, width: u32) -> Result<(), RenderError> {
+pub(crate) fn displace(scene: &mut Scene, width: u32) -> Result<(), MeshError> {
     let moves = |mesh: &&Mesh| mesh.displacement.is_some();
     let Some(first) = scene.meshes.iter().find(moves) else {
         return Ok(());
@@ -93,8 +52,8 @@ pub(crate) fn displace(scene: &mut Scene, width: u32) -> Result<(), RenderError>
             "allow longer edges (texels or pixels), or take a smaller map",
         );
         match asked {
-            Err(refused) if triangles <= u64::from(limit) => RenderError::Memory(refused),
-            _ => RenderError::TooManyTriangles {
+            Err(refused) if triangles <= u64::from(limit) => MeshError::Memory(refused),
+            _ => MeshError::TooManyTriangles {
                 mesh: name,
                 triangles,
                 limit,
@@ -138,7 +97,7 @@ fn join(scene: &Scene) -> (Net, Vec<usize>) {
     let add =
         |net: &mut Net, points: &mut HashMap<_, u32>, place: usize, mesh: &Mesh, number: usize| {
             let first = net.vertices.len() as u32;
-            for (v, (p, n)) in mesh.positions.iter().zip(object_normals(mesh)).enumerate() {
+            for (v, (p, n)) in mesh.positions.iter().zip(mesh.object_normals()).enumerate() {
                 let vertex = Vertex {
                     point: *points.entry(key(place, p)).or_insert_with(|| {
                         net.points.push(*p);

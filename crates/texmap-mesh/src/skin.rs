@@ -4,11 +4,12 @@
 //! volume where bones bend: blending two rotations shrinks. For a bend by an angle `a` whose weights change linearly over a
 //! band of width `b`, a limb of constant symmetric section `s` loses the volume `s b (1 - cos a) / 6`.
 
-use texmap_math::det;
 use texmap_math::glam::{DMat3, DMat4, DVec3};
+use texmap_math::{det, narrow, wide};
 
-use crate::vertices::{linear, narrow, wide};
-use crate::{Mesh, RenderError};
+use crate::{MeshError, map_vertices};
+use texmap_scene::Mesh;
+use texmap_scene::SceneError;
 
 /// Up to four bones and their weights for each vertex.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -71,9 +72,9 @@ impl Skin {
     /// # Errors
     /// Names the mesh and the first vertex whose weights are negative, not finite or do not sum to one, or whose bone does not
     /// exist; and bones whose matrix is not finite.
-    pub fn bend(&self, mesh: &Mesh, pose: &[DMat4]) -> Result<Mesh, RenderError> {
+    pub fn bend(&self, mesh: &Mesh, pose: &[DMat4]) -> Result<Mesh, MeshError> {
         self.check(mesh, pose)?;
-        mesh.map_vertices(|index, mut vertex| {
+        map_vertices(mesh, |index, mut vertex| {
             let v = index as usize;
             let (bones, weights) = (self.bones[v], self.weights[v].map(f64::from));
             let sum: f64 = weights.iter().sum();
@@ -83,35 +84,38 @@ impl Skin {
             }
             vertex.position = narrow(matrix.transform_point3(wide(vertex.position)));
             if vertex.normal != [0.0; 3] {
-                vertex.normal =
-                    narrow((cofactors(linear(matrix)) * wide(vertex.normal)).normalize_or_zero());
+                vertex.normal = narrow(
+                    (cofactors(DMat3::from_mat4(matrix)) * wide(vertex.normal)).normalize_or_zero(),
+                );
             }
             vertex
         })
     }
 
-    fn check(&self, mesh: &Mesh, pose: &[DMat4]) -> Result<(), RenderError> {
+    fn check(&self, mesh: &Mesh, pose: &[DMat4]) -> Result<(), MeshError> {
         for (what, found) in [
             ("bone lists", self.bones.len()),
             ("weight lists", self.weights.len()),
         ] {
             if found != mesh.positions.len() {
-                return Err(RenderError::Count {
+                return Err(SceneError::Count {
                     mesh: mesh.name.clone(),
                     what,
                     found,
                     of: "vertices",
                     expected: mesh.positions.len(),
-                });
+                }
+                .into());
             }
         }
         let value = |place: String, what: &str, value: String, expected| {
-            Err(RenderError::Value {
+            Err(SceneError::Value {
                 place,
                 what: what.to_owned(),
                 value,
                 expected,
-            })
+            }
+            .into())
         };
         if let Some(i) = pose.iter().position(|m| !m.is_finite()) {
             return value(
@@ -142,12 +146,13 @@ impl Skin {
             }
             for (bone, _) in bones.iter().zip(weights).filter(|(_, w)| **w > 0.0) {
                 if usize::from(*bone) >= pose.len() {
-                    return Err(RenderError::Index {
+                    return Err(SceneError::Index {
                         place: place(),
                         what: "bone",
                         index: u64::from(*bone),
                         count: pose.len(),
-                    });
+                    }
+                    .into());
                 }
             }
         }
@@ -160,10 +165,10 @@ impl Skeleton {
     ///
     /// # Errors
     /// As many turns as bones are needed, and parents must come before their children.
-    pub fn pose(&self, turns: &[DMat4]) -> Result<Vec<DMat4>, RenderError> {
+    pub fn pose(&self, turns: &[DMat4]) -> Result<Vec<DMat4>, MeshError> {
         let mut pose: Vec<DMat4> = Vec::with_capacity(self.bones.len());
         for (i, bone) in self.bones.iter().enumerate() {
-            let index = |what, index: usize, count| RenderError::Index {
+            let index = |what, index: usize, count| SceneError::Index {
                 place: format!("bone {i}"),
                 what,
                 index: index as u64,

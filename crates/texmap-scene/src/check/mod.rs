@@ -1,12 +1,9 @@
 //! Everything is checked before the first pixel.
 
-use texmap_math::glam::DVec3;
+mod effects;
+mod shapes;
 
-use crate::lit::reads_uv;
-use crate::{Material, Mesh, RenderError, Scene, Settings, Shading, TextureSlot};
-
-/// The largest picture side in samples.
-pub(crate) const MAX_SIDE: u64 = 16384;
+use crate::{Material, Mesh, Scene, SceneError, Shading, TextureSlot};
 
 impl Scene {
     /// Checks every number and index of the scene and returns warnings: one sentence for each thing that
@@ -14,7 +11,7 @@ impl Scene {
     ///
     /// # Errors
     /// The first fault found, by mesh, material, vertex, triangle and face.
-    pub fn check(&self) -> Result<Vec<String>, RenderError> {
+    pub fn check(&self) -> Result<Vec<String>, SceneError> {
         let camera = &self.camera;
         let place = || "camera".to_owned();
         for (what, v) in [
@@ -25,11 +22,11 @@ impl Scene {
             finite(place, || what.to_owned(), &v.to_array())?;
         }
         finite(place, || "near".to_owned(), &[camera.near])?;
-        camera.view().map_err(RenderError::Camera)?;
+        camera.view().map_err(SceneError::Camera)?;
         unit_range(|| "background".to_owned(), "channel", &self.background)?;
         for (index, light) in self.lights.iter().enumerate() {
             if !light.is_valid() {
-                return Err(RenderError::Value {
+                return Err(SceneError::Value {
                     place: format!("light {index}"),
                     what: "it".to_owned(),
                     value: format!("{light:?}"),
@@ -48,10 +45,23 @@ impl Scene {
         Ok(warnings)
     }
 
-    fn check_material(&self, material: &Material) -> Result<(), RenderError> {
+    /// Checks that all meshes are triangles: what renderers and the planner ask beside [`check`](Self::check).
+    ///
+    /// # Errors
+    /// [`SceneError::NotTessellated`] names the first mesh with a displacement or billboards.
+    pub fn check_tessellated(&self) -> Result<(), SceneError> {
+        match self.meshes.iter().find(|mesh| !mesh.is_tessellated()) {
+            None => Ok(()),
+            Some(mesh) => Err(SceneError::NotTessellated {
+                mesh: mesh.name.clone(),
+            }),
+        }
+    }
+
+    fn check_material(&self, material: &Material) -> Result<(), SceneError> {
         let place = || format!("material '{}'", material.name);
         if !material.surface.is_valid() {
-            return Err(RenderError::Value {
+            return Err(SceneError::Value {
                 place: place(),
                 what: "surface".to_owned(),
                 value: format!("{:?}", material.surface),
@@ -72,7 +82,7 @@ impl Scene {
         &self,
         slot: &TextureSlot,
         place: impl Fn() -> String,
-    ) -> Result<(), RenderError> {
+    ) -> Result<(), SceneError> {
         index(&place, "texture", slot.texture as u64, self.textures.len())?;
         let t = &slot.transform;
         finite(
@@ -85,7 +95,7 @@ impl Scene {
         if lod.bias.is_finite() && lod.min <= lod.max {
             return Ok(());
         }
-        Err(RenderError::Value {
+        Err(SceneError::Value {
             place: place(),
             what: "level-of-detail limits".to_owned(),
             value: format!("{lod:?}"),
@@ -93,7 +103,7 @@ impl Scene {
         })
     }
 
-    fn check_mesh(&self, mesh: &Mesh, warnings: &mut Vec<String>) -> Result<(), RenderError> {
+    fn check_mesh(&self, mesh: &Mesh, warnings: &mut Vec<String>) -> Result<(), SceneError> {
         let place = || format!("mesh '{}'", mesh.name);
         index(
             place,
@@ -140,7 +150,7 @@ impl Scene {
         finite(place, || "transform".to_owned(), &matrix.to_cols_array())?;
         let determinant = matrix.determinant();
         if !(determinant.is_finite() && determinant != 0.0) {
-            return Err(RenderError::Value {
+            return Err(SceneError::Value {
                 place: place(),
                 what: "determinant of the transform".to_owned(),
                 value: format!("{determinant}"),
@@ -157,9 +167,9 @@ impl Scene {
             || material.opacity_map.is_some()
             || material.decal.is_some()
             || material.emission.as_ref().is_some_and(|e| e.map.is_some())
-            || lit && reads_uv(material);
+            || lit && material.reads_uv();
         if lit && material.light_map.is_some() && mesh.lightmap_uvs.is_empty() {
-            return Err(RenderError::MissingLightMapUv {
+            return Err(SceneError::MissingLightMapUv {
                 mesh: mesh.name.clone(),
                 material: material.name.clone(),
             });
@@ -170,7 +180,7 @@ impl Scene {
             && mesh.round.is_none()
             && !mesh.triangles.is_empty()
         {
-            return Err(RenderError::MissingUv {
+            return Err(SceneError::MissingUv {
                 mesh: mesh.name.clone(),
                 material: material.name.clone(),
             });
@@ -193,80 +203,18 @@ impl Scene {
 /// tilted polygon are no more exact.
 const FLAT: f64 = 1e-5;
 
-impl Mesh {
-    /// Angle (radians, 0 to pi/2) between the plane of [`frame`](Self::frame) and that of the mesh's first
-    /// triangle with an area; `None` without a frame or without such a triangle. Beyond 0 the texture lies
-    /// in another plane than the polygon (Brackeen 2003: "at an angle when seen head on").
-    #[must_use]
-    pub fn frame_tilt(&self) -> Option<f64> {
-        let frame = self.frame?.normal().normalize_or_zero();
-        let normal = self
-            .triangles
-            .iter()
-            .map(|t| self.cross(*t).normalize_or_zero())
-            .find(|n| *n != DVec3::ZERO)?;
-        Some(texmap_math::det::atan2(
-            frame.cross(normal).length(),
-            frame.dot(normal).abs(),
-        ))
-    }
-
-    /// Cross product of two edges: the normal, twice the area long. Zero if an index is out of range.
-    pub(crate) fn cross(&self, triangle: [u32; 3]) -> DVec3 {
-        let vertex = |i: u32| {
-            self.positions
-                .get(i as usize)
-                .map(|p| DVec3::new(p[0].into(), p[1].into(), p[2].into()))
-        };
-        match triangle.map(vertex) {
-            [Some(a), Some(b), Some(c)] => (b - a).cross(c - a),
-            _ => DVec3::ZERO,
-        }
-    }
-}
-
-impl Settings {
-    pub(crate) fn check(&self) -> Result<(), RenderError> {
-        let side_fits =
-            |side: u32| (1..=MAX_SIDE).contains(&(u64::from(side) * u64::from(self.supersample)));
-        if !side_fits(self.width) || !side_fits(self.height) {
-            let (width, height, supersample) = (self.width, self.height, self.supersample);
-            return Err(RenderError::Size {
-                width,
-                height,
-                supersample,
-            });
-        }
-        if !(self.msaa == 1 || (self.msaa == 4 && self.supersample == 1)) {
-            return Err(RenderError::Value {
-                place: "settings".to_owned(),
-                what: "msaa".to_owned(),
-                value: self.msaa.to_string(),
-                expected: "give 1, or 4 without supersampling",
-            });
-        }
-        if self.threads == Some(0) {
-            return Err(RenderError::Threads {
-                threads: 0,
-                reason: "give at least 1".to_owned(),
-            });
-        }
-        Ok(())
-    }
-}
-
 pub(crate) fn finite<T: Copy + Into<f64>>(
     place: impl Fn() -> String,
     what: impl Fn() -> String,
     values: &[T],
-) -> Result<(), RenderError> {
+) -> Result<(), SceneError> {
     match values
         .iter()
         .map(|v| (*v).into())
         .find(|v: &f64| !v.is_finite())
     {
         None => Ok(()),
-        Some(v) => Err(RenderError::Value {
+        Some(v) => Err(SceneError::Value {
             place: place(),
             what: what(),
             value: v.to_string(),
@@ -275,10 +223,10 @@ pub(crate) fn finite<T: Copy + Into<f64>>(
     }
 }
 
-fn all_finite(mesh: &Mesh, what: &str, values: &[f32], channels: usize) -> Result<(), RenderError> {
+fn all_finite(mesh: &Mesh, what: &str, values: &[f32], channels: usize) -> Result<(), SceneError> {
     match values.iter().position(|v| !v.is_finite()) {
         None => Ok(()),
-        Some(i) => Err(RenderError::Value {
+        Some(i) => Err(SceneError::Value {
             place: format!("mesh '{}' vertex {}", mesh.name, i / channels),
             what: what.to_owned(),
             value: values[i].to_string(),
@@ -291,10 +239,10 @@ pub(crate) fn unit_range(
     place: impl Fn() -> String,
     what: &str,
     values: &[f32],
-) -> Result<(), RenderError> {
+) -> Result<(), SceneError> {
     match values.iter().find(|v| !(0.0..=1.0).contains(*v)) {
         None => Ok(()),
-        Some(v) => Err(RenderError::Value {
+        Some(v) => Err(SceneError::Value {
             place: place(),
             what: what.to_owned(),
             value: v.to_string(),
@@ -308,11 +256,11 @@ pub(crate) fn index(
     what: &'static str,
     index: u64,
     count: usize,
-) -> Result<(), RenderError> {
+) -> Result<(), SceneError> {
     if index < count as u64 {
         Ok(())
     } else {
-        Err(RenderError::Index {
+        Err(SceneError::Index {
             place: place(),
             what,
             index,
@@ -327,11 +275,11 @@ fn per(
     found: usize,
     of: &'static str,
     expected: usize,
-) -> Result<(), RenderError> {
+) -> Result<(), SceneError> {
     if found == 0 || found == expected {
         return Ok(());
     }
-    Err(RenderError::Count {
+    Err(SceneError::Count {
         mesh: mesh.name.clone(),
         what,
         found,

@@ -3,9 +3,9 @@
 use texmap_light::{Environment, Green, ShadowBias, SlideBorder};
 use texmap_math::Projector;
 use texmap_math::glam::{DMat4, DVec3};
-use texmap_sample::{Pattern, Sampler, Texture3d};
+use texmap_sample::{Pattern, Sampler, Texture3d, Wrap};
 
-use crate::{Backdrop, TextureSlot, Volume};
+use crate::TextureSlot;
 
 /// Effects of a whole scene. None costs anything where it is not named.
 #[derive(Clone, Debug, Default)]
@@ -186,4 +186,59 @@ pub struct Reflection {
     pub environment: usize,
     /// Share of the mirrored light that is added, 0..=1.
     pub reflectivity: f32,
+}
+
+/// A sky. It is drawn over the background colour and under everything else, and leaves no trace in output arrays.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Backdrop {
+    /// The picture is stretched over the whole frame, whatever its shape and wherever the camera looks: an opaque texel
+    /// hides the background colour.
+    Picture(TextureSlot),
+    /// The light of [`Effects::environments`](crate::Effects) in the direction of each pixel.
+    Environment(usize),
+}
+
+/// A box of matter, marched through at every pixel up to the solid surface there; blended over everything else, several in
+/// the order of their list. It throws and takes no shadows, and leaves no trace in output arrays.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Volume {
+    /// Index into [`Effects::grids`].
+    pub grid: usize,
+    /// How the grid is read; its wrap modes are not.
+    pub sampler: Sampler,
+    /// The transfer function: a row of texels along which the grid's first channel is looked up. Its colour shines, its alpha
+    /// is the density. Without one, see [`texmap_sample::Volume`].
+    pub transfer: Option<TextureSlot>,
+    /// Extinction of density 1 per world unit: through a length L of it shows `exp(-density L)` of what is behind.
+    pub density: f32,
+    /// World units between look-ups.
+    pub step: f32,
+    /// Where the grid's unit cube stands: column 0 of the grid at x = 0, row 0 at y = 0, slice 0 at z = 0. Not flat.
+    pub world_from_volume: DMat4,
+}
+
+/// A texture that fills space. Its colour multiplies that of the surface; with a
+/// [`color_ramp`](crate::Material::color_ramp) its first channel is looked up along that.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Solid {
+    /// What it is made of.
+    pub source: SolidSource,
+    /// Where its unit cube (of a grid) or its unit (of a pattern) stands in the world; may not be flat.
+    pub world_from_solid: DMat4,
+}
+
+/// What a solid texture is made of.
+#[derive(Clone, Debug, PartialEq)]
+pub enum SolidSource {
+    /// A grid over the unit cube.
+    Grid {
+        /// Index into [`Effects::grids`].
+        grid: usize,
+        /// Filter and the wrap along x and y.
+        sampler: Sampler,
+        /// The wrap along z.
+        wrap_w: Wrap,
+    },
+    /// A formula; grey without a ramp.
+    Pattern(Pattern),
 }

@@ -2,7 +2,9 @@
 
 use rayon::prelude::*;
 
-use crate::{Mesh, RenderError};
+use crate::MeshError;
+use texmap_scene::Mesh;
+use texmap_scene::SceneError;
 
 /// Vertices that one thread takes at a time; no result depends on it.
 const CHUNK: usize = 1024;
@@ -35,67 +37,66 @@ impl Default for MeshVertex {
     }
 }
 
-impl Mesh {
-    /// The mesh with `stage(index, vertex)` in the place of every vertex.
-    ///
-    /// Attributes that the mesh lacks stay away unless the function returns something else than their default for some vertex.
-    /// Who moves positions should turn normals too, or return zero for all: then the renderer takes the mean of the triangles.
-    /// The function runs on all threads of rayon's pool, once for each vertex; the result does not depend on their number.
-    ///
-    /// # Errors
-    /// [`RenderError::Value`] names the first vertex for which a number is not finite.
-    pub fn map_vertices(
-        &self,
-        stage: impl Fn(u32, MeshVertex) -> MeshVertex + Sync,
-    ) -> Result<Self, RenderError> {
-        let numbers: Vec<u32> = (0..self.positions.len() as u32).collect();
-        let run = |chunk: &[u32]| -> Vec<MeshVertex> {
-            chunk.iter().map(|v| stage(*v, self.vertex(*v))).collect()
-        };
-        let staged: Vec<MeshVertex> = numbers.par_chunks(CHUNK).flat_map_iter(run).collect();
-        if let Some(v) = staged.iter().position(|v| !v.is_finite()) {
-            return Err(RenderError::Value {
-                place: format!("mesh '{}' vertex {v}", self.name),
-                what: "result of the vertex stage".to_owned(),
-                value: format!("{:?}", staged[v]),
-                expected: "it must be finite: look for divisions by zero in the vertex function",
-            });
+/// The mesh with `stage(index, vertex)` in the place of every vertex.
+///
+/// Attributes that the mesh lacks stay away unless the function returns something else than their default for some vertex.
+/// Who moves positions should turn normals too, or return zero for all: then the renderer takes the mean of the triangles.
+/// The function runs on all threads of rayon's pool, once for each vertex; the result does not depend on their number.
+///
+/// # Errors
+/// [`SceneError::Value`] names the first vertex for which a number is not finite.
+pub fn map_vertices(
+    mesh: &Mesh,
+    stage: impl Fn(u32, MeshVertex) -> MeshVertex + Sync,
+) -> Result<Mesh, MeshError> {
+    let numbers: Vec<u32> = (0..mesh.positions.len() as u32).collect();
+    let run = |chunk: &[u32]| -> Vec<MeshVertex> {
+        chunk.iter().map(|v| stage(*v, vertex(mesh, *v))).collect()
+    };
+    let staged: Vec<MeshVertex> = numbers.par_chunks(CHUNK).flat_map_iter(run).collect();
+    if let Some(v) = staged.iter().position(|v| !v.is_finite()) {
+        return Err(SceneError::Value {
+            place: format!("mesh '{}' vertex {v}", mesh.name),
+            what: "result of the vertex stage".to_owned(),
+            value: format!("{:?}", staged[v]),
+            expected: "it must be finite: look for divisions by zero in the vertex function",
         }
-        let default = MeshVertex::default();
-        Ok(Self {
-            positions: staged.iter().map(|v| v.position).collect(),
-            normals: column(&staged, |v| v.normal, default.normal, false),
-            uvs: column(&staged, |v| v.uv, default.uv, !self.uvs.is_empty()),
-            lightmap_uvs: column(
-                &staged,
-                |v| v.lightmap_uv,
-                default.lightmap_uv,
-                !self.lightmap_uvs.is_empty(),
-            ),
-            colors: column(&staged, |v| v.color, default.color, false),
-            triangles: self.triangles.clone(),
-            faces: self.faces.clone(),
-            name: self.name.clone(),
-            displacement: self.displacement.clone(),
-            billboards: Vec::new(),
-            ..*self
-        })
+        .into());
     }
+    let default = MeshVertex::default();
+    Ok(Mesh {
+        positions: staged.iter().map(|v| v.position).collect(),
+        normals: column(&staged, |v| v.normal, default.normal, false),
+        uvs: column(&staged, |v| v.uv, default.uv, !mesh.uvs.is_empty()),
+        lightmap_uvs: column(
+            &staged,
+            |v| v.lightmap_uv,
+            default.lightmap_uv,
+            !mesh.lightmap_uvs.is_empty(),
+        ),
+        colors: column(&staged, |v| v.color, default.color, false),
+        triangles: mesh.triangles.clone(),
+        faces: mesh.faces.clone(),
+        name: mesh.name.clone(),
+        displacement: mesh.displacement.clone(),
+        billboards: Vec::new(),
+        ..*mesh
+    })
+}
 
-    fn vertex(&self, index: u32) -> MeshVertex {
-        let v = index as usize;
-        let default = MeshVertex::default();
-        MeshVertex {
-            position: self.positions[v],
-            normal: self.normals.get(v).copied().unwrap_or(default.normal),
-            uv: self.uvs.get(v).copied().unwrap_or(default.uv),
-            lightmap_uv: self
-                .lightmap_uvs
-                .get(v)
-                .copied()
-                .unwrap_or(default.lightmap_uv),
-            color: self.colors.get(v).copied().unwrap_or(default.color),
-        }
+fn vertex(mesh: &Mesh, index: u32) -> MeshVertex {
+    let v = index as usize;
+    let default = MeshVertex::default();
+    MeshVertex {
+        position: mesh.positions[v],
+        normal: mesh.normals.get(v).copied().unwrap_or(default.normal),
+        uv: mesh.uvs.get(v).copied().unwrap_or(default.uv),
+        lightmap_uv: mesh
+            .lightmap_uvs
+            .get(v)
+            .copied()
+            .unwrap_or(default.lightmap_uv),
+        color: mesh.colors.get(v).copied().unwrap_or(default.color),
     }
 }
 
@@ -144,7 +145,7 @@ mod tests {
             vertex.color = [v as f32, 0.0, 0.0];
             vertex
         };
-        let expected = strip().map_vertices(wave).unwrap();
+        let expected = map_vertices(&strip(), wave).unwrap();
         assert_eq!(expected.positions[4_999], [4999.0, 1.0, 0.1 * 4999.0]);
         assert_eq!(expected.colors[4_999][0], 4999.0);
         assert_eq!((expected.uvs.len(), expected.normals.len()), (5_000, 0));
@@ -153,7 +154,7 @@ mod tests {
                 .num_threads(threads)
                 .build()
                 .unwrap();
-            let mesh = pool.install(|| strip().map_vertices(wave)).unwrap();
+            let mesh = pool.install(|| map_vertices(&strip(), wave)).unwrap();
             assert_eq!(mesh.positions, expected.positions, "{threads}");
             assert_eq!(mesh.colors, expected.colors, "{threads}");
         }
@@ -166,11 +167,10 @@ mod tests {
             vertex.normal = [if v > 4_000 { f32::NAN } else { 1.0 }; 3];
             vertex
         };
-        let error = strip().map_vertices(bad).unwrap_err().to_string();
+        let error = map_vertices(&strip(), bad).unwrap_err().to_string();
         assert!(error.contains("'strip' vertex 3000"), "{error}");
         assert!(
-            Mesh::default()
-                .map_vertices(bad)
+            map_vertices(&Mesh::default(), bad)
                 .unwrap()
                 .positions
                 .is_empty()

@@ -3,7 +3,7 @@
 use texmap_math::glam::DVec3;
 use texmap_sample::{Alpha, ColorSpace, Image, Origin, SampleError, Texels, Texture2d};
 
-use crate::Mesh;
+use texmap_scene::Mesh;
 
 /// An atlas of equal cells, one character each, in the order of their code points, row by row from the top left.
 #[derive(Clone, Copy, Debug, PartialEq)]

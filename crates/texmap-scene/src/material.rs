@@ -1,53 +1,10 @@
-use texmap_light::{Highlight, Light, Surface};
-use texmap_math::camera::Camera;
-use texmap_math::frame::TextureFrame;
-use texmap_math::glam::DMat4;
-use texmap_raster::{Cull, DepthTest, Interp};
-use texmap_sample::{Origin, Sampler, Texture2d, UvTransform};
-use texmap_uv::{PixelMapping, Projection};
+//! Materials: base colour, textures, answer to light.
 
-use crate::Solid;
-use crate::billboard::Billboard;
-use crate::displace::Displacement;
-use crate::effects::{Effects, Emission, LightMapSlot, Reflection, Relief, SurfaceMaps};
+use texmap_light::{Highlight, Surface};
+use texmap_raster::{Cull, Interp};
+use texmap_sample::{Sampler, UvTransform};
 
-/// Everything that is drawn. A scene is data: [`render`](crate::render) reads it and changes nothing.
-#[derive(Clone, Debug)]
-pub struct Scene {
-    /// Where the picture is taken from.
-    pub camera: Camera,
-    /// Colour of pixels that nothing covers: red, green, blue as sRGB values 0..=1 (stored as they are
-    /// under [`ColorMode::Raw`]) and alpha, straight. Alpha 0 leaves them transparent.
-    pub background: [f32; 4],
-    /// Whether colours are converted between sRGB and linear light.
-    pub color: ColorMode,
-    /// Which of two surfaces at one depth wins: the first drawn (`Less`) or the last (`LessOrEqual`). Without a test (`Always`) the
-    /// last drawn wins at any depth.
-    pub depth_test: DepthTest,
-    /// Light sources, in world space. Read only by materials that are shaded.
-    pub lights: Vec<Light>,
-    /// Textures that the slots of materials name by index.
-    pub textures: Vec<Texture2d<'static>>,
-    /// Materials that meshes name by index.
-    pub materials: Vec<Material>,
-    /// Meshes, in the order in which they are submitted: it settles equal depths and blending.
-    pub meshes: Vec<Mesh>,
-    /// Shadows, projectors and environments; none by default.
-    pub effects: Effects,
-    /// What the loader had to decide, one sentence each; carried into [`Frame::warnings`](crate::Frame).
-    pub warnings: Vec<String>,
-}
-
-/// Whether colours are converted.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum ColorMode {
-    /// sRGB in files and in the picture, linear light between them.
-    #[default]
-    Srgb,
-    /// Values are stored as computed; every conversion is off. Textures must have been made with
-    /// `ColorSpace::Linear`.
-    Raw,
-}
+use crate::{Emission, LightMapSlot, Reflection, Relief, Solid, SurfaceMaps};
 
 /// How a surface looks.
 #[derive(Clone, Debug, PartialEq)]
@@ -165,6 +122,21 @@ impl Material {
             .chain(relief)
             .chain(self.light_map.as_ref().map(|map| &map.slot))
     }
+
+    /// Whether a surface that is lit per pixel reads the first texture coordinates of a mesh beside its base colour.
+    #[must_use]
+    pub fn reads_uv(&self) -> bool {
+        let maps = &self.maps;
+        self.relief.as_ref().is_some_and(|r| r.slot().is_some())
+            || [
+                &maps.ambient,
+                &maps.specular,
+                &maps.exponent,
+                &maps.reflectivity,
+            ]
+            .into_iter()
+            .any(Option::is_some)
+    }
 }
 
 /// A texture and how it is read.
@@ -225,94 +197,4 @@ pub enum AlphaMode {
     Test(f32),
     /// Composed over what stands behind, in submission order; writes no depth.
     Blend,
-}
-
-/// Triangles of one material.
-#[derive(Clone, Debug)]
-pub struct Mesh {
-    /// For messages.
-    pub name: String,
-    /// Vertices, object space.
-    pub positions: Vec<[f32; 3]>,
-    /// Empty, or one per vertex: object space, any length, out of the counter-clockwise side. If empty and
-    /// needed, the area-weighted mean of the triangles at each vertex is used.
-    pub normals: Vec<[f32; 3]>,
-    /// Empty, or one per vertex: the file's own values.
-    pub uvs: Vec<[f32; 2]>,
-    /// Empty, or one per vertex: the second set, in which no two triangles overlap, for light maps.
-    pub lightmap_uvs: Vec<[f32; 2]>,
-    /// Empty, or one per vertex: linear light, multiplies the surface colour.
-    pub colors: Vec<[f32; 3]>,
-    /// Vertex indices, counter-clockwise seen from the front.
-    pub triangles: Vec<[u32; 3]>,
-    /// Empty, or the source face of each triangle (for the `face` AOV and for errors). Empty: the
-    /// triangle's own index.
-    pub faces: Vec<u32>,
-    /// Index into [`Scene::materials`].
-    pub material: usize,
-    /// Object to world space; may scale unevenly and mirror.
-    pub world_from_object: DMat4,
-    /// Where v = 0 lies in the pictures that this mesh's uv speak of: overrides the origin of the texture.
-    pub uv_origin: Origin,
-    /// Object-space O, U, V. If given, uv is computed at every pixel as A.W/C.W, B.W/C.W (Brackeen 2003,
-    /// chapter 8) and `uvs` is not read.
-    pub frame: Option<TextureFrame>,
-    /// A sphere or cylinder in world space. If given, uv is computed at every pixel from its position, exact also
-    /// across the seam and around the axis, and neither `frame` nor `uvs` is read.
-    pub round: Option<PixelMapping>,
-    /// Throws no shadow: shadow maps and the depth maps of projectors do not show it.
-    pub shadowless: bool,
-    /// Bounds a solid, its fronts outwards and no hole in it: maps of parallel and spot lights show its fronts alone, which is half of the
-    /// work and the same shadow. Lights that stand inside of it shine through.
-    pub closed: bool,
-    /// A height map that moves the surface, by [`Scene::shaped`].
-    pub displacement: Option<Displacement>,
-    /// If not empty, the mesh is these rectangles, four vertices each: see [`Mesh::of_billboards`].
-    pub billboards: Vec<Billboard>,
-}
-
-impl Default for Mesh {
-    /// No triangles, first material, identity transform, top-left uv.
-    fn default() -> Self {
-        Self {
-            name: String::new(),
-            positions: Vec::new(),
-            normals: Vec::new(),
-            uvs: Vec::new(),
-            lightmap_uvs: Vec::new(),
-            colors: Vec::new(),
-            triangles: Vec::new(),
-            faces: Vec::new(),
-            material: 0,
-            world_from_object: DMat4::IDENTITY,
-            uv_origin: Origin::TopLeft,
-            frame: None,
-            round: None,
-            shadowless: false,
-            closed: false,
-            displacement: None,
-            billboards: Vec::new(),
-        }
-    }
-}
-
-impl Mesh {
-    /// Source face of a triangle, see [`faces`](Self::faces).
-    #[must_use]
-    pub fn face(&self, triangle: u32) -> u32 {
-        self.faces
-            .get(triangle as usize)
-            .copied()
-            .unwrap_or(triangle)
-    }
-
-    /// Replaces `uvs` by a projection of the positions onto a plane, box or sphere around them: the named
-    /// fallback for a mesh that came without coordinates. Follows `uv_origin`.
-    pub fn project_uvs(&mut self, projection: Projection) {
-        let origin = match self.uv_origin {
-            Origin::TopLeft => texmap_uv::Origin::TopLeft,
-            Origin::BottomLeft => texmap_uv::Origin::BottomLeft,
-        };
-        self.uvs = texmap_uv::project(&self.positions, &self.normals, projection, origin);
-    }
 }

@@ -1,14 +1,15 @@
 //! Checks of effects, before the first pixel.
 
 use texmap_light::Light;
-use texmap_math::glam::DVec3;
+use texmap_math::glam::{DMat4, DVec3};
 use texmap_sample::Pattern;
 
 use crate::check::{finite, index, unit_range};
-use crate::effects::{Carving, Relief, Shadow, SlideProjector, SlideRole};
-use crate::shadow::{encloses, shadow_kind};
-use crate::solid::has_volume;
-use crate::{Backdrop, Material, RenderError, Scene, Shading, SolidSource};
+use crate::shadow_fit::{encloses, shadow_kind};
+use crate::{
+    Backdrop, Carving, Effects, Material, Relief, Scene, SceneError, Shading, Shadow,
+    SlideProjector, SlideRole, SolidSource, Volume,
+};
 
 /// Parts of a material that only surfaces lit per pixel read.
 fn read_per_pixel(material: &Material) -> Vec<&'static str> {
@@ -30,7 +31,7 @@ fn read_per_pixel(material: &Material) -> Vec<&'static str> {
 const MOST: u32 = 16_384;
 
 impl Scene {
-    pub(crate) fn check_material_effects(&self, material: &Material) -> Result<(), RenderError> {
+    pub(crate) fn check_material_effects(&self, material: &Material) -> Result<(), SceneError> {
         let place = || format!("material '{}'", material.name);
         let environments = self.effects.environments.len();
         if let Some(solid) = &material.solid {
@@ -38,7 +39,7 @@ impl Scene {
                 index(place, "grid", grid as u64, self.effects.grids.len())?;
             }
             if !has_volume(&solid.world_from_solid) {
-                return Err(RenderError::Value {
+                return Err(SceneError::Value {
                     place: place(),
                     what: "placement of the solid texture".to_owned(),
                     value: solid.world_from_solid.to_string(),
@@ -86,7 +87,7 @@ impl Scene {
                 };
                 finite(place, || "fold of the carved height".to_owned(), &[fold])?;
                 if !has_volume(world_from_solid) {
-                    return Err(RenderError::Value {
+                    return Err(SceneError::Value {
                         place: place(),
                         what: "placement of the carved height".to_owned(),
                         value: world_from_solid.to_string(),
@@ -94,7 +95,7 @@ impl Scene {
                     });
                 }
                 if matches!(heights, Carving::Waves { around: 0, .. }) {
-                    return Err(RenderError::Value {
+                    return Err(SceneError::Value {
                         place: place(),
                         what: "waves around".to_owned(),
                         value: "0".to_owned(),
@@ -114,7 +115,7 @@ impl Scene {
         if let Some(emission) = &material.emission
             && !emission.color.iter().all(|c| c.is_finite() && *c >= 0.0)
         {
-            return Err(RenderError::Value {
+            return Err(SceneError::Value {
                 place: place(),
                 what: "emission".to_owned(),
                 value: format!("{:?}", emission.color),
@@ -123,7 +124,7 @@ impl Scene {
         }
         if let Some(map) = &material.light_map {
             if !(map.scale >= 0.0 && map.scale.is_finite()) {
-                return Err(RenderError::Value {
+                return Err(SceneError::Value {
                     place: place(),
                     what: "scale of the light map".to_owned(),
                     value: map.scale.to_string(),
@@ -137,7 +138,7 @@ impl Scene {
         Ok(())
     }
 
-    pub(crate) fn check_effects(&self, warnings: &mut Vec<String>) -> Result<(), RenderError> {
+    pub(crate) fn check_effects(&self, warnings: &mut Vec<String>) -> Result<(), SceneError> {
         self.check_light_names()?;
         for shadow in &self.effects.shadows {
             self.check_shadow(shadow, warnings)?;
@@ -174,9 +175,9 @@ impl Scene {
         Ok(())
     }
 
-    fn check_shadow(&self, shadow: &Shadow, warnings: &mut Vec<String>) -> Result<(), RenderError> {
+    fn check_shadow(&self, shadow: &Shadow, warnings: &mut Vec<String>) -> Result<(), SceneError> {
         shadow_kind(self, shadow.light, shadow.area)?;
-        let value = |what: &str, value: u32, expected| RenderError::Value {
+        let value = |what: &str, value: u32, expected| SceneError::Value {
             place: format!("shadow of light {}", shadow.light),
             what: what.to_owned(),
             value: value.to_string(),
@@ -202,14 +203,14 @@ impl Scene {
         Ok(())
     }
 
-    fn check_projector(&self, number: usize, slide: &SlideProjector) -> Result<(), RenderError> {
+    fn check_projector(&self, number: usize, slide: &SlideProjector) -> Result<(), SceneError> {
         let place = || format!("projector {number}");
         index(place, "texture", slide.texture as u64, self.textures.len())?;
         finite(place, || "position".to_owned(), &slide.position.to_array())?;
         for row in slide.projector.rows() {
             finite(place, || "matrix".to_owned(), &row.to_array())?;
         }
-        let value = |what: &str, value: String, expected| RenderError::Value {
+        let value = |what: &str, value: String, expected| SceneError::Value {
             place: place(),
             what: what.to_owned(),
             value,
@@ -240,4 +241,42 @@ impl Scene {
             None => Ok(()),
         }
     }
+}
+
+impl Volume {
+    /// What a check of the scene finds wrong with it.
+    fn check(&self, number: usize, effects: &Effects) -> Result<(), SceneError> {
+        let place = || format!("volume {number}");
+        index(place, "grid", self.grid as u64, effects.grids.len())?;
+        if !(self.density.is_finite() && self.density >= 0.0) {
+            return Err(fault(number, "density", self.density.to_string()));
+        }
+        if !(self.step.is_finite() && self.step > 0.0) {
+            return Err(fault(number, "step", self.step.to_string()));
+        }
+        if !has_volume(&self.world_from_volume) {
+            let matrix = self.world_from_volume.to_string();
+            return Err(fault(number, "placement", matrix));
+        }
+        Ok(())
+    }
+}
+
+pub(crate) fn fault(number: usize, what: &str, value: String) -> SceneError {
+    SceneError::Value {
+        place: format!("volume {number}"),
+        what: what.to_owned(),
+        value,
+        expected: "the density must be finite and not negative, the step finite and above 0, no side of the box 0",
+    }
+}
+
+/// Whether a matrix can be turned round.
+fn has_volume(matrix: &DMat4) -> bool {
+    let determinant = matrix.determinant();
+    let inverse = matrix.inverse();
+    determinant != 0.0
+        && determinant.is_finite()
+        && inverse.is_finite()
+        && inverse.transform_vector3(DVec3::ONE).as_vec3().is_finite()
 }

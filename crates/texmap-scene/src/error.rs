@@ -1,0 +1,101 @@
+use texmap_math::camera::CameraError;
+
+/// Why a scene is refused.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum SceneError {
+    /// The camera has no view.
+    #[error("camera: {0}")]
+    Camera(CameraError),
+    /// A number of the scene that must be finite (or in a range) is not.
+    #[error("{place}: {what} is {value}; {expected}")]
+    Value {
+        /// Which mesh, material, light or setting.
+        place: String,
+        /// Which of its numbers.
+        what: String,
+        /// The offending value, printed.
+        value: String,
+        /// What would do.
+        expected: &'static str,
+    },
+    /// An index without a target.
+    #[error("{place}: {what} {index} does not exist; there are {count}")]
+    Index {
+        /// Which mesh or material.
+        place: String,
+        /// What is named by the index.
+        what: &'static str,
+        /// The offending index.
+        index: u64,
+        /// How many there are: indices are below it.
+        count: usize,
+    },
+    /// A name that no light has.
+    #[error("no light is called '{name}'; there {known}")]
+    UnknownLight {
+        /// The name that was asked for.
+        name: String,
+        /// The lights that have names, in words.
+        known: String,
+    },
+    /// Per-vertex or per-triangle values that do not match in number.
+    #[error("mesh '{mesh}': {found} {what} for {expected} {of}; give one each or none")]
+    Count {
+        /// Mesh name.
+        mesh: String,
+        /// Which values.
+        what: &'static str,
+        /// How many there are.
+        found: usize,
+        /// What they belong to.
+        of: &'static str,
+        /// How many of these there are.
+        expected: usize,
+    },
+    /// A textured material on a mesh without coordinates.
+    #[error(
+        "mesh '{mesh}' has no texture coordinates but its material '{material}' has a texture: give it uvs, or project them (Mesh::project_uvs)"
+    )]
+    MissingUv {
+        /// Mesh name.
+        mesh: String,
+        /// Material name.
+        material: String,
+    },
+    /// A light map on a mesh without the coordinates for it.
+    #[error(
+        "mesh '{mesh}' has no second uv set but its material '{material}' has a light map: give it Mesh::lightmap_uvs (`lightmapuv` in a scene)"
+    )]
+    MissingLightMapUv {
+        /// Mesh name.
+        mesh: String,
+        /// Material name.
+        material: String,
+    },
+    /// A mesh that is still a description: its displacement or its billboards are not triangles yet.
+    #[error(
+        "mesh '{mesh}': its displacement or its billboards are not triangles yet: call texmap_mesh::tessellate first"
+    )]
+    NotTessellated {
+        /// Mesh name.
+        mesh: String,
+    },
+}
+
+impl SceneError {
+    /// A stable name for programs.
+    #[must_use]
+    pub fn code(&self) -> &'static str {
+        match self {
+            Self::Camera(_) => "render-camera",
+            Self::Value { .. } => "render-value",
+            Self::Index { .. } => "render-index",
+            Self::UnknownLight { .. } => "render-unknown-light",
+            Self::Count { .. } => "render-count",
+            Self::MissingUv { .. } => "render-missing-uv",
+            Self::MissingLightMapUv { .. } => "render-missing-light-map-uv",
+            Self::NotTessellated { .. } => "render-value",
+        }
+    }
+}

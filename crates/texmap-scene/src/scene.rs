@@ -1,0 +1,79 @@
+//! The scene: everything that is drawn, as data.
+
+use std::borrow::Cow;
+
+use texmap_light::Light;
+use texmap_math::camera::Camera;
+use texmap_raster::DepthTest;
+use texmap_sample::Texture2d;
+
+use crate::{Effects, Material, Mesh};
+
+/// Everything that is drawn. A scene is data: [`render`](crate::render) reads it and changes nothing.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    /// Where the picture is taken from.
+    pub camera: Camera,
+    /// Colour of pixels that nothing covers: red, green, blue as sRGB values 0..=1 (stored as they are
+    /// under [`ColorMode::Raw`]) and alpha, straight. Alpha 0 leaves them transparent.
+    pub background: [f32; 4],
+    /// Whether colours are converted between sRGB and linear light.
+    pub color: ColorMode,
+    /// Which of two surfaces at one depth wins: the first drawn (`Less`) or the last (`LessOrEqual`). Without a test (`Always`) the
+    /// last drawn wins at any depth.
+    pub depth_test: DepthTest,
+    /// Light sources, in world space. Read only by materials that are shaded.
+    pub lights: Vec<Light>,
+    /// Textures that the slots of materials name by index.
+    pub textures: Vec<Texture2d<'static>>,
+    /// Materials that meshes name by index.
+    pub materials: Vec<Material>,
+    /// Meshes, in the order in which they are submitted: it settles equal depths and blending.
+    pub meshes: Vec<Mesh>,
+    /// Shadows, projectors and environments; none by default.
+    pub effects: Effects,
+    /// What the loader had to decide, one sentence each; carried into [`Frame::warnings`](crate::Frame).
+    pub warnings: Vec<String>,
+}
+
+impl Scene {
+    /// An empty scene: black opaque background, colours in sRGB, the nearer surface wins, and of two at one depth the first.
+    #[must_use]
+    pub fn new(camera: Camera) -> Self {
+        Self {
+            camera,
+            background: [0.0, 0.0, 0.0, 1.0],
+            color: ColorMode::Srgb,
+            depth_test: DepthTest::Less,
+            lights: Vec::new(),
+            textures: Vec::new(),
+            materials: Vec::new(),
+            meshes: Vec::new(),
+            effects: Effects::default(),
+            warnings: Vec::new(),
+        }
+    }
+}
+
+impl From<Scene> for Cow<'_, Scene> {
+    fn from(scene: Scene) -> Self {
+        Self::Owned(scene)
+    }
+}
+
+impl<'s> From<&'s Scene> for Cow<'s, Scene> {
+    fn from(scene: &'s Scene) -> Self {
+        Self::Borrowed(scene)
+    }
+}
+
+/// Whether colours are converted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ColorMode {
+    /// sRGB in files and in the picture, linear light between them.
+    #[default]
+    Srgb,
+    /// Values are stored as computed; every conversion is off. Textures must have been made with
+    /// `ColorSpace::Linear`.
+    Raw,
+}

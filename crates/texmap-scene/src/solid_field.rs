@@ -1,0 +1,76 @@
+//! Solid textures evaluated: colour as a function of the position in space (Perlin 1985; Peachey 1985).
+
+use texmap_math::glam::DVec4;
+use texmap_sample::{Pattern, Sampler, Texture3d, Wrap};
+
+use crate::{Effects, Solid, SolidSource};
+
+/// A [`Solid`] with its grid, ready for look-ups at world positions.
+#[derive(Clone, Copy, Debug)]
+pub struct SolidField<'s> {
+    source: Source<'s>,
+    rows: [[f32; 4]; 3],
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Source<'s> {
+    Grid(&'s Texture3d<'static>, &'s Sampler, Wrap),
+    Pattern(Pattern),
+}
+
+impl<'s> SolidField<'s> {
+    /// Looks the grid of `solid` up in `effects`.
+    ///
+    /// # Panics
+    /// On a grid that does not exist; [`Scene::check`](crate::Scene::check) refuses such a scene.
+    #[must_use]
+    pub fn new(solid: &'s Solid, effects: &'s Effects) -> Self {
+        let m = solid.world_from_solid.inverse().transpose();
+        let row = |r: DVec4| r.to_array().map(|c| c as f32);
+        Self {
+            source: match &solid.source {
+                SolidSource::Grid {
+                    grid,
+                    sampler,
+                    wrap_w,
+                } => Source::Grid(&effects.grids[*grid], sampler, *wrap_w),
+                SolidSource::Pattern(pattern) => Source::Pattern(*pattern),
+            },
+            rows: [row(m.x_axis), row(m.y_axis), row(m.z_axis)],
+        }
+    }
+
+    /// The pattern, if it is one and no grid.
+    #[must_use]
+    pub fn pattern(&self) -> Option<Pattern> {
+        match self.source {
+            Source::Grid(..) => None,
+            Source::Pattern(pattern) => Some(pattern),
+        }
+    }
+
+    /// The first three rows of the matrix from world space to the space of the texture.
+    #[must_use]
+    pub fn rows(&self) -> [[f32; 4]; 3] {
+        self.rows
+    }
+
+    /// The colour at a world position that moves by `dx` and `dy` from pixel to pixel: linear light, premultiplied. A pattern is grey.
+    #[must_use]
+    pub fn color(&self, p: [f32; 3], dx: [f32; 3], dy: [f32; 3]) -> [f32; 4] {
+        let along = |v: [f32; 3]| self.rows.map(|r| r[0] * v[0] + r[1] * v[1] + r[2] * v[2]);
+        let (at, dx, dy) = (along(p), along(dx), along(dy));
+        let at = [0, 1, 2].map(|k| at[k] + self.rows[k][3]);
+        match self.source {
+            Source::Grid(grid, sampler, wrap_w) => {
+                sampler.sample_3d(grid, at, wrap_w, grid.lod(dx, dy))
+            }
+            Source::Pattern(pattern) => {
+                let squared = |d: [f32; 3]| d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
+                let (x, y) = (squared(dx), squared(dy));
+                let v = pattern.value(at, (if x > y { x } else { y }).sqrt());
+                [v, v, v, 1.0]
+            }
+        }
+    }
+}
