@@ -1,19 +1,17 @@
-//! `light/<effect>/<level>`: 4096 points through each effect of texmap-light, sixteen at a time, and one at a time for the fallback.
+//! `light/<effect>/<level>`: 4096 points through each effect of texmap-light, in lanes, and one at a time for the fallback.
 //! The bits of all levels are asserted to be the same.
 //!
 //! `cargo bench -p texmap-benches --bench light`
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
-use texmap_light::lanes::{
-    EnvironmentView, PowerLanes, RayLanes, V3, reflect_across_lanes, share_lanes, unit_lanes,
-};
+use texmap_light::lanes::{self, PowerLanes, RayLanes, Vector};
 use texmap_light::{
     Chart, Environment, Green, Highlight, Light, NormalMap, Power, Ray, ShadowBias, ShadowKind,
     ShadowMap, ShadowReader, Slide, SlideBorder, SlideView, Surface, reflect_across, share, unit,
 };
-use texmap_math::fearless_simd::{Simd, dispatch, f32x16, mask32x16, prelude::*};
 use texmap_math::glam::{DMat4, DVec3};
-use texmap_math::{Level, Projector};
+use texmap_math::simd::{Isa, Scalar, prelude::*};
+use texmap_math::{Level, Projector, dispatch_simd};
 use texmap_sample::{ColorSpace, Filter, Origin, Sampler, Texture2d};
 
 const POINTS: usize = 4096;
@@ -50,12 +48,11 @@ impl Vectors {
     }
 
     #[inline(always)]
-    fn lanes<S: Simd>(&self, s: S, block: usize) -> V3<S> {
-        let at = block * 16..block * 16 + 16;
+    fn lanes<I: Isa>(&self, i: I, at: usize) -> Vector<I> {
         [
-            f32x16::from_slice(s, &self.0[0][at.clone()]),
-            f32x16::from_slice(s, &self.0[1][at.clone()]),
-            f32x16::from_slice(s, &self.0[2][at]),
+            i.load_f32(&self.0[0][at..]),
+            i.load_f32(&self.0[1][at..]),
+            i.load_f32(&self.0[2][at..]),
         ]
     }
 }
@@ -182,12 +179,14 @@ impl Effect {
             }
             Self::NormalMap => {
                 let [x, y, z] = input.tangents.at(i);
-                MAP.turn(normal, [x, y, z, 1.0], input.texels.at(i))
+                MAP.turn(Scalar, normal, [x, y, z], 1.0, input.texels.at(i))
             }
             Self::Shadow(map) => [input.shadows[map].lit(point, normal), 0.0, 0.0],
-            Self::Slide => slide
-                .place(point)
-                .map_or(zero, |(uv, fade)| [uv[0], uv[1], fade]),
+            Self::Slide => {
+                let places = slide.place(Scalar, point);
+                let fade = if places.reached { places.fade } else { 0.0 };
+                [places.uv[0], places.uv[1], fade]
+            }
             Self::Mirror(which) => {
                 let back = |v: [f32; 3]| v.map(|c| -c);
                 let [dx, dy] = [0, 1].map(|k| back(input.steps[k].at(i)));
@@ -207,27 +206,20 @@ impl Effect {
         }
     }
 
-    /// Sixteen.
+    /// A block of points from `at` on.
     #[inline(always)]
-    fn lanes<S: Simd>(
-        self,
-        s: S,
-        input: &Input,
-        slide: &SlideView<'_>,
-        mirrors: &[EnvironmentView<'_>; 2],
-        block: usize,
-    ) -> V3<S> {
-        let (point, normal) = (input.points.lanes(s, block), input.normals.lanes(s, block));
+    fn lanes<I: Isa>(self, i: I, input: &Input, slide: &SlideView<'_>, at: usize) -> Vector<I> {
+        let (point, normal) = (input.points.lanes(i, at), input.normals.lanes(i, at));
         let mut view = point;
         for k in 0..3 {
-            view[k] = EYE[k] - point[k];
+            view[k] = i.f32(EYE[k]) - point[k];
         }
-        let (zero, one) = (f32x16::splat(s, 0.0), f32x16::splat(s, 1.0));
+        let (zero, one) = (i.f32(0.0), i.f32(1.0));
         match self {
             Self::Share(model) => {
                 let power = PowerLanes::Same(Power::new(SURFACE.ns));
-                let (light, view) = (&input.light, unit_lanes(s, view));
-                let given = share_lanes(s, &SURFACE, power, model, light, point, normal, view);
+                let (light, view) = (&input.light, lanes::unit(i, view));
+                let given = lanes::share(i, &SURFACE, power, model, light, point, normal, view);
                 [
                     given.lit.select(given.diffuse, zero),
                     given.lit.select(given.highlight, zero),
@@ -235,17 +227,15 @@ impl Effect {
                 ]
             }
             Self::NormalMap => {
-                let (tangent, texel) =
-                    (input.tangents.lanes(s, block), input.texels.lanes(s, block));
-                MAP.turn_lanes(s, normal, tangent, one, texel)
+                let (tangent, texel) = (input.tangents.lanes(i, at), input.texels.lanes(i, at));
+                MAP.turn(i, normal, tangent, one, texel)
             }
             Self::Shadow(map) => {
-                let all = mask32x16::splat(s, true);
-                let lit = input.shadows[map].lit_lanes(s, all, point, normal);
+                let lit = input.shadows[map].visibility(i, i.mask(true), point, normal);
                 [lit, zero, zero]
             }
             Self::Slide => {
-                let places = slide.place_lanes(s, point);
+                let places = slide.place(i, point);
                 [
                     places.uv[0],
                     places.uv[1],
@@ -253,10 +243,7 @@ impl Effect {
                 ]
             }
             Self::Mirror(which) => {
-                let (mut dx, mut dy) = (
-                    input.steps[0].lanes(s, block),
-                    input.steps[1].lanes(s, block),
-                );
+                let (mut dx, mut dy) = (input.steps[0].lanes(i, at), input.steps[1].lanes(i, at));
                 for k in 0..3 {
                     (dx[k], dy[k]) = (-dx[k], -dy[k]);
                 }
@@ -270,7 +257,8 @@ impl Effect {
                     dx,
                     dy,
                 };
-                mirrors[which].light_lanes(s, &reflect_across_lanes(&view, &normal, one))
+                let ray = lanes::reflect_across(i, &view, &normal, one);
+                input.environments[which].radiance(i, &ray)
             }
         }
     }
@@ -286,16 +274,23 @@ fn run(level: Option<Level>, effect: Effect, input: &Input, out: &mut [Vec<f32>;
         }
         return;
     };
-    let mirrors = input.environments.each_ref().map(EnvironmentView::new);
-    dispatch!(level, s => s.vectorize(
-        #[inline(always)]
-        || for block in 0..POINTS / 16 {
-            let value = effect.lanes(s, input, &slide, &mirrors, block);
-            for (out, v) in out.iter_mut().zip(value) {
-                v.store_slice(&mut out[block * 16..block * 16 + 16]);
-            }
+    dispatch_simd!(level, i => blocks(i, effect, input, &slide, out));
+}
+
+#[inline(always)]
+fn blocks<I: Isa>(
+    i: I,
+    effect: Effect,
+    input: &Input,
+    slide: &SlideView<'_>,
+    out: &mut [Vec<f32>; 3],
+) {
+    for at in (0..POINTS).step_by(I::LANES) {
+        let value = effect.lanes(i, input, slide, at);
+        for (out, v) in out.iter_mut().zip(value) {
+            v.store(&mut out[at..]);
         }
-    ));
+    }
 }
 
 fn light(criterion: &mut Criterion) {

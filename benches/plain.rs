@@ -39,17 +39,8 @@ fn scene(filter: Filter) -> Scene {
     .expect("a texture");
     let corners = [[-10.0, -2.5], [10.0, -2.5], [10.0, 20.0], [-10.0, 20.0]];
     Scene {
-        camera: Camera {
-            eye: DVec3::new(0.0, -3.0, 1.0),
-            look: DVec3::new(0.3, 0.0, 0.35),
-            up: DVec3::Z,
-            fov_x: 60f64.to_radians(),
-            near: 1e-3,
-            far: f64::INFINITY,
-        },
         background: [0.0; 4],
         color: ColorMode::Raw,
-        lights: Vec::new(),
         textures: vec![texture.with_mips()],
         materials: vec![Material {
             base_color: Some(TextureSlot {
@@ -71,9 +62,14 @@ fn scene(filter: Filter) -> Scene {
             triangles: vec![[0, 1, 2], [0, 2, 3]],
             ..Mesh::default()
         }],
-        effects: Default::default(),
-        depth_test: Default::default(),
-        warnings: Vec::new(),
+        ..Scene::new(Camera {
+            eye: DVec3::new(0.0, -3.0, 1.0),
+            look: DVec3::new(0.3, 0.0, 0.35),
+            up: DVec3::Z,
+            fov_x: 60f64.to_radians(),
+            near: 1e-3,
+            far: f64::INFINITY,
+        })
     }
 }
 

@@ -38,23 +38,18 @@ fn cube(texels: f32) -> Scene {
         ..Displacement::new(slot, 0.1)
     });
     Scene {
-        camera: texmap_math::Camera {
+        background: [0.0; 4],
+        textures: vec![noise(512)],
+        materials: vec![Material::default()],
+        meshes: vec![mesh],
+        ..Scene::new(texmap_math::Camera {
             eye: DVec3::new(3.0, 2.0, 4.0),
             look: DVec3::ZERO,
             up: DVec3::Y,
             fov_x: 0.8,
             near: 1e-3,
             far: f64::INFINITY,
-        },
-        background: [0.0; 4],
-        color: Default::default(),
-        depth_test: Default::default(),
-        lights: Vec::new(),
-        textures: vec![noise(512)],
-        materials: vec![Material::default()],
-        meshes: vec![mesh],
-        effects: Default::default(),
-        warnings: Vec::new(),
+        })
     }
 }
 
@@ -123,7 +118,7 @@ fn vertices(c: &mut Criterion) {
     );
     group.throughput(Throughput::Elements(250_000));
     group.bench_function("identity", |b| {
-        b.iter(|| texmap_mesh::map_vertices(&mesh, |_, v| v))
+        b.iter(|| texmap_mesh::map_vertices(&mesh, |_, v| v));
     });
     group.bench_function("skin", |b| b.iter(|| skin.bend(&mesh, &pose)));
     let heights = noise(512);

@@ -9,7 +9,7 @@ use texmap_io::{
 };
 use texmap_light::Chart;
 use texmap_math::glam::DVec3;
-use texmap_render::planner::{Budget, choose};
+use texmap_planner::{Budget, choose};
 use texmap_render::{Settings, render};
 use texmap_sample::ColorSpace;
 use texmap_scene::Scene;

@@ -3,13 +3,13 @@
 use texmap_light::{Chart, Environment, Green, Highlight, Light, ShadowBias, SlideBorder, Surface};
 use texmap_math::Projector;
 use texmap_math::glam::{DMat4, DVec3};
-use texmap_raster::{Cull, DepthTest};
+use texmap_raster::Cull;
 use texmap_sample::{
     ColorSpace, Filter, Origin, Precision, SampleError, Sampler, Texture2d, UvTransform,
 };
 use texmap_scene::{
-    ColorMode, Effects, Material, Mesh, Reflection, Relief, Scene, Shadow, SlideProjector,
-    SlideRole, TextureSlot,
+    ColorMode, Material, Mesh, Reflection, Relief, Scene, Shadow, SlideProjector, SlideRole,
+    TextureSlot,
 };
 
 use super::scene::model;
@@ -78,16 +78,9 @@ pub(super) fn scene(scene: &BenchScene, precision: Precision) -> Result<Scene, S
         transform: UvTransform::default(),
     };
     let mut out = Scene {
-        camera: scene.camera(),
         background: CLEAR,
         color: ColorMode::Raw,
-        depth_test: DepthTest::Less,
-        lights: Vec::new(),
-        textures: Vec::new(),
-        materials: Vec::new(),
-        meshes: Vec::new(),
-        warnings: Vec::new(),
-        effects: Effects::default(),
+        ..Scene::new(scene.camera())
     };
     let surface = |ka: f32, kd: f32, ks: f32| Surface {
         color: [1.0; 3],

@@ -76,14 +76,12 @@ impl BenchScene {
             ..Mesh::default()
         };
         Ok(Some(Scene {
-            camera: self.camera(),
             background: CLEAR,
             color: ColorMode::Raw,
             depth_test: match self.content {
                 Content::Layers { depth: false, .. } => DepthTest::Always,
                 _ => DepthTest::Less,
             },
-            lights: Vec::new(),
             textures: vec![texture],
             materials: vec![self.material(precision, hidden)],
             meshes: if self.content == Content::Clear {
@@ -91,8 +89,7 @@ impl BenchScene {
             } else {
                 vec![mesh]
             },
-            warnings: Vec::new(),
-            effects: Default::default(),
+            ..Scene::new(self.camera())
         }))
     }
 

@@ -13,7 +13,7 @@ use texmap_lab::verify::verify_all;
 use texmap_light::Surface;
 use texmap_math::camera::Camera;
 use texmap_math::glam::DVec3;
-use texmap_render::planner::{Budget, choose, prices};
+use texmap_planner::{Budget, choose, prices};
 use texmap_render::{Frame, Settings, render};
 use texmap_sample::{ColorSpace, Filter, Origin, Precision, Sampler, Texture2d, UvTransform};
 use texmap_scene::{ColorMode, Material, Mesh, Scene, Shading, TextureSlot};
@@ -153,17 +153,8 @@ fn plane(bytes: &[u8], turn: f64, magnify: f64) -> Result<Scene, Box<dyn Error>>
         ..Material::default()
     };
     Ok(Scene {
-        camera: Camera {
-            eye: DVec3::new(0.0, -3.0, 1.0),
-            look: DVec3::new(0.3, 0.0, 0.35),
-            up: DVec3::Z,
-            fov_x: 60f64.to_radians(),
-            near: 1e-3,
-            far: f64::INFINITY,
-        },
         background: [0.0; 4],
         color: ColorMode::Raw,
-        lights: Vec::new(),
         textures: vec![texture],
         materials: vec![material],
         meshes: vec![Mesh {
@@ -172,9 +163,14 @@ fn plane(bytes: &[u8], turn: f64, magnify: f64) -> Result<Scene, Box<dyn Error>>
             triangles: vec![[0, 1, 2], [0, 2, 3]],
             ..Mesh::default()
         }],
-        effects: Default::default(),
-        depth_test: Default::default(),
-        warnings: Vec::new(),
+        ..Scene::new(Camera {
+            eye: DVec3::new(0.0, -3.0, 1.0),
+            look: DVec3::new(0.3, 0.0, 0.35),
+            up: DVec3::Z,
+            fov_x: 60f64.to_radians(),
+            near: 1e-3,
+            far: f64::INFINITY,
+        })
     })
 }
 

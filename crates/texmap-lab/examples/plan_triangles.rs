@@ -164,22 +164,18 @@ fn scene(meshes: Vec<Mesh>, materials: Vec<Material>) -> Result<Scene, Box<dyn E
     let noise = Pattern::Noise.rgba();
     let texture = Texture2d::from_rgba8(side, side, noise, ColorSpace::Linear, Origin::TopLeft)?;
     Ok(Scene {
-        camera: Camera {
+        background: [0.0; 4],
+        color: ColorMode::Raw,
+        textures: vec![texture],
+        materials,
+        meshes,
+        ..Scene::new(Camera {
             eye: DVec3::ZERO,
             look: DVec3::NEG_Z,
             up: DVec3::Y,
             fov_x: FOV,
             near: 0.1,
             far: f64::INFINITY,
-        },
-        background: [0.0; 4],
-        color: ColorMode::Raw,
-        lights: Vec::new(),
-        textures: vec![texture],
-        materials,
-        meshes,
-        effects: Default::default(),
-        depth_test: Default::default(),
-        warnings: Vec::new(),
+        })
     })
 }

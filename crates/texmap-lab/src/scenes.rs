@@ -135,20 +135,16 @@ impl UvScene {
             ..Mesh::default()
         };
         Scene {
-            camera: self.camera,
             background: [0.0; 4],
             color: ColorMode::Raw,
             depth_test: texmap_raster::DepthTest::Less,
-            lights: Vec::new(),
-            textures: Vec::new(),
             materials: vec![Material {
                 shading: Shading::Unlit,
                 interp,
                 ..Material::default()
             }],
             meshes: vec![mesh],
-            warnings: Vec::new(),
-            effects: Default::default(),
+            ..Scene::new(self.camera)
         }
     }
 

@@ -6,9 +6,8 @@ use texmap_light::{Light, ShadowBias, ShadowKind, ShadowMap};
 use texmap_math::camera::Camera;
 use texmap_math::det;
 use texmap_math::glam::{DMat4, DVec2, DVec3};
-use texmap_raster::DepthTest;
 use texmap_render::shadow_map;
-use texmap_scene::{ColorMode, Material, Mesh, Scene, shadow_kind};
+use texmap_scene::{Material, Mesh, Scene, shadow_kind};
 
 use crate::LabError;
 use crate::reference::Pinhole;
@@ -99,23 +98,18 @@ impl ShadowScene {
     pub(crate) fn of_meshes(meshes: Vec<Mesh>) -> Self {
         let rays = RayScene::new(meshes.iter().map(RayObject::Mesh));
         let scene = Scene {
-            camera: Camera {
+            background: [0.5, 0.6, 0.7, 1.0],
+            lights: vec![sun(60.0)],
+            materials: vec![Material::default()],
+            meshes,
+            ..Scene::new(Camera {
                 eye: DVec3::new(1.6, -2.2, 1.2),
                 look: DVec3::new(0.0, 0.0, 0.3),
                 up: DVec3::Z,
                 fov_x: 50.0f64.to_radians(),
                 near: 1e-4,
                 far: f64::INFINITY,
-            },
-            background: [0.5, 0.6, 0.7, 1.0],
-            color: ColorMode::Srgb,
-            depth_test: DepthTest::Less,
-            lights: vec![sun(60.0)],
-            textures: Vec::new(),
-            materials: vec![Material::default()],
-            meshes,
-            warnings: Vec::new(),
-            effects: Default::default(),
+            })
         };
         Self { scene, rays }
     }

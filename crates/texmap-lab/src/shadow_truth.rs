@@ -1,10 +1,11 @@
 //! Shadow maps against shadow rays: false shadow and false light outside of the band around the edges of true shadows.
 
+use texmap_bake::{BakeOptions, bake};
 use texmap_light::{Light, ShadowBias, ShadowKind};
 use texmap_math::det;
 use texmap_math::glam::DVec3;
 use texmap_raster::{Atlas, AtlasMesh, AtlasOptions, Coverage, TargetSize};
-use texmap_render::{BakeOptions, bake, shadow_map_for};
+use texmap_render::shadow_map_for;
 use texmap_sample::Origin;
 use texmap_scene::{Scene, shadow_kind};
 

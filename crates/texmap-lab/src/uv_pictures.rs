@@ -4,10 +4,9 @@ use texmap_io::framing::{AUTO_FOV, Bounds, View, auto_lights};
 use texmap_light::Surface;
 use texmap_math::camera::Camera;
 use texmap_math::glam::DVec3;
-use texmap_raster::DepthTest;
 use texmap_render::{Settings, render};
 use texmap_sample::{ColorSpace, Sampler, Texture2d, UvTransform};
-use texmap_scene::{ColorMode, Material, Scene, Shading, TextureSlot};
+use texmap_scene::{Material, Scene, Shading, TextureSlot};
 use texmap_uv::{Mesh, Report, UvSet};
 
 use crate::LabError;
@@ -243,23 +242,19 @@ fn shot(
     size: u32,
 ) -> Result<Picture, LabError> {
     let mut scene = Scene {
-        camera: Camera {
+        background: [0.94, 0.945, 0.953, 1.0],
+        lights: auto_lights(),
+        textures,
+        materials: vec![material],
+        meshes: vec![model],
+        ..Scene::new(Camera {
             eye: DVec3::Z,
             look: DVec3::ZERO,
             up: DVec3::Y,
             fov_x: AUTO_FOV,
             near: 1e-3,
             far: f64::INFINITY,
-        },
-        background: [0.94, 0.945, 0.953, 1.0],
-        color: ColorMode::Srgb,
-        depth_test: DepthTest::Less,
-        lights: auto_lights(),
-        textures,
-        materials: vec![material],
-        meshes: vec![model],
-        warnings: Vec::new(),
-        effects: Default::default(),
+        })
     };
     if let Some(bounds) = Bounds::of(&scene) {
         scene.camera = bounds.camera(view, AUTO_FOV, 1.0);

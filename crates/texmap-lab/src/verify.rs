@@ -216,7 +216,7 @@ mod tests {
     use texmap_math::camera::Camera;
     use texmap_math::det;
     use texmap_math::glam::{DVec2, DVec3};
-    use texmap_render::planner::{Budget, Price, choose, choose_sampled, prices};
+    use texmap_planner::{Budget, Price, choose, choose_sampled, prices};
     use texmap_render::{Settings, render};
     use texmap_sample::{ColorSpace, Origin, Sampler, Texture2d, UvTransform};
     use texmap_scene::{ColorMode, Material, Mesh, Shading, TextureSlot};
@@ -321,7 +321,6 @@ mod tests {
             ..Material::default()
         };
         let scene = Scene {
-            camera,
             background: [0.0; 4],
             color: if srgb {
                 ColorMode::Srgb
@@ -345,9 +344,7 @@ mod tests {
                 triangles: vec![[0, 3, 2], [0, 2, 1]],
                 ..Mesh::default()
             }],
-            effects: Default::default(),
-            depth_test: Default::default(),
-            warnings: Vec::new(),
+            ..Scene::new(camera)
         };
         (scene, Budget { texels: 0.5, rmse })
     }

@@ -1,12 +1,12 @@
 use alloc::vec::Vec;
 
-use texmap_math::fearless_simd::{Simd, f32x16, prelude::*};
-use texmap_math::float::sqrt_f32;
+use texmap_math::simd::{Isa, Scalar, prelude::*};
 
 use crate::error::{LightError, same_length};
-use crate::lanes::V3;
-use crate::normal_map::{NormalMap, is_zero};
-use crate::vector::{cross_lanes, dot, dot_lanes, unit, unit_lanes};
+use crate::lanes::Vector;
+use crate::normal_map::NormalMap;
+use crate::unit;
+use crate::vector::{self, cross, dot, is_zero, select};
 
 /// How the slope of a height field is measured.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -145,7 +145,7 @@ pub fn decode_normal(texel: [f32; 3], green: Green, rebuild_z: bool) -> [f32; 3]
         rebuild_z,
         strength: 1.0,
     };
-    let n = unit(map.decode(texel));
+    let n = unit(map.decode(Scalar, texel));
     if n == [0.0; 3] { [0.0, 0.0, 1.0] } else { n }
 }
 
@@ -185,64 +185,33 @@ pub fn bump(o_u: [f32; 3], o_v: [f32; 3], b_u: f32, b_v: f32) -> [f32; 3] {
     unit([0, 1, 2].map(|i| raw[i] + b_u * along_v[i] - b_v * along_u[i]))
 }
 
-/// [`bump`] on a surface with smooth normals: `n` is the unit normal of the shading, on the side that is seen, and stands for the
-/// direction of `O_u x O_v`, whose length alone counts. Heights rise along `n`, whichever way u and v turn.
-/// Parallel O_u and O_v give `n`.
-#[must_use]
-pub fn bump_on(n: [f32; 3], o_u: [f32; 3], o_v: [f32; 3], b_u: f32, b_v: f32) -> [f32; 3] {
-    let raw = cross(o_u, o_v);
-    let area = sqrt_f32(dot(raw, raw));
-    let side = if dot(raw, n) < 0.0 { -1.0 } else { 1.0 };
-    let (along_v, along_u) = (cross(n, o_v), cross(n, o_u));
-    let bumped =
-        unit([0, 1, 2].map(|i| area * n[i] + side * (b_u * along_v[i] - b_v * along_u[i])));
-    if area > 0.0 && bumped != [0.0; 3] {
-        bumped
-    } else {
-        n
-    }
-}
-
-/// [`bump_on`] for sixteen.
+/// [`bump`] on surfaces with smooth normals: see [`crate::bump_on`].
 #[inline(always)]
-pub fn bump_on_lanes<S: Simd>(
-    s: S,
-    n: V3<S>,
-    o_u: V3<S>,
-    o_v: V3<S>,
-    b_u: f32x16<S>,
-    b_v: f32x16<S>,
-) -> V3<S> {
-    let (zero, one) = (f32x16::splat(s, 0.0), f32x16::splat(s, 1.0));
-    let raw = cross_lanes(o_u, o_v);
-    let area = dot_lanes(raw, raw).sqrt();
-    let side = dot_lanes(raw, n).simd_lt(zero).select(-one, one);
-    let (along_v, along_u) = (cross_lanes(n, o_v), cross_lanes(n, o_u));
+pub fn bump_on<I: Isa>(
+    i: I,
+    n: Vector<I>,
+    o_u: Vector<I>,
+    o_v: Vector<I>,
+    b_u: I::F32,
+    b_v: I::F32,
+) -> Vector<I> {
+    let raw = cross(o_u, o_v);
+    let area = dot(raw, raw).sqrt();
+    let side = dot(raw, n).simd_lt(0.0).select(i.f32(-1.0), i.f32(1.0));
+    let (along_v, along_u) = (cross(n, o_v), cross(n, o_u));
     let mut bumped = n;
-    for i in 0..3 {
-        bumped[i] = area * n[i] + side * (b_u * along_v[i] - b_v * along_u[i]);
+    for k in 0..3 {
+        bumped[k] = area * n[k] + side * (b_u * along_v[k] - b_v * along_u[k]);
     }
-    let bumped = unit_lanes(s, bumped);
-    let useful = area.simd_gt(zero) & !is_zero(zero, bumped);
-    [
-        useful.select(bumped[0], n[0]),
-        useful.select(bumped[1], n[1]),
-        useful.select(bumped[2], n[2]),
-    ]
-}
-
-pub(crate) fn cross(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
-    [
-        a[1] * b[2] - a[2] * b[1],
-        a[2] * b[0] - a[0] * b[2],
-        a[0] * b[1] - a[1] * b[0],
-    ]
+    let bumped = vector::unit(i, bumped);
+    let useful = area.simd_gt(0.0) & !is_zero(i, bumped);
+    select(useful, bumped, n)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{clamp_to_horizon, perturb};
+    use crate::{bump_on, clamp_to_horizon, perturb};
     use core::f64::consts::TAU;
     use texmap_math::glam::DVec3;
 

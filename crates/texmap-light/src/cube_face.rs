@@ -1,9 +1,9 @@
 //! Faces of a cube in f32: which one a direction meets, and its coordinates there, in the order and orientation of
 //! [`Chart::Cube`](crate::Chart::Cube).
 
-use texmap_math::fearless_simd::{Simd, f32x16, i32x16, mask32x16, prelude::*};
+use texmap_math::simd::{Isa, prelude::*};
 
-use crate::lanes::V3;
+use crate::lanes::Vector;
 
 /// Sides of a cube's face along its coordinates and its axis, by face: the component that each is, and its sign.
 const SIDES: [[(usize, f32); 3]; 6] = [
@@ -15,12 +15,7 @@ const SIDES: [[(usize, f32); 3]; 6] = [
     [(0, -1.0), (1, -1.0), (2, -1.0)],
 ];
 
-/// Components of a vector to the right of a face, down, and along its axis.
-pub(crate) fn along(face: usize, d: [f32; 3]) -> [f32; 3] {
-    SIDES[face].map(|(component, sign)| d[component] * sign)
-}
-
-/// The vector of such components: the inverse of [`along`].
+/// The vector of components to the right of a face, down, and along its axis: the reference of [`Side::direction`].
 pub(crate) fn direction_of(face: usize, components: [f32; 3]) -> [f32; 3] {
     let mut d = [0.0; 3];
     for ((component, sign), c) in SIDES[face].into_iter().zip(components) {
@@ -29,44 +24,30 @@ pub(crate) fn direction_of(face: usize, components: [f32; 3]) -> [f32; 3] {
     d
 }
 
-/// Face of a finite direction that is not zero: z before y before x where components tie.
-pub(crate) fn face_of([x, y, z]: [f32; 3]) -> usize {
-    let (ax, ay, az) = (x.abs(), y.abs(), z.abs());
-    if az >= ax && az >= ay {
-        if z > 0.0 { 4 } else { 5 }
-    } else if ay >= ax {
-        if y > 0.0 { 2 } else { 3 }
-    } else if x > 0.0 {
-        0
-    } else {
-        1
-    }
-}
-
 /// The face of each lane.
 #[derive(Clone, Copy)]
-pub(crate) struct Side<S: Simd> {
-    by_z: mask32x16<S>,
-    by_y: mask32x16<S>,
+pub(crate) struct Side<I: Isa> {
+    by_z: I::Mask,
+    by_y: I::Mask,
     /// The positive one of two.
-    up: mask32x16<S>,
+    up: I::Mask,
 }
 
-impl<S: Simd> Side<S> {
-    /// [`face_of`] for sixteen.
+impl<I: Isa> Side<I> {
+    /// Faces of finite directions that are not zero: z before y before x where components tie.
     #[inline(always)]
-    pub(crate) fn of(s: S, [x, y, z]: V3<S>) -> Self {
+    pub(crate) fn of([x, y, z]: Vector<I>) -> Self {
         let (ax, ay, az) = (x.abs(), y.abs(), z.abs());
         let by_z = az.simd_ge(ax) & az.simd_ge(ay);
         let by_y = ay.simd_ge(ax) & !by_z;
         let major = by_z.select(z, by_y.select(y, x));
-        let up = major.simd_gt(f32x16::splat(s, 0.0));
+        let up = major.simd_gt(0.0);
         Self { by_z, by_y, up }
     }
 
-    /// [`along`] for sixteen.
+    /// Components of a vector to the right of a face, down, and along its axis.
     #[inline(always)]
-    pub(crate) fn along(&self, [x, y, z]: V3<S>) -> V3<S> {
+    pub(crate) fn along(&self, [x, y, z]: Vector<I>) -> Vector<I> {
         let up = self.up;
         // z: (x, -y, z) and (-x, -y, -z); y: (x, z, y) and (x, -z, -y); x: (-z, -y, x) and (z, -y, -x).
         let sx = self.by_y.select(x, up.select(x, -x));
@@ -76,9 +57,9 @@ impl<S: Simd> Side<S> {
         [sc, tc, up.select(major, -major)]
     }
 
-    /// [`direction_of`] for sixteen.
+    /// The vector of such components: the inverse of [`along`](Self::along).
     #[inline(always)]
-    pub(crate) fn direction(&self, [right, down, axis]: V3<S>) -> V3<S> {
+    pub(crate) fn direction(&self, [right, down, axis]: Vector<I>) -> Vector<I> {
         let up = self.up;
         let major = up.select(axis, -axis);
         let across = self.by_y.select(right, up.select(right, -right));
@@ -92,13 +73,10 @@ impl<S: Simd> Side<S> {
 
     /// The numbers of the faces.
     #[inline(always)]
-    pub(crate) fn face(&self, s: S) -> i32x16<S> {
-        let (four, two, zero) = (
-            i32x16::splat(s, 4),
-            i32x16::splat(s, 2),
-            i32x16::splat(s, 0),
-        );
-        let first = self.by_z.select(four, self.by_y.select(two, zero));
+    pub(crate) fn face(&self, i: I) -> I::I32 {
+        let first = self
+            .by_z
+            .select(i.i32(4), self.by_y.select(i.i32(2), i.i32(0)));
         self.up.select(first, first + 1)
     }
 }
@@ -107,8 +85,9 @@ impl<S: Simd> Side<S> {
 mod tests {
     use super::*;
     use crate::Chart;
+    use crate::vector::{columns, load};
+    use alloc::vec::Vec;
     use texmap_math::glam::DVec3;
-    use texmap_math::lanes::LANES;
 
     /// Directions within faces, on edges and at corners.
     fn directions() -> impl Iterator<Item = [f32; 3]> {
@@ -117,42 +96,29 @@ mod tests {
         grid.filter(|d| d.iter().any(|c| *c != 0.0))
     }
 
+    /// At every width.
     #[test]
     fn faces_are_those_of_the_chart() {
-        for d in directions() {
-            let (face, uv) = Chart::Cube.locate(DVec3::from(d.map(f64::from)));
-            let [right, down, axis] = along(face_of(d), d);
-            assert_eq!(face_of(d), face, "{d:?}");
-            let place = [right, down].map(|c| f64::from(0.5 * c / axis + 0.5));
-            assert!((place[0] - uv.x).abs() < 1e-6 && (place[1] - uv.y).abs() < 1e-6);
-            assert_eq!(direction_of(face, along(face, d)), d);
-        }
-    }
-
-    #[test]
-    fn lanes_give_the_bits_of_one() {
         let all: Vec<_> = directions().collect();
-        for block in all.chunks_exact(LANES) {
-            let column = |k: usize| -> [f32; LANES] { core::array::from_fn(|i| block[i][k]) };
-            let d = [0, 1, 2].map(column);
-            for level in [texmap_math::Level::new(), texmap_math::Level::baseline()] {
-                let (mut faces, mut got) = ([0; LANES], [[[0.0f32; LANES]; 3]; 2]);
-                texmap_math::on_level!(level, s => {
-                    let d = d.map(|column| f32x16::from_slice(s, &column));
-                    let side = Side::of(s, d);
-                    side.face(s).store_slice(&mut faces);
-                    let there = side.along(d);
-                    for (out, v) in got.iter_mut().zip([there, side.direction(there)]) {
-                        for (out, c) in out.iter_mut().zip(v) {
-                            c.store_slice(out);
-                        }
-                    }
-                }, else continue);
-                for (i, d) in block.iter().enumerate() {
-                    let face = face_of(*d);
-                    assert_eq!(faces[i], face as i32, "{d:?}");
-                    assert_eq!(got[0].map(|c| c[i]), along(face, *d), "{d:?}");
-                    assert_eq!(got[1].map(|c| c[i]), *d, "{d:?}");
+        check(texmap_math::simd::Scalar, &all);
+        every_width!(i => check(i, &all));
+        fn check<I: Isa>(i: I, all: &[[f32; 3]]) {
+            for first in (0..all.len()).step_by(I::LANES) {
+                let d = load(i, all, first);
+                let side = Side::<I>::of(d);
+                let mut faces = [0; 16];
+                side.face(i).store(&mut faces);
+                let there = side.along(d);
+                let back = columns(i, side.direction(there));
+                let there = columns(i, there);
+                for (lane, d) in all[first..].iter().take(I::LANES).enumerate() {
+                    let (face, uv) = Chart::Cube.locate(DVec3::from(d.map(f64::from)));
+                    assert_eq!(faces[lane], face as i32, "{d:?}");
+                    let [right, down, axis] = there.map(|c| c[lane]);
+                    let place = [right, down].map(|c| f64::from(0.5 * c / axis + 0.5));
+                    assert!((place[0] - uv.x).abs() < 1e-6 && (place[1] - uv.y).abs() < 1e-6);
+                    assert_eq!(back.map(|c| c[lane]), *d, "{d:?}");
+                    assert_eq!(direction_of(face, [right, down, axis]), *d, "{d:?}");
                 }
             }
         }

@@ -11,7 +11,7 @@ use texmap_math::glam::{DVec2, DVec3};
 
 use crate::Chart;
 use crate::error::{LightError, same_length};
-pub(crate) use level::Level;
+pub(crate) use level::{Level, LevelTable};
 use level::{bordered, four};
 
 /// Light from every direction, stored in a [`Chart`]: texels with a border of one texel that continues over the edges
@@ -25,6 +25,8 @@ pub struct Environment {
     pub(crate) packed: Vec<u32>,
     /// At least one.
     pub(crate) levels: Vec<Level>,
+    /// Of these levels.
+    pub(crate) table: LevelTable,
     /// Of the highlight that was gathered.
     pub(crate) exponent: Option<f32>,
 }
@@ -120,6 +122,7 @@ impl Environment {
             chart,
             texels,
             packed: Vec::new(),
+            table: LevelTable::new(&levels),
             levels,
             exponent: None,
         }

@@ -1,16 +1,19 @@
-//! Effects for sixteen points at once, for stages that are generic over the SIMD level; outside semantic versioning.
+//! Effects for the lanes of an [`Isa`], for stages that are generic over it; outside semantic versioning.
 //!
-//! Each function gives, lane by lane, the bits of its scalar twin, which stands beside it.
+//! One source gives every width: a lane has the bits that [`Scalar`](texmap_math::simd::Scalar) gives its point, on every level.
 
-use texmap_math::fearless_simd::f32x16;
+use texmap_math::simd::{Isa, X16};
 
-pub use crate::bump::bump_on_lanes;
-pub use crate::mirror::EnvironmentView;
-pub use crate::normal_map::clamp_to_horizon_lanes;
-pub use crate::reflect::{RayLanes, reflect_across_lanes, reflect_lanes};
-pub use crate::share::{PowerLanes, ShareLanes, share_lanes};
+pub use crate::bump::bump_on;
+pub use crate::normal_map::{clamp_to_horizon, perturb};
+pub use crate::reflect::{RayLanes, reflect, reflect_across};
+pub use crate::shade::TermsLanes;
+pub use crate::share::{PowerLanes, ShareLanes, share};
 pub use crate::slide::SlidePlaces;
-pub use crate::vector::{affine_lanes, cross_lanes, dot_lanes, spread, unit_lanes};
+pub use crate::vector::{affine, cross, dot, splat, unit};
 
 /// A vector in each lane.
-pub type V3<S> = [f32x16<S>; 3];
+pub type Vector<I> = [<I as Isa>::F32; 3];
+
+/// A vector in each of sixteen lanes.
+pub type V3<S> = Vector<X16<S>>;

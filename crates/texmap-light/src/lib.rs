@@ -6,8 +6,8 @@
 //! at 1 where that is said. Directions need not be of unit length. Points, normals and the eye share one
 //! space (the renderer uses world space).
 //!
-//! Every function has a scalar form, a form over slices with the same bits, and an f64 reference in
-//! [`mod@reference`] that is written for reading. Only IEEE `+ - * / sqrt`, comparisons and
+//! Every formula is written once over lane widths: functions of one point and functions over slices are its widths, with the same
+//! bits, and an f64 reference in [`mod@reference`] is written for reading. Only IEEE `+ - * / sqrt`, comparisons and
 //! `texmap_math::det32` are used, so that the bits are equal on every machine.
 //!
 //! ```
@@ -24,22 +24,18 @@
 //! ```
 #![cfg_attr(not(feature = "std"), no_std)]
 #![forbid(unsafe_code)]
-#![cfg_attr(
-    not(any(
-        target_arch = "x86",
-        target_arch = "x86_64",
-        target_arch = "aarch64",
-        all(target_arch = "wasm32", target_feature = "simd128")
-    )),
-    allow(
-        dead_code,
-        unused_assignments,
-        unused_imports,
-        unused_variables,
-        reason = "without a vector unit the scalar twins of the kernels do all of the work"
-    )
-)]
 extern crate alloc;
+
+/// Runs a kernel at every width, on the best level and on the least.
+#[cfg(test)]
+macro_rules! every_width {
+    ($i:ident => $kernel:expr) => {
+        for level in [texmap_math::Level::new(), texmap_math::Level::baseline()] {
+            texmap_math::dispatch_simd!(level, $i => $kernel);
+            texmap_math::dispatch_simd!(level, wide $i => $kernel);
+        }
+    };
+}
 
 mod bump;
 mod chart;
@@ -50,6 +46,7 @@ pub mod lanes;
 mod mirror;
 mod normal_map;
 mod packed;
+mod points;
 pub mod reference;
 mod reflect;
 mod shade;
@@ -62,14 +59,17 @@ mod surface;
 mod vector;
 
 pub use bump::{
-    Green, Heights, Slope, bump, bump_on, decode_normal, decode_offsets, encode_normal,
-    encode_offsets,
+    Green, Heights, Slope, bump, decode_normal, decode_offsets, encode_normal, encode_offsets,
 };
 pub use chart::{Chart, UnknownChart};
 pub use environment::Environment;
 pub use error::LightError;
-pub use normal_map::{NormalMap, clamp_to_horizon, clamp_unit_to_horizon, perturb, perturb_slice};
-pub use reflect::{Ray, reflect, reflect_across};
+pub use normal_map::NormalMap;
+pub use points::{
+    bump_on, clamp_to_horizon, clamp_unit_to_horizon, perturb, perturb_slice, reflect,
+    reflect_across, share, unit,
+};
+pub use reflect::Ray;
 pub use shade::{
     Terms, illuminate, illuminate_slice, illuminate_two_sided, terms, terms_received, terms_slice,
 };
@@ -77,7 +77,11 @@ pub use shadow::{ShadowBias, ShadowKind, ShadowMap};
 #[doc(hidden)]
 pub use shadow_bounds::{Reached, ShadowBounds, StripBounds};
 pub use shadow_reader::ShadowReader;
-pub use share::{Power, Share, share};
+pub use share::{Power, Share};
 pub use slide::{Slide, SlideBorder, SlideView, slide_texel};
 pub use surface::{Highlight, Light, Surface};
-pub use vector::unit;
+
+/// The level of this CPU; no bit depends on it.
+fn level() -> texmap_math::Level {
+    texmap_math::Level::try_detect().unwrap_or(texmap_math::Level::baseline())
+}

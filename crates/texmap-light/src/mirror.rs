@@ -2,25 +2,17 @@
 
 mod on_face;
 
-use texmap_math::fearless_simd::{Simd, f32x16, i32x16, prelude::*, u32x16};
-use texmap_math::lanes::{Words, floor_to_i32, floor_to_i32_scalar, gather};
+use texmap_math::lanes::Words;
+use texmap_math::simd::{Isa, Scalar, prelude::*};
 
 use crate::Chart;
-use crate::cube_face::{Side, along, face_of};
+use crate::cube_face::Side;
 use crate::environment::Environment;
-use crate::lanes::V3;
-use crate::packed::{UNIT, unpack};
+use crate::lanes::Vector;
+use crate::packed::UNIT;
 use crate::reflect::{Ray, RayLanes};
-use crate::vector::{dot, dot_lanes, is_usable, usable_lanes};
-use on_face::{LevelLanes, on_face, on_face_lanes};
-
-/// Half of log2 of a square, off by 0.005 at most: a parabola through each power of two.
-fn half_log2(x: f32) -> f32 {
-    let bits = x.to_bits();
-    let e = ((bits >> 23) as i32 - 127) as f32;
-    let m = f32::from_bits(bits & 0x007f_ffff | 0x3f80_0000);
-    0.5 * (e + ((2.0 - m * (1.0 / 3.0)) * m - 5.0 / 3.0))
-}
+use crate::vector::{dot, usable};
+use on_face::{LevelLanes, on_face};
 
 /// The largest square of a footprint, in texels, that is told from more.
 const MOST: f32 = 1e30;
@@ -34,61 +26,48 @@ impl Environment {
     /// angle per texel.
     #[must_use]
     pub fn light_across(&self, ray: &Ray) -> [f32; 3] {
-        let d = if is_usable(ray.direction) {
-            ray.direction
+        self.radiance(Scalar, &(*ray).into())
+    }
+
+    /// [`light_across`](Self::light_across) for the rays of a block; outside of semantic versioning.
+    #[inline(always)]
+    pub fn radiance<I: Isa>(&self, i: I, ray: &RayLanes<I>) -> Vector<I> {
+        if self.chart == Chart::Cube {
+            self.radiance_of_cube(i, ray)
         } else {
-            [0.0, 0.0, 1.0]
-        };
-        let (face, place, square) = match self.chart {
-            Chart::Cube => self.on_cube(d, ray),
-            chart => {
-                let (face, place) = chart.place(d);
-                (face, place, self.square_by_angle(ray))
-            }
-        };
-        let lod = self.level_of(square);
-        if self.packed.is_empty() {
-            let texel = |at: usize| self.texels[at];
-            return self.between(lod, |level| on_face(self.levels[level], face, place, texel));
+            self.radiance_of_chart(i, ray)
         }
-        let texel = |at: usize| unpack(self.packed[at]);
-        let light = self.between(lod, |level| on_face(self.levels[level], face, place, texel));
-        light.map(|c| c * UNIT)
     }
 
-    /// Face, place and squared footprint of a ray along `d` on a cube.
-    fn on_cube(&self, d: [f32; 3], ray: &Ray) -> (usize, [f32; 2], f32) {
-        let face = face_of(d);
-        let [s, t, m] = along(face, d);
-        let per_m = 1.0 / m;
-        let (u, v) = (s * per_m, t * per_m);
-        let texels = 0.5 * self.levels[0].width as f32 * per_m;
-        let square = |d: [f32; 3]| {
-            let [ds, dt, dm] = along(face, d);
-            let (du, dv) = ((ds - u * dm) * texels, (dt - v * dm) * texels);
-            du * du + dv * dv
-        };
-        let (x, y) = (square(ray.dx), square(ray.dy));
-        let place = [0.5 * u + 0.5, 0.5 * v + 0.5];
-        (face, place, if x > y { x } else { y })
+    #[inline(always)]
+    fn radiance_of_cube<I: Isa>(&self, i: I, ray: &RayLanes<I>) -> Vector<I> {
+        let (d, _) = usable(i, ray.direction);
+        let side = Side::<I>::of(d);
+        let [sc, tc, m] = side.along(d);
+        let per_m = i.f32(1.0) / m;
+        let (u, v) = (sc * per_m, tc * per_m);
+        let texels = per_m * (0.5 * self.table.width[0] as f32);
+        let dx = square_on_face(&side, ray.dx, u, v, texels);
+        let dy = square_on_face(&side, ray.dy, u, v, texels);
+        let place = [u * 0.5 + 0.5, v * 0.5 + 0.5];
+        self.filtered::<I, true>(i, side.face(i), place, dx.above(dy))
     }
 
-    /// Level of detail of a squared footprint in texels, from 0 to the last level; NaN reads as 0.
-    fn level_of(&self, square: f32) -> f32 {
-        let square = if square > 1.0 { square } else { 1.0 };
-        let lod = half_log2(if square < MOST { square } else { MOST });
-        let last = (self.levels.len() - 1) as f32;
-        if lod < last { lod } else { last }
-    }
-
-    fn square_by_angle(&self, ray: &Ray) -> f32 {
-        let r = ray.direction;
-        let square = |d: [f32; 3]| {
-            let (rr, rd) = (dot(r, r), dot(r, d));
-            (dot(d, d) - rd * rd / rr) / rr
-        };
-        let (x, y) = (square(ray.dx), square(ray.dy));
-        (if x > y { x } else { y }) * self.texels_a_steradian()
+    /// Other charts. Out of line, so that kernels with cubes stay short.
+    #[inline(never)]
+    fn radiance_of_chart<I: Isa>(&self, i: I, ray: &RayLanes<I>) -> Vector<I> {
+        i.vectorize(
+            #[inline(always)]
+            || {
+                let (d, _) = usable(i, ray.direction);
+                let (face, place) = self.chart.place(i, d);
+                let rr = dot(ray.direction, ray.direction);
+                let dx = square_of_angle(i, ray.direction, rr, ray.dx);
+                let dy = square_of_angle(i, ray.direction, rr, ray.dy);
+                let square = dx.above(dy) * self.texels_a_steradian();
+                self.filtered::<I, false>(i, face, place, square)
+            },
+        )
     }
 
     fn texels_a_steradian(&self) -> f32 {
@@ -97,159 +76,67 @@ impl Environment {
         texels * (1.0 / (4.0 * core::f32::consts::PI))
     }
 
-    fn between(&self, lod: f32, at: impl Fn(usize) -> [f32; 3]) -> [f32; 3] {
-        let level = floor_to_i32_scalar(lod);
-        let k = lod - level as f32;
-        let near = at(level as usize);
-        if k == 0.0 {
-            return near;
-        }
-        let far = at(level as usize + 1);
-        [0, 1, 2].map(|i| near[i] * (1.0 - k) + far[i] * k)
-    }
-}
-
-/// An environment prepared for lanes.
-#[derive(Clone, Debug)]
-pub struct EnvironmentView<'a> {
-    chart: Chart,
-    words: &'a [u32],
-    /// A word a texel; else three floats.
-    packed: bool,
-    /// First texel of each level.
-    starts: [u32; 16],
-    width: i32,
-    height: i32,
-    last: f32,
-    texels_a_steradian: f32,
-}
-
-impl<'a> EnvironmentView<'a> {
-    /// Prepares an environment.
-    #[must_use]
-    pub fn new(environment: &'a Environment) -> Self {
-        let levels = &environment.levels;
-        let mut starts = [0; 16];
-        for (start, level) in starts.iter_mut().zip(levels) {
-            *start = level.start as u32;
-        }
-        let packed = !environment.packed.is_empty();
-        Self {
-            chart: environment.chart,
-            words: if packed {
-                &environment.packed[..]
-            } else {
-                bytemuck::cast_slice(environment.texels.as_flattened())
-            },
-            packed,
-            starts,
-            width: levels[0].width as i32,
-            height: levels[0].height as i32,
-            last: (levels.len() - 1) as f32,
-            texels_a_steradian: environment.texels_a_steradian(),
-        }
-    }
-
-    /// [`Environment::light_across`] for sixteen.
-    #[inline(always)]
-    pub fn light_lanes<S: Simd>(&self, s: S, ray: &RayLanes<S>) -> V3<S> {
-        if self.chart == Chart::Cube {
-            self.cube_lanes(s, ray)
-        } else {
-            self.chart_lanes(s, ray)
-        }
-    }
-
-    #[inline(always)]
-    fn cube_lanes<S: Simd>(&self, s: S, ray: &RayLanes<S>) -> V3<S> {
-        let (d, _) = usable_lanes(s, ray.direction);
-        let side = Side::of(s, d);
-        let [sc, tc, m] = side.along(d);
-        let per_m = f32x16::splat(s, 1.0) / m;
-        let (u, v) = (sc * per_m, tc * per_m);
-        let texels = per_m * (0.5 * self.width as f32);
-        let dx = square_lanes(&side, ray.dx, u, v, texels);
-        let dy = square_lanes(&side, ray.dy, u, v, texels);
-        let place = [u * 0.5 + 0.5, v * 0.5 + 0.5];
-        self.texels::<S, true>(s, side.face(s), place, dx.simd_gt(dy).select(dx, dy))
-    }
-
-    /// Other charts. Out of line, so that kernels with cubes stay short.
-    #[inline(never)]
-    fn chart_lanes<S: Simd>(&self, s: S, ray: &RayLanes<S>) -> V3<S> {
-        s.vectorize(
-            #[inline(always)]
-            || {
-                let (d, _) = usable_lanes(s, ray.direction);
-                let (face, place) = self.chart.place_lanes(s, d);
-                let rr = dot_lanes(ray.direction, ray.direction);
-                let dx = square_by_angle_lanes(ray.direction, rr, ray.dx);
-                let dy = square_by_angle_lanes(ray.direction, rr, ray.dy);
-                let square = dx.simd_gt(dy).select(dx, dy) * self.texels_a_steradian;
-                self.texels::<S, false>(s, face, place, square)
-            },
-        )
-    }
-
     /// The light at places, by squared footprints in texels; faces are as wide as high if `SQUARE`.
     #[inline(always)]
-    fn texels<S: Simd, const SQUARE: bool>(
+    fn filtered<I: Isa, const SQUARE: bool>(
         &self,
-        s: S,
-        face: i32x16<S>,
-        [u, v]: [f32x16<S>; 2],
-        square: f32x16<S>,
-    ) -> V3<S> {
-        let one = f32x16::splat(s, 1.0);
-        let Some(words) = Words::new(self.words) else {
-            return [one; 3];
+        i: I,
+        face: I::I32,
+        [u, v]: [I::F32; 2],
+        square: I::F32,
+    ) -> Vector<I> {
+        let packed = !self.packed.is_empty();
+        let words = Words::new(if packed {
+            &self.packed[..]
+        } else {
+            bytemuck::cast_slice(self.texels.as_flattened())
+        });
+        let Some(words) = words else {
+            return [i.f32(1.0); 3];
         };
-        let square = square.simd_gt(one).select(square, one);
-        let cap = f32x16::splat(s, MOST);
-        let square = square.simd_lt(cap).select(square, cap);
-        let lod = half_log2_lanes::<S>(s, square);
-        let last = f32x16::splat(s, self.last);
-        let lod = lod.simd_lt(last).select(lod, last);
-        let level = floor_to_i32(s, lod);
-        let k = lod - level.to_float::<f32x16<S>>();
-        if self.packed {
-            let light = self.between::<S, SQUARE, true>(s, words, level, k, face, u, v);
+        let square = square.clamp(i.f32(1.0), i.f32(MOST));
+        let lod = half_log2(i, square).below(i.f32((self.levels.len() - 1) as f32));
+        let level = lod.floor_to_i32();
+        let k = lod - level.to_f32();
+        if packed {
+            let light = self.between::<I, SQUARE, true>(i, words, level, k, face, u, v);
             [light[0] * UNIT, light[1] * UNIT, light[2] * UNIT]
         } else {
-            self.between::<S, SQUARE, false>(s, words, level, k, face, u, v)
+            self.between::<I, SQUARE, false>(i, words, level, k, face, u, v)
         }
     }
 
     /// A level, and `k` of the next; in the units of the texels.
     #[inline(always)]
-    fn between<S: Simd, const SQUARE: bool, const PACKED: bool>(
+    fn between<I: Isa, const SQUARE: bool, const PACKED: bool>(
         &self,
-        s: S,
+        i: I,
         words: Words<'_>,
-        level: i32x16<S>,
-        k: f32x16<S>,
-        face: i32x16<S>,
-        u: f32x16<S>,
-        v: f32x16<S>,
-    ) -> V3<S> {
-        let (zero, one) = (f32x16::splat(s, 0.0), f32x16::splat(s, 1.0));
-        let first = level[0];
+        level: I::I32,
+        k: I::F32,
+        face: I::I32,
+        u: I::F32,
+        v: I::F32,
+    ) -> Vector<I> {
+        let mut levels = [0; 16];
+        level.store(&mut levels);
+        let first = levels[0];
         // Most vectors see one level.
-        let same = level.simd_eq(i32x16::splat(s, first)).all_true();
-        let between = k.simd_gt(zero);
-        let mut out = [zero; 3];
+        let same = level.simd_eq(first).all_true();
+        let between = k.simd_gt(0.0);
+        let mut out = [i.f32(0.0); 3];
         // A loop, so that the look-up is there once: twice as much code is not inlined whole.
         for next in 0..2 {
             let at = if same {
-                self.level(s, first + next)
+                self.level(i, first + next)
             } else {
-                self.levels::<S, SQUARE>(s, level + next)
+                self.levels_of::<I, SQUARE>(i, level + next)
             };
-            let light = on_face_lanes::<S, PACKED>(s, words, &at, face, u, v);
+            let light = on_face::<I, PACKED>(i, words, &at, face, u, v);
             if next == 1 {
-                for i in 0..3 {
-                    let mixed = out[i] * (one - k) + light[i] * k;
-                    out[i] = between.select(mixed, out[i]);
+                for c in 0..3 {
+                    let mixed = out[c] * (i.f32(1.0) - k) + light[c] * k;
+                    out[c] = between.select(mixed, out[c]);
                 }
             } else {
                 out = light;
@@ -263,68 +150,67 @@ impl<'a> EnvironmentView<'a> {
 
     /// One level in all lanes.
     #[inline(always)]
-    fn level<S: Simd>(&self, s: S, level: i32) -> LevelLanes<S> {
-        let start = self.starts.get(level as usize).copied().unwrap_or(0);
-        let shift = level.clamp(0, 31);
+    fn level<I: Isa>(&self, i: I, level: i32) -> LevelLanes<I> {
+        let (table, level) = (&self.table, level as usize & 15);
         LevelLanes {
-            start: i32x16::splat(s, start as i32),
-            width: i32x16::splat(s, self.width >> shift),
-            height: i32x16::splat(s, self.height >> shift),
+            start: i.i32(table.start[level] as i32),
+            width: i.i32(table.width[level] as i32),
+            height: i.i32(table.height[level] as i32),
         }
     }
 
     /// A level in each lane.
     #[inline(always)]
-    fn levels<S: Simd, const SQUARE: bool>(&self, s: S, level: i32x16<S>) -> LevelLanes<S> {
-        let width = i32x16::splat(s, self.width) >> level;
+    fn levels_of<I: Isa, const SQUARE: bool>(&self, i: I, level: I::I32) -> LevelLanes<I> {
+        let (table, level) = (&self.table, level.to_u32());
+        let width = i.table16(&table.width, level).to_i32();
         LevelLanes {
-            start: match Words::new(&self.starts) {
-                Some(starts) => gather(s, starts, level.bitcast()).bitcast(),
-                None => level,
-            },
+            start: i.table16(&table.start, level).to_i32(),
             width,
             height: if SQUARE {
                 width
             } else {
-                i32x16::splat(s, self.height) >> level
+                i.table16(&table.height, level).to_i32()
             },
         }
     }
 }
 
+/// The square of a change of direction, in radians.
 #[inline(always)]
-fn square_by_angle_lanes<S: Simd>(r: V3<S>, rr: f32x16<S>, d: V3<S>) -> f32x16<S> {
-    let rd = dot_lanes(r, d);
-    (dot_lanes(d, d) - rd * rd / rr) / rr
-}
-
-#[inline(always)]
-fn half_log2_lanes<S: Simd>(s: S, x: f32x16<S>) -> f32x16<S> {
-    let bits: u32x16<S> = x.bitcast();
-    let e: i32x16<S> = (bits >> 23).bitcast();
-    let e = (e - 127).to_float::<f32x16<S>>();
-    let m: f32x16<S> = (bits & 0x007f_ffff | u32x16::splat(s, 0x3f80_0000)).bitcast();
-    (e + ((2.0 - m * (1.0 / 3.0)) * m - 5.0 / 3.0)) * 0.5
+fn square_of_angle<I: Isa>(_: I, r: Vector<I>, rr: I::F32, d: Vector<I>) -> I::F32 {
+    let rd = dot(r, d);
+    (dot(d, d) - rd * rd / rr) / rr
 }
 
 /// The square of a change of direction on a face, in texels.
 #[inline(always)]
-fn square_lanes<S: Simd>(
-    side: &Side<S>,
-    d: V3<S>,
-    u: f32x16<S>,
-    v: f32x16<S>,
-    texels: f32x16<S>,
-) -> f32x16<S> {
+fn square_on_face<I: Isa>(
+    side: &Side<I>,
+    d: Vector<I>,
+    u: I::F32,
+    v: I::F32,
+    texels: I::F32,
+) -> I::F32 {
     let [ds, dt, dm] = side.along(d);
     let du = (ds - u * dm) * texels;
     let dv = (dt - v * dm) * texels;
     du * du + dv * dv
 }
 
+/// Half of log2 of a square, off by 0.005 at most: a parabola through each power of two.
+#[inline(always)]
+fn half_log2<I: Isa>(i: I, x: I::F32) -> I::F32 {
+    let bits = x.to_bits();
+    let e = ((bits >> 23).to_i32() - 127).to_f32();
+    let m = (bits & 0x007f_ffff | i.u32(0x3f80_0000)).to_f32_bits();
+    (e + ((i.f32(2.0) - m * (1.0 / 3.0)) * m - 5.0 / 3.0)) * 0.5
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::vector::{columns, load};
     use alloc::vec::Vec;
 
     /// Footprints choose the level: a stripe pattern fades to its mean as pixels grow, on every chart, and not without levels.
@@ -416,10 +302,10 @@ mod tests {
         }
     }
 
-    /// Lanes give the bits of [`Environment::light_across`] in every chart, where all see one level and where each sees its own, in packed
-    /// texels and floats, without levels, at edges of faces, and along directions that are none.
+    /// Every width gives the bits of one ray in every chart, where all see one level and where each sees its own, in packed texels and
+    /// floats, without levels, at edges of faces, and along directions that are none.
     #[test]
-    fn lanes_see_what_one_ray_sees() {
+    fn widths_agree() {
         for chart in Chart::ALL {
             let packed = noise(chart, 32).with_mips();
             let floats = Environment {
@@ -430,12 +316,12 @@ mod tests {
             let flat = noise(chart, 9);
             assert!(!packed.packed.is_empty() && flat.packed.is_empty());
             for environment in [&packed, &floats, &odd, &flat] {
-                check_lanes(environment);
+                check_widths(environment);
             }
         }
     }
 
-    fn check_lanes(environment: &Environment) {
+    fn check_widths(environment: &Environment) {
         for steps in [[0.0; 2], [0.02, 0.0], [0.15, 0.0], [9.0, 0.0], [0.01, 0.4]] {
             for turn in 0..9u8 {
                 let mut rays: [Ray; 16] = core::array::from_fn(|i| {
@@ -455,32 +341,28 @@ mod tests {
                     rays[11].direction = [0.0, -0.0, -1.0];
                     rays[12].dx = [f32::INFINITY; 3];
                 }
-                let of = |at: fn(&Ray) -> [f32; 3]| -> [[f32; 16]; 3] {
-                    [0, 1, 2].map(|c| rays.map(|ray| at(&ray)[c]))
-                };
-                let columns = [of(|r| r.direction), of(|r| r.dx), of(|r| r.dy)];
-                for level in [texmap_math::Level::new(), texmap_math::Level::baseline()] {
-                    let mut got = [[0.0f32; 16]; 3];
-                    texmap_math::on_level!(level, s => {
-                        let [direction, dx, dy] =
-                            columns.map(|v| v.map(|column| f32x16::from_slice(s, &column)));
-                        let view = EnvironmentView::new(environment);
-                        let light = view.light_lanes(s, &RayLanes { direction, dx, dy });
-                        for (to, c) in got.iter_mut().zip(light) {
-                            c.store_slice(to);
-                        }
-                    }, else continue);
-                    for (i, ray) in rays.iter().enumerate() {
-                        let one = environment.light_across(ray);
-                        assert!(one.iter().all(|c| c.is_finite()), "{ray:?}");
-                        assert_eq!(
-                            got.map(|c| c[i].to_bits()),
-                            one.map(f32::to_bits),
-                            "{:?} {ray:?}",
-                            environment.chart
-                        );
-                    }
-                }
+                every_width!(i => check_rays(i, environment, &rays));
+            }
+        }
+    }
+
+    fn check_rays<I: Isa>(i: I, environment: &Environment, rays: &[Ray; 16]) {
+        for first in (0..16).step_by(I::LANES) {
+            let all = RayLanes {
+                direction: load(i, &rays.map(|ray| ray.direction), first),
+                dx: load(i, &rays.map(|ray| ray.dx), first),
+                dy: load(i, &rays.map(|ray| ray.dy), first),
+            };
+            let got = columns(i, environment.radiance(i, &all));
+            for (lane, ray) in rays[first..].iter().take(I::LANES).enumerate() {
+                let one = environment.light_across(ray);
+                assert!(one.iter().all(|c| c.is_finite()), "{ray:?}");
+                assert_eq!(
+                    got.map(|c| c[lane].to_bits()),
+                    one.map(f32::to_bits),
+                    "{:?} {ray:?}",
+                    environment.chart
+                );
             }
         }
     }

@@ -1,9 +1,9 @@
 //! Light in one word: three channels of 10 bits in steps of 1/1020. That holds raw 8-bit values, and the means of four of them, as they
 //! are.
 
-use texmap_math::fearless_simd::{Simd, f32x16, i32x16, prelude::*, u32x16};
+use texmap_math::simd::{Isa, prelude::*};
 
-use crate::lanes::V3;
+use crate::lanes::Vector;
 
 /// Steps of 1.
 const STEPS: f32 = 1020.0;
@@ -31,31 +31,27 @@ fn steps(c: f32) -> u32 {
 }
 
 /// Channels in steps.
-pub(crate) fn unpack(word: u32) -> [f32; 3] {
-    [word & 1023, word >> 10 & 1023, word >> 20].map(|c| c as f32)
-}
-
-/// [`unpack`] for sixteen.
 #[inline(always)]
-pub(crate) fn unpack_lanes<S: Simd>(_s: S, word: u32x16<S>) -> V3<S> {
+pub(crate) fn unpack<I: Isa>(_: I, word: I::U32) -> Vector<I> {
     let [r, g, b] = [word & 1023, (word >> 10) & 1023, word >> 20];
     [
-        r.bitcast::<i32x16<S>>().to_float::<f32x16<S>>(),
-        g.bitcast::<i32x16<S>>().to_float::<f32x16<S>>(),
-        b.bitcast::<i32x16<S>>().to_float::<f32x16<S>>(),
+        r.to_i32().to_f32(),
+        g.to_i32().to_f32(),
+        b.to_i32().to_f32(),
     ]
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use texmap_math::simd::{One, Scalar};
 
     #[test]
     fn bytes_and_means_of_four_are_held() {
         for c in 0..=1020u16 {
             let light = [f32::from(c) / 1020.0, 0.0, 1.0];
             assert!(holds(&light), "{c}");
-            let [r, g, b] = unpack(pack(&light));
+            let [r, g, b] = unpack(Scalar, One(pack(&light)));
             assert_eq!([r, g, b], [f32::from(c), 0.0, 1020.0]);
             assert!((r * UNIT - light[0]).abs() < 1e-7, "{c}");
         }
@@ -65,7 +61,7 @@ mod tests {
         }
         // Half a step off at most.
         let light = [0.123, 0.777, 0.5004];
-        let back = unpack(pack(&light)).map(|c| c * UNIT);
+        let back = unpack(Scalar, One(pack(&light))).map(|c| c * UNIT);
         assert!((0..3).all(|i| (light[i] - back[i]).abs() <= 0.5001 * UNIT));
     }
 }

@@ -1,9 +1,9 @@
 //! The mirrored view, and how fast it turns from pixel to pixel.
 
-use texmap_math::fearless_simd::{Simd, f32x16};
+use texmap_math::simd::{Isa, Number};
 
-use crate::lanes::V3;
-use crate::vector::{dot, dot_lanes};
+use crate::lanes::Vector;
+use crate::vector::dot;
 
 /// A direction and its change for one pixel to the right and one down.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -16,103 +16,73 @@ pub struct Ray {
     pub dy: [f32; 3],
 }
 
-/// The mirrored view: `R = 2(N.V)N - V` for the direction V to the eye and a unit normal N. R has the length of V.
-#[must_use]
-pub fn reflect(view: [f32; 3], normal: [f32; 3]) -> [f32; 3] {
-    let k = 2.0 * dot(normal, view);
-    [0, 1, 2].map(|i| k * normal[i] - view[i])
-}
-
-/// [`reflect`] with the change of its result: `dR = 2 ((dN.V + N.dV) N + (N.V) dN) - dV`. `normal` holds a unit normal and the
-/// change of the vector that it is the direction of, of length `length`: what turns a normal is the part of that across it. (Igehy
-/// 1999, Tracing Ray Differentials.)
-#[must_use]
-pub fn reflect_across(view: &Ray, normal: &Ray, length: f32) -> Ray {
-    let (n, v) = (normal.direction, view.direction);
-    let (facing, per_length) = (dot(n, v), 1.0 / length);
-    let change = |dv: [f32; 3], d: [f32; 3]| {
-        let along = dot(n, d);
-        let dn = [0, 1, 2].map(|i| (d[i] - along * n[i]) * per_length);
-        let k = dot(dn, v) + dot(n, dv);
-        [0, 1, 2].map(|i| 2.0 * (k * n[i] + facing * dn[i]) - dv[i])
-    };
-    Ray {
-        direction: reflect(v, n),
-        dx: change(view.dx, normal.dx),
-        dy: change(view.dy, normal.dy),
-    }
-}
-
 /// A [`Ray`] in each lane.
-#[derive(Clone, Copy)]
-pub struct RayLanes<S: Simd> {
+#[derive(Clone, Copy, Debug)]
+pub struct RayLanes<I: Isa> {
     /// Of any length.
-    pub direction: V3<S>,
+    pub direction: [I::F32; 3],
     /// To the right.
-    pub dx: V3<S>,
+    pub dx: [I::F32; 3],
     /// Down.
-    pub dy: V3<S>,
+    pub dy: [I::F32; 3],
 }
 
-impl<S: Simd> core::fmt::Debug for RayLanes<S> {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        f.write_str("RayLanes")
-    }
-}
-
-/// [`reflect`] for sixteen.
+/// The mirrored view `R = 2(N.V)N - V`: see [`crate::reflect`].
 #[inline(always)]
-pub fn reflect_lanes<S: Simd>(view: V3<S>, normal: V3<S>) -> V3<S> {
-    let k = dot_lanes(normal, view) * 2.0;
-    let mut out = view;
-    for i in 0..3 {
-        out[i] = k * normal[i] - view[i];
-    }
-    out
+pub fn reflect<T: Number<f32>>(view: [T; 3], normal: [T; 3]) -> [T; 3] {
+    let k = dot(normal, view) * 2.0;
+    [
+        k * normal[0] - view[0],
+        k * normal[1] - view[1],
+        k * normal[2] - view[2],
+    ]
 }
 
-/// [`reflect_across`] for sixteen.
+/// [`reflect`] with the change of its result: see [`crate::reflect_across`].
 #[inline(always)]
-pub fn reflect_across_lanes<S: Simd>(
-    view: &RayLanes<S>,
-    normal: &RayLanes<S>,
-    length: f32x16<S>,
-) -> RayLanes<S> {
+pub fn reflect_across<I: Isa>(
+    i: I,
+    view: &RayLanes<I>,
+    normal: &RayLanes<I>,
+    length: I::F32,
+) -> RayLanes<I> {
     let (n, v) = (normal.direction, view.direction);
-    let facing = dot_lanes(n, v);
-    let per_length = 1.0 / length;
+    let facing = dot(n, v);
+    let per_length = i.f32(1.0) / length;
     RayLanes {
-        direction: reflect_lanes(v, n),
-        dx: change_lanes(n, v, facing, view.dx, normal.dx, per_length),
-        dy: change_lanes(n, v, facing, view.dy, normal.dy, per_length),
+        direction: reflect(v, n),
+        dx: change(i, n, v, facing, view.dx, normal.dx, per_length),
+        dy: change(i, n, v, facing, view.dy, normal.dy, per_length),
     }
 }
 
+/// Change of the mirrored view by those of the view, `dv`, and of the vector that gives the normal, `d`.
 #[inline(always)]
-fn change_lanes<S: Simd>(
-    n: V3<S>,
-    v: V3<S>,
-    facing: f32x16<S>,
-    dv: V3<S>,
-    d: V3<S>,
-    per_length: f32x16<S>,
-) -> V3<S> {
-    let along = dot_lanes(n, d);
+fn change<I: Isa>(
+    _: I,
+    n: Vector<I>,
+    v: Vector<I>,
+    facing: I::F32,
+    dv: Vector<I>,
+    d: Vector<I>,
+    per_length: I::F32,
+) -> Vector<I> {
+    let along = dot(n, d);
     let mut dn = d;
-    for i in 0..3 {
-        dn[i] = (d[i] - along * n[i]) * per_length;
+    for k in 0..3 {
+        dn[k] = (d[k] - along * n[k]) * per_length;
     }
-    let k = dot_lanes(dn, v) + dot_lanes(n, dv);
+    let k = dot(dn, v) + dot(n, dv);
     let mut out = d;
-    for i in 0..3 {
-        out[i] = (k * n[i] + facing * dn[i]) * 2.0 - dv[i];
+    for c in 0..3 {
+        out[c] = (k * n[c] + facing * dn[c]) * 2.0 - dv[c];
     }
     out
 }
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use crate::{Ray, reflect_across};
     use texmap_math::glam::DVec3;
 
     fn wide(v: [f32; 3]) -> DVec3 {

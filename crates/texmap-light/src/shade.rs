@@ -1,6 +1,12 @@
+//! Sums over lights.
+
+use texmap_math::dispatch_simd;
+use texmap_math::simd::{Isa, Scalar, prelude::*};
+
 use crate::error::{LightError, same_length};
-use crate::share::{Power, Share, share};
-use crate::vector::{dot, scale, sub, unit};
+use crate::lanes::Vector;
+use crate::share::{Power, PowerLanes, Share, ShareLanes, share};
+use crate::vector::{columns, dot, load, scale, splat, sub, unit};
 use crate::{Highlight, Light, Surface};
 
 /// Light that reaches the eye from one point, split so that a texture can stand in for the colour:
@@ -14,13 +20,20 @@ pub struct Terms {
 }
 
 impl Terms {
-    /// Adds what a light gives, of which so much is received.
+    /// Adds the contribution of a light, of which so much is received.
     pub fn add(&mut self, given: &Share, received: [f32; 3]) {
-        for (i, received) in received.into_iter().enumerate() {
-            let color = given.color[i] * received;
-            self.diffuse[i] += color * given.diffuse;
-            self.highlight[i] += color * given.highlight;
-        }
+        let mut sum = TermsLanes::<Scalar> {
+            diffuse: self.diffuse,
+            highlight: self.highlight,
+        };
+        let given = ShareLanes {
+            lit: true,
+            color: given.color,
+            diffuse: given.diffuse,
+            highlight: given.highlight,
+        };
+        sum.add(&given, true, received);
+        *self = sum.into();
     }
 
     /// The colour of a surface of this base colour, linear light, clipped at 1 per channel.
@@ -32,6 +45,73 @@ impl Terms {
         };
         [channel(0), channel(1), channel(2)]
     }
+}
+
+/// [`Terms`] of the points of a block.
+#[derive(Clone, Copy, Debug)]
+pub struct TermsLanes<I: Isa> {
+    /// See [`Terms`].
+    pub diffuse: [I::F32; 3],
+    /// See [`Terms`].
+    pub highlight: [I::F32; 3],
+}
+
+impl<I: Isa> TermsLanes<I> {
+    /// No light.
+    #[inline(always)]
+    pub fn dark(i: I) -> Self {
+        let dark = splat(i, [0.0; 3]);
+        Self {
+            diffuse: dark,
+            highlight: dark,
+        }
+    }
+
+    /// Adds the contribution of a light in the lanes of `lit`, of which so much is received.
+    #[inline(always)]
+    pub fn add(&mut self, given: &ShareLanes<I>, lit: I::Mask, received: Vector<I>) {
+        let (diffuse, highlight) = (&mut self.diffuse, &mut self.highlight);
+        for k in 0..3 {
+            let color = given.color[k] * received[k];
+            diffuse[k] = lit.select(diffuse[k] + color * given.diffuse, diffuse[k]);
+            highlight[k] = lit.select(highlight[k] + color * given.highlight, highlight[k]);
+        }
+    }
+}
+
+impl From<TermsLanes<Scalar>> for Terms {
+    fn from(TermsLanes { diffuse, highlight }: TermsLanes<Scalar>) -> Self {
+        Self { diffuse, highlight }
+    }
+}
+
+/// The sum over all lights at the points of a block; `received` is asked for the lights that reach some of them, and in which lanes.
+#[inline(always)]
+fn sum_over_lights<I: Isa>(
+    i: I,
+    surface: &Surface,
+    model: Highlight,
+    lights: &[Light],
+    point: Vector<I>,
+    normal: Vector<I>,
+    eye: [f32; 3],
+    mut received: impl FnMut(usize, I::Mask) -> Vector<I>,
+) -> TermsLanes<I> {
+    let normal = unit(i, normal);
+    let view = unit(i, sub(splat(i, eye), point));
+    let power = PowerLanes::Same(Power::new(surface.ns));
+    let mut sum = TermsLanes::dark(i);
+    for (index, light) in lights.iter().enumerate() {
+        let given = share(i, surface, power, model, light, point, normal, view);
+        if given.lit.any_true() {
+            let received = match light {
+                Light::Ambient { .. } => splat(i, [1.0; 3]),
+                _ => received(index, given.lit),
+            };
+            sum.add(&given, given.lit, received);
+        }
+    }
+    sum
 }
 
 /// The two light terms at a point (the colour of `surface` is not read).
@@ -77,21 +157,8 @@ pub fn terms_received(
     eye: [f32; 3],
     mut received: impl FnMut(usize) -> [f32; 3],
 ) -> Terms {
-    let normal = unit(normal);
-    let view = unit(sub(eye, point));
-    let power = Power::new(surface.ns);
-    let mut sum = Terms::default();
-    for (index, light) in lights.iter().enumerate() {
-        let Some(given) = share(surface, power, model, light, point, normal, view) else {
-            continue;
-        };
-        if matches!(light, Light::Ambient { .. }) {
-            sum.add(&given, [1.0; 3]);
-        } else {
-            sum.add(&given, received(index));
-        }
-    }
-    sum
+    let received = |index, _| received(index);
+    sum_over_lights(Scalar, surface, model, lights, point, normal, eye, received).into()
 }
 
 /// Colour of a surface at a point: [`terms`] applied to its own colour, clipped at 1, linear light.
@@ -141,9 +208,9 @@ pub fn terms_slice(
 ) -> Result<(), LightError> {
     same_length("points", points.len(), out.len())?;
     same_length("normals", normals.len(), out.len())?;
-    for ((out, point), normal) in out.iter_mut().zip(points).zip(normals) {
-        *out = terms(surface, lights, *point, *normal, eye);
-    }
+    each_point(surface, lights, points, normals, eye, &mut |at, terms| {
+        out[at] = terms;
+    });
     Ok(())
 }
 
@@ -161,10 +228,57 @@ pub fn illuminate_slice(
 ) -> Result<(), LightError> {
     same_length("points", points.len(), out.len())?;
     same_length("normals", normals.len(), out.len())?;
-    for ((out, point), normal) in out.iter_mut().zip(points).zip(normals) {
-        *out = illuminate(surface, lights, *point, *normal, eye);
-    }
+    each_point(surface, lights, points, normals, eye, &mut |at, terms| {
+        out[at] = terms.color(surface.color);
+    });
     Ok(())
+}
+
+/// [`terms`] of all points, in lanes.
+fn each_point(
+    surface: &Surface,
+    lights: &[Light],
+    points: &[[f32; 3]],
+    normals: &[[f32; 3]],
+    eye: [f32; 3],
+    put: &mut dyn FnMut(usize, Terms),
+) {
+    dispatch_simd!(crate::level(), i => blocks(i, surface, lights, points, normals, eye, put));
+}
+
+#[inline(always)]
+fn blocks<I: Isa>(
+    i: I,
+    surface: &Surface,
+    lights: &[Light],
+    points: &[[f32; 3]],
+    normals: &[[f32; 3]],
+    eye: [f32; 3],
+    put: &mut dyn FnMut(usize, Terms),
+) {
+    for first in (0..points.len()).step_by(I::LANES) {
+        let (point, normal) = (load(i, points, first), load(i, normals, first));
+        let phong = Highlight::Phong;
+        let sum = sum_over_lights(
+            i,
+            surface,
+            phong,
+            lights,
+            point,
+            normal,
+            eye,
+            #[inline(always)]
+            |_, _| splat(i, [1.0; 3]),
+        );
+        let (diffuse, highlight) = (columns(i, sum.diffuse), columns(i, sum.highlight));
+        for lane in 0..I::LANES.min(points.len() - first) {
+            let terms = Terms {
+                diffuse: diffuse.map(|c| c[lane]),
+                highlight: highlight.map(|c| c[lane]),
+            };
+            put(first + lane, terms);
+        }
+    }
 }
 
 #[cfg(test)]

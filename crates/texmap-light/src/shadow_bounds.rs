@@ -3,8 +3,8 @@
 use alloc::vec::Vec;
 use core::ops::Range;
 
-use texmap_math::fearless_simd::{Simd, f32x16, i32x16, prelude::*, u32x16};
-use texmap_math::lanes::{Words, gather};
+use texmap_math::lanes::Words;
+use texmap_math::simd::{Isa, prelude::*};
 
 /// log2 of a patch's side in texels.
 const SHIFT: u32 = 3;
@@ -215,27 +215,18 @@ impl ShadowBounds {
         self.pairs.len() == faces * across * across && self.radius == radius(taps)
     }
 
-    /// The least and the largest depth around sixteen texels of faces.
+    /// The least and the largest depth around texels of faces.
     #[inline(always)]
-    pub(crate) fn around<S: Simd>(
-        &self,
-        s: S,
-        face: i32x16<S>,
-        x: i32x16<S>,
-        y: i32x16<S>,
-    ) -> [f32x16<S>; 2] {
+    pub(crate) fn around<I: Isa>(&self, i: I, face: I::I32, x: I::I32, y: I::I32) -> [I::F32; 2] {
         let Some(words) = Words::new(bytemuck::cast_slice(self.pairs.as_flattened())) else {
-            return [
-                f32x16::splat(s, f32::NEG_INFINITY),
-                f32x16::splat(s, f32::INFINITY),
-            ];
+            return [i.f32(f32::NEG_INFINITY), i.f32(f32::INFINITY)];
         };
         let row = face * self.across + (y >> SHIFT);
         let patch = row * self.across + (x >> SHIFT);
-        let at: u32x16<S> = (patch << 1).bitcast();
+        let at = (patch << 1).to_u32();
         [
-            gather(s, words, at).bitcast(),
-            gather(s, words, at + 1).bitcast(),
+            i.gather(words, at).to_f32_bits(),
+            i.gather(words, at + 1).to_f32_bits(),
         ]
     }
 }

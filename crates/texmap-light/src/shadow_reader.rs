@@ -1,4 +1,4 @@
-//! Shadow maps prepared for look-ups in f32, for one point and for sixteen. [`ShadowMap::lit`] is their reference in f64.
+//! Shadow maps prepared for look-ups in f32. [`ShadowMap::lit`] is their reference in f64.
 
 mod cube;
 mod flat;
@@ -6,10 +6,10 @@ mod taps;
 
 use alloc::vec::Vec;
 
-use texmap_math::fearless_simd::{Simd, f32x16, mask32x16, prelude::*};
 use texmap_math::lanes::Words;
+use texmap_math::simd::{Isa, Scalar};
 
-use crate::lanes::V3;
+use crate::lanes::Vector;
 use crate::shadow_bounds::ShadowBounds;
 use crate::{ShadowBias, ShadowKind, ShadowMap};
 use cube::Cube;
@@ -87,27 +87,23 @@ impl ShadowReader {
     /// Share of the light that reaches a point, 0..=1: see [`ShadowMap::lit`].
     #[must_use]
     pub fn lit(&self, point: [f32; 3], normal: [f32; 3]) -> f32 {
-        match &self.form {
-            Form::Flat(flat) => flat.lit(self.map.depths(), point, normal),
-            Form::Cube(cube) => cube.lit(self.map.depths(), point, normal),
-            Form::Empty => 1.0,
-        }
+        self.visibility(Scalar, true, point, normal)
     }
 
-    /// [`lit`](Self::lit) for sixteen. Nothing is looked up if no lane in `asked` falls into the map.
+    /// [`lit`](Self::lit) for the points of a block. Nothing is looked up if no lane in `asked` falls into the map.
     #[inline(always)]
-    pub fn lit_lanes<S: Simd>(
+    pub fn visibility<I: Isa>(
         &self,
-        s: S,
-        asked: mask32x16<S>,
-        point: V3<S>,
-        normal: V3<S>,
-    ) -> f32x16<S> {
+        i: I,
+        asked: I::Mask,
+        point: Vector<I>,
+        normal: Vector<I>,
+    ) -> I::F32 {
         let words = Words::new(bytemuck::cast_slice(self.map.depths()));
         match (&self.form, words) {
-            (Form::Flat(flat), Some(words)) => flat.lit_lanes(s, words, asked, point, normal),
-            (Form::Cube(cube), Some(words)) => cube.lit_lanes(s, words, asked, point, normal),
-            _ => f32x16::splat(s, 1.0),
+            (Form::Flat(flat), Some(words)) => flat.visibility(i, words, asked, point, normal),
+            (Form::Cube(cube), Some(words)) => cube.visibility(i, words, asked, point, normal),
+            _ => i.f32(1.0),
         }
     }
 }
@@ -116,9 +112,8 @@ impl ShadowReader {
 mod tests {
     use super::*;
     use texmap_math::glam::{DMat4, DVec3};
-    use texmap_math::lanes::LANES;
 
-    use crate::vector::narrow;
+    use crate::vector::{columns, load, narrow};
 
     const BIASES: [(ShadowBias, u32); 5] = [
         (ShadowBias::Planes(1e-3), 1),
@@ -228,11 +223,11 @@ mod tests {
         assert!(off * 100 <= count, "{off} of {count}");
     }
 
-    /// Lanes give the bits of [`ShadowReader::lit`], at points of one face and of many, in the light and not finite.
+    /// Every width gives the bits of [`ShadowReader::lit`], at points of one face and of many, in the light and not finite.
     #[test]
-    fn lanes_see_what_one_point_sees() {
+    fn widths_agree() {
         let mut noise = noise();
-        let (mut lit, mut dark) = (0, 0);
+        let mut counts = [0; 2];
         for map in maps() {
             for (bias, taps) in BIASES {
                 let reader = ShadowReader::new(map.clone(), bias, taps);
@@ -240,7 +235,7 @@ mod tests {
                     // Rays of all directions, and of nearly one: most of those blocks lie on one face.
                     let wide = if round % 2 == 0 { 4.0 } else { 0.2 };
                     let middle = DVec3::new(noise(), noise(), noise()) * (4.0 - wide);
-                    let mut points: [_; LANES] = core::array::from_fn(|_| {
+                    let mut points: [_; 16] = core::array::from_fn(|_| {
                         narrow(middle + DVec3::new(noise(), noise(), noise()) * wide)
                     });
                     if round % 5 == 0 {
@@ -249,29 +244,31 @@ mod tests {
                         points[9] = [f32::INFINITY, -1e30, 1e30];
                         points[10] = [1e30, -1e30, 1e30];
                     }
-                    let normals: [_; LANES] = core::array::from_fn(|_| {
+                    let normals: [_; 16] = core::array::from_fn(|_| {
                         narrow(DVec3::new(noise(), 1.0 + noise(), noise()).normalize())
                     });
-                    for level in [texmap_math::Level::new(), texmap_math::Level::baseline()] {
-                        let mut got = [0.0; LANES];
-                        let columns =
-                            [points, normals].map(|v| [0, 1, 2].map(|c| v.map(|v: [f32; 3]| v[c])));
-                        texmap_math::on_level!(level, s => {
-                            let [p, n] = columns.map(|v| v.map(|c| f32x16::from_slice(s, &c)));
-                            let all = mask32x16::splat(s, true);
-                            reader.lit_lanes(s, all, p, n).store_slice(&mut got);
-                        }, else continue);
-                        for i in 0..LANES {
-                            let one = reader.lit(points[i], normals[i]);
-                            assert_eq!(got[i].to_bits(), one.to_bits(), "{:?}", points[i]);
-                            lit += u32::from(one == 1.0);
-                            dark += u32::from(one < 1.0);
-                        }
-                    }
+                    every_width!(i => check(i, &reader, &points, &normals, &mut counts));
                 }
             }
         }
-        assert!(lit > 5_000 && dark > 5_000, "{lit} {dark}");
+        assert!(counts.into_iter().all(|count| count > 10_000), "{counts:?}");
+        fn check<I: Isa>(
+            i: I,
+            reader: &ShadowReader,
+            points: &[[f32; 3]; 16],
+            normals: &[[f32; 3]; 16],
+            counts: &mut [u32; 2],
+        ) {
+            for first in (0..16).step_by(I::LANES) {
+                let (p, n) = (load(i, points, first), load(i, normals, first));
+                let [got] = columns(i, [reader.visibility(i, i.mask(true), p, n)]);
+                for (lane, at) in (first..first + I::LANES).enumerate() {
+                    let one = reader.lit(points[at], normals[at]);
+                    assert_eq!(got[lane].to_bits(), one.to_bits(), "{:?}", points[at]);
+                    counts[usize::from(one < 1.0)] += 1;
+                }
+            }
+        }
     }
 
     /// Where a face is far and its neighbour near, points beside the edge see both: what is known of a face's own depths does not decide.
@@ -285,18 +282,16 @@ mod tests {
         let map = ShadowMap::new(kind, 64, depths.collect()).unwrap();
         let reader = ShadowReader::new(map, ShadowBias::Constant(0.0), 5);
         // On +Z, up to a texel from its edge with +X.
-        let points: [_; LANES] = core::array::from_fn(|i| [4.0 - 0.006 * i as f32, 0.3, 4.01]);
+        let points: [_; 16] = core::array::from_fn(|i| [4.0 - 0.006 * i as f32, 0.3, 4.01]);
         let one = points.map(|p| reader.lit(p, [0.0, 0.0, -1.0]));
         assert!(one.iter().all(|lit| *lit > 0.5 && *lit < 1.0), "{one:?}");
-        for level in [texmap_math::Level::new(), texmap_math::Level::baseline()] {
-            let mut got = [0.0; LANES];
-            let columns = [0, 1, 2].map(|c| points.map(|p| p[c]));
-            texmap_math::on_level!(level, s => {
-                let p = columns.map(|c| f32x16::from_slice(s, &c));
-                let all = mask32x16::splat(s, true);
-                reader.lit_lanes(s, all, p, p).store_slice(&mut got);
-            }, else continue);
-            assert_eq!(got, one);
+        every_width!(i => check(i, &reader, &points, &one));
+        fn check<I: Isa>(i: I, reader: &ShadowReader, points: &[[f32; 3]; 16], one: &[f32; 16]) {
+            for first in (0..16).step_by(I::LANES) {
+                let p = load(i, points, first);
+                let [got] = columns(i, [reader.visibility(i, i.mask(true), p, p)]);
+                assert_eq!(got[..I::LANES], one[first..first + I::LANES]);
+            }
         }
     }
 

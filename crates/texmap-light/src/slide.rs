@@ -1,12 +1,12 @@
-use texmap_math::fearless_simd::{Simd, f32x16, mask32x16, prelude::*};
 use texmap_math::float::floor_f32;
 use texmap_math::glam::{DVec3, DVec4};
 use texmap_math::projector::slide_coordinates;
+use texmap_math::simd::{Isa, Scalar, prelude::*};
 use texmap_math::{Footprint, Projector};
 use texmap_sample::{Filter, Sampler, Texture2d, Wrap};
 
 use crate::error::{LightError, same_length};
-use crate::lanes::{V3, affine_lanes};
+use crate::lanes::{Vector, affine};
 
 /// A picture thrown from a projector: light, or paint.
 #[derive(Clone, Debug)]
@@ -37,13 +37,18 @@ pub enum SlideBorder {
 }
 
 impl SlideBorder {
-    /// Factor of the texel at a place in the slide; `None` where the picture does not reach.
-    fn fade(self, softness: f32, uv: [f32; 2]) -> Option<f32> {
+    /// Factor of the texels at places in the slide, and the lanes that the picture reaches.
+    #[inline(always)]
+    fn fade<I: Isa>(self, i: I, softness: f32, [u, v]: [I::F32; 2]) -> (I::F32, I::Mask) {
         if self != Self::Black {
-            return Some(1.0);
+            return (i.f32(1.0), i.mask(true));
         }
-        let inside = uv.iter().all(|c| (0.0..=1.0).contains(c));
-        inside.then(|| fade(softness, uv[0]) * fade(softness, uv[1]))
+        let inside = u.simd_ge(0.0) & u.simd_le(1.0) & v.simd_ge(0.0) & v.simd_le(1.0);
+        if softness > 0.0 {
+            (fade(i, softness, u) * fade(i, softness, v), inside)
+        } else {
+            (i.f32(1.0), inside)
+        }
     }
 }
 
@@ -74,7 +79,7 @@ impl Slide<'_> {
             return [0.0; 4];
         };
         let uv = [place.x as f32, place.y as f32];
-        let Some(fade) = self.border.fade(self.softness, uv) else {
+        let (fade, true) = self.border.fade(Scalar, self.softness, uv) else {
             return [0.0; 4];
         };
         let sampler = self.bordered();
@@ -132,23 +137,17 @@ pub struct SlideView<'a> {
     dark_edge: bool,
 }
 
-/// Where sixteen points fall in a slide.
-#[derive(Clone, Copy)]
-pub struct SlidePlaces<S: Simd> {
+/// Places of points in a slide.
+#[derive(Clone, Copy, Debug)]
+pub struct SlidePlaces<I: Isa> {
     /// Lanes that the slide reaches; the others have a place too, of no meaning.
-    pub reached: mask32x16<S>,
+    pub reached: I::Mask,
     /// Coordinates.
-    pub uv: [f32x16<S>; 2],
+    pub uv: [I::F32; 2],
     /// Factor of the texel.
-    pub fade: f32x16<S>,
+    pub fade: I::F32,
     /// What coordinates are divided by.
-    t: f32x16<S>,
-}
-
-impl<S: Simd> core::fmt::Debug for SlidePlaces<S> {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        f.write_str("SlidePlaces")
-    }
+    t: I::F32,
 }
 
 impl<'a> SlideView<'a> {
@@ -178,28 +177,23 @@ impl<'a> SlideView<'a> {
     /// Premultiplied texel at a point of space that changes by `dx` and `dy` from pixel to pixel: see [`Slide::light`].
     #[must_use]
     pub fn light(&self, point: [f32; 3], [dx, dy]: [[f32; 3]; 2]) -> [f32; 4] {
-        let Some((uv, fade)) = self.place(point) else {
+        let places = self.place_within(Scalar, point, false);
+        if !places.reached {
             return [0.0; 4];
-        };
-        let [_, _, t] = self.qst(point);
-        let along = |d: [f32; 3]| {
-            let [q, s, t1] = self
-                .rows
-                .map(|row| row[0] * d[0] + row[1] * d[1] + row[2] * d[2]);
-            [(q - uv[0] * t1) / t, (s - uv[1] * t1) / t]
-        };
-        let ([du_dx, dv_dx], [du_dy, dv_dy]) = (along(dx), along(dy));
+        }
+        let [du_dx, dv_dx] = self.changes(Scalar, &places, dx);
+        let [du_dy, dv_dy] = self.changes(Scalar, &places, dy);
         let d = Footprint {
             du_dx,
             dv_dx,
             du_dy,
             dv_dy,
         };
-        let texel = self.sampler.sample_grad(self.texture, uv, d);
-        texel.map(|c| c * fade)
+        let texel = self.sampler.sample_grad(self.texture, places.uv, d);
+        texel.map(|c| c * places.fade)
     }
 
-    /// A sampler that gives the colours of [`sampler`](Self::sampler) where [`place_lanes`](Self::place_lanes) reaches: beyond a black edge
+    /// A sampler that gives the colours of [`sampler`](Self::sampler) where [`place`](Self::place) reaches: beyond a black edge
     /// another black edge is as good as more of the same, and repeated texels are the quickest to find.
     #[must_use]
     pub fn sampler_within(&self) -> Sampler {
@@ -210,53 +204,37 @@ impl<'a> SlideView<'a> {
         sampler
     }
 
-    fn qst(&self, [x, y, z]: [f32; 3]) -> [f32; 3] {
-        let row = |row: [f32; 4]| row[0] * x + row[1] * y + row[2] * z + row[3];
-        self.rows.map(row)
-    }
-
-    /// Where in the slide a point falls, and the factor of the texel there; `None` where the slide does not reach.
-    #[must_use]
-    pub fn place(&self, point: [f32; 3]) -> Option<([f32; 2], f32)> {
-        let [q, s, t] = self.qst(point);
-        let uv = [q / t, s / t];
-        let finite = uv[0].abs() < f32::INFINITY && uv[1].abs() < f32::INFINITY;
-        if !(t > 0.0 && finite) {
-            return None;
-        }
-        Some((uv, self.border.fade(self.softness, uv)?))
-    }
-
-    /// [`place`](Self::place) for sixteen. The texels there are for the caller to look up.
+    /// Places of points in the slide, and the factors of the texels there, which are for the caller to look up.
     /// Lanes in which level 0 can only give black are not reached.
     #[inline(always)]
-    pub fn place_lanes<S: Simd>(&self, s: S, point: V3<S>) -> SlidePlaces<S> {
-        let (zero, one) = (f32x16::splat(s, 0.0), f32x16::splat(s, 1.0));
-        let half = f32x16::splat(s, 0.5);
-        let [q, r, t] = affine_lanes(&self.rows, point);
+    pub fn place<I: Isa>(&self, i: I, point: Vector<I>) -> SlidePlaces<I> {
+        self.place_within(i, point, self.dark_edge)
+    }
+
+    /// [`place`](Self::place); no further than the picture if it has a `dark_edge`.
+    #[inline(always)]
+    fn place_within<I: Isa>(&self, i: I, point: Vector<I>, dark_edge: bool) -> SlidePlaces<I> {
+        let [q, r, t] = affine(&self.rows, point);
         let (u, v) = (q / t, r / t);
         let infinity = f32::INFINITY;
         let finite = u.abs().simd_lt(infinity) & v.abs().simd_lt(infinity);
-        let mut reached = t.simd_gt(zero) & finite;
-        let mut factor = one;
-        if self.border == SlideBorder::Black || self.dark_edge {
-            reached &= u.simd_ge(zero) & u.simd_le(one) & v.simd_ge(zero) & v.simd_le(one);
-            if self.border == SlideBorder::Black && self.softness > 0.0 {
-                factor = fade_lanes(s, self.softness, u) * fade_lanes(s, self.softness, v);
-            }
+        let (fade, mut reached) = self.border.fade(i, self.softness, [u, v]);
+        reached = reached & t.simd_gt(0.0) & finite;
+        if dark_edge {
+            reached = reached & u.simd_ge(0.0) & u.simd_le(1.0) & v.simd_ge(0.0) & v.simd_le(1.0);
         }
         SlidePlaces {
             reached,
             // The others read the middle, where no edge is in the way.
-            uv: [reached.select(u, half), reached.select(v, half)],
-            fade: factor,
+            uv: [reached.select(u, i.f32(0.5)), reached.select(v, i.f32(0.5))],
+            fade,
             t,
         }
     }
 
-    /// How the coordinates of sixteen places change with steps `d` of their points.
+    /// Changes of the coordinates of places with steps `d` of their points.
     #[inline(always)]
-    pub fn changes_lanes<S: Simd>(&self, places: &SlidePlaces<S>, d: V3<S>) -> [f32x16<S>; 2] {
+    pub fn changes<I: Isa>(&self, _: I, places: &SlidePlaces<I>, d: Vector<I>) -> [I::F32; 2] {
         let mut qst = d;
         for (k, out) in qst.iter_mut().enumerate() {
             let [x, y, z, _] = self.rows[k];
@@ -279,24 +257,12 @@ fn has_dark_edge(texture: &Texture2d<'_>) -> bool {
 }
 
 /// 0 at the edge, 1 from `softness` inwards: `3x^2 - 2x^3`.
-fn fade(softness: f32, c: f32) -> f32 {
-    let from_edge = if c < 0.5 { c } else { 1.0 - c };
-    if from_edge < softness {
-        let x = from_edge / softness;
-        x * x * (3.0 - 2.0 * x)
-    } else {
-        1.0
-    }
-}
-
-/// [`fade`] for sixteen.
 #[inline(always)]
-fn fade_lanes<S: Simd>(s: S, softness: f32, c: f32x16<S>) -> f32x16<S> {
-    let from_edge = c.simd_lt(0.5).select(c, 1.0 - c);
-    let x = from_edge / f32x16::splat(s, softness);
-    let soft = x * x * (3.0 - x * 2.0);
-    let one = f32x16::splat(s, 1.0);
-    from_edge.simd_lt(softness).select(soft, one)
+fn fade<I: Isa>(i: I, softness: f32, c: I::F32) -> I::F32 {
+    let from_edge = c.simd_lt(0.5).select(c, i.f32(1.0) - c);
+    let x = from_edge / softness;
+    let soft = x * x * (i.f32(3.0) - x * 2.0);
+    from_edge.simd_lt(softness).select(soft, i.f32(1.0))
 }
 
 /// Whether a slide coordinate falls into the picture's texels, as an index: `None` beyond. For callers with texels of their own.

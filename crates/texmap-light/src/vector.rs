@@ -1,138 +1,37 @@
-//! Three-component f32 arithmetic in one fixed order of operations.
+//! Three-component f32 arithmetic in one fixed order of operations, for numbers and lanes.
 
-use texmap_math::fearless_simd::{Simd, f32x16, mask32x16, prelude::*};
-use texmap_math::float::sqrt_f32;
 use texmap_math::glam::DVec3;
-use texmap_math::lanes::LANES;
+use texmap_math::simd::{Isa, prelude::*};
 
-use crate::lanes::V3;
+use crate::lanes::Vector;
 
-pub(crate) fn sub(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
+/// `a + b`.
+#[inline(always)]
+pub(crate) fn add<T: Number<f32>>(a: [T; 3], b: [T; 3]) -> [T; 3] {
+    [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
+}
+
+/// `a - b`.
+#[inline(always)]
+pub(crate) fn sub<T: Number<f32>>(a: [T; 3], b: [T; 3]) -> [T; 3] {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
-pub(crate) fn scale(a: [f32; 3], k: f32) -> [f32; 3] {
+/// `a k`.
+#[inline(always)]
+pub(crate) fn scale<T: Number<f32>>(a: [T; 3], k: T) -> [T; 3] {
     [a[0] * k, a[1] * k, a[2] * k]
 }
 
-pub(crate) fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
+/// Scalar product.
+#[inline(always)]
+pub fn dot<T: Number<f32>>(a: [T; 3], b: [T; 3]) -> T {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-/// A vector in f32.
-pub(crate) fn narrow(a: DVec3) -> [f32; 3] {
-    a.to_array().map(|c| c as f32)
-}
-
-/// Whether a vector has a direction: not zero, and finite.
-pub(crate) fn is_usable(a: [f32; 3]) -> bool {
-    a.iter().all(|c| c.is_finite()) && a != [0.0; 3]
-}
-
-/// Squares of lengths between which nothing under- or overflows.
-const SQUARES: [f32; 2] = [1e-20, 1e30];
-
-/// Unit vector; zero for a vector without a direction (zero or not finite). Off by 2 units in the last place.
-#[must_use]
-pub fn unit(a: [f32; 3]) -> [f32; 3] {
-    let square = dot(a, a);
-    if square > SQUARES[0] && square < SQUARES[1] {
-        scale(a, 1.0 / sqrt_f32(square))
-    } else {
-        unit_of_any(a)
-    }
-}
-
-/// Divided by the largest component first.
-fn unit_of_any(a: [f32; 3]) -> [f32; 3] {
-    let largest = a[0].abs().max(a[1].abs()).max(a[2].abs());
-    if !(largest > 0.0 && largest < f32::INFINITY) {
-        return [0.0; 3];
-    }
-    let a = [a[0] / largest, a[1] / largest, a[2] / largest];
-    let length = sqrt_f32(dot(a, a));
-    // A NaN component passes `max` and shows here.
-    if length.is_nan() || length <= 0.0 {
-        return [0.0; 3];
-    }
-    [a[0] / length, a[1] / length, a[2] / length]
-}
-
-/// [`unit()`] for sixteen.
+/// Vector product.
 #[inline(always)]
-pub fn unit_lanes<S: Simd>(s: S, a: V3<S>) -> V3<S> {
-    let square = dot_lanes(a, a);
-    let [low, high] = SQUARES;
-    let usual = square.simd_gt(low) & square.simd_lt(high);
-    let out = scale_lanes(a, f32x16::splat(s, 1.0) / square.sqrt());
-    if usual.all_true() {
-        out
-    } else {
-        unusual(s, a, out, usual.to_bitmask() as u16)
-    }
-}
-
-/// The lanes of [`unit_lanes`] that are not in `usual`, one by one.
-#[inline(always)]
-fn unusual<S: Simd>(s: S, a: V3<S>, unit: V3<S>, usual: u16) -> V3<S> {
-    let (mut from, mut to) = ([[0.0; LANES]; 3], [[0.0; LANES]; 3]);
-    for i in 0..3 {
-        a[i].store_slice(&mut from[i]);
-        unit[i].store_slice(&mut to[i]);
-    }
-    one_by_one(&from, &mut to, usual);
-    let mut out = unit;
-    for i in 0..3 {
-        out[i] = f32x16::from_slice(s, &to[i]);
-    }
-    out
-}
-
-#[inline(never)]
-fn one_by_one(from: &[[f32; LANES]; 3], to: &mut [[f32; LANES]; 3], usual: u16) {
-    for lane in (0..LANES).filter(|lane| usual >> lane & 1 == 0) {
-        let one = unit_of_any(from.map(|column| column[lane]));
-        for (column, value) in to.iter_mut().zip(one) {
-            column[lane] = value;
-        }
-    }
-}
-
-/// +Z in place of directions that are none, and the lanes of those that are: [`is_usable`] for sixteen.
-#[inline(always)]
-pub(crate) fn usable_lanes<S: Simd>(s: S, [x, y, z]: V3<S>) -> (V3<S>, mask32x16<S>) {
-    let (zero, one) = (f32x16::splat(s, 0.0), f32x16::splat(s, 1.0));
-    let most = f32x16::splat(s, f32::MAX);
-    let (ax, ay, az) = (x.abs(), y.abs(), z.abs());
-    let finite = ax.simd_le(most) & ay.simd_le(most) & az.simd_le(most);
-    let usable = finite & (ax.simd_gt(zero) | ay.simd_gt(zero) | az.simd_gt(zero));
-    let d = [
-        usable.select(x, zero),
-        usable.select(y, zero),
-        usable.select(z, one),
-    ];
-    (d, usable)
-}
-
-/// Scalar products.
-#[inline(always)]
-pub fn dot_lanes<S: Simd>(a: V3<S>, b: V3<S>) -> f32x16<S> {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-/// Points under an affine map, by its rows.
-#[inline(always)]
-pub fn affine_lanes<S: Simd>(rows: &[[f32; 4]; 3], p: V3<S>) -> V3<S> {
-    let mut out = p;
-    for (out, [a, b, c, d]) in out.iter_mut().zip(rows) {
-        *out = p[0] * *a + p[1] * *b + p[2] * *c + *d;
-    }
-    out
-}
-
-/// Vector products.
-#[inline(always)]
-pub fn cross_lanes<S: Simd>(a: V3<S>, b: V3<S>) -> V3<S> {
+pub fn cross<T: Number<f32>>(a: [T; 3], b: [T; 3]) -> [T; 3] {
     [
         a[1] * b[2] - a[2] * b[1],
         a[2] * b[0] - a[0] * b[2],
@@ -140,41 +39,154 @@ pub fn cross_lanes<S: Simd>(a: V3<S>, b: V3<S>) -> V3<S> {
     ]
 }
 
+/// A point under an affine map, by its rows.
 #[inline(always)]
-pub(crate) fn scale_lanes<S: Simd>(a: V3<S>, k: f32x16<S>) -> V3<S> {
-    [a[0] * k, a[1] * k, a[2] * k]
+pub fn affine<T: Number<f32>>(rows: &[[f32; 4]; 3], p: [T; 3]) -> [T; 3] {
+    let mut out = p;
+    for (out, [a, b, c, d]) in out.iter_mut().zip(rows) {
+        *out = p[0] * *a + p[1] * *b + p[2] * *c + *d;
+    }
+    out
 }
 
+/// `yes` in the lanes that are true, `no` in the others.
 #[inline(always)]
-pub(crate) fn sub_lanes<S: Simd>(a: V3<S>, b: V3<S>) -> V3<S> {
-    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+pub(crate) fn select<T: Copy>(mask: impl Select<T> + Copy, yes: [T; 3], no: [T; 3]) -> [T; 3] {
+    [
+        mask.select(yes[0], no[0]),
+        mask.select(yes[1], no[1]),
+        mask.select(yes[2], no[2]),
+    ]
 }
 
 /// One vector in all lanes.
 #[inline(always)]
-pub fn spread<S: Simd>(s: S, a: [f32; 3]) -> V3<S> {
-    [
-        f32x16::splat(s, a[0]),
-        f32x16::splat(s, a[1]),
-        f32x16::splat(s, a[2]),
-    ]
+pub fn splat<I: Isa>(i: I, a: [f32; 3]) -> Vector<I> {
+    [i.f32(a[0]), i.f32(a[1]), i.f32(a[2])]
+}
+
+/// The vectors from `first` on in lanes; those beyond the end are the last.
+#[inline(always)]
+pub(crate) fn load<I: Isa, const N: usize>(i: I, values: &[[f32; N]], first: usize) -> [I::F32; N] {
+    let mut columns = [[0.0; 16]; N];
+    for lane in 0..I::LANES {
+        let value = values[(first + lane).min(values.len() - 1)];
+        for (column, c) in columns.iter_mut().zip(value) {
+            column[lane] = c;
+        }
+    }
+    let mut out = [i.f32(0.0); N];
+    for (out, column) in out.iter_mut().zip(&columns) {
+        *out = i.load_f32(column);
+    }
+    out
+}
+
+/// The lanes as columns.
+#[inline(always)]
+pub(crate) fn columns<I: Isa, const N: usize>(_: I, v: [I::F32; N]) -> [[f32; 16]; N] {
+    let mut columns = [[0.0; 16]; N];
+    for (column, c) in columns.iter_mut().zip(v) {
+        c.store(column);
+    }
+    columns
+}
+
+/// A vector in f32.
+pub(crate) fn narrow(a: DVec3) -> [f32; 3] {
+    a.to_array().map(|c| c as f32)
+}
+
+/// True where all components are zero.
+#[inline(always)]
+pub(crate) fn is_zero<I: Isa>(_: I, a: Vector<I>) -> I::Mask {
+    a[0].simd_eq(0.0) & a[1].simd_eq(0.0) & a[2].simd_eq(0.0)
+}
+
+/// Vectors with +Z in place of those without a direction (zero or not finite), and the lanes of the others.
+#[inline(always)]
+pub(crate) fn usable<I: Isa>(i: I, [x, y, z]: Vector<I>) -> (Vector<I>, I::Mask) {
+    let (ax, ay, az) = (x.abs(), y.abs(), z.abs());
+    let finite = ax.simd_le(f32::MAX) & ay.simd_le(f32::MAX) & az.simd_le(f32::MAX);
+    let usable = finite & (ax.simd_gt(0.0) | ay.simd_gt(0.0) | az.simd_gt(0.0));
+    (select(usable, [x, y, z], splat(i, [0.0, 0.0, 1.0])), usable)
+}
+
+/// Squares of lengths between which nothing under- or overflows.
+const SQUARES: [f32; 2] = [1e-20, 1e30];
+
+/// Unit vectors; zero for a vector without a direction (zero or not finite). Off by 2 units in the last place.
+#[inline(always)]
+pub fn unit<I: Isa>(i: I, a: Vector<I>) -> Vector<I> {
+    let square = dot(a, a);
+    let usual = square.simd_gt(SQUARES[0]) & square.simd_lt(SQUARES[1]);
+    let out = scale(a, i.f32(1.0) / square.sqrt());
+    if usual.all_true() {
+        out
+    } else {
+        select(usual, out, unit_of_any(i, a))
+    }
+}
+
+/// [`unit`] of vectors of any length, divided by their largest component first. Out of line: they are few.
+#[inline(never)]
+fn unit_of_any<I: Isa>(i: I, a: Vector<I>) -> Vector<I> {
+    i.vectorize(
+        #[inline(always)]
+        || {
+            let largest = a[0].abs().above(a[1].abs()).above(a[2].abs());
+            let a = [a[0] / largest, a[1] / largest, a[2] / largest];
+            let length = dot(a, a).sqrt();
+            // A NaN component may be lost in `largest` and shows in the length.
+            let usable =
+                largest.simd_gt(0.0) & largest.simd_lt(f32::INFINITY) & length.simd_gt(0.0);
+            let unit = [a[0] / length, a[1] / length, a[2] / length];
+            select(usable, unit, splat(i, [0.0; 3]))
+        },
+    )
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use texmap_math::simd::Scalar;
 
     #[test]
     fn units_survive_every_magnitude() {
         for k in [1e-38, 1e-20, 1.0, 1e20, 1e38] {
-            let n = unit([3.0 * k, 0.0, -3.0 * k]);
+            let n = unit(Scalar, [3.0 * k, 0.0, -3.0 * k]);
             assert!(
                 (n[0] - 0.5f32.sqrt()).abs() < 1e-6 && n[0] == -n[2],
                 "{k}: {n:?}"
             );
         }
-        assert_eq!(unit([0.0, -0.0, 0.0]), [0.0; 3]);
-        assert_eq!(unit([f32::NAN, 1.0, 0.0]), [0.0; 3]);
-        assert_eq!(unit([f32::INFINITY, 1.0, 0.0]), [0.0; 3]);
+        assert_eq!(unit(Scalar, [0.0, -0.0, 0.0]), [0.0; 3]);
+        assert_eq!(unit(Scalar, [f32::NAN, 1.0, 0.0]), [0.0; 3]);
+        assert_eq!(unit(Scalar, [f32::INFINITY, 1.0, 0.0]), [0.0; 3]);
+    }
+
+    /// Every width gives the bits of one vector, usual lengths beside others.
+    #[test]
+    fn widths_agree() {
+        let all: [[f32; 16]; 3] = [3, 5, 7].map(|k| {
+            core::array::from_fn(|lane| match (lane * k) % 9 {
+                0 => 0.0,
+                1 => 1e-30,
+                2 => 3e25,
+                3 if lane > 12 => f32::NAN,
+                4 if lane > 12 => f32::INFINITY,
+                n => n as f32 - 5.5,
+            })
+        });
+        every_width!(i => check(i, &all));
+        fn check<I: Isa>(i: I, all: &[[f32; 16]; 3]) {
+            for at in (0..16).step_by(I::LANES) {
+                let out = columns(i, unit(i, all.each_ref().map(|c| i.load_f32(&c[at..]))));
+                for lane in 0..I::LANES {
+                    let one = unit(Scalar, all.map(|c| c[at + lane]));
+                    assert_eq!(out.map(|c| c[lane].to_bits()), one.map(f32::to_bits));
+                }
+            }
+        }
     }
 }

@@ -32,6 +32,7 @@
 mod dispatch;
 mod isa;
 mod scalar;
+mod shuffle;
 mod wide;
 
 pub use crate::lanes::Words;

@@ -1,6 +1,6 @@
 //! Displacement: surfaces that are really moved, P' = P + (h - middle) height N (Cook 1984), so that outlines and shadows follow.
 //!
-//! Triangles are first cut fine enough for the map ([`refine`](crate::refine)). Then every point is moved once: along the mean of the
+//! Triangles are first cut fine enough for the map (`refine.rs`). Then every point is moved once: along the mean of the
 //! different normals that meet in it, by the mean of the different heights, so that neither a hard edge nor a seam of the
 //! coordinates opens. A point that a mesh without displacement shares stays where it is, and where such a mesh lies at an edge that
 //! is cut, its triangles are cut there too.

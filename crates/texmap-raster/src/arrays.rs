@@ -1,6 +1,5 @@
-//! A draw's arrays as 32-bit words: corners, snapped vertices and positions of sixteen triangles by gathers.
-use texmap_math::fearless_simd::{Simd, f32x16, f64x8, i32x16, prelude::*};
-use texmap_math::lanes::{Words, gather_pairs, gather_triples};
+//! A draw's arrays as 32-bit words: corners, snapped vertices and positions of triangles by gathers.
+use texmap_math::simd::{Isa, Words, prelude::*};
 
 use crate::Draw;
 use crate::edge::Snapped;
@@ -26,33 +25,28 @@ impl<'a> Arrays<'a> {
         })
     }
 
-    /// Vertex numbers of sixteen triangles' corners.
+    /// Vertex numbers of triangles' corners.
     #[inline(always)]
-    pub(crate) fn corners<S: Simd>(&self, s: S, triangle: i32x16<S>) -> [i32x16<S>; 3] {
-        let corners = gather_triples(s, self.indices, (triangle * 3).bitcast());
-        [
-            corners[0].bitcast(),
-            corners[1].bitcast(),
-            corners[2].bitcast(),
-        ]
+    pub(crate) fn corners<I: Isa>(&self, i: I, triangle: I::I32) -> [I::I32; 3] {
+        let [a, b, c] = i.gather_triples(self.indices, (triangle * 3).to_u32());
+        [a.to_i32(), b.to_i32(), c.to_i32()]
     }
 
     /// Snapped x and y.
     #[inline(always)]
-    pub(crate) fn snapped<S: Simd>(&self, s: S, vertex: i32x16<S>) -> [i32x16<S>; 2] {
-        let [x, y] = gather_pairs(s, self.snapped, (vertex << 1).bitcast());
-        [x.bitcast(), y.bitcast()]
+    pub(crate) fn snapped<I: Isa>(&self, i: I, vertex: I::I32) -> [I::I32; 2] {
+        let [x, y] = i.gather_pairs(self.snapped, (vertex << 1).to_u32());
+        [x.to_i32(), y.to_i32()]
     }
 
-    /// Positions as f64: lanes 0 to 7, then 8 to 15.
+    /// Positions as f64.
     #[inline(always)]
-    pub(crate) fn positions<S: Simd>(&self, s: S, vertex: i32x16<S>) -> [[f64x8<S>; 3]; 2] {
-        let [x, y, z] = gather_triples(s, self.positions, (vertex * 3).bitcast());
-        let [x, y, z] = [
-            x.bitcast::<f32x16<S>>().widen(),
-            y.bitcast::<f32x16<S>>().widen(),
-            z.bitcast::<f32x16<S>>().widen(),
-        ];
-        [[x.0, y.0, z.0], [x.1, y.1, z.1]]
+    pub(crate) fn positions<I: Isa>(&self, i: I, vertex: I::I32) -> [I::F64; 3] {
+        let [x, y, z] = i.gather_triples(self.positions, (vertex * 3).to_u32());
+        [
+            i.widen(x.to_f32_bits()),
+            i.widen(y.to_f32_bits()),
+            i.widen(z.to_f32_bits()),
+        ]
     }
 }

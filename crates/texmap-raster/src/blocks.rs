@@ -1,19 +1,17 @@
-//! Visibility of a tile in 4x4 blocks: the fast form, sixteen pixels at a time.
+//! Visibility of a tile in 4x4 blocks.
 use alloc::vec::Vec;
 
-use texmap_math::fearless_simd::Simd;
-use texmap_math::lanes::LANES;
-use texmap_math::on_level;
+use texmap_math::dispatch_simd;
+use texmap_math::simd::Isa;
 
-use crate::edge::cover;
 use crate::floor::Floor;
-use crate::group::{Group, Known, Sharing};
+use crate::group::{GROUP, Group, Known, Sharing};
 use crate::prepared::{Tile, decides_visibility};
 use crate::run::RunBlock;
 use crate::setup::TILE;
 use crate::sinks::{Alone, CutOut, Forward, Last, Visible};
-use crate::stamp::{BLOCKS, stamp_group};
-use crate::visible::{AlphaTest, NONE, passes};
+use crate::stamp::{BLOCK_PIXELS, BLOCKS, stamp_group};
+use crate::visible::{AlphaTest, NONE};
 use crate::{DepthTest, Draw, Pass, Prepared};
 
 /// The four samples of a pixel, in 1/256 pixel to the right of its centre and below it: the standard locations of Vulkan 1.4,
@@ -52,10 +50,10 @@ impl Default for TileBlocks {
         Self {
             depth: alloc::vec![0.0; PIXELS],
             slot: alloc::vec![NONE; PIXELS],
-            masks: alloc::vec![0; PIXELS / LANES],
+            masks: alloc::vec![0; PIXELS / BLOCK_PIXELS],
             ids: Vec::new(),
             draws: Vec::new(),
-            touched: alloc::vec![true; PIXELS / LANES],
+            touched: alloc::vec![true; PIXELS / BLOCK_PIXELS],
             group: Group::default(),
         }
     }
@@ -88,7 +86,7 @@ impl TileBlocks {
         self.slot.clear();
         self.slot.resize(PIXELS, NONE);
         self.masks.clear();
-        self.masks.resize(PIXELS / LANES, 0);
+        self.masks.resize(PIXELS / BLOCK_PIXELS, 0);
     }
 
     /// Forgets a tile; [`settle`](Self::settle) clears what the next one has not touched.
@@ -96,27 +94,20 @@ impl TileBlocks {
         self.depth.resize(PIXELS, 0.0);
         self.slot.resize(PIXELS, NONE);
         self.masks.clear();
-        self.masks.resize(PIXELS / LANES, 0);
+        self.masks.resize(PIXELS / BLOCK_PIXELS, 0);
         self.touched.clear();
-        self.touched.resize(PIXELS / LANES, false);
+        self.touched.resize(PIXELS / BLOCK_PIXELS, false);
     }
 
     fn settle(&mut self) {
-        let blocks = self.depth.chunks_exact_mut(LANES);
-        let blocks = blocks.zip(self.slot.chunks_exact_mut(LANES));
+        let blocks = self.depth.chunks_exact_mut(BLOCK_PIXELS);
+        let blocks = blocks.zip(self.slot.chunks_exact_mut(BLOCK_PIXELS));
         for ((depth, slots), touched) in blocks.zip(&mut self.touched) {
             if !*touched {
                 depth.fill(0.0);
                 slots.fill(NONE);
                 *touched = true;
             }
-        }
-    }
-
-    fn mark_plain(&mut self) {
-        for (mask, slots) in self.masks.iter_mut().zip(self.slot.chunks_exact(LANES)) {
-            let bits = slots.iter().rev();
-            *mask = bits.fold(0, |mask, slot| mask << 1 | u16::from(*slot != NONE));
         }
     }
 
@@ -131,7 +122,7 @@ impl TileBlocks {
                 let index = crate::block_index(x, y);
                 self.depth[index] = 0.0;
                 self.slot[index] = NONE;
-                self.masks[index / LANES] &= !(1 << (index % LANES));
+                self.masks[index / BLOCK_PIXELS] &= !(1 << (index % BLOCK_PIXELS));
             }
         }
     }
@@ -185,34 +176,27 @@ impl Prepared<'_> {
     ) {
         self.name_slots(tile, out);
         out.group.offset = offset;
-        match self.level() {
-            Some(level) => on_level!(
-                level,
-                s => self.visible_lanes(s, tile, alpha, known, out),
-                else self.visible_blocks_plain(tile, alpha, out)
-            ),
-            None => self.visible_blocks_plain(tile, alpha, out),
-        }
+        dispatch_simd!(self.level(), wide i => self.visible_lanes(i, tile, alpha, known, out));
         out.group.offset = [0; 2];
     }
 
     /// Where one opaque triangle has the tile for itself and passes every depth test: its pixels, as the `masks` of `out`; all are
     /// of slot 0, and `slot` and `depth` hold nothing. False, with nothing done, elsewhere.
     pub fn visible_alone(&self, tile: usize, out: &mut TileBlocks) -> bool {
-        let ([id], Some(level)) = (self.bin_of(tile), self.level()) else {
+        let [id] = self.bin_of(tile) else {
             return false;
         };
         let draw = self.source(*id).0 as usize;
         if self.draw(draw as u32).pass != Pass::Opaque {
             return false;
         }
-        on_level!(level, s => self.alone_lanes(s, tile, draw, out), else false)
+        dispatch_simd!(self.level(), wide i => self.alone_lanes(i, tile, draw, out))
     }
 
     #[inline(always)]
-    fn alone_lanes<S: Simd>(&self, s: S, tile: usize, draw: usize, out: &mut TileBlocks) -> bool {
+    fn alone_lanes<I: Isa>(&self, i: I, tile: usize, draw: usize, out: &mut TileBlocks) -> bool {
         self.setup_group(
-            s,
+            i,
             draw,
             self.bin_of(tile),
             tile as u32,
@@ -228,10 +212,10 @@ impl Prepared<'_> {
         let TileBlocks { masks, group, .. } = out;
         masks.clear();
         if group.live != 0 && group.covers_tile(0) {
-            masks.resize(PIXELS / LANES, u16::MAX);
+            masks.resize(PIXELS / BLOCK_PIXELS, u16::MAX);
         } else {
-            masks.resize(PIXELS / LANES, 0);
-            stamp_group(s, group, false, &mut Alone { masks });
+            masks.resize(PIXELS / BLOCK_PIXELS, 0);
+            stamp_group(i, group, false, &mut Alone { masks });
         }
         out.trim(self.tile(tile));
         true
@@ -243,31 +227,15 @@ impl Prepared<'_> {
         let mut runs = Runs::new(self, tile);
         while let Some(run) = runs.next() {
             out.ids.extend_from_slice(run.ids);
-            out.ids.resize(run.first_slot + LANES, NONE);
+            out.ids.resize(run.first_slot + GROUP, NONE);
             out.draws.push(run.draw as u32);
         }
     }
 
-    /// The plain form in the same order of pixels.
-    fn visible_blocks_plain(&self, tile: usize, alpha: &dyn AlphaTest, out: &mut TileBlocks) {
-        out.clear();
-        self.visible_plain(tile, alpha, out.group.offset, |x, y, depth, slot| {
-            let index = crate::block_index(x, y);
-            if let Some(depth) = depth {
-                out.depth[index] = depth;
-            }
-            if let Some(slot) = slot {
-                out.slot[index] = slot;
-            }
-            out.depth[index]
-        });
-        out.mark_plain();
-    }
-
     #[inline(always)]
-    fn visible_lanes<S: Simd>(
+    fn visible_lanes<I: Isa>(
         &self,
-        s: S,
+        i: I,
         tile: usize,
         alpha: &dyn AlphaTest,
         mut known: Option<(&mut Vec<Known>, bool)>,
@@ -277,7 +245,7 @@ impl Prepared<'_> {
         let bounds = self.tile(tile);
         let mut group = core::mem::take(&mut out.group);
         if self.last_is_seen(out) {
-            self.last_lanes(s, tile, &mut group, out);
+            self.last_lanes(i, tile, &mut group, out);
             out.group = group;
             out.settle();
             out.trim(bounds);
@@ -302,8 +270,8 @@ impl Prepared<'_> {
                     .map_or(Sharing::Nothing, Sharing::Use),
             };
             group_index += 1;
-            self.setup_group(s, run.draw, run.ids, tile as u32, sharing, &mut group);
-            floor.drop_hidden(s, draw, &mut group);
+            self.setup_group(i, run.draw, run.ids, tile as u32, sharing, &mut group);
+            floor.drop_hidden(i, draw, &mut group);
             let mut sink = Visible {
                 depth: &mut out.depth,
                 slots: &mut out.slot,
@@ -321,7 +289,7 @@ impl Prepared<'_> {
                     setup: None,
                 }),
             };
-            stamp_group(s, &group, false, &mut sink);
+            stamp_group(i, &group, false, &mut sink);
             floor.rise(draw, &group);
         }
         out.group = group;
@@ -345,7 +313,7 @@ impl Prepared<'_> {
 
     /// Stamps from the last triangle to the first what nothing stands before, until all is covered.
     #[inline(always)]
-    fn last_lanes<S: Simd>(&self, s: S, tile: usize, group: &mut Group, out: &mut TileBlocks) {
+    fn last_lanes<I: Isa>(&self, i: I, tile: usize, group: &mut Group, out: &mut TileBlocks) {
         let mut last = Last {
             depth: &mut out.depth,
             slots: &mut out.slot,
@@ -358,7 +326,7 @@ impl Prepared<'_> {
         let bin = self.bin_of(tile);
         let mut end = bin.len();
         for (group_index, draw) in out.draws.iter().enumerate().rev() {
-            let used = out.ids[group_index * LANES..].iter().take(LANES);
+            let used = out.ids[group_index * GROUP..].iter().take(GROUP);
             let count = used.take_while(|id| **id != NONE).count();
             let ids = &bin[end - count..end];
             end -= count;
@@ -367,10 +335,10 @@ impl Prepared<'_> {
                 continue;
             }
             last.write = state.depth_write;
-            self.setup_group(s, *draw as usize, ids, tile as u32, Sharing::Nothing, group);
-            last.first_slot = (group_index * LANES) as u32;
-            stamp_group(s, group, true, &mut last);
-            if last.full == PIXELS / LANES {
+            self.setup_group(i, *draw as usize, ids, tile as u32, Sharing::Nothing, group);
+            last.first_slot = (group_index * GROUP) as u32;
+            stamp_group(i, group, true, &mut last);
+            if last.full == PIXELS / BLOCK_PIXELS {
                 return;
             }
         }
@@ -400,51 +368,14 @@ impl Prepared<'_> {
     ) {
         self.name_slots(tile, blocks);
         blocks.group.offset = offset;
-        match self.level() {
-            Some(level) => on_level!(
-                level,
-                s => self.forward_lanes(s, tile, blocks, wanted, out),
-                else self.forward_plain(tile, blocks, wanted, out)
-            ),
-            None => self.forward_plain(tile, blocks, wanted, out),
-        }
+        dispatch_simd!(self.level(), wide i => self.forward_lanes(i, tile, blocks, wanted, out));
         blocks.group.offset = [0; 2];
     }
 
-    /// The plain form: a block for each pixel.
-    fn forward_plain(
-        &self,
-        tile: usize,
-        blocks: &mut TileBlocks,
-        wanted: &dyn Fn(&Draw<'_>) -> bool,
-        out: &mut Vec<RunBlock>,
-    ) {
-        let offset = blocks.group.offset;
-        self.for_each(tile, wanted, offset, |of, setup, edges, pixels| {
-            let draw = self.draw(of.draw);
-            let bounds = self.tile(tile);
-            cover(edges, pixels, |x, y| {
-                let (x, y) = (x as u32, y as u32);
-                let index = crate::block_index(x - bounds.x0, y - bounds.y0);
-                let depth = setup.depth_at(x, y, offset);
-                if passes(draw.depth_test, depth, blocks.depth[index]) {
-                    if draw.depth_write && draw.pass != Pass::Blended {
-                        blocks.depth[index] = depth;
-                    }
-                    out.push(RunBlock {
-                        block: (index / LANES) as u16,
-                        mask: 1 << (index % LANES),
-                        slot: of.slot,
-                    });
-                }
-            });
-        });
-    }
-
     #[inline(always)]
-    fn forward_lanes<S: Simd>(
+    fn forward_lanes<I: Isa>(
         &self,
-        s: S,
+        i: I,
         tile: usize,
         blocks: &mut TileBlocks,
         wanted: &dyn Fn(&Draw<'_>) -> bool,
@@ -459,7 +390,7 @@ impl Prepared<'_> {
                 continue;
             }
             self.setup_group(
-                s,
+                i,
                 run.draw,
                 run.ids,
                 tile as u32,
@@ -475,7 +406,7 @@ impl Prepared<'_> {
                 whole: bounds.is_whole(),
                 out,
             };
-            stamp_group(s, &group, false, &mut forward);
+            stamp_group(i, &group, false, &mut forward);
         }
         blocks.group = group;
     }
@@ -511,7 +442,7 @@ impl<'p, 'a> Runs<'p, 'a> {
         let &id = self.ids.get(start)?;
         let draw = self.prepared.source(id).0;
         let range = self.prepared.id_range(draw as usize);
-        let rest = &self.ids[start + 1..self.ids.len().min(start + LANES)];
+        let rest = &self.ids[start + 1..self.ids.len().min(start + GROUP)];
         let same = rest
             .iter()
             .take_while(|&&id| range.contains(&id) || self.prepared.is_piece_of(id, draw))
@@ -520,7 +451,7 @@ impl<'p, 'a> Runs<'p, 'a> {
         self.run += 1;
         Some(Run {
             draw: draw as usize,
-            first_slot: (self.run - 1) * LANES,
+            first_slot: (self.run - 1) * GROUP,
             ids: &self.ids[start..self.at],
         })
     }

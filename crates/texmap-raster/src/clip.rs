@@ -4,6 +4,8 @@
 //! near and far planes, and at the guard band where pixel positions would leave the fixed-point range. The cut of an edge is
 //! computed from its inner end to its outer end, so that both triangles at an edge get the same bits.
 
+use texmap_math::simd::{Isa, Scalar};
+
 /// Pixel positions beyond this do not fit 24.8 fixed point and are cut off.
 pub(crate) const GUARD_BAND: f64 = 32768.0;
 
@@ -13,17 +15,17 @@ const W_EPSILON: f64 = 1.0 / (1u64 << 44) as f64;
 /// Three corners, cut by seven planes.
 pub(crate) const MAX_CORNERS: usize = 10;
 
-/// A vertex in homogeneous pixels.
+/// A vertex in homogeneous pixels, or one in each lane.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub(crate) struct Hom {
+pub(crate) struct Hom<I: Isa = Scalar> {
     /// Pixel x times w.
-    pub x: f64,
+    pub x: I::F64,
     /// Pixel y (down) times w.
-    pub y: f64,
+    pub y: I::F64,
     /// Clip z: depth times w.
-    pub z: f64,
+    pub z: I::F64,
     /// Clip w.
-    pub w: f64,
+    pub w: I::F64,
 }
 
 impl Hom {

@@ -1,19 +1,16 @@
 //! The depth-only pass: shadow maps and occlusion. No fragments, no attributes.
 use alloc::vec::Vec;
 
-use texmap_math::fearless_simd::{Simd, f32x16, mask32x16, prelude::*};
-use texmap_math::lanes::LANES;
-use texmap_math::on_level;
+use texmap_math::dispatch_simd;
+use texmap_math::simd::{Isa, Scalar, prelude::*};
 
 use crate::blocks::Runs;
-use crate::edge::cover;
 use crate::floor::Floor;
 use crate::group::{Group, Sharing};
 use crate::prepared::{decides_visibility, for_all};
 use crate::setup::TILE;
-use crate::sinks::test_block;
-use crate::stamp::{BLOCKS, Sink, stamp_group};
-use crate::visible::passes;
+use crate::sinks::passes;
+use crate::stamp::{BLOCK_PIXELS, BLOCKS, Sink, stamp_group};
 use crate::{AlphaTest, DepthTest, Prepared, TileBlocks};
 
 impl Prepared<'_> {
@@ -100,36 +97,11 @@ impl Prepared<'_> {
     fn depth_tile(&self, index: usize, out: &mut DepthTile) {
         out.depth.clear();
         out.depth.resize((TILE * TILE) as usize, 0.0);
-        match self.level() {
-            Some(level) => {
-                on_level!(level, s => self.depth_lanes(s, index, out), else self.depth_plain(index, out));
-            }
-            None => self.depth_plain(index, out),
-        }
-    }
-
-    fn depth_plain(&self, index: usize, out: &mut DepthTile) {
-        let bounds = self.tile(index);
-        self.for_each(
-            index,
-            &|d| decides_visibility(d.pass) && d.depth_write,
-            [0; 2],
-            |of, setup, edges, pixels| {
-                let test = self.draw(of.draw).depth_test;
-                cover(edges, pixels, |x, y| {
-                    let (x, y) = (x as u32, y as u32);
-                    let stored = &mut out.depth[crate::block_index(x - bounds.x0, y - bounds.y0)];
-                    let depth = setup.depth(x, y);
-                    if passes(test, depth, *stored) {
-                        *stored = depth;
-                    }
-                });
-            },
-        );
+        dispatch_simd!(self.level(), wide i => self.depth_lanes(i, index, out));
     }
 
     #[inline(always)]
-    fn depth_lanes<S: Simd>(&self, s: S, index: usize, out: &mut DepthTile) {
+    fn depth_lanes<I: Isa>(&self, i: I, index: usize, out: &mut DepthTile) {
         let mut runs = Runs::new(self, index);
         let mut floor = Floor::default();
         while let Some(run) = runs.next() {
@@ -138,16 +110,16 @@ impl Prepared<'_> {
                 continue;
             }
             self.setup_group(
-                s,
+                i,
                 run.draw,
                 run.ids,
                 index as u32,
                 Sharing::Nothing,
                 &mut out.group,
             );
-            floor.drop_hidden(s, draw, &mut out.group);
+            floor.drop_hidden(i, draw, &mut out.group);
             stamp_group(
-                s,
+                i,
                 &out.group,
                 false,
                 &mut Nearest {
@@ -182,7 +154,7 @@ struct DepthTile {
 fn copy_blocks(depths: &[f32], out: &mut [f32], width: usize, x0: usize) {
     let side = (TILE as usize).min(width - x0);
     for (y, row) in out.chunks_mut(width).enumerate() {
-        let blocks = depths[(y >> 2) * BLOCKS * LANES + (y & 3) * 4..].chunks(LANES);
+        let blocks = depths[(y >> 2) * BLOCKS * BLOCK_PIXELS + (y & 3) * 4..].chunks(BLOCK_PIXELS);
         // Four at a time are one move, not a call.
         let (fours, rest) = row[x0..x0 + side].as_chunks_mut::<4>();
         let last = blocks.clone().nth(fours.len()).unwrap_or(&[]);
@@ -201,21 +173,20 @@ struct Nearest<'b> {
     test: DepthTest,
 }
 
-impl<S: Simd> Sink<S> for Nearest<'_> {
+impl<I: Isa> Sink<I> for Nearest<'_> {
     #[inline(always)]
-    fn block(&mut self, s: S, _lane: usize, block: usize, covered: mask32x16<S>, depth: f32x16<S>) {
-        if let Some(stored) = self.depth.get_mut(block * LANES..(block + 1) * LANES) {
-            let old = f32x16::from_slice(s, stored);
-            test_block(self.test, covered, depth, old)
-                .select(depth, old)
-                .store_slice(stored);
+    fn pixels(&mut self, i: I, _: usize, index: usize, covered: I::Mask, depth: I::F32) {
+        if let Some(stored) = self.depth.get_mut(index..index + I::LANES) {
+            let old = i.load_f32(stored);
+            let pass = covered & passes(i, self.test, depth, old);
+            pass.select(depth, old).store(stored);
         }
     }
 
     #[inline(always)]
-    fn pixel(&mut self, _lane: usize, index: usize, depth: f32) {
+    fn pixel(&mut self, _: usize, index: usize, depth: f32) {
         let stored = &mut self.depth[index];
-        if passes(self.test, depth, *stored) {
+        if passes(Scalar, self.test, depth, *stored) {
             *stored = depth;
         }
     }

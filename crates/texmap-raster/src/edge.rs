@@ -1,4 +1,6 @@
 //! Coverage: 24.8 fixed-point vertices, exact integer edge functions, the top-left rule.
+use texmap_math::simd::{Isa, Scalar, prelude::*};
+
 use crate::clip::{GUARD_BAND, Hom};
 
 /// Sub-pixel bits of a vertex position.
@@ -15,17 +17,18 @@ const LIMIT: i32 = GUARD_BAND as i32 * ONE as i32;
 
 /// Nearest 1/256 pixel, halves up; w > 0. Positions are within the guard band but for rounding, which the clamp takes away.
 pub(crate) fn snap(at: Hom) -> Snapped {
-    [
-        round(at.x / at.w * ONE as f64),
-        round(at.y / at.w * ONE as f64),
-    ]
+    // `as` saturates, so a value out of range cannot overflow.
+    [at.x / at.w, at.y / at.w].map(|v| (to_units(Scalar, v) as i32).clamp(-LIMIT, LIMIT))
 }
 
-fn round(v: f64) -> i32 {
-    let shifted = v + 0.5;
-    // `as` saturates, so a value out of range cannot overflow.
-    let truncated = (shifted as i32).clamp(-LIMIT, LIMIT);
-    (truncated - i32::from(f64::from(truncated) > shifted)).max(-LIMIT)
+/// Pixels to the nearest 1/256, halves up, as whole numbers.
+#[inline(always)]
+pub(crate) fn to_units<I: Isa>(i: I, v: I::F64) -> I::F64 {
+    // Adding and taking away 1.5 * 2^52 rounds to a whole number, to the even one at a half; then down where that went up.
+    const WHOLE: f64 = 1.5 * (1u64 << 52) as f64;
+    let shifted = v * ONE as f64 + 0.5;
+    let near = (shifted + WHOLE) - WHOLE;
+    near - near.simd_gt(shifted).select(i.f64(1.0), i.f64(0.0))
 }
 
 /// Twice the area in square units; positive when clockwise on the screen (y down).
@@ -128,21 +131,6 @@ impl PixelBox {
     }
 }
 
-/// Calls `visit` for each pixel of `area` whose centre is inside, row by row from the top, left to right.
-pub(crate) fn cover(edges: &[Edge; 3], area: PixelBox, mut visit: impl FnMut(i32, i32)) {
-    for y in area.y0..=area.y1 {
-        let mut e = edges.map(|edge| edge.at_pixel(area.x0, y));
-        for x in area.x0..=area.x1 {
-            if e[0] >= 0 && e[1] >= 0 && e[2] >= 0 {
-                visit(x, y);
-            }
-            for (value, edge) in e.iter_mut().zip(edges) {
-                *value += edge.a * ONE;
-            }
-        }
-    }
-}
-
 /// First and last pixel of row `y` that is inside, within `x0..=x1`. `None` when the row has none.
 pub(crate) fn row_span(edges: &[Edge; 3], y: i32, x0: i32, x1: i32) -> Option<(i32, i32)> {
     let (mut first, mut last) = (i64::from(x0), i64::from(x1));
@@ -164,6 +152,21 @@ pub(crate) fn row_span(edges: &[Edge; 3], y: i32, x0: i32, x1: i32) -> Option<(i
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Calls `visit` for each pixel of `area` whose centre is inside, row by row from the top, left to right.
+    fn cover(edges: &[Edge; 3], area: PixelBox, mut visit: impl FnMut(i32, i32)) {
+        for y in area.y0..=area.y1 {
+            let mut e = edges.map(|edge| edge.at_pixel(area.x0, y));
+            for x in area.x0..=area.x1 {
+                if e[0] >= 0 && e[1] >= 0 && e[2] >= 0 {
+                    visit(x, y);
+                }
+                for (value, edge) in e.iter_mut().zip(edges) {
+                    *value += edge.a * ONE;
+                }
+            }
+        }
+    }
 
     #[test]
     fn centre_on_an_edge_belongs_to_the_left_and_the_top() {

@@ -1,7 +1,7 @@
 //! Depth for a whole tile: what lies behind a triangle that covers all of it needs no look at any pixel.
-use texmap_math::fearless_simd::{Simd, f32x16, prelude::*};
+use texmap_math::simd::{Isa, prelude::*};
 
-use crate::group::Group;
+use crate::group::{GROUP, Group};
 use crate::{DepthTest, Draw, Pass};
 
 /// The least depth that is stored anywhere in a tile, as far as it is known: that of triangles that cover all of it.
@@ -11,18 +11,18 @@ pub(crate) struct Floor(f32);
 impl Floor {
     /// Drops triangles that lie behind all that is stored.
     #[inline(always)]
-    pub(crate) fn drop_hidden<S: Simd>(&self, s: S, draw: &Draw<'_>, group: &mut Group) {
-        if self.0 <= 0.0 {
+    pub(crate) fn drop_hidden<I: Isa>(&self, i: I, draw: &Draw<'_>, group: &mut Group) {
+        if self.0 <= 0.0 || draw.depth_test == DepthTest::Always {
             return;
         }
-        let nearest = f32x16::from_slice(s, &group.z_hi);
-        let hidden = match draw.depth_test {
-            DepthTest::Less => nearest.simd_le(self.0),
-            DepthTest::LessOrEqual => nearest.simd_lt(self.0),
-            DepthTest::Always => return,
-        };
-        let hidden = hidden.to_bitmask() as u32;
-        group.live &= !hidden;
+        for at in (0..GROUP).step_by(I::LANES) {
+            let nearest = i.load_f32(&group.z_hi[at..]);
+            let hidden = match draw.depth_test {
+                DepthTest::Less => nearest.simd_le(self.0),
+                _ => nearest.simd_lt(self.0),
+            };
+            group.live &= !(hidden.to_bitmask() << at);
+        }
     }
 
     /// After a group was stamped.

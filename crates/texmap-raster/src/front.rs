@@ -2,14 +2,13 @@
 use alloc::vec::Vec;
 use core::ops::Range;
 
-use texmap_math::fearless_simd::{Simd, i32x16, mask32x16, prelude::*};
-use texmap_math::lanes::{LANES, iota};
-use texmap_math::on_level;
-use texmap_math::{Level, MemoryBudget, OverBudget};
+use texmap_math::simd::{Isa, prelude::*};
+use texmap_math::{Level, MemoryBudget, OverBudget, dispatch_simd};
 
 use crate::arrays::Arrays;
 use crate::clip::{Corner, Hom, Region, clip, region};
 use crate::edge::{Edge, PixelBox, Snapped, area, centre, edges, snap};
+use crate::group::{GROUP, area_of, edges_of, extremes, least_inside};
 use crate::planes::determinant;
 use crate::setup::TILE;
 use crate::vertex::{SPECIAL, Transform};
@@ -110,7 +109,7 @@ pub(crate) fn bins(memory: MemoryBudget, bytes: u64) -> Result<(), OverBudget> {
 }
 
 /// Triangles whose indices are checked and then read while they are still in the nearest cache: a multiple of the lanes.
-const PART: usize = 64 * LANES;
+const PART: usize = 64 * GROUP;
 
 /// One draw on its way through the front end.
 #[derive(Debug, Clone, Copy)]
@@ -127,16 +126,12 @@ pub(crate) struct Submission<'d, 'a> {
 }
 
 impl Submission<'_, '_> {
-    /// Does the triangles of `range`; `level` `None` takes them one by one.
+    /// Does the triangles of `range`.
     ///
     /// # Errors
     /// [`RasterError::TooManyTriangles`] when subdivision leaves too many pieces, [`RasterError::Memory`] when the triangles
     /// lie in too many tiles.
-    pub(crate) fn run(
-        &self,
-        level: Option<Level>,
-        range: Range<usize>,
-    ) -> Result<Chunk, RasterError> {
+    pub(crate) fn run(&self, level: Level, range: Range<usize>) -> Result<Chunk, RasterError> {
         let mut chunk = Chunk::default();
         chunk.stats.submitted = range.len();
         for start in range.clone().step_by(PART) {
@@ -151,45 +146,36 @@ impl Submission<'_, '_> {
 
     fn run_part(
         &self,
-        level: Option<Level>,
+        level: Level,
         range: Range<usize>,
         chunk: &mut Chunk,
     ) -> Result<(), RasterError> {
         let (draw, all) = (self.draw_index as usize, range.clone());
-        match level {
-            Some(level) => {
-                on_level!(level, _s => self.draw.check_indices(draw, all), else self.draw.check_indices(draw, all))?;
-            }
-            None => self.draw.check_indices(draw, all)?,
-        }
+        dispatch_simd!(level, wide _i => self.draw.check_indices(draw, all))?;
         let whole = !matches!(self.draw.interp, Interp::Subdivided(_));
-        match (level, Arrays::new(self.draw, self.snapped)) {
-            (Some(level), Some(arrays)) if whole => {
-                on_level!(level, s => self.run_lanes(s, &arrays, range, chunk), else self.run_plain(range, chunk))
+        match Arrays::new(self.draw, self.snapped) {
+            Some(arrays) if whole => {
+                dispatch_simd!(level, wide i => self.run_lanes(i, &arrays, range, chunk))
             }
-            _ => self.run_plain(range, chunk),
+            _ => range
+                .into_iter()
+                .try_for_each(|triangle| self.submit(triangle, chunk)),
         }
-    }
-
-    fn run_plain(&self, range: Range<usize>, chunk: &mut Chunk) -> Result<(), RasterError> {
-        range
-            .into_iter()
-            .try_for_each(|triangle| self.submit(triangle, chunk))
     }
 
     #[inline(always)]
-    fn run_lanes<S: Simd>(
+    fn run_lanes<I: Isa>(
         &self,
-        s: S,
+        i: I,
         arrays: &Arrays<'_>,
         range: Range<usize>,
         chunk: &mut Chunk,
     ) -> Result<(), RasterError> {
-        let mut group = Group::default();
+        let mut group = Sorted::default();
         let mut base = range.start;
         while base < range.end {
-            let count = LANES.min(range.end - base);
-            self.sort_group(s, arrays, base, count, &mut group);
+            let count = I::LANES.min(range.end - base);
+            self.sort(i, arrays, base, count, &mut group);
             chunk.stats.degenerate += group.degenerate.count_ones() as usize;
             chunk.stats.culled += group.culled.count_ones() as usize;
             chunk.stats.outside += group.outside.count_ones() as usize;
@@ -222,81 +208,67 @@ impl Submission<'_, '_> {
         Ok(())
     }
 
-    /// Sixteen triangles from `base` on, of which `count` exist: which are dropped and why, which need a look of their own,
+    /// Triangles from `base` on, of which `count` exist: which are dropped and why, which need a look of their own,
     /// and the pixel boxes of those that are seen.
     #[inline(always)]
-    fn sort_group<S: Simd>(
+    fn sort<I: Isa>(
         &self,
-        s: S,
+        i: I,
         arrays: &Arrays<'_>,
         base: usize,
         count: usize,
-        group: &mut Group,
+        group: &mut Sorted,
     ) {
-        let [first, second, third] = arrays.corners(s, iota(s) + base as i32);
+        let [first, second, third] = arrays.corners(i, i.iota() + base as i32);
         let v = [
-            arrays.snapped(s, first),
-            arrays.snapped(s, second),
-            arrays.snapped(s, third),
+            arrays.snapped(i, first),
+            arrays.snapped(i, second),
+            arrays.snapped(i, third),
         ];
-        let exists = mask32x16::from_bitmask(s, (1 << count) - 1);
+        let exists = i.mask_from_bits((1 << count) - 1);
         let special =
             v[0][0].simd_eq(SPECIAL[0]) | v[1][0].simd_eq(SPECIAL[0]) | v[2][0].simd_eq(SPECIAL[0]);
-        let (lo_x, hi_x) = (
-            v[0][0].min(v[1][0]).min(v[2][0]),
-            v[0][0].max(v[1][0]).max(v[2][0]),
-        );
-        let (lo_y, hi_y) = (
-            v[0][1].min(v[1][1]).min(v[2][1]),
-            v[0][1].max(v[1][1]).max(v[2][1]),
-        );
+        let (lo_x, hi_x) = extremes(i, [v[0][0], v[1][0], v[2][0]]);
+        let (lo_y, hi_y) = extremes(i, [v[0][1], v[1][1], v[2][1]]);
         let large = (hi_x - lo_x).simd_ge(SMALL) | (hi_y - lo_y).simd_ge(SMALL);
         let care = exists & (special | large);
-        let plain = exists & !care;
+        let whole = exists & !care;
 
-        let (dx1, dy1) = (v[1][0] - v[0][0], v[1][1] - v[0][1]);
-        let (dx2, dy2) = (v[2][0] - v[0][0], v[2][1] - v[0][1]);
-        let area = dx1 * dy2 - dx2 * dy1;
+        let area = area_of(i, v);
         let flat = area.simd_eq(0);
         let front = area.simd_lt(0);
         let dropped = match self.draw.cull {
-            Cull::None => mask32x16::splat(s, false),
+            Cull::None => i.mask(false),
             Cull::Back => !front,
             Cull::Front => front,
         };
-        let degenerate = plain & flat;
-        let culled = plain & !flat & dropped;
-        let faced = plain & !flat & !dropped;
-        group.care = care.to_bitmask() as u32;
-        group.degenerate = degenerate.to_bitmask() as u32;
-        group.culled = culled.to_bitmask() as u32;
+        let faced = whole & !flat & !dropped;
+        group.care = care.to_bitmask();
+        group.degenerate = (whole & flat).to_bitmask();
+        group.culled = (whole & !flat & dropped).to_bitmask();
         (group.outside, group.seen) = (0, 0);
         // Neighbours in a mesh mostly face the same way.
         if !faced.any_true() {
             return;
         }
-        let zero = i32x16::splat(s, 0);
-        let x0 = ((lo_x + (127 - self.margin)) >> 8).max(zero);
-        let y0 = ((lo_y + (127 - self.margin)) >> 8).max(zero);
-        let x1 =
-            ((hi_x - (128 - self.margin)) >> 8).min(i32x16::splat(s, self.size.width() as i32 - 1));
-        let y1 = ((hi_y - (128 - self.margin)) >> 8)
-            .min(i32x16::splat(s, self.size.height() as i32 - 1));
+        let [last_x, last_y] = [self.size.width(), self.size.height()].map(|side| side as i32 - 1);
+        let x0 = ((lo_x + (127 - self.margin)) >> 8).max(i.i32(0));
+        let y0 = ((lo_y + (127 - self.margin)) >> 8).max(i.i32(0));
+        let x1 = ((hi_x - (128 - self.margin)) >> 8).min(i.i32(last_x));
+        let y1 = ((hi_y - (128 - self.margin)) >> 8).min(i.i32(last_y));
         let empty = x0.simd_gt(x1) | y0.simd_gt(y1);
         let tiny = (x1 - x0).simd_lt(2) & (y1 - y0).simd_lt(2);
-        let centres = mask32x16::splat(s, self.margin == 0);
-        let missed = centres & tiny & !empty & !tiny_hit(s, v, front, [x0, y0, x1, y1]);
-        let outside = faced & (empty | missed);
-        let seen = faced & !(empty | missed);
-        group.outside = outside.to_bitmask() as u32;
-        group.seen = seen.to_bitmask() as u32;
-        x0.store_slice(&mut group.x0);
-        y0.store_slice(&mut group.y0);
-        x1.store_slice(&mut group.x1);
-        y1.store_slice(&mut group.y1);
+        let centres = i.mask(self.margin == 0);
+        let missed = centres & tiny & !empty & !tiny_hit(i, v, front, [x0, y0, x1, y1]);
+        group.outside = (faced & (empty | missed)).to_bitmask();
+        group.seen = (faced & !(empty | missed)).to_bitmask();
+        x0.store(&mut group.x0);
+        y0.store(&mut group.y0);
+        x1.store(&mut group.x1);
+        y1.store(&mut group.y1);
     }
 
-    /// One triangle, the plain way.
+    /// One triangle of any kind.
     fn submit(&self, triangle: usize, chunk: &mut Chunk) -> Result<(), RasterError> {
         let corners = self.draw.indices[triangle];
         let v = corners.map(|i| self.transform.apply(self.draw.positions[i as usize]));
@@ -501,51 +473,42 @@ impl Submission<'_, '_> {
     }
 }
 
-/// Sixteen sorted triangles: bit masks and pixel boxes.
+/// Sorted triangles: bit masks and pixel boxes.
 #[derive(Debug, Default)]
-struct Group {
+struct Sorted {
     care: u32,
     degenerate: u32,
     culled: u32,
     outside: u32,
     seen: u32,
-    x0: [i32; LANES],
-    y0: [i32; LANES],
-    x1: [i32; LANES],
-    y1: [i32; LANES],
+    x0: [i32; GROUP],
+    y0: [i32; GROUP],
+    x1: [i32; GROUP],
+    y1: [i32; GROUP],
 }
 
 /// Whether any of the (up to 2x2) centres of the box is inside. Only for small triangles; other lanes hold no meaning.
 #[inline(always)]
-fn tiny_hit<S: Simd>(
-    s: S,
-    v: [[i32x16<S>; 2]; 3],
-    front: mask32x16<S>,
-    [x0, y0, x1, y1]: [i32x16<S>; 4],
-) -> mask32x16<S> {
-    // Front faces run counter-clockwise, which is negative with y down: turn them.
-    let second = [
-        front.select(v[2][0], v[1][0]),
-        front.select(v[2][1], v[1][1]),
-    ];
-    let third = [
-        front.select(v[1][0], v[2][0]),
-        front.select(v[1][1], v[2][1]),
-    ];
+fn tiny_hit<I: Isa>(
+    i: I,
+    v: [[I::I32; 2]; 3],
+    front: I::Mask,
+    [x0, y0, x1, y1]: [I::I32; 4],
+) -> I::Mask {
     let (ex0, ey0) = ((x0 << 8) + 128, (y0 << 8) + 128);
     let (ex1, ey1) = ((x1 << 8) + 128, (y1 << 8) + 128);
-    let yes = mask32x16::splat(s, true);
-    let mut hit = [yes; 4];
-    for (p, q) in [(v[0], second), (second, third), (third, v[0])] {
+    let mut hit = [i.mask(true); 4];
+    let edges = edges_of(i, v, front);
+    for k in 0..3 {
+        let [p, q] = edges[k];
         let (a, b) = (p[1] - q[1], q[0] - p[0]);
-        let top_left = a.simd_gt(0) | (a.simd_eq(0) & b.simd_gt(0));
-        let least = top_left.select(i32x16::splat(s, 0), i32x16::splat(s, 1));
+        let least = least_inside(i, a, b);
         let (ax0, ax1) = (a * (ex0 - p[0]), a * (ex1 - p[0]));
         let (by0, by1) = (b * (ey0 - p[1]), b * (ey1 - p[1]));
-        hit[0] &= (ax0 + by0).simd_ge(least);
-        hit[1] &= (ax1 + by0).simd_ge(least);
-        hit[2] &= (ax0 + by1).simd_ge(least);
-        hit[3] &= (ax1 + by1).simd_ge(least);
+        hit[0] = hit[0] & (ax0 + by0).simd_ge(least);
+        hit[1] = hit[1] & (ax1 + by0).simd_ge(least);
+        hit[2] = hit[2] & (ax0 + by1).simd_ge(least);
+        hit[3] = hit[3] & (ax1 + by1).simd_ge(least);
     }
     hit[0] | hit[1] | hit[2] | hit[3]
 }

@@ -1,13 +1,16 @@
-//! Sixteen triangles of one draw set up for one tile: edges in i32, depth planes, pixel boxes.
-use texmap_math::fearless_simd::{Simd, f32x16, f64x8, i32x16, mask32x16, mask64x8, prelude::*};
-use texmap_math::lanes::{LANES, above, below};
+//! Up to sixteen triangles of one draw set up for one tile: edges in i32, depth planes, pixel boxes.
+use texmap_math::simd::{Isa, Scalar, prelude::*};
 
 use crate::Prepared;
 use crate::arrays::Arrays;
+use crate::clip::Hom;
 use crate::edge::Edge;
-use crate::planes::{Plane, Solver};
-use crate::setup::{DEPTH_RATIO, DepthPlane, LEAVES_NOTHING, REACH, TILE, origin};
+use crate::planes::{Plane, Solver, depth_is_even, hull};
+use crate::setup::{DepthPlane, TILE, depth_offset, origin};
 use crate::vertex::{SPECIAL, Transform};
+
+/// Most triangles of a group.
+pub(crate) const GROUP: usize = 16;
 
 /// A snapped extent below this keeps i32 edge set-up exact.
 const SMALL: i32 = 1 << 15;
@@ -16,24 +19,24 @@ const SMALL: i32 = 1 << 15;
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Group {
     /// `q + b y + a x >= 0` inside, at pixel centres.
-    pub a: [[i32; LANES]; 3],
-    pub b: [[i32; LANES]; 3],
-    pub q: [[i32; LANES]; 3],
-    pub x0: [i32; LANES],
-    pub y0: [i32; LANES],
-    pub x1: [i32; LANES],
-    pub y1: [i32; LANES],
+    pub a: [[i32; GROUP]; 3],
+    pub b: [[i32; GROUP]; 3],
+    pub q: [[i32; GROUP]; 3],
+    pub x0: [i32; GROUP],
+    pub y0: [i32; GROUP],
+    pub x1: [i32; GROUP],
+    pub y1: [i32; GROUP],
     /// The depth plane about the tile's centre, a, b, c, and its hull.
-    pub z: [[f32; LANES]; 3],
-    pub z_lo: [f32; LANES],
-    pub z_hi: [f32; LANES],
+    pub z: [[f32; GROUP]; 3],
+    pub z_lo: [f32; GROUP],
+    pub z_hi: [f32; GROUP],
     /// Bit per lane: may cover pixels; depth in f64; boxes of at most 2x2 pixels, of at most 4x4.
     pub live: u32,
     pub wide: u32,
     pub tiny: u32,
     pub small: u32,
     /// The f64 planes of wide lanes.
-    pub z_wide: [Plane; LANES],
+    pub z_wide: [Plane; GROUP],
     /// Where the samples lie from the pixels' centres, in 1/256 pixel.
     pub offset: [i32; 2],
 }
@@ -58,10 +61,10 @@ impl Group {
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Known {
     /// Snapped x and y of the three vertices.
-    v: [[i32; LANES]; 6],
-    z: [[f32; LANES]; 3],
-    z_lo: [f32; LANES],
-    z_hi: [f32; LANES],
+    v: [[i32; GROUP]; 6],
+    z: [[f32; GROUP]; 3],
+    z_lo: [f32; GROUP],
+    z_hi: [f32; GROUP],
     /// Lanes that are not whole, small triangles with even depth.
     care: u32,
 }
@@ -78,7 +81,7 @@ pub(crate) enum Sharing<'k> {
 #[derive(Debug)]
 pub(crate) struct Ids {
     /// Triangle in the draw; 0 for pieces.
-    pub triangle: [i32; LANES],
+    pub triangle: [i32; GROUP],
     /// Pieces.
     pub pieces: u32,
 }
@@ -86,10 +89,10 @@ pub(crate) struct Ids {
 impl Ids {
     pub(crate) fn new(ids: &[u32], first: u32, whole: u32) -> Self {
         let mut out = Self {
-            triangle: [0; LANES],
+            triangle: [0; GROUP],
             pieces: 0,
         };
-        for (lane, &id) in ids.iter().take(LANES).enumerate() {
+        for (lane, &id) in ids.iter().take(GROUP).enumerate() {
             if id >= whole {
                 out.pieces |= 1 << lane;
             } else {
@@ -101,142 +104,67 @@ impl Ids {
 }
 
 impl Ids {
+    /// The triangles from place `at` on.
     #[inline(always)]
-    pub(crate) fn lanes<S: Simd>(&self, s: S) -> i32x16<S> {
-        i32x16::from_slice(s, &self.triangle)
+    pub(crate) fn lanes<I: Isa>(&self, i: I, at: usize) -> I::I32 {
+        i.load_i32(&self.triangle[at..])
+    }
+
+    /// True if all lanes from place `at` on are pieces.
+    #[inline(always)]
+    pub(crate) fn are_pieces<I: Isa>(&self, _: I, at: usize) -> bool {
+        let lanes = (1 << I::LANES) - 1;
+        self.pieces >> at & lanes == lanes
     }
 }
 
-/// [`Solver`] for eight triangles.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct SolverX8<S: Simd> {
-    rows: [[f64x8<S>; 3]; 3],
-    inverse: f64x8<S>,
-    /// Lanes with area.
-    pub solvable: mask64x8<S>,
-    /// z and w of the three vertices.
-    pub z: [f64x8<S>; 3],
-    pub w: [f64x8<S>; 3],
+/// A [`Solver`] with z and w of the three vertices.
+#[derive(Clone, Copy)]
+pub(crate) struct Solved<I: Isa> {
+    pub(crate) solver: Solver<I>,
+    pub(crate) z: [I::F64; 3],
+    pub(crate) w: [I::F64; 3],
 }
 
-/// Solvers of sixteen triangles with the given vertices: lanes 0 to 7, then 8 to 15; `FLAT` for planes that are linear on the screen.
+/// Solves triangles with the given vertices; with `FLAT` for planes that are linear on the screen, from corners at w = 1.
 /// Out of line: compiled once a level.
 #[inline(never)]
-pub(crate) fn solve_x16<S: Simd, const FLAT: bool>(
-    s: S,
+pub(crate) fn solve<I: Isa, const FLAT: bool>(
+    i: I,
     arrays: &Arrays<'_>,
-    vertex: &[i32x16<S>; 3],
+    vertex: &[I::I32; 3],
     transform: &Transform,
     origin: [f64; 2],
-) -> [SolverX8<S>; 2] {
-    s.vectorize(
+) -> Solved<I> {
+    i.vectorize(
         #[inline(always)]
         || {
-            let [ox, oy] = origin;
-            let at = [
-                arrays.positions(s, vertex[0]),
-                arrays.positions(s, vertex[1]),
-                arrays.positions(s, vertex[2]),
+            let mut v = [
+                transform.apply_lanes(i, arrays.positions(i, vertex[0])),
+                transform.apply_lanes(i, arrays.positions(i, vertex[1])),
+                transform.apply_lanes(i, arrays.positions(i, vertex[2])),
             ];
-            let [[a, d], [b, e], [c, f]] = at;
-            [
-                SolverX8::new::<FLAT>(s, transform, [a, b, c], ox, oy),
-                SolverX8::new::<FLAT>(s, transform, [d, e, f], ox, oy),
-            ]
-        },
-    )
-}
-
-impl<S: Simd> SolverX8<S> {
-    /// With `FLAT` of the corners on the screen, all at w = 1.
-    #[inline(always)]
-    fn new<const FLAT: bool>(
-        s: S,
-        transform: &Transform,
-        corners: [[f64x8<S>; 3]; 3],
-        ox: f64,
-        oy: f64,
-    ) -> Self {
-        let mut v = [
-            transform.apply_x8(s, corners[0]),
-            transform.apply_x8(s, corners[1]),
-            transform.apply_x8(s, corners[2]),
-        ];
-        if FLAT {
-            for [x, y, z, w] in &mut v {
-                (*x, *y, *z) = (*x / *w, *y / *w, *z / *w);
-                *w = f64x8::splat(s, 1.0);
+            if FLAT {
+                for Hom { x, y, z, w } in &mut v {
+                    (*x, *y, *z) = (*x / *w, *y / *w, *z / *w);
+                    *w = i.f64(1.0);
+                }
             }
-        }
-        let [v0, v1, v2] = v;
-        let (ox, oy) = (f64x8::splat(s, ox), f64x8::splat(s, oy));
-        let p0 = [v0[0] - ox * v0[3], v0[1] - oy * v0[3], v0[3]];
-        let p1 = [v1[0] - ox * v1[3], v1[1] - oy * v1[3], v1[3]];
-        let p2 = [v2[0] - ox * v2[3], v2[1] - oy * v2[3], v2[3]];
-        let rows = [cross(p1, p2), cross(p2, p0), cross(p0, p1)];
-        let determinant = p0[0] * rows[0][0] + p0[1] * rows[0][1] + p0[2] * rows[0][2];
-        let zero = determinant.simd_eq(0.0);
-        let inverse = f64x8::splat(s, 1.0) / zero.select(f64x8::splat(s, 1.0), determinant);
-        let solvable = !zero & inverse.abs().simd_le(f64::MAX);
-        Self {
-            rows,
-            inverse,
-            solvable,
-            z: [v0[2], v1[2], v2[2]],
-            w: [v0[3], v1[3], v2[3]],
-        }
-    }
-
-    #[inline(always)]
-    pub(crate) fn plane(&self, v: [f64x8<S>; 3]) -> [f64x8<S>; 3] {
-        let r = &self.rows;
-        [
-            (v[0] * r[0][0] + v[1] * r[1][0] + v[2] * r[2][0]) * self.inverse,
-            (v[0] * r[0][1] + v[1] * r[1][1] + v[2] * r[2][1]) * self.inverse,
-            (v[0] * r[0][2] + v[1] * r[1][2] + v[2] * r[2][2]) * self.inverse,
-        ]
-    }
-}
-
-#[inline(always)]
-fn cross<S: Simd>(a: [f64x8<S>; 3], b: [f64x8<S>; 3]) -> [f64x8<S>; 3] {
-    [
-        a[1] * b[2] - a[2] * b[1],
-        a[2] * b[0] - a[0] * b[2],
-        a[0] * b[1] - a[1] * b[0],
-    ]
-}
-
-/// Largest absolute and smallest value of planes over a tile.
-#[inline(always)]
-pub(crate) fn extent_x8<S: Simd>(plane: [f64x8<S>; 3]) -> (f64x8<S>, f64x8<S>) {
-    let slope = (plane[0].abs() + plane[1].abs()) * REACH;
-    (plane[2].abs() + slope, plane[2] - slope)
-}
-
-/// Where f32 depth planes will do: as [`DepthPlane`] decides.
-#[inline(always)]
-fn is_even<S: Simd>(plane: [f64x8<S>; 3], lo: f64x8<S>) -> mask64x8<S> {
-    let (largest, smallest) = extent_x8(plane);
-    let lowest = smallest.simd_gt(lo).select(smallest, lo);
-    largest.simd_le(1.0) & largest.simd_le(lowest * DEPTH_RATIO)
-}
-
-/// Least and largest of three, by compare and select.
-#[inline(always)]
-pub(crate) fn hull_x16<S: Simd>(v: [f32x16<S>; 3]) -> (f32x16<S>, f32x16<S>) {
-    (
-        below(v[2], below(v[1], v[0])),
-        above(v[2], above(v[1], v[0])),
+            Solved {
+                solver: Solver::new(i, &v, origin),
+                z: [v[0].z, v[1].z, v[2].z],
+                w: [v[0].w, v[1].w, v[2].w],
+            }
+        },
     )
 }
 
 impl Prepared<'_> {
     /// Sets up the triangles of `ids`, which all belong to draw `draw`, for a tile.
     #[inline(always)]
-    pub(crate) fn setup_group<S: Simd>(
+    pub(crate) fn setup_group<I: Isa>(
         &self,
-        s: S,
+        i: I,
         draw: usize,
         ids: &[u32],
         tile: u32,
@@ -244,7 +172,7 @@ impl Prepared<'_> {
         group: &mut Group,
     ) {
         let bounds = self.tile(tile as usize);
-        let count = ids.len().min(LANES);
+        let count = ids.len().min(GROUP);
         let exists = (1u32 << count) - 1;
         let mut care = exists;
         group.live = exists;
@@ -253,16 +181,9 @@ impl Prepared<'_> {
             let named = Ids::new(ids, self.first(draw), self.whole());
             // Pieces of cut triangles, which are large, are often among themselves.
             if named.pieces & exists != exists {
+                let corner = [bounds.x0, bounds.y0];
                 care = named.pieces
-                    | self.setup_whole(
-                        s,
-                        &arrays,
-                        draw,
-                        &named,
-                        [bounds.x0, bounds.y0],
-                        sharing,
-                        group,
-                    );
+                    | self.setup_whole(i, &arrays, draw, (&named, count), corner, sharing, group);
             }
             care &= exists;
         }
@@ -271,171 +192,167 @@ impl Prepared<'_> {
             care &= care - 1;
             self.setup_lane(ids[lane], [bounds.x0, bounds.y0], lane, group);
         }
-        self.clip_boxes(s, [bounds.width, bounds.height], group);
+        clip_boxes(i, [bounds.width, bounds.height], group);
     }
 
     /// Lanes that are whole, small triangles; returns those that are not. Out of line: compiled once a level.
     #[inline(never)]
-    fn setup_whole<S: Simd>(
+    fn setup_whole<I: Isa>(
         &self,
-        s: S,
+        i: I,
         arrays: &Arrays<'_>,
         draw: usize,
-        ids: &Ids,
+        (ids, count): (&Ids, usize),
         corner: [u32; 2],
-        sharing: Sharing<'_>,
+        mut sharing: Sharing<'_>,
         group: &mut Group,
     ) -> u32 {
-        s.vectorize(
+        i.vectorize(
             #[inline(always)]
-            || self.setup_lanes(s, arrays, draw, ids, corner, sharing, group),
+            || {
+                let mut care = 0;
+                for at in (0..count).step_by(I::LANES) {
+                    if !ids.are_pieces(i, at) {
+                        let vertex = match &sharing {
+                            Sharing::Use(_) => [i.i32(0); 3],
+                            _ => arrays.corners(i, ids.lanes(i, at)),
+                        };
+                        let sharing = &mut sharing;
+                        care |=
+                            self.setup_lanes(i, at, arrays, draw, &vertex, corner, sharing, group);
+                    }
+                }
+                if let Sharing::Use(known) = sharing {
+                    group.z = known.z;
+                    group.z_lo = known.z_lo;
+                    group.z_hi = known.z_hi;
+                    return known.care;
+                }
+                if let Sharing::Keep(known) = sharing {
+                    known.z = group.z;
+                    known.z_lo = group.z_lo;
+                    known.z_hi = group.z_hi;
+                    known.care = care;
+                }
+                care
+            },
         )
     }
 
     #[inline(always)]
-    fn setup_lanes<S: Simd>(
+    fn setup_lanes<I: Isa>(
         &self,
-        s: S,
+        i: I,
+        at: usize,
         arrays: &Arrays<'_>,
         draw: usize,
-        ids: &Ids,
+        vertex: &[I::I32; 3],
         corner: [u32; 2],
-        sharing: Sharing<'_>,
+        sharing: &mut Sharing<'_>,
         group: &mut Group,
     ) -> u32 {
-        let vertex = match &sharing {
-            Sharing::Use(_) => [i32x16::splat(s, 0); 3],
-            _ => arrays.corners(s, ids.lanes(s)),
-        };
-        let whole = match &sharing {
+        let whole = match sharing {
             Sharing::Use(known) => {
                 let v = &known.v;
                 [
-                    [i32x16::from_slice(s, &v[0]), i32x16::from_slice(s, &v[1])],
-                    [i32x16::from_slice(s, &v[2]), i32x16::from_slice(s, &v[3])],
-                    [i32x16::from_slice(s, &v[4]), i32x16::from_slice(s, &v[5])],
+                    [i.load_i32(&v[0][at..]), i.load_i32(&v[1][at..])],
+                    [i.load_i32(&v[2][at..]), i.load_i32(&v[3][at..])],
+                    [i.load_i32(&v[4][at..]), i.load_i32(&v[5][at..])],
                 ]
             }
             _ => [
-                arrays.snapped(s, vertex[0]),
-                arrays.snapped(s, vertex[1]),
-                arrays.snapped(s, vertex[2]),
+                arrays.snapped(i, vertex[0]),
+                arrays.snapped(i, vertex[1]),
+                arrays.snapped(i, vertex[2]),
             ],
         };
-        let special = whole[0][0].simd_eq(SPECIAL[0])
-            | whole[1][0].simd_eq(SPECIAL[0])
-            | whole[2][0].simd_eq(SPECIAL[0]);
         let mut v = whole;
         for p in &mut v {
             *p = [p[0] - group.offset[0], p[1] - group.offset[1]];
         }
-        let (lo_x, hi_x) = (
-            v[0][0].min(v[1][0]).min(v[2][0]),
-            v[0][0].max(v[1][0]).max(v[2][0]),
-        );
-        let (lo_y, hi_y) = (
-            v[0][1].min(v[1][1]).min(v[2][1]),
-            v[0][1].max(v[1][1]).max(v[2][1]),
-        );
-        let large = (hi_x - lo_x).simd_ge(SMALL) | (hi_y - lo_y).simd_ge(SMALL);
+        let (lo_x, hi_x) = extremes(i, [v[0][0], v[1][0], v[2][0]]);
+        let (lo_y, hi_y) = extremes(i, [v[0][1], v[1][1], v[2][1]]);
         let [cx, cy] = corner.map(|c| c as i32);
-        (((lo_x + 127) >> 8) - cx).store_slice(&mut group.x0);
-        (((lo_y + 127) >> 8) - cy).store_slice(&mut group.y0);
-        (((hi_x - 128) >> 8) - cx).store_slice(&mut group.x1);
-        (((hi_y - 128) >> 8) - cy).store_slice(&mut group.y1);
+        (((lo_x + 127) >> 8) - cx).store(&mut group.x0[at..]);
+        (((lo_y + 127) >> 8) - cy).store(&mut group.y0[at..]);
+        (((hi_x - 128) >> 8) - cx).store(&mut group.x1[at..]);
+        (((hi_y - 128) >> 8) - cy).store(&mut group.y1[at..]);
 
-        let area =
-            (v[1][0] - v[0][0]) * (v[2][1] - v[0][1]) - (v[2][0] - v[0][0]) * (v[1][1] - v[0][1]);
-        let front = area.simd_lt(0);
-        let second = [
-            front.select(v[2][0], v[1][0]),
-            front.select(v[2][1], v[1][1]),
-        ];
-        let third = [
-            front.select(v[1][0], v[2][0]),
-            front.select(v[1][1], v[2][1]),
-        ];
-        let (zero, one) = (i32x16::splat(s, 0), i32x16::splat(s, 1));
-        let turn = [v[0], second, third];
+        let area = area_of(i, v);
+        let edges = edges_of(i, v, area.simd_lt(0));
         for k in 0..3 {
-            let (p, q) = (turn[k], turn[(k + 1) % 3]);
+            let [p, q] = edges[k];
             let (a, b) = (p[1] - q[1], q[0] - p[0]);
-            let top_left = a.simd_gt(0) | (a.simd_eq(0) & b.simd_gt(0));
-            let least = top_left.select(zero, one);
+            let least = least_inside(i, a, b);
             // p = 256 whole + part; the value over 256, rounded down, decides the sign at every centre.
             let (wx, wy) = (p[0] >> 8, p[1] >> 8);
             let (fx, fy) = (p[0] & 255, p[1] & 255);
-            let parts = (a * (128 - fx) + b * (128 - fy) - least) >> 8;
-            let value = a * (cx - wx) + b * (cy - wy) + parts;
-            a.store_slice(&mut group.a[k]);
-            b.store_slice(&mut group.b[k]);
-            value.store_slice(&mut group.q[k]);
+            let parts = (a * (i.i32(128) - fx) + b * (i.i32(128) - fy) - least) >> 8;
+            let value = a * (i.i32(cx) - wx) + b * (i.i32(cy) - wy) + parts;
+            a.store(&mut group.a[k][at..]);
+            b.store(&mut group.b[k][at..]);
+            value.store(&mut group.q[k][at..]);
         }
 
-        if let Sharing::Use(known) = sharing {
-            group.z = known.z;
-            group.z_lo = known.z_lo;
-            group.z_hi = known.z_hi;
-            return known.care;
-        }
-        let odd = self.depth_planes(s, arrays, draw, &vertex, corner, group);
-        // Wide lanes are few: they take the scalar way, which keeps their f64 planes.
-        let care = (special | large).to_bitmask() as u32 | odd;
-        if let Sharing::Keep(known) = sharing {
-            for (to, from) in known.v.iter_mut().zip(whole.as_flattened()) {
-                from.store_slice(to);
+        match sharing {
+            Sharing::Use(_) => return 0,
+            Sharing::Keep(known) => {
+                for (to, from) in known.v.iter_mut().zip(whole.as_flattened()) {
+                    from.store(&mut to[at..]);
+                }
             }
-            known.z = group.z;
-            known.z_lo = group.z_lo;
-            known.z_hi = group.z_hi;
-            known.care = care;
+            Sharing::Nothing => {}
         }
-        care
+        let special = whole[0][0].simd_eq(SPECIAL[0])
+            | whole[1][0].simd_eq(SPECIAL[0])
+            | whole[2][0].simd_eq(SPECIAL[0]);
+        let large = (hi_x - lo_x).simd_ge(SMALL) | (hi_y - lo_y).simd_ge(SMALL);
+        let odd = self.depth_planes(i, at, arrays, draw, vertex, corner, group);
+        // Wide lanes are few: they take the scalar way, which keeps their f64 planes.
+        ((special | large).to_bitmask() | odd) << at
     }
 
     /// Returns the lanes that f32 planes cannot serve.
     #[inline(always)]
-    fn depth_planes<S: Simd>(
+    fn depth_planes<I: Isa>(
         &self,
-        s: S,
+        i: I,
+        at: usize,
         arrays: &Arrays<'_>,
         draw: usize,
-        vertex: &[i32x16<S>; 3],
+        vertex: &[I::I32; 3],
         corner: [u32; 2],
         group: &mut Group,
     ) -> u32 {
         let middle = origin(corner[0] / TILE, corner[1] / TILE).map(f64::from);
-        let [low, high] = solve_x16::<S, false>(s, arrays, vertex, self.transform(draw), middle);
-        let (low_plane, high_plane) = (low.plane(low.z), high.plane(high.z));
-        let depth = [
-            s.narrow_f64x8(low.z[0] / low.w[0], high.z[0] / high.w[0]),
-            s.narrow_f64x8(low.z[1] / low.w[1], high.z[1] / high.w[1]),
-            s.narrow_f64x8(low.z[2] / low.w[2], high.z[2] / high.w[2]),
-        ];
-        let (lo, hi) = hull_x16(depth);
-        lo.store_slice(&mut group.z_lo);
-        hi.store_slice(&mut group.z_hi);
-        for (k, slot) in group.z.iter_mut().enumerate() {
-            s.narrow_f64x8(low_plane[k], high_plane[k])
-                .store_slice(slot);
-        }
+        let Solved { solver, z, w } =
+            solve::<I, false>(i, arrays, vertex, self.transform(draw), middle);
+        let plane = solver.plane(z);
+        let [mut lo, mut hi] = hull(
+            i,
+            [
+                i.narrow(z[0] / w[0]),
+                i.narrow(z[1] / w[1]),
+                i.narrow(z[2] / w[2]),
+            ],
+        );
+        let odd = !(depth_is_even(i, plane, i.widen(lo)) & solver.solvable);
+        let mut near = [i.narrow(plane[0]), i.narrow(plane[1]), i.narrow(plane[2])];
         let depth_slope = self.draw(draw as u32).depth_slope;
         if depth_slope != 0.0 {
-            let [a, b, c] = [0, 1, 2].map(|k| f32x16::from_slice(s, &group.z[k]));
-            let most = f32x16::splat(s, LEAVES_NOTHING);
-            let away = below((a.abs() + b.abs()) * depth_slope, most);
-            (c - away).store_slice(&mut group.z[2]);
-            (lo - away).store_slice(&mut group.z_lo);
-            (hi - away).store_slice(&mut group.z_hi);
+            let away = depth_offset(i, depth_slope, near);
+            near[2] = near[2] - away;
+            (lo, hi) = (lo - away, hi - away);
         }
-        let (low_lo, high_lo) = lo.widen();
-        let even = is_even(low_plane, low_lo).to_bitmask()
-            | is_even(high_plane, high_lo).to_bitmask() << 8;
-        let solvable = low.solvable.to_bitmask() | high.solvable.to_bitmask() << 8;
-        !(even & solvable) as u32
+        near[0].store(&mut group.z[0][at..]);
+        near[1].store(&mut group.z[1][at..]);
+        near[2].store(&mut group.z[2][at..]);
+        lo.store(&mut group.z_lo[at..]);
+        hi.store(&mut group.z_hi[at..]);
+        odd.to_bitmask()
     }
 
-    /// One lane, the plain way.
+    /// One lane of any kind: a piece, a large triangle, one whose depth needs f64.
     #[inline(never)]
     fn setup_lane(&self, id: u32, corner: [u32; 2], lane: usize, group: &mut Group) {
         let (shape, pixels) = self.shape_at(id, group.offset);
@@ -457,8 +374,8 @@ impl Prepared<'_> {
             group.b[k][lane] = b;
             group.q[k][lane] = q;
         }
-        let [ox, oy] = origin(corner[0] / TILE, corner[1] / TILE).map(f64::from);
-        let depth = DepthPlane::new(&shape, Solver::new(&shape.outer, ox, oy).as_ref());
+        let middle = origin(corner[0] / TILE, corner[1] / TILE).map(f64::from);
+        let depth = DepthPlane::new(&shape, &Solver::new(Scalar, &shape.outer, middle));
         for (k, slot) in group.z.iter_mut().enumerate() {
             slot[lane] = depth.z.near[k];
         }
@@ -469,28 +386,63 @@ impl Prepared<'_> {
             group.wide |= 1 << lane;
         }
     }
+}
 
-    /// Cuts the boxes to the tile and drops lanes that leave nothing.
-    #[inline(always)]
-    fn clip_boxes<S: Simd>(&self, s: S, side: [u32; 2], group: &mut Group) {
-        let zero = i32x16::splat(s, 0);
-        let x0 = i32x16::from_slice(s, &group.x0).max(zero);
-        let y0 = i32x16::from_slice(s, &group.y0).max(zero);
-        let x1 = i32x16::from_slice(s, &group.x1).min(i32x16::splat(s, side[0] as i32 - 1));
-        let y1 = i32x16::from_slice(s, &group.y1).min(i32x16::splat(s, side[1] as i32 - 1));
-        x0.store_slice(&mut group.x0);
-        y0.store_slice(&mut group.y0);
-        x1.store_slice(&mut group.x1);
-        y1.store_slice(&mut group.y1);
-        let some: mask32x16<S> = x0.simd_le(x1) & y0.simd_le(y1);
+/// Cuts the boxes to the tile and drops lanes that leave nothing.
+#[inline(always)]
+fn clip_boxes<I: Isa>(i: I, side: [u32; 2], group: &mut Group) {
+    let (mut live, mut tiny, mut small) = (0, 0, 0);
+    for at in (0..GROUP).step_by(I::LANES) {
+        let x0 = i.load_i32(&group.x0[at..]).max(i.i32(0));
+        let y0 = i.load_i32(&group.y0[at..]).max(i.i32(0));
+        let x1 = i.load_i32(&group.x1[at..]).min(i.i32(side[0] as i32 - 1));
+        let y1 = i.load_i32(&group.y1[at..]).min(i.i32(side[1] as i32 - 1));
+        x0.store(&mut group.x0[at..]);
+        y0.store(&mut group.y0[at..]);
+        x1.store(&mut group.x1[at..]);
+        y1.store(&mut group.y1[at..]);
         let (across, down) = (x1 - x0, y1 - y0);
-        let tiny = across.simd_lt(2) & down.simd_lt(2);
-        let small = across.simd_lt(4) & down.simd_lt(4);
-        group.live &= some.to_bitmask() as u32;
-        let even = group.live & !group.wide;
-        group.tiny = tiny.to_bitmask() as u32 & even;
-        group.small = small.to_bitmask() as u32 & even;
+        live |= (x0.simd_le(x1) & y0.simd_le(y1)).to_bitmask() << at;
+        tiny |= (across.simd_lt(2) & down.simd_lt(2)).to_bitmask() << at;
+        small |= (across.simd_lt(4) & down.simd_lt(4)).to_bitmask() << at;
     }
+    group.live &= live;
+    let even = group.live & !group.wide;
+    group.tiny = tiny & even;
+    group.small = small & even;
+}
+
+/// Least and greatest of three.
+#[inline(always)]
+pub(crate) fn extremes<I: Isa>(_: I, v: [I::I32; 3]) -> (I::I32, I::I32) {
+    (v[0].min(v[1]).min(v[2]), v[0].max(v[1]).max(v[2]))
+}
+
+/// Twice the area of small triangles: negative where the front is seen, as y points down.
+#[inline(always)]
+pub(crate) fn area_of<I: Isa>(_: I, v: [[I::I32; 2]; 3]) -> I::I32 {
+    (v[1][0] - v[0][0]) * (v[2][1] - v[0][1]) - (v[2][0] - v[0][0]) * (v[1][1] - v[0][1])
+}
+
+/// Start and end of the edges, turned so that the inside is positive.
+#[inline(always)]
+pub(crate) fn edges_of<I: Isa>(_: I, v: [[I::I32; 2]; 3], front: I::Mask) -> [[[I::I32; 2]; 2]; 3] {
+    let second = [
+        front.select(v[2][0], v[1][0]),
+        front.select(v[2][1], v[1][1]),
+    ];
+    let third = [
+        front.select(v[1][0], v[2][0]),
+        front.select(v[1][1], v[2][1]),
+    ];
+    [[v[0], second], [second, third], [third, v[0]]]
+}
+
+/// The least value inside an edge of direction (`b`, `-a`) by the top-left rule: 0 for left and top edges, else 1.
+#[inline(always)]
+pub(crate) fn least_inside<I: Isa>(i: I, a: I::I32, b: I::I32) -> I::I32 {
+    let top_left = a.simd_gt(0) | (a.simd_eq(0) & b.simd_gt(0));
+    top_left.select(i.i32(0), i.i32(1))
 }
 
 /// An edge over a tile's pixels, `a x + b y + q >= 0` in i32: exact, since an edge that crosses the tile stays in range there

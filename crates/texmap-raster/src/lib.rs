@@ -35,20 +35,6 @@
 //! ```
 #![cfg_attr(not(feature = "std"), no_std)]
 #![forbid(unsafe_code)]
-#![cfg_attr(
-    not(any(
-        target_arch = "x86",
-        target_arch = "x86_64",
-        target_arch = "aarch64",
-        all(target_arch = "wasm32", target_feature = "simd128")
-    )),
-    allow(
-        dead_code,
-        unused_imports,
-        unused_variables,
-        reason = "without a vector unit the scalar twins of the kernels do all of the work"
-    )
-)]
 extern crate alloc;
 
 mod arrays;

@@ -1,20 +1,15 @@
-//! Attribute planes of a tile's triangles, set up sixteen at a time.
+//! Attribute planes of a tile's triangles, set up in groups.
 use alloc::vec::Vec;
 
-use texmap_math::fearless_simd::{Simd, f32x16, f64x8, mask64x8, prelude::*, u32x16};
-use texmap_math::lanes::{LANES, Words, above, gather, gather_pairs, gather_quads};
-use texmap_math::on_level;
+use texmap_math::dispatch_simd;
+use texmap_math::simd::{Isa, Words, prelude::*};
 
 use crate::blocks::Runs;
-use crate::group::{Ids, extent_x8, hull_x16, solve_x16};
-use crate::setup::{
-    LARGEST, Ranged, SMALLEST, TILE, TriangleSetup, W_RATIO, origin, widen_attribute, widen_w,
-};
+use crate::group::{GROUP, Ids, solve};
+use crate::planes::{COEFFICIENTS, hull, is_moderate, w_is_even};
+use crate::setup::{Ranged, TILE, TriangleSetup, origin, widen_attribute, widen_w};
 use crate::visible::NONE;
 use crate::{Interp, MAX_ATTRIBUTES, Prepared};
-
-/// Coefficients of a plane with its hull: a, b, c, lo, hi.
-pub(crate) const COEFFICIENTS: usize = 5;
 
 /// Planes of 1/w and of every attribute for each slot of a tile (see [`TileBlocks::slot`](crate::TileBlocks)),
 /// coefficient by coefficient in groups of sixteen slots.
@@ -42,16 +37,10 @@ impl TilePlanes {
         Self::default()
     }
 
-    /// Where the coefficients of a slot begin; each is [`LANES`] words from the one before.
-    #[inline(always)]
-    pub(crate) fn start_of(&self, slot: u32) -> usize {
-        (slot as usize / LANES) * self.per_group * LANES + slot as usize % LANES
-    }
-
     /// The coefficients of the sixteen slots that a slot lies among.
     #[inline(always)]
-    pub(crate) fn group_of(&self, slot: u32) -> &[[f32; LANES]] {
-        let start = slot as usize / LANES * self.per_group * LANES;
+    pub(crate) fn group_of(&self, slot: u32) -> &[[f32; GROUP]] {
+        let start = slot as usize / GROUP * self.per_group * GROUP;
         self.words.get(start..).unwrap_or(&[]).as_chunks().0
     }
 
@@ -64,7 +53,7 @@ impl TilePlanes {
     /// The attributes of a slot that are linear on the screen, a bit each.
     #[inline(always)]
     pub(crate) fn linear(&self, slot: u32) -> u32 {
-        let group = self.linear.get(slot as usize / LANES);
+        let group = self.linear.get(slot as usize / GROUP);
         group.copied().unwrap_or(0)
     }
 
@@ -72,20 +61,20 @@ impl TilePlanes {
     fn reset(&mut self, groups: usize, attributes: usize, corner: [u32; 2]) {
         self.per_group = (1 + attributes) * COEFFICIENTS;
         // What an earlier tile left stands only where no triangle is, and for attributes that a draw lacks.
-        self.words.resize(groups * self.per_group * LANES, 0.0);
+        self.words.resize(groups * self.per_group * GROUP, 0.0);
         self.odd.clear();
-        self.odd.resize(groups * LANES, NONE);
+        self.odd.resize(groups * GROUP, NONE);
         self.setups.clear();
         self.corner = corner;
     }
 
-    fn slot_of(&mut self, group: usize, k: usize, c: usize) -> &mut [f32] {
-        let at = (group * self.per_group + k * COEFFICIENTS + c) * LANES;
-        &mut self.words[at..at + LANES]
+    fn coefficients(&mut self, group: usize, k: usize, c: usize) -> &mut [f32] {
+        let at = (group * self.per_group + k * COEFFICIENTS + c) * GROUP;
+        &mut self.words[at..at + GROUP]
     }
 
     fn set(&mut self, slot: usize, k: usize, plane: &Ranged) {
-        let (group, lane) = (slot / LANES, slot % LANES);
+        let (group, lane) = (slot / GROUP, slot % GROUP);
         for (c, v) in [
             plane.near[0],
             plane.near[1],
@@ -96,22 +85,22 @@ impl TilePlanes {
         .into_iter()
         .enumerate()
         {
-            self.slot_of(group, k, c)[lane] = v;
+            self.coefficients(group, k, c)[lane] = v;
         }
     }
 
     /// Widens the hulls of all slots.
     fn widen(&mut self) {
-        let group_words = self.per_group * LANES;
+        let group_words = self.per_group * GROUP;
         let groups = self.words.chunks_exact_mut(group_words.max(1));
         for (group, linear) in groups.zip(&self.linear) {
-            let (planes, _) = group.as_chunks_mut::<LANES>();
+            let (planes, _) = group.as_chunks_mut::<GROUP>();
             let mut planes = planes.chunks_exact_mut(COEFFICIENTS);
             let Some([wa, wb, _, w_lo, w_hi]) = planes.next() else {
                 return;
             };
-            let mut w_slope = [0.0; LANES];
-            for lane in 0..LANES {
+            let mut w_slope = [0.0; GROUP];
+            for lane in 0..GROUP {
                 w_slope[lane] = wa[lane].abs() + wb[lane].abs();
                 widen_w(w_slope[lane], &mut w_lo[lane], &mut w_hi[lane]);
             }
@@ -120,7 +109,7 @@ impl TilePlanes {
                     return;
                 };
                 let is_linear = linear >> k & 1 == 1;
-                for lane in 0..LANES {
+                for lane in 0..GROUP {
                     let slope = a[lane].abs() + b[lane].abs();
                     let (lo, hi) = (&mut lo[lane], &mut hi[lane]);
                     let (change, w) = if is_linear {
@@ -135,7 +124,7 @@ impl TilePlanes {
         self.setups.iter_mut().for_each(TriangleSetup::widen);
     }
 
-    /// A triangle that came the plain way.
+    /// A triangle that was set up by itself.
     fn set_triangle(&mut self, slot: usize, setup: &TriangleSetup) {
         let (w, attributes) = setup.planes();
         self.set(slot, 0, w);
@@ -165,33 +154,15 @@ impl Prepared<'_> {
         }
         out.has_linear = out.linear.iter().any(|linear| *linear != 0);
         out.reset(groups, attributes, [bounds.x0, bounds.y0]);
-        match self.level() {
-            Some(level) => {
-                on_level!(level, s => self.planes_lanes(s, tile, out), else self.planes_plain(tile, out));
-            }
-            None => self.planes_plain(tile, out),
-        }
+        dispatch_simd!(self.level(), wide i => self.planes_lanes(i, tile, out));
         out.plain = out.setups.is_empty() && !out.has_linear;
         if self.is_sampled() {
             out.widen();
         }
     }
 
-    fn planes_plain(&self, tile: usize, out: &mut TilePlanes) {
-        let bounds = self.tile(tile);
-        let mut runs = Runs::new(self, tile);
-        while let Some(run) = runs.next() {
-            for (lane, &id) in run.ids.iter().enumerate() {
-                out.set_triangle(
-                    run.first_slot + lane,
-                    &self.setup(id, bounds.x0 / TILE, bounds.y0 / TILE),
-                );
-            }
-        }
-    }
-
     #[inline(always)]
-    fn planes_lanes<S: Simd>(&self, s: S, tile: usize, out: &mut TilePlanes) {
+    fn planes_lanes<I: Isa>(&self, i: I, tile: usize, out: &mut TilePlanes) {
         let bounds = self.tile(tile);
         let mut runs = Runs::new(self, tile);
         while let Some(run) = runs.next() {
@@ -199,8 +170,13 @@ impl Prepared<'_> {
             if self.has_lanes(run.draw) {
                 let named = Ids::new(run.ids, self.first(run.draw), self.whole());
                 if named.pieces & care != care {
-                    care &= named.pieces
-                        | self.planes_x16(s, run.draw, &named, run.first_slot / LANES, out);
+                    let mut odd = 0;
+                    for at in (0..run.ids.len()).step_by(I::LANES) {
+                        if !named.are_pieces(i, at) {
+                            odd |= self.planes_group(i, run.draw, &named, run.first_slot + at, out);
+                        }
+                    }
+                    care &= named.pieces | odd;
                 }
             }
             while care != 0 {
@@ -229,14 +205,14 @@ impl Prepared<'_> {
         linear & used as u32
     }
 
-    /// A group in lanes; returns the lanes that need the plain way.
+    /// The triangles from slot `slot` on, one in each lane; returns the bits in the group of those that need a look of their own.
     #[inline(always)]
-    fn planes_x16<S: Simd>(
+    fn planes_group<I: Isa>(
         &self,
-        s: S,
+        i: I,
         draw: usize,
         ids: &Ids,
-        group: usize,
+        slot: usize,
         out: &mut TilePlanes,
     ) -> u32 {
         let d = self.draw(draw as u32);
@@ -248,66 +224,52 @@ impl Prepared<'_> {
         if (n > 0 && values.is_none()) || d.attributes.len() > limit {
             return u32::MAX;
         }
-        let vertex = arrays.corners(s, ids.lanes(s));
+        let at = slot % GROUP;
+        let vertex = arrays.corners(i, ids.lanes(i, at));
         let middle = origin(out.corner[0] / TILE, out.corner[1] / TILE).map(f64::from);
         let transform = self.transform(draw);
-        let exact = solve_x16::<S, false>(s, &arrays, &vertex, transform, middle);
-        let [low, high] = &exact;
-        let one = f64x8::splat(s, 1.0);
-        let (low_w, high_w) = (low.plane([one; 3]), high.plane([one; 3]));
-        let hull = hull_x16([
-            s.narrow_f64x8(one / low.w[0], one / high.w[0]),
-            s.narrow_f64x8(one / low.w[1], one / high.w[1]),
-            s.narrow_f64x8(one / low.w[2], one / high.w[2]),
-        ]);
-        let lo = hull.0.widen();
-        let mut fine = [
-            low.solvable & w_is_even(low_w, lo.0),
-            high.solvable & w_is_even(high_w, lo.1),
-        ];
-        fine = store(s, low_w, high_w, hull, fine, group, 0, out);
+        let exact = solve::<I, false>(i, &arrays, &vertex, transform, middle);
+        let one = i.f64(1.0);
+        let plane = exact.solver.plane([one; 3]);
+        let range = hull(
+            i,
+            [
+                i.narrow(one / exact.w[0]),
+                i.narrow(one / exact.w[1]),
+                i.narrow(one / exact.w[2]),
+            ],
+        );
+        let mut fine = exact.solver.solvable & w_is_even(i, plane, i.widen(range[0]));
+        fine = fine & store(i, plane, range, slot, 0, out);
         if let Some(values) = values {
-            let at: [u32x16<S>; 3] = [
-                (vertex[0] * n as i32).bitcast(),
-                (vertex[1] * n as i32).bitcast(),
-                (vertex[2] * n as i32).bitcast(),
+            let of: [I::U32; 3] = [
+                (vertex[0] * n as i32).to_u32(),
+                (vertex[1] * n as i32).to_u32(),
+                (vertex[2] * n as i32).to_u32(),
             ];
             let linear = self.linear_of(draw);
             let mut flat = None;
             if linear != 0 {
-                let [low, high] = solve_x16::<S, true>(s, &arrays, &vertex, transform, middle);
-                fine = [fine[0] & low.solvable, fine[1] & high.solvable];
-                flat = Some([low, high]);
+                let solved = solve::<I, true>(i, &arrays, &vertex, transform, middle);
+                fine = fine & solved.solver.solvable;
+                flat = Some(solved.solver);
             }
-            let mut ahead = [[f32x16::splat(s, 0.0); 3]; AHEAD];
+            let mut ahead = [[i.f32(0.0); 3]; AHEAD];
             let (mut start, mut end) = (0, 0);
             for k in 0..n {
                 if k == end {
-                    (start, end) = (k, k + read(s, values, at, k, n, &mut ahead));
+                    (start, end) = (k, k + read(i, values, of, k, n, &mut ahead));
                 }
                 let v = ahead[(k - start) % AHEAD];
-                let (v0, v1, v2) = (v[0].widen(), v[1].widen(), v[2].widen());
-                let [low, high] = match &flat {
+                let solver = match &flat {
                     Some(flat) if linear >> k & 1 == 1 => flat,
-                    _ => &exact,
+                    _ => &exact.solver,
                 };
-                let (low_plane, high_plane) = (
-                    low.plane([v0.0, v1.0, v2.0]),
-                    high.plane([v0.1, v1.1, v2.1]),
-                );
-                fine = store(
-                    s,
-                    low_plane,
-                    high_plane,
-                    hull_x16(v),
-                    fine,
-                    group,
-                    1 + k,
-                    out,
-                );
+                let plane = solver.plane([i.widen(v[0]), i.widen(v[1]), i.widen(v[2])]);
+                fine = fine & store(i, plane, hull(i, v), slot, 1 + k, out);
             }
         }
-        !((fine[0].to_bitmask() | fine[1].to_bitmask() << 8) as u32)
+        (!fine).to_bitmask() << at
     }
 }
 
@@ -316,78 +278,59 @@ const AHEAD: usize = 4;
 
 /// Reads attribute `k` of `n` and some of those behind it; returns how many.
 #[inline(always)]
-fn read<S: Simd>(
-    s: S,
+fn read<I: Isa>(
+    i: I,
     values: Words<'_>,
-    at: [u32x16<S>; 3],
+    of: [I::U32; 3],
     k: usize,
     n: usize,
-    ahead: &mut [[f32x16<S>; 3]; AHEAD],
+    ahead: &mut [[I::F32; 3]; AHEAD],
 ) -> usize {
     let k32 = k as u32;
-    let [a, b, c] = [at[0] + k32, at[1] + k32, at[2] + k32];
+    let [a, b, c] = [of[0] + k32, of[1] + k32, of[2] + k32];
     if n - k >= 4
-        && let Some(a) = gather_quads(s, values, a)
-        && let Some(b) = gather_quads(s, values, b)
-        && let Some(c) = gather_quads(s, values, c)
+        && let Some(a) = i.gather_quads(values, a)
+        && let Some(b) = i.gather_quads(values, b)
+        && let Some(c) = i.gather_quads(values, c)
     {
-        for (i, ahead) in ahead.iter_mut().enumerate() {
-            *ahead = [a[i].bitcast(), b[i].bitcast(), c[i].bitcast()];
+        for (k, ahead) in ahead.iter_mut().enumerate() {
+            *ahead = [a[k].to_f32_bits(), b[k].to_f32_bits(), c[k].to_f32_bits()];
         }
         return 4;
     }
     if n - k < 2 {
         ahead[0] = [
-            gather(s, values, a).bitcast(),
-            gather(s, values, b).bitcast(),
-            gather(s, values, c).bitcast(),
+            i.gather(values, a).to_f32_bits(),
+            i.gather(values, b).to_f32_bits(),
+            i.gather(values, c).to_f32_bits(),
         ];
         return 1;
     }
-    let a = gather_pairs(s, values, a);
-    let b = gather_pairs(s, values, b);
-    let c = gather_pairs(s, values, c);
-    for i in 0..2 {
-        ahead[i] = [a[i].bitcast(), b[i].bitcast(), c[i].bitcast()];
+    let a = i.gather_pairs(values, a);
+    let b = i.gather_pairs(values, b);
+    let c = i.gather_pairs(values, c);
+    for k in 0..2 {
+        ahead[k] = [a[k].to_f32_bits(), b[k].to_f32_bits(), c[k].to_f32_bits()];
     }
     2
 }
 
-/// As [`TriangleSetup`] decides where f32 planes of 1/w will do.
+/// Stores planes with their hulls from slot `slot` on; true where their values are neither too large nor too small for f32.
 #[inline(always)]
-fn w_is_even<S: Simd>(plane: [f64x8<S>; 3], lo: f64x8<S>) -> mask64x8<S> {
-    let (largest, smallest) = extent_x8(plane);
-    let lowest = smallest.simd_gt(lo).select(smallest, lo);
-    largest.simd_le(lowest * W_RATIO)
-}
-
-/// Stores a plane with its hull; returns the lanes of `fine` whose values are neither too large nor too small for f32.
-#[inline(always)]
-fn store<S: Simd>(
-    s: S,
-    low: [f64x8<S>; 3],
-    high: [f64x8<S>; 3],
-    hull: (f32x16<S>, f32x16<S>),
-    fine: [mask64x8<S>; 2],
-    group: usize,
+fn store<I: Isa>(
+    i: I,
+    plane: [I::F64; 3],
+    hull: [I::F32; 2],
+    slot: usize,
     k: usize,
     out: &mut TilePlanes,
-) -> [mask64x8<S>; 2] {
+) -> I::Mask64 {
+    let (group, at) = (slot / GROUP, slot % GROUP);
     for c in 0..3 {
-        s.narrow_f64x8(low[c], high[c])
-            .store_slice(out.slot_of(group, k, c));
+        i.narrow(plane[c])
+            .store(&mut out.coefficients(group, k, c)[at..]);
     }
-    hull.0.store_slice(out.slot_of(group, k, 3));
-    hull.1.store_slice(out.slot_of(group, k, 4));
-    let size = above(hull.0.abs(), hull.1.abs()).widen();
-    [
-        fine[0] & is_moderate(low, size.0),
-        fine[1] & is_moderate(high, size.1),
-    ]
-}
-
-#[inline(always)]
-fn is_moderate<S: Simd>(plane: [f64x8<S>; 3], size: f64x8<S>) -> mask64x8<S> {
-    let in_range = size.simd_eq(0.0) | (size.simd_ge(SMALLEST) & size.simd_le(LARGEST));
-    in_range & extent_x8(plane).0.simd_le(LARGEST)
+    hull[0].store(&mut out.coefficients(group, k, 3)[at..]);
+    hull[1].store(&mut out.coefficients(group, k, 4)[at..]);
+    is_moderate(i, plane, hull)
 }

@@ -44,8 +44,7 @@ pub struct Prepared<'a> {
     transforms: Vec<Transform>,
     /// Vertices of each draw in 1/256 pixel.
     snapped: Vec<Vec<Snapped>>,
-    /// `None`: everything one by one.
-    level: Option<Level>,
+    level: Level,
     /// Pixels are shaded at their centre for samples beside it.
     sampled: bool,
     /// Ids from `first.last()` on.
@@ -76,7 +75,7 @@ impl<'a> Prepared<'a> {
         level: Level,
         threads: usize,
     ) -> Result<Self, RasterError> {
-        Self::build(size, draws, Some(level), threads, 0)
+        Self::build(size, draws, level, threads, 0)
     }
 
     /// [`with_level`](Self::with_level) for [`visible_sample`](Self::visible_sample): keeps triangles that cover no pixel's centre
@@ -90,31 +89,13 @@ impl<'a> Prepared<'a> {
         level: Level,
         threads: usize,
     ) -> Result<Self, RasterError> {
-        Self::build(size, draws, Some(level), threads, HALF_PIXEL)
-    }
-
-    /// One triangle after the other, no lanes: what the fast path is compared with.
-    ///
-    /// # Errors
-    /// As [`new`](Self::new).
-    #[doc(hidden)]
-    pub fn plain(size: TargetSize, draws: &[Draw<'a>]) -> Result<Self, RasterError> {
-        Self::build(size, draws, None, 1, 0)
-    }
-
-    /// [`plain`](Self::plain) for samples.
-    ///
-    /// # Errors
-    /// As [`new`](Self::new).
-    #[doc(hidden)]
-    pub fn plain_with_samples(size: TargetSize, draws: &[Draw<'a>]) -> Result<Self, RasterError> {
-        Self::build(size, draws, None, 1, HALF_PIXEL)
+        Self::build(size, draws, level, threads, HALF_PIXEL)
     }
 
     fn build(
         size: TargetSize,
         draws: &[Draw<'a>],
-        level: Option<Level>,
+        level: Level,
         threads: usize,
         margin: i32,
     ) -> Result<Self, RasterError> {
@@ -142,9 +123,8 @@ impl<'a> Prepared<'a> {
                 .chunks(vertex::CHUNK)
                 .zip(room.chunks_mut(vertex::CHUNK))
                 .collect();
-            for_all(threads, work, |(positions, out)| match level {
-                Some(level) => vertex::snap_all(level, positions, transform, out),
-                None => vertex::snap_all_scalar(positions, transform, out),
+            for_all(threads, work, |(positions, out)| {
+                vertex::snap_all(level, positions, transform, out);
             });
             vertex::mark_bad_attributes(level, draw, room);
         }
@@ -326,7 +306,7 @@ impl<'a> Prepared<'a> {
         Arrays::new(&self.draws[draw], &self.snapped[draw])
     }
 
-    pub(crate) fn level(&self) -> Option<Level> {
+    pub(crate) fn level(&self) -> Level {
         self.level
     }
 

@@ -1,24 +1,22 @@
-//! Values over a run of pixels: attributes, their derivatives and 1/w, sixteen pixels at a time.
+//! Values over a run of pixels: attributes, their derivatives and 1/w.
 use alloc::vec::Vec;
 
-use texmap_math::Level;
-use texmap_math::fearless_simd::{Simd, f32x16, i32x16, mask32x16, prelude::*, u32x16};
-use texmap_math::lanes::{LANES, Words, clamp_scalar};
-use texmap_math::on_level;
+use texmap_math::simd::{Isa, Words, prelude::*};
+use texmap_math::{Level, dispatch_simd};
 
-use crate::blocks::{TileBlocks, pixel_of};
-use crate::plane_table::{COEFFICIENTS, TilePlanes};
-use crate::setup::{Fragment, TILE};
+use crate::blocks::TileBlocks;
+use crate::plane_table::TilePlanes;
+use crate::planes::{COEFFICIENTS, RowPlane};
+use crate::setup::TILE;
+use crate::stamp::{BLOCK_PIXELS, BLOCKS, block_lanes};
 use crate::visible::NONE;
 
 mod planes;
 mod repair;
 mod values;
-mod wide;
 
-use crate::stamp::BLOCKS;
 pub(crate) use planes::One;
-use planes::{OnRow, OnePair, Own, Plane, three_planes};
+use planes::{OnePair, Own, three_planes};
 use values::Columns;
 pub use values::{BlockSink, BlockValues};
 
@@ -95,40 +93,35 @@ impl TilePlanes {
         if out.columns.len() < wanted.len() {
             out.columns.resize(wanted.len(), Column::ZERO);
         }
-        let run = &run[..run.len().min(RUN / LANES)];
-        on_level!(
-            level,
-            s => if derivatives {
-                self.each_column::<_, true>(s, blocks, run, wanted, 0, out);
-            } else {
-                self.each_column::<_, false>(s, blocks, run, wanted, 0, out);
-            },
-            else self.plain(blocks, run, wanted, out)
-        );
+        dispatch_simd!(level, wide i => if derivatives {
+            self.each_column::<_, true>(i, blocks, run, wanted, 0, out);
+        } else {
+            self.each_column::<_, false>(i, blocks, run, wanted, 0, out);
+        });
     }
 
     /// Stores the values of attributes `wanted` in each block of `run` that has pixels, one attribute a column from column `first` on (nothing where these are missing);
-    /// derivatives only where `D` asks for them. For stages that are generic over the SIMD level; outside semantic versioning.
+    /// derivatives only where `D` asks for them. For stages that are generic over the lane width; outside semantic versioning.
     #[inline(never)]
-    pub fn each_column<S: Simd, const D: bool>(
+    pub fn each_column<I: Isa, const D: bool>(
         &self,
-        s: S,
+        i: I,
         blocks: &TileBlocks,
         run: &[RunBlock],
         wanted: &[usize],
         first: usize,
         out: &mut RunValues,
     ) {
-        s.vectorize(
+        i.vectorize(
             #[inline(always)]
-            || self.columns_lanes::<S, D>(s, blocks, run, wanted, first, out),
+            || self.columns_lanes::<I, D>(i, blocks, run, wanted, first, out),
         );
     }
 
     #[inline(always)]
-    fn columns_lanes<S: Simd, const D: bool>(
+    fn columns_lanes<I: Isa, const D: bool>(
         &self,
-        s: S,
+        i: I,
         blocks: &TileBlocks,
         run: &[RunBlock],
         wanted: &[usize],
@@ -144,34 +137,37 @@ impl TilePlanes {
         };
         let inv_w = &mut out.inv_w;
         let mut out = Columns { inv_w, columns };
-        let (mut spread, mut spread_slot) = (One::NONE, NONE);
-        for (i, &at) in run.iter().enumerate().take(RUN / LANES) {
-            if at.mask == 0 {
-                continue;
-            }
-            let centres = centres(s, at.block);
-            let (slots, first, one) = self.slots_of(s, blocks, at);
-            if one {
-                if first != spread_slot {
-                    (spread, spread_slot) = (One::new(self, first), first);
+        let (mut shared, mut shared_slot) = (One::NONE, NONE);
+        for (k, &block) in run.iter().enumerate().take(RUN / BLOCK_PIXELS) {
+            for at in (0..BLOCK_PIXELS).step_by(I::LANES) {
+                let part = Part { block, at };
+                if part.mask(i) == 0 {
+                    continue;
                 }
-                out.put::<S, _, D>(s, i, &spread, centres, wanted);
-            } else {
-                let own = Own::new(s, self, words, slots);
-                out.put::<S, _, D>(s, i, &own, centres, wanted);
-            }
-            if !self.is_plain() {
-                self.mend_columns::<S, D>(s, (i, at), slots, one, wanted, &mut out);
+                let (place, centres) = (k * BLOCK_PIXELS + at, part.centres(i));
+                let slots = self.slots_of(i, blocks, part);
+                if slots.one {
+                    if slots.first != shared_slot {
+                        (shared, shared_slot) = (One::new(self, slots.first), slots.first);
+                    }
+                    out.put::<I, _, D>(i, place, &shared, centres, wanted);
+                } else {
+                    let own = Own::new(i, self, words, slots.each);
+                    out.put::<I, _, D>(i, place, &own, centres, wanted);
+                }
+                if !self.is_plain() {
+                    self.mend_columns::<I, D>(i, (place, part), &slots, wanted, &mut out);
+                }
             }
         }
     }
 
     /// Shows `sink` the values of two attributes in each block of `run` that has pixels, in registers; derivatives only where
-    /// `D` asks for them. For stages that are generic over the SIMD level; outside semantic versioning.
+    /// `D` asks for them. For stages that are generic over the lane width; outside semantic versioning.
     #[inline(always)]
-    pub fn each_block<S: Simd, const D: bool, K: BlockSink<S>>(
+    pub fn each_block<I: Isa, const D: bool, K: BlockSink<I>>(
         &self,
-        s: S,
+        i: I,
         blocks: &TileBlocks,
         run: &[RunBlock],
         wanted: [usize; 2],
@@ -180,51 +176,63 @@ impl TilePlanes {
         let Some(words) = Words::new(bytemuck::cast_slice(&self.words)) else {
             return;
         };
-        let (mut spread, mut spread_slot) = (OnePair::NONE, NONE);
-        for (i, &at) in run.iter().enumerate() {
-            if at.mask == 0 {
-                continue;
-            }
-            let centres = centres(s, at.block);
-            let (slots, first, one) = self.slots_of(s, blocks, at);
-            let mut values;
-            if one {
-                if first != spread_slot {
-                    (spread, spread_slot) = (OnePair::new(self, first, wanted), first);
+        let (mut shared, mut shared_slot) = (OnePair::NONE, NONE);
+        for (k, &block) in run.iter().enumerate() {
+            for at in (0..BLOCK_PIXELS).step_by(I::LANES) {
+                let part = Part { block, at };
+                if part.mask(i) == 0 {
+                    continue;
                 }
-                values = spread.on_row(s, centres[1]).values::<D>(s, centres[0]);
-            } else {
-                let planes = three_planes(s, self, words, slots, [0, 1 + wanted[0], 1 + wanted[1]]);
-                values = pair_of::<S, D>(s, planes, centres);
+                let centres = part.centres(i);
+                let slots = self.slots_of(i, blocks, part);
+                let mut values;
+                if slots.one {
+                    if slots.first != shared_slot {
+                        let pair = OnePair::new(self, slots.first, wanted);
+                        (shared, shared_slot) = (pair, slots.first);
+                    }
+                    values = shared.on_row(i, centres[1]).values::<D>(i, centres[0]);
+                } else {
+                    let of = [0, 1 + wanted[0], 1 + wanted[1]];
+                    let planes = three_planes(i, self, words, slots.each, of);
+                    values = pair_of::<I, D>(i, planes, centres);
+                }
+                if !self.is_plain() {
+                    self.mend::<I, D>(i, part, &slots, wanted, &mut values);
+                }
+                sink.pixels(i, k * BLOCK_PIXELS + at, block, &values);
             }
-            if !self.is_plain() {
-                self.mend::<S, D>(s, slots, at, one, wanted, &mut values);
-            }
-            sink.block(s, i, at, &values);
         }
     }
 
     /// [`each_block`](Self::each_block) for blocks that all name their slot, where the table [is plain](Self::is_plain): what the
     /// blocks of a row share stays in registers.
     #[inline(always)]
-    pub fn each_named<S: Simd, const D: bool, K: BlockSink<S>>(
+    pub fn each_named<I: Isa, const D: bool, K: BlockSink<I>>(
         &self,
-        s: S,
+        i: I,
         run: &[RunBlock],
         wanted: [usize; 2],
         sink: &mut K,
     ) {
         let same = |a: &RunBlock, b: &RunBlock| (a.slot, a.block / ROW) == (b.slot, b.block / ROW);
         let mut first = 0;
-        for part in run.chunk_by(same) {
-            let pair = OnePair::new(self, part[0].slot, wanted);
-            let [_, py] = centres(s, part[0].block);
-            let on_row = pair.on_row(s, py);
-            for (i, &at) in part.iter().enumerate() {
-                let [px, _] = centres(s, at.block);
-                sink.block(s, first + i, at, &on_row.values::<D>(s, px));
+        for blocks in run.chunk_by(same) {
+            let pair = OnePair::new(self, blocks[0].slot, wanted);
+            let [_, py] = centres(i, blocks[0].block, 0);
+            let on_row = pair.on_row(i, py);
+            for (k, &block) in blocks.iter().enumerate() {
+                for at in (0..BLOCK_PIXELS).step_by(I::LANES) {
+                    let [px, py] = centres(i, block.block, at);
+                    let values = if at == 0 {
+                        on_row.values::<D>(i, px)
+                    } else {
+                        pair.on_row(i, py).values::<D>(i, px)
+                    };
+                    sink.pixels(i, (first + k) * BLOCK_PIXELS + at, block, &values);
+                }
             }
-            first += part.len();
+            first += blocks.len();
         }
     }
 
@@ -232,9 +240,9 @@ impl TilePlanes {
     /// `pixels`, by their places in the tile's blocks (see [`block_index`](crate::block_index)), each of its own slot. Only where
     /// [`is_plain`](Self::is_plain).
     #[inline(always)]
-    pub fn each_sixteen<S: Simd, const D: bool, K: BlockSink<S>>(
+    pub fn each_sixteen<I: Isa, const D: bool, K: BlockSink<I>>(
         &self,
-        s: S,
+        i: I,
         [pixels, slots]: [&[u32]; 2],
         run: &[RunBlock],
         wanted: [usize; 2],
@@ -244,21 +252,22 @@ impl TilePlanes {
             return;
         };
         let half = TILE as f32 / 2.0 - 0.5;
-        for (i, &at) in run.iter().enumerate() {
-            let of = at.block as usize * LANES..(at.block as usize + 1) * LANES;
-            let (Some(pixels), Some(slots)) = (pixels.get(of.clone()), slots.get(of)) else {
-                return;
-            };
-            let pixels = i32x16::from_slice(s, bytemuck::cast_slice(pixels));
-            let x = ((pixels >> 2) & 60) | (pixels & 3);
-            let y = ((pixels >> 6) & 60) | ((pixels >> 2) & 3);
-            let centres = [
-                x.to_float::<f32x16<S>>() - half,
-                y.to_float::<f32x16<S>>() - half,
-            ];
-            let slots = u32x16::from_slice(s, slots);
-            let planes = three_planes(s, self, words, slots, [0, 1 + wanted[0], 1 + wanted[1]]);
-            sink.block(s, i, at, &pair_of::<S, D>(s, planes, centres));
+        for (k, &block) in run.iter().enumerate() {
+            for at in (0..BLOCK_PIXELS).step_by(I::LANES) {
+                let of = block.block as usize * BLOCK_PIXELS + at;
+                let of = of..of + I::LANES;
+                let (Some(pixels), Some(slots)) = (pixels.get(of.clone()), slots.get(of)) else {
+                    return;
+                };
+                let pixels = i.load_u32(pixels).to_i32();
+                let x = ((pixels >> 2) & 60) | (pixels & 3);
+                let y = ((pixels >> 6) & 60) | ((pixels >> 2) & 3);
+                let centres = [x.to_f32() - half, y.to_f32() - half];
+                let of = [0, 1 + wanted[0], 1 + wanted[1]];
+                let planes = three_planes(i, self, words, i.load_u32(slots), of);
+                let values = pair_of::<I, D>(i, planes, centres);
+                sink.pixels(i, k * BLOCK_PIXELS + at, block, &values);
+            }
         }
     }
 
@@ -268,111 +277,76 @@ impl TilePlanes {
         self.plain
     }
 
-    /// The slots of a block's lanes, that of its first pixel, and whether all are that one. Lanes outside the mask take the first
-    /// pixel's.
+    /// The slots of a part's pixels. Lanes outside the mask take the first pixel's.
     #[inline(always)]
-    pub(crate) fn slots_of<S: Simd>(
-        &self,
-        s: S,
-        blocks: &TileBlocks,
-        at: RunBlock,
-    ) -> (u32x16<S>, u32, bool) {
-        if at.slot != NONE {
-            return (u32x16::splat(s, at.slot), at.slot, true);
-        }
-        let start = at.block as usize * LANES;
-        let Some(slots) = blocks
-            .slot
-            .get(start..)
-            .and_then(|slots| slots.first_chunk::<LANES>())
-        else {
-            return (u32x16::splat(s, 0), 0, true);
+    pub(crate) fn slots_of<I: Isa>(&self, i: I, blocks: &TileBlocks, part: Part) -> Slots<I> {
+        let all = |slot| Slots {
+            each: i.u32(slot),
+            first: slot,
+            one: true,
         };
-        let first = slots[at.mask.trailing_zeros() as usize & 15];
-        let asked = mask32x16::from_bitmask(s, u64::from(at.mask));
-        let mine = asked.select(u32x16::from_slice(s, slots), u32x16::splat(s, first));
-        (mine, first, mine.simd_eq(first).all_true())
-    }
-
-    /// The scalar twin of the lanes, pixel by pixel.
-    fn plain(&self, blocks: &TileBlocks, run: &[RunBlock], wanted: &[usize], out: &mut RunValues) {
-        let RunValues { inv_w, columns } = out;
-        let mut columns: Vec<&mut Column> = columns.iter_mut().collect();
-        let mut fragment = Fragment::default();
-        for (i, &at) in run.iter().enumerate() {
-            for bit in (0..LANES).filter(|bit| at.mask >> bit & 1 == 1) {
-                let own = blocks.slot.get(at.block as usize * LANES + bit);
-                let slot = if at.slot == NONE {
-                    own.copied().unwrap_or(NONE)
-                } else {
-                    at.slot
-                };
-                let place = i * LANES + bit;
-                if let Some(setup) = self.odd_setup(slot) {
-                    self.fragment(setup, at.block, bit, &mut fragment);
-                    inv_w[place] = fragment.inv_w;
-                    for (column, &k) in columns.iter_mut().zip(wanted) {
-                        column.value[place] = fragment.values[k];
-                        column.ddx[place] = fragment.ddx[k];
-                        column.ddy[place] = fragment.ddy[k];
-                    }
-                } else {
-                    let (x, y) = pixel_of(at.block as usize, bit as u32);
-                    self.pixel(slot, [x, y], wanted, place, inv_w, &mut columns);
-                }
-            }
+        if part.block.slot != NONE {
+            return all(part.block.slot);
         }
-    }
-
-    /// One pixel of a slot that f32 planes serve.
-    fn pixel(
-        &self,
-        slot: u32,
-        at: [u32; 2],
-        wanted: &[usize],
-        place: usize,
-        inv_w: &mut [f32; RUN_ROOM],
-        columns: &mut [&mut Column],
-    ) {
-        let [px, py] = at.map(|v| (v as i32 - TILE as i32 / 2) as f32 + 0.5);
-        let plane = |k: usize| -> [f32; COEFFICIENTS] {
-            core::array::from_fn(|c| {
-                let word = self.start_of(slot) + (k * COEFFICIENTS + c) * LANES;
-                self.words.get(word).copied().unwrap_or(0.0)
-            })
+        let start = part.block.block as usize * BLOCK_PIXELS + part.at;
+        let Some(slots) = blocks.slot.get(start..start + I::LANES) else {
+            return all(0);
         };
-        let [wa, wb, wc, lo, hi] = plane(0);
-        let w = clamp_scalar((wc + wb * py) + wa * px, lo, hi);
-        let r = 1.0 / w;
-        inv_w[place] = w;
-        for (column, &k) in columns.iter_mut().zip(wanted) {
-            let [a, b, c, lo, hi] = plane(1 + k);
-            if self.linear(slot) >> k & 1 == 1 {
-                column.value[place] = clamp_scalar((c + b * py) + a * px, lo, hi);
-                (column.ddx[place], column.ddy[place]) = (a, b);
-                continue;
-            }
-            let u = clamp_scalar(((c + b * py) + a * px) * r, lo, hi);
-            column.value[place] = u;
-            column.ddx[place] = (a - u * wa) * r;
-            column.ddy[place] = (b - u * wb) * r;
+        let mask = part.mask(i);
+        let first = slots[mask.trailing_zeros() as usize % I::LANES];
+        let each = i
+            .mask_from_bits(mask)
+            .select(i.load_u32(slots), i.u32(first));
+        Slots {
+            each,
+            first,
+            one: each.simd_eq(first).all_true(),
         }
     }
 }
 
+/// Pixels of a block from place `at` on, as many as there are lanes.
+#[derive(Clone, Copy)]
+pub(crate) struct Part {
+    pub(crate) block: RunBlock,
+    pub(crate) at: usize,
+}
+
+impl Part {
+    /// Its pixels in the block's mask.
+    #[inline(always)]
+    pub(crate) fn mask<I: Isa>(self, _: I) -> u32 {
+        u32::from(self.block.mask) >> self.at & ((1 << I::LANES) - 1)
+    }
+
+    #[inline(always)]
+    fn centres<I: Isa>(self, i: I) -> [I::F32; 2] {
+        centres(i, self.block.block, self.at)
+    }
+}
+
+/// The slots of a part's pixels.
+pub(crate) struct Slots<I: Isa> {
+    pub(crate) each: I::U32,
+    /// That of the first pixel in the mask.
+    pub(crate) first: u32,
+    /// All are that one.
+    pub(crate) one: bool,
+}
+
 /// Two attributes of pixels by their planes of 1/w and both.
 #[inline(always)]
-fn pair_of<S: Simd, const D: bool>(
-    s: S,
-    [w, first, second]: [Plane<S>; 3],
-    [px, py]: [f32x16<S>; 2],
-) -> BlockValues<S> {
+fn pair_of<I: Isa, const D: bool>(
+    i: I,
+    [w, first, second]: [[I::F32; COEFFICIENTS]; 3],
+    [px, py]: [I::F32; 2],
+) -> BlockValues<I> {
     let planes = [
-        &OnRow::new(w, py),
-        &OnRow::new(first, py),
-        &OnRow::new(second, py),
+        &RowPlane::new(w, py),
+        &RowPlane::new(first, py),
+        &RowPlane::new(second, py),
     ];
-    BlockValues::new::<D>(s, planes, None, px)
+    BlockValues::new::<D>(i, planes, None, px)
 }
 
 /// The centres of the first pixels of a tile's rows of blocks, and of its columns, from the tile's middle.
@@ -386,24 +360,13 @@ static CENTRES: [f32; BLOCKS] = {
     centres
 };
 
-/// Pixel centres of a block from the tile's middle.
+/// Pixel centres of a block from place `at` on, from the tile's middle.
 #[inline(always)]
-fn centres<S: Simd>(s: S, block: u16) -> [f32x16<S>; 2] {
+fn centres<I: Isa>(i: I, block: u16, at: usize) -> [I::F32; 2] {
     let block = usize::from(block);
-    let column = f32x16::from_slice(
-        s,
-        &[
-            0., 1., 2., 3., 0., 1., 2., 3., 0., 1., 2., 3., 0., 1., 2., 3.,
-        ],
-    );
-    let row = f32x16::from_slice(
-        s,
-        &[
-            0., 0., 0., 0., 1., 1., 1., 1., 2., 2., 2., 2., 3., 3., 3., 3.,
-        ],
-    );
+    let [column, row] = block_lanes(i, at);
     [
-        column + CENTRES[block % BLOCKS],
-        row + CENTRES[block / BLOCKS % BLOCKS],
+        column.to_f32() + CENTRES[block % BLOCKS],
+        row.to_f32() + CENTRES[block / BLOCKS % BLOCKS],
     ]
 }

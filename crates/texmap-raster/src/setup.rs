@@ -1,9 +1,13 @@
 //! From a triangle to what a pixel needs: planes about the centre of a 64x64 tile, hulls, and the way to evaluate them.
-use texmap_math::lanes::LANES;
+use texmap_math::simd::{Isa, Scalar, prelude::*};
 
 use crate::clip::Hom;
 use crate::edge::{Edge, row_span};
-use crate::planes::{Plane, Solver};
+use crate::planes::{
+    COEFFICIENTS, Perspective, Plane, RowPlane, Solver, depth_is_even, hull, is_moderate, plane_at,
+    w_is_even,
+};
+use crate::stamp::{BLOCK_PIXELS, block_lanes};
 use crate::visible::UvBlock;
 use crate::{Interp, MAX_ATTRIBUTES};
 
@@ -62,6 +66,12 @@ impl Default for Fragment {
     }
 }
 
+impl Fragment {
+    fn set(&mut self, k: usize, [value, ddx, ddy]: [f32; 3]) {
+        (self.values[k], self.ddx[k], self.ddy[k]) = (value, ddx, ddy);
+    }
+}
+
 /// A triangle as the front end left it.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Shape<'a> {
@@ -94,59 +104,96 @@ pub(crate) struct DepthPlane {
 }
 
 impl DepthPlane {
-    /// About (`ox`, `oy`) in pixels.
-    pub(crate) fn new(shape: &Shape<'_>, solver: Option<&Solver>) -> Self {
+    /// About an origin in pixels.
+    pub(crate) fn new(shape: &Shape<'_>, solver: &Solver<Scalar>) -> Self {
         // A corner cut off at the far plane may lie beyond it by a rounding.
         let depths = shape.piece.map(|p| (p.z / p.w).clamp(0.0, 1.0));
         let plane = solve(solver, shape.outer.map(|p| p.z), mean(depths));
         let mut z = Ranged::new(plane, depths.map(|v| v as f32));
-        // Reversed depth near the horizon is small: keep its digits where it varies much within the tile.
-        let lowest = larger(z.plane.smallest(REACH), f64::from(z.lo));
-        let even = z.plane.largest(REACH) <= 1.0 && z.plane.largest(REACH) <= DEPTH_RATIO * lowest;
+        let even = depth_is_even(Scalar, plane, f64::from(z.lo));
         if shape.depth_slope != 0.0 {
-            z.lower(away(shape.depth_slope, z.near));
+            z.lower(depth_offset(Scalar, shape.depth_slope, z.near));
         }
         Self { z, wide: !even }
     }
 
     /// `px`, `py`: a pixel's centre from the origin.
     pub(crate) fn at(&self, px: f32, py: f32) -> f32 {
-        if self.wide {
-            self.z
-                .clamp(self.z.plane.at(f64::from(px), f64::from(py)) as f32)
-        } else {
-            self.z.clamp(self.z.at(px, py))
+        let depth = Depth {
+            coefficients: self.z.coefficients(Scalar),
+            wide: self.wide.then_some(&self.z.plane),
+        };
+        depth.row(py).at(Scalar, px)
+    }
+}
+
+/// The depth of a triangle at pixels: an f32 plane, or one in f64.
+#[derive(Clone, Copy)]
+pub(crate) struct Depth<'g, I: Isa> {
+    pub(crate) coefficients: [I::F32; COEFFICIENTS],
+    /// The plane in f64 where f32 does not serve. Where it lies: were it part of this, all of this would lie in memory.
+    pub(crate) wide: Option<&'g Plane>,
+}
+
+impl<'g, I: Isa> Depth<'g, I> {
+    /// The part that the pixels of a row share.
+    #[inline(always)]
+    pub(crate) fn row(&self, py: I::F32) -> DepthRow<'g, I> {
+        DepthRow {
+            plane: RowPlane::new(self.coefficients, py),
+            wide: self.wide,
+            py,
         }
     }
 }
 
-/// What a draw's [`depth_slope`](crate::Draw::depth_slope) takes off a depth plane.
-fn away(depth_slope: f32, near: [f32; 3]) -> f32 {
-    let by = (near[0].abs() + near[1].abs()) * depth_slope;
-    // A plane that is seen on edge leaves nothing.
-    if by < LEAVES_NOTHING {
-        by
-    } else {
-        LEAVES_NOTHING
+/// [`Depth`] on a row of pixels.
+#[derive(Clone, Copy)]
+pub(crate) struct DepthRow<'g, I: Isa> {
+    plane: RowPlane<I>,
+    wide: Option<&'g Plane>,
+    py: I::F32,
+}
+
+impl<I: Isa> DepthRow<'_, I> {
+    #[inline(always)]
+    pub(crate) fn at(&self, i: I, px: I::F32) -> I::F32 {
+        match self.wide {
+            None => self.plane.value(px),
+            Some(plane) => self.plane.clamp(wide_depth(i, plane, px, self.py)),
+        }
     }
 }
 
-fn solve(solver: Option<&Solver>, v: [f64; 3], middle: f64) -> Plane {
+/// A plane in f64. Out of line: a compiler moves the steps of an inlined form before the question whether the lane is wide, where
+/// what they read holds no meaning and, taken for a subnormal number, costs a hundred cycles a step.
+#[cold]
+#[inline(never)]
+fn wide_depth<I: Isa>(i: I, plane: &Plane, px: I::F32, py: I::F32) -> I::F32 {
+    i.vectorize(
+        #[inline(always)]
+        || i.narrow(plane_at(i, *plane, i.widen(px), i.widen(py))),
+    )
+}
+
+/// What a draw's [`depth_slope`](crate::Draw::depth_slope) takes off a depth plane. A plane that is seen on edge leaves nothing.
+#[inline(always)]
+pub(crate) fn depth_offset<I: Isa>(i: I, depth_slope: f32, [a, b, _]: [I::F32; 3]) -> I::F32 {
+    ((a.abs() + b.abs()) * depth_slope).below(i.f32(LEAVES_NOTHING))
+}
+
+fn solve(solver: &Solver<Scalar>, v: [f64; 3], middle: f64) -> Plane {
     // A triangle whose snapped form has area while its own has none gets constant planes.
-    let plane = solver.map(|s| s.plane(v)).filter(|p| p.is_finite());
-    plane.unwrap_or(Plane {
-        a: 0.0,
-        b: 0.0,
-        c: middle,
-    })
+    let plane = solver.plane(v);
+    if solver.solvable && plane.iter().all(|c| c.is_finite()) {
+        plane
+    } else {
+        [0.0, 0.0, middle]
+    }
 }
 
 fn mean(v: [f64; 3]) -> f64 {
     v[0] / 3.0 + v[1] / 3.0 + v[2] / 3.0
-}
-
-fn larger(a: f64, b: f64) -> f64 {
-    if a > b { a } else { b }
 }
 
 /// The middle of a tile in pixels.
@@ -181,20 +228,11 @@ pub(crate) struct Ranged {
 }
 
 impl Ranged {
-    fn new(plane: Plane, hull: [f32; 3]) -> Self {
-        let near = [plane.a as f32, plane.b as f32, plane.c as f32];
-        let (mut lo, mut hi) = (hull[0], hull[0]);
-        for v in hull {
-            if v < lo {
-                lo = v;
-            }
-            if v > hi {
-                hi = v;
-            }
-        }
+    fn new(plane: Plane, vertices: [f32; 3]) -> Self {
+        let [lo, hi] = hull(Scalar, vertices);
         Self {
             plane,
-            near,
+            near: plane.map(|c| c as f32),
             lo,
             hi,
         }
@@ -202,26 +240,28 @@ impl Ranged {
 
     /// Takes `by` off all values.
     fn lower(&mut self, by: f32) {
-        self.plane.c -= f64::from(by);
+        self.plane[2] -= f64::from(by);
         self.near[2] -= by;
         self.lo -= by;
         self.hi -= by;
     }
 
-    /// Multiply, then add; never stepped, never fused.
-    fn at(&self, x: f32, y: f32) -> f32 {
-        (self.near[2] + self.near[1] * y) + self.near[0] * x
+    #[inline(always)]
+    pub(crate) fn coefficients<I: Isa>(&self, i: I) -> [I::F32; COEFFICIENTS] {
+        let [a, b, c] = self.near;
+        [i.f32(a), i.f32(b), i.f32(c), i.f32(self.lo), i.f32(self.hi)]
     }
 
-    fn clamp(&self, v: f32) -> f32 {
-        let v = if v > self.lo { v } else { self.lo };
-        if v < self.hi { v } else { self.hi }
+    /// Clamps values in f64.
+    #[inline(always)]
+    pub(crate) fn clamp<I: Isa>(&self, i: I, v: I::F64) -> I::F64 {
+        bound(v, i.f64(f64::from(self.lo)), i.f64(f64::from(self.hi)))
     }
 
-    fn clamp_wide(&self, v: f64) -> f64 {
-        let (lo, hi) = (f64::from(self.lo), f64::from(self.hi));
-        let v = if v > lo { v } else { lo };
-        if v < hi { v } else { hi }
+    /// The value at a place on the screen, not divided.
+    #[inline(always)]
+    pub(crate) fn at<I: Isa>(&self, i: I, x: I::F64, y: I::F64) -> I::F64 {
+        plane_at(i, self.plane, x, y)
     }
 }
 
@@ -256,15 +296,12 @@ impl TriangleSetup {
             z: p.z / p.w,
             w: 1.0,
         });
-        let outer = Solver::new(&shape.outer, ox, oy);
-        let screen = Solver::new(&flat, ox, oy);
+        let outer = Solver::new(Scalar, &shape.outer, [ox, oy]);
+        let screen = Solver::new(Scalar, &flat, [ox, oy]);
 
         let inv_w = shape.piece.map(|p| 1.0 / p.w);
         let middle_w = mean(inv_w);
-        let w = Ranged::new(
-            solve(outer.as_ref(), [1.0; 3], middle_w),
-            inv_w.map(|v| v as f32),
-        );
+        let w = Ranged::new(solve(&outer, [1.0; 3], middle_w), inv_w.map(|v| v as f32));
         let count = shape.attributes[0].len().min(MAX_ATTRIBUTES);
         let mut attributes = [Ranged::default(); MAX_ATTRIBUTES];
         for (k, slot) in attributes.iter_mut().enumerate().take(count) {
@@ -275,14 +312,14 @@ impl TriangleSetup {
                     Some(rows) => rows.map(|r| r[0] * value[0] + r[1] * value[1] + r[2] * value[2]),
                     None => value,
                 };
-                Ranged::new(solve(screen.as_ref(), corner, mean(corner)), vertex)
+                Ranged::new(solve(&screen, corner, mean(corner)), vertex)
             } else {
-                Ranged::new(solve(outer.as_ref(), value, mean(value) * middle_w), vertex)
+                Ranged::new(solve(&outer, value, mean(value) * middle_w), vertex)
             };
         }
         let mut setup = Self {
             origin,
-            depth: DepthPlane::new(shape, outer.as_ref()),
+            depth: DepthPlane::new(shape, &outer),
             w,
             attributes,
             count,
@@ -297,15 +334,10 @@ impl TriangleSetup {
 
     /// Whether f32 planes about the tile's centre are too coarse. Decided from the triangle and its fixed tile alone.
     fn needs_f64(&self) -> bool {
-        // Written so that NaN counts as uneven.
-        let lowest = larger(self.w.plane.smallest(REACH), f64::from(self.w.lo));
-        let even = self.w.plane.largest(REACH) <= W_RATIO * lowest;
-        let extreme = |r: &Ranged| {
-            let size = larger(f64::from(r.lo.abs()), f64::from(r.hi.abs()));
-            let in_range = size == 0.0 || (SMALLEST..=LARGEST).contains(&size);
-            !(in_range && r.plane.largest(REACH) <= LARGEST)
-        };
-        !even || extreme(&self.w) || self.attributes[..self.count].iter().any(extreme)
+        let moderate = |r: &Ranged| is_moderate(Scalar, r.plane, [r.lo, r.hi]);
+        !w_is_even(Scalar, self.w.plane, f64::from(self.w.lo))
+            || !moderate(&self.w)
+            || !self.attributes[..self.count].iter().all(moderate)
     }
 
     /// Lets values leave the triangle's by what they can change within half a pixel.
@@ -331,16 +363,12 @@ impl TriangleSetup {
     }
 
     /// Odd only in that it is evaluated in f64.
-    pub(crate) fn is_wide_perspective(&self) -> bool {
-        self.wide && !self.uses_rows() && !self.has_linear()
+    pub(crate) fn is_wide(&self) -> bool {
+        self.wide && !self.uses_rows()
     }
 
     fn uses_rows(&self) -> bool {
         matches!(self.rows, Rows::Nodes { .. })
-    }
-
-    fn has_linear(&self) -> bool {
-        (0..self.count).any(|k| self.is_linear(k))
     }
 
     /// The planes of 1/w and of the attributes.
@@ -384,28 +412,28 @@ impl TriangleSetup {
 
     /// The first two attributes of the 4x4 pixels from (x, y) on, as [`evaluate`](Self::evaluate) finds them; `None` where f32 planes
     /// do not serve, and where there are fewer.
-    pub(crate) fn uv_block(&self, x: u32, y: u32) -> Option<UvBlock> {
+    #[inline(always)]
+    pub(crate) fn uv_block<I: Isa>(&self, i: I, x: u32, y: u32) -> Option<UvBlock> {
         if self.is_odd() || self.count < 2 {
             return None;
         }
         let (px, py) = self.local(x, y);
-        let xs: [f32; LANES] = core::array::from_fn(|i| px + (i % 4) as f32);
-        let ys: [f32; LANES] = core::array::from_fn(|i| py + (i / 4) as f32);
-        let r = core::array::from_fn(|i| 1.0 / self.w.clamp(self.w.at(xs[i], ys[i])));
-        let r: [f32; LANES] = r;
         let mut out = UvBlock::default();
-        for (k, plane) in self.attributes[..2].iter().enumerate() {
-            let linear = self.is_linear(k);
-            for i in 0..LANES {
-                let at = plane.at(xs[i], ys[i]);
-                let u = plane.clamp(if linear { at } else { at * r[i] });
-                out.value[k][i] = u;
-                if linear {
-                    (out.ddx[k][i], out.ddy[k][i]) = (plane.near[0], plane.near[1]);
+        for at in (0..BLOCK_PIXELS).step_by(I::LANES) {
+            let [dx, dy] = block_lanes(i, at);
+            let (px, py) = (dx.to_f32() + px, dy.to_f32() + py);
+            let w = RowPlane::new(self.w.coefficients(i), py);
+            let pixels = Perspective::new(i, &w, None, px);
+            for (k, plane) in self.attributes[..2].iter().enumerate() {
+                let plane = RowPlane::new(plane.coefficients(i), py);
+                let [u, dx, dy] = if self.is_linear(k) {
+                    plane.linear(px)
                 } else {
-                    out.ddx[k][i] = (plane.near[0] - u * self.w.near[0]) * r[i];
-                    out.ddy[k][i] = (plane.near[1] - u * self.w.near[1]) * r[i];
-                }
+                    pixels.attribute::<true>(&plane)
+                };
+                u.store(&mut out.value[k][at..]);
+                dx.store(&mut out.ddx[k][at..]);
+                dy.store(&mut out.ddy[k][at..]);
             }
         }
         Some(out)
@@ -424,38 +452,28 @@ impl TriangleSetup {
     }
 
     fn at_f32(&self, px: f32, py: f32, out: &mut Fragment) {
-        let w = self.w.clamp(self.w.at(px, py));
-        let r = 1.0 / w;
-        out.inv_w = w;
+        let w = RowPlane::new(self.w.coefficients(Scalar), py);
+        let pixel = Perspective::new(Scalar, &w, None, px);
+        out.inv_w = pixel.inv_w;
         for (k, plane) in self.attributes[..self.count].iter().enumerate() {
-            if self.is_linear(k) {
-                out.values[k] = plane.clamp(plane.at(px, py));
-                out.ddx[k] = plane.near[0];
-                out.ddy[k] = plane.near[1];
-            } else {
-                let u = plane.clamp(plane.at(px, py) * r);
-                out.values[k] = u;
-                out.ddx[k] = (plane.near[0] - u * self.w.near[0]) * r;
-                out.ddy[k] = (plane.near[1] - u * self.w.near[1]) * r;
-            }
+            let plane = RowPlane::new(plane.coefficients(Scalar), py);
+            out.set(
+                k,
+                if self.is_linear(k) {
+                    plane.linear(px)
+                } else {
+                    pixel.attribute::<true>(&plane)
+                },
+            );
         }
     }
 
     fn at_f64(&self, px: f64, py: f64, out: &mut Fragment) {
-        let w = self.w.clamp_wide(self.w.plane.at(px, py));
-        let r = 1.0 / w;
-        out.inv_w = w as f32;
-        for (k, ranged) in self.attributes[..self.count].iter().enumerate() {
-            let plane = &ranged.plane;
-            if self.is_linear(k) {
-                out.values[k] = ranged.clamp(plane.at(px, py) as f32);
-                out.ddx[k] = finite(plane.a);
-                out.ddy[k] = finite(plane.b);
-            } else {
-                let u = ranged.clamp_wide(plane.at(px, py) * r);
-                out.values[k] = u as f32;
-                out.ddx[k] = finite((plane.a - u * self.w.plane.a) * r);
-                out.ddy[k] = finite((plane.b - u * self.w.plane.b) * r);
+        let pixel = WidePixels::new(Scalar, self, [px, py]);
+        out.inv_w = pixel.inv_w();
+        for k in 0..self.count {
+            if let Some(values) = pixel.attribute::<true>(k) {
+                out.set(k, values);
             }
         }
     }
@@ -492,15 +510,17 @@ impl TriangleSetup {
             return;
         }
         let t = (px - a) / length;
-        let [wa, wb] = [a, b].map(|x| self.w.clamp_wide(self.w.plane.at(x, py)));
+        let inv_w = |x: f64| self.w.clamp(Scalar, self.w.at(Scalar, x, py));
+        let [wa, wb] = [a, b].map(inv_w);
         for (k, ranged) in self.attributes[..self.count].iter().enumerate() {
             if self.is_linear(k) {
                 continue;
             }
             let [ua, ub] =
-                [(a, wa), (b, wb)].map(|(x, w)| ranged.clamp_wide(ranged.plane.at(x, py) / w));
-            out.values[k] = ranged.clamp((ua * (1.0 - t) + ub * t) as f32);
-            out.ddx[k] = finite((ub - ua) / length);
+                [(a, wa), (b, wb)].map(|(x, w)| ranged.clamp(Scalar, ranged.at(Scalar, x, py) / w));
+            let between = (ua * (1.0 - t) + ub * t) as f32;
+            out.values[k] = F32s::<Scalar>::clamp(between, ranged.lo, ranged.hi);
+            out.ddx[k] = finite(Scalar, (ub - ua) / length) as f32;
         }
     }
 
@@ -510,8 +530,8 @@ impl TriangleSetup {
     /// `|du| |sqrt b - sqrt a| / (sqrt b + sqrt a)`. With `du = K (1/a - 1/b)`, K = (U_x W - U W_x) / W_x constant along
     /// the row, that is `K (a^-1/2 - b^-1/2)^2`: nodes at equal steps of W^-1/2 share the error evenly.
     fn error_nodes(&self, first: f64, last: f64, px: f64, py: f64, tolerance: f64) -> [f64; 2] {
-        let slope = self.w.plane.a;
-        let at = |x: f64| self.w.clamp_wide(self.w.plane.at(x, py));
+        let slope = self.w.plane[0];
+        let at = |x: f64| self.w.clamp(Scalar, self.w.at(Scalar, x, py));
         let (w1, w2) = (at(first), at(last));
         if slope == 0.0 || w1 == w2 {
             return [first, last];
@@ -519,7 +539,7 @@ impl TriangleSetup {
         let mut largest = 0.0;
         for (k, ranged) in self.attributes[..self.count.min(2)].iter().enumerate() {
             if !self.is_linear(k) {
-                let turn = ranged.plane.a * w1 - ranged.plane.at(first, py) * slope;
+                let turn = ranged.plane[0] * w1 - ranged.at(Scalar, first, py) * slope;
                 let size = (turn / slope).abs();
                 if size > largest {
                     largest = size;
@@ -594,11 +614,68 @@ fn rows(shape: &Shape<'_>) -> Rows {
     }
 }
 
-/// Derivatives may exceed f32 at a horizon.
-fn finite(v: f64) -> f32 {
-    let largest = f64::from(f32::MAX);
-    let v = if v > -largest { v } else { -largest };
-    (if v < largest { v } else { largest }) as f32
+/// [`TriangleSetup::evaluate`] in f64.
+pub(crate) struct WidePixels<'t, I: Isa> {
+    i: I,
+    setup: &'t TriangleSetup,
+    /// Pixel centres from the origin.
+    at: [I::F64; 2],
+    inv_w: I::F64,
+    w: I::F64,
+}
+
+impl<'t, I: Isa> WidePixels<'t, I> {
+    #[inline(always)]
+    pub(crate) fn new(i: I, setup: &'t TriangleSetup, at: [I::F64; 2]) -> Self {
+        let inv_w = setup.w.clamp(i, setup.w.at(i, at[0], at[1]));
+        Self {
+            i,
+            setup,
+            at,
+            inv_w,
+            w: i.f64(1.0) / inv_w,
+        }
+    }
+
+    #[inline(always)]
+    pub(crate) fn inv_w(&self) -> I::F32 {
+        self.i.narrow(self.inv_w)
+    }
+
+    /// An attribute, and if `D` its change to the right and down; `None` for one that the triangle lacks.
+    #[inline(always)]
+    pub(crate) fn attribute<const D: bool>(&self, k: usize) -> Option<[I::F32; 3]> {
+        let (i, setup) = (self.i, self.setup);
+        let p = setup.attributes[..setup.count].get(k)?;
+        let ([pa, pb, _], [wa, wb, _]) = (p.plane, setup.w.plane);
+        let value = p.at(i, self.at[0], self.at[1]);
+        if setup.is_linear(k) {
+            let [_, _, _, lo, hi] = p.coefficients(i);
+            let [dx, dy] = [finite(Scalar, pa) as f32, finite(Scalar, pb) as f32];
+            return Some([i.narrow(value).clamp(lo, hi), i.f32(dx), i.f32(dy)]);
+        }
+        let u = p.clamp(i, value * self.w);
+        if !D {
+            return Some([i.narrow(u); 3]);
+        }
+        let dx = finite(i, (i.f64(pa) - u * wa) * self.w);
+        let dy = finite(i, (i.f64(pb) - u * wb) * self.w);
+        Some([i.narrow(u), i.narrow(dx), i.narrow(dy)])
+    }
+}
+
+/// Within f32: derivatives may exceed it at a horizon.
+#[inline(always)]
+fn finite<I: Isa>(i: I, v: I::F64) -> I::F64 {
+    let largest = i.f64(f64::from(f32::MAX));
+    bound(v, -largest, largest)
+}
+
+/// `v` within `lo..=hi`; NaN gives `lo`.
+#[inline(always)]
+fn bound<M: Mask + Select<F>, F: Float<f64, M>>(v: F, lo: F, hi: F) -> F {
+    let v = v.simd_gt(lo).select(v, lo);
+    v.simd_lt(hi).select(v, hi)
 }
 
 trait Truncate {

@@ -1,29 +1,33 @@
-//! What becomes of covered pixels: the nearest is kept, the last, all of one triangle, or what passes is handed out.
+//! Depth policies for covered pixels: keep the nearest, keep the last, keep all of one triangle, or forward what passes.
 use alloc::vec::Vec;
 
-use texmap_math::fearless_simd::{Simd, f32x16, mask32x16, prelude::*, u32x16};
-use texmap_math::lanes::LANES;
+use texmap_math::simd::{Isa, Scalar, prelude::*};
 
 use crate::blocks::pixel_of;
 use crate::prepared::Tile;
 use crate::run::RunBlock;
 use crate::setup::{Fragment, TILE, TriangleSetup};
-use crate::stamp::Sink;
-use crate::visible::{AlphaTest, NONE, passes};
+use crate::stamp::{BLOCK_PIXELS, Sink};
+use crate::visible::{AlphaTest, NONE};
 use crate::{DepthTest, Prepared};
 
-/// Depth test and write of sixteen pixels.
+/// The depth test; depth is reversed, so nearer is larger.
 #[inline(always)]
-pub(crate) fn test_block<S: Simd>(
-    test: DepthTest,
-    covered: mask32x16<S>,
-    depth: f32x16<S>,
-    stored: f32x16<S>,
-) -> mask32x16<S> {
+pub(crate) fn passes<I: Isa>(i: I, test: DepthTest, depth: I::F32, stored: I::F32) -> I::Mask {
     match test {
-        DepthTest::Less => covered & depth.simd_gt(stored),
-        DepthTest::LessOrEqual => covered & depth.simd_ge(stored),
-        DepthTest::Always => covered,
+        DepthTest::Less => depth.simd_gt(stored),
+        DepthTest::LessOrEqual => depth.simd_ge(stored),
+        DepthTest::Always => i.mask(true),
+    }
+}
+
+/// Readies a block that is touched for the first time.
+#[inline(always)]
+fn touch(block: usize, depth: &mut [f32], slots: &mut [u32], touched: &mut [bool]) {
+    if !touched[block] {
+        touched[block] = true;
+        depth[block * BLOCK_PIXELS..(block + 1) * BLOCK_PIXELS].fill(0.0);
+        slots[block * BLOCK_PIXELS..(block + 1) * BLOCK_PIXELS].fill(NONE);
     }
 }
 
@@ -39,17 +43,14 @@ pub(crate) struct Visible<'b, 'p> {
     pub(crate) cut: Option<CutOut<'p>>,
 }
 
-impl Visible<'_, '_> {
+impl<I: Isa> Sink<I> for Visible<'_, '_> {
     #[inline(always)]
-    fn store<S: Simd>(
-        &mut self,
-        s: S,
-        lane: usize,
-        block: usize,
-        covered: mask32x16<S>,
-        depth: f32x16<S>,
-    ) {
-        let at = block * LANES..(block + 1) * LANES;
+    fn pixels(&mut self, i: I, triangle: usize, index: usize, covered: I::Mask, depth: I::F32) {
+        let (block, bit) = (index / BLOCK_PIXELS, index % BLOCK_PIXELS);
+        if I::LANES < BLOCK_PIXELS {
+            touch(block, self.depth, self.slots, self.touched);
+        }
+        let at = index..index + I::LANES;
         let (Some(stored), Some(slots), Some(mask), Some(touched)) = (
             self.depth.get_mut(at.clone()),
             self.slots.get_mut(at),
@@ -59,57 +60,46 @@ impl Visible<'_, '_> {
             return;
         };
         let (old, old_slots) = if *touched {
-            (f32x16::from_slice(s, stored), u32x16::from_slice(s, slots))
+            (i.load_f32(stored), i.load_u32(slots))
         } else {
-            (f32x16::splat(s, 0.0), u32x16::splat(s, NONE))
+            (i.f32(0.0), i.u32(NONE))
         };
-        let mut pass = test_block(self.test, covered, depth, old);
+        let mut pass = covered & passes(i, self.test, depth, old);
         if !pass.any_true() {
             return;
         }
         if let Some(cut) = &mut self.cut {
-            let bits = cut.keep(lane, block, pass.to_bitmask() as u32);
-            pass = mask32x16::from_bitmask(s, u64::from(bits));
+            let bits = cut.keep(i, triangle, block, pass.to_bitmask() << bit);
+            pass = i.mask_from_bits(bits >> bit);
         }
         if self.write {
-            pass.select(depth, old).store_slice(stored);
+            pass.select(depth, old).store(stored);
         } else if !*touched {
-            old.store_slice(stored);
+            old.store(stored);
         }
-        let slot = u32x16::splat(s, self.first_slot + lane as u32);
-        pass.select(slot, old_slots).store_slice(slots);
-        *mask |= pass.to_bitmask() as u16;
+        let slot = i.u32(self.first_slot + triangle as u32);
+        pass.select(slot, old_slots).store(slots);
+        *mask |= (pass.to_bitmask() << bit) as u16;
         *touched = true;
     }
-}
-
-impl<S: Simd> Sink<S> for Visible<'_, '_> {
-    #[inline(always)]
-    fn block(&mut self, s: S, lane: usize, block: usize, covered: mask32x16<S>, depth: f32x16<S>) {
-        self.store(s, lane, block, covered, depth);
-    }
 
     #[inline(always)]
-    fn pixel(&mut self, lane: usize, index: usize, depth: f32) {
-        let block = index / LANES;
-        if !self.touched[block] {
-            self.touched[block] = true;
-            self.depth[block * LANES..(block + 1) * LANES].fill(0.0);
-            self.slots[block * LANES..(block + 1) * LANES].fill(NONE);
-        }
-        if !passes(self.test, depth, self.depth[index]) {
+    fn pixel(&mut self, triangle: usize, index: usize, depth: f32) {
+        let (block, bit) = (index / BLOCK_PIXELS, index % BLOCK_PIXELS);
+        touch(block, self.depth, self.slots, self.touched);
+        if !passes(Scalar, self.test, depth, self.depth[index]) {
             return;
         }
         if let Some(cut) = &mut self.cut
-            && cut.keep(lane, block, 1 << (index % LANES)) == 0
+            && cut.keep(Scalar, triangle, block, 1 << bit) == 0
         {
             return;
         }
         if self.write {
             self.depth[index] = depth;
         }
-        self.slots[index] = self.first_slot + lane as u32;
-        self.masks[block] |= 1 << (index % LANES);
+        self.slots[index] = self.first_slot + triangle as u32;
+        self.masks[block] |= 1 << bit;
     }
 
     /// Cut-outs are asked about as blocks.
@@ -124,20 +114,15 @@ pub(crate) struct Alone<'b> {
     pub(crate) masks: &'b mut [u16],
 }
 
-impl<S: Simd> Sink<S> for Alone<'_> {
+impl<I: Isa> Sink<I> for Alone<'_> {
     #[inline(always)]
-    fn block(&mut self, _: S, _: usize, block: usize, covered: mask32x16<S>, _: f32x16<S>) {
-        self.masks[block] |= covered.to_bitmask() as u16;
-    }
-
-    #[inline(always)]
-    fn full_block(&mut self, _: S, _: usize, block: usize, _: f32x16<S>) {
-        self.masks[block] = u16::MAX;
+    fn pixels(&mut self, _: I, _: usize, index: usize, covered: I::Mask, _: I::F32) {
+        self.masks[index / BLOCK_PIXELS] |= (covered.to_bitmask() << (index % BLOCK_PIXELS)) as u16;
     }
 
     #[inline(always)]
     fn pixel(&mut self, _: usize, index: usize, _: f32) {
-        self.masks[index / LANES] |= 1 << (index % LANES);
+        self.masks[index / BLOCK_PIXELS] |= 1 << (index % BLOCK_PIXELS);
     }
 
     #[inline(always)]
@@ -166,41 +151,36 @@ impl Last<'_> {
         let new = covered & !*seen;
         *seen |= new;
         self.full += usize::from(new != 0 && *seen == u16::MAX);
-        if new != 0 && !self.touched[block] {
-            self.touched[block] = true;
-            self.depth[block * LANES..(block + 1) * LANES].fill(0.0);
-            self.slots[block * LANES..(block + 1) * LANES].fill(NONE);
+        if new != 0 {
+            touch(block, self.depth, self.slots, self.touched);
         }
         new
     }
 }
 
-impl<S: Simd> Sink<S> for Last<'_> {
+impl<I: Isa> Sink<I> for Last<'_> {
     #[inline(always)]
-    fn block(&mut self, s: S, lane: usize, block: usize, covered: mask32x16<S>, depth: f32x16<S>) {
-        let new = self.take(block, covered.to_bitmask() as u16);
+    fn pixels(&mut self, i: I, triangle: usize, index: usize, covered: I::Mask, depth: I::F32) {
+        let (block, bit) = (index / BLOCK_PIXELS, index % BLOCK_PIXELS);
+        let new = self.take(block, (covered.to_bitmask() << bit) as u16);
         if new == 0 {
             return;
         }
-        let pixels = mask32x16::<S>::from_bitmask(s, u64::from(new));
-        let at = block * LANES..(block + 1) * LANES;
+        let pixels = i.mask_from_bits(u32::from(new) >> bit);
+        let at = index..index + I::LANES;
         let slots = &mut self.slots[at.clone()];
-        let slot = u32x16::splat(s, self.first_slot + lane as u32);
-        pixels
-            .select(slot, u32x16::from_slice(s, slots))
-            .store_slice(slots);
+        let slot = i.u32(self.first_slot + triangle as u32);
+        pixels.select(slot, i.load_u32(slots)).store(slots);
         if self.write {
             let stored = &mut self.depth[at];
-            pixels
-                .select(depth, f32x16::from_slice(s, stored))
-                .store_slice(stored);
+            pixels.select(depth, i.load_f32(stored)).store(stored);
         }
     }
 
     #[inline(always)]
-    fn pixel(&mut self, lane: usize, index: usize, depth: f32) {
-        if self.take(index / LANES, 1 << (index % LANES)) != 0 {
-            self.slots[index] = self.first_slot + lane as u32;
+    fn pixel(&mut self, triangle: usize, index: usize, depth: f32) {
+        if self.take(index / BLOCK_PIXELS, 1 << (index % BLOCK_PIXELS)) != 0 {
+            self.slots[index] = self.first_slot + triangle as u32;
             if self.write {
                 self.depth[index] = depth;
             }
@@ -223,14 +203,14 @@ pub(crate) struct CutOut<'p> {
     pub(crate) tile: Tile,
     pub(crate) draw: u32,
     pub(crate) alpha: &'p dyn AlphaTest,
-    /// The last lane's set-up.
+    /// The set-up of the last triangle asked about.
     pub(crate) setup: Option<(usize, u32, TriangleSetup)>,
 }
 
 impl CutOut<'_> {
-    /// The bits of `pass` that the test keeps.
+    /// The bits of `pass`, pixels of a block, that the test keeps.
     #[inline(never)]
-    fn keep(&mut self, lane: usize, block: usize, pass: u32) -> u32 {
+    fn keep<I: Isa>(&mut self, i: I, lane: usize, block: usize, pass: u32) -> u32 {
         let id = self.ids[lane];
         let (tile_x, tile_y) = (self.tile.x0 / TILE, self.tile.y0 / TILE);
         if self.setup.as_ref().is_none_or(|s| s.0 != lane) {
@@ -246,7 +226,10 @@ impl CutOut<'_> {
         let corner = pixel_of(block, 0);
         let [x, y] = [self.tile.x0 + corner.0, self.tile.y0 + corner.1];
         if pass.count_ones() >= FEW_PIXELS
-            && let Some(at) = setup.uv_block(x, y)
+            && let Some(at) = i.vectorize(
+                #[inline(always)]
+                || setup.uv_block(i, x, y),
+            )
             && let Some(kept) = self.alpha.keep_by_uv(self.draw, &at, pass as u16)
         {
             return u32::from(kept) & pass;
@@ -298,38 +281,47 @@ impl Forward<'_, '_> {
     }
 }
 
-impl<S: Simd> Sink<S> for Forward<'_, '_> {
+impl<I: Isa> Sink<I> for Forward<'_, '_> {
     #[inline(always)]
-    fn block(&mut self, s: S, lane: usize, block: usize, covered: mask32x16<S>, depth: f32x16<S>) {
+    fn pixels(&mut self, i: I, triangle: usize, index: usize, covered: I::Mask, depth: I::F32) {
+        let (block, bit) = (index / BLOCK_PIXELS, index % BLOCK_PIXELS);
         let inside = self.inside(block);
-        let Some(stored) = self.depth.get_mut(block * LANES..(block + 1) * LANES) else {
+        let Some(stored) = self.depth.get_mut(index..index + I::LANES) else {
             return;
         };
-        let old = f32x16::from_slice(s, stored);
-        let pass = test_block(self.test, covered, depth, old);
-        let bits = pass.to_bitmask() as u32 & inside;
-        if bits != 0 {
-            if self.write {
-                pass.select(depth, old).store_slice(stored);
+        let old = i.load_f32(stored);
+        let pass = covered & passes(i, self.test, depth, old);
+        let bits = (pass.to_bitmask() << bit) & inside;
+        if bits == 0 {
+            return;
+        }
+        if self.write {
+            pass.select(depth, old).store(stored);
+        }
+        let at = RunBlock {
+            block: block as u16,
+            mask: bits as u16,
+            slot: self.first_slot + triangle as u32,
+        };
+        match self.out.last_mut() {
+            // A further part of the same block.
+            Some(last) if bit > 0 && (last.block, last.slot) == (at.block, at.slot) => {
+                last.mask |= at.mask;
             }
-            self.out.push(RunBlock {
-                block: block as u16,
-                mask: bits as u16,
-                slot: self.first_slot + lane as u32,
-            });
+            _ => self.out.push(at),
         }
     }
 
     #[inline(always)]
-    fn pixel(&mut self, lane: usize, index: usize, depth: f32) {
-        if passes(self.test, depth, self.depth[index]) {
+    fn pixel(&mut self, triangle: usize, index: usize, depth: f32) {
+        if passes(Scalar, self.test, depth, self.depth[index]) {
             if self.write {
                 self.depth[index] = depth;
             }
             self.out.push(RunBlock {
-                block: (index / LANES) as u16,
-                mask: 1 << (index % LANES),
-                slot: self.first_slot + lane as u32,
+                block: (index / BLOCK_PIXELS) as u16,
+                mask: 1 << (index % BLOCK_PIXELS),
+                slot: self.first_slot + triangle as u32,
             });
         }
     }

@@ -1,13 +1,14 @@
 //! Triangles to 4x4 blocks of pixels: which of the sixteen are covered, and their depth.
-use texmap_math::fearless_simd::{Simd, f32x16, f64x8, i32x16, mask32x16, prelude::*, u32x16};
-use texmap_math::lanes::{LANES, clamp};
+use texmap_math::simd::{Isa, prelude::*};
 
-use crate::group::Group;
-use crate::planes::Plane;
-use crate::setup::TILE;
+use crate::group::{GROUP, Group};
+use crate::setup::{Depth, DepthRow, TILE};
 
 /// 4x4 blocks across a tile.
 pub(crate) const BLOCKS: usize = TILE as usize / 4;
+
+/// Pixels of a 4x4 block.
+pub(crate) const BLOCK_PIXELS: usize = 16;
 
 /// Boxes of more pixels than this are looked at in 16x16 blocks first.
 const HIERARCHY: i32 = 500;
@@ -17,129 +18,36 @@ const HIERARCHY: i32 = 500;
 #[inline(always)]
 pub fn block_index(x: u32, y: u32) -> usize {
     let (x, y) = (x as usize, y as usize);
-    ((y >> 2) * BLOCKS + (x >> 2)) * LANES + (y & 3) * 4 + (x & 3)
+    ((y >> 2) * BLOCKS + (x >> 2)) * BLOCK_PIXELS + (y & 3) * 4 + (x & 3)
+}
+
+/// Column and row in a 4x4 block of its pixels from place `at` on.
+#[inline(always)]
+pub(crate) fn block_lanes<I: Isa>(i: I, at: usize) -> [I::I32; 2] {
+    let pixel = i.iota() + at as i32;
+    [pixel & 3, pixel >> 2]
 }
 
 /// Takes covered pixels, in submitted order.
-pub(crate) trait Sink<S: Simd> {
-    /// Sixteen pixels of block `block`; `lane` names the triangle in its group.
-    fn block(&mut self, s: S, lane: usize, block: usize, covered: mask32x16<S>, depth: f32x16<S>);
-    /// Sixteen pixels, all covered.
+pub(crate) trait Sink<I: Isa> {
+    /// Pixels of a 4x4 block from `index` of the block order on, one in each lane; `triangle` is its place in the group.
+    fn pixels(&mut self, i: I, triangle: usize, index: usize, covered: I::Mask, depth: I::F32);
+    /// [`pixels`](Self::pixels) that are all covered.
     #[inline(always)]
-    fn full_block(&mut self, s: S, lane: usize, block: usize, depth: f32x16<S>) {
-        self.block(s, lane, block, mask32x16::splat(s, true), depth);
+    fn all_pixels(&mut self, i: I, triangle: usize, index: usize, depth: I::F32) {
+        self.pixels(i, triangle, index, i.mask(true), depth);
     }
     /// One pixel at `index` of the block order.
-    fn pixel(&mut self, lane: usize, index: usize, depth: f32);
+    fn pixel(&mut self, triangle: usize, index: usize, depth: f32);
     /// Whether the pixels of a triangle cost less one by one than as parts of blocks where they are few, though they may be more
     /// than four.
     fn takes_pixels(&self) -> bool;
 }
 
-/// Numbers that every stamp needs: the lanes' places in a block.
-#[derive(Debug, Clone, Copy)]
-struct Places<S: Simd> {
-    x: i32x16<S>,
-    y: i32x16<S>,
-    /// Pixel centres of block 0, from the tile's centre.
-    px: f32x16<S>,
-    py: f32x16<S>,
-}
-
-impl<S: Simd> Places<S> {
-    #[inline(always)]
-    fn new(s: S, offset: [i32; 2]) -> Self {
-        let x = i32x16::from_slice(s, &[0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3]);
-        let y = i32x16::from_slice(s, &[0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3]);
-        let half = TILE as f32 / 2.0 - 0.5;
-        Self {
-            x,
-            y,
-            px: x.to_float::<f32x16<S>>() - half + offset[0] as f32 / 256.0,
-            py: y.to_float::<f32x16<S>>() - half + offset[1] as f32 / 256.0,
-        }
-    }
-}
-
-/// A depth plane spread over lanes.
-#[derive(Debug, Clone, Copy)]
-struct Depth<'g, S: Simd> {
-    a: f32x16<S>,
-    b: f32x16<S>,
-    c: f32x16<S>,
-    lo: f32x16<S>,
-    hi: f32x16<S>,
-    /// The plane in f64, of a wide lane. Where it lies: were it part of this, all of this would lie in memory.
-    wide: Option<&'g Plane>,
-}
-
-impl<'g, S: Simd> Depth<'g, S> {
-    #[inline(always)]
-    fn new(s: S, group: &'g Group, lane: usize) -> Self {
-        let wide = group.wide >> lane & 1 == 1;
-        Self {
-            a: f32x16::splat(s, group.z[0][lane]),
-            b: f32x16::splat(s, group.z[1][lane]),
-            c: f32x16::splat(s, group.z[2][lane]),
-            lo: f32x16::splat(s, group.z_lo[lane]),
-            hi: f32x16::splat(s, group.z_hi[lane]),
-            wide: wide.then_some(&group.z_wide[lane]),
-        }
-    }
-
-    /// The part that the blocks of a row share.
-    #[inline(always)]
-    fn row(&self, py: f32x16<S>) -> DepthRow<'_, 'g, S> {
-        DepthRow {
-            depth: self,
-            py,
-            start: self.c + self.b * py,
-        }
-    }
-}
-
-/// A depth plane on a row of blocks.
-#[derive(Debug, Clone, Copy)]
-struct DepthRow<'d, 'g, S: Simd> {
-    depth: &'d Depth<'g, S>,
-    py: f32x16<S>,
-    start: f32x16<S>,
-}
-
-impl<S: Simd> DepthRow<'_, '_, S> {
-    #[inline(always)]
-    fn at(&self, s: S, px: f32x16<S>) -> f32x16<S> {
-        let z = match self.depth.wide {
-            None => self.start + self.depth.a * px,
-            Some(plane) => wide_at(s, plane, px, self.py),
-        };
-        clamp(z, self.depth.lo, self.depth.hi)
-    }
-}
-
-/// A plane in f64. Out of line: a compiler moves the steps of an inlined form before the question whether the lane is wide, where
-/// what they read holds no meaning and, taken for a subnormal number, costs a hundred cycles a step.
-#[cold]
-#[inline(never)]
-fn wide_at<S: Simd>(s: S, plane: &Plane, px: f32x16<S>, py: f32x16<S>) -> f32x16<S> {
-    s.vectorize(
-        #[inline(always)]
-        || {
-            let (a, b, c) = (
-                f64x8::splat(s, plane.a),
-                f64x8::splat(s, plane.b),
-                f64x8::splat(s, plane.c),
-            );
-            let ((x0, x1), (y0, y1)) = (px.widen(), py.widen());
-            s.narrow_f64x8((c + b * y0) + a * x0, (c + b * y1) + a * x1)
-        },
-    )
-}
-
 /// Stamps the live triangles of a group, one after the other; the last first if `backwards`.
 #[inline(always)]
-pub(crate) fn stamp_group<S: Simd, K: Sink<S>>(s: S, group: &Group, backwards: bool, sink: &mut K) {
-    let places = Places::new(s, group.offset);
+pub(crate) fn stamp_group<I: Isa, K: Sink<I>>(i: I, group: &Group, backwards: bool, sink: &mut K) {
+    let places = Places::new(i, group.offset);
     let mut small = Small::default();
     let boxes = if sink.takes_pixels() {
         group.small
@@ -148,20 +56,20 @@ pub(crate) fn stamp_group<S: Simd, K: Sink<S>>(s: S, group: &Group, backwards: b
     };
     let by_pixels = boxes & group.live;
     if by_pixels != 0 {
-        small.fill(s, group, by_pixels);
+        small.fill(i, group, by_pixels);
     }
     let mut live = group.live;
     while live != 0 {
-        let lane = if backwards {
+        let triangle = if backwards {
             live.ilog2() as usize
         } else {
             live.trailing_zeros() as usize
         };
-        live &= !(1 << lane);
-        if by_pixels >> lane & 1 == 1 && small.covered[lane].count_ones() <= FEW {
-            small.commit::<S, K>(group, lane, sink);
+        live &= !(1 << triangle);
+        if by_pixels >> triangle & 1 == 1 && small.covered[triangle].count_ones() <= FEW {
+            small.commit::<I, K>(group, triangle, sink);
         } else {
-            stamp(s, &places, group, lane, sink);
+            Stamp::new(i, places, group, triangle).stamp(sink);
         }
     }
 }
@@ -169,60 +77,67 @@ pub(crate) fn stamp_group<S: Simd, K: Sink<S>>(s: S, group: &Group, backwards: b
 /// Pixels of a triangle up to which they are taken one by one.
 const FEW: u32 = 6;
 
-/// The pixels of boxes of up to 4x4 of sixteen triangles at once: lanes across triangles.
+/// Coordinates of pixel 0 of a tile from the tile's centre.
+const CORNER: f32 = 0.5 - TILE as f32 / 2.0;
+
+/// The pixels of boxes of up to 4x4 of a group's triangles: a triangle in each lane.
 #[derive(Debug, Default)]
 struct Small {
     /// Of each triangle, a bit per pixel of its box, in rows of four.
-    covered: [u32; LANES],
+    covered: [u32; GROUP],
     /// Of each pixel of a box, that of each triangle.
-    depth: [[f32; LANES]; 16],
+    depth: [[f32; GROUP]; 16],
 }
 
 impl Small {
     /// Of the triangles `asked` for, a bit each. Out of line: compiled once a level.
     #[inline(never)]
-    fn fill<S: Simd>(&mut self, s: S, group: &Group, asked: u32) {
-        s.vectorize(
+    fn fill<I: Isa>(&mut self, i: I, group: &Group, asked: u32) {
+        i.vectorize(
             #[inline(always)]
-            || self.fill_lanes(s, group, asked),
+            || {
+                for at in (0..GROUP).step_by(I::LANES) {
+                    self.fill_lanes(i, at, group, i.mask_from_bits(asked >> at));
+                }
+            },
         );
     }
 
     #[inline(always)]
-    fn fill_lanes<S: Simd>(&mut self, s: S, group: &Group, asked: u32) {
-        let (x0, y0) = (
-            i32x16::from_slice(s, &group.x0),
-            i32x16::from_slice(s, &group.y0),
-        );
+    fn fill_lanes<I: Isa>(&mut self, i: I, at: usize, group: &Group, asked: I::Mask) {
+        let (x0, y0) = (i.load_i32(&group.x0[at..]), i.load_i32(&group.y0[at..]));
         let last = [
-            i32x16::from_slice(s, &group.x1) - x0,
-            i32x16::from_slice(s, &group.y1) - y0,
+            i.load_i32(&group.x1[at..]) - x0,
+            i.load_i32(&group.y1[at..]) - y0,
         ];
-        let zero = i32x16::splat(s, 0);
+        let zero = i.i32(0);
         let (mut right, mut down, mut row) = ([zero; 3], [zero; 3], [zero; 3]);
         for k in 0..3 {
-            right[k] = i32x16::from_slice(s, &group.a[k]);
-            down[k] = i32x16::from_slice(s, &group.b[k]);
-            row[k] = (i32x16::from_slice(s, &group.q[k]) + down[k] * y0) + right[k] * x0;
+            right[k] = i.load_i32(&group.a[k][at..]);
+            down[k] = i.load_i32(&group.b[k][at..]);
+            row[k] = (i.load_i32(&group.q[k][at..]) + down[k] * y0) + right[k] * x0;
         }
-        let half = TILE as f32 / 2.0 - 0.5;
-        let left = x0.to_float::<f32x16<S>>() - half + group.offset[0] as f32 / 256.0;
-        let mut py = y0.to_float::<f32x16<S>>() - half + group.offset[1] as f32 / 256.0;
-        let a = f32x16::from_slice(s, &group.z[0]);
-        let b = f32x16::from_slice(s, &group.z[1]);
-        let c = f32x16::from_slice(s, &group.z[2]);
-        let (lo, hi) = (
-            f32x16::from_slice(s, &group.z_lo),
-            f32x16::from_slice(s, &group.z_hi),
-        );
-        let asked = mask32x16::<S>::from_bitmask(s, u64::from(asked));
+        let [left, mut py] = [
+            x0.to_f32() + CORNER + group.offset[0] as f32 / 256.0,
+            y0.to_f32() + CORNER + group.offset[1] as f32 / 256.0,
+        ];
+        let depth = Depth {
+            coefficients: [
+                i.load_f32(&group.z[0][at..]),
+                i.load_f32(&group.z[1][at..]),
+                i.load_f32(&group.z[2][at..]),
+                i.load_f32(&group.z_lo[at..]),
+                i.load_f32(&group.z_hi[at..]),
+            ],
+            wide: None,
+        };
         let mut covered = zero;
         for y in 0..4 {
             let in_row = asked & last[1].simd_ge(y);
             if !in_row.any_true() {
                 break;
             }
-            let (mut e, mut px, start) = (row, left, c + b * py);
+            let (mut e, mut px, depths) = (row, left, depth.row(py));
             for x in 0..4 {
                 let there = in_row & last[0].simd_ge(x);
                 if !there.any_true() {
@@ -231,68 +146,197 @@ impl Small {
                 let k = 4 * y + x;
                 let inside = there & (e[0] | e[1] | e[2]).simd_ge(0);
                 covered = inside.select(covered | (1 << k), covered);
-                clamp(start + a * px, lo, hi).store_slice(&mut self.depth[k as usize]);
+                depths.at(i, px).store(&mut self.depth[k as usize][at..]);
                 e = [e[0] + right[0], e[1] + right[1], e[2] + right[2]];
-                px += 1.0;
+                px = px + 1.0;
             }
             row = [row[0] + down[0], row[1] + down[1], row[2] + down[2]];
-            py += 1.0;
+            py = py + 1.0;
         }
-        covered
-            .bitcast::<u32x16<S>>()
-            .store_slice(&mut self.covered);
+        covered.to_u32().store(&mut self.covered[at..]);
     }
 
     #[inline(always)]
-    fn commit<S: Simd, K: Sink<S>>(&self, group: &Group, lane: usize, sink: &mut K) {
-        let (x, y) = (group.x0[lane] as u32, group.y0[lane] as u32);
-        let mut left = self.covered[lane];
+    fn commit<I: Isa, K: Sink<I>>(&self, group: &Group, triangle: usize, sink: &mut K) {
+        let (x, y) = (group.x0[triangle] as u32, group.y0[triangle] as u32);
+        let mut left = self.covered[triangle];
         while left != 0 {
             let k = left.trailing_zeros() & 15;
             left &= left - 1;
             let index = block_index(x + k % 4, y + k / 4);
-            sink.pixel(lane, index, self.depth[k as usize][lane]);
+            sink.pixel(triangle, index, self.depth[k as usize][triangle]);
         }
     }
 }
 
-/// One triangle in 4x4 blocks.
-#[inline(always)]
-fn stamp<S: Simd, K: Sink<S>>(s: S, places: &Places<S>, group: &Group, lane: usize, sink: &mut K) {
-    let (x0, y0, x1, y1) = (
-        group.x0[lane],
-        group.y0[lane],
-        group.x1[lane],
-        group.y1[lane],
-    );
-    let depth = Depth::new(s, group, lane);
-    let whole = (x1 - x0 + 1) * (y1 - y0 + 1) <= HIERARCHY;
-    // A small triangle is one part; a larger one is seen in 16x16 blocks.
-    let shift = if whole { 6 } else { 4 };
-    let reach = (1 << shift) - 1;
-    for by in y0 >> shift..=y1 >> shift {
-        for bx in x0 >> shift..=x1 >> shift {
-            let (x, y) = (bx << shift, by << shift);
-            let part = [
-                x.max(x0),
-                y.max(y0),
-                (x + reach).min(x1),
-                (y + reach).min(y1),
-            ];
-            let covered = if whole {
-                Part::Some
-            } else {
-                quarter(group, lane, x, y)
-            };
-            match covered {
-                Part::None => {}
-                Part::All if part == [x, y, x + 15, y + 15] => {
-                    fill(s, places, lane, &depth, x, y, sink);
+/// The pixels of the first part of a block.
+#[derive(Clone, Copy)]
+struct Places<I: Isa> {
+    /// Column and row in the block.
+    lanes: [I::I32; 2],
+    /// Centres in block 0, from the tile's centre.
+    centres: [I::F32; 2],
+}
+
+impl<I: Isa> Places<I> {
+    #[inline(always)]
+    fn new(i: I, offset: [i32; 2]) -> Self {
+        let lanes = block_lanes(i, 0);
+        Self {
+            lanes,
+            centres: [
+                lanes[0].to_f32() + CORNER + offset[0] as f32 / 256.0,
+                lanes[1].to_f32() + CORNER + offset[1] as f32 / 256.0,
+            ],
+        }
+    }
+}
+
+/// One triangle of a group in 4x4 blocks.
+struct Stamp<'g, I: Isa> {
+    i: I,
+    group: &'g Group,
+    triangle: usize,
+    depth: Depth<'g, I>,
+    places: Places<I>,
+}
+
+impl<'g, I: Isa> Stamp<'g, I> {
+    #[inline(always)]
+    fn new(i: I, places: Places<I>, group: &'g Group, triangle: usize) -> Self {
+        let wide = group.wide >> triangle & 1 == 1;
+        Self {
+            i,
+            group,
+            triangle,
+            depth: Depth {
+                coefficients: [
+                    i.f32(group.z[0][triangle]),
+                    i.f32(group.z[1][triangle]),
+                    i.f32(group.z[2][triangle]),
+                    i.f32(group.z_lo[triangle]),
+                    i.f32(group.z_hi[triangle]),
+                ],
+                wide: wide.then_some(&group.z_wide[triangle]),
+            },
+            places,
+        }
+    }
+
+    #[inline(always)]
+    fn stamp<K: Sink<I>>(&self, sink: &mut K) {
+        let (group, k) = (self.group, self.triangle);
+        let (x0, y0, x1, y1) = (group.x0[k], group.y0[k], group.x1[k], group.y1[k]);
+        let whole = (x1 - x0 + 1) * (y1 - y0 + 1) <= HIERARCHY;
+        // A small triangle is one part; a larger one is seen in 16x16 blocks.
+        let shift = if whole { 6 } else { 4 };
+        let reach = (1 << shift) - 1;
+        for by in y0 >> shift..=y1 >> shift {
+            for bx in x0 >> shift..=x1 >> shift {
+                let (x, y) = (bx << shift, by << shift);
+                let part = [
+                    x.max(x0),
+                    y.max(y0),
+                    (x + reach).min(x1),
+                    (y + reach).min(y1),
+                ];
+                let covered = if whole {
+                    Part::Some
+                } else {
+                    quarter(group, k, x, y)
+                };
+                match covered {
+                    Part::None => {}
+                    Part::All if part == [x, y, x + 15, y + 15] => self.fill(x, y, sink),
+                    _ => self.scan(part, sink),
                 }
-                _ => scan(s, places, group, lane, &depth, part, sink),
             }
         }
     }
+
+    /// The blocks of a box, each tested. The box may end within a block: the box of a triangle holds all it covers in the tile.
+    #[inline(always)]
+    fn scan<K: Sink<I>>(&self, [x0, y0, x1, y1]: [i32; 4], sink: &mut K) {
+        let (i, group, triangle) = (self.i, self.group, self.triangle);
+        let (bx0, by0) = (x0 >> 2, y0 >> 2);
+        let mut row = [i.i32(0); 3];
+        let mut right = row;
+        let mut down = row;
+        let mut edges = [[0; 2]; 3];
+        for k in 0..3 {
+            let (a, b) = (group.a[k][triangle], group.b[k][triangle]);
+            let start = group.q[k][triangle] + b * (by0 * 4) + a * (bx0 * 4);
+            row[k] = (self.places.lanes[0] * a + self.places.lanes[1] * b) + start;
+            right[k] = i.i32(a.wrapping_mul(4));
+            down[k] = i.i32(b.wrapping_mul(4));
+            edges[k] = [a, b];
+        }
+        // Steps of four between small multiples of 1/256 are exact.
+        let mut py = self.places.centres[1] + (by0 * 4) as f32;
+        let left = self.places.centres[0] + (bx0 * 4) as f32;
+        for by in by0..=y1 >> 2 {
+            let (mut e, mut px) = (row, left);
+            let depths = self.depth.row(py);
+            for bx in bx0..=x1 >> 2 {
+                let index = (by as usize * BLOCKS + bx as usize) * BLOCK_PIXELS;
+                for at in (0..BLOCK_PIXELS).step_by(I::LANES) {
+                    let e = if at == 0 { e } else { moved(e, &edges, at) };
+                    let covered = (e[0] | e[1] | e[2]).simd_ge(0);
+                    if covered.any_true() {
+                        let z = self.depth_at(&depths, [px, py], at);
+                        sink.pixels(i, triangle, index + at, covered, z);
+                    }
+                }
+                e = [e[0] + right[0], e[1] + right[1], e[2] + right[2]];
+                px = px + 4.0;
+            }
+            row = [row[0] + down[0], row[1] + down[1], row[2] + down[2]];
+            py = py + 4.0;
+        }
+    }
+
+    /// A 16x16 block that lies inside: no edges, no masks.
+    #[inline(always)]
+    fn fill<K: Sink<I>>(&self, x: i32, y: i32, sink: &mut K) {
+        // Steps of four, as in `scan`.
+        let mut py = self.places.centres[1] + y as f32;
+        let left = self.places.centres[0] + x as f32;
+        for by in y >> 2..(y >> 2) + 4 {
+            let depths = self.depth.row(py);
+            let mut px = left;
+            for bx in x >> 2..(x >> 2) + 4 {
+                let index = (by as usize * BLOCKS + bx as usize) * BLOCK_PIXELS;
+                for at in (0..BLOCK_PIXELS).step_by(I::LANES) {
+                    let z = self.depth_at(&depths, [px, py], at);
+                    sink.all_pixels(self.i, self.triangle, index + at, z);
+                }
+                px = px + 4.0;
+            }
+            py = py + 4.0;
+        }
+    }
+
+    /// Depth at the pixels of a block from place `at` on; `px`, `py` and `first` are those of the first part.
+    #[inline(always)]
+    fn depth_at(&self, first: &DepthRow<'g, I>, [px, py]: [I::F32; 2], at: usize) -> I::F32 {
+        if at == 0 {
+            return first.at(self.i, px);
+        }
+        let row = self.depth.row(py + (at / 4) as f32);
+        row.at(self.i, px + (at % 4) as f32)
+    }
+}
+
+/// Edges' values at the pixels from place `at` of a block on, from those at the first.
+#[inline(always)]
+fn moved<N: Number<i32>>(e: [N; 3], edges: &[[i32; 2]; 3], at: usize) -> [N; 3] {
+    let (x, y) = ((at % 4) as i32, (at / 4) as i32);
+    let step = |[a, b]: [i32; 2]| a.wrapping_mul(x).wrapping_add(b.wrapping_mul(y));
+    [
+        e[0] + step(edges[0]),
+        e[1] + step(edges[1]),
+        e[2] + step(edges[2]),
+    ]
 }
 
 /// How much of a 16x16 block a triangle covers.
@@ -303,11 +347,11 @@ enum Part {
 }
 
 #[inline(always)]
-fn quarter(group: &Group, lane: usize, x: i32, y: i32) -> Part {
+fn quarter(group: &Group, triangle: usize, x: i32, y: i32) -> Part {
     let mut all = true;
     for k in 0..3 {
-        let (a, b) = (group.a[k][lane], group.b[k][lane]);
-        let e = group.q[k][lane] + b * y + a * x;
+        let (a, b) = (group.a[k][triangle], group.b[k][triangle]);
+        let e = group.q[k][triangle] + b * y + a * x;
         // The extremes over the block's 16x16 centres; they lie in the tile, so they fit.
         if e + 15 * (a.max(0) + b.max(0)) < 0 {
             return Part::None;
@@ -315,71 +359,4 @@ fn quarter(group: &Group, lane: usize, x: i32, y: i32) -> Part {
         all &= e + 15 * (a.min(0) + b.min(0)) >= 0;
     }
     if all { Part::All } else { Part::Some }
-}
-
-/// The blocks of a box, each tested. The box may end within a block: the box of a triangle holds all it covers in the tile.
-#[inline(always)]
-fn scan<S: Simd, K: Sink<S>>(
-    s: S,
-    places: &Places<S>,
-    group: &Group,
-    lane: usize,
-    depth: &Depth<'_, S>,
-    [x0, y0, x1, y1]: [i32; 4],
-    sink: &mut K,
-) {
-    let (bx0, by0) = (x0 >> 2, y0 >> 2);
-    let mut row = [i32x16::splat(s, 0); 3];
-    let mut right = row;
-    let mut down = row;
-    for k in 0..3 {
-        let (a, b) = (group.a[k][lane], group.b[k][lane]);
-        let start = group.q[k][lane] + b * (by0 * 4) + a * (bx0 * 4);
-        row[k] = (places.x * a + places.y * b) + start;
-        right[k] = i32x16::splat(s, a.wrapping_mul(4));
-        down[k] = i32x16::splat(s, b.wrapping_mul(4));
-    }
-    // Steps of four between small multiples of 1/256 are exact.
-    let mut py = places.py + (by0 * 4) as f32;
-    let left = places.px + (bx0 * 4) as f32;
-    for by in by0..=y1 >> 2 {
-        let (mut e, mut px) = (row, left);
-        let depths = depth.row(py);
-        for bx in bx0..=x1 >> 2 {
-            let covered = (e[0] | e[1] | e[2]).simd_ge(0);
-            if covered.any_true() {
-                let z = depths.at(s, px);
-                sink.block(s, lane, by as usize * BLOCKS + bx as usize, covered, z);
-            }
-            e = [e[0] + right[0], e[1] + right[1], e[2] + right[2]];
-            px += 4.0;
-        }
-        row = [row[0] + down[0], row[1] + down[1], row[2] + down[2]];
-        py += 4.0;
-    }
-}
-
-/// A 16x16 block that lies inside: no edges, no masks.
-#[inline(always)]
-fn fill<S: Simd, K: Sink<S>>(
-    s: S,
-    places: &Places<S>,
-    lane: usize,
-    depth: &Depth<'_, S>,
-    x: i32,
-    y: i32,
-    sink: &mut K,
-) {
-    // Steps of four, as in `scan`.
-    let mut py = places.py + y as f32;
-    let left = places.px + x as f32;
-    for by in y >> 2..(y >> 2) + 4 {
-        let row = depth.row(py);
-        let mut px = left;
-        for bx in x >> 2..(x >> 2) + 4 {
-            sink.full_block(s, lane, by as usize * BLOCKS + bx as usize, row.at(s, px));
-            px += 4.0;
-        }
-        py += 4.0;
-    }
 }

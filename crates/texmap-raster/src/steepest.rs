@@ -1,11 +1,12 @@
 //! How fast attributes change at most over a triangle's part of a tile: where that is little enough, a stage need not ask for
 //! derivatives pixel by pixel.
 
-use texmap_math::fearless_simd::Simd;
+use texmap_math::simd::Isa;
 
 use crate::plane_table::TilePlanes;
-use crate::run::{One, RunBlock};
+use crate::run::{One, Part, RunBlock};
 use crate::setup::TILE;
+use crate::stamp::BLOCK_PIXELS;
 use crate::{NONE, TileBlocks};
 
 /// Part of its terms below which 1/w is too close to the eye's plane to say anything.
@@ -17,9 +18,20 @@ const SLACK: f32 = 1.01;
 impl TilePlanes {
     /// The slot of all pixels of a block, if they have one.
     #[inline(always)]
-    pub fn only_slot<S: Simd>(&self, s: S, blocks: &TileBlocks, at: RunBlock) -> Option<u32> {
-        let (_, first, one) = self.slots_of(s, blocks, at);
-        (one && first != NONE).then_some(first)
+    pub fn only_slot<I: Isa>(&self, i: I, blocks: &TileBlocks, block: RunBlock) -> Option<u32> {
+        let mut only = None;
+        for at in (0..BLOCK_PIXELS).step_by(I::LANES) {
+            let part = Part { block, at };
+            if I::LANES < BLOCK_PIXELS && part.mask(i) == 0 {
+                continue;
+            }
+            let slots = self.slots_of(i, blocks, part);
+            if !slots.one || only.is_some_and(|only| only != slots.first) {
+                return None;
+            }
+            only = Some(slots.first);
+        }
+        only.filter(|slot| *slot != NONE)
     }
 
     /// The most, in magnitude, that attributes `wanted` change per pixel to the right and down anywhere on a slot's triangle in this

@@ -1,14 +1,12 @@
-//! Object space to homogeneous pixels and to 1/256 pixel, one vertex or sixteen at a time.
+//! Object space to homogeneous pixels and to 1/256 pixel.
 use alloc::vec::Vec;
 
-use texmap_math::Level;
-use texmap_math::fearless_simd::{Simd, f32x16, f64x8, i32x16, mask64x8, prelude::*, u32x16};
 use texmap_math::glam::DMat4;
-use texmap_math::lanes::{LANES, Words, gather_triples, iota};
-use texmap_math::on_level;
+use texmap_math::simd::{Isa, Scalar, Words, prelude::*};
+use texmap_math::{Level, dispatch_simd};
 
 use crate::clip::{GUARD_BAND, Hom};
-use crate::edge::{Snapped, snap};
+use crate::edge::{Snapped, to_units};
 use crate::{Draw, TargetSize};
 
 /// Stands for a vertex that cannot be taken as it is: behind the eye, outside the depth range or the guard band, not finite,
@@ -41,9 +39,17 @@ impl Transform {
     }
 
     pub(crate) fn apply(&self, position: [f32; 3]) -> Hom {
-        let [x, y, z] = position.map(f64::from);
-        let row = |m: &[f64; 4]| (m[0] * x + m[1] * y) + (m[2] * z + m[3]);
-        let [cx, cy, cz, cw] = [0, 1, 2, 3].map(|i| row(&self.rows[i]));
+        self.apply_lanes(Scalar, position.map(f64::from))
+    }
+
+    #[inline(always)]
+    pub(crate) fn apply_lanes<I: Isa>(&self, i: I, position: [I::F64; 3]) -> Hom<I> {
+        let [cx, cy, cz, cw] = [
+            row(i, &self.rows[0], position),
+            row(i, &self.rows[1], position),
+            row(i, &self.rows[2], position),
+            row(i, &self.rows[3], position),
+        ];
         Hom {
             x: (cx + cw) * self.half[0],
             y: (cw - cy) * self.half[1],
@@ -51,101 +57,55 @@ impl Transform {
             w: cw,
         }
     }
-
-    /// [`apply`](Self::apply) for eight positions.
-    #[inline(always)]
-    pub(crate) fn apply_x8<S: Simd>(&self, s: S, [x, y, z]: [f64x8<S>; 3]) -> [f64x8<S>; 4] {
-        let [cx, cy, cz, cw] = [
-            row_x8(s, &self.rows[0], x, y, z),
-            row_x8(s, &self.rows[1], x, y, z),
-            row_x8(s, &self.rows[2], x, y, z),
-            row_x8(s, &self.rows[3], x, y, z),
-        ];
-        [(cx + cw) * self.half[0], (cw - cy) * self.half[1], cz, cw]
-    }
 }
 
 #[inline(always)]
-fn row_x8<S: Simd>(s: S, m: &[f64; 4], x: f64x8<S>, y: f64x8<S>, z: f64x8<S>) -> f64x8<S> {
-    let m = [
-        f64x8::splat(s, m[0]),
-        f64x8::splat(s, m[1]),
-        f64x8::splat(s, m[2]),
-        f64x8::splat(s, m[3]),
-    ];
-    (m[0] * x + m[1] * y) + (m[2] * z + m[3])
+fn row<I: Isa>(_: I, m: &[f64; 4], [x, y, z]: [I::F64; 3]) -> I::F64 {
+    (x * m[0] + y * m[1]) + (z * m[2] + m[3])
 }
 
-/// The snapped position of a vertex that can be taken as it is, else [`SPECIAL`].
-fn snap_or_special(p: Hom) -> Snapped {
-    let limit = GUARD_BAND * p.w;
-    let plain = p.w >= W_RANGE[0]
-        && p.w <= W_RANGE[1]
-        && p.z >= 0.0
-        && p.z <= p.w
-        && p.x + limit >= 0.0
-        && limit - p.x >= 0.0
-        && p.y + limit >= 0.0
-        && limit - p.y >= 0.0;
-    if plain { snap(p) } else { SPECIAL }
-}
-
-/// Snapped positions of `positions`, the plain way.
-pub(crate) fn snap_all_scalar(positions: &[[f32; 3]], transform: &Transform, out: &mut [Snapped]) {
-    for (slot, &position) in out.iter_mut().zip(positions) {
-        *slot = snap_or_special(transform.apply(position));
-    }
-}
-
-/// [`snap_all_scalar`], sixteen at a time.
+/// Snapped positions of `positions`, [`SPECIAL`] for vertices that cannot be taken as they are.
 pub(crate) fn snap_all(
     level: Level,
     positions: &[[f32; 3]],
     transform: &Transform,
     out: &mut [Snapped],
 ) {
-    on_level!(level, s => snap_lanes(s, positions, transform, out), else snap_all_scalar(positions, transform, out));
+    dispatch_simd!(level, wide i => snap_lanes(i, positions, transform, out));
 }
 
 #[inline(always)]
-fn snap_lanes<S: Simd>(s: S, positions: &[[f32; 3]], transform: &Transform, out: &mut [Snapped]) {
+fn snap_lanes<I: Isa>(i: I, positions: &[[f32; 3]], transform: &Transform, out: &mut [Snapped]) {
     let Some(words) = Words::new(bytemuck::cast_slice(positions)) else {
         return;
     };
-    let mut snapped = [[0; 2]; LANES];
-    for (k, chunk) in out.chunks_mut(LANES).enumerate() {
-        let base: u32x16<S> = ((iota(s) + (k * LANES) as i32) * 3).bitcast();
-        let [x, y, z] = gather_triples(s, words, base);
-        let position = [
-            x.bitcast::<f32x16<S>>().widen(),
-            y.bitcast::<f32x16<S>>().widen(),
-            z.bitcast::<f32x16<S>>().widen(),
-        ];
-        let low = transform.apply_x8(s, [position[0].0, position[1].0, position[2].0]);
-        let high = transform.apply_x8(s, [position[0].1, position[1].1, position[2].1]);
-        let (lx, ly) = snap_x8(s, low);
-        let (hx, hy) = snap_x8(s, high);
-        // Integers below 2^24 pass through f32 unchanged.
-        let (low, high) = s.interleave_i32x16(to_i32(s, lx, hx), to_i32(s, ly, hy));
-        let (low_of, high_of) = snapped.as_flattened_mut().split_at_mut(LANES);
-        low.store_slice(low_of);
-        high.store_slice(high_of);
+    let mut snapped = [[0; 2]; 16];
+    for (k, chunk) in out.chunks_mut(I::LANES).enumerate() {
+        let base = ((i.iota() + (k * I::LANES) as i32) * 3).to_u32();
+        let [x, y, z] = i.gather_triples(words, base);
+        let at = transform.apply_lanes(
+            i,
+            [
+                i.widen(x.to_f32_bits()),
+                i.widen(y.to_f32_bits()),
+                i.widen(z.to_f32_bits()),
+            ],
+        );
+        let [x, y] = snap(i, at);
+        let [low, high] = i.interleave(x.to_u32(), y.to_u32());
+        let words: &mut [u32] = bytemuck::cast_slice_mut(&mut snapped);
+        let (low_out, high_out) = words.split_at_mut(I::LANES);
+        low.store(low_out);
+        high.store(high_out);
         chunk.copy_from_slice(&snapped[..chunk.len()]);
     }
 }
 
-/// Sixteen integers in f64; below -2^24 stands for [`SPECIAL`].
+/// The snapped position, [`SPECIAL`] where special.
 #[inline(always)]
-fn to_i32<S: Simd>(s: S, low: f64x8<S>, high: f64x8<S>) -> i32x16<S> {
-    let v = s.narrow_f64x8(low, high).to_int::<i32x16<S>>();
-    v.simd_lt(-(1 << 24)).select(i32x16::splat(s, i32::MIN), v)
-}
-
-/// The snapped position as whole numbers in f64, below -2^24 where special.
-#[inline(always)]
-fn snap_x8<S: Simd>(s: S, [x, y, z, w]: [f64x8<S>; 4]) -> (f64x8<S>, f64x8<S>) {
+fn snap<I: Isa>(i: I, Hom { x, y, z, w }: Hom<I>) -> [I::I32; 2] {
     let limit = w * GUARD_BAND;
-    let plain: mask64x8<S> = w.simd_ge(W_RANGE[0])
+    let in_range = w.simd_ge(W_RANGE[0])
         & w.simd_le(W_RANGE[1])
         & z.simd_ge(0.0)
         & z.simd_le(w)
@@ -154,36 +114,29 @@ fn snap_x8<S: Simd>(s: S, [x, y, z, w]: [f64x8<S>; 4]) -> (f64x8<S>, f64x8<S>) {
         & (y + limit).simd_ge(0.0)
         & (limit - y).simd_ge(0.0);
     // The divisor of special lanes is replaced, so that no lane holds a NaN.
-    let one = f64x8::splat(s, 1.0);
-    let divisor = plain.select(w, one);
-    let special = f64x8::splat(s, -(1_i64 << 30) as f64);
-    let (x, y) = (round_x8(s, x / divisor), round_x8(s, y / divisor));
-    (plain.select(x, special), plain.select(y, special))
+    let divisor = in_range.select(w, i.f64(1.0));
+    let special = i.f64(-(1_i64 << 30) as f64);
+    let (x, y) = (to_units(i, x / divisor), to_units(i, y / divisor));
+    [
+        to_i32(i, in_range.select(x, special)),
+        to_i32(i, in_range.select(y, special)),
+    ]
 }
 
-/// Pixels to the nearest 1/256, halves up, as whole numbers.
+/// Integers in f64, those below -2^24 as those of [`SPECIAL`]. Integers below 2^24 pass through f32 unchanged.
 #[inline(always)]
-fn round_x8<S: Simd>(s: S, v: f64x8<S>) -> f64x8<S> {
-    // Adding and taking away 1.5 * 2^52 rounds to a whole number, to the even one at a half; then down where that went up.
-    const WHOLE: f64 = 1.5 * (1u64 << 52) as f64;
-    let shifted = v * 256.0 + 0.5;
-    let near = (shifted + WHOLE) - WHOLE;
-    let zero = f64x8::splat(s, 0.0);
-    near - near.simd_gt(shifted).select(f64x8::splat(s, 1.0), zero)
+fn to_i32<I: Isa>(i: I, v: I::F64) -> I::I32 {
+    let v = i.narrow(v).to_i32();
+    v.simd_lt(-(1 << 24)).select(i.i32(i32::MIN), v)
 }
 
 /// Marks the vertices that have a NaN or infinite attribute.
-pub(crate) fn mark_bad_attributes(level: Option<Level>, draw: &Draw<'_>, snapped: &mut [Snapped]) {
+pub(crate) fn mark_bad_attributes(level: Level, draw: &Draw<'_>, snapped: &mut [Snapped]) {
     let n = draw.attribute_count;
     if n == 0 {
         return;
     }
-    let all_finite = match level {
-        Some(level) => {
-            on_level!(level, s => all_finite(s, draw.attributes), else draw.attributes.iter().all(|v| v.is_finite()))
-        }
-        None => draw.attributes.iter().all(|v| v.is_finite()),
-    };
+    let all_finite = dispatch_simd!(level, wide i => all_finite(i, draw.attributes));
     if all_finite {
         return;
     }
@@ -195,12 +148,13 @@ pub(crate) fn mark_bad_attributes(level: Option<Level>, draw: &Draw<'_>, snapped
 }
 
 #[inline(always)]
-fn all_finite<S: Simd>(s: S, values: &[f32]) -> bool {
-    let (chunks, rest) = values.as_chunks::<LANES>();
+fn all_finite<I: Isa>(i: I, values: &[f32]) -> bool {
+    let chunks = values.chunks_exact(I::LANES);
+    let rest = chunks.remainder();
     // A finite value times zero is zero; a NaN or an infinity is not, and stays in the sum.
-    let mut sum = f32x16::splat(s, 0.0);
+    let mut sum = i.f32(0.0);
     for chunk in chunks {
-        sum += f32x16::from_slice(s, chunk) * 0.0;
+        sum = sum + i.load_f32(chunk) * 0.0;
     }
     sum.simd_eq(0.0).all_true() && rest.iter().all(|v| v.is_finite())
 }
@@ -215,7 +169,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn lanes_snap_as_the_scalar_does() {
+    fn every_level_snaps_alike() {
         let size = TargetSize::new(640, 480).unwrap();
         let mut state = 1u32;
         let mut next = || {
@@ -235,11 +189,17 @@ mod tests {
         matrix.z_axis = (0.1, 0.2, 0.0, 1.0).into();
         matrix.w_axis = (0.0, 0.0, 0.01, 0.3).into();
         let transform = Transform::new(&matrix, size);
-        let (mut plain, mut lanes) = (alloc::vec![[0; 2]; 4001], alloc::vec![[0; 2]; 4001]);
-        snap_all_scalar(&positions, &transform, &mut plain);
+        let (mut one, mut lanes) = (alloc::vec![[0; 2]; 4001], alloc::vec![[0; 2]; 4001]);
+        snap_all(Level::fallback(), &positions, &transform, &mut one);
         snap_all(Level::new(), &positions, &transform, &mut lanes);
-        assert_eq!(plain, lanes);
-        let special = plain.iter().filter(|&&p| p == SPECIAL).count();
+        assert_eq!(one, lanes);
+        // What is taken as it is has the position of the form for pieces.
+        for (&position, &found) in positions.iter().zip(&one) {
+            if found != SPECIAL {
+                assert_eq!(found, crate::edge::snap(transform.apply(position)));
+            }
+        }
+        let special = one.iter().filter(|&&p| p == SPECIAL).count();
         assert!(
             special > 500 && special < 3500,
             "{special} special vertices"

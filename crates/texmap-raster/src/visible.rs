@@ -1,13 +1,11 @@
 //! Visibility: per pixel the nearest depth and the fragment that has it.
 use alloc::vec::Vec;
 
-use texmap_math::lanes::LANES;
-
-use crate::blocks::{Runs, TileBlocks};
-use crate::edge::{Edge, PixelBox, cover};
+use crate::blocks::{TileBlocks, pixel_of};
 use crate::prepared::decides_visibility;
-use crate::setup::{Fragment, TILE, TriangleSetup};
-use crate::{DepthTest, Draw, Pass, Prepared, block_index};
+use crate::setup::{Fragment, TILE};
+use crate::stamp::BLOCK_PIXELS;
+use crate::{Prepared, block_index};
 
 /// The id of a pixel where nothing was drawn.
 pub const NONE: u32 = u32::MAX;
@@ -66,11 +64,11 @@ pub trait AlphaTest {
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct UvBlock {
     /// Values.
-    pub value: [[f32; LANES]; 2],
+    pub value: [[f32; BLOCK_PIXELS]; 2],
     /// Change per pixel to the right.
-    pub ddx: [[f32; LANES]; 2],
+    pub ddx: [[f32; BLOCK_PIXELS]; 2],
     /// Change per pixel down.
-    pub ddy: [[f32; LANES]; 2],
+    pub ddy: [[f32; BLOCK_PIXELS]; 2],
 }
 
 /// Keeps everything: for scenes without cut-outs.
@@ -105,114 +103,23 @@ impl Prepared<'_> {
         out.blocks = blocks;
     }
 
-    /// The plain form, pixel by pixel. `at(x, y, depth, slot)` writes what is given at a pixel of the tile and returns the
-    /// depth there.
-    pub(crate) fn visible_plain(
-        &self,
-        tile: usize,
-        alpha: &dyn AlphaTest,
-        offset: [i32; 2],
-        mut at: impl FnMut(u32, u32, Option<f32>, Option<u32>) -> f32,
-    ) {
-        let mut fragment = Fragment::default();
-        let bounds = self.tile(tile);
-        self.for_each(
-            tile,
-            &|d| decides_visibility(d.pass),
-            offset,
-            |of, setup, edges, pixels| {
-                let draw = self.draw(of.draw);
-                let (_, triangle) = self.source(of.id);
-                cover(edges, pixels, |x, y| {
-                    let (x, y) = (x as u32, y as u32);
-                    let (tx, ty) = (x - bounds.x0, y - bounds.y0);
-                    let depth = setup.depth_at(x, y, offset);
-                    if !passes(draw.depth_test, depth, at(tx, ty, None, None)) {
-                        return;
-                    }
-                    if draw.pass == Pass::CutOut {
-                        setup.evaluate(x, y, &mut fragment);
-                        if !alpha.keep(of.draw, triangle, &fragment) {
-                            return;
-                        }
-                    }
-                    at(tx, ty, draw.depth_write.then_some(depth), Some(of.slot));
-                });
-            },
-        );
-    }
-
     /// Calls `sink` with each fragment (id, x, y) of the blended draws that passes the depth test against `buffers`, in
-    /// submitted order.
+    /// submitted order; within a triangle in 4x4 blocks.
     pub fn blended(&self, tile: usize, buffers: &TileBuffers, sink: &mut dyn FnMut(u32, u32, u32)) {
         let bounds = self.tile(tile);
-        self.for_each(
-            tile,
-            &|d| !decides_visibility(d.pass),
-            [0; 2],
-            |of, setup, edges, pixels| {
-                let draw = self.draw(of.draw);
-                cover(edges, pixels, |x, y| {
-                    let (x, y) = (x as u32, y as u32);
-                    let index = ((y - bounds.y0) * TILE + (x - bounds.x0)) as usize;
-                    if passes(draw.depth_test, setup.depth(x, y), buffers.depth[index]) {
-                        sink(of.id, x, y);
-                    }
-                });
-            },
-        );
-    }
-
-    /// Visits the tile's triangles of some draws, in submitted order: what it is, set-up, edges, pixels.
-    pub(crate) fn for_each(
-        &self,
-        tile_index: usize,
-        wanted: &dyn Fn(&Draw<'_>) -> bool,
-        offset: [i32; 2],
-        mut visit: impl FnMut(Fragmented, &TriangleSetup, &[Edge; 3], PixelBox),
-    ) {
-        let tile = self.tile(tile_index);
-        let bounds = PixelBox {
-            x0: tile.x0 as i32,
-            y0: tile.y0 as i32,
-            x1: (tile.x0 + tile.width) as i32 - 1,
-            y1: (tile.y0 + tile.height) as i32 - 1,
-        };
-        let mut runs = Runs::new(self, tile_index);
-        while let Some(run) = runs.next() {
-            let draw_index = run.draw as u32;
-            if !wanted(self.draw(draw_index)) {
-                continue;
-            }
-            for (lane, &id) in run.ids.iter().enumerate() {
-                let (shape, pixels) = self.shape_at(id, offset);
-                if let Some(pixels) = pixels.and_then(|p| p.intersect(bounds)) {
-                    let setup = TriangleSetup::new(&shape, tile.x0 / TILE, tile.y0 / TILE);
-                    let fragment = Fragmented {
-                        slot: (run.first_slot + lane) as u32,
-                        id,
-                        draw: draw_index,
-                    };
-                    visit(fragment, &setup, &shape.edges, pixels);
-                }
+        let (mut blocks, mut list) = (TileBlocks::new(), Vec::new());
+        for (y, row) in (0..TILE).zip(buffers.depth.chunks_exact(TILE as usize)) {
+            for (x, depth) in (0..TILE).zip(row) {
+                blocks.depth[block_index(x, y)] = *depth;
             }
         }
-    }
-}
-
-/// A triangle of a tile.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Fragmented {
-    pub slot: u32,
-    pub id: u32,
-    pub draw: u32,
-}
-
-/// The depth test; depth is reversed, so nearer is larger.
-pub(crate) fn passes(test: DepthTest, depth: f32, stored: f32) -> bool {
-    match test {
-        DepthTest::Less => depth > stored,
-        DepthTest::LessOrEqual => depth >= stored,
-        DepthTest::Always => true,
+        let is_blended = |draw: &crate::Draw<'_>| !decides_visibility(draw.pass);
+        self.forward_blocks(tile, &mut blocks, &is_blended, &mut list);
+        for at in list {
+            for bit in (0..16).filter(|bit| at.mask >> bit & 1 == 1) {
+                let (x, y) = pixel_of(usize::from(at.block), bit);
+                sink(blocks.ids[at.slot as usize], bounds.x0 + x, bounds.y0 + y);
+            }
+        }
     }
 }

@@ -6,12 +6,9 @@ use std::error::Error;
 use texmap_light::{Light, Surface};
 use texmap_math::Camera;
 use texmap_math::glam::DVec3;
-use texmap_raster::DepthTest;
 use texmap_render::{Settings, render};
 use texmap_sample::{ColorSpace, Filter, Origin, Sampler, Texture2d, UvTransform};
-use texmap_scene::{
-    AlphaMode, ColorMode, Material, Mesh, Scene, Shading, TextureRole, TextureSlot,
-};
+use texmap_scene::{AlphaMode, Material, Mesh, Scene, Shading, TextureRole, TextureSlot};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let checker = texture(64, |x, y| {
@@ -64,17 +61,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         ..Material::default()
     };
     let scene = Scene {
-        camera: Camera {
-            eye: DVec3::new(0.0, 1.5, 6.0),
-            look: DVec3::new(0.0, 0.8, 0.0),
-            up: DVec3::Y,
-            fov_x: 1.0,
-            near: 1e-4,
-            far: f64::INFINITY,
-        },
         background: [0.6, 0.8, 1.0, 1.0],
-        color: ColorMode::Srgb,
-        depth_test: DepthTest::Less,
         lights: vec![
             Light::Ambient { color: [0.3; 3] },
             Light::Directional {
@@ -116,8 +103,14 @@ fn main() -> Result<(), Box<dyn Error>> {
                 [1.0; 2],
             ),
         ],
-        warnings: Vec::new(),
-        effects: Default::default(),
+        ..Scene::new(Camera {
+            eye: DVec3::new(0.0, 1.5, 6.0),
+            look: DVec3::new(0.0, 0.8, 0.0),
+            up: DVec3::Y,
+            fov_x: 1.0,
+            near: 1e-4,
+            far: f64::INFINITY,
+        })
     };
     let frame = render(
         &scene,

@@ -2,11 +2,12 @@
 
 use std::sync::LazyLock;
 
-use texmap_light::lanes::{EnvironmentView, RayLanes};
+use texmap_light::lanes::RayLanes;
 use texmap_light::{Environment, Ray};
 use texmap_math::fearless_simd::{f32x16, prelude::*};
 use texmap_math::glam::DMat4;
 use texmap_math::lanes::below;
+use texmap_math::simd::X16;
 use texmap_math::{Level, ViewRays, on_wide_level};
 use texmap_raster::DepthTest;
 
@@ -57,7 +58,6 @@ pub(crate) fn behind<'s>() -> Surface<'s> {
 /// An environment as the stages read it.
 pub(crate) struct SkyStage<'s> {
     environment: &'s Environment,
-    view: EnvironmentView<'s>,
     /// Through the places of a pixel that are looked up: one or more for each texel that it sees.
     rays: Vec<EyeRays>,
 }
@@ -77,7 +77,6 @@ impl<'s> SkyStage<'s> {
         let places = (0..side).flat_map(|j| (0..side).map(move |i| (i, j)));
         Self {
             environment,
-            view: EnvironmentView::new(environment),
             rays: places
                 .map(|(i, j)| middle.beside([inside(i), inside(j)]))
                 .collect(),
@@ -96,7 +95,7 @@ impl<'s> SkyStage<'s> {
                     for rays in &self.rays {
                         let [x, y, z] = rays.block(s, pixel);
                         let ray = RayLanes { direction: [-x, -y, -z], dx: [zero; 3], dy: [zero; 3] };
-                        let light = self.view.light_lanes(s, &ray);
+                        let light = self.environment.radiance(X16(s), &ray);
                         for k in 0..3 {
                             sum[k] += light[k];
                         }

@@ -3,11 +3,12 @@
 use core::f32::consts::TAU;
 
 use texmap_light::bump_on;
-use texmap_light::lanes::{V3, affine_lanes, bump_on_lanes, cross_lanes, dot_lanes};
+use texmap_light::lanes::{V3, affine, bump_on as bump_lanes, cross, dot};
 use texmap_math::det32;
 use texmap_math::fearless_simd::{Simd, f32x16, prelude::*};
 use texmap_math::glam::{DMat4, DVec4};
 use texmap_math::lanes::above;
+use texmap_math::simd::X16;
 use texmap_sample::gradient_noise;
 use texmap_sample::lanes::gradient_noise_lanes;
 
@@ -109,7 +110,7 @@ impl Carved {
         n: V3<S>,
     ) -> V3<S> {
         let zero = f32x16::splat(s, 0.0);
-        let pixel = above(dot_lanes(dx, dx), dot_lanes(dy, dy)).sqrt();
+        let pixel = above(dot(dx, dx), dot(dy, dy)).sqrt();
         let step = above(pixel * 0.5, f32x16::splat(s, self.step));
         let [t, b] = along_lanes(s, n);
         let flat = t[0].simd_eq(zero) & t[1].simd_eq(zero) & t[2].simd_eq(zero);
@@ -118,7 +119,7 @@ impl Carved {
             self.slope(s, position, t, step, pixel),
             self.slope(s, position, b, step, pixel),
         );
-        let turned = bump_on_lanes(s, n, t, b, b_u, b_v);
+        let turned = bump_lanes(X16(s), n, t, b, b_u, b_v);
         [
             useful.select(turned[0], n[0]),
             useful.select(turned[1], n[1]),
@@ -155,7 +156,7 @@ impl Carved {
 
     #[inline(always)]
     fn values_lanes<S: Simd>(&self, s: S, p: V3<S>, width: f32x16<S>) -> f32x16<S> {
-        let place = affine_lanes(&self.rows, p);
+        let place = affine(&self.rows, p);
         let width = width / (512.0 * self.step);
         let (around, fold) = match self.heights {
             Carving::Pattern(pattern) => return pattern.value_lanes(s, place, width),
@@ -169,7 +170,7 @@ impl Carved {
             ];
         }
         let [x, y, z] = place;
-        let turns = det32::atan2_lanes(texmap_math::simd::X16(s), z, x) / TAU * around + noise[0];
+        let turns = det32::atan2_lanes(X16(s), z, x) / TAU * around + noise[0];
         let radius = (x * x + z * z).sqrt();
         let narrow = width * around / (radius * TAU);
         let wave = wave_lanes(s, turns, narrow) * 0.5;
@@ -184,7 +185,7 @@ fn wave_lanes<S: Simd>(s: S, turns: f32x16<S>, width: f32x16<S>) -> f32x16<S> {
     let left = 1.5 - width * 2.0;
     let seen = left.simd_gt(zero).select(left, zero);
     let seen = left.simd_ge(one).select(one, seen);
-    seen * det32::cos_lanes(texmap_math::simd::X16(s), (turns - turns.floor()) * TAU)
+    seen * det32::cos_lanes(X16(s), (turns - turns.floor()) * TAU)
 }
 
 /// [`along`] for sixteen.
@@ -197,12 +198,12 @@ fn along_lanes<S: Simd>(s: S, n: V3<S>) -> [V3<S>; 2] {
         steep.select(zero, z),
         steep.select(x, -y),
     ];
-    let length = dot_lanes(t, t).sqrt();
+    let length = dot(t, t).sqrt();
     let some = length.simd_gt(zero) & length.simd_lt(f32::INFINITY);
     for c in &mut t {
         *c = some.select(*c / length, zero);
     }
-    [t, cross_lanes(n, t)]
+    [t, cross(n, t)]
 }
 
 /// Two unit vectors square to a unit vector and to each other; zero for none.

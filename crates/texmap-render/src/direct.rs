@@ -2,6 +2,7 @@
 
 use texmap_math::Level;
 use texmap_math::fearless_simd::{Simd, f32x16, i32x16, prelude::*, u32x16};
+use texmap_math::simd::X16;
 use texmap_raster::{
     BlockSink, BlockValues, NONE, RUN, RUN_ROOM, RunBlock, TileBlocks, TilePlanes,
 };
@@ -161,11 +162,11 @@ impl<'a> From<'a> {
 
 /// Shows the values of blocks.
 pub(crate) trait Source<S: Simd> {
-    fn each<const D: bool, K: BlockSink<S>>(&self, s: S, run: &[RunBlock], sink: &mut K);
+    fn each<const D: bool, K: BlockSink<X16<S>>>(&self, s: S, run: &[RunBlock], sink: &mut K);
 
     /// [`each`](Self::each) in a loop that leaves registers to the sink; false, with nothing done, where it does not serve.
     #[inline(always)]
-    fn each_named<const D: bool, K: BlockSink<S>>(
+    fn each_named<const D: bool, K: BlockSink<X16<S>>>(
         &self,
         _s: S,
         _run: &[RunBlock],
@@ -190,21 +191,21 @@ pub(crate) struct Blocks<'a> {
 impl Blocks<'_> {
     #[inline(always)]
     fn only_slot<S: Simd>(&self, s: S, at: Option<&RunBlock>) -> Option<u32> {
-        self.planes.only_slot(s, self.blocks, *at?)
+        self.planes.only_slot(X16(s), self.blocks, *at?)
     }
 }
 
 impl<S: Simd> Source<S> for Blocks<'_> {
     #[inline(always)]
-    fn each<const D: bool, K: BlockSink<S>>(&self, s: S, run: &[RunBlock], sink: &mut K) {
+    fn each<const D: bool, K: BlockSink<X16<S>>>(&self, s: S, run: &[RunBlock], sink: &mut K) {
         if !self.each_named::<D, K>(s, run, sink) {
             self.planes
-                .each_block::<_, D, _>(s, self.blocks, run, [0, 1], sink);
+                .each_block::<_, D, _>(X16(s), self.blocks, run, [0, 1], sink);
         }
     }
 
     #[inline(always)]
-    fn each_named<const D: bool, K: BlockSink<S>>(
+    fn each_named<const D: bool, K: BlockSink<X16<S>>>(
         &self,
         s: S,
         run: &[RunBlock],
@@ -212,7 +213,7 @@ impl<S: Simd> Source<S> for Blocks<'_> {
     ) -> bool {
         let named = self.planes.is_plain() && run.iter().all(|at| at.slot != NONE);
         if named {
-            self.planes.each_named::<_, D, _>(s, run, [0, 1], sink);
+            self.planes.each_named::<_, D, _>(X16(s), run, [0, 1], sink);
         }
         named
     }
@@ -398,9 +399,9 @@ struct Nearest<'a, 'v, S: Simd, B> {
     brush: &'a mut B,
 }
 
-impl<S: Simd, B: Brush<S>> BlockSink<S> for Nearest<'_, '_, S, B> {
+impl<S: Simd, B: Brush<S>> BlockSink<X16<S>> for Nearest<'_, '_, S, B> {
     #[inline(always)]
-    fn block(&mut self, s: S, _i: usize, at: RunBlock, values: &BlockValues<S>) {
+    fn pixels(&mut self, X16(s): X16<S>, _: usize, at: RunBlock, values: &BlockValues<X16<S>>) {
         let [u, v] = values.value;
         self.brush.block(s, at, self.texels.nearest(s, u, v));
     }
@@ -410,10 +411,10 @@ struct Placed<'a> {
     levels: &'a mut Levels,
 }
 
-impl<S: Simd> BlockSink<S> for Placed<'_> {
+impl<S: Simd> BlockSink<X16<S>> for Placed<'_> {
     #[inline(always)]
-    fn block(&mut self, _s: S, i: usize, _at: RunBlock, values: &BlockValues<S>) {
-        self.levels.uv.put(i, values.value);
+    fn pixels(&mut self, _: X16<S>, place: usize, _at: RunBlock, values: &BlockValues<X16<S>>) {
+        self.levels.uv.put(place / LANES, values.value);
     }
 }
 
@@ -422,16 +423,22 @@ struct Leveled<'a> {
     levels: &'a mut Levels,
 }
 
-impl<S: Simd> BlockSink<S> for Leveled<'_> {
+impl<S: Simd> BlockSink<X16<S>> for Leveled<'_> {
     #[inline(always)]
-    fn block(&mut self, s: S, i: usize, _at: RunBlock, values: &BlockValues<S>) {
+    fn pixels(
+        &mut self,
+        X16(s): X16<S>,
+        place: usize,
+        _at: RunBlock,
+        values: &BlockValues<X16<S>>,
+    ) {
         let ([ux, vx], [uy, vy]) = (values.ddx, values.ddy);
         let lod = packed::lod_lanes(
             s,
             self.view,
             &FootprintLanes::new(s, self.view, ux, vx, uy, vy),
         );
-        self.levels.uv.put(i, values.value);
-        lod.store_slice(&mut self.levels.lod[i * LANES..(i + 1) * LANES]);
+        self.levels.uv.put(place / LANES, values.value);
+        lod.store_slice(&mut self.levels.lod[place..place + LANES]);
     }
 }

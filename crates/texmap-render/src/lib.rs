@@ -1,13 +1,16 @@
 //! Scenes to frames: the thin renderer that joins texmap's crates.
 //!
-//! A [`Scene`] is data: camera, lights, textures, materials, meshes. [`render`] checks all of it, plans which values each
+//! A [`Scene`](scene::Scene) is data: camera, lights, textures, materials, meshes. [`render`] checks all of it, plans which values each
 //! mesh needs per vertex and which stages run on its pixels, and draws tiles of 64 x 64 pixels: visibility of opaque and
 //! cut-out surfaces first, each visible pixel shaded once, blended surfaces over them in submission order. A stage that a
 //! material lacks is not run.
 //!
+//! Meshes are drawn as triangles. Where a scene has displacement maps or billboards, `texmap_mesh::tessellate` comes first; a scene that
+//! still holds them is refused.
+//!
 //! # Conventions
 //! Right-handed space, +Y up; the camera looks along -Z of its own space; fronts are counter-clockwise. Rows run from top
-//! to bottom. Angles are radians. Colours are linear light, or raw values under [`ColorMode::Raw`]; the background alone is
+//! to bottom. Angles are radians. Colours are linear light, or raw values under [`ColorMode::Raw`](scene::ColorMode::Raw); the background alone is
 //! sRGB. Depth is reversed: 1 at the near plane, 0 at infinity. The same input gives the same bytes on every machine, for
 //! any number of threads.
 //!
@@ -23,7 +26,8 @@
 //! ```
 //! use texmap_light::Surface;
 //! use texmap_math::{Camera, glam::DVec3};
-//! use texmap_render::{ColorMode, Material, Mesh, Scene, Settings, Shading, render};
+//! use texmap_render::{Settings, render};
+//! use texmap_scene::{Material, Mesh, Scene, Shading};
 //!
 //! let camera = Camera {
 //!     eye: DVec3::new(0.0, 0.0, 2.0), look: DVec3::ZERO, up: DVec3::Y,
@@ -36,10 +40,10 @@
 //!     ..Mesh::default()
 //! };
 //! let scene = Scene {
-//!     camera, background: [0.0, 0.0, 1.0, 1.0], color: ColorMode::Srgb, depth_test: Default::default(),
-//!     lights: vec![], textures: vec![], warnings: vec![], effects: Default::default(),
+//!     background: [0.0, 0.0, 1.0, 1.0],
 //!     materials: vec![Material { surface: red, shading: Shading::Unlit, ..Material::default() }],
 //!     meshes: vec![triangle],
+//!     ..Scene::new(camera)
 //! };
 //! let frame = render(&scene, &Settings::new(64, 64), &|_done, _of| ())?;
 //! let middle = (32 * 64 + 32) * 4;
@@ -65,7 +69,6 @@
 )]
 
 mod backdrop;
-mod bake;
 mod block;
 mod canvas;
 mod carved;
@@ -78,7 +81,6 @@ mod lit;
 mod lit_lanes;
 mod lit_texels;
 mod plan;
-pub mod planner;
 mod ready;
 mod relief;
 mod render;
@@ -92,10 +94,8 @@ mod texel;
 mod textures;
 mod tile;
 mod vertices;
-mod views;
 mod volume;
 
-pub use bake::{BakeOptions, LightMap, bake};
 pub use error::RenderError;
 pub use frame::{AovData, Frame, HOLE_BITS, Stats, Times, hash_pixels, pixel_hash};
 pub use render::{Renderer, render, render_ordered};
@@ -103,4 +103,3 @@ pub use settings::{Aov, Settings, UnknownAov};
 pub use shadow::{shadow_map, shadow_map_for};
 /// The crate of scenes.
 pub use texmap_scene as scene;
-pub use views::environment_of;

@@ -8,8 +8,7 @@ mod ground;
 mod side;
 mod vectors;
 
-use texmap_light::lanes::EnvironmentView;
-use texmap_light::{Light, NormalMap, Power, ShadowReader, Surface as Numbers};
+use texmap_light::{Environment, Light, NormalMap, Power, ShadowReader, Surface as Numbers};
 use texmap_math::Level;
 use texmap_math::fearless_simd::prelude::*;
 use texmap_math::on_wide_level;
@@ -44,9 +43,9 @@ pub(crate) struct LitLanes<'a> {
     baked: Option<(f32, &'a Slot<'a>, usize)>,
     /// Paint, the later over the earlier.
     paints: Vec<Cast<'a>>,
-    mirror: Option<(EnvironmentView<'a>, f32)>,
+    mirror: Option<(&'a Environment, f32)>,
     /// The environment that gives highlights.
-    specular: Option<EnvironmentView<'a>>,
+    specular: Option<&'a Environment>,
     /// Textures in place of numbers, by [`SurfaceEffects::maps`].
     maps: [Option<&'a Slot<'a>>; MAPS],
     look_ups: LookUps<'a>,
@@ -208,7 +207,7 @@ impl<'a> LitLanes<'a> {
         if self.position.is_some() {
             self.paints.extend(ready.paints.iter().map(Cast::new));
         }
-        let mirror = |index: usize| EnvironmentView::new(&ready.environments[index]);
+        let mirror = |index: usize| &ready.environments[index];
         self.mirror = effects
             .reflection()
             .map(|(environment, share)| (mirror(environment), share));

@@ -6,6 +6,7 @@ mod slide;
 
 use texmap_math::Level;
 use texmap_math::fearless_simd::{Simd, f32x16, i32x16, prelude::*};
+use texmap_math::simd::X16;
 use texmap_raster::{
     BlockSink, BlockValues, RUN_ROOM, RunBlock, RunValues, TileBlocks, TilePlanes,
 };
@@ -189,10 +190,10 @@ impl<'a> LookUps<'a> {
                 spots,
                 same: self.same_levels,
             };
-            planes.each_block::<_, true, _>(s, blocks, run, [0, 1], &mut sink);
+            planes.each_block::<_, true, _>(X16(s), blocks, run, [0, 1], &mut sink);
         } else {
             let mut sink = Placed { spots };
-            planes.each_block::<_, false, _>(s, blocks, run, [0, 1], &mut sink);
+            planes.each_block::<_, false, _>(X16(s), blocks, run, [0, 1], &mut sink);
         }
         for (k, (view, out)) in views.iter().zip(out).enumerate() {
             if let Some(view) = view {
@@ -214,10 +215,10 @@ struct Placed<'a> {
     spots: &'a mut Spots,
 }
 
-impl<S: Simd> BlockSink<S> for Placed<'_> {
+impl<S: Simd> BlockSink<X16<S>> for Placed<'_> {
     #[inline(always)]
-    fn block(&mut self, _s: S, i: usize, _at: RunBlock, values: &BlockValues<S>) {
-        self.spots.uv.put(i, values.value);
+    fn pixels(&mut self, _: X16<S>, place: usize, _at: RunBlock, values: &BlockValues<X16<S>>) {
+        self.spots.uv.put(place / LANES, values.value);
     }
 }
 
@@ -228,17 +229,23 @@ struct Leveled<'a> {
     same: bool,
 }
 
-impl<S: Simd> BlockSink<S> for Leveled<'_> {
+impl<S: Simd> BlockSink<X16<S>> for Leveled<'_> {
     #[inline(always)]
-    fn block(&mut self, s: S, i: usize, _at: RunBlock, values: &BlockValues<S>) {
+    fn pixels(
+        &mut self,
+        X16(s): X16<S>,
+        place: usize,
+        _at: RunBlock,
+        values: &BlockValues<X16<S>>,
+    ) {
         let ([ux, vx], [uy, vy]) = (values.ddx, values.ddy);
-        self.spots.uv.put(i, values.value);
+        self.spots.uv.put(place / LANES, values.value);
         let views = &self.views[..if self.same { 1 } else { 2 }];
         for (view, lods) in views.iter().zip(&mut self.spots.lods) {
             if let Some(view) = view {
                 let footprint = FootprintLanes::new(s, view, ux, vx, uy, vy);
                 let lod = packed::lod_lanes(s, view, &footprint);
-                lod.store_slice(&mut lods[i * LANES..(i + 1) * LANES]);
+                lod.store_slice(&mut lods[place..place + LANES]);
             }
         }
     }
@@ -256,7 +263,7 @@ mod tests {
     use texmap_sample::{
         ColorSpace, Filter, Origin, Precision, Sampler, Texture2d, UvTransform, Wrap,
     };
-    use texmap_scene::{ColorMode, Effects, Scene, TextureSlot};
+    use texmap_scene::{ColorMode, Scene, TextureSlot};
 
     pub(super) fn noise(width: u32, height: u32) -> Texture2d<'static> {
         bordered(width, height, 0)
@@ -283,23 +290,18 @@ mod tests {
 
     fn scene(textures: Vec<Texture2d<'static>>) -> Scene {
         Scene {
-            camera: Camera {
+            background: [0.0; 4],
+            color: ColorMode::Raw,
+            depth_test: texmap_raster::DepthTest::Less,
+            textures,
+            ..Scene::new(Camera {
                 eye: DVec3::Z,
                 look: DVec3::ZERO,
                 up: DVec3::Y,
                 fov_x: 1.0,
                 near: 0.1,
                 far: 10.0,
-            },
-            background: [0.0; 4],
-            color: ColorMode::Raw,
-            depth_test: texmap_raster::DepthTest::Less,
-            lights: Vec::new(),
-            textures,
-            materials: Vec::new(),
-            meshes: Vec::new(),
-            warnings: Vec::new(),
-            effects: Effects::default(),
+            })
         }
     }
 

@@ -168,7 +168,7 @@ mod tests {
     use super::*;
     use texmap_math::Camera;
     use texmap_math::glam::DVec3;
-    use texmap_raster::{DepthTest, Pass};
+    use texmap_raster::Pass;
     use texmap_sample::{ColorSpace, Filter, Origin, Sampler, Texture2d, UvTransform, Wrap};
 
     use texmap_scene::{AlphaMode, Material, Mesh, Shading, TextureRole, TextureSlot};
@@ -183,23 +183,19 @@ mod tests {
             ..Mesh::default()
         };
         Scene {
-            camera: Camera {
+            background: [0.0; 4],
+            lights: vec![Light::Ambient { color: [1.0; 3] }],
+            textures: vec![texture],
+            materials: vec![material],
+            meshes: vec![mesh],
+            ..Scene::new(Camera {
                 eye: DVec3::new(0.0, 0.0, 5.0),
                 look: DVec3::ZERO,
                 up: DVec3::Y,
                 fov_x: 1.0,
                 near: 1e-4,
                 far: f64::INFINITY,
-            },
-            background: [0.0; 4],
-            color: texmap_scene::ColorMode::Srgb,
-            depth_test: DepthTest::Less,
-            lights: vec![Light::Ambient { color: [1.0; 3] }],
-            textures: vec![texture],
-            materials: vec![material],
-            meshes: vec![mesh],
-            warnings: Vec::new(),
-            effects: Default::default(),
+            })
         }
     }
 

@@ -1,10 +1,11 @@
 //! What turns the normal of a sample without moving the surface: bump and offset maps, carvings, normal maps.
 
-use texmap_light::lanes::{V3, bump_on_lanes};
+use texmap_light::lanes::{V3, bump_on as bump_lanes};
 use texmap_light::{Green, NormalMap, bump_on, decode_offsets, unit};
 use texmap_math::fearless_simd::{Simd, f32x16, prelude::*};
 use texmap_math::glam::{DMat3, DVec3};
 use texmap_math::lanes::above;
+use texmap_math::simd::{Scalar, X16};
 use texmap_math::{Footprint, Level, narrow, wide};
 use texmap_raster::RunValues;
 use texmap_sample::Origin;
@@ -132,7 +133,7 @@ impl<'s> ReliefStage<'s> {
                 let front = at.fragment.front;
                 match *space {
                     Space::Object(normal_to_world) => {
-                        let world = normal_to_world * wide(map.decode(texel));
+                        let world = normal_to_world * wide(map.decode(Scalar, texel));
                         unit(narrow(if front { world } else { -world }))
                     }
                     Space::Tangent(first) => {
@@ -141,7 +142,7 @@ impl<'s> ReliefStage<'s> {
                         // The frame belongs to the front; on the back N and so B are turned round with it.
                         let sign = if front { sign } else { -sign };
                         let sign = if sign < 0.0 { -1.0 } else { 1.0 };
-                        map.turn(n, [x, y, z, sign], texel)
+                        map.turn(Scalar, n, [x, y, z], sign, texel)
                     }
                 }
             }
@@ -270,7 +271,7 @@ impl SlopeTexels {
             o_v[k] = (py[k] * ux - px[k] * uy) / det;
         }
         let [b_u, b_v] = self.slopes.at(s, i);
-        let bumped = bump_on_lanes(s, n, o_u, o_v, b_u, b_v);
+        let bumped = bump_lanes(X16(s), n, o_u, o_v, b_u, b_v);
         [
             useful.select(bumped[0], n[0]),
             useful.select(bumped[1], n[1]),

@@ -169,23 +169,18 @@ mod tests {
             ..Mesh::default()
         };
         Scene {
-            camera: Camera {
+            background: [0.0; 4],
+            lights: vec![light],
+            materials: vec![Material::default()],
+            meshes: vec![floor, top],
+            ..Scene::new(Camera {
                 eye: DVec3::new(0.0, 2.0, 5.0),
                 look: DVec3::ZERO,
                 up: DVec3::Y,
                 fov_x: 1.0,
                 near: 1e-4,
                 far: f64::INFINITY,
-            },
-            background: [0.0; 4],
-            color: texmap_scene::ColorMode::Srgb,
-            depth_test: DepthTest::Less,
-            lights: vec![light],
-            textures: Vec::new(),
-            materials: vec![Material::default()],
-            meshes: vec![floor, top],
-            warnings: Vec::new(),
-            effects: Default::default(),
+            })
         }
     }
 

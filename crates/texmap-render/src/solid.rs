@@ -1,6 +1,6 @@
 //! Solid textures: colour as a function of the place in space, carved by the surface (Perlin 1985; Peachey 1985).
 
-use texmap_light::lanes::{V3, dot_lanes};
+use texmap_light::lanes::{V3, dot};
 use texmap_math::fearless_simd::{Simd, prelude::*};
 use texmap_math::lanes::above;
 use texmap_math::{Level, on_wide_level};
@@ -54,7 +54,7 @@ impl<'s> SolidStage<'s> {
                         self.along_lanes(s, [&x.ddx, &y.ddx, &z.ddx], i),
                         self.along_lanes(s, [&x.ddy, &y.ddy, &z.ddy], i),
                     ];
-                    let width = above(dot_lanes(dx, dx), dot_lanes(dy, dy)).sqrt();
+                    let width = above(dot(dx, dx), dot(dy, dy)).sqrt();
                     pattern.value_lanes(s, place, width).store_slice(&mut out[at]);
                 }
                 true

@@ -10,7 +10,7 @@ use crate::TextureSlot;
 /// Effects of a whole scene. None costs anything where it is not named.
 #[derive(Clone, Debug, Default)]
 pub struct Effects {
-    /// Names of lights in their order, for [`Scene::shadow_aov`](crate::Scene::shadow_aov); an empty name, or a list that ends
+    /// Names of lights in their order, for [`Scene::light_named`](crate::Scene::light_named); an empty name, or a list that ends
     /// early, is no name.
     pub light_names: Vec<String>,
     /// Lights that throw shadows.

@@ -11,7 +11,7 @@ use crate::{Emission, LightMapSlot, Reflection, Relief, Solid, SurfaceMaps};
 pub struct Material {
     /// For messages.
     pub name: String,
-    /// Base colour (linear light; raw under [`ColorMode::Raw`]) and its answer to light.
+    /// Base colour (linear light; raw under [`ColorMode::Raw`](crate::ColorMode::Raw)) and its answer to light.
     pub surface: Surface,
     /// 0 (clear) to 1; multiplies the alpha of the texture. Read by [`AlphaMode::Test`] and
     /// [`AlphaMode::Blend`].
@@ -60,7 +60,7 @@ pub struct Material {
     pub light_map: Option<LightMapSlot>,
     /// A mirrored environment. Read by [`Shading::PerPixel`].
     pub reflection: Option<Reflection>,
-    /// A specular map: index into [`Effects::environments`] of area lights blurred by the highlight's lobe, looked up along the
+    /// A specular map: index into [`Effects::environments`](crate::Effects::environments) of area lights blurred by the highlight's lobe, looked up along the
     /// mirrored view, times `ks`; per pixel or per vertex, as the shading is.
     pub specular_map: Option<usize>,
 }
@@ -142,12 +142,24 @@ impl Material {
 /// A texture and how it is read.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TextureSlot {
-    /// Index into [`Scene::textures`].
+    /// Index into [`Scene::textures`](crate::Scene::textures).
     pub texture: usize,
     /// Filter, wrap modes, level of detail.
     pub sampler: Sampler,
     /// Applied to the coordinates of the mesh before the look-up.
     pub transform: UvTransform,
+}
+
+impl TextureSlot {
+    /// The texture of this index in [`Scene::textures`](crate::Scene::textures), by the default sampler and without a transform.
+    #[must_use]
+    pub fn new(texture: usize) -> Self {
+        Self {
+            texture,
+            sampler: Sampler::default(),
+            transform: UvTransform::default(),
+        }
+    }
 }
 
 /// What a texel does to the surface colour.

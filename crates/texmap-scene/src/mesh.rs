@@ -29,7 +29,7 @@ pub struct Mesh {
     /// Empty, or the source face of each triangle (for the `face` AOV and for errors). Empty: the
     /// triangle's own index.
     pub faces: Vec<u32>,
-    /// Index into [`Scene::materials`].
+    /// Index into [`Scene::materials`](crate::Scene::materials).
     pub material: usize,
     /// Object to world space; may scale unevenly and mirror.
     pub world_from_object: DMat4,
@@ -46,9 +46,9 @@ pub struct Mesh {
     /// Bounds a solid, its fronts outwards and no hole in it: maps of parallel and spot lights show its fronts alone, which is half of the
     /// work and the same shadow. Lights that stand inside of it shine through.
     pub closed: bool,
-    /// A height map that moves the surface, by [`Scene::shaped`].
+    /// A height map that moves the surface, by `texmap_mesh::tessellate`.
     pub displacement: Option<Displacement>,
-    /// If not empty, the mesh is these rectangles, four vertices each: see [`Mesh::of_billboards`].
+    /// If not empty, the mesh is these rectangles, four vertices each: see `texmap_mesh::billboards`.
     pub billboards: Vec<Billboard>,
 }
 

@@ -9,7 +9,7 @@ use texmap_sample::Texture2d;
 
 use crate::{Effects, Material, Mesh};
 
-/// Everything that is drawn. A scene is data: [`render`](crate::render) reads it and changes nothing.
+/// Everything that is drawn. A scene is data: `texmap_render::render` reads it and changes nothing.
 #[derive(Clone, Debug)]
 pub struct Scene {
     /// Where the picture is taken from.
@@ -32,7 +32,7 @@ pub struct Scene {
     pub meshes: Vec<Mesh>,
     /// Shadows, projectors and environments; none by default.
     pub effects: Effects,
-    /// What the loader had to decide, one sentence each; carried into [`Frame::warnings`](crate::Frame).
+    /// What the loader had to decide, one sentence each; carried into the warnings of a frame.
     pub warnings: Vec<String>,
 }
 

@@ -151,7 +151,7 @@ fn toward(position: DVec3, direction: DVec3) -> DMat4 {
 }
 
 /// The bias of shadows that name none: the planes of receiver and caster, and a constant of 1e-4 of the scene's size. It leaves neither
-/// acne, at creases neither, nor light that leaks, with maps of [`shadow_map_for`].
+/// acne, at creases neither, nor light that leaks, with maps of `texmap_render::shadow_map_for`.
 #[must_use]
 pub fn shadow_bias(scene: &Scene) -> ShadowBias {
     let (_, half) = bounding_square(scene);

@@ -24,20 +24,6 @@
 //! ```
 #![cfg_attr(not(feature = "std"), no_std)]
 #![forbid(unsafe_code)]
-#![cfg_attr(
-    not(any(
-        target_arch = "x86",
-        target_arch = "x86_64",
-        target_arch = "aarch64",
-        all(target_arch = "wasm32", target_feature = "simd128")
-    )),
-    allow(
-        dead_code,
-        unused_imports,
-        unused_variables,
-        reason = "without a vector unit the scalar twins of the kernels do all of the work"
-    )
-)]
 extern crate alloc;
 
 mod auto;
@@ -45,7 +31,6 @@ mod cut;
 mod error;
 mod fallback;
 mod frame;
-mod lanes;
 mod layout;
 mod mapping;
 mod mesh;
@@ -58,6 +43,7 @@ mod report;
 mod seam;
 mod shells;
 mod solid;
+mod spherical;
 mod t_joint;
 mod tangent;
 mod topology;
@@ -71,7 +57,6 @@ pub use cut::{Cuts, cut, sew};
 pub use error::UvError;
 pub use fallback::{Projection, project};
 pub use frame::Frame;
-pub use lanes::{cylinder_one, cylinder_slice, sphere_one, sphere_slice};
 pub use layout::layout_svg;
 pub use mapping::{Entity, Mapped, Mapping, tile};
 pub use mesh::{Faces, Mesh, UvSet, VertexBuffer};
@@ -80,6 +65,7 @@ pub use pack::{Page, pack};
 pub use pixel::{PixelMapping, Round};
 pub use report::{Report, ReportOptions, TriangleReport, Unmapped, report, unmapped};
 pub use solid::{Origin, Part, Shape};
+pub use spherical::{cylinder_one, cylinder_slice, sphere_one, sphere_slice};
 pub use t_joint::{TJoint, TJoints, t_joints};
 pub use tangent::tangents;
 #[cfg(feature = "unwrap")]

@@ -10,7 +10,7 @@ use texmap_math::{Level, float};
 use crate::frame::{Frame, Placed};
 use crate::mesh::{Mesh, UvSet, length, unit_or_zero};
 use crate::solid::{Origin, Part, Shape};
-use crate::{UvError, lanes, parallel, plane, seam};
+use crate::{UvError, parallel, plane, seam, spherical};
 
 /// What a shape maps.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -299,8 +299,8 @@ impl Mapping {
         let points: Vec<[f32; 3]> = vectors.iter().map(on_surface).collect();
         let mut out = vec![[0.0; 2]; points.len()];
         match self.shape {
-            Shape::Sphere => lanes::sphere_slice(level, &points, self.origin, &mut out)?,
-            _ => lanes::cylinder_slice(level, &points, self.origin, &mut out)?,
+            Shape::Sphere => spherical::sphere_slice(level, &points, self.origin, &mut out)?,
+            _ => spherical::cylinder_slice(level, &points, self.origin, &mut out)?,
         }
         Ok(out)
     }

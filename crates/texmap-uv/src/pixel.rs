@@ -3,11 +3,11 @@
 
 mod kernel;
 
-use texmap_math::fearless_simd::prelude::*;
 use texmap_math::glam::{DMat4, DVec3};
-use texmap_math::lanes::LANES;
-use texmap_math::{Footprint, Level, on_level};
+use texmap_math::simd::{Isa, prelude::*};
+use texmap_math::{Footprint, Level, dispatch_simd};
 
+use crate::spherical::MAX_LANES;
 use crate::{Frame, Origin, UvError};
 
 /// The shapes with a seam.
@@ -115,40 +115,38 @@ impl PixelMapping {
                 });
             }
         }
-        on_level!(
-            level,
-            s => self.run(s, points, dx, dy, uvs, footprints),
-            else for (k, point) in points.iter().enumerate() {
-                (uvs[k], footprints[k]) = self.one(*point, dx[k], dy[k]);
-            }
-        );
+        dispatch_simd!(level, wide i => self.run(i, [points, dx, dy], uvs, footprints));
         Ok(())
     }
 
     #[inline(always)]
-    fn run<S: Simd>(
+    fn run<I: Isa>(
         &self,
-        s: S,
-        points: &[[f32; 3]],
-        dx: &[[f32; 3]],
-        dy: &[[f32; 3]],
+        i: I,
+        columns: [&[[f32; 3]]; 3],
         uvs: &mut [[f32; 2]],
         footprints: &mut [Footprint],
     ) {
-        let (full, rest) = points.as_chunks::<LANES>();
-        for (k, points) in full.iter().enumerate() {
-            let at = k * LANES;
-            let lanes = self.block(s, points, &chunk(dx, at), &chunk(dy, at));
-            store(
-                &lanes,
-                &mut uvs[at..at + LANES],
-                &mut footprints[at..at + LANES],
-            );
-        }
-        if !rest.is_empty() {
-            let at = points.len() - rest.len();
-            let lanes = self.block(s, &chunk(points, at), &chunk(dx, at), &chunk(dy, at));
-            store(&lanes, &mut uvs[at..], &mut footprints[at..]);
+        let batches = uvs
+            .chunks_mut(I::LANES)
+            .zip(footprints.chunks_mut(I::LANES));
+        for (k, (uvs, footprints)) in batches.enumerate() {
+            let mut input = [[[1.0, 0.0, 0.0]; MAX_LANES]; 3];
+            for (to, from) in input.iter_mut().zip(columns) {
+                to[..uvs.len()].copy_from_slice(&from[k * I::LANES..][..uvs.len()]);
+            }
+            let [point, dx, dy] = &input;
+            let input = [i.load_xyz(point), i.load_xyz(dx), i.load_xyz(dy)];
+            let mut lanes = [[0.0; MAX_LANES]; 6];
+            let columns = self.pixels(i, input);
+            for k in 0..6 {
+                columns[k].store(&mut lanes[k]);
+            }
+            let [u, v, du_dx, dv_dx, du_dy, dv_dy] = &lanes;
+            for (i, (uv, footprint)) in uvs.iter_mut().zip(footprints).enumerate() {
+                *uv = [u[i], v[i]];
+                *footprint = Footprint::new(du_dx[i], dv_dx[i], du_dy[i], dv_dy[i]);
+            }
         }
     }
 }
@@ -156,25 +154,6 @@ impl PixelMapping {
 /// The first three rows of an affine matrix.
 fn rows(m: &DMat4) -> [[f32; 4]; 3] {
     core::array::from_fn(|k| m.row(k).to_array().map(|c| c as f32))
-}
-
-/// Sixteen vectors from `at` on, or what there is of them.
-#[inline(always)]
-fn chunk(vectors: &[[f32; 3]], at: usize) -> [[f32; 3]; LANES] {
-    let mut out = [[1.0, 0.0, 0.0]; LANES];
-    let rest = &vectors[at..];
-    let count = rest.len().min(LANES);
-    out[..count].copy_from_slice(&rest[..count]);
-    out
-}
-
-#[inline(always)]
-fn store(lanes: &[[f32; LANES]; 6], uvs: &mut [[f32; 2]], footprints: &mut [Footprint]) {
-    let [u, v, du_dx, dv_dx, du_dy, dv_dy] = lanes;
-    for (i, (uv, footprint)) in uvs.iter_mut().zip(footprints).enumerate() {
-        *uv = [u[i], v[i]];
-        *footprint = Footprint::new(du_dx[i], dv_dx[i], du_dy[i], dv_dy[i]);
-    }
 }
 
 #[cfg(test)]

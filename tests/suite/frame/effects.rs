@@ -1,11 +1,10 @@
 //! Shadows, slides, environments, relief and light maps in whole frames.
 
+use texmap_bake::{BakeOptions, bake};
 use texmap_light::{Chart, Environment, Green, Highlight, Light, ShadowBias, SlideBorder, Surface};
 use texmap_math::Projector;
 use texmap_math::glam::{DMat4, DVec3};
-use texmap_render::{
-    Aov, AovData, BakeOptions, Frame, HOLE_BITS, Settings, bake, render, shadow_map_for,
-};
+use texmap_render::{Aov, AovData, Frame, HOLE_BITS, Settings, render, shadow_map_for};
 use texmap_sample::{Filter, Sampler};
 use texmap_scene::SceneError;
 use texmap_scene::{

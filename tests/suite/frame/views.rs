@@ -1,8 +1,8 @@
 //! The six views from within a mesh.
 
+use texmap_bake::environment_of;
 use texmap_light::Chart;
 use texmap_math::glam::{DVec2, DVec3};
-use texmap_render::environment_of;
 use texmap_scene::{ColorMode, Mesh, Scene};
 
 use crate::scenes::{empty, unlit};

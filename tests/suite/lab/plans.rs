@@ -4,7 +4,7 @@ use std::path::Path;
 use texmap_lab::verify::verify;
 use texmap_light::Light;
 use texmap_math::glam::DVec3;
-use texmap_render::planner::{Budget, choose};
+use texmap_planner::{Budget, choose};
 use texmap_render::{Settings, render};
 use texmap_scene::{Scene, Shading, Shadow, TextureRole};
 use texmap_uv::{Frame, Origin, PixelMapping, Round};

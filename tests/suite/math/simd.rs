@@ -61,7 +61,12 @@ const WORDS: [u32; 16] = [
 ];
 
 /// Every operation of one lane, as words: NaN as one word, since its payload is no result.
-const RESULTS: usize = 48;
+const RESULTS: usize = 54;
+
+/// Vectors from the numbers at `at` on, then once more from the first.
+fn vectors(at: usize) -> [[f32; 3]; 16] {
+    std::array::from_fn(|k| [0, 5, 9].map(|c| LEFT[(at + k + c) % 16] * 0.5))
+}
 
 #[inline(always)]
 fn every_operation<I: Isa>(i: I, at: usize, table: &[u32], out: &mut [[u32; 16]; RESULTS]) {
@@ -73,6 +78,12 @@ fn every_operation<I: Isa>(i: I, at: usize, table: &[u32], out: &mut [[u32; 16];
     let words = Words::new(table).expect("not empty");
     let [first, second] = i.gather_pairs(words, w & 511);
     let wide = i.widen(x) * 3.0 + i.widen(y) / 7.0 - i.f64(0.25);
+    let vector = i.load_xyz(&vectors(at)[..I::LANES]);
+    let triple = i.gather_triples(words, w & 1023);
+    let mut by_turns = [0; 32];
+    let [low, high] = i.interleave(w, v);
+    low.store(&mut by_turns);
+    high.store(&mut by_turns[I::LANES..]);
     let positive = wide.simd_gt(0.0).select(wide, i.f64(2.0)).sqrt();
     let floats = [
         x + y,
@@ -99,6 +110,9 @@ fn every_operation<I: Isa>(i: I, at: usize, table: &[u32], out: &mut [[u32; 16];
         i.narrow(positive),
         i.table8(&[1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0], w & 7),
         (w & 0x3fff_ffff).to_f32_bits(),
+        vector[0],
+        vector[1],
+        vector[2],
     ];
     let integers = [
         (small * 0.7).floor_to_i32().to_u32(),
@@ -124,6 +138,9 @@ fn every_operation<I: Isa>(i: I, at: usize, table: &[u32], out: &mut [[u32; 16];
         first,
         second,
         i.table16(&WORDS, w & 15),
+        triple[0],
+        triple[1],
+        triple[2],
     ];
     let mut lanes = [0.0; 16];
     let mut k = 0;
@@ -155,6 +172,10 @@ fn every_operation<I: Isa>(i: I, at: usize, table: &[u32], out: &mut [[u32; 16];
         assert_eq!(mask.any_true(), bits != 0);
         assert_eq!(mask.all_true(), bits == ((1_u64 << I::LANES) - 1) as u32);
     }
+    for lane in 0..I::LANES {
+        let pair = [WORDS[at + lane], WORDS[at + lane] >> 2 & 31];
+        assert_eq!(by_turns[2 * lane..2 * lane + 2], pair);
+    }
     let pairs = wide.simd_lt(positive) | !wide.simd_ge(0.0);
     assert_eq!(pairs.any_true(), pairs.to_bitmask() != 0);
 }
@@ -182,8 +203,8 @@ fn every_operation_is_that_of_the_scalar_on_every_level_and_width() {
     // The scalars themselves, by Rust's own words.
     assert_eq!(want[0][3], (LEFT[3] + RIGHT[3]).to_bits());
     assert_eq!(want[10][8], float::sqrt_f32(2.5).to_bits());
-    assert_eq!(want[24][3] as i32, -1, "floor of -0.35");
-    assert_eq!(want[35][8], u32::MAX.wrapping_add(u32::MAX));
+    assert_eq!(want[27][3] as i32, -1, "floor of -0.35");
+    assert_eq!(want[38][8], u32::MAX.wrapping_add(u32::MAX));
 }
 
 /// The table of [`dispatch_simd`] gives the widths that it promises.

@@ -1,4 +1,5 @@
 //! The depth-only pass is the depth of visibility, at every level and thread count.
+use texmap_math::Level;
 use texmap_raster::{Draw, NoAlphaTest, Pass, Prepared, TargetSize, TileBuffers};
 use texmap_tests::levels::levels;
 
@@ -18,13 +19,13 @@ fn depth_map_is_the_depth_of_visibility() {
                 ..d
             })
             .collect();
-        let plain = Prepared::plain(scene.target, &draws).expect("valid");
+        let one = Prepared::with_level(scene.target, &draws, Level::fallback(), 1).expect("valid");
         let width = scene.target.width();
         let mut expected = vec![0.0_f32; (width * scene.target.height()) as usize];
         let mut buffers = TileBuffers::new();
-        for index in 0..plain.tiles() {
-            let tile = plain.tile(index);
-            plain.visible(index, &NoAlphaTest, &mut buffers);
+        for index in 0..one.tiles() {
+            let tile = one.tile(index);
+            one.visible(index, &NoAlphaTest, &mut buffers);
             for y in 0..tile.height {
                 for x in 0..tile.width {
                     expected[((tile.y0 + y) * width + tile.x0 + x) as usize] =
@@ -63,7 +64,11 @@ fn depth_slope_moves_each_plane_by_its_own_slope() {
         ..Draw::default()
     };
     let size = TargetSize::new(64, 64).unwrap();
-    let map = |slope| Prepared::plain(size, &[draw(slope)]).unwrap().depth_map(1);
+    let map = |slope| {
+        Prepared::with_level(size, &[draw(slope)], Level::fallback(), 1)
+            .unwrap()
+            .depth_map(1)
+    };
     let (flat, moved) = (map(0.0), map(3.0));
     for (a, b) in flat.iter().zip(&moved) {
         let expected = a - 3.0 * (0.2 + 0.1) / 32.0;
@@ -79,8 +84,8 @@ fn depth_slope_moves_each_plane_by_its_own_slope() {
             ..d
         };
         let draws: Vec<_> = scene.draws().into_iter().map(opaque).collect();
-        let plain = Prepared::plain(scene.target, &draws).expect("valid");
-        let expected = plain.depth_map(1);
+        let one = Prepared::with_level(scene.target, &draws, Level::fallback(), 1).expect("valid");
+        let expected = one.depth_map(1);
         for (name, level) in levels() {
             let fast = Prepared::with_level(scene.target, &draws, level, 1).expect("valid");
             let same = fast.depth_map(1);

@@ -1,4 +1,5 @@
-//! The fast path gives the bits of the plain one, on every SIMD level and with any number of threads.
+//! All lanes give the bits of one lane, on every SIMD level and with any number of threads.
+use texmap_math::Level;
 use texmap_math::glam::DMat4;
 use texmap_raster::{
     AlphaTest, Cull, DepthTest, Draw, Fragment, Interp, NONE, NoAlphaTest, Pass, Prepared,
@@ -127,7 +128,7 @@ fn picture(prepared: &Prepared<'_>) -> Vec<u32> {
 }
 
 #[test]
-fn every_level_and_thread_count_gives_the_plain_bits() {
+fn every_level_and_thread_count_gives_the_bits_of_one_lane() {
     let (mut seen, mut clipped) = (0, 0);
     for seed in 0..200 {
         let scene = RandomScene::new(seed);
@@ -141,14 +142,14 @@ fn every_level_and_thread_count_gives_the_plain_bits() {
                 }
             }
         }
-        let plain = Prepared::plain(scene.target, &draws).expect("valid");
-        let expected = picture(&plain);
-        seen += plain.stats().binned;
-        clipped += plain.stats().clipped;
+        let one = Prepared::with_level(scene.target, &draws, Level::fallback(), 1).expect("valid");
+        let expected = picture(&one);
+        seen += one.stats().binned;
+        clipped += one.stats().clipped;
         for (name, level) in levels() {
             let threads = 1 + seed as usize % 3;
             let fast = Prepared::with_level(scene.target, &draws, level, threads).expect("valid");
-            assert_eq!(fast.stats(), plain.stats(), "seed {seed}, {name}");
+            assert_eq!(fast.stats(), one.stats(), "seed {seed}, {name}");
             assert!(
                 picture(&fast) == expected,
                 "seed {seed}, {name}: other bits"
@@ -163,7 +164,7 @@ fn every_level_and_thread_count_gives_the_plain_bits() {
 
 /// A wall drawn first hides what lies behind it, and nothing else: where it covers whole tiles these need no look at a pixel.
 #[test]
-fn what_a_wall_hides_is_hidden_by_the_plain_form() {
+fn what_a_wall_hides_is_hidden_in_one_lane() {
     let (mut walled, mut before) = (0, 0);
     for seed in 0..120 {
         let scene = RandomScene::new(seed);
@@ -180,11 +181,11 @@ fn what_a_wall_hides_is_hidden_by_the_plain_form() {
         // Before what may pass without a test, and after it.
         draws.insert(0, wall);
         draws.insert(2, wall);
-        let plain = Prepared::plain(scene.target, &draws).expect("valid");
-        let expected = picture(&plain);
+        let one = Prepared::with_level(scene.target, &draws, Level::fallback(), 1).expect("valid");
+        let expected = picture(&one);
         let mut buffers = TileBuffers::new();
-        for tile in 0..plain.tiles() {
-            plain.visible(tile, &NoAlphaTest, &mut buffers);
+        for tile in 0..one.tiles() {
+            one.visible(tile, &NoAlphaTest, &mut buffers);
             walled += buffers.id.iter().filter(|id| **id == 0).count();
             before += buffers
                 .id
@@ -239,12 +240,12 @@ fn cut_outs_by_blocks_are_those_by_fragments() {
         for draw in &mut draws {
             draw.pass = Pass::CutOut;
         }
-        let plain = Prepared::plain(scene.target, &draws).expect("valid");
+        let one = Prepared::with_level(scene.target, &draws, Level::fallback(), 1).expect("valid");
         let (mut expected, mut found) = (TileBlocks::new(), TileBlocks::new());
         for (name, level) in levels() {
             let fast = Prepared::with_level(scene.target, &draws, level, 1).expect("valid");
-            for tile in 0..plain.tiles() {
-                plain.visible_blocks(tile, &Grille { by_blocks: false }, &mut expected);
+            for tile in 0..one.tiles() {
+                one.visible_blocks(tile, &Grille { by_blocks: false }, &mut expected);
                 fast.visible_blocks(tile, &Grille { by_blocks: true }, &mut found);
                 let bits = |d: &TileBlocks| d.depth.iter().map(|d| d.to_bits()).collect::<Vec<_>>();
                 assert!(
@@ -258,7 +259,7 @@ fn cut_outs_by_blocks_are_those_by_fragments() {
     assert!(count > 100_000, "{count}");
 }
 
-/// Blocks handed out in submitted order are the plain form's blended fragments.
+/// Blocks handed out in submitted order are one lane's blended fragments.
 #[test]
 fn forward_blocks_are_the_blended_fragments() {
     let mut count = 0;
@@ -272,13 +273,13 @@ fn forward_blocks_are_the_blended_fragments() {
                 ..d
             })
             .collect();
-        let plain = Prepared::plain(scene.target, &draws).expect("valid");
+        let one = Prepared::with_level(scene.target, &draws, Level::fallback(), 1).expect("valid");
         for (name, level) in levels() {
             let fast = Prepared::with_level(scene.target, &draws, level, 1).expect("valid");
-            for index in 0..plain.tiles() {
-                let tile = plain.tile(index);
+            for index in 0..one.tiles() {
+                let tile = one.tile(index);
                 let mut expected = Vec::new();
-                plain.blended(index, &TileBuffers::new(), &mut |id, x, y| {
+                one.blended(index, &TileBuffers::new(), &mut |id, x, y| {
                     expected.push((id, x, y));
                 });
                 let mut found = Vec::new();
@@ -410,25 +411,26 @@ fn runs_of_blocks_have_the_bits_of_single_pixels() {
     assert!(count > 100_000, "{count}");
 }
 
-/// Samples beside the centres: the lanes are the plain form, and the fill rule holds for them as for the centres.
+/// Samples beside the centres: lanes give the bits of one lane, and the fill rule holds for them as for the centres.
 #[test]
-fn samples_have_the_plain_bits_and_leave_no_crack() {
+fn samples_have_the_bits_of_one_lane_and_leave_no_crack() {
     let mut seen = 0;
     for seed in 0..40 {
         let scene = RandomScene::new(seed);
         let draws = scene.draws();
-        let plain = Prepared::plain_with_samples(scene.target, &draws).expect("valid");
+        let one =
+            Prepared::with_samples(scene.target, &draws, Level::fallback(), 1).expect("valid");
         let (mut expected, mut found) = (TileBlocks::new(), TileBlocks::new());
         let mut all: [TileBlocks; 4] = std::array::from_fn(|_| TileBlocks::new());
         let mut setup = SampleSetup::default();
         for (name, level) in levels() {
             let fast = Prepared::with_samples(scene.target, &draws, level, 1).expect("valid");
-            assert_eq!(fast.stats(), plain.stats(), "seed {seed}, {name}");
-            for tile in 0..plain.tiles() {
+            assert_eq!(fast.stats(), one.stats(), "seed {seed}, {name}");
+            for tile in 0..one.tiles() {
                 let together = SAMPLES_4.into_iter().zip(&mut all);
                 fast.visible_samples(tile, &NoAlphaTest, &mut setup, together);
                 for (offset, shared) in SAMPLES_4.into_iter().zip(&all) {
-                    plain.visible_sample(tile, offset, &NoAlphaTest, &mut expected);
+                    one.visible_sample(tile, offset, &NoAlphaTest, &mut expected);
                     fast.visible_sample(tile, offset, &NoAlphaTest, &mut found);
                     assert!(
                         found.slot == expected.slot,
@@ -459,8 +461,7 @@ fn samples_have_the_plain_bits_and_leave_no_crack() {
         *p = [p[0] * 1.1, p[1] * 1.1, 0.5];
     }
     let draw = mesh.draw(DMat4::IDENTITY);
-    let prepared =
-        Prepared::with_samples(target, &[draw], texmap_math::Level::new(), 1).expect("valid");
+    let prepared = Prepared::with_samples(target, &[draw], Level::new(), 1).expect("valid");
     let mut blocks = TileBlocks::new();
     for offset in SAMPLES_4 {
         prepared.visible_sample(0, offset, &NoAlphaTest, &mut blocks);

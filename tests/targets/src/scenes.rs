@@ -2,7 +2,6 @@
 
 use texmap_math::Camera;
 use texmap_math::glam::DVec3;
-use texmap_raster::DepthTest;
 use texmap_scene::{ColorMode, Mesh, Scene};
 
 /// Raw colours, black opaque background, no light, nothing in it; the camera stands in the origin, looks along -Z and sees
@@ -10,23 +9,15 @@ use texmap_scene::{ColorMode, Mesh, Scene};
 #[must_use]
 pub fn empty() -> Scene {
     Scene {
-        camera: Camera {
+        color: ColorMode::Raw,
+        ..Scene::new(Camera {
             eye: DVec3::ZERO,
             look: DVec3::NEG_Z,
             up: DVec3::Y,
             fov_x: std::f64::consts::FRAC_PI_2,
             near: 1e-4,
             far: f64::INFINITY,
-        },
-        background: [0.0, 0.0, 0.0, 1.0],
-        color: ColorMode::Raw,
-        depth_test: DepthTest::Less,
-        lights: Vec::new(),
-        textures: Vec::new(),
-        materials: Vec::new(),
-        meshes: Vec::new(),
-        warnings: Vec::new(),
-        effects: Default::default(),
+        })
     }
 }
 

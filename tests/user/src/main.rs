@@ -5,7 +5,8 @@
 use texmap_light::{Chart, Environment, Light, Surface, illuminate_slice};
 use texmap_math::glam::{DMat4, DVec2, DVec3};
 use texmap_math::{Camera, Footprint, Homography, Level};
-use texmap_render::{Aov, BakeOptions, Settings, bake, pixel_hash, render, shadow_map};
+use texmap_render::{Aov, Settings, pixel_hash, render, shadow_map};
+use texmap_bake::{BakeOptions, bake};
 use texmap_scene::{Carving, ColorMode, Displacement, Effects, Material, Mesh, Reflection, Relief, Scene, Shading, Shadow, Solid, SolidSource, TextureRole, TextureSlot, shadow_bias, shadow_kind};
 use texmap_sample::{
     ColorSpace, Filter, Origin, Outside, Pattern, Precision, Resample, Sampler, Texture2d, UvTransform,
@@ -76,17 +77,7 @@ fn scene() -> Scene {
         ..Mesh::default()
     };
     Scene {
-        camera: Camera {
-            eye: DVec3::new(1.5, 1.4, 2.6),
-            look: DVec3::ZERO,
-            up: DVec3::Y,
-            fov_x: 1.0,
-            near: 1e-4,
-            far: f64::INFINITY,
-        },
         background: [0.1, 0.2, 0.3, 1.0],
-        color: ColorMode::Srgb,
-        depth_test: Default::default(),
         lights: vec![
             Light::Ambient { color: [0.2; 3] },
             Light::Directional { color: [0.8; 3], direction: [-0.5, -1.0, -0.3] },
@@ -94,9 +85,15 @@ fn scene() -> Scene {
         textures: vec![checker()],
         materials: vec![Material { base_color: Some(slot(Filter::Trilinear)), ..Material::default() }],
         meshes: vec![cube, floor],
-        effects: Effects::default(),
-        warnings: Vec::new(),
-    }
+..Scene::new(Camera {
+            eye: DVec3::new(1.5, 1.4, 2.6),
+            look: DVec3::ZERO,
+            up: DVec3::Y,
+            fov_x: 1.0,
+            near: 1e-4,
+            far: f64::INFINITY,
+        })
+}
 }
 
 fn with(change: impl Fn(&mut Material)) -> Scene {
@@ -144,7 +141,7 @@ fn reliefs() {
 fn displaced() {
     let mut scene = shadowed();
     scene.meshes[1].displacement = Some(Displacement::new(slot(Filter::Trilinear), 0.1));
-    draw(&scene, 1);
+    draw(&texmap_mesh::tessellate(scene, 96).expect("triangles"), 1);
 }
 
 fn baked() {

@@ -4,9 +4,10 @@ use crate::failure::Refusal;
 use std::path::PathBuf;
 
 use clap::Args;
+use texmap_bake::{BakeOptions, LightMap, bake};
 use texmap_io::{LoadOptions, load};
 use texmap_light::Light;
-use texmap_render::{BakeOptions, LightMap, RenderError, bake, shadow_map_for};
+use texmap_render::{RenderError, shadow_map_for};
 use texmap_scene::{Scene, shadow_bias, shadow_kind};
 
 use crate::cmd::Root;

@@ -157,22 +157,15 @@ pub(crate) fn read_obj(
 /// The defaults of the course loader; near and far as texmap's depth buffer allows.
 fn empty_scene(color: ColorMode) -> Scene {
     Scene {
-        camera: Camera {
+        color,
+        depth_test: DepthTest::LessOrEqual,
+        ..Scene::new(Camera {
             eye: DVec3::new(0.0, 0.0, -10.0),
             look: DVec3::ZERO,
             up: DVec3::Y,
             fov_x: 30_f64.to_radians(),
             near: 1e-4,
             far: f64::INFINITY,
-        },
-        background: [0.0, 0.0, 0.0, 1.0],
-        color,
-        depth_test: DepthTest::LessOrEqual,
-        lights: Vec::new(),
-        textures: Vec::new(),
-        materials: Vec::new(),
-        meshes: Vec::new(),
-        warnings: Vec::new(),
-        effects: Default::default(),
+        })
     }
 }

@@ -2,14 +2,14 @@
 
 use std::f64::consts::TAU;
 
+use texmap_bake::{BakeOptions, bake};
 use texmap_light::{Chart, Environment, Light};
 use texmap_math::camera::Camera;
 use texmap_math::color;
 use texmap_math::det;
 use texmap_math::glam::{DVec2, DVec3};
-use texmap_raster::{Coverage, DepthTest};
-use texmap_render::{BakeOptions, bake};
-use texmap_scene::{ColorMode, Material, Mesh, Scene};
+use texmap_raster::Coverage;
+use texmap_scene::{Material, Mesh, Scene};
 
 use super::Measurement;
 use crate::LabError;
@@ -255,26 +255,21 @@ fn two_charts(gap: f32) -> Scene {
     both.triangles
         .extend(dark.triangles.iter().map(|t| t.map(|v| v + base)));
     Scene {
-        camera: Camera {
+        background: [0.0; 4],
+        lights: vec![Light::Directional {
+            color: [1.0; 3],
+            direction: [0.0, 0.0, -1.0],
+        }],
+        materials: vec![Material::default()],
+        meshes: vec![both],
+        ..Scene::new(Camera {
             eye: DVec3::new(0.0, 0.0, 5.0),
             look: DVec3::ZERO,
             up: DVec3::Y,
             fov_x: 1.0,
             near: 1e-3,
             far: f64::INFINITY,
-        },
-        background: [0.0; 4],
-        color: ColorMode::Srgb,
-        depth_test: DepthTest::Less,
-        lights: vec![Light::Directional {
-            color: [1.0; 3],
-            direction: [0.0, 0.0, -1.0],
-        }],
-        textures: Vec::new(),
-        materials: vec![Material::default()],
-        meshes: vec![both],
-        warnings: Vec::new(),
-        effects: Default::default(),
+        })
     }
 }
 

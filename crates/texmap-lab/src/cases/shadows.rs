@@ -4,12 +4,10 @@ use texmap_light::{Light, ShadowBias, ShadowKind, ShadowMap, Slide, SlideBorder,
 use texmap_math::camera::Camera;
 use texmap_math::glam::{DMat4, DVec2, DVec3};
 use texmap_math::{Projector, det};
-use texmap_raster::{
-    DepthTest, Draw, Fragment, NONE, NoAlphaTest, Prepared, TargetSize, TileBuffers,
-};
+use texmap_raster::{Draw, Fragment, NONE, NoAlphaTest, Prepared, TargetSize, TileBuffers};
 use texmap_render::shadow_map;
 use texmap_sample::{ColorSpace, Filter, Origin, Sampler, Texture2d};
-use texmap_scene::{ColorMode, Material, Mesh, Scene, shadow_kind};
+use texmap_scene::{Material, Mesh, Scene, shadow_kind};
 
 use super::Measurement;
 use crate::LabError;
@@ -322,26 +320,21 @@ fn walled(thickness: f64) -> Result<(Scene, Light), LabError> {
         direction: [-cos as f32, 0.0, -sin as f32],
     };
     let scene = Scene {
-        camera: Camera {
+        background: [0.0; 4],
+        lights: vec![light],
+        materials: vec![Material {
+            surface: Surface::default(),
+            ..Material::default()
+        }],
+        meshes: vec![floor, wall],
+        ..Scene::new(Camera {
             eye: DVec3::new(0.0, -3.0, 2.0),
             look: DVec3::ZERO,
             up: DVec3::Z,
             fov_x: 1.0,
             near: 1e-3,
             far: f64::INFINITY,
-        },
-        background: [0.0; 4],
-        color: ColorMode::Srgb,
-        depth_test: DepthTest::Less,
-        lights: vec![light],
-        textures: Vec::new(),
-        materials: vec![Material {
-            surface: Surface::default(),
-            ..Material::default()
-        }],
-        meshes: vec![floor, wall],
-        warnings: Vec::new(),
-        effects: Default::default(),
+        })
     };
     Ok((scene, light))
 }

@@ -79,18 +79,6 @@ fn scene(meshes: Vec<Mesh>, map: Texture2d<'static>, eye: DVec3, look: DVec3) ->
         ..Default::default()
     };
     Scene {
-        camera: texmap_math::Camera {
-            eye,
-            look,
-            up: DVec3::new(0.1, 1.0, 0.05),
-            fov_x: 1.7,
-            near: 1e-3,
-            far: f64::INFINITY,
-        },
-        background: [0.0, 0.0, 0.0, 1.0],
-        color: Default::default(),
-        depth_test: Default::default(),
-        lights: Vec::new(),
         textures: vec![map],
         materials: vec![Material {
             surface: white,
@@ -98,8 +86,14 @@ fn scene(meshes: Vec<Mesh>, map: Texture2d<'static>, eye: DVec3, look: DVec3) ->
             ..Material::default()
         }],
         meshes,
-        effects: Default::default(),
-        warnings: Vec::new(),
+        ..Scene::new(texmap_math::Camera {
+            eye,
+            look,
+            up: DVec3::new(0.1, 1.0, 0.05),
+            fov_x: 1.7,
+            near: 1e-3,
+            far: f64::INFINITY,
+        })
     }
 }
 

@@ -150,11 +150,7 @@ pub fn decal_scene(
     sampler: Sampler,
 ) -> Scene {
     Scene {
-        camera,
-        background: [0.0, 0.0, 0.0, 1.0],
         color: ColorMode::Raw,
-        depth_test: Default::default(),
-        lights: Vec::new(),
         textures: vec![texture.with_mips()],
         materials: vec![Material {
             base_color: Some(TextureSlot {
@@ -167,8 +163,7 @@ pub fn decal_scene(
             ..Material::default()
         }],
         meshes: vec![mesh],
-        effects: Default::default(),
-        warnings: Vec::new(),
+        ..Scene::new(camera)
     }
 }
 

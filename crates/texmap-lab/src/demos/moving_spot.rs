@@ -1,9 +1,9 @@
 //! A spotlight that moves over a baked room: the resting light stays as it is, and only the spot is baked anew.
 
+use texmap_bake::LightMap;
 use texmap_light::Light;
 use texmap_math::det;
 use texmap_math::glam::DVec3;
-use texmap_render::LightMap;
 use texmap_sample::{Filter, Sampler, UvTransform};
 use texmap_scene::{Mesh, Scene, TextureSlot};
 

@@ -1,9 +1,10 @@
 //! Bump and normal maps against the surface that they stand for, and baked light against light.
 
+use texmap_bake::{BakeOptions, LightMap, bake};
 use texmap_light::{Green, Heights, Light, Slope, encode_normal};
 use texmap_math::det;
 use texmap_math::glam::DVec3;
-use texmap_render::{BakeOptions, LightMap, bake, shadow_map_for};
+use texmap_render::shadow_map_for;
 use texmap_sample::{
     Alpha, ColorSpace, Filter, Image, Origin, Sampler, Texels, Texture2d, UvTransform, Wrap,
 };

@@ -6,9 +6,7 @@ use texmap_math::glam::{DMat4, DVec2, DVec3, DVec4};
 use texmap_raster::Interp;
 use texmap_render::{Aov, AovData, Settings};
 use texmap_sample::{ColorSpace, Filter, Origin, Sampler, Texture2d, UvTransform, Wrap};
-use texmap_scene::{
-    AlphaMode, ColorMode, Gouraud, Material, Mesh, Scene, Shading, TextureRole, TextureSlot,
-};
+use texmap_scene::{AlphaMode, Gouraud, Material, Mesh, Scene, Shading, TextureRole, TextureSlot};
 
 use crate::LabError;
 use crate::picture::Picture;
@@ -20,23 +18,16 @@ const BACKGROUND: [f32; 4] = [0.80, 0.85, 0.90, 1.0];
 pub(super) fn scene(eye: DVec3, look: DVec3, fov: f64) -> Scene {
     let fov_x = fov.to_radians();
     Scene {
-        camera: Camera {
+        background: BACKGROUND,
+        depth_test: texmap_raster::DepthTest::Less,
+        ..Scene::new(Camera {
             eye,
             look,
             up: DVec3::Y,
             fov_x,
             near: 1e-3,
             far: f64::INFINITY,
-        },
-        background: BACKGROUND,
-        color: ColorMode::Srgb,
-        depth_test: texmap_raster::DepthTest::Less,
-        lights: Vec::new(),
-        textures: Vec::new(),
-        materials: Vec::new(),
-        meshes: Vec::new(),
-        warnings: Vec::new(),
-        effects: Default::default(),
+        })
     }
 }
 
@@ -115,12 +106,9 @@ pub(super) fn set_wrap(scene: &mut Scene, material: usize, wrap: Wrap) {
 /// A quad from its corners (top left, then clockwise as one looks at it) with v growing downward.
 pub(super) fn quad(corners: [DVec3; 4], uv: [[f32; 2]; 4], material: usize) -> Mesh {
     Mesh {
-        positions: corners.map(|p| p.as_vec3().to_array()).to_vec(),
         uvs: uv.to_vec(),
-        triangles: vec![[0, 3, 2], [0, 2, 1]],
-        faces: vec![0, 0],
         material,
-        ..Mesh::default()
+        ..Mesh::quad(corners.map(|p| p.as_vec3().to_array()))
     }
 }
 
@@ -130,35 +118,11 @@ pub(super) const UNIT_UV: [[f32; 2]; 4] = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [
 /// A cube of edge 2 about the origin, turned by `yaw` degrees about the vertical and moved to `center`. Each
 /// face carries the whole texture; the faces are numbered front, right, back, left, top, bottom.
 pub(super) fn cube(center: DVec3, yaw: f64, material: usize) -> Mesh {
-    let mut mesh = Mesh {
+    Mesh {
         material,
         world_from_object: DMat4::from_translation(center) * turn(yaw),
-        ..Mesh::default()
-    };
-    let sides = [
-        (DVec3::Z, DVec3::X, DVec3::Y),
-        (DVec3::X, DVec3::NEG_Z, DVec3::Y),
-        (DVec3::NEG_Z, DVec3::NEG_X, DVec3::Y),
-        (DVec3::NEG_X, DVec3::Z, DVec3::Y),
-        (DVec3::Y, DVec3::X, DVec3::NEG_Z),
-        (DVec3::NEG_Y, DVec3::X, DVec3::Z),
-    ];
-    for (face, (out, right, up)) in sides.into_iter().enumerate() {
-        let first = mesh.positions.len() as u32;
-        for corner in [
-            out - right + up,
-            out + right + up,
-            out + right - up,
-            out - right - up,
-        ] {
-            mesh.positions.push(corner.as_vec3().to_array());
-        }
-        mesh.uvs.extend(UNIT_UV);
-        mesh.triangles
-            .extend([[0, 3, 2], [0, 2, 1]].map(|t: [u32; 3]| t.map(|i| first + i)));
-        mesh.faces.extend([face as u32; 2]);
+        ..Mesh::cube()
     }
-    mesh
 }
 
 /// Rotation about the vertical, from the corpus of exact trigonometry of the math crate.

@@ -2,6 +2,7 @@
 
 use texmap_math::float::sqrt;
 use texmap_math::glam::{DVec2, DVec3};
+use texmap_math::simd::Scalar;
 
 use super::Environment;
 use crate::Chart;
@@ -29,8 +30,8 @@ impl Environment {
                 for i in 0..n {
                     let inside = |k: u32| (f64::from(k) + 0.5) / f64::from(n) - 0.5;
                     let uv = (centre + DVec2::new(inside(i), inside(j))) / sides;
-                    let (at, uv) = self.chart.place(narrow(chart.direction(face, uv)));
-                    let uv = DVec2::from(uv.map(f64::from));
+                    let (at, uv) = self.chart.place(Scalar, narrow(chart.direction(face, uv)));
+                    let (at, uv) = (at.0 as usize, DVec2::from(uv.map(f64::from)));
                     sum += DVec3::from(self.bilinear(self.levels[0], at, uv).map(f64::from));
                 }
             }

@@ -23,6 +23,32 @@ impl Level {
     }
 }
 
+/// The levels of an environment as tables, for look-ups by level.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct LevelTable {
+    /// First texel of each.
+    pub(crate) start: [u32; 16],
+    pub(crate) width: [u32; 16],
+    pub(crate) height: [u32; 16],
+}
+
+impl LevelTable {
+    pub(super) fn new(levels: &[Level]) -> Self {
+        let column = |of: fn(&Level) -> u32| {
+            let mut column = [0; 16];
+            for (out, level) in column.iter_mut().zip(levels) {
+                *out = of(level);
+            }
+            column
+        };
+        Self {
+            start: column(|level| level.start as u32),
+            width: column(|level| level.width),
+            height: column(|level| level.height),
+        }
+    }
+}
+
 /// Four texels around a point of a face of a level, the border among them.
 pub(super) fn four(texels: &[[f32; 3]], level: Level, face: usize, uv: DVec2) -> [f32; 3] {
     let place = |c: f64, n: u32| {

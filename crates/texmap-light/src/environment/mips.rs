@@ -3,7 +3,7 @@
 use alloc::vec::Vec;
 
 use super::Environment;
-use super::level::{Level, bordered};
+use super::level::{Level, LevelTable, bordered};
 use crate::packed;
 
 impl Environment {
@@ -43,6 +43,7 @@ impl Environment {
             self.texels
                 .extend(bordered(self.chart, (width, height), &inner));
         }
+        self.table = LevelTable::new(&self.levels);
         self.packed.clear();
         if exact {
             self.packed.extend(self.texels.iter().map(packed::pack));

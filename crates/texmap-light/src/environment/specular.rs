@@ -3,16 +3,17 @@
 use alloc::vec::Vec;
 use core::ops::Range;
 
-use texmap_math::fearless_simd::{Simd, f32x16, i32x16, prelude::*};
 use texmap_math::float::sqrt;
 use texmap_math::glam::{DVec2, DVec3};
-use texmap_math::lanes::{LANES, Words, floor_to_i32, floor_to_i32_scalar, gather_pairs};
-use texmap_math::{Level, det, on_level};
+use texmap_math::lanes::{LANES, Words};
+use texmap_math::simd::{Isa, prelude::*};
+use texmap_math::{Level, det, dispatch_simd};
 
 use super::Environment;
 use crate::Chart;
 use crate::error::LightError;
-use crate::vector::narrow;
+use crate::lanes::Vector;
+use crate::vector::{dot, narrow, splat};
 
 impl Environment {
     /// A specular map: the light that a highlight of this exponent gathers around each direction R, the mean of L(d) with
@@ -28,8 +29,7 @@ impl Environment {
             return Err(LightError::Exponent { exponent });
         }
         let gathering = Gathering::new(self, f64::from(exponent));
-        // No bit depends on it.
-        let level = Level::try_detect().unwrap_or(Level::baseline());
+        let level = crate::level();
         let map = Self::from_places(chart, size, |face, centre, sides| {
             let r = chart.direction(face, centre / sides);
             let [red, green, blue, weights] = gathering.sums(level, r);
@@ -174,48 +174,44 @@ impl Gathering {
 
     /// Light times weight of all texels that the lobe around `r` reaches, and weights.
     fn sums(&self, level: Level, r: DVec3) -> [f64; 4] {
-        let to = narrow(r);
         let mut sums = [[0.0; LANES]; 4];
-        on_level!(
-            level,
-            s => {
-                let mut lanes = [f32x16::splat(s, 0.0); 4];
-                for texels in self.near(r) {
-                    let weight = self.lobe.of_lanes(s, to, texels);
-                    for (sum, light) in lanes.iter_mut().zip(&texels.light) {
-                        *sum += f32x16::from_slice(s, light) * weight;
-                    }
-                }
-                for (out, sum) in sums.iter_mut().zip(&lanes) {
-                    sum.store_slice(out);
-                }
-            },
-            else sums = self.sums_one_by_one(r)
-        );
+        dispatch_simd!(level, i => self.sum_lanes(i, r, &mut sums));
         sums.map(|lanes| lanes.into_iter().map(f64::from).sum())
     }
 
-    /// The sums of each lane.
-    fn sums_one_by_one(&self, r: DVec3) -> [[f32; LANES]; 4] {
-        let to = narrow(r);
-        let mut sums = [[0.0; LANES]; 4];
-        for texels in self.near(r) {
-            for i in 0..LANES {
-                let weight = self.lobe.of(to, texels.direction.map(|c| c[i]));
-                for (sum, light) in sums.iter_mut().zip(&texels.light) {
-                    sum[i] += light[i] * weight;
+    /// The sums of each of sixteen columns of texels.
+    #[inline(always)]
+    fn sum_lanes<I: Isa>(&self, i: I, r: DVec3, sums: &mut [[f32; LANES]; 4]) {
+        let to = splat(i, narrow(r));
+        for patch in self.near(r) {
+            for at in (0..LANES).step_by(I::LANES) {
+                let mut lanes = [i.f32(0.0); 4];
+                for (lanes, sum) in lanes.iter_mut().zip(&*sums) {
+                    *lanes = i.load_f32(&sum[at..]);
+                }
+                for texels in &self.texels[patch.texels.clone()] {
+                    let [x, y, z] = &texels.direction;
+                    let d = [
+                        i.load_f32(&x[at..]),
+                        i.load_f32(&y[at..]),
+                        i.load_f32(&z[at..]),
+                    ];
+                    let weight = self.lobe.of(i, to, d);
+                    for (lanes, light) in lanes.iter_mut().zip(&texels.light) {
+                        *lanes = *lanes + i.load_f32(&light[at..]) * weight;
+                    }
+                }
+                for (lanes, sum) in lanes.iter().zip(&mut *sums) {
+                    lanes.store(&mut sum[at..]);
                 }
             }
         }
-        sums
     }
 
-    fn near(&self, r: DVec3) -> impl Iterator<Item = &Sixteen> {
-        let near = self
-            .patches
-            .iter()
-            .filter(move |p| r.dot(p.axis) >= p.least);
-        near.flat_map(|patch| &self.texels[patch.texels.clone()])
+    /// Patches that the lobe around `r` reaches.
+    fn near(&self, r: DVec3) -> impl Iterator<Item = &Patch> {
+        let patches = self.patches.iter();
+        patches.filter(move |p| r.dot(p.axis) >= p.least)
     }
 }
 
@@ -242,50 +238,30 @@ impl Lobe {
         }
     }
 
-    /// Weight of what lies in direction `d` from `r`, both of unit length.
-    fn of(&self, r: [f32; 3], d: [f32; 3]) -> f32 {
-        let x = d[0] * r[0] + d[1] * r[1] + d[2] * r[2];
-        let t = (1.0 - if x < 1.0 { x } else { 1.0 }) * Self::STEPS as f32;
-        let i = floor_to_i32_scalar(t);
-        let i = if i < Self::STEPS - 1 {
-            i
-        } else {
-            Self::STEPS - 1
-        };
-        let k = t - i as f32;
-        let weight = self.powers[i as usize] * (1.0 - k) + self.powers[i as usize + 1] * k;
-        if x > 0.0 { weight } else { 0.0 }
-    }
-
-    /// [`of`](Self::of) for sixteen.
+    /// Weights of directions `d` from `r`, both of unit length.
     #[inline(always)]
-    fn of_lanes<S: Simd>(&self, s: S, r: [f32; 3], texels: &Sixteen) -> f32x16<S> {
-        let (zero, one) = (f32x16::splat(s, 0.0), f32x16::splat(s, 1.0));
+    fn of<I: Isa>(&self, i: I, r: Vector<I>, d: Vector<I>) -> I::F32 {
         let Some(words) = Words::new(bytemuck::cast_slice(&self.powers)) else {
-            return zero;
+            return i.f32(0.0);
         };
-        let [dx, dy, dz] = &texels.direction;
-        let x = f32x16::from_slice(s, dx) * r[0]
-            + f32x16::from_slice(s, dy) * r[1]
-            + f32x16::from_slice(s, dz) * r[2];
-        let t = (1.0 - x.simd_lt(one).select(x, one)) * Self::STEPS as f32;
-        let i = floor_to_i32(s, t);
-        let last = i32x16::splat(s, Self::STEPS - 1);
-        let i = i.simd_lt(last).select(i, last);
-        let k = t - i.to_float::<f32x16<S>>();
-        let [p, q] = gather_pairs(s, words, i.bitcast());
-        let (p, q) = (p.bitcast::<f32x16<S>>(), q.bitcast::<f32x16<S>>());
-        x.simd_gt(zero).select(p * (1.0 - k) + q * k, zero)
+        let x = dot(d, r);
+        let t = (i.f32(1.0) - x.below(i.f32(1.0))) * Self::STEPS as f32;
+        let at = t.floor_to_i32().min(i.i32(Self::STEPS - 1));
+        let k = t - at.to_f32();
+        let [p, q] = i.gather_pairs(words, at.to_u32());
+        let weight = p.to_f32_bits() * (i.f32(1.0) - k) + q.to_f32_bits() * k;
+        x.simd_gt(0.0).select(weight, i.f32(0.0))
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use texmap_math::simd::Scalar;
 
-    /// One sum on every level.
+    /// One sum at every width.
     #[test]
-    fn lanes_gather_what_one_texel_after_the_other_does() {
+    fn widths_agree() {
         for chart in Chart::ALL {
             let mut seed = 1u32;
             let noise = Environment::from_fn(chart, 21, |_| {
@@ -296,12 +272,15 @@ mod tests {
             for exponent in [0.0, 1.0, 7.5, 900.0] {
                 let gathering = Gathering::new(&noise, exponent);
                 for d in [DVec3::X, DVec3::NEG_Z, DVec3::new(0.36, -0.48, 0.8)] {
-                    let plain = gathering.sums_one_by_one(d);
-                    let plain = plain.map(|c| c.into_iter().map(f64::from).sum::<f64>());
-                    for level in [Level::new(), Level::baseline()] {
-                        assert_eq!(gathering.sums(level, d), plain, "{chart:?} {exponent}");
-                    }
-                    assert!(plain[3] > 0.0 && plain.iter().all(|c| c.is_finite()));
+                    let mut plain = [[0.0; LANES]; 4];
+                    gathering.sum_lanes(Scalar, d, &mut plain);
+                    every_width!(i => {
+                        let mut sums = [[0.0; LANES]; 4];
+                        gathering.sum_lanes(i, d, &mut sums);
+                        assert_eq!(sums, plain, "{chart:?} {exponent}");
+                    });
+                    let sums = plain.map(|c| c.into_iter().sum::<f32>());
+                    assert!(sums[3] > 0.0 && sums.iter().all(|c| c.is_finite()));
                 }
             }
         }

@@ -1,94 +1,75 @@
 //! Bilinear look-ups in the faces of an environment, the border among the texels.
 
-use texmap_math::fearless_simd::{Simd, f32x16, i32x16, prelude::*};
-use texmap_math::lanes::{Words, floor_to_i32, floor_to_i32_scalar, gather_pairs, gather_triples};
+use texmap_math::lanes::Words;
+use texmap_math::simd::{Isa, prelude::*};
 
-use crate::environment::Level;
-use crate::lanes::V3;
-use crate::packed::unpack_lanes;
+use crate::lanes::Vector;
+use crate::packed::unpack;
 
-/// Four texels of a face.
-pub(super) fn on_face(
-    level: Level,
-    face: usize,
-    place: [f32; 2],
-    texel: impl Fn(usize) -> [f32; 3],
-) -> [f32; 3] {
-    let split = |c: f32, n: u32| {
-        let c = c * n as f32 + 0.5;
-        let low = floor_to_i32_scalar(c);
-        let low = if low < n as i32 { low } else { n as i32 };
-        (low, c - low as f32)
-    };
-    let ((x, a), (y, b)) = (split(place[0], level.width), split(place[1], level.height));
-    let stride = level.width as usize + 2;
-    let first = level.index(face, x as usize, y as usize);
-    let row = |at: usize| {
-        let (p, q) = (texel(at), texel(at + 1));
-        [0, 1, 2].map(|i| p[i] * (1.0 - a) + q[i] * a)
-    };
-    let (p, q) = (row(first), row(first + stride));
-    [0, 1, 2].map(|i| p[i] * (1.0 - b) + q[i] * b)
+/// Start of the texels of a level, and size of its faces.
+pub(super) struct LevelLanes<I: Isa> {
+    pub(super) start: I::I32,
+    pub(super) width: I::I32,
+    pub(super) height: I::I32,
 }
 
-/// Where the texels of a level begin, and how large its faces are.
-pub(super) struct LevelLanes<S: Simd> {
-    pub(super) start: i32x16<S>,
-    pub(super) width: i32x16<S>,
-    pub(super) height: i32x16<S>,
-}
-
-/// [`on_face`] for sixteen.
+/// Four texels of a face, weighted; in the units of the texels.
 #[inline(always)]
-pub(super) fn on_face_lanes<S: Simd, const PACKED: bool>(
-    s: S,
+pub(super) fn on_face<I: Isa, const PACKED: bool>(
+    i: I,
     words: Words<'_>,
-    level: &LevelLanes<S>,
-    face: i32x16<S>,
-    u: f32x16<S>,
-    v: f32x16<S>,
-) -> V3<S> {
-    let (x, a) = split_lanes(s, u, level.width);
-    let (y, b) = split_lanes(s, v, level.height);
+    level: &LevelLanes<I>,
+    face: I::I32,
+    u: I::F32,
+    v: I::F32,
+) -> Vector<I> {
+    let (x, a) = split(i, u, level.width);
+    let (y, b) = split(i, v, level.height);
     let stride = level.width + 2;
     let first = level.start + (face * (level.height + 2) + y) * stride + x;
-    let one = f32x16::splat(s, 1.0);
-    let (a1, b1) = (one - a, one - b);
-    let [p, q] = two_lanes::<S, PACKED>(s, words, first);
+    let (a1, b1) = (i.f32(1.0) - a, i.f32(1.0) - b);
+    let [p, q] = two::<I, PACKED>(i, words, first);
     let mut top = p;
-    for i in 0..3 {
-        top[i] = p[i] * a1 + q[i] * a;
+    for k in 0..3 {
+        top[k] = p[k] * a1 + q[k] * a;
     }
-    let [p, q] = two_lanes::<S, PACKED>(s, words, first + stride);
+    let [p, q] = two::<I, PACKED>(i, words, first + stride);
     let mut out = top;
-    for i in 0..3 {
-        let bottom = p[i] * a1 + q[i] * a;
-        out[i] = top[i] * b1 + bottom * b;
+    for k in 0..3 {
+        let bottom = p[k] * a1 + q[k] * a;
+        out[k] = top[k] * b1 + bottom * b;
     }
     out
 }
 
 /// A texel and the one to its right.
 #[inline(always)]
-fn two_lanes<S: Simd, const PACKED: bool>(s: S, words: Words<'_>, at: i32x16<S>) -> [V3<S>; 2] {
+fn two<I: Isa, const PACKED: bool>(i: I, words: Words<'_>, at: I::I32) -> [Vector<I>; 2] {
     if PACKED {
-        let [left, right] = gather_pairs(s, words, at.bitcast());
-        return [unpack_lanes(s, left), unpack_lanes(s, right)];
+        let [left, right] = i.gather_pairs(words, at.to_u32());
+        return [unpack(i, left), unpack(i, right)];
     }
-    [texel_lanes(s, words, at), texel_lanes(s, words, at + 1)]
+    [texel(i, words, at), texel(i, words, at + 1)]
 }
 
 #[inline(always)]
-fn texel_lanes<S: Simd>(s: S, words: Words<'_>, at: i32x16<S>) -> V3<S> {
-    let [r, g, b] = gather_triples(s, words, (at * 3).bitcast());
-    [r.bitcast(), g.bitcast(), b.bitcast()]
+fn texel<I: Isa>(i: I, words: Words<'_>, at: I::I32) -> Vector<I> {
+    let at = (at * 3).to_u32();
+    let [r, g, b] = match i.gather_quads(words, at) {
+        Some([r, g, b, _]) => [r, g, b],
+        None => [
+            i.gather(words, at),
+            i.gather(words, at + 1),
+            i.gather(words, at + 2),
+        ],
+    };
+    [r.to_f32_bits(), g.to_f32_bits(), b.to_f32_bits()]
 }
 
-/// Column or row of a coordinate, and how far it is to the next.
+/// Column or row of a coordinate, and its distance from there.
 #[inline(always)]
-fn split_lanes<S: Simd>(s: S, c: f32x16<S>, n: i32x16<S>) -> (i32x16<S>, f32x16<S>) {
-    let c = c * n.to_float::<f32x16<S>>() + 0.5;
-    let low = floor_to_i32(s, c);
-    let low = low.simd_lt(n).select(low, n);
-    (low, c - low.to_float::<f32x16<S>>())
+fn split<I: Isa>(_: I, c: I::F32, n: I::I32) -> (I::I32, I::F32) {
+    let c = c * n.to_f32() + 0.5;
+    let low = c.floor_to_i32().min(n);
+    (low, c - low.to_f32())
 }

@@ -223,4 +223,21 @@ pub trait Isa: Copy + core::fmt::Debug + Send + Sync + 'static {
         }
         self.load_f32(&lanes)
     }
+
+    /// The words at `index` and the two behind each. Where one of them lies beyond the end, it is the last word.
+    #[inline(always)]
+    fn gather_triples(self, words: Words<'_>, index: Self::U32) -> [Self::U32; 3] {
+        if let Some([a, b, c, _]) = self.gather_quads(words, index) {
+            return [a, b, c];
+        }
+        [
+            self.gather(words, index),
+            self.gather(words, index + 1),
+            self.gather(words, index + 2),
+        ]
+    }
+    /// The lanes of `a` and `b` by turns: a0, b0, a1, b1 ...
+    fn interleave(self, a: Self::U32, b: Self::U32) -> [Self::U32; 2];
+    /// The x, the y and the z of [`LANES`](Self::LANES) vectors.
+    fn load_xyz(self, vectors: &[[f32; 3]]) -> [Self::F32; 3];
 }

@@ -339,4 +339,12 @@ impl Isa for Scalar {
     ) -> f32 {
         x1(x, y)
     }
+    #[inline(always)]
+    fn interleave(self, a: One<u32>, b: One<u32>) -> [One<u32>; 2] {
+        [a, b]
+    }
+    #[inline(always)]
+    fn load_xyz(self, vectors: &[[f32; 3]]) -> [f32; 3] {
+        vectors[0]
+    }
 }

@@ -7,7 +7,9 @@ use fearless_simd::{
     i32x16, mask32x4, mask32x16, mask64x4, mask64x8, u32x4, u32x16,
 };
 
-use super::{Compare, F32s, Float, I32s, Int, Isa, Level, Mask, Number, Select, U32s, Words};
+use super::{
+    Compare, F32s, Float, I32s, Int, Isa, Level, Mask, Number, Select, U32s, Words, shuffle,
+};
 use crate::lanes::{self, is_x86};
 
 /// Sixteen lanes: one, two or four registers.
@@ -351,6 +353,15 @@ impl<S: Simd> Isa for X4<S> {
     ) -> f32x4<S> {
         self.load_f32(&x4(self.0.level(), x.into(), y.into()))
     }
+    #[inline(always)]
+    fn interleave(self, a: u32x4<S>, b: u32x4<S>) -> [u32x4<S>; 2] {
+        let (low, high) = self.0.interleave_u32x4(a, b);
+        [low, high]
+    }
+    #[inline(always)]
+    fn load_xyz(self, vectors: &[[f32; 3]]) -> [f32x4<S>; 3] {
+        shuffle::load_xyz_x4(self.0, vectors.as_flattened())
+    }
 }
 
 impl<S: Simd> Isa for X16<S> {
@@ -427,6 +438,15 @@ impl<S: Simd> Isa for X16<S> {
         x16: fn(Level, [f32; 16], [f32; 16]) -> [f32; 16],
     ) -> f32x16<S> {
         self.load_f32(&x16(self.0.level(), x.into(), y.into()))
+    }
+    #[inline(always)]
+    fn interleave(self, a: u32x16<S>, b: u32x16<S>) -> [u32x16<S>; 2] {
+        let (low, high) = self.0.interleave_u32x16(a, b);
+        [low, high]
+    }
+    #[inline(always)]
+    fn load_xyz(self, vectors: &[[f32; 3]]) -> [f32x16<S>; 3] {
+        shuffle::load_xyz_x16(self.0, vectors.as_flattened())
     }
 }
 

@@ -1,49 +1,48 @@
 //! Blocks whose pixels the common way does not serve: triangles that f32 planes are too coarse for, and attributes linear on the screen
 //! where a block has several triangles.
 
-use texmap_math::fearless_simd::{Simd, prelude::*, u32x16};
-use texmap_math::lanes::{LANES, Words};
+use texmap_math::simd::{Isa, Words, prelude::*};
 
-use super::planes::{OnRow, Own, PlaneSource};
-use super::values::{BlockValues, Columns, ColumnsAt, lanes_of};
-use super::wide::Wide;
-use super::{RunBlock, centres};
+use super::planes::{Own, PlaneSource};
+use super::values::{BlockValues, Columns, ColumnsAt};
+use super::{Part, Slots};
 use crate::blocks::pixel_of;
 use crate::plane_table::TilePlanes;
-use crate::setup::{Fragment, TriangleSetup};
+use crate::planes::RowPlane;
+use crate::setup::{Fragment, TriangleSetup, WidePixels};
+use crate::stamp::BLOCK_PIXELS;
 
-/// What the common way has left to do in a block.
+/// What the common way has left to do for pixels of a block.
 enum Rest<'t> {
     Nothing,
-    /// Every pixel, in lanes.
+    /// All, in lanes.
     Wide(&'t TriangleSetup),
-    /// Pixels of these slots: those whose bits are set, and where attributes are linear.
-    Pixels([u32; LANES], u16),
+    /// Those of these slots: the ones whose bits are set, and where attributes are linear.
+    Pixels([u32; BLOCK_PIXELS], u32),
 }
 
-/// Takes what is replaced in a block.
+/// Takes what is replaced, lane by lane.
 pub(super) trait Patch {
-    fn inv_w(&mut self, bit: usize, value: f32);
+    fn inv_w(&mut self, lane: usize, value: f32);
     /// Value, and change to the right and down, of the attribute at place `i` of those asked for.
-    fn attribute(&mut self, i: usize, bit: usize, value: [f32; 3]);
+    fn attribute(&mut self, i: usize, lane: usize, value: [f32; 3]);
 }
 
 impl TilePlanes {
     /// Replaces the values of slots that f32 planes cannot serve, and, where a block has several, those that are linear on the screen.
     #[inline(always)]
-    pub(super) fn mend<S: Simd, const D: bool>(
+    pub(super) fn mend<I: Isa, const D: bool>(
         &self,
-        s: S,
-        slots: u32x16<S>,
-        at: RunBlock,
-        one: bool,
+        i: I,
+        part: Part,
+        slots: &Slots<I>,
         wanted: [usize; 2],
-        values: &mut BlockValues<S>,
+        values: &mut BlockValues<I>,
     ) {
-        match self.rest(slots, at, one) {
+        match self.rest(i, slots, part) {
             Rest::Nothing => {}
             Rest::Wide(setup) => {
-                let wide = Wide::new(s, setup, at.block);
+                let wide = wide_pixels(i, setup, part);
                 values.inv_w = wide.inv_w();
                 for (k, &attribute) in wanted.iter().enumerate() {
                     if let Some([u, dx, dy]) = wide.attribute::<D>(attribute) {
@@ -53,59 +52,58 @@ impl TilePlanes {
             }
             Rest::Pixels(lanes, odd) => {
                 let mut spilt = values.spill();
-                self.repair(s, &lanes, odd, at.block, &wanted, &mut spilt);
-                *values = BlockValues::load(s, &spilt);
+                self.repair(i, &lanes, odd, part, &wanted, &mut spilt);
+                *values = BlockValues::load(i, &spilt);
             }
         }
     }
 
-    /// [`mend`](Self::mend) in the columns of a run.
+    /// [`mend`](Self::mend) in the columns of a run, at `place`.
     #[inline(always)]
-    pub(super) fn mend_columns<S: Simd, const D: bool>(
+    pub(super) fn mend_columns<I: Isa, const D: bool>(
         &self,
-        s: S,
-        (i, at): (usize, RunBlock),
-        slots: u32x16<S>,
-        one: bool,
+        i: I,
+        (place, part): (usize, Part),
+        slots: &Slots<I>,
         wanted: &[usize],
         out: &mut Columns<'_>,
     ) {
-        match self.rest(slots, at, one) {
+        match self.rest(i, slots, part) {
             Rest::Nothing => {}
             Rest::Wide(setup) => {
-                let wide = Wide::new(s, setup, at.block);
-                wide.inv_w().store_slice(&mut out.inv_w[lanes_of(i)]);
+                let wide = wide_pixels(i, setup, part);
+                wide.inv_w().store(&mut out.inv_w[place..]);
                 for (column, &k) in out.columns.iter_mut().zip(wanted) {
                     if let Some(values) = wide.attribute::<D>(k) {
-                        column.put::<S, D>(i, values);
+                        column.put::<I, D>(place, values);
                     }
                 }
             }
             Rest::Pixels(lanes, odd) => {
-                let patch = &mut ColumnsAt(out, i);
-                self.repair(s, &lanes, odd, at.block, wanted, patch);
+                let patch = &mut ColumnsAt(out, place);
+                self.repair(i, &lanes, odd, part, wanted, patch);
             }
         }
     }
 
     #[inline(always)]
-    fn rest<S: Simd>(&self, slots: u32x16<S>, at: RunBlock, one: bool) -> Rest<'_> {
-        if one {
-            match self.odd_setup(slots[0]) {
+    fn rest<I: Isa>(&self, i: I, slots: &Slots<I>, part: Part) -> Rest<'_> {
+        if slots.one {
+            match self.odd_setup(slots.first) {
                 None => return Rest::Nothing,
-                Some(setup) if setup.is_wide_perspective() => return Rest::Wide(setup),
+                Some(setup) if setup.is_wide() => return Rest::Wide(setup),
                 Some(_) => {}
             }
         }
-        let mut lanes = [0; LANES];
-        slots.store_slice(&mut lanes);
-        let mut odd = 0u16;
+        let mut lanes = [0; BLOCK_PIXELS];
+        slots.each.store(&mut lanes);
+        let mut odd = 0;
         if !self.setups.is_empty() {
-            for (bit, &slot) in lanes.iter().enumerate() {
-                odd |= u16::from(self.odd_setup(slot).is_some()) << bit;
+            for (lane, &slot) in lanes[..I::LANES].iter().enumerate() {
+                odd |= u32::from(self.odd_setup(slot).is_some()) << lane;
             }
         }
-        odd &= at.mask;
+        odd &= part.mask(i);
         if odd != 0 || self.has_linear {
             Rest::Pixels(lanes, odd)
         } else {
@@ -115,85 +113,80 @@ impl TilePlanes {
 
     /// What [`mend`](Self::mend) replaces pixel by pixel, out of its way.
     #[inline(never)]
-    fn repair<S: Simd>(
+    fn repair<I: Isa>(
         &self,
-        s: S,
-        lanes: &[u32; LANES],
-        odd: u16,
-        block: u16,
+        i: I,
+        slots: &[u32; BLOCK_PIXELS],
+        odd: u32,
+        part: Part,
         wanted: &[usize],
         out: &mut dyn Patch,
     ) {
         if self.has_linear {
-            self.straighten(s, lanes, block, wanted, out);
+            i.vectorize(
+                #[inline(always)]
+                || self.replace_linear(i, slots, part, wanted, out),
+            );
         }
-        self.evaluate(lanes, odd, block, wanted, out);
+        self.evaluate(slots, odd, part, wanted, out);
     }
 
-    /// The attributes of a block's lanes that are linear on the screen.
-    fn straighten<S: Simd>(
+    /// The attributes of lanes that are linear on the screen.
+    #[inline(always)]
+    fn replace_linear<I: Isa>(
         &self,
-        s: S,
-        lanes: &[u32; LANES],
-        block: u16,
+        i: I,
+        slots: &[u32; BLOCK_PIXELS],
+        part: Part,
         wanted: &[usize],
         out: &mut dyn Patch,
     ) {
-        s.vectorize(
-            #[inline(always)]
-            || {
-                let Some(words) = Words::new(bytemuck::cast_slice(&self.words)) else {
-                    return;
-                };
-                let own = Own::new(s, self, words, u32x16::from_slice(s, lanes));
-                let flags = lanes.map(|slot| self.linear(slot));
-                let [px, py] = centres(s, block);
-                for (i, &k) in wanted.iter().enumerate() {
-                    let plane = OnRow::new(own.plane(s, 1 + k), py);
-                    let [u, dx, dy] = plane.straight(px);
-                    let mut values = [[0.0; LANES]; 3];
-                    u.store_slice(&mut values[0]);
-                    dx.store_slice(&mut values[1]);
-                    dy.store_slice(&mut values[2]);
-                    for bit in (0..LANES).filter(|bit| flags[*bit] >> k & 1 == 1) {
-                        out.attribute(i, bit, values.each_ref().map(|v| v[bit]));
-                    }
-                }
-            },
-        );
-    }
-
-    /// The pixels `odd` of a block by their triangles' full set-ups.
-    fn evaluate(
-        &self,
-        slots: &[u32; LANES],
-        odd: u16,
-        block: u16,
-        wanted: &[usize],
-        out: &mut dyn Patch,
-    ) {
-        let mut fragment = Fragment::default();
-        for bit in (0..LANES).filter(|bit| odd >> bit & 1 == 1) {
-            let Some(setup) = self.odd_setup(slots[bit]) else {
-                continue;
-            };
-            self.fragment(setup, block, bit, &mut fragment);
-            out.inv_w(bit, fragment.inv_w);
-            for (i, &k) in wanted.iter().enumerate() {
-                let value = [fragment.values[k], fragment.ddx[k], fragment.ddy[k]];
-                out.attribute(i, bit, value);
+        let Some(words) = Words::new(bytemuck::cast_slice(&self.words)) else {
+            return;
+        };
+        let own = Own::new(i, self, words, i.load_u32(slots));
+        let flags = slots.map(|slot| self.linear(slot));
+        let [px, py] = part.centres(i);
+        for (place, &k) in wanted.iter().enumerate() {
+            let plane = RowPlane::<I>::new(own.plane(i, 1 + k), py);
+            let [u, dx, dy] = plane.linear(px);
+            let mut values = [[0.0; BLOCK_PIXELS]; 3];
+            u.store(&mut values[0]);
+            dx.store(&mut values[1]);
+            dy.store(&mut values[2]);
+            for lane in (0..I::LANES).filter(|lane| flags[*lane] >> k & 1 == 1) {
+                out.attribute(place, lane, values.each_ref().map(|v| v[lane]));
             }
         }
     }
 
-    pub(super) fn fragment(
+    /// The lanes `odd` by their triangles' full set-ups.
+    fn evaluate(
         &self,
-        setup: &TriangleSetup,
-        block: u16,
-        bit: usize,
-        out: &mut Fragment,
+        slots: &[u32; BLOCK_PIXELS],
+        odd: u32,
+        part: Part,
+        wanted: &[usize],
+        out: &mut dyn Patch,
     ) {
-        let (x, y) = pixel_of(block as usize, bit as u32);
-        setup.evaluate(self.corner[0] + x, self.corner[1] + y, out);
+        let mut fragment = Fragment::default();
+        for lane in (0..BLOCK_PIXELS).filter(|lane| odd >> lane & 1 == 1) {
+            let Some(setup) = self.odd_setup(slots[lane]) else {
+                continue;
+            };
+            let (x, y) = pixel_of(usize::from(part.block.block), (part.at + lane) as u32);
+            setup.evaluate(self.corner[0] + x, self.corner[1] + y, &mut fragment);
+            out.inv_w(lane, fragment.inv_w);
+            for (i, &k) in wanted.iter().enumerate() {
+                let value = [fragment.values[k], fragment.ddx[k], fragment.ddy[k]];
+                out.attribute(i, lane, value);
+            }
+        }
     }
+}
+
+#[inline(always)]
+fn wide_pixels<I: Isa>(i: I, setup: &TriangleSetup, part: Part) -> WidePixels<'_, I> {
+    let [px, py] = part.centres(i);
+    WidePixels::new(i, setup, [i.widen(px), i.widen(py)])
 }

@@ -1,53 +1,52 @@
 //! Values of a block in lanes, and where they go.
 
-use core::ops::Range;
+use texmap_math::simd::{Isa, prelude::*};
 
-use texmap_math::fearless_simd::{Simd, f32x16, prelude::*};
-use texmap_math::lanes::LANES;
-
-use super::planes::{OnRow, Pixels, PlaneSource};
+use super::planes::PlaneSource;
 use super::repair::Patch;
 use super::{Column, RUN_ROOM, RunBlock};
+use crate::planes::{Perspective, RowPlane};
+use crate::stamp::BLOCK_PIXELS;
 
-/// Two attributes of the sixteen pixels of a block; those outside its mask hold no meaning.
+/// Two attributes of pixels of a block, one in each lane; those outside its mask hold no meaning.
 #[derive(Clone, Copy)]
-pub struct BlockValues<S: Simd> {
+pub struct BlockValues<I: Isa> {
     /// 1 / clip w.
-    pub inv_w: f32x16<S>,
+    pub inv_w: I::F32,
     /// Values, in the order asked for.
-    pub value: [f32x16<S>; 2],
+    pub value: [I::F32; 2],
     /// Change per pixel to the right.
-    pub ddx: [f32x16<S>; 2],
+    pub ddx: [I::F32; 2],
     /// Change per pixel down.
-    pub ddy: [f32x16<S>; 2],
+    pub ddy: [I::F32; 2],
 }
 
-impl<S: Simd> core::fmt::Debug for BlockValues<S> {
+impl<I: Isa> core::fmt::Debug for BlockValues<I> {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         f.write_str("BlockValues")
     }
 }
 
 /// Takes the values of blocks: see [`TilePlanes::each_block`](crate::TilePlanes::each_block).
-pub trait BlockSink<S: Simd> {
-    /// The block at place `i` of the run.
-    fn block(&mut self, s: S, i: usize, at: RunBlock, values: &BlockValues<S>);
+pub trait BlockSink<I: Isa> {
+    /// Pixels of block `at`, one in each lane; the first is at `place` of the run, of which each block takes sixteen.
+    fn pixels(&mut self, i: I, place: usize, at: RunBlock, values: &BlockValues<I>);
 }
 
-impl<S: Simd> BlockValues<S> {
+impl<I: Isa> BlockValues<I> {
     /// By the planes of 1/w and of two attributes.
     #[inline(always)]
     pub(super) fn new<const D: bool>(
-        s: S,
-        [w, first, second]: [&OnRow<S>; 3],
-        level: Option<[f32x16<S>; 2]>,
-        px: f32x16<S>,
+        i: I,
+        [w, first, second]: [&RowPlane<I>; 3],
+        constant_w: Option<[I::F32; 2]>,
+        px: I::F32,
     ) -> Self {
-        let pixels = Pixels::new(s, w, level, px);
+        let pixels = Perspective::new(i, w, constant_w, px);
         let [u, ux, uy] = pixels.attribute::<D>(first);
         let [v, vx, vy] = pixels.attribute::<D>(second);
         Self {
-            inv_w: pixels.w,
+            inv_w: pixels.inv_w,
             value: [u, v],
             ddx: [ux, vx],
             ddy: [uy, vy],
@@ -57,34 +56,34 @@ impl<S: Simd> BlockValues<S> {
     #[inline(always)]
     pub(super) fn spill(&self) -> Spilt {
         let mut out = Spilt {
-            inv_w: [0.0; LANES],
-            columns: [[[0.0; LANES]; 3]; 2],
+            inv_w: [0.0; BLOCK_PIXELS],
+            columns: [[[0.0; BLOCK_PIXELS]; 3]; 2],
         };
-        self.inv_w.store_slice(&mut out.inv_w);
+        self.inv_w.store(&mut out.inv_w);
         for (k, column) in out.columns.iter_mut().enumerate() {
-            self.value[k].store_slice(&mut column[0]);
-            self.ddx[k].store_slice(&mut column[1]);
-            self.ddy[k].store_slice(&mut column[2]);
+            self.value[k].store(&mut column[0]);
+            self.ddx[k].store(&mut column[1]);
+            self.ddy[k].store(&mut column[2]);
         }
         out
     }
 
     #[inline(always)]
-    pub(super) fn load(s: S, from: &Spilt) -> Self {
+    pub(super) fn load(i: I, from: &Spilt) -> Self {
         let [[u, ux, uy], [v, vx, vy]] = &from.columns;
         Self {
-            inv_w: f32x16::from_slice(s, &from.inv_w),
-            value: [f32x16::from_slice(s, u), f32x16::from_slice(s, v)],
-            ddx: [f32x16::from_slice(s, ux), f32x16::from_slice(s, vx)],
-            ddy: [f32x16::from_slice(s, uy), f32x16::from_slice(s, vy)],
+            inv_w: i.load_f32(&from.inv_w),
+            value: [i.load_f32(u), i.load_f32(v)],
+            ddx: [i.load_f32(ux), i.load_f32(vx)],
+            ddy: [i.load_f32(uy), i.load_f32(vy)],
         }
     }
 }
 
 /// [`BlockValues`] in memory: 1/w, and value and derivatives of each attribute.
 pub(super) struct Spilt {
-    inv_w: [f32; LANES],
-    columns: [[[f32; LANES]; 3]; 2],
+    inv_w: [f32; BLOCK_PIXELS],
+    columns: [[[f32; BLOCK_PIXELS]; 3]; 2],
 }
 
 impl Patch for Spilt {
@@ -106,58 +105,52 @@ pub(super) struct Columns<'a> {
 }
 
 impl Columns<'_> {
-    /// Stores the values of the block at place `i`, an attribute at a time: all together would not stay in registers.
+    /// Stores the values of pixels from place `place` on, an attribute at a time: all together would not stay in registers.
     #[inline(always)]
-    pub(super) fn put<S: Simd, P: PlaneSource<S>, const D: bool>(
+    pub(super) fn put<I: Isa, P: PlaneSource<I>, const D: bool>(
         &mut self,
-        s: S,
-        i: usize,
+        i: I,
+        place: usize,
         source: &P,
-        [px, py]: [f32x16<S>; 2],
+        [px, py]: [I::F32; 2],
         wanted: &[usize],
     ) {
-        let w = OnRow::new(source.plane(s, 0), py);
-        let pixels = Pixels::new(s, &w, source.level(s), px);
-        pixels.w.store_slice(&mut self.inv_w[lanes_of(i)]);
+        let w = RowPlane::new(source.plane(i, 0), py);
+        let pixels = Perspective::new(i, &w, source.constant_w(i), px);
+        pixels.inv_w.store(&mut self.inv_w[place..]);
         for (column, &k) in self.columns.iter_mut().zip(wanted) {
-            let plane = OnRow::new(source.plane(s, 1 + k), py);
+            let plane = RowPlane::new(source.plane(i, 1 + k), py);
             if source.is_linear(k) {
-                column.put::<S, D>(i, plane.straight(px));
+                column.put::<I, D>(place, plane.linear(px));
             } else {
-                column.put::<S, D>(i, pixels.attribute::<D>(&plane));
+                column.put::<I, D>(place, pixels.attribute::<D>(&plane));
             }
         }
     }
 }
 
 impl Column {
-    /// Stores a block.
+    /// Stores pixels from place `place` on.
     #[inline(always)]
-    pub(super) fn put<S: Simd, const D: bool>(&mut self, i: usize, [u, dx, dy]: [f32x16<S>; 3]) {
-        u.store_slice(&mut self.value[lanes_of(i)]);
+    pub(super) fn put<I: Isa, const D: bool>(&mut self, place: usize, [u, dx, dy]: [I::F32; 3]) {
+        u.store(&mut self.value[place..]);
         if D {
-            dx.store_slice(&mut self.ddx[lanes_of(i)]);
-            dy.store_slice(&mut self.ddy[lanes_of(i)]);
+            dx.store(&mut self.ddx[place..]);
+            dy.store(&mut self.ddy[place..]);
         }
     }
 }
 
-/// The pixels of the block at place `i` of a run.
-#[inline(always)]
-pub(super) fn lanes_of(i: usize) -> Range<usize> {
-    i * LANES..(i + 1) * LANES
-}
-
-/// A block of [`Columns`].
+/// [`Columns`] from a place on.
 pub(super) struct ColumnsAt<'a, 'b>(pub(super) &'a mut Columns<'b>, pub(super) usize);
 
 impl Patch for ColumnsAt<'_, '_> {
     fn inv_w(&mut self, bit: usize, value: f32) {
-        self.0.inv_w[self.1 * LANES + bit] = value;
+        self.0.inv_w[self.1 + bit] = value;
     }
 
     fn attribute(&mut self, i: usize, bit: usize, [u, dx, dy]: [f32; 3]) {
-        let (column, place) = (&mut self.0.columns[i], self.1 * LANES + bit);
+        let (column, place) = (&mut self.0.columns[i], self.1 + bit);
         column.value[place] = u;
         (column.ddx[place], column.ddy[place]) = (dx, dy);
     }

@@ -1,12 +1,12 @@
 //! The colours of one block from what the stages of its run have read.
 
 use texmap_light::lanes::{
-    PowerLanes, RayLanes, V3, clamp_to_horizon_lanes, dot_lanes, reflect_across_lanes, share_lanes,
-    spread, unit_lanes,
+    PowerLanes, RayLanes, TermsLanes, V3, clamp_to_horizon, dot, reflect_across, share, splat, unit,
 };
 use texmap_math::fearless_simd::{Simd, f32x16, mask32x16, prelude::*};
 use texmap_math::glam::DMat3;
 use texmap_math::lanes::below;
+use texmap_math::simd::X16;
 use texmap_raster::{RunBlock, RunValues};
 
 use super::banded::banded;
@@ -121,7 +121,7 @@ impl Columns<'_> {
     #[inline(always)]
     fn emitted<S: Simd>(&self, s: S, i: usize) -> Option<V3<S>> {
         let stage = self.stage.surface.emission.as_ref()?;
-        let color = spread(s, stage.color);
+        let color = splat(X16(s), stage.color);
         if stage.map.is_none() {
             return Some(color);
         }
@@ -154,14 +154,14 @@ impl Columns<'_> {
                 for k in 0..3 {
                     toward_eye[k] = stage.eye[k] - point[k];
                 }
-                toward_eye = unit_lanes(s, toward_eye);
+                toward_eye = unit(X16(s), toward_eye);
             }
-            normal = self.relieved::<S, ALL>(s, i, back, unit_lanes(s, smooth));
+            normal = self.relieved::<S, ALL>(s, i, back, unit(X16(s), smooth));
             if stage.surface.material.horizon_clamp && !matches!(stage.relief, Relief::None) {
-                normal = clamp_to_horizon_lanes(s, normal, toward_eye);
+                normal = clamp_to_horizon(X16(s), normal, toward_eye);
             }
         }
-        let (mut diffuse, mut highlight) = ([zero; 3], [zero; 3]);
+        let mut sum = TermsLanes::dark(X16(s));
         // Ambient light of an ambient map: a colour of its own, which multiplies neither the base colour nor that of the highlight.
         let mut own = [zero; 3];
         let power = match stage.maps[EXPONENT] {
@@ -181,8 +181,8 @@ impl Columns<'_> {
                 },
             };
             let model = stage.surface.material.highlight;
-            let given = share_lanes(
-                s,
+            let given = share(
+                X16(s),
                 &stage.numbers,
                 power,
                 model,
@@ -203,12 +203,12 @@ impl Columns<'_> {
                 continue;
             }
             let received = self.received(s, lamp, texel, lit, point, side);
-            for k in 0..3 {
-                let color = given.color[k] * received[k];
-                diffuse[k] = lit.select(diffuse[k] + color * given.diffuse, diffuse[k]);
-                highlight[k] = lit.select(highlight[k] + color * given.highlight, highlight[k]);
-            }
+            sum.add(&given, lit, received);
         }
+        let TermsLanes {
+            mut diffuse,
+            mut highlight,
+        } = sum;
         if let Some((share, ..)) = stage.baked {
             let light = self.read.baked.straight(s, i);
             for k in 0..3 {
@@ -233,13 +233,13 @@ impl Columns<'_> {
                     Some(_) if ALL => self.read.maps[REFLECTIVITY].straight(s, i)[0] * *share,
                     _ => f32x16::splat(s, *share),
                 };
-                let light = mirror.light_lanes(s, &ray);
+                let light = mirror.radiance(X16(s), &ray);
                 for k in 0..3 {
                     highlight[k] += light[k] * share;
                 }
             }
             if ALL && let Some(map) = &stage.specular {
-                let light = map.light_lanes(s, &ray);
+                let light = map.radiance(X16(s), &ray);
                 for k in 0..3 {
                     highlight[k] += light[k] * stage.numbers.ks;
                 }
@@ -269,8 +269,8 @@ impl Columns<'_> {
                 };
                 match space {
                     Space::Object(to_world) => {
-                        let world = to_world_lanes(s, to_world, map.decode_lanes(s, texel));
-                        unit_lanes(s, turned(back, world))
+                        let world = to_world_lanes(s, to_world, map.decode(X16(s), texel));
+                        unit(X16(s), turned(back, world))
                     }
                     Space::Tangent(_) => {
                         let (zero, one) = (f32x16::splat(s, 0.0), f32x16::splat(s, 1.0));
@@ -279,7 +279,7 @@ impl Columns<'_> {
                         let sign = column(s, &self.values.columns[first + 3].value, i);
                         let sign = back.select(-sign, sign);
                         let sign = sign.simd_lt(zero).select(-one, one);
-                        map.turn_lanes(s, normal, tangent, sign, texel)
+                        map.turn(X16(s), normal, tangent, sign, texel)
                     }
                 }
             }
@@ -316,7 +316,7 @@ impl Columns<'_> {
         let plane = side.plane(s);
         let mut share = one;
         for shade in lamp.shadows {
-            share *= shade.lit_lanes(s, lit, point, plane);
+            share *= shade.visibility(X16(s), lit, point, plane);
         }
         let (Some([r, g, b]), Some(cast)) = (texel, &lamp.slide) else {
             return [share; 3];
@@ -324,7 +324,7 @@ impl Columns<'_> {
         if let Some(shade) = cast.shade() {
             let zero = f32x16::splat(s, 0.0);
             let some = r.simd_gt(zero) | g.simd_gt(zero) | b.simd_gt(zero);
-            let left = share * shade.lit_lanes(s, lit & some, point, plane);
+            let left = share * shade.visibility(X16(s), lit & some, point, plane);
             share = some.select(left, share);
         }
         [r * share, g * share, b * share]
@@ -348,10 +348,10 @@ impl Columns<'_> {
             for k in 0..3 {
                 toward[k] = cast.thrown.position[k] - point[k];
             }
-            let on = dot_lanes(plane, toward).simd_gt(zero) & texel[3].simd_gt(zero);
+            let on = dot(plane, toward).simd_gt(zero) & texel[3].simd_gt(zero);
             let on = on & mask32x16::from_bitmask(s, u64::from(at.mask));
             let share = match cast.shade() {
-                Some(shade) => shade.lit_lanes(s, on, point, plane),
+                Some(shade) => shade.visibility(X16(s), on, point, plane),
                 None => f32x16::splat(s, 1.0),
             };
             let keep = 1.0 - texel[3] * share;
@@ -371,12 +371,12 @@ impl Columns<'_> {
         back: mask32x16<S>,
         smooth: V3<S>,
         normal: V3<S>,
-    ) -> RayLanes<S> {
+    ) -> RayLanes<X16<S>> {
         let rays = &self.stage.rays;
         let view = RayLanes {
             direction: rays.block(s, self.run.pixel(at, 0)),
-            dx: spread(s, rays.dx),
-            dy: spread(s, rays.dy),
+            dx: splat(X16(s), rays.dx),
+            dy: splat(X16(s), rays.dy),
         };
         let [normal_dx, normal_dy] = changes(
             s,
@@ -384,13 +384,13 @@ impl Columns<'_> {
             if ALL { self.stage.normal } else { NORMAL },
             i,
         );
-        let length = dot_lanes(smooth, smooth).sqrt();
+        let length = dot(smooth, smooth).sqrt();
         let normal = RayLanes {
             direction: normal,
             dx: turned(back, normal_dx),
             dy: turned(back, normal_dy),
         };
-        reflect_across_lanes(&view, &normal, length)
+        reflect_across(X16(s), &view, &normal, length)
     }
 }
 

@@ -1,7 +1,8 @@
 //! What lies under the light: base colour and opacity.
 
-use texmap_light::lanes::{V3, spread};
+use texmap_light::lanes::{V3, splat};
 use texmap_math::fearless_simd::{Simd, f32x16, prelude::*};
+use texmap_math::simd::X16;
 
 use super::columns::Columns;
 use super::fits;
@@ -73,7 +74,7 @@ impl Columns<'_> {
     pub(super) fn ground<S: Simd>(&self, s: S, i: usize, found: &Colors) -> (V3<S>, f32x16<S>) {
         let (surface, one) = (self.stage.surface, f32x16::splat(s, 1.0));
         let material = surface.material;
-        let color = spread(s, self.stage.numbers.color);
+        let color = splat(X16(s), self.stage.numbers.color);
         match &self.stage.ground {
             Ground::Texels => (self.texels(s, i), one),
             Ground::Maps {

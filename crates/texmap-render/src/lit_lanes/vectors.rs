@@ -2,6 +2,7 @@
 
 use texmap_light::lanes::V3;
 use texmap_math::fearless_simd::{Simd, f32x16, prelude::*};
+use texmap_math::simd::X16;
 use texmap_raster::{Column, RUN_ROOM, RunBlock, RunValues, TilePlanes};
 
 use super::{LitLanes, Relief};
@@ -108,7 +109,7 @@ impl LitLanes<'_> {
             _ => &all[..],
         };
         if !mirrors && !leveled {
-            return planes.each_column::<S, false>(s, blocks, list, wanted, NORMAL, out);
+            return planes.each_column::<_, false>(X16(s), blocks, list, wanted, NORMAL, out);
         }
         let (normal, rest) = wanted.split_at(POSITION);
         let (position, tangent) = rest.split_at(rest.len().min(TANGENT - POSITION));
@@ -133,9 +134,9 @@ fn each<S: Simd>(
         return;
     }
     if derivatives {
-        planes.each_column::<S, true>(s, run.blocks, list, wanted, first, out);
+        planes.each_column::<_, true>(X16(s), run.blocks, list, wanted, first, out);
     } else {
-        planes.each_column::<S, false>(s, run.blocks, list, wanted, first, out);
+        planes.each_column::<_, false>(X16(s), run.blocks, list, wanted, first, out);
     }
 }
 

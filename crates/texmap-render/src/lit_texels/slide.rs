@@ -3,6 +3,7 @@
 use texmap_light::SlideView;
 use texmap_math::Level;
 use texmap_math::fearless_simd::{Simd, f32x16, prelude::*};
+use texmap_math::simd::X16;
 use texmap_raster::RUN_ROOM;
 use texmap_sample::lanes::View;
 use texmap_sample::lanes::packed::{self, FootprintLanes};
@@ -85,7 +86,7 @@ impl<'a> SlideLookUp<'a> {
     ) {
         let mut reached = 0;
         for i in 0..blocks {
-            let places = self.slide.place_lanes(s, vector(s, points, i));
+            let places = self.slide.place(X16(s), vector(s, points, i));
             out.place[i] = None;
             if places.reached.any_true() {
                 out.place[i] = Some(reached as u8);
@@ -94,8 +95,8 @@ impl<'a> SlideLookUp<'a> {
                 let at = reached * LANES..(reached + 1) * LANES;
                 share.store_slice(&mut out.fade.0[at.clone()]);
                 if let Some([dx, dy]) = changes {
-                    let [ux, vx] = self.slide.changes_lanes(&places, vector(s, dx, i));
-                    let [uy, vy] = self.slide.changes_lanes(&places, vector(s, dy, i));
+                    let [ux, vx] = self.slide.changes(X16(s), &places, vector(s, dx, i));
+                    let [uy, vy] = self.slide.changes(X16(s), &places, vector(s, dy, i));
                     if let Some(view) = &self.view {
                         let footprint = FootprintLanes::new(s, view, ux, vx, uy, vy);
                         let lod = packed::lod_lanes(s, view, &footprint);

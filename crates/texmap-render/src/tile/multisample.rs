@@ -2,6 +2,7 @@
 
 use texmap_math::Level;
 use texmap_math::fearless_simd::{Simd, prelude::*, u32x16};
+use texmap_math::simd::X16;
 use texmap_raster::{BlockSink, NONE, RunBlock, TileBlocks, TilePlanes};
 use texmap_sample::lanes::View;
 
@@ -335,10 +336,10 @@ struct Scattered<'a> {
 
 impl<S: Simd> Source<S> for Scattered<'_> {
     #[inline(always)]
-    fn each<const D: bool, K: BlockSink<S>>(&self, s: S, run: &[RunBlock], sink: &mut K) {
+    fn each<const D: bool, K: BlockSink<X16<S>>>(&self, s: S, run: &[RunBlock], sink: &mut K) {
         let of = [&self.strays.pixels[..], &self.strays.slots[..]];
         self.planes
-            .each_sixteen::<_, D, _>(s, of, run, [0, 1], sink);
+            .each_sixteen::<_, D, _>(X16(s), of, run, [0, 1], sink);
     }
 
     fn is_magnified(&self, _: S, _: &[RunBlock], _: &View<'_>, _: &mut Asked) -> bool {

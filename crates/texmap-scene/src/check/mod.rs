@@ -7,7 +7,7 @@ use crate::{Material, Mesh, Scene, SceneError, Shading, TextureSlot};
 
 impl Scene {
     /// Checks every number and index of the scene and returns warnings: one sentence for each thing that
-    /// can be drawn but is hardly meant. [`render`](crate::render) calls it first.
+    /// can be drawn but is hardly meant. `texmap_render::render` calls it first.
     ///
     /// # Errors
     /// The first fault found, by mesh, material, vertex, triangle and face.

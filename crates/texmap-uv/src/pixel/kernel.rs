@@ -1,17 +1,14 @@
-//! The formulae of a round mapping at a pixel, coordinates and derivatives: for one pixel, for sixteen with the same
-//! bits, and in f64.
+//! The formulas of a round mapping at a pixel, coordinates and derivatives: over lane widths, and in f64.
 
 use core::f32::consts::{FRAC_1_PI, TAU};
 
-use texmap_math::fearless_simd::f32x16;
-use texmap_math::fearless_simd::prelude::*;
 use texmap_math::glam::DVec3;
-use texmap_math::lanes::{self, LANES};
+use texmap_math::simd::{Isa, Scalar, prelude::*};
 use texmap_math::{Footprint, float};
 
 use super::{PixelMapping, Round};
 use crate::Origin;
-use crate::lanes::{around, around_x16, components, latitude, latitude_x16};
+use crate::spherical::Longitude;
 
 /// A share of the distance from the middle below which a direction from the axis means nothing in f32.
 const AXIS: f32 = 1e-12;
@@ -22,26 +19,47 @@ impl PixelMapping {
     /// uv of a point, and the footprint of a pixel along whose sides the point moves by `dx` and `dy`. NaN gives NaN.
     #[must_use]
     pub fn one(&self, point: [f32; 3], dx: [f32; 3], dy: [f32; 3]) -> ([f32; 2], Footprint) {
-        let [x, y, z] = self.rows.map(|r| row(r, point) + r[3]);
-        let around = around(x, z);
-        let (up, nearness) = match self.shape {
-            Round::Sphere => (latitude(y, around), Nearness::of(x, y, z)),
-            Round::Cylinder => (y, Nearness::of(x, 0.0, z)),
+        let [u, v, du_dx, dv_dx, du_dy, dv_dy] = self.pixels(Scalar, [point, dx, dy]);
+        ([u, v], Footprint::new(du_dx, dv_dx, du_dy, dv_dy))
+    }
+
+    /// u, v, du/dx, dv/dx, du/dy and dv/dy of points that move by `dx` and `dy`.
+    #[inline(always)]
+    pub(super) fn pixels<I: Isa>(&self, i: I, [point, dx, dy]: [[I::F32; 3]; 3]) -> [I::F32; 6] {
+        let [x, y, z] = self.in_solid(i, point);
+        let (x, y, z) = (
+            x + self.rows[0][3],
+            y + self.rows[1][3],
+            z + self.rows[2][3],
+        );
+        let longitude = Longitude::of(i, x, z);
+        let (up, height) = match self.shape {
+            Round::Sphere => (longitude.latitude(i, y), y),
+            Round::Cylinder => (y, i.f32(0.0)),
         };
         let (v, sign) = match self.origin {
-            Origin::TopLeft => (0.5 - up, -1.0),
-            Origin::BottomLeft => (0.5 + up, 1.0),
+            Origin::TopLeft => (i.f32(0.5) - up, -1.0),
+            Origin::BottomLeft => (i.f32(0.5) + up, 1.0),
         };
-        let change = |d: [f32; 3]| {
-            let d = self.rows.map(|r| row(r, d));
-            let [u, up] = nearness.change(d, self.shape);
-            [u * self.repeat[0], up * (sign * self.repeat[1])]
-        };
-        let ([du_dx, dv_dx], [du_dy, dv_dy]) = (change(dx), change(dy));
-        (
-            [around.u * self.repeat[0], v * self.repeat[1]],
-            Footprint::new(du_dx, dv_dx, du_dy, dv_dy),
-        )
+        let near = Nearness::of(i, x, height, z);
+        let [du_dx, up_dx] = near.change(i, self.in_solid(i, dx), self.shape);
+        let [du_dy, up_dy] = near.change(i, self.in_solid(i, dy), self.shape);
+        let [across, rise] = [self.repeat[0], sign * self.repeat[1]];
+        [
+            longitude.turns * across,
+            v * self.repeat[1],
+            du_dx * across,
+            up_dx * rise,
+            du_dy * across,
+            up_dy * rise,
+        ]
+    }
+
+    /// A direction in the space of the unit solid.
+    #[inline(always)]
+    fn in_solid<I: Isa>(&self, i: I, d: [I::F32; 3]) -> [I::F32; 3] {
+        let [a, b, c] = &self.rows;
+        [row(i, a, d), row(i, b, d), row(i, c, d)]
     }
 
     /// [`PixelMapping::one`] in f64, for reading: uv, and `[du/dx, dv/dx, du/dy, dv/dy]`. On the axis there is no derivative: NaN.
@@ -75,147 +93,37 @@ impl PixelMapping {
         let ([ux, vx], [uy, vy]) = (change(dx), change(dy));
         ([u * across, v * down], [ux, vx, uy, vy])
     }
-
-    /// u, v, du/dx, dv/dx, du/dy and dv/dy of sixteen pixels.
-    #[inline(always)]
-    pub(super) fn block<S: Simd>(
-        &self,
-        s: S,
-        points: &[[f32; 3]; LANES],
-        dx: &[[f32; 3]; LANES],
-        dy: &[[f32; 3]; LANES],
-    ) -> [[f32; LANES]; 6] {
-        let splat = |c: f32| f32x16::splat(s, c);
-        let (point, dx, dy) = (components(s, points), components(s, dx), components(s, dy));
-        let x = row_x16(s, self.rows[0], point) + self.rows[0][3];
-        let y = row_x16(s, self.rows[1], point) + self.rows[1][3];
-        let z = row_x16(s, self.rows[2], point) + self.rows[2][3];
-        let around = around_x16(s, x, z);
-        let (up, height) = match self.shape {
-            Round::Sphere => (latitude_x16(s, y, around), y),
-            Round::Cylinder => (y, splat(0.0)),
-        };
-        let (v, sign) = match self.origin {
-            Origin::TopLeft => (splat(0.5) - up, -1.0),
-            Origin::BottomLeft => (splat(0.5) + up, 1.0),
-        };
-        let near = NearnessX16::of(s, x, height, z);
-        let [du_dx, up_dx] = near.change(s, self.unit_x16(s, dx), self.shape);
-        let [du_dy, up_dy] = near.change(s, self.unit_x16(s, dy), self.shape);
-        let rise = sign * self.repeat[1];
-        [
-            (around.u * self.repeat[0]).into(),
-            (v * self.repeat[1]).into(),
-            (du_dx * self.repeat[0]).into(),
-            (up_dx * rise).into(),
-            (du_dy * self.repeat[0]).into(),
-            (up_dy * rise).into(),
-        ]
-    }
-
-    #[inline(always)]
-    fn unit_x16<S: Simd>(&self, s: S, d: [f32x16<S>; 3]) -> [f32x16<S>; 3] {
-        [
-            row_x16(s, self.rows[0], d),
-            row_x16(s, self.rows[1], d),
-            row_x16(s, self.rows[2], d),
-        ]
-    }
 }
 
 #[inline(always)]
-fn row(r: [f32; 4], d: [f32; 3]) -> f32 {
-    r[0] * d[0] + r[1] * d[1] + r[2] * d[2]
-}
-
-#[inline(always)]
-fn row_x16<S: Simd>(s: S, r: [f32; 4], d: [f32x16<S>; 3]) -> f32x16<S> {
-    f32x16::splat(s, r[0]) * d[0] + f32x16::splat(s, r[1]) * d[1] + f32x16::splat(s, r[2]) * d[2]
+fn row<I: Isa>(i: I, r: &[f32; 4], d: [I::F32; 3]) -> I::F32 {
+    i.f32(r[0]) * d[0] + i.f32(r[1]) * d[1] + i.f32(r[2]) * d[2]
 }
 
 /// The point at most one long, and what derivatives divide by.
 #[derive(Clone, Copy)]
-struct Nearness {
-    x: f32,
-    y: f32,
-    z: f32,
+struct Nearness<I: Isa> {
+    x: I::F32,
+    y: I::F32,
+    z: I::F32,
     /// One over the largest component.
-    scale: f32,
+    scale: I::F32,
     /// Distance from the axis; 0 on it.
-    out: f32,
+    out: I::F32,
     /// One over its square, and over the square of the distance from the middle; 0 where there is none.
-    per_out: f32,
-    per_all: f32,
+    per_out: I::F32,
+    per_all: I::F32,
 }
 
-impl Nearness {
+impl<I: Isa> Nearness<I> {
     #[inline(always)]
-    fn of(x: f32, y: f32, z: f32) -> Self {
-        let most = larger(larger(x.abs(), z.abs()), y.abs());
-        let scale = if most > NOTHING { 1.0 / most } else { 0.0 };
+    fn of(i: I, x: I::F32, y: I::F32, z: I::F32) -> Self {
+        let (zero, one) = (i.f32(0.0), i.f32(1.0));
+        let most = x.abs().above(z.abs()).above(y.abs());
+        let scale = most.simd_gt(NOTHING).select(one / most, zero);
         let (x, y, z) = (x * scale, y * scale, z * scale);
         let square = x * x + z * z;
-        let off_axis = square > AXIS * AXIS;
-        let all = square + y * y;
-        Self {
-            x,
-            y,
-            z,
-            scale,
-            out: if off_axis {
-                float::sqrt_f32(square)
-            } else {
-                0.0
-            },
-            per_out: if off_axis { 1.0 / square } else { 0.0 },
-            per_all: if all > 0.0 { 1.0 / all } else { 0.0 },
-        }
-    }
-
-    /// Changes of u and of the height for a change of the point in the unit solid.
-    #[inline(always)]
-    fn change(&self, [dx, dy, dz]: [f32; 3], shape: Round) -> [f32; 2] {
-        let turn = (self.z * dx - self.x * dz) * self.scale * self.per_out * (1.0 / TAU);
-        let turn = lanes::clamp_scalar(turn, -0.5, 0.5);
-        let up = match shape {
-            Round::Cylinder => dy,
-            Round::Sphere => {
-                let out = (self.x * dx + self.z * dz) * self.out * self.per_out;
-                (self.out * dy - self.y * out) * self.scale * self.per_all * FRAC_1_PI
-            }
-        };
-        [turn, up]
-    }
-}
-
-#[inline(always)]
-fn larger(a: f32, b: f32) -> f32 {
-    if a > b { a } else { b }
-}
-
-/// [`Nearness`] of sixteen points.
-#[derive(Clone, Copy)]
-struct NearnessX16<S: Simd> {
-    x: f32x16<S>,
-    y: f32x16<S>,
-    z: f32x16<S>,
-    scale: f32x16<S>,
-    out: f32x16<S>,
-    per_out: f32x16<S>,
-    per_all: f32x16<S>,
-}
-
-impl<S: Simd> NearnessX16<S> {
-    #[inline(always)]
-    fn of(s: S, x: f32x16<S>, y: f32x16<S>, z: f32x16<S>) -> Self {
-        let (zero, one) = (f32x16::splat(s, 0.0), f32x16::splat(s, 1.0));
-        let most = larger_x16(larger_x16(x.abs(), z.abs()), y.abs());
-        let scale = most
-            .simd_gt(f32x16::splat(s, NOTHING))
-            .select(one / most, zero);
-        let (x, y, z) = (x * scale, y * scale, z * scale);
-        let square = x * x + z * z;
-        let off_axis = square.simd_gt(f32x16::splat(s, AXIS * AXIS));
+        let off_axis = square.simd_gt(AXIS * AXIS);
         let all = square + y * y;
         Self {
             x,
@@ -224,14 +132,15 @@ impl<S: Simd> NearnessX16<S> {
             scale,
             out: off_axis.select(square.sqrt(), zero),
             per_out: off_axis.select(one / square, zero),
-            per_all: all.simd_gt(zero).select(one / all, zero),
+            per_all: all.simd_gt(0.0).select(one / all, zero),
         }
     }
 
+    /// Changes of u and of the height for a change of the point in the unit solid.
     #[inline(always)]
-    fn change(&self, s: S, [dx, dy, dz]: [f32x16<S>; 3], shape: Round) -> [f32x16<S>; 2] {
+    fn change(&self, i: I, [dx, dy, dz]: [I::F32; 3], shape: Round) -> [I::F32; 2] {
         let turn = (self.z * dx - self.x * dz) * self.scale * self.per_out * (1.0 / TAU);
-        let turn = lanes::clamp(turn, f32x16::splat(s, -0.5), f32x16::splat(s, 0.5));
+        let turn = turn.clamp(i.f32(-0.5), i.f32(0.5));
         let up = match shape {
             Round::Cylinder => dy,
             Round::Sphere => {
@@ -241,11 +150,6 @@ impl<S: Simd> NearnessX16<S> {
         };
         [turn, up]
     }
-}
-
-#[inline(always)]
-fn larger_x16<S: Simd>(a: f32x16<S>, b: f32x16<S>) -> f32x16<S> {
-    a.simd_gt(b).select(a, b)
 }
 
 #[cfg(test)]

@@ -10,7 +10,7 @@ use texmap_lab::cases::figure;
 use texmap_lab::truth::ASSUMPTIONS;
 use texmap_lab::verify::Verified;
 use texmap_light::ShadowBias;
-use texmap_render::planner::{Budget, Choices, EnvironmentChoice, IdleLight, ShadowChoice};
+use texmap_planner::{Budget, Choices, EnvironmentChoice, IdleLight, ShadowChoice};
 use texmap_sample::Precision;
 use texmap_scene::Scene;
 
@@ -153,7 +153,7 @@ pub(crate) struct TruthReport {
 
 impl PlanReport {
     pub(crate) fn new(scene: &Scene, choices: &Choices, truth: Option<&Verified>) -> Self {
-        let report = |c: &texmap_render::planner::Choice| ChoiceReport {
+        let report = |c: &texmap_planner::Choice| ChoiceReport {
             mesh: c.mesh,
             name: scene.meshes[c.mesh].name.clone(),
             interp: words::interp(c.interp),

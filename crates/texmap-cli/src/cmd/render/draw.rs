@@ -15,7 +15,7 @@ use texmap_lab::verify::{Verified, verify, with_wrap};
 use texmap_math::camera::Camera;
 use texmap_math::glam::DVec3;
 use texmap_math::{Level, MemoryBudget};
-use texmap_render::planner::{self, Choices};
+use texmap_planner::{self as planner, Choices};
 use texmap_render::{Aov, AovData, Frame, Settings};
 use texmap_scene::Scene;
 

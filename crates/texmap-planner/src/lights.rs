@@ -2,8 +2,8 @@
 
 use texmap_light::{Light, ShadowBias};
 use texmap_math::glam::DVec3;
+use texmap_scene::SceneError;
 
-use crate::RenderError;
 use texmap_math::wide;
 use texmap_scene::shadow_fit::{fitting_size, shadow_bias, shadow_kind, texel_in_pixels};
 use texmap_scene::{Mesh, Scene, Shading, Shadow};
@@ -110,7 +110,7 @@ pub(super) fn shadows(
     scene: &Scene,
     width: u32,
     idle: &[IdleLight],
-) -> Result<Vec<ShadowChoice>, RenderError> {
+) -> Result<Vec<ShadowChoice>, SceneError> {
     let stays = |s: &&Shadow| idle.iter().all(|l| l.light != s.light);
     let choose = |shadow: &Shadow| {
         let kind = shadow_kind(scene, shadow.light, shadow.area)?;

@@ -4,6 +4,30 @@
 //! part of the crate ([`prices`]), never from a clock, so that the same scene gets the same plan on every machine. Errors
 //! of interpolation are predicted by the closed form of affine mapping, those of filters by a pilot: each candidate is
 //! tried at some of the mesh's own pixels, where all are known at those off its outlines, against the mean over the pixel.
+//!
+//! ```
+//! use texmap_math::{Camera, glam::DVec3};
+//! use texmap_planner::{Budget, choose};
+//! use texmap_scene::{Material, Mesh, Scene};
+//!
+//! let camera = Camera {
+//!     eye: DVec3::new(0.0, 1.0, 5.0), look: DVec3::ZERO, up: DVec3::Y,
+//!     fov_x: 1.0, near: 1e-4, far: f64::INFINITY,
+//! };
+//! let mut scene = Scene {
+//!     materials: vec![Material::default()],
+//!     meshes: vec![Mesh::cube()],
+//!     ..Scene::new(camera)
+//! };
+//! let choices = choose(&scene, 64, 48, Budget::default())?;
+//! assert!(choices.met() && choices.meshes.len() == 1);
+//! choices.apply(&mut scene);
+//! # Ok::<(), texmap_scene::SceneError>(())
+//! ```
+//!
+//! # Limits
+//! Meshes are read as triangles: `texmap_mesh::tessellate` comes first. Errors are predictions with a margin, no bounds.
+#![forbid(unsafe_code)]
 
 mod environments;
 mod gain;
@@ -20,7 +44,6 @@ use texmap_raster::{Interp, TargetSize};
 use texmap_sample::{Filter, Precision};
 use texmap_scene::SceneError;
 
-use crate::RenderError;
 pub use environments::EnvironmentChoice;
 use gain::Lighting;
 pub use lights::{IdleLight, ShadowChoice};
@@ -78,7 +101,7 @@ pub struct Choice {
 pub struct Choices {
     /// The budget.
     pub budget: Budget,
-    /// Samples a side of a pixel: [`Settings::supersample`](crate::Settings::supersample).
+    /// Samples a side of a pixel: `Settings::supersample` of texmap-render.
     pub supersample: u32,
     /// One for each mesh with triangles.
     pub meshes: Vec<Choice>,
@@ -150,7 +173,7 @@ pub fn choose(
     width: u32,
     height: u32,
     budget: Budget,
-) -> Result<Choices, RenderError> {
+) -> Result<Choices, SceneError> {
     choose_sampled(scene, width, height, budget, &[1, 2, 4])
 }
 
@@ -164,7 +187,7 @@ pub fn choose_sampled(
     height: u32,
     budget: Budget,
     samples: &[u32],
-) -> Result<Choices, RenderError> {
+) -> Result<Choices, SceneError> {
     scene.check()?;
     scene.check_tessellated()?;
     let aspect = f64::from(width) / f64::from(height);
@@ -278,23 +301,19 @@ mod tests {
             ..Material::default()
         };
         Scene {
-            camera: Camera {
+            background: [0.0; 4],
+            lights: vec![Light::Ambient { color: [1.0; 3] }],
+            textures: vec![texture],
+            materials: vec![noisy, Material::default()],
+            meshes: vec![square(-1.0, 0), square(0.0, 1)],
+            ..Scene::new(Camera {
                 eye: DVec3::new(0.0, 0.0, 5.0),
                 look: DVec3::ZERO,
                 up: DVec3::Y,
                 fov_x: 1.0,
                 near: 1e-2,
                 far: f64::INFINITY,
-            },
-            background: [0.0; 4],
-            color: ColorMode::Srgb,
-            depth_test: DepthTest::Less,
-            lights: vec![Light::Ambient { color: [1.0; 3] }],
-            textures: vec![texture],
-            materials: vec![noisy, Material::default()],
-            meshes: vec![square(-1.0, 0), square(0.0, 1)],
-            warnings: Vec::new(),
-            effects: Default::default(),
+            })
         }
     }
 

@@ -7,7 +7,7 @@ use texmap_math::color::srgb_to_linear;
 use texmap_math::glam::{DVec2, DVec3};
 use texmap_scene::SceneError;
 
-use crate::{RenderError, Settings, render};
+use texmap_render::{RenderError, Settings, render};
 use texmap_scene::{ColorMode, Scene};
 
 /// The environment of a mesh as a cube of `size` x `size` texels a face: the scene without the mesh, seen from the middle of its box

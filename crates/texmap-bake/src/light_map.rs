@@ -10,7 +10,7 @@ use texmap_scene::SceneError;
 
 use texmap_math::color::luminance;
 
-use crate::RenderError;
+use texmap_render::RenderError;
 use texmap_scene::Scene;
 
 /// What is baked, and how.

@@ -1,0 +1,35 @@
+//! Light baked into textures: light maps of meshes and environments captured from a point of the scene.
+//!
+//! Meshes are read as triangles: `texmap_mesh::tessellate` comes first where there are displacement maps or billboards.
+//!
+//! ```
+//! use texmap_bake::{BakeOptions, bake};
+//! use texmap_light::Light;
+//! use texmap_math::{Camera, glam::DVec3};
+//! use texmap_scene::{Material, Mesh, Scene};
+//!
+//! let camera = Camera {
+//!     eye: DVec3::new(0.0, 2.0, 2.0), look: DVec3::ZERO, up: DVec3::Y,
+//!     fov_x: 1.0, near: 1e-4, far: f64::INFINITY,
+//! };
+//! let floor = [[-1.0, 0.0, -1.0], [1.0, 0.0, -1.0], [1.0, 0.0, 1.0], [-1.0, 0.0, 1.0]];
+//! let scene = Scene {
+//!     lights: vec![Light::Directional { color: [0.5; 3], direction: [0.0, -1.0, 0.0] }],
+//!     materials: vec![Material::default()],
+//!     meshes: vec![Mesh::quad(floor)],
+//!     ..Scene::new(camera)
+//! };
+//! let map = bake(&scene, 0, &BakeOptions { size: 8, gutter: 1, shadows: &[], lights: None })?;
+//! assert_eq!(map.texels[27], [0.5; 3]);
+//! # Ok::<(), texmap_render::RenderError>(())
+//! ```
+//!
+//! # Limits
+//! Direct light alone. Captured environments hold the 8 bits of frames.
+#![forbid(unsafe_code)]
+
+mod environment;
+mod light_map;
+
+pub use environment::environment_of;
+pub use light_map::{BakeOptions, LightMap, bake};
