@@ -4,6 +4,7 @@ use texmap::io::image_io::{read_texture, write_png};
 use texmap::prelude::*;
 use texmap::sample::{Outside, Resample};
 
+/// Runs the example.
 pub fn main() -> Result<(), Box<dyn std::error::Error>> {
     let photo = read_texture("assets/textures/brick.png".as_ref(), ColorSpace::Srgb)?.0;
     let corners = [[20.0, 12.0], [110.0, 4.0], [120.0, 118.0], [8.0, 90.0]];

@@ -4,6 +4,7 @@ use image::{Rgba, RgbaImage};
 use texmap::prelude::*;
 use texmap::{math::color::linear_to_srgb8, texture_from_rgba8};
 
+/// Runs the example.
 pub fn main() -> Result<(), Box<dyn std::error::Error>> {
     // Stripes 4 texels wide.
     let stripe = |x: u32| {

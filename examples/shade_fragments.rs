@@ -3,6 +3,7 @@
 use texmap::prelude::*;
 use texmap::raster::{NoAlphaTest, triangles};
 
+/// Runs the example.
 pub fn main() -> Result<(), Box<dyn std::error::Error>> {
     let camera = Camera::look_at([0.0, 1.0, 3.0], [0.0, 0.0, -2.0]);
     let positions = [[-1, 1], [1, 1], [-1, -9], [1, -9]].map(|[x, z]| [x as f32, 0.0, z as f32]);

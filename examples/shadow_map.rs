@@ -3,11 +3,13 @@
 use texmap::light::{ShadowBias, ShadowKind, ShadowMap, reflect};
 use texmap::prelude::*;
 
+/// Runs the example.
 pub fn main() -> Result<(), Box<dyn std::error::Error>> {
     // A sun shines straight down on a square; reversed depth is 1 at the light and 0 at 20 below.
-    let light_from_world = DMat4::look_at_rh(DVec3::Y * 10.0, DVec3::ZERO, DVec3::NEG_Z);
-    let half = 4.0;
-    let clip = DMat4::orthographic_rh(-half, half, -half, half, 20.0, 0.0) * light_from_world;
+    let sun = Camera::look_at([0.0, 10.0, 0.0], [0.0; 3]);
+    let (half, light_from_world) = (4.0, sun.view()?);
+    let scale = DMat4::from_scale(DVec3::new(1.0 / half, 1.0 / half, 1.0 / 20.0));
+    let clip = DMat4::from_translation(DVec3::Z) * scale * light_from_world;
     let square = [[-1, -1], [1, -1], [1, 1], [-1, 1]].map(|[x, z]| [x as f32, 1.0, z as f32]);
     let mut caster = Draw::default();
     (caster.positions, caster.indices) = (&square, &[[0, 1, 2], [0, 2, 3]]);
@@ -24,7 +26,9 @@ pub fn main() -> Result<(), Box<dyn std::error::Error>> {
         let visible = map.lit(DVec3::X * x, DVec3::Y, ShadowBias::Slope(1e-3), 3);
         println!("{visible:.2} of the sun reaches x = {x}");
     }
-    let mirrored = reflect([0.6, -0.8, 0.0], [0.0, 1.0, 0.0]);
-    println!("the view reflects to {mirrored:?}");
+    println!(
+        "reflected: {:?}",
+        reflect([0.6, -0.8, 0.0], [0.0, 1.0, 0.0])
+    );
     Ok(())
 }

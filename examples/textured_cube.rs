@@ -2,11 +2,12 @@
 
 use texmap::prelude::*;
 
+/// Runs the example.
 pub fn main() -> Result<(), Box<dyn std::error::Error>> {
     let brick =
         texmap::io::image_io::read_texture("assets/textures/brick.png".as_ref(), ColorSpace::Srgb)?
             .0;
-    let mut scene = Scene::new(Camera::look_at(DVec3::new(2.0, 1.5, 2.5), DVec3::ZERO));
+    let mut scene = Scene::new(Camera::look_at([1.4, 1.0, 1.7], [0.0; 3]));
     scene.lights = vec![
         Light::Ambient { color: [0.2; 3] },
         Light::Directional {
@@ -16,10 +17,10 @@ pub fn main() -> Result<(), Box<dyn std::error::Error>> {
     ];
     scene.textures = vec![brick.with_mips()];
     scene.materials = vec![Material {
-        texture: Some(TextureSlot::new(0)),
+        base_color: Some(TextureSlot::new(0)),
         ..Material::default()
     }];
-    scene.meshes = vec![Mesh::cube(1.5)];
+    scene.meshes = vec![Mesh::cube()];
 
     let frame = render(&scene, &Settings::new(640, 480), &|_done, _of| ())?;
     frame.save("cube.png")?;

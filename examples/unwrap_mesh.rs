@@ -3,6 +3,7 @@
 use std::ops::ControlFlow;
 use texmap::uv::{Cuts, Faces, Mesh, Origin, Page, tangents, unwrap};
 
+/// Runs the example.
 pub fn main() -> Result<(), Box<dyn std::error::Error>> {
     let corner = |i: u32| [i & 1, i >> 1 & 1, i >> 2].map(|c| c as f32);
     let cube: Vec<[f32; 3]> = (0..8).map(corner).collect();
