@@ -1,5 +1,6 @@
 //! Draw calls.
 
+use texmap_math::Level;
 use texmap_math::glam::{DMat4, DVec4};
 use texmap_raster::{
     Cull, DepthTest, Draw, Fragment, Interp, NONE, NoAlphaTest, Pass, Prepared, TargetSize,
@@ -72,7 +73,7 @@ impl Submitted {
     }
 }
 
-/// Draw calls: refused by name, or the same by lanes and one by one, with every value within its triangle's.
+/// Draw calls: refused by name, or the same in many lanes and in one, with every value within its triangle's.
 pub fn draw(bytes: &[u8]) {
     let mut c = Choices(bytes);
     let size = match TargetSize::new(c.below(141) as u32, c.below(97) as u32) {
@@ -83,27 +84,28 @@ pub fn draw(bytes: &[u8]) {
         .map(|_| Submitted::new(&mut c))
         .collect();
     let draws: Vec<Draw<'_>> = submitted.iter().map(Submitted::draw).collect();
-    let (fast, plain) = match (Prepared::new(size, &draws), Prepared::plain(size, &draws)) {
-        (Ok(fast), Ok(plain)) => (fast, plain),
+    let one_lane = Prepared::with_level(size, &draws, Level::fallback(), 1);
+    let (fast, one) = match (Prepared::new(size, &draws), one_lane) {
+        (Ok(fast), Ok(one)) => (fast, one),
         (Err(a), Err(b)) => {
             // Not by value: a tolerance may be NaN.
             assert_eq!(a.to_string(), b.to_string());
             return;
         }
-        (fast, plain) => panic!("{:?} but {:?}", fast.err(), plain.err()),
+        (fast, one) => panic!("{:?} but {:?}", fast.err(), one.err()),
     };
-    assert_eq!(fast.stats(), plain.stats());
+    assert_eq!(fast.stats(), one.stats());
     let (mut a, mut b) = (TileBuffers::new(), TileBuffers::new());
     let mut fragment = Fragment::default();
     for index in 0..fast.tiles() {
         let tile = fast.tile(index);
         fast.visible(index, &NoAlphaTest, &mut a);
-        plain.visible(index, &NoAlphaTest, &mut b);
+        one.visible(index, &NoAlphaTest, &mut b);
         for (y, x) in (0..tile.height).flat_map(|y| (0..tile.width).map(move |x| (y, x))) {
             let slot = (y * texmap_raster::TILE + x) as usize;
             let source = |p: &Prepared<'_>, id: u32| (id != NONE).then(|| p.source(id));
             let found = source(&fast, a.id[slot]);
-            assert_eq!(found, source(&plain, b.id[slot]), "tile {index}, {x}, {y}");
+            assert_eq!(found, source(&one, b.id[slot]), "tile {index}, {x}, {y}");
             if let Some(place) = found {
                 fast.evaluate(a.id[slot], tile.x0 + x, tile.y0 + y, &mut fragment);
                 check(&draws, place, &fragment);

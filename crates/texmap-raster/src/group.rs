@@ -280,8 +280,7 @@ impl Prepared<'_> {
 
         let area = area_of(i, v);
         let edges = edges_of(i, v, area.simd_lt(0));
-        for k in 0..3 {
-            let [p, q] = edges[k];
+        for (k, [p, q]) in edges.iter().enumerate() {
             let (a, b) = (p[1] - q[1], q[0] - p[0]);
             let least = least_inside(i, a, b);
             // p = 256 whole + part; the value over 256, rounded down, decides the sign at every centre.

@@ -326,11 +326,9 @@ fn store<I: Isa>(
     out: &mut TilePlanes,
 ) -> I::Mask64 {
     let (group, at) = (slot / GROUP, slot % GROUP);
-    for c in 0..3 {
-        i.narrow(plane[c])
-            .store(&mut out.coefficients(group, k, c)[at..]);
+    let [a, b, c] = [i.narrow(plane[0]), i.narrow(plane[1]), i.narrow(plane[2])];
+    for (c, v) in [a, b, c, hull[0], hull[1]].iter().enumerate() {
+        v.store(&mut out.coefficients(group, k, c)[at..]);
     }
-    hull[0].store(&mut out.coefficients(group, k, 3)[at..]);
-    hull[1].store(&mut out.coefficients(group, k, 4)[at..]);
     is_moderate(i, plane, hull)
 }

@@ -2,14 +2,22 @@
 use texmap_math::simd::{Isa, Scalar, prelude::*};
 
 use crate::clip::Hom;
-use crate::edge::{Edge, row_span};
+use crate::edge::Edge;
 use crate::planes::{
-    COEFFICIENTS, Perspective, Plane, RowPlane, Solver, depth_is_even, hull, is_moderate, plane_at,
-    w_is_even,
+    COEFFICIENTS, Perspective, Plane, RowPlane, Solver, hull, is_moderate, plane_at, w_is_even,
 };
 use crate::stamp::{BLOCK_PIXELS, block_lanes};
 use crate::visible::UvBlock;
 use crate::{Interp, MAX_ATTRIBUTES};
+
+mod depth;
+mod rows;
+mod wide;
+
+pub(crate) use depth::{Depth, DepthPlane, DepthRow, depth_offset};
+use rows::{Rows, rows};
+pub(crate) use wide::WidePixels;
+use wide::bound;
 
 /// Side of a tile in pixels, whatever the target's size: planes are anchored at tile centres, so this decides bits.
 pub const TILE: u32 = 64;
@@ -95,93 +103,6 @@ pub(crate) struct Shape<'a> {
     pub depth_slope: f32,
 }
 
-/// The depth of a triangle over one tile.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct DepthPlane {
-    pub z: Ranged,
-    /// An f32 plane would lose digits here: evaluate in f64.
-    pub wide: bool,
-}
-
-impl DepthPlane {
-    /// About an origin in pixels.
-    pub(crate) fn new(shape: &Shape<'_>, solver: &Solver<Scalar>) -> Self {
-        // A corner cut off at the far plane may lie beyond it by a rounding.
-        let depths = shape.piece.map(|p| (p.z / p.w).clamp(0.0, 1.0));
-        let plane = solve(solver, shape.outer.map(|p| p.z), mean(depths));
-        let mut z = Ranged::new(plane, depths.map(|v| v as f32));
-        let even = depth_is_even(Scalar, plane, f64::from(z.lo));
-        if shape.depth_slope != 0.0 {
-            z.lower(depth_offset(Scalar, shape.depth_slope, z.near));
-        }
-        Self { z, wide: !even }
-    }
-
-    /// `px`, `py`: a pixel's centre from the origin.
-    pub(crate) fn at(&self, px: f32, py: f32) -> f32 {
-        let depth = Depth {
-            coefficients: self.z.coefficients(Scalar),
-            wide: self.wide.then_some(&self.z.plane),
-        };
-        depth.row(py).at(Scalar, px)
-    }
-}
-
-/// The depth of a triangle at pixels: an f32 plane, or one in f64.
-#[derive(Clone, Copy)]
-pub(crate) struct Depth<'g, I: Isa> {
-    pub(crate) coefficients: [I::F32; COEFFICIENTS],
-    /// The plane in f64 where f32 does not serve. Where it lies: were it part of this, all of this would lie in memory.
-    pub(crate) wide: Option<&'g Plane>,
-}
-
-impl<'g, I: Isa> Depth<'g, I> {
-    /// The part that the pixels of a row share.
-    #[inline(always)]
-    pub(crate) fn row(&self, py: I::F32) -> DepthRow<'g, I> {
-        DepthRow {
-            plane: RowPlane::new(self.coefficients, py),
-            wide: self.wide,
-            py,
-        }
-    }
-}
-
-/// [`Depth`] on a row of pixels.
-#[derive(Clone, Copy)]
-pub(crate) struct DepthRow<'g, I: Isa> {
-    plane: RowPlane<I>,
-    wide: Option<&'g Plane>,
-    py: I::F32,
-}
-
-impl<I: Isa> DepthRow<'_, I> {
-    #[inline(always)]
-    pub(crate) fn at(&self, i: I, px: I::F32) -> I::F32 {
-        match self.wide {
-            None => self.plane.value(px),
-            Some(plane) => self.plane.clamp(wide_depth(i, plane, px, self.py)),
-        }
-    }
-}
-
-/// A plane in f64. Out of line: a compiler moves the steps of an inlined form before the question whether the lane is wide, where
-/// what they read holds no meaning and, taken for a subnormal number, costs a hundred cycles a step.
-#[cold]
-#[inline(never)]
-fn wide_depth<I: Isa>(i: I, plane: &Plane, px: I::F32, py: I::F32) -> I::F32 {
-    i.vectorize(
-        #[inline(always)]
-        || i.narrow(plane_at(i, *plane, i.widen(px), i.widen(py))),
-    )
-}
-
-/// What a draw's [`depth_slope`](crate::Draw::depth_slope) takes off a depth plane. A plane that is seen on edge leaves nothing.
-#[inline(always)]
-pub(crate) fn depth_offset<I: Isa>(i: I, depth_slope: f32, [a, b, _]: [I::F32; 3]) -> I::F32 {
-    ((a.abs() + b.abs()) * depth_slope).below(i.f32(LEAVES_NOTHING))
-}
-
 fn solve(solver: &Solver<Scalar>, v: [f64; 3], middle: f64) -> Plane {
     // A triangle whose snapped form has area while its own has none gets constant planes.
     let plane = solver.plane(v);
@@ -263,26 +184,6 @@ impl Ranged {
     pub(crate) fn at<I: Isa>(&self, i: I, x: I::F64, y: I::F64) -> I::F64 {
         plane_at(i, self.plane, x, y)
     }
-}
-
-/// How perspective attributes are evaluated.
-#[derive(Debug, Clone, Copy)]
-enum Rows {
-    /// At the pixel.
-    Exact,
-    /// Between exact nodes on the row.
-    Nodes {
-        edges: [Edge; 3],
-        width: i32,
-        spacing: Spacing,
-    },
-}
-
-#[derive(Debug, Clone, Copy)]
-enum Spacing {
-    Pixels(u32),
-    /// Tolerance of attributes 0 and 1.
-    Error(f64),
 }
 
 impl TriangleSetup {
@@ -379,14 +280,8 @@ impl TriangleSetup {
     /// Depth at a pixel's centre.
     #[must_use]
     pub fn depth(&self, x: u32, y: u32) -> f32 {
-        self.depth_at(x, y, [0; 2])
-    }
-
-    /// Depth at a sample `offset` 1/256 pixel from a pixel's centre.
-    pub(crate) fn depth_at(&self, x: u32, y: u32, offset: [i32; 2]) -> f32 {
         let (px, py) = self.local(x, y);
-        let [dx, dy] = offset.map(|o| o as f32 / 256.0);
-        self.depth.at(px + dx, py + dy)
+        self.depth.at(px, py)
     }
 
     /// Everything at a pixel's centre.
@@ -477,107 +372,6 @@ impl TriangleSetup {
             }
         }
     }
-
-    /// Exact at two nodes on the row, linear between them.
-    fn between_nodes(
-        &self,
-        edges: &[Edge; 3],
-        width: i32,
-        spacing: Spacing,
-        x: u32,
-        y: u32,
-        out: &mut Fragment,
-    ) {
-        let (px, py) = self.local(x, y);
-        let (px, py) = (f64::from(px), f64::from(py));
-        self.at_f64(px, py, out);
-        let Some((first, last)) = row_span(edges, y as i32, 0, width - 1) else {
-            return;
-        };
-        // Node positions from the origin, and the pixel's place between them.
-        let [first, last] = [first, last].map(|x| f64::from(x - self.origin[0]) + 0.5);
-        let [a, b] = match spacing {
-            Spacing::Pixels(n) => {
-                let n = f64::from(n);
-                let start = first + ((px - first) / n).trunc_to_int() * n;
-                let end = start + n;
-                [start, if end < last { end } else { last }]
-            }
-            Spacing::Error(tolerance) => self.error_nodes(first, last, px, py, tolerance),
-        };
-        let length = b - a;
-        if length.is_nan() || length <= 0.0 {
-            return;
-        }
-        let t = (px - a) / length;
-        let inv_w = |x: f64| self.w.clamp(Scalar, self.w.at(Scalar, x, py));
-        let [wa, wb] = [a, b].map(inv_w);
-        for (k, ranged) in self.attributes[..self.count].iter().enumerate() {
-            if self.is_linear(k) {
-                continue;
-            }
-            let [ua, ub] =
-                [(a, wa), (b, wb)].map(|(x, w)| ranged.clamp(Scalar, ranged.at(Scalar, x, py) / w));
-            let between = (ua * (1.0 - t) + ub * t) as f32;
-            out.values[k] = F32s::<Scalar>::clamp(between, ranged.lo, ranged.hi);
-            out.ddx[k] = finite(Scalar, (ub - ua) / length) as f32;
-        }
-    }
-
-    /// The two nodes about `px` such that attributes 0 and 1 are off by at most the tolerance between any two nodes.
-    ///
-    /// Between nodes with W = a and W = b (W linear along the row) an affine span is off by at most
-    /// `|du| |sqrt b - sqrt a| / (sqrt b + sqrt a)`. With `du = K (1/a - 1/b)`, K = (U_x W - U W_x) / W_x constant along
-    /// the row, that is `K (a^-1/2 - b^-1/2)^2`: nodes at equal steps of W^-1/2 share the error evenly.
-    fn error_nodes(&self, first: f64, last: f64, px: f64, py: f64, tolerance: f64) -> [f64; 2] {
-        let slope = self.w.plane[0];
-        let at = |x: f64| self.w.clamp(Scalar, self.w.at(Scalar, x, py));
-        let (w1, w2) = (at(first), at(last));
-        if slope == 0.0 || w1 == w2 {
-            return [first, last];
-        }
-        let mut largest = 0.0;
-        for (k, ranged) in self.attributes[..self.count.min(2)].iter().enumerate() {
-            if !self.is_linear(k) {
-                let turn = ranged.plane[0] * w1 - ranged.at(Scalar, first, py) * slope;
-                let size = (turn / slope).abs();
-                if size > largest {
-                    largest = size;
-                }
-            }
-        }
-        let root = |w: f64| 1.0 / texmap_math::float::sqrt(w);
-        let (g1, g2) = (root(w1), root(w2));
-        // The nodes are exact only to rounding: a hair below the tolerance keeps the sum below it.
-        let parts = (g2 - g1).abs() * texmap_math::float::sqrt(largest / (tolerance * 0.999));
-        // More parts than pixels: every pixel is a node.
-        if parts.is_nan() || parts > last - first {
-            return [px, px];
-        }
-        let parts = parts.trunc_to_int() + 1.0;
-        let node = |k: f64| {
-            if k <= 0.0 {
-                first
-            } else if k >= parts {
-                last
-            } else {
-                let g = g1 + (g2 - g1) * (k / parts);
-                let x = first + (1.0 / (g * g) - w1) / slope;
-                let x = if x > first { x } else { first };
-                if x < last { x } else { last }
-            }
-        };
-        let g = root(at(px));
-        let k = ((g - g1) / (g2 - g1) * parts).trunc_to_int();
-        // Rounding may put the pixel a hair outside its part; the neighbouring part then holds it.
-        if px < node(k) {
-            [node(k - 1.0), node(k)]
-        } else if px > node(k + 1.0) {
-            [node(k + 1.0), node(k + 2.0)]
-        } else {
-            [node(k), node(k + 1.0)]
-        }
-    }
 }
 
 /// The hull of 1/w for centres up to half a pixel in x and y outside the triangle; it stays above zero.
@@ -597,94 +391,4 @@ pub(crate) fn widen_attribute(slope: f32, w_slope: f32, w_lo: f32, lo: &mut f32,
     let reach = 0.5 * (slope + size * w_slope) / w_lo;
     *lo -= reach;
     *hi += reach;
-}
-
-fn rows(shape: &Shape<'_>) -> Rows {
-    let spacing = match shape.interp {
-        Interp::Span(n) => Spacing::Pixels(n),
-        Interp::WithinError(tolerance) => {
-            Spacing::Error(f64::from(tolerance) / f64::from(shape.interp_scale))
-        }
-        Interp::Perspective | Interp::Affine | Interp::Subdivided(_) => return Rows::Exact,
-    };
-    Rows::Nodes {
-        edges: shape.edges,
-        width: shape.width,
-        spacing,
-    }
-}
-
-/// [`TriangleSetup::evaluate`] in f64.
-pub(crate) struct WidePixels<'t, I: Isa> {
-    i: I,
-    setup: &'t TriangleSetup,
-    /// Pixel centres from the origin.
-    at: [I::F64; 2],
-    inv_w: I::F64,
-    w: I::F64,
-}
-
-impl<'t, I: Isa> WidePixels<'t, I> {
-    #[inline(always)]
-    pub(crate) fn new(i: I, setup: &'t TriangleSetup, at: [I::F64; 2]) -> Self {
-        let inv_w = setup.w.clamp(i, setup.w.at(i, at[0], at[1]));
-        Self {
-            i,
-            setup,
-            at,
-            inv_w,
-            w: i.f64(1.0) / inv_w,
-        }
-    }
-
-    #[inline(always)]
-    pub(crate) fn inv_w(&self) -> I::F32 {
-        self.i.narrow(self.inv_w)
-    }
-
-    /// An attribute, and if `D` its change to the right and down; `None` for one that the triangle lacks.
-    #[inline(always)]
-    pub(crate) fn attribute<const D: bool>(&self, k: usize) -> Option<[I::F32; 3]> {
-        let (i, setup) = (self.i, self.setup);
-        let p = setup.attributes[..setup.count].get(k)?;
-        let ([pa, pb, _], [wa, wb, _]) = (p.plane, setup.w.plane);
-        let value = p.at(i, self.at[0], self.at[1]);
-        if setup.is_linear(k) {
-            let [_, _, _, lo, hi] = p.coefficients(i);
-            let [dx, dy] = [finite(Scalar, pa) as f32, finite(Scalar, pb) as f32];
-            return Some([i.narrow(value).clamp(lo, hi), i.f32(dx), i.f32(dy)]);
-        }
-        let u = p.clamp(i, value * self.w);
-        if !D {
-            return Some([i.narrow(u); 3]);
-        }
-        let dx = finite(i, (i.f64(pa) - u * wa) * self.w);
-        let dy = finite(i, (i.f64(pb) - u * wb) * self.w);
-        Some([i.narrow(u), i.narrow(dx), i.narrow(dy)])
-    }
-}
-
-/// Within f32: derivatives may exceed it at a horizon.
-#[inline(always)]
-fn finite<I: Isa>(i: I, v: I::F64) -> I::F64 {
-    let largest = i.f64(f64::from(f32::MAX));
-    bound(v, -largest, largest)
-}
-
-/// `v` within `lo..=hi`; NaN gives `lo`.
-#[inline(always)]
-fn bound<M: Mask + Select<F>, F: Float<f64, M>>(v: F, lo: F, hi: F) -> F {
-    let v = v.simd_gt(lo).select(v, lo);
-    v.simd_lt(hi).select(v, hi)
-}
-
-trait Truncate {
-    /// Towards zero, for values in the range of i64.
-    fn trunc_to_int(self) -> Self;
-}
-
-impl Truncate for f64 {
-    fn trunc_to_int(self) -> Self {
-        self as i64 as Self
-    }
 }

@@ -190,7 +190,7 @@ mod tests {
         matrix.w_axis = (0.0, 0.0, 0.01, 0.3).into();
         let transform = Transform::new(&matrix, size);
         let (mut one, mut lanes) = (alloc::vec![[0; 2]; 4001], alloc::vec![[0; 2]; 4001]);
-        snap_all(Level::fallback(), &positions, &transform, &mut one);
+        snap_lanes(Scalar, &positions, &transform, &mut one);
         snap_all(Level::new(), &positions, &transform, &mut lanes);
         assert_eq!(one, lanes);
         // What is taken as it is has the position of the form for pieces.

@@ -1,10 +1,11 @@
 //! All lanes give the bits of one lane, on every SIMD level and with any number of threads.
-use texmap_math::Level;
 use texmap_math::glam::DMat4;
+use texmap_math::simd::{Isa, prelude::*};
+use texmap_math::{Level, dispatch_simd};
 use texmap_raster::{
-    AlphaTest, Cull, DepthTest, Draw, Fragment, Interp, NONE, NoAlphaTest, Pass, Prepared,
-    RunBlock, RunValues, SAMPLES_4, SampleSetup, TargetSize, TileBlocks, TileBuffers, TilePlanes,
-    UvBlock,
+    AlphaTest, BlockSink, BlockValues, Column, Cull, DepthTest, Draw, Fragment, Interp, NONE,
+    NoAlphaTest, Pass, Prepared, RunBlock, RunValues, SAMPLES_4, SampleSetup, TargetSize,
+    TileBlocks, TileBuffers, TilePlanes, UvBlock,
 };
 use texmap_tests::levels::levels;
 
@@ -318,6 +319,72 @@ fn forward_blocks_are_the_blended_fragments() {
     assert!(count > 100_000, "{count}");
 }
 
+/// Values of runs in the lanes that a level takes by default, four on 128-bit levels: stored, and shown to a sink.
+struct Narrow {
+    stored: RunValues,
+    shown: RunValues,
+}
+
+impl Narrow {
+    fn new(columns: usize) -> Self {
+        let mut stored = RunValues::default();
+        stored.columns.resize(columns, Column::ZERO);
+        let mut shown = RunValues::default();
+        shown.columns.resize(2, Column::ZERO);
+        Self { stored, shown }
+    }
+
+    #[inline(always)]
+    fn fill<I: Isa>(
+        &mut self,
+        i: I,
+        planes: &TilePlanes,
+        blocks: &TileBlocks,
+        run: &[RunBlock],
+        wanted: &[usize],
+    ) {
+        planes.each_column::<_, true>(i, blocks, run, wanted, 0, &mut self.stored);
+        planes.each_block::<_, true, _>(i, blocks, run, [1, 0], &mut Store(&mut self.shown));
+    }
+
+    fn assert_bits(&self, all: &RunValues, run: &[RunBlock], wanted: &[usize]) {
+        let bits = |of: &RunValues, k: usize, place: usize| {
+            let column = &of.columns[k];
+            [column.value[place], column.ddx[place], column.ddy[place]].map(f32::to_bits)
+        };
+        for (i, at) in run.iter().enumerate() {
+            for bit in (0..16).filter(|bit| at.mask >> bit & 1 == 1) {
+                let place = i * 16 + bit;
+                let inv_w = all.inv_w[place].to_bits();
+                assert_eq!(self.stored.inv_w[place].to_bits(), inv_w);
+                for k in 0..wanted.len() {
+                    assert_eq!(bits(&self.stored, k, place), bits(all, k, place));
+                }
+                if wanted.starts_with(&[1, 0]) {
+                    assert_eq!(self.shown.inv_w[place].to_bits(), inv_w);
+                    for k in 0..2 {
+                        assert_eq!(bits(&self.shown, k, place), bits(all, k, place));
+                    }
+                }
+            }
+        }
+    }
+}
+
+struct Store<'a>(&'a mut RunValues);
+
+impl<I: Isa> BlockSink<I> for Store<'_> {
+    #[inline(always)]
+    fn pixels(&mut self, _: I, place: usize, _: RunBlock, values: &BlockValues<I>) {
+        values.inv_w.store(&mut self.0.inv_w[place..]);
+        for (k, column) in self.0.columns.iter_mut().enumerate() {
+            values.value[k].store(&mut column.value[place..]);
+            values.ddx[k].store(&mut column.ddx[place..]);
+            values.ddy[k].store(&mut column.ddy[place..]);
+        }
+    }
+}
+
 /// Values of runs of blocks are the bits of `evaluate`, pixel by pixel.
 #[test]
 fn runs_of_blocks_have_the_bits_of_single_pixels() {
@@ -389,6 +456,9 @@ fn runs_of_blocks_have_the_bits_of_single_pixels() {
                         }
                     }
                     let all = run.clone();
+                    let mut narrow = Narrow::new(wanted.len());
+                    dispatch_simd!(level, i => narrow.fill(i, &planes, &blocks, chunk, wanted));
+                    narrow.assert_bits(&all, chunk, wanted);
                     planes.values(level, &blocks, chunk, wanted, false, &mut run);
                     for (i, at) in chunk.iter().enumerate() {
                         for place in (0..16)

@@ -1,9 +1,8 @@
 //! Arc functions.
 
-use fearless_simd::prelude::*;
-use fearless_simd::{Level, f32x4, f32x16};
+use fearless_simd::Level;
 
-use super::wide::{Wide, lanes_of, polynomial, round};
+use super::wide::{Wide, each, each2, lanes_of, polynomial, round};
 use crate::simd::Isa;
 
 /// tan(pi/8).
@@ -40,12 +39,12 @@ pub fn acos(x: f32) -> f32 {
 
 lanes_of! {
     /// The angle of points in lanes.
-    atan2_lanes(y, x) by apply2 = angle, atan2
+    atan2_lanes(y, x) by apply2, each2 = angle, atan2
 }
 
 lanes_of! {
     /// Arc sine of lanes.
-    asin_lanes(x) by apply = arc_sine, asin
+    asin_lanes(x) by apply, each = arc_sine, asin
 }
 
 #[inline(always)]

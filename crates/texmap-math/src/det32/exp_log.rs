@@ -2,10 +2,9 @@
 
 use core::f64::consts::{LN_2, LOG2_E};
 
-use fearless_simd::prelude::*;
-use fearless_simd::{Level, f32x4, f32x16};
+use fearless_simd::Level;
 
-use super::wide::{Wide, lanes_of, polynomial, round};
+use super::wide::{Wide, each, each2, lanes_of, polynomial, round};
 use crate::simd::Isa;
 
 /// 2^x.
@@ -45,17 +44,17 @@ pub fn pow(x: f32, y: f32) -> f32 {
 
 lanes_of! {
     /// 2^x of lanes.
-    exp2_lanes(x) by apply = power, exp2
+    exp2_lanes(x) by apply, each = power, exp2
 }
 
 lanes_of! {
     /// Logarithm to base 2 of lanes.
-    log2_lanes(x) by apply = logarithm, log2
+    log2_lanes(x) by apply, each = logarithm, log2
 }
 
 lanes_of! {
     /// `x` to the power `y`.
-    pow_lanes(x, y) by apply2 = raise, pow
+    pow_lanes(x, y) by apply2, each2 = raise, pow
 }
 
 /// 2^x: Taylor of e^r to the 9th power for |r| <= ln(2)/2 (remainder below 2^-37). Beyond +-200 the f32 result is infinite or 0.

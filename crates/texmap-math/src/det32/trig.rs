@@ -1,11 +1,10 @@
 //! Sine and cosine.
 
-use fearless_simd::prelude::*;
-use fearless_simd::{Level, f32x4, f32x16};
+use fearless_simd::Level;
 
-use super::wide::{Wide, narrow, narrow_x4, on_level, polynomial, round};
-use crate::det;
-use crate::simd::{Isa, X4};
+use super::wide::{Vectors, Wide, each, polynomial, round};
+use crate::simd::Isa;
+use crate::{det, dispatch_simd};
 
 /// pi/2 to 33 bits and the rest: their product with `|n| < 2^20` is exact, or far below the result.
 const HALF_PI: (f64, f64) = (1.570_796_326_734_125_6, 6.077_100_506_506_192e-11);
@@ -53,57 +52,43 @@ pub fn tan(x: f32) -> f32 {
 /// Sine of lanes.
 #[inline(always)]
 pub fn sin_lanes<I: Isa>(i: I, x: I::F32) -> I::F32 {
-    i.apply(
-        x,
-        sin,
-        |level, x| four(level, x).0,
-        |level, x| sixteen(level, x).0,
-    )
+    i.apply(x, sin, four::<false>, sixteen::<false>)
 }
 
 /// Cosine of lanes.
 #[inline(always)]
 pub fn cos_lanes<I: Isa>(i: I, x: I::F32) -> I::F32 {
-    i.apply(
+    i.apply(x, cos, four::<true>, sixteen::<true>)
+}
+
+fn four<const COSINE: bool>(level: Level, x: [f32; 4]) -> [f32; 4] {
+    if !x.iter().all(|x| x.abs() <= NEAR) {
+        return x.map(if COSINE { cos } else { sin });
+    }
+    dispatch_simd!(@widths X4 X4, level, i => near_lanes::<_, COSINE, _>(i, x))
+}
+
+fn sixteen<const COSINE: bool>(level: Level, x: [f32; 16]) -> [f32; 16] {
+    if !x.iter().all(|x| x.abs() <= NEAR) {
+        return x.map(if COSINE { cos } else { sin });
+    }
+    dispatch_simd!(level, wide i => near_lanes::<_, COSINE, _>(i, x))
+}
+
+#[inline(always)]
+fn near_lanes<I: Isa<F64: Vectors>, const COSINE: bool, const N: usize>(
+    i: I,
+    x: [f32; N],
+) -> [f32; N] {
+    each(
+        i,
         x,
-        cos,
-        |level, x| four(level, x).1,
-        |level, x| sixteen(level, x).1,
-    )
-}
-
-fn four(level: Level, x: [f32; 4]) -> ([f32; 4], [f32; 4]) {
-    if !x.iter().all(|x| x.abs() <= NEAR) {
-        return one_by_one(x);
-    }
-    on_level!(
-        level,
-        t => {
-            let (sine, cosine) = near(X4(t).widen(f32x4::from_slice(t, &x)));
-            (narrow_x4(sine).into(), narrow_x4(cosine).into())
+        #[inline(always)]
+        |x| {
+            let (sine, cosine) = near(x);
+            if COSINE { cosine } else { sine }
         },
-        one_by_one(x)
     )
-}
-
-fn sixteen(level: Level, x: [f32; 16]) -> ([f32; 16], [f32; 16]) {
-    if !x.iter().all(|x| x.abs() <= NEAR) {
-        return one_by_one(x);
-    }
-    on_level!(
-        level,
-        t => {
-            let (low, high) = t.widen_f32x16(f32x16::from_slice(t, &x));
-            let ((sl, cl), (sh, ch)) = (near(low), near(high));
-            (narrow(sl, sh).into(), narrow(cl, ch).into())
-        },
-        one_by_one(x)
-    )
-}
-
-fn one_by_one<const N: usize>(x: [f32; N]) -> ([f32; N], [f32; N]) {
-    let both = x.map(sin_cos);
-    (both.map(|b| b.0), both.map(|b| b.1))
 }
 
 #[cold]

@@ -3,9 +3,9 @@
 use core::ops::{Add, BitAnd, BitOr, Div, Mul, Not, Sub};
 
 use fearless_simd::prelude::*;
-use fearless_simd::{f32x4, f32x16, f64x4, f64x8, mask64x4, mask64x8};
+use fearless_simd::{f64x4, f64x8, mask64x4, mask64x8};
 
-use crate::simd::Isa;
+use crate::simd::{self, Isa, Pair};
 
 /// 1.5 * 2^52: added to `|x| < 2^51` it leaves the nearest integer in the low bits.
 const MAGIC: f64 = 6_755_399_441_055_744.0;
@@ -194,24 +194,97 @@ macro_rules! wide {
 wide!(f64x4, mask64x4);
 wide!(f64x8, mask64x8);
 
-/// Defines a function over lanes: of 16 and of 4 at once, or the scalar function for one. The formulas are compiled here, once per
-/// level, and not again in each generic kernel that calls them.
+/// An f64 for each lane, in vectors that one formula serves. Closures are called where they are: a call by reference might not be inlined.
+pub(super) trait Vectors: Copy {
+    type Vector: Wide;
+    /// `f` of each vector.
+    fn map(self, f: &impl Fn(Self::Vector) -> Self::Vector) -> Self;
+    /// `f` of each vector and that of `other`.
+    fn map2(self, other: Self, f: &impl Fn(Self::Vector, Self::Vector) -> Self::Vector) -> Self;
+}
+
+macro_rules! one_vector {
+    ($t:ty $(, $s:ident: $simd:ident)?) => {
+        impl$(<$s: $simd>)? Vectors for $t {
+            type Vector = Self;
+            #[inline(always)]
+            fn map(self, f: &impl Fn(Self) -> Self) -> Self {
+                (*f)(self)
+            }
+            #[inline(always)]
+            fn map2(self, other: Self, f: &impl Fn(Self, Self) -> Self) -> Self {
+                (*f)(self, other)
+            }
+        }
+    };
+}
+one_vector!(f64);
+one_vector!(f64x4<S>, S: Simd);
+
+impl<T: Wide> Vectors for Pair<T> {
+    type Vector = T;
+    #[inline(always)]
+    fn map(self, f: &impl Fn(T) -> T) -> Self {
+        Self((*f)(self.0), (*f)(self.1))
+    }
+    #[inline(always)]
+    fn map2(self, other: Self, f: &impl Fn(T, T) -> T) -> Self {
+        Self((*f)(self.0, other.0), (*f)(self.1, other.1))
+    }
+}
+
+type Vector<I> = <<I as Isa>::F64 as Vectors>::Vector;
+
+/// `f` of each of `x`, `N` of them a multiple of the lanes, rounded to f32; every NaN becomes the same one.
+#[inline(always)]
+pub(super) fn each<I: Isa<F64: Vectors>, const N: usize>(
+    i: I,
+    x: [f32; N],
+    f: impl Fn(Vector<I>) -> Vector<I>,
+) -> [f32; N] {
+    let mut out = [0.0; N];
+    for at in (0..N).step_by(I::LANES) {
+        let x = i.widen(i.load_f32(&x[at..]));
+        simd::Number::store(narrow(i, x.map(&f)), &mut out[at..]);
+    }
+    out
+}
+
+/// [`each`] of two.
+#[inline(always)]
+pub(super) fn each2<I: Isa<F64: Vectors>, const N: usize>(
+    i: I,
+    x: [f32; N],
+    y: [f32; N],
+    f: impl Fn(Vector<I>, Vector<I>) -> Vector<I>,
+) -> [f32; N] {
+    let mut out = [0.0; N];
+    for at in (0..N).step_by(I::LANES) {
+        let x = i.widen(i.load_f32(&x[at..]));
+        let y = i.widen(i.load_f32(&y[at..]));
+        simd::Number::store(narrow(i, x.map2(y, &f)), &mut out[at..]);
+    }
+    out
+}
+
+#[inline(always)]
+fn narrow<I: Isa>(i: I, x: I::F64) -> I::F32 {
+    let x = i.narrow(x);
+    simd::Select::select(simd::Compare::simd_eq(x, x), x, i.f32(f32::NAN))
+}
+
+/// Defines a function over lanes. The formulas are compiled here, once per level for 16 and for 4 numbers, and not again in each generic
+/// kernel that calls them.
 macro_rules! lanes_of {
-    ($(#[$doc:meta])* $name:ident($($x:ident),+) by $apply:ident = $formula:ident, $scalar:ident) => {
+    ($(#[$doc:meta])* $name:ident($($x:ident),+) by $apply:ident, $each:ident = $formula:ident, $scalar:ident) => {
         $(#[$doc])*
         #[inline(always)]
         pub fn $name<I: Isa>(i: I, $($x: I::F32),+) -> I::F32 {
             fn four(level: Level, $($x: [f32; 4]),+) -> [f32; 4] {
-                $crate::det32::wide::on_level!(level, t => {
-                    $(let $x = $crate::simd::X4(t).widen(f32x4::from_slice(t, &$x));)+
-                    $crate::det32::wide::narrow_x4($formula($($x),+)).into()
-                }, core::array::from_fn(|i| $scalar($($x[i]),+)))
+                $crate::dispatch_simd!(@widths X4 X4, level, i => $each(i, $($x,)+ #[inline(always)] |$($x),+| $formula($($x),+)))
             }
             fn sixteen(level: Level, $($x: [f32; 16]),+) -> [f32; 16] {
-                $crate::det32::wide::on_level!(level, t => {
-                    $(let $x = t.widen_f32x16(f32x16::from_slice(t, &$x));)+
-                    $crate::det32::wide::narrow($formula($($x.0),+), $formula($($x.1),+)).into()
-                }, core::array::from_fn(|i| $scalar($($x[i]),+)))
+                $crate::dispatch_simd!(level, wide i => $each(i, $($x,)+ #[inline(always)] |$($x),+| $formula($($x),+)))
             }
             i.$apply($($x,)+ $scalar, four, sixteen)
         }
@@ -219,78 +292,7 @@ macro_rules! lanes_of {
 }
 pub(super) use lanes_of;
 
-/// One arm per level for an expression over its token, and an expression for the scalar fallback. SSE4.2 has nothing for f64 that SSE2
-/// lacks here.
-macro_rules! on_level {
-    ($level:expr, $t:ident => $lanes:expr, $scalar:expr) => {{
-        #[inline(always)]
-        fn vectorize<S: Simd, R>(s: S, f: impl FnOnce(S) -> R) -> R {
-            s.vectorize(
-                #[inline(always)]
-                || f(s),
-            )
-        }
-        let level = $level;
-        #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-        {
-            if let Some($t) = level.as_avx512() {
-                return vectorize(
-                    $t,
-                    #[inline(always)]
-                    |$t| $lanes,
-                );
-            }
-            if let Some($t) = level.as_avx2() {
-                return vectorize(
-                    $t,
-                    #[inline(always)]
-                    |$t| $lanes,
-                );
-            }
-            if let Some($t) = level.as_sse2() {
-                return vectorize(
-                    $t,
-                    #[inline(always)]
-                    |$t| $lanes,
-                );
-            }
-        }
-        #[cfg(target_arch = "aarch64")]
-        if let Some($t) = level.as_neon() {
-            return vectorize(
-                $t,
-                #[inline(always)]
-                |$t| $lanes,
-            );
-        }
-        #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
-        if let Some($t) = level.as_wasm_simd128() {
-            return vectorize(
-                $t,
-                #[inline(always)]
-                |$t| $lanes,
-            );
-        }
-        $scalar
-    }};
-}
-pub(super) use on_level;
-
-/// Two times eight f64 rounded to sixteen f32; every NaN becomes the same one.
-#[inline(always)]
-pub(super) fn narrow<S: Simd>(low: f64x8<S>, high: f64x8<S>) -> f32x16<S> {
-    let x = low.simd.narrow_f64x8(low, high);
-    x.simd_eq(x).select(x, f32x16::splat(x.simd, f32::NAN))
-}
-
-/// [`narrow`] of four.
-#[inline(always)]
-pub(super) fn narrow_x4<S: Simd>(x: f64x4<S>) -> f32x4<S> {
-    let x = crate::simd::X4(x.simd).narrow(x);
-    x.simd_eq(x).select(x, f32x4::splat(x.simd, f32::NAN))
-}
-
-/// [`narrow`] for one number.
+/// Rounds to f32; every NaN becomes the same one.
 #[inline(always)]
 pub(super) fn round(x: f64) -> f32 {
     let x = x as f32;

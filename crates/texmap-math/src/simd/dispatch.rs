@@ -13,20 +13,20 @@
 #[macro_export]
 macro_rules! dispatch_simd {
     ($level:expr, wide $i:ident => $kernel:expr) => {
-        $crate::dispatch_simd!(@ X16, $level, $i => $kernel)
+        $crate::dispatch_simd!(@widths X16 X16, $level, $i => $kernel)
     };
     ($level:expr, $i:ident => $kernel:expr) => {
-        $crate::dispatch_simd!(@ X4, $level, $i => $kernel)
+        $crate::dispatch_simd!(@widths X16 X4, $level, $i => $kernel)
     };
-    (@ $narrow:ident, $level:expr, $i:ident => $kernel:expr) => {
+    (@widths $wide:ident $narrow:ident, $level:expr, $i:ident => $kernel:expr) => {
         match $level {
             #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
             $crate::Level::Avx512(s) if $crate::LANES => {
-                $crate::dispatch_simd!(@run X16, s, $i => $kernel)
+                $crate::dispatch_simd!(@run $wide, s, $i => $kernel)
             }
             #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
             $crate::Level::Avx2(s) if $crate::LANES => {
-                $crate::dispatch_simd!(@run X16, s, $i => $kernel)
+                $crate::dispatch_simd!(@run $wide, s, $i => $kernel)
             }
             #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
             $crate::Level::Sse4_2(s) if $crate::LANES => {
