@@ -31,9 +31,9 @@ pub mod prelude;
 #[cfg(feature = "io")]
 mod save;
 
-#[cfg(feature = "image")]
-pub use image_buffers::{texture_from_f32, texture_from_rgba8};
 #[cfg(all(feature = "image", feature = "render"))]
 pub use image_buffers::ToImage;
+#[cfg(feature = "image")]
+pub use image_buffers::{texture_from_f32, texture_from_rgba8};
 #[cfg(feature = "io")]
 pub use save::SaveFrame;

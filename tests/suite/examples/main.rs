@@ -1,4 +1,8 @@
 //! The six tasks of a library's user: each example runs, does its work, and is short.
+#![allow(
+    unreachable_pub,
+    reason = "the examples are programs; their main functions are public for this suite alone"
+)]
 
 use std::fs;
 use std::path::Path;
@@ -23,7 +27,11 @@ fn each_example_does_its_work() {
     let folder = tempfile::tempdir().expect("a folder for pictures");
     let textures = folder.path().join("assets/textures");
     fs::create_dir_all(&textures).expect("a folder for textures");
-    fs::copy(root.join("assets/textures/brick.png"), textures.join("brick.png")).expect("a texture");
+    fs::copy(
+        root.join("assets/textures/brick.png"),
+        textures.join("brick.png"),
+    )
+    .expect("a texture");
     std::env::set_current_dir(folder.path()).expect("the folder exists");
 
     sample_image::main().expect("an image is sampled");
@@ -34,7 +42,10 @@ fn each_example_does_its_work() {
     textured_cube::main().expect("a cube is drawn");
 
     let size = |name| image::image_dimensions(folder.path().join(name)).expect("a picture");
-    assert_eq!((size("rectified.png"), size("cube.png")), ((320, 200), (640, 480)));
+    assert_eq!(
+        (size("rectified.png"), size("cube.png")),
+        ((320, 200), (640, 480))
+    );
 }
 
 #[test]
