@@ -8,6 +8,7 @@
 
 use std::error::Error;
 use std::fmt::Write;
+use std::ops::ControlFlow;
 use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
@@ -33,7 +34,15 @@ struct Candidate {
 const CANDIDATES: [Candidate; 5] = [
     Candidate {
         name: "uvunwrap 0.3, as `--map unwrap` uses it",
-        run: |mesh| Ok(unwrap(mesh, &Cuts::default(), PAGE, Origin::BottomLeft)?),
+        run: |mesh| {
+            Ok(unwrap(
+                mesh,
+                &Cuts::default(),
+                PAGE,
+                Origin::BottomLeft,
+                &|_, _| ControlFlow::Continue(()),
+            )?)
+        },
     },
     Candidate {
         name: "uvunwrap 0.3, charts within 40 degrees",

@@ -5,6 +5,7 @@
 
 use std::error::Error;
 use std::fmt::Write;
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
 use texmap_io::framing::View;
@@ -121,7 +122,15 @@ fn map(mesh: &Mesh<'_>, name: &str) -> Result<UvSet, Box<dyn Error>> {
     };
     let mapping = match name {
         "auto" => return Ok(auto_planes(mesh, Page::default(), ORIGIN)?),
-        "unwrap" => return Ok(unwrap(mesh, &Cuts::default(), Page::default(), ORIGIN)?),
+        "unwrap" => {
+            return Ok(unwrap(
+                mesh,
+                &Cuts::default(),
+                Page::default(),
+                ORIGIN,
+                &|_, _| ControlFlow::Continue(()),
+            )?);
+        }
         // A square slide: filling the bounding box would add a stretch of its own.
         "plane" => Mapping {
             frame: Some(square(mesh)),

@@ -135,6 +135,23 @@ fn unit(v: DVec3) -> Option<DVec3> {
 }
 
 impl Camera {
+    /// A camera at `eye` that looks at `look`, +Y up (-Z in the picture's up where it looks straight down or up), with a horizontal
+    /// field of view of 60 degrees, a near plane at a thousandth of the distance and no far plane. Vectors or arrays of three.
+    #[must_use]
+    pub fn look_at(eye: impl Into<DVec3>, look: impl Into<DVec3>) -> Self {
+        let (eye, look) = (eye.into(), look.into());
+        let along = look - eye;
+        let upright = along.x != 0.0 || along.z != 0.0;
+        Self {
+            eye,
+            look,
+            up: if upright { DVec3::Y } else { DVec3::NEG_Z },
+            fov_x: core::f64::consts::FRAC_PI_3,
+            near: along.length() * 1e-3,
+            far: f64::INFINITY,
+        }
+    }
+
     /// The matrix from world to view space.
     ///
     /// # Errors

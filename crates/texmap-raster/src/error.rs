@@ -69,6 +69,11 @@ pub enum RasterError {
         /// The scale found.
         scale: f32,
     },
+    /// A flat index list that does not divide into triangles.
+    IndexCount {
+        /// Indices found.
+        count: usize,
+    },
     /// More triangles, after subdivision and clipping, than 32-bit ids can name.
     TooManyTriangles,
     /// A buffer beyond the memory budget.
@@ -131,6 +136,10 @@ impl fmt::Display for RasterError {
             } => write!(
                 f,
                 "draw {draw}: tolerance {tolerance} with scale {scale}; both must be positive numbers"
+            ),
+            Self::IndexCount { count } => write!(
+                f,
+                "{count} indices are no list of triangles; three are needed for each"
             ),
             Self::TooManyTriangles => {
                 write!(

@@ -58,4 +58,5 @@ pub use setup::plane_table::TilePlanes;
 pub use setup::{Fragment, TILE, TriangleSetup};
 pub use visibility::blocks::{SAMPLES_4, SampleSetup, TileBlocks};
 pub use visibility::depth_only::DepthStrip;
+pub use visibility::fragments::{VisibleFragment, triangles};
 pub use visibility::visible::{AlphaTest, NONE, NoAlphaTest, TileBuffers, UvBlock};

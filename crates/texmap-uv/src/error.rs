@@ -87,6 +87,8 @@ pub enum UvError {
         /// The most that it takes.
         limit: usize,
     },
+    /// The caller's progress function ended the work.
+    Cancelled,
     /// The unwrapper gave up.
     Unwrap {
         /// Its own words.
@@ -149,6 +151,7 @@ impl fmt::Display for UvError {
                 f,
                 "{triangles} triangles lie around vertex {vertex}, of which the unwrapper takes at most {limit}"
             ),
+            Self::Cancelled => write!(f, "cancelled"),
             Self::Unwrap { reason } => write!(f, "the mesh could not be unwrapped: {reason}"),
         }
     }

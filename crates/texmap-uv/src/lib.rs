@@ -59,7 +59,7 @@ pub use fallback::{Projection, project};
 pub use frame::Frame;
 pub use layout::layout_svg;
 pub use mapping::{Entity, Mapped, Mapping, tile};
-pub use mesh::{Faces, Mesh, UvSet};
+pub use mesh::{Faces, Mesh, UvSet, VertexBuffer};
 pub use overlap::{Overlaps, overlaps};
 pub use pack::{Page, pack};
 pub use pixel::{PixelMapping, Round};

@@ -370,9 +370,103 @@ impl UvSet {
     }
 }
 
+/// Vertices with one index for all of their attributes, as a graphics API or a file of triangles wants them.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct VertexBuffer {
+    /// For each vertex the position of the mesh that it is.
+    pub positions: Vec<u32>,
+    /// For each vertex its coordinates.
+    pub uvs: Vec<[f32; 2]>,
+    /// For each vertex its tangent; empty if none were given.
+    pub tangents: Vec<[f32; 4]>,
+    /// The faces as fans, three vertices each.
+    pub indices: Vec<[u32; 3]>,
+}
+
+impl UvSet {
+    /// Splits the positions of the mesh where coordinates or tangents of its corners differ, and nowhere else; vertices stand in
+    /// the order in which the corners first need them. `tangents` has one entry per corner, or none.
+    ///
+    /// # Errors
+    /// A set or tangents that do not fit the mesh.
+    pub fn split(&self, mesh: &Mesh<'_>, tangents: &[[f32; 4]]) -> Result<VertexBuffer, UvError> {
+        self.check(mesh)?;
+        if !tangents.is_empty() && tangents.len() != self.corners.len() {
+            return Err(UvError::WrongLength {
+                what: "the list of tangents",
+                found: tangents.len(),
+                expected: self.corners.len(),
+            });
+        }
+        let mut out = VertexBuffer::default();
+        let mut known = alloc::collections::BTreeMap::new();
+        let mut vertices = Vec::with_capacity(self.corners.len());
+        for (corner, &position) in mesh.faces.corners.iter().enumerate() {
+            let (uv, tangent) = (self.at(corner), tangents.get(corner));
+            let key = (
+                position,
+                uv.map(f32::to_bits),
+                tangent.map(|t| t.map(f32::to_bits)),
+            );
+            let vertex = *known.entry(key).or_insert_with(|| {
+                out.positions.push(position);
+                out.uvs.push(uv);
+                out.tangents.extend(tangent);
+                out.positions.len() as u32 - 1
+            });
+            vertices.push(vertex);
+        }
+        let triangles = mesh.faces.triangles();
+        out.indices = triangles
+            .map(|(_, corners)| corners.map(|k| vertices[k]))
+            .collect();
+        Ok(out)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// A cube's corner has one position and three coordinates; a vertex buffer has 24 vertices, and no more.
+    #[test]
+    fn vertices_split_where_corners_differ() {
+        let positions: Vec<[f32; 3]> = (0..8)
+            .map(|i| [i & 1, i >> 1 & 1, i >> 2].map(|c| c as f32))
+            .collect();
+        let mut faces = Faces::new();
+        for face in [
+            [0, 1, 3, 2],
+            [5, 4, 6, 7],
+            [4, 0, 2, 6],
+            [1, 5, 7, 3],
+            [2, 3, 7, 6],
+            [4, 5, 1, 0],
+        ] {
+            faces.push(&face);
+        }
+        let mesh = Mesh::new(&positions, &faces).unwrap();
+        let square = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+        let page = |face: usize| square.map(|[u, v]| [u + face as f32, v]);
+        let own: Vec<[f32; 2]> = (0..6).flat_map(page).collect();
+        let split = UvSet::shared(&mesh, &own).split(&mesh, &[]).unwrap();
+        assert_eq!((split.positions.len(), split.indices.len()), (24, 12));
+        for (triangle, (_, corners)) in split.indices.iter().zip(faces.triangles()) {
+            for (vertex, k) in triangle.iter().zip(corners) {
+                let vertex = *vertex as usize;
+                assert_eq!(split.positions[vertex], faces.corners()[k]);
+                assert_eq!(split.uvs[vertex], own[k]);
+            }
+        }
+        // One coordinate for all: nothing to split but where tangents say so.
+        let one = UvSet::shared(&mesh, &[[0.5; 2]; 24]);
+        assert_eq!(one.split(&mesh, &[]).unwrap().positions.len(), 8);
+        let mut tangents = vec![[1.0, 0.0, 0.0, 1.0]; 24];
+        tangents[4][3] = -1.0;
+        let split = one.split(&mesh, &tangents).unwrap();
+        assert_eq!((split.positions.len(), split.tangents.len()), (9, 9));
+        assert!(one.split(&mesh, &tangents[1..]).is_err());
+    }
 
     #[test]
     fn bad_meshes_name_their_face() {

@@ -2,6 +2,7 @@
 
 use alloc::string::ToString;
 use alloc::vec::Vec;
+use core::ops::ControlFlow;
 
 use crate::cut::Cuts;
 use crate::mesh::{Mesh, UvSet};
@@ -18,14 +19,18 @@ const AROUND: usize = 2048;
 ///
 /// Half of the gutter, rounded up, is kept around every chart.
 ///
+/// `progress` hears after each step how many of how many (if known) are done in the present stage: charts are found, flattened, packed
+/// and written. It may be called from any thread, and ends the work by [`ControlFlow::Break`].
+///
 /// # Errors
-/// A cut that is no edge, a face of more than 2048 corners, more than 2048 triangles around a vertex, or whatever the
+/// [`UvError::Cancelled`] after a break; a cut that is no edge, a face of more than 2048 corners, more than 2048 triangles around a vertex, or whatever the
 /// unwrapper says.
 pub fn unwrap(
     mesh: &Mesh<'_>,
     cuts: &Cuts<'_>,
     page: Page,
     origin: Origin,
+    progress: &(dyn Fn(usize, Option<usize>) -> ControlFlow<()> + Sync),
 ) -> Result<UvSet, UvError> {
     let topology = Topology::new(mesh);
     check(mesh, &topology)?;
@@ -57,8 +62,14 @@ pub fn unwrap(
         packing: uvunwrap::Packing::Fast,
         ..uvunwrap::Options::default()
     };
-    let atlas = uvunwrap::generate(&[input], &options).map_err(|e| UvError::Unwrap {
-        reason: e.to_string(),
+    let go_on = |p: uvunwrap::Progress| progress(p.done, p.total).is_continue();
+    let atlas = uvunwrap::generate_with_progress(&[input], &options, go_on).map_err(|e| {
+        if matches!(e, uvunwrap::Error::Cancelled) {
+            return UvError::Cancelled;
+        }
+        UvError::Unwrap {
+            reason: e.to_string(),
+        }
     })?;
     if atlas.page_count > 1 {
         return Err(UvError::DoesNotFit {

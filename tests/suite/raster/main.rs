@@ -4,6 +4,7 @@ mod support;
 mod atlas;
 mod coverage;
 mod depth;
+mod fragments;
 mod horizon;
 mod interpolation;
 mod levels;

@@ -1,10 +1,14 @@
 //! Seams, poles, cutting, packing, unwrapping, tangents: what must hold afterwards.
 
+use std::ops::ControlFlow;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
 use texmap_math::Level;
 use texmap_math::glam::DVec3;
 use texmap_uv::{
-    Cuts, Faces, Frame, Mapping, Mesh, Origin, Page, ReportOptions, Shape, UvSet, auto_planes, cut,
-    pack, report, tangents, unwrap,
+    Cuts, Faces, Frame, Mapping, Mesh, Origin, Page, ReportOptions, Shape, UvError, UvSet,
+    auto_planes, cut, pack, report, tangents, unwrap,
 };
 
 use crate::meshes::{ball, ramp, tube};
@@ -86,7 +90,10 @@ fn packed_unwrapped_and_automatic_layouts_are_free_of_overlaps() {
             ("auto", auto_planes(&mesh, page, Origin::TopLeft).unwrap()),
             (
                 "unwrap",
-                unwrap(&mesh, &Cuts::default(), page, Origin::TopLeft).unwrap(),
+                unwrap(&mesh, &Cuts::default(), page, Origin::TopLeft, &|_, _| {
+                    ControlFlow::Continue(())
+                })
+                .unwrap(),
             ),
             ("packed box", pack(&mesh, &boxed, page).unwrap()),
         ];
@@ -160,6 +167,7 @@ fn required_cuts_part_the_unwrapped_charts() {
             &Cuts { pairs, angle: None },
             Page::default(),
             Origin::BottomLeft,
+            &|_, _| ControlFlow::Continue(()),
         )
         .unwrap();
         report(
@@ -176,6 +184,45 @@ fn required_cuts_part_the_unwrapped_charts() {
     assert_eq!(charts(&[]), 1);
     let across: Vec<[u32; 2]> = (0..4).map(|i| [10 + i, 11 + i]).collect();
     assert_eq!(charts(&across), 2);
+}
+
+/// Progress counts up within a stage and ends at its total; a break ends the work with an error of its own.
+#[test]
+fn unwrapping_reports_progress_and_can_be_cancelled() {
+    let (positions, faces) = ball(24, 12, 1.0);
+    let mesh = Mesh::new(&positions, &faces).unwrap();
+    let run = |progress: &(dyn Fn(usize, Option<usize>) -> ControlFlow<()> + Sync)| {
+        let (cuts, page) = (Cuts::default(), Page::default());
+        unwrap(&mesh, &cuts, page, Origin::BottomLeft, progress)
+    };
+    let heard = Mutex::new(Vec::new());
+    run(&|done, of| {
+        heard.lock().unwrap().push((done, of));
+        ControlFlow::Continue(())
+    })
+    .unwrap();
+    let heard = heard.into_inner().unwrap();
+    assert!(heard.iter().any(|(done, of)| Some(*done) == *of));
+    assert!(
+        heard
+            .iter()
+            .all(|(done, of)| of.is_none_or(|of| *done <= of))
+    );
+    for steps in [0, heard.len() / 2, heard.len() - 1] {
+        let calls = AtomicUsize::new(0);
+        let ended = run(&|_, _| {
+            if calls.fetch_add(1, Ordering::Relaxed) == steps {
+                return ControlFlow::Break(());
+            }
+            ControlFlow::Continue(())
+        });
+        assert_eq!(ended, Err(UvError::Cancelled), "after {steps} steps");
+        assert_eq!(
+            calls.into_inner(),
+            steps + 1,
+            "nothing is told after a break"
+        );
+    }
 }
 
 #[test]

@@ -185,7 +185,10 @@ fn sets(mesh: &Mesh<'_>) -> Vec<(&'static str, UvSet)> {
         ("auto", auto),
         (
             "unwrap",
-            unwrap(mesh, &Cuts::default(), page, origin).unwrap(),
+            unwrap(mesh, &Cuts::default(), page, origin, &|_, _| {
+                std::ops::ControlFlow::Continue(())
+            })
+            .unwrap(),
         ),
         ("halves", halves),
         ("apart", apart),

@@ -5,6 +5,7 @@ pub(super) mod source;
 mod table;
 
 use std::fs;
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
@@ -304,7 +305,12 @@ fn coordinates(
     };
     let (mut set, mut around) = match args.map {
         Some(Map::Auto) => (auto_planes(mesh, page, Origin::BottomLeft)?, Vec::new()),
-        Some(Map::Unwrap) => (unwrap(mesh, cuts, page, Origin::BottomLeft)?, Vec::new()),
+        Some(Map::Unwrap) => (
+            unwrap(mesh, cuts, page, Origin::BottomLeft, &|_, _| {
+                ControlFlow::Continue(())
+            })?,
+            Vec::new(),
+        ),
         Some(map) => {
             let mapped =
                 mapping(args, map).map(Level::new(), mesh, &source.obj.vertex_normals())?;
