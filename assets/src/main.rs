@@ -1,7 +1,7 @@
 //! Rebuilds every file under `assets/` byte for byte: `cargo run -p texmap-assets`.
 //!
 //! With `--check` nothing is written; the program names each file that differs and ends with exit code 1.
-//! Everything is computed with integers and IEEE + - * / sqrt (the rest from `texmap_math::det`), so the bytes
+//! Everything is computed with integers and IEEE + - * / sqrt (the rest from `texmap_math::deterministic_f64`), so the bytes
 //! are the same on every machine.
 #![forbid(unsafe_code)]
 

@@ -1,6 +1,6 @@
 //! Plain solids with texture coordinates.
 
-use texmap_math::{det, glam::DVec3};
+use texmap_math::{deterministic_f64, glam::DVec3};
 
 use crate::mesh::{Corner, Mesh, unit};
 
@@ -73,9 +73,11 @@ pub(crate) fn head() -> Mesh {
     const DOWN: usize = 32;
     let mut mesh = Mesh::default();
     for j in 0..=DOWN {
-        let (sin, cos) = det::sin_cos(j as f64 / DOWN as f64 * core::f64::consts::PI);
+        let (sin, cos) = deterministic_f64::sin_cos(j as f64 / DOWN as f64 * core::f64::consts::PI);
         for i in 0..=AROUND {
-            let (x, z) = det::sin_cos((i as f64 / AROUND as f64 - 0.5) * core::f64::consts::TAU);
+            let (x, z) = deterministic_f64::sin_cos(
+                (i as f64 / AROUND as f64 - 0.5) * core::f64::consts::TAU,
+            );
             // Narrower toward the chin.
             let taper = if cos < 0.0 {
                 1.0 - 0.22 * cos * cos
@@ -260,7 +262,8 @@ pub(crate) fn twisted_box() -> Mesh {
     const COLUMNS: usize = 6;
     let mut mesh = Mesh::default();
     let turned = |p: DVec3| {
-        let (sin, cos) = det::sin_cos((p.y / 3.0 + 0.5) * 1.5 * core::f64::consts::PI);
+        let (sin, cos) =
+            deterministic_f64::sin_cos((p.y / 3.0 + 0.5) * 1.5 * core::f64::consts::PI);
         DVec3::new(p.x * cos + p.z * sin, p.y, p.z * cos - p.x * sin)
     };
     let mut panel = |name: &str, rows: usize, place: &dyn Fn(f64, f64) -> DVec3| {
@@ -298,7 +301,9 @@ pub(crate) fn turned(name: &str, profile: &[[f64; 2]]) -> Mesh {
     let mut mesh = Mesh::default();
     let last = profile.len() - 1;
     let point = |i: usize, j: usize| {
-        let (sin, cos) = det::sin_cos((i % AROUND) as f64 / AROUND as f64 * core::f64::consts::TAU);
+        let (sin, cos) = deterministic_f64::sin_cos(
+            (i % AROUND) as f64 / AROUND as f64 * core::f64::consts::TAU,
+        );
         let [r, h] = profile[j];
         (
             DVec3::new(sin * r, h, cos * r),
@@ -344,7 +349,7 @@ pub(crate) fn cone_profile() -> Vec<[f64; 2]> {
 /// Profile of the unit ball.
 pub(crate) fn ball_profile() -> Vec<[f64; 2]> {
     let ring = |k: u32| {
-        let (sin, cos) = det::sin_cos(f64::from(k) / 16.0 * core::f64::consts::PI);
+        let (sin, cos) = deterministic_f64::sin_cos(f64::from(k) / 16.0 * core::f64::consts::PI);
         [0.5 * sin, 0.5 * cos]
     };
     let mut profile: Vec<[f64; 2]> = (0..=16).map(ring).collect();
@@ -358,8 +363,10 @@ pub(crate) fn coarse_ball() -> Mesh {
     const DOWN: usize = 16;
     let mut mesh = Mesh::default();
     let point = |i: usize, j: usize| {
-        let (sin, cos) = det::sin_cos(j as f64 / DOWN as f64 * core::f64::consts::PI);
-        let (x, z) = det::sin_cos((i % AROUND) as f64 / AROUND as f64 * core::f64::consts::TAU);
+        let (sin, cos) = deterministic_f64::sin_cos(j as f64 / DOWN as f64 * core::f64::consts::PI);
+        let (x, z) = deterministic_f64::sin_cos(
+            (i % AROUND) as f64 / AROUND as f64 * core::f64::consts::TAU,
+        );
         let ring = if j == 0 || j == DOWN { 0.0 } else { 0.5 * sin };
         let uv = [i as f64 / AROUND as f64, 1.0 - j as f64 / DOWN as f64];
         (DVec3::new(x * ring, 0.5 * cos, z * ring), uv)

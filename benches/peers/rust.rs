@@ -126,7 +126,9 @@ fn torus() -> Mesh {
     for j in 0..=around {
         for i in 0..=about {
             let turn = |k: u32, n: u32| {
-                texmap_math::det::sin_cos(std::f64::consts::TAU * f64::from(k) / f64::from(n))
+                texmap_math::deterministic_f64::sin_cos(
+                    std::f64::consts::TAU * f64::from(k) / f64::from(n),
+                )
             };
             let ((s, c), (t, d)) = (turn(j, around), turn(i, about));
             let out = 1.5 + 0.6 * d;

@@ -1,6 +1,6 @@
 //! Perspective floors of 1920x1080 pixels as planes of u w, v w and w, evaluated sixteen pixels at a time.
 
-use texmap_math::det;
+use texmap_math::deterministic_f64;
 use texmap_math::fearless_simd::{f32x16, prelude::*};
 use texmap_math::lanes::iota;
 
@@ -40,12 +40,12 @@ impl Floor {
     /// 1/w grows by `ratio` from the bottom row to the top; `repeats` copies of the texture a unit.
     #[must_use]
     pub fn new(ratio: f64, repeats: f64, yaw: f64) -> Self {
-        let half = det::tan(std::f64::consts::PI / 6.0);
+        let half = deterministic_f64::tan(std::f64::consts::PI / 6.0);
         // -d.y of a ray runs from sin - half cos (top) to sin + half cos (bottom).
         let slope = half * (ratio + 1.0) / (ratio - 1.0);
-        let pitch = det::atan2(slope, 1.0);
-        let (sp, cp) = det::sin_cos(pitch);
-        let (sy, cy) = det::sin_cos(yaw.to_radians());
+        let pitch = deterministic_f64::atan2(slope, 1.0);
+        let (sp, cp) = deterministic_f64::sin_cos(pitch);
+        let (sy, cy) = deterministic_f64::sin_cos(yaw.to_radians());
         let forward = [sy * cp, -sp, -cy * cp];
         let right = [cy, 0.0, sy];
         let up = [sy * sp, cp, -cy * sp];

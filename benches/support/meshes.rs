@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use texmap_math::det;
+use texmap_math::deterministic_f64;
 use texmap_math::glam::DVec3;
 use texmap_uv::Faces;
 
@@ -15,9 +15,10 @@ pub fn ball(triangles: usize) -> Mesh {
     let around = 2 * down;
     let mut positions = Vec::new();
     for j in 0..=down {
-        let (sin, cos) = det::sin_cos((f64::from(j) + 0.5) / (f64::from(down) + 1.0) * PI);
+        let (sin, cos) =
+            deterministic_f64::sin_cos((f64::from(j) + 0.5) / (f64::from(down) + 1.0) * PI);
         for i in 0..around {
-            let (z, x) = det::sin_cos(f64::from(i) / f64::from(around) * TAU);
+            let (z, x) = deterministic_f64::sin_cos(f64::from(i) / f64::from(around) * TAU);
             positions.push([sin * x, cos, -sin * z].map(|c| c as f32));
         }
     }
@@ -31,7 +32,10 @@ pub fn knot(triangles: usize) -> Mesh {
     let along = across * 10;
     // (2, 3) torus knot.
     let middle = |t: f64| {
-        let ((s2, c2), (s3, c3)) = (det::sin_cos(2.0 * t), det::sin_cos(3.0 * t));
+        let ((s2, c2), (s3, c3)) = (
+            deterministic_f64::sin_cos(2.0 * t),
+            deterministic_f64::sin_cos(3.0 * t),
+        );
         DVec3::new((2.0 + c3) * c2, s3, (2.0 + c3) * s2)
     };
     let mut positions = Vec::new();
@@ -40,15 +44,16 @@ pub fn knot(triangles: usize) -> Mesh {
         let (here, next) = (middle(t), middle(t + 1e-4));
         let ahead = (next - here) / (next - here).dot(next - here).sqrt();
         // Across the knot: away from the torus' ring.
-        let (s2, c2) = det::sin_cos(2.0 * t);
+        let (s2, c2) = deterministic_f64::sin_cos(2.0 * t);
         let out = here - DVec3::new(2.0 * c2, 0.0, 2.0 * s2);
         let side = ahead.cross(out);
         let side = side / side.dot(side).sqrt();
         let up = side.cross(ahead);
         for j in 0..across {
             let a = f64::from(j) / f64::from(across) * TAU;
-            let (sin, cos) = det::sin_cos(a);
-            let lump = 1.0 + 0.15 * det::sin(24.0 * t) * det::sin(3.0 * a);
+            let (sin, cos) = deterministic_f64::sin_cos(a);
+            let lump =
+                1.0 + 0.15 * deterministic_f64::sin(24.0 * t) * deterministic_f64::sin(3.0 * a);
             let p = here + (side * cos + up * sin) * (0.45 * lump);
             positions.push(p.to_array().map(|c| c as f32));
         }

@@ -1,5 +1,5 @@
 //! Geometry and cameras of the yardstick scenes, to the pixel those that llvmpipe draws.
-use texmap_math::det::{sin_cos, tan};
+use texmap_math::deterministic_f64::{sin_cos, tan};
 use texmap_math::glam::{DMat4, DVec3, DVec4};
 
 /// The unit sphere of the mesh scenes: `slices` x `stacks` cells, counter-clockwise outside.

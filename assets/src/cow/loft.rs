@@ -1,6 +1,6 @@
 //! Tubes: rings along a curve, closed at both ends; horns, ears, tail and balls are made of them.
 
-use texmap_math::{det, glam::DVec3};
+use texmap_math::{deterministic_f64, glam::DVec3};
 
 use crate::mesh::{length, unit};
 
@@ -49,7 +49,8 @@ pub(crate) fn tube(stations: &[Station], side: DVec3, steps: usize, around: usiz
         let across = unit(side - ahead * side.dot(ahead));
         let up = ahead.cross(across);
         for k in 0..around {
-            let (sin, cos) = det::sin_cos(k as f64 / around as f64 * core::f64::consts::TAU);
+            let (sin, cos) =
+                deterministic_f64::sin_cos(k as f64 / around as f64 * core::f64::consts::TAU);
             tube.points.push(
                 rings[i].centre + across * (rings[i].wide * cos) + up * (rings[i].thick * sin),
             );
@@ -65,9 +66,11 @@ pub(crate) fn ball(centre: DVec3, radius: f64, rings: usize, around: usize) -> T
         faces: Vec::new(),
     };
     for i in 1..rings {
-        let (sin, cos) = det::sin_cos(i as f64 / rings as f64 * core::f64::consts::PI);
+        let (sin, cos) =
+            deterministic_f64::sin_cos(i as f64 / rings as f64 * core::f64::consts::PI);
         for k in 0..around {
-            let (z, x) = det::sin_cos(k as f64 / around as f64 * core::f64::consts::TAU);
+            let (z, x) =
+                deterministic_f64::sin_cos(k as f64 / around as f64 * core::f64::consts::TAU);
             tube.points
                 .push(centre + DVec3::new(x * sin, -cos, -z * sin) * radius);
         }

@@ -1,6 +1,6 @@
 //! Maps that stand for light and shape: skies, lamps, slopes, normals, ramps, a label, baked light.
 
-use texmap_math::det;
+use texmap_math::deterministic_f64;
 
 use super::brick;
 use crate::picture::{Picture, blend, clouds, mix, rgb, smooth_step};
@@ -45,7 +45,9 @@ pub(crate) fn lamps() -> Picture {
 
 /// Height of round studs, 0 to 1, and its slopes over the whole picture; it repeats.
 fn studs(x: u32, y: u32) -> [f64; 2] {
-    let turn = |c: u32| det::sin_cos((f64::from(c) + 0.5) / 64.0 * 4.0 * core::f64::consts::TAU);
+    let turn = |c: u32| {
+        deterministic_f64::sin_cos((f64::from(c) + 0.5) / 64.0 * 4.0 * core::f64::consts::TAU)
+    };
     let ((sx, cx), (sy, cy)) = (turn(x), turn(y));
     // h = (1 - cos 4 tau u) (1 - cos 4 tau v) / 4
     let slope = core::f64::consts::TAU;

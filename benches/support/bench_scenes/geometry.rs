@@ -1,6 +1,6 @@
 //! Meshes of the benchmark scenes: position, normal, texture coordinate and tangent a vertex.
 
-use texmap_math::det::sin_cos;
+use texmap_math::deterministic_f64::sin_cos;
 
 /// Width of the colour target in pixels.
 pub const WIDTH: u32 = 1920;

@@ -3,7 +3,7 @@
 //! Computed in f64, stored as f32, products summed in f64 and rounded to f32, so that every
 //! renderer in a race multiplies by the same numbers. Column-major; clip depth -w..w.
 
-use texmap_math::det::{sin_cos, tan};
+use texmap_math::deterministic_f64::{sin_cos, tan};
 use texmap_math::glam::{DMat4, DVec4};
 
 /// A column-major 4x4 matrix of f32.

@@ -2,7 +2,7 @@
 
 use texmap_light::Surface;
 use texmap_math::camera::Camera;
-use texmap_math::det::{atan, tan};
+use texmap_math::deterministic_f64::{atan, tan};
 use texmap_math::glam::{DMat4, DVec3};
 use texmap_raster::{Cull, DepthTest};
 use texmap_sample::{

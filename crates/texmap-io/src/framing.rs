@@ -4,7 +4,7 @@ use std::str::FromStr;
 
 use texmap_light::Light;
 use texmap_math::camera::Camera;
-use texmap_math::det;
+use texmap_math::deterministic_f64;
 use texmap_math::glam::DVec3;
 use texmap_scene::Scene;
 
@@ -114,9 +114,9 @@ impl Bounds {
     /// `fov_x` in radians.
     pub fn camera(&self, view: View, fov_x: f64, aspect: f64) -> Camera {
         let half_x = 0.5 * fov_x;
-        let half_y = det::atan(det::tan(half_x) / aspect);
+        let half_y = deterministic_f64::atan(deterministic_f64::tan(half_x) / aspect);
         let radius = if self.radius > 0.0 { self.radius } else { 1.0 };
-        let distance = 1.05 * radius / det::sin(half_x.min(half_y));
+        let distance = 1.05 * radius / deterministic_f64::sin(half_x.min(half_y));
         let direction = view.direction();
         Camera {
             eye: self.center + direction * (distance / direction.length()),

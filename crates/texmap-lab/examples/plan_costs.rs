@@ -134,7 +134,7 @@ fn plane(bytes: &[u8], turn: f64, magnify: f64) -> Result<Scene, Box<dyn Error>>
     let side = TEXELS as u32;
     let rgba = bytes.iter().flat_map(|&b| [b, b, b, 255]).collect();
     let texture = Texture2d::from_rgba8(side, side, rgba, ColorSpace::Linear, Origin::TopLeft)?;
-    let (sin, cos) = texmap_math::det::sin_cos(f64::to_radians(turn));
+    let (sin, cos) = texmap_math::deterministic_f64::sin_cos(f64::to_radians(turn));
     let corners = [[-10.0, -2.5], [10.0, -2.5], [10.0, 20.0], [-10.0, 20.0]];
     let uv = |[x, y]: [f64; 2]| {
         [x * cos - y * sin, x * sin + y * cos].map(|c| (c / (4.0 * magnify)) as f32)

@@ -1,7 +1,7 @@
 use texmap_light::LightError;
 use texmap_math::camera::CameraError;
-use texmap_math::frame::FrameError;
 use texmap_math::homography::HomographyError;
+use texmap_math::texture_frame::FrameError;
 use texmap_mesh::MeshError;
 use texmap_raster::RasterError;
 use texmap_render::RenderError;

@@ -5,7 +5,7 @@
 
 use texmap_math::camera::Camera;
 use texmap_math::glam::DVec3;
-use texmap_math::{Footprint, det};
+use texmap_math::{Footprint, deterministic_f64};
 use texmap_sample::{Alpha, ColorSpace, Image, Origin, SampleError, Sampler, Texels, Texture2d};
 
 const EYE: DVec3 = DVec3::new(0.0, -3.0, 1.0);
@@ -90,8 +90,8 @@ impl Pattern {
 /// The two plane waves of [`Pattern::Sines`] at a place in texels from the centre of the first.
 pub fn sines([x, y]: [f64; 2]) -> f64 {
     let turn = core::f64::consts::TAU / 512.0;
-    let a = det::sin(turn * (32.0 * x + 8.0 * y));
-    let b = det::sin(turn * (5.0 * x - 40.0 * y));
+    let a = deterministic_f64::sin(turn * (32.0 * x + 8.0 * y));
+    let b = deterministic_f64::sin(turn * (5.0 * x - 40.0 * y));
     0.5 + 0.25 * a + 0.25 * b
 }
 
@@ -115,7 +115,7 @@ impl Default for View {
 
 impl View {
     fn uv(self, [x, y]: [f64; 2]) -> [f64; 2] {
-        let (sin, cos) = det::sin_cos(self.turn);
+        let (sin, cos) = deterministic_f64::sin_cos(self.turn);
         [x * cos - y * sin, x * sin + y * cos].map(|c| c / (4.0 * self.magnify))
     }
 }

@@ -5,7 +5,7 @@
 //! each against f64 light at the point itself.
 
 use texmap_light::{Light, Surface, terms};
-use texmap_math::det;
+use texmap_math::deterministic_f64;
 use texmap_math::glam::DVec3;
 
 /// The quantity that is interpolated across a triangle.
@@ -131,7 +131,7 @@ impl Floor {
 
     /// The texel of a normal map there.
     fn normal(&self, p: DVec3) -> DVec3 {
-        let slope = |c: f64| self.waves * det::sin(c * 5.0 * std::f64::consts::PI);
+        let slope = |c: f64| self.waves * deterministic_f64::sin(c * 5.0 * std::f64::consts::PI);
         DVec3::new(slope(p.x), 1.0, slope(p.z)).normalize()
     }
 

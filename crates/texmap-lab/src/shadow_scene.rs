@@ -4,7 +4,7 @@ use std::path::Path;
 
 use texmap_light::{Light, ShadowBias, ShadowKind, ShadowMap};
 use texmap_math::camera::Camera;
-use texmap_math::det;
+use texmap_math::deterministic_f64;
 use texmap_math::glam::{DMat4, DVec2, DVec3};
 use texmap_render::shadow_map;
 use texmap_scene::{Material, Mesh, Scene, shadow_kind};
@@ -46,8 +46,9 @@ impl ShadowScene {
             name: "ring".into(),
             ..Mesh::default()
         };
-        let turn =
-            |i: u32, n: u32| det::sin_cos(f64::from(i) / f64::from(n) * std::f64::consts::TAU);
+        let turn = |i: u32, n: u32| {
+            deterministic_f64::sin_cos(f64::from(i) / f64::from(n) * std::f64::consts::TAU)
+        };
         for (i, j) in (0..around).flat_map(|i| (0..along).map(move |j| (i, j))) {
             let ((sin, cos), (up, out)) = (turn(i, around), turn(j, along));
             let r = 0.35 + 0.15 * out;
@@ -177,7 +178,8 @@ impl ShadowScene {
             let truth = dark(point, normal);
             let around = || {
                 (0..8).map(|k| {
-                    let (sin, cos) = det::sin_cos(f64::from(k) * std::f64::consts::FRAC_PI_4);
+                    let (sin, cos) =
+                        deterministic_f64::sin_cos(f64::from(k) * std::f64::consts::FRAC_PI_4);
                     (a * cos + b * sin) * (1.5 * texel)
                 })
             };
@@ -274,7 +276,7 @@ impl ShadowScene {
 
 /// From the scene to the sun.
 fn toward(elevation: f64) -> DVec3 {
-    let (sin, cos) = det::sin_cos(elevation.to_radians());
+    let (sin, cos) = deterministic_f64::sin_cos(elevation.to_radians());
     DVec3::new(0.8 * cos, -0.6 * cos, sin)
 }
 

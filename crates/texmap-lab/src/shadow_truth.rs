@@ -2,7 +2,7 @@
 
 use texmap_bake::{BakeOptions, bake};
 use texmap_light::{Light, ShadowBias, ShadowKind};
-use texmap_math::det;
+use texmap_math::deterministic_f64;
 use texmap_math::glam::DVec3;
 use texmap_raster::{Atlas, AtlasMesh, AtlasOptions, Coverage, TargetSize};
 use texmap_render::shadow_map_for;
@@ -209,7 +209,7 @@ impl<'s> ShadowTruth<'s> {
                 // The golden angle.
                 (within.sqrt(), f64::from(k) * 2.399_963)
             };
-            let (sin, cos) = det::sin_cos(turn);
+            let (sin, cos) = deterministic_f64::sin_cos(turn);
             let place = point.at + (a * cos + b * sin) * (radius * reach);
             let toward = self.to_light(place).normalize();
             let beside = self.of.surface_beside(place + toward * 1e-7, toward);

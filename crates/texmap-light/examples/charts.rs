@@ -5,7 +5,7 @@
 use std::f64::consts::TAU;
 
 use texmap_light::{Chart, Environment};
-use texmap_math::det;
+use texmap_math::deterministic_f64;
 use texmap_math::glam::DVec3;
 
 /// How often the waves are drawn: one draw says little about a chart whose error sits at one direction.
@@ -96,7 +96,7 @@ fn noise(seed: u64) -> impl FnMut() -> f64 {
 
 fn direction(next: &mut impl FnMut() -> f64) -> DVec3 {
     let z = 2.0 * next() - 1.0;
-    let (sin, cos) = det::sin_cos(next() * TAU);
+    let (sin, cos) = deterministic_f64::sin_cos(next() * TAU);
     let r = (1.0 - z * z).sqrt();
     DVec3::new(r * cos, r * sin, z)
 }
@@ -112,7 +112,7 @@ fn light(waves: &[(DVec3, f64)], d: DVec3) -> f64 {
     (2.0f64 / 64.0).sqrt()
         * waves
             .iter()
-            .map(|(k, p)| det::cos(k.dot(d) + p))
+            .map(|(k, p)| deterministic_f64::cos(k.dot(d) + p))
             .sum::<f64>()
 }
 

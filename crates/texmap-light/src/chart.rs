@@ -4,7 +4,7 @@ use core::f64::consts::{FRAC_1_PI, FRAC_PI_2, FRAC_PI_4, PI, TAU};
 use core::fmt;
 use core::str::FromStr;
 
-use texmap_math::det;
+use texmap_math::deterministic_f64;
 use texmap_math::float::sqrt;
 use texmap_math::glam::{DVec2, DVec3};
 
@@ -113,10 +113,10 @@ impl Chart {
         };
         match self {
             Self::Cube => cube(d, |x| x),
-            Self::TanCube => cube(d, |x| det::atan(x) * (4.0 * FRAC_1_PI)),
+            Self::TanCube => cube(d, |x| deterministic_f64::atan(x) * (4.0 * FRAC_1_PI)),
             Self::LatLong => {
-                let u = det::atan2(d.x, -d.z) / TAU + 0.5;
-                let v = det::atan2(sqrt(d.x * d.x + d.z * d.z), d.y) * FRAC_1_PI;
+                let u = deterministic_f64::atan2(d.x, -d.z) / TAU + 0.5;
+                let v = deterministic_f64::atan2(sqrt(d.x * d.x + d.z * d.z), d.y) * FRAC_1_PI;
                 (0, DVec2::new(u, v))
             }
             Self::Octahedron => {
@@ -128,7 +128,7 @@ impl Chart {
                 let a = d.abs();
                 // 1 - |z| without cancellation.
                 let r = sqrt((a.x * a.x + a.y * a.y) / (1.0 + a.z));
-                let y = r * det::atan2(a.y, a.x) / FRAC_PI_2;
+                let y = r * deterministic_f64::atan2(a.y, a.x) / FRAC_PI_2;
                 let p = DVec2::new(sign(d.x) * (r - y), sign(d.y) * y);
                 (0, unit(if d.z < 0.0 { fold(p) } else { p }))
             }
@@ -165,11 +165,14 @@ impl Chart {
             Self::Cube => cube_direction(face, p),
             Self::TanCube => cube_direction(
                 face,
-                DVec2::new(det::tan(p.x * FRAC_PI_4), det::tan(p.y * FRAC_PI_4)),
+                DVec2::new(
+                    deterministic_f64::tan(p.x * FRAC_PI_4),
+                    deterministic_f64::tan(p.y * FRAC_PI_4),
+                ),
             ),
             Self::LatLong => {
-                let (sin_lon, cos_lon) = det::sin_cos((uv.x - 0.5) * TAU);
-                let (sin_lat, cos_lat) = det::sin_cos(uv.y * PI);
+                let (sin_lon, cos_lon) = deterministic_f64::sin_cos((uv.x - 0.5) * TAU);
+                let (sin_lat, cos_lat) = deterministic_f64::sin_cos(uv.y * PI);
                 DVec3::new(sin_lat * sin_lon, cos_lat, -sin_lat * cos_lon)
             }
             Self::Octahedron => {
@@ -188,7 +191,7 @@ impl Chart {
                 } else {
                     0.0
                 };
-                let (sin, cos) = det::sin_cos(phi);
+                let (sin, cos) = deterministic_f64::sin_cos(phi);
                 let radius = r * sqrt(2.0 - r * r);
                 let z = sign(signed) * (1.0 - r * r);
                 DVec3::new(sign(p.x) * cos * radius, sign(p.y) * sin * radius, z)
@@ -233,7 +236,7 @@ impl Chart {
 /// Solid angle of a spherical triangle (van Oosterom and Strackee 1983).
 fn triangle(a: DVec3, b: DVec3, c: DVec3) -> f64 {
     let volume = a.dot(b.cross(c)).abs();
-    2.0 * det::atan2(volume, 1.0 + a.dot(b) + b.dot(c) + c.dot(a))
+    2.0 * deterministic_f64::atan2(volume, 1.0 + a.dot(b) + b.dot(c) + c.dot(a))
 }
 
 fn cube(d: DVec3, warp: impl Fn(f64) -> f64) -> (usize, DVec2) {
@@ -317,7 +320,7 @@ mod tests {
         };
         (0..count).map(move |_| {
             let z = 2.0 * next() - 1.0;
-            let (s, c) = det::sin_cos(next() * TAU);
+            let (s, c) = deterministic_f64::sin_cos(next() * TAU);
             let r = sqrt(1.0 - z * z);
             DVec3::new(r * c, r * s, z)
         })

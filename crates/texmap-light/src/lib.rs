@@ -8,7 +8,7 @@
 //!
 //! Every formula is written once over lane widths: functions of one point and functions over slices are its widths, with the same
 //! bits, and an f64 reference in [`mod@reference`] is written for reading. Only IEEE `+ - * / sqrt`, comparisons and
-//! `texmap_math::det32` are used, so that the bits are equal on every machine.
+//! `texmap_math::deterministic_f32` are used, so that the bits are equal on every machine.
 //!
 //! ```
 //! use texmap_light::{Light, Surface, illuminate};

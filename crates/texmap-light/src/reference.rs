@@ -1,6 +1,6 @@
 //! The same formulae in f64, one point at a time, written for reading. Finite input is assumed.
 
-use texmap_math::det;
+use texmap_math::deterministic_f64;
 use texmap_math::glam::DVec3;
 
 use crate::{Light, Surface};
@@ -52,8 +52,9 @@ pub fn terms(
             diffuse += vector(color) * f64::from(surface.kd) * n_l;
             let v_r = v.dot(r);
             if v_r > 0.0 {
-                highlight +=
-                    vector(color) * f64::from(surface.ks) * det::pow(v_r, f64::from(surface.ns));
+                highlight += vector(color)
+                    * f64::from(surface.ks)
+                    * deterministic_f64::pow(v_r, f64::from(surface.ns));
             }
         }
     }

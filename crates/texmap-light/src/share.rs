@@ -1,6 +1,6 @@
 //! The contribution of one light to a point, before anything stands in its way.
 
-use texmap_math::det32;
+use texmap_math::deterministic_f32;
 use texmap_math::simd::{Isa, prelude::*};
 
 use crate::lanes::Vector;
@@ -8,7 +8,7 @@ use crate::vector::{add, dot, is_zero, scale, splat, sub, unit};
 use crate::{Highlight, Light, Surface};
 
 /// An exponent: whole ones up to 256 by squaring, off by at most as many units in the last place (and by 2e-19), others by
-/// [`det32::pow`].
+/// [`deterministic_f32::pow`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Power {
     /// Squared and multiplied.
@@ -33,7 +33,7 @@ impl Power {
     #[inline(always)]
     pub fn of<I: Isa>(self, i: I, x: I::F32) -> I::F32 {
         match self {
-            Self::Real(ns) => det32::pow_lanes(i, x, i.f32(ns)),
+            Self::Real(ns) => deterministic_f32::pow_lanes(i, x, i.f32(ns)),
             Self::Whole(mut left) => {
                 let (mut power, mut square) = (i.f32(1.0), x);
                 loop {
@@ -87,7 +87,7 @@ fn of_each<I: Isa>(i: I, x: I::F32, ns: I::F32) -> I::F32 {
             let real = if whole.all_true() {
                 zero
             } else {
-                det32::pow_lanes(i, x, ns)
+                deterministic_f32::pow_lanes(i, x, ns)
             };
             let (mut power, mut square) = (one, x);
             while left.simd_gt(0).any_true() {

@@ -1,4 +1,4 @@
-use texmap_math::det;
+use texmap_math::deterministic_f64;
 
 /// Falloff of a highlight.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -99,7 +99,7 @@ impl Light {
         inner: f32,
         outer: f32,
     ) -> Self {
-        let cos = |angle: f32| det::cos(f64::from(angle)) as f32;
+        let cos = |angle: f32| deterministic_f64::cos(f64::from(angle)) as f32;
         Self::Spot {
             color,
             position,

@@ -4,7 +4,7 @@ use core::fmt;
 
 use glam::{DMat4, DVec3, DVec4};
 
-use crate::det;
+use crate::deterministic_f64;
 
 /// A camera. Angles in radians, lengths in world units.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -171,7 +171,7 @@ impl Camera {
     /// sight; clip z is w at the near plane and 0 at the far plane (or at infinity), so depth z/w is 1 near and 0 far.
     #[must_use]
     pub fn projection(&self, aspect: f64) -> DMat4 {
-        let x = 1.0 / det::tan(0.5 * self.fov_x);
+        let x = 1.0 / deterministic_f64::tan(0.5 * self.fov_x);
         let (z, t) = if self.far.is_finite() {
             let z = self.near / (self.far - self.near);
             (z, z * self.far)
@@ -202,7 +202,7 @@ impl Camera {
     pub fn ray(&self, width: u32, height: u32, x: f64, y: f64) -> Result<DVec3, CameraError> {
         let axes = self.axes()?;
         let (width, height) = (f64::from(width), f64::from(height));
-        let tan = det::tan(0.5 * self.fov_x);
+        let tan = deterministic_f64::tan(0.5 * self.fov_x);
         let right = tan * (2.0 * x / width - 1.0);
         let up = tan * (height - 2.0 * y) / width;
         Ok(axes.forward + axes.right * right + axes.up * up)

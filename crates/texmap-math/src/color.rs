@@ -1,6 +1,6 @@
 //! Colour transfer: the sRGB curve (IEC 61966-2-1:1999) and its 8-bit tables, all made by this crate's own power function.
 
-use crate::det;
+use crate::deterministic_f64;
 use crate::float::floor_f32;
 
 /// sRGB value to linear light. Below 0 the linear piece goes on, above 1 the curve; NaN passes.
@@ -16,7 +16,7 @@ pub fn linear_to_srgb(c: f32) -> f32 {
     (if c <= 0.003_130_8 {
         c * 12.92
     } else {
-        1.055 * det::pow(c, 1.0 / 2.4) - 0.055
+        1.055 * deterministic_f64::pow(c, 1.0 / 2.4) - 0.055
     }) as f32
 }
 
@@ -138,7 +138,7 @@ const fn decode(c: f64) -> f64 {
     if c <= 0.040_45 {
         c / 12.92
     } else {
-        det::pow((c + 0.055) / 1.055, 2.4)
+        deterministic_f64::pow((c + 0.055) / 1.055, 2.4)
     }
 }
 

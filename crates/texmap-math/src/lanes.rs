@@ -105,7 +105,7 @@ pub fn clamp_scalar(x: f32, low: f32, high: f32) -> f32 {
     if x < high { x } else { high }
 }
 
-/// `a (1 - t) + b t`, as [`crate::interp::lerp_two_product`].
+/// `a (1 - t) + b t`, as [`crate::interpolation::lerp_two_product`].
 #[inline(always)]
 pub fn lerp_two_product<S: Simd>(a: f32x16<S>, b: f32x16<S>, t: f32x16<S>) -> f32x16<S> {
     a * (1.0 - t) + b * t

@@ -5,10 +5,10 @@
 //! A floor that runs away from the eye: half-way along its picture is not half-way along the floor.
 //! ```
 //! use texmap_math::glam::DVec3;
-//! use texmap_math::{TextureFrame, affine_error, interp};
+//! use texmap_math::{TextureFrame, affine_error, interpolation};
 //!
 //! // u from the near edge (distance 1) to the far edge (distance 4), at the middle of the screen span.
-//! let u = interp::perspective([0.0], 1.0, [1.0], 0.25, 0.5)[0];
+//! let u = interpolation::perspective([0.0], 1.0, [1.0], 0.25, 0.5)[0];
 //! assert_eq!(u, 0.2);
 //! // Affine interpolation would say 0.5. Its largest error has a closed form: (sqrt 4 - 1)/(sqrt 4 + 1).
 //! assert!((affine_error::max_error(4.0) - 1.0 / 3.0).abs() < 1e-15);
@@ -23,11 +23,11 @@
 //! ```
 //!
 //! # What is where
-//! - [`interp`], [`plane`], [`bary`]: attributes over a span and over a triangle, with derivatives; [`affine_error`]: what the
+//! - [`interpolation`], [`plane`], [`bary`]: attributes over a span and over a triangle, with derivatives; [`affine_error`]: what the
 //!   screen-linear shortcut costs.
-//! - [`frame`], [`homography`], [`camera`], [`projector`], [`reflection`]: maps between texture, space and screen, in f64.
+//! - [`texture_frame`], [`homography`], [`camera`], [`projector`], [`reflection`]: maps between texture, space and screen, in f64.
 //! - [`fixed`], [`edge`]: 24.8 positions, exact edge functions, the top-left rule.
-//! - [`det`], [`det32`], [`float`], [`color`]: deterministic functions; [`wrap`], [`footprint`]: texel choice.
+//! - [`deterministic_f64`], [`deterministic_f32`], [`float`], [`color`]: deterministic functions; [`wrap`], [`footprint`]: texel choice.
 //! - [`memory`]: the budget that large buffers ask.
 //!
 //! # Conventions of the workspace
@@ -77,15 +77,14 @@ pub mod affine_error;
 pub mod bary;
 pub mod camera;
 pub mod color;
-pub mod det;
-pub mod det32;
+pub mod deterministic_f32;
+pub mod deterministic_f64;
 pub mod edge;
 pub mod fixed;
 pub mod float;
 pub mod footprint;
-pub mod frame;
 pub mod homography;
-pub mod interp;
+pub mod interpolation;
 #[doc(hidden)]
 pub mod lanes;
 pub mod memory;
@@ -95,6 +94,7 @@ pub mod projector;
 pub mod reflection;
 #[doc(hidden)]
 pub mod simd;
+pub mod texture_frame;
 pub mod vector;
 pub mod view_rays;
 pub mod wrap;
@@ -103,12 +103,12 @@ pub use camera::{Camera, CameraError};
 pub use fearless_simd;
 pub use fearless_simd::Level;
 pub use footprint::Footprint;
-pub use frame::{FrameError, MagicVectors, TextureFrame};
 pub use glam;
 pub use homography::{Homography, HomographyError};
 pub use memory::{MemoryBudget, OverBudget};
 #[doc(hidden)]
 pub use on_level::LANES;
 pub use projector::Projector;
+pub use texture_frame::{FrameError, MagicVectors, TextureFrame};
 pub use vector::{narrow, wide};
 pub use view_rays::{CameraFrame, ViewRays};

@@ -4,7 +4,7 @@
 use glam::{DVec2, DVec3, DVec4};
 
 use crate::camera::{Axes, CameraError, check_fov};
-use crate::det;
+use crate::deterministic_f64;
 
 /// A projector. It maps a world point X to `(q, s, t)`; the slide coordinates are `(q/t, s/t)`, (0, 0) at the slide's top left and
 /// (1, 1) at its bottom right, v downwards; `t` is the distance along the line of projection, so `t <= 0` is behind the projector.
@@ -37,7 +37,7 @@ impl Projector {
         if !(aspect > 0.0 && aspect.is_finite()) {
             return Err(CameraError::Aspect { aspect });
         }
-        let focal = 0.5 / det::tan(0.5 * fov_x);
+        let focal = 0.5 / deterministic_f64::tan(0.5 * fov_x);
         let half = axes.forward * 0.5;
         let row = |n: DVec3| n.extend(-n.dot(eye));
         Ok(Self {

@@ -8,7 +8,7 @@
 use std::collections::HashMap;
 
 use texmap_math::MemoryBudget;
-use texmap_math::det32;
+use texmap_math::deterministic_f32;
 use texmap_math::glam::{DMat4, DVec3};
 use texmap_sample::{Sampler, Texture2d};
 
@@ -164,7 +164,7 @@ impl HeightMap {
         } else {
             texture
         };
-        let half = texmap_math::det::tan(0.5 * scene.camera.fov_x);
+        let half = texmap_math::deterministic_f64::tan(0.5 * scene.camera.fov_x);
         Some(Self {
             texture: texture.with_origin(mesh.uv_origin),
             sampler: slot.sampler.clone(),
@@ -210,7 +210,7 @@ impl HeightMap {
     /// How far a vertex moves, `spacing` texels from its neighbours.
     fn rise(&self, vertex: &Vertex, spacing: f64) -> f64 {
         let level = if spacing > 1.0 {
-            det32::log2(spacing as f32)
+            deterministic_f32::log2(spacing as f32)
         } else {
             0.0
         };

@@ -5,7 +5,7 @@
 //! band of width `b`, a limb of constant symmetric section `s` loses the volume `s b (1 - cos a) / 6`.
 
 use texmap_math::glam::{DMat3, DMat4, DVec3};
-use texmap_math::{det, narrow, wide};
+use texmap_math::{deterministic_f64, narrow, wide};
 
 use crate::{MeshError, map_vertices};
 use texmap_scene::Mesh;
@@ -247,7 +247,7 @@ pub fn turn(axis: DVec3, angle: f64) -> DMat4 {
     let Some(axis) = axis.try_normalize() else {
         return DMat4::IDENTITY;
     };
-    turn_by(axis, det::sin_cos(angle))
+    turn_by(axis, deterministic_f64::sin_cos(angle))
 }
 
 /// [`turn`] about an axis of unit length, by the sine and cosine of the angle.

@@ -11,7 +11,7 @@ use crate::{
     volume::{Points, Texture3d, VolumeView},
 };
 use alloc::boxed::Box;
-use texmap_math::{Level, det32, float, simd::Scalar};
+use texmap_math::{Level, deterministic_f32, float, simd::Scalar};
 
 /// What is left to see through below which a ray ends: less than one code of 255, even of white in the dark.
 pub const OPAQUE: f32 = 1.0 / 4096.0;
@@ -147,7 +147,7 @@ impl<'a> Volume<'a> {
                 };
                 seen.steps += 1;
                 if dense > 0.0 {
-                    let clear = det32::exp(-depth * dense);
+                    let clear = deterministic_f32::exp(-depth * dense);
                     let weight = left * (1.0 - clear);
                     for (sum, c) in seen.color.iter_mut().zip([r, g, b]) {
                         *sum += weight * c;

@@ -2,7 +2,7 @@
 
 mod noise;
 
-use texmap_math::det32;
+use texmap_math::deterministic_f32;
 use texmap_math::simd::{Isa, Scalar, prelude::*};
 
 use noise::in_reach;
@@ -66,10 +66,10 @@ impl Pattern {
                 let turns = turns - turns.floor();
                 // The mean of a sine over a width: its value times sinc.
                 let half = width * core::f32::consts::PI;
-                let sinc = det32::sin_lanes(i, half) / half;
+                let sinc = deterministic_f32::sin_lanes(i, half) / half;
                 let seen = width.simd_lt(1.0).select(sinc, zero);
                 let seen = half.simd_lt(1e-3).select(one, seen);
-                let wave = det32::sin_lanes(i, turns * core::f32::consts::TAU);
+                let wave = deterministic_f32::sin_lanes(i, turns * core::f32::consts::TAU);
                 clamp(i, seen * 0.5 * wave + 0.5, 0.0, 1.0)
             }
             Self::Wood { grain } => {

@@ -9,7 +9,7 @@ use crate::{
     texture::Texture2d,
 };
 use texmap_math::{
-    det,
+    deterministic_f64,
     float::{ceil, floor, sqrt},
 };
 
@@ -206,9 +206,12 @@ fn axes([ux, vx, uy, vy]: Gradient) -> ([f64; 2], f64, f64) {
         0.0
     };
     // Half the angle of the axis' double angle.
-    let angle = 0.5 * det::atan2(q, 0.5 * (p - r));
+    let angle = 0.5 * deterministic_f64::atan2(q, 0.5 * (p - r));
     (
-        [major * det::cos(angle), major * det::sin(angle)],
+        [
+            major * deterministic_f64::cos(angle),
+            major * deterministic_f64::sin(angle),
+        ],
         major,
         minor,
     )
@@ -273,7 +276,7 @@ fn ewa(s: &Sampler, t: &Texture2d<'_>, uv: [f64; 2], d: Gradient, most: f64) -> 
                 let (dx, dy) = (i as f64 - x, j as f64 - y);
                 let r2 = (r * dx * dx - 2.0 * q * dx * dy + p * dy * dy) / f;
                 if r2 < 1.0 {
-                    let w = det::exp(-2.0 * r2) - det::exp(-2.0);
+                    let w = deterministic_f64::exp(-2.0 * r2) - deterministic_f64::exp(-2.0);
                     let c = fetch(s, &t.chain, level, i, j);
                     for k in 0..4 {
                         sum[k] += w * c[k];
@@ -315,7 +318,11 @@ pub fn gradient_noise(p: [f64; 3], seed: u32) -> f64 {
 }
 
 fn log2(x: f64) -> f64 {
-    if x > 1e-30 { det::log2(x) } else { -100.0 }
+    if x > 1e-30 {
+        deterministic_f64::log2(x)
+    } else {
+        -100.0
+    }
 }
 
 fn hypot(x: f64, y: f64) -> f64 {

@@ -1,4 +1,4 @@
-use texmap_math::{det, footprint::Footprint};
+use texmap_math::{deterministic_f64, footprint::Footprint};
 
 /// Scale, then turn, then shift of texture coordinates (KHR_texture_transform).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,7 +28,7 @@ impl UvTransform {
         let (sin, cos) = if self.rotation == 0.0 {
             (0.0, 1.0)
         } else {
-            det::sin_cos(f64::from(self.rotation))
+            deterministic_f64::sin_cos(f64::from(self.rotation))
         };
         let (sin, cos) = (sin as f32, cos as f32);
         let [sx, sy] = self.scale;

@@ -1,7 +1,7 @@
 //! Meshes: triangles of one material.
 
-use texmap_math::frame::TextureFrame;
 use texmap_math::glam::{DMat3, DMat4, DVec3};
+use texmap_math::texture_frame::TextureFrame;
 use texmap_math::wide;
 use texmap_sample::Origin;
 use texmap_uv::{PixelMapping, Projection};
@@ -115,7 +115,7 @@ impl Mesh {
             .iter()
             .map(|t| self.cross(*t).normalize_or_zero())
             .find(|n| *n != DVec3::ZERO)?;
-        Some(texmap_math::det::atan2(
+        Some(texmap_math::deterministic_f64::atan2(
             frame.cross(normal).length(),
             frame.dot(normal).abs(),
         ))

@@ -1,6 +1,6 @@
 //! Meshes of simple shapes: quads, cubes and spheres, each with texture coordinates from the top left.
 
-use texmap_math::det;
+use texmap_math::deterministic_f64;
 use texmap_math::glam::DVec3;
 
 use crate::Mesh;
@@ -49,13 +49,13 @@ impl Mesh {
         let mut mesh = Self::default();
         for j in 0..=rows {
             let v = f64::from(j) / f64::from(rows);
-            let (sin, cos) = det::sin_cos(v * std::f64::consts::PI);
+            let (sin, cos) = deterministic_f64::sin_cos(v * std::f64::consts::PI);
             // Exact poles, so that the patches there close.
             let sin = if j == 0 || j == rows { 0.0 } else { sin };
             for i in 0..=columns {
                 let u = f64::from(i) / f64::from(columns);
                 // Exact seam: the last column lies on the first.
-                let (s, c) = det::sin_cos(
+                let (s, c) = deterministic_f64::sin_cos(
                     f64::from(i % columns) / f64::from(columns) * std::f64::consts::TAU,
                 );
                 let at_pole = j == 0 || j == rows;

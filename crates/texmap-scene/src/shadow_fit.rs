@@ -172,7 +172,8 @@ pub fn texel_in_pixels(scene: &Scene, kind: &ShadowKind, width: u32) -> f64 {
     let (centre, half) = bounding_square(scene);
     // The nearer half of the scene is what is looked at.
     let way = |from: DVec3| (from - centre).length().max(0.5 * half);
-    let pixel = 2.0 * texmap_math::det::tan(0.5 * fov_x) * way(eye) / f64::from(width);
+    let pixel =
+        2.0 * texmap_math::deterministic_f64::tan(0.5 * fov_x) * way(eye) / f64::from(width);
     let side = match kind {
         ShadowKind::Directional { half, .. } => 2.0 * half,
         ShadowKind::Spot {

@@ -1,5 +1,5 @@
 use texmap_math::camera::CameraError;
-use texmap_math::frame::FrameError;
+use texmap_math::texture_frame::FrameError;
 use texmap_mesh::MeshError;
 use texmap_render::RenderError;
 use texmap_scene::SceneError;

@@ -174,7 +174,7 @@ mod tests {
         let mut positions = Vec::new();
         let mut faces = Faces::new();
         for k in 0..=40u32 {
-            let (s, c) = texmap_math::det::sin_cos(f64::from(k) * 0.35);
+            let (s, c) = texmap_math::deterministic_f64::sin_cos(f64::from(k) * 0.35);
             let y = 0.02 * k as f32;
             positions.extend([[c as f32, y, s as f32], [2.0 * c as f32, y, 2.0 * s as f32]]);
             if k > 0 {

@@ -2,7 +2,7 @@
 
 use alloc::vec;
 use alloc::vec::Vec;
-use texmap_math::det;
+use texmap_math::deterministic_f64;
 use texmap_math::glam::DVec2;
 
 use crate::mesh::{Mesh, UvSet, length};
@@ -32,7 +32,7 @@ impl Cuts<'_> {
                 value: angle,
             });
         }
-        let least = det::cos(angle);
+        let least = deterministic_f64::cos(angle);
         let normals = parallel::collect_chunks(mesh.faces().len(), |range| {
             range.map(|f| mesh.face_normal(f)).collect()
         });

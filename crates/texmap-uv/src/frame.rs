@@ -1,6 +1,6 @@
 //! The manipulator of a modelling tool: where a unit solid stands around the object.
 
-use texmap_math::det;
+use texmap_math::deterministic_f64;
 use texmap_math::glam::{DMat3, DVec3};
 
 use crate::UvError;
@@ -53,9 +53,9 @@ impl Frame {
             return Err(UvError::BadFrame { value: *value });
         }
         let ((sy, cy), (sx, cx), (sz, cz)) = (
-            det::sin_cos(self.yaw),
-            det::sin_cos(self.pitch),
-            det::sin_cos(self.roll),
+            deterministic_f64::sin_cos(self.yaw),
+            deterministic_f64::sin_cos(self.pitch),
+            deterministic_f64::sin_cos(self.roll),
         );
         let yaw = DMat3::from_cols_array_2d(&[[cy, 0.0, -sy], [0.0, 1.0, 0.0], [sy, 0.0, cy]]);
         let pitch = DMat3::from_cols_array_2d(&[[1.0, 0.0, 0.0], [0.0, cx, sx], [0.0, -sx, cx]]);

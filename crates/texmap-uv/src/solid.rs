@@ -4,7 +4,7 @@
 //! the cone stands on its base with the apex at (0, 0.5, 0).
 
 use core::f64::consts::{PI, TAU};
-use texmap_math::{det, float, glam::DVec3};
+use texmap_math::{deterministic_f64, float, glam::DVec3};
 
 /// The solid whose surface is unrolled.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -72,11 +72,11 @@ impl Shape {
                 Origin::BottomLeft => uv[1] - 0.5,
             },
         );
-        let (sin, cos) = det::sin_cos(TAU * (1.0 - u));
+        let (sin, cos) = deterministic_f64::sin_cos(TAU * (1.0 - u));
         match (self, part) {
             (Self::Plane, _) => DVec3::new(u - 0.5, h, 0.0),
             (Self::Sphere, _) => {
-                let (up, out) = det::sin_cos(h * PI);
+                let (up, out) = deterministic_f64::sin_cos(h * PI);
                 DVec3::new(cos * out, up, sin * out) * 0.5
             }
             (Self::Box | Self::Cylinder, Part::Top) => DVec3::new(u - 0.5, 0.5, -h),
@@ -218,7 +218,7 @@ pub(crate) fn around(x: f64, z: f64) -> f64 {
     if x == 0.0 && z == 0.0 {
         return 0.5;
     }
-    let turn = det::atan2(z, x) / TAU;
+    let turn = deterministic_f64::atan2(z, x) / TAU;
     if turn < 0.0 { -turn } else { 1.0 - turn }
 }
 
@@ -226,7 +226,7 @@ pub(crate) fn around(x: f64, z: f64) -> f64 {
 ///
 /// The latitude is `atan2(y, hypot(x, z))`: an arc sine loses half the digits near the poles.
 pub(crate) fn sphere(d: DVec3) -> Place {
-    let latitude = det::atan2(d.y, float::sqrt(d.x * d.x + d.z * d.z));
+    let latitude = deterministic_f64::atan2(d.y, float::sqrt(d.x * d.x + d.z * d.z));
     Place {
         u: around(d.x, d.z),
         h: latitude / PI,
@@ -302,7 +302,7 @@ mod tests {
     #[test]
     fn rays_end_on_the_solid() {
         for k in 1..200 {
-            let (s, c) = det::sin_cos(f64::from(k) * 0.7);
+            let (s, c) = deterministic_f64::sin_cos(f64::from(k) * 0.7);
             let d = DVec3::new(s * 3.0, c * 2.0 + 0.01 * f64::from(k - 100), s * c + 0.3);
             let (part, p) = Shape::Cylinder.cast(d);
             let out = float::sqrt(p.x * p.x + p.z * p.z);

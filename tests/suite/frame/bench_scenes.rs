@@ -25,7 +25,7 @@ fn spheres_face_outwards() {
 #[test]
 fn the_light_sees_fifteen_degrees_to_each_side() {
     let distance = (DVec3::from(LIGHT) - DVec3::from(MIDDLE)).length();
-    let half = distance * texmap_math::det::tan(15f64.to_radians());
+    let half = distance * texmap_math::deterministic_f64::tan(15f64.to_radians());
     assert!((half - LIGHT_AREA).abs() < 1e-6, "{half}");
 }
 

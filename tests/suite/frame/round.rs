@@ -1,7 +1,7 @@
 //! Texture coordinates of a sphere or cylinder at every pixel, where vertices cannot carry them.
 
 use texmap_math::glam::{DMat4, DVec3};
-use texmap_math::{Level, det};
+use texmap_math::{Level, deterministic_f64};
 use texmap_render::{Aov, Frame};
 use texmap_sample::Filter;
 use texmap_scene::Scene;
@@ -54,11 +54,11 @@ fn covered(frame: &Frame) -> impl Iterator<Item = (u32, u32)> {
 /// uv by the f64 formula at a pixel's position, the longitude times 4; `None` near the axis.
 fn formula(round: Round, p: &[f32]) -> Option<[f64; 2]> {
     let s = shape();
-    let (sin, cos) = det::sin_cos(s.yaw);
+    let (sin, cos) = deterministic_f64::sin_cos(s.yaw);
     let yaw = DMat4::from_cols_array(&[
         cos, 0.0, -sin, 0.0, 0.0, 1.0, 0.0, 0.0, sin, 0.0, cos, 0.0, 0.0, 0.0, 0.0, 1.0,
     ]);
-    let (sin, cos) = det::sin_cos(s.pitch);
+    let (sin, cos) = deterministic_f64::sin_cos(s.pitch);
     let pitch = DMat4::from_cols_array(&[
         1.0, 0.0, 0.0, 0.0, 0.0, cos, sin, 0.0, 0.0, -sin, cos, 0.0, 0.0, 0.0, 0.0, 1.0,
     ]);

@@ -4,7 +4,7 @@ use texmap_lab::cases::Random;
 use texmap_lab::plane::{Pattern, TEXELS};
 use texmap_light::{Light, Surface};
 use texmap_math::camera::Camera;
-use texmap_math::det;
+use texmap_math::deterministic_f64;
 use texmap_math::glam::{DVec2, DVec3};
 use texmap_planner::{Budget, choose, choose_sampled};
 use texmap_planner::{Price, prices};
@@ -21,7 +21,7 @@ const SAMPLES: u32 = 6;
 /// textures; unlit, or lit per pixel or per vertex, matt or shiny, by light that leaves white paper a quarter to four times its white.
 fn scene(seed: u64) -> (Scene, Budget) {
     let mut random = Random(seed.wrapping_mul(0x0123_4567_89ab_cdef));
-    let ratio = det::exp2(random.range(0.0, 6.0));
+    let ratio = deterministic_f64::exp2(random.range(0.0, 6.0));
     let level = random.range(-4.0, 8.0);
     let turn = random.range(0.0, std::f64::consts::TAU);
     let kind = random.range(0.0, 5.0) as usize;
@@ -29,7 +29,7 @@ fn scene(seed: u64) -> (Scene, Budget) {
     let lit = random.range(0.0, 1.0) < 0.3;
     let rmse = [0.01, 0.02, 0.05][random.range(0.0, 3.0) as usize];
     let mut light = Random(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ 0x5a5a);
-    let white = det::exp2(light.range(-2.0, 2.0)) as f32;
+    let white = deterministic_f64::exp2(light.range(-2.0, 2.0)) as f32;
     let shiny = light.range(0.0, 1.0) < 0.3;
     let ks = if shiny { 0.3 } else { 0.0 };
     let strength = white / (1.0 + ks);
@@ -66,7 +66,7 @@ fn scene(seed: u64) -> (Scene, Budget) {
     };
     // The plane's distance runs from 1 at one end of a turned axis to `ratio` at the other.
     let tilt = random.range(0.0, std::f64::consts::TAU);
-    let axis = DVec2::new(det::cos(tilt), det::sin(tilt));
+    let axis = DVec2::new(deterministic_f64::cos(tilt), deterministic_f64::sin(tilt));
     let inv = |p: DVec2| {
         let t = p.dot(axis) / (2.0 * 1.3 * std::f64::consts::SQRT_2) + 0.5;
         1.0 + (1.0 / ratio - 1.0) * t
@@ -77,8 +77,8 @@ fn scene(seed: u64) -> (Scene, Budget) {
     });
     // Coordinates linear on the plane; at the middle a pixel is 2^level texels wide.
     let middle = 1.0 / inv(DVec2::ZERO);
-    let scale = det::exp2(level) / TEXELS as f64 * f64::from(SIDE) / 2.0 / middle;
-    let (sin, cos) = det::sin_cos(turn);
+    let scale = deterministic_f64::exp2(level) / TEXELS as f64 * f64::from(SIDE) / 2.0 / middle;
+    let (sin, cos) = deterministic_f64::sin_cos(turn);
     let e1 = (corners[1] - corners[0]).normalize();
     let normal = e1.cross(corners[3] - corners[0]).normalize();
     let e2 = normal.cross(e1);

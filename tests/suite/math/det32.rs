@@ -1,6 +1,6 @@
 //! The f32 functions: lanes equal the scalars on every level, and the error against f64 stays within the stated bound.
 
-use texmap_math::det32::{self, MAX_ULPS};
+use texmap_math::deterministic_f32::{self, MAX_ULPS};
 use texmap_math::dispatch_simd;
 use texmap_math::simd::{Isa, prelude::*};
 use texmap_tests::levels::levels;
@@ -72,16 +72,16 @@ type Scalar1 = fn(f32) -> f32;
 type Oracle1 = fn(f64) -> f64;
 
 const ONE_ARGUMENT: [(&str, Scalar1, Oracle1); 10] = [
-    ("sin", det32::sin, f64::sin),
-    ("cos", det32::cos, f64::cos),
-    ("tan", det32::tan, f64::tan),
-    ("asin", det32::asin, f64::asin),
-    ("acos", det32::acos, f64::acos),
-    ("atan", det32::atan, f64::atan),
-    ("exp", det32::exp, f64::exp),
-    ("exp2", det32::exp2, f64::exp2),
-    ("ln", det32::ln, f64::ln),
-    ("log2", det32::log2, f64::log2),
+    ("sin", deterministic_f32::sin, f64::sin),
+    ("cos", deterministic_f32::cos, f64::cos),
+    ("tan", deterministic_f32::tan, f64::tan),
+    ("asin", deterministic_f32::asin, f64::asin),
+    ("acos", deterministic_f32::acos, f64::acos),
+    ("atan", deterministic_f32::atan, f64::atan),
+    ("exp", deterministic_f32::exp, f64::exp),
+    ("exp2", deterministic_f32::exp2, f64::exp2),
+    ("ln", deterministic_f32::ln, f64::ln),
+    ("log2", deterministic_f32::log2, f64::log2),
 ];
 
 /// Distance in units in the last place of f32 at the exact value; infinite where one is NaN or infinite and the other is not.
@@ -126,11 +126,17 @@ fn errors_stay_within_the_stated_bound() {
     let mut state = 1u64;
     let (mut worst_atan2, mut worst_pow) = ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0));
     let mut check = |x: f32, y: f32| {
-        let e = ulps(det32::atan2(x, y), f64::from(x).atan2(f64::from(y)));
+        let e = ulps(
+            deterministic_f32::atan2(x, y),
+            f64::from(x).atan2(f64::from(y)),
+        );
         if e > worst_atan2.0 {
             worst_atan2 = (e, x, y);
         }
-        let e = ulps(det32::pow(x, y), f64::from(x).powf(f64::from(y)));
+        let e = ulps(
+            deterministic_f32::pow(x, y),
+            f64::from(x).powf(f64::from(y)),
+        );
         if e > worst_pow.0 {
             worst_pow = (e, x, y);
         }
@@ -177,13 +183,13 @@ fn one_argument<I: Isa>(i: I, x: &[f32; 16]) -> [[f32; 16]; 7] {
     for at in (0..16).step_by(I::LANES) {
         let x = i.load_f32(&x[at..]);
         let results = [
-            det32::sin_lanes(i, x),
-            det32::cos_lanes(i, x),
-            det32::asin_lanes(i, x),
-            det32::cos_lanes(i, x * 3.0),
-            det32::exp2_lanes(i, x),
-            det32::log2_lanes(i, x),
-            det32::sin_lanes(i, x * 0.5),
+            deterministic_f32::sin_lanes(i, x),
+            deterministic_f32::cos_lanes(i, x),
+            deterministic_f32::asin_lanes(i, x),
+            deterministic_f32::cos_lanes(i, x * 3.0),
+            deterministic_f32::exp2_lanes(i, x),
+            deterministic_f32::log2_lanes(i, x),
+            deterministic_f32::sin_lanes(i, x * 0.5),
         ];
         for (out, result) in out.iter_mut().zip(results) {
             result.store(&mut out[at..]);
@@ -194,13 +200,13 @@ fn one_argument<I: Isa>(i: I, x: &[f32; 16]) -> [[f32; 16]; 7] {
 
 fn one_argument_scalar(x: f32) -> [f32; 7] {
     [
-        det32::sin(x),
-        det32::cos(x),
-        det32::asin(x),
-        det32::cos(x * 3.0),
-        det32::exp2(x),
-        det32::log2(x),
-        det32::sin(x * 0.5),
+        deterministic_f32::sin(x),
+        deterministic_f32::cos(x),
+        deterministic_f32::asin(x),
+        deterministic_f32::cos(x * 3.0),
+        deterministic_f32::exp2(x),
+        deterministic_f32::log2(x),
+        deterministic_f32::sin(x * 0.5),
     ]
 }
 
@@ -209,8 +215,8 @@ fn two_arguments<I: Isa>(i: I, x: &[f32; 16], y: &[f32; 16]) -> [[f32; 16]; 2] {
     let mut out = [[0.0; 16]; 2];
     for at in (0..16).step_by(I::LANES) {
         let (x, y) = (i.load_f32(&x[at..]), i.load_f32(&y[at..]));
-        det32::atan2_lanes(i, x, y).store(&mut out[0][at..]);
-        det32::pow_lanes(i, x, y).store(&mut out[1][at..]);
+        deterministic_f32::atan2_lanes(i, x, y).store(&mut out[0][at..]);
+        deterministic_f32::pow_lanes(i, x, y).store(&mut out[1][at..]);
     }
     out
 }
@@ -261,14 +267,14 @@ fn lanes_equal_scalars_on_every_level() {
                 }
                 assert_eq!(
                     two[0][i].to_bits(),
-                    det32::atan2(x[i], y[i]).to_bits(),
+                    deterministic_f32::atan2(x[i], y[i]).to_bits(),
                     "{name}, atan2({:e}, {:e})",
                     x[i],
                     y[i]
                 );
                 assert_eq!(
                     two[1][i].to_bits(),
-                    det32::pow(x[i], y[i]).to_bits(),
+                    deterministic_f32::pow(x[i], y[i]).to_bits(),
                     "{name}, pow({:e}, {:e})",
                     x[i],
                     y[i]
@@ -284,13 +290,13 @@ fn lanes_equal_scalars_on_every_level() {
                 for i in 0..16 {
                     assert_eq!(
                         two[0][i].to_bits(),
-                        det32::atan2(x, y[i]).to_bits(),
+                        deterministic_f32::atan2(x, y[i]).to_bits(),
                         "{name}, atan2({x:e}, {:e})",
                         y[i]
                     );
                     assert_eq!(
                         two[1][i].to_bits(),
-                        det32::pow(x, y[i]).to_bits(),
+                        deterministic_f32::pow(x, y[i]).to_bits(),
                         "{name}, pow({x:e}, {:e})",
                         y[i]
                     );

@@ -2,8 +2,8 @@
 
 use proptest::prelude::*;
 use texmap_math::bary;
-use texmap_math::frame::{FrameError, TextureFrame};
 use texmap_math::glam::{DMat4, DVec2, DVec3};
+use texmap_math::texture_frame::{FrameError, TextureFrame};
 
 use crate::strategies::{area2, config, point2, point3, unit3, weights};
 

@@ -153,7 +153,7 @@ fn helpers_equal_their_scalar_twins() {
                 lanes::clamp_scalar(x, -0.25, 3.0).to_bits(),
                 "{name} {x}"
             );
-            let want = texmap_math::interp::lerp_two_product(x, 7.0, 0.3);
+            let want = texmap_math::interpolation::lerp_two_product(x, 7.0, 0.3);
             assert_eq!(lerp[i].to_bits(), want.to_bits(), "{name} {x}");
         }
         let nan = dispatch!(level, s => helpers(s, [f32::NAN; 16]));

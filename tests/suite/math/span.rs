@@ -7,7 +7,7 @@ use texmap_math::affine_error::{
 };
 use texmap_math::camera::Camera;
 use texmap_math::glam::{DVec2, DVec3};
-use texmap_math::interp::{
+use texmap_math::interpolation::{
     Premultiplied, lerp_two_product, perspective, s_from_t_inv_w, s_from_t_z, t_from_s_inv_w,
     t_from_s_z,
 };

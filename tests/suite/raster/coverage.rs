@@ -1,5 +1,5 @@
 //! Each pixel of a shared-edge mesh is hit exactly once (R1 to R4, R7).
-use texmap_math::det::sin_cos;
+use texmap_math::deterministic_f64::sin_cos;
 use texmap_math::glam::{DMat4, DVec3};
 use texmap_raster::{Draw, Interp, reference};
 

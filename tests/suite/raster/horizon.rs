@@ -10,12 +10,12 @@ const HEIGHT: u32 = 270;
 
 fn camera() -> Camera {
     // 60 degrees from top to bottom at 16:9.
-    let half = texmap_math::det::tan(std::f64::consts::FRAC_PI_6) * 16.0 / 9.0;
+    let half = texmap_math::deterministic_f64::tan(std::f64::consts::FRAC_PI_6) * 16.0 / 9.0;
     Camera {
         eye: DVec3::new(0.0, 2.0, 8.0),
         look: DVec3::new(0.0, 0.0, 2.0),
         up: DVec3::Y,
-        fov_x: 2.0 * texmap_math::det::atan(half),
+        fov_x: 2.0 * texmap_math::deterministic_f64::atan(half),
         near: 1e-4,
         far: f64::INFINITY,
     }

@@ -120,7 +120,10 @@ impl Rng {
 
     /// Log-uniform.
     pub(crate) fn log_range(&mut self, lo: f64, hi: f64) -> f64 {
-        texmap_math::det::exp(self.range(texmap_math::det::ln(lo), texmap_math::det::ln(hi)))
+        texmap_math::deterministic_f64::exp(self.range(
+            texmap_math::deterministic_f64::ln(lo),
+            texmap_math::deterministic_f64::ln(hi),
+        ))
     }
 }
 

@@ -1,6 +1,6 @@
 //! Meshes that no one models: each is answered, rightly where it is small, and with a bound where it is not.
 
-use texmap_math::det;
+use texmap_math::deterministic_f64;
 use texmap_math::glam::{DVec2, DVec3};
 use texmap_uv::{
     Cuts, Faces, Mesh, Origin, Page, ReportOptions, TJoint, UvSet, auto_planes, cut, overlaps,
@@ -46,7 +46,7 @@ fn soup(kind: &str, count: u32) -> Vec<[DVec3; 3]> {
         "mixed" if i.is_multiple_of(50) => [any(3 * i), any(3 * i + 1), any(3 * i + 2)],
         "mixed" => small(any(i), 1e-4),
         "spread" => {
-            let (_, low) = det::sin_cos(f64::from(i));
+            let (_, low) = deterministic_f64::sin_cos(f64::from(i));
             small(
                 any(i) * 2f64.powf(20.0 * low),
                 2f64.powf(20.0 * random(i) - 20.0),
@@ -210,7 +210,8 @@ fn polygons_of_many_corners_are_cut_and_sewn() {
     let count = 50_000u32;
     let positions: Vec<[f32; 3]> = (0..count)
         .map(|i| {
-            let (s, c) = det::sin_cos(f64::from(i) / f64::from(count) * std::f64::consts::TAU);
+            let (s, c) =
+                deterministic_f64::sin_cos(f64::from(i) / f64::from(count) * std::f64::consts::TAU);
             [c as f32, s as f32, 0.0]
         })
         .collect();
@@ -247,7 +248,7 @@ fn polygons_of_many_corners_are_cut_and_sewn() {
 fn a_long_spiral_is_divided() {
     let (mut positions, mut faces) = (Vec::new(), Faces::new());
     for k in 0..=2400u32 {
-        let (s, c) = det::sin_cos(f64::from(k) * 0.785);
+        let (s, c) = deterministic_f64::sin_cos(f64::from(k) * 0.785);
         let y = 0.001 * k as f32;
         positions.extend([[c as f32, y, s as f32], [2.0 * c as f32, y, 2.0 * s as f32]]);
         if k > 0 {

@@ -1,15 +1,18 @@
 //! Meshes with known answers.
 
-use texmap_math::det;
+use texmap_math::deterministic_f64;
 use texmap_uv::Faces;
 
 /// A ball of radius `radius` by longitude and latitude, without split vertices and with one vertex at each pole.
 pub(crate) fn ball(around: u32, down: u32, radius: f64) -> (Vec<[f32; 3]>, Faces) {
     let mut positions = vec![[0.0, radius as f32, 0.0]];
     for j in 1..down {
-        let (sin, cos) = det::sin_cos(f64::from(j) / f64::from(down) * std::f64::consts::PI);
+        let (sin, cos) =
+            deterministic_f64::sin_cos(f64::from(j) / f64::from(down) * std::f64::consts::PI);
         for i in 0..around {
-            let (z, x) = det::sin_cos(f64::from(i) / f64::from(around) * std::f64::consts::TAU);
+            let (z, x) = deterministic_f64::sin_cos(
+                f64::from(i) / f64::from(around) * std::f64::consts::TAU,
+            );
             positions.push([radius * sin * x, radius * cos, -radius * sin * z].map(|c| c as f32));
         }
     }
@@ -36,7 +39,9 @@ pub(crate) fn tube(around: u32, rows: u32, radius: f64, height: f64) -> (Vec<[f3
     let (mut positions, mut faces) = (Vec::new(), Faces::new());
     for j in 0..=rows {
         for i in 0..around {
-            let (z, x) = det::sin_cos(f64::from(i) / f64::from(around) * std::f64::consts::TAU);
+            let (z, x) = deterministic_f64::sin_cos(
+                f64::from(i) / f64::from(around) * std::f64::consts::TAU,
+            );
             let y = height * (f64::from(j) / f64::from(rows) - 0.5);
             positions.push([radius * x, y, -radius * z].map(|c| c as f32));
         }

@@ -22,7 +22,9 @@ fn flat(positions: &[[f32; 3]], faces: &Faces, uv: impl Fn([f32; 3]) -> [f32; 2]
 fn a_cylinder_unrolls_without_distortion() {
     let (around, radius) = (96, 0.7);
     // A polygon's circumference, so that its flat faces unroll exactly.
-    let side = 2.0 * radius * texmap_math::det::sin(std::f64::consts::PI / f64::from(around));
+    let side = 2.0
+        * radius
+        * texmap_math::deterministic_f64::sin(std::f64::consts::PI / f64::from(around));
     let height = side * f64::from(around);
     let (positions, faces) = tube(around, 6, radius, height);
     let mesh = Mesh::new(&positions, &faces).unwrap();

@@ -1,7 +1,7 @@
 //! Tangents, corner by corner, against the reference's port in Rust.
 
 use bevy_mikktspace::{Geometry, Ops, TangentSpace, generate_tangents};
-use texmap_math::det;
+use texmap_math::deterministic_f64;
 use texmap_math::glam::DVec3;
 use texmap_uv::{
     Cuts, Faces, Mapping, Mesh, Origin, Page, Shape, UvSet, auto_planes, tangents, unwrap,
@@ -17,7 +17,7 @@ impl Ops for Exact {
     }
 
     fn acos(x: f32) -> f32 {
-        det::acos(f64::from(x)) as f32
+        deterministic_f64::acos(f64::from(x)) as f32
     }
 }
 
@@ -110,7 +110,8 @@ fn sculpture(quads: bool) -> (Vec<[f32; 3]>, Faces) {
     let (mut positions, round) = ball(48, 24, 1.0);
     for p in &mut positions {
         let [x, y, z] = p.map(f64::from);
-        let height = 1.0 + 0.2 * det::sin(5.0 * x + 2.0 * y) * det::sin(4.0 * z - y);
+        let height = 1.0
+            + 0.2 * deterministic_f64::sin(5.0 * x + 2.0 * y) * deterministic_f64::sin(4.0 * z - y);
         *p = [x, y, z].map(|c| (c * height) as f32);
     }
     let mut faces = Faces::new();
@@ -222,7 +223,8 @@ fn fans_and_triangles_without_area_take_no_more_than_others() {
     let around = 100_000u32;
     let mut positions = vec![[0.0, 0.5, 0.0]];
     for i in 0..around {
-        let (s, c) = det::sin_cos(f64::from(i) / f64::from(around) * std::f64::consts::TAU);
+        let (s, c) =
+            deterministic_f64::sin_cos(f64::from(i) / f64::from(around) * std::f64::consts::TAU);
         positions.push([c as f32, 0.0, s as f32]);
     }
     let mut triangles: Vec<[u32; 3]> = (0..around)

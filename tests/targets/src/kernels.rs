@@ -2,7 +2,7 @@
 
 use texmap_light::{Chart, Environment};
 use texmap_math::glam::{DMat3, DVec3};
-use texmap_math::{Homography, Level, det32};
+use texmap_math::{Homography, Level, deterministic_f32};
 use texmap_render::hash_pixels;
 use texmap_sample::{ColorSpace, Filter, Origin, Outside, Resample, Texture2d};
 use texmap_uv::{Entity, Faces, Mapping, Mesh, Shape};
@@ -73,10 +73,10 @@ pub(crate) fn results(level: Level) -> Vec<(String, String)> {
     let angles = numbers(500);
     type Function = (&'static str, fn(f32) -> f32);
     let functions: [Function; 4] = [
-        ("sin", det32::sin),
-        ("cos", det32::cos),
-        ("exp2", det32::exp2),
-        ("asin", |x| det32::asin(x / 3.0)),
+        ("sin", deterministic_f32::sin),
+        ("cos", deterministic_f32::cos),
+        ("exp2", deterministic_f32::exp2),
+        ("asin", |x| deterministic_f32::asin(x / 3.0)),
     ];
     for (name, function) in functions {
         add(name, &mut angles.iter().map(|x| function(*x)));

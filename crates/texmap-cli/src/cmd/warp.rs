@@ -8,7 +8,7 @@ use std::thread;
 use clap::Args;
 use texmap_io::{Lost, PixelCode, image_io, write_pixels};
 use texmap_math::glam::{DMat3, DVec2, DVec3};
-use texmap_math::{Homography, Level, det};
+use texmap_math::{Homography, Level, deterministic_f64};
 use texmap_sample::{ColorSpace, Filter, Outside, Resample, Texture2d};
 use texmap_scene::ColorMode;
 
@@ -207,7 +207,7 @@ fn output_from_source(
     }
     let [sx, sy] = args.scale.map_or([1.0, 1.0], |s| s.0.to_array());
     // y grows downward: counter-clockwise as seen.
-    let (sin, cos) = det::sin_cos(args.rotate.unwrap_or(0.0).to_radians());
+    let (sin, cos) = deterministic_f64::sin_cos(args.rotate.unwrap_or(0.0).to_radians());
     let shift = args.translate.map_or(DVec2::ZERO, |p| p.0);
     let middle = |w: u32, h: u32| DVec2::new(f64::from(w), f64::from(h)) * 0.5;
     let (a, b) = (

@@ -2,9 +2,9 @@
 
 use std::collections::HashMap;
 
-use texmap_math::det;
-use texmap_math::frame::TextureFrame;
+use texmap_math::deterministic_f64;
 use texmap_math::glam::DVec3;
+use texmap_math::texture_frame::TextureFrame;
 use texmap_mesh::SkinBlend;
 use texmap_scene::{Displacement, Mesh, Scene};
 use texmap_uv::PixelMapping;
@@ -169,7 +169,8 @@ impl Facets {
             .map(|w| (w[0] - points[0]).cross(w[1] - points[0]))
             .sum();
         let (face, plane) = (unit(area)?, unit(frame.normal())?);
-        let angle = det::atan2(face.cross(plane).length(), face.dot(plane).abs()).to_degrees();
+        let angle = deterministic_f64::atan2(face.cross(plane).length(), face.dot(plane).abs())
+            .to_degrees();
         if angle > 1e-4 {
             return Some(format!("{angle:.4} degrees out of the plane of the face"));
         }

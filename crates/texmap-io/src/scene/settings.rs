@@ -2,9 +2,9 @@
 
 use texmap_light::Surface;
 use texmap_math::color::srgb_to_linear;
-use texmap_math::det;
-use texmap_math::frame::TextureFrame;
+use texmap_math::deterministic_f64;
 use texmap_math::glam::{DMat4, DVec3};
+use texmap_math::texture_frame::TextureFrame;
 use texmap_mesh::SkinBlend;
 use texmap_raster::{Cull, Interp};
 use texmap_sample::{Filter, Sampler, UvTransform, Wrap};
@@ -210,7 +210,8 @@ pub(super) fn surface(surf: &Surface, color: ColorMode) -> Surface {
 /// A turn about `axis`, exact for quarter turns.
 pub(super) fn rotation(degrees: f64, axis: DVec3) -> DMat4 {
     let axis = obj::unit(axis).unwrap_or(DVec3::Z);
-    let angle = quarter_turns(degrees).unwrap_or_else(|| det::sin_cos(degrees.to_radians()));
+    let angle =
+        quarter_turns(degrees).unwrap_or_else(|| deterministic_f64::sin_cos(degrees.to_radians()));
     texmap_mesh::turn_by(axis, angle)
 }
 

@@ -3,8 +3,8 @@
 use std::path::Path;
 use std::str::FromStr;
 
-use texmap_math::frame::TextureFrame;
 use texmap_math::glam::DVec3;
+use texmap_math::texture_frame::TextureFrame;
 
 use super::grammar::{Arg, Check, range, usage, words};
 use super::token::Token;

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use texmap_light::{Green, Heights, Slope, clamp_to_horizon, decode_normal, encode_normal};
-use texmap_math::det;
+use texmap_math::deterministic_f64;
 use texmap_math::glam::{DMat3, DMat4, DVec3};
 use texmap_scene::Mesh;
 use texmap_uv::Shape;
@@ -14,7 +14,7 @@ use crate::LabError;
 use texmap_truth::rays::{RayObject, RayScene};
 
 fn degrees(a: DVec3, b: DVec3) -> f64 {
-    det::atan2(a.cross(b).length(), a.dot(b)).to_degrees()
+    deterministic_f64::atan2(a.cross(b).length(), a.dot(b)).to_degrees()
 }
 
 fn wide(a: [f32; 3]) -> DVec3 {
@@ -33,7 +33,9 @@ pub(super) fn b1() -> Result<Vec<Measurement>, LabError> {
     let mut all = Vec::new();
     for n in [4u32, 8, 16, 32] {
         let w = TAU / f64::from(n);
-        let row: Vec<f32> = (0..n).map(|i| det::sin(f64::from(i) * w) as f32).collect();
+        let row: Vec<f32> = (0..n)
+            .map(|i| deterministic_f64::sin(f64::from(i) * w) as f32)
+            .collect();
         let measure = format!("relative shortfall of the slope, {n} samples a period");
         let found = slope_of(&row, n, 0, Slope::Central)?;
         all.push(Measurement::new(
@@ -43,18 +45,18 @@ pub(super) fn b1() -> Result<Vec<Measurement>, LabError> {
         ));
     }
     let w = TAU / 8.0;
-    let forward = det::sin(2.0 * w) - det::sin(w);
+    let forward = deterministic_f64::sin(2.0 * w) - deterministic_f64::sin(w);
     all.push(Measurement::new(
         "forward difference",
         "relative error of the slope, 8 samples a period, an eighth on",
-        (1.0 - forward / (w * det::cos(w))).abs(),
+        (1.0 - forward / (w * deterministic_f64::cos(w))).abs(),
     ));
     Ok(all)
 }
 
 pub(super) fn b2() -> Result<Vec<Measurement>, LabError> {
     // A gentle ramp of amplitude 0.1 over 512 texels of a unit square, in 8 bits, 16 bits and floats.
-    let height = |i: u32| 0.1 * (0.5 - 0.5 * det::cos(TAU * f64::from(i) / 512.0));
+    let height = |i: u32| 0.1 * (0.5 - 0.5 * deterministic_f64::cos(TAU * f64::from(i) / 512.0));
     let stored = |levels: f64| -> Vec<f32> {
         let code = |h: f64| (h / 0.1 * levels).round() / levels * 0.1;
         (0..512).map(|i| code(height(i)) as f32).collect()
@@ -63,9 +65,13 @@ pub(super) fn b2() -> Result<Vec<Measurement>, LabError> {
     let worst = |values: &[f32]| -> Result<f64, LabError> {
         let mut worst = 0.0f64;
         for i in 0..512u32 {
-            let exact = 0.1 * 0.5 * TAU * det::sin(TAU * f64::from(i) / 512.0);
+            let exact = 0.1 * 0.5 * TAU * deterministic_f64::sin(TAU * f64::from(i) / 512.0);
             let found = slope_of(values, 512, i64::from(i), Slope::Central)? * 512.0;
-            worst = worst.max((det::atan(found) - det::atan(exact)).abs().to_degrees());
+            worst = worst.max(
+                (deterministic_f64::atan(found) - deterministic_f64::atan(exact))
+                    .abs()
+                    .to_degrees(),
+            );
         }
         Ok(worst)
     };
@@ -87,7 +93,7 @@ pub(super) fn b3() -> Result<Vec<Measurement>, LabError> {
             f64::from(i) * 2.399_963,
         );
         let r = (1.0 - z * z).sqrt();
-        let (sin, cos) = det::sin_cos(phi);
+        let (sin, cos) = deterministic_f64::sin_cos(phi);
         let n = DVec3::new(r * cos, r * sin, z);
         let bytes = encode_normal(n.as_vec3().to_array(), Green::Up)
             .map(|c| (c * 255.0 + 0.5).floor() / 255.0);

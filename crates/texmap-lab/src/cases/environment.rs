@@ -6,7 +6,7 @@ use texmap_bake::{BakeOptions, bake};
 use texmap_light::{Chart, Environment, Light};
 use texmap_math::camera::Camera;
 use texmap_math::color;
-use texmap_math::det;
+use texmap_math::deterministic_f64;
 use texmap_math::glam::{DVec2, DVec3};
 use texmap_raster::Coverage;
 use texmap_scene::{Material, Mesh, Scene};
@@ -46,14 +46,18 @@ impl Waves {
     }
 
     fn at(&self, d: DVec3) -> f64 {
-        let sum: f64 = self.0.iter().map(|(k, p)| det::cos(k.dot(d) + p)).sum();
+        let sum: f64 = self
+            .0
+            .iter()
+            .map(|(k, p)| deterministic_f64::cos(k.dot(d) + p))
+            .sum();
         (2.0f64 / 64.0).sqrt() * sum
     }
 }
 
 fn direction(noise: &mut Noise) -> DVec3 {
     let z = 2.0 * noise.unit() - 1.0;
-    let (sin, cos) = det::sin_cos(noise.unit() * TAU);
+    let (sin, cos) = deterministic_f64::sin_cos(noise.unit() * TAU);
     let r = (1.0 - z * z).sqrt();
     DVec3::new(r * cos, r * sin, z)
 }
@@ -182,7 +186,7 @@ pub(super) fn e3() -> Result<Vec<Measurement>, LabError> {
 pub(super) fn e4() -> Result<Vec<Measurement>, LabError> {
     let mut noise = Noise::new(11);
     let equator = (0..20_000).map(move |_| {
-        let (sin, cos) = det::sin_cos(noise.unit() * TAU);
+        let (sin, cos) = deterministic_f64::sin_cos(noise.unit() * TAU);
         DVec3::new(cos, sin, 2e-3 * (noise.unit() - 0.5)).normalize()
     });
     let mut noise = Noise::new(12);
@@ -203,7 +207,7 @@ pub(super) fn e5() -> Result<Vec<Measurement>, LabError> {
     let directions = || {
         let mut noise = Noise::new(13);
         (0..40_000).map(move |i| {
-            let (sin, cos) = det::sin_cos(noise.unit() * TAU);
+            let (sin, cos) = deterministic_f64::sin_cos(noise.unit() * TAU);
             let small = 0.03 * noise.unit();
             match i % 3 {
                 0 => DVec3::new(small * cos, 1.0, small * sin).normalize(),
@@ -345,7 +349,7 @@ pub(super) fn e7() -> Result<Vec<Measurement>, LabError> {
             if c <= 0.003_130_8 {
                 12.92 * c
             } else {
-                1.055 * det::pow(c, 1.0 / 2.4) - 0.055
+                1.055 * deterministic_f64::pow(c, 1.0 / 2.4) - 0.055
             }
         };
         let truth = encode(linear(base) * linear(light)) * 255.0;

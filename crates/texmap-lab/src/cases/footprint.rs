@@ -1,7 +1,7 @@
 //! S6 to S9: cut-outs, turned footprints, seams and horizons.
 
 use texmap_math::glam::{DMat2, DVec2, DVec3};
-use texmap_math::{Footprint, camera::Camera, det};
+use texmap_math::{Footprint, camera::Camera, deterministic_f64};
 use texmap_raster::Draw;
 use texmap_sample::{ColorSpace, Filter, Origin, Sampler, Texture2d, Wrap};
 
@@ -67,7 +67,7 @@ pub(super) fn s6() -> Result<Vec<Measurement>, LabError> {
 /// A footprint whose ellipse has these half axes in texels, turned by two angles: `R(a) diag R(b)`.
 fn footprint(side: f64, major: f64, minor: f64, a: f64, b: f64) -> Footprint {
     let turn = |angle: f64| {
-        let (sin, cos) = det::sin_cos(angle);
+        let (sin, cos) = deterministic_f64::sin_cos(angle);
         DMat2::from_cols(DVec2::new(cos, sin), DVec2::new(-sin, cos))
     };
     let axes = DMat2::from_diagonal(DVec2::new(major, minor));
@@ -111,7 +111,7 @@ pub(super) fn s7() -> Result<Vec<Measurement>, LabError> {
             random.range(0.0, std::f64::consts::TAU),
         );
         let level = random.range(0.5, 7.5);
-        let major = det::exp2(level);
+        let major = deterministic_f64::exp2(level);
         let d = footprint(
             f64::from(SIDE),
             major,
@@ -265,8 +265,8 @@ pub(super) fn s9() -> Result<Vec<Measurement>, LabError> {
     const SIDE: u32 = 256;
     let wave = |x: f64, y: f64| {
         let turn = std::f64::consts::TAU / f64::from(SIDE);
-        0.5 + 0.25 * det::sin(turn * (16.0 * x + 4.0 * y))
-            + 0.25 * det::sin(turn * (3.0 * x - 20.0 * y))
+        0.5 + 0.25 * deterministic_f64::sin(turn * (16.0 * x + 4.0 * y))
+            + 0.25 * deterministic_f64::sin(turn * (3.0 * x - 20.0 * y))
     };
     let texels: Vec<f32> = (0..SIDE * SIDE)
         .map(|i| wave(f64::from(i % SIDE) + 0.5, f64::from(i / SIDE) + 0.5) as f32)

@@ -1,7 +1,7 @@
 //! I1 to I6: the error of interpolation, near the eye's plane and at the ends of the number range.
 
 use texmap_math::affine_error;
-use texmap_math::interp::s_from_t_z;
+use texmap_math::interpolation::s_from_t_z;
 use texmap_raster::{Draw, Interp};
 
 use super::probe::{Mesh, place, vertex, visit};

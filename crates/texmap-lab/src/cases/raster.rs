@@ -1,6 +1,6 @@
 //! R1 to R8: coverage, overflow, degenerate and huge triangles, T-joints, depth.
 
-use texmap_math::det;
+use texmap_math::deterministic_f64;
 use texmap_raster::{Draw, Interp};
 
 use super::probe::{Mesh, Random, coverage, double_and_missing, place, vertex, visit};
@@ -119,7 +119,7 @@ pub(super) fn r4() -> Result<Vec<Measurement>, LabError> {
     let (mut overdraw, mut holes, mut inclusive) = (0.0, 0.0, 0.0);
     let mut random = Random(4);
     for step in 0..32 {
-        let (sin, cos) = det::sin_cos(f64::from(step) * std::f64::consts::TAU / 32.0);
+        let (sin, cos) = deterministic_f64::sin_cos(f64::from(step) * std::f64::consts::TAU / 32.0);
         for (reversed, projected, half) in [
             (false, false, 0.15),
             (true, false, 0.15),
@@ -368,8 +368,9 @@ fn fan(size: (u32, u32), centre: (f64, f64), reach: f64, parts: u32) -> Mesh {
         ..Mesh::default()
     };
     for i in 0..parts {
-        let (sin, cos) =
-            det::sin_cos(f64::from(i) * std::f64::consts::TAU / f64::from(parts) + 0.1234);
+        let (sin, cos) = deterministic_f64::sin_cos(
+            f64::from(i) * std::f64::consts::TAU / f64::from(parts) + 0.1234,
+        );
         mesh.positions.push(vertex(
             size,
             centre.0 + reach * cos,

@@ -3,7 +3,7 @@
 use texmap_light::{Light, ShadowBias, ShadowKind, ShadowMap, Slide, SlideBorder, Surface};
 use texmap_math::camera::Camera;
 use texmap_math::glam::{DMat4, DVec2, DVec3};
-use texmap_math::{Projector, det};
+use texmap_math::{Projector, deterministic_f64};
 use texmap_raster::{Draw, Fragment, NONE, NoAlphaTest, Prepared, TargetSize, TileBuffers};
 use texmap_render::shadow_map;
 use texmap_sample::{ColorSpace, Filter, Origin, Sampler, Texture2d};
@@ -75,7 +75,7 @@ fn count(lit: &[[f32; 4]]) -> f64 {
 
 pub(super) fn p2() -> Result<Vec<Measurement>, LabError> {
     let points = wall(-2.0);
-    let half = 2.0 * det::tan(0.4);
+    let half = 2.0 * deterministic_f64::tan(0.4);
     let outside: Vec<_> = points
         .into_iter()
         .filter(|p| f64::from(p[0].abs().max(p[1].abs())) > half)
@@ -302,7 +302,7 @@ fn walled(thickness: f64) -> Result<(Scene, Light), LabError> {
         ],
         ..Mesh::default()
     };
-    let (sin, cos) = det::sin_cos(25.0f64.to_radians());
+    let (sin, cos) = deterministic_f64::sin_cos(25.0f64.to_radians());
     let light = Light::Directional {
         color: [1.0; 3],
         direction: [-cos as f32, 0.0, -sin as f32],
@@ -336,7 +336,7 @@ pub(super) fn h6() -> Result<Vec<Measurement>, LabError> {
         let map = shadow_map(&scene, &kind, size, 1)?;
         // The light comes from +x: the shadow runs from the wall's foot at -thickness / 2 to the shadow of its top.
         let foot = -0.5 * thickness * texel;
-        let end = foot - 0.6 / det::tan(25.0f64.to_radians());
+        let end = foot - 0.6 / deterministic_f64::tan(25.0f64.to_radians());
         let (mut gap, mut leaks) = (0.0f64, 0u32);
         for i in 0..4_000 {
             let (x, y) = (
@@ -346,7 +346,7 @@ pub(super) fn h6() -> Result<Vec<Measurement>, LabError> {
             let lit = map.lit(DVec3::new(x, y, 0.0), DVec3::Z, bias, 1) > 0.0;
             let way = (foot - x) / texel;
             // The map's texel on the floor is longer along the light.
-            let on_floor = way * det::sin(25.0f64.to_radians());
+            let on_floor = way * deterministic_f64::sin(25.0f64.to_radians());
             if lit && way < 20.0 {
                 gap = gap.max(on_floor);
             }

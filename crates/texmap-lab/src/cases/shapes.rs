@@ -1,6 +1,6 @@
 //! B7 and G1 to G4: displaced, skinned and turned meshes.
 
-use texmap_math::det;
+use texmap_math::deterministic_f64;
 use texmap_math::glam::{DMat4, DVec3};
 use texmap_mesh::{Bone, MeshError, Skeleton, Skin, SkinBlend, turn};
 use texmap_render::{Settings, render};
@@ -324,7 +324,7 @@ pub(super) fn g3() -> Result<Vec<Measurement>, LabError> {
             if i % 3 == 0 {
                 0.0
             } else {
-                (noise.unit() - 0.5) * det::pow(10.0, -f64::from(i % 40) * 8.0)
+                (noise.unit() - 0.5) * deterministic_f64::pow(10.0, -f64::from(i % 40) * 8.0)
             }
         };
         let eye = DVec3::new(off(), 4.0, off());

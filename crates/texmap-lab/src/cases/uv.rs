@@ -2,7 +2,7 @@
 
 use texmap_math::Level;
 use texmap_math::glam::DVec3;
-use texmap_math::{det, det32};
+use texmap_math::{deterministic_f32, deterministic_f64};
 use texmap_uv::{
     Faces, Mapping, Mesh, Origin, Projection, ReportOptions, Shape, UvSet, project, report,
     sphere_one, tangents,
@@ -16,9 +16,12 @@ fn ball() -> (Vec<[f32; 3]>, Faces) {
     let (around, down) = (32u32, 16u32);
     let mut positions = vec![[0.0, 1.0, 0.0]];
     for j in 1..down {
-        let (sin, cos) = det::sin_cos(f64::from(j) / f64::from(down) * std::f64::consts::PI);
+        let (sin, cos) =
+            deterministic_f64::sin_cos(f64::from(j) / f64::from(down) * std::f64::consts::PI);
         for i in 0..around {
-            let (z, x) = det::sin_cos(f64::from(i) / f64::from(around) * std::f64::consts::TAU);
+            let (z, x) = deterministic_f64::sin_cos(
+                f64::from(i) / f64::from(around) * std::f64::consts::TAU,
+            );
             positions.push([sin * x, cos, -sin * z].map(|c| c as f32));
         }
     }
@@ -113,12 +116,12 @@ pub(super) fn u3() -> Result<Vec<Measurement>, LabError> {
     let (mut own, mut arc) = (0.0f64, 0.0f64);
     for k in 1..4000u32 {
         let angle = f64::from(k) * 1e-6;
-        let (sin, cos) = det::sin_cos(angle);
+        let (sin, cos) = deterministic_f64::sin_cos(angle);
         let p = [sin as f32, cos as f32, 0.0];
-        let exact = det::atan2(f64::from(p[0]), f64::from(p[1]));
+        let exact = deterministic_f64::atan2(f64::from(p[0]), f64::from(p[1]));
         let [_, v] = sphere_one(p, Origin::TopLeft);
         own = own.max((f64::from(v) * std::f64::consts::PI - exact).abs());
-        arc = arc.max((f64::from(det32::acos(p[1].min(1.0))) - exact).abs());
+        arc = arc.max((f64::from(deterministic_f32::acos(p[1].min(1.0))) - exact).abs());
     }
     let measure = "error of the angle from the pole, radians";
     Ok(measured![

@@ -1,6 +1,6 @@
 //! V1 to V6: volumes, solid textures, letters and ramps.
 
-use texmap_math::det;
+use texmap_math::deterministic_f64;
 use texmap_sample::{
     Alpha, ColorSpace, Filter, Image, Origin, Pattern, Sampler, Texels, Texture2d, Texture3d,
     Volume, Wrap, gradient_noise, reference,
@@ -46,12 +46,12 @@ pub(super) fn v1() -> Result<Vec<Measurement>, LabError> {
                 let length = next();
                 let seen =
                     volume.march([1.0 - length, y, z], [1.0, 0.0, 0.0], (0.0, f64::INFINITY));
-                let exact = 1.0 - det::exp(-f64::from(density) * length);
+                let exact = 1.0 - deterministic_f64::exp(-f64::from(density) * length);
                 worst = worst.max((f64::from(seen.color[3]) - exact).abs());
                 // Opacity of a step of 0.1, whatever the step is.
-                let fixed = 1.0 - det::exp(-0.1 * f64::from(density));
+                let fixed = 1.0 - deterministic_f64::exp(-0.1 * f64::from(density));
                 let steps = (length / f64::from(step)).ceil().max(1.0);
-                naive = naive.max((1.0 - det::pow(1.0 - fixed, steps) - exact).abs());
+                naive = naive.max((1.0 - deterministic_f64::pow(1.0 - fixed, steps) - exact).abs());
             }
         }
     }
@@ -79,7 +79,7 @@ pub(super) fn v2() -> Result<Vec<Measurement>, LabError> {
     ];
     let (mut wrong, mut divided) = (0.0, 0.0);
     for (o, d, length) in rays {
-        let exact = 1.0 - det::exp(-length);
+        let exact = 1.0 - deterministic_f64::exp(-length);
         let seen = f64::from(volume.march(o, d, (0.0, f64::INFINITY)).color[3]);
         wrong += f64::from(u8::from((seen - exact).abs() > 1e-6));
         // Slabs by division alone: 0 / 0 on a face is NaN, and every comparison with it fails.

@@ -1,7 +1,7 @@
 //! Panel 5: normals from heights.
 
 use texmap_light::{Green, Heights, Slope, decode_normal, encode_normal};
-use texmap_math::det;
+use texmap_math::deterministic_f64;
 use texmap_math::glam::DVec3;
 
 use super::time::{Effort, timed};
@@ -61,9 +61,12 @@ impl Field {
     fn new(n: f64) -> Self {
         let step = std::f64::consts::TAU / n;
         let columns = (0..SIDE * SIDE).map(|i| f64::from(i % SIDE));
-        let exact: Vec<f64> = columns.clone().map(|x| det::sin(step * x) / step).collect();
+        let exact: Vec<f64> = columns
+            .clone()
+            .map(|x| deterministic_f64::sin(step * x) / step)
+            .collect();
         let truth: Vec<DVec3> = columns
-            .map(|x| DVec3::new(-det::cos(step * x), 0.0, 1.0).normalize())
+            .map(|x| DVec3::new(-deterministic_f64::cos(step * x), 0.0, 1.0).normalize())
             .collect();
         // The whole range of heights in 255 steps.
         let range = 2.0 / step;
@@ -126,7 +129,7 @@ impl Field {
     fn angles(&self, normals: &[[f32; 3]]) -> Vec<f64> {
         let angle = |(n, t): (&[f32; 3], &DVec3)| {
             let n = DVec3::from(n.map(f64::from));
-            det::atan2(n.cross(*t).length(), n.dot(*t)).to_degrees()
+            deterministic_f64::atan2(n.cross(*t).length(), n.dot(*t)).to_degrees()
         };
         normals.iter().zip(&self.truth).map(angle).collect()
     }

@@ -1,7 +1,7 @@
 //! Panel 3: charts of all directions.
 
 use texmap_light::{Chart, Environment};
-use texmap_math::det;
+use texmap_math::deterministic_f64;
 use texmap_math::glam::{DVec2, DVec3};
 
 use super::time::{Effort, timed};
@@ -25,7 +25,11 @@ impl Waves {
     }
 
     pub(super) fn light(&self, d: DVec3) -> f64 {
-        let sum: f64 = self.0.iter().map(|(k, p)| det::cos(k.dot(d) + p)).sum();
+        let sum: f64 = self
+            .0
+            .iter()
+            .map(|(k, p)| deterministic_f64::cos(k.dot(d) + p))
+            .sum();
         (2.0f64 / 64.0).sqrt() * sum
     }
 
@@ -39,7 +43,7 @@ impl Waves {
 /// Uniform on the sphere.
 pub(super) fn direction(random: &mut Random) -> DVec3 {
     let z = random.range(-1.0, 1.0);
-    let (sin, cos) = det::sin_cos(random.range(0.0, std::f64::consts::TAU));
+    let (sin, cos) = deterministic_f64::sin_cos(random.range(0.0, std::f64::consts::TAU));
     let r = (1.0 - z * z).sqrt();
     DVec3::new(r * cos, r * sin, z)
 }

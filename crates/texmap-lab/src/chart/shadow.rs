@@ -2,7 +2,7 @@
 
 use texmap_light::{ShadowBias, ShadowKind, ShadowMap};
 use texmap_math::camera::Camera;
-use texmap_math::det;
+use texmap_math::deterministic_f64;
 use texmap_math::glam::{DMat3, DMat4, DVec3};
 use texmap_uv::Shape;
 
@@ -86,7 +86,7 @@ pub(super) struct Sun<'s> {
 
 impl<'s> Sun<'s> {
     pub(super) fn new(stage: &'s Stage, elevation: f64) -> Self {
-        let (sin, cos) = det::sin_cos(elevation.to_radians());
+        let (sin, cos) = deterministic_f64::sin_cos(elevation.to_radians());
         let to_light = DVec3::new(0.8 * cos, -0.6 * cos, sin);
         let kind = ShadowKind::Directional {
             light_from_world: looking_from(to_light),

@@ -2,7 +2,7 @@
 
 use texmap_light::Surface;
 use texmap_math::color::{linear_to_srgb8, srgb_to_linear};
-use texmap_math::det;
+use texmap_math::deterministic_f64;
 use texmap_math::glam::{DVec2, DVec3};
 use texmap_raster::Interp;
 use texmap_render::Settings;
@@ -24,7 +24,7 @@ const TEXELS: u32 = 1024;
 fn wedges() -> Vec<[DVec2; 3]> {
     let middle = DVec2::new(0.503, 0.498);
     let at = |turn: f64| {
-        let (sin, cos) = det::sin_cos(turn * std::f64::consts::TAU);
+        let (sin, cos) = deterministic_f64::sin_cos(turn * std::f64::consts::TAU);
         middle + DVec2::new(cos, sin) * 0.47
     };
     (0..RAYS)
@@ -108,7 +108,7 @@ fn view() -> Scene {
         DVec3::new(0.5, -0.5, 0.0),
         2.0 * 0.5f64.atan().to_degrees(),
     );
-    scene.camera.fov_x = 2.0 * det::atan(0.5);
+    scene.camera.fov_x = 2.0 * deterministic_f64::atan(0.5);
     (scene.background, scene.color) = ([0.0, 0.0, 0.0, 1.0], ColorMode::Srgb);
     scene
 }

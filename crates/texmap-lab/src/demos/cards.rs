@@ -1,7 +1,7 @@
 //! Billboards and terrain: cards that face the viewer, and ground from a picture.
 
 use texmap_math::color::srgb_to_linear;
-use texmap_math::det;
+use texmap_math::deterministic_f64;
 use texmap_math::glam::DVec3;
 use texmap_raster::Interp;
 use texmap_sample::{ColorSpace, Filter, Origin, Texture2d, Wrap};
@@ -65,7 +65,7 @@ fn with_tree(mut scene: Scene, boards: Vec<Billboard>) -> Result<Scene, LabError
 
 /// One tree of 2 x 2 at the origin, seen from 6 units away under an elevation.
 fn alone(degrees: f64, facing: Facing, size: u32) -> Result<Shot, LabError> {
-    let (sin, cos) = det::sin_cos(degrees.to_radians());
+    let (sin, cos) = deterministic_f64::sin_cos(degrees.to_radians());
     let mut scene = stage::scene(DVec3::new(0.0, 6.0 * sin, 6.0 * cos), DVec3::ZERO, 30.0);
     if degrees == 90.0 {
         (scene.camera.eye, scene.camera.up) = (DVec3::Y * 6.0, DVec3::NEG_Z);
@@ -92,7 +92,7 @@ pub(super) fn billboards(size: u32) -> Result<DemoPicture, LabError> {
     let top_screen = alone(90.0, Facing::Screen, size)?;
     let top_axis = alone(90.0, upright, size)?;
     // A card parallel to the picture at distance 6 is 2 / (2 * 6 tan 15) of its width.
-    let side = f64::from(size) / (6.0 * det::tan(15_f64.to_radians()));
+    let side = f64::from(size) / (6.0 * deterministic_f64::tan(15_f64.to_radians()));
     let area = side * side * solid(&tree());
     let percent = |shot: &Shot| 100.0 * covered(shot) / area;
     let claims = claims![
@@ -143,7 +143,7 @@ fn ground(x: f64, z: f64) -> f64 {
     ];
     let sum: f64 = waves
         .iter()
-        .map(|(a, b, c, w)| w * det::sin(a * x + b * z + c))
+        .map(|(a, b, c, w)| w * deterministic_f64::sin(a * x + b * z + c))
         .sum();
     (0.5 + 0.5 * sum).clamp(0.0, 1.0)
 }
@@ -196,7 +196,7 @@ fn landscape(step: u32, trees: bool) -> Result<Scene, LabError> {
     }
     let mut boards = Vec::new();
     for (i, j) in (0..24).flat_map(|j| (0..24).map(move |i| (i, j))) {
-        let jitter = |a: i32, b: i32| 0.18 * det::sin(f64::from(a * 7 + b * 13));
+        let jitter = |a: i32, b: i32| 0.18 * deterministic_f64::sin(f64::from(a * 7 + b * 13));
         let (x, z) = (
             f64::from(i) * 0.5 - 5.8 + jitter(i, j),
             f64::from(j) * 0.5 - 5.8 + jitter(j, i + 5),

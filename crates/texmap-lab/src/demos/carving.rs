@@ -1,7 +1,7 @@
 //! Bumps that no height map brings: two slopes a texel, waves in cylindrical space, embossed words.
 
 use texmap_light::{Green, Heights, Slope, encode_offsets};
-use texmap_math::det;
+use texmap_math::deterministic_f64;
 use texmap_math::glam::{DMat4, DVec3};
 use texmap_sample::{Filter, Wrap};
 use texmap_scene::{Carving, Mesh, Relief, Scene};
@@ -115,12 +115,15 @@ pub(super) fn pot(size: u32) -> Result<Shown, LabError> {
 
 /// Normal of the pot's waves at a point of its wall, first order in their height.
 fn displaced(p: DVec3, normal: DVec3) -> DVec3 {
-    let angle = det::atan2(p.z, p.x);
-    let (sin, cos) = det::sin_cos(angle);
+    let angle = deterministic_f64::atan2(p.z, p.x);
+    let (sin, cos) = deterministic_f64::sin_cos(angle);
     let out = DVec3::new(cos, 0.0, sin);
     let side = if out.dot(normal) < 0.0 { -1.0 } else { 1.0 };
     let (around, rise) = (f64::from(AROUND), std::f64::consts::TAU / RISE);
-    let (wave_a, wave_y) = (det::sin_cos(around * angle), det::sin_cos(rise * p.y));
+    let (wave_a, wave_y) = (
+        deterministic_f64::sin_cos(around * angle),
+        deterministic_f64::sin_cos(rise * p.y),
+    );
     let by_angle = -0.5 * HEIGHT * around * wave_a.0 * wave_y.1;
     let by_y = -0.5 * HEIGHT * rise * wave_a.1 * wave_y.0;
     let turn = DVec3::new(-sin, 0.0, cos) / 0.8;
@@ -197,7 +200,7 @@ fn pipe(radius: f64, height: f64, material: usize) -> Mesh {
     };
     for i in 0..=around {
         let turn = f64::from(i % around) / f64::from(around) * std::f64::consts::TAU;
-        let (sin, cos) = det::sin_cos(turn);
+        let (sin, cos) = deterministic_f64::sin_cos(turn);
         for y in [0.0, height] {
             let out = DVec3::new(cos, 0.0, sin);
             let p = out * radius + DVec3::Y * y;

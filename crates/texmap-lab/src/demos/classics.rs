@@ -77,7 +77,7 @@ pub(super) fn skies(size: u32) -> Result<DemoPicture, LabError> {
         Ok(())
     };
     let view = |yaw: f64| {
-        let (sin, cos) = texmap_math::det::sin_cos(yaw);
+        let (sin, cos) = texmap_math::deterministic_f64::sin_cos(yaw);
         stage::scene(
             DVec3::new(0.0, 0.2, 5.0),
             DVec3::new(4.0 * sin, 0.3, 5.0 - 4.0 * cos),

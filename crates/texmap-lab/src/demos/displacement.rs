@@ -4,7 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use texmap_light::Light;
 use texmap_math::color::linear_to_srgb8;
-use texmap_math::det;
+use texmap_math::deterministic_f64;
 use texmap_math::glam::DVec3;
 use texmap_sample::{Filter, Texture2d, Wrap};
 use texmap_scene::{Displacement, EdgeBudget, Mesh, Relief, Scene};
@@ -26,14 +26,21 @@ const CENTRE: DVec3 = DVec3::new(0.0, 1.35, 0.0);
 
 /// Waves that fade towards the poles, 0..=1.
 fn height(u: f64, v: f64) -> f64 {
-    let fade = det::sin(PI * v);
-    0.5 + 0.5 * fade * fade * det::sin(TAU * 10.0 * u) * det::sin(TAU * 5.0 * v)
+    let fade = deterministic_f64::sin(PI * v);
+    0.5 + 0.5
+        * fade
+        * fade
+        * deterministic_f64::sin(TAU * 10.0 * u)
+        * deterministic_f64::sin(TAU * 5.0 * v)
 }
 
 /// The moved ball and its normal, from the formula.
 fn surface(u: f64, v: f64) -> (DVec3, DVec3) {
     let at = |u: f64, v: f64| {
-        let ((sin, cos), (out, up)) = (det::sin_cos(u * TAU), det::sin_cos(v * PI));
+        let ((sin, cos), (out, up)) = (
+            deterministic_f64::sin_cos(u * TAU),
+            deterministic_f64::sin_cos(v * PI),
+        );
         let radius = 1.0 + HEIGHT * (height(u, v) - 0.5);
         CENTRE + DVec3::new(out * cos, up, -out * sin) * radius
     };

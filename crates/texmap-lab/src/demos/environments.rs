@@ -1,7 +1,7 @@
 //! "Which one is ray-traced?": a mirror under an environment map against mirror rays, and the seam of a clamped cube.
 
 use texmap_light::{Chart, Environment};
-use texmap_math::det;
+use texmap_math::deterministic_f64;
 use texmap_math::glam::{DMat4, DVec2, DVec3};
 use texmap_scene::{Reflection, Scene};
 use texmap_uv::Shape;
@@ -157,11 +157,12 @@ fn worst_angle(room: &RayScene, part: f64) -> f64 {
     let p = DVec3::X * (part * HALF);
     for i in 0..20_000 {
         let z = (f64::from(i) + 0.5) / 10_000.0 - 1.0;
-        let (sin, cos) = det::sin_cos(f64::from(i) * 2.399_963);
+        let (sin, cos) = deterministic_f64::sin_cos(f64::from(i) * 2.399_963);
         let r = (1.0 - z * z).sqrt();
         let d = DVec3::new(r * cos, r * sin, z);
         if let Some(hit) = seen(room, p, d) {
-            worst = worst.max(det::atan2(d.cross(hit).length(), d.dot(hit)).to_degrees());
+            worst =
+                worst.max(deterministic_f64::atan2(d.cross(hit).length(), d.dot(hit)).to_degrees());
         }
     }
     worst

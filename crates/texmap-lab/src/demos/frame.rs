@@ -1,8 +1,8 @@
 //! The O-U-V frame of Brackeen (2003, chapter 8): one point and two vectors place a texture on a polygon.
 
-use texmap_math::det;
-use texmap_math::frame::TextureFrame;
+use texmap_math::deterministic_f64;
 use texmap_math::glam::{DVec2, DVec3};
+use texmap_math::texture_frame::TextureFrame;
 use texmap_raster::Interp;
 use texmap_sample::{Filter, Wrap};
 use texmap_scene::{Mesh, Scene};
@@ -39,8 +39,8 @@ pub(super) fn frame(size: u32) -> Result<DemoPicture, LabError> {
     let (right, down, out) = plane();
     let o = -right - down;
     let (right, down, out) = (right * REACH, down * REACH, out * REACH);
-    let (sin, cos) = det::sin_cos(TURN.to_radians());
-    let (sin_tilt, cos_tilt) = det::sin_cos(TILT.to_radians());
+    let (sin, cos) = deterministic_f64::sin_cos(TURN.to_radians());
+    let (sin_tilt, cos_tilt) = deterministic_f64::sin_cos(TILT.to_radians());
     let along = TextureFrame::new(o, right, down)?;
     let turned = TextureFrame::new(o, right * cos + down * sin, down * cos - right * sin)?;
     let shifted = TextureFrame::new(along.point(SHIFT), right, down)?;
@@ -118,9 +118,9 @@ pub(super) fn frame(size: u32) -> Result<DemoPicture, LabError> {
 
 /// The polygon's plane: to the right, down, and out of it. It is turned away from the eye.
 fn plane() -> (DVec3, DVec3, DVec3) {
-    let (sin, cos) = det::sin_cos((-24f64).to_radians());
+    let (sin, cos) = deterministic_f64::sin_cos((-24f64).to_radians());
     let right = DVec3::new(cos, 0.0, -sin);
-    let (rise, run) = det::sin_cos(14f64.to_radians());
+    let (rise, run) = deterministic_f64::sin_cos(14f64.to_radians());
     let down = (DVec3::NEG_Y * run + DVec3::new(sin, 0.0, cos) * rise).normalize();
     (right, down, down.cross(right))
 }

@@ -1,7 +1,7 @@
 //! Gouraud shading as wrong interpolation: the seam at a T-joint and the pop of a level-of-detail switch.
 
 use texmap_math::glam::DVec3;
-use texmap_math::interp;
+use texmap_math::interpolation;
 use texmap_scene::{ColorMode, Gouraud, Mesh, Scene};
 
 use super::DemoPicture;
@@ -86,7 +86,7 @@ pub(super) fn lod(size: u32) -> Result<DemoPicture, LabError> {
     let ratio = depth_ratio(&coarse)?;
     let pop = (1..4)
         .map(|k| f64::from(k) / 4.0)
-        .map(|s| (s - interp::t_from_s_z(s, 1.0, ratio)).abs())
+        .map(|s| (s - interpolation::t_from_s_z(s, 1.0, ratio)).abs())
         .fold(0.0, f64::max);
     let claims = claims![
         "largest pop of the colour at the switch is max |s - t(s)| at the new vertices" =>

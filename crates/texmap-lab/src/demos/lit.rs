@@ -2,7 +2,7 @@
 
 use texmap_light::Surface;
 use texmap_math::color::linear_to_srgb8;
-use texmap_math::det;
+use texmap_math::deterministic_f64;
 use texmap_math::glam::DVec3;
 use texmap_render::Aov;
 use texmap_scene::{Material, Mesh, Scene, Shading};
@@ -39,8 +39,8 @@ pub(super) fn ball(center: DVec3, radius: f64, material: usize) -> Mesh {
             f64::from(i) / f64::from(around),
             f64::from(j) / f64::from(down),
         );
-        let ((sin, cos), (up, out)) = (det::sin_cos(u * std::f64::consts::TAU), {
-            let (sin, cos) = det::sin_cos(v * std::f64::consts::PI);
+        let ((sin, cos), (up, out)) = (deterministic_f64::sin_cos(u * std::f64::consts::TAU), {
+            let (sin, cos) = deterministic_f64::sin_cos(v * std::f64::consts::PI);
             (cos, sin)
         });
         let n = DVec3::new(out * cos, up, -out * sin);

@@ -2,7 +2,7 @@
 
 use texmap_bake::LightMap;
 use texmap_light::Light;
-use texmap_math::det;
+use texmap_math::deterministic_f64;
 use texmap_math::glam::DVec3;
 use texmap_sample::{Filter, Wrap};
 use texmap_scene::{Mesh, Scene};
@@ -70,7 +70,7 @@ impl MovingSpot {
 /// The room with its spot at a part of its round.
 fn with_spot(part: f64) -> Result<Scene, LabError> {
     let mut scene = room()?;
-    let (sin, cos) = det::sin_cos(part * std::f64::consts::TAU);
+    let (sin, cos) = deterministic_f64::sin_cos(part * std::f64::consts::TAU);
     let aim = DVec3::new(1.7 * cos, 0.9 + 0.9 * sin, -1.6 + 0.4 * sin);
     let from = DVec3::new(0.0, 2.6, 1.6);
     let narrow = |v: DVec3| v.as_vec3().to_array();

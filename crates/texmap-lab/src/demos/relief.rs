@@ -2,7 +2,7 @@
 
 use texmap_bake::{BakeOptions, LightMap, bake};
 use texmap_light::{Green, Heights, Light, Slope, encode_normal};
-use texmap_math::det;
+use texmap_math::deterministic_f64;
 use texmap_math::glam::DVec3;
 use texmap_render::shadow_map_for;
 use texmap_sample::{ColorSpace, Filter, Origin, Texture2d, Wrap};
@@ -22,7 +22,7 @@ const HEIGHT: f64 = 0.08;
 
 /// Height of the waves, 0..=1.
 fn height(u: f64, v: f64) -> f64 {
-    let wave = |c: f64| det::sin(c * PERIODS * std::f64::consts::TAU);
+    let wave = |c: f64| deterministic_f64::sin(c * PERIODS * std::f64::consts::TAU);
     0.5 + 0.25 * (wave(u) + wave(v))
 }
 
@@ -77,7 +77,7 @@ fn truth(scene: &Scene, flat: &Lit) -> Picture {
         let (u, v) = (0.5 + p.x / 4.0, 0.5 + p.z / 4.0);
         let slope = |c: f64| {
             let w = PERIODS * std::f64::consts::TAU;
-            0.25 * w * det::cos(c * w) * HEIGHT / 4.0
+            0.25 * w * deterministic_f64::cos(c * w) * HEIGHT / 4.0
         };
         let n = DVec3::new(-slope(u), 1.0, -slope(v)).normalize();
         let eye = scene.camera.eye;

@@ -1,6 +1,6 @@
 //! Two bones bend an arm: what linear blending loses of its volume, and rigid parts beside it.
 
-use texmap_math::det;
+use texmap_math::deterministic_f64;
 use texmap_math::glam::{DMat4, DVec3};
 use texmap_mesh::{Bone, Skeleton, SkinBlend, turn};
 use texmap_scene::{Mesh, Scene};
@@ -94,7 +94,7 @@ fn bent(meshes: &[Mesh], blend: SkinBlend, degrees: f64) -> Result<Vec<Mesh>, La
 
 /// The rigid parts' common volume, by points of a fine grid across the section.
 fn overlap(degrees: f64) -> f64 {
-    let (sin, cos) = det::sin_cos(degrees.to_radians());
+    let (sin, cos) = deterministic_f64::sin_cos(degrees.to_radians());
     let n = 1200;
     let inside = |x: f64, y: f64| y.abs() <= HALF && x >= 0.0;
     let at = |i: i32| (f64::from(i) + 0.5) / f64::from(n) * 2.0 - 1.0;
@@ -138,7 +138,7 @@ pub(super) fn skin(size: u32) -> Result<DemoPicture, LabError> {
     for degrees in ANGLES {
         let lost = rest - volume(&bent(&whole, SkinBlend::Smooth(BAND), degrees)?[0]);
         let section = 4.0 * HALF * HALF;
-        let expected = section * BAND * (1.0 - det::cos(degrees.to_radians())) / 6.0;
+        let expected = section * BAND * (1.0 - deterministic_f64::cos(degrees.to_radians())) / 6.0;
         claims.push(Claim::new(
             format!("volume lost at {degrees} degrees, % of the arm"),
             100.0 * lost / rest,
@@ -155,7 +155,7 @@ pub(super) fn skin(size: u32) -> Result<DemoPicture, LabError> {
         0.0,
         1e-4,
     ));
-    let wedge = HALF * HALF * det::tan(60_f64.to_radians()) * 2.0 * HALF;
+    let wedge = HALF * HALF * deterministic_f64::tan(60_f64.to_radians()) * 2.0 * HALF;
     claims.push(Claim::new(
         "but inside each other, % of the arm",
         100.0 * overlap(120.0) / rest,

@@ -1,7 +1,7 @@
 //! Textures that fill space: carved patterns, and volumes seen through.
 
 use texmap_math::color::linear_to_srgb8;
-use texmap_math::det;
+use texmap_math::deterministic_f64;
 use texmap_math::glam::{DMat4, DVec3};
 use texmap_sample::{
     Alpha, ColorSpace, Filter, Image, Origin, Pattern, Texels, Texture3d, Wrap, gradient_noise,
@@ -96,8 +96,8 @@ pub(super) fn solids(size: u32) -> Result<DemoPicture, LabError> {
         // The same noise as a picture of longitude and latitude, wrapped around.
         let n = p.normalize_or_zero();
         let (u, v) = (
-            det::atan2(n.x, n.z),
-            det::atan2(n.y, (1.0 - n.y * n.y).max(0.0).sqrt()),
+            deterministic_f64::atan2(n.x, n.z),
+            deterministic_f64::atan2(n.y, (1.0 - n.y * n.y).max(0.0).sqrt()),
         );
         let flat = gradient_noise([(u * 3.0) as f32, (v * 3.0) as f32, 0.5], 0);
         wrapped += u32::from((found - code(f64::from(flat))).abs() > 16);
@@ -216,10 +216,13 @@ pub(super) fn volumes(size: u32) -> Result<DemoPicture, LabError> {
     let (mut wrong, mut stepped, mut naive) = (0u32, 0u32, 0u32);
     for (i, length) in lengths.iter().enumerate() {
         let found = |p: &Picture| i32::from(p.rgba()[4 * i]);
-        wrong += u32::from((found(&picture) - code(1.0 - det::exp(-0.8 * length))).abs() > 1);
+        wrong += u32::from(
+            (found(&picture) - code(1.0 - deterministic_f64::exp(-0.8 * length))).abs() > 1,
+        );
         stepped += u32::from((found(&picture) - found(&fine)).abs() > 1);
         // A fixed opacity a step, whatever its length.
-        let fixed = |step: f64| code(1.0 - det::pow(1.0 - 0.1, (length / step).ceil()));
+        let fixed =
+            |step: f64| code(1.0 - deterministic_f64::pow(1.0 - 0.1, (length / step).ceil()));
         naive += u32::from((fixed(0.1) - fixed(0.05)).abs() > 1 && *length > 0.0);
     }
     let inside = lengths.iter().filter(|l| **l > 0.0).count().max(1);
@@ -272,7 +275,7 @@ pub(super) fn volumes(size: u32) -> Result<DemoPicture, LabError> {
         "with one opacity for every step, % that change when steps are halved" =>
             100.0 * f64::from(naive) / inside as f64, 100.0, 10.0;
         "steps saved by ending where 1/4096 is left, % (density 40)" => saved, 79.0, 2.0;
-        "opacity lost by it, /255" => 255.0 * (1.0 - det::exp(-40.0) - f64::from(seen.color[3])), 0.0, 0.1;
+        "opacity lost by it, /255" => 255.0 * (1.0 - deterministic_f64::exp(-40.0) - f64::from(seen.color[3])), 0.0, 0.1;
     ];
     let panels = panels![
         picture => "Homogeneous", "A white fog box: 1 - exp(-tau) at every pixel, whatever the step.";

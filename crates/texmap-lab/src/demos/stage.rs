@@ -182,7 +182,7 @@ pub(super) fn cube(center: DVec3, yaw: f64, material: usize) -> Mesh {
 
 /// Rotation about the vertical, from the corpus of exact trigonometry of the math crate.
 fn turn(yaw: f64) -> DMat4 {
-    let (sin, cos) = texmap_math::det::sin_cos(yaw.to_radians());
+    let (sin, cos) = texmap_math::deterministic_f64::sin_cos(yaw.to_radians());
     DMat4::from_cols(
         DVec3::new(cos, 0.0, -sin).extend(0.0),
         DVec3::Y.extend(0.0),

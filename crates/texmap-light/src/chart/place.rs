@@ -2,7 +2,7 @@
 
 use core::f32::consts::{FRAC_1_PI, FRAC_2_PI};
 
-use texmap_math::det32::atan2_lanes;
+use texmap_math::deterministic_f32::atan2_lanes;
 use texmap_math::simd::{Isa, prelude::*};
 
 use super::Chart;

@@ -7,7 +7,7 @@ use texmap_math::float::sqrt;
 use texmap_math::glam::{DVec2, DVec3};
 use texmap_math::lanes::{LANES, Words};
 use texmap_math::simd::{Isa, prelude::*};
-use texmap_math::{Level, det, dispatch_simd};
+use texmap_math::{Level, deterministic_f64, dispatch_simd};
 
 use super::Environment;
 use crate::Chart;
@@ -145,7 +145,7 @@ impl Gathering {
         let sum: DVec3 = texels.iter().map(|t| t.0).sum();
         let axis = sum.normalize_or_zero();
         let least = texels.iter().map(|t| t.0.dot(axis)).fold(1.0, f64::min);
-        let angle = self.lobe.reach + det::acos(least);
+        let angle = self.lobe.reach + deterministic_f64::acos(least);
         let start = self.texels.len();
         for part in texels.chunks(LANES) {
             let mut sixteen = Sixteen::default();
@@ -165,7 +165,7 @@ impl Gathering {
             texels: start..self.texels.len(),
             axis,
             least: if angle < core::f64::consts::PI {
-                det::cos(angle)
+                deterministic_f64::cos(angle)
             } else {
                 -2.0
             },
@@ -226,15 +226,17 @@ impl Lobe {
     const STEPS: i32 = 4096;
 
     fn new(exponent: f64) -> Self {
-        let power = |i| det::pow(1.0 - f64::from(i) / f64::from(Self::STEPS), exponent) as f32;
+        let power = |i| {
+            deterministic_f64::pow(1.0 - f64::from(i) / f64::from(Self::STEPS), exponent) as f32
+        };
         let least = if exponent > 0.0 {
-            det::pow(1e-6, 1.0 / exponent)
+            deterministic_f64::pow(1e-6, 1.0 / exponent)
         } else {
             0.0
         };
         Self {
             powers: (0..=Self::STEPS).map(power).collect(),
-            reach: det::acos(least),
+            reach: deterministic_f64::acos(least),
         }
     }
 

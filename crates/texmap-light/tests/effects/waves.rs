@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use texmap_math::det;
+use texmap_math::deterministic_f64;
 use texmap_math::glam::DVec3;
 
 /// Uniform numbers in [0, 1).
@@ -19,7 +19,7 @@ impl Noise {
 
     pub(crate) fn direction(&mut self) -> DVec3 {
         let z = 2.0 * self.next() - 1.0;
-        let (sin, cos) = det::sin_cos(self.next() * TAU);
+        let (sin, cos) = deterministic_f64::sin_cos(self.next() * TAU);
         let r = (1.0 - z * z).sqrt();
         DVec3::new(r * cos, r * sin, z)
     }
@@ -48,7 +48,7 @@ impl Waves {
             * self
                 .0
                 .iter()
-                .map(|(k, p)| det::cos(k.dot(d) + p))
+                .map(|(k, p)| deterministic_f64::cos(k.dot(d) + p))
                 .sum::<f64>()
     }
 }

@@ -138,7 +138,7 @@ fn normal_detail<'s>(
 /// World units of one unit of a mesh's own space, the mean of its three axes by volume.
 fn world_unit(mesh: &Mesh) -> f64 {
     let volume = DMat3::from_mat4(mesh.world_from_object).determinant().abs();
-    texmap_math::det::pow(volume, 1.0 / 3.0)
+    texmap_math::deterministic_f64::pow(volume, 1.0 / 3.0)
 }
 
 /// True if a material lit per pixel needs more than lights.

@@ -3,7 +3,7 @@
 use core::f32::consts::TAU;
 
 use texmap_light::lanes::{Vector, affine, bump_on, cross, dot};
-use texmap_math::det32;
+use texmap_math::deterministic_f32;
 use texmap_math::glam::{DMat4, DVec4};
 use texmap_math::simd::{Isa, prelude::*};
 use texmap_sample::lanes::gradient_noise_lanes;
@@ -108,7 +108,7 @@ impl ProceduralBump {
             ];
         }
         let [x, y, z] = place;
-        let turns = det32::atan2_lanes(i, z, x) / TAU * around + noise[0];
+        let turns = deterministic_f32::atan2_lanes(i, z, x) / TAU * around + noise[0];
         let radius = (x * x + z * z).sqrt();
         // Waves narrower than a pixel fade to their mean, as do all towards the axis.
         let narrow = width * around / (radius * TAU);
@@ -123,7 +123,7 @@ fn wave<I: Isa>(i: I, turns: I::F32, width: I::F32) -> I::F32 {
     let left = i.f32(1.5) - width * 2.0;
     let seen = left.above(i.f32(0.0));
     let seen = left.simd_ge(1.0).select(i.f32(1.0), seen);
-    seen * det32::cos_lanes(i, (turns - turns.floor()) * TAU)
+    seen * deterministic_f32::cos_lanes(i, (turns - turns.floor()) * TAU)
 }
 
 /// Two unit vectors square to a unit vector and to each other; zero for none.

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use texmap_math::det;
+use texmap_math::deterministic_f64;
 use texmap_math::glam::{DMat4, DVec3};
 use texmap_scene::Carving;
 
@@ -57,10 +57,11 @@ impl Formula {
             Carving::Pattern(pattern) => value(pattern, p, width),
             Carving::Waves { around, fold } => {
                 let (around, fold) = (f64::from(around), f64::from(fold));
-                let turns = det::atan2(p.z, p.x) / TAU * around + fold * noise(p, 1);
+                let turns = deterministic_f64::atan2(p.z, p.x) / TAU * around + fold * noise(p, 1);
                 let radius = p.x.hypot(p.z);
-                let across = seen(width * around / (TAU * radius)) * det::cos(TAU * turns);
-                let along = seen(width) * det::cos(TAU * (p.y + fold * noise(p, 2)));
+                let across =
+                    seen(width * around / (TAU * radius)) * deterministic_f64::cos(TAU * turns);
+                let along = seen(width) * deterministic_f64::cos(TAU * (p.y + fold * noise(p, 2)));
                 0.5 + 0.5 * across * along
             }
         }

@@ -1,6 +1,6 @@
 //! Colours of the truth: transfer curves, premultiplication, luminance.
 
-use texmap_math::det;
+use texmap_math::deterministic_f64;
 use texmap_math::glam::{DVec3, DVec4};
 use texmap_scene::{ColorMode, Scene};
 
@@ -9,7 +9,7 @@ pub(super) fn decode(c: f64) -> f64 {
     if c <= 0.04045 {
         c / 12.92
     } else {
-        det::pow((c + 0.055) / 1.055, 2.4)
+        deterministic_f64::pow((c + 0.055) / 1.055, 2.4)
     }
 }
 
@@ -18,7 +18,7 @@ pub(super) fn encode(c: f64) -> f64 {
     if c <= 0.003_130_8 {
         c * 12.92
     } else {
-        1.055 * det::pow(c, 1.0 / 2.4) - 0.055
+        1.055 * deterministic_f64::pow(c, 1.0 / 2.4) - 0.055
     }
 }
 

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use texmap_light::{Chart, Environment};
-use texmap_math::det;
+use texmap_math::deterministic_f64;
 use texmap_math::glam::{DVec2, DVec3};
 
 use super::color::wide;
@@ -164,7 +164,7 @@ impl EnvironmentMap {
             _ => self.by_angle(direction, ray),
         };
         let lod = if texels > 1.0 {
-            det::log2(texels).min(last)
+            deterministic_f64::log2(texels).min(last)
         } else {
             0.0
         };

@@ -1,6 +1,6 @@
 //! A grid of voxels over the unit cube, in f64.
 
-use texmap_math::det;
+use texmap_math::deterministic_f64;
 use texmap_math::glam::{DVec3, DVec4};
 use texmap_sample::{Filter, Sampler, Texture3d, Wrap};
 
@@ -58,7 +58,7 @@ impl Grid {
         let square = square[0].max(square[1]);
         let last = (self.levels.len() - 1) as f64;
         let lod = if square > 1.0 {
-            0.5 * det::log2(square)
+            0.5 * deterministic_f64::log2(square)
         } else {
             0.0
         }

@@ -1,7 +1,7 @@
 //! The light that a surface returns at a point, light by light (Phong 1975, Blinn 1977; MIT 6.837, Fall 2000, lecture 19).
 
 use texmap_light::{Highlight, Light, Surface as Numbers};
-use texmap_math::det;
+use texmap_math::deterministic_f64;
 use texmap_math::glam::DVec3;
 use texmap_scene::SlideRole;
 
@@ -92,7 +92,7 @@ pub(super) fn contribution(
         Highlight::Blinn => normal.dot((view + toward).normalize_or_zero()),
     };
     let highlight = if along > 0.0 && numbers.ks > 0.0 {
-        f64::from(numbers.ks) * det::pow(along, f64::from(numbers.ns))
+        f64::from(numbers.ks) * deterministic_f64::pow(along, f64::from(numbers.ns))
     } else {
         0.0
     };

@@ -1,6 +1,6 @@
 //! Patterns that fill space, in f64: noise, marble, wood (Perlin 1985), as a sample of some width sees them.
 
-use texmap_math::det;
+use texmap_math::deterministic_f64;
 use texmap_math::glam::DVec3;
 use texmap_sample::{Pattern, reference::gradient_noise};
 
@@ -20,11 +20,11 @@ pub(super) fn value(pattern: Pattern, p: DVec3, width: f64) -> f64 {
             let seen = if half < 1e-6 {
                 1.0
             } else if width < 1.0 {
-                det::sin(half) / half
+                deterministic_f64::sin(half) / half
             } else {
                 0.0
             };
-            0.5 + 0.5 * seen * det::sin(TAU * fraction(p.x + fold))
+            0.5 + 0.5 * seen * deterministic_f64::sin(TAU * fraction(p.x + fold))
         }
         Pattern::Wood { grain } => {
             let fibre = DVec3::new(p.x, p.y, p.z * 0.125);

@@ -1,7 +1,7 @@
 //! Hard shadows by rays: what reaches a point, and where the edge of a shadow is near.
 
 use texmap_light::{Light, ShadowKind};
-use texmap_math::det;
+use texmap_math::deterministic_f64;
 use texmap_math::glam::{DMat3, DMat4, DVec2, DVec3};
 use texmap_scene::{AlphaMode, Scene, SlideProjector};
 
@@ -108,7 +108,8 @@ fn automatic(scene: &Scene, kind: &ShadowKind, width: u32) -> f64 {
     let (centre, half) = (0.5 * (low + high), 0.5 * (high - low).length());
     let way = |from: DVec3| (from - centre).length().max(0.5 * half);
     let camera = &scene.camera;
-    let pixel = 2.0 * det::tan(0.5 * camera.fov_x) * way(camera.eye) / f64::from(width);
+    let pixel =
+        2.0 * deterministic_f64::tan(0.5 * camera.fov_x) * way(camera.eye) / f64::from(width);
     let side = match kind {
         ShadowKind::Directional { half, .. } => 2.0 * half,
         ShadowKind::Spot {
@@ -205,7 +206,7 @@ impl World<'_> {
         (0..16).any(|k| {
             let (turn, way) = if k < 8 { (0.0, 1.0) } else { (0.5, 0.5) };
             let angle = (f64::from(k) + turn) * std::f64::consts::FRAC_PI_4;
-            let (sin, cos) = det::sin_cos(angle);
+            let (sin, cos) = deterministic_f64::sin_cos(angle);
             let beside = at.position + (a * cos + b * sin) * (way * radius);
             let Some((point, owner)) = self.surface_near(beside, toward(beside)) else {
                 return true;

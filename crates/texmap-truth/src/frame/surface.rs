@@ -1,8 +1,8 @@
 //! One mesh of the truth: its geometry and coordinates, its opacity, and its colour where a ray meets it.
 
 use texmap_light::Highlight;
-use texmap_math::frame::{MagicVectors, TextureFrame};
 use texmap_math::glam::{DMat3, DVec2, DVec3, DVec4};
+use texmap_math::texture_frame::{MagicVectors, TextureFrame};
 use texmap_sample::Filter;
 use texmap_scene::{AlphaMode, Gouraud, Material, Mesh, Scene, Shading, TextureRole};
 

@@ -1,6 +1,6 @@
 //! Volumes: matter that shines and absorbs, integrated along a ray (Max 1995, emission and absorption).
 
-use texmap_math::det;
+use texmap_math::deterministic_f64;
 use texmap_math::glam::{DMat4, DVec3, DVec4};
 use texmap_sample::Wrap;
 use texmap_scene::{Scene, Volume};
@@ -56,7 +56,7 @@ impl<'s> Medium<'s> {
             if dense <= 0.0 {
                 continue;
             }
-            let clear = det::exp(-f64::from(self.volume.density) * dense * step);
+            let clear = deterministic_f64::exp(-f64::from(self.volume.density) * dense * step);
             color += shine * (left * (1.0 - clear));
             left *= clear;
             if left < 1e-7 {

@@ -2,7 +2,7 @@
 
 use alloc::vec;
 use alloc::vec::Vec;
-use texmap_math::det;
+use texmap_math::deterministic_f64;
 use texmap_math::glam::{Vec2, Vec3};
 
 use super::groups::{Group, NONE, groups, neighbours, weld};
@@ -169,7 +169,7 @@ fn sum(
         let [here, next, last] =
             [0, 1, 2].map(|k| input.position(vertices[f as usize][(i + k) % 3]));
         let (a, b) = (flattened(next - here, n), flattened(last - here, n));
-        let angle = det::acos(f64::from(a.dot(b).clamp(-1.0, 1.0))) as f32;
+        let angle = deterministic_f64::acos(f64::from(a.dot(b).clamp(-1.0, 1.0))) as f32;
         total.s += flattened(t.space.s, n) * angle;
         total.t += flattened(t.space.t, n) * angle;
         total.lengths += t.space.lengths * angle;

@@ -5,8 +5,8 @@ mod models;
 use std::path::PathBuf;
 
 use texmap_math::camera::{Camera, CameraError};
-use texmap_math::frame::TextureFrame;
 use texmap_math::glam::DVec3;
+use texmap_math::texture_frame::TextureFrame;
 use texmap_scene::{AlphaMode, Material, Scene, Shading, TextureRole};
 use texmap_uv::{PixelMapping, Round};
 

@@ -1,6 +1,6 @@
 //! Models, frames and shapes that place textures, and files within files.
 
-use texmap_math::frame::TextureFrame;
+use texmap_math::texture_frame::TextureFrame;
 
 use super::Set::{Fallible, Nothing, Plain};
 use super::Spec;

@@ -302,6 +302,6 @@ pub(super) fn round(x: f64) -> f32 {
 /// The polynomial `c0 + c1 z + c2 z^2 + ...` by Horner's rule: multiply, then add.
 macro_rules! polynomial {
     ($z:expr; $last:expr) => { $z.constant($last) };
-    ($z:expr; $first:expr, $($rest:expr),+) => { $crate::det32::wide::polynomial!($z; $($rest),+) * $z + $first };
+    ($z:expr; $first:expr, $($rest:expr),+) => { $crate::deterministic_f32::wide::polynomial!($z; $($rest),+) * $z + $first };
 }
 pub(super) use polynomial;

@@ -4,7 +4,7 @@ use fearless_simd::Level;
 
 use super::wide::{Vectors, Wide, each, polynomial, round};
 use crate::simd::Isa;
-use crate::{det, dispatch_simd};
+use crate::{deterministic_f64, dispatch_simd};
 
 /// pi/2 to 33 bits and the rest: their product with `|n| < 2^20` is exact, or far below the result.
 const HALF_PI: (f64, f64) = (1.570_796_326_734_125_6, 6.077_100_506_506_192e-11);
@@ -44,7 +44,7 @@ pub fn tan(x: f32) -> f32 {
     let (s, c) = if x.abs() <= NEAR {
         near(f64::from(x))
     } else {
-        det::sin_cos(f64::from(x))
+        deterministic_f64::sin_cos(f64::from(x))
     };
     round(s / c)
 }
@@ -96,7 +96,7 @@ fn far(x: f32) -> (f32, f32) {
     if !x.is_finite() {
         return (f32::NAN, f32::NAN);
     }
-    let (s, c) = det::sin_cos(f64::from(x));
+    let (s, c) = deterministic_f64::sin_cos(f64::from(x));
     (s as f32, c as f32)
 }
 
