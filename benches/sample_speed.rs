@@ -16,7 +16,7 @@ use texmap_benches::floor::{Floor, HEIGHT, Places, TILE, WIDTH};
 use texmap_benches::textures::{square_texels, squares};
 use texmap_math::Level;
 use texmap_math::fearless_simd::{Simd, f32x16, prelude::*, u32x16};
-use texmap_math::lanes::{Words, floor_to_i32, gather, unit_to_u8};
+use texmap_math::lanes::{GatherTable, floor_to_i32, gather, unit_to_u8};
 use texmap_math::simd::X16;
 use texmap_sample::lanes::{RGBA8_EXACT, View, float, packed};
 use texmap_sample::{
@@ -173,7 +173,7 @@ fn fused<S: Simd, const KERNEL: u8>(s: S, job: &mut Job<'_>) {
 /// Loads and stores at known indices; the first call finds them.
 #[inline(never)]
 fn loads<S: Simd>(s: S, job: &mut Job<'_>) {
-    let words = Words::new(job.texels).expect("a texture is not empty");
+    let words = GatherTable::new(job.texels).expect("a texture is not empty");
     let (side, scale) = (job.side, job.side as f32);
     s.vectorize(
         #[inline(always)]

@@ -2,7 +2,7 @@
 
 mod on_face;
 
-use texmap_math::lanes::Words;
+use texmap_math::lanes::GatherTable;
 use texmap_math::simd::{Isa, Scalar, prelude::*};
 
 use crate::cube_face::Side;
@@ -86,7 +86,7 @@ impl Environment {
         square: I::F32,
     ) -> Vector<I> {
         let packed = !self.packed.is_empty();
-        let words = Words::new(if packed {
+        let words = GatherTable::new(if packed {
             &self.packed[..]
         } else {
             bytemuck::cast_slice(self.texels.as_flattened())
@@ -111,7 +111,7 @@ impl Environment {
     fn between<I: Isa, const SQUARE: bool, const PACKED: bool>(
         &self,
         i: I,
-        words: Words<'_>,
+        words: GatherTable<'_>,
         level: I::I32,
         k: I::F32,
         face: I::I32,

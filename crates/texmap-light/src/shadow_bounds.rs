@@ -3,7 +3,7 @@
 use alloc::vec::Vec;
 use core::ops::Range;
 
-use texmap_math::lanes::Words;
+use texmap_math::lanes::GatherTable;
 use texmap_math::simd::{Isa, prelude::*};
 
 /// log2 of a patch's side in texels.
@@ -218,7 +218,7 @@ impl ShadowBounds {
     /// The least and the largest depth around texels of faces.
     #[inline(always)]
     pub(crate) fn around<I: Isa>(&self, i: I, face: I::I32, x: I::I32, y: I::I32) -> [I::F32; 2] {
-        let Some(words) = Words::new(bytemuck::cast_slice(self.pairs.as_flattened())) else {
+        let Some(words) = GatherTable::new(bytemuck::cast_slice(self.pairs.as_flattened())) else {
             return [i.f32(f32::NEG_INFINITY), i.f32(f32::INFINITY)];
         };
         let row = face * self.across + (y >> SHIFT);

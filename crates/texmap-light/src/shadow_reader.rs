@@ -6,7 +6,7 @@ mod taps;
 
 use alloc::vec::Vec;
 
-use texmap_math::lanes::Words;
+use texmap_math::lanes::GatherTable;
 use texmap_math::simd::{Isa, Scalar};
 
 use crate::lanes::Vector;
@@ -99,7 +99,7 @@ impl ShadowReader {
         point: Vector<I>,
         normal: Vector<I>,
     ) -> I::F32 {
-        let words = Words::new(bytemuck::cast_slice(self.map.depths()));
+        let words = GatherTable::new(bytemuck::cast_slice(self.map.depths()));
         match (&self.form, words) {
             (Form::Flat(flat), Some(words)) => flat.visibility(i, words, asked, point, normal),
             (Form::Cube(cube), Some(words)) => cube.visibility(i, words, asked, point, normal),

@@ -1,6 +1,6 @@
 use texmap_math::float::floor_f32;
 use texmap_math::glam::{DVec3, DVec4};
-use texmap_math::projector::slide_coordinates;
+use texmap_math::projector::projector_uv;
 use texmap_math::simd::{Isa, Scalar, prelude::*};
 use texmap_math::{Footprint, Projector};
 use texmap_sample::{Filter, Sampler, Texture2d, Wrap};
@@ -75,7 +75,7 @@ impl Slide<'_> {
     /// `du/dx = (q_x - u t_x) / t`.
     #[must_use]
     pub fn light(&self, qst: DVec3, step: Option<[DVec3; 2]>) -> [f32; 4] {
-        let Some(place) = slide_coordinates(qst) else {
+        let Some(place) = projector_uv(qst) else {
             return [0.0; 4];
         };
         let uv = [place.x as f32, place.y as f32];
@@ -268,7 +268,7 @@ fn fade<I: Isa>(i: I, softness: f32, c: I::F32) -> I::F32 {
 /// The picture's texel, as column and row, at a slide coordinate: `None` beyond. For callers with texels of their own.
 #[must_use]
 pub fn slide_texel(qst: DVec3, (width, height): (u32, u32)) -> Option<(u32, u32)> {
-    let place = slide_coordinates(qst)?;
+    let place = projector_uv(qst)?;
     let index = |c: f64, n: u32| {
         let c = floor_f32((c * f64::from(n)) as f32);
         (c >= 0.0 && c < n as f32).then_some(c as u32)

@@ -31,7 +31,7 @@ pub fn max_error_at(ratio: f64) -> f64 {
 
 /// The largest |e| after cutting the span into `n` equal parts of the screen with exact ends. The worst part is the far one.
 #[must_use]
-pub fn max_error_screen_parts(ratio: f64, n: u32) -> f64 {
+pub fn screen_subdivision_error(ratio: f64, n: u32) -> f64 {
     let r = if ratio < 1.0 { 1.0 / ratio } else { ratio };
     let n = f64::from(n);
     let d = (r - 1.0) / n;
@@ -39,9 +39,9 @@ pub fn max_error_screen_parts(ratio: f64, n: u32) -> f64 {
     r * (r - 1.0) / (n * n) / ((1.0 + d) * root * root)
 }
 
-/// A bound of [`max_error_screen_parts`] and the limit of n^2 times it: `r (r - 1) / (4 n^2)`.
+/// A bound of [`screen_subdivision_error`] and the limit of n^2 times it: `r (r - 1) / (4 n^2)`.
 #[must_use]
-pub fn screen_parts_bound(ratio: f64, n: u32) -> f64 {
+pub fn screen_subdivision_bound(ratio: f64, n: u32) -> f64 {
     let r = if ratio < 1.0 { 1.0 / ratio } else { ratio };
     let n = f64::from(n);
     r * (r - 1.0) / (4.0 * n * n)
@@ -49,16 +49,16 @@ pub fn screen_parts_bound(ratio: f64, n: u32) -> f64 {
 
 /// The largest |e| after cutting the span into `n` parts that are equal in space, as a subdivided mesh is. The worst part is the near one.
 #[must_use]
-pub fn max_error_space_parts(ratio: f64, n: u32) -> f64 {
+pub fn world_subdivision_error(ratio: f64, n: u32) -> f64 {
     let r = if ratio < 1.0 { 1.0 / ratio } else { ratio };
     let n = f64::from(n);
     // Distances run evenly from 1 to r; the near part ends at 1 + (r - 1)/n.
     max_error(1.0 + (r - 1.0) / n) / n
 }
 
-/// A bound of [`max_error_space_parts`]: `(r - 1) / (4 n^2)`.
+/// A bound of [`world_subdivision_error`]: `(r - 1) / (4 n^2)`.
 #[must_use]
-pub fn space_parts_bound(ratio: f64, n: u32) -> f64 {
+pub fn world_subdivision_bound(ratio: f64, n: u32) -> f64 {
     let r = if ratio < 1.0 { 1.0 / ratio } else { ratio };
     let n = f64::from(n);
     (r - 1.0) / (4.0 * n * n)
@@ -67,25 +67,25 @@ pub fn space_parts_bound(ratio: f64, n: u32) -> f64 {
 /// The fewest equal screen parts whose error times `change` = |u2 - u1| is within `budget`; None where no u32 is enough, the budget is
 /// not above 0 or a number is NaN.
 #[must_use]
-pub fn screen_parts_for(ratio: f64, change: f64, budget: f64) -> Option<u32> {
+pub fn screen_subdivisions_for(ratio: f64, change: f64, budget: f64) -> Option<u32> {
     fewest(
         ratio,
         change,
         budget,
-        max_error_screen_parts,
-        screen_parts_bound,
+        screen_subdivision_error,
+        screen_subdivision_bound,
     )
 }
 
 /// The same for equal parts in space.
 #[must_use]
-pub fn space_parts_for(ratio: f64, change: f64, budget: f64) -> Option<u32> {
+pub fn world_subdivisions_for(ratio: f64, change: f64, budget: f64) -> Option<u32> {
     fewest(
         ratio,
         change,
         budget,
-        max_error_space_parts,
-        space_parts_bound,
+        world_subdivision_error,
+        world_subdivision_bound,
     )
 }
 

@@ -37,28 +37,28 @@ pub fn lerp_two_product<T: Real>(a: T, b: T, t: T) -> T {
 /// s(t) from distances: `t z1 / (z2 + t (z1 - z2))`, in two-product form.
 #[inline]
 #[must_use]
-pub fn s_from_t_z<T: Real>(t: T, z1: T, z2: T) -> T {
+pub fn world_from_screen_z<T: Real>(t: T, z1: T, z2: T) -> T {
     t * z1 / lerp_two_product(z2, z1, t)
 }
 
 /// s(t) from inverse distances: `t w2 / (w1 + t (w2 - w1))`, in two-product form.
 #[inline]
 #[must_use]
-pub fn s_from_t_inv_w<T: Real>(t: T, inv_w1: T, inv_w2: T) -> T {
+pub fn world_from_screen_inv_w<T: Real>(t: T, inv_w1: T, inv_w2: T) -> T {
     t * inv_w2 / lerp_two_product(inv_w1, inv_w2, t)
 }
 
-/// t(s), the inverse of [`s_from_t_z`]: `s z2 / (z1 + s (z2 - z1))`.
+/// t(s), the inverse of [`world_from_screen_z`]: `s z2 / (z1 + s (z2 - z1))`.
 #[inline]
 #[must_use]
-pub fn t_from_s_z<T: Real>(s: T, z1: T, z2: T) -> T {
+pub fn screen_from_world_z<T: Real>(s: T, z1: T, z2: T) -> T {
     s * z2 / lerp_two_product(z1, z2, s)
 }
 
-/// t(s), the inverse of [`s_from_t_inv_w`]: `s w1 / (w2 + s (w1 - w2))`.
+/// t(s), the inverse of [`world_from_screen_inv_w`]: `s w1 / (w2 + s (w1 - w2))`.
 #[inline]
 #[must_use]
-pub fn t_from_s_inv_w<T: Real>(s: T, inv_w1: T, inv_w2: T) -> T {
+pub fn screen_from_world_inv_w<T: Real>(s: T, inv_w1: T, inv_w2: T) -> T {
     s * inv_w1 / lerp_two_product(inv_w2, inv_w1, s)
 }
 

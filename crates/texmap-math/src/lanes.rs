@@ -1,7 +1,7 @@
 //! Helpers over sixteen lanes for kernels that are generic over the SIMD level ([`fearless_simd`]); outside semantic versioning.
 //!
 //! Each gives the bits of its scalar twin in every lane, on every level: only IEEE operations, comparisons, integers, and
-//! conversions of values in range. Never use `mul_add`, `approximate_recip`, `min`/`max` of floats (but [`above`] and [`below`]) or an
+//! conversions of values in range. Never use `mul_add`, `approximate_recip`, `min`/`max` of floats (but [`max_x86`] and [`min_x86`]) or an
 //! out-of-range `to_int` of fearless_simd in a kernel: they differ by level.
 
 #[cfg(target_arch = "x86")]
@@ -22,9 +22,11 @@ mod gather;
 mod table;
 
 pub use bytes::lerp_bytes;
-pub use gather::{Words, gather, gather_pairs, gather_quads, gather_triples, has_pairs, prefetch};
+pub use gather::{
+    GatherTable, gather, gather_pairs, gather_quads, gather_triples, has_pairs, prefetch,
+};
 pub(crate) use gather::{gather_pairs_x4, gather_x4};
-pub use table::{look_up, octet};
+pub use table::{lookup8, lookup16};
 
 /// Lanes of every kernel, on every level.
 pub const LANES: usize = 16;
@@ -33,7 +35,7 @@ pub const LANES: usize = 16;
 /// otherwise a compiler may put the registers that it must set aside across two of them, and each comes and goes in twice the time.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 #[repr(align(64))]
-pub struct Line<T>(pub [T; LANES]);
+pub struct CacheAligned<T>(pub [T; LANES]);
 
 /// 0, 1, ... 15.
 #[inline(always)]
@@ -44,7 +46,7 @@ pub fn iota<S: Simd>(s: S) -> i32x16<S> {
 /// `a` where it is above `b`, else `b`, zeros and NaN too: by comparison and selection, which is what x86 calls the maximum of these
 /// operands.
 #[inline(always)]
-pub fn above<S: Simd>(a: f32x16<S>, b: f32x16<S>) -> f32x16<S> {
+pub fn max_x86<S: Simd>(a: f32x16<S>, b: f32x16<S>) -> f32x16<S> {
     if is_x86(a.simd) {
         a.max(b)
     } else {
@@ -52,9 +54,9 @@ pub fn above<S: Simd>(a: f32x16<S>, b: f32x16<S>) -> f32x16<S> {
     }
 }
 
-/// `a` where it is below `b`, else `b`: as [`above`].
+/// `a` where it is below `b`, else `b`: as [`max_x86`].
 #[inline(always)]
-pub fn below<S: Simd>(a: f32x16<S>, b: f32x16<S>) -> f32x16<S> {
+pub fn min_x86<S: Simd>(a: f32x16<S>, b: f32x16<S>) -> f32x16<S> {
     if is_x86(a.simd) {
         a.min(b)
     } else {
@@ -94,7 +96,7 @@ pub fn is_wide<S: Simd>(s: S) -> bool {
 /// `x` within `[low, high]` by comparison and selection; NaN gives `low`.
 #[inline(always)]
 pub fn clamp<S: Simd>(x: f32x16<S>, low: f32x16<S>, high: f32x16<S>) -> f32x16<S> {
-    below(above(x, low), high)
+    min_x86(max_x86(x, low), high)
 }
 
 /// [`clamp`] for one lane.

@@ -13,11 +13,11 @@
 //! // Affine interpolation would say 0.5. Its largest error has a closed form: (sqrt 4 - 1)/(sqrt 4 + 1).
 //! assert!((affine_error::max_error(4.0) - 1.0 / 3.0).abs() < 1e-15);
 //! // 256 texels to half a texel: so many equal spans would do.
-//! assert_eq!(affine_error::screen_parts_for(4.0, 256.0, 0.5), Some(37));
+//! assert_eq!(affine_error::screen_subdivisions_for(4.0, 256.0, 0.5), Some(37));
 //!
 //! // The same floor as a frame O, U, V in camera space: any view direction gives its uv, without a vertex.
 //! let floor = TextureFrame::new(DVec3::new(0.0, -1.0, -1.0), DVec3::X, DVec3::NEG_Z * 3.0)?;
-//! let uv = floor.magic().uv(DVec3::new(0.0, -1.0, -1.6)).expect("below the horizon");
+//! let uv = floor.texgen().uv(DVec3::new(0.0, -1.0, -1.6)).expect("below the horizon");
 //! assert!((uv.y - 0.2).abs() < 1e-15);
 //! # Ok::<(), texmap_math::FrameError>(())
 //! ```
@@ -109,6 +109,6 @@ pub use memory::{MemoryBudget, OverBudget};
 #[doc(hidden)]
 pub use on_level::LANES;
 pub use projector::Projector;
-pub use texture_frame::{FrameError, MagicVectors, TextureFrame};
+pub use texture_frame::{FrameError, PlanarTexgen, TextureFrame};
 pub use vector::{narrow, wide};
 pub use view_rays::{CameraFrame, ViewRays};

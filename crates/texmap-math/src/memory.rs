@@ -73,7 +73,7 @@ impl MemoryBudget {
 
     /// Bytes that are left below the limit now.
     #[must_use]
-    pub fn room(&self) -> u64 {
+    pub fn available(&self) -> u64 {
         self.limit.saturating_sub((self.used)())
     }
 
@@ -224,7 +224,7 @@ mod tests {
     fn large_buffers_count_with_what_is_in_use() {
         let budget = MemoryBudget::measured(100 << 20, || 70 << 20);
         assert_eq!(ask(budget, 30 << 20), Ok(()));
-        assert_eq!(budget.room(), 30 << 20);
+        assert_eq!(budget.available(), 30 << 20);
         let refused = ask(budget, (30 << 20) + 1).unwrap_err();
         assert_eq!(
             refused.to_string(),

@@ -13,7 +13,7 @@ pub const LANES: bool = !cfg!(texmap_unoptimised);
 #[macro_export]
 macro_rules! on_level {
     ($level:expr, $s:ident => $lanes:expr, else $plain:expr) => {
-        $crate::on_wide_level!($level, $s => $lanes, else {
+        $crate::dispatch_simd!($level, $s => $lanes, else {
             #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
             if $crate::LANES && let Some($s) = $level.as_sse2() {
                 $crate::fearless_simd::Simd::vectorize(
@@ -33,7 +33,7 @@ macro_rules! on_level {
 /// [`on_level!`] for kernels that are large and many: SSE, with half of AVX2's lanes and no gathers, takes `$plain` too.
 #[doc(hidden)]
 #[macro_export]
-macro_rules! on_wide_level {
+macro_rules! dispatch_simd {
     ($level:expr, $s:ident => $lanes:expr, else $plain:expr) => {
         match $level {
             #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]

@@ -63,13 +63,13 @@ impl Projector {
     /// Slide coordinates of a world point, None where it is not in front of the projector. They may lie outside `[0, 1]`.
     #[must_use]
     pub fn uv(&self, point: DVec3) -> Option<DVec2> {
-        slide_coordinates(self.project(point))
+        projector_uv(self.project(point))
     }
 }
 
 /// `(q/t, s/t)`, None for `t <= 0` or NaN: nothing behind a projector is lit.
 #[must_use]
-pub fn slide_coordinates(qst: DVec3) -> Option<DVec2> {
+pub fn projector_uv(qst: DVec3) -> Option<DVec2> {
     let uv = DVec2::new(qst.x / qst.z, qst.y / qst.z);
     (qst.z > 0.0 && uv.is_finite()).then_some(uv)
 }

@@ -37,7 +37,7 @@ mod scalar;
 mod shuffle;
 mod wide;
 
-pub use crate::lanes::Words;
+pub use crate::lanes::GatherTable;
 pub use bytes::{ByteHalves, ByteIsa};
 pub use encode::{encode_srgb8, encode_unorm8};
 pub use fearless_simd::Level;

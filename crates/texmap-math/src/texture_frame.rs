@@ -127,8 +127,8 @@ impl TextureFrame {
 
     /// The magic vectors. The frame must be in camera space: the eye at the origin.
     #[must_use]
-    pub fn magic(&self) -> MagicVectors {
-        MagicVectors {
+    pub fn texgen(&self) -> PlanarTexgen {
+        PlanarTexgen {
             a: self.v.cross(self.o),
             b: self.o.cross(self.u),
             c: self.u.cross(self.v),
@@ -139,7 +139,7 @@ impl TextureFrame {
 /// A = V x O, B = O x U, C = U x V. For a view direction W through the eye, the ray meets the frame's plane at
 /// u = A.W / C.W, v = B.W / C.W: Cramer's rule, for any independent U and V, whatever the length and sign of W.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct MagicVectors {
+pub struct PlanarTexgen {
     /// V x O.
     pub a: DVec3,
     /// O x U.
@@ -148,7 +148,7 @@ pub struct MagicVectors {
     pub c: DVec3,
 }
 
-impl MagicVectors {
+impl PlanarTexgen {
     /// The uv where the line through the eye along `w` meets the plane; None where it does not (parallel: the horizon; or overflow).
     #[must_use]
     pub fn uv(&self, w: DVec3) -> Option<DVec2> {

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use crate::{Footprint, MagicVectors, TextureFrame};
+use crate::{Footprint, PlanarTexgen, TextureFrame};
 
 /// The rays of a grid of samples, camera space.
 #[derive(Clone, Copy, Debug)]
@@ -53,7 +53,7 @@ impl ViewRays {
 /// A texture frame in camera space and the rays of a grid of samples.
 #[derive(Clone, Copy, Debug)]
 pub struct CameraFrame {
-    magic: MagicVectors,
+    magic: PlanarTexgen,
     rays: ViewRays,
 }
 
@@ -62,7 +62,7 @@ impl CameraFrame {
     #[must_use]
     pub fn new(frame: TextureFrame, half: [f64; 2], size: [f64; 2]) -> Self {
         Self {
-            magic: frame.magic(),
+            magic: frame.texgen(),
             rays: ViewRays::new(half, size),
         }
     }
@@ -85,7 +85,7 @@ impl CameraFrame {
     pub fn uv(&self, x: u32, y: u32) -> Option<([f32; 2], Footprint)> {
         let ray = self.rays.through([x, y]);
         let uv = self.magic.uv(ray)?;
-        let MagicVectors { a, b, c } = self.magic;
+        let PlanarTexgen { a, b, c } = self.magic;
         let w = c.dot(ray);
         let [dx, dy] = self.rays.half_step.map(|half| 2.0 * half);
         let dy = -dy;

@@ -40,7 +40,7 @@ pub(crate) fn displace(scene: &mut Scene, width: u32) -> Result<(), MeshError> {
             .is_some_and(|map| map.too_long(net, a, b))
     };
     let memory = MemoryBudget::of_process();
-    let affordable = usize::try_from(memory.room() / TRIANGLE_BYTES).unwrap_or(usize::MAX);
+    let affordable = usize::try_from(memory.available() / TRIANGLE_BYTES).unwrap_or(usize::MAX);
     let refined = net.refine(too_long, affordable.min(limit as usize));
     refined.map_err(|triangles| {
         let triangles = triangles as u64;

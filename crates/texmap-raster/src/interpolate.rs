@@ -1,7 +1,7 @@
 //! Values over a run of pixels: attributes, their derivatives and 1/w.
 use alloc::vec::Vec;
 
-use texmap_math::simd::{Isa, Words, prelude::*};
+use texmap_math::simd::{GatherTable, Isa, prelude::*};
 use texmap_math::{Level, dispatch_simd};
 
 use crate::coverage::stamp::{BLOCK_PIXELS, BLOCKS, block_lanes};
@@ -129,7 +129,7 @@ impl TilePlanes {
         first: usize,
         out: &mut RunValues,
     ) {
-        let Some(words) = Words::new(bytemuck::cast_slice(&self.words)) else {
+        let Some(words) = GatherTable::new(bytemuck::cast_slice(&self.words)) else {
             return;
         };
         let columns = out.columns.get_mut(first..);
@@ -174,7 +174,7 @@ impl TilePlanes {
         wanted: [usize; 2],
         sink: &mut K,
     ) {
-        let Some(words) = Words::new(bytemuck::cast_slice(&self.words)) else {
+        let Some(words) = GatherTable::new(bytemuck::cast_slice(&self.words)) else {
             return;
         };
         let (mut shared, mut shared_slot) = (OnePair::NONE, NONE);
@@ -249,7 +249,7 @@ impl TilePlanes {
         wanted: [usize; 2],
         sink: &mut K,
     ) {
-        let Some(words) = Words::new(bytemuck::cast_slice(&self.words)) else {
+        let Some(words) = GatherTable::new(bytemuck::cast_slice(&self.words)) else {
             return;
         };
         let half = TILE as f32 / 2.0 - 0.5;

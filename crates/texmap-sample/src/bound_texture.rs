@@ -12,7 +12,7 @@ use crate::{
     texels::{Chain, Format, Level},
     texture::Texture2d,
 };
-use texmap_math::{lanes::Words, simd::Isa};
+use texmap_math::{lanes::GatherTable, simd::Isa};
 
 /// One word a texel, for the kernels that read it whole.
 pub const RGBA8: u8 = 0;
@@ -42,7 +42,7 @@ const LEVELS: usize = 16;
 #[derive(Clone, Debug)]
 pub struct View<'a> {
     pub(crate) chain: &'a Chain<'a>,
-    pub(crate) words: Words<'a>,
+    pub(crate) words: GatherTable<'a>,
     pub(crate) apart: Apart<'a>,
     /// [`RGBA8`] and so on.
     pub format: u8,
@@ -148,7 +148,7 @@ impl<'a> View<'a> {
         let mut view = Self {
             chain,
             // An encoded texture without levels has no words.
-            words: Words::new(chain.words()).or_else(|| Words::new(&[0]))?,
+            words: GatherTable::new(chain.words()).or_else(|| GatherTable::new(&[0]))?,
             apart: Apart::new(chain),
             format,
             // Floats may be above one, which is opaque and yet no constant.

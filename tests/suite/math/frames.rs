@@ -25,7 +25,7 @@ fn orthonormal() -> impl Strategy<Value = TextureFrame> {
 }
 
 fn seen_well(frame: &TextureFrame, w: DVec3) -> bool {
-    let c = frame.magic().c;
+    let c = frame.texgen().c;
     c.dot(w).abs() > 1e-2 * c.length() * w.length()
 }
 
@@ -39,10 +39,10 @@ proptest! {
         prop_assume!(seen_well(&frame, w));
         let k = if back { -k } else { k };
         let tolerance = 1e-11 * (1.0 + uv.x.abs() + uv.y.abs());
-        let got = frame.magic().uv(w * k).expect("not edge-on");
+        let got = frame.texgen().uv(w * k).expect("not edge-on");
         prop_assert!((got - uv).abs().max_element() <= tolerance, "{got} {uv}");
         let moved = TextureFrame::new(frame.o + frame.u * shift, frame.u, frame.v).expect("independent");
-        let got = moved.magic().uv(w).expect("not edge-on");
+        let got = moved.texgen().uv(w).expect("not edge-on");
         prop_assert!((got - DVec2::new(uv.x - shift, uv.y)).abs().max_element() <= 1e-11 * (1.0 + uv.x.abs() + uv.y.abs() + shift.abs()));
     }
 
@@ -59,7 +59,7 @@ proptest! {
         prop_assume!(seen_well(&frame, w));
         let b = bary::perspective(bary::screen(screen, p).expect("area"), points.map(|p| -1.0 / p.z)).expect("in front");
         let want = DVec2::new(bary::blend(b, corners.map(|c| c.x)), bary::blend(b, corners.map(|c| c.y)));
-        let got = frame.magic().uv(w).expect("not edge-on");
+        let got = frame.texgen().uv(w).expect("not edge-on");
         prop_assert!((got - want).abs().max_element() <= 1e-11, "{got} {want}");
     }
 
@@ -74,7 +74,7 @@ proptest! {
             TextureFrame::new(frame.o, frame.u * 2.0, frame.v).expect("independent"),
             TextureFrame::new(frame.o, frame.u, frame.v + frame.u).expect("independent"),
         ] {
-            let right = wrong.magic().uv(p).expect("not edge-on");
+            let right = wrong.texgen().uv(p).expect("not edge-on");
             prop_assert!((wrong.point(right) - p).length() <= 1e-10 * (1.0 + p.length()));
             prop_assert!((dots(&wrong) - right).abs().max_element() > 1e-3);
         }
@@ -156,15 +156,15 @@ fn the_horizon_and_a_plane_through_the_eye_have_no_uv() {
     let floor =
         TextureFrame::new(DVec3::new(0.0, -1.0, -5.0), DVec3::X, DVec3::Z).expect("independent");
     assert_eq!(
-        floor.magic().uv(DVec3::NEG_Z),
+        floor.texgen().uv(DVec3::NEG_Z),
         None,
         "parallel to the floor"
     );
-    assert_eq!(floor.magic().uv(DVec3::ZERO), None);
-    assert_eq!(floor.magic().uv(DVec3::NAN), None);
+    assert_eq!(floor.texgen().uv(DVec3::ZERO), None);
+    assert_eq!(floor.texgen().uv(DVec3::NAN), None);
     let through_the_eye = TextureFrame::new(DVec3::NEG_Z, DVec3::X, DVec3::Z).expect("independent");
     assert_eq!(
-        through_the_eye.magic().uv(DVec3::new(0.3, 0.0, -1.0)),
+        through_the_eye.texgen().uv(DVec3::new(0.3, 0.0, -1.0)),
         None,
         "seen edge-on"
     );

@@ -27,9 +27,9 @@ const HARD: [f32; 16] = [
 #[test]
 fn gathers_read_the_same_words_and_stay_inside() {
     let data: Vec<u32> = (0..1000u32).map(|i| i.wrapping_mul(0x9e37_79b9)).collect();
-    let words = lanes::Words::new(&data).expect("not empty");
-    let one = lanes::Words::new(&data[..1]).expect("not empty");
-    assert!(lanes::Words::new(&[]).is_none());
+    let words = lanes::GatherTable::new(&data).expect("not empty");
+    let one = lanes::GatherTable::new(&data[..1]).expect("not empty");
+    assert!(lanes::GatherTable::new(&[]).is_none());
     let indices = [
         0,
         1,
@@ -104,7 +104,7 @@ fn small_tables_are_read_by_index() {
     let index = [15, 0, 8, 7, 3, 3, 12, 1, 9, 14, 2, 11, 4, 5, 13, 6];
     for (name, level) in levels() {
         let read = dispatch!(level, s => {
-            <[u32; 16]>::from(lanes::look_up(s, &table, u32x16::from_slice(s, &index)))
+            <[u32; 16]>::from(lanes::lookup16(s, &table, u32x16::from_slice(s, &index)))
         });
         assert_eq!(read, index.map(|i| table[i as usize]), "{name}");
     }
@@ -117,7 +117,7 @@ fn octets_are_read_by_index() {
         for turn in 0..8 {
             let index: [u32; 16] = std::array::from_fn(|i| (i as u32 * 5 + turn) % 8);
             let read = dispatch!(level, s => {
-                <[f32; 16]>::from(lanes::octet(s, &table, u32x16::from_slice(s, &index)))
+                <[f32; 16]>::from(lanes::lookup8(s, &table, u32x16::from_slice(s, &index)))
             });
             for (read, i) in read.into_iter().zip(index) {
                 assert_eq!(read.to_bits(), table[i as usize].to_bits(), "{name} {i}");
@@ -174,7 +174,7 @@ fn above_and_below_are_comparison_and_selection() {
                 let (over, under, swapped) = dispatch!(level, s => {
                     let (x, y) = (f32x16::splat(s, x), f32x16::from_slice(s, &others));
                     let array = |v| <[f32; 16]>::from(v);
-                    (array(lanes::above(x, y)), array(lanes::below(x, y)), array(lanes::above(y, x)))
+                    (array(lanes::max_x86(x, y)), array(lanes::min_x86(x, y)), array(lanes::max_x86(y, x)))
                 });
                 for (i, y) in others.into_iter().enumerate() {
                     assert_eq!(over[i].to_bits(), pick(x, y, x > y), "{name} {x} {y}");

@@ -1,6 +1,6 @@
 //! Kernels over lane widths: each operation gives the scalar's bits in every lane, on every level and width.
 
-use texmap_math::lanes::Words;
+use texmap_math::lanes::GatherTable;
 use texmap_math::simd::{ByteIsa, Isa, Scalar, prelude::*};
 use texmap_math::{dispatch_simd, float};
 use texmap_tests::levels::levels;
@@ -75,7 +75,7 @@ fn every_operation<I: ByteIsa>(i: I, at: usize, table: &[u32], out: &mut [[u32; 
     let n = small.to_i32();
     let w = i.load_u32(&WORDS[at..]);
     let v = (w >> 2) & 31;
-    let words = Words::new(table).expect("not empty");
+    let words = GatherTable::new(table).expect("not empty");
     let [first, second] = i.gather_pairs(words, w & 511);
     let wide = i.widen(x) * 3.0 + i.widen(y) / 7.0 - i.f64(0.25);
     let vector = i.load_xyz(&vectors(at)[..I::LANES]);

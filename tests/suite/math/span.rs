@@ -2,14 +2,15 @@
 
 use proptest::prelude::*;
 use texmap_math::affine_error::{
-    error_at, max_error, max_error_at, max_error_screen_parts, max_error_space_parts,
-    screen_parts_bound, screen_parts_for, space_parts_bound, space_parts_for,
+    error_at, max_error, max_error_at, screen_subdivision_bound, screen_subdivision_error,
+    screen_subdivisions_for, world_subdivision_bound, world_subdivision_error,
+    world_subdivisions_for,
 };
 use texmap_math::camera::Camera;
 use texmap_math::glam::{DVec2, DVec3};
 use texmap_math::interpolation::{
-    Premultiplied, lerp_two_product, perspective, s_from_t_inv_w, s_from_t_z, t_from_s_inv_w,
-    t_from_s_z,
+    Premultiplied, lerp_two_product, perspective, screen_from_world_inv_w, screen_from_world_z,
+    world_from_screen_inv_w, world_from_screen_z,
 };
 
 use crate::strategies::{EPS32, EPS64, config, inverse_w, largest, point2, point3};
@@ -44,7 +45,7 @@ proptest! {
         a in point2(5.0), b in point2(5.0), z1 in inverse_w(5.0), z2 in inverse_w(5.0), t in 0.0..=1.0,
     ) {
         let (p1, p2) = (a / z1, b / z2);
-        let s = s_from_t_z(t, z1, z2);
+        let s = world_from_screen_z(t, z1, z2);
         let seen = DVec2::new(lerp_two_product(a.x, b.x, s), lerp_two_product(a.y, b.y, s)) / lerp_two_product(z1, z2, s);
         let want = p1 + (p2 - p1) * t;
         let size = largest(&[p1.x, p1.y, p2.x, p2.y]);
@@ -54,20 +55,20 @@ proptest! {
     /// Property 2: ends, order, both forms, the inverse, and the span read from its other end.
     #[test]
     fn s_runs_from_zero_to_one(w1 in inverse_w(7.0), w2 in inverse_w(7.0), t in 0.0..0.999f64, rest in 0.01..=1.0f64) {
-        prop_assert_eq!(s_from_t_inv_w(0.0, w1, w2), 0.0);
-        prop_assert_eq!(s_from_t_inv_w(1.0, w1, w2), 1.0);
-        prop_assert_eq!(s_from_t_z(1.0, w1, w2), 1.0);
-        prop_assert_eq!(t_from_s_inv_w(1.0, w1, w2), 1.0);
-        let s = s_from_t_inv_w(t, w1, w2);
+        prop_assert_eq!(world_from_screen_inv_w(0.0, w1, w2), 0.0);
+        prop_assert_eq!(world_from_screen_inv_w(1.0, w1, w2), 1.0);
+        prop_assert_eq!(world_from_screen_z(1.0, w1, w2), 1.0);
+        prop_assert_eq!(screen_from_world_inv_w(1.0, w1, w2), 1.0);
+        let s = world_from_screen_inv_w(t, w1, w2);
         prop_assert!((0.0..=1.0).contains(&s));
-        prop_assert!(s_from_t_inv_w(t + (1.0 - t) * rest, w1, w2) > s);
+        prop_assert!(world_from_screen_inv_w(t + (1.0 - t) * rest, w1, w2) > s);
         // The division 1/w itself rounds: twice 4 ulp.
-        prop_assert!((s_from_t_z(t, 1.0 / w1, 1.0 / w2) - s).abs() <= 4.0 * EPS64 * s);
-        prop_assert!((s + s_from_t_inv_w(1.0 - t, w2, w1) - 1.0).abs() <= 4.0 * EPS64);
+        prop_assert!((world_from_screen_z(t, 1.0 / w1, 1.0 / w2) - s).abs() <= 4.0 * EPS64 * s);
+        prop_assert!((s + world_from_screen_inv_w(1.0 - t, w2, w1) - 1.0).abs() <= 4.0 * EPS64);
         // One ulp of s is r ulps of t at the steep end.
         let r = (w1 / w2).max(w2 / w1);
-        prop_assert!((t_from_s_inv_w(s, w1, w2) - t).abs() <= 4.0 * EPS64 * r);
-        prop_assert!((t_from_s_z(s, 1.0 / w1, 1.0 / w2) - t).abs() <= 8.0 * EPS64 * r);
+        prop_assert!((screen_from_world_inv_w(s, w1, w2) - t).abs() <= 4.0 * EPS64 * r);
+        prop_assert!((screen_from_world_z(s, 1.0 / w1, 1.0 / w2) - t).abs() <= 8.0 * EPS64 * r);
     }
 
     /// Property 3 in f64: the premultiplied form is interpolation by s, for several attributes at once.
@@ -76,7 +77,7 @@ proptest! {
         a in point3(10.0), b in point3(10.0), w1 in inverse_w(5.0), w2 in inverse_w(5.0), t in 0.0..=1.0,
     ) {
         let got = DVec3::from(perspective(a.to_array(), w1, b.to_array(), w2, t));
-        let want = a + (b - a) * s_from_t_inv_w(t, w1, w2);
+        let want = a + (b - a) * world_from_screen_inv_w(t, w1, w2);
         prop_assert!((got - want).abs().max_element() <= 1e-12 * 10.0);
         let half = Premultiplied::new(a.to_array(), w1).lerp(&Premultiplied::new(b.to_array(), w2), t);
         prop_assert_eq!(half.divide(), got.to_array());
@@ -124,7 +125,7 @@ proptest! {
         let camera = Camera { eye: DVec3::ZERO, look: DVec3::NEG_Z, up: DVec3::Y, fov_x: 1.0, near: 0.01, far };
         let clip = camera.clip_from_world(1.5).expect("a good camera");
         let (p, q) = ((a * z1).extend(-z1), (b * z2).extend(-z2));
-        let s = s_from_t_z(t, z1, z2);
+        let s = world_from_screen_z(t, z1, z2);
         let [p, q, m] = [p, q, p + (q - p) * s].map(|v| clip * v.extend(1.0));
         let depth = |v: texmap_math::glam::DVec4| v.z / v.w;
         prop_assert!((depth(m) - lerp_two_product(depth(p), depth(q), t)).abs() <= 1e-12);
@@ -141,10 +142,10 @@ proptest! {
         let max = max_error(w);
         prop_assert!((error_at(max_error_at(w), w).abs() - max).abs() <= 1e-14);
         prop_assert!(error_at(t, w).abs() <= max + 1e-14);
-        let direct = s_from_t_inv_w(t, 1.0, w) - t;
+        let direct = world_from_screen_inv_w(t, 1.0, w) - t;
         prop_assert!((error_at(t, w) - direct).abs() <= 1e-13);
         // In space the largest error lies at 1 - t.
-        let s = s_from_t_inv_w(max_error_at(w), 1.0, w);
+        let s = world_from_screen_inv_w(max_error_at(w), 1.0, w);
         prop_assert!((s - (1.0 - max_error_at(w))).abs() <= 1e-14);
         // Near 1 the form keeps its digits: (r - 1)/4 to first order.
         prop_assert!((max_error(1.0 + x) - 0.25 * x).abs() <= 0.13 * x * x);
@@ -157,25 +158,25 @@ proptest! {
         let w = |t: f64| lerp_two_product(1.0, r, t);
         let screen = (0..n).map(|i| {
             let (t0, t1) = (part(i), part(i + 1));
-            (s_from_t_inv_w(t1, 1.0, r) - s_from_t_inv_w(t0, 1.0, r)) * max_error(w(t1) / w(t0))
+            (world_from_screen_inv_w(t1, 1.0, r) - world_from_screen_inv_w(t0, 1.0, r)) * max_error(w(t1) / w(t0))
         });
         let worst = screen.fold(0.0, f64::max);
-        let closed = max_error_screen_parts(r, n);
+        let closed = screen_subdivision_error(r, n);
         prop_assert!((worst - closed).abs() <= 1e-9 * closed.max(1e-3), "{worst} {closed}");
-        prop_assert!(closed <= screen_parts_bound(r, n) * (1.0 + 1e-12));
+        prop_assert!(closed <= screen_subdivision_bound(r, n) * (1.0 + 1e-12));
         let worst = (0..n).map(|i| max_error(w(part(i + 1)) / w(part(i))) / f64::from(n)).fold(0.0, f64::max);
-        let closed = max_error_space_parts(r, n);
+        let closed = world_subdivision_error(r, n);
         prop_assert!((worst - closed).abs() <= 1e-9 * closed.max(1e-3), "{worst} {closed}");
-        prop_assert!(closed <= space_parts_bound(r, n) * (1.0 + 1e-12));
-        prop_assert!(closed <= max_error_screen_parts(r, n) * (1.0 + 1e-12), "space parts are never worse");
+        prop_assert!(closed <= world_subdivision_bound(r, n) * (1.0 + 1e-12));
+        prop_assert!(closed <= screen_subdivision_error(r, n) * (1.0 + 1e-12), "space parts are never worse");
     }
 
     /// The smallest n that meets a budget: one less does not.
     #[test]
     fn the_fewest_parts_are_the_fewest(r in inverse_w(6.0), change in 1.0..4096.0, budget in 0.01..2.0) {
         for (parts, error) in [
-            (screen_parts_for(r, change, budget), max_error_screen_parts as fn(f64, u32) -> f64),
-            (space_parts_for(r, change, budget), max_error_space_parts),
+            (screen_subdivisions_for(r, change, budget), screen_subdivision_error as fn(f64, u32) -> f64),
+            (world_subdivisions_for(r, change, budget), world_subdivision_error),
         ] {
             let n = parts.expect("a budget that can be met");
             prop_assert!(error(r, n) * change <= budget);
@@ -226,15 +227,16 @@ fn samples_reach_the_closed_form() {
         (10.0, 16, 0.04444),
     ] {
         assert!(
-            (max_error_screen_parts(r, n) - error).abs() < 5e-6,
+            (screen_subdivision_error(r, n) - error).abs() < 5e-6,
             "{r} {n}"
         );
     }
-    assert_eq!(screen_parts_for(2.0, 256.0, 0.5), Some(16));
-    assert_eq!(screen_parts_for(4.0, 256.0, 0.5), Some(37));
+    assert_eq!(screen_subdivisions_for(2.0, 256.0, 0.5), Some(16));
+    assert_eq!(screen_subdivisions_for(4.0, 256.0, 0.5), Some(37));
     // It falls with the square of n.
     assert!(
-        (max_error_screen_parts(4.0, 512) / max_error_screen_parts(4.0, 1024) - 4.0).abs() < 0.05
+        (screen_subdivision_error(4.0, 512) / screen_subdivision_error(4.0, 1024) - 4.0).abs()
+            < 0.05
     );
 }
 
@@ -249,8 +251,8 @@ fn budgets_that_cannot_be_met_have_no_answer() {
         (-1.0, 1.0, 1.0),
         (1e300, 1e300, 1e-300),
     ] {
-        assert_eq!(screen_parts_for(r, change, budget), None);
-        assert_eq!(space_parts_for(r, change, budget), None);
+        assert_eq!(screen_subdivisions_for(r, change, budget), None);
+        assert_eq!(world_subdivisions_for(r, change, budget), None);
     }
-    assert_eq!(screen_parts_for(1.0, 1e6, 1e-9), Some(1));
+    assert_eq!(screen_subdivisions_for(1.0, 1e6, 1e-9), Some(1));
 }

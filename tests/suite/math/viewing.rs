@@ -4,7 +4,7 @@ use proptest::prelude::*;
 use texmap_math::bary;
 use texmap_math::camera::{Camera, CameraError};
 use texmap_math::glam::{DVec2, DVec3};
-use texmap_math::projector::{Projector, slide_coordinates};
+use texmap_math::projector::{Projector, projector_uv};
 use texmap_math::reflection::reflect;
 
 use crate::strategies::{at, config, point2, point3, unit3, weights};
@@ -75,7 +75,7 @@ proptest! {
             prop_assert!((uv - DVec2::new(x + 1.0, y + 1.0) * 0.5).abs().max_element() <= 1e-12 * (1.0 + 1.0 / fov) * 4.0, "{uv}");
         }
         let qst = projector.project(toward(p.x, p.y));
-        let (uv, scaled) = (slide_coordinates(qst).expect("in front"), slide_coordinates(qst * k).expect("in front"));
+        let (uv, scaled) = (projector_uv(qst).expect("in front"), projector_uv(qst * k).expect("in front"));
         prop_assert!((uv - scaled).abs().max_element() <= 1e-12);
         // t is the distance along the axis; behind it nothing is lit.
         prop_assert!((qst.z - 2.0).abs() <= 1e-11);
@@ -104,7 +104,7 @@ proptest! {
             }
             let b = bary::perspective(bary::screen(screen, seen).expect("area"), clip.map(|c| 1.0 / c.w)).expect("in front");
             let got = DVec3::from(std::array::from_fn::<f64, 3, _>(|k| bary::blend(b, qst.map(|q| q[k]))));
-            prop_assert!((slide_coordinates(got).expect("in front") - want).abs().max_element() <= 1e-9);
+            prop_assert!((projector_uv(got).expect("in front") - want).abs().max_element() <= 1e-9);
         }
     }
 
@@ -149,12 +149,12 @@ fn early_division_bends_a_slide() {
             bary::blend(w, qst.map(|q| q[k]))
         }))
     };
-    assert!((slide_coordinates(blend(b)).expect("in front") - want).length() < 1e-12);
+    assert!((projector_uv(blend(b)).expect("in front") - want).length() < 1e-12);
     assert!(
-        (slide_coordinates(blend(l)).expect("in front") - want).length() > 0.05,
+        (projector_uv(blend(l)).expect("in front") - want).length() > 0.05,
         "no 1/w"
     );
-    let divided = qst.map(|q| slide_coordinates(q).expect("in front"));
+    let divided = qst.map(|q| projector_uv(q).expect("in front"));
     let early = DVec2::new(
         bary::blend(b, divided.map(|d| d.x)),
         bary::blend(b, divided.map(|d| d.y)),

@@ -1,7 +1,7 @@
 //! I1 to I6: the error of interpolation, near the eye's plane and at the ends of the number range.
 
 use texmap_math::affine_error;
-use texmap_math::interpolation::s_from_t_z;
+use texmap_math::interpolation::world_from_screen_z;
 use texmap_raster::{Draw, Interp};
 
 use super::probe::{Mesh, place, vertex, visit};
@@ -41,7 +41,7 @@ fn quad(ratio: f64) -> Mesh {
 /// The same span as one triangle whose tip is so far above that every row reaches (almost) from end to end.
 fn row(ratio: f64) -> Mesh {
     let low = f64::from(SPAN.1);
-    let tip = s_from_t_z(0.5, 1.0, ratio);
+    let tip = world_from_screen_z(0.5, 1.0, ratio);
     Mesh {
         positions: vec![
             vertex(SPAN, 0.0, low, 1.0),
@@ -72,7 +72,7 @@ fn span_error(mesh: &Mesh, interp: Interp) -> Result<f64, LabError> {
         }],
         |x, _, fragment| {
             let t = (f64::from(x) + 0.5) / f64::from(SPAN.0);
-            let truth = TEXELS * s_from_t_z(t, near, far);
+            let truth = TEXELS * world_from_screen_z(t, near, far);
             most = most.max((f64::from(fragment.values[0]) - truth).abs());
         },
     )?;
@@ -130,8 +130,10 @@ pub(super) fn i2() -> Result<Vec<Measurement>, LabError> {
 /// I3: a parabola through three exact points.
 pub(super) fn i3() -> Result<Vec<Measurement>, LabError> {
     let error = |ratio: f64| {
-        let middle = s_from_t_z(0.5, 1.0, ratio);
-        let at = |t: f64| TEXELS * (naive::quadratic(t, middle) - s_from_t_z(t, 1.0, ratio)).abs();
+        let middle = world_from_screen_z(0.5, 1.0, ratio);
+        let at = |t: f64| {
+            TEXELS * (naive::quadratic(t, middle) - world_from_screen_z(t, 1.0, ratio)).abs()
+        };
         (0..=100_000)
             .map(|i| at(f64::from(i) / 100_000.0))
             .fold(0.0, f64::max)

@@ -86,7 +86,7 @@ pub(super) fn lod(size: u32) -> Result<DemoPicture, LabError> {
     let ratio = depth_ratio(&coarse)?;
     let pop = (1..4)
         .map(|k| f64::from(k) / 4.0)
-        .map(|s| (s - interpolation::t_from_s_z(s, 1.0, ratio)).abs())
+        .map(|s| (s - interpolation::screen_from_world_z(s, 1.0, ratio)).abs())
         .fold(0.0, f64::max);
     let claims = claims![
         "largest pop of the colour at the switch is max |s - t(s)| at the new vertices" =>

@@ -5,7 +5,7 @@ use core::ops::Range;
 
 use texmap_math::float::sqrt;
 use texmap_math::glam::{DVec2, DVec3};
-use texmap_math::lanes::{LANES, Words};
+use texmap_math::lanes::{GatherTable, LANES};
 use texmap_math::simd::{Isa, prelude::*};
 use texmap_math::{Level, deterministic_f64, dispatch_simd};
 
@@ -243,7 +243,7 @@ impl Lobe {
     /// Weights of directions `d` from `r`, both of unit length.
     #[inline(always)]
     fn of<I: Isa>(&self, i: I, r: Vector<I>, d: Vector<I>) -> I::F32 {
-        let Some(words) = Words::new(bytemuck::cast_slice(&self.powers)) else {
+        let Some(words) = GatherTable::new(bytemuck::cast_slice(&self.powers)) else {
             return i.f32(0.0);
         };
         let x = dot(d, r);

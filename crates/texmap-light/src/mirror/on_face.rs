@@ -1,6 +1,6 @@
 //! Bilinear look-ups in the faces of an environment, the border among the texels.
 
-use texmap_math::lanes::Words;
+use texmap_math::lanes::GatherTable;
 use texmap_math::simd::{Isa, prelude::*};
 
 use crate::lanes::Vector;
@@ -17,7 +17,7 @@ pub(super) struct LevelLanes<I: Isa> {
 #[inline(always)]
 pub(super) fn on_face<I: Isa, const PACKED: bool>(
     i: I,
-    words: Words<'_>,
+    words: GatherTable<'_>,
     level: &LevelLanes<I>,
     face: I::I32,
     u: I::F32,
@@ -44,7 +44,7 @@ pub(super) fn on_face<I: Isa, const PACKED: bool>(
 
 /// A texel and the one to its right.
 #[inline(always)]
-fn two<I: Isa, const PACKED: bool>(i: I, words: Words<'_>, at: I::I32) -> [Vector<I>; 2] {
+fn two<I: Isa, const PACKED: bool>(i: I, words: GatherTable<'_>, at: I::I32) -> [Vector<I>; 2] {
     if PACKED {
         let [left, right] = i.gather_pairs(words, at.to_u32());
         return [unpack(i, left), unpack(i, right)];
@@ -53,7 +53,7 @@ fn two<I: Isa, const PACKED: bool>(i: I, words: Words<'_>, at: I::I32) -> [Vecto
 }
 
 #[inline(always)]
-fn texel<I: Isa>(i: I, words: Words<'_>, at: I::I32) -> Vector<I> {
+fn texel<I: Isa>(i: I, words: GatherTable<'_>, at: I::I32) -> Vector<I> {
     let at = (at * 3).to_u32();
     let [r, g, b] = match i.gather_quads(words, at) {
         Some([r, g, b, _]) => [r, g, b],

@@ -1,7 +1,7 @@
 //! Look-ups in the six faces around a point light.
 
 use texmap_math::glam::DVec3;
-use texmap_math::lanes::Words;
+use texmap_math::lanes::GatherTable;
 use texmap_math::simd::{Isa, prelude::*};
 
 use super::taps::{Bias, Receiver, Taps, moved};
@@ -73,7 +73,7 @@ impl Cube {
     pub(super) fn visibility<I: Isa>(
         &self,
         i: I,
-        words: Words<'_>,
+        words: GatherTable<'_>,
         asked: I::Mask,
         point: Vector<I>,
         normal: Vector<I>,
@@ -155,7 +155,7 @@ impl Cube {
     fn passing<I: Isa, const WITHIN: bool, const PLANES: bool>(
         &self,
         i: I,
-        words: Words<'_>,
+        words: GatherTable<'_>,
         side: &Side<I>,
         [x, y]: [I::I32; 2],
         receiver: &Receiver<I>,

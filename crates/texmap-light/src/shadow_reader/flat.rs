@@ -1,7 +1,7 @@
 //! Look-ups in a map of one face: under parallel light and spot lights.
 
 use texmap_math::glam::{DMat4, DVec4};
-use texmap_math::lanes::Words;
+use texmap_math::lanes::GatherTable;
 use texmap_math::simd::{Isa, prelude::*};
 
 use super::taps::{Bias, Receiver, Taps, moved};
@@ -55,7 +55,7 @@ impl Flat {
     pub(super) fn visibility<I: Isa>(
         &self,
         i: I,
-        words: Words<'_>,
+        words: GatherTable<'_>,
         asked: I::Mask,
         point: Vector<I>,
         normal: Vector<I>,
@@ -127,7 +127,7 @@ impl Flat {
     fn passing<I: Isa, const WITHIN: bool, const PLANES: bool>(
         &self,
         i: I,
-        words: Words<'_>,
+        words: GatherTable<'_>,
         x: I::I32,
         y: I::I32,
         receiver: &Receiver<I>,

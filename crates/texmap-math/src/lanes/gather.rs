@@ -9,7 +9,7 @@ use fearless_simd::{Level, SimdInto, prelude::*};
 use fearless_simd::{Simd, SimdBase, u32x4, u32x16};
 
 #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-use super::{Line, is_wide};
+use super::{CacheAligned, is_wide};
 
 #[cfg(target_arch = "x86")]
 use core::arch::x86::{
@@ -38,13 +38,13 @@ use core::arch::x86_64::{
 
 /// 32-bit words to gather from: at least one. Texels of other sizes are cast to words first.
 #[derive(Clone, Copy, Debug)]
-pub struct Words<'a> {
+pub struct GatherTable<'a> {
     data: &'a [u32],
     /// The largest index that is read: within `data` and within i32.
     last: u32,
 }
 
-impl<'a> Words<'a> {
+impl<'a> GatherTable<'a> {
     /// None for an empty slice. Indices beyond 2^31 - 1 cannot be reached.
     #[inline]
     #[must_use]
@@ -81,7 +81,7 @@ pub fn prefetch(bytes: &[u8]) {
 /// than loads on most CPUs that have no AVX-512 of their own: AMD's, and Intel's since it is guarded against data sampling. Pairs are
 /// half as many elements for a gather, and fours one load each on both.
 #[inline(always)]
-pub fn gather<S: Simd>(s: S, words: Words<'_>, index: u32x16<S>) -> u32x16<S> {
+pub fn gather<S: Simd>(s: S, words: GatherTable<'_>, index: u32x16<S>) -> u32x16<S> {
     #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
     match s.level() {
         Level::Avx512(token) => return gather_avx512(token, words, index.into()).simd_into(s),
@@ -98,7 +98,7 @@ pub fn gather<S: Simd>(s: S, words: Words<'_>, index: u32x16<S>) -> u32x16<S> {
 
 /// The words at sixteen indices and those behind them. Where one of the two lies beyond the end, both hold no meaning.
 #[inline(always)]
-pub fn gather_pairs<S: Simd>(s: S, words: Words<'_>, index: u32x16<S>) -> [u32x16<S>; 2] {
+pub fn gather_pairs<S: Simd>(s: S, words: GatherTable<'_>, index: u32x16<S>) -> [u32x16<S>; 2] {
     #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
     match (s.level(), words.last) {
         (Level::Avx512(token), 1..) => {
@@ -153,7 +153,7 @@ pub fn has_pairs<S: Simd>(s: S) -> bool {
 
 /// The words at sixteen indices and the two behind each. Where one of them lies beyond the end, it is the last word.
 #[inline(always)]
-pub fn gather_triples<S: Simd>(s: S, words: Words<'_>, index: u32x16<S>) -> [u32x16<S>; 3] {
+pub fn gather_triples<S: Simd>(s: S, words: GatherTable<'_>, index: u32x16<S>) -> [u32x16<S>; 3] {
     if let Some([a, b, c, _]) = gather_quads(s, words, index) {
         return [a, b, c];
     }
@@ -166,7 +166,11 @@ pub fn gather_triples<S: Simd>(s: S, words: Words<'_>, index: u32x16<S>) -> [u32
 
 /// The words at sixteen indices and the three behind each, where that costs less than [`gather`]s and none lies beyond the end.
 #[inline(always)]
-pub fn gather_quads<S: Simd>(s: S, words: Words<'_>, index: u32x16<S>) -> Option<[u32x16<S>; 4]> {
+pub fn gather_quads<S: Simd>(
+    s: S,
+    words: GatherTable<'_>,
+    index: u32x16<S>,
+) -> Option<[u32x16<S>; 4]> {
     #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
     if let Some(last) = words.last.checked_sub(3)
         && is_wide(s)
@@ -202,7 +206,7 @@ pub fn gather_quads<S: Simd>(s: S, words: Words<'_>, index: u32x16<S>) -> Option
 
 /// [`gather`] by sixteen loads.
 #[inline(always)]
-fn gather_by_loads<S: Simd>(s: S, words: Words<'_>, index: u32x16<S>) -> u32x16<S> {
+fn gather_by_loads<S: Simd>(s: S, words: GatherTable<'_>, index: u32x16<S>) -> u32x16<S> {
     let mut lanes = [0; 16];
     index.store_slice(&mut lanes);
     for lane in &mut lanes {
@@ -215,7 +219,7 @@ fn gather_by_loads<S: Simd>(s: S, words: Words<'_>, index: u32x16<S>) -> u32x16<
 
 /// [`gather`] for four lanes, by loads.
 #[inline(always)]
-pub(crate) fn gather_x4<S: Simd>(s: S, words: Words<'_>, index: u32x4<S>) -> u32x4<S> {
+pub(crate) fn gather_x4<S: Simd>(s: S, words: GatherTable<'_>, index: u32x4<S>) -> u32x4<S> {
     let mut lanes = [0; 4];
     index.store_slice(&mut lanes);
     for lane in &mut lanes {
@@ -228,7 +232,11 @@ pub(crate) fn gather_x4<S: Simd>(s: S, words: Words<'_>, index: u32x4<S>) -> u32
 
 /// [`gather_pairs`] for four lanes.
 #[inline(always)]
-pub(crate) fn gather_pairs_x4<S: Simd>(s: S, words: Words<'_>, index: u32x4<S>) -> [u32x4<S>; 2] {
+pub(crate) fn gather_pairs_x4<S: Simd>(
+    s: S,
+    words: GatherTable<'_>,
+    index: u32x4<S>,
+) -> [u32x4<S>; 2] {
     #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
     if let (Level::Sse2(token), 1..) = (s.level(), words.last) {
         let [a, b] = pairs_sse2(token, words, index.into());
@@ -240,7 +248,7 @@ pub(crate) fn gather_pairs_x4<S: Simd>(s: S, words: Words<'_>, index: u32x4<S>) 
 #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
 fearless_simd::kernel!(
     #[inline]
-    fn gather_avx512(token: Avx512, words: Words<'_>, index: __m512i) -> __m512i {
+    fn gather_avx512(token: Avx512, words: GatherTable<'_>, index: __m512i) -> __m512i {
         let index = _mm512_min_epu32(index, _mm512_set1_epi32(words.last as i32));
         // SAFETY: every index is at most `last`, which is below `data.len()` and within i32, so each address is that of an element.
         unsafe { _mm512_i32gather_epi32::<4>(index, words.data.as_ptr().cast()) }
@@ -251,7 +259,7 @@ fearless_simd::kernel!(
 fearless_simd::kernel!(
     /// Of more than one word: a gather of eight pairs takes as long as one of sixteen words.
     #[inline]
-    fn pairs_avx512(token: Avx512, words: Words<'_>, index: __m512i) -> [__m512i; 2] {
+    fn pairs_avx512(token: Avx512, words: GatherTable<'_>, index: __m512i) -> [__m512i; 2] {
         let last = words.last.saturating_sub(1) as i32;
         let index = _mm512_min_epu32(index, _mm512_set1_epi32(last));
         let low = _mm512_castsi512_si256(index);
@@ -294,7 +302,7 @@ fearless_simd::kernel!(
 #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
 fearless_simd::kernel!(
     #[inline(always)]
-    fn loads_avx2(token: Avx2, words: Words<'_>, index: __m256i) -> __m256i {
+    fn loads_avx2(token: Avx2, words: GatherTable<'_>, index: __m256i) -> __m256i {
         // No `map`: its closure is not always inlined.
         let at = indices_avx2(token, index, words.last);
         // SAFETY: every index is at most `last`, which is below `data.len()`.
@@ -319,7 +327,7 @@ fearless_simd::kernel!(
 /// Both lie within the words.
 #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
 #[inline(always)]
-unsafe fn pair(words: Words<'_>, at: u32) -> i64 {
+unsafe fn pair(words: GatherTable<'_>, at: u32) -> i64 {
     let start = words.data.as_ptr().cast::<u8>();
     // SAFETY: the caller's word; eight bytes from there on are it and the next.
     unsafe { start.add(at as usize * 4).cast::<i64>().read_unaligned() }
@@ -329,7 +337,7 @@ unsafe fn pair(words: Words<'_>, at: u32) -> i64 {
 fearless_simd::kernel!(
     /// Of more than one word.
     #[inline(always)]
-    fn pairs_avx2(token: Avx2, words: Words<'_>, index: __m256i) -> [__m256i; 2] {
+    fn pairs_avx2(token: Avx2, words: GatherTable<'_>, index: __m256i) -> [__m256i; 2] {
         let at = indices_avx2(token, index, words.last.saturating_sub(1));
         // SAFETY: every index is below `last`, which is below `data.len()`, so that both words are elements.
         let [a, b, c, d] = unsafe {
@@ -355,7 +363,7 @@ fearless_simd::kernel!(
 fearless_simd::kernel!(
     /// Of more than one word.
     #[inline(always)]
-    fn pairs_sse2(token: Sse2, words: Words<'_>, index: __m128i) -> [__m128i; 2] {
+    fn pairs_sse2(token: Sse2, words: GatherTable<'_>, index: __m128i) -> [__m128i; 2] {
         let last = words.last.saturating_sub(1);
         let mut at = [0_u32; 4];
         // SAFETY: four words are what the array holds.
@@ -381,7 +389,7 @@ fearless_simd::kernel!(
 /// All lie within the words.
 #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
 #[inline(always)]
-unsafe fn quad(words: Words<'_>, at: u32) -> __m128i {
+unsafe fn quad(words: GatherTable<'_>, at: u32) -> __m128i {
     // SAFETY: the caller's word; sixteen bytes from there on are it and the next three.
     unsafe { _mm_loadu_si128(words.data.as_ptr().add(at as usize).cast()) }
 }
@@ -390,13 +398,13 @@ unsafe fn quad(words: Words<'_>, at: u32) -> __m128i {
 fearless_simd::kernel!(
     /// Of more than three words, each four by one load. What lies beyond the end is not read, and what is read instead has no meaning.
     #[inline(always)]
-    fn quads_avx512(token: Avx512, words: Words<'_>, index: __m512i) -> [__m512i; 4] {
+    fn quads_avx512(token: Avx512, words: GatherTable<'_>, index: __m512i) -> [__m512i; 4] {
         let last = words.last.saturating_sub(3) as i32;
         let index = _mm512_min_epu32(index, _mm512_set1_epi32(last));
-        let mut at = Line([0_u32; 16]);
+        let mut at = CacheAligned([0_u32; 16]);
         // SAFETY: sixteen words are what the array holds.
         unsafe { _mm512_storeu_si512(at.0.as_mut_ptr().cast(), index) };
-        let Line(at) = core::hint::black_box(&at);
+        let CacheAligned(at) = core::hint::black_box(&at);
         let mut rows = [_mm512_setzero_si512(); 4];
         for (i, row) in rows.iter_mut().enumerate() {
             // SAFETY: every index is at most three before `last`, which is below `data.len()`, so that all four words are elements.
@@ -423,7 +431,7 @@ fearless_simd::kernel!(
 fearless_simd::kernel!(
     /// Of more than three words. What lies beyond the end is not read, and what is read instead has no meaning.
     #[inline(always)]
-    fn quads_avx2(token: Avx2, words: Words<'_>, index: __m256i) -> [__m256i; 4] {
+    fn quads_avx2(token: Avx2, words: GatherTable<'_>, index: __m256i) -> [__m256i; 4] {
         let at = indices_avx2(token, index, words.last.saturating_sub(3));
         // SAFETY: every index is at most three before `last`, which is below `data.len()`, so that all four words are elements.
         let [a, b, c, d] = unsafe {

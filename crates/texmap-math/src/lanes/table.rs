@@ -20,7 +20,7 @@ use core::arch::x86_64::{
 
 /// The values of a table of eight at sixteen indices below 8.
 #[inline(always)]
-pub fn octet<S: Simd>(s: S, table: &[f32; 8], index: u32x16<S>) -> f32x16<S> {
+pub fn lookup8<S: Simd>(s: S, table: &[f32; 8], index: u32x16<S>) -> f32x16<S> {
     #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
     match s.level() {
         Level::Avx512(token) => {
@@ -43,7 +43,7 @@ pub fn octet<S: Simd>(s: S, table: &[f32; 8], index: u32x16<S>) -> f32x16<S> {
 
 /// The words of a table of sixteen at sixteen indices below 16.
 #[inline(always)]
-pub fn look_up<S: Simd>(s: S, table: &[u32; 16], index: u32x16<S>) -> u32x16<S> {
+pub fn lookup16<S: Simd>(s: S, table: &[u32; 16], index: u32x16<S>) -> u32x16<S> {
     #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
     match s.level() {
         Level::Avx512(token) => {

@@ -5,7 +5,7 @@
 
 use core::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Neg, Not, Shl, Shr, Sub};
 
-use super::Words;
+use super::GatherTable;
 
 /// Comparison of each lane; false where one side is NaN.
 pub trait Compare<Rhs> {
@@ -87,7 +87,7 @@ pub trait F32s<I: Isa>: Float<f32, I::Mask> {
     fn to_bits(self) -> I::U32;
     /// `self` where it is above `other`, else `other`, zeros and NaN too: by comparison and selection.
     fn above(self, other: Self) -> Self;
-    /// `self` where it is below `other`, else `other`: as [`above`](Self::above).
+    /// `self` where it is below `other`, else `other`: as [`max_x86`](Self::max_x86).
     fn below(self, other: Self) -> Self;
     /// `floor(self)`, for `|self| < 2^31`.
     fn floor_to_i32(self) -> I::I32;
@@ -187,12 +187,12 @@ pub trait Isa: Copy + core::fmt::Debug + Send + Sync + 'static {
     fn narrow(self, x: Self::F64) -> Self::F32;
 
     /// The words at `index`; an index beyond the end reads the last word.
-    fn gather(self, words: Words<'_>, index: Self::U32) -> Self::U32;
+    fn gather(self, words: GatherTable<'_>, index: Self::U32) -> Self::U32;
     /// The words at `index` and those behind them. Where one of the two lies beyond the end, both hold no meaning.
-    fn gather_pairs(self, words: Words<'_>, index: Self::U32) -> [Self::U32; 2];
+    fn gather_pairs(self, words: GatherTable<'_>, index: Self::U32) -> [Self::U32; 2];
     /// The words at `index` and the three behind each, where that costs less than [`gather`](Self::gather)s and none lies beyond
     /// the end.
-    fn gather_quads(self, words: Words<'_>, index: Self::U32) -> Option<[Self::U32; 4]>;
+    fn gather_quads(self, words: GatherTable<'_>, index: Self::U32) -> Option<[Self::U32; 4]>;
     /// True if [`gather_pairs`](Self::gather_pairs) costs less than two gathers.
     fn has_pairs(self) -> bool;
     /// True if a vector has 256 bits or more: small tables and pairs of words are then cheap.
@@ -238,7 +238,7 @@ pub trait Isa: Copy + core::fmt::Debug + Send + Sync + 'static {
 
     /// The words at `index` and the two behind each. Where one of them lies beyond the end, it is the last word.
     #[inline(always)]
-    fn gather_triples(self, words: Words<'_>, index: Self::U32) -> [Self::U32; 3] {
+    fn gather_triples(self, words: GatherTable<'_>, index: Self::U32) -> [Self::U32; 3] {
         if let Some([a, b, c, _]) = self.gather_quads(words, index) {
             return [a, b, c];
         }

@@ -2,7 +2,7 @@
 
 use core::ops::{Add, BitAnd, BitOr, BitXor, Mul, Neg, Shl, Shr, Sub};
 
-use super::{Compare, F32s, Float, I32s, Int, Isa, Level, Mask, Number, Select, U32s, Words};
+use super::{Compare, F32s, Float, GatherTable, I32s, Int, Isa, Level, Mask, Number, Select, U32s};
 
 /// One lane.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -299,15 +299,15 @@ impl Isa for Scalar {
         x as f32
     }
     #[inline(always)]
-    fn gather(self, words: Words<'_>, index: One<u32>) -> One<u32> {
+    fn gather(self, words: GatherTable<'_>, index: One<u32>) -> One<u32> {
         One(words.get(index.0))
     }
     #[inline(always)]
-    fn gather_pairs(self, words: Words<'_>, index: One<u32>) -> [One<u32>; 2] {
+    fn gather_pairs(self, words: GatherTable<'_>, index: One<u32>) -> [One<u32>; 2] {
         [self.gather(words, index), self.gather(words, index + 1)]
     }
     #[inline(always)]
-    fn gather_quads(self, _: Words<'_>, _: One<u32>) -> Option<[One<u32>; 4]> {
+    fn gather_quads(self, _: GatherTable<'_>, _: One<u32>) -> Option<[One<u32>; 4]> {
         None
     }
     #[inline(always)]

@@ -8,7 +8,7 @@ use fearless_simd::{
 };
 
 use super::{
-    Compare, F32s, Float, I32s, Int, Isa, Level, Mask, Number, Select, U32s, Words, shuffle,
+    Compare, F32s, Float, GatherTable, I32s, Int, Isa, Level, Mask, Number, Select, U32s, shuffle,
 };
 use crate::lanes::{self, is_x86};
 
@@ -140,7 +140,7 @@ macro_rules! width {
                 Bytes::bitcast(self)
             }
             #[inline(always)]
-            fn above(self, other: Self) -> Self {
+            fn max_x86(self, other: Self) -> Self {
                 // The maximum of x86 is this selection.
                 if is_x86(self.simd) {
                     SimdBase::max(self, other)
@@ -149,7 +149,7 @@ macro_rules! width {
                 }
             }
             #[inline(always)]
-            fn below(self, other: Self) -> Self {
+            fn min_x86(self, other: Self) -> Self {
                 if is_x86(self.simd) {
                     SimdBase::min(self, other)
                 } else {
@@ -309,15 +309,15 @@ impl<S: Simd> Isa for X4<S> {
         self.0.narrow_f64x2(low, high)
     }
     #[inline(always)]
-    fn gather(self, words: Words<'_>, index: u32x4<S>) -> u32x4<S> {
+    fn gather(self, words: GatherTable<'_>, index: u32x4<S>) -> u32x4<S> {
         lanes::gather_x4(self.0, words, index)
     }
     #[inline(always)]
-    fn gather_pairs(self, words: Words<'_>, index: u32x4<S>) -> [u32x4<S>; 2] {
+    fn gather_pairs(self, words: GatherTable<'_>, index: u32x4<S>) -> [u32x4<S>; 2] {
         lanes::gather_pairs_x4(self.0, words, index)
     }
     #[inline(always)]
-    fn gather_quads(self, _: Words<'_>, _: u32x4<S>) -> Option<[u32x4<S>; 4]> {
+    fn gather_quads(self, _: GatherTable<'_>, _: u32x4<S>) -> Option<[u32x4<S>; 4]> {
         None
     }
     #[inline(always)]
@@ -403,15 +403,15 @@ impl<S: Simd> Isa for X16<S> {
         self.0.narrow_f64x8(x.0, x.1)
     }
     #[inline(always)]
-    fn gather(self, words: Words<'_>, index: u32x16<S>) -> u32x16<S> {
+    fn gather(self, words: GatherTable<'_>, index: u32x16<S>) -> u32x16<S> {
         lanes::gather(self.0, words, index)
     }
     #[inline(always)]
-    fn gather_pairs(self, words: Words<'_>, index: u32x16<S>) -> [u32x16<S>; 2] {
+    fn gather_pairs(self, words: GatherTable<'_>, index: u32x16<S>) -> [u32x16<S>; 2] {
         lanes::gather_pairs(self.0, words, index)
     }
     #[inline(always)]
-    fn gather_quads(self, words: Words<'_>, index: u32x16<S>) -> Option<[u32x16<S>; 4]> {
+    fn gather_quads(self, words: GatherTable<'_>, index: u32x16<S>) -> Option<[u32x16<S>; 4]> {
         lanes::gather_quads(self.0, words, index)
     }
     #[inline(always)]
@@ -420,11 +420,11 @@ impl<S: Simd> Isa for X16<S> {
     }
     #[inline(always)]
     fn table8(self, table: &[f32; 8], index: u32x16<S>) -> f32x16<S> {
-        lanes::octet(self.0, table, index)
+        lanes::lookup8(self.0, table, index)
     }
     #[inline(always)]
     fn table16(self, table: &[u32; 16], index: u32x16<S>) -> u32x16<S> {
-        lanes::look_up(self.0, table, index)
+        lanes::lookup16(self.0, table, index)
     }
     #[inline(always)]
     fn apply(

@@ -1,14 +1,14 @@
 //! A draw's arrays as 32-bit words: corners, snapped vertices and positions of triangles by gathers.
-use texmap_math::simd::{Isa, Words, prelude::*};
+use texmap_math::simd::{GatherTable, Isa, prelude::*};
 
 use crate::Draw;
 use crate::coverage::edge::Snapped;
 
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Arrays<'a> {
-    indices: Words<'a>,
-    snapped: Words<'a>,
-    positions: Words<'a>,
+    indices: GatherTable<'a>,
+    snapped: GatherTable<'a>,
+    positions: GatherTable<'a>,
 }
 
 impl<'a> Arrays<'a> {
@@ -19,9 +19,9 @@ impl<'a> Arrays<'a> {
             return None;
         }
         Some(Self {
-            indices: Words::new(bytemuck::cast_slice(draw.indices))?,
-            snapped: Words::new(bytemuck::cast_slice(snapped))?,
-            positions: Words::new(bytemuck::cast_slice(draw.positions))?,
+            indices: GatherTable::new(bytemuck::cast_slice(draw.indices))?,
+            snapped: GatherTable::new(bytemuck::cast_slice(snapped))?,
+            positions: GatherTable::new(bytemuck::cast_slice(draw.positions))?,
         })
     }
 

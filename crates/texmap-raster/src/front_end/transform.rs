@@ -2,7 +2,7 @@
 use alloc::vec::Vec;
 
 use texmap_math::glam::DMat4;
-use texmap_math::simd::{Isa, Scalar, Words, prelude::*};
+use texmap_math::simd::{GatherTable, Isa, Scalar, prelude::*};
 use texmap_math::{Level, dispatch_simd};
 
 use crate::coverage::edge::{Snapped, to_units};
@@ -76,7 +76,7 @@ pub(crate) fn snap_all(
 
 #[inline(always)]
 fn snap_lanes<I: Isa>(i: I, positions: &[[f32; 3]], transform: &Transform, out: &mut [Snapped]) {
-    let Some(words) = Words::new(bytemuck::cast_slice(positions)) else {
+    let Some(words) = GatherTable::new(bytemuck::cast_slice(positions)) else {
         return;
     };
     let mut snapped = [[0; 2]; 16];

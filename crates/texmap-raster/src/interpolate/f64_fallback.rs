@@ -1,7 +1,7 @@
 //! Blocks whose pixels the common way does not serve: triangles that f32 planes are too coarse for, and attributes linear on the screen
 //! where a block has several triangles.
 
-use texmap_math::simd::{Isa, Words, prelude::*};
+use texmap_math::simd::{GatherTable, Isa, prelude::*};
 
 use super::planes::{Own, PlaneSource};
 use super::values::{BlockValues, Columns, ColumnsAt};
@@ -141,7 +141,7 @@ impl TilePlanes {
         wanted: &[usize],
         out: &mut dyn Patch,
     ) {
-        let Some(words) = Words::new(bytemuck::cast_slice(&self.words)) else {
+        let Some(words) = GatherTable::new(bytemuck::cast_slice(&self.words)) else {
             return;
         };
         let own = Own::new(i, self, words, i.load_u32(slots));

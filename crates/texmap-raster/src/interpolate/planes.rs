@@ -1,7 +1,7 @@
 //! Where the planes of a block's pixels lie, and how they come into lanes. Plane 0 is that of 1/w, plane 1 + k that of attribute k.
 
-use texmap_math::lanes::Line;
-use texmap_math::simd::{Isa, Scalar, Words, prelude::*};
+use texmap_math::lanes::CacheAligned;
+use texmap_math::simd::{GatherTable, Isa, Scalar, prelude::*};
 
 use super::BlockValues;
 use crate::setup::group::GROUP;
@@ -178,7 +178,7 @@ impl<I: Isa> PlaneSource<I> for One<'_> {
 /// where a block has many.
 pub(super) struct Own<'t, I: Isa> {
     rows: &'t [[f32; GROUP]],
-    words: Words<'t>,
+    words: GatherTable<'t>,
     /// Coefficients a group.
     per_group: usize,
     slots: I::U32,
@@ -192,7 +192,7 @@ pub(super) struct Own<'t, I: Isa> {
 
 impl<'t, I: Isa> Own<'t, I> {
     #[inline(always)]
-    pub(super) fn new(i: I, table: &'t TilePlanes, words: Words<'t>, slots: I::U32) -> Self {
+    pub(super) fn new(i: I, table: &'t TilePlanes, words: GatherTable<'t>, slots: I::U32) -> Self {
         let (octets, per_group) = (i.is_wide(), table.per_group);
         let mut own = Self {
             rows: table.words.as_chunks().0,
@@ -296,7 +296,7 @@ impl<I: Isa> PlaneSource<I> for Own<'_, I> {
 pub(super) fn three_planes<I: Isa>(
     i: I,
     table: &TilePlanes,
-    words: Words<'_>,
+    words: GatherTable<'_>,
     slots: I::U32,
     indices: [usize; 3],
 ) -> [Plane<I>; 3] {
@@ -311,9 +311,9 @@ pub(super) fn three_planes<I: Isa>(
         indices[1] * COEFFICIENTS,
         indices[2] * COEFFICIENTS,
     ];
-    let mut line = Line([0; GROUP]);
+    let mut line = CacheAligned([0; GROUP]);
     octets.store(&mut line.0);
-    let Line(lanes) = &line;
+    let CacheAligned(lanes) = &line;
     let (key, rows) = (lanes[0], table.group_of(lanes[0] << 3));
     let mut out = [
         pick(i, plane(rows, a), key, within),

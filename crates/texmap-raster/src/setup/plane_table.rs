@@ -2,7 +2,7 @@
 use alloc::vec::Vec;
 
 use texmap_math::dispatch_simd;
-use texmap_math::simd::{Isa, Words, prelude::*};
+use texmap_math::simd::{GatherTable, Isa, prelude::*};
 
 use crate::setup::group::{GROUP, Ids, solve};
 use crate::setup::planes::{COEFFICIENTS, hull, is_moderate, w_is_even};
@@ -220,7 +220,7 @@ impl Prepared<'_> {
         let (Some(arrays), limit) = (self.arrays(draw), i32::MAX as usize) else {
             return u32::MAX;
         };
-        let values = Words::new(bytemuck::cast_slice(d.attributes));
+        let values = GatherTable::new(bytemuck::cast_slice(d.attributes));
         if (n > 0 && values.is_none()) || d.attributes.len() > limit {
             return u32::MAX;
         }
@@ -280,7 +280,7 @@ const AHEAD: usize = 4;
 #[inline(always)]
 fn read<I: Isa>(
     i: I,
-    values: Words<'_>,
+    values: GatherTable<'_>,
     of: [I::U32; 3],
     k: usize,
     n: usize,

@@ -3,7 +3,7 @@
 use super::wrap::fraction;
 use crate::bound_texture::{ANY, RGBA16, View};
 use texmap_math::{
-    lanes::Words,
+    lanes::GatherTable,
     simd::{Isa, prelude::*},
 };
 
@@ -50,7 +50,7 @@ impl<I: Isa> LaneLevel<I> {
         let (w, h) = (i.i32(w) >> level, i.i32(h) >> level);
         let width = w.simd_gt(1).select(w, i.i32(1));
         let height = h.simd_gt(1).select(h, i.i32(1));
-        let offset = match Words::new(&view.offsets) {
+        let offset = match GatherTable::new(&view.offsets) {
             Some(offsets) => i.gather(offsets, level.to_u32()).to_i32(),
             None => i.i32(0),
         };

@@ -12,7 +12,7 @@ use crate::{
 };
 use texmap_math::{
     Level, dispatch_simd,
-    lanes::Words,
+    lanes::GatherTable,
     simd::{Isa, Scalar, prelude::*},
 };
 
@@ -465,7 +465,7 @@ impl<I: Isa> Place<I> {
         let edge = up.select(i.i32(2), i.i32(3));
         let edge = right.select(i.i32(1), edge);
         let edge = (self.face << 2) + left.select(zero, edge);
-        let step = match Words::new(&EDGES) {
+        let step = match GatherTable::new(&EDGES) {
             Some(words) => i.gather(words, edge.to_u32()).to_i32(),
             None => zero,
         };

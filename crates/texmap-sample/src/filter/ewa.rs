@@ -8,7 +8,7 @@ use crate::{
     sampler::Precision,
 };
 use texmap_math::{
-    lanes::Words,
+    lanes::GatherTable,
     simd::{Isa, prelude::*},
 };
 
@@ -162,7 +162,7 @@ fn in_level<I: Isa>(
 #[inline(always)]
 fn weight<I: Isa>(i: I, r2: I::F32) -> I::F32 {
     let at = (r2 * STEPS as f32).floor_to_i32().max(i.i32(0));
-    match Words::new(&WEIGHT_BITS) {
+    match GatherTable::new(&WEIGHT_BITS) {
         Some(weights) => i.gather(weights, at.to_u32()).to_f32_bits(),
         None => r2,
     }

@@ -2,7 +2,7 @@
 
 use texmap_light::Highlight;
 use texmap_math::glam::{DMat3, DVec2, DVec3, DVec4};
-use texmap_math::texture_frame::{MagicVectors, TextureFrame};
+use texmap_math::texture_frame::{PlanarTexgen, TextureFrame};
 use texmap_sample::Filter;
 use texmap_scene::{AlphaMode, Gouraud, Material, Mesh, Scene, Shading, TextureRole};
 
@@ -41,7 +41,7 @@ pub(super) struct Surface<'s> {
     pub(super) reflectivity: Option<Slot<'s>>,
     pub(super) light_map: Option<Slot<'s>>,
     /// O, U, V about the eye.
-    frame: Option<MagicVectors>,
+    frame: Option<PlanarTexgen>,
     mirrored: bool,
 }
 
@@ -52,9 +52,9 @@ impl<'s> Surface<'s> {
         textures: &mut Textures<'s>,
     ) -> Result<Self, TruthError> {
         let material = &scene.materials[mesh.material];
-        let frame = |frame: TextureFrame| -> Result<MagicVectors, TruthError> {
+        let frame = |frame: TextureFrame| -> Result<PlanarTexgen, TruthError> {
             let world = frame.transform(mesh.world_from_object);
-            Ok(TextureFrame::new(world.o - scene.camera.eye, world.u, world.v)?.magic())
+            Ok(TextureFrame::new(world.o - scene.camera.eye, world.u, world.v)?.texgen())
         };
         let relief = material.relief.as_ref();
         let relief = relief.map(|relief| BumpMap::new(relief, mesh, textures));
@@ -387,7 +387,7 @@ impl<'s> Surface<'s> {
     }
 
     fn place(&self, triangle: u32, hit: &Hit, pinhole: &Pinhole, x: f64, y: f64) -> Place {
-        let Some(MagicVectors { a, b, c }) = self.frame.filter(|_| self.mesh.round.is_none())
+        let Some(PlanarTexgen { a, b, c }) = self.frame.filter(|_| self.mesh.round.is_none())
         else {
             return self.vertex_place(triangle, hit);
         };
