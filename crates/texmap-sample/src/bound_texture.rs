@@ -9,7 +9,7 @@ use crate::{
     filter::{Kind, ewa, gl_of},
     rgba8,
     sampler::{Filter, Mip, Precision, Sampler, Texel},
-    texels::{Chain, Format, Level},
+    texel_data::{Chain, Format, Level},
     texture::Texture2d,
 };
 use texmap_math::{lanes::GatherTable, simd::Isa};

@@ -8,7 +8,7 @@ use crate::{
     error::SampleError,
     mip,
     sampler::{Precision, Sampler},
-    texels::Chain,
+    texel_data::Chain,
     texture::{Image, Texture2d, check_size, upload},
 };
 use alloc::vec::Vec;
@@ -61,7 +61,7 @@ impl TextureCube<'static> {
                 height: 0,
             });
         };
-        chain.words = crate::texels::Words::Owned(alloc::sync::Arc::new(words));
+        chain.words = crate::texel_data::Words::Owned(alloc::sync::Arc::new(words));
         chain.levels[0].depth = 6;
         chain.flip = false;
         Ok(Self { chain })
@@ -80,7 +80,7 @@ impl TextureCube<'static> {
         let n = faces[0].width as usize;
         let image = |i: usize| Image {
             channels: 4,
-            texels: crate::texels::Texels::F32(&wide[i * n * n * 4..(i + 1) * n * n * 4]),
+            texels: crate::texel_data::Texels::F32(&wide[i * n * n * 4..(i + 1) * n * n * 4]),
             color: crate::texture::ColorSpace::Linear,
             alpha: crate::texture::Alpha::Premultiplied,
             origin: crate::texture::Origin::TopLeft,

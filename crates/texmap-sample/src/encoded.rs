@@ -2,7 +2,7 @@
 
 use crate::{
     error::SampleError,
-    texels::{Chain, Format, Level, Texels, Words},
+    texel_data::{Chain, Format, Level, Texels, Words},
     texture::{Alpha, ColorSpace, Image, Origin, Texture2d, choose_format, upload},
 };
 use alloc::{sync::Arc, vec, vec::Vec};

@@ -4,7 +4,7 @@ use crate::{
     address::texel::{Corners, LaneLevel, TexelAddress},
     bound_texture::{ANY, APART, RGBA8_EXACT, RGBA16, View},
     encoded::Encoded,
-    texels::{Chain, Format, Level},
+    texel_data::{Chain, Format, Level},
 };
 use texmap_math::simd::{Isa, prelude::*};
 

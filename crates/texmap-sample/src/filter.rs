@@ -14,7 +14,7 @@ use crate::{
     fetch::Color,
     rgba8,
     sampler::{Cubic, Filter, Mip, Sampler, Texel},
-    texels::Chain,
+    texel_data::Chain,
 };
 use texmap_math::{
     footprint::Footprint,

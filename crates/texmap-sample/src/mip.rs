@@ -1,6 +1,6 @@
 //! Mip chains.
 
-use crate::texels::{Chain, Format, Level, Words};
+use crate::texel_data::{Chain, Format, Level, Words};
 use alloc::{sync::Arc, vec::Vec};
 use texmap_math::float::sqrt_f32;
 

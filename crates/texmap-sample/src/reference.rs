@@ -5,7 +5,7 @@
 use crate::{
     address::wrap::Wrap,
     sampler::{Cubic, Filter, Mip, Sampler, Texel},
-    texels::{Chain, Level},
+    texel_data::{Chain, Level},
     texture::Texture2d,
 };
 use texmap_math::{

@@ -19,7 +19,7 @@ use crate::{
     bound_texture::View,
     filter::{Kind, LookUp},
     sampler::{Filter, Precision, Sampler},
-    texels::{Chain, Format},
+    texel_data::{Chain, Format},
 };
 use texmap_math::simd::{Isa, prelude::*};
 

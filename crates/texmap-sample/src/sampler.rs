@@ -5,7 +5,7 @@ use crate::{
     },
     bound_texture::{View, exact_format},
     filter::{self, Kind, anisotropic::Axes},
-    texels::{Chain, scaled},
+    texel_data::{Chain, scaled},
     texture::Texture2d,
 };
 use core::str::FromStr;

@@ -1,7 +1,7 @@
 use crate::{
     error::SampleError,
     mip,
-    texels::{Chain, Format, Level, Texels, Words, scaled},
+    texel_data::{Chain, Format, Level, Texels, Words, scaled},
 };
 use alloc::{sync::Arc, vec, vec::Vec};
 use texmap_math::color;

@@ -12,7 +12,7 @@ use crate::{
     filter::Kind,
     mip,
     sampler::Sampler,
-    texels::{Chain, scaled},
+    texel_data::{Chain, scaled},
     texture::{Image, Texture2d, upload},
 };
 use texmap_math::simd::Scalar;

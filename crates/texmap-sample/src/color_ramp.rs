@@ -1,4 +1,4 @@
-use crate::{address::wrap::OUTSIDE, sampler::Sampler, texels::scaled, texture::Texture2d};
+use crate::{address::wrap::OUTSIDE, sampler::Sampler, texel_data::scaled, texture::Texture2d};
 use texmap_math::{float, footprint::Footprint};
 
 impl Sampler {
