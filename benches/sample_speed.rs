@@ -18,10 +18,10 @@ use texmap_math::Level;
 use texmap_math::fearless_simd::{Simd, f32x16, prelude::*, u32x16};
 use texmap_math::lanes::{GatherTable, floor_to_i32, gather, unit_to_u8};
 use texmap_math::simd::X16;
-use texmap_sample::lanes::{RGBA8_EXACT, View, float, packed};
+use texmap_sample::lanes::{BoundTexture, RGBA8_EXACT, float, packed};
 use texmap_sample::{
-    Alpha, ColorSpace, Directions, Filter, Image, Origin, Precision, Sampler, Texels, Texture2d,
-    TextureCube, cube_direction, sample_columns, sample_cube_columns, sample_rgba8_columns,
+    Alpha, ColorSpace, DirectionBatch, Filter, Image, Origin, Precision, Sampler, TexelData,
+    Texture2d, TextureCube, cube_direction, sample_cube_soa, sample_rgba8_soa, sample_soa,
 };
 
 const BANDS: usize = HEIGHT.div_ceil(TILE);
@@ -91,7 +91,7 @@ fn levels() -> Vec<(&'static str, Level)> {
 
 struct Job<'a> {
     floor: &'a Floor,
-    view: &'a View<'a>,
+    view: &'a BoundTexture<'a>,
     sampler: &'a Sampler,
     texture: &'a Texture2d<'a>,
     level: Level,
@@ -252,11 +252,11 @@ fn runs<S: Simd>(s: S, job: &mut Job<'_>, form: Form, run: &mut Run) {
             };
             let done = match form {
                 Form::Slice(_, Precision::Fast) => {
-                    sample_rgba8_columns(job.level, job.sampler, job.texture, &at, &mut words)
+                    sample_rgba8_soa(job.level, job.sampler, job.texture, &at, &mut words)
                 }
                 Form::Slice(_, Precision::Exact) => {
                     let out = colors.each_mut().map(|c| &mut c[..]);
-                    sample_columns(job.level, job.sampler, job.texture, &at, out)
+                    sample_soa(job.level, job.sampler, job.texture, &at, out)
                 }
                 _ => Ok(()),
             };
@@ -371,7 +371,8 @@ fn main() {
                 let large = usize::from(case.side == 1024);
                 let texture = &textures[large].1;
                 indices.clear();
-                let view = View::new(&sampler, texture).expect("a power of two that repeats");
+                let view =
+                    BoundTexture::new(&sampler, texture).expect("a power of two that repeats");
                 let mut job = Job {
                     floor: &case.floor.1,
                     view: &view,
@@ -430,7 +431,7 @@ impl Cube {
             width: 256,
             height: 256,
             channels: 4,
-            texels: Texels::U8(&texels),
+            texels: TexelData::U8(&texels),
             color: ColorSpace::Linear,
             alpha: Alpha::Straight,
             origin: Origin::TopLeft,
@@ -470,13 +471,13 @@ impl Cube {
                         gradients: None,
                     };
                     let out = colors.each_mut().map(|c| &mut c[..]);
-                    let done = sample_columns(level, &sampler, &plane, black_box(&at), out);
+                    let done = sample_soa(level, &sampler, &plane, black_box(&at), out);
                     done.expect("columns of one length");
                 });
                 time(3, &mut |colors| {
-                    let at = Directions { x, y, z, lod: None };
+                    let at = DirectionBatch { x, y, z, lod: None };
                     let out = colors.each_mut().map(|c| &mut c[..]);
-                    let done = sample_cube_columns(level, &sampler, &cube, black_box(&at), out);
+                    let done = sample_cube_soa(level, &sampler, &cube, black_box(&at), out);
                     done.expect("columns of one length");
                 });
                 black_box(&mut colors);

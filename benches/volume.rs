@@ -6,8 +6,8 @@ use std::hint::black_box;
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use texmap_math::Level;
 use texmap_sample::{
-    Alpha, ColorSpace, Filter, Image, Origin, Pattern, Sampler, Texels, Texture2d, Texture3d,
-    Volume, Wrap,
+    Alpha, ColorSpace, Filter, Image, Origin, Pattern, Sampler, TexelData, Texture2d, Texture3d,
+    VolumeIntegrator, Wrap,
 };
 
 const SIDE: u32 = 64;
@@ -24,7 +24,7 @@ fn grid() -> Texture3d<'static> {
         width: SIDE,
         height: SIDE,
         channels: 1,
-        texels: Texels::U8(&texels),
+        texels: TexelData::U8(&texels),
         color: ColorSpace::Linear,
         alpha: Alpha::Data,
         origin: Origin::TopLeft,
@@ -65,14 +65,14 @@ fn march(c: &mut Criterion) {
         ("bilinear, transfer", &linear, transfer, 0.5),
         ("bilinear, transfer, ends early", &linear, transfer, 500.0),
     ] {
-        let volume =
-            Volume::new(&grid, sampler, transfer, density, 1.0 / 128.0).expect("good numbers");
+        let volume = VolumeIntegrator::new(&grid, sampler, transfer, density, 1.0 / 128.0)
+            .expect("good numbers");
         let in_lanes = volume.clone().on_level(Level::new());
         for (how, volume) in [("one at a time", volume), ("lanes", in_lanes)] {
             let all = || {
                 let ray = |i: u32| {
                     let at = (f64::from(i) + 0.5) / f64::from(RAYS);
-                    volume.march([-1.0, at, 1.0 - 0.7 * at], [0.9, 0.05, 0.02], (0.0, 1e9))
+                    volume.integrate([-1.0, at, 1.0 - 0.7 * at], [0.9, 0.05, 0.02], (0.0, 1e9))
                 };
                 (0..RAYS).map(|i| black_box(ray(i)).steps).sum::<u32>()
             };

@@ -2,7 +2,7 @@
 
 use texmap::io::image_io::{read_texture, write_png};
 use texmap::prelude::*;
-use texmap::sample::{Outside, Resample};
+use texmap::sample::{EdgeMode, Resample};
 
 /// Runs the example.
 pub fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -13,7 +13,7 @@ pub fn main() -> Result<(), Box<dyn std::error::Error>> {
 
     let (photo, filter) = (photo.with_mips(), Filter::Anisotropic(16));
     let mut linear = vec![[0.0; 4]; 320 * 200];
-    Resample::new(&photo, filter, Outside::Edge, &map).rows(Level::new(), 320, 0, &mut linear)?;
+    Resample::new(&photo, filter, EdgeMode::Edge, &map).rows(Level::new(), 320, 0, &mut linear)?;
 
     let to_bytes = |color: &[f32; 4]| color.map(texmap::math::color::linear_to_srgb8);
     let bytes: Vec<u8> = linear.iter().flat_map(to_bytes).collect();

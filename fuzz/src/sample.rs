@@ -2,8 +2,8 @@
 
 use texmap_math::{Footprint, Level};
 use texmap_sample::{
-    Alpha, ColorSpace, Cubic, Filter, Image, Lod, Mip, Origin, Precision, Sampler, Texel, Texels,
-    Texture2d, Wrap, sample_rgba8_slice, sample_slice,
+    Alpha, ColorSpace, Cubic, Filter, Image, Lod, Mip, Origin, Precision, Sampler, TexelData,
+    TexelFilter, Texture2d, Wrap, sample_rgba8_slice, sample_slice,
 };
 
 use super::choices::Choices;
@@ -19,15 +19,15 @@ pub fn sample(bytes: &[u8]) {
     let texels = match c.below(3) {
         0 => {
             small.extend((0..count).map(|_| c.byte()));
-            Texels::U8(&small)
+            TexelData::U8(&small)
         }
         1 => {
             wide.extend((0..count).map(|_| u16::from_le_bytes([c.byte(), c.byte()])));
-            Texels::U16(&wide)
+            TexelData::U16(&wide)
         }
         _ => {
             floats.extend((0..count).map(|_| c.number()));
-            Texels::F32(&floats)
+            TexelData::F32(&floats)
         }
     };
     let image = Image {
@@ -76,8 +76,8 @@ fn looked_up(texture: &Texture2d<'_>, tame: bool, c: &mut Choices<'_>) {
         Filter::Anisotropic(number),
         Filter::ewa(number),
         Filter::Gl {
-            mag: Texel::Nearest,
-            min: Texel::Linear,
+            mag: TexelFilter::Nearest,
+            min: TexelFilter::Linear,
             mip: Mip::Linear,
         },
     ];

@@ -4,7 +4,7 @@
 //! Any sampler can be run against it: textures are float RGBA, linear, rows top to bottom.
 #![allow(clippy::print_stdout, reason = "a table is what it makes")]
 
-use texmap_sample::{Alpha, ColorSpace, Image, Origin, Sampler, Texels, Texture2d, reference};
+use texmap_sample::{Alpha, ColorSpace, Image, Origin, Sampler, TexelData, Texture2d, reference};
 
 const WRAPS: [&str; 5] = [
     "repeat",
@@ -51,7 +51,7 @@ fn main() {
             width,
             height,
             channels: 4,
-            texels: Texels::F32(&texels),
+            texels: TexelData::F32(&texels),
             color: ColorSpace::Linear,
             alpha: Alpha::Premultiplied,
             origin: Origin::TopLeft,

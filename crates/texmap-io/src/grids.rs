@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use texmap_sample::{Alpha, ColorSpace, Image, Origin, SampleError, Texels, Texture3d};
+use texmap_sample::{Alpha, ColorSpace, Image, Origin, SampleError, TexelData, Texture3d};
 
 use crate::npy::{self, Data};
 use crate::{FileSource, IoError, SourceLocation, image_io};
@@ -52,9 +52,9 @@ pub(crate) fn read_named(
     }
     let array = stored.read()?;
     let texels = match &array.data {
-        Data::U8(t) => Texels::U8(t),
-        Data::U16(t) => Texels::U16(t),
-        Data::F32(t) => Texels::F32(t),
+        Data::U8(t) => TexelData::U8(t),
+        Data::U16(t) => TexelData::U16(t),
+        Data::F32(t) => TexelData::F32(t),
         Data::U32(_) => {
             return Err(broken(
                 "element type <u4: grids are |u1, <u2, <f4 or <f8".into(),

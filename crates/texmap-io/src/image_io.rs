@@ -6,7 +6,7 @@ use std::path::Path;
 use image::codecs::png::PngEncoder;
 use image::{DynamicImage, ExtendedColorType, ImageDecoder, ImageEncoder, ImageReader, Limits};
 use texmap_math::{MemoryBudget, color};
-use texmap_sample::{Alpha, ColorSpace, Image, Origin, SampleError, Texels, Texture2d};
+use texmap_sample::{Alpha, ColorSpace, Image, Origin, SampleError, TexelData, Texture2d};
 
 use crate::files::{FileSource, MAX_TEXT};
 use crate::{IoError, SourceLocation, atomic, exr_header};
@@ -134,13 +134,13 @@ fn linear(
     texels: &[f32],
     alpha: Alpha,
 ) -> Result<Texture2d<'static>, SampleError> {
-    let texels = Texels::F32(texels);
+    let texels = TexelData::F32(texels);
     upload((width, height), texels, ColorSpace::Linear, alpha)
 }
 
 fn upload(
     (width, height): (u32, u32),
-    texels: Texels<'_>,
+    texels: TexelData<'_>,
     color: ColorSpace,
     alpha: Alpha,
 ) -> Result<Texture2d<'static>, SampleError> {
@@ -282,8 +282,8 @@ pub(crate) fn texture(
 ) -> Result<Texture2d<'static>, IoError> {
     let size = (image.width, image.height);
     let texture = match &image.texels {
-        Depth::U8(t) => upload(size, Texels::U8(t), color, Alpha::Straight),
-        Depth::U16(t) => upload(size, Texels::U16(t), color, Alpha::Straight),
+        Depth::U8(t) => upload(size, TexelData::U8(t), color, Alpha::Straight),
+        Depth::U16(t) => upload(size, TexelData::U16(t), color, Alpha::Straight),
         Depth::F32(t) => linear(size, t, Alpha::Premultiplied),
     };
     texture.map_err(|e| unfit(path, named_by, &e))

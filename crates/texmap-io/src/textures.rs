@@ -3,7 +3,7 @@
 use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 
-use texmap_sample::{Alpha, ColorSpace, Image, Origin, Texels, Texture2d, Texture3d};
+use texmap_sample::{Alpha, ColorSpace, Image, Origin, TexelData, Texture2d, Texture3d};
 
 use crate::files::MAX_TEXT;
 use crate::obj::Model;
@@ -282,7 +282,7 @@ fn stand_in_grid() -> Texture3d<'static> {
         width: 2,
         height: 2,
         channels: 3,
-        texels: Texels::U8(&texels),
+        texels: TexelData::U8(&texels),
         color: ColorSpace::Linear,
         alpha: Alpha::Straight,
         origin: Origin::TopLeft,

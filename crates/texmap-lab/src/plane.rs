@@ -6,7 +6,7 @@
 use texmap_math::camera::Camera;
 use texmap_math::glam::DVec3;
 use texmap_math::{Footprint, deterministic_f64};
-use texmap_sample::{Alpha, ColorSpace, Image, Origin, SampleError, Sampler, Texels, Texture2d};
+use texmap_sample::{Alpha, ColorSpace, Image, Origin, SampleError, Sampler, TexelData, Texture2d};
 
 const EYE: DVec3 = DVec3::new(0.0, -3.0, 1.0);
 const LOOK: DVec3 = DVec3::new(0.3, 0.0, 0.35);
@@ -130,7 +130,7 @@ pub(crate) fn floats(
         width,
         height: texels.len() as u32 / width / channels,
         channels,
-        texels: Texels::F32(texels),
+        texels: TexelData::F32(texels),
         color: ColorSpace::Linear,
         alpha: Alpha::Straight,
         origin: Origin::TopLeft,

@@ -113,7 +113,7 @@ fn posts(n: u32, step: u32) -> Vec<u32> {
 
 #[cfg(test)]
 mod tests {
-    use texmap_sample::{Alpha, ColorSpace, Image, Texels};
+    use texmap_sample::{Alpha, ColorSpace, Image, TexelData};
 
     use super::*;
 
@@ -125,7 +125,7 @@ mod tests {
             width,
             height,
             channels: 1,
-            texels: Texels::F32(&texels),
+            texels: TexelData::F32(&texels),
             color: ColorSpace::Linear,
             alpha: Alpha::Straight,
             origin: Origin::TopLeft,

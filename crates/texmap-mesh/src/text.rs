@@ -1,7 +1,7 @@
 //! Words as textured quads from an atlas of characters.
 
 use texmap_math::glam::DVec3;
-use texmap_sample::{Alpha, ColorSpace, Image, Origin, SampleError, Texels, Texture2d};
+use texmap_sample::{Alpha, ColorSpace, Image, Origin, SampleError, TexelData, Texture2d};
 
 use texmap_scene::Mesh;
 
@@ -180,7 +180,7 @@ impl Font {
             width,
             height,
             channels: 1,
-            texels: Texels::U8(&texels),
+            texels: TexelData::U8(&texels),
             color: ColorSpace::Linear,
             alpha: Alpha::Straight,
             origin: Origin::TopLeft,

@@ -156,7 +156,7 @@ impl<'s> Look<'s> {
         if let (Some((ramp, along)), None) = (&self.ramp, &self.solid) {
             let keep = texel[3];
             texel = sampler
-                .sample_dependent(texture, uv, d, along, ramp)
+                .sample_through_ramp(texture, uv, d, along, ramp)
                 .map(|c| c * keep);
         }
         if self.crisp {

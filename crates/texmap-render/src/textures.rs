@@ -143,7 +143,7 @@ impl Slot<'_> {
         let (uv, d) = self.place(uv, d);
         let (sampler, texture) = (&ramp.sampler, &ramp.texture);
         self.sampler
-            .sample_dependent(&self.texture, uv, d, sampler, texture)
+            .sample_through_ramp(&self.texture, uv, d, sampler, texture)
     }
 
     /// How much of a pixel lies inside of the outline where alpha is a half; `alpha` is what the filter gave.

@@ -20,7 +20,7 @@ impl Sampler {
         if lod > 0.0 {
             return alpha;
         }
-        let [value, du, dv] = self.sample_slope(texture, uv, 0.0);
+        let [value, du, dv] = self.sample_with_gradient(texture, uv, 0.0);
         let dx = du[3] * d.du_dx + dv[3] * d.dv_dx;
         let dy = du[3] * d.du_dy + dv[3] * d.dv_dy;
         let change = sqrt_f32(dx * dx + dy * dy);

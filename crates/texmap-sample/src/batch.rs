@@ -2,7 +2,7 @@
 
 use crate::{
     address::lod::TexelFootprint,
-    bound_texture::{RGBA8, View},
+    bound_texture::{BoundTexture, RGBA8},
     error::SampleError,
     fetch::Color,
     filter::{ByteKernel, Kernel, LookUp, Run, Single, run},
@@ -91,7 +91,7 @@ fn in_parts(
     if let Some(grads) = grads {
         check("grads", u.len(), grads.len())?;
     }
-    let Some(view) = View::new(sampler, t) else {
+    let Some(view) = BoundTexture::new(sampler, t) else {
         return Ok(());
     };
     let mut columns = [[0.0; PART]; 4];
@@ -136,7 +136,7 @@ impl Places<'_> {
 ///
 /// # Errors
 /// Slices of different lengths.
-pub fn sample_columns(
+pub fn sample_soa(
     level: Level,
     sampler: &Sampler,
     t: &Texture2d<'_>,
@@ -146,7 +146,7 @@ pub fn sample_columns(
     for column in &out {
         at.check(column.len())?;
     }
-    if let Some(view) = View::new(sampler, t) {
+    if let Some(view) = BoundTexture::new(sampler, t) {
         Batch::new(sampler, &view, at.u, at.v, at.gradients).columns(level, out);
     }
     Ok(())
@@ -156,7 +156,7 @@ pub fn sample_columns(
 ///
 /// # Errors
 /// Slices of different lengths.
-pub fn sample_rgba8_columns(
+pub fn sample_rgba8_soa(
     level: Level,
     sampler: &Sampler,
     t: &Texture2d<'_>,
@@ -164,15 +164,15 @@ pub fn sample_rgba8_columns(
     out: &mut [u32],
 ) -> Result<(), SampleError> {
     at.check(out.len())?;
-    if let Some(view) = View::new(sampler, t) {
+    if let Some(view) = BoundTexture::new(sampler, t) {
         Batch::new(sampler, &view, at.u, at.v, at.gradients).words(level, out);
     }
     Ok(())
 }
 
-/// True if [`sample_rgba8_columns`] gives the very colours of this sampler on this texture: 8-bit weights on 8-bit texels.
+/// True if [`sample_rgba8_soa`] gives the very colours of this sampler on this texture: 8-bit weights on 8-bit texels.
 #[must_use]
-pub fn gives_bytes(sampler: &Sampler, t: &Texture2d<'_>) -> bool {
+pub fn is_exact_in_rgba8(sampler: &Sampler, t: &Texture2d<'_>) -> bool {
     rgba8::applies(sampler, &t.chain)
 }
 
@@ -195,7 +195,7 @@ pub(crate) fn check(what: &'static str, expected: usize, got: usize) -> Result<(
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Batch<'a> {
     sampler: &'a Sampler,
-    view: &'a View<'a>,
+    view: &'a BoundTexture<'a>,
     u: &'a [f32],
     v: &'a [f32],
     gradients: Option<[&'a [f32]; 4]>,
@@ -207,7 +207,7 @@ impl<'a> Batch<'a> {
     /// Of columns of one length.
     pub(crate) fn new(
         sampler: &'a Sampler,
-        view: &'a View<'a>,
+        view: &'a BoundTexture<'a>,
         u: &'a [f32],
         v: &'a [f32],
         gradients: Option<[&'a [f32]; 4]>,
@@ -251,7 +251,7 @@ impl<'a> Batch<'a> {
     }
 
     fn run<R: Run>(&self, kernel: R) -> R::Out {
-        let View { kind, format, .. } = *self.view;
+        let BoundTexture { kind, format, .. } = *self.view;
         run(kind, format, self.gradients.is_some(), kernel)
     }
 

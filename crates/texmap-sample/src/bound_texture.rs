@@ -6,9 +6,9 @@ use crate::{
         wrap::{Axis, REACH, Wrap},
     },
     fetch::Apart,
-    filter::{Kind, ewa, gl_of},
+    filter::{Kernel, ewa, gl_of},
     rgba8,
-    sampler::{Filter, Mip, Precision, Sampler, Texel},
+    sampler::{Filter, Mip, Precision, Sampler, TexelFilter},
     texel_data::{Chain, Format, Level},
     texture::Texture2d,
 };
@@ -21,7 +21,7 @@ pub const RGBA8_EXACT: u8 = 1;
 /// Two words a texel.
 pub const RGBA16: u8 = 2;
 /// Floats, and bytes that are decoded at each look-up: texels are fetched one by one, and filtered in lanes.
-pub const APART: u8 = 3;
+pub const SCALAR_FETCH: u8 = 3;
 /// No format of a view but of kernels: any of those with f32 weights, asked for at each texel. Rare filters have one compiled form.
 pub const ANY: u8 = 4;
 
@@ -31,7 +31,7 @@ pub(crate) fn exact_format(chain: &Chain<'_>) -> u8 {
     match chain.format {
         Format::Rgba8 => RGBA8_EXACT,
         Format::Rgba16 if chain.encoded.is_none() => RGBA16,
-        _ => APART,
+        _ => SCALAR_FETCH,
     }
 }
 
@@ -40,7 +40,7 @@ const LEVELS: usize = 16;
 
 /// A texture and a sampler prepared for the kernels; made once per batch, without allocating.
 #[derive(Clone, Debug)]
-pub struct View<'a> {
+pub struct BoundTexture<'a> {
     pub(crate) chain: &'a Chain<'a>,
     pub(crate) words: GatherTable<'a>,
     pub(crate) apart: Apart<'a>,
@@ -67,9 +67,9 @@ pub struct View<'a> {
     pub(crate) last: i32,
     pub(crate) scale: f32,
     /// The kernel that the filter takes.
-    pub kind: Kind,
+    pub kind: Kernel,
     /// Choices of OpenGL that the filter comes down to.
-    pub(crate) gl: (Texel, Texel, Mip),
+    pub(crate) gl: (TexelFilter, TexelFilter, Mip),
     /// Largest ratio of a footprint's axes.
     pub(crate) most: u8,
     /// Width of an elliptical filter.
@@ -80,7 +80,7 @@ pub struct View<'a> {
     pub(crate) plain_lod: bool,
 }
 
-/// One level of a [`View`], ready to be spread over lanes.
+/// One level of a [`BoundTexture`], ready to be spread over lanes.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LevelView {
     pub(crate) offset: i32,
@@ -95,7 +95,7 @@ pub(crate) struct LevelView {
     pub(crate) shift: u32,
 }
 
-impl<'a> View<'a> {
+impl<'a> BoundTexture<'a> {
     /// `None` only of a texture without a texel.
     pub fn new(sampler: &Sampler, t: &'a Texture2d<'_>) -> Option<Self> {
         let chain = &t.chain;
@@ -104,14 +104,14 @@ impl<'a> View<'a> {
         } else {
             exact_format(chain)
         };
-        Self::of_chain(sampler, chain, Kind::of(sampler.filter), format)
+        Self::of_chain(sampler, chain, Kernel::of(sampler.filter), format)
     }
 
     /// The view of any chain.
     pub(crate) fn of_chain(
         sampler: &Sampler,
         chain: &'a Chain<'_>,
-        kind: Kind,
+        kind: Kernel,
         format: u8,
     ) -> Option<Self> {
         let mut view = Self::single(sampler, chain, kind, format)?;
@@ -127,7 +127,7 @@ impl<'a> View<'a> {
     pub(crate) fn single(
         sampler: &Sampler,
         chain: &'a Chain<'_>,
-        kind: Kind,
+        kind: Kernel,
         format: u8,
     ) -> Option<Self> {
         let base = chain.levels.first()?;
@@ -209,7 +209,7 @@ impl<'a> View<'a> {
     fn level_of(&self, level: &Level) -> LevelView {
         let Level { width, height, .. } = *level;
         let offset = match self.format {
-            APART => self.apart.first_of(level),
+            SCALAR_FETCH => self.apart.first_of(level),
             _ => level.offset,
         };
         LevelView {

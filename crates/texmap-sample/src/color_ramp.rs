@@ -5,7 +5,7 @@ impl Sampler {
     /// The bilinear surface at a level: value and its exact derivatives by u and by v.
     ///
     /// The nearest level to `lod` is taken, so that value and slope belong to one surface.
-    pub fn sample_slope(&self, t: &Texture2d<'_>, uv: [f32; 2], lod: f32) -> [[f32; 4]; 3] {
+    pub fn sample_with_gradient(&self, t: &Texture2d<'_>, uv: [f32; 2], lod: f32) -> [[f32; 4]; 3] {
         let chain = &t.chain;
         let last = (chain.levels.len() - 1) as f32;
         let lod = self.limit_lod(lod);
@@ -44,7 +44,7 @@ impl Sampler {
     ///
     /// The footprint of the second look-up is that of the first through the slope of the first
     /// texture's surface (the chain rule), at the level that the first look-up asks for.
-    pub fn sample_dependent(
+    pub fn sample_through_ramp(
         &self,
         first: &Texture2d<'_>,
         uv: [f32; 2],
@@ -52,7 +52,7 @@ impl Sampler {
         sampler: &Self,
         second: &Texture2d<'_>,
     ) -> [f32; 4] {
-        let [value, du, dv] = self.sample_slope(first, uv, self.lod(first, d));
+        let [value, du, dv] = self.sample_with_gradient(first, uv, self.lod(first, d));
         let inner = Footprint {
             du_dx: du[0] * d.du_dx + dv[0] * d.dv_dx,
             dv_dx: du[1] * d.du_dx + dv[1] * d.dv_dx,

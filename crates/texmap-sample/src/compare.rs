@@ -1,7 +1,7 @@
 use crate::{
     address::wrap::OUTSIDE,
     filter::gl_of,
-    sampler::{Sampler, Texel},
+    sampler::{Sampler, TexelFilter},
     texture::Texture2d,
 };
 
@@ -42,7 +42,7 @@ impl Sampler {
             };
             f32::from(u8::from(passed))
         };
-        if gl_of(self.filter).0 == Texel::Nearest {
+        if gl_of(self.filter).0 == TexelFilter::Nearest {
             return pass(
                 ax.nearest(uv[0], level.width),
                 ay.nearest(uv[1], level.height),

@@ -1,7 +1,7 @@
 mod edges;
 mod kernel;
 
-pub use kernel::{Directions, sample_cube_columns};
+pub use kernel::{DirectionBatch, sample_cube_soa};
 
 use crate::{
     address::lod,
@@ -80,7 +80,7 @@ impl TextureCube<'static> {
         let n = faces[0].width as usize;
         let image = |i: usize| Image {
             channels: 4,
-            texels: crate::texel_data::Texels::F32(&wide[i * n * n * 4..(i + 1) * n * n * 4]),
+            texels: crate::texel_data::TexelData::F32(&wide[i * n * n * 4..(i + 1) * n * n * 4]),
             color: crate::texture::ColorSpace::Linear,
             alpha: crate::texture::Alpha::Premultiplied,
             origin: crate::texture::Origin::TopLeft,

@@ -2,7 +2,7 @@
 
 use crate::{
     error::SampleError,
-    texel_data::{Chain, Format, Level, Texels, Words},
+    texel_data::{Chain, Format, Level, TexelData, Words},
     texture::{Alpha, ColorSpace, Image, Origin, Texture2d, choose_format, upload},
 };
 use alloc::{sync::Arc, vec, vec::Vec};
@@ -80,7 +80,7 @@ impl Texture2d<'static> {
             width,
             height,
             channels,
-            texels: Texels::U8(&texels),
+            texels: TexelData::U8(&texels),
             color,
             alpha: Alpha::Straight,
             origin,

@@ -2,7 +2,7 @@
 
 use crate::{
     address::texel::{Corners, LaneLevel, TexelAddress},
-    bound_texture::{ANY, APART, RGBA8_EXACT, RGBA16, View},
+    bound_texture::{ANY, BoundTexture, RGBA8_EXACT, RGBA16, SCALAR_FETCH},
     encoded::Encoded,
     texel_data::{Chain, Format, Level},
 };
@@ -13,7 +13,7 @@ pub type Color<I> = [<I as Isa>::F32; 4];
 
 /// The format of a kernel that has one, else the view's.
 #[inline(always)]
-fn of_view<const FORMAT: u8>(view: &View<'_>) -> u8 {
+fn of_view<const FORMAT: u8>(view: &BoundTexture<'_>) -> u8 {
     debug_assert!(
         FORMAT == ANY || FORMAT == view.format,
         "the texels of a view"
@@ -22,9 +22,13 @@ fn of_view<const FORMAT: u8>(view: &View<'_>) -> u8 {
 }
 
 #[inline(always)]
-pub(crate) fn fetch<I: Isa, const FORMAT: u8>(i: I, view: &View<'_>, word: I::U32) -> Color<I> {
+pub(crate) fn fetch<I: Isa, const FORMAT: u8>(
+    i: I,
+    view: &BoundTexture<'_>,
+    word: I::U32,
+) -> Color<I> {
     match of_view::<FORMAT>(view) {
-        APART => view.apart.fetch(i, word),
+        SCALAR_FETCH => view.apart.fetch(i, word),
         RGBA16 => color16(i, view, i.gather_pairs(view.words, word)),
         _ => color8(i, view, i.gather(view.words, word)),
     }
@@ -34,11 +38,11 @@ pub(crate) fn fetch<I: Isa, const FORMAT: u8>(i: I, view: &View<'_>, word: I::U3
 #[inline(always)]
 pub(crate) fn fetch_two<I: Isa, const FORMAT: u8>(
     i: I,
-    view: &View<'_>,
+    view: &BoundTexture<'_>,
     word: I::U32,
 ) -> [Color<I>; 2] {
     match of_view::<FORMAT>(view) {
-        APART => [view.apart.fetch(i, word), view.apart.fetch(i, word + 1)],
+        SCALAR_FETCH => [view.apart.fetch(i, word), view.apart.fetch(i, word + 1)],
         RGBA16 => {
             let (a, b) = match i.gather_quads(view.words, word) {
                 Some([a, b, c, d]) => ([a, b], [c, d]),
@@ -60,7 +64,7 @@ pub(crate) fn fetch_two<I: Isa, const FORMAT: u8>(
 #[inline(always)]
 pub(crate) fn fetch_four<I: Isa, const FORMAT: u8>(
     i: I,
-    view: &View<'_>,
+    view: &BoundTexture<'_>,
     word: I::U32,
 ) -> [Color<I>; 4] {
     let format = of_view::<FORMAT>(view);
@@ -86,7 +90,7 @@ fn to_f32<I: Isa>(c: I::U32) -> I::F32 {
 }
 
 #[inline(always)]
-fn color8<I: Isa>(i: I, view: &View<'_>, c: I::U32) -> Color<I> {
+fn color8<I: Isa>(i: I, view: &BoundTexture<'_>, c: I::U32) -> Color<I> {
     let alpha = if view.opaque {
         i.f32(255.0)
     } else {
@@ -101,7 +105,7 @@ fn color8<I: Isa>(i: I, view: &View<'_>, c: I::U32) -> Color<I> {
 }
 
 #[inline(always)]
-fn color16<I: Isa>(i: I, view: &View<'_>, [a, b]: [I::U32; 2]) -> Color<I> {
+fn color16<I: Isa>(i: I, view: &BoundTexture<'_>, [a, b]: [I::U32; 2]) -> Color<I> {
     let alpha = if view.opaque {
         i.f32(65535.0)
     } else {
@@ -119,7 +123,7 @@ fn color16<I: Isa>(i: I, view: &View<'_>, [a, b]: [I::U32; 2]) -> Color<I> {
 #[inline(always)]
 pub(crate) fn tap<I: Isa, const FORMAT: u8>(
     i: I,
-    view: &View<'_>,
+    view: &BoundTexture<'_>,
     at: TexelAddress<I>,
 ) -> Color<I> {
     let c = fetch::<I, FORMAT>(i, view, at.word);
@@ -134,7 +138,7 @@ pub(crate) fn tap<I: Isa, const FORMAT: u8>(
 #[inline(always)]
 pub(crate) fn fetch_corners<I: Isa, const FORMAT: u8>(
     i: I,
-    view: &View<'_>,
+    view: &BoundTexture<'_>,
     level: &LaneLevel<I>,
     at: [I::I32; 2],
 ) -> [[Color<I>; 2]; 2] {
@@ -152,7 +156,12 @@ pub(crate) fn fetch_corners<I: Isa, const FORMAT: u8>(
 
 /// `a + (b - a) w`: exact where both are equal. Alphas are those of `a` if all are one: 255 + 0 w.
 #[inline(always)]
-pub(crate) fn mix<I: Isa>(view: &View<'_>, a: Color<I>, b: Color<I>, w: I::F32) -> Color<I> {
+pub(crate) fn mix<I: Isa>(
+    view: &BoundTexture<'_>,
+    a: Color<I>,
+    b: Color<I>,
+    w: I::F32,
+) -> Color<I> {
     [
         a[0] + (b[0] - a[0]) * w,
         a[1] + (b[1] - a[1]) * w,
@@ -168,7 +177,7 @@ pub(crate) fn mix<I: Isa>(view: &View<'_>, a: Color<I>, b: Color<I>, w: I::F32) 
 /// Two texels of a row and two of the next.
 #[inline(always)]
 pub(crate) fn mix_four<I: Isa>(
-    view: &View<'_>,
+    view: &BoundTexture<'_>,
     [[a, b], [c, d]]: [[Color<I>; 2]; 2],
     [wx, wy]: [I::F32; 2],
 ) -> Color<I> {
@@ -177,7 +186,7 @@ pub(crate) fn mix_four<I: Isa>(
 }
 
 #[inline(always)]
-pub(crate) fn scaled<I: Isa>(c: Color<I>, view: &View<'_>) -> Color<I> {
+pub(crate) fn scaled<I: Isa>(c: Color<I>, view: &BoundTexture<'_>) -> Color<I> {
     [
         c[0] * view.scale,
         c[1] * view.scale,

@@ -10,10 +10,10 @@ pub(crate) mod trilinear;
 
 use crate::{
     address::lod::{self, TexelFootprint},
-    bound_texture::{ANY, RGBA8, RGBA8_EXACT, RGBA16, View, exact_format},
+    bound_texture::{ANY, BoundTexture, RGBA8, RGBA8_EXACT, RGBA16, exact_format},
     fetch::Color,
     rgba8,
-    sampler::{Cubic, Filter, Mip, Sampler, Texel},
+    sampler::{Cubic, Filter, Mip, Sampler, TexelFilter},
     texel_data::Chain,
 };
 use texmap_math::{
@@ -24,7 +24,7 @@ use texmap_math::{
 /// The kernel that a filter takes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
-pub enum Kind {
+pub enum Kernel {
     /// The nearest texel of level 0.
     Nearest,
     /// Bilinear on level 0.
@@ -41,7 +41,7 @@ pub enum Kind {
     Ewa,
 }
 
-impl Kind {
+impl Kernel {
     #[inline(always)]
     pub(crate) fn of(filter: Filter) -> Self {
         match filter {
@@ -51,9 +51,9 @@ impl Kind {
             _ => {}
         }
         match gl_of(filter) {
-            (Texel::Nearest, Texel::Nearest, Mip::None) => Self::Nearest,
-            (Texel::Linear, Texel::Linear, Mip::None) => Self::Bilinear,
-            (Texel::Linear, Texel::Linear, Mip::Linear) => Self::Trilinear,
+            (TexelFilter::Nearest, TexelFilter::Nearest, Mip::None) => Self::Nearest,
+            (TexelFilter::Linear, TexelFilter::Linear, Mip::None) => Self::Bilinear,
+            (TexelFilter::Linear, TexelFilter::Linear, Mip::Linear) => Self::Trilinear,
             _ => Self::Gl,
         }
     }
@@ -73,15 +73,17 @@ impl Kind {
 
 /// OpenGL's choices of texels and levels for a filter, where no axis of the footprint matters.
 #[inline(always)]
-pub(crate) fn gl_of(filter: Filter) -> (Texel, Texel, Mip) {
+pub(crate) fn gl_of(filter: Filter) -> (TexelFilter, TexelFilter, Mip) {
     match filter {
         // Cubics have their own kernel on level 0.
-        Filter::Bilinear | Filter::Bicubic(_) => (Texel::Linear, Texel::Linear, Mip::None),
-        Filter::Nearest => (Texel::Nearest, Texel::Nearest, Mip::None),
-        Filter::MipNearest => (Texel::Nearest, Texel::Nearest, Mip::Nearest),
-        Filter::BilinearMipNearest => (Texel::Linear, Texel::Linear, Mip::Nearest),
+        Filter::Bilinear | Filter::Bicubic(_) => {
+            (TexelFilter::Linear, TexelFilter::Linear, Mip::None)
+        }
+        Filter::Nearest => (TexelFilter::Nearest, TexelFilter::Nearest, Mip::None),
+        Filter::MipNearest => (TexelFilter::Nearest, TexelFilter::Nearest, Mip::Nearest),
+        Filter::BilinearMipNearest => (TexelFilter::Linear, TexelFilter::Linear, Mip::Nearest),
         Filter::Trilinear | Filter::Anisotropic(_) | Filter::Ewa { .. } => {
-            (Texel::Linear, Texel::Linear, Mip::Linear)
+            (TexelFilter::Linear, TexelFilter::Linear, Mip::Linear)
         }
         Filter::Gl { mag, min, mip } => (mag, min, mip),
     }
@@ -100,7 +102,7 @@ pub(crate) struct LookUp<I: Isa> {
 impl<I: Isa> LookUp<I> {
     /// The limited level of detail.
     #[inline(always)]
-    pub(crate) fn lod(&self, i: I, view: &View<'_>) -> I::F32 {
+    pub(crate) fn lod(&self, i: I, view: &BoundTexture<'_>) -> I::F32 {
         match &self.footprint {
             Some(d) => lod::lod(i, view, d),
             None => i.f32(self.flat),
@@ -111,14 +113,14 @@ impl<I: Isa> LookUp<I> {
 /// A filter with f32 weights, on the texels of [`FORMAT`](Self::FORMAT).
 pub(crate) trait Kernel {
     const FORMAT: u8;
-    fn color<I: Isa>(i: I, view: &View<'_>, at: &LookUp<I>) -> Color<I>;
+    fn color<I: Isa>(i: I, view: &BoundTexture<'_>, at: &LookUp<I>) -> Color<I>;
 }
 
 /// A filter with 8-bit weights on RGBA8.
 pub(crate) trait ByteKernel {
     /// Whether sixteen lanes are faster on 128-bit levels than four.
     const WIDE: bool;
-    fn word<I: ByteIsa>(i: I, view: &View<'_>, at: &LookUp<I>) -> I::U32;
+    fn word<I: ByteIsa>(i: I, view: &BoundTexture<'_>, at: &LookUp<I>) -> I::U32;
 }
 
 /// Runs a kernel: over a batch, or for one look-up.
@@ -130,8 +132,8 @@ pub(crate) trait Run {
 
 /// Runs the kernel of a filter on a format. Probes and ellipses need a footprint; look-ups without one are trilinear.
 #[inline(always)]
-pub(crate) fn run<R: Run>(kind: Kind, format: u8, has_footprint: bool, run: R) -> R::Out {
-    use Kind::{Anisotropic, Bicubic, Bilinear, Ewa, Gl, Nearest, Trilinear};
+pub(crate) fn run<R: Run>(kind: Kernel, format: u8, has_footprint: bool, run: R) -> R::Out {
+    use Kernel::{Anisotropic, Bicubic, Bilinear, Ewa, Gl, Nearest, Trilinear};
     let kind = match kind {
         Anisotropic | Ewa if !has_footprint => Trilinear,
         kind => kind,
@@ -166,7 +168,7 @@ pub(crate) struct Single<'a> {
 
 impl Single<'_> {
     #[inline(always)]
-    fn look_up(&self, view: &View<'_>) -> LookUp<Scalar> {
+    fn look_up(&self, view: &BoundTexture<'_>) -> LookUp<Scalar> {
         LookUp {
             uv: self.uv,
             footprint: self.footprint.map(
@@ -186,9 +188,9 @@ impl Single<'_> {
     }
 
     #[inline(always)]
-    fn view(&self, format: u8) -> Option<View<'_>> {
-        let kind = Kind::of(self.sampler.filter);
-        View::single(self.sampler, self.chain, kind, format)
+    fn view(&self, format: u8) -> Option<BoundTexture<'_>> {
+        let kind = Kernel::of(self.sampler.filter);
+        BoundTexture::single(self.sampler, self.chain, kind, format)
     }
 }
 
@@ -235,7 +237,7 @@ pub(crate) fn sample(
         flat,
     };
     run(
-        Kind::of(sampler.filter),
+        Kernel::of(sampler.filter),
         format,
         footprint.is_some(),
         single,

@@ -7,11 +7,11 @@
 //! ```
 //! use texmap_math::simd::{ByteIsa, Isa, prelude::*};
 //! use texmap_math::{Level, dispatch_simd};
-//! use texmap_sample::lanes::{View, packed};
+//! use texmap_sample::lanes::{BoundTexture, packed};
 //! use texmap_sample::{ColorSpace, Filter, Origin, Precision, Sampler, Texture2d};
 //!
 //! #[inline(always)]
-//! fn stage<I: ByteIsa>(i: I, view: &View<'_>, u: &[f32], out: &mut [u32]) {
+//! fn stage<I: ByteIsa>(i: I, view: &BoundTexture<'_>, u: &[f32], out: &mut [u32]) {
 //!     for (u, out) in u.chunks_exact(I::LANES).zip(out.chunks_exact_mut(I::LANES)) {
 //!         packed::bilinear_lanes(i, view, i.load_f32(u), i.f32(0.5)).store(out);
 //!     }
@@ -20,7 +20,7 @@
 //! let texels = vec![0, 0, 0, 255, 200, 100, 50, 255];
 //! let t = Texture2d::from_rgba8(2, 1, texels, ColorSpace::Linear, Origin::TopLeft)?;
 //! let s = Sampler { filter: Filter::Bilinear, precision: Precision::Fast, ..Sampler::default() };
-//! let view = View::new(&s, &t).expect("a texture has texels");
+//! let view = BoundTexture::new(&s, &t).expect("a texture has texels");
 //! let u: [f32; 16] = core::array::from_fn(|i| i as f32 / 16.0);
 //! let mut out = [0; 16];
 //! dispatch_simd!(Level::new(), i => stage(i, &view, &u, &mut out));
@@ -31,8 +31,8 @@
 //! # Ok::<(), texmap_sample::SampleError>(())
 //! ```
 
-pub use crate::bound_texture::{ANY, APART, RGBA8, RGBA8_EXACT, RGBA16, View};
-pub use crate::filter::Kind;
+pub use crate::bound_texture::{ANY, BoundTexture, RGBA8, RGBA8_EXACT, RGBA16, SCALAR_FETCH};
+pub use crate::filter::Kernel;
 pub use crate::pattern::gradient_noise_lanes;
 
 /// Filters with 8-bit weights on views whose format is [`RGBA8`].
@@ -40,7 +40,7 @@ pub mod packed {
     pub use crate::address::lod::TexelFootprint as FootprintLanes;
     pub use crate::rgba8::{
         anisotropic::anisotropic as anisotropic_lanes, bilinear::bilinear as bilinear_lanes,
-        lod as lod_lanes, nearest::Masked, nearest::nearest as nearest_lanes,
+        lod as lod_lanes, nearest::PowerOfTwoTexture, nearest::nearest as nearest_lanes,
         trilinear::trilinear as trilinear_lanes, unpack as unpack_lanes,
     };
 }

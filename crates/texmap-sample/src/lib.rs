@@ -69,17 +69,17 @@ mod volume_integrator;
 pub use address::wrap::Wrap;
 pub use atlas::AtlasRect;
 pub use batch::{
-    Places, gives_bytes, sample_columns, sample_rgba8_columns, sample_rgba8_slice, sample_slice,
+    Places, is_exact_in_rgba8, sample_rgba8_slice, sample_rgba8_soa, sample_slice, sample_soa,
 };
 pub use compare::Compare;
-pub use cube::{Directions, TextureCube, cube_direction, cube_face, sample_cube_columns};
+pub use cube::{DirectionBatch, TextureCube, cube_direction, cube_face, sample_cube_soa};
 pub use error::SampleError;
 pub use pattern::{Pattern, gradient_noise};
-pub use resample::{Outside, Resample};
-pub use sampler::{Cubic, Filter, Lod, Mip, Precision, Sampler, Texel};
+pub use resample::{EdgeMode, Resample};
+pub use sampler::{Cubic, Filter, Lod, Mip, Precision, Sampler, TexelFilter};
 pub use summed_area::SummedArea;
-pub use texel_data::Texels;
+pub use texel_data::TexelData;
 pub use texture::{Alpha, ColorSpace, Image, Origin, Texture2d};
 pub use transform::UvTransform;
-pub use volume::{Points, Texture1d, Texture3d, sample_3d_columns};
-pub use volume_integrator::{MOST_STEPS, OPAQUE, Seen, Volume};
+pub use volume::{Texture1d, Texture3d, UvwBatch, sample_3d_soa};
+pub use volume_integrator::{MAX_STEPS, OPAQUE, RayRadiance, VolumeIntegrator};

@@ -33,7 +33,7 @@ pub enum Pattern {
 
 impl Pattern {
     /// Most octaves.
-    pub const MOST_OCTAVES: u8 = 16;
+    pub const MAX_OCTAVES: u8 = 16;
 
     /// The value at a point, as a pixel `width` units wide sees it: octaves too fine for it fade out, sheets and rings
     /// go to their mean, so that nothing flickers from afar. A width of 0 (or NaN) gives the pattern itself. A point
@@ -87,7 +87,7 @@ impl Pattern {
 #[inline(always)]
 fn octave_sum<I: Isa>(i: I, p: [I::F32; 3], width: I::F32, octaves: u8, magnitude: bool) -> I::F32 {
     let (mut sum, mut scale, mut strength) = (i.f32(0.0), 1.0f32, 1.0f32);
-    for octave in 0..octaves.clamp(1, Pattern::MOST_OCTAVES) {
+    for octave in 0..octaves.clamp(1, Pattern::MAX_OCTAVES) {
         let seen = clamp(i, i.f32(2.0) - width * 2.0 * scale, 0.0, 1.0);
         let some = seen.simd_gt(0.0);
         if !some.any_true() {

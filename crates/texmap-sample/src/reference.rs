@@ -4,7 +4,7 @@
 
 use crate::{
     address::wrap::Wrap,
-    sampler::{Cubic, Filter, Mip, Sampler, Texel},
+    sampler::{Cubic, Filter, Mip, Sampler, TexelFilter},
     texel_data::{Chain, Level},
     texture::Texture2d,
 };
@@ -65,14 +65,14 @@ fn in_texels(t: &Texture2d<'_>, d: Gradient) -> Gradient {
 
 fn sample_limited(s: &Sampler, t: &Texture2d<'_>, uv: [f64; 2], lod: f64) -> [f64; 4] {
     let (mag, min, mip) = match s.filter {
-        Filter::Nearest => (Texel::Nearest, Texel::Nearest, Mip::None),
-        Filter::Bilinear => (Texel::Linear, Texel::Linear, Mip::None),
-        Filter::MipNearest => (Texel::Nearest, Texel::Nearest, Mip::Nearest),
-        Filter::BilinearMipNearest => (Texel::Linear, Texel::Linear, Mip::Nearest),
+        Filter::Nearest => (TexelFilter::Nearest, TexelFilter::Nearest, Mip::None),
+        Filter::Bilinear => (TexelFilter::Linear, TexelFilter::Linear, Mip::None),
+        Filter::MipNearest => (TexelFilter::Nearest, TexelFilter::Nearest, Mip::Nearest),
+        Filter::BilinearMipNearest => (TexelFilter::Linear, TexelFilter::Linear, Mip::Nearest),
         Filter::Gl { mag, min, mip } => (mag, min, mip),
         Filter::Bicubic(kernel) => return cubic(s, t, uv, kernel),
         Filter::Trilinear | Filter::Anisotropic(_) | Filter::Ewa { .. } => {
-            (Texel::Linear, Texel::Linear, Mip::Linear)
+            (TexelFilter::Linear, TexelFilter::Linear, Mip::Linear)
         }
     };
     let last = f64::from(t.levels() - 1);
@@ -98,15 +98,15 @@ fn level_sample(
     t: &Texture2d<'_>,
     level: usize,
     uv: [f64; 2],
-    texel: Texel,
+    texel: TexelFilter,
 ) -> [f64; 4] {
     let chain = &t.chain;
     let level = &chain.levels[level];
     let x = uv[0] * f64::from(level.width);
     let y = uv[1] * f64::from(level.height);
     match texel {
-        Texel::Nearest => fetch(s, chain, level, floor(x) as i64, floor(y) as i64),
-        Texel::Linear => {
+        TexelFilter::Nearest => fetch(s, chain, level, floor(x) as i64, floor(y) as i64),
+        TexelFilter::Linear => {
             let (x, y) = (x - 0.5, y - 0.5);
             let (i, j) = (floor(x), floor(y));
             let (fx, fy) = (x - i, y - j);

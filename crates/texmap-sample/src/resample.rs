@@ -16,7 +16,7 @@ use texmap_math::{
 
 /// What lies beyond the source image.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub enum Outside {
+pub enum EdgeMode {
     /// Nothing: transparent black, with antialiased edges.
     #[default]
     Transparent,
@@ -38,7 +38,7 @@ pub enum Outside {
 pub struct Resample<'a> {
     texture: &'a Texture2d<'a>,
     sampler: Sampler,
-    outside: Outside,
+    edge_mode: EdgeMode,
     source_from_output: DMat3,
     edges: Edges,
 }
@@ -51,10 +51,10 @@ impl<'a> Resample<'a> {
     pub fn new(
         texture: &'a Texture2d<'a>,
         filter: Filter,
-        outside: Outside,
+        outside: EdgeMode,
         output_from_source: &Homography,
     ) -> Self {
-        let wrap = if outside == Outside::Repeat {
+        let wrap = if outside == EdgeMode::Repeat {
             Wrap::Repeat
         } else {
             Wrap::ClampToEdge
@@ -78,7 +78,7 @@ impl<'a> Resample<'a> {
         Self {
             texture,
             sampler,
-            outside,
+            edge_mode: outside,
             source_from_output: matrix,
             edges: Edges::new(&matrix, middle * 2.0),
         }
@@ -129,8 +129,8 @@ impl<'a> Resample<'a> {
             Some(&grads[..n]),
             out,
         )?;
-        let background = match self.outside {
-            Outside::Border(c) => c,
+        let background = match self.edge_mode {
+            EdgeMode::Border(c) => c,
             _ => [0.0; 4],
         };
         for (c, k) in out.iter_mut().zip(cover) {
@@ -143,14 +143,14 @@ impl<'a> Resample<'a> {
 
     /// uv, footprint and coverage of the output pixel around a position.
     fn place(&self, x: f64, y: f64) -> (f32, f32, Footprint, f32) {
-        let (cover, at) = match self.outside {
-            Outside::Edge | Outside::Repeat => (1.0, DVec2::new(x, y)),
+        let (cover, at) = match self.edge_mode {
+            EdgeMode::Edge | EdgeMode::Repeat => (1.0, DVec2::new(x, y)),
             _ => self.edges.cover(DVec2::new(x, y)),
         };
         let m = &self.source_from_output;
         let p = *m * at.extend(1.0);
         if p.z <= 0.0 {
-            let beyond = matches!(self.outside, Outside::Edge | Outside::Repeat);
+            let beyond = matches!(self.edge_mode, EdgeMode::Edge | EdgeMode::Repeat);
             return (
                 0.0,
                 0.0,

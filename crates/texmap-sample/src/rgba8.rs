@@ -16,8 +16,8 @@ use crate::{
         texel::TexelAddress,
         wrap::Wrap,
     },
-    bound_texture::View,
-    filter::{Kind, LookUp},
+    bound_texture::BoundTexture,
+    filter::{Kernel, LookUp},
     sampler::{Filter, Precision, Sampler},
     texel_data::{Chain, Format},
 };
@@ -31,7 +31,7 @@ pub(crate) fn applies(s: &Sampler, t: &Chain<'_>) -> bool {
     let whole = s.filter == Filter::Nearest && !border;
     (s.precision == Precision::Fast || whole)
         && t.format == Format::Rgba8
-        && Kind::of(s.filter).has_bytes()
+        && Kernel::of(s.filter).has_bytes()
 }
 
 /// Bytes to 0..1, channel by channel.
@@ -59,7 +59,7 @@ pub(crate) fn border(c: [f32; 4]) -> u32 {
 
 /// A texel, or the border.
 #[inline(always)]
-fn tap<I: Isa>(i: I, view: &View<'_>, at: TexelAddress<I>) -> I::U32 {
+fn tap<I: Isa>(i: I, view: &BoundTexture<'_>, at: TexelAddress<I>) -> I::U32 {
     let c = i.gather(view.words, at.word);
     if view.bordered {
         return at.outside().select(i.u32(view.border_word), c);
@@ -69,13 +69,13 @@ fn tap<I: Isa>(i: I, view: &View<'_>, at: TexelAddress<I>) -> I::U32 {
 
 /// Level of detail with 8 fraction bits, limited (to 0 and above only where that is not all of it).
 #[inline(always)]
-pub fn lod<I: Isa>(i: I, view: &View<'_>, d: &TexelFootprint<I>) -> I::I32 {
+pub fn lod<I: Isa>(i: I, view: &BoundTexture<'_>, d: &TexelFootprint<I>) -> I::I32 {
     limited(i, view, log2_sqrt_fixed(i, d.rho_max_squared()))
 }
 
 /// Bias and limits of a level with 8 fraction bits.
 #[inline(always)]
-fn limited<I: Isa>(i: I, view: &View<'_>, lod: I::I32) -> I::I32 {
+fn limited<I: Isa>(i: I, view: &BoundTexture<'_>, lod: I::I32) -> I::I32 {
     if view.plain_lod {
         return lod;
     }
@@ -93,7 +93,7 @@ fn fixed<I: Isa>(i: I, lod: I::F32) -> I::I32 {
 impl<I: Isa> LookUp<I> {
     /// The limited level of detail with 8 fraction bits.
     #[inline(always)]
-    fn fixed_lod(&self, i: I, view: &View<'_>) -> I::I32 {
+    fn fixed_lod(&self, i: I, view: &BoundTexture<'_>) -> I::I32 {
         match &self.footprint {
             Some(d) => lod(i, view, d),
             None => fixed(i, i.f32(self.flat)),

@@ -3,8 +3,8 @@ use crate::{
         lod::{LodRange, TexelFootprint, lod},
         wrap::{Axis, Wrap},
     },
-    bound_texture::{View, exact_format},
-    filter::{self, Kind, anisotropic::Axes},
+    bound_texture::{BoundTexture, exact_format},
+    filter::{self, Kernel, anisotropic::Axes},
     texel_data::{Chain, scaled},
     texture::Texture2d,
 };
@@ -24,7 +24,7 @@ pub enum Cubic {
 
 /// How texels of one level are chosen, in the terms of OpenGL.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Texel {
+pub enum TexelFilter {
     /// The texel that holds the coordinate.
     Nearest,
     /// Four texels weighted by distance.
@@ -72,9 +72,9 @@ pub enum Filter {
     /// Any of OpenGL's combinations: `mag` where the texture is magnified, else `min` with `mip`.
     Gl {
         /// Texels where one texel covers a pixel or more.
-        mag: Texel,
+        mag: TexelFilter,
         /// Texels elsewhere.
-        min: Texel,
+        min: TexelFilter,
         /// Levels elsewhere.
         mip: Mip,
     },
@@ -191,9 +191,9 @@ impl Sampler {
     }
 
     #[inline(always)]
-    fn view<'a>(&self, t: &'a Texture2d<'_>) -> Option<View<'a>> {
-        let (kind, format) = (Kind::of(self.filter), exact_format(&t.chain));
-        View::single(self, &t.chain, kind, format)
+    fn view<'a>(&self, t: &'a Texture2d<'_>) -> Option<BoundTexture<'a>> {
+        let (kind, format) = (Kernel::of(self.filter), exact_format(&t.chain));
+        BoundTexture::single(self, &t.chain, kind, format)
     }
 
     /// The wraps of both axes.

@@ -6,7 +6,7 @@ use alloc::{sync::Arc, vec::Vec};
 /// Texels as they come from a decoder: rows top to bottom, channels together.
 #[derive(Clone, Copy, Debug)]
 #[non_exhaustive]
-pub enum Texels<'a> {
+pub enum TexelData<'a> {
     /// 0..255 stands for 0..1.
     U8(&'a [u8]),
     /// 0..65535 stands for 0..1.
@@ -15,7 +15,7 @@ pub enum Texels<'a> {
     F32(&'a [f32]),
 }
 
-impl Texels<'_> {
+impl TexelData<'_> {
     pub(crate) fn len(&self) -> usize {
         match self {
             Self::U8(t) => t.len(),

@@ -1,7 +1,7 @@
 use crate::{
     error::SampleError,
     mip,
-    texel_data::{Chain, Format, Level, Texels, Words, scaled},
+    texel_data::{Chain, Format, Level, TexelData, Words, scaled},
 };
 use alloc::{sync::Arc, vec, vec::Vec};
 use texmap_math::color;
@@ -50,7 +50,7 @@ pub struct Image<'a> {
     /// 1 to 4.
     pub channels: u32,
     /// `width * height * channels` values, rows top to bottom.
-    pub texels: Texels<'a>,
+    pub texels: TexelData<'a>,
     /// Encoding of the colour channels.
     pub color: ColorSpace,
     /// Meaning of the last channel.
@@ -84,7 +84,7 @@ impl Texture2d<'static> {
             width,
             height,
             channels: 4,
-            texels: Texels::U8(&texels),
+            texels: TexelData::U8(&texels),
             color,
             alpha: Alpha::Straight,
             origin,
@@ -161,7 +161,7 @@ impl<'a> Texture2d<'a> {
         texels: &'a [f32],
         origin: Origin,
     ) -> Result<Self, SampleError> {
-        check_finite(&Texels::F32(texels), width, 1)?;
+        check_finite(&TexelData::F32(texels), width, 1)?;
         Self::borrow_words(
             width,
             height,
@@ -304,8 +304,8 @@ fn check_length(expected: usize, got: usize) -> Result<(), SampleError> {
 /// 2^120: differences and sums of weights stay finite.
 const LIMIT: f32 = 1.329_228e36;
 
-fn check_finite(texels: &Texels<'_>, width: u32, channels: u32) -> Result<(), SampleError> {
-    let Texels::F32(values) = texels else {
+fn check_finite(texels: &TexelData<'_>, width: u32, channels: u32) -> Result<(), SampleError> {
+    let TexelData::F32(values) = texels else {
         return Ok(());
     };
     match values.iter().position(|v| v.is_nan() || v.abs() > LIMIT) {
@@ -387,7 +387,7 @@ struct Curve(Vec<f32>);
 
 impl Curve {
     fn new(image: &Image<'_>, texels: usize) -> Self {
-        let asked = image.color == ColorSpace::Srgb && matches!(image.texels, Texels::U16(_));
+        let asked = image.color == ColorSpace::Srgb && matches!(image.texels, TexelData::U16(_));
         let count = if asked && texels > usize::from(u16::MAX) {
             1 << 16
         } else {
@@ -409,9 +409,9 @@ fn read_texel(image: &Image<'_>, curve: &Curve, i: usize) -> [f32; 4] {
     let value = |k: usize| image.texels.value(i * n + k);
     let light = |k: usize| match (image.color, image.texels) {
         (ColorSpace::Linear, _) => value(k),
-        (ColorSpace::Srgb, Texels::U8(t)) => color::srgb8_to_linear(t[i * n + k]),
-        (ColorSpace::Srgb, Texels::U16(t)) => curve.light(t[i * n + k]),
-        (ColorSpace::Srgb, Texels::F32(t)) => color::srgb_to_linear(t[i * n + k]),
+        (ColorSpace::Srgb, TexelData::U8(t)) => color::srgb8_to_linear(t[i * n + k]),
+        (ColorSpace::Srgb, TexelData::U16(t)) => curve.light(t[i * n + k]),
+        (ColorSpace::Srgb, TexelData::F32(t)) => color::srgb_to_linear(t[i * n + k]),
     };
     let [r, g, b, a] = match (n, image.alpha) {
         (1, _) => [light(0), light(0), light(0), 1.0],
@@ -430,11 +430,11 @@ fn read_texel(image: &Image<'_>, curve: &Curve, i: usize) -> [f32; 4] {
 /// Bytes stay bytes when decoding and premultiplying change none of them.
 pub(crate) fn choose_format(image: &Image<'_>) -> Format {
     match image.texels {
-        Texels::F32(_) if image.channels == 1 => Format::R32,
-        Texels::F32(_) => Format::Rgba32,
-        Texels::U16(_) => Format::Rgba16,
-        Texels::U8(_) if image.color == ColorSpace::Srgb => Format::Rgba16,
-        Texels::U8(t) => {
+        TexelData::F32(_) if image.channels == 1 => Format::R32,
+        TexelData::F32(_) => Format::Rgba32,
+        TexelData::U16(_) => Format::Rgba16,
+        TexelData::U8(_) if image.color == ColorSpace::Srgb => Format::Rgba16,
+        TexelData::U8(t) => {
             let has_alpha = image.alpha == Alpha::Straight && image.channels.is_multiple_of(2);
             let n = image.channels as usize;
             let soft = |texel: &[u8]| !matches!(texel[n - 1], 0 | 255);

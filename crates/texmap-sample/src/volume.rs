@@ -3,13 +3,13 @@
 mod kernel;
 
 pub(crate) use kernel::VolumeView;
-pub use kernel::{Points, sample_3d_columns};
+pub use kernel::{UvwBatch, sample_3d_soa};
 
 use crate::{
     address::{lod, wrap::Wrap},
-    bound_texture::{View, exact_format},
+    bound_texture::{BoundTexture, exact_format},
     error::SampleError,
-    filter::Kind,
+    filter::Kernel,
     mip,
     sampler::Sampler,
     texel_data::{Chain, scaled},
@@ -153,7 +153,7 @@ impl Sampler {
     /// have no form in three dimensions and take eight texels.
     pub fn sample_3d(&self, t: &Texture3d<'_>, uvw: [f32; 3], wrap_w: Wrap, lod: f32) -> [f32; 4] {
         let format = exact_format(&t.chain);
-        match View::single(self, &t.chain, Kind::Gl, format) {
+        match BoundTexture::single(self, &t.chain, Kernel::Gl, format) {
             Some(view) => VolumeView::of(view, self, wrap_w, t.depth()).look(Scalar, uvw, lod),
             None => [0.0; 4],
         }

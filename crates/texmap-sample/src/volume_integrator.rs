@@ -4,11 +4,11 @@
 use crate::{
     address::{lod, wrap::Wrap},
     batch::Batch,
-    bound_texture::View,
+    bound_texture::BoundTexture,
     error::SampleError,
     sampler::{Filter, Sampler},
     texture::Texture2d,
-    volume::{Points, Texture3d, VolumeView},
+    volume::{Texture3d, UvwBatch, VolumeView},
 };
 use alloc::boxed::Box;
 use texmap_math::{Level, deterministic_f32, float, simd::Scalar};
@@ -17,7 +17,7 @@ use texmap_math::{Level, deterministic_f32, float, simd::Scalar};
 pub const OPAQUE: f32 = 1.0 / 4096.0;
 
 /// Most steps of a ray; a finer step is widened.
-pub const MOST_STEPS: u32 = 1 << 16;
+pub const MAX_STEPS: u32 = 1 << 16;
 
 /// Matter in the unit cube.
 ///
@@ -25,7 +25,7 @@ pub const MOST_STEPS: u32 = 1 << 16;
 /// single channel is white); a grid with alpha has its density there. With one, the voxel's first channel is looked up
 /// along it: a dependent look-up, whose colour shines and whose alpha is the density.
 #[derive(Clone, Debug)]
-pub struct Volume<'a> {
+pub struct VolumeIntegrator<'a> {
     grid: &'a Texture3d<'a>,
     sampler: &'a Sampler,
     transfer: Option<(&'a Texture2d<'a>, &'a Sampler)>,
@@ -39,7 +39,7 @@ pub struct Volume<'a> {
 struct Lanes<'a> {
     level: Level,
     voxels: VolumeView<'a>,
-    transfer: Option<(View<'a>, &'a Sampler)>,
+    transfer: Option<(BoundTexture<'a>, &'a Sampler)>,
 }
 
 /// Steps that are looked up at once.
@@ -49,14 +49,14 @@ const FEW: u32 = 4;
 
 /// What a ray has seen.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Seen {
+pub struct RayRadiance {
     /// Premultiplied colour, linear light; alpha is what the volume hides of that behind it.
     pub color: [f32; 4],
     /// Voxels looked up.
     pub steps: u32,
 }
 
-impl<'a> Volume<'a> {
+impl<'a> VolumeIntegrator<'a> {
     /// `density` is the extinction of density 1, per unit of the ray's parameter: through a length L of it shows
     /// `exp(-density L)` of what is behind. `step` is the distance of look-ups in the same unit. With a filter that reads
     /// mip levels a step longer than a voxel reads a level whose voxels are about as long.
@@ -88,7 +88,7 @@ impl<'a> Volume<'a> {
     pub fn on_level(mut self, level: Level) -> Self {
         let transfer = self
             .transfer
-            .map(|(ramp, along)| Some((View::new(along, ramp)?, along)));
+            .map(|(ramp, along)| Some((BoundTexture::new(along, ramp)?, along)));
         let voxels = VolumeView::new(self.sampler, self.grid, Wrap::ClampToEdge);
         self.lanes = match (voxels, transfer) {
             (Some(voxels), None) => Some((voxels, None)),
@@ -109,15 +109,20 @@ impl<'a> Volume<'a> {
     /// inside is cut into equal steps of at most `step`, each looked up at its middle and weighed by
     /// `1 - exp(-density step)`, so the result does not depend on the step where the matter does not change. A ray that
     /// misses, or is not finite, sees nothing.
-    pub fn march(&self, origin: [f64; 3], direction: [f64; 3], span: (f64, f64)) -> Seen {
-        let mut seen = Seen::default();
+    pub fn integrate(
+        &self,
+        origin: [f64; 3],
+        direction: [f64; 3],
+        span: (f64, f64),
+    ) -> RayRadiance {
+        let mut seen = RayRadiance::default();
         let Some((near, far)) = through(origin, direction, span) else {
             return seen;
         };
         let length = far - near;
         let wanted = float::ceil(length / f64::from(self.step));
-        let count = if wanted >= f64::from(MOST_STEPS) {
-            MOST_STEPS
+        let count = if wanted >= f64::from(MAX_STEPS) {
+            MAX_STEPS
         } else if wanted >= 1.0 {
             wanted as u32
         } else {
@@ -143,7 +148,7 @@ impl<'a> Volume<'a> {
                 let ([r, g, b], dense) = if lanes.is_some() {
                     ahead[i as usize]
                 } else {
-                    self.matter(at(first + i), lod)
+                    self.density_at(at(first + i), lod)
                 };
                 seen.steps += 1;
                 if dense > 0.0 {
@@ -164,7 +169,7 @@ impl<'a> Volume<'a> {
     }
 
     /// Straight colour and density, 0 or more, at a point of the unit cube.
-    pub fn matter(&self, at: [f32; 3], lod: f32) -> ([f32; 3], f32) {
+    pub fn density_at(&self, at: [f32; 3], lod: f32) -> ([f32; 3], f32) {
         let voxel = self
             .sampler
             .sample_3d(self.grid, at, Wrap::ClampToEdge, lod);
@@ -174,7 +179,7 @@ impl<'a> Volume<'a> {
         }
     }
 
-    /// [`matter`](Self::matter) of the steps ahead.
+    /// [`density_at`](Self::density_at) of the steps ahead.
     fn look_up(
         &self,
         lanes: &Lanes<'_>,
@@ -183,7 +188,7 @@ impl<'a> Volume<'a> {
         out: &mut [([f32; 3], f32); STEPS],
     ) {
         let [u, v, w] = [0, 1, 2].map(|k| points.map(|p| p[k]));
-        let at = Points {
+        let at = UvwBatch {
             u: &u,
             v: &v,
             w: &w,
@@ -269,7 +274,7 @@ fn through(origin: [f64; 3], direction: [f64; 3], span: (f64, f64)) -> Option<(f
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Alpha, ColorSpace, Image, Origin, Texels};
+    use crate::{Alpha, ColorSpace, Image, Origin, TexelData};
     use alloc::vec::Vec;
 
     fn grid(size: [u32; 3], values: &[f32]) -> Texture3d<'static> {
@@ -277,7 +282,7 @@ mod tests {
             width: size[0],
             height: size[1],
             channels: 1,
-            texels: Texels::F32(values),
+            texels: TexelData::F32(values),
             color: ColorSpace::Linear,
             alpha: Alpha::Data,
             origin: Origin::TopLeft,
@@ -299,7 +304,7 @@ mod tests {
         let (one, s) = (grid([1, 1, 1], &[1.0]), sampler());
         for density in [0.0f32, 0.1, 1.0, 5.0] {
             for step in [1e-3f32, 0.01, 0.3, 1.0, 50.0] {
-                let volume = Volume::new(&one, &s, None, density, step).unwrap();
+                let volume = VolumeIntegrator::new(&one, &s, None, density, step).unwrap();
                 for (origin, direction, length) in [
                     ([-2.0, 0.5, 0.5], [1.0, 0.0, 0.0], 1.0),
                     ([0.5, 0.5, 3.0], [0.0, 0.0, -1.0], 1.0),
@@ -311,7 +316,9 @@ mod tests {
                     ),
                     ([-1.0, 0.0, 0.0], [1.0, 0.0, 0.0], 1.0),
                 ] {
-                    let [r, _, _, a] = volume.march(origin, direction, (0.0, f64::INFINITY)).color;
+                    let [r, _, _, a] = volume
+                        .integrate(origin, direction, (0.0, f64::INFINITY))
+                        .color;
                     let exact = 1.0 - (-f64::from(density) * length).exp();
                     assert!(
                         (f64::from(a) - exact).abs() < 3e-5,
@@ -327,14 +334,14 @@ mod tests {
     fn the_middle_of_a_step_is_exact_for_a_ramp_of_matter() {
         // Densities 0 to 1 over the middle of two voxels: the mean is a half.
         let (two, s) = (grid([2, 1, 1], &[0.0, 1.0]), sampler());
-        let volume = Volume::new(&two, &s, None, 3.0, 0.125).unwrap();
+        let volume = VolumeIntegrator::new(&two, &s, None, 3.0, 0.125).unwrap();
         let a = volume
-            .march([-1.0, 0.5, 0.5], [1.0, 0.0, 0.0], (0.0, 9.0))
+            .integrate([-1.0, 0.5, 0.5], [1.0, 0.0, 0.0], (0.0, 9.0))
             .color[3];
         assert!((f64::from(a) - (1.0 - (-1.5f64).exp())).abs() < 1e-5, "{a}");
         // Only what the span leaves.
         let a = volume
-            .march([-1.0, 0.5, 0.5], [1.0, 0.0, 0.0], (0.0, 1.25))
+            .integrate([-1.0, 0.5, 0.5], [1.0, 0.0, 0.0], (0.0, 1.25))
             .color[3];
         assert_eq!(a, 0.0);
     }
@@ -342,7 +349,7 @@ mod tests {
     #[test]
     fn rays_that_miss_or_are_no_rays_see_nothing() {
         let (one, s) = (grid([1, 1, 1], &[1.0]), sampler());
-        let volume = Volume::new(&one, &s, None, 1.0, 0.1).unwrap();
+        let volume = VolumeIntegrator::new(&one, &s, None, 1.0, 0.1).unwrap();
         for (origin, direction) in [
             ([-1.0, 1.5, 0.5], [1.0, 0.0, 0.0]),
             ([-1.0, 0.5, -1e-9], [1.0, 0.0, 0.0]),
@@ -358,8 +365,8 @@ mod tests {
                 (0.0, 1e9)
             };
             assert_eq!(
-                volume.march(origin, direction, span),
-                Seen::default(),
+                volume.integrate(origin, direction, span),
+                RayRadiance::default(),
                 "{origin:?} {direction:?}"
             );
         }
@@ -368,14 +375,14 @@ mod tests {
     #[test]
     fn a_dense_ray_ends_early_and_a_step_of_nothing_is_refused() {
         let (one, s) = (grid([1, 1, 1], &[1.0]), sampler());
-        let thick = Volume::new(&one, &s, None, 1000.0, 1e-3).unwrap();
-        let seen = thick.march([-1.0, 0.5, 0.5], [1.0, 0.0, 0.0], (0.0, 9.0));
+        let thick = VolumeIntegrator::new(&one, &s, None, 1000.0, 1e-3).unwrap();
+        let seen = thick.integrate([-1.0, 0.5, 0.5], [1.0, 0.0, 0.0], (0.0, 9.0));
         assert!(seen.steps < 12 && seen.color[3] > 1.0 - OPAQUE, "{seen:?}");
-        let fine = Volume::new(&one, &s, None, 0.0, f32::MIN_POSITIVE).unwrap();
+        let fine = VolumeIntegrator::new(&one, &s, None, 0.0, f32::MIN_POSITIVE).unwrap();
         assert_eq!(
-            fine.march([-1.0, 0.5, 0.5], [1.0, 0.0, 0.0], (0.0, 9.0))
+            fine.integrate([-1.0, 0.5, 0.5], [1.0, 0.0, 0.0], (0.0, 9.0))
                 .steps,
-            MOST_STEPS
+            MAX_STEPS
         );
         for (density, step) in [
             (1.0, 0.0),
@@ -386,7 +393,7 @@ mod tests {
             (1.0, f32::INFINITY),
         ] {
             assert!(matches!(
-                Volume::new(&one, &s, None, density, step),
+                VolumeIntegrator::new(&one, &s, None, density, step),
                 Err(SampleError::March { .. })
             ));
         }
@@ -409,9 +416,10 @@ mod tests {
             filter: Filter::Nearest,
             ..sampler()
         };
-        let volume = Volume::new(&row, &s, Some((&ramp, &along)), 2.0, 1.0 / 64.0).unwrap();
+        let volume =
+            VolumeIntegrator::new(&row, &s, Some((&ramp, &along)), 2.0, 1.0 / 64.0).unwrap();
         let [r, g, b, a] = volume
-            .march([-1.0, 0.5, 0.5], [1.0, 0.0, 0.0], (0.0, 9.0))
+            .integrate([-1.0, 0.5, 0.5], [1.0, 0.0, 0.0], (0.0, 9.0))
             .color;
         assert!((f64::from(a) - (1.0 - (-1.0f64).exp())).abs() < 1e-5, "{a}");
         assert!((r - a).abs() < 1e-6 && g == 0.0 && b == 0.0);

@@ -207,7 +207,7 @@ pub struct Volume {
     /// How the grid is read; its wrap modes are not.
     pub sampler: Sampler,
     /// The transfer function: a row of texels along which the grid's first channel is looked up. Its colour shines, its alpha
-    /// is the density. Without one, see [`texmap_sample::Volume`].
+    /// is the density. Without one, see [`texmap_sample::VolumeIntegrator`].
     pub transfer: Option<TextureSlot>,
     /// Extinction of density 1 per world unit: through a length L of it shows `exp(-density L)` of what is behind.
     pub density: f32,

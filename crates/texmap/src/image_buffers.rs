@@ -1,7 +1,7 @@
 //! Buffers of the crate `image` in and out.
 
 use image::{Rgba32FImage, RgbaImage};
-use texmap_sample::{Alpha, ColorSpace, Image, Origin, SampleError, Texels, Texture2d};
+use texmap_sample::{Alpha, ColorSpace, Image, Origin, SampleError, TexelData, Texture2d};
 
 /// A texture of 8-bit texels with straight alpha; the first row of the image is `v = 0`.
 ///
@@ -31,7 +31,7 @@ pub fn texture_from_f32(image: &Rgba32FImage) -> Result<Texture2d<'static>, Samp
         width,
         height,
         channels: 4,
-        texels: Texels::F32(image.as_raw()),
+        texels: TexelData::F32(image.as_raw()),
         color: ColorSpace::Linear,
         alpha: Alpha::Straight,
         origin: Origin::TopLeft,

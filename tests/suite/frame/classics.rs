@@ -5,7 +5,7 @@ use texmap_math::glam::{DMat4, DVec3};
 use texmap_mesh::Font;
 use texmap_render::{Aov, Renderer, Settings, pixel_hash, render, render_ordered};
 use texmap_sample::{
-    Alpha, ColorSpace, Filter, Image, Origin, Pattern, Sampler, Texels, Texture2d, Texture3d,
+    Alpha, ColorSpace, Filter, Image, Origin, Pattern, Sampler, TexelData, Texture2d, Texture3d,
     UvTransform, Wrap,
 };
 use texmap_scene::{
@@ -24,7 +24,7 @@ fn grid(size: u32, channels: u32) -> Texture3d<'static> {
         width: size,
         height: size,
         channels,
-        texels: Texels::U8(&texels),
+        texels: TexelData::U8(&texels),
         color: ColorSpace::Linear,
         alpha: Alpha::Straight,
         origin: Origin::TopLeft,
@@ -77,7 +77,7 @@ fn uniform(value: f32) -> Texture3d<'static> {
         width: 1,
         height: 1,
         channels: 1,
-        texels: Texels::F32(&[value]),
+        texels: TexelData::F32(&[value]),
         color: ColorSpace::Linear,
         alpha: Alpha::Data,
         origin: Origin::TopLeft,

@@ -3,7 +3,7 @@
 use texmap_light::{Light, Surface};
 use texmap_math::{Level, color};
 use texmap_render::{Aov, Settings, render};
-use texmap_sample::{Alpha, ColorSpace, Filter, Image, Origin, Texels, Texture2d};
+use texmap_sample::{Alpha, ColorSpace, Filter, Image, Origin, TexelData, Texture2d};
 use texmap_scene::{AlphaMode, ColorMode, Material, Scene, Shading, TextureRole};
 use texmap_tests::levels::levels;
 
@@ -189,7 +189,7 @@ fn float_texels_are_not_clipped_on_any_level() {
             width: 2,
             height: 1,
             channels: 4,
-            texels: Texels::F32(texels),
+            texels: TexelData::F32(texels),
             color: ColorSpace::Linear,
             alpha,
             origin: Origin::TopLeft,

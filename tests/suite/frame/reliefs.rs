@@ -5,7 +5,7 @@ use texmap_light::{
 };
 use texmap_math::glam::{DMat4, DVec3};
 use texmap_render::{Aov, Frame};
-use texmap_sample::{Alpha, ColorSpace, Filter, Image, Origin, Pattern, Texels, Texture2d};
+use texmap_sample::{Alpha, ColorSpace, Filter, Image, Origin, Pattern, TexelData, Texture2d};
 use texmap_scene::SceneError;
 use texmap_scene::{Carving, Material, Mesh, Relief, Scene, Shadow};
 use texmap_tests::levels::levels;
@@ -19,7 +19,7 @@ fn floats(channels: u32, texels: &[f32]) -> Texture2d<'static> {
         width: SIDE,
         height: texels.len() as u32 / SIDE / channels,
         channels,
-        texels: Texels::F32(texels),
+        texels: TexelData::F32(texels),
         color: ColorSpace::Linear,
         alpha: Alpha::Straight,
         origin: Origin::TopLeft,

@@ -2,8 +2,8 @@
 
 use crate::support::{Random, filters};
 use texmap_sample::{
-    Alpha, ColorSpace, Directions, Image, Lod, Origin, Sampler, Texels, TextureCube, Wrap,
-    cube_direction, sample_cube_columns,
+    Alpha, ColorSpace, DirectionBatch, Image, Lod, Origin, Sampler, TexelData, TextureCube, Wrap,
+    cube_direction, sample_cube_soa,
 };
 use texmap_tests::levels::levels;
 
@@ -23,7 +23,7 @@ fn cube(side: u32, color: ColorSpace, alpha: impl Fn(u32) -> u8) -> TextureCube<
         width: side,
         height: side,
         channels: 4,
-        texels: Texels::U8(&faces[face]),
+        texels: TexelData::U8(&faces[face]),
         color,
         alpha: Alpha::Straight,
         origin: Origin::TopLeft,
@@ -46,7 +46,7 @@ fn bright(side: u32) -> TextureCube<'static> {
         width: side,
         height: side,
         channels: 3,
-        texels: Texels::F32(&faces[face]),
+        texels: TexelData::F32(&faces[face]),
         color: ColorSpace::Linear,
         alpha: Alpha::Straight,
         origin: Origin::TopLeft,
@@ -140,7 +140,7 @@ fn batches_of_cubes_equal_single_look_ups_on_every_level() {
                     },
                     ..Sampler::default()
                 };
-                let at = Directions {
+                let at = DirectionBatch {
                     x: &x,
                     y: &y,
                     z: &z,
@@ -148,7 +148,7 @@ fn batches_of_cubes_equal_single_look_ups_on_every_level() {
                 };
                 for (name_of_level, level) in levels() {
                     let columns = out.each_mut().map(|c| &mut c[..]);
-                    sample_cube_columns(level, &sampler, t, &at, columns).unwrap();
+                    sample_cube_soa(level, &sampler, t, &at, columns).unwrap();
                     for (i, d) in directions.iter().enumerate() {
                         let one = sampler.sample_cube(t, *d, lod.map_or(0.0, |lod| lod[i]));
                         let batch = [0, 1, 2, 3].map(|k| out[k][i]);
@@ -169,7 +169,7 @@ fn batches_of_cubes_equal_single_look_ups_on_every_level() {
 fn columns_of_different_lengths_are_named() {
     let t = cube(2, ColorSpace::Linear, |_| 255);
     let (long, short) = ([0.0; 3], [0.0; 2]);
-    let at = Directions {
+    let at = DirectionBatch {
         x: &long,
         y: &long,
         z: &short,
@@ -177,7 +177,7 @@ fn columns_of_different_lengths_are_named() {
     };
     let mut out = [[0.0; 3]; 4];
     let columns = out.each_mut().map(|c| &mut c[..]);
-    let error = sample_cube_columns(levels()[0].1, &Sampler::default(), &t, &at, columns);
+    let error = sample_cube_soa(levels()[0].1, &Sampler::default(), &t, &at, columns);
     assert_eq!(
         error.unwrap_err().to_string(),
         "z holds 2 entries, the coordinates have 3"

@@ -3,7 +3,8 @@
 use crate::support::filters;
 use texmap_math::{Footprint, Level};
 use texmap_sample::{
-    Alpha, ColorSpace, Filter, Image, Origin, SampleError, Sampler, Texels, Texture2d, sample_slice,
+    Alpha, ColorSpace, Filter, Image, Origin, SampleError, Sampler, TexelData, Texture2d,
+    sample_slice,
 };
 
 /// 13 x 7 texels, every byte another.
@@ -21,7 +22,7 @@ fn both(channels: u32, color: ColorSpace) -> [Texture2d<'static>; 2] {
         width: 13,
         height: 7,
         channels,
-        texels: Texels::U8(&given),
+        texels: TexelData::U8(&given),
         color,
         alpha: Alpha::Straight,
         origin: Origin::BottomLeft,

@@ -4,8 +4,8 @@ use crate::filters::bound;
 use crate::support::{Random, WRAPS, filters, float_texture, largest_difference, random_floats};
 use texmap_math::Footprint;
 use texmap_sample::{
-    Alpha, ColorSpace, Filter, Image, Lod, Origin, Points, Precision, SampleError, Sampler, Texels,
-    Texture2d, Texture3d, Wrap, reference, sample_3d_columns, sample_slice,
+    Alpha, ColorSpace, Filter, Image, Lod, Origin, Precision, SampleError, Sampler, TexelData,
+    Texture2d, Texture3d, UvwBatch, Wrap, reference, sample_3d_soa, sample_slice,
 };
 use texmap_tests::levels::levels;
 
@@ -111,9 +111,9 @@ fn any_texture(random: &mut Random, texels: &[f32]) -> Texture2d<'static> {
         height,
         channels,
         texels: match kind {
-            0 => Texels::U8(&bytes),
-            1 => Texels::U16(&words),
-            _ => Texels::F32(&floats),
+            0 => TexelData::U8(&bytes),
+            1 => TexelData::U16(&words),
+            _ => TexelData::F32(&floats),
         },
         // Curve and opacity take large floats out of the range, which is refused.
         color: if kind < 2 { color } else { ColorSpace::Linear },
@@ -219,7 +219,7 @@ fn no_field_parts_volumes_from_scalar() {
             width: w,
             height: h,
             channels: 4,
-            texels: Texels::F32(&texels),
+            texels: TexelData::F32(&texels),
             color: ColorSpace::Linear,
             alpha: Alpha::Data,
             origin: Origin::TopLeft,
@@ -230,7 +230,7 @@ fn no_field_parts_volumes_from_scalar() {
                 .map(|_| coordinate(&mut random))
                 .collect::<Vec<_>>()
         });
-        let at = Points {
+        let at = UvwBatch {
             u: &u,
             v: &v,
             w: &w,
@@ -239,7 +239,7 @@ fn no_field_parts_volumes_from_scalar() {
         let mut out = [[0.0; COUNT]; 4];
         for (name, level) in levels() {
             let columns = out.each_mut().map(|c| &mut c[..]);
-            sample_3d_columns(level, &s, &t, wrap_w, &at, columns).unwrap();
+            sample_3d_soa(level, &s, &t, wrap_w, &at, columns).unwrap();
             for i in 0..COUNT {
                 let one = s.sample_3d(&t, [u[i], v[i], w[i]], wrap_w, lod[i]);
                 let found = [0, 1, 2, 3].map(|k| out[k][i]);
@@ -346,7 +346,7 @@ fn floats_that_leave_the_range_on_their_way_in_are_refused() {
             width: 2,
             height: 1,
             channels,
-            texels: Texels::F32(texels),
+            texels: TexelData::F32(texels),
             color,
             alpha,
             origin: Origin::TopLeft,

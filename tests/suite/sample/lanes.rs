@@ -4,11 +4,11 @@ use crate::support::{Random, WRAPS, filters, random_bytes, random_floats};
 use texmap_math::simd::{ByteIsa, prelude::*};
 use texmap_math::{Footprint, dispatch_simd};
 use texmap_sample::lanes::packed::{self, FootprintLanes};
-use texmap_sample::lanes::{Kind, View};
+use texmap_sample::lanes::{BoundTexture, Kernel};
 use texmap_sample::{
-    Alpha, ColorSpace, Filter, Image, Lod, Origin, Places as Columns, Precision, Sampler, Texels,
-    Texture2d, Wrap, gives_bytes, sample_columns, sample_rgba8_columns, sample_rgba8_slice,
-    sample_slice,
+    Alpha, ColorSpace, Filter, Image, Lod, Origin, Places as Columns, Precision, Sampler,
+    TexelData, Texture2d, Wrap, is_exact_in_rgba8, sample_rgba8_slice, sample_rgba8_soa,
+    sample_slice, sample_soa,
 };
 use texmap_tests::levels::levels;
 
@@ -119,7 +119,7 @@ fn textures() -> Vec<(&'static str, Texture2d<'static>)> {
         width: 8,
         height: 8,
         channels: 4,
-        texels: Texels::U8(&coloured(8, 8, true)),
+        texels: TexelData::U8(&coloured(8, 8, true)),
         color: ColorSpace::Linear,
         alpha: Alpha::Data,
         origin: Origin::TopLeft,
@@ -342,19 +342,19 @@ fn columns_equal_slices() {
                         };
                         sample_slice(level, &s, &t, u, v, grads, &mut colors).unwrap();
                         let out = columns.each_mut().map(|c| &mut c[..]);
-                        sample_columns(level, &s, &t, &at, out).unwrap();
+                        sample_soa(level, &s, &t, &at, out).unwrap();
                         for (i, want) in colors.iter().enumerate() {
                             let found = columns.each_ref().map(|c| c[i]);
                             assert!(same_bits(found, *want), "{what} {i}: {found:?} {want:?}");
                         }
                         sample_rgba8_slice(level, &s, &t, u, v, grads, &mut bytes).unwrap();
-                        sample_rgba8_columns(level, &s, &t, &at, &mut byte_columns).unwrap();
+                        sample_rgba8_soa(level, &s, &t, &at, &mut byte_columns).unwrap();
                         assert_eq!(byte_columns, bytes, "{what}");
                         // Bytes are the whole colour where the sampler says so, and only there.
                         let whole = bytes.iter().zip(&colors).all(|(b, c)| {
                             b.to_le_bytes().map(|b| f32::from(b) * (1.0 / 255.0)) == *c
                         });
-                        assert!(whole || !gives_bytes(&s, &t), "{what}");
+                        assert!(whole || !is_exact_in_rgba8(&s, &t), "{what}");
                     }
                 }
             }
@@ -367,7 +367,7 @@ fn columns_equal_slices() {
         v: &[0.0; 3],
         gradients: Some([&[0.0; 3], &[0.0; 3], &[0.0; 2], &[0.0; 3]]),
     };
-    let e = sample_rgba8_columns(texmap_math::Level::new(), &s, &t, &at, &mut [0; 3]).unwrap_err();
+    let e = sample_rgba8_soa(texmap_math::Level::new(), &s, &t, &at, &mut [0; 3]).unwrap_err();
     assert!(e.to_string().contains("gradients"), "{e}");
 }
 
@@ -416,16 +416,22 @@ fn byte_slices_equal_float_slices() {
 
 /// Look-ups by the functions for stages of one's own, as many at a time as there are lanes.
 #[inline(always)]
-fn stage<I: ByteIsa>(i: I, view: &View<'_>, at: &Places, d: &[Vec<f32>; 4], out: &mut [u32]) {
+fn stage<I: ByteIsa>(
+    i: I,
+    view: &BoundTexture<'_>,
+    at: &Places,
+    d: &[Vec<f32>; 4],
+    out: &mut [u32],
+) {
     for (k, out) in out.chunks_exact_mut(I::LANES).enumerate() {
         let k = k * I::LANES;
         let (u, v) = (i.load_f32(&at.u[k..]), i.load_f32(&at.v[k..]));
         let [ux, vx, uy, vy] = d.each_ref().map(|d| i.load_f32(&d[k..]));
         let d = FootprintLanes::new(i, view, ux, vx, uy, vy);
         match view.kind {
-            Kind::Nearest => packed::nearest_lanes(i, view, u, v),
-            Kind::Bilinear => packed::bilinear_lanes(i, view, u, v),
-            Kind::Trilinear => {
+            Kernel::Nearest => packed::nearest_lanes(i, view, u, v),
+            Kernel::Bilinear => packed::bilinear_lanes(i, view, u, v),
+            Kernel::Trilinear => {
                 packed::trilinear_lanes(i, view, u, v, packed::lod_lanes(i, view, &d))
             }
             _ => packed::anisotropic_lanes(i, view, u, v, &d),
@@ -459,7 +465,7 @@ fn stages_give_the_bits_of_single_samples_on_every_level_and_width() {
                     precision: Precision::Fast,
                     ..Sampler::default()
                 };
-                let view = View::new(&s, &t).expect("a texture has texels");
+                let view = BoundTexture::new(&s, &t).expect("a texture has texels");
                 let want: Vec<u32> = (0..out.len())
                     .map(|i| {
                         let c = s.sample_grad(&t, [places.u[i], places.v[i]], places.d[i]);

@@ -3,8 +3,8 @@
 use crate::support::{Random, float_texture, random_bytes};
 use texmap_math::{Footprint, color};
 use texmap_sample::{
-    Alpha, ColorSpace, Filter, Image, Origin, SampleError, Sampler, Texels, Texture2d, UvTransform,
-    Wrap,
+    Alpha, ColorSpace, Filter, Image, Origin, SampleError, Sampler, TexelData, Texture2d,
+    UvTransform, Wrap,
 };
 
 fn bilinear_clamped() -> Sampler {
@@ -48,7 +48,7 @@ fn wide_srgb_texels_have_the_same_light_in_small_and_large_images() {
             width: side,
             height: side,
             channels: 1,
-            texels: Texels::U16(texels),
+            texels: TexelData::U16(texels),
             color: ColorSpace::Srgb,
             alpha: Alpha::Data,
             origin: Origin::TopLeft,

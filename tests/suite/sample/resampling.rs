@@ -4,7 +4,7 @@ use crate::support::{Random, float_texture, random_bytes, random_floats};
 use texmap_math::glam::{DMat3, DVec2, DVec3};
 use texmap_math::{Homography, Level};
 use texmap_sample::{
-    Alpha, ColorSpace, Filter, Image, Origin, Outside, Resample, Texels, Texture2d,
+    Alpha, ColorSpace, EdgeMode, Filter, Image, Origin, Resample, TexelData, Texture2d,
 };
 
 fn affine(a: [f64; 6]) -> Homography {
@@ -20,7 +20,7 @@ fn affine(a: [f64; 6]) -> Homography {
 fn draw(
     t: &Texture2d<'_>,
     filter: Filter,
-    outside: Outside,
+    outside: EdgeMode,
     map: &Homography,
     w: u32,
     h: u32,
@@ -39,7 +39,7 @@ fn the_identity_and_quarter_turns_are_exact() {
         let same = draw(
             &t,
             filter,
-            Outside::Transparent,
+            EdgeMode::Transparent,
             &Homography::IDENTITY,
             9,
             6,
@@ -48,7 +48,7 @@ fn the_identity_and_quarter_turns_are_exact() {
         let turned = draw(
             &t,
             filter,
-            Outside::Transparent,
+            EdgeMode::Transparent,
             &affine([0.0, 1.0, 0.0, -1.0, 0.0, 9.0]),
             6,
             9,
@@ -75,7 +75,7 @@ fn half_a_pixel_blends_and_covers_by_half() {
     let out = draw(
         &t,
         Filter::Bilinear,
-        Outside::Transparent,
+        EdgeMode::Transparent,
         &affine([1.0, 0.0, 0.5, 0.0, 1.0, 0.0]),
         5,
         1,
@@ -85,13 +85,13 @@ fn half_a_pixel_blends_and_covers_by_half() {
     let edge = draw(
         &t,
         Filter::Bilinear,
-        Outside::Edge,
+        EdgeMode::Edge,
         &affine([1.0, 0.0, 0.5, 0.0, 1.0, 0.0]),
         5,
         1,
     );
     assert!(edge.iter().all(|c| c[3] == 1.0));
-    let border = Outside::Border([0.0, 0.0, 0.0, 1.0]);
+    let border = EdgeMode::Border([0.0, 0.0, 0.0, 1.0]);
     let out = draw(
         &t,
         Filter::Bilinear,
@@ -117,7 +117,7 @@ fn turned_edges_keep_the_area() {
             c,
             40.0 + 20.0 * s - 15.0 * c,
         ]);
-        let out = draw(&t, Filter::Bilinear, Outside::Transparent, &map, 80, 80);
+        let out = draw(&t, Filter::Bilinear, EdgeMode::Transparent, &map, 80, 80);
         let area: f64 = out.iter().map(|c| f64::from(c[3])).sum();
         assert!((area - 1200.0).abs() < 3.0, "{degrees}: {area}");
         assert!(out.iter().filter(|c| c[3] > 0.02 && c[3] < 0.98).count() > 60);
@@ -178,7 +178,7 @@ fn edges_cover_the_area_of_the_pixel() {
     maps.push(affine([0.9, 0.4, 3.0, -0.4, 0.9, 14.0]));
     let (mut partial, mut within) = (0, 0);
     for map in &maps {
-        for outside in [Outside::Transparent, Outside::Border([0.0; 4])] {
+        for outside in [EdgeMode::Transparent, EdgeMode::Border([0.0; 4])] {
             let out = draw(&t, Filter::Anisotropic(16), outside, map, 40, 40);
             for (i, c) in out.iter().enumerate() {
                 let want = counted(map, size, i % 40, i / 40);
@@ -205,12 +205,12 @@ fn a_cut_pixel_takes_its_colour_inside() {
     let t = float_texture(8, 1, 4, &ramp);
     // Pixel 0 holds half of texel 0, pixel 8 half of texel 7: their middles are a quarter of a texel from the edges.
     let shifted = affine([1.0, 0.0, 0.5, 0.0, 1.0, 0.0]);
-    let out = draw(&t, Filter::Bilinear, Outside::Transparent, &shifted, 9, 1);
+    let out = draw(&t, Filter::Bilinear, EdgeMode::Transparent, &shifted, 9, 1);
     let colors: Vec<f32> = out.iter().map(|c| c[0] / c[3]).collect();
     assert_eq!(colors[..2], [0.0, 0.5]);
     assert_eq!((colors[8], out[8][3]), (7.0, 0.5));
     let slow = affine([4.0, 0.0, 2.0, 0.0, 1.0, 0.0]);
-    let out = draw(&t, Filter::Bilinear, Outside::Transparent, &slow, 36, 1);
+    let out = draw(&t, Filter::Bilinear, EdgeMode::Transparent, &slow, 36, 1);
     assert!(out.iter().all(|c| c[3] == 1.0 || c[3] == 0.0));
 }
 
@@ -222,9 +222,9 @@ fn shrinking_is_filtered() {
         .collect();
     let t = float_texture(64, 64, 1, &checker).with_mips();
     let map = affine([1.0 / 16.0, 0.0, 0.0, 0.0, 1.0 / 16.0, 0.0]);
-    let out = draw(&t, Filter::Anisotropic(16), Outside::Edge, &map, 4, 4);
+    let out = draw(&t, Filter::Anisotropic(16), EdgeMode::Edge, &map, 4, 4);
     assert!(out.iter().all(|c| (c[0] - 0.5).abs() < 0.02), "{out:?}");
-    let bare = draw(&t, Filter::Nearest, Outside::Edge, &map, 4, 4);
+    let bare = draw(&t, Filter::Nearest, EdgeMode::Edge, &map, 4, 4);
     assert!(bare.iter().any(|c| (c[0] - 0.5).abs() > 0.4));
 }
 
@@ -240,7 +240,7 @@ fn homographies_take_corners_to_corners() {
     let quad =
         [[20.0, 10.0], [90.0, 25.0], [80.0, 85.0], [15.0, 60.0]].map(|[x, y]| DVec2::new(x, y));
     let map = Homography::from_quads(corners, quad).unwrap();
-    let out = draw(&t, Filter::Bilinear, Outside::Transparent, &map, 100, 100);
+    let out = draw(&t, Filter::Bilinear, EdgeMode::Transparent, &map, 100, 100);
     let back = map.inverse();
     let mut inside = 0;
     for y in 0..100 {
@@ -268,7 +268,7 @@ fn homographies_take_corners_to_corners() {
         DVec3::new(0.0, 0.0, 1.0),
     ))
     .unwrap();
-    let out = draw(&t, Filter::Bilinear, Outside::Edge, &steep, 32, 64);
+    let out = draw(&t, Filter::Bilinear, EdgeMode::Edge, &steep, 32, 64);
     assert!(out.iter().all(|c| c.iter().all(|c| c.is_finite())));
 }
 
@@ -276,8 +276,8 @@ fn homographies_take_corners_to_corners() {
 fn rows_may_be_drawn_apart() {
     let t = random_floats(20, 20, 3).with_mips();
     let map = affine([0.7, 0.2, 3.0, -0.3, 0.9, 5.0]);
-    let whole = draw(&t, Filter::Trilinear, Outside::Repeat, &map, 300, 8);
-    let r = Resample::new(&t, Filter::Trilinear, Outside::Repeat, &map);
+    let whole = draw(&t, Filter::Trilinear, EdgeMode::Repeat, &map, 300, 8);
+    let r = Resample::new(&t, Filter::Trilinear, EdgeMode::Repeat, &map);
     let mut row = vec![[0.0; 4]; 300];
     for y in 0..8 {
         r.rows(Level::new(), 300, y, &mut row).unwrap();
@@ -351,7 +351,7 @@ fn normals_stay_unit_vectors_down_the_chain() {
         width: 16,
         height: 16,
         channels: 3,
-        texels: Texels::F32(&texels),
+        texels: TexelData::F32(&texels),
         color: ColorSpace::Linear,
         alpha: Alpha::Data,
         origin: Origin::TopLeft,

@@ -4,7 +4,7 @@
 use crate::support::{Random, WRAPS, float_texture, random_bytes, random_floats};
 use texmap_math::Footprint;
 use texmap_sample::{
-    Alpha, AtlasRect, ColorSpace, Compare, Filter, Image, Origin, Sampler, SummedArea, Texels,
+    Alpha, AtlasRect, ColorSpace, Compare, Filter, Image, Origin, Sampler, SummedArea, TexelData,
     Texture1d, Texture3d, TextureCube, Wrap, cube_direction, cube_face,
 };
 
@@ -13,7 +13,7 @@ fn floats<'a>(width: u32, height: u32, channels: u32, texels: &'a [f32]) -> Imag
         width,
         height,
         channels,
-        texels: Texels::F32(texels),
+        texels: TexelData::F32(texels),
         color: ColorSpace::Linear,
         alpha: Alpha::Data,
         origin: Origin::TopLeft,
@@ -420,7 +420,7 @@ fn dependent_look_ups_carry_their_derivative() {
         filter: Filter::Bilinear,
         ..Sampler::default()
     };
-    let [value, du, dv] = s.sample_slope(&first, [0.41, 0.57], 0.0);
+    let [value, du, dv] = s.sample_with_gradient(&first, [0.41, 0.57], 0.0);
     let h = 1.0 / 512.0;
     let (a, b) = (
         s.sample(&first, [0.41 + h, 0.57]),
@@ -439,7 +439,7 @@ fn dependent_look_ups_carry_their_derivative() {
         ..Sampler::default()
     };
     let d = Footprint::new(0.02, 0.01, -0.01, 0.03);
-    let got = s.sample_dependent(&first, [0.41, 0.57], d, &t, &second);
+    let got = s.sample_through_ramp(&first, [0.41, 0.57], d, &t, &second);
     let inner = Footprint::new(
         0.5 * d.du_dx + 0.2 * d.dv_dx,
         -0.1 * d.du_dx + 0.9 * d.dv_dx,

@@ -1,7 +1,7 @@
 //! Textures and numbers that the sampler's tests share.
 
 use texmap_sample::{
-    Alpha, ColorSpace, Cubic, Filter, Image, Mip, Origin, Texel, Texels, Texture2d, Wrap,
+    Alpha, ColorSpace, Cubic, Filter, Image, Mip, Origin, TexelData, TexelFilter, Texture2d, Wrap,
 };
 
 pub(crate) const WRAPS: [Wrap; 5] = [
@@ -28,8 +28,8 @@ pub(crate) fn filters() -> Vec<Filter> {
         Filter::ewa(4),
         Filter::ewa(16),
     ];
-    for mag in [Texel::Nearest, Texel::Linear] {
-        for min in [Texel::Nearest, Texel::Linear] {
+    for mag in [TexelFilter::Nearest, TexelFilter::Linear] {
+        for min in [TexelFilter::Nearest, TexelFilter::Linear] {
             for mip in [Mip::None, Mip::Nearest, Mip::Linear] {
                 all.push(Filter::Gl { mag, min, mip });
             }
@@ -88,7 +88,7 @@ pub(crate) fn float_texture(
         width,
         height,
         channels,
-        texels: Texels::F32(texels),
+        texels: TexelData::F32(texels),
         color: ColorSpace::Linear,
         alpha: Alpha::Premultiplied,
         origin: Origin::TopLeft,

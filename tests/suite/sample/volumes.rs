@@ -2,8 +2,8 @@
 
 use crate::support::{Random, WRAPS, filters};
 use texmap_sample::{
-    Alpha, ColorSpace, Filter, Image, Lod, Origin, Points, Sampler, Texels, Texture2d, Texture3d,
-    Volume, Wrap, sample_3d_columns,
+    Alpha, ColorSpace, Filter, Image, Lod, Origin, Sampler, TexelData, Texture2d, Texture3d,
+    UvwBatch, VolumeIntegrator, Wrap, sample_3d_soa,
 };
 use texmap_tests::levels::levels;
 
@@ -14,7 +14,7 @@ fn bytes([w, h, d]: [u32; 3], color: ColorSpace, alpha: Alpha) -> Texture3d<'sta
         width: w,
         height: h,
         channels: 4,
-        texels: Texels::U8(&texels),
+        texels: TexelData::U8(&texels),
         color,
         alpha,
         origin: Origin::BottomLeft,
@@ -31,7 +31,7 @@ fn floats([w, h, d]: [u32; 3], channels: u32) -> Texture3d<'static> {
         width: w,
         height: h,
         channels,
-        texels: Texels::F32(&texels),
+        texels: TexelData::F32(&texels),
         color: ColorSpace::Linear,
         alpha: Alpha::Data,
         origin: Origin::TopLeft,
@@ -112,7 +112,7 @@ fn batches_of_volumes_equal_single_look_ups_on_every_level() {
                     ..Sampler::default()
                 };
                 for lod in [None, Some(&lod[..])] {
-                    let at = Points {
+                    let at = UvwBatch {
                         u: &u,
                         v: &v,
                         w: &w,
@@ -120,7 +120,7 @@ fn batches_of_volumes_equal_single_look_ups_on_every_level() {
                     };
                     for (level_name, level) in levels() {
                         let columns = out.each_mut().map(|c| &mut c[..]);
-                        sample_3d_columns(level, &s, t, wrap_w, &at, columns).unwrap();
+                        sample_3d_soa(level, &s, t, wrap_w, &at, columns).unwrap();
                         for i in 0..u.len() {
                             let level_of = lod.map_or(0.0, |lod| lod[i]);
                             let one = s.sample_3d(t, [u[i], v[i], w[i]], wrap_w, level_of);
@@ -163,7 +163,7 @@ fn rays_see_the_same_on_every_level() {
                         filter,
                         ..Sampler::default()
                     };
-                    let one = Volume::new(t, &s, transfer, density, 0.03).unwrap();
+                    let one = VolumeIntegrator::new(t, &s, transfer, density, 0.03).unwrap();
                     for (level_name, level) in levels() {
                         let lanes = one.clone().on_level(level);
                         let mut seen = 0;
@@ -172,8 +172,8 @@ fn rays_see_the_same_on_every_level() {
                             let ray = ([-1.0, 0.9 * at, 0.9 - 0.5 * at], [0.9, 0.05, -0.02]);
                             let span = (0.0, if i % 3 == 0 { 1.37 } else { 1e9 });
                             let (a, b) = (
-                                one.march(ray.0, ray.1, span),
-                                lanes.march(ray.0, ray.1, span),
+                                one.integrate(ray.0, ray.1, span),
+                                lanes.integrate(ray.0, ray.1, span),
                             );
                             assert_eq!(
                                 (a.color.map(f32::to_bits), a.steps),
@@ -194,7 +194,7 @@ fn rays_see_the_same_on_every_level() {
 fn columns_of_different_lengths_are_named() {
     let (_, t) = &volumes()[0];
     let (long, short) = ([0.0; 3], [0.0; 2]);
-    let at = Points {
+    let at = UvwBatch {
         u: &long,
         v: &long,
         w: &short,
@@ -203,7 +203,7 @@ fn columns_of_different_lengths_are_named() {
     let mut out = [[0.0; 3]; 4];
     let columns = out.each_mut().map(|c| &mut c[..]);
     let s = Sampler::default();
-    let error = sample_3d_columns(levels()[0].1, &s, t, Wrap::Repeat, &at, columns);
+    let error = sample_3d_soa(levels()[0].1, &s, t, Wrap::Repeat, &at, columns);
     assert_eq!(
         error.unwrap_err().to_string(),
         "w holds 2 entries, the coordinates have 3"

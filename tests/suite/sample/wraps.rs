@@ -2,7 +2,7 @@
 
 use crate::support::{Random, SIZES, WRAPS, filters, largest_difference, random_floats};
 use texmap_math::Footprint;
-use texmap_sample::{Filter, Mip, Sampler, Texel, Wrap, reference};
+use texmap_sample::{Filter, Mip, Sampler, TexelFilter, Wrap, reference};
 
 /// S1. The f64 definition, at coordinates moved by up to half a 2^-16 texel, must hold the f32 value.
 #[test]
@@ -75,7 +75,7 @@ fn the_conformance_grid_has_no_invalid_look_up() {
     for (width, height) in &SIZES[..6] {
         let t = random_floats(*width, *height, 13).with_mips();
         for wrap in WRAPS {
-            for (min, mip) in [Texel::Nearest, Texel::Linear]
+            for (min, mip) in [TexelFilter::Nearest, TexelFilter::Linear]
                 .into_iter()
                 .flat_map(|min| [Mip::None, Mip::Nearest, Mip::Linear].map(|mip| (min, mip)))
             {

@@ -4,7 +4,7 @@ use texmap_light::{Chart, Environment};
 use texmap_math::glam::{DMat3, DVec3};
 use texmap_math::{Homography, Level, deterministic_f32};
 use texmap_render::hash_pixels;
-use texmap_sample::{ColorSpace, Filter, Origin, Outside, Resample, Texture2d};
+use texmap_sample::{ColorSpace, EdgeMode, Filter, Origin, Resample, Texture2d};
 use texmap_uv::{Entity, Faces, Mapping, Mesh, Shape};
 
 use crate::random::Random;
@@ -64,7 +64,7 @@ pub(crate) fn results(level: Level) -> Vec<(String, String)> {
         let image = image.with_mips();
         for filter in [Filter::Trilinear, Filter::Anisotropic(8), Filter::ewa(4)] {
             let mut out = vec![[0.0; 4]; 40 * 30];
-            let warp = Resample::new(&image, filter, Outside::Transparent, &map);
+            let warp = Resample::new(&image, filter, EdgeMode::Transparent, &map);
             if warp.rows(level, 40, 0, &mut out).is_ok() {
                 add(&format!("warp-{filter:?}"), &mut out.into_iter().flatten());
             }

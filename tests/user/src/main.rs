@@ -9,7 +9,7 @@ use texmap_render::{Aov, Settings, pixel_hash, render, shadow_map};
 use texmap_bake::{BakeOptions, bake};
 use texmap_scene::{Carving, ColorMode, Displacement, Effects, Material, Mesh, Reflection, Relief, Scene, Shading, Shadow, Solid, SolidSource, TextureRole, TextureSlot, shadow_bias, shadow_kind};
 use texmap_sample::{
-    ColorSpace, Filter, Origin, Outside, Pattern, Precision, Resample, Sampler, Texture2d, UvTransform,
+    ColorSpace, Filter, Origin, EdgeMode, Pattern, Precision, Resample, Sampler, Texture2d, UvTransform,
     sample_rgba8_slice, sample_slice,
 };
 
@@ -192,7 +192,7 @@ fn warped() {
     let from = [[0.0, 0.0], [16.0, 0.0], [16.0, 16.0], [0.0, 16.0]].map(|[x, y]| DVec2::new(x, y));
     let map = Homography::from_quads(from, to).expect("a map");
     let mut out = vec![[0.0; 4]; 64 * 48];
-    let resample = Resample::new(&texture, Filter::Anisotropic(8), Outside::Transparent, &map);
+    let resample = Resample::new(&texture, Filter::Anisotropic(8), EdgeMode::Transparent, &map);
     resample.rows(Level::new(), 64, 0, &mut out).expect("rows");
 }
 

@@ -6,7 +6,7 @@ use clap::Args;
 use texmap_io::{FileSource, image_io, npy};
 use texmap_math::{Footprint, Level, MemoryBudget};
 use texmap_sample::{
-    Alpha, ColorSpace, Filter, Image, Origin, Sampler, Texels, Texture2d, Wrap, sample_slice,
+    Alpha, ColorSpace, Filter, Image, Origin, Sampler, TexelData, Texture2d, Wrap, sample_slice,
 };
 use texmap_scene::ColorMode;
 
@@ -142,7 +142,7 @@ fn read(args: &SampleArgs) -> Result<(Texture2d<'static>, u32), Failure> {
         width,
         height,
         channels: 4,
-        texels: Texels::F32(&texels),
+        texels: TexelData::F32(&texels),
         color: ColorSpace::Linear,
         alpha,
         origin: Origin::TopLeft,

@@ -9,7 +9,7 @@ use clap::Args;
 use texmap_io::{Lost, PixelCode, image_io, write_pixels};
 use texmap_math::glam::{DMat3, DVec2, DVec3};
 use texmap_math::{Homography, Level, deterministic_f64};
-use texmap_sample::{ColorSpace, Filter, Outside, Resample, Texture2d};
+use texmap_sample::{ColorSpace, EdgeMode, Filter, Resample, Texture2d};
 use texmap_scene::ColorMode;
 
 use crate::failure::{Exit, Failure};
@@ -148,10 +148,10 @@ pub(crate) fn run(args: &WarpArgs) -> Result<Exit, Failure> {
         texture
     };
     let outside = match args.outside {
-        Beyond::Transparent => Outside::Transparent,
-        Beyond::Border => Outside::Border([0.0, 0.0, 0.0, 1.0]),
-        Beyond::Edge => Outside::Edge,
-        Beyond::Repeat => Outside::Repeat,
+        Beyond::Transparent => EdgeMode::Transparent,
+        Beyond::Border => EdgeMode::Border([0.0, 0.0, 0.0, 1.0]),
+        Beyond::Edge => EdgeMode::Edge,
+        Beyond::Repeat => EdgeMode::Repeat,
     };
     let resample = Resample::new(&texture, args.filter, outside, &map);
     let alpha = texture.has_alpha() || matches!(args.outside, Beyond::Transparent);

@@ -2,8 +2,8 @@
 
 use texmap_math::deterministic_f64;
 use texmap_sample::{
-    Alpha, ColorSpace, Filter, Image, Origin, Pattern, Sampler, Texels, Texture2d, Texture3d,
-    Volume, Wrap, gradient_noise, reference,
+    Alpha, ColorSpace, Filter, Image, Origin, Pattern, Sampler, TexelData, Texture2d, Texture3d,
+    VolumeIntegrator, Wrap, gradient_noise, reference,
 };
 
 use super::Measurement;
@@ -15,7 +15,7 @@ fn grid([width, height, depth]: [u32; 3], voxels: &[f32]) -> Result<Texture3d<'s
         width,
         height,
         channels: 1,
-        texels: Texels::F32(voxels),
+        texels: TexelData::F32(voxels),
         color: ColorSpace::Linear,
         alpha: Alpha::Data,
         origin: Origin::TopLeft,
@@ -39,13 +39,13 @@ pub(super) fn v1() -> Result<Vec<Measurement>, LabError> {
     let mut noise = Noise::new(71);
     for step in [1e-3f32, 0.03, 0.4, 1.0, 1e6] {
         for density in [0.2f32, 1.0, 6.0] {
-            let volume = Volume::new(&one, &s, None, density, step)?;
+            let volume = VolumeIntegrator::new(&one, &s, None, density, step)?;
             for _ in 0..50 {
                 let mut next = || noise.unit();
                 let (y, z) = (next(), next());
                 let length = next();
                 let seen =
-                    volume.march([1.0 - length, y, z], [1.0, 0.0, 0.0], (0.0, f64::INFINITY));
+                    volume.integrate([1.0 - length, y, z], [1.0, 0.0, 0.0], (0.0, f64::INFINITY));
                 let exact = 1.0 - deterministic_f64::exp(-f64::from(density) * length);
                 worst = worst.max((f64::from(seen.color[3]) - exact).abs());
                 // Opacity of a step of 0.1, whatever the step is.
@@ -65,7 +65,7 @@ pub(super) fn v1() -> Result<Vec<Measurement>, LabError> {
 /// Rays along and beside slabs, from inside, and without direction.
 pub(super) fn v2() -> Result<Vec<Measurement>, LabError> {
     let (one, s) = (grid([1; 3], &[1.0])?, sampler(Filter::Bilinear));
-    let volume = Volume::new(&one, &s, None, 1.0, 0.25)?;
+    let volume = VolumeIntegrator::new(&one, &s, None, 1.0, 0.25)?;
     let rays: [([f64; 3], [f64; 3], f64); 9] = [
         ([-1.0, 0.5, 0.5], [1.0, 0.0, 0.0], 1.0),
         ([-1.0, 0.0, 0.0], [1.0, 0.0, 0.0], 1.0),
@@ -80,7 +80,7 @@ pub(super) fn v2() -> Result<Vec<Measurement>, LabError> {
     let (mut wrong, mut divided) = (0.0, 0.0);
     for (o, d, length) in rays {
         let exact = 1.0 - deterministic_f64::exp(-length);
-        let seen = f64::from(volume.march(o, d, (0.0, f64::INFINITY)).color[3]);
+        let seen = f64::from(volume.integrate(o, d, (0.0, f64::INFINITY)).color[3]);
         wrong += f64::from(u8::from((seen - exact).abs() > 1e-6));
         // Slabs by division alone: 0 / 0 on a face is NaN, and every comparison with it fails.
         let (mut near, mut far) = (0.0, f64::INFINITY);
@@ -232,7 +232,7 @@ pub(super) fn v6() -> Result<Vec<Measurement>, LabError> {
         let number = (u - 0.25) / 0.5;
         let exact = f64::from(u8::from((0.375..0.625).contains(&number)));
         let uv = [u as f32, 0.5];
-        let looked = first.sample_dependent(&field, uv, still, &second, &ramp)[0];
+        let looked = first.sample_through_ramp(&field, uv, still, &second, &ramp)[0];
         after = after.max((f64::from(looked) - exact).abs());
         // Colours of both texels, then mixed: the band between them never appears.
         let ends = [0.0f32, 1.0].map(|x| f64::from(second.sample_lod(&ramp, [x, 0.5], 0.0)[0]));

@@ -3,7 +3,7 @@
 use texmap_light::Chart;
 use texmap_math::Level;
 use texmap_sample::{
-    Alpha, ColorSpace, Filter, Image, Origin, Sampler, Texels, Texture2d, sample_slice,
+    Alpha, ColorSpace, Filter, Image, Origin, Sampler, TexelData, Texture2d, sample_slice,
 };
 
 use super::environment::{Waves, direction};
@@ -147,9 +147,9 @@ impl Format {
             height: side,
             channels: 1,
             texels: match self {
-                Self::Byte => Texels::U8(&bytes),
-                Self::Short => Texels::U16(&shorts),
-                Self::Float => Texels::F32(&floats),
+                Self::Byte => TexelData::U8(&bytes),
+                Self::Short => TexelData::U16(&shorts),
+                Self::Float => TexelData::F32(&floats),
             },
             color: ColorSpace::Linear,
             alpha: Alpha::Data,

@@ -22,8 +22,8 @@ const FILTERS: [Filter; 9] = [
     Filter::Anisotropic(16),
     Filter::ewa(8),
     Filter::Gl {
-        mag: texmap_sample::Texel::Nearest,
-        min: texmap_sample::Texel::Linear,
+        mag: texmap_sample::TexelFilter::Nearest,
+        min: texmap_sample::TexelFilter::Linear,
         mip: texmap_sample::Mip::Linear,
     },
 ];

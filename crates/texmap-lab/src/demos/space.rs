@@ -4,7 +4,7 @@ use texmap_math::color::linear_to_srgb8;
 use texmap_math::deterministic_f64;
 use texmap_math::glam::{DMat4, DVec3};
 use texmap_sample::{
-    Alpha, ColorSpace, Filter, Image, Origin, Pattern, Texels, Texture3d, Wrap, gradient_noise,
+    Alpha, ColorSpace, Filter, Image, Origin, Pattern, TexelData, Texture3d, Wrap, gradient_noise,
     reference,
 };
 use texmap_scene::{Material, Mesh, Scene, Shading, Solid, SolidSource, TextureSlot, Volume};
@@ -179,7 +179,7 @@ fn grid(side: u32, value: impl Fn(DVec3) -> f64) -> Result<Texture3d<'static>, L
             width: side,
             height: side,
             channels: 1,
-            texels: Texels::F32(&voxels),
+            texels: TexelData::F32(&voxels),
             color: ColorSpace::Linear,
             alpha: Alpha::Data,
             origin: Origin::TopLeft,
@@ -266,8 +266,8 @@ pub(super) fn volumes(size: u32) -> Result<DemoPicture, LabError> {
     // What ending early saves, and costs.
     let dense = grid(1, |_| 1.0)?;
     let sampler = stage::sampler(Filter::Bilinear, Wrap::ClampToEdge);
-    let thick = texmap_sample::Volume::new(&dense, &sampler, None, 40.0, 0.005)?;
-    let seen = thick.march([-1.0, 0.5, 0.5], [1.0, 0.0, 0.0], (0.0, f64::INFINITY));
+    let thick = texmap_sample::VolumeIntegrator::new(&dense, &sampler, None, 40.0, 0.005)?;
+    let seen = thick.integrate([-1.0, 0.5, 0.5], [1.0, 0.0, 0.0], (0.0, f64::INFINITY));
     let saved = 100.0 * (1.0 - f64::from(seen.steps) / 200.0);
     let claims = claims![
         "pixels more than 1/255 off 1 - exp(-density length), one step" => wrong.into(), 0.0, 0.0;

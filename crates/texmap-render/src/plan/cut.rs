@@ -2,7 +2,7 @@
 
 use texmap_math::{Footprint, Level};
 use texmap_raster::UvBlock;
-use texmap_sample::{Filter, Places, sample_columns};
+use texmap_sample::{Filter, Places, sample_soa};
 
 use crate::shade::batch::LANES;
 use crate::textures::Slot;
@@ -67,7 +67,7 @@ fn texels(level: Level, slot: &Slot<'_>, at: &UvBlock) -> [[f32; LANES]; 4] {
     };
     let mut out = [[0.0; LANES]; 4];
     let columns = out.each_mut().map(|c| &mut c[..]);
-    sample_columns(level, &slot.sampler, &slot.texture, &at, columns)
+    sample_soa(level, &slot.sampler, &slot.texture, &at, columns)
         .expect("the columns have one length");
     out
 }

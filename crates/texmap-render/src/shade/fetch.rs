@@ -4,8 +4,8 @@
 use texmap_math::simd::Isa;
 use texmap_math::{Footprint, Level};
 use texmap_raster::{RUN_ROOM, RunBlock, RunValues, TileBlocks, TilePlanes};
-use texmap_sample::lanes::View;
-use texmap_sample::{Places, sample_columns};
+use texmap_sample::lanes::BoundTexture;
+use texmap_sample::{Places, sample_soa};
 
 use super::batch::{Colors, LANES, straight, unpack};
 use super::texels::{Pixels, TexelAddresses, packed_view, read_pair};
@@ -49,7 +49,7 @@ impl Texels {
         let count = blocks * LANES;
         let uv = slot.placed(uv, count, &mut self.placed);
         let (at, columns) = (places(slot, uv, count), self.colors.columns_mut(count));
-        sample_columns(level, &slot.sampler, &slot.texture, &at, columns)
+        sample_soa(level, &slot.sampler, &slot.texture, &at, columns)
             .expect("the columns have one length");
     }
 
@@ -94,7 +94,7 @@ impl PackedTexels {
 pub(crate) struct TexturePair<'a> {
     slots: [Option<&'a Slot<'a>>; 2],
     /// All of them, if all are packed.
-    views: Option<[Option<View<'a>>; 2]>,
+    views: Option<[Option<BoundTexture<'a>>; 2]>,
     /// The mips of both are the same.
     same_mips: bool,
     /// Some filter asks how large a pixel is.
@@ -161,7 +161,7 @@ impl<'a> TexturePair<'a> {
             if let Some(slot) = slot {
                 out.packed = false;
                 let (at, columns) = (places(slot, values, count), out.colors.columns_mut(count));
-                sample_columns(level, &slot.sampler, &slot.texture, &at, columns)
+                sample_soa(level, &slot.sampler, &slot.texture, &at, columns)
                     .expect("the columns have one length");
             }
         }
@@ -241,7 +241,7 @@ pub(super) mod tests {
         }
     }
 
-    /// Packed words are the texels that [`sample_columns`] gives, for each filter, wrap, origin and pair of sizes, with mips that both
+    /// Packed words are the texels that [`sample_soa`] gives, for each filter, wrap, origin and pair of sizes, with mips that both
     /// textures share and mips of their own, in perspective and over the edge of two triangles.
     #[test]
     fn packed_words_are_the_texels_of_the_general_fetches() {

@@ -6,7 +6,7 @@ use texmap_math::glam::DMat3;
 use texmap_math::simd::{Isa, prelude::*};
 use texmap_math::{Level, dispatch_simd};
 use texmap_raster::{Column, RunValues};
-use texmap_sample::{Origin, sample_columns};
+use texmap_sample::{Origin, sample_soa};
 
 use super::batch::{BatchUv, Colors, LANES, flip, load, load_changes, load_vector, straight};
 use super::fetch::{PackedTexels, Texels, places};
@@ -208,7 +208,7 @@ impl Slopes {
             (at.u, at.v) = (&self.beside.u[..count], &self.beside.v[..count]);
         }
         let columns = self.colors.columns_mut(count);
-        sample_columns(level, &slot.sampler, &slot.texture, &at, columns)
+        sample_soa(level, &slot.sampler, &slot.texture, &at, columns)
             .expect("the columns have one length");
     }
 

@@ -5,8 +5,8 @@ use texmap_light::{ShadowReader, SlideView};
 use texmap_math::simd::{Isa, prelude::*};
 use texmap_math::{Level, dispatch_simd};
 use texmap_raster::{Column, RUN_ROOM};
-use texmap_sample::lanes::View;
-use texmap_sample::{Places, sample_columns};
+use texmap_sample::lanes::BoundTexture;
+use texmap_sample::{Places, sample_soa};
 
 use super::batch::{BatchUv, LANES, load, load_changes, load_vector};
 use super::fetch::PackedTexels;
@@ -32,7 +32,7 @@ impl Projected<'_> {
 pub(crate) struct ProjectorStage<'a> {
     pub(crate) projected: &'a Projected<'a>,
     /// Where the filter gives packed bytes.
-    view: Option<View<'a>>,
+    view: Option<BoundTexture<'a>>,
 }
 
 /// Texels of a projector over a batch: those blocks that it reaches.
@@ -114,7 +114,7 @@ impl<'a> ProjectorStage<'a> {
             }),
         };
         let (view, columns) = (&self.projected.view, texels.colors.columns_mut(count));
-        sample_columns(level, &view.sampler, view.texture, &at, columns)
+        sample_soa(level, &view.sampler, view.texture, &at, columns)
             .expect("the columns have one length");
     }
 

@@ -5,14 +5,17 @@ use texmap_math::simd::{ByteIsa, prelude::*};
 use texmap_math::{Level, dispatch_simd};
 use texmap_raster::{BlockSink, BlockValues, NONE, RUN_ROOM, RunBlock, TileBlocks, TilePlanes};
 use texmap_sample::lanes::packed::{self, FootprintLanes};
-use texmap_sample::lanes::{Kind, RGBA8, View};
+use texmap_sample::lanes::{BoundTexture, Kernel, RGBA8};
 use texmap_sample::{Sampler, Texture2d};
 
 use super::batch::{BatchUv, LANES};
 
 /// A texture whose look-ups are RGBA8 words; `None` if they are not.
-pub(crate) fn packed_view<'a>(sampler: &Sampler, texture: &'a Texture2d<'_>) -> Option<View<'a>> {
-    let view = View::new(sampler, texture)?;
+pub(crate) fn packed_view<'a>(
+    sampler: &Sampler,
+    texture: &'a Texture2d<'_>,
+) -> Option<BoundTexture<'a>> {
+    let view = BoundTexture::new(sampler, texture)?;
     (view.format == RGBA8 && view.kind.is_plain()).then_some(view)
 }
 
@@ -41,7 +44,7 @@ impl TexelAddresses {
     fn put_mips<I: ByteIsa>(
         &mut self,
         i: I,
-        (texture, view): (usize, &View<'_>),
+        (texture, view): (usize, &BoundTexture<'_>),
         at: usize,
         [ux, vx]: [I::F32; 2],
         [uy, vy]: [I::F32; 2],
@@ -63,7 +66,7 @@ pub(crate) enum Pixels<'a> {
 /// Reads the texels of a batch.
 pub(crate) fn read_texels(
     level: Level,
-    view: &View<'_>,
+    view: &BoundTexture<'_>,
     pixels: &Pixels<'_>,
     batch: &[RunBlock],
     addresses: &mut TexelAddresses,
@@ -75,7 +78,7 @@ pub(crate) fn read_texels(
 /// Reads the texels of two textures at the same coordinates; `same_mips` if their sizes, filters and mips are the same.
 pub(crate) fn read_pair(
     level: Level,
-    views: &[Option<View<'_>>; 2],
+    views: &[Option<BoundTexture<'_>>; 2],
     same_mips: bool,
     pixels: &Pixels<'_>,
     batch: &[RunBlock],
@@ -93,7 +96,7 @@ pub(crate) fn read_pair(
 #[inline(always)]
 fn pair<I: ByteIsa>(
     i: I,
-    views: [Option<&View<'_>>; 2],
+    views: [Option<&BoundTexture<'_>>; 2],
     same_mips: bool,
     pixels: &Pixels<'_>,
     batch: &[RunBlock],
@@ -118,7 +121,7 @@ fn pair<I: ByteIsa>(
 /// Reads the texels at stored coordinates, which change by `changes` to the right and down.
 pub(crate) fn read_placed(
     level: Level,
-    view: &View<'_>,
+    view: &BoundTexture<'_>,
     addresses: &mut TexelAddresses,
     changes: &[BatchUv; 2],
     blocks: usize,
@@ -130,7 +133,7 @@ pub(crate) fn read_placed(
 #[inline(always)]
 fn placed<I: ByteIsa>(
     i: I,
-    view: &View<'_>,
+    view: &BoundTexture<'_>,
     addresses: &mut TexelAddresses,
     [dx, dy]: &[BatchUv; 2],
     blocks: usize,
@@ -186,14 +189,14 @@ impl Pixels<'_> {
 #[inline(always)]
 fn read<I: ByteIsa>(
     i: I,
-    view: &View<'_>,
+    view: &BoundTexture<'_>,
     pixels: &Pixels<'_>,
     batch: &[RunBlock],
     addresses: &mut TexelAddresses,
     out: &mut [u32; RUN_ROOM],
 ) {
-    if view.kind == Kind::Nearest
-        && let Some(texels) = packed::Masked::new(i, view)
+    if view.kind == Kernel::Nearest
+        && let Some(texels) = packed::PowerOfTwoTexture::new(i, view)
         && pixels.each_named::<_, false, _>(i, batch, &mut Nearest { texels, out })
     {
         return;
@@ -230,7 +233,7 @@ fn read<I: ByteIsa>(
 #[inline(always)]
 fn texels<I: ByteIsa>(
     i: I,
-    view: &View<'_>,
+    view: &BoundTexture<'_>,
     addresses: &TexelAddresses,
     mips: usize,
     blocks: core::ops::Range<usize>,
@@ -238,14 +241,14 @@ fn texels<I: ByteIsa>(
 ) {
     let pixels = blocks.start * LANES..blocks.end * LANES;
     match view.kind {
-        Kind::Nearest => {
+        Kernel::Nearest => {
             for at in pixels.step_by(I::LANES) {
                 let [u, v] = addresses.uv.load(i, at);
                 let word = packed::nearest_lanes(i, view, u, v);
                 word.store(&mut out[at..at + I::LANES]);
             }
         }
-        Kind::Bilinear => bilinear(i, view, addresses, blocks, out),
+        Kernel::Bilinear => bilinear(i, view, addresses, blocks, out),
         _ => {
             for at in pixels.step_by(I::LANES) {
                 let [u, v] = addresses.uv.load(i, at);
@@ -260,7 +263,7 @@ fn texels<I: ByteIsa>(
 #[inline(always)]
 fn bilinear<I: ByteIsa>(
     i: I,
-    view: &View<'_>,
+    view: &BoundTexture<'_>,
     addresses: &TexelAddresses,
     blocks: core::ops::Range<usize>,
     out: &mut [u32; RUN_ROOM],
@@ -300,7 +303,7 @@ impl Magnified {
         &mut self,
         i: I,
         pixels: &Pixels<'_>,
-        view: &View<'_>,
+        view: &BoundTexture<'_>,
         batch: &[RunBlock],
     ) -> bool {
         let Pixels::Blocks(planes, blocks) = pixels else {
@@ -338,14 +341,19 @@ impl Magnified {
 
 /// True if a footprint within these changes of u and v to the right and down reads the finest mip alone.
 #[inline(always)]
-fn magnifies<I: ByteIsa>(i: I, view: &View<'_>, [ux, uy]: [f32; 2], [vx, vy]: [f32; 2]) -> bool {
+fn magnifies<I: ByteIsa>(
+    i: I,
+    view: &BoundTexture<'_>,
+    [ux, uy]: [f32; 2],
+    [vx, vy]: [f32; 2],
+) -> bool {
     let footprint = FootprintLanes::new(i, view, i.f32(ux), i.f32(vx), i.f32(uy), i.f32(vy));
     i.first(packed::lod_lanes(i, view, &footprint)) <= 0
 }
 
 /// Nearest texels, from the coordinates in registers.
 struct Nearest<'a, 'v, I: ByteIsa> {
-    texels: packed::Masked<'v, I>,
+    texels: packed::PowerOfTwoTexture<'v, I>,
     out: &'a mut [u32; RUN_ROOM],
 }
 
@@ -362,14 +370,14 @@ impl<I: ByteIsa> BlockSink<I> for Nearest<'_, '_, I> {
 struct Store<'a, 'v, const D: bool> {
     /// The block of the batch that the first one shown is.
     first: usize,
-    views: [Option<&'a View<'v>>; 2],
+    views: [Option<&'a BoundTexture<'v>>; 2],
     addresses: &'a mut TexelAddresses,
 }
 
 impl<'a, 'v, const D: bool> Store<'a, 'v, D> {
     fn new(
         first: usize,
-        views: [Option<&'a View<'v>>; 2],
+        views: [Option<&'a BoundTexture<'v>>; 2],
         addresses: &'a mut TexelAddresses,
     ) -> Self {
         Self {
@@ -397,6 +405,6 @@ impl<I: ByteIsa, const D: bool> BlockSink<I> for Store<'_, '_, D> {
 }
 
 /// True if the filter of a view asks how large a pixel is.
-fn reads_mips(view: &View<'_>) -> bool {
-    view.kind == Kind::Trilinear
+fn reads_mips(view: &BoundTexture<'_>) -> bool {
+    view.kind == Kernel::Trilinear
 }

@@ -3,8 +3,8 @@
 use texmap_math::simd::{Isa, prelude::*};
 use texmap_math::{Level, dispatch_simd};
 use texmap_raster::{RUN_ROOM, RunBlock, RunValues};
-use texmap_sample::lanes::View;
-use texmap_sample::{gives_bytes, sample_columns, sample_rgba8_columns};
+use texmap_sample::lanes::BoundTexture;
+use texmap_sample::{is_exact_in_rgba8, sample_rgba8_soa, sample_soa};
 
 use super::batch::{Colors, LANES, straight};
 use super::fetch::places;
@@ -46,7 +46,7 @@ impl UnlitColor {
         } else {
             material.surface.color
         };
-        let bytes = base_color.is_some_and(|slot| gives_bytes(&slot.sampler, &slot.texture));
+        let bytes = base_color.is_some_and(|slot| is_exact_in_rgba8(&slot.sampler, &slot.texture));
         Some(Self {
             tint,
             opacity: material.opacity,
@@ -94,7 +94,7 @@ pub(crate) struct Unlit<'a> {
     color: UnlitColor,
     slot: Option<&'a Slot<'a>>,
     /// Where texels are read as packed words.
-    view: Option<View<'a>>,
+    view: Option<BoundTexture<'a>>,
 }
 
 impl<'a> Unlit<'a> {
@@ -112,7 +112,7 @@ impl<'a> Unlit<'a> {
     }
 
     /// The view by which encoded pixels are read straight from the texture.
-    pub(crate) fn exact_view(&self) -> Option<&View<'a>> {
+    pub(crate) fn exact_view(&self) -> Option<&BoundTexture<'a>> {
         self.view.as_ref().filter(|_| self.color.is_exact())
     }
 
@@ -141,7 +141,7 @@ impl<'a> Unlit<'a> {
         let count = scratch.read_uv(level, slot, pixels, batch);
         let at = places(slot, &scratch.values, count);
         let out = &mut out[..count];
-        sample_rgba8_columns(level, &slot.sampler, &slot.texture, &at, out)
+        sample_rgba8_soa(level, &slot.sampler, &slot.texture, &at, out)
             .expect("the columns have one length");
     }
 
@@ -159,7 +159,7 @@ impl<'a> Unlit<'a> {
             Some(slot) => {
                 count = scratch.read_uv(level, slot, pixels, batch);
                 let (at, columns) = (places(slot, &scratch.values, count), out.columns_mut(count));
-                sample_columns(level, &slot.sampler, &slot.texture, &at, columns)
+                sample_soa(level, &slot.sampler, &slot.texture, &at, columns)
                     .expect("the columns have one length");
             }
             None => out.columns_mut(count).into_iter().for_each(|c| c.fill(1.0)),

@@ -11,7 +11,7 @@ use texmap_scene::{Scene, SceneError, Volume};
 
 /// A volume as the stages read it.
 pub(crate) struct VolumeStage<'s> {
-    matter: texmap_sample::Volume<'s>,
+    matter: texmap_sample::VolumeIntegrator<'s>,
     rays: ViewRays,
     /// The eye, and the matrix of directions, in the space of the grid.
     eye: DVec3,
@@ -31,7 +31,7 @@ impl<'s> VolumeStage<'s> {
         projection: DMat4,
     ) -> Result<Self, RenderError> {
         let grid = &scene.effects.grids[volume.grid];
-        let matter = texmap_sample::Volume::new(
+        let matter = texmap_sample::VolumeIntegrator::new(
             grid,
             &volume.sampler,
             transfer,
@@ -70,7 +70,7 @@ impl<'s> VolumeStage<'s> {
             };
             let seen = self
                 .matter
-                .march(self.eye.to_array(), along.to_array(), (0.0, solid));
+                .integrate(self.eye.to_array(), along.to_array(), (0.0, solid));
             let [r, g, b, a] = seen.color;
             let [r, g, b] = [r, g, b].map(|c| c.below(1.0));
             out.set(index, [r, g, b, a]);

@@ -3,7 +3,7 @@
 use texmap_math::simd::{Isa, Scalar, prelude::*};
 use texmap_math::{Level, dispatch_simd};
 use texmap_raster::{NONE, RUN_ROOM, RunBlock, TileBlocks, TilePlanes};
-use texmap_sample::lanes::View;
+use texmap_sample::lanes::BoundTexture;
 
 use super::fragments::{EMPTY, blended};
 use super::{BATCH_BLOCKS, BLOCKS, Context, Painter, Sample, Target, Tile};
@@ -269,7 +269,7 @@ impl Strays {
     fn paint(
         &self,
         level: Level,
-        view: &View<'_>,
+        view: &BoundTexture<'_>,
         planes: &TilePlanes,
         addresses: &mut TexelAddresses,
         words: &mut [u32; RUN_ROOM],

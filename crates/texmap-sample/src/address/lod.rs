@@ -1,6 +1,6 @@
 //! Level of detail from derivatives.
 
-use crate::{bound_texture::View, sampler::Precision};
+use crate::{bound_texture::BoundTexture, sampler::Precision};
 use texmap_math::{
     footprint::Footprint,
     simd::{Isa, Scalar, prelude::*},
@@ -21,7 +21,7 @@ const LIMIT: f32 = 1_073_741_824.0;
 impl TexelFootprint<Scalar> {
     /// Of one look-up.
     #[inline(always)]
-    pub(crate) fn of(view: &View<'_>, d: Footprint) -> Self {
+    pub(crate) fn of(view: &BoundTexture<'_>, d: Footprint) -> Self {
         Self::new(Scalar, view, d.du_dx, d.dv_dx, d.du_dy, d.dv_dy)
     }
 }
@@ -29,7 +29,14 @@ impl TexelFootprint<Scalar> {
 impl<I: Isa> TexelFootprint<I> {
     /// From derivatives of uv; NaN reads as 0.
     #[inline(always)]
-    pub fn new(i: I, view: &View<'_>, ux: I::F32, vx: I::F32, uy: I::F32, vy: I::F32) -> Self {
+    pub fn new(
+        i: I,
+        view: &BoundTexture<'_>,
+        ux: I::F32,
+        vx: I::F32,
+        uy: I::F32,
+        vy: I::F32,
+    ) -> Self {
         let (w, h) = view.size();
         let (w, h) = (w as f32, h as f32);
         let (ux, vx, uy, vy) = (ux * w, vx * h, uy * w, vy * h);
@@ -94,7 +101,7 @@ impl LodRange {
 
 /// The level of detail of a footprint by the view's precision, limited.
 #[inline(always)]
-pub fn lod<I: Isa>(i: I, view: &View<'_>, d: &TexelFootprint<I>) -> I::F32 {
+pub fn lod<I: Isa>(i: I, view: &BoundTexture<'_>, d: &TexelFootprint<I>) -> I::F32 {
     let rho2 = d.rho_max_squared();
     let lod = match view.precision {
         Precision::Exact => log2(i, rho2) * 0.5,

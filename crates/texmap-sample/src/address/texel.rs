@@ -1,7 +1,7 @@
 //! Addresses of texels in memory.
 
 use super::wrap::fraction;
-use crate::bound_texture::{ANY, RGBA16, View};
+use crate::bound_texture::{ANY, BoundTexture, RGBA16};
 use texmap_math::{
     lanes::GatherTable,
     simd::{Isa, prelude::*},
@@ -31,7 +31,7 @@ pub(crate) struct LaneLevel<I: Isa> {
 
 impl<I: Isa> LaneLevel<I> {
     #[inline(always)]
-    pub(crate) fn uniform(i: I, view: &View<'_>, level: i32) -> Self {
+    pub(crate) fn uniform(i: I, view: &BoundTexture<'_>, level: i32) -> Self {
         let level = view.level::<I>(level);
         Self {
             offset: i.i32(level.offset),
@@ -45,7 +45,7 @@ impl<I: Isa> LaneLevel<I> {
     }
 
     #[inline(always)]
-    fn per_lane(i: I, view: &View<'_>, level: I::I32) -> Self {
+    fn per_lane(i: I, view: &BoundTexture<'_>, level: I::I32) -> Self {
         let (w, h) = view.size();
         let (w, h) = (i.i32(w) >> level, i.i32(h) >> level);
         let width = w.simd_gt(1).select(w, i.i32(1));
@@ -67,7 +67,7 @@ impl<I: Isa> LaneLevel<I> {
 
     /// The level of each lane, which are often one.
     #[inline(always)]
-    pub(crate) fn of(i: I, view: &View<'_>, level: I::I32) -> Self {
+    pub(crate) fn of(i: I, view: &BoundTexture<'_>, level: I::I32) -> Self {
         let first = i.first(level);
         if I::LANES == 1 || level.simd_eq(first).all_true() {
             Self::uniform(i, view, first)
@@ -78,7 +78,7 @@ impl<I: Isa> LaneLevel<I> {
 
     /// [`of`](Self::of) a level from 0 on, and of the next one where there is one.
     #[inline(always)]
-    pub(crate) fn pair(i: I, view: &View<'_>, fine: I::I32) -> [Self; 2] {
+    pub(crate) fn pair(i: I, view: &BoundTexture<'_>, fine: I::I32) -> [Self; 2] {
         let first = i.first(fine);
         if I::LANES == 1 || fine.simd_eq(first).all_true() {
             let next = if first < view.last { first + 1 } else { first };
@@ -91,7 +91,7 @@ impl<I: Isa> LaneLevel<I> {
 
     /// First word of a texel counted within the level; the texel itself where it is fetched one by one.
     #[inline(always)]
-    pub(crate) fn word<const FORMAT: u8>(&self, view: &View<'_>, texel: I::I32) -> I::U32 {
+    pub(crate) fn word<const FORMAT: u8>(&self, view: &BoundTexture<'_>, texel: I::I32) -> I::U32 {
         let word = match FORMAT {
             RGBA16 => texel << 1,
             ANY => texel << u32::from(view.format == RGBA16),
@@ -111,7 +111,7 @@ impl<I: Isa> LaneLevel<I> {
 
     /// The scaled coordinates, whose floor holds a texel (and its fraction, where units are fractions).
     #[inline(always)]
-    pub(crate) fn scale(&self, i: I, view: &View<'_>, [u, v]: [I::F32; 2]) -> [I::F32; 2] {
+    pub(crate) fn scale(&self, i: I, view: &BoundTexture<'_>, [u, v]: [I::F32; 2]) -> [I::F32; 2] {
         if view.masked {
             return self.scale_masked(i, view, [u, v]);
         }
@@ -123,7 +123,12 @@ impl<I: Isa> LaneLevel<I> {
 
     /// [`scale`](Self::scale) where wraps are masks.
     #[inline(always)]
-    pub(crate) fn scale_masked(&self, i: I, view: &View<'_>, [u, v]: [I::F32; 2]) -> [I::F32; 2] {
+    pub(crate) fn scale_masked(
+        &self,
+        i: I,
+        view: &BoundTexture<'_>,
+        [u, v]: [I::F32; 2],
+    ) -> [I::F32; 2] {
         let (x, y) = (u * self.units_x, v * self.units_y);
         let (in_x, in_y) = (x.abs().simd_lt(view.reach), y.abs().simd_lt(view.reach));
         if (in_x & in_y).all_true() {
@@ -140,7 +145,7 @@ impl<I: Isa> LaneLevel<I> {
     pub(crate) fn texel<const FORMAT: u8>(
         &self,
         i: I,
-        view: &View<'_>,
+        view: &BoundTexture<'_>,
         [x, y]: [I::I32; 2],
     ) -> TexelAddress<I> {
         if view.masked {
@@ -153,7 +158,7 @@ impl<I: Isa> LaneLevel<I> {
     #[inline(always)]
     pub(crate) fn texel_masked<const FORMAT: u8>(
         &self,
-        view: &View<'_>,
+        view: &BoundTexture<'_>,
         [x, y]: [I::I32; 2],
     ) -> TexelAddress<I> {
         let y = (y & (self.height - 1)) ^ self.turn;
@@ -166,7 +171,7 @@ impl<I: Isa> LaneLevel<I> {
     pub(crate) fn corners<const FORMAT: u8>(
         &self,
         i: I,
-        view: &View<'_>,
+        view: &BoundTexture<'_>,
         [x, y]: [I::I32; 2],
     ) -> Corners<I> {
         if view.masked {
@@ -214,19 +219,24 @@ impl<I: Isa> LaneLevel<I> {
 
     /// [`wrapped`](Self::wrapped) of a column, however far outside.
     #[inline(always)]
-    pub(crate) fn far_column(&self, i: I, view: &View<'_>, x: I::I32) -> I::I32 {
+    pub(crate) fn far_column(&self, i: I, view: &BoundTexture<'_>, x: I::I32) -> I::I32 {
         view.axes[0].far_index(i, x, self.width)
     }
 
     /// [`wrapped`](Self::wrapped) of a row, however far outside.
     #[inline(always)]
-    pub(crate) fn far_row(&self, i: I, view: &View<'_>, y: I::I32) -> I::I32 {
+    pub(crate) fn far_row(&self, i: I, view: &BoundTexture<'_>, y: I::I32) -> I::I32 {
         view.axes[1].far_index(i, y, self.height)
     }
 
     /// Wrapped indices; [`OUTSIDE`](super::wrap::OUTSIDE) on the border.
     #[inline(always)]
-    pub(crate) fn wrapped(&self, i: I, view: &View<'_>, [x, y]: [I::I32; 2]) -> [I::I32; 2] {
+    pub(crate) fn wrapped(
+        &self,
+        i: I,
+        view: &BoundTexture<'_>,
+        [x, y]: [I::I32; 2],
+    ) -> [I::I32; 2] {
         [
             view.axes[0].index(i, x, self.width),
             view.axes[1].index(i, y, self.height),
@@ -237,7 +247,7 @@ impl<I: Isa> LaneLevel<I> {
     #[inline(always)]
     pub(crate) fn in_slice<const FORMAT: u8>(
         &self,
-        view: &View<'_>,
+        view: &BoundTexture<'_>,
         [x, y, z]: [I::I32; 3],
     ) -> TexelAddress<I> {
         let turned = if view.flip { self.turn - y } else { y };
@@ -250,7 +260,7 @@ impl<I: Isa> LaneLevel<I> {
     #[inline(always)]
     pub(crate) fn wrapped_texel<const FORMAT: u8>(
         &self,
-        view: &View<'_>,
+        view: &BoundTexture<'_>,
         [x, y]: [I::I32; 2],
     ) -> TexelAddress<I> {
         let turned = if view.flip { self.turn - y } else { y };

@@ -4,11 +4,11 @@ use super::{TextureCube, edges::EDGES};
 use crate::{
     address::texel::LaneLevel,
     batch::{check, load_tail, store_columns},
-    bound_texture::{ANY, RGBA8_EXACT, View, exact_format},
+    bound_texture::{ANY, BoundTexture, RGBA8_EXACT, exact_format},
     error::SampleError,
     fetch::{Color, fetch, fetch_two, mix, mix_four, scaled, select},
-    filter::{Kind, bilinear::cell, gl::Reads, gl_of, trilinear::LevelPair},
-    sampler::{Mip, Sampler, Texel},
+    filter::{Kernel, bilinear::cell, gl::Reads, gl_of, trilinear::LevelPair},
+    sampler::{Mip, Sampler, TexelFilter},
 };
 use texmap_math::{
     Level, dispatch_simd,
@@ -18,7 +18,7 @@ use texmap_math::{
 
 /// Directions to look along, each value in a slice of its own.
 #[derive(Clone, Copy, Debug)]
-pub struct Directions<'a> {
+pub struct DirectionBatch<'a> {
     /// Components, of any length.
     pub x: &'a [f32],
     /// Components.
@@ -33,11 +33,11 @@ pub struct Directions<'a> {
 ///
 /// # Errors
 /// Slices of different lengths.
-pub fn sample_cube_columns(
+pub fn sample_cube_soa(
     level: Level,
     sampler: &Sampler,
     t: &TextureCube<'_>,
-    at: &Directions<'_>,
+    at: &DirectionBatch<'_>,
     mut out: [&mut [f32]; 4],
 ) -> Result<(), SampleError> {
     check("y", at.x.len(), at.y.len())?;
@@ -49,7 +49,7 @@ pub fn sample_cube_columns(
         check("out", at.x.len(), column.len())?;
     }
     let format = exact_format(&t.chain);
-    if let Some(view) = View::of_chain(sampler, &t.chain, Kind::Gl, format) {
+    if let Some(view) = BoundTexture::of_chain(sampler, &t.chain, Kernel::Gl, format) {
         let batch = Batch {
             level,
             sampler,
@@ -99,7 +99,7 @@ trait Run {
 fn run<R: Run>(sampler: &Sampler, format: u8, run: R) -> R::Out {
     let levels = match gl_of(sampler.filter) {
         (mag, min, Mip::None) if mag == min => BASE,
-        (Texel::Linear, Texel::Linear, Mip::Linear) => TRILINEAR,
+        (TexelFilter::Linear, TexelFilter::Linear, Mip::Linear) => TRILINEAR,
         _ => GL,
     };
     match (format, levels) {
@@ -128,7 +128,7 @@ impl Run for Single<'_> {
             ANY => exact_format(chain),
             format => format,
         };
-        let Some(view) = View::single(self.sampler, chain, Kind::Gl, format) else {
+        let Some(view) = BoundTexture::single(self.sampler, chain, Kernel::Gl, format) else {
             return [0.0; 4];
         };
         let (place, usual) = FaceVector::new(Scalar, self.direction);
@@ -146,8 +146,8 @@ struct Batch<'a, 'o> {
     level: Level,
     sampler: &'a Sampler,
     t: &'a TextureCube<'a>,
-    view: &'a View<'a>,
-    at: &'a Directions<'a>,
+    view: &'a BoundTexture<'a>,
+    at: &'a DirectionBatch<'a>,
     out: &'a mut [&'o mut [f32]; 4],
 }
 
@@ -313,7 +313,7 @@ impl<I: Isa> Place<I> {
     fn look<const FORMAT: u8, const LEVELS: u8>(
         &self,
         i: I,
-        view: &View<'_>,
+        view: &BoundTexture<'_>,
         lod: I::F32,
     ) -> Color<I> {
         if LEVELS == BASE {
@@ -353,13 +353,13 @@ impl<I: Isa> Place<I> {
     fn read<const FORMAT: u8>(
         &self,
         i: I,
-        view: &View<'_>,
+        view: &BoundTexture<'_>,
         at: &LaneLevel<I>,
-        texel: Texel,
+        texel: TexelFilter,
     ) -> Color<I> {
         match texel {
-            Texel::Nearest => self.nearest::<FORMAT>(i, view, at),
-            Texel::Linear => self.bilinear::<FORMAT>(i, view, at),
+            TexelFilter::Nearest => self.nearest::<FORMAT>(i, view, at),
+            TexelFilter::Linear => self.bilinear::<FORMAT>(i, view, at),
         }
     }
 
@@ -370,7 +370,12 @@ impl<I: Isa> Place<I> {
     }
 
     #[inline(always)]
-    fn nearest<const FORMAT: u8>(&self, i: I, view: &View<'_>, at: &LaneLevel<I>) -> Color<I> {
+    fn nearest<const FORMAT: u8>(
+        &self,
+        i: I,
+        view: &BoundTexture<'_>,
+        at: &LaneLevel<I>,
+    ) -> Color<I> {
         let texel = [
             on_face(i, (self.s * at.units_x).floor_to_i32(), at),
             on_face(i, (self.t * at.units_x).floor_to_i32(), at),
@@ -381,7 +386,12 @@ impl<I: Isa> Place<I> {
 
     /// Four texels, across edges too.
     #[inline(always)]
-    fn bilinear<const FORMAT: u8>(&self, i: I, view: &View<'_>, at: &LaneLevel<I>) -> Color<I> {
+    fn bilinear<const FORMAT: u8>(
+        &self,
+        i: I,
+        view: &BoundTexture<'_>,
+        at: &LaneLevel<I>,
+    ) -> Color<I> {
         let ([x, y], weights) = cell::<I>([self.s * at.units_x - 0.5, self.t * at.units_x - 0.5]);
         // Unsigned: -1 lies beyond the last one too.
         let last = (at.width - 1).to_u32();
@@ -415,7 +425,7 @@ impl<I: Isa> Place<I> {
     fn at_corner<const FORMAT: u8>(
         &self,
         i: I,
-        view: &View<'_>,
+        view: &BoundTexture<'_>,
         at: &LaneLevel<I>,
         place: [I::I32; 2],
         texel: Color<I>,
@@ -430,7 +440,7 @@ impl<I: Isa> Place<I> {
     fn corner_mean<const FORMAT: u8>(
         &self,
         i: I,
-        view: &View<'_>,
+        view: &BoundTexture<'_>,
         at: &LaneLevel<I>,
         [x, y]: [I::I32; 2],
         texel: Color<I>,

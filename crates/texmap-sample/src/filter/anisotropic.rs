@@ -3,7 +3,7 @@
 use super::{Kernel, LookUp, trilinear::LevelPair};
 use crate::{
     address::lod::{TexelFootprint, log2},
-    bound_texture::{ANY, View},
+    bound_texture::{ANY, BoundTexture},
     fetch::{Color, scaled, select},
     sampler::Precision,
 };
@@ -85,7 +85,7 @@ impl Kernel for Anisotropic {
     const FORMAT: u8 = ANY;
 
     #[inline(always)]
-    fn color<I: Isa>(i: I, view: &View<'_>, at: &LookUp<I>) -> Color<I> {
+    fn color<I: Isa>(i: I, view: &BoundTexture<'_>, at: &LookUp<I>) -> Color<I> {
         let Some(d) = &at.footprint else {
             return [i.f32(0.0); 4];
         };
@@ -98,7 +98,7 @@ impl Kernel for Anisotropic {
 #[inline(always)]
 pub fn anisotropic<I: Isa, const FORMAT: u8>(
     i: I,
-    view: &View<'_>,
+    view: &BoundTexture<'_>,
     u: I::F32,
     v: I::F32,
     d: &TexelFootprint<I>,

@@ -1,9 +1,9 @@
 //! Sixteen texels weighted by a cubic.
 
-use super::{Kernel, Kind, LookUp, bilinear::cell};
+use super::{Kernel, LookUp, bilinear::cell};
 use crate::{
     address::texel::LaneLevel,
-    bound_texture::{ANY, View},
+    bound_texture::{ANY, BoundTexture},
     fetch::{Color, fetch_four, scaled, tap},
     sampler::Cubic,
 };
@@ -51,8 +51,8 @@ impl Kernel for Bicubic {
 
     /// Sums run over differences to the centre texel, so that a constant texture stays constant to the bit.
     #[inline(always)]
-    fn color<I: Isa>(i: I, view: &View<'_>, at: &LookUp<I>) -> Color<I> {
-        let Kind::Bicubic(kernel) = view.kind else {
+    fn color<I: Isa>(i: I, view: &BoundTexture<'_>, at: &LookUp<I>) -> Color<I> {
+        let Kernel::Bicubic(kernel) = view.kind else {
             return [i.f32(0.0); 4];
         };
         let level = LaneLevel::uniform(i, view, 0);

@@ -3,7 +3,7 @@
 use super::{Kernel, LookUp};
 use crate::{
     address::texel::LaneLevel,
-    bound_texture::View,
+    bound_texture::BoundTexture,
     fetch::{Color, fetch_corners, mix_four, scaled},
 };
 use texmap_math::simd::{Isa, prelude::*};
@@ -15,7 +15,7 @@ impl<const FORMAT: u8> Kernel for Bilinear<FORMAT> {
     const FORMAT: u8 = FORMAT;
 
     #[inline(always)]
-    fn color<I: Isa>(i: I, view: &View<'_>, at: &LookUp<I>) -> Color<I> {
+    fn color<I: Isa>(i: I, view: &BoundTexture<'_>, at: &LookUp<I>) -> Color<I> {
         let [u, v] = at.uv;
         level_0::<I, FORMAT>(i, view, u, v)
     }
@@ -23,7 +23,12 @@ impl<const FORMAT: u8> Kernel for Bilinear<FORMAT> {
 
 /// Bilinear on level 0. `FORMAT` is the view's.
 #[inline(always)]
-pub fn level_0<I: Isa, const FORMAT: u8>(i: I, view: &View<'_>, u: I::F32, v: I::F32) -> Color<I> {
+pub fn level_0<I: Isa, const FORMAT: u8>(
+    i: I,
+    view: &BoundTexture<'_>,
+    u: I::F32,
+    v: I::F32,
+) -> Color<I> {
     let level = LaneLevel::uniform(i, view, 0);
     scaled::<I>(bilinear::<I, FORMAT>(i, view, &level, [u, v]), view)
 }
@@ -32,7 +37,7 @@ pub fn level_0<I: Isa, const FORMAT: u8>(i: I, view: &View<'_>, u: I::F32, v: I:
 #[inline(always)]
 pub(crate) fn bilinear<I: Isa, const FORMAT: u8>(
     i: I,
-    view: &View<'_>,
+    view: &BoundTexture<'_>,
     level: &LaneLevel<I>,
     uv: [I::F32; 2],
 ) -> Color<I> {

@@ -3,7 +3,7 @@
 use super::{Kernel, LookUp, anisotropic::Axes, bilinear::bilinear};
 use crate::{
     address::{lod::log2, texel::LaneLevel},
-    bound_texture::{ANY, View},
+    bound_texture::{ANY, BoundTexture},
     fetch::{Color, mix, scaled, select, tap},
     sampler::Precision,
 };
@@ -55,7 +55,7 @@ impl Kernel for Ewa {
     const FORMAT: u8 = ANY;
 
     #[inline(always)]
-    fn color<I: Isa>(i: I, view: &View<'_>, at: &LookUp<I>) -> Color<I> {
+    fn color<I: Isa>(i: I, view: &BoundTexture<'_>, at: &LookUp<I>) -> Color<I> {
         let zero = i.f32(0.0);
         let Some(d) = &at.footprint else {
             return [zero; 4];
@@ -91,7 +91,7 @@ impl Kernel for Ewa {
 #[inline(always)]
 fn in_level<I: Isa>(
     i: I,
-    view: &View<'_>,
+    view: &BoundTexture<'_>,
     level: I::I32,
     uv: [I::F32; 2],
     axes: &Axes<I>,
@@ -182,7 +182,13 @@ struct Ellipse<I: Isa> {
 
 impl<I: Isa> Ellipse<I> {
     #[inline(always)]
-    fn new(i: I, view: &View<'_>, level: &LaneLevel<I>, axes: &Axes<I>, minor2: I::F32) -> Self {
+    fn new(
+        i: I,
+        view: &BoundTexture<'_>,
+        level: &LaneLevel<I>,
+        axes: &Axes<I>,
+        minor2: I::F32,
+    ) -> Self {
         let zero = i.f32(0.0);
         let (w, h) = view.size();
         let sx = level.width.to_f32() / w as f32;

@@ -3,9 +3,9 @@
 use super::{Kernel, LookUp, bilinear::bilinear, nearest::nearest};
 use crate::{
     address::texel::LaneLevel,
-    bound_texture::{ANY, View},
+    bound_texture::{ANY, BoundTexture},
     fetch::{Color, mix, scaled, select},
-    sampler::{Mip, Texel},
+    sampler::{Mip, TexelFilter},
 };
 use texmap_math::simd::{Isa, prelude::*};
 
@@ -16,7 +16,7 @@ impl Kernel for Gl {
     const FORMAT: u8 = ANY;
 
     #[inline(always)]
-    fn color<I: Isa>(i: I, view: &View<'_>, at: &LookUp<I>) -> Color<I> {
+    fn color<I: Isa>(i: I, view: &BoundTexture<'_>, at: &LookUp<I>) -> Color<I> {
         let (mag, _, mip) = view.gl;
         // Without levels nothing depends on the level of detail but which of two choices of texels is taken.
         let lod = if mip == Mip::None && mag == view.gl.1 {
@@ -30,8 +30,8 @@ impl Kernel for Gl {
             if reads.lanes.any_true() {
                 let level = LaneLevel::of(i, view, reads.level);
                 let read = match reads.texel {
-                    Texel::Nearest => nearest::<I, ANY>(i, view, &level, at.uv),
-                    Texel::Linear => bilinear::<I, ANY>(i, view, &level, at.uv),
+                    TexelFilter::Nearest => nearest::<I, ANY>(i, view, &level, at.uv),
+                    TexelFilter::Linear => bilinear::<I, ANY>(i, view, &level, at.uv),
                 };
                 color = reads.onto(view, color, read);
             }
@@ -47,12 +47,12 @@ impl Kernel for Gl {
 pub(crate) struct Reads<I: Isa> {
     /// Lanes that read it, which texels, of which level.
     pub(crate) lanes: I::Mask,
-    pub(crate) texel: Texel,
+    pub(crate) texel: TexelFilter,
     pub(crate) level: I::I32,
     /// 0, 1 or 2.
     count: u32,
     rest: I::Mask,
-    min: Texel,
+    min: TexelFilter,
     fine: I::I32,
     coarse: I::I32,
     /// The weight of the coarser level.
@@ -61,7 +61,7 @@ pub(crate) struct Reads<I: Isa> {
 
 impl<I: Isa> Reads<I> {
     #[inline(always)]
-    pub(crate) fn new(i: I, view: &View<'_>, lod: I::F32) -> Self {
+    pub(crate) fn new(i: I, view: &BoundTexture<'_>, lod: I::F32) -> Self {
         let (mag, min, mip) = view.gl;
         let none = i.i32(0);
         let magnified = lod.simd_le(0.0);
@@ -108,7 +108,12 @@ impl<I: Isa> Reads<I> {
 
     /// The colours so far, and those that its lanes have read.
     #[inline(always)]
-    pub(crate) fn onto(&self, view: &View<'_>, color: Color<I>, read: Color<I>) -> Color<I> {
+    pub(crate) fn onto(
+        &self,
+        view: &BoundTexture<'_>,
+        color: Color<I>,
+        read: Color<I>,
+    ) -> Color<I> {
         let read = if self.count == 2 {
             mix::<I>(view, color, read, self.weight)
         } else {

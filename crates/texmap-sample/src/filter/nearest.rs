@@ -3,7 +3,7 @@
 use super::{Kernel, LookUp};
 use crate::{
     address::texel::LaneLevel,
-    bound_texture::View,
+    bound_texture::BoundTexture,
     fetch::{Color, scaled, tap},
 };
 use texmap_math::simd::{Isa, prelude::*};
@@ -15,7 +15,7 @@ impl<const FORMAT: u8> Kernel for Nearest<FORMAT> {
     const FORMAT: u8 = FORMAT;
 
     #[inline(always)]
-    fn color<I: Isa>(i: I, view: &View<'_>, at: &LookUp<I>) -> Color<I> {
+    fn color<I: Isa>(i: I, view: &BoundTexture<'_>, at: &LookUp<I>) -> Color<I> {
         let level = LaneLevel::uniform(i, view, 0);
         scaled::<I>(nearest::<I, FORMAT>(i, view, &level, at.uv), view)
     }
@@ -25,7 +25,7 @@ impl<const FORMAT: u8> Kernel for Nearest<FORMAT> {
 #[inline(always)]
 pub(crate) fn nearest<I: Isa, const FORMAT: u8>(
     i: I,
-    view: &View<'_>,
+    view: &BoundTexture<'_>,
     level: &LaneLevel<I>,
     uv: [I::F32; 2],
 ) -> Color<I> {

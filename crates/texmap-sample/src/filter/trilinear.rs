@@ -3,7 +3,7 @@
 use super::{Kernel, LookUp, bilinear::bilinear};
 use crate::{
     address::texel::LaneLevel,
-    bound_texture::View,
+    bound_texture::BoundTexture,
     fetch::{Color, mix, scaled, select},
 };
 use texmap_math::simd::{Isa, prelude::*};
@@ -15,7 +15,7 @@ impl<const FORMAT: u8> Kernel for Trilinear<FORMAT> {
     const FORMAT: u8 = FORMAT;
 
     #[inline(always)]
-    fn color<I: Isa>(i: I, view: &View<'_>, at: &LookUp<I>) -> Color<I> {
+    fn color<I: Isa>(i: I, view: &BoundTexture<'_>, at: &LookUp<I>) -> Color<I> {
         let [u, v] = at.uv;
         trilinear::<I, FORMAT>(i, view, u, v, at.lod(i, view))
     }
@@ -25,7 +25,7 @@ impl<const FORMAT: u8> Kernel for Trilinear<FORMAT> {
 #[inline(always)]
 pub fn trilinear<I: Isa, const FORMAT: u8>(
     i: I,
-    view: &View<'_>,
+    view: &BoundTexture<'_>,
     u: I::F32,
     v: I::F32,
     lod: I::F32,
@@ -45,7 +45,7 @@ pub(crate) struct LevelPair<I: Isa> {
 
 impl<I: Isa> LevelPair<I> {
     #[inline(always)]
-    pub(crate) fn new(i: I, view: &View<'_>, lod: I::F32) -> Self {
+    pub(crate) fn new(i: I, view: &BoundTexture<'_>, lod: I::F32) -> Self {
         let magnified = lod.simd_le(0.0);
         let last = i.f32(view.last as f32);
         let lod = lod.simd_gt(last).select(last, lod);
@@ -66,7 +66,7 @@ impl<I: Isa> LevelPair<I> {
     pub(crate) fn sample<const FORMAT: u8>(
         &self,
         i: I,
-        view: &View<'_>,
+        view: &BoundTexture<'_>,
         uv: [I::F32; 2],
     ) -> Color<I> {
         let c = bilinear::<I, FORMAT>(i, view, &self.fine, uv);

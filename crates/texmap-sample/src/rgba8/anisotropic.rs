@@ -6,7 +6,7 @@ use crate::{
         lod::{TexelFootprint, log2_sqrt_fixed},
         texel::LaneLevel,
     },
-    bound_texture::View,
+    bound_texture::BoundTexture,
     filter::{ByteKernel, LookUp},
 };
 use texmap_math::simd::{ByteIsa, Isa, prelude::*};
@@ -17,7 +17,7 @@ impl ByteKernel for Anisotropic {
     const WIDE: bool = false;
 
     #[inline(always)]
-    fn word<I: ByteIsa>(i: I, view: &View<'_>, at: &LookUp<I>) -> I::U32 {
+    fn word<I: ByteIsa>(i: I, view: &BoundTexture<'_>, at: &LookUp<I>) -> I::U32 {
         let [u, v] = at.uv;
         match &at.footprint {
             Some(d) => anisotropic(i, view, u, v, d),
@@ -44,7 +44,7 @@ fn rsqrt<I: Isa>(i: I, x: I::F32) -> I::F32 {
 #[inline(always)]
 pub fn anisotropic<I: ByteIsa>(
     i: I,
-    view: &View<'_>,
+    view: &BoundTexture<'_>,
     u: I::F32,
     v: I::F32,
     d: &TexelFootprint<I>,

@@ -3,7 +3,7 @@
 use super::tap;
 use crate::{
     address::texel::{Corners, LaneLevel},
-    bound_texture::{RGBA8, View},
+    bound_texture::{BoundTexture, RGBA8},
     filter::{ByteKernel, LookUp},
 };
 use texmap_math::simd::{ByteIsa, Isa, prelude::*};
@@ -14,7 +14,7 @@ impl ByteKernel for Bilinear {
     const WIDE: bool = true;
 
     #[inline(always)]
-    fn word<I: ByteIsa>(i: I, view: &View<'_>, at: &LookUp<I>) -> I::U32 {
+    fn word<I: ByteIsa>(i: I, view: &BoundTexture<'_>, at: &LookUp<I>) -> I::U32 {
         let [u, v] = at.uv;
         bilinear(i, view, u, v)
     }
@@ -22,7 +22,7 @@ impl ByteKernel for Bilinear {
 
 /// Bilinear on level 0 for each lane.
 #[inline(always)]
-pub fn bilinear<I: ByteIsa>(i: I, view: &View<'_>, u: I::F32, v: I::F32) -> I::U32 {
+pub fn bilinear<I: ByteIsa>(i: I, view: &BoundTexture<'_>, u: I::F32, v: I::F32) -> I::U32 {
     let level = LaneLevel::uniform(i, view, 0);
     i.words(bilinear_in(i, view, &level, [u, v]))
 }
@@ -30,7 +30,7 @@ pub fn bilinear<I: ByteIsa>(i: I, view: &View<'_>, u: I::F32, v: I::F32) -> I::U
 #[inline(always)]
 pub(super) fn bilinear_in<I: ByteIsa>(
     i: I,
-    view: &View<'_>,
+    view: &BoundTexture<'_>,
     level: &LaneLevel<I>,
     uv: [I::F32; 2],
 ) -> I::Bytes {
@@ -41,7 +41,7 @@ pub(super) fn bilinear_in<I: ByteIsa>(
 #[inline(always)]
 pub(super) fn steps<I: Isa>(
     i: I,
-    view: &View<'_>,
+    view: &BoundTexture<'_>,
     level: &LaneLevel<I>,
     uv: [I::F32; 2],
 ) -> [I::I32; 2] {
@@ -53,7 +53,7 @@ pub(super) fn steps<I: Isa>(
 #[inline(always)]
 pub(super) fn bilinear_at<I: ByteIsa>(
     i: I,
-    view: &View<'_>,
+    view: &BoundTexture<'_>,
     level: &LaneLevel<I>,
     [x, y]: [I::I32; 2],
 ) -> I::Bytes {

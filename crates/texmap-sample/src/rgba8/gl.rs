@@ -3,9 +3,9 @@
 use super::{bilinear::bilinear_in, nearest::nearest_in};
 use crate::{
     address::texel::LaneLevel,
-    bound_texture::View,
+    bound_texture::BoundTexture,
     filter::{ByteKernel, LookUp},
-    sampler::{Mip, Texel},
+    sampler::{Mip, TexelFilter},
 };
 use texmap_math::simd::{ByteIsa, prelude::*};
 
@@ -15,7 +15,7 @@ impl ByteKernel for Gl {
     const WIDE: bool = false;
 
     #[inline(always)]
-    fn word<I: ByteIsa>(i: I, view: &View<'_>, at: &LookUp<I>) -> I::U32 {
+    fn word<I: ByteIsa>(i: I, view: &BoundTexture<'_>, at: &LookUp<I>) -> I::U32 {
         let (mag, min, mip) = view.gl;
         let zero = i.i32(0);
         let lod = at.fixed_lod(i, view);
@@ -40,8 +40,8 @@ impl ByteKernel for Gl {
             if *wanted {
                 let level = LaneLevel::of(i, view, *level);
                 *to = match texel {
-                    Texel::Nearest => nearest_in(i, view, &level, at.uv),
-                    Texel::Linear => i.words(bilinear_in(i, view, &level, at.uv)),
+                    TexelFilter::Nearest => nearest_in(i, view, &level, at.uv),
+                    TexelFilter::Linear => i.words(bilinear_in(i, view, &level, at.uv)),
                 };
             }
         }

@@ -3,7 +3,7 @@
 use super::tap;
 use crate::{
     address::texel::LaneLevel,
-    bound_texture::{RGBA8, View},
+    bound_texture::{BoundTexture, RGBA8},
     filter::{ByteKernel, LookUp},
 };
 use texmap_math::simd::{ByteIsa, Isa, prelude::*};
@@ -14,7 +14,7 @@ impl ByteKernel for Nearest {
     const WIDE: bool = true;
 
     #[inline(always)]
-    fn word<I: ByteIsa>(i: I, view: &View<'_>, at: &LookUp<I>) -> I::U32 {
+    fn word<I: ByteIsa>(i: I, view: &BoundTexture<'_>, at: &LookUp<I>) -> I::U32 {
         let [u, v] = at.uv;
         nearest(i, view, u, v)
     }
@@ -22,14 +22,14 @@ impl ByteKernel for Nearest {
 
 /// The nearest texel of level 0 for each lane.
 #[inline(always)]
-pub fn nearest<I: Isa>(i: I, view: &View<'_>, u: I::F32, v: I::F32) -> I::U32 {
+pub fn nearest<I: Isa>(i: I, view: &BoundTexture<'_>, u: I::F32, v: I::F32) -> I::U32 {
     nearest_in(i, view, &LaneLevel::uniform(i, view, 0), [u, v])
 }
 
 #[inline(always)]
 pub(super) fn nearest_in<I: Isa>(
     i: I,
-    view: &View<'_>,
+    view: &BoundTexture<'_>,
     level: &LaneLevel<I>,
     uv: [I::F32; 2],
 ) -> I::U32 {
@@ -46,15 +46,15 @@ fn whole<I: Isa>([x, y]: [I::F32; 2]) -> [I::I32; 2] {
 
 /// The finest level of a view whose wraps are masks, in lanes once for many look-ups.
 #[derive(Clone, Copy, Debug)]
-pub struct Masked<'v, I: Isa> {
-    view: &'v View<'v>,
+pub struct PowerOfTwoTexture<'v, I: Isa> {
+    view: &'v BoundTexture<'v>,
     level: LaneLevel<I>,
 }
 
-impl<'v, I: Isa> Masked<'v, I> {
+impl<'v, I: Isa> PowerOfTwoTexture<'v, I> {
     /// `None` under other wraps, and for sides that are no powers of two.
     #[inline(always)]
-    pub fn new(i: I, view: &'v View<'v>) -> Option<Self> {
+    pub fn new(i: I, view: &'v BoundTexture<'v>) -> Option<Self> {
         debug_assert_eq!(view.format, RGBA8, "bytes that are read whole");
         view.masked.then(
             #[inline(always)]

@@ -3,7 +3,7 @@
 use super::bilinear::{bilinear_at, steps};
 use crate::{
     address::texel::LaneLevel,
-    bound_texture::View,
+    bound_texture::BoundTexture,
     filter::{ByteKernel, LookUp},
 };
 use texmap_math::simd::{ByteIsa, prelude::*};
@@ -14,7 +14,7 @@ impl ByteKernel for Trilinear {
     const WIDE: bool = true;
 
     #[inline(always)]
-    fn word<I: ByteIsa>(i: I, view: &View<'_>, at: &LookUp<I>) -> I::U32 {
+    fn word<I: ByteIsa>(i: I, view: &BoundTexture<'_>, at: &LookUp<I>) -> I::U32 {
         let [u, v] = at.uv;
         trilinear(i, view, u, v, at.fixed_lod(i, view))
     }
@@ -22,7 +22,13 @@ impl ByteKernel for Trilinear {
 
 /// Trilinear at a level with 8 fraction bits: vectors of one level take short cuts.
 #[inline(always)]
-pub fn trilinear<I: ByteIsa>(i: I, view: &View<'_>, u: I::F32, v: I::F32, lod: I::I32) -> I::U32 {
+pub fn trilinear<I: ByteIsa>(
+    i: I,
+    view: &BoundTexture<'_>,
+    u: I::F32,
+    v: I::F32,
+    lod: I::I32,
+) -> I::U32 {
     let top = i.i32(view.last << 8);
     let lod = lod.simd_gt(top).select(top, lod);
     let lod = lod.simd_gt(0).select(lod, i.i32(0));

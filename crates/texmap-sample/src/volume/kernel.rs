@@ -7,11 +7,11 @@ use crate::{
         wrap::{Axis, Wrap},
     },
     batch::{check, load_tail, store_columns},
-    bound_texture::{ANY, View, exact_format},
+    bound_texture::{ANY, BoundTexture, exact_format},
     error::SampleError,
     fetch::{Color, fetch_two, mix, mix_four, scaled, tap},
-    filter::{Kind, bilinear::cell, gl::Reads},
-    sampler::{Sampler, Texel},
+    filter::{Kernel, bilinear::cell, gl::Reads},
+    sampler::{Sampler, TexelFilter},
 };
 use texmap_math::{
     Level, dispatch_simd,
@@ -20,7 +20,7 @@ use texmap_math::{
 
 /// Points of the unit cube that repeats or ends as the wraps say, each coordinate in a slice of its own.
 #[derive(Clone, Copy, Debug)]
-pub struct Points<'a> {
+pub struct UvwBatch<'a> {
     /// Along columns.
     pub u: &'a [f32],
     /// Along rows.
@@ -35,12 +35,12 @@ pub struct Points<'a> {
 ///
 /// # Errors
 /// Slices of different lengths.
-pub fn sample_3d_columns(
+pub fn sample_3d_soa(
     level: Level,
     sampler: &Sampler,
     t: &Texture3d<'_>,
     wrap_w: Wrap,
-    at: &Points<'_>,
+    at: &UvwBatch<'_>,
     mut out: [&mut [f32]; 4],
 ) -> Result<(), SampleError> {
     check("v", at.u.len(), at.v.len())?;
@@ -60,7 +60,7 @@ pub fn sample_3d_columns(
 /// A volume and a sampler prepared for look-ups.
 #[derive(Clone, Debug)]
 pub(crate) struct VolumeView<'a> {
-    view: View<'a>,
+    view: BoundTexture<'a>,
     along_w: Axis,
     depth: i32,
 }
@@ -69,12 +69,12 @@ impl<'a> VolumeView<'a> {
     /// `None` only for a volume without a texel.
     pub(crate) fn new(sampler: &Sampler, t: &'a Texture3d<'_>, wrap_w: Wrap) -> Option<Self> {
         let format = exact_format(&t.chain);
-        let view = View::of_chain(sampler, &t.chain, Kind::Gl, format)?;
+        let view = BoundTexture::of_chain(sampler, &t.chain, Kernel::Gl, format)?;
         Some(Self::of(view, sampler, wrap_w, t.depth()))
     }
 
     #[inline(always)]
-    pub(super) fn of(view: View<'a>, sampler: &Sampler, wrap_w: Wrap, depth: i32) -> Self {
+    pub(super) fn of(view: BoundTexture<'a>, sampler: &Sampler, wrap_w: Wrap, depth: i32) -> Self {
         Self {
             view: if wrap_w == Wrap::ClampToBorder {
                 view.with_border(sampler)
@@ -87,12 +87,12 @@ impl<'a> VolumeView<'a> {
     }
 
     /// The columns have one length.
-    pub(crate) fn columns(&self, level: Level, at: &Points<'_>, out: &mut [&mut [f32]; 4]) {
+    pub(crate) fn columns(&self, level: Level, at: &UvwBatch<'_>, out: &mut [&mut [f32]; 4]) {
         dispatch_simd!(level, i => self.columns_on(i, at, out));
     }
 
     #[inline(never)]
-    fn columns_on<I: Isa>(&self, i: I, at: &Points<'_>, out: &mut [&mut [f32]; 4]) {
+    fn columns_on<I: Isa>(&self, i: I, at: &UvwBatch<'_>, out: &mut [&mut [f32]; 4]) {
         i.vectorize(
             #[inline(always)]
             || {
@@ -121,8 +121,8 @@ impl<'a> VolumeView<'a> {
         loop {
             if reads.lanes.any_true() {
                 let read = match reads.texel {
-                    Texel::Nearest => self.nearest(i, reads.level, uvw),
-                    Texel::Linear => self.eight(i, reads.level, uvw),
+                    TexelFilter::Nearest => self.nearest(i, reads.level, uvw),
+                    TexelFilter::Linear => self.eight(i, reads.level, uvw),
                 };
                 color = reads.onto(view, color, read);
             }

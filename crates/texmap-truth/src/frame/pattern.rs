@@ -51,7 +51,7 @@ fn octave_sum(p: DVec3, width: f64, octaves: u8, shape: impl Fn(f64) -> f64) -> 
             0.0
         }
     };
-    (0..octaves.clamp(1, Pattern::MOST_OCTAVES))
+    (0..octaves.clamp(1, Pattern::MAX_OCTAVES))
         .map(octave)
         .sum()
 }
