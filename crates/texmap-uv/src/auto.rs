@@ -4,10 +4,10 @@ use alloc::vec;
 use alloc::vec::Vec;
 use texmap_math::glam::DVec3;
 
+use crate::islands::Shells;
 use crate::mesh::{Mesh, UvSet, unit_or_zero};
 use crate::overlap::{self, Flat};
 use crate::pack::{Page, pack};
-use crate::shells::Shells;
 use crate::solid::Part;
 use crate::topology::Topology;
 use crate::{Origin, UvError, parallel};

@@ -7,10 +7,10 @@ use alloc::vec::Vec;
 use texmap_math::glam::{DMat3, DVec3};
 use texmap_math::{Level, float};
 
-use crate::frame::{Frame, Placed};
 use crate::mesh::{Mesh, UvSet, length, unit_or_zero};
+use crate::placement::{Frame, Placed};
 use crate::solid::{Origin, Part, Shape};
-use crate::{UvError, parallel, plane, seam, spherical};
+use crate::{UvError, parallel, plane, seam_unwrap, spherical};
 
 /// What a shape maps.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -155,7 +155,7 @@ impl Mapping {
                         us.extend(values[start..].iter().map(|uv| uv[0]));
                         poles.clear();
                         poles.extend(corners.iter().map(|&i| on_axis(vectors[i as usize])));
-                        if !seam::unwrap(&mut us, &poles) {
+                        if !seam_unwrap::unwrap(&mut us, &poles) {
                             around_axis.push(face as u32);
                         }
                         for (value, u) in values[start..].iter_mut().zip(&us) {

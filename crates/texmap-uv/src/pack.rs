@@ -6,8 +6,8 @@ use texmap_math::float;
 use texmap_math::glam::DVec2;
 
 use crate::UvError;
+use crate::islands::{Shells, compact, separate};
 use crate::mesh::{Mesh, UvSet, length};
-use crate::shells::{Shells, compact, separate};
 use crate::topology::Topology;
 
 /// A square page for charts.

@@ -220,7 +220,7 @@ pub(crate) fn edge_length(mesh: &Mesh<'_>, topology: &Topology, k: usize) -> f64
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
-    use crate::shells::Shells;
+    use crate::islands::Shells;
 
     pub(crate) fn flat(mesh: &Mesh<'_>) -> UvSet {
         let values: Vec<[f32; 2]> = (0..mesh.faces().corners().len())

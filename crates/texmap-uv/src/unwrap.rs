@@ -4,9 +4,9 @@ use alloc::string::ToString;
 use alloc::vec::Vec;
 use core::ops::ControlFlow;
 
-use crate::cut::Cuts;
 use crate::mesh::{Mesh, UvSet};
 use crate::pack::Page;
+use crate::seam_edges::Cuts;
 use crate::topology::Topology;
 use crate::{Origin, UvError};
 

@@ -3,10 +3,10 @@
 use alloc::vec::Vec;
 
 use super::ReportOptions;
+use crate::islands::Shells;
 use crate::mesh::{Mesh, UvSet, length};
-use crate::shells::Shells;
 use crate::topology::{MANY, RIM, Topology, edge_length};
-use crate::{TJoints, parallel, t_joint, views};
+use crate::{TJoints, parallel, t_junction, views};
 
 /// What the report says about edges.
 pub(super) struct Edges {
@@ -33,7 +33,7 @@ impl Edges {
             rim_length: lengths(mesh, &topology, rim),
             non_manifold: non_manifold(mesh, &topology).len(),
             shells: shells(mesh, set, &topology),
-            t_joints: t_joint::find(mesh, &topology),
+            t_joints: t_junction::find(mesh, &topology),
         }
     }
 }

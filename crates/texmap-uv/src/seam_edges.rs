@@ -5,8 +5,8 @@ use alloc::vec::Vec;
 use texmap_math::deterministic_f64;
 use texmap_math::glam::DVec2;
 
+use crate::islands::{Shells, compact, root, separate};
 use crate::mesh::{Mesh, UvSet, length};
-use crate::shells::{Shells, compact, root, separate};
 use crate::topology::{MANY, Topology};
 use crate::{UvError, parallel};
 
