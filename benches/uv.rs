@@ -8,7 +8,8 @@ use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_m
 use texmap_benches::meshes::ball;
 use texmap_math::Level;
 use texmap_uv::{
-    Mapping, Mesh, Origin, ReportOptions, Shape, cylinder_slice, overlaps, report, sphere_slice,
+    Mapping, Mesh, Origin, ReportOptions, Shape, cylinder_uv_batch, overlaps, report,
+    sphere_uv_batch,
 };
 
 fn slices(c: &mut Criterion) {
@@ -26,11 +27,11 @@ fn slices(c: &mut Criterion) {
         });
     });
     group.bench_function("sphere", |b| {
-        b.iter(|| sphere_slice(Level::new(), black_box(&vectors), Origin::TopLeft, &mut out));
+        b.iter(|| sphere_uv_batch(Level::new(), black_box(&vectors), Origin::TopLeft, &mut out));
     });
     assert!(out.as_flattened().iter().all(|c| (0.0..=1.0).contains(c)));
     group.bench_function("cylinder", |b| {
-        b.iter(|| cylinder_slice(Level::new(), black_box(&vectors), Origin::TopLeft, &mut out));
+        b.iter(|| cylinder_uv_batch(Level::new(), black_box(&vectors), Origin::TopLeft, &mut out));
     });
     group.finish();
 }
@@ -60,7 +61,7 @@ fn meshes(c: &mut Criterion) {
         };
         let found = report(&mesh, &set, &options).expect("a report");
         assert_eq!(
-            (found.overlapping, found.wide, found.flipped, found.shells),
+            (found.overlapping, found.wide, found.flipped, found.islands),
             (0, 0, 0, 1)
         );
         group.bench_with_input(BenchmarkId::new("report", triangles), &mesh, |b, mesh| {

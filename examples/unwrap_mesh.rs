@@ -1,7 +1,7 @@
 //! Unwraps a mesh, with progress and a way to cancel, into a vertex buffer with uvs and tangents.
 
 use std::ops::ControlFlow;
-use texmap::uv::{Cuts, Faces, Mesh, Origin, Page, tangents, unwrap};
+use texmap::uv::{AtlasSize, Faces, Mesh, Origin, SeamEdges, tangents, unwrap};
 
 /// Runs the example.
 pub fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -17,7 +17,7 @@ pub fn main() -> Result<(), Box<dyn std::error::Error>> {
         println!("{done} of {of:?}");
         ControlFlow::Continue(())
     };
-    let (cuts, page) = (Cuts::default(), Page::default());
+    let (cuts, page) = (SeamEdges::default(), AtlasSize::default());
     let set = unwrap(&mesh, &cuts, page, Origin::TopLeft, &progress)?;
     let flat = vec![[0.0; 3]; faces.corners().len()]; // a normal of zero stands for its face's
     let buffer = set.split(&mesh, &tangents(&mesh, &set, &flat)?)?;

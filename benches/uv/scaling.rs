@@ -16,8 +16,8 @@ use texmap_benches::meshes::ball;
 use texmap_math::Level;
 use texmap_raster::{Atlas, AtlasMesh, AtlasOptions, TargetSize};
 use texmap_uv::{
-    Faces, Mapping, Mesh, Origin, ReportOptions, Shape, UvSet, cylinder_slice, overlaps, report,
-    sphere_slice, t_joints,
+    Faces, Mapping, Mesh, Origin, ReportOptions, Shape, UvSet, cylinder_uv_batch, overlaps, report,
+    sphere_uv_batch, t_junctions,
 };
 
 const TRIANGLES: [usize; 7] = [
@@ -87,10 +87,10 @@ fn slices() -> Rows {
         let times = [
             least(1, || copies.copy_from_slice(black_box(&vectors))),
             least(1, || {
-                let _ = sphere_slice(level, black_box(&vectors), Origin::TopLeft, &mut uvs);
+                let _ = sphere_uv_batch(level, black_box(&vectors), Origin::TopLeft, &mut uvs);
             }),
             least(1, || {
-                let _ = cylinder_slice(level, black_box(&vectors), Origin::TopLeft, &mut uvs);
+                let _ = cylinder_uv_batch(level, black_box(&vectors), Origin::TopLeft, &mut uvs);
             }),
         ];
         black_box((&mut copies, &mut uvs));
@@ -159,7 +159,7 @@ fn meshes(triangles: usize, threads: usize) -> Rows {
         row(
             "T-joints",
             least(rounds, || {
-                black_box(t_joints(&mesh));
+                black_box(t_junctions(&mesh));
             }),
         ),
     ];

@@ -17,10 +17,10 @@ use nalgebra::Vector3;
 use texmap_benches::meshes::{self, knot};
 use texmap_io::{LoadOptions, load_obj};
 use texmap_uv::{
-    Cuts, Faces, Mesh, Origin, Page, ReportOptions, UvSet, auto_planes, report, unwrap,
+    AtlasSize, Faces, Mesh, Origin, ReportOptions, SeamEdges, UvSet, auto_planes, report, unwrap,
 };
 
-const PAGE: Page = Page {
+const PAGE: AtlasSize = AtlasSize {
     size: 1024,
     gutter: 4,
 };
@@ -37,7 +37,7 @@ const CANDIDATES: [Candidate; 5] = [
         run: |mesh| {
             Ok(unwrap(
                 mesh,
-                &Cuts::default(),
+                &SeamEdges::default(),
                 PAGE,
                 Origin::BottomLeft,
                 &|_, _| ControlFlow::Continue(()),
@@ -169,7 +169,7 @@ fn figures(
                 r.flipped,
                 r.overlapping,
                 r.seam_length,
-                r.shells,
+                r.islands,
                 100.0 * r.picture_area
             ),
             Err(e) => format!("{e} | | | | | | | {seconds:.2}"),

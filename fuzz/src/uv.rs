@@ -2,8 +2,9 @@
 
 use texmap_math::Level;
 use texmap_uv::{
-    Cuts, Entity, Faces, Mapping, Mesh, Origin, Page, Projection, ReportOptions, Shape, UvSet,
-    auto_planes, cut, layout_svg, overlaps, pack, project, report, sew, t_joints, tangents,
+    AtlasSize, Faces, Mapping, Mesh, Origin, Projection, ProjectionSource, ReportOptions,
+    SeamEdges, Shape, UvSet, auto_planes, cut, layout_svg, overlaps, pack, project, report,
+    sew_seams, t_junctions, tangents,
 };
 
 use super::choices::Choices;
@@ -34,16 +35,20 @@ pub fn uv(bytes: &[u8]) {
         origin,
     );
     assert_eq!(projected.len(), positions.len());
-    assert!(t_joints(&mesh).list.len() <= faces.corners().len() * positions.len());
+    assert!(t_junctions(&mesh).list.len() <= faces.corners().len() * positions.len());
     let mapping = Mapping {
-        by: c.of(&[Entity::Position, Entity::Normal, Entity::Centroid]),
+        by: c.of(&[
+            ProjectionSource::Position,
+            ProjectionSource::Normal,
+            ProjectionSource::Centroid,
+        ]),
         repeat: [c.number().into(), c.number().into()],
         tile: (c.byte() > 220).then(|| [c.number().into(), c.number().into()]),
         fix_seams: c.byte() < 200,
         origin,
         ..Mapping::new(c.of(&[Shape::Plane, Shape::Box, Shape::Sphere, Shape::Cylinder]))
     };
-    let page = Page {
+    let page = AtlasSize {
         size: 1 + c.below(64) as u32,
         gutter: c.below(5) as u32,
     };
@@ -58,7 +63,7 @@ pub fn uv(bytes: &[u8]) {
     }
 }
 
-fn used(mesh: &Mesh<'_>, set: &UvSet, page: Page, c: &mut Choices<'_>) {
+fn used(mesh: &Mesh<'_>, set: &UvSet, page: AtlasSize, c: &mut Choices<'_>) {
     let corners = mesh.faces().corners();
     assert_eq!(set.per_corner().len(), corners.len());
     let options = ReportOptions {
@@ -77,15 +82,15 @@ fn used(mesh: &Mesh<'_>, set: &UvSet, page: Page, c: &mut Choices<'_>) {
     let pairs = [ends];
     let angle = (c.byte() > 128).then(|| f64::from(c.number()));
     for changed in [
-        cut(
+        cut_seams(
             mesh,
             set,
-            &Cuts {
+            &SeamEdges {
                 pairs: &pairs,
                 angle,
             },
         ),
-        sew(mesh, set, &pairs),
+        sew_seams(mesh, set, &pairs),
         pack(mesh, set, page),
     ]
     .into_iter()

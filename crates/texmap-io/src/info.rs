@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use serde::{Serialize, Serializer};
 use texmap_scene::{Mesh, Scene};
-use texmap_uv::TJoints;
+use texmap_uv::TJunctions;
 
 use crate::framing::Bounds;
 use crate::scene::{self, Kind, LoadOptions};
@@ -150,7 +150,7 @@ fn mesh(mesh: &Mesh, scene: &Scene) -> MeshInfo {
 }
 
 /// T-joints of all meshes as one, in world space; none where a vertex is not finite.
-fn t_joints(scene: &Scene) -> TJoints {
+fn t_joints(scene: &Scene) -> TJunctions {
     let (mut positions, mut triangles) = (Vec::new(), Vec::new());
     for mesh in &scene.meshes {
         let base = positions.len() as u32;
@@ -165,7 +165,7 @@ fn t_joints(scene: &Scene) -> TJoints {
     }
     let faces = texmap_uv::Faces::from_triangles(&triangles);
     texmap_uv::Mesh::new(&positions, &faces)
-        .map_or_else(|_| TJoints::default(), |m| texmap_uv::t_joints(&m))
+        .map_or_else(|_| TJunctions::default(), |m| texmap_uv::t_junctions(&m))
 }
 
 fn range(uvs: &[[f32; 2]]) -> Option<[[f32; 2]; 2]> {

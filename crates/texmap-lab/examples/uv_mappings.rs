@@ -15,8 +15,8 @@ use texmap_math::Level;
 use texmap_math::glam::DVec3;
 use texmap_truth::picture::Picture;
 use texmap_uv::{
-    Cuts, Faces, Frame, Mapping, Mesh, Origin, Page, Report, ReportOptions, Shape, UvSet,
-    auto_planes, report, unwrap,
+    AtlasSize, Faces, Mapping, Mesh, Origin, Placement, Report, ReportOptions, SeamEdges, Shape,
+    UvSet, auto_planes, report, unwrap,
 };
 
 const OBJECTS: [&str; 6] = ["house", "twisted_box", "cylinder", "cone", "ball", "teapot"];
@@ -58,7 +58,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             let lines = [
                 format!("{}/{mapping}", name.replace('_', " ")),
                 format!("L2 {} angle {:.2}", figure(r.stretch_l2), r.angle_mean),
-                format!("over {:.0}% shells {}", share(r.overlapping), r.shells),
+                format!("over {:.0}% shells {}", share(r.overlapping), r.islands),
             ];
             for (k, line) in lines.iter().enumerate() {
                 sheet.text(
@@ -94,7 +94,7 @@ fn main() -> Result<(), Box<dyn Error>> {
                 share(r.overlapping),
                 r.wide,
                 r.seam_length,
-                r.shells
+                r.islands
             );
             reports.push(r);
         }
@@ -121,12 +121,12 @@ fn map(mesh: &Mesh<'_>, name: &str) -> Result<UvSet, Box<dyn Error>> {
         ..Mapping::new(shape)
     };
     let mapping = match name {
-        "auto" => return Ok(auto_planes(mesh, Page::default(), ORIGIN)?),
+        "auto" => return Ok(auto_planes(mesh, AtlasSize::default(), ORIGIN)?),
         "unwrap" => {
             return Ok(unwrap(
                 mesh,
-                &Cuts::default(),
-                Page::default(),
+                &SeamEdges::default(),
+                AtlasSize::default(),
                 ORIGIN,
                 &|_, _| ControlFlow::Continue(()),
             )?);
@@ -145,7 +145,7 @@ fn map(mesh: &Mesh<'_>, name: &str) -> Result<UvSet, Box<dyn Error>> {
 }
 
 /// An upright frame as wide as it is high around the mesh.
-fn square(mesh: &Mesh<'_>) -> Frame {
+fn square(mesh: &Mesh<'_>) -> Placement {
     let used = || {
         mesh.faces()
             .corners()
@@ -155,7 +155,7 @@ fn square(mesh: &Mesh<'_>) -> Frame {
     let (low, high) = used().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(l, h), p| {
         (l.min(p), h.max(p))
     });
-    Frame::upright((low + high) * 0.5, DVec3::splat((high - low).max_element()))
+    Placement::upright((low + high) * 0.5, DVec3::splat((high - low).max_element()))
 }
 
 /// Positions and faces of a model.
@@ -244,10 +244,10 @@ fn claims(root: &Path, all: &[Vec<Report>]) -> Result<Vec<String>, Box<dyn Error
              (unwrapping: {:.2}, {} shells, {:.1}).",
             verdict(twisted[2].angle_mean > 1.3),
             twisted[2].angle_mean,
-            twisted[2].shells,
+            twisted[2].islands,
             twisted[2].seam_length,
             twisted[3].angle_mean,
-            twisted[3].shells,
+            twisted[3].islands,
             twisted[3].seam_length
         ),
         format!(

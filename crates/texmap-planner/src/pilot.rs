@@ -4,7 +4,7 @@ use std::collections::HashSet;
 
 use texmap_math::glam::{DMat3, DVec2, DVec3};
 use texmap_math::{CameraFrame, Footprint, color};
-use texmap_uv::PixelMapping;
+use texmap_uv::PerPixelProjection;
 
 use super::View;
 use super::gain::Gain;
@@ -88,7 +88,7 @@ enum Source {
     Vertices,
     /// The planes of A.W, B.W and C.W over the picture.
     Frame([DVec3; 3]),
-    Round(PixelMapping),
+    Round(PerPixelProjection),
 }
 
 /// A pixel of a triangle: its centre, and the planes over the picture of what its vertices hold, by w.
@@ -121,7 +121,7 @@ impl Place {
         let position = [x.0, y.0, z.0];
         let moves = [[x.1, y.1, z.1], [x.2, y.2, z.2]];
         let (uv, footprint) = match source {
-            Source::Round(map) => map.one(position, moves[0], moves[1]),
+            Source::Round(map) => map.uv_at(position, moves[0], moves[1]),
             Source::Frame([a, b, w]) if w.dot(p) != 0.0 => placed(of(*a, *w), of(*b, *w)),
             Source::Frame(_) => return None,
             Source::Vertices => placed(of(self.uv[0], self.inv_w), of(self.uv[1], self.inv_w)),

@@ -4,7 +4,7 @@ use texmap_math::glam::{DMat3, DMat4, DVec3};
 use texmap_math::texture_frame::TextureFrame;
 use texmap_math::wide;
 use texmap_sample::Origin;
-use texmap_uv::{PixelMapping, Projection};
+use texmap_uv::{PerPixelProjection, Projection};
 
 use crate::{Billboard, Displacement};
 
@@ -40,7 +40,7 @@ pub struct Mesh {
     pub frame: Option<TextureFrame>,
     /// A sphere or cylinder in world space. If given, uv is computed at every pixel from its position, exact also
     /// across the seam and around the axis, and neither `frame` nor `uvs` is read.
-    pub round: Option<PixelMapping>,
+    pub round: Option<PerPixelProjection>,
     /// Throws no shadow: shadow maps and the depth maps of projectors do not show it.
     pub shadowless: bool,
     /// Bounds a solid, its fronts outwards and no hole in it: maps of parallel and spot lights show its fronts alone, which is half of the

@@ -4,11 +4,11 @@ use alloc::vec;
 use alloc::vec::Vec;
 use texmap_math::glam::DVec3;
 
-use crate::islands::Shells;
+use crate::islands::Islands;
 use crate::mesh::{Mesh, UvSet, unit_or_zero};
 use crate::overlap::{self, Flat};
-use crate::pack::{Page, pack};
-use crate::solid::Part;
+use crate::pack::{AtlasSize, pack};
+use crate::solid::ShapeFace;
 use crate::topology::Topology;
 use crate::{Origin, UvError, parallel};
 
@@ -24,7 +24,7 @@ const ROUNDS: u32 = 8;
 ///
 /// # Errors
 /// More charts than the page can hold.
-pub fn auto_planes(mesh: &Mesh<'_>, page: Page, origin: Origin) -> Result<UvSet, UvError> {
+pub fn auto_planes(mesh: &Mesh<'_>, page: AtlasSize, origin: Origin) -> Result<UvSet, UvError> {
     let topology = Topology::new(mesh);
     let faces = mesh.faces().len();
     let normals = parallel::collect_chunks(faces, |range| {
@@ -58,17 +58,17 @@ pub fn auto_planes(mesh: &Mesh<'_>, page: Page, origin: Origin) -> Result<UvSet,
     pack(mesh, &set, page)
 }
 
-const SIDES: [Part; 6] = [
-    Part::Front,
-    Part::Back,
-    Part::Top,
-    Part::Bottom,
-    Part::Right,
-    Part::Left,
+const SIDES: [ShapeFace; 6] = [
+    ShapeFace::Front,
+    ShapeFace::Back,
+    ShapeFace::Top,
+    ShapeFace::Bottom,
+    ShapeFace::Right,
+    ShapeFace::Left,
 ];
 
-fn sides(mesh: &Mesh<'_>, topology: &Topology, normals: &[DVec3]) -> Vec<Part> {
-    let mut sides: Vec<Part> = normals.iter().map(|n| Part::facing(*n)).collect();
+fn sides(mesh: &Mesh<'_>, topology: &Topology, normals: &[DVec3]) -> Vec<ShapeFace> {
+    let mut sides: Vec<ShapeFace> = normals.iter().map(|n| ShapeFace::facing(*n)).collect();
     for _ in 0..4 {
         let before = sides.clone();
         for f in 0..sides.len() {
@@ -98,7 +98,12 @@ fn sides(mesh: &Mesh<'_>, topology: &Topology, normals: &[DVec3]) -> Vec<Part> {
 }
 
 /// A chart number per face: connected faces of one side that do not overlap in its plane.
-fn divide(mesh: &Mesh<'_>, topology: &Topology, sides: &[Part], values: &[[f64; 2]]) -> Vec<u32> {
+fn divide(
+    mesh: &Mesh<'_>,
+    topology: &Topology,
+    sides: &[ShapeFace],
+    values: &[[f64; 2]],
+) -> Vec<u32> {
     let faces = mesh.faces().len();
     let mut layer = vec![0u32; faces];
     let mut triangles = Vec::new();
@@ -115,7 +120,7 @@ fn divide(mesh: &Mesh<'_>, topology: &Topology, sides: &[Part], values: &[[f64; 
         }
     }
     let shells = |layer: &[u32]| {
-        Shells::linked(faces, topology, |k| {
+        Islands::linked(faces, topology, |k| {
             let [a, b] = [k, topology.twin[k] as usize].map(|k| topology.face[k] as usize);
             sides[a] == sides[b] && layer[a] == layer[b]
         })
@@ -183,13 +188,13 @@ mod tests {
             }
         }
         let mesh = Mesh::new(&positions, &faces).unwrap();
-        let set = auto_planes(&mesh, Page::default(), Origin::TopLeft).unwrap();
+        let set = auto_planes(&mesh, AtlasSize::default(), Origin::TopLeft).unwrap();
         let report = report(&mesh, &set, &ReportOptions::default()).unwrap();
         assert_eq!(
             (report.overlapping, report.outside, report.collapsed),
             (0, 0, 0)
         );
-        assert!(report.shells >= 3, "{} shells", report.shells);
+        assert!(report.islands >= 3, "{} shells", report.islands);
         assert!(report.angle_max < 1.05, "{}", report.angle_max);
     }
 }

@@ -3,7 +3,7 @@
 use alloc::vec::Vec;
 use texmap_math::glam::DVec3;
 
-use crate::solid::{self, Origin, Part};
+use crate::solid::{self, Origin, ShapeFace};
 
 /// The named fallbacks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -48,14 +48,14 @@ pub fn project(
             }
             let unit = from_centre * scale;
             let place = match projection {
-                Projection::Plane => Part::Whole.flat(unit),
+                Projection::Plane => ShapeFace::Whole.flat(unit),
                 Projection::Sphere => solid::sphere(from_centre),
                 Projection::Box => {
                     let normal = normals.get(i).map(|n| DVec3::from(n.map(f64::from)));
                     let outward = normal
                         .filter(|n| n.is_finite() && *n != DVec3::ZERO)
                         .unwrap_or(unit);
-                    Part::facing(outward).flat(unit)
+                    ShapeFace::facing(outward).flat(unit)
                 }
             };
             place.uv(origin).map(|c| c as f32)

@@ -9,13 +9,13 @@ use crate::topology::{MANY, RIM, Topology};
 
 /// Faces grouped into connected pieces of the picture.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct Shells {
+pub(crate) struct Islands {
     /// Shell of each face; shells are numbered by their lowest face.
     pub(crate) of_face: Vec<u32>,
     pub(crate) count: usize,
 }
 
-impl Shells {
+impl Islands {
     pub(crate) fn new(mesh: &Mesh<'_>, set: &UvSet, topology: &Topology) -> Self {
         Self::linked(mesh.faces().len(), topology, |k| {
             topology.joined(mesh, set, k)
@@ -67,7 +67,7 @@ pub(crate) fn root(parent: &mut [u32], mut f: u32) -> u32 {
 }
 
 /// Gives every shell its own coordinates where two shells share one (they touch in a point).
-pub(crate) fn separate(topology: &Topology, shells: &Shells, set: &mut UvSet) {
+pub(crate) fn separate(topology: &Topology, shells: &Islands, set: &mut UvSet) {
     let mut owner = vec![RIM; set.uvs.len()];
     let mut copies = alloc::collections::BTreeMap::new();
     for k in 0..set.corners.len() {

@@ -14,7 +14,7 @@
 //! let mut faces = Faces::new();
 //! faces.push(&[0, 1, 2, 3]);
 //! let mesh = Mesh::new(&positions, &faces)?;
-//! let frame = texmap_uv::Frame::upright(Default::default(), texmap_math::glam::DVec3::new(2.0, 1.0, 2.0));
+//! let frame = texmap_uv::Placement::upright(Default::default(), texmap_math::glam::DVec3::new(2.0, 1.0, 2.0));
 //! let mapping = Mapping { frame: Some(frame), ..Mapping::new(Shape::Cylinder) };
 //! let mapped = mapping.map(Level::new(), &mesh, &[])?;
 //! // u runs on past 1 instead of jumping back to 0.
@@ -56,17 +56,17 @@ pub use auto::auto_planes;
 pub use error::UvError;
 pub use fallback::{Projection, project};
 pub use layout::layout_svg;
-pub use mapping::{Entity, Mapped, Mapping, tile};
+pub use mapping::{MappedMesh, Mapping, ProjectionSource, tile};
 pub use mesh::{Faces, Mesh, UvSet, VertexBuffer};
 pub use overlap::{Overlaps, overlaps};
-pub use pack::{Page, pack};
-pub use per_pixel::{PixelMapping, Round};
-pub use placement::Frame;
+pub use pack::{AtlasSize, pack};
+pub use per_pixel::{CurvedShape, PerPixelProjection};
+pub use placement::Placement;
 pub use report::{Report, ReportOptions, TriangleReport, Unmapped, report, unmapped};
-pub use seam_edges::{Cuts, cut, sew};
-pub use solid::{Origin, Part, Shape};
-pub use spherical::{cylinder_one, cylinder_slice, sphere_one, sphere_slice};
-pub use t_junction::{TJoint, TJoints, t_joints};
+pub use seam_edges::{SeamEdges, cut_seams, sew_seams};
+pub use solid::{Origin, Shape, ShapeFace};
+pub use spherical::{cylinder_uv_at, cylinder_uv_batch, sphere_uv_at, sphere_uv_batch};
+pub use t_junction::{TJunction, TJunctions, t_junctions};
 pub use tangent::tangents;
 #[cfg(feature = "unwrap")]
 pub use unwrap::unwrap;

@@ -8,13 +8,13 @@ use texmap_math::glam::{DMat3, DVec3};
 use texmap_math::{Level, float};
 
 use crate::mesh::{Mesh, UvSet, length, unit_or_zero};
-use crate::placement::{Frame, Placed};
-use crate::solid::{Origin, Part, Shape};
+use crate::placement::{PlacedFrame, Placement};
+use crate::solid::{Origin, Shape, ShapeFace};
 use crate::{UvError, parallel, plane, seam_unwrap, spherical};
 
 /// What a shape maps.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub enum Entity {
+pub enum ProjectionSource {
     /// The position in the frame, moved along the normals of the shape: a plane drops z, a cylinder the distance
     /// from its axis, and a box takes the side that each face's own normal is nearest to (Bier and Sloan's
     /// "intermediate surface normal").
@@ -37,12 +37,12 @@ pub struct Mapping {
     /// The shape around the object.
     pub shape: Shape,
     /// What is mapped.
-    pub by: Entity,
+    pub by: ProjectionSource,
     /// Where the shape stands. `None` fits it to the bounding box: a plane and a box fill it, a cylinder and a cone
     /// keep their round section, a sphere stays round. An axis without extent maps to the middle. A plane by position
     /// turns to the surface: along the normal of a flat one, else along z, or along y or x where that sees it more than
     /// twice as squarely.
-    pub frame: Option<Frame>,
+    pub frame: Option<Placement>,
     /// For a plane by position: the size of one picture in object units; u and v then count pictures from the
     /// frame's (or the object's) origin and are left unbounded, to be wrapped by the sampler. Without a frame the plane
     /// looks along z, y or x, as above.
@@ -57,7 +57,7 @@ pub struct Mapping {
 
 /// A mapped mesh.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Mapped {
+pub struct MappedMesh {
     /// The coordinates.
     pub set: UvSet,
     /// Faces that enclose the axis of a round shape: no vertex coordinates map them right; divide them there.
@@ -70,7 +70,7 @@ impl Mapping {
     pub fn new(shape: Shape) -> Self {
         Self {
             shape,
-            by: Entity::Position,
+            by: ProjectionSource::Position,
             frame: None,
             tile: None,
             repeat: [1.0; 2],
@@ -95,7 +95,7 @@ impl Mapping {
     #[must_use]
     pub fn sphere_by_centroid() -> Self {
         Self {
-            by: Entity::Centroid,
+            by: ProjectionSource::Centroid,
             ..Self::new(Shape::Sphere)
         }
     }
@@ -110,7 +110,7 @@ impl Mapping {
     #[must_use]
     pub fn box_by_centroid() -> Self {
         Self {
-            by: Entity::Centroid,
+            by: ProjectionSource::Centroid,
             ..Self::new(Shape::Box)
         }
     }
@@ -122,7 +122,7 @@ impl Mapping {
     }
 
     /// Maps the mesh. `normals` is empty (computed: area-weighted) or has one entry per position; only
-    /// [`Entity::Normal`] and [`Entity::Reflection`] read it.
+    /// [`ProjectionSource::Normal`] and [`ProjectionSource::Reflection`] read it.
     ///
     /// A vertex whose vector is zero (at the centroid, without a normal) lies on the axis: with
     /// [`Mapping::fix_seams`] it takes the mean u of its face, else u = 0.5. The same bytes on every SIMD level and
@@ -135,7 +135,7 @@ impl Mapping {
         level: Level,
         mesh: &Mesh<'_>,
         normals: &[[f32; 3]],
-    ) -> Result<Mapped, UvError> {
+    ) -> Result<MappedMesh, UvError> {
         self.check(mesh, normals)?;
         let placed = self.placed(mesh)?;
         let vectors = self.vectors(mesh, normals, &placed);
@@ -182,7 +182,7 @@ impl Mapping {
             values.extend(chunk);
             around_axis.extend(around);
         }
-        Ok(Mapped {
+        Ok(MappedMesh {
             set: UvSet::shared(mesh, &values),
             around_axis,
         })
@@ -209,25 +209,27 @@ impl Mapping {
             }
         }
         match self.by {
-            Entity::Reflection { eye } if !eye.is_finite() => Err(UvError::BadParameter {
-                what: "eye",
-                value: eye.x + eye.y + eye.z,
-            }),
+            ProjectionSource::Reflection { eye } if !eye.is_finite() => {
+                Err(UvError::BadParameter {
+                    what: "eye",
+                    value: eye.x + eye.y + eye.z,
+                })
+            }
             _ => Ok(()),
         }
     }
 
-    fn placed(&self, mesh: &Mesh<'_>) -> Result<Placed, UvError> {
+    fn placed(&self, mesh: &Mesh<'_>) -> Result<PlacedFrame, UvError> {
         if let Some(frame) = &self.frame {
             return frame.placed();
         }
-        let rotation = if self.shape == Shape::Plane && self.by == Entity::Position {
+        let rotation = if self.shape == Shape::Plane && self.by == ProjectionSource::Position {
             plane::view(mesh, self.tile.is_none())
         } else {
             DMat3::IDENTITY
         };
         if self.tile.is_some() {
-            return Ok(Placed::fitted(DVec3::ZERO, DVec3::ONE, rotation));
+            return Ok(PlacedFrame::fitted(DVec3::ZERO, DVec3::ONE, rotation));
         }
         let (low, high) = mesh.bounds(&rotation);
         let extent = high - low;
@@ -238,11 +240,11 @@ impl Mapping {
             Shape::Sphere => DVec3::splat(wide.max(extent.y)),
         };
         let middle = rotation * ((low + high) * 0.5);
-        Ok(Placed::fitted(middle, size, rotation))
+        Ok(PlacedFrame::fitted(middle, size, rotation))
     }
 
     /// The vector of every position, in the space of the unit solid.
-    fn vectors(&self, mesh: &Mesh<'_>, normals: &[[f32; 3]], placed: &Placed) -> Vec<DVec3> {
+    fn vectors(&self, mesh: &Mesh<'_>, normals: &[[f32; 3]], placed: &PlacedFrame) -> Vec<DVec3> {
         let positions = mesh
             .positions()
             .iter()
@@ -259,18 +261,18 @@ impl Mapping {
         // A position that no face uses may be NaN; it must not reach the arithmetic.
         let clean = |v: DVec3| if v.is_finite() { v } else { DVec3::ZERO };
         match self.by {
-            Entity::Position => positions.map(|p| clean(placed.point(p))).collect(),
-            Entity::Normal => normals()
+            ProjectionSource::Position => positions.map(|p| clean(placed.point(p))).collect(),
+            ProjectionSource::Normal => normals()
                 .into_iter()
                 .map(|n| clean(placed.turn(n)))
                 .collect(),
-            Entity::Centroid => {
+            ProjectionSource::Centroid => {
                 let centroid = centroid(mesh);
                 positions
                     .map(|p| clean(placed.direction(p - centroid)))
                     .collect()
             }
-            Entity::Reflection { eye } => {
+            ProjectionSource::Reflection { eye } => {
                 let reflected = positions.zip(normals()).map(|(p, n)| {
                     let seen = unit_or_zero(p - eye);
                     clean(placed.turn(seen - n * (2.0 * n.dot(seen))))
@@ -282,11 +284,11 @@ impl Mapping {
 
     /// Coordinates of every vector on the round part of the shape, by the lane kernels.
     fn round(&self, level: Level, vectors: &[DVec3]) -> Result<Vec<[f32; 2]>, UvError> {
-        if !self.is_round(Part::Side) && !self.is_round(Part::Whole) {
+        if !self.is_round(ShapeFace::Side) && !self.is_round(ShapeFace::Whole) {
             return Ok(Vec::new());
         }
         let on_surface = |v: &DVec3| {
-            let p = if self.by == Entity::Position
+            let p = if self.by == ProjectionSource::Position
                 || *v == DVec3::ZERO
                 || self.shape == Shape::Sphere
             {
@@ -299,8 +301,8 @@ impl Mapping {
         let points: Vec<[f32; 3]> = vectors.iter().map(on_surface).collect();
         let mut out = vec![[0.0; 2]; points.len()];
         match self.shape {
-            Shape::Sphere => spherical::sphere_slice(level, &points, self.origin, &mut out)?,
-            _ => spherical::cylinder_slice(level, &points, self.origin, &mut out)?,
+            Shape::Sphere => spherical::sphere_uv_batch(level, &points, self.origin, &mut out)?,
+            _ => spherical::cylinder_uv_batch(level, &points, self.origin, &mut out)?,
         }
         Ok(out)
     }
@@ -329,18 +331,24 @@ impl Mapping {
         DVec3::new(d.x, h, d.z)
     }
 
-    fn is_round(&self, part: Part) -> bool {
+    fn is_round(&self, part: ShapeFace) -> bool {
         match self.shape {
             Shape::Sphere => true,
-            Shape::Cylinder | Shape::Cone => part == Part::Side,
+            Shape::Cylinder | Shape::Cone => part == ShapeFace::Side,
             Shape::Plane | Shape::Box => false,
         }
     }
 
     /// The one part that a face is mapped to: by its normal where positions are mapped, else by its mean vector.
-    fn part(&self, mesh: &Mesh<'_>, placed: &Placed, vectors: &[DVec3], face: usize) -> Part {
+    fn part(
+        &self,
+        mesh: &Mesh<'_>,
+        placed: &PlacedFrame,
+        vectors: &[DVec3],
+        face: usize,
+    ) -> ShapeFace {
         if matches!(self.shape, Shape::Plane | Shape::Sphere) {
-            return Part::Whole;
+            return ShapeFace::Whole;
         }
         let mean: DVec3 = mesh
             .faces()
@@ -350,21 +358,23 @@ impl Mapping {
             .sum();
         let normal = unit_or_zero(placed.normal(mesh.face_normal(face)));
         match (self.by, self.shape) {
-            (Entity::Position, Shape::Box) => {
-                Part::facing(if normal == DVec3::ZERO { mean } else { normal })
+            (ProjectionSource::Position, Shape::Box) => {
+                ShapeFace::facing(if normal == DVec3::ZERO { mean } else { normal })
             }
-            (Entity::Position, _)
+            (ProjectionSource::Position, _)
                 if normal.y > core::f64::consts::FRAC_1_SQRT_2 && self.shape == Shape::Cylinder =>
             {
-                Part::Top
+                ShapeFace::Top
             }
-            (Entity::Position, _) if normal.y < -core::f64::consts::FRAC_1_SQRT_2 => Part::Bottom,
-            (Entity::Position, _) => Part::Side,
+            (ProjectionSource::Position, _) if normal.y < -core::f64::consts::FRAC_1_SQRT_2 => {
+                ShapeFace::Bottom
+            }
+            (ProjectionSource::Position, _) => ShapeFace::Side,
             (_, shape) if mean == DVec3::ZERO => {
                 if shape == Shape::Box {
-                    Part::Front
+                    ShapeFace::Front
                 } else {
-                    Part::Side
+                    ShapeFace::Side
                 }
             }
             (_, shape) => shape.cast(mean).0,
@@ -372,8 +382,8 @@ impl Mapping {
     }
 
     /// The place of a vector on a flat part.
-    fn flat(&self, part: Part, v: DVec3) -> [f32; 2] {
-        let place = if self.by == Entity::Position {
+    fn flat(&self, part: ShapeFace, v: DVec3) -> [f32; 2] {
+        let place = if self.by == ProjectionSource::Position {
             let mut place = part.flat(v);
             if let Some([width, height]) = self.tile {
                 place.u = v.x / width;

@@ -6,20 +6,20 @@ use texmap_math::float;
 use texmap_math::glam::DVec2;
 
 use crate::UvError;
-use crate::islands::{Shells, compact, separate};
+use crate::islands::{Islands, compact, separate};
 use crate::mesh::{Mesh, UvSet, length};
 use crate::topology::Topology;
 
 /// A square page for charts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Page {
+pub struct AtlasSize {
     /// Edge in texels.
     pub size: u32,
     /// Least number of empty texels between charts, and between a chart and the edge.
     pub gutter: u32,
 }
 
-impl Default for Page {
+impl Default for AtlasSize {
     /// 1024 texels, gutters of 4.
     fn default() -> Self {
         Self {
@@ -35,14 +35,14 @@ impl Default for Page {
 ///
 /// # Errors
 /// A set that does not fit the mesh, a page of zero size, more gutters than page.
-pub fn pack(mesh: &Mesh<'_>, set: &UvSet, page: Page) -> Result<UvSet, UvError> {
+pub fn pack(mesh: &Mesh<'_>, set: &UvSet, page: AtlasSize) -> Result<UvSet, UvError> {
     set.check(mesh)?;
     let topology = Topology::new(mesh);
-    let shells = Shells::new(mesh, set, &topology);
+    let shells = Islands::new(mesh, set, &topology);
     let mut set = set.clone();
     separate(&topology, &shells, &mut set);
     let areas = areas(mesh, &set, &shells);
-    let mut charts: Vec<Chart> = vec![Chart::EMPTY; shells.count];
+    let mut charts: Vec<Island> = vec![Island::EMPTY; shells.count];
     for (k, &index) in set.corners.iter().enumerate() {
         let chart = &mut charts[shells.of_face[topology.face[k] as usize] as usize];
         let p = DVec2::from(set.uvs[index as usize].map(f64::from));
@@ -74,7 +74,7 @@ pub fn pack(mesh: &Mesh<'_>, set: &UvSet, page: Page) -> Result<UvSet, UvError> 
 }
 
 /// Area in space and in the picture of each shell.
-fn areas(mesh: &Mesh<'_>, set: &UvSet, shells: &Shells) -> Vec<[f64; 2]> {
+fn areas(mesh: &Mesh<'_>, set: &UvSet, shells: &Islands) -> Vec<[f64; 2]> {
     let mut areas = vec![[0.0; 2]; shells.count];
     for (face, corners) in mesh.faces().triangles() {
         let [a, b, c] = corners.map(|k| mesh.point(k));
@@ -88,13 +88,13 @@ fn areas(mesh: &Mesh<'_>, set: &UvSet, shells: &Shells) -> Vec<[f64; 2]> {
 
 /// The bounding box of a shell and the factor that gives it the common density.
 #[derive(Clone, Copy)]
-struct Chart {
+struct Island {
     low: DVec2,
     high: DVec2,
     scale: f64,
 }
 
-impl Chart {
+impl Island {
     const EMPTY: Self = Self {
         low: DVec2::INFINITY,
         high: DVec2::NEG_INFINITY,
@@ -126,7 +126,7 @@ impl Chart {
 }
 
 /// The largest scale (texels per unit) at which shelves hold all charts, within 0.1 %, and the charts' corners.
-fn best_scale(charts: &[Chart], page: Page) -> Result<(f64, Vec<DVec2>), UvError> {
+fn best_scale(charts: &[Island], page: AtlasSize) -> Result<(f64, Vec<DVec2>), UvError> {
     let fault = UvError::DoesNotFit {
         charts: charts.len(),
         size: page.size,
@@ -172,7 +172,7 @@ fn best_scale(charts: &[Chart], page: Page) -> Result<(f64, Vec<DVec2>), UvError
 }
 
 /// Lower left corners on shelves from left to right, the highest charts first; `None` when the page overflows.
-fn shelves(charts: &[Chart], order: &[usize], scale: f64, page: Page) -> Option<Vec<DVec2>> {
+fn shelves(charts: &[Island], order: &[usize], scale: f64, page: AtlasSize) -> Option<Vec<DVec2>> {
     let (size, gutter) = (f64::from(page.size), f64::from(page.gutter));
     let mut corners = vec![DVec2::ZERO; charts.len()];
     let (mut x, mut y, mut shelf) = (gutter, gutter, 0.0);
@@ -221,7 +221,7 @@ mod tests {
         let (positions, faces, values) = stack(23);
         let mesh = Mesh::new(&positions, &faces).unwrap();
         let set = UvSet::shared(&mesh, &values);
-        let page = Page {
+        let page = AtlasSize {
             size: 256,
             gutter: 5,
         };
@@ -256,7 +256,7 @@ mod tests {
         let mesh = Mesh::new(&positions, &faces).unwrap();
         let set = UvSet::shared(&mesh, &values);
         for (size, gutter) in [(16, 8), (0, 0), (32, 7)] {
-            let fault = pack(&mesh, &set, Page { size, gutter });
+            let fault = pack(&mesh, &set, AtlasSize { size, gutter });
             assert_eq!(
                 fault,
                 Err(UvError::DoesNotFit {

@@ -8,11 +8,11 @@ use texmap_math::simd::{Isa, prelude::*};
 use texmap_math::{Footprint, Level, dispatch_simd};
 
 use crate::spherical::MAX_LANES;
-use crate::{Frame, Origin, UvError};
+use crate::{Origin, Placement, UvError};
 
 /// The shapes with a seam.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Round {
+pub enum CurvedShape {
     /// Longitude and height; the side of a cylinder or cone.
     Cylinder,
     /// Longitude and latitude.
@@ -26,8 +26,8 @@ pub enum Round {
 /// numbers; the derivatives never jump. A pixel at a pole, whose longitude turns by more than half a turn, has
 /// |du| = repeat / 2.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PixelMapping {
-    shape: Round,
+pub struct PerPixelProjection {
+    shape: CurvedShape,
     /// Takes a point to the unit solid.
     unit_from_point: DMat4,
     /// Its first three rows.
@@ -36,14 +36,14 @@ pub struct PixelMapping {
     origin: Origin,
 }
 
-impl PixelMapping {
+impl PerPixelProjection {
     /// `shape` in `frame`, which is in the space of the points; `repeat` pictures around and up.
     ///
     /// # Errors
     /// A frame without size, a repeat that is not finite or zero.
     pub fn new(
-        shape: Round,
-        frame: &Frame,
+        shape: CurvedShape,
+        frame: &Placement,
         repeat: [f64; 2],
         origin: Origin,
     ) -> Result<Self, UvError> {
@@ -87,11 +87,11 @@ impl PixelMapping {
         }
     }
 
-    /// [`PixelMapping::one`] for many pixels, the same bits on every level.
+    /// [`PerPixelProjection::uv_at`] for many pixels, the same bits on every level.
     ///
     /// # Errors
     /// Lists of different lengths.
-    pub fn slice(
+    pub fn uv_batch(
         &self,
         level: Level,
         points: &[[f32; 3]],
@@ -162,12 +162,12 @@ mod tests {
     use alloc::vec;
     use alloc::vec::Vec;
 
-    pub(super) fn frame() -> Frame {
-        Frame {
+    pub(super) fn frame() -> Placement {
+        Placement {
             yaw: 0.4,
             pitch: -0.3,
             roll: 0.2,
-            ..Frame::upright(DVec3::new(0.1, -0.2, 0.3), DVec3::new(2.0, 1.5, 1.0))
+            ..Placement::upright(DVec3::new(0.1, -0.2, 0.3), DVec3::new(2.0, 1.5, 1.0))
         }
     }
 
@@ -182,14 +182,14 @@ mod tests {
         let by = DMat4::from_cols_array(&[
             0.0, 2.0, 0.0, 0.0, -3.0, 0.1, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 5.0, -4.0, 1.0, 1.0,
         ]);
-        for shape in [Round::Cylinder, Round::Sphere] {
-            let map = PixelMapping::new(shape, &frame(), [1.0; 2], Origin::TopLeft).unwrap();
+        for shape in [CurvedShape::Cylinder, CurvedShape::Sphere] {
+            let map = PerPixelProjection::new(shape, &frame(), [1.0; 2], Origin::TopLeft).unwrap();
             let moved = map.moved(&by);
             for k in -20..20 {
                 let [p, dx, dy] = pixel(k, 7).map(|v| DVec3::from(v.map(f64::from)));
                 let single = |v: DVec3| v.to_array().map(|c| c as f32);
-                let (a, da) = map.one(single(p), single(dx), single(dy));
-                let (b, db) = moved.one(
+                let (a, da) = map.uv_at(single(p), single(dx), single(dy));
+                let (b, db) = moved.uv_at(
                     single(by.transform_point3(p)),
                     single(by.transform_vector3(dx)),
                     single(by.transform_vector3(dy)),
@@ -205,13 +205,14 @@ mod tests {
 
     #[test]
     fn slices_have_the_bits_of_single_pixels() {
-        for (shape, count) in [(Round::Cylinder, 64), (Round::Sphere, 83)] {
-            let map = PixelMapping::new(shape, &frame(), [3.0, 1.5], Origin::TopLeft).unwrap();
+        for (shape, count) in [(CurvedShape::Cylinder, 64), (CurvedShape::Sphere, 83)] {
+            let map =
+                PerPixelProjection::new(shape, &frame(), [3.0, 1.5], Origin::TopLeft).unwrap();
             let pixels: Vec<[[f32; 3]; 3]> = (0..count).map(|i| pixel(i - 40, 3 - i)).collect();
             let column = |k: usize| -> Vec<[f32; 3]> { pixels.iter().map(|p| p[k]).collect() };
             let n = pixels.len();
             let (mut uvs, mut prints) = (vec![[0.0; 2]; n], vec![Footprint::default(); n]);
-            map.slice(
+            map.uv_batch(
                 Level::new(),
                 &column(0),
                 &column(1),
@@ -221,10 +222,14 @@ mod tests {
             )
             .unwrap();
             for (i, [p, dx, dy]) in pixels.iter().enumerate() {
-                assert_eq!(map.one(*p, *dx, *dy), (uvs[i], prints[i]), "{shape:?} {i}");
+                assert_eq!(
+                    map.uv_at(*p, *dx, *dy),
+                    (uvs[i], prints[i]),
+                    "{shape:?} {i}"
+                );
             }
             assert!(matches!(
-                map.slice(
+                map.uv_batch(
                     Level::new(),
                     &column(0),
                     &[],
@@ -235,8 +240,13 @@ mod tests {
                 Err(UvError::WrongLength { found: 0, .. })
             ));
         }
-        let flat = Frame::upright(DVec3::ZERO, DVec3::new(1.0, 0.0, 1.0));
-        assert!(PixelMapping::new(Round::Sphere, &flat, [1.0; 2], Origin::TopLeft).is_err());
-        assert!(PixelMapping::new(Round::Sphere, &frame(), [0.0, 1.0], Origin::TopLeft).is_err());
+        let flat = Placement::upright(DVec3::ZERO, DVec3::new(1.0, 0.0, 1.0));
+        assert!(
+            PerPixelProjection::new(CurvedShape::Sphere, &flat, [1.0; 2], Origin::TopLeft).is_err()
+        );
+        assert!(
+            PerPixelProjection::new(CurvedShape::Sphere, &frame(), [0.0, 1.0], Origin::TopLeft)
+                .is_err()
+        );
     }
 }

@@ -9,7 +9,7 @@ use crate::UvError;
 ///
 /// A point of the solid is scaled, rolled about z, pitched about x, yawed about y and moved, in that order.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Frame {
+pub struct Placement {
     /// Middle of the solid, in object units.
     pub position: DVec3,
     /// Turn about y, radians.
@@ -22,7 +22,7 @@ pub struct Frame {
     pub scale: DVec3,
 }
 
-impl Frame {
+impl Placement {
     /// A solid that stands upright.
     #[must_use]
     pub fn upright(position: DVec3, scale: DVec3) -> Self {
@@ -35,7 +35,7 @@ impl Frame {
         }
     }
 
-    pub(crate) fn placed(&self) -> Result<Placed, UvError> {
+    pub(crate) fn placed(&self) -> Result<PlacedFrame, UvError> {
         let all = [
             self.position.to_array(),
             [self.yaw, self.pitch, self.roll],
@@ -60,7 +60,7 @@ impl Frame {
         let yaw = DMat3::from_cols_array_2d(&[[cy, 0.0, -sy], [0.0, 1.0, 0.0], [sy, 0.0, cy]]);
         let pitch = DMat3::from_cols_array_2d(&[[1.0, 0.0, 0.0], [0.0, cx, sx], [0.0, -sx, cx]]);
         let roll = DMat3::from_cols_array_2d(&[[cz, sz, 0.0], [-sz, cz, 0.0], [0.0, 0.0, 1.0]]);
-        Ok(Placed {
+        Ok(PlacedFrame {
             origin: self.position,
             rotation: yaw * pitch * roll,
             size: self.scale,
@@ -71,14 +71,14 @@ impl Frame {
 
 /// A frame ready for use; `flat` axes have no extent and map to the middle.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Placed {
+pub(crate) struct PlacedFrame {
     pub(crate) origin: DVec3,
     pub(crate) rotation: DMat3,
     pub(crate) size: DVec3,
     pub(crate) flat: [bool; 3],
 }
 
-impl Placed {
+impl PlacedFrame {
     /// A frame fitted to an object; an axis without extent becomes flat.
     pub(crate) fn fitted(origin: DVec3, size: DVec3, rotation: DMat3) -> Self {
         let flat = size.to_array().map(|s| s <= 0.0);
@@ -124,9 +124,9 @@ mod tests {
     #[test]
     fn angles_turn_about_their_axes_in_the_stated_order() {
         let quarter = core::f64::consts::FRAC_PI_2;
-        let frame = Frame {
+        let frame = Placement {
             yaw: quarter,
-            ..Frame::upright(DVec3::new(1.0, 2.0, 3.0), DVec3::splat(2.0))
+            ..Placement::upright(DVec3::new(1.0, 2.0, 3.0), DVec3::splat(2.0))
         };
         let placed = frame.placed().unwrap();
         // A quarter turn about y brings the solid's +Z to +X.
@@ -135,7 +135,7 @@ mod tests {
             (p - DVec3::new(0.0, 0.0, 0.5)).abs().max_element() < 1e-15,
             "{p}"
         );
-        let tilted = Frame {
+        let tilted = Placement {
             pitch: quarter,
             roll: quarter,
             ..frame
@@ -152,13 +152,13 @@ mod tests {
     #[test]
     fn zero_and_infinite_sizes_are_refused() {
         for scale in [0.0, -0.0, f64::NAN, f64::INFINITY, 1e-320] {
-            let frame = Frame::upright(DVec3::ZERO, DVec3::new(1.0, scale, 1.0));
+            let frame = Placement::upright(DVec3::ZERO, DVec3::new(1.0, scale, 1.0));
             assert!(
                 matches!(frame.placed(), Err(UvError::BadFrame { .. })),
                 "{scale}"
             );
         }
-        let mirrored = Frame::upright(DVec3::ZERO, DVec3::new(-1.0, 1.0, 1.0));
+        let mirrored = Placement::upright(DVec3::ZERO, DVec3::new(-1.0, 1.0, 1.0));
         assert!(mirrored.placed().is_ok());
     }
 }

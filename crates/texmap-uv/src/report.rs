@@ -10,7 +10,7 @@ use texmap_math::float;
 
 use crate::mesh::{Mesh, UvSet};
 use crate::overlap::{self, Flat};
-use crate::{Origin, TJoints, UvError, parallel};
+use crate::{Origin, TJunctions, UvError, parallel};
 use edges::Edges;
 use stretch::raw;
 use triangles::each_triangle;
@@ -122,9 +122,9 @@ pub struct Report {
     /// Edges of more than two faces; they count as seams.
     pub non_manifold_edges: usize,
     /// Connected pieces of the picture with area in space.
-    pub shells: usize,
+    pub islands: usize,
     /// Vertices inside an edge of a face that does not have them, with the face.
-    pub t_joints: TJoints,
+    pub t_junctions: TJunctions,
 }
 
 /// Looks at a mapping. At most n log n steps for n corners on any input; the same bytes on any number of threads.
@@ -209,8 +209,8 @@ pub fn report(mesh: &Mesh<'_>, set: &UvSet, options: &ReportOptions) -> Result<R
         seam_seen: edges.seam_seen,
         rim_length: edges.rim_length,
         non_manifold_edges: edges.non_manifold,
-        shells: edges.shells,
-        t_joints: edges.t_joints,
+        islands: edges.shells,
+        t_junctions: edges.t_joints,
         triangles,
     })
 }

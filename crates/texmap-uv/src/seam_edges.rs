@@ -5,21 +5,21 @@ use alloc::vec::Vec;
 use texmap_math::deterministic_f64;
 use texmap_math::glam::DVec2;
 
-use crate::islands::{Shells, compact, root, separate};
+use crate::islands::{Islands, compact, root, separate};
 use crate::mesh::{Mesh, UvSet, length};
 use crate::topology::{MANY, Topology};
 use crate::{UvError, parallel};
 
 /// Edges to cut along: pairs of positions, and all edges whose faces meet at a larger angle.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Cuts<'a> {
+pub struct SeamEdges<'a> {
     /// Pairs of indices of positions.
     pub pairs: &'a [[u32; 2]],
     /// Cut where the normals of two faces differ by more than this, radians in (0, pi).
     pub angle: Option<f64>,
 }
 
-impl Cuts<'_> {
+impl SeamEdges<'_> {
     /// For every corner whether its edge is cut.
     pub(crate) fn marks(&self, mesh: &Mesh<'_>, topology: &Topology) -> Result<Vec<bool>, UvError> {
         let mut marks = edges_named(mesh, topology, self.pairs)?;
@@ -89,7 +89,7 @@ fn edges_named(
 ///
 /// # Errors
 /// A pair that is no edge, an angle out of range, a set that does not fit the mesh.
-pub fn cut(mesh: &Mesh<'_>, set: &UvSet, cuts: &Cuts<'_>) -> Result<UvSet, UvError> {
+pub fn cut_seams(mesh: &Mesh<'_>, set: &UvSet, cuts: &SeamEdges<'_>) -> Result<UvSet, UvError> {
     set.check(mesh)?;
     let topology = Topology::new(mesh);
     let marks = cuts.marks(mesh, &topology)?;
@@ -125,12 +125,12 @@ pub fn cut(mesh: &Mesh<'_>, set: &UvSet, cuts: &Cuts<'_>) -> Result<UvSet, UvErr
 ///
 /// # Errors
 /// A pair that is no edge between two faces, an edge without length in the picture.
-pub fn sew(mesh: &Mesh<'_>, set: &UvSet, pairs: &[[u32; 2]]) -> Result<UvSet, UvError> {
+pub fn sew_seams(mesh: &Mesh<'_>, set: &UvSet, pairs: &[[u32; 2]]) -> Result<UvSet, UvError> {
     set.check(mesh)?;
     let topology = Topology::new(mesh);
     let edges = shared_edges(mesh, &topology, pairs)?;
     let mut set = set.clone();
-    let shells = Shells::new(mesh, &set, &topology);
+    let shells = Islands::new(mesh, &set, &topology);
     separate(&topology, &shells, &mut set);
     let mut sewing = Sewing::new(&set, shells);
     for (k, there) in edges {
@@ -198,7 +198,7 @@ struct Sewing<'a> {
 }
 
 impl<'a> Sewing<'a> {
-    fn new(set: &'a UvSet, shells: Shells) -> Self {
+    fn new(set: &'a UvSet, shells: Islands) -> Self {
         let mut faces = vec![Vec::new(); shells.count];
         for (face, shell) in shells.of_face.iter().enumerate() {
             faces[*shell as usize].push(face as u32);
@@ -303,25 +303,25 @@ mod tests {
         let mesh = Mesh::new(&PAIR, &faces).unwrap();
         let set = flat(&mesh);
         let topology = Topology::new(&mesh);
-        assert_eq!(Shells::new(&mesh, &set, &topology).count, 1);
-        let mut parted = cut(
+        assert_eq!(Islands::new(&mesh, &set, &topology).count, 1);
+        let mut parted = cut_seams(
             &mesh,
             &set,
-            &Cuts {
+            &SeamEdges {
                 pairs: &[[2, 1]],
                 angle: None,
             },
         )
         .unwrap();
-        assert_eq!(Shells::new(&mesh, &parted, &topology).count, 2);
+        assert_eq!(Islands::new(&mesh, &parted, &topology).count, 2);
         assert_eq!(parted.uvs.len(), 8);
         // Turn and shrink the second square, then sew it on again.
         for i in 4..8 {
             let [u, v] = parted.uvs[i];
             parted.uvs[i] = [-0.5 * v + 3.0, 0.5 * u];
         }
-        let sewn = sew(&mesh, &parted, &[[1, 2]]).unwrap();
-        assert_eq!(Shells::new(&mesh, &sewn, &topology).count, 1);
+        let sewn = sew_seams(&mesh, &parted, &[[1, 2]]).unwrap();
+        assert_eq!(Islands::new(&mesh, &sewn, &topology).count, 1);
         for (k, uv) in sewn.per_corner().iter().enumerate() {
             let p = mesh.point(k);
             assert!(
@@ -336,12 +336,12 @@ mod tests {
         let faces = pair();
         let mesh = Mesh::new(&PAIR, &faces).unwrap();
         let set = flat(&mesh);
-        let cut_at = |pairs: &[[u32; 2]]| cut(&mesh, &set, &Cuts { pairs, angle: None });
+        let cut_at = |pairs: &[[u32; 2]]| cut_seams(&mesh, &set, &SeamEdges { pairs, angle: None });
         assert_eq!(cut_at(&[[0, 2]]), Err(UvError::NotAnEdge { a: 0, b: 2 }));
         assert_eq!(cut_at(&[[0, 99]]), Err(UvError::NotAnEdge { a: 0, b: 99 }));
         // The rim cannot be sewn.
         assert_eq!(
-            sew(&mesh, &set, &[[0, 1]]),
+            sew_seams(&mesh, &set, &[[0, 1]]),
             Err(UvError::NotAnEdge { a: 0, b: 1 })
         );
     }

@@ -23,7 +23,7 @@ pub enum Shape {
 
 /// A piece of a solid that has a chart of its own, the whole unit square.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Part {
+pub enum ShapeFace {
     /// All of a plane or of a sphere.
     Whole,
     /// The curved side of a cylinder or cone.
@@ -49,13 +49,13 @@ impl Shape {
     /// [0, 1]. Points off the solid get the coordinates of the formulae (a sphere ignores the radius). Within
     /// 1e-12 of the formula away from poles; NaN gives NaN.
     #[must_use]
-    pub fn uv(self, p: DVec3, origin: Origin) -> (Part, [f64; 2]) {
+    pub fn uv(self, p: DVec3, origin: Origin) -> (ShapeFace, [f64; 2]) {
         let part = match self {
-            Self::Plane | Self::Sphere => Part::Whole,
-            Self::Cylinder if p.y >= 0.5 - 1e-9 => Part::Top,
-            Self::Cylinder | Self::Cone if p.y <= -0.5 + 1e-9 => Part::Bottom,
-            Self::Cylinder | Self::Cone => Part::Side,
-            Self::Box => Part::facing(p),
+            Self::Plane | Self::Sphere => ShapeFace::Whole,
+            Self::Cylinder if p.y >= 0.5 - 1e-9 => ShapeFace::Top,
+            Self::Cylinder | Self::Cone if p.y <= -0.5 + 1e-9 => ShapeFace::Bottom,
+            Self::Cylinder | Self::Cone => ShapeFace::Side,
+            Self::Box => ShapeFace::facing(p),
         };
         (part, self.place(part, p).uv(origin))
     }
@@ -64,7 +64,7 @@ impl Shape {
     ///
     /// A part that the solid lacks is read as its whole or its side.
     #[must_use]
-    pub fn point(self, part: Part, uv: [f64; 2], origin: Origin) -> DVec3 {
+    pub fn point(self, part: ShapeFace, uv: [f64; 2], origin: Origin) -> DVec3 {
         let (u, h) = (
             uv[0],
             match origin {
@@ -79,22 +79,24 @@ impl Shape {
                 let (up, out) = deterministic_f64::sin_cos(h * PI);
                 DVec3::new(cos * out, up, sin * out) * 0.5
             }
-            (Self::Box | Self::Cylinder, Part::Top) => DVec3::new(u - 0.5, 0.5, -h),
-            (Self::Box | Self::Cylinder | Self::Cone, Part::Bottom) => DVec3::new(u - 0.5, -0.5, h),
+            (Self::Box | Self::Cylinder, ShapeFace::Top) => DVec3::new(u - 0.5, 0.5, -h),
+            (Self::Box | Self::Cylinder | Self::Cone, ShapeFace::Bottom) => {
+                DVec3::new(u - 0.5, -0.5, h)
+            }
             (Self::Cylinder, _) => DVec3::new(cos * 0.5, h, sin * 0.5),
             (Self::Cone, _) => DVec3::new(cos, 0.0, sin) * ((0.5 - h) * 0.5) + DVec3::Y * h,
-            (Self::Box, Part::Right) => DVec3::new(0.5, h, 0.5 - u),
-            (Self::Box, Part::Left) => DVec3::new(-0.5, h, u - 0.5),
-            (Self::Box, Part::Back) => DVec3::new(0.5 - u, h, -0.5),
+            (Self::Box, ShapeFace::Right) => DVec3::new(0.5, h, 0.5 - u),
+            (Self::Box, ShapeFace::Left) => DVec3::new(-0.5, h, u - 0.5),
+            (Self::Box, ShapeFace::Back) => DVec3::new(0.5 - u, h, -0.5),
             (Self::Box, _) => DVec3::new(u - 0.5, h, 0.5),
         }
     }
 
     /// The place of a point on one part's chart; the component along the part's normal does not matter.
-    pub(crate) fn place(self, part: Part, p: DVec3) -> Place {
+    pub(crate) fn place(self, part: ShapeFace, p: DVec3) -> SurfacePoint {
         match (self, part) {
             (Self::Sphere, _) => sphere(p),
-            (Self::Cylinder | Self::Cone, Part::Side) => Place {
+            (Self::Cylinder | Self::Cone, ShapeFace::Side) => SurfacePoint {
                 u: around(p.x, p.z),
                 h: p.y,
             },
@@ -104,23 +106,30 @@ impl Shape {
 
     /// Where a ray from the middle of the unit solid along `d` meets its surface, and in which part. A plane is
     /// no solid: there it is the end of the vector of length 0.5. `d` must not be zero.
-    pub(crate) fn cast(self, d: DVec3) -> (Part, DVec3) {
+    pub(crate) fn cast(self, d: DVec3) -> (ShapeFace, DVec3) {
         let out = float::sqrt(d.x * d.x + d.z * d.z);
         match self {
-            Self::Plane => (Part::Whole, d * (0.5 / float::sqrt(out * out + d.y * d.y))),
-            Self::Sphere => (Part::Whole, d),
+            Self::Plane => (
+                ShapeFace::Whole,
+                d * (0.5 / float::sqrt(out * out + d.y * d.y)),
+            ),
+            Self::Sphere => (ShapeFace::Whole, d),
             Self::Box => {
                 let a = d.abs();
-                (Part::facing(d), d * (0.5 / a.x.max(a.y).max(a.z)))
+                (ShapeFace::facing(d), d * (0.5 / a.x.max(a.y).max(a.z)))
             }
             Self::Cylinder if d.y.abs() > out => (
-                if d.y > 0.0 { Part::Top } else { Part::Bottom },
+                if d.y > 0.0 {
+                    ShapeFace::Top
+                } else {
+                    ShapeFace::Bottom
+                },
                 d * (0.5 / d.y.abs()),
             ),
-            Self::Cylinder => (Part::Side, d * (0.5 / out)),
-            Self::Cone if -d.y >= out => (Part::Bottom, d * (0.5 / -d.y)),
+            Self::Cylinder => (ShapeFace::Side, d * (0.5 / out)),
+            Self::Cone if -d.y >= out => (ShapeFace::Bottom, d * (0.5 / -d.y)),
             // On the side the radius is half the depth below the apex.
-            Self::Cone => (Part::Side, d * (0.5 / (2.0 * out + d.y))),
+            Self::Cone => (ShapeFace::Side, d * (0.5 / (2.0 * out + d.y))),
         }
     }
 }
@@ -138,14 +147,14 @@ pub enum Origin {
 /// A place on the unit square with its height measured from the middle, so that either origin is one exact
 /// addition away and nobody computes `1 - v`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Place {
+pub(crate) struct SurfacePoint {
     /// Horizontal coordinate, 0 left, 1 right.
     pub(crate) u: f64,
     /// Height above the middle, -0.5 bottom, 0.5 top.
     pub(crate) h: f64,
 }
 
-impl Place {
+impl SurfacePoint {
     pub(crate) fn uv(self, origin: Origin) -> [f64; 2] {
         match origin {
             Origin::TopLeft => [self.u, 0.5 - self.h],
@@ -154,7 +163,7 @@ impl Place {
     }
 }
 
-impl Part {
+impl ShapeFace {
     /// The side of a box of the largest absolute component; equal ones are settled z before y before x, so that
     /// a tie has the same answer everywhere.
     pub(crate) fn facing(d: DVec3) -> Self {
@@ -171,29 +180,29 @@ impl Part {
     }
 
     /// The point `p` of the unit cube seen through this flat part from outside: the other two components.
-    pub(crate) fn flat(self, p: DVec3) -> Place {
+    pub(crate) fn flat(self, p: DVec3) -> SurfacePoint {
         match self {
-            Self::Right => Place {
+            Self::Right => SurfacePoint {
                 u: 0.5 - p.z,
                 h: p.y,
             },
-            Self::Left => Place {
+            Self::Left => SurfacePoint {
                 u: 0.5 + p.z,
                 h: p.y,
             },
-            Self::Top => Place {
+            Self::Top => SurfacePoint {
                 u: 0.5 + p.x,
                 h: -p.z,
             },
-            Self::Bottom => Place {
+            Self::Bottom => SurfacePoint {
                 u: 0.5 + p.x,
                 h: p.z,
             },
-            Self::Back => Place {
+            Self::Back => SurfacePoint {
                 u: 0.5 - p.x,
                 h: p.y,
             },
-            Self::Front | Self::Whole | Self::Side => Place {
+            Self::Front | Self::Whole | Self::Side => SurfacePoint {
                 u: 0.5 + p.x,
                 h: p.y,
             },
@@ -225,9 +234,9 @@ pub(crate) fn around(x: f64, z: f64) -> f64 {
 /// Longitude and latitude of the direction `d`; the length of `d` does not matter.
 ///
 /// The latitude is `atan2(y, hypot(x, z))`: an arc sine loses half the digits near the poles.
-pub(crate) fn sphere(d: DVec3) -> Place {
+pub(crate) fn sphere(d: DVec3) -> SurfacePoint {
     let latitude = deterministic_f64::atan2(d.y, float::sqrt(d.x * d.x + d.z * d.z));
-    Place {
+    SurfacePoint {
         u: around(d.x, d.z),
         h: latitude / PI,
     }
@@ -264,19 +273,22 @@ mod tests {
     #[test]
     fn the_inverse_returns_the_point() {
         let parts = [
-            (Shape::Plane, &[Part::Whole][..]),
-            (Shape::Sphere, &[Part::Whole]),
-            (Shape::Cylinder, &[Part::Side, Part::Top, Part::Bottom]),
-            (Shape::Cone, &[Part::Side, Part::Bottom]),
+            (Shape::Plane, &[ShapeFace::Whole][..]),
+            (Shape::Sphere, &[ShapeFace::Whole]),
+            (
+                Shape::Cylinder,
+                &[ShapeFace::Side, ShapeFace::Top, ShapeFace::Bottom],
+            ),
+            (Shape::Cone, &[ShapeFace::Side, ShapeFace::Bottom]),
             (
                 Shape::Box,
                 &[
-                    Part::Right,
-                    Part::Left,
-                    Part::Top,
-                    Part::Bottom,
-                    Part::Front,
-                    Part::Back,
+                    ShapeFace::Right,
+                    ShapeFace::Left,
+                    ShapeFace::Top,
+                    ShapeFace::Bottom,
+                    ShapeFace::Front,
+                    ShapeFace::Back,
                 ],
             ),
         ];
@@ -306,7 +318,7 @@ mod tests {
             let d = DVec3::new(s * 3.0, c * 2.0 + 0.01 * f64::from(k - 100), s * c + 0.3);
             let (part, p) = Shape::Cylinder.cast(d);
             let out = float::sqrt(p.x * p.x + p.z * p.z);
-            assert!(if part == Part::Side {
+            assert!(if part == ShapeFace::Side {
                 (out - 0.5).abs() < 1e-14 && p.y.abs() <= 0.5 + 1e-15
             } else {
                 out <= 0.5 + 1e-14 && (p.y.abs() - 0.5).abs() < 1e-15
@@ -315,7 +327,7 @@ mod tests {
             let out = float::sqrt(p.x * p.x + p.z * p.z);
             assert!(
                 p.y.abs() <= 0.5 + 1e-14
-                    && if part == Part::Side {
+                    && if part == ShapeFace::Side {
                         (out - (0.5 - p.y) / 2.0).abs() < 1e-14
                     } else {
                         out <= 0.5 + 1e-14
@@ -327,10 +339,22 @@ mod tests {
 
     #[test]
     fn equal_axes_choose_z_then_y_then_x() {
-        assert_eq!(Part::facing(DVec3::new(1.0, 1.0, -1.0)), Part::Back);
-        assert_eq!(Part::facing(DVec3::new(-1.0, -1.0, 0.5)), Part::Bottom);
-        assert_eq!(Part::facing(DVec3::new(-1.0, 0.9, 0.5)), Part::Left);
+        assert_eq!(
+            ShapeFace::facing(DVec3::new(1.0, 1.0, -1.0)),
+            ShapeFace::Back
+        );
+        assert_eq!(
+            ShapeFace::facing(DVec3::new(-1.0, -1.0, 0.5)),
+            ShapeFace::Bottom
+        );
+        assert_eq!(
+            ShapeFace::facing(DVec3::new(-1.0, 0.9, 0.5)),
+            ShapeFace::Left
+        );
         // The signed reading (largest component, not largest absolute one) would have said +Y here.
-        assert_eq!(Part::facing(DVec3::new(-3.0, 1.0, 0.0)), Part::Left);
+        assert_eq!(
+            ShapeFace::facing(DVec3::new(-3.0, 1.0, 0.0)),
+            ShapeFace::Left
+        );
     }
 }

@@ -13,7 +13,7 @@ use crate::{Origin, UvError};
 ///
 /// # Errors
 /// `out` of another length than `directions`.
-pub fn sphere_slice(
+pub fn sphere_uv_batch(
     level: Level,
     directions: &[[f32; 3]],
     origin: Origin,
@@ -29,7 +29,7 @@ pub fn sphere_slice(
 ///
 /// # Errors
 /// `out` of another length than `points`.
-pub fn cylinder_slice(
+pub fn cylinder_uv_batch(
     level: Level,
     points: &[[f32; 3]],
     origin: Origin,
@@ -40,15 +40,15 @@ pub fn cylinder_slice(
     Ok(())
 }
 
-/// One vector of [`sphere_slice`], the same bits.
+/// One vector of [`sphere_uv_batch`], the same bits.
 #[must_use]
-pub fn sphere_one(d: [f32; 3], origin: Origin) -> [f32; 2] {
+pub fn sphere_uv_at(d: [f32; 3], origin: Origin) -> [f32; 2] {
     coordinates::<Scalar, true>(Scalar, d, origin)
 }
 
-/// One point of [`cylinder_slice`], the same bits.
+/// One point of [`cylinder_uv_batch`], the same bits.
 #[must_use]
-pub fn cylinder_one(p: [f32; 3], origin: Origin) -> [f32; 2] {
+pub fn cylinder_uv_at(p: [f32; 3], origin: Origin) -> [f32; 2] {
     coordinates::<Scalar, false>(Scalar, p, origin)
 }
 

@@ -12,7 +12,7 @@ use crate::tree::{Bounds, BoxTree, Meter, search_each, steps_for};
 
 /// A vertex inside a foreign edge.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct TJoint {
+pub struct TJunction {
     /// Index of the position; of equal positions the first.
     pub vertex: u32,
     /// The face whose edge it lies in.
@@ -23,9 +23,9 @@ pub struct TJoint {
 
 /// The T-joints of a mesh, by face.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct TJoints {
+pub struct TJunctions {
     /// What was found.
-    pub list: Vec<TJoint>,
+    pub list: Vec<TJunction>,
     /// So many vertices lie along so many edges that the search was broken off: there may be more.
     pub at_least: bool,
 }
@@ -35,11 +35,11 @@ pub struct TJoints {
 /// it, and not within that of its ends. At most n log n steps for n edges on any input; the same list on any number of
 /// threads.
 #[must_use]
-pub fn t_joints(mesh: &Mesh<'_>) -> TJoints {
+pub fn t_junctions(mesh: &Mesh<'_>) -> TJunctions {
     find(mesh, &Topology::new(mesh))
 }
 
-pub(crate) fn find(mesh: &Mesh<'_>, topology: &Topology) -> TJoints {
+pub(crate) fn find(mesh: &Mesh<'_>, topology: &Topology) -> TJunctions {
     let corners = mesh.faces().corners();
     let ends =
         |k: usize| [k, topology.next[k] as usize].map(|k| topology.welded[corners[k] as usize]);
@@ -56,12 +56,12 @@ pub(crate) fn find(mesh: &Mesh<'_>, topology: &Topology) -> TJoints {
         out[first..].sort_unstable();
         done
     });
-    let joint = |(i, vertex): (u32, u32)| TJoint {
+    let joint = |(i, vertex): (u32, u32)| TJunction {
         vertex,
         face: topology.face[rim[i as usize]],
         edge: ends(rim[i as usize]),
     };
-    TJoints {
+    TJunctions {
         list: found.into_iter().map(joint).collect(),
         at_least: !open.is_empty(),
     }
@@ -156,27 +156,27 @@ mod tests {
         faces.push(&[3, 4, 6, 5]);
         faces.push(&[4, 2, 7, 6]);
         let mesh = Mesh::new(&positions, &faces).unwrap();
-        let joint = TJoint {
+        let joint = TJunction {
             vertex: 4,
             face: 0,
             edge: [2, 3],
         };
-        assert_eq!(t_joints(&mesh).list, [joint]);
+        assert_eq!(t_junctions(&mesh).list, [joint]);
         // Cured by a face that has the vertex.
         let mut cured = Faces::new();
         cured.push(&[0, 1, 2, 4, 3]);
         cured.push(&[3, 4, 6, 5]);
         cured.push(&[4, 2, 7, 6]);
         assert_eq!(
-            t_joints(&Mesh::new(&positions, &cured).unwrap()),
-            TJoints::default()
+            t_junctions(&Mesh::new(&positions, &cured).unwrap()),
+            TJunctions::default()
         );
         // A hundredth beside the edge it is no joint but a gap of its own.
         let mut moved = positions;
         moved[4][1] += 0.01;
         assert_eq!(
-            t_joints(&Mesh::new(&moved, &faces).unwrap()),
-            TJoints::default()
+            t_junctions(&Mesh::new(&moved, &faces).unwrap()),
+            TJunctions::default()
         );
     }
 
@@ -195,7 +195,7 @@ mod tests {
             faces.push(&[first, first + 1, first + 2]);
         }
         let mesh = Mesh::new(&positions, &faces).unwrap();
-        let found = t_joints(&mesh).list;
+        let found = t_junctions(&mesh).list;
         assert_eq!(found.len(), n as usize - 1);
         assert!(found.iter().all(|j| j.face == 0 && j.edge == [0, 1]));
     }

@@ -220,7 +220,7 @@ pub(crate) fn edge_length(mesh: &Mesh<'_>, topology: &Topology, k: usize) -> f64
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
-    use crate::islands::Shells;
+    use crate::islands::Islands;
 
     pub(crate) fn flat(mesh: &Mesh<'_>) -> UvSet {
         let values: Vec<[f32; 2]> = (0..mesh.faces().corners().len())
@@ -262,7 +262,7 @@ pub(crate) mod tests {
                 let mesh = Mesh::new(&positions, &faces).unwrap();
                 let topology = Topology::new(&mesh);
                 let set = flat(&mesh);
-                assert_eq!(Shells::new(&mesh, &set, &topology).count, 1, "{faces:?}");
+                assert_eq!(Islands::new(&mesh, &set, &topology).count, 1, "{faces:?}");
                 assert!(!topology.twin.contains(&MANY), "{faces:?}");
                 for (k, &twin) in topology.twin.iter().enumerate().filter(|(_, t)| **t < MANY) {
                     assert_eq!(topology.twin[twin as usize], k as u32);
@@ -287,7 +287,7 @@ pub(crate) mod tests {
         let mesh = Mesh::new(&positions, &faces).unwrap();
         let topology = Topology::new(&mesh);
         let set = flat(&mesh);
-        assert_eq!(Shells::new(&mesh, &set, &topology).count, 1);
+        assert_eq!(Islands::new(&mesh, &set, &topology).count, 1);
         // A third face with area: now it is an edge of too many.
         triangles.push([0, 1, 2]);
         let faces = Faces::from_triangles(&triangles);
@@ -309,6 +309,6 @@ pub(crate) mod tests {
         let topology = Topology::new(&mesh);
         assert_eq!(topology.twin.iter().filter(|t| **t == MANY).count(), 3);
         let set = UvSet::shared(&mesh, &[[0.0, 0.0]; 9]);
-        assert_eq!(Shells::new(&mesh, &set, &topology).count, 3);
+        assert_eq!(Islands::new(&mesh, &set, &topology).count, 3);
     }
 }

@@ -5,8 +5,8 @@ use alloc::vec::Vec;
 use core::ops::ControlFlow;
 
 use crate::mesh::{Mesh, UvSet};
-use crate::pack::Page;
-use crate::seam_edges::Cuts;
+use crate::pack::AtlasSize;
+use crate::seam_edges::SeamEdges;
 use crate::topology::Topology;
 use crate::{Origin, UvError};
 
@@ -27,8 +27,8 @@ const AROUND: usize = 2048;
 /// unwrapper says.
 pub fn unwrap(
     mesh: &Mesh<'_>,
-    cuts: &Cuts<'_>,
-    page: Page,
+    cuts: &SeamEdges<'_>,
+    page: AtlasSize,
     origin: Origin,
     progress: &(dyn Fn(usize, Option<usize>) -> ControlFlow<()> + Sync),
 ) -> Result<UvSet, UvError> {

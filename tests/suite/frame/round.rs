@@ -5,22 +5,22 @@ use texmap_math::{Level, deterministic_f64};
 use texmap_render::{Aov, Frame};
 use texmap_sample::Filter;
 use texmap_scene::Scene;
-use texmap_uv::{Entity, Faces, Mapping, PixelMapping, Round, Shape};
+use texmap_uv::{CurvedShape, Faces, Mapping, PerPixelProjection, ProjectionSource, Shape};
 
 use crate::scenes::{draw_aovs, of, pixel, quad, slot, texture, unlit, values};
 
 const SIZE: u32 = 120;
 
-fn shape() -> texmap_uv::Frame {
-    texmap_uv::Frame {
+fn shape() -> texmap_uv::Placement {
+    texmap_uv::Placement {
         yaw: 0.3,
         pitch: 0.2,
-        ..texmap_uv::Frame::upright(DVec3::new(0.1, 0.0, -2.0), DVec3::new(2.0, 1.6, 2.0))
+        ..texmap_uv::Placement::upright(DVec3::new(0.1, 0.0, -2.0), DVec3::new(2.0, 1.6, 2.0))
     }
 }
 
 /// A floor of two triangles through a shape, around its axis and across its seam.
-fn floor(round: Round) -> Scene {
+fn floor(round: CurvedShape) -> Scene {
     let mut material = unlit([1.0; 3]);
     material.base_color = slot(0, Filter::Trilinear);
     let mut mesh = quad([
@@ -31,7 +31,7 @@ fn floor(round: Round) -> Scene {
     ]);
     mesh.uvs.clear();
     mesh.round = Some(
-        PixelMapping::new(round, &shape(), [4.0, 1.0], texmap_uv::Origin::TopLeft)
+        PerPixelProjection::new(round, &shape(), [4.0, 1.0], texmap_uv::Origin::TopLeft)
             .expect("a shape"),
     );
     let checker = texture(64, 64, |x, y| match (x / 8 + y / 8) % 2 {
@@ -52,7 +52,7 @@ fn covered(frame: &Frame) -> impl Iterator<Item = (u32, u32)> {
 }
 
 /// uv by the f64 formula at a pixel's position, the longitude times 4; `None` near the axis.
-fn formula(round: Round, p: &[f32]) -> Option<[f64; 2]> {
+fn formula(round: CurvedShape, p: &[f32]) -> Option<[f64; 2]> {
     let s = shape();
     let (sin, cos) = deterministic_f64::sin_cos(s.yaw);
     let yaw = DMat4::from_cols_array(&[
@@ -69,14 +69,14 @@ fn formula(round: Round, p: &[f32]) -> Option<[f64; 2]> {
     }
     let (_, [u, v]) = Shape::Sphere.uv(q, texmap_uv::Origin::TopLeft);
     Some(match round {
-        Round::Sphere => [4.0 * u, v],
-        Round::Cylinder => [4.0 * u, 0.5 - q.y],
+        CurvedShape::Sphere => [4.0 * u, v],
+        CurvedShape::Cylinder => [4.0 * u, 0.5 - q.y],
     })
 }
 
 #[test]
 fn every_pixel_has_the_formulas_coordinates() {
-    for round in [Round::Sphere, Round::Cylinder] {
+    for round in [CurvedShape::Sphere, CurvedShape::Cylinder] {
         let frame = draw_aovs(&floor(round), SIZE, SIZE, &[Aov::Uv, Aov::Position]);
         let mut count = 0;
         for (x, y) in covered(&frame) {
@@ -99,14 +99,14 @@ fn every_pixel_has_the_formulas_coordinates() {
 /// Negative twin: the best that vertices can do on the same floor is off by half a picture somewhere.
 #[test]
 fn vertices_cannot_do_it() {
-    let mut scene = floor(Round::Sphere);
+    let mut scene = floor(CurvedShape::Sphere);
     let exact = draw_aovs(&scene, SIZE, SIZE, &[Aov::Uv]);
     let mesh = &mut scene.meshes[0];
     mesh.round = None;
     let faces = Faces::from_triangles(&mesh.triangles);
     let whole = texmap_uv::Mesh::new(&mesh.positions, &faces).expect("a sound mesh");
     let mapping = Mapping {
-        by: Entity::Position,
+        by: ProjectionSource::Position,
         frame: Some(shape()),
         repeat: [4.0, 1.0],
         ..Mapping::new(Shape::Sphere)
@@ -141,7 +141,7 @@ fn vertices_cannot_do_it() {
 /// The level of detail has no step at the seam, where u jumps by 4.
 #[test]
 fn the_seam_is_not_seen() {
-    for round in [Round::Sphere, Round::Cylinder] {
+    for round in [CurvedShape::Sphere, CurvedShape::Cylinder] {
         let frame = draw_aovs(
             &floor(round),
             SIZE,
@@ -174,7 +174,7 @@ fn the_seam_is_not_seen() {
 /// The same bytes on any number of threads and with samples; a moved object takes its shape along in world space.
 #[test]
 fn bytes_do_not_depend_on_threads() {
-    let scene = floor(Round::Sphere);
+    let scene = floor(CurvedShape::Sphere);
     let of = |threads| {
         let settings = texmap_render::Settings {
             threads: Some(threads),

@@ -7,7 +7,7 @@ use texmap_planner::{Budget, choose};
 use texmap_render::{Settings, render};
 use texmap_scene::{Scene, Shading, Shadow, TextureRole};
 use texmap_truth::verify::verify;
-use texmap_uv::{Frame, Origin, PixelMapping, Round};
+use texmap_uv::{CurvedShape, Origin, PerPixelProjection, Placement};
 
 const SIZE: (u32, u32) = (120, 90);
 
@@ -22,12 +22,13 @@ fn frames() -> Scene {
 }
 
 /// The same polygons under a sphere or a cylinder.
-fn round(shape: Round) -> Scene {
+fn round(shape: CurvedShape) -> Scene {
     let mut scene = frames();
-    let frame = Frame::upright(DVec3::new(0.1, 1.0, -0.4), DVec3::splat(2.0));
+    let frame = Placement::upright(DVec3::new(0.1, 1.0, -0.4), DVec3::splat(2.0));
     for mesh in &mut scene.meshes {
         mesh.frame = None;
-        mesh.round = Some(PixelMapping::new(shape, &frame, [2.0, 1.0], Origin::TopLeft).unwrap());
+        mesh.round =
+            Some(PerPixelProjection::new(shape, &frame, [2.0, 1.0], Origin::TopLeft).unwrap());
     }
     scene
 }
@@ -36,8 +37,8 @@ fn round(shape: Round) -> Scene {
 fn the_error_of_a_filter_is_predicted_without_vertex_coordinates() {
     for (name, scene) in [
         ("frames", frames()),
-        ("sphere", round(Round::Sphere)),
-        ("cylinder", round(Round::Cylinder)),
+        ("sphere", round(CurvedShape::Sphere)),
+        ("cylinder", round(CurvedShape::Cylinder)),
     ] {
         for rmse in [0.2, 0.05, 0.015] {
             let budget = Budget { texels: 0.5, rmse };

@@ -3,8 +3,8 @@
 use texmap_math::deterministic_f64;
 use texmap_math::glam::{DVec2, DVec3};
 use texmap_uv::{
-    Cuts, Faces, Mesh, Origin, Page, ReportOptions, TJoint, UvSet, auto_planes, cut, overlaps,
-    pack, report, sew, t_joints, tangents,
+    AtlasSize, Faces, Mesh, Origin, ReportOptions, SeamEdges, TJunction, UvSet, auto_planes,
+    cut_seams, overlaps, pack, report, sew_seams, t_junctions, tangents,
 };
 
 /// A number in [0, 1) from a counter.
@@ -76,7 +76,7 @@ fn mesh_of(soup: &[[DVec3; 3]]) -> (Vec<[f32; 3]>, Faces, UvSet) {
 }
 
 /// Every edge of these meshes is the rim, but for edges of equal ends.
-fn t_joints_by_hand(positions: &[[f32; 3]], faces: &Faces) -> Vec<TJoint> {
+fn t_joints_by_hand(positions: &[[f32; 3]], faces: &Faces) -> Vec<TJunction> {
     let at = |i: u32| DVec3::from(positions[i as usize].map(f64::from));
     let first = |i: u32| (0..=i).find(|&j| at(j) == at(i)).unwrap();
     let mut out = Vec::new();
@@ -94,7 +94,7 @@ fn t_joints_by_hand(positions: &[[f32; 3]], faces: &Faces) -> Vec<TJoint> {
                 let off = (from - (b - a) * (t / whole)).length();
                 if off <= tolerance && t > tolerance && t < whole - tolerance {
                     let face = face as u32;
-                    out.push(TJoint { vertex, face, edge });
+                    out.push(TJunction { vertex, face, edge });
                 }
             }
         }
@@ -107,7 +107,7 @@ fn few_triangles_have_the_t_joints_of_a_comparison_of_all() {
     for kind in KINDS {
         let (positions, faces, _) = mesh_of(&soup(kind, 150));
         let mesh = Mesh::new(&positions, &faces).unwrap();
-        let found = t_joints(&mesh);
+        let found = t_junctions(&mesh);
         // Equal edges of two faces are no rim.
         let expected = t_joints_by_hand(&positions, &faces);
         if !matches!(kind, "far") {
@@ -167,10 +167,10 @@ fn many_triangles_are_answered() {
         let mesh = Mesh::new(&positions, &faces).unwrap();
         let found = report(&mesh, &set, &ReportOptions::default()).unwrap();
         assert_eq!(found.faces, 10_000, "{kind}");
-        assert_eq!(found.t_joints, t_joints(&mesh), "{kind}");
+        assert_eq!(found.t_junctions, t_junctions(&mesh), "{kind}");
         let far = |p: &[f32; 3]| p.iter().any(|c| c.abs() > 1e30);
         if !positions.iter().any(far) {
-            let page = Page {
+            let page = AtlasSize {
                 size: 4096,
                 gutter: 1,
             };
@@ -195,11 +195,11 @@ fn many_triangles_are_answered() {
 fn what_is_too_much_is_a_lower_bound() {
     let (positions, faces, set) = mesh_of(&soup("line", 30_000));
     let mesh = Mesh::new(&positions, &faces).unwrap();
-    let found = t_joints(&mesh);
+    let found = t_junctions(&mesh);
     assert!(found.at_least && found.list.len() > 30_000);
     // As long as they are few they are all there.
     let (positions, faces, _) = mesh_of(&soup("line", 300));
-    let found = t_joints(&Mesh::new(&positions, &faces).unwrap());
+    let found = t_junctions(&Mesh::new(&positions, &faces).unwrap());
     assert!(!found.at_least && found.list.len() > 10_000);
     assert!(overlaps(&mesh, &set).unwrap().at_least);
 }
@@ -227,19 +227,19 @@ fn polygons_of_many_corners_are_cut_and_sewn() {
     };
     let shells = |set: &UvSet| {
         let found = report(&mesh, set, &ReportOptions::default()).unwrap();
-        (found.shells, found.seam_length > 6.0)
+        (found.islands, found.seam_length > 6.0)
     };
     assert_eq!(shells(&set), (1, false));
-    let sharp = Cuts {
+    let sharp = SeamEdges {
         angle: Some(1.0),
-        ..Cuts::default()
+        ..SeamEdges::default()
     };
-    let parted = cut(&mesh, &set, &sharp).unwrap();
+    let parted = cut_seams(&mesh, &set, &sharp).unwrap();
     assert_eq!(parted.uvs.len(), 2 * count as usize);
     let pairs: Vec<[u32; 2]> = (0..count).map(|i| [i, (i + 1) % count]).collect();
-    let sewn = sew(&mesh, &parted, &pairs).unwrap();
+    let sewn = sew_seams(&mesh, &parted, &pairs).unwrap();
     assert_eq!(sewn.uvs.len(), count as usize);
-    let auto = auto_planes(&mesh, Page::default(), Origin::TopLeft).unwrap();
+    let auto = auto_planes(&mesh, AtlasSize::default(), Origin::TopLeft).unwrap();
     assert_eq!(shells(&auto), (2, true));
 }
 
@@ -257,12 +257,12 @@ fn a_long_spiral_is_divided() {
         }
     }
     let mesh = Mesh::new(&positions, &faces).unwrap();
-    let page = Page {
+    let page = AtlasSize {
         size: 8192,
         gutter: 1,
     };
     let set = auto_planes(&mesh, page, Origin::TopLeft).unwrap();
     let found = report(&mesh, &set, &ReportOptions::default()).unwrap();
     assert_eq!((found.overlapping, found.collapsed), (0, 0));
-    assert!((250..700).contains(&found.shells), "{}", found.shells);
+    assert!((250..700).contains(&found.islands), "{}", found.islands);
 }

@@ -3,7 +3,8 @@
 use texmap_math::glam::DVec3;
 use texmap_tests::levels::levels;
 use texmap_uv::{
-    Entity, Frame, Mapping, Mesh, Origin, Page, ReportOptions, Shape, auto_planes, report, t_joints,
+    AtlasSize, Mapping, Mesh, Origin, Placement, ProjectionSource, ReportOptions, Shape,
+    auto_planes, report, t_junctions,
 };
 
 use crate::meshes::ball;
@@ -11,13 +12,13 @@ use crate::meshes::ball;
 /// Everything about a mesh as text, so that a NaN equals itself.
 fn all(level: texmap_math::Level, mesh: &Mesh<'_>) -> Vec<String> {
     let mut out = Vec::new();
-    let frame = Frame::upright(DVec3::new(0.1, 0.0, -0.2), DVec3::new(3.0, 2.5, 3.5));
+    let frame = Placement::upright(DVec3::new(0.1, 0.0, -0.2), DVec3::new(3.0, 2.5, 3.5));
     for (shape, by) in [
-        (Shape::Sphere, Entity::Position),
-        (Shape::Cylinder, Entity::Position),
-        (Shape::Cone, Entity::Centroid),
-        (Shape::Plane, Entity::Position),
-        (Shape::Box, Entity::Normal),
+        (Shape::Sphere, ProjectionSource::Position),
+        (Shape::Cylinder, ProjectionSource::Position),
+        (Shape::Cone, ProjectionSource::Centroid),
+        (Shape::Plane, ProjectionSource::Position),
+        (Shape::Box, ProjectionSource::Normal),
     ] {
         let mapping = Mapping {
             by,
@@ -30,9 +31,9 @@ fn all(level: texmap_math::Level, mesh: &Mesh<'_>) -> Vec<String> {
         out.push(format!("{mapped:?}"));
         out.push(format!("{found:?}"));
     }
-    let packed = auto_planes(mesh, Page::default(), Origin::TopLeft).expect("an atlas");
+    let packed = auto_planes(mesh, AtlasSize::default(), Origin::TopLeft).expect("an atlas");
     out.push(format!("{packed:?}"));
-    out.push(format!("{:?}", t_joints(mesh)));
+    out.push(format!("{:?}", t_junctions(mesh)));
     out
 }
 

@@ -5,8 +5,8 @@ use texmap_math::glam::DVec3;
 use texmap_math::{Level, deterministic_f64};
 use texmap_tests::levels::levels;
 use texmap_uv::{
-    Entity, Faces, Frame, Mapping, Mesh, Origin, Part, Shape, cylinder_one, cylinder_slice,
-    sphere_one, sphere_slice,
+    Faces, Mapping, Mesh, Origin, Placement, ProjectionSource, Shape, ShapeFace, cylinder_uv_at,
+    cylinder_uv_batch, sphere_uv_at, sphere_uv_batch,
 };
 
 use crate::meshes::{ball, tube};
@@ -78,7 +78,7 @@ proptest! {
     ) {
         let points: Vec<[f32; 3]> = points.iter().map(|p| [p.0, p.1, p.2].map(|c| c * 2f32.powi(scale))).collect();
         for origin in ORIGINS {
-            let one: Vec<[f32; 2]> = points.iter().map(|p| sphere_one(*p, origin)).collect();
+            let one: Vec<[f32; 2]> = points.iter().map(|p| sphere_uv_at(*p, origin)).collect();
             for (p, uv) in points.iter().zip(&one) {
                 let d = DVec3::from(p.map(f64::from));
                 if d.x.abs() + d.z.abs() > 1e-3 * d.y.abs() {
@@ -89,10 +89,10 @@ proptest! {
             }
             for (name, level) in levels() {
                 let mut out = vec![[0.0; 2]; points.len()];
-                sphere_slice(level, &points, origin, &mut out).unwrap();
+                sphere_uv_batch(level, &points, origin, &mut out).unwrap();
                 prop_assert_eq!(bits(&out), bits(&one), "sphere {}", name);
-                cylinder_slice(level, &points, origin, &mut out).unwrap();
-                let side: Vec<[f32; 2]> = points.iter().map(|p| cylinder_one(*p, origin)).collect();
+                cylinder_uv_batch(level, &points, origin, &mut out).unwrap();
+                let side: Vec<[f32; 2]> = points.iter().map(|p| cylinder_uv_at(*p, origin)).collect();
                 prop_assert_eq!(bits(&out), bits(&side), "cylinder {}", name);
             }
         }
@@ -133,11 +133,11 @@ fn senseless_vectors_have_the_same_bits_on_every_level() {
     };
     let one: Vec<[f32; 2]> = all
         .iter()
-        .map(|p| sphere_one(*p, Origin::TopLeft))
+        .map(|p| sphere_uv_at(*p, Origin::TopLeft))
         .collect();
     for (name, level) in levels() {
         let mut out = vec![[0.0; 2]; all.len()];
-        sphere_slice(level, &all, Origin::TopLeft, &mut out).unwrap();
+        sphere_uv_batch(level, &all, Origin::TopLeft, &mut out).unwrap();
         assert_eq!(calm(&out), calm(&one), "{name}");
     }
     for (p, uv) in all
@@ -147,7 +147,7 @@ fn senseless_vectors_have_the_same_bits_on_every_level() {
     {
         assert!(uv.iter().all(|c| (0.0..=1.0).contains(c)), "{p:?} {uv:?}");
     }
-    assert!(sphere_slice(Level::new(), &all, Origin::TopLeft, &mut []).is_err());
+    assert!(sphere_uv_batch(Level::new(), &all, Origin::TopLeft, &mut []).is_err());
 }
 
 #[test]
@@ -163,10 +163,10 @@ fn every_shape_and_entity_maps_a_ball_without_a_nan() {
         Shape::Box,
     ] {
         for by in [
-            Entity::Position,
-            Entity::Normal,
-            Entity::Centroid,
-            Entity::Reflection { eye },
+            ProjectionSource::Position,
+            ProjectionSource::Normal,
+            ProjectionSource::Centroid,
+            ProjectionSource::Reflection { eye },
         ] {
             let mapping = Mapping {
                 by,
@@ -190,7 +190,7 @@ fn every_shape_and_entity_maps_a_ball_without_a_nan() {
 fn a_ball_is_one_ball_by_position_by_normal_and_by_centroid() {
     let (positions, faces) = ball(16, 8, 3.0);
     let mesh = Mesh::new(&positions, &faces).unwrap();
-    let uv = |by: Entity| {
+    let uv = |by: ProjectionSource| {
         Mapping {
             by,
             ..Mapping::new(Shape::Sphere)
@@ -201,9 +201,9 @@ fn a_ball_is_one_ball_by_position_by_normal_and_by_centroid() {
         .per_corner()
     };
     let (a, b, c) = (
-        uv(Entity::Position),
-        uv(Entity::Normal),
-        uv(Entity::Centroid),
+        uv(ProjectionSource::Position),
+        uv(ProjectionSource::Normal),
+        uv(ProjectionSource::Centroid),
     );
     let far = |p: &[[f32; 2]], q: &[[f32; 2]]| {
         p.iter()
@@ -224,7 +224,7 @@ fn a_ball_is_one_ball_by_position_by_normal_and_by_centroid() {
     assert!(
         far(
             &a,
-            &uv(Entity::Reflection {
+            &uv(ProjectionSource::Reflection {
                 eye: DVec3::Z * 9.0
             })
         ) > 0.1
@@ -241,9 +241,9 @@ fn a_frame_moves_turns_and_scales_the_shape() {
         .set
         .per_corner();
     // A quarter turn of the shape about y moves u by a quarter.
-    let frame = Frame {
+    let frame = Placement {
         yaw: std::f64::consts::FRAC_PI_2,
-        ..Frame::upright(DVec3::ZERO, DVec3::splat(2.0))
+        ..Placement::upright(DVec3::ZERO, DVec3::splat(2.0))
     };
     let turned = Mapping {
         frame: Some(frame),
@@ -263,7 +263,7 @@ fn a_frame_moves_turns_and_scales_the_shape() {
     }
     // Twice the height: half the range of v around the middle.
     let tall = Mapping {
-        frame: Some(Frame::upright(DVec3::ZERO, DVec3::new(2.0, 4.0, 2.0))),
+        frame: Some(Placement::upright(DVec3::ZERO, DVec3::new(2.0, 4.0, 2.0))),
         ..Mapping::new(Shape::Cylinder)
     };
     let tall = tall.map(Level::new(), &mesh, &[]).unwrap().set.per_corner();
@@ -339,5 +339,5 @@ fn a_flat_axis_and_a_point_map_to_the_middle() {
     assert_eq!(plane(&positions[..3]), [[0.0, 1.0], [1.0, 1.0], [0.0, 0.0]]);
     let line = [[1.0, 5.0, 0.0], [2.0, 5.0, 0.0], [1.5, 5.0, 0.0]];
     assert_eq!(plane(&line), [[0.0, 0.5], [1.0, 0.5], [0.5, 0.5]]);
-    assert_eq!(Shape::Box.uv(DVec3::X, Origin::TopLeft).0, Part::Right);
+    assert_eq!(Shape::Box.uv(DVec3::X, Origin::TopLeft).0, ShapeFace::Right);
 }

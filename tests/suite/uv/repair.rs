@@ -7,15 +7,15 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use texmap_math::Level;
 use texmap_math::glam::DVec3;
 use texmap_uv::{
-    Cuts, Faces, Frame, Mapping, Mesh, Origin, Page, ReportOptions, Shape, UvError, UvSet,
-    auto_planes, cut, pack, report, tangents, unwrap,
+    AtlasSize, Faces, Mapping, Mesh, Origin, Placement, ReportOptions, SeamEdges, Shape, UvError,
+    UvSet, auto_planes, cut_seams, pack, report, tangents, unwrap,
 };
 
 use crate::meshes::{ball, ramp, tube};
 
 fn mapped(mesh: &Mesh<'_>, shape: Shape, fix_seams: bool) -> UvSet {
     // A box around an odd number of meridians has its middle off the axis: the shape is placed by hand.
-    let frame = (shape == Shape::Sphere).then(|| Frame::upright(DVec3::ZERO, DVec3::ONE));
+    let frame = (shape == Shape::Sphere).then(|| Placement::upright(DVec3::ZERO, DVec3::ONE));
     Mapping {
         fix_seams,
         frame,
@@ -67,7 +67,7 @@ fn a_face_around_the_axis_is_named() {
     ];
     let faces = Faces::from_triangles(&[[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]);
     let mesh = Mesh::new(&positions, &faces).unwrap();
-    let frame = Some(Frame::upright(DVec3::ZERO, DVec3::ONE));
+    let frame = Some(Placement::upright(DVec3::ZERO, DVec3::ONE));
     let mapped = Mapping {
         frame,
         ..Mapping::new(Shape::Sphere)
@@ -79,7 +79,7 @@ fn a_face_around_the_axis_is_named() {
 
 #[test]
 fn packed_unwrapped_and_automatic_layouts_are_free_of_overlaps() {
-    let page = Page {
+    let page = AtlasSize {
         size: 512,
         gutter: 4,
     };
@@ -90,9 +90,13 @@ fn packed_unwrapped_and_automatic_layouts_are_free_of_overlaps() {
             ("auto", auto_planes(&mesh, page, Origin::TopLeft).unwrap()),
             (
                 "unwrap",
-                unwrap(&mesh, &Cuts::default(), page, Origin::TopLeft, &|_, _| {
-                    ControlFlow::Continue(())
-                })
+                unwrap(
+                    &mesh,
+                    &SeamEdges::default(),
+                    page,
+                    Origin::TopLeft,
+                    &|_, _| ControlFlow::Continue(()),
+                )
                 .unwrap(),
             ),
             ("packed box", pack(&mesh, &boxed, page).unwrap()),
@@ -127,28 +131,28 @@ fn a_tube_cut_along_its_length_and_rings_comes_apart() {
     let shells = |set: &UvSet| {
         report(
             &mesh,
-            &pack(&mesh, set, Page::default()).unwrap(),
+            &pack(&mesh, set, AtlasSize::default()).unwrap(),
             &ReportOptions::default(),
         )
         .unwrap()
-        .shells
+        .islands
     };
     assert_eq!(shells(&set), 1);
     let ring: Vec<[u32; 2]> = (0..8).map(|i| [8 + i, 8 + (i + 1) % 8]).collect();
-    let parted = cut(
+    let parted = cut_seams(
         &mesh,
         &set,
-        &Cuts {
+        &SeamEdges {
             pairs: &ring,
             angle: None,
         },
     )
     .unwrap();
     assert_eq!(shells(&parted), 2);
-    let creased = cut(
+    let creased = cut_seams(
         &mesh,
         &set,
-        &Cuts {
+        &SeamEdges {
             pairs: &[],
             angle: Some(0.5),
         },
@@ -164,8 +168,8 @@ fn required_cuts_part_the_unwrapped_charts() {
     let charts = |pairs: &[[u32; 2]]| {
         let set = unwrap(
             &mesh,
-            &Cuts { pairs, angle: None },
-            Page::default(),
+            &SeamEdges { pairs, angle: None },
+            AtlasSize::default(),
             Origin::BottomLeft,
             &|_, _| ControlFlow::Continue(()),
         )
@@ -179,7 +183,7 @@ fn required_cuts_part_the_unwrapped_charts() {
             },
         )
         .unwrap()
-        .shells
+        .islands
     };
     assert_eq!(charts(&[]), 1);
     let across: Vec<[u32; 2]> = (0..4).map(|i| [10 + i, 11 + i]).collect();
@@ -192,7 +196,7 @@ fn unwrapping_reports_progress_and_can_be_cancelled() {
     let (positions, faces) = ball(24, 12, 1.0);
     let mesh = Mesh::new(&positions, &faces).unwrap();
     let run = |progress: &(dyn Fn(usize, Option<usize>) -> ControlFlow<()> + Sync)| {
-        let (cuts, page) = (Cuts::default(), Page::default());
+        let (cuts, page) = (SeamEdges::default(), AtlasSize::default());
         unwrap(&mesh, &cuts, page, Origin::BottomLeft, progress)
     };
     let heard = Mutex::new(Vec::new());

@@ -47,7 +47,7 @@ fn a_cylinder_unrolls_without_distortion() {
         assert!((figure - 1.0).abs() < 1e-4, "{r:?}");
     }
     assert_eq!(
-        (r.flipped, r.overlapping, r.collapsed, r.wide, r.shells),
+        (r.flipped, r.overlapping, r.collapsed, r.wide, r.islands),
         (0, 0, 0, 0, 1)
     );
     assert!((r.seam_length - height).abs() < 1e-5 && (r.rim_length - 2.0 * height).abs() < 1e-3);
@@ -193,7 +193,7 @@ fn degenerate_and_non_manifold_meshes_are_reported_not_refused() {
     )
     .unwrap();
     assert_eq!((r.non_manifold_edges, r.degenerate), (1, 2));
-    assert!(r.t_joints.list.is_empty());
+    assert!(r.t_junctions.list.is_empty());
     assert!(r.stretch_l2.is_finite() && r.seam_length > 0.9);
     let broken = UvSet {
         uvs: vec![[f32::NAN, 0.0]],
@@ -230,7 +230,7 @@ fn a_plane_map_of_the_teapot_has_no_seam_however_it_is_read() {
     );
     assert_eq!((plane.seam_length, plane.non_manifold_edges), (0.0, 0));
     // As many shells as the surface has pieces: body with bottom, lid, handle, spout at most.
-    assert!(plane.shells <= 5, "{} shells", plane.shells);
+    assert!(plane.islands <= 5, "{} shells", plane.islands);
     // Negative twin: a box tears it.
     assert!(of(Shape::Box).seam_length > 10.0);
 }
@@ -274,7 +274,7 @@ fn a_face_without_area_between_two_others_makes_one_seam() {
     ] {
         let r = report(&mesh, &by_face(shift), &UPWARD).unwrap();
         assert_eq!(
-            (r.seam_length, r.shells, r.degenerate),
+            (r.seam_length, r.islands, r.degenerate),
             (seam, shells, 1),
             "{shift:?}"
         );

@@ -4,7 +4,7 @@ use bevy_mikktspace::{Geometry, Ops, TangentSpace, generate_tangents};
 use texmap_math::deterministic_f64;
 use texmap_math::glam::DVec3;
 use texmap_uv::{
-    Cuts, Faces, Mapping, Mesh, Origin, Page, Shape, UvSet, auto_planes, tangents, unwrap,
+    AtlasSize, Faces, Mapping, Mesh, Origin, SeamEdges, Shape, UvSet, auto_planes, tangents, unwrap,
 };
 
 use crate::meshes::ball;
@@ -142,7 +142,7 @@ fn sculpture(quads: bool) -> (Vec<[f32; 3]>, Faces) {
 /// The ways to give it coordinates: one island, many, mirrored halves, one index for each corner, and islands of which some
 /// have no area in the picture.
 fn sets(mesh: &Mesh<'_>) -> Vec<(&'static str, UvSet)> {
-    let page = Page::default();
+    let page = AtlasSize::default();
     let origin = Origin::BottomLeft;
     let sphere = |fix_seams| {
         let mapping = Mapping {
@@ -186,7 +186,7 @@ fn sets(mesh: &Mesh<'_>) -> Vec<(&'static str, UvSet)> {
         ("auto", auto),
         (
             "unwrap",
-            unwrap(mesh, &Cuts::default(), page, origin, &|_, _| {
+            unwrap(mesh, &SeamEdges::default(), page, origin, &|_, _| {
                 std::ops::ControlFlow::Continue(())
             })
             .unwrap(),

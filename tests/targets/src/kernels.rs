@@ -5,7 +5,7 @@ use texmap_math::glam::{DMat3, DVec3};
 use texmap_math::{Homography, Level, deterministic_f32};
 use texmap_render::hash_pixels;
 use texmap_sample::{ColorSpace, EdgeMode, Filter, Origin, Resample, Texture2d};
-use texmap_uv::{Entity, Faces, Mapping, Mesh, Shape};
+use texmap_uv::{Faces, Mapping, Mesh, ProjectionSource, Shape};
 
 use crate::random::Random;
 
@@ -43,7 +43,11 @@ pub(crate) fn results(level: Level) -> Vec<(String, String)> {
             ("sphere", Shape::Sphere),
             ("cylinder", Shape::Cylinder),
         ] {
-            let by = [Entity::Position, Entity::Normal, Entity::Centroid];
+            let by = [
+                ProjectionSource::Position,
+                ProjectionSource::Normal,
+                ProjectionSource::Centroid,
+            ];
             let uvs = by.map(|by| {
                 Mapping {
                     by,

@@ -170,14 +170,14 @@ fn samples() {
 }
 
 fn mapped() {
-    use texmap_uv::{Entity, Faces, Mapping, Mesh, Report, ReportOptions, Shape, report, tangents};
+    use texmap_uv::{ProjectionSource, Faces, Mapping, Mesh, Report, ReportOptions, Shape, report, tangents};
     let scene = scene();
     let cube = &scene.meshes[0];
     let mut faces = Faces::new();
     cube.triangles.iter().for_each(|t| faces.push(t));
     let mesh = Mesh::new(&cube.positions, &faces).expect("a mesh");
     for shape in [Shape::Plane, Shape::Box, Shape::Sphere, Shape::Cylinder] {
-        for by in [Entity::Position, Entity::Normal, Entity::Centroid] {
+        for by in [ProjectionSource::Position, ProjectionSource::Normal, ProjectionSource::Centroid] {
             let mapping = Mapping { by, ..Mapping::new(shape) };
             let mapped = mapping.map(Level::new(), &mesh, &[]).expect("coordinates");
             let _: Report = report(&mesh, &mapped.set, &ReportOptions::default()).expect("a report");

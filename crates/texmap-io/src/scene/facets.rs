@@ -7,7 +7,7 @@ use texmap_math::glam::DVec3;
 use texmap_math::texture_frame::TextureFrame;
 use texmap_mesh::SkinBlend;
 use texmap_scene::{Displacement, Mesh, Scene};
-use texmap_uv::PixelMapping;
+use texmap_uv::PerPixelProjection;
 
 use super::shapes::Bones;
 use crate::SourceLocation;
@@ -29,7 +29,7 @@ struct Run {
     mesh: usize,
     lit: bool,
     frame: Option<TextureFrame>,
-    round: Option<PixelMapping>,
+    round: Option<PerPixelProjection>,
     skin: Option<(SkinBlend, SourceLocation)>,
     /// Vertex of the file behind each vertex of the mesh.
     sources: Vec<u32>,
@@ -43,7 +43,7 @@ pub(super) struct Facet<'a> {
     pub(super) corners: &'a [(u32, [f32; 2])],
     pub(super) has_uv: bool,
     pub(super) frame: Option<TextureFrame>,
-    pub(super) round: Option<PixelMapping>,
+    pub(super) round: Option<PerPixelProjection>,
     pub(super) displacement: Option<Displacement>,
     pub(super) skin: Option<(SkinBlend, SourceLocation)>,
     pub(super) shadowless: bool,

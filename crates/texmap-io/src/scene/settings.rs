@@ -11,7 +11,7 @@ use texmap_sample::{Filter, Sampler, UvTransform, Wrap};
 use texmap_scene::{
     AlphaMode, ColorMode, Displacement, Gouraud, Material, Shading, TextureRole, TextureSlot,
 };
-use texmap_uv::PixelMapping;
+use texmap_uv::PerPixelProjection;
 
 use super::effects::EffectSettings;
 use super::materials::MaterialSettings;
@@ -27,7 +27,7 @@ pub(super) struct Settings {
     pub(super) texture: Option<CurrentTexture>,
     pub(super) frame: Option<TextureFrame>,
     /// In world space; wins over `frame`.
-    pub(super) round: Option<PixelMapping>,
+    pub(super) round: Option<PerPixelProjection>,
     pub(super) filter: Filter,
     pub(super) wrap: [Wrap; 2],
     /// sRGB, straight alpha.

@@ -5,7 +5,7 @@ use texmap_math::glam::DVec3;
 use texmap_math::{deterministic_f32, deterministic_f64};
 use texmap_uv::{
     Faces, Mapping, Mesh, Origin, Projection, ReportOptions, Shape, UvSet, project, report,
-    sphere_one, tangents,
+    sphere_uv_at, tangents,
 };
 
 use super::Measurement;
@@ -91,7 +91,7 @@ pub(super) fn u2() -> Result<Vec<Measurement>, LabError> {
     let one = Faces::from_triangles(&[[0, 1, 2]]);
     let through = Mesh::new(&centre, &one)?;
     let with_centre = Mapping {
-        frame: Some(texmap_uv::Frame::upright(DVec3::ZERO, DVec3::ONE)),
+        frame: Some(texmap_uv::Placement::upright(DVec3::ZERO, DVec3::ONE)),
         ..Mapping::new(Shape::Sphere)
     }
     .map(Level::new(), &through, &[])?
@@ -119,7 +119,7 @@ pub(super) fn u3() -> Result<Vec<Measurement>, LabError> {
         let (sin, cos) = deterministic_f64::sin_cos(angle);
         let p = [sin as f32, cos as f32, 0.0];
         let exact = deterministic_f64::atan2(f64::from(p[0]), f64::from(p[1]));
-        let [_, v] = sphere_one(p, Origin::TopLeft);
+        let [_, v] = sphere_uv_at(p, Origin::TopLeft);
         own = own.max((f64::from(v) * std::f64::consts::PI - exact).abs());
         arc = arc.max((f64::from(deterministic_f32::acos(p[1].min(1.0))) - exact).abs());
     }

@@ -4,7 +4,7 @@ use texmap_math::glam::{DMat4, DVec3};
 use texmap_math::simd::Isa;
 use texmap_math::{CameraFrame, Footprint, Level, ViewRays};
 use texmap_raster::{Column, Fragment, RunValues};
-use texmap_uv::PixelMapping;
+use texmap_uv::PerPixelProjection;
 
 use super::batch::{Batch, LANES, columns};
 
@@ -15,7 +15,7 @@ pub(crate) enum Coordinates {
     Vertices,
     Frame(CameraFrame),
     /// A shape in world space, and the first of the attributes that hold the world position.
-    Round(PixelMapping, usize),
+    Round(PerPixelProjection, usize),
 }
 
 /// Lists of the fragments of a batch: positions and their changes right and down, uv, footprints.
@@ -41,7 +41,7 @@ impl Coordinates {
             Self::Frame(frame) => frame.uv(fragment.pixel[0], fragment.pixel[1]),
             Self::Round(map, first) => {
                 let three = |of: &[f32]| [of[*first], of[first + 1], of[first + 2]];
-                Some(map.one(three(values), three(ddx), three(ddy)))
+                Some(map.uv_at(three(values), three(ddx), three(ddy)))
             }
         }
     }
@@ -89,7 +89,7 @@ impl Coordinates {
                 }
                 uv.resize(points.len(), [0.0; 2]);
                 footprint.resize(points.len(), Footprint::default());
-                map.slice(level, points, dx, dy, uv, footprint)
+                map.uv_batch(level, points, dx, dy, uv, footprint)
                     .expect("the lists have one length");
             }
         }

@@ -3,7 +3,7 @@
 use rstar::{AABB, RTreeObject};
 use texmap_math::glam::{DMat3, DMat4, DVec2, DVec3};
 use texmap_scene::Mesh;
-use texmap_uv::{Origin, Part, Shape};
+use texmap_uv::{Origin, Shape, ShapeFace};
 
 use super::RayHit;
 use super::solids;
@@ -77,7 +77,7 @@ impl Body {
                     point: origin + direction * t,
                     normal: smooth.unwrap_or(flat).normalize(),
                     uv: uvs.map(|uv| uv[0] * weights.x + uv[1] * weights.y + uv[2] * weights.z),
-                    part: Part::Whole,
+                    part: ShapeFace::Whole,
                     object: self.object,
                     triangle: *index,
                     weights,

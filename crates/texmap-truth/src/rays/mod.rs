@@ -8,7 +8,7 @@ mod walk;
 use rstar::RTree;
 use texmap_math::glam::{DMat4, DVec2, DVec3};
 use texmap_scene::Mesh;
-use texmap_uv::{Part, Shape};
+use texmap_uv::{Shape, ShapeFace};
 
 use body::{Body, push_mesh, solid};
 
@@ -30,7 +30,7 @@ pub struct RayHit {
     /// Texture coordinates: v down for solids, as they are in the mesh for meshes; `None` for a mesh without.
     pub uv: Option<DVec2>,
     /// The part of a solid, whole for a mesh.
-    pub part: Part,
+    pub part: ShapeFace,
     /// The object, counted as they were given.
     pub object: usize,
     /// Triangle of a mesh, 0 for a solid.

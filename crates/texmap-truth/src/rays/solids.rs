@@ -105,7 +105,7 @@ fn roots(a: f64, b: f64, c: f64) -> [f64; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use texmap_uv::{Origin, Part};
+    use texmap_uv::{Origin, ShapeFace};
 
     const ALL: [Shape; 5] = [
         Shape::Plane,
@@ -115,18 +115,18 @@ mod tests {
         Shape::Sphere,
     ];
 
-    fn parts(shape: Shape) -> &'static [Part] {
+    fn parts(shape: Shape) -> &'static [ShapeFace] {
         match shape {
-            Shape::Plane | Shape::Sphere => &[Part::Whole],
-            Shape::Cylinder => &[Part::Side, Part::Top, Part::Bottom],
-            Shape::Cone => &[Part::Side, Part::Bottom],
+            Shape::Plane | Shape::Sphere => &[ShapeFace::Whole],
+            Shape::Cylinder => &[ShapeFace::Side, ShapeFace::Top, ShapeFace::Bottom],
+            Shape::Cone => &[ShapeFace::Side, ShapeFace::Bottom],
             Shape::Box => &[
-                Part::Right,
-                Part::Left,
-                Part::Top,
-                Part::Bottom,
-                Part::Front,
-                Part::Back,
+                ShapeFace::Right,
+                ShapeFace::Left,
+                ShapeFace::Top,
+                ShapeFace::Bottom,
+                ShapeFace::Front,
+                ShapeFace::Back,
             ],
         }
     }
@@ -140,7 +140,7 @@ mod tests {
                 for (i, j) in (1..20).flat_map(|i| (1..20).map(move |j| (i, j))) {
                     let uv = [f64::from(i) / 20.0 + 0.003, f64::from(j) / 20.0 + 0.007];
                     let target = shape.point(part, uv, Origin::TopLeft);
-                    if matches!(part, Part::Top | Part::Bottom)
+                    if matches!(part, ShapeFace::Top | ShapeFace::Bottom)
                         && shape != Shape::Box
                         && target.x.hypot(target.z) > 0.49
                     {

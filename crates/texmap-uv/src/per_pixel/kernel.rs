@@ -6,7 +6,7 @@ use texmap_math::glam::DVec3;
 use texmap_math::simd::{Isa, Scalar, prelude::*};
 use texmap_math::{Footprint, float};
 
-use super::{PixelMapping, Round};
+use super::{CurvedShape, PerPixelProjection};
 use crate::Origin;
 use crate::spherical::Longitude;
 
@@ -15,10 +15,10 @@ const AXIS: f32 = 1e-12;
 /// A vector shorter than this in the unit solid has no direction.
 const NOTHING: f32 = 1e-30;
 
-impl PixelMapping {
+impl PerPixelProjection {
     /// uv of a point, and the footprint of a pixel along whose sides the point moves by `dx` and `dy`. NaN gives NaN.
     #[must_use]
-    pub fn one(&self, point: [f32; 3], dx: [f32; 3], dy: [f32; 3]) -> ([f32; 2], Footprint) {
+    pub fn uv_at(&self, point: [f32; 3], dx: [f32; 3], dy: [f32; 3]) -> ([f32; 2], Footprint) {
         let [u, v, du_dx, dv_dx, du_dy, dv_dy] = self.pixels(Scalar, [point, dx, dy]);
         ([u, v], Footprint::new(du_dx, dv_dx, du_dy, dv_dy))
     }
@@ -34,8 +34,8 @@ impl PixelMapping {
         );
         let longitude = Longitude::of(i, x, z);
         let (up, height) = match self.shape {
-            Round::Sphere => (longitude.latitude(i, y), y),
-            Round::Cylinder => (y, i.f32(0.0)),
+            CurvedShape::Sphere => (longitude.latitude(i, y), y),
+            CurvedShape::Cylinder => (y, i.f32(0.0)),
         };
         let (v, sign) = match self.origin {
             Origin::TopLeft => (i.f32(0.5) - up, -1.0),
@@ -62,7 +62,7 @@ impl PixelMapping {
         [row(i, a, d), row(i, b, d), row(i, c, d)]
     }
 
-    /// [`PixelMapping::one`] in f64, for reading: uv, and `[du/dx, dv/dx, du/dy, dv/dy]`. On the axis there is no derivative: NaN.
+    /// [`PerPixelProjection::uv_at`] in f64, for reading: uv, and `[du/dx, dv/dx, du/dy, dv/dy]`. On the axis there is no derivative: NaN.
     #[must_use]
     pub fn reference(&self, point: DVec3, dx: DVec3, dy: DVec3) -> ([f64; 2], [f64; 4]) {
         let q = self.unit_from_point.transform_point3(point);
@@ -72,8 +72,8 @@ impl PixelMapping {
             Origin::BottomLeft => 1.0,
         };
         let v = match self.shape {
-            Round::Sphere => latitude,
-            Round::Cylinder => 0.5 + sign * q.y,
+            CurvedShape::Sphere => latitude,
+            CurvedShape::Cylinder => 0.5 + sign * q.y,
         };
         let [across, down] = self.repeat.map(f64::from);
         let change = |d: DVec3| {
@@ -81,8 +81,8 @@ impl PixelMapping {
             let square = q.x * q.x + q.z * q.z;
             let turn = (q.z * d.x - q.x * d.z) / square / core::f64::consts::TAU;
             let up = match self.shape {
-                Round::Cylinder => d.y,
-                Round::Sphere => {
+                CurvedShape::Cylinder => d.y,
+                CurvedShape::Sphere => {
                     let out = float::sqrt(square);
                     let rise = out * d.y - q.y * (q.x * d.x + q.z * d.z) / out;
                     rise / (square + q.y * q.y) / core::f64::consts::PI
@@ -138,12 +138,12 @@ impl<I: Isa> Nearness<I> {
 
     /// Changes of u and of the height for a change of the point in the unit solid.
     #[inline(always)]
-    fn change(&self, i: I, [dx, dy, dz]: [I::F32; 3], shape: Round) -> [I::F32; 2] {
+    fn change(&self, i: I, [dx, dy, dz]: [I::F32; 3], shape: CurvedShape) -> [I::F32; 2] {
         let turn = (self.z * dx - self.x * dz) * self.scale * self.per_out * (1.0 / TAU);
         let turn = turn.clamp(i.f32(-0.5), i.f32(0.5));
         let up = match shape {
-            Round::Cylinder => dy,
-            Round::Sphere => {
+            CurvedShape::Cylinder => dy,
+            CurvedShape::Sphere => {
                 let out = (self.x * dx + self.z * dz) * self.out * self.per_out;
                 (self.out * dy - self.y * out) * self.scale * self.per_all * FRAC_1_PI
             }
@@ -156,13 +156,13 @@ impl<I: Isa> Nearness<I> {
 mod tests {
     use super::super::tests::{frame, pixel};
     use super::*;
-    use crate::{Frame, Shape};
+    use crate::{Placement, Shape};
 
-    fn exact(shape: Round, p: DVec3) -> [f64; 2] {
+    fn exact(shape: CurvedShape, p: DVec3) -> [f64; 2] {
         let q = frame().placed().unwrap().point(p);
         match shape {
-            Round::Sphere => Shape::Sphere.uv(q, Origin::TopLeft).1,
-            Round::Cylinder => {
+            CurvedShape::Sphere => Shape::Sphere.uv(q, Origin::TopLeft).1,
+            CurvedShape::Cylinder => {
                 let u = Shape::Sphere.uv(q, Origin::TopLeft).1[0];
                 [u, 0.5 - q.y]
             }
@@ -173,8 +173,8 @@ mod tests {
     fn uv_and_derivatives_are_those_of_the_formula() {
         let wide = |v: [f32; 3]| DVec3::from(v.map(f64::from));
         let whole = |d: f64| d - float::floor(d + 0.5);
-        for shape in [Round::Cylinder, Round::Sphere] {
-            let map = PixelMapping::new(shape, &frame(), [1.0; 2], Origin::TopLeft).unwrap();
+        for shape in [CurvedShape::Cylinder, CurvedShape::Sphere] {
+            let map = PerPixelProjection::new(shape, &frame(), [1.0; 2], Origin::TopLeft).unwrap();
             let mut leaps = 0;
             for (i, j) in (-40..40).flat_map(|i| (-40..40).map(move |j| (i, j))) {
                 let [p, dx, dy] = pixel(i, j);
@@ -182,7 +182,7 @@ mod tests {
                 if q.x * q.x + q.z * q.z < 1e-3 {
                     continue;
                 }
-                let (uv, d) = map.one(p, dx, dy);
+                let (uv, d) = map.uv_at(p, dx, dy);
                 let e = exact(shape, wide(p));
                 assert!(
                     whole(f64::from(uv[0]) - e[0]).abs() < 1e-5
@@ -210,7 +210,7 @@ mod tests {
                     }
                 }
                 // Negative twin: the difference to the next pixel leaps at the seam.
-                let next = map.one(pixel(i, j + 1)[0], dx, dy).0;
+                let next = map.uv_at(pixel(i, j + 1)[0], dx, dy).0;
                 leaps += usize::from((next[0] - uv[0]).abs() > 0.5);
             }
             assert!(leaps > 5, "the pixels meet the seam: {leaps}");
@@ -219,10 +219,11 @@ mod tests {
 
     #[test]
     fn footprints_do_not_leap_at_the_seam_and_stay_finite_at_the_pole() {
-        for shape in [Round::Cylinder, Round::Sphere] {
-            let upright = Frame::upright(DVec3::ZERO, DVec3::splat(2.0));
-            let map = PixelMapping::new(shape, &upright, [4.0, 2.0], Origin::BottomLeft).unwrap();
-            let at = |z: f32| map.one([0.8, 0.2, z], [0.0, 0.0, 0.01], [0.0, 0.01, 0.0]);
+        for shape in [CurvedShape::Cylinder, CurvedShape::Sphere] {
+            let upright = Placement::upright(DVec3::ZERO, DVec3::splat(2.0));
+            let map =
+                PerPixelProjection::new(shape, &upright, [4.0, 2.0], Origin::BottomLeft).unwrap();
+            let at = |z: f32| map.uv_at([0.8, 0.2, z], [0.0, 0.0, 0.01], [0.0, 0.01, 0.0]);
             let ((a, da), (b, db)) = (at(-1e-5), at(1e-5));
             assert!((a[0] - b[0]).abs() > 3.99, "{a:?} {b:?}");
             assert!((da.du_dx - db.du_dx).abs() < 1e-5 && da.du_dx < 0.0);
@@ -233,7 +234,7 @@ mod tests {
                 [1e-3, 0.7, 0.0],
                 [0.0; 3],
             ] {
-                let (uv, d) = map.one(p, [0.01, 0.0, 0.0], [0.0, 0.0, 0.01]);
+                let (uv, d) = map.uv_at(p, [0.01, 0.0, 0.0], [0.0, 0.0, 0.01]);
                 assert!(uv.iter().all(|c| c.is_finite()));
                 for (c, most) in [
                     (d.du_dx, 2.0),
@@ -245,7 +246,7 @@ mod tests {
                 }
             }
             // A thousandth beside the axis a pixel of a hundredth turns all the way.
-            let (_, d) = map.one([1e-3, 0.7, 0.0], [0.01, 0.0, 0.0], [0.0, 0.0, 0.01]);
+            let (_, d) = map.uv_at([1e-3, 0.7, 0.0], [0.01, 0.0, 0.0], [0.0, 0.0, 0.01]);
             assert_eq!(d.du_dy.abs(), 2.0);
         }
     }

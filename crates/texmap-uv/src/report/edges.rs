@@ -3,10 +3,10 @@
 use alloc::vec::Vec;
 
 use super::ReportOptions;
-use crate::islands::Shells;
+use crate::islands::Islands;
 use crate::mesh::{Mesh, UvSet, length};
 use crate::topology::{MANY, RIM, Topology, edge_length};
-use crate::{TJoints, parallel, t_junction, views};
+use crate::{TJunctions, parallel, t_junction, views};
 
 /// What the report says about edges.
 pub(super) struct Edges {
@@ -15,7 +15,7 @@ pub(super) struct Edges {
     pub(super) rim_length: f64,
     pub(super) non_manifold: usize,
     pub(super) shells: usize,
-    pub(super) t_joints: TJoints,
+    pub(super) t_joints: TJunctions,
 }
 
 impl Edges {
@@ -32,7 +32,7 @@ impl Edges {
             },
             rim_length: lengths(mesh, &topology, rim),
             non_manifold: non_manifold(mesh, &topology).len(),
-            shells: shells(mesh, set, &topology),
+            shells: islands(mesh, set, &topology),
             t_joints: t_junction::find(mesh, &topology),
         }
     }
@@ -79,8 +79,8 @@ fn non_manifold(mesh: &Mesh<'_>, topology: &Topology) -> Vec<usize> {
 }
 
 /// Pieces of the picture that have area in space.
-fn shells(mesh: &Mesh<'_>, set: &UvSet, topology: &Topology) -> usize {
-    let shells = Shells::linked(mesh.faces().len(), topology, |k| {
+fn islands(mesh: &Mesh<'_>, set: &UvSet, topology: &Topology) -> usize {
+    let shells = Islands::linked(mesh.faces().len(), topology, |k| {
         meets(mesh, set, topology, k)
     });
     let mut has_area = alloc::vec![false; shells.count];

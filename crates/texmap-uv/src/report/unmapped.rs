@@ -11,7 +11,7 @@ pub struct Unmapped {
     /// How many.
     pub triangles: usize,
     /// Their part of the surface, 0 to 1.
-    pub share: f64,
+    pub fraction: f64,
     /// The first face that has one.
     pub face: Option<u32>,
 }
@@ -40,7 +40,7 @@ pub fn unmapped(mesh: &Mesh<'_>, set: &UvSet) -> Result<Unmapped, UvError> {
     let without = |&&(_, own, mapped): &&(u32, f64, f64)| own > 0.0 && mapped <= own * least;
     for (face, area, _) in areas.iter().filter(without) {
         out.triangles += 1;
-        out.share += area / space;
+        out.fraction += area / space;
         out.face = out.face.or(Some(*face));
     }
     Ok(out)

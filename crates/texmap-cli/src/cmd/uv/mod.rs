@@ -13,8 +13,8 @@ use texmap_io::{FileSource, npy};
 use texmap_math::Level;
 use texmap_math::glam::DVec3;
 use texmap_uv::{
-    Cuts, Entity, Frame, Mapping, Mesh, Origin, Page, ReportOptions, Shape, UvError, UvSet,
-    auto_planes, cut, pack, report, sew, unmapped, unwrap,
+    AtlasSize, Mapping, Mesh, Origin, Placement, ProjectionSource, ReportOptions, SeamEdges, Shape,
+    UvError, UvSet, auto_planes, cut_seams, pack, report, sew_seams, unmapped, unwrap,
 };
 
 use self::source::Source;
@@ -142,7 +142,7 @@ pub(crate) fn run(args: &UvArgs) -> Result<Exit, Failure> {
             .map_or(Ok(Vec::new()), |p| read_pairs(p, mesh.positions().len()))
     };
     let (cuts, seams) = (pairs(&args.cut)?, pairs(&args.sew)?);
-    let cuts = Cuts {
+    let cuts = SeamEdges {
         pairs: &cuts,
         angle: args.cut_angle.map(f64::to_radians),
     };
@@ -198,11 +198,11 @@ pub(crate) fn run(args: &UvArgs) -> Result<Exit, Failure> {
         }
     }
     let lost = unmapped(&mesh, &set).map_err(|e| source.fault(&e))?;
-    if lost.share > 0.01 {
+    if lost.fraction > 0.01 {
         let line = lost.face.map_or(0, |f| source.obj.line(f as usize));
         say(&format!(
             "warning: {:.1} % of the surface has no area in the picture ({} triangles, the first in line {line}): nothing can be drawn or baked there; give another --map, or a --frame that looks at it\n",
-            100.0 * lost.share,
+            100.0 * lost.fraction,
             lost.triangles,
         ));
     }
@@ -296,10 +296,10 @@ fn coordinates(
     args: &UvArgs,
     source: &Source<'_>,
     mesh: &Mesh<'_>,
-    cuts: &Cuts<'_>,
+    cuts: &SeamEdges<'_>,
     seams: &[[u32; 2]],
 ) -> Result<(UvSet, Vec<u32>), UvError> {
-    let page = Page {
+    let page = AtlasSize {
         size: args.pack.unwrap_or(1024),
         gutter: args.gutter,
     };
@@ -320,10 +320,10 @@ fn coordinates(
     };
     let cutting = !cuts.pairs.is_empty() || cuts.angle.is_some();
     if cutting && args.map != Some(Map::Unwrap) {
-        set = cut(mesh, &set, cuts)?;
+        set = cut_seams(mesh, &set, cuts)?;
     }
     if !seams.is_empty() {
-        set = sew(mesh, &set, seams)?;
+        set = sew_seams(mesh, &set, seams)?;
     }
     if args.pack.is_some()
         && (cutting || !seams.is_empty() || !matches!(args.map, Some(Map::Auto | Map::Unwrap)))
@@ -345,22 +345,22 @@ fn mapping(args: &UvArgs, map: Map) -> Mapping {
         Map::Plane | Map::Auto | Map::Unwrap => Shape::Plane,
     };
     let by = match args.by {
-        By::Position => Entity::Position,
-        By::Normal => Entity::Normal,
-        By::Centroid => Entity::Centroid,
-        By::Reflection => Entity::Reflection {
+        By::Position => ProjectionSource::Position,
+        By::Normal => ProjectionSource::Normal,
+        By::Centroid => ProjectionSource::Centroid,
+        By::Reflection => ProjectionSource::Reflection {
             eye: DVec3::from(args.eye.map_or([0.0; 3], |t| t.0)),
         },
     };
-    let frame = args
-        .frame
-        .map(|List([px, py, pz, yaw, pitch, roll, sx, sy, sz])| Frame {
+    let frame = args.frame.map(
+        |List([px, py, pz, yaw, pitch, roll, sx, sy, sz])| Placement {
             position: DVec3::new(px, py, pz),
             yaw: yaw.to_radians(),
             pitch: pitch.to_radians(),
             roll: roll.to_radians(),
             scale: DVec3::new(sx, sy, sz),
-        });
+        },
+    );
     Mapping {
         by,
         frame,

@@ -70,7 +70,7 @@ pub(super) fn text(path: &Path, r: &Report) -> String {
         ),
     );
     row("picture used", format!("{:.1} %", 100.0 * r.picture_area));
-    row("shells", r.shells.to_string());
+    row("shells", r.islands.to_string());
     row(
         "seams",
         format!(
@@ -83,13 +83,17 @@ pub(super) fn text(path: &Path, r: &Report) -> String {
     if r.non_manifold_edges > 0 {
         row("non-manifold edges", r.non_manifold_edges.to_string());
     }
-    if !r.t_joints.list.is_empty() {
-        let least = if r.t_joints.at_least { "at least " } else { "" };
+    if !r.t_junctions.list.is_empty() {
+        let least = if r.t_junctions.at_least {
+            "at least "
+        } else {
+            ""
+        };
         row(
             "T-joints",
             format!(
                 "{least}{} vertices inside an edge of another face",
-                r.t_joints.list.len()
+                r.t_junctions.list.len()
             ),
         );
     }
@@ -134,13 +138,13 @@ pub(super) fn json(path: &Path, r: &Report, around_axis: &[u32]) -> Value {
         "overlap": { "triangles": r.overlapping, "pairs": r.overlap_pairs, "area": r.overlap_area, "lower_bound": r.overlap_at_least },
         "picture_area": r.picture_area,
         "surface_area": r.surface_area,
-        "shells": r.shells,
+        "shells": r.islands,
         "seam": { "length": r.seam_length, "seen": r.seam_seen },
         "rim_length": r.rim_length,
         "non_manifold_edges": r.non_manifold_edges,
         "degenerate": r.degenerate,
-        "t_joints": r.t_joints.list.iter().map(|j| json!({ "vertex": j.vertex, "face": j.face, "edge": j.edge })).collect::<Vec<_>>(),
-        "t_joints_lower_bound": r.t_joints.at_least,
+        "t_joints": r.t_junctions.list.iter().map(|j| json!({ "vertex": j.vertex, "face": j.face, "edge": j.edge })).collect::<Vec<_>>(),
+        "t_joints_lower_bound": r.t_junctions.at_least,
         "faces_around_axis": around_axis,
     })
 }

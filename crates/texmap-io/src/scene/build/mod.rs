@@ -8,7 +8,7 @@ use texmap_math::camera::{Camera, CameraError};
 use texmap_math::glam::DVec3;
 use texmap_math::texture_frame::TextureFrame;
 use texmap_scene::{AlphaMode, Material, Scene, Shading, TextureRole};
-use texmap_uv::{PixelMapping, Round};
+use texmap_uv::{CurvedShape, PerPixelProjection};
 
 use super::effects::{self, Coordinates};
 use super::environments;
@@ -154,8 +154,8 @@ impl Builder {
     /// `round`.
     pub(super) fn round(&mut self, line: &mut Line<'_>) -> Result<(), IoError> {
         let shape = match line.word() {
-            Some("sphere") => Round::Sphere,
-            Some("cylinder") => Round::Cylinder,
+            Some("sphere") => CurvedShape::Sphere,
+            Some("cylinder") => CurvedShape::Cylinder,
             _ => {
                 self.settings.round = None;
                 return Ok(());
@@ -163,7 +163,7 @@ impl Builder {
         };
         let position = line.numbers().into();
         let [yaw, pitch, roll] = line.numbers().map(f64::to_radians);
-        let frame = texmap_uv::Frame {
+        let frame = texmap_uv::Placement {
             position,
             yaw,
             pitch,
@@ -174,7 +174,7 @@ impl Builder {
             0 => [1.0; 2],
             _ => line.numbers(),
         };
-        let mapping = PixelMapping::new(shape, &frame, repeat, texmap_uv::Origin::TopLeft);
+        let mapping = PerPixelProjection::new(shape, &frame, repeat, texmap_uv::Origin::TopLeft);
         let mapping = mapping.map_err(|e| IoError::DegenerateFrame {
             location: line.location.clone(),
             problem: e.to_string(),
