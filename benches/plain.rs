@@ -13,7 +13,8 @@ use texmap_math::camera::Camera;
 use texmap_math::glam::{DMat4, DVec3};
 use texmap_math::{Footprint, Level};
 use texmap_raster::{
-    Draw, NoAlphaTest, Prepared, RUN, RunBlock, RunValues, TargetSize, TileBlocks, TilePlanes,
+    AttributePlanes, BATCH_PIXELS, BinnedDraws, DrawCall, FragmentBlock, NoAlphaTest, TargetSize,
+    TileVisibility, Varyings,
 };
 use texmap_render::{Renderer, Settings};
 use texmap_sample::{
@@ -77,10 +78,10 @@ fn scene(filter: Filter) -> Scene {
 struct Alone<'s> {
     scene: &'s Scene,
     clip_from_world: DMat4,
-    blocks: TileBlocks,
-    planes: TilePlanes,
-    values: RunValues,
-    run: Vec<RunBlock>,
+    blocks: TileVisibility,
+    planes: AttributePlanes,
+    values: Varyings,
+    run: Vec<FragmentBlock>,
     footprints: Vec<Footprint>,
     out: Vec<u32>,
     picture: Vec<u32>,
@@ -91,12 +92,12 @@ impl<'s> Alone<'s> {
         Self {
             scene,
             clip_from_world: scene.camera.clip_from_world(1.0).expect("a camera"),
-            blocks: TileBlocks::new(),
-            planes: TilePlanes::new(),
-            values: RunValues::default(),
+            blocks: TileVisibility::new(),
+            planes: AttributePlanes::new(),
+            values: Varyings::default(),
             run: Vec::new(),
-            footprints: vec![Footprint::new(0.0, 0.0, 0.0, 0.0); RUN],
-            out: vec![0; RUN],
+            footprints: vec![Footprint::new(0.0, 0.0, 0.0, 0.0); BATCH_PIXELS],
+            out: vec![0; BATCH_PIXELS],
             picture: vec![0; (SIDE * SIDE) as usize],
         }
     }
@@ -105,16 +106,16 @@ impl<'s> Alone<'s> {
         let (mesh, material) = (&self.scene.meshes[0], &self.scene.materials[0]);
         let slot = material.base_color.as_ref().expect("a texture");
         let texture = &self.scene.textures[slot.texture];
-        let draw = Draw {
+        let draw = DrawCall {
             positions: &mesh.positions,
             indices: &mesh.triangles,
             attributes: mesh.uvs.as_flattened(),
             attribute_count: 2,
             clip_from_object: self.clip_from_world,
-            ..Draw::default()
+            ..DrawCall::default()
         };
         let size = TargetSize::new(SIDE, SIDE).expect("a size");
-        let prepared = Prepared::with_level(size, &[draw], level, 1).expect("valid");
+        let prepared = BinnedDraws::with_level(size, &[draw], level, 1).expect("valid");
         self.picture.fill(0);
         for tile in 0..prepared.tiles() {
             if prepared.is_empty(tile) {
@@ -126,13 +127,13 @@ impl<'s> Alone<'s> {
             for block in 0..self.blocks.masks.len() {
                 let mask = self.blocks.masks[block];
                 if mask != 0 {
-                    self.run.push(RunBlock {
+                    self.run.push(FragmentBlock {
                         block: block as u16,
                         mask,
-                        slot: texmap_raster::NONE,
+                        slot: texmap_raster::NO_PRIMITIVE,
                     });
                 }
-                if self.run.len() == RUN / 16 || block + 1 == self.blocks.masks.len() {
+                if self.run.len() == BATCH_PIXELS / 16 || block + 1 == self.blocks.masks.len() {
                     let corner = prepared.tile(tile);
                     self.shade(level, texture, &slot.sampler, (corner.x0, corner.y0));
                     self.run.clear();
@@ -151,7 +152,7 @@ impl<'s> Alone<'s> {
             true,
             &mut self.values,
         );
-        let [u, v] = &self.values.columns[..2] else {
+        let [u, v] = &self.values.varyings[..2] else {
             return;
         };
         for (i, d) in self.footprints[..count].iter_mut().enumerate() {

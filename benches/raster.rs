@@ -6,8 +6,8 @@ use criterion::{Criterion, criterion_group, criterion_main};
 use texmap_benches::scenes::{self, Sphere};
 use texmap_math::Level;
 use texmap_raster::{
-    Atlas, AtlasMesh, AtlasOptions, Cull, Draw, NONE, NoAlphaTest, Prepared, TargetSize,
-    TileBlocks, TilePlanes,
+    Atlas, AtlasMesh, AtlasOptions, AttributePlanes, BinnedDraws, Cull, DrawCall, NO_PRIMITIVE,
+    NoAlphaTest, TargetSize, TileVisibility,
 };
 
 fn levels() -> Vec<(&'static str, Level)> {
@@ -25,15 +25,15 @@ fn levels() -> Vec<(&'static str, Level)> {
     levels
 }
 
-fn draw(sphere: &Sphere, clip_from_object: texmap_math::glam::DMat4) -> Draw<'_> {
-    Draw {
+fn draw(sphere: &Sphere, clip_from_object: texmap_math::glam::DMat4) -> DrawCall<'_> {
+    DrawCall {
         positions: &sphere.positions,
         indices: &sphere.indices,
         attributes: &sphere.uvs,
         attribute_count: 2,
         clip_from_object,
         cull: Cull::Back,
-        ..Draw::default()
+        ..DrawCall::default()
     }
 }
 
@@ -41,16 +41,16 @@ fn draw(sphere: &Sphere, clip_from_object: texmap_math::glam::DMat4) -> Draw<'_>
 fn frame(
     level: Level,
     size: TargetSize,
-    draw: &Draw<'_>,
-    blocks: &mut TileBlocks,
-    planes: &mut TilePlanes,
+    draw: &DrawCall<'_>,
+    blocks: &mut TileVisibility,
+    planes: &mut AttributePlanes,
 ) -> usize {
-    let prepared = Prepared::with_level(size, &[*draw], level, 1).expect("valid");
+    let prepared = BinnedDraws::with_level(size, &[*draw], level, 1).expect("valid");
     let mut covered = 0;
     for tile in 0..prepared.tiles() {
         prepared.visible_blocks(tile, &NoAlphaTest, blocks);
         prepared.planes(tile, planes);
-        covered += blocks.slot.iter().filter(|&&s| s != NONE).count();
+        covered += blocks.slot.iter().filter(|&&s| s != NO_PRIMITIVE).count();
     }
     covered
 }
@@ -64,7 +64,7 @@ fn meshes(c: &mut Criterion) {
     ] {
         let sphere = Sphere::new(slices, stacks);
         let draw = draw(&sphere, scenes::mesh_camera());
-        let (mut blocks, mut planes) = (TileBlocks::new(), TilePlanes::new());
+        let (mut blocks, mut planes) = (TileVisibility::new(), AttributePlanes::new());
         let mut group = c.benchmark_group(format!("raster/{name}"));
         group.sample_size(10);
         for (level_name, level) in levels() {
@@ -90,7 +90,7 @@ fn depth(c: &mut Criterion) {
         group.sample_size(10);
         for (level_name, level) in levels() {
             let map = || {
-                Prepared::with_level(size, &[draw], level, 1)
+                BinnedDraws::with_level(size, &[draw], level, 1)
                     .expect("valid")
                     .depth_map(1)
             };

@@ -11,10 +11,10 @@ pub fn main() -> Result<(), Box<dyn std::error::Error>> {
     let scale = DMat4::from_scale(DVec3::new(1.0 / half, 1.0 / half, 1.0 / 20.0));
     let clip = DMat4::from_translation(DVec3::Z) * scale * light_from_world;
     let square = [[-1, -1], [1, -1], [1, 1], [-1, 1]].map(|[x, z]| [x as f32, 1.0, z as f32]);
-    let mut caster = Draw::default();
+    let mut caster = DrawCall::default();
     (caster.positions, caster.indices) = (&square, &[[0, 1, 2], [0, 2, 3]]);
     caster.clip_from_object = clip;
-    let depth = Prepared::new(TargetSize::new(256, 256)?, &[caster])?.depth_map(1);
+    let depth = BinnedDraws::new(TargetSize::new(256, 256)?, &[caster])?.depth_map(1);
 
     let distance = |z| [f32::INFINITY, 20.0 * (1.0 - z)][usize::from(z > 0.0)];
     let kind = ShadowKind::Directional {

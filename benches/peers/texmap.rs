@@ -3,7 +3,7 @@
 use texmap_benches::bench_scenes::{BenchMesh, BenchScene, Content, DEPTH_SIZE, Hidden, Lookup};
 use texmap_math::Level;
 use texmap_math::glam::DMat4;
-use texmap_raster::{Cull, Draw, Prepared, RasterError, TargetSize};
+use texmap_raster::{BinnedDraws, Cull, DrawCall, RasterError, TargetSize};
 use texmap_render::{Frame, Renderer, Settings};
 use texmap_sample::Filter;
 pub(crate) use texmap_sample::Precision;
@@ -132,17 +132,17 @@ impl Texmap {
                 pool,
                 map,
             } => {
-                let draw = Draw {
+                let draw = DrawCall {
                     positions: &mesh.positions,
                     indices: &mesh.triangles,
                     clip_from_object: *clip_from_object,
                     cull: Cull::Back,
-                    ..Draw::default()
+                    ..DrawCall::default()
                 };
                 let threads = pool.current_num_threads();
                 let drawn = pool.install(|| {
                     let size = TargetSize::new(DEPTH_SIZE, DEPTH_SIZE)?;
-                    let prepared = Prepared::with_level(size, &[draw], Level::new(), threads)?;
+                    let prepared = BinnedDraws::with_level(size, &[draw], Level::new(), threads)?;
                     prepared.depth_map_into(threads, map);
                     Ok::<_, RasterError>(())
                 });

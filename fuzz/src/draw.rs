@@ -3,8 +3,8 @@
 use texmap_math::Level;
 use texmap_math::glam::{DMat4, DVec4};
 use texmap_raster::{
-    Cull, DepthTest, Draw, Fragment, Interp, NONE, NoAlphaTest, Pass, Prepared, TargetSize,
-    TileBuffers,
+    BinnedDraws, Cull, DepthTest, DrawCall, Fragment, Interp, NO_PRIMITIVE, NoAlphaTest, Pass,
+    TargetSize, VisibilityBuffer,
 };
 
 use super::choices::Choices;
@@ -14,7 +14,7 @@ struct Submitted {
     positions: Vec<[f32; 3]>,
     attributes: Vec<f32>,
     indices: Vec<[u32; 3]>,
-    state: Draw<'static>,
+    state: DrawCall<'static>,
 }
 
 impl Submitted {
@@ -44,7 +44,7 @@ impl Submitted {
             90..200 => DMat4::from_cols(DVec4::X, DVec4::Y, DVec4::W, DVec4::Z * 1e-3),
             _ => DMat4::from_cols_array(&[0.0; 16].map(|_: f64| f64::from(c.number()))),
         };
-        let state = Draw {
+        let state = DrawCall {
             clip_from_object,
             attribute_count,
             screen_linear: u32::from(c.byte()),
@@ -53,7 +53,7 @@ impl Submitted {
             depth_test: [DepthTest::Less, DepthTest::LessOrEqual, DepthTest::Always][c.below(3)],
             depth_write: c.byte() < 200,
             pass: [Pass::Opaque, Pass::CutOut, Pass::Blended][c.below(3)],
-            ..Draw::default()
+            ..DrawCall::default()
         };
         Self {
             positions,
@@ -63,8 +63,8 @@ impl Submitted {
         }
     }
 
-    fn draw(&self) -> Draw<'_> {
-        Draw {
+    fn draw(&self) -> DrawCall<'_> {
+        DrawCall {
             positions: &self.positions,
             attributes: &self.attributes,
             indices: &self.indices,
@@ -83,9 +83,9 @@ pub fn draw(bytes: &[u8]) {
     let submitted: Vec<Submitted> = (0..1 + c.below(4))
         .map(|_| Submitted::new(&mut c))
         .collect();
-    let draws: Vec<Draw<'_>> = submitted.iter().map(Submitted::draw).collect();
-    let one_lane = Prepared::with_level(size, &draws, Level::fallback(), 1);
-    let (fast, one) = match (Prepared::new(size, &draws), one_lane) {
+    let draws: Vec<DrawCall<'_>> = submitted.iter().map(Submitted::draw).collect();
+    let one_lane = BinnedDraws::with_level(size, &draws, Level::fallback(), 1);
+    let (fast, one) = match (BinnedDraws::new(size, &draws), one_lane) {
         (Ok(fast), Ok(one)) => (fast, one),
         (Err(a), Err(b)) => {
             // Not by value: a tolerance may be NaN.
@@ -95,7 +95,7 @@ pub fn draw(bytes: &[u8]) {
         (fast, one) => panic!("{:?} but {:?}", fast.err(), one.err()),
     };
     assert_eq!(fast.stats(), one.stats());
-    let (mut a, mut b) = (TileBuffers::new(), TileBuffers::new());
+    let (mut a, mut b) = (VisibilityBuffer::new(), VisibilityBuffer::new());
     let mut fragment = Fragment::default();
     for index in 0..fast.tiles() {
         let tile = fast.tile(index);
@@ -103,7 +103,7 @@ pub fn draw(bytes: &[u8]) {
         one.visible(index, &NoAlphaTest, &mut b);
         for (y, x) in (0..tile.height).flat_map(|y| (0..tile.width).map(move |x| (y, x))) {
             let slot = (y * texmap_raster::TILE + x) as usize;
-            let source = |p: &Prepared<'_>, id: u32| (id != NONE).then(|| p.source(id));
+            let source = |p: &BinnedDraws<'_>, id: u32| (id != NO_PRIMITIVE).then(|| p.source(id));
             let found = source(&fast, a.id[slot]);
             assert_eq!(found, source(&one, b.id[slot]), "tile {index}, {x}, {y}");
             if let Some(place) = found {
@@ -119,7 +119,7 @@ pub fn draw(bytes: &[u8]) {
 }
 
 /// Values between those of the vertices, derivatives and depth finite.
-fn check(draws: &[Draw<'_>], (draw, triangle): (u32, u32), fragment: &Fragment) {
+fn check(draws: &[DrawCall<'_>], (draw, triangle): (u32, u32), fragment: &Fragment) {
     let draw = &draws[draw as usize];
     let corners = draw.indices[triangle as usize];
     for k in 0..draw.attribute_count {

@@ -5,7 +5,7 @@
 
 use texmap_math::camera::Camera;
 use texmap_math::glam::{DMat3, DVec2, DVec3, DVec4};
-use texmap_raster::{Draw, Interp};
+use texmap_raster::{DrawCall, Interp};
 use texmap_render::{Aov, AovData, Settings};
 use texmap_scene::{ColorMode, Material, Mesh, Scene, Shading};
 
@@ -186,14 +186,14 @@ impl UvScene {
     /// When the rasterizer refuses the draw.
     pub fn by_raster(&self, interp: Interp) -> Result<UvImage, LabError> {
         let (positions, attributes) = (self.positions(), self.attributes());
-        let draw = Draw {
+        let draw = DrawCall {
             positions: &positions,
             indices: &Self::TRIANGLES,
             clip_from_object: self.camera.clip_from_world(1.0)?,
             attributes: &attributes,
             attribute_count: 2,
             interp,
-            ..Draw::default()
+            ..DrawCall::default()
         };
         let mut image = self.empty();
         visit((self.size, self.size), &[draw], |x, y, fragment| {

@@ -8,7 +8,10 @@ use texmap_math::glam::{DMat4, DVec3};
 
 use crate::coverage::edge::{Edge, ONE, Snapped, centre, edges};
 use crate::front_end::prepared::for_all;
-use crate::{Draw, NONE, NoAlphaTest, Prepared, RasterError, TILE, TargetSize, TileBuffers};
+use crate::{
+    BinnedDraws, DrawCall, NO_PRIMITIVE, NoAlphaTest, RasterError, TILE, TargetSize,
+    VisibilityBuffer,
+};
 
 /// A mesh with texture coordinates.
 #[derive(Debug, Clone, Copy, Default)]
@@ -47,7 +50,7 @@ pub struct Atlas {
     pub size: TargetSize,
     /// How each texel came to its face.
     pub coverage: Vec<Coverage>,
-    /// The face, [`NONE`] where there is none. Where faces overlap the first one wins.
+    /// The face, [`NO_PRIMITIVE`] where there is none. Where faces overlap the first one wins.
     pub face: Vec<u32>,
     /// Weights over the face's three vertices at the texel's centre, moved to the face where the centre lies outside; 0 where
     /// there is no face.
@@ -113,14 +116,14 @@ impl Atlas {
         let flat: Vec<_> = mesh.uvs.iter().map(|uv| [uv[0], uv[1], 0.5]).collect();
         // 0..1 to clip space, y up: v from the bottom already points up.
         let up = if mesh.bottom_up { 1.0 } else { -1.0 };
-        let draw = Draw {
+        let draw = DrawCall {
             positions: &flat,
             indices: mesh.indices,
             clip_from_object: DMat4::from_translation(DVec3::new(-1.0, -up, 0.0))
                 * DMat4::from_scale(DVec3::new(2.0, 2.0 * up, 1.0)),
-            ..Draw::default()
+            ..DrawCall::default()
         };
-        let prepared = Prepared::with_level(
+        let prepared = BinnedDraws::with_level(
             size,
             &[draw],
             crate::front_end::prepared::best_level(),
@@ -129,7 +132,7 @@ impl Atlas {
         let mut atlas = Self {
             size,
             coverage: alloc::vec![Coverage::None; texels],
-            face: alloc::vec![NONE; texels],
+            face: alloc::vec![NO_PRIMITIVE; texels],
             barycentric: alloc::vec![[0.0; 3]; texels],
             position: Vec::new(),
             normal: Vec::new(),
@@ -161,20 +164,24 @@ impl Atlas {
         self.size.width() as usize * TILE as usize
     }
 
-    fn cover_centres(&mut self, prepared: &Prepared<'_>, threads: usize) {
+    fn cover_centres(&mut self, prepared: &BinnedDraws<'_>, threads: usize) {
         let (width, band) = (self.size.width() as usize, self.band());
         let across = self.size.width().div_ceil(TILE) as usize;
         let faces = self.face.chunks_mut(band);
         let bands = faces.zip(self.coverage.chunks_mut(band)).enumerate();
         for_all(threads, bands.collect(), |(row, (faces, coverage))| {
-            let mut buffers = TileBuffers::new();
+            let mut buffers = VisibilityBuffer::new();
             for index in row * across..(row + 1) * across {
                 let tile = prepared.tile(index);
                 prepared.visible(index, &NoAlphaTest, &mut buffers);
                 for y in 0..tile.height as usize {
                     let ids = &buffers.id[y * TILE as usize..][..tile.width as usize];
                     let at = y * width + tile.x0 as usize;
-                    for (x, &id) in ids.iter().enumerate().filter(|(_, id)| **id != NONE) {
+                    for (x, &id) in ids
+                        .iter()
+                        .enumerate()
+                        .filter(|(_, id)| **id != NO_PRIMITIVE)
+                    {
                         faces[at + x] = prepared.source(id).1;
                         coverage[at + x] = Coverage::Centre;
                     }
@@ -199,7 +206,7 @@ impl Atlas {
                     let from = (y - top) as usize * width;
                     for x in reach.x.clone() {
                         let at = from + x as usize;
-                        if faces[at] == NONE && reach.touches(x, y) {
+                        if faces[at] == NO_PRIMITIVE && reach.touches(x, y) {
                             faces[at] = face;
                             coverage[at] = Coverage::Touched;
                         }
@@ -212,7 +219,7 @@ impl Atlas {
     /// Texels of each face.
     fn owned(&self, faces: usize) -> Vec<u32> {
         let mut owned = alloc::vec![0u32; faces];
-        for &face in self.face.iter().filter(|f| **f != NONE) {
+        for &face in self.face.iter().filter(|f| **f != NO_PRIMITIVE) {
             owned[face as usize] += 1;
         }
         owned
@@ -230,11 +237,11 @@ impl Atlas {
                 .flat_map(|y| reach.x.clone().map(move |x| (x, y)));
             let spare = texels.into_iter().find(|&(x, y)| {
                 let holder = self.face[self.place(x, y)];
-                (holder == NONE || owned[holder as usize] > 1) && reach.touches(x, y)
+                (holder == NO_PRIMITIVE || owned[holder as usize] > 1) && reach.touches(x, y)
             });
             if let Some((x, y)) = spare {
                 let at = self.place(x, y);
-                if self.face[at] != NONE {
+                if self.face[at] != NO_PRIMITIVE {
                     owned[self.face[at] as usize] -= 1;
                 }
                 self.face[at] = face;
@@ -315,10 +322,11 @@ impl Atlas {
 
     /// For a free texel a taken one beside it.
     fn neighbour(&self, to: usize) -> Option<usize> {
-        if self.face[to] != NONE {
+        if self.face[to] != NO_PRIMITIVE {
             return None;
         }
-        self.around(to).find(|&from| self.face[from] != NONE)
+        self.around(to)
+            .find(|&from| self.face[from] != NO_PRIMITIVE)
     }
 
     /// The texels around one; sides before corners, so that the nearer neighbour wins.
@@ -357,8 +365,13 @@ impl Values<'_> {
     fn fill(self, corners: &Corners<'_, '_>, width: usize) {
         let mesh = corners.mesh;
         // Neighbours mostly have one face.
-        let (mut last, mut place) = (NONE, [[0.0; 2]; 3]);
-        for (at, &face) in self.faces.iter().enumerate().filter(|(_, f)| **f != NONE) {
+        let (mut last, mut place) = (NO_PRIMITIVE, [[0.0; 2]; 3]);
+        for (at, &face) in self
+            .faces
+            .iter()
+            .enumerate()
+            .filter(|(_, f)| **f != NO_PRIMITIVE)
+        {
             if face != last {
                 (last, place) = (face, corners.of(face));
             }

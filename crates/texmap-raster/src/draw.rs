@@ -9,7 +9,7 @@ use crate::RasterError;
 pub const MAX_ATTRIBUTES: usize = 16;
 
 /// Most parts a side for [`Interp::Subdivided`].
-pub const MAX_PARTS: u32 = 256;
+pub const MAX_SUBDIVISIONS: u32 = 256;
 
 /// Size of a target in pixels, each side in 1..=[`TargetSize::MAX`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -59,13 +59,13 @@ pub enum Interp {
     /// `max |error| = |du| |sqrt(r) - 1| / (sqrt(r) + 1)`, r the ratio of w at the vertices.
     Affine,
     /// Each triangle split into n x n in space before clipping, affine within the parts. Parts of a
-    /// side are the same in both triangles that share it, so no T-joint is made. 1..=[`MAX_PARTS`].
+    /// side are the same in both triangles that share it, so no T-joint is made. 1..=[`MAX_SUBDIVISIONS`].
     Subdivided(u32),
     /// Exact at every n-th pixel of the triangle's row and at the row's last pixel, linear between
     /// (the runs of Brackeen 2003, chapter 8, but never evaluated outside the triangle).
     Span(u32),
     /// Linear between nodes that lie so that no pixel of the first two attributes is off by more than this,
-    /// in attribute units divided by [`Draw::interp_scale`]. The nodes come from the closed form: a span from w = a to
+    /// in attribute units divided by [`DrawCall::interp_scale`]. The nodes come from the closed form: a span from w = a to
     /// w = b (w here 1/z) is off by at most `K (a^-1/2 - b^-1/2)^2`, K constant along a row.
     WithinError(f32),
 }
@@ -110,7 +110,7 @@ pub enum Pass {
 ///
 /// Clip space has z in 0..w, reversed: z = w at the near plane and 0 at the far plane, and x, y in -w..w with y up.
 #[derive(Debug, Clone, Copy)]
-pub struct Draw<'a> {
+pub struct DrawCall<'a> {
     /// Vertex positions in object space.
     pub positions: &'a [[f32; 3]],
     /// Three vertex indices a triangle.
@@ -142,7 +142,7 @@ pub struct Draw<'a> {
     pub depth_slope: f32,
 }
 
-impl Default for Draw<'_> {
+impl Default for DrawCall<'_> {
     fn default() -> Self {
         Self {
             positions: &[],
@@ -162,7 +162,7 @@ impl Default for Draw<'_> {
     }
 }
 
-impl Draw<'_> {
+impl DrawCall<'_> {
     pub(crate) fn check(&self, draw: usize) -> Result<(), RasterError> {
         let vertices = self.positions.len();
         if self.attribute_count > MAX_ATTRIBUTES {
@@ -180,7 +180,7 @@ impl Draw<'_> {
             });
         }
         match self.interp {
-            Interp::Subdivided(parts) if parts == 0 || parts > MAX_PARTS => {
+            Interp::Subdivided(parts) if parts == 0 || parts > MAX_SUBDIVISIONS => {
                 return Err(RasterError::Parts { draw, parts });
             }
             Interp::Span(0) => return Err(RasterError::ZeroSpan { draw }),

@@ -48,7 +48,7 @@ pub enum RasterError {
         /// The count found.
         count: usize,
     },
-    /// `Interp::Subdivided(n)` with n outside 1..=[`MAX_PARTS`](crate::MAX_PARTS).
+    /// `Interp::Subdivided(n)` with n outside 1..=[`MAX_SUBDIVISIONS`](crate::MAX_SUBDIVISIONS).
     Parts {
         /// Position of the draw in the list.
         draw: usize,
@@ -126,7 +126,7 @@ impl fmt::Display for RasterError {
             Self::Parts { draw, parts } => write!(
                 f,
                 "draw {draw}: cannot subdivide into {parts} parts a side; use 1 to {}",
-                crate::MAX_PARTS
+                crate::MAX_SUBDIVISIONS
             ),
             Self::ZeroSpan { draw } => write!(f, "draw {draw}: a span of 0 pixels; use at least 1"),
             Self::Tolerance {

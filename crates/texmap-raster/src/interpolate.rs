@@ -6,10 +6,10 @@ use texmap_math::{Level, dispatch_simd};
 
 use crate::coverage::stamp::{BLOCK_PIXELS, BLOCKS, block_lanes};
 use crate::setup::TILE;
-use crate::setup::plane_table::TilePlanes;
+use crate::setup::plane_table::AttributePlanes;
 use crate::setup::planes::{COEFFICIENTS, RowPlane};
-use crate::visibility::blocks::TileBlocks;
-use crate::visibility::visible::NONE;
+use crate::visibility::blocks::TileVisibility;
+use crate::visibility::visible::NO_PRIMITIVE;
 
 mod f64_fallback;
 mod planes;
@@ -25,74 +25,74 @@ pub use values::{BlockSink, BlockValues};
 const ROW: u16 = BLOCKS as u16;
 
 /// Pixels a run holds at most.
-pub const RUN: usize = 256;
+pub const BATCH_PIXELS: usize = 256;
 
 /// Room of a run's arrays: their distance in memory is no multiple of 4096 bytes, or stores to one would stall loads of another.
-pub const RUN_ROOM: usize = RUN + 16;
+pub const BATCH_STRIDE: usize = BATCH_PIXELS + 16;
 
 /// One block of a run: which 4x4 block of the tile and which of its pixels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct RunBlock {
+pub struct FragmentBlock {
     /// Block, row by row in the tile.
     pub block: u16,
     /// Bit per pixel, row by row in the block.
     pub mask: u16,
-    /// The slot of all pixels, or [`NONE`]: each pixel's own, as the tile's blocks have it.
+    /// The slot of all pixels, or [`NO_PRIMITIVE`]: each pixel's own, as the tile's blocks have it.
     pub slot: u32,
 }
 
 /// Attributes over a run of up to sixteen blocks: sixteen pixels a block, in the order of the run.
 #[derive(Debug, Clone, PartialEq)]
-pub struct RunValues {
+pub struct Varyings {
     /// 1 / clip w.
-    pub inv_w: [f32; RUN_ROOM],
+    pub inv_w: [f32; BATCH_STRIDE],
     /// What was asked for, in that order.
-    pub columns: Vec<Column>,
+    pub varyings: Vec<Varying>,
 }
 
 /// One attribute over a run.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Column {
+pub struct Varying {
     /// Values.
-    pub value: [f32; RUN_ROOM],
+    pub value: [f32; BATCH_STRIDE],
     /// Change per pixel to the right.
-    pub ddx: [f32; RUN_ROOM],
+    pub ddx: [f32; BATCH_STRIDE],
     /// Change per pixel down.
-    pub ddy: [f32; RUN_ROOM],
+    pub ddy: [f32; BATCH_STRIDE],
 }
 
-impl Default for RunValues {
+impl Default for Varyings {
     fn default() -> Self {
         Self {
-            inv_w: [0.0; RUN_ROOM],
-            columns: Vec::new(),
+            inv_w: [0.0; BATCH_STRIDE],
+            varyings: Vec::new(),
         }
     }
 }
 
-impl Column {
+impl Varying {
     /// Nothing but zeros.
     pub const ZERO: Self = Self {
-        value: [0.0; RUN_ROOM],
-        ddx: [0.0; RUN_ROOM],
-        ddy: [0.0; RUN_ROOM],
+        value: [0.0; BATCH_STRIDE],
+        ddx: [0.0; BATCH_STRIDE],
+        ddy: [0.0; BATCH_STRIDE],
     };
 }
 
-impl TilePlanes {
+impl AttributePlanes {
     /// Attributes `wanted` over up to sixteen blocks; pixels outside the masks hold no meaning. The bits are those of
-    /// [`Prepared::evaluate`](crate::Prepared::evaluate), at every level. Without `derivatives` these hold no meaning either.
+    /// [`BinnedDraws::evaluate`](crate::BinnedDraws::evaluate), at every level. Without `derivatives` these hold no meaning either.
     pub fn values(
         &self,
         level: Level,
-        blocks: &TileBlocks,
-        run: &[RunBlock],
+        blocks: &TileVisibility,
+        run: &[FragmentBlock],
         wanted: &[usize],
         derivatives: bool,
-        out: &mut RunValues,
+        out: &mut Varyings,
     ) {
-        if out.columns.len() < wanted.len() {
-            out.columns.resize(wanted.len(), Column::ZERO);
+        if out.varyings.len() < wanted.len() {
+            out.varyings.resize(wanted.len(), Varying::ZERO);
         }
         dispatch_simd!(level, wide i => if derivatives {
             self.each_column::<_, true>(i, blocks, run, wanted, 0, out);
@@ -107,11 +107,11 @@ impl TilePlanes {
     pub fn each_column<I: Isa, const D: bool>(
         &self,
         i: I,
-        blocks: &TileBlocks,
-        run: &[RunBlock],
+        blocks: &TileVisibility,
+        run: &[FragmentBlock],
         wanted: &[usize],
         first: usize,
-        out: &mut RunValues,
+        out: &mut Varyings,
     ) {
         i.vectorize(
             #[inline(always)]
@@ -123,23 +123,23 @@ impl TilePlanes {
     fn columns_lanes<I: Isa, const D: bool>(
         &self,
         i: I,
-        blocks: &TileBlocks,
-        run: &[RunBlock],
+        blocks: &TileVisibility,
+        run: &[FragmentBlock],
         wanted: &[usize],
         first: usize,
-        out: &mut RunValues,
+        out: &mut Varyings,
     ) {
         let Some(words) = GatherTable::new(bytemuck::cast_slice(&self.words)) else {
             return;
         };
-        let columns = out.columns.get_mut(first..);
+        let columns = out.varyings.get_mut(first..);
         let Some(columns) = columns.and_then(|columns| columns.get_mut(..wanted.len())) else {
             return;
         };
         let inv_w = &mut out.inv_w;
         let mut out = Columns { inv_w, columns };
-        let (mut shared, mut shared_slot) = (One::NONE, NONE);
-        for (k, &block) in run.iter().enumerate().take(RUN / BLOCK_PIXELS) {
+        let (mut shared, mut shared_slot) = (One::NONE, NO_PRIMITIVE);
+        for (k, &block) in run.iter().enumerate().take(BATCH_PIXELS / BLOCK_PIXELS) {
             for at in (0..BLOCK_PIXELS).step_by(I::LANES) {
                 let part = Part { block, at };
                 if part.mask(i) == 0 {
@@ -156,7 +156,7 @@ impl TilePlanes {
                     let own = Own::new(i, self, words, slots.each);
                     out.put::<I, _, D>(i, place, &own, centres, wanted);
                 }
-                if !self.is_plain() {
+                if !self.is_branch_free() {
                     self.mend_columns::<I, D>(i, (place, part), &slots, wanted, &mut out);
                 }
             }
@@ -169,15 +169,15 @@ impl TilePlanes {
     pub fn each_block<I: Isa, const D: bool, K: BlockSink<I>>(
         &self,
         i: I,
-        blocks: &TileBlocks,
-        run: &[RunBlock],
+        blocks: &TileVisibility,
+        run: &[FragmentBlock],
         wanted: [usize; 2],
         sink: &mut K,
     ) {
         let Some(words) = GatherTable::new(bytemuck::cast_slice(&self.words)) else {
             return;
         };
-        let (mut shared, mut shared_slot) = (OnePair::NONE, NONE);
+        let (mut shared, mut shared_slot) = (OnePair::NONE, NO_PRIMITIVE);
         for (k, &block) in run.iter().enumerate() {
             for at in (0..BLOCK_PIXELS).step_by(I::LANES) {
                 let part = Part { block, at };
@@ -198,7 +198,7 @@ impl TilePlanes {
                     let planes = three_planes(i, self, words, slots.each, of);
                     values = pair_of::<I, D>(i, planes, centres);
                 }
-                if !self.is_plain() {
+                if !self.is_branch_free() {
                     self.mend::<I, D>(i, part, &slots, wanted, &mut values);
                 }
                 sink.pixels(i, k * BLOCK_PIXELS + at, block, &values);
@@ -206,17 +206,19 @@ impl TilePlanes {
         }
     }
 
-    /// [`each_block`](Self::each_block) for blocks that all name their slot, where the table [is plain](Self::is_plain): what the
+    /// [`each_block`](Self::each_block) for blocks that all name their slot, where the table [is plain](Self::is_branch_free): what the
     /// blocks of a row share stays in registers.
     #[inline(always)]
     pub fn each_named<I: Isa, const D: bool, K: BlockSink<I>>(
         &self,
         i: I,
-        run: &[RunBlock],
+        run: &[FragmentBlock],
         wanted: [usize; 2],
         sink: &mut K,
     ) {
-        let same = |a: &RunBlock, b: &RunBlock| (a.slot, a.block / ROW) == (b.slot, b.block / ROW);
+        let same = |a: &FragmentBlock, b: &FragmentBlock| {
+            (a.slot, a.block / ROW) == (b.slot, b.block / ROW)
+        };
         let mut first = 0;
         for blocks in run.chunk_by(same) {
             let pair = OnePair::new(self, blocks[0].slot, wanted);
@@ -239,13 +241,13 @@ impl TilePlanes {
 
     /// [`each_block`](Self::each_block) for pixels that lie anywhere in the tile: block k of `run` is the pixels from 16 k on of
     /// `pixels`, by their places in the tile's blocks (see [`block_index`](crate::block_index)), each of its own slot. Only where
-    /// [`is_plain`](Self::is_plain).
+    /// [`is_branch_free`](Self::is_branch_free).
     #[inline(always)]
     pub fn each_sixteen<I: Isa, const D: bool, K: BlockSink<I>>(
         &self,
         i: I,
         [pixels, slots]: [&[u32]; 2],
-        run: &[RunBlock],
+        run: &[FragmentBlock],
         wanted: [usize; 2],
         sink: &mut K,
     ) {
@@ -274,19 +276,19 @@ impl TilePlanes {
 
     /// Whether f32 planes serve all slots, and all attributes are exact.
     #[must_use]
-    pub fn is_plain(&self) -> bool {
+    pub fn is_branch_free(&self) -> bool {
         self.plain
     }
 
     /// The slots of a part's pixels. Lanes outside the mask take the first pixel's.
     #[inline(always)]
-    pub(crate) fn slots_of<I: Isa>(&self, i: I, blocks: &TileBlocks, part: Part) -> Slots<I> {
+    pub(crate) fn slots_of<I: Isa>(&self, i: I, blocks: &TileVisibility, part: Part) -> Slots<I> {
         let all = |slot| Slots {
             each: i.u32(slot),
             first: slot,
             one: true,
         };
-        if part.block.slot != NONE {
+        if part.block.slot != NO_PRIMITIVE {
             return all(part.block.slot);
         }
         let start = part.block.block as usize * BLOCK_PIXELS + part.at;
@@ -309,7 +311,7 @@ impl TilePlanes {
 /// Pixels of a block from place `at` on, as many as there are lanes.
 #[derive(Clone, Copy)]
 pub(crate) struct Part {
-    pub(crate) block: RunBlock,
+    pub(crate) block: FragmentBlock,
     pub(crate) at: usize,
 }
 

@@ -13,20 +13,20 @@
 //! - A triangle with a NaN or infinite position or attribute is dropped and counted.
 //!
 //! ```
-//! use texmap_raster::{Draw, Fragment, NoAlphaTest, Prepared, TargetSize, TileBuffers, NONE};
+//! use texmap_raster::{DrawCall, Fragment, NoAlphaTest, BinnedDraws, TargetSize, VisibilityBuffer, NO_PRIMITIVE};
 //!
 //! // A triangle over the left half of an 8x8 target, at depth 0.5, with one attribute.
-//! let draw = Draw {
+//! let draw = DrawCall {
 //!     positions: &[[-1.0, -1.0, 0.5], [1.0, -1.0, 0.5], [-1.0, 1.0, 0.5]],
 //!     indices: &[[0, 1, 2]],
 //!     attributes: &[0.0, 8.0, 0.0],
 //!     attribute_count: 1,
-//!     ..Draw::default()
+//!     ..DrawCall::default()
 //! };
-//! let prepared = Prepared::new(TargetSize::new(8, 8)?, &[draw])?;
-//! let mut buffers = TileBuffers::new();
+//! let prepared = BinnedDraws::new(TargetSize::new(8, 8)?, &[draw])?;
+//! let mut buffers = VisibilityBuffer::new();
 //! prepared.visible(0, &NoAlphaTest, &mut buffers);
-//! assert_eq!(buffers.id.iter().filter(|&&id| id != NONE).count(), 28);
+//! assert_eq!(buffers.id.iter().filter(|&&id| id != NO_PRIMITIVE).count(), 28);
 //!
 //! let mut fragment = Fragment::default();
 //! prepared.evaluate(buffers.id[7 * 64 + 2], 2, 7, &mut fragment);
@@ -50,13 +50,17 @@ mod visibility;
 pub use atlas::{Atlas, AtlasMesh, AtlasOptions, Coverage};
 pub use coverage::edge::SUBPIXEL_BITS;
 pub use coverage::stamp::block_index;
-pub use draw::{Cull, DepthTest, Draw, Interp, MAX_ATTRIBUTES, MAX_PARTS, Pass, Stats, TargetSize};
+pub use draw::{
+    Cull, DepthTest, DrawCall, Interp, MAX_ATTRIBUTES, MAX_SUBDIVISIONS, Pass, Stats, TargetSize,
+};
 pub use error::RasterError;
-pub use front_end::prepared::{Prepared, Tile};
-pub use interpolate::{BlockSink, BlockValues, Column, RUN, RUN_ROOM, RunBlock, RunValues};
-pub use setup::plane_table::TilePlanes;
+pub use front_end::prepared::{BinnedDraws, Tile};
+pub use interpolate::{
+    BATCH_PIXELS, BATCH_STRIDE, BlockSink, BlockValues, FragmentBlock, Varying, Varyings,
+};
+pub use setup::plane_table::AttributePlanes;
 pub use setup::{Fragment, TILE, TriangleSetup};
-pub use visibility::blocks::{SAMPLES_4, SampleSetup, TileBlocks};
+pub use visibility::blocks::{SAMPLES_4, SampleSetup, TileVisibility};
 pub use visibility::depth_only::DepthStrip;
 pub use visibility::fragments::{VisibleFragment, triangles};
-pub use visibility::visible::{AlphaTest, NONE, NoAlphaTest, TileBuffers, UvBlock};
+pub use visibility::visible::{AlphaTest, NO_PRIMITIVE, NoAlphaTest, UvBlock, VisibilityBuffer};

@@ -12,7 +12,7 @@ use texmap_scene::SceneError;
 
 use texmap_light::Light;
 use texmap_math::glam::DMat4;
-use texmap_raster::{AlphaTest, Draw, Fragment, UvBlock};
+use texmap_raster::{AlphaTest, DrawCall, Fragment, UvBlock};
 use texmap_sample::Origin;
 
 use crate::ready::Ready;
@@ -109,10 +109,10 @@ impl<'s> Plan<'s> {
         })
     }
 
-    pub(crate) fn draws(&self, scene: &Scene) -> Vec<Draw<'_>> {
+    pub(crate) fn draws(&self, scene: &Scene) -> Vec<DrawCall<'_>> {
         self.surfaces
             .iter()
-            .map(|s| Draw {
+            .map(|s| DrawCall {
                 positions: &s.vertices.positions,
                 indices: &s.vertices.triangles,
                 clip_from_object: s.clip_from_object,

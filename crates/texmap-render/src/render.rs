@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use rayon::prelude::*;
-use texmap_raster::{Draw, Prepared, SAMPLES_4, TILE, TargetSize};
+use texmap_raster::{BinnedDraws, DrawCall, SAMPLES_4, TILE, TargetSize};
 
 use crate::plan::Plan;
 use crate::ready::Ready;
@@ -225,16 +225,16 @@ impl<'s> Renderer<'s> {
     fn prepare<'p>(
         &self,
         (width, height): (u32, u32),
-        draws: &[Draw<'p>],
+        draws: &[DrawCall<'p>],
         multisampled: bool,
-    ) -> Result<Prepared<'p>, RenderError> {
+    ) -> Result<BinnedDraws<'p>, RenderError> {
         let level = self.settings.level;
         let threads = rayon::current_num_threads();
         let prepared = TargetSize::new(width, height).and_then(|size| {
             if multisampled {
-                Prepared::with_samples(size, draws, level, threads)
+                BinnedDraws::with_samples(size, draws, level, threads)
             } else {
-                Prepared::with_level(size, draws, level, threads)
+                BinnedDraws::with_level(size, draws, level, threads)
             }
         });
         prepared.map_err(|error| RenderError::of_raster(self.scene, error))
@@ -393,7 +393,7 @@ fn empty_frame(settings: &Settings) -> Frame {
     }
 }
 
-fn count(stats: &mut Stats, prepared: &Prepared<'_>, covered: u64) {
+fn count(stats: &mut Stats, prepared: &BinnedDraws<'_>, covered: u64) {
     let raster = prepared.stats();
     stats.triangles_submitted = raster.submitted as u64;
     stats.triangles_drawn = raster.binned as u64;

@@ -9,7 +9,7 @@ use texmap_scene::SceneError;
 
 use texmap_light::{Reached, ShadowBias, ShadowBounds, ShadowKind, ShadowMap, StripBounds};
 use texmap_math::{Level, MemoryBudget};
-use texmap_raster::{AlphaTest, DepthTest, Draw, Pass, Prepared, TILE, TargetSize};
+use texmap_raster::{AlphaTest, BinnedDraws, DepthTest, DrawCall, Pass, TILE, TargetSize};
 
 use crate::RenderError;
 use crate::ready::reserve_map;
@@ -68,14 +68,14 @@ pub(crate) fn shadow_map_in(
     let mut bounds = Vec::new();
     let (strips, good) = (Mutex::new(Vec::new()), AtomicBool::new(true));
     for view in views(scene, kind) {
-        let draws: Vec<Draw<'_>> = scene
+        let draws: Vec<DrawCall<'_>> = scene
             .meshes
             .iter()
             .enumerate()
             .map(|(i, mesh)| {
                 let holes = cuts.as_ref().and_then(|cuts| cuts.attributes(i));
                 let (attributes, attribute_count) = holes.unwrap_or_default();
-                Draw {
+                DrawCall {
                     positions: &mesh.positions,
                     indices: &mesh.triangles,
                     clip_from_object: view.clip_from_world * mesh.world_from_object,
@@ -90,11 +90,11 @@ pub(crate) fn shadow_map_in(
                         _ if holes.is_some() => Pass::CutOut,
                         _ => Pass::Opaque,
                     },
-                    ..Draw::default()
+                    ..DrawCall::default()
                 }
             })
             .collect();
-        let prepared = Prepared::with_level(target, &draws, Level::new(), threads)
+        let prepared = BinnedDraws::with_level(target, &draws, Level::new(), threads)
             .map_err(|error| RenderError::of_raster(scene, error))?;
         let mut map = std::mem::take(&mut room);
         let alpha = cuts.as_ref().map(|cuts| cuts as &(dyn AlphaTest + Sync));

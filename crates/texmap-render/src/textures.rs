@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 use texmap_math::Footprint;
-use texmap_raster::RunValues;
+use texmap_raster::Varyings;
 use texmap_sample::{Origin, Sampler, Texture2d, UvTransform, Wrap};
 
 use crate::{RenderError, Settings};
@@ -73,25 +73,25 @@ impl Slot<'_> {
     /// Columns 0 and 1 of `uv` as coordinates of the slot over the first `count` places: themselves, or what is put into `room`.
     pub(crate) fn placed<'a>(
         &self,
-        uv: &'a RunValues,
+        uv: &'a Varyings,
         count: usize,
-        room: &'a mut RunValues,
-    ) -> &'a RunValues {
+        room: &'a mut Varyings,
+    ) -> &'a Varyings {
         if self.transform.is_none() {
             return uv;
         }
-        room.columns.clear();
-        room.columns.extend(uv.columns.iter().take(2).cloned());
+        room.varyings.clear();
+        room.varyings.extend(uv.varyings.iter().take(2).cloned());
         self.place_columns(room, count);
         room
     }
 
     /// [`place`](Self::place) over the first `count` places of columns 0 and 1.
-    pub(crate) fn place_columns(&self, values: &mut RunValues, count: usize) {
+    pub(crate) fn place_columns(&self, values: &mut Varyings, count: usize) {
         if self.transform.is_none() {
             return;
         }
-        let [u, v, ..] = &mut values.columns[..] else {
+        let [u, v, ..] = &mut values.varyings[..] else {
             return;
         };
         self.place_all(

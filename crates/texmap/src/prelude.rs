@@ -9,7 +9,7 @@ pub use texmap_light::{Light, Surface};
 pub use texmap_math::glam::{DMat4, DVec2, DVec3};
 pub use texmap_math::{Camera, Footprint, Homography, Level};
 #[cfg(feature = "raster")]
-pub use texmap_raster::{Draw, Prepared, TargetSize};
+pub use texmap_raster::{BinnedDraws, DrawCall, TargetSize};
 #[cfg(feature = "render")]
 pub use texmap_render::{Frame, Settings, render};
 #[cfg(feature = "sample")]

@@ -1,5 +1,5 @@
 //! The UV-space target: coverage of an atlas, its interpolated values, the conservative mode and gutters.
-use texmap_raster::{Atlas, AtlasMesh, AtlasOptions, Coverage, NONE, RasterError};
+use texmap_raster::{Atlas, AtlasMesh, AtlasOptions, Coverage, NO_PRIMITIVE, RasterError};
 
 use crate::support::{Owned, Rng, jittered_grid, size};
 
@@ -55,7 +55,7 @@ fn texels_hold_their_face_and_its_interpolated_values() {
             let at = y * 200 + x;
             let [u, v] = [(x as f32 + 0.5) / 200.0, (y as f32 + 0.5) / 150.0];
             let inside = (u - 0.5).abs() < 0.4 && (v - 0.5).abs() < 0.4;
-            assert_eq!(atlas.face[at] != NONE, inside, "texel {x}, {y}");
+            assert_eq!(atlas.face[at] != NO_PRIMITIVE, inside, "texel {x}, {y}");
             if inside {
                 covered += 1;
                 assert_eq!(atlas.coverage[at], Coverage::Centre);
@@ -122,12 +122,12 @@ fn conservative_loses_no_face() {
         let mut owners = full.face.clone();
         owners.sort_unstable();
         owners.dedup();
-        let faces = owners.iter().filter(|&&f| f != NONE).count();
+        let faces = owners.iter().filter(|&&f| f != NO_PRIMITIVE).count();
         assert_eq!(faces, sheet.mesh.indices.len(), "seed {seed}");
         for (at, &face) in full.face.iter().enumerate() {
             let b = full.barycentric[at];
             assert!(
-                face == NONE || b.iter().all(|&w| (0.0..=1.0).contains(&w)),
+                face == NO_PRIMITIVE || b.iter().all(|&w| (0.0..=1.0).contains(&w)),
                 "seed {seed}: {b:?}"
             );
         }
@@ -335,7 +335,7 @@ fn touched_texels_overlap_their_face_and_free_ones_none() {
     let mut touched = 0;
     for (at, &face) in atlas.face.iter().enumerate() {
         let (x, y) = (at % 33, at / 33);
-        if face == NONE {
+        if face == NO_PRIMITIVE {
             let most = (0..sheet.mesh.indices.len())
                 .map(|f| overlap(f, x, y))
                 .fold(0.0, f64::max);

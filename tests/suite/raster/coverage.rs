@@ -1,7 +1,7 @@
 //! Each pixel of a shared-edge mesh is hit exactly once (R1 to R4, R7).
 use texmap_math::deterministic_f64::sin_cos;
 use texmap_math::glam::{DMat4, DVec3};
-use texmap_raster::{Draw, Interp, reference};
+use texmap_raster::{DrawCall, Interp, reference};
 
 use crate::support::{Owned, Rng, free_w, hits, jittered_grid, size};
 
@@ -235,7 +235,7 @@ fn r7_subdivision_makes_no_t_joint() {
         }
         with_random_w(&mut mesh, &mut rng);
         for parts in [1, 2, 3, 5, 7] {
-            let draw = Draw {
+            let draw = DrawCall {
                 interp: Interp::Subdivided(parts),
                 ..mesh.draw(free_w(0.01))
             };

@@ -1,6 +1,6 @@
 //! The depth-only pass is the depth of visibility, at every level and thread count.
 use texmap_math::Level;
-use texmap_raster::{Draw, NoAlphaTest, Pass, Prepared, TargetSize, TileBuffers};
+use texmap_raster::{BinnedDraws, DrawCall, NoAlphaTest, Pass, TargetSize, VisibilityBuffer};
 use texmap_tests::levels::levels;
 
 use crate::levels::RandomScene;
@@ -13,16 +13,17 @@ fn depth_map_is_the_depth_of_visibility() {
         let draws: Vec<_> = scene
             .draws()
             .into_iter()
-            .map(|d| Draw {
+            .map(|d| DrawCall {
                 pass: Pass::Opaque,
                 depth_write: true,
                 ..d
             })
             .collect();
-        let one = Prepared::with_level(scene.target, &draws, Level::fallback(), 1).expect("valid");
+        let one =
+            BinnedDraws::with_level(scene.target, &draws, Level::fallback(), 1).expect("valid");
         let width = scene.target.width();
         let mut expected = vec![0.0_f32; (width * scene.target.height()) as usize];
-        let mut buffers = TileBuffers::new();
+        let mut buffers = VisibilityBuffer::new();
         for index in 0..one.tiles() {
             let tile = one.tile(index);
             one.visible(index, &NoAlphaTest, &mut buffers);
@@ -35,7 +36,7 @@ fn depth_map_is_the_depth_of_visibility() {
         }
         seen += expected.iter().filter(|&&d| d > 0.0).count();
         for (name, level) in levels() {
-            let fast = Prepared::with_level(scene.target, &draws, level, 1).expect("valid");
+            let fast = BinnedDraws::with_level(scene.target, &draws, level, 1).expect("valid");
             // What an earlier map left behind does not show.
             let mut map = vec![0.5; 777];
             fast.depth_map_into(1 + seed as usize % 3, &mut map);
@@ -57,15 +58,15 @@ fn depth_slope_moves_each_plane_by_its_own_slope() {
     // Depth .5 + .2 x + .1 y over the target, in pixels of 1/32.
     let at = |x: f32, y: f32| [x, y, 0.5 + 0.2 * x + 0.1 * y];
     let positions = [at(-1.0, -1.0), at(1.0, -1.0), at(1.0, 1.0), at(-1.0, 1.0)];
-    let draw = |depth_slope| Draw {
+    let draw = |depth_slope| DrawCall {
         positions: &positions,
         indices: &[[0, 1, 2], [0, 2, 3]],
         depth_slope,
-        ..Draw::default()
+        ..DrawCall::default()
     };
     let size = TargetSize::new(64, 64).unwrap();
     let map = |slope| {
-        Prepared::with_level(size, &[draw(slope)], Level::fallback(), 1)
+        BinnedDraws::with_level(size, &[draw(slope)], Level::fallback(), 1)
             .unwrap()
             .depth_map(1)
     };
@@ -77,17 +78,18 @@ fn depth_slope_moves_each_plane_by_its_own_slope() {
     assert!(map(40.0).contains(&0.0), "beyond the far plane");
     for seed in 0..40 {
         let scene = RandomScene::new(seed);
-        let opaque = |d| Draw {
+        let opaque = |d| DrawCall {
             pass: Pass::Opaque,
             depth_write: true,
             depth_slope: 2.5,
             ..d
         };
         let draws: Vec<_> = scene.draws().into_iter().map(opaque).collect();
-        let one = Prepared::with_level(scene.target, &draws, Level::fallback(), 1).expect("valid");
+        let one =
+            BinnedDraws::with_level(scene.target, &draws, Level::fallback(), 1).expect("valid");
         let expected = one.depth_map(1);
         for (name, level) in levels() {
-            let fast = Prepared::with_level(scene.target, &draws, level, 1).expect("valid");
+            let fast = BinnedDraws::with_level(scene.target, &draws, level, 1).expect("valid");
             let same = fast.depth_map(1);
             let mut pairs = expected.iter().zip(&same);
             assert!(

@@ -1,6 +1,6 @@
 //! Visible fragments by a closure: those of the visibility buffer, then the blended ones in front of them.
 use texmap_math::glam::DMat4;
-use texmap_raster::{Draw, NoAlphaTest, Pass, Prepared, RasterError, triangles};
+use texmap_raster::{BinnedDraws, DrawCall, NoAlphaTest, Pass, RasterError, triangles};
 
 use crate::support::{Rng, fragments, jittered_grid, size};
 
@@ -9,16 +9,16 @@ fn a_closure_sees_what_the_visibility_buffer_holds() {
     let mesh = jittered_grid(&mut Rng::new(7), 9).with_uv(|[x, y, _]| [x, y]);
     let draws = [
         mesh.draw(DMat4::IDENTITY),
-        Draw {
+        DrawCall {
             pass: Pass::Blended,
             ..mesh.draw(DMat4::from_translation([0.5, 0.0, 0.25].into()))
         },
-        Draw {
+        DrawCall {
             pass: Pass::Blended,
             ..mesh.draw(DMat4::from_translation([0.5, 0.0, -0.25].into()))
         },
     ];
-    let prepared = Prepared::new(size(150, 70), &draws).expect("valid draws");
+    let prepared = BinnedDraws::new(size(150, 70), &draws).expect("valid draws");
     let mut want = Vec::new();
     fragments(&prepared, |triangle, x, y, f| {
         want.push((

@@ -1,7 +1,7 @@
 //! Planes that cross the eye plane, of 200 to 1e6 units (R6, I5): coverage and uv against the analytic homography.
 use texmap_math::Camera;
 use texmap_math::glam::DVec3;
-use texmap_raster::{Draw, Interp, Prepared};
+use texmap_raster::{BinnedDraws, DrawCall, Interp};
 
 use crate::support::{Owned, fragments, hits, size};
 
@@ -51,9 +51,9 @@ fn worst_error(half: f32, interp: Interp) -> f64 {
     let matrix = camera()
         .clip_from_world(f64::from(WIDTH) / f64::from(HEIGHT))
         .expect("a camera");
-    let prepared = Prepared::new(
+    let prepared = BinnedDraws::new(
         size(WIDTH, HEIGHT),
-        &[Draw {
+        &[DrawCall {
             interp,
             ..mesh.draw(matrix)
         }],

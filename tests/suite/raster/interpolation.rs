@@ -1,7 +1,7 @@
 //! Perspective interpolation against the closed forms and the f64 reference (I1, I4, I6, R8).
 use texmap_math::affine_error;
 use texmap_math::glam::{DMat4, DVec3};
-use texmap_raster::{Draw, Interp, NoAlphaTest, Prepared, TileBuffers, reference};
+use texmap_raster::{BinnedDraws, DrawCall, Interp, NoAlphaTest, VisibilityBuffer, reference};
 
 use crate::support::{Owned, Rng, fragments, free_w, size};
 
@@ -25,12 +25,12 @@ pub(crate) fn ratio_quad(ratio: f64) -> Owned {
 pub(crate) fn worst_u(mesh: &Owned, interp: Interp, width: u32, height: u32, scale: f32) -> f64 {
     let target = size(width, height);
     let matrix = free_w(0.01);
-    let draw = Draw {
+    let draw = DrawCall {
         interp,
         interp_scale: scale,
         ..mesh.draw(matrix)
     };
-    let prepared = Prepared::new(target, &[draw]).expect("valid");
+    let prepared = BinnedDraws::new(target, &[draw]).expect("valid");
     let mut worst = 0.0_f64;
     let mut pixels = 0;
     fragments(&prepared, |triangle, x, y, f| {
@@ -91,7 +91,7 @@ fn conformance_quad() {
         mesh.attributes = vec![lo, hi, hi, lo];
         mesh.attribute_count = 1;
         let matrix = free_w(0.01);
-        let prepared = Prepared::new(target, &[mesh.draw(matrix)]).expect("valid");
+        let prepared = BinnedDraws::new(target, &[mesh.draw(matrix)]).expect("valid");
         let range = f64::from(hi) - f64::from(lo);
         let mut count = 0;
         fragments(&prepared, |triangle, x, y, f| {
@@ -139,7 +139,7 @@ fn i4_vertex_close_to_the_eye() {
             attribute_count: 1,
         };
         let matrix = free_w(1e-7);
-        let prepared = Prepared::new(target, &[mesh.draw(matrix)]).expect("valid");
+        let prepared = BinnedDraws::new(target, &[mesh.draw(matrix)]).expect("valid");
         let mut worst = 0.0_f64;
         fragments(&prepared, |_, x, y, f| {
             let clip = mesh.clip(matrix, 0);
@@ -184,7 +184,7 @@ fn i6_extreme_and_constant_attributes() {
                 attribute_count: 1,
             };
             let matrix = free_w(1e-6);
-            let prepared = Prepared::new(target, &[mesh.draw(matrix)]).expect("valid");
+            let prepared = BinnedDraws::new(target, &[mesh.draw(matrix)]).expect("valid");
             let (lo, hi) = values.iter().fold((values[0], values[0]), |(lo, hi), &v| {
                 (lo.min(v), hi.max(v))
             });
@@ -234,7 +234,7 @@ fn values_stay_in_the_hull_and_near_the_reference() {
             mesh.attributes.push(rng.range(-500.0, 500.0) as f32);
         }
         let matrix = free_w(0.001);
-        let prepared = Prepared::new(target, &[mesh.draw(matrix)]).expect("valid");
+        let prepared = BinnedDraws::new(target, &[mesh.draw(matrix)]).expect("valid");
         let clip = mesh.clip(matrix, 0);
         let values = [0, 1, 2].map(|i| f64::from(mesh.attributes[i]));
         let (lo, hi) = (
@@ -293,9 +293,9 @@ fn r8_coplanar_depth() {
     let turned = mesh(vec![[1, 2, 0], [2, 3, 0]]);
     let other = mesh(vec![[0, 1, 3], [1, 2, 3]]);
     let depth = |mesh: &Owned| {
-        let prepared = Prepared::new(target, &[mesh.draw(matrix)]).expect("valid");
+        let prepared = BinnedDraws::new(target, &[mesh.draw(matrix)]).expect("valid");
         let mut all = Vec::new();
-        let mut buffers = TileBuffers::new();
+        let mut buffers = VisibilityBuffer::new();
         for tile in 0..prepared.tiles() {
             prepared.visible(tile, &NoAlphaTest, &mut buffers);
             all.extend_from_slice(&buffers.depth);
@@ -338,7 +338,7 @@ fn attributes_come_from_unsnapped_vertices() {
         attributes: vec![0.0, 1024.0, 0.0],
         attribute_count: 1,
     };
-    let prepared = Prepared::new(target, &[mesh.draw(DMat4::IDENTITY)]).expect("valid");
+    let prepared = BinnedDraws::new(target, &[mesh.draw(DMat4::IDENTITY)]).expect("valid");
     let clip = mesh.clip(DMat4::IDENTITY, 0);
     let mut count = 0;
     fragments(&prepared, |_, x, y, f| {

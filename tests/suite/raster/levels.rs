@@ -3,9 +3,9 @@ use texmap_math::glam::DMat4;
 use texmap_math::simd::{Isa, prelude::*};
 use texmap_math::{Level, dispatch_simd};
 use texmap_raster::{
-    AlphaTest, BlockSink, BlockValues, Column, Cull, DepthTest, Draw, Fragment, Interp, NONE,
-    NoAlphaTest, Pass, Prepared, RunBlock, RunValues, SAMPLES_4, SampleSetup, TargetSize,
-    TileBlocks, TileBuffers, TilePlanes, UvBlock,
+    AlphaTest, AttributePlanes, BinnedDraws, BlockSink, BlockValues, Cull, DepthTest, DrawCall,
+    Fragment, FragmentBlock, Interp, NO_PRIMITIVE, NoAlphaTest, Pass, SAMPLES_4, SampleSetup,
+    TargetSize, TileVisibility, UvBlock, Varying, Varyings, VisibilityBuffer,
 };
 use texmap_tests::levels::levels;
 
@@ -14,7 +14,7 @@ use crate::support::{Owned, Rng, free_w, jittered_grid, size};
 /// A random scene of a few draws: meshes of many sizes, some behind the eye, some far outside, with every state.
 pub(crate) struct RandomScene {
     meshes: Vec<Owned>,
-    states: Vec<Draw<'static>>,
+    states: Vec<DrawCall<'static>>,
     pub(crate) target: TargetSize,
 }
 
@@ -59,7 +59,7 @@ impl RandomScene {
                 }
             }
             let pick = |rng: &mut Rng, n: u32| rng.bits() % n;
-            states.push(Draw {
+            states.push(DrawCall {
                 clip_from_object: free_w(rng.log_range(1e-4, 0.3)),
                 cull: [Cull::None, Cull::Back, Cull::Front][pick(&mut rng, 3) as usize],
                 depth_test: [DepthTest::Less, DepthTest::LessOrEqual, DepthTest::Always]
@@ -75,7 +75,7 @@ impl RandomScene {
                     _ => Interp::Perspective,
                 },
                 screen_linear: u32::from(pick(&mut rng, 4) == 0),
-                ..Draw::default()
+                ..DrawCall::default()
             });
             meshes.push(mesh);
         }
@@ -86,13 +86,13 @@ impl RandomScene {
         }
     }
 
-    pub(crate) fn draws(&self) -> Vec<Draw<'_>> {
+    pub(crate) fn draws(&self) -> Vec<DrawCall<'_>> {
         self.meshes
             .iter()
             .zip(&self.states)
             .map(|(mesh, state)| {
                 let own = mesh.draw(DMat4::IDENTITY);
-                Draw {
+                DrawCall {
                     positions: own.positions,
                     indices: own.indices,
                     attributes: own.attributes,
@@ -105,9 +105,9 @@ impl RandomScene {
 }
 
 /// Everything that can be seen of a scene, as bits.
-fn picture(prepared: &Prepared<'_>) -> Vec<u32> {
+fn picture(prepared: &BinnedDraws<'_>) -> Vec<u32> {
     let mut out = Vec::new();
-    let mut buffers = TileBuffers::new();
+    let mut buffers = VisibilityBuffer::new();
     let mut fragment = Fragment::default();
     for index in 0..prepared.tiles() {
         let tile = prepared.tile(index);
@@ -115,7 +115,7 @@ fn picture(prepared: &Prepared<'_>) -> Vec<u32> {
         out.extend(buffers.depth.iter().map(|d| d.to_bits()));
         out.extend(&buffers.id);
         for (slot, &id) in buffers.id.iter().enumerate() {
-            if id != NONE && slot % 7 == 0 {
+            if id != NO_PRIMITIVE && slot % 7 == 0 {
                 let (x, y) = (tile.x0 + slot as u32 % 64, tile.y0 + slot as u32 / 64);
                 prepared.evaluate(id, x, y, &mut fragment);
                 out.extend(
@@ -143,13 +143,15 @@ fn every_level_and_thread_count_gives_the_bits_of_one_lane() {
                 }
             }
         }
-        let one = Prepared::with_level(scene.target, &draws, Level::fallback(), 1).expect("valid");
+        let one =
+            BinnedDraws::with_level(scene.target, &draws, Level::fallback(), 1).expect("valid");
         let expected = picture(&one);
         seen += one.stats().binned;
         clipped += one.stats().clipped;
         for (name, level) in levels() {
             let threads = 1 + seed as usize % 3;
-            let fast = Prepared::with_level(scene.target, &draws, level, threads).expect("valid");
+            let fast =
+                BinnedDraws::with_level(scene.target, &draws, level, threads).expect("valid");
             assert_eq!(fast.stats(), one.stats(), "seed {seed}, {name}");
             assert!(
                 picture(&fast) == expected,
@@ -182,20 +184,21 @@ fn what_a_wall_hides_is_hidden_in_one_lane() {
         // Before what may pass without a test, and after it.
         draws.insert(0, wall);
         draws.insert(2, wall);
-        let one = Prepared::with_level(scene.target, &draws, Level::fallback(), 1).expect("valid");
+        let one =
+            BinnedDraws::with_level(scene.target, &draws, Level::fallback(), 1).expect("valid");
         let expected = picture(&one);
-        let mut buffers = TileBuffers::new();
+        let mut buffers = VisibilityBuffer::new();
         for tile in 0..one.tiles() {
             one.visible(tile, &NoAlphaTest, &mut buffers);
             walled += buffers.id.iter().filter(|id| **id == 0).count();
             before += buffers
                 .id
                 .iter()
-                .filter(|id| **id != 0 && **id != NONE)
+                .filter(|id| **id != 0 && **id != NO_PRIMITIVE)
                 .count();
         }
         for (name, level) in levels() {
-            let fast = Prepared::with_level(scene.target, &draws, level, 1).expect("valid");
+            let fast = BinnedDraws::with_level(scene.target, &draws, level, 1).expect("valid");
             assert!(
                 picture(&fast) == expected,
                 "seed {seed}, {name}: other bits"
@@ -241,19 +244,25 @@ fn cut_outs_by_blocks_are_those_by_fragments() {
         for draw in &mut draws {
             draw.pass = Pass::CutOut;
         }
-        let one = Prepared::with_level(scene.target, &draws, Level::fallback(), 1).expect("valid");
-        let (mut expected, mut found) = (TileBlocks::new(), TileBlocks::new());
+        let one =
+            BinnedDraws::with_level(scene.target, &draws, Level::fallback(), 1).expect("valid");
+        let (mut expected, mut found) = (TileVisibility::new(), TileVisibility::new());
         for (name, level) in levels() {
-            let fast = Prepared::with_level(scene.target, &draws, level, 1).expect("valid");
+            let fast = BinnedDraws::with_level(scene.target, &draws, level, 1).expect("valid");
             for tile in 0..one.tiles() {
                 one.visible_blocks(tile, &Grille { by_blocks: false }, &mut expected);
                 fast.visible_blocks(tile, &Grille { by_blocks: true }, &mut found);
-                let bits = |d: &TileBlocks| d.depth.iter().map(|d| d.to_bits()).collect::<Vec<_>>();
+                let bits =
+                    |d: &TileVisibility| d.depth.iter().map(|d| d.to_bits()).collect::<Vec<_>>();
                 assert!(
                     found.slot == expected.slot && bits(&found) == bits(&expected),
                     "seed {seed}, {name}, tile {tile}"
                 );
-                count += found.slot.iter().filter(|slot| **slot != NONE).count();
+                count += found
+                    .slot
+                    .iter()
+                    .filter(|slot| **slot != NO_PRIMITIVE)
+                    .count();
             }
         }
     }
@@ -269,25 +278,26 @@ fn forward_blocks_are_the_blended_fragments() {
         let draws: Vec<_> = scene
             .draws()
             .into_iter()
-            .map(|d| Draw {
+            .map(|d| DrawCall {
                 pass: Pass::Blended,
                 ..d
             })
             .collect();
-        let one = Prepared::with_level(scene.target, &draws, Level::fallback(), 1).expect("valid");
+        let one =
+            BinnedDraws::with_level(scene.target, &draws, Level::fallback(), 1).expect("valid");
         for (name, level) in levels() {
-            let fast = Prepared::with_level(scene.target, &draws, level, 1).expect("valid");
+            let fast = BinnedDraws::with_level(scene.target, &draws, level, 1).expect("valid");
             for index in 0..one.tiles() {
                 let tile = one.tile(index);
                 let mut expected = Vec::new();
-                one.blended(index, &TileBuffers::new(), &mut |id, x, y| {
+                one.blended(index, &VisibilityBuffer::new(), &mut |id, x, y| {
                     expected.push((id, x, y));
                 });
                 let mut found = Vec::new();
-                let (mut slots, mut blocks) = (Vec::new(), TileBlocks::new());
+                let (mut slots, mut blocks) = (Vec::new(), TileVisibility::new());
                 let mut listed = Vec::new();
                 fast.forward_blocks(index, &mut blocks, &|_| true, &mut listed);
-                for RunBlock {
+                for FragmentBlock {
                     slot,
                     block,
                     mask: bits,
@@ -321,16 +331,16 @@ fn forward_blocks_are_the_blended_fragments() {
 
 /// Values of runs in the lanes that a level takes by default, four on 128-bit levels: stored, and shown to a sink.
 struct Narrow {
-    stored: RunValues,
-    shown: RunValues,
+    stored: Varyings,
+    shown: Varyings,
 }
 
 impl Narrow {
     fn new(columns: usize) -> Self {
-        let mut stored = RunValues::default();
-        stored.columns.resize(columns, Column::ZERO);
-        let mut shown = RunValues::default();
-        shown.columns.resize(2, Column::ZERO);
+        let mut stored = Varyings::default();
+        stored.varyings.resize(columns, Varying::ZERO);
+        let mut shown = Varyings::default();
+        shown.varyings.resize(2, Varying::ZERO);
         Self { stored, shown }
     }
 
@@ -338,18 +348,18 @@ impl Narrow {
     fn fill<I: Isa>(
         &mut self,
         i: I,
-        planes: &TilePlanes,
-        blocks: &TileBlocks,
-        run: &[RunBlock],
+        planes: &AttributePlanes,
+        blocks: &TileVisibility,
+        run: &[FragmentBlock],
         wanted: &[usize],
     ) {
         planes.each_column::<_, true>(i, blocks, run, wanted, 0, &mut self.stored);
         planes.each_block::<_, true, _>(i, blocks, run, [1, 0], &mut Store(&mut self.shown));
     }
 
-    fn assert_bits(&self, all: &RunValues, run: &[RunBlock], wanted: &[usize]) {
-        let bits = |of: &RunValues, k: usize, place: usize| {
-            let column = &of.columns[k];
+    fn assert_bits(&self, all: &Varyings, run: &[FragmentBlock], wanted: &[usize]) {
+        let bits = |of: &Varyings, k: usize, place: usize| {
+            let column = &of.varyings[k];
             [column.value[place], column.ddx[place], column.ddy[place]].map(f32::to_bits)
         };
         for (i, at) in run.iter().enumerate() {
@@ -371,13 +381,13 @@ impl Narrow {
     }
 }
 
-struct Store<'a>(&'a mut RunValues);
+struct Store<'a>(&'a mut Varyings);
 
 impl<I: Isa> BlockSink<I> for Store<'_> {
     #[inline(always)]
-    fn pixels(&mut self, _: I, place: usize, _: RunBlock, values: &BlockValues<I>) {
+    fn pixels(&mut self, _: I, place: usize, _: FragmentBlock, values: &BlockValues<I>) {
         values.inv_w.store(&mut self.0.inv_w[place..]);
-        for (k, column) in self.0.columns.iter_mut().enumerate() {
+        for (k, column) in self.0.varyings.iter_mut().enumerate() {
             values.value[k].store(&mut column.value[place..]);
             values.ddx[k].store(&mut column.ddx[place..]);
             values.ddy[k].store(&mut column.ddy[place..]);
@@ -393,9 +403,12 @@ fn runs_of_blocks_have_the_bits_of_single_pixels() {
         let scene = RandomScene::new(seed);
         let draws = scene.draws();
         for (name, level) in levels() {
-            let prepared = Prepared::with_level(scene.target, &draws, level, 1).expect("valid");
-            let (mut blocks, mut planes, mut run) =
-                (TileBlocks::new(), TilePlanes::new(), RunValues::default());
+            let prepared = BinnedDraws::with_level(scene.target, &draws, level, 1).expect("valid");
+            let (mut blocks, mut planes, mut run) = (
+                TileVisibility::new(),
+                AttributePlanes::new(),
+                Varyings::default(),
+            );
             let mut fragment = Fragment::default();
             for index in 0..prepared.tiles() {
                 let tile = prepared.tile(index);
@@ -410,15 +423,15 @@ fn runs_of_blocks_have_the_bits_of_single_pixels() {
                             .filter(|&bit| wanted(slots[bit]))
                             .fold(0, |mask, bit| mask | 1 << bit)
                     };
-                    let at = RunBlock {
+                    let at = FragmentBlock {
                         block,
-                        mask: mask(&|slot| slot != NONE),
-                        slot: NONE,
+                        mask: mask(&|slot| slot != NO_PRIMITIVE),
+                        slot: NO_PRIMITIVE,
                     };
                     if at.mask != 0 {
                         let first = slots[at.mask.trailing_zeros() as usize];
                         seen.push(at);
-                        seen.push(RunBlock {
+                        seen.push(FragmentBlock {
                             block,
                             mask: mask(&|slot| slot == first),
                             slot: first,
@@ -439,7 +452,7 @@ fn runs_of_blocks_have_the_bits_of_single_pixels() {
                             prepared.evaluate(id, x, y, &mut fragment);
                             let mut found = vec![run.inv_w[place]];
                             let mut expected = vec![fragment.inv_w];
-                            for (column, &k) in run.columns.iter().zip(wanted) {
+                            for (column, &k) in run.varyings.iter().zip(wanted) {
                                 let d = [column.ddx[place], column.ddy[place]];
                                 found.extend([column.value[place], d[0], d[1]]);
                                 let d = [fragment.ddx[k], fragment.ddy[k]];
@@ -468,8 +481,8 @@ fn runs_of_blocks_have_the_bits_of_single_pixels() {
                             assert_eq!(run.inv_w[place].to_bits(), all.inv_w[place].to_bits());
                             for k in 0..wanted.len() {
                                 assert_eq!(
-                                    run.columns[k].value[place].to_bits(),
-                                    all.columns[k].value[place].to_bits()
+                                    run.varyings[k].value[place].to_bits(),
+                                    all.varyings[k].value[place].to_bits()
                                 );
                             }
                         }
@@ -489,12 +502,12 @@ fn samples_have_the_bits_of_one_lane_and_leave_no_crack() {
         let scene = RandomScene::new(seed);
         let draws = scene.draws();
         let one =
-            Prepared::with_samples(scene.target, &draws, Level::fallback(), 1).expect("valid");
-        let (mut expected, mut found) = (TileBlocks::new(), TileBlocks::new());
-        let mut all: [TileBlocks; 4] = std::array::from_fn(|_| TileBlocks::new());
+            BinnedDraws::with_samples(scene.target, &draws, Level::fallback(), 1).expect("valid");
+        let (mut expected, mut found) = (TileVisibility::new(), TileVisibility::new());
+        let mut all: [TileVisibility; 4] = std::array::from_fn(|_| TileVisibility::new());
         let mut setup = SampleSetup::default();
         for (name, level) in levels() {
-            let fast = Prepared::with_samples(scene.target, &draws, level, 1).expect("valid");
+            let fast = BinnedDraws::with_samples(scene.target, &draws, level, 1).expect("valid");
             assert_eq!(fast.stats(), one.stats(), "seed {seed}, {name}");
             for tile in 0..one.tiles() {
                 let together = SAMPLES_4.into_iter().zip(&mut all);
@@ -506,8 +519,9 @@ fn samples_have_the_bits_of_one_lane_and_leave_no_crack() {
                         found.slot == expected.slot,
                         "seed {seed}, {name}, tile {tile}: other fragments"
                     );
-                    let bits =
-                        |b: &TileBlocks| b.depth.iter().map(|d| d.to_bits()).collect::<Vec<_>>();
+                    let bits = |b: &TileVisibility| {
+                        b.depth.iter().map(|d| d.to_bits()).collect::<Vec<_>>()
+                    };
                     assert!(
                         bits(&found) == bits(&expected),
                         "seed {seed}, {name}, tile {tile}: other depth"
@@ -518,7 +532,7 @@ fn samples_have_the_bits_of_one_lane_and_leave_no_crack() {
                             && bits(shared) == bits(&found),
                         "seed {seed}, {name}, tile {tile}: others if set up once"
                     );
-                    seen += found.slot.iter().filter(|&&s| s != NONE).count();
+                    seen += found.slot.iter().filter(|&&s| s != NO_PRIMITIVE).count();
                 }
             }
         }
@@ -531,10 +545,10 @@ fn samples_have_the_bits_of_one_lane_and_leave_no_crack() {
         *p = [p[0] * 1.1, p[1] * 1.1, 0.5];
     }
     let draw = mesh.draw(DMat4::IDENTITY);
-    let prepared = Prepared::with_samples(target, &[draw], Level::new(), 1).expect("valid");
-    let mut blocks = TileBlocks::new();
+    let prepared = BinnedDraws::with_samples(target, &[draw], Level::new(), 1).expect("valid");
+    let mut blocks = TileVisibility::new();
     for offset in SAMPLES_4 {
         prepared.visible_sample(0, offset, &NoAlphaTest, &mut blocks);
-        assert!(blocks.slot.iter().all(|&s| s != NONE));
+        assert!(blocks.slot.iter().all(|&s| s != NO_PRIMITIVE));
     }
 }

@@ -1,6 +1,6 @@
 //! The named interpolations: spans, controlled error, subdivision, Gouraud (I2, I3, R7).
 use texmap_math::glam::{DMat4, DVec3};
-use texmap_raster::{Draw, Interp, Prepared, reference};
+use texmap_raster::{BinnedDraws, DrawCall, Interp, reference};
 
 use crate::interpolation::{ratio_quad, worst_u};
 use crate::support::{Owned, Rng, fragments, free_w, size};
@@ -68,11 +68,11 @@ fn controlled_spans_keep_their_budget_on_random_triangles() {
                 .extend([rng.range(-1.0, 1.0) as f32, rng.range(0.0, 9.0) as f32]);
         }
         let matrix = free_w(0.01);
-        let draw = Draw {
+        let draw = DrawCall {
             interp: Interp::WithinError(budget),
             ..mesh.draw(matrix)
         };
-        let prepared = Prepared::new(target, &[draw]).expect("valid");
+        let prepared = BinnedDraws::new(target, &[draw]).expect("valid");
         let clip = mesh.clip(matrix, 0);
         fragments(&prepared, |_, x, y, f| {
             let (px, py) = (f64::from(x) + 0.5, f64::from(y) + 0.5);
@@ -122,11 +122,11 @@ fn gouraud_is_screen_linear() {
     let mut mesh = ratio_quad(4.0);
     mesh.attributes = vec![0.0, 0.0, 1.0, 1.0, 1.0, 1.0, 0.0, 0.0];
     let matrix = free_w(0.01);
-    let draw = Draw {
+    let draw = DrawCall {
         screen_linear: 0b10,
         ..mesh.draw(matrix)
     };
-    let prepared = Prepared::new(target, &[draw]).expect("valid");
+    let prepared = BinnedDraws::new(target, &[draw]).expect("valid");
     let mut largest = 0.0_f64;
     fragments(&prepared, |triangle, x, y, f| {
         let clip = mesh.clip(matrix, triangle as usize);
@@ -165,9 +165,9 @@ fn screen_linear_attributes_are_cut_in_clip_space() {
         attribute_count: 1,
     };
     for interp in [Interp::Affine, Interp::Perspective] {
-        let prepared = Prepared::new(
+        let prepared = BinnedDraws::new(
             target,
-            &[Draw {
+            &[DrawCall {
                 interp,
                 ..mesh.draw(matrix)
             }],
@@ -217,9 +217,9 @@ fn equal_w_makes_every_mode_exact() {
         Interp::Span(7),
         Interp::WithinError(0.5),
     ] {
-        let prepared = Prepared::new(
+        let prepared = BinnedDraws::new(
             target,
-            &[Draw {
+            &[DrawCall {
                 interp,
                 ..mesh.draw(DMat4::IDENTITY)
             }],

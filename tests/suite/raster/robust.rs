@@ -2,8 +2,8 @@
 use texmap_math::glam::DMat4;
 use texmap_raster::reference;
 use texmap_raster::{
-    Cull, DepthTest, Draw, Interp, NoAlphaTest, Pass, Prepared, RasterError, TargetSize,
-    TileBuffers,
+    BinnedDraws, Cull, DepthTest, DrawCall, Interp, NoAlphaTest, Pass, RasterError, TargetSize,
+    VisibilityBuffer,
 };
 
 use crate::support::{Owned, Rng, fragments, free_w, hits, size};
@@ -17,8 +17,8 @@ fn triangle() -> Owned {
     .with_uv(|[x, y, _]| [x, y])
 }
 
-fn refusal(draw: Draw<'_>) -> RasterError {
-    Prepared::new(size(8, 8), &[Draw::default(), draw]).expect_err("refused")
+fn refusal(draw: DrawCall<'_>) -> RasterError {
+    BinnedDraws::new(size(8, 8), &[DrawCall::default(), draw]).expect_err("refused")
 }
 
 #[test]
@@ -41,7 +41,7 @@ fn wrong_draws_are_refused_by_name() {
     let good = mesh.draw(DMat4::IDENTITY);
     let bad = [[0, 1, 2], [0, 3, 1]];
     assert_eq!(
-        refusal(Draw {
+        refusal(DrawCall {
             indices: &bad,
             ..good
         }),
@@ -53,7 +53,7 @@ fn wrong_draws_are_refused_by_name() {
         }
     );
     assert_eq!(
-        refusal(Draw {
+        refusal(DrawCall {
             attributes: &mesh.attributes[..5],
             ..good
         }),
@@ -64,7 +64,7 @@ fn wrong_draws_are_refused_by_name() {
         }
     );
     assert_eq!(
-        refusal(Draw {
+        refusal(DrawCall {
             attribute_count: 17,
             ..good
         }),
@@ -72,7 +72,7 @@ fn wrong_draws_are_refused_by_name() {
     );
     for parts in [0, 257] {
         assert_eq!(
-            refusal(Draw {
+            refusal(DrawCall {
                 interp: Interp::Subdivided(parts),
                 ..good
             }),
@@ -80,7 +80,7 @@ fn wrong_draws_are_refused_by_name() {
         );
     }
     assert_eq!(
-        refusal(Draw {
+        refusal(DrawCall {
             interp: Interp::Span(0),
             ..good
         }),
@@ -88,7 +88,7 @@ fn wrong_draws_are_refused_by_name() {
     );
     for tolerance in [0.0, -1.0, f32::INFINITY] {
         assert_eq!(
-            refusal(Draw {
+            refusal(DrawCall {
                 interp: Interp::WithinError(tolerance),
                 ..good
             }),
@@ -99,7 +99,7 @@ fn wrong_draws_are_refused_by_name() {
             }
         );
     }
-    let text = refusal(Draw {
+    let text = refusal(DrawCall {
         indices: &bad,
         ..good
     })
@@ -125,7 +125,7 @@ fn non_finite_vertices_drop_their_triangle_alone() {
                 mesh.attributes[6 + place - 3] = bad;
             }
             let draw = mesh.draw(DMat4::IDENTITY);
-            let prepared = Prepared::new(size(16, 16), &[draw]).expect("counted, not refused");
+            let prepared = BinnedDraws::new(size(16, 16), &[draw]).expect("counted, not refused");
             assert_eq!(
                 (prepared.stats().submitted, prepared.stats().non_finite),
                 (2, 1)
@@ -133,7 +133,7 @@ fn non_finite_vertices_drop_their_triangle_alone() {
             let found = hits(size(16, 16), &[draw]);
             let lone = hits(
                 size(16, 16),
-                &[Draw {
+                &[DrawCall {
                     indices: &mesh.indices[..1],
                     ..draw
                 }],
@@ -145,7 +145,7 @@ fn non_finite_vertices_drop_their_triangle_alone() {
     let mesh = triangle();
     let overflow = DMat4::from_diagonal(texmap_math::glam::DVec4::splat(1e300));
     let prepared =
-        Prepared::new(size(16, 16), &[mesh.draw(overflow)]).expect("counted, not refused");
+        BinnedDraws::new(size(16, 16), &[mesh.draw(overflow)]).expect("counted, not refused");
     assert_eq!(prepared.stats().non_finite, 1);
 }
 
@@ -158,7 +158,7 @@ fn triangles_without_area_are_dropped_and_slivers_are_not() {
         indices: vec![[0, 1, 2], [0, 0, 1], [2, 2, 2]],
         ..Owned::default()
     };
-    let prepared = Prepared::new(target, &[degenerate.draw(DMat4::IDENTITY)]).expect("valid");
+    let prepared = BinnedDraws::new(target, &[degenerate.draw(DMat4::IDENTITY)]).expect("valid");
     assert_eq!(
         (prepared.stats().degenerate, prepared.stats().binned),
         (3, 0)
@@ -170,7 +170,7 @@ fn triangles_without_area_are_dropped_and_slivers_are_not() {
         ..Owned::default()
     }
     .with_uv(|[x, y, _]| [x, y]);
-    let prepared = Prepared::new(target, &[sliver.draw(DMat4::IDENTITY)]).expect("valid");
+    let prepared = BinnedDraws::new(target, &[sliver.draw(DMat4::IDENTITY)]).expect("valid");
     let mut count = 0;
     fragments(&prepared, |_, _, _, f| {
         count += 1;
@@ -191,12 +191,12 @@ fn culling_goes_by_the_side_seen() {
         if flip {
             mesh.indices[0].reverse();
         }
-        let draw = Draw {
+        let draw = DrawCall {
             cull,
             ..mesh.draw(DMat4::IDENTITY)
         };
         let mut front = None;
-        let prepared = Prepared::new(size(8, 8), &[draw]).expect("valid");
+        let prepared = BinnedDraws::new(size(8, 8), &[draw]).expect("valid");
         fragments(&prepared, |_, _, _, f| front = Some(f.front));
         front
     };
@@ -216,12 +216,12 @@ fn equal_depth_goes_to_the_first_or_the_last() {
         (DepthTest::LessOrEqual, 2),
         (DepthTest::Always, 2),
     ] {
-        let draw = Draw {
+        let draw = DrawCall {
             depth_test: test,
             ..mesh.draw(DMat4::IDENTITY)
         };
-        let prepared = Prepared::new(size(8, 8), &[draw, draw, draw]).expect("valid");
-        let mut buffers = TileBuffers::new();
+        let prepared = BinnedDraws::new(size(8, 8), &[draw, draw, draw]).expect("valid");
+        let mut buffers = VisibilityBuffer::new();
         prepared.visible(0, &NoAlphaTest, &mut buffers);
         assert_eq!(prepared.source(buffers.id[7 * 64]), (winner, 0));
     }
@@ -278,12 +278,12 @@ fn hostile_meshes() {
         } else {
             Pass::Opaque
         };
-        let draw = Draw {
+        let draw = DrawCall {
             interp,
             pass,
             ..mesh.draw(free_w(rng.log_range(1e-6, 1.0)))
         };
-        let prepared = Prepared::new(target, &[draw]).expect("valid");
+        let prepared = BinnedDraws::new(target, &[draw]).expect("valid");
         fragments(&prepared, |triangle, _, _, f| {
             for k in 0..2 {
                 let v =
@@ -351,7 +351,7 @@ fn coverage_of_hostile_meshes_is_the_references() {
             .indices
             .iter()
             .map(|t| {
-                let draw = Draw {
+                let draw = DrawCall {
                     indices: std::slice::from_ref(t),
                     ..mesh.draw(matrix)
                 };

@@ -1,18 +1,23 @@
 //! What is said of a triangle's derivatives over a tile holds at each of its pixels.
 use texmap_math::Level;
-use texmap_raster::{Fragment, NONE, NoAlphaTest, Prepared, SAMPLES_4, TileBlocks, TilePlanes};
+use texmap_raster::{
+    AttributePlanes, BinnedDraws, Fragment, NO_PRIMITIVE, NoAlphaTest, SAMPLES_4, TileVisibility,
+};
 
 use crate::levels::RandomScene;
 use crate::support::{Owned, free_w, size};
 
 /// Asks `check` about each pixel of a tile: its slot, the most that is said of it, its fragment. Returns how many were asked about.
 fn each_pixel(
-    prepared: &Prepared<'_>,
+    prepared: &BinnedDraws<'_>,
     sampled: bool,
     mut check: impl FnMut(Option<[[f32; 2]; 2]>, &Fragment),
 ) {
-    let (mut blocks, mut planes, mut fragment) =
-        (TileBlocks::new(), TilePlanes::new(), Fragment::default());
+    let (mut blocks, mut planes, mut fragment) = (
+        TileVisibility::new(),
+        AttributePlanes::new(),
+        Fragment::default(),
+    );
     for index in 0..prepared.tiles() {
         let tile = prepared.tile(index);
         if sampled {
@@ -25,13 +30,13 @@ fn each_pixel(
             .slot
             .iter()
             .enumerate()
-            .filter(|(_, slot)| **slot != NONE)
+            .filter(|(_, slot)| **slot != NO_PRIMITIVE)
         {
             let (block, bit) = (place as u32 / 16, place as u32 % 16);
             let x = tile.x0 + block % 16 * 4 + bit % 4;
             let y = tile.y0 + block / 16 * 4 + bit / 4;
             prepared.evaluate(blocks.ids[slot as usize], x, y, &mut fragment);
-            check(planes.steepest(slot, [0, 1]), &fragment);
+            check(planes.max_gradient(slot, [0, 1]), &fragment);
         }
     }
 }
@@ -48,9 +53,9 @@ fn no_pixel_changes_faster() {
         let draws = scene.draws();
         let sampled = seed % 3 == 0;
         let prepared = if sampled {
-            Prepared::with_samples(scene.target, &draws, Level::new(), 1)
+            BinnedDraws::with_samples(scene.target, &draws, Level::new(), 1)
         } else {
-            Prepared::with_level(scene.target, &draws, Level::new(), 1)
+            BinnedDraws::with_level(scene.target, &draws, Level::new(), 1)
         };
         each_pixel(&prepared.expect("valid"), sampled, |most, fragment| {
             let Some(most) = most else {
@@ -81,7 +86,7 @@ fn some_pixel_of_a_full_tile_changes_nearly_as_fast() {
     };
     let plane = plane.with_uv(|[x, y, w]| [x * 3.0 + w, y - x]);
     let draws = [plane.draw(free_w(0.2))];
-    let prepared = Prepared::with_level(size(64, 64), &draws, Level::new(), 1).expect("valid");
+    let prepared = BinnedDraws::with_level(size(64, 64), &draws, Level::new(), 1).expect("valid");
     let mut reached = [[0.0f32; 2]; 2];
     let mut most = None;
     each_pixel(&prepared, false, |of, fragment| {

@@ -1,7 +1,8 @@
 //! Meshes, random numbers and whole-target helpers of this suite.
 use texmap_math::glam::{DMat4, DVec4};
 use texmap_raster::{
-    DepthTest, Draw, Fragment, NONE, NoAlphaTest, Pass, Prepared, TILE, TargetSize, TileBuffers,
+    BinnedDraws, DepthTest, DrawCall, Fragment, NO_PRIMITIVE, NoAlphaTest, Pass, TILE, TargetSize,
+    VisibilityBuffer,
 };
 
 /// A mesh that owns what a draw borrows.
@@ -21,14 +22,14 @@ impl Owned {
         self
     }
 
-    pub(crate) fn draw(&self, clip_from_object: DMat4) -> Draw<'_> {
-        Draw {
+    pub(crate) fn draw(&self, clip_from_object: DMat4) -> DrawCall<'_> {
+        DrawCall {
             positions: &self.positions,
             indices: &self.indices,
             attributes: &self.attributes,
             attribute_count: self.attribute_count,
             clip_from_object,
-            ..Draw::default()
+            ..DrawCall::default()
         }
     }
 
@@ -51,17 +52,17 @@ pub(crate) fn free_w(z: f64) -> DMat4 {
 }
 
 /// How often each pixel's centre is covered.
-pub(crate) fn hits(size: TargetSize, draws: &[Draw<'_>]) -> Vec<u32> {
+pub(crate) fn hits(size: TargetSize, draws: &[DrawCall<'_>]) -> Vec<u32> {
     let draws: Vec<_> = draws
         .iter()
-        .map(|d| Draw {
+        .map(|d| DrawCall {
             pass: Pass::Blended,
             depth_test: DepthTest::Always,
             ..*d
         })
         .collect();
-    let prepared = Prepared::new(size, &draws).expect("valid draws");
-    let buffers = TileBuffers::new();
+    let prepared = BinnedDraws::new(size, &draws).expect("valid draws");
+    let buffers = VisibilityBuffer::new();
     let mut count = vec![0; (size.width() * size.height()) as usize];
     for tile in 0..prepared.tiles() {
         prepared.blended(tile, &buffers, &mut |_, x, y| {
@@ -72,8 +73,11 @@ pub(crate) fn hits(size: TargetSize, draws: &[Draw<'_>]) -> Vec<u32> {
 }
 
 /// Calls `visit` with each visible fragment: triangle in its draw, x, y, fragment.
-pub(crate) fn fragments(prepared: &Prepared<'_>, mut visit: impl FnMut(u32, u32, u32, &Fragment)) {
-    let mut buffers = TileBuffers::new();
+pub(crate) fn fragments(
+    prepared: &BinnedDraws<'_>,
+    mut visit: impl FnMut(u32, u32, u32, &Fragment),
+) {
+    let mut buffers = VisibilityBuffer::new();
     let mut fragment = Fragment::default();
     for index in 0..prepared.tiles() {
         let tile = prepared.tile(index);
@@ -81,7 +85,7 @@ pub(crate) fn fragments(prepared: &Prepared<'_>, mut visit: impl FnMut(u32, u32,
         for y in 0..tile.height {
             for x in 0..tile.width {
                 let id = buffers.id[(y * TILE + x) as usize];
-                if id != NONE {
+                if id != NO_PRIMITIVE {
                     prepared.evaluate(id, tile.x0 + x, tile.y0 + y, &mut fragment);
                     visit(prepared.source(id).1, tile.x0 + x, tile.y0 + y, &fragment);
                 }

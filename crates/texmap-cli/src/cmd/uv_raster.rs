@@ -6,7 +6,9 @@ use clap::Args;
 use serde_json::json;
 use texmap_io::{image_io, npy};
 use texmap_math::MemoryBudget;
-use texmap_raster::{Atlas, AtlasMesh, AtlasOptions, Coverage, NONE, RasterError, TargetSize};
+use texmap_raster::{
+    Atlas, AtlasMesh, AtlasOptions, Coverage, NO_PRIMITIVE, RasterError, TargetSize,
+};
 
 use super::uv::source::Source;
 use crate::failure::{Exit, Failure, print_json, say};
@@ -159,7 +161,7 @@ fn write(
         .face
         .iter()
         .map(|&t| match t {
-            NONE => NONE,
+            NO_PRIMITIVE => NO_PRIMITIVE,
             t => triangles[4 * t as usize],
         })
         .collect();
@@ -190,7 +192,7 @@ fn write(
     }
     if !args.no_pictures {
         for (name, texel) in pictures(atlas, &face) {
-            let free = |at: usize| atlas.face[at] == NONE;
+            let free = |at: usize| atlas.face[at] == NO_PRIMITIVE;
             let rgba: Vec<[u8; 4]> = (0..face.len())
                 .map(|at| match free(at) {
                     true => [0; 4],
@@ -218,7 +220,7 @@ type Paint<'a> = Box<dyn Fn(usize) -> [u8; 3] + 'a>;
 fn pictures<'a>(atlas: &'a Atlas, face: &'a [u32]) -> Vec<(&'static str, Paint<'a>)> {
     let byte = |x: f32| texmap_math::color::unit_to_u8(x);
     let taken = atlas.position.iter().zip(&atlas.face);
-    let (low, high) = taken.filter(|(_, f)| **f != NONE).fold(
+    let (low, high) = taken.filter(|(_, f)| **f != NO_PRIMITIVE).fold(
         ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]),
         |(low, high): ([f32; 3], [f32; 3]), (p, _)| {
             (

@@ -68,7 +68,7 @@ pub fn parse_interp(text: &str) -> Option<Interp> {
         ("perspective", None) => Some(Interp::Perspective),
         ("affine", None) => Some(Interp::Affine),
         ("subdivided", _) => whole()
-            .filter(|n| (1..=texmap_raster::MAX_PARTS).contains(n))
+            .filter(|n| (1..=texmap_raster::MAX_SUBDIVISIONS).contains(n))
             .map(Interp::Subdivided),
         ("span", _) => whole().filter(|n| *n > 0).map(Interp::Span),
         ("within", Some(p)) => {

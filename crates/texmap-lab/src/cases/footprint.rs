@@ -2,7 +2,7 @@
 
 use texmap_math::glam::{DMat2, DVec2, DVec3};
 use texmap_math::{Footprint, camera::Camera, deterministic_f64};
-use texmap_raster::Draw;
+use texmap_raster::DrawCall;
 use texmap_sample::{ColorSpace, Filter, Origin, Sampler, Texture2d, Wrap};
 
 use super::Measurement;
@@ -172,13 +172,13 @@ pub(super) fn s8() -> Result<Vec<Measurement>, LabError> {
     }
     let indices = [[0u32, 1, 3], [0, 3, 2], [4, 5, 7], [4, 7, 6]];
     let clip = camera.clip_from_world(1.0)?;
-    let draw = Draw {
+    let draw = DrawCall {
         positions: &mesh.0,
         indices: &indices,
         clip_from_object: clip,
         attributes: &mesh.1,
         attribute_count: 2,
-        ..Draw::default()
+        ..DrawCall::default()
     };
     // Value and derivatives of the plane under a pixel, whether it sees the plane or not.
     let plane = |x: f64, y: f64| -> Option<[DVec2; 3]> {

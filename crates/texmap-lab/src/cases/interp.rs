@@ -2,7 +2,7 @@
 
 use texmap_math::affine_error;
 use texmap_math::interpolation::world_from_screen_z;
-use texmap_raster::{Draw, Interp};
+use texmap_raster::{DrawCall, Interp};
 
 use super::probe::{Mesh, place, vertex, visit};
 use super::{Measurement, naive};
@@ -66,7 +66,7 @@ fn span_error(mesh: &Mesh, interp: Interp) -> Result<f64, LabError> {
     let mut most = 0.0f64;
     visit(
         SPAN,
-        &[Draw {
+        &[DrawCall {
             interp,
             ..mesh.draw()
         }],

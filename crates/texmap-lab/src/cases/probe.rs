@@ -2,7 +2,8 @@
 
 use texmap_math::glam::{DMat4, DVec4};
 use texmap_raster::{
-    DepthTest, Draw, Fragment, NONE, NoAlphaTest, Pass, Prepared, TILE, TargetSize, TileBuffers,
+    BinnedDraws, DepthTest, DrawCall, Fragment, NO_PRIMITIVE, NoAlphaTest, Pass, TILE, TargetSize,
+    VisibilityBuffer,
 };
 
 use crate::LabError;
@@ -17,15 +18,15 @@ pub(super) struct Mesh {
 }
 
 impl Mesh {
-    pub(super) fn draw(&self) -> Draw<'_> {
-        Draw {
+    pub(super) fn draw(&self) -> DrawCall<'_> {
+        DrawCall {
             positions: &self.positions,
             indices: &self.indices,
             clip_from_object: clip_from_xyw(),
             attributes: &self.values,
             attribute_count: usize::from(!self.values.is_empty()),
             depth_test: DepthTest::Always,
-            ..Draw::default()
+            ..DrawCall::default()
         }
     }
 }
@@ -53,17 +54,17 @@ pub(super) fn place(size: (u32, u32), vertex: [f32; 3]) -> [f64; 3] {
 }
 
 /// Number of times that each pixel of the target is covered.
-pub(super) fn coverage(size: (u32, u32), draw: Draw<'_>) -> Result<Vec<u32>, LabError> {
+pub(super) fn coverage(size: (u32, u32), draw: DrawCall<'_>) -> Result<Vec<u32>, LabError> {
     let target = TargetSize::new(size.0, size.1)?;
-    let prepared = Prepared::new(
+    let prepared = BinnedDraws::new(
         target,
-        &[Draw {
+        &[DrawCall {
             pass: Pass::Blended,
             ..draw
         }],
     )?;
     let mut counts = vec![0; size.0 as usize * size.1 as usize];
-    let mut buffers = TileBuffers::new();
+    let mut buffers = VisibilityBuffer::new();
     for tile in 0..prepared.tiles() {
         prepared.visible(tile, &NoAlphaTest, &mut buffers);
         prepared.blended(tile, &buffers, &mut |_, x, y| {
@@ -76,15 +77,20 @@ pub(super) fn coverage(size: (u32, u32), draw: Draw<'_>) -> Result<Vec<u32>, Lab
 /// Calls `see` with every visible fragment and its pixel.
 pub(crate) fn visit(
     size: (u32, u32),
-    draws: &[Draw<'_>],
+    draws: &[DrawCall<'_>],
     mut see: impl FnMut(u32, u32, &Fragment),
 ) -> Result<(), LabError> {
-    let prepared = Prepared::new(TargetSize::new(size.0, size.1)?, draws)?;
-    let (mut buffers, mut fragment) = (TileBuffers::new(), Fragment::default());
+    let prepared = BinnedDraws::new(TargetSize::new(size.0, size.1)?, draws)?;
+    let (mut buffers, mut fragment) = (VisibilityBuffer::new(), Fragment::default());
     for index in 0..prepared.tiles() {
         prepared.visible(index, &NoAlphaTest, &mut buffers);
         let tile = prepared.tile(index);
-        for (cell, &id) in buffers.id.iter().enumerate().filter(|&(_, &id)| id != NONE) {
+        for (cell, &id) in buffers
+            .id
+            .iter()
+            .enumerate()
+            .filter(|&(_, &id)| id != NO_PRIMITIVE)
+        {
             let (x, y) = (tile.x0 + cell as u32 % TILE, tile.y0 + cell as u32 / TILE);
             prepared.evaluate(id, x, y, &mut fragment);
             see(x, y, &fragment);

@@ -1,7 +1,7 @@
 //! R1 to R8: coverage, overflow, degenerate and huge triangles, T-joints, depth.
 
 use texmap_math::deterministic_f64;
-use texmap_raster::{Draw, Interp};
+use texmap_raster::{DrawCall, Interp};
 
 use super::probe::{Mesh, Random, coverage, double_and_missing, place, vertex, visit};
 use super::{Measurement, naive};
@@ -282,7 +282,7 @@ pub(super) fn r7() -> Result<Vec<Measurement>, LabError> {
         mesh.indices = (0..4).map(|i| [i, (i + 1) % 4, 4]).collect();
         let (double, missing) = double_and_missing(&coverage(
             size,
-            Draw {
+            DrawCall {
                 interp: Interp::Subdivided(4),
                 ..mesh.draw()
             },
@@ -329,11 +329,11 @@ pub(super) fn r8() -> Result<Vec<Measurement>, LabError> {
         .camera
         .clip_from_world(f64::from(size.0) / f64::from(size.1))?;
     let depths = |indices: &[[u32; 3]]| -> Result<Vec<Option<f32>>, LabError> {
-        let draw = Draw {
+        let draw = DrawCall {
             positions: &positions,
             indices,
             clip_from_object: matrix,
-            ..Draw::default()
+            ..DrawCall::default()
         };
         let mut out = vec![None; size.0 as usize * size.1 as usize];
         visit(size, &[draw], |x, y, fragment| {

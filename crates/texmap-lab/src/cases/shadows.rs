@@ -4,7 +4,9 @@ use texmap_light::{Light, ShadowBias, ShadowKind, ShadowMap, Slide, SlideBorder,
 use texmap_math::camera::Camera;
 use texmap_math::glam::{DMat4, DVec2, DVec3};
 use texmap_math::{Projector, deterministic_f64};
-use texmap_raster::{Draw, Fragment, NONE, NoAlphaTest, Prepared, TargetSize, TileBuffers};
+use texmap_raster::{
+    BinnedDraws, DrawCall, Fragment, NO_PRIMITIVE, NoAlphaTest, TargetSize, VisibilityBuffer,
+};
 use texmap_render::shadow_map;
 use texmap_sample::{ColorSpace, Filter, Origin, Sampler, Texture2d};
 use texmap_scene::{Material, Mesh, Scene, shadow_kind};
@@ -124,26 +126,26 @@ pub(super) fn p3() -> Result<Vec<Measurement>, LabError> {
         attributes.extend(c.as_vec3().to_array());
         attributes.extend([(uv.x / uv.z) as f32, (uv.y / uv.z) as f32]);
     }
-    let draw = Draw {
+    let draw = DrawCall {
         positions: &positions,
         indices: &[[0, 1, 2]],
         clip_from_object: camera.projection(1.0) * camera.view()?,
         attributes: &attributes,
         attribute_count: 5,
-        ..Draw::default()
+        ..DrawCall::default()
     };
     let size = 256;
-    let prepared = Prepared::new(TargetSize::new(size, size)?, &[draw])?;
+    let prepared = BinnedDraws::new(TargetSize::new(size, size)?, &[draw])?;
     let pinhole = texmap_truth::caster::Pinhole::of_camera(&camera, size, size)?;
     let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
-    let (mut buffers, mut fragment) = (TileBuffers::new(), Fragment::default());
+    let (mut buffers, mut fragment) = (VisibilityBuffer::new(), Fragment::default());
     let (mut worst, mut naive) = (0.0f64, 0.0f64);
     for index in 0..prepared.tiles() {
         let tile = prepared.tile(index);
         prepared.visible(index, &NoAlphaTest, &mut buffers);
         for (x, y) in (0..tile.height).flat_map(|y| (0..tile.width).map(move |x| (x, y))) {
             let id = buffers.id[(y * 64 + x) as usize];
-            if id == NONE {
+            if id == NO_PRIMITIVE {
                 continue;
             }
             let (x, y) = (tile.x0 + x, tile.y0 + y);

@@ -3,8 +3,8 @@
 use texmap_math::Level;
 use texmap_math::glam::DVec2;
 use texmap_raster::{
-    Draw, Interp, NONE, NoAlphaTest, Prepared, RunBlock, RunValues, TargetSize, TileBlocks,
-    TilePlanes,
+    AttributePlanes, BinnedDraws, DrawCall, FragmentBlock, Interp, NO_PRIMITIVE, NoAlphaTest,
+    TargetSize, TileVisibility, Varyings,
 };
 
 use super::spans::{self, Method, Plane, Row};
@@ -208,11 +208,11 @@ fn picture(scene: &UvScene, truth: &UvImage, found: &UvImage) -> Picture {
 
 /// A scene at the door of its inner loop: what is left is the planes of each tile and their values.
 struct Drawn<'a> {
-    prepared: Prepared<'a>,
-    tiles: Vec<(TileBlocks, Vec<Vec<RunBlock>>)>,
-    planes: TilePlanes,
+    prepared: BinnedDraws<'a>,
+    tiles: Vec<(TileVisibility, Vec<Vec<FragmentBlock>>)>,
+    planes: AttributePlanes,
     /// One run's, which stays in the nearest cache as the renderer's does.
-    values: RunValues,
+    values: Varyings,
 }
 
 impl<'a> Drawn<'a> {
@@ -222,7 +222,7 @@ impl<'a> Drawn<'a> {
         attributes: &'a [f32],
         interp: Interp,
     ) -> Result<Self, LabError> {
-        let draw = Draw {
+        let draw = DrawCall {
             positions,
             indices: &UvScene::TRIANGLES,
             clip_from_object: scene.camera.clip_from_world(1.0)?,
@@ -230,36 +230,36 @@ impl<'a> Drawn<'a> {
             attribute_count: 2,
             interp,
             interp_scale: scene.texels as f32,
-            ..Draw::default()
+            ..DrawCall::default()
         };
-        let prepared = Prepared::new(TargetSize::new(scene.size, scene.size)?, &[draw])?;
+        let prepared = BinnedDraws::new(TargetSize::new(scene.size, scene.size)?, &[draw])?;
         let mut tiles = Vec::new();
         for tile in 0..prepared.tiles() {
-            let mut blocks = TileBlocks::new();
+            let mut blocks = TileVisibility::new();
             prepared.visible_blocks(tile, &NoAlphaTest, &mut blocks);
-            let masks: Vec<RunBlock> = blocks
+            let masks: Vec<FragmentBlock> = blocks
                 .slot
                 .chunks(16)
                 .zip(0u16..)
                 .map(|(slots, block)| {
-                    let bit = |(i, slot): (usize, &u32)| u16::from(*slot != NONE) << i;
+                    let bit = |(i, slot): (usize, &u32)| u16::from(*slot != NO_PRIMITIVE) << i;
                     let mask = slots.iter().enumerate().map(bit).sum();
-                    RunBlock {
+                    FragmentBlock {
                         block,
                         mask,
-                        slot: NONE,
+                        slot: NO_PRIMITIVE,
                     }
                 })
                 .filter(|m| m.mask != 0)
                 .collect();
-            let runs: Vec<Vec<RunBlock>> = masks.chunks(16).map(<[_]>::to_vec).collect();
+            let runs: Vec<Vec<FragmentBlock>> = masks.chunks(16).map(<[_]>::to_vec).collect();
             tiles.push((blocks, runs));
         }
         Ok(Self {
             prepared,
             tiles,
-            planes: TilePlanes::new(),
-            values: RunValues::default(),
+            planes: AttributePlanes::new(),
+            values: Varyings::default(),
         })
     }
 
@@ -270,7 +270,7 @@ impl<'a> Drawn<'a> {
     }
 
     /// Values without derivatives, as the rows of the lab have none.
-    fn each(&mut self, mut see: impl FnMut((u32, u32), &[RunBlock], &RunValues)) {
+    fn each(&mut self, mut see: impl FnMut((u32, u32), &[FragmentBlock], &Varyings)) {
         let level = Level::new();
         for (tile, (blocks, runs)) in self.tiles.iter().enumerate() {
             self.prepared.planes(tile, &mut self.planes);
@@ -291,7 +291,7 @@ impl<'a> Drawn<'a> {
                     let block = u32::from(at.block);
                     let (x, y) = (x0 + block % 16 * 4 + bit % 4, y0 + block / 16 * 4 + bit / 4);
                     let k = 16 * i + bit as usize;
-                    let [u, v] = [0, 1].map(|c: usize| f64::from(out.columns[c].value[k]));
+                    let [u, v] = [0, 1].map(|c: usize| f64::from(out.varyings[c].value[k]));
                     image[(y * size + x) as usize] = Some(DVec2::new(u, v));
                 }
             }

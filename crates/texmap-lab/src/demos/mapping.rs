@@ -4,7 +4,7 @@
 use texmap_math::camera::Camera;
 use texmap_math::glam::{DVec2, DVec3};
 use texmap_math::homography::Homography;
-use texmap_raster::{Draw, NoAlphaTest, Pass, Prepared, TargetSize, TileBuffers};
+use texmap_raster::{BinnedDraws, DrawCall, NoAlphaTest, Pass, TargetSize, VisibilityBuffer};
 
 use super::sheet::sheet;
 use super::{DemoPicture, paint};
@@ -182,16 +182,16 @@ fn quads(wall: &Wall) -> Result<Written, LabError> {
             [a, a + corners + 1, a + 1],
         ]);
     }
-    let draw = Draw {
+    let draw = DrawCall {
         positions: &positions,
         indices: &indices,
         clip_from_object: camera().clip_from_world(1.0)?,
         pass: Pass::Blended,
-        ..Draw::default()
+        ..DrawCall::default()
     };
-    let prepared = Prepared::new(TargetSize::new(size, size)?, &[draw])?;
+    let prepared = BinnedDraws::new(TargetSize::new(size, size)?, &[draw])?;
     let mut written = Written::new(wall);
-    let mut buffers = TileBuffers::new();
+    let mut buffers = VisibilityBuffer::new();
     for tile in 0..prepared.tiles() {
         prepared.visible(tile, &NoAlphaTest, &mut buffers);
         prepared.blended(tile, &buffers, &mut |id, x, y| {
@@ -211,13 +211,13 @@ fn inverse(wall: &Wall) -> Result<(Written, u32), LabError> {
         .iter()
         .flat_map(|&(u, v)| [u as f32, v as f32])
         .collect();
-    let draw = Draw {
+    let draw = DrawCall {
         positions: &positions,
         indices: &[[0, 3, 2], [0, 2, 1]],
         clip_from_object: camera().clip_from_world(1.0)?,
         attributes: &uv,
         attribute_count: 2,
-        ..Draw::default()
+        ..DrawCall::default()
     };
     let mut screen = [DVec2::ZERO; 4];
     for (corner, (u, v)) in screen.iter_mut().zip(square) {

@@ -2,7 +2,7 @@
 use texmap_math::simd::{Isa, prelude::*};
 
 use crate::setup::group::{GROUP, Group};
-use crate::{DepthTest, Draw, Pass};
+use crate::{DepthTest, DrawCall, Pass};
 
 /// The least depth that is stored anywhere in a tile, as far as it is known: that of triangles that cover all of it.
 #[derive(Debug, Default)]
@@ -11,7 +11,7 @@ pub(crate) struct Floor(f32);
 impl Floor {
     /// Drops triangles that lie behind all that is stored.
     #[inline(always)]
-    pub(crate) fn drop_hidden<I: Isa>(&self, i: I, draw: &Draw<'_>, group: &mut Group) {
+    pub(crate) fn drop_hidden<I: Isa>(&self, i: I, draw: &DrawCall<'_>, group: &mut Group) {
         if self.0 <= 0.0 || draw.depth_test == DepthTest::Always {
             return;
         }
@@ -27,7 +27,7 @@ impl Floor {
 
     /// After a group was stamped.
     #[inline(always)]
-    pub(crate) fn rise(&mut self, draw: &Draw<'_>, group: &Group) {
+    pub(crate) fn rise(&mut self, draw: &DrawCall<'_>, group: &Group) {
         if !draw.depth_write {
             return;
         }

@@ -1,7 +1,7 @@
 //! A draw's arrays as 32-bit words: corners, snapped vertices and positions of triangles by gathers.
 use texmap_math::simd::{GatherTable, Isa, prelude::*};
 
-use crate::Draw;
+use crate::DrawCall;
 use crate::coverage::edge::Snapped;
 
 #[derive(Debug, Clone, Copy)]
@@ -13,7 +13,7 @@ pub(crate) struct Arrays<'a> {
 
 impl<'a> Arrays<'a> {
     /// `None` where they are empty or too long for 32-bit indices.
-    pub(crate) fn new(draw: &Draw<'a>, snapped: &'a [Snapped]) -> Option<Self> {
+    pub(crate) fn new(draw: &DrawCall<'a>, snapped: &'a [Snapped]) -> Option<Self> {
         let limit = i32::MAX as usize / 3;
         if draw.indices.len() >= limit || snapped.len() >= limit {
             return None;

@@ -12,7 +12,7 @@ use crate::front_end::transform::Transform;
 use crate::setup::TILE;
 use crate::setup::group::GROUP;
 use crate::setup::planes::determinant;
-use crate::{Cull, Draw, Interp, RasterError, Stats, TargetSize};
+use crate::{Cull, DrawCall, Interp, RasterError, Stats, TargetSize};
 
 mod cull;
 
@@ -116,7 +116,7 @@ const PART: usize = 64 * GROUP;
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Submission<'d, 'a> {
     pub size: TargetSize,
-    pub draw: &'d Draw<'a>,
+    pub draw: &'d DrawCall<'a>,
     pub draw_index: u32,
     /// Id of the draw's first triangle.
     pub first: u32,

@@ -8,7 +8,7 @@ use crate::front_end::arrays::Arrays;
 use crate::front_end::bin::{self, Chunk, MOST, Piece, Submission};
 use crate::front_end::transform::{self, Transform};
 use crate::setup::{Fragment, Shape, TILE, TriangleSetup};
-use crate::{Draw, Interp, Pass, RasterError, Stats, TargetSize};
+use crate::{DrawCall, Interp, Pass, RasterError, Stats, TargetSize};
 
 /// In 1/256 pixel.
 const HALF_PIXEL: i32 = 128;
@@ -34,11 +34,11 @@ impl Tile {
 }
 
 /// Draws made ready: transformed, clipped, culled, snapped and binned into tiles. A fragment's id names a triangle, or a
-/// piece of one that was cut or subdivided, of this `Prepared`.
+/// piece of one that was cut or subdivided, of this `BinnedDraws`.
 #[derive(Debug)]
-pub struct Prepared<'a> {
+pub struct BinnedDraws<'a> {
     size: TargetSize,
-    draws: Vec<Draw<'a>>,
+    draws: Vec<DrawCall<'a>>,
     /// First id of each draw, and the number of all triangles at the end.
     first: Vec<u32>,
     transforms: Vec<Transform>,
@@ -55,12 +55,12 @@ pub struct Prepared<'a> {
     stats: Stats,
 }
 
-impl<'a> Prepared<'a> {
+impl<'a> BinnedDraws<'a> {
     /// Checks the draws and prepares them with the best instructions of this CPU, on one thread.
     ///
     /// # Errors
     /// Everything [`RasterError`] names but the target's size.
-    pub fn new(size: TargetSize, draws: &[Draw<'a>]) -> Result<Self, RasterError> {
+    pub fn new(size: TargetSize, draws: &[DrawCall<'a>]) -> Result<Self, RasterError> {
         Self::with_level(size, draws, best_level(), 1)
     }
 
@@ -71,7 +71,7 @@ impl<'a> Prepared<'a> {
     /// As [`new`](Self::new).
     pub fn with_level(
         size: TargetSize,
-        draws: &[Draw<'a>],
+        draws: &[DrawCall<'a>],
         level: Level,
         threads: usize,
     ) -> Result<Self, RasterError> {
@@ -85,7 +85,7 @@ impl<'a> Prepared<'a> {
     /// As [`new`](Self::new).
     pub fn with_samples(
         size: TargetSize,
-        draws: &[Draw<'a>],
+        draws: &[DrawCall<'a>],
         level: Level,
         threads: usize,
     ) -> Result<Self, RasterError> {
@@ -94,7 +94,7 @@ impl<'a> Prepared<'a> {
 
     fn build(
         size: TargetSize,
-        draws: &[Draw<'a>],
+        draws: &[DrawCall<'a>],
         level: Level,
         threads: usize,
         margin: i32,
@@ -310,7 +310,7 @@ impl<'a> Prepared<'a> {
         self.level
     }
 
-    pub(crate) fn draw(&self, draw: u32) -> &Draw<'a> {
+    pub(crate) fn draw(&self, draw: u32) -> &DrawCall<'a> {
         &self.draws[draw as usize]
     }
 

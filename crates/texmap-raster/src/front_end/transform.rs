@@ -7,7 +7,7 @@ use texmap_math::{Level, dispatch_simd};
 
 use crate::coverage::edge::{Snapped, to_units};
 use crate::front_end::clip::{GUARD_BAND, Hom};
-use crate::{Draw, TargetSize};
+use crate::{DrawCall, TargetSize};
 
 /// Stands for a vertex that cannot be taken as it is: behind the eye, outside the depth range or the guard band, not finite,
 /// or with a w so extreme that only the whole triangle can tell.
@@ -131,7 +131,7 @@ fn to_i32<I: Isa>(i: I, v: I::F64) -> I::I32 {
 }
 
 /// Marks the vertices that have a NaN or infinite attribute.
-pub(crate) fn mark_bad_attributes(level: Level, draw: &Draw<'_>, snapped: &mut [Snapped]) {
+pub(crate) fn mark_bad_attributes(level: Level, draw: &DrawCall<'_>, snapped: &mut [Snapped]) {
     let n = draw.attribute_count;
     if n == 0 {
         return;
@@ -160,7 +160,7 @@ fn all_finite<I: Isa>(i: I, values: &[f32]) -> bool {
 }
 
 /// Room for the snapped vertices of a draw.
-pub(crate) fn room(draw: &Draw<'_>) -> Vec<Snapped> {
+pub(crate) fn room(draw: &DrawCall<'_>) -> Vec<Snapped> {
     alloc::vec![SPECIAL; draw.positions.len()]
 }
 

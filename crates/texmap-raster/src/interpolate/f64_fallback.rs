@@ -7,7 +7,7 @@ use super::planes::{Own, PlaneSource};
 use super::values::{BlockValues, Columns, ColumnsAt};
 use super::{Part, Slots};
 use crate::coverage::stamp::BLOCK_PIXELS;
-use crate::setup::plane_table::TilePlanes;
+use crate::setup::plane_table::AttributePlanes;
 use crate::setup::planes::RowPlane;
 use crate::setup::{Fragment, TriangleSetup, WidePixels};
 use crate::visibility::blocks::pixel_of;
@@ -28,7 +28,7 @@ pub(super) trait Patch {
     fn attribute(&mut self, i: usize, lane: usize, value: [f32; 3]);
 }
 
-impl TilePlanes {
+impl AttributePlanes {
     /// Replaces the values of slots that f32 planes cannot serve, and, where a block has several, those that are linear on the screen.
     #[inline(always)]
     pub(super) fn mend<I: Isa, const D: bool>(

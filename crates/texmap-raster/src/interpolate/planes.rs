@@ -5,7 +5,7 @@ use texmap_math::simd::{GatherTable, Isa, Scalar, prelude::*};
 
 use super::BlockValues;
 use crate::setup::group::GROUP;
-use crate::setup::plane_table::TilePlanes;
+use crate::setup::plane_table::AttributePlanes;
 use crate::setup::planes::{COEFFICIENTS, RowPlane};
 
 /// A plane of sixteen slots.
@@ -55,7 +55,7 @@ impl<'t> One<'t> {
     };
 
     #[inline(always)]
-    pub(crate) fn new(table: &'t TilePlanes, slot: u32) -> Self {
+    pub(crate) fn new(table: &'t AttributePlanes, slot: u32) -> Self {
         let mut one = Self {
             words: table.group_of(slot),
             lane: slot as usize % GROUP,
@@ -100,7 +100,7 @@ impl<'t> OnePair<'t> {
     };
 
     #[inline(always)]
-    pub(super) fn new(table: &'t TilePlanes, slot: u32, [j, k]: [usize; 2]) -> Self {
+    pub(super) fn new(table: &'t AttributePlanes, slot: u32, [j, k]: [usize; 2]) -> Self {
         let one = One::new(table, slot);
         let of = |index: usize| plane(one.words, index * COEFFICIENTS);
         Self {
@@ -192,7 +192,12 @@ pub(super) struct Own<'t, I: Isa> {
 
 impl<'t, I: Isa> Own<'t, I> {
     #[inline(always)]
-    pub(super) fn new(i: I, table: &'t TilePlanes, words: GatherTable<'t>, slots: I::U32) -> Self {
+    pub(super) fn new(
+        i: I,
+        table: &'t AttributePlanes,
+        words: GatherTable<'t>,
+        slots: I::U32,
+    ) -> Self {
         let (octets, per_group) = (i.is_wide(), table.per_group);
         let mut own = Self {
             rows: table.words.as_chunks().0,
@@ -295,7 +300,7 @@ impl<I: Isa> PlaneSource<I> for Own<'_, I> {
 #[inline(always)]
 pub(super) fn three_planes<I: Isa>(
     i: I,
-    table: &TilePlanes,
+    table: &AttributePlanes,
     words: GatherTable<'_>,
     slots: I::U32,
     indices: [usize; 3],

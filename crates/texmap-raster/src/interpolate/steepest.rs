@@ -4,10 +4,10 @@
 use texmap_math::simd::Isa;
 
 use crate::coverage::stamp::BLOCK_PIXELS;
-use crate::interpolate::{One, Part, RunBlock};
+use crate::interpolate::{FragmentBlock, One, Part};
 use crate::setup::TILE;
-use crate::setup::plane_table::TilePlanes;
-use crate::{NONE, TileBlocks};
+use crate::setup::plane_table::AttributePlanes;
+use crate::{NO_PRIMITIVE, TileVisibility};
 
 /// Part of its terms below which 1/w is too close to the eye's plane to say anything.
 const NEAR_ZERO: f32 = 1e-3;
@@ -15,10 +15,15 @@ const NEAR_ZERO: f32 = 1e-3;
 const ROUNDING: f32 = 1e-5;
 const SLACK: f32 = 1.01;
 
-impl TilePlanes {
+impl AttributePlanes {
     /// The slot of all pixels of a block, if they have one.
     #[inline(always)]
-    pub fn only_slot<I: Isa>(&self, i: I, blocks: &TileBlocks, block: RunBlock) -> Option<u32> {
+    pub fn single_primitive<I: Isa>(
+        &self,
+        i: I,
+        blocks: &TileVisibility,
+        block: FragmentBlock,
+    ) -> Option<u32> {
         let mut only = None;
         for at in (0..BLOCK_PIXELS).step_by(I::LANES) {
             let part = Part { block, at };
@@ -31,13 +36,17 @@ impl TilePlanes {
             }
             only = Some(slots.first);
         }
-        only.filter(|slot| *slot != NONE)
+        only.filter(|slot| *slot != NO_PRIMITIVE)
     }
 
     /// The most, in magnitude, that attributes `wanted` change per pixel to the right and down anywhere on a slot's triangle in this
     /// tile, as [`each_block`](Self::each_block) finds it. `None` where f32 planes do not serve the slot, and near the eye's plane.
     #[must_use]
-    pub fn steepest<const N: usize>(&self, slot: u32, wanted: [usize; N]) -> Option<[[f32; 2]; N]> {
+    pub fn max_gradient<const N: usize>(
+        &self,
+        slot: u32,
+        wanted: [usize; N],
+    ) -> Option<[[f32; 2]; N]> {
         if self.odd_setup(slot).is_some() {
             return None;
         }

@@ -4,7 +4,7 @@ use texmap_math::simd::{Isa, prelude::*};
 
 use super::f64_fallback::Patch;
 use super::planes::PlaneSource;
-use super::{Column, RUN_ROOM, RunBlock};
+use super::{BATCH_STRIDE, FragmentBlock, Varying};
 use crate::coverage::stamp::BLOCK_PIXELS;
 use crate::setup::planes::{Perspective, RowPlane};
 
@@ -27,10 +27,10 @@ impl<I: Isa> core::fmt::Debug for BlockValues<I> {
     }
 }
 
-/// Takes the values of blocks: see [`TilePlanes::each_block`](crate::TilePlanes::each_block).
+/// Takes the values of blocks: see [`AttributePlanes::each_block`](crate::AttributePlanes::each_block).
 pub trait BlockSink<I: Isa> {
     /// Pixels of block `at`, one in each lane; the first is at `place` of the run, of which each block takes sixteen.
-    fn pixels(&mut self, i: I, place: usize, at: RunBlock, values: &BlockValues<I>);
+    fn pixels(&mut self, i: I, place: usize, at: FragmentBlock, values: &BlockValues<I>);
 }
 
 impl<I: Isa> BlockValues<I> {
@@ -100,8 +100,8 @@ impl Patch for Spilt {
 
 /// The columns of a run, one for each attribute asked for.
 pub(super) struct Columns<'a> {
-    pub(super) inv_w: &'a mut [f32; RUN_ROOM],
-    pub(super) columns: &'a mut [Column],
+    pub(super) inv_w: &'a mut [f32; BATCH_STRIDE],
+    pub(super) columns: &'a mut [Varying],
 }
 
 impl Columns<'_> {
@@ -129,7 +129,7 @@ impl Columns<'_> {
     }
 }
 
-impl Column {
+impl Varying {
     /// Stores pixels from place `place` on.
     #[inline(always)]
     pub(super) fn put<I: Isa, const D: bool>(&mut self, place: usize, [u, dx, dy]: [I::F32; 3]) {

@@ -86,7 +86,7 @@ fn wide_depth<I: Isa>(i: I, plane: &Plane, px: I::F32, py: I::F32) -> I::F32 {
     )
 }
 
-/// What a draw's [`depth_slope`](crate::Draw::depth_slope) takes off a depth plane. A plane that is seen on edge leaves nothing.
+/// What a draw's [`depth_slope`](crate::DrawCall::depth_slope) takes off a depth plane. A plane that is seen on edge leaves nothing.
 #[inline(always)]
 pub(crate) fn depth_offset<I: Isa>(i: I, depth_slope: f32, [a, b, _]: [I::F32; 3]) -> I::F32 {
     ((a.abs() + b.abs()) * depth_slope).below(i.f32(LEAVES_NOTHING))

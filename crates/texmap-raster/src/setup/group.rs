@@ -1,7 +1,7 @@
 //! Up to sixteen triangles of one draw set up for one tile: edges in i32, depth planes, pixel boxes.
 use texmap_math::simd::{Isa, Scalar, prelude::*};
 
-use crate::Prepared;
+use crate::BinnedDraws;
 use crate::coverage::edge::Edge;
 use crate::front_end::arrays::Arrays;
 use crate::front_end::clip::Hom;
@@ -159,7 +159,7 @@ pub(crate) fn solve<I: Isa, const FLAT: bool>(
     )
 }
 
-impl Prepared<'_> {
+impl BinnedDraws<'_> {
     /// Sets up the triangles of `ids`, which all belong to draw `draw`, for a tile.
     #[inline(always)]
     pub(crate) fn setup_group<I: Isa>(

@@ -8,17 +8,17 @@ use crate::setup::group::{GROUP, Ids, solve};
 use crate::setup::planes::{COEFFICIENTS, hull, is_moderate, w_is_even};
 use crate::setup::{Ranged, TILE, TriangleSetup, origin, widen_attribute, widen_w};
 use crate::visibility::blocks::Runs;
-use crate::visibility::visible::NONE;
-use crate::{Interp, MAX_ATTRIBUTES, Prepared};
+use crate::visibility::visible::NO_PRIMITIVE;
+use crate::{BinnedDraws, Interp, MAX_ATTRIBUTES};
 
-/// Planes of 1/w and of every attribute for each slot of a tile (see [`TileBlocks::slot`](crate::TileBlocks)),
+/// Planes of 1/w and of every attribute for each slot of a tile (see [`TileVisibility::slot`](crate::TileVisibility)),
 /// coefficient by coefficient in groups of sixteen slots.
 #[derive(Debug, Clone, Default)]
-pub struct TilePlanes {
+pub struct AttributePlanes {
     pub(crate) words: Vec<f32>,
     /// Coefficients a group.
     pub(crate) per_group: usize,
-    /// Slots that f32 planes cannot serve, by the index of their set-up; [`NONE`] for the others.
+    /// Slots that f32 planes cannot serve, by the index of their set-up; [`NO_PRIMITIVE`] for the others.
     odd: Vec<u32>,
     pub(crate) setups: Vec<TriangleSetup>,
     /// Of each group, a bit per attribute that is linear on the screen.
@@ -30,7 +30,7 @@ pub struct TilePlanes {
     pub(crate) corner: [u32; 2],
 }
 
-impl TilePlanes {
+impl AttributePlanes {
     /// Without planes.
     #[must_use]
     pub fn new() -> Self {
@@ -63,7 +63,7 @@ impl TilePlanes {
         // What an earlier tile left stands only where no triangle is, and for attributes that a draw lacks.
         self.words.resize(groups * self.per_group * GROUP, 0.0);
         self.odd.clear();
-        self.odd.resize(groups * GROUP, NONE);
+        self.odd.resize(groups * GROUP, NO_PRIMITIVE);
         self.setups.clear();
         self.corner = corner;
     }
@@ -138,11 +138,11 @@ impl TilePlanes {
     }
 }
 
-impl Prepared<'_> {
+impl BinnedDraws<'_> {
     /// Sets up the attribute planes of every triangle in a tile's bin. Values are clamped to the triangle's; of what was prepared
     /// [`with_samples`](Self::with_samples), where a pixel's centre may lie outside of the triangle, to those within half a pixel
     /// of it.
-    pub fn planes(&self, tile: usize, out: &mut TilePlanes) {
+    pub fn planes(&self, tile: usize, out: &mut AttributePlanes) {
         let bounds = self.tile(tile);
         let mut runs = Runs::new(self, tile);
         let (mut groups, mut attributes) = (0, 0);
@@ -162,7 +162,7 @@ impl Prepared<'_> {
     }
 
     #[inline(always)]
-    fn planes_lanes<I: Isa>(&self, i: I, tile: usize, out: &mut TilePlanes) {
+    fn planes_lanes<I: Isa>(&self, i: I, tile: usize, out: &mut AttributePlanes) {
         let bounds = self.tile(tile);
         let mut runs = Runs::new(self, tile);
         while let Some(run) = runs.next() {
@@ -213,7 +213,7 @@ impl Prepared<'_> {
         draw: usize,
         ids: &Ids,
         slot: usize,
-        out: &mut TilePlanes,
+        out: &mut AttributePlanes,
     ) -> u32 {
         let d = self.draw(draw as u32);
         let n = d.attribute_count;
@@ -323,7 +323,7 @@ fn store<I: Isa>(
     hull: [I::F32; 2],
     slot: usize,
     k: usize,
-    out: &mut TilePlanes,
+    out: &mut AttributePlanes,
 ) -> I::Mask64 {
     let (group, at) = (slot / GROUP, slot % GROUP);
     let [a, b, c] = [i.narrow(plane[0]), i.narrow(plane[1]), i.narrow(plane[2])];

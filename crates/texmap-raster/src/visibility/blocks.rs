@@ -7,12 +7,12 @@ use texmap_math::simd::Isa;
 use crate::coverage::hierarchical_z::Floor;
 use crate::coverage::stamp::{BLOCK_PIXELS, BLOCKS, stamp_group};
 use crate::front_end::prepared::{Tile, decides_visibility};
-use crate::interpolate::RunBlock;
+use crate::interpolate::FragmentBlock;
 use crate::setup::TILE;
 use crate::setup::group::{GROUP, Group, Known, Sharing};
 use crate::visibility::sinks::{Alone, CutOut, Forward, Last, Visible};
-use crate::visibility::visible::{AlphaTest, NONE};
-use crate::{DepthTest, Draw, Pass, Prepared};
+use crate::visibility::visible::{AlphaTest, NO_PRIMITIVE};
+use crate::{BinnedDraws, DepthTest, DrawCall, Pass};
 
 /// The four samples of a pixel, in 1/256 pixel to the right of its centre and below it: the standard locations of Vulkan 1.4,
 /// section Multisampling (also those of Direct3D and, turned over with its rows, of OpenGL on llvmpipe).
@@ -23,14 +23,14 @@ const PIXELS: usize = (TILE * TILE) as usize;
 
 /// Depth and fragment of a tile's pixels in 4x4 blocks: see [`block_index`](crate::block_index).
 #[derive(Debug, Clone)]
-pub struct TileBlocks {
+pub struct TileVisibility {
     /// Reversed depth: 0 where nothing was drawn.
     pub depth: Vec<f32>,
-    /// Which of the tile's fragments, [`NONE`] where nothing was drawn; `ids` names it.
+    /// Which of the tile's fragments, [`NO_PRIMITIVE`] where nothing was drawn; `ids` names it.
     pub slot: Vec<u32>,
     /// Of each 4x4 block, a bit per pixel where something was drawn.
     pub masks: Vec<u16>,
-    /// The id of each slot, [`NONE`] for slots that are not used.
+    /// The id of each slot, [`NO_PRIMITIVE`] for slots that are not used.
     pub ids: Vec<u32>,
     /// The draw of each sixteen slots: slot k belongs to draw `draws[k / 16]`.
     pub draws: Vec<u32>,
@@ -39,17 +39,17 @@ pub struct TileBlocks {
     group: Group,
 }
 
-/// Room for what [`Prepared::visible_samples`] sets up once for all samples.
+/// Room for what [`BinnedDraws::visible_samples`] sets up once for all samples.
 #[derive(Debug, Clone, Default)]
 pub struct SampleSetup {
     known: Vec<Known>,
 }
 
-impl Default for TileBlocks {
+impl Default for TileVisibility {
     fn default() -> Self {
         Self {
             depth: alloc::vec![0.0; PIXELS],
-            slot: alloc::vec![NONE; PIXELS],
+            slot: alloc::vec![NO_PRIMITIVE; PIXELS],
             masks: alloc::vec![0; PIXELS / BLOCK_PIXELS],
             ids: Vec::new(),
             draws: Vec::new(),
@@ -59,7 +59,7 @@ impl Default for TileBlocks {
     }
 }
 
-impl TileBlocks {
+impl TileVisibility {
     /// Cleared blocks.
     #[must_use]
     pub fn new() -> Self {
@@ -84,7 +84,7 @@ impl TileBlocks {
         self.depth.clear();
         self.depth.resize(PIXELS, 0.0);
         self.slot.clear();
-        self.slot.resize(PIXELS, NONE);
+        self.slot.resize(PIXELS, NO_PRIMITIVE);
         self.masks.clear();
         self.masks.resize(PIXELS / BLOCK_PIXELS, 0);
     }
@@ -92,7 +92,7 @@ impl TileBlocks {
     /// Forgets a tile; [`settle`](Self::settle) clears what the next one has not touched.
     fn forget(&mut self) {
         self.depth.resize(PIXELS, 0.0);
-        self.slot.resize(PIXELS, NONE);
+        self.slot.resize(PIXELS, NO_PRIMITIVE);
         self.masks.clear();
         self.masks.resize(PIXELS / BLOCK_PIXELS, 0);
         self.touched.clear();
@@ -105,7 +105,7 @@ impl TileBlocks {
         for ((depth, slots), touched) in blocks.zip(&mut self.touched) {
             if !*touched {
                 depth.fill(0.0);
-                slots.fill(NONE);
+                slots.fill(NO_PRIMITIVE);
                 *touched = true;
             }
         }
@@ -121,16 +121,16 @@ impl TileBlocks {
             for x in first..TILE {
                 let index = crate::block_index(x, y);
                 self.depth[index] = 0.0;
-                self.slot[index] = NONE;
+                self.slot[index] = NO_PRIMITIVE;
                 self.masks[index / BLOCK_PIXELS] &= !(1 << (index % BLOCK_PIXELS));
             }
         }
     }
 }
 
-impl Prepared<'_> {
+impl BinnedDraws<'_> {
     /// [`visible`](Self::visible) in blocks of 4x4, at the level that this was prepared with.
-    pub fn visible_blocks(&self, tile: usize, alpha: &dyn AlphaTest, out: &mut TileBlocks) {
+    pub fn visible_blocks(&self, tile: usize, alpha: &dyn AlphaTest, out: &mut TileVisibility) {
         self.visible_sample(tile, [0; 2], alpha, out);
     }
 
@@ -143,7 +143,7 @@ impl Prepared<'_> {
         tile: usize,
         offset: [i32; 2],
         alpha: &dyn AlphaTest,
-        out: &mut TileBlocks,
+        out: &mut TileVisibility,
     ) {
         self.visible_shared(tile, offset, alpha, None, out);
     }
@@ -154,7 +154,7 @@ impl Prepared<'_> {
         tile: usize,
         alpha: &dyn AlphaTest,
         shared: &mut SampleSetup,
-        samples: impl IntoIterator<Item = ([i32; 2], &'b mut TileBlocks)>,
+        samples: impl IntoIterator<Item = ([i32; 2], &'b mut TileVisibility)>,
     ) {
         let known = &mut shared.known;
         known.clear();
@@ -172,7 +172,7 @@ impl Prepared<'_> {
         offset: [i32; 2],
         alpha: &dyn AlphaTest,
         known: Option<(&mut Vec<Known>, bool)>,
-        out: &mut TileBlocks,
+        out: &mut TileVisibility,
     ) {
         self.name_slots(tile, out);
         out.group.offset = offset;
@@ -182,7 +182,7 @@ impl Prepared<'_> {
 
     /// Where one opaque triangle has the tile for itself and passes every depth test: its pixels, as the `masks` of `out`; all are
     /// of slot 0, and `slot` and `depth` hold nothing. False, with nothing done, elsewhere.
-    pub fn visible_alone(&self, tile: usize, out: &mut TileBlocks) -> bool {
+    pub fn covering_primitive(&self, tile: usize, out: &mut TileVisibility) -> bool {
         let [id] = self.bin_of(tile) else {
             return false;
         };
@@ -194,7 +194,13 @@ impl Prepared<'_> {
     }
 
     #[inline(always)]
-    fn alone_lanes<I: Isa>(&self, i: I, tile: usize, draw: usize, out: &mut TileBlocks) -> bool {
+    fn alone_lanes<I: Isa>(
+        &self,
+        i: I,
+        tile: usize,
+        draw: usize,
+        out: &mut TileVisibility,
+    ) -> bool {
         self.setup_group(
             i,
             draw,
@@ -209,7 +215,7 @@ impl Prepared<'_> {
             return false;
         }
         self.name_slots(tile, out);
-        let TileBlocks { masks, group, .. } = out;
+        let TileVisibility { masks, group, .. } = out;
         masks.clear();
         if group.live != 0 && group.covers_tile(0) {
             masks.resize(PIXELS / BLOCK_PIXELS, u16::MAX);
@@ -221,13 +227,13 @@ impl Prepared<'_> {
         true
     }
 
-    fn name_slots(&self, tile: usize, out: &mut TileBlocks) {
+    fn name_slots(&self, tile: usize, out: &mut TileVisibility) {
         out.ids.clear();
         out.draws.clear();
         let mut runs = Runs::new(self, tile);
         while let Some(run) = runs.next() {
             out.ids.extend_from_slice(run.ids);
-            out.ids.resize(run.first_slot + GROUP, NONE);
+            out.ids.resize(run.first_slot + GROUP, NO_PRIMITIVE);
             out.draws.push(run.draw as u32);
         }
     }
@@ -239,7 +245,7 @@ impl Prepared<'_> {
         tile: usize,
         alpha: &dyn AlphaTest,
         mut known: Option<(&mut Vec<Known>, bool)>,
-        out: &mut TileBlocks,
+        out: &mut TileVisibility,
     ) {
         out.forget();
         let bounds = self.tile(tile);
@@ -298,7 +304,7 @@ impl Prepared<'_> {
     }
 
     /// Whether of all fragments of a pixel the last is seen, and its depth: none is tested, none cut out.
-    fn last_is_seen(&self, out: &TileBlocks) -> bool {
+    fn last_is_seen(&self, out: &TileVisibility) -> bool {
         let all = out.draws.iter().map(|draw| self.draw(*draw));
         let mut deciding = all.filter(|d| decides_visibility(d.pass));
         let Some(first) = deciding.clone().next() else {
@@ -313,7 +319,7 @@ impl Prepared<'_> {
 
     /// Stamps from the last triangle to the first what nothing stands before, until all is covered.
     #[inline(always)]
-    fn last_lanes<I: Isa>(&self, i: I, tile: usize, group: &mut Group, out: &mut TileBlocks) {
+    fn last_lanes<I: Isa>(&self, i: I, tile: usize, group: &mut Group, out: &mut TileVisibility) {
         let mut last = Last {
             depth: &mut out.depth,
             slots: &mut out.slot,
@@ -327,7 +333,7 @@ impl Prepared<'_> {
         let mut end = bin.len();
         for (group_index, draw) in out.draws.iter().enumerate().rev() {
             let used = out.ids[group_index * GROUP..].iter().take(GROUP);
-            let count = used.take_while(|id| **id != NONE).count();
+            let count = used.take_while(|id| **id != NO_PRIMITIVE).count();
             let ids = &bin[end - count..end];
             end -= count;
             let state = self.draw(*draw);
@@ -350,9 +356,9 @@ impl Prepared<'_> {
     pub fn forward_blocks(
         &self,
         tile: usize,
-        blocks: &mut TileBlocks,
-        wanted: &dyn Fn(&Draw<'_>) -> bool,
-        out: &mut Vec<RunBlock>,
+        blocks: &mut TileVisibility,
+        wanted: &dyn Fn(&DrawCall<'_>) -> bool,
+        out: &mut Vec<FragmentBlock>,
     ) {
         self.forward_sample(tile, [0; 2], blocks, wanted, out);
     }
@@ -362,9 +368,9 @@ impl Prepared<'_> {
         &self,
         tile: usize,
         offset: [i32; 2],
-        blocks: &mut TileBlocks,
-        wanted: &dyn Fn(&Draw<'_>) -> bool,
-        out: &mut Vec<RunBlock>,
+        blocks: &mut TileVisibility,
+        wanted: &dyn Fn(&DrawCall<'_>) -> bool,
+        out: &mut Vec<FragmentBlock>,
     ) {
         self.name_slots(tile, blocks);
         blocks.group.offset = offset;
@@ -377,9 +383,9 @@ impl Prepared<'_> {
         &self,
         i: I,
         tile: usize,
-        blocks: &mut TileBlocks,
-        wanted: &dyn Fn(&Draw<'_>) -> bool,
-        out: &mut Vec<RunBlock>,
+        blocks: &mut TileVisibility,
+        wanted: &dyn Fn(&DrawCall<'_>) -> bool,
+        out: &mut Vec<FragmentBlock>,
     ) {
         let bounds = self.tile(tile);
         let mut group = core::mem::take(&mut blocks.group);
@@ -414,7 +420,7 @@ impl Prepared<'_> {
 
 /// A bin cut into runs of up to sixteen ids of one draw. Run k holds slots 16 k, 16 k + 1, ...
 pub(crate) struct Runs<'p, 'a> {
-    prepared: &'p Prepared<'a>,
+    prepared: &'p BinnedDraws<'a>,
     ids: &'p [u32],
     at: usize,
     run: usize,
@@ -428,7 +434,7 @@ pub(crate) struct Run<'p> {
 }
 
 impl<'p, 'a> Runs<'p, 'a> {
-    pub(crate) fn new(prepared: &'p Prepared<'a>, tile: usize) -> Self {
+    pub(crate) fn new(prepared: &'p BinnedDraws<'a>, tile: usize) -> Self {
         Self {
             prepared,
             ids: prepared.bin_of(tile),

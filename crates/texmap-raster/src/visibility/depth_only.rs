@@ -11,9 +11,9 @@ use crate::setup::TILE;
 use crate::setup::group::{Group, Sharing};
 use crate::visibility::blocks::Runs;
 use crate::visibility::sinks::passes;
-use crate::{AlphaTest, DepthTest, Prepared, TileBlocks};
+use crate::{AlphaTest, BinnedDraws, DepthTest, TileVisibility};
 
-impl Prepared<'_> {
+impl BinnedDraws<'_> {
     /// Depth of the whole target, row by row from the top: the nearest of all draws that decide visibility and write depth
     /// (cut-outs count as solid), 0 where nothing is. Reversed: 1 at the near plane. With the feature `rayon` rows of tiles
     /// are spread over the current pool when `threads` is above 1; the bits are the same.
@@ -50,7 +50,7 @@ impl Prepared<'_> {
                     empty,
                     map,
                     done,
-                    |index, blocks: &mut TileBlocks| {
+                    |index, blocks: &mut TileVisibility| {
                         self.visible_blocks(index, alpha, blocks);
                         &blocks.depth
                     },

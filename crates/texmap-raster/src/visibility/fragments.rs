@@ -1,6 +1,6 @@
 //! Visible fragments one by one: the simplest way to shade with a closure of one's own.
 
-use crate::{AlphaTest, Fragment, NONE, Prepared, RasterError, TILE, TileBuffers};
+use crate::{AlphaTest, BinnedDraws, Fragment, NO_PRIMITIVE, RasterError, TILE, VisibilityBuffer};
 
 /// A fragment that is seen, and the triangle that it comes from.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -27,17 +27,17 @@ pub struct VisibleFragment<'a> {
     pub ddy: &'a [f32],
 }
 
-impl Prepared<'_> {
+impl BinnedDraws<'_> {
     /// Calls `shade` with the nearest fragment of each covered pixel, tile by tile, and then with the fragments of blended draws in
     /// front of it, in submitted order. `alpha` decides about cut-out draws ([`NoAlphaTest`](crate::NoAlphaTest) keeps all).
     ///
-    /// On one thread and a fragment at a time: stages that need speed read [`TilePlanes`](crate::TilePlanes) by blocks.
+    /// On one thread and a fragment at a time: stages that need speed read [`AttributePlanes`](crate::AttributePlanes) by blocks.
     pub fn for_each_fragment<A: AlphaTest>(
         &self,
         alpha: &A,
         mut shade: impl FnMut(VisibleFragment<'_>),
     ) {
-        let mut buffers = TileBuffers::new();
+        let mut buffers = VisibilityBuffer::new();
         let mut fragment = Fragment::default();
         let mut show = |id: u32, x: u32, y: u32| {
             self.evaluate(id, x, y, &mut fragment);
@@ -60,7 +60,7 @@ impl Prepared<'_> {
             self.visible(index, alpha, &mut buffers);
             for (y, row) in (0..tile.height).zip(buffers.id.chunks(TILE as usize)) {
                 for (x, id) in (0..tile.width).zip(row) {
-                    if *id != NONE {
+                    if *id != NO_PRIMITIVE {
                         show(*id, tile.x0 + x, tile.y0 + y);
                     }
                 }
@@ -70,7 +70,7 @@ impl Prepared<'_> {
     }
 }
 
-/// A flat index list as triangles, for [`Draw::indices`](crate::Draw::indices).
+/// A flat index list as triangles, for [`DrawCall::indices`](crate::DrawCall::indices).
 ///
 /// # Errors
 /// [`RasterError::IndexCount`] for a length that is no multiple of three.

@@ -5,11 +5,11 @@ use texmap_math::simd::{Isa, Scalar, prelude::*};
 
 use crate::coverage::stamp::{BLOCK_PIXELS, Sink};
 use crate::front_end::prepared::Tile;
-use crate::interpolate::RunBlock;
+use crate::interpolate::FragmentBlock;
 use crate::setup::{Fragment, TILE, TriangleSetup};
 use crate::visibility::blocks::pixel_of;
-use crate::visibility::visible::{AlphaTest, NONE};
-use crate::{DepthTest, Prepared};
+use crate::visibility::visible::{AlphaTest, NO_PRIMITIVE};
+use crate::{BinnedDraws, DepthTest};
 
 /// The depth test; depth is reversed, so nearer is larger.
 #[inline(always)]
@@ -27,7 +27,7 @@ fn touch(block: usize, depth: &mut [f32], slots: &mut [u32], touched: &mut [bool
     if !touched[block] {
         touched[block] = true;
         depth[block * BLOCK_PIXELS..(block + 1) * BLOCK_PIXELS].fill(0.0);
-        slots[block * BLOCK_PIXELS..(block + 1) * BLOCK_PIXELS].fill(NONE);
+        slots[block * BLOCK_PIXELS..(block + 1) * BLOCK_PIXELS].fill(NO_PRIMITIVE);
     }
 }
 
@@ -62,7 +62,7 @@ impl<I: Isa> Sink<I> for Visible<'_, '_> {
         let (old, old_slots) = if *touched {
             (i.load_f32(stored), i.load_u32(slots))
         } else {
-            (i.f32(0.0), i.u32(NONE))
+            (i.f32(0.0), i.u32(NO_PRIMITIVE))
         };
         let mut pass = covered & passes(i, self.test, depth, old);
         if !pass.any_true() {
@@ -198,7 +198,7 @@ const FEW_PIXELS: u32 = 3;
 
 /// Asks the alpha test.
 pub(crate) struct CutOut<'p> {
-    pub(crate) prepared: &'p Prepared<'p>,
+    pub(crate) prepared: &'p BinnedDraws<'p>,
     pub(crate) ids: &'p [u32],
     pub(crate) tile: Tile,
     pub(crate) draw: u32,
@@ -261,7 +261,7 @@ pub(crate) struct Forward<'b, 'f> {
     pub(crate) tile: Tile,
     /// The tile is of full size.
     pub(crate) whole: bool,
-    pub(crate) out: &'f mut Vec<RunBlock>,
+    pub(crate) out: &'f mut Vec<FragmentBlock>,
 }
 
 impl Forward<'_, '_> {
@@ -298,7 +298,7 @@ impl<I: Isa> Sink<I> for Forward<'_, '_> {
         if self.write {
             pass.select(depth, old).store(stored);
         }
-        let at = RunBlock {
+        let at = FragmentBlock {
             block: block as u16,
             mask: bits as u16,
             slot: self.first_slot + triangle as u32,
@@ -318,7 +318,7 @@ impl<I: Isa> Sink<I> for Forward<'_, '_> {
             if self.write {
                 self.depth[index] = depth;
             }
-            self.out.push(RunBlock {
+            self.out.push(FragmentBlock {
                 block: (index / BLOCK_PIXELS) as u16,
                 mask: 1 << (index % BLOCK_PIXELS),
                 slot: self.first_slot + triangle as u32,

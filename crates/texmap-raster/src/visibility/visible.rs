@@ -4,34 +4,34 @@ use alloc::vec::Vec;
 use crate::coverage::stamp::BLOCK_PIXELS;
 use crate::front_end::prepared::decides_visibility;
 use crate::setup::{Fragment, TILE};
-use crate::visibility::blocks::{TileBlocks, pixel_of};
-use crate::{Prepared, block_index};
+use crate::visibility::blocks::{TileVisibility, pixel_of};
+use crate::{BinnedDraws, block_index};
 
 /// The id of a pixel where nothing was drawn.
-pub const NONE: u32 = u32::MAX;
+pub const NO_PRIMITIVE: u32 = u32::MAX;
 
 /// Depth and fragment id of a tile's pixels: 64x64 values, row by row from the top; the row length is 64 for narrow tiles too.
 #[derive(Debug, Clone)]
-pub struct TileBuffers {
+pub struct VisibilityBuffer {
     /// Reversed depth: 0 where nothing was drawn.
     pub depth: Vec<f32>,
-    /// Fragment id, [`NONE`] where nothing was drawn.
+    /// Fragment id, [`NO_PRIMITIVE`] where nothing was drawn.
     pub id: Vec<u32>,
-    blocks: TileBlocks,
+    blocks: TileVisibility,
 }
 
-impl Default for TileBuffers {
+impl Default for VisibilityBuffer {
     fn default() -> Self {
         let pixels = (TILE * TILE) as usize;
         Self {
             depth: alloc::vec![0.0; pixels],
-            id: alloc::vec![NONE; pixels],
-            blocks: TileBlocks::new(),
+            id: alloc::vec![NO_PRIMITIVE; pixels],
+            blocks: TileVisibility::new(),
         }
     }
 }
 
-impl TileBuffers {
+impl VisibilityBuffer {
     /// Cleared buffers.
     #[must_use]
     pub fn new() -> Self {
@@ -44,7 +44,7 @@ impl TileBuffers {
         self.depth.clear();
         self.depth.resize(pixels, 0.0);
         self.id.clear();
-        self.id.resize(pixels, NONE);
+        self.id.resize(pixels, NO_PRIMITIVE);
     }
 }
 
@@ -82,11 +82,11 @@ impl AlphaTest for NoAlphaTest {
     }
 }
 
-impl Prepared<'_> {
+impl BinnedDraws<'_> {
     /// Clears `out` and finds what is visible of the opaque and cut-out draws: the nearest fragment, of equals the first
     /// submitted ([`DepthTest::LessOrEqual`]: the last).
-    pub fn visible<A: AlphaTest>(&self, tile: usize, alpha: &A, out: &mut TileBuffers) {
-        let mut blocks = core::mem::replace(&mut out.blocks, TileBlocks::empty());
+    pub fn visible<A: AlphaTest>(&self, tile: usize, alpha: &A, out: &mut VisibilityBuffer) {
+        let mut blocks = core::mem::replace(&mut out.blocks, TileVisibility::empty());
         self.visible_blocks(tile, alpha, &mut blocks);
         out.clear();
         for y in 0..TILE {
@@ -97,7 +97,7 @@ impl Prepared<'_> {
                     .ids
                     .get(blocks.slot[from] as usize)
                     .copied()
-                    .unwrap_or(NONE);
+                    .unwrap_or(NO_PRIMITIVE);
             }
         }
         out.blocks = blocks;
@@ -105,15 +105,20 @@ impl Prepared<'_> {
 
     /// Calls `sink` with each fragment (id, x, y) of the blended draws that passes the depth test against `buffers`, in
     /// submitted order; within a triangle in 4x4 blocks.
-    pub fn blended(&self, tile: usize, buffers: &TileBuffers, sink: &mut dyn FnMut(u32, u32, u32)) {
+    pub fn blended(
+        &self,
+        tile: usize,
+        buffers: &VisibilityBuffer,
+        sink: &mut dyn FnMut(u32, u32, u32),
+    ) {
         let bounds = self.tile(tile);
-        let (mut blocks, mut list) = (TileBlocks::new(), Vec::new());
+        let (mut blocks, mut list) = (TileVisibility::new(), Vec::new());
         for (y, row) in (0..TILE).zip(buffers.depth.chunks_exact(TILE as usize)) {
             for (x, depth) in (0..TILE).zip(row) {
                 blocks.depth[block_index(x, y)] = *depth;
             }
         }
-        let is_blended = |draw: &crate::Draw<'_>| !decides_visibility(draw.pass);
+        let is_blended = |draw: &crate::DrawCall<'_>| !decides_visibility(draw.pass);
         self.forward_blocks(tile, &mut blocks, &is_blended, &mut list);
         for at in list {
             for bit in (0..16).filter(|bit| at.mask >> bit & 1 == 1) {

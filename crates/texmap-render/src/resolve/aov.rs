@@ -23,7 +23,7 @@ pub(crate) fn write_batch(
         fragment.inv_w = batch.values.inv_w[place];
         fragment.pixel = batch.sample(at, bit);
         fragment.front = facing.is_front(batch, slot);
-        let columns = &batch.values.columns[..surface.vertices.attribute_count];
+        let columns = &batch.values.varyings[..surface.vertices.attribute_count];
         for (k, column) in columns.iter().enumerate() {
             fragment.values[k] = column.value[place];
             fragment.ddx[k] = column.ddx[place];

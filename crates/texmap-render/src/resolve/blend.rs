@@ -2,7 +2,7 @@
 
 use texmap_math::simd::{Isa, prelude::*};
 use texmap_math::{Level, dispatch_simd};
-use texmap_raster::RunBlock;
+use texmap_raster::FragmentBlock;
 
 use super::encode::encode_lanes;
 use super::tile_buffer::{Shaded, TileBuffer, block_mut, load_light};
@@ -14,7 +14,7 @@ impl TileBuffer {
     pub(crate) fn blend(
         &mut self,
         level: Level,
-        batch: &[RunBlock],
+        batch: &[FragmentBlock],
         colors: &Shaded<'_>,
         covered: &mut [u16],
     ) {
@@ -58,7 +58,7 @@ impl TileBuffer {
 fn blend_block<I: Isa>(
     i: I,
     light: &mut [f32],
-    at: RunBlock,
+    at: FragmentBlock,
     colors: &Shaded<'_>,
     first: usize,
     covered: &mut [u16],

@@ -2,7 +2,7 @@
 
 use texmap_math::fearless_simd::{Simd, prelude::*, u8x16, u8x64, u32x4, u32x16};
 use texmap_math::{Level, dispatch_simd};
-use texmap_raster::{RunBlock, TILE};
+use texmap_raster::{FragmentBlock, TILE};
 
 use super::tile_buffer::TileBuffer;
 use crate::shade::batch::{LANES, set_bits};
@@ -98,7 +98,7 @@ pub(crate) fn rows_fit(rows: &[&mut [u8]]) -> bool {
 
 /// Stores the encoded colors of a block in the rows of the tile.
 #[inline(always)]
-pub(crate) fn put_block_rows(rows: &mut [&mut [u8]], at: RunBlock, words: &[u32; LANES]) {
+pub(crate) fn put_block_rows(rows: &mut [&mut [u8]], at: FragmentBlock, words: &[u32; LANES]) {
     let (x, y) = (usize::from(at.block) % 16, usize::from(at.block) / 16);
     let Some(rows) = rows.get_mut(4 * y..4 * y + 4) else {
         return;
@@ -197,7 +197,7 @@ mod tests {
             *word = u32::from_le_bytes([7; 4]);
         }
         for (i, mask) in [u16::MAX, 0x00f0, 0x8421, 1, 0].into_iter().enumerate() {
-            let at = RunBlock {
+            let at = FragmentBlock {
                 block: (i * 61) as u16,
                 mask,
                 slot: 0,

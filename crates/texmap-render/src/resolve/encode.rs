@@ -2,7 +2,7 @@
 
 use texmap_math::simd::{Isa, One, Scalar, encode_srgb8, encode_unorm8, prelude::*};
 use texmap_math::{Level, dispatch_simd};
-use texmap_raster::{RUN_ROOM, RunBlock};
+use texmap_raster::{BATCH_STRIDE, FragmentBlock};
 
 use super::tile_buffer::{Shaded, TileBuffer, load_light};
 use crate::shade::batch::{LANES, straight};
@@ -39,10 +39,10 @@ impl TileBuffer {
         &mut self,
         level: Level,
         mode: ColorMode,
-        batch: &[RunBlock],
+        batch: &[FragmentBlock],
         colors: &Shaded<'_>,
     ) {
-        let mut words = [0; RUN_ROOM];
+        let mut words = [0; BATCH_STRIDE];
         dispatch_simd!(level, i => encode_batch(i, mode, batch.len(), colors, &mut words));
         self.put_words(batch, &words);
     }
@@ -60,7 +60,7 @@ fn encode_batch<I: Isa>(
     mode: ColorMode,
     blocks: usize,
     colors: &Shaded<'_>,
-    words: &mut [u32; RUN_ROOM],
+    words: &mut [u32; BATCH_STRIDE],
 ) {
     for at in (0..blocks * LANES).step_by(I::LANES) {
         let word = encode_lanes(i, mode, colors.load(i, at));

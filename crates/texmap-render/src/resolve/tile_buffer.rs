@@ -3,7 +3,7 @@
 
 use texmap_math::simd::{Isa, prelude::*};
 use texmap_math::{Level, dispatch_simd};
-use texmap_raster::{RUN_ROOM, RunBlock, TILE};
+use texmap_raster::{BATCH_STRIDE, FragmentBlock, TILE};
 
 use crate::shade::batch::{Colors, LANES, set_bits, unpack};
 use crate::shade::unlit::UnlitColor;
@@ -26,9 +26,9 @@ pub(crate) enum Shaded<'a> {
     /// One encoded opaque color.
     Word(u32),
     /// Encoded opaque colors.
-    Words(&'a [u32; RUN_ROOM]),
+    Words(&'a [u32; BATCH_STRIDE]),
     /// RGBA8 texels, still without the factors of their surface.
-    Texels(UnlitColor, &'a [u32; RUN_ROOM]),
+    Texels(UnlitColor, &'a [u32; BATCH_STRIDE]),
     /// Premultiplied light.
     Light(&'a Colors),
 }
@@ -70,14 +70,14 @@ impl TileBuffer {
     }
 
     /// Stores one encoded color in every pixel of a batch.
-    pub(crate) fn put_word(&mut self, batch: &[RunBlock], word: u32) {
+    pub(crate) fn put_word(&mut self, batch: &[FragmentBlock], word: u32) {
         for at in batch {
             self.put_block(*at, &[word; LANES]);
         }
     }
 
     /// Stores the encoded colors of a batch.
-    pub(crate) fn put_words(&mut self, batch: &[RunBlock], words: &[u32; RUN_ROOM]) {
+    pub(crate) fn put_words(&mut self, batch: &[FragmentBlock], words: &[u32; BATCH_STRIDE]) {
         for (at, from) in batch.iter().zip(words.as_chunks().0) {
             self.put_block(*at, from);
         }
@@ -85,7 +85,7 @@ impl TileBuffer {
 
     /// Stores the encoded colors of a block.
     #[inline(always)]
-    pub(crate) fn put_block(&mut self, at: RunBlock, from: &[u32; LANES]) {
+    pub(crate) fn put_block(&mut self, at: FragmentBlock, from: &[u32; LANES]) {
         let Some(to) = self
             .words
             .as_chunks_mut::<LANES>()
@@ -102,7 +102,7 @@ impl TileBuffer {
     }
 
     /// Stores the light of a batch in place of what is there.
-    pub(crate) fn put_light(&mut self, level: Level, batch: &[RunBlock], colors: &Shaded<'_>) {
+    pub(crate) fn put_light(&mut self, level: Level, batch: &[FragmentBlock], colors: &Shaded<'_>) {
         let light = &mut self.light;
         dispatch_simd!(level, i => put_light(i, light, batch, colors));
     }
@@ -128,7 +128,7 @@ impl TileBuffer {
 }
 
 #[inline(always)]
-fn put_light<I: Isa>(i: I, light: &mut [f32], batch: &[RunBlock], colors: &Shaded<'_>) {
+fn put_light<I: Isa>(i: I, light: &mut [f32], batch: &[FragmentBlock], colors: &Shaded<'_>) {
     for (k, at) in batch.iter().enumerate() {
         let to = block_mut(light, at.block);
         for part in (0..LANES).step_by(I::LANES) {

@@ -3,7 +3,7 @@
 use texmap_light::lanes::{Vector, splat};
 use texmap_math::Level;
 use texmap_math::simd::{Isa, Scalar};
-use texmap_raster::RunValues;
+use texmap_raster::Varyings;
 
 use super::batch::{Batch, Colors, columns, load_vector, straight};
 use super::fetch::{PackedTexels, Texels, footprint_at};
@@ -55,7 +55,7 @@ impl BaseColor<'_> {
         &self,
         level: Level,
         batch: &Batch<'_>,
-        uv: &RunValues,
+        uv: &Varyings,
         out: &mut BaseTexels,
     ) {
         let blocks = batch.list.len();
@@ -146,7 +146,7 @@ impl BaseColor<'_> {
     pub(crate) fn tinted<I: Isa>(
         &self,
         i: I,
-        values: &RunValues,
+        values: &Varyings,
         at: usize,
         base: Vector<I>,
     ) -> Vector<I> {
@@ -174,7 +174,7 @@ impl BaseColor<'_> {
         &self,
         i: I,
         read: &BaseTexels,
-        values: &RunValues,
+        values: &Varyings,
         at: usize,
     ) -> (Vector<I>, I::F32) {
         let texel = self.texel(i, read, at);
@@ -194,7 +194,7 @@ impl BaseColor<'_> {
 
     /// The color of the material alone, times the vertex colors.
     #[inline(always)]
-    pub(crate) fn material_color<I: Isa>(&self, i: I, values: &RunValues, at: usize) -> Vector<I> {
+    pub(crate) fn material_color<I: Isa>(&self, i: I, values: &Varyings, at: usize) -> Vector<I> {
         self.tinted(i, values, at, splat(i, self.color))
     }
 }

@@ -2,7 +2,8 @@
 
 use texmap_math::simd::{Isa, prelude::*};
 use texmap_raster::{
-    Column, Cull, NONE, Prepared, RUN_ROOM, RunBlock, RunValues, Tile, TileBlocks,
+    BATCH_STRIDE, BinnedDraws, Cull, FragmentBlock, NO_PRIMITIVE, Tile, TileVisibility, Varying,
+    Varyings,
 };
 
 /// Pixels of a 4x4 block.
@@ -10,17 +11,17 @@ pub(crate) const LANES: usize = 16;
 
 /// The fragments of a batch and their attributes.
 pub(crate) struct Batch<'a> {
-    pub(crate) prepared: &'a Prepared<'a>,
+    pub(crate) prepared: &'a BinnedDraws<'a>,
     pub(crate) tile: Tile,
-    pub(crate) blocks: &'a TileBlocks,
-    pub(crate) list: &'a [RunBlock],
-    pub(crate) values: &'a RunValues,
+    pub(crate) blocks: &'a TileVisibility,
+    pub(crate) list: &'a [FragmentBlock],
+    pub(crate) values: &'a Varyings,
 }
 
 impl Batch<'_> {
     /// The slot of the triangle that a pixel of a block shows.
-    pub(crate) fn slot(&self, at: RunBlock, bit: usize) -> u32 {
-        if at.slot == NONE {
+    pub(crate) fn slot(&self, at: FragmentBlock, bit: usize) -> u32 {
+        if at.slot == NO_PRIMITIVE {
             self.blocks.slot[usize::from(at.block) * LANES + bit]
         } else {
             at.slot
@@ -28,7 +29,7 @@ impl Batch<'_> {
     }
 
     /// The sample of a pixel of a block: column and row of the target.
-    pub(crate) fn sample(&self, at: RunBlock, bit: usize) -> [u32; 2] {
+    pub(crate) fn sample(&self, at: FragmentBlock, bit: usize) -> [u32; 2] {
         let (x, y) = (at.block as usize % 16 * 4, at.block as usize / 16 * 4);
         [
             self.tile.x0 + (x + bit % 4) as u32,
@@ -37,12 +38,12 @@ impl Batch<'_> {
     }
 
     /// Reversed depth of the opaque surface at a pixel of a block.
-    pub(crate) fn depth(&self, at: RunBlock, bit: usize) -> f32 {
+    pub(crate) fn depth(&self, at: FragmentBlock, bit: usize) -> f32 {
         self.blocks.depth[usize::from(at.block) * LANES + bit]
     }
 
     /// The fragments: index in the columns, block, pixel of the block.
-    pub(crate) fn fragments(&self) -> impl Iterator<Item = (usize, RunBlock, usize)> {
+    pub(crate) fn fragments(&self) -> impl Iterator<Item = (usize, FragmentBlock, usize)> {
         self.list
             .iter()
             .enumerate()
@@ -57,7 +58,7 @@ pub(crate) struct Part {
     pub(crate) at: usize,
     /// First pixel in the block.
     pub(crate) pixel: usize,
-    pub(crate) block: RunBlock,
+    pub(crate) block: FragmentBlock,
     /// Index of the block in the batch.
     pub(crate) index: usize,
 }
@@ -80,7 +81,7 @@ impl Facing {
     pub(crate) fn new(cull: Cull) -> Self {
         Self {
             cull,
-            last: (NONE, true),
+            last: (NO_PRIMITIVE, true),
         }
     }
 
@@ -99,11 +100,11 @@ impl Facing {
 }
 
 /// Premultiplied colors of a batch, channel by channel.
-pub(crate) struct Colors(pub(crate) [[f32; RUN_ROOM]; 4]);
+pub(crate) struct Colors(pub(crate) [[f32; BATCH_STRIDE]; 4]);
 
 impl Default for Colors {
     fn default() -> Self {
-        Self([[0.0; RUN_ROOM]; 4])
+        Self([[0.0; BATCH_STRIDE]; 4])
     }
 }
 
@@ -148,15 +149,15 @@ impl Colors {
 
 /// Coordinates of a batch.
 pub(crate) struct BatchUv {
-    pub(crate) u: [f32; RUN_ROOM],
-    pub(crate) v: [f32; RUN_ROOM],
+    pub(crate) u: [f32; BATCH_STRIDE],
+    pub(crate) v: [f32; BATCH_STRIDE],
 }
 
 impl Default for BatchUv {
     fn default() -> Self {
         Self {
-            u: [0.0; RUN_ROOM],
-            v: [0.0; RUN_ROOM],
+            u: [0.0; BATCH_STRIDE],
+            v: [0.0; BATCH_STRIDE],
         }
     }
 }
@@ -176,13 +177,13 @@ impl BatchUv {
 
 /// Values of a column from pixel `at` of the batch on.
 #[inline(always)]
-pub(crate) fn load<I: Isa>(i: I, column: &[f32; RUN_ROOM], at: usize) -> I::F32 {
+pub(crate) fn load<I: Isa>(i: I, column: &[f32; BATCH_STRIDE], at: usize) -> I::F32 {
     i.load_f32(&column[at..at + I::LANES])
 }
 
 /// A vector from its three columns.
 #[inline(always)]
-pub(crate) fn load_vector<I: Isa>(i: I, [x, y, z]: &[Column; 3], at: usize) -> [I::F32; 3] {
+pub(crate) fn load_vector<I: Isa>(i: I, [x, y, z]: &[Varying; 3], at: usize) -> [I::F32; 3] {
     [
         load(i, &x.value, at),
         load(i, &y.value, at),
@@ -192,7 +193,7 @@ pub(crate) fn load_vector<I: Isa>(i: I, [x, y, z]: &[Column; 3], at: usize) -> [
 
 /// The changes of a vector from pixel to pixel, to the right and down.
 #[inline(always)]
-pub(crate) fn load_changes<I: Isa>(i: I, [x, y, z]: &[Column; 3], at: usize) -> [[I::F32; 3]; 2] {
+pub(crate) fn load_changes<I: Isa>(i: I, [x, y, z]: &[Varying; 3], at: usize) -> [[I::F32; 3]; 2] {
     [
         [
             load(i, &x.ddx, at),
@@ -208,9 +209,9 @@ pub(crate) fn load_changes<I: Isa>(i: I, [x, y, z]: &[Column; 3], at: usize) -> 
 }
 
 /// The columns of `values` from this attribute on; zeros where there are none.
-pub(crate) fn columns<const N: usize>(values: &RunValues, first: usize) -> &[Column; N] {
-    static ZEROS: [Column; 4] = [Column::ZERO; 4];
-    let columns = values.columns.get(first..).unwrap_or_default();
+pub(crate) fn columns<const N: usize>(values: &Varyings, first: usize) -> &[Varying; N] {
+    static ZEROS: [Varying; 4] = [Varying::ZERO; 4];
+    let columns = values.varyings.get(first..).unwrap_or_default();
     let zeros = ZEROS.first_chunk();
     match columns.first_chunk().or(zeros) {
         Some(columns) => columns,

@@ -3,7 +3,7 @@
 use texmap_math::glam::{DMat4, DVec3};
 use texmap_math::simd::Isa;
 use texmap_math::{CameraFrame, Footprint, Level, ViewRays};
-use texmap_raster::{Column, Fragment, RunValues};
+use texmap_raster::{Fragment, Varying, Varyings};
 use texmap_uv::PerPixelProjection;
 
 use super::batch::{Batch, LANES, columns};
@@ -53,8 +53,8 @@ impl Coordinates {
         level: Level,
         batch: &Batch<'c>,
         scratch: &mut UvScratch,
-        out: &'c mut RunValues,
-    ) -> &'c RunValues {
+        out: &'c mut Varyings,
+    ) -> &'c Varyings {
         let UvScratch {
             moves,
             uv,
@@ -77,7 +77,7 @@ impl Coordinates {
                 }
             }
             Self::Round(map, first) => {
-                let position: &[Column; 3] = columns(batch.values, *first);
+                let position: &[Varying; 3] = columns(batch.values, *first);
                 let [points, dx, dy] = moves;
                 for list in [&mut *points, &mut *dx, &mut *dy] {
                     list.clear();
@@ -93,10 +93,10 @@ impl Coordinates {
                     .expect("the lists have one length");
             }
         }
-        out.columns.resize(2, Column::ZERO);
+        out.varyings.resize(2, Varying::ZERO);
         for ((at, ..), (uv, d)) in batch.fragments().zip(uv.iter().zip(footprint)) {
             let changes = [[d.du_dx, d.du_dy], [d.dv_dx, d.dv_dy]];
-            for ((column, value), [dx, dy]) in out.columns.iter_mut().zip(uv).zip(changes) {
+            for ((column, value), [dx, dy]) in out.varyings.iter_mut().zip(uv).zip(changes) {
                 column.value[at] = *value;
                 column.ddx[at] = dx;
                 column.ddy[at] = dy;

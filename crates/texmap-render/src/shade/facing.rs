@@ -4,7 +4,7 @@ use texmap_light::lanes::Vector;
 use texmap_math::glam::DVec3;
 use texmap_math::narrow;
 use texmap_math::simd::Isa;
-use texmap_raster::{Cull, NONE, RunBlock};
+use texmap_raster::{Cull, FragmentBlock, NO_PRIMITIVE};
 
 use super::batch::{Batch, Facing, LANES, Part, set_bits};
 
@@ -23,7 +23,7 @@ pub(crate) struct Side {
     plane: [[f32; LANES]; 3],
     /// The slot that was asked about last.
     last: Seen,
-    /// The slot of all pixels, or [`NONE`].
+    /// The slot of all pixels, or [`NO_PRIMITIVE`].
     whole: u32,
 }
 
@@ -41,11 +41,11 @@ impl Default for Side {
             back: 0,
             plane: [[0.0; LANES]; 3],
             last: Seen {
-                slot: NONE,
+                slot: NO_PRIMITIVE,
                 front: true,
                 plane: [0.0; 3],
             },
-            whole: NONE,
+            whole: NO_PRIMITIVE,
         }
     }
 }
@@ -64,12 +64,12 @@ impl Side {
 
 impl FacingStage<'_> {
     /// `side` is that of an earlier block of the batch.
-    pub(crate) fn update(&self, batch: &Batch<'_>, at: RunBlock, side: &mut Side) {
+    pub(crate) fn update(&self, batch: &Batch<'_>, at: FragmentBlock, side: &mut Side) {
         if self.cull == Cull::Back && self.planes.is_none() {
             // All show their fronts, as the side says from the start.
             return;
         }
-        if at.slot != NONE {
+        if at.slot != NO_PRIMITIVE {
             if side.whole != at.slot {
                 side.whole = at.slot;
                 let seen = self.seen(batch, at.slot, &side.last);
@@ -79,7 +79,7 @@ impl FacingStage<'_> {
             }
             return;
         }
-        (side.whole, side.back) = (NONE, 0);
+        (side.whole, side.back) = (NO_PRIMITIVE, 0);
         for bit in set_bits(at.mask) {
             side.last = self.seen(batch, batch.slot(at, bit), &side.last);
             side.back |= u16::from(!side.last.front) << bit;

@@ -3,7 +3,7 @@
 
 use texmap_math::simd::Isa;
 use texmap_math::{Footprint, Level};
-use texmap_raster::{RUN_ROOM, RunBlock, RunValues, TileBlocks, TilePlanes};
+use texmap_raster::{AttributePlanes, BATCH_STRIDE, FragmentBlock, TileVisibility, Varyings};
 use texmap_sample::lanes::BoundTexture;
 use texmap_sample::{Places, sample_soa};
 
@@ -12,8 +12,8 @@ use super::texels::{Pixels, TexelAddresses, packed_view, read_pair};
 use crate::textures::Slot;
 
 /// Columns 0 and 1 as coordinates to sample at, with the derivatives that the filter reads.
-pub(crate) fn places<'a>(slot: &Slot<'_>, values: &'a RunValues, count: usize) -> Places<'a> {
-    let [u, v] = [&values.columns[0], &values.columns[1]];
+pub(crate) fn places<'a>(slot: &Slot<'_>, values: &'a Varyings, count: usize) -> Places<'a> {
+    let [u, v] = [&values.varyings[0], &values.varyings[1]];
     Places {
         u: &u.value[..count],
         v: &v.value[..count],
@@ -29,8 +29,8 @@ pub(crate) fn places<'a>(slot: &Slot<'_>, values: &'a RunValues, count: usize) -
 }
 
 /// The coordinates of a pixel, and their footprint.
-pub(crate) fn footprint_at(uv: &RunValues, at: usize) -> ([f32; 2], Footprint) {
-    let [u, v] = [&uv.columns[0], &uv.columns[1]];
+pub(crate) fn footprint_at(uv: &Varyings, at: usize) -> ([f32; 2], Footprint) {
+    let [u, v] = [&uv.varyings[0], &uv.varyings[1]];
     let d = Footprint::new(u.ddx[at], v.ddx[at], u.ddy[at], v.ddy[at]);
     ([u.value[at], v.value[at]], d)
 }
@@ -39,13 +39,13 @@ pub(crate) fn footprint_at(uv: &RunValues, at: usize) -> ([f32; 2], Footprint) {
 #[derive(Default)]
 pub(crate) struct Texels {
     /// Coordinates of the slot, where it has some of its own.
-    placed: RunValues,
+    placed: Varyings,
     pub(crate) colors: Colors,
 }
 
 impl Texels {
     /// Reads a texture at the coordinates of `blocks` blocks, columns 0 and 1 of `uv`.
-    pub(crate) fn fetch(&mut self, level: Level, slot: &Slot<'_>, uv: &RunValues, blocks: usize) {
+    pub(crate) fn fetch(&mut self, level: Level, slot: &Slot<'_>, uv: &Varyings, blocks: usize) {
         let count = blocks * LANES;
         let uv = slot.placed(uv, count, &mut self.placed);
         let (at, columns) = (places(slot, uv, count), self.colors.columns_mut(count));
@@ -62,7 +62,7 @@ impl Texels {
 
 /// Texels of a batch: packed bytes, or channel by channel.
 pub(crate) struct PackedTexels {
-    pub(crate) words: [u32; RUN_ROOM],
+    pub(crate) words: [u32; BATCH_STRIDE],
     pub(crate) colors: Colors,
     pub(crate) packed: bool,
 }
@@ -70,7 +70,7 @@ pub(crate) struct PackedTexels {
 impl Default for PackedTexels {
     fn default() -> Self {
         Self {
-            words: [0; RUN_ROOM],
+            words: [0; BATCH_STRIDE],
             colors: Colors::default(),
             packed: false,
         }
@@ -128,9 +128,9 @@ impl<'a> TexturePair<'a> {
     pub(crate) fn fetch(
         &self,
         level: Level,
-        planes: &TilePlanes,
-        blocks: &TileBlocks,
-        batch: &[RunBlock],
+        planes: &AttributePlanes,
+        blocks: &TileVisibility,
+        batch: &[FragmentBlock],
         scratch: &mut PairScratch,
         out: &mut [PackedTexels; 2],
     ) {
@@ -171,7 +171,7 @@ impl<'a> TexturePair<'a> {
 /// Columns that a [`TexturePair`] reads.
 #[derive(Default)]
 pub(crate) struct PairScratch {
-    values: RunValues,
+    values: Varyings,
     addresses: TexelAddresses,
 }
 
@@ -183,7 +183,9 @@ pub(super) mod tests {
     use texmap_math::camera::Camera;
     use texmap_math::glam::{DMat4, DVec3, DVec4};
     use texmap_math::simd::Scalar;
-    use texmap_raster::{Draw, NONE, NoAlphaTest, Prepared, RUN, TargetSize};
+    use texmap_raster::{
+        BATCH_PIXELS, BinnedDraws, DrawCall, NO_PRIMITIVE, NoAlphaTest, TargetSize,
+    };
     use texmap_sample::{
         ColorSpace, Filter, Origin, Precision, Sampler, Texture2d, UvTransform, Wrap,
     };
@@ -248,7 +250,7 @@ pub(super) mod tests {
         let level = Level::new();
         let scene = scene(vec![noise(64, 64), noise(64, 64), noise(16, 32)]);
         let corners = [[-1.3, -1.3], [1.3, -1.3], [1.3, 1.3], [-1.3, 1.3]];
-        let draw = Draw {
+        let draw = DrawCall {
             positions: &corners.map(|[x, y]| [x, y, 0.0]),
             indices: &[[0, 1, 2], [0, 2, 3]],
             // w is 1 + 0.4 y.
@@ -260,22 +262,22 @@ pub(super) mod tests {
             ),
             attributes: &[-0.4, 0.2, 3.3, -0.3, 1.1, 2.7, 0.1, 5.9],
             attribute_count: 2,
-            ..Draw::default()
+            ..DrawCall::default()
         };
         let size = TargetSize::new(64, 64).unwrap();
-        let prepared = Prepared::with_level(size, &[draw], level, 1).unwrap();
-        let (mut blocks, mut planes) = (TileBlocks::new(), TilePlanes::new());
+        let prepared = BinnedDraws::with_level(size, &[draw], level, 1).unwrap();
+        let (mut blocks, mut planes) = (TileVisibility::new(), AttributePlanes::new());
         prepared.visible_blocks(0, &NoAlphaTest, &mut blocks);
         prepared.planes(0, &mut planes);
         let all = blocks.masks.iter().enumerate();
         let all = all
             .filter(|(_, mask)| **mask != 0)
-            .map(|(k, mask)| RunBlock {
+            .map(|(k, mask)| FragmentBlock {
                 block: k as u16,
                 mask: *mask,
-                slot: NONE,
+                slot: NO_PRIMITIVE,
             });
-        let list: Vec<RunBlock> = all.collect();
+        let list: Vec<FragmentBlock> = all.collect();
         assert!(list.len() > 150, "{}", list.len());
         let settings = Settings::new(64, 64);
         let chains = Chains::new(&scene, &settings).unwrap();
@@ -305,7 +307,7 @@ pub(super) mod tests {
                     let mut scratch = PairScratch::default();
                     let mut words: [PackedTexels; 2] = Default::default();
                     let mut floats: [PackedTexels; 2] = Default::default();
-                    for batch in list.chunks(RUN / LANES) {
+                    for batch in list.chunks(BATCH_PIXELS / LANES) {
                         packed.fetch(level, &planes, &blocks, batch, &mut scratch, &mut words);
                         general.fetch(level, &planes, &blocks, batch, &mut scratch, &mut floats);
                         for (words, floats) in words.iter().zip(&floats) {
@@ -340,7 +342,7 @@ pub(super) mod tests {
         let mut out = Colors::default();
         for level in [Level::new(), Level::baseline()] {
             dispatch_simd!(level, i => load_all(i, &texels, &mut out));
-            for at in 0..RUN {
+            for at in 0..BATCH_PIXELS {
                 let bytes = texels.words[at].to_le_bytes();
                 assert_eq!(out.get(at), bytes.map(|b| f32::from(b) * (1.0 / 255.0)));
             }
@@ -348,7 +350,7 @@ pub(super) mod tests {
 
         #[inline(always)]
         fn load_all<I: Isa>(i: I, texels: &PackedTexels, out: &mut Colors) {
-            for at in (0..RUN).step_by(I::LANES) {
+            for at in (0..BATCH_PIXELS).step_by(I::LANES) {
                 out.store(i, at, texels.load(i, at));
             }
         }

@@ -5,7 +5,7 @@ use texmap_light::{Green, NormalMap};
 use texmap_math::glam::DMat3;
 use texmap_math::simd::{Isa, prelude::*};
 use texmap_math::{Level, dispatch_simd};
-use texmap_raster::{Column, RunValues};
+use texmap_raster::{Varying, Varyings};
 use texmap_sample::{Origin, sample_soa};
 
 use super::batch::{BatchUv, Colors, LANES, flip, load, load_changes, load_vector, straight};
@@ -52,10 +52,10 @@ pub(crate) struct NormalStage<'a> {
 
 /// Vectors that normals are computed from, in columns.
 pub(crate) struct Vectors<'a> {
-    pub(crate) normal: &'a [Column; 3],
-    pub(crate) position: Option<&'a [Column; 3]>,
+    pub(crate) normal: &'a [Varying; 3],
+    pub(crate) position: Option<&'a [Varying; 3]>,
     /// And the sign of the bitangent.
-    pub(crate) tangent: &'a [Column; 4],
+    pub(crate) tangent: &'a [Varying; 4],
 }
 
 /// Texels that normals are computed from.
@@ -69,7 +69,7 @@ pub(crate) struct NormalTexels {
 #[derive(Default)]
 struct Slopes {
     /// Coordinates of the slot.
-    placed: RunValues,
+    placed: Varyings,
     /// Coordinates beside them.
     beside: BatchUv,
     colors: Colors,
@@ -101,13 +101,7 @@ impl NormalStage<'_> {
     }
 
     /// Reads the texels of `blocks` blocks at columns 0 and 1 of `uv`.
-    pub(crate) fn fetch(
-        &self,
-        level: Level,
-        uv: &RunValues,
-        blocks: usize,
-        out: &mut NormalTexels,
-    ) {
+    pub(crate) fn fetch(&self, level: Level, uv: &Varyings, blocks: usize, out: &mut NormalTexels) {
         match self.detail {
             Some(NormalDetail::Map(slot, ..)) if !self.paired => {
                 out.map.fetch(level, slot, uv, blocks);
@@ -193,10 +187,10 @@ impl NormalStage<'_> {
 
 impl Slopes {
     /// The coordinates of the slot.
-    fn place(&mut self, slot: &Slot<'_>, uv: &RunValues, blocks: usize) {
-        self.placed.columns.clear();
-        let columns = uv.columns.iter().take(2).cloned();
-        self.placed.columns.extend(columns);
+    fn place(&mut self, slot: &Slot<'_>, uv: &Varyings, blocks: usize) {
+        self.placed.varyings.clear();
+        let columns = uv.varyings.iter().take(2).cloned();
+        self.placed.varyings.extend(columns);
         slot.place_columns(&mut self.placed, blocks * LANES);
     }
 
@@ -280,7 +274,7 @@ impl Slopes {
 
     #[inline(always)]
     fn uv<I: Isa>(&self, i: I, at: usize) -> [I::F32; 2] {
-        let columns = &self.placed.columns;
+        let columns = &self.placed.varyings;
         [
             load(i, &columns[0].value, at),
             load(i, &columns[1].value, at),
@@ -290,7 +284,7 @@ impl Slopes {
     /// Changes of a coordinate to the right and down.
     #[inline(always)]
     fn changes<I: Isa>(&self, i: I, at: usize, axis: usize) -> [I::F32; 2] {
-        let column = &self.placed.columns[axis];
+        let column = &self.placed.varyings[axis];
         [load(i, &column.ddx, at), load(i, &column.ddy, at)]
     }
 

@@ -4,7 +4,7 @@ use texmap_light::lanes::Vector;
 use texmap_light::{ShadowReader, SlideView};
 use texmap_math::simd::{Isa, prelude::*};
 use texmap_math::{Level, dispatch_simd};
-use texmap_raster::{Column, RUN_ROOM};
+use texmap_raster::{BATCH_STRIDE, Varying};
 use texmap_sample::lanes::BoundTexture;
 use texmap_sample::{Places, sample_soa};
 
@@ -44,14 +44,14 @@ pub(crate) struct ProjectorTexels {
     fade: Fade,
     texels: PackedTexels,
     /// The place of each block of the batch among those; `None` for blocks that are not reached.
-    place: [Option<u8>; RUN_ROOM / LANES],
+    place: [Option<u8>; BATCH_STRIDE / LANES],
 }
 
-struct Fade([f32; RUN_ROOM]);
+struct Fade([f32; BATCH_STRIDE]);
 
 impl Default for Fade {
     fn default() -> Self {
-        Self([0.0; RUN_ROOM])
+        Self([0.0; BATCH_STRIDE])
     }
 }
 
@@ -84,7 +84,7 @@ impl<'a> ProjectorStage<'a> {
     pub(crate) fn fetch(
         &self,
         level: Level,
-        position: &[Column; 3],
+        position: &[Varying; 3],
         blocks: usize,
         out: &mut ProjectorTexels,
     ) {
@@ -123,7 +123,7 @@ impl<'a> ProjectorStage<'a> {
     fn place<I: Isa>(
         &self,
         i: I,
-        position: &[Column; 3],
+        position: &[Varying; 3],
         blocks: usize,
         leveled: bool,
         out: &mut ProjectorTexels,
@@ -164,7 +164,7 @@ mod tests {
     use texmap_math::Projector;
     use texmap_math::glam::DVec3;
     use texmap_math::simd::Scalar;
-    use texmap_raster::RUN;
+    use texmap_raster::BATCH_PIXELS;
     use texmap_sample::{Filter, Wrap};
 
     /// The packed words of a projector are its texels, blocks that it does not reach have none, and each pixel is what it is alone.
@@ -175,7 +175,7 @@ mod tests {
         let projector = Projector::new(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y, 1.2, 1.0).unwrap();
         // Steps of a fraction of a texel up to several.
         let step = |k: f32| core::array::from_fn(|i| k * (1 + i % 29) as f32);
-        let axis = |value: [f32; RUN_ROOM], right: f32, down: f32| Column {
+        let axis = |value: [f32; BATCH_STRIDE], right: f32, down: f32| Varying {
             value,
             ddx: step(right),
             ddy: step(down),
@@ -228,7 +228,7 @@ mod tests {
                     view: None,
                 };
                 let (mut words, mut floats) = <(ProjectorTexels, ProjectorTexels)>::default();
-                let count = RUN / LANES;
+                let count = BATCH_PIXELS / LANES;
                 packed.fetch(level, &position, count, &mut words);
                 general.fetch(level, &position, count, &mut floats);
                 let mut reached = 0;
@@ -241,7 +241,7 @@ mod tests {
                         });
                         assert_eq!(a, b, "{filter:?} {border:?} {block}");
                         let at = block * LANES + pixel;
-                        let of = |pick: fn(&Column) -> &[f32; RUN_ROOM]| {
+                        let of = |pick: fn(&Varying) -> &[f32; BATCH_STRIDE]| {
                             position.each_ref().map(|column| pick(column)[at])
                         };
                         let changes = [of(|c| &c.ddx), of(|c| &c.ddy)];

@@ -3,7 +3,7 @@
 use texmap_light::lanes::{Vector, dot};
 use texmap_math::simd::{Isa, prelude::*};
 use texmap_math::{Level, dispatch_simd};
-use texmap_raster::{Column, RUN_ROOM};
+use texmap_raster::{BATCH_STRIDE, Varying};
 use texmap_sample::Pattern;
 
 use super::batch::{Batch, Colors, LANES, columns, load_changes, load_vector};
@@ -26,7 +26,7 @@ impl<'s> SolidStage<'s> {
 
     /// The colors of a batch, premultiplied; a pattern gives its value in all three channels.
     pub(crate) fn fetch(&self, level: Level, batch: &Batch<'_>, out: &mut Colors) {
-        let position: &[Column; 3] = columns(batch.values, self.position);
+        let position: &[Varying; 3] = columns(batch.values, self.position);
         if let Some(pattern) = self.field.pattern() {
             let [r, g, b, a] = &mut out.0;
             let count = batch.list.len() * LANES;
@@ -49,9 +49,9 @@ impl<'s> SolidStage<'s> {
         &self,
         i: I,
         pattern: &Pattern,
-        position: &[Column; 3],
+        position: &[Varying; 3],
         count: usize,
-        out: &mut [f32; RUN_ROOM],
+        out: &mut [f32; BATCH_STRIDE],
     ) {
         for at in (0..count).step_by(I::LANES) {
             let mut place = self.along(i, load_vector(i, position, at));

@@ -2,7 +2,7 @@
 
 use texmap_math::simd::{Isa, prelude::*};
 use texmap_math::{Level, dispatch_simd};
-use texmap_raster::{Column, RunBlock, RunValues, TilePlanes};
+use texmap_raster::{AttributePlanes, FragmentBlock, Varying, Varyings};
 
 use super::base_color::{BaseColor, BaseTexels};
 use super::batch::{Batch, Colors, LANES, Part, columns};
@@ -55,7 +55,7 @@ pub(crate) struct SurfaceTexels {
 #[derive(Default)]
 pub(crate) struct SurfaceScratch {
     /// Vectors of a surface that reads no other attributes, and normals that are read after them.
-    vectors: [RunValues; 2],
+    vectors: [Varyings; 2],
     columns: ColumnScratch,
     read: SurfaceTexels,
 }
@@ -64,20 +64,20 @@ pub(crate) struct SurfaceScratch {
 #[derive(Default)]
 struct ColumnScratch {
     /// Coordinates of the mesh, where they are no attributes.
-    uv: RunValues,
+    uv: Varyings,
     /// Coordinates of the light map.
-    light_map_uv: RunValues,
+    light_map_uv: Varyings,
     coordinates: UvScratch,
     pair: PairScratch,
     /// The batch, without the pixels of blocks that no projector reaches.
-    reached: Vec<RunBlock>,
+    reached: Vec<FragmentBlock>,
 }
 
 impl SurfaceShader<'_> {
     /// Shades a batch: linear light (raw values in raw mode), premultiplied.
     pub(crate) fn shade(
         &self,
-        planes: &TilePlanes,
+        planes: &AttributePlanes,
         batch: &Batch<'_>,
         scratch: &mut SurfaceScratch,
         out: &mut Colors,
@@ -100,10 +100,10 @@ impl SurfaceShader<'_> {
     /// Reads vectors and texels.
     fn fetch<'b>(
         &self,
-        planes: &TilePlanes,
+        planes: &AttributePlanes,
         batch: &Batch<'b>,
         scratch: &mut ColumnScratch,
-        [vectors, normals]: &'b mut [RunValues; 2],
+        [vectors, normals]: &'b mut [Varyings; 2],
         read: &mut SurfaceTexels,
     ) -> Vectors<'b> {
         let (level, list, blocks) = (self.level, batch.list, batch.list.len());
@@ -168,7 +168,7 @@ impl SurfaceShader<'_> {
             .any(|stage| stage.projected.reads_derivatives());
         let n = self.normal_attribute.unwrap_or(0);
         let normal = [n, n + 1, n + 2];
-        let values = |list, wanted: &[usize], derivatives, out: &mut RunValues| {
+        let values = |list, wanted: &[usize], derivatives, out: &mut Varyings| {
             planes.values(level, batch.blocks, list, wanted, derivatives, out);
         };
         match self.position_attribute {
@@ -226,7 +226,7 @@ impl SurfaceShader<'_> {
 
     fn fetch_projectors(
         &self,
-        position: Option<&[Column; 3]>,
+        position: Option<&[Varying; 3]>,
         blocks: usize,
         out: &mut [ProjectorTexels],
     ) {

@@ -3,7 +3,10 @@
 
 use texmap_math::simd::{ByteIsa, prelude::*};
 use texmap_math::{Level, dispatch_simd};
-use texmap_raster::{BlockSink, BlockValues, NONE, RUN_ROOM, RunBlock, TileBlocks, TilePlanes};
+use texmap_raster::{
+    AttributePlanes, BATCH_STRIDE, BlockSink, BlockValues, FragmentBlock, NO_PRIMITIVE,
+    TileVisibility,
+};
 use texmap_sample::lanes::packed::{self, FootprintLanes};
 use texmap_sample::lanes::{BoundTexture, Kernel, RGBA8};
 use texmap_sample::{Sampler, Texture2d};
@@ -23,7 +26,7 @@ pub(crate) fn packed_view<'a>(
 pub(crate) struct TexelAddresses {
     pub(crate) uv: BatchUv,
     /// In each of two textures, with 8 fraction bits.
-    mips: [[i32; RUN_ROOM]; 2],
+    mips: [[i32; BATCH_STRIDE]; 2],
     /// Triangles in a row of which not all texels were magnified.
     refusals: u32,
 }
@@ -32,7 +35,7 @@ impl Default for TexelAddresses {
     fn default() -> Self {
         Self {
             uv: BatchUv::default(),
-            mips: [[0; RUN_ROOM]; 2],
+            mips: [[0; BATCH_STRIDE]; 2],
             refusals: 0,
         }
     }
@@ -58,9 +61,9 @@ impl TexelAddresses {
 /// Pixels of a tile whose attributes 0 and 1 are the coordinates.
 pub(crate) enum Pixels<'a> {
     /// The blocks of a tile.
-    Blocks(&'a TilePlanes, &'a TileBlocks),
-    /// Pixels anywhere in the tile, and the slot of each: see [`TilePlanes::each_sixteen`].
-    Scattered(&'a TilePlanes, [&'a [u32]; 2]),
+    Blocks(&'a AttributePlanes, &'a TileVisibility),
+    /// Pixels anywhere in the tile, and the slot of each: see [`AttributePlanes::each_sixteen`].
+    Scattered(&'a AttributePlanes, [&'a [u32]; 2]),
 }
 
 /// Reads the texels of a batch.
@@ -68,9 +71,9 @@ pub(crate) fn read_texels(
     level: Level,
     view: &BoundTexture<'_>,
     pixels: &Pixels<'_>,
-    batch: &[RunBlock],
+    batch: &[FragmentBlock],
     addresses: &mut TexelAddresses,
-    out: &mut [u32; RUN_ROOM],
+    out: &mut [u32; BATCH_STRIDE],
 ) {
     dispatch_simd!(level, wide i => read(i, view, pixels, batch, addresses, out));
 }
@@ -81,9 +84,9 @@ pub(crate) fn read_pair(
     views: &[Option<BoundTexture<'_>>; 2],
     same_mips: bool,
     pixels: &Pixels<'_>,
-    batch: &[RunBlock],
+    batch: &[FragmentBlock],
     addresses: &mut TexelAddresses,
-    out: [&mut [u32; RUN_ROOM]; 2],
+    out: [&mut [u32; BATCH_STRIDE]; 2],
 ) {
     if let [Some(view), None] = views {
         let [out, _] = out;
@@ -99,9 +102,9 @@ fn pair<I: ByteIsa>(
     views: [Option<&BoundTexture<'_>>; 2],
     same_mips: bool,
     pixels: &Pixels<'_>,
-    batch: &[RunBlock],
+    batch: &[FragmentBlock],
     addresses: &mut TexelAddresses,
-    out: [&mut [u32; RUN_ROOM]; 2],
+    out: [&mut [u32; BATCH_STRIDE]; 2],
 ) {
     let [a, b] = views;
     if a.into_iter().chain(b).any(reads_mips) {
@@ -125,7 +128,7 @@ pub(crate) fn read_placed(
     addresses: &mut TexelAddresses,
     changes: &[BatchUv; 2],
     blocks: usize,
-    out: &mut [u32; RUN_ROOM],
+    out: &mut [u32; BATCH_STRIDE],
 ) {
     dispatch_simd!(level, wide i => placed(i, view, addresses, changes, blocks, out));
 }
@@ -137,7 +140,7 @@ fn placed<I: ByteIsa>(
     addresses: &mut TexelAddresses,
     [dx, dy]: &[BatchUv; 2],
     blocks: usize,
-    out: &mut [u32; RUN_ROOM],
+    out: &mut [u32; BATCH_STRIDE],
 ) {
     if reads_mips(view) {
         for at in (0..blocks * LANES).step_by(I::LANES) {
@@ -152,7 +155,7 @@ impl Pixels<'_> {
     fn each<I: ByteIsa, const D: bool, K: BlockSink<I>>(
         &self,
         i: I,
-        batch: &[RunBlock],
+        batch: &[FragmentBlock],
         sink: &mut K,
     ) {
         match self {
@@ -172,13 +175,13 @@ impl Pixels<'_> {
     fn each_named<I: ByteIsa, const D: bool, K: BlockSink<I>>(
         &self,
         i: I,
-        batch: &[RunBlock],
+        batch: &[FragmentBlock],
         sink: &mut K,
     ) -> bool {
         let Self::Blocks(planes, _) = self else {
             return false;
         };
-        let named = planes.is_plain() && batch.iter().all(|at| at.slot != NONE);
+        let named = planes.is_branch_free() && batch.iter().all(|at| at.slot != NO_PRIMITIVE);
         if named {
             planes.each_named::<_, D, _>(i, batch, [0, 1], sink);
         }
@@ -191,9 +194,9 @@ fn read<I: ByteIsa>(
     i: I,
     view: &BoundTexture<'_>,
     pixels: &Pixels<'_>,
-    batch: &[RunBlock],
+    batch: &[FragmentBlock],
     addresses: &mut TexelAddresses,
-    out: &mut [u32; RUN_ROOM],
+    out: &mut [u32; BATCH_STRIDE],
 ) {
     if view.kind == Kernel::Nearest
         && let Some(texels) = packed::PowerOfTwoTexture::new(i, view)
@@ -237,7 +240,7 @@ fn texels<I: ByteIsa>(
     addresses: &TexelAddresses,
     mips: usize,
     blocks: core::ops::Range<usize>,
-    out: &mut [u32; RUN_ROOM],
+    out: &mut [u32; BATCH_STRIDE],
 ) {
     let pixels = blocks.start * LANES..blocks.end * LANES;
     match view.kind {
@@ -266,7 +269,7 @@ fn bilinear<I: ByteIsa>(
     view: &BoundTexture<'_>,
     addresses: &TexelAddresses,
     blocks: core::ops::Range<usize>,
-    out: &mut [u32; RUN_ROOM],
+    out: &mut [u32; BATCH_STRIDE],
 ) {
     for at in (blocks.start * LANES..blocks.end * LANES).step_by(I::LANES) {
         let [u, v] = addresses.uv.load(i, at);
@@ -291,7 +294,7 @@ struct Magnified {
 impl Magnified {
     fn new(refusals: u32) -> Self {
         Self {
-            slot: NONE,
+            slot: NO_PRIMITIVE,
             near: false,
             refusals,
         }
@@ -304,30 +307,30 @@ impl Magnified {
         i: I,
         pixels: &Pixels<'_>,
         view: &BoundTexture<'_>,
-        batch: &[RunBlock],
+        batch: &[FragmentBlock],
     ) -> bool {
         let Pixels::Blocks(planes, blocks) = pixels else {
             return false;
         };
-        let seldom = |at: &RunBlock| !at.block.is_multiple_of(SELDOM);
+        let seldom = |at: &FragmentBlock| !at.block.is_multiple_of(SELDOM);
         if self.refusals >= PATIENCE && batch.first().is_none_or(seldom) {
             return false;
         }
         let Some(slot) = batch.first().and_then(
             #[inline(always)]
-            |at| planes.only_slot(i, blocks, *at),
+            |at| planes.single_primitive(i, blocks, *at),
         ) else {
             return false;
         };
         if slot != self.slot {
             let later = batch.get(ALIKE).and_then(
                 #[inline(always)]
-                |at| planes.only_slot(i, blocks, *at),
+                |at| planes.single_primitive(i, blocks, *at),
             );
             if later != Some(slot) {
                 return false;
             }
-            let steepest = planes.steepest(slot, [0, 1]);
+            let steepest = planes.max_gradient(slot, [0, 1]);
             self.near = steepest.is_some_and(
                 #[inline(always)]
                 |[u, v]| magnifies(i, view, u, v),
@@ -354,12 +357,12 @@ fn magnifies<I: ByteIsa>(
 /// Nearest texels, from the coordinates in registers.
 struct Nearest<'a, 'v, I: ByteIsa> {
     texels: packed::PowerOfTwoTexture<'v, I>,
-    out: &'a mut [u32; RUN_ROOM],
+    out: &'a mut [u32; BATCH_STRIDE],
 }
 
 impl<I: ByteIsa> BlockSink<I> for Nearest<'_, '_, I> {
     #[inline(always)]
-    fn pixels(&mut self, i: I, at: usize, _: RunBlock, values: &BlockValues<I>) {
+    fn pixels(&mut self, i: I, at: usize, _: FragmentBlock, values: &BlockValues<I>) {
         let [u, v] = values.value;
         let word = self.texels.nearest(i, u, v);
         word.store(&mut self.out[at..at + I::LANES]);
@@ -390,7 +393,7 @@ impl<'a, 'v, const D: bool> Store<'a, 'v, D> {
 
 impl<I: ByteIsa, const D: bool> BlockSink<I> for Store<'_, '_, D> {
     #[inline(always)]
-    fn pixels(&mut self, i: I, at: usize, _: RunBlock, values: &BlockValues<I>) {
+    fn pixels(&mut self, i: I, at: usize, _: FragmentBlock, values: &BlockValues<I>) {
         let at = self.first * LANES + at;
         self.addresses.uv.store(i, at, values.value);
         if D {

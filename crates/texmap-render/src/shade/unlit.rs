@@ -2,7 +2,7 @@
 
 use texmap_math::simd::{Isa, prelude::*};
 use texmap_math::{Level, dispatch_simd};
-use texmap_raster::{RUN_ROOM, RunBlock, RunValues};
+use texmap_raster::{BATCH_STRIDE, FragmentBlock, Varyings};
 use texmap_sample::lanes::BoundTexture;
 use texmap_sample::{is_exact_in_rgba8, sample_rgba8_soa, sample_soa};
 
@@ -130,9 +130,9 @@ impl<'a> Unlit<'a> {
         &self,
         level: Level,
         pixels: &Pixels<'_>,
-        batch: &[RunBlock],
+        batch: &[FragmentBlock],
         scratch: &mut UnlitScratch,
-        out: &mut [u32; RUN_ROOM],
+        out: &mut [u32; BATCH_STRIDE],
     ) {
         if let Some(view) = &self.view {
             return read_texels(level, view, pixels, batch, &mut scratch.addresses, out);
@@ -150,7 +150,7 @@ impl<'a> Unlit<'a> {
         &self,
         level: Level,
         pixels: &Pixels<'_>,
-        batch: &[RunBlock],
+        batch: &[FragmentBlock],
         scratch: &mut UnlitScratch,
         out: &mut Colors,
     ) {
@@ -180,7 +180,7 @@ impl<'a> Unlit<'a> {
 #[derive(Default)]
 pub(crate) struct UnlitScratch {
     pub(crate) addresses: TexelAddresses,
-    values: RunValues,
+    values: Varyings,
 }
 
 impl UnlitScratch {
@@ -190,7 +190,7 @@ impl UnlitScratch {
         level: Level,
         slot: &Slot<'_>,
         pixels: &Pixels<'_>,
-        batch: &[RunBlock],
+        batch: &[FragmentBlock],
     ) -> usize {
         let count = batch.len() * LANES;
         let Pixels::Blocks(planes, blocks) = pixels else {

@@ -1,14 +1,14 @@
 //! The fragments of a tile that are to be shaded: blocks of 4x4 pixels, surface by surface.
 
-use texmap_raster::{NONE, Pass, Prepared, RunBlock, TileBlocks};
+use texmap_raster::{BinnedDraws, FragmentBlock, NO_PRIMITIVE, Pass, TileVisibility};
 
 use crate::plan::Plan;
 use crate::shade::batch::LANES;
 
-pub(super) const EMPTY: RunBlock = RunBlock {
+pub(super) const EMPTY: FragmentBlock = FragmentBlock {
     block: 0,
     mask: 0,
-    slot: NONE,
+    slot: NO_PRIMITIVE,
 };
 
 /// True if every pixel of every block is covered.
@@ -25,7 +25,7 @@ pub(super) struct Blended {
 }
 
 /// `None` if nothing blends.
-pub(super) fn blended(plan: &Plan<'_>, blocks: &TileBlocks) -> Option<Blended> {
+pub(super) fn blended(plan: &Plan<'_>, blocks: &TileVisibility) -> Option<Blended> {
     let mut found = None;
     for draw in &blocks.draws {
         let surface = &plan.surfaces[*draw as usize];
@@ -43,18 +43,18 @@ pub(super) fn blended(plan: &Plan<'_>, blocks: &TileBlocks) -> Option<Blended> {
 /// Blocks to shade, by draw.
 #[derive(Default)]
 pub(super) struct FragmentList {
-    pub(super) blocks: Vec<RunBlock>,
+    pub(super) blocks: Vec<FragmentBlock>,
     /// A draw, and where its blocks end.
     parts: Vec<(u32, usize)>,
     /// Blocks by draw while they are sorted.
-    loose: Vec<(u32, RunBlock)>,
+    loose: Vec<(u32, FragmentBlock)>,
     /// The draw and the slot of which these are all blocks in full: most tiles of a near surface have one list.
     whole: Option<(u32, u32)>,
 }
 
 impl FragmentList {
     /// The blocks of each draw, draw after draw.
-    pub(super) fn parts(&self) -> impl Iterator<Item = (u32, &[RunBlock])> {
+    pub(super) fn parts(&self) -> impl Iterator<Item = (u32, &[FragmentBlock])> {
         let starts = std::iter::once(0).chain(self.parts.iter().map(|(_, end)| *end));
         let parts = starts.zip(&self.parts);
         parts.map(|(start, (draw, end))| (*draw, &self.blocks[start..*end]))
@@ -65,7 +65,7 @@ impl FragmentList {
         self.parts.clear();
     }
 
-    fn push(&mut self, draw: u32, at: RunBlock) {
+    fn push(&mut self, draw: u32, at: FragmentBlock) {
         self.blocks.push(at);
         let end = self.blocks.len();
         match self.parts.last_mut() {
@@ -75,10 +75,10 @@ impl FragmentList {
     }
 
     /// The pixels of `masks` by draw; all are of `slot`, or each has its own.
-    pub(super) fn visible(&mut self, blocks: &TileBlocks, masks: &[u16], slot: u32) {
+    pub(super) fn visible(&mut self, blocks: &TileVisibility, masks: &[u16], slot: u32) {
         let before = self.whole.take();
         let some = masks.iter().enumerate().filter(|(_, mask)| **mask != 0);
-        let at = |block: usize, mask| RunBlock {
+        let at = |block: usize, mask| FragmentBlock {
             block: block as u16,
             mask,
             slot,
@@ -132,20 +132,20 @@ impl FragmentList {
     /// The blocks of the blended draws in submitted order.
     pub(super) fn blended(
         &mut self,
-        prepared: &Prepared<'_>,
+        prepared: &BinnedDraws<'_>,
         tile: usize,
         offset: [i32; 2],
-        blocks: &mut TileBlocks,
+        blocks: &mut TileVisibility,
     ) {
         self.clear();
         self.whole = None;
-        let wanted = |draw: &texmap_raster::Draw<'_>| draw.pass == Pass::Blended;
+        let wanted = |draw: &texmap_raster::DrawCall<'_>| draw.pass == Pass::Blended;
         prepared.forward_sample(tile, offset, blocks, &wanted, &mut self.blocks);
         // Slots rise from block to block, and sixteen of them belong to one draw.
         let mut end = 0;
         while let Some(first) = self.blocks.get(end) {
             let sixteen = first.slot as usize / LANES;
-            let same = |at: &RunBlock| at.slot as usize / LANES == sixteen;
+            let same = |at: &FragmentBlock| at.slot as usize / LANES == sixteen;
             end += self.blocks[end..].partition_point(same);
             let draw = blocks.draws[sixteen];
             match self.parts.last_mut() {

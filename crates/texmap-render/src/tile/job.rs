@@ -2,7 +2,7 @@
 
 use texmap_math::color;
 use texmap_math::simd::Scalar;
-use texmap_raster::{Prepared, TILE};
+use texmap_raster::{BinnedDraws, TILE};
 
 use super::supersample::Sums;
 use super::{Context, Painter, is_whole};
@@ -65,7 +65,7 @@ impl<'a> Job<'a> {
         scene: &Scene,
         settings: &Settings,
         plan: &'a Plan<'a>,
-        prepared: &'a Prepared<'a>,
+        prepared: &'a BinnedDraws<'a>,
         samples: Option<[[i32; 2]; 4]>,
     ) -> Self {
         let [r, g, b, a] = scene.background;

@@ -7,7 +7,8 @@ mod supersample;
 
 use texmap_math::lanes::prefetch;
 use texmap_raster::{
-    NONE, Prepared, RUN, RUN_ROOM, RunBlock, RunValues, SampleSetup, TileBlocks, TilePlanes,
+    AttributePlanes, BATCH_PIXELS, BATCH_STRIDE, BinnedDraws, FragmentBlock, NO_PRIMITIVE,
+    SampleSetup, TileVisibility, Varyings,
 };
 
 use crate::Aov;
@@ -27,7 +28,7 @@ use msaa::{SampleReuse, Strays};
 use texmap_scene::ColorMode;
 
 /// Blocks of a batch.
-const BATCH_BLOCKS: usize = RUN / LANES;
+const BATCH_BLOCKS: usize = BATCH_PIXELS / LANES;
 /// Blocks of a tile.
 const BLOCKS: usize = 256;
 /// Attributes in order.
@@ -46,7 +47,7 @@ pub(crate) struct Context<'a> {
     pub(crate) plan: &'a Plan<'a>,
     /// The stages of each draw, and its encoded color where it is unlit and has no texture.
     pub(crate) shaders: Vec<(Shader<'a>, u32)>,
-    pub(crate) prepared: &'a Prepared<'a>,
+    pub(crate) prepared: &'a BinnedDraws<'a>,
     pub(crate) mode: ColorMode,
     /// Linear (or raw), premultiplied.
     pub(crate) background: [f32; 4],
@@ -73,7 +74,7 @@ pub(crate) struct Painter {
 
 /// A sample of each pixel of a tile.
 struct Sample {
-    blocks: TileBlocks,
+    blocks: TileVisibility,
     buffer: TileBuffer,
 }
 
@@ -82,7 +83,7 @@ struct Sample {
 struct Tile<'a> {
     context: &'a Context<'a>,
     index: usize,
-    blocks: &'a TileBlocks,
+    blocks: &'a TileVisibility,
 }
 
 /// Where and how batches are stored.
@@ -114,13 +115,13 @@ impl Painter {
     /// Finds the visible triangle of each pixel; `brief` if nothing but [`paint`](Self::paint) reads them.
     pub(crate) fn see(&mut self, context: &Context<'_>, tile: usize, brief: bool) {
         let blocks = &mut self.samples[0].blocks;
-        self.alone = brief && context.prepared.visible_alone(tile, blocks);
+        self.alone = brief && context.prepared.covering_primitive(tile, blocks);
         if !self.alone {
             context.prepared.visible_blocks(tile, context.plan, blocks);
         }
         context.prepared.planes(tile, &mut self.shader.planes);
         self.covered.copy_from_slice(&blocks.masks);
-        let slot = if self.alone { 0 } else { NONE };
+        let slot = if self.alone { 0 } else { NO_PRIMITIVE };
         self.list.visible(blocks, &blocks.masks, slot);
     }
 
@@ -263,7 +264,7 @@ impl Painter {
 impl Sample {
     fn new() -> Self {
         Self {
-            blocks: TileBlocks::new(),
+            blocks: TileVisibility::new(),
             buffer: TileBuffer::new(),
         }
     }
@@ -271,7 +272,7 @@ impl Sample {
 
 /// Prefetches the lines of the frame's rows that the blocks of a batch are copied to in the end: they come while it is shaded.
 /// Sixteen blocks side by side lie in sixteen lines, so that each asks for one.
-fn prefetch_rows(rows: &[&mut [u8]], batch: &[RunBlock]) {
+fn prefetch_rows(rows: &[&mut [u8]], batch: &[FragmentBlock]) {
     if rows.is_empty() {
         return;
     }
@@ -297,23 +298,23 @@ fn prefetch_rows(rows: &[&mut [u8]], batch: &[RunBlock]) {
 
 /// Shades batches.
 struct BatchShader {
-    planes: TilePlanes,
-    values: RunValues,
+    planes: AttributePlanes,
+    values: Varyings,
     unlit: UnlitScratch,
     surface: SurfaceScratch,
     colors: Colors,
-    words: [u32; RUN_ROOM],
+    words: [u32; BATCH_STRIDE],
 }
 
 impl Default for BatchShader {
     fn default() -> Self {
         Self {
-            planes: TilePlanes::new(),
-            values: RunValues::default(),
+            planes: AttributePlanes::new(),
+            values: Varyings::default(),
             unlit: UnlitScratch::default(),
             surface: SurfaceScratch::default(),
             colors: Colors::default(),
-            words: [0; RUN_ROOM],
+            words: [0; BATCH_STRIDE],
         }
     }
 }
@@ -351,7 +352,7 @@ impl BatchShader {
         &mut self,
         tile: Tile<'_>,
         draw: u32,
-        batch: &[RunBlock],
+        batch: &[FragmentBlock],
         encoded: bool,
     ) -> Shaded<'_> {
         let Tile {

@@ -2,7 +2,7 @@
 
 use texmap_math::simd::{Isa, Scalar, prelude::*};
 use texmap_math::{Level, dispatch_simd};
-use texmap_raster::{NONE, RUN_ROOM, RunBlock, TileBlocks, TilePlanes};
+use texmap_raster::{AttributePlanes, BATCH_STRIDE, FragmentBlock, NO_PRIMITIVE, TileVisibility};
 use texmap_sample::lanes::BoundTexture;
 
 use super::fragments::{EMPTY, blended};
@@ -64,7 +64,7 @@ impl Painter {
             for (covered, mask) in covered.iter_mut().zip(masks) {
                 *covered |= mask;
             }
-            list.visible(&samples[k].blocks, &masks, NONE);
+            list.visible(&samples[k].blocks, &masks, NO_PRIMITIVE);
             // The buffers are lent out while the blocks are read.
             let blocks = std::mem::take(&mut samples[k].blocks);
             let of_sample = Tile {
@@ -136,13 +136,13 @@ impl Painter {
         };
         if draws.iter().any(|draw| *draw != draws[0])
             || blended(context.plan, &first.blocks).is_some()
-            || !shader.planes.is_plain()
+            || !shader.planes.is_branch_free()
         {
             return false;
         }
         let level = context.plan.level;
         let masks: [u16; BLOCKS] = std::array::from_fn(|block| reuse[block].by[0][0]);
-        list.visible(&first.blocks, &masks, NONE);
+        list.visible(&first.blocks, &masks, NO_PRIMITIVE);
         let pixels = Pixels::Blocks(&shader.planes, &first.blocks);
         let (addresses, words) = (&mut shader.unlit.addresses, &mut shader.words);
         for batch in list.blocks.chunks(BATCH_BLOCKS) {
@@ -156,7 +156,7 @@ impl Painter {
                 for (sample, by) in rest.iter_mut().zip(&reuse.by[1..]) {
                     sample
                         .buffer
-                        .put_block(RunBlock { mask: by[0], ..*at }, words);
+                        .put_block(FragmentBlock { mask: by[0], ..*at }, words);
                 }
             }
         }
@@ -192,7 +192,12 @@ impl Painter {
 }
 
 #[inline(always)]
-fn reuse_in_block<I: Isa>(i: I, samples: [&TileBlocks; 4], block: usize, reuse: &mut SampleReuse) {
+fn reuse_in_block<I: Isa>(
+    i: I,
+    samples: [&TileVisibility; 4],
+    block: usize,
+    reuse: &mut SampleReuse,
+) {
     for j in 0..4 {
         let mut left = samples[j].masks[block];
         for k in 0..j {
@@ -232,7 +237,7 @@ pub(super) struct Strays {
     /// Of each, a bit per sample after the first that shows it.
     shown_by: Vec<u8>,
     /// Sixteen a block.
-    run: Vec<RunBlock>,
+    run: Vec<FragmentBlock>,
 }
 
 impl Strays {
@@ -258,10 +263,10 @@ impl Strays {
         let blocks = self.pixels.len().div_ceil(LANES);
         self.pixels.resize(blocks * LANES, pixel);
         self.slots.resize(blocks * LANES, slot);
-        let all = (0..blocks).map(|block| RunBlock {
+        let all = (0..blocks).map(|block| FragmentBlock {
             block: block as u16,
             mask: u16::MAX,
-            slot: NONE,
+            slot: NO_PRIMITIVE,
         });
         self.run.extend(all);
     }
@@ -270,9 +275,9 @@ impl Strays {
         &self,
         level: Level,
         view: &BoundTexture<'_>,
-        planes: &TilePlanes,
+        planes: &AttributePlanes,
         addresses: &mut TexelAddresses,
-        words: &mut [u32; RUN_ROOM],
+        words: &mut [u32; BATCH_STRIDE],
         rest: &mut [Sample],
     ) {
         let pixels = Pixels::Scattered(planes, [&self.pixels, &self.slots]);
