@@ -38,15 +38,17 @@ macro_rules! every_width {
 }
 
 mod bump;
-mod chart;
 mod cube_face;
 mod environment;
+mod environment_layout;
+mod environment_lookup;
 mod error;
 pub mod lanes;
-mod mirror;
 mod normal_map;
 mod packed;
+mod phong;
 mod points;
+mod projector_texture;
 pub mod reference;
 mod reflect;
 mod shade;
@@ -54,21 +56,21 @@ mod shadow;
 mod shadow_bounds;
 mod shadow_reader;
 mod share;
-mod slide;
-mod surface;
 mod vector;
 
 pub use bump::{
     Green, Heights, Slope, bump, decode_normal, decode_offsets, encode_normal, encode_offsets,
 };
-pub use chart::{Chart, UnknownChart};
 pub use environment::Environment;
+pub use environment_layout::{Chart, UnknownChart};
 pub use error::LightError;
 pub use normal_map::NormalMap;
+pub use phong::{Highlight, Light, Surface};
 pub use points::{
     Ray, Share, Terms, bump_on, clamp_to_horizon, clamp_unit_to_horizon, perturb, perturb_slice,
     reflect, reflect_across, share, unit,
 };
+pub use projector_texture::{Slide, SlideBorder, SlideView, slide_texel};
 pub use shade::{
     illuminate, illuminate_slice, illuminate_two_sided, terms, terms_received, terms_slice,
 };
@@ -77,8 +79,6 @@ pub use shadow::{ShadowBias, ShadowKind, ShadowMap};
 pub use shadow_bounds::{Reached, ShadowBounds, StripBounds};
 pub use shadow_reader::ShadowReader;
 pub use share::Power;
-pub use slide::{Slide, SlideBorder, SlideView, slide_texel};
-pub use surface::{Highlight, Light, Surface};
 
 /// The level of this CPU; no bit depends on it.
 fn level() -> texmap_math::Level {
