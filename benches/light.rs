@@ -4,10 +4,11 @@
 //! `cargo bench -p texmap-benches --bench light`
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
-use texmap_light::lanes::{self, PowerLanes, RayLanes, Vector};
+use texmap_light::lanes::{self, RayLanes, SpecularExponentLanes, Vector};
 use texmap_light::{
-    Chart, Environment, Green, Highlight, Light, NormalMap, Power, Ray, ShadowBias, ShadowKind,
-    ShadowMap, ShadowReader, Slide, SlideBorder, SlideView, Surface, reflect_across, share, unit,
+    BoundProjectorTexture, Environment, EnvironmentLayout, Light, NormalMap, NormalMapGreen,
+    PhongMaterial, ProjectorBorder, ProjectorTexture, Ray, ShadowBias, ShadowKind, ShadowMap,
+    ShadowSampler, SpecularExponent, SpecularModel, evaluate_light, reflect_across, unit,
 };
 use texmap_math::glam::{DMat4, DVec3};
 use texmap_math::simd::{Isa, Scalar, prelude::*};
@@ -17,7 +18,7 @@ use texmap_sample::{ColorSpace, Filter, Origin, Sampler, Texture2d};
 const POINTS: usize = 4096;
 const EYE: [f32; 3] = [0.3, 0.5, 4.0];
 
-const SURFACE: Surface = Surface {
+const SURFACE: PhongMaterial = PhongMaterial {
     color: [1.0; 3],
     ka: 0.2,
     kd: 0.8,
@@ -66,7 +67,7 @@ struct Input {
     steps: [Vectors; 2],
     light: Light,
     /// Of a spot light, and of a point light.
-    shadows: [ShadowReader; 2],
+    shadows: [ShadowSampler; 2],
     picture: Texture2d<'static>,
     sampler: Sampler,
     /// In a cube, and in a lat-long chart.
@@ -74,7 +75,7 @@ struct Input {
 }
 
 const MAP: NormalMap = NormalMap {
-    green: Green::Up,
+    green: NormalMapGreen::Up,
     rebuild_z: false,
     strength: 1.0,
 };
@@ -97,9 +98,9 @@ impl Input {
         let reader = |kind: ShadowKind, faces: u32| {
             let depths = (0..faces * 512 * 512).map(|i| 3.0 + ((i * 7919) % 512) as f32 / 256.0);
             let map = ShadowMap::new(kind, 512, depths.collect()).expect("a full map");
-            ShadowReader::new(map, ShadowBias::Constant(0.01), 3)
+            ShadowSampler::new(map, ShadowBias::Constant(0.01), 3)
         };
-        let environment = |chart: Chart| {
+        let environment = |chart: EnvironmentLayout| {
             let light = |d: DVec3| [d.x, d.y, d.z].map(|c| 0.5 + 0.5 * c as f32);
             let environment = Environment::from_fn(chart, 256, light);
             environment.expect("a chart").with_mips()
@@ -124,18 +125,18 @@ impl Input {
                 filter: Filter::Bilinear,
                 ..Sampler::default()
             },
-            environments: [Chart::Cube, Chart::LatLong].map(environment),
+            environments: [EnvironmentLayout::Cube, EnvironmentLayout::LatLong].map(environment),
         }
     }
 
-    fn slide(&self) -> SlideView<'_> {
+    fn slide(&self) -> BoundProjectorTexture<'_> {
         let eye = DVec3::new(0.0, 4.0, 0.0);
         let projector = Projector::new(eye, DVec3::ZERO, DVec3::X, 0.8, 1.0);
-        SlideView::new(&Slide {
+        BoundProjectorTexture::new(&ProjectorTexture {
             projector: projector.expect("it looks down"),
             texture: &self.picture,
             sampler: &self.sampler,
-            border: SlideBorder::Black,
+            border: ProjectorBorder::Black,
             softness: 0.1,
         })
     }
@@ -144,7 +145,7 @@ impl Input {
 /// An effect; its results are added up per point and component.
 #[derive(Clone, Copy, Debug)]
 enum Effect {
-    Share(Highlight),
+    Share(SpecularModel),
     NormalMap,
     /// By which of the maps.
     Shadow(usize),
@@ -155,8 +156,8 @@ enum Effect {
 
 impl Effect {
     const ALL: [(&'static str, Self); 8] = [
-        ("phong", Self::Share(Highlight::Phong)),
-        ("blinn", Self::Share(Highlight::Blinn)),
+        ("phong", Self::Share(SpecularModel::Phong)),
+        ("blinn", Self::Share(SpecularModel::Blinn)),
         ("normal-map", Self::NormalMap),
         ("shadow-pcf9", Self::Shadow(0)),
         ("cube-shadow-pcf9", Self::Shadow(1)),
@@ -166,24 +167,24 @@ impl Effect {
     ];
 
     /// One point.
-    fn scalar(self, input: &Input, slide: &SlideView<'_>, i: usize) -> [f32; 3] {
+    fn scalar(self, input: &Input, slide: &BoundProjectorTexture<'_>, i: usize) -> [f32; 3] {
         let (point, normal) = (input.points.at(i), input.normals.at(i));
         let view = [0, 1, 2].map(|k| EYE[k] - point[k]);
         let zero = [0.0; 3];
         match self {
             Self::Share(model) => {
-                let power = Power::new(SURFACE.ns);
+                let power = SpecularExponent::new(SURFACE.ns);
                 let light = &input.light;
                 let given = share(&SURFACE, power, model, light, point, normal, unit(view));
-                given.map_or(zero, |g| [g.diffuse, g.highlight, g.color[0]])
+                given.map_or(zero, |g| [g.diffuse, g.specular, g.color[0]])
             }
             Self::NormalMap => {
                 let [x, y, z] = input.tangents.at(i);
-                MAP.turn(Scalar, normal, [x, y, z], 1.0, input.texels.at(i))
+                MAP.apply(Scalar, normal, [x, y, z], 1.0, input.texels.at(i))
             }
-            Self::Shadow(map) => [input.shadows[map].lit(point, normal), 0.0, 0.0],
+            Self::Shadow(map) => [input.shadows[map].visibility(point, normal), 0.0, 0.0],
             Self::Slide => {
-                let places = slide.place(Scalar, point);
+                let places = slide.uv_at(Scalar, point);
                 let fade = if places.reached { places.fade } else { 0.0 };
                 [places.uv[0], places.uv[1], fade]
             }
@@ -201,14 +202,20 @@ impl Effect {
                     dy,
                 };
                 let ray = reflect_across(&view, &normal, 1.0);
-                input.environments[which].light_across(&ray)
+                input.environments[which].radiance_filtered(&ray)
             }
         }
     }
 
     /// A block of points from `at` on.
     #[inline(always)]
-    fn lanes<I: Isa>(self, i: I, input: &Input, slide: &SlideView<'_>, at: usize) -> Vector<I> {
+    fn lanes<I: Isa>(
+        self,
+        i: I,
+        input: &Input,
+        slide: &BoundProjectorTexture<'_>,
+        at: usize,
+    ) -> Vector<I> {
         let (point, normal) = (input.points.lanes(i, at), input.normals.lanes(i, at));
         let mut view = point;
         for k in 0..3 {
@@ -217,25 +224,26 @@ impl Effect {
         let (zero, one) = (i.f32(0.0), i.f32(1.0));
         match self {
             Self::Share(model) => {
-                let power = PowerLanes::Same(Power::new(SURFACE.ns));
+                let power = SpecularExponentLanes::Same(SpecularExponent::new(SURFACE.ns));
                 let (light, view) = (&input.light, lanes::unit(i, view));
-                let given = lanes::share(i, &SURFACE, power, model, light, point, normal, view);
+                let given =
+                    lanes::evaluate_light(i, &SURFACE, power, model, light, point, normal, view);
                 [
                     given.lit.select(given.diffuse, zero),
-                    given.lit.select(given.highlight, zero),
+                    given.lit.select(given.specular, zero),
                     given.lit.select(given.color[0], zero),
                 ]
             }
             Self::NormalMap => {
                 let (tangent, texel) = (input.tangents.lanes(i, at), input.texels.lanes(i, at));
-                MAP.turn(i, normal, tangent, one, texel)
+                MAP.apply(i, normal, tangent, one, texel)
             }
             Self::Shadow(map) => {
                 let lit = input.shadows[map].visibility(i, i.mask(true), point, normal);
                 [lit, zero, zero]
             }
             Self::Slide => {
-                let places = slide.place(i, point);
+                let places = slide.uv_at(i, point);
                 [
                     places.uv[0],
                     places.uv[1],
@@ -282,7 +290,7 @@ fn blocks<I: Isa>(
     i: I,
     effect: Effect,
     input: &Input,
-    slide: &SlideView<'_>,
+    slide: &BoundProjectorTexture<'_>,
     out: &mut [Vec<f32>; 3],
 ) {
     for at in (0..POINTS).step_by(I::LANES) {

@@ -23,7 +23,7 @@ pub fn main() -> Result<(), Box<dyn std::error::Error>> {
     };
     let map = ShadowMap::new(kind, 256, depth.into_iter().map(distance).collect())?;
     for x in [0.0, 1.0, 2.0] {
-        let visible = map.lit(DVec3::X * x, DVec3::Y, ShadowBias::Slope(1e-3), 3);
+        let visible = map.visibility(DVec3::X * x, DVec3::Y, ShadowBias::Slope(1e-3), 3);
         println!("{visible:.2} of the sun reaches x = {x}");
     }
     println!(

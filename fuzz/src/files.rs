@@ -7,7 +7,7 @@ use texmap_io::{
     CameraPath, IoError, LoadOptions, image_io, npy as array, read_environment, read_grid,
     scene_file,
 };
-use texmap_light::Chart;
+use texmap_light::EnvironmentLayout;
 use texmap_math::glam::DVec3;
 use texmap_planner::{Budget, choose};
 use texmap_render::{Settings, render};
@@ -71,9 +71,9 @@ pub fn image(bytes: &[u8]) {
                 Err(error) => named(&error, ""),
             }
         }
-        for chart in Chart::ALL {
+        for chart in EnvironmentLayout::ALL {
             match read_environment(&path, chart) {
-                Ok(sky) => assert!(sky.light([0.3, 0.5, -0.2]).iter().all(|c| c.is_finite())),
+                Ok(sky) => assert!(sky.radiance([0.3, 0.5, -0.2]).iter().all(|c| c.is_finite())),
                 Err(error) => named(&error, ""),
             }
         }

@@ -1,8 +1,8 @@
 //! Light.
 
 use texmap_light::{
-    Chart, Environment, Light, ShadowBias, ShadowKind, ShadowMap, Surface, illuminate,
-    illuminate_slice, perturb,
+    Environment, EnvironmentLayout, Light, PhongMaterial, ShadowBias, ShadowKind, ShadowMap,
+    illuminate, illuminate_slice, perturb,
 };
 use texmap_math::glam::{DMat4, DVec3};
 
@@ -12,7 +12,7 @@ use super::choices::Choices;
 /// of finite numbers stays finite.
 pub fn light(bytes: &[u8]) {
     let mut c = Choices(bytes);
-    let surface = Surface {
+    let surface = PhongMaterial {
         color: c.tame(),
         ka: c.number(),
         kd: c.number(),
@@ -56,7 +56,7 @@ fn light_of(c: &mut Choices<'_>) -> Light {
 }
 
 fn environment(c: &mut Choices<'_>) {
-    let chart = c.of(&Chart::ALL);
+    let chart = c.of(&EnvironmentLayout::ALL);
     let height = c.below(6) as u32;
     let width = height * chart.aspect() + u32::from(c.byte() > 250);
     let count = (width * height) as usize * chart.faces();
@@ -66,7 +66,7 @@ fn environment(c: &mut Choices<'_>) {
         Err(refusal) => return assert!(!refusal.to_string().is_empty()),
     };
     let bound = texels.iter().flatten().fold(0.0f32, |m, c| m.max(c.abs()));
-    let to = c.of(&Chart::ALL);
+    let to = c.of(&EnvironmentLayout::ALL);
     let converted = sky
         .convert(to, 1 + c.below(5) as u32)
         .expect("a size in range");
@@ -76,7 +76,7 @@ fn environment(c: &mut Choices<'_>) {
     for sky in [sky.with_mips(), converted, gathered] {
         for _ in 0..4 {
             let direction = c.numbers();
-            let light = sky.light(direction);
+            let light = sky.radiance(direction);
             assert!(
                 light.iter().all(|c| c.abs() <= bound * 1.001),
                 "{direction:?} {light:?}"
@@ -121,7 +121,7 @@ fn shadow(c: &mut Choices<'_>) {
     };
     for _ in 0..4 {
         let [point, normal] = [0, 1].map(|_| DVec3::from(c.numbers::<3>().map(f64::from)));
-        let share = map.lit(point, normal, bias, c.of(&[1, 3, 5]));
+        let share = map.visibility(point, normal, bias, c.of(&[1, 3, 5]));
         assert!((0.0..=1.0).contains(&share), "{share}");
     }
 }

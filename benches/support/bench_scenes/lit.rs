@@ -1,6 +1,9 @@
 //! The benchmark scenes under lighting effects.
 
-use texmap_light::{Chart, Environment, Green, Highlight, Light, ShadowBias, SlideBorder, Surface};
+use texmap_light::{
+    Environment, EnvironmentLayout, Light, NormalMapGreen, PhongMaterial, ProjectorBorder,
+    ShadowBias, SpecularModel,
+};
 use texmap_math::Projector;
 use texmap_math::glam::{DMat4, DVec3};
 use texmap_raster::Cull;
@@ -82,7 +85,7 @@ pub(super) fn scene(scene: &BenchScene, precision: Precision) -> Result<Scene, S
         color: ColorMode::Raw,
         ..Scene::new(scene.camera())
     };
-    let surface = |ka: f32, kd: f32, ks: f32| Surface {
+    let surface = |ka: f32, kd: f32, ks: f32| PhongMaterial {
         color: [1.0; 3],
         ka,
         kd,
@@ -139,11 +142,11 @@ pub(super) fn scene(scene: &BenchScene, precision: Precision) -> Result<Scene, S
             });
             out.materials.push(Material {
                 surface: surface(0.15, 0.85, 0.4),
-                highlight: Highlight::Blinn,
+                highlight: SpecularModel::Blinn,
                 horizon_clamp: false,
                 relief: Some(Relief::NormalMap {
                     slot: slot(1, Filter::Trilinear),
-                    green: Green::Up,
+                    green: NormalMapGreen::Up,
                     rebuild_z: false,
                     object_space: false,
                     strength: 1.0,
@@ -186,7 +189,7 @@ fn environment() -> Option<Environment> {
         .chunks_exact(4)
         .map(|t| [t[0], t[1], t[2]].map(|c| f32::from(c) / 255.0))
         .collect();
-    let faces = Environment::from_texels(Chart::Cube, (FACE_SIZE, FACE_SIZE), &texels);
+    let faces = Environment::from_texels(EnvironmentLayout::Cube, (FACE_SIZE, FACE_SIZE), &texels);
     faces.ok().map(Environment::with_mips)
 }
 
@@ -203,7 +206,7 @@ fn projector(precision: Precision) -> Option<SlideProjector> {
             precision,
             ..Sampler::default()
         },
-        border: SlideBorder::Clamp,
+        border: ProjectorBorder::Clamp,
         softness: 0.0,
         role: SlideRole::Light([1.0; 3]),
         shadow: None,

@@ -1,6 +1,6 @@
 //! The benchmark scenes as scenes of texmap.
 
-use texmap_light::Surface;
+use texmap_light::PhongMaterial;
 use texmap_math::camera::Camera;
 use texmap_math::deterministic_f64::{atan, tan};
 use texmap_math::glam::{DMat4, DVec3};
@@ -132,9 +132,9 @@ impl BenchScene {
             blend || (hidden == Hidden::Shaded && matches!(self.content, Content::Layers { .. }));
         Material {
             name: self.filter.to_owned(),
-            surface: Surface {
+            surface: PhongMaterial {
                 color: [FLAT[0], FLAT[1], FLAT[2]],
-                ..Surface::default()
+                ..PhongMaterial::default()
             },
             opacity: if blend { 0.5 } else { 1.0 },
             base_color: slot,

@@ -1,6 +1,6 @@
 //! Six views from an object: what it would mirror.
 
-use texmap_light::{Chart, Environment};
+use texmap_light::{Environment, EnvironmentLayout};
 use texmap_math::MemoryBudget;
 use texmap_math::camera::Camera;
 use texmap_math::color::srgb_to_linear;
@@ -61,7 +61,7 @@ pub fn environment_of(scene: &Scene, mesh: usize, size: u32) -> Result<Environme
         .chunks_exact_mut((size * size).max(1) as usize)
         .enumerate()
     {
-        let at = |u: f64, v: f64| Chart::Cube.direction(face, DVec2::new(u, v));
+        let at = |u: f64, v: f64| EnvironmentLayout::Cube.direction(face, DVec2::new(u, v));
         let forward = at(0.5, 0.5);
         let up = at(0.5, 0.0) - forward * at(0.5, 0.0).dot(forward);
         around.camera = Camera {
@@ -85,6 +85,6 @@ pub fn environment_of(scene: &Scene, mesh: usize, size: u32) -> Result<Environme
             }
         }
     }
-    Environment::from_texels(Chart::Cube, (size, size), &texels)
+    Environment::from_texels(EnvironmentLayout::Cube, (size, size), &texels)
         .map_err(|error| refused("size", error.to_string()))
 }

@@ -1,7 +1,7 @@
 //! Light maps: direct light with shadows, baked onto the second uv set of a mesh.
 
 use rayon::prelude::*;
-use texmap_light::{Highlight, ShadowBias, ShadowMap, Surface, terms_received};
+use texmap_light::{PhongMaterial, ShadowBias, ShadowMap, SpecularModel, shade_with_visibility};
 use texmap_math::MemoryBudget;
 use texmap_math::glam::DVec3;
 use texmap_raster::{Atlas, AtlasMesh, AtlasOptions, Coverage, RasterError, TargetSize};
@@ -112,7 +112,7 @@ pub fn bake(
     )
     .map_err(refused)?;
     let flat = mesh.triangle_normals();
-    let matte = Surface {
+    let matte = PhongMaterial {
         color: [1.0; 3],
         ka: 1.0,
         kd: 1.0,
@@ -153,13 +153,13 @@ pub fn bake(
                     let mut share = 1.0;
                     for (_, map, bias, taps) in options.shadows.iter().filter(|s| s.0 == light) {
                         let point = DVec3::from(point.map(f64::from));
-                        share *= map.lit(point, plane, *bias, *taps);
+                        share *= map.visibility(point, plane, *bias, *taps);
                     }
                     [share; 3]
                 };
-                *texel = terms_received(
+                *texel = shade_with_visibility(
                     &matte,
-                    Highlight::Phong,
+                    SpecularModel::Phong,
                     &lights,
                     point,
                     normal,

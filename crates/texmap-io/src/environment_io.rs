@@ -5,7 +5,7 @@ use std::io;
 use std::path::Path;
 
 use image::{DynamicImage, Rgb};
-use texmap_light::{Chart, Environment};
+use texmap_light::{Environment, EnvironmentLayout};
 use texmap_math::color;
 use texmap_sample::ColorSpace;
 
@@ -19,14 +19,14 @@ use crate::{IoError, SourceLocation, image_io};
 /// # Errors
 /// File errors; [`IoError::BrokenImage`], also for a NaN or infinity; [`IoError::EnvironmentSize`] for an image whose sides the
 /// chart cannot have (a lat-long map that is not 2:1).
-pub fn read_environment(path: &Path, chart: Chart) -> Result<Environment, IoError> {
+pub fn read_environment(path: &Path, chart: EnvironmentLayout) -> Result<Environment, IoError> {
     read_named(&FileSource::anywhere(), path, chart, None)
 }
 
 pub(crate) fn read_named(
     files: &FileSource,
     path: &Path,
-    chart: Chart,
+    chart: EnvironmentLayout,
     named_by: Option<&SourceLocation>,
 ) -> Result<Environment, IoError> {
     let fits = |(width, height): (u32, u32)| match face_height(chart, width, height) {
@@ -72,7 +72,7 @@ pub(crate) fn read_named(
 }
 
 /// Rows of one face of an image of this size, if the chart can have it.
-fn face_height(chart: Chart, width: u32, height: u32) -> Option<u32> {
+fn face_height(chart: EnvironmentLayout, width: u32, height: u32) -> Option<u32> {
     let faces = chart.faces() as u32;
     let face = height / faces;
     let fits =
@@ -80,7 +80,7 @@ fn face_height(chart: Chart, width: u32, height: u32) -> Option<u32> {
     (fits && width <= Environment::MAX_SIDE).then_some(face)
 }
 
-fn expected(chart: Chart) -> String {
+fn expected(chart: EnvironmentLayout) -> String {
     let sides = match (chart.faces(), chart.aspect()) {
         (1, 1) => "as wide as high".to_owned(),
         (1, aspect) => format!("{aspect} times as wide as high"),
@@ -98,7 +98,7 @@ fn expected(chart: Chart) -> String {
 /// [`IoError::UnknownFormat`] for other endings, [`IoError::Write`].
 pub fn write_environment(path: &Path, environment: &Environment) -> Result<Lost, IoError> {
     let (width, face) = environment.size();
-    let faces = environment.chart().faces();
+    let faces = environment.layout().faces();
     let height = face * faces as u32;
     let texels: Vec<[f32; 3]> = (0..faces)
         .flat_map(|f| (0..face).flat_map(move |y| (0..width).map(move |x| (f, x, y))))
@@ -150,7 +150,7 @@ pub fn write_light(
 mod tests {
     use super::*;
 
-    fn sky(chart: Chart, size: u32) -> Environment {
+    fn sky(chart: EnvironmentLayout, size: u32) -> Environment {
         Environment::from_fn(chart, size, |d| {
             [0.5 + 0.5 * d.x, 0.5 + 0.4 * d.y, 3.0 + d.z].map(|c| c as f32)
         })
@@ -160,7 +160,7 @@ mod tests {
     fn worst(a: &Environment, b: &Environment, scale: impl Fn(f32) -> f32) -> f32 {
         let (w, h) = a.size();
         let mut worst = 0.0f32;
-        for face in 0..a.chart().faces() {
+        for face in 0..a.layout().faces() {
             for i in 0..w * h {
                 let texel = |e: &Environment| e.texel(face, i % w, i / w).unwrap();
                 for (a, b) in texel(a).into_iter().zip(texel(b)) {
@@ -175,9 +175,9 @@ mod tests {
     fn files_come_back_as_exactly_as_they_can() {
         let dir = tempfile::tempdir().unwrap();
         for (chart, size) in [
-            (Chart::LatLong, 8),
-            (Chart::Cube, 9),
-            (Chart::DualParaboloid, 8),
+            (EnvironmentLayout::LatLong, 8),
+            (EnvironmentLayout::Cube, 9),
+            (EnvironmentLayout::DualParaboloid, 8),
         ] {
             let sky = sky(chart, size);
             let file = |ending: &str| dir.path().join(format!("a.{ending}"));
@@ -200,10 +200,11 @@ mod tests {
     #[test]
     fn light_below_zero_is_kept_or_counted() {
         let dir = tempfile::tempdir().unwrap();
-        let dark = Environment::from_fn(Chart::LatLong, 4, |d| [d.x as f32, 0.5, 0.0]).unwrap();
+        let dark = Environment::from_fn(EnvironmentLayout::LatLong, 4, |d| [d.x as f32, 0.5, 0.0])
+            .unwrap();
         let file = |ending: &str| dir.path().join(format!("a.{ending}"));
         assert!(write_environment(&file("exr"), &dark).unwrap().nothing());
-        let back = read_environment(&file("exr"), Chart::LatLong).unwrap();
+        let back = read_environment(&file("exr"), EnvironmentLayout::LatLong).unwrap();
         assert_eq!(worst(&dark, &back, |_| 1.0), 0.0);
         let below = (0..32)
             .filter(|i| back.texel(0, i % 8, i / 8).unwrap()[0] < 0.0)
@@ -226,7 +227,8 @@ mod tests {
         let files = ["narrow.png", "wide.png"].map(|name| dir.path().join(name));
         narrow.save(&files[0]).unwrap();
         wide.save(&files[1]).unwrap();
-        let [narrow, wide] = files.map(|file| read_environment(&file, Chart::LatLong).unwrap());
+        let [narrow, wide] =
+            files.map(|file| read_environment(&file, EnvironmentLayout::LatLong).unwrap());
         assert!(worst(&narrow, &wide, |_| 1.0) < 1e-7);
         let [red, ..] = narrow.texel(0, 8, 0).unwrap();
         assert!((red - 0.215_861).abs() < 1e-6, "byte 128 is {red}");
@@ -237,20 +239,22 @@ mod tests {
         let dir = tempfile::tempdir().unwrap();
         let path = dir.path().join("square.png");
         image_io::write_png(&path, 8, 8, &[128; 256]).unwrap();
-        let error = read_environment(&path, Chart::LatLong).unwrap_err();
+        let error = read_environment(&path, EnvironmentLayout::LatLong).unwrap_err();
         assert_eq!(error.code(), "environment-size");
         assert!(
             error.to_string().contains("8 x 8") && error.help().contains("2 times"),
             "{error}"
         );
-        assert!(read_environment(&path, Chart::Octahedron).is_ok());
+        assert!(read_environment(&path, EnvironmentLayout::Octahedron).is_ok());
         assert_eq!(
-            read_environment(&path, Chart::Cube).unwrap_err().code(),
+            read_environment(&path, EnvironmentLayout::Cube)
+                .unwrap_err()
+                .code(),
             "environment-size"
         );
         let odd = dir.path().join("a.tif");
         assert_eq!(
-            write_environment(&odd, &sky(Chart::Cube, 2))
+            write_environment(&odd, &sky(EnvironmentLayout::Cube, 2))
                 .unwrap_err()
                 .code(),
             "unknown-format"

@@ -9,7 +9,7 @@ use std::error::Error;
 use std::process::ExitCode;
 
 use texmap_lab::plane::{Pattern, TEXELS};
-use texmap_light::Surface;
+use texmap_light::PhongMaterial;
 use texmap_math::camera::Camera;
 use texmap_math::glam::DVec3;
 use texmap_planner::{Budget, choose, prices};
@@ -140,9 +140,9 @@ fn plane(bytes: &[u8], turn: f64, magnify: f64) -> Result<Scene, Box<dyn Error>>
         [x * cos - y * sin, x * sin + y * cos].map(|c| (c / (4.0 * magnify)) as f32)
     };
     let material = Material {
-        surface: Surface {
+        surface: PhongMaterial {
             color: [1.0; 3],
-            ..Surface::default()
+            ..PhongMaterial::default()
         },
         base_color: Some(TextureSlot {
             texture: 0,

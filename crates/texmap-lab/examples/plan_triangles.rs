@@ -10,7 +10,7 @@ use std::error::Error;
 use std::time::Instant;
 
 use texmap_lab::plane::{Pattern, TEXELS};
-use texmap_light::Surface;
+use texmap_light::PhongMaterial;
 use texmap_math::camera::Camera;
 use texmap_math::glam::DVec3;
 use texmap_raster::Interp;
@@ -141,9 +141,9 @@ fn wall(interp: Interp) -> Result<Scene, Box<dyn Error>> {
 
 fn material(filter: Filter) -> Material {
     Material {
-        surface: Surface {
+        surface: PhongMaterial {
             color: [1.0; 3],
-            ..Surface::default()
+            ..PhongMaterial::default()
         },
         base_color: Some(TextureSlot {
             texture: 0,

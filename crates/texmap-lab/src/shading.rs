@@ -4,7 +4,7 @@
 //! pixel. Here are its two readings (unit vectors, brought back to length 1 or not), the one that is right, and Gouraud's colours,
 //! each against f64 light at the point itself.
 
-use texmap_light::{Light, Surface, terms};
+use texmap_light::{Light, PhongMaterial, lighting};
 use texmap_math::deterministic_f64;
 use texmap_math::glam::DVec3;
 
@@ -109,7 +109,7 @@ impl Floor {
     /// texmap's own formula, in f32.
     fn per_pixel(&self, point: DVec3, normal: DVec3) -> f64 {
         let narrow = |v: DVec3| v.as_vec3().to_array();
-        let surface = Surface {
+        let surface = PhongMaterial {
             color: [1.0; 3],
             ka: 0.0,
             kd: 1.0,
@@ -121,7 +121,7 @@ impl Floor {
             position: narrow(self.light),
         };
         let eye = [0.0, 9.0, 0.0];
-        let found = terms(&surface, &[light], narrow(point), narrow(normal), eye);
+        let found = lighting(&surface, &[light], narrow(point), narrow(normal), eye);
         f64::from(found.diffuse[0])
     }
 

@@ -196,7 +196,7 @@ impl ShadowScene {
                 let p = point + o - toward * (normal.dot(o) / normal.dot(toward));
                 dark(p, normal) != truth
             });
-            let lit = map.lit(point, normal, bias, taps);
+            let lit = map.visibility(point, normal, bias, taps);
             let unlit = !truth && lit < 1.0;
             creases += u32::from(unlit && crease);
             shadow += u32::from(unlit && !crease);
@@ -237,14 +237,14 @@ impl ShadowScene {
             if at.min_element() >= 0.0 && at.max_element() < 1.0 {
                 continue;
             }
-            ruled += u32::from(map.lit(point, normal, ShadowBias::Slope(1e-4), 1) < 1.0);
+            ruled += u32::from(map.visibility(point, normal, ShadowBias::Slope(1e-4), 1) < 1.0);
             let texel = |c: f64| {
                 (c * f64::from(size))
                     .floor()
                     .clamp(0.0, f64::from(size - 1)) as u32
             };
             let stored = map
-                .stored(0, texel(at.x), texel(at.y))
+                .depth_at(0, texel(at.x), texel(at.y))
                 .map_or(f64::INFINITY, f64::from);
             // A generous bias: what is wrong here is the place.
             clamped += u32::from(-p.z > stored + 0.02);

@@ -99,7 +99,7 @@ impl<'s> ShadowTruth<'s> {
             ..Wrong::default()
         };
         for point in &self.points {
-            let lit = map.lit(point.at, point.normal, bias, taps);
+            let lit = map.visibility(point.at, point.normal, bias, taps);
             let right = if point.dark { 0.0 } else { 1.0 };
             if lit == right {
                 continue;

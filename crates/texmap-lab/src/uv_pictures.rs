@@ -1,7 +1,7 @@
 //! Pictures of a mapping: a checker on the model, a heat map of its distortion, and the unwrapped layout.
 
 use texmap_io::framing::{AUTO_FOV, Bounds, View, auto_lights};
-use texmap_light::Surface;
+use texmap_light::PhongMaterial;
 use texmap_math::camera::Camera;
 use texmap_math::glam::DVec3;
 use texmap_render::{Settings, render};
@@ -80,7 +80,7 @@ pub fn heat(mesh: &Mesh<'_>, report: &Report, view: View, size: u32) -> Result<P
         .flat_map(|t| [color(t); 3])
         .collect();
     let material = Material {
-        surface: Surface {
+        surface: PhongMaterial {
             color: [1.0; 3],
             ..matte()
         },
@@ -224,8 +224,8 @@ fn model(mesh: &Mesh<'_>) -> texmap_scene::Mesh {
     }
 }
 
-fn matte() -> Surface {
-    Surface {
+fn matte() -> PhongMaterial {
+    PhongMaterial {
         color: [1.0; 3],
         ka: 1.0,
         kd: 1.0,

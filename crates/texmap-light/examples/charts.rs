@@ -4,7 +4,7 @@
 
 use std::f64::consts::TAU;
 
-use texmap_light::{Chart, Environment};
+use texmap_light::{Environment, EnvironmentLayout};
 use texmap_math::deterministic_f64;
 use texmap_math::glam::DVec3;
 
@@ -33,12 +33,12 @@ fn main() {
     println!("|---|---|---|---|---|---|---|");
     let waves =
         [10.0, 20.0, 40.0].map(|f| (0..DRAWS).map(|draw| waves(f, draw)).collect::<Vec<_>>());
-    let mut best = (f64::MAX, Chart::Cube);
-    for chart in Chart::ALL {
+    let mut best = (f64::MAX, EnvironmentLayout::Cube);
+    for chart in EnvironmentLayout::ALL {
         let size = match chart {
-            Chart::Cube | Chart::TanCube => 64,
-            Chart::LatLong => 111,
-            Chart::DualParaboloid => 110,
+            EnvironmentLayout::Cube | EnvironmentLayout::TanCube => 64,
+            EnvironmentLayout::LatLong => 111,
+            EnvironmentLayout::DualParaboloid => 110,
             _ => 156,
         };
         let errors = waves.each_ref().map(|draws| {
@@ -80,7 +80,7 @@ fn main() {
     println!(
         "is the only row that depends on the draw: by nearly a half up and down, where the others keep to a tenth."
     );
-    assert_eq!(best.1, Chart::TanCube);
+    assert_eq!(best.1, EnvironmentLayout::TanCube);
 }
 
 /// Uniform directions and phases from a fixed seed.
@@ -117,14 +117,19 @@ fn light(waves: &[(DVec3, f64)], d: DVec3) -> f64 {
 }
 
 /// RMSE and largest error.
-fn error(chart: Chart, size: u32, waves: &[(DVec3, f64)], directions: u32) -> (f64, f64) {
+fn error(
+    chart: EnvironmentLayout,
+    size: u32,
+    waves: &[(DVec3, f64)],
+    directions: u32,
+) -> (f64, f64) {
     let environment = Environment::from_fn(chart, size, |d| [light(waves, d) as f32; 3])
         .expect("the size is in range");
     let mut next = noise(99);
     let (mut sum, mut worst) = (0.0, 0.0f64);
     for _ in 0..directions {
         let d = direction(&mut next);
-        let error = (f64::from(environment.light(d.to_array().map(|c| c as f32))[0])
+        let error = (f64::from(environment.radiance(d.to_array().map(|c| c as f32))[0])
             - light(waves, d))
         .abs();
         sum += error * error;
@@ -133,7 +138,7 @@ fn error(chart: Chart, size: u32, waves: &[(DVec3, f64)], directions: u32) -> (f
     ((sum / f64::from(directions)).sqrt(), worst)
 }
 
-fn spread(chart: Chart, size: u32) -> f64 {
+fn spread(chart: EnvironmentLayout, size: u32) -> f64 {
     let (width, height) = (size * chart.aspect(), size);
     let (mut least, mut most) = (f64::MAX, 0.0f64);
     for face in 0..chart.faces() {

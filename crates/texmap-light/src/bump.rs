@@ -46,14 +46,22 @@ impl Heights<'_> {
         &self,
         slope: Slope,
         strength: f32,
-        green: Green,
+        green: NormalMapGreen,
     ) -> Result<Vec<[f32; 3]>, LightError> {
         self.check()?;
         let columns = i64::from(self.width);
         let texels = (0..self.values.len() as i64).map(|i| (i % columns, i / columns));
         let normal = |(x, y)| {
             let [right, down] = self.slope_unchecked(x, y, slope).map(|d| d * strength);
-            unit([-right, if green == Green::Up { down } else { -down }, 1.0])
+            unit([
+                -right,
+                if green == NormalMapGreen::Up {
+                    down
+                } else {
+                    -down
+                },
+                1.0,
+            ])
         };
         Ok(texels.map(normal).collect())
     }
@@ -68,7 +76,7 @@ impl Heights<'_> {
         &self,
         slope: Slope,
         height: f32,
-        green: Green,
+        green: NormalMapGreen,
     ) -> Result<(Vec<[f32; 2]>, f32), LightError> {
         self.check()?;
         let columns = i64::from(self.width.max(1));
@@ -78,7 +86,11 @@ impl Heights<'_> {
             let down = down * rows * height;
             [
                 right * columns as f32 * height,
-                if green == Green::Up { -down } else { down },
+                if green == NormalMapGreen::Up {
+                    -down
+                } else {
+                    down
+                },
             ]
         };
         let mut offsets: Vec<[f32; 2]> = (0..self.values.len() as i64).map(over_all).collect();
@@ -126,7 +138,7 @@ impl Heights<'_> {
 
 /// Direction of the green channel of a normal map.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Green {
+pub enum NormalMapGreen {
     /// +Y, up the picture (OpenGL, glTF).
     #[default]
     Up,
@@ -139,7 +151,7 @@ pub enum Green {
 ///
 /// 8 bits: off by at most 0.38 degrees with three channels, 5.8 degrees at grazing angles with a rebuilt z.
 #[must_use]
-pub fn decode_normal(texel: [f32; 3], green: Green, rebuild_z: bool) -> [f32; 3] {
+pub fn decode_normal(texel: [f32; 3], green: NormalMapGreen, rebuild_z: bool) -> [f32; 3] {
     let map = NormalMap {
         green,
         rebuild_z,
@@ -151,9 +163,9 @@ pub fn decode_normal(texel: [f32; 3], green: Green, rebuild_z: bool) -> [f32; 3]
 
 /// A texel of 0..=1 per channel from a tangent-space normal; the inverse of [`decode_normal`].
 #[must_use]
-pub fn encode_normal(normal: [f32; 3], green: Green) -> [f32; 3] {
+pub fn encode_normal(normal: [f32; 3], green: NormalMapGreen) -> [f32; 3] {
     let [x, y, z] = unit(normal);
-    [x, if green == Green::Up { y } else { -y }, z].map(|c| 0.5 * c + 0.5)
+    [x, if green == NormalMapGreen::Up { y } else { -y }, z].map(|c| 0.5 * c + 0.5)
 }
 
 /// The slopes of a height field from the red and green of an offset map, 0..=1 each: `2c - 1`, as a share of the map's largest
@@ -162,9 +174,9 @@ pub fn encode_normal(normal: [f32; 3], green: Green) -> [f32; 3] {
 ///
 /// 8 bits: off by at most 1/255 of the largest slope.
 #[must_use]
-pub fn decode_offsets(texel: [f32; 2], green: Green) -> [f32; 2] {
+pub fn decode_offsets(texel: [f32; 2], green: NormalMapGreen) -> [f32; 2] {
     let [x, y] = texel.map(|c| 2.0 * c - 1.0);
-    [x, if green == Green::Up { -y } else { y }]
+    [x, if green == NormalMapGreen::Up { -y } else { y }]
 }
 
 /// Red and green of 0..=1 from slopes of -1..=1 as [`Heights::offsets`] gives them.
@@ -256,8 +268,12 @@ mod tests {
             width: 8,
             values: &values,
         };
-        let up = heights.normals(Slope::Central, 0.5, Green::Up).unwrap()[3 * 8 + 3];
-        let down = heights.normals(Slope::Central, 0.5, Green::Down).unwrap()[3 * 8 + 3];
+        let up = heights
+            .normals(Slope::Central, 0.5, NormalMapGreen::Up)
+            .unwrap()[3 * 8 + 3];
+        let down = heights
+            .normals(Slope::Central, 0.5, NormalMapGreen::Down)
+            .unwrap()[3 * 8 + 3];
         let expected = DVec3::new(-0.5, 1.0, 1.0).normalize();
         assert!((wide(up) - expected).length() < 1e-6, "{up:?}");
         assert_eq!([up[0], -up[1], up[2]], down);
@@ -265,8 +281,8 @@ mod tests {
         assert!(
             degrees(
                 wide(decode_normal(
-                    encode_normal(up, Green::Up),
-                    Green::Down,
+                    encode_normal(up, NormalMapGreen::Up),
+                    NormalMapGreen::Down,
                     false
                 )),
                 wide(up)
@@ -286,7 +302,7 @@ mod tests {
             width: 16,
             values: &values,
         };
-        for green in [Green::Up, Green::Down] {
+        for green in [NormalMapGreen::Up, NormalMapGreen::Down] {
             let (offsets, most) = heights.offsets(Slope::Central, 0.2, green).unwrap();
             for (i, offset) in (0..).zip(&offsets) {
                 let [right, down] = heights.slope(i % 16, i / 16, Slope::Central).unwrap();
@@ -308,7 +324,7 @@ mod tests {
             width: 2,
             values: &[0.5; 4],
         };
-        let (offsets, most) = flat.offsets(Slope::Sobel, 1.0, Green::Up).unwrap();
+        let (offsets, most) = flat.offsets(Slope::Sobel, 1.0, NormalMapGreen::Up).unwrap();
         assert_eq!((offsets[0].map(f32::abs), most), ([0.0; 2], 0.0));
     }
 
@@ -320,10 +336,16 @@ mod tests {
             let (z, phi) = (f64::from(i) / 40_000.0, f64::from(i) * 2.399_963);
             let r = (1.0 - z * z).sqrt();
             let n = DVec3::new(r * phi.cos(), r * phi.sin(), z);
-            let bytes = encode_normal(n.to_array().map(|c| c as f32), Green::Up)
+            let bytes = encode_normal(n.to_array().map(|c| c as f32), NormalMapGreen::Up)
                 .map(|c| (c * 255.0 + 0.5).floor() / 255.0);
-            full = full.max(degrees(wide(decode_normal(bytes, Green::Up, false)), n));
-            rebuilt = rebuilt.max(degrees(wide(decode_normal(bytes, Green::Up, true)), n));
+            full = full.max(degrees(
+                wide(decode_normal(bytes, NormalMapGreen::Up, false)),
+                n,
+            ));
+            rebuilt = rebuilt.max(degrees(
+                wide(decode_normal(bytes, NormalMapGreen::Up, true)),
+                n,
+            ));
         }
         assert!(full <= 0.39 && full > 0.3, "{full}");
         assert!(rebuilt <= 5.9 && rebuilt > 3.0, "{rebuilt}");
@@ -413,7 +435,7 @@ mod tests {
             assert_eq!(perturb([0.0, 0.0, 2.0], bad, [0.5, 0.5, 0.7]), n, "{bad:?}");
         }
         assert_eq!(bump([1.0, 0.0, 0.0], [2.0, 0.0, 0.0], 0.1, 0.1), [0.0; 3]);
-        assert_eq!(decode_normal([0.5; 3], Green::Up, false), n);
+        assert_eq!(decode_normal([0.5; 3], NormalMapGreen::Up, false), n);
     }
 
     /// Case B6.

@@ -1,5 +1,5 @@
 //! Faces of a cube in f32: which one a direction meets, and its coordinates there, in the order and orientation of
-//! [`Chart::Cube`](crate::Chart::Cube).
+//! [`EnvironmentLayout::Cube`](crate::EnvironmentLayout::Cube).
 
 use texmap_math::simd::{Isa, prelude::*};
 
@@ -84,7 +84,7 @@ impl<I: Isa> Side<I> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Chart;
+    use crate::EnvironmentLayout;
     use crate::vector::{columns, load};
     use alloc::vec::Vec;
     use texmap_math::glam::DVec3;
@@ -112,7 +112,7 @@ mod tests {
                 let back = columns(i, side.direction(there));
                 let there = columns(i, there);
                 for (lane, d) in all[first..].iter().take(I::LANES).enumerate() {
-                    let (face, uv) = Chart::Cube.locate(DVec3::from(d.map(f64::from)));
+                    let (face, uv) = EnvironmentLayout::Cube.locate(DVec3::from(d.map(f64::from)));
                     assert_eq!(faces[lane], face as i32, "{d:?}");
                     let [right, down, axis] = there.map(|c| c[lane]);
                     let place = [right, down].map(|c| f64::from(0.5 * c / axis + 0.5));

@@ -9,19 +9,19 @@ use alloc::vec::Vec;
 
 use texmap_math::glam::{DVec2, DVec3};
 
-use crate::Chart;
+use crate::EnvironmentLayout;
 use crate::error::{LightError, same_length};
 pub(crate) use level::{Level, LevelTable};
 use level::{bordered, four};
 
-/// Light from every direction, stored in a [`Chart`]: texels with a border of one texel that continues over the edges
+/// Light from every direction, stored in a [`EnvironmentLayout`]: texels with a border of one texel that continues over the edges
 /// of each face, so that bilinear look-ups have no seams.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Environment {
-    pub(crate) chart: Chart,
+    pub(crate) layout: EnvironmentLayout,
     /// Level after level, each its faces one after the other, (width + 2) x (height + 2) texels each, linear light.
     pub(crate) texels: Vec<[f32; 3]>,
-    /// The texels in [`packed`](crate::packed) form, where [`light_across`](Self::light_across) reads that; else empty.
+    /// The texels in [`packed`](crate::packed) form, where [`radiance_filtered`](Self::radiance_filtered) reads that; else empty.
     pub(crate) packed: Vec<u32>,
     /// At least one.
     pub(crate) levels: Vec<Level>,
@@ -38,9 +38,9 @@ impl Environment {
     /// Texels that hold `light` of their centre's direction, borders too. `size` is the height of a face.
     ///
     /// # Errors
-    /// [`LightError::ChartSize`] for a size of 0 or a side above [`Environment::MAX_SIDE`].
+    /// [`LightError::LayoutSize`] for a size of 0 or a side above [`Environment::MAX_SIDE`].
     pub fn from_fn(
-        chart: Chart,
+        chart: EnvironmentLayout,
         size: u32,
         mut light: impl FnMut(DVec3) -> [f32; 3],
     ) -> Result<Self, LightError> {
@@ -58,8 +58,8 @@ impl Environment {
     ///
     /// # Errors
     /// As [`Environment::from_fn`].
-    pub(crate) fn from_places(
-        chart: Chart,
+    pub(crate) fn from_directions(
+        chart: EnvironmentLayout,
         size: u32,
         light: impl Fn(usize, DVec2, DVec2) -> [f32; 3] + Sync,
     ) -> Result<Self, LightError> {
@@ -82,15 +82,15 @@ impl Environment {
     /// neighbours.
     ///
     /// # Errors
-    /// [`LightError::ChartSize`] unless each face has the chart's shape (2:1 for lat-long, else square) and a side in
+    /// [`LightError::LayoutSize`] unless each face has the chart's shape (2:1 for lat-long, else square) and a side in
     /// range; [`LightError::Length`] unless `texels` fills the faces; [`LightError::Texel`] for one that is not finite.
     pub fn from_texels(
-        chart: Chart,
+        chart: EnvironmentLayout,
         (width, height): (u32, u32),
         texels: &[[f32; 3]],
     ) -> Result<Self, LightError> {
         if height == 0 || width > Self::MAX_SIDE || width != height.saturating_mul(chart.aspect()) {
-            return Err(LightError::ChartSize {
+            return Err(LightError::LayoutSize {
                 chart,
                 width,
                 height,
@@ -111,7 +111,7 @@ impl Environment {
         ))
     }
 
-    fn of(chart: Chart, (width, height): (u32, u32), texels: Vec<[f32; 3]>) -> Self {
+    fn of(chart: EnvironmentLayout, (width, height): (u32, u32), texels: Vec<[f32; 3]>) -> Self {
         let start = 0;
         let levels = alloc::vec![Level {
             width,
@@ -119,7 +119,7 @@ impl Environment {
             start
         }];
         Self {
-            chart,
+            layout: chart,
             texels,
             packed: Vec::new(),
             table: LevelTable::new(&levels),
@@ -130,8 +130,8 @@ impl Environment {
 
     /// The chart.
     #[must_use]
-    pub fn chart(&self) -> Chart {
-        self.chart
+    pub fn layout(&self) -> EnvironmentLayout {
+        self.layout
     }
 
     /// Width and height of a face in texels.
@@ -156,33 +156,33 @@ impl Environment {
     #[must_use]
     pub fn texel(&self, face: usize, x: u32, y: u32) -> Option<[f32; 3]> {
         let (width, height) = self.size();
-        let inside = face < self.chart.faces() && x < width && y < height;
+        let inside = face < self.layout.faces() && x < width && y < height;
         inside.then(|| self.texels[self.levels[0].index(face, x as usize + 1, y as usize + 1)])
     }
 
     /// Light from a direction of any length, bilinear and without seams. Zero and non-finite directions read as +Z.
     #[must_use]
-    pub fn light(&self, direction: [f32; 3]) -> [f32; 3] {
+    pub fn radiance(&self, direction: [f32; 3]) -> [f32; 3] {
         let (face, uv) = self.locate(direction);
         self.bilinear(self.levels[0], face, uv)
     }
 
     pub(crate) fn locate(&self, direction: [f32; 3]) -> (usize, DVec2) {
-        self.chart.locate(DVec3::from(direction.map(f64::from)))
+        self.layout.locate(DVec3::from(direction.map(f64::from)))
     }
 
-    /// [`light`](Self::light) for every direction of a slice: the same bits, entry by entry.
+    /// [`radiance`](Self::radiance) for every direction of a slice: the same bits, entry by entry.
     ///
     /// # Errors
     /// [`LightError::Length`] unless both slices have one length.
-    pub fn light_slice(
+    pub fn radiance_slice(
         &self,
         directions: &[[f32; 3]],
         out: &mut [[f32; 3]],
     ) -> Result<(), LightError> {
         same_length("directions", directions.len(), out.len())?;
         for (out, direction) in out.iter_mut().zip(directions) {
-            *out = self.light(*direction);
+            *out = self.radiance(*direction);
         }
         Ok(())
     }
@@ -200,10 +200,10 @@ struct Places {
 }
 
 impl Places {
-    fn new(chart: Chart, size: u32) -> Result<Self, LightError> {
+    fn new(chart: EnvironmentLayout, size: u32) -> Result<Self, LightError> {
         let (width, height) = (size.saturating_mul(chart.aspect()), size);
         if size == 0 || width > Environment::MAX_SIDE {
-            return Err(LightError::ChartSize {
+            return Err(LightError::LayoutSize {
                 chart,
                 width,
                 height,
@@ -239,10 +239,10 @@ mod tests {
 
     #[test]
     fn places_lie_where_one_walk_through_the_faces_finds_them() {
-        for chart in Chart::ALL {
+        for chart in EnvironmentLayout::ALL {
             let light = |d: DVec3| d.to_array().map(|c| c as f32);
             let one_by_one = Environment::from_fn(chart, 13, light);
-            let in_any_order = Environment::from_places(chart, 13, |face, centre, sides| {
+            let in_any_order = Environment::from_directions(chart, 13, |face, centre, sides| {
                 light(chart.direction(face, centre / sides))
             });
             assert_eq!(one_by_one, in_any_order, "{chart:?}");

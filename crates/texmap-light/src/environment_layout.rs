@@ -14,7 +14,7 @@ use texmap_math::glam::{DVec2, DVec3};
 /// ((i + 1/2)/w, (j + 1/2)/h). Right-handed directions, +Y up. All computations are f64 with texmap's own
 /// trigonometry; a direction that comes back from its chart differs by less than 1e-12.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Chart {
+pub enum EnvironmentLayout {
     /// Six faces +X -X +Y -Y +Z -Z, oriented as in Vulkan 1.4 (section Cube Map Face Selection), z before y
     /// before x where components tie.
     Cube,
@@ -35,31 +35,31 @@ pub enum Chart {
 
 /// A name that is not a chart's.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct UnknownChart;
+pub struct UnknownLayout;
 
-impl fmt::Display for UnknownChart {
+impl fmt::Display for UnknownLayout {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str("unknown chart: choose from")?;
-        Chart::ALL
+        EnvironmentLayout::ALL
             .iter()
             .try_for_each(|chart| write!(f, " {}", chart.name()))
     }
 }
 
-impl core::error::Error for UnknownChart {}
+impl core::error::Error for UnknownLayout {}
 
-impl FromStr for Chart {
-    type Err = UnknownChart;
+impl FromStr for EnvironmentLayout {
+    type Err = UnknownLayout;
 
-    fn from_str(name: &str) -> Result<Self, UnknownChart> {
+    fn from_str(name: &str) -> Result<Self, UnknownLayout> {
         Self::ALL
             .into_iter()
             .find(|chart| chart.name() == name)
-            .ok_or(UnknownChart)
+            .ok_or(UnknownLayout)
     }
 }
 
-impl Chart {
+impl EnvironmentLayout {
     /// Every chart.
     pub const ALL: [Self; 7] = [
         Self::Cube,
@@ -336,7 +336,7 @@ mod tests {
 
     #[test]
     fn directions_come_back() {
-        for chart in Chart::ALL {
+        for chart in EnvironmentLayout::ALL {
             for d in directions(20_000).chain(special()) {
                 let (face, uv) = chart.locate(d * 7.0);
                 assert!(face < chart.faces());
@@ -346,7 +346,7 @@ mod tests {
                 );
                 let back = chart.direction(face, uv);
                 // The rim of the sphere map is one direction: it loses half of the digits.
-                let bound = if chart == Chart::SphereMap {
+                let bound = if chart == EnvironmentLayout::SphereMap {
                     1e-7
                 } else {
                     1e-12
@@ -361,7 +361,7 @@ mod tests {
 
     #[test]
     fn length_and_bad_directions_do_not_matter() {
-        for chart in Chart::ALL {
+        for chart in EnvironmentLayout::ALL {
             for d in directions(100) {
                 assert_eq!(chart.locate(d * 1024.0), chart.locate(d));
                 let (face, uv) = chart.locate(d * 1e-300);
@@ -380,8 +380,8 @@ mod tests {
     /// A step over an edge of a face lands where the neighbour's texels are, not across the chart.
     #[test]
     fn borders_continue_onto_their_neighbours() {
-        for chart in Chart::ALL {
-            if chart == Chart::SphereMap {
+        for chart in EnvironmentLayout::ALL {
+            if chart == EnvironmentLayout::SphereMap {
                 continue;
             }
             for face in 0..chart.faces() {
@@ -409,7 +409,7 @@ mod tests {
     #[test]
     fn solid_angles_cover_the_sphere_and_have_the_known_ratios() {
         let known = [5.20, 1.41, 0.0, 5.20, 1.0, 4.0, 1.0];
-        for (chart, known) in Chart::ALL.into_iter().zip(known) {
+        for (chart, known) in EnvironmentLayout::ALL.into_iter().zip(known) {
             let (w, h) = (64 * chart.aspect(), 64);
             let mut angles = Vec::new();
             for face in 0..chart.faces() {
@@ -424,7 +424,7 @@ mod tests {
             let (min, max) = inner
                 .iter()
                 .fold((f64::MAX, 0.0f64), |(l, h), a| (l.min(*a), h.max(*a)));
-            if known > 0.0 && chart != Chart::SphereMap {
+            if known > 0.0 && chart != EnvironmentLayout::SphereMap {
                 assert!(
                     (max / min / known - 1.0).abs() < 0.12,
                     "{chart:?}: {}",
@@ -436,9 +436,9 @@ mod tests {
 
     #[test]
     fn names_round_trip() {
-        for chart in Chart::ALL {
+        for chart in EnvironmentLayout::ALL {
             assert_eq!(chart.name().parse(), Ok(chart));
         }
-        assert_eq!("ball".parse::<Chart>(), Err(UnknownChart));
+        assert_eq!("ball".parse::<EnvironmentLayout>(), Err(UnknownLayout));
     }
 }

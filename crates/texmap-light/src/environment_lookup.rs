@@ -11,7 +11,7 @@ use crate::lanes::Vector;
 use crate::packed::UNIT;
 use crate::reflect::RayLanes;
 use crate::vector::{dot, usable};
-use crate::{Chart, Ray};
+use crate::{EnvironmentLayout, Ray};
 use on_face::{LevelLanes, on_face};
 
 /// The largest square of a footprint, in texels, that is told from more.
@@ -21,18 +21,18 @@ impl Environment {
     /// Light from the directions that a pixel sees: bilinear on the two levels around its footprint, if there are levels
     /// ([`with_mips`](Self::with_mips)), else on the only one. Zero and non-finite directions read as +Z.
     ///
-    /// Places are f32, off by less than 4e-7 of a face; [`light`](Self::light) is the reference without a footprint. A cube's footprint is
+    /// Places are f32, off by less than 4e-7 of a face; [`radiance`](Self::radiance) is the reference without a footprint. A cube's footprint is
     /// that of its face coordinates (Vulkan 1.4, section Cube Map Derivative Transformation), another chart's that of its mean solid
     /// angle per texel.
     #[must_use]
-    pub fn light_across(&self, ray: &Ray) -> [f32; 3] {
+    pub fn radiance_filtered(&self, ray: &Ray) -> [f32; 3] {
         self.radiance(Scalar, ray)
     }
 
-    /// [`light_across`](Self::light_across) for the rays of a block; outside of semantic versioning.
+    /// [`radiance_filtered`](Self::radiance_filtered) for the rays of a block; outside of semantic versioning.
     #[inline(always)]
     pub fn radiance<I: Isa>(&self, i: I, ray: &RayLanes<I>) -> Vector<I> {
-        if self.chart == Chart::Cube {
+        if self.layout == EnvironmentLayout::Cube {
             self.radiance_of_cube(i, ray)
         } else {
             self.radiance_of_chart(i, ray)
@@ -60,7 +60,7 @@ impl Environment {
             #[inline(always)]
             || {
                 let (d, _) = usable(i, ray.direction);
-                let (face, place) = self.chart.place(i, d);
+                let (face, place) = self.layout.place(i, d);
                 let rr = dot(ray.direction, ray.direction);
                 let dx = square_of_angle(i, ray.direction, rr, ray.dx);
                 let dy = square_of_angle(i, ray.direction, rr, ray.dy);
@@ -72,7 +72,7 @@ impl Environment {
 
     fn texels_a_steradian(&self) -> f32 {
         let (width, height) = self.size();
-        let texels = self.chart.faces() as f32 * width as f32 * height as f32;
+        let texels = self.layout.faces() as f32 * width as f32 * height as f32;
         texels * (1.0 / (4.0 * core::f32::consts::PI))
     }
 
@@ -216,7 +216,7 @@ mod tests {
     /// Footprints choose the level: a stripe pattern fades to its mean as pixels grow, on every chart, and not without levels.
     #[test]
     fn wide_footprints_read_the_mean() {
-        for chart in Chart::ALL {
+        for chart in EnvironmentLayout::ALL {
             let mut bright = false;
             let stripes = Environment::from_fn(chart, 64, |_| {
                 bright = !bright;
@@ -232,7 +232,7 @@ mod tests {
                         dx: [step, 0.0, 0.0],
                         dy: [0.0, step, 0.0],
                     };
-                    (environment.light_across(&ray)[0] - 0.5).abs()
+                    (environment.radiance_filtered(&ray)[0] - 0.5).abs()
                 };
                 (0..100).map(look).fold(0.0, f32::max)
             };
@@ -246,7 +246,7 @@ mod tests {
     /// Packed texels and floats give the same light, but for half a step on the smaller levels.
     #[test]
     fn packed_texels_are_off_by_half_a_step_at_most() {
-        let packed = noise(Chart::Cube, 64).with_mips();
+        let packed = noise(EnvironmentLayout::Cube, 64).with_mips();
         assert!(!packed.packed.is_empty());
         let floats = Environment {
             packed: Vec::new(),
@@ -261,7 +261,10 @@ mod tests {
                 dx: [step, 0.0, 0.3 * step],
                 dy: [0.0, step, 0.0],
             };
-            let (a, b) = (packed.light_across(&ray), floats.light_across(&ray));
+            let (a, b) = (
+                packed.radiance_filtered(&ray),
+                floats.radiance_filtered(&ray),
+            );
             for (a, b) in a.iter().zip(b) {
                 largest = largest.max((a - b).abs());
             }
@@ -269,7 +272,7 @@ mod tests {
         assert!(largest > 1e-5 && largest < 0.5 * UNIT + 1e-6, "{largest}");
     }
 
-    fn noise(chart: Chart, size: u32) -> Environment {
+    fn noise(chart: EnvironmentLayout, size: u32) -> Environment {
         let mut seed = 3u32;
         let noise = Environment::from_fn(chart, size, |_| {
             seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
@@ -281,7 +284,7 @@ mod tests {
     /// Without levels it is the light of f64 places, but for what f32 ones lose.
     #[test]
     fn light_across_is_light_where_there_are_no_levels() {
-        for chart in Chart::ALL {
+        for chart in EnvironmentLayout::ALL {
             let noise = noise(chart, 64);
             let mut largest = 0.0f32;
             for i in 0..3_000u16 {
@@ -292,7 +295,7 @@ mod tests {
                     dx: [0.3; 3],
                     dy: [0.0; 3],
                 };
-                let (a, b) = (noise.light_across(&ray), noise.light(direction));
+                let (a, b) = (noise.radiance_filtered(&ray), noise.radiance(direction));
                 for (a, b) in a.iter().zip(b) {
                     largest = largest.max((a - b).abs());
                 }
@@ -306,7 +309,7 @@ mod tests {
     /// floats, without levels, at edges of faces, and along directions that are none.
     #[test]
     fn widths_agree() {
-        for chart in Chart::ALL {
+        for chart in EnvironmentLayout::ALL {
             let packed = noise(chart, 32).with_mips();
             let floats = Environment {
                 packed: Vec::new(),
@@ -355,13 +358,13 @@ mod tests {
             };
             let got = columns(i, environment.radiance(i, &all));
             for (lane, ray) in rays[first..].iter().take(I::LANES).enumerate() {
-                let one = environment.light_across(ray);
+                let one = environment.radiance_filtered(ray);
                 assert!(one.iter().all(|c| c.is_finite()), "{ray:?}");
                 assert_eq!(
                     got.map(|c| c[lane].to_bits()),
                     one.map(f32::to_bits),
                     "{:?} {ray:?}",
-                    environment.chart
+                    environment.layout
                 );
             }
         }
@@ -370,7 +373,7 @@ mod tests {
     /// Neither zero nor what is not finite gives more than light of the map.
     #[test]
     fn bad_rays_read_something_finite() {
-        let sky = Environment::from_fn(Chart::Cube, 16, |_| [0.5; 3]).unwrap();
+        let sky = Environment::from_fn(EnvironmentLayout::Cube, 16, |_| [0.5; 3]).unwrap();
         let sky = sky.with_mips();
         for bad in [0.0, f32::NAN, f32::INFINITY, 1e30] {
             let ray = Ray {
@@ -378,7 +381,7 @@ mod tests {
                 dx: [bad, 0.0, -bad],
                 dy: [bad; 3],
             };
-            let light = sky.light_across(&ray);
+            let light = sky.radiance_filtered(&ray);
             assert!(
                 light.iter().all(|c| (c - 0.5).abs() < 1e-6),
                 "{bad}: {light:?}"

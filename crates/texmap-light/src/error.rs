@@ -1,6 +1,6 @@
 use core::fmt;
 
-use crate::{Chart, Environment};
+use crate::{Environment, EnvironmentLayout};
 
 /// Why a slice function refused its input. Nothing has been written when it is returned.
 #[derive(Clone, Debug, PartialEq)]
@@ -16,9 +16,9 @@ pub enum LightError {
         expected: usize,
     },
     /// A face of an environment that its chart cannot have.
-    ChartSize {
+    LayoutSize {
         /// The chart.
-        chart: Chart,
+        chart: EnvironmentLayout,
         /// Texels.
         width: u32,
         /// Texels.
@@ -49,7 +49,7 @@ impl fmt::Display for LightError {
                     "{what} has {found} entries but the output has {expected}: pass slices of one length"
                 )
             }
-            Self::ChartSize {
+            Self::LayoutSize {
                 chart,
                 width,
                 height,

@@ -6,10 +6,10 @@ use texmap_math::simd::{Isa, X16};
 
 pub use crate::bump::bump_on;
 pub use crate::normal_map::{clamp_to_horizon, perturb};
-pub use crate::projector_texture::SlidePlaces;
+pub use crate::projector_texture::ProjectorUvBatch;
 pub use crate::reflect::{RayLanes, reflect, reflect_across};
 pub use crate::shade::TermsLanes;
-pub use crate::share::{PowerLanes, ShareLanes, share};
+pub use crate::share::{LightContributionLanes, SpecularExponentLanes, evaluate_light};
 pub use crate::vector::{affine, cross, dot, splat, unit};
 
 /// A vector in each lane.

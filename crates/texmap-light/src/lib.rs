@@ -11,12 +11,12 @@
 //! `texmap_math::deterministic_f32` are used, so that the bits are equal on every machine.
 //!
 //! ```
-//! use texmap_light::{Light, Surface, illuminate};
+//! use texmap_light::{Light, PhongMaterial, illuminate};
 //! let lights = [
 //!     Light::Ambient { color: [0.1; 3] },
 //!     Light::Directional { color: [1.0; 3], direction: [0.0, -1.0, 0.0] }, // shines down
 //! ];
-//! let matte = Surface { color: [0.5, 0.25, 1.0], ka: 1.0, kd: 0.8, ks: 0.0, ns: 1.0 };
+//! let matte = PhongMaterial { color: [0.5, 0.25, 1.0], ka: 1.0, kd: 0.8, ks: 0.0, ns: 1.0 };
 //! let lit = illuminate(&matte, &lights, [0.0; 3], [0.0, 1.0, 0.0], [0.0, 3.0, 4.0]);
 //! for (value, expected) in lit.into_iter().zip([0.45, 0.225, 0.9]) {
 //!     assert!((value - expected).abs() < 1e-6);
@@ -59,26 +59,30 @@ mod share;
 mod vector;
 
 pub use bump::{
-    Green, Heights, Slope, bump, decode_normal, decode_offsets, encode_normal, encode_offsets,
+    Heights, NormalMapGreen, Slope, bump, decode_normal, decode_offsets, encode_normal,
+    encode_offsets,
 };
 pub use environment::Environment;
-pub use environment_layout::{Chart, UnknownChart};
+pub use environment_layout::{EnvironmentLayout, UnknownLayout};
 pub use error::LightError;
 pub use normal_map::NormalMap;
-pub use phong::{Highlight, Light, Surface};
+pub use phong::{Light, PhongMaterial, SpecularModel};
 pub use points::{
-    Ray, Share, Terms, bump_on, clamp_to_horizon, clamp_unit_to_horizon, perturb, perturb_slice,
-    reflect, reflect_across, share, unit,
+    LightContribution, Lighting, Ray, bump_on, clamp_to_horizon, clamp_unit_to_horizon, perturb,
+    perturb_slice, reflect, reflect_across, share, unit,
 };
-pub use projector_texture::{Slide, SlideBorder, SlideView, slide_texel};
+pub use projector_texture::{
+    BoundProjectorTexture, ProjectorBorder, ProjectorTexture, projector_texel,
+};
 pub use shade::{
-    illuminate, illuminate_slice, illuminate_two_sided, terms, terms_received, terms_slice,
+    illuminate, illuminate_slice, illuminate_two_sided, lighting, lighting_slice,
+    shade_with_visibility,
 };
 pub use shadow::{ShadowBias, ShadowKind, ShadowMap};
 #[doc(hidden)]
-pub use shadow_bounds::{Reached, ShadowBounds, StripBounds};
-pub use shadow_reader::ShadowReader;
-pub use share::Power;
+pub use shadow_bounds::{FiniteColumns, ShadowBounds, StripBounds};
+pub use shadow_reader::ShadowSampler;
+pub use share::SpecularExponent;
 
 /// The level of this CPU; no bit depends on it.
 fn level() -> texmap_math::Level {

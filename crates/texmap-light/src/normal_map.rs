@@ -3,7 +3,7 @@
 use texmap_math::float::sqrt_f32;
 use texmap_math::simd::{Isa, prelude::*};
 
-use crate::Green;
+use crate::NormalMapGreen;
 use crate::lanes::Vector;
 use crate::vector::{cross, dot, is_zero, scale, select, sub, unit};
 
@@ -11,7 +11,7 @@ use crate::vector::{cross, dot, is_zero, scale, select, sub, unit};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NormalMap {
     /// Direction of the green channel.
-    pub green: Green,
+    pub green: NormalMapGreen,
     /// Only red and green are stored.
     pub rebuild_z: bool,
     /// Multiplies x and y; 1 is the map as it is.
@@ -25,7 +25,11 @@ impl NormalMap {
     pub fn decode<I: Isa>(&self, i: I, texel: Vector<I>) -> Vector<I> {
         let x = texel[0] * 2.0 - 1.0;
         let y = texel[1] * 2.0 - 1.0;
-        let y = if self.green == Green::Up { y } else { -y };
+        let y = if self.green == NormalMapGreen::Up {
+            y
+        } else {
+            -y
+        };
         let z = if self.rebuild_z {
             let left = i.f32(1.0) - x * x - y * y;
             left.above(i.f32(0.0)).sqrt()
@@ -39,7 +43,7 @@ impl NormalMap {
     /// tangent's fourth component.
     #[inline(always)]
     #[must_use]
-    pub fn turn<I: Isa>(
+    pub fn apply<I: Isa>(
         &self,
         i: I,
         normal: Vector<I>,

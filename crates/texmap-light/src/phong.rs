@@ -2,7 +2,7 @@ use texmap_math::deterministic_f64;
 
 /// Falloff of a highlight.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Highlight {
+pub enum SpecularModel {
     /// `max(0, V.R)^ns`, the angle between the eye and the mirrored light (Phong 1975; the lecture's).
     #[default]
     Phong,
@@ -13,7 +13,7 @@ pub enum Highlight {
 
 /// Reflectance of a surface: a colour and the four numbers of the MIT 6.837 `surf` command.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Surface {
+pub struct PhongMaterial {
     /// Diffuse and ambient colour, linear light, 0..=1. The highlight does not take it.
     pub color: [f32; 3],
     /// Share of ambient light that is returned, usually 0..=1.
@@ -26,7 +26,7 @@ pub struct Surface {
     pub ns: f32,
 }
 
-impl Default for Surface {
+impl Default for PhongMaterial {
     /// The defaults of the MIT 6.837 scene format: grey 0.5, `ka = kd = ks = 1`, `ns = 5`.
     fn default() -> Self {
         Self {
@@ -39,7 +39,7 @@ impl Default for Surface {
     }
 }
 
-impl Surface {
+impl PhongMaterial {
     /// True if every number is finite and none is negative.
     #[must_use]
     pub fn is_valid(&self) -> bool {

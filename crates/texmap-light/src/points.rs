@@ -4,19 +4,19 @@ use texmap_math::dispatch_simd;
 use texmap_math::simd::{Isa, Scalar};
 
 use crate::error::{LightError, same_length};
-use crate::lanes::{self, PowerLanes, RayLanes, ShareLanes, TermsLanes};
+use crate::lanes::{self, LightContributionLanes, RayLanes, SpecularExponentLanes, TermsLanes};
 use crate::vector::{columns, load};
-use crate::{Highlight, Light, Power, Surface};
+use crate::{Light, PhongMaterial, SpecularExponent, SpecularModel};
 
 /// A direction and its change for one pixel to the right and one down.
 pub type Ray = RayLanes<Scalar>;
 
 /// The contribution of one light to a point: `color * diffuse` to the diffuse term, `color * highlight` to the highlight.
-pub type Share = ShareLanes<Scalar>;
+pub type LightContribution = LightContributionLanes<Scalar>;
 
 /// Light that reaches the eye from one point, split so that a texture can stand in for the colour:
 /// `base colour * diffuse + highlight`.
-pub type Terms = TermsLanes<Scalar>;
+pub type Lighting = TermsLanes<Scalar>;
 
 /// Unit vector; zero for a vector without a direction (zero or not finite). Off by 2 units in the last place.
 #[must_use]
@@ -108,16 +108,16 @@ pub fn clamp_unit_to_horizon(n: [f32; 3], v: [f32; 3]) -> [f32; 3] {
 /// the direction to the eye, have unit length or are zero.
 #[must_use]
 pub fn share(
-    surface: &Surface,
-    power: Power,
-    model: Highlight,
+    surface: &PhongMaterial,
+    power: SpecularExponent,
+    model: SpecularModel,
     light: &Light,
     point: [f32; 3],
     normal: [f32; 3],
     view: [f32; 3],
-) -> Option<Share> {
-    let power = PowerLanes::Same(power);
-    let given = lanes::share(Scalar, surface, power, model, light, point, normal, view);
+) -> Option<LightContribution> {
+    let power = SpecularExponentLanes::Same(power);
+    let given = lanes::evaluate_light(Scalar, surface, power, model, light, point, normal, view);
     given.lit.then_some(given)
 }
 
@@ -131,7 +131,9 @@ mod tests {
     use texmap_sample::{ColorSpace, Origin, Sampler, Texture2d};
 
     use crate::lanes::Vector;
-    use crate::{Green, NormalMap, Slide, SlideBorder, SlideView};
+    use crate::{
+        BoundProjectorTexture, NormalMap, NormalMapGreen, ProjectorBorder, ProjectorTexture,
+    };
 
     /// Vectors of every length, some without a direction.
     fn vector(i: usize) -> [f32; 3] {
@@ -147,7 +149,12 @@ mod tests {
     const RESULTS: usize = 33;
 
     #[inline(always)]
-    fn every_effect<I: Isa>(i: I, first: usize, slides: &[SlideView<'_>], out: &mut [Vec<f32>]) {
+    fn every_effect<I: Isa>(
+        i: I,
+        first: usize,
+        slides: &[BoundProjectorTexture<'_>],
+        out: &mut [Vec<f32>],
+    ) {
         let all: [_; 96] = core::array::from_fn(vector);
         let v = |k: usize| load(i, &all[k * 5..], first);
         let (p, n, t, d) = (v(0), lanes::unit(i, v(1)), v(2), v(3));
@@ -171,13 +178,13 @@ mod tests {
             lanes::clamp_to_horizon(i, n, eye),
         ]);
         results.push(lanes::bump_on(i, n, t, d, p[1], p[2]));
-        for (green, rebuild_z) in [(Green::Up, false), (Green::Down, true)] {
+        for (green, rebuild_z) in [(NormalMapGreen::Up, false), (NormalMapGreen::Down, true)] {
             let map = NormalMap {
                 green,
                 rebuild_z,
                 strength: 1.5,
             };
-            results.push(map.turn(i, n, t, p[0], d));
+            results.push(map.apply(i, n, t, p[0], d));
         }
         let color = [0.9, 0.4, 0.0];
         let (position, direction) = ([0.3, 0.2, 1.5], [0.1, -0.2, -1.0]);
@@ -191,16 +198,19 @@ mod tests {
             Light::Point { color, position },
             Light::spot(color, position, direction, 0.4, 0.9),
         ] {
-            for (model, ns) in [(Highlight::Phong, 5.0), (Highlight::Blinn, 7.3)] {
-                let (power, surface) = (PowerLanes::Same(Power::new(ns)), Surface::default());
-                let given = lanes::share(i, &surface, power, model, &light, p, n, eye);
+            for (model, ns) in [(SpecularModel::Phong, 5.0), (SpecularModel::Blinn, 7.3)] {
+                let (power, surface) = (
+                    SpecularExponentLanes::Same(SpecularExponent::new(ns)),
+                    PhongMaterial::default(),
+                );
+                let given = lanes::evaluate_light(i, &surface, power, model, &light, p, n, eye);
                 let mut sum = TermsLanes::dark(i);
                 sum.add(&given, given.lit, d);
                 results.extend([sum.diffuse, sum.highlight]);
             }
         }
         for slide in slides {
-            let places = slide.place(i, p);
+            let places = slide.uv_at(i, p);
             let fade = places.reached.select(places.fade, i.f32(-1.0));
             let change = slide.changes(i, &places, d);
             results.push([places.uv[0], places.uv[1], fade]);
@@ -226,9 +236,13 @@ mod tests {
         let texture = Texture2d::from_rgba8(4, 4, texels, ColorSpace::Linear, Origin::TopLeft);
         let (texture, sampler) = (texture.unwrap(), Sampler::default());
         let projector = Projector::new(DVec3::ZERO, DVec3::Z, DVec3::Y, 1.5, 1.0).unwrap();
-        let borders = [SlideBorder::Black, SlideBorder::Clamp, SlideBorder::Repeat];
+        let borders = [
+            ProjectorBorder::Black,
+            ProjectorBorder::Clamp,
+            ProjectorBorder::Repeat,
+        ];
         let slides = borders.map(|border| {
-            SlideView::new(&Slide {
+            BoundProjectorTexture::new(&ProjectorTexture {
                 projector,
                 texture: &texture,
                 sampler: &sampler,
@@ -252,7 +266,7 @@ mod tests {
             let got = run(&mut |out| blocks(i, &slides, out));
             assert_eq!(got, one);
         });
-        fn blocks<I: Isa>(i: I, slides: &[SlideView<'_>], out: &mut [Vec<f32>]) {
+        fn blocks<I: Isa>(i: I, slides: &[BoundProjectorTexture<'_>], out: &mut [Vec<f32>]) {
             for first in (0..64).step_by(I::LANES) {
                 every_effect(i, first, slides, out);
             }

@@ -10,7 +10,7 @@ use crate::lanes::{Vector, affine};
 
 /// A picture thrown from a projector: light, or paint.
 #[derive(Clone, Debug)]
-pub struct Slide<'a> {
+pub struct ProjectorTexture<'a> {
     /// The projector that throws it.
     pub projector: Projector,
     /// The picture, v = 0 at its top.
@@ -18,15 +18,15 @@ pub struct Slide<'a> {
     /// Filter of the picture. Its wrap modes are not read: `border` says what is beyond the picture.
     pub sampler: &'a Sampler,
     /// Continuation beyond the picture.
-    pub border: SlideBorder,
+    pub border: ProjectorBorder,
     /// Width of the band inside the picture's edge, in parts of its width and height, 0..=0.5, over which the light fades out
-    /// smoothly. Only with [`SlideBorder::Black`].
+    /// smoothly. Only with [`ProjectorBorder::Black`].
     pub softness: f32,
 }
 
 /// Continuation beyond the picture of a projector.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum SlideBorder {
+pub enum ProjectorBorder {
     /// No light: what a projector does.
     #[default]
     Black,
@@ -36,7 +36,7 @@ pub enum SlideBorder {
     Repeat,
 }
 
-impl SlideBorder {
+impl ProjectorBorder {
     /// Factor of the texels at places in the slide, and the lanes that the picture reaches.
     #[inline(always)]
     fn fade<I: Isa>(self, i: I, softness: f32, [u, v]: [I::F32; 2]) -> (I::F32, I::Mask) {
@@ -52,12 +52,12 @@ impl SlideBorder {
     }
 }
 
-impl Slide<'_> {
+impl ProjectorTexture<'_> {
     /// Its sampler with the wrap modes that its border asks for.
     fn bordered(&self) -> Sampler {
         let wrap = match self.border {
-            SlideBorder::Repeat => Wrap::Repeat,
-            SlideBorder::Black | SlideBorder::Clamp => Wrap::ClampToEdge,
+            ProjectorBorder::Repeat => Wrap::Repeat,
+            ProjectorBorder::Black | ProjectorBorder::Clamp => Wrap::ClampToEdge,
         };
         Sampler {
             wrap_u: wrap,
@@ -68,7 +68,7 @@ impl Slide<'_> {
 
     /// Premultiplied texel of the slide at homogeneous slide coordinates `(q, s, t)`: multiply a light's colour with it, or
     /// compose it over a surface. Zero where `t <= 0` (nothing behind a projector is lit), where a coordinate is not finite,
-    /// and beyond the picture under [`SlideBorder::Black`]. Source: MIT 6.837, lecture 18, slides 21-26; the tests of t and
+    /// and beyond the picture under [`ProjectorBorder::Black`]. Source: MIT 6.837, lecture 18, slides 21-26; the tests of t and
     /// of the border are not on the slides.
     ///
     /// `step` holds the change of (q, s, t) per pixel to the right and per pixel down, for the level of detail:
@@ -105,7 +105,7 @@ impl Slide<'_> {
         texel.map(|c| c * fade)
     }
 
-    /// [`light`](Self::light) at points of space, without level of detail.
+    /// [`radiance`](Self::light) at points of space, without level of detail.
     ///
     /// # Errors
     /// [`LightError::Length`] unless both slices have one length.
@@ -121,17 +121,17 @@ impl Slide<'_> {
     }
 }
 
-/// A [`Slide`] prepared for look-ups in f32 from points of space; [`Slide::light`] is its reference. Places in the slide are off by about
+/// A [`ProjectorTexture`] prepared for look-ups in f32 from points of space; [`ProjectorTexture::light`] is its reference. Places in the slide are off by about
 /// 1e-6 of its size.
 #[derive(Clone, Debug)]
-pub struct SlideView<'a> {
+pub struct BoundProjectorTexture<'a> {
     /// Rows of q, s and t.
     rows: [[f32; 4]; 3],
     /// The picture.
     pub texture: &'a Texture2d<'a>,
     /// Its filter, with the wrap modes that its border asks for.
     pub sampler: Sampler,
-    border: SlideBorder,
+    border: ProjectorBorder,
     softness: f32,
     /// The picture goes on beyond its edge, but that is black.
     dark_edge: bool,
@@ -139,7 +139,7 @@ pub struct SlideView<'a> {
 
 /// Places of points in a slide.
 #[derive(Clone, Copy, Debug)]
-pub struct SlidePlaces<I: Isa> {
+pub struct ProjectorUvBatch<I: Isa> {
     /// Lanes that the slide reaches; the others have a place too, of no meaning.
     pub reached: I::Mask,
     /// Coordinates.
@@ -150,10 +150,10 @@ pub struct SlidePlaces<I: Isa> {
     t: I::F32,
 }
 
-impl<'a> SlideView<'a> {
+impl<'a> BoundProjectorTexture<'a> {
     /// Prepares a slide.
     #[must_use]
-    pub fn new(slide: &Slide<'a>) -> Self {
+    pub fn new(slide: &ProjectorTexture<'a>) -> Self {
         let row = |row: DVec4| row.to_array().map(|c| c as f32);
         Self {
             rows: slide.projector.rows().map(row),
@@ -161,7 +161,7 @@ impl<'a> SlideView<'a> {
             sampler: slide.bordered(),
             border: slide.border,
             softness: slide.softness,
-            dark_edge: slide.border == SlideBorder::Clamp
+            dark_edge: slide.border == ProjectorBorder::Clamp
                 && matches!(slide.sampler.filter, Filter::Nearest | Filter::Bilinear)
                 && has_dark_edge(slide.texture),
         }
@@ -169,12 +169,12 @@ impl<'a> SlideView<'a> {
 
     /// For paint, which black texels cover: there are none to leave out.
     #[must_use]
-    pub fn painting(mut self) -> Self {
+    pub fn as_decal(mut self) -> Self {
         self.dark_edge = false;
         self
     }
 
-    /// Premultiplied texel at a point of space that changes by `dx` and `dy` from pixel to pixel: see [`Slide::light`].
+    /// Premultiplied texel at a point of space that changes by `dx` and `dy` from pixel to pixel: see [`ProjectorTexture::light`].
     #[must_use]
     pub fn light(&self, point: [f32; 3], [dx, dy]: [[f32; 3]; 2]) -> [f32; 4] {
         let places = self.place_within(Scalar, point, false);
@@ -193,7 +193,7 @@ impl<'a> SlideView<'a> {
         texel.map(|c| c * places.fade)
     }
 
-    /// A sampler that gives the colours of [`sampler`](Self::sampler) where [`place`](Self::place) reaches: beyond a black edge
+    /// A sampler that gives the colours of [`sampler`](Self::sampler) where [`uv_at`](Self::uv_at) reaches: beyond a black edge
     /// another black edge is as good as more of the same, and repeated texels are the quickest to find.
     #[must_use]
     pub fn sampler_within(&self) -> Sampler {
@@ -207,13 +207,13 @@ impl<'a> SlideView<'a> {
     /// Places of points in the slide, and the factors of the texels there, which are for the caller to look up.
     /// Lanes in which level 0 can only give black are not reached.
     #[inline(always)]
-    pub fn place<I: Isa>(&self, i: I, point: Vector<I>) -> SlidePlaces<I> {
+    pub fn uv_at<I: Isa>(&self, i: I, point: Vector<I>) -> ProjectorUvBatch<I> {
         self.place_within(i, point, self.dark_edge)
     }
 
-    /// [`place`](Self::place); no further than the picture if it has a `dark_edge`.
+    /// [`uv_at`](Self::uv_at); no further than the picture if it has a `dark_edge`.
     #[inline(always)]
-    fn place_within<I: Isa>(&self, i: I, point: Vector<I>, dark_edge: bool) -> SlidePlaces<I> {
+    fn place_within<I: Isa>(&self, i: I, point: Vector<I>, dark_edge: bool) -> ProjectorUvBatch<I> {
         let [q, r, t] = affine(&self.rows, point);
         let (u, v) = (q / t, r / t);
         let infinity = f32::INFINITY;
@@ -223,7 +223,7 @@ impl<'a> SlideView<'a> {
         if dark_edge {
             reached = reached & u.simd_ge(0.0) & u.simd_le(1.0) & v.simd_ge(0.0) & v.simd_le(1.0);
         }
-        SlidePlaces {
+        ProjectorUvBatch {
             reached,
             // The others read the middle, where no edge is in the way.
             uv: [reached.select(u, i.f32(0.5)), reached.select(v, i.f32(0.5))],
@@ -234,7 +234,7 @@ impl<'a> SlideView<'a> {
 
     /// Changes of the coordinates of places with steps `d` of their points.
     #[inline(always)]
-    pub fn changes<I: Isa>(&self, _: I, places: &SlidePlaces<I>, d: Vector<I>) -> [I::F32; 2] {
+    pub fn changes<I: Isa>(&self, _: I, places: &ProjectorUvBatch<I>, d: Vector<I>) -> [I::F32; 2] {
         let mut qst = d;
         for (k, out) in qst.iter_mut().enumerate() {
             let [x, y, z, _] = self.rows[k];
@@ -267,7 +267,7 @@ fn fade<I: Isa>(i: I, softness: f32, c: I::F32) -> I::F32 {
 
 /// The picture's texel, as column and row, at a slide coordinate: `None` beyond. For callers with texels of their own.
 #[must_use]
-pub fn slide_texel(qst: DVec3, (width, height): (u32, u32)) -> Option<(u32, u32)> {
+pub fn projector_texel(qst: DVec3, (width, height): (u32, u32)) -> Option<(u32, u32)> {
     let place = projector_uv(qst)?;
     let index = |c: f64, n: u32| {
         let c = floor_f32((c * f64::from(n)) as f32);
@@ -298,7 +298,7 @@ mod tests {
         Texture2d::from_rgba8(8, 8, texels, ColorSpace::Linear, Origin::TopLeft).unwrap()
     }
 
-    fn check(border: SlideBorder, softness: f32, test: impl Fn(&dyn Fn([f64; 3]) -> [f32; 4])) {
+    fn check(border: ProjectorBorder, softness: f32, test: impl Fn(&dyn Fn([f64; 3]) -> [f32; 4])) {
         // At the origin, along -Z, 90 degrees, twice as wide as high.
         let projector = Projector::new(
             DVec3::ZERO,
@@ -315,7 +315,7 @@ mod tests {
                 ..Sampler::default()
             },
         );
-        let slide = Slide {
+        let slide = ProjectorTexture {
             projector,
             texture: &texture,
             sampler: &sampler,
@@ -330,7 +330,7 @@ mod tests {
 
     #[test]
     fn the_picture_is_upright_and_has_its_true_aspect() {
-        check(SlideBorder::Black, 0.0, |at| {
+        check(ProjectorBorder::Black, 0.0, |at| {
             assert_eq!(at([-1.0, 0.0, -2.0]), RED);
             assert_eq!(at([1.0, 0.0, -2.0]), GREEN);
             assert_eq!(
@@ -345,7 +345,7 @@ mod tests {
     /// Cases P1 and P2, counted over a wall before, beside and behind the projector.
     #[test]
     fn nothing_behind_or_beyond_is_lit() {
-        check(SlideBorder::Black, 0.0, |at| {
+        check(ProjectorBorder::Black, 0.0, |at| {
             let mut lit = 0;
             for (i, j) in (0..200).flat_map(|i| (0..200).map(move |j| (i, j))) {
                 let (x, y) = (f64::from(i) * 0.05 - 5.0, f64::from(j) * 0.05 - 5.0);
@@ -363,12 +363,12 @@ mod tests {
             .unwrap()
             .project(DVec3::new(0.1, 0.1, 2.0));
         assert!((0.0..1.0).contains(&(behind.x / behind.z)) && behind.z < 0.0);
-        assert_eq!(slide_texel(behind, (8, 8)), None);
+        assert_eq!(projector_texel(behind, (8, 8)), None);
     }
 
     #[test]
     fn borders_clamp_and_repeat_by_name() {
-        check(SlideBorder::Clamp, 0.0, |at| {
+        check(ProjectorBorder::Clamp, 0.0, |at| {
             assert_eq!((at([-9.0, 0.0, -2.0]), at([9.0, 0.0, -2.0])), (RED, GREEN));
             assert_eq!(
                 at([-1.0, 0.0, 2.0]),
@@ -376,14 +376,14 @@ mod tests {
                 "behind, whatever the border"
             );
         });
-        check(SlideBorder::Repeat, 0.0, |at| {
+        check(ProjectorBorder::Repeat, 0.0, |at| {
             assert_eq!(at([3.0, 0.0, -2.0]), RED);
         });
     }
 
     #[test]
     fn soft_edges_fade_to_nothing() {
-        check(SlideBorder::Black, 0.25, |at| {
+        check(ProjectorBorder::Black, 0.25, |at| {
             let row: Vec<f32> = (0..=100)
                 .map(|i| at([f64::from(i) * 0.02, 0.0, -2.0])[3])
                 .collect();
@@ -394,7 +394,7 @@ mod tests {
 
     #[test]
     fn no_number_is_too_large() {
-        check(SlideBorder::Clamp, 0.1, |at| {
+        check(ProjectorBorder::Clamp, 0.1, |at| {
             for p in [
                 [1e300, 0.0, -1e-300],
                 [f64::NAN; 3],

@@ -3,12 +3,12 @@
 use texmap_math::deterministic_f64;
 use texmap_math::glam::DVec3;
 
-use crate::{Light, Surface};
+use crate::{Light, PhongMaterial};
 
-/// Diffuse and highlight terms; see [`crate::terms`].
+/// Diffuse and highlight terms; see [`crate::lighting`].
 #[must_use]
-pub fn terms(
-    surface: &Surface,
+pub fn lighting(
+    surface: &PhongMaterial,
     lights: &[Light],
     point: DVec3,
     normal: DVec3,
@@ -64,13 +64,13 @@ pub fn terms(
 /// Colour clipped at 1; see [`crate::illuminate`].
 #[must_use]
 pub fn illuminate(
-    surface: &Surface,
+    surface: &PhongMaterial,
     lights: &[Light],
     point: DVec3,
     normal: DVec3,
     eye: DVec3,
 ) -> DVec3 {
-    let (diffuse, highlight) = terms(surface, lights, point, normal, eye);
+    let (diffuse, highlight) = lighting(surface, lights, point, normal, eye);
     let base = DVec3::new(
         surface.color[0].into(),
         surface.color[1].into(),

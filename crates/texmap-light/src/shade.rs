@@ -5,9 +5,11 @@ use texmap_math::simd::{Isa, Scalar, prelude::*};
 
 use crate::error::{LightError, same_length};
 use crate::lanes::Vector;
-use crate::share::{Power, PowerLanes, ShareLanes, share};
+use crate::share::{
+    LightContributionLanes, SpecularExponent, SpecularExponentLanes, evaluate_light,
+};
 use crate::vector::{columns, dot, load, scale, splat, sub, unit};
-use crate::{Highlight, Light, Surface, Terms};
+use crate::{Light, Lighting, PhongMaterial, SpecularModel};
 
 /// Light that reaches the eye from each point, split so that a texture can stand in for the colour:
 /// `base colour * diffuse + highlight`.
@@ -40,12 +42,12 @@ impl<I: Isa> TermsLanes<I> {
 
     /// Adds the contribution of a light in the lanes of `lit`, of which so much is received.
     #[inline(always)]
-    pub fn add(&mut self, given: &ShareLanes<I>, lit: I::Mask, received: Vector<I>) {
+    pub fn add(&mut self, given: &LightContributionLanes<I>, lit: I::Mask, received: Vector<I>) {
         let (diffuse, highlight) = (&mut self.diffuse, &mut self.highlight);
         for k in 0..3 {
             let color = given.color[k] * received[k];
             diffuse[k] = lit.select(diffuse[k] + color * given.diffuse, diffuse[k]);
-            highlight[k] = lit.select(highlight[k] + color * given.highlight, highlight[k]);
+            highlight[k] = lit.select(highlight[k] + color * given.specular, highlight[k]);
         }
     }
 }
@@ -54,8 +56,8 @@ impl<I: Isa> TermsLanes<I> {
 #[inline(always)]
 fn sum_over_lights<I: Isa>(
     i: I,
-    surface: &Surface,
-    model: Highlight,
+    surface: &PhongMaterial,
+    model: SpecularModel,
     lights: &[Light],
     point: Vector<I>,
     normal: Vector<I>,
@@ -64,10 +66,10 @@ fn sum_over_lights<I: Isa>(
 ) -> TermsLanes<I> {
     let normal = unit(i, normal);
     let view = unit(i, sub(splat(i, eye), point));
-    let power = PowerLanes::Same(Power::new(surface.ns));
+    let power = SpecularExponentLanes::Same(SpecularExponent::new(surface.ns));
     let mut sum = TermsLanes::dark(i);
     for (index, light) in lights.iter().enumerate() {
-        let given = share(i, surface, power, model, light, point, normal, view);
+        let given = evaluate_light(i, surface, power, model, light, point, normal, view);
         if given.lit.any_true() {
             let received = match light {
                 Light::Ambient { .. } => splat(i, [1.0; 3]),
@@ -88,19 +90,19 @@ fn sum_over_lights<I: Isa>(
 ///
 /// A zero or non-finite normal leaves the ambient light alone; a light or an eye that stands in the point
 /// has no direction and gives nothing. Finite input of reasonable size (products within f32) gives finite
-/// output; error against [`reference::terms`](crate::reference::terms) below 2e-5 for `ns <= 128` and
+/// output; error against [`reference::lighting`](crate::reference::lighting) below 2e-5 for `ns <= 128` and
 /// terms up to 1.
 #[must_use]
-pub fn terms(
-    surface: &Surface,
+pub fn lighting(
+    surface: &PhongMaterial,
     lights: &[Light],
     point: [f32; 3],
     normal: [f32; 3],
     eye: [f32; 3],
-) -> Terms {
-    terms_received(
+) -> Lighting {
+    shade_with_visibility(
         surface,
-        Highlight::Phong,
+        SpecularModel::Phong,
         lights,
         point,
         normal,
@@ -109,33 +111,33 @@ pub fn terms(
     )
 }
 
-/// [`terms`] with a choice of highlight and with what reaches the point of each light: `received(i)` is asked for light i (not for
+/// [`lighting`] with a choice of highlight and with what reaches the point of each light: `received(i)` is asked for light i (not for
 /// ambient ones, nor for those behind the surface) and multiplies its colour, per channel: the share that a shadow leaves, the colour
-/// of a slide. With ones everywhere it has the bits of [`terms`].
+/// of a slide. With ones everywhere it has the bits of [`lighting`].
 #[must_use]
-pub fn terms_received(
-    surface: &Surface,
-    model: Highlight,
+pub fn shade_with_visibility(
+    surface: &PhongMaterial,
+    model: SpecularModel,
     lights: &[Light],
     point: [f32; 3],
     normal: [f32; 3],
     eye: [f32; 3],
     mut received: impl FnMut(usize) -> [f32; 3],
-) -> Terms {
+) -> Lighting {
     let received = |index, _| received(index);
     sum_over_lights(Scalar, surface, model, lights, point, normal, eye, received)
 }
 
-/// Colour of a surface at a point: [`terms`] applied to its own colour, clipped at 1, linear light.
+/// Colour of a surface at a point: [`lighting`] applied to its own colour, clipped at 1, linear light.
 #[must_use]
 pub fn illuminate(
-    surface: &Surface,
+    surface: &PhongMaterial,
     lights: &[Light],
     point: [f32; 3],
     normal: [f32; 3],
     eye: [f32; 3],
 ) -> [f32; 3] {
-    terms(surface, lights, point, normal, eye).color(surface.color)
+    lighting(surface, lights, point, normal, eye).color(surface.color)
 }
 
 /// As [`illuminate`], but the side that the eye sees is lit: a normal that points away from the eye is
@@ -143,7 +145,7 @@ pub fn illuminate(
 /// a vertex normal may point away although its triangle is seen.
 #[must_use]
 pub fn illuminate_two_sided(
-    surface: &Surface,
+    surface: &PhongMaterial,
     lights: &[Light],
     point: [f32; 3],
     normal: [f32; 3],
@@ -159,17 +161,17 @@ pub fn illuminate_two_sided(
     )
 }
 
-/// [`terms`] for every point of a slice: the same bits, entry by entry.
+/// [`lighting`] for every point of a slice: the same bits, entry by entry.
 ///
 /// # Errors
 /// [`LightError::Length`] unless `points`, `normals` and `out` have one length.
-pub fn terms_slice(
-    surface: &Surface,
+pub fn lighting_slice(
+    surface: &PhongMaterial,
     lights: &[Light],
     points: &[[f32; 3]],
     normals: &[[f32; 3]],
     eye: [f32; 3],
-    out: &mut [Terms],
+    out: &mut [Lighting],
 ) -> Result<(), LightError> {
     same_length("points", points.len(), out.len())?;
     same_length("normals", normals.len(), out.len())?;
@@ -184,7 +186,7 @@ pub fn terms_slice(
 /// # Errors
 /// [`LightError::Length`] unless `points`, `normals` and `out` have one length.
 pub fn illuminate_slice(
-    surface: &Surface,
+    surface: &PhongMaterial,
     lights: &[Light],
     points: &[[f32; 3]],
     normals: &[[f32; 3]],
@@ -199,14 +201,14 @@ pub fn illuminate_slice(
     Ok(())
 }
 
-/// [`terms`] of all points, in lanes.
+/// [`lighting`] of all points, in lanes.
 fn each_point(
-    surface: &Surface,
+    surface: &PhongMaterial,
     lights: &[Light],
     points: &[[f32; 3]],
     normals: &[[f32; 3]],
     eye: [f32; 3],
-    put: &mut dyn FnMut(usize, Terms),
+    put: &mut dyn FnMut(usize, Lighting),
 ) {
     dispatch_simd!(crate::level(), i => blocks(i, surface, lights, points, normals, eye, put));
 }
@@ -214,16 +216,16 @@ fn each_point(
 #[inline(always)]
 fn blocks<I: Isa>(
     i: I,
-    surface: &Surface,
+    surface: &PhongMaterial,
     lights: &[Light],
     points: &[[f32; 3]],
     normals: &[[f32; 3]],
     eye: [f32; 3],
-    put: &mut dyn FnMut(usize, Terms),
+    put: &mut dyn FnMut(usize, Lighting),
 ) {
     for first in (0..points.len()).step_by(I::LANES) {
         let (point, normal) = (load(i, points, first), load(i, normals, first));
-        let phong = Highlight::Phong;
+        let phong = SpecularModel::Phong;
         let sum = sum_over_lights(
             i,
             surface,
@@ -237,7 +239,7 @@ fn blocks<I: Isa>(
         );
         let (diffuse, highlight) = (columns(i, sum.diffuse), columns(i, sum.highlight));
         for lane in 0..I::LANES.min(points.len() - first) {
-            let terms = Terms {
+            let terms = Lighting {
                 diffuse: diffuse.map(|c| c[lane]),
                 highlight: highlight.map(|c| c[lane]),
             };
@@ -253,7 +255,7 @@ mod tests {
     use alloc::vec::Vec;
     use texmap_math::glam::DVec3;
 
-    const SURFACE: Surface = Surface {
+    const SURFACE: PhongMaterial = PhongMaterial {
         color: [0.5, 0.25, 0.75],
         ka: 0.5,
         kd: 0.6,
@@ -293,15 +295,15 @@ mod tests {
                     position: vector(&mut seed).map(|x| x * 3.0),
                 },
             ];
-            let surface = Surface {
+            let surface = PhongMaterial {
                 ns: 64.0 + 64.0 * noise(&mut seed),
                 ..SURFACE
             };
             let (point, normal) = (vector(&mut seed), vector(&mut seed));
             let eye = vector(&mut seed).map(|x| x * 5.0);
-            let got = terms(&surface, &lights, point, normal, eye);
+            let got = lighting(&surface, &lights, point, normal, eye);
             let (diffuse, highlight) =
-                reference::terms(&surface, &lights, wide(point), wide(normal), wide(eye));
+                reference::lighting(&surface, &lights, wide(point), wide(normal), wide(eye));
             let error = (wide(got.diffuse) - diffuse)
                 .abs()
                 .max((wide(got.highlight) - highlight).abs());
@@ -317,7 +319,7 @@ mod tests {
             color: [1.0, 0.5, 0.0],
             direction: [0.0, 0.0, -1.0],
         }];
-        let t = terms(&SURFACE, &light, [0.0; 3], [0.0, 0.0, 1.0], [0.0, 0.0, 9.0]);
+        let t = lighting(&SURFACE, &light, [0.0; 3], [0.0, 0.0, 1.0], [0.0, 0.0, 9.0]);
         assert_eq!(t.highlight, [0.4, 0.2, 0.0]);
         assert_eq!(t.diffuse, [0.6, 0.3, 0.0]);
         // Twice as far: a point light is not attenuated.
@@ -346,9 +348,9 @@ mod tests {
         )];
         let at = |x: f64| {
             let point = [x as f32, 0.0, 0.0];
-            let got = terms(&SURFACE, &spot, point, [0.0, 0.0, 1.0], [0.0, 0.0, 5.0]);
+            let got = lighting(&SURFACE, &spot, point, [0.0, 0.0, 1.0], [0.0, 0.0, 5.0]);
             let wide = |a: [f32; 3]| DVec3::from(a.map(f64::from));
-            let (expected, _) = reference::terms(
+            let (expected, _) = reference::lighting(
                 &SURFACE,
                 &spot,
                 wide(point),
@@ -381,21 +383,23 @@ mod tests {
             direction: [0.0, 0.0, -1.0],
         }];
         let one = |model, ns, eye: [f32; 3]| {
-            let surface = Surface { ns, ..SURFACE };
+            let surface = PhongMaterial { ns, ..SURFACE };
             let all = |_| [1.0; 3];
-            terms_received(&surface, model, &light, [0.0; 3], [0.0, 0.0, 1.0], eye, all).highlight
-                [0]
+            shade_with_visibility(&surface, model, &light, [0.0; 3], [0.0, 0.0, 1.0], eye, all)
+                .highlight[0]
         };
         for x in [0.0f32, 0.02, 0.05, 0.1] {
             let eye = [x, 0.0, 1.0];
             let (phong, blinn) = (
-                one(Highlight::Phong, 20.0, eye),
-                one(Highlight::Blinn, 80.0, eye),
+                one(SpecularModel::Phong, 20.0, eye),
+                one(SpecularModel::Blinn, 80.0, eye),
             );
             assert!((phong - blinn).abs() < 2e-3, "{x}: {phong} {blinn}");
         }
         let grazing = [3.0, 0.0, 0.1];
-        assert!(one(Highlight::Blinn, 4.0, grazing) > 2.0 * one(Highlight::Phong, 4.0, grazing));
+        assert!(
+            one(SpecularModel::Blinn, 4.0, grazing) > 2.0 * one(SpecularModel::Phong, 4.0, grazing)
+        );
     }
 
     /// `received` is asked for each light alone, and ones change no bit.
@@ -414,9 +418,9 @@ mod tests {
         ];
         let (normal, eye) = ([0.1, 0.2, 1.0], [0.0, 1.0, 4.0]);
         let mut asked = Vec::new();
-        let half = terms_received(
+        let half = shade_with_visibility(
             &SURFACE,
-            Highlight::Phong,
+            SpecularModel::Phong,
             &lights,
             [0.0; 3],
             normal,
@@ -427,7 +431,7 @@ mod tests {
             },
         );
         assert_eq!(asked, [1]);
-        let whole = terms(&SURFACE, &lights, [0.0; 3], normal, eye);
+        let whole = lighting(&SURFACE, &lights, [0.0; 3], normal, eye);
         let ambient = 0.1 * SURFACE.ka;
         assert_eq!(
             (half.diffuse[0], half.diffuse[1]),
@@ -518,8 +522,8 @@ mod tests {
                 illuminate(&SURFACE, &lights, points[i], normals[i], eye)
             );
         }
-        let mut short = [Terms::default(); 3];
-        let error = terms_slice(
+        let mut short = [Lighting::default(); 3];
+        let error = lighting_slice(
             &SURFACE,
             &lights,
             &points[..3],

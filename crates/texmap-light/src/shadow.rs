@@ -39,7 +39,7 @@ pub enum ShadowKind {
         /// Tangent of half the angle of the pyramid.
         tan_half: f64,
     },
-    /// All around a point: six faces +X -X +Y -Y +Z -Z of 90 degrees, oriented as [`Chart::Cube`](crate::Chart::Cube).
+    /// All around a point: six faces +X -X +Y -Y +Z -Z of 90 degrees, oriented as [`EnvironmentLayout::Cube`](crate::EnvironmentLayout::Cube).
     Point {
         /// The light.
         position: DVec3,
@@ -74,7 +74,7 @@ impl ShadowMap {
     /// # Errors
     /// [`LightError::Length`], as there.
     #[doc(hidden)]
-    pub fn of_good(kind: ShadowKind, size: u32, depths: Vec<f32>) -> Result<Self, LightError> {
+    pub fn from_valid(kind: ShadowKind, size: u32, depths: Vec<f32>) -> Result<Self, LightError> {
         same_length("depths", depths.len(), Self::count(&kind, size))?;
         Ok(Self { kind, size, depths })
     }
@@ -117,14 +117,17 @@ impl ShadowMap {
             }
             ShadowKind::Point { position } => {
                 let uv = DVec2::new(0.5 + 0.5 * p.x, 0.5 - 0.5 * p.y);
-                (*position, crate::Chart::Cube.direction(face, uv))
+                (
+                    *position,
+                    crate::EnvironmentLayout::Cube.direction(face, uv),
+                )
             }
         }
     }
 
     /// The stored depth of a texel; `None` outside of the map. For pictures of the map.
     #[must_use]
-    pub fn stored(&self, face: usize, x: u32, y: u32) -> Option<f32> {
+    pub fn depth_at(&self, face: usize, x: u32, y: u32) -> Option<f32> {
         let inside = x < self.size && y < self.size;
         let index = (face * self.size as usize + y as usize) * self.size as usize + x as usize;
         inside.then(|| self.depths.get(index).copied()).flatten()

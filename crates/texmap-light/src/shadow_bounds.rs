@@ -36,14 +36,14 @@ pub struct StripBounds {
 
 /// Columns of depths that a strip knows to be infinite, or not.
 #[derive(Clone, Copy, Debug)]
-pub struct Reached<'a> {
+pub struct FiniteColumns<'a> {
     /// True for the parts of a row in which some depth may be finite.
     pub parts: &'a [bool],
     /// Columns a part, a multiple of 32.
     pub side: usize,
 }
 
-impl Reached<'_> {
+impl FiniteColumns<'_> {
     fn any(&self, columns: Range<usize>) -> bool {
         let parts = columns.start / self.side..columns.end.div_ceil(self.side);
         self.parts[parts].contains(&true)
@@ -63,7 +63,7 @@ impl StripBounds {
         size: usize,
         taps: u32,
         first_row: usize,
-        reached: Reached<'_>,
+        reached: FiniteColumns<'_>,
     ) -> Self {
         let radius = radius(taps);
         let (across, height) = (size.div_ceil(SIDE), rows.len() / size);
@@ -99,14 +99,14 @@ impl StripBounds {
 struct Scan<'a> {
     size: usize,
     radius: usize,
-    reached: Reached<'a>,
+    reached: FiniteColumns<'a>,
     /// Of each column.
     low: Vec<f32>,
     high: Vec<f32>,
 }
 
 impl<'a> Scan<'a> {
-    fn new(size: usize, radius: usize, reached: Reached<'a>) -> Self {
+    fn new(size: usize, radius: usize, reached: FiniteColumns<'a>) -> Self {
         Self {
             size,
             radius,
@@ -157,7 +157,7 @@ impl ShadowBounds {
         if size == 0 {
             return Self::join([]);
         }
-        let reached = Reached {
+        let reached = FiniteColumns {
             parts: &[true],
             side: size.next_multiple_of(PART),
         };
@@ -308,7 +308,7 @@ mod tests {
                 };
                 let parts: Vec<bool> = (0..size.div_ceil(32)).map(met).collect();
                 left_out += parts.iter().filter(|met| !**met).count();
-                let reached = Reached {
+                let reached = FiniteColumns {
                     parts: &parts,
                     side: 32,
                 };

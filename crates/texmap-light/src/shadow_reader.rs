@@ -1,4 +1,4 @@
-//! Shadow maps prepared for look-ups in f32. [`ShadowMap::lit`] is their reference in f64.
+//! Shadow maps prepared for look-ups in f32. [`ShadowMap::visibility`] is their reference in f64.
 
 mod cube;
 mod flat;
@@ -18,10 +18,10 @@ use taps::{Bias, Taps};
 
 /// A shadow map with the bias and the filter of its look-ups.
 ///
-/// They are f32: the answers of [`ShadowMap::lit`], but for points within about 1e-6 of the map's width of a texel's edge, or as near to
+/// They are f32: the answers of [`ShadowMap::visibility`], but for points within about 1e-6 of the map's width of a texel's edge, or as near to
 /// the depth they are compared with.
 #[derive(Clone, Debug)]
-pub struct ShadowReader {
+pub struct ShadowSampler {
     map: ShadowMap,
     form: Form,
 }
@@ -35,7 +35,7 @@ enum Form {
     Empty,
 }
 
-impl ShadowReader {
+impl ShadowSampler {
     /// A map with a bias and `taps` x `taps` comparisons a look-up, 1 or an odd number up to 15.
     #[must_use]
     pub fn new(map: ShadowMap, bias: ShadowBias, taps: u32) -> Self {
@@ -84,13 +84,13 @@ impl ShadowReader {
         !matches!(taps.bias, Bias::Constant(_))
     }
 
-    /// Share of the light that reaches a point, 0..=1: see [`ShadowMap::lit`].
+    /// Share of the light that reaches a point, 0..=1: see [`ShadowMap::visibility`].
     #[must_use]
-    pub fn lit(&self, point: [f32; 3], normal: [f32; 3]) -> f32 {
+    pub fn visibility(&self, point: [f32; 3], normal: [f32; 3]) -> f32 {
         self.visibility(Scalar, true, point, normal)
     }
 
-    /// [`lit`](Self::lit) for the points of a block. Nothing is looked up if no lane in `asked` falls into the map.
+    /// [`visibility`](Self::visibility) for the points of a block. Nothing is looked up if no lane in `asked` falls into the map.
     #[inline(always)]
     pub fn visibility<I: Isa>(
         &self,
@@ -174,26 +174,26 @@ mod tests {
         for map in maps() {
             let around = matches!(map.kind(), ShadowKind::Point { .. });
             for (bias, taps) in BIASES {
-                let reader = ShadowReader::new(map.clone(), bias, taps);
+                let reader = ShadowSampler::new(map.clone(), bias, taps);
                 let (mut off, mut between) = (0, 0);
                 for _ in 0..4_000 {
                     let wide = if around { 4.0 } else { 1.3 };
                     let point = DVec3::new(wide * noise(), 5.0 * noise(), wide * noise());
                     let normal = DVec3::new(noise(), 1.0 + noise(), noise()).normalize();
-                    let got = reader.lit(narrow(point), narrow(normal));
-                    let expected = map.lit(point, normal, bias, taps);
+                    let got = reader.visibility(narrow(point), narrow(normal));
+                    let expected = map.visibility(point, normal, bias, taps);
                     off += u32::from((got - expected).abs() > 1e-6);
                     between += u32::from(expected < 1.0);
                 }
                 assert!(off <= 8, "{:?} {bias:?}: {off} of 4000", map.kind());
                 assert!(between > 400, "{between}");
             }
-            let reader = ShadowReader::new(map, ShadowBias::Slope(1e-3), 3);
+            let reader = ShadowSampler::new(map, ShadowBias::Slope(1e-3), 3);
             for bad in [[f32::NAN, 0.0, 0.0], [f32::INFINITY; 3]] {
-                assert_eq!(reader.lit(bad, [0.0, 1.0, 0.0]), 1.0, "{bad:?}");
+                assert_eq!(reader.visibility(bad, [0.0, 1.0, 0.0]), 1.0, "{bad:?}");
             }
             // So far away that a point light's map holds nothing.
-            let far = reader.lit([1e30, -1e30, 0.0], [0.0, 1.0, 0.0]);
+            let far = reader.visibility([1e30, -1e30, 0.0], [0.0, 1.0, 0.0]);
             assert_eq!(far, if around { 0.0 } else { 1.0 });
         }
     }
@@ -205,7 +205,7 @@ mod tests {
         let ShadowKind::Point { position } = *map.kind() else {
             panic!("a point light");
         };
-        let reader = ShadowReader::new(map.clone(), ShadowBias::Constant(0.0), 15);
+        let reader = ShadowSampler::new(map.clone(), ShadowBias::Constant(0.0), 15);
         let mut noise = noise();
         let (mut off, mut count) = (0, 0);
         for (x, y, z) in (0..27).map(|i| (i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1)) {
@@ -213,8 +213,8 @@ mod tests {
                 let near = DVec3::new(noise(), noise(), noise()) * 0.1;
                 let d = DVec3::new(f64::from(x), f64::from(y), f64::from(z)) + near;
                 let point = position + d * (4.0 / d.length());
-                let got = reader.lit(narrow(point), [0.0, 1.0, 0.0]);
-                let expected = map.lit(point, DVec3::Y, ShadowBias::Constant(0.0), 15);
+                let got = reader.visibility(narrow(point), [0.0, 1.0, 0.0]);
+                let expected = map.visibility(point, DVec3::Y, ShadowBias::Constant(0.0), 15);
                 // A tap whose depth is the point's may fall either way.
                 off += u32::from((got - expected).abs() > 1.5 / 225.0);
                 count += 1;
@@ -223,14 +223,14 @@ mod tests {
         assert!(off * 100 <= count, "{off} of {count}");
     }
 
-    /// Every width gives the bits of [`ShadowReader::lit`], at points of one face and of many, in the light and not finite.
+    /// Every width gives the bits of [`ShadowSampler::visibility`], at points of one face and of many, in the light and not finite.
     #[test]
     fn widths_agree() {
         let mut noise = noise();
         let mut counts = [0; 2];
         for map in maps() {
             for (bias, taps) in BIASES {
-                let reader = ShadowReader::new(map.clone(), bias, taps);
+                let reader = ShadowSampler::new(map.clone(), bias, taps);
                 for round in 0..200 {
                     // Rays of all directions, and of nearly one: most of those blocks lie on one face.
                     let wide = if round % 2 == 0 { 4.0 } else { 0.2 };
@@ -254,7 +254,7 @@ mod tests {
         assert!(counts.into_iter().all(|count| count > 10_000), "{counts:?}");
         fn check<I: Isa>(
             i: I,
-            reader: &ShadowReader,
+            reader: &ShadowSampler,
             points: &[[f32; 3]; 16],
             normals: &[[f32; 3]; 16],
             counts: &mut [u32; 2],
@@ -263,7 +263,7 @@ mod tests {
                 let (p, n) = (load(i, points, first), load(i, normals, first));
                 let [got] = columns(i, [reader.visibility(i, i.mask(true), p, n)]);
                 for (lane, at) in (first..first + I::LANES).enumerate() {
-                    let one = reader.lit(points[at], normals[at]);
+                    let one = reader.visibility(points[at], normals[at]);
                     assert_eq!(got[lane].to_bits(), one.to_bits(), "{:?}", points[at]);
                     counts[usize::from(one < 1.0)] += 1;
                 }
@@ -280,13 +280,13 @@ mod tests {
             position: DVec3::ZERO,
         };
         let map = ShadowMap::new(kind, 64, depths.collect()).unwrap();
-        let reader = ShadowReader::new(map, ShadowBias::Constant(0.0), 5);
+        let reader = ShadowSampler::new(map, ShadowBias::Constant(0.0), 5);
         // On +Z, up to a texel from its edge with +X.
         let points: [_; 16] = core::array::from_fn(|i| [4.0 - 0.006 * i as f32, 0.3, 4.01]);
-        let one = points.map(|p| reader.lit(p, [0.0, 0.0, -1.0]));
+        let one = points.map(|p| reader.visibility(p, [0.0, 0.0, -1.0]));
         assert!(one.iter().all(|lit| *lit > 0.5 && *lit < 1.0), "{one:?}");
         every_width!(i => check(i, &reader, &points, &one));
-        fn check<I: Isa>(i: I, reader: &ShadowReader, points: &[[f32; 3]; 16], one: &[f32; 16]) {
+        fn check<I: Isa>(i: I, reader: &ShadowSampler, points: &[[f32; 3]; 16], one: &[f32; 16]) {
             for first in (0..16).step_by(I::LANES) {
                 let p = load(i, points, first);
                 let [got] = columns(i, [reader.visibility(i, i.mask(true), p, p)]);
@@ -299,9 +299,9 @@ mod tests {
     #[test]
     fn empty_readers_shadow_nothing() {
         for map in maps() {
-            let mut reader = ShadowReader::new(map, ShadowBias::Constant(0.0), 1);
+            let mut reader = ShadowSampler::new(map, ShadowBias::Constant(0.0), 1);
             assert!(!reader.take_depths().is_empty());
-            assert_eq!(reader.lit([0.0, -9.0, 0.0], [0.0, 1.0, 0.0]), 1.0);
+            assert_eq!(reader.visibility([0.0, -9.0, 0.0], [0.0, 1.0, 0.0]), 1.0);
         }
     }
 }

@@ -5,19 +5,19 @@ use texmap_math::simd::{Isa, prelude::*};
 
 use crate::lanes::Vector;
 use crate::vector::{add, dot, is_zero, scale, splat, sub, unit};
-use crate::{Highlight, Light, Surface};
+use crate::{Light, PhongMaterial, SpecularModel};
 
 /// An exponent: whole ones up to 256 by squaring, off by at most as many units in the last place (and by 2e-19), others by
 /// [`deterministic_f32::pow`].
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Power {
+pub enum SpecularExponent {
     /// Squared and multiplied.
     Whole(u32),
     /// By logarithm.
     Real(f32),
 }
 
-impl Power {
+impl SpecularExponent {
     /// `x^ns`.
     #[must_use]
     pub fn new(ns: f32) -> Self {
@@ -56,14 +56,14 @@ const MOST: u32 = 256;
 
 /// Exponents of the points of a block.
 #[derive(Clone, Copy, Debug)]
-pub enum PowerLanes<I: Isa> {
+pub enum SpecularExponentLanes<I: Isa> {
     /// One for all.
-    Same(Power),
+    Same(SpecularExponent),
     /// Each has its own.
     Each(I::F32),
 }
 
-impl<I: Isa> PowerLanes<I> {
+impl<I: Isa> SpecularExponentLanes<I> {
     /// The powers of positive numbers.
     #[inline(always)]
     pub fn of(self, i: I, x: I::F32) -> I::F32 {
@@ -111,7 +111,7 @@ fn flushed<I: Isa>(i: I, power: I::F32) -> I::F32 {
 
 /// The contribution of one light: `color * diffuse` to the diffuse term, `color * highlight` to the highlight.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ShareLanes<I: Isa> {
+pub struct LightContributionLanes<I: Isa> {
     /// Lanes that the light reaches: it is not behind them, and they lie in its cone. The values of the others have no meaning.
     pub lit: I::Mask,
     /// The light's colour, in a spot light's cone.
@@ -119,28 +119,28 @@ pub struct ShareLanes<I: Isa> {
     /// `kd N.L`, or `ka` of ambient light.
     pub diffuse: I::F32,
     /// `ks (V.R)^ns` or `ks (N.H)^ns`.
-    pub highlight: I::F32,
+    pub specular: I::F32,
 }
 
-/// The contribution of a light to the points of a block: see [`crate::share`].
+/// The contribution of a light to the points of a block: see [`crate::evaluate_light`].
 #[inline(always)]
-pub fn share<I: Isa>(
+pub fn evaluate_light<I: Isa>(
     i: I,
-    surface: &Surface,
-    power: PowerLanes<I>,
-    model: Highlight,
+    surface: &PhongMaterial,
+    power: SpecularExponentLanes<I>,
+    model: SpecularModel,
     light: &Light,
     point: Vector<I>,
     normal: Vector<I>,
     view: Vector<I>,
-) -> ShareLanes<I> {
+) -> LightContributionLanes<I> {
     let (color, toward, mut lit) = match *light {
         Light::Ambient { color } => {
-            return ShareLanes {
+            return LightContributionLanes {
                 lit: i.mask(true),
                 color: splat(i, color),
                 diffuse: i.f32(surface.ka),
-                highlight: i.f32(0.0),
+                specular: i.f32(0.0),
             };
         }
         Light::Directional { color, direction } => {
@@ -169,19 +169,19 @@ pub fn share<I: Isa>(
     let mut highlight = i.f32(0.0);
     if surface.ks > 0.0 && lit.any_true() {
         let along = match model {
-            Highlight::Phong => dot(view, sub(scale(normal, facing * 2.0), toward)),
-            Highlight::Blinn => dot(normal, unit(i, add(view, toward))),
+            SpecularModel::Phong => dot(view, sub(scale(normal, facing * 2.0), toward)),
+            SpecularModel::Blinn => dot(normal, unit(i, add(view, toward))),
         };
         let bright = along.simd_gt(0.0);
         if bright.any_true() {
             highlight = bright.select(power.of(i, along) * surface.ks, highlight);
         }
     }
-    ShareLanes {
+    LightContributionLanes {
         lit,
         color,
         diffuse: facing * surface.kd,
-        highlight,
+        specular: highlight,
     }
 }
 
@@ -224,14 +224,14 @@ mod tests {
         fn check<I: Isa>(i: I, ns: &[f32; 16], x: &[f32; 16]) {
             for at in (0..16).step_by(I::LANES) {
                 let mut out = [0.0; 16];
-                let each = PowerLanes::Each(i.load_f32(&ns[at..]));
+                let each = SpecularExponentLanes::Each(i.load_f32(&ns[at..]));
                 each.of(i, i.load_f32(&x[at..])).store(&mut out);
                 for lane in 0..I::LANES {
                     let (ns, x) = (ns[at + lane], x[at + lane]);
-                    let one = Power::new(ns).of(Scalar, x);
+                    let one = SpecularExponent::new(ns).of(Scalar, x);
                     assert_eq!(out[lane].to_bits(), one.to_bits(), "{x}^{ns}");
                     let mut same = [0.0; 16];
-                    Power::new(ns).of(i, i.f32(x)).store(&mut same);
+                    SpecularExponent::new(ns).of(i, i.f32(x)).store(&mut same);
                     assert_eq!(same[0].to_bits(), one.to_bits(), "{x}^{ns}");
                 }
             }

@@ -1,6 +1,6 @@
 //! The environments that a picture reads: how large they are, and why.
 
-use texmap_light::{Chart, Environment};
+use texmap_light::{Environment, EnvironmentLayout};
 
 use texmap_scene::{Backdrop, Scene};
 
@@ -10,7 +10,7 @@ pub struct EnvironmentChoice {
     /// Index into [`Effects::environments`](texmap_scene::Effects::environments).
     pub environment: usize,
     /// Its chart.
-    pub chart: Chart,
+    pub chart: EnvironmentLayout,
     /// Width and height of a face in texels.
     pub size: (u32, u32),
     /// The exponent of the lobe that a specular map was gathered with, if it is known.
@@ -46,7 +46,7 @@ pub(super) fn used(scene: &Scene) -> Vec<EnvironmentChoice> {
         let exponent = environment.exponent();
         Some(EnvironmentChoice {
             environment: index,
-            chart: environment.chart(),
+            chart: environment.layout(),
             size: environment.size(),
             exponent,
             needed: exponent.map(Environment::blurred_size),
@@ -65,7 +65,7 @@ fn of_lobe(environment: &Environment) -> String {
     let enough = format!(
         "{needed} texels a side of a cube's faces keep look-ups within a hundredth of its range"
     );
-    if environment.chart() == Chart::Cube && environment.size().1 == needed {
+    if environment.layout() == EnvironmentLayout::Cube && environment.size().1 == needed {
         format!("{lobe}: {enough}")
     } else {
         format!("{lobe}: as it was given, where {enough}")
@@ -81,7 +81,7 @@ mod tests {
 
     fn sky(size: u32) -> Environment {
         let light = |d: DVec3| [d.x.abs() as f32, 0.5, 0.25];
-        Environment::from_fn(Chart::Cube, size, light).unwrap()
+        Environment::from_fn(EnvironmentLayout::Cube, size, light).unwrap()
     }
 
     /// A triangle that mirrors environment 0 and has highlights of environment 1; nothing reads 2.
@@ -107,7 +107,8 @@ mod tests {
 
     #[test]
     fn what_is_read_is_named_with_its_size_and_reason() {
-        let map = sky(16).specular_map(Chart::Cube, Environment::blurred_size(9.0), 9.0);
+        let map =
+            sky(16).specular_map(EnvironmentLayout::Cube, Environment::blurred_size(9.0), 9.0);
         let choices = used(&scene(map.unwrap()));
         let numbers: Vec<usize> = choices.iter().map(|c| c.environment).collect();
         assert_eq!(numbers, [0, 1]);
@@ -123,7 +124,7 @@ mod tests {
 
     #[test]
     fn a_map_of_another_size_or_lobe_is_not_called_chosen() {
-        let larger = sky(8).blur(Chart::Cube, 40, 9.0).unwrap();
+        let larger = sky(8).blur(EnvironmentLayout::Cube, 40, 9.0).unwrap();
         let choices = used(&scene(larger));
         assert_eq!(choices[1].needed, Some(30));
         assert!(choices[1].why.contains("as it was given, where 30"));

@@ -3,7 +3,7 @@
 
 use std::error::Error;
 
-use texmap_light::{Light, Surface};
+use texmap_light::{Light, PhongMaterial};
 use texmap_math::Camera;
 use texmap_math::glam::DVec3;
 use texmap_render::{Settings, render};
@@ -25,9 +25,9 @@ fn main() -> Result<(), Box<dyn Error>> {
             [0; 4]
         }
     })?;
-    let white = Surface {
+    let white = PhongMaterial {
         color: [1.0; 3],
-        ..Surface::default()
+        ..PhongMaterial::default()
     };
     let slot = |texture, filter| {
         Some(TextureSlot {
@@ -40,7 +40,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         })
     };
     let floor = Material {
-        surface: Surface { ks: 0.0, ..white },
+        surface: PhongMaterial { ks: 0.0, ..white },
         base_color: slot(0, Filter::Anisotropic(16)),
         ..Material::default()
     };
@@ -52,9 +52,9 @@ fn main() -> Result<(), Box<dyn Error>> {
         ..Material::default()
     };
     let glass = Material {
-        surface: Surface {
+        surface: PhongMaterial {
             color: [0.8, 0.05, 0.05],
-            ..Surface::default()
+            ..PhongMaterial::default()
         },
         opacity: 0.5,
         alpha: AlphaMode::Blend,

@@ -24,7 +24,7 @@
 //! ```
 //!
 //! ```
-//! use texmap_light::Surface;
+//! use texmap_light::PhongMaterial;
 //! use texmap_math::{Camera, glam::DVec3};
 //! use texmap_render::{Settings, render};
 //! use texmap_scene::{Material, Mesh, Scene, Shading};
@@ -33,7 +33,7 @@
 //!     eye: DVec3::new(0.0, 0.0, 2.0), look: DVec3::ZERO, up: DVec3::Y,
 //!     fov_x: 1.0, near: 1e-4, far: f64::INFINITY,
 //! };
-//! let red = Surface { color: [1.0, 0.0, 0.0], ..Surface::default() };
+//! let red = PhongMaterial { color: [1.0, 0.0, 0.0], ..PhongMaterial::default() };
 //! let triangle = Mesh {
 //!     positions: vec![[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [0.0, 1.0, 0.0]],
 //!     triangles: vec![[0, 1, 2]],

@@ -232,7 +232,7 @@ mod tests {
         };
         let normals = |object_space| texmap_scene::Relief::NormalMap {
             slot: slot(Filter::Trilinear).unwrap(),
-            green: texmap_light::Green::Up,
+            green: texmap_light::NormalMapGreen::Up,
             rebuild_z: false,
             object_space,
             strength: 1.0,

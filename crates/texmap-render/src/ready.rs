@@ -1,6 +1,9 @@
 //! The effects of a scene, made ready before the first tile: shadow maps, slides, environments.
 
-use texmap_light::{Environment, Light, ShadowBias, ShadowKind, ShadowReader, Slide, SlideView};
+use texmap_light::{
+    BoundProjectorTexture, Environment, Light, ProjectorTexture, ShadowBias, ShadowKind,
+    ShadowSampler,
+};
 use texmap_math::glam::{DMat3, DMat4, DVec3};
 use texmap_math::{MemoryBudget, Projector, narrow};
 use texmap_scene::shadow_fit::{fitting_size, shadow_bias, shadow_kind};
@@ -16,7 +19,7 @@ pub(crate) struct Ready<'s> {
     /// The scene's lights, then a lamp for each projector of light.
     pub(crate) lights: Vec<Light>,
     /// Per light.
-    pub(crate) shadows: Vec<Vec<ShadowReader>>,
+    pub(crate) shadows: Vec<Vec<ShadowSampler>>,
     /// Slides of the lamps, from light `lights.len() - lamps.len()` on.
     pub(crate) lamps: Vec<Projected<'s>>,
     pub(crate) paints: Vec<Projected<'s>>,
@@ -42,10 +45,11 @@ impl<'s> Ready<'s> {
             reserve_map(settings.memory, kind, size, &mut room)?;
             let (map, bounds) = shadow_map_in(scene, kind, size, (bias, taps), threads, room)?;
             let bounds = Some(bounds);
-            Ok::<_, RenderError>(ShadowReader::with_bounds(map, bias, taps, bounds))
+            Ok::<_, RenderError>(ShadowSampler::with_bounds(map, bias, taps, bounds))
         };
         let mut lights = scene.lights.clone();
-        let mut shadows: Vec<Vec<ShadowReader>> = scene.lights.iter().map(|_| Vec::new()).collect();
+        let mut shadows: Vec<Vec<ShadowSampler>> =
+            scene.lights.iter().map(|_| Vec::new()).collect();
         for shadow in &scene.effects.shadows {
             let kind = shadow_kind(scene, shadow.light, shadow.area)?;
             let size = shadow
@@ -60,7 +64,7 @@ impl<'s> Ready<'s> {
                 None => None,
                 Some(size) => Some(draw(&slide_kind(slide), size, shadow_bias(scene), 3)?),
             };
-            let view = SlideView::new(&Slide {
+            let view = BoundProjectorTexture::new(&ProjectorTexture {
                 projector: slide.projector,
                 texture: &scene.textures[slide.texture],
                 sampler: &slide.sampler,
@@ -70,7 +74,7 @@ impl<'s> Ready<'s> {
             let position = narrow(slide.position);
             let projected = Projected {
                 view: match slide.role {
-                    SlideRole::Paint => view.painting(),
+                    SlideRole::Paint => view.as_decal(),
                     SlideRole::Light(_) => view,
                 },
                 position,
@@ -100,7 +104,7 @@ impl<'s> Ready<'s> {
         let slides = self.lamps.iter_mut().chain(&mut self.paints);
         let of_slides = slides.filter_map(|projected| projected.shadow.as_mut());
         let all = of_lights.chain(of_slides);
-        all.map(ShadowReader::take_depths).collect()
+        all.map(ShadowSampler::take_depths).collect()
     }
 
     /// Whether surfaces without effects of their own must know of these.
@@ -111,7 +115,12 @@ impl<'s> Ready<'s> {
     /// Share of each light of the scene that its shadows leave at a sample, for the `shadow` AOV.
     pub(crate) fn shadow(&self, light: usize, point: [f32; 3], plane: DVec3) -> Option<f32> {
         let shades = self.shadows.get(light).filter(|s| !s.is_empty())?;
-        Some(shades.iter().map(|s| s.lit(point, narrow(plane))).product())
+        Some(
+            shades
+                .iter()
+                .map(|s| s.visibility(point, narrow(plane)))
+                .product(),
+        )
     }
 }
 

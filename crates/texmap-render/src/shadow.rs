@@ -7,7 +7,7 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 use texmap_scene::SceneError;
 
-use texmap_light::{Reached, ShadowBias, ShadowBounds, ShadowKind, ShadowMap, StripBounds};
+use texmap_light::{FiniteColumns, ShadowBias, ShadowBounds, ShadowKind, ShadowMap, StripBounds};
 use texmap_math::{Level, MemoryBudget};
 use texmap_raster::{AlphaTest, BinnedDraws, DepthTest, DrawCall, Pass, TILE, TargetSize};
 
@@ -103,7 +103,7 @@ pub(crate) fn shadow_map_in(
             if !fine {
                 good.store(false, Ordering::Relaxed);
             }
-            let reached = Reached {
+            let reached = FiniteColumns {
                 parts: strip.reached,
                 side: TILE as usize,
             };
@@ -123,7 +123,7 @@ pub(crate) fn shadow_map_in(
         }
     }
     let map = if good.into_inner() {
-        ShadowMap::of_good(*kind, size, depths)
+        ShadowMap::from_valid(*kind, size, depths)
     } else {
         ShadowMap::new(*kind, size, depths)
     };
@@ -242,7 +242,7 @@ mod tests {
                     };
                     let unit = if faces == 6 { d.normalize() } else { d };
                     let t = trace(&scene, o - unit * back, unit) - back;
-                    let stored = f64::from(map.stored(face, i % size, i / size).unwrap());
+                    let stored = f64::from(map.depth_at(face, i % size, i / size).unwrap());
                     if t.is_finite() || stored.is_finite() {
                         met += 1;
                         // Texels at edges may fall either way: positions are snapped to 1/256.
@@ -277,7 +277,7 @@ mod tests {
             let kind = shadow_kind(&scene, 0, None).unwrap();
             let map = shadow_map(&scene, &kind, 256, 1).unwrap();
             let lit = |x: f64, z: f64| {
-                map.lit(DVec3::new(x, 0.0, z), DVec3::Y, ShadowBias::Slope(1e-4), 1)
+                map.visibility(DVec3::new(x, 0.0, z), DVec3::Y, ShadowBias::Slope(1e-4), 1)
             };
             assert_eq!(
                 (lit(0.0, 0.0), lit(1.5, 0.0), lit(0.0, -1.6)),
@@ -298,10 +298,10 @@ mod tests {
         for (size, taps, threads) in [(64, 1, 1), (300, 3, 2), (520, 15, 2)] {
             let (map, bounds) =
                 shadow_map_in(&scene, &kind, size, (bias, taps), threads, vec![7.0; 9]).unwrap();
-            let depths = (0..size * size).map(|i| map.stored(0, i % size, i / size).unwrap());
+            let depths = (0..size * size).map(|i| map.depth_at(0, i % size, i / size).unwrap());
             let depths: Vec<f32> = depths.collect();
             assert!(depths.contains(&f32::INFINITY) && depths.iter().any(|d| d.is_finite()));
-            let whole = Reached {
+            let whole = FiniteColumns {
                 parts: &[true],
                 side: size.next_multiple_of(32) as usize,
             };

@@ -86,7 +86,7 @@ impl Slot<'_> {
         room
     }
 
-    /// [`place`](Self::place) over the first `count` places of columns 0 and 1.
+    /// [`uv_at`](Self::place) over the first `count` places of columns 0 and 1.
     pub(crate) fn place_columns(&self, values: &mut Varyings, count: usize) {
         if self.transform.is_none() {
             return;
@@ -101,7 +101,7 @@ impl Slot<'_> {
         );
     }
 
-    /// [`place`](Self::place) over slices of one length: coordinates, and their changes to the right and down.
+    /// [`uv_at`](Self::place) over slices of one length: coordinates, and their changes to the right and down.
     pub(crate) fn place_all(
         &self,
         [u, v]: [&mut [f32]; 2],

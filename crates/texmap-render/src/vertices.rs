@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use texmap_math::narrow;
 use texmap_math::wide;
 
-use texmap_light::{Surface, Terms, reflect, terms};
+use texmap_light::{Lighting, PhongMaterial, lighting, reflect};
 use texmap_math::glam::{DMat3, DVec3};
 use texmap_raster::Cull;
 use texmap_sample::Origin;
@@ -232,7 +232,7 @@ impl Source<'_> {
         let terms = if lit {
             self.terms(surface, vertex, back)
         } else {
-            Terms::default()
+            Lighting::default()
         };
         for group in groups {
             match group {
@@ -252,14 +252,14 @@ impl Source<'_> {
         }
     }
 
-    fn terms(&self, surface: &Surface, vertex: usize, back: bool) -> Terms {
+    fn terms(&self, surface: &PhongMaterial, vertex: usize, back: bool) -> Lighting {
         let normal = if back {
             -self.normals[vertex]
         } else {
             self.normals[vertex]
         };
         let eye = narrow(self.scene.camera.eye);
-        let mut terms = terms(
+        let mut terms = lighting(
             surface,
             &self.scene.lights,
             narrow(self.points[vertex]),
@@ -268,8 +268,8 @@ impl Source<'_> {
         );
         if let Some(map) = self.scene.materials[self.mesh.material].specular_map {
             let view = (self.scene.camera.eye - self.points[vertex]).normalize_or_zero();
-            let light =
-                self.scene.effects.environments[map].light(reflect(narrow(view), narrow(normal)));
+            let light = self.scene.effects.environments[map]
+                .radiance(reflect(narrow(view), narrow(normal)));
             for (sum, c) in terms.highlight.iter_mut().zip(light) {
                 *sum += surface.ks * c;
             }

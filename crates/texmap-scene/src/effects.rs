@@ -1,6 +1,6 @@
 //! Lighting effects as data: what a scene says about shadows, projectors and environments, and materials about maps.
 
-use texmap_light::{Environment, Green, ShadowBias, SlideBorder};
+use texmap_light::{Environment, NormalMapGreen, ProjectorBorder, ShadowBias};
 use texmap_math::Projector;
 use texmap_math::glam::{DMat4, DVec3};
 use texmap_sample::{Pattern, Sampler, Texture3d, Wrap};
@@ -55,7 +55,7 @@ pub struct SlideProjector {
     /// How the picture is read; its wrap modes are not.
     pub sampler: Sampler,
     /// What lies beyond the picture.
-    pub border: SlideBorder,
+    pub border: ProjectorBorder,
     /// Part of the picture's width and height over which its edge fades, 0..=0.5.
     pub softness: f32,
     /// Lamp or paint.
@@ -114,7 +114,7 @@ pub enum Relief {
         /// Change of the height over the whole picture where a channel is 1, in units of the object; negative turns it inside out.
         slope: f32,
         /// Which way the height rises where green is more than half.
-        green: Green,
+        green: NormalMapGreen,
     },
     /// Heights by a formula of the place in the world.
     Carved {
@@ -130,7 +130,7 @@ pub enum Relief {
         /// The texture: data, not sRGB.
         slot: TextureSlot,
         /// Which way the green channel points.
-        green: Green,
+        green: NormalMapGreen,
         /// Only red and green are stored.
         rebuild_z: bool,
         /// The normals are those of the object, not of its tangent frames.

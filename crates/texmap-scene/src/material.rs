@@ -1,6 +1,6 @@
 //! Materials: base colour, textures, answer to light.
 
-use texmap_light::{Highlight, Surface};
+use texmap_light::{PhongMaterial, SpecularModel};
 use texmap_raster::{Cull, Interp};
 use texmap_sample::{Sampler, UvTransform};
 
@@ -12,7 +12,7 @@ pub struct Material {
     /// For messages.
     pub name: String,
     /// Base colour (linear light; raw under [`ColorMode::Raw`](crate::ColorMode::Raw)) and its answer to light.
-    pub surface: Surface,
+    pub surface: PhongMaterial,
     /// 0 (clear) to 1; multiplies the alpha of the texture. Read by [`AlphaMode::Test`] and
     /// [`AlphaMode::Blend`].
     pub opacity: f32,
@@ -46,7 +46,7 @@ pub struct Material {
     /// How colours of [`Shading::PerVertex`] and vertex colours run across a triangle.
     pub gouraud: Gouraud,
     /// How highlights fall off, per pixel.
-    pub highlight: Highlight,
+    pub highlight: SpecularModel,
     /// Textures for the numbers of `surface`. Read by [`Shading::PerPixel`].
     pub maps: SurfaceMaps,
     /// Light of its own, under every [`Shading`].
@@ -70,7 +70,7 @@ impl Default for Material {
     fn default() -> Self {
         Self {
             name: String::new(),
-            surface: Surface::default(),
+            surface: PhongMaterial::default(),
             opacity: 1.0,
             base_color: None,
             opacity_map: None,
@@ -85,7 +85,7 @@ impl Default for Material {
             interp: Interp::Perspective,
             cull: Cull::None,
             gouraud: Gouraud::ScreenLinear,
-            highlight: Highlight::Phong,
+            highlight: SpecularModel::Phong,
             maps: SurfaceMaps::default(),
             emission: None,
             relief: None,

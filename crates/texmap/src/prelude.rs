@@ -5,7 +5,7 @@ pub use crate::SaveFrame;
 #[cfg(all(feature = "image", feature = "render"))]
 pub use crate::ToImage;
 #[cfg(feature = "light")]
-pub use texmap_light::{Light, Surface};
+pub use texmap_light::{Light, PhongMaterial};
 pub use texmap_math::glam::{DMat4, DVec2, DVec3};
 pub use texmap_math::{Camera, Footprint, Homography, Level};
 #[cfg(feature = "raster")]

@@ -1,7 +1,10 @@
 //! The same scene gives the same bytes, however the work is handed out.
 
 use texmap_benches::bench_scenes::{Content, Hidden, SCENES};
-use texmap_light::{Chart, Environment, Green, Highlight, Light, ShadowBias, SlideBorder, Surface};
+use texmap_light::{
+    Environment, EnvironmentLayout, Light, NormalMapGreen, PhongMaterial, ProjectorBorder,
+    ShadowBias, SpecularModel,
+};
 use texmap_math::glam::{DMat4, DVec3};
 use texmap_math::{Level, Projector};
 use texmap_raster::Cull;
@@ -29,9 +32,9 @@ fn busy() -> Scene {
     let leaf = texture(33, 17, |x, y| {
         [40, 160, 60, ((x * 37 + y * 91) % 256) as u8]
     });
-    let white = Surface {
+    let white = PhongMaterial {
         color: [1.0; 3],
-        ..Surface::default()
+        ..PhongMaterial::default()
     };
     let floor = Material {
         surface: white,
@@ -236,7 +239,7 @@ fn lit() -> Scene {
             strength: 1.5,
         })
     };
-    let sky = Environment::from_fn(Chart::Cube, 32, |d| {
+    let sky = Environment::from_fn(EnvironmentLayout::Cube, 32, |d| {
         [d.x, d.y, d.z].map(|c| 0.5 + 0.4 * c as f32)
     });
     let reflection = Some(Reflection {
@@ -245,21 +248,21 @@ fn lit() -> Scene {
     });
     let floor = Material {
         base_color: slot(1, Filter::Trilinear),
-        relief: relief(Green::Up, false),
-        highlight: Highlight::Blinn,
-        surface: Surface {
+        relief: relief(NormalMapGreen::Up, false),
+        highlight: SpecularModel::Blinn,
+        surface: PhongMaterial {
             ns: 20.5,
-            ..Surface::default()
+            ..PhongMaterial::default()
         },
         ..Material::default()
     };
     let metal = Material {
-        relief: relief(Green::Down, true),
+        relief: relief(NormalMapGreen::Down, true),
         horizon_clamp: false,
         reflection,
-        surface: Surface {
+        surface: PhongMaterial {
             ns: 32.0,
-            ..Surface::default()
+            ..PhongMaterial::default()
         },
         ..Material::default()
     };
@@ -272,7 +275,7 @@ fn lit() -> Scene {
     let carved = Material {
         relief: Some(Relief::NormalMap {
             slot: slot(0, Filter::Bilinear).unwrap(),
-            green: Green::Up,
+            green: NormalMapGreen::Up,
             rebuild_z: false,
             object_space: true,
             strength: 1.0,
@@ -372,8 +375,8 @@ fn lit() -> Scene {
                 shadow(3, ShadowBias::Constant(0.02), 1),
             ],
             projectors: vec![
-                lamp(1.0, SlideBorder::Black, 0.1, Some(128), light),
-                lamp(-1.0, SlideBorder::Repeat, 0.0, None, light),
+                lamp(1.0, ProjectorBorder::Black, 0.1, Some(128), light),
+                lamp(-1.0, ProjectorBorder::Repeat, 0.0, None, light),
             ],
             environments: vec![sky.unwrap().with_mips()],
             ..Effects::default()

@@ -1,6 +1,6 @@
 //! Solid textures, ramps, decals, letters, skies and volumes: laws, and the same bytes whatever draws them.
 
-use texmap_light::{Chart, Environment, Light};
+use texmap_light::{Environment, EnvironmentLayout, Light};
 use texmap_math::glam::{DMat4, DVec3};
 use texmap_mesh::Font;
 use texmap_render::{Aov, Renderer, Settings, pixel_hash, render, render_ordered};
@@ -118,7 +118,7 @@ fn everything(seed: u32) -> Scene {
     };
     scene.effects.grids = vec![grid(7, 1), grid(5, 4)];
     scene.effects.environments = vec![
-        Environment::from_fn(Chart::Octahedron, 24, |d| {
+        Environment::from_fn(EnvironmentLayout::Octahedron, 24, |d| {
             [d.x * d.x, d.y * d.y, d.z * d.z].map(|c| c as f32)
         })
         .expect("a chart"),

@@ -1,6 +1,6 @@
 //! sRGB and raw values, supersampling, decals and modulation.
 
-use texmap_light::{Light, Surface};
+use texmap_light::{Light, PhongMaterial};
 use texmap_math::{Level, color};
 use texmap_render::{Aov, Settings, render};
 use texmap_sample::{Alpha, ColorSpace, Filter, Image, Origin, TexelData, Texture2d};
@@ -126,7 +126,7 @@ fn label(role: TextureRole, alpha: AlphaMode) -> Scene {
         }
     });
     let material = Material {
-        surface: Surface {
+        surface: PhongMaterial {
             color: [0.5; 3],
             ka: 1.0,
             kd: 0.0,

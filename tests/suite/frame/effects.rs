@@ -1,7 +1,10 @@
 //! Shadows, slides, environments, relief and light maps in whole frames.
 
 use texmap_bake::{BakeOptions, bake};
-use texmap_light::{Chart, Environment, Green, Highlight, Light, ShadowBias, SlideBorder, Surface};
+use texmap_light::{
+    Environment, EnvironmentLayout, Light, NormalMapGreen, PhongMaterial, ProjectorBorder,
+    ShadowBias, SpecularModel,
+};
 use texmap_math::Projector;
 use texmap_math::glam::{DMat4, DVec3};
 use texmap_render::{Aov, AovData, Frame, HOLE_BITS, Settings, render, shadow_map_for};
@@ -33,7 +36,7 @@ fn slide(texture: usize, role: SlideRole, map: Option<u32>) -> SlideProjector {
         position,
         texture,
         sampler: Sampler::default(),
-        border: SlideBorder::Black,
+        border: ProjectorBorder::Black,
         softness: 0.1,
         role,
         shadow: map,
@@ -47,9 +50,9 @@ fn all() -> Scene {
     let normals = texture(16, 16, |x, y| {
         [(100 + x * 4) as u8, (100 + y * 4) as u8, 240, 255]
     });
-    let white = Surface {
+    let white = PhongMaterial {
         color: [1.0, 0.9, 0.8],
-        ..Surface::default()
+        ..PhongMaterial::default()
     };
     let bump = Material {
         surface: white,
@@ -67,7 +70,7 @@ fn all() -> Scene {
     let mapped = Material {
         surface: white,
         base_color: slot(0, Filter::Trilinear),
-        highlight: Highlight::Blinn,
+        highlight: SpecularModel::Blinn,
         maps: SurfaceMaps {
             ambient: slot(0, Filter::Nearest),
             specular: slot(1, Filter::Bilinear),
@@ -76,7 +79,7 @@ fn all() -> Scene {
         },
         relief: Some(Relief::NormalMap {
             slot: slot(2, Filter::Trilinear).unwrap(),
-            green: Green::Up,
+            green: NormalMapGreen::Up,
             rebuild_z: false,
             object_space: false,
             strength: 1.0,
@@ -88,7 +91,7 @@ fn all() -> Scene {
         specular_map: Some(0),
         ..Material::default()
     };
-    let sky = Environment::from_fn(Chart::TanCube, 8, |d| {
+    let sky = Environment::from_fn(EnvironmentLayout::TanCube, 8, |d| {
         [0.5 + 0.5 * d.x, 0.5 + 0.5 * d.y, 0.5 + 0.5 * d.z].map(|c| c as f32)
     })
     .unwrap();
@@ -201,7 +204,9 @@ fn every_effect_is_seen() {
         ("normal map", |s| s.materials[1].relief = None),
         ("reflection", |s| s.materials[1].reflection = None),
         ("specular map", |s| s.materials[1].specular_map = None),
-        ("highlight", |s| s.materials[1].highlight = Highlight::Phong),
+        ("highlight", |s| {
+            s.materials[1].highlight = SpecularModel::Phong
+        }),
         ("ambient map", |s| s.materials[1].maps.ambient = None),
         ("exponent map", |s| s.materials[1].maps.exponent = None),
     ];
@@ -235,7 +240,7 @@ fn no_buffer_holds_a_nan_of_its_own() {
             Relief::Offsets {
                 slot: slot(),
                 slope: size,
-                green: Green::Up,
+                green: NormalMapGreen::Up,
             },
             Relief::Carved {
                 heights: Carving::Waves {
@@ -305,7 +310,7 @@ fn blockers_only_darken() {
 fn a_white_light_map_is_the_surface() {
     let white = texture(4, 4, |_, _| [255; 4]);
     let mapped = Material {
-        surface: Surface {
+        surface: PhongMaterial {
             color: [0.25, 0.5, 1.0],
             ka: 1.0,
             kd: 1.0,
@@ -349,10 +354,10 @@ fn slides_do_not_follow_the_eye() {
             }
         })],
         materials: vec![Material {
-            surface: Surface {
+            surface: PhongMaterial {
                 color: [1.0; 3],
                 ks: 0.0,
-                ..Surface::default()
+                ..PhongMaterial::default()
             },
             ..Material::default()
         }],
@@ -409,17 +414,21 @@ fn slides_do_not_follow_the_eye() {
 #[test]
 fn nothing_behind_a_projector_is_lit() {
     let position = DVec3::new(0.1, 0.2, -2.0);
-    let borders = [SlideBorder::Black, SlideBorder::Clamp, SlideBorder::Repeat];
+    let borders = [
+        ProjectorBorder::Black,
+        ProjectorBorder::Clamp,
+        ProjectorBorder::Repeat,
+    ];
     let roles = [SlideRole::Light([1.0; 3]), SlideRole::Paint];
     // Level 0 alone is looked up in lanes, levels sample by sample.
     let filters = [Filter::Bilinear, Filter::Trilinear];
     let scene = |toward: DVec3, border, role, filter| Scene {
         textures: vec![texture(8, 8, |_, _| [255; 4])],
         materials: vec![Material {
-            surface: Surface {
+            surface: PhongMaterial {
                 color: [0.25, 0.0, 0.5],
                 ks: 0.0,
-                ..Surface::default()
+                ..PhongMaterial::default()
             },
             ..Material::default()
         }],
@@ -608,10 +617,10 @@ fn surfaces_give_off_light_of_their_own() {
     let color = [0.5, 1.0, 2.0];
     let frame = |shading, map: bool| {
         let material = Material {
-            surface: Surface {
+            surface: PhongMaterial {
                 color: base,
                 ka: 1.0,
-                ..Surface::default()
+                ..PhongMaterial::default()
             },
             shading,
             emission: Some(Emission {

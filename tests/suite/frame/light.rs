@@ -1,6 +1,6 @@
 //! Light per vertex and per pixel, on the side that is seen.
 
-use texmap_light::{Light, Surface, illuminate};
+use texmap_light::{Light, PhongMaterial, illuminate};
 use texmap_math::glam::{DMat4, DVec3};
 use texmap_raster::Cull;
 use texmap_render::Aov;
@@ -9,7 +9,7 @@ use texmap_scene::{Gouraud, Material, Mesh, Scene, Shading};
 
 use crate::scenes::{draw, draw_aovs, of, pixel, slot, texture, values, wall};
 
-const SHINY: Surface = Surface {
+const SHINY: PhongMaterial = PhongMaterial {
     color: [0.6, 0.4, 0.2],
     ka: 1.0,
     kd: 0.7,
@@ -110,7 +110,7 @@ fn vertex_colours_tint_the_surface_under_any_shading() {
     for shading in [Shading::Unlit, Shading::PerVertex, Shading::PerPixel] {
         for textured in [false, true] {
             let mut scene = lit(shading);
-            scene.materials[0].surface = Surface { ks: 0.0, ..SHINY };
+            scene.materials[0].surface = PhongMaterial { ks: 0.0, ..SHINY };
             scene.materials[0].gouraud = Gouraud::Perspective;
             if textured {
                 scene.textures = vec![texture(1, 1, |_, _| [255; 4])];

@@ -1,7 +1,7 @@
 //! What turns normals: offset maps, carved heights, and the units of a bump.
 
 use texmap_light::{
-    Green, Heights, Light, ShadowBias, Slope, Surface, encode_normal, encode_offsets,
+    Heights, Light, NormalMapGreen, PhongMaterial, ShadowBias, Slope, encode_normal, encode_offsets,
 };
 use texmap_math::glam::{DMat4, DVec3};
 use texmap_render::{Aov, Frame};
@@ -29,7 +29,7 @@ fn floats(channels: u32, texels: &[f32]) -> Texture2d<'static> {
 
 fn matte(relief: Relief) -> Material {
     Material {
-        surface: Surface {
+        surface: PhongMaterial {
             color: [1.0; 3],
             ka: 0.0,
             kd: 1.0,
@@ -59,7 +59,9 @@ fn wavy() -> (Scene, f32) {
         width: SIDE,
         values: &grid,
     };
-    let (offsets, slope) = heights.offsets(Slope::Central, 0.4, Green::Up).unwrap();
+    let (offsets, slope) = heights
+        .offsets(Slope::Central, 0.4, NormalMapGreen::Up)
+        .unwrap();
     let pairs: Vec<f32> = offsets
         .iter()
         .flat_map(|o| {
@@ -94,7 +96,7 @@ fn bump() -> Relief {
     }
 }
 
-fn offsets(texture: usize, slope: f32, green: Green) -> Relief {
+fn offsets(texture: usize, slope: f32, green: NormalMapGreen) -> Relief {
     Relief::Offsets {
         slot: slot(texture, Filter::Bilinear).unwrap(),
         slope,
@@ -119,16 +121,16 @@ fn offsets_are_the_bump_map_of_their_heights() {
             draw(&scene, 120, 120)
         };
         let bumped = with(bump());
-        let flat = with(offsets(1, 0.0, Green::Up));
+        let flat = with(offsets(1, 0.0, NormalMapGreen::Up));
         assert!(most(&bumped, &flat) > 40, "the waves are seen");
-        let exact = with(offsets(1, slope, Green::Up));
+        let exact = with(offsets(1, slope, NormalMapGreen::Up));
         assert!(most(&bumped, &exact) <= 1, "{}", most(&bumped, &exact));
-        let coarse = with(offsets(2, slope, Green::Up));
+        let coarse = with(offsets(2, slope, NormalMapGreen::Up));
         assert!(most(&bumped, &coarse) <= 4, "{}", most(&bumped, &coarse));
         // Twins: green the wrong way round, and inside out.
         for wrong in [
-            offsets(1, slope, Green::Down),
-            offsets(1, -slope, Green::Up),
+            offsets(1, slope, NormalMapGreen::Down),
+            offsets(1, -slope, NormalMapGreen::Up),
         ] {
             assert!(most(&bumped, &with(wrong)) > 10);
         }
@@ -147,11 +149,11 @@ fn normals_are_the_bump_map_of_their_heights() {
     // Texels are squares of 4 / 64 on this wall.
     let strength = 0.4 / 4.0 * SIDE as f32;
     let normals = heights
-        .normals(Slope::Central, strength, Green::Up)
+        .normals(Slope::Central, strength, NormalMapGreen::Up)
         .unwrap();
     let texels: Vec<f32> = normals
         .iter()
-        .flat_map(|n| encode_normal(*n, Green::Up))
+        .flat_map(|n| encode_normal(*n, NormalMapGreen::Up))
         .collect();
     scene.textures.push(floats(3, &texels));
     scene.meshes[0] = quad([
@@ -174,9 +176,9 @@ fn normals_are_the_bump_map_of_their_heights() {
             draw(&scene, 120, 120)
         };
         let bumped = with(bump());
-        let mapped = with(map(Green::Up));
+        let mapped = with(map(NormalMapGreen::Up));
         assert!(most(&bumped, &mapped) <= 3, "{}", most(&bumped, &mapped));
-        assert!(most(&bumped, &with(map(Green::Down))) > 10);
+        assert!(most(&bumped, &with(map(NormalMapGreen::Down))) > 10);
     }
 }
 
@@ -200,11 +202,11 @@ fn object_space_normals_follow_an_uneven_scale() {
     let scale = DVec3::new(3.0, 0.5, 1.0);
     mesh.world_from_object =
         DMat4::from_translation(DVec3::new(0.0, 0.0, -3.0)) * DMat4::from_scale(scale);
-    let texel = encode_normal(normal.as_vec3().to_array(), Green::Up);
+    let texel = encode_normal(normal.as_vec3().to_array(), NormalMapGreen::Up);
     let texels = texel.repeat((SIDE * 2) as usize);
     let relief = Relief::NormalMap {
         slot: slot(0, Filter::Bilinear).unwrap(),
-        green: Green::Up,
+        green: NormalMapGreen::Up,
         rebuild_z: false,
         object_space: true,
         strength: 1.0,
@@ -282,7 +284,7 @@ fn heights_grow_with_the_model() {
         world_from_solid: DMat4::from_scale(DVec3::splat(0.3)),
         height: 0.1,
     };
-    for relief in [bump(), offsets(1, slope, Green::Up), carved] {
+    for relief in [bump(), offsets(1, slope, NormalMapGreen::Up), carved] {
         let mut small = scene.clone();
         small.materials[0] = matte(relief.clone());
         let mut large = small.clone();
@@ -460,9 +462,9 @@ fn faults_of_reliefs_are_named() {
         scene.check().unwrap_err()
     };
     let text = |relief: Relief| refused(relief).to_string();
-    assert!(text(offsets(1, f32::NAN, Green::Up)).contains("slope of the offset map"));
+    assert!(text(offsets(1, f32::NAN, NormalMapGreen::Up)).contains("slope of the offset map"));
     assert!(matches!(
-        refused(offsets(9, 1.0, Green::Up)),
+        refused(offsets(9, 1.0, NormalMapGreen::Up)),
         SceneError::Index { .. }
     ));
     assert!(text(dimples(0, 0.0)).contains("waves around"));
@@ -480,7 +482,7 @@ fn faults_of_reliefs_are_named() {
     scene.meshes[0].uvs.clear();
     scene.materials[0] = matte(carved(DMat4::IDENTITY, 1.0));
     assert!(scene.check().is_ok());
-    scene.materials[0] = matte(offsets(1, 1.0, Green::Up));
+    scene.materials[0] = matte(offsets(1, 1.0, NormalMapGreen::Up));
     assert!(matches!(scene.check(), Err(SceneError::MissingUv { .. })));
 }
 

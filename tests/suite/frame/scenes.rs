@@ -1,6 +1,6 @@
 //! Small scenes and ways to read their frames.
 
-use texmap_light::Surface;
+use texmap_light::PhongMaterial;
 use texmap_render::{Aov, AovData, Frame, Settings, render};
 use texmap_sample::{ColorSpace, Filter, Origin, Sampler, Texture2d, UvTransform};
 use texmap_scene::{Material, Mesh, Scene, Shading, TextureSlot};
@@ -18,9 +18,9 @@ pub(crate) fn of(material: Material, mesh: Mesh) -> Scene {
 
 pub(crate) fn unlit(color: [f32; 3]) -> Material {
     Material {
-        surface: Surface {
+        surface: PhongMaterial {
             color,
-            ..Surface::default()
+            ..PhongMaterial::default()
         },
         shading: Shading::Unlit,
         ..Material::default()

@@ -1,6 +1,6 @@
 //! Displaced, skinned and turned meshes in whole frames: one picture everywhere, and edges within their budget.
 
-use texmap_light::{Light, Surface};
+use texmap_light::{Light, PhongMaterial};
 use texmap_math::glam::{DMat4, DVec3};
 use texmap_mesh::tessellate;
 use texmap_mesh::{Bone, Skeleton, SkinBlend, turn};
@@ -28,9 +28,9 @@ fn waves(x: u32, y: u32) -> [u8; 4] {
 
 /// A displaced wall and floor that meet at an edge, trees of both kinds, and a bent strip, under a light with shadows.
 fn everything() -> Scene {
-    let white = Surface {
+    let white = PhongMaterial {
         color: [0.9, 0.8, 0.7],
-        ..Surface::default()
+        ..PhongMaterial::default()
     };
     let back = wall(1.5, 4.0);
     let floor = quad([

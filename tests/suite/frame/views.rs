@@ -1,7 +1,7 @@
 //! The six views from within a mesh.
 
 use texmap_bake::environment_of;
-use texmap_light::Chart;
+use texmap_light::EnvironmentLayout;
 use texmap_math::glam::{DVec2, DVec3};
 use texmap_scene::{ColorMode, Mesh, Scene};
 
@@ -20,7 +20,7 @@ fn six_views_are_a_cube_map() {
     ];
     let wall = |face: usize| {
         let at = |u: f64, v: f64| {
-            let d = Chart::Cube.direction(face, DVec2::new(u, v));
+            let d = EnvironmentLayout::Cube.direction(face, DVec2::new(u, v));
             (d / d.abs().max_element() * 5.0 + DVec3::new(1.0, 2.0, 3.0))
                 .as_vec3()
                 .to_array()
@@ -50,7 +50,7 @@ fn six_views_are_a_cube_map() {
     marked.meshes.push(Mesh {
         positions: [[0.0, 0.0], [0.5, 0.0], [0.5, 0.5], [0.0, 0.5]]
             .map(|[u, v]| {
-                let d = Chart::Cube.direction(4, DVec2::new(u, v));
+                let d = EnvironmentLayout::Cube.direction(4, DVec2::new(u, v));
                 (d / d.abs().max_element() * 4.0 + DVec3::new(1.0, 2.0, 3.0))
                     .as_vec3()
                     .to_array()
@@ -63,15 +63,15 @@ fn six_views_are_a_cube_map() {
     let quarter = environment_of(&marked, 6, 16).unwrap();
     for (face, color) in colors.into_iter().enumerate() {
         for (u, v) in [(0.2, 0.3), (0.8, 0.3), (0.2, 0.8), (0.8, 0.8)] {
-            let d = Chart::Cube.direction(face, DVec2::new(u, v));
+            let d = EnvironmentLayout::Cube.direction(face, DVec2::new(u, v));
             let d = d.as_vec3().to_array();
-            assert_eq!(found.light(d), color, "{face} {u} {v}");
+            assert_eq!(found.radiance(d), color, "{face} {u} {v}");
             let expected = if face == 4 && u < 0.5 && v < 0.5 {
                 colors[0]
             } else {
                 color
             };
-            assert_eq!(quarter.light(d), expected, "{face} {u} {v}");
+            assert_eq!(quarter.radiance(d), expected, "{face} {u} {v}");
         }
     }
     assert!(environment_of(&scene, 9, 16).is_err());

@@ -1,6 +1,6 @@
 //! What the lines of light become.
 
-use texmap_light::{Green, Light, ShadowBias};
+use texmap_light::{Light, NormalMapGreen, ShadowBias};
 use texmap_math::glam::DVec3;
 use texmap_render::{Aov, Settings, render};
 use texmap_scene::{Carving, Relief, SlideRole};
@@ -146,7 +146,7 @@ fn relief_and_light_maps_reach_models() {
     assert!(matches!(
         material(1).relief,
         Some(Relief::NormalMap {
-            green: Green::Down,
+            green: NormalMapGreen::Down,
             rebuild_z: true,
             ..
         })
@@ -199,7 +199,7 @@ fn bumps_of_offsets_formulas_and_words() {
         relief(0),
         Some(Relief::Offsets {
             slope: 0.5,
-            green: Green::Down,
+            green: NormalMapGreen::Down,
             ..
         })
     ));

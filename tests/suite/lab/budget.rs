@@ -2,7 +2,7 @@
 
 use texmap_lab::cases::Random;
 use texmap_lab::plane::{Pattern, TEXELS};
-use texmap_light::{Light, Surface};
+use texmap_light::{Light, PhongMaterial};
 use texmap_math::camera::Camera;
 use texmap_math::deterministic_f64;
 use texmap_math::glam::{DVec2, DVec3};
@@ -90,7 +90,7 @@ fn scene(seed: u64) -> (Scene, Budget) {
         [(a * cos - b * sin) as f32, (a * sin + b * cos) as f32]
     });
     let material = Material {
-        surface: Surface {
+        surface: PhongMaterial {
             color: [1.0; 3],
             ka: 0.3,
             kd: 0.7,

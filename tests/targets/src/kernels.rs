@@ -1,6 +1,6 @@
 //! What a program calls without a scene: charts of environments, coordinates, warps, functions of angles.
 
-use texmap_light::{Chart, Environment};
+use texmap_light::{Environment, EnvironmentLayout};
 use texmap_math::glam::{DMat3, DVec3};
 use texmap_math::{Homography, Level, deterministic_f32};
 use texmap_render::hash_pixels;
@@ -15,16 +15,16 @@ pub(crate) fn results(level: Level) -> Vec<(String, String)> {
     let mut add = |name: &str, values: &mut dyn Iterator<Item = f32>| {
         results.push((name.to_owned(), hash_floats(values)));
     };
-    let sky = Environment::from_fn(Chart::LatLong, 24, |d: DVec3| {
+    let sky = Environment::from_fn(EnvironmentLayout::LatLong, 24, |d: DVec3| {
         [d.x, d.y, d.z].map(|c| (1.5 + c) as f32)
     });
     if let Ok(sky) = sky {
-        for chart in Chart::ALL {
+        for chart in EnvironmentLayout::ALL {
             if let Ok(to) = sky.convert(chart, 24) {
                 add(&format!("convert-{}", chart.name()), &mut texels(&to));
             }
         }
-        if let Ok(gloss) = sky.specular_map(Chart::Cube, 8, 20.0) {
+        if let Ok(gloss) = sky.specular_map(EnvironmentLayout::Cube, 8, 20.0) {
             add("specular-map", &mut texels(&gloss));
         }
     }
@@ -90,7 +90,7 @@ pub(crate) fn results(level: Level) -> Vec<(String, String)> {
 
 fn texels(of: &Environment) -> impl Iterator<Item = f32> {
     let (width, face) = of.size();
-    let places = (0..of.chart().faces())
+    let places = (0..of.layout().faces())
         .flat_map(move |f| (0..face).flat_map(move |y| (0..width).map(move |x| (f, x, y))));
     places.filter_map(|(f, x, y)| of.texel(f, x, y)).flatten()
 }

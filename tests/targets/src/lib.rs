@@ -17,7 +17,7 @@ use texmap_mesh::tessellate;
 
 pub use effects::Folders;
 use texmap_io::{IoError, LoadOptions, image_io, load, read_environment, write_environment};
-use texmap_light::{Chart, Environment};
+use texmap_light::{Environment, EnvironmentLayout};
 use texmap_math::Level;
 use texmap_render::{Aov, AovData, Frame, Settings, hash_pixels, pixel_hash, render};
 use texmap_scene::Scene;
@@ -103,16 +103,19 @@ fn effect_settings(seed: u64, scene: &Scene, level: Level) -> Settings {
 
 /// Environments in every chart, as HDR and EXR: both encoders are part of the proof, since what they write is read again.
 fn write_skies(folders: &Folders) -> Result<(), Box<dyn Error>> {
-    let sky = read_environment(&folders.data.join("half_piz.exr"), Chart::LatLong)?;
+    let sky = read_environment(
+        &folders.data.join("half_piz.exr"),
+        EnvironmentLayout::LatLong,
+    )?;
     let write = |name: &str, sky: &Environment| write_environment(&folders.work.join(name), sky);
     write("sky.hdr", &sky)?;
     for (name, chart, size) in [
-        ("cube.hdr", Chart::Cube, 16),
-        ("tan.exr", Chart::TanCube, 16),
-        ("octahedron.exr", Chart::Octahedron, 24),
-        ("equal.exr", Chart::EqualAreaOctahedron, 24),
-        ("paraboloid.hdr", Chart::DualParaboloid, 20),
-        ("ball.hdr", Chart::SphereMap, 24),
+        ("cube.hdr", EnvironmentLayout::Cube, 16),
+        ("tan.exr", EnvironmentLayout::TanCube, 16),
+        ("octahedron.exr", EnvironmentLayout::Octahedron, 24),
+        ("equal.exr", EnvironmentLayout::EqualAreaOctahedron, 24),
+        ("paraboloid.hdr", EnvironmentLayout::DualParaboloid, 20),
+        ("ball.hdr", EnvironmentLayout::SphereMap, 24),
     ] {
         write(name, &sky.convert(chart, size)?)?;
     }
@@ -130,7 +133,7 @@ fn decoded(folders: &Folders, list: &mut String) -> Result<(), Box<dyn Error>> {
     }
     let written = ["sky.hdr"].map(|name| folders.work.join(name));
     for path in files(&folders.data, &["exr"])?.into_iter().chain(written) {
-        let sky = read_environment(&path, Chart::LatLong)?;
+        let sky = read_environment(&path, EnvironmentLayout::LatLong)?;
         let (width, height) = sky.size();
         let texels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
         let texels = texels.filter_map(|(x, y)| sky.texel(0, x, y)).flatten();

@@ -1,6 +1,6 @@
 //! Random scenes: samplers, alpha and shading in every combination that the tile's paths tell apart.
 
-use texmap_light::{Light, Surface};
+use texmap_light::{Light, PhongMaterial};
 use texmap_raster::Cull;
 use texmap_render::{Aov, Settings};
 use texmap_sample::{ColorSpace, Filter, Origin, Precision, Sampler, Texture2d, UvTransform, Wrap};
@@ -102,9 +102,9 @@ fn material(random: &mut Random) -> Material {
         map: (!random.one_in(3)).then(|| slot(random)),
     });
     Material {
-        surface: Surface {
+        surface: PhongMaterial {
             color: [random.range(0.0, 1.0), random.range(0.0, 1.0), 1.0],
-            ..Surface::default()
+            ..PhongMaterial::default()
         },
         opacity: random.pick(&[1.0, 1.0, 0.6]),
         base_color,

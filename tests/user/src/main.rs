@@ -2,7 +2,7 @@
 //! inlined into one function have frames of megabytes. `user CASE [KIB]` runs a case on a thread of that many KiB (2048, what Rust
 //! gives a thread), `user` lists the cases.
 
-use texmap_light::{Chart, Environment, Light, Surface, illuminate_slice};
+use texmap_light::{EnvironmentLayout, Environment, Light, PhongMaterial, illuminate_slice};
 use texmap_math::glam::{DMat4, DVec2, DVec3};
 use texmap_math::{Camera, Footprint, Homography, Level};
 use texmap_render::{Aov, Settings, pixel_hash, render, shadow_map};
@@ -110,9 +110,9 @@ fn shadowed() -> Scene {
 
 fn mirrored() -> Scene {
     let mut scene = scene();
-    let sky = Environment::from_fn(Chart::LatLong, 32, |d| [0.5 + 0.5 * d.y as f32, 0.4, 0.6]).expect("a sky");
-    let gloss = sky.specular_map(Chart::Cube, 8, 9.0).expect("a specular map");
-    let cube = sky.convert(Chart::Cube, 16).expect("a cube");
+    let sky = Environment::from_fn(EnvironmentLayout::LatLong, 32, |d| [0.5 + 0.5 * d.y as f32, 0.4, 0.6]).expect("a sky");
+    let gloss = sky.specular_map(EnvironmentLayout::Cube, 8, 9.0).expect("a specular map");
+    let cube = sky.convert(EnvironmentLayout::Cube, 16).expect("a cube");
     scene.effects.environments = vec![cube.with_mips(), gloss];
     scene.materials[0].reflection = Some(Reflection { environment: 0, reflectivity: 0.5 });
     scene.materials[0].specular_map = Some(1);
@@ -199,9 +199,9 @@ fn warped() {
 fn lit() {
     let normals = vec![[0.0, 0.6, 0.8]; 50];
     let mut out = vec![[0.0; 3]; 50];
-    illuminate_slice(&Surface::default(), &scene().lights, &normals, &normals, [1.0, 2.0, 3.0], &mut out)
+    illuminate_slice(&PhongMaterial::default(), &scene().lights, &normals, &normals, [1.0, 2.0, 3.0], &mut out)
         .expect("light");
-    let sky = Environment::from_fn(Chart::LatLong, 16, |d| [d.y as f32 + 1.0; 3]).expect("a sky");
-    sky.convert(Chart::Octahedron, 16).expect("a chart").light_slice(&normals, &mut out).expect("light");
-    sky.blur(Chart::DualParaboloid, 8, 5.0).expect("a blur");
+    let sky = Environment::from_fn(EnvironmentLayout::LatLong, 16, |d| [d.y as f32 + 1.0; 3]).expect("a sky");
+    sky.convert(EnvironmentLayout::Octahedron, 16).expect("a chart").radiance_slice(&normals, &mut out).expect("light");
+    sky.blur(EnvironmentLayout::DualParaboloid, 8, 5.0).expect("a blur");
 }

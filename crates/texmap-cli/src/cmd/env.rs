@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use texmap_light::{Chart, Environment};
+use texmap_light::{Environment, EnvironmentLayout};
 
 use crate::failure::{Exit, Failure, say};
 use crate::formats;
@@ -24,10 +24,10 @@ pub(crate) struct EnvArgs {
     output: PathBuf,
     /// The layout of the image
     #[arg(long, value_name = "LAYOUT", default_value = "lat-long")]
-    from: Chart,
+    from: EnvironmentLayout,
     /// The layout to write
     #[arg(long, value_name = "LAYOUT")]
-    to: Chart,
+    to: EnvironmentLayout,
     /// Height of a face in texels [default: as many texels in all as the image has]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=8192))]
     size: Option<u32>,
@@ -51,7 +51,7 @@ pub(crate) fn run(args: &EnvArgs) -> Result<Exit, Failure> {
     let source = texmap_io::read_environment(&args.image, args.from)?;
     let texels = |e: &Environment| {
         let (width, height) = e.size();
-        u64::from(width) * u64::from(height) * e.chart().faces() as u64
+        u64::from(width) * u64::from(height) * e.layout().faces() as u64
     };
     // As many texels as there are, or as the lobe needs.
     let enough = match args.blur {

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use texmap_light::{Green, Highlight};
+use texmap_light::{NormalMapGreen, SpecularModel};
 use texmap_math::glam::{DMat4, DVec3};
 use texmap_sample::{Pattern, UvTransform};
 use texmap_scene::{Carving, Emission, LightMapSlot, Material, Reflection, Relief, Scene};
@@ -16,7 +16,7 @@ use crate::{IoError, SourceLocation};
 /// The effects that later faces are under.
 #[derive(Debug, Clone, Default)]
 pub(super) struct EffectSettings {
-    pub(super) highlight: Highlight,
+    pub(super) highlight: SpecularModel,
     pub(super) reflection: Option<Reflection>,
     pub(super) specular_map: Option<usize>,
     pub(super) light_map: Option<(usize, f32)>,
@@ -35,7 +35,7 @@ pub(super) struct EffectSettings {
 #[derive(Debug, Clone)]
 pub(super) enum ReliefSetting {
     Bump(usize, f32),
-    Offsets(usize, f32, Green),
+    Offsets(usize, f32, NormalMapGreen),
     Carved(Relief),
     NormalMap(usize, NormalMapSetting),
 }
@@ -44,7 +44,7 @@ pub(super) enum ReliefSetting {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct NormalMapSetting {
     object_space: bool,
-    green: Green,
+    green: NormalMapGreen,
     rebuild_z: bool,
 }
 
@@ -58,7 +58,7 @@ impl ReliefSetting {
 pub(super) fn covered(material: &Material) -> Vec<&'static str> {
     let has = [
         (material.relief.is_some(), BUMPS),
-        (material.highlight != Highlight::Phong, "`highlight`"),
+        (material.highlight != SpecularModel::Phong, "`highlight`"),
         (material.reflection.is_some(), "`env`"),
         (material.specular_map.is_some(), "`specmap`"),
         (material.light_map.is_some(), "`lightmap`"),
@@ -177,10 +177,10 @@ impl EffectSettings {
 }
 
 /// Which way green points.
-pub(super) fn green(word: Option<&str>) -> Green {
+pub(super) fn green(word: Option<&str>) -> NormalMapGreen {
     match word {
-        Some("down") => Green::Down,
-        _ => Green::Up,
+        Some("down") => NormalMapGreen::Down,
+        _ => NormalMapGreen::Up,
     }
 }
 
@@ -204,7 +204,7 @@ pub(super) fn normal_map(b: &mut Builder, line: &mut Line<'_>) -> Result<ReliefS
     let texture = b.load(line, Content::Data)?;
     let mut setting = NormalMapSetting {
         object_space: false,
-        green: Green::Up,
+        green: NormalMapGreen::Up,
         rebuild_z: false,
     };
     while let Some(word) = line.word() {

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::path::PathBuf;
 
-use texmap_light::{Chart, Environment};
+use texmap_light::{Environment, EnvironmentLayout};
 use texmap_scene::Reflection;
 
 use super::build::Builder;
@@ -59,7 +59,7 @@ impl Builder {
         &mut self,
         path: PathBuf,
         line: &Line<'_>,
-        chart: Chart,
+        chart: EnvironmentLayout,
         purpose: Use,
     ) -> Result<usize, IoError> {
         let key = (path, chart.name(), purpose);
@@ -74,7 +74,7 @@ impl Builder {
             Use::Gathered(bits) => {
                 let exponent = f32::from_bits(bits);
                 let size = Environment::blurred_size(exponent);
-                let map = read.specular_map(Chart::Cube, size, exponent);
+                let map = read.specular_map(EnvironmentLayout::Cube, size, exponent);
                 map.map_err(|e| IoError::BrokenImage {
                     path: path.clone(),
                     named_by: Some(location.clone()),

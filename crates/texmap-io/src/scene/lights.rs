@@ -1,6 +1,6 @@
 //! Names and shadows of the lights above a line, and projectors.
 
-use texmap_light::{Light, ShadowBias, SlideBorder};
+use texmap_light::{Light, ProjectorBorder, ShadowBias};
 use texmap_math::Projector;
 use texmap_math::glam::DVec3;
 use texmap_sample::UvTransform;
@@ -79,7 +79,7 @@ pub(super) fn projector(b: &mut Builder, line: &mut Line<'_>) -> Result<(), IoEr
         position,
         texture,
         sampler: slot.sampler,
-        border: SlideBorder::Black,
+        border: ProjectorBorder::Black,
         softness: 0.0,
         role: SlideRole::Paint,
         shadow: None,
@@ -87,9 +87,9 @@ pub(super) fn projector(b: &mut Builder, line: &mut Line<'_>) -> Result<(), IoEr
     let mut color = [1.0; 3];
     while let Some(word) = line.word() {
         match word {
-            "black" => slide.border = SlideBorder::Black,
-            "clamp" => slide.border = SlideBorder::Clamp,
-            "repeat" => slide.border = SlideBorder::Repeat,
+            "black" => slide.border = ProjectorBorder::Black,
+            "clamp" => slide.border = ProjectorBorder::Clamp,
+            "repeat" => slide.border = ProjectorBorder::Repeat,
             "soft" => slide.softness = line.float(),
             "color" => color = line.floats(),
             _ => slide.shadow = Some(line.whole()),

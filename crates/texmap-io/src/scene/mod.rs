@@ -16,7 +16,7 @@ mod volumes;
 
 use std::path::Path;
 
-use texmap_light::Surface;
+use texmap_light::PhongMaterial;
 use texmap_math::camera::Camera;
 use texmap_math::glam::DVec3;
 use texmap_raster::DepthTest;
@@ -135,7 +135,7 @@ pub(crate) fn read_obj(
     let color = options.color.unwrap_or_default();
     let mut textures = Textures::new(options.files.clone(), color == ColorMode::Raw, tolerant);
     let model = obj::read(path, None, options.missing, false, &mut textures)?;
-    let matte = Surface {
+    let matte = PhongMaterial {
         color: [0.8; 3],
         ka: 1.0,
         kd: 1.0,

@@ -1,6 +1,6 @@
 //! The current settings: what lines like `surf`, `filter` or `translate` say about the faces after them.
 
-use texmap_light::Surface;
+use texmap_light::PhongMaterial;
 use texmap_math::color::srgb_to_linear;
 use texmap_math::deterministic_f64;
 use texmap_math::glam::{DMat4, DVec3};
@@ -23,7 +23,7 @@ use crate::{SourceLocation, obj};
 #[derive(Debug, Clone)]
 pub(super) struct Settings {
     /// With colours as the file has them.
-    pub(super) surf: Option<Surface>,
+    pub(super) surf: Option<PhongMaterial>,
     pub(super) texture: Option<CurrentTexture>,
     pub(super) frame: Option<TextureFrame>,
     /// In world space; wins over `frame`.
@@ -83,7 +83,7 @@ impl Default for Settings {
 }
 
 /// The course loader's `surf` of faces that no line says it for.
-const COURSE: Surface = Surface {
+const COURSE: PhongMaterial = PhongMaterial {
     color: [0.5; 3],
     ka: 1.0,
     kd: 1.0,
@@ -92,7 +92,7 @@ const COURSE: Surface = Surface {
 };
 
 /// What a texel multiplies where no `surf` line says otherwise: white, without a highlight.
-pub(super) const WHITE: Surface = Surface {
+pub(super) const WHITE: PhongMaterial = PhongMaterial {
     color: [1.0; 3],
     ka: 1.0,
     kd: 1.0,
@@ -200,8 +200,8 @@ pub(super) fn emitted(srgb: [f32; 3], color: ColorMode) -> [f32; 3] {
 }
 
 /// A surface whose colour is that of a file.
-pub(super) fn surface(surf: &Surface, color: ColorMode) -> Surface {
-    Surface {
+pub(super) fn surface(surf: &PhongMaterial, color: ColorMode) -> PhongMaterial {
+    PhongMaterial {
         color: light(surf.color, color),
         ..*surf
     }

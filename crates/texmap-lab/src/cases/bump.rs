@@ -2,7 +2,9 @@
 
 use std::f64::consts::TAU;
 
-use texmap_light::{Green, Heights, Slope, clamp_to_horizon, decode_normal, encode_normal};
+use texmap_light::{
+    Heights, NormalMapGreen, Slope, clamp_to_horizon, decode_normal, encode_normal,
+};
 use texmap_math::deterministic_f64;
 use texmap_math::glam::{DMat3, DMat4, DVec3};
 use texmap_scene::Mesh;
@@ -95,13 +97,19 @@ pub(super) fn b3() -> Result<Vec<Measurement>, LabError> {
         let r = (1.0 - z * z).sqrt();
         let (sin, cos) = deterministic_f64::sin_cos(phi);
         let n = DVec3::new(r * cos, r * sin, z);
-        let bytes = encode_normal(n.as_vec3().to_array(), Green::Up)
+        let bytes = encode_normal(n.as_vec3().to_array(), NormalMapGreen::Up)
             .map(|c| (c * 255.0 + 0.5).floor() / 255.0);
-        let angle = degrees(wide(decode_normal(bytes, Green::Up, false)), n);
+        let angle = degrees(wide(decode_normal(bytes, NormalMapGreen::Up, false)), n);
         full = full.max(angle);
         sum += angle;
-        rebuilt = rebuilt.max(degrees(wide(decode_normal(bytes, Green::Up, true)), n));
-        flipped = flipped.max(degrees(wide(decode_normal(bytes, Green::Down, false)), n));
+        rebuilt = rebuilt.max(degrees(
+            wide(decode_normal(bytes, NormalMapGreen::Up, true)),
+            n,
+        ));
+        flipped = flipped.max(degrees(
+            wide(decode_normal(bytes, NormalMapGreen::Down, false)),
+            n,
+        ));
         // The texel taken for the normal: no 2c - 1.
         wrong = wrong.max(degrees(wide(bytes), n));
     }

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use texmap_bake::{BakeOptions, bake};
-use texmap_light::{Chart, Environment, Light};
+use texmap_light::{Environment, EnvironmentLayout, Light};
 use texmap_math::camera::Camera;
 use texmap_math::color;
 use texmap_math::deterministic_f64;
@@ -62,7 +62,7 @@ fn direction(noise: &mut Noise) -> DVec3 {
     DVec3::new(r * cos, r * sin, z)
 }
 
-fn rendered(chart: Chart, size: u32, waves: &Waves) -> Result<Environment, LabError> {
+fn rendered(chart: EnvironmentLayout, size: u32, waves: &Waves) -> Result<Environment, LabError> {
     Environment::from_fn(chart, size, |d| [waves.at(d) as f32; 3])
         .map_err(|e| LabError::Cases(e.to_string()))
 }
@@ -73,7 +73,7 @@ fn narrow(d: DVec3) -> [f32; 3] {
 
 /// The naive look-up: each face clamped at its own edge, in both directions.
 fn clamped(environment: &Environment, d: DVec3) -> f64 {
-    let (face, uv) = environment.chart().locate(d);
+    let (face, uv) = environment.layout().locate(d);
     let (w, h) = environment.size();
     let last = DVec2::new(f64::from(w) - 1.0, f64::from(h) - 1.0);
     let p = (uv * (last + 1.0) - 0.5).clamp(DVec2::ZERO, last);
@@ -89,7 +89,7 @@ fn clamped(environment: &Environment, d: DVec3) -> f64 {
 
 /// Largest errors of the seamless and of the clamped look-up over directions.
 fn errors(
-    chart: Chart,
+    chart: EnvironmentLayout,
     size: u32,
     directions: impl Iterator<Item = DVec3>,
 ) -> Result<(f64, f64), LabError> {
@@ -98,7 +98,7 @@ fn errors(
     let (mut worst, mut naive) = (0.0f64, 0.0f64);
     for d in directions {
         let truth = waves.at(d);
-        worst = worst.max((f64::from(environment.light(narrow(d))[0]) - truth).abs());
+        worst = worst.max((f64::from(environment.radiance(narrow(d))[0]) - truth).abs());
         naive = naive.max((clamped(&environment, d) - truth).abs());
     }
     Ok((worst, naive))
@@ -119,7 +119,7 @@ pub(super) fn e1() -> Result<Vec<Measurement>, LabError> {
         let side = |x: f64, bit: usize| if ((i / 12) >> bit) & 1 == 0 { x } else { -x };
         DVec3::new(side(d[0], 0), side(d[1], 1), side(d[2], 2)).normalize()
     });
-    let (worst, naive) = errors(Chart::Cube, 64, near_edges)?;
+    let (worst, naive) = errors(EnvironmentLayout::Cube, 64, near_edges)?;
     let measure = "largest error at edges and corners, 64 x 64 faces, f = 10";
     Ok(measured![
         "border texels", measure => worst;
@@ -128,7 +128,7 @@ pub(super) fn e1() -> Result<Vec<Measurement>, LabError> {
 }
 
 pub(super) fn e2() -> Result<Vec<Measurement>, LabError> {
-    let environment = rendered(Chart::SphereMap, 64, &Waves::new())?;
+    let environment = rendered(EnvironmentLayout::SphereMap, 64, &Waves::new())?;
     let mut bad = 0;
     let mut naive = 0;
     for d in [
@@ -137,7 +137,7 @@ pub(super) fn e2() -> Result<Vec<Measurement>, LabError> {
         [0.0, -0.0, -7.0],
         [1e-30, 0.0, -1.0],
     ] {
-        let light = environment.light(d);
+        let light = environment.radiance(d);
         bad += u32::from(!light.iter().all(|c| c.is_finite()));
         // OpenGL's formula, m = 2 sqrt(x^2 + y^2 + (z + 1)^2).
         let [x, y, z] = d;
@@ -161,7 +161,10 @@ pub(super) fn e3() -> Result<Vec<Measurement>, LabError> {
     let (mut worst, mut naive) = (0.0f64, 0.0f64);
     for d in special.chain(uniform) {
         let unit = d / d.length();
-        for chart in [Chart::Octahedron, Chart::EqualAreaOctahedron] {
+        for chart in [
+            EnvironmentLayout::Octahedron,
+            EnvironmentLayout::EqualAreaOctahedron,
+        ] {
             let (face, uv) = chart.locate(d);
             worst = worst.max(1.0 - chart.direction(face, uv).dot(unit));
         }
@@ -173,7 +176,8 @@ pub(super) fn e3() -> Result<Vec<Measurement>, LabError> {
         } else {
             p
         };
-        let back = Chart::Octahedron.direction(0, DVec2::new(0.5 * q.x + 0.5, 0.5 - 0.5 * q.y));
+        let back = EnvironmentLayout::Octahedron
+            .direction(0, DVec2::new(0.5 * q.x + 0.5, 0.5 - 0.5 * q.y));
         naive = naive.max(1.0 - back.dot(unit));
     }
     let measure = "1 less the cosine of a direction and its round trip";
@@ -194,8 +198,8 @@ pub(super) fn e4() -> Result<Vec<Measurement>, LabError> {
         let d = direction(&mut noise);
         DVec3::new(d.x, d.y, d.z.signum() * (0.05 + d.z.abs())).normalize()
     });
-    let (at_rim, naive) = errors(Chart::DualParaboloid, 110, equator)?;
-    let (interior, _) = errors(Chart::DualParaboloid, 110, inside)?;
+    let (at_rim, naive) = errors(EnvironmentLayout::DualParaboloid, 110, equator)?;
+    let (interior, _) = errors(EnvironmentLayout::DualParaboloid, 110, inside)?;
     let measure = "largest error at the equator over that of the interior";
     Ok(measured![
         "texels past the rim", measure => at_rim / interior;
@@ -217,7 +221,7 @@ pub(super) fn e5() -> Result<Vec<Measurement>, LabError> {
             }
         })
     };
-    let (worst, naive) = errors(Chart::LatLong, 111, directions())?;
+    let (worst, naive) = errors(EnvironmentLayout::LatLong, 111, directions())?;
     let measure = "largest error of the clamped look-up over that of the method, poles and seam";
     Ok(measured![
         "wrapped, across the pole", measure => naive / worst;

@@ -1,6 +1,8 @@
 //! P1 to P3 and H1 to H7: slide projectors and shadow maps.
 
-use texmap_light::{Light, ShadowBias, ShadowKind, ShadowMap, Slide, SlideBorder, Surface};
+use texmap_light::{
+    Light, PhongMaterial, ProjectorBorder, ProjectorTexture, ShadowBias, ShadowKind, ShadowMap,
+};
 use texmap_math::camera::Camera;
 use texmap_math::glam::{DMat4, DVec2, DVec3};
 use texmap_math::{Projector, deterministic_f64};
@@ -26,13 +28,13 @@ fn projector() -> Result<Projector, LabError> {
     )?)
 }
 
-fn slide_light(border: SlideBorder, points: &[[f32; 3]]) -> Result<Vec<[f32; 4]>, LabError> {
+fn slide_light(border: ProjectorBorder, points: &[[f32; 3]]) -> Result<Vec<[f32; 4]>, LabError> {
     let texture = Texture2d::from_rgba8(4, 4, vec![255; 64], ColorSpace::Linear, Origin::TopLeft)?;
     let sampler = Sampler {
         filter: Filter::Bilinear,
         ..Sampler::default()
     };
-    let slide = Slide {
+    let slide = ProjectorTexture {
         projector: projector()?,
         texture: &texture,
         sampler: &sampler,
@@ -55,8 +57,8 @@ fn wall(z: f32) -> Vec<[f32; 3]> {
 
 pub(super) fn p1() -> Result<Vec<Measurement>, LabError> {
     let behind: Vec<_> = [0.0, 1e-6, 0.5, 2.0].into_iter().flat_map(wall).collect();
-    let lit = slide_light(SlideBorder::Black, &behind)?;
-    let front = slide_light(SlideBorder::Black, &wall(-2.0))?;
+    let lit = slide_light(ProjectorBorder::Black, &behind)?;
+    let front = slide_light(ProjectorBorder::Black, &wall(-2.0))?;
     let projector = projector()?;
     let naive = behind.iter().filter(|p| {
         let q = projector.project(DVec3::from(p.map(f64::from)));
@@ -91,9 +93,9 @@ pub(super) fn p2() -> Result<Vec<Measurement>, LabError> {
         ))
     };
     Ok(vec![
-        one("black border", SlideBorder::Black)?,
-        one("clamped", SlideBorder::Clamp)?,
-        one("repeated", SlideBorder::Repeat)?,
+        one("black border", ProjectorBorder::Black)?,
+        one("clamped", ProjectorBorder::Clamp)?,
+        one("repeated", ProjectorBorder::Repeat)?,
     ])
 }
 
@@ -261,7 +263,7 @@ pub(super) fn h5() -> Result<Vec<Measurement>, LabError> {
             DVec3::new(-k, k, -1.0),
             DVec3::new(0.0, -k, -1.0),
         ] {
-            let lit = map.lit(p, DVec3::Z, ShadowBias::Slope(1e-4), 5);
+            let lit = map.visibility(p, DVec3::Z, ShadowBias::Slope(1e-4), 5);
             dark += u32::from(lit != 1.0);
         }
     }
@@ -313,7 +315,7 @@ fn walled(thickness: f64) -> Result<(Scene, Light), LabError> {
         background: [0.0; 4],
         lights: vec![light],
         materials: vec![Material {
-            surface: Surface::default(),
+            surface: PhongMaterial::default(),
             ..Material::default()
         }],
         meshes: vec![floor, wall],
@@ -345,7 +347,7 @@ pub(super) fn h6() -> Result<Vec<Measurement>, LabError> {
                 foot - f64::from(i) * 1e-4 * 2.0 - 1e-5,
                 0.003 * f64::from(i % 97),
             );
-            let lit = map.lit(DVec3::new(x, y, 0.0), DVec3::Z, bias, 1) > 0.0;
+            let lit = map.visibility(DVec3::new(x, y, 0.0), DVec3::Z, bias, 1) > 0.0;
             let way = (foot - x) / texel;
             // The map's texel on the floor is longer along the light.
             let on_floor = way * deterministic_f64::sin(25.0f64.to_radians());
@@ -370,7 +372,7 @@ pub(super) fn h6() -> Result<Vec<Measurement>, LabError> {
 pub(super) fn h7() -> Result<Vec<Measurement>, LabError> {
     let map = half_covered(64)?;
     let stored = |x: i64, y: i64| {
-        map.stored(0, x.clamp(0, 63) as u32, y.clamp(0, 63) as u32)
+        map.depth_at(0, x.clamp(0, 63) as u32, y.clamp(0, 63) as u32)
             .map_or(1.0, f64::from)
     };
     let (mut worst, mut naive) = (0.0f64, 0.0f64);
@@ -378,7 +380,7 @@ pub(super) fn h7() -> Result<Vec<Measurement>, LabError> {
         // Texels 20 to 44, away from the map's edge.
         let x = f64::from(i) / 600.0 * 0.75 - 0.375;
         let p = DVec3::new(x, 0.1, -0.9);
-        let lit = f64::from(map.lit(p, DVec3::Z, ShadowBias::Constant(1e-6), 5));
+        let lit = f64::from(map.visibility(p, DVec3::Z, ShadowBias::Constant(1e-6), 5));
         let column = ((x * 0.5 + 0.5) * 64.0).floor() as i64;
         let row = ((0.5 - 0.05) * 64.0f64).floor() as i64;
         let taps = (-2..=2).flat_map(|j| (-2..=2).map(move |i| (i, j)));

@@ -65,7 +65,7 @@ fn slot() -> TextureSlot {
 }
 
 fn scene(meshes: Vec<Mesh>, map: Texture2d<'static>, eye: DVec3, look: DVec3) -> Scene {
-    let white = texmap_light::Surface {
+    let white = texmap_light::PhongMaterial {
         color: [1.0; 3],
         ..Default::default()
     };

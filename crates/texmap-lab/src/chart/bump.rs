@@ -1,6 +1,6 @@
 //! Panel 5: normals from heights.
 
-use texmap_light::{Green, Heights, Slope, decode_normal, encode_normal};
+use texmap_light::{Heights, NormalMapGreen, Slope, decode_normal, encode_normal};
 use texmap_math::deterministic_f64;
 use texmap_math::glam::DVec3;
 
@@ -76,7 +76,8 @@ impl Field {
         let maps = [8, 16].map(|bits: u32| {
             let most = ((1u32 << bits) - 1) as f32;
             let code = |c: f32| (c * most).round() / most;
-            let texel = |n: &DVec3| encode_normal(n.as_vec3().to_array(), Green::Up).map(code);
+            let texel =
+                |n: &DVec3| encode_normal(n.as_vec3().to_array(), NormalMapGreen::Up).map(code);
             (bits, truth.iter().map(texel).collect())
         });
         Self {
@@ -94,7 +95,7 @@ impl Field {
                 width: SIDE,
                 values,
             };
-            if let Ok(normals) = heights.normals(slope, 1.0, Green::Up) {
+            if let Ok(normals) = heights.normals(slope, 1.0, NormalMapGreen::Up) {
                 out.copy_from_slice(&normals);
             }
         };
@@ -115,12 +116,12 @@ impl Field {
             Method::Map(bits) => {
                 let maps = self.maps.iter().filter(|(b, _)| *b == bits);
                 for (texel, out) in maps.flat_map(|(_, m)| m).zip(out) {
-                    *out = decode_normal(*texel, Green::Up, false);
+                    *out = decode_normal(*texel, NormalMapGreen::Up, false);
                 }
             }
             Method::Rebuilt => {
                 for (texel, out) in self.maps[0].1.iter().zip(out) {
-                    *out = decode_normal(*texel, Green::Up, true);
+                    *out = decode_normal(*texel, NormalMapGreen::Up, true);
                 }
             }
         }

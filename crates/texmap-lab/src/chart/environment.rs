@@ -1,6 +1,6 @@
 //! Panel 3: charts of all directions.
 
-use texmap_light::{Chart, Environment};
+use texmap_light::{Environment, EnvironmentLayout};
 use texmap_math::deterministic_f64;
 use texmap_math::glam::{DVec2, DVec3};
 
@@ -33,7 +33,11 @@ impl Waves {
         (2.0f64 / 64.0).sqrt() * sum
     }
 
-    pub(super) fn environment(&self, chart: Chart, size: u32) -> Result<Environment, LabError> {
+    pub(super) fn environment(
+        &self,
+        chart: EnvironmentLayout,
+        size: u32,
+    ) -> Result<Environment, LabError> {
         Ok(Environment::from_fn(chart, size, |d| {
             [self.light(d) as f32; 3]
         })?)
@@ -49,11 +53,11 @@ pub(super) fn direction(random: &mut Random) -> DVec3 {
 }
 
 /// Faces of about 24,400 texels in all.
-pub(super) fn size(chart: Chart) -> u32 {
+pub(super) fn size(chart: EnvironmentLayout) -> u32 {
     match chart {
-        Chart::Cube | Chart::TanCube => 64,
-        Chart::LatLong => 111,
-        Chart::DualParaboloid => 110,
+        EnvironmentLayout::Cube | EnvironmentLayout::TanCube => 64,
+        EnvironmentLayout::LatLong => 111,
+        EnvironmentLayout::DualParaboloid => 110,
         _ => 156,
     }
 }
@@ -72,7 +76,7 @@ enum Lookup {
 impl Lookup {
     const ALL: [Self; 3] = [Self::Seamless, Self::Clamped, Self::Nearest];
 
-    fn name(self, chart: Chart) -> String {
+    fn name(self, chart: EnvironmentLayout) -> String {
         let how = match self {
             Self::Seamless => "",
             Self::Clamped => ", clamped",
@@ -84,12 +88,12 @@ impl Lookup {
     fn light(self, environment: &Environment, directions: &[[f32; 3]], out: &mut [[f32; 3]]) {
         if self == Self::Seamless {
             // Both slices have one length.
-            let _ = environment.light_slice(directions, out);
+            let _ = environment.radiance_slice(directions, out);
             return;
         }
         let (width, height) = environment.size();
         for (d, out) in directions.iter().zip(out) {
-            let (face, uv) = environment.chart().locate(DVec3::from(d.map(f64::from)));
+            let (face, uv) = environment.layout().locate(DVec3::from(d.map(f64::from)));
             let at = uv * DVec2::new(f64::from(width), f64::from(height));
             let texel = |x: f64, y: f64| {
                 let clamp = |c: f64, n: u32| c.clamp(0.0, f64::from(n) - 1.0) as u32;
@@ -146,7 +150,7 @@ pub(super) fn panel(effort: Effort) -> Result<Panel, LabError> {
         let waves = Waves::new(frequency);
         let truth: Vec<f64> = directions.iter().map(|&d| waves.light(d)).collect();
         let mut candidates = Vec::new();
-        for chart in Chart::ALL {
+        for chart in EnvironmentLayout::ALL {
             let environment = waves.environment(chart, size(chart))?;
             candidates.extend(Lookup::ALL.map(|lookup| (lookup, environment.clone())));
         }
@@ -155,9 +159,9 @@ pub(super) fn panel(effort: Effort) -> Result<Panel, LabError> {
             let mut out = vec![[0.0f32; 3]; single.len()];
             lookup.light(environment, &single, &mut out);
             let (width, height) = environment.size();
-            let faces = environment.chart().faces() as u64;
+            let faces = environment.layout().faces() as u64;
             points.push(Point {
-                method: lookup.name(environment.chart()),
+                method: lookup.name(environment.layout()),
                 source: if *lookup == Lookup::Seamless {
                     Source::Texmap
                 } else {

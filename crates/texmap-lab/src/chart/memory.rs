@@ -1,6 +1,6 @@
 //! Panel 6: memory against error.
 
-use texmap_light::Chart;
+use texmap_light::EnvironmentLayout;
 use texmap_math::Level;
 use texmap_sample::{
     Alpha, ColorSpace, Filter, Image, Origin, Sampler, TexelData, Texture2d, sample_slice,
@@ -165,14 +165,14 @@ fn environments() -> Result<SceneChart, LabError> {
     let directions: Vec<_> = (0..COUNT).map(|_| direction(&mut random)).collect();
     let truth: Vec<f64> = directions.iter().map(|&d| waves.light(d)).collect();
     let mut points = Vec::new();
-    for chart in Chart::ALL {
+    for chart in EnvironmentLayout::ALL {
         for part in [0.5, 1.0, 2.0] {
             let size = (f64::from(super::environment::size(chart)) * part).round() as u32;
             let environment = waves.environment(chart, size)?;
             let errors = directions
                 .iter()
                 .zip(&truth)
-                .map(|(d, t)| f64::from(environment.light(d.as_vec3().to_array())[0]) - t);
+                .map(|(d, t)| f64::from(environment.radiance(d.as_vec3().to_array())[0]) - t);
             let (width, height) = environment.size();
             let texels = chart.faces() as u64 * u64::from(width + 2) * u64::from(height + 2);
             points.push(point(

@@ -149,7 +149,7 @@ impl<'s> Sun<'s> {
     pub(super) fn run(&self, method: Method, map: &ShadowMap, texel: f64, out: &mut [f32]) {
         for ((_, p, n, _), out) in self.points.iter().zip(out) {
             *out = match method.bias(texel) {
-                Some((bias, taps)) => map.lit(*p, *n, bias, taps),
+                Some((bias, taps)) => map.visibility(*p, *n, bias, taps),
                 None => f32::from(u8::from(self.stage.lit(*p, *n, self.to_light))),
             };
         }

@@ -1,6 +1,6 @@
 //! Anti-aliasing: one sample, supersampling, multisampling and filtered edges, against exact coverage in f64.
 
-use texmap_light::Surface;
+use texmap_light::PhongMaterial;
 use texmap_math::color::{linear_to_srgb8, srgb_to_linear};
 use texmap_math::deterministic_f64;
 use texmap_math::glam::{DVec2, DVec3};
@@ -116,9 +116,9 @@ fn view() -> Scene {
 /// The star as triangles, white on black.
 fn as_triangles() -> Scene {
     let mut scene = view();
-    let white = Surface {
+    let white = PhongMaterial {
         color: [1.0; 3],
-        ..Surface::default()
+        ..PhongMaterial::default()
     };
     let material = stage::add(
         &mut scene,

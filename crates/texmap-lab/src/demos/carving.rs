@@ -1,6 +1,6 @@
 //! Bumps that no height map brings: two slopes a texel, waves in cylindrical space, embossed words.
 
-use texmap_light::{Green, Heights, Slope, encode_offsets};
+use texmap_light::{Heights, NormalMapGreen, Slope, encode_offsets};
 use texmap_math::deterministic_f64;
 use texmap_math::glam::{DMat4, DVec3};
 use texmap_sample::{Filter, Wrap};
@@ -32,7 +32,7 @@ pub(super) fn offset_map(
     allowed: f64,
 ) -> Result<Shown, LabError> {
     let (offsets, slope) = heights
-        .offsets(Slope::Central, height as f32, Green::Up)
+        .offsets(Slope::Central, height as f32, NormalMapGreen::Up)
         .map_err(|e| LabError::Cases(e.to_string()))?;
     let texels: Vec<f32> = offsets
         .iter()
@@ -47,7 +47,7 @@ pub(super) fn offset_map(
     scene.materials[0].relief = Some(Relief::Offsets {
         slot: stage::slot(scene.textures.len() - 1, Filter::Trilinear, Wrap::Repeat),
         slope,
-        green: Green::Up,
+        green: NormalMapGreen::Up,
     });
     let shot = Lit::take(&scene, size)?;
     let count = wrong(&shot);

@@ -1,6 +1,6 @@
 //! Skies, and what is put onto surfaces: letters, labels and ramps.
 
-use texmap_light::{Chart, Environment};
+use texmap_light::{Environment, EnvironmentLayout};
 use texmap_math::color::linear_to_srgb8;
 use texmap_math::glam::DVec3;
 use texmap_mesh::Font;
@@ -100,7 +100,8 @@ pub(super) fn skies(size: u32) -> Result<DemoPicture, LabError> {
     };
     let around = |yaw: f64, with_wall: bool| -> Result<Scene, LabError> {
         let mut scene = view(yaw);
-        scene.effects.environments = vec![Environment::from_fn(Chart::TanCube, 128, sky)?];
+        scene.effects.environments =
+            vec![Environment::from_fn(EnvironmentLayout::TanCube, 128, sky)?];
         scene.effects.backdrop = Some(Backdrop::Environment(0));
         if with_wall {
             wall(&mut scene, 6.0)?;

@@ -1,6 +1,6 @@
 //! "Which one is ray-traced?": a mirror under an environment map against mirror rays, and the seam of a clamped cube.
 
-use texmap_light::{Chart, Environment};
+use texmap_light::{Environment, EnvironmentLayout};
 use texmap_math::deterministic_f64;
 use texmap_math::glam::{DMat4, DVec2, DVec3};
 use texmap_scene::{Reflection, Scene};
@@ -68,7 +68,8 @@ pub(super) fn environments(size: u32) -> Result<DemoPicture, LabError> {
     let room = room();
     let light = |d: DVec3| seen(&room, DVec3::ZERO, d).map_or([0.0; 3], wall);
     let failed = |e: texmap_light::LightError| LabError::Cases(e.to_string());
-    let environment = Environment::from_fn(Chart::TanCube, 512, light).map_err(failed)?;
+    let environment =
+        Environment::from_fn(EnvironmentLayout::TanCube, 512, light).map_err(failed)?;
     let mut panels = Vec::new();
     let mut claims = Vec::new();
     for (radius, name, expected, tolerance) in
@@ -112,7 +113,7 @@ pub(super) fn environments(size: u32) -> Result<DemoPicture, LabError> {
             0.06 * degrees + 0.05,
         ));
     }
-    let small = Environment::from_fn(Chart::Cube, 8, light).map_err(failed)?;
+    let small = Environment::from_fn(EnvironmentLayout::Cube, 8, light).map_err(failed)?;
     let seamless = Lit::take(&scene(small.clone(), 1.0), size)?;
     let clamped = clamp_picture(&scene(small.clone(), 1.0), &small, &seamless);
     let unlike = (0..seamless.position.len())
@@ -173,7 +174,7 @@ fn seams(scene: &Scene, shot: &Lit, picture: &Picture) -> u32 {
     let face = |p: DVec3| {
         let (n, view) = (p.normalize(), (scene.camera.eye - p).normalize());
         let d = texmap_math::reflection::reflect(view, n);
-        (p.is_finite() && n.dot(view) > 0.7).then(|| Chart::Cube.locate(d).0)
+        (p.is_finite() && n.dot(view) > 0.7).then(|| EnvironmentLayout::Cube.locate(d).0)
     };
     let width = picture.width() as usize;
     let code = |i: usize| [0, 1, 2].map(|k| picture.rgba()[4 * i + k]);
@@ -195,7 +196,7 @@ fn clamp_picture(scene: &Scene, cube: &Environment, shot: &Lit) -> Picture {
     shot.painted(|_, p| {
         let view = (scene.camera.eye - p).normalize();
         let d = texmap_math::reflection::reflect(view, p.normalize());
-        let (face, uv) = Chart::Cube.locate(d);
+        let (face, uv) = EnvironmentLayout::Cube.locate(d);
         let at = (uv * n - 0.5).clamp(DVec2::ZERO, DVec2::splat(n - 1.0));
         let (low, f) = (at.floor(), at - at.floor());
         let texel = |i: f64, j: f64, k: usize| {

@@ -1,6 +1,6 @@
 //! Shared parts of the demos of light: round meshes, pictures under effects, and counts of wrong pixels.
 
-use texmap_light::Surface;
+use texmap_light::PhongMaterial;
 use texmap_math::color::linear_to_srgb8;
 use texmap_math::deterministic_f64;
 use texmap_math::glam::DVec3;
@@ -14,7 +14,7 @@ use texmap_truth::picture::Picture;
 /// A matte surface of one linear colour, lit per pixel, with a highlight of strength `ks`.
 pub(super) fn matte(color: [f32; 3], ks: f32) -> Material {
     Material {
-        surface: Surface {
+        surface: PhongMaterial {
             color,
             ka: 1.0,
             kd: 1.0,

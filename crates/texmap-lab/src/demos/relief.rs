@@ -1,7 +1,7 @@
 //! Bump and normal maps against the surface that they stand for, and baked light against light.
 
 use texmap_bake::{BakeOptions, LightMap, bake};
-use texmap_light::{Green, Heights, Light, Slope, encode_normal};
+use texmap_light::{Heights, Light, NormalMapGreen, Slope, encode_normal};
 use texmap_math::deterministic_f64;
 use texmap_math::glam::DVec3;
 use texmap_render::shadow_map_for;
@@ -49,13 +49,13 @@ fn waves() -> Result<Scene, LabError> {
     // Heights in texels: the floor's side of 4 holds all of them.
     let strength = (HEIGHT / 4.0 * f64::from(TEXELS)) as f32;
     let normals = heights
-        .normals(Slope::Central, strength, Green::Up)
+        .normals(Slope::Central, strength, NormalMapGreen::Up)
         .map_err(|e| LabError::Cases(e.to_string()))?;
     // Their y already counts up the picture; the texel stores it so.
     let bytes: Vec<u8> = normals
         .iter()
         .flat_map(|n| {
-            let [r, g, b] = encode_normal(*n, Green::Up).map(|c| (c * 255.0 + 0.5) as u8);
+            let [r, g, b] = encode_normal(*n, NormalMapGreen::Up).map(|c| (c * 255.0 + 0.5) as u8);
             [r, g, b, 255]
         })
         .collect();
@@ -106,8 +106,8 @@ pub(super) fn bumps(size: u32) -> Result<DemoPicture, LabError> {
         slot: stage::slot(0, Filter::Trilinear, Wrap::Repeat),
         height: HEIGHT as f32,
     }))?;
-    let mapped = take(normal_map(Green::Up))?;
-    let flipped = take(normal_map(Green::Down))?;
+    let mapped = take(normal_map(NormalMapGreen::Up))?;
+    let flipped = take(normal_map(NormalMapGreen::Down))?;
     let truth = truth(&waves()?, &flat);
     let on_floor: Vec<usize> = (0..flat.position.len())
         .filter(|&i| flat.position[i].is_finite() && flat.position[i].y.abs() < 1e-6)

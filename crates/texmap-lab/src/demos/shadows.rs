@@ -1,6 +1,6 @@
 //! Slides and shadows: what a lamp must not light, and what a map must not darken.
 
-use texmap_light::{Light, ShadowBias, SlideBorder};
+use texmap_light::{Light, ProjectorBorder, ShadowBias};
 use texmap_math::Projector;
 use texmap_math::glam::DVec3;
 use texmap_render::shadow_map;
@@ -53,12 +53,12 @@ pub(super) fn slides(size: u32) -> Result<DemoPicture, LabError> {
         Lit::take(&scene, size)
     };
     let off = take(vec![])?;
-    let on = take(vec![slide(Some(1024), SlideBorder::Black)])?;
-    let through = take(vec![slide(None, SlideBorder::Black)])?;
-    let repeated = take(vec![slide(Some(1024), SlideBorder::Repeat)])?;
+    let on = take(vec![slide(Some(1024), ProjectorBorder::Black)])?;
+    let through = take(vec![slide(None, ProjectorBorder::Black)])?;
+    let repeated = take(vec![slide(Some(1024), ProjectorBorder::Repeat)])?;
     let painted = take(vec![SlideProjector {
         role: SlideRole::Paint,
-        ..slide(Some(1024), SlideBorder::Black)
+        ..slide(Some(1024), ProjectorBorder::Black)
     }])?;
     // Truth by rays: the slide holds the point, and nothing stands between it and the projector.
     let rays = rays(&table());
@@ -160,7 +160,7 @@ fn depth_picture(scene: &Scene, size: u32) -> Result<Picture, LabError> {
     let kind = shadow_kind(scene, 0, None)?;
     let map = shadow_map(scene, &kind, size, 1)?;
     let depths: Vec<f32> = (0..size * size)
-        .filter_map(|i| map.stored(0, i % size, i / size))
+        .filter_map(|i| map.depth_at(0, i % size, i / size))
         .collect();
     let seen = || depths.iter().copied().filter(|d| d.is_finite());
     let (near, far) = (

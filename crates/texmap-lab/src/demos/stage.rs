@@ -1,6 +1,6 @@
 //! The props of the demos: quads and cubes, their materials, and pictures taken of them.
 
-use texmap_light::{Light, Surface};
+use texmap_light::{Light, PhongMaterial};
 use texmap_math::camera::Camera;
 use texmap_math::glam::{DMat4, DVec2, DVec3, DVec4};
 use texmap_raster::Interp;
@@ -115,9 +115,9 @@ pub(super) fn decal(scene: &mut Scene, texture: usize, filter: Filter, interp: I
 
 /// Adds an unlit material that shows the colours of the vertices.
 pub(super) fn vertex_colors(scene: &mut Scene, gouraud: Gouraud) -> usize {
-    let surface = Surface {
+    let surface = PhongMaterial {
         color: [1.0; 3],
-        ..Surface::default()
+        ..PhongMaterial::default()
     };
     add(
         scene,

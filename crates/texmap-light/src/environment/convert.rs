@@ -5,7 +5,7 @@ use texmap_math::glam::{DVec2, DVec3};
 use texmap_math::simd::Scalar;
 
 use super::Environment;
-use crate::Chart;
+use crate::EnvironmentLayout;
 use crate::error::LightError;
 use crate::vector::narrow;
 
@@ -15,22 +15,23 @@ impl Environment {
     ///
     /// # Errors
     /// As [`Environment::from_fn`].
-    pub fn convert(&self, chart: Chart, size: u32) -> Result<Self, LightError> {
-        let count =
-            |chart: Chart, w: u32, h: u32| chart.faces() as f64 * f64::from(w) * f64::from(h);
+    pub fn convert(&self, chart: EnvironmentLayout, size: u32) -> Result<Self, LightError> {
+        let count = |chart: EnvironmentLayout, w: u32, h: u32| {
+            chart.faces() as f64 * f64::from(w) * f64::from(h)
+        };
         let (width, height) = self.size();
-        let ratio = count(self.chart, width, height)
+        let ratio = count(self.layout, width, height)
             / count(chart, size.max(1) * chart.aspect(), size.max(1));
         // Solid angles within a chart differ by up to 5.2, and lat-long's poles by more: two look-ups a texel and axis.
         let n = (2.0 * sqrt(ratio)) as u32 + 1;
         let n = if ratio <= 0.25 { 1 } else { n.min(64) };
-        Self::from_places(chart, size, |face, centre, sides| {
+        Self::from_directions(chart, size, |face, centre, sides| {
             let mut sum = DVec3::ZERO;
             for j in 0..n {
                 for i in 0..n {
                     let inside = |k: u32| (f64::from(k) + 0.5) / f64::from(n) - 0.5;
                     let uv = (centre + DVec2::new(inside(i), inside(j))) / sides;
-                    let (at, uv) = self.chart.place(Scalar, narrow(chart.direction(face, uv)));
+                    let (at, uv) = self.layout.place(Scalar, narrow(chart.direction(face, uv)));
                     let (at, uv) = (at.0 as usize, DVec2::from(uv.map(f64::from)));
                     sum += DVec3::from(self.bilinear(self.levels[0], at, uv).map(f64::from));
                 }

@@ -5,7 +5,7 @@ use alloc::vec::Vec;
 use texmap_math::float::floor_f32;
 use texmap_math::glam::DVec2;
 
-use crate::Chart;
+use crate::EnvironmentLayout;
 
 /// One level of an environment.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -70,7 +70,7 @@ pub(super) fn four(texels: &[[f32; 3]], level: Level, face: usize, uv: DVec2) ->
 
 /// The texels of faces with their borders, read from the neighbours.
 pub(super) fn bordered(
-    chart: Chart,
+    chart: EnvironmentLayout,
     (width, height): (u32, u32),
     texels: &[[f32; 3]],
 ) -> Vec<[f32; 3]> {
@@ -101,7 +101,7 @@ pub(super) fn bordered(
             }
         }
     }
-    if matches!(chart, Chart::Cube | Chart::TanCube) {
+    if matches!(chart, EnvironmentLayout::Cube | EnvironmentLayout::TanCube) {
         join_corners(level, &mut bordered);
     }
     bordered

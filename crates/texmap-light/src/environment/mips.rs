@@ -8,7 +8,7 @@ use crate::packed;
 
 impl Environment {
     /// With smaller and smaller levels down to a height of 1, each texel the mean of four above it, for look-ups that know their
-    /// footprint ([`light_across`](Self::light_across)).
+    /// footprint ([`radiance_filtered`](Self::radiance_filtered)).
     ///
     /// Where all texels are whole multiples of 1/1020 from 0 to 1, as raw 8-bit values are, those look-ups read them in a packed
     /// form with that step: the smaller levels, and the borders, are off by up to 1/2040.
@@ -17,14 +17,14 @@ impl Environment {
         self.levels.truncate(1);
         let (width, height) = self.size();
         self.texels
-            .truncate(self.chart.faces() * (width as usize + 2) * (height as usize + 2));
+            .truncate(self.layout.faces() * (width as usize + 2) * (height as usize + 2));
         let exact = self.inner_texels().all(packed::holds);
         let mut above = self.levels[0];
         while above.height > 1 {
             let (width, height) = (above.width / 2, above.height / 2);
             let mut inner =
-                Vec::with_capacity(self.chart.faces() * width as usize * height as usize);
-            for face in 0..self.chart.faces() {
+                Vec::with_capacity(self.layout.faces() * width as usize * height as usize);
+            for face in 0..self.layout.faces() {
                 for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
                     let at = |dx: usize, dy: usize| {
                         let (x, y) = (2 * x as usize + 1 + dx, 2 * y as usize + 1 + dy);
@@ -41,7 +41,7 @@ impl Environment {
             };
             self.levels.push(above);
             self.texels
-                .extend(bordered(self.chart, (width, height), &inner));
+                .extend(bordered(self.layout, (width, height), &inner));
         }
         self.table = LevelTable::new(&self.levels);
         self.packed.clear();
@@ -55,7 +55,7 @@ impl Environment {
     fn inner_texels(&self) -> impl Iterator<Item = &[f32; 3]> {
         let (width, height) = self.size();
         let (w, h) = (width as usize + 2, height as usize + 2);
-        let faces = self.texels.chunks_exact(w * h).take(self.chart.faces());
+        let faces = self.texels.chunks_exact(w * h).take(self.layout.faces());
         let rows = faces.flat_map(move |face| face.chunks_exact(w).skip(1).take(h - 2));
         rows.flat_map(move |row| &row[1..w - 1])
     }

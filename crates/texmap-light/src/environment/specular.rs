@@ -10,7 +10,7 @@ use texmap_math::simd::{Isa, prelude::*};
 use texmap_math::{Level, deterministic_f64, dispatch_simd};
 
 use super::Environment;
-use crate::Chart;
+use crate::EnvironmentLayout;
 use crate::error::LightError;
 use crate::lanes::Vector;
 use crate::vector::{dot, narrow, splat};
@@ -24,20 +24,25 @@ impl Environment {
     ///
     /// # Errors
     /// [`LightError::Exponent`] unless the exponent is finite and at least 0; else as [`Environment::from_fn`].
-    pub fn blur(&self, chart: Chart, size: u32, exponent: f32) -> Result<Self, LightError> {
+    pub fn blur(
+        &self,
+        chart: EnvironmentLayout,
+        size: u32,
+        exponent: f32,
+    ) -> Result<Self, LightError> {
         if !(exponent.is_finite() && exponent >= 0.0) {
             return Err(LightError::Exponent { exponent });
         }
         let gathering = Gathering::new(self, f64::from(exponent));
         let level = crate::level();
-        let map = Self::from_places(chart, size, |face, centre, sides| {
+        let map = Self::from_directions(chart, size, |face, centre, sides| {
             let r = chart.direction(face, centre / sides);
             let [red, green, blue, weights] = gathering.sums(level, r);
             // A lobe narrower than a texel meets none.
             if weights > 0.0 {
                 [red, green, blue].map(|c| (c / weights) as f32)
             } else {
-                self.light(narrow(r))
+                self.radiance(narrow(r))
             }
         })?;
         Ok(Self {
@@ -63,14 +68,20 @@ impl Environment {
     ///
     /// # Errors
     /// As [`Environment::blur`].
-    pub fn specular_map(&self, chart: Chart, size: u32, exponent: f32) -> Result<Self, LightError> {
+    pub fn specular_map(
+        &self,
+        chart: EnvironmentLayout,
+        size: u32,
+        exponent: f32,
+    ) -> Result<Self, LightError> {
         let gathered = Self::blurred_size(exponent) * 3 / 2;
-        let count = |chart: Chart, width: u32, height: u32| {
+        let count = |chart: EnvironmentLayout, width: u32, height: u32| {
             chart.faces() as u64 * u64::from(width) * u64::from(height)
         };
-        if count(self.chart, self.size().0, self.size().1) > count(Chart::Cube, gathered, gathered)
+        if count(self.layout, self.size().0, self.size().1)
+            > count(EnvironmentLayout::Cube, gathered, gathered)
         {
-            let gathered = self.convert(Chart::Cube, gathered)?;
+            let gathered = self.convert(EnvironmentLayout::Cube, gathered)?;
             gathered.blur(chart, size, exponent)
         } else {
             self.blur(chart, size, exponent)
@@ -118,13 +129,13 @@ impl Gathering {
             let uv = DVec2::new(centre(x, width), centre(y, height));
             let at = environment.levels[0].index(face, x as usize + 1, y as usize + 1);
             (
-                environment.chart.direction(face, uv),
+                environment.layout.direction(face, uv),
                 environment.texels[at],
-                environment.chart.solid_angle(face, (x, y), size),
+                environment.layout.solid_angle(face, (x, y), size),
             )
         };
         let mut texels = Vec::new();
-        for face in 0..environment.chart.faces() {
+        for face in 0..environment.layout.faces() {
             for y0 in (0..height).step_by(Self::SIDE as usize) {
                 for x0 in (0..width).step_by(Self::SIDE as usize) {
                     let columns = x0..width.min(x0 + Self::SIDE);
@@ -264,7 +275,7 @@ mod tests {
     /// One sum at every width.
     #[test]
     fn widths_agree() {
-        for chart in Chart::ALL {
+        for chart in EnvironmentLayout::ALL {
             let mut seed = 1u32;
             let noise = Environment::from_fn(chart, 21, |_| {
                 seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);

@@ -1,11 +1,11 @@
-//! Places of directions in a chart, in f32. [`Chart::locate`] is the reference in f64; coordinates are off by less than 4e-7.
+//! Places of directions in a chart, in f32. [`EnvironmentLayout::locate`] is the reference in f64; coordinates are off by less than 4e-7.
 
 use core::f32::consts::{FRAC_1_PI, FRAC_2_PI};
 
 use texmap_math::deterministic_f32::atan2_lanes;
 use texmap_math::simd::{Isa, prelude::*};
 
-use super::Chart;
+use super::EnvironmentLayout;
 use crate::cube_face::Side;
 use crate::lanes::Vector;
 use crate::vector::dot;
@@ -13,7 +13,7 @@ use crate::vector::dot;
 const FRAC_1_TAU: f32 = 0.5 * FRAC_1_PI;
 const FRAC_4_PI: f32 = 4.0 * FRAC_1_PI;
 
-impl Chart {
+impl EnvironmentLayout {
     /// Faces and coordinates of finite directions that are not zero.
     #[inline(always)]
     pub(crate) fn place<I: Isa>(self, i: I, d: Vector<I>) -> (I::I32, [I::F32; 2]) {
@@ -125,7 +125,7 @@ mod tests {
     /// Each chart's place against the f64 one, by the direction that it stands for: places on an edge may lie on either side.
     #[test]
     fn places_are_those_of_the_reference() {
-        for chart in Chart::ALL {
+        for chart in EnvironmentLayout::ALL {
             let mut worst = 0.0f64;
             for d in all() {
                 let (face, uv) = chart.place(Scalar, d);
@@ -154,10 +154,10 @@ mod tests {
     #[test]
     fn widths_agree() {
         let all = all();
-        for chart in Chart::ALL {
+        for chart in EnvironmentLayout::ALL {
             every_width!(i => check(i, chart, &all));
         }
-        fn check<I: Isa>(i: I, chart: Chart, all: &[[f32; 3]]) {
+        fn check<I: Isa>(i: I, chart: EnvironmentLayout, all: &[[f32; 3]]) {
             for first in (0..all.len()).step_by(I::LANES) {
                 let (face, uv) = chart.place(i, load(i, all, first));
                 let (mut faces, places) = ([0; 16], columns(i, uv));

@@ -15,7 +15,7 @@ pub enum ShadowBias {
     /// The planes of both surfaces, with this constant (1e-4 of the scene's size is enough). Each comparison takes the receiver's depth
     /// on its own plane there, where that is nearer to the light (receiver-plane bias), and the map holds every caster's depth as
     /// far as its plane reaches over the filter ([`caster_reach`](Self::caster_reach): slope-scaled bias at drawing). Of the
-    /// comparisons, fewer than a row that contradict all others say nothing ([`stray`](Self::stray)).
+    /// comparisons, fewer than a row that contradict all others say nothing ([`outliers`](Self::outliers)).
     Planes(f64),
     /// A constant, world units. It leaves acne on slopes or detaches shadows: for comparison.
     Constant(f64),
@@ -42,7 +42,7 @@ impl ShadowBias {
     /// row at least; fewer are a crease or a bump within the filter. 2 r under [`Planes`](Self::Planes) with filter radius r,
     /// else 0; the share that is lit is the lit ones less these, of all but twice these.
     #[must_use]
-    pub fn stray(self, taps: u32) -> u32 {
+    pub fn outliers(self, taps: u32) -> u32 {
         match self {
             Self::Planes(_) => taps.min(15) / 2 * 2,
             _ => 0,
@@ -55,7 +55,7 @@ impl ShadowMap {
     /// even ones are rounded up) around the point's texel. Points outside of the map, behind a spot light, or not finite
     /// are lit. `normal` has unit length.
     #[must_use]
-    pub fn lit(&self, point: DVec3, normal: DVec3, bias: ShadowBias, taps: u32) -> f32 {
+    pub fn visibility(&self, point: DVec3, normal: DVec3, bias: ShadowBias, taps: u32) -> f32 {
         let radius = i64::from(taps.min(15) / 2);
         let Some(mut place) = self.place(point, normal) else {
             return 1.0;
@@ -93,16 +93,16 @@ impl ShadowMap {
                 );
             }
         }
-        let stray = bias.stray(taps);
+        let stray = bias.outliers(taps);
         let lit = lit.saturating_sub(stray) as f32 / (count - 2 * stray) as f32;
         if lit < 1.0 { lit } else { 1.0 }
     }
 
-    /// [`lit`](Self::lit) for every point of a slice.
+    /// [`visibility`](Self::visibility) for every point of a slice.
     ///
     /// # Errors
     /// [`LightError::Length`] unless all slices have one length.
-    pub fn lit_slice(
+    pub fn visibility_slice(
         &self,
         points: &[[f32; 3]],
         normals: &[[f32; 3]],
@@ -113,7 +113,7 @@ impl ShadowMap {
         same_length("points", points.len(), out.len())?;
         same_length("normals", normals.len(), out.len())?;
         for ((out, point), normal) in out.iter_mut().zip(points).zip(normals) {
-            *out = self.lit(
+            *out = self.visibility(
                 DVec3::from(point.map(f64::from)),
                 DVec3::from(normal.map(f64::from)),
                 bias,
@@ -136,8 +136,8 @@ impl ShadowMap {
         }
         let n = f64::from(self.size);
         let beyond = DVec2::new((x as f64 + 0.5) / n, (y as f64 + 0.5) / n);
-        let direction = crate::Chart::Cube.direction(face, beyond);
-        let (face, uv) = crate::Chart::Cube.locate(direction);
+        let direction = crate::EnvironmentLayout::Cube.direction(face, beyond);
+        let (face, uv) = crate::EnvironmentLayout::Cube.locate(direction);
         let texel = |c: f64| {
             let i = floor(c * n) as i64;
             if i < size { i } else { size - 1 }
@@ -260,7 +260,7 @@ mod tests {
                 continue;
             }
             count += 1;
-            let lit = map.lit(point, normal, bias, taps);
+            let lit = map.visibility(point, normal, bias, taps);
             shadow += u32::from(!truth && lit < 1.0);
             light += u32::from(truth && lit > 0.0);
         }
@@ -308,10 +308,10 @@ mod tests {
             let depth = |i: usize| if near(i % 16, i / 16) { 1.0 } else { 9.0 };
             let map = ShadowMap::new(kind, 16, (0..256).map(depth).collect()).unwrap();
             // The middle of texel (8, 7).
-            map.lit(DVec3::new(0.5, 0.5, -5.0), DVec3::Z, bias, 5)
+            map.visibility(DVec3::new(0.5, 0.5, -5.0), DVec3::Z, bias, 5)
         };
-        assert_eq!((bias.stray(5), bias.stray(1)), (4, 0));
-        assert_eq!(ShadowBias::Slope(1e-4).stray(5), 0);
+        assert_eq!((bias.outliers(5), bias.outliers(1)), (4, 0));
+        assert_eq!(ShadowBias::Slope(1e-4).outliers(5), 0);
         assert_eq!(lit(&|_, _| false), 1.0);
         assert_eq!(lit(&|x, y| x == 6 && y < 9), 1.0, "four of a row");
         assert_eq!(lit(&|x, y| x != 6 || y > 8), 0.0);
@@ -374,7 +374,7 @@ mod tests {
         }
         let map = ShadowMap::new(kind, size, depths).unwrap();
         let lit = |z: f64| {
-            map.lit(
+            map.visibility(
                 DVec3::new(2.0, 0.1, z),
                 DVec3::NEG_X,
                 ShadowBias::Constant(0.1),
@@ -418,18 +418,18 @@ mod tests {
             [f64::INFINITY, 0.0, 0.0],
         ] {
             assert_eq!(
-                parallel.lit(DVec3::from(p), DVec3::Z, bias, 5),
+                parallel.visibility(DVec3::from(p), DVec3::Z, bias, 5),
                 1.0,
                 "{p:?}"
             );
         }
         assert_eq!(
-            spot.lit(DVec3::new(0.0, 0.0, 4.0), DVec3::Z, bias, 3),
+            spot.visibility(DVec3::new(0.0, 0.0, 4.0), DVec3::Z, bias, 3),
             1.0,
             "behind"
         );
         assert_eq!(
-            spot.lit(DVec3::new(0.0, 0.0, 3.0), DVec3::Z, bias, 3),
+            spot.visibility(DVec3::new(0.0, 0.0, 3.0), DVec3::Z, bias, 3),
             1.0,
             "in the light"
         );
@@ -449,8 +449,8 @@ mod tests {
                 0.0,
             );
             let (a, b) = (
-                with.lit(p, DVec3::Z, ShadowBias::Slope(1e-4), 5),
-                free.lit(p, DVec3::Z, ShadowBias::Slope(1e-4), 5),
+                with.visibility(p, DVec3::Z, ShadowBias::Slope(1e-4), 5),
+                free.visibility(p, DVec3::Z, ShadowBias::Slope(1e-4), 5),
             );
             assert!((0.0..=1.0).contains(&a) && b == 1.0);
             assert!(((a * 25.0).round() - a * 25.0).abs() < 1e-4);

@@ -59,7 +59,7 @@ impl ShadowMap {
             }
             ShadowKind::Point { position } => {
                 let d = point - position;
-                let (face, uv) = crate::Chart::Cube.locate(d);
+                let (face, uv) = crate::EnvironmentLayout::Cube.locate(d);
                 let distance = sqrt(d.dot(d));
                 let major = d.abs().max_element();
                 if !(major > 0.0 && distance.is_finite()) {

@@ -102,7 +102,7 @@ impl Taps {
             size: map.size() as i32,
             radius: radius(taps) as i32,
             bounds: ShadowBounds::fitting(bounds, map.depths(), map.size() as usize, taps),
-            stray: bias.stray(taps) as f32,
+            stray: bias.outliers(taps) as f32,
             bias: match bias {
                 ShadowBias::Planes(constant) => Bias::Planes(constant as f32),
                 ShadowBias::Constant(constant) => Bias::Constant(constant as f32),

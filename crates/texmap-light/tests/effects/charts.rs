@@ -1,21 +1,21 @@
 //! Environment charts: their errors against an analytic function, their seams, conversion and blur.
 
-use texmap_light::{Chart, Environment, LightError, reflect};
+use texmap_light::{Environment, EnvironmentLayout, LightError, reflect};
 use texmap_math::glam::{DVec2, DVec3};
 
 use crate::waves::{Noise, Waves};
 
 /// Height of a face for about 24,400 stored texels.
-fn size(chart: Chart) -> u32 {
+fn size(chart: EnvironmentLayout) -> u32 {
     match chart {
-        Chart::Cube | Chart::TanCube => 64,
-        Chart::LatLong => 111,
-        Chart::DualParaboloid => 110,
+        EnvironmentLayout::Cube | EnvironmentLayout::TanCube => 64,
+        EnvironmentLayout::LatLong => 111,
+        EnvironmentLayout::DualParaboloid => 110,
         _ => 156,
     }
 }
 
-fn environment(chart: Chart, waves: &Waves) -> Environment {
+fn environment(chart: EnvironmentLayout, waves: &Waves) -> Environment {
     Environment::from_fn(chart, size(chart), |d| [waves.at(d) as f32; 3]).unwrap()
 }
 
@@ -29,21 +29,24 @@ fn rmse(environment: &Environment, waves: &Waves, count: u32) -> f64 {
     let sum: f64 = (0..count)
         .map(|_| {
             let d = noise.direction();
-            (f64::from(environment.light(narrow(d))[0]) - waves.at(d)).powi(2)
+            (f64::from(environment.radiance(narrow(d))[0]) - waves.at(d)).powi(2)
         })
         .sum();
     (sum / f64::from(count)).sqrt()
 }
 
 /// The table of the accuracy scene "Environment charts": F = 10, 20, 40.
-const TABLE: [(Chart, [f64; 3]); 7] = [
-    (Chart::TanCube, [0.0036, 0.0138, 0.054]),
-    (Chart::Cube, [0.0044, 0.0163, 0.064]),
-    (Chart::LatLong, [0.0047, 0.0180, 0.070]),
-    (Chart::Octahedron, [0.0055, 0.0198, 0.074]),
-    (Chart::DualParaboloid, [0.0056, 0.0208, 0.082]),
-    (Chart::EqualAreaOctahedron, [0.0074, 0.0224, 0.076]),
-    (Chart::SphereMap, [0.031, 0.094, 0.24]),
+const TABLE: [(EnvironmentLayout, [f64; 3]); 7] = [
+    (EnvironmentLayout::TanCube, [0.0036, 0.0138, 0.054]),
+    (EnvironmentLayout::Cube, [0.0044, 0.0163, 0.064]),
+    (EnvironmentLayout::LatLong, [0.0047, 0.0180, 0.070]),
+    (EnvironmentLayout::Octahedron, [0.0055, 0.0198, 0.074]),
+    (EnvironmentLayout::DualParaboloid, [0.0056, 0.0208, 0.082]),
+    (
+        EnvironmentLayout::EqualAreaOctahedron,
+        [0.0074, 0.0224, 0.076],
+    ),
+    (EnvironmentLayout::SphereMap, [0.031, 0.094, 0.24]),
 ];
 
 /// Each figure within 10 %, as the mean of eight draws of the waves. The sphere map's error sits around one direction, -Z, so
@@ -68,7 +71,7 @@ fn errors_are_those_of_the_table_and_rank_the_charts() {
             );
             errors.push(mean);
             let figure = row[column];
-            if chart == Chart::SphereMap {
+            if chart == EnvironmentLayout::SphereMap {
                 assert!(
                     (least * 0.9..=most * 1.1).contains(&figure),
                     "F {frequency}: {least} to {most}"
@@ -111,7 +114,7 @@ fn near_edges() -> impl Iterator<Item = DVec3> {
 
 /// The naive look-up: each face clamped at its own edge.
 fn clamped(environment: &Environment, d: DVec3) -> f64 {
-    let (face, uv) = environment.chart().locate(d);
+    let (face, uv) = environment.layout().locate(d);
     let n = f64::from(environment.size().0);
     let p = (uv * n - 0.5).clamp(DVec2::ZERO, DVec2::splat(n - 1.0));
     let (x, y) = (p.floor(), p - p.floor());
@@ -127,13 +130,13 @@ fn clamped(environment: &Environment, d: DVec3) -> f64 {
 #[test]
 fn cube_edges_and_corners_are_seamless() {
     let waves = Waves::new(10.0);
-    let cube = environment(Chart::Cube, &waves);
+    let cube = environment(EnvironmentLayout::Cube, &waves);
     let worst = |look_up: &dyn Fn(DVec3) -> f64| {
         near_edges()
             .map(|d| (look_up(d) - waves.at(d)).abs())
             .fold(0.0, f64::max)
     };
-    let bordered = worst(&|d| f64::from(cube.light(narrow(d))[0]));
+    let bordered = worst(&|d| f64::from(cube.radiance(narrow(d))[0]));
     let naive = worst(&|d| clamped(&cube, d));
     eprintln!("at the edges: border {bordered:.4}, clamp {naive:.4}");
     assert!(bordered <= 1.1 * 0.023, "{bordered}");
@@ -156,11 +159,11 @@ fn no_chart_has_a_seam() {
                 d[i / 2 % 3] *= 1e-4;
                 d = d.normalize();
             }
-            if chart == Chart::SphereMap && d.z < -0.9 {
+            if chart == EnvironmentLayout::SphereMap && d.z < -0.9 {
                 continue;
             }
             let near = d + noise.direction() * 1e-4;
-            let jump = environment.light(narrow(d))[0] - environment.light(narrow(near))[0];
+            let jump = environment.radiance(narrow(d))[0] - environment.radiance(narrow(near))[0];
             worst = worst.max(f64::from(jump.abs()));
         }
         assert!(worst < 4e-3, "{chart:?}: {worst}");
@@ -189,7 +192,7 @@ fn texels_get_their_borders_from_the_neighbours() {
 fn three_faces_agree_at_the_corners_of_images() {
     const SIDE: u32 = 32;
     let mut noise = Noise(7);
-    for chart in [Chart::Cube, Chart::TanCube] {
+    for chart in [EnvironmentLayout::Cube, EnvironmentLayout::TanCube] {
         // A colour a face.
         let texels: Vec<[f32; 3]> = (0..6)
             .flat_map(|_| [narrow(noise.direction().abs()); (SIDE * SIDE) as usize])
@@ -205,7 +208,7 @@ fn three_faces_agree_at_the_corners_of_images() {
                 let (face, uv) = chart.locate(near);
                 let at = |c: f64| if c < 0.5 { 0 } else { SIDE - 1 };
                 let own = cube.texel(face, at(uv.x), at(uv.y)).unwrap();
-                (cube.light(narrow(near)), own)
+                (cube.radiance(narrow(near)), own)
             });
             let mean = [0, 1, 2].map(|k| seen.iter().map(|(_, own)| own[k]).sum::<f32>() / 3.0);
             for (light, own) in seen {
@@ -226,10 +229,10 @@ fn three_faces_agree_at_the_corners_of_images() {
 #[test]
 fn conversion_keeps_the_light() {
     let waves = Waves::new(5.0);
-    for from in Chart::ALL {
+    for from in EnvironmentLayout::ALL {
         let source = environment(from, &waves);
-        for to in Chart::ALL {
-            if from == Chart::SphereMap || to == Chart::SphereMap {
+        for to in EnvironmentLayout::ALL {
+            if from == EnvironmentLayout::SphereMap || to == EnvironmentLayout::SphereMap {
                 continue;
             }
             let converted = source.convert(to, size(to)).unwrap();
@@ -243,17 +246,20 @@ fn conversion_keeps_the_light() {
 #[test]
 fn conversion_to_a_smaller_chart_filters() {
     let waves = Waves::new(120.0);
-    let fine = Environment::from_fn(Chart::Cube, 128, |d| [waves.at(d) as f32; 3]).unwrap();
+    let fine =
+        Environment::from_fn(EnvironmentLayout::Cube, 128, |d| [waves.at(d) as f32; 3]).unwrap();
     let energy = |e: &Environment| {
         let (w, h) = e.size();
-        let all: Vec<f64> = (0..e.chart().faces())
+        let all: Vec<f64> = (0..e.layout().faces())
             .flat_map(|f| (0..w * h).map(move |i| (f, i)))
             .map(|(f, i)| f64::from(e.texel(f, i % w, i / w).unwrap()[0]).powi(2))
             .collect();
         all.iter().sum::<f64>() / all.len() as f64
     };
-    let small = energy(&fine.convert(Chart::LatLong, 8).unwrap());
-    let picked = energy(&Environment::from_fn(Chart::Cube, 8, |d| fine.light(narrow(d))).unwrap());
+    let small = energy(&fine.convert(EnvironmentLayout::LatLong, 8).unwrap());
+    let picked = energy(
+        &Environment::from_fn(EnvironmentLayout::Cube, 8, |d| fine.radiance(narrow(d))).unwrap(),
+    );
     assert!(
         small < 0.1 && picked > 0.3,
         "filtered {small}, picked {picked}"
@@ -263,15 +269,19 @@ fn conversion_to_a_smaller_chart_filters() {
 #[test]
 fn blur_gathers_the_lobe() {
     // A constant stays; a lamp becomes its highlight, cos^n around it.
-    let constant = Environment::from_fn(Chart::Octahedron, 32, |_| [0.25, 0.5, 1.0]).unwrap();
-    let blurred = constant.blur(Chart::Cube, 4, 10.0).unwrap();
-    assert!((blurred.light([0.3, 0.2, -0.9])[2] - 1.0).abs() < 1e-5);
+    let constant =
+        Environment::from_fn(EnvironmentLayout::Octahedron, 32, |_| [0.25, 0.5, 1.0]).unwrap();
+    let blurred = constant.blur(EnvironmentLayout::Cube, 4, 10.0).unwrap();
+    assert!((blurred.radiance([0.3, 0.2, -0.9])[2] - 1.0).abs() < 1e-5);
     let lamp = |d: DVec3| [if d.y > 0.999 { 1.0 } else { 0.0 }; 3];
-    let map = Environment::from_fn(Chart::TanCube, 64, lamp)
+    let map = Environment::from_fn(EnvironmentLayout::TanCube, 64, lamp)
         .unwrap()
-        .blur(Chart::Cube, 32, 20.0)
+        .blur(EnvironmentLayout::Cube, 32, 20.0)
         .unwrap();
-    let (top, tilted) = (map.light([0.0, 1.0, 0.0])[0], map.light([0.5, 1.0, 0.0])[0]);
+    let (top, tilted) = (
+        map.radiance([0.0, 1.0, 0.0])[0],
+        map.radiance([0.5, 1.0, 0.0])[0],
+    );
     let expected = (1.0f32 / 1.25f32.sqrt()).powi(20);
     assert!(
         (tilted / top - expected).abs() < 0.02,
@@ -279,32 +289,32 @@ fn blur_gathers_the_lobe() {
         tilted / top
     );
     assert_eq!(
-        constant.blur(Chart::Cube, 4, -1.0),
+        constant.blur(EnvironmentLayout::Cube, 4, -1.0),
         Err(LightError::Exponent { exponent: -1.0 })
     );
 }
 
 #[test]
 fn shapes_and_texels_are_checked() {
-    let refused =
-        Environment::from_texels(Chart::LatLong, (64, 64), &[[0.0; 3]; 4096]).unwrap_err();
+    let refused = Environment::from_texels(EnvironmentLayout::LatLong, (64, 64), &[[0.0; 3]; 4096])
+        .unwrap_err();
     assert!(refused.to_string().contains("2 times"), "{refused}");
     assert!(matches!(
-        Environment::from_fn(Chart::Cube, 0, |_| [0.0; 3]),
-        Err(LightError::ChartSize { .. })
+        Environment::from_fn(EnvironmentLayout::Cube, 0, |_| [0.0; 3]),
+        Err(LightError::LayoutSize { .. })
     ));
     assert!(matches!(
-        Environment::from_fn(Chart::Cube, u32::MAX, |_| [0.0; 3]),
-        Err(LightError::ChartSize { .. })
+        Environment::from_fn(EnvironmentLayout::Cube, u32::MAX, |_| [0.0; 3]),
+        Err(LightError::LayoutSize { .. })
     ));
     assert!(matches!(
-        Environment::from_texels(Chart::Cube, (2, 2), &[[0.0; 3]; 4]),
+        Environment::from_texels(EnvironmentLayout::Cube, (2, 2), &[[0.0; 3]; 4]),
         Err(LightError::Length { .. })
     ));
     let mut texels = [[0.0; 3]; 24];
     texels[5][1] = f32::NAN;
     assert_eq!(
-        Environment::from_texels(Chart::Cube, (2, 2), &texels),
+        Environment::from_texels(EnvironmentLayout::Cube, (2, 2), &texels),
         Err(LightError::Texel { index: 5 })
     );
 }
@@ -313,7 +323,7 @@ fn shapes_and_texels_are_checked() {
 #[test]
 fn blind_spots_and_bad_directions_are_finite() {
     let waves = Waves::new(10.0);
-    for chart in Chart::ALL {
+    for chart in EnvironmentLayout::ALL {
         let environment = environment(chart, &waves);
         for d in [
             [0.0, 0.0, -1.0],
@@ -323,7 +333,7 @@ fn blind_spots_and_bad_directions_are_finite() {
             [f32::INFINITY, 1.0, 0.0],
             [1e-40, 0.0, 0.0],
         ] {
-            assert!(environment.light(d)[0].is_finite(), "{chart:?} {d:?}");
+            assert!(environment.radiance(d)[0].is_finite(), "{chart:?} {d:?}");
         }
     }
 }
@@ -345,7 +355,7 @@ fn reflection_is_a_mirror() {
 /// One bright texel: what is blurred most sharply.
 fn lamp() -> Environment {
     let toward = DVec3::new(0.3, 0.1, 1.0).normalize();
-    Environment::from_fn(Chart::Cube, 40, |d| {
+    Environment::from_fn(EnvironmentLayout::Cube, 40, |d| {
         [if d.dot(toward) > 0.998 { 1000.0 } else { 0.0 }; 3]
     })
     .unwrap()
@@ -356,15 +366,19 @@ fn a_specular_map_has_the_texels_that_its_lobe_needs() {
     for exponent in [4.0f32, 25.0] {
         let size = Environment::blurred_size(exponent);
         // Twice as fine: a quarter of the error is left in it.
-        let fine = lamp().blur(Chart::Cube, 2 * size, exponent).unwrap();
+        let fine = lamp()
+            .blur(EnvironmentLayout::Cube, 2 * size, exponent)
+            .unwrap();
         let off = |size: u32| {
-            let map = lamp().blur(Chart::Cube, size, exponent).unwrap();
+            let map = lamp()
+                .blur(EnvironmentLayout::Cube, size, exponent)
+                .unwrap();
             let peak = (0..2 * size).flat_map(|y| (0..2 * size).map(move |x| (x, y)));
             peak.fold([0.0f32; 2], |[worst, peak], (x, y)| {
                 let place = |i: u32| (f64::from(i) + 0.5) / f64::from(2 * size);
-                let d = Chart::Cube.direction(4, DVec2::new(place(x), place(y)));
+                let d = EnvironmentLayout::Cube.direction(4, DVec2::new(place(x), place(y)));
                 let d = d.to_array().map(|c| c as f32);
-                let (map, fine) = (map.light(d)[0], fine.light(d)[0]);
+                let (map, fine) = (map.radiance(d)[0], fine.radiance(d)[0]);
                 [worst.max((map - fine).abs()), peak.max(fine)]
             })
         };
@@ -383,16 +397,19 @@ fn a_specular_map_has_the_texels_that_its_lobe_needs() {
 #[test]
 fn what_a_blur_leaves_out_is_below_a_thousandth_of_a_percent() {
     let (lamp, exponent) = (lamp(), 30.0f64);
-    let blurred = lamp.blur(Chart::Cube, 8, exponent as f32).unwrap();
+    let blurred = lamp
+        .blur(EnvironmentLayout::Cube, 8, exponent as f32)
+        .unwrap();
     let (side, _) = lamp.size();
     let place = |i: u32, n: u32| (f64::from(i) + 0.5) / f64::from(n);
     for (face, x, y) in (0..6).flat_map(|f| (0..64).map(move |i| (f, i % 8, i / 8))) {
-        let r = Chart::Cube.direction(face, DVec2::new(place(x, 8), place(y, 8)));
+        let r = EnvironmentLayout::Cube.direction(face, DVec2::new(place(x, 8), place(y, 8)));
         let (mut sum, mut weights) = (0.0, 0.0);
         for (f, u, v) in (0..6).flat_map(|f| (0..side * side).map(move |i| (f, i % side, i / side)))
         {
-            let d = Chart::Cube.direction(f, DVec2::new(place(u, side), place(v, side)));
-            let angle = Chart::Cube.solid_angle(f, (u, v), (side, side));
+            let d =
+                EnvironmentLayout::Cube.direction(f, DVec2::new(place(u, side), place(v, side)));
+            let angle = EnvironmentLayout::Cube.solid_angle(f, (u, v), (side, side));
             let weight = angle * r.dot(d).max(0.0).powf(exponent);
             sum += weight * f64::from(lamp.texel(f, u, v).unwrap()[0]);
             weights += weight;

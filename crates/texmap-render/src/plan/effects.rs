@@ -148,7 +148,7 @@ fn has_effects(material: &Material) -> bool {
         || material.light_map.is_some()
         || material.reflection.is_some()
         || material.specular_map.is_some()
-        || material.highlight != texmap_light::Highlight::Phong
+        || material.highlight != texmap_light::SpecularModel::Phong
         || [&maps.ambient, &maps.specular, &maps.exponent]
             .into_iter()
             .any(Option::is_some)

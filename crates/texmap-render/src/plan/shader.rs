@@ -1,6 +1,6 @@
 //! The stages that run on the fragments of a surface, and their inputs: the one module that knows all stages.
 
-use texmap_light::{Light, Power, ShadowReader};
+use texmap_light::{Light, ShadowSampler, SpecularExponent};
 
 use super::effects::SurfaceEffects;
 use super::{Plan, Space, Surface};
@@ -90,7 +90,7 @@ fn surface_shader<'a>(plan: &'a Plan<'a>, surface: &'a Surface<'a>) -> SurfaceSh
     let lights_all = |by: &LitBy<'_>| !by.is_ambient() && by.projector.is_none();
     let lighting = Lighting {
         numbers: material.surface,
-        power: Power::new(material.surface.ns),
+        power: SpecularExponent::new(material.surface.ns),
         model: material.highlight,
         light_map: effects
             .and_then(|effects| effects.light_map.as_ref())
@@ -107,7 +107,7 @@ fn surface_shader<'a>(plan: &'a Plan<'a>, surface: &'a Surface<'a>) -> SurfaceSh
     };
 
     let mut shadow_maps = lighting.lights.iter().flat_map(LitBy::shadow_maps);
-    let by_shadows = shadow_maps.any(ShadowReader::reads_normals);
+    let by_shadows = shadow_maps.any(ShadowSampler::reads_normals);
     drop(shadow_maps);
     // Paint does not reach what faces away from its projector.
     let reads_planes = by_shadows || !lighting.paints.is_empty();

@@ -1,7 +1,9 @@
 //! Lighting per pixel: the sum over lights of their contribution times their visibility, light maps, and maps of the material's numbers.
 
-use texmap_light::lanes::{PowerLanes, TermsLanes, Vector, dot, share, splat, unit};
-use texmap_light::{Highlight, Light, Power, ShadowReader, Surface};
+use texmap_light::lanes::{
+    SpecularExponentLanes, TermsLanes, Vector, dot, evaluate_light, splat, unit,
+};
+use texmap_light::{Light, PhongMaterial, ShadowSampler, SpecularExponent, SpecularModel};
 use texmap_math::simd::{Isa, prelude::*};
 
 use super::batch::{Batch, Part, flip, load_vector};
@@ -30,9 +32,9 @@ pub(crate) enum LightStage {
 
 /// The lighting stage of a surface that is lit per pixel.
 pub(crate) struct Lighting<'a> {
-    pub(crate) numbers: Surface,
-    pub(crate) power: Power,
-    pub(crate) model: Highlight,
+    pub(crate) numbers: PhongMaterial,
+    pub(crate) power: SpecularExponent,
+    pub(crate) model: SpecularModel,
     pub(crate) lights: Vec<LitBy<'a>>,
     /// Baked light: the factor of its texels, its map, and the first attribute of the coordinates.
     pub(crate) light_map: Option<(f32, &'a Slot<'a>, usize)>,
@@ -50,7 +52,7 @@ pub(crate) struct Lighting<'a> {
 /// A light, its shadow maps and its projected texture.
 pub(crate) struct LitBy<'a> {
     pub(crate) light: Light,
-    pub(crate) shadows: &'a [ShadowReader],
+    pub(crate) shadows: &'a [ShadowSampler],
     pub(crate) projector: Option<ProjectorStage<'a>>,
 }
 
@@ -76,7 +78,7 @@ impl LitBy<'_> {
     }
 
     /// Every shadow map that its light passes.
-    pub(crate) fn shadow_maps(&self) -> impl Iterator<Item = &ShadowReader> {
+    pub(crate) fn shadow_maps(&self) -> impl Iterator<Item = &ShadowSampler> {
         let of_projector = self.projector.as_ref();
         let of_projector = of_projector.and_then(|stage| stage.projected.shadow.as_ref());
         self.shadows.iter().chain(of_projector)
@@ -159,9 +161,9 @@ impl<'a> Lighting<'a> {
         let power = match self.maps[EXPONENT] {
             Some(_) if ALL => {
                 let [factor, ..] = read.maps[EXPONENT].straight(i, at);
-                PowerLanes::Each(factor * self.numbers.ns)
+                SpecularExponentLanes::Each(factor * self.numbers.ns)
             }
-            _ => PowerLanes::Same(self.power),
+            _ => SpecularExponentLanes::Same(self.power),
         };
         let mut projectors = read.projectors.iter();
         for by in &self.lights {
@@ -173,7 +175,7 @@ impl<'a> Lighting<'a> {
                 },
             };
             let (numbers, light) = (&self.numbers, &by.light);
-            let given = share(
+            let given = evaluate_light(
                 i, numbers, power, self.model, light, point, normal, toward_eye,
             );
             let lit = given.lit & pixels;

@@ -1,7 +1,7 @@
 //! Normals: bump and offset maps, normal maps and procedural bumps turn those of the vertices.
 
 use texmap_light::lanes::{Vector, bump_on, clamp_to_horizon, unit};
-use texmap_light::{Green, NormalMap};
+use texmap_light::{NormalMap, NormalMapGreen};
 use texmap_math::glam::DMat3;
 use texmap_math::simd::{Isa, prelude::*};
 use texmap_math::{Level, dispatch_simd};
@@ -18,7 +18,7 @@ pub(crate) enum NormalDetail<'s> {
     /// A height map.
     Bump(Slot<'s>, Rise),
     /// A map of slopes.
-    Offsets(Slot<'s>, Rise, Green),
+    Offsets(Slot<'s>, Rise, NormalMapGreen),
     Procedural(ProceduralBump),
     Map(Slot<'s>, NormalMap, NormalSpace),
 }
@@ -115,7 +115,8 @@ impl NormalStage<'_> {
                 slopes.place(slot, uv, blocks);
                 slopes.look_up(level, slot, blocks, false);
                 // The slot counts v down the picture, or up it from a bottom-left origin.
-                let up = (*green == Green::Up) != (slot.texture.origin() == Origin::BottomLeft);
+                let up =
+                    (*green == NormalMapGreen::Up) != (slot.texture.origin() == Origin::BottomLeft);
                 dispatch_simd!(level, i => slopes.offsets(i, blocks, up, rise));
             }
             _ => {}
@@ -160,7 +161,7 @@ impl NormalStage<'_> {
                         let sign = load(i, &w.value, at);
                         let sign = back.select(-sign, sign);
                         let sign = sign.simd_lt(0.0).select(i.f32(-1.0), i.f32(1.0));
-                        map.turn(i, smooth, tangent, sign, texel)
+                        map.apply(i, smooth, tangent, sign, texel)
                     }
                 }
             }

@@ -1,7 +1,7 @@
 //! Projected textures, read where they reach: of projector lights, and of projectors that paint.
 
 use texmap_light::lanes::Vector;
-use texmap_light::{ShadowReader, SlideView};
+use texmap_light::{BoundProjectorTexture, ShadowSampler};
 use texmap_math::simd::{Isa, prelude::*};
 use texmap_math::{Level, dispatch_simd};
 use texmap_raster::{BATCH_STRIDE, Varying};
@@ -15,10 +15,10 @@ use super::texels::{TexelAddresses, packed_view, read_placed};
 /// A projected texture, and the shadow map of its projector.
 #[derive(Debug)]
 pub(crate) struct Projected<'s> {
-    pub(crate) view: SlideView<'s>,
+    pub(crate) view: BoundProjectorTexture<'s>,
     /// Of the projector.
     pub(crate) position: [f32; 3],
-    pub(crate) shadow: Option<ShadowReader>,
+    pub(crate) shadow: Option<ShadowSampler>,
 }
 
 impl Projected<'_> {
@@ -134,7 +134,7 @@ impl<'a> ProjectorStage<'a> {
             let mut reached = false;
             for pixel in (0..LANES).step_by(I::LANES) {
                 let (from, to) = (block * LANES + pixel, count * LANES + pixel);
-                let places = view.place(i, load_vector(i, position, from));
+                let places = view.uv_at(i, load_vector(i, position, from));
                 let fade = places.reached.select(places.fade, i.f32(0.0));
                 fade.store(&mut out.fade.0[to..to + I::LANES]);
                 if !places.reached.any_true() {
@@ -160,7 +160,7 @@ impl<'a> ProjectorStage<'a> {
 mod tests {
     use super::super::fetch::tests::{bordered, noise, sampler};
     use super::*;
-    use texmap_light::{Slide, SlideBorder};
+    use texmap_light::{ProjectorBorder, ProjectorTexture};
     use texmap_math::Projector;
     use texmap_math::glam::DVec3;
     use texmap_math::simd::Scalar;
@@ -203,14 +203,14 @@ mod tests {
         ];
         // The last reaches no further than its picture, which is then read as if it were repeated.
         let borders = [
-            (0, SlideBorder::Black, 0.2),
-            (0, SlideBorder::Clamp, 0.0),
-            (1, SlideBorder::Clamp, 0.0),
+            (0, ProjectorBorder::Black, 0.2),
+            (0, ProjectorBorder::Clamp, 0.0),
+            (1, ProjectorBorder::Clamp, 0.0),
         ];
         for filter in [Filter::Nearest, Filter::Bilinear, Filter::Trilinear] {
             for (texture, border, softness) in borders {
                 let sampler = sampler(filter, Wrap::Repeat);
-                let view = SlideView::new(&Slide {
+                let view = BoundProjectorTexture::new(&ProjectorTexture {
                     projector,
                     texture: &textures[texture],
                     sampler: &sampler,

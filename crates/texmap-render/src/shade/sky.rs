@@ -23,7 +23,7 @@ impl<'s> SkyStage<'s> {
         view_from_world: DMat4,
     ) -> Self {
         let (width, height) = environment.size();
-        let texels = f64::from(width) * f64::from(height) * environment.chart().faces() as f64;
+        let texels = f64::from(width) * f64::from(height) * environment.layout().faces() as f64;
         let texel = (4.0 * std::f64::consts::PI / texels).sqrt();
         let side = (rays.step() / texel).ceil().clamp(1.0, 8.0) as u32;
         let middle = EyeRays::new(rays, view_from_world);

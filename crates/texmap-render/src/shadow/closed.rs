@@ -64,7 +64,7 @@ mod tests {
             let inside_out = map(&scene);
             let (mut met, mut deeper, mut backs) = (0, 0, 0);
             for (x, y) in (0..size).flat_map(|y| (0..size).map(move |x| (x, y))) {
-                let at = |map: &ShadowMap| map.stored(0, x, y).unwrap();
+                let at = |map: &ShadowMap| map.depth_at(0, x, y).unwrap();
                 let (a, b) = (at(&open), at(&closed));
                 assert!(b >= a && b.is_finite() == a.is_finite(), "{x} {y}: {a} {b}");
                 met += u32::from(a.is_finite());

@@ -1,6 +1,6 @@
 //! The faces of a shadow map: how each is seen, and what its depths become.
 
-use texmap_light::{Chart, ShadowKind};
+use texmap_light::{EnvironmentLayout, ShadowKind};
 use texmap_math::glam::{DMat4, DVec2, DVec3, DVec4};
 use texmap_raster::{DepthStrip, TILE};
 
@@ -121,7 +121,7 @@ pub(super) fn views(scene: &Scene, kind: &ShadowKind) -> Vec<FaceView> {
             let near = nearness(scene, position);
             let face = |face: usize| {
                 let at = |u: f64, v: f64| {
-                    let d = Chart::Cube.direction(face, DVec2::new(u, v));
+                    let d = EnvironmentLayout::Cube.direction(face, DVec2::new(u, v));
                     d / d.abs().max_element()
                 };
                 let forward = at(0.5, 0.5);

@@ -1,6 +1,6 @@
 //! Normals that a relief turns without moving the surface: heights and offsets (Blinn 1978), normal maps.
 
-use texmap_light::Green;
+use texmap_light::NormalMapGreen;
 use texmap_math::glam::{DMat3, DVec3};
 use texmap_sample::Origin;
 use texmap_scene::{Mesh, Relief};
@@ -19,12 +19,12 @@ pub(super) enum BumpMap<'s> {
     /// Heights, and the world units of a white texel over a black one.
     Heights(Slot<'s>, f64),
     /// Slopes, and the world units over the whole picture where a channel is 1.
-    Offsets(Slot<'s>, f64, Green),
+    Offsets(Slot<'s>, f64, NormalMapGreen),
     Formula(Formula),
     /// Normals as colours.
     Normals {
         slot: Slot<'s>,
-        green: Green,
+        green: NormalMapGreen,
         rebuild_z: bool,
         strength: f64,
         /// From the object to the world, unless the normals are those of tangent frames.
@@ -88,7 +88,8 @@ impl<'s> BumpMap<'s> {
                 let place = slot.placed(at.place);
                 let texel = straight(slot.filtered(place)) * 2.0 - 1.0;
                 // Green grows up or down the picture, v down it from a top-left origin, else up it.
-                let up = (*green == Green::Up) == (slot.texture.origin() == Origin::TopLeft);
+                let up =
+                    (*green == NormalMapGreen::Up) == (slot.texture.origin() == Origin::TopLeft);
                 let along_v = if up { -texel.y } else { texel.y };
                 bumped(at, n, place, [texel.x * slope, along_v * slope])
             }
@@ -100,7 +101,7 @@ impl<'s> BumpMap<'s> {
                 world_from_normal,
             } => {
                 let texel = slot.straight(at.place) * 2.0 - 1.0;
-                let y = if *green == Green::Up {
+                let y = if *green == NormalMapGreen::Up {
                     texel.y
                 } else {
                     -texel.y

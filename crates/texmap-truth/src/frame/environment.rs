@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use texmap_light::{Chart, Environment};
+use texmap_light::{Environment, EnvironmentLayout};
 use texmap_math::deterministic_f64;
 use texmap_math::glam::{DVec2, DVec3};
 
@@ -36,7 +36,7 @@ impl Ray {
 
 /// The faces of an environment, level after level, each with a border of one texel that belongs to its neighbours.
 pub(super) struct EnvironmentMap {
-    chart: Chart,
+    chart: EnvironmentLayout,
     levels: Vec<Level>,
 }
 
@@ -68,7 +68,11 @@ impl Level {
     }
 
     /// From the texels of the faces without borders.
-    fn new(chart: Chart, size: [usize; 2], texel: impl Fn(usize, usize, usize) -> DVec3) -> Self {
+    fn new(
+        chart: EnvironmentLayout,
+        size: [usize; 2],
+        texel: impl Fn(usize, usize, usize) -> DVec3,
+    ) -> Self {
         let [w, h] = size;
         let (iw, ih) = (w as i64, h as i64);
         let clamped = |face: usize, x: i64, y: i64| {
@@ -99,7 +103,7 @@ impl Level {
             }
         }
         let mut level = Self { size, texels };
-        if matches!(chart, Chart::Cube | Chart::TanCube) {
+        if matches!(chart, EnvironmentLayout::Cube | EnvironmentLayout::TanCube) {
             level.join_corners();
         }
         level
@@ -122,7 +126,7 @@ impl Level {
 impl EnvironmentMap {
     /// With as many levels as the environment has; each texel is the mean of four of the level before it.
     pub(super) fn new(environment: &Environment) -> Self {
-        let chart = environment.chart();
+        let chart = environment.layout();
         let (width, height) = environment.size();
         let size = [width as usize, height as usize];
         let texel = |face, x: usize, y: usize| {
@@ -160,7 +164,7 @@ impl EnvironmentMap {
             return self.levels[0].bilinear(face, uv);
         }
         let texels = match self.chart {
-            Chart::Cube => self.on_face(direction, ray),
+            EnvironmentLayout::Cube => self.on_face(direction, ray),
             _ => self.by_angle(direction, ray),
         };
         let lod = if texels > 1.0 {
@@ -219,7 +223,7 @@ mod tests {
     /// The library's f32 look-ups are these, on every chart, with levels and without.
     #[test]
     fn light_is_that_of_the_library() {
-        for chart in Chart::ALL {
+        for chart in EnvironmentLayout::ALL {
             let light = |d: DVec3| {
                 let wave = |k: f64| (0.5 + 0.5 * (k * d.x + 3.0 * d.y * d.z).sin()) as f32;
                 [wave(5.0), wave(9.0), wave(2.0)]
@@ -243,7 +247,7 @@ mod tests {
                     let found = sphere.light(&Ray { direction, changes });
                     let narrow = |v: DVec3| v.to_array().map(|c| c as f32);
                     let [dx, dy] = changes.map(narrow);
-                    let wanted = environment.light_across(&LibraryRay {
+                    let wanted = environment.radiance_filtered(&LibraryRay {
                         direction: narrow(direction),
                         dx,
                         dy,

@@ -1,6 +1,6 @@
 //! The light that a surface returns at a point, light by light (Phong 1975, Blinn 1977; MIT 6.837, Fall 2000, lecture 19).
 
-use texmap_light::{Highlight, Light, Surface as Numbers};
+use texmap_light::{Light, PhongMaterial as Numbers, SpecularModel};
 use texmap_math::deterministic_f64;
 use texmap_math::glam::DVec3;
 use texmap_scene::SlideRole;
@@ -15,13 +15,13 @@ use super::world::World;
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Terms {
     pub(super) diffuse: DVec3,
-    pub(super) highlight: DVec3,
+    pub(super) specular: DVec3,
 }
 
 impl Terms {
     /// The light of a base colour, clipped at 1.
     pub(super) fn color(&self, base: DVec3) -> DVec3 {
-        (base * self.diffuse + self.highlight).min(DVec3::ONE)
+        (base * self.diffuse + self.specular).min(DVec3::ONE)
     }
 }
 
@@ -51,7 +51,7 @@ pub(super) struct Point {
 /// One light on a point, with nothing in its way: colour, and the shares of it that go into the two terms. `view` has unit length.
 pub(super) fn contribution(
     numbers: &Numbers,
-    model: Highlight,
+    model: SpecularModel,
     light: &Light,
     point: DVec3,
     normal: DVec3,
@@ -88,8 +88,8 @@ pub(super) fn contribution(
         return dark;
     }
     let along = match model {
-        Highlight::Phong => view.dot(2.0 * facing * normal - toward),
-        Highlight::Blinn => normal.dot((view + toward).normalize_or_zero()),
+        SpecularModel::Phong => view.dot(2.0 * facing * normal - toward),
+        SpecularModel::Blinn => normal.dot((view + toward).normalize_or_zero()),
     };
     let highlight = if along > 0.0 && numbers.ks > 0.0 {
         f64::from(numbers.ks) * deterministic_f64::pow(along, f64::from(numbers.ns))
@@ -131,7 +131,7 @@ pub(super) fn terms(world: &World<'_>, surface: &Surface<'_>, at: &Point) -> Ter
             _ if !world.light_reaches(index, at) => {}
             _ => {
                 sum.diffuse += color * diffuse;
-                sum.highlight += color * highlight;
+                sum.specular += color * highlight;
             }
         }
     }
@@ -146,7 +146,7 @@ pub(super) fn terms(world: &World<'_>, surface: &Surface<'_>, at: &Point) -> Ter
         let picture = cast.texel(at.position, at.moves).truncate();
         if diffuse > 0.0 && picture != DVec3::ZERO && world.projector_reaches(index, at) {
             sum.diffuse += color * picture * diffuse;
-            sum.highlight += color * picture * highlight;
+            sum.specular += color * picture * highlight;
         }
     }
     if let (Some(map), Some(slot)) = (&material.light_map, &surface.light_map) {
@@ -154,7 +154,7 @@ pub(super) fn terms(world: &World<'_>, surface: &Surface<'_>, at: &Point) -> Ter
         sum.diffuse += texel * f64::from(numbers.kd) * f64::from(map.scale);
     }
     let tint = map(&surface.specular);
-    sum.highlight = sum.highlight * tint.unwrap_or(DVec3::ONE) + own_ambient;
+    sum.specular = sum.specular * tint.unwrap_or(DVec3::ONE) + own_ambient;
     mirror(world, surface, at, normal, &mut sum);
     sum
 }
@@ -174,9 +174,9 @@ fn mirror(world: &World<'_>, surface: &Surface<'_>, at: &Point, normal: DVec3, s
     if let Some(reflection) = material.reflection {
         let map = surface.reflectivity.as_ref();
         let share = map.map_or(1.0, |slot| slot.straight(at.place).x);
-        sum.highlight += light(reflection.environment) * share * f64::from(reflection.reflectivity);
+        sum.specular += light(reflection.environment) * share * f64::from(reflection.reflectivity);
     }
     if let Some(map) = material.specular_map {
-        sum.highlight += light(map) * f64::from(material.surface.ks);
+        sum.specular += light(map) * f64::from(material.surface.ks);
     }
 }

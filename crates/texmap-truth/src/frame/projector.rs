@@ -1,6 +1,6 @@
 //! Projectors: pictures cast as light or as paint (MIT 6.837, Fall 2001, lecture 18, slides 21 to 26).
 
-use texmap_light::SlideBorder;
+use texmap_light::ProjectorBorder;
 use texmap_math::Projector;
 use texmap_math::glam::{DVec2, DVec3, DVec4};
 use texmap_sample::{Sampler, Texture2d, Wrap};
@@ -21,8 +21,8 @@ pub(super) struct Cast<'s> {
 impl<'s> Cast<'s> {
     pub(super) fn new(projector: &'s SlideProjector, textures: &mut Textures<'s>) -> Self {
         let wrap = match projector.border {
-            SlideBorder::Repeat => Wrap::Repeat,
-            SlideBorder::Black | SlideBorder::Clamp => Wrap::ClampToEdge,
+            ProjectorBorder::Repeat => Wrap::Repeat,
+            ProjectorBorder::Black | ProjectorBorder::Clamp => Wrap::ClampToEdge,
         };
         Self {
             projector,
@@ -45,7 +45,7 @@ impl<'s> Cast<'s> {
             return DVec4::ZERO;
         }
         let mut fade = 1.0;
-        if self.projector.border == SlideBorder::Black {
+        if self.projector.border == ProjectorBorder::Black {
             if uv.min_element() < 0.0 || uv.max_element() > 1.0 {
                 return DVec4::ZERO;
             }

@@ -1,6 +1,6 @@
 //! One mesh of the truth: its geometry and coordinates, its opacity, and its colour where a ray meets it.
 
-use texmap_light::Highlight;
+use texmap_light::SpecularModel;
 use texmap_math::glam::{DMat3, DVec2, DVec3, DVec4};
 use texmap_math::texture_frame::{PlanarTexgen, TextureFrame};
 use texmap_sample::Filter;
@@ -260,7 +260,7 @@ impl<'s> Surface<'s> {
             if let Some(ramp) = &self.light_ramp {
                 terms.diffuse = straight(ramp.along(luminance(terms.diffuse)));
             }
-            terms.highlight += emitted;
+            terms.specular += emitted;
             terms
         };
         match material.shading {
@@ -277,7 +277,7 @@ impl<'s> Surface<'s> {
                     let tinted = [0, 1, 2].map(|k| light[k].diffuse * tint(vertices[k]));
                     let terms = Terms {
                         diffuse: mix(tinted),
-                        highlight: mix(light.map(|terms| terms.highlight)),
+                        specular: mix(light.map(|terms| terms.specular)),
                     };
                     return finished(terms).color(base);
                 }
@@ -297,9 +297,9 @@ impl<'s> Surface<'s> {
         let mut sum = Terms::default();
         for light in &self.scene.lights {
             let (color, diffuse, highlight) =
-                contribution(numbers, Highlight::Phong, light, point, normal, view);
+                contribution(numbers, SpecularModel::Phong, light, point, normal, view);
             sum.diffuse += color * diffuse;
-            sum.highlight += color * highlight;
+            sum.specular += color * highlight;
         }
         let map = self.material().specular_map;
         if let Some(sphere) = map.and_then(|map| world.environments[map].as_ref()) {
@@ -308,7 +308,7 @@ impl<'s> Surface<'s> {
                 changes: [DVec3::ZERO; 2],
             };
             let mirrored = ray.mirrored(normal, 1.0, [DVec3::ZERO; 2]);
-            sum.highlight += sphere.light(&mirrored) * f64::from(numbers.ks);
+            sum.specular += sphere.light(&mirrored) * f64::from(numbers.ks);
         }
         sum
     }

@@ -1,6 +1,6 @@
 //! OBJ models to meshes under the current settings.
 
-use texmap_light::Surface;
+use texmap_light::PhongMaterial;
 use texmap_sample::Origin;
 use texmap_scene::{AlphaMode, Displacement, Emission, Material, Mesh, TextureRole};
 
@@ -160,14 +160,14 @@ impl Builder {
                 },
                 obj::ReliefKind::Normals => texmap_scene::Relief::NormalMap {
                     slot: slot(map),
-                    green: texmap_light::Green::Up,
+                    green: texmap_light::NormalMapGreen::Up,
                     rebuild_z: false,
                     object_space: false,
                     strength: 1.0,
                 },
             }),
             name: shortened(&m.name).to_string(),
-            surface: Surface {
+            surface: PhongMaterial {
                 color: light(m.kd, color),
                 ka: 1.0,
                 kd: 1.0,

@@ -1,6 +1,6 @@
 //! The commands of the course: camera, lights, vertices and faces.
 
-use texmap_light::{Light, Surface};
+use texmap_light::{Light, PhongMaterial};
 
 use super::Set::{Fallible, Plain};
 use super::Spec;
@@ -82,7 +82,7 @@ pub(super) const SPECS: &[Spec] = &[
         help: "setting: surface of later faces; r g b are sRGB, 0 to 1; ns is the Phong exponent",
         set: Plain(|b, line| {
             let (color, [ka, kd, ks, ns]) = (line.floats(), line.floats());
-            b.settings.surf = Some(Surface {
+            b.settings.surf = Some(PhongMaterial {
                 color,
                 ka,
                 kd,

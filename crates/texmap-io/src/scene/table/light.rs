@@ -1,6 +1,6 @@
 //! Lights, shadows, projectors, environments, and what surfaces do with light.
 
-use texmap_light::{Chart, Highlight, Light};
+use texmap_light::{EnvironmentLayout, Light, SpecularModel};
 
 use super::Set::{Fallible, Plain};
 use super::Spec;
@@ -18,8 +18,12 @@ use crate::textures::Content;
 /// How a picture shows all directions.
 pub(super) const LAYOUT: crate::scene_file::grammar::Arg = Method(
     "LAYOUT",
-    || Chart::ALL.map(Chart::name).join(", "),
-    |text| text.parse::<Chart>().is_ok(),
+    || {
+        EnvironmentLayout::ALL
+            .map(EnvironmentLayout::name)
+            .join(", ")
+    },
+    |text| text.parse::<EnvironmentLayout>().is_ok(),
 );
 
 /// Half angles of a spot light, degrees.
@@ -121,8 +125,8 @@ pub(super) const SPECS: &[Spec] = &[
         help: "setting: how highlights fall off: `(V.R)^ns` (the lecture's), or `(N.H)^ns`",
         set: Plain(|b, line| {
             b.settings.effects.highlight = match line.takes("blinn") {
-                true => Highlight::Blinn,
-                false => Highlight::Phong,
+                true => SpecularModel::Blinn,
+                false => SpecularModel::Phong,
             }
         }),
     },
