@@ -22,8 +22,8 @@ macro_rules! panels {
 
 mod affine;
 mod antialiasing;
+mod bump_maps;
 mod cards;
-mod carving;
 mod classics;
 mod displacement;
 mod environments;
@@ -33,8 +33,8 @@ mod lit;
 mod mapping;
 mod moving_spot;
 mod paint;
+mod procedural_bump;
 mod projections;
-mod relief;
 mod shadows;
 mod sheet;
 mod skin;
@@ -123,12 +123,12 @@ const DEMOS: [(&str, &str, Draw); 23] = [
     (
         "bumps",
         "bump, offset and normal maps against the surface they stand for; green flipped; carved waves, words",
-        relief::bumps,
+        bump_maps::bumps,
     ),
     (
         "light-maps",
         "baked light against light per pixel; charts without gutters; a moving spotlight (--frames N)",
-        relief::light_maps,
+        bump_maps::light_maps,
     ),
     (
         "displacement",

@@ -7,8 +7,8 @@ use texmap_math::glam::DVec3;
 use texmap_sample::{Filter, Wrap};
 use texmap_scene::{Mesh, Scene};
 
+use super::bump_maps::{baked, under};
 use super::lit::{ball, difference, matte};
-use super::relief::{baked, under};
 use super::{Claim, paint, stage};
 use crate::LabError;
 use texmap_truth::picture::Picture;

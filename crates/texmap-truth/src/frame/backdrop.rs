@@ -12,7 +12,7 @@ use crate::caster::Pinhole;
 const MOST: f64 = 8.0;
 
 /// The background of a scene.
-pub(super) struct Background<'s> {
+pub(super) struct SampledBackground<'s> {
     color: DVec4,
     sky: Option<Sky<'s>>,
 }
@@ -22,7 +22,7 @@ enum Sky<'s> {
     Environment(usize),
 }
 
-impl<'s> Background<'s> {
+impl<'s> SampledBackground<'s> {
     /// `size` is that of the frame in samples.
     pub(super) fn new(scene: &'s Scene, size: DVec2, textures: &mut Textures<'s>) -> Self {
         let sky = scene.effects.backdrop.as_ref().map(|sky| match sky {

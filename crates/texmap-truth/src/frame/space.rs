@@ -8,7 +8,7 @@ use super::grid::Grid;
 use super::pattern;
 
 /// A solid texture.
-pub(super) struct SolidTexture {
+pub(super) struct SampledSolid {
     source: Source,
     solid_from_world: DMat4,
 }
@@ -18,7 +18,7 @@ enum Source {
     Pattern(Pattern),
 }
 
-impl SolidTexture {
+impl SampledSolid {
     pub(super) fn new(solid: &Solid, effects: &Effects) -> Self {
         let source = match &solid.source {
             SolidSource::Grid {

@@ -13,7 +13,7 @@ use super::environment::Ray;
 use super::lighting::{Point, Terms, contribution, terms};
 use super::projector::paint;
 use super::slot::{Place, Slot, Textures};
-use super::space::SolidTexture;
+use super::space::SampledSolid;
 use super::tangents::corner_tangents;
 use super::world;
 use super::world::World;
@@ -32,7 +32,7 @@ pub(super) struct Surface<'s> {
     color_ramp: Option<Slot<'s>>,
     light_ramp: Option<Slot<'s>>,
     decal: Option<Slot<'s>>,
-    solid: Option<SolidTexture>,
+    solid: Option<SampledSolid>,
     relief: Option<BumpMap<'s>>,
     emission: Option<Emitter<'s>>,
     pub(super) ambient: Option<Slot<'s>>,
@@ -99,7 +99,7 @@ impl<'s> Surface<'s> {
             solid: material
                 .solid
                 .as_ref()
-                .map(|solid| SolidTexture::new(solid, &scene.effects)),
+                .map(|solid| SampledSolid::new(solid, &scene.effects)),
             relief,
             emission,
             frame: mesh.frame.map(frame).transpose()?,

@@ -3,7 +3,7 @@
 use texmap_math::glam::DVec2;
 use texmap_scene::{Backdrop, Scene};
 
-use super::backdrop::Background;
+use super::backdrop::SampledBackground;
 use super::environment::EnvironmentMap;
 use super::projector::Cast;
 use super::shadow::Shadow;
@@ -30,7 +30,7 @@ pub(super) struct World<'s> {
     /// Those that something reads.
     pub(super) environments: Vec<Option<EnvironmentMap>>,
     pub(super) volumes: Vec<Medium<'s>>,
-    pub(super) behind: Background<'s>,
+    pub(super) behind: SampledBackground<'s>,
 }
 
 impl<'s> World<'s> {
@@ -83,7 +83,7 @@ impl<'s> World<'s> {
                 .iter()
                 .map(|volume| Medium::new(scene, volume, &mut textures))
                 .collect(),
-            behind: Background::new(scene, size, &mut textures),
+            behind: SampledBackground::new(scene, size, &mut textures),
         })
     }
 

@@ -10,7 +10,7 @@ use texmap_scene::{LightMapSlot, Relief, Scene, shadow_bias, shadow_kind};
 
 use super::lit::{Lit, ball, difference, floor, matte};
 use super::sheet::sheet;
-use super::{DemoPicture, carving, stage};
+use super::{DemoPicture, procedural_bump, stage};
 use crate::LabError;
 use texmap_truth::picture::Picture;
 
@@ -123,7 +123,7 @@ pub(super) fn bumps(size: u32) -> Result<DemoPicture, LabError> {
         values: &values,
     };
     let more = [
-        carving::offset_map(
+        procedural_bump::offset_map(
             waves()?,
             &heights,
             HEIGHT,
@@ -131,8 +131,8 @@ pub(super) fn bumps(size: u32) -> Result<DemoPicture, LabError> {
             &wrong,
             0.01 * floor_pixels,
         )?,
-        carving::pot(size)?,
-        carving::words(waves()?, size)?,
+        procedural_bump::pot(size)?,
+        procedural_bump::words(waves()?, size)?,
     ];
     let mut claims = claims![
         "wrong pixels of the floor under the bump map" => wrong(&bumped), 0.0, 0.01 * floor_pixels;
