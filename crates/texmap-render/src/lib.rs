@@ -70,14 +70,14 @@
 
 mod error;
 mod frame;
+mod frame_resources;
 mod plan;
-mod ready;
 mod render;
 mod resolve;
 mod settings;
 mod shade;
 mod shadow;
-mod shadow_cut;
+mod shadow_alpha_test;
 mod textures;
 mod tile;
 mod vertices;

@@ -1,6 +1,6 @@
 //! From a checked scene to draws: which values each mesh carries per vertex, and which stages run on its pixels.
 
-mod cut;
+mod alpha_test;
 pub(crate) mod effects;
 mod light_stage;
 mod shader;
@@ -15,7 +15,7 @@ use texmap_math::glam::DMat4;
 use texmap_raster::{AlphaTest, DrawCall, Fragment, UvBlock};
 use texmap_sample::Origin;
 
-use crate::ready::Ready;
+use crate::frame_resources::Ready;
 use crate::shade::coordinates::{Coordinates, EyeRays};
 use crate::shade::sky::SkyStage;
 use crate::shade::unlit::UnlitColor;
@@ -25,7 +25,7 @@ use crate::{Aov, RenderError, Settings};
 use texmap_math::ViewRays;
 use texmap_scene::{Backdrop, Scene};
 
-pub(crate) use cut::{Cut, cut};
+pub(crate) use alpha_test::{Cut, cut};
 pub(crate) use shader::Shader;
 use space::{behind, far_sides};
 use surface::surface;

@@ -8,8 +8,8 @@ use std::time::{Duration, Instant};
 use rayon::prelude::*;
 use texmap_raster::{BinnedDraws, DrawCall, SAMPLES_4, TILE, TargetSize};
 
+use crate::frame_resources::Ready;
 use crate::plan::Plan;
-use crate::ready::Ready;
 use crate::resolve::rows::{AovParts, blocks, split};
 use crate::textures::Chains;
 use crate::tile::job::{Block, Job, Scratch};

@@ -1,7 +1,7 @@
 //! Shadow maps: the scene's depth as a light sees it, by the rasterizer's depth pass.
 
-mod closed;
 mod faces;
+mod watertight;
 
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -12,11 +12,11 @@ use texmap_math::{Level, MemoryBudget};
 use texmap_raster::{AlphaTest, BinnedDraws, DepthTest, DrawCall, Pass, TILE, TargetSize};
 
 use crate::RenderError;
-use crate::ready::reserve_map;
-use crate::shadow_cut::Cuts;
-use closed::hidden_sides;
+use crate::frame_resources::reserve_map;
+use crate::shadow_alpha_test::Cuts;
 use faces::views;
 use texmap_scene::{AlphaMode, Scene};
+use watertight::hidden_sides;
 
 /// Draws a shadow map of `size` x `size` texels (a face): what each light ray meets first, of all opaque and cut-out meshes
 /// without the holes of these; blended ones cast nothing. The same bits for any number of `threads`.

@@ -4,7 +4,7 @@ use texmap_light::{Light, NormalMap};
 use texmap_math::glam::{DMat3, DVec3};
 
 use crate::Settings;
-use crate::ready::Ready;
+use crate::frame_resources::Ready;
 use crate::shade::lighting::MAPS;
 use crate::shade::normal::{NormalDetail, NormalSpace, Rise};
 use crate::shade::procedural::ProceduralBump;

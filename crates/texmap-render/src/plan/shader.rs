@@ -4,7 +4,7 @@ use texmap_light::{Light, ShadowSampler, SpecularExponent};
 
 use super::effects::SurfaceEffects;
 use super::{Plan, Space, Surface};
-use crate::ready::Ready;
+use crate::frame_resources::Ready;
 use crate::shade::base_color::BaseColor;
 use crate::shade::coordinates::Coordinates;
 use crate::shade::environment::Reflections;

@@ -5,8 +5,8 @@ use texmap_raster::{DepthTest, Fragment, Interp, Pass};
 
 use super::effects::SurfaceEffects;
 use super::light_stage::{light_stage, lights_depend_on_place};
-use super::{Cut, View, cut};
-use crate::ready::Ready;
+use super::{Cut, View, alpha_test};
+use crate::frame_resources::Ready;
 use crate::shade::coordinates::Coordinates;
 use crate::shade::lighting::LightStage;
 use crate::shade::sky::SkyStage;
