@@ -15,7 +15,7 @@ use std::time::{Duration, Instant};
 use texmap_benches::bench_scenes::{BenchScene, Hidden, SCENES, sphere};
 use texmap_benches::chart::LogChart;
 use texmap_math::Level;
-use texmap_render::{Renderer, Settings};
+use texmap_render::{RenderSettings, Renderer};
 use texmap_sample::Precision;
 use texmap_scene::{Mesh, Scene};
 
@@ -168,7 +168,7 @@ fn frame(
     threads: usize,
     level: Level,
 ) -> Outcome<(f64, Option<f64>)> {
-    let mut settings = Settings::new(width, height);
+    let mut settings = RenderSettings::new(width, height);
     (settings.threads, settings.level) = (Some(threads), level);
     let before = Resident::reset();
     let renderer = Renderer::new(scene, &settings)?;

@@ -16,7 +16,7 @@ use texmap_raster::{
     AttributePlanes, BATCH_PIXELS, BinnedDraws, DrawCall, FragmentBlock, NoAlphaTest, TargetSize,
     TileVisibility, Varyings,
 };
-use texmap_render::{Renderer, Settings};
+use texmap_render::{RenderSettings, Renderer};
 use texmap_sample::{
     ColorSpace, Filter, Origin, Precision, Sampler, Texture2d, UvTransform, sample_rgba8_slice,
 };
@@ -190,9 +190,9 @@ fn plain(c: &mut Criterion) {
         ("trilinear", Filter::Trilinear),
     ] {
         let scene = scene(filter);
-        let settings = Settings {
+        let settings = RenderSettings {
             threads: Some(1),
-            ..Settings::new(SIDE, SIDE)
+            ..RenderSettings::new(SIDE, SIDE)
         };
         let renderer = Renderer::new(&scene, &settings).expect("a sound scene");
         let mut alone = Alone::new(&scene);

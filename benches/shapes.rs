@@ -7,7 +7,7 @@ use std::hint::black_box;
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use texmap_lab::topology::open_edges;
 use texmap_math::glam::{DMat4, DVec3};
-use texmap_mesh::{Bone, Skeleton, SkinBlend, turn};
+use texmap_mesh::{Bone, Skeleton, SkinBlend, rotation};
 use texmap_sample::{ColorSpace, Origin, Sampler, Texture2d};
 use texmap_scene::{Displacement, EdgeBudget, Material, Mesh, Scene, TextureSlot};
 
@@ -109,7 +109,7 @@ fn vertices(c: &mut Criterion) {
         bones: vec![bone(-2.0, 0.0, None), bone(0.0, 2.0, Some(0))],
     };
     let pose = skeleton
-        .pose(&[DMat4::IDENTITY, turn(DVec3::Y, 1.0)])
+        .pose(&[DMat4::IDENTITY, rotation(DVec3::Y, 1.0)])
         .expect("a pose");
     let skin = skeleton.skin(&mesh.positions, SkinBlend::Smooth(1.0));
     assert!(

@@ -15,7 +15,7 @@ use retrofire_core::render::{Colorbuf, Context, Frag, Framebuf, TexCoord, Textur
 use retrofire_core::util::pixfmt::Rgba8888;
 use retrofire_core::util::{Buf2, Dims};
 use texmap_math::glam::DMat4;
-use texmap_render::{Frame, Renderer, Settings};
+use texmap_render::{Frame, RenderSettings, Renderer};
 use texmap_scene::Scene;
 
 pub(crate) type Outcome<T> = Result<T, Box<dyn Error>>;
@@ -35,7 +35,7 @@ pub(crate) struct Texmap<'s> {
 
 impl<'s> Texmap<'s> {
     pub(crate) fn new(scene: &'s Scene, [width, height]: [u32; 2]) -> Outcome<Self> {
-        let mut settings = Settings::new(width, height);
+        let mut settings = RenderSettings::new(width, height);
         settings.threads = Some(1);
         let renderer = Renderer::new(scene, &settings)?;
         let frame = renderer.draw(&|_, _| {})?;

@@ -4,7 +4,7 @@ use texmap_benches::bench_scenes::{BenchMesh, BenchScene, Content, DEPTH_SIZE, H
 use texmap_math::Level;
 use texmap_math::glam::DMat4;
 use texmap_raster::{BinnedDraws, Cull, DrawCall, RasterError, TargetSize};
-use texmap_render::{Frame, Renderer, Settings};
+use texmap_render::{Frame, RenderSettings, Renderer};
 use texmap_sample::Filter;
 pub(crate) use texmap_sample::Precision;
 use texmap_scene::Scene;
@@ -96,7 +96,7 @@ impl Texmap {
         let data: Scene = scene.scene(mode.precision, mode.hidden).ok()??;
         // One leak a row: the renderer borrows its scene for the whole race.
         let data: &'static Scene = Box::leak(Box::new(data));
-        let mut settings = Settings::new(width, height);
+        let mut settings = RenderSettings::new(width, height);
         settings.threads = Some(threads);
         if let Content::Sphere { samples, .. } = scene.content {
             settings.msaa = samples;
@@ -174,9 +174,9 @@ impl Texmap {
 /// what bytes round off normals (with f32 weights in both, `GALLIVM_PERF=no_aos_sampling`, these pictures agree value by value).
 pub(crate) fn truth(scene: &BenchScene) -> Option<Vec<u8>> {
     let (width, height) = scene.size();
-    let settings = Settings::new(width, height);
+    let settings = RenderSettings::new(width, height);
     let settings = match (scene.lookup, scene.content) {
-        (Lookup::Aniso16, _) => Settings {
+        (Lookup::Aniso16, _) => RenderSettings {
             supersample: 8,
             filter: Some(Filter::Trilinear),
             ..settings

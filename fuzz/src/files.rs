@@ -10,7 +10,7 @@ use texmap_io::{
 use texmap_light::EnvironmentLayout;
 use texmap_math::glam::DVec3;
 use texmap_planner::{Budget, choose};
-use texmap_render::{Settings, render};
+use texmap_render::{RenderSettings, render};
 use texmap_sample::ColorSpace;
 use texmap_scene::Scene;
 
@@ -188,9 +188,9 @@ fn in_folder(files: &[(&str, &[u8])], run: impl FnOnce(&Path)) {
 }
 
 fn picture(scene: &Scene) {
-    let settings = Settings {
+    let settings = RenderSettings {
         threads: Some(1),
-        ..Settings::new(24, 18)
+        ..RenderSettings::new(24, 18)
     };
     let scene = match tessellate(scene, settings.width) {
         Ok(scene) => scene,

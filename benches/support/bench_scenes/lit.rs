@@ -11,8 +11,8 @@ use texmap_sample::{
     ColorSpace, Filter, Origin, Precision, SampleError, Sampler, Texture2d, UvTransform,
 };
 use texmap_scene::{
-    ColorMode, Material, Mesh, Reflection, Relief, Scene, Shadow, SlideProjector, SlideRole,
-    TextureSlot,
+    ColorMode, Material, Mesh, NormalDetail, ProjectorLight, ProjectorMode, Reflection, Scene,
+    Shadow, TextureSlot,
 };
 
 use super::scene::model;
@@ -102,7 +102,7 @@ pub(super) fn scene(scene: &BenchScene, precision: Precision) -> Result<Scene, S
         Content::Mirror => {
             out.effects.environments = environment().into_iter().collect();
             out.materials.push(Material {
-                surface: surface(0.0, 0.0, 0.0),
+                phong: surface(0.0, 0.0, 0.0),
                 reflection: Some(Reflection {
                     environment: 0,
                     reflectivity: 1.0,
@@ -118,7 +118,7 @@ pub(super) fn scene(scene: &BenchScene, precision: Precision) -> Result<Scene, S
             out.lights.push(Light::Ambient { color: [0.3; 3] });
             out.effects.projectors.extend(projector(precision));
             out.materials.push(Material {
-                surface: surface(1.0, 1.0, 0.0),
+                phong: surface(1.0, 1.0, 0.0),
                 ..textured
             });
         }
@@ -137,14 +137,14 @@ pub(super) fn scene(scene: &BenchScene, precision: Precision) -> Result<Scene, S
                 light: 1,
                 size: Some(DEPTH_SIZE),
                 bias: Some(ShadowBias::Constant(bias)),
-                taps: 3,
+                pcf_size: 3,
                 area: Some((DVec3::from(MIDDLE), LIGHT_AREA)),
             });
             out.materials.push(Material {
-                surface: surface(0.15, 0.85, 0.4),
-                highlight: SpecularModel::Blinn,
+                phong: surface(0.15, 0.85, 0.4),
+                specular_model: SpecularModel::Blinn,
                 horizon_clamp: false,
-                relief: Some(Relief::NormalMap {
+                normal_detail: Some(NormalDetail::NormalMap {
                     slot: slot(1, Filter::Trilinear),
                     green: NormalMapGreen::Up,
                     rebuild_z: false,
@@ -160,11 +160,11 @@ pub(super) fn scene(scene: &BenchScene, precision: Precision) -> Result<Scene, S
     out.meshes = vec![
         // The peers' shadow pass culls back faces too.
         Mesh {
-            closed: true,
+            watertight: true,
             ..mesh(ball, wide(at))
         },
         Mesh {
-            shadowless: true,
+            casts_no_shadow: true,
             ..mesh(ground, wide(still))
         },
     ];
@@ -193,11 +193,11 @@ fn environment() -> Option<Environment> {
     faces.ok().map(Environment::with_mips)
 }
 
-fn projector(precision: Precision) -> Option<SlideProjector> {
+fn projector(precision: Precision) -> Option<ProjectorLight> {
     let position = DVec3::from(PROJECTOR);
     let fov = 40f64.to_radians();
     let projector = Projector::new(position, DVec3::from(MIDDLE), DVec3::Y, fov, 1.0).ok()?;
-    Some(SlideProjector {
+    Some(ProjectorLight {
         projector,
         position,
         texture: 1,
@@ -208,7 +208,7 @@ fn projector(precision: Precision) -> Option<SlideProjector> {
         },
         border: ProjectorBorder::Clamp,
         softness: 0.0,
-        role: SlideRole::Light([1.0; 3]),
+        mode: ProjectorMode::Light([1.0; 3]),
         shadow: None,
     })
 }

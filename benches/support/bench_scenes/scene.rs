@@ -132,7 +132,7 @@ impl BenchScene {
             blend || (hidden == Hidden::Shaded && matches!(self.content, Content::Layers { .. }));
         Material {
             name: self.filter.to_owned(),
-            surface: PhongMaterial {
+            phong: PhongMaterial {
                 color: [FLAT[0], FLAT[1], FLAT[2]],
                 ..PhongMaterial::default()
             },

@@ -7,7 +7,7 @@ use texmap_math::color::srgb_to_linear;
 use texmap_math::glam::{DVec2, DVec3};
 use texmap_scene::SceneError;
 
-use texmap_render::{RenderError, Settings, render};
+use texmap_render::{RenderError, RenderSettings, render};
 use texmap_scene::{ColorMode, Scene};
 
 /// The environment of a mesh as a cube of `size` x `size` texels a face: the scene without the mesh, seen from the middle of its box
@@ -17,7 +17,11 @@ use texmap_scene::{ColorMode, Scene};
 /// # Errors
 /// [`SceneError::Index`] for a mesh that does not exist, [`SceneError::Value`] for a mesh without vertices or an environment of no
 /// size, and those of [`render`].
-pub fn environment_of(scene: &Scene, mesh: usize, size: u32) -> Result<Environment, RenderError> {
+pub fn capture_environment(
+    scene: &Scene,
+    mesh: usize,
+    size: u32,
+) -> Result<Environment, RenderError> {
     let count = scene.meshes.len();
     let own = scene.meshes.get(mesh).ok_or(SceneError::Index {
         place: "environment".to_owned(),
@@ -72,7 +76,7 @@ pub fn environment_of(scene: &Scene, mesh: usize, size: u32) -> Result<Environme
             near: scene.camera.near,
             far: scene.camera.far,
         };
-        let frame = render(&around, &Settings::new(size, size), &|_, _| ())?;
+        let frame = render(&around, &RenderSettings::new(size, size), &|_, _| ())?;
         for (y, row) in out.chunks_exact_mut(size as usize).enumerate() {
             for (x, texel) in row.iter_mut().enumerate() {
                 // Faces of a cube map are seen from outside: left and right change places.

@@ -31,5 +31,5 @@
 mod environment;
 mod light_map;
 
-pub use environment::environment_of;
+pub use environment::capture_environment;
 pub use light_map::{BakeOptions, LightMap, bake};

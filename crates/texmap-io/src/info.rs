@@ -132,7 +132,7 @@ fn lossy<S: Serializer>(path: &Path, serializer: S) -> Result<S::Ok, S::Error> {
 fn mesh(mesh: &Mesh, scene: &Scene) -> MeshInfo {
     let mut faces = mesh.faces.clone();
     faces.dedup();
-    let framed = mesh.frame.map(|frame| {
+    let framed = mesh.texture_frame.map(|frame| {
         let uv = |p: &[f32; 3]| frame.uv(p.map(f64::from).into()).as_vec2().to_array();
         mesh.positions.iter().map(uv).collect::<Vec<_>>()
     });

@@ -13,7 +13,7 @@ use texmap_light::PhongMaterial;
 use texmap_math::camera::Camera;
 use texmap_math::glam::DVec3;
 use texmap_planner::{Budget, choose, prices};
-use texmap_render::{Frame, Settings, render};
+use texmap_render::{Frame, RenderSettings, render};
 use texmap_sample::{ColorSpace, Filter, Origin, Precision, Sampler, Texture2d, UvTransform};
 use texmap_scene::{ColorMode, Material, Mesh, Scene, Shading, TextureSlot};
 use texmap_truth::verify::verify_all;
@@ -48,9 +48,9 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
     for (name, bytes, turn, magnify) in scenes {
         let scene = plane(&bytes, turn, magnify)?;
         let draw = |scene: &Scene, supersample: u32| {
-            let settings = Settings {
+            let settings = RenderSettings {
                 supersample,
-                ..Settings::new(SIDE, SIDE)
+                ..RenderSettings::new(SIDE, SIDE)
             };
             render(scene, &settings, &|_, _| {})
         };
@@ -140,7 +140,7 @@ fn plane(bytes: &[u8], turn: f64, magnify: f64) -> Result<Scene, Box<dyn Error>>
         [x * cos - y * sin, x * sin + y * cos].map(|c| (c / (4.0 * magnify)) as f32)
     };
     let material = Material {
-        surface: PhongMaterial {
+        phong: PhongMaterial {
             color: [1.0; 3],
             ..PhongMaterial::default()
         },

@@ -14,7 +14,7 @@ use texmap_light::PhongMaterial;
 use texmap_math::camera::Camera;
 use texmap_math::glam::DVec3;
 use texmap_raster::Interp;
-use texmap_render::{Renderer, Settings};
+use texmap_render::{RenderSettings, Renderer};
 use texmap_sample::{ColorSpace, Filter, Origin, Precision, Sampler, Texture2d, UvTransform};
 use texmap_scene::{ColorMode, Material, Mesh, Scene, Shading, TextureSlot};
 
@@ -57,9 +57,9 @@ fn main() -> Result<(), Box<dyn Error>> {
 
 /// Least milliseconds of a frame of each, and the part that the second saves of the first, median of all turns.
 fn race(scenes: [&Scene; 2]) -> Result<([f64; 2], f64), Box<dyn Error>> {
-    let settings = Settings {
+    let settings = RenderSettings {
         threads: Some(1),
-        ..Settings::new(SIZE.0, SIZE.1)
+        ..RenderSettings::new(SIZE.0, SIZE.1)
     };
     let renderers = [
         Renderer::new(scenes[0], &settings)?,
@@ -141,7 +141,7 @@ fn wall(interp: Interp) -> Result<Scene, Box<dyn Error>> {
 
 fn material(filter: Filter) -> Material {
     Material {
-        surface: PhongMaterial {
+        phong: PhongMaterial {
             color: [1.0; 3],
             ..PhongMaterial::default()
         },

@@ -6,7 +6,7 @@
 use texmap_math::camera::Camera;
 use texmap_math::glam::{DMat3, DVec2, DVec3, DVec4};
 use texmap_raster::{DrawCall, Interp};
-use texmap_render::{Aov, AovData, Settings};
+use texmap_render::{Aov, AovData, RenderSettings};
 use texmap_scene::{ColorMode, Material, Mesh, Scene, Shading};
 
 use crate::LabError;
@@ -152,9 +152,9 @@ impl UvScene {
     /// # Errors
     /// When the renderer refuses the scene.
     pub fn by_render(&self, interp: Interp) -> Result<UvImage, LabError> {
-        let settings = Settings {
+        let settings = RenderSettings {
             aovs: vec![Aov::Uv],
-            ..Settings::new(self.size, self.size)
+            ..RenderSettings::new(self.size, self.size)
         };
         let frame = texmap_render::render(&self.scene(interp), &settings, &|_, _| {})?;
         let values = match frame.aovs.into_iter().next() {

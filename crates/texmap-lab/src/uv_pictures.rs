@@ -4,7 +4,7 @@ use texmap_io::framing::{AUTO_FOV, Bounds, View, auto_lights};
 use texmap_light::PhongMaterial;
 use texmap_math::camera::Camera;
 use texmap_math::glam::DVec3;
-use texmap_render::{Settings, render};
+use texmap_render::{RenderSettings, render};
 use texmap_sample::{ColorSpace, Sampler, Texture2d, UvTransform};
 use texmap_scene::{Material, Scene, Shading, TextureSlot};
 use texmap_uv::{Mesh, Report, UvSet};
@@ -53,7 +53,7 @@ pub fn checker(
     model.uvs = corner_order(mesh).map(|k| set.at(k)).collect();
     model.uv_origin = origin;
     let material = Material {
-        surface: matte(),
+        phong: matte(),
         base_color: Some(TextureSlot {
             texture: 0,
             sampler: Sampler::default(),
@@ -80,7 +80,7 @@ pub fn heat(mesh: &Mesh<'_>, report: &Report, view: View, size: u32) -> Result<P
         .flat_map(|t| [color(t); 3])
         .collect();
     let material = Material {
-        surface: PhongMaterial {
+        phong: PhongMaterial {
             color: [1.0; 3],
             ..matte()
         },
@@ -259,7 +259,7 @@ fn shot(
     if let Some(bounds) = Bounds::of(&scene) {
         scene.camera = bounds.camera(view, AUTO_FOV, 1.0);
     }
-    let mut settings = Settings::new(size, size);
+    let mut settings = RenderSettings::new(size, size);
     settings.supersample = 2;
     Ok(render(&scene, &settings, &|_, _| {})?.into())
 }

@@ -34,7 +34,7 @@ mod vertex_stage;
 pub use billboard::billboards;
 pub use error::MeshError;
 pub use height_field::height_field;
-pub use skin::{Bone, Skeleton, Skin, SkinBlend, turn, turn_by};
+pub use skin::{Bone, Skeleton, Skin, SkinBlend, rotation, rotation_about};
 pub use tessellate::tessellate;
 pub use text::Font;
 pub use vertex_stage::{MeshVertex, map_vertices};

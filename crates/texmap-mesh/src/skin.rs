@@ -243,16 +243,16 @@ impl Skeleton {
 /// A turn by an angle (radians) about an axis through the origin, counter-clockwise when the axis points at the viewer
 /// (Rodrigues 1840); the identity for an axis of no length.
 #[must_use]
-pub fn turn(axis: DVec3, angle: f64) -> DMat4 {
+pub fn rotation(axis: DVec3, angle: f64) -> DMat4 {
     let Some(axis) = axis.try_normalize() else {
         return DMat4::IDENTITY;
     };
-    turn_by(axis, deterministic_f64::sin_cos(angle))
+    rotation_about(axis, deterministic_f64::sin_cos(angle))
 }
 
-/// [`turn`] about an axis of unit length, by the sine and cosine of the angle.
+/// [`rotation`] about an axis of unit length, by the sine and cosine of the angle.
 #[must_use]
-pub fn turn_by(axis: DVec3, (sin, cos): (f64, f64)) -> DMat4 {
+pub fn rotation_about(axis: DVec3, (sin, cos): (f64, f64)) -> DMat4 {
     let column = |e: DVec3| e * cos + axis.cross(e) * sin + axis * (axis.dot(e) * (1.0 - cos));
     DMat4::from_mat3(DMat3::from_cols(
         column(DVec3::X),
@@ -304,7 +304,10 @@ mod tests {
             .map(|(b, w)| (0..4).filter(|&i| b[i] == 1).map(|i| w[i]).sum())
             .collect();
         assert_eq!(of_child, [0.0, 0.0, 0.0, 0.25, 0.5, 0.75, 1.0, 1.0, 1.0]);
-        let quarter = [DMat4::IDENTITY, turn(DVec3::Z, std::f64::consts::FRAC_PI_2)];
+        let quarter = [
+            DMat4::IDENTITY,
+            rotation(DVec3::Z, std::f64::consts::FRAC_PI_2),
+        ];
         let bent = skin.bend(&rod(), &arm().pose(&quarter).unwrap()).unwrap();
         let close = |a: [f32; 3], b: [f32; 3]| (0..3).all(|i| (a[i] - b[i]).abs() < 1e-6);
         assert!(

@@ -2,7 +2,7 @@
 
 use texmap_light::{Environment, EnvironmentLayout};
 
-use texmap_scene::{Backdrop, Scene};
+use texmap_scene::{Background, Scene};
 
 /// An environment that something reads.
 #[derive(Clone, Debug, PartialEq)]
@@ -31,7 +31,7 @@ pub(super) fn used(scene: &Scene) -> Vec<EnvironmentChoice> {
     let choice = |(index, environment): (usize, &Environment)| {
         let specular = materials().any(|m| m.specular_map == Some(index));
         let mirrored = materials().any(|m| m.reflection.is_some_and(|r| r.environment == index));
-        let sky = scene.effects.backdrop == Some(Backdrop::Environment(index));
+        let sky = scene.effects.background == Some(Background::Environment(index));
         let why = if specular {
             of_lobe(environment)
         } else if mirrored && environment.levels() > 1 {
@@ -135,7 +135,7 @@ mod tests {
         let mut bare = scene(sky(8));
         bare.meshes[0].triangles.clear();
         assert_eq!(used(&bare), []);
-        bare.effects.backdrop = Some(Backdrop::Environment(2));
+        bare.effects.background = Some(Background::Environment(2));
         assert_eq!(used(&bare)[0].environment, 2);
     }
 }

@@ -6,7 +6,7 @@ use texmap_light::Light;
 use texmap_sample::Texture2d;
 
 use super::IdleLight;
-use texmap_scene::{Material, Mesh, Scene, Shading, SlideRole, TextureRole};
+use texmap_scene::{Material, Mesh, ProjectorMode, Scene, Shading, TextureRole};
 
 /// Strengths of light beyond white that are tried: each is this many times the one before it, up to where nothing but white is left.
 const STEP: f32 = std::f32::consts::SQRT_2;
@@ -106,7 +106,7 @@ impl<'s> Lighting<'s> {
         if material.texture_role == TextureRole::Decal {
             return Gain::Exactly([1.0; 3]);
         }
-        let color = material.surface.color;
+        let color = material.phong.color;
         let lit = material.shading != Shading::Unlit;
         if !lit && mesh.colors.is_empty() && material.emission.is_none() {
             return Gain::Exactly(color);
@@ -130,7 +130,7 @@ impl<'s> Lighting<'s> {
 
     /// The most that lights can multiply a base colour by, and the most that they add to it.
     fn most(&self, material: &Material) -> ([f32; 3], [f32; 3]) {
-        let surface = &material.surface;
+        let surface = &material.phong;
         if let Some(ramp) = &material.light_ramp {
             return (self.brightest(ramp.texture), [0.0; 3]);
         }
@@ -157,7 +157,7 @@ impl<'s> Lighting<'s> {
             }
         }
         for slide in &self.scene.effects.projectors {
-            if let SlideRole::Light(color) = slide.role {
+            if let ProjectorMode::Light(color) = slide.mode {
                 let picture = self.brightest(slide.texture);
                 let color = [0, 1, 2].map(|k| color[k] * picture[k]);
                 add(&mut sum, surface.kd, color);
@@ -294,9 +294,9 @@ mod tests {
         };
         scene.lights = vec![Light::Ambient { color: [1.0; 3] }, sun(1.0), sun(3.0)];
         let material = &mut scene.materials[0];
-        material.surface.color = [0.5; 3];
-        (material.surface.ka, material.surface.kd) = (0.2, 1.0);
-        material.surface.ks = 0.25;
+        material.phong.color = [0.5; 3];
+        (material.phong.ka, material.phong.kd) = (0.2, 1.0);
+        material.phong.ks = 0.25;
         let of = |scene: &Scene, idle: &[IdleLight]| {
             Lighting::new(scene, idle).gain(&scene.meshes[0], &scene.materials[0])
         };

@@ -141,11 +141,11 @@ impl Choices {
             if let Some([r, g, b, _]) = choice.constant {
                 material.base_color = None;
                 if material.texture_role == TextureRole::Decal {
-                    material.surface.color = [r, g, b];
+                    material.phong.color = [r, g, b];
                     material.shading = Shading::Unlit;
                 } else {
-                    let [x, y, z] = material.surface.color;
-                    material.surface.color = [x * r, y * g, z * b];
+                    let [x, y, z] = material.phong.color;
+                    material.phong.color = [x * r, y * g, z * b];
                 }
             }
             if let (Some(slot), Some((filter, precision))) =
@@ -397,9 +397,9 @@ mod tests {
         let mut scene = scene();
         scene.meshes.truncate(1);
         (scene.color, scene.materials[0].shading) = (ColorMode::Raw, Shading::Unlit);
-        scene.materials[0].surface.color = [1.0; 3];
+        scene.materials[0].phong.color = [1.0; 3];
         let bright = least_error(&scene);
-        scene.materials[0].surface.color = [0.25; 3];
+        scene.materials[0].phong.color = [0.25; 3];
         let ratio = least_error(&scene) / bright;
         assert!((0.24..0.27).contains(&ratio), "{ratio}");
         // Negative twin: a decal covers the surface.
@@ -412,8 +412,8 @@ mod tests {
         let mut scene = scene();
         scene.meshes.truncate(1);
         scene.color = ColorMode::Raw;
-        scene.materials[0].surface.color = [0.25; 3];
-        scene.materials[0].surface.ka = 1.0;
+        scene.materials[0].phong.color = [0.25; 3];
+        scene.materials[0].phong.ka = 1.0;
         let mut predicted = |strength: f32| {
             scene.lights = vec![Light::Ambient {
                 color: [strength; 3],
@@ -441,7 +441,7 @@ mod tests {
             light,
             size,
             bias: None,
-            taps: 3,
+            pcf_size: 3,
             area: None,
         };
         scene.effects.shadows = vec![shadow(2, None), shadow(3, None), shadow(1, Some(512))];

@@ -66,10 +66,10 @@ impl<'s> Look<'s> {
                 .map(|slot| (with_mips(slot.texture), &slot.sampler)),
             solid: solid.map(|solid| SolidField::new(solid, &scene.effects)),
             under: match material.decal {
-                Some(_) if !copies => material.surface.color,
+                Some(_) if !copies => material.phong.color,
                 _ => [1.0; 3],
             },
-            crisp: material.crisp,
+            crisp: material.antialiased_alpha,
         })
     }
 

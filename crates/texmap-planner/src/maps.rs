@@ -3,7 +3,7 @@
 use texmap_sample::{Texture2d, Wrap};
 
 use super::view::constant;
-use texmap_scene::{AlphaMode, Material, Relief, TextureSlot};
+use texmap_scene::{AlphaMode, Material, NormalDetail, TextureSlot};
 
 /// Puts numbers in the place of maps of one colour, and says which maps are gone.
 pub(super) fn drop_constant(
@@ -16,14 +16,14 @@ pub(super) fn drop_constant(
         constant(&textures[slot.texture]).filter(|_| !border)
     };
     let opaque = |slot: &TextureSlot| color(slot).filter(|c| c[3] >= 1.0);
-    if let Some(Relief::Bump { slot, .. }) = &material.relief
+    if let Some(NormalDetail::Bump { slot, .. }) = &material.normal_detail
         && opaque(slot).is_some()
     {
-        material.relief = None;
+        material.normal_detail = None;
         gone.push("bump map (of one height)");
     }
     if let Some([share, ..]) = material.maps.exponent.as_ref().and_then(opaque) {
-        material.surface.ns *= share;
+        material.phong.ns *= share;
         material.maps.exponent = None;
         gone.push("exponent map (of one value)");
     }
@@ -77,7 +77,7 @@ mod tests {
             of([[255, 255, 255, 102]; 2]),
         ];
         let material = |map: usize, white: usize, alpha: usize| Material {
-            relief: Some(Relief::Bump {
+            normal_detail: Some(NormalDetail::Bump {
                 slot: slot(map),
                 height: 0.1,
             }),
@@ -93,9 +93,9 @@ mod tests {
         let before = material(0, 2, 3);
         let mut after = before.clone();
         assert_eq!(drop_constant(&textures, &mut after).len(), 4);
-        assert!(after.relief.is_none() && after.opacity_map.is_none());
+        assert!(after.normal_detail.is_none() && after.opacity_map.is_none());
         assert_eq!(after.maps, SurfaceMaps::default());
-        assert!((after.surface.ns / before.surface.ns - 0.2).abs() < 1e-6);
+        assert!((after.phong.ns / before.phong.ns - 0.2).abs() < 1e-6);
         assert!((after.opacity - 0.4).abs() < 1e-6, "{}", after.opacity);
         // Negative twins: one texel differs, a grey highlight, a threshold of 0, a border.
         let mut other = material(1, 0, 1);

@@ -347,7 +347,7 @@ pub(super) fn places(view: &View<'_>) -> Places {
 }
 
 fn source(view: &View<'_>) -> Source {
-    match (view.mesh.round, view.mesh.frame) {
+    match (view.mesh.uv_projection, view.mesh.texture_frame) {
         (Some(map), _) => Source::Round(map),
         (None, Some(frame)) => {
             let frame = frame.transform(view.view_from_world * view.mesh.world_from_object);

@@ -61,7 +61,7 @@ impl View<'_> {
             f64::from(texture.width().max(texture.height()))
         });
         // What is made per pixel needs its position, or no attribute at all.
-        let per_pixel = self.mesh.frame.is_some() || self.mesh.round.is_some();
+        let per_pixel = self.mesh.texture_frame.is_some() || self.mesh.uv_projection.is_some();
         let affine = self.affine_error(texels);
         if !per_pixel && affine <= EQUAL_W && prices::interp(Interp::Affine) <= choice.price {
             choice.interp = Interp::Affine;
@@ -124,7 +124,7 @@ impl View<'_> {
         if material.decal.is_some() {
             // The surface colour lies below the label, and is in the look already.
             let mut white = material.clone();
-            white.surface.color = [1.0; 3];
+            white.phong.color = [1.0; 3];
             gain = self.lighting.gain(self.mesh, &white);
         }
         let blended = material.alpha == AlphaMode::Blend;

@@ -6,7 +6,7 @@ use std::error::Error;
 use texmap_light::{Light, PhongMaterial};
 use texmap_math::Camera;
 use texmap_math::glam::DVec3;
-use texmap_render::{Settings, render};
+use texmap_render::{RenderSettings, render};
 use texmap_sample::{ColorSpace, Filter, Origin, Sampler, Texture2d, UvTransform};
 use texmap_scene::{AlphaMode, Material, Mesh, Scene, Shading, TextureRole, TextureSlot};
 
@@ -40,7 +40,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         })
     };
     let floor = Material {
-        surface: PhongMaterial { ks: 0.0, ..white },
+        phong: PhongMaterial { ks: 0.0, ..white },
         base_color: slot(0, Filter::Anisotropic(16)),
         ..Material::default()
     };
@@ -52,7 +52,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         ..Material::default()
     };
     let glass = Material {
-        surface: PhongMaterial {
+        phong: PhongMaterial {
             color: [0.8, 0.05, 0.05],
             ..PhongMaterial::default()
         },
@@ -114,9 +114,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
     let frame = render(
         &scene,
-        &Settings {
+        &RenderSettings {
             supersample: 2,
-            ..Settings::new(640, 360)
+            ..RenderSettings::new(640, 360)
         },
         &|_, _| (),
     )?;

@@ -61,7 +61,7 @@ impl RenderError {
             | RasterError::Tolerance { draw, .. } => Some(draw),
             _ => None,
         };
-        let first = usize::from(scene.effects.backdrop.is_some());
+        let first = usize::from(scene.effects.background.is_some());
         let mesh = draw
             .and_then(|draw| draw.checked_sub(first))
             .and_then(|draw| scene.meshes.get(draw))

@@ -10,8 +10,8 @@ use texmap_scene::shadow_fit::{fitting_size, shadow_bias, shadow_kind};
 
 use crate::shade::projector::Projected;
 use crate::shadow::shadow_map_in;
-use crate::{RenderError, Settings};
-use texmap_scene::{Scene, SlideProjector, SlideRole};
+use crate::{RenderError, RenderSettings};
+use texmap_scene::{ProjectorLight, ProjectorMode, Scene};
 
 /// The effects of a scene, made ready: every map is finished before the first tile.
 #[derive(Debug)]
@@ -28,14 +28,14 @@ pub(crate) struct Ready<'s> {
 
 impl<'s> Ready<'s> {
     /// Draws all maps.
-    pub(crate) fn new(scene: &'s Scene, settings: &Settings) -> Result<Self, RenderError> {
+    pub(crate) fn new(scene: &'s Scene, settings: &RenderSettings) -> Result<Self, RenderError> {
         Self::in_rooms(scene, settings, Vec::new())
     }
 
     /// [`new`](Self::new) in the [`rooms`](Self::rooms) of earlier maps.
     pub(crate) fn in_rooms(
         scene: &'s Scene,
-        settings: &Settings,
+        settings: &RenderSettings,
         rooms: Vec<Vec<f32>>,
     ) -> Result<Self, RenderError> {
         let mut rooms = rooms.into_iter();
@@ -56,7 +56,7 @@ impl<'s> Ready<'s> {
                 .size
                 .unwrap_or_else(|| fitting_size(scene, &kind, settings.width));
             let bias = shadow.bias.unwrap_or_else(|| shadow_bias(scene));
-            shadows[shadow.light].push(draw(&kind, size, bias, shadow.taps)?);
+            shadows[shadow.light].push(draw(&kind, size, bias, shadow.pcf_size)?);
         }
         let (mut lamps, mut paints) = (Vec::new(), Vec::new());
         for slide in &scene.effects.projectors {
@@ -73,16 +73,16 @@ impl<'s> Ready<'s> {
             });
             let position = narrow(slide.position);
             let projected = Projected {
-                view: match slide.role {
-                    SlideRole::Paint => view.as_decal(),
-                    SlideRole::Light(_) => view,
+                view: match slide.mode {
+                    ProjectorMode::Decal => view.as_decal(),
+                    ProjectorMode::Light(_) => view,
                 },
                 position,
                 shadow,
             };
-            match slide.role {
-                SlideRole::Paint => paints.push(projected),
-                SlideRole::Light(color) => {
+            match slide.mode {
+                ProjectorMode::Decal => paints.push(projected),
+                ProjectorMode::Light(color) => {
                     lights.push(Light::Point { color, position });
                     shadows.push(Vec::new());
                     lamps.push(projected);
@@ -145,7 +145,7 @@ pub(crate) fn reserve_map(
 }
 
 /// The pyramid of a projector as a spot light's map: square, as wide as the wider side of the picture.
-fn slide_kind(slide: &SlideProjector) -> ShadowKind {
+fn slide_kind(slide: &ProjectorLight) -> ShadowKind {
     let Projector { q, s, t } = slide.projector;
     // q - t/2 and s - t/2 are the right and down axes times the focal lengths.
     let forward = t.truncate();

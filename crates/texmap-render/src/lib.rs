@@ -26,7 +26,7 @@
 //! ```
 //! use texmap_light::PhongMaterial;
 //! use texmap_math::{Camera, glam::DVec3};
-//! use texmap_render::{Settings, render};
+//! use texmap_render::{RenderSettings, render};
 //! use texmap_scene::{Material, Mesh, Scene, Shading};
 //!
 //! let camera = Camera {
@@ -41,11 +41,11 @@
 //! };
 //! let scene = Scene {
 //!     background: [0.0, 0.0, 1.0, 1.0],
-//!     materials: vec![Material { surface: red, shading: Shading::Unlit, ..Material::default() }],
+//!     materials: vec![Material { phong: red, shading: Shading::Unlit, ..Material::default() }],
 //!     meshes: vec![triangle],
 //!     ..Scene::new(camera)
 //! };
-//! let frame = render(&scene, &Settings::new(64, 64), &|_done, _of| ())?;
+//! let frame = render(&scene, &RenderSettings::new(64, 64), &|_done, _of| ())?;
 //! let middle = (32 * 64 + 32) * 4;
 //! assert_eq!(frame.rgba[middle..middle + 4], [255, 0, 0, 255]);
 //! assert_eq!(frame.rgba[..4], [0, 0, 255, 255]);
@@ -85,7 +85,7 @@ mod vertices;
 pub use error::RenderError;
 pub use frame::{AovData, Frame, HOLE_BITS, Stats, Times, hash_pixels, pixel_hash};
 pub use render::{Renderer, render, render_ordered};
-pub use settings::{Aov, Settings, UnknownAov};
+pub use settings::{Aov, RenderSettings, UnknownAov};
 pub use shadow::{shadow_map, shadow_map_for};
 /// The crate of scenes.
 pub use texmap_scene as scene;

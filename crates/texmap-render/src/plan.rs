@@ -21,9 +21,9 @@ use crate::shade::sky::SkyStage;
 use crate::shade::unlit::UnlitColor;
 use crate::shade::volume::VolumeStage;
 use crate::textures::{Chains, Slot};
-use crate::{Aov, RenderError, Settings};
+use crate::{Aov, RenderError, RenderSettings};
 use texmap_math::ViewRays;
-use texmap_scene::{Backdrop, Scene};
+use texmap_scene::{Background, Scene};
 
 pub(crate) use alpha_test::{Cut, cut};
 pub(crate) use shader::Shader;
@@ -63,7 +63,7 @@ impl<'s> Plan<'s> {
     /// A plan for `width` x `height` samples with the attributes that the shading needs and those of `aovs`.
     pub(crate) fn new(
         scene: &'s Scene,
-        settings: &Settings,
+        settings: &RenderSettings,
         chains: &Chains,
         ready: &Arc<Ready<'s>>,
         (width, height): (u32, u32),
@@ -143,20 +143,20 @@ struct View {
 /// The backdrop.
 fn sky<'s>(
     scene: &'s Scene,
-    settings: &Settings,
+    settings: &RenderSettings,
     chains: &Chains,
     view: &View,
 ) -> Option<Surface<'s>> {
     let mut surface = behind();
-    match scene.effects.backdrop.as_ref()? {
-        Backdrop::Picture(slot) => {
+    match scene.effects.background.as_ref()? {
+        Background::Picture(slot) => {
             let slot = Slot::new(slot, scene, settings, chains, Origin::TopLeft);
             surface.solid = !slot.can_be_transparent();
             surface.unlit = UnlitColor::new(surface.material, Some(&slot), scene.color);
             surface.uv = Coordinates::Vertices;
             surface.base_color = Some(slot);
         }
-        Backdrop::Environment(index) => {
+        Background::Environment(index) => {
             let environment = &scene.effects.environments[*index];
             let rays = ViewRays::new(view.half, view.size);
             let stage = SkyStage::new(environment, &rays, view.view_from_world);
@@ -221,7 +221,7 @@ mod tests {
         let is_short = |material: Material| {
             let mut scene = scene(material);
             scene.meshes[0].lightmap_uvs = vec![[0.0; 2]; 3];
-            let settings = Settings::new(8, 8);
+            let settings = RenderSettings::new(8, 8);
             let chains = Chains::new(&scene, &settings).unwrap();
             let ready = Arc::new(Ready::new(&scene, &settings).unwrap());
             let plan = Plan::new(&scene, &settings, &chains, &ready, (8, 8), &[]).unwrap();
@@ -230,7 +230,7 @@ mod tests {
                 _ => false,
             }
         };
-        let normals = |object_space| texmap_scene::Relief::NormalMap {
+        let normals = |object_space| texmap_scene::NormalDetail::NormalMap {
             slot: slot(Filter::Trilinear).unwrap(),
             green: texmap_light::NormalMapGreen::Up,
             rebuild_z: false,
@@ -238,7 +238,7 @@ mod tests {
             strength: 1.0,
         };
         let with = |relief| Material {
-            relief: Some(relief),
+            normal_detail: Some(relief),
             ..Material::default()
         };
         let baked = Material {
@@ -257,7 +257,7 @@ mod tests {
         ] {
             assert!(is_short(material));
         }
-        let bump = texmap_scene::Relief::Bump {
+        let bump = texmap_scene::NormalDetail::Bump {
             slot: slot(Filter::Bilinear).unwrap(),
             height: 0.1,
         };
@@ -278,7 +278,7 @@ mod tests {
     /// Attributes per vertex, pass, and whether a mip chain was built.
     fn needs(material: Material, aovs: &[Aov]) -> (usize, Pass, bool) {
         let scene = scene(material);
-        let settings = Settings::new(8, 8);
+        let settings = RenderSettings::new(8, 8);
         let chains = Chains::new(&scene, &settings).unwrap();
         let ready = Arc::new(Ready::new(&scene, &settings).unwrap());
         let plan = Plan::new(&scene, &settings, &chains, &ready, (8, 8), aovs).unwrap();

@@ -13,7 +13,7 @@ use crate::plan::Plan;
 use crate::resolve::rows::{AovParts, blocks, split};
 use crate::textures::Chains;
 use crate::tile::job::{Block, Job, Scratch};
-use crate::{Aov, AovData, Frame, HOLE_BITS, RenderError, Settings, Stats};
+use crate::{Aov, AovData, Frame, HOLE_BITS, RenderError, RenderSettings, Stats};
 use texmap_scene::Scene;
 
 /// Draws a scene: [`Renderer::new`], then [`Renderer::draw`].
@@ -24,7 +24,7 @@ use texmap_scene::Scene;
 /// Every fault of the scene or the settings, before the first pixel; see [`RenderError`].
 pub fn render(
     scene: &Scene,
-    settings: &Settings,
+    settings: &RenderSettings,
     progress: &(dyn Fn(usize, usize) + Sync),
 ) -> Result<Frame, RenderError> {
     settings.check()?;
@@ -37,7 +37,7 @@ pub fn render(
 /// any SIMD level.
 pub struct Renderer<'s> {
     scene: &'s Scene,
-    settings: Settings,
+    settings: RenderSettings,
     plan: Plan<'s>,
     /// AOVs describe the pixel's centre, which lies on no sample if their number is even: then they have their own pass.
     centres: Option<Plan<'s>>,
@@ -64,7 +64,7 @@ impl<'s> Renderer<'s> {
     ///
     /// # Errors
     /// Every fault of the scene or the settings; see [`RenderError`].
-    pub fn new(scene: &'s Scene, settings: &Settings) -> Result<Self, RenderError> {
+    pub fn new(scene: &'s Scene, settings: &RenderSettings) -> Result<Self, RenderError> {
         let start = Instant::now();
         settings.check()?;
         ask_for_frame(settings)?;
@@ -286,7 +286,7 @@ impl<'s> Renderer<'s> {
 #[doc(hidden)]
 pub fn render_ordered(
     scene: &Scene,
-    settings: &Settings,
+    settings: &RenderSettings,
     progress: &(dyn Fn(usize, usize) + Sync),
     order: &(dyn Fn(usize) -> Vec<usize> + Sync),
 ) -> Result<Frame, RenderError> {
@@ -334,7 +334,7 @@ impl Counter<'_> {
 }
 
 /// Asks for the frame's buffers, and for the slices of them that blocks hold while they are drawn.
-fn ask_for_frame(settings: &Settings) -> Result<(), RenderError> {
+fn ask_for_frame(settings: &RenderSettings) -> Result<(), RenderError> {
     let (width, height) = (settings.width, settings.height);
     let pixels = u64::from(width) * u64::from(height);
     let channels: usize = 1 + settings
@@ -358,7 +358,7 @@ fn ask_for_frame(settings: &Settings) -> Result<(), RenderError> {
 
 /// Asks for what vertices and triangles become before the first tile: snapped positions, attributes, normals and positions in
 /// world space, lists of triangles.
-fn ask_for_geometry(scene: &Scene, settings: &Settings) -> Result<(), RenderError> {
+fn ask_for_geometry(scene: &Scene, settings: &RenderSettings) -> Result<(), RenderError> {
     const VERTEX: u64 = 64;
     const TRIANGLE: u64 = 16;
     let vertices: usize = scene.meshes.iter().map(|m| m.positions.len()).sum();
@@ -372,7 +372,7 @@ fn ask_for_geometry(scene: &Scene, settings: &Settings) -> Result<(), RenderErro
 }
 
 /// Buffers of the right sizes; drawing fills them.
-fn empty_frame(settings: &Settings) -> Frame {
+fn empty_frame(settings: &RenderSettings) -> Frame {
     let (width, height) = (settings.width, settings.height);
     let pixels = width as usize * height as usize;
     let buffer = |aov: &Aov| match aov {

@@ -11,7 +11,7 @@ use crate::RenderError;
 /// How a scene becomes a picture. No setting but the size, `supersample`, `msaa` and the three overrides changes
 /// a pixel.
 #[derive(Clone, Debug)]
-pub struct Settings {
+pub struct RenderSettings {
     /// Pixels, 1..=16384.
     pub width: u32,
     /// Pixels, 1..=16384.
@@ -38,7 +38,7 @@ pub struct Settings {
     pub memory: MemoryBudget,
 }
 
-impl Settings {
+impl RenderSettings {
     /// One sample a pixel, the best SIMD level of this machine, no AOV, nothing overridden, the memory budget of the process.
     #[must_use]
     pub fn new(width: u32, height: u32) -> Self {
@@ -58,7 +58,7 @@ impl Settings {
     }
 }
 
-impl Settings {
+impl RenderSettings {
     pub(crate) fn check(&self) -> Result<(), RenderError> {
         let side_fits = |side: u32| {
             (1..=u64::from(TargetSize::MAX))

@@ -85,7 +85,7 @@ pub(crate) fn shadow_map_in(
                     depth_test: DepthTest::Less,
                     depth_slope: reach as f32,
                     pass: match scene.materials[mesh.material].alpha {
-                        _ if mesh.shadowless => Pass::Blended,
+                        _ if mesh.casts_no_shadow => Pass::Blended,
                         AlphaMode::Blend => Pass::Blended,
                         _ if holes.is_some() => Pass::CutOut,
                         _ => Pass::Opaque,

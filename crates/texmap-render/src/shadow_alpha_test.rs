@@ -6,7 +6,7 @@ use texmap_raster::{AlphaTest, Fragment, UvBlock};
 use crate::plan::{Cut, cut};
 use crate::shade::coordinates::Coordinates;
 use crate::textures::{Chains, Slot};
-use crate::{RenderError, Settings};
+use crate::{RenderError, RenderSettings};
 use texmap_scene::{AlphaMode, Mesh, Scene};
 
 /// What the meshes of a scene let through. Those whose coordinates come from a texture frame, which is bound to the camera, let
@@ -34,12 +34,12 @@ impl<'s> Cuts<'s> {
     pub(crate) fn new(scene: &'s Scene) -> Result<Option<Self>, RenderError> {
         let tested = |mesh: &Mesh| {
             let alpha = scene.materials[mesh.material].alpha;
-            matches!(alpha, AlphaMode::Test(_)) && mesh.frame.is_none()
+            matches!(alpha, AlphaMode::Test(_)) && mesh.texture_frame.is_none()
         };
         if !scene.meshes.iter().any(tested) {
             return Ok(None);
         }
-        let settings = Settings::new(1, 1);
+        let settings = RenderSettings::new(1, 1);
         let chains = Chains::new(scene, &settings)?;
         let meshes: Vec<_> = scene
             .meshes
@@ -85,13 +85,18 @@ impl AlphaTest for Cuts<'_> {
 }
 
 impl<'s> Cutting<'s> {
-    fn new(scene: &'s Scene, settings: &Settings, chains: &Chains, mesh: &'s Mesh) -> Option<Self> {
+    fn new(
+        scene: &'s Scene,
+        settings: &RenderSettings,
+        chains: &Chains,
+        mesh: &'s Mesh,
+    ) -> Option<Self> {
         let material = &scene.materials[mesh.material];
         let slot = |slot| Slot::new(slot, scene, settings, chains, mesh.uv_origin);
         let base_color = material.base_color.as_ref().map(slot);
         let opacity_map = material.opacity_map.as_ref().map(slot);
         let cut = cut(material, base_color.as_ref(), opacity_map.as_ref())?;
-        let (uv, attributes, attribute_count) = match mesh.round {
+        let (uv, attributes, attribute_count) = match mesh.uv_projection {
             Some(map) => {
                 let place =
                     |p: &[f32; 3]| narrow(mesh.world_from_object.transform_point3(wide(*p)));

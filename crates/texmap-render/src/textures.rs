@@ -6,17 +6,17 @@ use texmap_math::Footprint;
 use texmap_raster::Varyings;
 use texmap_sample::{Origin, Sampler, Texture2d, UvTransform, Wrap};
 
-use crate::{RenderError, Settings};
-use texmap_scene::{Backdrop, Scene, TextureSlot};
+use crate::{RenderError, RenderSettings};
+use texmap_scene::{Background, Scene, TextureSlot};
 
 /// Mip chains by texture, built once for both passes and only where a sampler reads them.
 pub(crate) struct Chains(pub(crate) Vec<Option<Texture2d<'static>>>);
 
 impl Chains {
-    pub(crate) fn new(scene: &Scene, settings: &Settings) -> Result<Self, RenderError> {
+    pub(crate) fn new(scene: &Scene, settings: &RenderSettings) -> Result<Self, RenderError> {
         let mut chains = vec![None; scene.textures.len()];
-        let backdrop = match &scene.effects.backdrop {
-            Some(Backdrop::Picture(slot)) => Some(slot),
+        let backdrop = match &scene.effects.background {
+            Some(Background::Picture(slot)) => Some(slot),
             _ => None,
         };
         let meshes = scene.meshes.iter();
@@ -167,7 +167,7 @@ impl<'s> Slot<'s> {
     pub(crate) fn new(
         slot: &'s TextureSlot,
         scene: &'s Scene,
-        settings: &Settings,
+        settings: &RenderSettings,
         chains: &Chains,
         origin: Origin,
     ) -> Self {

@@ -227,7 +227,7 @@ impl Source<'_> {
             None if back => vertex - self.back_from,
             None => vertex,
         };
-        let surface = &self.scene.materials[self.mesh.material].surface;
+        let surface = &self.scene.materials[self.mesh.material].phong;
         let tint = self.mesh.colors.get(vertex).copied().unwrap_or([1.0; 3]);
         let terms = if lit {
             self.terms(surface, vertex, back)

@@ -16,7 +16,7 @@ pub struct Effects {
     /// Lights that throw shadows.
     pub shadows: Vec<Shadow>,
     /// Slide projectors.
-    pub projectors: Vec<SlideProjector>,
+    pub projectors: Vec<ProjectorLight>,
     /// Environments and specular maps that materials name by index.
     pub environments: Vec<Environment>,
     /// Grids that solid textures and volumes name by index.
@@ -24,7 +24,7 @@ pub struct Effects {
     /// Matter between the eye and the surfaces.
     pub volumes: Vec<Volume>,
     /// A sky.
-    pub backdrop: Option<Backdrop>,
+    pub background: Option<Background>,
 }
 
 /// A shadow map for a light. Read by surfaces that are lit per pixel.
@@ -37,7 +37,7 @@ pub struct Shadow {
     /// What keeps a surface from shadowing itself; `None`: [`shadow_bias`](crate::shadow_bias).
     pub bias: Option<ShadowBias>,
     /// Comparisons a side of the filter, 1 or an odd number up to 15.
-    pub taps: u32,
+    pub pcf_size: u32,
     /// For a directional light the square that its map shows, by centre and half a side; `None`: all of the scene. For a point light
     /// one map in place of six, which looks at the centre and shows half a side there: what lies beyond it is lit.
     pub area: Option<(DVec3, f64)>,
@@ -45,7 +45,7 @@ pub struct Shadow {
 
 /// A slide projector: a lamp whose light is a picture, or paint thrown onto surfaces. Read by surfaces that are lit per pixel.
 #[derive(Clone, Debug, PartialEq)]
-pub struct SlideProjector {
+pub struct ProjectorLight {
     /// Where it stands and what it covers; made with the aspect of its picture.
     pub projector: Projector,
     /// Where it stands: light comes from here.
@@ -59,18 +59,18 @@ pub struct SlideProjector {
     /// Part of the picture's width and height over which its edge fades, 0..=0.5.
     pub softness: f32,
     /// Lamp or paint.
-    pub role: SlideRole,
+    pub mode: ProjectorMode,
     /// Texels a side of the depth map that keeps it from shining through things; `None`: it shines through.
     pub shadow: Option<u32>,
 }
 
 /// What a slide does to a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum SlideRole {
+pub enum ProjectorMode {
     /// It is light of this linear colour times the picture, from the projector's position: diffuse, with highlights.
     Light([f32; 3]),
     /// It covers the base colour of what faces the projector, as alpha says.
-    Paint,
+    Decal,
 }
 
 /// Textures for the numbers of a surface; each multiplies what the surface says.
@@ -98,7 +98,7 @@ pub struct Emission {
 
 /// What turns the normals of a surface, without moving it.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Relief {
+pub enum NormalDetail {
     /// A height field (red channel), Blinn 1978.
     Bump {
         /// The texture.
@@ -117,9 +117,9 @@ pub enum Relief {
         green: NormalMapGreen,
     },
     /// Heights by a formula of the place in the world.
-    Carved {
+    Procedural {
         /// The formula.
-        heights: Carving,
+        heights: ProceduralHeight,
         /// Where its unit stands in the world; may not be flat.
         world_from_solid: DMat4,
         /// Height of 1 over 0, in units of the object; negative turns it inside out.
@@ -140,7 +140,7 @@ pub enum Relief {
     },
 }
 
-impl Relief {
+impl NormalDetail {
     /// Its texture, if it has one.
     #[must_use]
     pub fn slot(&self) -> Option<&TextureSlot> {
@@ -148,14 +148,14 @@ impl Relief {
             Self::Bump { slot, .. } | Self::Offsets { slot, .. } | Self::NormalMap { slot, .. } => {
                 Some(slot)
             }
-            Self::Carved { .. } => None,
+            Self::Procedural { .. } => None,
         }
     }
 }
 
-/// A height of 0 to 1 as a formula of a place, for [`Relief::Carved`].
+/// A height of 0 to 1 as a formula of a place, for [`NormalDetail::Procedural`].
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Carving {
+pub enum ProceduralHeight {
     /// A pattern in space.
     Pattern(Pattern),
     /// Waves in cylindrical space about the y axis: 1/2 + 1/2 cos(around a) cos(2 pi y), a the angle about the axis. A whole number
@@ -190,7 +190,7 @@ pub struct Reflection {
 
 /// A sky. It is drawn over the background colour and under everything else, and leaves no trace in output arrays.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Backdrop {
+pub enum Background {
     /// The picture is stretched over the whole frame, whatever its shape and wherever the camera looks: an opaque texel
     /// hides the background colour.
     Picture(TextureSlot),
@@ -220,16 +220,16 @@ pub struct Volume {
 /// A texture that fills space. Its colour multiplies that of the surface; with a
 /// [`color_ramp`](crate::Material::color_ramp) its first channel is looked up along that.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Solid {
+pub struct SolidTexture {
     /// What it is made of.
-    pub source: SolidSource,
+    pub source: SolidTextureSource,
     /// Where its unit cube (of a grid) or its unit (of a pattern) stands in the world; may not be flat.
     pub world_from_solid: DMat4,
 }
 
 /// What a solid texture is made of.
 #[derive(Clone, Debug, PartialEq)]
-pub enum SolidSource {
+pub enum SolidTextureSource {
     /// A grid over the unit cube.
     Grid {
         /// Index into [`Effects::grids`].

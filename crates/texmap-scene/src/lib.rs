@@ -42,12 +42,12 @@ mod shapes;
 mod solid_field;
 
 pub use effects::{
-    Backdrop, Carving, Effects, Emission, LightMapSlot, Reflection, Relief, Shadow, SlideProjector,
-    SlideRole, Solid, SolidSource, SurfaceMaps, Volume,
+    Background, Effects, Emission, LightMapSlot, NormalDetail, ProceduralHeight, ProjectorLight,
+    ProjectorMode, Reflection, Shadow, SolidTexture, SolidTextureSource, SurfaceMaps, Volume,
 };
 pub use error::SceneError;
 pub use light_names::is_light_name;
-pub use material::{AlphaMode, Gouraud, Material, Shading, TextureRole, TextureSlot};
+pub use material::{AlphaMode, Material, Shading, TextureRole, TextureSlot, VertexColorInterp};
 pub use mesh::Mesh;
 pub use scene::{ColorMode, Scene};
 pub use shadow_fit::{shadow_bias, shadow_kind};

@@ -4,7 +4,7 @@ use texmap_light::{PhongMaterial, SpecularModel};
 use texmap_raster::{Cull, Interp};
 use texmap_sample::{Sampler, UvTransform};
 
-use crate::{Emission, LightMapSlot, Reflection, Relief, Solid, SurfaceMaps};
+use crate::{Emission, LightMapSlot, NormalDetail, Reflection, SolidTexture, SurfaceMaps};
 
 /// How a surface looks.
 #[derive(Clone, Debug, PartialEq)]
@@ -12,7 +12,7 @@ pub struct Material {
     /// For messages.
     pub name: String,
     /// Base colour (linear light; raw under [`ColorMode::Raw`](crate::ColorMode::Raw)) and its answer to light.
-    pub surface: PhongMaterial,
+    pub phong: PhongMaterial,
     /// 0 (clear) to 1; multiplies the alpha of the texture. Read by [`AlphaMode::Test`] and
     /// [`AlphaMode::Blend`].
     pub opacity: f32,
@@ -22,9 +22,9 @@ pub struct Material {
     pub opacity_map: Option<TextureSlot>,
     /// The base colour's alpha is an outline: cut at a half, with one pixel of coverage at its edge, however far it is
     /// magnified (Green 2007, for alpha that falls evenly across the edge). For text and signs.
-    pub crisp: bool,
+    pub antialiased_alpha: bool,
     /// A texture that fills space; multiplies the surface colour.
-    pub solid: Option<Solid>,
+    pub solid: Option<SolidTexture>,
     /// A row of texels along which the first channel of `solid`, else of `base_color`, is looked up: its colour takes the
     /// place of theirs. A dependent look-up.
     pub color_ramp: Option<TextureSlot>,
@@ -44,15 +44,15 @@ pub struct Material {
     /// Which side of a triangle is not drawn. Drawn back sides are lit from the side that is seen.
     pub cull: Cull,
     /// How colours of [`Shading::PerVertex`] and vertex colours run across a triangle.
-    pub gouraud: Gouraud,
+    pub vertex_color_interp: VertexColorInterp,
     /// How highlights fall off, per pixel.
-    pub highlight: SpecularModel,
+    pub specular_model: SpecularModel,
     /// Textures for the numbers of `surface`. Read by [`Shading::PerPixel`].
     pub maps: SurfaceMaps,
     /// Light of its own, under every [`Shading`].
     pub emission: Option<Emission>,
     /// What turns the normal. Read by [`Shading::PerPixel`].
-    pub relief: Option<Relief>,
+    pub normal_detail: Option<NormalDetail>,
     /// Normals that a relief turns away from the eye are brought back to the horizon: without, such pixels are as dark or bright as
     /// the far side of the relief.
     pub horizon_clamp: bool,
@@ -70,11 +70,11 @@ impl Default for Material {
     fn default() -> Self {
         Self {
             name: String::new(),
-            surface: PhongMaterial::default(),
+            phong: PhongMaterial::default(),
             opacity: 1.0,
             base_color: None,
             opacity_map: None,
-            crisp: false,
+            antialiased_alpha: false,
             solid: None,
             color_ramp: None,
             light_ramp: None,
@@ -84,11 +84,11 @@ impl Default for Material {
             alpha: AlphaMode::Opaque,
             interp: Interp::Perspective,
             cull: Cull::None,
-            gouraud: Gouraud::ScreenLinear,
-            highlight: SpecularModel::Phong,
+            vertex_color_interp: VertexColorInterp::ScreenLinear,
+            specular_model: SpecularModel::Phong,
             maps: SurfaceMaps::default(),
             emission: None,
-            relief: None,
+            normal_detail: None,
             horizon_clamp: true,
             light_map: None,
             reflection: None,
@@ -101,7 +101,7 @@ impl Material {
     /// Every texture that the material names.
     pub fn slots(&self) -> impl Iterator<Item = &TextureSlot> {
         let maps = &self.maps;
-        let relief = self.relief.as_ref().and_then(Relief::slot);
+        let relief = self.normal_detail.as_ref().and_then(NormalDetail::slot);
         self.base_color
             .iter()
             .chain(&self.opacity_map)
@@ -127,7 +127,9 @@ impl Material {
     #[must_use]
     pub fn reads_uv(&self) -> bool {
         let maps = &self.maps;
-        self.relief.as_ref().is_some_and(|r| r.slot().is_some())
+        self.normal_detail
+            .as_ref()
+            .is_some_and(|r| r.slot().is_some())
             || [
                 &maps.ambient,
                 &maps.specular,
@@ -188,7 +190,7 @@ pub enum Shading {
 
 /// How colours run across a triangle.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Gouraud {
+pub enum VertexColorInterp {
     /// Linear on the screen: what the lecture's rasterizer does, with its seams at T-joints.
     #[default]
     ScreenLinear,

@@ -37,15 +37,15 @@ pub struct Mesh {
     pub uv_origin: Origin,
     /// Object-space O, U, V. If given, uv is computed at every pixel as A.W/C.W, B.W/C.W (Brackeen 2003,
     /// chapter 8) and `uvs` is not read.
-    pub frame: Option<TextureFrame>,
+    pub texture_frame: Option<TextureFrame>,
     /// A sphere or cylinder in world space. If given, uv is computed at every pixel from its position, exact also
     /// across the seam and around the axis, and neither `frame` nor `uvs` is read.
-    pub round: Option<PerPixelProjection>,
+    pub uv_projection: Option<PerPixelProjection>,
     /// Throws no shadow: shadow maps and the depth maps of projectors do not show it.
-    pub shadowless: bool,
+    pub casts_no_shadow: bool,
     /// Bounds a solid, its fronts outwards and no hole in it: maps of parallel and spot lights show its fronts alone, which is half of the
     /// work and the same shadow. Lights that stand inside of it shine through.
-    pub closed: bool,
+    pub watertight: bool,
     /// A height map that moves the surface, by `texmap_mesh::tessellate`.
     pub displacement: Option<Displacement>,
     /// If not empty, the mesh is these rectangles, four vertices each: see `texmap_mesh::billboards`.
@@ -67,10 +67,10 @@ impl Default for Mesh {
             material: 0,
             world_from_object: DMat4::IDENTITY,
             uv_origin: Origin::TopLeft,
-            frame: None,
-            round: None,
-            shadowless: false,
-            closed: false,
+            texture_frame: None,
+            uv_projection: None,
+            casts_no_shadow: false,
+            watertight: false,
             displacement: None,
             billboards: Vec::new(),
         }
@@ -104,12 +104,12 @@ impl Mesh {
         self.displacement.is_none() && self.billboards.is_empty()
     }
 
-    /// Angle (radians, 0 to pi/2) between the plane of [`frame`](Self::frame) and that of the mesh's first
+    /// Angle (radians, 0 to pi/2) between the plane of [`texture_frame`](Self::texture_frame) and that of the mesh's first
     /// triangle with an area; `None` without a frame or without such a triangle. Beyond 0 the texture lies
     /// in another plane than the polygon (Brackeen 2003: "at an angle when seen head on").
     #[must_use]
     pub fn frame_tilt(&self) -> Option<f64> {
-        let frame = self.frame?.normal().normalize_or_zero();
+        let frame = self.texture_frame?.normal().normalize_or_zero();
         let normal = self
             .triangles
             .iter()

@@ -3,9 +3,9 @@
 use texmap_math::glam::DVec4;
 use texmap_sample::{Pattern, Sampler, Texture3d, Wrap};
 
-use crate::{Effects, Solid, SolidSource};
+use crate::{Effects, SolidTexture, SolidTextureSource};
 
-/// A [`Solid`] with its grid, ready for look-ups at world positions.
+/// A [`SolidTexture`] with its grid, ready for look-ups at world positions.
 #[derive(Clone, Copy, Debug)]
 pub struct SolidField<'s> {
     source: Source<'s>,
@@ -24,17 +24,17 @@ impl<'s> SolidField<'s> {
     /// # Panics
     /// On a grid that does not exist; [`Scene::check`](crate::Scene::check) refuses such a scene.
     #[must_use]
-    pub fn new(solid: &'s Solid, effects: &'s Effects) -> Self {
+    pub fn new(solid: &'s SolidTexture, effects: &'s Effects) -> Self {
         let m = solid.world_from_solid.inverse().transpose();
         let row = |r: DVec4| r.to_array().map(|c| c as f32);
         Self {
             source: match &solid.source {
-                SolidSource::Grid {
+                SolidTextureSource::Grid {
                     grid,
                     sampler,
                     wrap_w,
                 } => Source::Grid(&effects.grids[*grid], sampler, *wrap_w),
-                SolidSource::Pattern(pattern) => Source::Pattern(*pattern),
+                SolidTextureSource::Pattern(pattern) => Source::Pattern(*pattern),
             },
             rows: [row(m.x_axis), row(m.y_axis), row(m.z_axis)],
         }

@@ -11,7 +11,7 @@ use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use texmap_render::{Settings, render};
+use texmap_render::{RenderSettings, render};
 use texmap_truth::ASSUMPTIONS;
 use texmap_truth::metrics::figure;
 use texmap_truth::verify::verify;
@@ -57,9 +57,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     for file in files {
         let scene = texmap_io::load_scene(&file, &Default::default())?;
         let scene = texmap_mesh::tessellate(scene, size.0)?;
-        let settings = Settings {
+        let settings = RenderSettings {
             supersample: SUPERSAMPLE,
-            ..Settings::new(size.0, size.1)
+            ..RenderSettings::new(size.0, size.1)
         };
         let frame = render(&scene, &settings, &|_, _| {})?;
         let began = Instant::now();

@@ -3,7 +3,7 @@
 use texmap_math::glam::DVec3;
 use texmap_render::Frame;
 use texmap_sample::{Filter, Precision, Sampler, Wrap};
-use texmap_scene::{Backdrop, Material, Relief, Scene, SolidSource};
+use texmap_scene::{Background, Material, NormalDetail, Scene, SolidTextureSource};
 
 use crate::TruthError;
 use crate::frame::{Truth, frame};
@@ -70,7 +70,7 @@ pub fn verify_all(
 }
 
 /// The scene with one wrap mode in both directions for everything that lies on surfaces: what
-/// [`Settings::wrap`](texmap_render::Settings) draws.
+/// [`Settings::wrap`](texmap_render::RenderSettings) draws.
 #[must_use]
 pub fn with_wrap(scene: &Scene, wrap: Wrap) -> Scene {
     let mut scene = scene.clone();
@@ -86,7 +86,7 @@ fn reference(
 ) -> Result<Truth, TruthError> {
     let mut reference = scene.clone();
     for material in &mut reference.materials {
-        if let Some(SolidSource::Grid { sampler, .. }) =
+        if let Some(SolidTextureSource::Grid { sampler, .. }) =
             material.solid.as_mut().map(|solid| &mut solid.source)
         {
             sharpen(sampler);
@@ -94,7 +94,7 @@ fn reference(
         surface_samplers(material).for_each(sharpen);
     }
     let effects = &mut reference.effects;
-    if let Some(Backdrop::Picture(slot)) = &mut effects.backdrop {
+    if let Some(Background::Picture(slot)) = &mut effects.background {
         sharpen(&mut slot.sampler);
     }
     let slides = effects.projectors.iter_mut().map(|p| &mut p.sampler);
@@ -106,12 +106,15 @@ fn reference(
 /// The samplers of everything that is filtered over the surface. Ramps are tables, and are read as they say.
 fn surface_samplers(material: &mut Material) -> impl Iterator<Item = &mut Sampler> {
     let maps = &mut material.maps;
-    let relief = material.relief.as_mut().and_then(|relief| match relief {
-        Relief::Bump { slot, .. }
-        | Relief::Offsets { slot, .. }
-        | Relief::NormalMap { slot, .. } => Some(slot),
-        Relief::Carved { .. } => None,
-    });
+    let relief = material
+        .normal_detail
+        .as_mut()
+        .and_then(|relief| match relief {
+            NormalDetail::Bump { slot, .. }
+            | NormalDetail::Offsets { slot, .. }
+            | NormalDetail::NormalMap { slot, .. } => Some(slot),
+            NormalDetail::Procedural { .. } => None,
+        });
     material
         .base_color
         .iter_mut()

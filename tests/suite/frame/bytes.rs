@@ -9,12 +9,12 @@ use texmap_math::glam::{DMat4, DVec3};
 use texmap_math::{Level, Projector};
 use texmap_raster::Cull;
 use texmap_render::{
-    Aov, Frame, RenderError, Renderer, Settings, pixel_hash, render, render_ordered,
+    Aov, Frame, RenderError, RenderSettings, Renderer, pixel_hash, render, render_ordered,
 };
 use texmap_sample::{Filter, Precision, Sampler};
 use texmap_scene::{
-    AlphaMode, Effects, LightMapSlot, Material, Mesh, Reflection, Relief, Scene, Shading, Shadow,
-    SlideProjector, SlideRole, TextureRole,
+    AlphaMode, Effects, LightMapSlot, Material, Mesh, NormalDetail, ProjectorLight, ProjectorMode,
+    Reflection, Scene, Shading, Shadow, TextureRole,
 };
 use texmap_tests::levels::levels;
 
@@ -37,7 +37,7 @@ fn busy() -> Scene {
         ..PhongMaterial::default()
     };
     let floor = Material {
-        surface: white,
+        phong: white,
         base_color: slot(0, Filter::Trilinear),
         ..Material::default()
     };
@@ -145,11 +145,11 @@ fn ball(n: u32) -> Mesh {
     mesh
 }
 
-fn settings(supersample: u32) -> Settings {
-    Settings {
+fn settings(supersample: u32) -> RenderSettings {
+    RenderSettings {
         supersample,
         aovs: Aov::ALL.to_vec(),
-        ..Settings::new(200, 150)
+        ..RenderSettings::new(200, 150)
     }
 }
 
@@ -169,7 +169,7 @@ fn threads_levels_and_block_order_reach_no_pixel() {
         let settings = settings(supersample);
         let expected = render(&scene, &settings, &|_, _| ()).unwrap();
         for threads in [1, 2, 3, 8] {
-            let settings = Settings {
+            let settings = RenderSettings {
                 threads: Some(threads),
                 ..settings.clone()
             };
@@ -180,7 +180,7 @@ fn threads_levels_and_block_order_reach_no_pixel() {
             );
         }
         for (name, level) in levels() {
-            let settings = Settings {
+            let settings = RenderSettings {
                 level,
                 ..settings.clone()
             };
@@ -199,7 +199,7 @@ fn threads_levels_and_block_order_reach_no_pixel() {
         };
         let orders: [&(dyn Fn(usize) -> Vec<usize> + Sync); 2] = [&backwards, &strided];
         for order in orders {
-            let settings = Settings {
+            let settings = RenderSettings {
                 threads: Some(1),
                 ..settings.clone()
             };
@@ -231,7 +231,7 @@ fn lit() -> Scene {
         }
     });
     let relief = |green, rebuild_z| {
-        Some(Relief::NormalMap {
+        Some(NormalDetail::NormalMap {
             slot: slot(0, Filter::Trilinear).unwrap(),
             green,
             rebuild_z,
@@ -248,19 +248,19 @@ fn lit() -> Scene {
     });
     let floor = Material {
         base_color: slot(1, Filter::Trilinear),
-        relief: relief(NormalMapGreen::Up, false),
-        highlight: SpecularModel::Blinn,
-        surface: PhongMaterial {
+        normal_detail: relief(NormalMapGreen::Up, false),
+        specular_model: SpecularModel::Blinn,
+        phong: PhongMaterial {
             ns: 20.5,
             ..PhongMaterial::default()
         },
         ..Material::default()
     };
     let metal = Material {
-        relief: relief(NormalMapGreen::Down, true),
+        normal_detail: relief(NormalMapGreen::Down, true),
         horizon_clamp: false,
         reflection,
-        surface: PhongMaterial {
+        phong: PhongMaterial {
             ns: 32.0,
             ..PhongMaterial::default()
         },
@@ -273,7 +273,7 @@ fn lit() -> Scene {
         ..Material::default()
     };
     let carved = Material {
-        relief: Some(Relief::NormalMap {
+        normal_detail: Some(NormalDetail::NormalMap {
             slot: slot(0, Filter::Bilinear).unwrap(),
             green: NormalMapGreen::Up,
             rebuild_z: false,
@@ -298,7 +298,7 @@ fn lit() -> Scene {
     let lamp = |x: f64, border, softness, shadow, role| {
         let position = DVec3::new(x, 3.0, 1.0);
         let look = DVec3::new(0.0, -0.5, -4.0);
-        SlideProjector {
+        ProjectorLight {
             projector: Projector::new(position, look, DVec3::Y, 0.7, 1.0).unwrap(),
             position,
             texture: 1,
@@ -308,7 +308,7 @@ fn lit() -> Scene {
             },
             border,
             softness,
-            role,
+            mode: role,
             shadow,
         }
     };
@@ -316,10 +316,10 @@ fn lit() -> Scene {
         light,
         size: Some(256),
         bias: Some(bias),
-        taps,
+        pcf_size: taps,
         area: (light == 3).then_some((DVec3::new(0.0, 0.0, -3.0), 2.0)),
     };
-    let light = SlideRole::Light([0.4, 0.5, 0.3]);
+    let light = ProjectorMode::Light([0.4, 0.5, 0.3]);
     let painted = ball(20);
     let light_uvs = painted.uvs.iter().map(|[u, v]| [v * 0.9, u * 0.8 + 0.1]);
     let light_uvs = light_uvs.collect();
@@ -388,11 +388,11 @@ fn lit() -> Scene {
 #[test]
 fn lit_surfaces_have_the_same_bytes_sample_by_sample_and_in_lanes() {
     let scene = lit();
-    let settings = Settings::new(200, 150);
+    let settings = RenderSettings::new(200, 150);
     let expected = render(&scene, &settings, &|_, _| ()).unwrap();
     for (name, level) in levels() {
         for (supersample, msaa) in [(1, 1), (1, 4), (2, 1)] {
-            let settings = |level| Settings {
+            let settings = |level| RenderSettings {
                 level,
                 supersample,
                 msaa,
@@ -420,10 +420,10 @@ fn lit_surfaces_have_the_same_bytes_sample_by_sample_and_in_lanes() {
         without(&|scene| {
             scene.effects.projectors.remove(i);
         });
-        without(&|scene| scene.materials[i].relief = None);
+        without(&|scene| scene.materials[i].normal_detail = None);
         without(&|scene| scene.materials[i + 1].reflection = None);
     }
-    without(&|scene| scene.materials[3].relief = None);
+    without(&|scene| scene.materials[3].normal_detail = None);
     without(&|scene| {
         scene.materials[4].light_map.as_mut().unwrap().scale = 0.2;
     });
@@ -454,10 +454,10 @@ fn benchmark_scenes_have_the_same_bytes_everywhere() {
             };
             rows += 1;
             let hash = |level, threads, backwards| {
-                let mut settings = Settings {
+                let mut settings = RenderSettings {
                     level,
                     threads: Some(threads),
-                    ..Settings::new(320, 180)
+                    ..RenderSettings::new(320, 180)
                 };
                 if let Content::Sphere { samples, .. } = row.content {
                     settings.msaa = samples;
@@ -519,7 +519,7 @@ fn progress_counts_every_block_once() {
 fn no_threads_is_an_error() {
     let error = render(
         &busy(),
-        &Settings {
+        &RenderSettings {
             threads: Some(0),
             ..settings(1)
         },

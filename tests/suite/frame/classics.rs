@@ -3,13 +3,14 @@
 use texmap_light::{Environment, EnvironmentLayout, Light};
 use texmap_math::glam::{DMat4, DVec3};
 use texmap_mesh::Font;
-use texmap_render::{Aov, Renderer, Settings, pixel_hash, render, render_ordered};
+use texmap_render::{Aov, RenderSettings, Renderer, pixel_hash, render, render_ordered};
 use texmap_sample::{
     Alpha, ColorSpace, Filter, Image, Origin, Pattern, Sampler, TexelData, Texture2d, Texture3d,
     UvTransform, Wrap,
 };
 use texmap_scene::{
-    AlphaMode, Backdrop, Material, Scene, Shading, Solid, SolidSource, TextureSlot, Volume,
+    AlphaMode, Background, Material, Scene, Shading, SolidTexture, SolidTextureSource, TextureSlot,
+    Volume,
 };
 use texmap_tests::levels::levels;
 
@@ -123,9 +124,9 @@ fn everything(seed: u32) -> Scene {
         })
         .expect("a chart"),
     ];
-    scene.effects.backdrop = Some(match seed % 2 {
-        0 => Backdrop::Environment(0),
-        _ => Backdrop::Picture(slot(2, Filter::Trilinear, Wrap::ClampToEdge)),
+    scene.effects.background = Some(match seed % 2 {
+        0 => Background::Environment(0),
+        _ => Background::Picture(slot(2, Filter::Trilinear, Wrap::ClampToEdge)),
     });
     let patterns = [
         Pattern::Noise { octaves: 3 },
@@ -135,9 +136,9 @@ fn everything(seed: u32) -> Scene {
         },
         Pattern::Wood { grain: 0.3 },
     ];
-    let mut solid = |source: SolidSource, shading: Shading, ramp: bool| {
+    let mut solid = |source: SolidTextureSource, shading: Shading, ramp: bool| {
         scene.materials.push(Material {
-            solid: Some(Solid {
+            solid: Some(SolidTexture {
                 source,
                 world_from_solid: DMat4::from_translation(DVec3::new(0.1, 0.2, -2.0))
                     * DMat4::from_scale(DVec3::splat(0.7)),
@@ -151,13 +152,13 @@ fn everything(seed: u32) -> Scene {
     };
     for (i, pattern) in patterns.into_iter().enumerate() {
         let shading = [Shading::Unlit, Shading::PerVertex, Shading::PerPixel][i];
-        solid(SolidSource::Pattern(pattern), shading, i != 1);
+        solid(SolidTextureSource::Pattern(pattern), shading, i != 1);
     }
     let sampler = Sampler {
         wrap_u: Wrap::MirroredRepeat,
         ..Sampler::default()
     };
-    let source = SolidSource::Grid {
+    let source = SolidTextureSource::Grid {
         grid: 1,
         sampler,
         wrap_w: Wrap::Repeat,
@@ -172,7 +173,7 @@ fn everything(seed: u32) -> Scene {
         ..textured.clone()
     });
     scene.materials.push(Material {
-        crisp: true,
+        antialiased_alpha: true,
         alpha: AlphaMode::Blend,
         shading: Shading::Unlit,
         ..textured.clone()
@@ -221,11 +222,11 @@ fn they_have_the_same_bytes_everywhere() {
     let mut colours = std::collections::BTreeSet::new();
     for seed in 0..6 {
         let scene = everything(seed);
-        let settings = Settings {
+        let settings = RenderSettings {
             aovs: Aov::ALL.to_vec(),
             msaa: if seed / 2 == 1 { 4 } else { 1 },
             supersample: if seed / 2 == 2 { 2 } else { 1 },
-            ..Settings::new(90, 70)
+            ..RenderSettings::new(90, 70)
         };
         let expected = render(&scene, &settings, &|_, _| ()).expect("a good scene");
         colours.extend(expected.rgba.chunks_exact(4).map(<[u8]>::to_vec));
@@ -245,7 +246,7 @@ fn they_have_the_same_bytes_everywhere() {
             "all stages",
         );
         for (name, level) in levels() {
-            let settings = Settings {
+            let settings = RenderSettings {
                 level,
                 ..settings.clone()
             };
@@ -255,7 +256,7 @@ fn they_have_the_same_bytes_everywhere() {
             );
         }
         for threads in [1, 2, 5] {
-            let settings = Settings {
+            let settings = RenderSettings {
                 threads: Some(threads),
                 ..settings.clone()
             };
@@ -279,7 +280,8 @@ fn a_volume_ends_at_what_is_solid() {
         scene.effects.grids = vec![uniform(1.0)];
         for step in [0.05, 100.0] {
             scene.effects.volumes = vec![fog(0.7, step)];
-            let frame = render(&scene, &Settings::new(65, 65), &|_, _| ()).expect("a good scene");
+            let frame =
+                render(&scene, &RenderSettings::new(65, 65), &|_, _| ()).expect("a good scene");
             for (x, y) in [(32u32, 32u32), (50, 10), (3, 60)] {
                 let slope = |i: u32| (f64::from(i) + 0.5 - 32.5) / 32.5;
                 let length = inside * (1.0 + slope(x).powi(2) + slope(y).powi(2)).sqrt();
@@ -293,7 +295,7 @@ fn a_volume_ends_at_what_is_solid() {
         }
         // With a far plane, too.
         scene.camera.far = 50.0;
-        let frame = render(&scene, &Settings::new(65, 65), &|_, _| ()).expect("a good scene");
+        let frame = render(&scene, &RenderSettings::new(65, 65), &|_, _| ()).expect("a good scene");
         let found = f64::from(frame.rgba[(32 * 65 + 32) * 4]);
         assert!((found - 255.0 * (1.0 - (-0.7 * inside).exp())).abs() <= 0.6);
     }
@@ -309,12 +311,12 @@ fn a_backdrop_is_background() {
         ..empty()
     };
     let aovs = vec![Aov::Depth, Aov::Face];
-    let settings = Settings {
+    let settings = RenderSettings {
         aovs,
-        ..Settings::new(64, 64)
+        ..RenderSettings::new(64, 64)
     };
     let bare = render(&scene, &settings, &|_, _| ()).expect("a good scene");
-    scene.effects.backdrop = Some(Backdrop::Picture(slot(
+    scene.effects.background = Some(Background::Picture(slot(
         0,
         Filter::Nearest,
         Wrap::ClampToEdge,
@@ -343,14 +345,14 @@ fn crisp_edges_are_one_pixel_wide() {
         let mut material = unlit([1.0; 3]);
         material.base_color = Some(slot(0, Filter::Bilinear, Wrap::ClampToEdge));
         material.alpha = AlphaMode::Blend;
-        material.crisp = crisp;
+        material.antialiased_alpha = crisp;
         let scene = Scene {
             materials: vec![material],
             meshes: vec![wall(1.0, 1.0)],
             textures: vec![mask.clone()],
             ..empty()
         };
-        let frame = render(&scene, &Settings::new(64, 64), &|_, _| ()).expect("a good scene");
+        let frame = render(&scene, &RenderSettings::new(64, 64), &|_, _| ()).expect("a good scene");
         let row = &frame.rgba[32 * 64 * 4..33 * 64 * 4];
         row.chunks_exact(4)
             .filter(|p| p[0] > 0 && p[0] < 255)
@@ -372,7 +374,7 @@ fn faults_are_named_before_the_first_pixel() {
         scene
     };
     let says = |scene: Scene, words: &str| {
-        let error = render(&scene, &Settings::new(8, 8), &|_, _| ())
+        let error = render(&scene, &RenderSettings::new(8, 8), &|_, _| ())
             .expect_err(words)
             .to_string();
         assert!(error.contains(words), "{error} / {words}");
@@ -400,17 +402,17 @@ fn faults_are_named_before_the_first_pixel() {
         "placement",
     );
     let mut scene = base();
-    scene.effects.backdrop = Some(Backdrop::Environment(0));
+    scene.effects.background = Some(Background::Environment(0));
     says(scene, "backdrop");
     let mut scene = base();
-    scene.materials[0].solid = Some(Solid {
-        source: SolidSource::Pattern(Pattern::Wood { grain: f32::NAN }),
+    scene.materials[0].solid = Some(SolidTexture {
+        source: SolidTextureSource::Pattern(Pattern::Wood { grain: f32::NAN }),
         world_from_solid: DMat4::IDENTITY,
     });
     says(scene, "fold");
     let mut scene = base();
-    scene.materials[0].solid = Some(Solid {
-        source: SolidSource::Pattern(Pattern::Wood { grain: 0.0 }),
+    scene.materials[0].solid = Some(SolidTexture {
+        source: SolidTextureSource::Pattern(Pattern::Wood { grain: 0.0 }),
         world_from_solid: flat,
     });
     says(scene, "solid texture");

@@ -2,7 +2,7 @@
 
 use texmap_light::{Light, PhongMaterial};
 use texmap_math::{Level, color};
-use texmap_render::{Aov, Settings, render};
+use texmap_render::{Aov, RenderSettings, render};
 use texmap_sample::{Alpha, ColorSpace, Filter, Image, Origin, TexelData, Texture2d};
 use texmap_scene::{AlphaMode, ColorMode, Material, Scene, Shading, TextureRole};
 use texmap_tests::levels::levels;
@@ -23,9 +23,9 @@ fn half_covered(color: ColorMode) -> Scene {
 fn supersampling_averages_light_not_codes() {
     for (mode, expected) in [(ColorMode::Srgb, 188), (ColorMode::Raw, 128)] {
         for supersample in [2, 4] {
-            let settings = Settings {
+            let settings = RenderSettings {
                 supersample,
-                ..Settings::new(9, 9)
+                ..RenderSettings::new(9, 9)
             };
             let frame = render(&half_covered(mode), &settings, &|_, _| ()).unwrap();
             assert_eq!(
@@ -45,9 +45,9 @@ fn every_number_of_samples_fills_its_blocks() {
         ..of(unlit([1.0, 0.0, 0.0]), wall(9.0, 1.0))
     };
     for supersample in [1, 2, 3, 5, 8] {
-        let settings = Settings {
+        let settings = RenderSettings {
             supersample,
-            ..Settings::new(131, 67)
+            ..RenderSettings::new(131, 67)
         };
         let frame = render(&scene, &settings, &|_, _| ()).unwrap();
         assert!(
@@ -63,10 +63,10 @@ fn every_number_of_samples_fills_its_blocks() {
 fn supersampling_leaves_the_aovs_alone() {
     let scene = half_covered(ColorMode::Srgb);
     let at = |supersample| {
-        let settings = Settings {
+        let settings = RenderSettings {
             supersample,
             aovs: Aov::ALL.to_vec(),
-            ..Settings::new(33, 21)
+            ..RenderSettings::new(33, 21)
         };
         bits(&render(&scene, &settings, &|_, _| ()).unwrap())
     };
@@ -126,7 +126,7 @@ fn label(role: TextureRole, alpha: AlphaMode) -> Scene {
         }
     });
     let material = Material {
-        surface: PhongMaterial {
+        phong: PhongMaterial {
             color: [0.5; 3],
             ka: 1.0,
             kd: 0.0,
@@ -175,7 +175,7 @@ fn a_blended_decal_is_the_texel_over_the_background() {
 fn light_is_linear() {
     let mut scene = label(TextureRole::Modulate, AlphaMode::Opaque);
     scene.color = ColorMode::Srgb;
-    scene.materials[0].surface.color = [1.0; 3];
+    scene.materials[0].phong.color = [1.0; 3];
     let expected = color::linear_to_srgb8(0.5);
     assert_eq!(expected, 188);
     assert_eq!(pixel(&draw(&scene, 8, 8), 2, 4), [expected, 0, 0, 255]);
@@ -205,7 +205,7 @@ fn float_texels_are_not_clipped_on_any_level() {
         let mut scene = label(role, alpha);
         let texels = [8.0, 0.5, -2.0, 1.0, 0.25, 2.0, 0.0, 0.5];
         scene.textures = vec![image(&texels, Alpha::Premultiplied)];
-        scene.materials[0].surface.color = [0.05; 3];
+        scene.materials[0].phong.color = [0.05; 3];
         for filter in [
             Filter::Nearest,
             Filter::Bilinear,
@@ -215,10 +215,10 @@ fn float_texels_are_not_clipped_on_any_level() {
             scene.materials[0].base_color = slot(0, filter);
             for msaa in [1, 4] {
                 let frame = |level| {
-                    let settings = Settings {
+                    let settings = RenderSettings {
                         level,
                         msaa,
-                        ..Settings::new(96, 70)
+                        ..RenderSettings::new(96, 70)
                     };
                     render(&scene, &settings, &|_, _| ()).unwrap()
                 };

@@ -1,6 +1,6 @@
 //! The alpha test: holes show what is behind, in colour and in depth.
 
-use texmap_render::{Aov, Settings, render};
+use texmap_render::{Aov, RenderSettings, render};
 use texmap_sample::{Filter, Texture2d};
 use texmap_scene::{AlphaMode, Material, Mesh, Scene, TextureRole};
 
@@ -94,10 +94,10 @@ fn filtered_alpha_is_cut_at_one_half() {
 
 #[test]
 fn an_override_of_the_filter_moves_the_rule_with_it() {
-    let settings = Settings {
+    let settings = RenderSettings {
         filter: Some(Filter::Bilinear),
         aovs: vec![Aov::Face],
-        ..Settings::new(256, 4)
+        ..RenderSettings::new(256, 4)
     };
     let frame = render(
         &fence(AlphaMode::Test(0.0), Filter::Nearest),
@@ -153,13 +153,13 @@ fn holes_let_light_through() {
             light: 0,
             size: Some(512),
             bias: None,
-            taps: 1,
+            pcf_size: 1,
             area: None,
         }];
-        let settings = Settings {
+        let settings = RenderSettings {
             aovs: vec![Aov::Shadow(0)],
             threads: Some(threads),
-            ..Settings::new(160, 160)
+            ..RenderSettings::new(160, 160)
         };
         render(&scene, &settings, &|_, _| ()).expect("a good scene")
     };

@@ -7,12 +7,13 @@ use texmap_light::{
 };
 use texmap_math::Projector;
 use texmap_math::glam::{DMat4, DVec3};
-use texmap_render::{Aov, AovData, Frame, HOLE_BITS, Settings, render, shadow_map_for};
+use texmap_render::{Aov, AovData, Frame, HOLE_BITS, RenderSettings, render, shadow_map_for};
 use texmap_sample::{Filter, Sampler};
 use texmap_scene::SceneError;
 use texmap_scene::{
-    Carving, Effects, Emission, LightMapSlot, Material, Mesh, Reflection, Relief, Scene, Shading,
-    Shadow, SlideProjector, SlideRole, SurfaceMaps, shadow_bias, shadow_kind,
+    Effects, Emission, LightMapSlot, Material, Mesh, NormalDetail, ProceduralHeight,
+    ProjectorLight, ProjectorMode, Reflection, Scene, Shading, Shadow, SurfaceMaps, shadow_bias,
+    shadow_kind,
 };
 use texmap_tests::levels::levels;
 
@@ -23,14 +24,14 @@ fn shadow(light: usize) -> Shadow {
         light,
         size: Some(256),
         bias: None,
-        taps: 3,
+        pcf_size: 3,
         area: None,
     }
 }
 
-fn slide(texture: usize, role: SlideRole, map: Option<u32>) -> SlideProjector {
+fn slide(texture: usize, role: ProjectorMode, map: Option<u32>) -> ProjectorLight {
     let position = DVec3::new(0.5, 1.5, -0.5);
-    SlideProjector {
+    ProjectorLight {
         projector: Projector::new(position, DVec3::new(0.0, -0.3, -3.0), DVec3::Y, 0.9, 1.5)
             .unwrap(),
         position,
@@ -38,7 +39,7 @@ fn slide(texture: usize, role: SlideRole, map: Option<u32>) -> SlideProjector {
         sampler: Sampler::default(),
         border: ProjectorBorder::Black,
         softness: 0.1,
-        role,
+        mode: role,
         shadow: map,
     }
 }
@@ -55,8 +56,8 @@ fn all() -> Scene {
         ..PhongMaterial::default()
     };
     let bump = Material {
-        surface: white,
-        relief: Some(Relief::Bump {
+        phong: white,
+        normal_detail: Some(NormalDetail::Bump {
             slot: slot(1, Filter::Bilinear).unwrap(),
             height: 0.05,
         }),
@@ -68,16 +69,16 @@ fn all() -> Scene {
         ..Material::default()
     };
     let mapped = Material {
-        surface: white,
+        phong: white,
         base_color: slot(0, Filter::Trilinear),
-        highlight: SpecularModel::Blinn,
+        specular_model: SpecularModel::Blinn,
         maps: SurfaceMaps {
             ambient: slot(0, Filter::Nearest),
             specular: slot(1, Filter::Bilinear),
             exponent: slot(0, Filter::Bilinear),
             reflectivity: slot(1, Filter::Bilinear),
         },
-        relief: Some(Relief::NormalMap {
+        normal_detail: Some(NormalDetail::NormalMap {
             slot: slot(2, Filter::Trilinear).unwrap(),
             green: NormalMapGreen::Up,
             rebuild_z: false,
@@ -133,8 +134,8 @@ fn all() -> Scene {
         effects: Effects {
             shadows: vec![shadow(1), shadow(2), shadow(3)],
             projectors: vec![
-                slide(0, SlideRole::Light([0.6; 3]), Some(128)),
-                slide(2, SlideRole::Paint, None),
+                slide(0, ProjectorMode::Light([0.6; 3]), Some(128)),
+                slide(2, ProjectorMode::Decal, None),
             ],
             environments: vec![sky],
             ..Effects::default()
@@ -143,15 +144,15 @@ fn all() -> Scene {
     }
 }
 
-fn settings() -> Settings {
+fn settings() -> RenderSettings {
     let shadows = (0..4).map(Aov::Shadow);
-    Settings {
+    RenderSettings {
         aovs: Aov::ALL.into_iter().chain(shadows).collect(),
-        ..Settings::new(150, 110)
+        ..RenderSettings::new(150, 110)
     }
 }
 
-fn rendered(scene: &Scene, settings: &Settings) -> Frame {
+fn rendered(scene: &Scene, settings: &RenderSettings) -> Frame {
     render(scene, settings, &|_, _| ()).unwrap()
 }
 
@@ -161,7 +162,7 @@ fn effects_are_the_same_on_every_level_and_thread_count() {
     let scene = all();
     let expected = rendered(&scene, &settings());
     for threads in [1, 3] {
-        let settings = Settings {
+        let settings = RenderSettings {
             threads: Some(threads),
             ..settings()
         };
@@ -174,7 +175,7 @@ fn effects_are_the_same_on_every_level_and_thread_count() {
     for (name, level) in levels() {
         let frame = rendered(
             &scene,
-            &Settings {
+            &RenderSettings {
                 level,
                 ..settings()
             },
@@ -199,13 +200,13 @@ fn every_effect_is_seen() {
         ("projector shadow", |s| {
             s.effects.projectors[0].shadow = None;
         }),
-        ("bump", |s| s.materials[0].relief = None),
+        ("bump", |s| s.materials[0].normal_detail = None),
         ("light map", |s| s.materials[0].light_map = None),
-        ("normal map", |s| s.materials[1].relief = None),
+        ("normal map", |s| s.materials[1].normal_detail = None),
         ("reflection", |s| s.materials[1].reflection = None),
         ("specular map", |s| s.materials[1].specular_map = None),
         ("highlight", |s| {
-            s.materials[1].highlight = SpecularModel::Phong
+            s.materials[1].specular_model = SpecularModel::Phong;
         }),
         ("ambient map", |s| s.materials[1].maps.ambient = None),
         ("exponent map", |s| s.materials[1].maps.exponent = None),
@@ -233,17 +234,17 @@ fn no_buffer_holds_a_nan_of_its_own() {
     let slot = || slot(1, Filter::Bilinear).unwrap();
     for size in [1e30, -1e30, 1e-30] {
         for relief in [
-            Relief::Bump {
+            NormalDetail::Bump {
                 slot: slot(),
                 height: size,
             },
-            Relief::Offsets {
+            NormalDetail::Offsets {
                 slot: slot(),
                 slope: size,
                 green: NormalMapGreen::Up,
             },
-            Relief::Carved {
-                heights: Carving::Waves {
+            NormalDetail::Procedural {
+                heights: ProceduralHeight::Waves {
                     around: 3,
                     fold: 1e20,
                 },
@@ -253,7 +254,7 @@ fn no_buffer_holds_a_nan_of_its_own() {
         ] {
             let mut scene = all();
             scene.meshes[0].uvs[2] = scene.meshes[0].uvs[1];
-            scene.materials[0].relief = Some(relief);
+            scene.materials[0].normal_detail = Some(relief);
             scenes.push(scene);
         }
     }
@@ -310,7 +311,7 @@ fn blockers_only_darken() {
 fn a_white_light_map_is_the_surface() {
     let white = texture(4, 4, |_, _| [255; 4]);
     let mapped = Material {
-        surface: PhongMaterial {
+        phong: PhongMaterial {
             color: [0.25, 0.5, 1.0],
             ka: 1.0,
             kd: 1.0,
@@ -354,7 +355,7 @@ fn slides_do_not_follow_the_eye() {
             }
         })],
         materials: vec![Material {
-            surface: PhongMaterial {
+            phong: PhongMaterial {
                 color: [1.0; 3],
                 ks: 0.0,
                 ..PhongMaterial::default()
@@ -363,13 +364,13 @@ fn slides_do_not_follow_the_eye() {
         }],
         meshes: vec![wall(4.0, 4.0)],
         effects: Effects {
-            projectors: vec![SlideProjector {
+            projectors: vec![ProjectorLight {
                 softness: 0.0,
                 sampler: Sampler {
                     filter: Filter::Nearest,
                     ..Sampler::default()
                 },
-                ..slide(0, SlideRole::Light([1.0; 3]), None)
+                ..slide(0, ProjectorMode::Light([1.0; 3]), None)
             }],
             ..Effects::default()
         },
@@ -379,9 +380,9 @@ fn slides_do_not_follow_the_eye() {
     for eye in [[0.0; 3], [1.5, 0.7, -1.0], [-2.0, 0.0, 0.5]] {
         scene.camera.eye = DVec3::from(eye);
         scene.camera.look = DVec3::new(0.0, 0.0, -4.0);
-        let settings = Settings {
+        let settings = RenderSettings {
             aovs: vec![Aov::Position],
-            ..Settings::new(120, 120)
+            ..RenderSettings::new(120, 120)
         };
         let frame = rendered(&scene, &settings);
         let (mut red, mut green) = (0, 0);
@@ -419,13 +420,13 @@ fn nothing_behind_a_projector_is_lit() {
         ProjectorBorder::Clamp,
         ProjectorBorder::Repeat,
     ];
-    let roles = [SlideRole::Light([1.0; 3]), SlideRole::Paint];
+    let roles = [ProjectorMode::Light([1.0; 3]), ProjectorMode::Decal];
     // Level 0 alone is looked up in lanes, levels sample by sample.
     let filters = [Filter::Bilinear, Filter::Trilinear];
     let scene = |toward: DVec3, border, role, filter| Scene {
         textures: vec![texture(8, 8, |_, _| [255; 4])],
         materials: vec![Material {
-            surface: PhongMaterial {
+            phong: PhongMaterial {
                 color: [0.25, 0.0, 0.5],
                 ks: 0.0,
                 ..PhongMaterial::default()
@@ -435,7 +436,7 @@ fn nothing_behind_a_projector_is_lit() {
         lights: vec![Light::Ambient { color: [1.0; 3] }],
         meshes: vec![wall(3.0, 3.0)],
         effects: Effects {
-            projectors: vec![SlideProjector {
+            projectors: vec![ProjectorLight {
                 projector: Projector::new(position, position + toward, DVec3::Y, 0.9, 1.0).unwrap(),
                 position,
                 border,
@@ -450,9 +451,9 @@ fn nothing_behind_a_projector_is_lit() {
         ..empty()
     };
     let lit = |scene: &Scene, level| {
-        let settings = Settings {
+        let settings = RenderSettings {
             level,
-            ..Settings::new(80, 80)
+            ..RenderSettings::new(80, 80)
         };
         let frame = rendered(scene, &settings);
         // The wall alone gives back a quarter of the red.
@@ -517,7 +518,7 @@ fn faults_of_effects_are_named() {
     let text = |change: Change| refused(change).to_string();
     assert!(text(|s| s.effects.shadows[0].light = 9).contains("light 9 does not exist"));
     assert!(text(|s| s.effects.shadows[0].light = 0).contains("only directional"));
-    assert!(text(|s| s.effects.shadows[0].taps = 4).contains("odd"));
+    assert!(text(|s| s.effects.shadows[0].pcf_size = 4).contains("odd"));
     assert!(text(|s| s.effects.shadows[0].size = Some(0)).contains("16384"));
     assert!(text(|s| s.effects.projectors[0].texture = 7).contains("texture 7"));
     assert!(text(|s| s.effects.projectors[1].softness = 2.0).contains("softness"));
@@ -617,7 +618,7 @@ fn surfaces_give_off_light_of_their_own() {
     let color = [0.5, 1.0, 2.0];
     let frame = |shading, map: bool| {
         let material = Material {
-            surface: PhongMaterial {
+            phong: PhongMaterial {
                 color: base,
                 ka: 1.0,
                 ..PhongMaterial::default()
@@ -636,9 +637,9 @@ fn surfaces_give_off_light_of_their_own() {
         };
         let frame = draw(&scene, 16, 8);
         for (name, level) in levels() {
-            let settings = Settings {
+            let settings = RenderSettings {
                 level,
-                ..Settings::new(16, 8)
+                ..RenderSettings::new(16, 8)
             };
             let other = render(&scene, &settings, &|_, _| ()).expect("a picture");
             assert_eq!(frame.rgba, other.rgba, "{shading:?} {name}");

@@ -3,7 +3,7 @@
 use texmap_light::Light;
 use texmap_math::glam::{DMat4, DVec3};
 use texmap_raster::Interp;
-use texmap_render::{RenderError, Settings, render};
+use texmap_render::{RenderError, RenderSettings, render};
 use texmap_sample::Filter;
 use texmap_scene::{Mesh, Scene};
 use texmap_uv::Projection;
@@ -28,7 +28,7 @@ fn fault(change: impl FnOnce(&mut Scene)) -> (&'static str, String) {
     let mut scene = good();
     change(&mut scene);
     let progress = |_, _| panic!("a pixel was drawn");
-    let error: RenderError = render(&scene, &Settings::new(8, 8), &progress).unwrap_err();
+    let error: RenderError = render(&scene, &RenderSettings::new(8, 8), &progress).unwrap_err();
     (error.code(), error.to_string())
 }
 
@@ -72,7 +72,7 @@ fn numbers_that_are_not_finite_are_named() {
         &["wall", "transform"],
     );
     assert_fault(
-        |s| s.materials[0].surface.ns = f32::NAN,
+        |s| s.materials[0].phong.ns = f32::NAN,
         value,
         &["paint", "surface"],
     );
@@ -226,9 +226,9 @@ fn sizes_out_of_range_are_refused() {
         (8, 8193, 2),
         (u32::MAX, 1, u32::MAX),
     ] {
-        let settings = Settings {
+        let settings = RenderSettings {
             supersample,
-            ..Settings::new(width, height)
+            ..RenderSettings::new(width, height)
         };
         let error = render(&good(), &settings, &|_, _| ()).unwrap_err();
         assert_eq!(error.code(), "render-size", "{error}");

@@ -1,6 +1,6 @@
 //! Colours interpolated on the screen tear at T-joints by a known amount (MIT 6.837, lecture 18, slides 14-15).
 
-use texmap_scene::{Gouraud, Material, Mesh, Scene};
+use texmap_scene::{Material, Mesh, Scene, VertexColorInterp};
 
 use crate::scenes::{draw, of, pixel, unlit};
 
@@ -8,7 +8,7 @@ const SIZE: u32 = 512;
 
 /// An upright edge in the middle of the picture from grey 0 at distance 2 to grey 1 at distance 2r: one triangle on its
 /// left, two on its right that meet in its midpoint in space.
-fn t_joint(ratio: f32, gouraud: Gouraud) -> Scene {
+fn t_joint(ratio: f32, gouraud: VertexColorInterp) -> Scene {
     let (near, far) = (2.0, 2.0 * ratio);
     let (a, b) = ([0.0, -0.8 * near, -near], [0.0, 0.8 * far, -far]);
     let middle = [0.0, (a[1] + b[1]) / 2.0, (a[2] + b[2]) / 2.0];
@@ -20,7 +20,7 @@ fn t_joint(ratio: f32, gouraud: Gouraud) -> Scene {
     };
     of(
         Material {
-            gouraud,
+            vertex_color_interp: gouraud,
             ..unlit([1.0; 3])
         },
         mesh,
@@ -28,7 +28,7 @@ fn t_joint(ratio: f32, gouraud: Gouraud) -> Scene {
 }
 
 /// Step of grey across the edge at the joint.
-fn mismatch(ratio: f32, gouraud: Gouraud) -> f32 {
+fn mismatch(ratio: f32, gouraud: VertexColorInterp) -> f32 {
     let frame = draw(&t_joint(ratio, gouraud), SIZE, SIZE);
     // y / z of the midpoint, from -1 to 1 over the picture.
     let height = 0.8 * (ratio - 1.0) / (ratio + 1.0);
@@ -42,7 +42,7 @@ fn mismatch(ratio: f32, gouraud: Gouraud) -> f32 {
 fn screen_linear_colours_tear_by_the_closed_form() {
     for ratio in [1.5f32, 2.0, 4.0, 8.0] {
         let expected = ((1.0 - ratio) / (2.0 * (1.0 + ratio))).abs();
-        let got = mismatch(ratio, Gouraud::ScreenLinear);
+        let got = mismatch(ratio, VertexColorInterp::ScreenLinear);
         assert!(
             (got - expected).abs() < 0.012,
             "ratio {ratio}: {got}, closed form {expected}"
@@ -53,7 +53,7 @@ fn screen_linear_colours_tear_by_the_closed_form() {
 #[test]
 fn perspective_colours_do_not_tear() {
     for ratio in [1.5, 2.0, 4.0, 8.0] {
-        let got = mismatch(ratio, Gouraud::Perspective);
+        let got = mismatch(ratio, VertexColorInterp::Perspective);
         assert!(got.abs() < 0.012, "ratio {ratio}: {got}");
     }
 }

@@ -5,7 +5,7 @@ use texmap_math::glam::{DMat4, DVec3};
 use texmap_raster::Cull;
 use texmap_render::Aov;
 use texmap_sample::Filter;
-use texmap_scene::{Gouraud, Material, Mesh, Scene, Shading};
+use texmap_scene::{Material, Mesh, Scene, Shading, VertexColorInterp};
 
 use crate::scenes::{draw, draw_aovs, of, pixel, slot, texture, values, wall};
 
@@ -33,7 +33,7 @@ fn lamps() -> Vec<Light> {
 
 fn lit(shading: Shading) -> Scene {
     let material = Material {
-        surface: SHINY,
+        phong: SHINY,
         shading,
         ..Material::default()
     };
@@ -110,8 +110,8 @@ fn vertex_colours_tint_the_surface_under_any_shading() {
     for shading in [Shading::Unlit, Shading::PerVertex, Shading::PerPixel] {
         for textured in [false, true] {
             let mut scene = lit(shading);
-            scene.materials[0].surface = PhongMaterial { ks: 0.0, ..SHINY };
-            scene.materials[0].gouraud = Gouraud::Perspective;
+            scene.materials[0].phong = PhongMaterial { ks: 0.0, ..SHINY };
+            scene.materials[0].vertex_color_interp = VertexColorInterp::Perspective;
             if textured {
                 scene.textures = vec![texture(1, 1, |_, _| [255; 4])];
                 scene.materials[0].base_color = slot(0, Filter::Nearest);

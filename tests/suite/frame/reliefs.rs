@@ -7,7 +7,7 @@ use texmap_math::glam::{DMat4, DVec3};
 use texmap_render::{Aov, Frame};
 use texmap_sample::{Alpha, ColorSpace, Filter, Image, Origin, Pattern, TexelData, Texture2d};
 use texmap_scene::SceneError;
-use texmap_scene::{Carving, Material, Mesh, Relief, Scene, Shadow};
+use texmap_scene::{Material, Mesh, NormalDetail, ProceduralHeight, Scene, Shadow};
 use texmap_tests::levels::levels;
 
 use crate::scenes::{draw, draw_aovs, empty, of, pixel, quad, slot, values, wall};
@@ -27,16 +27,16 @@ fn floats(channels: u32, texels: &[f32]) -> Texture2d<'static> {
     Texture2d::new(&image).unwrap()
 }
 
-fn matte(relief: Relief) -> Material {
+fn matte(relief: NormalDetail) -> Material {
     Material {
-        surface: PhongMaterial {
+        phong: PhongMaterial {
             color: [1.0; 3],
             ka: 0.0,
             kd: 1.0,
             ks: 0.0,
             ns: 1.0,
         },
-        relief: Some(relief),
+        normal_detail: Some(relief),
         ..Material::default()
     }
 }
@@ -89,15 +89,15 @@ fn wavy() -> (Scene, f32) {
     (scene, slope)
 }
 
-fn bump() -> Relief {
-    Relief::Bump {
+fn bump() -> NormalDetail {
+    NormalDetail::Bump {
         slot: slot(0, Filter::Bilinear).unwrap(),
         height: 0.4,
     }
 }
 
-fn offsets(texture: usize, slope: f32, green: NormalMapGreen) -> Relief {
-    Relief::Offsets {
+fn offsets(texture: usize, slope: f32, green: NormalMapGreen) -> NormalDetail {
+    NormalDetail::Offsets {
         slot: slot(texture, Filter::Bilinear).unwrap(),
         slope,
         green,
@@ -116,7 +116,7 @@ fn offsets_are_the_bump_map_of_their_heights() {
     for origin in [Origin::TopLeft, Origin::BottomLeft] {
         let (mut scene, slope) = wavy();
         scene.meshes[0].uv_origin = origin;
-        let mut with = |relief: Relief| {
+        let mut with = |relief: NormalDetail| {
             scene.materials[0] = matte(relief);
             draw(&scene, 120, 120)
         };
@@ -162,7 +162,7 @@ fn normals_are_the_bump_map_of_their_heights() {
         [2.0, 1.0, -2.5],
         [-2.0, 1.0, -2.5],
     ]);
-    let map = |green| Relief::NormalMap {
+    let map = |green| NormalDetail::NormalMap {
         slot: slot(3, Filter::Bilinear).unwrap(),
         green,
         rebuild_z: false,
@@ -171,7 +171,7 @@ fn normals_are_the_bump_map_of_their_heights() {
     };
     for origin in [Origin::TopLeft, Origin::BottomLeft] {
         scene.meshes[0].uv_origin = origin;
-        let mut with = |relief: Relief| {
+        let mut with = |relief: NormalDetail| {
             scene.materials[0] = matte(relief);
             draw(&scene, 120, 120)
         };
@@ -204,7 +204,7 @@ fn object_space_normals_follow_an_uneven_scale() {
         DMat4::from_translation(DVec3::new(0.0, 0.0, -3.0)) * DMat4::from_scale(scale);
     let texel = encode_normal(normal.as_vec3().to_array(), NormalMapGreen::Up);
     let texels = texel.repeat((SIDE * 2) as usize);
-    let relief = Relief::NormalMap {
+    let relief = NormalDetail::NormalMap {
         slot: slot(0, Filter::Bilinear).unwrap(),
         green: NormalMapGreen::Up,
         rebuild_z: false,
@@ -220,7 +220,7 @@ fn object_space_normals_follow_an_uneven_scale() {
         ..of(matte(relief), mesh)
     };
     let mapped = draw(&scene, 60, 60);
-    scene.materials[0].relief = None;
+    scene.materials[0].normal_detail = None;
     let own = draw(&scene, 60, 60);
     assert!(most(&mapped, &own) <= 1, "{}", most(&mapped, &own));
     let truth = (normal / scale)
@@ -259,7 +259,7 @@ fn the_slope_of_a_scaled_plane_keeps_it_lit() {
         light: 0,
         size: Some(48),
         bias: None,
-        taps: 1,
+        pcf_size: 1,
         area: None,
     }];
     let dark = |scene: &Scene| {
@@ -279,8 +279,8 @@ fn the_slope_of_a_scaled_plane_keeps_it_lit() {
 #[test]
 fn heights_grow_with_the_model() {
     let (scene, slope) = wavy();
-    let carved = Relief::Carved {
-        heights: Carving::Pattern(Pattern::Noise { octaves: 3 }),
+    let carved = NormalDetail::Procedural {
+        heights: ProceduralHeight::Pattern(Pattern::Noise { octaves: 3 }),
         world_from_solid: DMat4::from_scale(DVec3::splat(0.3)),
         height: 0.1,
     };
@@ -290,9 +290,9 @@ fn heights_grow_with_the_model() {
         let mut large = small.clone();
         let ten = DMat4::from_scale(DVec3::splat(10.0));
         large.meshes[0].world_from_object = ten;
-        if let Some(Relief::Carved {
+        if let Some(NormalDetail::Procedural {
             world_from_solid, ..
-        }) = &mut large.materials[0].relief
+        }) = &mut large.materials[0].normal_detail
         {
             *world_from_solid = ten * *world_from_solid;
         }
@@ -302,7 +302,7 @@ fn heights_grow_with_the_model() {
     }
     // A tenth of the height is another picture.
     let mut low = scene.clone();
-    low.materials[0] = matte(Relief::Bump {
+    low.materials[0] = matte(NormalDetail::Bump {
         slot: slot(0, Filter::Bilinear).unwrap(),
         height: 0.04,
     });
@@ -331,9 +331,9 @@ fn pipe() -> Mesh {
     mesh
 }
 
-fn dimples(around: u16, fold: f32) -> Relief {
-    Relief::Carved {
-        heights: Carving::Waves { around, fold },
+fn dimples(around: u16, fold: f32) -> NormalDetail {
+    NormalDetail::Procedural {
+        heights: ProceduralHeight::Waves { around, fold },
         world_from_solid: DMat4::from_translation(DVec3::new(0.0, 0.0, -3.0))
             * DMat4::from_scale(DVec3::new(1.0, 0.5, 1.0)),
         height: 0.04,
@@ -396,23 +396,23 @@ fn waves_in_cylindrical_space_have_their_exact_normals() {
 #[test]
 fn carved_heights_are_steady_everywhere() {
     let formulas = [
-        Carving::Waves {
+        ProceduralHeight::Waves {
             around: 9,
             fold: 0.3,
         },
-        Carving::Pattern(Pattern::Noise { octaves: 4 }),
-        Carving::Pattern(Pattern::Marble {
+        ProceduralHeight::Pattern(Pattern::Noise { octaves: 4 }),
+        ProceduralHeight::Pattern(Pattern::Marble {
             octaves: 3,
             turbulence: 0.5,
         }),
-        Carving::Pattern(Pattern::Wood { grain: 0.2 }),
+        ProceduralHeight::Pattern(Pattern::Wood { grain: 0.2 }),
     ];
     let lights = vec![Light::Point {
         color: [1.0; 3],
         position: [1.0, 1.0, 0.0],
     }];
     for heights in formulas {
-        let relief = |height| Relief::Carved {
+        let relief = |height| NormalDetail::Procedural {
             heights,
             // The axis of the waves stands on the wall.
             world_from_solid: DMat4::from_rotation_x(std::f64::consts::FRAC_PI_2)
@@ -425,10 +425,10 @@ fn carved_heights_are_steady_everywhere() {
         };
         let bumped = draw(&scene, 80, 80);
         for (name, level) in levels() {
-            let settings = texmap_render::Settings {
+            let settings = texmap_render::RenderSettings {
                 level,
                 threads: Some(3),
-                ..texmap_render::Settings::new(80, 80)
+                ..texmap_render::RenderSettings::new(80, 80)
             };
             let frame = texmap_render::render(&scene, &settings, &|_, _| ()).unwrap();
             assert!(frame.rgba == bumped.rgba, "{heights:?} {name}");
@@ -437,7 +437,7 @@ fn carved_heights_are_steady_everywhere() {
         let flat = draw(&scene, 80, 80);
         assert!(most(&bumped, &flat) > 10, "{heights:?}");
         // From afar a pixel sees many waves: their mean.
-        scene.materials[0] = matte(Relief::Carved {
+        scene.materials[0] = matte(NormalDetail::Procedural {
             heights,
             world_from_solid: DMat4::from_scale(DVec3::splat(1e-4)),
             height: 1e-5,
@@ -456,12 +456,12 @@ fn carved_heights_are_steady_everywhere() {
 
 #[test]
 fn faults_of_reliefs_are_named() {
-    let refused = |relief: Relief| {
+    let refused = |relief: NormalDetail| {
         let (mut scene, _) = wavy();
         scene.materials[0] = matte(relief);
         scene.check().unwrap_err()
     };
-    let text = |relief: Relief| refused(relief).to_string();
+    let text = |relief: NormalDetail| refused(relief).to_string();
     assert!(text(offsets(1, f32::NAN, NormalMapGreen::Up)).contains("slope of the offset map"));
     assert!(matches!(
         refused(offsets(9, 1.0, NormalMapGreen::Up)),
@@ -469,8 +469,8 @@ fn faults_of_reliefs_are_named() {
     ));
     assert!(text(dimples(0, 0.0)).contains("waves around"));
     assert!(text(dimples(3, f32::INFINITY)).contains("fold"));
-    let carved = |world_from_solid, height| Relief::Carved {
-        heights: Carving::Pattern(Pattern::Noise { octaves: 1 }),
+    let carved = |world_from_solid, height| NormalDetail::Procedural {
+        heights: ProceduralHeight::Pattern(Pattern::Noise { octaves: 1 }),
         world_from_solid,
         height,
     };

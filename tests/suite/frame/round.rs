@@ -30,7 +30,7 @@ fn floor(round: CurvedShape) -> Scene {
         [-2.0, -0.4, -5.0],
     ]);
     mesh.uvs.clear();
-    mesh.round = Some(
+    mesh.uv_projection = Some(
         PerPixelProjection::new(round, &shape(), [4.0, 1.0], texmap_uv::Origin::TopLeft)
             .expect("a shape"),
     );
@@ -102,7 +102,7 @@ fn vertices_cannot_do_it() {
     let mut scene = floor(CurvedShape::Sphere);
     let exact = draw_aovs(&scene, SIZE, SIZE, &[Aov::Uv]);
     let mesh = &mut scene.meshes[0];
-    mesh.round = None;
+    mesh.uv_projection = None;
     let faces = Faces::from_triangles(&mesh.triangles);
     let whole = texmap_uv::Mesh::new(&mesh.positions, &faces).expect("a sound mesh");
     let mapping = Mapping {
@@ -176,9 +176,9 @@ fn the_seam_is_not_seen() {
 fn bytes_do_not_depend_on_threads() {
     let scene = floor(CurvedShape::Sphere);
     let of = |threads| {
-        let settings = texmap_render::Settings {
+        let settings = texmap_render::RenderSettings {
             threads: Some(threads),
-            ..texmap_render::Settings::new(SIZE, SIZE)
+            ..texmap_render::RenderSettings::new(SIZE, SIZE)
         };
         texmap_render::render(&scene, &settings, &|_, _| ()).expect("a frame")
     };

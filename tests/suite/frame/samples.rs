@@ -1,6 +1,6 @@
 //! Four samples a pixel: what is shaded at a centre that lies outside of the triangle.
 
-use texmap_render::{Renderer, Settings, pixel_hash, render};
+use texmap_render::{RenderSettings, Renderer, pixel_hash, render};
 use texmap_sample::{Filter, Precision};
 use texmap_scene::{ColorMode, Mesh, Scene};
 use texmap_tests::levels::levels;
@@ -50,9 +50,9 @@ fn plane(n: u32) -> Scene {
 /// values of the plane, not the nearest of the triangle's.
 #[test]
 fn cuts_in_a_plane_do_not_show() {
-    let settings = Settings {
+    let settings = RenderSettings {
         msaa: 4,
-        ..Settings::new(SIDE, SIDE)
+        ..RenderSettings::new(SIDE, SIDE)
     };
     let whole = render(&plane(1), &settings, &|_, _| ()).unwrap();
     for cells in [13, 40, 160] {
@@ -78,18 +78,18 @@ fn bytes_have_the_mean_of_their_light() {
             }
             let sampler = &mut scene.materials[0].base_color.as_mut().unwrap().sampler;
             (sampler.filter, sampler.precision) = (filter, Precision::Fast);
-            let settings = Settings {
+            let settings = RenderSettings {
                 msaa: 4,
-                ..Settings::new(SIDE, SIDE)
+                ..RenderSettings::new(SIDE, SIDE)
             };
-            let frame = |settings: &Settings, staged: bool| {
+            let frame = |settings: &RenderSettings, staged: bool| {
                 let renderer = Renderer::new(&scene, settings).unwrap();
                 let renderer = if staged { renderer.staged() } else { renderer };
                 renderer.draw(&|_, _| ()).unwrap()
             };
             let expected = frame(&settings, true);
             for (name, level) in levels() {
-                let settings = Settings {
+                let settings = RenderSettings {
                     level,
                     ..settings.clone()
                 };

@@ -1,7 +1,7 @@
 //! Small scenes and ways to read their frames.
 
 use texmap_light::PhongMaterial;
-use texmap_render::{Aov, AovData, Frame, Settings, render};
+use texmap_render::{Aov, AovData, Frame, RenderSettings, render};
 use texmap_sample::{ColorSpace, Filter, Origin, Sampler, Texture2d, UvTransform};
 use texmap_scene::{Material, Mesh, Scene, Shading, TextureSlot};
 
@@ -18,7 +18,7 @@ pub(crate) fn of(material: Material, mesh: Mesh) -> Scene {
 
 pub(crate) fn unlit(color: [f32; 3]) -> Material {
     Material {
-        surface: PhongMaterial {
+        phong: PhongMaterial {
             color,
             ..PhongMaterial::default()
         },
@@ -60,13 +60,13 @@ pub(crate) fn texture(
 }
 
 pub(crate) fn draw(scene: &Scene, width: u32, height: u32) -> Frame {
-    render(scene, &Settings::new(width, height), &|_, _| ()).unwrap()
+    render(scene, &RenderSettings::new(width, height), &|_, _| ()).unwrap()
 }
 
 pub(crate) fn draw_aovs(scene: &Scene, width: u32, height: u32, aovs: &[Aov]) -> Frame {
-    let settings = Settings {
+    let settings = RenderSettings {
         aovs: aovs.to_vec(),
-        ..Settings::new(width, height)
+        ..RenderSettings::new(width, height)
     };
     render(scene, &settings, &|_, _| ()).unwrap()
 }

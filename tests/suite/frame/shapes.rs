@@ -3,8 +3,8 @@
 use texmap_light::{Light, PhongMaterial};
 use texmap_math::glam::{DMat4, DVec3};
 use texmap_mesh::tessellate;
-use texmap_mesh::{Bone, Skeleton, SkinBlend, turn};
-use texmap_render::{Aov, AovData, Renderer, Settings, render, render_ordered};
+use texmap_mesh::{Bone, Skeleton, SkinBlend, rotation};
+use texmap_render::{Aov, AovData, RenderSettings, Renderer, render, render_ordered};
 use texmap_sample::Filter;
 use texmap_scene::{Billboard, Displacement, EdgeBudget, Facing, Material, Mesh, Scene, Shadow};
 use texmap_tests::levels::levels;
@@ -72,7 +72,7 @@ fn everything() -> Scene {
         bones: vec![bone(-1.0, 0.0, None), bone(0.0, 1.0, Some(0))],
     };
     let pose = skeleton
-        .pose(&[DMat4::IDENTITY, turn(DVec3::Y, 0.9)])
+        .pose(&[DMat4::IDENTITY, rotation(DVec3::Y, 0.9)])
         .expect("a pose");
     let bent = skeleton
         .skin(&strip.positions, SkinBlend::Smooth(0.6))
@@ -92,11 +92,11 @@ fn everything() -> Scene {
         textures: vec![texture(32, 32, waves), cut],
         materials: vec![
             Material {
-                surface: white,
+                phong: white,
                 ..Material::default()
             },
             Material {
-                surface: white,
+                phong: white,
                 base_color: slot(1, Filter::Nearest),
                 alpha: texmap_scene::AlphaMode::Test(0.0),
                 ..Material::default()
@@ -116,7 +116,7 @@ fn everything() -> Scene {
                 light: 1,
                 size: Some(256),
                 bias: None,
-                taps: 3,
+                pcf_size: 3,
                 area: None,
             }],
             ..Default::default()
@@ -128,9 +128,9 @@ fn everything() -> Scene {
 #[test]
 fn shapes_have_one_picture_on_every_level_and_number_of_threads() {
     let scene = everything();
-    let settings = Settings {
+    let settings = RenderSettings {
         aovs: Aov::ALL.to_vec(),
-        ..Settings::new(100, 80)
+        ..RenderSettings::new(100, 80)
     };
     let scene = tessellate(scene, 100).expect("a good scene");
     let expected = render(&scene, &settings, &|_, _| ()).expect("a good scene");
@@ -140,7 +140,7 @@ fn shapes_have_one_picture_on_every_level_and_number_of_threads() {
         expected.stats.triangles_submitted
     );
     for (name, level) in levels() {
-        let settings = Settings {
+        let settings = RenderSettings {
             level,
             ..settings.clone()
         };
@@ -148,7 +148,7 @@ fn shapes_have_one_picture_on_every_level_and_number_of_threads() {
         assert_eq!(bits(&frame), bits(&expected), "{name}");
     }
     for threads in [1, 2, 5] {
-        let settings = Settings {
+        let settings = RenderSettings {
             threads: Some(threads),
             ..settings.clone()
         };
@@ -222,9 +222,9 @@ fn a_height_of_zero_changes_no_picture() {
                 None => mesh.displacement = None,
             }
         }
-        let settings = Settings {
+        let settings = RenderSettings {
             aovs: vec![Aov::Face],
-            ..Settings::new(100, 80)
+            ..RenderSettings::new(100, 80)
         };
         let scene = tessellate(scene, 100).expect("a good scene");
         render(&scene, &settings, &|_, _| ()).expect("a good scene")
@@ -379,7 +379,7 @@ fn seams_move_by_the_mean_of_their_heights() {
 #[test]
 fn a_scene_of_descriptions_is_refused_and_bad_displacements_are_named() {
     let scene = everything();
-    let error = Renderer::new(&scene, &Settings::new(8, 8))
+    let error = Renderer::new(&scene, &RenderSettings::new(8, 8))
         .expect_err("refused")
         .to_string();
     assert!(error.contains("texmap_mesh::tessellate"), "{error}");

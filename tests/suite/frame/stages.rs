@@ -1,6 +1,6 @@
 //! Random scenes: every path through the tile gives the same bytes, on every level, any number of threads and in any order.
 
-use texmap_render::{Aov, Frame, Renderer, Settings, pixel_hash, render, render_ordered};
+use texmap_render::{Aov, Frame, RenderSettings, Renderer, pixel_hash, render, render_ordered};
 use texmap_scene::{ColorMode, Scene};
 use texmap_targets::random::{scene, settings};
 use texmap_tests::levels::levels;
@@ -27,7 +27,7 @@ fn random_scenes_have_one_picture() {
         let general = general.draw(&|_, _| ()).expect("a good scene");
         assert_same(&general, &expected, &format!("seed {seed}, all stages"));
         for (name, level) in levels() {
-            let settings = Settings {
+            let settings = RenderSettings {
                 level,
                 ..settings.clone()
             };
@@ -35,7 +35,7 @@ fn random_scenes_have_one_picture() {
             assert_same(&frame, &expected, &format!("seed {seed}, {name}"));
         }
         for threads in [1, 2, 3, 8] {
-            let settings = Settings {
+            let settings = RenderSettings {
                 threads: Some(threads),
                 ..settings.clone()
             };
@@ -67,9 +67,9 @@ fn four_samples_smooth_edges_and_nothing_else() {
         ])],
         ..empty()
     };
-    let four = Settings {
+    let four = RenderSettings {
         msaa: 4,
-        ..Settings::new(64, 64)
+        ..RenderSettings::new(64, 64)
     };
     let frame = render(&white, &four, &|_, _| ()).expect("a good scene");
     let mut seen: Vec<_> = frame.rgba.chunks_exact(4).map(|p| p[0]).collect();
@@ -77,7 +77,7 @@ fn four_samples_smooth_edges_and_nothing_else() {
     seen.dedup();
     // 0, 1/4, 1/2, 3/4 and 1 of white light as sRGB bytes.
     assert_eq!(seen, [0, 137, 188, 225, 255]);
-    let one = render(&white, &Settings::new(64, 64), &|_, _| ()).expect("a good scene");
+    let one = render(&white, &RenderSettings::new(64, 64), &|_, _| ()).expect("a good scene");
     let mut edges = 0;
     for (a, b) in frame.rgba.chunks_exact(4).zip(one.rgba.chunks_exact(4)) {
         if a != b {
@@ -102,10 +102,10 @@ fn four_samples_leave_no_seam() {
         ])],
         ..empty()
     };
-    let four = Settings {
+    let four = RenderSettings {
         msaa: 4,
         aovs: vec![Aov::Depth],
-        ..Settings::new(70, 66)
+        ..RenderSettings::new(70, 66)
     };
     let frame = render(&scene, &four, &|_, _| ()).expect("a good scene");
     assert!(frame.rgba.chunks_exact(4).all(|p| p == [0, 255, 0, 255]));
@@ -116,10 +116,10 @@ fn four_samples_leave_no_seam() {
 fn samples_other_than_one_or_four_are_refused() {
     let scene = scene(1);
     for (msaa, supersample) in [(0, 1), (2, 1), (8, 1), (4, 2)] {
-        let settings = Settings {
+        let settings = RenderSettings {
             msaa,
             supersample,
-            ..Settings::new(8, 8)
+            ..RenderSettings::new(8, 8)
         };
         let error = render(&scene, &settings, &|_, _| ()).expect_err("refused");
         assert!(error.to_string().contains("msaa"), "{error}");

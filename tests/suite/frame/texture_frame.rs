@@ -34,7 +34,7 @@ fn pentagon() -> Scene {
             * DMat4::from_rotation_x(-1.0)
             * DMat4::from_rotation_z(0.4)
             * DMat4::from_scale(DVec3::new(1.2, 0.9, 1.0)),
-        frame: Some(frame),
+        texture_frame: Some(frame),
         ..Mesh::default()
     };
     let checker = texture(32, 32, |x, y| {
@@ -53,7 +53,7 @@ fn pentagon() -> Scene {
 /// The same pentagon with the frame's uv at its vertices.
 fn by_vertices(mut scene: Scene) -> Scene {
     let mesh = &mut scene.meshes[0];
-    let frame = mesh.frame.take().unwrap();
+    let frame = mesh.texture_frame.take().unwrap();
     let uv = |p: &[f32; 3]| {
         frame
             .uv(DVec3::from(p.map(f64::from)))
@@ -106,7 +106,7 @@ fn per_pixel_uv_equals_the_vertex_path() {
 fn moving_the_origin_moves_the_coordinates() {
     let still = draw_aovs(&pentagon(), SIZE, SIZE, &[Aov::Uv]);
     let mut scene = pentagon();
-    let frame = scene.meshes[0].frame.as_mut().unwrap();
+    let frame = scene.meshes[0].texture_frame.as_mut().unwrap();
     frame.o += frame.u;
     let moved = draw_aovs(&scene, SIZE, SIZE, &[Aov::Uv]);
     let (a, b) = (
@@ -123,7 +123,9 @@ fn a_tilted_frame_is_drawn_and_warned_of() {
     for degrees in [0.5f64, 20.0] {
         let mut scene = pentagon();
         let turn = DMat4::from_rotation_x(degrees.to_radians());
-        scene.meshes[0].frame = scene.meshes[0].frame.map(|frame| frame.transform(turn));
+        scene.meshes[0].texture_frame = scene.meshes[0]
+            .texture_frame
+            .map(|frame| frame.transform(turn));
         let tilt = scene.meshes[0].frame_tilt().unwrap();
         assert!((tilt.to_degrees() - degrees).abs() < 1e-5, "{tilt}");
         let frame = draw(&scene, SIZE, SIZE);
@@ -150,7 +152,8 @@ fn a_frame_edge_on_to_the_eye_is_a_hole_in_uv() {
     );
     scene.textures = vec![texture(2, 2, |_, _| [9, 9, 9, 255])];
     scene.materials[0].base_color = slot(0, Filter::Trilinear);
-    scene.meshes[0].frame = Some(TextureFrame::new(DVec3::ZERO, DVec3::X, DVec3::Z).unwrap());
+    scene.meshes[0].texture_frame =
+        Some(TextureFrame::new(DVec3::ZERO, DVec3::X, DVec3::Z).unwrap());
     // Odd height: the middle row looks along the plane.
     let frame = draw_aovs(&scene, 31, 31, &[Aov::Uv, Aov::Lod]);
     assert!(values(&frame, Aov::Uv, 3, 15).iter().all(|v| v.is_nan()));

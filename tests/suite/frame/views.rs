@@ -1,6 +1,6 @@
 //! The six views from within a mesh.
 
-use texmap_bake::environment_of;
+use texmap_bake::capture_environment;
 use texmap_light::EnvironmentLayout;
 use texmap_math::glam::{DVec2, DVec3};
 use texmap_scene::{ColorMode, Mesh, Scene};
@@ -44,7 +44,7 @@ fn six_views_are_a_cube_map() {
         meshes: (0..6).map(wall).chain([own]).collect(),
         ..empty()
     };
-    let found = environment_of(&scene, 6, 16).unwrap();
+    let found = capture_environment(&scene, 6, 16).unwrap();
     // A quarter of a wall has another colour: which way up and round each face is.
     let mut marked = scene.clone();
     marked.meshes.push(Mesh {
@@ -60,7 +60,7 @@ fn six_views_are_a_cube_map() {
         material: 0,
         ..Mesh::default()
     });
-    let quarter = environment_of(&marked, 6, 16).unwrap();
+    let quarter = capture_environment(&marked, 6, 16).unwrap();
     for (face, color) in colors.into_iter().enumerate() {
         for (u, v) in [(0.2, 0.3), (0.8, 0.3), (0.2, 0.8), (0.8, 0.8)] {
             let d = EnvironmentLayout::Cube.direction(face, DVec2::new(u, v));
@@ -74,6 +74,9 @@ fn six_views_are_a_cube_map() {
             assert_eq!(quarter.radiance(d), expected, "{face} {u} {v}");
         }
     }
-    assert!(environment_of(&scene, 9, 16).is_err());
-    assert!(environment_of(&scene, 6, 0).is_err() && environment_of(&scene, 6, u32::MAX).is_err());
+    assert!(capture_environment(&scene, 9, 16).is_err());
+    assert!(
+        capture_environment(&scene, 6, 0).is_err()
+            && capture_environment(&scene, 6, u32::MAX).is_err()
+    );
 }

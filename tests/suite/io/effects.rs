@@ -2,8 +2,8 @@
 
 use texmap_light::{Light, NormalMapGreen, ShadowBias};
 use texmap_math::glam::DVec3;
-use texmap_render::{Aov, Settings, render};
-use texmap_scene::{Carving, Relief, SlideRole};
+use texmap_render::{Aov, RenderSettings, render};
+use texmap_scene::{NormalDetail, ProceduralHeight, ProjectorMode};
 
 use crate::support::Files;
 
@@ -26,7 +26,7 @@ fn lights_shadows_and_projectors_are_added() {
     );
     let shadows = &scene.effects.shadows;
     assert_eq!(
-        (shadows[0].light, shadows[0].size, shadows[0].taps),
+        (shadows[0].light, shadows[0].size, shadows[0].pcf_size),
         (1, Some(512), 5)
     );
     assert_eq!(shadows[0].bias, Some(ShadowBias::Constant(0.25)));
@@ -35,15 +35,15 @@ fn lights_shadows_and_projectors_are_added() {
         (2, None, None)
     );
     let slides = &scene.effects.projectors;
-    assert_eq!(slides[0].role, SlideRole::Light([0.5; 3]));
+    assert_eq!(slides[0].mode, ProjectorMode::Light([0.5; 3]));
     assert_eq!(
-        (slides[1].role, slides[1].shadow),
-        (SlideRole::Paint, Some(64))
+        (slides[1].mode, slides[1].shadow),
+        (ProjectorMode::Decal, Some(64))
     );
     // The slide's own aspect: twice as wide as high.
     let [q, s, _] = slides[0].projector.rows();
     assert!((s.y.abs() / q.x.abs() - 2.0).abs() < 1e-9);
-    render(&scene, &Settings::new(16, 16), &|_, _| ()).unwrap();
+    render(&scene, &RenderSettings::new(16, 16), &|_, _| ()).unwrap();
 }
 
 #[test]
@@ -71,16 +71,16 @@ fn what_throws_shadows_and_how_much_of_it_a_map_shows() {
         let scene = files().scene(&format!(
             "background 1 1 1\neye 0 -9 9\nfov 60\nld 1 1 1 0 0 -1\nshadow 64 taps 1 {words}\n{floor}{lid}f 0 1 2 3\n{setting}f 4 5 6 7\n"
         ));
-        let frame = render(&scene, &Settings::new(64, 64), &|_, _| ()).unwrap();
+        let frame = render(&scene, &RenderSettings::new(64, 64), &|_, _| ()).unwrap();
         // The ground under the lid, seen below its edge.
         let at = (0..64).map(|y| frame.rgba[(y * 64 + 32) * 4]);
         (scene, at.filter(|c| *c < 60).count())
     };
     let (scene, dark) = pixel("", "");
-    assert!(dark > 0 && scene.meshes.len() == 1 && !scene.meshes[0].shadowless);
+    assert!(dark > 0 && scene.meshes.len() == 1 && !scene.meshes[0].casts_no_shadow);
     let (scene, none) = pixel("", "shadowless yes\n");
     assert_eq!((none, scene.meshes.len()), (0, 2));
-    assert!(!scene.meshes[0].shadowless && scene.meshes[1].shadowless);
+    assert!(!scene.meshes[0].casts_no_shadow && scene.meshes[1].casts_no_shadow);
     let (_, back) = pixel("", "shadowless yes\nshadowless no\n");
     assert_eq!(back, dark);
     // A map of the lid alone shows its shadow; one of another place does not, and what it does not show is lit.
@@ -118,7 +118,7 @@ fn environments_with_levels_and_an_open_horizon() {
     assert_eq!(of(0), (None, true));
     let rest: Vec<_> = (1..scene.meshes.len()).map(of).collect();
     assert_eq!(rest, [(Some(0), true), (Some(1), false), (Some(0), true)]);
-    render(&scene, &Settings::new(16, 16), &|_, _| ()).unwrap();
+    render(&scene, &RenderSettings::new(16, 16), &|_, _| ()).unwrap();
 }
 
 #[test]
@@ -141,19 +141,26 @@ fn relief_and_light_maps_reach_models() {
         );
     }
     let material = |i: usize| &scene.materials[scene.meshes[i].material];
-    assert!(matches!(material(0).relief, Some(Relief::Bump { height, .. }) if height == 0.1));
+    assert!(
+        matches!(material(0).normal_detail, Some(NormalDetail::Bump { height, .. }) if height == 0.1)
+    );
     assert_eq!(material(0).light_map.as_ref().unwrap().scale, 2.0);
     assert!(matches!(
-        material(1).relief,
-        Some(Relief::NormalMap {
+        material(1).normal_detail,
+        Some(NormalDetail::NormalMap {
             green: NormalMapGreen::Down,
             rebuild_z: true,
             ..
         })
     ));
-    assert!(matches!(material(2).relief, Some(Relief::NormalMap { .. })));
-    assert!(matches!(material(3).relief, Some(Relief::Bump { height, .. }) if height == 0.3));
-    render(&scene, &Settings::new(16, 16), &|_, _| ()).unwrap();
+    assert!(matches!(
+        material(2).normal_detail,
+        Some(NormalDetail::NormalMap { .. })
+    ));
+    assert!(
+        matches!(material(3).normal_detail, Some(NormalDetail::Bump { height, .. }) if height == 0.3)
+    );
+    render(&scene, &RenderSettings::new(16, 16), &|_, _| ()).unwrap();
 }
 
 /// A second set from a model of other faces, or without coordinates, is refused by name; none at all is a named error of the scene.
@@ -174,7 +181,7 @@ fn second_coordinates_must_fit() {
         assert!(error.to_string().contains(words), "{error}");
     }
     let scene = files().scene("lightmap square.png\nobj m.obj\n");
-    let error = render(&scene, &Settings::new(8, 8), &|_, _| ()).unwrap_err();
+    let error = render(&scene, &RenderSettings::new(8, 8), &|_, _| ()).unwrap_err();
     assert!(error.to_string().contains("no second uv set"), "{error}");
 }
 
@@ -194,16 +201,16 @@ fn bumps_of_offsets_formulas_and_words() {
          offsetmap square.png 0.5 down\ntf 0 0 0 1 1 0 2 0 1\nscale 2\ncarve waves 0.1 1 2 3 1 0.5 1 around 7 fold 0.25\n\
          tf 0 0 0 1 1 0 2 0 1\nemboss \"CS 184\" -0.02\ntf 0 0 0 1 1 0 2 0 1\ncarve none\ntf 0 0 0 1 1 0 2 0 1\n",
     );
-    let relief = |i: usize| &scene.materials[scene.meshes[i].material].relief;
+    let relief = |i: usize| &scene.materials[scene.meshes[i].material].normal_detail;
     assert!(matches!(
         relief(0),
-        Some(Relief::Offsets {
+        Some(NormalDetail::Offsets {
             slope: 0.5,
             green: NormalMapGreen::Down,
             ..
         })
     ));
-    let Some(Relief::Carved {
+    let Some(NormalDetail::Procedural {
         heights,
         world_from_solid,
         height,
@@ -215,7 +222,7 @@ fn bumps_of_offsets_formulas_and_words() {
         (*height, *heights),
         (
             0.1,
-            Carving::Waves {
+            ProceduralHeight::Waves {
                 around: 7,
                 fold: 0.25
             }
@@ -224,7 +231,7 @@ fn bumps_of_offsets_formulas_and_words() {
     let place = |p: DVec3| world_from_solid.transform_point3(p);
     assert_eq!(place(DVec3::ZERO), DVec3::new(2.0, 4.0, 6.0));
     assert_eq!(place(DVec3::Y), DVec3::new(2.0, 5.0, 6.0));
-    let Some(Relief::Bump {
+    let Some(NormalDetail::Bump {
         slot,
         height: -0.02,
     }) = relief(2)
@@ -237,7 +244,7 @@ fn bumps_of_offsets_formulas_and_words() {
     let ink = (0..56 * 16).filter(|i| words.texel(0, i % 56, i / 56).unwrap()[0] == 1.0);
     assert!((60..300).contains(&ink.count()));
     assert!(relief(3).is_none());
-    render(&scene, &Settings::new(16, 16), &|_, _| ()).unwrap();
+    render(&scene, &RenderSettings::new(16, 16), &|_, _| ()).unwrap();
 }
 
 /// Every map of a library and the colours of vertices reach the picture: without its line it is another one.
@@ -276,7 +283,7 @@ fn every_map_of_a_library_is_drawn() {
             .with("m.obj", obj)
             .scene("eye 0 0 4\nlook 0 0 0\nfov 40\nbackground 0 0 0.4\nla 0.3 0.3 0.3\nlp 0.6 0.6 0.6 0.5 0.6 1.5\ndisplace none\nobj m.obj\n");
         let shaped = texmap_mesh::tessellate(&scene, 64).unwrap();
-        render(&shaped, &Settings::new(64, 64), &|_, _| ())
+        render(&shaped, &RenderSettings::new(64, 64), &|_, _| ())
             .unwrap()
             .rgba
     };
@@ -358,20 +365,22 @@ fn bumps_that_are_still_set_do_not_reach_faces_without_coordinates() {
     ] {
         let scene = files().scene(&format!("{line}\n{FACE}f 0 2 1\n{textured}{tf}"));
         let face = &scene.materials[scene.meshes[0].material];
-        assert!(face.relief.is_none() && face.light_map.is_none() && face.emission.is_none());
+        assert!(
+            face.normal_detail.is_none() && face.light_map.is_none() && face.emission.is_none()
+        );
         // Once for all faces, with the first of them.
         let told = |warning: &&String| warning.contains(words);
         let told: Vec<_> = scene.warnings.iter().filter(told).collect();
         assert_eq!(told.len(), 1, "{line}: {:?}", scene.warnings);
         assert!(told[0].contains("a.scene:5:1"), "{}", told[0]);
         let last = &scene.materials[scene.meshes.last().unwrap().material];
-        let reaches = last.relief.is_some() || last.emission.is_some();
+        let reaches = last.normal_detail.is_some() || last.emission.is_some();
         assert_eq!(reaches, line != "lightmap square.png", "{line}");
-        render(&scene, &Settings::new(16, 16), &|_, _| ()).expect("a picture");
+        render(&scene, &RenderSettings::new(16, 16), &|_, _| ()).expect("a picture");
     }
     // What needs no coordinates reaches all faces.
     let carved = files().scene(&format!("carve noise 0.1 0 0 0 1 1 1\n{FACE}"));
-    assert!(carved.materials[0].relief.is_some() && carved.warnings.is_empty());
+    assert!(carved.materials[0].normal_detail.is_some() && carved.warnings.is_empty());
 }
 
 #[test]

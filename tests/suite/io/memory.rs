@@ -5,7 +5,7 @@ use std::fs;
 use texmap_io::{FileSource, IoError, LoadOptions, load};
 use texmap_math::MemoryBudget;
 use texmap_raster::{Atlas, AtlasMesh, AtlasOptions, RasterError, TargetSize};
-use texmap_render::{Aov, RenderError, Renderer, Settings, render};
+use texmap_render::{Aov, RenderError, RenderSettings, Renderer, render};
 use texmap_scene::Scene;
 
 /// Less than anything large.
@@ -50,12 +50,12 @@ fn loading_asks_the_options() {
 #[test]
 fn drawing_asks_the_settings() {
     let scene = scene("ld 1 1 1 0 -1 0.1\nshadow 4096", MemoryBudget::UNLIMITED).unwrap();
-    let settings = |side, aovs: &[Aov], memory| Settings {
+    let settings = |side, aovs: &[Aov], memory| RenderSettings {
         aovs: aovs.to_vec(),
         memory,
-        ..Settings::new(side, side)
+        ..RenderSettings::new(side, side)
     };
-    let refused = |settings: &Settings| match Renderer::new(&scene, settings) {
+    let refused = |settings: &RenderSettings| match Renderer::new(&scene, settings) {
         Err(RenderError::Memory(refused)) => refused.what,
         Err(other) => panic!("{other}"),
         Ok(_) => String::new(),

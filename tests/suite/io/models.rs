@@ -2,7 +2,7 @@
 
 use texmap_io::scene_file::Missing;
 use texmap_io::{LoadOptions, load};
-use texmap_render::{Frame, Settings, render};
+use texmap_render::{Frame, RenderSettings, render};
 use texmap_sample::{Origin, Wrap};
 use texmap_scene::{AlphaMode, Scene, TextureRole};
 
@@ -19,7 +19,7 @@ fn files(mtl: &str) -> Files {
 }
 
 fn frame(scene: &Scene) -> Frame {
-    render(scene, &Settings::new(33, 33), &|_, _| {}).expect("a frame")
+    render(scene, &RenderSettings::new(33, 33), &|_, _| {}).expect("a frame")
 }
 
 fn pixel(frame: &Frame, x: usize, y: usize) -> [u8; 3] {
@@ -61,14 +61,10 @@ fn materials_of_a_library() {
         ("m", TextureRole::Modulate)
     );
     assert_eq!(
-        (
-            material.surface.ks,
-            material.surface.ns,
-            material.surface.kd
-        ),
+        (material.phong.ks, material.phong.ns, material.phong.kd),
         (0.4, 12.0, 1.0)
     );
-    assert!((material.surface.color[0] - 0.214_041).abs() < 1e-6);
+    assert!((material.phong.color[0] - 0.214_041).abs() < 1e-6);
     let slot = material.base_color.as_ref().expect("a map");
     assert_eq!(
         (slot.transform.scale, slot.transform.offset),
@@ -133,12 +129,9 @@ fn faces_without_a_material_take_the_scenes_texture_and_surface() {
         bare().scene("texture map.png\nobj b.obj\ntexture none\nsurf 0 0 1 1 1 0 1\nobj b.obj\n");
     let [textured, plain] = [0, 1].map(|i| &scene.materials[scene.meshes[i].material]);
     assert!(textured.base_color.is_some() && textured.texture_role == TextureRole::Modulate);
-    assert_eq!(
-        (textured.surface.color, textured.surface.ks),
-        ([1.0; 3], 0.0)
-    );
+    assert_eq!((textured.phong.color, textured.phong.ks), ([1.0; 3], 0.0));
     assert!(plain.base_color.is_none());
-    assert_eq!(plain.surface.color, [0.0, 0.0, 1.0]);
+    assert_eq!(plain.phong.color, [0.0, 0.0, 1.0]);
     assert_eq!(scene.meshes[0].name, "b");
 }
 
@@ -154,7 +147,7 @@ fn missing_coordinates_are_projected_and_told() {
         scene.warnings
     );
     assert_eq!(scene.meshes[0].uvs.len(), scene.meshes[0].positions.len());
-    assert!(render(&scene, &Settings::new(8, 8), &|_, _| {}).is_ok());
+    assert!(render(&scene, &RenderSettings::new(8, 8), &|_, _| {}).is_ok());
 }
 
 #[test]
@@ -199,7 +192,7 @@ fn black_diffuse_does_not_hide_a_map() {
         .load("a.obj")
         .expect("a model");
     assert_eq!(
-        scene.materials[scene.meshes[0].material].surface.color,
+        scene.materials[scene.meshes[0].material].phong.color,
         [1.0; 3]
     );
     assert!(

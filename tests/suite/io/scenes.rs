@@ -3,7 +3,7 @@
 use texmap_light::Light;
 use texmap_math::glam::DVec3;
 use texmap_raster::{Cull, DepthTest};
-use texmap_render::{Aov, AovData, Settings, render};
+use texmap_render::{Aov, AovData, RenderSettings, render};
 use texmap_sample::{Filter, Wrap};
 use texmap_scene::{AlphaMode, ColorMode, Scene, Shading, TextureRole};
 
@@ -35,15 +35,15 @@ fn defaults_are_the_course_loaders() {
     let material = &scene.materials[0];
     assert_eq!(
         (
-            material.surface.ka,
-            material.surface.kd,
-            material.surface.ks,
-            material.surface.ns
+            material.phong.ka,
+            material.phong.kd,
+            material.phong.ks,
+            material.phong.ns
         ),
         (1.0, 1.0, 1.0, 5.0)
     );
     // 0.5 is an sRGB value.
-    assert!((material.surface.color[0] - 0.214_041).abs() < 1e-6);
+    assert!((material.phong.color[0] - 0.214_041).abs() < 1e-6);
     assert_eq!(
         (material.shading, material.cull, material.alpha),
         (Shading::PerPixel, Cull::None, AlphaMode::Opaque)
@@ -106,7 +106,7 @@ fn settings_hold_for_later_faces_and_end_with_pop() {
         (Cull::Back, Shading::PerVertex, AlphaMode::Blend)
     );
     assert_eq!(
-        (inside.texture_role, inside.surface.color),
+        (inside.texture_role, inside.phong.color),
         (TextureRole::Modulate, [1.0, 0.0, 0.0])
     );
     let sampler = &outside.base_color.as_ref().unwrap().sampler;
@@ -120,7 +120,7 @@ fn settings_hold_for_later_faces_and_end_with_pop() {
     );
     // One file, one texture; without a surf line the texel is not darkened.
     assert_eq!(scene.textures.len(), 1);
-    assert_eq!(outside.surface.color, [1.0; 3]);
+    assert_eq!(outside.phong.color, [1.0; 3]);
 }
 
 #[test]
@@ -155,10 +155,10 @@ fn included_files_count_their_own_vertices_and_leak_no_settings() {
         [[9.0, 9.0, 9.0], [9.0, 8.0, 8.0], [8.0, 7.0, 6.0]]
     );
     assert_eq!(
-        scene.materials[scene.meshes[0].material].surface.color,
+        scene.materials[scene.meshes[0].material].phong.color,
         [0.0, 1.0, 0.0]
     );
-    assert!(scene.materials[scene.meshes[1].material].surface.color[0] > 0.2);
+    assert!(scene.materials[scene.meshes[1].material].phong.color[0] > 0.2);
     assert_eq!(scene.lights.len(), 1);
     assert_eq!((scene.meshes[0].faces[0], scene.meshes[1].faces[0]), (0, 1));
 }
@@ -201,7 +201,7 @@ fn vertex_normals_follow_the_courses_rule() {
 fn raw_holds_for_the_whole_scene_wherever_it_stands() {
     let scene = textured().scene(&format!("{SQUARE}surf 0.5 0.5 0.5 1 1 1 1\nf 0 1 2\ntexture a.png\ntf 0 0 0 1 1 0 2 1 1\ncolor raw\n"));
     assert_eq!(scene.color, ColorMode::Raw);
-    assert_eq!(scene.materials[0].surface.color, [0.5; 3]);
+    assert_eq!(scene.materials[0].phong.color, [0.5; 3]);
     let grey = Files::new().with_png("a.png", 1, 2, [128, 128, 128, 255]);
     let raw = grey.scene(&format!(
         "color raw\n{SQUARE}texture a.png\ntf 0 0 0 1 1 0 2 1 1\n"
@@ -225,9 +225,9 @@ fn missing_maps_can_be_drawn_on_purpose() {
 }
 
 fn uv(scene: &Scene) -> Vec<f32> {
-    let settings = Settings {
+    let settings = RenderSettings {
         aovs: vec![Aov::Uv],
-        ..Settings::new(64, 64)
+        ..RenderSettings::new(64, 64)
     };
     let frame = render(scene, &settings, &|_, _| {}).expect("a frame");
     match &frame.aovs[0].2 {
@@ -299,7 +299,7 @@ fn later_faces_win_where_depths_are_equal() {
         let scene = Files::new().scene(&format!(
             "color raw\neye 0.5 0.5 3\nlook 0.5 0.5 0\nla 1 1 1\n{SQUARE}{order}"
         ));
-        let frame = render(&scene, &Settings::new(9, 9), &|_, _| {}).expect("a frame");
+        let frame = render(&scene, &RenderSettings::new(9, 9), &|_, _| {}).expect("a frame");
         let at = 4 * (9 * 4 + 4);
         [frame.rgba[at], frame.rgba[at + 1]]
     };

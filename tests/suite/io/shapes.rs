@@ -1,7 +1,7 @@
 //! What the lines of shape become: displaced, bent and turned meshes.
 
 use texmap_math::glam::DVec3;
-use texmap_render::{Settings, render};
+use texmap_render::{RenderSettings, render};
 use texmap_scene::{EdgeBudget, Mesh, Scene};
 
 use crate::support::Files;
@@ -62,7 +62,7 @@ fn displaced_faces_and_models_move_by_the_map() {
         "{}",
         top(&scene.meshes[0])
     );
-    render(&scene, &Settings::new(16, 16), &|_, _| ()).expect("a frame");
+    render(&scene, &RenderSettings::new(16, 16), &|_, _| ()).expect("a frame");
 }
 
 #[test]

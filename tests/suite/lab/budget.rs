@@ -8,7 +8,7 @@ use texmap_math::deterministic_f64;
 use texmap_math::glam::{DVec2, DVec3};
 use texmap_planner::{Budget, choose, choose_sampled};
 use texmap_planner::{Price, prices};
-use texmap_render::{Settings, render};
+use texmap_render::{RenderSettings, render};
 use texmap_sample::{ColorSpace, Filter, Origin, Sampler, Texture2d, UvTransform};
 use texmap_scene::{ColorMode, Material, Mesh, Scene, Shading, TextureSlot};
 use texmap_truth::verify::verify;
@@ -90,7 +90,7 @@ fn scene(seed: u64) -> (Scene, Budget) {
         [(a * cos - b * sin) as f32, (a * sin + b * cos) as f32]
     });
     let material = Material {
-        surface: PhongMaterial {
+        phong: PhongMaterial {
             color: [1.0; 3],
             ka: 0.3,
             kd: 0.7,
@@ -152,9 +152,9 @@ fn over(seeds: std::ops::Range<u64>) -> (Vec<String>, usize) {
         }
         let mut planned = scene.clone();
         choices.apply(&mut planned);
-        let settings = Settings {
+        let settings = RenderSettings {
             supersample: choices.supersample,
-            ..Settings::new(SIDE, SIDE)
+            ..RenderSettings::new(SIDE, SIDE)
         };
         let frame = render(&planned, &settings, &|_, _| {}).unwrap();
         let truth = verify(&scene, &frame, SAMPLES).unwrap();
@@ -217,7 +217,7 @@ fn a_plan_is_about_as_cheap_as_the_cheapest_that_would_do() {
                 slot.sampler.filter = p.filter;
                 slot.sampler.precision = p.precision;
             }
-            let frame = render(&fixed, &Settings::new(SIDE, SIDE), &|_, _| {}).unwrap();
+            let frame = render(&fixed, &RenderSettings::new(SIDE, SIDE), &|_, _| {}).unwrap();
             verify(&scene, &frame, SAMPLES).unwrap().rmse <= budget.rmse
         };
         let cheapest = prices().iter().find(fits).unwrap();
@@ -239,9 +239,9 @@ fn a_plan_is_about_as_cheap_as_the_cheapest_that_would_do() {
 fn nearest_everywhere_breaks_the_budget() {
     let broken = (0..12).filter(|&seed| {
         let (scene, budget) = scene(seed);
-        let settings = Settings {
+        let settings = RenderSettings {
             filter: Some(Filter::Nearest),
-            ..Settings::new(SIDE, SIDE)
+            ..RenderSettings::new(SIDE, SIDE)
         };
         let frame = render(&scene, &settings, &|_, _| {}).unwrap();
         verify(&scene, &frame, 2).unwrap().rmse > budget.rmse

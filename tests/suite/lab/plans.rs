@@ -4,7 +4,7 @@ use std::path::Path;
 use texmap_light::Light;
 use texmap_math::glam::DVec3;
 use texmap_planner::{Budget, choose};
-use texmap_render::{Settings, render};
+use texmap_render::{RenderSettings, render};
 use texmap_scene::{Scene, Shading, Shadow, TextureRole};
 use texmap_truth::verify::verify;
 use texmap_uv::{CurvedShape, Origin, PerPixelProjection, Placement};
@@ -26,8 +26,8 @@ fn round(shape: CurvedShape) -> Scene {
     let mut scene = frames();
     let frame = Placement::upright(DVec3::new(0.1, 1.0, -0.4), DVec3::splat(2.0));
     for mesh in &mut scene.meshes {
-        mesh.frame = None;
-        mesh.round =
+        mesh.texture_frame = None;
+        mesh.uv_projection =
             Some(PerPixelProjection::new(shape, &frame, [2.0, 1.0], Origin::TopLeft).unwrap());
     }
     scene
@@ -45,9 +45,9 @@ fn the_error_of_a_filter_is_predicted_without_vertex_coordinates() {
             let choices = choose(&scene, SIZE.0, SIZE.1, budget).unwrap();
             let mut planned = scene.clone();
             choices.apply(&mut planned);
-            let settings = Settings {
+            let settings = RenderSettings {
                 supersample: choices.supersample,
-                ..Settings::new(SIZE.0, SIZE.1)
+                ..RenderSettings::new(SIZE.0, SIZE.1)
             };
             let frame = render(&planned, &settings, &|_, _| {}).unwrap();
             let truth = verify(&scene, &frame, 6).unwrap();
@@ -116,9 +116,9 @@ fn predicted(name: &str, scene: &Scene, least: usize, special: impl Fn(usize) ->
         assert!(choices.met(), "{name}, {rmse}: {choices:?}");
         let mut planned = scene.clone();
         choices.apply(&mut planned);
-        let settings = Settings {
+        let settings = RenderSettings {
             supersample: choices.supersample,
-            ..Settings::new(SIZE.0, SIZE.1)
+            ..RenderSettings::new(SIZE.0, SIZE.1)
         };
         let frame = render(&planned, &settings, &|_, _| {}).unwrap();
         let truth = verify(scene, &frame, 6).unwrap();
@@ -171,7 +171,7 @@ fn pictures_do_without_idle_lights() {
         light,
         size,
         bias: None,
-        taps: 3,
+        pcf_size: 3,
         area: None,
     };
     scene.effects.shadows = vec![shadow(2, None), shadow(3, None), shadow(1, Some(512))];
@@ -194,7 +194,7 @@ fn pictures_do_without_idle_lights() {
         mesh.material = of.material;
     }
     fixed.materials.clone_from(&planned.materials);
-    let draw = |s: &Scene| render(s, &Settings::new(SIZE.0, SIZE.1), &|_, _| {}).unwrap();
+    let draw = |s: &Scene| render(s, &RenderSettings::new(SIZE.0, SIZE.1), &|_, _| {}).unwrap();
     assert_eq!(draw(&planned).rgba, draw(&fixed).rgba);
     // Negative twins: the lights that stay are seen, and so are their shadows.
     let shows = |change: fn(&mut Scene)| {

@@ -4,7 +4,7 @@ use texmap_mesh::tessellate;
 
 use texmap_io::LoadOptions;
 use texmap_raster::Interp;
-use texmap_render::{Frame, Settings, render};
+use texmap_render::{Frame, RenderSettings, render};
 use texmap_scene::{Material, Scene};
 use texmap_truth::verify::verify;
 use texmap_truth::{Truth, frame};
@@ -80,9 +80,9 @@ fn what_is_seen_does_not_depend_on_the_number_of_samples() {
 fn drawn(scene: &Scene, interp: Option<Interp>) -> Frame {
     render(
         &tessellate(scene, WIDTH).unwrap(),
-        &Settings {
+        &RenderSettings {
             interp,
-            ..Settings::new(WIDTH, HEIGHT)
+            ..RenderSettings::new(WIDTH, HEIGHT)
         },
         &|_, _| {},
     )
@@ -119,9 +119,9 @@ fn the_reference_is_where_supersampling_leads() {
     let (mut off, size) = (Vec::new(), (120, 90));
     for file in scenes() {
         let scene = texmap_io::load_scene(&file, &LoadOptions::default()).unwrap();
-        let settings = Settings {
+        let settings = RenderSettings {
             supersample: 8,
-            ..Settings::new(size.0, size.1)
+            ..RenderSettings::new(size.0, size.1)
         };
         let scene = tessellate(scene, size.0).unwrap();
         let frame = render(&scene, &settings, &|_, _| {}).unwrap();
@@ -162,14 +162,14 @@ fn no_effect_is_left_out_of_the_truth() {
             s.effects.projectors.clear();
         }),
         ("skies by direction", "mirrors", |s| {
-            s.effects.backdrop = None;
+            s.effects.background = None;
         }),
-        ("stretched skies", "signs", |s| s.effects.backdrop = None),
+        ("stretched skies", "signs", |s| s.effects.background = None),
         ("mirrors", "mirrors", |s| all(s, |m| m.reflection = None)),
         ("specular maps", "mirrors", |s| {
             all(s, |m| m.specular_map = None);
         }),
-        ("reliefs", "reliefs", |s| all(s, |m| m.relief = None)),
+        ("reliefs", "reliefs", |s| all(s, |m| m.normal_detail = None)),
         ("maps of ambient light", "reliefs", |s| {
             all(s, |m| m.maps.ambient = None);
         }),

@@ -19,7 +19,7 @@ pub use effects::Folders;
 use texmap_io::{IoError, LoadOptions, image_io, load, read_environment, write_environment};
 use texmap_light::{Environment, EnvironmentLayout};
 use texmap_math::Level;
-use texmap_render::{Aov, AovData, Frame, Settings, hash_pixels, pixel_hash, render};
+use texmap_render::{Aov, AovData, Frame, RenderSettings, hash_pixels, pixel_hash, render};
 use texmap_scene::Scene;
 
 /// Random scenes of every effect.
@@ -43,7 +43,7 @@ pub fn hashes(folders: &Folders, level: Level) -> Result<String, Box<dyn Error>>
     for seed in 0..SAMPLER_SCENES {
         let frame = render(
             &random::scene(seed),
-            &Settings {
+            &RenderSettings {
                 level,
                 ..random::settings(seed)
             },
@@ -64,10 +64,10 @@ pub fn hashes(folders: &Folders, level: Level) -> Result<String, Box<dyn Error>>
     }
     for path in files(&folders.assets.join("scenes"), &["scene"])? {
         let scene = load(&path, &LoadOptions::default())?;
-        let settings = Settings {
+        let settings = RenderSettings {
             level,
             aovs: Aov::ALL.to_vec(),
-            ..Settings::new(160, 120)
+            ..RenderSettings::new(160, 120)
         };
         let scene = tessellate(scene, settings.width)?;
         let frame = render(&scene, &settings, &|_, _| ())?;
@@ -86,10 +86,10 @@ pub fn effect_scene(seed: u64, folders: &Folders) -> Result<Scene, Box<dyn Error
     Ok(load(&path, &LoadOptions::default())?)
 }
 
-fn effect_settings(seed: u64, scene: &Scene, level: Level) -> Settings {
+fn effect_settings(seed: u64, scene: &Scene, level: Level) -> RenderSettings {
     let shadowed = |light: &usize| scene.effects.shadows.iter().any(|s| s.light == *light);
     let lights = (0..scene.lights.len()).filter(shadowed);
-    Settings {
+    RenderSettings {
         level,
         aovs: Aov::ALL
             .into_iter()
@@ -97,7 +97,7 @@ fn effect_settings(seed: u64, scene: &Scene, level: Level) -> Settings {
             .collect(),
         msaa: if seed % 4 == 1 { 4 } else { 1 },
         supersample: if seed % 4 == 3 { 2 } else { 1 },
-        ..Settings::new(97, 67)
+        ..RenderSettings::new(97, 67)
     }
 }
 

@@ -2,7 +2,7 @@
 
 use texmap_light::{Light, PhongMaterial};
 use texmap_raster::Cull;
-use texmap_render::{Aov, Settings};
+use texmap_render::{Aov, RenderSettings};
 use texmap_sample::{ColorSpace, Filter, Origin, Precision, Sampler, Texture2d, UvTransform, Wrap};
 use texmap_scene::{
     AlphaMode, ColorMode, Emission, Material, Mesh, Scene, Shading, TextureRole, TextureSlot,
@@ -102,7 +102,7 @@ fn material(random: &mut Random) -> Material {
         map: (!random.one_in(3)).then(|| slot(random)),
     });
     Material {
-        surface: PhongMaterial {
+        phong: PhongMaterial {
             color: [random.range(0.0, 1.0), random.range(0.0, 1.0), 1.0],
             ..PhongMaterial::default()
         },
@@ -184,11 +184,11 @@ pub fn scene(seed: u64) -> Scene {
 
 /// Every AOV, with four samples a pixel or four pixels for one at times.
 #[must_use]
-pub fn settings(seed: u64) -> Settings {
-    Settings {
+pub fn settings(seed: u64) -> RenderSettings {
+    RenderSettings {
         aovs: Aov::ALL.to_vec(),
         msaa: if seed % 4 == 1 { 4 } else { 1 },
         supersample: if seed % 4 == 3 { 2 } else { 1 },
-        ..Settings::new(90, 70)
+        ..RenderSettings::new(90, 70)
     }
 }

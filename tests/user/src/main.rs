@@ -5,9 +5,9 @@
 use texmap_light::{EnvironmentLayout, Environment, Light, PhongMaterial, illuminate_slice};
 use texmap_math::glam::{DMat4, DVec2, DVec3};
 use texmap_math::{Camera, Footprint, Homography, Level};
-use texmap_render::{Aov, Settings, pixel_hash, render, shadow_map};
+use texmap_render::{Aov, RenderSettings, pixel_hash, render, shadow_map};
 use texmap_bake::{BakeOptions, bake};
-use texmap_scene::{Carving, ColorMode, Displacement, Effects, Material, Mesh, Reflection, Relief, Scene, Shading, Shadow, Solid, SolidSource, TextureRole, TextureSlot, shadow_bias, shadow_kind};
+use texmap_scene::{ProceduralHeight, ColorMode, Displacement, Effects, Material, Mesh, Reflection, NormalDetail, Scene, Shading, Shadow, SolidTexture, SolidTextureSource, TextureRole, TextureSlot, shadow_bias, shadow_kind};
 use texmap_sample::{
     ColorSpace, Filter, Origin, EdgeMode, Pattern, Precision, Resample, Sampler, Texture2d, UvTransform,
     sample_rgba8_slice, sample_slice,
@@ -104,7 +104,7 @@ fn with(change: impl Fn(&mut Material)) -> Scene {
 
 fn shadowed() -> Scene {
     let mut scene = scene();
-    scene.effects.shadows.push(Shadow { light: 1, size: Some(256), bias: None, taps: 3, area: None });
+    scene.effects.shadows.push(Shadow { light: 1, size: Some(256), bias: None, pcf_size: 3, area: None });
     scene
 }
 
@@ -120,9 +120,9 @@ fn mirrored() -> Scene {
 }
 
 fn draw(scene: &Scene, msaa: u32) {
-    let settings = Settings { msaa, aovs: Aov::ALL.to_vec(), ..Settings::new(96, 64) };
+    let settings = RenderSettings { msaa, aovs: Aov::ALL.to_vec(), ..RenderSettings::new(96, 64) };
     let frame = render(scene, &settings, &|_, _| ()).expect("a picture");
-    let alone = Settings { threads: Some(1), ..settings };
+    let alone = RenderSettings { threads: Some(1), ..settings };
     let again = render(scene, &alone, &|_, _| ()).expect("a picture");
     assert_eq!(pixel_hash(&frame), pixel_hash(&again));
     assert!(frame.stats.pixels_covered > 1000);
@@ -131,11 +131,11 @@ fn draw(scene: &Scene, msaa: u32) {
 fn reliefs() {
     let pattern = Pattern::Marble { octaves: 4, turbulence: 1.0 };
     let world_from_solid = DMat4::from_scale(DVec3::splat(0.5));
-    draw(&with(|m| m.relief = Some(Relief::Bump { slot: slot(Filter::Trilinear), height: 0.05 })), 1);
-    let carved = |heights| Relief::Carved { heights, world_from_solid, height: 0.05 };
-    draw(&with(|m| m.relief = Some(carved(Carving::Pattern(pattern)))), 1);
-    draw(&with(|m| m.relief = Some(carved(Carving::Waves { around: 5, fold: 0.2 }))), 1);
-    draw(&with(|m| m.solid = Some(Solid { source: SolidSource::Pattern(pattern), world_from_solid })), 1);
+    draw(&with(|m| m.normal_detail = Some(NormalDetail::Bump { slot: slot(Filter::Trilinear), height: 0.05 })), 1);
+    let carved = |heights| NormalDetail::Procedural { heights, world_from_solid, height: 0.05 };
+    draw(&with(|m| m.normal_detail = Some(carved(ProceduralHeight::Pattern(pattern)))), 1);
+    draw(&with(|m| m.normal_detail = Some(carved(ProceduralHeight::Waves { around: 5, fold: 0.2 }))), 1);
+    draw(&with(|m| m.solid = Some(SolidTexture { source: SolidTextureSource::Pattern(pattern), world_from_solid })), 1);
 }
 
 fn displaced() {

@@ -5,7 +5,9 @@ use std::path::PathBuf;
 use texmap_light::{NormalMapGreen, SpecularModel};
 use texmap_math::glam::{DMat4, DVec3};
 use texmap_sample::{Pattern, UvTransform};
-use texmap_scene::{Carving, Emission, LightMapSlot, Material, Reflection, Relief, Scene};
+use texmap_scene::{
+    Emission, LightMapSlot, Material, NormalDetail, ProceduralHeight, Reflection, Scene,
+};
 
 use super::build::Builder;
 use super::settings::Settings;
@@ -36,7 +38,7 @@ pub(super) struct EffectSettings {
 pub(super) enum ReliefSetting {
     Bump(usize, f32),
     Offsets(usize, f32, NormalMapGreen),
-    Carved(Relief),
+    Carved(NormalDetail),
     NormalMap(usize, NormalMapSetting),
 }
 
@@ -57,8 +59,11 @@ impl ReliefSetting {
 /// Effects of a material that faces do not show whose texel covers the surface.
 pub(super) fn covered(material: &Material) -> Vec<&'static str> {
     let has = [
-        (material.relief.is_some(), BUMPS),
-        (material.highlight != SpecularModel::Phong, "`highlight`"),
+        (material.normal_detail.is_some(), BUMPS),
+        (
+            material.specular_model != SpecularModel::Phong,
+            "`highlight`",
+        ),
         (material.reflection.is_some(), "`env`"),
         (material.specular_map.is_some(), "`specmap`"),
         (material.light_map.is_some(), "`lightmap`"),
@@ -131,7 +136,7 @@ impl EffectSettings {
         coordinates: Coordinates,
     ) -> Material {
         let data = |texture| settings.slot(texture, UvTransform::default(), false, scene.color);
-        material.highlight = self.highlight;
+        material.specular_model = self.highlight;
         material.reflection = self.reflection;
         material.specular_map = self.specular_map;
         material.horizon_clamp = !self.horizon_open;
@@ -149,21 +154,21 @@ impl EffectSettings {
                 map: map.map(data),
             });
         }
-        if material.relief.is_none() {
+        if material.normal_detail.is_none() {
             let relief = self.relief.as_ref();
             let relief = relief.filter(|relief| coordinates.first || !relief.reads_uv());
-            material.relief = relief.map(|relief| match relief {
-                ReliefSetting::Bump(texture, height) => Relief::Bump {
+            material.normal_detail = relief.map(|relief| match relief {
+                ReliefSetting::Bump(texture, height) => NormalDetail::Bump {
                     slot: data(*texture),
                     height: *height,
                 },
-                ReliefSetting::Offsets(texture, slope, green) => Relief::Offsets {
+                ReliefSetting::Offsets(texture, slope, green) => NormalDetail::Offsets {
                     slot: data(*texture),
                     slope: *slope,
                     green: *green,
                 },
                 ReliefSetting::Carved(relief) => relief.clone(),
-                ReliefSetting::NormalMap(texture, line) => Relief::NormalMap {
+                ReliefSetting::NormalMap(texture, line) => NormalDetail::NormalMap {
                     slot: data(*texture),
                     green: line.green,
                     rebuild_z: line.rebuild_z,
@@ -230,14 +235,14 @@ pub(super) fn carved(b: &mut Builder, line: &mut Line<'_>) -> Result<ReliefSetti
         }
     }
     let heights = match formula {
-        Some("waves") => Carving::Waves {
+        Some("waves") => ProceduralHeight::Waves {
             around,
             fold: fold.unwrap_or(0.0),
         },
-        formula => Carving::Pattern(pattern(formula, octaves, fold)),
+        formula => ProceduralHeight::Pattern(pattern(formula, octaves, fold)),
     };
     let placed = DMat4::from_translation(origin) * DMat4::from_scale(size);
-    Ok(ReliefSetting::Carved(Relief::Carved {
+    Ok(ReliefSetting::Carved(NormalDetail::Procedural {
         heights,
         world_from_solid: b.settings.transform * placed,
         height,

@@ -71,14 +71,14 @@ impl Facets {
                 && run.round == facet.round
                 && run.skin == facet.skin
                 && mesh.displacement == facet.displacement
-                && mesh.shadowless == facet.shadowless
+                && mesh.casts_no_shadow == facet.shadowless
         };
         if !self.meshes.last().is_some_and(fits) {
             scene.meshes.push(Mesh {
                 name: format!("faces from {}:{}", location.file.display(), location.line),
                 material: facet.material,
-                frame: facet.frame,
-                round: facet.round,
+                texture_frame: facet.frame,
+                uv_projection: facet.round,
                 displacement: facet.displacement.clone(),
                 ..Mesh::default()
             });

@@ -89,7 +89,7 @@ fn written(settings: &Settings, texture: usize, scene: &Scene) -> Material {
         } else {
             Shading::Unlit
         },
-        crisp: true,
+        antialiased_alpha: true,
         alpha: match settings.alpha {
             None => AlphaMode::Blend,
             _ => material.alpha,

@@ -4,7 +4,7 @@ use texmap_light::{Light, ProjectorBorder, ShadowBias};
 use texmap_math::Projector;
 use texmap_math::glam::DVec3;
 use texmap_sample::UvTransform;
-use texmap_scene::{ColorMode, Shadow, SlideProjector, SlideRole};
+use texmap_scene::{ColorMode, ProjectorLight, ProjectorMode, Shadow};
 
 use super::build::Builder;
 use crate::IoError;
@@ -39,12 +39,12 @@ pub(super) fn shadow(b: &mut Builder, line: &mut Line<'_>) -> Result<(), IoError
         light,
         size: line.optional_number().map(|size| size as u32),
         bias: None,
-        taps: 3,
+        pcf_size: 3,
         area: None,
     };
     while let Some(word) = line.word() {
         match word {
-            "taps" => shadow.taps = line.whole(),
+            "taps" => shadow.pcf_size = line.whole(),
             "slope" => shadow.bias = Some(ShadowBias::Slope(line.number())),
             "constant" => shadow.bias = Some(ShadowBias::Constant(line.number())),
             "normal-offset" => shadow.bias = Some(ShadowBias::NormalOffset(line.number())),
@@ -74,14 +74,14 @@ pub(super) fn projector(b: &mut Builder, line: &mut Line<'_>) -> Result<(), IoEr
     let slot = b
         .settings
         .slot(texture, UvTransform::default(), true, ColorMode::Raw);
-    let mut slide = SlideProjector {
+    let mut slide = ProjectorLight {
         projector,
         position,
         texture,
         sampler: slot.sampler,
         border: ProjectorBorder::Black,
         softness: 0.0,
-        role: SlideRole::Paint,
+        mode: ProjectorMode::Decal,
         shadow: None,
     };
     let mut color = [1.0; 3];
@@ -96,7 +96,7 @@ pub(super) fn projector(b: &mut Builder, line: &mut Line<'_>) -> Result<(), IoEr
         }
     }
     if !paint {
-        slide.role = SlideRole::Light(color);
+        slide.mode = ProjectorMode::Light(color);
     }
     b.scene.effects.projectors.push(slide);
     Ok(())

@@ -3,7 +3,7 @@
 use texmap_math::glam::{DMat4, DVec3};
 use texmap_mesh::Font;
 use texmap_sample::{ColorSpace, Origin, Sampler, Texture2d, UvTransform, Wrap};
-use texmap_scene::{ColorMode, Material, Scene, Solid, SolidSource, TextureSlot};
+use texmap_scene::{ColorMode, Material, Scene, SolidTexture, SolidTextureSource, TextureSlot};
 
 use super::build::Builder;
 use super::effects::pattern;
@@ -15,7 +15,7 @@ use crate::textures::Content;
 /// Solid, ramps, label and font of later faces.
 #[derive(Debug, Clone, Default)]
 pub(super) struct MaterialSettings {
-    pub(super) solid: Option<(Solid, Option<TextureSlot>)>,
+    pub(super) solid: Option<(SolidTexture, Option<TextureSlot>)>,
     pub(super) ramp: Option<TextureSlot>,
     pub(super) cel: Option<TextureSlot>,
     pub(super) decal: Option<TextureSlot>,
@@ -34,7 +34,7 @@ impl MaterialSettings {
             material.solid = Some(solid.clone());
             material.color_ramp = self.ramp.clone().or_else(|| own.clone());
             if settings.surf.is_none() {
-                material.surface = surface(&WHITE, scene.color);
+                material.phong = surface(&WHITE, scene.color);
             }
         } else {
             material.color_ramp = self.ramp.clone().filter(|_| material.base_color.is_some());
@@ -68,12 +68,12 @@ pub(super) fn solid(b: &mut Builder, line: &mut Line<'_>) -> Result<(), IoError>
         }
     }
     let source = match grid {
-        Some(grid) => SolidSource::Grid {
+        Some(grid) => SolidTextureSource::Grid {
             grid,
             sampler: sampler(&b.settings),
             wrap_w: b.settings.wrap[1],
         },
-        None => SolidSource::Pattern(pattern(formula, octaves, fold)),
+        None => SolidTextureSource::Pattern(pattern(formula, octaves, fold)),
     };
     let own = match formula {
         Some("marble") => Some(("marble", &MARBLE)),
@@ -86,7 +86,7 @@ pub(super) fn solid(b: &mut Builder, line: &mut Line<'_>) -> Result<(), IoError>
         b.settings
             .slot(texture, UvTransform::default(), true, color)
     });
-    let solid = Solid {
+    let solid = SolidTexture {
         source,
         world_from_solid: b.settings.transform * placed,
     };

@@ -75,7 +75,7 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene, IoError> {
 /// The first fault, see [`IoError`]. [`IoError::EmptyScene`] where nothing would be drawn.
 pub fn load_scene(path: &Path, options: &LoadOptions) -> Result<Scene, IoError> {
     let (scene, _) = read_scene(path, options, false)?;
-    let bare = scene.effects.volumes.is_empty() && scene.effects.backdrop.is_none();
+    let bare = scene.effects.volumes.is_empty() && scene.effects.background.is_none();
     if bare && scene.meshes.iter().all(|m| m.triangles.is_empty()) {
         return Err(IoError::EmptyScene {
             path: path.to_path_buf(),

@@ -9,7 +9,8 @@ use texmap_mesh::SkinBlend;
 use texmap_raster::{Cull, Interp};
 use texmap_sample::{Filter, Sampler, UvTransform, Wrap};
 use texmap_scene::{
-    AlphaMode, ColorMode, Displacement, Gouraud, Material, Shading, TextureRole, TextureSlot,
+    AlphaMode, ColorMode, Displacement, Material, Shading, TextureRole, TextureSlot,
+    VertexColorInterp,
 };
 use texmap_uv::PerPixelProjection;
 
@@ -38,7 +39,7 @@ pub(super) struct Settings {
     pub(super) alpha: Option<AlphaMode>,
     pub(super) role: Option<TextureRole>,
     pub(super) shading: Shading,
-    pub(super) gouraud: Gouraud,
+    pub(super) gouraud: VertexColorInterp,
     pub(super) missing: Missing,
     pub(super) transform: DMat4,
     pub(super) effects: EffectSettings,
@@ -71,7 +72,7 @@ impl Default for Settings {
             alpha: None,
             role: None,
             shading: Shading::PerPixel,
-            gouraud: Gouraud::ScreenLinear,
+            gouraud: VertexColorInterp::ScreenLinear,
             missing: Missing::Error,
             transform: DMat4::IDENTITY,
             effects: EffectSettings::default(),
@@ -106,11 +107,11 @@ impl Settings {
         let surf = self.surf.unwrap_or(COURSE);
         Material {
             name: "surf".into(),
-            surface: surface(&surf, color),
+            phong: surface(&surf, color),
             shading: self.shading,
             interp: self.interp,
             cull: self.cull,
-            gouraud: self.gouraud,
+            vertex_color_interp: self.gouraud,
             ..Material::default()
         }
     }
@@ -124,7 +125,7 @@ impl Settings {
     ) -> Material {
         Material {
             name: texture.name.clone(),
-            surface: surface(&self.surf.unwrap_or(WHITE), color),
+            phong: surface(&self.surf.unwrap_or(WHITE), color),
             base_color: Some(self.slot(texture.index, UvTransform::default(), false, color)),
             texture_role: self.role.unwrap_or(role),
             alpha: self.alpha(texture.has_alpha),
@@ -137,7 +138,7 @@ impl Settings {
         let surface = surface(&self.surf.unwrap_or(WHITE), color);
         Material {
             name: "vertex colours".into(),
-            surface,
+            phong: surface,
             ..self.plain(color)
         }
     }
@@ -212,7 +213,7 @@ pub(super) fn rotation(degrees: f64, axis: DVec3) -> DMat4 {
     let axis = obj::unit(axis).unwrap_or(DVec3::Z);
     let angle =
         quarter_turns(degrees).unwrap_or_else(|| deterministic_f64::sin_cos(degrees.to_radians()));
-    texmap_mesh::turn_by(axis, angle)
+    texmap_mesh::rotation_about(axis, angle)
 }
 
 /// Sine and cosine of whole quarter turns, exactly.

@@ -187,7 +187,7 @@ pub(super) fn terrain(b: &mut Builder, line: &mut Line<'_>) -> Result<(), IoErro
         None => b.settings.plain(color),
     };
     ground.material = b.material(material, Coordinates::FIRST, location);
-    ground.round = b.settings.round;
+    ground.uv_projection = b.settings.round;
     let cells = ground.faces.last().map_or(0, |last| last + 1);
     ground.faces.iter_mut().for_each(|f| *f += b.faces);
     b.faces += cells;

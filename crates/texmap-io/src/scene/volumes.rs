@@ -1,7 +1,7 @@
 //! Skies and volumes.
 
 use texmap_sample::UvTransform;
-use texmap_scene::{Backdrop, Volume};
+use texmap_scene::{Background, Volume};
 
 use super::build::Builder;
 use super::environments::Use;
@@ -12,19 +12,19 @@ use crate::textures::Content;
 
 /// `sky`.
 pub(super) fn sky(b: &mut Builder, line: &mut Line<'_>) -> Result<(), IoError> {
-    b.scene.effects.backdrop = match (line.takes("none"), line.left()) {
+    b.scene.effects.background = match (line.takes("none"), line.left()) {
         (true, _) => None,
         (false, 1) => {
             let texture = b.load(line, Content::Color)?;
             let slot = b
                 .settings
                 .slot(texture, UvTransform::default(), true, b.scene.color);
-            Some(Backdrop::Picture(slot))
+            Some(Background::Picture(slot))
         }
         _ => {
             let (path, chart) = (b.beside(line), line.parsed());
             let shown = Use::Shown { mips: false };
-            Some(Backdrop::Environment(
+            Some(Background::Environment(
                 b.environment(path, line, chart, shown)?,
             ))
         }

@@ -315,7 +315,7 @@ fn walled(thickness: f64) -> Result<(Scene, Light), LabError> {
         background: [0.0; 4],
         lights: vec![light],
         materials: vec![Material {
-            surface: PhongMaterial::default(),
+            phong: PhongMaterial::default(),
             ..Material::default()
         }],
         meshes: vec![floor, wall],

@@ -2,8 +2,8 @@
 
 use texmap_math::deterministic_f64;
 use texmap_math::glam::{DMat4, DVec3};
-use texmap_mesh::{Bone, MeshError, Skeleton, Skin, SkinBlend, turn};
-use texmap_render::{Settings, render};
+use texmap_mesh::{Bone, MeshError, Skeleton, Skin, SkinBlend, rotation};
+use texmap_render::{RenderSettings, render};
 use texmap_sample::{Filter, Sampler, Texture2d};
 use texmap_scene::{
     Billboard, Displacement, EdgeBudget, Facing, Material, Mesh, Scene, Shading, TextureSlot,
@@ -72,7 +72,7 @@ fn scene(meshes: Vec<Mesh>, map: Texture2d<'static>, eye: DVec3, look: DVec3) ->
     Scene {
         textures: vec![map],
         materials: vec![Material {
-            surface: white,
+            phong: white,
             shading: Shading::Unlit,
             ..Material::default()
         }],
@@ -95,7 +95,7 @@ fn holes(meshes: &[Mesh]) -> Result<f64, LabError> {
         let (map, _) = heights(MAP, MAP)?;
         let frame = render(
             &scene(meshes.to_vec(), map, DVec3::ZERO, look),
-            &Settings::new(384, 384),
+            &RenderSettings::new(384, 384),
             &|_, _| (),
         )?;
         count += frame.rgba.chunks_exact(4).filter(|p| p[0] == 0).count();
@@ -271,7 +271,10 @@ pub(super) fn g2() -> Result<Vec<Measurement>, LabError> {
     const TOLD: &str = "bad weights that are told with their vertex, of 5";
     const OFF: &str = "distance of a vertex from where its bones put it, weights of sum 0.9";
     let (mesh, skeleton) = rod();
-    let pose = skeleton.pose(&[DMat4::from_translation(DVec3::Y * 3.0), turn(DVec3::Z, 1.0)])?;
+    let pose = skeleton.pose(&[
+        DMat4::from_translation(DVec3::Y * 3.0),
+        rotation(DVec3::Z, 1.0),
+    ])?;
     let good = skeleton.skin(&mesh.positions, SkinBlend::Smooth(1.0));
     let with = |weights: [f32; 4], bones: [u16; 4]| {
         let mut skin = good.clone();

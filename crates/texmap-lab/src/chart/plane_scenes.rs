@@ -178,7 +178,7 @@ fn values(plane: &TiltedPlane, rgba: &[u8]) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use texmap_math::glam::DVec3;
-    use texmap_render::{Renderer, Settings};
+    use texmap_render::{RenderSettings, Renderer};
     use texmap_sample::Filter;
 
     use super::*;
@@ -190,7 +190,7 @@ mod tests {
             ..Sampler::default()
         };
         let scene = scene(plane, Pattern::Noise, sampler).unwrap();
-        let settings = Settings::new(SIDE as u32, SIDE as u32);
+        let settings = RenderSettings::new(SIDE as u32, SIDE as u32);
         let frame = Renderer::new(&scene, &settings)
             .unwrap()
             .draw(&|_, _| {})

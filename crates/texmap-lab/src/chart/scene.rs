@@ -2,7 +2,7 @@
 
 use texmap_io::scene_file::words;
 use texmap_raster::Interp;
-use texmap_render::{Frame, Renderer, Settings};
+use texmap_render::{Frame, RenderSettings, Renderer};
 use texmap_sample::Filter;
 use texmap_scene::{ColorMode, Scene};
 
@@ -46,15 +46,16 @@ pub fn panel(
     effort: Effort,
     report: Report<'_>,
 ) -> Result<Panel, LabError> {
-    let base = Settings {
+    let base = RenderSettings {
         threads: Some(1),
-        ..Settings::new(width, height)
+        ..RenderSettings::new(width, height)
     };
     let samples = (effort.grid as u32 / 4).clamp(2, 8);
-    let mut ways: Vec<(String, Settings)> = vec![("as the scene says".to_owned(), base.clone())];
+    let mut ways: Vec<(String, RenderSettings)> =
+        vec![("as the scene says".to_owned(), base.clone())];
     for filter in FILTERS {
         if let Some(name) = words::filter(filter) {
-            let settings = Settings {
+            let settings = RenderSettings {
                 filter: Some(filter),
                 ..base.clone()
             };
@@ -62,7 +63,7 @@ pub fn panel(
         }
     }
     for interp in INTERPS {
-        let settings = Settings {
+        let settings = RenderSettings {
             filter: Some(Filter::Trilinear),
             interp: Some(interp),
             ..base.clone()
@@ -76,7 +77,7 @@ pub fn panel(
     report(0, steps, "truth");
     let truth = render(
         scene,
-        &Settings {
+        &RenderSettings {
             supersample: samples,
             filter: Some(Filter::Anisotropic(16)),
             threads: None,
@@ -136,7 +137,7 @@ pub fn panel(
     })
 }
 
-fn render(scene: &Scene, settings: &Settings) -> Result<Frame, LabError> {
+fn render(scene: &Scene, settings: &RenderSettings) -> Result<Frame, LabError> {
     Ok(texmap_render::render(scene, settings, &|_, _| {})?)
 }
 

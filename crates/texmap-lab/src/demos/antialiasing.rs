@@ -5,7 +5,7 @@ use texmap_math::color::{linear_to_srgb8, srgb_to_linear};
 use texmap_math::deterministic_f64;
 use texmap_math::glam::{DVec2, DVec3};
 use texmap_raster::Interp;
-use texmap_render::Settings;
+use texmap_render::RenderSettings;
 use texmap_sample::{Filter, Wrap};
 use texmap_scene::{ColorMode, Material, Mesh, Scene, Shading};
 
@@ -123,7 +123,7 @@ fn as_triangles() -> Scene {
     let material = stage::add(
         &mut scene,
         Material {
-            surface: white,
+            phong: white,
             shading: Shading::Unlit,
             ..Material::default()
         },
@@ -158,10 +158,10 @@ fn as_texture(filter: Filter) -> Result<Scene, LabError> {
 }
 
 fn draw(scene: &Scene, size: u32, supersample: u32, msaa: u32) -> Result<Picture, LabError> {
-    let settings = Settings {
+    let settings = RenderSettings {
         supersample,
         msaa,
-        ..Settings::new(size, size)
+        ..RenderSettings::new(size, size)
     };
     Ok(texmap_render::render(scene, &settings, &|_, _| {})?.into())
 }

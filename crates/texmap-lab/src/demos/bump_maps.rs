@@ -6,7 +6,7 @@ use texmap_math::deterministic_f64;
 use texmap_math::glam::DVec3;
 use texmap_render::shadow_map_for;
 use texmap_sample::{ColorSpace, Filter, Origin, Texture2d, Wrap};
-use texmap_scene::{LightMapSlot, Relief, Scene, shadow_bias, shadow_kind};
+use texmap_scene::{LightMapSlot, NormalDetail, Scene, shadow_bias, shadow_kind};
 
 use super::lit::{Lit, ball, difference, floor, matte};
 use super::sheet::sheet;
@@ -72,7 +72,7 @@ fn waves() -> Result<Scene, LabError> {
 
 /// The floor in f64 with the exact normal of its waves, where the floor is seen.
 fn truth(scene: &Scene, flat: &Lit) -> Picture {
-    let surface = scene.materials[0].surface;
+    let surface = scene.materials[0].phong;
     flat.painted(|_, p| {
         let (u, v) = (0.5 + p.x / 4.0, 0.5 + p.z / 4.0);
         let slope = |c: f64| {
@@ -88,12 +88,12 @@ fn truth(scene: &Scene, flat: &Lit) -> Picture {
 
 pub(super) fn bumps(size: u32) -> Result<DemoPicture, LabError> {
     let mut scene = waves()?;
-    let mut take = |relief: Option<Relief>| {
-        scene.materials[0].relief = relief;
+    let mut take = |relief: Option<NormalDetail>| {
+        scene.materials[0].normal_detail = relief;
         Lit::take(&scene, size)
     };
     let normal_map = |green| {
-        Some(Relief::NormalMap {
+        Some(NormalDetail::NormalMap {
             slot: stage::slot(1, Filter::Trilinear, Wrap::Repeat),
             green,
             rebuild_z: false,
@@ -102,7 +102,7 @@ pub(super) fn bumps(size: u32) -> Result<DemoPicture, LabError> {
         })
     };
     let flat = take(None)?;
-    let bumped = take(Some(Relief::Bump {
+    let bumped = take(Some(NormalDetail::Bump {
         slot: stage::slot(0, Filter::Trilinear, Wrap::Repeat),
         height: HEIGHT as f32,
     }))?;

@@ -5,7 +5,7 @@ use texmap_math::color::linear_to_srgb8;
 use texmap_math::glam::DVec3;
 use texmap_mesh::Font;
 use texmap_sample::{Filter, Wrap};
-use texmap_scene::{AlphaMode, Backdrop, Material, Scene, Shading, TextureRole};
+use texmap_scene::{AlphaMode, Background, Material, Scene, Shading, TextureRole};
 
 use super::lit::{ball, difference, matte};
 use super::sheet::sheet;
@@ -88,7 +88,7 @@ pub(super) fn skies(size: u32) -> Result<DemoPicture, LabError> {
     let stretched = |yaw: f64, filter: Filter, with_wall: bool| -> Result<Scene, LabError> {
         let mut scene = view(yaw);
         let texture = stage::texture(&mut scene, &picture)?;
-        scene.effects.backdrop = Some(Backdrop::Picture(stage::slot(
+        scene.effects.background = Some(Background::Picture(stage::slot(
             texture,
             filter,
             Wrap::ClampToEdge,
@@ -102,7 +102,7 @@ pub(super) fn skies(size: u32) -> Result<DemoPicture, LabError> {
         let mut scene = view(yaw);
         scene.effects.environments =
             vec![Environment::from_fn(EnvironmentLayout::TanCube, 128, sky)?];
-        scene.effects.backdrop = Some(Backdrop::Environment(0));
+        scene.effects.background = Some(Background::Environment(0));
         if with_wall {
             wall(&mut scene, 6.0)?;
         }
@@ -167,7 +167,7 @@ fn letters(words: &str, crisp: bool, filter: Filter, shift: f64) -> Result<Scene
         texture_role: TextureRole::Modulate,
         shading: Shading::Unlit,
         alpha: AlphaMode::Blend,
-        crisp,
+        antialiased_alpha: crisp,
         ..matte([0.02, 0.03, 0.10], 0.0)
     };
     let ink = stage::add(&mut scene, ink);

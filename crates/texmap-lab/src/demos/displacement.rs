@@ -7,7 +7,7 @@ use texmap_math::color::linear_to_srgb8;
 use texmap_math::deterministic_f64;
 use texmap_math::glam::DVec3;
 use texmap_sample::{Filter, Texture2d, Wrap};
-use texmap_scene::{Displacement, EdgeBudget, Mesh, Relief, Scene};
+use texmap_scene::{Displacement, EdgeBudget, Mesh, NormalDetail, Scene};
 
 use super::DemoPicture;
 use super::lit::{Lit, ball, difference, floor, grid, matte, wrong};
@@ -129,7 +129,7 @@ fn truth(scene: &Scene, size: u32) -> Result<Truth, LabError> {
             truth.lit.push(None);
             continue;
         };
-        let surface = scene.materials[hit.object].surface;
+        let surface = scene.materials[hit.object].phong;
         let dark = rays.meets(hit.point + hit.normal * 1e-4, sun, (1e-6, f64::INFINITY));
         truth.lit.push((hit.object == 1).then_some(!dark));
         let lights = if dark {
@@ -179,11 +179,11 @@ pub(super) fn displacement(size: u32) -> Result<DemoPicture, LabError> {
     let truth = truth(&scene, size)?;
     let flat = Lit::take(&scene, size)?;
     let mut shot = |budget: Option<EdgeBudget>| -> Result<(Lit, Mesh), LabError> {
-        scene.materials[0].relief = None;
+        scene.materials[0].normal_detail = None;
         scene.meshes[0].displacement = None;
         match budget {
             None => {
-                scene.materials[0].relief = Some(Relief::Bump {
+                scene.materials[0].normal_detail = Some(NormalDetail::Bump {
                     slot: stage::slot(0, Filter::Trilinear, Wrap::Repeat),
                     height: HEIGHT as f32,
                 });

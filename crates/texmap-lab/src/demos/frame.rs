@@ -138,7 +138,7 @@ fn scene(frame: Option<TextureFrame>) -> Result<Scene, LabError> {
     let (right, down, _) = plane();
     let mut mesh = Mesh {
         material,
-        frame,
+        texture_frame: frame,
         ..Mesh::default()
     };
     for (x, y) in POLYGON {

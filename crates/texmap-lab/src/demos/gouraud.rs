@@ -2,7 +2,7 @@
 
 use texmap_math::glam::DVec3;
 use texmap_math::interpolation;
-use texmap_scene::{ColorMode, Gouraud, Mesh, Scene};
+use texmap_scene::{ColorMode, Mesh, Scene, VertexColorInterp};
 
 use super::DemoPicture;
 use super::sheet::sheet;
@@ -27,8 +27,8 @@ const MEASURED: u32 = 640;
 const TOLERANCE: f64 = 0.008;
 
 pub(super) fn tjoint(size: u32) -> Result<DemoPicture, LabError> {
-    let linear = floor(Gouraud::ScreenLinear, [1, 2])?;
-    let right = floor(Gouraud::Perspective, [1, 2])?;
+    let linear = floor(VertexColorInterp::ScreenLinear, [1, 2])?;
+    let right = floor(VertexColorInterp::Perspective, [1, 2])?;
     let ratio = depth_ratio(&linear)?;
     let expected = ((1.0 - ratio) / (2.0 * (1.0 + ratio))).abs();
     let side = size.max(MEASURED) & !1;
@@ -73,13 +73,13 @@ pub(super) fn tjoint(size: u32) -> Result<DemoPicture, LabError> {
 }
 
 pub(super) fn lod(size: u32) -> Result<DemoPicture, LabError> {
-    let coarse = floor(Gouraud::ScreenLinear, [1, 1])?;
-    let fine = floor(Gouraud::ScreenLinear, [4, 4])?;
+    let coarse = floor(VertexColorInterp::ScreenLinear, [1, 1])?;
+    let fine = floor(VertexColorInterp::ScreenLinear, [4, 4])?;
     let side = size.max(MEASURED);
     let (a, b) = (Shot::take(&coarse, side)?, Shot::take(&fine, side)?);
     let (pa, pb) = (
-        Shot::take(&floor(Gouraud::Perspective, [1, 1])?, side)?,
-        Shot::take(&floor(Gouraud::Perspective, [4, 4])?, side)?,
+        Shot::take(&floor(VertexColorInterp::Perspective, [1, 1])?, side)?,
+        Shot::take(&floor(VertexColorInterp::Perspective, [4, 4])?, side)?,
     );
     // Colour depends on depth alone and a row of the picture has one depth, so the pop is that of a span:
     // two broken lines, farthest apart at a vertex of the fine mesh, where the fine colour is right.
@@ -115,7 +115,7 @@ pub(super) fn lod(size: u32) -> Result<DemoPicture, LabError> {
         with_wires(&fine)? =>
             "Fine level of detail", "Four quads deep, the same ramp: the whole floor changes its colour.";
         map => "What pops at the switch", "Black: nothing. White: half of the whole ramp.";
-        stage::photograph(&floor(Gouraud::Perspective, [1, 1])?, size)? =>
+        stage::photograph(&floor(VertexColorInterp::Perspective, [1, 1])?, size)? =>
             "Perspective Gouraud", "Coarse and fine are the same picture: no pop.";
     ];
     Ok(sheet(
@@ -131,7 +131,7 @@ const FAR_Z: f64 = -7.0;
 
 /// A floor from the near to the far edge whose left and right halves have `parts` quads in depth (and, when
 /// both have the same number, as many across).
-fn floor(gouraud: Gouraud, parts: [u32; 2]) -> Result<Scene, LabError> {
+fn floor(gouraud: VertexColorInterp, parts: [u32; 2]) -> Result<Scene, LabError> {
     let mut scene = stage::scene(DVec3::new(0.0, 2.1, 0.0), DVec3::new(0.0, 0.1, -3.2), 62.0);
     scene.color = ColorMode::Raw;
     let material = stage::vertex_colors(&mut scene, gouraud);

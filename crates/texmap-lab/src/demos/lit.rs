@@ -14,7 +14,7 @@ use texmap_truth::picture::Picture;
 /// A matte surface of one linear colour, lit per pixel, with a highlight of strength `ks`.
 pub(super) fn matte(color: [f32; 3], ks: f32) -> Material {
     Material {
-        surface: PhongMaterial {
+        phong: PhongMaterial {
             color,
             ka: 1.0,
             kd: 1.0,

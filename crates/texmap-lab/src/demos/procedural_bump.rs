@@ -4,7 +4,7 @@ use texmap_light::{Heights, NormalMapGreen, Slope, encode_offsets};
 use texmap_math::deterministic_f64;
 use texmap_math::glam::{DMat4, DVec3};
 use texmap_sample::{Filter, Wrap};
-use texmap_scene::{Carving, Mesh, Relief, Scene};
+use texmap_scene::{Mesh, NormalDetail, ProceduralHeight, Scene};
 
 use super::lit::{Lit, difference, floor, matte};
 use super::{Claim, Panel, stage};
@@ -44,7 +44,7 @@ pub(super) fn offset_map(
     scene
         .textures
         .push(crate::plane::floats(heights.width, 3, &texels)?.with_mips());
-    scene.materials[0].relief = Some(Relief::Offsets {
+    scene.materials[0].normal_detail = Some(NormalDetail::Offsets {
         slot: stage::slot(scene.textures.len() - 1, Filter::Trilinear, Wrap::Repeat),
         slope,
         green: NormalMapGreen::Up,
@@ -71,8 +71,8 @@ pub(super) fn pot(size: u32) -> Result<Shown, LabError> {
     let ground = stage::add(&mut scene, matte([0.55, 0.55, 0.5], 0.0));
     scene.meshes = vec![pipe(0.8, 1.4, clay), floor(2.0, ground)];
     let smooth = Lit::take(&scene, size)?;
-    scene.materials[clay].relief = Some(Relief::Carved {
-        heights: Carving::Waves {
+    scene.materials[clay].normal_detail = Some(NormalDetail::Procedural {
+        heights: ProceduralHeight::Waves {
             around: AROUND,
             fold: 0.0,
         },
@@ -80,7 +80,7 @@ pub(super) fn pot(size: u32) -> Result<Shown, LabError> {
         height: HEIGHT as f32,
     });
     let waved = Lit::take(&scene, size)?;
-    let surface = scene.materials[clay].surface;
+    let surface = scene.materials[clay].phong;
     let mut on_pot = Vec::new();
     let truth = smooth.painted(|i, p| {
         let (normal, eye) = (smooth.normal[i], scene.camera.eye);
@@ -151,7 +151,7 @@ pub(super) fn words(mut scene: Scene, size: u32) -> Result<Shown, LabError> {
     scene.textures.push(map.clone());
     let mut words = stage::slot(scene.textures.len() - 1, Filter::Trilinear, Wrap::Repeat);
     words.sampler.filter = Filter::Bilinear;
-    scene.materials[0].relief = Some(Relief::Bump {
+    scene.materials[0].normal_detail = Some(NormalDetail::Bump {
         slot: words,
         height: -0.05,
     });

@@ -3,7 +3,7 @@
 use texmap_light::Light;
 use texmap_math::glam::DVec3;
 use texmap_sample::{ColorSpace, Origin, Texture2d};
-use texmap_scene::{Scene, Shading, SlideProjector, SlideRole};
+use texmap_scene::{ProjectorLight, ProjectorMode, Scene, Shading};
 
 use super::lit::{Lit, matte, wrong};
 use super::sheet::sheet;
@@ -63,7 +63,7 @@ pub fn projections(
 /// Pixels that one projector lights or leaves out against the truth of rays.
 fn spoils(
     scene: &Scene,
-    slide: &SlideProjector,
+    slide: &ProjectorLight,
     shadow: Option<u32>,
     rays: &RayScene,
     size: u32,
@@ -80,9 +80,9 @@ fn spoils(
     bare.textures.push(white);
     bare.effects = Default::default();
     let off = Lit::take(&bare, size)?;
-    bare.effects.projectors = vec![SlideProjector {
+    bare.effects.projectors = vec![ProjectorLight {
         texture: bare.textures.len() - 1,
-        role: SlideRole::Light([1.0; 3]),
+        mode: ProjectorMode::Light([1.0; 3]),
         shadow,
         ..slide.clone()
     }];
@@ -96,7 +96,7 @@ fn spoils(
     Ok(wrong(&truth, &lit, size, i64::from(size / 100).max(1)))
 }
 
-fn shone_on(slide: &SlideProjector, rays: &RayScene, p: DVec3, n: DVec3) -> bool {
+fn shone_on(slide: &ProjectorLight, rays: &RayScene, p: DVec3, n: DVec3) -> bool {
     let inside = slide
         .projector
         .uv(p)

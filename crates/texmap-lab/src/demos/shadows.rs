@@ -5,7 +5,7 @@ use texmap_math::Projector;
 use texmap_math::glam::DVec3;
 use texmap_render::shadow_map;
 use texmap_sample::{Filter, Wrap};
-use texmap_scene::{Scene, Shadow, SlideProjector, SlideRole, shadow_kind};
+use texmap_scene::{ProjectorLight, ProjectorMode, Scene, Shadow, shadow_kind};
 
 use super::lit::{Lit, ball, floor, matte, wrong};
 use super::sheet::sheet;
@@ -38,17 +38,17 @@ pub(super) fn slides(size: u32) -> Result<DemoPicture, LabError> {
     let index = texture(&mut scene, &paint::cow_photo(256))?;
     let position = DVec3::new(-2.6, 1.9, 2.8);
     let projector = Projector::new(position, DVec3::new(0.1, 0.35, -0.2), DVec3::Y, 0.62, 1.0)?;
-    let slide = |shadow, border| SlideProjector {
+    let slide = |shadow, border| ProjectorLight {
         projector,
         position,
         texture: index,
         sampler: stage::sampler(Filter::Trilinear, Wrap::Repeat),
         border,
         softness: 0.0,
-        role: SlideRole::Light([1.0; 3]),
+        mode: ProjectorMode::Light([1.0; 3]),
         shadow,
     };
-    let mut take = |slides: Vec<SlideProjector>| {
+    let mut take = |slides: Vec<ProjectorLight>| {
         scene.effects.projectors = slides;
         Lit::take(&scene, size)
     };
@@ -56,8 +56,8 @@ pub(super) fn slides(size: u32) -> Result<DemoPicture, LabError> {
     let on = take(vec![slide(Some(1024), ProjectorBorder::Black)])?;
     let through = take(vec![slide(None, ProjectorBorder::Black)])?;
     let repeated = take(vec![slide(Some(1024), ProjectorBorder::Repeat)])?;
-    let painted = take(vec![SlideProjector {
-        role: SlideRole::Paint,
+    let painted = take(vec![ProjectorLight {
+        mode: ProjectorMode::Decal,
         ..slide(Some(1024), ProjectorBorder::Black)
     }])?;
     // Truth by rays: the slide holds the point, and nothing stands between it and the projector.
@@ -101,7 +101,7 @@ pub(super) fn shadows(size: u32) -> Result<DemoPicture, LabError> {
         light: 1,
         size: Some(512),
         bias,
-        taps,
+        pcf_size: taps,
         area: None,
     };
     let mut take = |shadows: Vec<Shadow>| {

@@ -2,7 +2,7 @@
 
 use texmap_math::deterministic_f64;
 use texmap_math::glam::{DMat4, DVec3};
-use texmap_mesh::{Bone, Skeleton, SkinBlend, turn};
+use texmap_mesh::{Bone, Skeleton, SkinBlend, rotation};
 use texmap_scene::{Mesh, Scene};
 
 use super::lit::matte;
@@ -87,7 +87,7 @@ fn volume(mesh: &Mesh) -> f64 {
 }
 
 fn bent(meshes: &[Mesh], blend: SkinBlend, degrees: f64) -> Result<Vec<Mesh>, LabError> {
-    let pose = skeleton().pose(&[DMat4::IDENTITY, turn(DVec3::Z, degrees.to_radians())])?;
+    let pose = skeleton().pose(&[DMat4::IDENTITY, rotation(DVec3::Z, degrees.to_radians())])?;
     let bend = |mesh: &Mesh| skeleton().skin(&mesh.positions, blend).bend(mesh, &pose);
     Ok(meshes.iter().map(bend).collect::<Result<_, _>>()?)
 }

@@ -7,7 +7,9 @@ use texmap_sample::{
     Alpha, ColorSpace, Filter, Image, Origin, Pattern, TexelData, Texture3d, Wrap, gradient_noise,
     reference,
 };
-use texmap_scene::{Material, Mesh, Scene, Shading, Solid, SolidSource, TextureSlot, Volume};
+use texmap_scene::{
+    Material, Mesh, Scene, Shading, SolidTexture, SolidTextureSource, TextureSlot, Volume,
+};
 
 use super::lit::{Lit, ball, floor, matte};
 use super::sheet::sheet;
@@ -18,8 +20,8 @@ use texmap_truth::picture::Picture;
 /// A material carved out of a pattern whose unit is `unit` wide.
 fn carved(pattern: Pattern, unit: f64, at: DVec3, shading: Shading) -> Material {
     Material {
-        solid: Some(Solid {
-            source: SolidSource::Pattern(pattern),
+        solid: Some(SolidTexture {
+            source: SolidTextureSource::Pattern(pattern),
             world_from_solid: DMat4::from_translation(at) * DMat4::from_scale(DVec3::splat(unit)),
         }),
         shading,

@@ -4,10 +4,10 @@ use texmap_light::{Light, PhongMaterial};
 use texmap_math::camera::Camera;
 use texmap_math::glam::{DMat4, DVec2, DVec3, DVec4};
 use texmap_raster::Interp;
-use texmap_render::{Aov, AovData, Frame, Settings};
+use texmap_render::{Aov, AovData, Frame, RenderSettings};
 use texmap_sample::{ColorSpace, Filter, Origin, Sampler, Texture2d, UvTransform, Wrap};
 use texmap_scene::{
-    AlphaMode, Gouraud, Material, Mesh, Scene, Shading, Shadow, TextureRole, TextureSlot,
+    AlphaMode, Material, Mesh, Scene, Shading, Shadow, TextureRole, TextureSlot, VertexColorInterp,
 };
 
 use crate::LabError;
@@ -62,7 +62,7 @@ pub(super) fn shadow(light: usize, size: u32) -> Shadow {
         light,
         size: Some(size),
         bias: None,
-        taps: 3,
+        pcf_size: 3,
         area: None,
     }
 }
@@ -114,7 +114,7 @@ pub(super) fn decal(scene: &mut Scene, texture: usize, filter: Filter, interp: I
 }
 
 /// Adds an unlit material that shows the colours of the vertices.
-pub(super) fn vertex_colors(scene: &mut Scene, gouraud: Gouraud) -> usize {
+pub(super) fn vertex_colors(scene: &mut Scene, gouraud: VertexColorInterp) -> usize {
     let surface = PhongMaterial {
         color: [1.0; 3],
         ..PhongMaterial::default()
@@ -122,9 +122,9 @@ pub(super) fn vertex_colors(scene: &mut Scene, gouraud: Gouraud) -> usize {
     add(
         scene,
         Material {
-            surface,
+            phong: surface,
             shading: Shading::Unlit,
-            gouraud,
+            vertex_color_interp: gouraud,
             ..Material::default()
         },
     )
@@ -198,9 +198,9 @@ pub(super) fn photograph(scene: &Scene, size: u32) -> Result<Picture, LabError> 
 
 /// A picture of a scene with `supersample` x `supersample` samples a pixel.
 pub(super) fn picture(scene: &Scene, size: u32, supersample: u32) -> Result<Picture, LabError> {
-    let settings = Settings {
+    let settings = RenderSettings {
         supersample,
-        ..Settings::new(size, size)
+        ..RenderSettings::new(size, size)
     };
     let scene = texmap_mesh::tessellate(scene, size)?;
     Ok(texmap_render::render(&scene, &settings, &|_, _| {})?.into())
@@ -208,9 +208,9 @@ pub(super) fn picture(scene: &Scene, size: u32, supersample: u32) -> Result<Pict
 
 /// A frame at one sample a pixel with further buffers.
 pub(super) fn with_aovs(scene: &Scene, size: u32, aovs: Vec<Aov>) -> Result<Frame, LabError> {
-    let settings = Settings {
+    let settings = RenderSettings {
         aovs,
-        ..Settings::new(size, size)
+        ..RenderSettings::new(size, size)
     };
     let scene = texmap_mesh::tessellate(scene, size)?;
     Ok(texmap_render::render(&scene, &settings, &|_, _| {})?)

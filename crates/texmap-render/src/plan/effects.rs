@@ -3,14 +3,14 @@
 use texmap_light::{Light, NormalMap};
 use texmap_math::glam::{DMat3, DVec3};
 
-use crate::Settings;
+use crate::RenderSettings;
 use crate::frame_resources::Ready;
 use crate::shade::lighting::MAPS;
 use crate::shade::normal::{NormalDetail, NormalSpace, Rise};
 use crate::shade::procedural::ProceduralBump;
 use crate::textures::{Chains, Slot};
 use crate::vertices::{Values, Vertices};
-use texmap_scene::{LightMapSlot, Relief};
+use texmap_scene::{LightMapSlot, NormalDetail};
 use texmap_scene::{Material, Mesh, Scene, TextureSlot};
 
 /// The maps of one surface, and the attributes that they read.
@@ -31,7 +31,7 @@ impl<'s> SurfaceEffects<'s> {
     /// caller sees to uv, normals and positions.
     pub(crate) fn new(
         scene: &'s Scene,
-        settings: &Settings,
+        settings: &RenderSettings,
         chains: &Chains,
         ready: &Ready<'s>,
         mesh: &'s Mesh,
@@ -43,7 +43,7 @@ impl<'s> SurfaceEffects<'s> {
         }
         let slot = |slot| Slot::new(slot, scene, settings, chains, mesh.uv_origin);
         let maps = &material.maps;
-        let relief = material.relief.as_ref();
+        let relief = material.normal_detail.as_ref();
         let normal = relief.map(|relief| normal_detail(relief, mesh, vertices, slot));
         let light_map = material.light_map.as_ref();
         let lightmap_uv = light_map.map(|_| vertices.push(Values::LightMapUv, false));
@@ -87,7 +87,7 @@ impl<'s> SurfaceEffects<'s> {
 
 /// The normal stage of a material, and the attributes that it reads but uv, normals and positions.
 fn normal_detail<'s>(
-    relief: &'s Relief,
+    relief: &'s NormalDetail,
     mesh: &Mesh,
     vertices: &mut Vertices,
     slot: impl Fn(&'s TextureSlot) -> Slot<'s>,
@@ -98,13 +98,13 @@ fn normal_detail<'s>(
         unit: unit as f32,
     };
     match relief {
-        Relief::Bump { slot: map, height } => NormalDetail::Bump(slot(map), rise(*height)),
-        Relief::Offsets {
+        NormalDetail::Bump { slot: map, height } => NormalDetail::Bump(slot(map), rise(*height)),
+        NormalDetail::Offsets {
             slot: map,
             slope,
             green,
         } => NormalDetail::Offsets(slot(map), rise(*slope), *green),
-        Relief::Carved {
+        NormalDetail::Procedural {
             heights,
             world_from_solid,
             height,
@@ -112,7 +112,7 @@ fn normal_detail<'s>(
             let height = (f64::from(*height) * unit) as f32;
             NormalDetail::Procedural(ProceduralBump::new(*heights, *world_from_solid, height))
         }
-        Relief::NormalMap {
+        NormalDetail::NormalMap {
             slot: map,
             green,
             rebuild_z,
@@ -144,11 +144,11 @@ fn world_unit(mesh: &Mesh) -> f64 {
 /// True if a material lit per pixel needs more than lights.
 fn has_effects(material: &Material) -> bool {
     let maps = &material.maps;
-    material.relief.is_some()
+    material.normal_detail.is_some()
         || material.light_map.is_some()
         || material.reflection.is_some()
         || material.specular_map.is_some()
-        || material.highlight != texmap_light::SpecularModel::Phong
+        || material.specular_model != texmap_light::SpecularModel::Phong
         || [&maps.ambient, &maps.specular, &maps.exponent]
             .into_iter()
             .any(Option::is_some)

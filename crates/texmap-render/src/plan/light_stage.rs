@@ -4,7 +4,7 @@ use texmap_light::Light;
 
 use crate::shade::lighting::LightStage;
 use crate::vertices::{Values, Vertices};
-use texmap_scene::{Gouraud, Material, Shading};
+use texmap_scene::{Material, Shading, VertexColorInterp};
 
 pub(super) fn light_stage(
     material: &Material,
@@ -12,13 +12,13 @@ pub(super) fn light_stage(
     has_texel: bool,
     vertices: &mut Vertices,
 ) -> LightStage {
-    let screen = material.gouraud == Gouraud::ScreenLinear;
+    let screen = material.vertex_color_interp == VertexColorInterp::ScreenLinear;
     match material.shading {
         Shading::PerPixel if shows_surface => LightStage::PerPixel,
         // A texel multiplies the diffuse term only; without one, colours are finished at the vertices.
         Shading::PerVertex if has_texel => {
             let diffuse = vertices.push(Values::Diffuse, screen);
-            let shiny = material.surface.ks > 0.0;
+            let shiny = material.phong.ks > 0.0;
             let highlight = shiny.then(|| vertices.push(Values::Highlight, screen));
             LightStage::Terms { diffuse, highlight }
         }
@@ -33,7 +33,7 @@ pub(super) fn light_stage(
 pub(super) fn lights_depend_on_place(lights: &[Light], material: &Material) -> bool {
     lights.iter().any(|light| match light {
         Light::Ambient { .. } => false,
-        Light::Directional { .. } => material.surface.ks > 0.0,
+        Light::Directional { .. } => material.phong.ks > 0.0,
         _ => true,
     })
 }

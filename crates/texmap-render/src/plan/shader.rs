@@ -75,7 +75,7 @@ fn surface_shader<'a>(plan: &'a Plan<'a>, surface: &'a Surface<'a>) -> SurfaceSh
     let specular = material.specular_map.filter(|_| effects.is_some());
     let reflections = Reflections {
         mirror: reflection.map(|r| (environment(r.environment), r.reflectivity)),
-        specular: specular.map(|index| (environment(index), material.surface.ks)),
+        specular: specular.map(|index| (environment(index), material.phong.ks)),
         rays: plan.rays,
     };
 
@@ -89,18 +89,18 @@ fn surface_shader<'a>(plan: &'a Plan<'a>, surface: &'a Surface<'a>) -> SurfaceSh
     let shines = lights.iter().any(|by| !by.is_ambient());
     let lights_all = |by: &LitBy<'_>| !by.is_ambient() && by.projector.is_none();
     let lighting = Lighting {
-        numbers: material.surface,
-        power: SpecularExponent::new(material.surface.ns),
-        model: material.highlight,
+        numbers: material.phong,
+        power: SpecularExponent::new(material.phong.ns),
+        model: material.specular_model,
         light_map: effects
             .and_then(|effects| effects.light_map.as_ref())
-            .map(|(map, slot, first)| (material.surface.kd * map.scale, slot, *first)),
+            .map(|(map, slot, first)| (material.phong.kd * map.scale, slot, *first)),
         paints: paints.map(|paint| ProjectorStage::new(paint)).collect(),
         maps: effects.map_or([None; MAPS], |effects| {
             effects.maps.each_ref().map(Option::as_ref)
         }),
         eye: plan.eye,
-        sees_eye: (shines && material.surface.ks > 0.0)
+        sees_eye: (shines && material.phong.ks > 0.0)
             || (detail.is_some() && material.horizon_clamp),
         needs_normal: !reflections.is_empty() || lights.iter().any(lights_all),
         lights,
@@ -150,12 +150,12 @@ fn base_color<'a>(surface: &'a Surface<'a>, covers: bool) -> BaseColor<'a> {
     let material = surface.material;
     let texture = surface.base_color.as_ref();
     let mut base = BaseColor {
-        color: material.surface.color,
+        color: material.phong.color,
         texture,
         paired: false,
         opaque_texels: surface.solid,
         ramp: surface.color_ramp.as_ref(),
-        antialiased: material.crisp,
+        antialiased: material.antialiased_alpha,
         solid: surface.carved.as_ref(),
         decal: surface.decal.as_ref(),
         opacity_map: surface.opacity_map.as_ref(),

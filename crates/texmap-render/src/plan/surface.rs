@@ -15,9 +15,11 @@ use crate::shade::unlit::UnlitColor;
 use crate::shade::volume::VolumeStage;
 use crate::textures::{Chains, Slot};
 use crate::vertices::{Values, VertexData, Vertices};
-use crate::{Aov, Settings};
+use crate::{Aov, RenderSettings};
 use texmap_math::CameraFrame;
-use texmap_scene::{AlphaMode, Gouraud, Material, Mesh, Scene, Shading, TextureRole, TextureSlot};
+use texmap_scene::{
+    AlphaMode, Material, Mesh, Scene, Shading, TextureRole, TextureSlot, VertexColorInterp,
+};
 
 /// One mesh, ready for the rasterizer and the stages.
 pub(crate) struct Surface<'s> {
@@ -115,7 +117,7 @@ impl Surface<'_> {
 
 pub(super) fn surface<'s>(
     scene: &'s Scene,
-    settings: &Settings,
+    settings: &RenderSettings,
     chains: &Chains,
     ready: &Ready<'s>,
     view: &View,
@@ -160,7 +162,7 @@ pub(super) fn surface<'s>(
     };
     let interp = match settings.interp.unwrap_or(material.interp) {
         // Its tolerance is one of coordinates at the vertices; a round mapping has none.
-        Interp::WithinError(_) if mesh.round.is_some() => Interp::Perspective,
+        Interp::WithinError(_) if mesh.uv_projection.is_some() => Interp::Perspective,
         interp => interp,
     };
     let mut vertices = Vertices::default();
@@ -171,11 +173,11 @@ pub(super) fn surface<'s>(
         || material.shading == Shading::PerPixel && material.reads_uv();
 
     let mut position = None;
-    let uv = match mesh.frame {
-        _ if mesh.round.is_some() && (textured || aovs.contains(&Aov::Uv)) => {
+    let uv = match mesh.texture_frame {
+        _ if mesh.uv_projection.is_some() && (textured || aovs.contains(&Aov::Uv)) => {
             let first = vertices.push(Values::Position, false);
             position = Some(first);
-            mesh.round
+            mesh.uv_projection
                 .map_or(Coordinates::None, |map| Coordinates::Round(map, first))
         }
         Some(frame) if textured || aovs.contains(&Aov::Uv) => {
@@ -194,7 +196,7 @@ pub(super) fn surface<'s>(
         }
         _ => Coordinates::None,
     };
-    let screen = material.gouraud == Gouraud::ScreenLinear;
+    let screen = material.vertex_color_interp == VertexColorInterp::ScreenLinear;
     let covered = base_color.is_some() && material.texture_role == TextureRole::Decal;
     let varies = base_color.is_some() || material.solid.is_some() || decal.is_some();
     let light = light_stage(material, shows_surface, varies && !covered, &mut vertices);
@@ -227,7 +229,7 @@ pub(super) fn surface<'s>(
     }
     let at_a_vertex = matches!(uv, Coordinates::Vertices) || base_color.is_none();
     let is_unlit = matches!(light, LightStage::None) && color.is_none() && opacity_map.is_none();
-    let plain = !material.crisp
+    let plain = !material.antialiased_alpha
         && color_ramp.is_none()
         && decal.is_none()
         && carved.is_none()

@@ -178,7 +178,7 @@ pub(crate) struct PairScratch {
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
-    use crate::Settings;
+    use crate::RenderSettings;
     use crate::textures::Chains;
     use texmap_math::camera::Camera;
     use texmap_math::glam::{DMat4, DVec3, DVec4};
@@ -279,7 +279,7 @@ pub(super) mod tests {
             });
         let list: Vec<FragmentBlock> = all.collect();
         assert!(list.len() > 150, "{}", list.len());
-        let settings = Settings::new(64, 64);
+        let settings = RenderSettings::new(64, 64);
         let chains = Chains::new(&scene, &settings).unwrap();
         let (mut shared, mut compared) = (0, 0);
         for filter in [Filter::Nearest, Filter::Bilinear, Filter::Trilinear] {

@@ -8,12 +8,12 @@ use texmap_math::glam::{DMat4, DVec4};
 use texmap_math::simd::{Isa, prelude::*};
 use texmap_sample::lanes::gradient_noise_lanes;
 
-use texmap_scene::Carving;
+use texmap_scene::ProceduralHeight;
 
 /// A formula of heights, as the stages read it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ProceduralBump {
-    heights: Carving,
+    heights: ProceduralHeight,
     /// World units.
     height: f32,
     /// Rows of solid space from world space.
@@ -24,7 +24,7 @@ pub(crate) struct ProceduralBump {
 
 impl ProceduralBump {
     /// `height` in world units.
-    pub(crate) fn new(heights: Carving, world_from_solid: DMat4, height: f32) -> Self {
+    pub(crate) fn new(heights: ProceduralHeight, world_from_solid: DMat4, height: f32) -> Self {
         let inverse = world_from_solid.inverse();
         let m = inverse.transpose();
         let row = |r: DVec4| r.to_array().map(|c| c as f32);
@@ -97,8 +97,8 @@ impl ProceduralBump {
         // The least step is 1/512 of the shortest side of the unit.
         let width = width / (512.0 * self.step);
         let (around, fold) = match self.heights {
-            Carving::Pattern(pattern) => return pattern.value_lanes(i, place, width),
-            Carving::Waves { around, fold } => (f32::from(around), fold),
+            ProceduralHeight::Pattern(pattern) => return pattern.value_lanes(i, place, width),
+            ProceduralHeight::Waves { around, fold } => (f32::from(around), fold),
         };
         let mut noise = [i.f32(0.0); 2];
         if fold != 0.0 {

@@ -7,7 +7,7 @@ use texmap_raster::{BATCH_STRIDE, Varying};
 use texmap_sample::Pattern;
 
 use super::batch::{Batch, Colors, LANES, columns, load_changes, load_vector};
-use texmap_scene::{Effects, Solid, SolidField};
+use texmap_scene::{Effects, SolidField, SolidTexture};
 
 /// A solid texture as the stages read it.
 pub(crate) struct SolidStage<'s> {
@@ -17,7 +17,7 @@ pub(crate) struct SolidStage<'s> {
 }
 
 impl<'s> SolidStage<'s> {
-    pub(crate) fn new(solid: &'s Solid, effects: &'s Effects, position: usize) -> Self {
+    pub(crate) fn new(solid: &'s SolidTexture, effects: &'s Effects, position: usize) -> Self {
         Self {
             field: SolidField::new(solid, effects),
             position,

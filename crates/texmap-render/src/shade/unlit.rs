@@ -44,7 +44,7 @@ impl UnlitColor {
         let tint = if decal {
             [1.0; 3]
         } else {
-            material.surface.color
+            material.phong.color
         };
         let bytes = base_color.is_some_and(|slot| is_exact_in_rgba8(&slot.sampler, &slot.texture));
         Some(Self {

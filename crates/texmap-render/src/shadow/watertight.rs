@@ -17,9 +17,9 @@ pub(super) fn hidden_sides(mesh: &Mesh, kind: &ShadowKind) -> Cull {
         return Cull::None;
     };
     let turns = light_from_world.determinant() * mesh.world_from_object.determinant();
-    if mesh.closed && turns > 0.0 {
+    if mesh.watertight && turns > 0.0 {
         Cull::Back
-    } else if mesh.closed && turns < 0.0 {
+    } else if mesh.watertight && turns < 0.0 {
         Cull::Front
     } else {
         Cull::None
@@ -55,7 +55,7 @@ mod tests {
             let size = 200;
             let map = |scene: &Scene| shadow_map(scene, &kind, size, 1).unwrap();
             let open = map(&scene);
-            scene.meshes[0].closed = true;
+            scene.meshes[0].watertight = true;
             let closed = map(&scene);
             scene.meshes[0]
                 .triangles

@@ -10,7 +10,7 @@ use crate::plan::{Plan, Shader};
 use crate::resolve::copy::fill_rows;
 use crate::resolve::encode::encode;
 use crate::resolve::rows::AovRows;
-use crate::{Aov, Settings};
+use crate::{Aov, RenderSettings};
 use texmap_scene::{ColorMode, Scene};
 
 /// One pass over the frame.
@@ -63,7 +63,7 @@ impl Scratch {
 impl<'a> Job<'a> {
     pub(crate) fn new(
         scene: &Scene,
-        settings: &Settings,
+        settings: &RenderSettings,
         plan: &'a Plan<'a>,
         prepared: &'a BinnedDraws<'a>,
         samples: Option<[[i32; 2]; 4]>,

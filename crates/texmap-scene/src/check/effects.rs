@@ -7,15 +7,15 @@ use texmap_sample::Pattern;
 use crate::check::{finite, index, unit_range};
 use crate::shadow_fit::{encloses, shadow_kind};
 use crate::{
-    Backdrop, Carving, Effects, Material, Relief, Scene, SceneError, Shading, Shadow,
-    SlideProjector, SlideRole, SolidSource, Volume,
+    Background, Effects, Material, NormalDetail, ProceduralHeight, ProjectorLight, ProjectorMode,
+    Scene, SceneError, Shading, Shadow, SolidTextureSource, Volume,
 };
 
 /// Parts of a material that only surfaces lit per pixel read.
 fn read_per_pixel(material: &Material) -> Vec<&'static str> {
     let maps = &material.maps;
     let has = [
-        (material.relief.is_some(), "bump or normal map"),
+        (material.normal_detail.is_some(), "bump or normal map"),
         (material.light_map.is_some(), "light map"),
         (material.reflection.is_some(), "mirrored environment"),
         (maps.ambient.is_some(), "ambient map"),
@@ -35,7 +35,7 @@ impl Scene {
         let place = || format!("material '{}'", material.name);
         let environments = self.effects.environments.len();
         if let Some(solid) = &material.solid {
-            if let SolidSource::Grid { grid, .. } = solid.source {
+            if let SolidTextureSource::Grid { grid, .. } = solid.source {
                 index(place, "grid", grid as u64, self.effects.grids.len())?;
             }
             if !has_volume(&solid.world_from_solid) {
@@ -46,7 +46,7 @@ impl Scene {
                     expected: "it must be finite, and no side 0",
                 });
             }
-            if let SolidSource::Pattern(
+            if let SolidTextureSource::Pattern(
                 Pattern::Marble { turbulence: x, .. } | Pattern::Wood { grain: x },
             ) = solid.source
             {
@@ -65,25 +65,25 @@ impl Scene {
             )?;
             unit_range(place, "reflectivity", &[reflection.reflectivity])?;
         }
-        match &material.relief {
-            Some(Relief::Bump { height, .. }) => {
+        match &material.normal_detail {
+            Some(NormalDetail::Bump { height, .. }) => {
                 finite(place, || "bump height".to_owned(), &[*height])?;
             }
-            Some(Relief::Offsets { slope, .. }) => {
+            Some(NormalDetail::Offsets { slope, .. }) => {
                 finite(place, || "slope of the offset map".to_owned(), &[*slope])?;
             }
-            Some(Relief::Carved {
+            Some(NormalDetail::Procedural {
                 heights,
                 world_from_solid,
                 height,
             }) => {
                 finite(place, || "carved height".to_owned(), &[*height])?;
                 let fold = match heights {
-                    Carving::Pattern(
+                    ProceduralHeight::Pattern(
                         Pattern::Marble { turbulence: x, .. } | Pattern::Wood { grain: x },
                     )
-                    | Carving::Waves { fold: x, .. } => *x,
-                    Carving::Pattern(Pattern::Noise { .. }) => 0.0,
+                    | ProceduralHeight::Waves { fold: x, .. } => *x,
+                    ProceduralHeight::Pattern(Pattern::Noise { .. }) => 0.0,
                 };
                 finite(place, || "fold of the carved height".to_owned(), &[fold])?;
                 if !has_volume(world_from_solid) {
@@ -94,7 +94,7 @@ impl Scene {
                         expected: "it must be finite, and no side 0",
                     });
                 }
-                if matches!(heights, Carving::Waves { around: 0, .. }) {
+                if matches!(heights, ProceduralHeight::Waves { around: 0, .. }) {
                     return Err(SceneError::Value {
                         place: place(),
                         what: "waves around".to_owned(),
@@ -103,7 +103,7 @@ impl Scene {
                     });
                 }
             }
-            Some(Relief::NormalMap { strength, .. }) => {
+            Some(NormalDetail::NormalMap { strength, .. }) => {
                 finite(
                     place,
                     || "strength of the normal map".to_owned(),
@@ -149,9 +149,9 @@ impl Scene {
                 self.check_slot(slot, || format!("volume {number}"))?;
             }
         }
-        match &self.effects.backdrop {
-            Some(Backdrop::Picture(slot)) => self.check_slot(slot, || "backdrop".to_owned())?,
-            Some(Backdrop::Environment(environment)) => index(
+        match &self.effects.background {
+            Some(Background::Picture(slot)) => self.check_slot(slot, || "backdrop".to_owned())?,
+            Some(Background::Environment(environment)) => index(
                 || "backdrop".to_owned(),
                 "environment",
                 *environment as u64,
@@ -186,8 +186,8 @@ impl Scene {
         if let Some(size) = shadow.size.filter(|size| !(1..=MOST).contains(size)) {
             return Err(value("size", size, "it must be 1 to 16384 texels"));
         }
-        if shadow.taps.is_multiple_of(2) || shadow.taps > 15 {
-            return Err(value("taps", shadow.taps, "an odd number, 1 to 15"));
+        if shadow.pcf_size.is_multiple_of(2) || shadow.pcf_size > 15 {
+            return Err(value("taps", shadow.pcf_size, "an odd number, 1 to 15"));
         }
         if let Light::Point { position, .. } | Light::Spot { position, .. } =
             self.lights[shadow.light]
@@ -203,7 +203,7 @@ impl Scene {
         Ok(())
     }
 
-    fn check_projector(&self, number: usize, slide: &SlideProjector) -> Result<(), SceneError> {
+    fn check_projector(&self, number: usize, slide: &ProjectorLight) -> Result<(), SceneError> {
         let place = || format!("projector {number}");
         index(place, "texture", slide.texture as u64, self.textures.len())?;
         finite(place, || "position".to_owned(), &slide.position.to_array())?;
@@ -223,7 +223,7 @@ impl Scene {
                 "it must be 0 to 0.5",
             ));
         }
-        if let SlideRole::Light(color) = slide.role
+        if let ProjectorMode::Light(color) = slide.mode
             && !color.iter().all(|c| c.is_finite() && *c >= 0.0)
         {
             return Err(value(

@@ -60,11 +60,11 @@ impl Scene {
 
     fn check_material(&self, material: &Material) -> Result<(), SceneError> {
         let place = || format!("material '{}'", material.name);
-        if !material.surface.is_valid() {
+        if !material.phong.is_valid() {
             return Err(SceneError::Value {
                 place: place(),
                 what: "surface".to_owned(),
-                value: format!("{:?}", material.surface),
+                value: format!("{:?}", material.phong),
                 expected: "numbers must be finite and not negative",
             });
         }
@@ -176,8 +176,8 @@ impl Scene {
         }
         if textured
             && mesh.uvs.is_empty()
-            && mesh.frame.is_none()
-            && mesh.round.is_none()
+            && mesh.texture_frame.is_none()
+            && mesh.uv_projection.is_none()
             && !mesh.triangles.is_empty()
         {
             return Err(SceneError::MissingUv {

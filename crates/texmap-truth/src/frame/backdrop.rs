@@ -1,7 +1,7 @@
 //! Skies: a picture stretched over the frame, or an environment seen by direction.
 
 use texmap_math::glam::{DVec2, DVec3, DVec4};
-use texmap_scene::{Backdrop, Scene};
+use texmap_scene::{Background, Scene};
 
 use super::color::{background, over, straight};
 use super::environment::{EnvironmentMap, Ray};
@@ -25,12 +25,12 @@ enum Sky<'s> {
 impl<'s> SampledBackground<'s> {
     /// `size` is that of the frame in samples.
     pub(super) fn new(scene: &'s Scene, size: DVec2, textures: &mut Textures<'s>) -> Self {
-        let sky = scene.effects.backdrop.as_ref().map(|sky| match sky {
-            Backdrop::Picture(slot) => {
+        let sky = scene.effects.background.as_ref().map(|sky| match sky {
+            Background::Picture(slot) => {
                 let slot = textures.slot(slot, texmap_sample::Origin::TopLeft);
                 Sky::Picture(slot, size)
             }
-            Backdrop::Environment(index) => Sky::Environment(*index),
+            Background::Environment(index) => Sky::Environment(*index),
         });
         Self {
             color: background(scene),

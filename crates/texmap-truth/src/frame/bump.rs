@@ -3,7 +3,7 @@
 use texmap_light::NormalMapGreen;
 use texmap_math::glam::{DMat3, DVec3};
 use texmap_sample::Origin;
-use texmap_scene::{Mesh, Relief};
+use texmap_scene::{Mesh, NormalDetail};
 
 use super::carving::Formula;
 use super::color::straight;
@@ -33,20 +33,20 @@ pub(super) enum BumpMap<'s> {
 }
 
 impl<'s> BumpMap<'s> {
-    pub(super) fn new(relief: &'s Relief, mesh: &Mesh, textures: &mut Textures<'s>) -> Self {
+    pub(super) fn new(relief: &'s NormalDetail, mesh: &Mesh, textures: &mut Textures<'s>) -> Self {
         let origin = mesh.uv_origin;
         // World units of one of the object's: the mean of its axes by volume.
         let unit = linear(mesh).determinant().abs().cbrt();
         match relief {
-            Relief::Bump { slot, height } => {
+            NormalDetail::Bump { slot, height } => {
                 Self::Heights(textures.slot(slot, origin), f64::from(*height) * unit)
             }
-            Relief::Offsets { slot, slope, green } => Self::Offsets(
+            NormalDetail::Offsets { slot, slope, green } => Self::Offsets(
                 textures.slot(slot, origin),
                 f64::from(*slope) * unit,
                 *green,
             ),
-            Relief::Carved {
+            NormalDetail::Procedural {
                 heights,
                 world_from_solid,
                 height,
@@ -55,7 +55,7 @@ impl<'s> BumpMap<'s> {
                 *world_from_solid,
                 f64::from(*height) * unit,
             )),
-            Relief::NormalMap {
+            NormalDetail::NormalMap {
                 slot,
                 green,
                 rebuild_z,

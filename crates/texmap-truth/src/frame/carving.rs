@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use texmap_math::deterministic_f64;
 use texmap_math::glam::{DMat4, DVec3};
-use texmap_scene::Carving;
+use texmap_scene::ProceduralHeight;
 
 use super::bump::raised;
 use super::lighting::Point;
@@ -12,7 +12,7 @@ use super::pattern::{noise, value};
 
 /// Heights by a formula.
 pub(super) struct Formula {
-    heights: Carving,
+    heights: ProceduralHeight,
     /// World units of a height of 1.
     height: f64,
     solid_from_world: DMat4,
@@ -21,7 +21,7 @@ pub(super) struct Formula {
 }
 
 impl Formula {
-    pub(super) fn new(heights: Carving, world_from_solid: DMat4, height: f64) -> Self {
+    pub(super) fn new(heights: ProceduralHeight, world_from_solid: DMat4, height: f64) -> Self {
         let sides = [0, 1, 2].map(|k| world_from_solid.col(k).truncate().length());
         Self {
             heights,
@@ -54,8 +54,8 @@ impl Formula {
         let p = self.solid_from_world.transform_point3(point);
         let width = width / self.side;
         match self.heights {
-            Carving::Pattern(pattern) => value(pattern, p, width),
-            Carving::Waves { around, fold } => {
+            ProceduralHeight::Pattern(pattern) => value(pattern, p, width),
+            ProceduralHeight::Waves { around, fold } => {
                 let (around, fold) = (f64::from(around), f64::from(fold));
                 let turns = deterministic_f64::atan2(p.z, p.x) / TAU * around + fold * noise(p, 1);
                 let radius = p.x.hypot(p.z);

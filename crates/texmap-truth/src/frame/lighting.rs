@@ -3,7 +3,7 @@
 use texmap_light::{Light, PhongMaterial as Numbers, SpecularModel};
 use texmap_math::deterministic_f64;
 use texmap_math::glam::DVec3;
-use texmap_scene::SlideRole;
+use texmap_scene::ProjectorMode;
 
 use super::color::wide;
 use super::environment::Ray;
@@ -105,7 +105,7 @@ pub(super) fn terms(world: &World<'_>, surface: &Surface<'_>, at: &Point) -> Ter
     let view = at.view.direction.normalize_or_zero();
     let normal = surface.turned_normal(at);
     let map = |slot: &Option<super::slot::Slot<'_>>| slot.as_ref().map(|s| s.straight(at.place));
-    let mut numbers = material.surface;
+    let mut numbers = material.phong;
     if let Some(texel) = map(&surface.exponent) {
         numbers.ns = (f64::from(numbers.ns) * texel.x) as f32;
     }
@@ -117,7 +117,7 @@ pub(super) fn terms(world: &World<'_>, surface: &Surface<'_>, at: &Point) -> Ter
         Some(None) => true,
         Some(Some(all)) => all.contains(&index),
     };
-    let model = material.highlight;
+    let model = material.specular_model;
     for (index, light) in world.scene.lights.iter().enumerate() {
         if baked(index) {
             continue;
@@ -136,7 +136,7 @@ pub(super) fn terms(world: &World<'_>, surface: &Surface<'_>, at: &Point) -> Ter
         }
     }
     for (index, cast) in world.projectors.iter().enumerate() {
-        let SlideRole::Light(color) = cast.projector.role else {
+        let ProjectorMode::Light(color) = cast.projector.mode else {
             continue;
         };
         let position = cast.projector.position.as_vec3().to_array();
@@ -177,6 +177,6 @@ fn mirror(world: &World<'_>, surface: &Surface<'_>, at: &Point, normal: DVec3, s
         sum.specular += light(reflection.environment) * share * f64::from(reflection.reflectivity);
     }
     if let Some(map) = material.specular_map {
-        sum.specular += light(map) * f64::from(material.surface.ks);
+        sum.specular += light(map) * f64::from(material.phong.ks);
     }
 }

@@ -4,7 +4,7 @@ use texmap_light::ProjectorBorder;
 use texmap_math::Projector;
 use texmap_math::glam::{DVec2, DVec3, DVec4};
 use texmap_sample::{Sampler, Texture2d, Wrap};
-use texmap_scene::{SlideProjector, SlideRole};
+use texmap_scene::{ProjectorLight, ProjectorMode};
 
 use super::color::over;
 use super::lighting::Point;
@@ -13,13 +13,13 @@ use super::world::World;
 
 /// A projector with its picture.
 pub(super) struct Cast<'s> {
-    pub(super) projector: &'s SlideProjector,
+    pub(super) projector: &'s ProjectorLight,
     texture: Texture2d<'static>,
     sampler: Sampler,
 }
 
 impl<'s> Cast<'s> {
-    pub(super) fn new(projector: &'s SlideProjector, textures: &mut Textures<'s>) -> Self {
+    pub(super) fn new(projector: &'s ProjectorLight, textures: &mut Textures<'s>) -> Self {
         let wrap = match projector.border {
             ProjectorBorder::Repeat => Wrap::Repeat,
             ProjectorBorder::Black | ProjectorBorder::Clamp => Wrap::ClampToEdge,
@@ -81,7 +81,7 @@ pub(super) fn paint(world: &World<'_>, at: &Point) -> DVec4 {
     for (index, cast) in world.projectors.iter().enumerate() {
         let projector = cast.projector;
         let toward = projector.position - at.position;
-        if projector.role != SlideRole::Paint || at.plane.dot(toward) <= 0.0 {
+        if projector.mode != ProjectorMode::Decal || at.plane.dot(toward) <= 0.0 {
             continue;
         }
         let texel = cast.texel(at.position, at.moves);

@@ -3,7 +3,7 @@
 use texmap_light::{Light, ShadowKind};
 use texmap_math::deterministic_f64;
 use texmap_math::glam::{DMat3, DMat4, DVec2, DVec3};
-use texmap_scene::{AlphaMode, Scene, SlideProjector};
+use texmap_scene::{AlphaMode, ProjectorLight, Scene};
 
 use super::color::wide;
 use super::lighting::Point;
@@ -49,13 +49,13 @@ impl Shadow {
         Ok(Self {
             origin,
             kind,
-            reach: f64::from(shadow.taps + 1),
+            reach: f64::from(shadow.pcf_size + 1),
             texels,
         })
     }
 
     /// The shadow of a projector that has a depth map.
-    pub(super) fn of_projector(projector: &SlideProjector) -> Option<Self> {
+    pub(super) fn of_projector(projector: &ProjectorLight) -> Option<Self> {
         let t = projector.projector.t.truncate();
         let right = projector.projector.q.truncate() - t * 0.5;
         let down = projector.projector.s.truncate() - t * 0.5;
@@ -168,12 +168,12 @@ impl World<'_> {
     ) -> bool {
         let surface = &self.surfaces[object];
         let material = surface.material();
-        if surface.mesh.shadowless || material.alpha == AlphaMode::Blend {
+        if surface.mesh.casts_no_shadow || material.alpha == AlphaMode::Blend {
             return false;
         }
         // Lights inside of a closed mesh shine through its backs; a map all around shows both sides.
         let around = matches!(shadow.kind, ShadowKind::Point { .. });
-        if surface.mesh.closed && !around && surface.flat(triangle).dot(toward) <= 0.0 {
+        if surface.mesh.watertight && !around && surface.flat(triangle).dot(toward) <= 0.0 {
             return false;
         }
         surface.holds_light(triangle, weights)

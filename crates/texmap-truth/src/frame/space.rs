@@ -2,7 +2,7 @@
 
 use texmap_math::glam::{DMat4, DVec3, DVec4};
 use texmap_sample::Pattern;
-use texmap_scene::{Effects, Solid, SolidSource};
+use texmap_scene::{Effects, SolidTexture, SolidTextureSource};
 
 use super::grid::Grid;
 use super::pattern;
@@ -19,9 +19,9 @@ enum Source {
 }
 
 impl SampledSolid {
-    pub(super) fn new(solid: &Solid, effects: &Effects) -> Self {
+    pub(super) fn new(solid: &SolidTexture, effects: &Effects) -> Self {
         let source = match &solid.source {
-            SolidSource::Grid {
+            SolidTextureSource::Grid {
                 grid,
                 sampler,
                 wrap_w,
@@ -29,7 +29,7 @@ impl SampledSolid {
                 let wraps = [sampler.wrap_u, sampler.wrap_v, *wrap_w];
                 Source::Grid(Grid::new(&effects.grids[*grid], sampler, wraps))
             }
-            SolidSource::Pattern(pattern) => Source::Pattern(*pattern),
+            SolidTextureSource::Pattern(pattern) => Source::Pattern(*pattern),
         };
         Self {
             source,

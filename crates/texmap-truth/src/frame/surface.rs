@@ -4,7 +4,7 @@ use texmap_light::SpecularModel;
 use texmap_math::glam::{DMat3, DVec2, DVec3, DVec4};
 use texmap_math::texture_frame::{PlanarTexgen, TextureFrame};
 use texmap_sample::Filter;
-use texmap_scene::{AlphaMode, Gouraud, Material, Mesh, Scene, Shading, TextureRole};
+use texmap_scene::{AlphaMode, Material, Mesh, Scene, Shading, TextureRole, VertexColorInterp};
 
 use super::bump::{BumpMap, clamped};
 use super::color::{luminance, over, straight, wide};
@@ -56,7 +56,7 @@ impl<'s> Surface<'s> {
             let world = frame.transform(mesh.world_from_object);
             Ok(TextureFrame::new(world.o - scene.camera.eye, world.u, world.v)?.texgen())
         };
-        let relief = material.relief.as_ref();
+        let relief = material.normal_detail.as_ref();
         let relief = relief.map(|relief| BumpMap::new(relief, mesh, textures));
         let emission = material.emission.as_ref();
         let emission = emission.map(|emission| Emitter::new(emission, mesh, textures));
@@ -102,7 +102,7 @@ impl<'s> Surface<'s> {
                 .map(|solid| SampledSolid::new(solid, &scene.effects)),
             relief,
             emission,
-            frame: mesh.frame.map(frame).transpose()?,
+            frame: mesh.texture_frame.map(frame).transpose()?,
             mirrored: mesh.world_from_object.determinant() < 0.0,
         })
     }
@@ -143,7 +143,7 @@ impl<'s> Surface<'s> {
         let AlphaMode::Test(threshold) = self.material().alpha else {
             return true;
         };
-        if self.frame.is_some() && self.mesh.round.is_none() {
+        if self.frame.is_some() && self.mesh.uv_projection.is_none() {
             return true;
         }
         let hit = Hit {
@@ -186,7 +186,7 @@ impl<'s> Surface<'s> {
             .map(|slot| self.base_texel(slot, at));
         let label = self.decal.as_ref().map(|slot| slot.texel(at.place));
         let opaque = |color: DVec3| color.min(DVec3::ONE).extend(1.0);
-        let surface = wide(material.surface.color);
+        let surface = wide(material.phong.color);
         let (color, alpha) = match (texel, material.texture_role) {
             (Some(texel), TextureRole::Decal) => {
                 let texel = label.map_or(texel, |label| over(label, texel));
@@ -230,7 +230,7 @@ impl<'s> Surface<'s> {
         if let (Some(ramp), None) = (&self.color_ramp, &self.solid) {
             texel = slot.dependent(at.place, ramp) * texel.w;
         }
-        if self.material().crisp {
+        if self.material().antialiased_alpha {
             let alpha = slot.outline(at.place, texel.w);
             texel = (straight(texel) * alpha).extend(alpha);
         }
@@ -248,9 +248,9 @@ impl<'s> Surface<'s> {
                 .map_or(DVec3::ONE, |c| wide(*c))
         };
         let mix = |values: [DVec3; 3]| {
-            let b = match material.gouraud {
-                Gouraud::Perspective => hit.weights,
-                Gouraud::ScreenLinear => self.screen_weights(at.owner.1, hit),
+            let b = match material.vertex_color_interp {
+                VertexColorInterp::Perspective => hit.weights,
+                VertexColorInterp::ScreenLinear => self.screen_weights(at.owner.1, hit),
             };
             values[0] * b.x + values[1] * b.y + values[2] * b.z
         };
@@ -290,7 +290,7 @@ impl<'s> Surface<'s> {
 
     /// The light at a vertex, without shadows and projectors, on the side that is seen.
     fn vertex_terms(&self, world: &World<'_>, vertex: u32, front: bool) -> Terms {
-        let numbers = &self.material().surface;
+        let numbers = &self.material().phong;
         let (point, normal) = (self.points[vertex as usize], self.normals[vertex as usize]);
         let normal = if front { normal } else { -normal };
         let view = (self.scene.camera.eye - point).normalize_or_zero();
@@ -387,7 +387,8 @@ impl<'s> Surface<'s> {
     }
 
     fn place(&self, triangle: u32, hit: &Hit, pinhole: &Pinhole, x: f64, y: f64) -> Place {
-        let Some(PlanarTexgen { a, b, c }) = self.frame.filter(|_| self.mesh.round.is_none())
+        let Some(PlanarTexgen { a, b, c }) =
+            self.frame.filter(|_| self.mesh.uv_projection.is_none())
         else {
             return self.vertex_place(triangle, hit);
         };
@@ -404,7 +405,7 @@ impl<'s> Surface<'s> {
 
     /// Coordinates by a shape around the mesh, or those of its vertices.
     fn vertex_place(&self, triangle: u32, hit: &Hit) -> Place {
-        if let Some(map) = &self.mesh.round {
+        if let Some(map) = &self.mesh.uv_projection {
             let corners = self.corners(triangle);
             let [right, down] = hit.vector_changes(corners);
             let (uv, [ux, vx, uy, vy]) = map.reference(hit.vector(corners), right, down);

@@ -1,7 +1,7 @@
 //! A scene made ready for rays: its surfaces, and everything that they look up.
 
 use texmap_math::glam::DVec2;
-use texmap_scene::{Backdrop, Scene};
+use texmap_scene::{Background, Scene};
 
 use super::backdrop::SampledBackground;
 use super::environment::EnvironmentMap;
@@ -102,7 +102,7 @@ fn environments_read(scene: &Scene) -> Vec<usize> {
         mirrored.into_iter().chain(material.specular_map)
     };
     let mut read: Vec<usize> = scene.meshes.iter().flat_map(of_mesh).collect();
-    if let Some(Backdrop::Environment(index)) = scene.effects.backdrop {
+    if let Some(Background::Environment(index)) = scene.effects.background {
         read.push(index);
     }
     read

@@ -15,7 +15,7 @@ use texmap_math::glam::DVec3;
 use texmap_math::{Level, MemoryBudget};
 use texmap_planner as planner;
 use texmap_planner::Choices;
-use texmap_render::{Aov, AovData, Frame, Settings};
+use texmap_render::{Aov, AovData, Frame, RenderSettings};
 use texmap_scene::Scene;
 use texmap_truth::picture::Picture;
 use texmap_truth::verify::{Verified, verify, with_wrap};
@@ -321,9 +321,9 @@ impl Context<'_> {
         aovs.map(|aov| aov.map_err(|e| self.refused(e))).collect()
     }
 
-    fn settings(&self, aovs: Vec<Aov>) -> Settings {
+    fn settings(&self, aovs: Vec<Aov>) -> RenderSettings {
         let args = self.args;
-        Settings {
+        RenderSettings {
             threads: args.threads.map(usize::from),
             supersample: args.supersample.unwrap_or(1),
             msaa: args.msaa,
@@ -332,7 +332,7 @@ impl Context<'_> {
             filter: args.filter,
             wrap: args.wrap,
             interp: args.interp,
-            ..Settings::new(args.resolution.width, args.resolution.height)
+            ..RenderSettings::new(args.resolution.width, args.resolution.height)
         }
     }
 

@@ -87,7 +87,7 @@ impl Builder {
             let first = self.scene.meshes.len();
             command.spec().set(self, &mut command.line(location))?;
             for mesh in &mut self.scene.meshes[first..] {
-                mesh.shadowless = self.settings.effects.shadowless;
+                mesh.casts_no_shadow = self.settings.effects.shadowless;
             }
         }
         let facets = std::mem::replace(&mut self.facets, outer);

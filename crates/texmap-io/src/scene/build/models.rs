@@ -111,7 +111,7 @@ impl Builder {
                     Some(_) => Origin::TopLeft,
                     None => Origin::BottomLeft,
                 },
-                round: self.settings.round,
+                uv_projection: self.settings.round,
                 displacement,
                 ..Mesh::default()
             };
@@ -153,12 +153,12 @@ impl Builder {
                 color: emitted(m.ke, color),
                 map: m.map_ke.as_ref().map(slot),
             }),
-            relief: m.relief.as_ref().map(|(map, relief)| match *relief {
-                obj::ReliefKind::Bump(height) => texmap_scene::Relief::Bump {
+            normal_detail: m.relief.as_ref().map(|(map, relief)| match *relief {
+                obj::ReliefKind::Bump(height) => texmap_scene::NormalDetail::Bump {
                     slot: slot(map),
                     height,
                 },
-                obj::ReliefKind::Normals => texmap_scene::Relief::NormalMap {
+                obj::ReliefKind::Normals => texmap_scene::NormalDetail::NormalMap {
                     slot: slot(map),
                     green: texmap_light::NormalMapGreen::Up,
                     rebuild_z: false,
@@ -167,7 +167,7 @@ impl Builder {
                 },
             }),
             name: shortened(&m.name).to_string(),
-            surface: PhongMaterial {
+            phong: PhongMaterial {
                 color: light(m.kd, color),
                 ka: 1.0,
                 kd: 1.0,

@@ -3,7 +3,7 @@
 use texmap_math::glam::DMat4;
 use texmap_raster::Cull;
 use texmap_sample::{Filter, Wrap};
-use texmap_scene::{AlphaMode, Gouraud, Shading, TextureRole};
+use texmap_scene::{AlphaMode, Shading, TextureRole, VertexColorInterp};
 
 use super::Set::{Nothing, Plain};
 use super::Spec;
@@ -177,8 +177,8 @@ pub(super) const SPECS: &[Spec] = &[
         help: "how colours of `shade vertex` run over a triangle: linear on the screen (the lecture's way, with its seams at T-joints) or on the surface",
         set: Plain(|b, line| {
             b.settings.gouraud = match line.takes("perspective") {
-                true => Gouraud::Perspective,
-                false => Gouraud::ScreenLinear,
+                true => VertexColorInterp::Perspective,
+                false => VertexColorInterp::ScreenLinear,
             }
         }),
     },
