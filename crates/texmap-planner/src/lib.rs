@@ -47,7 +47,7 @@ use texmap_scene::SceneError;
 pub use environments::EnvironmentChoice;
 use gain::Lighting;
 pub use lights::{IdleLight, ShadowChoice};
-use pilot::Places;
+use pilot::PixelSamples;
 pub use prices::{Price, prices};
 use texmap_scene::{Mesh, Scene, Shading, TextureRole};
 use view::View;
@@ -222,7 +222,7 @@ pub fn choose_sampled(
             half: [1.0 / projection.x_axis.x, 1.0 / projection.y_axis.y],
         })
         .collect();
-    let mut places: Vec<Places> = views.iter().map(pilot::places).collect();
+    let mut places: Vec<PixelSamples> = views.iter().map(pilot::places).collect();
     let before: Vec<usize> = places.iter().map(|p| p.list.len()).collect();
     visible::keep_visible(scene, &positions, size, &mut places);
     places.iter_mut().for_each(|p| p.leave_outlines_out(size));

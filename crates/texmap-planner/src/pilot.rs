@@ -43,14 +43,14 @@ pub(super) struct Pilot {
 }
 
 /// Where a mesh is seen.
-pub(super) struct Places {
-    pub(super) list: Vec<Place>,
+pub(super) struct PixelSamples {
+    pub(super) list: Vec<PixelSample>,
     source: Source,
     /// Part of the pixels in its outline's box that were looked at.
     share: f64,
 }
 
-impl Places {
+impl PixelSamples {
     /// Where all pixels are known, keeps those without an outline beside them: at an outline one sample errs whatever the
     /// filter. A mesh that is hardly more than its outline keeps all.
     pub(super) fn leave_outlines_out(&mut self, size: DVec2) {
@@ -67,7 +67,7 @@ impl Places {
             let [x, y] = pixel(place.centre);
             (-1..=1).all(|dy| (-1..=1).all(|dx| same(x + dx, y + dy)))
         });
-        let inner: Vec<Place> = inner.collect();
+        let inner: Vec<PixelSample> = inner.collect();
         if inner.len() >= FEWEST {
             self.list = inner;
         }
@@ -93,7 +93,7 @@ enum Source {
 
 /// A pixel of a triangle: its centre, and the planes over the picture of what its vertices hold, by w.
 #[derive(Clone, Copy)]
-pub(super) struct Place {
+pub(super) struct PixelSample {
     pub(super) centre: DVec2,
     uv: [DVec3; 2],
     /// The place in the world.
@@ -102,7 +102,7 @@ pub(super) struct Place {
     pub(super) inv_w: DVec3,
 }
 
-impl Place {
+impl PixelSample {
     /// What is seen at a place beside the centre, as one of `samples` x `samples` samples of the pixel; `None` beyond the horizon.
     fn spot(&self, source: &Source, offset: DVec2, samples: u32) -> Option<Spot> {
         let p = (self.centre + offset).extend(1.0);
@@ -143,7 +143,7 @@ impl Pilot {
     /// Of some of the places, or with `all` of all of them, for pixels of `samples` x `samples` samples. `None` when there are
     /// too few.
     pub(super) fn new(
-        places: &Places,
+        places: &PixelSamples,
         all: bool,
         samples: u32,
         look: &Look<'_>,
@@ -259,10 +259,10 @@ fn alpha(texels: &[[f32; 4]]) -> f64 {
 }
 
 /// Pixels with the mesh's nearest triangle there: all in its part of the picture, or a jittered grid.
-pub(super) fn places(view: &View<'_>) -> Places {
+pub(super) fn places(view: &View<'_>) -> PixelSamples {
     let source = source(view);
     let Some((low, high)) = bounds(view) else {
-        return Places {
+        return PixelSamples {
             list: Vec::new(),
             source,
             share: 1.0,
@@ -295,7 +295,7 @@ pub(super) fn places(view: &View<'_>) -> Places {
         columns,
         rows,
     };
-    let mut nearest: Vec<Option<(f64, Place)>> = vec![None; cells as usize];
+    let mut nearest: Vec<Option<(f64, PixelSample)>> = vec![None; cells as usize];
     for triangle in &view.mesh.triangles {
         let corners = triangle.map(|i| view.positions[i as usize]);
         let world = triangle.map(|i| view.world(i));
@@ -328,7 +328,7 @@ pub(super) fn places(view: &View<'_>) -> Places {
                 {
                     continue;
                 }
-                let place = Place {
+                let place = PixelSample {
                     centre: p,
                     uv,
                     world,
@@ -339,7 +339,7 @@ pub(super) fn places(view: &View<'_>) -> Places {
         }
     }
     let seen = nearest.into_iter().flatten().map(|(_, place)| place);
-    Places {
+    PixelSamples {
         list: seen.collect(),
         source,
         share: (f64::from(cells) / (wide * tall)).min(1.0),
@@ -431,13 +431,13 @@ mod tests {
     /// How many pixels of a rectangle stay, in a picture of 40 x 40.
     fn stay(from: [u32; 2], size: [u32; 2], share: f64) -> usize {
         let pixels = (0..size[0] * size[1]).map(|i| [from[0] + i % size[0], from[1] + i / size[0]]);
-        let place = |[x, y]: [u32; 2]| Place {
+        let place = |[x, y]: [u32; 2]| PixelSample {
             centre: DVec2::new(f64::from(x), f64::from(y)) + 0.5,
             uv: [DVec3::Z; 2],
             world: [DVec3::Z; 3],
             inv_w: DVec3::Z,
         };
-        let mut places = Places {
+        let mut places = PixelSamples {
             list: pixels.map(place).collect(),
             source: Source::Vertices,
             share,

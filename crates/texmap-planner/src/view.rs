@@ -7,7 +7,7 @@ use texmap_sample::{Filter, Precision, Sampler, Texture2d};
 
 use super::gain::Lighting;
 use super::look::{Look, Read};
-use super::pilot::{Pilot, Places};
+use super::pilot::{Pilot, PixelSamples};
 use super::prices::{self, Price, prices};
 use super::{Budget, Choice, maps};
 use texmap_scene::{AlphaMode, ColorMode, Mesh, Scene, TextureSlot};
@@ -37,7 +37,7 @@ impl View<'_> {
         &self,
         index: usize,
         budget: Budget,
-        places: &Places,
+        places: &PixelSamples,
         all: usize,
         samples: u32,
     ) -> Choice {
@@ -92,7 +92,7 @@ impl View<'_> {
         &self,
         look: &Look<'_>,
         budget: Budget,
-        places: &Places,
+        places: &PixelSamples,
         all: usize,
         samples: u32,
         choice: &mut Choice,
@@ -118,7 +118,13 @@ impl View<'_> {
         "no filter to choose: its samples decide".clone_into(&mut choice.why);
     }
 
-    fn pilot(&self, places: &Places, all: bool, samples: u32, look: &Look<'_>) -> Option<Pilot> {
+    fn pilot(
+        &self,
+        places: &PixelSamples,
+        all: bool,
+        samples: u32,
+        look: &Look<'_>,
+    ) -> Option<Pilot> {
         let material = &self.scene.materials[self.mesh.material];
         let mut gain = self.lighting.gain(self.mesh, material);
         if material.decal.is_some() {
@@ -135,7 +141,7 @@ impl View<'_> {
         &self,
         (slot, look): (&TextureSlot, &Look<'_>),
         budget: Budget,
-        places: &Places,
+        places: &PixelSamples,
         all: usize,
         samples: u32,
         choice: &mut Choice,
@@ -237,7 +243,7 @@ impl View<'_> {
 }
 
 /// Why so few of a mesh's pixels are seen that nothing can be said.
-fn unseen(places: &Places, all: usize) -> &'static str {
+fn unseen(places: &PixelSamples, all: usize) -> &'static str {
     if places.list.len() < all {
         "nearly all of it is hidden by others"
     } else {

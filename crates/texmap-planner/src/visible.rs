@@ -3,7 +3,7 @@
 use texmap_math::glam::{DMat3, DVec2, DVec4};
 use texmap_raster::{Cull, DepthTest};
 
-use super::pilot::{Place, Places};
+use super::pilot::{PixelSample, PixelSamples};
 use texmap_scene::{AlphaMode, Scene};
 
 /// Cells a side of the grid over the picture.
@@ -17,7 +17,7 @@ pub(super) fn keep_visible(
     scene: &Scene,
     positions: &[Vec<DVec4>],
     size: DVec2,
-    places: &mut [Places],
+    places: &mut [PixelSamples],
 ) {
     if scene.depth_test == DepthTest::Always {
         return;
@@ -88,7 +88,7 @@ fn cell(p: DVec2, size: DVec2) -> [usize; 2] {
     [c.x as usize, c.y as usize]
 }
 
-impl Place {
+impl PixelSample {
     fn nearness(&self) -> f64 {
         self.inv_w.dot(self.centre.extend(1.0))
     }

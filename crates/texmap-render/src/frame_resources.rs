@@ -15,25 +15,25 @@ use texmap_scene::{ProjectorLight, ProjectorMode, Scene};
 
 /// The effects of a scene, made ready: every map is finished before the first tile.
 #[derive(Debug)]
-pub(crate) struct Ready<'s> {
+pub(crate) struct FrameResources<'s> {
     /// The scene's lights, then a lamp for each projector of light.
     pub(crate) lights: Vec<Light>,
     /// Per light.
     pub(crate) shadows: Vec<Vec<ShadowSampler>>,
     /// Slides of the lamps, from light `lights.len() - lamps.len()` on.
-    pub(crate) lamps: Vec<Projected<'s>>,
-    pub(crate) paints: Vec<Projected<'s>>,
+    pub(crate) projector_lights: Vec<Projected<'s>>,
+    pub(crate) projector_decals: Vec<Projected<'s>>,
     pub(crate) environments: &'s [Environment],
 }
 
-impl<'s> Ready<'s> {
+impl<'s> FrameResources<'s> {
     /// Draws all maps.
     pub(crate) fn new(scene: &'s Scene, settings: &RenderSettings) -> Result<Self, RenderError> {
-        Self::in_rooms(scene, settings, Vec::new())
+        Self::with_buffers(scene, settings, Vec::new())
     }
 
-    /// [`new`](Self::new) in the [`rooms`](Self::rooms) of earlier maps.
-    pub(crate) fn in_rooms(
+    /// [`new`](Self::new) in the [`take_buffers`](Self::take_buffers) of earlier maps.
+    pub(crate) fn with_buffers(
         scene: &'s Scene,
         settings: &RenderSettings,
         rooms: Vec<Vec<f32>>,
@@ -92,16 +92,19 @@ impl<'s> Ready<'s> {
         Ok(Self {
             lights,
             shadows,
-            lamps,
-            paints,
+            projector_lights: lamps,
+            projector_decals: paints,
             environments: &scene.effects.environments,
         })
     }
 
     /// Takes the rooms of all maps, which are empty from then on.
-    pub(crate) fn rooms(&mut self) -> Vec<Vec<f32>> {
+    pub(crate) fn take_buffers(&mut self) -> Vec<Vec<f32>> {
         let of_lights = self.shadows.iter_mut().flatten();
-        let slides = self.lamps.iter_mut().chain(&mut self.paints);
+        let slides = self
+            .projector_lights
+            .iter_mut()
+            .chain(&mut self.projector_decals);
         let of_slides = slides.filter_map(|projected| projected.shadow.as_mut());
         let all = of_lights.chain(of_slides);
         all.map(ShadowSampler::take_depths).collect()
@@ -109,7 +112,9 @@ impl<'s> Ready<'s> {
 
     /// Whether surfaces without effects of their own must know of these.
     pub(crate) fn is_plain(&self) -> bool {
-        self.lamps.is_empty() && self.paints.is_empty() && self.shadows.iter().all(Vec::is_empty)
+        self.projector_lights.is_empty()
+            && self.projector_decals.is_empty()
+            && self.shadows.iter().all(Vec::is_empty)
     }
 
     /// Share of each light of the scene that its shadows leave at a sample, for the `shadow` AOV.

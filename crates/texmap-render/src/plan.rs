@@ -15,7 +15,7 @@ use texmap_math::glam::DMat4;
 use texmap_raster::{AlphaTest, DrawCall, Fragment, UvBlock};
 use texmap_sample::Origin;
 
-use crate::frame_resources::Ready;
+use crate::frame_resources::FrameResources;
 use crate::shade::coordinates::{Coordinates, EyeRays};
 use crate::shade::sky::SkyStage;
 use crate::shade::unlit::UnlitColor;
@@ -25,7 +25,7 @@ use crate::{Aov, RenderError, RenderSettings};
 use texmap_math::ViewRays;
 use texmap_scene::{Background, Scene};
 
-pub(crate) use alpha_test::{Cut, cut};
+pub(crate) use alpha_test::{AlphaTestStage, alpha_test};
 pub(crate) use shader::Shader;
 use space::{behind, far_sides};
 use surface::surface;
@@ -35,7 +35,7 @@ pub(crate) use surface::{Space, Surface};
 pub(crate) struct Plan<'s> {
     pub(crate) surfaces: Vec<Surface<'s>>,
     pub(crate) lights: &'s [Light],
-    pub(crate) ready: Arc<Ready<'s>>,
+    pub(crate) ready: Arc<FrameResources<'s>>,
     pub(crate) eye: [f32; 3],
     pub(crate) rays: EyeRays,
     pub(crate) level: texmap_math::Level,
@@ -65,7 +65,7 @@ impl<'s> Plan<'s> {
         scene: &'s Scene,
         settings: &RenderSettings,
         chains: &Chains,
-        ready: &Arc<Ready<'s>>,
+        ready: &Arc<FrameResources<'s>>,
         (width, height): (u32, u32),
         aovs: &[Aov],
     ) -> Result<Self, RenderError> {
@@ -223,7 +223,7 @@ mod tests {
             scene.meshes[0].lightmap_uvs = vec![[0.0; 2]; 3];
             let settings = RenderSettings::new(8, 8);
             let chains = Chains::new(&scene, &settings).unwrap();
-            let ready = Arc::new(Ready::new(&scene, &settings).unwrap());
+            let ready = Arc::new(FrameResources::new(&scene, &settings).unwrap());
             let plan = Plan::new(&scene, &settings, &chains, &ready, (8, 8), &[]).unwrap();
             match Shader::new(&plan, &plan.surfaces[0]) {
                 Shader::Surface(shader) => shader.attributes.is_none(),
@@ -280,7 +280,7 @@ mod tests {
         let scene = scene(material);
         let settings = RenderSettings::new(8, 8);
         let chains = Chains::new(&scene, &settings).unwrap();
-        let ready = Arc::new(Ready::new(&scene, &settings).unwrap());
+        let ready = Arc::new(FrameResources::new(&scene, &settings).unwrap());
         let plan = Plan::new(&scene, &settings, &chains, &ready, (8, 8), aovs).unwrap();
         let surface = &plan.surfaces[0];
         (

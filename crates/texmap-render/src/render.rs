@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use rayon::prelude::*;
 use texmap_raster::{BinnedDraws, DrawCall, SAMPLES_4, TILE, TargetSize};
 
-use crate::frame_resources::Ready;
+use crate::frame_resources::FrameResources;
 use crate::plan::Plan;
 use crate::resolve::rows::{AovParts, blocks, split};
 use crate::textures::Chains;
@@ -81,7 +81,7 @@ impl<'s> Renderer<'s> {
                 })
         });
         let chains = Chains::new(scene, settings)?;
-        let ready = Arc::new(Ready::new(scene, settings)?);
+        let ready = Arc::new(FrameResources::new(scene, settings)?);
         let n = settings.supersample;
         let shared = n == 1 && settings.msaa == 1;
         let plan = |side: u32, aovs: &[Aov]| {
@@ -120,9 +120,9 @@ impl<'s> Renderer<'s> {
     #[doc(hidden)]
     pub fn redraw_shadows(&mut self) -> Result<(), RenderError> {
         let (scene, settings) = (self.scene, &self.settings);
-        let rooms = Arc::get_mut(&mut self.plan.ready).map(Ready::rooms);
+        let rooms = Arc::get_mut(&mut self.plan.ready).map(FrameResources::take_buffers);
         let rooms = rooms.unwrap_or_default();
-        let draw = || Ready::in_rooms(scene, settings, rooms).map(Arc::new);
+        let draw = || FrameResources::with_buffers(scene, settings, rooms).map(Arc::new);
         let ready = match &self.pool {
             None => draw(),
             Some(pool) => pool.install(draw),
@@ -272,7 +272,7 @@ impl<'s> Renderer<'s> {
         let covered = AtomicU64::new(0);
         // Some blocks take many times as long as others, and lie side by side.
         blocks.into_par_iter().with_max_len(8).for_each_init(
-            || Lent::new(&self.scratch),
+            || ScratchGuard::new(&self.scratch),
             |scratch, block| {
                 covered.fetch_add(job.draw(block, scratch.get()), Ordering::Relaxed);
                 counter.step();
@@ -297,12 +297,12 @@ pub fn render_ordered(
 }
 
 /// Buffers of a thread, taken from those that lie ready and given back in the end.
-struct Lent<'a> {
+struct ScratchGuard<'a> {
     scratch: Option<Box<Scratch>>,
     ready: &'a Mutex<Vec<Box<Scratch>>>,
 }
 
-impl<'a> Lent<'a> {
+impl<'a> ScratchGuard<'a> {
     fn new(ready: &'a Mutex<Vec<Box<Scratch>>>) -> Self {
         let scratch = ready.lock().ok().and_then(|mut ready| ready.pop());
         Self { scratch, ready }
@@ -313,7 +313,7 @@ impl<'a> Lent<'a> {
     }
 }
 
-impl Drop for Lent<'_> {
+impl Drop for ScratchGuard<'_> {
     fn drop(&mut self) {
         if let (Some(scratch), Ok(mut ready)) = (self.scratch.take(), self.ready.lock()) {
             ready.push(scratch);

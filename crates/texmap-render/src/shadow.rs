@@ -13,7 +13,7 @@ use texmap_raster::{AlphaTest, BinnedDraws, DepthTest, DrawCall, Pass, TILE, Tar
 
 use crate::RenderError;
 use crate::frame_resources::reserve_map;
-use crate::shadow_alpha_test::Cuts;
+use crate::shadow_alpha_test::AlphaTests;
 use faces::views;
 use texmap_scene::{AlphaMode, Scene};
 use watertight::hidden_sides;
@@ -62,7 +62,7 @@ pub(crate) fn shadow_map_in(
 ) -> Result<(ShadowMap, ShadowBounds), RenderError> {
     let target =
         TargetSize::new(size, size).map_err(|error| RenderError::of_raster(scene, error))?;
-    let cuts = Cuts::new(scene)?;
+    let cuts = AlphaTests::new(scene)?;
     let reach = bias.caster_reach(taps);
     let mut depths = Vec::new();
     let mut bounds = Vec::new();

@@ -3,7 +3,7 @@
 use texmap_math::{Level, narrow, wide};
 use texmap_raster::{AlphaTest, Fragment, UvBlock};
 
-use crate::plan::{Cut, cut};
+use crate::plan::{AlphaTestStage, alpha_test};
 use crate::shade::coordinates::Coordinates;
 use crate::textures::{Chains, Slot};
 use crate::{RenderError, RenderSettings};
@@ -11,22 +11,22 @@ use texmap_scene::{AlphaMode, Mesh, Scene};
 
 /// What the meshes of a scene let through. Those whose coordinates come from a texture frame, which is bound to the camera, let
 /// nothing through.
-pub(crate) struct Cuts<'s> {
-    meshes: Vec<Option<Cutting<'s>>>,
+pub(crate) struct AlphaTests<'s> {
+    meshes: Vec<Option<AlphaTested<'s>>>,
     level: Level,
 }
 
-struct Cutting<'s> {
+struct AlphaTested<'s> {
     uv: Coordinates,
     base_color: Option<Slot<'s>>,
     opacity_map: Option<Slot<'s>>,
-    cut: Cut,
+    cut: AlphaTestStage,
     opacity: f32,
     attributes: Vec<f32>,
     attribute_count: usize,
 }
 
-impl<'s> Cuts<'s> {
+impl<'s> AlphaTests<'s> {
     /// `None` if nothing has holes.
     ///
     /// # Errors
@@ -46,7 +46,7 @@ impl<'s> Cuts<'s> {
             .iter()
             .map(|mesh| {
                 tested(mesh)
-                    .then(|| Cutting::new(scene, &settings, &chains, mesh))
+                    .then(|| AlphaTested::new(scene, &settings, &chains, mesh))
                     .flatten()
             })
             .collect();
@@ -63,7 +63,7 @@ impl<'s> Cuts<'s> {
     }
 }
 
-impl AlphaTest for Cuts<'_> {
+impl AlphaTest for AlphaTests<'_> {
     fn keep(&self, draw: u32, _triangle: u32, fragment: &Fragment) -> bool {
         let Some(c) = &self.meshes[draw as usize] else {
             return true;
@@ -84,7 +84,7 @@ impl AlphaTest for Cuts<'_> {
     }
 }
 
-impl<'s> Cutting<'s> {
+impl<'s> AlphaTested<'s> {
     fn new(
         scene: &'s Scene,
         settings: &RenderSettings,
@@ -95,7 +95,7 @@ impl<'s> Cutting<'s> {
         let slot = |slot| Slot::new(slot, scene, settings, chains, mesh.uv_origin);
         let base_color = material.base_color.as_ref().map(slot);
         let opacity_map = material.opacity_map.as_ref().map(slot);
-        let cut = cut(material, base_color.as_ref(), opacity_map.as_ref())?;
+        let cut = alpha_test(material, base_color.as_ref(), opacity_map.as_ref())?;
         let (uv, attributes, attribute_count) = match mesh.uv_projection {
             Some(map) => {
                 let place =

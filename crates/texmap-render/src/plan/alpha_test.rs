@@ -10,12 +10,12 @@ use texmap_scene::{AlphaMode, Material};
 
 /// Alpha of which a cut-out pixel is kept.
 #[derive(Clone, Copy)]
-pub(crate) enum Cut {
+pub(crate) enum AlphaTestStage {
     Above(f32),
     AtLeast(f32),
 }
 
-impl Cut {
+impl AlphaTestStage {
     /// The alpha test of a pixel at `place`, with the samplers and the level of detail of shading.
     pub(crate) fn keeps(
         self,
@@ -88,22 +88,22 @@ fn slices(pair: &mut [[f32; LANES]; 2]) -> [&mut [f32]; 2] {
 }
 
 /// What an alpha test keeps; `None` if there is none, or nothing that it could cut out.
-pub(crate) fn cut(
+pub(crate) fn alpha_test(
     material: &Material,
     base_color: Option<&Slot<'_>>,
     opacity_map: Option<&Slot<'_>>,
-) -> Option<Cut> {
+) -> Option<AlphaTestStage> {
     let clear_texels = base_color.is_some_and(Slot::can_be_transparent);
     let has_alpha = material.opacity < 1.0 || opacity_map.is_some() || clear_texels;
     match material.alpha {
-        AlphaMode::Test(t) if has_alpha && t > 0.0 => Some(Cut::AtLeast(t)),
+        AlphaMode::Test(t) if has_alpha && t > 0.0 => Some(AlphaTestStage::AtLeast(t)),
         AlphaMode::Test(_) if has_alpha => {
             let alpha_source = opacity_map.or(base_color);
             let nearest = alpha_source.is_none_or(|s| picks_texels(s.sampler.filter));
             Some(if nearest {
-                Cut::Above(0.0)
+                AlphaTestStage::Above(0.0)
             } else {
-                Cut::AtLeast(0.5)
+                AlphaTestStage::AtLeast(0.5)
             })
         }
         _ => None,

@@ -4,7 +4,7 @@ use texmap_light::{Light, NormalMap};
 use texmap_math::glam::{DMat3, DVec3};
 
 use crate::RenderSettings;
-use crate::frame_resources::Ready;
+use crate::frame_resources::FrameResources;
 use crate::shade::lighting::MAPS;
 use crate::shade::normal::{NormalDetail, NormalSpace, Rise};
 use crate::shade::procedural::ProceduralBump;
@@ -33,7 +33,7 @@ impl<'s> SurfaceEffects<'s> {
         scene: &'s Scene,
         settings: &RenderSettings,
         chains: &Chains,
-        ready: &Ready<'s>,
+        ready: &FrameResources<'s>,
         mesh: &'s Mesh,
         vertices: &mut Vertices,
     ) -> Option<Box<Self>> {
@@ -71,10 +71,10 @@ impl<'s> SurfaceEffects<'s> {
     }
 
     /// True if some stage asks for positions. (A mirror asks for the direction to the eye alone.)
-    pub(crate) fn reads_positions(&self, ready: &Ready<'_>) -> bool {
+    pub(crate) fn reads_positions(&self, ready: &FrameResources<'_>) -> bool {
         let mut lights = self.lights.iter();
         self.normal.is_some()
-            || !ready.paints.is_empty()
+            || !ready.projector_decals.is_empty()
             || lights.any(|(_, light)| !matches!(light, Light::Ambient { .. }))
     }
 

@@ -4,7 +4,7 @@ use texmap_light::{Light, ShadowSampler, SpecularExponent};
 
 use super::effects::SurfaceEffects;
 use super::{Plan, Space, Surface};
-use crate::frame_resources::Ready;
+use crate::frame_resources::FrameResources;
 use crate::shade::base_color::BaseColor;
 use crate::shade::coordinates::Coordinates;
 use crate::shade::environment::Reflections;
@@ -84,7 +84,7 @@ fn surface_shader<'a>(plan: &'a Plan<'a>, surface: &'a Surface<'a>) -> SurfaceSh
         (true, None) => plan.lights.iter().map(unshadowed).collect(),
         (true, Some(effects)) => lights(ready, effects),
     };
-    let paints = ready.paints.iter();
+    let paints = ready.projector_decals.iter();
     let paints = paints.filter(|_| effects.is_some() && position.is_some());
     let shines = lights.iter().any(|by| !by.is_ambient());
     let lights_all = |by: &LitBy<'_>| !by.is_ambient() && by.projector.is_none();
@@ -184,10 +184,12 @@ fn unshadowed<'a>(light: &Light) -> LitBy<'a> {
 }
 
 /// The lights of a surface, their shadow maps and projectors.
-fn lights<'a>(ready: &'a Ready<'a>, effects: &'a SurfaceEffects<'a>) -> Vec<LitBy<'a>> {
-    let first_lamp = ready.lights.len() - ready.lamps.len();
+fn lights<'a>(ready: &'a FrameResources<'a>, effects: &'a SurfaceEffects<'a>) -> Vec<LitBy<'a>> {
+    let first_lamp = ready.lights.len() - ready.projector_lights.len();
     let lights = effects.lights.iter().map(|(index, light)| {
-        let projected = index.checked_sub(first_lamp).map(|k| &ready.lamps[k]);
+        let projected = index
+            .checked_sub(first_lamp)
+            .map(|k| &ready.projector_lights[k]);
         LitBy {
             light: *light,
             shadows: &ready.shadows[*index],

@@ -5,8 +5,8 @@ use texmap_raster::{DepthTest, Fragment, Interp, Pass};
 
 use super::effects::SurfaceEffects;
 use super::light_stage::{light_stage, lights_depend_on_place};
-use super::{Cut, View, alpha_test};
-use crate::frame_resources::Ready;
+use super::{AlphaTestStage, View, alpha_test};
+use crate::frame_resources::FrameResources;
 use crate::shade::coordinates::Coordinates;
 use crate::shade::lighting::LightStage;
 use crate::shade::sky::SkyStage;
@@ -50,7 +50,7 @@ pub(crate) struct Surface<'s> {
     /// The one stage of a surface that needs no other.
     pub(crate) unlit: Option<UnlitColor>,
     /// `None` if nothing is cut out.
-    pub(super) cut: Option<Cut>,
+    pub(super) cut: Option<AlphaTestStage>,
     pub(crate) pass: Pass,
     /// Instead of the scene's.
     pub(super) depth_test: Option<DepthTest>,
@@ -119,7 +119,7 @@ pub(super) fn surface<'s>(
     scene: &'s Scene,
     settings: &RenderSettings,
     chains: &Chains,
-    ready: &Ready<'s>,
+    ready: &FrameResources<'s>,
     view: &View,
     mesh: &'s Mesh,
     aovs: &[Aov],
@@ -154,7 +154,7 @@ pub(super) fn surface<'s>(
         let slot = |s| Slot::new(s, scene, settings, chains, mesh.uv_origin);
         (e.color, e.map.as_ref().map(slot))
     });
-    let cut = cut(material, base_color.as_ref(), opacity_map.as_ref());
+    let cut = alpha_test(material, base_color.as_ref(), opacity_map.as_ref());
     let pass = match material.alpha {
         AlphaMode::Blend => Pass::Blended,
         _ if cut.is_some() => Pass::CutOut,

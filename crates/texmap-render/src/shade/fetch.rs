@@ -12,7 +12,7 @@ use super::texels::{Pixels, TexelAddresses, packed_view, read_pair};
 use crate::textures::Slot;
 
 /// Columns 0 and 1 as coordinates to sample at, with the derivatives that the filter reads.
-pub(crate) fn places<'a>(slot: &Slot<'_>, values: &'a Varyings, count: usize) -> Places<'a> {
+pub(crate) fn pixel_samples<'a>(slot: &Slot<'_>, values: &'a Varyings, count: usize) -> Places<'a> {
     let [u, v] = [&values.varyings[0], &values.varyings[1]];
     Places {
         u: &u.value[..count],
@@ -48,7 +48,10 @@ impl Texels {
     pub(crate) fn fetch(&mut self, level: Level, slot: &Slot<'_>, uv: &Varyings, blocks: usize) {
         let count = blocks * LANES;
         let uv = slot.placed(uv, count, &mut self.placed);
-        let (at, columns) = (places(slot, uv, count), self.colors.columns_mut(count));
+        let (at, columns) = (
+            pixel_samples(slot, uv, count),
+            self.colors.columns_mut(count),
+        );
         sample_soa(level, &slot.sampler, &slot.texture, &at, columns)
             .expect("the columns have one length");
     }
@@ -160,7 +163,10 @@ impl<'a> TexturePair<'a> {
         for (slot, out) in self.slots.iter().zip(out) {
             if let Some(slot) = slot {
                 out.packed = false;
-                let (at, columns) = (places(slot, values, count), out.colors.columns_mut(count));
+                let (at, columns) = (
+                    pixel_samples(slot, values, count),
+                    out.colors.columns_mut(count),
+                );
                 sample_soa(level, &slot.sampler, &slot.texture, &at, columns)
                     .expect("the columns have one length");
             }

@@ -9,7 +9,7 @@ use texmap_raster::{Varying, Varyings};
 use texmap_sample::{Origin, sample_soa};
 
 use super::batch::{BatchUv, Colors, LANES, flip, load, load_changes, load_vector, straight};
-use super::fetch::{PackedTexels, Texels, places};
+use super::fetch::{PackedTexels, Texels, pixel_samples};
 use super::procedural::ProceduralBump;
 use crate::textures::Slot;
 
@@ -198,7 +198,7 @@ impl Slopes {
     /// The texels of a batch at its coordinates, or `beside` them.
     fn look_up(&mut self, level: Level, slot: &Slot<'_>, blocks: usize, beside: bool) {
         let count = blocks * LANES;
-        let mut at = places(slot, &self.placed, count);
+        let mut at = pixel_samples(slot, &self.placed, count);
         if beside {
             (at.u, at.v) = (&self.beside.u[..count], &self.beside.v[..count]);
         }

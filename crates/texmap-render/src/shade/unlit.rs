@@ -7,7 +7,7 @@ use texmap_sample::lanes::BoundTexture;
 use texmap_sample::{is_exact_in_rgba8, sample_rgba8_soa, sample_soa};
 
 use super::batch::{Colors, LANES, straight};
-use super::fetch::places;
+use super::fetch::pixel_samples;
 use super::texels::{Pixels, TexelAddresses, packed_view, read_texels};
 use crate::textures::Slot;
 use texmap_scene::{AlphaMode, ColorMode, Material, TextureRole};
@@ -139,7 +139,7 @@ impl<'a> Unlit<'a> {
         }
         let Some(slot) = self.slot else { return };
         let count = scratch.read_uv(level, slot, pixels, batch);
-        let at = places(slot, &scratch.values, count);
+        let at = pixel_samples(slot, &scratch.values, count);
         let out = &mut out[..count];
         sample_rgba8_soa(level, &slot.sampler, &slot.texture, &at, out)
             .expect("the columns have one length");
@@ -158,7 +158,10 @@ impl<'a> Unlit<'a> {
         match self.slot {
             Some(slot) => {
                 count = scratch.read_uv(level, slot, pixels, batch);
-                let (at, columns) = (places(slot, &scratch.values, count), out.columns_mut(count));
+                let (at, columns) = (
+                    pixel_samples(slot, &scratch.values, count),
+                    out.columns_mut(count),
+                );
                 sample_soa(level, &slot.sampler, &slot.texture, &at, columns)
                     .expect("the columns have one length");
             }
