@@ -3,7 +3,7 @@
 use texmap_math::Level;
 use texmap_uv::{
     AtlasSize, Faces, Mapping, Mesh, Origin, Projection, ProjectionSource, ReportOptions,
-    SeamEdges, Shape, UvSet, auto_planes, cut, layout_svg, overlaps, pack, project, report,
+    SeamEdges, Shape, UvSet, auto_planes, cut_seams, layout_svg, overlaps, pack, project, report,
     sew_seams, t_junctions, tangents,
 };
 

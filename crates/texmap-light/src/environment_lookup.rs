@@ -26,12 +26,12 @@ impl Environment {
     /// angle per texel.
     #[must_use]
     pub fn radiance_filtered(&self, ray: &Ray) -> [f32; 3] {
-        self.radiance(Scalar, ray)
+        self.radiance_lanes(Scalar, ray)
     }
 
     /// [`radiance_filtered`](Self::radiance_filtered) for the rays of a block; outside of semantic versioning.
     #[inline(always)]
-    pub fn radiance<I: Isa>(&self, i: I, ray: &RayLanes<I>) -> Vector<I> {
+    pub fn radiance_lanes<I: Isa>(&self, i: I, ray: &RayLanes<I>) -> Vector<I> {
         if self.layout == EnvironmentLayout::Cube {
             self.radiance_of_cube(i, ray)
         } else {
@@ -356,7 +356,7 @@ mod tests {
                 dx: load(i, &rays.map(|ray| ray.dx), first),
                 dy: load(i, &rays.map(|ray| ray.dy), first),
             };
-            let got = columns(i, environment.radiance(i, &all));
+            let got = columns(i, environment.radiance_lanes(i, &all));
             for (lane, ray) in rays[first..].iter().take(I::LANES).enumerate() {
                 let one = environment.radiance_filtered(ray);
                 assert!(one.iter().all(|c| c.is_finite()), "{ray:?}");

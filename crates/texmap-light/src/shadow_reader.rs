@@ -87,12 +87,12 @@ impl ShadowSampler {
     /// Share of the light that reaches a point, 0..=1: see [`ShadowMap::visibility`].
     #[must_use]
     pub fn visibility(&self, point: [f32; 3], normal: [f32; 3]) -> f32 {
-        self.visibility(Scalar, true, point, normal)
+        self.visibility_lanes(Scalar, true, point, normal)
     }
 
     /// [`visibility`](Self::visibility) for the points of a block. Nothing is looked up if no lane in `asked` falls into the map.
     #[inline(always)]
-    pub fn visibility<I: Isa>(
+    pub fn visibility_lanes<I: Isa>(
         &self,
         i: I,
         asked: I::Mask,
@@ -261,7 +261,7 @@ mod tests {
         ) {
             for first in (0..16).step_by(I::LANES) {
                 let (p, n) = (load(i, points, first), load(i, normals, first));
-                let [got] = columns(i, [reader.visibility(i, i.mask(true), p, n)]);
+                let [got] = columns(i, [reader.visibility_lanes(i, i.mask(true), p, n)]);
                 for (lane, at) in (first..first + I::LANES).enumerate() {
                     let one = reader.visibility(points[at], normals[at]);
                     assert_eq!(got[lane].to_bits(), one.to_bits(), "{:?}", points[at]);
@@ -289,7 +289,7 @@ mod tests {
         fn check<I: Isa>(i: I, reader: &ShadowSampler, points: &[[f32; 3]; 16], one: &[f32; 16]) {
             for first in (0..16).step_by(I::LANES) {
                 let p = load(i, points, first);
-                let [got] = columns(i, [reader.visibility(i, i.mask(true), p, p)]);
+                let [got] = columns(i, [reader.visibility_lanes(i, i.mask(true), p, p)]);
                 assert_eq!(got[..I::LANES], one[first..first + I::LANES]);
             }
         }

@@ -1,7 +1,7 @@
 //! Helpers over sixteen lanes for kernels that are generic over the SIMD level ([`fearless_simd`]); outside semantic versioning.
 //!
 //! Each gives the bits of its scalar twin in every lane, on every level: only IEEE operations, comparisons, integers, and
-//! conversions of values in range. Never use `mul_add`, `approximate_recip`, `min`/`max` of floats (but [`max_x86`] and [`min_x86`]) or an
+//! conversions of values in range. Never use `mul_add`, `approximate_recip`, `min`/`max` of floats (but [`above`] and [`below`]) or an
 //! out-of-range `to_int` of fearless_simd in a kernel: they differ by level.
 
 #[cfg(target_arch = "x86")]
@@ -46,7 +46,7 @@ pub fn iota<S: Simd>(s: S) -> i32x16<S> {
 /// `a` where it is above `b`, else `b`, zeros and NaN too: by comparison and selection, which is what x86 calls the maximum of these
 /// operands.
 #[inline(always)]
-pub fn max_x86<S: Simd>(a: f32x16<S>, b: f32x16<S>) -> f32x16<S> {
+pub fn above<S: Simd>(a: f32x16<S>, b: f32x16<S>) -> f32x16<S> {
     if is_x86(a.simd) {
         a.max(b)
     } else {
@@ -54,9 +54,9 @@ pub fn max_x86<S: Simd>(a: f32x16<S>, b: f32x16<S>) -> f32x16<S> {
     }
 }
 
-/// `a` where it is below `b`, else `b`: as [`max_x86`].
+/// `a` where it is below `b`, else `b`: as [`above`].
 #[inline(always)]
-pub fn min_x86<S: Simd>(a: f32x16<S>, b: f32x16<S>) -> f32x16<S> {
+pub fn below<S: Simd>(a: f32x16<S>, b: f32x16<S>) -> f32x16<S> {
     if is_x86(a.simd) {
         a.min(b)
     } else {
@@ -96,7 +96,7 @@ pub fn is_wide<S: Simd>(s: S) -> bool {
 /// `x` within `[low, high]` by comparison and selection; NaN gives `low`.
 #[inline(always)]
 pub fn clamp<S: Simd>(x: f32x16<S>, low: f32x16<S>, high: f32x16<S>) -> f32x16<S> {
-    min_x86(max_x86(x, low), high)
+    below(above(x, low), high)
 }
 
 /// [`clamp`] for one lane.

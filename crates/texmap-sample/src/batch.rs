@@ -5,7 +5,7 @@ use crate::{
     bound_texture::{BoundTexture, RGBA8},
     error::SampleError,
     fetch::Color,
-    filter::{ByteKernel, Kernel, LookUp, Run, Single, run},
+    filter::{ByteKernel, FilterKernel, LookUp, Run, Single, run},
     rgba8,
     sampler::Sampler,
     texture::Texture2d,
@@ -318,7 +318,7 @@ struct Columns<'a> {
 impl Run for Columns<'_> {
     type Out = ();
 
-    fn color<K: Kernel>(self) {
+    fn color<K: FilterKernel>(self) {
         let Self { batch, level, out } = self;
         dispatch_simd!(level, i => color_columns::<_, K>(i, batch, out));
     }
@@ -338,7 +338,7 @@ struct Words<'a> {
 impl Run for Words<'_> {
     type Out = ();
 
-    fn color<K: Kernel>(self) {
+    fn color<K: FilterKernel>(self) {
         let mut colors = [[0.0; PART]; 4];
         for (i, out) in self.out.chunks_mut(PART).enumerate() {
             let count = out.len();
@@ -363,7 +363,7 @@ impl Run for Words<'_> {
 
 /// A function of its own for each filter, so that they compile side by side.
 #[inline(never)]
-fn color_columns<I: Isa, K: Kernel>(i: I, batch: &Batch<'_>, mut out: [&mut [f32]; 4]) {
+fn color_columns<I: Isa, K: FilterKernel>(i: I, batch: &Batch<'_>, mut out: [&mut [f32]; 4]) {
     if const { I::LANES == 1 } {
         for k in 0..batch.u.len() {
             let c = batch.single(k).color::<K>();

@@ -111,7 +111,7 @@ impl<I: Isa> LookUp<I> {
 }
 
 /// A filter with f32 weights, on the texels of [`FORMAT`](Self::FORMAT).
-pub(crate) trait Kernel {
+pub(crate) trait FilterKernel {
     const FORMAT: u8;
     fn color<I: Isa>(i: I, view: &BoundTexture<'_>, at: &LookUp<I>) -> Color<I>;
 }
@@ -126,7 +126,7 @@ pub(crate) trait ByteKernel {
 /// Runs a kernel: over a batch, or for one look-up.
 pub(crate) trait Run {
     type Out;
-    fn color<K: Kernel>(self) -> Self::Out;
+    fn color<K: FilterKernel>(self) -> Self::Out;
     fn bytes<K: ByteKernel>(self) -> Self::Out;
 }
 
@@ -198,7 +198,7 @@ impl Run for Single<'_> {
     type Out = [f32; 4];
 
     #[inline(never)]
-    fn color<K: Kernel>(self) -> [f32; 4] {
+    fn color<K: FilterKernel>(self) -> [f32; 4] {
         let format = match K::FORMAT {
             ANY => exact_format(self.chain),
             format => format,

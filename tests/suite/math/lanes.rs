@@ -174,7 +174,7 @@ fn above_and_below_are_comparison_and_selection() {
                 let (over, under, swapped) = dispatch!(level, s => {
                     let (x, y) = (f32x16::splat(s, x), f32x16::from_slice(s, &others));
                     let array = |v| <[f32; 16]>::from(v);
-                    (array(lanes::max_x86(x, y)), array(lanes::min_x86(x, y)), array(lanes::max_x86(y, x)))
+                    (array(lanes::above(x, y)), array(lanes::below(x, y)), array(lanes::above(y, x)))
                 });
                 for (i, y) in others.into_iter().enumerate() {
                     assert_eq!(over[i].to_bits(), pick(x, y, x > y), "{name} {x} {y}");

@@ -87,7 +87,7 @@ pub trait F32s<I: Isa>: Float<f32, I::Mask> {
     fn to_bits(self) -> I::U32;
     /// `self` where it is above `other`, else `other`, zeros and NaN too: by comparison and selection.
     fn above(self, other: Self) -> Self;
-    /// `self` where it is below `other`, else `other`: as [`max_x86`](Self::max_x86).
+    /// `self` where it is below `other`, else `other`: as [`above`](Self::above).
     fn below(self, other: Self) -> Self;
     /// `floor(self)`, for `|self| < 2^31`.
     fn floor_to_i32(self) -> I::I32;

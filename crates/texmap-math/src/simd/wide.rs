@@ -140,7 +140,7 @@ macro_rules! width {
                 Bytes::bitcast(self)
             }
             #[inline(always)]
-            fn max_x86(self, other: Self) -> Self {
+            fn above(self, other: Self) -> Self {
                 // The maximum of x86 is this selection.
                 if is_x86(self.simd) {
                     SimdBase::max(self, other)
@@ -149,7 +149,7 @@ macro_rules! width {
                 }
             }
             #[inline(always)]
-            fn min_x86(self, other: Self) -> Self {
+            fn below(self, other: Self) -> Self {
                 if is_x86(self.simd) {
                     SimdBase::min(self, other)
                 } else {

@@ -6,7 +6,7 @@ use texmap_math::glam::{DMat3, DVec3};
 use crate::RenderSettings;
 use crate::frame_resources::FrameResources;
 use crate::shade::lighting::MAPS;
-use crate::shade::normal::{NormalDetail, NormalSpace, Rise};
+use crate::shade::normal::{NormalSource, NormalSpace, Rise};
 use crate::shade::procedural::ProceduralBump;
 use crate::textures::{Chains, Slot};
 use crate::vertices::{Values, Vertices};
@@ -17,7 +17,7 @@ use texmap_scene::{Material, Mesh, Scene, TextureSlot};
 pub(crate) struct SurfaceEffects<'s> {
     /// Ambient color, specular color, exponent, reflectivity.
     pub(crate) maps: [Option<Slot<'s>>; MAPS],
-    pub(crate) normal: Option<NormalDetail<'s>>,
+    pub(crate) normal: Option<NormalSource<'s>>,
     /// Baked light, its map, and the first attribute of the coordinates.
     pub(crate) light_map: Option<(&'s LightMapSlot, Slot<'s>, usize)>,
     /// Unit normals of the triangles' planes, world space.
@@ -91,26 +91,26 @@ fn normal_detail<'s>(
     mesh: &Mesh,
     vertices: &mut Vertices,
     slot: impl Fn(&'s TextureSlot) -> Slot<'s>,
-) -> NormalDetail<'s> {
+) -> NormalSource<'s> {
     let unit = world_unit(mesh);
     let rise = |height| Rise {
         height,
         unit: unit as f32,
     };
     match relief {
-        NormalDetail::Bump { slot: map, height } => NormalDetail::Bump(slot(map), rise(*height)),
+        NormalDetail::Bump { slot: map, height } => NormalSource::Bump(slot(map), rise(*height)),
         NormalDetail::Offsets {
             slot: map,
             slope,
             green,
-        } => NormalDetail::Offsets(slot(map), rise(*slope), *green),
+        } => NormalSource::Offsets(slot(map), rise(*slope), *green),
         NormalDetail::Procedural {
             heights,
             world_from_solid,
             height,
         } => {
             let height = (f64::from(*height) * unit) as f32;
-            NormalDetail::Procedural(ProceduralBump::new(*heights, *world_from_solid, height))
+            NormalSource::Procedural(ProceduralBump::new(*heights, *world_from_solid, height))
         }
         NormalDetail::NormalMap {
             slot: map,
@@ -130,7 +130,7 @@ fn normal_detail<'s>(
                 rebuild_z: *rebuild_z,
                 strength: *strength,
             };
-            NormalDetail::Map(slot(map), decoder, space)
+            NormalSource::Map(slot(map), decoder, space)
         }
     }
 }

@@ -11,7 +11,7 @@ use crate::shade::environment::Reflections;
 use crate::shade::facing::FacingStage;
 use crate::shade::fetch::TexturePair;
 use crate::shade::lighting::{LightStage, Lighting, LitBy, MAPS};
-use crate::shade::normal::{NormalDetail, NormalStage};
+use crate::shade::normal::{NormalSource, NormalStage};
 use crate::shade::projector::ProjectorStage;
 use crate::shade::sky::SkyStage;
 use crate::shade::surface::SurfaceShader;
@@ -59,7 +59,7 @@ fn surface_shader<'a>(plan: &'a Plan<'a>, surface: &'a Surface<'a>) -> SurfaceSh
 
     let detail = effects.and_then(|effects| effects.normal.as_ref());
     let normal_map = match detail {
-        Some(NormalDetail::Map(slot, ..)) if fits(surface, slot) => Some(slot),
+        Some(NormalSource::Map(slot, ..)) if fits(surface, slot) => Some(slot),
         _ => None,
     };
     let normal = NormalStage {

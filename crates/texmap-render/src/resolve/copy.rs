@@ -1,7 +1,7 @@
 //! From the blocks of a tile to the rows of the frame.
 
 use texmap_math::fearless_simd::{Simd, prelude::*, u8x16, u8x64, u32x4, u32x16};
-use texmap_math::{Level, dispatch_simd};
+use texmap_math::{Level, on_wide_level};
 use texmap_raster::{FragmentBlock, TILE};
 
 use super::tile_buffer::TileBuffer;
@@ -21,7 +21,7 @@ impl TileBuffer {
         let whole = cfg!(target_endian = "little") && rows.iter().all(|row| row.len() == ROW);
         let bands = if whole { rows.len() / 4 } else { 0 };
         let (fours, rest) = rows.split_at_mut(4 * bands);
-        dispatch_simd!(
+        on_wide_level!(
             level,
             s => for (band, rows) in self.words.chunks_exact(BAND).zip(fours.chunks_exact_mut(4)) {
                 for (y, row) in rows.iter_mut().enumerate() {
@@ -71,7 +71,7 @@ impl TileBuffer {
 pub(crate) fn fill_rows(level: Level, rows: &mut [&mut [u8]], word: u32) {
     for row in rows {
         let (lines, rest) = row.as_chunks_mut::<64>();
-        dispatch_simd!(
+        on_wide_level!(
             level,
             s => {
                 let line: u8x64<_> = u32x16::splat(s, word.to_le()).bitcast();

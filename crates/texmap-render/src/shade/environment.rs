@@ -54,10 +54,14 @@ impl Reflections<'_> {
                 Some(factor) if ALL => factor * share,
                 _ => i.f32(share),
             };
-            add(&mut terms.highlight, mirror.radiance(i, &ray), share);
+            add(&mut terms.highlight, mirror.radiance_lanes(i, &ray), share);
         }
         if ALL && let Some((map, share)) = self.specular {
-            add(&mut terms.highlight, map.radiance(i, &ray), i.f32(share));
+            add(
+                &mut terms.highlight,
+                map.radiance_lanes(i, &ray),
+                i.f32(share),
+            );
         }
     }
 }

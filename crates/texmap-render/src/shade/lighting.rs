@@ -96,14 +96,14 @@ impl LitBy<'_> {
     ) -> Vector<I> {
         let mut share = i.f32(1.0);
         for shadow in self.shadows {
-            share = share * shadow.visibility(i, lit, point, plane);
+            share = share * shadow.visibility_lanes(i, lit, point, plane);
         }
         let (Some([r, g, b, _]), Some(stage)) = (texel, &self.projector) else {
             return [share; 3];
         };
         if let Some(shadow) = &stage.projected.shadow {
             let some = r.simd_gt(0.0) | g.simd_gt(0.0) | b.simd_gt(0.0);
-            let left = share * shadow.visibility(i, lit & some, point, plane);
+            let left = share * shadow.visibility_lanes(i, lit & some, point, plane);
             share = some.select(left, share);
         }
         [r * share, g * share, b * share]
@@ -251,7 +251,7 @@ impl<'a> Lighting<'a> {
             let on = dot(plane, toward).simd_gt(0.0) & texel[3].simd_gt(0.0);
             let on = on & part.mask(i, part.block.mask);
             let share = match &stage.projected.shadow {
-                Some(shadow) => shadow.visibility(i, on, point, plane),
+                Some(shadow) => shadow.visibility_lanes(i, on, point, plane),
                 None => i.f32(1.0),
             };
             let keep = i.f32(1.0) - texel[3] * share;

@@ -14,7 +14,7 @@ use super::procedural::ProceduralBump;
 use crate::textures::Slot;
 
 /// The normal detail of a surface.
-pub(crate) enum NormalDetail<'s> {
+pub(crate) enum NormalSource<'s> {
     /// A height map.
     Bump(Slot<'s>, Rise),
     /// A map of slopes.
@@ -43,7 +43,7 @@ pub(crate) enum NormalSpace {
 
 /// The normal stage of a surface.
 pub(crate) struct NormalStage<'a> {
-    pub(crate) detail: Option<&'a NormalDetail<'a>>,
+    pub(crate) detail: Option<&'a NormalSource<'a>>,
     /// The texels of a normal map are the second of the pair: see [`TexturePair`](super::fetch::TexturePair).
     pub(crate) paired: bool,
     /// Normals turned away from the eye are brought back to the horizon.
@@ -81,8 +81,8 @@ impl NormalStage<'_> {
     /// True if the detail reads columns of coordinates.
     pub(crate) fn reads_uv(&self) -> bool {
         match self.detail {
-            Some(NormalDetail::Bump(..) | NormalDetail::Offsets(..)) => true,
-            Some(NormalDetail::Map(..)) => !self.paired,
+            Some(NormalSource::Bump(..) | NormalSource::Offsets(..)) => true,
+            Some(NormalSource::Map(..)) => !self.paired,
             _ => false,
         }
     }
@@ -95,7 +95,7 @@ impl NormalStage<'_> {
     /// First attribute of the tangent frames.
     pub(crate) fn tangent(&self) -> Option<usize> {
         match self.detail {
-            Some(NormalDetail::Map(_, _, NormalSpace::Tangent(first))) => Some(*first),
+            Some(NormalSource::Map(_, _, NormalSpace::Tangent(first))) => Some(*first),
             _ => None,
         }
     }
@@ -103,14 +103,14 @@ impl NormalStage<'_> {
     /// Reads the texels of `blocks` blocks at columns 0 and 1 of `uv`.
     pub(crate) fn fetch(&self, level: Level, uv: &Varyings, blocks: usize, out: &mut NormalTexels) {
         match self.detail {
-            Some(NormalDetail::Map(slot, ..)) if !self.paired => {
+            Some(NormalSource::Map(slot, ..)) if !self.paired => {
                 out.map.fetch(level, slot, uv, blocks);
             }
-            Some(NormalDetail::Bump(slot, rise)) => {
+            Some(NormalSource::Bump(slot, rise)) => {
                 out.slopes.place(slot, uv, blocks);
                 out.slopes.differences(level, slot, blocks, rise);
             }
-            Some(NormalDetail::Offsets(slot, rise, green)) => {
+            Some(NormalSource::Offsets(slot, rise, green)) => {
                 let slopes = &mut out.slopes;
                 slopes.place(slot, uv, blocks);
                 slopes.look_up(level, slot, blocks, false);
@@ -138,7 +138,7 @@ impl NormalStage<'_> {
     ) -> Vector<I> {
         let normal = match self.detail {
             None => return smooth,
-            Some(NormalDetail::Map(_, map, space)) => {
+            Some(NormalSource::Map(_, map, space)) => {
                 let texel = if !ALL || self.paired {
                     let [r, g, b, _] = pair.load(i, at);
                     [r, g, b]
@@ -167,7 +167,7 @@ impl NormalStage<'_> {
             }
             Some(_) if !ALL => smooth,
             Some(detail) => match (detail, vectors.position) {
-                (NormalDetail::Procedural(bump), Some(position)) => {
+                (NormalSource::Procedural(bump), Some(position)) => {
                     let changes = load_changes(i, position, at);
                     bump.normal(i, load_vector(i, position, at), changes, smooth)
                 }

@@ -56,7 +56,7 @@ impl<'s> SkyStage<'s> {
                     dx: [zero; 3],
                     dy: [zero; 3],
                 };
-                let light = self.environment.radiance(i, &ray);
+                let light = self.environment.radiance_lanes(i, &ray);
                 for k in 0..3 {
                     sum[k] = sum[k] + light[k];
                 }

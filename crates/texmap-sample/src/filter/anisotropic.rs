@@ -1,6 +1,6 @@
 //! Trilinear probes along the long axis of the footprint.
 
-use super::{Kernel, LookUp, trilinear::LevelPair};
+use super::{FilterKernel, LookUp, trilinear::LevelPair};
 use crate::{
     address::lod::{TexelFootprint, log2},
     bound_texture::{ANY, BoundTexture},
@@ -81,7 +81,7 @@ impl<I: Isa> Axes<I> {
 /// than a texel apart.
 pub(crate) struct Anisotropic;
 
-impl Kernel for Anisotropic {
+impl FilterKernel for Anisotropic {
     const FORMAT: u8 = ANY;
 
     #[inline(always)]

@@ -1,6 +1,6 @@
 //! Sixteen texels weighted by a cubic.
 
-use super::{Kernel, LookUp, bilinear::cell};
+use super::{FilterKernel, Kernel, LookUp, bilinear::cell};
 use crate::{
     address::texel::LaneLevel,
     bound_texture::{ANY, BoundTexture},
@@ -46,7 +46,7 @@ fn weights<I: Isa>(i: I, kernel: Cubic, t: I::F32) -> [I::F32; 4] {
 /// Bicubic on level 0.
 pub(crate) struct Bicubic;
 
-impl Kernel for Bicubic {
+impl FilterKernel for Bicubic {
     const FORMAT: u8 = ANY;
 
     /// Sums run over differences to the centre texel, so that a constant texture stays constant to the bit.

@@ -1,6 +1,6 @@
 //! Four texels weighted by distance.
 
-use super::{Kernel, LookUp};
+use super::{FilterKernel, LookUp};
 use crate::{
     address::texel::LaneLevel,
     bound_texture::BoundTexture,
@@ -11,7 +11,7 @@ use texmap_math::simd::{Isa, prelude::*};
 /// Bilinear on level 0.
 pub(crate) struct Bilinear<const FORMAT: u8>;
 
-impl<const FORMAT: u8> Kernel for Bilinear<FORMAT> {
+impl<const FORMAT: u8> FilterKernel for Bilinear<FORMAT> {
     const FORMAT: u8 = FORMAT;
 
     #[inline(always)]

@@ -1,6 +1,6 @@
 //! The elliptical weighted average.
 
-use super::{Kernel, LookUp, anisotropic::Axes, bilinear::bilinear};
+use super::{FilterKernel, LookUp, anisotropic::Axes, bilinear::bilinear};
 use crate::{
     address::{lod::log2, texel::LaneLevel},
     bound_texture::{ANY, BoundTexture},
@@ -51,7 +51,7 @@ pub(crate) fn width(percent: u8) -> f32 {
 /// (`Exact`: two levels) on which the short axis is one to two texels.
 pub(crate) struct Ewa;
 
-impl Kernel for Ewa {
+impl FilterKernel for Ewa {
     const FORMAT: u8 = ANY;
 
     #[inline(always)]

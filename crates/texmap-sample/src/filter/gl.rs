@@ -1,6 +1,6 @@
 //! OpenGL's choices of texels and levels: `mag` on level 0 where nothing is minified, else `min` and `mip`.
 
-use super::{Kernel, LookUp, bilinear::bilinear, nearest::nearest};
+use super::{FilterKernel, LookUp, bilinear::bilinear, nearest::nearest};
 use crate::{
     address::texel::LaneLevel,
     bound_texture::{ANY, BoundTexture},
@@ -12,7 +12,7 @@ use texmap_math::simd::{Isa, prelude::*};
 /// Any of OpenGL's choices.
 pub(crate) struct Gl;
 
-impl Kernel for Gl {
+impl FilterKernel for Gl {
     const FORMAT: u8 = ANY;
 
     #[inline(always)]

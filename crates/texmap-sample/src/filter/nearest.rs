@@ -1,6 +1,6 @@
 //! The nearest texel.
 
-use super::{Kernel, LookUp};
+use super::{FilterKernel, LookUp};
 use crate::{
     address::texel::LaneLevel,
     bound_texture::BoundTexture,
@@ -11,7 +11,7 @@ use texmap_math::simd::{Isa, prelude::*};
 /// The nearest texel of level 0.
 pub(crate) struct Nearest<const FORMAT: u8>;
 
-impl<const FORMAT: u8> Kernel for Nearest<FORMAT> {
+impl<const FORMAT: u8> FilterKernel for Nearest<FORMAT> {
     const FORMAT: u8 = FORMAT;
 
     #[inline(always)]

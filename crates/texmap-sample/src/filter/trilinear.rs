@@ -1,6 +1,6 @@
 //! Bilinear on the two mip levels around.
 
-use super::{Kernel, LookUp, bilinear::bilinear};
+use super::{FilterKernel, LookUp, bilinear::bilinear};
 use crate::{
     address::texel::LaneLevel,
     bound_texture::BoundTexture,
@@ -11,7 +11,7 @@ use texmap_math::simd::{Isa, prelude::*};
 /// Trilinear.
 pub(crate) struct Trilinear<const FORMAT: u8>;
 
-impl<const FORMAT: u8> Kernel for Trilinear<FORMAT> {
+impl<const FORMAT: u8> FilterKernel for Trilinear<FORMAT> {
     const FORMAT: u8 = FORMAT;
 
     #[inline(always)]
