@@ -7,7 +7,7 @@ use texmap_math::glam::{DMat4, DVec2, DVec3};
 use texmap_math::{Camera, Footprint, Homography, Level};
 use texmap_render::{Aov, Settings, pixel_hash, render, shadow_map};
 use texmap_bake::{BakeOptions, bake};
-use texmap_scene::{Carving, ColorMode, Displacement, Effects, Material, Mesh, Reflection, Relief, Scene, Shading, Shadow, Solid, SolidSource, TextureRole, TextureSlot, shadow_bias, shadow_kind};
+use texmap_scene::{Carving, Displacement, Material, Mesh, Reflection, Relief, Scene, Shading, Shadow, Solid, SolidSource, TextureRole, TextureSlot, shadow_bias, shadow_kind};
 use texmap_sample::{
     ColorSpace, Filter, Origin, Outside, Pattern, Precision, Resample, Sampler, Texture2d, UvTransform,
     sample_rgba8_slice, sample_slice,
