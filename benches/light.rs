@@ -175,7 +175,7 @@ impl Effect {
             Self::Share(model) => {
                 let power = SpecularExponent::new(SURFACE.ns);
                 let light = &input.light;
-                let given = share(&SURFACE, power, model, light, point, normal, unit(view));
+                let given = evaluate_light(&SURFACE, power, model, light, point, normal, unit(view));
                 given.map_or(zero, |g| [g.diffuse, g.specular, g.color[0]])
             }
             Self::NormalMap => {
@@ -239,7 +239,7 @@ impl Effect {
                 MAP.apply(i, normal, tangent, one, texel)
             }
             Self::Shadow(map) => {
-                let lit = input.shadows[map].visibility(i, i.mask(true), point, normal);
+                let lit = input.shadows[map].visibility_lanes(i, i.mask(true), point, normal);
                 [lit, zero, zero]
             }
             Self::Slide => {
@@ -266,7 +266,7 @@ impl Effect {
                     dy,
                 };
                 let ray = lanes::reflect_across(i, &view, &normal, one);
-                input.environments[which].radiance(i, &ray)
+                input.environments[which].radiance_lanes(i, &ray)
             }
         }
     }

@@ -69,7 +69,7 @@ pub use normal_map::NormalMap;
 pub use phong::{Light, PhongMaterial, SpecularModel};
 pub use points::{
     LightContribution, Lighting, Ray, bump_on, clamp_to_horizon, clamp_unit_to_horizon, perturb,
-    perturb_slice, reflect, reflect_across, share, unit,
+    perturb_slice, reflect, reflect_across, evaluate_light, unit,
 };
 pub use projector_texture::{
     BoundProjectorTexture, ProjectorBorder, ProjectorTexture, projector_texel,

@@ -107,7 +107,7 @@ pub fn clamp_unit_to_horizon(n: [f32; 3], v: [f32; 3]) -> [f32; 3] {
 /// The contribution of a light to a point; `None` for a light behind the surface, and one without light there. `normal` and `view`,
 /// the direction to the eye, have unit length or are zero.
 #[must_use]
-pub fn share(
+pub fn evaluate_light(
     surface: &PhongMaterial,
     power: SpecularExponent,
     model: SpecularModel,

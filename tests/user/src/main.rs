@@ -7,7 +7,7 @@ use texmap_math::glam::{DMat4, DVec2, DVec3};
 use texmap_math::{Camera, Footprint, Homography, Level};
 use texmap_render::{Aov, RenderSettings, pixel_hash, render, shadow_map};
 use texmap_bake::{BakeOptions, bake};
-use texmap_scene::{ProceduralHeight, ColorMode, Displacement, Effects, Material, Mesh, Reflection, NormalDetail, Scene, Shading, Shadow, SolidTexture, SolidTextureSource, TextureRole, TextureSlot, shadow_bias, shadow_kind};
+use texmap_scene::{ProceduralHeight, Displacement, Material, Mesh, Reflection, NormalDetail, Scene, Shading, Shadow, SolidTexture, SolidTextureSource, TextureRole, TextureSlot, shadow_bias, shadow_kind};
 use texmap_sample::{
     ColorSpace, Filter, Origin, EdgeMode, Pattern, Precision, Resample, Sampler, Texture2d, UvTransform,
     sample_rgba8_slice, sample_slice,
