@@ -114,7 +114,7 @@ pub(crate) fn read_pair(
         return read_texels(level, view, pixels, batch, addresses, out);
     }
     let views = views.each_ref().map(Option::as_ref);
-    dispatch_simd!(level, wide i => pair(i, views, same_mips, pixels, batch, addresses, out));
+    dispatch_simd!(level, i => pair(i, views, same_mips, pixels, batch, addresses, out));
 }
 
 #[inline(always)]
@@ -151,7 +151,7 @@ pub(crate) fn read_placed(
     blocks: usize,
     out: &mut [u32; RUN_ROOM],
 ) {
-    dispatch_simd!(level, wide i => placed(i, view, addresses, changes, blocks, out));
+    dispatch_simd!(level, i => placed(i, view, addresses, changes, blocks, out));
 }
 
 #[inline(always)]
