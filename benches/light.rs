@@ -175,7 +175,8 @@ impl Effect {
             Self::Share(model) => {
                 let power = SpecularExponent::new(SURFACE.ns);
                 let light = &input.light;
-                let given = evaluate_light(&SURFACE, power, model, light, point, normal, unit(view));
+                let given =
+                    evaluate_light(&SURFACE, power, model, light, point, normal, unit(view));
                 given.map_or(zero, |g| [g.diffuse, g.specular, g.color[0]])
             }
             Self::NormalMap => {

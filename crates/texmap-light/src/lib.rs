@@ -68,8 +68,8 @@ pub use error::LightError;
 pub use normal_map::NormalMap;
 pub use phong::{Light, PhongMaterial, SpecularModel};
 pub use points::{
-    LightContribution, Lighting, Ray, bump_on, clamp_to_horizon, clamp_unit_to_horizon, perturb,
-    perturb_slice, reflect, reflect_across, evaluate_light, unit,
+    LightContribution, Lighting, Ray, bump_on, clamp_to_horizon, clamp_unit_to_horizon,
+    evaluate_light, perturb, perturb_slice, reflect, reflect_across, unit,
 };
 pub use projector_texture::{
     BoundProjectorTexture, ProjectorBorder, ProjectorTexture, projector_texel,

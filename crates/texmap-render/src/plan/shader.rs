@@ -95,7 +95,7 @@ fn surface_shader<'a>(plan: &'a Plan<'a>, surface: &'a Surface<'a>) -> SurfaceSh
         light_map: effects
             .and_then(|effects| effects.light_map.as_ref())
             .map(|(map, slot, first)| (material.phong.kd * map.scale, slot, *first)),
-        paints: paints.map(|paint| ProjectorStage::new(paint)).collect(),
+        paints: paints.map(ProjectorStage::new).collect(),
         maps: effects.map_or([None; MAPS], |effects| {
             effects.maps.each_ref().map(Option::as_ref)
         }),
@@ -193,7 +193,7 @@ fn lights<'a>(ready: &'a FrameResources<'a>, effects: &'a SurfaceEffects<'a>) ->
         LitBy {
             light: *light,
             shadows: &ready.shadows[*index],
-            projector: projected.map(|projected| ProjectorStage::new(projected)),
+            projector: projected.map(ProjectorStage::new),
         }
     });
     lights.collect()

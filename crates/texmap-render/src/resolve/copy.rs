@@ -118,6 +118,18 @@ pub(crate) fn put_block_rows(rows: &mut [&mut [u8]], at: FragmentBlock, words: &
     }
 }
 
+/// Stores the encoded colors of pixels of a block, from `pixel` on, in the rows of the tile.
+#[inline(always)]
+pub(crate) fn put_pixels_rows(rows: &mut [&mut [u8]], at: FragmentBlock, pixel: usize, words: &[u32]) {
+    if let Some(block) = words.first_chunk() {
+        return put_block_rows(rows, at, block);
+    }
+    let mut block = [0; LANES];
+    block[pixel..pixel + words.len()].copy_from_slice(words);
+    let mask = at.mask & ((1 << words.len()) - 1) << pixel;
+    put_block_rows(rows, FragmentBlock { mask, ..at }, &block);
+}
+
 /// Row `y` of a row of blocks. A store over the border of two cache lines takes the time of two, so that what lies before the first
 /// border, and behind the last, goes four pixels at a time.
 #[inline(always)]

@@ -253,7 +253,8 @@ fn shade_blocks<I: Isa>(i: I, inputs: &Inputs<'_>, out: &mut Colors) {
             if I::LANES < LANES && !part.mask(i, block.mask).any_true() {
                 continue;
             }
-            let color = if shader.attributes.is_none() {
+            // Few lanes gain nothing by a kernel of their own.
+            let color = if I::LANES == LANES && shader.attributes.is_none() {
                 inputs.short(i, &part, &side)
             } else {
                 inputs.any(i, &part, &side)

@@ -78,6 +78,33 @@ pub(crate) fn read_texels(
     dispatch_simd!(level, wide i => read(i, view, pixels, batch, addresses, out));
 }
 
+/// Hands the nearest texels of a batch to `store`, some pixels of a block at a time, as they leave the registers; false, with nothing
+/// done, where another kernel must serve. `store` must be `#[inline(always)]`.
+pub(crate) fn read_nearest(
+    level: Level,
+    view: &BoundTexture<'_>,
+    pixels: &Pixels<'_>,
+    batch: &[FragmentBlock],
+    store: impl FnMut(FragmentBlock, usize, &[u32]),
+) -> bool {
+    view.kind == Kernel::Nearest
+        && dispatch_simd!(level, wide i => nearest(i, view, pixels, batch, store))
+}
+
+#[inline(always)]
+fn nearest<I: ByteIsa>(
+    i: I,
+    view: &BoundTexture<'_>,
+    pixels: &Pixels<'_>,
+    batch: &[FragmentBlock],
+    store: impl FnMut(FragmentBlock, usize, &[u32]),
+) -> bool {
+    let Some(texels) = packed::PowerOfTwoTexture::new(i, view) else {
+        return false;
+    };
+    pixels.each_named::<_, false, _>(i, batch, &mut Nearest { texels, store })
+}
+
 /// Reads the texels of two textures at the same coordinates; `same_mips` if their sizes, filters and mips are the same.
 pub(crate) fn read_pair(
     level: Level,
@@ -93,7 +120,7 @@ pub(crate) fn read_pair(
         return read_texels(level, view, pixels, batch, addresses, out);
     }
     let views = views.each_ref().map(Option::as_ref);
-    dispatch_simd!(level, wide i => pair(i, views, same_mips, pixels, batch, addresses, out));
+    dispatch_simd!(level, i => pair(i, views, same_mips, pixels, batch, addresses, out));
 }
 
 #[inline(always)]
@@ -130,7 +157,7 @@ pub(crate) fn read_placed(
     blocks: usize,
     out: &mut [u32; BATCH_STRIDE],
 ) {
-    dispatch_simd!(level, wide i => placed(i, view, addresses, changes, blocks, out));
+    dispatch_simd!(level, i => placed(i, view, addresses, changes, blocks, out));
 }
 
 #[inline(always)]
@@ -198,11 +225,19 @@ fn read<I: ByteIsa>(
     addresses: &mut TexelAddresses,
     out: &mut [u32; BATCH_STRIDE],
 ) {
-    if view.kind == Kernel::Nearest
-        && let Some(texels) = packed::PowerOfTwoTexture::new(i, view)
-        && pixels.each_named::<_, false, _>(i, batch, &mut Nearest { texels, out })
-    {
-        return;
+    if view.kind == Kernel::Nearest {
+        let words = &mut *out;
+        let done = nearest(
+            i,
+            view,
+            pixels,
+            batch,
+            #[inline(always)]
+            |_, at, from: &[u32]| words[at..at + from.len()].copy_from_slice(from),
+        );
+        if done {
+            return;
+        }
     }
     if !reads_mips(view) {
         let mut sink = Store::<false>::new(0, [None; 2], addresses);
@@ -355,17 +390,19 @@ fn magnifies<I: ByteIsa>(
 }
 
 /// Nearest texels, from the coordinates in registers.
-struct Nearest<'a, 'v, I: ByteIsa> {
+struct Nearest<'v, I: ByteIsa, F> {
     texels: packed::PowerOfTwoTexture<'v, I>,
-    out: &'a mut [u32; BATCH_STRIDE],
+    /// Block, pixel of the batch, words.
+    store: F,
 }
 
-impl<I: ByteIsa> BlockSink<I> for Nearest<'_, '_, I> {
+impl<I: ByteIsa, F: FnMut(FragmentBlock, usize, &[u32])> BlockSink<I> for Nearest<'_, I, F> {
     #[inline(always)]
-    fn pixels(&mut self, i: I, at: usize, _: FragmentBlock, values: &BlockValues<I>) {
+    fn pixels(&mut self, i: I, at: usize, block: FragmentBlock, values: &BlockValues<I>) {
         let [u, v] = values.value;
-        let word = self.texels.nearest(i, u, v);
-        word.store(&mut self.out[at..at + I::LANES]);
+        let mut words = [0; LANES];
+        self.texels.nearest(i, u, v).store(&mut words);
+        (self.store)(block, at, &words[..I::LANES]);
     }
 }
 

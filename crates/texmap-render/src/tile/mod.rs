@@ -14,13 +14,13 @@ use texmap_raster::{
 use crate::Aov;
 use crate::plan::{Plan, Shader};
 use crate::resolve::aov::write_batch;
-use crate::resolve::copy::{put_block_rows, rows_fit};
+use crate::resolve::copy::{put_block_rows, put_pixels_rows, rows_fit};
 use crate::resolve::encode::encode;
 use crate::resolve::rows::AovRows;
 use crate::resolve::tile_buffer::{Shaded, TileBuffer};
 use crate::shade::batch::{Batch, Colors, LANES};
 use crate::shade::surface::SurfaceScratch;
-use crate::shade::texels::Pixels;
+use crate::shade::texels::{Pixels, read_nearest};
 use crate::shade::unlit::UnlitScratch;
 pub(crate) use fragments::is_whole;
 use fragments::{FragmentList, blended};
@@ -184,14 +184,28 @@ impl Painter {
             words,
             ..
         } = &mut self.shader;
-        let pixels = Pixels::Blocks(planes, blocks);
+        let (level, pixels) = (context.plan.level, Pixels::Blocks(planes, blocks));
         for (draw, blocks_of) in self.list.parts() {
             let Some(unlit) = context.shaders[draw as usize].0.unlit() else {
                 continue;
             };
             for batch in blocks_of.chunks(BATCH_BLOCKS) {
                 prefetch_rows(rows, batch);
-                unlit.read_words(context.plan.level, &pixels, batch, scratch, words);
+                let view = unlit.exact_view();
+                let stored = view.is_some_and(|view| {
+                    read_nearest(
+                        level,
+                        view,
+                        &pixels,
+                        batch,
+                        #[inline(always)]
+                        |at, pixel, words| put_pixels_rows(rows, at, pixel % LANES, words),
+                    )
+                });
+                if stored {
+                    continue;
+                }
+                unlit.read_words(level, &pixels, batch, scratch, words);
                 for (at, words) in batch.iter().zip(words.as_chunks().0) {
                     put_block_rows(rows, *at, words);
                 }
