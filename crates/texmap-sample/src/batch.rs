@@ -290,19 +290,18 @@ impl<'a> Batch<'a> {
                 load_tail(i, &self.u[first..]),
                 load_tail(i, &self.v[first..]),
             ],
-            footprint: self.gradients.map(
-                #[inline(always)]
-                |[ux, vx, uy, vy]| {
-                    TexelFootprint::new(
-                        i,
-                        self.view,
-                        load_tail(i, &ux[first..]),
-                        load_tail(i, &vx[first..]),
-                        load_tail(i, &uy[first..]),
-                        load_tail(i, &vy[first..]),
-                    )
-                },
-            ),
+            // No `map`: it is not always inlined, and its closure would be compiled without vector instructions.
+            footprint: match self.gradients {
+                Some([ux, vx, uy, vy]) => Some(TexelFootprint::new(
+                    i,
+                    self.view,
+                    load_tail(i, &ux[first..]),
+                    load_tail(i, &vx[first..]),
+                    load_tail(i, &uy[first..]),
+                    load_tail(i, &vy[first..]),
+                )),
+                None => None,
+            },
             flat: self.flat,
         }
     }

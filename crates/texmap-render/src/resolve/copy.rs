@@ -104,23 +104,28 @@ pub(crate) fn put_block_rows(rows: &mut [&mut [u8]], at: FragmentBlock, words: &
         return;
     };
     for (k, (row, four)) in rows.iter_mut().zip(words.as_chunks().0).enumerate() {
-        let Some(to) = row.as_chunks_mut::<QUAD>().0.get_mut(x) else {
+        let Some(to) = row.get_mut(x * QUAD..(x + 1) * QUAD) else {
             return;
         };
         let from = bytes(four);
         if at.mask == u16::MAX {
-            *to = from;
-        } else {
-            for bit in set_bits(at.mask >> (4 * k) & 15) {
-                to[4 * bit..4 * bit + 4].copy_from_slice(&from[4 * bit..4 * bit + 4]);
-            }
+            to.copy_from_slice(&from);
+            continue;
+        }
+        for bit in set_bits(at.mask >> (4 * k) & 15) {
+            to[4 * bit..4 * bit + 4].copy_from_slice(&from[4 * bit..4 * bit + 4]);
         }
     }
 }
 
 /// Stores the encoded colors of pixels of a block, from `pixel` on, in the rows of the tile.
 #[inline(always)]
-pub(crate) fn put_pixels_rows(rows: &mut [&mut [u8]], at: FragmentBlock, pixel: usize, words: &[u32]) {
+pub(crate) fn put_pixels_rows(
+    rows: &mut [&mut [u8]],
+    at: FragmentBlock,
+    pixel: usize,
+    words: &[u32],
+) {
     if let Some(block) = words.first_chunk() {
         return put_block_rows(rows, at, block);
     }
@@ -172,12 +177,8 @@ fn put_quad<S: Simd>(s: S, blocks: &[u32], block: usize, y: usize, to: &mut [u8;
 
 /// Four pixels in memory: one move where the machine is little-endian.
 #[inline(always)]
-fn bytes(words: &[u32; 4]) -> [u8; 16] {
-    let mut bytes = [0; 16];
-    for (to, word) in bytes.chunks_exact_mut(4).zip(words) {
-        to.copy_from_slice(&word.to_le_bytes());
-    }
-    bytes
+fn bytes([a, b, c, d]: &[u32; 4]) -> [u8; 16] {
+    bytemuck::cast([a.to_le(), b.to_le(), c.to_le(), d.to_le()])
 }
 
 #[cfg(test)]

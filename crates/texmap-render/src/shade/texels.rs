@@ -351,25 +351,23 @@ impl Magnified {
         if self.refusals >= PATIENCE && batch.first().is_none_or(seldom) {
             return false;
         }
-        let Some(slot) = batch.first().and_then(
-            #[inline(always)]
-            |at| planes.single_primitive(i, blocks, *at),
-        ) else {
+        let Some(at) = batch.first() else {
+            return false;
+        };
+        let Some(slot) = planes.single_primitive(i, blocks, *at) else {
             return false;
         };
         if slot != self.slot {
-            let later = batch.get(ALIKE).and_then(
-                #[inline(always)]
-                |at| planes.single_primitive(i, blocks, *at),
-            );
-            if later != Some(slot) {
+            let Some(later) = batch.get(ALIKE) else {
+                return false;
+            };
+            if planes.single_primitive(i, blocks, *later) != Some(slot) {
                 return false;
             }
-            let steepest = planes.max_gradient(slot, [0, 1]);
-            self.near = steepest.is_some_and(
-                #[inline(always)]
-                |[u, v]| magnifies(i, view, u, v),
-            );
+            self.near = match planes.max_gradient(slot, [0, 1]) {
+                Some([u, v]) => magnifies(i, view, u, v),
+                None => false,
+            };
             self.refusals = if self.near { 0 } else { self.refusals + 1 };
             self.slot = slot;
         }
