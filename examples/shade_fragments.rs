@@ -1,4 +1,5 @@
 //! Rasterizes an indexed mesh and shades its fragments with a closure.
+#![allow(clippy::print_stdout, reason = "an example prints")]
 
 use texmap::prelude::*;
 use texmap::raster::{NoAlphaTest, triangles};

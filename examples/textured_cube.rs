@@ -1,4 +1,5 @@
 //! Draws a lit, textured cube and saves it as a PNG.
+#![allow(clippy::print_stdout, reason = "an example prints")]
 
 use texmap::prelude::*;
 

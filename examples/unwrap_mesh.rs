@@ -1,4 +1,5 @@
 //! Unwraps a mesh, with progress and a way to cancel, into a vertex buffer with uvs and tangents.
+#![allow(clippy::print_stdout, reason = "an example prints")]
 
 use std::ops::ControlFlow;
 use texmap::uv::{AtlasSize, Faces, Mesh, Origin, SeamEdges, tangents, unwrap};

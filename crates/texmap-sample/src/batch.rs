@@ -283,6 +283,10 @@ impl<'a> Batch<'a> {
     }
 
     /// As many as there are lanes, from `first` on.
+    #[expect(
+        clippy::manual_map,
+        reason = "the closure of `map` is not always inlined, and would be compiled without vector instructions"
+    )]
     #[inline(always)]
     fn look_up<I: Isa>(&self, i: I, first: usize) -> LookUp<I> {
         LookUp {
@@ -290,7 +294,6 @@ impl<'a> Batch<'a> {
                 load_tail(i, &self.u[first..]),
                 load_tail(i, &self.v[first..]),
             ],
-            // No `map`: it is not always inlined, and its closure would be compiled without vector instructions.
             footprint: match self.gradients {
                 Some([ux, vx, uy, vy]) => Some(TexelFootprint::new(
                     i,

@@ -61,7 +61,6 @@ pub(crate) struct Surface<'s> {
 }
 
 /// Light along a ray rather than from a surface.
-#[expect(clippy::large_enum_variant, reason = "a surface holds it in a box")]
 pub(crate) enum Space<'s> {
     Sky(SkyStage<'s>),
     Volume(Box<VolumeStage<'s>>),
