@@ -8,7 +8,7 @@ pub fn main() -> Result<(), Box<dyn std::error::Error>> {
     let brick =
         texmap::io::image_io::read_texture("assets/textures/brick.png".as_ref(), ColorSpace::Srgb)?
             .0;
-    let mut scene = Scene::new(Camera::look_at([1.4, 1.0, 1.7], [0.0; 3]));
+    let mut scene = Scene::new(Camera::look_at([3.0, 2.5, 4.0], [0.0; 3]));
     scene.lights = vec![
         Light::Ambient { color: [0.2; 3] },
         Light::Directional {

@@ -49,9 +49,9 @@ fn a_closure_sees_what_the_visibility_buffer_holds() {
         }
     });
     assert_eq!(opaque, want);
-    // The grid fills the target, and its copy moved by a quarter of the width three quarters of it.
+    // The grid fills the target; its copy begins at 37.5, the centre of a pixel, which the top-left rule gives to it.
     assert_eq!(opaque.len(), 150 * 70);
-    assert_eq!(blended, 112 * 70);
+    assert_eq!(blended, 113 * 70);
 }
 
 #[test]

@@ -48,7 +48,7 @@ impl VisibilityBuffer {
     }
 }
 
-/// Decides which fragments of a [`Pass::CutOut`] draw exist.
+/// Decides which fragments of a [`Pass::CutOut`](crate::Pass::CutOut) draw exist.
 pub trait AlphaTest {
     /// Whether the fragment is kept.
     fn keep(&self, draw: u32, triangle: u32, fragment: &Fragment) -> bool;
@@ -84,7 +84,7 @@ impl AlphaTest for NoAlphaTest {
 
 impl BinnedDraws<'_> {
     /// Clears `out` and finds what is visible of the opaque and cut-out draws: the nearest fragment, of equals the first
-    /// submitted ([`DepthTest::LessOrEqual`]: the last).
+    /// submitted ([`DepthTest::LessOrEqual`](crate::DepthTest::LessOrEqual): the last).
     pub fn visible<A: AlphaTest>(&self, tile: usize, alpha: &A, out: &mut VisibilityBuffer) {
         let mut blocks = core::mem::replace(&mut out.blocks, TileVisibility::empty());
         self.visible_blocks(tile, alpha, &mut blocks);

@@ -40,7 +40,7 @@ fn rsqrt<I: Isa>(i: I, x: I::F32) -> I::F32 {
     y * (i.f32(1.5) - x * 0.5 * y * y)
 }
 
-/// The mean of probes. The axes are those of [`Axes`](crate::filter::anisotropic::Axes), by cheaper roots.
+/// The mean of probes. The axes are those of `Axes`, by cheaper roots.
 #[inline(always)]
 pub fn anisotropic<I: ByteIsa>(
     i: I,
