@@ -302,7 +302,7 @@ const AXIS: &str = "## Faces that enclose the axis\n\n\
     A face around the axis of a cylinder, cone or sphere meets all longitudes: whatever u its corners get, the picture between them is wrong.\n\
     texmap names such faces (a warning with their lines, `faces_around_axis` in the JSON) and leaves their corners at the formula. Two cures:\n\
     divide the face at the axis, so that each part has a pole vertex of its own (the repair fans it); or evaluate the mapping at every pixel\n\
-    (`round` in a scene, `PixelMapping` of texmap-uv: uv and footprint by the chain rule, no jump of the footprint at the seam or within the face).\n";
+    (`round` in a scene, `PerPixelProjection` of texmap-uv: uv and footprint by the chain rule, no jump of the footprint at the seam or within the face).\n";
 
 fn figure(x: f64) -> String {
     if x.is_finite() {
