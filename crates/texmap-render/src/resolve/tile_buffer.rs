@@ -5,8 +5,9 @@ use texmap_math::simd::{Isa, prelude::*};
 use texmap_math::{Level, dispatch_simd};
 use texmap_raster::{BATCH_STRIDE, FragmentBlock, TILE};
 
-use crate::shade::batch::{Colors, LANES, set_bits, unpack};
+use crate::shade::batch::{Colors, LANES, set_bits};
 use crate::shade::unlit::UnlitColor;
+use texmap_sample::lanes::packed::unpack_lanes;
 
 /// Pixels of a tile.
 const PIXELS: usize = (TILE * TILE) as usize;
@@ -41,7 +42,7 @@ impl Shaded<'_> {
             Self::Light(colors) => colors.load(i, at),
             Self::Texels(color, words) => {
                 let word = i.load_u32(&words[at..at + I::LANES]);
-                color.tint(i, unpack(i, word))
+                color.tint(i, unpack_lanes(i, word))
             }
             // Encoded colors never become light again.
             Self::Words(_) | Self::Word(_) => [i.f32(0.0); 4],
@@ -109,7 +110,7 @@ impl TileBuffer {
 
     /// The light of an encoded opaque pixel of raw mode.
     pub(crate) fn light_of_word(&self, index: usize) -> [f32; 4] {
-        unpack(
+        unpack_lanes(
             texmap_math::simd::Scalar,
             texmap_math::simd::One(self.words[index]),
         )

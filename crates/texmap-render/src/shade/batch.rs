@@ -240,18 +240,6 @@ pub(crate) fn flip<I: Isa>(_: I, lanes: I::Mask, v: [I::F32; 3]) -> [I::F32; 3] 
     ]
 }
 
-/// The channels of packed RGBA8 texels, 0..=1.
-#[inline(always)]
-pub(crate) fn unpack<I: Isa>(_: I, word: I::U32) -> [I::F32; 4] {
-    let scale = 1.0 / 255.0;
-    [
-        (word & 255).to_i32().to_f32() * scale,
-        ((word >> 8) & 255).to_i32().to_f32() * scale,
-        ((word >> 16) & 255).to_i32().to_f32() * scale,
-        (word >> 24).to_i32().to_f32() * scale,
-    ]
-}
-
 /// The positions of the bits that are set, from the lowest up.
 pub(crate) fn set_bits(mut mask: u16) -> impl Iterator<Item = usize> {
     std::iter::from_fn(move || {

@@ -5,9 +5,10 @@ use texmap_math::simd::Isa;
 use texmap_math::{Footprint, Level};
 use texmap_raster::{AttributePlanes, BATCH_STRIDE, FragmentBlock, TileVisibility, Varyings};
 use texmap_sample::lanes::BoundTexture;
+use texmap_sample::lanes::packed::unpack_lanes;
 use texmap_sample::{Places, sample_soa};
 
-use super::batch::{Colors, LANES, straight, unpack};
+use super::batch::{Colors, LANES, straight};
 use super::texels::{Pixels, TexelAddresses, packed_view, read_pair};
 use crate::textures::Slot;
 
@@ -85,7 +86,7 @@ impl PackedTexels {
     #[inline(always)]
     pub(crate) fn load<I: Isa>(&self, i: I, at: usize) -> [I::F32; 4] {
         if self.packed {
-            unpack(i, i.load_u32(&self.words[at..at + I::LANES]))
+            unpack_lanes(i, i.load_u32(&self.words[at..at + I::LANES]))
         } else {
             self.colors.load(i, at)
         }
