@@ -16,8 +16,8 @@ use texmap_benches::floor::{Floor, HEIGHT, Places, TILE, WIDTH};
 use texmap_benches::textures::{square_texels, squares};
 use texmap_math::Level;
 use texmap_math::fearless_simd::{Simd, f32x16, prelude::*, u32x16};
-use texmap_math::lanes::{GatherTable, floor_to_i32, gather, unit_to_u8};
-use texmap_math::simd::X16;
+use texmap_math::lanes::{GatherTable, floor_to_i32, gather};
+use texmap_math::simd::{X16, encode_unorm8};
 use texmap_sample::lanes::{BoundTexture, RGBA8_EXACT, float, packed};
 use texmap_sample::{
     Alpha, ColorSpace, DirectionBatch, Filter, Image, Origin, Precision, Sampler, TexelData,
@@ -111,7 +111,10 @@ const EXACT: u8 = 16;
 
 #[inline(always)]
 fn bytes<S: Simd>(s: S, [r, g, b, a]: float::Color<X16<S>>) -> u32x16<S> {
-    unit_to_u8(s, r) | (unit_to_u8(s, g) << 8) | (unit_to_u8(s, b) << 16) | (unit_to_u8(s, a) << 24)
+    encode_unorm8(X16(s), r)
+        | (encode_unorm8(X16(s), g) << 8)
+        | (encode_unorm8(X16(s), b) << 16)
+        | (encode_unorm8(X16(s), a) << 24)
 }
 
 #[inline(always)]

@@ -1,8 +1,6 @@
-//! Helpers over sixteen lanes for kernels that are generic over the SIMD level ([`fearless_simd`]); outside semantic versioning.
+//! Sixteen-lane operations that a level has instructions for: gathers, small tables, byte mixes; outside semantic versioning.
 //!
-//! Each gives the bits of its scalar twin in every lane, on every level: only IEEE operations, comparisons, integers, and
-//! conversions of values in range. Never use `mul_add`, `approximate_recip`, `min`/`max` of floats (but [`above`] and [`below`]) or an
-//! out-of-range `to_int` of fearless_simd in a kernel: they differ by level.
+//! Kernels call them through [`simd`](crate::simd), whose rules hold here too.
 
 #[cfg(target_arch = "x86")]
 use core::arch::x86::{
@@ -15,16 +13,14 @@ use core::arch::x86_64::{
 #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
 use fearless_simd::Level;
 use fearless_simd::prelude::*;
-use fearless_simd::{f32x16, i32x16, u32x16};
+use fearless_simd::{f32x16, i32x16};
 
 mod bytes;
 mod gather;
 mod table;
 
 pub use bytes::lerp_bytes;
-pub use gather::{
-    GatherTable, gather, gather_pairs, gather_quads, gather_triples, has_pairs, prefetch,
-};
+pub use gather::{GatherTable, gather, gather_pairs, gather_quads, has_pairs, prefetch};
 pub(crate) use gather::{gather_pairs_x4, gather_x4};
 pub use table::{lookup8, lookup16};
 
@@ -41,27 +37,6 @@ pub struct CacheAligned<T>(pub [T; LANES]);
 #[inline(always)]
 pub fn iota<S: Simd>(s: S) -> i32x16<S> {
     i32x16::from_slice(s, &[0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15])
-}
-
-/// `a` where it is above `b`, else `b`, zeros and NaN too: by comparison and selection, which is what x86 calls the maximum of these
-/// operands.
-#[inline(always)]
-pub fn above<S: Simd>(a: f32x16<S>, b: f32x16<S>) -> f32x16<S> {
-    if is_x86(a.simd) {
-        a.max(b)
-    } else {
-        a.simd_gt(b).select(a, b)
-    }
-}
-
-/// `a` where it is below `b`, else `b`: as [`above`].
-#[inline(always)]
-pub fn below<S: Simd>(a: f32x16<S>, b: f32x16<S>) -> f32x16<S> {
-    if is_x86(a.simd) {
-        a.min(b)
-    } else {
-        a.simd_lt(b).select(a, b)
-    }
 }
 
 /// Whether a maximum is one of x86's instructions: the fallback is not.
@@ -93,26 +68,6 @@ pub fn is_wide<S: Simd>(s: S) -> bool {
     }
 }
 
-/// `x` within `[low, high]` by comparison and selection; NaN gives `low`.
-#[inline(always)]
-pub fn clamp<S: Simd>(x: f32x16<S>, low: f32x16<S>, high: f32x16<S>) -> f32x16<S> {
-    below(above(x, low), high)
-}
-
-/// [`clamp`] for one lane.
-#[inline(always)]
-#[must_use]
-pub fn clamp_scalar(x: f32, low: f32, high: f32) -> f32 {
-    let x = if x > low { x } else { low };
-    if x < high { x } else { high }
-}
-
-/// `a (1 - t) + b t`, as [`crate::interpolation::lerp_two_product`].
-#[inline(always)]
-pub fn lerp_two_product<S: Simd>(a: f32x16<S>, b: f32x16<S>, t: f32x16<S>) -> f32x16<S> {
-    a * (1.0 - t) + b * t
-}
-
 /// `floor(x)` as integers, for `|x| < 2^31`: one conversion where the rounding can be stated in it, a truncation and a comparison
 /// on SSE2, which has no floor.
 #[inline(always)]
@@ -135,46 +90,3 @@ fearless_simd::kernel!(
         _mm512_cvt_roundps_epi32::<{ _MM_FROUND_TO_NEG_INF | _MM_FROUND_NO_EXC }>(x)
     }
 );
-
-/// [`floor_to_i32`] for one lane.
-#[inline(always)]
-#[must_use]
-pub fn floor_to_i32_scalar(x: f32) -> i32 {
-    let cut = x as i32;
-    cut - i32::from(cut as f32 > x)
-}
-
-/// See [`encode_unorm8`](crate::simd::encode_unorm8).
-#[inline(always)]
-pub fn unit_to_u8<S: Simd>(s: S, x: f32x16<S>) -> u32x16<S> {
-    crate::simd::encode_unorm8(crate::simd::X16(s), x)
-}
-
-/// See [`encode_srgb8`](crate::simd::encode_srgb8).
-#[inline(always)]
-pub fn linear_to_srgb8<S: Simd>(s: S, x: f32x16<S>) -> u32x16<S> {
-    crate::simd::encode_srgb8(crate::simd::X16(s), x)
-}
-
-/// Sixteen values, or what there is of them, the rest filled with the last (0 for none).
-#[inline(always)]
-pub fn load_tail<S: Simd>(s: S, values: &[f32]) -> f32x16<S> {
-    if let Some(full) = values.first_chunk::<LANES>() {
-        return f32x16::from_slice(s, full);
-    }
-    let mut lanes = [values.last().copied().unwrap_or(0.0); LANES];
-    lanes[..values.len()].copy_from_slice(values);
-    f32x16::from_slice(s, &lanes)
-}
-
-/// Stores the first `out.len()` lanes, at most sixteen.
-#[inline(always)]
-pub fn store_tail<S: Simd>(x: f32x16<S>, out: &mut [f32]) {
-    if let Some(full) = out.first_chunk_mut::<LANES>() {
-        x.store_slice(full);
-        return;
-    }
-    let mut lanes = [0.0; LANES];
-    x.store_slice(&mut lanes);
-    out.copy_from_slice(&lanes[..out.len()]);
-}

@@ -1,8 +1,9 @@
 //! Lane helpers give the bits of their scalar twins on every level.
 
-use texmap_math::color;
-use texmap_math::fearless_simd::{Simd, dispatch, f32x16, i32x16, prelude::*, u16x32, u32x16};
+use texmap_math::fearless_simd::{dispatch, f32x16, prelude::*, u16x32, u32x16};
 use texmap_math::lanes;
+use texmap_math::simd::{F32s, Isa, Number, Scalar, X16, encode_srgb8, encode_unorm8};
+use texmap_math::{color, dispatch_simd};
 use texmap_tests::levels::levels;
 
 const HARD: [f32; 16] = [
@@ -71,7 +72,7 @@ fn gathers_read_the_same_words_and_stay_inside() {
         ] {
             for (source, len) in [(words, 1000), (one, 1)] {
                 let read = dispatch!(level, s => {
-                    lanes::gather_triples(s, source, u32x16::from_slice(s, &triples)).map(<[u32; 16]>::from)
+                    X16(s).gather_triples(source, u32x16::from_slice(s, &triples)).map(<[u32; 16]>::from)
                 });
                 let want = [0, 1, 2].map(|next| triples.map(|i| source.get(i + next)));
                 assert_eq!(read, want, "{name}");
@@ -127,38 +128,41 @@ fn octets_are_read_by_index() {
 }
 
 #[inline(always)]
-fn helpers<S: Simd>(s: S, x: [f32; 16]) -> ([i32; 16], [u32; 16], [f32; 16], [f32; 16]) {
-    let x = f32x16::from_slice(s, &x);
-    let floor: i32x16<S> = lanes::floor_to_i32(s, x);
-    let unit = lanes::unit_to_u8(s, x);
-    let clamped = lanes::clamp(x, f32x16::splat(s, -0.25), f32x16::splat(s, 3.0));
-    let lerp = lanes::lerp_two_product(x, f32x16::splat(s, 7.0), f32x16::splat(s, 0.3));
-    (floor.into(), unit.into(), clamped.into(), lerp.into())
+fn helpers<I: Isa>(i: I, x: &[f32; 16]) -> ([i32; 16], [u32; 16], [f32; 16]) {
+    let mut out = ([0; 16], [0; 16], [0.0; 16]);
+    for at in (0..16).step_by(I::LANES) {
+        let x = i.load_f32(&x[at..]);
+        x.floor_to_i32().store(&mut out.0[at..]);
+        encode_unorm8(i, x).store(&mut out.1[at..]);
+        x.clamp(i.f32(-0.25), i.f32(3.0)).store(&mut out.2[at..]);
+    }
+    out
 }
 
 #[test]
-fn helpers_equal_their_scalar_twins() {
+fn helpers_equal_their_scalar_forms() {
     for (name, level) in levels() {
-        let (floor, unit, clamped, lerp) = dispatch!(level, s => helpers(s, HARD));
-        for (i, x) in HARD.into_iter().enumerate() {
-            assert_eq!(floor[i], lanes::floor_to_i32_scalar(x), "{name} {x}");
-            assert_eq!(
-                i64::from(floor[i]),
-                f64::from(x).floor() as i64,
-                "{name} {x}"
-            );
-            assert_eq!(unit[i], u32::from(color::unit_to_u8(x)), "{name} {x}");
-            assert_eq!(
-                clamped[i].to_bits(),
-                lanes::clamp_scalar(x, -0.25, 3.0).to_bits(),
-                "{name} {x}"
-            );
-            let want = texmap_math::interpolation::lerp_two_product(x, 7.0, 0.3);
-            assert_eq!(lerp[i].to_bits(), want.to_bits(), "{name} {x}");
+        for wide in [false, true] {
+            let run = |x: &[f32; 16]| match wide {
+                true => dispatch_simd!(level, wide i => helpers(i, x)),
+                false => dispatch_simd!(level, i => helpers(i, x)),
+            };
+            let (floor, unit, clamped) = run(&HARD);
+            for (i, x) in HARD.into_iter().enumerate() {
+                assert_eq!(floor[i], F32s::<Scalar>::floor_to_i32(x).0, "{name} {x}");
+                assert_eq!(
+                    i64::from(floor[i]),
+                    f64::from(x).floor() as i64,
+                    "{name} {x}"
+                );
+                assert_eq!(unit[i], u32::from(color::unit_to_u8(x)), "{name} {x}");
+                let want = F32s::<Scalar>::clamp(x, -0.25, 3.0);
+                assert_eq!(clamped[i].to_bits(), want.to_bits(), "{name} {x}");
+            }
+            let nan = run(&[f32::NAN; 16]);
+            assert_eq!(nan.1, [0; 16], "{name}: NaN stores as 0");
+            assert_eq!(nan.2, [-0.25; 16], "{name}: NaN clamps to the low end");
         }
-        let nan = dispatch!(level, s => helpers(s, [f32::NAN; 16]));
-        assert_eq!(nan.1, [0; 16], "{name}: NaN stores as 0");
-        assert_eq!(nan.2, [-0.25; 16], "{name}: NaN clamps to the low end");
     }
 }
 
@@ -174,7 +178,11 @@ fn above_and_below_are_comparison_and_selection() {
                 let (over, under, swapped) = dispatch!(level, s => {
                     let (x, y) = (f32x16::splat(s, x), f32x16::from_slice(s, &others));
                     let array = |v| <[f32; 16]>::from(v);
-                    (array(lanes::above(x, y)), array(lanes::below(x, y)), array(lanes::above(y, x)))
+                    (
+                        array(F32s::<X16<_>>::above(x, y)),
+                        array(F32s::<X16<_>>::below(x, y)),
+                        array(F32s::<X16<_>>::above(y, x)),
+                    )
                 });
                 for (i, y) in others.into_iter().enumerate() {
                     assert_eq!(over[i].to_bits(), pick(x, y, x > y), "{name} {x} {y}");
@@ -239,25 +247,15 @@ fn srgb_bytes_in_lanes_equal_the_scalar_form() {
         }
         hard.extend([low, high].map(f32::from_bits));
     }
+    hard.resize(hard.len().next_multiple_of(16), 0.5);
     for (name, level) in levels() {
-        for sixteen in hard.chunks(16) {
+        for sixteen in hard.as_chunks::<16>().0 {
             let found: [u32; 16] = dispatch!(level, s => {
-                lanes::linear_to_srgb8(s, lanes::load_tail(s, sixteen)).into()
+                encode_srgb8(X16(s), f32x16::from_slice(s, sixteen)).into()
             });
             for (&x, found) in sixteen.iter().zip(found) {
                 assert_eq!(found, u32::from(color::linear_to_srgb8(x)), "{name} {x:e}");
             }
-        }
-    }
-}
-
-#[test]
-fn tails_keep_their_values() {
-    for (name, level) in levels() {
-        for n in 0..=16 {
-            let mut out = vec![0.0; n];
-            dispatch!(level, s => lanes::store_tail(lanes::load_tail(s, &HARD[..n]), &mut out));
-            assert_eq!(out, HARD[..n], "{name}");
         }
     }
 }

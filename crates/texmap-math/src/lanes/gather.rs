@@ -151,19 +151,6 @@ pub fn has_pairs<S: Simd>(s: S) -> bool {
     }
 }
 
-/// The words at sixteen indices and the two behind each. Where one of them lies beyond the end, it is the last word.
-#[inline(always)]
-pub fn gather_triples<S: Simd>(s: S, words: GatherTable<'_>, index: u32x16<S>) -> [u32x16<S>; 3] {
-    if let Some([a, b, c, _]) = gather_quads(s, words, index) {
-        return [a, b, c];
-    }
-    [
-        gather(s, words, index),
-        gather(s, words, index + 1),
-        gather(s, words, index + 2),
-    ]
-}
-
 /// The words at sixteen indices and the three behind each, where that costs less than [`gather`]s and none lies beyond the end.
 #[inline(always)]
 pub fn gather_quads<S: Simd>(
