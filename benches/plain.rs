@@ -18,7 +18,7 @@ use texmap_raster::{
 };
 use texmap_render::{RenderSettings, Renderer};
 use texmap_sample::{
-    ColorSpace, Filter, Origin, Precision, Sampler, Texture2d, UvTransform, sample_rgba8_slice,
+    ColorSpace, Filter, Origin, Precision, Sampler, Texture2d, sample_rgba8_slice,
 };
 use texmap_scene::{ColorMode, Material, Mesh, Scene, Shading, TextureRole, TextureSlot};
 
@@ -45,13 +45,12 @@ fn scene(filter: Filter) -> Scene {
         textures: vec![texture.with_mips()],
         materials: vec![Material {
             base_color: Some(TextureSlot {
-                texture: 0,
                 sampler: Sampler {
                     filter,
                     precision: Precision::Fast,
                     ..Sampler::default()
                 },
-                transform: UvTransform::default(),
+                ..TextureSlot::new(0)
             }),
             texture_role: TextureRole::Decal,
             shading: Shading::Unlit,

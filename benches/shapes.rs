@@ -8,7 +8,7 @@ use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_m
 use texmap_lab::topology::open_edges;
 use texmap_math::glam::{DMat4, DVec3};
 use texmap_mesh::{Bone, Skeleton, SkinBlend, rotation};
-use texmap_sample::{ColorSpace, Origin, Sampler, Texture2d};
+use texmap_sample::{ColorSpace, Origin, Texture2d};
 use texmap_scene::{Displacement, EdgeBudget, Material, Mesh, Scene, TextureSlot};
 
 /// A cube of side 2 with a height map on every face.
@@ -28,11 +28,7 @@ fn cube(texels: f32) -> Scene {
         mesh.triangles
             .extend([[0, 1, 2], [0, 2, 3]].map(|t: [u32; 3]| t.map(|i| first + i)));
     }
-    let slot = TextureSlot {
-        texture: 0,
-        sampler: Sampler::default(),
-        transform: Default::default(),
-    };
+    let slot = TextureSlot::new(0);
     mesh.displacement = Some(Displacement {
         budget: EdgeBudget::Texels(texels),
         ..Displacement::new(slot, 0.1)

@@ -7,9 +7,7 @@ use texmap_light::{
 use texmap_math::Projector;
 use texmap_math::glam::{DMat4, DVec3};
 use texmap_raster::Cull;
-use texmap_sample::{
-    ColorSpace, Filter, Origin, Precision, SampleError, Sampler, Texture2d, UvTransform,
-};
+use texmap_sample::{ColorSpace, Filter, Origin, Precision, SampleError, Sampler, Texture2d};
 use texmap_scene::{
     ColorMode, Material, Mesh, NormalDetail, ProjectorLight, ProjectorMode, Reflection, Scene,
     Shadow, TextureSlot,
@@ -72,13 +70,12 @@ pub(super) fn scene(scene: &BenchScene, precision: Precision) -> Result<Scene, S
         Texture2d::from_rgba8(side, side, texels, ColorSpace::Linear, Origin::TopLeft)
     };
     let slot = |texture: usize, filter: Filter| TextureSlot {
-        texture,
         sampler: Sampler {
             filter,
             precision,
             ..Sampler::default()
         },
-        transform: UvTransform::default(),
+        ..TextureSlot::new(texture)
     };
     let mut out = Scene {
         background: CLEAR,

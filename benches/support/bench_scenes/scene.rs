@@ -5,9 +5,7 @@ use texmap_math::camera::Camera;
 use texmap_math::deterministic_f64::{atan, tan};
 use texmap_math::glam::{DMat4, DVec3};
 use texmap_raster::{Cull, DepthTest};
-use texmap_sample::{
-    ColorSpace, Filter, Origin, Precision, SampleError, Sampler, Texture2d, UvTransform,
-};
+use texmap_sample::{ColorSpace, Filter, Origin, Precision, SampleError, Sampler, Texture2d};
 use texmap_scene::{
     AlphaMode, ColorMode, Material, Mesh, Scene, Shading, TextureRole, TextureSlot,
 };
@@ -119,13 +117,12 @@ impl BenchScene {
             Lookup::Aniso16 => Some(Filter::Anisotropic(16)),
         };
         let slot = filter.map(|filter| TextureSlot {
-            texture: 0,
             sampler: Sampler {
                 filter,
                 precision,
                 ..Sampler::default()
             },
-            transform: UvTransform::default(),
+            ..TextureSlot::new(0)
         });
         let blend = matches!(self.content, Content::Layers { blend: true, .. });
         let forward =

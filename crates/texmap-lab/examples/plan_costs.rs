@@ -14,7 +14,7 @@ use texmap_math::camera::Camera;
 use texmap_math::glam::DVec3;
 use texmap_planner::{Budget, choose, prices};
 use texmap_render::{Frame, RenderSettings, render};
-use texmap_sample::{ColorSpace, Filter, Origin, Precision, Sampler, Texture2d, UvTransform};
+use texmap_sample::{ColorSpace, Filter, Origin, Precision, Sampler, Texture2d};
 use texmap_scene::{ColorMode, Material, Mesh, Scene, Shading, TextureSlot};
 use texmap_truth::verify::verify_all;
 
@@ -145,9 +145,8 @@ fn plane(bytes: &[u8], turn: f64, magnify: f64) -> Result<Scene, Box<dyn Error>>
             ..PhongMaterial::default()
         },
         base_color: Some(TextureSlot {
-            texture: 0,
             sampler: Sampler::default(),
-            transform: UvTransform::default(),
+            ..TextureSlot::new(0)
         }),
         shading: Shading::Unlit,
         ..Material::default()

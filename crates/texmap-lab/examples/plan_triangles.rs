@@ -15,7 +15,7 @@ use texmap_math::camera::Camera;
 use texmap_math::glam::DVec3;
 use texmap_raster::Interp;
 use texmap_render::{RenderSettings, Renderer};
-use texmap_sample::{ColorSpace, Filter, Origin, Precision, Sampler, Texture2d, UvTransform};
+use texmap_sample::{ColorSpace, Filter, Origin, Precision, Sampler, Texture2d};
 use texmap_scene::{ColorMode, Material, Mesh, Scene, Shading, TextureSlot};
 
 const SIZE: (u32, u32) = (1920, 1080);
@@ -146,13 +146,12 @@ fn material(filter: Filter) -> Material {
             ..PhongMaterial::default()
         },
         base_color: Some(TextureSlot {
-            texture: 0,
             sampler: Sampler {
                 filter,
                 precision: Precision::Fast,
                 ..Sampler::default()
             },
-            transform: UvTransform::default(),
+            ..TextureSlot::new(0)
         }),
         shading: Shading::Unlit,
         ..Material::default()

@@ -5,7 +5,7 @@ use texmap_light::PhongMaterial;
 use texmap_math::camera::Camera;
 use texmap_math::glam::DVec3;
 use texmap_render::{RenderSettings, render};
-use texmap_sample::{ColorSpace, Sampler, Texture2d, UvTransform};
+use texmap_sample::{ColorSpace, Sampler, Texture2d};
 use texmap_scene::{Material, Scene, Shading, TextureSlot};
 use texmap_uv::{Mesh, Report, UvSet};
 
@@ -55,9 +55,8 @@ pub fn checker(
     let material = Material {
         phong: matte(),
         base_color: Some(TextureSlot {
-            texture: 0,
             sampler: Sampler::default(),
-            transform: UvTransform::default(),
+            ..TextureSlot::new(0)
         }),
         ..Material::default()
     };

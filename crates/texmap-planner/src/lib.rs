@@ -264,7 +264,7 @@ mod tests {
     use texmap_math::Camera;
     use texmap_math::glam::DVec3;
     use texmap_raster::{Cull, DepthTest};
-    use texmap_sample::{ColorSpace, Origin, Sampler, Texture2d, UvTransform};
+    use texmap_sample::{ColorSpace, Origin, Sampler, Texture2d};
 
     use super::*;
     use texmap_scene::{AlphaMode, ColorMode, Material, Shadow, TextureSlot};
@@ -294,9 +294,8 @@ mod tests {
             Texture2d::from_rgba8(64, 64, noise, ColorSpace::Srgb, Origin::TopLeft).unwrap();
         let noisy = Material {
             base_color: Some(TextureSlot {
-                texture: 0,
                 sampler: Sampler::default(),
-                transform: UvTransform::default(),
+                ..TextureSlot::new(0)
             }),
             ..Material::default()
         };

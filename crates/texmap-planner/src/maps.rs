@@ -51,16 +51,15 @@ pub(super) fn drop_constant(
 
 #[cfg(test)]
 mod tests {
-    use texmap_sample::{ColorSpace, Origin, Sampler, UvTransform};
+    use texmap_sample::{ColorSpace, Origin, Sampler};
 
     use super::*;
     use texmap_scene::SurfaceMaps;
 
     fn slot(texture: usize) -> TextureSlot {
         TextureSlot {
-            texture,
             sampler: Sampler::default(),
-            transform: UvTransform::default(),
+            ..TextureSlot::new(texture)
         }
     }
 

@@ -7,7 +7,7 @@ use texmap_light::{Light, PhongMaterial};
 use texmap_math::Camera;
 use texmap_math::glam::DVec3;
 use texmap_render::{RenderSettings, render};
-use texmap_sample::{ColorSpace, Filter, Origin, Sampler, Texture2d, UvTransform};
+use texmap_sample::{ColorSpace, Filter, Origin, Sampler, Texture2d};
 use texmap_scene::{AlphaMode, Material, Mesh, Scene, Shading, TextureRole, TextureSlot};
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -31,12 +31,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
     let slot = |texture, filter| {
         Some(TextureSlot {
-            texture,
             sampler: Sampler {
                 filter,
                 ..Sampler::default()
             },
-            transform: UvTransform::default(),
+            ..TextureSlot::new(texture)
         })
     };
     let floor = Material {

@@ -173,7 +173,7 @@ mod tests {
     use texmap_math::Camera;
     use texmap_math::glam::DVec3;
     use texmap_raster::Pass;
-    use texmap_sample::{ColorSpace, Filter, Origin, Sampler, Texture2d, UvTransform, Wrap};
+    use texmap_sample::{ColorSpace, Filter, Origin, Sampler, Texture2d, Wrap};
 
     use texmap_scene::{AlphaMode, Material, Mesh, Shading, TextureRole, TextureSlot};
 
@@ -209,9 +209,8 @@ mod tests {
             ..Sampler::default()
         };
         Some(TextureSlot {
-            texture: 0,
             sampler,
-            transform: UvTransform::default(),
+            ..TextureSlot::new(0)
         })
     }
 

@@ -35,6 +35,7 @@ mod error;
 mod light_names;
 mod material;
 mod mesh;
+mod metallic_roughness;
 mod primitives;
 mod scene;
 pub mod shadow_fit;
@@ -47,8 +48,11 @@ pub use effects::{
 };
 pub use error::SceneError;
 pub use light_names::is_light_name;
-pub use material::{AlphaMode, Material, Shading, TextureRole, TextureSlot, VertexColorInterp};
+pub use material::{
+    AlphaMode, Material, Shading, TextureRole, TextureSlot, UvSet, VertexColorInterp,
+};
 pub use mesh::Mesh;
+pub use metallic_roughness::{Clearcoat, MetallicRoughness, Sheen};
 pub use scene::{ColorMode, Scene};
 pub use shadow_fit::{shadow_bias, shadow_kind};
 pub use shapes::{Billboard, Displacement, EdgeBudget, Facing};

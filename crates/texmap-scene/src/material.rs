@@ -4,7 +4,9 @@ use texmap_light::{PhongMaterial, SpecularModel};
 use texmap_raster::{Cull, Interp};
 use texmap_sample::{Sampler, UvTransform};
 
-use crate::{Emission, LightMapSlot, NormalDetail, Reflection, SolidTexture, SurfaceMaps};
+use crate::{
+    Emission, LightMapSlot, MetallicRoughness, NormalDetail, Reflection, SolidTexture, SurfaceMaps,
+};
 
 /// How a surface looks.
 #[derive(Clone, Debug, PartialEq)]
@@ -13,6 +15,9 @@ pub struct Material {
     pub name: String,
     /// Base colour (linear light; raw under [`ColorMode::Raw`](crate::ColorMode::Raw)) and its answer to light.
     pub phong: PhongMaterial,
+    /// The metallic-roughness model in place of the numbers of `phong`, whose colour it keeps as base colour. Read by
+    /// [`Shading::PerPixel`]; `specular_model`, `maps`, `reflection` and `specular_map` are not read then.
+    pub metallic_roughness: Option<MetallicRoughness>,
     /// 0 (clear) to 1; multiplies the alpha of the texture. Read by [`AlphaMode::Test`] and
     /// [`AlphaMode::Blend`].
     pub opacity: f32,
@@ -71,6 +76,7 @@ impl Default for Material {
         Self {
             name: String::new(),
             phong: PhongMaterial::default(),
+            metallic_roughness: None,
             opacity: 1.0,
             base_color: None,
             opacity_map: None,
@@ -121,6 +127,11 @@ impl Material {
             .chain(self.emission.as_ref().and_then(|e| e.map.as_ref()))
             .chain(relief)
             .chain(self.light_map.as_ref().map(|map| &map.slot))
+            .chain(
+                self.metallic_roughness
+                    .iter()
+                    .flat_map(MetallicRoughness::slots),
+            )
     }
 
     /// Whether a surface that is lit per pixel reads the first texture coordinates of a mesh beside its base colour.
@@ -130,6 +141,10 @@ impl Material {
         self.normal_detail
             .as_ref()
             .is_some_and(|r| r.slot().is_some())
+            || self
+                .metallic_roughness
+                .as_ref()
+                .is_some_and(|m| m.slots().next().is_some())
             || [
                 &maps.ambient,
                 &maps.specular,
@@ -150,6 +165,18 @@ pub struct TextureSlot {
     pub sampler: Sampler,
     /// Applied to the coordinates of the mesh before the look-up.
     pub transform: UvTransform,
+    /// The coordinates of the mesh that are read.
+    pub uv_set: UvSet,
+}
+
+/// One of the two sets of texture coordinates of a mesh.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum UvSet {
+    /// [`Mesh::uvs`](crate::Mesh::uvs), or the frame or projection of the mesh in their place.
+    #[default]
+    First,
+    /// [`Mesh::lightmap_uvs`](crate::Mesh::lightmap_uvs).
+    Second,
 }
 
 impl TextureSlot {
@@ -160,6 +187,7 @@ impl TextureSlot {
             texture,
             sampler: Sampler::default(),
             transform: UvTransform::default(),
+            uv_set: UvSet::First,
         }
     }
 }

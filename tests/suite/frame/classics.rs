@@ -6,7 +6,7 @@ use texmap_mesh::Font;
 use texmap_render::{Aov, RenderSettings, Renderer, pixel_hash, render, render_ordered};
 use texmap_sample::{
     Alpha, ColorSpace, Filter, Image, Origin, Pattern, Sampler, TexelData, Texture2d, Texture3d,
-    UvTransform, Wrap,
+    Wrap,
 };
 use texmap_scene::{
     AlphaMode, Background, Material, Scene, Shading, SolidTexture, SolidTextureSource, TextureSlot,
@@ -49,14 +49,13 @@ fn row(texels: &[[u8; 4]]) -> Texture2d<'static> {
 
 fn slot(texture: usize, filter: Filter, wrap: Wrap) -> TextureSlot {
     TextureSlot {
-        texture,
         sampler: Sampler {
             filter,
             wrap_u: wrap,
             wrap_v: wrap,
             ..Sampler::default()
         },
-        transform: UvTransform::default(),
+        ..TextureSlot::new(texture)
     }
 }
 

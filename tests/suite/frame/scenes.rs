@@ -2,7 +2,7 @@
 
 use texmap_light::PhongMaterial;
 use texmap_render::{Aov, AovData, Frame, RenderSettings, render};
-use texmap_sample::{ColorSpace, Filter, Origin, Sampler, Texture2d, UvTransform};
+use texmap_sample::{ColorSpace, Filter, Origin, Sampler, Texture2d};
 use texmap_scene::{Material, Mesh, Scene, Shading, TextureSlot};
 
 pub(crate) use texmap_targets::scenes::{empty, quad};
@@ -39,12 +39,11 @@ pub(crate) fn wall(half: f32, z: f32) -> Mesh {
 
 pub(crate) fn slot(texture: usize, filter: Filter) -> Option<TextureSlot> {
     Some(TextureSlot {
-        texture,
         sampler: Sampler {
             filter,
             ..Sampler::default()
         },
-        transform: UvTransform::default(),
+        ..TextureSlot::new(texture)
     })
 }
 

@@ -9,7 +9,7 @@ use texmap_math::glam::{DVec2, DVec3};
 use texmap_planner::{Budget, choose, choose_sampled};
 use texmap_planner::{Price, prices};
 use texmap_render::{RenderSettings, render};
-use texmap_sample::{ColorSpace, Filter, Origin, Sampler, Texture2d, UvTransform};
+use texmap_sample::{ColorSpace, Filter, Origin, Sampler, Texture2d};
 use texmap_scene::{ColorMode, Material, Mesh, Scene, Shading, TextureSlot};
 use texmap_truth::verify::verify;
 
@@ -98,12 +98,11 @@ fn scene(seed: u64) -> (Scene, Budget) {
             ns: 10.0,
         },
         base_color: Some(TextureSlot {
-            texture: 0,
             sampler: Sampler {
                 filter: Filter::Trilinear,
                 ..Sampler::default()
             },
-            transform: UvTransform::default(),
+            ..TextureSlot::new(0)
         }),
         shading: if lit { lit_at } else { Shading::Unlit },
         ..Material::default()

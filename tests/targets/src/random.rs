@@ -5,7 +5,7 @@ use texmap_raster::Cull;
 use texmap_render::{Aov, RenderSettings};
 use texmap_sample::{ColorSpace, Filter, Origin, Precision, Sampler, Texture2d, UvTransform, Wrap};
 use texmap_scene::{
-    AlphaMode, ColorMode, Emission, Material, Mesh, Scene, Shading, TextureRole, TextureSlot,
+    AlphaMode, ColorMode, Emission, Material, Mesh, Scene, Shading, TextureRole, TextureSlot, UvSet,
 };
 
 use crate::scenes::{empty, quad};
@@ -94,6 +94,7 @@ fn material(random: &mut Random) -> Material {
             },
             _ => UvTransform::default(),
         },
+        uv_set: UvSet::First,
     };
     let base_color = (!random.one_in(5)).then(|| slot(random));
     let opacity_map = random.one_in(6).then(|| slot(random));

@@ -9,7 +9,7 @@ use texmap_render::{Aov, RenderSettings, pixel_hash, render, shadow_map};
 use texmap_bake::{BakeOptions, bake};
 use texmap_scene::{ProceduralHeight, Displacement, Material, Mesh, Reflection, NormalDetail, Scene, Shading, Shadow, SolidTexture, SolidTextureSource, TextureRole, TextureSlot, shadow_bias, shadow_kind};
 use texmap_sample::{
-    ColorSpace, Filter, Origin, EdgeMode, Pattern, Precision, Resample, Sampler, Texture2d, UvTransform,
+    ColorSpace, Filter, Origin, EdgeMode, Pattern, Precision, Resample, Sampler, Texture2d,
     sample_rgba8_slice, sample_slice,
 };
 
@@ -54,9 +54,8 @@ fn checker() -> Texture2d<'static> {
 
 fn slot(filter: Filter) -> TextureSlot {
     TextureSlot {
-        texture: 0,
         sampler: Sampler { filter, ..Sampler::default() },
-        transform: UvTransform::default(),
+        ..TextureSlot::new(0)
     }
 }
 

@@ -173,9 +173,9 @@ impl Settings {
             ..Sampler::default()
         };
         TextureSlot {
-            texture,
             sampler,
             transform,
+            ..TextureSlot::new(texture)
         }
     }
 

@@ -55,12 +55,11 @@ fn cube() -> Vec<Mesh> {
 
 fn slot() -> TextureSlot {
     TextureSlot {
-        texture: 0,
         sampler: Sampler {
             filter: Filter::Bilinear,
             ..Sampler::default()
         },
-        transform: Default::default(),
+        ..TextureSlot::new(0)
     }
 }
 

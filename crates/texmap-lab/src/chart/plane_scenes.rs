@@ -1,7 +1,7 @@
 //! The scenes of the filtering panel with their truths, for whoever draws them.
 
 use texmap_math::camera::Camera;
-use texmap_sample::{ColorSpace, Origin, Sampler, Texture2d, UvTransform};
+use texmap_sample::{ColorSpace, Origin, Sampler, Texture2d};
 use texmap_scene::{ColorMode, Material, Mesh, Scene, Shading, TextureRole, TextureSlot};
 
 use super::Error;
@@ -154,9 +154,8 @@ pub fn decal_scene(
         textures: vec![texture.with_mips()],
         materials: vec![Material {
             base_color: Some(TextureSlot {
-                texture: 0,
                 sampler,
-                transform: UvTransform::default(),
+                ..TextureSlot::new(0)
             }),
             shading: Shading::Unlit,
             texture_role: TextureRole::Decal,

@@ -115,11 +115,7 @@ fn scene() -> Result<Scene, LabError> {
         &paint::checker(256, 4, [176, 92, 60, 255], [236, 214, 180, 255]),
     )?;
     let mut skin = matte([1.0; 3], 0.0);
-    skin.base_color = Some(texmap_scene::TextureSlot {
-        texture,
-        sampler: Default::default(),
-        transform: Default::default(),
-    });
+    skin.base_color = Some(texmap_scene::TextureSlot::new(texture));
     stage::add(&mut scene, skin);
     Ok(scene)
 }

@@ -5,7 +5,7 @@ use texmap_math::camera::Camera;
 use texmap_math::glam::{DMat4, DVec2, DVec3, DVec4};
 use texmap_raster::Interp;
 use texmap_render::{Aov, AovData, Frame, RenderSettings};
-use texmap_sample::{ColorSpace, Filter, Origin, Sampler, Texture2d, UvTransform, Wrap};
+use texmap_sample::{ColorSpace, Filter, Origin, Sampler, Texture2d, Wrap};
 use texmap_scene::{
     AlphaMode, Material, Mesh, Scene, Shading, Shadow, TextureRole, TextureSlot, VertexColorInterp,
 };
@@ -71,9 +71,8 @@ pub(super) fn shadow(light: usize, size: u32) -> Shadow {
 pub(super) fn slot(texture: usize, filter: Filter, wrap: Wrap) -> TextureSlot {
     let sampler = sampler(filter, wrap);
     TextureSlot {
-        texture,
         sampler,
-        transform: UvTransform::default(),
+        ..TextureSlot::new(texture)
     }
 }
 

@@ -193,9 +193,7 @@ pub(super) mod tests {
     use texmap_raster::{
         BATCH_PIXELS, BinnedDraws, DrawCall, NO_PRIMITIVE, NoAlphaTest, TargetSize,
     };
-    use texmap_sample::{
-        ColorSpace, Filter, Origin, Precision, Sampler, Texture2d, UvTransform, Wrap,
-    };
+    use texmap_sample::{ColorSpace, Filter, Origin, Precision, Sampler, Texture2d, Wrap};
     use texmap_scene::{Scene, TextureSlot};
 
     pub(in crate::shade) fn noise(width: u32, height: u32) -> Texture2d<'static> {
@@ -297,9 +295,8 @@ pub(super) mod tests {
                     (2, Origin::TopLeft),
                 ] {
                     let slots = [0, second].map(|texture| TextureSlot {
-                        texture,
                         sampler: sampler(filter, wrap),
-                        transform: UvTransform::default(),
+                        ..TextureSlot::new(texture)
                     });
                     let slots = slots
                         .each_ref()

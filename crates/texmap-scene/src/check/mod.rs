@@ -72,6 +72,18 @@ impl Scene {
         if let crate::AlphaMode::Test(threshold) = material.alpha {
             unit_range(place, "alpha threshold", &[threshold])?;
         }
+        if let Some(model) = material
+            .metallic_roughness
+            .as_ref()
+            .filter(|m| !m.is_valid())
+        {
+            return Err(SceneError::Value {
+                place: place(),
+                what: "metallic-roughness model".to_owned(),
+                value: format!("{model:?}"),
+                expected: "factors must be 0 to 1, the index of refraction at least 1",
+            });
+        }
         for slot in material.slots() {
             self.check_slot(slot, place)?;
         }
