@@ -172,12 +172,14 @@ fn frame(
     (settings.threads, settings.level) = (Some(threads), level);
     let before = Resident::reset();
     let renderer = Renderer::new(scene, &settings)?;
-    let mut frame = renderer.draw(&|_, _| {})?;
+    let mut frame = renderer.draw(&texmap_render::no_progress)?;
     let memory = before.and_then(|before| before.grown());
     let (begin, mut best, mut frames) = (Instant::now(), f64::INFINITY, 0);
     while frames < 5 || begin.elapsed() < Duration::from_millis(500) {
         let start = Instant::now();
-        renderer.draw_into(&mut frame, &|_, _| {}, &|blocks| (0..blocks).collect())?;
+        renderer.draw_into(&mut frame, &texmap_render::no_progress, &|blocks| {
+            (0..blocks).collect()
+        })?;
         best = best.min(start.elapsed().as_secs_f64() * 1e3);
         frames += 1;
     }

@@ -76,7 +76,11 @@ pub fn capture_environment(
             near: scene.camera.near,
             far: scene.camera.far,
         };
-        let frame = render(&around, &RenderSettings::new(size, size), &|_, _| ())?;
+        let frame = render(
+            &around,
+            &RenderSettings::new(size, size),
+            &texmap_render::no_progress,
+        )?;
         for (y, row) in out.chunks_exact_mut(size as usize).enumerate() {
             for (x, texel) in row.iter_mut().enumerate() {
                 // Faces of a cube map are seen from outside: left and right change places.

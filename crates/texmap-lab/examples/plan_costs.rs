@@ -52,7 +52,7 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
                 supersample,
                 ..RenderSettings::new(SIDE, SIDE)
             };
-            render(scene, &settings, &|_, _| {})
+            render(scene, &settings, &texmap_render::no_progress)
         };
         let fixed: Vec<Frame> = prices()
             .iter()

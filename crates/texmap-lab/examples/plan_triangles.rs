@@ -70,7 +70,7 @@ fn race(scenes: [&Scene; 2]) -> Result<([f64; 2], f64), Box<dyn Error>> {
         let mut times = [0.0; 2];
         for (time, renderer) in times.iter_mut().zip(&renderers) {
             let start = Instant::now();
-            renderer.draw(&|_, _| {})?;
+            renderer.draw(&texmap_render::no_progress)?;
             *time = start.elapsed().as_secs_f64() * 1e3;
         }
         least = [0, 1].map(|i| least[i].min(times[i]));

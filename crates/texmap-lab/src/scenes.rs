@@ -156,7 +156,8 @@ impl UvScene {
             aovs: vec![Aov::Uv],
             ..RenderSettings::new(self.size, self.size)
         };
-        let frame = texmap_render::render(&self.scene(interp), &settings, &|_, _| {})?;
+        let frame =
+            texmap_render::render(&self.scene(interp), &settings, &texmap_render::no_progress)?;
         let values = match frame.aovs.into_iter().next() {
             Some((_, _, AovData::F32(values))) => values,
             _ => Vec::new(),

@@ -260,5 +260,5 @@ fn shot(
     }
     let mut settings = RenderSettings::new(size, size);
     settings.supersample = 2;
-    Ok(render(&scene, &settings, &|_, _| {})?.into())
+    Ok(render(&scene, &settings, &texmap_render::no_progress)?.into())
 }

@@ -102,7 +102,7 @@ fn an_override_of_the_filter_moves_the_rule_with_it() {
     let frame = render(
         &fence(AlphaMode::Test(0.0), Filter::Nearest),
         &settings,
-        &|_, _| (),
+        &texmap_render::no_progress,
     )
     .unwrap();
     let kept = faces(&frame)[512..768]
@@ -161,7 +161,7 @@ fn holes_let_light_through() {
             threads: Some(threads),
             ..RenderSettings::new(160, 160)
         };
-        render(&scene, &settings, &|_, _| ()).expect("a good scene")
+        render(&scene, &settings, &texmap_render::no_progress).expect("a good scene")
     };
     let frame = shadow(1);
     // Two world units from the eye, 90 degrees wide.

@@ -153,7 +153,7 @@ fn settings() -> RenderSettings {
 }
 
 fn rendered(scene: &Scene, settings: &RenderSettings) -> Frame {
-    render(scene, settings, &|_, _| ()).unwrap()
+    render(scene, settings, &texmap_render::no_progress).unwrap()
 }
 
 /// The law of the same bytes holds with every effect on.
@@ -641,7 +641,7 @@ fn surfaces_give_off_light_of_their_own() {
                 level,
                 ..RenderSettings::new(16, 8)
             };
-            let other = render(&scene, &settings, &|_, _| ()).expect("a picture");
+            let other = render(&scene, &settings, &texmap_render::no_progress).expect("a picture");
             assert_eq!(frame.rgba, other.rgba, "{shading:?} {name}");
         }
         frame

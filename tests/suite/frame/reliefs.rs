@@ -430,7 +430,8 @@ fn carved_heights_are_steady_everywhere() {
                 threads: Some(3),
                 ..texmap_render::RenderSettings::new(80, 80)
             };
-            let frame = texmap_render::render(&scene, &settings, &|_, _| ()).unwrap();
+            let frame =
+                texmap_render::render(&scene, &settings, &texmap_render::no_progress).unwrap();
             assert!(frame.rgba == bumped.rgba, "{heights:?} {name}");
         }
         scene.materials[0] = matte(relief(0.0));

@@ -43,7 +43,12 @@ fn lights_shadows_and_projectors_are_added() {
     // The slide's own aspect: twice as wide as high.
     let [q, s, _] = slides[0].projector.rows();
     assert!((s.y.abs() / q.x.abs() - 2.0).abs() < 1e-9);
-    render(&scene, &RenderSettings::new(16, 16), &|_, _| ()).unwrap();
+    render(
+        &scene,
+        &RenderSettings::new(16, 16),
+        &texmap_render::no_progress,
+    )
+    .unwrap();
 }
 
 #[test]
@@ -71,7 +76,12 @@ fn what_throws_shadows_and_how_much_of_it_a_map_shows() {
         let scene = files().scene(&format!(
             "background 1 1 1\neye 0 -9 9\nfov 60\nld 1 1 1 0 0 -1\nshadow 64 taps 1 {words}\n{floor}{lid}f 0 1 2 3\n{setting}f 4 5 6 7\n"
         ));
-        let frame = render(&scene, &RenderSettings::new(64, 64), &|_, _| ()).unwrap();
+        let frame = render(
+            &scene,
+            &RenderSettings::new(64, 64),
+            &texmap_render::no_progress,
+        )
+        .unwrap();
         // The ground under the lid, seen below its edge.
         let at = (0..64).map(|y| frame.rgba[(y * 64 + 32) * 4]);
         (scene, at.filter(|c| *c < 60).count())
@@ -118,7 +128,12 @@ fn environments_with_levels_and_an_open_horizon() {
     assert_eq!(of(0), (None, true));
     let rest: Vec<_> = (1..scene.meshes.len()).map(of).collect();
     assert_eq!(rest, [(Some(0), true), (Some(1), false), (Some(0), true)]);
-    render(&scene, &RenderSettings::new(16, 16), &|_, _| ()).unwrap();
+    render(
+        &scene,
+        &RenderSettings::new(16, 16),
+        &texmap_render::no_progress,
+    )
+    .unwrap();
 }
 
 #[test]
@@ -160,7 +175,12 @@ fn relief_and_light_maps_reach_models() {
     assert!(
         matches!(material(3).normal_detail, Some(NormalDetail::Bump { height, .. }) if height == 0.3)
     );
-    render(&scene, &RenderSettings::new(16, 16), &|_, _| ()).unwrap();
+    render(
+        &scene,
+        &RenderSettings::new(16, 16),
+        &texmap_render::no_progress,
+    )
+    .unwrap();
 }
 
 /// A second set from a model of other faces, or without coordinates, is refused by name; none at all is a named error of the scene.
@@ -181,7 +201,12 @@ fn second_coordinates_must_fit() {
         assert!(error.to_string().contains(words), "{error}");
     }
     let scene = files().scene("lightmap square.png\nobj m.obj\n");
-    let error = render(&scene, &RenderSettings::new(8, 8), &|_, _| ()).unwrap_err();
+    let error = render(
+        &scene,
+        &RenderSettings::new(8, 8),
+        &texmap_render::no_progress,
+    )
+    .unwrap_err();
     assert!(error.to_string().contains("no second uv set"), "{error}");
 }
 
@@ -244,7 +269,12 @@ fn bumps_of_offsets_formulas_and_words() {
     let ink = (0..56 * 16).filter(|i| words.texel(0, i % 56, i / 56).unwrap()[0] == 1.0);
     assert!((60..300).contains(&ink.count()));
     assert!(relief(3).is_none());
-    render(&scene, &RenderSettings::new(16, 16), &|_, _| ()).unwrap();
+    render(
+        &scene,
+        &RenderSettings::new(16, 16),
+        &texmap_render::no_progress,
+    )
+    .unwrap();
 }
 
 /// Every map of a library and the colours of vertices reach the picture: without its line it is another one.
@@ -283,9 +313,13 @@ fn every_map_of_a_library_is_drawn() {
             .with("m.obj", obj)
             .scene("eye 0 0 4\nlook 0 0 0\nfov 40\nbackground 0 0 0.4\nla 0.3 0.3 0.3\nlp 0.6 0.6 0.6 0.5 0.6 1.5\ndisplace none\nobj m.obj\n");
         let shaped = texmap_mesh::tessellate(&scene, 64).unwrap();
-        render(&shaped, &RenderSettings::new(64, 64), &|_, _| ())
-            .unwrap()
-            .rgba
+        render(
+            &shaped,
+            &RenderSettings::new(64, 64),
+            &texmap_render::no_progress,
+        )
+        .unwrap()
+        .rgba
     };
     // `norm` wins over `map_Bump`: each has its own picture of all the others.
     for other in ["norm", "map_Bump"] {
@@ -376,7 +410,12 @@ fn bumps_that_are_still_set_do_not_reach_faces_without_coordinates() {
         let last = &scene.materials[scene.meshes.last().unwrap().material];
         let reaches = last.normal_detail.is_some() || last.emission.is_some();
         assert_eq!(reaches, line != "lightmap square.png", "{line}");
-        render(&scene, &RenderSettings::new(16, 16), &|_, _| ()).expect("a picture");
+        render(
+            &scene,
+            &RenderSettings::new(16, 16),
+            &texmap_render::no_progress,
+        )
+        .expect("a picture");
     }
     // What needs no coordinates reaches all faces.
     let carved = files().scene(&format!("carve noise 0.1 0 0 0 1 1 1\n{FACE}"));

@@ -229,7 +229,7 @@ fn uv(scene: &Scene) -> Vec<f32> {
         aovs: vec![Aov::Uv],
         ..RenderSettings::new(64, 64)
     };
-    let frame = render(scene, &settings, &|_, _| {}).expect("a frame");
+    let frame = render(scene, &settings, &texmap_render::no_progress).expect("a frame");
     match &frame.aovs[0].2 {
         AovData::F32(values) => values.clone(),
         AovData::U32(_) => panic!("uv is f32"),
@@ -299,7 +299,12 @@ fn later_faces_win_where_depths_are_equal() {
         let scene = Files::new().scene(&format!(
             "color raw\neye 0.5 0.5 3\nlook 0.5 0.5 0\nla 1 1 1\n{SQUARE}{order}"
         ));
-        let frame = render(&scene, &RenderSettings::new(9, 9), &|_, _| {}).expect("a frame");
+        let frame = render(
+            &scene,
+            &RenderSettings::new(9, 9),
+            &texmap_render::no_progress,
+        )
+        .expect("a frame");
         let at = 4 * (9 * 4 + 4);
         [frame.rgba[at], frame.rgba[at + 1]]
     };

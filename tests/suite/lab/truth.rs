@@ -84,7 +84,7 @@ fn drawn(scene: &Scene, interp: Option<Interp>) -> Frame {
             interp,
             ..RenderSettings::new(WIDTH, HEIGHT)
         },
-        &|_, _| {},
+        &texmap_render::no_progress,
     )
     .unwrap()
 }
@@ -124,7 +124,7 @@ fn the_reference_is_where_supersampling_leads() {
             ..RenderSettings::new(size.0, size.1)
         };
         let scene = tessellate(scene, size.0).unwrap();
-        let frame = render(&scene, &settings, &|_, _| {}).unwrap();
+        let frame = render(&scene, &settings, &texmap_render::no_progress).unwrap();
         let found = verify(&scene, &frame, 6).unwrap();
         if !(found.rmse <= 0.01 && found.judged > 1_000) {
             let name = file.file_name().unwrap().display().to_string();

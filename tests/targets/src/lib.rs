@@ -47,7 +47,7 @@ pub fn hashes(folders: &Folders, level: Level) -> Result<String, Box<dyn Error>>
                 level,
                 ..random::settings(seed)
             },
-            &|_, _| (),
+            &texmap_render::no_progress,
         )?;
         writeln!(list, "{}", line(&format!("samplers-{seed:02}"), &frame))?;
     }
@@ -57,7 +57,7 @@ pub fn hashes(folders: &Folders, level: Level) -> Result<String, Box<dyn Error>>
             .and_then(|scene| {
                 let settings = effect_settings(seed, &scene, level);
                 let scene = tessellate(scene, settings.width)?;
-                Ok(render(&scene, &settings, &|_, _| ())?)
+                Ok(render(&scene, &settings, &texmap_render::no_progress)?)
             })
             .map_err(|error| format!("{name}: {error}"))?;
         writeln!(list, "{}", line(&name, &frame))?;
@@ -70,7 +70,7 @@ pub fn hashes(folders: &Folders, level: Level) -> Result<String, Box<dyn Error>>
             ..RenderSettings::new(160, 120)
         };
         let scene = tessellate(scene, settings.width)?;
-        let frame = render(&scene, &settings, &|_, _| ())?;
+        let frame = render(&scene, &settings, &texmap_render::no_progress)?;
         writeln!(list, "{}", line(&name_of(&path), &frame))?;
     }
     Ok(list)

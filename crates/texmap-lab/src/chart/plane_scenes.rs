@@ -192,7 +192,7 @@ mod tests {
         let settings = RenderSettings::new(SIDE as u32, SIDE as u32);
         let frame = Renderer::new(&scene, &settings)
             .unwrap()
-            .draw(&|_, _| {})
+            .draw(&texmap_render::no_progress)
             .unwrap();
         values(plane, &frame.rgba)
     }

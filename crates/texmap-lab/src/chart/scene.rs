@@ -115,7 +115,7 @@ pub fn panel(
         let renderer = Renderer::new(scene, settings)?;
         runs.push(Box::new(move || {
             // Drawn once above without an error.
-            std::hint::black_box(renderer.draw(&|_, _| {}).ok());
+            std::hint::black_box(renderer.draw(&texmap_render::no_progress).ok());
         }));
     }
     timed(&mut points, effort, covered, &mut runs);
@@ -138,7 +138,11 @@ pub fn panel(
 }
 
 fn render(scene: &Scene, settings: &RenderSettings) -> Result<Frame, LabError> {
-    Ok(texmap_render::render(scene, settings, &|_, _| {})?)
+    Ok(texmap_render::render(
+        scene,
+        settings,
+        &texmap_render::no_progress,
+    )?)
 }
 
 /// Red, green and blue of each pixel, linear and premultiplied.
