@@ -127,14 +127,14 @@ fn lines() -> Vec<(&'static str, Vec<BoxedStrategy<Value>>)> {
                 .collect(),
         ),
         (
-            "round",
+            "uv-projection",
             after(
                 vec![word(&["sphere", "cylinder"])],
                 vec![point(), point(), size()],
             ),
         ),
         (
-            "round",
+            "uv-projection",
             after(
                 vec![word(&["sphere", "cylinder"])],
                 vec![
@@ -145,7 +145,7 @@ fn lines() -> Vec<(&'static str, Vec<BoxedStrategy<Value>>)> {
                 ],
             ),
         ),
-        ("round", none()),
+        ("uv-projection", none()),
         (
             "filter",
             vec![method(&[
@@ -276,7 +276,7 @@ fn lines() -> Vec<(&'static str, Vec<BoxedStrategy<Value>>)> {
         ("offsetmap", vec![file(), float(), word(&["up", "down"])]),
         ("offsetmap", none()),
         (
-            "carve",
+            "procedural-bump",
             after(
                 vec![word(&["waves", "noise", "marble", "wood"]), float()],
                 vec![
@@ -292,7 +292,7 @@ fn lines() -> Vec<(&'static str, Vec<BoxedStrategy<Value>>)> {
                 ],
             ),
         ),
-        ("carve", none()),
+        ("procedural-bump", none()),
         ("emboss", vec![text(), float()]),
         ("emboss", none()),
         (
