@@ -12,7 +12,7 @@ pub struct Homography {
     matrix: DMat3,
 }
 
-/// Why there is no homography.
+/// Error of points or a matrix that give no homography.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum HomographyError {

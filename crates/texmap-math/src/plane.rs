@@ -6,7 +6,7 @@ use glam::DVec2;
 /// the farther off, the more digits go.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Plane {
-    /// Where `value` holds, in pixels.
+    /// Position at which `value` holds, in pixels.
     pub anchor: DVec2,
     /// The value at the anchor.
     pub value: f64,

@@ -17,7 +17,7 @@ pub struct TextureFrame {
     pub v: DVec3,
 }
 
-/// Why there is no frame.
+/// Error of points that give no frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum FrameError {

@@ -99,7 +99,7 @@ fn logarithm<W: Wide>(x: W) -> W {
         1.0 / 15.0
     );
     let l = e + s * (2.0 * LOG2_E) * series;
-    // What is left: zero of either sign, infinity, negative numbers and NaN.
+    // The remaining values: zero of either sign, infinity, negative numbers and NaN.
     let special = W::select(x.eq(infinity), infinity, x.constant(f64::NAN));
     let special = W::select(x.eq(zero), x.constant(f64::NEG_INFINITY), special);
     W::select(usable, l, special)
