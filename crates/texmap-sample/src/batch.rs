@@ -16,7 +16,7 @@ use texmap_math::{
     simd::{ByteIsa, Isa, prelude::*},
 };
 
-/// Samples many places at once; dispatches to the SIMD level once. Results equal
+/// Samples at many coordinates at once; dispatches to the SIMD level once. Results equal
 /// [`Sampler::sample_grad`] (or [`Sampler::sample`] without gradients) bit for bit.
 ///
 /// ```
@@ -110,7 +110,7 @@ fn in_parts(
     Ok(())
 }
 
-/// Places to sample, each value in a slice of its own: what a rasterizer's planes give.
+/// Coordinates to sample, each component in a slice of its own: the values that a rasterizer's planes give.
 #[derive(Clone, Copy, Debug)]
 pub struct Places<'a> {
     /// Coordinates.

@@ -39,7 +39,7 @@ impl Encoded {
             }
             _ => self.bytes.as_chunks().0[i],
         };
-        // What photographs hold needs no more than a table.
+        // Opaque sRGB texels, as of photographs, need no more than a table.
         if a == 255 && self.color == ColorSpace::Srgb {
             return [light16(r), light16(g), light16(b), 65535.0];
         }

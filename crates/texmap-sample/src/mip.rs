@@ -4,7 +4,7 @@ use crate::texel_data::{Chain, Format, Level, Words};
 use alloc::{sync::Arc, vec::Vec};
 use texmap_math::float::sqrt_f32;
 
-/// What a level keeps of the base besides the area-weighted mean.
+/// Property of the base that a level keeps besides the area-weighted mean.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Reduce {
     Mean,
@@ -204,7 +204,7 @@ struct Pending {
     next: Level,
     /// The row to come.
     row: i32,
-    /// Row y of the level above stands in place y modulo 3. (Floats, so that rounding does not add up
+    /// Row y of the level above stands at index y modulo 3. (Floats, so that rounding does not add up
     /// along the chain.)
     rows: [Vec<[f32; 4]>; 3],
 }

@@ -21,12 +21,12 @@ pub enum Pattern {
     Marble {
         /// 1 to 16.
         octaves: u8,
-        /// How far the sheets are folded, in units; 0 leaves them flat.
+        /// Distance by which the sheets are folded, in units; 0 leaves them flat.
         turbulence: f32,
     },
     /// Rings about the z axis, one a unit, each from 0 to 1 and back at once, as a year's growth is.
     Wood {
-        /// How far the rings leave the circle, in units.
+        /// Distance by which the rings leave the circle, in units.
         grain: f32,
     },
 }

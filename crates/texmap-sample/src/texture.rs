@@ -6,7 +6,7 @@ use crate::{
 use alloc::{sync::Arc, vec, vec::Vec};
 use texmap_math::color;
 
-/// How colour channels encode light. Alpha is always linear.
+/// Encoding of light in colour channels. Alpha is always linear.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum ColorSpace {
     /// The sRGB transfer curve of IEC 61966-2-1; decoded before filtering.
@@ -16,7 +16,7 @@ pub enum ColorSpace {
     Linear,
 }
 
-/// Which row `v = 0` touches.
+/// The row that `v = 0` touches.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Origin {
     /// The first row in memory (glTF, Direct3D).
@@ -26,7 +26,7 @@ pub enum Origin {
     BottomLeft,
 }
 
-/// What the last of 2 or 4 channels means.
+/// Meaning of the last of 2 or 4 channels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Alpha {
     /// Opacity, not yet multiplied into the colour; done at upload.
@@ -55,7 +55,7 @@ pub struct Image<'a> {
     pub color: ColorSpace,
     /// Meaning of the last channel.
     pub alpha: Alpha,
-    /// Which row `v = 0` touches.
+    /// The row that `v = 0` touches.
     pub origin: Origin,
 }
 
@@ -258,12 +258,12 @@ impl<'a> Texture2d<'a> {
             .map(|l| (l.width as u32, l.height as u32))
     }
 
-    /// Whether any texel of any level is not fully opaque (float alphas above one are).
+    /// True if any texel of any level is not fully opaque (float alphas above one are).
     pub fn has_alpha(&self) -> bool {
         !self.chain.opaque
     }
 
-    /// Which row `v = 0` touches.
+    /// The row that `v = 0` touches.
     pub fn origin(&self) -> Origin {
         if self.chain.flip {
             Origin::BottomLeft

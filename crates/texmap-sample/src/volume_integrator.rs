@@ -13,7 +13,7 @@ use crate::{
 use alloc::boxed::Box;
 use texmap_math::{Level, deterministic_f32, float, simd::Scalar};
 
-/// What is left to see through below which a ray ends: less than one code of 255, even of white in the dark.
+/// Transmittance below which a ray ends: less than one code of 255, even of white in the dark.
 pub const OPAQUE: f32 = 1.0 / 4096.0;
 
 /// Most steps of a ray; a finer step is widened.
@@ -34,7 +34,7 @@ pub struct VolumeIntegrator<'a> {
     lanes: Option<Box<Lanes<'a>>>,
 }
 
-/// What looks sixteen steps up at once.
+/// Bound textures for look-ups of sixteen steps at once.
 #[derive(Clone, Debug)]
 struct Lanes<'a> {
     level: Level,
@@ -47,7 +47,7 @@ const STEPS: usize = 16;
 /// So few steps cost less one by one.
 const FEW: u32 = 4;
 
-/// What a ray has seen.
+/// Colour and number of look-ups of one ray.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RayRadiance {
     /// Premultiplied colour, linear light; alpha is what the volume hides of that behind it.

@@ -1,6 +1,6 @@
 use texmap_math::simd::{Isa, One, Scalar, prelude::*};
 
-/// What happens to coordinates outside `[0, 1)`, per axis.
+/// Treatment of coordinates outside `[0, 1)`, per axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Wrap {
     /// The image repeats.

@@ -53,8 +53,8 @@ impl<I: Isa> Axes<I> {
         }
     }
 
-    /// How many probes of a round filter cover the ellipse, at most `most`. A probe is a texel wide at least, so that a short axis
-    /// below a texel counts as one.
+    /// Number of probes of a round filter that cover the ellipse, at most `most`. A probe is a texel wide at least, so that a
+    /// short axis below a texel counts as one.
     #[inline(always)]
     pub(crate) fn probes(&self, i: I, most: u8) -> I::F32 {
         let (one, most) = (i.f32(1.0), i.f32(f32::from(most)));
