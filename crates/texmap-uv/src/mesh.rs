@@ -52,7 +52,7 @@ impl Faces {
         self.starts.len() - 1
     }
 
-    /// Whether there is no face.
+    /// True if there is no face.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.len() == 0
@@ -64,7 +64,7 @@ impl Faces {
         &self.corners
     }
 
-    /// Where the corners of a face stand in [`Faces::corners`].
+    /// Range of the corners of a face in [`Faces::corners`].
     #[must_use]
     pub fn range(&self, face: usize) -> Range<usize> {
         self.starts[face] as usize..self.starts[face + 1] as usize
@@ -76,7 +76,7 @@ impl Faces {
         &self.corners[self.range(face)]
     }
 
-    /// Every face as a fan around its first corner: the face, and the places of three corners in
+    /// Every face as a fan around its first corner: the face, and the indices of three corners in
     /// [`Faces::corners`].
     pub fn triangles(&self) -> impl Iterator<Item = (usize, [usize; 3])> + '_ {
         (0..self.len()).flat_map(|f| {
@@ -152,7 +152,7 @@ impl<'a> Mesh<'a> {
         self.faces
     }
 
-    /// Position of a corner, by its place in [`Faces::corners`].
+    /// Position of a corner, by its index into [`Faces::corners`].
     pub(crate) fn point(&self, corner: usize) -> DVec3 {
         self.vertex(self.faces.corners[corner])
     }
@@ -206,7 +206,7 @@ impl<'a> Mesh<'a> {
     /// The first position of each group of equal positions, for every position: a mesh split along texture
     /// seams or hard edges is one surface again.
     pub(crate) fn welded(&self) -> Vec<u32> {
-        // Hashed keys may meet in one place, by chance or by design: then they are sorted.
+        // Hashed keys may collide, by chance or by design: then they are sorted.
         self.welded_by_hash(self.positions.len() as u64 * 8 + 1024)
             .unwrap_or_else(|| self.welded_by_sorting())
     }

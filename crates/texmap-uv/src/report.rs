@@ -1,4 +1,4 @@
-//! How good a mapping is, in figures.
+//! Report: figures that say how good a mapping is.
 
 mod edges;
 mod stretch;
@@ -17,10 +17,10 @@ use triangles::each_triangle;
 
 pub use unmapped::{Unmapped, unmapped};
 
-/// What to look at.
+/// Options of a report.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ReportOptions {
-    /// Which row is v = 0: it decides what counts as flipped.
+    /// The row at v = 0: it decides what counts as flipped.
     pub origin: Origin,
     /// Edge of the picture in texels, for the texel density.
     pub texture_size: u32,
@@ -44,7 +44,7 @@ impl Default for ReportOptions {
 pub struct TriangleReport {
     /// Its face.
     pub face: u32,
-    /// Places of its corners in the list of corners.
+    /// Indices of its corners in the list of corners.
     pub corners: [u32; 3],
     /// Root mean square stretch over all directions; 1 where the picture keeps lengths on average over the mesh,
     /// infinite where the triangle has no area in the picture.
@@ -102,7 +102,7 @@ pub struct Report {
     pub overlap_pairs: u64,
     /// Their common area in the picture, summed over pairs; the whole picture is 1.
     pub overlap_area: f64,
-    /// So many triangles lie in one place that the overlap figures are lower bounds.
+    /// So many triangles lie at one point that the overlap figures are lower bounds.
     pub overlap_at_least: bool,
     /// Triangles with a corner outside [0, 1].
     pub outside: usize,

@@ -14,13 +14,13 @@ use crate::{Origin, UvError};
 /// and the time for one of these many is a few seconds.
 const AROUND: usize = 2048;
 
-/// Unwraps the mesh into charts on one page, without overlaps and inside [0, 1]; `cuts` are required seams, and the
+/// Unwraps the mesh into islands in one atlas, without overlaps and inside [0, 1]; `cuts` are required seams, and the
 /// polygons of the mesh stay whole. The same bytes on every platform and thread count.
 ///
-/// Half of the gutter, rounded up, is kept around every chart.
+/// Half of the gutter, rounded up, is kept around every island.
 ///
-/// `progress` hears after each step how many of how many (if known) are done in the present stage: charts are found, flattened, packed
-/// and written. It may be called from any thread, and ends the work by [`ControlFlow::Break`].
+/// `progress` hears after each step how many of how many (if known) are done in the present stage: islands are found, flattened,
+/// packed and written. It may be called from any thread, and ends the work by [`ControlFlow::Break`].
 ///
 /// # Errors
 /// [`UvError::Cancelled`] after a break; a cut that is no edge, a face of more than 2048 corners, more than 2048 triangles around a vertex, or whatever the
@@ -79,14 +79,14 @@ pub fn unwrap(
         });
     }
     let out = atlas.meshes.into_iter().next().unwrap_or_default();
-    // The page is cropped in height; on a square page it keeps its texels.
+    // The atlas is cropped in height; made square again, it keeps its texels.
     let height = f64::from(atlas.height) / f64::from(page.size);
     let width = f64::from(atlas.width) / f64::from(page.size);
     let mut values = alloc::vec![[0.0f32; 2]; corners.len()];
     for ((_, c), indices) in triangles.iter().zip(out.indices.as_chunks::<3>().0) {
         for (k, i) in c.iter().zip(indices) {
             let [u, v] = out.vertices[*i as usize].uv.map(f64::from);
-            // Its charts are counter-clockwise with v upward; for a top-left picture they are mirrored in v.
+            // The unwrapper's islands are counter-clockwise with v upward; for a top-left picture they are mirrored in v.
             let v = v * height;
             values[*k] = [
                 (u * width) as f32,

@@ -1,4 +1,4 @@
-//! Which edges are seen from outside: a depth map from each of 14 sides.
+//! Edges seen from outside, by a depth map from each of 14 sides.
 
 use alloc::vec;
 use alloc::vec::Vec;

@@ -239,7 +239,7 @@ fn bad_input_ends_with_four_and_names_its_place() {
         (
             vec!["--map", "box", "--pack", "8", "--gutter", "5", "--report"],
             4,
-            "do not fit a page of 8 x 8",
+            "do not fit an atlas of 8 x 8",
         ),
     ];
     for (flags, code, expected) in fails {

@@ -1,4 +1,4 @@
-//! What the report says about triangles: each of them, and their sums, counts and ranges.
+//! Triangles of a report: figures of each of them, and their sums, counts and ranges.
 
 use alloc::vec::Vec;
 use texmap_math::float;
