@@ -33,7 +33,7 @@ pub struct Mesh {
     pub material: usize,
     /// Object to world space; may scale unevenly and mirror.
     pub world_from_object: DMat4,
-    /// Where v = 0 lies in the pictures that this mesh's uv speak of: overrides the origin of the texture.
+    /// The row at which v = 0 lies in the pictures that this mesh's uv speak of: overrides the origin of the texture.
     pub uv_origin: Origin,
     /// Object-space O, U, V. If given, uv is computed at every pixel as A.W/C.W, B.W/C.W (Brackeen 2003,
     /// chapter 8) and `uvs` is not read.
@@ -41,7 +41,7 @@ pub struct Mesh {
     /// A sphere or cylinder in world space. If given, uv is computed at every pixel from its position, exact also
     /// across the seam and around the axis, and neither `frame` nor `uvs` is read.
     pub uv_projection: Option<PerPixelProjection>,
-    /// Throws no shadow: shadow maps and the depth maps of projectors do not show it.
+    /// Casts no shadow: shadow maps and the depth maps of projectors do not show it.
     pub casts_no_shadow: bool,
     /// Bounds a solid, its fronts outwards and no hole in it: maps of parallel and spot lights show its fronts alone, which is half of the
     /// work and the same shadow. Lights that stand inside of it shine through.
@@ -97,8 +97,8 @@ impl Mesh {
         self.uvs = texmap_uv::project(&self.positions, &self.normals, projection, origin);
     }
 
-    /// Whether the mesh is triangles alone: without a displacement or billboards that `texmap_mesh::tessellate` must turn into triangles
-    /// first.
+    /// True if the mesh is triangles alone: without a displacement or billboards that `texmap_mesh::tessellate` must turn into
+    /// triangles first.
     #[must_use]
     pub fn is_tessellated(&self) -> bool {
         self.displacement.is_none() && self.billboards.is_empty()

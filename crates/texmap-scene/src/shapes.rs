@@ -9,11 +9,12 @@ use crate::TextureSlot;
 pub struct Displacement {
     /// The heights: red channel, data. A filter with mip levels reads the level whose texels are as far apart as the vertices.
     pub slot: TextureSlot,
-    /// How far a value of 1 above `middle` moves the surface along its normal, in units of the object; negative moves it in.
+    /// Distance by which a value of 1 above `middle` moves the surface along its normal, in units of the object; negative moves
+    /// it in.
     pub height: f32,
     /// The value that leaves the surface where it is.
     pub middle: f32,
-    /// How fine triangles become.
+    /// The longest edge of the finer triangles.
     pub budget: EdgeBudget,
     /// More triangles than this, of all displaced meshes together, are refused.
     pub max_triangles: u32,
@@ -53,11 +54,11 @@ pub struct Billboard {
     pub position: DVec3,
     /// Width and height, both above 0.
     pub size: [f64; 2],
-    /// How it turns.
+    /// Orientation towards the camera.
     pub facing: Facing,
 }
 
-/// How a billboard turns.
+/// Orientation of a billboard.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Facing {
     /// Parallel to the picture, its top where the picture's top is: never seen edge-on.
