@@ -83,7 +83,7 @@ pub fn capture_environment(
         )?;
         for (y, row) in out.chunks_exact_mut(size as usize).enumerate() {
             for (x, texel) in row.iter_mut().enumerate() {
-                // Faces of a cube map are seen from outside: left and right change places.
+                // Faces of a cube map are seen from outside: left and right are exchanged.
                 let pixel = 4 * (y * size as usize + size as usize - 1 - x);
                 let code = |k: usize| f32::from(frame.rgba[pixel + k]) / 255.0;
                 *texel = [0, 1, 2].map(|k| match scene.color {
