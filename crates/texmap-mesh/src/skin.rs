@@ -23,7 +23,7 @@ pub struct Skin {
 /// A bone at rest, in the space of the mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bone {
-    /// Where it is joined to its parent, and what it turns about.
+    /// The joint with its parent, about which it turns.
     pub head: DVec3,
     /// Its other end.
     pub tail: DVec3,
@@ -31,7 +31,7 @@ pub struct Bone {
     pub parent: Option<usize>,
 }
 
-/// How vertices are given to bones.
+/// Assignment of vertices to bones.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum SkinBlend {
     /// Each follows its nearest bone alone: parts stay rigid, and joints open or overlap.
