@@ -24,11 +24,11 @@ pub struct AtlasMesh<'a> {
     pub normals: &'a [[f32; 3]],
     /// Three vertices a face.
     pub indices: &'a [[u32; 3]],
-    /// Whether v counts from the bottom row (OBJ) and not from the top (glTF).
+    /// True if v counts from the bottom row (OBJ) and not from the top (glTF).
     pub bottom_up: bool,
 }
 
-/// How a texel came to its face.
+/// Relation of a texel to its face.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[repr(u8)]
 pub enum Coverage {
@@ -48,9 +48,9 @@ pub enum Coverage {
 pub struct Atlas {
     /// The atlas' size.
     pub size: TargetSize,
-    /// How each texel came to its face.
+    /// Relation of each texel to its face.
     pub coverage: Vec<Coverage>,
-    /// The face, [`NO_PRIMITIVE`] where there is none. Where faces overlap the first one wins.
+    /// The face, [`NO_PRIMITIVE`] where there is none. Of overlapping faces the first one wins.
     pub face: Vec<u32>,
     /// Weights over the face's three vertices at the texel's centre, moved to the face where the centre lies outside; 0 where
     /// there is no face.
@@ -64,7 +64,7 @@ pub struct Atlas {
     pub lost: Vec<u32>,
 }
 
-/// What an atlas is asked for.
+/// Options of an atlas.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct AtlasOptions {
     /// Also texels that a face touches without covering their centre: no face that touches the atlas is lost, however small,
@@ -507,7 +507,7 @@ fn weights(corners: &[[f64; 2]; 3], [x, y]: [f64; 2]) -> [f64; 3] {
     }
 }
 
-/// Whether the open inner side of an edge meets the texel's square: without the top-left rule, which is for points.
+/// True if the open inner side of an edge meets the texel's square: without the top-left rule, which is for points.
 fn touches(edge: Edge, x: i32, y: i32) -> bool {
     let half = ONE / 2;
     let top_left = edge.a > 0 || (edge.a == 0 && edge.b > 0);

@@ -27,7 +27,8 @@ const ROW: u16 = BLOCKS as u16;
 /// Pixels a run holds at most.
 pub const BATCH_PIXELS: usize = 256;
 
-/// Room of a run's arrays: their distance in memory is no multiple of 4096 bytes, or stores to one would stall loads of another.
+/// Length of a run's arrays: their distance in memory is no multiple of 4096 bytes, or stores to one would stall loads of
+/// another.
 pub const BATCH_STRIDE: usize = BATCH_PIXELS + 16;
 
 /// One block of a run: which 4x4 block of the tile and which of its pixels.
@@ -46,7 +47,7 @@ pub struct FragmentBlock {
 pub struct Varyings {
     /// 1 / clip w.
     pub inv_w: [f32; BATCH_STRIDE],
-    /// What was asked for, in that order.
+    /// The varyings that were asked for, in that order.
     pub varyings: Vec<Varying>,
 }
 
@@ -240,8 +241,8 @@ impl AttributePlanes {
     }
 
     /// [`each_block`](Self::each_block) for pixels that lie anywhere in the tile: block k of `run` is the pixels from 16 k on of
-    /// `pixels`, by their places in the tile's blocks (see [`block_index`](crate::block_index)), each of its own slot. Only where
-    /// [`is_branch_free`](Self::is_branch_free).
+    /// `pixels`, by their indices in the tile's blocks (see [`block_index`](crate::block_index)), each of its own slot. Only
+    /// where [`is_branch_free`](Self::is_branch_free).
     #[inline(always)]
     pub fn each_sixteen<I: Isa, const D: bool, K: BlockSink<I>>(
         &self,
@@ -274,7 +275,7 @@ impl AttributePlanes {
         }
     }
 
-    /// Whether f32 planes serve all slots, and all attributes are exact.
+    /// True if f32 planes serve all slots, and all attributes are exact.
     #[must_use]
     pub fn is_branch_free(&self) -> bool {
         self.plain
@@ -308,7 +309,7 @@ impl AttributePlanes {
     }
 }
 
-/// Pixels of a block from place `at` on, as many as there are lanes.
+/// Pixels of a block from pixel `at` on, as many as there are lanes.
 #[derive(Clone, Copy)]
 pub(crate) struct Part {
     pub(crate) block: FragmentBlock,
@@ -363,7 +364,7 @@ static CENTRES: [f32; BLOCKS] = {
     centres
 };
 
-/// Pixel centres of a block from place `at` on, from the tile's middle.
+/// Pixel centres of a block from pixel `at` on, from the tile's middle.
 #[inline(always)]
 fn centres<I: Isa>(i: I, block: u16, at: usize) -> [I::F32; 2] {
     let block = usize::from(block);

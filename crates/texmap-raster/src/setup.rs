@@ -41,7 +41,7 @@ pub(crate) const DEPTH_RATIO: f64 = 8.0;
 /// A polygon offset that moves any depth beyond the far plane.
 pub(crate) const LEAVES_NOTHING: f32 = 2.0;
 
-/// What is known of a fragment.
+/// Values of a fragment: attributes, derivatives, depth and side.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Fragment {
     /// Attribute values, within the hull of the triangle's vertex values.
@@ -54,11 +54,11 @@ pub struct Fragment {
     pub inv_w: f32,
     /// Reversed depth: 1 at the near plane, 0 at the far plane.
     pub depth: f32,
-    /// Whether the triangle's front (counter-clockwise) side is seen.
+    /// True if the triangle's front (counter-clockwise) side is seen.
     pub front: bool,
-    /// How many attributes are valid; the rest are 0.
+    /// Number of valid attributes; the rest are 0.
     pub count: usize,
-    /// The pixel, from the left and from the top: what computes its own values per pixel needs it.
+    /// The pixel, from the left and from the top, for stages that compute values of their own per pixel.
     pub pixel: [u32; 2],
 }
 
@@ -182,7 +182,7 @@ impl Ranged {
         bound(v, i.f64(f64::from(self.lo)), i.f64(f64::from(self.hi)))
     }
 
-    /// The value at a place on the screen, not divided.
+    /// The value at a point on the screen, not divided.
     #[inline(always)]
     pub(crate) fn at<I: Isa>(&self, i: I, x: I::F64, y: I::F64) -> I::F64 {
         plane_at(i, self.plane, x, y)
@@ -190,7 +190,7 @@ impl Ranged {
 }
 
 impl TriangleSetup {
-    /// `tile_x`, `tile_y`: the tile's place in the grid of [`TILE`].
+    /// `tile_x`, `tile_y`: the tile's coordinates in the grid of [`TILE`].
     pub(crate) fn new(shape: &Shape<'_>, tile_x: u32, tile_y: u32) -> Self {
         let origin = origin(tile_x, tile_y);
         let [ox, oy] = origin.map(f64::from);
@@ -236,7 +236,7 @@ impl TriangleSetup {
         setup
     }
 
-    /// Whether f32 planes about the tile's centre are too coarse. Decided from the triangle and its fixed tile alone.
+    /// True if f32 planes about the tile's centre are too coarse. Decided from the triangle and its fixed tile alone.
     fn needs_f64(&self) -> bool {
         let moderate = |r: &Ranged| is_moderate(Scalar, r.plane, [r.lo, r.hi]);
         !w_is_even(Scalar, self.w.plane, f64::from(self.w.lo))
@@ -261,7 +261,7 @@ impl TriangleSetup {
         }
     }
 
-    /// Whether a pixel needs more than f32 planes and one divide at most.
+    /// True if a pixel needs more than f32 planes and one divide at most.
     pub(crate) fn is_odd(&self) -> bool {
         self.wide || self.uses_rows()
     }

@@ -27,7 +27,7 @@ pub struct Tile {
 }
 
 impl Tile {
-    /// Whether it is not cut by the target's edge.
+    /// True if the target's edge does not cut the tile.
     pub(crate) fn is_whole(self) -> bool {
         self.width == TILE && self.height == TILE
     }
@@ -167,7 +167,7 @@ impl<'a> BinnedDraws<'a> {
         Ok(prepared)
     }
 
-    /// Whether a pixel's centre may lie outside a triangle that one of its samples shows.
+    /// True if a pixel's centre may lie outside a triangle that one of its samples shows.
     pub(crate) fn is_sampled(&self) -> bool {
         self.sampled
     }
@@ -218,19 +218,19 @@ impl<'a> BinnedDraws<'a> {
         self.size
     }
 
-    /// What became of the triangles.
+    /// Number of triangles by outcome.
     #[must_use]
     pub fn stats(&self) -> Stats {
         self.stats
     }
 
-    /// How many tiles the target has.
+    /// Number of tiles of the target.
     #[must_use]
     pub fn tiles(&self) -> usize {
         self.bin_start.len() - 1
     }
 
-    /// Whether no triangle reaches a tile.
+    /// True if no triangle reaches a tile.
     #[must_use]
     pub fn is_empty(&self, tile: usize) -> bool {
         self.bin_of(tile).is_empty()
@@ -252,7 +252,7 @@ impl<'a> BinnedDraws<'a> {
         }
     }
 
-    /// Which draw and which of its triangles an id belongs to.
+    /// The draw, and the index of its triangle, that an id belongs to.
     #[must_use]
     pub fn source(&self, id: u32) -> (u32, u32) {
         let whole = self.whole();
@@ -276,7 +276,7 @@ impl<'a> BinnedDraws<'a> {
         TriangleSetup::new(&shape, tile_x, tile_y)
     }
 
-    /// Whether the viewer sees the front of an id's triangle.
+    /// True if the viewer sees the front of an id's triangle.
     #[must_use]
     pub fn is_front(&self, id: u32) -> bool {
         self.shape(id).0.front
@@ -371,7 +371,7 @@ impl<'a> BinnedDraws<'a> {
     }
 }
 
-/// Whether a draw decides visibility.
+/// True if a draw decides visibility.
 pub(crate) fn decides_visibility(pass: Pass) -> bool {
     pass != Pass::Blended
 }

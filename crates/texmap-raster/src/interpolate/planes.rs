@@ -1,4 +1,5 @@
-//! Where the planes of a block's pixels lie, and how they come into lanes. Plane 0 is that of 1/w, plane 1 + k that of attribute k.
+//! Memory layout of the planes of a block's pixels, and their loads into lanes. Plane 0 is that of 1/w, plane 1 + k that of
+//! attribute k.
 
 use texmap_math::lanes::CacheAligned;
 use texmap_math::simd::{GatherTable, Isa, Scalar, prelude::*};
@@ -29,7 +30,7 @@ pub(super) trait PlaneSource<I: Isa> {
         None
     }
 
-    /// Whether an attribute is linear on the screen.
+    /// True if an attribute is linear on the screen.
     fn is_linear(&self, _attribute: usize) -> bool {
         false
     }
@@ -77,7 +78,7 @@ impl<'t> One<'t> {
         plane.each_ref().map(|c| c[self.lane % GROUP])
     }
 
-    /// Whether an attribute is linear on the screen.
+    /// True if an attribute is linear on the screen.
     pub(crate) fn has_linear(&self, attribute: usize) -> bool {
         self.linear >> attribute & 1 == 1
     }
@@ -111,7 +112,7 @@ impl<'t> OnePair<'t> {
         }
     }
 
-    /// What the blocks of a row share.
+    /// Terms that the blocks of a row share.
     #[inline(always)]
     pub(super) fn on_row<I: Isa>(&self, i: I, py: I::F32) -> PairOnRow<I> {
         let [w, first, second] = self.planes;
@@ -182,7 +183,7 @@ pub(super) struct Own<'t, I: Isa> {
     /// Coefficients a group.
     per_group: usize,
     slots: I::U32,
-    /// What the slots of a part share, and where its planes begin.
+    /// The key that the slots of each part share, and the index of the part's planes.
     keys: [u32; GROUP],
     starts: [u32; GROUP],
     parts: usize,
@@ -295,7 +296,7 @@ impl<I: Isa> PlaneSource<I> for Own<'_, I> {
     }
 }
 
-/// Three planes of each lane's own slot. Where slots share registers, parts are found on the way: for so few planes a loop that finds
+/// Three planes of each lane's own slot. If slots share registers, parts are found on the way: for so few planes a loop that finds
 /// them beforehand costs more than it saves.
 #[inline(always)]
 pub(super) fn three_planes<I: Isa>(

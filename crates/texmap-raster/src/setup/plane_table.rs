@@ -57,10 +57,10 @@ impl AttributePlanes {
         group.copied().unwrap_or(0)
     }
 
-    /// Room for `groups` groups with `attributes` attributes.
+    /// Resizes the buffers for `groups` groups with `attributes` attributes.
     fn reset(&mut self, groups: usize, attributes: usize, corner: [u32; 2]) {
         self.per_group = (1 + attributes) * COEFFICIENTS;
-        // What an earlier tile left stands only where no triangle is, and for attributes that a draw lacks.
+        // Values of an earlier tile remain only where no triangle is, and for attributes that a draw lacks.
         self.words.resize(groups * self.per_group * GROUP, 0.0);
         self.odd.clear();
         self.odd.resize(groups * GROUP, NO_PRIMITIVE);

@@ -24,7 +24,7 @@ impl BinnedDraws<'_> {
         map
     }
 
-    /// [`depth_map`](Self::depth_map) in the room of an earlier one.
+    /// [`depth_map`](Self::depth_map) in the buffer of an earlier one.
     pub fn depth_map_into(&self, threads: usize, map: &mut Vec<f32>) {
         self.depth_strips(threads, None, 0.0, map, &|_| {});
     }
@@ -139,7 +139,7 @@ pub struct DepthStrip<'a> {
     pub first_row: usize,
     /// One after the other.
     pub rows: &'a mut [f32],
-    /// Whether some triangle reaches each of its tiles.
+    /// True for each tile that some triangle reaches.
     pub reached: &'a [bool],
 }
 

@@ -50,11 +50,11 @@ impl VisibilityBuffer {
 
 /// Decides which fragments of a [`Pass::CutOut`](crate::Pass::CutOut) draw exist.
 pub trait AlphaTest {
-    /// Whether the fragment is kept.
+    /// True if the fragment is kept.
     fn keep(&self, draw: u32, triangle: u32, fragment: &Fragment) -> bool;
 
-    /// [`keep`](Self::keep) for those of sixteen fragments that are `asked` for, a bit each, where the first two attributes decide;
-    /// `None` where they do not: the fragments are asked about one by one then.
+    /// [`keep`](Self::keep) for those of sixteen fragments that are `asked` for, a bit each, by the first two attributes; `None`
+    /// if these do not decide: the fragments are asked about one by one then.
     fn keep_by_uv(&self, _draw: u32, _at: &UvBlock, _asked: u16) -> Option<u16> {
         None
     }
