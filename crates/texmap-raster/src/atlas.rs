@@ -70,7 +70,7 @@ pub struct AtlasOptions {
     /// Also texels that a face touches without covering their centre: no face that touches the atlas is lost, however small,
     /// as long as there are texels enough where it lies. A face without a texel takes one from a face that has several.
     pub conservative: bool,
-    /// Texels by which charts are dilated afterwards.
+    /// Texels by which islands are dilated afterwards.
     pub gutter: u32,
     /// Threads; above 1 work goes to the current rayon pool (feature `rayon`).
     pub threads: usize,
