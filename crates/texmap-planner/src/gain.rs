@@ -1,4 +1,4 @@
-//! What happens to texels before they are stored, and so how much of a filter's error shows.
+//! Gain: the operations on texels before they are stored, which decide how much of a filter's error shows.
 
 use std::cell::OnceCell;
 
@@ -14,7 +14,7 @@ const STEPS: usize = 24;
 /// Values below this count as black.
 const DARKEST: f32 = 1e-6;
 
-/// What a texel is multiplied by, per channel; then light is added, and what is beyond white is cut.
+/// Factor of a texel, per channel; then light is added, and values beyond white are cut.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Gain {
     /// Always this, and nothing added.
@@ -27,10 +27,10 @@ impl Gain {
     /// The most that two pixels can be stored apart in a channel, given the texels at the samples of each and the light that comes
     /// through each of them.
     ///
-    /// Each sample is cut at white before their mean. Where none is, the strength that shows most is the greatest: stored values
-    /// rise ever slower, but x times their slope grows; and what is added to both only brings them nearer. Beyond white there is
-    /// no such rule (half a pixel of white and half of black, under twice the light, stays as it is, while its mean turns white), so
-    /// that strengths are tried from the first that cuts anything.
+    /// Each sample is cut at white before their mean. If none is cut, the strength that shows most is the greatest: stored values
+    /// rise ever slower, but x times their slope grows; and light that is added to both only brings them nearer. Beyond white
+    /// there is no such rule (half a pixel of white and half of black, under twice the light, stays as it is, while its mean
+    /// turns white), so that strengths are tried from the first that cuts anything.
     pub(super) fn apart(
         self,
         channel: usize,
@@ -55,7 +55,7 @@ impl Gain {
         if most * brightest + added <= 1.0 {
             return off(most, 0.0);
         }
-        // What lifts a mean just to white tells it most from samples that are cut.
+        // The strength that lifts a mean just to white tells it most from samples that are cut.
         let mean = |pixel: &[[f32; 4]]| {
             let sum: f32 = pixel.iter().map(|texel| texel[channel]).sum();
             (sum / pixel.len() as f32).max(DARKEST)
