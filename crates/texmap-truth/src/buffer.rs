@@ -64,7 +64,7 @@ impl Buffer {
     /// Reads a `.npy` array, or else an image of any format that textures may have.
     ///
     /// # Errors
-    /// When the file cannot be read or decoded.
+    /// If the file cannot be read or decoded.
     pub fn read(path: &Path) -> Result<Self, IoError> {
         if path
             .extension()
@@ -184,7 +184,7 @@ impl Buffer {
     /// Compares with the expected values; `limit` is the largest difference that does not count as over.
     ///
     /// # Errors
-    /// When the sizes differ or are empty.
+    /// If the sizes differ or are empty.
     pub fn compare(&self, expected: &Self, limit: f64) -> Result<Comparison, MetricsError> {
         check(expected.shape, expected.len(), self.len())?;
         let pair = |index: usize| (expected.value(index), self.value(index));

@@ -27,7 +27,7 @@ impl Pinhole {
     /// sight is 1, so that [`Hit::t`] is the clip w of the point met.
     ///
     /// # Errors
-    /// When the camera has no view.
+    /// If the camera has no view.
     pub fn of_camera(camera: &Camera, width: u32, height: u32) -> Result<Self, CameraError> {
         let (columns, rows) = (f64::from(width), f64::from(height));
         let corner = camera.ray(width, height, 0.0, 0.0)?;

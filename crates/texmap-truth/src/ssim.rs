@@ -205,7 +205,7 @@ mod tests {
     #[test]
     fn holes_cost_their_windows_and_small_images_have_none() {
         let a = wave();
-        // What differs lies under a hole.
+        // The values that differ lie under a hole.
         let b = |i: usize| if i == 4000 { f64::NAN } else { a[i] };
         assert_eq!(ssim(SHAPE, 3, 1.0, |i| (a[i], b(i))), Some(1.0));
         assert_eq!(ssim(SHAPE, 3, 1.0, |_| (f64::NAN, 0.0)), None);

@@ -1,4 +1,4 @@
-//! Bumps by a formula of the place (Perlin 1985).
+//! Bumps by a formula of the position (Perlin 1985).
 
 use std::f64::consts::TAU;
 

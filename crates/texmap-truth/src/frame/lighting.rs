@@ -140,9 +140,9 @@ pub(super) fn terms(world: &World<'_>, surface: &Surface<'_>, at: &Point) -> Ter
             continue;
         };
         let position = cast.projector.position.as_vec3().to_array();
-        let lamp = Light::Point { color, position };
+        let light = Light::Point { color, position };
         let (color, diffuse, highlight) =
-            contribution(&numbers, model, &lamp, at.position, normal, view);
+            contribution(&numbers, model, &light, at.position, normal, view);
         let picture = cast.texel(at.position, at.moves).truncate();
         if diffuse > 0.0 && picture != DVec3::ZERO && world.projector_reaches(index, at) {
             sum.diffuse += color * picture * diffuse;
@@ -165,7 +165,7 @@ fn mirror(world: &World<'_>, surface: &Surface<'_>, at: &Point, normal: DVec3, s
     if material.reflection.is_none() && material.specular_map.is_none() {
         return;
     }
-    // A relief turns the normal; its bends are left to its own texels.
+    // A bump turns the normal; its bends are left to its own texels.
     let mirrored = at.view.mirrored(normal, at.normal.length(), at.turns);
     let light = |index: usize| {
         let sphere = world.environments[index].as_ref();

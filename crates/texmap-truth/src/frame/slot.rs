@@ -59,7 +59,7 @@ pub(super) struct Slot<'s> {
 }
 
 impl Slot<'_> {
-    /// A place of the mesh in the coordinates of the slot.
+    /// Texture coordinates of the mesh in those of the slot.
     pub(super) fn placed(&self, place: Place) -> Place {
         let [[a, b, c], [d, e, f]] = self.rows;
         let turn = |p: DVec2| DVec2::new(a * p.x + b * p.y, d * p.x + e * p.y);

@@ -1,4 +1,4 @@
-//! Solid textures: colour as a function of the place in space (Perlin 1985; Peachey 1985).
+//! Solid textures: colour as a function of the position in space (Perlin 1985; Peachey 1985).
 
 use texmap_math::glam::{DMat4, DVec3, DVec4};
 use texmap_sample::Pattern;

@@ -46,7 +46,7 @@ impl World<'_> {
                 met.push((owner, hit));
                 let hides = surface.material().alpha != AlphaMode::Blend
                     && self.scene.depth_test != DepthTest::Always;
-                // What lies at the same depth may be drawn over it.
+                // Surfaces at the same depth may be drawn over it.
                 let behind = hit.t * (1.0 + 4.0 * SAME_DEPTH);
                 if hides { end.min(behind) } else { end }
             });
