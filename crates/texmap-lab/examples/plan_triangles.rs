@@ -1,4 +1,4 @@
-//! What a plan for each triangle would save over one for each mesh: the last part of docs/generated/plans.md.
+//! Time that a plan for each triangle would save over one for each mesh: the last part of docs/generated/plans.md.
 //!
 //! `cargo run --release -p texmap-lab --example plan_triangles` draws a floor, whose triangles in front are magnified, with one
 //! filter, and again with bilinear for just those triangles; and a wall across the line of sight, where w is equal, with
@@ -23,7 +23,7 @@ const ROUNDS: usize = 61;
 /// Height of the eye over the floor.
 const EYE: f64 = 1.5;
 const FOV: f64 = 1.2;
-/// How far along the floor a pixel covers one texel: in front of it the floor is magnified.
+/// Distance along the floor at which a pixel covers one texel: in front of it the floor is magnified.
 const MIDDLE: f64 = 6.0;
 
 fn main() -> Result<(), Box<dyn Error>> {

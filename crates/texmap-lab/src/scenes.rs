@@ -150,7 +150,7 @@ impl UvScene {
     /// The `uv` buffer of the renderer.
     ///
     /// # Errors
-    /// When the renderer refuses the scene.
+    /// If the renderer refuses the scene.
     pub fn by_render(&self, interp: Interp) -> Result<UvImage, LabError> {
         let settings = RenderSettings {
             aovs: vec![Aov::Uv],
@@ -184,7 +184,7 @@ impl UvScene {
     /// The coordinates that the rasterizer interpolates.
     ///
     /// # Errors
-    /// When the rasterizer refuses the draw.
+    /// If the rasterizer refuses the draw.
     pub fn by_raster(&self, interp: Interp) -> Result<UvImage, LabError> {
         let (positions, attributes) = (self.positions(), self.attributes());
         let draw = DrawCall {
@@ -208,7 +208,7 @@ impl UvScene {
     /// and Greer 1997), evaluated from the corner of the picture.
     ///
     /// # Errors
-    /// When the camera has no view.
+    /// If the camera has no view.
     pub fn by_f32_homogeneous(&self) -> Result<UvImage, LabError> {
         let clip = self.clip()?.map(|c| [c.x as f32, c.y as f32, c.w as f32]);
         Ok(self.naive(|corners, uv, x, y| {
@@ -240,7 +240,7 @@ impl UvScene {
     /// and the triangle between the points so found is filled.
     ///
     /// # Errors
-    /// When the camera has no view.
+    /// If the camera has no view.
     pub fn by_projected_vertices(&self) -> Result<UvImage, LabError> {
         let clip = self.clip()?;
         Ok(self.naive(|corners, uv, x, y| {
@@ -256,7 +256,7 @@ impl UvScene {
     /// The exact coordinates, by one f64 ray a pixel.
     ///
     /// # Errors
-    /// When the camera has no view.
+    /// If the camera has no view.
     pub fn truth(&self) -> Result<UvImage, LabError> {
         let pinhole = Pinhole::of_camera(&self.camera, self.size, self.size)?;
         let triangles = Self::TRIANGLES.map(|t| t.map(|i| self.corners[i as usize]));
@@ -276,7 +276,7 @@ impl UvScene {
     /// Judges an image of coordinates.
     ///
     /// # Errors
-    /// When the camera has no view.
+    /// If the camera has no view.
     pub fn error(&self, found: &UvImage) -> Result<UvError, LabError> {
         let mut error = UvError {
             compared: 0,

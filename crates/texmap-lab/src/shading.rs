@@ -50,7 +50,7 @@ impl Method {
 pub struct Floor {
     /// Squares a side, at least 1.
     pub cells: u32,
-    /// Place of the light, above it.
+    /// Position of the light, above it.
     pub light: DVec3,
     /// Steepest slope of the waves that its normals show, five a side; 0 is flat.
     pub waves: f64,

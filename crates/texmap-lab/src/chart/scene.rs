@@ -39,7 +39,7 @@ const INTERPS: [Interp; 4] = [
 /// render with `effort.grid` / 4 x as many samples a side (8 at most) and 16 anisotropic probes in each.
 ///
 /// # Errors
-/// When the renderer refuses the scene.
+/// If the renderer refuses the scene.
 pub fn panel(
     scene: &Scene,
     (width, height): (u32, u32),

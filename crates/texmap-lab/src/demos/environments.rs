@@ -16,7 +16,7 @@ use texmap_truth::rays::{RayObject, RayScene};
 /// Half the side of the room.
 const HALF: f64 = 5.0;
 
-/// Colour of a place on the room's walls, linear: tiles of two tints, another pair on each wall.
+/// Colour of a point on the room's walls, linear: tiles of two tints, another pair on each wall.
 fn wall(p: DVec3) -> [f32; 3] {
     let a = p.abs();
     let tile = |x: f64, y: f64| ((x * 0.8).floor() as i64 + (y * 0.8).floor() as i64) & 1 == 0;
