@@ -214,8 +214,9 @@ fn threads_levels_and_block_order_reach_no_pixel() {
     }
 }
 
-/// Every stage of lit surfaces that has lanes: normal maps on both sides, spot, directional and point lights with all biases, slides with
-/// and without shadows, real and whole exponents, mirrors with and without relief, normals in object space, baked light beside computed.
+/// Every stage of lit surfaces that has lanes: normal maps on both sides, spot, directional and point lights with all biases,
+/// projectors with and without shadows, real and whole exponents, mirrors with and without bumps, normals in object space, baked
+/// light beside computed.
 fn lit() -> Scene {
     let bumps = texture(64, 64, |x, y| {
         [

@@ -137,12 +137,12 @@ fn opacity_and_its_map_take_part() {
     assert_eq!(pixel(&frame, 8, 48), [0, 0, 255, 255]);
 }
 
-/// A fence throws the shadow of its boards: light goes through the holes that the camera sees.
+/// A fence casts the shadow of its boards: light goes through the holes that the camera sees.
 #[test]
 fn holes_let_light_through() {
     let mut scene = fence(AlphaMode::Test(0.0), Filter::Nearest);
     scene.materials[1].shading = texmap_scene::Shading::PerPixel;
-    // A point of the fence at x throws its shadow to x + 0.5 on the wall.
+    // A point of the fence at x casts its shadow to x + 0.5 on the wall.
     scene.lights = vec![texmap_light::Light::Directional {
         color: [1.0; 3],
         direction: [0.5, 0.0, -1.0],

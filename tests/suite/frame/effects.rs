@@ -1,4 +1,4 @@
-//! Shadows, slides, environments, relief and light maps in whole frames.
+//! Shadows, projectors, environments, bump and light maps in whole frames.
 
 use texmap_bake::{BakeOptions, bake};
 use texmap_light::{
@@ -222,7 +222,7 @@ fn every_effect_is_seen() {
 #[test]
 fn no_buffer_holds_a_nan_of_its_own() {
     let mut hostile = all();
-    // Normals without length, coordinates without area, a slide seen edge-on, a light in a vertex.
+    // Normals without length, coordinates without area, a projected picture seen edge-on, a light in a vertex.
     hostile.meshes[1].normals = vec![[0.0; 3]; 4];
     hostile.meshes[2].uvs = vec![[0.5, 0.5]; 4];
     hostile.lights[2] = Light::Point {
@@ -230,7 +230,7 @@ fn no_buffer_holds_a_nan_of_its_own() {
         position: hostile.meshes[2].positions[0],
     };
     let mut scenes = vec![all(), hostile];
-    // Reliefs beyond all measure, on a floor whose coordinates collapse at one corner.
+    // Bumps beyond all measure, on a floor whose coordinates collapse at one corner.
     let slot = || slot(1, Filter::Bilinear).unwrap();
     for size in [1e30, -1e30, 1e-30] {
         for relief in [
@@ -267,7 +267,7 @@ fn no_buffer_holds_a_nan_of_its_own() {
                     .find(|v| !v.is_finite() && v.to_bits() != HOLE_BITS);
                 assert!(bad.is_none(), "{aov}: {bad:?}");
                 assert!(
-                    // Light 0 is ambient: it throws no shadow.
+                    // Light 0 is ambient: it casts no shadow.
                     values.iter().any(|v| v.is_finite()) || *aov == Aov::Shadow(0),
                     "{aov}"
                 );
@@ -306,7 +306,7 @@ fn blockers_only_darken() {
     }
 }
 
-/// A slide as light is the lamp's own formula at each pixel; property 31: a light map of ones is the surface itself.
+/// A projector as light is the light's own formula at each pixel; property 31: a light map of ones is the surface itself.
 #[test]
 fn a_white_light_map_is_the_surface() {
     let white = texture(4, 4, |_, _| [255; 4]);
@@ -410,7 +410,7 @@ fn slides_do_not_follow_the_eye() {
     }
 }
 
-/// What stands behind a projector or beside its lens gets nothing of its slide, whatever the border rule: t is tested before the
+/// A point behind a projector or beside its lens gets nothing of its picture, whatever the border rule: t is tested before the
 /// division, on every level.
 #[test]
 fn nothing_behind_a_projector_is_lit() {
@@ -524,7 +524,7 @@ fn faults_of_effects_are_named() {
     assert!(text(|s| s.effects.projectors[1].softness = 2.0).contains("softness"));
     assert!(text(|s| s.effects.environments.clear()).contains("does not exist"));
     assert!(text(|s| s.materials[0].light_map.as_mut().unwrap().scale = -1.0).contains("scale"));
-    // A slide of no size, a projector that looks nowhere.
+    // A picture of no size, a projector that looks nowhere.
     let thrown = |look: DVec3, up: DVec3, fov: f64, aspect: f64| {
         Projector::new(DVec3::ZERO, look, up, fov, aspect)
             .unwrap_err()

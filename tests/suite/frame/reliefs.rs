@@ -1,4 +1,4 @@
-//! What turns normals: offset maps, carved heights, and the units of a bump.
+//! Turned normals: offset maps, procedural heights, and the units of a bump.
 
 use texmap_light::{
     Heights, Light, NormalMapGreen, PhongMaterial, ShadowBias, Slope, encode_normal, encode_offsets,
@@ -127,7 +127,7 @@ fn offsets_are_the_bump_map_of_their_heights() {
         assert!(most(&bumped, &exact) <= 1, "{}", most(&bumped, &exact));
         let coarse = with(offsets(2, slope, NormalMapGreen::Up));
         assert!(most(&bumped, &coarse) <= 4, "{}", most(&bumped, &coarse));
-        // Twins: green the wrong way round, and inside out.
+        // Negative twins: green the wrong way round, and inside out.
         for wrong in [
             offsets(1, slope, NormalMapGreen::Down),
             offsets(1, -slope, NormalMapGreen::Up),
@@ -237,7 +237,7 @@ fn object_space_normals_follow_an_uneven_scale() {
     assert!((wrong - truth).abs() > 0.1, "the matrix itself is far off");
 }
 
-/// A lone plane under an uneven scale throws no shadow on itself: the slope of the bias is that of its plane in the world.
+/// A lone plane under an uneven scale casts no shadow on itself: the slope of the bias is that of its plane in the world.
 #[test]
 fn the_slope_of_a_scaled_plane_keeps_it_lit() {
     let mut mesh = quad([

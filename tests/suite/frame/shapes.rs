@@ -320,7 +320,7 @@ fn cube(apart: bool) -> Mesh {
     mesh
 }
 
-/// Where the positions of a mesh go under a map.
+/// Positions of a mesh after its displacement by a map.
 fn moved(mesh: Mesh, map: texmap_sample::Texture2d<'static>, height: f32) -> Vec<[f32; 3]> {
     let mut scene = empty();
     scene.textures = vec![map];
@@ -349,7 +349,7 @@ fn corners_move_along_the_mean_of_their_different_normals() {
     }
 }
 
-/// Where coordinates jump, both sides go by the mean of their heights.
+/// At a jump of the coordinates, both sides go by the mean of their heights.
 #[test]
 fn seams_move_by_the_mean_of_their_heights() {
     let halves = texture(2, 1, |x, _| if x == 0 { [0, 0, 0, 255] } else { [255; 4] });

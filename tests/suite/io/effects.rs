@@ -1,4 +1,4 @@
-//! What the lines of light become.
+//! Lines of light: the lights, projectors and maps that they give.
 
 use texmap_light::{Light, NormalMapGreen, ShadowBias};
 use texmap_math::glam::DVec3;
@@ -40,7 +40,7 @@ fn lights_shadows_and_projectors_are_added() {
         (slides[1].mode, slides[1].shadow),
         (ProjectorMode::Decal, Some(64))
     );
-    // The slide's own aspect: twice as wide as high.
+    // The picture's own aspect: twice as wide as high.
     let [q, s, _] = slides[0].projector.rows();
     assert!((s.y.abs() / q.x.abs() - 2.0).abs() < 1e-9);
     render(
@@ -93,7 +93,7 @@ fn what_throws_shadows_and_how_much_of_it_a_map_shows() {
     assert!(!scene.meshes[0].casts_no_shadow && scene.meshes[1].casts_no_shadow);
     let (_, back) = pixel("", "shadowless yes\nshadowless no\n");
     assert_eq!(back, dark);
-    // A map of the lid alone shows its shadow; one of another place does not, and what it does not show is lit.
+    // A map of the lid alone shows its shadow; one of another area does not, and points outside of the map are lit.
     let (scene, there) = pixel("area 0 0 0 1.5", "");
     let area = scene.effects.shadows[0].area.unwrap();
     assert_eq!((area.0.to_array(), area.1), ([0.0; 3], 1.5));
@@ -417,7 +417,7 @@ fn bumps_that_are_still_set_do_not_reach_faces_without_coordinates() {
         )
         .expect("a picture");
     }
-    // What needs no coordinates reaches all faces.
+    // Procedural heights need no coordinates and reach all faces.
     let carved = files().scene(&format!("carve noise 0.1 0 0 0 1 1 1\n{FACE}"));
     assert!(carved.materials[0].normal_detail.is_some() && carved.warnings.is_empty());
 }

@@ -531,7 +531,7 @@ proptest! {
         prop_assert_eq!(commands(&read(&scribbled)), commands(&scene), "{}", scribbled);
     }
 
-    /// The twin: what is not a comment or a blank does alter it.
+    /// The negative twin: a change that is neither a comment nor a blank does alter it.
     #[test]
     fn a_changed_number_alters_the_scene(x in 0_u32..1000, y in 0_u32..1000) {
         let text = |n: u32| format!("v 1 {n}.5 2 # {x}");

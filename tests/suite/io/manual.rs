@@ -83,7 +83,7 @@ fn the_tables_are_those_of_the_language() {
 
 #[test]
 fn the_manual_has_the_words_of_every_choice() {
-    // Where they stand: `filter`, `wrap` and `interp` have too many for the column of values.
+    // True if the words stand in the column of meanings: `filter`, `wrap` and `interp` have too many for the column of values.
     let choices = [
         ("color", false),
         ("filter", true),

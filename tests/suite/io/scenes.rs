@@ -1,4 +1,4 @@
-//! What the commands of a scene become.
+//! Commands of a scene: the meshes, materials and settings that they give.
 
 use texmap_light::Light;
 use texmap_math::glam::DVec3;
@@ -256,7 +256,7 @@ fn a_framed_face_is_the_textured_face_within_a_millionth() {
         }
     }
     assert!(covered > 500, "{covered}");
-    // The twin: a frame shifted in its plane is another picture.
+    // The negative twin: a frame shifted in its plane is another picture.
     let shifted = textured().scene(&framed_face.replace("frame 0 1 0", "frame 0.01 1 0"));
     assert!(
         uv(&shifted)

@@ -1,4 +1,4 @@
-//! What the lines of shape become: displaced, bent and turned meshes.
+//! Lines of shape: displaced, bent and turned meshes.
 
 use texmap_math::glam::DVec3;
 use texmap_render::{RenderSettings, render};

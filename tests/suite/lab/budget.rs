@@ -238,7 +238,7 @@ fn a_plan_is_about_as_cheap_as_the_cheapest_that_would_do() {
     assert!(within * 2 > ratios.len());
 }
 
-/// What the budget is worth: the cheapest filter everywhere breaks it.
+/// The cheapest filter everywhere breaks the budget.
 #[test]
 fn nearest_everywhere_breaks_the_budget() {
     let broken = (0..12).filter(|&seed| {

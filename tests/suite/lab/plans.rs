@@ -1,4 +1,4 @@
-//! What the planner predicts and leaves out, against pictures.
+//! Predictions of the planner, and the features that it leaves out, against pictures.
 use std::path::Path;
 
 use texmap_light::Light;
@@ -153,7 +153,7 @@ fn pictures_do_without_idle_lights() {
         material.shading = Shading::PerPixel;
         material.texture_role = TextureRole::Modulate;
     }
-    // Something to throw shadows.
+    // A mesh that casts shadows.
     let mut near = scene.meshes[0].clone();
     near.positions
         .iter_mut()

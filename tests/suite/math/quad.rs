@@ -231,7 +231,7 @@ fn bad_quads_are_refused() {
         ),
         "overflow"
     );
-    // Size and place alone are no reason.
+    // Size and position alone are no reason.
     quad([
         (5.0, 5.0),
         (5.0 + 1e-5, 5.0),

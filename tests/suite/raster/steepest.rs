@@ -1,4 +1,4 @@
-//! What is said of a triangle's derivatives over a tile holds at each of its pixels.
+//! Bounds on a triangle's derivatives over a tile hold at each of its pixels.
 use texmap_math::Level;
 use texmap_raster::{
     AttributePlanes, BinnedDraws, Fragment, NO_PRIMITIVE, NoAlphaTest, SAMPLES_4, TileVisibility,

@@ -12,7 +12,7 @@ use texmap_sample::{
 };
 use texmap_tests::levels::levels;
 
-/// Places and footprints: smooth runs, random ones, and the numbers that break things.
+/// Coordinates and footprints: smooth runs, random ones, and the numbers that break things.
 struct Places {
     u: Vec<f32>,
     v: Vec<f32>,

@@ -14,7 +14,7 @@ use texmap_uv::{
 use crate::meshes::{ball, ramp, tube};
 
 fn mapped(mesh: &Mesh<'_>, shape: Shape, fix_seams: bool) -> UvSet {
-    // A box around an odd number of meridians has its middle off the axis: the shape is placed by hand.
+    // A box around an odd number of meridians has its middle off the axis: the shape's position is set by hand.
     let frame = (shape == Shape::Sphere).then(|| Placement::upright(DVec3::ZERO, DVec3::ONE));
     Mapping {
         fix_seams,

@@ -79,7 +79,7 @@ pub fn hashes(folders: &Folders, level: Level) -> Result<String, Box<dyn Error>>
 /// The random scene of a seed, by way of its file.
 ///
 /// # Errors
-/// What the reader refuses.
+/// Every fault that the reader finds.
 pub fn effect_scene(seed: u64, folders: &Folders) -> Result<Scene, Box<dyn Error>> {
     let path = folders.work.join(format!("effects-{seed:02}.scene"));
     std::fs::write(&path, effects::text(seed, folders))?;
@@ -122,7 +122,7 @@ fn write_skies(folders: &Folders) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// What the decoders make of the pictures.
+/// Hashes of the decoded pictures.
 fn decoded(folders: &Folders, list: &mut String) -> Result<(), Box<dyn Error>> {
     let textures = files(&folders.assets.join("textures"), &["png", "gif", "jpg"])?;
     for path in textures.into_iter().chain(files(&folders.data, &["jpg"])?) {
