@@ -1,5 +1,5 @@
-//! How the time of a frame grows with triangles and with pixels, what two threads and each SIMD level give, and the memory beside
-//! the scene.
+//! Growth of a frame's time with triangles and with pixels, with two threads and on each SIMD level, and the memory beside the
+//! scene.
 //!
 //! `cargo run --release -p texmap-benches --bin frame-scaling` writes `benches/results/frame_scaling.csv` and `.svg` (about a
 //! minute). Every time is the minimum of several frames.
@@ -33,7 +33,7 @@ struct Row {
     /// Triangles or pixels.
     count: usize,
     milliseconds: f64,
-    /// How far making ready and drawing raised the peak of resident memory, in MiB; the frame is in it, room that the allocator had
+    /// Rise of the peak of resident memory by preparing and drawing, in MiB; the frame is in it, memory that the allocator had
     /// kept is not.
     memory: Option<f64>,
 }
@@ -190,7 +190,7 @@ fn frame(
 struct Resident(f64);
 
 impl Resident {
-    /// What is held now; the peak counts from here.
+    /// The resident memory now; the peak counts from here.
     fn reset() -> Option<Self> {
         fs::write("/proc/self/clear_refs", "5").ok()?;
         status("VmRSS:").map(Self)

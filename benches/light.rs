@@ -58,7 +58,7 @@ impl Vectors {
     }
 }
 
-/// What the effects read.
+/// Inputs of the effects.
 struct Input {
     points: Vectors,
     normals: Vectors,

@@ -73,7 +73,7 @@ fn scene(filter: Filter) -> Scene {
     }
 }
 
-/// What a program does that has the two crates and no renderer.
+/// State of a program that has the two crates and no renderer.
 struct Alone<'s> {
     scene: &'s Scene,
     clip_from_world: DMat4,

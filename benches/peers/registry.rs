@@ -56,7 +56,7 @@ impl Racer for Texmap<'_> {
     }
 }
 
-/// What both peers get: positions that one matrix takes to clip space, and texels.
+/// Input of both peers: positions that one matrix takes to clip space, and texels.
 pub(crate) struct Given {
     pub(crate) size: [u32; 2],
     /// Of the texture: texels a side, a power of two.

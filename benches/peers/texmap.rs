@@ -9,7 +9,7 @@ use texmap_sample::Filter;
 pub(crate) use texmap_sample::Precision;
 use texmap_scene::Scene;
 
-/// How texmap draws a row: sampler precision, and what happens to hidden layers.
+/// Mode in which texmap draws a row: sampler precision, and the treatment of hidden layers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Mode {
     pub(crate) precision: Precision,
@@ -169,7 +169,7 @@ impl Texmap {
     }
 }
 
-/// What a picture should be where filters differ by right; `None` for scenes whose pictures must agree value by value.
+/// The reference picture if filters differ by right; `None` for scenes whose pictures must agree value by value.
 ///
 /// The anisotropic floor: 8 x 8 trilinear samples a pixel. Normal maps: the same picture with f32 weights, as light shows twice over
 /// what bytes round off normals (with f32 weights in both, `GALLIVM_PERF=no_aos_sampling`, these pictures agree value by value).
