@@ -64,7 +64,7 @@ pub fn world_subdivision_bound(ratio: f64, n: u32) -> f64 {
     (r - 1.0) / (4.0 * n * n)
 }
 
-/// The fewest equal screen parts whose error times `change` = |u2 - u1| is within `budget`; None where no u32 is enough, the budget is
+/// The fewest equal screen parts whose error times `change` = |u2 - u1| is within `budget`. None where no u32 is enough, the budget is
 /// not above 0 or a number is NaN.
 #[must_use]
 pub fn screen_subdivisions_for(ratio: f64, change: f64, budget: f64) -> Option<u32> {

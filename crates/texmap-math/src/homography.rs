@@ -86,7 +86,7 @@ impl Homography {
         }
     }
 
-    /// From the unit square to a quad: (0,0), (1,0), (1,1), (0,1) go to the four corners, in that order; Heckbert's closed form.
+    /// From the unit square to a quad: (0,0), (1,0), (1,1), (0,1) go to the four corners, in that order. Heckbert's closed form.
     ///
     /// # Errors
     /// [`HomographyError`] where three corners are nearly collinear or the quad is not convex.

@@ -76,7 +76,7 @@ pub struct PlaneSetup {
 }
 
 impl PlaneSetup {
-    /// Set-up from screen positions in pixels; None without area and for numbers that are not finite (or overflow). The anchor is the first vertex, where every
+    /// Set-up from screen positions in pixels. None without area and for numbers that are not finite (or overflow). The anchor is the first vertex, where every
     /// plane gives the vertex value exactly.
     #[must_use]
     pub fn new(p: [DVec2; 3]) -> Option<Self> {

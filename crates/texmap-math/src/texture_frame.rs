@@ -149,7 +149,7 @@ pub struct PlanarTexgen {
 }
 
 impl PlanarTexgen {
-    /// The uv where the line through the eye along `w` meets the plane; None where it does not (parallel: the horizon; or overflow).
+    /// The uv where the line through the eye along `w` meets the plane. None where it does not (parallel: the horizon; or overflow).
     #[must_use]
     pub fn uv(&self, w: DVec3) -> Option<DVec2> {
         let c = self.c.dot(w);
@@ -158,7 +158,7 @@ impl PlanarTexgen {
     }
 }
 
-/// Sine of the angle between two vectors, 0 where one is zero; scaled, so that no length over- or underflows.
+/// Sine of the angle between two vectors, 0 where one is zero. Scaled, so that no length over- or underflows.
 fn sine_between(u: DVec3, v: DVec3) -> f64 {
     let (lu, lv) = (u.abs().max_element(), v.abs().max_element());
     if !(lu > 0.0 && lv > 0.0 && lu.is_finite() && lv.is_finite()) {

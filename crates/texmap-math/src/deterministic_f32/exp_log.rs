@@ -35,7 +35,7 @@ pub fn ln(x: f32) -> f32 {
     round(logarithm(f64::from(x)) * LN_2)
 }
 
-/// `x` to the power `y`; NaN for a negative `x` with a `y` that is no integer; `pow(x, 0)` and `pow(1, y)` are 1, for NaN too.
+/// `x` to the power `y`; NaN for a negative `x` with a `y` that is no integer. `pow(x, 0)` and `pow(1, y)` are 1, for NaN too.
 #[inline]
 #[must_use]
 pub fn pow(x: f32, y: f32) -> f32 {

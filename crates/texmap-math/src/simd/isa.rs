@@ -204,7 +204,7 @@ pub trait Isa: Copy + core::fmt::Debug + Send + Sync + 'static {
 
     /// Runs `f` with these instructions enabled. `f` must be `#[inline(always)]`.
     fn vectorize<R>(self, f: impl FnOnce() -> R) -> R;
-    /// `f` of `x` by the form of this width: the formula is compiled where `x1`, `x4` and `x16` stand, not in each caller.
+    /// `f` of `x` by the form of this width. The formula is compiled where `x1`, `x4` and `x16` stand, not in each caller.
     fn apply(
         self,
         x: Self::F32,
