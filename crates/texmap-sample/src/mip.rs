@@ -119,7 +119,7 @@ fn owned(words: Words<'_>) -> Vec<u32> {
     }
 }
 
-/// [`build`] where each texel of a level depends on few above it: all levels grow together, row by row,
+/// [`build`] where each texel of a level depends on few above it. All levels grow together, row by row,
 /// so that beside the chain itself no more than three rows a level are held.
 fn stream(base: Chain<'_>, reduce: Reduce) -> Chain<'static> {
     let first = base.levels[0];

@@ -35,7 +35,7 @@ impl Pattern {
     /// Most octaves.
     pub const MAX_OCTAVES: u8 = 16;
 
-    /// The value at a point, as a pixel `width` units wide sees it: octaves too fine for it fade out, sheets and rings
+    /// The value at a point, as a pixel `width` units wide sees it. Octaves too fine for it fade out, sheets and rings
     /// go to their mean, so that nothing flickers from afar. A width of 0 (or NaN) gives the pattern itself. A point
     /// beyond 2^23, where floats have no fraction, or not finite, reads as the origin.
     pub fn value(&self, p: [f32; 3], width: f32) -> f32 {

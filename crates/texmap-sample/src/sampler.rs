@@ -145,7 +145,7 @@ pub struct Sampler {
     pub wrap_u: Wrap,
     /// Outside `[0, 1)` in v.
     pub wrap_v: Wrap,
-    /// Linear premultiplied colour of [`Wrap::ClampToBorder`]; NaN reads as 0, and values are cut to +-2^100.
+    /// Linear premultiplied colour of [`Wrap::ClampToBorder`]. NaN reads as 0, and values are cut to +-2^100.
     pub border: [f32; 4],
     /// Level of detail.
     pub lod: Lod,

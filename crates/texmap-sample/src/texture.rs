@@ -200,7 +200,7 @@ impl<'a> Texture2d<'a> {
         Ok(Self { chain })
     }
 
-    /// The same image with its whole mip chain: every level is the area-weighted mean of the base,
+    /// The same image with its whole mip chain. Every level is the area-weighted mean of the base,
     /// in linear light and premultiplied, for odd sizes too. A borrowed texture is copied.
     #[must_use]
     pub fn with_mips(self) -> Texture2d<'static> {
@@ -209,8 +209,8 @@ impl<'a> Texture2d<'a> {
         }
     }
 
-    /// A mip chain for unit vectors stored as (n + 1) / 2 (x, y, z in the first three channels):
-    /// each level's means are made unit vectors again.
+    /// A mip chain for unit vectors stored as (n + 1) / 2 (x, y, z in the first three channels).
+    /// Each level's means are made unit vectors again.
     #[must_use]
     pub fn with_normal_mips(self) -> Texture2d<'static> {
         Texture2d {
@@ -218,7 +218,7 @@ impl<'a> Texture2d<'a> {
         }
     }
 
-    /// A mip chain for cut-outs: alpha (and the premultiplied colour with it) of each level is scaled
+    /// A mip chain for cut-outs. Alpha (and the premultiplied colour with it) of each level is scaled
     /// so that the share of texels at or above `threshold` stays that of the base; by the factor nearest to one that does it, so that an
     /// opaque image stays opaque.
     #[must_use]

@@ -57,7 +57,7 @@ pub struct RayRadiance {
 }
 
 impl<'a> VolumeIntegrator<'a> {
-    /// `density` is the extinction of density 1, per unit of the ray's parameter: through a length L of it shows
+    /// `density` is the extinction of density 1, per unit of the ray's parameter. Through a length L of it shows
     /// `exp(-density L)` of what is behind. `step` is the distance of look-ups in the same unit. With a filter that reads
     /// mip levels a step longer than a voxel reads a level whose voxels are about as long.
     ///
@@ -105,7 +105,7 @@ impl<'a> VolumeIntegrator<'a> {
         self
     }
 
-    /// The ray `origin + t direction` for t in `span`, in the space of the unit cube; the eye may be inside. The part
+    /// The ray `origin + t direction` for t in `span`, in the space of the unit cube. The eye may be inside. The part
     /// inside is cut into equal steps of at most `step`, each looked up at its middle and weighed by
     /// `1 - exp(-density step)`, so the result does not depend on the step where the matter does not change. A ray that
     /// misses, or is not finite, sees nothing.
@@ -244,7 +244,7 @@ fn straight([r, g, b, a]: [f32; 4]) -> ([f32; 3], f32) {
     }
 }
 
-/// The part of a ray that lies in the unit cube, within `span`; `None` if none does (Kay and Kajiya 1986: slabs). A ray
+/// The part of a ray that lies in the unit cube, within `span`. `None` if none does (Kay and Kajiya 1986: slabs). A ray
 /// that runs along a slab is inside of it all the way or not at all; on its face counts as inside.
 fn through(origin: [f64; 3], direction: [f64; 3], span: (f64, f64)) -> Option<(f64, f64)> {
     let (mut near, mut far) = span;

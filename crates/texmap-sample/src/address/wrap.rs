@@ -67,7 +67,7 @@ impl Axis {
         }
     }
 
-    /// Texel of an index that [`scale`](Self::scale) leads to, on an axis of `n` texels; [`OUTSIDE`] a border.
+    /// Texel of an index that [`scale`](Self::scale) leads to, on an axis of `n` texels. [`OUTSIDE`] a border.
     #[inline(always)]
     pub(crate) fn index<I: Isa>(self, i: I, x: I::I32, n: I::I32) -> I::I32 {
         match self.wrap {

@@ -203,7 +203,7 @@ fn columns<I: Isa, const FORMAT: u8, const LEVELS: u8>(i: I, batch: Batch<'_, '_
     );
 }
 
-/// Blocks whose face coordinates are computed before the first look-up: a gather then waits for its own addresses alone.
+/// Blocks whose face coordinates are computed before the first look-up. A gather then waits for its own addresses alone.
 const RUN: usize = 8;
 
 /// Face coordinates of a run's blocks.
@@ -238,7 +238,7 @@ impl Places {
 /// Directions in the axes of their faces.
 pub(super) struct FaceVector<I: Isa> {
     pub(super) face: I::I32,
-    /// To the right and down: (-z, -y) on +X, (x, z) on +Y, (x, -y) on +Z; mirrored on the other sides as OpenGL has it.
+    /// To the right and down: (-z, -y) on +X, (x, z) on +Y, (x, -y) on +Z. Mirrored on the other sides as OpenGL has it.
     pub(super) across: [I::F32; 2],
     /// Out of the face, above 0.
     pub(super) major: I::F32,

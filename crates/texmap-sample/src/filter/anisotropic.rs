@@ -22,7 +22,7 @@ pub(crate) struct Axes<I: Isa> {
 }
 
 impl<I: Isa> Axes<I> {
-    /// The singular values of the Jacobian (Heckbert 1989, section 3.5.9): the columns of a sheared
+    /// The singular values of the Jacobian (Heckbert 1989, section 3.5.9). The columns of a sheared
     /// Jacobian are not the axes. `J J^T = [p q; q r]`.
     #[inline(always)]
     pub(crate) fn new(i: I, d: &TexelFootprint<I>) -> Self {

@@ -15,7 +15,7 @@ use texmap_math::{
 /// Entries of the weight table over squared radius 0..1.
 const STEPS: usize = 128;
 
-/// The Gaussian e^(-2 r^2) of half a pixel, lowered so that it ends at 0 on the ellipse; times 2^-16, so that the sum over an ellipse of
+/// The Gaussian e^(-2 r^2) of half a pixel, lowered so that it ends at 0 on the ellipse. Times 2^-16, so that the sum over an ellipse of
 /// texels of any size stays finite.
 static WEIGHT_BITS: [u32; STEPS] = weight_bits();
 
