@@ -143,7 +143,7 @@ fn divide(
     islands(&layer).of_face
 }
 
-/// Moves each face that overlaps earlier ones of its group to the first layer where it overlaps none; faces that cannot be
+/// Moves each face that overlaps earlier ones of its group to the first layer where it overlaps none. Faces that cannot be
 /// compared with all others, since too many lie at one point, to layers of their own.
 fn first_fit(triangles: &[Flat], group: &[u32], layer: &mut [u32]) {
     let (pairs, unfinished) = overlap::pairs(triangles, Some(group));

@@ -15,7 +15,7 @@ use crate::{UvError, parallel, plane, seam_unwrap, spherical};
 /// The vector that a shape maps to texture coordinates.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum ProjectionSource {
-    /// The position in the frame, moved along the normals of the shape: a plane drops z, a cylinder the distance
+    /// The position in the frame, moved along the normals of the shape. A plane drops z, a cylinder the distance
     /// from its axis, and a box takes the side that each face's own normal is nearest to (Bier and Sloan's
     /// "intermediate surface normal").
     #[default]
@@ -60,7 +60,7 @@ pub struct Mapping {
 pub struct MappedMesh {
     /// The coordinates.
     pub set: UvSet,
-    /// Faces that enclose the axis of a round shape: no vertex coordinates map them right; divide them there.
+    /// Faces that enclose the axis of a round shape: no vertex coordinates map them right. Divide them there.
     pub around_axis: Vec<u32>,
 }
 
@@ -307,7 +307,7 @@ impl Mapping {
         Ok(out)
     }
 
-    /// The ray along `d` on the side of a cylinder or cone, even where it would meet a cap first; its height is
+    /// The ray along `d` on the side of a cylinder or cone, even where it would meet a cap first. Its height is
     /// kept within the solid.
     fn cast_side(&self, d: DVec3) -> DVec3 {
         let out = float::sqrt(d.x * d.x + d.z * d.z);

@@ -203,7 +203,7 @@ impl<'a> Mesh<'a> {
             .fold((first, first), |(low, high), p| (low.min(p), high.max(p)))
     }
 
-    /// The first position of each group of equal positions, for every position: a mesh split along texture
+    /// The first position of each group of equal positions, for every position. A mesh split along texture
     /// seams or hard edges is one surface again.
     pub(crate) fn welded(&self) -> Vec<u32> {
         // Hashed keys may collide, by chance or by design: then they are sorted.
@@ -280,7 +280,7 @@ pub struct UvSet {
 }
 
 impl UvSet {
-    /// Shares equal coordinates among the corners of a position (and of positions equal to it): a vertex is split
+    /// Shares equal coordinates among the corners of a position (and of positions equal to it). A vertex is split
     /// only where its corners differ.
     ///
     /// # Panics
@@ -428,7 +428,7 @@ impl UvSet {
 mod tests {
     use super::*;
 
-    /// A cube's corner has one position and three coordinates; a vertex buffer has 24 vertices, and no more.
+    /// A cube's corner has one position and three coordinates. A vertex buffer has 24 vertices, and no more.
     #[test]
     fn vertices_split_where_corners_differ() {
         let positions: Vec<[f32; 3]> = (0..8)
@@ -545,7 +545,7 @@ mod tests {
         }
     }
 
-    /// A vertex with a coordinate of its own in each of many faces, in pairs: equal ones are shared on either side of the
+    /// A vertex with a coordinate of its own in each of many faces, in pairs. Equal ones are shared on either side of the
     /// longest chain.
     #[test]
     fn a_pole_of_many_coordinates_shares_equal_ones() {

@@ -29,7 +29,7 @@ impl Default for AtlasSize {
     }
 }
 
-/// Moves the islands of a set side by side into [0, 1], with one texel density for all: every island is scaled to its area in
+/// Moves the islands of a set side by side into [0, 1], with one texel density for all. Every island is scaled to its area in
 /// space, then all by the same factor, as large as the atlas allows. Islands stand on whole texels and lie on their longer side.
 ///
 /// # Errors
@@ -170,7 +170,7 @@ fn best_scale(charts: &[Island], atlas: AtlasSize) -> Result<(f64, Vec<DVec2>), 
     Ok(best)
 }
 
-/// Lower left corners on shelves from left to right, the highest islands first; `None` if the atlas overflows.
+/// Lower left corners on shelves from left to right, the highest islands first. `None` if the atlas overflows.
 fn shelves(charts: &[Island], order: &[usize], scale: f64, atlas: AtlasSize) -> Option<Vec<DVec2>> {
     let (size, gutter) = (f64::from(atlas.size), f64::from(atlas.gutter));
     let mut corners = vec![DVec2::ZERO; charts.len()];

@@ -114,7 +114,7 @@ pub struct Report {
     pub surface_area: f64,
     /// Length in space of the edges where the picture is interrupted, each edge once.
     pub seam_length: f64,
-    /// Mean share of that length which is seen, over 14 views from the axes and corners of a cube; NaN without
+    /// Mean share of that length which is seen, over 14 views from the axes and corners of a cube. NaN without
     /// views, 0 without seams.
     pub seam_seen: f64,
     /// Length in space of the mesh's own rim.

@@ -92,7 +92,7 @@ impl Shape {
         }
     }
 
-    /// The coordinates of a point on one part's unit square; the component along the part's normal does not matter.
+    /// The coordinates of a point on one part's unit square. The component along the part's normal does not matter.
     pub(crate) fn place(self, part: ShapeFace, p: DVec3) -> SurfacePoint {
         match (self, part) {
             (Self::Sphere, _) => sphere(p),
@@ -164,7 +164,7 @@ impl SurfacePoint {
 }
 
 impl ShapeFace {
-    /// The side of a box of the largest absolute component; equal ones are settled z before y before x, so that
+    /// The side of a box of the largest absolute component. Equal ones are settled z before y before x, so that
     /// a tie has the same answer everywhere.
     pub(crate) fn facing(d: DVec3) -> Self {
         let a = d.abs();

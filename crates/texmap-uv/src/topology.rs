@@ -149,7 +149,7 @@ impl Topology {
     }
 }
 
-/// Twins on an edge that is not simply that of two faces, its corners in ascending order; the pairs of corners of faces
+/// Twins on an edge that is not simply that of two faces, its corners in ascending order. The pairs of corners of faces
 /// that run along it and back.
 ///
 /// A face that runs along the edge and back (two of its corners have one position, as in the fans of quads at a pole)
@@ -230,7 +230,7 @@ pub(crate) mod tests {
         UvSet::shared(mesh, &values)
     }
 
-    /// Two quads that meet in a pole, each with a corner of its own there: their fans have faces without area, which
+    /// Two quads that meet in a pole, each with a corner of its own there. Their fans have faces without area, which
     /// are no seam, whether the corners share a position or not.
     #[test]
     fn faces_without_area_stand_between_their_neighbours() {

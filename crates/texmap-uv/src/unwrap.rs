@@ -10,11 +10,11 @@ use crate::seam_edges::SeamEdges;
 use crate::topology::Topology;
 use crate::{Origin, UvError};
 
-/// Most corners of a face, and most triangles around a vertex: the unwrapper compares all triangles of a fan with one another,
+/// Most corners of a face, and most triangles around a vertex. The unwrapper compares all triangles of a fan with one another,
 /// and the time for one of these many is a few seconds.
 const AROUND: usize = 2048;
 
-/// Unwraps the mesh into islands in one atlas, without overlaps and inside [0, 1]; `cuts` are required seams, and the
+/// Unwraps the mesh into islands in one atlas, without overlaps and inside [0, 1]. `cuts` are required seams, and the
 /// polygons of the mesh stay whole. The same bytes on every platform and thread count.
 ///
 /// Half of the gutter, rounded up, is kept around every island.

@@ -11,7 +11,7 @@ use crate::topology::{Topology, edge_length};
 /// Edge of a depth map.
 const SIZE: usize = 256;
 
-/// Most pixels that the triangles and edges of one view may meet; very many large ones get a smaller map.
+/// Most pixels that the triangles and edges of one view may meet. Very many large ones get a smaller map.
 const PIXELS: f64 = (1 << 25) as f64;
 
 /// Mean share of the edges' length (each named by one corner) that is seen without perspective from the six axes

@@ -59,7 +59,7 @@ fn seams(mesh: &Mesh<'_>, set: &UvSet, topology: &Topology) -> Vec<usize> {
     torn
 }
 
-/// As [`Topology::joined`], but equal coordinates count as one whatever their index: the picture goes on there.
+/// As [`Topology::joined`], but equal coordinates count as one whatever their index. The picture goes on there.
 fn meets(mesh: &Mesh<'_>, set: &UvSet, topology: &Topology, k: usize) -> bool {
     let here = [k, topology.next[k] as usize].map(|c| set.at(c));
     topology

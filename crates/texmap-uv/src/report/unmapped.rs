@@ -16,7 +16,7 @@ pub struct Unmapped {
     pub face: Option<u32>,
 }
 
-/// Triangles that have area in space and none in the picture: drawn, each is a streak of one texel, and baked light there is
+/// Triangles that have area in space and none in the picture. Drawn, each is a streak of one texel, and baked light there is
 /// lost. A triangle counts when its area in the picture is less than a millionth of that of an equal area elsewhere. The same
 /// bytes on any number of threads.
 ///
