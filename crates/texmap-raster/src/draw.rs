@@ -136,7 +136,7 @@ pub struct DrawCall<'a> {
     pub depth_write: bool,
     /// The pass in which the draw takes part.
     pub pass: Pass,
-    /// Polygon offset: every triangle's depth is moved away from the eye by this many times what its plane changes in a pixel,
+    /// Polygon offset. Every triangle's depth is moved away from the eye by this many times what its plane changes in a pixel,
     /// `|dz/dx| + |dz/dy|`. With r it is the farthest that the plane reaches within r pixels across and down of each pixel.
     /// Depths moved beyond the far plane are behind everything.
     pub depth_slope: f32,

@@ -27,7 +27,7 @@ const ROW: u16 = BLOCKS as u16;
 /// Pixels a run holds at most.
 pub const BATCH_PIXELS: usize = 256;
 
-/// Length of a run's arrays: their distance in memory is no multiple of 4096 bytes, or stores to one would stall loads of
+/// Length of a run's arrays. Their distance in memory is no multiple of 4096 bytes, or stores to one would stall loads of
 /// another.
 pub const BATCH_STRIDE: usize = BATCH_PIXELS + 16;
 
@@ -164,7 +164,7 @@ impl AttributePlanes {
         }
     }
 
-    /// Shows `sink` the values of two attributes in each block of `run` that has pixels, in registers; derivatives only where
+    /// Shows `sink` the values of two attributes in each block of `run` that has pixels, in registers. Derivatives only where
     /// `D` asks for them. For stages that are generic over the lane width; outside semantic versioning.
     #[inline(always)]
     pub fn each_block<I: Isa, const D: bool, K: BlockSink<I>>(
@@ -240,7 +240,7 @@ impl AttributePlanes {
         }
     }
 
-    /// [`each_block`](Self::each_block) for pixels that lie anywhere in the tile: block k of `run` is the pixels from 16 k on of
+    /// [`each_block`](Self::each_block) for pixels that lie anywhere in the tile. Block k of `run` is the pixels from 16 k on of
     /// `pixels`, by their indices in the tile's blocks (see [`block_index`](crate::block_index)), each of its own slot. Only
     /// where [`is_branch_free`](Self::is_branch_free).
     #[inline(always)]

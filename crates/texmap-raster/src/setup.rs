@@ -22,7 +22,7 @@ use rows::{Rows, rows};
 pub(crate) use wide::WidePixels;
 use wide::bound;
 
-/// Side of a tile in pixels, whatever the target's size: planes are anchored at tile centres, so this decides bits.
+/// Side of a tile in pixels, whatever the target's size. Planes are anchored at tile centres, so this decides bits.
 pub const TILE: u32 = 64;
 
 /// Half a tile: how far a pixel can be from the anchor.
@@ -90,7 +90,7 @@ pub(crate) struct Shape<'a> {
     pub outer: [Hom; 3],
     /// The corners of the piece that is drawn: in front of the eye, in the fixed-point range.
     pub piece: [Hom; 3],
-    /// Weights of each corner of the piece over the triangle's vertices; `None` where the piece is the triangle.
+    /// Weights of each corner of the piece over the triangle's vertices. `None` where the piece is the triangle.
     pub weights: Option<[[f64; 3]; 3]>,
     /// Attributes of the triangle's three vertices.
     pub attributes: [&'a [f32]; 3],

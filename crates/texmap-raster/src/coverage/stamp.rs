@@ -30,7 +30,7 @@ pub(crate) fn block_lanes<I: Isa>(i: I, at: usize) -> [I::I32; 2] {
 
 /// Takes covered pixels, in submitted order.
 pub(crate) trait Sink<I: Isa> {
-    /// Pixels of a 4x4 block from `index` of the block order on, one in each lane; `triangle` is its index in the group.
+    /// Pixels of a 4x4 block from `index` of the block order on, one in each lane. `triangle` is its index in the group.
     fn pixels(&mut self, i: I, triangle: usize, index: usize, covered: I::Mask, depth: I::F32);
     /// [`pixels`](Self::pixels) that are all covered.
     #[inline(always)]
@@ -315,7 +315,7 @@ impl<'g, I: Isa> Stamp<'g, I> {
         }
     }
 
-    /// Depth at the pixels of a block from pixel `at` on; `px`, `py` and `first` are those of the first part.
+    /// Depth at the pixels of a block from pixel `at` on. `px`, `py` and `first` are those of the first part.
     #[inline(always)]
     fn depth_at(&self, first: &DepthRow<'g, I>, [px, py]: [I::F32; 2], at: usize) -> I::F32 {
         if at == 0 {

@@ -249,7 +249,7 @@ impl Submission<'_, '_> {
         Ok(())
     }
 
-    /// `rows` are the weights of the part's vertices over the triangle's; `whole`: the part is the triangle.
+    /// `rows` are the weights of the part's vertices over the triangle's. `whole`: the part is the triangle.
     fn submit_part(
         &self,
         triangle: usize,

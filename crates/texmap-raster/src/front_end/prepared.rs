@@ -78,7 +78,7 @@ impl<'a> BinnedDraws<'a> {
         Self::build(size, draws, level, threads, 0)
     }
 
-    /// [`with_level`](Self::with_level) for [`visible_sample`](Self::visible_sample): keeps triangles that cover no pixel's centre
+    /// [`with_level`](Self::with_level) for [`visible_sample`](Self::visible_sample). Keeps triangles that cover no pixel's centre
     /// but may cover a sample up to half a pixel from one.
     ///
     /// # Errors

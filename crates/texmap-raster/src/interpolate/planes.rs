@@ -25,7 +25,7 @@ pub(super) trait PlaneSource<I: Isa> {
     /// Each lane's coefficients of a plane.
     fn plane(&self, i: I, index: usize) -> Plane<I>;
 
-    /// 1 / clip w and its reciprocal, where they are the same at all pixels: their division is the dearest step.
+    /// 1 / clip w and its reciprocal, where they are the same at all pixels. Their division is the dearest step.
     fn constant_w(&self, _: I) -> Option<[I::F32; 2]> {
         None
     }
@@ -36,7 +36,7 @@ pub(super) trait PlaneSource<I: Isa> {
     }
 }
 
-/// The planes of one slot, where they lie: each block spreads them anew, since a load that spreads costs less than two registers'
+/// The planes of one slot, where they lie. Each block spreads them anew, since a load that spreads costs less than two registers'
 /// worth of memory.
 #[derive(Clone, Copy)]
 pub(crate) struct One<'t> {

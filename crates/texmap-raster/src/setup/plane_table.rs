@@ -205,7 +205,7 @@ impl BinnedDraws<'_> {
         linear & used as u32
     }
 
-    /// The triangles from slot `slot` on, one in each lane; returns the bits in the group of those that need a look of their own.
+    /// The triangles from slot `slot` on, one in each lane. Returns the bits in the group of those that need a look of their own.
     #[inline(always)]
     fn planes_group<I: Isa>(
         &self,
@@ -315,7 +315,7 @@ fn read<I: Isa>(
     2
 }
 
-/// Stores planes with their hulls from slot `slot` on; true where their values are neither too large nor too small for f32.
+/// Stores planes with their hulls from slot `slot` on. True where their values are neither too large nor too small for f32.
 #[inline(always)]
 fn store<I: Isa>(
     i: I,

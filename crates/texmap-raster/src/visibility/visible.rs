@@ -10,7 +10,7 @@ use crate::{BinnedDraws, block_index};
 /// The id of a pixel where nothing was drawn.
 pub const NO_PRIMITIVE: u32 = u32::MAX;
 
-/// Depth and fragment id of a tile's pixels: 64x64 values, row by row from the top; the row length is 64 for narrow tiles too.
+/// Depth and fragment id of a tile's pixels: 64x64 values, row by row from the top. The row length is 64 for narrow tiles too.
 #[derive(Debug, Clone)]
 pub struct VisibilityBuffer {
     /// Reversed depth: 0 where nothing was drawn.
