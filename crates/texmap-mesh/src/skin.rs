@@ -161,7 +161,7 @@ impl Skin {
 }
 
 impl Skeleton {
-    /// The matrices of a pose for [`Skin::bend`]: `turns[i]` is applied to bone i about its head, and to all that follow it.
+    /// The matrices of a pose for [`Skin::bend`]. `turns[i]` is applied to bone i about its head, and to all that follow it.
     ///
     /// # Errors
     /// As many turns as bones are needed, and parents must come before their children.

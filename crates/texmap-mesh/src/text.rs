@@ -49,7 +49,7 @@ impl Font {
         cells.is_some_and(|n| (1..=1 << 20).contains(&n)) && part(self.body) && part(self.shown)
     }
 
-    /// Words as a mesh of one quad a character, without one for blanks: `origin` is the lower left corner of the first
+    /// Words as a mesh of one quad a character, without one for blanks. `origin` is the lower left corner of the first
     /// character, `right` its step to the next and `up` its height; lines stand below each other. A character that the atlas
     /// lacks is drawn as `?`, or left out where that is missing, too. Fronts face `right x up`; v = 0 is the top of the atlas.
     #[must_use]
