@@ -8,7 +8,7 @@ use texmap_sample::Texture2d;
 use super::IdleLight;
 use texmap_scene::{Material, Mesh, ProjectorMode, Scene, Shading, TextureRole};
 
-/// Strengths of light beyond white that are tried: each is this many times the one before it, up to where nothing but white is left.
+/// Strengths of light beyond white that are tried. Each is this many times the one before it, up to where nothing but white is left.
 const STEP: f32 = std::f32::consts::SQRT_2;
 const STEPS: usize = 24;
 /// Values below this count as black.

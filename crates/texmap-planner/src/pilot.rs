@@ -103,7 +103,7 @@ pub(super) struct PixelSample {
 }
 
 impl PixelSample {
-    /// The surface at a point beside the centre, as one of `samples` x `samples` samples of the pixel; `None` beyond the horizon.
+    /// The surface at a point beside the centre, as one of `samples` x `samples` samples of the pixel. `None` beyond the horizon.
     fn spot(&self, source: &Source, offset: DVec2, samples: u32) -> Option<Spot> {
         let p = (self.centre + offset).extend(1.0);
         if !(self.inv_w.dot(p) > 0.0) {
