@@ -193,7 +193,7 @@ fn lens(pinhole: &Pinhole, width: u32, height: u32, corners: &[DVec3; 3]) -> Opt
     })
 }
 
-/// The inverse of `[P0 - eye, P1 - eye, P2 - eye]`; none for a plane that holds the eye or a corner that is not finite.
+/// The inverse of `[P0 - eye, P1 - eye, P2 - eye]`. None for a plane that holds the eye or a corner that is not finite.
 fn inverse(pinhole: &Pinhole, corners: &[DVec3; 3]) -> Option<DMat3> {
     let [a, b, c] = corners.map(|p| p - pinhole.eye);
     let inverse = DMat3::from_cols(a, b, c).inverse();

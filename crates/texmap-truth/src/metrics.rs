@@ -73,7 +73,7 @@ pub struct Metrics {
 }
 
 impl Metrics {
-    /// Peak signal-to-noise ratio in decibels for values of the range `0..=peak`; infinite for equal images.
+    /// Peak signal-to-noise ratio in decibels for values of the range `0..=peak`. Infinite for equal images.
     pub fn psnr(&self, peak: f64) -> f64 {
         if self.rmse == 0.0 {
             f64::INFINITY

@@ -21,7 +21,7 @@ pub struct Verified {
     pub max: f64,
     /// Column and row of `max`.
     pub max_at: Option<(u32, u32)>,
-    /// Pixels judged: something is drawn there, they and their eight neighbours see the same meshes, and no shadow ends there.
+    /// Pixels judged. Something is drawn there, they and their eight neighbours see the same meshes, and no shadow ends there.
     pub judged: usize,
     /// Pixels left out: at outlines, where one sample a pixel errs whatever the filter.
     pub outlines: usize,
@@ -29,7 +29,7 @@ pub struct Verified {
     pub shadow_edges: usize,
     /// Root mean square over those.
     pub shadow_rmse: f64,
-    /// Black where the picture is right, white from an error of 0.25; outlines are grey, edges of shadows blue-grey.
+    /// Black where the picture is right, white from an error of 0.25. Outlines are grey, edges of shadows blue-grey.
     pub heat: Picture,
     /// The reference itself.
     pub truth: Picture,

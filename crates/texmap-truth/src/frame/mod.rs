@@ -107,7 +107,7 @@ impl Truth {
     }
 }
 
-/// Computes a frame with `samples` x `samples` samples a pixel, on all threads of rayon's pool; the result does not depend on their
+/// Computes a frame with `samples` x `samples` samples a pixel, on all threads of rayon's pool. The result does not depend on their
 /// number. Displaced meshes and billboards are taken as the triangles that [`texmap_mesh::tessellate`] makes of them.
 ///
 /// # Errors

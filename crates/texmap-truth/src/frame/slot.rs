@@ -122,7 +122,7 @@ impl Slot<'_> {
         sampling::lod(self.sampler, &self.texture, gradient)
     }
 
-    /// The share of a sample inside of the outline where the alpha of the bilinear picture is a half; `filtered` is the alpha that the
+    /// The share of a sample inside of the outline where the alpha of the bilinear picture is a half. `filtered` is the alpha that the
     /// filter gave, which is the coverage where a sample sees more than a texel (Green 2007, SIGGRAPH course "Improved Alpha-Tested
     /// Magnification").
     pub(super) fn outline(&self, place: Place, filtered: f64) -> f64 {

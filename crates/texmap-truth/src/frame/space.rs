@@ -37,7 +37,7 @@ impl SampledSolid {
         }
     }
 
-    /// The colour at a point of the world that moves so from sample to sample: linear, premultiplied; grey for a pattern.
+    /// The colour at a point of the world that moves so from sample to sample: linear, premultiplied. Grey for a pattern.
     pub(super) fn color(&self, point: DVec3, moves: [DVec3; 2]) -> DVec4 {
         let at = self.solid_from_world.transform_point3(point);
         let steps = moves.map(|d| self.solid_from_world.transform_vector3(d));

@@ -115,7 +115,7 @@ impl<'s> Surface<'s> {
         self.mesh.triangles[triangle as usize].map(|vertex| self.points[vertex as usize])
     }
 
-    /// The normal of a triangle's counter-clockwise side, of any length; a mirror does not turn a surface inside out.
+    /// The normal of a triangle's counter-clockwise side, of any length. A mirror does not turn a surface inside out.
     pub(super) fn flat(&self, triangle: u32) -> DVec3 {
         let [a, b, c] = self.corners(triangle);
         let normal = (b - a).cross(c - a);
@@ -137,7 +137,7 @@ impl<'s> Surface<'s> {
         }
     }
 
-    /// True if a cut-out blocks light at these weights of a triangle's corners; the coordinates of a texture frame are bound to the
+    /// True if a cut-out blocks light at these weights of a triangle's corners. The coordinates of a texture frame are bound to the
     /// camera, and what has them is whole to the light.
     pub(super) fn holds_light(&self, triangle: u32, weights: DVec3) -> bool {
         let AlphaMode::Test(threshold) = self.material().alpha else {

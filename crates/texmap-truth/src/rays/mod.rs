@@ -27,7 +27,7 @@ pub struct RayHit {
     pub point: DVec3,
     /// Unit normal in world space, outwards (for triangles: of the counter-clockwise side): interpolated where a mesh has normals.
     pub normal: DVec3,
-    /// Texture coordinates: v down for solids, as they are in the mesh for meshes; `None` for a mesh without.
+    /// Texture coordinates: v down for solids, as they are in the mesh for meshes. `None` for a mesh without.
     pub uv: Option<DVec2>,
     /// The part of a solid, whole for a mesh.
     pub part: ShapeFace,
