@@ -80,7 +80,7 @@ fn race(scenes: [&Scene; 2]) -> Result<([f64; 2], f64), Box<dyn Error>> {
     Ok((least, saved[ROUNDS / 2]))
 }
 
-/// A floor of squares; those in front, which are magnified, are a mesh of their own with another filter if one is given.
+/// A floor of squares. Those in front, which are magnified, are a mesh of their own with another filter if one is given.
 fn floor(filter: Filter, near: Option<Filter>) -> Result<Scene, Box<dyn Error>> {
     let focal = f64::from(SIZE.0) * 0.5 / (FOV * 0.5).tan();
     // Along the line of sight a pixel covers z^2 / (height focal).

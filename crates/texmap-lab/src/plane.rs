@@ -297,7 +297,7 @@ impl TiltedPlane {
         })
     }
 
-    /// The mean of `grid` x `grid` values a counted pixel; `value` takes a point in texels from the corner of the
+    /// The mean of `grid` x `grid` values a counted pixel. `value` takes a point in texels from the corner of the
     /// first, not yet wrapped.
     pub fn truth_by<const N: usize>(
         &self,

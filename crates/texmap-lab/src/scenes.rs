@@ -236,7 +236,7 @@ impl UvScene {
         }))
     }
 
-    /// The naive way of a rasterizer without a clipper: every vertex is divided by its w, whatever its sign,
+    /// The naive way of a rasterizer without a clipper. Every vertex is divided by its w, whatever its sign,
     /// and the triangle between the points so found is filled.
     ///
     /// # Errors

@@ -13,7 +13,7 @@ use texmap_math::glam::DVec3;
 pub enum Method {
     /// Nothing but the position: texmap's light per pixel.
     PerPixel,
-    /// The difference of light and vertex, brought to length 1 at the pixel: it is linear on the surface, so nothing is lost.
+    /// The difference of light and vertex, brought to length 1 at the pixel. It is linear on the surface, so nothing is lost.
     Difference,
     /// Unit vectors to the light, brought back to length 1 at the pixel.
     Renormalised,

@@ -15,7 +15,7 @@ use texmap_truth::picture::{Picture, Rgba};
 const PAPER: Rgba = [240, 241, 243, 255];
 const INK: Rgba = [48, 48, 56, 255];
 
-/// The model with a checker of 16 x 16 squares over [0, 1], lettered by colour: red grows with u, green with v.
+/// The model with a checker of 16 x 16 squares over [0, 1], lettered by colour. Red grows with u, green with v.
 ///
 /// # Errors
 /// If the renderer refuses the mesh.

@@ -35,7 +35,7 @@ const INTERPS: [Interp; 4] = [
     Interp::WithinError(0.5),
 ];
 
-/// Renders a scene with every filter, with every interpolation (trilinear), and as it is; errors are against a
+/// Renders a scene with every filter, with every interpolation (trilinear), and as it is. Errors are against a
 /// render with `effort.grid` / 4 x as many samples a side (8 at most) and 16 anisotropic probes in each.
 ///
 /// # Errors

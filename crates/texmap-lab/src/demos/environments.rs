@@ -169,7 +169,7 @@ fn worst_angle(room: &RayScene, part: f64) -> f64 {
     worst
 }
 
-/// Pairs of neighbouring pixels in a row that mirror two faces of the cube and differ; not at the rim, where a pixel mirrors much.
+/// Pairs of neighbouring pixels in a row that mirror two faces of the cube and differ. Not at the rim, where a pixel mirrors much.
 fn seams(scene: &Scene, shot: &Lit, picture: &Picture) -> u32 {
     let face = |p: DVec3| {
         let (n, view) = (p.normalize(), (scene.camera.eye - p).normalize());

@@ -12,7 +12,7 @@ use super::{DemoPicture, stage};
 use crate::LabError;
 use texmap_truth::rays::{RayObject, RayScene};
 
-/// The sheet of a scene with projectors, `size` pixels a panel; `spoiled` is the share of the picture, in percent, that is expected to
+/// The sheet of a scene with projectors, `size` pixels a panel. `spoiled` is the share of the picture, in percent, that is expected to
 /// be wrong without their depth maps.
 ///
 /// The count is taken with white pictures on white matte surfaces, so that it is that of points and not of colours, against hard
