@@ -10,7 +10,7 @@ use crate::TextureSlot;
 /// Effects of a whole scene. None costs anything where it is not named.
 #[derive(Clone, Debug, Default)]
 pub struct Effects {
-    /// Names of lights in their order, for [`Scene::light_named`](crate::Scene::light_named); an empty name, or a list that ends
+    /// Names of lights in their order, for [`Scene::light_named`](crate::Scene::light_named). An empty name, or a list that ends
     /// early, is no name.
     pub light_names: Vec<String>,
     /// Lights that cast shadows.
@@ -32,13 +32,13 @@ pub struct Effects {
 pub struct Shadow {
     /// Index into [`Scene::lights`](crate::Scene::lights).
     pub light: usize,
-    /// Texels a side (of each face, for a point light); `None`: about one texel for each pixel at the middle of the scene, 256 to 4096.
+    /// Texels a side (of each face, for a point light). `None`: about one texel for each pixel at the middle of the scene, 256 to 4096.
     pub size: Option<u32>,
     /// Depth bias that keeps a surface from shadowing itself; `None`: [`shadow_bias`](crate::shadow_bias).
     pub bias: Option<ShadowBias>,
     /// Comparisons a side of the filter, 1 or an odd number up to 15.
     pub pcf_size: u32,
-    /// For a directional light the square that its map shows, by centre and half a side; `None`: all of the scene. For a point light
+    /// For a directional light the square that its map shows, by centre and half a side. `None`: all of the scene. For a point light
     /// one map instead of six, which looks at the centre and shows half a side there: what lies beyond it is lit.
     pub area: Option<(DVec3, f64)>,
 }
@@ -111,7 +111,7 @@ pub enum NormalDetail {
     Offsets {
         /// The texture: data, not sRGB.
         slot: TextureSlot,
-        /// Change of the height over the whole picture where a channel is 1, in units of the object; negative turns it inside out.
+        /// Change of the height over the whole picture where a channel is 1, in units of the object. Negative turns it inside out.
         slope: f32,
         /// Direction in which the height rises where green is more than half.
         green: NormalMapGreen,
@@ -175,7 +175,7 @@ pub struct LightMapSlot {
     pub slot: TextureSlot,
     /// Multiplies the texel: maps of 8 bits can hold more than 1 that way.
     pub scale: f32,
-    /// Lights that are in the map, by index, and are not computed again; `None`: all of the scene (not its projectors).
+    /// Lights that are in the map, by index, and are not computed again. `None`: all of the scene (not its projectors).
     pub baked: Option<Vec<usize>>,
 }
 
@@ -191,14 +191,14 @@ pub struct Reflection {
 /// A sky. It is drawn over the background colour and under everything else, and leaves no trace in output arrays.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Background {
-    /// The picture is stretched over the whole frame, whatever its shape and wherever the camera looks: an opaque texel
+    /// The picture is stretched over the whole frame, whatever its shape and wherever the camera looks. An opaque texel
     /// hides the background colour.
     Picture(TextureSlot),
     /// The light of [`Effects::environments`](crate::Effects) in the direction of each pixel.
     Environment(usize),
 }
 
-/// A box of matter, marched through at every pixel up to the solid surface there; blended over everything else, several in
+/// A box of matter, marched through at every pixel up to the solid surface there. Blended over everything else, several in
 /// the order of their list. It casts and receives no shadows, and leaves no trace in output arrays.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Volume {
@@ -209,7 +209,7 @@ pub struct Volume {
     /// The transfer function: a row of texels along which the grid's first channel is looked up. Its colour shines, its alpha
     /// is the density. Without one, see [`texmap_sample::VolumeIntegrator`].
     pub transfer: Option<TextureSlot>,
-    /// Extinction of density 1 per world unit: through a length L of it shows `exp(-density L)` of what is behind.
+    /// Extinction of density 1 per world unit. Through a length L of it shows `exp(-density L)` of what is behind.
     pub density: f32,
     /// World units between look-ups.
     pub step: f32,

@@ -25,12 +25,12 @@ pub struct Material {
     pub base_color: Option<TextureSlot>,
     /// Opacity from the alpha of a texture, or from its red channel if it has no alpha.
     pub opacity_map: Option<TextureSlot>,
-    /// The base colour's alpha is an outline: cut at a half, with one pixel of coverage at its edge, however far it is
+    /// The base colour's alpha is an outline. Cut at a half, with one pixel of coverage at its edge, however far it is
     /// magnified (Green 2007, for alpha that falls evenly across the edge). For text and signs.
     pub antialiased_alpha: bool,
     /// A texture that fills space; multiplies the surface colour.
     pub solid: Option<SolidTexture>,
-    /// A row of texels along which the first channel of `solid`, else of `base_color`, is looked up: its colour replaces theirs.
+    /// A row of texels along which the first channel of `solid`, else of `base_color`, is looked up. Its colour replaces theirs.
     /// A dependent look-up.
     pub color_ramp: Option<TextureSlot>,
     /// A row of texels along which the diffuse light is looked up by its luminance: bands of cel shading. Highlights stay.

@@ -43,7 +43,7 @@ pub struct Mesh {
     pub uv_projection: Option<PerPixelProjection>,
     /// Casts no shadow: shadow maps and the depth maps of projectors do not show it.
     pub casts_no_shadow: bool,
-    /// Bounds a solid, its fronts outwards and no hole in it: maps of parallel and spot lights show its fronts alone, which is half of the
+    /// Bounds a solid, its fronts outwards and no hole in it. Maps of parallel and spot lights show its fronts alone, which is half of the
     /// work and the same shadow. Lights that stand inside of it shine through.
     pub watertight: bool,
     /// A height map that moves the surface, by `texmap_mesh::tessellate`.
