@@ -33,7 +33,7 @@ struct Row {
     /// Triangles or pixels.
     count: usize,
     milliseconds: f64,
-    /// Rise of the peak of resident memory by preparing and drawing, in MiB; the frame is in it, memory that the allocator had
+    /// Rise of the peak of resident memory by preparing and drawing, in MiB. The frame is in it, memory that the allocator had
     /// kept is not.
     memory: Option<f64>,
 }

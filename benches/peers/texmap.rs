@@ -169,7 +169,7 @@ impl Texmap {
     }
 }
 
-/// The reference picture if filters differ by right; `None` for scenes whose pictures must agree value by value.
+/// The reference picture if filters differ by right. `None` for scenes whose pictures must agree value by value.
 ///
 /// The anisotropic floor: 8 x 8 trilinear samples a pixel. Normal maps: the same picture with f32 weights, as light shows twice over
 /// what bytes round off normals (with f32 weights in both, `GALLIVM_PERF=no_aos_sampling`, these pictures agree value by value).

@@ -138,7 +138,7 @@ impl BenchScene {
         }
     }
 
-    /// The mesh that the scene draws; empty for `clear`, the sphere where there is a floor too ([`lit_meshes`]).
+    /// The mesh that the scene draws. Empty for `clear`, the sphere where there is a floor too ([`lit_meshes`]).
     #[must_use]
     pub fn mesh(&self) -> BenchMesh {
         match self.content {

@@ -73,7 +73,7 @@ fn an_opaque_fence_has_no_holes() {
     assert!(faces(&frame).iter().all(|face| *face == 7));
 }
 
-/// Filtered alpha is cut at one half, wherever the fence is drawn in the order; nearest cuts above zero.
+/// Filtered alpha is cut at one half, wherever the fence is drawn in the order. Nearest cuts above zero.
 #[test]
 fn filtered_alpha_is_cut_at_one_half() {
     let columns_of = |alpha, filter| {

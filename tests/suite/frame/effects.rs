@@ -306,7 +306,7 @@ fn blockers_only_darken() {
     }
 }
 
-/// A projector as light is the light's own formula at each pixel; property 31: a light map of ones is the surface itself.
+/// A projector as light is the light's own formula at each pixel. Property 31: a light map of ones is the surface itself.
 #[test]
 fn a_white_light_map_is_the_surface() {
     let white = texture(4, 4, |_, _| [255; 4]);
@@ -607,7 +607,7 @@ fn faults_of_effects_are_named() {
     assert!(acne.check().is_ok());
 }
 
-/// Emission is added to what a surface receives, under every kind of shading, and clipped with it; the bytes are those of
+/// Emission is added to what a surface receives, under every kind of shading, and clipped with it. The bytes are those of
 /// its own formula.
 #[test]
 fn surfaces_give_off_light_of_their_own() {

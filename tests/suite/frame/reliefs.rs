@@ -109,7 +109,7 @@ fn most(a: &Frame, b: &Frame) -> u8 {
     each.max().unwrap()
 }
 
-/// An offset map of a height field is that height field's bump map: texel centres hold its differences, bilinear filters of both
+/// An offset map of a height field is that height field's bump map. Texel centres hold its differences, bilinear filters of both
 /// agree between them.
 #[test]
 fn offsets_are_the_bump_map_of_their_heights() {
@@ -182,7 +182,7 @@ fn normals_are_the_bump_map_of_their_heights() {
     }
 }
 
-/// Normals of the object go to the world by the inverse transpose: under an uneven scale a map of them is what the mesh's own normals
+/// Normals of the object go to the world by the inverse transpose. Under an uneven scale a map of them is what the mesh's own normals
 /// are, and the matrix itself would be another picture.
 #[test]
 fn object_space_normals_follow_an_uneven_scale() {
@@ -237,7 +237,7 @@ fn object_space_normals_follow_an_uneven_scale() {
     assert!((wrong - truth).abs() > 0.1, "the matrix itself is far off");
 }
 
-/// A lone plane under an uneven scale casts no shadow on itself: the slope of the bias is that of its plane in the world.
+/// A lone plane under an uneven scale casts no shadow on itself. The slope of the bias is that of its plane in the world.
 #[test]
 fn the_slope_of_a_scaled_plane_keeps_it_lit() {
     let mut mesh = quad([

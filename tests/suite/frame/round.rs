@@ -171,7 +171,7 @@ fn the_seam_is_not_seen() {
     }
 }
 
-/// The same bytes on any number of threads and with samples; a moved object takes its shape along in world space.
+/// The same bytes on any number of threads and with samples. A moved object takes its shape along in world space.
 #[test]
 fn bytes_do_not_depend_on_threads() {
     let scene = floor(CurvedShape::Sphere);

@@ -183,7 +183,7 @@ fn relief_and_light_maps_reach_models() {
     .unwrap();
 }
 
-/// A second set from a model of other faces, or without coordinates, is refused by name; none at all is a named error of the scene.
+/// A second set from a model of other faces, or without coordinates, is refused by name. None at all is a named error of the scene.
 #[test]
 fn second_coordinates_must_fit() {
     let faces = |corners: &str| {

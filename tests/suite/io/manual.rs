@@ -185,7 +185,7 @@ fn a_line_with_the_default_of_the_manual_changes_nothing() {
     assert!(checked.len() >= 30, "{checked:?}");
 }
 
-/// Every `FILE.rs` that the pages on the architecture name is a file of a crate; a name that is not one is found.
+/// Every `FILE.rs` that the pages on the architecture name is a file of a crate. A name that is not one is found.
 #[test]
 fn files_that_the_architecture_names_exist() {
     let crates = Path::new(env!("CARGO_MANIFEST_DIR")).join("../crates");

@@ -1,4 +1,4 @@
-//! Meshes that no one models: each is answered, rightly where it is small, and with a bound where it is not.
+//! Meshes that no one models. Each is answered, rightly where it is small, and with a bound where it is not.
 
 use texmap_math::deterministic_f64;
 use texmap_math::glam::{DVec2, DVec3};

@@ -190,7 +190,7 @@ fn required_cuts_part_the_unwrapped_charts() {
     assert_eq!(charts(&across), 2);
 }
 
-/// Progress counts up within a stage and ends at its total; a break ends the work with an error of its own.
+/// Progress counts up within a stage and ends at its total. A break ends the work with an error of its own.
 #[test]
 fn unwrapping_reports_progress_and_can_be_cancelled() {
     let (positions, faces) = ball(24, 12, 1.0);

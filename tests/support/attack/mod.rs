@@ -155,7 +155,7 @@ impl fmt::Display for Summary {
     }
 }
 
-/// Runs the cases of these numbers, each for no more than `longest` of the processor; `told` hears what goes wrong at once.
+/// Runs the cases of these numbers, each for no more than `longest` of the processor. `told` hears what goes wrong at once.
 ///
 /// # Errors
 /// If a working folder cannot be made or the program not be started.
@@ -366,7 +366,7 @@ impl Case {
         faults
     }
 
-    /// Files that were there and are not, or changed though the run failed; outputs that are missing after success.
+    /// Files that were there and are not, or changed though the run failed. Outputs that are missing after success.
     fn lost(&self, code: Option<i32>, before: &State, after: &State) -> Vec<String> {
         let content = |state: &State, name: &Path| {
             let found = state.iter().find(|(known, _)| known == name);

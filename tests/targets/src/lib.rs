@@ -101,7 +101,7 @@ fn effect_settings(seed: u64, scene: &Scene, level: Level) -> RenderSettings {
     }
 }
 
-/// Environments in every chart, as HDR and EXR: both encoders are part of the proof, since what they write is read again.
+/// Environments in every chart, as HDR and EXR. Both encoders are part of the proof, since what they write is read again.
 fn write_skies(folders: &Folders) -> Result<(), Box<dyn Error>> {
     let sky = read_environment(
         &folders.data.join("half_piz.exr"),
