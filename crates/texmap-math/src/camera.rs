@@ -135,8 +135,9 @@ fn unit(v: DVec3) -> Option<DVec3> {
 }
 
 impl Camera {
-    /// A camera at `eye` that looks at `look`, +Y up (-Z in the picture's up where it looks straight down or up), with a horizontal
-    /// field of view of 60 degrees, a near plane at a thousandth of the distance and no far plane. Vectors or arrays of three.
+    /// A camera at `eye` that looks at `look`, +Y up, with a horizontal field of view of 60 degrees. If it looks straight down or
+    /// up, -Z is the picture's up. The near plane is at a thousandth of the distance, and there is no far plane. Vectors or
+    /// arrays of three.
     #[must_use]
     pub fn look_at(eye: impl Into<DVec3>, look: impl Into<DVec3>) -> Self {
         let (eye, look) = (eye.into(), look.into());

@@ -1,5 +1,5 @@
-//! Exact edge functions with the top-left rule (MIT 6.837, lecture 6, slide 14; Pineda 1988; Direct3D 11.3 functional specification,
-//! section 3.4.2).
+//! Exact edge functions with the top-left rule. Sources: MIT 6.837, lecture 6, slide 14; Pineda 1988; Direct3D 11.3 functional
+//! specification, section 3.4.2.
 
 use crate::fixed::{FixedPoint, SUBPIXEL_ONE};
 

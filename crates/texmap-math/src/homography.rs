@@ -1,4 +1,5 @@
-//! Plane-to-plane projective maps (Heckbert, "Fundamentals of Texture Mapping and Image Warping", 1989, section 2.2).
+//! Plane-to-plane projective maps. Source: Heckbert, "Fundamentals of Texture Mapping and Image Warping", 1989,
+//! section 2.2.
 
 use core::fmt;
 

@@ -1,5 +1,5 @@
-//! Projector: maps a world point to a point of its picture, homogeneously (MIT 6.837, lecture 18, slides 21 to 25, with the
-//! picture's true aspect).
+//! Projector: maps a world point to a point of its picture, homogeneously. Source: MIT 6.837, lecture 18, slides 21 to 25,
+//! here with the picture's true aspect.
 
 use glam::{DVec2, DVec3, DVec4};
 
@@ -22,7 +22,7 @@ pub struct Projector {
 }
 
 impl Projector {
-    /// A projector at `eye` that points at `look`, with a horizontal field of view in radians and a picture of `aspect` = width /
+    /// A projector at `eye` that points at `look`. The horizontal field of view is in radians; `aspect` is the picture's width /
     /// height.
     ///
     /// # Errors

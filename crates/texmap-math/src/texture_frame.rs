@@ -1,5 +1,5 @@
-//! Texture frames O, U, V and the magic vectors that turn a view direction into texture coordinates (Brackeen, "Developing Games in
-//! Java", 2003, chapter 8).
+//! Texture frames O, U, V and the vectors that turn a view direction into texture coordinates. Source: Brackeen, "Developing
+//! Games in Java", 2003, chapter 8.
 
 use core::fmt;
 

@@ -151,7 +151,8 @@ pub fn has_pairs<S: Simd>(s: S) -> bool {
     }
 }
 
-/// The words at sixteen indices and the three behind each, where that costs less than [`gather`]s and none lies beyond the end.
+/// The words at sixteen indices and the three behind each. Only if that costs less than [`gather`]s and none lies beyond the
+/// end.
 #[inline(always)]
 pub fn gather_quads<S: Simd>(
     s: S,

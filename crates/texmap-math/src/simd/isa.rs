@@ -190,8 +190,8 @@ pub trait Isa: Copy + core::fmt::Debug + Send + Sync + 'static {
     fn gather(self, words: GatherTable<'_>, index: Self::U32) -> Self::U32;
     /// The words at `index` and those behind them. If one of the two lies beyond the end, both hold no meaning.
     fn gather_pairs(self, words: GatherTable<'_>, index: Self::U32) -> [Self::U32; 2];
-    /// The words at `index` and the three behind each, where that costs less than [`gather`](Self::gather)s and none lies beyond
-    /// the end.
+    /// The words at `index` and the three behind each. Only if that costs less than [`gather`](Self::gather)s and none lies
+    /// beyond the end.
     fn gather_quads(self, words: GatherTable<'_>, index: Self::U32) -> Option<[Self::U32; 4]>;
     /// True if [`gather_pairs`](Self::gather_pairs) costs less than two gathers.
     fn has_pairs(self) -> bool;
