@@ -58,9 +58,9 @@ pub fn sample_slice(
     })
 }
 
-/// As [`sample_slice`] for [`Precision::Fast`](crate::Precision::Fast) on 8-bit textures (linear,
-/// opaque or cut out), whose results are bytes: packed RGBA, red lowest. Any other pair of sampler
-/// and texture gives its colours rounded to bytes.
+/// As [`sample_slice`] for [`Precision::Fast`](crate::Precision::Fast) on 8-bit textures. Textures
+/// are linear, opaque or cut out; results are packed RGBA bytes, red lowest. Any other pair of
+/// sampler and texture gives its colours rounded to bytes.
 ///
 /// # Errors
 /// Slices of different lengths.

@@ -329,8 +329,8 @@ fn coverage(texels: &[[f32; 4]], threshold: f32) -> f64 {
     passing as f64 / texels.len() as f64
 }
 
-/// The scale nearest to one at which at least as much passes as in the base, and as little more as there can be (Castano, "Computing
-/// Alpha Mipmaps", 2010). `threshold` and the alphas are in unscaled values, of which `units` are one.
+/// The scale nearest to one at which at least as much passes as in the base, and as little more as there can be. Source: Castano,
+/// "Computing Alpha Mipmaps", 2010. `threshold` and the alphas are in unscaled values, of which `units` are one.
 ///
 /// The same texels pass at every scale of an interval, so that opaque texels stay opaque wherever one is in it.
 fn coverage_scale(texels: &[[f32; 4]], share: f64, threshold: f32, units: f32) -> f32 {

@@ -1,5 +1,5 @@
-//! A ray through a volume of emitting and absorbing matter, front to back (Max 1995, "Optical Models for Direct Volume
-//! Rendering", emission and absorption).
+//! A ray through a volume of emitting and absorbing matter, front to back. Source: Max 1995, "Optical Models for
+//! Direct Volume Rendering", emission and absorption.
 
 use crate::{
     address::{lod, wrap::Wrap},

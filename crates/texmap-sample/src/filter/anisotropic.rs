@@ -76,9 +76,9 @@ impl<I: Isa> Axes<I> {
     }
 }
 
-/// Box-weighted trilinear probes along the true long axis (EXT_texture_filter_anisotropic with the
-/// orthogonalised footprint that the Direct3D 11.3 specification asks for), with fewer and closer probes where they would be less
-/// than a texel apart.
+/// Box-weighted trilinear probes along the true long axis of the footprint. This is EXT_texture_filter_anisotropic with the
+/// orthogonalised footprint that the Direct3D 11.3 specification asks for. Probes that would be less than a texel apart are
+/// fewer.
 pub(crate) struct Anisotropic;
 
 impl FilterKernel for Anisotropic {

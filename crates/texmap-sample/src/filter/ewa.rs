@@ -175,8 +175,8 @@ struct Ellipse<I: Isa> {
     c: I::F32,
     half_width: I::F32,
     half_height: I::F32,
-    /// False where the level is so small (or the chain so short) that the ellipse would span more than its cost allows: there a
-    /// bilinear look-up in the level stands in.
+    /// False if the level is so small (or the chain so short) that the ellipse spans more than its cost allows. A bilinear
+    /// look-up in the level is taken then.
     fits: I::Mask,
 }
 
