@@ -16,8 +16,8 @@ use crate::{Origin, UvError, parallel};
 /// once.
 const ROUNDS: u32 = 8;
 
-/// Maps every face by the plane of one of the six axis directions, the one its normal is nearest to (equal ones are
-/// settled z before y before x), and packs the connected regions into one atlas.
+/// Maps every face by the nearest of six axis planes, and packs the connected regions into one atlas. The plane is
+/// that of the axis direction nearest to the face's normal; equal ones are settled z before y before x.
 ///
 /// A face whose neighbours mostly lie on another plane joins them if it faces that plane by less than 70 degrees. A
 /// region that folds over itself is divided until no two of its triangles overlap. Faces without area follow a

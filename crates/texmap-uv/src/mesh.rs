@@ -384,8 +384,8 @@ pub struct VertexBuffer {
 }
 
 impl UvSet {
-    /// Splits the positions of the mesh where coordinates or tangents of its corners differ, and nowhere else; vertices stand in
-    /// the order in which the corners first need them. `tangents` has one entry per corner, or none.
+    /// Splits the positions of the mesh where coordinates or tangents of its corners differ. Nothing else is split. Vertices
+    /// stand in the order in which the corners first need them. `tangents` has one entry per corner, or none.
     ///
     /// # Errors
     /// A set or tangents that do not fit the mesh.

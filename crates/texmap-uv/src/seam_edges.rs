@@ -223,8 +223,8 @@ impl<'a> Sewing<'a> {
         DVec2::from(self.uvs[index].map(f64::from))
     }
 
-    /// Moves an island, by a similarity, so that the edge between the corners `moved` comes to lie on `still`, and adds it to the
-    /// other island.
+    /// Moves an island, by a similarity, so that the edge between the corners `moved` comes to lie on `still`. The island then
+    /// becomes part of the other one.
     fn fit(
         &mut self,
         mesh: &Mesh<'_>,

@@ -104,8 +104,8 @@ impl Shape {
         }
     }
 
-    /// Point at which a ray from the middle of the unit solid along `d` meets its surface, and the part that holds it. A plane is
-    /// no solid: its point is the end of the vector of length 0.5. `d` must not be zero.
+    /// Point and part at which a ray from the middle of the unit solid along `d` meets the surface. A plane is no solid: its
+    /// point is the end of the vector of length 0.5. `d` must not be zero.
     pub(crate) fn cast(self, d: DVec3) -> (ShapeFace, DVec3) {
         let out = float::sqrt(d.x * d.x + d.z * d.z);
         match self {
@@ -144,8 +144,8 @@ pub enum Origin {
     BottomLeft,
 }
 
-/// A point on the unit square with its height measured from the middle, so that either origin is one exact
-/// addition away and nobody computes `1 - v`.
+/// A point on the unit square with its height measured from the middle. Either origin is one exact
+/// addition away, without `1 - v`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct SurfacePoint {
     /// Horizontal coordinate, 0 left, 1 right.

@@ -1,4 +1,4 @@
-//! Tangent frames after Mikkelsen (2008), "Simulation of Wrinkled Surfaces Revisited", as his program MikkTSpace finds them.
+//! Tangent frames of MikkTSpace. Source: Mikkelsen (2008), "Simulation of Wrinkled Surfaces Revisited".
 //!
 //! The same tangents as that program and its port bevy_mikktspace, which the tests hold against it, with texmap's arc cosine.
 //! Neither of them is used: their time grows with the square of the triangles around a vertex and of those without area, and
