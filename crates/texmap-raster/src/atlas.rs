@@ -52,8 +52,8 @@ pub struct Atlas {
     pub coverage: Vec<Coverage>,
     /// The face, [`NO_PRIMITIVE`] where there is none. Of overlapping faces the first one wins.
     pub face: Vec<u32>,
-    /// Weights over the face's three vertices at the texel's centre, moved to the face where the centre lies outside; 0 where
-    /// there is no face.
+    /// Weights over the face's three vertices at the texel's centre. If the centre lies outside, it is moved to the face; 0
+    /// if there is no face.
     pub barycentric: Vec<[f32; 3]>,
     /// Interpolated positions; empty when the mesh has none.
     pub position: Vec<[f32; 3]>,

@@ -61,12 +61,12 @@ pub enum Interp {
     /// Each triangle split into n x n in space before clipping, affine within the parts. Parts of a
     /// side are the same in both triangles that share it, so no T-junction is made. 1..=[`MAX_SUBDIVISIONS`].
     Subdivided(u32),
-    /// Exact at every n-th pixel of the triangle's row and at the row's last pixel, linear between
-    /// (the runs of Brackeen 2003, chapter 8, but never evaluated outside the triangle).
+    /// Exact at every n-th pixel of the triangle's row and at the row's last pixel, linear between.
+    /// These are the runs of Brackeen 2003, chapter 8, but never evaluated outside the triangle.
     Span(u32),
-    /// Linear between nodes that lie so that no pixel of the first two attributes is off by more than this,
-    /// in attribute units divided by [`DrawCall::interp_scale`]. The nodes come from the closed form: a span from w = a to
-    /// w = b (w here 1/z) is off by at most `K (a^-1/2 - b^-1/2)^2`, K constant along a row.
+    /// Linear between nodes, with no pixel of the first two attributes off by more than this. In attribute units divided
+    /// by [`DrawCall::interp_scale`]. The nodes come from the closed form: a span from w = a to w = b (w here 1/z) is off
+    /// by at most `K (a^-1/2 - b^-1/2)^2`, K constant along a row.
     WithinError(f32),
 }
 
@@ -125,8 +125,8 @@ pub struct DrawCall<'a> {
     pub screen_linear: u32,
     /// Interpolation of the other attributes.
     pub interp: Interp,
-    /// [`Interp::WithinError`] compares its tolerance with the error of attributes 0 and 1 times this (the size of a
-    /// texture, to give the tolerance in texels).
+    /// Factor of the error of attributes 0 and 1 that [`Interp::WithinError`] compares with its tolerance. The size
+    /// of a texture gives the tolerance in texels.
     pub interp_scale: f32,
     /// The side that is dropped.
     pub cull: Cull,
@@ -238,8 +238,8 @@ pub struct Stats {
     pub submitted: usize,
     /// Triangles dropped because a position or an attribute was NaN or infinite, or overflowed in the matrix.
     pub non_finite: usize,
-    /// Dropped because they lie outside the view, or because their box holds no pixel centre, or holds up to 2x2 and none is
-    /// covered.
+    /// Dropped because they lie outside the view or cover no pixel centre. The latter if their box holds no centre, or holds
+    /// up to 2x2 and none is covered.
     pub outside: usize,
     /// Dropped by [`Cull`].
     pub culled: usize,

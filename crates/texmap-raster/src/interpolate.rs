@@ -207,8 +207,8 @@ impl AttributePlanes {
         }
     }
 
-    /// [`each_block`](Self::each_block) for blocks that all name their slot, where the table [is plain](Self::is_branch_free): what the
-    /// blocks of a row share stays in registers.
+    /// [`each_block`](Self::each_block) for blocks that all name their slot. Only if the table [is plain](Self::is_branch_free):
+    /// what the blocks of a row share stays in registers.
     #[inline(always)]
     pub fn each_named<I: Isa, const D: bool, K: BlockSink<I>>(
         &self,
