@@ -1,4 +1,5 @@
-//! Skinning: a mesh that follows bones, by linear blends of their matrices (Magnenat-Thalmann, Laperriere and Thalmann 1988).
+//! Skinning: a mesh that follows bones, by linear blends of their matrices. Source: Magnenat-Thalmann, Laperriere and
+//! Thalmann 1988.
 //!
 //! `P' = sum(w_i M_i) P`, with weights that sum to one. It is what every graphics processor's vertex stage does, and it loses
 //! volume where bones bend: blending two rotations shrinks. For a bend by an angle `a` whose weights change linearly over a
@@ -240,8 +241,8 @@ impl Skeleton {
     }
 }
 
-/// A turn by an angle (radians) about an axis through the origin, counter-clockwise when the axis points at the viewer
-/// (Rodrigues 1840); the identity for an axis of no length.
+/// A turn by an angle (radians) about an axis through the origin, counter-clockwise when the axis points at the
+/// viewer. The identity for an axis of no length. Source: Rodrigues 1840.
 #[must_use]
 pub fn rotation(axis: DVec3, angle: f64) -> DMat4 {
     let Some(axis) = axis.try_normalize() else {
