@@ -24,8 +24,8 @@ pub(super) enum Gain {
 }
 
 impl Gain {
-    /// The most that two pixels can be stored apart in a channel, given the texels at the samples of each and the light that comes
-    /// through each of them.
+    /// The most that two pixels can be stored apart in a channel. Given are the texels at the samples of each and the light that
+    /// comes through each of them.
     ///
     /// Each sample is cut at white before their mean. If none is cut, the strength that shows most is the greatest: stored values
     /// rise ever slower, but x times their slope grows; and light that is added to both only brings them nearer. Beyond white
