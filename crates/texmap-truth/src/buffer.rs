@@ -163,8 +163,8 @@ impl Buffer {
         }
     }
 
-    /// [`hash_pixels`] of the width, the height and the values as little-endian bytes of the file's own depth:
-    /// what `render --json` calls `pixel_hash`, for an 8-bit image.
+    /// [`hash_pixels`] of the width, the height and the values as little-endian bytes of the file's own depth.
+    /// For an 8-bit image it is the `pixel_hash` of `render --json`.
     #[must_use]
     pub fn hash(&self) -> String {
         let bytes: Cow<'_, [u8]> = match &self.values {

@@ -1,4 +1,5 @@
-//! The light that a surface returns at a point, light by light (Phong 1975, Blinn 1977; MIT 6.837, Fall 2000, lecture 19).
+//! The light that a surface returns at a point, light by light. Sources: Phong 1975, Blinn 1977; MIT 6.837, Fall 2000,
+//! lecture 19.
 
 use texmap_light::{Light, PhongMaterial as Numbers, SpecularModel};
 use texmap_math::deterministic_f64;

@@ -107,8 +107,8 @@ impl Body {
     }
 }
 
-/// Distance of a ray to the plane of a triangle `a, a + u, a + v`, and the corner weights there, if it meets the triangle or its edge
-/// (Moeller and Trumbore 1997).
+/// Distance of a ray to the plane of a triangle `a, a + u, a + v`, and the corner weights there, if it meets the triangle or its
+/// edge. Source: Moeller and Trumbore 1997.
 fn triangle(o: DVec3, d: DVec3, a: DVec3, u: DVec3, v: DVec3) -> Option<(f64, DVec3)> {
     let p = d.cross(v);
     let det = u.dot(p);
