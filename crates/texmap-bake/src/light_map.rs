@@ -26,7 +26,7 @@ pub struct BakeOptions<'a> {
     pub lights: Option<&'a [usize]>,
 }
 
-/// A baked map: the light that a white matte surface returns there (`sum La + sum max(0, N.L) Ll`), linear, not clipped.
+/// A baked map: the light that a white matte surface returns, linear, not clipped. It is `sum La + sum max(0, N.L) Ll`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LightMap {
     /// Texels a side.
@@ -39,8 +39,9 @@ pub struct LightMap {
     pub lost: Vec<u32>,
 }
 
-/// Bakes the light that reaches a mesh, at the centre of every texel of its light-map coordinates
-/// ([`Mesh::lightmap_uvs`](texmap_scene::Mesh::lightmap_uvs), or `uvs` where it has no second set).
+/// Bakes the light that reaches a mesh, at the centre of every texel of its light-map coordinates.
+/// These are [`Mesh::lightmap_uvs`](texmap_scene::Mesh::lightmap_uvs), or `uvs` if it has no second
+/// set.
 ///
 /// Texels that a face touches without covering their centre are lit at the nearest point of that face, so that no texel in use is
 /// lit off the mesh; then islands are dilated. The same bits for any number of threads.
