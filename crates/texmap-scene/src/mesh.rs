@@ -104,9 +104,9 @@ impl Mesh {
         self.displacement.is_none() && self.billboards.is_empty()
     }
 
-    /// Angle (radians, 0 to pi/2) between the plane of [`texture_frame`](Self::texture_frame) and that of the mesh's first
-    /// triangle with an area; `None` without a frame or without such a triangle. Beyond 0 the texture lies
-    /// in another plane than the polygon (Brackeen 2003: "at an angle when seen head on").
+    /// Angle between the plane of [`texture_frame`](Self::texture_frame) and that of the mesh's first triangle. The first
+    /// with an area counts; radians, 0 to pi/2. `None` without a frame or without such a triangle. Beyond 0 the texture
+    /// lies in another plane than the polygon (Brackeen 2003: "at an angle when seen head on").
     #[must_use]
     pub fn frame_tilt(&self) -> Option<f64> {
         let frame = self.texture_frame?.normal().normalize_or_zero();

@@ -9,7 +9,7 @@ use crate::TextureSlot;
 pub struct Displacement {
     /// The heights: red channel, data. A filter with mip levels reads the level whose texels are as far apart as the vertices.
     pub slot: TextureSlot,
-    /// Distance by which a value of 1 above `middle` moves the surface along its normal, in units of the object; negative moves
+    /// Distance by which a value of 1 above `middle` moves the surface along its normal. In units of the object; negative moves
     /// it in.
     pub height: f32,
     /// The value that leaves the surface where it is.
@@ -42,8 +42,8 @@ impl Displacement {
 pub enum EdgeBudget {
     /// Texels of the height map.
     Texels(f32),
-    /// Pixels of the picture, as a line of this length square to the view at the middle of the edge would have, wherever the
-    /// camera looks; but no edge below half a texel is halved.
+    /// Pixels of the picture that a line of this length has, square to the view at the middle of the edge. The direction of
+    /// the camera does not matter. No edge below half a texel is halved.
     Pixels(f32),
 }
 
