@@ -202,10 +202,10 @@ impl fmt::Display for Size {
 /// then as lazy as ever.
 fn is_available(bytes: u64) -> bool {
     let mut probe = Vec::<u8>::new();
-    let room = usize::try_from(bytes).map(|bytes| probe.try_reserve_exact(bytes));
+    let reserved = usize::try_from(bytes).map(|bytes| probe.try_reserve_exact(bytes));
     // Without the black box a compiler may drop an allocation that nobody reads, and call it granted.
     core::hint::black_box(&mut probe);
-    matches!(room, Ok(Ok(())))
+    matches!(reserved, Ok(Ok(())))
 }
 
 #[cfg(test)]
