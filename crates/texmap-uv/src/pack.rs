@@ -131,12 +131,12 @@ fn best_scale(charts: &[Island], atlas: AtlasSize) -> Result<(f64, Vec<DVec2>), 
         size: atlas.size,
         gutter: atlas.gutter,
     };
-    let room = f64::from(atlas.size) - 2.0 * f64::from(atlas.gutter);
+    let inner = f64::from(atlas.size) - 2.0 * f64::from(atlas.gutter);
     let widest = charts
         .iter()
         .map(|c| c.extent().x)
         .fold(0.0, |a: f64, b| if b > a { b } else { a });
-    if room < 1.0 {
+    if inner < 1.0 {
         return Err(fault);
     }
     let mut order: Vec<usize> = (0..charts.len()).collect();
@@ -148,7 +148,7 @@ fn best_scale(charts: &[Island], atlas: AtlasSize) -> Result<(f64, Vec<DVec2>), 
             .then(a.cmp(&b))
     });
     let try_at = |scale: f64| shelves(charts, &order, scale, atlas);
-    let most = if widest > 0.0 { room / widest } else { 1.0 };
+    let most = if widest > 0.0 { inner / widest } else { 1.0 };
     if let Some(corners) = try_at(most) {
         return Ok((most, corners));
     }

@@ -209,7 +209,7 @@ pub fn report(mesh: &Mesh<'_>, set: &UvSet, options: &ReportOptions) -> Result<R
         seam_seen: edges.seam_seen,
         rim_length: edges.rim_length,
         non_manifold_edges: edges.non_manifold,
-        islands: edges.shells,
+        islands: edges.islands,
         t_junctions: edges.t_joints,
         triangles,
     })

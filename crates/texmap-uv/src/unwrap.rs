@@ -28,7 +28,7 @@ const AROUND: usize = 2048;
 pub fn unwrap(
     mesh: &Mesh<'_>,
     cuts: &SeamEdges<'_>,
-    page: AtlasSize,
+    atlas_size: AtlasSize,
     origin: Origin,
     progress: &(dyn Fn(usize, Option<usize>) -> ControlFlow<()> + Sync),
 ) -> Result<UvSet, UvError> {
@@ -56,9 +56,9 @@ pub fn unwrap(
     };
     let options = uvunwrap::Options {
         density: uvunwrap::Density::Auto {
-            page_size: page.size,
+            page_size: atlas_size.size,
         },
-        padding: page.gutter.div_ceil(2),
+        padding: atlas_size.gutter.div_ceil(2),
         packing: uvunwrap::Packing::Fast,
         ..uvunwrap::Options::default()
     };
@@ -74,14 +74,14 @@ pub fn unwrap(
     if atlas.page_count > 1 {
         return Err(UvError::DoesNotFit {
             charts: atlas.chart_count as usize,
-            size: page.size,
-            gutter: page.gutter,
+            size: atlas_size.size,
+            gutter: atlas_size.gutter,
         });
     }
     let out = atlas.meshes.into_iter().next().unwrap_or_default();
     // The atlas is cropped in height; made square again, it keeps its texels.
-    let height = f64::from(atlas.height) / f64::from(page.size);
-    let width = f64::from(atlas.width) / f64::from(page.size);
+    let height = f64::from(atlas.height) / f64::from(atlas_size.size);
+    let width = f64::from(atlas.width) / f64::from(atlas_size.size);
     let mut values = alloc::vec![[0.0f32; 2]; corners.len()];
     for ((_, c), indices) in triangles.iter().zip(out.indices.as_chunks::<3>().0) {
         for (k, i) in c.iter().zip(indices) {

@@ -14,7 +14,7 @@ pub(super) struct Edges {
     pub(super) seam_seen: f64,
     pub(super) rim_length: f64,
     pub(super) non_manifold: usize,
-    pub(super) shells: usize,
+    pub(super) islands: usize,
     pub(super) t_joints: TJunctions,
 }
 
@@ -32,7 +32,7 @@ impl Edges {
             },
             rim_length: lengths(mesh, &topology, rim),
             non_manifold: non_manifold(mesh, &topology).len(),
-            shells: islands(mesh, set, &topology),
+            islands: islands(mesh, set, &topology),
             t_joints: t_junction::find(mesh, &topology),
         }
     }
