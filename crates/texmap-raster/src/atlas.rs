@@ -253,11 +253,11 @@ impl Atlas {
 
     fn interpolate(&mut self, corners: &Corners<'_, '_>, threads: usize) {
         let (mesh, texels) = (corners.mesh, self.face.len());
-        let room = |array: &[[f32; 3]]| match array.is_empty() {
+        let buffer = |array: &[[f32; 3]]| match array.is_empty() {
             true => Vec::new(),
             false => alloc::vec![[0.0; 3]; texels],
         };
-        (self.position, self.normal) = (room(mesh.positions), room(mesh.normals));
+        (self.position, self.normal) = (buffer(mesh.positions), buffer(mesh.normals));
         let (width, band) = (self.size.width() as usize, self.band());
         // Absent arrays have empty bands.
         let mut positions = self.position.chunks_mut(band);

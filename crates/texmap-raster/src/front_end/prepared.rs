@@ -117,16 +117,16 @@ impl<'a> BinnedDraws<'a> {
             .map(|d| Transform::new(&d.clip_from_object, size))
             .collect();
         let mut snapped: Vec<_> = draws.iter().map(transform::room).collect();
-        for ((draw, transform), room) in draws.iter().zip(&transforms).zip(&mut snapped) {
+        for ((draw, transform), buffer) in draws.iter().zip(&transforms).zip(&mut snapped) {
             let work = draw
                 .positions
                 .chunks(transform::CHUNK)
-                .zip(room.chunks_mut(transform::CHUNK))
+                .zip(buffer.chunks_mut(transform::CHUNK))
                 .collect();
             for_all(threads, work, |(positions, out)| {
                 transform::snap_all(level, positions, transform, out);
             });
-            transform::mark_bad_attributes(level, draw, room);
+            transform::mark_bad_attributes(level, draw, buffer);
         }
         let mut work = Vec::new();
         for (draw_index, draw) in draws.iter().enumerate() {
