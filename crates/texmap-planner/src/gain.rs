@@ -156,9 +156,9 @@ impl<'s> Lighting<'s> {
                 _ => return ([f32::INFINITY; 3], [1.0; 3]),
             }
         }
-        for slide in &self.scene.effects.projectors {
-            if let ProjectorMode::Light(color) = slide.mode {
-                let picture = self.brightest(slide.texture);
+        for projector in &self.scene.effects.projectors {
+            if let ProjectorMode::Light(color) = projector.mode {
+                let picture = self.brightest(projector.texture);
                 let color = [0, 1, 2].map(|k| color[k] * picture[k]);
                 add(&mut sum, surface.kd, color);
                 add(&mut added, surface.ks, color);
