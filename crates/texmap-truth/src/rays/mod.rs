@@ -285,17 +285,17 @@ mod tests {
         );
         let scene = RayScene::new([plate]);
         // Light of side 0.4 at height 3 over the plate of side 1 at height 1.
-        let lamp = AreaLight {
+        let light = AreaLight {
             corner: DVec3::new(-0.2, -0.2, 3.0),
             u: DVec3::X * 0.4,
             v: DVec3::Y * 0.4,
         };
-        let at = |x: f64| scene.sees(DVec3::new(x, 0.0, 0.0), &lamp, 40);
+        let at = |x: f64| scene.sees(DVec3::new(x, 0.0, 0.0), &light, 40);
         // The plate's edge projects the light's ends to 0.75 -+ 0.1.
         assert_eq!((at(0.0), at(0.64), at(0.86)), (0.0, 0.0, 1.0));
         assert!((at(0.75) - 0.5).abs() < 0.03);
         assert!((at(0.70) - 0.25).abs() < 0.03 && (at(0.80) - 0.75).abs() < 0.03);
-        let hard = |x: f64| scene.sees(DVec3::new(x, 0.0, 0.0), &lamp, 1);
+        let hard = |x: f64| scene.sees(DVec3::new(x, 0.0, 0.0), &light, 1);
         assert_eq!((hard(0.74), hard(0.76)), (0.0, 1.0));
     }
 
