@@ -383,8 +383,8 @@ pub(super) fn h7() -> Result<Vec<Measurement>, LabError> {
         let lit = f64::from(map.visibility(p, DVec3::Z, ShadowBias::Constant(1e-6), 5));
         let column = ((x * 0.5 + 0.5) * 64.0).floor() as i64;
         let row = ((0.5 - 0.05) * 64.0f64).floor() as i64;
-        let taps = (-2..=2).flat_map(|j| (-2..=2).map(move |i| (i, j)));
-        let depths: Vec<f64> = taps.map(|(i, j)| stored(column + i, row + j)).collect();
+        let offsets = (-2..=2).flat_map(|j| (-2..=2).map(move |i| (i, j)));
+        let depths: Vec<f64> = offsets.map(|(i, j)| stored(column + i, row + j)).collect();
         let share = depths.iter().filter(|d| 0.9 <= **d).count() as f64 / 25.0;
         let mean = depths.iter().sum::<f64>() / 25.0;
         worst = worst.max((lit - share).abs());

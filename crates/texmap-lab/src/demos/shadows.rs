@@ -97,11 +97,11 @@ pub(super) fn shadows(size: u32) -> Result<DemoPicture, LabError> {
         color: [0.9, 0.88, 0.8],
         direction,
     });
-    let shadow = |bias, taps| Shadow {
+    let shadow = |bias, pcf_size| Shadow {
         light: 1,
         size: Some(512),
         bias,
-        pcf_size: taps,
+        pcf_size,
         area: None,
     };
     let mut take = |shadows: Vec<Shadow>| {
