@@ -152,9 +152,10 @@ pub fn bake(
                 let received = |light: usize| {
                     let light = numbers[light];
                     let mut share = 1.0;
-                    for (_, map, bias, taps) in options.shadows.iter().filter(|s| s.0 == light) {
+                    for (_, map, bias, pcf_size) in options.shadows.iter().filter(|s| s.0 == light)
+                    {
                         let point = DVec3::from(point.map(f64::from));
-                        share *= map.visibility(point, plane, *bias, *taps);
+                        share *= map.visibility(point, plane, *bias, *pcf_size);
                     }
                     [share; 3]
                 };
