@@ -233,7 +233,7 @@ fn lit() -> Scene {
             [40, 60, 90, 255]
         }
     });
-    let relief = |green, rebuild_z| {
+    let detail = |green, rebuild_z| {
         Some(NormalDetail::NormalMap {
             slot: slot(0, Filter::Trilinear).unwrap(),
             green,
@@ -251,7 +251,7 @@ fn lit() -> Scene {
     });
     let floor = Material {
         base_color: slot(1, Filter::Trilinear),
-        normal_detail: relief(NormalMapGreen::Up, false),
+        normal_detail: detail(NormalMapGreen::Up, false),
         specular_model: SpecularModel::Blinn,
         phong: PhongMaterial {
             ns: 20.5,
@@ -260,7 +260,7 @@ fn lit() -> Scene {
         ..Material::default()
     };
     let metal = Material {
-        normal_detail: relief(NormalMapGreen::Down, true),
+        normal_detail: detail(NormalMapGreen::Down, true),
         horizon_clamp: false,
         reflection,
         phong: PhongMaterial {
@@ -286,7 +286,7 @@ fn lit() -> Scene {
         ..Material::default()
     };
     // Of a texture with alpha, of which only the colour counts.
-    let veil = texture(16, 16, |x, y| {
+    let opacity = texture(16, 16, |x, y| {
         [(x * 16) as u8, (y * 13) as u8, 90, 100 + (8 * x) as u8]
     });
     let baked = Material {
@@ -298,7 +298,7 @@ fn lit() -> Scene {
         }),
         ..Material::default()
     };
-    let lamp = |x: f64, border, softness, shadow, role| {
+    let projector = |x: f64, border, softness, shadow, role| {
         let position = DVec3::new(x, 3.0, 1.0);
         let look = DVec3::new(0.0, -0.5, -4.0);
         ProjectorLight {
@@ -345,7 +345,7 @@ fn lit() -> Scene {
                 position: [0.0, 2.5, -1.0],
             },
         ],
-        textures: vec![bumps, checker, veil],
+        textures: vec![bumps, checker, opacity],
         materials: vec![floor, metal, mirror, carved, baked],
         meshes: vec![
             ground(),
@@ -378,8 +378,8 @@ fn lit() -> Scene {
                 shadow(3, ShadowBias::Constant(0.02), 1),
             ],
             projectors: vec![
-                lamp(1.0, ProjectorBorder::Black, 0.1, Some(128), light),
-                lamp(-1.0, ProjectorBorder::Repeat, 0.0, None, light),
+                projector(1.0, ProjectorBorder::Black, 0.1, Some(128), light),
+                projector(-1.0, ProjectorBorder::Repeat, 0.0, None, light),
             ],
             environments: vec![sky.unwrap().with_mips()],
             ..Effects::default()

@@ -29,7 +29,7 @@ fn shadow(light: usize) -> Shadow {
     }
 }
 
-fn slide(texture: usize, role: ProjectorMode, map: Option<u32>) -> ProjectorLight {
+fn projector_light(texture: usize, role: ProjectorMode, map: Option<u32>) -> ProjectorLight {
     let position = DVec3::new(0.5, 1.5, -0.5);
     ProjectorLight {
         projector: Projector::new(position, DVec3::new(0.0, -0.3, -3.0), DVec3::Y, 0.9, 1.5)
@@ -134,8 +134,8 @@ fn all() -> Scene {
         effects: Effects {
             shadows: vec![shadow(1), shadow(2), shadow(3)],
             projectors: vec![
-                slide(0, ProjectorMode::Light([0.6; 3]), Some(128)),
-                slide(2, ProjectorMode::Decal, None),
+                projector_light(0, ProjectorMode::Light([0.6; 3]), Some(128)),
+                projector_light(2, ProjectorMode::Decal, None),
             ],
             environments: vec![sky],
             ..Effects::default()
@@ -233,7 +233,7 @@ fn no_buffer_holds_a_nan_of_its_own() {
     // Bumps beyond all measure, on a floor whose coordinates collapse at one corner.
     let slot = || slot(1, Filter::Bilinear).unwrap();
     for size in [1e30, -1e30, 1e-30] {
-        for relief in [
+        for detail in [
             NormalDetail::Bump {
                 slot: slot(),
                 height: size,
@@ -254,7 +254,7 @@ fn no_buffer_holds_a_nan_of_its_own() {
         ] {
             let mut scene = all();
             scene.meshes[0].uvs[2] = scene.meshes[0].uvs[1];
-            scene.materials[0].normal_detail = Some(relief);
+            scene.materials[0].normal_detail = Some(detail);
             scenes.push(scene);
         }
     }
@@ -370,7 +370,7 @@ fn slides_do_not_follow_the_eye() {
                     filter: Filter::Nearest,
                     ..Sampler::default()
                 },
-                ..slide(0, ProjectorMode::Light([1.0; 3]), None)
+                ..projector_light(0, ProjectorMode::Light([1.0; 3]), None)
             }],
             ..Effects::default()
         },
@@ -444,7 +444,7 @@ fn nothing_behind_a_projector_is_lit() {
                     filter,
                     ..Sampler::default()
                 },
-                ..slide(0, role, None)
+                ..projector_light(0, role, None)
             }],
             ..Effects::default()
         },
@@ -525,17 +525,17 @@ fn faults_of_effects_are_named() {
     assert!(text(|s| s.effects.environments.clear()).contains("does not exist"));
     assert!(text(|s| s.materials[0].light_map.as_mut().unwrap().scale = -1.0).contains("scale"));
     // A picture of no size, a projector that looks nowhere.
-    let thrown = |look: DVec3, up: DVec3, fov: f64, aspect: f64| {
+    let bad_projector = |look: DVec3, up: DVec3, fov: f64, aspect: f64| {
         Projector::new(DVec3::ZERO, look, up, fov, aspect)
             .unwrap_err()
             .to_string()
     };
     for aspect in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-        assert!(thrown(DVec3::Z, DVec3::Y, 1.0, aspect).contains("width over height"));
+        assert!(bad_projector(DVec3::Z, DVec3::Y, 1.0, aspect).contains("width over height"));
     }
-    assert!(thrown(DVec3::Z, DVec3::Z, 1.0, 1.0).contains("parallel"));
-    assert!(thrown(DVec3::ZERO, DVec3::Y, 1.0, 1.0).contains("same point"));
-    assert!(thrown(DVec3::Z, DVec3::Y, 0.0, 1.0).contains("field of view"));
+    assert!(bad_projector(DVec3::Z, DVec3::Z, 1.0, 1.0).contains("parallel"));
+    assert!(bad_projector(DVec3::ZERO, DVec3::Y, 1.0, 1.0).contains("same point"));
+    assert!(bad_projector(DVec3::Z, DVec3::Y, 0.0, 1.0).contains("field of view"));
     assert!(matches!(
         refused(|s| s.meshes[0].lightmap_uvs.clear()),
         SceneError::MissingLightMapUv { .. }

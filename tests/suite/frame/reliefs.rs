@@ -27,7 +27,7 @@ fn floats(channels: u32, texels: &[f32]) -> Texture2d<'static> {
     Texture2d::new(&image).unwrap()
 }
 
-fn matte(relief: NormalDetail) -> Material {
+fn matte(detail: NormalDetail) -> Material {
     Material {
         phong: PhongMaterial {
             color: [1.0; 3],
@@ -36,7 +36,7 @@ fn matte(relief: NormalDetail) -> Material {
             ks: 0.0,
             ns: 1.0,
         },
-        normal_detail: Some(relief),
+        normal_detail: Some(detail),
         ..Material::default()
     }
 }
@@ -116,8 +116,8 @@ fn offsets_are_the_bump_map_of_their_heights() {
     for origin in [Origin::TopLeft, Origin::BottomLeft] {
         let (mut scene, slope) = wavy();
         scene.meshes[0].uv_origin = origin;
-        let mut with = |relief: NormalDetail| {
-            scene.materials[0] = matte(relief);
+        let mut with = |detail: NormalDetail| {
+            scene.materials[0] = matte(detail);
             draw(&scene, 120, 120)
         };
         let bumped = with(bump());
@@ -171,8 +171,8 @@ fn normals_are_the_bump_map_of_their_heights() {
     };
     for origin in [Origin::TopLeft, Origin::BottomLeft] {
         scene.meshes[0].uv_origin = origin;
-        let mut with = |relief: NormalDetail| {
-            scene.materials[0] = matte(relief);
+        let mut with = |detail: NormalDetail| {
+            scene.materials[0] = matte(detail);
             draw(&scene, 120, 120)
         };
         let bumped = with(bump());
@@ -204,7 +204,7 @@ fn object_space_normals_follow_an_uneven_scale() {
         DMat4::from_translation(DVec3::new(0.0, 0.0, -3.0)) * DMat4::from_scale(scale);
     let texel = encode_normal(normal.as_vec3().to_array(), NormalMapGreen::Up);
     let texels = texel.repeat((SIDE * 2) as usize);
-    let relief = NormalDetail::NormalMap {
+    let detail = NormalDetail::NormalMap {
         slot: slot(0, Filter::Bilinear).unwrap(),
         green: NormalMapGreen::Up,
         rebuild_z: false,
@@ -217,7 +217,7 @@ fn object_space_normals_follow_an_uneven_scale() {
             direction: [0.5, -0.6, -1.0],
         }],
         textures: vec![floats(3, &texels)],
-        ..of(matte(relief), mesh)
+        ..of(matte(detail), mesh)
     };
     let mapped = draw(&scene, 60, 60);
     scene.materials[0].normal_detail = None;
@@ -284,9 +284,9 @@ fn heights_grow_with_the_model() {
         world_from_solid: DMat4::from_scale(DVec3::splat(0.3)),
         height: 0.1,
     };
-    for relief in [bump(), offsets(1, slope, NormalMapGreen::Up), carved] {
+    for detail in [bump(), offsets(1, slope, NormalMapGreen::Up), carved] {
         let mut small = scene.clone();
-        small.materials[0] = matte(relief.clone());
+        small.materials[0] = matte(detail.clone());
         let mut large = small.clone();
         let ten = DMat4::from_scale(DVec3::splat(10.0));
         large.meshes[0].world_from_object = ten;
@@ -298,7 +298,7 @@ fn heights_grow_with_the_model() {
         }
         let small = draw(&small, 90, 90);
         let difference = most(&small, &draw(&large, 90, 90));
-        assert!(difference <= 1, "{relief:?}: {difference}");
+        assert!(difference <= 1, "{detail:?}: {difference}");
     }
     // A tenth of the height is another picture.
     let mut low = scene.clone();
@@ -412,7 +412,7 @@ fn carved_heights_are_steady_everywhere() {
         position: [1.0, 1.0, 0.0],
     }];
     for heights in formulas {
-        let relief = |height| NormalDetail::Procedural {
+        let detail = |height| NormalDetail::Procedural {
             heights,
             // The axis of the waves stands on the wall.
             world_from_solid: DMat4::from_rotation_x(std::f64::consts::FRAC_PI_2)
@@ -421,7 +421,7 @@ fn carved_heights_are_steady_everywhere() {
         };
         let mut scene = Scene {
             lights: lights.clone(),
-            ..of(matte(relief(0.05)), wall(2.0, 2.0))
+            ..of(matte(detail(0.05)), wall(2.0, 2.0))
         };
         let bumped = draw(&scene, 80, 80);
         for (name, level) in levels() {
@@ -434,7 +434,7 @@ fn carved_heights_are_steady_everywhere() {
                 texmap_render::render(&scene, &settings, &texmap_render::no_progress).unwrap();
             assert!(frame.rgba == bumped.rgba, "{heights:?} {name}");
         }
-        scene.materials[0] = matte(relief(0.0));
+        scene.materials[0] = matte(detail(0.0));
         let flat = draw(&scene, 80, 80);
         assert!(most(&bumped, &flat) > 10, "{heights:?}");
         // From afar a pixel sees many waves: their mean.
@@ -457,12 +457,12 @@ fn carved_heights_are_steady_everywhere() {
 
 #[test]
 fn faults_of_reliefs_are_named() {
-    let refused = |relief: NormalDetail| {
+    let refused = |detail: NormalDetail| {
         let (mut scene, _) = wavy();
-        scene.materials[0] = matte(relief);
+        scene.materials[0] = matte(detail);
         scene.check().unwrap_err()
     };
-    let text = |relief: NormalDetail| refused(relief).to_string();
+    let text = |detail: NormalDetail| refused(detail).to_string();
     assert!(text(offsets(1, f32::NAN, NormalMapGreen::Up)).contains("slope of the offset map"));
     assert!(matches!(
         refused(offsets(9, 1.0, NormalMapGreen::Up)),

@@ -34,14 +34,14 @@ fn lights_shadows_and_projectors_are_added() {
         (shadows[1].light, shadows[1].size, shadows[1].bias),
         (2, None, None)
     );
-    let slides = &scene.effects.projectors;
-    assert_eq!(slides[0].mode, ProjectorMode::Light([0.5; 3]));
+    let projectors = &scene.effects.projectors;
+    assert_eq!(projectors[0].mode, ProjectorMode::Light([0.5; 3]));
     assert_eq!(
-        (slides[1].mode, slides[1].shadow),
+        (projectors[1].mode, projectors[1].shadow),
         (ProjectorMode::Decal, Some(64))
     );
     // The picture's own aspect: twice as wide as high.
-    let [q, s, _] = slides[0].projector.rows();
+    let [q, s, _] = projectors[0].projector.rows();
     assert!((s.y.abs() / q.x.abs() - 2.0).abs() < 1e-9);
     render(
         &scene,
@@ -226,9 +226,9 @@ fn bumps_of_offsets_formulas_and_words() {
          offsetmap square.png 0.5 down\ntf 0 0 0 1 1 0 2 0 1\nscale 2\ncarve waves 0.1 1 2 3 1 0.5 1 around 7 fold 0.25\n\
          tf 0 0 0 1 1 0 2 0 1\nemboss \"CS 184\" -0.02\ntf 0 0 0 1 1 0 2 0 1\ncarve none\ntf 0 0 0 1 1 0 2 0 1\n",
     );
-    let relief = |i: usize| &scene.materials[scene.meshes[i].material].normal_detail;
+    let detail = |i: usize| &scene.materials[scene.meshes[i].material].normal_detail;
     assert!(matches!(
-        relief(0),
+        detail(0),
         Some(NormalDetail::Offsets {
             slope: 0.5,
             green: NormalMapGreen::Down,
@@ -239,9 +239,9 @@ fn bumps_of_offsets_formulas_and_words() {
         heights,
         world_from_solid,
         height,
-    }) = relief(1)
+    }) = detail(1)
     else {
-        panic!("{:?}", relief(1))
+        panic!("{:?}", detail(1))
     };
     assert_eq!(
         (*height, *heights),
@@ -259,16 +259,16 @@ fn bumps_of_offsets_formulas_and_words() {
     let Some(NormalDetail::Bump {
         slot,
         height: -0.02,
-    }) = relief(2)
+    }) = detail(2)
     else {
-        panic!("{:?}", relief(2))
+        panic!("{:?}", detail(2))
     };
     // Six characters and a margin of half of one, eight dots each.
     let words = &scene.textures[slot.texture];
     assert_eq!((words.width(), words.height()), (56, 16));
     let ink = (0..56 * 16).filter(|i| words.texel(0, i % 56, i / 56).unwrap()[0] == 1.0);
     assert!((60..300).contains(&ink.count()));
-    assert!(relief(3).is_none());
+    assert!(detail(3).is_none());
     render(
         &scene,
         &RenderSettings::new(16, 16),

@@ -142,7 +142,7 @@ fn sculpture(quads: bool) -> (Vec<[f32; 3]>, Faces) {
 /// The ways to give it coordinates: one island, many, mirrored halves, one index for each corner, and islands of which some
 /// have no area in the picture.
 fn sets(mesh: &Mesh<'_>) -> Vec<(&'static str, UvSet)> {
-    let page = AtlasSize::default();
+    let atlas = AtlasSize::default();
     let origin = Origin::BottomLeft;
     let sphere = |fix_seams| {
         let mapping = Mapping {
@@ -154,7 +154,7 @@ fn sets(mesh: &Mesh<'_>) -> Vec<(&'static str, UvSet)> {
             .unwrap()
             .set
     };
-    let auto = auto_planes(mesh, page, origin).unwrap();
+    let auto = auto_planes(mesh, atlas, origin).unwrap();
     let corners = mesh.faces().corners().len();
     let apart = UvSet {
         uvs: auto.per_corner(),
@@ -186,7 +186,7 @@ fn sets(mesh: &Mesh<'_>) -> Vec<(&'static str, UvSet)> {
         ("auto", auto),
         (
             "unwrap",
-            unwrap(mesh, &SeamEdges::default(), page, origin, &|_, _| {
+            unwrap(mesh, &SeamEdges::default(), atlas, origin, &|_, _| {
                 std::ops::ControlFlow::Continue(())
             })
             .unwrap(),
