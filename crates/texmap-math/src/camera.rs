@@ -31,7 +31,7 @@ pub enum CameraError {
     NonFinite,
     /// `eye` and `look` are the same point.
     EyeIsLook {
-        /// That point.
+        /// The common point.
         eye: DVec3,
     },
     /// `up` is zero or parallel to the line of sight.

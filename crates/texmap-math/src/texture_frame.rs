@@ -25,7 +25,7 @@ pub enum FrameError {
     NonFinite,
     /// U and V are zero or parallel: the sine of their angle is too small.
     DegenerateAxes {
-        /// That sine (0 where a vector is zero).
+        /// Sine of the angle between U and V (0 if a vector is zero).
         sine: f64,
     },
     /// The three positions lie on a line.
