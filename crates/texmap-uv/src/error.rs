@@ -13,7 +13,7 @@ pub enum UvError {
     TooFewCorners {
         /// The face.
         face: usize,
-        /// Its corners.
+        /// Number of corners of the face.
         corners: usize,
     },
     /// A corner that names no vertex (or no texture coordinate).
@@ -36,7 +36,7 @@ pub enum UvError {
     WrongLength {
         /// Name of the list.
         what: &'static str,
-        /// Its length.
+        /// Length of the list.
         found: usize,
         /// The length that fits.
         expected: usize,
@@ -48,7 +48,7 @@ pub enum UvError {
     },
     /// A parameter out of its range.
     BadParameter {
-        /// Its name.
+        /// Name of the parameter.
         what: &'static str,
         /// The offending value.
         value: f64,
@@ -73,7 +73,7 @@ pub enum UvError {
     TooManyCorners {
         /// The face.
         face: usize,
-        /// Its corners.
+        /// Number of corners of the face.
         corners: usize,
         /// The most that it takes.
         limit: usize,
@@ -91,7 +91,7 @@ pub enum UvError {
     Cancelled,
     /// The unwrapper gave up.
     Unwrap {
-        /// Its own words.
+        /// The unwrapper's own words.
         reason: String,
     },
 }

@@ -39,7 +39,7 @@ impl Flat {
 pub struct Overlaps {
     /// Pairs that share area.
     pub pairs: u64,
-    /// Their common area, summed over the pairs; the whole picture is 1.
+    /// The pairs' common area, summed over the pairs; the whole picture is 1.
     pub area: f64,
     /// The pairs' triangles (of the faces' fans, in order), ascending, each once.
     pub triangles: Vec<u32>,

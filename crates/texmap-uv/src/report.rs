@@ -42,7 +42,7 @@ impl Default for ReportOptions {
 /// One triangle of the fan of a face.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TriangleReport {
-    /// Its face.
+    /// The face of the triangle.
     pub face: u32,
     /// Indices of its corners in the list of corners.
     pub corners: [u32; 3],
@@ -59,13 +59,13 @@ pub struct TriangleReport {
     /// Texels per unit of length: the root of its area in the picture over that in space, times the picture's size.
     /// NaN without area in space.
     pub density: f32,
-    /// It has a corner outside [0, 1].
+    /// The triangle has a corner outside [0, 1].
     pub outside: bool,
-    /// Its area in the picture is negative.
+    /// The triangle's area in the picture is negative.
     pub flipped: bool,
-    /// It has area in space but none in the picture.
+    /// The triangle has area in space but none in the picture.
     pub collapsed: bool,
-    /// It lies on a triangle of another face.
+    /// The triangle lies on a triangle of another face.
     pub overlapping: bool,
 }
 
@@ -100,7 +100,7 @@ pub struct Report {
     pub overlapping: usize,
     /// Pairs of such triangles.
     pub overlap_pairs: u64,
-    /// Their common area in the picture, summed over pairs; the whole picture is 1.
+    /// Common area of these pairs in the picture, summed over pairs; the whole picture is 1.
     pub overlap_area: f64,
     /// So many triangles lie at one point that the overlap figures are lower bounds.
     pub overlap_at_least: bool,

@@ -10,7 +10,7 @@ use crate::{UvError, parallel};
 pub struct Unmapped {
     /// Number of such triangles.
     pub triangles: usize,
-    /// Their part of the surface, 0 to 1.
+    /// These triangles' part of the surface, 0 to 1.
     pub fraction: f64,
     /// The first face that has one.
     pub face: Option<u32>,

@@ -47,7 +47,7 @@ impl Space {
 /// A triangle, or half of a quad.
 #[derive(Clone, Copy)]
 pub(super) struct Triangle {
-    /// Its corners, as indices into the list of corners.
+    /// Corners of the triangle, as indices into the list of corners.
     pub(super) corners: [u32; 3],
     /// Indices of their tangents in the list of slots.
     pub(super) slots: [u32; 3],
