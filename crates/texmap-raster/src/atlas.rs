@@ -353,7 +353,7 @@ impl Atlas {
 
 /// A band of the atlas and the values to fill in.
 struct Values<'b> {
-    /// Its first row.
+    /// First row of the band.
     top: usize,
     faces: &'b [u32],
     barycentric: &'b mut [[f32; 3]],

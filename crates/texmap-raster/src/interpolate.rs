@@ -317,7 +317,7 @@ pub(crate) struct Part {
 }
 
 impl Part {
-    /// Its pixels in the block's mask.
+    /// Pixels of the part in the block's mask.
     #[inline(always)]
     pub(crate) fn mask<I: Isa>(self, _: I) -> u32 {
         u32::from(self.block.mask) >> self.at & ((1 << I::LANES) - 1)
@@ -332,9 +332,9 @@ impl Part {
 /// The slots of a part's pixels.
 pub(crate) struct Slots<I: Isa> {
     pub(crate) each: I::U32,
-    /// That of the first pixel in the mask.
+    /// Slot of the first pixel in the mask.
     pub(crate) first: u32,
-    /// All are that one.
+    /// True if all slots are the first.
     pub(crate) one: bool,
 }
 

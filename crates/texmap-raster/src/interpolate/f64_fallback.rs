@@ -17,7 +17,7 @@ enum Rest<'t> {
     Nothing,
     /// All, in lanes.
     Wide(&'t TriangleSetup),
-    /// Those of these slots: the ones whose bits are set, and where attributes are linear.
+    /// Pixels of these slots: those whose bits are set, and those whose attributes are linear.
     Pixels([u32; BLOCK_PIXELS], u32),
 }
 

@@ -58,7 +58,7 @@ pub(crate) const COEFFICIENTS: usize = 5;
 pub(crate) struct RowPlane<I: Isa> {
     a: I::F32,
     b: I::F32,
-    /// Its value at the tile's middle column.
+    /// Value of the plane at the tile's middle column.
     start: I::F32,
     lo: I::F32,
     hi: I::F32,
