@@ -24,7 +24,7 @@ pub(crate) struct Vertex {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Triangle {
     pub(crate) vertices: [u32; 3],
-    /// Its number in its mesh before any edge was halved.
+    /// Number of the triangle in its mesh before any edge was halved.
     pub(crate) base: u32,
 }
 

@@ -24,9 +24,9 @@ pub struct Skin {
 /// A bone at rest, in the space of the mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bone {
-    /// The joint with its parent, about which it turns.
+    /// The joint of the bone with its parent, about which the bone turns.
     pub head: DVec3,
-    /// Its other end.
+    /// The other end of the bone.
     pub tail: DVec3,
     /// The bone that it follows: one before it in the list.
     pub parent: Option<usize>,
