@@ -9,7 +9,7 @@ use texmap_scene::{Background, Scene};
 pub struct EnvironmentChoice {
     /// Index into [`Effects::environments`](texmap_scene::Effects::environments).
     pub environment: usize,
-    /// Its chart.
+    /// Layout of the environment.
     pub chart: EnvironmentLayout,
     /// Width and height of a face in texels.
     pub size: (u32, u32),

@@ -241,7 +241,7 @@ mod tests {
                     let found = searched(most, added, &[a], &[b], srgb);
                     assert!(found <= worst + 2e-6, "{a} {b} {most} {added}");
                 }
-                // It is reached, and where light is strong it is more than without light.
+                // The worst difference is reached, and in strong light it is more than without light.
                 let plain = (stored(a, srgb) - stored(b, srgb)).abs();
                 if most == 40.0 && a.max(b) == 0.3 && a != b {
                     assert!(worst > plain, "{a} {b}");

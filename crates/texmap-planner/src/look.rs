@@ -32,7 +32,7 @@ pub(super) struct Look<'s> {
 #[derive(Clone)]
 pub(super) struct Read {
     pub(super) base: Sampler,
-    /// That of the label, unless its own.
+    /// Sampler of the label, unless the label's own.
     pub(super) label: Option<Sampler>,
 }
 
@@ -73,7 +73,7 @@ impl<'s> Look<'s> {
         })
     }
 
-    /// Its texture's slot.
+    /// Slot of the base texture.
     pub(super) fn slot(&self) -> Option<&'s TextureSlot> {
         self.texture.as_ref().map(|(_, slot)| *slot)
     }
@@ -134,7 +134,7 @@ impl<'s> Look<'s> {
             let d = slot.transform.apply_footprint(at.footprint);
             let sampler = read.label.as_ref().unwrap_or(&slot.sampler);
             let label = sampler.sample_grad(texture, uv, d);
-            // It covers the colour, not the holes.
+            // The label covers the colour, not the holes.
             let keep = 1.0 - label[3];
             for k in 0..3 {
                 texel[k] = label[k] * texel[3] + keep * texel[k] * self.under[k];

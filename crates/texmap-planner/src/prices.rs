@@ -10,7 +10,7 @@ use texmap_sample::{Filter, Precision};
 pub struct Price {
     /// The filter.
     pub filter: Filter,
-    /// Its precision.
+    /// Precision of the filter.
     pub precision: Precision,
     /// Nanoseconds a look-up.
     pub ns: f64,
