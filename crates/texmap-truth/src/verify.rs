@@ -211,7 +211,7 @@ impl Sum {
         self.count += 1;
     }
 
-    /// Their root mean; 0 of none.
+    /// Root mean of the squares; 0 of none.
     fn root(&self) -> f64 {
         (self.squares / self.count.max(1) as f64).sqrt()
     }
