@@ -100,7 +100,7 @@ pub fn sines([x, y]: [f64; 2]) -> f64 {
 pub struct View {
     /// Turned by this angle, radians.
     pub turn: f64,
-    /// This many times as large.
+    /// Factor by which the texture is larger.
     pub magnify: f64,
 }
 

@@ -51,7 +51,7 @@ fn waves() -> Result<Scene, LabError> {
     let normals = heights
         .normals(Slope::Central, strength, NormalMapGreen::Up)
         .map_err(|e| LabError::Cases(e.to_string()))?;
-    // Their y already counts up the picture; the texel stores it so.
+    // The normals' y already counts up the picture; the texel stores it so.
     let bytes: Vec<u8> = normals
         .iter()
         .flat_map(|n| {
