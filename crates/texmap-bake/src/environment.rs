@@ -52,7 +52,7 @@ pub fn capture_environment(
     if !(1..=Environment::MAX_SIDE).contains(&size) {
         return Err(refused("size", size.to_string()));
     }
-    // Its texels, and the copies with borders and mips that an environment keeps.
+    // The environment's texels, and the copies with borders and mips that it keeps.
     MemoryBudget::of_process().ask(
         6 * u64::from(size) * u64::from(size) * (12 + 16 + 6),
         format_args!("an environment of 6 x {size} x {size} texels"),
