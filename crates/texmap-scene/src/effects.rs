@@ -67,9 +67,9 @@ pub struct ProjectorLight {
 /// Effect of the projected picture on a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ProjectorMode {
-    /// It is light of this linear colour times the picture, from the projector's position: diffuse, with highlights.
+    /// Light of this linear colour times the picture, from the projector's position: diffuse, with highlights.
     Light([f32; 3]),
-    /// It covers the base colour of what faces the projector, as alpha says.
+    /// Paint over the base colour of surfaces that face the projector, as alpha says.
     Decal,
 }
 
@@ -141,7 +141,7 @@ pub enum NormalDetail {
 }
 
 impl NormalDetail {
-    /// Its texture, if it has one.
+    /// Texture of the normals or heights, if there is one.
     #[must_use]
     pub fn slot(&self) -> Option<&TextureSlot> {
         match self {

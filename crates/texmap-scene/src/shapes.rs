@@ -50,7 +50,7 @@ pub enum EdgeBudget {
 /// A rectangle that faces the camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Billboard {
-    /// Its middle, in world space.
+    /// Middle of the billboard, in world space.
     pub position: DVec3,
     /// Width and height, both above 0.
     pub size: [f64; 2],
