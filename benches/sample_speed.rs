@@ -73,7 +73,7 @@ impl Case {
     }
 }
 
-/// Those with kernels of their own: SSE4.2 runs SSE2's.
+/// Levels with kernels of their own: SSE4.2 runs SSE2's.
 fn levels() -> Vec<(&'static str, Level)> {
     let best = Level::new();
     let mut levels = Vec::new();

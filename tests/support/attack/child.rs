@@ -26,9 +26,9 @@ pub(super) struct Ending {
     pub(super) status: Option<ExitStatus>,
     /// Linux: it was seen to be ready for the signal.
     pub(super) ready: bool,
-    /// It did not end within the time; then it was killed.
+    /// The run did not end within the time; then it was killed.
     pub(super) hung: bool,
-    /// It took more memory than allowed; then it was killed.
+    /// The run took more memory than allowed; then it was killed.
     pub(super) large: bool,
     pub(super) stdout: Vec<u8>,
     pub(super) stderr: Vec<u8>,
