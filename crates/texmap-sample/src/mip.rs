@@ -204,8 +204,8 @@ struct Pending {
     next: Level,
     /// The row to come.
     row: i32,
-    /// Row y of the level above stands at index y modulo 3. (Floats, so that rounding does not add up
-    /// along the chain.)
+    /// Row y of the level above stands at index y modulo 3. Floats, so that rounding does not add up
+    /// along the chain.
     rows: [Vec<[f32; 4]>; 3],
 }
 

@@ -82,8 +82,8 @@ impl Pattern {
     }
 }
 
-/// Sum of noise, or of its magnitude, over octaves, each weighed by how well a pixel of this width resolves it: all up to half a
-/// cell, none from a cell on.
+/// Sum of noise, or of its magnitude, over octaves, each weighed by the pixel's width. An octave counts fully while the pixel is up to
+/// half a cell wide, and not at all from a cell on.
 #[inline(always)]
 fn octave_sum<I: Isa>(i: I, p: [I::F32; 3], width: I::F32, octaves: u8, magnitude: bool) -> I::F32 {
     let (mut sum, mut scale, mut strength) = (i.f32(0.0), 1.0f32, 1.0f32);
