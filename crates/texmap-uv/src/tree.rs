@@ -159,9 +159,9 @@ pub(crate) fn steps_for(count: usize) -> u64 {
     (count * 256).max((count << 16).min(1 << 28))
 }
 
-/// Finds something around each of `count` items within a number of steps, on all cores, in the order of the items: what was
-/// found, with its item, and the items whose search did not come to its end. Steps are shared out evenly; what items leave
-/// over goes to those that had too few, which begin anew. The same result on any number of threads.
+/// Finds something around each of `count` items within a number of steps, on all cores. Returns the finds, each with its
+/// item, in the order of the items, and the items whose search did not come to its end. Steps are shared out evenly; what
+/// items leave over goes to those that had too few, which begin anew. The same result on any number of threads.
 pub(crate) fn search_each<T: Send>(
     count: usize,
     steps: u64,
