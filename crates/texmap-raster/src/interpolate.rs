@@ -102,8 +102,9 @@ impl AttributePlanes {
         });
     }
 
-    /// Stores the values of attributes `wanted` in each block of `run` that has pixels, one attribute a column from column `first` on (nothing where these are missing);
-    /// derivatives only where `D` asks for them. For stages that are generic over the lane width; outside semantic versioning.
+    /// Stores the values of attributes `wanted` in each block of `run` that has pixels, one attribute a column from column
+    /// `first` on. Nothing is stored where columns are missing; derivatives only if `D` asks for them. For stages that are
+    /// generic over the lane width; outside semantic versioning.
     #[inline(never)]
     pub fn each_column<I: Isa, const D: bool>(
         &self,

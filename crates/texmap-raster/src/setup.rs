@@ -308,8 +308,8 @@ impl TriangleSetup {
         }
     }
 
-    /// The first two attributes of the 4x4 pixels from (x, y) on, as [`evaluate`](Self::evaluate) finds them; `None` where f32 planes
-    /// do not serve, and where there are fewer.
+    /// The first two attributes of the 4x4 pixels from (x, y) on, as [`evaluate`](Self::evaluate) finds them. `None` if f32
+    /// planes do not serve, or there are fewer attributes.
     #[inline(always)]
     pub(crate) fn uv_block<I: Isa>(&self, i: I, x: u32, y: u32) -> Option<UvBlock> {
         if self.is_odd() || self.count < 2 {

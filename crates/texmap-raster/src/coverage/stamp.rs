@@ -39,7 +39,7 @@ pub(crate) trait Sink<I: Isa> {
     }
     /// One pixel at `index` of the block order.
     fn pixel(&mut self, triangle: usize, index: usize, depth: f32);
-    /// True if the few pixels of a triangle cost less one by one than as parts of blocks, even if they are more than four.
+    /// True if a triangle's few pixels cost less one by one than as parts of blocks. Also for more than four pixels.
     fn takes_pixels(&self) -> bool;
 }
 

@@ -269,7 +269,7 @@ impl<'a> BinnedDraws<'a> {
         self.setup(id, x / TILE, y / TILE).evaluate(x, y, out);
     }
 
-    /// The set-up behind [`evaluate`](Self::evaluate), to be kept while `id` and the tile (`x` and `y` over [`TILE`]) stay the same.
+    /// The set-up behind [`evaluate`](Self::evaluate). Keep it while `id` and the tile (`x` and `y` over [`TILE`]) stay the same.
     #[must_use]
     pub fn setup(&self, id: u32, tile_x: u32, tile_y: u32) -> TriangleSetup {
         let (shape, _) = self.shape(id);

@@ -29,7 +29,8 @@ pub(super) trait Patch {
 }
 
 impl AttributePlanes {
-    /// Replaces the values of slots that f32 planes cannot serve, and, where a block has several, those that are linear on the screen.
+    /// Replaces the values of slots that f32 planes cannot serve. In blocks of several slots also those that are linear on the
+    /// screen.
     #[inline(always)]
     pub(super) fn mend<I: Isa, const D: bool>(
         &self,

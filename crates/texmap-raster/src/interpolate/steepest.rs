@@ -39,8 +39,9 @@ impl AttributePlanes {
         only.filter(|slot| *slot != NO_PRIMITIVE)
     }
 
-    /// The most, in magnitude, that attributes `wanted` change per pixel to the right and down anywhere on a slot's triangle in this
-    /// tile, as [`each_block`](Self::each_block) finds it. `None` where f32 planes do not serve the slot, and near the eye's plane.
+    /// Largest magnitudes of the derivatives of attributes `wanted` on a slot's triangle in this tile. Derivatives are changes
+    /// per pixel to the right and down, as [`each_block`](Self::each_block) finds them. `None` where f32 planes do not serve the
+    /// slot, and near the eye's plane.
     #[must_use]
     pub fn max_gradient<const N: usize>(
         &self,

@@ -11,8 +11,8 @@ use crate::visibility::blocks::Runs;
 use crate::visibility::visible::NO_PRIMITIVE;
 use crate::{BinnedDraws, Interp, MAX_ATTRIBUTES};
 
-/// Planes of 1/w and of every attribute for each slot of a tile (see [`TileVisibility::slot`](crate::TileVisibility)),
-/// coefficient by coefficient in groups of sixteen slots.
+/// Planes of 1/w and of every attribute for each slot of a tile. Slots are those of
+/// [`TileVisibility::slot`](crate::TileVisibility); planes lie coefficient by coefficient in groups of sixteen slots.
 #[derive(Debug, Clone, Default)]
 pub struct AttributePlanes {
     pub(crate) words: Vec<f32>,

@@ -134,8 +134,8 @@ impl BinnedDraws<'_> {
         self.visible_sample(tile, [0; 2], alpha, out);
     }
 
-    /// [`visible_blocks`](Self::visible_blocks) at one sample a pixel, `offset` 1/256 pixel to the right of its centre and
-    /// below it, each in -128..=127 (see [`SAMPLES_4`](crate::SAMPLES_4)). Only for what was prepared
+    /// [`visible_blocks`](Self::visible_blocks) at one sample a pixel, `offset` from its centre. In 1/256 pixel to the
+    /// right and down, each in -128..=127 (see [`SAMPLES_4`](crate::SAMPLES_4)). Only for what was prepared
     /// [`with_samples`](Self::with_samples); without, triangles between the centres are missing. Cut-outs are asked at the
     /// centre, so that all samples of a pixel get one answer.
     pub fn visible_sample(

@@ -29,8 +29,8 @@ impl BinnedDraws<'_> {
         self.depth_strips(threads, None, 0.0, map, &|_| {});
     }
 
-    /// [`depth_map_into`](Self::depth_map_into), without the pixels of cut-outs that `alpha` does not keep, and with `empty` in tiles
-    /// that no triangle reaches. Each strip of finished rows is lent to `done` while it is at hand.
+    /// [`depth_map_into`](Self::depth_map_into), without the pixels of cut-outs that `alpha` does not keep. Tiles that no
+    /// triangle reaches hold `empty`. Each strip of finished rows is lent to `done` while it is at hand.
     pub fn depth_strips(
         &self,
         threads: usize,

@@ -53,7 +53,7 @@ pub trait AlphaTest {
     /// True if the fragment is kept.
     fn keep(&self, draw: u32, triangle: u32, fragment: &Fragment) -> bool;
 
-    /// [`keep`](Self::keep) for those of sixteen fragments that are `asked` for, a bit each, by the first two attributes; `None`
+    /// [`keep`](Self::keep) for those of sixteen fragments that are `asked` for, a bit each, by the first two attributes. `None`
     /// if these do not decide: the fragments are asked about one by one then.
     fn keep_by_uv(&self, _draw: u32, _at: &UvBlock, _asked: u16) -> Option<u16> {
         None
@@ -103,8 +103,8 @@ impl BinnedDraws<'_> {
         out.blocks = blocks;
     }
 
-    /// Calls `sink` with each fragment (id, x, y) of the blended draws that passes the depth test against `buffers`, in
-    /// submitted order; within a triangle in 4x4 blocks.
+    /// Calls `sink` with each fragment (id, x, y) of the blended draws that passes the depth test. The test is against
+    /// `buffers`; fragments come in submitted order, within a triangle in 4x4 blocks.
     pub fn blended(
         &self,
         tile: usize,
