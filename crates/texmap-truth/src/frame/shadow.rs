@@ -179,8 +179,8 @@ impl World<'_> {
         surface.holds_light(triangle, weights)
     }
 
-    /// True if the edge of some shadow is so near to a point that its map, with its texels and its filter, may differ from rays, or that
-    /// a pixel of this width holds the edge.
+    /// True if the edge of some shadow is near to a point. Near means that the shadow's map, with its texels and its filter, may
+    /// differ from rays, or that a pixel of this width holds the edge.
     pub(super) fn near_an_edge(&self, at: &Point, pixel: f64) -> bool {
         let lights = self.shadows.iter().flatten();
         let cast = self.projector_shadows.iter().flatten();

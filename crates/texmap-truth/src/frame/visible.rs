@@ -76,7 +76,7 @@ impl World<'_> {
         }
     }
 
-    /// The colour that the ray through (x, y) leaves, premultiplied linear light, and whether anything blended or a volume is in it.
+    /// Colour of the ray through (x, y), premultiplied linear light. The flag is true if anything blended or a volume is in it.
     pub(super) fn color(&self, visible: &Visible, x: f64, y: f64) -> (DVec4, bool) {
         let shade = |owner: (usize, u32), hit: &Hit| {
             let surface = &self.surfaces[owner.0];

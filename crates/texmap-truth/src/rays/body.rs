@@ -192,7 +192,7 @@ mod tests {
     use super::super::{RayObject, RayScene};
     use super::*;
 
-    /// Normals of a squeezed and mirrored ball by the inverse transpose, against the gradient of its equation; the matrix itself
+    /// Normals of a squeezed and mirrored ball by the inverse transpose, against the gradient of its equation. The matrix itself
     /// must fail.
     #[test]
     fn normals_go_by_the_inverse_transpose() {
