@@ -13,9 +13,9 @@ use crate::{
 pub struct Material {
     /// For messages.
     pub name: String,
-    /// Base colour (linear light; raw under [`ColorMode::Raw`](crate::ColorMode::Raw)) and its answer to light.
+    /// Base colour and its answer to light. Linear light; raw under [`ColorMode::Raw`](crate::ColorMode::Raw).
     pub phong: PhongMaterial,
-    /// The metallic-roughness model instead of the numbers of `phong`, whose colour it keeps as base colour. Read by
+    /// The metallic-roughness model instead of the numbers of `phong`; the colour of `phong` stays. Read by
     /// [`Shading::PerPixel`]; `specular_model`, `maps`, `reflection` and `specular_map` are not read then.
     pub metallic_roughness: Option<MetallicRoughness>,
     /// 0 (clear) to 1; multiplies the alpha of the texture. Read by [`AlphaMode::Test`] and
