@@ -15,7 +15,7 @@ pub struct Material {
     pub name: String,
     /// Base colour and its answer to light. Linear light; raw under [`ColorMode::Raw`](crate::ColorMode::Raw).
     pub phong: PhongMaterial,
-    /// The metallic-roughness model instead of the numbers of `phong`; the colour of `phong` stays. Read by
+    /// The metallic-roughness model instead of the numbers of `phong`; the colour of `phong` stays the base colour. Read by
     /// [`Shading::PerPixel`]; `specular_model`, `maps`, `reflection` and `specular_map` are not read then.
     pub metallic_roughness: Option<MetallicRoughness>,
     /// 0 (clear) to 1; multiplies the alpha of the texture. Read by [`AlphaMode::Test`] and
