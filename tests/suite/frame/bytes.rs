@@ -315,11 +315,11 @@ fn lit() -> Scene {
             shadow,
         }
     };
-    let shadow = |light, bias, taps| Shadow {
+    let shadow = |light, bias, pcf_size| Shadow {
         light,
         size: Some(256),
         bias: Some(bias),
-        pcf_size: taps,
+        pcf_size,
         area: (light == 3).then_some((DVec3::new(0.0, 0.0, -3.0), 2.0)),
     };
     let light = ProjectorMode::Light([0.4, 0.5, 0.3]);

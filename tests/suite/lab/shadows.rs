@@ -85,8 +85,8 @@ fn shapes() -> [(&'static str, ShadowScene); 3] {
 /// Wrong points of all filters and of two sizes.
 fn all(truth: &ShadowTruth<'_>, bias: ShadowBias) -> Wrong {
     let sizes = [512, 2048].into_iter();
-    let each = sizes.flat_map(|size| [1, 3, 5].map(|taps| (size, taps)));
-    each.map(|(size, taps)| truth.wrong(size, bias, taps).unwrap())
+    let each = sizes.flat_map(|size| [1, 3, 5].map(|pcf_size| (size, pcf_size)));
+    each.map(|(size, pcf_size)| truth.wrong(size, bias, pcf_size).unwrap())
         .sum()
 }
 
