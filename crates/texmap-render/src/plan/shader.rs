@@ -109,12 +109,9 @@ fn surface_shader<'a>(plan: &'a Plan<'a>, surface: &'a Surface<'a>) -> SurfaceSh
         && (effects.is_none() || material.specular_map.is_none())
         && paint.projectors.is_empty();
     let emission_map = surface.emission.as_ref().and_then(|(_, map)| map.as_ref());
-    let by_detail = matches!(
-        detail,
-        Some(NormalSource::Bump(..) | NormalSource::Offsets(..) | NormalSource::Map(..))
-    );
+    let by_map = |detail: &NormalSource<'_>| !matches!(detail, NormalSource::Procedural(_));
     let reads_uv = base.reads_uv()
-        || (by_detail && normal_map.is_none())
+        || (detail.is_some_and(by_map) && normal_map.is_none())
         || maps.iter().any(Option::is_some)
         || emission_map.is_some();
 
@@ -161,7 +158,8 @@ fn stages<'a>(
     paint: Paint<'a>,
 ) -> Stages<'a> {
     let mut out: Stages<'a> = Vec::new();
-    if covers && (base.alpha != AlphaMode::Opaque || base.opaque_texels) {
+    let whole = base.opaque_texels && base.decal.is_none();
+    if covers && (base.alpha != AlphaMode::Opaque || whole) {
         // The surface below shows nowhere.
         out.push(Box::new(Cover(base)));
         return out;

@@ -4,7 +4,7 @@ use texmap_light::lanes::{SpecularExponentLanes, TermsLanes, Vector, evaluate_li
 use texmap_light::{Light, PhongMaterial, ShadowSampler, SpecularExponent, SpecularModel};
 use texmap_math::simd::{Isa, prelude::*};
 
-use super::batch::{columns, load_vector, parts};
+use super::batch::{Part, columns, load_vector, parts};
 use super::projector::Projected;
 use super::stage::{Inputs, Kernel, ShadeColumns};
 
@@ -54,26 +54,44 @@ impl LitBy<'_> {
         self.shadows.iter().chain(of_projector)
     }
 
+    /// The texels that the light projects on a part, if it projects some; `None` if its projector does not reach the part.
+    #[inline(always)]
+    pub(crate) fn texel<I: Isa>(
+        &self,
+        i: I,
+        inputs: &Inputs<'_>,
+        part: &Part,
+    ) -> Option<Option<[I::F32; 4]>> {
+        match self.projector {
+            None => Some(None),
+            Some((_, k)) => match inputs.projectors[k].load(i, part.index, part.pixel) {
+                None => None,
+                some => Some(some),
+            },
+        }
+    }
+
     /// The share of the light that reaches the lanes of `lit`, times the projected texels.
     #[inline(always)]
     pub(crate) fn received<I: Isa>(
         &self,
         i: I,
+        (inputs, at): (&Inputs<'_>, usize),
         texel: Option<[I::F32; 4]>,
         lit: I::Mask,
         point: Vector<I>,
-        plane: Vector<I>,
     ) -> Vector<I> {
+        let plane = &inputs.sides.plane;
         let mut share = i.f32(1.0);
         for shadow in self.shadows {
-            share = share * visibility(i, shadow, lit, point, plane);
+            share = share * visibility(i, shadow, lit, point, plane.load(i, at));
         }
         let (Some([r, g, b, _]), Some((projected, _))) = (texel, &self.projector) else {
             return [share; 3];
         };
         if let Some(shadow) = &projected.shadow {
             let some = r.simd_gt(0.0) | g.simd_gt(0.0) | b.simd_gt(0.0);
-            let left = share * visibility(i, shadow, lit & some, point, plane);
+            let left = share * visibility(i, shadow, lit & some, point, plane.load(i, at));
             share = some.select(left, share);
         }
         [r * share, g * share, b * share]
@@ -115,12 +133,8 @@ impl Kernel for PhongLights<'_> {
             };
             let mut sum = TermsLanes::dark(i);
             for by in &self.lights {
-                let texel = match by.projector {
-                    None => None,
-                    Some((_, k)) => match inputs.projectors[k].load(i, part.index, part.pixel) {
-                        None => continue,
-                        some => some,
-                    },
+                let Some(texel) = by.texel(i, inputs, &part) else {
+                    continue;
                 };
                 let given = evaluate_light(
                     i,
@@ -134,8 +148,7 @@ impl Kernel for PhongLights<'_> {
                 );
                 let lit = given.lit & pixels;
                 if lit.any_true() {
-                    let plane = inputs.sides.plane.load(i, at);
-                    sum.add(&given, lit, by.received(i, texel, lit, point, plane));
+                    sum.add(&given, lit, by.received(i, (inputs, at), texel, lit, point));
                 }
             }
             columns.diffuse.store(i, at, sum.diffuse);
