@@ -11,9 +11,7 @@ use crate::shade::coordinates::Coordinates;
 use crate::shade::environment::Reflection;
 use crate::shade::facing::FacingStage;
 use crate::shade::fetch::TexturePair;
-use crate::shade::light_maps::{
-    AmbientMap, Emission, ExponentMap, LightMap, LightRamp, SpecularMap,
-};
+use crate::shade::light_maps::{AmbientMap, Emission, LightMap, LightRamp, SpecularMap};
 use crate::shade::lighting::{LightStage, LitBy, PhongLights, VertexTerms};
 use crate::shade::normal::{BumpedNormals, MappedNormals, NormalSource};
 use crate::shade::paint::Paint;
@@ -263,18 +261,13 @@ fn light<'a>(
 ) {
     let material: &Material = surface.material;
     let numbers = material.phong;
-    if let Some(slot) = maps[EXPONENT] {
-        let factor = numbers.ns;
-        out.push(Box::new(ExponentMap { slot, factor }));
-    }
     // Ambient light of an ambient map is a term of its own.
     let apart = |by: &LitBy<'_>| maps[AMBIENT].is_some() && by.is_ambient();
     let (ambient, lights): (Vec<_>, Vec<_>) = lights.into_iter().partition(apart);
     out.push(Box::new(PhongLights {
         numbers,
-        power: maps[EXPONENT]
-            .is_none()
-            .then(|| SpecularExponent::new(numbers.ns)),
+        power: SpecularExponent::new(numbers.ns),
+        exponents: maps[EXPONENT],
         model: material.specular_model,
         lights,
     }));

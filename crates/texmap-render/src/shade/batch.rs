@@ -268,3 +268,33 @@ pub(crate) fn set_bits(mut mask: u16) -> impl Iterator<Item = usize> {
         (bit < LANES).then_some(bit)
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use texmap_math::simd::Scalar;
+    use texmap_math::{Level, dispatch_simd};
+
+    /// Every pixel that a mask sets is in one part, on every width; parts without pixels are left out.
+    #[test]
+    fn parts_cover_the_pixels_that_are_set() {
+        let list = [0, 1, 0x8000, 0xffff, 0x0f00, 0, 0x0440].map(|mask| FragmentBlock {
+            block: 0,
+            mask,
+            slot: 0,
+        });
+        check(Scalar, &list);
+        dispatch_simd!(Level::new(), i => check(i, &list));
+        fn check<I: Isa>(i: I, list: &[FragmentBlock]) {
+            let mut seen = [0u16; 7];
+            for part in parts(i, list) {
+                let lanes = part.mask(i, part.block.mask).to_bitmask();
+                assert!(lanes != 0 && part.at == part.index * LANES + part.pixel);
+                let lanes = (lanes as u16) << part.pixel;
+                assert_eq!(seen[part.index] & lanes, 0);
+                seen[part.index] |= lanes;
+            }
+            assert_eq!(seen, list.iter().map(|at| at.mask).collect::<Vec<_>>()[..]);
+        }
+    }
+}

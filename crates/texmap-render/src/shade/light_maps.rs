@@ -38,26 +38,6 @@ impl Kernel for LightMap<'_> {
     }
 }
 
-/// A texture in place of the exponent of the highlights.
-pub(crate) struct ExponentMap<'a> {
-    pub(crate) slot: &'a Slot<'a>,
-    pub(crate) factor: f32,
-}
-
-impl Kernel for ExponentMap<'_> {
-    fn read(&self, inputs: &Inputs<'_>, columns: &mut ShadeColumns) {
-        columns.fetch(inputs, self.slot);
-    }
-
-    #[inline(always)]
-    fn lanes<I: Isa>(&self, i: I, inputs: &Inputs<'_>, columns: &mut ShadeColumns) {
-        for part in parts(i, inputs.batch.list) {
-            let [value, ..] = columns.texels.straight(i, part.at);
-            columns.exponent.store(i, part.at, [value * self.factor]);
-        }
-    }
-}
-
 /// A texture in place of the color of the highlights.
 pub(crate) struct SpecularMap<'a>(pub(crate) &'a Slot<'a>);
 
@@ -132,8 +112,8 @@ impl Kernel for Emission<'_> {
             if self.map.is_some() {
                 emitted = columns.texels.straight(i, at);
             }
-            for k in 0..3 {
-                emitted[k] = emitted[k] * self.color[k];
+            for (emitted, color) in emitted.iter_mut().zip(self.color) {
+                *emitted = *emitted * color;
             }
             if self.under_light {
                 let mut sum = columns.highlight.load(i, at);

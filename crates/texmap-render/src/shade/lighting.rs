@@ -7,6 +7,7 @@ use texmap_math::simd::{Isa, prelude::*};
 use super::batch::{Part, columns, load_vector, parts};
 use super::projector::Projected;
 use super::stage::{Inputs, Kernel, ShadeColumns};
+use crate::textures::Slot;
 
 /// The source of the light of a surface; numbers are attribute indices.
 #[derive(Clone, Copy)]
@@ -27,8 +28,9 @@ pub(crate) enum LightStage {
 /// Light by Phong's terms.
 pub(crate) struct PhongLights<'a> {
     pub(crate) numbers: PhongMaterial,
-    /// `None` where a map gives the exponents: see [`ExponentMap`](super::light_maps::ExponentMap).
-    pub(crate) power: Option<SpecularExponent>,
+    pub(crate) power: SpecularExponent,
+    /// A texture that multiplies the exponent.
+    pub(crate) exponents: Option<&'a Slot<'a>>,
     pub(crate) model: SpecularModel,
     pub(crate) lights: Vec<LitBy<'a>>,
 }
@@ -114,6 +116,12 @@ pub(crate) fn visibility<I: Isa>(
 }
 
 impl Kernel for PhongLights<'_> {
+    fn read(&self, inputs: &Inputs<'_>, columns: &mut ShadeColumns) {
+        if let Some(slot) = self.exponents {
+            columns.fetch(inputs, slot);
+        }
+    }
+
     #[inline(always)]
     fn lanes<I: Isa>(&self, i: I, inputs: &Inputs<'_>, columns: &mut ShadeColumns) {
         for part in parts(i, inputs.batch.list) {
@@ -124,11 +132,11 @@ impl Kernel for PhongLights<'_> {
                 None => [i.f32(0.0); 3],
             };
             let (normal, toward_eye) = (columns.normal.load(i, at), columns.toward_eye.load(i, at));
-            let power = match self.power {
-                Some(power) => SpecularExponentLanes::Same(power),
-                None => {
-                    let [ns] = columns.exponent.load(i, at);
-                    SpecularExponentLanes::Each(ns)
+            let power = match self.exponents {
+                None => SpecularExponentLanes::Same(self.power),
+                Some(_) => {
+                    let [factor, ..] = columns.texels.straight(i, at);
+                    SpecularExponentLanes::Each(factor * self.numbers.ns)
                 }
             };
             let mut sum = TermsLanes::dark(i);

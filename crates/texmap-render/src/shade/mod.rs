@@ -7,8 +7,7 @@
 //! model takes the place of [`lighting::PhongLights`]; shadows and projected texels are [`lighting::LitBy::received`].
 //!
 //! It reads [`stage::Inputs`] (vectors, coordinates, sides, texels of projectors and of the pair) and these columns of
-//! [`stage::ShadeColumns`], in this order: `toward_eye` and `normal` ([`vectors`], then the normal detail), `exponent`,
-//! `diffuse` and `highlight` (the lights, then maps, ramp, reflections and emission), `color` (base color and alpha, then paint; the
+//! [`stage::ShadeColumns`], in this order: `toward_eye` and `normal` ([`vectors`], then the normal detail), `diffuse` and `highlight` (the lights, then maps, ramp, reflections and emission), `color` (base color and alpha, then paint; the
 //! final color after [`compose`]).
 
 pub(crate) mod base_color;

@@ -58,8 +58,6 @@ pub(crate) struct ShadeColumns {
     pub(crate) toward_eye: Columns<3>,
     /// Unit normals on the side that is seen.
     pub(crate) normal: Columns<3>,
-    /// Exponents of the highlights.
-    pub(crate) exponent: Columns<1>,
     /// Light that multiplies the base color.
     pub(crate) diffuse: Columns<3>,
     /// Light in its own color.
