@@ -251,7 +251,7 @@ fn normals<'a>(
     });
 }
 
-/// The light of a surface that is lit per pixel: one arm for each model of light.
+/// The light of a surface that is lit per pixel. Another model of light takes the place of [`phong_lights`].
 fn light<'a>(
     out: &mut Stages<'a>,
     plan: &'a Plan<'a>,
@@ -259,35 +259,14 @@ fn light<'a>(
     maps: [Option<&'a Slot<'a>>; MAPS],
     lights: Vec<LitBy<'a>>,
 ) {
-    let material: &Material = surface.material;
-    let numbers = material.phong;
-    // Ambient light of an ambient map is a term of its own.
-    let apart = |by: &LitBy<'_>| maps[AMBIENT].is_some() && by.is_ambient();
-    let (ambient, lights): (Vec<_>, Vec<_>) = lights.into_iter().partition(apart);
-    out.push(Box::new(PhongLights {
-        numbers,
-        power: SpecularExponent::new(numbers.ns),
-        exponents: maps[EXPONENT],
-        model: material.specular_model,
-        lights,
-    }));
+    let material = surface.material;
+    phong_lights(out, material, maps, lights);
     let Some(effects) = surface.effects.as_deref() else {
         return;
     };
     if let Some((map, slot, uv)) = &effects.light_map {
-        let (uv, factor) = (*uv, numbers.kd * map.scale);
+        let (uv, factor) = (*uv, material.phong.kd * map.scale);
         out.push(Box::new(LightMap { slot, uv, factor }));
-    }
-    if let Some(slot) = maps[SPECULAR] {
-        out.push(Box::new(SpecularMap(slot)));
-    }
-    if let Some(slot) = maps[AMBIENT] {
-        let lights = ambient.iter().map(|by| match by.light {
-            Light::Ambient { color } => color.map(|c| c * numbers.ka),
-            _ => [0.0; 3],
-        });
-        let lights = lights.collect();
-        out.push(Box::new(AmbientMap { slot, lights }));
     }
     let mut reflect = |index: usize, share, map| {
         out.push(Box::new(Reflection {
@@ -301,7 +280,38 @@ fn light<'a>(
         reflect(r.environment, r.reflectivity, maps[REFLECTIVITY]);
     }
     if let Some(index) = material.specular_map {
-        reflect(index, numbers.ks, None);
+        reflect(index, material.phong.ks, None);
+    }
+}
+
+/// Lights by Phong's terms, and the maps of their numbers.
+fn phong_lights<'a>(
+    out: &mut Stages<'a>,
+    material: &'a Material,
+    maps: [Option<&'a Slot<'a>>; MAPS],
+    lights: Vec<LitBy<'a>>,
+) {
+    let numbers = material.phong;
+    // Ambient light of an ambient map is a term of its own.
+    let apart = |by: &LitBy<'_>| maps[AMBIENT].is_some() && by.is_ambient();
+    let (ambient, lights): (Vec<_>, Vec<_>) = lights.into_iter().partition(apart);
+    out.push(Box::new(PhongLights {
+        numbers,
+        power: SpecularExponent::new(numbers.ns),
+        exponents: maps[EXPONENT],
+        model: material.specular_model,
+        lights,
+    }));
+    if let Some(slot) = maps[SPECULAR] {
+        out.push(Box::new(SpecularMap(slot)));
+    }
+    if let Some(slot) = maps[AMBIENT] {
+        let color = |by: &LitBy<'_>| match by.light {
+            Light::Ambient { color } => Some(color.map(|c| c * numbers.ka)),
+            _ => None,
+        };
+        let lights = ambient.iter().filter_map(color).collect();
+        out.push(Box::new(AmbientMap { slot, lights }));
     }
 }
 

@@ -2,13 +2,14 @@
 //! level); a stage that the surface lacks is not run. Stages know neither the scene, nor the draw list, nor each other: `plan/shader.rs`
 //! gives them their inputs and their order.
 //!
-//! To add a stage: a file with a struct of its numbers and slots, [`stage::Stage`] for it, and a line in `plan/shader.rs` that pushes
-//! it where the material has it. `run` reads its textures into `texels`, then dispatches one kernel over [`batch::each_part`]. A light
-//! model takes the place of [`lighting::PhongLights`]; shadows and projected texels are [`lighting::LitBy::received`].
+//! To add a stage: a file with a struct of its numbers and slots, [`stage::Kernel`] for it, and a line in `plan/shader.rs` that pushes
+//! it where the material has it. `read` reads its texture into `texels`; `lanes` is the kernel, a loop over [`batch::parts`]. Another
+//! model of light takes the place of [`lighting::PhongLights`]; what reaches a surface of a light is [`lighting::LitBy::received`].
 //!
-//! It reads [`stage::Inputs`] (vectors, coordinates, sides, texels of projectors and of the pair) and these columns of
-//! [`stage::ShadeColumns`], in this order: `toward_eye` and `normal` ([`vectors`], then the normal detail), `diffuse` and `highlight` (the lights, then maps, ramp, reflections and emission), `color` (base color and alpha, then paint; the
-//! final color after [`compose`]).
+//! A stage reads [`stage::Inputs`]: vectors, coordinates, sides, texels of projectors and of the pair. These columns of
+//! [`stage::ShadeColumns`] go from stage to stage: `toward_eye` and `normal` (from [`vectors`], then the normal detail); `diffuse` and
+//! `highlight` (from the lights, then light map, material maps, reflections, ramp, emission); `color` (base color and alpha, then
+//! paint; the final color after [`compose`]). `texels`, `uv`, `base` and `slopes` are for the stage that runs.
 
 pub(crate) mod base_color;
 pub(crate) mod batch;
