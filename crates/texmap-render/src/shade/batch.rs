@@ -162,36 +162,13 @@ impl<const N: usize> Columns<N> {
     }
 
     /// The columns over the first `count` pixels.
+    pub(crate) fn columns(&self, count: usize) -> [&[f32]; N] {
+        self.0.each_ref().map(|column| &column[..count])
+    }
+
+    /// See [`columns`](Self::columns).
     pub(crate) fn columns_mut(&mut self, count: usize) -> [&mut [f32]; N] {
         self.0.each_mut().map(|column| &mut column[..count])
-    }
-}
-
-/// Coordinates of a batch.
-pub(crate) struct BatchUv {
-    pub(crate) u: [f32; BATCH_STRIDE],
-    pub(crate) v: [f32; BATCH_STRIDE],
-}
-
-impl Default for BatchUv {
-    fn default() -> Self {
-        Self {
-            u: [0.0; BATCH_STRIDE],
-            v: [0.0; BATCH_STRIDE],
-        }
-    }
-}
-
-impl BatchUv {
-    #[inline(always)]
-    pub(crate) fn load<I: Isa>(&self, i: I, at: usize) -> [I::F32; 2] {
-        [load(i, &self.u, at), load(i, &self.v, at)]
-    }
-
-    #[inline(always)]
-    pub(crate) fn store<I: Isa>(&mut self, _: I, at: usize, [u, v]: [I::F32; 2]) {
-        u.store(&mut self.u[at..at + I::LANES]);
-        v.store(&mut self.v[at..at + I::LANES]);
     }
 }
 

@@ -7,7 +7,7 @@ use texmap_math::{Level, dispatch_simd};
 use texmap_raster::Varyings;
 use texmap_sample::{Origin, sample_soa};
 
-use super::batch::{BatchUv, Colors, LANES, load, load_changes, parts, straight};
+use super::batch::{Colors, Columns, LANES, load, load_changes, parts, straight};
 use super::fetch::pixel_samples;
 use super::normal::store_normal;
 use super::stage::{Inputs, Kernel, ShadeColumns};
@@ -38,10 +38,10 @@ pub(crate) struct Slopes {
     /// Coordinates of the slot.
     placed: Varyings,
     /// Coordinates beside them.
-    beside: BatchUv,
+    beside: Columns<2>,
     colors: Colors,
     /// Rise along u and v, world units.
-    rise: BatchUv,
+    rise: Columns<2>,
 }
 
 impl Kernel for SlopeMap<'_> {
@@ -86,7 +86,7 @@ impl Slopes {
         let count = blocks * LANES;
         let mut at = pixel_samples(slot, &self.placed, count);
         if beside {
-            (at.u, at.v) = (&self.beside.u[..count], &self.beside.v[..count]);
+            [at.u, at.v] = self.beside.columns(count);
         }
         let columns = self.colors.columns_mut(count);
         sample_soa(level, &slot.sampler, &slot.texture, &at, columns)
