@@ -255,7 +255,7 @@ fn the_masked_path_agrees_with_the_general_one() {
 fn slices_of_different_lengths_are_refused() {
     let t = random_bytes(4, 4, 1);
     let s = Sampler::default();
-    let level = texmap_math::Level::new();
+    let level = Level::new();
     let mut out = [[0.0; 4]; 2];
     let e = sample_slice(level, &s, &t, &[0.0; 2], &[0.0; 3], None, &mut out).unwrap_err();
     assert_eq!(e.to_string(), "v holds 3 entries, the coordinates have 2");
@@ -367,7 +367,7 @@ fn columns_equal_slices() {
         v: &[0.0; 3],
         gradients: Some([&[0.0; 3], &[0.0; 3], &[0.0; 2], &[0.0; 3]]),
     };
-    let e = sample_rgba8_soa(texmap_math::Level::new(), &s, &t, &at, &mut [0; 3]).unwrap_err();
+    let e = sample_rgba8_soa(Level::new(), &s, &t, &at, &mut [0; 3]).unwrap_err();
     assert!(e.to_string().contains("gradients"), "{e}");
 }
 
