@@ -27,6 +27,7 @@ fn camera() -> impl Strategy<Value = Camera> {
             fov_x,
             near,
             far: if infinite { f64::INFINITY } else { 100.0 },
+            lens: Default::default(),
         },
     )
 }
@@ -130,6 +131,7 @@ fn early_division_bends_a_slide() {
         fov_x: 1.0,
         near: 0.1,
         far: 100.0,
+        lens: Default::default(),
     };
     let clip_from_world = camera.clip_from_world(1.0).expect("a good camera");
     let triangle = [
@@ -172,6 +174,7 @@ fn unusable_cameras_are_refused_by_name() {
         fov_x: 1.0,
         near: 0.1,
         far: 10.0,
+        lens: Default::default(),
     };
     good.view().expect("a good camera");
     let with = |f: fn(&mut Camera)| {
@@ -258,6 +261,7 @@ fn the_field_of_view_is_a_true_tangent() {
         fov_x: 60f64.to_radians(),
         near: 0.1,
         far: 10.0,
+        lens: Default::default(),
     };
     let edge = camera.ray(100, 50, 100.0, 25.0).expect("a good camera");
     assert!((edge.x / -edge.z - 30f64.to_radians().tan()).abs() < 1e-15);
