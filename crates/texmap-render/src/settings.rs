@@ -137,8 +137,8 @@ const SHADOWS: [&str; 16] = [
 ];
 
 impl Aov {
-    /// Every AOV but the shadows, which belong to lights.
-    pub const ALL: [Self; 9] = [
+    /// Every AOV of surfaces but the shadows, which belong to lights.
+    pub const ALL: [Self; 8] = [
         Self::Depth,
         Self::InvW,
         Self::Uv,
@@ -147,7 +147,6 @@ impl Aov {
         Self::Mesh,
         Self::Normal,
         Self::Position,
-        Self::Color,
     ];
 
     /// The buffer of the shadow of a light, by the light's name.
@@ -207,6 +206,7 @@ impl FromStr for Aov {
     fn from_str(s: &str) -> Result<Self, UnknownAov> {
         Self::ALL
             .into_iter()
+            .chain([Self::Color])
             .chain((0..16).map(Self::Shadow))
             .find(|aov| aov.name() == s)
             .ok_or_else(|| UnknownAov(s.to_owned()))
@@ -226,7 +226,8 @@ mod tests {
 
     #[test]
     fn names_round_trip() {
-        for aov in Aov::ALL.into_iter().chain((0..16).map(Aov::Shadow)) {
+        let others = [Aov::Color].into_iter().chain((0..16).map(Aov::Shadow));
+        for aov in Aov::ALL.into_iter().chain(others) {
             assert_eq!(aov.name().parse(), Ok(aov));
         }
         assert_eq!("uvw".parse::<Aov>(), Err(UnknownAov("uvw".into())));
