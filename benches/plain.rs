@@ -69,6 +69,7 @@ fn scene(filter: Filter) -> Scene {
             fov_x: 60f64.to_radians(),
             near: 1e-3,
             far: f64::INFINITY,
+            lens: Default::default(),
         })
     }
 }

@@ -45,6 +45,7 @@ fn cube(texels: f32) -> Scene {
             fov_x: 0.8,
             near: 1e-3,
             far: f64::INFINITY,
+            lens: Default::default(),
         })
     }
 }

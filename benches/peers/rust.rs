@@ -163,6 +163,7 @@ fn scene(mesh: &Mesh, filter: Filter) -> Scene {
         fov_x: 80f64.to_radians(),
         near: 0.1,
         far: 1000.0,
+        lens: Default::default(),
     };
     let mut scene = decal_scene(camera, mesh.clone(), texture, sampler);
     scene.background = BACKGROUND.map(|c| f32::from(c) / 255.0);

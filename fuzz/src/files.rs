@@ -115,6 +115,7 @@ pub fn path(bytes: &[u8]) {
                     fov_x: 1.0,
                     near: 1e-4,
                     far: f64::INFINITY,
+                    lens: Default::default(),
                 };
                 for (frame, frames) in [(0, 1), (0, 7), (3, 7), (6, 7), (9, 7), (0, 0)] {
                     let at = path.camera(&camera, frame, frames);

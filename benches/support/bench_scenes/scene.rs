@@ -105,6 +105,7 @@ impl BenchScene {
             fov_x: 2.0 * atan(half_width()),
             near,
             far,
+            lens: Default::default(),
         }
     }
 

@@ -75,6 +75,7 @@ pub fn capture_environment(
             fov_x: std::f64::consts::FRAC_PI_2,
             near: scene.camera.near,
             far: scene.camera.far,
+            lens: Default::default(),
         };
         let frame = render(
             &around,

@@ -11,6 +11,7 @@
 //! let camera = Camera {
 //!     eye: DVec3::new(0.0, 2.0, 2.0), look: DVec3::ZERO, up: DVec3::Y,
 //!     fov_x: 1.0, near: 1e-4, far: f64::INFINITY,
+//!     lens: Default::default(),
 //! };
 //! let floor = [[-1.0, 0.0, -1.0], [1.0, 0.0, -1.0], [1.0, 0.0, 1.0], [-1.0, 0.0, 1.0]];
 //! let scene = Scene {

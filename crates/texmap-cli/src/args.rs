@@ -18,6 +18,9 @@ pub(crate) struct Cli {
     /// Memory for pictures, maps and meshes, such as 2G; default: three quarters of what the system grants; exit code 5 beyond it
     #[arg(long, global = true, value_name = "SIZE", value_parser = memory::parse_size)]
     pub(crate) memory_limit: Option<u64>,
+    /// Say nothing but errors on standard error
+    #[arg(short, long, global = true)]
+    pub(crate) quiet: bool,
 }
 
 #[derive(Debug, Subcommand)]
@@ -37,6 +40,8 @@ pub(crate) enum Verb {
     Env(cmd::env::EnvArgs),
     Bake(Box<cmd::bake::BakeArgs>),
     Slice(cmd::slice::SliceArgs),
+    Completions(cmd::manual::CompletionsArgs),
+    Man(cmd::manual::ManArgs),
 }
 
 impl Verb {
@@ -51,8 +56,14 @@ impl Verb {
             Self::Uv(a) => a.json,
             Self::UvRaster(a) => a.json,
             Self::Stability(a) => a.json,
-            Self::Warp(_) | Self::Sample(_) | Self::Mip(_) => false,
-            Self::Chart(_) | Self::Env(_) | Self::Bake(_) | Self::Slice(_) => false,
+            Self::Warp(a) => a.json,
+            Self::Sample(a) => a.json,
+            Self::Mip(a) => a.json,
+            Self::Chart(a) => a.json,
+            Self::Env(a) => a.json,
+            Self::Bake(a) => a.json,
+            Self::Slice(a) => a.json,
+            Self::Completions(_) | Self::Man(_) => false,
         }
     }
 }

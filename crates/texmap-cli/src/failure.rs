@@ -1,6 +1,7 @@
 //! What went wrong, where, why and what to try; and the exit codes.
 
 use std::io::{self, Write};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use clap::CommandFactory;
 use clap::error::ErrorKind;
@@ -130,7 +131,7 @@ impl Failure {
         if !self.why.is_empty() {
             text.push_str(&format!("  {}\n", one_line(&self.why)));
         }
-        say(&text);
+        say_always(&text);
         if json {
             // The same stands on standard error.
             let _ = print_json(&ErrorObject { error: self.body() });
@@ -263,8 +264,27 @@ impl From<clap::Error> for Failure {
     }
 }
 
-/// Words, to standard error, without control characters but line feeds. A closed pipe is not a failure.
+/// Set by `--quiet`.
+static QUIET: AtomicBool = AtomicBool::new(false);
+
+/// From here on nothing but failures is said.
+pub(crate) fn set_quiet(quiet: bool) {
+    QUIET.store(quiet, Ordering::Relaxed);
+}
+
+pub(crate) fn is_quiet() -> bool {
+    QUIET.load(Ordering::Relaxed)
+}
+
+/// Words that are no failure, to standard error; none after `--quiet`.
 pub(crate) fn say(text: &str) {
+    if !is_quiet() {
+        say_always(text);
+    }
+}
+
+/// Words, to standard error, without control characters but line feeds. A closed pipe is not a failure.
+pub(crate) fn say_always(text: &str) {
     let _ = io::stderr().lock().write_all(plain(text).as_bytes());
 }
 

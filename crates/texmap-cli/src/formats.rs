@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use texmap_io::{Lost, PictureFormat, PixelCode};
+use texmap_io::{AnimationFormat, Lost, PictureFormat, PixelCode};
 use texmap_sample::ColorSpace;
 use texmap_scene::ColorMode;
 
@@ -38,12 +38,41 @@ pub(crate) fn ending<'e>(flag: &str, output: &Path, known: &[&'e str]) -> Result
 
 /// The format of a picture of colours: any that there is.
 pub(crate) fn picture(output: &Path) -> Result<PictureFormat, Failure> {
+    // `.jpeg` is `.jpg`.
+    if let Some(format) = PictureFormat::of(output) {
+        return Ok(format);
+    }
     let endings = PictureFormat::ALL.map(PictureFormat::ending);
-    let ending = ending("-o", output, &endings)?;
-    let format = PictureFormat::ALL
+    ending("-o", output, &endings).map(|_| PictureFormat::Png)
+}
+
+/// What the pictures of a walk become.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Output {
+    /// One file each.
+    Pictures(PictureFormat),
+    /// One file for all.
+    Animation(AnimationFormat),
+}
+
+/// The format of one picture or, where there are several, of an animation.
+pub(crate) fn output(path: &Path, several: bool) -> Result<Output, Failure> {
+    let ending = path.extension().and_then(|e| e.to_str());
+    let animation = AnimationFormat::ALL
         .into_iter()
-        .find(|f| f.ending() == ending);
-    format.ok_or_else(|| Failure::internal(format!("no format for .{ending}")))
+        .find(|f| ending.is_some_and(|e| e.eq_ignore_ascii_case(f.ending())));
+    match animation {
+        Some(format) if several => Ok(Output::Animation(format)),
+        Some(format) => Err(Failure::usage(
+            format!(
+                "-o {}: a .{} is an animation, and this is one picture",
+                path.display(),
+                format.ending()
+            ),
+            "add --turntable N, or --path CAMERA.json --frames N, or end the name with .png",
+        )),
+        None => picture(path).map(Output::Pictures),
+    }
 }
 
 /// Refuses a picture of 8 bits that is not named as a PNG.
@@ -65,19 +94,22 @@ pub(crate) fn pixel_code(
     match format {
         PictureFormat::Png if bits == 16 => PixelCode::Png16(space),
         PictureFormat::Png => PixelCode::Png8(space),
+        PictureFormat::Jpeg => PixelCode::Jpeg(space),
+        PictureFormat::WebP => PixelCode::WebP(space),
         PictureFormat::Hdr => PixelCode::Hdr,
         PictureFormat::Exr if alpha => PixelCode::ExrAlpha,
         PictureFormat::Exr => PixelCode::Exr,
     }
 }
 
-/// Warns of pixels that the format of an output could not hold.
-pub(crate) fn warn(output: &Path, format: PictureFormat, lost: Lost) {
+/// Warns of pixels that the format of an output could not hold, and returns the warnings.
+pub(crate) fn warn(output: &Path, format: PictureFormat, lost: Lost) -> Vec<String> {
     let name = format.ending().to_uppercase();
     let wider = match format {
-        PictureFormat::Png => ".exr or .hdr",
-        _ => ".exr",
+        PictureFormat::Hdr | PictureFormat::Exr => ".exr",
+        _ => ".exr or .hdr",
     };
+    let mut warnings = Vec::new();
     let Lost {
         above,
         below,
@@ -100,12 +132,12 @@ pub(crate) fn warn(output: &Path, format: PictureFormat, lost: Lost) {
         ),
     ] {
         if count > 0 {
-            say(&format!(
-                "warning: {}: {count} pixels are {what}\n",
-                output.display()
-            ));
+            let warning = format!("{}: {count} pixels are {what}", output.display());
+            say(&format!("warning: {warning}\n"));
+            warnings.push(warning);
         }
     }
+    warnings
 }
 
 #[cfg(test)]
@@ -124,6 +156,14 @@ mod tests {
             assert!(failure.what.contains(bad), "{}", failure.what);
             assert_eq!(failure.why, "end the name with .png, .hdr or .exr");
         }
+        assert!(picture(Path::new("a.JPEG")).is_ok() && picture(Path::new("a.webp")).is_ok());
+        assert!(picture(Path::new("a.bmp")).is_err());
+        let spin = Path::new("spin.gif");
+        assert_eq!(
+            output(spin, true),
+            Ok(Output::Animation(AnimationFormat::Gif))
+        );
+        assert!(output(spin, false).unwrap_err().why.contains("--turntable"));
         let one = ending("--heat", Path::new("a.jpg"), &["png"]).unwrap_err();
         assert_eq!(one.why, "end the name with .png");
         assert_eq!(one.what, "--heat a.jpg: cannot be written as .jpg");

@@ -42,6 +42,7 @@ fn run(arguments: &[OsString]) -> Exit {
     let (json, result) = match Cli::try_parse_from(arguments) {
         Ok(cli) => {
             memory::set_budget(cli.memory_limit);
+            failure::set_quiet(cli.quiet);
             (cli.verb.json(), dispatch(cli.verb))
         }
         Err(refusal) => {
@@ -78,6 +79,8 @@ fn dispatch(verb: Verb) -> Result<Exit, Failure> {
         Verb::Env(args) => cmd::env::run(&args),
         Verb::Bake(args) => cmd::bake::run(&args),
         Verb::Slice(args) => cmd::slice::run(&args),
+        Verb::Completions(args) => cmd::manual::completions(&args),
+        Verb::Man(args) => cmd::manual::man(&args),
     }
 }
 

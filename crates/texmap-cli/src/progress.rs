@@ -2,6 +2,7 @@
 
 use std::borrow::Cow;
 
+use crate::failure::is_quiet;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 /// A bar that counts tiles, with a word in front of it. Hidden unless standard error is a terminal.
@@ -10,7 +11,11 @@ pub(crate) struct Progress(ProgressBar);
 
 impl Progress {
     pub(crate) fn new(what: impl Into<Cow<'static, str>>) -> Self {
-        let bar = ProgressBar::with_draw_target(Some(1), ProgressDrawTarget::stderr());
+        let target = match is_quiet() {
+            true => ProgressDrawTarget::hidden(),
+            false => ProgressDrawTarget::stderr(),
+        };
+        let bar = ProgressBar::with_draw_target(Some(1), target);
         if let Ok(style) =
             ProgressStyle::with_template("{prefix} [{bar:32}] {percent:>3} % {eta:>4}")
         {

@@ -247,6 +247,15 @@ pub(crate) fn wrap(text: &str) -> Result<Wrap, String> {
         .map_err(|_| format!("expected one of {}", words::WRAPS))
 }
 
+/// 8 or 16.
+pub(crate) fn bits(text: &str) -> Result<u32, String> {
+    match text {
+        "8" => Ok(8),
+        "16" => Ok(16),
+        _ => Err("expected 8 or 16".to_owned()),
+    }
+}
+
 /// 1 or 4.
 pub(crate) fn msaa(text: &str) -> Result<u32, String> {
     match text {

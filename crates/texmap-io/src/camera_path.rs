@@ -44,18 +44,8 @@ impl CameraPath {
     /// The same, and [`IoError::OutsideRoot`].
     pub fn read_from(path: &Path, files: &FileSource) -> Result<Self, IoError> {
         let text = files.read_text(path, FileSource::MAX_LIST)?;
-        let keyframes: Vec<Keyframe> = serde_json::from_str(&text).map_err(|e| {
-            // The end of a text that ends in a line feed is column 0 of a line that it does not have.
-            let last = text.lines().count().max(1);
-            let (line, column) = match e.line() {
-                line if line > last => (last, text.lines().last().map_or(0, str::len) + 1),
-                line => (line.max(1), e.column().max(1)),
-            };
-            IoError::BrokenPath {
-                location: SourceLocation::new(path, line as u32, column as u32),
-                problem: problem(&e),
-            }
-        })?;
+        let keyframes: Vec<Keyframe> =
+            serde_json::from_str(&text).map_err(|e| broken_json(path, &text, &e, FIELDS))?;
         let broken = |problem: String| IoError::BrokenPath {
             location: SourceLocation::new(path, 1, 1),
             problem,
@@ -107,18 +97,43 @@ impl CameraPath {
     }
 }
 
-/// The reader's words without what it quotes: the file may be no walk at all, and what it holds nobody's business.
-fn problem(error: &serde_json::Error) -> String {
+/// What the reader says of a field that it does not know.
+const FIELDS: &str = "a keyframe has the fields eye, look, up and fov, and no other";
+
+/// A fault of a JSON list of keyframes or cameras, with its place.
+pub(crate) fn broken_json(
+    path: &Path,
+    text: &str,
+    error: &serde_json::Error,
+    fields: &'static str,
+) -> IoError {
+    // The end of a text that ends in a line feed is column 0 of a line that it does not have.
+    let last = text.lines().count().max(1);
+    let (line, column) = match error.line() {
+        line if line > last => (last, text.lines().last().map_or(0, str::len) + 1),
+        line => (line.max(1), error.column().max(1)),
+    };
+    IoError::BrokenPath {
+        location: SourceLocation::new(path, line as u32, column as u32),
+        problem: problem(error, fields),
+    }
+}
+
+/// The reader's words without what it quotes: the file may be no list at all, and what it holds nobody's business.
+fn problem(error: &serde_json::Error, fields: &'static str) -> String {
     let text = error.to_string();
     let text = text.split(" at line ").next().unwrap_or_default();
     if !error.is_data() || text.starts_with("missing field") {
         text.into()
     } else if text.starts_with("unknown field") {
-        "a keyframe has the fields eye, look, up and fov, and no other".into()
+        fields.into()
     } else if text.starts_with("duplicate field") {
         "a field stands twice".into()
     } else {
-        "not a list of keyframes".into()
+        match fields == FIELDS {
+            true => "not a list of keyframes".into(),
+            false => "not a list of cameras".into(),
+        }
     }
 }
 
@@ -144,6 +159,7 @@ mod tests {
             fov_x: 1.0,
             near: 1e-4,
             far: f64::INFINITY,
+            lens: Default::default(),
         }
     }
 

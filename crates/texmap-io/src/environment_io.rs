@@ -126,6 +126,8 @@ pub fn write_light(
     }
     let code = match PictureFormat::of(path) {
         Some(PictureFormat::Png) => PixelCode::Png8(ColorSpace::Srgb),
+        Some(PictureFormat::Jpeg) => PixelCode::Jpeg(ColorSpace::Srgb),
+        Some(PictureFormat::WebP) => PixelCode::WebP(ColorSpace::Srgb),
         Some(PictureFormat::Hdr) => PixelCode::Hdr,
         Some(PictureFormat::Exr) => PixelCode::Exr,
         None => {

@@ -26,11 +26,14 @@
 //! ```
 #![forbid(unsafe_code)]
 
+mod animation;
 pub mod atomic;
 mod camera_path;
+mod camera_pose;
 mod environment_io;
 mod error;
 mod exr_header;
+mod exr_layers;
 mod files;
 mod font;
 pub mod framing;
@@ -44,9 +47,12 @@ mod scene;
 pub mod scene_file;
 mod textures;
 
+pub use animation::{Animation, AnimationFormat, write_animation};
 pub use camera_path::{CameraPath, Keyframe};
+pub use camera_pose::{CameraAxes, CameraList, CameraPose, Intrinsics, NamedCamera};
 pub use environment_io::{read_environment, write_environment, write_light};
 pub use error::{IoError, SourceLocation, plain, plain_json, shortened, shown};
+pub use exr_layers::{ExrLayer, write_exr};
 pub use files::FileSource;
 pub use font::built_in_font;
 pub use grids::read_grid;

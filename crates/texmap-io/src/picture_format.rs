@@ -5,7 +5,9 @@ use std::ops::AddAssign;
 use std::path::Path;
 
 use image::codecs::hdr::HdrEncoder;
+use image::codecs::jpeg::JpegEncoder;
 use image::codecs::openexr::OpenExrEncoder;
+use image::codecs::webp::WebPEncoder;
 use image::{ExtendedColorType, ImageEncoder};
 use texmap_math::color;
 use texmap_sample::ColorSpace;
@@ -21,27 +23,41 @@ pub enum PictureFormat {
     Hdr,
     /// OpenEXR: linear light as 32-bit floats, premultiplied alpha.
     Exr,
+    /// Whole numbers of 8 bits from 0 to 1 at quality 90, no alpha.
+    Jpeg,
+    /// Whole numbers of 8 bits from 0 to 1, straight alpha, lossless.
+    WebP,
 }
 
 impl PictureFormat {
     /// All of them.
-    pub const ALL: [Self; 3] = [Self::Png, Self::Hdr, Self::Exr];
+    pub const ALL: [Self; 5] = [Self::Png, Self::Jpeg, Self::WebP, Self::Hdr, Self::Exr];
 
     /// The format that the ending of a name says, in capitals or not.
     #[must_use]
     pub fn of(path: &Path) -> Option<Self> {
         let ending = path.extension()?.to_str()?;
-        let named = |format: &Self| ending.eq_ignore_ascii_case(format.ending());
+        let named = |format: &Self| {
+            let mut names = format.endings().iter();
+            names.any(|name| ending.eq_ignore_ascii_case(name))
+        };
         Self::ALL.into_iter().find(named)
     }
 
     /// The ending of its names, without a dot.
     #[must_use]
     pub fn ending(self) -> &'static str {
+        self.endings()[0]
+    }
+
+    /// All endings that its names may have, the usual one first.
+    fn endings(self) -> &'static [&'static str] {
         match self {
-            Self::Png => "png",
-            Self::Hdr => "hdr",
-            Self::Exr => "exr",
+            Self::Png => &["png"],
+            Self::Hdr => &["hdr"],
+            Self::Exr => &["exr"],
+            Self::Jpeg => &["jpg", "jpeg"],
+            Self::WebP => &["webp"],
         }
     }
 }
@@ -53,6 +69,10 @@ pub enum PixelCode {
     Png8(ColorSpace),
     /// The same of 16 bits.
     Png16(ColorSpace),
+    /// Red, green and blue of 8 bits over black, sRGB or as they are.
+    Jpeg(ColorSpace),
+    /// As [`Png8`](Self::Png8).
+    WebP(ColorSpace),
     /// Red, green and blue over black, rounded to what RGBE holds.
     Hdr,
     /// Red, green and blue over black.
@@ -91,12 +111,16 @@ impl AddAssign for Lost {
 /// The largest value that RGBE holds: 255/256 of 2^127.
 const HDR_MOST: f32 = f32::from_bits(0x7eff_0000);
 
+/// Out of 100; above it, files grow and nothing is seen of it.
+const JPEG_QUALITY: u8 = 90;
+
 impl PixelCode {
     /// Bytes of a pixel.
     #[must_use]
     pub fn bytes(self) -> usize {
         match self {
-            Self::Png8(_) => 4,
+            Self::Png8(_) | Self::WebP(_) => 4,
+            Self::Jpeg(_) => 3,
             Self::Png16(_) => 8,
             Self::Hdr | Self::Exr => 12,
             Self::ExrAlpha => 16,
@@ -106,6 +130,8 @@ impl PixelCode {
     fn format(self) -> PictureFormat {
         match self {
             Self::Png8(_) | Self::Png16(_) => PictureFormat::Png,
+            Self::Jpeg(_) => PictureFormat::Jpeg,
+            Self::WebP(_) => PictureFormat::WebP,
             Self::Hdr => PictureFormat::Hdr,
             Self::Exr | Self::ExrAlpha => PictureFormat::Exr,
         }
@@ -117,15 +143,17 @@ impl PixelCode {
         let mut lost = Lost::default();
         for (c, out) in colors.iter().zip(out.chunks_exact_mut(self.bytes())) {
             match self {
-                Self::Png8(space) => {
+                Self::Png8(space) | Self::WebP(space) => {
                     let c = straight(*c);
                     lost.count(&c[..3], 1.0, 0.5 / 255.0);
-                    let byte = |c: f32| match space {
-                        ColorSpace::Srgb => color::linear_to_srgb8(c),
-                        ColorSpace::Linear => color::unit_to_u8(c),
-                    };
-                    let [r, g, b, a] = c;
-                    out.copy_from_slice(&[byte(r), byte(g), byte(b), color::unit_to_u8(a)]);
+                    let [r, g, b] = bytes([c[0], c[1], c[2]], space);
+                    out.copy_from_slice(&[r, g, b, color::unit_to_u8(c[3])]);
+                }
+                Self::Jpeg(space) => {
+                    let [r, g, b, a] = *c;
+                    lost.count(&[r, g, b], 1.0, 0.5 / 255.0);
+                    lost.transparent += u64::from(a < 1.0);
+                    out.copy_from_slice(&bytes([r, g, b], space));
                 }
                 Self::Png16(space) => {
                     let c = straight(*c);
@@ -167,6 +195,13 @@ impl Lost {
     }
 }
 
+fn bytes(c: [f32; 3], space: ColorSpace) -> [u8; 3] {
+    c.map(|c| match space {
+        ColorSpace::Srgb => color::linear_to_srgb8(c),
+        ColorSpace::Linear => color::unit_to_u8(c),
+    })
+}
+
 fn straight([r, g, b, a]: [f32; 4]) -> [f32; 4] {
     if a > 0.0 {
         [r / a, g / a, b / a, a]
@@ -200,7 +235,7 @@ fn shared_exponent(c: [f32; 3]) -> [f32; 3] {
 }
 
 /// Writes a picture, whole or not at all: `rows` gives its pixels as [`PixelCode::encode`] makes them, row by row from the top, any
-/// number of bytes at a time. PNG is compressed as they come; HDR and EXR are held in memory first.
+/// number of bytes at a time. PNG is compressed as they come; the other formats are held in memory first.
 ///
 /// # Errors
 /// [`IoError::Write`], also when bytes are missing or left over, a side is zero, or `rows` fails.
@@ -214,9 +249,7 @@ pub fn write_pixels(
         let depth = match code {
             PixelCode::Png8(_) => png::BitDepth::Eight,
             PixelCode::Png16(_) => png::BitDepth::Sixteen,
-            PixelCode::Hdr | PixelCode::Exr | PixelCode::ExrAlpha => {
-                return write_floats(out, code, (width, height), rows);
-            }
+            _ => return write_whole(out, code, (width, height), rows),
         };
         let mut encoder = png::Encoder::new(out, width, height);
         encoder.set_color(png::ColorType::Rgba);
@@ -231,7 +264,7 @@ pub fn write_pixels(
     })
 }
 
-fn write_floats(
+fn write_whole(
     out: &mut dyn Write,
     code: PixelCode,
     (width, height): (u32, u32),
@@ -246,20 +279,31 @@ fn write_floats(
     }
     let kind = match code {
         PixelCode::ExrAlpha => ExtendedColorType::Rgba32F,
-        _ => ExtendedColorType::Rgb32F,
+        PixelCode::Jpeg(_) => ExtendedColorType::Rgb8,
+        PixelCode::Png8(_) | PixelCode::WebP(_) => ExtendedColorType::Rgba8,
+        PixelCode::Png16(_) => ExtendedColorType::Rgba16,
+        PixelCode::Hdr | PixelCode::Exr => ExtendedColorType::Rgb32F,
     };
-    if code.format() == PictureFormat::Hdr {
-        let encoder = HdrEncoder::new(out);
-        return encoder
-            .write_image(&pixels, width, height, kind)
-            .map_err(io::Error::other);
-    }
-    // The encoder seeks.
-    let mut file = Cursor::new(Vec::new());
-    OpenExrEncoder::new(&mut file)
-        .write_image(&pixels, width, height, kind)
-        .map_err(io::Error::other)?;
-    out.write_all(file.get_ref())
+    let written = match code.format() {
+        PictureFormat::Hdr => HdrEncoder::new(out).write_image(&pixels, width, height, kind),
+        PictureFormat::Jpeg => {
+            let encoder = JpegEncoder::new_with_quality(out, JPEG_QUALITY);
+            encoder.write_image(&pixels, width, height, kind)
+        }
+        PictureFormat::WebP => {
+            WebPEncoder::new_lossless(out).write_image(&pixels, width, height, kind)
+        }
+        PictureFormat::Png | PictureFormat::Exr => {
+            // The encoder seeks.
+            let mut file = Cursor::new(Vec::new());
+            let encoder = OpenExrEncoder::new(&mut file);
+            let written = encoder.write_image(&pixels, width, height, kind);
+            return written
+                .map_err(io::Error::other)
+                .and_then(|()| out.write_all(file.get_ref()));
+        }
+    };
+    written.map_err(io::Error::other)
 }
 
 #[cfg(test)]
@@ -272,7 +316,8 @@ mod tests {
         assert_eq!(of("a.b.PNG"), Some(PictureFormat::Png));
         assert_eq!(of("sky.Hdr"), Some(PictureFormat::Hdr));
         assert_eq!(of("exr.exr"), Some(PictureFormat::Exr));
-        for other in ["a.jpg", "png", "a.png.gz", "a.", ""] {
+        assert_eq!(of("a.jpeg"), Some(PictureFormat::Jpeg));
+        for other in ["a.bmp", "png", "a.png.gz", "a.", ""] {
             assert_eq!(of(other), None, "{other}");
         }
     }
@@ -342,6 +387,8 @@ mod tests {
         for code in [
             PixelCode::Png8(ColorSpace::Srgb),
             PixelCode::Png16(ColorSpace::Srgb),
+            PixelCode::Jpeg(ColorSpace::Srgb),
+            PixelCode::WebP(ColorSpace::Srgb),
             PixelCode::Hdr,
             PixelCode::Exr,
             PixelCode::ExrAlpha,
@@ -358,8 +405,12 @@ mod tests {
             let (texture, _) = crate::image_io::read_texture(&path, ColorSpace::Srgb).unwrap();
             for (i, c) in (0..).zip(&colors) {
                 let back = texture.texel(0, i % 20, i / 20).unwrap();
+                let tolerance = match code {
+                    PixelCode::Jpeg(_) => 0.04,
+                    _ => 0.005,
+                };
                 for (a, b) in c.iter().zip(back) {
-                    assert!((a - b).abs() < 0.005, "{code:?} {c:?} {back:?}");
+                    assert!((a - b).abs() < tolerance, "{code:?} {c:?} {back:?}");
                 }
                 if code.format() == PictureFormat::Exr {
                     assert_eq!(*c, back);

@@ -45,6 +45,8 @@ pub(crate) struct Textures {
     raw: bool,
     /// Where maps are read from.
     pub(crate) source: FileSource,
+    /// What a missing map is, whatever a scene says.
+    pub(crate) missing: Option<Missing>,
     /// Every fault is only noted in `files` (for reports on files).
     pub(crate) tolerant: bool,
     loaded: Vec<(PathBuf, Content, usize)>,
@@ -145,7 +147,7 @@ impl Textures {
             }
             Err(error) => {
                 self.forgive(path, location, error, missing)?;
-                stand_in()
+                stand_in(missing, content)
             }
         };
         self.textures.push(texture.with_mips());
@@ -206,12 +208,12 @@ impl Textures {
     ) -> Result<(), IoError> {
         let absent = matches!(error, IoError::FileMissing { .. });
         let over = matches!(error, IoError::Memory { .. });
-        if over || !(self.tolerant || absent && missing == Missing::Warn) {
+        if over || !(self.tolerant || absent && missing.is_lenient()) {
             return Err(error);
         }
         self.note(path, location, Err(error.to_string()));
         self.warnings
-            .push(format!("{error}: a magenta and black checker stands in"));
+            .push(format!("{error}: {} stands in", named(missing)));
         Ok(())
     }
 
@@ -257,9 +259,24 @@ impl Textures {
     }
 }
 
-/// What is drawn where a map is missing: loud, and never mistaken for a material.
-fn stand_in() -> Texture2d<'static> {
+fn named(missing: Missing) -> &'static str {
+    match missing {
+        Missing::Grey => "grey",
+        Missing::Error | Missing::Checker => "a magenta and black checker",
+    }
+}
+
+/// What is drawn where a map is missing: loud and never mistaken for a material, or grey, which as heights or normals is flat.
+fn stand_in(missing: Missing, content: Content) -> Texture2d<'static> {
     const SIDE: u32 = 8;
+    if missing == Missing::Grey {
+        let (texel, space) = match content {
+            Content::Data => ([128, 128, 255, 255], ColorSpace::Linear),
+            Content::Color | Content::Light => ([188, 188, 188, 255], ColorSpace::Srgb),
+        };
+        return Texture2d::from_rgba8(1, 1, texel.to_vec(), space, Origin::TopLeft)
+            .expect("4 bytes make one texel");
+    }
     let texel = |i: u32| {
         if (i % SIDE + i / SIDE).is_multiple_of(2) {
             [255, 0, 255, 255]

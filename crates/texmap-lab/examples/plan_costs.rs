@@ -170,6 +170,7 @@ fn plane(bytes: &[u8], turn: f64, magnify: f64) -> Result<Scene, Box<dyn Error>>
             fov_x: 60f64.to_radians(),
             near: 1e-3,
             far: f64::INFINITY,
+            lens: Default::default(),
         })
     })
 }

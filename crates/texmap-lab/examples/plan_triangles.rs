@@ -175,6 +175,7 @@ fn scene(meshes: Vec<Mesh>, materials: Vec<Material>) -> Result<Scene, Box<dyn E
             fov_x: FOV,
             near: 0.1,
             far: f64::INFINITY,
+            lens: Default::default(),
         })
     })
 }

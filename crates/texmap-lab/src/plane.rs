@@ -237,6 +237,7 @@ impl TiltedPlane {
             fov_x: core::f64::consts::FRAC_PI_3,
             near: NEAR,
             far: 100.0,
+            lens: Default::default(),
         }
     }
 

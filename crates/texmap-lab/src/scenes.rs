@@ -84,6 +84,7 @@ impl UvScene {
             fov_x: 60f64.to_radians(),
             near: 1e-3,
             far: f64::INFINITY,
+            lens: Default::default(),
         };
         let uv = corners.map(|p| DVec2::new(p.x, p.z) / 8.0);
         Self {
@@ -104,6 +105,7 @@ impl UvScene {
             fov_x: 90f64.to_radians(),
             near: 1e-3,
             far: f64::INFINITY,
+            lens: Default::default(),
         };
         let square = [(-1.0, 1.0), (1.0, 1.0), (1.0, -1.0), (-1.0, -1.0)];
         let corners = [0, 1, 2, 3].map(|i| {

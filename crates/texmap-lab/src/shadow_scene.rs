@@ -110,6 +110,7 @@ impl ShadowScene {
                 fov_x: 50.0f64.to_radians(),
                 near: 1e-4,
                 far: f64::INFINITY,
+                lens: Default::default(),
             })
         };
         Self { scene, rays }

@@ -1,6 +1,6 @@
 //! Pictures of a mapping: a checker on the model, a heat map of its distortion, and the unwrapped layout.
 
-use texmap_io::framing::{AUTO_FOV, Bounds, View, auto_lights};
+use texmap_io::framing::{AUTO_FOV, Bounds, Up, View, auto_lights};
 use texmap_light::PhongMaterial;
 use texmap_math::camera::Camera;
 use texmap_math::glam::DVec3;
@@ -242,7 +242,7 @@ fn shot(
 ) -> Result<Picture, LabError> {
     let mut scene = Scene {
         background: [0.94, 0.945, 0.953, 1.0],
-        lights: auto_lights(),
+        lights: auto_lights(Up::Y),
         textures,
         materials: vec![material],
         meshes: vec![model],
@@ -253,6 +253,7 @@ fn shot(
             fov_x: AUTO_FOV,
             near: 1e-3,
             far: f64::INFINITY,
+            lens: Default::default(),
         })
     };
     if let Some(bounds) = Bounds::of(&scene) {

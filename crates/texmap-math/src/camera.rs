@@ -1,4 +1,4 @@
-//! The pinhole camera: right-handed, looks along -Z of view space, +Y up, reversed depth.
+//! The camera: right-handed, looks along -Z of view space, +Y up, reversed depth.
 
 use core::fmt;
 
@@ -15,12 +15,55 @@ pub struct Camera {
     pub look: DVec3,
     /// A direction that appears upwards; any length, not parallel to the line of sight.
     pub up: DVec3,
-    /// Horizontal field of view, in (0, pi).
+    /// Horizontal field of view, in (0, pi); of the whole width of the picture where the principal point is its middle.
     pub fov_x: f64,
     /// Distance of the near plane, above 0.
     pub near: f64,
-    /// Distance of the far plane, above `near`; may be infinite.
+    /// Distance of the far plane, above `near`; may be infinite, but not in a parallel projection.
     pub far: f64,
+    /// How the picture lies before the eye.
+    pub lens: Lens,
+}
+
+/// How the picture lies before the eye of a camera. The default is a pinhole in front of the middle of square pixels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lens {
+    /// A parallel (orthographic) projection: width of the picture in world units, above 0; `fov_x` says nothing then. `None` for a
+    /// central one.
+    pub parallel_width: Option<f64>,
+    /// The principal point, where the line of sight meets the picture, from the middle of the picture to the right and up, in
+    /// halves of its width and height.
+    pub center: [f64; 2],
+    /// Width of a pixel over its height, above 0: `fy / fx` of a calibrated camera.
+    pub pixel_aspect: f64,
+}
+
+impl Default for Lens {
+    fn default() -> Self {
+        Self {
+            parallel_width: None,
+            center: [0.0; 2],
+            pixel_aspect: 1.0,
+        }
+    }
+}
+
+impl Lens {
+    fn check(&self, far: f64) -> Result<(), CameraError> {
+        let positive = |x: f64| x > 0.0 && x.is_finite();
+        let problem = if !self.center.iter().all(|c| c.is_finite()) {
+            "its principal point must be finite"
+        } else if !positive(self.pixel_aspect) {
+            "its pixels must have a width over height that is finite and above 0"
+        } else if self.parallel_width.is_some_and(|width| !positive(width)) {
+            "the width of a parallel projection must be finite and above 0"
+        } else if self.parallel_width.is_some() && !far.is_finite() {
+            "a parallel projection needs a finite far plane"
+        } else {
+            return Ok(());
+        };
+        Err(CameraError::Lens { problem })
+    }
 }
 
 /// Error of a camera or projector that cannot be used.
@@ -56,6 +99,11 @@ pub enum CameraError {
         /// The given far distance.
         far: f64,
     },
+    /// The lens cannot be used, or not for this.
+    Lens {
+        /// What is wrong, and what it must be.
+        problem: &'static str,
+    },
 }
 
 impl fmt::Display for CameraError {
@@ -89,6 +137,7 @@ impl fmt::Display for CameraError {
                 f,
                 "camera: need 0 < near < far, got near {near} and far {far}"
             ),
+            Self::Lens { problem } => write!(f, "camera: {problem}"),
         }
     }
 }
@@ -150,6 +199,7 @@ impl Camera {
             fov_x: core::f64::consts::FRAC_PI_3,
             near: along.length() * 1e-3,
             far: f64::INFINITY,
+            lens: Lens::default(),
         }
     }
 
@@ -168,11 +218,23 @@ impl Camera {
         ))
     }
 
-    /// The matrix from view to clip space for a picture of `aspect` = width / height. Clip w is the distance along the line of
-    /// sight; clip z is w at the near plane and 0 at the far plane (or at infinity), so depth z/w is 1 near and 0 far.
+    /// The matrix from view to clip space for a picture of `aspect` = width / height in pixels. Clip w is the distance along the line
+    /// of sight, or 1 in a parallel projection; clip z is w at the near plane and 0 at the far plane (or at infinity), so depth z/w
+    /// is 1 near and 0 far.
     #[must_use]
     pub fn projection(&self, aspect: f64) -> DMat4 {
-        let x = 1.0 / deterministic_f64::tan(0.5 * self.fov_x);
+        let x = 1.0 / self.half_width(1.0);
+        let y = x * aspect * self.lens.pixel_aspect;
+        let [right, up] = self.lens.center;
+        if self.lens.parallel_width.is_some() {
+            let z = 1.0 / (self.far - self.near);
+            return DMat4::from_cols(
+                DVec4::new(x, 0.0, 0.0, 0.0),
+                DVec4::new(0.0, y, 0.0, 0.0),
+                DVec4::new(0.0, 0.0, z, 0.0),
+                DVec4::new(right, up, z * self.far, 1.0),
+            );
+        }
         let (z, t) = if self.far.is_finite() {
             let z = self.near / (self.far - self.near);
             (z, z * self.far)
@@ -181,10 +243,32 @@ impl Camera {
         };
         DMat4::from_cols(
             DVec4::new(x, 0.0, 0.0, 0.0),
-            DVec4::new(0.0, x * aspect, 0.0, 0.0),
-            DVec4::new(0.0, 0.0, z, -1.0),
+            DVec4::new(0.0, y, 0.0, 0.0),
+            DVec4::new(0.0 - right, 0.0 - up, z, -1.0),
             DVec4::new(0.0, 0.0, t, 0.0),
         )
+    }
+
+    /// Half the width of what the picture shows, world units, at a distance from the eye along the line of sight.
+    #[must_use]
+    pub fn half_width(&self, distance: f64) -> f64 {
+        match self.lens.parallel_width {
+            Some(width) => 0.5 * width,
+            None => deterministic_f64::tan(0.5 * self.fov_x) * distance,
+        }
+    }
+
+    /// The point that light must reach to be seen: the eye, or, in a parallel projection, a point so far behind it that directions to
+    /// it differ by a millionth over what is seen.
+    #[must_use]
+    pub fn viewpoint(&self) -> DVec3 {
+        match self.lens.parallel_width {
+            None => self.eye,
+            Some(width) => {
+                let back = (self.eye - self.look).normalize_or_zero();
+                self.eye + back * (1_048_576.0 * (width + self.far.min(1e30)))
+            }
+        }
     }
 
     /// The matrix from world to clip space.
@@ -199,19 +283,25 @@ impl Camera {
     /// centre of the first pixel. Its component along the line of sight is 1.
     ///
     /// # Errors
-    /// As [`Camera::view`].
+    /// As [`Camera::view`]; [`CameraError::Lens`] for a parallel projection, whose rays do not meet in the eye.
     pub fn ray(&self, width: u32, height: u32, x: f64, y: f64) -> Result<DVec3, CameraError> {
         let axes = self.axes()?;
+        if self.lens.parallel_width.is_some() {
+            let problem = "a parallel projection has no rays from one eye: use a central one";
+            return Err(CameraError::Lens { problem });
+        }
         let (width, height) = (f64::from(width), f64::from(height));
         let tan = deterministic_f64::tan(0.5 * self.fov_x);
-        let right = tan * (2.0 * x / width - 1.0);
-        let up = tan * (height - 2.0 * y) / width;
+        let [cx, cy] = self.lens.center;
+        let right = tan * (2.0 * x / width - 1.0 - cx);
+        let up = tan * ((1.0 - cy) * height - 2.0 * y) / (width * self.lens.pixel_aspect);
         Ok(axes.forward + axes.right * right + axes.up * up)
     }
 
     fn axes(&self) -> Result<Axes, CameraError> {
         let axes = Axes::new(self.eye, self.look, self.up)?;
         check_fov(self.fov_x)?;
+        self.lens.check(self.far)?;
         if !(self.near > 0.0 && self.near < self.far && self.near.is_finite()) {
             return Err(CameraError::NearFar {
                 near: self.near,

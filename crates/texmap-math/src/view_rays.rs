@@ -11,6 +11,8 @@ pub struct ViewRays {
     half_step: [f64; 2],
     /// Samples.
     size: [f64; 2],
+    /// From the middle of the picture to its principal point, right and up, in halves of a sample.
+    center: [f64; 2],
 }
 
 impl ViewRays {
@@ -20,14 +22,31 @@ impl ViewRays {
         Self {
             half_step: [half[0] / size[0], half[1] / size[1]],
             size,
+            center: [0.0; 2],
         }
+    }
+
+    /// The same rays through a picture whose principal point is `center` from its middle, right and up, in halves of its width and
+    /// height.
+    #[must_use]
+    pub fn around(self, center: [f64; 2]) -> Self {
+        Self {
+            center: [center[0] * self.size[0], center[1] * self.size[1]],
+            ..self
+        }
+    }
+
+    /// From the middle of the picture to its principal point, right and up, in halves of a sample.
+    #[must_use]
+    pub fn center(&self) -> [f64; 2] {
+        self.center
     }
 
     /// The ray through the centre of a sample; z = -1.
     #[must_use]
     pub fn through(&self, [x, y]: [u32; 2]) -> DVec3 {
-        let right = 2.0 * f64::from(x) + 1.0 - self.size[0];
-        let up = self.size[1] - 2.0 * f64::from(y) - 1.0;
+        let right = 2.0 * f64::from(x) + 1.0 - self.size[0] - self.center[0];
+        let up = self.size[1] - 2.0 * f64::from(y) - 1.0 - self.center[1];
         DVec3::new(right * self.half_step[0], up * self.half_step[1], -1.0)
     }
 
@@ -58,12 +77,12 @@ pub struct CameraFrame {
 }
 
 impl CameraFrame {
-    /// `half` is half the width and height of the picture at distance 1, `size` its samples.
+    /// A frame in camera space seen along `rays`.
     #[must_use]
-    pub fn new(frame: TextureFrame, half: [f64; 2], size: [f64; 2]) -> Self {
+    pub fn new(frame: TextureFrame, rays: ViewRays) -> Self {
         Self {
             magic: frame.texgen(),
-            rays: ViewRays::new(half, size),
+            rays,
         }
     }
 
@@ -72,10 +91,14 @@ impl CameraFrame {
     #[must_use]
     pub fn planes(&self) -> [DVec3; 3] {
         let [right, up] = self.rays.half_step;
-        let [width, height] = self.rays.size;
+        let ([width, height], [cx, cy]) = (self.rays.size, self.rays.center);
         [self.magic.a, self.magic.b, self.magic.c].map(|m| {
             let (x, y) = (m.x * right, m.y * up);
-            DVec3::new(2.0 * x, -2.0 * y, y * height - x * width - m.z)
+            DVec3::new(
+                2.0 * x,
+                -2.0 * y,
+                y * (height - cy) - x * (width + cx) - m.z,
+            )
         })
     }
 

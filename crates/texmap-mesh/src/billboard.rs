@@ -36,7 +36,7 @@ pub(crate) fn turn_to(mesh: &mut Mesh, camera: &Camera) {
         Facing::Screen => [right, right.cross(forward)],
         Facing::Axis(axis) => {
             let upright = axis.normalize_or_zero();
-            let across = upright.cross(camera.eye - board.position);
+            let across = upright.cross(camera.viewpoint() - board.position);
             // On the axis there is no such direction; any will do, for nothing is seen.
             let across = if across.length_squared() > 0.0 {
                 across
@@ -81,6 +81,7 @@ mod tests {
             fov_x: 1.0,
             near: 0.1,
             far: f64::INFINITY,
+            lens: Default::default(),
         }
     }
 

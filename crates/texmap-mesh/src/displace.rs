@@ -148,7 +148,8 @@ struct HeightMap {
     budget: EdgeBudget,
     limit: u32,
     world_from_object: DMat4,
-    eye: DVec3,
+    /// `None` in a parallel projection.
+    eye: Option<DVec3>,
     /// Pixels that a line of length 1 at distance 1 covers.
     pixels: f64,
 }
@@ -164,7 +165,8 @@ impl HeightMap {
         } else {
             texture
         };
-        let half = texmap_math::deterministic_f64::tan(0.5 * scene.camera.fov_x);
+        let camera = &scene.camera;
+        let parallel = camera.lens.parallel_width.is_some();
         Some(Self {
             texture: texture.with_origin(mesh.uv_origin),
             sampler: slot.sampler.clone(),
@@ -174,8 +176,8 @@ impl HeightMap {
             budget: displacement.budget,
             limit: displacement.max_triangles,
             world_from_object: mesh.world_from_object,
-            eye: scene.camera.eye,
-            pixels: f64::from(width) / (2.0 * half),
+            eye: (!parallel).then_some(camera.eye),
+            pixels: f64::from(width) / (2.0 * camera.half_width(1.0)),
         })
     }
 
@@ -200,7 +202,7 @@ impl HeightMap {
                 let [p, q] =
                     [a, b].map(|v| self.world_from_object.transform_point3(net.position(v)));
                 let length = (q - p).length();
-                let distance = ((p + q) * 0.5 - self.eye).length();
+                let distance = self.eye.map_or(1.0, |eye| ((p + q) * 0.5 - eye).length());
                 length * self.pixels > f64::from(most) * distance
                     && self.texels_squared(a, b) > 0.25
             }

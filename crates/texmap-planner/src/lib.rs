@@ -13,6 +13,7 @@
 //! let camera = Camera {
 //!     eye: DVec3::new(0.0, 1.0, 5.0), look: DVec3::ZERO, up: DVec3::Y,
 //!     fov_x: 1.0, near: 1e-4, far: f64::INFINITY,
+//!     lens: Default::default(),
 //! };
 //! let mut scene = Scene {
 //!     materials: vec![Material::default()],
@@ -312,6 +313,7 @@ mod tests {
                 fov_x: 1.0,
                 near: 1e-2,
                 far: f64::INFINITY,
+                lens: Default::default(),
             })
         }
     }

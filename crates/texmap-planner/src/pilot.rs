@@ -351,7 +351,7 @@ fn source(view: &View<'_>) -> Source {
         (Some(map), _) => Source::Round(map),
         (None, Some(frame)) => {
             let frame = frame.transform(view.view_from_world * view.mesh.world_from_object);
-            let camera = CameraFrame::new(frame, view.half, view.size.to_array());
+            let camera = CameraFrame::new(frame, view.rays());
             Source::Frame(camera.planes())
         }
         (None, None) => Source::Vertices,

@@ -1,7 +1,7 @@
 //! One mesh as the camera sees it, and what is chosen for it.
 
 use texmap_math::glam::{DMat4, DVec2, DVec3, DVec4};
-use texmap_math::{affine_error, wide};
+use texmap_math::{ViewRays, affine_error, wide};
 use texmap_raster::Interp;
 use texmap_sample::{Filter, Precision, Sampler, Texture2d};
 
@@ -26,6 +26,10 @@ pub(super) struct View<'s> {
 }
 
 impl View<'_> {
+    pub(super) fn rays(&self) -> ViewRays {
+        ViewRays::new(self.half, self.size.to_array()).around(self.scene.camera.lens.center)
+    }
+
     /// A vertex in the world.
     pub(super) fn world(&self, vertex: u32) -> DVec3 {
         let position = wide(self.mesh.positions[vertex as usize]);

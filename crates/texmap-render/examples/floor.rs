@@ -109,6 +109,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             fov_x: 1.0,
             near: 1e-4,
             far: f64::INFINITY,
+            lens: Default::default(),
         })
     };
     let frame = render(

@@ -32,6 +32,7 @@
 //! let camera = Camera {
 //!     eye: DVec3::new(0.0, 0.0, 2.0), look: DVec3::ZERO, up: DVec3::Y,
 //!     fov_x: 1.0, near: 1e-4, far: f64::INFINITY,
+//!     lens: Default::default(),
 //! };
 //! let red = PhongMaterial { color: [1.0, 0.0, 0.0], ..PhongMaterial::default() };
 //! let triangle = Mesh {

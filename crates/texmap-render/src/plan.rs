@@ -77,18 +77,21 @@ impl<'s> Plan<'s> {
             clip_from_world: projection * view,
             half: [1.0 / projection.x_axis.x, 1.0 / projection.y_axis.y],
             size: [f64::from(width), f64::from(height)],
+            center: scene.camera.lens.center,
+            parallel: scene.camera.lens.parallel_width.is_some(),
         };
         let mut surfaces = Vec::with_capacity(scene.meshes.len());
         surfaces.extend(sky(scene, settings, chains, &view));
-        for mesh in &scene.meshes {
-            surfaces.push(surface(scene, settings, chains, ready, &view, mesh, aovs));
+        for (mesh, number) in scene.meshes.iter().zip(0..) {
+            let surface = surface(scene, settings, chains, ready, &view, mesh, aovs);
+            surfaces.push(Surface { number, ..surface });
         }
         for volume in &scene.effects.volumes {
             let transfer = volume
                 .transfer
                 .as_ref()
                 .map(|slot| (&scene.textures[slot.texture], &slot.sampler));
-            let rays = ViewRays::new(view.half, view.size);
+            let rays = view.rays();
             let to_view = view.view_from_world;
             let level = settings.level;
             let stage =
@@ -98,13 +101,16 @@ impl<'s> Plan<'s> {
                 ..far_sides(volume, view.clip_from_world)
             });
         }
-        let eye = scene.camera.eye.to_array().map(|x| x as f32);
+        let eye = scene.camera.viewpoint().to_array().map(|x| x as f32);
         Ok(Self {
             surfaces,
             lights: &scene.lights,
             ready: Arc::clone(ready),
             eye,
-            rays: EyeRays::new(&ViewRays::new(view.half, view.size), view.view_from_world),
+            rays: match view.parallel {
+                true => EyeRays::parallel(view.view_from_world),
+                false => EyeRays::new(&view.rays(), view.view_from_world),
+            },
             level: settings.level,
         })
     }
@@ -138,6 +144,17 @@ struct View {
     half: [f64; 2],
     /// Samples.
     size: [f64; 2],
+    /// The principal point, as in a lens.
+    center: [f64; 2],
+    /// A parallel projection.
+    parallel: bool,
+}
+
+impl View {
+    /// The rays of a central projection.
+    fn rays(&self) -> ViewRays {
+        ViewRays::new(self.half, self.size).around(self.center)
+    }
 }
 
 /// The backdrop.
@@ -158,7 +175,7 @@ fn sky<'s>(
         }
         Background::Environment(index) => {
             let environment = &scene.effects.environments[*index];
-            let rays = ViewRays::new(view.half, view.size);
+            let rays = view.rays();
             let stage = SkyStage::new(environment, &rays, view.view_from_world);
             surface.space = Some(Space::Sky(stage));
             surface.shaded = 0;
@@ -199,6 +216,7 @@ mod tests {
                 fov_x: 1.0,
                 near: 1e-4,
                 far: f64::INFINITY,
+                lens: Default::default(),
             })
         }
     }

@@ -96,7 +96,7 @@ impl<'s> Renderer<'s> {
             let samples = (settings.width * side, settings.height * side);
             Plan::new(scene, settings, &chains, &ready, samples, aovs)
         };
-        let centres = !shared && !settings.aovs.is_empty();
+        let centres = !shared && settings.aovs.iter().any(|aov| *aov != Aov::Color);
         Ok(Self {
             plan: plan(n, if shared { &settings.aovs } else { &[] })?,
             centres: centres.then(|| plan(1, &settings.aovs)).transpose()?,
@@ -213,18 +213,16 @@ impl<'s> Renderer<'s> {
                 AovData::U32(values) => values.fill(u32::MAX),
             }
         }
-        let with_color: &mut [_] = if self.centres.is_none() {
-            &mut *aovs
-        } else {
-            &mut []
-        };
+        let (with_color, of_centres): (Vec<_>, Vec<_>) = aovs
+            .iter_mut()
+            .partition(|(aov, ..)| self.centres.is_none() || *aov == Aov::Color);
         let job = Job::new(scene, settings, &self.plan, &prepared, self.samples);
         let covered = self.run(&job, Some(rgba), with_color, &order, &counter);
         if let Some(plan) = &self.centres {
             let draws = plan.draws(scene);
             let prepared = self.prepare(size, &draws, false)?;
             let job = Job::new(scene, settings, plan, &prepared, None);
-            self.run(&job, None, aovs, &order, &counter);
+            self.run(&job, None, of_centres, &order, &counter);
         }
         if counter.cancelled.into_inner() {
             return Err(RenderError::Cancelled);
@@ -260,14 +258,14 @@ impl<'s> Renderer<'s> {
         &self,
         job: &Job<'_>,
         rgba: Option<&mut Vec<u8>>,
-        aovs: &mut [(Aov, usize, AovData)],
+        aovs: Vec<&mut (Aov, usize, AovData)>,
         order: &[usize],
         counter: &Counter<'_>,
     ) -> u64 {
         let (width, height) = (self.settings.width, self.settings.height);
         let mut rgba = rgba.map_or(Vec::new(), |rgba| split(rgba, 4, width, height));
         let mut aovs: Vec<_> = aovs
-            .iter_mut()
+            .into_iter()
             .map(|(aov, channels, data)| (*aov, AovParts::new(data, *channels, width, height)))
             .collect();
         let mut all: Vec<_> = Block::all(width, height).map(Some).collect();
@@ -398,7 +396,7 @@ fn empty_frame(settings: &RenderSettings) -> Frame {
     let (width, height) = (settings.width, settings.height);
     let pixels = width as usize * height as usize;
     let buffer = |aov: &Aov| match aov {
-        Aov::Face => AovData::U32(vec![0; pixels]),
+        Aov::Face | Aov::Mesh => AovData::U32(vec![0; pixels]),
         aov => AovData::F32(vec![0.0; pixels * aov.channels()]),
     };
     Frame {

@@ -85,8 +85,8 @@ impl RenderSettings {
     }
 }
 
-/// A buffer beside the colour. Each describes the nearest opaque or cut-out surface at the centre of the
-/// pixel, whatever the supersampling; blended surfaces leave no trace. Where no surface is, or the surface
+/// A buffer beside the colour. Each but [`Color`](Self::Color) describes the nearest opaque or cut-out surface at the centre of the
+/// pixel, whatever the samples of the picture; blended surfaces leave no trace. Where no surface is, or the surface
 /// lacks the value, every channel is the f32 with bits 0x7fc00000 (NaN), or `u32::MAX`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Aov {
@@ -101,6 +101,8 @@ pub enum Aov {
     Lod,
     /// Source face, [`Mesh::face`](texmap_scene::Mesh::face). 1 channel, u32.
     Face,
+    /// Index of the mesh in [`Scene::meshes`]. 1 channel, u32.
+    Mesh,
     /// Unit normal in world space, on the side that is seen. 3 channels, f32.
     Normal,
     /// Position in world space. 3 channels, f32.
@@ -108,6 +110,10 @@ pub enum Aov {
     /// Share of a light (its number in the scene, 0 to 15) that its shadows leave, 0..=1; a hole where the light has no shadow or
     /// the surface is not lit per pixel. 1 channel, f32.
     Shadow(u8),
+    /// The picture itself before it is encoded: red, green, blue and alpha as linear light (raw values under
+    /// [`ColorMode::Raw`](texmap_scene::ColorMode::Raw)), premultiplied, blended surfaces and background in it, the mean of a pixel's samples. No holes.
+    /// 4 channels, f32.
+    Color,
 }
 
 /// Names of [`Aov::Shadow`].
@@ -131,13 +137,14 @@ const SHADOWS: [&str; 16] = [
 ];
 
 impl Aov {
-    /// Every AOV but the shadows, which belong to lights.
-    pub const ALL: [Self; 7] = [
+    /// Every AOV of surfaces but the shadows, which belong to lights.
+    pub const ALL: [Self; 8] = [
         Self::Depth,
         Self::InvW,
         Self::Uv,
         Self::Lod,
         Self::Face,
+        Self::Mesh,
         Self::Normal,
         Self::Position,
     ];
@@ -167,6 +174,8 @@ impl Aov {
             Self::Uv => "uv",
             Self::Lod => "lod",
             Self::Face => "face",
+            Self::Mesh => "mesh",
+            Self::Color => "color",
             Self::Normal => "normal",
             Self::Position => "position",
             Self::Shadow(light) => SHADOWS.get(usize::from(light)).copied().unwrap_or("shadow"),
@@ -177,9 +186,10 @@ impl Aov {
     #[must_use]
     pub fn channels(self) -> usize {
         match self {
-            Self::Depth | Self::InvW | Self::Lod | Self::Face | Self::Shadow(_) => 1,
+            Self::Depth | Self::InvW | Self::Lod | Self::Face | Self::Mesh | Self::Shadow(_) => 1,
             Self::Uv => 2,
             Self::Normal | Self::Position => 3,
+            Self::Color => 4,
         }
     }
 }
@@ -196,6 +206,7 @@ impl FromStr for Aov {
     fn from_str(s: &str) -> Result<Self, UnknownAov> {
         Self::ALL
             .into_iter()
+            .chain([Self::Color])
             .chain((0..16).map(Self::Shadow))
             .find(|aov| aov.name() == s)
             .ok_or_else(|| UnknownAov(s.to_owned()))
@@ -205,7 +216,7 @@ impl FromStr for Aov {
 /// A name that is not an AOV's.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "unknown AOV '{0}': choose from depth, inv_w, uv, lod, face, normal, position, shadow:LIGHT (its number from 0, or its name)"
+    "unknown AOV '{0}': choose from depth, inv_w, uv, lod, face, mesh, normal, position, color, shadow:LIGHT (its number from 0, or its name)"
 )]
 pub struct UnknownAov(pub String);
 
@@ -215,7 +226,8 @@ mod tests {
 
     #[test]
     fn names_round_trip() {
-        for aov in Aov::ALL.into_iter().chain((0..16).map(Aov::Shadow)) {
+        let others = [Aov::Color].into_iter().chain((0..16).map(Aov::Shadow));
+        for aov in Aov::ALL.into_iter().chain(others) {
             assert_eq!(aov.name().parse(), Ok(aov));
         }
         assert_eq!("uvw".parse::<Aov>(), Err(UnknownAov("uvw".into())));

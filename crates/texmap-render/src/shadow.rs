@@ -180,6 +180,7 @@ mod tests {
                 fov_x: 1.0,
                 near: 1e-4,
                 far: f64::INFINITY,
+                lens: Default::default(),
             })
         }
     }

@@ -125,7 +125,7 @@ impl Vertices {
         let mut back_from = usize::MAX;
         // Where triangles show their back, light reaches the other side of their vertices: a second set.
         if lit && scene.materials[mesh.material].cull != Cull::Back {
-            let away = facing_away(&points, &triangles, scene.camera.eye);
+            let away = facing_away(&points, &triangles, scene.camera.viewpoint());
             if away.contains(&true) {
                 back_from = positions.len();
                 positions.to_mut().extend_from_within(..);
@@ -258,7 +258,7 @@ impl Source<'_> {
         } else {
             self.normals[vertex]
         };
-        let eye = narrow(self.scene.camera.eye);
+        let eye = narrow(self.scene.camera.viewpoint());
         let mut terms = lighting(
             surface,
             &self.scene.lights,
@@ -267,7 +267,7 @@ impl Source<'_> {
             eye,
         );
         if let Some(map) = self.scene.materials[self.mesh.material].specular_map {
-            let view = (self.scene.camera.eye - self.points[vertex]).normalize_or_zero();
+            let view = (self.scene.camera.viewpoint() - self.points[vertex]).normalize_or_zero();
             let light = self.scene.effects.environments[map]
                 .radiance(reflect(narrow(view), narrow(normal)));
             for (sum, c) in terms.highlight.iter_mut().zip(light) {

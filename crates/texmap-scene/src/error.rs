@@ -7,6 +7,14 @@ pub enum SceneError {
     /// The camera has no view.
     #[error("camera: {0}")]
     Camera(CameraError),
+    /// A parallel projection of what is looked up along rays from one eye.
+    #[error(
+        "{what} is seen along rays from the eye, which a parallel projection does not have: use a central one"
+    )]
+    ParallelRays {
+        /// The part of the scene.
+        what: String,
+    },
     /// A number of the scene that must be finite (or in a range) is not.
     #[error("{place}: {what} is {value}; {expected}")]
     Value {
@@ -89,6 +97,7 @@ impl SceneError {
     pub fn code(&self) -> &'static str {
         match self {
             Self::Camera(_) => "render-camera",
+            Self::ParallelRays { .. } => "render-parallel",
             Self::Value { .. } => "render-value",
             Self::Index { .. } => "render-index",
             Self::UnknownLight { .. } => "render-unknown-light",

@@ -14,6 +14,7 @@
 //! let camera = Camera {
 //!     eye: DVec3::new(0.0, 1.0, 5.0), look: DVec3::ZERO, up: DVec3::Y,
 //!     fov_x: 1.0, near: 1e-4, far: f64::INFINITY,
+//!     lens: Default::default(),
 //! };
 //! let mut scene = Scene {
 //!     materials: vec![Material::default()],

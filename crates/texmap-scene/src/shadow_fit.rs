@@ -144,6 +144,7 @@ fn toward(position: DVec3, direction: DVec3) -> DMat4 {
         fov_x: 1.0,
         near: 1.0,
         far: 2.0,
+        lens: Default::default(),
     };
     // Neither zero nor parallel, so there is a view.
     let view = camera.view().unwrap_or(DMat4::IDENTITY);
@@ -168,12 +169,10 @@ pub fn fitting_size(scene: &Scene, kind: &ShadowKind, width: u32) -> u32 {
 /// Pixels that the one texel of a map of size 1 would be wide, where the scene's middle is.
 #[must_use]
 pub fn texel_in_pixels(scene: &Scene, kind: &ShadowKind, width: u32) -> f64 {
-    let Camera { eye, fov_x, .. } = scene.camera;
     let (centre, half) = bounding_square(scene);
     // The nearer half of the scene is what is looked at.
     let way = |from: DVec3| (from - centre).length().max(0.5 * half);
-    let pixel =
-        2.0 * texmap_math::deterministic_f64::tan(0.5 * fov_x) * way(eye) / f64::from(width);
+    let pixel = 2.0 * scene.camera.half_width(way(scene.camera.eye)) / f64::from(width);
     let side = match kind {
         ShadowKind::Directional { half, .. } => 2.0 * half,
         ShadowKind::Spot {

@@ -2,6 +2,7 @@
 
 #[cfg(unix)]
 mod attack;
+mod cameras;
 mod demos;
 mod files;
 #[cfg(unix)]
@@ -10,6 +11,7 @@ mod info;
 mod interruption;
 mod lab;
 mod light;
+mod looks;
 mod malformed;
 mod memory;
 mod outputs;

@@ -1,7 +1,8 @@
 //! Every buffer beside the colour: its values, and nothing but the written constant where there are none.
 
 use texmap_math::glam::{DMat4, DVec3};
-use texmap_render::{Aov, AovData, HOLE_BITS};
+use texmap_math::color::{linear_to_srgb8, unit_to_u8};
+use texmap_render::{Aov, AovData, HOLE_BITS, RenderSettings, render};
 use texmap_sample::{Filter, UvTransform};
 use texmap_scene::{AlphaMode, Material, Mesh, Scene, TextureRole};
 
@@ -206,4 +207,62 @@ fn decals_and_blended_panes_leave_no_trace() {
     scene.materials[0].texture_role = TextureRole::Decal;
     let without = draw_aovs(&scene, SIZE, SIZE, &Aov::ALL);
     assert_eq!(crate::scenes::bits(&with), crate::scenes::bits(&without));
+}
+
+#[test]
+fn mesh_ids_are_those_of_the_scene() {
+    let mut scene = mixed();
+    let ids = |scene: &Scene| match draw_aovs(scene, SIZE, SIZE, &[Aov::Mesh]).aovs.remove(0).2 {
+        AovData::U32(ids) => ids,
+        AovData::F32(_) => panic!("whole numbers"),
+    };
+    let of = |ids: &[u32]| {
+        let mut seen = ids.to_vec();
+        seen.sort_unstable();
+        seen.dedup();
+        seen
+    };
+    // The pane blends and leaves no trace.
+    assert_eq!(of(&ids(&scene)), [0, 1, 2, u32::MAX]);
+    scene.meshes.swap(0, 1);
+    assert_eq!(of(&ids(&scene)), [0, 1, 2, u32::MAX]);
+    let (before, after) = (ids(&mixed()), ids(&scene));
+    let swapped = |id: &u32| match id {
+        0 => 1,
+        1 => 0,
+        other => *other,
+    };
+    assert_eq!(before.iter().map(swapped).collect::<Vec<_>>(), after);
+}
+
+/// The colour array is what the bytes are encoded from, whatever the samples, and asking for it changes no byte.
+#[test]
+fn colours_are_the_light_behind_the_bytes() {
+    let mut scene = mixed();
+    scene.background = [0.2, 0.4, 0.6, 0.5];
+    for (supersample, msaa) in [(1, 1), (1, 4), (2, 1)] {
+        let settings = RenderSettings {
+            supersample,
+            msaa,
+            ..RenderSettings::new(SIZE, SIZE)
+        };
+        let plain = render(&scene, &settings, &|_, _| ()).unwrap();
+        for aovs in [vec![Aov::Color], vec![Aov::Depth, Aov::Color, Aov::Mesh]] {
+            let asked = RenderSettings {
+                aovs,
+                ..settings.clone()
+            };
+            let frame = render(&scene, &asked, &|_, _| ()).unwrap();
+            assert!(frame.rgba == plain.rgba, "{supersample} {msaa}");
+            let color = frame.aovs.iter().find(|(aov, ..)| *aov == Aov::Color);
+            let Some((_, 4, AovData::F32(color))) = color else {
+                panic!("four floats")
+            };
+            for (light, bytes) in color.chunks(4).zip(plain.rgba.chunks(4)) {
+                let alpha = light[3];
+                let encoded = [0, 1, 2].map(|k| linear_to_srgb8(light[k] / alpha));
+                assert_eq!((encoded, unit_to_u8(alpha)), ([bytes[0], bytes[1], bytes[2]], bytes[3]));
+            }
+        }
+    }
 }

@@ -13,6 +13,7 @@ mod errors;
 mod floor;
 mod gouraud;
 mod light;
+mod parallel;
 mod reliefs;
 mod round;
 mod samples;

@@ -172,7 +172,7 @@ fn mirroring_keeps_the_outside_outside() {
 #[test]
 fn missing_libraries_and_maps_may_be_warnings() {
     let lenient = LoadOptions {
-        missing: Missing::Warn,
+        missing: Some(Missing::Checker),
         ..LoadOptions::default()
     };
     let files = Files::new().with(

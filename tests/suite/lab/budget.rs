@@ -63,6 +63,7 @@ fn scene(seed: u64) -> (Scene, Budget) {
         fov_x: 90f64.to_radians(),
         near: 1e-3,
         far: f64::INFINITY,
+        lens: Default::default(),
     };
     // The plane's distance runs from 1 at one end of a turned axis to `ratio` at the other.
     let tilt = random.range(0.0, std::f64::consts::TAU);

@@ -122,7 +122,7 @@ proptest! {
         a in point2(1.0), b in point2(1.0), z1 in inverse_w(4.0), z2 in inverse_w(4.0), t in 0.0..=1.0, infinite: bool,
     ) {
         let far = if infinite { f64::INFINITY } else { 100.0 };
-        let camera = Camera { eye: DVec3::ZERO, look: DVec3::NEG_Z, up: DVec3::Y, fov_x: 1.0, near: 0.01, far };
+        let camera = Camera { eye: DVec3::ZERO, look: DVec3::NEG_Z, up: DVec3::Y, fov_x: 1.0, near: 0.01, far, lens: Default::default() };
         let clip = camera.clip_from_world(1.5).expect("a good camera");
         let (p, q) = ((a * z1).extend(-z1), (b * z2).extend(-z2));
         let s = world_from_screen_z(t, z1, z2);

@@ -2,7 +2,8 @@
 
 use proptest::prelude::*;
 use texmap_math::bary;
-use texmap_math::camera::{Camera, CameraError};
+use texmap_math::ViewRays;
+use texmap_math::camera::{Camera, CameraError, Lens};
 use texmap_math::glam::{DVec2, DVec3};
 use texmap_math::projector::{Projector, projector_uv};
 use texmap_math::reflection::reflect;
@@ -19,14 +20,21 @@ fn viewer() -> impl Strategy<Value = (DVec3, DVec3, DVec3)> {
 }
 
 fn camera() -> impl Strategy<Value = Camera> {
-    (viewer(), 0.2..2.5f64, 1e-3..1.0f64, any::<bool>()).prop_map(
-        |((eye, look, up), fov_x, near, infinite)| Camera {
+    let lens = (point2(1.5), 0.3..3.0f64).prop_map(|(center, pixel_aspect)| Lens {
+        center: center.to_array(),
+        pixel_aspect,
+        ..Lens::default()
+    });
+    let lens = prop_oneof![Just(Lens::default()), lens];
+    (viewer(), 0.2..2.5f64, 1e-3..1.0f64, any::<bool>(), lens).prop_map(
+        |((eye, look, up), fov_x, near, infinite, lens)| Camera {
             eye,
             look,
             up,
             fov_x,
             near,
             far: if infinite { f64::INFINITY } else { 100.0 },
+            lens,
         },
     )
 }
@@ -57,6 +65,44 @@ proptest! {
         prop_assert!((view.determinant() - 1.0).abs() <= 1e-12);
         prop_assert!(view.transform_point3(camera.look).truncate().length() <= 1e-11);
         prop_assert!(view.transform_point3(camera.look).z < 0.0);
+    }
+
+    /// The rays of a grid of samples pass through the points that the matrix puts on their centres, wherever the principal point lies.
+    #[test]
+    fn grids_of_rays_follow_the_principal_point(camera in camera(), x in 0u32..64, y in 0u32..36, distance in 0.1..50.0f64) {
+        let projection = camera.projection(64.0 / 36.0);
+        let half = [1.0 / projection.x_axis.x, 1.0 / projection.y_axis.y];
+        let rays = ViewRays::new(half, [64.0, 36.0]).around(camera.lens.center);
+        let clip = projection * (rays.through([x, y]) * distance).extend(1.0);
+        let seen = DVec2::new((clip.x / clip.w + 1.0) * 32.0, (1.0 - clip.y / clip.w) * 18.0);
+        let want = DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5);
+        prop_assert!((seen - want).abs().max_element() <= 1e-9, "{seen} {want}");
+        // The middle of the picture is another place: rays that ignore the point miss it.
+        let ignorant = ViewRays::new(half, [64.0, 36.0]).through([x, y]);
+        let off = DVec2::from(camera.lens.center).abs().max_element();
+        prop_assert!(off < 1e-3 || (ignorant - rays.through([x, y])).length() > 1e-6);
+    }
+
+    /// A parallel projection: w is 1, sizes do not depend on the distance, depth runs evenly from 1 to 0.
+    #[test]
+    fn parallel_projections_keep_sizes(camera in camera(), width in 0.1..10.0f64, p in point2(3.0), near in 0.0..1.0f64) {
+        let lens = Lens { parallel_width: Some(width), ..camera.lens };
+        let camera = Camera { lens, far: camera.near + 5.0, ..camera };
+        let projection = camera.projection(1.5);
+        let d = camera.near + 5.0 * near;
+        let c = projection * DVec3::new(p.x, p.y, -d).extend(1.0);
+        let [cx, cy] = camera.lens.center;
+        prop_assert_eq!(c.w, 1.0);
+        prop_assert!((c.x - (p.x / (0.5 * width) + cx)).abs() <= 1e-9 * (1.0 + 1.0 / width));
+        prop_assert!((c.y - (p.y / (0.5 * width) * 1.5 * camera.lens.pixel_aspect + cy)).abs() <= 1e-9 * (1.0 + 1.0 / width));
+        prop_assert!((c.z - (1.0 - near)).abs() <= 1e-9);
+        prop_assert_eq!(camera.half_width(d), 0.5 * width);
+        // Directions to the viewpoint hardly differ.
+        let from = |p: DVec3| (camera.viewpoint() - p).normalize();
+        let axis = (camera.eye - camera.look).normalize();
+        prop_assert!((from(camera.eye) - axis).length() < 1e-9);
+        prop_assert!((from(camera.look + DVec3::ONE * width) - axis).length() < 1e-5);
+        prop_assert!(camera.ray(64, 64, 0.0, 0.0).is_err());
     }
 
     /// Property 23: axis, edges, scale, and what lies behind.
@@ -130,6 +176,7 @@ fn early_division_bends_a_slide() {
         fov_x: 1.0,
         near: 0.1,
         far: 100.0,
+        lens: Default::default(),
     };
     let clip_from_world = camera.clip_from_world(1.0).expect("a good camera");
     let triangle = [
@@ -172,6 +219,7 @@ fn unusable_cameras_are_refused_by_name() {
         fov_x: 1.0,
         near: 0.1,
         far: 10.0,
+        lens: Default::default(),
     };
     good.view().expect("a good camera");
     let with = |f: fn(&mut Camera)| {
@@ -258,6 +306,7 @@ fn the_field_of_view_is_a_true_tangent() {
         fov_x: 60f64.to_radians(),
         near: 0.1,
         far: 10.0,
+        lens: Default::default(),
     };
     let edge = camera.ray(100, 50, 100.0, 25.0).expect("a good camera");
     assert!((edge.x / -edge.z - 30f64.to_radians().tan()).abs() < 1e-15);

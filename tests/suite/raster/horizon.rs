@@ -18,6 +18,7 @@ fn camera() -> Camera {
         fov_x: 2.0 * texmap_math::deterministic_f64::atan(half),
         near: 1e-4,
         far: f64::INFINITY,
+        lens: Default::default(),
     }
 }
 

@@ -276,6 +276,7 @@ fn r8_coplanar_depth() {
         fov_x: 1.2,
         near: 0.1,
         far: 100.0,
+        lens: Default::default(),
     };
     let matrix = camera.clip_from_world(160.0 / 120.0).expect("a camera");
     let corners = [

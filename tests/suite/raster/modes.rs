@@ -155,6 +155,7 @@ fn screen_linear_attributes_are_cut_in_clip_space() {
         fov_x: 1.5,
         near: 0.5,
         far: f64::INFINITY,
+        lens: Default::default(),
     };
     let matrix = camera.clip_from_world(1.0).expect("a camera");
     // A floor strip from behind the eye to z = -8; the attribute is -z, so it is 0.5 at the near plane.

@@ -17,6 +17,7 @@ pub fn empty() -> Scene {
             fov_x: std::f64::consts::FRAC_PI_2,
             near: 1e-4,
             far: f64::INFINITY,
+            lens: Default::default(),
         })
     }
 }

@@ -91,6 +91,7 @@ fn scene() -> Scene {
             fov_x: 1.0,
             near: 1e-4,
             far: f64::INFINITY,
+            lens: Default::default(),
         })
 }
 }

@@ -1,27 +1,33 @@
 //! `texmap bake`: the light on a mesh as a light map.
 
-use crate::failure::Refusal;
+use std::ffi::OsStr;
 use std::path::PathBuf;
 
 use clap::Args;
-use texmap_bake::{BakeOptions, LightMap, bake};
+use texmap_bake::{BakeOptions, bake};
 use texmap_io::{LoadOptions, load};
-use texmap_light::Light;
+use texmap_light::{Light, ShadowBias, ShadowMap};
 use texmap_render::{RenderError, shadow_map_for};
-use texmap_scene::{Scene, shadow_bias, shadow_kind};
+use texmap_scene::{Mesh, Scene, shadow_bias, shadow_kind};
 
 use crate::cmd::Root;
-use crate::failure::{Exit, Failure, say};
+use crate::cmd::written::{Written, one_stdout};
+use crate::failure::{Exit, Failure, Refusal, say};
 use crate::formats;
+use crate::os_name;
 use crate::output::{Destination, Stage, distinct};
 
 /// Bake the direct light that reaches an object, with shadows, onto its light-map coordinates.
 #[derive(Args, Debug)]
+#[command(
+    after_help = "One mesh:   texmap bake room.scene --light --object floor --size 512 -o floor.exr\n\
+                  All meshes: texmap bake room.scene --light --object all --size 256 -o 'maps/{object}.png'"
+)]
 pub(crate) struct BakeArgs {
     /// The scene or OBJ model
     scene: PathBuf,
-    /// The mesh to bake; a wrong name lists them
-    #[arg(long, value_name = "NAME")]
+    /// The mesh to bake, as a `name` line of the scene or the model calls it, or all of them; a wrong name lists them
+    #[arg(long, value_name = "NAME|all")]
     object: String,
     /// Bake the light of a white matte surface (the one thing that can be baked so far)
     #[arg(long, required = true)]
@@ -29,7 +35,7 @@ pub(crate) struct BakeArgs {
     /// Texels a side
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=16_384))]
     size: u32,
-    /// The file to write; its ending (.png, .hdr, .exr) says what it becomes
+    /// The file to write; its ending (.png, .jpg, .webp, .hdr, .exr) says what it becomes. Several meshes: a name with {object}
     #[arg(short, long, value_name = "OUT")]
     output: PathBuf,
     /// Texels by which charts are dilated: 1 for bilinear look-ups, 2^L for mips down to level L
@@ -46,11 +52,17 @@ pub(crate) struct BakeArgs {
     luminance: bool,
     #[command(flatten)]
     root: Root,
+    /// Print a report as JSON to standard output
+    #[arg(long)]
+    pub(crate) json: bool,
 }
 
+/// Stands in the name of an output for the name of a mesh.
+const OBJECT: &str = "{object}";
+
 pub(crate) fn run(args: &BakeArgs) -> Result<Exit, Failure> {
+    one_stdout(args.json, &args.output)?;
     distinct([&args.output], [&args.scene])?;
-    let destination = Destination::new(&args.output)?;
     let format = formats::picture(&args.output)?;
     let scene = load(
         &args.scene,
@@ -59,70 +71,148 @@ pub(crate) fn run(args: &BakeArgs) -> Result<Exit, Failure> {
             ..LoadOptions::default()
         },
     )?;
-    fn refused(error: impl Into<Refusal>) -> Failure {
-        Failure::of_render(error, None, "correct the scene, or bake another object")
-    }
     // Edges in pixels are measured by the light map's own size.
     let scene = texmap_mesh::tessellate(&scene, args.size).map_err(refused)?;
-    let mesh = find(&scene, &args.object)?;
+    let meshes = find(&scene, &args.object)?;
+    let outputs = outputs(args, &scene, &meshes)?;
+    distinct(&outputs, [&args.scene])?;
+    let mut written = Written::new("bake");
     for warning in &scene.warnings {
         say(&format!("warning: {warning}\n"));
     }
-    if scene.meshes[mesh].lightmap_uvs.is_empty() {
-        say(&format!(
-            "warning: `{}` has no second uv set (a `lightmapuv` line): its texture coordinates are baked onto; where they overlap the first face wins\n",
-            args.object
+    written.warn(scene.warnings.iter().cloned());
+    let destinations = outputs.iter().map(|output| Destination::new(output));
+    let destinations: Vec<Destination> = destinations.collect::<Result<_, _>>()?;
+    let Some(first) = destinations.first() else {
+        return Err(Failure::internal("no mesh to bake"));
+    };
+    let mut stage = Stage::new(first)?;
+    let shadows = shadows(args, &scene).map_err(refused)?;
+    let mut words = Vec::new();
+    for ((mesh, output), destination) in meshes.iter().zip(&outputs).zip(destinations) {
+        let name = &scene.meshes[*mesh].name;
+        if scene.meshes[*mesh].lightmap_uvs.is_empty() {
+            let warning = format!(
+                "`{name}` has no second uv set (a `lightmapuv` line): its texture coordinates are baked onto; where they overlap the first face wins"
+            );
+            say(&format!("warning: {warning}\n"));
+            written.warn([warning]);
+        }
+        let options = BakeOptions {
+            size: args.size,
+            gutter: args.gutter,
+            shadows: &shadows,
+            lights: None,
+        };
+        let map = bake(&scene, *mesh, &options).map_err(refused)?;
+        let texels = if args.luminance {
+            map.luminance().into_iter().map(|l| [l; 3]).collect()
+        } else {
+            map.texels
+        };
+        let path = stage.add(destination, format.ending());
+        let lost = texmap_io::write_light(&path, map.size, map.size, &texels)?;
+        let used = map
+            .coverage
+            .iter()
+            .filter(|c| !matches!(c, texmap_raster::Coverage::None))
+            .count();
+        written.picture(output, (map.size, map.size));
+        words.push((
+            output,
+            lost,
+            format!(
+                "{}: {} x {} texels, {used} in use, {} of {} faces without a texel\n",
+                output.display(),
+                map.size,
+                map.size,
+                map.lost.len(),
+                scene.meshes[*mesh].triangles.len(),
+            ),
         ));
     }
-    let map = baked(args, &scene, mesh).map_err(refused)?;
-    let texels = if args.luminance {
-        map.luminance().into_iter().map(|l| [l; 3]).collect()
-    } else {
-        map.texels
-    };
-    let mut stage = Stage::new(&destination)?;
-    let path = stage.add(destination, format.ending());
-    let lost = texmap_io::write_light(&path, map.size, map.size, &texels)?;
     stage.commit()?;
-    let used = map
-        .coverage
-        .iter()
-        .filter(|c| !matches!(c, texmap_raster::Coverage::None))
-        .count();
-    say(&format!(
-        "{}: {} x {} texels, {used} in use, {} of {} faces without a texel\n",
-        args.output.display(),
-        map.size,
-        map.size,
-        map.lost.len(),
-        scene.meshes[mesh].triangles.len(),
-    ));
-    formats::warn(&args.output, format, lost);
-    Ok(Exit::Done)
+    for (output, lost, words) in words {
+        say(&words);
+        written.warn(formats::warn(output, format, lost));
+    }
+    written.tell(args.json)
 }
 
-fn find(scene: &Scene, name: &str) -> Result<usize, Failure> {
-    let all: Vec<usize> = (0..scene.meshes.len())
-        .filter(|i| scene.meshes[*i].name == name)
-        .collect();
-    match all[..] {
-        [one] => Ok(one),
+fn refused(error: impl Into<Refusal>) -> Failure {
+    Failure::of_render(error, None, "correct the scene, or bake another object")
+}
+
+/// The meshes of a name, or all that have triangles.
+fn find(scene: &Scene, name: &str) -> Result<Vec<usize>, Failure> {
+    let meshes = scene.meshes.iter().enumerate();
+    let named = |wanted: &dyn Fn(&Mesh) -> bool| -> Vec<usize> {
+        meshes
+            .clone()
+            .filter(|(_, m)| wanted(m))
+            .map(|(i, _)| i)
+            .collect()
+    };
+    let exact = named(&|mesh| mesh.name == name);
+    let found = match exact.is_empty() && name == "all" {
+        true => named(&|mesh| !mesh.triangles.is_empty()),
+        false => exact,
+    };
+    match found[..] {
+        [_] => Ok(found),
         [] => {
             let mut names: Vec<&str> = scene.meshes.iter().map(|m| m.name.as_str()).collect();
             names.dedup();
             Err(Failure::usage(
                 format!("--object {name}: no mesh of this name"),
-                format!("choose from {}", names.join(", ")),
+                format!("choose from {}, or all", names.join(", ")),
             ))
         }
+        _ if name == "all" => Ok(found),
         _ => Err(Failure::usage(
-            format!("--object {name}: {} meshes have this name", all.len()),
-            "give the objects of the model different names (`o` lines), or other materials their own",
+            format!("--object {name}: {} meshes have this name", found.len()),
+            "give the objects different names (`name` lines of a scene, `o` lines of a model), or other materials their own",
         )),
     }
 }
 
-fn baked(args: &BakeArgs, scene: &Scene, mesh: usize) -> Result<LightMap, RenderError> {
+/// The files of the meshes.
+fn outputs(args: &BakeArgs, scene: &Scene, meshes: &[usize]) -> Result<Vec<PathBuf>, Failure> {
+    let template = args.output.as_os_str();
+    let text = args.output.to_string_lossy();
+    if meshes.len() > 1 && !text.contains(OBJECT) {
+        return Err(Failure::usage(
+            format!("{} meshes and one output {text}", meshes.len()),
+            "put {object} into the name: -o 'maps/{object}.png'",
+        ));
+    }
+    let mut used: Vec<String> = Vec::new();
+    for mesh in meshes {
+        // Names of faces without a `name` line hold paths and colons.
+        let letter = |c: char| {
+            if c.is_alphanumeric() || "-_.".contains(c) {
+                c
+            } else {
+                '_'
+            }
+        };
+        let plain: String = scene.meshes[*mesh].name.chars().map(letter).collect();
+        let twin = used.contains(&plain);
+        used.push(if twin {
+            format!("{plain}-{mesh}")
+        } else {
+            plain
+        });
+    }
+    let name = |object: &String| os_name::replaced(template, OBJECT, OsStr::new(object)).into();
+    Ok(used.iter().map(name).collect())
+}
+
+/// A shadow map with the index of its light, its bias and its taps a side.
+type LightShadow = (usize, ShadowMap, ShadowBias, u32);
+
+/// A shadow map for each light that may have one.
+fn shadows(args: &BakeArgs, scene: &Scene) -> Result<Vec<LightShadow>, RenderError> {
     let mut shadows = Vec::new();
     for (index, light) in scene.lights.iter().enumerate() {
         if args.shadow_size > 0 && !matches!(light, Light::Ambient { .. }) {
@@ -132,11 +222,5 @@ fn baked(args: &BakeArgs, scene: &Scene, mesh: usize) -> Result<LightMap, Render
             shadows.push((index, map, bias, taps));
         }
     }
-    let options = BakeOptions {
-        size: args.size,
-        gutter: args.gutter,
-        shadows: &shadows,
-        lights: None,
-    };
-    bake(scene, mesh, &options)
+    Ok(shadows)
 }

@@ -9,6 +9,7 @@ use texmap_lab::chart::time::Effort;
 use texmap_lab::chart::{self, Machine, Panel};
 
 use crate::cmd::Root;
+use crate::cmd::written::{Written, one_stdout};
 use crate::failure::{Exit, Failure, say};
 use crate::formats;
 use crate::output::{Destination, Stage, distinct};
@@ -19,7 +20,9 @@ use crate::values::Resolution;
 #[derive(Args, Debug)]
 #[command(
     after_help = "Writes one HTML page that needs nothing else, with the picture behind each point and the stability table. Times are of \
-                  one thread; leave the machine alone meanwhile."
+                  one thread; leave the machine alone meanwhile.\n\n\
+                  All methods: texmap chart --quick -o chart.html\n\
+                  Own scene:   texmap chart room.scene -o room.html"
 )]
 pub(crate) struct ChartArgs {
     /// A .scene or .obj to chart in place of the six panels
@@ -47,10 +50,16 @@ pub(crate) struct ChartArgs {
     resolution: Resolution,
     #[command(flatten)]
     root: Root,
+    /// Print a report as JSON to standard output
+    #[arg(long)]
+    pub(crate) json: bool,
 }
 
 pub(crate) fn run(args: &ChartArgs) -> Result<Exit, Failure> {
     let internal = |e: LabError| Failure::from(e);
+    for output in &args.output {
+        one_stdout(args.json, output)?;
+    }
     let chart = args.svg.iter().map(|folder| folder.join("chart.svg"));
     let outputs = args.output.iter().chain(&args.prices).cloned();
     distinct(outputs.chain(chart), &args.scene)?;
@@ -142,7 +151,16 @@ pub(crate) fn run(args: &ChartArgs) -> Result<Exit, Failure> {
         .map(|c| c.points.len())
         .sum();
     say(&format!("{points} points written\n"));
-    Ok(Exit::Done)
+    let mut written = Written::new("chart");
+    for path in args.output.iter().chain(&args.prices) {
+        written.text(path);
+    }
+    if let Some(folder) = &args.svg {
+        for chart in panels.iter().flat_map(|p| &p.charts) {
+            written.text(&folder.join(format!("{}.svg", chart.id)));
+        }
+    }
+    written.tell(args.json)
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

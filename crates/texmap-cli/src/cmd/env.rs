@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use texmap_light::{Environment, EnvironmentLayout};
 
+use crate::cmd::written::{Written, one_stdout};
 use crate::failure::{Exit, Failure, say};
 use crate::formats;
 use crate::output::{Destination, Stage, distinct};
@@ -14,12 +15,14 @@ use crate::output::{Destination, Stage, distinct};
 #[command(
     after_help = "Layouts: cube, tan-cube, lat-long, octahedron, equal-area-octahedron, dual-paraboloid, sphere-map.\n\
     Several faces stand below each other: +X -X +Y -Y +Z -Z of a cube, +Z -Z of the paraboloids.\n\
-    PNG holds sRGB from 0 to 1, HDR linear light from 0, EXR all of it. docs/generated/charts.md tells which layout is best."
+    PNG holds sRGB from 0 to 1, HDR linear light from 0, EXR all of it. docs/generated/charts.md tells which layout is best.\n\n\
+    Six faces:      texmap env sky.hdr --to cube -o sky-cube.exr\n\
+    A specular map: texmap env sky.hdr --to octahedron --blur 50 -o glossy.hdr"
 )]
 pub(crate) struct EnvArgs {
     /// The environment: PNG, JPEG, HDR or EXR
     image: PathBuf,
-    /// The file to write; its ending (.png, .hdr, .exr) says what it becomes
+    /// The file to write; its ending (.png, .jpg, .webp, .hdr, .exr) says what it becomes
     #[arg(short, long, value_name = "OUT")]
     output: PathBuf,
     /// The layout of the image
@@ -34,6 +37,9 @@ pub(crate) struct EnvArgs {
     /// Gather the light of a highlight with this exponent around each direction: a specular map
     #[arg(long, value_name = "EXPONENT")]
     blur: Option<f32>,
+    /// Print a report as JSON to standard output
+    #[arg(long)]
+    pub(crate) json: bool,
 }
 
 pub(crate) fn run(args: &EnvArgs) -> Result<Exit, Failure> {
@@ -45,6 +51,7 @@ pub(crate) fn run(args: &EnvArgs) -> Result<Exit, Failure> {
             "give 0 or more: 1 is all but diffuse, 1000 nearly a mirror",
         ));
     }
+    one_stdout(args.json, &args.output)?;
     distinct([&args.output], [&args.image])?;
     let destination = Destination::new(&args.output)?;
     let format = formats::picture(&args.output)?;
@@ -88,6 +95,9 @@ pub(crate) fn run(args: &EnvArgs) -> Result<Exit, Failure> {
         args.output.display(),
         args.to.name()
     ));
-    formats::warn(&args.output, format, lost);
-    Ok(Exit::Done)
+    let mut written = Written::new("env");
+    let faces = args.to.faces() as u32;
+    written.picture(&args.output, (width, height * faces));
+    written.warn(formats::warn(&args.output, format, lost));
+    written.tell(args.json)
 }

@@ -7,7 +7,7 @@ use clap::Args;
 use texmap_io::{FileInfo, LoadOptions, MeshInfo, NamedFile, shown};
 
 use crate::cmd::Root;
-use crate::failure::{self, Exit, Failure, say};
+use crate::failure::{self, Exit, Failure, say_always};
 
 /// Show meshes, maps, uv ranges and missing files of a scene, model or image.
 #[derive(Args, Debug)]
@@ -36,7 +36,7 @@ pub(crate) fn run(args: &InfoArgs) -> Result<Exit, Failure> {
     let problems: Vec<&NamedFile> = info.problems().collect();
     for file in &problems {
         let problem = file.problem.as_deref().unwrap_or_default();
-        say(&format!("error[named-file]: {problem}\n"));
+        say_always(&format!("error[named-file]: {problem}\n"));
     }
     Ok(if problems.is_empty() {
         Exit::Done

@@ -8,6 +8,7 @@ use texmap_sample::{ColorSpace, Texture2d};
 use texmap_scene::ColorMode;
 
 use crate::cmd::render::plan::numbered;
+use crate::cmd::written::Written;
 use crate::failure::{Exit, Failure};
 use crate::formats;
 use crate::output::{Destination, Stage, distinct};
@@ -17,10 +18,12 @@ use crate::values;
 ///
 /// Levels of a 16-bit PNG are 16-bit PNGs. HDR and EXR are linear light, read and written as floats.
 #[derive(Args, Debug)]
+#[command(after_help = "All levels:  texmap mip brick.png -o 'brick%02d.png'\n\
+                  A cut-out:   texmap mip leaf.png --keep-coverage 0.5 -o 'leaf%d.png'")]
 pub(crate) struct MipArgs {
     /// The image: PNG, JPEG, GIF, HDR or EXR
     image: PathBuf,
-    /// Name of the files with %d or %02d for the level; their ending is .png, .hdr or .exr
+    /// Name of the files with %d or %02d for the level; their ending is .png, .jpg, .webp, .hdr or .exr
     #[arg(short, long, value_name = "OUT%02d.png")]
     output: PathBuf,
     /// srgb decodes before averaging; raw averages the codes. Floats are averaged as they are
@@ -29,6 +32,9 @@ pub(crate) struct MipArgs {
     /// For cut-outs: scale the alpha of each level, no more than needed, so that as much passes this threshold as in the image
     #[arg(long, value_name = "ALPHA")]
     keep_coverage: Option<f32>,
+    /// Print a report as JSON to standard output
+    #[arg(long)]
+    pub(crate) json: bool,
 }
 
 pub(crate) fn run(args: &MipArgs) -> Result<Exit, Failure> {
@@ -67,11 +73,14 @@ pub(crate) fn run(args: &MipArgs) -> Result<Exit, Failure> {
     let mut stage = Stage::new(&first)?;
     let code = formats::pixel_code(format, bits, args.color, texture.has_alpha());
     let mut lost = Lost::default();
+    let mut written = Written::new("mip");
     for level in 0..texture.levels() {
         let Some((width, height)) = texture.level_size(level) else {
             break;
         };
-        let destination = Destination::new(&name(level)?)?;
+        let output = name(level)?;
+        written.picture(&output, (width, height));
+        let destination = Destination::new(&output)?;
         let path = stage.add(destination, format.ending());
         write_pixels(&path, code, (width, height), |out| {
             let mut row = vec![0; code.bytes() * width as usize];
@@ -83,6 +92,6 @@ pub(crate) fn run(args: &MipArgs) -> Result<Exit, Failure> {
         })?;
     }
     stage.commit()?;
-    formats::warn(&args.output, format, lost);
-    Ok(Exit::Done)
+    written.warn(formats::warn(&args.output, format, lost));
+    written.tell(args.json)
 }

@@ -14,6 +14,7 @@ pub(crate) mod diff;
 pub(crate) mod env;
 pub(crate) mod hash;
 pub(crate) mod info;
+pub(crate) mod manual;
 pub(crate) mod mip;
 pub(crate) mod render;
 pub(crate) mod sample;
@@ -22,6 +23,7 @@ pub(crate) mod stability;
 pub(crate) mod uv;
 pub(crate) mod uv_raster;
 pub(crate) mod warp;
+pub(crate) mod written;
 
 /// Where a verb that loads scenes reads files from.
 #[derive(Args, Debug)]

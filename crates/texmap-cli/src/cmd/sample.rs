@@ -10,6 +10,7 @@ use texmap_sample::{
 };
 use texmap_scene::ColorMode;
 
+use crate::cmd::written::{Written, one_stdout};
 use crate::failure::{Exit, Failure};
 use crate::formats;
 use crate::output::{Destination, Stage, distinct};
@@ -21,6 +22,10 @@ use crate::values;
 /// the codes over 255 (65535 for 16 bits) with each channel on its own. HDR and EXR are linear light, as they are. Texels and all mip
 /// levels are floats. v = 0 is the top row.
 #[derive(Args, Debug)]
+#[command(
+    after_help = "Texels at three places: printf '0.5,0.5\\n0.1,0.2\\n0.9,0.9\\n' > uv.txt && texmap sample brick.png --uv uv.txt -o values.npy\n\
+                  Minified:               texmap sample brick.png --uv uv.npy --grad gradients.npy --filter anisotropic:16 -o values.npy"
+)]
 pub(crate) struct SampleArgs {
     /// The image: PNG, JPEG, GIF, HDR or EXR
     image: PathBuf,
@@ -46,9 +51,13 @@ pub(crate) struct SampleArgs {
     /// The .npy to write; `-` is standard output
     #[arg(short, long, value_name = "OUT.npy")]
     output: PathBuf,
+    /// Print a report as JSON to standard output
+    #[arg(long)]
+    pub(crate) json: bool,
 }
 
 pub(crate) fn run(args: &SampleArgs) -> Result<Exit, Failure> {
+    one_stdout(args.json, &args.output)?;
     let inputs = [&args.image, &args.uv].into_iter().chain(&args.grad);
     distinct([&args.output], inputs)?;
     let main = Destination::new(&args.output)?;
@@ -127,7 +136,9 @@ pub(crate) fn run(args: &SampleArgs) -> Result<Exit, Failure> {
         npy::Values::F32(&values),
     )?;
     stage.commit()?;
-    Ok(Exit::Done)
+    let mut written = Written::new("sample");
+    written.array(&args.output, &[u.len(), picked.len()]);
+    written.tell(args.json)
 }
 
 /// The texture and the channels that the file has.

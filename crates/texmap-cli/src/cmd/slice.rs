@@ -7,6 +7,7 @@ use texmap_io::{image_io, write_pixels};
 use texmap_sample::{ColorSpace, Filter, Pattern, Sampler, Wrap};
 use texmap_scene::ColorMode;
 
+use crate::cmd::written::{Written, one_stdout};
 use crate::failure::{Exit, Failure, say};
 use crate::formats;
 use crate::output::{Destination, Stage, distinct};
@@ -16,12 +17,14 @@ use crate::values;
 #[derive(Args, Debug)]
 #[command(
     after_help = "Grids are .npy arrays of shape (slices, rows, columns) or that and 1 to 4 channels, u8, u16 or f32.\n\
-    Across z the picture shows columns and rows as they lie; across y columns and slices; across x slices and rows."
+    Across z the picture shows columns and rows as they lie; across y columns and slices; across x slices and rows.\n\n\
+    The middle of a scan: texmap slice head.npy --axis y -o middle.png\n\
+    A pattern:            texmap slice marble --units 6 --size 512 -o marble.png"
 )]
 pub(crate) struct SliceArgs {
     /// The grid (.npy), or the pattern: marble, wood, noise
     volume: PathBuf,
-    /// The file to write; its ending (.png, .hdr, .exr) says what it becomes
+    /// The file to write; its ending (.png, .jpg, .webp, .hdr, .exr) says what it becomes
     #[arg(short, long, value_name = "OUT")]
     output: PathBuf,
     /// The axis that the cut stands across
@@ -50,6 +53,9 @@ pub(crate) struct SliceArgs {
     /// PNG: srgb takes values as light and encodes them; raw stores them as they are
     #[arg(long, value_name = "SPACE", value_parser = values::color, default_value = "raw")]
     color: ColorMode,
+    /// Print a report as JSON to standard output
+    #[arg(long)]
+    pub(crate) json: bool,
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
@@ -78,6 +84,7 @@ pub(crate) fn run(args: &SliceArgs) -> Result<Exit, Failure> {
             "choose nearest or bilinear",
         ));
     }
+    one_stdout(args.json, &args.output)?;
     let ramp = args.ramp.as_ref().map(|ramp| ramp.as_os_str());
     distinct(
         [&args.output],
@@ -168,10 +175,12 @@ pub(crate) fn run(args: &SliceArgs) -> Result<Exit, Failure> {
     let path = stage.add(destination, format.ending());
     write_pixels(&path, code, (width, height), |out| out.write_all(&pixels))?;
     stage.commit()?;
-    formats::warn(&args.output, format, lost);
+    let mut written = Written::new("slice");
+    written.picture(&args.output, (width, height));
+    written.warn(formats::warn(&args.output, format, lost));
     say(&format!(
         "{}: {width} x {height} pixels\n",
         args.output.display()
     ));
-    Ok(Exit::Done)
+    written.tell(args.json)
 }

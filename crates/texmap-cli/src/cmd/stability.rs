@@ -4,7 +4,7 @@ use clap::Args;
 use serde::Serialize;
 use texmap_lab::cases::{self, Case, Outcome, Verdict};
 
-use crate::failure::{self, Exit, Failure, say};
+use crate::failure::{self, Exit, Failure, say_always};
 use crate::progress::Progress;
 
 /// Run the failure cases: what is put in, what is demanded, what every method gives.
@@ -115,7 +115,7 @@ pub(crate) fn run(args: &StabilityArgs) -> Result<Exit, Failure> {
         failure::print(&cases::markdown(&outcomes))?;
     }
     for outcome in outcomes.iter().filter(|o| !o.passes()) {
-        say(&format!("{}: a demand is not met\n", outcome.case.id));
+        say_always(&format!("{}: a demand is not met\n", outcome.case.id));
     }
     Ok(if passes { Exit::Done } else { Exit::Differs })
 }

@@ -12,6 +12,7 @@ use texmap_math::{Homography, Level, deterministic_f64};
 use texmap_sample::{ColorSpace, EdgeMode, Filter, Resample, Texture2d};
 use texmap_scene::ColorMode;
 
+use crate::cmd::written::{Written, one_stdout};
 use crate::failure::{Exit, Failure};
 use crate::formats;
 use crate::output::{Destination, Stage, distinct};
@@ -31,7 +32,7 @@ use crate::values::{self, Resolution};
 pub(crate) struct WarpArgs {
     /// The image: PNG, JPEG, GIF, HDR or EXR
     image: PathBuf,
-    /// The file to write; its ending (.png, .hdr, .exr) says what it becomes; `-` is standard output, PNG
+    /// The file to write; its ending (.png, .jpg, .webp, .hdr, .exr) says what it becomes; `-` is standard output, PNG
     #[arg(short, long, value_name = "OUT")]
     output: PathBuf,
     /// Four points of the input, in order around the quad [default: its corners]
@@ -67,6 +68,9 @@ pub(crate) struct WarpArgs {
     /// Threads [default: all cores]; no pixel depends on it
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
+    /// Print a report as JSON to standard output
+    #[arg(long)]
+    pub(crate) json: bool,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -130,6 +134,7 @@ enum Beyond {
 }
 
 pub(crate) fn run(args: &WarpArgs) -> Result<Exit, Failure> {
+    one_stdout(args.json, &args.output)?;
     distinct([&args.output], [&args.image])?;
     let main = Destination::new(&args.output)?;
     let format = formats::picture(&args.output)?;
@@ -168,8 +173,10 @@ pub(crate) fn run(args: &WarpArgs) -> Result<Exit, Failure> {
     if bits != 32 {
         (lost.above, lost.below) = (0, 0);
     }
-    formats::warn(&args.output, format, lost);
-    Ok(Exit::Done)
+    let mut written = Written::new("warp");
+    written.picture(&args.output, (width, height));
+    written.warn(formats::warn(&args.output, format, lost));
+    written.tell(args.json)
 }
 
 fn output_from_source(

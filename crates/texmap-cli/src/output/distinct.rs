@@ -5,6 +5,7 @@ use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
 
 use super::folder_of;
+use super::made::existing;
 use crate::failure::Failure;
 
 /// A file by what it is, not by how it is written.
@@ -35,8 +36,11 @@ impl Identity {
             #[cfg(not(unix))]
             Ok(_) => std::fs::canonicalize(path).ok().map(Self::Path),
             Err(_) => {
-                let folder = std::fs::canonicalize(folder_of(path)).ok()?;
-                Some(Self::Path(folder.join(path.file_name()?)))
+                // Folders that are yet to be made are as they are written.
+                let there = existing(folder_of(path));
+                let rest = path.strip_prefix(there).unwrap_or(path);
+                let folder = std::fs::canonicalize(there).ok()?;
+                Some(Self::Path(folder.join(rest)))
             }
         }
     }

@@ -3,6 +3,7 @@
 
 mod distinct;
 mod folder;
+mod made;
 
 use std::ffi::OsString;
 use std::fs::{self, File};
@@ -13,6 +14,7 @@ use crate::failure::{self, Exit, Failure};
 use crate::interrupt;
 pub(crate) use distinct::distinct;
 use folder::Folder;
+use made::MadeFolders;
 
 /// One output that was found to be writable.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -26,7 +28,7 @@ pub(crate) enum Destination {
 }
 
 impl Destination {
-    /// Refuses folders, names in folders that do not exist, and names without a file part.
+    /// Refuses folders, names below files, and names without a file part. Folders that do not exist are made with the stage.
     pub(crate) fn new(path: &Path) -> Result<Self, Failure> {
         if path == Path::new("-") {
             return Ok(Self::Stdout);
@@ -49,14 +51,16 @@ impl Destination {
                 fs::canonicalize(path).unwrap_or_else(|_| path.to_owned()),
             )),
             Ok(_) => Ok(Self::Device(path.to_owned())),
-            Err(e) if e.kind() == io::ErrorKind::NotFound => match folder_of(path) {
-                folder if folder.is_dir() => Ok(Self::File(path.to_owned())),
-                folder => Err(unwritable(
-                    path,
-                    &format!("there is no folder {}", folder.display()),
-                    "create it, or write elsewhere",
-                )),
-            },
+            Err(e) if e.kind() == io::ErrorKind::NotFound => {
+                match made::existing(folder_of(path)) {
+                    folder if folder.is_dir() => Ok(Self::File(path.to_owned())),
+                    folder => Err(unwritable(
+                        path,
+                        &format!("{} is no folder", folder.display()),
+                        "write elsewhere",
+                    )),
+                }
+            }
             Err(e) => Err(unwritable(
                 path,
                 &e.to_string(),
@@ -71,6 +75,8 @@ impl Destination {
 pub(crate) struct Stage {
     folder: Folder,
     files: Vec<(PathBuf, Destination)>,
+    /// After the folder, which may lie in them.
+    made: MadeFolders,
 }
 
 impl Stage {
@@ -80,16 +86,15 @@ impl Stage {
             Destination::Stdout | Destination::Device(_) => std::env::temp_dir(),
             Destination::File(path) => folder_of(path).to_owned(),
         };
-        let folder = Folder::new(&at).map_err(|e| {
-            unwritable(
-                &at,
-                &e.to_string(),
-                "check the permissions and the free space of the folder",
-            )
-        })?;
+        let refused = |e: io::Error| {
+            let attempt = "check the permissions and the free space of the folder";
+            unwritable(&at, &e.to_string(), attempt)
+        };
+        let made = MadeFolders::new(&at).map_err(refused)?;
         Ok(Self {
-            folder,
+            folder: Folder::new(&at).map_err(refused)?,
             files: Vec::new(),
+            made,
         })
     }
 
@@ -102,7 +107,7 @@ impl Stage {
     }
 
     /// Streams what goes to standard output and devices, then renames the rest into place. No signal comes between two renames.
-    pub(crate) fn commit(self) -> Result<(), Failure> {
+    pub(crate) fn commit(mut self) -> Result<(), Failure> {
         let refused = |path: &Path, e: &io::Error| {
             let attempt = "check the permissions and the free space";
             unwritable(path, &e.to_string(), attempt)
@@ -121,10 +126,13 @@ impl Stage {
         let folders = interrupt::folders();
         for (from, to) in &self.files {
             if let Destination::File(path) = to {
+                let made = MadeFolders::new(folder_of(path)).map_err(|e| refused(path, &e))?;
                 replace(from, path).map_err(|e| refused(path, &e))?;
+                made.keep();
             }
         }
         drop(folders);
+        std::mem::take(&mut self.made).keep();
         Ok(())
     }
 }
@@ -270,9 +278,10 @@ mod tests {
     #[test]
     fn folders_and_lost_names_are_refused() {
         let dir = tempfile::tempdir().unwrap();
+        fs::write(dir.path().join("file"), "").unwrap();
         for bad in [
             dir.path().to_owned(),
-            dir.path().join("no/such.png"),
+            dir.path().join("file/such.png"),
             dir.path().join("x/"),
             PathBuf::from(".."),
         ] {
@@ -284,6 +293,24 @@ mod tests {
                 bad.display()
             );
         }
+    }
+
+    #[test]
+    fn folders_are_made_and_go_again_if_nothing_is_written() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("new/deep/a.png");
+        let main = Destination::new(&path).unwrap();
+        let mut stage = Stage::new(&main).unwrap();
+        fs::write(stage.add(main.clone(), "png"), "half").unwrap();
+        drop(stage);
+        assert_eq!(fs::read_dir(dir.path()).unwrap().count(), 0);
+        let mut stage = Stage::new(&main).unwrap();
+        fs::write(stage.add(main, "png"), "whole").unwrap();
+        let other = dir.path().join("other/b.png");
+        fs::write(stage.add(Destination::new(&other).unwrap(), "png"), "b").unwrap();
+        stage.commit().unwrap();
+        assert_eq!(fs::read_to_string(&path).unwrap(), "whole");
+        assert_eq!(fs::read_to_string(&other).unwrap(), "b");
     }
 
     #[cfg(unix)]

@@ -28,7 +28,8 @@ impl IoError {
             Self::TooFewCorners { .. } => "remove the face or give it its missing corners".into(),
             Self::MixedCorners { .. } => "write every corner of a face in the same form: v, v/vt, v//vn or v/vt/vn".into(),
             Self::NeedsAbove { command: "pop", .. } => "each `pop` closes a `push` of the same file; remove one or add the other".into(),
-            Self::NeedsAbove { command: command @ ("shadow" | "name"), .. } => format!("add the light before this line; `{command}` applies to the nearest light above"),
+            Self::NeedsAbove { command: "name", .. } => "add the light, face or model before this line; `name` applies to the last one above".into(),
+            Self::NeedsAbove { command: command @ "shadow", .. } => format!("add the light before this line; `{command}` applies to the nearest light above"),
             Self::NeedsAbove { needs, .. } => format!("add {needs} before this line"),
             Self::OpenPush { .. } => "close it with `pop`".into(),
             Self::IncludeCycle { .. } => "a file cannot contain itself; remove one of the `include` lines".into(),
@@ -45,7 +46,7 @@ impl IoError {
             Self::BrokenModel { .. } => "export the model again as plain OBJ polygons".into(),
             Self::BrokenArray { .. } => "texmap reads .npy arrays of format 1 to 3, C order, little-endian f4, f8, u1 or u2".into(),
             Self::Memory { refused, .. } => format!("{}, or raise the memory budget", refused.lower),
-            Self::BrokenPath { .. } => "a camera path is a JSON list of {\"eye\":[x,y,z],\"look\":[x,y,z]} with optional \"up\" and \"fov\" (degrees)".into(),
+            Self::BrokenPath { .. } => "a camera path is a JSON list of {\"eye\":[x,y,z],\"look\":[x,y,z]} with optional \"up\" and \"fov\" (degrees); a list of cameras may have \"matrix\" and \"fx\", too".into(),
         }
     }
 }

@@ -33,7 +33,7 @@ pub(super) fn libraries(
             match mtl::read(&library, location, textures, warnings) {
                 Ok(read) => materials.extend(read),
                 Err(error @ IoError::FileMissing { .. })
-                    if missing == Missing::Warn || textures.tolerant =>
+                    if missing.is_lenient() || textures.tolerant =>
                 {
                     textures.note(&library, location, Err(error.to_string()));
                     warnings.push(format!("{error}: its materials are left out"));

@@ -45,7 +45,7 @@ pub(crate) fn read(
     }
     let mut warnings = Vec::new();
     let descriptions = libraries(path, &obj, missing, textures, &mut warnings)?;
-    let lenient = missing == Missing::Warn || textures.tolerant;
+    let lenient = missing.is_lenient() || textures.tolerant;
     check_names(&obj, &descriptions, lenient, &mut warnings).map_err(hidden)?;
     let parts = parts(&obj, &descriptions, textured);
     report(path, &obj, &parts, &mut warnings);

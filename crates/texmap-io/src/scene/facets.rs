@@ -27,6 +27,8 @@ pub(super) struct Facets {
 #[derive(Debug)]
 struct Run {
     mesh: usize,
+    /// It has a name: later faces do not belong to it.
+    closed: bool,
     lit: bool,
     frame: Option<TextureFrame>,
     round: Option<PerPixelProjection>,
@@ -59,11 +61,19 @@ impl Facets {
         self.normals.push([DVec3::ZERO; 2]);
     }
 
+    /// Ends the last mesh.
+    pub(super) fn close(&mut self) {
+        if let Some(run) = self.meshes.last_mut() {
+            run.closed = true;
+        }
+    }
+
     /// Cuts a face into its fan and adds it to the last mesh, or to a new one where the settings differ.
     pub(super) fn add(&mut self, scene: &mut Scene, facet: &Facet<'_>, location: &SourceLocation) {
         let fits = |run: &Run| {
             let mesh = &scene.meshes[run.mesh];
-            run.mesh + 1 == scene.meshes.len()
+            !run.closed
+                && run.mesh + 1 == scene.meshes.len()
                 && mesh.material == facet.material
                 && mesh.uvs.is_empty() != facet.has_uv
                 && run.lit == facet.lit
@@ -84,6 +94,7 @@ impl Facets {
             });
             self.meshes.push(Run {
                 mesh: scene.meshes.len() - 1,
+                closed: false,
                 lit: facet.lit,
                 frame: facet.frame,
                 round: facet.round,

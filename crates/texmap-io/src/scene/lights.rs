@@ -6,16 +6,20 @@ use texmap_math::glam::DVec3;
 use texmap_sample::UvTransform;
 use texmap_scene::{ColorMode, ProjectorLight, ProjectorMode, Shadow};
 
-use super::build::Builder;
+use super::build::{Added, Builder};
 use crate::IoError;
 use crate::scene_file::Line;
 use crate::textures::Content;
 
-/// `name`: of the light above.
+/// `name`: of the light, faces or model above.
 pub(super) fn name(b: &mut Builder, line: &mut Line<'_>) -> Result<(), IoError> {
     let name = line.name();
+    if let Added::Meshes(meshes) = b.added.clone() {
+        b.name_meshes(name, meshes);
+        return Ok(());
+    }
     let Some(last) = b.scene.lights.len().checked_sub(1) else {
-        return Err(line.needs("a light (`la`, `ld`, `lp` or `ls`)"));
+        return Err(line.needs("a light (`la`, `ld`, `lp` or `ls`), a face or a model"));
     };
     let names = &mut b.scene.effects.light_names;
     if let Some(other) = names.iter().position(|known| known == name) {

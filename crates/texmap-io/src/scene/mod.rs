@@ -22,7 +22,7 @@ use texmap_math::glam::DVec3;
 use texmap_raster::DepthTest;
 use texmap_scene::{ColorMode, Scene};
 
-use crate::framing::{AUTO_FOV, Bounds, View, auto_lights};
+use crate::framing::{Framing, auto_lights};
 use crate::scene_file::Missing;
 use crate::textures::Textures;
 use crate::{FileSource, IoError, SourceLocation, obj};
@@ -36,10 +36,12 @@ pub(crate) use tree::Tree;
 /// What the files do not say.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LoadOptions {
-    /// What a missing map or material library is; `missing` lines of a scene overrule it.
-    pub missing: Missing,
+    /// What a missing map or material library is, whatever a scene says; `None`: an error unless a `missing` line says otherwise.
+    pub missing: Option<Missing>,
     /// Width / height of the picture that an automatic camera has to fill.
     pub aspect: f64,
+    /// The camera of a model that brings none.
+    pub framing: Framing,
     /// Whether colours are converted, instead of what the scene says (an OBJ: that they are).
     pub color: Option<ColorMode>,
     /// Where all files are read from, the one that is loaded too.
@@ -50,8 +52,9 @@ impl Default for LoadOptions {
     /// Missing files are errors; pictures of 16 : 9; colours as the scene says; files from anywhere.
     fn default() -> Self {
         Self {
-            missing: Missing::Error,
+            missing: None,
             aspect: 16.0 / 9.0,
+            framing: Framing::default(),
             color: None,
             files: FileSource::anywhere(),
         }
@@ -84,8 +87,8 @@ pub fn load_scene(path: &Path, options: &LoadOptions) -> Result<Scene, IoError> 
     Ok(scene)
 }
 
-/// Reads an OBJ model by itself: the camera shows its bounding sphere from the front, right and above, the light is
-/// [`auto_lights`]; faces without a material are light grey.
+/// Reads an OBJ model by itself: the camera is that of [`LoadOptions::framing`], the light is [`auto_lights`]; faces without a material
+/// are light grey.
 ///
 /// # Errors
 /// The first fault, see [`IoError`]. [`IoError::EmptyMesh`] where nothing would be drawn.
@@ -117,9 +120,10 @@ pub(crate) fn read_scene(
 ) -> Result<(Scene, Textures), IoError> {
     let tree = Tree::read(path, &options.files)?;
     let color = options.color.unwrap_or(tree.color_mode());
-    let textures = Textures::new(options.files.clone(), color == ColorMode::Raw, tolerant);
+    let mut textures = Textures::new(options.files.clone(), color == ColorMode::Raw, tolerant);
+    textures.missing = options.missing;
     let settings = Settings {
-        missing: options.missing,
+        missing: options.missing.unwrap_or_default(),
         ..Settings::default()
     };
     let mut builder = Builder::new(empty_scene(color), textures, settings);
@@ -134,7 +138,8 @@ pub(crate) fn read_obj(
 ) -> Result<(Scene, Textures), IoError> {
     let color = options.color.unwrap_or_default();
     let mut textures = Textures::new(options.files.clone(), color == ColorMode::Raw, tolerant);
-    let model = obj::read(path, None, options.missing, false, &mut textures)?;
+    let missing = options.missing.unwrap_or_default();
+    let model = obj::read(path, None, missing, false, &mut textures)?;
     let matte = PhongMaterial {
         color: [0.8; 3],
         ka: 1.0,
@@ -143,7 +148,7 @@ pub(crate) fn read_obj(
         ns: 5.0,
     };
     let settings = Settings {
-        missing: options.missing,
+        missing,
         surf: Some(matte),
         ..Settings::default()
     };
@@ -155,10 +160,10 @@ pub(crate) fn read_obj(
     let (mut scene, textures) = builder.finish()?;
     // Neither black nor white: dark and light parts stand out.
     scene.background = [0.22, 0.24, 0.27, 1.0];
-    if let Some(bounds) = Bounds::of(&scene) {
-        scene.camera = bounds.camera(View::Iso, AUTO_FOV, options.aspect);
+    if let Some(camera) = options.framing.camera(&scene, options.aspect) {
+        scene.camera = camera;
     }
-    scene.lights = auto_lights();
+    scene.lights = auto_lights(options.framing.up);
     Ok((scene, textures))
 }
 
@@ -174,6 +179,7 @@ fn empty_scene(color: ColorMode) -> Scene {
             fov_x: 30_f64.to_radians(),
             near: 1e-4,
             far: f64::INFINITY,
+            lens: Default::default(),
         })
     }
 }

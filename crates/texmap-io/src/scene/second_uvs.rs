@@ -18,7 +18,7 @@ pub(super) fn second_uvs(
     location: &SourceLocation,
 ) -> Result<(), IoError> {
     let mut unused = textures.for_coordinates();
-    let other = obj::read(path, Some(location), Missing::Warn, false, &mut unused);
+    let other = obj::read(path, Some(location), Missing::Checker, false, &mut unused);
     textures.take_counts(unused);
     let other = other?;
     let broken = |problem: String| IoError::BrokenModel {

@@ -80,6 +80,34 @@ pub enum Missing {
     /// An error.
     #[default]
     Error,
-    /// A warning; a magenta and black checker stands in for the map.
-    Warn,
+    /// A warning; a magenta and black checker stands in for the map, and grey for a library's materials.
+    Checker,
+    /// A warning; grey stands in for the map, and for a library's materials. Heights and normals are flat.
+    Grey,
+}
+
+impl Missing {
+    /// Every treatment and its word.
+    pub const ALL: [(&'static str, Self); 3] = [
+        ("error", Self::Error),
+        ("checker", Self::Checker),
+        ("grey", Self::Grey),
+    ];
+
+    /// Something stands in for what is missing.
+    #[must_use]
+    pub fn is_lenient(self) -> bool {
+        self != Self::Error
+    }
+}
+
+impl std::str::FromStr for Missing {
+    type Err = &'static str;
+
+    fn from_str(word: &str) -> Result<Self, Self::Err> {
+        let found = Self::ALL.iter().find(|(name, _)| *name == word);
+        found
+            .map(|(_, missing)| *missing)
+            .ok_or("know error, checker, grey")
+    }
 }

@@ -277,6 +277,7 @@ fn two_charts(gap: f32) -> Scene {
             fov_x: 1.0,
             near: 1e-3,
             far: f64::INFINITY,
+            lens: Default::default(),
         })
     }
 }

@@ -156,6 +156,7 @@ pub(super) fn s8() -> Result<Vec<Measurement>, LabError> {
         fov_x: 60f64.to_radians(),
         near: 1e-3,
         far: f64::INFINITY,
+        lens: Default::default(),
     };
     // Both charts have u = x / 8 and v = z / 8, but the right one starts elsewhere: a seam at x = 0.
     let offset = [0.37, -0.21];

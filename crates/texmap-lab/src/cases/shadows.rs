@@ -115,6 +115,7 @@ pub(super) fn p3() -> Result<Vec<Measurement>, LabError> {
         fov_x: 1.1,
         near: 1e-3,
         far: f64::INFINITY,
+        lens: Default::default(),
     };
     let corners = [
         DVec3::new(-3.0, -1.0, -1.0),
@@ -326,6 +327,7 @@ fn walled(thickness: f64) -> Result<(Scene, Light), LabError> {
             fov_x: 1.0,
             near: 1e-3,
             far: f64::INFINITY,
+            lens: Default::default(),
         })
     };
     Ok((scene, light))

@@ -83,6 +83,7 @@ fn scene(meshes: Vec<Mesh>, map: Texture2d<'static>, eye: DVec3, look: DVec3) ->
             fov_x: 1.7,
             near: 1e-3,
             far: f64::INFINITY,
+            lens: Default::default(),
         })
     }
 }

@@ -51,6 +51,7 @@ impl Stage {
             fov_x: 50f64.to_radians(),
             near: 1e-3,
             far: f64::INFINITY,
+            lens: Default::default(),
         };
         let mut seen = Vec::new();
         for i in 0..side * side {

@@ -128,6 +128,7 @@ fn camera() -> Camera {
         fov_x: 80f64.to_radians(),
         near: 1e-3,
         far: f64::INFINITY,
+        lens: Default::default(),
     }
 }
 

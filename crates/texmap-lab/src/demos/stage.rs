@@ -29,6 +29,7 @@ pub(super) fn scene(eye: DVec3, look: DVec3, fov: f64) -> Scene {
             fov_x,
             near: 1e-3,
             far: f64::INFINITY,
+            lens: Default::default(),
         })
     }
 }

@@ -206,6 +206,7 @@ mod tests {
             fov_x: 1.0,
             near: 0.1,
             far: 10.0,
+            lens: Default::default(),
         }
         .view()
         .unwrap()

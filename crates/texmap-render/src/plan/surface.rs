@@ -24,6 +24,8 @@ use texmap_scene::{
 /// One mesh, ready for the rasterizer and the stages.
 pub(crate) struct Surface<'s> {
     pub(crate) mesh: &'s Mesh,
+    /// Index of the mesh in the scene; `u32::MAX` for what is none of its meshes.
+    pub(crate) number: u32,
     pub(crate) material: &'s Material,
     pub(crate) base_color: Option<Slot<'s>>,
     pub(crate) opacity_map: Option<Slot<'s>>,
@@ -77,6 +79,7 @@ impl<'s> Surface<'s> {
     ) -> Self {
         Self {
             mesh,
+            number: u32::MAX,
             material,
             base_color: None,
             opacity_map: None,
@@ -183,8 +186,7 @@ pub(super) fn surface<'s>(
             let camera_from_object = view.view_from_world * mesh.world_from_object;
             Coordinates::Frame(CameraFrame::new(
                 frame.transform(camera_from_object),
-                view.half,
-                view.size,
+                view.rays(),
             ))
         }
         None if !mesh.uvs.is_empty()
@@ -243,6 +245,7 @@ pub(super) fn surface<'s>(
         .map_or((1, 1), |s| (s.texture.width(), s.texture.height()));
     Surface {
         mesh,
+        number: u32::MAX,
         material,
         color_ramp,
         light_ramp,

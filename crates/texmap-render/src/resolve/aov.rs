@@ -33,6 +33,7 @@ pub(crate) fn write_batch(
         let (x, y) = ((x - batch.tile.x0) as usize, (y - batch.tile.y0) as usize);
         for (aov, rows) in &mut *aovs {
             match rows {
+                AovRows::U32(rows) if *aov == Aov::Mesh => rows[y][x] = surface.number,
                 AovRows::U32(rows) => rows[y][x] = surface.mesh.face(triangle),
                 AovRows::F32(rows) => {
                     let channels = aov.channels();
@@ -75,7 +76,7 @@ fn aov_values(
             let share = plan.ready.shadow(usize::from(light), point, plane)?;
             Some([share, hole, hole])
         }),
-        Aov::Face => None,
+        Aov::Face | Aov::Mesh | Aov::Color => None,
     };
     let channels = aov.channels();
     values

@@ -130,9 +130,23 @@ impl EyeRays {
         let [right, up] = rays.half_step().map(|half| 2.0 * half);
         Self {
             middle: world(DVec3::Z),
-            first: rays.size().map(|size| (0.5 - 0.5 * size) as f32),
+            first: {
+                let ([width, height], [x, y]) = (rays.size(), rays.center());
+                [0.5 - 0.5 * (width + x), 0.5 - 0.5 * (height - y)].map(|first| first as f32)
+            },
             dx: world(DVec3::X * -right),
             dy: world(DVec3::Y * up),
+        }
+    }
+
+    /// Those of a parallel projection: one direction.
+    pub(crate) fn parallel(view_from_world: DMat4) -> Self {
+        let back = view_from_world.inverse().transform_vector3(DVec3::Z);
+        Self {
+            middle: back.to_array().map(|c| c as f32),
+            first: [0.0; 2],
+            dx: [0.0; 3],
+            dy: [0.0; 3],
         }
     }
 

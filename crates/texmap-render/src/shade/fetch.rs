@@ -244,6 +244,7 @@ pub(super) mod tests {
                 fov_x: 1.0,
                 near: 0.1,
                 far: 10.0,
+                lens: Default::default(),
             })
         }
     }

@@ -2,7 +2,7 @@
 
 use texmap_math::color;
 use texmap_math::simd::Scalar;
-use texmap_raster::{BinnedDraws, TILE};
+use texmap_raster::{BinnedDraws, TILE, block_index};
 
 use super::supersample::Sums;
 use super::{Context, Painter, is_whole};
@@ -30,6 +30,14 @@ pub(crate) struct Block<'r, 'a> {
     /// Empty if this pass has no color.
     pub(crate) rgba: &'r mut [&'a mut [u8]],
     pub(crate) aovs: Vec<(Aov, AovRows<'r, 'a>)>,
+}
+
+impl<'r, 'a> Block<'r, 'a> {
+    /// Takes the rows of [`Aov::Color`] out of the arrays.
+    fn take_color(&mut self) -> ColorRows<'r, 'a> {
+        let color = self.aovs.iter().position(|(aov, _)| *aov == Aov::Color)?;
+        Some(self.aovs.swap_remove(color).1)
+    }
 }
 
 impl Block<'_, '_> {
@@ -97,19 +105,27 @@ impl<'a> Job<'a> {
 
     /// Draws a block and returns how many of its pixels are covered.
     pub(crate) fn draw(&self, mut block: Block<'_, '_>, scratch: &mut Scratch) -> u64 {
+        let color = block.take_color();
         if self.samples > 1 {
-            return self.draw_supersampled(block, scratch);
+            return self.draw_supersampled(block, color, scratch);
         }
         let (context, painter) = (&self.context, &mut scratch.painter);
         let index = (block.row * self.tiles_across + block.column) as usize;
         if context.prepared.is_empty(index) {
             let word = encode(context.mode, context.background);
             fill_rows(context.plan.level, block.rgba, word);
+            put_colors(color, |_| context.background);
             return 0;
         }
         if let Some(samples) = context.samples {
-            painter.paint_multisampled(context, samples, index);
+            painter.paint_multisampled(context, samples, index, color.is_some());
             painter.resolved().copy_to(context.plan.level, block.rgba);
+            put_colors(color, |at| painter.mean_of_samples(at));
+        } else if color.is_some() {
+            painter.see(context, index, block.aovs.is_empty());
+            painter.write_aovs(context, index, &mut block.aovs);
+            painter.paint_light(context, index, block.rgba);
+            put_colors(color, |at| painter.light_at(at));
         } else {
             painter.see(context, index, block.aovs.is_empty());
             if !block.aovs.is_empty() {
@@ -121,6 +137,21 @@ impl<'a> Job<'a> {
             painter.paint_rows(context, index, block.rgba);
         }
         count_ones(painter.covered())
+    }
+}
+
+/// The rows of [`Aov::Color`] in a block, if it is asked for.
+pub(super) type ColorRows<'r, 'a> = Option<AovRows<'r, 'a>>;
+
+/// Writes the light of each pixel, which is told by its index in the blocks of a tile.
+fn put_colors(rows: ColorRows<'_, '_>, light: impl Fn(usize) -> [f32; 4]) {
+    let Some(AovRows::F32(rows)) = rows else {
+        return;
+    };
+    for (row, y) in rows.iter_mut().zip(0..) {
+        for (pixel, x) in row.as_chunks_mut().0.iter_mut().zip(0..) {
+            *pixel = light(block_index(x, y));
+        }
     }
 }
 

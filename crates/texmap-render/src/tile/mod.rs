@@ -264,6 +264,24 @@ impl Painter {
         buffer
     }
 
+    /// [`paint_rows`](Self::paint_rows) by way of light, which [`light_at`](Self::light_at) reads.
+    pub(crate) fn paint_light(
+        &mut self,
+        context: &Context<'_>,
+        tile: usize,
+        rows: &mut [&mut [u8]],
+    ) {
+        self.paint(context, tile, None);
+        let (level, buffer) = (context.plan.level, &mut self.samples[0].buffer);
+        buffer.encode_all(level, context.mode);
+        buffer.copy_to(level, rows);
+    }
+
+    /// The light of a pixel by its index in the blocks of the tile that was painted as light.
+    pub(crate) fn light_at(&self, index: usize) -> [f32; 4] {
+        self.samples[0].buffer.light_at(index)
+    }
+
     /// The tile that [`paint_multisampled`](Self::paint_multisampled) painted.
     pub(crate) fn resolved(&self) -> &TileBuffer {
         &self.resolved

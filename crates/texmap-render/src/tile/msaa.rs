@@ -27,12 +27,14 @@ impl SampleReuse {
 
 impl Painter {
     /// Paints a tile of four samples a pixel. Each pixel is shaded at its centre, once for every triangle that one of its samples
-    /// shows: at a centre outside of it, with the values its planes have there.
+    /// shows: at a centre outside of it, with the values its planes have there. `as_light` if
+    /// [`mean_of_samples`](Self::mean_of_samples) is read.
     pub(crate) fn paint_multisampled(
         &mut self,
         context: &Context<'_>,
         positions: [[i32; 2]; 4],
         tile: usize,
+        as_light: bool,
     ) {
         let (level, mode) = (context.plan.level, context.mode);
         context.prepared.planes(tile, &mut self.shader.planes);
@@ -44,7 +46,7 @@ impl Painter {
             .visible_samples(tile, context.plan, shared, samples);
         self.find_reuse(level);
         self.covered.fill(0);
-        if self.paint_words(context) {
+        if !as_light && self.paint_words(context) {
             return;
         }
         for sample in &mut self.samples {
@@ -109,6 +111,17 @@ impl Painter {
         }
         if let [a, b, c, d] = &samples[..] {
             resolved.resolve(level, mode, [&a.buffer, &b.buffer, &c.buffer, &d.buffer]);
+        }
+    }
+
+    /// The light of a pixel by its index in the blocks of the tile.
+    pub(crate) fn mean_of_samples(&self, index: usize) -> [f32; 4] {
+        match &self.samples[..] {
+            [a, b, c, d] => mean(
+                Scalar,
+                [a, b, c, d].map(|sample| sample.buffer.light_at(index)),
+            ),
+            _ => [0.0; 4],
         }
     }
 

@@ -2,8 +2,9 @@
 
 use texmap_raster::{TILE, block_index};
 
-use super::job::{Block, Job, Scratch};
+use super::job::{Block, ColorRows, Job, Scratch};
 use crate::resolve::encode::encode;
+use crate::resolve::rows::AovRows;
 
 /// Pixels of a block of the frame.
 const PIXELS: usize = (TILE * TILE) as usize;
@@ -17,7 +18,12 @@ pub(super) struct Sums {
 
 impl Job<'_> {
     /// Draws a block and returns how many of its pixels are covered.
-    pub(super) fn draw_supersampled(&self, block: Block<'_, '_>, scratch: &mut Scratch) -> u64 {
+    pub(super) fn draw_supersampled(
+        &self,
+        block: Block<'_, '_>,
+        mut color: ColorRows<'_, '_>,
+        scratch: &mut Scratch,
+    ) -> u64 {
         let n = self.samples;
         let Sums { light, covered } = &mut scratch.sums;
         light.clear();
@@ -38,6 +44,9 @@ impl Job<'_> {
             for (x, pixel) in row.chunks_exact_mut(4).enumerate() {
                 let mean = light[y * TILE as usize + x].map(|sum| sum / samples);
                 pixel.copy_from_slice(&encode(self.context.mode, mean).to_le_bytes());
+                if let Some(AovRows::F32(rows)) = &mut color {
+                    rows[y][4 * x..4 * x + 4].copy_from_slice(&mean);
+                }
             }
         }
         covered.iter().filter(|covered| **covered).count() as u64

@@ -3,7 +3,7 @@
 mod effects;
 mod shapes;
 
-use crate::{Material, Mesh, Scene, SceneError, Shading, TextureSlot};
+use crate::{Background, Material, Mesh, Scene, SceneError, Shading, TextureSlot};
 
 impl Scene {
     /// Checks every number and index of the scene and returns warnings: one sentence for each thing that
@@ -23,6 +23,7 @@ impl Scene {
         }
         finite(place, || "near".to_owned(), &[camera.near])?;
         camera.view().map_err(SceneError::Camera)?;
+        self.check_projection()?;
         unit_range(|| "background".to_owned(), "channel", &self.background)?;
         for (index, light) in self.lights.iter().enumerate() {
             if !light.is_valid() {
@@ -56,6 +57,22 @@ impl Scene {
                 mesh: mesh.name.clone(),
             }),
         }
+    }
+
+    /// What is looked up along rays from one eye is not drawn in a parallel projection.
+    fn check_projection(&self) -> Result<(), SceneError> {
+        if self.camera.lens.parallel_width.is_none() {
+            return Ok(());
+        }
+        let frame = self.meshes.iter().find(|m| m.texture_frame.is_some());
+        let sky = matches!(self.effects.background, Some(Background::Environment(_)));
+        let what = match frame {
+            Some(mesh) => format!("mesh '{}': its texture frame", mesh.name),
+            None if sky => "the environment behind the scene".to_owned(),
+            None if !self.effects.volumes.is_empty() => "a volume".to_owned(),
+            None => return Ok(()),
+        };
+        Err(SceneError::ParallelRays { what })
     }
 
     fn check_material(&self, material: &Material) -> Result<(), SceneError> {

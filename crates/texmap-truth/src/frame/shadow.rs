@@ -108,8 +108,7 @@ fn automatic(scene: &Scene, kind: &ShadowKind, width: u32) -> f64 {
     let (centre, half) = (0.5 * (low + high), 0.5 * (high - low).length());
     let way = |from: DVec3| (from - centre).length().max(0.5 * half);
     let camera = &scene.camera;
-    let pixel =
-        2.0 * deterministic_f64::tan(0.5 * camera.fov_x) * way(camera.eye) / f64::from(width);
+    let pixel = 2.0 * camera.half_width(way(camera.eye)) / f64::from(width);
     let side = match kind {
         ShadowKind::Directional { half, .. } => 2.0 * half,
         ShadowKind::Spot {

@@ -222,6 +222,7 @@ mod tests {
             fov_x: 0.9,
             near: 1e-3,
             far: f64::INFINITY,
+            lens: Default::default(),
         };
         let corners: Vec<_> = mesh
             .triangles

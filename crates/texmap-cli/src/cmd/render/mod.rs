@@ -3,35 +3,44 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use texmap_io::CameraPath;
-use texmap_io::framing::View;
 use texmap_raster::Interp;
 use texmap_sample::{Filter, Wrap};
 use texmap_scene::ColorMode;
 
 use crate::cmd::Root;
 use crate::cmd::render::budget::{MaxError, Quality};
+use crate::cmd::render::camera::CameraArgs;
+use crate::cmd::render::inputs::Inputs;
+use crate::cmd::render::look::LookArgs;
 use crate::cmd::render::report::{ItemReport, Report};
 use crate::failure::{self, Exit, Failure};
-use crate::values::{self, AovArg, Background, LevelName, Resolution, Triple};
+use crate::values::{self, AovArg, Background, LevelName, Resolution};
 
 mod budget;
+mod camera;
 mod draw;
+mod inputs;
+mod look;
 pub(crate) mod plan;
 mod report;
+mod seen;
 mod sheet;
+mod wire;
+mod write;
 
-/// Draw scenes and models: .scene or .obj in, .png out.
+/// Draw scenes and models as pictures.
+///
+/// A model without a camera is seen from the front, right and above, fills 90 % of the picture, and has four samples a pixel.
+/// A scene has the camera and the samples that it says.
 #[derive(Args, Debug)]
-#[command(
-    after_help = "Several inputs: -o is a folder, or a name with {model} (the input's name without its ending). \
-    One bad input does not stop the others; the exit code is then 3."
-)]
+#[command(after_help = EXAMPLES)]
 pub(crate) struct RenderArgs {
-    /// .scene and .obj files; an OBJ alone gets an automatic camera and light
+    /// Scenes (.scene) and models (.obj); a model alone gets an automatic camera and light. `-` is standard input, @LIST a file that
+    /// names one input a line
     #[arg(required = true, value_name = "IN")]
     inputs: Vec<PathBuf>,
-    /// The PNG to write; `-` is standard output; with --frames a name with %04d
+    /// The picture to write: .png, .jpg, .webp, .exr (linear light, --aov as layers), .hdr; `-` is standard output, PNG. Several pictures:
+    /// a name with %04d, {n}, {view}, or .gif or .apng. Several inputs: a folder, or a name with {model} or {dir}. Folders are made
     #[arg(short, long, value_name = "OUT", required_unless_present = "dry_run")]
     output: Option<PathBuf>,
     /// Size of the picture (of each cell with --views)
@@ -60,14 +69,18 @@ pub(crate) struct RenderArgs {
     explain: bool,
     /// Compute the f64 reference too (slow; 6 x 6 samples a pixel, hard shadows by rays) and report the true error outside of outlines
     /// and of the edges of shadows; room.png gives room.heat.png. Exit code 1 where it is over a budget that the plan promised
-    #[arg(long, conflicts_with_all = ["views", "supersample", "dry_run"])]
+    #[arg(long, conflicts_with_all = ["views", "supersample", "dry_run", "wireframe"])]
     verify: bool,
     /// N x N samples per pixel, averaged in linear light [default: 1, or the planner's choice]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=16))]
     supersample: Option<u32>,
-    /// Samples of coverage and depth per pixel, shaded once for each triangle: 1 or 4
-    #[arg(long, value_name = "N", default_value_t = 1, conflicts_with = "supersample", value_parser = values::msaa)]
-    msaa: u32,
+    /// Samples of coverage and depth per pixel, shaded once for each triangle: 1 or 4. Arrays of --aov describe pixel centres whatever
+    /// this is [default: 4 for models, 1 for scenes]
+    #[arg(long, value_name = "N", conflicts_with = "supersample", value_parser = values::msaa)]
+    msaa: Option<u32>,
+    /// Bits of a channel of a PNG: 8 or 16
+    #[arg(long, value_name = "N", default_value_t = 8, value_parser = values::bits)]
+    bits: u32,
     /// Worker threads; default: as many as the machine gives. Does not change the picture
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
@@ -85,30 +98,18 @@ pub(crate) struct RenderArgs {
     /// srgb, or raw: no colour is converted, neither in nor out
     #[arg(long, value_name = "MODE", value_parser = values::color)]
     color: Option<ColorMode>,
-    /// Where the camera stands
-    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
-    camera_eye: Option<Triple>,
-    /// The point that the camera looks at
-    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
-    camera_look: Option<Triple>,
-    /// The direction that is up in the picture
-    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
-    camera_up: Option<Triple>,
-    /// Horizontal field of view in degrees
-    #[arg(long, value_name = "DEGREES", allow_hyphen_values = true, value_parser = values::fov)]
-    fov: Option<f64>,
-    /// A walk: key positions of the camera, [{"eye":[x,y,z],"look":[x,y,z],"up":..,"fov":..}, ...]
-    #[arg(long, value_name = "CAMERA.json", requires = "frames", conflicts_with_all = ["views", "camera_eye", "camera_look", "camera_up", "fov"])]
-    path: Option<PathBuf>,
-    /// Pictures along the walk, numbered from 0
-    #[arg(long, value_name = "N", requires = "path", value_parser = clap::value_parser!(u32).range(1..=100_000))]
-    frames: Option<u32>,
-    /// A captioned contact sheet: front, back, left, right, top, bottom, iso
-    #[arg(long, value_name = "LIST", value_delimiter = ',', conflicts_with_all = ["aov", "camera_eye", "camera_look", "camera_up"])]
-    views: Vec<View>,
-    /// Arrays beside the picture: depth, inv_w, uv, lod, face, normal, position, shadow:LIGHT (its name or number);
-    /// room.png gives room.uv.npy of shape (height, width, channels)
-    #[arg(long, value_name = "LIST", value_delimiter = ',')]
+    #[command(flatten)]
+    camera: CameraArgs,
+    #[command(flatten)]
+    look: LookArgs,
+    /// Arrays beside the picture: depth, inv_w, uv, lod, face, mesh, normal, position, color (the picture in linear light),
+    /// shadow:LIGHT (its name or number); room.png gives room.uv.npy of shape (height, width, channels), room.exr holds them
+    #[arg(
+        long,
+        value_name = "LIST",
+        value_delimiter = ',',
+        conflicts_with = "views"
+    )]
     aov: Vec<AovArg>,
     #[command(flatten)]
     root: Root,
@@ -118,21 +119,31 @@ pub(crate) struct RenderArgs {
     /// Check everything and print the plan; write nothing
     #[arg(long)]
     dry_run: bool,
+    /// Warnings are errors: nothing is written of an input that has one, and the exit code is 4
+    #[arg(long)]
+    strict: bool,
 }
+
+const EXAMPLES: &str = "\
+A first look:       texmap render model.obj -o model.png
+From all sides:     texmap render model.obj --views front,right,top,iso -o sheet.png
+A turntable:        texmap render model.obj --turntable 48 -o spin.gif
+A folder of models: texmap render *.obj -o 'out/{model}.jpg' --resolution 512x512
+Linear light:       texmap render room.scene --aov depth,normal -o room.exr
+Calibrated cameras: texmap render model.obj --cameras poses.json -o 'view-{n}.png'
+One bad input does not stop the others; the exit code is then 3.";
 
 pub(crate) fn run(args: &RenderArgs) -> Result<Exit, Failure> {
     let level = args.level.level()?;
-    let items = plan::items(args)?;
     let files = args.root.files()?;
-    let walk = args
-        .path
-        .as_deref()
-        .map(|path| CameraPath::read_from(path, &files))
-        .transpose()?;
+    let cameras = args.camera.files(&files)?;
+    let inputs = Inputs::read(&args.inputs, &files)?;
+    let items = plan::items(args, &inputs.names, args.camera.names(&cameras).as_deref())?;
     let mut reports: Vec<ItemReport> = Vec::new();
     let mut failures = Vec::new();
     for item in &items {
-        match draw::item(args, item, level, walk.as_ref(), &files) {
+        let file = inputs.file(&item.input);
+        match draw::item(args, item, file, level, &cameras, &files) {
             Ok(done) => reports.extend(done),
             // Alone, a bad input is the whole answer; among others it is one line of the report.
             Err(failure) if items.len() == 1 => return Err(failure),

@@ -1,30 +1,46 @@
-//! Which input becomes which file; everything that can be refused before a file is read.
+//! Which input becomes which file; everything that can be refused before a scene is read.
 
 use std::collections::BTreeMap;
+use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
+use texmap_io::{AnimationFormat, PictureFormat};
 use texmap_scene::Scene;
 
 use crate::cmd::render::RenderArgs;
 use crate::failure::Failure;
-use crate::formats;
+use crate::formats::{self, Output};
 use crate::os_name;
 use crate::output::{Destination, Stage, distinct};
 
-/// One input and the name of its picture; none in a dry run without `-o`.
+/// One input and what it becomes.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Item {
     pub(crate) input: PathBuf,
+    /// None in a dry run without `-o`.
     pub(crate) output: Option<PathBuf>,
+    pub(crate) kind: Kind,
+}
+
+/// How the pictures of an input are kept.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) enum Kind {
+    /// One picture.
+    Single,
+    /// All on one captioned sheet.
+    Sheet,
+    /// One file each: their names, none in a dry run without `-o`.
+    Series(Vec<Option<PathBuf>>),
+    /// All in one file.
+    Animation(AnimationFormat),
 }
 
 impl Item {
-    /// The name of frame `number` of a walk, or of the only picture.
-    pub(crate) fn frame_output(&self, number: Option<u32>) -> Option<PathBuf> {
-        let output = self.output.as_ref()?;
-        match number {
-            Some(n) => numbered(output, n),
-            None => Some(output.clone()),
+    /// The files of its pictures.
+    fn pictures(&self) -> Vec<&Path> {
+        match &self.kind {
+            Kind::Series(names) => names.iter().flatten().map(PathBuf::as_path).collect(),
+            _ => self.output.iter().map(PathBuf::as_path).collect(),
         }
     }
 }
@@ -38,14 +54,22 @@ pub(crate) fn numbered(output: &Path, n: u32) -> Option<PathBuf> {
     Some(os_name::of_bytes(parts.concat()).into())
 }
 
-/// Names all outputs and checks them: endings, numbers, twins, and that each can be written.
-pub(crate) fn items(args: &RenderArgs) -> Result<Vec<Item>, Failure> {
-    let items = name(&args.inputs, args.output.as_deref())?;
+/// Names all outputs and checks them: endings, numbers, twins, and that each can be written. `shots` are the names of the pictures of
+/// each input, if there are several.
+pub(crate) fn items(
+    args: &RenderArgs,
+    inputs: &[PathBuf],
+    shots: Option<&[Option<String>]>,
+) -> Result<Vec<Item>, Failure> {
+    let mut items = name(inputs, args.output.as_deref())?;
+    for item in &mut items {
+        item.kind = kind(args, item.output.as_deref(), shots)?;
+    }
     let mut outputs = Vec::new();
     let mut owner: BTreeMap<PathBuf, PathBuf> = BTreeMap::new();
     for item in &items {
         let Some(output) = &item.output else { continue };
-        check_name(args, output)?;
+        check_stdout(args, &item.kind, output)?;
         if let Some(other) = owner.insert(output.clone(), item.input.clone()) {
             return Err(Failure::usage(
                 format!(
@@ -63,21 +87,22 @@ pub(crate) fn items(args: &RenderArgs) -> Result<Vec<Item>, Failure> {
         }
         outputs.extend(mine.into_iter().map(|(path, _)| path));
     }
-    distinct(outputs, args.inputs.iter().chain(&args.path))?;
+    let read = inputs.iter().chain(&args.camera.path);
+    let read = read.chain(&args.camera.cameras).chain(&args.look.texture);
+    distinct(outputs, read)?;
     Ok(items)
 }
 
 /// Every file that an input will give, checked.
 fn destinations(args: &RenderArgs, item: &Item) -> Result<Vec<(PathBuf, Destination)>, Failure> {
-    let numbers = args
-        .frames
-        .map_or(vec![None], |n| (0..n).map(Some).collect());
     let mut all = Vec::new();
-    for picture in numbers.into_iter().filter_map(|n| item.frame_output(n)) {
-        let arrays = args.aov.iter().map(|aov| array_name(&picture, &aov.name));
-        let heat = args.verify.then(|| heat_name(&picture));
+    for picture in item.pictures() {
+        let layers = PictureFormat::of(picture) == Some(PictureFormat::Exr);
+        let beside = args.aov.iter().filter(|_| !layers);
+        let arrays = beside.map(|aov| array_name(picture, &aov.name));
+        let heat = args.verify.then(|| heat_name(picture));
         let beside: Vec<PathBuf> = arrays.chain(heat).collect();
-        for path in [picture].into_iter().chain(beside) {
+        for path in [picture.to_owned()].into_iter().chain(beside) {
             let destination = Destination::new(&path)?;
             all.push((path, destination));
         }
@@ -115,7 +140,7 @@ pub(crate) fn memory(args: &RenderArgs, scene: &Scene) -> u64 {
         .map(|t| u64::from(t.width()) * u64::from(t.height()) * 16 / 3);
     let pixels = u64::from(args.resolution.width) * u64::from(args.resolution.height);
     let arrays: usize = args.aov.iter().map(|a| 4 * a.channels()).sum();
-    let pictures = args.views.len().max(1) as u64;
+    let pictures = args.camera.views.len().max(1) as u64;
     let triangles: usize = scene.meshes.iter().map(|m| m.triangles.len()).sum();
     PROGRAM
         + meshes.sum::<u64>()
@@ -124,8 +149,11 @@ pub(crate) fn memory(args: &RenderArgs, scene: &Scene) -> u64 {
         + pixels * (8 * pictures + arrays as u64)
 }
 
-/// Where the name of an input stands in the name of an output.
+/// Where the name of an input, its folder, the number and the name of a picture stand in the name of an output.
 const MODEL: &str = "{model}";
+const DIR: &str = "{dir}";
+const NUMBER: &str = "{n}";
+const VIEW: &str = "{view}";
 
 fn name(inputs: &[PathBuf], output: Option<&Path>) -> Result<Vec<Item>, Failure> {
     let Some(output) = output else {
@@ -134,6 +162,7 @@ fn name(inputs: &[PathBuf], output: Option<&Path>) -> Result<Vec<Item>, Failure>
             .map(|i| Item {
                 input: i.clone(),
                 output: None,
+                kind: Kind::Single,
             })
             .collect());
     };
@@ -142,10 +171,8 @@ fn name(inputs: &[PathBuf], output: Option<&Path>) -> Result<Vec<Item>, Failure>
         true => output.join("{model}.png"),
         false => output.to_owned(),
     };
-    let holds_model = os_name::bytes(template.as_os_str())
-        .windows(MODEL.len())
-        .any(|part| part == MODEL.as_bytes());
-    if inputs.len() > 1 && !holds_model {
+    let tells_apart = holds(&template, MODEL) || holds(&template, DIR);
+    if inputs.len() > 1 && !tells_apart {
         return Err(Failure::usage(
             format!(
                 "{} inputs and one output {}",
@@ -158,45 +185,121 @@ fn name(inputs: &[PathBuf], output: Option<&Path>) -> Result<Vec<Item>, Failure>
     Ok(inputs
         .iter()
         .map(|input| {
-            let model = input.file_stem().unwrap_or_default();
+            let model = match input.as_os_str() == "-" {
+                true => OsStr::new("stdin"),
+                false => input.file_stem().unwrap_or_default(),
+            };
+            let parent = input.parent().filter(|p| !p.as_os_str().is_empty());
+            let parent = parent.unwrap_or(Path::new("."));
             let output = os_name::replaced(template.as_os_str(), MODEL, model);
+            let output = os_name::replaced(&output, DIR, parent.as_os_str());
             Item {
                 input: input.clone(),
                 output: Some(output.into()),
+                kind: Kind::Single,
             }
         })
         .collect())
 }
 
-fn check_name(args: &RenderArgs, output: &Path) -> Result<(), Failure> {
-    let text = output.to_string_lossy();
-    if output == Path::new("-") {
-        let clash = if args.json {
-            Some("--json")
-        } else if !args.aov.is_empty() {
-            Some("--aov")
-        } else {
-            args.frames.map(|_| "--frames")
-        };
-        return clash.map_or(Ok(()), |flag| {
-            Err(Failure::usage(
-                format!("-o - and {flag} do not go together"),
-                "name a file",
-            ))
+fn holds(name: &Path, word: &str) -> bool {
+    let bytes = os_name::bytes(name.as_os_str());
+    bytes
+        .windows(word.len())
+        .any(|part| part == word.as_bytes())
+}
+
+/// How the pictures of an input are kept, by the name of its output.
+fn kind(
+    args: &RenderArgs,
+    output: Option<&Path>,
+    shots: Option<&[Option<String>]>,
+) -> Result<Kind, Failure> {
+    let views = !args.camera.views.is_empty();
+    let Some(output) = output else {
+        return Ok(match shots {
+            Some(_) if views => Kind::Sheet,
+            Some(shots) => Kind::Series(vec![None; shots.len()]),
+            None => Kind::Single,
         });
+    };
+    let text = output.to_string_lossy();
+    let counter = find_counter(text.as_bytes()).is_some();
+    let placed = counter || holds(output, NUMBER) || holds(output, VIEW);
+    let format = match output == Path::new("-") {
+        true => Output::Pictures(PictureFormat::Png),
+        false => formats::output(output, shots.is_some())?,
+    };
+    match (shots, format) {
+        (Some(_), Output::Animation(format)) if !placed => Ok(Kind::Animation(format)),
+        (Some(_), Output::Animation(_)) => Err(Failure::usage(
+            format!("{text}: an animation is one file, and the name has a place for a number"),
+            "leave the number out, or end the name with .png",
+        )),
+        (Some(shots), _) if placed => {
+            let names = shots.iter().zip(0..).map(|(name, number)| {
+                picture_name(output, number, shots.len(), name.as_deref()).map(Some)
+            });
+            names.collect::<Result<_, _>>().map(Kind::Series)
+        }
+        (Some(_), _) if views => Ok(Kind::Sheet),
+        (Some([_]), _) if args.camera.cameras.is_some() => {
+            Ok(Kind::Series(vec![Some(output.to_owned())]))
+        }
+        (Some(_), _) => Err(Failure::usage(
+            format!("{text}: --frames, --turntable and --cameras need a place for the number"),
+            "write %04d or {n} into the name, as in -o walk%04d.png; a list of cameras may have {view}; or end the name with .gif or .apng",
+        )),
+        (None, _) if placed => Err(Failure::usage(
+            format!("{text}: a numbered name without --frames, --turntable, --cameras or --views"),
+            "add --turntable N, or --path CAMERA.json --frames N",
+        )),
+        (None, _) => Ok(Kind::Single),
     }
-    match (args.frames, find_counter(text.as_bytes())) {
-        (Some(_), None) => Err(Failure::usage(
-            format!("{text}: --frames needs a place for the number"),
-            "write %04d into the name: -o walk%04d.png",
-        )),
-        (None, Some(_)) => Err(Failure::usage(
-            format!("{text}: a numbered name without --frames"),
-            "add --path CAMERA.json --frames N",
-        )),
-        _ => Ok(()),
-    }?;
-    formats::png("-o", output)
+}
+
+/// The name of picture `number` of `of`.
+fn picture_name(
+    output: &Path,
+    number: u32,
+    of: usize,
+    view: Option<&str>,
+) -> Result<PathBuf, Failure> {
+    let digits = of.saturating_sub(1).max(1).ilog10() as usize + 1;
+    let plain = format!("{number:0digits$}");
+    let name = numbered(output, number).unwrap_or_else(|| output.to_owned());
+    let name = os_name::replaced(name.as_os_str(), NUMBER, OsStr::new(&plain));
+    // A name from a file leads into no other folder.
+    let view = view.unwrap_or(&plain);
+    if view.contains(['/', '\\']) || view == ".." {
+        return Err(Failure::usage(
+            format!("camera {number} is called `{view}`, which is no part of a file's name"),
+            "give it another name, or write {n} in place of {view}",
+        ));
+    }
+    Ok(os_name::replaced(&name, VIEW, OsStr::new(view)).into())
+}
+
+/// Refuses what standard output cannot take beside or in place of one picture.
+fn check_stdout(args: &RenderArgs, kind: &Kind, output: &Path) -> Result<(), Failure> {
+    if output != Path::new("-") {
+        return Ok(());
+    }
+    let clash = if args.json {
+        Some("--json")
+    } else if !args.aov.is_empty() {
+        Some("--aov")
+    } else if matches!(kind, Kind::Series(_)) {
+        Some("several pictures")
+    } else {
+        None
+    };
+    clash.map_or(Ok(()), |flag| {
+        Err(Failure::usage(
+            format!("-o - and {flag} do not go together"),
+            "name a file",
+        ))
+    })
 }
 
 /// Where `%d` or `%04d` stands in a name and how many digits it asks for.
@@ -247,28 +350,33 @@ mod tests {
             names(&["a/x.obj", "y.scene"], "p_{model}.png").unwrap(),
             ["p_x.png", "p_y.png"]
         );
+        assert_eq!(
+            names(&["a/x.obj", "y.scene"], "{dir}/{model}.jpg").unwrap(),
+            ["a/x.jpg", "./y.jpg"]
+        );
         assert!(names(&["x.obj", "y.obj"], "o.png").is_err());
     }
 
     #[test]
-    fn frames_are_numbered_where_the_name_says() {
-        let item = |o: &str| Item {
-            input: "a.scene".into(),
-            output: Some(o.into()),
+    fn pictures_are_numbered_and_named_where_the_name_says() {
+        let name = |output: &str, number, of, view| {
+            let name = picture_name(Path::new(output), number, of, view);
+            name.map(|n| n.to_string_lossy().into_owned())
         };
-        assert_eq!(
-            item("w%04d.png").frame_output(Some(7)),
-            Some("w0007.png".into())
-        );
-        assert_eq!(
-            item("w%d.png").frame_output(Some(12)),
-            Some("w12.png".into())
-        );
-        assert_eq!(
-            item("w%02d.png").frame_output(Some(123)),
-            Some("w123.png".into())
-        );
-        assert_eq!(item("w.png").frame_output(None), Some("w.png".into()));
+        for (output, number, of, view, expected) in [
+            ("w%04d.png", 7, 10, None, "w0007.png"),
+            ("w%d.png", 12, 20, None, "w12.png"),
+            ("w%02d.png", 123, 200, None, "w123.png"),
+            ("w{n}.png", 7, 100, None, "w07.png"),
+            ("w{n}.png", 7, 101, None, "w007.png"),
+            ("{view}.png", 1, 2, Some("left"), "left.png"),
+            ("{view}-{n}.png", 1, 2, None, "1-1.png"),
+        ] {
+            assert_eq!(name(output, number, of, view).unwrap(), expected);
+        }
+        for bad in ["../up", "a/b", ".."] {
+            assert!(name("{view}.png", 0, 1, Some(bad)).is_err(), "{bad}");
+        }
         for bad in ["w.png", "w%s.png", "w%4d.png", "w%0004d.png"] {
             assert!(find_counter(bad.as_bytes()).is_none(), "{bad} was taken");
         }

@@ -14,6 +14,7 @@ use texmap_scene::{ColorMode, Scene};
 
 use crate::cmd::render::RenderArgs;
 use crate::cmd::render::budget::{PlanReport, TruthReport};
+use crate::cmd::render::seen::PictureReport;
 use crate::failure::{ErrorBody, Exit, Failure};
 use crate::values;
 
@@ -49,7 +50,8 @@ struct SettingsReport {
     width: u32,
     height: u32,
     supersample: u32,
-    msaa: u32,
+    /// `null`: 4 for models, 1 for scenes, unless there are other samples.
+    msaa: Option<u32>,
     /// `null`: as many as the machine gives.
     threads: Option<u16>,
     level: &'static str,
@@ -96,6 +98,12 @@ pub(crate) struct ItemReport {
     pub(crate) cameras: Vec<CameraReport>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) scene: Option<SceneReport>,
+    /// Samples of coverage and depth a pixel.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) msaa: Option<u32>,
+    /// What is seen; one for each cell of a contact sheet and each frame of an animation.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub(crate) pictures: Vec<PictureReport>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) counts: Option<Counts>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -166,11 +174,15 @@ impl ItemReport {
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct CameraReport {
     #[serde(skip_serializing_if = "Option::is_none")]
-    view: Option<&'static str>,
+    view: Option<String>,
     eye: [f64; 3],
     look: [f64; 3],
     up: [f64; 3],
     fov_x_degrees: f64,
+    /// `null`: a central projection.
+    orthographic_width: Option<f64>,
+    /// From the middle of the picture to the right and up, in halves of its width and height.
+    principal_point: [f64; 2],
     near: f64,
     /// `null`: infinite.
     far: Option<f64>,
@@ -182,7 +194,7 @@ pub(crate) struct CameraReport {
 impl CameraReport {
     /// None for a camera that the renderer refuses.
     pub(crate) fn new(
-        view: Option<&'static str>,
+        view: Option<String>,
         camera: &Camera,
         width: u32,
         height: u32,
@@ -194,6 +206,8 @@ impl CameraReport {
             look: camera.look.to_array(),
             up: camera.up.to_array(),
             fov_x_degrees: camera.fov_x.to_degrees(),
+            orthographic_width: camera.lens.parallel_width,
+            principal_point: camera.lens.center,
             near: camera.near,
             far: camera.far.is_finite().then_some(camera.far),
             view_from_world: rows(camera.view().ok()?),

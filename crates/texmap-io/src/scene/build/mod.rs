@@ -20,6 +20,15 @@ use crate::scene_file::Line;
 use crate::textures::{Content, Textures};
 use crate::{IoError, SourceLocation};
 
+/// The last that was added to the scene.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) enum Added {
+    Nothing,
+    Light,
+    /// The meshes of a face, a model or a shape.
+    Meshes(std::ops::Range<usize>),
+}
+
 pub(super) struct Builder {
     pub(super) scene: Scene,
     pub(super) textures: Textures,
@@ -33,6 +42,8 @@ pub(super) struct Builder {
     pub(super) bones: Bones,
     /// Vertices and faces of the file that is read.
     facets: Facets,
+    /// What a `name` line is for.
+    pub(super) added: Added,
     /// Effects that some face has in vain, reported once each.
     reported: Vec<(&'static str, &'static str)>,
 }
@@ -49,6 +60,7 @@ impl Builder {
             environments: environments::Known::default(),
             bones: Bones::default(),
             facets: Facets::default(),
+            added: Added::Nothing,
             reported: Vec::new(),
         }
     }
@@ -85,7 +97,14 @@ impl Builder {
             }
             let location = SourceLocation::new(&tree.path, statement.line, statement.column);
             let first = self.scene.meshes.len();
+            let (lights, faces) = (self.scene.lights.len(), self.faces);
             command.spec().set(self, &mut command.line(location))?;
+            let meshes = self.scene.meshes.len();
+            if self.scene.lights.len() > lights {
+                self.added = Added::Light;
+            } else if meshes > first || self.faces > faces {
+                self.added = Added::Meshes(first.min(meshes - 1)..meshes);
+            }
             for mesh in &mut self.scene.meshes[first..] {
                 mesh.casts_no_shadow = self.settings.effects.shadowless;
             }
@@ -94,6 +113,19 @@ impl Builder {
         facets.finish(&mut self.scene, &mut self.bones);
         self.settings = settings;
         Ok(())
+    }
+
+    /// Names meshes: one as it is called, those of a model with parts `NAME.PART`. Later faces make a mesh of their own.
+    pub(super) fn name_meshes(&mut self, name: &str, meshes: std::ops::Range<usize>) {
+        let meshes = &mut self.scene.meshes[meshes];
+        let single = meshes.len() == 1;
+        for mesh in meshes {
+            mesh.name = match single {
+                true => name.to_owned(),
+                false => format!("{name}.{}", mesh.name),
+            };
+        }
+        self.facets.close();
     }
 
     /// A line about the camera.

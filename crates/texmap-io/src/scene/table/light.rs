@@ -72,7 +72,7 @@ pub(super) const SPECS: &[Spec] = &[
             unless(valid, "letters, digits, - and _, not digits alone")
         })],
         default: "none",
-        help: "the light above is called that (letters, digits, `-`, `_`), so that `--aov shadow:NAME` finds it",
+        help: "the light, the run of faces or the model above, whichever stands last, is called that (letters, digits, `-`, `_`): `--aov shadow:NAME` finds the light, `texmap bake --object NAME` the mesh. The parts of a model are NAME.PART",
         set: Fallible(lights::name),
     },
     Spec {

@@ -184,14 +184,13 @@ pub(super) const SPECS: &[Spec] = &[
     },
     Spec {
         word: "missing",
-        args: &[OneOf(&["error", "warn"])],
+        args: &[OneOf(&["error", "checker", "grey", "warn"])],
         default: "error",
-        help: "what an absent map or material library is; with `warn` a magenta and black checker stands in for a map",
+        help: "what an absent map or material library is; a magenta and black checker or grey stands in for a map, with a warning (`warn` is `checker`)",
         set: Plain(|b, line| {
-            b.settings.missing = match line.takes("warn") {
-                true => Missing::Warn,
-                false => Missing::Error,
-            }
+            let word = line.word().unwrap_or_default();
+            let said = word.parse().unwrap_or(Missing::Checker);
+            b.settings.missing = b.textures.missing.unwrap_or(said);
         }),
     },
     Spec {

@@ -1,84 +1,11 @@
-//! Cameras that show a whole model, and the light for a model that brings none.
+//! The bounding sphere of a scene.
 
-use std::str::FromStr;
-
-use texmap_light::Light;
 use texmap_math::camera::Camera;
 use texmap_math::deterministic_f64;
 use texmap_math::glam::DVec3;
 use texmap_scene::Scene;
 
-/// From where a model is seen. +Y is up and +Z is the front, as in most OBJ files.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum View {
-    /// From +Z.
-    Front,
-    /// From -Z.
-    Back,
-    /// From -X.
-    Left,
-    /// From +X.
-    Right,
-    /// From +Y, with the front at the lower edge.
-    Top,
-    /// From -Y, with the front at the upper edge.
-    Bottom,
-    /// From the front, right and above, equally.
-    Iso,
-}
-
-impl View {
-    /// Every view and its word.
-    pub const ALL: [(&'static str, Self); 7] = [
-        ("front", Self::Front),
-        ("back", Self::Back),
-        ("left", Self::Left),
-        ("right", Self::Right),
-        ("top", Self::Top),
-        ("bottom", Self::Bottom),
-        ("iso", Self::Iso),
-    ];
-
-    /// Its word.
-    pub fn name(self) -> &'static str {
-        Self::ALL
-            .iter()
-            .find(|(_, view)| *view == self)
-            .map_or("", |(name, _)| name)
-    }
-
-    /// From the model to the eye, any length.
-    fn direction(self) -> DVec3 {
-        match self {
-            Self::Front => DVec3::Z,
-            Self::Back => DVec3::NEG_Z,
-            Self::Left => DVec3::NEG_X,
-            Self::Right => DVec3::X,
-            Self::Top => DVec3::Y,
-            Self::Bottom => DVec3::NEG_Y,
-            Self::Iso => DVec3::ONE,
-        }
-    }
-
-    fn up(self) -> DVec3 {
-        match self {
-            Self::Top => DVec3::NEG_Z,
-            Self::Bottom => DVec3::Z,
-            _ => DVec3::Y,
-        }
-    }
-}
-
-impl FromStr for View {
-    type Err = &'static str;
-
-    fn from_str(word: &str) -> Result<Self, Self::Err> {
-        let found = Self::ALL.iter().find(|(name, _)| *name == word);
-        found
-            .map(|(_, view)| *view)
-            .ok_or("know front, back, left, right, top, bottom, iso")
-    }
-}
+use super::{Up, View};
 
 /// A sphere around all vertices: centre of their bounding box, radius to the farthest one.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -117,39 +44,23 @@ impl Bounds {
         let half_y = deterministic_f64::atan(deterministic_f64::tan(half_x) / aspect);
         let radius = if self.radius > 0.0 { self.radius } else { 1.0 };
         let distance = 1.05 * radius / deterministic_f64::sin(half_x.min(half_y));
-        let direction = view.direction();
+        let direction = view.direction(Up::Y);
         Camera {
             eye: self.center + direction * (distance / direction.length()),
             look: self.center,
-            up: view.up(),
+            up: view.up(Up::Y),
             fov_x,
             near: distance * 1e-3,
             far: f64::INFINITY,
+            lens: Default::default(),
         }
     }
-}
-
-/// Horizontal field of view of automatic cameras: 40 degrees.
-pub const AUTO_FOV: f64 = 40.0 * core::f64::consts::PI / 180.0;
-
-/// The light of a model that brings none: a key from the upper left front, a weaker one from the other side, ambient.
-pub fn auto_lights() -> Vec<Light> {
-    vec![
-        Light::Ambient { color: [0.35; 3] },
-        Light::Directional {
-            color: [0.65; 3],
-            direction: [0.5, -0.8, -0.7],
-        },
-        Light::Directional {
-            color: [0.25; 3],
-            direction: [-0.6, -0.3, 0.7],
-        },
-    ]
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::framing::AUTO_FOV;
 
     #[test]
     fn the_whole_sphere_is_inside_the_picture_from_every_side() {

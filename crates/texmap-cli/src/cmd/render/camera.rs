@@ -1,0 +1,379 @@
+//! The cameras of the pictures that one input gives.
+
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+
+use clap::Args;
+use texmap_io::framing::{AUTO_FOV, Bounds, Framing, Up, View};
+use texmap_io::{CameraAxes, CameraList, CameraPath, CameraPose, FileSource, Intrinsics};
+use texmap_math::camera::{Camera, Lens};
+use texmap_math::glam::DVec3;
+use texmap_scene::Scene;
+
+use crate::cmd::render::RenderArgs;
+use crate::failure::{Exit, Failure};
+use crate::values::{self, Triple};
+
+/// How the camera stands, and how many pictures there are.
+#[derive(Args, Debug)]
+#[command(next_help_heading = "Camera")]
+pub(crate) struct CameraArgs {
+    /// The side that is seen: three-quarter (from the front, 35 degrees to the right and 20 above), front, back, left, right, top,
+    /// bottom, iso. The camera goes so near that the model fills 90 % of the picture. A scene keeps its own camera without this
+    #[arg(long, value_name = "NAME", conflicts_with_all = ["views", "camera_eye", "camera_look", "camera_up", "path", "cameras", "camera_matrix"])]
+    view: Option<View>,
+    /// The axis of the model that points up: y, z, or auto (z for .stl, y for all others)
+    #[arg(long, value_name = "AXIS", default_value = "auto")]
+    up: UpAxis,
+    /// A parallel projection: what is farther is not smaller
+    #[arg(long, conflicts_with_all = ["verify", "intrinsics", "path"])]
+    orthographic: bool,
+    /// Where the camera stands
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
+    camera_eye: Option<Triple>,
+    /// The point that the camera looks at
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
+    camera_look: Option<Triple>,
+    /// The direction that is up in the picture
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
+    camera_up: Option<Triple>,
+    /// Horizontal field of view in degrees [default: the scene's; 40 for models]
+    #[arg(long, value_name = "DEGREES", allow_hyphen_values = true, value_parser = values::fov)]
+    fov: Option<f64>,
+    /// The camera's pose: 16 numbers, row by row, from camera to world
+    #[arg(long, value_name = "M11,M12,...", allow_hyphen_values = true, conflicts_with_all = ["camera_eye", "camera_look", "camera_up"])]
+    camera_matrix: Option<Matrix>,
+    /// The camera's own axes: opengl (x right, y up, looks along -z; Blender, NeRF) or opencv (y down, looks along +z; COLMAP)
+    #[arg(
+        long,
+        value_name = "NAME",
+        default_value = "opengl",
+        requires = "camera_matrix"
+    )]
+    camera_axes: CameraAxes,
+    /// The matrix leads from world to camera (extrinsics)
+    #[arg(long, requires = "camera_matrix")]
+    world_to_camera: bool,
+    /// Calibrated focal lengths and principal point in pixels of the picture, from its upper left corner
+    #[arg(
+        long,
+        value_name = "FX,FY,CX,CY",
+        allow_hyphen_values = true,
+        conflicts_with = "fov"
+    )]
+    intrinsics: Option<Quad>,
+    /// One picture for each camera of a JSON list: [{"name":..,"matrix":[[..],..],"axes":"opencv","world_to_camera":true,
+    /// "fx":..,"fy":..,"cx":..,"cy":..,"width":..,"height":..}, ...], or "eye", "look", "up", "fov"
+    #[arg(long, value_name = "LIST.json", conflicts_with_all = ["views", "camera_eye", "camera_look", "camera_up", "camera_matrix", "intrinsics", "fov", "orthographic"])]
+    pub(crate) cameras: Option<PathBuf>,
+    /// A captioned contact sheet of these views, or one picture each if -o has {view}
+    #[arg(long, value_name = "LIST", value_delimiter = ',', conflicts_with_all = ["camera_eye", "camera_look", "camera_up", "camera_matrix", "intrinsics"])]
+    pub(crate) views: Vec<View>,
+    /// N pictures all around the model, from the side of --view on, counter-clockwise from above
+    #[arg(long, value_name = "N", conflicts_with_all = ["views", "camera_eye", "camera_look", "camera_up", "camera_matrix", "intrinsics", "cameras", "path"], value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    pub(crate) turntable: Option<u32>,
+    /// A walk: key positions of the camera, [{"eye":[x,y,z],"look":[x,y,z],"up":..,"fov":..}, ...]
+    #[arg(long, value_name = "CAMERA.json", requires = "frames", conflicts_with_all = ["views", "camera_eye", "camera_look", "camera_up", "fov", "camera_matrix", "intrinsics", "cameras"])]
+    pub(crate) path: Option<PathBuf>,
+    /// Pictures along the walk, numbered from 0
+    #[arg(long, value_name = "N", requires = "path", value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    pub(crate) frames: Option<u32>,
+    /// Pictures a second of a GIF or APNG
+    #[arg(long, value_name = "N", default_value_t = 25.0, value_parser = rate)]
+    pub(crate) rate: f64,
+}
+
+fn rate(text: &str) -> Result<f64, String> {
+    let number = text.parse::<f64>().ok();
+    number
+        .filter(|n| (0.01..=1000.0).contains(n))
+        .ok_or_else(|| "expected pictures a second, 0.01 to 1000".to_owned())
+}
+
+/// `--up`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+enum UpAxis {
+    Y,
+    Z,
+    Auto,
+}
+
+impl UpAxis {
+    fn of(self, input: &Path) -> Up {
+        let ending = input.extension().and_then(|e| e.to_str());
+        match self {
+            Self::Y => Up::Y,
+            Self::Z => Up::Z,
+            Self::Auto if ending.is_some_and(|e| e.eq_ignore_ascii_case("stl")) => Up::Z,
+            Self::Auto => Up::Y,
+        }
+    }
+}
+
+/// Numbers with commas (or blanks) between them.
+fn list<const N: usize>(text: &str) -> Result<[f64; N], String> {
+    let words = text.split([',', ' ', ';', '\n']).map(str::trim);
+    let plain: Vec<&str> = words.filter(|word| !word.is_empty()).collect();
+    let numbers = values::numbers(&plain.join(","))?;
+    <[f64; N]>::try_from(numbers).map_err(|v| format!("expected {N} numbers, got {}", v.len()))
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Matrix([[f64; 4]; 4]);
+
+impl FromStr for Matrix {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let all: [f64; 16] = list(text)?;
+        let row = |r: usize| [0, 1, 2, 3].map(|c| all[4 * r + c]);
+        Ok(Self([0, 1, 2, 3].map(row)))
+    }
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Quad([f64; 4]);
+
+impl FromStr for Quad {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        list(text).map(Self)
+    }
+}
+
+/// The files that say where cameras stand, read.
+#[derive(Debug, Default)]
+pub(crate) struct CameraFiles {
+    walk: Option<CameraPath>,
+    list: Option<CameraList>,
+}
+
+/// A camera and what it is called in names of files.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Shot {
+    pub(crate) name: Option<String>,
+    pub(crate) camera: Camera,
+}
+
+impl CameraArgs {
+    pub(crate) fn files(&self, files: &FileSource) -> Result<CameraFiles, Failure> {
+        let walk = self.path.as_deref();
+        let list = self.cameras.as_deref();
+        Ok(CameraFiles {
+            walk: walk.map(|p| CameraPath::read_from(p, files)).transpose()?,
+            list: list.map(|p| CameraList::read_from(p, files)).transpose()?,
+        })
+    }
+
+    /// The automatic camera of a model.
+    pub(crate) fn framing(&self, input: &Path) -> Framing {
+        Framing {
+            view: self.view.unwrap_or_default(),
+            up: self.up.of(input),
+            fov_x: self.fov.map_or(AUTO_FOV, f64::to_radians),
+            parallel: self.orthographic,
+        }
+    }
+
+    /// The names of the pictures of one input where there are several, or where they are numbered: `None` for a single one.
+    pub(crate) fn names(&self, files: &CameraFiles) -> Option<Vec<Option<String>>> {
+        let unnamed = |n: u32| vec![None; n as usize];
+        match (&files.list, self.turntable.or(self.frames)) {
+            (Some(list), _) => Some(list.names()),
+            (None, Some(n)) => Some(unnamed(n)),
+            (None, None) if !self.views.is_empty() => {
+                let name = |view: &View| Some(view.name().to_owned());
+                Some(self.views.iter().map(name).collect())
+            }
+            (None, None) => None,
+        }
+    }
+}
+
+/// The cameras of all pictures of a scene, in order.
+pub(crate) fn shots(
+    args: &RenderArgs,
+    input: &Path,
+    scene: &Scene,
+    files: &CameraFiles,
+) -> Result<Vec<Shot>, Failure> {
+    let (camera, size) = (&args.camera, args.resolution);
+    let aspect = f64::from(size.width) / f64::from(size.height);
+    let framing = camera.framing(input);
+    let unnamed = |camera: Camera| Shot { name: None, camera };
+    let empty = || {
+        let why = "--view, --views and --turntable frame what is there";
+        Failure::new(
+            Exit::Input,
+            "empty-scene",
+            "the scene has no triangles",
+            why,
+        )
+    };
+    if let (Some(walk), Some(frames)) = (&files.walk, camera.frames) {
+        let shot = |i| unnamed(walk.camera(&scene.camera, i, frames));
+        return Ok((0..frames).map(shot).collect());
+    }
+    if let Some(list) = &files.list {
+        let base = near(scene, scene.camera, input);
+        let cameras = list.cameras(&base, size.width, size.height)?;
+        let shot = |c: texmap_io::NamedCamera| Shot {
+            name: c.name,
+            camera: c.camera,
+        };
+        return Ok(cameras.into_iter().map(shot).collect());
+    }
+    if let Some(frames) = camera.turntable {
+        let cameras = framing.turntable(scene, aspect, frames);
+        return match cameras.is_empty() {
+            true => Err(empty()),
+            false => Ok(cameras.into_iter().map(unnamed).collect()),
+        };
+    }
+    if !camera.views.is_empty() {
+        let shot = |view: &View| {
+            let framing = Framing {
+                view: *view,
+                ..framing
+            };
+            Ok(Shot {
+                name: Some(view.name().to_owned()),
+                camera: framing.camera(scene, aspect).ok_or_else(empty)?,
+            })
+        };
+        return camera.views.iter().map(shot).collect();
+    }
+    single(args, input, scene, framing, aspect).map(|camera| vec![unnamed(camera)])
+}
+
+/// The camera of the only picture.
+fn single(
+    args: &RenderArgs,
+    input: &Path,
+    scene: &Scene,
+    framing: Framing,
+    aspect: f64,
+) -> Result<Camera, Failure> {
+    let flags = &args.camera;
+    let mut camera = match flags.view {
+        Some(_) => framing.camera(scene, aspect).unwrap_or(scene.camera),
+        None => scene.camera,
+    };
+    let mut placed = false;
+    for (point, flag) in [
+        (&mut camera.eye, flags.camera_eye),
+        (&mut camera.look, flags.camera_look),
+        (&mut camera.up, flags.camera_up),
+    ] {
+        if let Some(value) = flag {
+            *point = DVec3::from(value.0);
+            placed = true;
+        }
+    }
+    if let Some(degrees) = flags.fov {
+        camera.fov_x = degrees.to_radians();
+    }
+    if let Some(Matrix(rows)) = flags.camera_matrix {
+        let pose = CameraPose {
+            rows,
+            axes: flags.camera_axes,
+            world_to_camera: flags.world_to_camera,
+        };
+        let refused = |e| {
+            let why = "give the pose as 4 x 4 numbers row by row; other axes or directions: --camera-axes opencv, --world-to-camera";
+            Failure::usage(format!("--camera-matrix: {e}"), why)
+        };
+        camera = pose.place(&camera).map_err(refused)?;
+        camera.lens = Lens::default();
+        placed = true;
+    }
+    if let Some(Quad([fx, fy, cx, cy])) = flags.intrinsics {
+        let (width, height) = (args.resolution.width, args.resolution.height);
+        let k = Intrinsics { fx, fy, cx, cy };
+        let refused = |e| {
+            let why =
+                "fx and fy are focal lengths in pixels; cx and cy count from the upper left corner";
+            Failure::usage(format!("--intrinsics: {e}"), why)
+        };
+        camera = k
+            .apply(&camera, f64::from(width), f64::from(height))
+            .map_err(refused)?;
+        placed = true;
+    }
+    if placed {
+        camera = near(scene, camera, input);
+    }
+    if flags.orthographic && (placed || camera.lens.parallel_width.is_none()) {
+        camera = parallel(scene, camera);
+    }
+    Ok(camera)
+}
+
+/// A model's camera that was placed by hand cuts nothing away that stands before it.
+fn near(scene: &Scene, camera: Camera, input: &Path) -> Camera {
+    match Bounds::of(scene).filter(|_| !is_scene(input)) {
+        Some(bounds) if bounds.radius > 0.0 => Camera {
+            near: camera.near.min(1e-4 * bounds.radius),
+            ..camera
+        },
+        _ => camera,
+    }
+}
+
+/// The parallel projection that shows as much of the point looked at as a camera does.
+fn parallel(scene: &Scene, camera: Camera) -> Camera {
+    let central = Camera {
+        lens: Lens::default(),
+        ..camera
+    };
+    let width = 2.0 * central.half_width((camera.look - camera.eye).length());
+    let far = Bounds::of(scene).map_or(1e3, |b| (b.center - camera.eye).length() + 1.01 * b.radius);
+    Camera {
+        far: far.max(2.0 * camera.near),
+        lens: Lens {
+            parallel_width: Some(width),
+            ..camera.lens
+        },
+        ..camera
+    }
+}
+
+/// Whether an input is a scene, with a camera and lights of its own, and no bare model.
+pub(crate) fn is_scene(input: &Path) -> bool {
+    let ending = input.extension().and_then(|e| e.to_str());
+    ending.is_some_and(|e| e.eq_ignore_ascii_case("scene"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn matrices_and_quads_are_counted() {
+        let numbers = "1,0,0,5, 0,1,0,6, 0,0,1,7, 0,0,0,1";
+        assert_eq!(
+            numbers.parse::<Matrix>().unwrap().0[1],
+            [0.0, 1.0, 0.0, 6.0]
+        );
+        assert!(
+            "1 0 0 5; 0 1 0 6; 0 0 1 7; 0 0 0 1"
+                .parse::<Matrix>()
+                .is_ok()
+        );
+        for bad in ["", "1,2,3", "1,0,0,5,0,1,0,6,0,0,1,7,0,0,0,nan"] {
+            assert!(bad.parse::<Matrix>().is_err(), "{bad}");
+        }
+        assert!("500,500,320,240".parse::<Quad>().is_ok());
+        assert!("500,500,320".parse::<Quad>().is_err());
+    }
+
+    #[test]
+    fn the_axis_that_points_up_follows_the_ending() {
+        let of = |axis: UpAxis, name: &str| axis.of(Path::new(name));
+        assert_eq!(of(UpAxis::Auto, "a.STL"), Up::Z);
+        assert_eq!(of(UpAxis::Auto, "a.obj"), Up::Y);
+        assert_eq!(of(UpAxis::Z, "a.obj"), Up::Z);
+        assert_eq!(of(UpAxis::Y, "a.stl"), Up::Y);
+    }
+}

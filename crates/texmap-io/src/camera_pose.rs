@@ -1,0 +1,463 @@
+//! Exact cameras as other programs have them: 4 x 4 poses, calibrated intrinsics, and JSON lists of both.
+
+use std::path::Path;
+
+use serde::Deserialize;
+use texmap_math::camera::{Camera, CameraError, Lens};
+use texmap_math::deterministic_f64;
+use texmap_math::glam::{DMat4, DVec3};
+
+use crate::camera_path::broken_json;
+use crate::{FileSource, IoError, SourceLocation};
+
+/// The axes of a camera in its own space.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum CameraAxes {
+    /// x to the right, y up, looking along -z: OpenGL, Blender, NeRF files.
+    #[default]
+    OpenGl,
+    /// x to the right, y down, looking along +z: OpenCV, COLMAP.
+    OpenCv,
+}
+
+impl CameraAxes {
+    /// Every kind and its word.
+    pub const ALL: [(&'static str, Self); 2] = [("opengl", Self::OpenGl), ("opencv", Self::OpenCv)];
+}
+
+impl std::str::FromStr for CameraAxes {
+    type Err = &'static str;
+
+    fn from_str(word: &str) -> Result<Self, Self::Err> {
+        let found = Self::ALL.iter().find(|(name, _)| *name == word);
+        found.map(|(_, axes)| *axes).ok_or("know opengl, opencv")
+    }
+}
+
+/// Where a camera stands and how it is turned.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CameraPose {
+    /// Rows of the matrix from camera to world, or from world to camera.
+    pub rows: [[f64; 4]; 4],
+    /// The axes of its camera space.
+    pub axes: CameraAxes,
+    /// The matrix leads from world to camera space (extrinsics).
+    pub world_to_camera: bool,
+}
+
+impl CameraPose {
+    /// `camera` at this pose.
+    ///
+    /// # Errors
+    /// One line that says what is wrong with the matrix: not finite, a last row other than 0 0 0 1, axes that are not at right
+    /// angles within a thousandth, not of one length, or left-handed.
+    pub fn place(&self, camera: &Camera) -> Result<Camera, String> {
+        let given = DMat4::from_cols_array_2d(&self.rows).transpose();
+        if !given.is_finite() {
+            return Err("a number is not finite".into());
+        }
+        if (given.row(3) - DMat4::IDENTITY.row(3)).abs().max_element() > 1e-9 {
+            return Err(
+                "the last row must be 0 0 0 1: give rows, translation in the last column".into(),
+            );
+        }
+        let matrix = match self.world_to_camera {
+            true if given.determinant() == 0.0 => return Err("the matrix has no inverse".into()),
+            true => given.inverse(),
+            false => given,
+        };
+        let [right, vertical, depth] =
+            [matrix.x_axis, matrix.y_axis, matrix.z_axis].map(|c| c.truncate());
+        let lengths = [right, vertical, depth].map(DVec3::length);
+        let (least, most) = (
+            lengths[0].min(lengths[1]).min(lengths[2]),
+            lengths[0].max(lengths[1]).max(lengths[2]),
+        );
+        if !(least > 0.0 && most <= least * 1.001) {
+            return Err(format!(
+                "its axes have the lengths {:.6}, {:.6} and {:.6}, which must be equal",
+                lengths[0], lengths[1], lengths[2]
+            ));
+        }
+        let [right, vertical, depth] = [right, vertical, depth].map(DVec3::normalize);
+        let skew = right
+            .dot(vertical)
+            .abs()
+            .max(vertical.dot(depth).abs())
+            .max(depth.dot(right).abs());
+        if skew > 1e-3 {
+            return Err("its axes are not at right angles".into());
+        }
+        if right.cross(vertical).dot(depth) < 0.0 {
+            return Err("it mirrors: a camera turns and moves, nothing else".into());
+        }
+        let (up, forward) = match self.axes {
+            CameraAxes::OpenGl => (vertical, -depth),
+            CameraAxes::OpenCv => (-vertical, depth),
+        };
+        let eye = matrix.w_axis.truncate();
+        // Far enough that a large position does not round the direction away.
+        let ahead = eye.abs().max_element().max(1.0);
+        Ok(Camera {
+            eye,
+            look: eye + forward * ahead,
+            up,
+            ..*camera
+        })
+    }
+}
+
+/// Calibrated intrinsics of a pinhole camera, in pixels.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Intrinsics {
+    /// Focal length over the width of a pixel.
+    pub fx: f64,
+    /// Focal length over the height of a pixel.
+    pub fy: f64,
+    /// The principal point from the upper left corner of the picture, to the right: half a width is the middle. (Conventions that count
+    /// from the centre of the first pixel are half a pixel less.)
+    pub cx: f64,
+    /// The same downwards.
+    pub cy: f64,
+}
+
+impl Intrinsics {
+    /// `camera` with these intrinsics for a picture of `width` x `height` pixels.
+    ///
+    /// # Errors
+    /// One line: a number that is not finite, or a focal length that is not above 0.
+    pub fn apply(&self, camera: &Camera, width: f64, height: f64) -> Result<Camera, String> {
+        let Self { fx, fy, cx, cy } = *self;
+        if ![fx, fy, cx, cy].iter().all(|x| x.is_finite()) {
+            return Err("an intrinsic is not finite".into());
+        }
+        if !(fx > 0.0 && fy > 0.0) {
+            return Err("focal lengths must be above 0".into());
+        }
+        Ok(Camera {
+            fov_x: 2.0 * deterministic_f64::atan(width / (2.0 * fx)),
+            lens: Lens {
+                parallel_width: None,
+                center: [2.0 * cx / width - 1.0, 1.0 - 2.0 * cy / height],
+                pixel_aspect: fy / fx,
+            },
+            ..*camera
+        })
+    }
+}
+
+/// One camera of a list.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NamedCamera {
+    /// Its name; none where the list gives none.
+    pub name: Option<String>,
+    /// The camera itself.
+    pub camera: Camera,
+}
+
+/// An entry as it stands in the file.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Entry {
+    name: Option<String>,
+    matrix: Option<[[f64; 4]; 4]>,
+    #[serde(default)]
+    axes: CameraAxes,
+    #[serde(default)]
+    world_to_camera: bool,
+    eye: Option<[f64; 3]>,
+    look: Option<[f64; 3]>,
+    up: Option<[f64; 3]>,
+    fov: Option<f64>,
+    fx: Option<f64>,
+    fy: Option<f64>,
+    cx: Option<f64>,
+    cy: Option<f64>,
+    width: Option<f64>,
+    height: Option<f64>,
+    orthographic_width: Option<f64>,
+}
+
+/// A JSON list of exact cameras: `matrix` (four rows) with `axes` and `world_to_camera`, or `eye`, `look` and `up`; and `fov` in degrees,
+/// `fx fy cx cy` with the `width` and `height` that they are for, or `orthographic_width`.
+#[derive(Debug)]
+pub struct CameraList {
+    path: std::path::PathBuf,
+    entries: Vec<Entry>,
+}
+
+impl CameraList {
+    /// Reads a list of at least one camera.
+    ///
+    /// # Errors
+    /// File errors, and [`IoError::BrokenPath`] with the place.
+    pub fn read_from(path: &Path, files: &FileSource) -> Result<Self, IoError> {
+        let text = files.read_text(path, FileSource::MAX_LIST)?;
+        let entries: Vec<Entry> =
+            serde_json::from_str(&text).map_err(|e| broken_json(path, &text, &e, FIELDS))?;
+        let list = Self {
+            path: path.to_owned(),
+            entries,
+        };
+        match list.entries.is_empty() {
+            true => Err(list.broken("the list is empty".into())),
+            false => Ok(list),
+        }
+    }
+
+    /// Its cameras for pictures of `width` x `height` pixels; what an entry does not say is that of `base`.
+    ///
+    /// # Errors
+    /// [`IoError::BrokenPath`] with the number of the entry.
+    pub fn cameras(
+        &self,
+        base: &Camera,
+        width: u32,
+        height: u32,
+    ) -> Result<Vec<NamedCamera>, IoError> {
+        let entries = self.entries.iter().enumerate();
+        let camera = |(number, entry): (usize, &Entry)| {
+            let camera = entry
+                .camera(base, f64::from(width), f64::from(height))
+                .and_then(|camera| match camera.view() {
+                    Ok(_) => Ok(camera),
+                    Err(CameraError::NonFinite) => Err("a number is not finite".into()),
+                    Err(e) => Err(e.to_string()),
+                });
+            let camera = camera.map_err(|e| self.broken(format!("camera {number}: {e}")))?;
+            let name = entry.name.clone();
+            Ok(NamedCamera { name, camera })
+        };
+        entries.map(camera).collect()
+    }
+
+    /// The names of its cameras, in order; none where the list gives none.
+    #[must_use]
+    pub fn names(&self) -> Vec<Option<String>> {
+        self.entries.iter().map(|e| e.name.clone()).collect()
+    }
+
+    fn broken(&self, problem: String) -> IoError {
+        IoError::BrokenPath {
+            location: SourceLocation::new(&self.path, 1, 1),
+            problem,
+        }
+    }
+}
+
+/// What the reader says of a field that it does not know.
+const FIELDS: &str = "a camera has the fields name, matrix, axes, world_to_camera, eye, look, up, fov, fx, fy, cx, cy, width, height and orthographic_width, and no other";
+
+impl Entry {
+    fn camera(&self, base: &Camera, width: f64, height: f64) -> Result<Camera, String> {
+        let mut camera = match (self.matrix, self.eye) {
+            (Some(rows), None) => CameraPose {
+                rows,
+                axes: self.axes,
+                world_to_camera: self.world_to_camera,
+            }
+            .place(base)?,
+            (None, Some(eye)) => Camera {
+                eye: DVec3::from(eye),
+                look: DVec3::from(self.look.ok_or("an eye needs a look")?),
+                up: self.up.map_or(base.up, DVec3::from),
+                ..*base
+            },
+            (None, None) => *base,
+            (Some(_), Some(_)) => return Err("give a matrix or an eye, not both".into()),
+        };
+        camera.lens = Lens::default();
+        if let Some(degrees) = self.fov {
+            if !(degrees > 0.0 && degrees < 180.0) {
+                return Err("fov must be more than 0 and less than 180 degrees".into());
+            }
+            camera.fov_x = degrees.to_radians();
+        }
+        if let Some(across) = self.orthographic_width {
+            camera.lens.parallel_width = Some(across);
+            camera.far = camera.far.min(1e6 * across.abs());
+        }
+        match [self.fx, self.fy, self.cx, self.cy] {
+            [None, None, None, None] => Ok(camera),
+            [Some(fx), fy, cx, cy] => {
+                let (w, h) = (self.width.unwrap_or(width), self.height.unwrap_or(height));
+                if ((w / h) / (width / height) - 1.0).abs() > 0.01 {
+                    return Err(format!(
+                        "intrinsics for {w} x {h} pixels and a picture of {width} x {height}: take a --resolution of the same shape"
+                    ));
+                }
+                let intrinsics = Intrinsics {
+                    fx,
+                    fy: fy.unwrap_or(fx),
+                    cx: cx.unwrap_or(0.5 * w),
+                    cy: cy.unwrap_or(0.5 * h),
+                };
+                intrinsics.apply(&camera, w, h)
+            }
+            _ => Err("fy, cx and cy need an fx".into()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn base() -> Camera {
+        Camera::look_at([0.0, 0.0, 5.0], [0.0; 3])
+    }
+
+    /// One camera, said in five ways.
+    #[test]
+    fn poses_agree_whatever_their_axes_and_direction() {
+        let wanted = Camera {
+            eye: DVec3::new(3.0, 2.0, -1.0),
+            look: DVec3::new(0.5, 0.25, 0.0),
+            up: DVec3::new(0.1, 1.0, 0.2),
+            ..base()
+        };
+        let to_camera = wanted.view().unwrap();
+        let flip = DMat4::from_scale(DVec3::new(1.0, -1.0, -1.0));
+        let rows = |m: DMat4| m.transpose().to_cols_array_2d();
+        for (matrix, axes, world_to_camera) in [
+            (to_camera.inverse(), CameraAxes::OpenGl, false),
+            (to_camera, CameraAxes::OpenGl, true),
+            (to_camera.inverse() * flip, CameraAxes::OpenCv, false),
+            (flip * to_camera, CameraAxes::OpenCv, true),
+        ] {
+            let rows = rows(matrix);
+            let pose = CameraPose {
+                rows,
+                axes,
+                world_to_camera,
+            };
+            let view = pose.place(&base()).unwrap().view().unwrap();
+            assert!(
+                view.abs_diff_eq(to_camera, 1e-12),
+                "{axes:?} {world_to_camera}"
+            );
+            // The other axes look the other way.
+            let other = match axes {
+                CameraAxes::OpenGl => CameraAxes::OpenCv,
+                CameraAxes::OpenCv => CameraAxes::OpenGl,
+            };
+            let turned = CameraPose {
+                axes: other,
+                ..pose
+            }
+            .place(&base())
+            .unwrap();
+            assert!(!turned.view().unwrap().abs_diff_eq(to_camera, 0.1));
+        }
+    }
+
+    #[test]
+    fn matrices_that_are_no_poses_are_refused() {
+        let with = |change: fn(&mut DMat4)| {
+            let mut m = DMat4::from_translation(DVec3::new(1.0, 2.0, 3.0));
+            change(&mut m);
+            let rows = m.transpose().to_cols_array_2d();
+            CameraPose {
+                rows,
+                axes: CameraAxes::OpenGl,
+                world_to_camera: false,
+            }
+            .place(&base())
+        };
+        assert!(with(|_| ()).is_ok());
+        assert!(with(|m| *m *= DMat4::from_scale(DVec3::splat(3.0))).is_ok());
+        for (change, word) in [
+            ((|m| m.x_axis.x = f64::NAN) as fn(&mut DMat4), "finite"),
+            (|m| *m = m.transpose(), "last row"),
+            (|m| m.x_axis.x = -1.0, "mirrors"),
+            (|m| m.x_axis.x = 2.0, "lengths"),
+            (
+                |m| m.x_axis = (DVec3::new(0.8, 0.6, 0.0)).extend(0.0),
+                "right angles",
+            ),
+            (|m| m.x_axis = DVec3::ZERO.extend(0.0), "lengths"),
+        ] {
+            let error = with(change).unwrap_err();
+            assert!(error.contains(word), "{error}");
+        }
+    }
+
+    #[test]
+    fn intrinsics_put_the_axis_at_the_principal_point() {
+        let (width, height) = (640.0, 480.0);
+        let k = Intrinsics {
+            fx: 500.0,
+            fy: 450.0,
+            cx: 300.0,
+            cy: 260.0,
+        };
+        let camera = k.apply(&base(), width, height).unwrap();
+        let clip = camera.clip_from_world(width / height).unwrap();
+        // OpenCV's formula for a point before the camera: x to the right, y down.
+        for p in [[0.0, 0.0, 4.0], [1.0, 0.5, 4.0], [-2.0, 1.0, 9.0]] {
+            let [x, y, z] = p;
+            let wanted = [k.fx * x / z + k.cx, k.fy * y / z + k.cy];
+            let c = clip * DVec3::new(x, -y, 5.0 - z).extend(1.0);
+            let seen = [
+                (c.x / c.w + 1.0) * 0.5 * width,
+                (1.0 - c.y / c.w) * 0.5 * height,
+            ];
+            for i in 0..2 {
+                assert!((seen[i] - wanted[i]).abs() < 1e-9, "{seen:?} {wanted:?}");
+            }
+        }
+        assert!(
+            Intrinsics { fx: 0.0, ..k }
+                .apply(&base(), width, height)
+                .is_err()
+        );
+        assert!(
+            Intrinsics { cx: f64::NAN, ..k }
+                .apply(&base(), width, height)
+                .is_err()
+        );
+    }
+
+    #[test]
+    fn lists_are_read_and_faults_name_the_camera() {
+        let read = |text: &str| {
+            let dir = tempfile::tempdir().unwrap();
+            let path = dir.path().join("cameras.json");
+            std::fs::write(&path, text).unwrap();
+            CameraList::read_from(&path, &FileSource::anywhere())
+                .and_then(|list| list.cameras(&base(), 640, 480))
+        };
+        let list = read(
+            r#"[{"name":"a","matrix":[[1,0,0,1],[0,1,0,2],[0,0,1,3],[0,0,0,1]],"fx":500},
+                {"eye":[1,2,3],"look":[0,0,0],"fov":90,"axes":"opencv"},
+                {"eye":[1,2,3],"look":[0,0,0],"orthographic_width":4},
+                {"fx":1000,"fy":900,"cx":600,"cy":520,"width":1280,"height":960}]"#,
+        )
+        .unwrap();
+        assert_eq!(list[0].name.as_deref(), Some("a"));
+        assert_eq!(list[0].camera.eye, DVec3::new(1.0, 2.0, 3.0));
+        assert_eq!(list[1].camera.fov_x, 90_f64.to_radians());
+        assert_eq!(list[2].camera.lens.parallel_width, Some(4.0));
+        let half = Intrinsics {
+            fx: 500.0,
+            fy: 450.0,
+            cx: 300.0,
+            cy: 260.0,
+        };
+        assert_eq!(list[3].camera, half.apply(&base(), 640.0, 480.0).unwrap());
+        for (text, word) in [
+            ("[]", "empty"),
+            (r#"[{"eye":[0,0,0]}]"#, "camera 0: an eye needs a look"),
+            (r#"[{"eye":[0,0,0],"look":[0,0,0]}]"#, "camera 0"),
+            (r#"[{},{"cx":4}]"#, "camera 1: fy, cx and cy need an fx"),
+            (r#"[{"fx":4,"width":10,"height":400}]"#, "same shape"),
+            (r#"[{"focal":4}]"#, "a camera has the fields"),
+            (r#"[{"matrix":[1,2]}]"#, "not a list of cameras"),
+        ] {
+            let error = read(text).unwrap_err();
+            assert_eq!(error.code(), "broken-camera-path");
+            assert!(error.to_string().contains(word), "{error}");
+        }
+    }
+}
