@@ -1,7 +1,7 @@
 //! Every buffer beside the colour: its values, and nothing but the written constant where there are none.
 
-use texmap_math::glam::{DMat4, DVec3};
 use texmap_math::color::{linear_to_srgb8, unit_to_u8};
+use texmap_math::glam::{DMat4, DVec3};
 use texmap_render::{Aov, AovData, HOLE_BITS, RenderSettings, render};
 use texmap_sample::{Filter, UvTransform};
 use texmap_scene::{AlphaMode, Material, Mesh, Scene, TextureRole};
@@ -246,13 +246,13 @@ fn colours_are_the_light_behind_the_bytes() {
             msaa,
             ..RenderSettings::new(SIZE, SIZE)
         };
-        let plain = render(&scene, &settings, &|_, _| ()).unwrap();
+        let plain = render(&scene, &settings, &texmap_render::no_progress).unwrap();
         for aovs in [vec![Aov::Color], vec![Aov::Depth, Aov::Color, Aov::Mesh]] {
             let asked = RenderSettings {
                 aovs,
                 ..settings.clone()
             };
-            let frame = render(&scene, &asked, &|_, _| ()).unwrap();
+            let frame = render(&scene, &asked, &texmap_render::no_progress).unwrap();
             assert!(frame.rgba == plain.rgba, "{supersample} {msaa}");
             let color = frame.aovs.iter().find(|(aov, ..)| *aov == Aov::Color);
             let Some((_, 4, AovData::F32(color))) = color else {
@@ -261,7 +261,10 @@ fn colours_are_the_light_behind_the_bytes() {
             for (light, bytes) in color.chunks(4).zip(plain.rgba.chunks(4)) {
                 let alpha = light[3];
                 let encoded = [0, 1, 2].map(|k| linear_to_srgb8(light[k] / alpha));
-                assert_eq!((encoded, unit_to_u8(alpha)), ([bytes[0], bytes[1], bytes[2]], bytes[3]));
+                assert_eq!(
+                    (encoded, unit_to_u8(alpha)),
+                    ([bytes[0], bytes[1], bytes[2]], bytes[3])
+                );
             }
         }
     }

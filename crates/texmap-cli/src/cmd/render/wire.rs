@@ -226,7 +226,8 @@ mod tests {
             aovs: vec![Aov::Depth],
             ..RenderSettings::new(64, 64)
         };
-        let mut frame = texmap_render::render(scene, &settings, &|_, _| {}).unwrap();
+        let mut frame =
+            texmap_render::render(scene, &settings, &texmap_render::no_progress).unwrap();
         let before = frame.rgba.clone();
         draw(scene, &mut frame);
         let changed = frame
