@@ -258,7 +258,7 @@ impl Textures {
 }
 
 /// What is drawn where a map is missing: loud, and never mistaken for a material.
-fn stand_in() -> Texture2d<'static> {
+pub(crate) fn stand_in() -> Texture2d<'static> {
     const SIDE: u32 = 8;
     let texel = |i: u32| {
         if (i % SIDE + i / SIDE).is_multiple_of(2) {

@@ -46,6 +46,9 @@ pub(crate) fn item(
         aspect: f64::from(size.width) / f64::from(size.height),
         color: args.color,
         files: files.clone(),
+        camera: args.camera.clone(),
+        time: args.time,
+        animation: args.animation.clone(),
         ..LoadOptions::default()
     };
     let mut scene = texmap_io::load(&item.input, &options)?;

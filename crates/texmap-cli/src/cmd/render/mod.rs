@@ -21,14 +21,14 @@ pub(crate) mod plan;
 mod report;
 mod sheet;
 
-/// Draw scenes and models: .scene or .obj in, .png out.
+/// Draw scenes and models: .scene, .obj, .gltf or .glb in, .png out.
 #[derive(Args, Debug)]
 #[command(
     after_help = "Several inputs: -o is a folder, or a name with {model} (the input's name without its ending). \
     One bad input does not stop the others; the exit code is then 3."
 )]
 pub(crate) struct RenderArgs {
-    /// .scene and .obj files; an OBJ alone gets an automatic camera and light
+    /// .scene, .obj, .gltf and .glb files; a model gets an automatic camera, and light where it has none
     #[arg(required = true, value_name = "IN")]
     inputs: Vec<PathBuf>,
     /// The PNG to write; `-` is standard output; with --frames a name with %04d
@@ -85,6 +85,15 @@ pub(crate) struct RenderArgs {
     /// srgb, or raw: no colour is converted, neither in nor out
     #[arg(long, value_name = "MODE", value_parser = values::color)]
     color: Option<ColorMode>,
+    /// The camera of a glTF model, by its name or number (`texmap info` lists them) [default: one that shows the whole model]
+    #[arg(long, value_name = "NAME|N", conflicts_with = "views")]
+    camera: Option<String>,
+    /// Seconds into an animation of a glTF model [default: at rest]
+    #[arg(long, value_name = "SECONDS", allow_hyphen_values = true, value_parser = values::seconds)]
+    time: Option<f64>,
+    /// The animation, by its name or number [default: the first]
+    #[arg(long, value_name = "NAME|N")]
+    animation: Option<String>,
     /// Where the camera stands
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
     camera_eye: Option<Triple>,
@@ -98,7 +107,7 @@ pub(crate) struct RenderArgs {
     #[arg(long, value_name = "DEGREES", allow_hyphen_values = true, value_parser = values::fov)]
     fov: Option<f64>,
     /// A walk: key positions of the camera, [{"eye":[x,y,z],"look":[x,y,z],"up":..,"fov":..}, ...]
-    #[arg(long, value_name = "CAMERA.json", requires = "frames", conflicts_with_all = ["views", "camera_eye", "camera_look", "camera_up", "fov"])]
+    #[arg(long, value_name = "CAMERA.json", requires = "frames", conflicts_with_all = ["views", "camera", "camera_eye", "camera_look", "camera_up", "fov"])]
     path: Option<PathBuf>,
     /// Pictures along the walk, numbered from 0
     #[arg(long, value_name = "N", requires = "path", value_parser = clap::value_parser!(u32).range(1..=100_000))]
