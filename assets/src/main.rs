@@ -7,6 +7,7 @@
 
 mod cow;
 mod effect_scenes;
+mod gltf;
 mod mesh;
 mod picture;
 mod scenes;
@@ -200,6 +201,11 @@ fn files() -> Vec<(String, Vec<u8>)> {
             .chain(effect_scenes::SCENES)
             .map(|(name, text)| (format!("scenes/{name}"), text.as_bytes().to_vec())),
     );
+    files.extend(
+        gltf::files()
+            .into_iter()
+            .map(|(name, bytes)| (format!("gltf/{name}"), bytes)),
+    );
     files
 }
 
@@ -213,7 +219,7 @@ fn write(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
 /// Files in the generated folders that the generator does not make.
 fn strays(root: &Path, files: &[(String, Vec<u8>)]) -> Vec<String> {
     let mut strays = Vec::new();
-    for folder in ["models", "scenes", "textures"] {
+    for folder in ["gltf", "models", "scenes", "textures"] {
         for entry in std::fs::read_dir(root.join(folder))
             .into_iter()
             .flatten()

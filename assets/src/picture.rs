@@ -1,6 +1,9 @@
 //! Pictures that are computed, not painted: a grid of RGBA8 texels, tileable noise and the two encoders.
 
-use image::{ExtendedColorType, ImageEncoder, codecs::gif::GifEncoder, codecs::png};
+use image::{
+    ExtendedColorType, ImageEncoder, codecs::gif::GifEncoder, codecs::png,
+    codecs::webp::WebPEncoder,
+};
 
 /// Red, green, blue and alpha of one texel, sRGB with straight alpha.
 pub(crate) type Rgba = [u8; 4];
@@ -73,6 +76,20 @@ impl Picture {
         )
         .write_image(&bytes, self.width, self.height, color)
         .expect("the texels fill the picture");
+        out
+    }
+
+    /// Lossless WebP.
+    pub(crate) fn webp(&self) -> Vec<u8> {
+        let mut out = Vec::new();
+        WebPEncoder::new_lossless(&mut out)
+            .write_image(
+                &self.texels.concat(),
+                self.width,
+                self.height,
+                ExtendedColorType::Rgba8,
+            )
+            .expect("the texels fill the picture");
         out
     }
 

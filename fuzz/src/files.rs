@@ -4,8 +4,8 @@ use std::path::Path;
 use texmap_mesh::tessellate;
 
 use texmap_io::{
-    CameraPath, IoError, LoadOptions, image_io, npy as array, read_environment, read_grid,
-    scene_file,
+    CameraPath, IoError, LoadOptions, image_io, load_bytes, npy as array, read_environment,
+    read_grid, scene_file,
 };
 use texmap_light::EnvironmentLayout;
 use texmap_math::glam::DVec3;
@@ -34,6 +34,19 @@ pub fn scene(bytes: &[u8]) {
 /// A model: refused by name, or drawn.
 pub fn obj(bytes: &[u8]) {
     file(bytes, "fuzz.obj");
+}
+
+/// A glTF model, as JSON or GLB: refused by name, or drawn at rest and in motion.
+pub fn gltf(bytes: &[u8]) {
+    file(bytes, "fuzz.glb");
+    let options = LoadOptions {
+        time: Some(0.7),
+        camera: Some("0".into()),
+        ..LoadOptions::default()
+    };
+    if let Err(error) = load_bytes(Path::new("fuzz.gltf"), bytes.to_vec(), &options) {
+        named(&error, "");
+    }
 }
 
 /// A library of materials beside a model that uses it.

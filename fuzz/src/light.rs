@@ -1,8 +1,8 @@
 //! Light.
 
 use texmap_light::{
-    Environment, EnvironmentLayout, Light, PhongMaterial, ShadowBias, ShadowKind, ShadowMap,
-    illuminate, illuminate_slice, perturb,
+    Environment, EnvironmentLayout, Light, LightCone, PhongMaterial, ShadowBias, ShadowKind,
+    ShadowMap, illuminate, illuminate_slice, perturb,
 };
 use texmap_math::glam::{DMat4, DVec3};
 
@@ -41,7 +41,7 @@ pub fn light(bytes: &[u8]) {
 
 fn light_of(c: &mut Choices<'_>) -> Light {
     let color = c.tame();
-    match c.below(4) {
+    match c.below(5) {
         0 => Light::Ambient { color },
         1 => Light::Directional {
             color,
@@ -50,6 +50,16 @@ fn light_of(c: &mut Choices<'_>) -> Light {
         2 => Light::Point {
             color,
             position: c.numbers(),
+        },
+        3 => Light::Punctual {
+            intensity: color,
+            position: c.numbers(),
+            range: c.number(),
+            cone: (c.byte() > 99).then(|| LightCone {
+                direction: c.numbers(),
+                cos_inner: c.number(),
+                cos_outer: c.number(),
+            }),
         },
         _ => Light::spot(color, c.numbers(), c.numbers(), c.number(), c.number()),
     }

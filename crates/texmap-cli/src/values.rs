@@ -114,6 +114,14 @@ pub(crate) fn fov(text: &str) -> Result<f64, String> {
         .ok_or_else(|| "expected degrees between 0 and 180 (horizontal)".to_owned())
 }
 
+/// A finite number of seconds.
+pub(crate) fn seconds(text: &str) -> Result<f64, String> {
+    text.parse::<f64>()
+        .ok()
+        .filter(|s| s.is_finite())
+        .ok_or_else(|| "expected seconds, such as 1.5".to_owned())
+}
+
 /// `#rrggbb`, `#rrggbbaa`, `r,g,b`, `r,g,b,a` (0 to 1) or `transparent`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Background(pub(crate) [f32; 4]);

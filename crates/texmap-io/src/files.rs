@@ -3,18 +3,19 @@
 
 use std::fmt;
 use std::fs::{self, File};
-use std::io::{self, Read};
+use std::io::{self, Cursor, Read};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use texmap_math::MemoryBudget;
 
+use crate::held::{Held, Input};
 use crate::{IoError, SourceLocation};
 
 /// Text files (scenes, OBJ, MTL) and encoded images above this size are refused: 2 GiB.
 pub(crate) const MAX_TEXT: u64 = 1 << 31;
 
-/// Where files are read from: the whole file system, or one folder.
+/// Where files are read from: the whole file system, one folder, or memory.
 ///
 /// Whatever opens a file to read it goes through this type. A pipe, a device or a folder is refused before it is opened. A file
 /// that grows meanwhile is read up to the size that it had.
@@ -22,14 +23,16 @@ pub(crate) const MAX_TEXT: u64 = 1 << 31;
 pub struct FileSource {
     /// Canonical; `None` for the whole file system.
     root: Option<Arc<Path>>,
+    /// In place of the file system.
+    held: Option<Arc<Held>>,
     /// Asked before something large is read or made of what was read.
     memory: MemoryBudget,
 }
 
-/// A regular file that was opened, and its size.
+/// A file that was opened, and its size.
 #[derive(Debug)]
 pub(crate) struct Opened {
-    pub(crate) file: File,
+    pub(crate) file: Input,
     pub(crate) bytes: u64,
 }
 
@@ -72,10 +75,49 @@ impl FileSource {
         })
     }
 
+    /// Files in memory by their names, and none of the file system: for programs without one. Names are compared after `.` and `..`
+    /// are taken out of them; a name that is given twice has the last bytes.
+    ///
+    /// ```
+    /// use std::path::Path;
+    /// use texmap_io::{FileSource, LoadOptions, load};
+    ///
+    /// let model = "mtllib gold.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl gold\nf 1 2 3\n";
+    /// let files = FileSource::in_memory([
+    ///     ("models/a.obj".into(), model.into()),
+    ///     ("models/gold.mtl".into(), "newmtl gold\nKd 1 0.8 0.2\n".into()),
+    /// ]);
+    /// let scene = load(Path::new("models/a.obj"), &LoadOptions { files, ..LoadOptions::default() })?;
+    /// assert_eq!(scene.materials[0].name, "gold");
+    /// # Ok::<(), texmap_io::IoError>(())
+    /// ```
+    pub fn in_memory(files: impl IntoIterator<Item = (PathBuf, Vec<u8>)>) -> Self {
+        Self {
+            held: Some(Arc::new(Held::new(files))),
+            ..Self::default()
+        }
+    }
+
+    /// The same files; those of the whole file system only from the folder of `file` and below.
+    pub(crate) fn confined(&self, file: &Path) -> Result<Self, IoError> {
+        if self.root.is_some() || self.held.is_some() {
+            return Ok(self.clone());
+        }
+        let folder = match file.parent() {
+            Some(folder) if !folder.as_os_str().is_empty() => folder,
+            _ => Path::new("."),
+        };
+        Ok(Self::within(folder)?.with_memory(self.memory))
+    }
+
     /// The same files under another memory budget than that of the process.
     #[must_use]
     pub fn with_memory(self, memory: MemoryBudget) -> Self {
         Self { memory, ..self }
+    }
+
+    pub(crate) fn memory(&self) -> MemoryBudget {
+        self.memory
     }
 
     /// Asks the memory budget for what a file, or a line of one, makes large.
@@ -156,6 +198,15 @@ impl FileSource {
         named_by: Option<&SourceLocation>,
         limit: u64,
     ) -> Result<Opened, IoError> {
+        if let Some(held) = &self.held {
+            let bytes = held.get(path).ok_or_else(|| missing(path, named_by))?;
+            return within_limit(
+                path,
+                Input::Held(Cursor::new(bytes.clone())),
+                bytes.len() as u64,
+                limit,
+            );
+        }
         let real = self.resolve(path, named_by)?;
         let at = real.as_deref().unwrap_or(path);
         // Opening a pipe would wait for its writer.
@@ -171,14 +222,7 @@ impl FileSource {
                 named_by: named_by.cloned(),
             });
         }
-        if bytes > limit {
-            return Err(IoError::FileTooLarge {
-                path: path.to_path_buf(),
-                bytes,
-                limit,
-            });
-        }
-        Ok(Opened { file, bytes })
+        within_limit(path, Input::File(file), bytes, limit)
     }
 
     /// Refuses what is missing, outside of the root, or no regular file.
@@ -187,6 +231,14 @@ impl FileSource {
         path: &Path,
         named_by: Option<&SourceLocation>,
     ) -> Result<(), IoError> {
+        if let Some(held) = &self.held {
+            let known = held.get(path).is_some();
+            return if known {
+                Ok(())
+            } else {
+                Err(missing(path, named_by))
+            };
+        }
         let real = self.resolve(path, named_by)?;
         self.size(real.as_deref().unwrap_or(path), path, named_by)
             .map(|_| ())
@@ -205,6 +257,9 @@ impl FileSource {
 
     /// Whether there is something of this name that may be read.
     pub(crate) fn exists(&self, path: &Path) -> bool {
+        if let Some(held) = &self.held {
+            return held.get(path).is_some();
+        }
         self.resolve(path, None)
             .is_ok_and(|real| real.as_deref().unwrap_or(path).exists())
     }
@@ -228,10 +283,7 @@ impl FileSource {
                     io::ErrorKind::NotFound | io::ErrorKind::NotADirectory
                 ) =>
             {
-                Err(IoError::FileMissing {
-                    path: path.to_path_buf(),
-                    named_by: named_by.cloned(),
-                })
+                Err(missing(path, named_by))
             }
             Err(source) => Err(unreadable(path, named_by, source)),
         }
@@ -283,6 +335,24 @@ impl FileSource {
 pub(crate) fn is_called(path: &Path, ending: &str) -> bool {
     path.extension()
         .is_some_and(|e| e.eq_ignore_ascii_case(ending))
+}
+
+fn within_limit(path: &Path, file: Input, bytes: u64, limit: u64) -> Result<Opened, IoError> {
+    match bytes <= limit {
+        true => Ok(Opened { file, bytes }),
+        false => Err(IoError::FileTooLarge {
+            path: path.to_path_buf(),
+            bytes,
+            limit,
+        }),
+    }
+}
+
+fn missing(path: &Path, named_by: Option<&SourceLocation>) -> IoError {
+    IoError::FileMissing {
+        path: path.to_path_buf(),
+        named_by: named_by.cloned(),
+    }
 }
 
 fn unreadable(path: &Path, named_by: Option<&SourceLocation>, source: io::Error) -> IoError {

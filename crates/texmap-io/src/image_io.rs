@@ -174,7 +174,38 @@ pub(crate) fn read_named(
     .map(Rgba::of)
 }
 
+/// Decodes the bytes of an image that messages call `path`.
+pub(crate) fn read_bytes(files: &FileSource, path: &Path, bytes: &[u8]) -> Result<Rgba, IoError> {
+    decode_bytes(files, path, None, bytes, |size| {
+        size_allowed(path, None, size)
+    })
+    .map(Rgba::of)
+}
+
 impl Rgba {
+    /// The same colours, opaque.
+    pub(crate) fn without_alpha(&self) -> Self {
+        fn opaque<T: Copy>(texels: &[T], most: T) -> Vec<T> {
+            let mut texels = texels.to_vec();
+            texels
+                .iter_mut()
+                .skip(3)
+                .step_by(4)
+                .for_each(|alpha| *alpha = most);
+            texels
+        }
+        Self {
+            width: self.width,
+            height: self.height,
+            channels: 3,
+            texels: match &self.texels {
+                Depth::U8(texels) => Depth::U8(opaque(texels, u8::MAX)),
+                Depth::U16(texels) => Depth::U16(opaque(texels, u16::MAX)),
+                Depth::F32(texels) => Depth::F32(opaque(texels, 1.0)),
+            },
+        }
+    }
+
     fn of(decoded: DynamicImage) -> Self {
         let (width, height) = (decoded.width(), decoded.height());
         let color = decoded.color();
@@ -236,6 +267,16 @@ pub(crate) fn decode(
     fits: impl Fn((u32, u32)) -> Result<(), IoError>,
 ) -> Result<DynamicImage, IoError> {
     let bytes = files.read_named(path, named_by, MAX_TEXT)?;
+    decode_bytes(files, path, named_by, &bytes, fits)
+}
+
+fn decode_bytes(
+    files: &FileSource,
+    path: &Path,
+    named_by: Option<&SourceLocation>,
+    bytes: &[u8],
+    fits: impl Fn((u32, u32)) -> Result<(), IoError>,
+) -> Result<DynamicImage, IoError> {
     let broken = |problem: String| IoError::BrokenImage {
         path: path.to_path_buf(),
         named_by: named_by.cloned(),
@@ -243,11 +284,11 @@ pub(crate) fn decode(
         problem: problem.trim_end().replace('\n', " "),
     };
     // Decoders call a size of zero "broken"; say what it is.
-    if let Some(size) = header_size(&bytes) {
+    if let Some(size) = header_size(bytes) {
         fits(size)?;
     }
     let reader = || {
-        let mut reader = ImageReader::new(Cursor::new(&bytes))
+        let mut reader = ImageReader::new(Cursor::new(bytes))
             .with_guessed_format()
             .map_err(|e| broken(e.to_string()))?;
         let mut limits = Limits::default();
@@ -260,7 +301,7 @@ pub(crate) fn decode(
         .into_dimensions()
         .map_err(|e| broken(e.to_string()))?;
     fits(size)?;
-    if let Some(problem) = exr_header::fault(&bytes) {
+    if let Some(problem) = exr_header::fault(bytes) {
         return Err(broken(problem));
     }
     let decoder = reader()?

@@ -7,7 +7,9 @@ use texmap_scene::{Mesh, Scene};
 use texmap_uv::TJunctions;
 
 use crate::framing::Bounds;
+use crate::gltf::{self, Contents};
 use crate::scene::{self, Kind, LoadOptions};
+use crate::textures::Textures;
 use crate::{FileSource, IoError, image_io};
 
 /// A file in figures.
@@ -17,12 +19,20 @@ pub struct FileInfo {
     /// The file; in JSON with U+FFFD for what is no Unicode.
     #[serde(serialize_with = "lossy")]
     pub file: PathBuf,
-    /// `scene`, `obj` or `image`.
+    /// `scene`, `obj`, `gltf` or `image`.
     pub kind: &'static str,
     /// In the order of drawing.
     pub meshes: Vec<MeshInfo>,
     /// Images that it is or names, and models and libraries that it names in vain.
     pub files: Vec<NamedFile>,
+    /// Names of the materials.
+    pub materials: Vec<String>,
+    /// Cameras that may be chosen, numbered from 0.
+    pub cameras: Vec<CameraInfo>,
+    /// Animations, numbered from 0.
+    pub animations: Vec<AnimationInfo>,
+    /// Extensions that a glTF names, and what becomes of them.
+    pub extensions: Vec<ExtensionInfo>,
     /// Number of lights; an OBJ by itself has none.
     pub lights: usize,
     /// Centre and radius of a sphere around all meshes, world units.
@@ -61,6 +71,40 @@ pub struct MeshInfo {
     pub uv: Option<[[f32; 2]; 2]>,
 }
 
+/// A camera of a model.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[non_exhaustive]
+pub struct CameraInfo {
+    /// Its name or that of its node; may be empty.
+    pub name: String,
+    /// Its view is parallel.
+    pub orthographic: bool,
+}
+
+/// An animation of a model.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[non_exhaustive]
+pub struct AnimationInfo {
+    /// Its name; may be empty.
+    pub name: String,
+    /// Time of its last key, seconds.
+    pub seconds: f64,
+    /// Number of values that it moves.
+    pub channels: usize,
+}
+
+/// An extension that a glTF file names.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[non_exhaustive]
+pub struct ExtensionInfo {
+    /// Its name.
+    pub name: String,
+    /// The file cannot be read without.
+    pub required: bool,
+    /// What becomes of it, in words.
+    pub support: &'static str,
+}
+
 /// A file that the scene names.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[non_exhaustive]
@@ -78,7 +122,7 @@ pub struct NamedFile {
     pub problem: Option<String>,
 }
 
-/// Reads a `.scene`, `.obj` or image file and everything that it names. Named files that are missing or broken do not
+/// Reads a `.scene`, `.obj`, `.gltf`, `.glb` or image file and everything that it names. Named files that are missing or broken do not
 /// stop it; they are listed.
 ///
 /// # Errors
@@ -92,12 +136,43 @@ pub fn info(path: &Path) -> Result<FileInfo, IoError> {
 /// # Errors
 /// As [`info`], and [`IoError::OutsideRoot`] for the file itself.
 pub fn info_with(path: &Path, options: &LoadOptions) -> Result<FileInfo, IoError> {
-    let (kind, (scene, textures)) = match scene::kind(path, &options.files) {
-        Ok(Kind::Scene) => ("scene", scene::read_scene(path, options, true)?),
-        Ok(Kind::Obj) => ("obj", scene::read_obj(path, options, true)?),
+    let (kind, scene, contents) = match scene::kind(path, &options.files) {
+        Ok(Kind::Scene) => {
+            let (scene, textures) = scene::read_scene(path, options, true)?;
+            let lights = scene.lights.len();
+            ("scene", scene, contents(textures, lights))
+        }
+        Ok(Kind::Obj) => {
+            let (scene, textures) = scene::read_obj(path, options, true)?;
+            ("obj", scene, contents(textures, 0))
+        }
+        Ok(Kind::Gltf) => {
+            let (scene, contents) = gltf::read(path, options, true)?;
+            ("gltf", scene, contents)
+        }
         Err(error @ IoError::UnknownFormat { .. }) => return image(path, &options.files, error),
         Err(error) => return Err(error),
     };
+    let t_joints = t_joints(&scene);
+    Ok(FileInfo {
+        file: path.to_path_buf(),
+        kind,
+        meshes: scene.meshes.iter().map(|m| mesh(m, &scene)).collect(),
+        files: contents.files,
+        materials: scene.materials.iter().map(|m| m.name.clone()).collect(),
+        cameras: contents.cameras,
+        animations: contents.animations,
+        extensions: contents.extensions,
+        lights: contents.lights,
+        t_joints: t_joints.list.len(),
+        t_joints_at_least: t_joints.at_least,
+        sphere: Bounds::of(&scene).map(|b| (b.center.to_array(), b.radius)),
+        warnings: scene.warnings,
+    })
+}
+
+/// What a scene file or an OBJ says beside its scene.
+fn contents(textures: Textures, lights: usize) -> Contents {
     let files = textures.files.into_iter().map(|f| {
         let (found, problem) = match f.found {
             Ok(found) => (Some(found), None),
@@ -111,18 +186,11 @@ pub fn info_with(path: &Path, options: &LoadOptions) -> Result<FileInfo, IoError
             problem,
         }
     });
-    let t_joints = t_joints(&scene);
-    Ok(FileInfo {
-        file: path.to_path_buf(),
-        kind,
-        meshes: scene.meshes.iter().map(|m| mesh(m, &scene)).collect(),
+    Contents {
         files: files.collect(),
-        lights: if kind == "obj" { 0 } else { scene.lights.len() },
-        t_joints: t_joints.list.len(),
-        t_joints_at_least: t_joints.at_least,
-        sphere: Bounds::of(&scene).map(|b| (b.center.to_array(), b.radius)),
-        warnings: scene.warnings,
-    })
+        lights,
+        ..Contents::default()
+    }
 }
 
 fn lossy<S: Serializer>(path: &Path, serializer: S) -> Result<S::Ok, S::Error> {
@@ -139,7 +207,10 @@ fn mesh(mesh: &Mesh, scene: &Scene) -> MeshInfo {
     MeshInfo {
         name: mesh.name.clone(),
         vertices: mesh.positions.len(),
-        faces: faces.len(),
+        faces: match faces.len() {
+            0 => mesh.triangles.len(),
+            faces => faces,
+        },
         triangles: mesh.triangles.len(),
         material: scene
             .materials
@@ -179,7 +250,7 @@ fn range(uvs: &[[f32; 2]]) -> Option<[[f32; 2]; 2]> {
 }
 
 fn image(path: &Path, files: &FileSource, unknown: IoError) -> Result<FileInfo, IoError> {
-    let known = ["png", "jpg", "jpeg", "gif", "hdr", "exr"];
+    let known = ["png", "jpg", "jpeg", "gif", "webp", "hdr", "exr"];
     let extension = path
         .extension()
         .and_then(|e| e.to_str())
@@ -201,6 +272,10 @@ fn image(path: &Path, files: &FileSource, unknown: IoError) -> Result<FileInfo, 
         kind: "image",
         meshes: Vec::new(),
         files: vec![file],
+        materials: Vec::new(),
+        cameras: Vec::new(),
+        animations: Vec::new(),
+        extensions: Vec::new(),
         lights: 0,
         sphere: None,
         t_joints: 0,

@@ -1,6 +1,6 @@
-//! Files in and out of texmap: the scene language, OBJ/MTL models, images, `.npy` arrays. The only crate that sees files.
+//! Files in and out of texmap: the scene language, OBJ/MTL and glTF models, images, `.npy` arrays. The only crate that sees files.
 //!
-//! - [`load`] reads a `.scene` or `.obj` with everything that it names into a [`texmap_scene::Scene`]; [`info`] lists
+//! - [`load`] reads a `.scene`, `.obj`, `.gltf` or `.glb` with everything that it names into a [`texmap_scene::Scene`]; [`info`] lists
 //!   what a file holds and what it names in vain.
 //! - [`scene_file`] is the language alone: text to statements and back.
 //! - [`image_io`], [`write_pixels`], [`npy`], [`CameraPath`]: pictures, arrays, walks. [`framing`]: cameras that show a whole model.
@@ -37,7 +37,9 @@ mod exr_layers;
 mod files;
 mod font;
 pub mod framing;
+mod gltf;
 mod grids;
+mod held;
 pub mod image_io;
 mod info;
 pub mod npy;
@@ -56,7 +58,9 @@ pub use exr_layers::{ExrLayer, write_exr};
 pub use files::FileSource;
 pub use font::built_in_font;
 pub use grids::read_grid;
-pub use info::{FileInfo, MeshInfo, NamedFile, info, info_with};
+pub use info::{
+    AnimationInfo, CameraInfo, ExtensionInfo, FileInfo, MeshInfo, NamedFile, info, info_with,
+};
 pub use obj::ObjText;
 pub use picture_format::{Lost, PictureFormat, PixelCode, write_pixels};
-pub use scene::{LoadOptions, load, load_obj, load_scene};
+pub use scene::{LoadOptions, load, load_bytes, load_gltf, load_obj, load_scene};

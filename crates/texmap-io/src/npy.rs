@@ -2,11 +2,11 @@
 //!
 //! Source: NEP 1, "A Simple File Format for NumPy Arrays".
 
-use std::fs::File;
 use std::io::{self, BufReader, Read, Take, Write};
 use std::path::Path;
 
 use crate::error::shortened;
+use crate::held::Input;
 use crate::{FileSource, IoError, SourceLocation, atomic};
 
 /// The values of an array to write.
@@ -82,7 +82,7 @@ pub fn read(path: &Path) -> Result<Array, IoError> {
 #[derive(Debug)]
 pub(crate) struct Stored<'a> {
     path: &'a Path,
-    input: BufReader<Take<File>>,
+    input: BufReader<Take<Input>>,
     pub(crate) shape: Vec<usize>,
     descr: String,
     count: usize,

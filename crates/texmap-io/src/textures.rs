@@ -267,7 +267,7 @@ fn named(missing: Missing) -> &'static str {
 }
 
 /// What is drawn where a map is missing: loud and never mistaken for a material, or grey, which as heights or normals is flat.
-fn stand_in(missing: Missing, content: Content) -> Texture2d<'static> {
+pub(crate) fn stand_in(missing: Missing, content: Content) -> Texture2d<'static> {
     const SIDE: u32 = 8;
     if missing == Missing::Grey {
         let (texel, space) = match content {

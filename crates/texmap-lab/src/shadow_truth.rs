@@ -188,7 +188,9 @@ impl<'s> ShadowTruth<'s> {
         let wide = |v: [f32; 3]| DVec3::from(v.map(f64::from));
         match self.scene.lights[0] {
             Light::Directional { direction, .. } => wide(direction).normalize() * -100.0,
-            Light::Point { position, .. } | Light::Spot { position, .. } => wide(position) - at,
+            Light::Point { position, .. }
+            | Light::Spot { position, .. }
+            | Light::Punctual { position, .. } => wide(position) - at,
             _ => DVec3::Z,
         }
     }

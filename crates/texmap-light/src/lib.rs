@@ -49,6 +49,7 @@ mod packed;
 mod phong;
 mod points;
 mod projector_texture;
+mod punctual;
 pub mod reference;
 mod reflect;
 mod shade;
@@ -74,6 +75,7 @@ pub use points::{
 pub use projector_texture::{
     BoundProjectorTexture, ProjectorBorder, ProjectorTexture, projector_texel,
 };
+pub use punctual::LightCone;
 pub use shade::{
     illuminate, illuminate_slice, illuminate_two_sided, lighting, lighting_slice,
     shade_with_visibility,

@@ -1,5 +1,7 @@
 use texmap_math::deterministic_f64;
 
+use crate::LightCone;
+
 /// Falloff of a highlight.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum SpecularModel {
@@ -50,7 +52,8 @@ impl PhongMaterial {
     }
 }
 
-/// A light source. Colours are linear factors, `>= 0`; none is attenuated by distance.
+/// A light source. Colours are linear factors, `>= 0`: a white surface that faces a light of colour 1 has a radiance of 1. Only
+/// [`Light::Punctual`] is attenuated by distance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Light {
@@ -86,6 +89,19 @@ pub enum Light {
         /// Cosine of half the angle of the outer cone, beyond which there is no light; at most `cos_inner`. Between them the
         /// strength falls as `3x^2 - 2x^3` of the cosine.
         cos_outer: f32,
+    },
+    /// A point or spot light in physical units (glTF `KHR_lights_punctual`; its directional light of `E` lux is a
+    /// [`Light::Directional`] of colour `E / pi`). At a distance of `d` it has the colour
+    /// `intensity / (pi d^2) * max(0, 1 - (d / range)^4) * cone`: a white surface that faces it has that radiance.
+    Punctual {
+        /// Luminous intensity per channel, candela; distances are in metres.
+        intensity: [f32; 3],
+        /// Position of the light.
+        position: [f32; 3],
+        /// Distance from which on there is no light; above 0, infinite for none.
+        range: f32,
+        /// The cone of a spot light; a point light has none.
+        cone: Option<LightCone>,
     },
 }
 
@@ -130,6 +146,17 @@ impl Light {
                     return false;
                 }
                 (color, position)
+            }
+            Self::Punctual {
+                intensity,
+                position,
+                range,
+                cone,
+            } => {
+                if !(range > 0.0 && cone.is_none_or(|cone| cone.is_valid())) {
+                    return false;
+                }
+                (intensity, position)
             }
         };
         color.iter().all(|x| x.is_finite() && *x >= 0.0) && vector.iter().all(|x| x.is_finite())

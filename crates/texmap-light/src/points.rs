@@ -146,7 +146,7 @@ mod tests {
     }
 
     /// The results of every effect, vector by vector.
-    const RESULTS: usize = 33;
+    const RESULTS: usize = 37;
 
     #[inline(always)]
     fn every_effect<I: Isa>(
@@ -197,6 +197,12 @@ mod tests {
             },
             Light::Point { color, position },
             Light::spot(color, position, direction, 0.4, 0.9),
+            Light::Punctual {
+                intensity: color,
+                position,
+                range: 4.0,
+                cone: Some(crate::LightCone::new(direction, 0.4, 0.9)),
+            },
         ] {
             for (model, ns) in [(SpecularModel::Phong, 5.0), (SpecularModel::Blinn, 7.3)] {
                 let (power, surface) = (

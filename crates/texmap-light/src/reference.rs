@@ -3,7 +3,7 @@
 use texmap_math::deterministic_f64;
 use texmap_math::glam::DVec3;
 
-use crate::{Light, PhongMaterial};
+use crate::{Light, LightCone, PhongMaterial};
 
 /// Diffuse and highlight terms; see [`crate::lighting`].
 #[must_use]
@@ -44,6 +44,16 @@ pub fn lighting(
                 };
                 (color.map(|c| c * (x * x * (3.0 - 2.0 * x)) as f32), l)
             }
+            Light::Punctual {
+                intensity,
+                position,
+                range,
+                ref cone,
+            } => {
+                let l = vector(position) - point;
+                let share = falloff(range, cone.as_ref(), l);
+                (intensity.map(|c| (f64::from(c) * share) as f32), l)
+            }
         };
         let l = l.normalize_or_zero();
         let n_l = n.dot(l);
@@ -59,6 +69,21 @@ pub fn lighting(
         }
     }
     (diffuse, highlight)
+}
+
+/// What multiplies the intensity of a [`Light::Punctual`] in candela, for the vector from a point to the light.
+#[must_use]
+pub fn falloff(range: f32, cone: Option<&LightCone>, way: DVec3) -> f64 {
+    let square = way.length_squared();
+    let ratio = square / (f64::from(range) * f64::from(range));
+    let window = (1.0 - ratio * ratio).max(0.0);
+    let part = cone.map_or(1.0, |cone| {
+        let axis = DVec3::from(cone.direction.map(f64::from)).normalize_or_zero();
+        let along = -axis.dot(way.normalize_or_zero());
+        let (inner, outer) = (f64::from(cone.cos_inner), f64::from(cone.cos_outer));
+        ((along - outer) / (inner - outer).max(1e-3)).clamp(0.0, 1.0)
+    });
+    window * part * part / (core::f64::consts::PI * square.max(1e-12))
 }
 
 /// Colour clipped at 1; see [`crate::illuminate`].

@@ -4,6 +4,7 @@ use texmap_math::deterministic_f32;
 use texmap_math::simd::{Isa, prelude::*};
 
 use crate::lanes::Vector;
+use crate::punctual::falloff;
 use crate::vector::{add, dot, is_zero, scale, splat, sub, unit};
 use crate::{Light, PhongMaterial, SpecularModel};
 
@@ -114,7 +115,7 @@ fn flushed<I: Isa>(i: I, power: I::F32) -> I::F32 {
 pub struct LightContributionLanes<I: Isa> {
     /// Lanes that the light reaches: it is not behind them, and they lie in its cone. The values of the others have no meaning.
     pub lit: I::Mask,
-    /// The light's colour, in a spot light's cone.
+    /// The light's colour after falloff by distance and angle.
     pub color: [I::F32; 3],
     /// `kd N.L`, or `ka` of ambient light.
     pub diffuse: I::F32,
@@ -162,6 +163,18 @@ pub fn evaluate_light<I: Isa>(
             let part = cone(i, direction, cos_inner, cos_outer, toward);
             let lit = part.simd_gt(0.0) & i.mask(color != [0.0; 3]);
             (scale(splat(i, color), part), toward, lit)
+        }
+        Light::Punctual {
+            intensity,
+            position,
+            range,
+            ref cone,
+        } => {
+            let way = sub(splat(i, position), point);
+            let toward = unit(i, way);
+            let part = falloff(i, range, cone.as_ref(), way, toward);
+            let lit = part.simd_gt(0.0) & i.mask(intensity != [0.0; 3]);
+            (scale(splat(i, intensity), part), toward, lit)
         }
     };
     let facing = dot(normal, toward);

@@ -6,6 +6,8 @@ use texmap_light::Light;
 use texmap_sample::Texture2d;
 
 use super::IdleLight;
+use super::lights::distance;
+use texmap_math::wide;
 use texmap_scene::{Material, Mesh, ProjectorMode, Scene, Shading, TextureRole};
 
 /// Strengths of light beyond white that are tried. Each is this many times the one before it, up to where nothing but white is left.
@@ -112,7 +114,7 @@ impl<'s> Lighting<'s> {
             return Gain::Exactly(color);
         }
         let (light, mut added) = if lit {
-            self.most(material)
+            self.most(mesh, material)
         } else {
             ([1.0; 3], [0.0; 3])
         };
@@ -129,7 +131,7 @@ impl<'s> Lighting<'s> {
     }
 
     /// The most that lights can multiply a base colour by, and the most that they add to it.
-    fn most(&self, material: &Material) -> ([f32; 3], [f32; 3]) {
+    fn most(&self, mesh: &Mesh, material: &Material) -> ([f32; 3], [f32; 3]) {
         let surface = &material.phong;
         if let Some(ramp) = &material.light_ramp {
             return (self.brightest(ramp.texture), [0.0; 3]);
@@ -152,6 +154,17 @@ impl<'s> Lighting<'s> {
                 | Light::Spot { color, .. } => {
                     add(&mut sum, surface.kd, *color);
                     add(&mut added, surface.ks, *color);
+                }
+                Light::Punctual {
+                    intensity,
+                    position,
+                    ..
+                } => {
+                    let near = distance(mesh, wide(*position));
+                    let share = 1.0 / (std::f64::consts::PI * (near * near).max(1e-12));
+                    let color = intensity.map(|c| (f64::from(c) * share) as f32);
+                    add(&mut sum, surface.kd, color);
+                    add(&mut added, surface.ks, color);
                 }
                 _ => return ([f32::INFINITY; 3], [1.0; 3]),
             }

@@ -268,7 +268,7 @@ mod tests {
     use texmap_sample::{ColorSpace, Origin, Sampler, Texture2d};
 
     use super::*;
-    use texmap_scene::{AlphaMode, ColorMode, Material, Shadow, TextureSlot};
+    use texmap_scene::{AlphaMode, ColorMode, Effects, Material, Shadow, TextureSlot};
 
     /// A square of side 4 across the view at this depth, with a picture that no filter can show at its size.
     fn square(z: f32, material: usize) -> Mesh {
@@ -467,6 +467,20 @@ mod tests {
             .collect();
         assert_eq!(left, [(1, Some(choices.shadows[0].size)), (0, Some(512))]);
         planned.check().unwrap();
+        // A lamp three units away of which only one has the range.
+        let lamp = |range| Light::Punctual {
+            intensity: [1.0; 3],
+            position: [0.0, 0.0, 3.0],
+            range,
+            cone: None,
+        };
+        let lamps = Scene {
+            lights: vec![lamp(1.5), lamp(9.0)],
+            effects: Effects::default(),
+            ..scene.clone()
+        };
+        let idle: Vec<usize> = plan(&lamps).idle_lights.iter().map(|l| l.light).collect();
+        assert_eq!(idle, [0]);
         // Nothing lit: no light at all.
         for material in &mut scene.materials {
             material.shading = Shading::Unlit;

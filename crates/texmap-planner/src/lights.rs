@@ -44,7 +44,10 @@ pub(super) fn idle(scene: &Scene) -> Vec<IdleLight> {
         let (Light::Ambient { color }
         | Light::Directional { color, .. }
         | Light::Point { color, .. }
-        | Light::Spot { color, .. }) = light
+        | Light::Spot { color, .. }
+        | Light::Punctual {
+            intensity: color, ..
+        }) = light
         else {
             return None;
         };
@@ -53,7 +56,7 @@ pub(super) fn idle(scene: &Scene) -> Vec<IdleLight> {
         } else if lit.is_empty() {
             Some("no surface is lit")
         } else if !lit.iter().any(|ball| may_reach(light, *ball)) {
-            Some("its cone meets no lit surface")
+            Some("no lit surface lies in its cone and range")
         } else {
             None
         }
@@ -80,21 +83,42 @@ fn ball(mesh: &Mesh) -> Option<(DVec3, f64)> {
     Some((centre, radius * (1.0 + 1e-6) + 1e-9))
 }
 
-/// True if a spot light's cone may meet a ball; any other light does.
+/// The distance that a mesh keeps at least from a point; 0 for one without triangles.
+pub(super) fn distance(mesh: &Mesh, point: DVec3) -> f64 {
+    ball(mesh).map_or(0.0, |(centre, radius)| {
+        ((centre - point).length() - radius).max(0.0)
+    })
+}
+
+/// True if a light's cone and range may meet a ball.
 fn may_reach(light: &Light, (centre, radius): (DVec3, f64)) -> bool {
-    let Light::Spot {
-        position,
-        direction,
-        cos_outer,
-        ..
-    } = light
-    else {
-        return true;
+    let (position, direction, cos_outer) = match *light {
+        Light::Spot {
+            position,
+            direction,
+            cos_outer,
+            ..
+        } => (position, direction, cos_outer),
+        Light::Punctual {
+            position,
+            range,
+            cone,
+            ..
+        } => {
+            let way = (centre - wide(position)).length();
+            // Distances are rounded to f32.
+            if way - radius > f64::from(range) + 1e-5 * way {
+                return false;
+            }
+            let Some(cone) = cone else { return true };
+            (position, cone.direction, cone.cos_outer)
+        }
+        _ => return true,
     };
-    let from = centre - wide(*position);
-    let axis = wide(*direction);
+    let from = centre - wide(position);
+    let axis = wide(direction);
     let axis = axis / axis.length();
-    let cos = f64::from(*cos_outer).clamp(-1.0, 1.0);
+    let cos = f64::from(cos_outer).clamp(-1.0, 1.0);
     if cos <= 0.0 || from.length() <= radius {
         return true;
     }

@@ -2,7 +2,7 @@
 
 use crate::Mesh;
 use texmap_light::ShadowBias;
-use texmap_light::{Light, ShadowKind};
+use texmap_light::{Light, LightCone, ShadowKind};
 use texmap_math::camera::Camera;
 use texmap_math::glam::{DMat4, DVec3};
 
@@ -58,7 +58,12 @@ pub fn shadow_kind(
                 half,
             })
         }
-        Light::Point { position, .. } => {
+        Light::Point { position, .. }
+        | Light::Punctual {
+            position,
+            cone: None,
+            ..
+        } => {
             let position = wide(position);
             let Some((centre, half)) = area else {
                 return Ok(ShadowKind::Point { position });
@@ -76,6 +81,16 @@ pub fn shadow_kind(
             position,
             direction,
             cos_outer,
+            ..
+        }
+        | Light::Punctual {
+            position,
+            cone:
+                Some(LightCone {
+                    direction,
+                    cos_outer,
+                    ..
+                }),
             ..
         } => {
             let cos = f64::from(cos_outer);

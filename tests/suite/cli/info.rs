@@ -88,3 +88,57 @@ fn a_broken_file_itself_is_an_error() {
         (4, Some("unknown-command"))
     );
 }
+
+/// A glTF says what `render` can choose from.
+#[test]
+fn cameras_animations_and_extensions_are_listed() {
+    let desk = Desk::new();
+    for (name, words) in [
+        (
+            "box.glb",
+            &[
+                "(gltf)",
+                "camera 0 'front': perspective",
+                "letters",
+                "64 x 64",
+                "/images/0",
+            ][..],
+        ),
+        (
+            "bent.glb",
+            &[
+                "animation 0 'bend': 2 s, 2 channels",
+                "animation 1 'jump': 2 s, 1 channels",
+            ],
+        ),
+        (
+            "quantized.glb",
+            &[
+                "extension KHR_mesh_quantization (required): read",
+                "extension KHR_texture_transform: read",
+            ],
+        ),
+    ] {
+        desk.put("model.glb", asset(name));
+        let text = String::from_utf8(desk.texmap("info model.glb").ok().stdout).unwrap();
+        for word in words {
+            assert!(text.contains(word), "{word} is not in\n{text}");
+        }
+    }
+    desk.put("model.glb", asset("bent.glb"));
+    let info = desk.texmap("info model.glb --json").ok().json();
+    assert_eq!(
+        (&info["kind"], &info["animations"][0]["seconds"]),
+        (&"gltf".into(), &2.0.into())
+    );
+    assert_eq!(
+        (&info["meshes"][0]["triangles"], &info["materials"][0]),
+        (&8.into(), &"strip".into())
+    );
+    assert_eq!(info["lights"], 0);
+}
+
+fn asset(name: &str) -> Vec<u8> {
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../assets/gltf");
+    std::fs::read(folder.join(name)).unwrap()
+}

@@ -33,6 +33,7 @@ fn every_link_into_the_repository_leads_somewhere() {
         "CHANGELOG.md",
         "docs/ARCHITECTURE.md",
         "docs/CONTRIBUTING.md",
+        "docs/GLTF.md",
     ] {
         let path = root().join(page);
         let text = fs::read_to_string(&path).unwrap();

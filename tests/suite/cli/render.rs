@@ -325,3 +325,54 @@ fn help_and_version_are_answers() {
         assert!(!run.stdout.is_empty() && run.stderr.is_empty());
     }
 }
+
+/// A GLB by its own camera and at times of its animation; what it does not have is named.
+#[test]
+fn a_gltf_model_is_drawn_by_its_camera_and_at_a_time() {
+    let desk = Desk::new();
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../assets/gltf");
+    for name in ["box.glb", "bent.glb"] {
+        desk.put(name, std::fs::read(folder.join(name)).unwrap());
+    }
+    let at = |more: &str| {
+        hash(desk.texmap(&format!(
+            "render {more} --resolution 64x48 -o out.png --json"
+        )))
+    };
+    let hashes = [
+        at("box.glb"),
+        at("box.glb --camera front"),
+        at("bent.glb"),
+        at("bent.glb --time 1"),
+        at("bent.glb --time 1 --animation jump"),
+    ];
+    assert_eq!(hashes[1], at("box.glb --camera 0"));
+    assert_eq!(
+        hashes[2],
+        at("bent.glb --time 0"),
+        "the first key is the pose at rest"
+    );
+    assert_eq!(hashes[2], hashes[4], "a step waits");
+    let different: std::collections::BTreeSet<_> = hashes.iter().collect();
+    assert_eq!(different.len(), 4);
+    let run = desk.texmap("render box.glb --camera back -o out.png");
+    assert!(
+        run.code != 0
+            && run.stderr.contains("has no camera 'back'")
+            && run.stderr.contains("0 'front'"),
+        "{}",
+        run.stderr
+    );
+    desk.put(
+        "cut.glb",
+        &std::fs::read(folder.join("box.glb")).unwrap()[..100],
+    );
+    let run = desk.texmap("render cut.glb -o out.png");
+    assert!(
+        run.code != 0 && run.stderr.contains("broken-gltf"),
+        "{}",
+        run.stderr
+    );
+    let run = desk.texmap("render box.glb --time soon -o out.png");
+    assert_eq!(run.code, 2, "{}", run.stderr);
+}

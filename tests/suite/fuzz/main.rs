@@ -223,6 +223,25 @@ fn pictures() {
 }
 
 #[test]
+fn gltf_models() {
+    let words = [
+        "-1",
+        "4294967295",
+        "1e308",
+        "null",
+        "[]",
+        "{}",
+        "\"count\":9",
+        "\"mode\":5",
+        "\"byteStride\":255",
+        "\"sparse\"",
+        "\"children\":[0]",
+        "5126",
+    ];
+    smoke("gltf", &words, 1500, targets::gltf);
+}
+
+#[test]
 fn arrays() {
     let words = [
         "(0,)",

@@ -1,6 +1,7 @@
 //! Files in and out: the scene language, models, images, arrays, and every way in which they can be broken.
 
 mod effects;
+mod gltf;
 mod guarded;
 mod language;
 mod malformed;

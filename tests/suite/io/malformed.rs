@@ -114,7 +114,9 @@ fn whole_files() {
     );
     refused_whole(&scene(""), "no.scene", "file-missing");
     refused_whole(&scene(""), "no.obj", "file-missing");
-    refused_whole(&scene("").with("a.gltf", "{}"), "a.gltf", "unknown-format");
+    refused_whole(&scene("").with("a.fbx", "{}"), "a.fbx", "unknown-format");
+    refused_whole(&scene("").with("a.gltf", "{}"), "a.gltf", "broken-gltf");
+    refused_whole(&scene("").with("a.glb", "glTF"), "a.glb", "broken-gltf");
     let files = Files::new().with("room.scene/x", "").with("cow.obj/x", "");
     refused_whole(&files, "room.scene", "not-a-file");
     refused_whole(&files, "cow.obj", "not-a-file");

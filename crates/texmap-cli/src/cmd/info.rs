@@ -9,11 +9,11 @@ use texmap_io::{FileInfo, LoadOptions, MeshInfo, NamedFile, shown};
 use crate::cmd::Root;
 use crate::failure::{self, Exit, Failure, say_always};
 
-/// Show meshes, maps, uv ranges and missing files of a scene, model or image.
+/// Show meshes, materials, cameras, animations, maps, uv ranges and missing files of a scene, model or image.
 #[derive(Args, Debug)]
 #[command(after_help = "Exit code 3 when a file that it names is missing or broken.")]
 pub(crate) struct InfoArgs {
-    /// A .scene, .obj or image file
+    /// A .scene, .obj, .gltf, .glb or image file
     file: PathBuf,
     #[command(flatten)]
     root: Root,
@@ -96,10 +96,54 @@ fn words(info: &FileInfo) -> String {
         rows.extend(info.files.iter().map(file_row));
         text.push_str(&table(&rows));
     }
+    text.push_str(&choices(info));
     for warning in &info.warnings {
         let _ = writeln!(text, "warning: {warning}");
     }
     text
+}
+
+/// What `render` can choose from, and the extensions of the file.
+fn choices(info: &FileInfo) -> String {
+    let mut text = String::new();
+    let named = |number: usize, name: &str| match name {
+        "" => number.to_string(),
+        name => format!("{number} '{name}'"),
+    };
+    let lines = info.cameras.iter().enumerate().map(|(i, camera)| {
+        let kind = if camera.orthographic {
+            "parallel"
+        } else {
+            "perspective"
+        };
+        format!("camera {}: {kind}", named(i, &camera.name))
+    });
+    let lines = lines.chain(info.animations.iter().enumerate().map(|(i, animation)| {
+        let name = named(i, &animation.name);
+        format!(
+            "animation {name}: {} s, {} channels",
+            animation.seconds, animation.channels
+        )
+    }));
+    let lines = lines.chain(info.extensions.iter().map(|extension| {
+        let required = if extension.required {
+            " (required)"
+        } else {
+            ""
+        };
+        format!(
+            "extension {}{required}: {}",
+            extension.name, extension.support
+        )
+    }));
+    for line in lines {
+        text.push_str(&line);
+        text.push('\n');
+    }
+    match text.is_empty() {
+        true => text,
+        false => format!("\n{text}"),
+    }
 }
 
 fn mesh_row(mesh: &MeshInfo) -> [String; 7] {

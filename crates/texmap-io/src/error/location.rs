@@ -72,6 +72,10 @@ impl IoError {
             | Self::UnknownFormat { .. }
             | Self::EmptyScene { .. }
             | Self::BrokenModel { .. }
+            | Self::BrokenGltf { .. }
+            | Self::UnsupportedGltf { .. }
+            | Self::NamedByGltf { .. }
+            | Self::UnknownName { .. }
             | Self::BrokenArray { .. } => None,
         }
     }
@@ -83,4 +87,12 @@ pub(super) fn line_of(location: &Option<SourceLocation>) -> String {
         .as_ref()
         .map(|p| format!("{p}: "))
         .unwrap_or_default()
+}
+
+/// A JSON pointer as a message begins with it, if there is one.
+pub(super) fn pointer_of(pointer: &str) -> String {
+    match pointer {
+        "" => String::new(),
+        pointer => format!("{}: ", super::shortened(pointer)),
+    }
 }

@@ -8,7 +8,7 @@ use std::borrow::Cow;
 use std::io;
 use std::path::PathBuf;
 
-use location::line_of;
+use location::{line_of, pointer_of};
 use texmap_math::OverBudget;
 
 pub use location::SourceLocation;
@@ -321,6 +321,50 @@ pub enum IoError {
         /// What the reader said.
         problem: String,
     },
+    /// A glTF file that contradicts itself or the standard.
+    #[error("{}: {}{problem}", shown(.path), pointer_of(.pointer), problem = one_message(.problem))]
+    BrokenGltf {
+        /// The file.
+        path: PathBuf,
+        /// JSON pointer of the fault; empty where it is not in the JSON.
+        pointer: String,
+        /// What is wrong with it.
+        problem: String,
+    },
+    /// A glTF file of a version, or with an extension, that is not read.
+    #[error("{}: {}{feature} is not read", shown(.path), pointer_of(.pointer))]
+    UnsupportedGltf {
+        /// The file.
+        path: PathBuf,
+        /// JSON pointer of what asks for it.
+        pointer: String,
+        /// The version or the extension.
+        feature: String,
+        /// What to do, with the command that converts the file where there is one.
+        instead: String,
+    },
+    /// A fault of a file, or of a part, that a glTF file names.
+    #[error("{}: {}{error}", shown(.path), pointer_of(.pointer))]
+    NamedByGltf {
+        /// The glTF file.
+        path: PathBuf,
+        /// JSON pointer of what names it.
+        pointer: String,
+        /// The fault.
+        error: Box<IoError>,
+    },
+    /// A camera or animation that a model does not have.
+    #[error("{}: has no {of} '{}'", shown(.path), shortened(.name))]
+    UnknownName {
+        /// The model.
+        path: PathBuf,
+        /// `camera` or `animation`.
+        of: &'static str,
+        /// The name or number that was asked for.
+        name: String,
+        /// The numbers and names that there are, in words; empty if there are none.
+        known: String,
+    },
     /// An array file that cannot be read.
     #[error("{}: {problem}", shown(.path), problem = one_message(.problem))]
     BrokenArray {
@@ -392,6 +436,10 @@ impl IoError {
             Self::EmptyMesh { .. } => "empty-mesh",
             Self::UnknownMaterial { .. } => "unknown-material",
             Self::BrokenModel { .. } => "broken-model",
+            Self::BrokenGltf { .. } => "broken-gltf",
+            Self::UnsupportedGltf { .. } => "unsupported-gltf",
+            Self::NamedByGltf { error, .. } => error.code(),
+            Self::UnknownName { .. } => "unknown-name",
             Self::BrokenArray { .. } => "broken-array",
             Self::BrokenPath { .. } => "broken-camera-path",
             Self::Memory { .. } => "over-memory-budget",

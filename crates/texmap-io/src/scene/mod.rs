@@ -25,7 +25,7 @@ use texmap_scene::{ColorMode, Scene};
 use crate::framing::{Framing, auto_lights};
 use crate::scene_file::Missing;
 use crate::textures::Textures;
-use crate::{FileSource, IoError, SourceLocation, obj};
+use crate::{FileSource, IoError, SourceLocation, gltf, obj};
 use build::Builder;
 use settings::Settings;
 
@@ -44,8 +44,15 @@ pub struct LoadOptions {
     pub framing: Framing,
     /// Whether colours are converted, instead of what the scene says (an OBJ: that they are).
     pub color: Option<ColorMode>,
-    /// Where all files are read from, the one that is loaded too.
+    /// Where all files are read from, the one that is loaded too. From [`FileSource::anywhere`] a glTF model reads nothing outside of
+    /// its own folder.
     pub files: FileSource,
+    /// The camera of a glTF model that is taken, by its name or its number from 0; `None`: one that shows the whole model.
+    pub camera: Option<String>,
+    /// Seconds into an animation of a glTF model; `None`: at rest.
+    pub time: Option<f64>,
+    /// The animation, by its name or its number from 0; `None`: the first.
+    pub animation: Option<String>,
 }
 
 impl Default for LoadOptions {
@@ -57,19 +64,61 @@ impl Default for LoadOptions {
             framing: Framing::default(),
             color: None,
             files: FileSource::anywhere(),
+            camera: None,
+            time: None,
+            animation: None,
         }
     }
 }
 
-/// Reads a `.scene` or `.obj` file.
+/// Reads a `.scene`, `.obj`, `.gltf` or `.glb` file.
 ///
 /// # Errors
 /// Whatever is wrong with it or with a file it names, see [`IoError`]; [`IoError::UnknownFormat`] for other names.
 pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene, IoError> {
-    match kind(path, &options.files)? {
-        Kind::Scene => load_scene(path, options),
-        Kind::Obj => load_obj(path, options),
+    let read = match kind(path, &options.files)? {
+        Kind::Gltf => return load_gltf(path, options),
+        Kind::Scene => load_scene,
+        Kind::Obj => load_obj,
+    };
+    for (of, asked) in [
+        ("camera", &options.camera),
+        ("animation", &options.animation),
+    ] {
+        if let Some(name) = asked.clone() {
+            return Err(IoError::UnknownName {
+                path: path.to_path_buf(),
+                of,
+                name,
+                known: String::new(),
+            });
+        }
     }
+    let mut scene = read(path, options)?;
+    if options.time.is_some() {
+        scene.warnings.push(format!(
+            "{}: has no animation: every time shows the same",
+            crate::shown(path)
+        ));
+    }
+    Ok(scene)
+}
+
+/// Reads one file from memory, called `name`: its ending says what it is. Files that it names are not there; see
+/// [`FileSource::in_memory`] for models of several files.
+///
+/// # Errors
+/// As [`load`].
+pub fn load_bytes(name: &Path, bytes: Vec<u8>, options: &LoadOptions) -> Result<Scene, IoError> {
+    let files = FileSource::in_memory([(name.to_path_buf(), bytes)]);
+    let files = files.with_memory(options.files.memory());
+    load(
+        name,
+        &LoadOptions {
+            files,
+            ..options.clone()
+        },
+    )
 }
 
 /// Reads a scene file and all files that it names.
@@ -96,15 +145,28 @@ pub fn load_obj(path: &Path, options: &LoadOptions) -> Result<Scene, IoError> {
     Ok(read_obj(path, options, false)?.0)
 }
 
+/// Reads a glTF 2.0 model (`.gltf` or `.glb`, told apart by content) by itself, at rest or at a time of an animation. The camera is the
+/// one asked for, or shows the whole model; without lights of its own it gets [`auto_lights`]. `docs/GLTF.md` says what is read.
+///
+/// # Errors
+/// The first fault, with its JSON pointer, see [`IoError`]. [`IoError::EmptyMesh`] where nothing would be drawn.
+pub fn load_gltf(path: &Path, options: &LoadOptions) -> Result<Scene, IoError> {
+    Ok(gltf::read(path, options, false)?.0)
+}
+
 pub(crate) enum Kind {
     Scene,
     Obj,
+    Gltf,
 }
 
 pub(crate) fn kind(path: &Path, files: &FileSource) -> Result<Kind, IoError> {
     match path.extension().and_then(|e| e.to_str()) {
         Some(e) if e.eq_ignore_ascii_case("scene") => Ok(Kind::Scene),
         Some(e) if e.eq_ignore_ascii_case("obj") => Ok(Kind::Obj),
+        Some(e) if e.eq_ignore_ascii_case("gltf") || e.eq_ignore_ascii_case("glb") => {
+            Ok(Kind::Gltf)
+        }
         // A name that does not exist is that, whatever its ending.
         _ => files.check(path, None).and(Err(IoError::UnknownFormat {
             path: path.to_path_buf(),
@@ -158,17 +220,22 @@ pub(crate) fn read_obj(
         .map_or_else(String::new, |s| s.to_string_lossy().into_owned());
     builder.model(model, &stem, &SourceLocation::new(path, 1, 1));
     let (mut scene, textures) = builder.finish()?;
-    // Neither black nor white: dark and light parts stand out.
-    scene.background = [0.22, 0.24, 0.27, 1.0];
-    if let Some(camera) = options.framing.camera(&scene, options.aspect) {
-        scene.camera = camera;
-    }
-    scene.lights = auto_lights(options.framing.up);
+    present(&mut scene, options);
     Ok((scene, textures))
 }
 
+/// Gives a model that stands alone a background, a camera and lights.
+pub(crate) fn present(scene: &mut Scene, options: &LoadOptions) {
+    // Neither black nor white: dark and light parts stand out.
+    scene.background = [0.22, 0.24, 0.27, 1.0];
+    if let Some(camera) = options.framing.camera(scene, options.aspect) {
+        scene.camera = camera;
+    }
+    scene.lights = auto_lights(options.framing.up);
+}
+
 /// The defaults of the course loader; near and far as texmap's depth buffer allows.
-fn empty_scene(color: ColorMode) -> Scene {
+pub(crate) fn empty_scene(color: ColorMode) -> Scene {
     Scene {
         color,
         depth_test: DepthTest::LessOrEqual,

@@ -81,6 +81,16 @@ pub(super) fn contribution(
             };
             (wide(color) * (x * x * (3.0 - 2.0 * x)), toward)
         }
+        Light::Punctual {
+            intensity,
+            position,
+            range,
+            ref cone,
+        } => {
+            let toward = wide(position) - point;
+            let share = texmap_light::reference::falloff(range, cone.as_ref(), toward);
+            (wide(intensity) * share, toward)
+        }
         _ => return dark,
     };
     let toward = toward.normalize_or_zero();

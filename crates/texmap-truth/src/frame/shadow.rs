@@ -38,9 +38,9 @@ impl Shadow {
         let kind = texmap_scene::shadow_kind(scene, shadow.light, shadow.area)?;
         let origin = match scene.lights[shadow.light] {
             Light::Directional { direction, .. } => Origin::Toward(-wide(direction).normalize()),
-            Light::Point { position, .. } | Light::Spot { position, .. } => {
-                Origin::Place(wide(position))
-            }
+            Light::Point { position, .. }
+            | Light::Spot { position, .. }
+            | Light::Punctual { position, .. } => Origin::Place(wide(position)),
             _ => Origin::Toward(DVec3::ZERO),
         };
         let texels = shadow

@@ -18,6 +18,9 @@ use crate::values::{self, Triple};
 #[derive(Args, Debug)]
 #[command(next_help_heading = "Camera")]
 pub(crate) struct CameraArgs {
+    /// The camera of a glTF model, by its name or number (`texmap info` lists them) [default: one that shows the whole model]
+    #[arg(long = "camera", value_name = "NAME|N", conflicts_with_all = ["view", "views", "cameras", "path", "turntable"])]
+    pub(crate) named: Option<String>,
     /// The side that is seen: three-quarter (from the front, 35 degrees to the right and 20 above), front, back, left, right, top,
     /// bottom, iso. The camera goes so near that the model fills 90 % of the picture. A scene keeps its own camera without this
     #[arg(long, value_name = "NAME", conflicts_with_all = ["views", "camera_eye", "camera_look", "camera_up", "path", "cameras", "camera_matrix"])]

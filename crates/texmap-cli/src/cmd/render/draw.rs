@@ -59,6 +59,9 @@ pub(crate) fn item(
             true => files.clone(),
             false => FileSource::within(file.parent().unwrap_or(Path::new(".")))?,
         },
+        camera: args.camera.named.clone(),
+        time: args.time,
+        animation: args.animation.clone(),
     };
     let mut scene = texmap_io::load(file, &options)?;
     if let Some(background) = args.background {

@@ -35,8 +35,8 @@ mod write;
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct RenderArgs {
-    /// Scenes (.scene) and models (.obj); a model alone gets an automatic camera and light. `-` is standard input, @LIST a file that
-    /// names one input a line
+    /// Scenes (.scene) and models (.obj, .gltf, .glb); a model gets an automatic camera, and light where it has none. `-` is standard
+    /// input, @LIST a file that names one input a line
     #[arg(required = true, value_name = "IN")]
     inputs: Vec<PathBuf>,
     /// The picture to write: .png, .jpg, .webp, .exr (linear light, --aov as layers), .hdr; `-` is standard output, PNG. Several pictures:
@@ -100,6 +100,12 @@ pub(crate) struct RenderArgs {
     color: Option<ColorMode>,
     #[command(flatten)]
     camera: CameraArgs,
+    /// Seconds into an animation of a glTF model [default: at rest]
+    #[arg(long, value_name = "SECONDS", allow_hyphen_values = true, value_parser = values::seconds)]
+    time: Option<f64>,
+    /// The animation, by its name or number [default: the first]
+    #[arg(long, value_name = "NAME|N")]
+    animation: Option<String>,
     #[command(flatten)]
     look: LookArgs,
     /// Arrays beside the picture: depth, inv_w, uv, lod, face, mesh, normal, position, color (the picture in linear light),

@@ -1,0 +1,257 @@
+//! A glTF file with its bytes: the document, its buffers and the files beside it.
+
+use std::fmt::Display;
+use std::path::Path;
+
+use super::json::Document;
+use super::{container, uri};
+use crate::error::shortened;
+use crate::files::MAX_TEXT;
+use crate::info::NamedFile;
+use crate::{FileSource, IoError};
+
+/// A document with the bytes that it speaks of.
+#[derive(Debug)]
+pub(super) struct Model<'a> {
+    pub(super) path: &'a Path,
+    pub(super) document: Document,
+    /// Confined to the folder of the file.
+    pub(super) files: FileSource,
+    /// The whole file.
+    bytes: Vec<u8>,
+    buffers: Vec<Buffer>,
+    /// Each once, in the order of their causes.
+    pub(super) warnings: Vec<String>,
+    /// Files beside it, in the order of their mention.
+    pub(super) named: Vec<NamedFile>,
+    /// Faults of files beside it are noted in `named` and do not stop.
+    pub(super) tolerant: bool,
+}
+
+#[derive(Debug)]
+enum Buffer {
+    /// In the file itself.
+    Binary(std::ops::Range<usize>),
+    Own(Vec<u8>),
+    /// Its file could not be read, and this only had to be noted.
+    Lost,
+}
+
+impl<'a> Model<'a> {
+    /// Reads a file and the buffers that it names.
+    pub(super) fn read(path: &'a Path, files: FileSource, tolerant: bool) -> Result<Self, IoError> {
+        let bytes = files.read(path, MAX_TEXT)?;
+        let parts = container::split(path, &bytes)?;
+        let document = container::parse(path, &bytes[parts.json], &files)?;
+        let mut model = Self {
+            path,
+            document,
+            files: files.confined(path)?,
+            bytes,
+            buffers: Vec::new(),
+            warnings: Vec::new(),
+            named: Vec::new(),
+            tolerant,
+        };
+        super::extensions::check(&mut model)?;
+        let mut binary = parts.binary;
+        for i in 0..model.document.buffers.len() {
+            let buffer = model.buffer(i, binary.take().filter(|_| i == 0))?;
+            model.buffers.push(buffer);
+        }
+        Ok(model)
+    }
+
+    fn buffer(
+        &mut self,
+        i: usize,
+        binary: Option<std::ops::Range<usize>>,
+    ) -> Result<Buffer, IoError> {
+        let stated = self.document.buffers[i].byte_length;
+        let pointer = format!("/buffers/{i}");
+        let buffer = match (&self.document.buffers[i].uri, binary) {
+            (Some(uri), _) => {
+                let uri = uri.clone();
+                match self.named_bytes(&format!("{pointer}/uri"), &uri)? {
+                    Some(bytes) => Buffer::Own(bytes),
+                    None => Buffer::Lost,
+                }
+            }
+            (None, Some(range)) => Buffer::Binary(range),
+            // The fallback of compressed data; who reads it is refused.
+            (None, None) => Buffer::Own(Vec::new()),
+        };
+        let found = match &buffer {
+            Buffer::Binary(range) => range.len() as u64,
+            Buffer::Own(bytes) => bytes.len() as u64,
+            Buffer::Lost => return Ok(buffer),
+        };
+        if found < stated && self.document.buffers[i].uri.is_some() {
+            return Err(self.broken(&pointer, format!("should have {stated} bytes, has {found}")));
+        }
+        Ok(buffer)
+    }
+
+    /// The bytes of a data URI or of a file beside the model; `None` where a fault is only to be noted.
+    pub(super) fn named_bytes(
+        &mut self,
+        pointer: &str,
+        uri: &str,
+    ) -> Result<Option<Vec<u8>>, IoError> {
+        let target = uri::target(uri).map_err(|problem| self.broken(pointer, problem))?;
+        let name = match target {
+            uri::Target::Data(bytes) => return Ok(Some(bytes)),
+            uri::Target::File(name) => name,
+        };
+        let path = self.files.beside(self.path, &name);
+        match self.files.read(&path, MAX_TEXT) {
+            Ok(bytes) => {
+                self.note(&path, pointer, None);
+                Ok(Some(bytes))
+            }
+            Err(error) if self.tolerant && !matches!(error, IoError::Memory { .. }) => {
+                self.note(&path, pointer, Some(error.to_string()));
+                Ok(None)
+            }
+            Err(error) => Err(self.within(pointer, error)),
+        }
+    }
+
+    /// Notes a file beside the model.
+    fn note(&mut self, path: &Path, pointer: &str, problem: Option<String>) {
+        if !self.named.iter().any(|f| f.path == path) {
+            self.named.push(NamedFile {
+                path: path.to_path_buf(),
+                named_by: self.place(pointer),
+                size: None,
+                bits: None,
+                problem,
+            });
+        }
+    }
+
+    /// Bytes `offset..offset + length` of a view; `None` where its buffer was lost.
+    pub(super) fn view(&self, index: usize, pointer: &str) -> Result<Option<&[u8]>, IoError> {
+        let views = &self.document.buffer_views;
+        let view = self.item(views, index, pointer, "bufferView")?;
+        let at = || format!("/bufferViews/{index}");
+        let bytes = match self.item(
+            &self.buffers,
+            view.buffer,
+            &format!("{}/buffer", at()),
+            "buffer",
+        )? {
+            Buffer::Binary(range) => &self.bytes[range.clone()],
+            Buffer::Own(bytes) => bytes,
+            Buffer::Lost => return Ok(None),
+        };
+        let start = view.byte_offset;
+        let end = start.checked_add(view.byte_length);
+        let slice =
+            end.and_then(|end| bytes.get(usize::try_from(start).ok()?..usize::try_from(end).ok()?));
+        match slice {
+            Some(slice) => Ok(Some(slice)),
+            None if view.extensions.meshopt.is_some() => {
+                let (name, help) = ("EXT_meshopt_compression", super::extensions::DECODE);
+                Err(self.unsupported(&at(), name, help.to_owned()))
+            }
+            None => Err(self.broken(
+                &at(),
+                format!(
+                    "bytes {start} to {} lie outside of buffer {}, which has {}",
+                    start.saturating_add(view.byte_length),
+                    view.buffer,
+                    bytes.len()
+                ),
+            )),
+        }
+    }
+
+    /// The item of a list that `pointer` names by its index.
+    pub(super) fn item<'l, T>(
+        &self,
+        list: &'l [T],
+        index: usize,
+        pointer: &str,
+        what: &str,
+    ) -> Result<&'l T, IoError> {
+        list.get(index).ok_or_else(|| {
+            let are = if list.len() == 1 { "is" } else { "are" };
+            self.broken(
+                pointer,
+                format!("{what} {index} does not exist; there {are} {}", list.len()),
+            )
+        })
+    }
+
+    /// The index that a name or number means; names come first.
+    pub(super) fn chosen(
+        &self,
+        of: &'static str,
+        wanted: &str,
+        names: &[&str],
+    ) -> Result<usize, IoError> {
+        let named = names.iter().position(|name| *name == wanted);
+        let numbered = || wanted.parse().ok().filter(|n| *n < names.len());
+        named.or_else(numbered).ok_or_else(|| {
+            let list = names
+                .iter()
+                .take(20)
+                .enumerate()
+                .map(|(i, name)| match *name {
+                    "" => i.to_string(),
+                    name => format!("{i} '{}'", shortened(name)),
+                });
+            IoError::UnknownName {
+                path: self.path.to_path_buf(),
+                of,
+                name: wanted.to_owned(),
+                known: list.collect::<Vec<_>>().join(", "),
+            }
+        })
+    }
+
+    /// Asks the memory budget.
+    pub(super) fn ask(&self, bytes: u64, pointer: &str) -> Result<(), IoError> {
+        let what = format_args!("what {pointer} of {} names", self.path.display());
+        self.files.ask(bytes, what, "split the model", None)
+    }
+
+    pub(super) fn broken(&self, pointer: &str, problem: impl Into<String>) -> IoError {
+        container::broken(self.path, pointer, problem.into())
+    }
+
+    pub(super) fn unsupported(&self, pointer: &str, feature: &str, instead: String) -> IoError {
+        IoError::UnsupportedGltf {
+            path: self.path.to_path_buf(),
+            pointer: pointer.to_owned(),
+            feature: shortened(feature).to_string(),
+            instead,
+        }
+    }
+
+    /// An error of a file that the document names. A refusal of the memory budget stays what it is.
+    pub(super) fn within(&self, pointer: &str, error: IoError) -> IoError {
+        match error {
+            error @ IoError::Memory { .. } => error,
+            error => IoError::NamedByGltf {
+                path: self.path.to_path_buf(),
+                pointer: pointer.to_owned(),
+                error: Box::new(error),
+            },
+        }
+    }
+
+    /// A place as messages begin with it.
+    pub(super) fn place(&self, pointer: &str) -> String {
+        format!("{}: {}", crate::shown(self.path), shortened(pointer))
+    }
+
+    /// Adds a warning that was not given yet.
+    pub(super) fn warn(&mut self, warning: impl Display) {
+        let warning = format!("{}: {warning}", crate::shown(self.path));
+        if !self.warnings.contains(&warning) {
+            self.warnings.push(warning);
+        }
+    }
+}

@@ -1,0 +1,282 @@
+//! Materials, textures, samplers, lights and cameras.
+
+use texmap_io::LoadOptions;
+use texmap_light::Light;
+use texmap_sample::{Filter, Wrap};
+use texmap_scene::{AlphaMode, Cull, Material, NormalDetail, Scene, Shading, TextureSlot, UvSet};
+
+use super::{read, read_with};
+
+fn material<'s>(scene: &'s Scene, name: &str) -> &'s Material {
+    scene
+        .materials
+        .iter()
+        .find(|m| m.name == name)
+        .unwrap_or_else(|| panic!("no {name}"))
+}
+
+fn base(material: &Material) -> &TextureSlot {
+    material.base_color.as_ref().expect("a texture")
+}
+
+#[test]
+fn each_texture_reads_its_coordinates_by_its_sampler() {
+    let scene = read("two_uv.glb");
+    let lamps = material(&scene, "lamps");
+    let slot = base(lamps);
+    assert_eq!(slot.uv_set, UvSet::First);
+    assert_eq!(
+        (
+            slot.sampler.filter,
+            slot.sampler.wrap_u,
+            slot.sampler.wrap_v
+        ),
+        (Filter::MipNearest, Wrap::ClampToEdge, Wrap::MirroredRepeat)
+    );
+    let emission = lamps.emission.as_ref().expect("light of its own");
+    assert_eq!(emission.color, [1.0; 3], "half, twice as strong");
+    let slot = emission.map.as_ref().expect("a map");
+    assert_eq!(slot.uv_set, UvSet::Second);
+    assert_eq!(
+        (
+            slot.sampler.filter,
+            slot.sampler.wrap_u,
+            slot.sampler.wrap_v
+        ),
+        (Filter::Bilinear, Wrap::Repeat, Wrap::ClampToEdge)
+    );
+    let model = lamps.metallic_roughness.as_ref().expect("a model of light");
+    let slot = model.map.as_ref().expect("a map");
+    assert_eq!(
+        (slot.uv_set, slot.sampler.filter, slot.sampler.wrap_u),
+        (UvSet::Second, Filter::Trilinear, Wrap::Repeat)
+    );
+    let (occlusion, strength) = model.occlusion.as_ref().expect("occlusion");
+    assert_eq!(
+        (*strength, occlusion.texture),
+        (0.5, slot.texture),
+        "one picture of numbers is one texture"
+    );
+    let mesh = &scene.meshes[0];
+    let twice: Vec<[f32; 2]> = mesh.uvs.iter().map(|uv| uv.map(|x| 2.0 * x)).collect();
+    assert_eq!(mesh.lightmap_uvs, twice);
+    // 120 of 255 as a number, 220 of 255 as an sRGB colour.
+    let number = scene.textures[slot.texture]
+        .texel(0, 0, 0)
+        .expect("a texel");
+    assert!((number[0] - 120.0 / 255.0).abs() < 1e-4, "{number:?}");
+    let color = scene.textures[base(lamps).texture]
+        .texel(0, 0, 0)
+        .expect("a texel");
+    assert!((color[0] - 0.7157).abs() < 1e-3, "{color:?}");
+    // The numbers of Phong's model follow the mean of the map: half a metal, whose map has no blue.
+    assert_eq!(lamps.phong.kd, 1.0);
+    assert!(scene.check().is_ok());
+}
+
+#[test]
+fn alpha_modes_and_the_order_of_drawing() {
+    let scene = read("plates.gltf");
+    let names: Vec<&str> = scene
+        .meshes
+        .iter()
+        .map(|m| scene.materials[m.material].name.as_str())
+        .collect();
+    assert_eq!(names[..2], ["opaque", "mask"]);
+    // Seen from the right, the farther of the two is on the left.
+    assert_eq!(names[2..], ["blend", "unlit"]);
+    let of = |name: &str| {
+        let m = material(&scene, name);
+        (
+            m.alpha,
+            m.cull,
+            m.shading,
+            scene.textures[base(m).texture].has_alpha(),
+        )
+    };
+    assert_eq!(
+        of("opaque"),
+        (AlphaMode::Opaque, Cull::Back, Shading::PerPixel, false)
+    );
+    assert_eq!(
+        of("mask"),
+        (AlphaMode::Test(0.75), Cull::None, Shading::PerPixel, true)
+    );
+    assert_eq!(
+        of("blend"),
+        (AlphaMode::Blend, Cull::None, Shading::PerPixel, true)
+    );
+    assert_eq!(
+        of("unlit"),
+        (AlphaMode::Blend, Cull::Back, Shading::Unlit, true)
+    );
+    assert!(material(&scene, "unlit").metallic_roughness.is_none());
+    assert_eq!(scene.textures.len(), 2, "one picture in two uses");
+    // Where alpha is nothing the opaque texture still has its colour.
+    let corner = |name: &str| {
+        scene.textures[base(material(&scene, name)).texture]
+            .texel(0, 0, 0)
+            .expect("a texel")
+    };
+    assert!(corner("opaque")[1] > 0.3);
+    assert_eq!(corner("blend"), [0.0; 4]);
+}
+
+#[test]
+fn extensions_of_materials() {
+    let scene = read("materials.glb");
+    let of = |name: &str| {
+        material(&scene, name)
+            .metallic_roughness
+            .as_ref()
+            .expect("a model")
+    };
+    assert_eq!(
+        (
+            of("plastic").ior,
+            of("plastic").roughness,
+            of("gold").metallic
+        ),
+        (1.8, 0.3, 1.0)
+    );
+    let coat = of("coated").clearcoat.as_ref().expect("a coat");
+    assert_eq!((coat.factor, coat.roughness), (1.0, 0.1));
+    let sheen = of("cloth").sheen.as_ref().expect("sheen");
+    assert_eq!((sheen.color, sheen.roughness), ([0.9, 0.6, 0.8], 0.4));
+    assert_eq!(
+        (of("pearl").specular, of("pearl").specular_color),
+        (0.8, [1.0, 0.5, 0.7])
+    );
+    assert_eq!((of("gold").ior, of("gold").specular), (1.5, 1.0));
+    let glow = material(&scene, "glow")
+        .emission
+        .as_ref()
+        .expect("light")
+        .color;
+    assert!(
+        glow.iter()
+            .zip([0.3, 0.9, 0.6])
+            .all(|(a, b): (&f32, f32)| (a - b).abs() < 1e-6),
+        "{glow:?}"
+    );
+    // The exponent is that of a lobe as wide: smoother is narrower.
+    assert!(material(&scene, "gold").phong.ns > material(&scene, "plastic").phong.ns);
+    assert!(scene.warnings.is_empty(), "{:?}", scene.warnings);
+}
+
+#[test]
+fn normal_maps_and_texture_transforms() {
+    let scene = read("mirrored.glb");
+    let Some(NormalDetail::NormalMap {
+        strength,
+        green,
+        object_space,
+        ..
+    }) = &material(&scene, "bumps").normal_detail
+    else {
+        panic!("a normal map")
+    };
+    assert_eq!(
+        (*strength, *green, *object_space),
+        (0.8, texmap_light::NormalMapGreen::Up, false)
+    );
+    // A quarter turn counter-clockwise, as it looks in a picture whose v grows downwards, and one down.
+    let scene = read("quantized.glb");
+    let transform = base(material(&scene, "turned")).transform;
+    for (uv, expected) in [
+        ([0.0, 0.0], [0.0, 1.0]),
+        ([1.0, 0.0], [0.0, 0.0]),
+        ([0.0, 1.0], [1.0, 1.0]),
+    ] {
+        let got = transform.apply(uv);
+        assert!(
+            (got[0] - expected[0]).abs() + (got[1] - expected[1]).abs() < 1e-6,
+            "{uv:?} {got:?}"
+        );
+    }
+}
+
+#[test]
+fn lights_in_physical_units() {
+    let scene = read("instances.glb");
+    let [
+        Light::Directional { color, direction },
+        Light::Punctual {
+            intensity,
+            position,
+            range,
+            cone: None,
+        },
+        Light::Punctual {
+            cone: Some(cone),
+            range: endless,
+            ..
+        },
+        Light::Ambient { .. },
+    ] = &scene.lights[..]
+    else {
+        panic!("{:?}", scene.lights)
+    };
+    assert!((color[0] - 0.5 / std::f32::consts::PI).abs() < 1e-6);
+    assert_eq!(*direction, [0.0, 0.0, -1.0]);
+    assert_eq!(
+        (*intensity, *position, *range),
+        ([1.5, 0.9, 0.3], [-1.0, 1.0, 1.0], 4.0)
+    );
+    for (cos, angle) in [(cone.cos_inner, 0.2_f64), (cone.cos_outer, 0.4)] {
+        assert!((f64::from(cos) - angle.cos()).abs() < 1e-6);
+    }
+    assert!(endless.is_infinite());
+    assert_eq!(scene.light_named("bulb"), Ok(1));
+    // Without lights of its own a model has those of every model.
+    assert_eq!(read("box.glb").lights, texmap_io::framing::auto_lights());
+}
+
+#[test]
+fn cameras_by_name_and_number() {
+    let with = |camera: &str, aspect: f64| {
+        let options = LoadOptions {
+            camera: Some(camera.into()),
+            aspect,
+            ..LoadOptions::default()
+        };
+        read_with("box.glb", options)
+    };
+    let whole = 2.0 * 0.4_f64.tan().atan();
+    for (name, aspect, fov) in [
+        ("front", 1.0, whole),
+        ("0", 1.0, whole),
+        // A wider picture shows more at its sides, a narrower one more above and below.
+        ("front", 2.0, 2.0 * (2.0 * 0.4_f64.tan()).atan()),
+        ("front", 0.5, whole),
+    ] {
+        let camera = with(name, aspect).expect("a camera").camera;
+        assert!((camera.fov_x - fov).abs() < 1e-12, "{name} {aspect}");
+        assert_eq!(
+            (camera.eye.to_array(), camera.look.to_array(), camera.near),
+            ([0.0, 0.0, 3.0], [0.0, 0.0, 2.0], 0.1)
+        );
+    }
+    let error = with("back", 1.0).unwrap_err();
+    assert_eq!(
+        (error.code(), error.help().as_str()),
+        (
+            "unknown-name",
+            "there are: 0 'front' (`texmap info` lists them)"
+        )
+    );
+    assert_eq!(with("1", 1.0).unwrap_err().code(), "unknown-name");
+}
+
+#[test]
+fn a_webp_comes_before_the_picture_for_others() {
+    let scene = read("webp.glb");
+    let texture = &scene.textures[base(material(&scene, "letter")).texture];
+    assert_eq!(
+        (texture.width(), texture.height()),
+        (64, 64),
+        "the other one is smaller"
+    );
+    let red = texture.texel(0, 0, 0).expect("a texel");
+    assert!(red[0] > 0.6 && red[1] < 0.1, "{red:?}");
+}

@@ -1,0 +1,111 @@
+//! Skins, morph targets and animations.
+
+use texmap_io::LoadOptions;
+use texmap_scene::Scene;
+
+use super::{near, read_with, world};
+
+fn at(animation: Option<&str>, time: Option<f64>) -> Scene {
+    let options = LoadOptions {
+        animation: animation.map(Into::into),
+        time,
+        ..LoadOptions::default()
+    };
+    read_with("bent.glb", options).unwrap_or_else(|e| panic!("{e}"))
+}
+
+/// Corners of the strip by the angle of its upper half and its additional width at each side.
+fn strip(degrees: f64, swollen: f64) -> Vec<[f64; 3]> {
+    let (sin, cos) = degrees.to_radians().sin_cos();
+    let corner = |row: i32, side: f64| {
+        let (x, y) = (side * (0.25 + swollen * 0.5), 0.5 * f64::from(row));
+        let upper = [x * cos + (y - 1.0) * sin, 1.0 + (y - 1.0) * cos - x * sin];
+        let share = (0.5 * f64::from(row) - 0.5).clamp(0.0, 1.0);
+        [x + (upper[0] - x) * share, y + (upper[1] - y) * share, 0.0]
+    };
+    (0..=4)
+        .flat_map(|row| [corner(row, -1.0), corner(row, 1.0)])
+        .collect()
+}
+
+#[test]
+fn joints_and_weights_follow_their_curves() {
+    let rest = world(&at(None, None).meshes[0]);
+    assert!(near(&rest, &strip(0.0, 0.0), 1e-6), "{rest:?}");
+    for (time, degrees, swollen) in [
+        (0.0, 0.0, 0.0),
+        (-1.0, 0.0, 0.0),
+        // A quarter of the way: the turn is even, the spline with level ends is slow at first.
+        (0.5, 22.5, 0.15625),
+        (1.0, 45.0, 0.5),
+        (2.0, 90.0, 1.0),
+        (7.0, 90.0, 1.0),
+    ] {
+        let found = world(&at(None, Some(time)).meshes[0]);
+        assert!(
+            near(&found, &strip(degrees, swollen), 1e-5),
+            "{time}: {found:?}"
+        );
+        if swollen == 0.15625 {
+            assert!(
+                !near(&found, &strip(degrees, 0.25), 1e-3),
+                "weights are not on a line"
+            );
+        }
+    }
+}
+
+/// Two quaternions of the upper joint at a quarter of the way would, on a straight line, be late.
+#[test]
+fn a_turn_has_even_speed() {
+    let quarter = world(&at(None, Some(0.5)).meshes[0]);
+    let [left, right] = [quarter[8], quarter[9]];
+    let degrees = (left[1] - right[1]).atan2(right[0] - left[0]).to_degrees();
+    assert!((degrees - 22.5).abs() < 1e-3, "{degrees}");
+}
+
+#[test]
+fn an_animation_is_chosen_by_name_or_number() {
+    let moved = |name: &str, time: f64| world(&at(Some(name), Some(time)).meshes[0])[0][0];
+    for name in ["jump", "1"] {
+        assert!(
+            (moved(name, 1.999) + 0.25).abs() < 1e-6,
+            "a step holds until its next key"
+        );
+        assert!((moved(name, 2.0) - 2.75).abs() < 1e-6);
+    }
+    let options = LoadOptions {
+        animation: Some("walk".into()),
+        ..LoadOptions::default()
+    };
+    let error = read_with("bent.glb", options).unwrap_err();
+    assert_eq!(
+        error.help(),
+        "there are: 0 'bend', 1 'jump' (`texmap info` lists them)"
+    );
+    let options = LoadOptions {
+        time: Some(1.0),
+        ..LoadOptions::default()
+    };
+    let scene = read_with("box.glb", options).expect("a box");
+    assert!(
+        scene.warnings[0].contains("has no animation"),
+        "{:?}",
+        scene.warnings
+    );
+}
+
+/// Normals turn with the skin: at the top they would stay if only positions were moved.
+#[test]
+fn normals_turn_with_joints() {
+    let scene = at(None, Some(2.0));
+    let mesh = &scene.meshes[0];
+    assert!(
+        mesh.normals.iter().all(|n| (n[2] - 1.0).abs() < 1e-6),
+        "a turn about z leaves z"
+    );
+    assert!(
+        mesh.triangles.iter().all(|t| mesh.cross(*t).z > 0.0),
+        "fronts stay fronts"
+    );
+}
