@@ -2,6 +2,7 @@
 
 use texmap_math::camera::{Camera, Lens};
 use texmap_math::deterministic_f64::{atan, tan};
+use texmap_math::glam::DVec3;
 
 use super::json;
 use super::model::Model;
