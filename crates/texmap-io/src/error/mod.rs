@@ -351,7 +351,7 @@ pub enum IoError {
         /// JSON pointer of what names it.
         pointer: String,
         /// The fault.
-        error: Box<IoError>,
+        error: Box<Self>,
     },
     /// A camera or animation that a model does not have.
     #[error("{}: has no {of} '{}'", shown(.path), shortened(.name))]

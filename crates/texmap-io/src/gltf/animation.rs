@@ -55,11 +55,11 @@ pub(super) fn pose(model: &Model<'_>, index: usize, time: f64) -> Result<Pose, I
         match channel.target.path.as_str() {
             "translation" | "rotation" | "scale" if target.matrix.is_some() => pose.ignored += 1,
             "translation" => {
-                pose.place(model, node).translation = keys::<3>(model, sampler, &at)?.three(time)
+                pose.place(model, node).translation = keys::<3>(model, sampler, &at)?.three(time);
             }
             "scale" => pose.place(model, node).scale = keys::<3>(model, sampler, &at)?.three(time),
             "rotation" => {
-                pose.place(model, node).rotation = keys::<4>(model, sampler, &at)?.rotation(time)
+                pose.place(model, node).rotation = keys::<4>(model, sampler, &at)?.rotation(time);
             }
             "weights" => {
                 let weights = keys::<1>(model, sampler, &at)?.at(time);

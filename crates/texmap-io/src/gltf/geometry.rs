@@ -271,7 +271,7 @@ fn bend(
 
 impl Geometry {
     /// Exchanges fronts and backs.
-    pub(super) fn turn_over(&mut self) {
+    fn turn_over(&mut self) {
         self.triangles.iter_mut().for_each(|t| t.swap(1, 2));
     }
 

@@ -169,28 +169,16 @@ impl Reader {
             let help = super::extensions::DECODE.to_owned();
             return Err(model.unsupported(&format!("{at}/extensions/{name}"), name, help));
         }
-        let index = match (primitive.material, self.default) {
-            (Some(index), _) => index,
-            (None, default) => default.unwrap_or(0),
-        };
-        let stated = primitive
-            .material
-            .is_some()
-            .then(|| model.document.materials.len());
-        let Described { material, sets } = match described
-            .get(index)
-            .filter(|_| stated.is_none_or(|n| index < n))
-        {
-            Some(described) => described,
-            None => {
-                model.item(
-                    &model.document.materials,
-                    index,
-                    &format!("{at}/material"),
-                    "material",
-                )?;
-                return Ok(None);
+        let index = match primitive.material {
+            Some(index) => {
+                let materials = &model.document.materials;
+                model.item(materials, index, &format!("{at}/material"), "material")?;
+                index
             }
+            None => self.default.unwrap_or(0),
+        };
+        let Some(Described { material, sets }) = described.get(index) else {
+            return Ok(None);
         };
         let normal_map = match &material.normal_detail {
             Some(NormalDetail::NormalMap { slot, .. }) => Some(slot.uv_set),
@@ -237,22 +225,11 @@ impl Reader {
     }
 
     /// Adds a mesh at a place in the world.
-    fn place(
-        &mut self,
-        mut geometry: Geometry,
-        name: &str,
-        material: usize,
-        world: DMat4,
-        at: &str,
-    ) {
+    fn place(&mut self, geometry: Geometry, name: &str, material: usize, world: DMat4, at: &str) {
         let size = world.determinant();
         if size == 0.0 || !size.is_finite() || !world.is_finite() {
             self.tell("is scaled to nothing and left out", at);
             return;
-        }
-        if size < 0.0 {
-            // What was outside stays outside.
-            geometry.turn_over();
         }
         self.meshes.push(Mesh {
             name: name.to_owned(),

@@ -84,7 +84,9 @@ pub(crate) fn read(
     let scenes = model.document.scenes.len();
     if scenes > 1 {
         let drawn = model.document.scene.unwrap_or(0);
-        model.warn(format!("has {scenes} scenes; scene {drawn} is drawn"));
+        model.warn(format!(
+            "the file has {scenes} scenes; scene {drawn} is drawn"
+        ));
     }
     scene.warnings = std::mem::take(&mut model.warnings);
     let contents = Contents {
@@ -111,7 +113,7 @@ fn pose(model: &mut Model<'_>, options: &LoadOptions) -> Result<Pose, IoError> {
     let index = match &options.animation {
         Some(wanted) => model.chosen("animation", wanted, &names)?,
         None if names.is_empty() => {
-            model.warn("has no animation: every time shows the same");
+            model.warn("the model has no animation: every time shows the same");
             return Ok(Pose::default());
         }
         None => 0,

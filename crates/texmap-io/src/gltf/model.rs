@@ -249,7 +249,7 @@ impl<'a> Model<'a> {
 
     /// Adds a warning that was not given yet.
     pub(super) fn warn(&mut self, warning: impl Display) {
-        let warning = format!("{}: {warning}", crate::shown(self.path));
+        let warning = warning.to_string();
         if !self.warnings.contains(&warning) {
             self.warnings.push(warning);
         }

@@ -99,7 +99,7 @@ impl Tree {
         let mut world = local.to_vec();
         let mut placed = vec![false; nodes.len()];
         walk(nodes, tops(), &mut placed, |n, child| {
-            world[child] = world[n] * local[child]
+            world[child] = world[n] * local[child];
         });
         // A ring has no top.
         if let Some(n) = placed.iter().position(|placed| !placed) {

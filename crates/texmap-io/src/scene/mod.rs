@@ -96,10 +96,8 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene, IoError> {
     }
     let mut scene = read(path, options)?;
     if options.time.is_some() {
-        scene.warnings.push(format!(
-            "{}: has no animation: every time shows the same",
-            crate::shown(path)
-        ));
+        let warning = "the file has no animation: every time shows the same";
+        scene.warnings.push(warning.into());
     }
     Ok(scene)
 }

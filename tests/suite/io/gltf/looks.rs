@@ -2,8 +2,9 @@
 
 use texmap_io::LoadOptions;
 use texmap_light::Light;
+use texmap_raster::Cull;
 use texmap_sample::{Filter, Wrap};
-use texmap_scene::{AlphaMode, Cull, Material, NormalDetail, Scene, Shading, TextureSlot, UvSet};
+use texmap_scene::{AlphaMode, Material, NormalDetail, Scene, Shading, TextureSlot, UvSet};
 
 use super::{read, read_with};
 
