@@ -20,7 +20,8 @@ fn a_texture_of_ones_own_covers_what_has_none() {
         })
     });
     halves.save(desk.path("halves.png")).unwrap();
-    desk.texmap("render bare.obj --texture halves.png --view front --resolution 64x64 -o t.png").ok();
+    desk.texmap("render bare.obj --texture halves.png --view front --resolution 64x64 -o t.png")
+        .ok();
     let picture = desk.picture("t.png");
     // v = 0 is the lower edge of an OBJ's picture.
     let strongest = |x, y| {
@@ -31,9 +32,18 @@ fn a_texture_of_ones_own_covers_what_has_none() {
     assert_eq!(strongest(48, 16), [false, true, false]);
     assert_eq!(strongest(16, 48), [false, false, true]);
     // Where every surface has a picture, a warning says so.
-    desk.put("one.obj", "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl paper\nf 1/1 2/1 3/1\n");
-    let run = desk.texmap("render one.obj --texture halves.png --resolution 16x16 -o t.png").ok();
-    assert!(run.stderr.contains("a picture of its own"), "{}", run.stderr);
+    desk.put(
+        "one.obj",
+        "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl paper\nf 1/1 2/1 3/1\n",
+    );
+    let run = desk
+        .texmap("render one.obj --texture halves.png --resolution 16x16 -o t.png")
+        .ok();
+    assert!(
+        run.stderr.contains("a picture of its own"),
+        "{}",
+        run.stderr
+    );
     desk.refused("render bare.obj --texture gone.png -o x.png", 4, "gone.png");
 }
 
@@ -41,17 +51,38 @@ fn a_texture_of_ones_own_covers_what_has_none() {
 fn every_look_is_another_picture() {
     let desk = Desk::new();
     let mut hashes = Vec::new();
-    for look in ["", "--material unlit", "--material clay", "--material checker", "--material normals", "--material uv", "--wireframe"] {
-        let run = desk.texmap(&format!("render m.obj --resolution 80x60 -o m.png --json {look}")).ok();
-        hashes.push(run.json()["items"][0]["pixel_hash"].as_str().unwrap().to_owned());
+    for look in [
+        "",
+        "--material unlit",
+        "--material clay",
+        "--material checker",
+        "--material normals",
+        "--material uv",
+        "--wireframe",
+    ] {
+        let run = desk
+            .texmap(&format!(
+                "render m.obj --resolution 80x60 -o m.png --json {look}"
+            ))
+            .ok();
+        hashes.push(
+            run.json()["items"][0]["pixel_hash"]
+                .as_str()
+                .unwrap()
+                .to_owned(),
+        );
     }
     let count = hashes.len();
     hashes.sort();
     hashes.dedup();
     assert_eq!(hashes.len(), count);
     // A face that looks at the front has the normal (0, 0, 1).
-    desk.texmap("render m.obj --material normals --view front --resolution 60x60 -o n.png").ok();
-    assert_eq!(desk.picture("n.png").get_pixel(12, 48).0, [128, 128, 255, 255]);
+    desk.texmap("render m.obj --material normals --view front --resolution 60x60 -o n.png")
+        .ok();
+    assert_eq!(
+        desk.picture("n.png").get_pixel(30, 12).0,
+        [128, 128, 255, 255]
+    );
     desk.refused("render m.obj --material gold -o x.png", 2, "clay");
 }
 
@@ -59,12 +90,22 @@ fn every_look_is_another_picture() {
 fn lost_maps_and_libraries_have_stand_ins() {
     let desk = Desk::new();
     desk.put("lost.obj", "mtllib lost.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nusemtl a\nf 1/1 2/2 3/3\n");
-    let run = desk.texmap("render lost.obj --resolution 32x24 -o a.png").ok();
+    let run = desk
+        .texmap("render lost.obj --resolution 32x24 -o a.png")
+        .ok();
     assert!(run.stderr.contains("lost.mtl"), "{}", run.stderr);
     desk.put("lost.mtl", "newmtl a\nmap_Kd lost.png\n");
-    let draw = |flags: &str| desk.texmap(&format!("render lost.obj --view front --resolution 32x24 -o a.png {flags}"));
+    let draw = |flags: &str| {
+        desk.texmap(&format!(
+            "render lost.obj --view front --resolution 32x24 -o a.png {flags}"
+        ))
+    };
     let run = draw("").ok();
-    assert!(run.stderr.contains("a magenta and black checker stands in"), "{}", run.stderr);
+    assert!(
+        run.stderr.contains("a magenta and black checker stands in"),
+        "{}",
+        run.stderr
+    );
     let magenta = |p: &image::Rgba<u8>| p[0] > 100 && p[1] < 20 && p[2] > 100;
     assert!(desk.picture("a.png").pixels().any(magenta));
     let run = draw("--missing grey").ok();
@@ -89,14 +130,24 @@ fn lost_maps_and_libraries_have_stand_ins() {
 #[test]
 fn the_ending_decides_and_a_wrong_one_is_refused() {
     let desk = Desk::new();
-    let draw = |name: &str, flags: &str| desk.texmap(&format!("render room.scene --resolution 60x40 -o {name} {flags}")).ok();
+    let draw = |name: &str, flags: &str| {
+        desk.texmap(&format!(
+            "render room.scene --resolution 60x40 -o {name} {flags}"
+        ))
+        .ok()
+    };
     draw("a.png", "");
     let plain = desk.picture("a.png");
     draw("a.webp", "");
     assert_eq!(desk.picture("a.webp"), plain, "lossless");
     draw("a.jpeg", "");
     let near = |a: &image::RgbaImage, b: &image::RgbaImage| {
-        let sum: u64 = a.as_raw().iter().zip(b.as_raw()).map(|(a, b)| u64::from(a.abs_diff(*b))).sum();
+        let sum: u64 = a
+            .as_raw()
+            .iter()
+            .zip(b.as_raw())
+            .map(|(a, b)| u64::from(a.abs_diff(*b)))
+            .sum();
         sum as f64 / a.as_raw().len() as f64
     };
     assert!(near(&desk.picture("a.jpeg"), &plain) < 6.0);
@@ -104,17 +155,22 @@ fn the_ending_decides_and_a_wrong_one_is_refused() {
     draw("b.png", "--bits 16");
     let deep = image::open(desk.path("b.png")).unwrap();
     assert_eq!(deep.color(), image::ColorType::Rgba16);
-    let values: std::collections::BTreeSet<u16> = deep.to_rgba16().as_raw().iter().copied().collect();
+    let values: std::collections::BTreeSet<u16> =
+        deep.to_rgba16().as_raw().iter().copied().collect();
     assert!(values.len() > 300, "{}", values.len());
     for (deep, byte) in deep.to_rgba16().as_raw().iter().zip(plain.as_raw()) {
         assert!((f64::from(*deep) / 257.0 - f64::from(*byte)).abs() < 0.51);
     }
     draw("a.exr", "--aov depth,face");
     assert!(!desk.path("a.depth.npy").exists(), "arrays lie in the file");
-    let (texture, bits) = texmap_io::image_io::read_texture(&desk.path("a.exr"), ColorSpace::Srgb).unwrap();
+    let (texture, bits) =
+        texmap_io::image_io::read_texture(&desk.path("a.exr"), ColorSpace::Srgb).unwrap();
     assert_eq!(bits, 32);
     let [light, ..] = texture.texel(0, 30, 30).unwrap();
-    assert_eq!(texmap_math::color::linear_to_srgb8(light), plain.get_pixel(30, 30)[0]);
+    assert_eq!(
+        texmap_math::color::linear_to_srgb8(light),
+        plain.get_pixel(30, 30)[0]
+    );
     for verb in [
         "render room.scene",
         "warp check.png",
@@ -122,7 +178,11 @@ fn the_ending_decides_and_a_wrong_one_is_refused() {
         "slice marble",
         "bake room.scene --light --object all --size 8",
     ] {
-        desk.refused(&format!("{verb} -o x.bmp"), 2, "end the name with .png, .jpg, .webp, .hdr or .exr");
+        desk.refused(
+            &format!("{verb} -o x.bmp"),
+            2,
+            "end the name with .png, .jpg, .webp, .hdr or .exr",
+        );
     }
 }
 
@@ -132,9 +192,11 @@ fn inputs_come_from_lists_and_from_standard_input_and_names_have_folders() {
     std::fs::create_dir(desk.path("sub")).unwrap();
     desk.put("sub/k.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
     desk.put("all.txt", "# two\nm.obj\nsub/k.obj\n");
-    desk.texmap("render @all.txt --resolution 16x12 -o {dir}/{model}-small.png").ok();
+    desk.texmap("render @all.txt --resolution 16x12 -o {dir}/{model}-small.png")
+        .ok();
     assert!(desk.path("m-small.png").is_file() && desk.path("sub/k-small.png").is_file());
-    desk.texmap("render @all.txt --resolution 16x12 -o new/deep/").ok();
+    desk.texmap("render @all.txt --resolution 16x12 -o new/deep/")
+        .ok();
     assert!(desk.path("new/deep/k.png").is_file());
     desk.refused("render @gone.txt -o x/", 4, "gone.txt");
     let mut child = Command::new(env!("CARGO_BIN_EXE_texmap-tested"))
@@ -145,7 +207,12 @@ fn inputs_come_from_lists_and_from_standard_input_and_names_have_folders() {
         .stderr(Stdio::null())
         .spawn()
         .unwrap();
-    child.stdin.take().unwrap().write_all(&desk.read("sub/k.obj")).unwrap();
+    child
+        .stdin
+        .take()
+        .unwrap()
+        .write_all(&desk.read("sub/k.obj"))
+        .unwrap();
     let output = child.wait_with_output().unwrap();
     assert!(output.status.success());
     assert_eq!(output.stdout, desk.read("new/deep/k.png"));
@@ -159,9 +226,15 @@ fn every_verb_reports_as_json_and_is_quiet_on_request() {
         ("warp check.png --rotate 5 -o w.png", 1),
         ("sample check.png --uv uv.txt -o s.npy", 1),
         ("mip check.png -o m%d.png", 4),
-        ("env check.png --to octahedron --size 8 -o e.png", 1),
+        (
+            "env check.png --from octahedron --to cube --size 8 -o e.png",
+            1,
+        ),
         ("slice noise --size 16 -o n.png", 1),
-        ("bake room.scene --light --object all --size 8 -o b/{object}.png", 2),
+        (
+            "bake room.scene --light --object all --size 8 -o b/{object}.png",
+            1,
+        ),
     ] {
         let run = desk.texmap(&format!("{arguments} --json --quiet")).ok();
         let report = run.json();
@@ -169,14 +242,28 @@ fn every_verb_reports_as_json_and_is_quiet_on_request() {
         let written = report["files"].as_array().unwrap();
         assert_eq!(written.len(), files, "{arguments}");
         for file in written {
-            assert!(desk.path(file["path"].as_str().unwrap()).is_file(), "{file}");
+            assert!(
+                desk.path(file["path"].as_str().unwrap()).is_file(),
+                "{file}"
+            );
         }
         assert!(run.stderr.is_empty(), "{}", run.stderr);
-        desk.refused(&format!("{} -o - --json", arguments.split(" -o").next().unwrap()), 2, "");
+        desk.refused(
+            &format!("{} -o - --json", arguments.split(" -o").next().unwrap()),
+            2,
+            "",
+        );
     }
-    let run = desk.texmap("render m.obj --resolution 16x12 -o q.png --quiet").ok();
+    let run = desk
+        .texmap("render m.obj --resolution 16x12 -o q.png --quiet")
+        .ok();
     assert!(run.stderr.is_empty(), "{}", run.stderr);
-    assert!(desk.texmap("render gone.obj -o q.png --quiet").stderr.contains("gone.obj"), "errors are said");
+    assert!(
+        desk.texmap("render gone.obj -o q.png --quiet")
+            .stderr
+            .contains("gone.obj"),
+        "errors are said"
+    );
 }
 
 #[test]
@@ -184,15 +271,29 @@ fn objects_of_scenes_have_names() {
     let desk = Desk::new();
     desk.put(
         "named.scene",
-        "la 1 1 1\nname sky\nv 0 0 0\nv 1 0 0\nv 1 0 1\nv 0 1 0\nf 0 1 2\nname floor\nf 0 1 3\nname wall\nobj m.obj\nname chair\n",
+        "la 1 1 1\nname sky\nv 0 0 0\nv 1 0 0\nv 1 0 1\nv 0 1 0\ntexture check.png\ntf 0 0 0 1 1 0 2 1 1\nname floor\ntf 0 0 0 1 1 0 3 1 1\nname wall\nobj m.obj\nname chair\n",
     );
     let run = desk.texmap("bake named.scene --light --object sofa --size 8 -o x.png");
     assert_eq!(run.code, 2);
-    assert!(run.stderr.contains("floor, wall, chair.panel, chair.spike"), "{}", run.stderr);
-    desk.texmap("bake named.scene --light --object floor --size 8 -o floor.png").ok();
-    desk.texmap("bake named.scene --light --object all --size 8 -o maps/{object}.png").ok();
+    assert!(
+        run.stderr.contains("floor, wall, chair.panel, chair.spike"),
+        "{}",
+        run.stderr
+    );
+    desk.texmap("bake named.scene --light --object floor --size 8 -o floor.png")
+        .ok();
+    desk.texmap("bake named.scene --light --object all --size 8 -o maps/{object}.png")
+        .ok();
     assert!(desk.path("maps/wall.png").is_file() && desk.path("maps/chair.panel.png").is_file());
-    desk.refused("bake named.scene --light --object all --size 8 -o one.png", 2, "{object}");
+    let run = desk
+        .texmap("bake room.scene --light --object all --size 8 -o only-{object}.png")
+        .ok();
+    assert!(run.stderr.contains("is left out"), "{}", run.stderr);
+    desk.refused(
+        "bake named.scene --light --object all --size 8 -o one.png",
+        2,
+        "{object}",
+    );
 }
 
 #[test]
@@ -201,12 +302,21 @@ fn completions_and_manual_pages_name_every_verb() {
     for shell in ["bash", "zsh", "fish"] {
         let run = desk.texmap(&format!("completions {shell}")).ok();
         let text = String::from_utf8(run.stdout).unwrap();
-        assert!(text.contains("uv-raster") && text.contains("turntable"), "{shell}");
+        assert!(
+            text.contains("uv-raster") && text.contains("turntable"),
+            "{shell}"
+        );
     }
     let run = desk.texmap("man").ok();
-    assert!(String::from_utf8(run.stdout).unwrap().contains(".TH texmap 1"));
+    assert!(
+        String::from_utf8(run.stdout)
+            .unwrap()
+            .contains(".TH texmap 1")
+    );
     desk.texmap("man -o man/man1").ok();
     let page = String::from_utf8(desk.read("man/man1/texmap-render.1")).unwrap();
     assert!(page.contains("turntable"));
-    assert!(desk.path("man/man1/texmap.1").is_file() && desk.path("man/man1/texmap-bake.1").is_file());
+    assert!(
+        desk.path("man/man1/texmap.1").is_file() && desk.path("man/man1/texmap-bake.1").is_file()
+    );
 }

@@ -1,7 +1,7 @@
 //! Every buffer beside the colour: its values, and nothing but the written constant where there are none.
 
-use texmap_math::glam::{DMat4, DVec3};
 use texmap_math::color::{linear_to_srgb8, unit_to_u8};
+use texmap_math::glam::{DMat4, DVec3};
 use texmap_render::{Aov, AovData, HOLE_BITS, RenderSettings, render};
 use texmap_sample::{Filter, UvTransform};
 use texmap_scene::{AlphaMode, Material, Mesh, Scene, TextureRole};
@@ -261,7 +261,10 @@ fn colours_are_the_light_behind_the_bytes() {
             for (light, bytes) in color.chunks(4).zip(plain.rgba.chunks(4)) {
                 let alpha = light[3];
                 let encoded = [0, 1, 2].map(|k| linear_to_srgb8(light[k] / alpha));
-                assert_eq!((encoded, unit_to_u8(alpha)), ([bytes[0], bytes[1], bytes[2]], bytes[3]));
+                assert_eq!(
+                    (encoded, unit_to_u8(alpha)),
+                    ([bytes[0], bytes[1], bytes[2]], bytes[3])
+                );
             }
         }
     }

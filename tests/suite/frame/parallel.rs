@@ -23,7 +23,12 @@ fn parallel(width: f64) -> Camera {
 
 /// A square of edge 1 at a height over the picture plane.
 fn square(z: f32) -> Scene {
-    let mesh = quad([[-0.5, -0.5, z], [0.5, -0.5, z], [0.5, 0.5, z], [-0.5, 0.5, z]]);
+    let mesh = quad([
+        [-0.5, -0.5, z],
+        [0.5, -0.5, z],
+        [0.5, 0.5, z],
+        [-0.5, 0.5, z],
+    ]);
     Scene {
         camera: parallel(2.0),
         ..of(unlit([1.0; 3]), mesh)
@@ -80,13 +85,22 @@ fn highlights_of_a_plane_are_even_and_the_same_on_every_level() {
         let across: Vec<u8> = (18..46).map(|i| pixel(i, i)).collect();
         (across, frame.rgba)
     };
-    let all: Vec<_> = levels().into_iter().map(|(_, level)| inner(&scene, level)).collect();
+    let all: Vec<_> = levels()
+        .into_iter()
+        .map(|(_, level)| inner(&scene, level))
+        .collect();
     assert!(all.windows(2).all(|pair| pair[0] == pair[1]));
     let across = &all[0].0;
-    assert!(across.iter().all(|v| v.abs_diff(across[0]) <= 1) && across[0] > 60, "{across:?}");
+    assert!(
+        across.iter().all(|v| v.abs_diff(across[0]) <= 1) && across[0] > 60,
+        "{across:?}"
+    );
     scene.camera.lens = Lens::default();
     let (central, _) = inner(&scene, levels()[0].1);
-    assert!(central.iter().any(|v| v.abs_diff(central[0]) > 3), "{central:?}");
+    assert!(
+        central.iter().any(|v| v.abs_diff(central[0]) > 3),
+        "{central:?}"
+    );
 }
 
 #[test]

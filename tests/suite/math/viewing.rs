@@ -1,8 +1,8 @@
 //! Cameras, projectors (the matrix part of property 23) and mirror directions (property 29).
 
 use proptest::prelude::*;
-use texmap_math::bary;
 use texmap_math::ViewRays;
+use texmap_math::bary;
 use texmap_math::camera::{Camera, CameraError, Lens};
 use texmap_math::glam::{DVec2, DVec3};
 use texmap_math::projector::{Projector, projector_uv};
