@@ -22,9 +22,15 @@ fn bounds(run: Run) -> [u64; 4] {
     })
 }
 
+const CUBE: &str = "\
+v -1 -1 -1\nv 1 -1 -1\nv 1 1 -1\nv -1 1 -1\nv -1 -1 1\nv 1 -1 1\nv 1 1 1\nv -1 1 1
+f 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8
+";
+
 #[test]
 fn a_model_fills_its_picture_from_every_side() {
     let desk = Desk::new();
+    desk.put("cube.obj", CUBE);
     for view in [
         "",
         "--view front",
@@ -36,7 +42,7 @@ fn a_model_fills_its_picture_from_every_side() {
     ] {
         for size in ["400x200", "200x400"] {
             let [left, top, right, bottom] = bounds(desk.texmap(&format!(
-                "render m.obj --resolution {size} -o m.png --json {view}"
+                "render cube.obj --resolution {size} -o m.png --json {view}"
             )));
             let (width, height) = if size == "400x200" {
                 (400, 200)
@@ -51,9 +57,7 @@ fn a_model_fills_its_picture_from_every_side() {
         }
     }
     // A camera of one's own is what was asked for.
-    let [left, _, right, _] = bounds(desk.texmap(
-        "render m.obj --resolution 400x200 -o m.png --json --camera-eye 0,0,30 --camera-look 0,0,0",
-    ));
+    let [left, _, right, _] = bounds(desk.texmap("render cube.obj --resolution 400x200 -o m.png --json --camera-eye 0,0,30 --camera-look 0,0,0"));
     assert!(right - left < 200);
 }
 
@@ -183,9 +187,7 @@ fn views_are_a_sheet_or_a_picture_each() {
 #[test]
 fn cameras_that_see_nothing_or_stand_inside_get_a_warning() {
     let desk = Desk::new();
-    let cube = "v -1 -1 -1\nv 1 -1 -1\nv 1 1 -1\nv -1 1 -1\nv -1 -1 1\nv 1 -1 1\nv 1 1 1\nv -1 1 1\n\
-                f 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
-    desk.put("cube.obj", cube);
+    desk.put("cube.obj", CUBE);
     let warned = |flags: &str| {
         let run = desk.texmap(&format!(
             "render cube.obj --resolution 32x24 -o c.png {flags}"

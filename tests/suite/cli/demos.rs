@@ -54,5 +54,5 @@ fn an_unknown_demo_is_refused_with_the_list() {
     assert_eq!(run.code, 2);
     assert!(run.stderr.contains("forward-inverse"), "{}", run.stderr);
     assert!(!desk.path("out.png").exists());
-    assert_eq!(desk.texmap("demo tiling -o no/such/out.png").code, 4);
+    assert_eq!(desk.texmap("demo tiling -o room.scene/out.png").code, 4);
 }

@@ -80,7 +80,7 @@ fn every_look_is_another_picture() {
     desk.texmap("render m.obj --material normals --view front --resolution 60x60 -o n.png")
         .ok();
     assert_eq!(
-        desk.picture("n.png").get_pixel(12, 48).0,
+        desk.picture("n.png").get_pixel(30, 12).0,
         [128, 128, 255, 255]
     );
     desk.refused("render m.obj --material gold -o x.png", 2, "clay");
@@ -226,11 +226,14 @@ fn every_verb_reports_as_json_and_is_quiet_on_request() {
         ("warp check.png --rotate 5 -o w.png", 1),
         ("sample check.png --uv uv.txt -o s.npy", 1),
         ("mip check.png -o m%d.png", 4),
-        ("env check.png --to octahedron --size 8 -o e.png", 1),
+        (
+            "env check.png --from octahedron --to cube --size 8 -o e.png",
+            1,
+        ),
         ("slice noise --size 16 -o n.png", 1),
         (
             "bake room.scene --light --object all --size 8 -o b/{object}.png",
-            2,
+            1,
         ),
     ] {
         let run = desk.texmap(&format!("{arguments} --json --quiet")).ok();
@@ -268,7 +271,7 @@ fn objects_of_scenes_have_names() {
     let desk = Desk::new();
     desk.put(
         "named.scene",
-        "la 1 1 1\nname sky\nv 0 0 0\nv 1 0 0\nv 1 0 1\nv 0 1 0\nf 0 1 2\nname floor\nf 0 1 3\nname wall\nobj m.obj\nname chair\n",
+        "la 1 1 1\nname sky\nv 0 0 0\nv 1 0 0\nv 1 0 1\nv 0 1 0\ntexture check.png\ntf 0 0 0 1 1 0 2 1 1\nname floor\ntf 0 0 0 1 1 0 3 1 1\nname wall\nobj m.obj\nname chair\n",
     );
     let run = desk.texmap("bake named.scene --light --object sofa --size 8 -o x.png");
     assert_eq!(run.code, 2);
@@ -282,6 +285,10 @@ fn objects_of_scenes_have_names() {
     desk.texmap("bake named.scene --light --object all --size 8 -o maps/{object}.png")
         .ok();
     assert!(desk.path("maps/wall.png").is_file() && desk.path("maps/chair.panel.png").is_file());
+    let run = desk
+        .texmap("bake room.scene --light --object all --size 8 -o only-{object}.png")
+        .ok();
+    assert!(run.stderr.contains("is left out"), "{}", run.stderr);
     desk.refused(
         "bake named.scene --light --object all --size 8 -o one.png",
         2,

@@ -392,7 +392,7 @@ fn thirty_and_more_bad_inputs_name_their_place_and_leave_the_old_picture() {
         desk.put("out0.png", "the old picture");
         let before = desk.names();
         let run = desk.texmap(&format!(
-            "render {} --resolution 32x24 -o {output}",
+            "render {} --missing error --resolution 32x24 -o {output}",
             case.input
         ));
         let lines: Vec<&str> = run.stderr.lines().collect();
@@ -477,7 +477,10 @@ fn wrong_command_lines_end_with_two_and_say_what_is_allowed() {
             "%04d",
         ),
         ("render room.scene -o out%04d.png", "--frames"),
-        ("render room.scene -o out.jpg", ".png"),
+        (
+            "render room.scene -o out.bmp",
+            ".png, .jpg, .webp, .hdr or .exr",
+        ),
         ("render room.scene m.obj -o out.png", "{model}"),
         (
             "render room.scene ./room.scene -o {model}.png",
@@ -507,7 +510,7 @@ fn unwritable_outputs_are_found_before_anything_is_read() {
     std::fs::create_dir(desk.path("taken.png")).unwrap();
     std::fs::create_dir(desk.path("aov.uv.npy")).unwrap();
     for output in [
-        "no/such/out.png",
+        "check.png/such/out.png",
         "m.obj/out.png",
         "taken.png/out.jpg/x.png",
     ] {

@@ -285,7 +285,7 @@ fn a_dry_run_checks_everything_and_writes_nothing() {
     desk.texmap("render room.scene --dry-run").ok();
     assert_eq!(desk.texmap("render no.scene --dry-run").code, 4);
     assert_eq!(
-        desk.texmap("render room.scene --dry-run -o no/such/out.png")
+        desk.texmap("render room.scene --dry-run -o m.obj/out.png")
             .code,
         4
     );

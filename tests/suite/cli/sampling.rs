@@ -145,7 +145,11 @@ fn bad_warps_are_named() {
     desk.refused("warp photo.png", 2, "--output");
     desk.refused("warp missing.png -o out.png", 4, "missing.png");
     desk.refused("warp m.obj -o out.png", 4, "m.obj");
-    desk.refused("warp photo.png -o no/out.png", 4, "no");
+    desk.refused(
+        "warp photo.png -o photo.png/out.png",
+        4,
+        "photo.png is no folder",
+    );
     desk.refused(
         "warp photo.png -o out.png --from 0,0 1,1 2,2 0,5",
         4,
@@ -326,7 +330,11 @@ fn bad_chains_are_named() {
         2,
         "between 0 and 1",
     );
-    desk.refused("mip photo.png -o no/m%d.png", 4, "no");
+    desk.refused(
+        "mip photo.png -o photo.png/m%d.png",
+        4,
+        "photo.png is no folder",
+    );
 }
 
 /// Linear light from -0.5 to 200, with alpha.
@@ -450,14 +458,17 @@ fn endings_that_no_verb_writes_are_refused() {
     photo(&desk);
     desk.put("uv.csv", "0.5,0.5\n");
     for (line, known) in [
-        ("warp photo.png -o", ".png, .hdr or .exr"),
-        ("slice wood -o", ".png, .hdr or .exr"),
-        ("env photo.png --to cube -o", ".png, .hdr or .exr"),
+        ("warp photo.png -o", ".png, .jpg, .webp, .hdr or .exr"),
+        ("slice wood -o", ".png, .jpg, .webp, .hdr or .exr"),
+        (
+            "env photo.png --to cube -o",
+            ".png, .jpg, .webp, .hdr or .exr",
+        ),
         (
             "bake m.obj --object panel --light --size 4 -o",
-            ".png, .hdr or .exr",
+            ".png, .jpg, .webp, .hdr or .exr",
         ),
-        ("render room.scene -o", ".png"),
+        ("render room.scene -o", ".png, .jpg, .webp, .hdr or .exr"),
         ("demo affine-checker -o", ".png"),
         ("diff photo.png photo.png --heat", ".png"),
         ("sample photo.png --uv uv.csv -o", ".npy"),
@@ -466,7 +477,7 @@ fn endings_that_no_verb_writes_are_refused() {
         ("chart --quick -o", ".html or .csv"),
         ("chart --quick -o a.html --prices", ".csv"),
     ] {
-        for name in ["x.jpg", "x.tga", "x"] {
+        for name in ["x.bmp", "x.tga", "x"] {
             desk.refused(
                 &format!("{line} {name}"),
                 2,
@@ -474,7 +485,11 @@ fn endings_that_no_verb_writes_are_refused() {
             );
         }
     }
-    desk.refused("mip photo.png -o x%d.jpg", 2, ".png, .hdr or .exr");
+    desk.refused(
+        "mip photo.png -o x%d.jpg",
+        2,
+        ".png, .jpg, .webp, .hdr or .exr",
+    );
     desk.refused(
         "demo light-maps --frames 2 -o x%d.jpg",
         2,

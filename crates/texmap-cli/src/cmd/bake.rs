@@ -77,6 +77,12 @@ pub(crate) fn run(args: &BakeArgs) -> Result<Exit, Failure> {
     let outputs = outputs(args, &scene, &meshes)?;
     distinct(&outputs, [&args.scene])?;
     let mut written = Written::new("bake");
+    let bare = |mesh: &&Mesh| meshes.len() > 1 && !has_coordinates(mesh);
+    for mesh in scene.meshes.iter().filter(bare) {
+        let warning = format!("`{}` has no texture coordinates and is left out", mesh.name);
+        say(&format!("warning: {warning}\n"));
+        written.warn([warning]);
+    }
     for warning in &scene.warnings {
         say(&format!("warning: {warning}\n"));
     }
@@ -143,7 +149,12 @@ fn refused(error: impl Into<Refusal>) -> Failure {
     Failure::of_render(error, None, "correct the scene, or bake another object")
 }
 
-/// The meshes of a name, or all that have triangles.
+/// Whether a light map has a place on the mesh.
+fn has_coordinates(mesh: &Mesh) -> bool {
+    !(mesh.uvs.is_empty() && mesh.lightmap_uvs.is_empty())
+}
+
+/// The meshes of a name, or all that have triangles and coordinates.
 fn find(scene: &Scene, name: &str) -> Result<Vec<usize>, Failure> {
     let meshes = scene.meshes.iter().enumerate();
     let named = |wanted: &dyn Fn(&Mesh) -> bool| -> Vec<usize> {
@@ -154,12 +165,19 @@ fn find(scene: &Scene, name: &str) -> Result<Vec<usize>, Failure> {
             .collect()
     };
     let exact = named(&|mesh| mesh.name == name);
-    let found = match exact.is_empty() && name == "all" {
-        true => named(&|mesh| !mesh.triangles.is_empty()),
+    let all = exact.is_empty() && name == "all";
+    let found = match all {
+        true => named(&|mesh| !mesh.triangles.is_empty() && has_coordinates(mesh)),
         false => exact,
     };
     match found[..] {
         [_] => Ok(found),
+        [] if all => Err(Failure::new(
+            Exit::Input,
+            "render-missing-uv",
+            "--object all: no mesh has texture coordinates",
+            "light maps lie on coordinates: give the faces some (`tf`, `lightmapuv`), or the model (`texmap uv`)",
+        )),
         [] => {
             let mut names: Vec<&str> = scene.meshes.iter().map(|m| m.name.as_str()).collect();
             names.dedup();
@@ -168,7 +186,7 @@ fn find(scene: &Scene, name: &str) -> Result<Vec<usize>, Failure> {
                 format!("choose from {}, or all", names.join(", ")),
             ))
         }
-        _ if name == "all" => Ok(found),
+        _ if all => Ok(found),
         _ => Err(Failure::usage(
             format!("--object {name}: {} meshes have this name", found.len()),
             "give the objects different names (`name` lines of a scene, `o` lines of a model), or other materials their own",

@@ -185,7 +185,12 @@ fn a_mirrored_node_keeps_its_outside() {
         let mut scene = scene.clone();
         scene.camera.eye = [0.0, 0.0, 4.0].into();
         scene.camera.look = [0.0, 0.0, 0.0].into();
-        let frame = render(&scene, &RenderSettings::new(64, 32), &|_, _| {}).expect("a frame");
+        let frame = render(
+            &scene,
+            &RenderSettings::new(64, 32),
+            &texmap_render::no_progress,
+        )
+        .expect("a frame");
         let corner = frame.rgba[..4].to_vec();
         let texels = frame.rgba.chunks(4).enumerate();
         texels.filter(|(i, p)| i % 64 >= 32 && *p != corner).count()

@@ -160,13 +160,35 @@ pub(crate) struct Shot {
 }
 
 impl CameraArgs {
-    pub(crate) fn files(&self, files: &FileSource) -> Result<CameraFiles, Failure> {
-        let walk = self.path.as_deref();
+    /// The list, whose cameras name pictures.
+    pub(crate) fn list(&self, files: &FileSource) -> Result<CameraFiles, Failure> {
         let list = self.cameras.as_deref();
         Ok(CameraFiles {
-            walk: walk.map(|p| CameraPath::read_from(p, files)).transpose()?,
+            walk: None,
             list: list.map(|p| CameraList::read_from(p, files)).transpose()?,
         })
+    }
+
+    /// The walk as well.
+    pub(crate) fn walk(
+        &self,
+        files: &FileSource,
+        list: CameraFiles,
+    ) -> Result<CameraFiles, Failure> {
+        let walk = self.path.as_deref();
+        Ok(CameraFiles {
+            walk: walk.map(|p| CameraPath::read_from(p, files)).transpose()?,
+            ..list
+        })
+    }
+
+    /// Whether the command line says where the camera stands.
+    pub(crate) fn is_placed(&self) -> bool {
+        let points = [self.camera_eye, self.camera_look, self.camera_up];
+        points.iter().any(Option::is_some)
+            || self.camera_matrix.is_some()
+            || self.cameras.is_some()
+            || self.path.is_some()
     }
 
     /// The automatic camera of a model.

@@ -63,7 +63,7 @@ pub(crate) fn item(
         time: args.time,
         animation: args.animation.clone(),
     };
-    let mut scene = texmap_io::load(file, &options)?;
+    let mut scene = load(file, &item.input, &options)?;
     if let Some(background) = args.background {
         scene.background = background.0;
     }
@@ -79,7 +79,7 @@ pub(crate) fn item(
             None if scene_file || sampled => 1,
             None => 4,
         },
-        model: !scene_file,
+        placed: !scene_file && args.camera.is_placed(),
         load,
         told: RefCell::default(),
     };
@@ -119,14 +119,36 @@ pub(crate) fn item(
     }
 }
 
+/// Loads a file. Standard input is named as such in warnings and errors.
+fn load(file: &Path, input: &Path, options: &LoadOptions) -> Result<Scene, Failure> {
+    let folder = file.parent().filter(|_| file != input);
+    let folder = folder.map(|folder| format!("{}/", folder.display()));
+    let told = |text: &str| match &folder {
+        Some(folder) => text.replace(folder.as_str(), ""),
+        None => text.to_owned(),
+    };
+    let mut scene = texmap_io::load(file, options).map_err(|error| {
+        let failure = Failure::from(error);
+        Failure {
+            what: told(&failure.what),
+            why: told(&failure.why),
+            ..failure
+        }
+    })?;
+    for warning in &mut scene.warnings {
+        *warning = told(warning);
+    }
+    Ok(scene)
+}
+
 struct Context<'a> {
     args: &'a RenderArgs,
     item: &'a Item,
     level: Level,
     /// Samples of coverage and depth a pixel.
     msaa: u32,
-    /// The input has no camera of its own.
-    model: bool,
+    /// The camera of a model was placed by hand: an automatic one stands outside.
+    placed: bool,
     /// Milliseconds that loading took.
     load: f64,
     /// Warnings said so far: the frames of a walk repeat them.
@@ -320,7 +342,7 @@ impl Context<'_> {
         if self.args.json {
             report.pictures.push(PictureReport::new(scene, frame));
         }
-        let inside = self.model.then(|| seen::inside(scene)).flatten();
+        let inside = self.placed.then(|| seen::inside(scene)).flatten();
         for warning in seen::warning(frame).into_iter().chain(inside) {
             if !report.warnings.contains(&warning) {
                 report.warnings.push(warning);

@@ -40,7 +40,7 @@ pub(crate) struct RenderArgs {
     #[arg(required = true, value_name = "IN")]
     inputs: Vec<PathBuf>,
     /// The picture to write: .png, .jpg, .webp, .exr (linear light, --aov as layers), .hdr; `-` is standard output, PNG. Several pictures:
-    /// a name with %04d, {n}, {view}, or .gif or .apng. Several inputs: a folder, or a name with {model} or {dir}. Folders are made
+    /// a name with %04d or {view}, or .gif or .apng. Several inputs: a folder, or a name with {model} or {dir}. Folders are made
     #[arg(short, long, value_name = "OUT", required_unless_present = "dry_run")]
     output: Option<PathBuf>,
     /// Size of the picture (of each cell with --views)
@@ -98,16 +98,12 @@ pub(crate) struct RenderArgs {
     /// srgb, or raw: no colour is converted, neither in nor out
     #[arg(long, value_name = "MODE", value_parser = values::color)]
     color: Option<ColorMode>,
-    #[command(flatten)]
-    camera: CameraArgs,
     /// Seconds into an animation of a glTF model [default: at rest]
     #[arg(long, value_name = "SECONDS", allow_hyphen_values = true, value_parser = values::seconds)]
     time: Option<f64>,
     /// The animation, by its name or number [default: the first]
     #[arg(long, value_name = "NAME|N")]
     animation: Option<String>,
-    #[command(flatten)]
-    look: LookArgs,
     /// Arrays beside the picture: depth, inv_w, uv, lod, face, mesh, normal, position, color (the picture in linear light),
     /// shadow:LIGHT (its name or number); room.png gives room.uv.npy of shape (height, width, channels), room.exr holds them
     #[arg(
@@ -128,6 +124,11 @@ pub(crate) struct RenderArgs {
     /// Warnings are errors: nothing is written of an input that has one, and the exit code is 4
     #[arg(long)]
     strict: bool,
+    // Last: their headings would go on over what follows.
+    #[command(flatten)]
+    camera: CameraArgs,
+    #[command(flatten)]
+    look: LookArgs,
 }
 
 const EXAMPLES: &str = "\
@@ -136,15 +137,16 @@ From all sides:     texmap render model.obj --views front,right,top,iso -o sheet
 A turntable:        texmap render model.obj --turntable 48 -o spin.gif
 A folder of models: texmap render *.obj -o 'out/{model}.jpg' --resolution 512x512
 Linear light:       texmap render room.scene --aov depth,normal -o room.exr
-Calibrated cameras: texmap render model.obj --cameras poses.json -o 'view-{n}.png'
+Calibrated cameras: texmap render model.obj --cameras poses.json -o view-%02d.png
 One bad input does not stop the others; the exit code is then 3.";
 
 pub(crate) fn run(args: &RenderArgs) -> Result<Exit, Failure> {
     let level = args.level.level()?;
     let files = args.root.files()?;
-    let cameras = args.camera.files(&files)?;
+    let cameras = args.camera.list(&files)?;
     let inputs = Inputs::read(&args.inputs, &files)?;
     let items = plan::items(args, &inputs.names, args.camera.names(&cameras).as_deref())?;
+    let cameras = args.camera.walk(&files, cameras)?;
     let mut reports: Vec<ItemReport> = Vec::new();
     let mut failures = Vec::new();
     for item in &items {
