@@ -1,5 +1,5 @@
-//! How the time of a frame grows with triangles and with pixels, what two threads and each SIMD level give, and the memory beside
-//! the scene.
+//! Growth of a frame's time with triangles and with pixels, with two threads and on each SIMD level, and the memory beside the
+//! scene.
 //!
 //! `cargo run --release -p texmap-benches --bin frame-scaling` writes `benches/results/frame_scaling.csv` and `.svg` (about a
 //! minute). Every time is the minimum of several frames.
@@ -33,7 +33,7 @@ struct Row {
     /// Triangles or pixels.
     count: usize,
     milliseconds: f64,
-    /// How far making ready and drawing raised the peak of resident memory, in MiB; the frame is in it, room that the allocator had
+    /// Rise of the peak of resident memory by preparing and drawing, in MiB. The frame is in it, memory that the allocator had
     /// kept is not.
     memory: Option<f64>,
 }
@@ -172,12 +172,14 @@ fn frame(
     (settings.threads, settings.level) = (Some(threads), level);
     let before = Resident::reset();
     let renderer = Renderer::new(scene, &settings)?;
-    let mut frame = renderer.draw(&|_, _| {})?;
+    let mut frame = renderer.draw(&texmap_render::no_progress)?;
     let memory = before.and_then(|before| before.grown());
     let (begin, mut best, mut frames) = (Instant::now(), f64::INFINITY, 0);
     while frames < 5 || begin.elapsed() < Duration::from_millis(500) {
         let start = Instant::now();
-        renderer.draw_into(&mut frame, &|_, _| {}, &|blocks| (0..blocks).collect())?;
+        renderer.draw_into(&mut frame, &texmap_render::no_progress, &|blocks| {
+            (0..blocks).collect()
+        })?;
         best = best.min(start.elapsed().as_secs_f64() * 1e3);
         frames += 1;
     }
@@ -188,7 +190,7 @@ fn frame(
 struct Resident(f64);
 
 impl Resident {
-    /// What is held now; the peak counts from here.
+    /// The resident memory now; the peak counts from here.
     fn reset() -> Option<Self> {
         fs::write("/proc/self/clear_refs", "5").ok()?;
         status("VmRSS:").map(Self)

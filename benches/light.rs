@@ -58,7 +58,7 @@ impl Vectors {
     }
 }
 
-/// What the effects read.
+/// Inputs of the effects.
 struct Input {
     points: Vectors,
     normals: Vectors,
@@ -129,7 +129,7 @@ impl Input {
         }
     }
 
-    fn slide(&self) -> BoundProjectorTexture<'_> {
+    fn projector(&self) -> BoundProjectorTexture<'_> {
         let eye = DVec3::new(0.0, 4.0, 0.0);
         let projector = Projector::new(eye, DVec3::ZERO, DVec3::X, 0.8, 1.0);
         BoundProjectorTexture::new(&ProjectorTexture {
@@ -167,7 +167,7 @@ impl Effect {
     ];
 
     /// One point.
-    fn scalar(self, input: &Input, slide: &BoundProjectorTexture<'_>, i: usize) -> [f32; 3] {
+    fn scalar(self, input: &Input, projector: &BoundProjectorTexture<'_>, i: usize) -> [f32; 3] {
         let (point, normal) = (input.points.at(i), input.normals.at(i));
         let view = [0, 1, 2].map(|k| EYE[k] - point[k]);
         let zero = [0.0; 3];
@@ -185,7 +185,7 @@ impl Effect {
             }
             Self::Shadow(map) => [input.shadows[map].visibility(point, normal), 0.0, 0.0],
             Self::Slide => {
-                let places = slide.uv_at(Scalar, point);
+                let places = projector.uv_at(Scalar, point);
                 let fade = if places.reached { places.fade } else { 0.0 };
                 [places.uv[0], places.uv[1], fade]
             }
@@ -214,7 +214,7 @@ impl Effect {
         self,
         i: I,
         input: &Input,
-        slide: &BoundProjectorTexture<'_>,
+        projector: &BoundProjectorTexture<'_>,
         at: usize,
     ) -> Vector<I> {
         let (point, normal) = (input.points.lanes(i, at), input.normals.lanes(i, at));
@@ -244,7 +244,7 @@ impl Effect {
                 [lit, zero, zero]
             }
             Self::Slide => {
-                let places = slide.uv_at(i, point);
+                let places = projector.uv_at(i, point);
                 [
                     places.uv[0],
                     places.uv[1],
@@ -275,15 +275,15 @@ impl Effect {
 
 /// An effect at every point.
 fn run(level: Option<Level>, effect: Effect, input: &Input, out: &mut [Vec<f32>; 3]) {
-    let slide = input.slide();
+    let projector = input.projector();
     let Some(level) = level else {
         for i in 0..POINTS {
-            let value = effect.scalar(input, &slide, i);
+            let value = effect.scalar(input, &projector, i);
             out.iter_mut().zip(value).for_each(|(out, v)| out[i] = v);
         }
         return;
     };
-    dispatch_simd!(level, i => blocks(i, effect, input, &slide, out));
+    dispatch_simd!(level, i => blocks(i, effect, input, &projector, out));
 }
 
 #[inline(always)]
@@ -291,11 +291,11 @@ fn blocks<I: Isa>(
     i: I,
     effect: Effect,
     input: &Input,
-    slide: &BoundProjectorTexture<'_>,
+    projector: &BoundProjectorTexture<'_>,
     out: &mut [Vec<f32>; 3],
 ) {
     for at in (0..POINTS).step_by(I::LANES) {
-        let value = effect.lanes(i, input, slide, at);
+        let value = effect.lanes(i, input, projector, at);
         for (out, v) in out.iter_mut().zip(value) {
             v.store(&mut out[at..]);
         }

@@ -73,7 +73,7 @@ fn scene(filter: Filter) -> Scene {
     }
 }
 
-/// What a program does that has the two crates and no renderer.
+/// State of a program that has the two crates and no renderer.
 struct Alone<'s> {
     scene: &'s Scene,
     clip_from_world: DMat4,
@@ -197,7 +197,7 @@ fn plain(c: &mut Criterion) {
         let mut alone = Alone::new(&scene);
         let level = Level::new();
         alone.frame(level);
-        let frame = renderer.draw(&|_, _| {}).expect("a frame");
+        let frame = renderer.draw(&texmap_render::no_progress).expect("a frame");
         let bytes: Vec<u8> = alone.picture.iter().flat_map(|w| w.to_le_bytes()).collect();
         assert!(bytes == frame.rgba, "{name}: another picture");
         let mut best = [f64::INFINITY; 2];
@@ -207,7 +207,7 @@ fn plain(c: &mut Criterion) {
             black_box(&mut alone.picture);
             best[0] = best[0].min(start.elapsed().as_secs_f64());
             let start = Instant::now();
-            black_box(renderer.draw(&|_, _| {})).ok();
+            black_box(renderer.draw(&texmap_render::no_progress)).ok();
             best[1] = best[1].min(start.elapsed().as_secs_f64());
         }
         println!(
@@ -220,7 +220,7 @@ fn plain(c: &mut Criterion) {
         group.sample_size(10);
         group.bench_function("alone", |b| b.iter(|| alone.frame(level)));
         group.bench_function("renderer", |b| {
-            b.iter(|| black_box(renderer.draw(&|_, _| {})));
+            b.iter(|| black_box(renderer.draw(&texmap_render::no_progress)));
         });
         group.finish();
     }

@@ -4,7 +4,7 @@
 //! One run times everything in turn, band by band (64 rows of a 1920x1080 floor in 64x64 tiles), and
 //! keeps the least time of each band; the sum over the bands is the figure. Two forms: `lanes` are the
 //! sixteen-lane functions inside the loop of the coordinates, as a renderer has them; `slice` are the
-//! public batch calls on columns of 256 places that the loop has stored.
+//! public batch calls on columns of 256 coordinates that the loop has stored.
 
 #![allow(clippy::print_stdout, reason = "the figures are the output")]
 
@@ -33,7 +33,7 @@ const FILTERS: [(&str, Filter); 4] = [
     ("anisotropic16", Filter::Anisotropic(16)),
 ];
 
-/// What is timed.
+/// The code that is timed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Form {
     /// Coordinates, one word stored.
@@ -73,7 +73,7 @@ impl Case {
     }
 }
 
-/// Those with kernels of their own: SSE4.2 runs SSE2's.
+/// Levels with kernels of their own: SSE4.2 runs SSE2's.
 fn levels() -> Vec<(&'static str, Level)> {
     let best = Level::new();
     let mut levels = Vec::new();
@@ -208,7 +208,7 @@ fn loads<S: Simd>(s: S, job: &mut Job<'_>) {
     );
 }
 
-/// The places of a run, four rows of a tile, as columns.
+/// Coordinates of a run, four rows of a tile, as columns.
 struct Run {
     u: [f32; RUN],
     v: [f32; RUN],
@@ -236,7 +236,7 @@ fn fill<S: Simd>(s: S, floor: &Floor, x0: usize, y0: usize, slopes: bool, run: &
     );
 }
 
-/// Whether a run's places are only made, or sampled too.
+/// Makes a run's coordinates, and samples at them if `form` says so.
 fn runs<S: Simd>(s: S, job: &mut Job<'_>, form: Form, run: &mut Run) {
     let mut words = [0; RUN];
     let mut colors = [[0.0; RUN]; 4];

@@ -23,7 +23,7 @@ pub fn main() -> Result<(), Box<dyn std::error::Error>> {
     }];
     scene.meshes = vec![Mesh::cube()];
 
-    let frame = render(&scene, &RenderSettings::new(640, 480), &|_done, _of| ())?;
+    let frame = render(&scene, &RenderSettings::new(640, 480), &no_progress)?;
     frame.save("cube.png")?;
     println!("{} pixels are covered", frame.stats.pixels_covered);
     Ok(())

@@ -82,7 +82,7 @@ fn parse(mut args: impl Iterator<Item = String>) -> Result<Options, String> {
     Ok(options)
 }
 
-/// This program once more, with Mesa's settings.
+/// Runs this program once more, with Mesa's settings.
 fn again() -> Outcome<ExitCode> {
     let status = Command::new(std::env::current_exe()?)
         .args(std::env::args().skip(1))

@@ -15,7 +15,7 @@ use texmap_benches::bench_scenes::{
 
 use crate::gl::{GpuMesh, Target, levels, program_of, target, target_texture, upload};
 
-/// Positions, normals and tangents in world space; the coordinates of map or slide.
+/// Positions, normals and tangents in world space; the coordinates of map or projected picture.
 const VERTEX: &str = "#version 330 core
 uniform mat4 mvp, world, onto;
 layout(location = 0) in vec3 position; layout(location = 1) in vec2 uv;
@@ -64,9 +64,9 @@ pub(crate) struct Effects {
     mirror: glow::Program,
     projective: glow::Program,
     depth: glow::Program,
-    /// Base, normals, slide, cube, shadow map.
+    /// Base, normals, projected picture, cube, shadow map.
     textures: [glow::Texture; 5],
-    /// Of slide and shadow map: clamped to the edge.
+    /// Of projected picture and shadow map: clamped to the edge.
     clamped: glow::Sampler,
     compare: glow::Sampler,
     /// Of the cube: trilinear.

@@ -41,7 +41,7 @@ pub(crate) struct Llvmpipe {
     multisampled: Target,
     shadow: Target,
     meshes: Vec<(Content, GpuMesh)>,
-    /// What the scenes under lighting effects need, if there are any.
+    /// Programs and textures of the scenes under lighting effects, if there are any.
     effects: Option<Effects>,
 }
 
@@ -276,7 +276,7 @@ impl Llvmpipe {
     }
 }
 
-/// Every scene has a place in the table; used by `--list`.
+/// Every scene has a row in the table; used by `--list`.
 pub(crate) fn scenes(only: Option<&str>) -> Vec<BenchScene> {
     let wanted = |key: &str| only.is_none_or(|o| o.split(':').any(|part| key.contains(part)));
     SCENES

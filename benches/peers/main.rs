@@ -9,8 +9,8 @@
 //! runs in the calling thread (texmap: one thread); the process is then pinned to one core. In every
 //! round each scene is drawn by both, one after the other; minima and medians pool the rounds. The
 //! pictures are compared before any time is: a row whose pictures differ by more than 1 of 255 on
-//! more than 1 % of the values is void. Where filters differ by right (anisotropic ones, and normal maps of 8 bits, whose rounding light
-//! shows twice over), a row is void if texmap's error against a better filter is above the peer's.
+//! more than 1 % of the values is void. If filters differ by right (anisotropic ones, and normal maps of 8 bits, whose rounding
+//! light shows twice over), a row is void if texmap's error against a better filter is above the peer's.
 
 #![allow(clippy::print_stdout, reason = "the rows are the output")]
 
@@ -286,12 +286,12 @@ impl Run {
     }
 }
 
-/// How two pictures of a scene compare.
+/// Comparison of two pictures of a scene.
 #[derive(Default)]
 struct Match {
     /// Percentage of values that differ by at most 1.
     within: f64,
-    /// Where filters may differ by right: root mean square errors against a better one, of 255, texmap's and the peer's.
+    /// If filters may differ by right: root mean square errors against a better one, of 255, texmap's and the peer's.
     errors: Option<[f64; 2]>,
 }
 
@@ -304,7 +304,7 @@ impl Match {
         }
     }
 
-    /// Whether the times may be compared.
+    /// True if the times may be compared.
     fn is_valid(&self) -> bool {
         match self.errors {
             Some([ours, theirs]) => ours <= theirs,

@@ -38,7 +38,7 @@ impl<'s> Texmap<'s> {
         let mut settings = RenderSettings::new(width, height);
         settings.threads = Some(1);
         let renderer = Renderer::new(scene, &settings)?;
-        let frame = renderer.draw(&|_, _| {})?;
+        let frame = renderer.draw(&texmap_render::no_progress)?;
         Ok(Self { renderer, frame })
     }
 }
@@ -47,7 +47,7 @@ impl Racer for Texmap<'_> {
     fn frame(&mut self) {
         let in_order = |blocks| (0..blocks).collect();
         self.renderer
-            .draw_into(&mut self.frame, &|_, _| {}, &in_order)
+            .draw_into(&mut self.frame, &texmap_render::no_progress, &in_order)
             .expect("what was drawn before is drawn again");
     }
 
@@ -56,7 +56,7 @@ impl Racer for Texmap<'_> {
     }
 }
 
-/// What both peers get: positions that one matrix takes to clip space, and texels.
+/// Input of both peers: positions that one matrix takes to clip space, and texels.
 pub(crate) struct Given {
     pub(crate) size: [u32; 2],
     /// Of the texture: texels a side, a power of two.

@@ -9,7 +9,7 @@ use texmap_sample::Filter;
 pub(crate) use texmap_sample::Precision;
 use texmap_scene::Scene;
 
-/// How texmap draws a row: sampler precision, and what happens to hidden layers.
+/// Mode in which texmap draws a row: sampler precision, and the treatment of hidden layers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Mode {
     pub(crate) precision: Precision,
@@ -102,7 +102,7 @@ impl Texmap {
             settings.msaa = samples;
         }
         let renderer = Box::new(Renderer::new(data, &settings).ok()?.turned_over());
-        let frame = Box::new(renderer.draw(&|_, _| {}).ok()?);
+        let frame = Box::new(renderer.draw(&texmap_render::no_progress).ok()?);
         let with_maps = scene.content == (Content::Lit { shadow_pass: true });
         Some(Self::Frame {
             renderer,
@@ -122,7 +122,8 @@ impl Texmap {
                     eprintln!("peers: texmap: {why}");
                 }
                 let in_order = |blocks| (0..blocks).collect();
-                if let Err(why) = renderer.draw_into(frame, &|_, _| {}, &in_order) {
+                if let Err(why) = renderer.draw_into(frame, &texmap_render::no_progress, &in_order)
+                {
                     eprintln!("peers: texmap: {why}");
                 }
             }
@@ -168,7 +169,7 @@ impl Texmap {
     }
 }
 
-/// What a picture should be where filters differ by right; `None` for scenes whose pictures must agree value by value.
+/// The reference picture if filters differ by right. `None` for scenes whose pictures must agree value by value.
 ///
 /// The anisotropic floor: 8 x 8 trilinear samples a pixel. Normal maps: the same picture with f32 weights, as light shows twice over
 /// what bytes round off normals (with f32 weights in both, `GALLIVM_PERF=no_aos_sampling`, these pictures agree value by value).
@@ -187,7 +188,7 @@ pub(crate) fn truth(scene: &BenchScene) -> Option<Vec<u8>> {
     let data = scene.scene(Precision::Exact, Hidden::Skipped).ok()??;
     let frame = Renderer::new(&data, &settings)
         .ok()?
-        .draw(&|_, _| {})
+        .draw(&texmap_render::no_progress)
         .ok()?;
     let pixels = frame.rgba.chunks_exact(4);
     Some(pixels.flat_map(|p| [p[0], p[1], p[2]]).collect())

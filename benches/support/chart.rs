@@ -5,12 +5,12 @@ use std::path::Path;
 
 use plotters::prelude::*;
 
-/// What is charted.
+/// A chart of milliseconds over counts, with logarithmic axes.
 #[derive(Debug)]
 pub struct LogChart<'a> {
     /// Above the chart.
     pub caption: &'a str,
-    /// What is counted along x.
+    /// Name of the counts along x.
     pub counted: &'a str,
     /// Counts that the chart spans.
     pub counts: Range<f64>,
@@ -24,7 +24,7 @@ impl LogChart<'_> {
     /// Writes an SVG of named lines of (count, milliseconds).
     ///
     /// # Errors
-    /// What cannot be drawn or written.
+    /// A chart that cannot be drawn or written.
     pub fn write(
         self,
         path: &Path,

@@ -19,7 +19,7 @@ pub struct Floor {
     w: [f32; 3],
 }
 
-/// What sixteen pixels see.
+/// Coordinates of sixteen pixels, and w.
 #[derive(Clone, Copy)]
 pub struct Places<S: Simd> {
     /// Texture coordinates.

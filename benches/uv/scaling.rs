@@ -1,4 +1,4 @@
-//! How the steps of the uv mapper grow with the mesh, and what a slice costs against a copy of the positions.
+//! Growth of the uv mapper's steps with the mesh, and the cost of a slice against a copy of the positions.
 //!
 //! `cargo run --release -p texmap-benches --bin uv-scaling` writes `benches/results/uv_scaling.csv` and `.svg` (about
 //! two minutes). Every time is the minimum of several rounds; the slices are interleaved on one thread.

@@ -191,7 +191,7 @@ fn uvunwrap(mesh: &Mesh<'_>, options: uvunwrap::Options) -> Result<UvSet, Box<dy
         &options,
     )?;
     let out = &atlas.meshes[0];
-    // The page is cropped; on a square one it keeps its texels.
+    // The atlas is cropped; made square again, it keeps its texels.
     let part = [atlas.width, atlas.height].map(|s| s as f32 / PAGE.size as f32);
     let uv = |i: &u32| {
         let [u, v] = out.vertices[*i as usize].uv;

@@ -196,7 +196,7 @@ fn picture(scene: &Scene) {
         Ok(scene) => scene,
         Err(error) => return assert!(!error.to_string().is_empty()),
     };
-    match render(&scene, &settings, &|_, _| {}) {
+    match render(&scene, &settings, &texmap_render::no_progress) {
         Ok(frame) => assert_eq!(frame.rgba.len(), 24 * 18 * 4),
         Err(error) => assert!(!error.to_string().is_empty()),
     }

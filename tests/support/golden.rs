@@ -15,7 +15,7 @@ static FILE: Mutex<()> = Mutex::new(());
 /// Compares a picture with the pinned one of this name.
 ///
 /// # Panics
-/// When the pixels differ, or nothing is pinned and `TEXMAP_BLESS` is not set.
+/// If the pixels differ, or nothing is pinned and `TEXMAP_BLESS` is not set.
 pub fn check(name: &str, picture: &Picture) {
     let hash = hash_pixels(picture.width(), picture.height(), picture.rgba());
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("golden");

@@ -52,7 +52,7 @@ mod tests {
         );
     }
 
-    /// Kernels without optimisation are scalar on every level: then the suites would compare scalars with scalars.
+    /// Kernels without optimisation are scalar on every level. Then the suites would compare scalars with scalars.
     #[test]
     fn the_levels_have_lanes() {
         let lanes = texmap_math::LANES;

@@ -1,4 +1,4 @@
-//! What the suites share: SIMD levels, strategies, scenes, golden images.
+//! Support of the suites: SIMD levels, strategies, scenes, golden images.
 
 #[cfg(unix)]
 pub mod attack;

@@ -19,11 +19,11 @@ use super::{
     LIGHT, LIT_EYE, PROJECTOR, WIDTH, base, cube_face, floor, normal, slide, sphere,
 };
 
-/// What light and projector look at.
+/// The point that light and projector look at.
 pub const MIDDLE: [f64; 3] = [0.0, 0.5, 0.0];
-/// Half a side of what the shadow map shows where the light looks: 15 degrees to each side.
+/// Half a side of the area that the shadow map shows around this point: 15 degrees to each side.
 pub const LIGHT_AREA: f64 = 1.861_234_573_9;
-/// What the peers take from a depth of 0 to 1 before they compare.
+/// Depth of 0 to 1 that the peers subtract before they compare.
 pub const SHADOW_BIAS: f32 = 0.002;
 
 /// The turn of the spheres.
@@ -45,7 +45,7 @@ pub fn light_matrix() -> GlMatrix {
     GlMatrix::perspective(30.0, 1.0, 2.0, 14.0).then_after(&GlMatrix::look_at(LIGHT, MIDDLE))
 }
 
-/// World to the homogeneous coordinates of the slide.
+/// World to the homogeneous coordinates of the projected picture.
 #[must_use]
 pub fn slide_matrix() -> GlMatrix {
     GlMatrix::bias()

@@ -28,10 +28,10 @@ pub const FLAT: [f32; 4] = [0.2, 0.4, 0.6, 1.0];
 pub const LIT_EYE: [f64; 3] = [2.5, 2.2, 4.0];
 /// Position of the light of `lit`.
 pub const LIGHT: [f64; 3] = [3.0, 6.0, 3.0];
-/// Position of the slide projector of `projective`.
+/// Position of the projector of `projective`.
 pub const PROJECTOR: [f64; 3] = [-3.0, 5.0, 3.0];
 
-/// What a scene's texture look-up does.
+/// Texture look-up of a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Lookup {
     /// No texture.
@@ -48,7 +48,7 @@ pub enum Lookup {
     Aniso16,
 }
 
-/// What is drawn.
+/// Content of a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Content {
     /// Clears only.
@@ -81,7 +81,7 @@ pub enum Content {
     },
     /// The sphere of 200 thousand triangles as a mirror.
     Mirror,
-    /// Sphere and floor of `Lit` under a slide projector.
+    /// Sphere and floor of `Lit` under a projector.
     Projective,
 }
 
@@ -92,11 +92,11 @@ pub struct BenchScene {
     pub name: &'static str,
     /// Filter name as in the table.
     pub filter: &'static str,
-    /// What is drawn.
+    /// The content.
     pub content: Content,
-    /// How it is textured.
+    /// The texture look-up.
     pub lookup: Lookup,
-    /// Whether a ratio to the peer is promised.
+    /// True if a ratio to the peer is promised.
     pub has_goal: bool,
 }
 
@@ -138,7 +138,7 @@ impl BenchScene {
         }
     }
 
-    /// The mesh that the scene draws; empty for `clear`, the sphere where there is a floor too ([`lit_meshes`]).
+    /// The mesh that the scene draws. Empty for `clear`, the sphere where there is a floor too ([`lit_meshes`]).
     #[must_use]
     pub fn mesh(&self) -> BenchMesh {
         match self.content {
@@ -154,7 +154,7 @@ impl BenchScene {
         }
     }
 
-    /// Whether back faces are culled.
+    /// True if back faces are culled.
     #[must_use]
     pub fn culls_back_faces(&self) -> bool {
         !matches!(

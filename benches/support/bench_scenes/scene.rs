@@ -14,7 +14,7 @@ use super::{
     BASE_SIZE, BenchScene, CLEAR, Content, FLAT, HEIGHT, LIT_EYE, Lookup, WIDTH, base, turn,
 };
 
-/// How the opaque layers of `fill` are drawn.
+/// Treatment of the opaque layers of `fill`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Hidden {
     /// Every layer is shaded: the work that the peers do.

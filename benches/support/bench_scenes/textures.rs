@@ -4,7 +4,7 @@
 
 /// Side of the base and the normal texture in texels.
 pub const BASE_SIZE: u32 = 1024;
-/// Side of a cube face and of the projector's slide in texels.
+/// Side of a cube face and of the projector's picture in texels.
 pub const FACE_SIZE: u32 = 512;
 
 /// A well-mixed hash of two integers (multiply-xorshift).
@@ -72,7 +72,7 @@ pub fn cube_face(face: u32) -> Vec<u8> {
     })
 }
 
-/// 512 x 512: coloured rings with a black border of four texels, the projector's slide.
+/// 512 x 512: coloured rings with a black border of four texels, the projector's picture.
 #[must_use]
 pub fn slide() -> Vec<u8> {
     let last = FACE_SIZE as i32 - 1;

@@ -52,7 +52,7 @@ pub fn capture_environment(
     if !(1..=Environment::MAX_SIDE).contains(&size) {
         return Err(refused("size", size.to_string()));
     }
-    // Its texels, and the copies with borders and mips that an environment keeps.
+    // The environment's texels, and the copies with borders and mips that it keeps.
     MemoryBudget::of_process().ask(
         6 * u64::from(size) * u64::from(size) * (12 + 16 + 6),
         format_args!("an environment of 6 x {size} x {size} texels"),
@@ -76,10 +76,14 @@ pub fn capture_environment(
             near: scene.camera.near,
             far: scene.camera.far,
         };
-        let frame = render(&around, &RenderSettings::new(size, size), &|_, _| ())?;
+        let frame = render(
+            &around,
+            &RenderSettings::new(size, size),
+            &texmap_render::no_progress,
+        )?;
         for (y, row) in out.chunks_exact_mut(size as usize).enumerate() {
             for (x, texel) in row.iter_mut().enumerate() {
-                // Faces of a cube map are seen from outside: left and right change places.
+                // Faces of a cube map are seen from outside: left and right are exchanged.
                 let pixel = 4 * (y * size as usize + size as usize - 1 - x);
                 let code = |k: usize| f32::from(frame.rgba[pixel + k]) / 255.0;
                 *texel = [0, 1, 2].map(|k| match scene.color {

@@ -13,37 +13,38 @@ use texmap_math::color::luminance;
 use texmap_render::RenderError;
 use texmap_scene::Scene;
 
-/// What is baked, and how.
+/// Options of a baked light map.
 #[derive(Clone, Debug)]
 pub struct BakeOptions<'a> {
     /// Texels a side, 1..=16384.
     pub size: u32,
-    /// Texels by which charts are dilated: 1 for bilinear look-ups, 2^L for mips down to level L.
+    /// Texels by which islands are dilated: 1 for bilinear look-ups, 2^L for mips down to level L.
     pub gutter: u32,
-    /// Shadow maps, each with the index of its light, its bias and its taps a side.
+    /// Shadow maps, each with the index of its light, its bias and the PCF comparisons a side.
     pub shadows: &'a [(usize, ShadowMap, ShadowBias, u32)],
     /// Lights that count, by index; all of them if `None`.
     pub lights: Option<&'a [usize]>,
 }
 
-/// A baked map: the light that a white matte surface returns there (`sum La + sum max(0, N.L) Ll`), linear, not clipped.
+/// A baked map: the light that a white matte surface returns, linear, not clipped. It is `sum La + sum max(0, N.L) Ll`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LightMap {
     /// Texels a side.
     pub size: u32,
-    /// Rows top to bottom; black where no chart and no gutter is.
+    /// Rows top to bottom; black where no island and no gutter is.
     pub texels: Vec<[f32; 3]>,
-    /// How each texel came to its value.
+    /// Coverage of each texel.
     pub coverage: Vec<Coverage>,
     /// Faces that own no texel: their light is that of their neighbours in the map.
     pub lost: Vec<u32>,
 }
 
-/// Bakes the light that reaches a mesh, at the centre of every texel of its light-map coordinates
-/// ([`Mesh::lightmap_uvs`](texmap_scene::Mesh::lightmap_uvs), or `uvs` where it has no second set).
+/// Bakes the light that reaches a mesh, at the centre of every texel of its light-map coordinates.
+/// These are [`Mesh::lightmap_uvs`](texmap_scene::Mesh::lightmap_uvs), or `uvs` if it has no second
+/// set.
 ///
 /// Texels that a face touches without covering their centre are lit at the nearest point of that face, so that no texel in use is
-/// lit off the mesh; then charts are dilated. The same bits for any number of threads.
+/// lit off the mesh; then islands are dilated. The same bits for any number of threads.
 ///
 /// # Errors
 /// Those of [`Scene::check`]; [`SceneError::Index`] for a mesh that does not exist, [`SceneError::MissingUv`] for one without
@@ -151,9 +152,10 @@ pub fn bake(
                 let received = |light: usize| {
                     let light = numbers[light];
                     let mut share = 1.0;
-                    for (_, map, bias, taps) in options.shadows.iter().filter(|s| s.0 == light) {
+                    for (_, map, bias, pcf_size) in options.shadows.iter().filter(|s| s.0 == light)
+                    {
                         let point = DVec3::from(point.map(f64::from));
-                        share *= map.visibility(point, plane, *bias, *taps);
+                        share *= map.visibility(point, plane, *bias, *pcf_size);
                     }
                     [share; 3]
                 };

@@ -1,4 +1,5 @@
-//! What the planner's choice costs beside every fixed filter, on the chart's tilted planes: the second half of docs/generated/plans.md.
+//! Time of the planner's choice beside every fixed filter, on the chart's tilted planes: the second half of
+//! docs/generated/plans.md.
 //!
 //! `cargo run --release -p texmap-lab --example plan_costs` prints the table and ends with 1 if a plan is over its budget, costs
 //! more than 1.15 times the cheapest filter that keeps it, or as much as all features where less would do.
@@ -22,7 +23,7 @@ use texmap_truth::verify::verify_all;
 const SIDE: u32 = 128;
 /// Samples a side of a pixel in the reference.
 const SAMPLES: u32 = 6;
-/// What a plan may cost beside the cheapest filter that keeps the budget, which is known only afterwards.
+/// Most time of a plan over that of the cheapest filter that keeps the budget, which is known only afterwards.
 const LIMIT: f64 = 1.15;
 
 fn main() -> Result<ExitCode, Box<dyn Error>> {
@@ -52,7 +53,7 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
                 supersample,
                 ..RenderSettings::new(SIDE, SIDE)
             };
-            render(scene, &settings, &|_, _| {})
+            render(scene, &settings, &texmap_render::no_progress)
         };
         let fixed: Vec<Frame> = prices()
             .iter()

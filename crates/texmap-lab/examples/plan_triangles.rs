@@ -1,4 +1,4 @@
-//! What a plan for each triangle would save over one for each mesh: the last part of docs/generated/plans.md.
+//! Time that a plan for each triangle would save over one for each mesh: the last part of docs/generated/plans.md.
 //!
 //! `cargo run --release -p texmap-lab --example plan_triangles` draws a floor, whose triangles in front are magnified, with one
 //! filter, and again with bilinear for just those triangles; and a wall across the line of sight, where w is equal, with
@@ -23,7 +23,7 @@ const ROUNDS: usize = 61;
 /// Height of the eye over the floor.
 const EYE: f64 = 1.5;
 const FOV: f64 = 1.2;
-/// How far along the floor a pixel covers one texel: in front of it the floor is magnified.
+/// Distance along the floor at which a pixel covers one texel: in front of it the floor is magnified.
 const MIDDLE: f64 = 6.0;
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -70,7 +70,7 @@ fn race(scenes: [&Scene; 2]) -> Result<([f64; 2], f64), Box<dyn Error>> {
         let mut times = [0.0; 2];
         for (time, renderer) in times.iter_mut().zip(&renderers) {
             let start = Instant::now();
-            renderer.draw(&|_, _| {})?;
+            renderer.draw(&texmap_render::no_progress)?;
             *time = start.elapsed().as_secs_f64() * 1e3;
         }
         least = [0, 1].map(|i| least[i].min(times[i]));
@@ -80,7 +80,7 @@ fn race(scenes: [&Scene; 2]) -> Result<([f64; 2], f64), Box<dyn Error>> {
     Ok((least, saved[ROUNDS / 2]))
 }
 
-/// A floor of squares; those in front, which are magnified, are a mesh of their own with another filter if one is given.
+/// A floor of squares. Those in front, which are magnified, are a mesh of their own with another filter if one is given.
 fn floor(filter: Filter, near: Option<Filter>) -> Result<Scene, Box<dyn Error>> {
     let focal = f64::from(SIZE.0) * 0.5 / (FOV * 0.5).tan();
     // Along the line of sight a pixel covers z^2 / (height focal).

@@ -46,7 +46,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     );
     println!("|---|---|---|---|---|---|---|---|");
     for (name, scene) in &scenes {
-        for (lamp, light) in &lights {
+        for (source, light) in &lights {
             let truth = ShadowTruth::new(scene, *light, pixels)?;
             let ShadowBias::Planes(constant) = truth.default_bias() else {
                 return Err("the default has changed".into());
@@ -58,7 +58,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                     let [a, b] = old.shares().map(|s| 100.0 * s);
                     let [c, d] = new.shares().map(|s| 100.0 * s);
                     println!(
-                        "| {name} | {lamp} | {size} | {taps} | {a:.4} | {b:.4} | {c:.4} | {d:.4} |"
+                        "| {name} | {source} | {size} | {taps} | {a:.4} | {b:.4} | {c:.4} | {d:.4} |"
                     );
                 }
             }

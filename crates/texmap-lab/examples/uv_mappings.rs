@@ -131,7 +131,7 @@ fn map(mesh: &Mesh<'_>, name: &str) -> Result<UvSet, Box<dyn Error>> {
                 &|_, _| ControlFlow::Continue(()),
             )?);
         }
-        // A square slide: filling the bounding box would add a stretch of its own.
+        // A square picture: filling the bounding box would add a stretch of its own.
         "plane" => Mapping {
             frame: Some(square(mesh)),
             ..shape(Shape::Plane)
@@ -187,7 +187,7 @@ fn read(path: &Path) -> Result<Model, Box<dyn Error>> {
     Ok((positions, faces))
 }
 
-/// What the lecture says about its objects, held against the figures.
+/// The lecture's claims about its objects, held against the figures.
 fn claims(root: &Path, all: &[Vec<Report>]) -> Result<Vec<String>, Box<dyn Error>> {
     let at = |object: &str, mapping: &str| {
         let row = OBJECTS.iter().position(|o| *o == object).unwrap_or(0);
@@ -297,7 +297,7 @@ fn page(table: &str, claims: &[String], unwrappers: &str) -> String {
     )
 }
 
-/// What vertices cannot do.
+/// Limits of texture coordinates at vertices.
 const AXIS: &str = "## Faces that enclose the axis\n\n\
     A face around the axis of a cylinder, cone or sphere meets all longitudes: whatever u its corners get, the picture between them is wrong.\n\
     texmap names such faces (a warning with their lines, `faces_around_axis` in the JSON) and leaves their corners at the formula. Two cures:\n\

@@ -10,7 +10,7 @@ use texmap_scene::SceneError;
 use texmap_uv::UvError;
 use thiserror::Error;
 
-/// Why the lab has no answer.
+/// Error of a demo, a case or a chart.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum LabError {

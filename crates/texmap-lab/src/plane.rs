@@ -22,7 +22,7 @@ pub const SIDE: usize = 256;
 /// Texels a side of the textures.
 pub const TEXELS: usize = 512;
 
-/// Index of the texel at a place in texels, wrapped.
+/// Index of the texel at a point in texels, wrapped.
 pub fn nearest([x, y]: [f64; 2]) -> usize {
     let wrap = |c: f64| (c.floor() as i64 & (TEXELS as i64 - 1)) as usize;
     wrap(y) * TEXELS + wrap(x)
@@ -48,7 +48,7 @@ pub enum Truth {
     Gaussian,
 }
 
-/// A pixel's place on the texture.
+/// Texture coordinates of a pixel, with their derivatives.
 #[derive(Clone, Copy, Debug)]
 struct Hit {
     uv: [f64; 2],
@@ -87,7 +87,7 @@ impl Pattern {
     }
 }
 
-/// The two plane waves of [`Pattern::Sines`] at a place in texels from the centre of the first.
+/// The two plane waves of [`Pattern::Sines`] at a point in texels from the centre of the first.
 pub fn sines([x, y]: [f64; 2]) -> f64 {
     let turn = core::f64::consts::TAU / 512.0;
     let a = deterministic_f64::sin(turn * (32.0 * x + 8.0 * y));
@@ -100,7 +100,7 @@ pub fn sines([x, y]: [f64; 2]) -> f64 {
 pub struct View {
     /// Turned by this angle, radians.
     pub turn: f64,
-    /// This many times as large.
+    /// Factor by which the texture is larger.
     pub magnify: f64,
 }
 
@@ -297,7 +297,7 @@ impl TiltedPlane {
         })
     }
 
-    /// The mean of `grid` x `grid` values a counted pixel; `value` takes a place in texels from the corner of the
+    /// The mean of `grid` x `grid` values a counted pixel. `value` takes a point in texels from the corner of the
     /// first, not yet wrapped.
     pub fn truth_by<const N: usize>(
         &self,

@@ -150,13 +150,14 @@ impl UvScene {
     /// The `uv` buffer of the renderer.
     ///
     /// # Errors
-    /// When the renderer refuses the scene.
+    /// If the renderer refuses the scene.
     pub fn by_render(&self, interp: Interp) -> Result<UvImage, LabError> {
         let settings = RenderSettings {
             aovs: vec![Aov::Uv],
             ..RenderSettings::new(self.size, self.size)
         };
-        let frame = texmap_render::render(&self.scene(interp), &settings, &|_, _| {})?;
+        let frame =
+            texmap_render::render(&self.scene(interp), &settings, &texmap_render::no_progress)?;
         let values = match frame.aovs.into_iter().next() {
             Some((_, _, AovData::F32(values))) => values,
             _ => Vec::new(),
@@ -183,7 +184,7 @@ impl UvScene {
     /// The coordinates that the rasterizer interpolates.
     ///
     /// # Errors
-    /// When the rasterizer refuses the draw.
+    /// If the rasterizer refuses the draw.
     pub fn by_raster(&self, interp: Interp) -> Result<UvImage, LabError> {
         let (positions, attributes) = (self.positions(), self.attributes());
         let draw = DrawCall {
@@ -207,7 +208,7 @@ impl UvScene {
     /// and Greer 1997), evaluated from the corner of the picture.
     ///
     /// # Errors
-    /// When the camera has no view.
+    /// If the camera has no view.
     pub fn by_f32_homogeneous(&self) -> Result<UvImage, LabError> {
         let clip = self.clip()?.map(|c| [c.x as f32, c.y as f32, c.w as f32]);
         Ok(self.naive(|corners, uv, x, y| {
@@ -235,11 +236,11 @@ impl UvScene {
         }))
     }
 
-    /// The naive way of a rasterizer without a clipper: every vertex is divided by its w, whatever its sign,
+    /// The naive way of a rasterizer without a clipper. Every vertex is divided by its w, whatever its sign,
     /// and the triangle between the points so found is filled.
     ///
     /// # Errors
-    /// When the camera has no view.
+    /// If the camera has no view.
     pub fn by_projected_vertices(&self) -> Result<UvImage, LabError> {
         let clip = self.clip()?;
         Ok(self.naive(|corners, uv, x, y| {
@@ -255,7 +256,7 @@ impl UvScene {
     /// The exact coordinates, by one f64 ray a pixel.
     ///
     /// # Errors
-    /// When the camera has no view.
+    /// If the camera has no view.
     pub fn truth(&self) -> Result<UvImage, LabError> {
         let pinhole = Pinhole::of_camera(&self.camera, self.size, self.size)?;
         let triangles = Self::TRIANGLES.map(|t| t.map(|i| self.corners[i as usize]));
@@ -275,7 +276,7 @@ impl UvScene {
     /// Judges an image of coordinates.
     ///
     /// # Errors
-    /// When the camera has no view.
+    /// If the camera has no view.
     pub fn error(&self, found: &UvImage) -> Result<UvError, LabError> {
         let mut error = UvError {
             compared: 0,

@@ -13,7 +13,7 @@ use texmap_math::glam::DVec3;
 pub enum Method {
     /// Nothing but the position: texmap's light per pixel.
     PerPixel,
-    /// The difference of light and vertex, brought to length 1 at the pixel: it is linear on the surface, so nothing is lost.
+    /// The difference of light and vertex, brought to length 1 at the pixel. It is linear on the surface, so nothing is lost.
     Difference,
     /// Unit vectors to the light, brought back to length 1 at the pixel.
     Renormalised,
@@ -50,7 +50,7 @@ impl Method {
 pub struct Floor {
     /// Squares a side, at least 1.
     pub cells: u32,
-    /// Place of the light, above it.
+    /// Position of the light, above it.
     pub light: DVec3,
     /// Steepest slope of the waves that its normals show, five a side; 0 is flat.
     pub waves: f64,

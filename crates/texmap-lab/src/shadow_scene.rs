@@ -64,7 +64,7 @@ impl ShadowScene {
     /// The models of a file, Y up, scaled to height 1 and set on the plane.
     ///
     /// # Errors
-    /// When the file cannot be read.
+    /// If the file cannot be read.
     pub fn standing(path: &Path) -> Result<Self, LabError> {
         let mut loaded = texmap_io::load_obj(path, &texmap_io::LoadOptions::default())
             .map_err(|e| LabError::Cases(e.to_string()))?;
@@ -160,7 +160,7 @@ impl ShadowScene {
         elevation: f64,
         size: u32,
         bias: ShadowBias,
-        taps: u32,
+        pcf_size: u32,
         pixels: u32,
     ) -> Result<Figures, LabError> {
         let map = self.map(elevation, size)?;
@@ -196,7 +196,7 @@ impl ShadowScene {
                 let p = point + o - toward * (normal.dot(o) / normal.dot(toward));
                 dark(p, normal) != truth
             });
-            let lit = map.visibility(point, normal, bias, taps);
+            let lit = map.visibility(point, normal, bias, pcf_size);
             let unlit = !truth && lit < 1.0;
             creases += u32::from(unlit && crease);
             shadow += u32::from(unlit && !crease);
@@ -246,14 +246,14 @@ impl ShadowScene {
             let stored = map
                 .depth_at(0, texel(at.x), texel(at.y))
                 .map_or(f64::INFINITY, f64::from);
-            // A generous bias: what is wrong here is the place.
+            // A generous bias: only the position can be wrong here.
             clamped += u32::from(-p.z > stored + 0.02);
         }
         let share = |n: u32| f64::from(n) / f64::from(count.max(1));
         Ok((share(ruled), share(clamped)))
     }
 
-    /// The surface on the light's ray through a place, nearest to it: its point and the side that faces the light. A plane of the
+    /// The surface on the light's ray through a point, nearest to it: its point and the side that faces the light. A plane of the
     /// receiver would do on the floor, but on facets that the light grazes it runs into the body and calls everything dark.
     pub(crate) fn surface_beside(&self, place: DVec3, toward: DVec3) -> Option<(DVec3, DVec3)> {
         let range = (0.0, f64::INFINITY);

@@ -41,7 +41,7 @@ impl ShadowScene {
         Self::of(vec![mesh])
     }
 
-    /// Hills of large flat facets with creases between them, in place of the floor.
+    /// Hills of large flat facets with creases between them, instead of the floor.
     pub fn terrain() -> Self {
         let cells = 24u32;
         let place = |i: u32| f64::from(i) / f64::from(cells) * 4.0 - 2.0;

@@ -12,7 +12,7 @@ use texmap_scene::{Scene, shadow_kind};
 use crate::LabError;
 use crate::shadow_scene::{HALF, ShadowScene, across};
 
-/// Places of the band that are looked at: eight on its rim, the others spread within.
+/// Points of the band that are looked at: eight on its rim, the others spread within.
 const RIM: u32 = 8;
 const PLACES: u32 = 40;
 
@@ -32,7 +32,7 @@ struct Point {
     dark: bool,
 }
 
-/// Points that a shadow map gets wrong, with nothing of a true shadow's edge within `taps + 1` texels.
+/// Points that a shadow map gets wrong, with nothing of a true shadow's edge within `pcf_size + 1` texels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Wrong {
     /// Points that face the light.
@@ -64,7 +64,7 @@ impl<'s> ShadowTruth<'s> {
     /// The points that a picture of `pixels` x `pixels` sees and a light (no ambient one) reaches.
     ///
     /// # Errors
-    /// When the camera has no rays.
+    /// If the camera has no rays.
     pub fn new(of: &'s ShadowScene, light: Light, pixels: u32) -> Result<Self, LabError> {
         let mut scene = of.scene.clone();
         scene.lights = vec![light];
@@ -87,24 +87,24 @@ impl<'s> ShadowTruth<'s> {
         texmap_scene::shadow_bias(&self.scene)
     }
 
-    /// Errors of a map of `size` texels with a bias and `taps` x `taps` comparisons gets wrong.
+    /// Errors of a map of `size` texels with a bias and `pcf_size` x `pcf_size` comparisons.
     ///
     /// # Errors
     /// Sizes out of range.
-    pub fn wrong(&self, size: u32, bias: ShadowBias, taps: u32) -> Result<Wrong, LabError> {
+    pub fn wrong(&self, size: u32, bias: ShadowBias, pcf_size: u32) -> Result<Wrong, LabError> {
         let kind = self.kind()?;
-        let map = shadow_map_for(&self.scene, &kind, size, bias, taps, 1)?;
+        let map = shadow_map_for(&self.scene, &kind, size, bias, pcf_size, 1)?;
         let mut wrong = Wrong {
             facing: self.points.len(),
             ..Wrong::default()
         };
         for point in &self.points {
-            let lit = map.visibility(point.at, point.normal, bias, taps);
+            let lit = map.visibility(point.at, point.normal, bias, pcf_size);
             let right = if point.dark { 0.0 } else { 1.0 };
             if lit == right {
                 continue;
             }
-            let reach = f64::from(taps + 1) * texel(&kind, size, point.at);
+            let reach = f64::from(pcf_size + 1) * texel(&kind, size, point.at);
             if self.near_edge(point, reach) {
                 continue;
             }
@@ -125,11 +125,11 @@ impl<'s> ShadowTruth<'s> {
         texels: u32,
         size: u32,
         bias: ShadowBias,
-        taps: u32,
+        pcf_size: u32,
     ) -> Result<Wrong, LabError> {
         let kind = self.kind()?;
-        let map = shadow_map_for(&self.scene, &kind, size, bias, taps, 1)?;
-        let shadows = [(0, map, bias, taps)];
+        let map = shadow_map_for(&self.scene, &kind, size, bias, pcf_size, 1)?;
+        let shadows = [(0, map, bias, pcf_size)];
         let options = |shadows| BakeOptions {
             size: texels,
             gutter: 0,
@@ -168,7 +168,7 @@ impl<'s> ShadowTruth<'s> {
             let dark = self.dark(at, normal);
             let right = if dark { 0.0 } else { free[0] };
             let point = Point { at, normal, dark };
-            let reach = f64::from(taps + 1) * texel(&kind, size, at);
+            let reach = f64::from(pcf_size + 1) * texel(&kind, size, at);
             if (shaded[0] - right).abs() > 0.02 && !self.near_edge(&point, reach) {
                 wrong.shadow += usize::from(!dark);
                 wrong.light += usize::from(dark);
@@ -220,7 +220,7 @@ impl<'s> ShadowTruth<'s> {
         })
     }
 
-    /// True if something dark stands between the light and the plane of a point that is lit, at a place beside it: the far side of a
+    /// True if something dark stands between the light and the plane of a point that is lit, at a point beside it: the far side of a
     /// ridge, or the shadow behind it, which may be less than a texel wide as the light sees them.
     fn hides_shadow(&self, point: &Point, place: DVec3, toward: DVec3, reach: f64) -> bool {
         let plane = point.normal.dot(point.at - place) / point.normal.dot(toward);

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use texmap_scene::Mesh;
 
-/// Edges, by the bits of their ends (both zeros alike), at which not exactly two triangles lie; over all meshes together. Triangles with
+/// Edges, by the bits of their ends (both zeros alike), at which not exactly two triangles lie. Over all meshes together. Triangles with
 /// two corners at one position cover nothing and do not count.
 pub fn open_edges<'a>(meshes: impl IntoIterator<Item = &'a Mesh>) -> usize {
     let mut edges: BTreeMap<[[u32; 3]; 2], u32> = BTreeMap::new();

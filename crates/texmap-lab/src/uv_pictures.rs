@@ -15,10 +15,10 @@ use texmap_truth::picture::{Picture, Rgba};
 const PAPER: Rgba = [240, 241, 243, 255];
 const INK: Rgba = [48, 48, 56, 255];
 
-/// The model with a checker of 16 x 16 squares over [0, 1], lettered by colour: red grows with u, green with v.
+/// The model with a checker of 16 x 16 squares over [0, 1], lettered by colour. Red grows with u, green with v.
 ///
 /// # Errors
-/// When the renderer refuses the mesh.
+/// If the renderer refuses the mesh.
 pub fn checker(
     mesh: &Mesh<'_>,
     set: &UvSet,
@@ -66,7 +66,7 @@ pub fn checker(
 /// The model coloured by [`distortion_color`] of each triangle.
 ///
 /// # Errors
-/// When the renderer refuses the mesh.
+/// If the renderer refuses the mesh.
 pub fn heat(mesh: &Mesh<'_>, report: &Report, view: View, size: u32) -> Result<Picture, LabError> {
     let mut model = model(mesh);
     let color = |t: &texmap_uv::TriangleReport| {
@@ -202,7 +202,7 @@ fn outline(picture: &mut Picture, a: [f64; 2], b: [f64; 2], color: Rgba) {
     }
 }
 
-/// Places of the corners of the fan triangles, in order.
+/// Indices of the corners of the fan triangles, in order.
 fn corner_order<'a>(mesh: &Mesh<'a>) -> impl Iterator<Item = usize> + 'a {
     mesh.faces().triangles().flat_map(|(_, corners)| corners)
 }
@@ -260,5 +260,5 @@ fn shot(
     }
     let mut settings = RenderSettings::new(size, size);
     settings.supersample = 2;
-    Ok(render(&scene, &settings, &|_, _| {})?.into())
+    Ok(render(&scene, &settings, &texmap_render::no_progress)?.into())
 }

@@ -1,4 +1,4 @@
-//! What affine (screen-linear) interpolation gets wrong, in closed form.
+//! Error of affine (screen-linear) interpolation, in closed form.
 //!
 //! Over a span whose ends have 1/w in the ratio `r = inv_w2 / inv_w1`, affine interpolation puts the parameter at t where it should be at
 //! s(t); the error is `e(t) = s(t) - t = k t (1 - t) / (1 + k t)` with `k = r - 1` (Heckbert and Moreton, "Interpolation for Polygon
@@ -23,7 +23,7 @@ pub fn max_error(ratio: f64) -> f64 {
     (ratio - 1.0).abs() / ((root + 1.0) * (root + 1.0))
 }
 
-/// Where it lies on the screen: `t = 1 / (1 + sqrt r)`; in space at `s = 1 - t`.
+/// Position of the largest error on the screen: `t = 1 / (1 + sqrt r)`; in space at `s = 1 - t`.
 #[must_use]
 pub fn max_error_at(ratio: f64) -> f64 {
     1.0 / (1.0 + sqrt(ratio))
@@ -64,7 +64,7 @@ pub fn world_subdivision_bound(ratio: f64, n: u32) -> f64 {
     (r - 1.0) / (4.0 * n * n)
 }
 
-/// The fewest equal screen parts whose error times `change` = |u2 - u1| is within `budget`; None where no u32 is enough, the budget is
+/// The fewest equal screen parts whose error times `change` = |u2 - u1| is within `budget`. None where no u32 is enough, the budget is
 /// not above 0 or a number is NaN.
 #[must_use]
 pub fn screen_subdivisions_for(ratio: f64, change: f64, budget: f64) -> Option<u32> {

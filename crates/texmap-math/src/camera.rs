@@ -9,9 +9,9 @@ use crate::deterministic_f64;
 /// A camera. Angles in radians, lengths in world units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
-    /// Where the eye is.
+    /// Position of the eye.
     pub eye: DVec3,
-    /// The point it looks at.
+    /// The point that the eye looks at.
     pub look: DVec3,
     /// A direction that appears upwards; any length, not parallel to the line of sight.
     pub up: DVec3,
@@ -23,7 +23,7 @@ pub struct Camera {
     pub far: f64,
 }
 
-/// Why a camera cannot be used.
+/// Error of a camera or projector that cannot be used.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum CameraError {
@@ -31,7 +31,7 @@ pub enum CameraError {
     NonFinite,
     /// `eye` and `look` are the same point.
     EyeIsLook {
-        /// That point.
+        /// The common point.
         eye: DVec3,
     },
     /// `up` is zero or parallel to the line of sight.
@@ -44,7 +44,7 @@ pub enum CameraError {
         /// The given angle, radians.
         fov_x: f64,
     },
-    /// A slide without width or height.
+    /// A projected picture without width or height.
     Aspect {
         /// The given width over height.
         aspect: f64,
@@ -64,7 +64,7 @@ impl fmt::Display for CameraError {
             Self::NonFinite => write!(f, "camera: eye, look and up must be finite numbers"),
             Self::Aspect { aspect } => write!(
                 f,
-                "camera: a slide's width over height is {aspect}; it must be finite and above 0"
+                "camera: the width over height of a projected picture is {aspect}; it must be finite and above 0"
             ),
             Self::EyeIsLook { eye } => write!(
                 f,
@@ -135,8 +135,9 @@ fn unit(v: DVec3) -> Option<DVec3> {
 }
 
 impl Camera {
-    /// A camera at `eye` that looks at `look`, +Y up (-Z in the picture's up where it looks straight down or up), with a horizontal
-    /// field of view of 60 degrees, a near plane at a thousandth of the distance and no far plane. Vectors or arrays of three.
+    /// A camera at `eye` that looks at `look`, +Y up, with a horizontal field of view of 60 degrees. If it looks straight down or
+    /// up, -Z is the picture's up. The near plane is at a thousandth of the distance, and there is no far plane. Vectors or
+    /// arrays of three.
     #[must_use]
     pub fn look_at(eye: impl Into<DVec3>, look: impl Into<DVec3>) -> Self {
         let (eye, look) = (eye.into(), look.into());

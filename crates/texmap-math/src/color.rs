@@ -43,7 +43,7 @@ pub fn srgb8_to_linear16(c: u8) -> u16 {
 /// Linear light to the nearest 8-bit sRGB value: the table's thresholds are exact to one f32. NaN gives 0.
 #[must_use]
 pub fn linear_to_srgb8(c: f32) -> u8 {
-    // How many of the 255 rising thresholds are at or below c.
+    // Number of the 255 rising thresholds that are at or below c.
     let mut count = 0;
     let mut step = 128;
     while step > 0 {

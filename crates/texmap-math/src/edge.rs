@@ -1,5 +1,5 @@
-//! Exact edge functions with the top-left rule (MIT 6.837, lecture 6, slide 14; Pineda 1988; Direct3D 11.3 functional specification,
-//! section 3.4.2).
+//! Exact edge functions with the top-left rule. Sources: MIT 6.837, lecture 6, slide 14; Pineda 1988; Direct3D 11.3 functional
+//! specification, section 3.4.2.
 
 use crate::fixed::{FixedPoint, SUBPIXEL_ONE};
 
@@ -13,7 +13,7 @@ pub struct Edge {
     pub b: i64,
     /// e at the origin.
     pub c: i64,
-    /// Whether points exactly on the edge belong to it.
+    /// True if points exactly on the edge belong to it.
     pub top_left: bool,
 }
 
@@ -40,7 +40,7 @@ impl Edge {
         self.a * p.x as i64 + self.b * p.y as i64 + self.c
     }
 
-    /// Whether the point is inside, or on an edge that owns its points.
+    /// True if the point is inside, or on an edge that owns its points.
     #[inline]
     #[must_use]
     pub const fn contains(&self, p: FixedPoint) -> bool {
@@ -96,7 +96,7 @@ impl TriangleEdges {
         Some(Self { edges, area })
     }
 
-    /// Whether the triangle covers a point. Triangles that share an edge never both cover a point, and leave none between them.
+    /// True if the triangle covers a point. Triangles that share an edge never both cover a point, and leave none between them.
     #[inline]
     #[must_use]
     pub const fn covers(&self, p: FixedPoint) -> bool {

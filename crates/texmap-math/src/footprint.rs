@@ -1,6 +1,7 @@
 //! The footprint of a pixel in texture space.
 
-/// How uv changes over one pixel step to the right (x) and down (y), in uv units (not texels), along the surface at the pixel centre.
+/// Change of uv over one pixel step to the right (x) and down (y), along the surface at the pixel centre. In uv units, not
+/// texels.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Footprint {
     /// Change of u per pixel to the right.

@@ -1,4 +1,5 @@
-//! Plane-to-plane projective maps (Heckbert, "Fundamentals of Texture Mapping and Image Warping", 1989, section 2.2).
+//! Plane-to-plane projective maps. Source: Heckbert, "Fundamentals of Texture Mapping and Image Warping", 1989,
+//! section 2.2.
 
 use core::fmt;
 
@@ -12,7 +13,7 @@ pub struct Homography {
     matrix: DMat3,
 }
 
-/// Why there is no homography.
+/// Error of points or a matrix that give no homography.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum HomographyError {
@@ -86,7 +87,7 @@ impl Homography {
         }
     }
 
-    /// From the unit square to a quad: (0,0), (1,0), (1,1), (0,1) go to the four corners, in that order; Heckbert's closed form.
+    /// From the unit square to a quad: (0,0), (1,0), (1,1), (0,1) go to the four corners, in that order. Heckbert's closed form.
     ///
     /// # Errors
     /// [`HomographyError`] where three corners are nearly collinear or the quad is not convex.

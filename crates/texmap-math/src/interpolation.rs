@@ -82,7 +82,7 @@ impl<T: Real, const N: usize> Premultiplied<T, N> {
         }
     }
 
-    /// The point at screen fraction `t` towards `other`, still multiplied: everything is linear on the screen.
+    /// The point at screen fraction `t` towards `other`, still multiplied. Everything is linear on the screen.
     #[inline]
     #[must_use]
     pub fn lerp(&self, other: &Self, t: T) -> Self {

@@ -1,4 +1,4 @@
-//! Sixteen-lane operations that a level has instructions for: gathers, small tables, byte mixes; outside semantic versioning.
+//! Sixteen-lane operations that a level has instructions for: gathers, small tables, byte mixes. Outside semantic versioning.
 //!
 //! Kernels call them through [`simd`](crate::simd), whose rules hold here too.
 
@@ -39,7 +39,7 @@ pub fn iota<S: Simd>(s: S) -> i32x16<S> {
     i32x16::from_slice(s, &[0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15])
 }
 
-/// Whether a maximum is one of x86's instructions: the fallback is not.
+/// True if a maximum is one of x86's instructions: the fallback is not.
 #[inline(always)]
 pub(crate) fn is_x86<S: Simd>(s: S) -> bool {
     #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
@@ -54,7 +54,7 @@ pub(crate) fn is_x86<S: Simd>(s: S) -> bool {
     }
 }
 
-/// Whether a level has AVX2's instructions: pairs of words and small tables then cost less than words one by one.
+/// True if a level has AVX2's instructions. Pairs of words and small tables then cost less than words one by one.
 #[inline(always)]
 pub fn is_wide<S: Simd>(s: S) -> bool {
     #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]

@@ -64,7 +64,7 @@
         dead_code,
         unused_imports,
         unused_variables,
-        reason = "without a vector unit the scalar twins of the kernels do all of the work"
+        reason = "without a vector unit the scalar versions of the kernels do all of the work"
     )
 )]
 

@@ -1,6 +1,6 @@
-//! Memory budget: a limit that large buffers ask for room before they are allocated.
+//! Memory budget: a limit that large buffers ask for before they are allocated.
 //!
-//! A program that must not run out of memory passes one [`MemoryBudget`] to everything that it calls. Each place that is
+//! A program that must not run out of memory passes one [`MemoryBudget`] to everything that it calls. Code that is
 //! about to allocate a large buffer calls [`MemoryBudget::ask`] with its size; a refusal is an ordinary error that says
 //! which buffer, how many bytes, and which setting makes it smaller.
 
@@ -198,14 +198,14 @@ impl fmt::Display for Size {
     }
 }
 
-/// Whether the allocator hands out so many bytes. They are given back before this returns: a zeroed buffer allocated next is
+/// True if the allocator hands out so many bytes. They are given back before this returns: a zeroed buffer allocated next is
 /// then as lazy as ever.
 fn is_available(bytes: u64) -> bool {
     let mut probe = Vec::<u8>::new();
-    let room = usize::try_from(bytes).map(|bytes| probe.try_reserve_exact(bytes));
+    let reserved = usize::try_from(bytes).map(|bytes| probe.try_reserve_exact(bytes));
     // Without the black box a compiler may drop an allocation that nobody reads, and call it granted.
     core::hint::black_box(&mut probe);
-    matches!(room, Ok(Ok(())))
+    matches!(reserved, Ok(Ok(())))
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! From a level to code: kernels exist up to three times on x86 and once elsewhere.
 
-/// False in builds without optimisation (opt-level 0 of this crate): each lane operation is a call there and has stack of its own, so
-/// that kernels would need megabytes of it and more time than their scalar twins, which stand in with the same bits.
+/// False in builds without optimisation (opt-level 0 of this crate). Each lane operation is a call there and has stack of its own, so
+/// that kernels would need megabytes of it and more time than their scalar versions, which stand in with the same bits.
 #[doc(hidden)]
 pub const LANES: bool = !cfg!(texmap_unoptimised);
 

@@ -6,7 +6,7 @@ use glam::DVec2;
 /// the farther off, the more digits go.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Plane {
-    /// Where `value` holds, in pixels.
+    /// Position at which `value` holds, in pixels.
     pub anchor: DVec2,
     /// The value at the anchor.
     pub value: f64,
@@ -76,7 +76,7 @@ pub struct PlaneSetup {
 }
 
 impl PlaneSetup {
-    /// Set-up from screen positions in pixels; None without area and for numbers that are not finite (or overflow). The anchor is the first vertex, where every
+    /// Set-up from screen positions in pixels. None without area and for numbers that are not finite (or overflow). The anchor is the first vertex, where every
     /// plane gives the vertex value exactly.
     #[must_use]
     pub fn new(p: [DVec2; 3]) -> Option<Self> {

@@ -1,13 +1,14 @@
-//! A slide projector: from a world point to a point of its slide, homogeneously (MIT 6.837, lecture 18, slides 21 to 25, with the
-//! slide's true aspect).
+//! Projector: maps a world point to a point of its picture, homogeneously. Source: MIT 6.837, lecture 18, slides 21 to 25,
+//! here with the picture's true aspect.
 
 use glam::{DVec2, DVec3, DVec4};
 
 use crate::camera::{Axes, CameraError, check_fov};
 use crate::deterministic_f64;
 
-/// A projector. It maps a world point X to `(q, s, t)`; the slide coordinates are `(q/t, s/t)`, (0, 0) at the slide's top left and
-/// (1, 1) at its bottom right, v downwards; `t` is the distance along the line of projection, so `t <= 0` is behind the projector.
+/// A projector. It maps a world point X to `(q, s, t)`; the picture coordinates are `(q/t, s/t)`, (0, 0) at the picture's top
+/// left and (1, 1) at its bottom right, v downwards; `t` is the distance along the line of projection, so `t <= 0` is behind the
+/// projector.
 ///
 /// Interpolate q, s, t like any attribute (times 1/w of the *eye's* camera) and divide last: the eye's w cancels.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,7 +22,8 @@ pub struct Projector {
 }
 
 impl Projector {
-    /// A projector at `eye` that points at `look`, with a horizontal field of view in radians and a slide of `aspect` = width / height.
+    /// A projector at `eye` that points at `look`. The horizontal field of view is in radians; `aspect` is the picture's width /
+    /// height.
     ///
     /// # Errors
     /// [`CameraError`], as for a camera.
@@ -60,7 +62,7 @@ impl Projector {
         DVec3::new(self.q.dot(p), self.s.dot(p), self.t.dot(p))
     }
 
-    /// Slide coordinates of a world point, None where it is not in front of the projector. They may lie outside `[0, 1]`.
+    /// Picture coordinates of a world point, `None` if it is not in front of the projector. They may lie outside `[0, 1]`.
     #[must_use]
     pub fn uv(&self, point: DVec3) -> Option<DVec2> {
         projector_uv(self.project(point))

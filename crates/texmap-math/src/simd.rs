@@ -1,4 +1,4 @@
-//! Kernels over lane widths: one source gives the scalar form ([`Scalar`], one lane), four lanes ([`X4`]) and sixteen ([`X16`]);
+//! Kernels over lane widths. One source gives the scalar form ([`Scalar`], one lane), four lanes ([`X4`]) and sixteen ([`X16`]);
 //! outside semantic versioning.
 //!
 //! A kernel takes `i: I` where `I: Isa`, computes on `I::F32`, `I::I32`, `I::U32`, `I::F64` and masks, and is run by

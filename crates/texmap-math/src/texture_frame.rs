@@ -1,5 +1,5 @@
-//! Texture frames O, U, V and the magic vectors that turn a view direction into texture coordinates (Brackeen, "Developing Games in
-//! Java", 2003, chapter 8).
+//! Texture frames O, U, V and the vectors that turn a view direction into texture coordinates. Source: Brackeen, "Developing
+//! Games in Java", 2003, chapter 8.
 
 use core::fmt;
 
@@ -17,7 +17,7 @@ pub struct TextureFrame {
     pub v: DVec3,
 }
 
-/// Why there is no frame.
+/// Error of points that give no frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum FrameError {
@@ -25,7 +25,7 @@ pub enum FrameError {
     NonFinite,
     /// U and V are zero or parallel: the sine of their angle is too small.
     DegenerateAxes {
-        /// That sine (0 where a vector is zero).
+        /// Sine of the angle between U and V (0 if a vector is zero).
         sine: f64,
     },
     /// The three positions lie on a line.
@@ -149,7 +149,7 @@ pub struct PlanarTexgen {
 }
 
 impl PlanarTexgen {
-    /// The uv where the line through the eye along `w` meets the plane; None where it does not (parallel: the horizon; or overflow).
+    /// The uv where the line through the eye along `w` meets the plane. None where it does not (parallel: the horizon; or overflow).
     #[must_use]
     pub fn uv(&self, w: DVec3) -> Option<DVec2> {
         let c = self.c.dot(w);
@@ -158,7 +158,7 @@ impl PlanarTexgen {
     }
 }
 
-/// Sine of the angle between two vectors, 0 where one is zero; scaled, so that no length over- or underflows.
+/// Sine of the angle between two vectors, 0 where one is zero. Scaled, so that no length over- or underflows.
 fn sine_between(u: DVec3, v: DVec3) -> f64 {
     let (lu, lv) = (u.abs().max_element(), v.abs().max_element());
     if !(lu > 0.0 && lv > 0.0 && lu.is_finite() && lv.is_finite()) {

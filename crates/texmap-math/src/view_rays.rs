@@ -67,7 +67,7 @@ impl CameraFrame {
         }
     }
 
-    /// The planes of A.W, B.W and C.W over the picture: their scalar product with (x, y, 1), x and y in samples from the top left
+    /// The planes of A.W, B.W and C.W over the picture. Their scalar product with (x, y, 1), x and y in samples from the top left
     /// corner.
     #[must_use]
     pub fn planes(&self) -> [DVec3; 3] {

@@ -2,8 +2,8 @@
 
 use crate::float::floor;
 
-/// `value` modulo `size`, in `0..size` for every value (MIT 6.837, lecture 18, slide 16, in one step instead of one per repeat). None
-/// for a size that is not above 0.
+/// `value` modulo `size`, in `0..size` for every value. After MIT 6.837, lecture 18, slide 16, in one step instead of one per
+/// repeat. None for a size that is not above 0.
 #[inline]
 #[must_use]
 pub const fn tile(value: i32, size: i32) -> Option<i32> {

@@ -6,9 +6,10 @@ use texmap_sample::Origin;
 
 use texmap_scene::{Billboard, Facing, Mesh};
 
-/// A mesh of billboards, each with the whole picture of the material's texture, which should be cut out by its alpha.
+/// A mesh of billboards, each with the whole picture of the material's texture. The material should cut it out by its
+/// alpha.
 ///
-/// They face +Z until [`tessellate`](crate::tessellate) turns them to the camera.
+/// The billboards face +Z until [`tessellate`](crate::tessellate) turns them to the camera.
 #[must_use]
 pub fn billboards(name: &str, billboards: Vec<Billboard>, material: usize) -> Mesh {
     let mut mesh = Mesh {

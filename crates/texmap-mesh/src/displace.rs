@@ -207,7 +207,7 @@ impl HeightMap {
         }
     }
 
-    /// How far a vertex moves, `spacing` texels from its neighbours.
+    /// Distance that a vertex moves, `spacing` texels from its neighbours.
     fn rise(&self, vertex: &Vertex, spacing: f64) -> f64 {
         let level = if spacing > 1.0 {
             deterministic_f32::log2(spacing as f32)
@@ -221,7 +221,7 @@ impl HeightMap {
     }
 }
 
-/// Where every point goes.
+/// Position of every point before and after the displacement.
 struct Field {
     /// Object space, before and after.
     before: Vec<DVec3>,
@@ -230,7 +230,7 @@ struct Field {
     lost: Vec<bool>,
     /// Vertices in the order of their points.
     by_point: Vec<u32>,
-    /// Where each point's vertices begin in that order.
+    /// Index of each point's first vertex in that order.
     start: Vec<usize>,
 }
 

@@ -1,7 +1,7 @@
 use texmap_math::OverBudget;
 use texmap_scene::SceneError;
 
-/// Why a mesh was not made.
+/// Error of a mesh that was not made.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum MeshError {
@@ -15,7 +15,7 @@ pub enum MeshError {
     TooManyTriangles {
         /// The terrain or the first displaced mesh.
         mesh: String,
-        /// When it was given up.
+        /// Number of triangles at which the work was given up.
         triangles: u64,
         /// The number allowed.
         limit: u32,

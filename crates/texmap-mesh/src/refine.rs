@@ -2,15 +2,15 @@
 //!
 //! Vertices of one position are one point, whatever normals and coordinates they carry, and whether an edge is halved is decided
 //! once for each pair of points: if any triangle at it finds it too long. So neighbours always agree, across seams of
-//! coordinates, split normals and borders of meshes, and no vertex ever lies within the edge of another triangle (no T-joints).
-//! A triangle with one, two or three halved edges becomes two, three or four.
+//! coordinates, split normals and borders of meshes, and no vertex ever lies within the edge of another triangle (no
+//! T-junctions). A triangle with one, two or three halved edges becomes two, three or four.
 
 use std::collections::HashMap;
 use std::hash::{BuildHasherDefault, Hasher};
 
 use texmap_math::glam::DVec3;
 
-/// What a corner carries beside its point.
+/// Attributes of a corner, with the index of its point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Vertex {
     pub(crate) point: u32,
@@ -24,7 +24,7 @@ pub(crate) struct Vertex {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Triangle {
     pub(crate) vertices: [u32; 3],
-    /// Its number in its mesh before any edge was halved.
+    /// Number of the triangle in its mesh before any edge was halved.
     pub(crate) base: u32,
 }
 
@@ -255,7 +255,7 @@ mod tests {
         }
     }
 
-    /// How many triangles lie at each edge, by points.
+    /// Number of triangles at each edge, by points.
     fn edges(net: &Net) -> BTreeMap<u64, u32> {
         let mut edges = BTreeMap::new();
         for t in &net.triangles {

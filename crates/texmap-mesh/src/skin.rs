@@ -1,4 +1,5 @@
-//! Skinning: a mesh that follows bones, by linear blends of their matrices (Magnenat-Thalmann, Laperriere and Thalmann 1988).
+//! Skinning: a mesh that follows bones, by linear blends of their matrices. Source: Magnenat-Thalmann, Laperriere and
+//! Thalmann 1988.
 //!
 //! `P' = sum(w_i M_i) P`, with weights that sum to one. It is what every graphics processor's vertex stage does, and it loses
 //! volume where bones bend: blending two rotations shrinks. For a bend by an angle `a` whose weights change linearly over a
@@ -23,15 +24,15 @@ pub struct Skin {
 /// A bone at rest, in the space of the mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bone {
-    /// Where it is joined to its parent, and what it turns about.
+    /// The joint of the bone with its parent, about which the bone turns.
     pub head: DVec3,
-    /// Its other end.
+    /// The other end of the bone.
     pub tail: DVec3,
     /// The bone that it follows: one before it in the list.
     pub parent: Option<usize>,
 }
 
-/// How vertices are given to bones.
+/// Assignment of vertices to bones.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum SkinBlend {
     /// Each follows its nearest bone alone: parts stay rigid, and joints open or overlap.
@@ -161,7 +162,7 @@ impl Skin {
 }
 
 impl Skeleton {
-    /// The matrices of a pose for [`Skin::bend`]: `turns[i]` is applied to bone i about its head, and to all that follow it.
+    /// The matrices of a pose for [`Skin::bend`]. `turns[i]` is applied to bone i about its head, and to all that follow it.
     ///
     /// # Errors
     /// As many turns as bones are needed, and parents must come before their children.
@@ -240,8 +241,8 @@ impl Skeleton {
     }
 }
 
-/// A turn by an angle (radians) about an axis through the origin, counter-clockwise when the axis points at the viewer
-/// (Rodrigues 1840); the identity for an axis of no length.
+/// A turn by an angle (radians) about an axis through the origin, counter-clockwise when the axis points at the
+/// viewer. The identity for an axis of no length. Source: Rodrigues 1840.
 #[must_use]
 pub fn rotation(axis: DVec3, angle: f64) -> DMat4 {
     let Some(axis) = axis.try_normalize() else {

@@ -8,10 +8,11 @@ use crate::MeshError;
 use crate::billboard::turn_to;
 use crate::displace::displace;
 
-/// The scene with its displaced meshes as triangles and its billboards turned to its camera, for a picture of `width` pixels.
+/// The scene with displaced meshes as triangles and billboards turned to the camera. `width` is that of the picture, in
+/// pixels.
 ///
-/// A scene without such meshes comes back as it is; one that is handed over by value is changed in place, one by reference is cloned if
-/// something in it changes. Renderers, shadow maps, the baker and the planner read meshes as they are: call this first.
+/// A scene without such meshes comes back as it is; one that is handed over by value is changed in place, one by reference is
+/// cloned if something in it changes. Renderers, shadow maps, the baker and the planner read meshes as they are: call this first.
 /// Folds and points that cannot move are told in [`Scene::warnings`].
 ///
 /// # Errors

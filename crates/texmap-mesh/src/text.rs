@@ -34,7 +34,7 @@ impl Font {
         }
     }
 
-    /// Whether the numbers make sense: at least one cell, parts inside of the cell and not empty.
+    /// True if the numbers make sense: at least one cell, parts inside of the cell and not empty.
     #[must_use]
     pub fn is_valid(&self) -> bool {
         let part = |[left, top, right, bottom]: [f32; 4]| {
@@ -49,7 +49,7 @@ impl Font {
         cells.is_some_and(|n| (1..=1 << 20).contains(&n)) && part(self.body) && part(self.shown)
     }
 
-    /// Words as a mesh of one quad a character, without one for blanks: `origin` is the lower left corner of the first
+    /// Words as a mesh of one quad a character, without one for blanks. `origin` is the lower left corner of the first
     /// character, `right` its step to the next and `up` its height; lines stand below each other. A character that the atlas
     /// lacks is drawn as `?`, or left out where that is missing, too. Fronts face `right x up`; v = 0 is the top of the atlas.
     #[must_use]
@@ -139,7 +139,7 @@ impl Font {
     }
 
     /// Words as heights for a bump map: 1 where the atlas is opaque (or white, if it has no alpha), 0 elsewhere, half a character
-    /// of margin around. The atlas's own texels, so that each keeps its place.
+    /// of margin around. The atlas's own texels, so that each keeps its coordinates.
     ///
     /// # Errors
     /// [`SampleError`] if the words need more texels than a texture has, or the cells none.
@@ -209,7 +209,7 @@ mod tests {
         assert_eq!(mesh.positions[0], [0.0; 3]);
         assert_eq!(mesh.uvs[0], [1.0 / 16.0, 3.0 / 6.0]);
         assert_eq!(mesh.uvs[2], [2.0 / 16.0, 2.0 / 6.0]);
-        // The unknown letter is `?` in the third place; `B` stands a line below.
+        // The unknown letter is `?`, the third character; `B` stands a line below.
         assert_eq!(mesh.positions[4], [2.0, 0.0, 0.0]);
         assert_eq!(mesh.uvs[4][0], 15.0 / 16.0);
         assert_eq!(mesh.positions[8], [0.0, -2.0, 0.0]);

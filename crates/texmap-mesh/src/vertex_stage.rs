@@ -25,7 +25,7 @@ pub struct MeshVertex {
 }
 
 impl Default for MeshVertex {
-    /// What a vertex without any attribute reads as.
+    /// The values of a vertex without any attribute.
     fn default() -> Self {
         Self {
             position: [0.0; 3],
@@ -37,11 +37,11 @@ impl Default for MeshVertex {
     }
 }
 
-/// The mesh with `stage(index, vertex)` in the place of every vertex.
+/// The mesh with `stage(index, vertex)` instead of every vertex.
 ///
 /// Attributes that the mesh lacks stay away unless the function returns something else than their default for some vertex.
-/// Who moves positions should turn normals too, or return zero for all: then the renderer takes the mean of the triangles.
-/// The function runs on all threads of rayon's pool, once for each vertex; the result does not depend on their number.
+/// A function that moves positions should turn normals too, or return zero for all: then the renderer takes the mean of the
+/// triangles. The function runs on all threads of rayon's pool, once for each vertex; the result does not depend on their number.
 ///
 /// # Errors
 /// [`SceneError::Value`] names the first vertex for which a number is not finite.

@@ -9,7 +9,7 @@ use texmap_scene::{Background, Scene};
 pub struct EnvironmentChoice {
     /// Index into [`Effects::environments`](texmap_scene::Effects::environments).
     pub environment: usize,
-    /// Its chart.
+    /// Layout of the environment.
     pub chart: EnvironmentLayout,
     /// Width and height of a face in texels.
     pub size: (u32, u32),
@@ -17,11 +17,11 @@ pub struct EnvironmentChoice {
     pub exponent: Option<f32>,
     /// Texels a side of a cube's faces that this lobe needs.
     pub needed: Option<u32>,
-    /// Why it is so large, in words.
+    /// Reason for the size, in words.
     pub why: String,
 }
 
-/// What materials with triangles and the sky read.
+/// Environments that materials with triangles and the sky read.
 pub(super) fn used(scene: &Scene) -> Vec<EnvironmentChoice> {
     let materials = || {
         let drawn = scene.meshes.iter().filter(|m| !m.triangles.is_empty());

@@ -1,4 +1,4 @@
-//! What happens to texels before they are stored, and so how much of a filter's error shows.
+//! Gain: the operations on texels before they are stored, which decide how much of a filter's error shows.
 
 use std::cell::OnceCell;
 
@@ -10,13 +10,13 @@ use super::lights::distance;
 use texmap_math::wide;
 use texmap_scene::{Material, Mesh, ProjectorMode, Scene, Shading, TextureRole};
 
-/// Strengths of light beyond white that are tried: each is this many times the one before it, up to where nothing but white is left.
+/// Strengths of light beyond white that are tried. Each is this many times the one before it, up to where nothing but white is left.
 const STEP: f32 = std::f32::consts::SQRT_2;
 const STEPS: usize = 24;
 /// Values below this count as black.
 const DARKEST: f32 = 1e-6;
 
-/// What a texel is multiplied by, per channel; then light is added, and what is beyond white is cut.
+/// Factor of a texel, per channel; then light is added, and values beyond white are cut.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Gain {
     /// Always this, and nothing added.
@@ -26,13 +26,13 @@ pub(super) enum Gain {
 }
 
 impl Gain {
-    /// The most that two pixels can be stored apart in a channel, given the texels at the samples of each and the light that comes
-    /// through each of them.
+    /// The most that two pixels can be stored apart in a channel. Given are the texels at the samples of each and the light that
+    /// comes through each of them.
     ///
-    /// Each sample is cut at white before their mean. Where none is, the strength that shows most is the greatest: stored values
-    /// rise ever slower, but x times their slope grows; and what is added to both only brings them nearer. Beyond white there is
-    /// no such rule (half a pixel of white and half of black, under twice the light, stays as it is, while its mean turns white), so
-    /// that strengths are tried from the first that cuts anything.
+    /// Each sample is cut at white before their mean. If none is cut, the strength that shows most is the greatest: stored values
+    /// rise ever slower, but x times their slope grows; and light that is added to both only brings them nearer. Beyond white
+    /// there is no such rule (half a pixel of white and half of black, under twice the light, stays as it is, while its mean
+    /// turns white), so that strengths are tried from the first that cuts anything.
     pub(super) fn apart(
         self,
         channel: usize,
@@ -57,7 +57,7 @@ impl Gain {
         if most * brightest + added <= 1.0 {
             return off(most, 0.0);
         }
-        // What lifts a mean just to white tells it most from samples that are cut.
+        // The strength that lifts a mean just to white tells it most from samples that are cut.
         let mean = |pixel: &[[f32; 4]]| {
             let sum: f32 = pixel.iter().map(|texel| texel[channel]).sum();
             (sum / pixel.len() as f32).max(DARKEST)
@@ -169,9 +169,9 @@ impl<'s> Lighting<'s> {
                 _ => return ([f32::INFINITY; 3], [1.0; 3]),
             }
         }
-        for slide in &self.scene.effects.projectors {
-            if let ProjectorMode::Light(color) = slide.mode {
-                let picture = self.brightest(slide.texture);
+        for projector in &self.scene.effects.projectors {
+            if let ProjectorMode::Light(color) = projector.mode {
+                let picture = self.brightest(projector.texture);
                 let color = [0, 1, 2].map(|k| color[k] * picture[k]);
                 add(&mut sum, surface.kd, color);
                 add(&mut added, surface.ks, color);
@@ -254,7 +254,7 @@ mod tests {
                     let found = searched(most, added, &[a], &[b], srgb);
                     assert!(found <= worst + 2e-6, "{a} {b} {most} {added}");
                 }
-                // It is reached, and where light is strong it is more than without light.
+                // The worst difference is reached, and in strong light it is more than without light.
                 let plain = (stored(a, srgb) - stored(b, srgb)).abs();
                 if most == 40.0 && a.max(b) == 0.3 && a != b {
                     assert!(worst > plain, "{a} {b}");

@@ -52,7 +52,7 @@ pub use prices::{Price, prices};
 use texmap_scene::{Mesh, Scene, Shading, TextureRole};
 use view::View;
 
-/// What a picture may be off by.
+/// The largest errors that a picture may have.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Budget {
     /// Texels, for interpolation.
@@ -71,16 +71,16 @@ impl Default for Budget {
     }
 }
 
-/// What was chosen for a mesh.
+/// The choice for a mesh.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Choice {
     /// Index into [`Scene::meshes`].
     pub mesh: usize,
-    /// How coordinates run across its triangles.
+    /// Interpolation of coordinates across its triangles.
     pub interp: Interp,
     /// Predicted largest error of `interp` in texels.
     pub predicted_texels: f64,
-    /// How its texture is read, and a label over it; none where no texture is.
+    /// Filter of its texture, and of a label over it; none if it has no texture.
     pub filter: Option<(Filter, Precision)>,
     /// The colour that stands for a texture of one colour: no look-up at all. Premultiplied, linear.
     pub constant: Option<[f32; 4]>,
@@ -90,9 +90,9 @@ pub struct Choice {
     pub price: f64,
     /// Pixels that the pilot tried.
     pub tried: usize,
-    /// Why, in words.
+    /// Reason for the choice, in words.
     pub why: String,
-    /// What the mesh does not need.
+    /// Features that the mesh does not need.
     pub left_out: Vec<&'static str>,
 }
 
@@ -114,7 +114,7 @@ pub struct Choices {
 }
 
 impl Choices {
-    /// Whether every prediction fits the budget.
+    /// True if every prediction fits the budget.
     pub fn met(&self) -> bool {
         self.meshes.iter().all(|c| {
             c.predicted_texels <= self.budget.texels && c.predicted_rmse <= self.budget.rmse
@@ -163,11 +163,11 @@ impl Choices {
     }
 }
 
-/// Chooses for a picture of this size: with one sample a pixel if that can keep the budget, else with 2 x 2 or 4 x 4. Where
-/// none can, the smallest predicted error.
+/// Chooses for a picture of this size: with one sample a pixel if that can keep the budget, else with 2 x 2 or 4 x 4. If none
+/// can, the smallest predicted error.
 ///
 /// # Errors
-/// What [`Scene::check`] refuses.
+/// Every fault that [`Scene::check`] finds.
 pub fn choose(
     scene: &Scene,
     width: u32,
@@ -180,7 +180,7 @@ pub fn choose(
 /// [`choose`] among these numbers of samples a side of a pixel, in this order.
 ///
 /// # Errors
-/// What [`Scene::check`] refuses.
+/// Every fault that [`Scene::check`] finds.
 pub fn choose_sampled(
     scene: &Scene,
     width: u32,
@@ -326,7 +326,7 @@ mod tests {
         choose_sampled(scene, 96, 96, TIGHT, &[1]).unwrap()
     }
 
-    /// What the most accurate filter, whatever its price, is predicted to be off by.
+    /// Predicted error of the most accurate filter, whatever its price.
     fn least_error(scene: &Scene) -> f64 {
         let never = Budget {
             rmse: 1e-9,

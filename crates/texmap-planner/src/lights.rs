@@ -1,4 +1,4 @@
-//! Which lights a picture does without, and the shadow maps of the others.
+//! Lights: those that a picture does without, and the shadow maps of the others.
 
 use texmap_light::{Light, ShadowBias};
 use texmap_math::glam::DVec3;
@@ -13,7 +13,7 @@ use texmap_scene::{Mesh, Scene, Shading, Shadow};
 pub struct IdleLight {
     /// Index into [`Scene::lights`].
     pub light: usize,
-    /// Why it does nothing, in words.
+    /// Reason why the light does nothing, in words.
     pub why: &'static str,
 }
 
@@ -28,7 +28,7 @@ pub struct ShadowChoice {
     pub bias: ShadowBias,
     /// Predicted width of one of its texels at the middle of the scene, in pixels: the error of a shadow's edge.
     pub pixels: f64,
-    /// Whether the scene had set its size.
+    /// True if the scene had set the size.
     pub fixed: bool,
 }
 
@@ -90,7 +90,7 @@ pub(super) fn distance(mesh: &Mesh, point: DVec3) -> f64 {
     })
 }
 
-/// Whether a light's cone and range may meet a ball.
+/// True if a light's cone and range may meet a ball.
 fn may_reach(light: &Light, (centre, radius): (DVec3, f64)) -> bool {
     let (position, direction, cos_outer) = match *light {
         Light::Spot {
@@ -160,7 +160,7 @@ pub(super) fn shadows(
 
 /// Takes idle lights out of a scene, with their shadow maps, and writes down the sizes of the others.
 pub(super) fn apply(idle: &[IdleLight], shadows: &[ShadowChoice], scene: &mut Scene) {
-    // Where a light stands afterwards.
+    // Index of each light afterwards.
     let mut next = 0;
     let place: Vec<Option<usize>> = (0..scene.lights.len())
         .map(|light| {

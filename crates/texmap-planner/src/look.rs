@@ -1,4 +1,4 @@
-//! What a surface looks like before the light: its texel, through a ramp or within an outline, times what it is carved out of.
+//! Look of a surface before the light: its texel, through a ramp or within an outline, times its solid texture.
 
 use texmap_math::Footprint;
 use texmap_sample::{Filter, Lod, Precision, Sampler, Texture2d};
@@ -7,7 +7,7 @@ use super::view::constant;
 use texmap_math::color::straight;
 use texmap_scene::{Material, Mesh, Scene, SolidField, TextureRole, TextureSlot};
 
-/// Where a sample looks: coordinates of the mesh, and the place in the world with its change to the right and down.
+/// Coordinates of a sample: those of the mesh, and the position in the world with its change to the right and down.
 #[derive(Clone, Copy)]
 pub(super) struct Spot {
     pub(super) uv: [f32; 2],
@@ -28,11 +28,11 @@ pub(super) struct Look<'s> {
     crisp: bool,
 }
 
-/// How the textures of a surface are read.
+/// Samplers of the textures of a surface.
 #[derive(Clone)]
 pub(super) struct Read {
     pub(super) base: Sampler,
-    /// That of the label, unless its own.
+    /// Sampler of the label, unless the label's own.
     pub(super) label: Option<Sampler>,
 }
 
@@ -47,7 +47,7 @@ impl<'s> Look<'s> {
                 texture
             }
         };
-        // What copies its texel shows nothing that lies below.
+        // A surface that copies its texel shows nothing that lies below.
         let copies = material.base_color.is_some() && material.texture_role == TextureRole::Decal;
         let solid = material.solid.as_ref().filter(|_| !copies);
         if material.base_color.is_none() && solid.is_none() && material.decal.is_none() {
@@ -73,7 +73,7 @@ impl<'s> Look<'s> {
         })
     }
 
-    /// Its texture's slot.
+    /// Slot of the base texture.
     pub(super) fn slot(&self) -> Option<&'s TextureSlot> {
         self.texture.as_ref().map(|(_, slot)| *slot)
     }
@@ -134,7 +134,7 @@ impl<'s> Look<'s> {
             let d = slot.transform.apply_footprint(at.footprint);
             let sampler = read.label.as_ref().unwrap_or(&slot.sampler);
             let label = sampler.sample_grad(texture, uv, d);
-            // It covers the colour, not the holes.
+            // The label covers the colour, not the holes.
             let keep = 1.0 - label[3];
             for k in 0..3 {
                 texel[k] = label[k] * texel[3] + keep * texel[k] * self.under[k];

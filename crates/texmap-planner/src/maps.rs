@@ -5,7 +5,7 @@ use texmap_sample::{Texture2d, Wrap};
 use super::view::constant;
 use texmap_scene::{AlphaMode, Material, NormalDetail, TextureSlot};
 
-/// Puts numbers in the place of maps of one colour, and says which maps are gone.
+/// Replaces maps of one colour by numbers, and says which maps are gone.
 pub(super) fn drop_constant(
     textures: &[Texture2d<'static>],
     material: &mut Material,

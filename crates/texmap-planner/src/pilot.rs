@@ -12,14 +12,14 @@ use super::look::{Look, Read, Spot};
 
 /// Positions a side of the grid over the mesh's part of the picture, where that has more pixels.
 const GRID: u32 = 128;
-/// Places that a first look takes.
+/// Pixels that a first look takes.
 const FIRST: usize = 576;
 /// Pixels below which nothing is said.
 const FEWEST: usize = 24;
 /// Samples a side of a pixel, for its mean.
 const SAMPLES: u32 = 6;
-/// Part of itself by which a prediction is raised, for what such a mean is off by: at a first look, and where that left something
-/// undecided.
+/// Part of itself by which a prediction is raised, for the error of such a mean: at a first look, and at a second one if the
+/// first left something undecided.
 const ROUGH: [f64; 2] = [0.02, 0.005];
 /// Standard errors of the mean that a prediction's margin is.
 const MARGIN: f64 = 3.0;
@@ -30,19 +30,19 @@ pub(super) struct Pilot {
     places: Vec<Spot>,
     /// Colours in each pixel, one pixel after the other.
     truth: Vec<[f32; 4]>,
-    /// Where each pixel's end in `truth`.
+    /// Index of the end of each pixel's colours in `truth`.
     ends: Vec<usize>,
     /// Part of the mesh's pixels that these are.
     share: f64,
-    /// What multiplies every colour.
+    /// Factor of every colour.
     gain: Gain,
-    /// Whether something shows through by alpha.
+    /// True if something shows through by alpha.
     blended: bool,
     /// Part of itself by which a prediction is raised.
     rough: f64,
 }
 
-/// Where a mesh is seen.
+/// Pixels in which a mesh is seen.
 pub(super) struct PixelSamples {
     pub(super) list: Vec<PixelSample>,
     source: Source,
@@ -51,7 +51,7 @@ pub(super) struct PixelSamples {
 }
 
 impl PixelSamples {
-    /// Where all pixels are known, keeps those without an outline beside them: at an outline one sample errs whatever the
+    /// Keeps the pixels without an outline beside them, if all pixels are known: at an outline one sample errs whatever the
     /// filter. A mesh that is hardly more than its outline keeps all.
     pub(super) fn leave_outlines_out(&mut self, size: DVec2) {
         if self.share < 1.0 {
@@ -83,7 +83,7 @@ pub(super) struct Predicted {
     pub(super) bound: f64,
 }
 
-/// Where a mesh's coordinates come from, as [`Coordinates`](crate::shade::coordinates::Coordinates).
+/// Source of a mesh's coordinates: its vertices, a texture frame, or a projection at every pixel.
 enum Source {
     Vertices,
     /// The planes of A.W, B.W and C.W over the picture.
@@ -96,14 +96,14 @@ enum Source {
 pub(super) struct PixelSample {
     pub(super) centre: DVec2,
     uv: [DVec3; 2],
-    /// The place in the world.
+    /// The position in the world.
     world: [DVec3; 3],
     /// The plane of 1/w.
     pub(super) inv_w: DVec3,
 }
 
 impl PixelSample {
-    /// What is seen at a place beside the centre, as one of `samples` x `samples` samples of the pixel; `None` beyond the horizon.
+    /// The surface at a point beside the centre, as one of `samples` x `samples` samples of the pixel. `None` beyond the horizon.
     fn spot(&self, source: &Source, offset: DVec2, samples: u32) -> Option<Spot> {
         let p = (self.centre + offset).extend(1.0);
         if !(self.inv_w.dot(p) > 0.0) {
@@ -140,7 +140,7 @@ fn placed(u: (f32, f32, f32), v: (f32, f32, f32)) -> ([f32; 2], Footprint) {
 }
 
 impl Pilot {
-    /// Of some of the places, or with `all` of all of them, for pixels of `samples` x `samples` samples. `None` when there are
+    /// Of some of the pixels, or with `all` of all of them, for pixels of `samples` x `samples` samples. `None` when there are
     /// too few.
     pub(super) fn new(
         places: &PixelSamples,
@@ -190,7 +190,7 @@ impl Pilot {
         self.ends.len()
     }
 
-    /// The error of what is read so over the mesh's pixels. What blends is tried before black and before white: the worse of both.
+    /// The error of a sampler over the mesh's pixels. Blended colours are tried before black and before white: the worse of both.
     pub(super) fn error(&self, look: &Look<'_>, read: &Read, srgb: bool) -> Predicted {
         let samples = self.places.len() / self.ends.len().max(1);
         let places = self.places.chunks_exact(samples.max(1));
@@ -285,7 +285,7 @@ pub(super) fn places(view: &View<'_>) -> PixelSamples {
             let cell = DVec2::new(f64::from(i % columns), f64::from(i / columns));
             let count = DVec2::new(f64::from(columns), f64::from(rows));
             let at = low + (high - low) * (cell + jitter) / count;
-            // Pixel centres: the renderer sees no other places.
+            // Pixel centres: the renderer takes no other samples.
             at.floor() + 0.5
         })
         .collect();
@@ -428,7 +428,7 @@ fn hash(index: u32) -> f64 {
 mod tests {
     use super::*;
 
-    /// How many pixels of a rectangle stay, in a picture of 40 x 40.
+    /// Number of pixels of a rectangle that stay, in a picture of 40 x 40.
     fn stay(from: [u32; 2], size: [u32; 2], share: f64) -> usize {
         let pixels = (0..size[0] * size[1]).map(|i| [from[0] + i % size[0], from[1] + i / size[0]]);
         let place = |[x, y]: [u32; 2]| PixelSample {

@@ -1,4 +1,4 @@
-//! What filters and interpolations cost, from a committed table: `prices.csv`, written from the chart.
+//! Prices of filters and interpolations, from a committed table: `prices.csv`, written from the chart.
 
 use std::sync::LazyLock;
 
@@ -10,13 +10,13 @@ use texmap_sample::{Filter, Precision};
 pub struct Price {
     /// The filter.
     pub filter: Filter,
-    /// Its precision.
+    /// Precision of the filter.
     pub precision: Precision,
     /// Nanoseconds a look-up.
     pub ns: f64,
 }
 
-/// Lines of `name,precision,ns`; `interp` lines name an interpolation in place of a filter.
+/// Lines of `name,precision,ns`; `interp` lines name an interpolation instead of a filter.
 const TABLE: &str = include_str!("prices.csv");
 
 static PRICES: LazyLock<Vec<Price>> = LazyLock::new(|| {

@@ -32,7 +32,7 @@ impl View<'_> {
         self.mesh.world_from_object.transform_point3(position)
     }
 
-    /// `places` are those of the mesh that are seen, of `all` inside its outline.
+    /// `places` are the pixels of the mesh that are seen, of `all` inside its outline.
     pub(super) fn choose(
         &self,
         index: usize,
@@ -60,7 +60,7 @@ impl View<'_> {
             let texture = &self.scene.textures[slot.texture];
             f64::from(texture.width().max(texture.height()))
         });
-        // What is made per pixel needs its position, or no attribute at all.
+        // Coordinates that are made per pixel need the position, or no attribute at all.
         let per_pixel = self.mesh.texture_frame.is_some() || self.mesh.uv_projection.is_some();
         let affine = self.affine_error(texels);
         if !per_pixel && affine <= EQUAL_W && prices::interp(Interp::Affine) <= choice.price {
@@ -242,7 +242,7 @@ impl View<'_> {
     }
 }
 
-/// Why so few of a mesh's pixels are seen that nothing can be said.
+/// Reason why so few of a mesh's pixels are seen that nothing can be said.
 fn unseen(places: &PixelSamples, all: usize) -> &'static str {
     if places.list.len() < all {
         "nearly all of it is hidden by others"

@@ -1,4 +1,4 @@
-//! What other meshes hide.
+//! Visibility: pixels of a mesh that other meshes do not hide.
 
 use texmap_math::glam::{DMat3, DVec2, DVec4};
 use texmap_raster::{Cull, DepthTest};
@@ -9,10 +9,10 @@ use texmap_scene::{AlphaMode, Scene};
 /// Cells a side of the grid over the picture.
 const CELLS: usize = 64;
 
-/// Takes away the places of each mesh that an opaque triangle covers. `positions` are those of all meshes: x and y in pixels
+/// Takes away the pixels of each mesh that an opaque triangle covers. `positions` are those of all meshes: x and y in pixels
 /// times w, clip z, w.
 ///
-/// Linear in the triangles of the scene, each of which looks at the places in its part of the picture alone.
+/// Linear in the triangles of the scene, each of which looks at the pixels in its part of the picture alone.
 pub(super) fn keep_visible(
     scene: &Scene,
     positions: &[Vec<DVec4>],
@@ -40,7 +40,7 @@ pub(super) fn keep_visible(
         }
         for triangle in &mesh.triangles {
             let corners = triangle.map(|i| positions[m][i as usize]);
-            // Where it crosses the near plane not all of it is drawn: it hides nothing.
+            // A triangle that crosses the near plane is not drawn as a whole: it hides nothing.
             if !corners.iter().all(|p| p.w > 1e-9 && p.z <= p.w) {
                 continue;
             }
@@ -82,7 +82,7 @@ pub(super) fn keep_visible(
 /// Surfaces that touch do not hide one another.
 const NEARER: f64 = 1.0 + 1e-6;
 
-/// The cell of a place, or of the edge of the picture nearest to it.
+/// The cell of a pixel, or of the edge of the picture nearest to it.
 fn cell(p: DVec2, size: DVec2) -> [usize; 2] {
     let c = (p / size * CELLS as f64).clamp(DVec2::ZERO, DVec2::splat(CELLS as f64 - 1.0));
     [c.x as usize, c.y as usize]

@@ -24,11 +24,11 @@ pub struct AtlasMesh<'a> {
     pub normals: &'a [[f32; 3]],
     /// Three vertices a face.
     pub indices: &'a [[u32; 3]],
-    /// Whether v counts from the bottom row (OBJ) and not from the top (glTF).
+    /// True if v counts from the bottom row (OBJ) and not from the top (glTF).
     pub bottom_up: bool,
 }
 
-/// How a texel came to its face.
+/// Relation of a texel to its face.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[repr(u8)]
 pub enum Coverage {
@@ -48,12 +48,12 @@ pub enum Coverage {
 pub struct Atlas {
     /// The atlas' size.
     pub size: TargetSize,
-    /// How each texel came to its face.
+    /// Relation of each texel to its face.
     pub coverage: Vec<Coverage>,
-    /// The face, [`NO_PRIMITIVE`] where there is none. Where faces overlap the first one wins.
+    /// The face, [`NO_PRIMITIVE`] where there is none. Of overlapping faces the first one wins.
     pub face: Vec<u32>,
-    /// Weights over the face's three vertices at the texel's centre, moved to the face where the centre lies outside; 0 where
-    /// there is no face.
+    /// Weights over the face's three vertices at the texel's centre. If the centre lies outside, it is moved to the face; 0
+    /// if there is no face.
     pub barycentric: Vec<[f32; 3]>,
     /// Interpolated positions; empty when the mesh has none.
     pub position: Vec<[f32; 3]>,
@@ -64,13 +64,13 @@ pub struct Atlas {
     pub lost: Vec<u32>,
 }
 
-/// What an atlas is asked for.
+/// Options of an atlas.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct AtlasOptions {
     /// Also texels that a face touches without covering their centre: no face that touches the atlas is lost, however small,
     /// as long as there are texels enough where it lies. A face without a texel takes one from a face that has several.
     pub conservative: bool,
-    /// Texels by which charts are dilated afterwards.
+    /// Texels by which islands are dilated afterwards.
     pub gutter: u32,
     /// Threads; above 1 work goes to the current rayon pool (feature `rayon`).
     pub threads: usize,
@@ -253,11 +253,11 @@ impl Atlas {
 
     fn interpolate(&mut self, corners: &Corners<'_, '_>, threads: usize) {
         let (mesh, texels) = (corners.mesh, self.face.len());
-        let room = |array: &[[f32; 3]]| match array.is_empty() {
+        let buffer = |array: &[[f32; 3]]| match array.is_empty() {
             true => Vec::new(),
             false => alloc::vec![[0.0; 3]; texels],
         };
-        (self.position, self.normal) = (room(mesh.positions), room(mesh.normals));
+        (self.position, self.normal) = (buffer(mesh.positions), buffer(mesh.normals));
         let (width, band) = (self.size.width() as usize, self.band());
         // Absent arrays have empty bands.
         let mut positions = self.position.chunks_mut(band);
@@ -353,7 +353,7 @@ impl Atlas {
 
 /// A band of the atlas and the values to fill in.
 struct Values<'b> {
-    /// Its first row.
+    /// First row of the band.
     top: usize,
     faces: &'b [u32],
     barycentric: &'b mut [[f32; 3]],
@@ -507,7 +507,7 @@ fn weights(corners: &[[f64; 2]; 3], [x, y]: [f64; 2]) -> [f64; 3] {
     }
 }
 
-/// Whether the open inner side of an edge meets the texel's square: without the top-left rule, which is for points.
+/// True if the open inner side of an edge meets the texel's square: without the top-left rule, which is for points.
 fn touches(edge: Edge, x: i32, y: i32) -> bool {
     let half = ONE / 2;
     let top_left = edge.a > 0 || (edge.a == 0 && edge.b > 0);

@@ -1,4 +1,4 @@
-//! What to draw: targets, draws and their named choices.
+//! Input of the rasterizer: targets, draws and their named choices.
 use core::ops::Range;
 
 use texmap_math::glam::DMat4;
@@ -49,7 +49,7 @@ impl TargetSize {
     }
 }
 
-/// How attributes are interpolated between the vertices.
+/// Interpolation of attributes between the vertices.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum Interp {
     /// Exact per pixel: planes of u/w and 1/w and one divide.
@@ -59,18 +59,18 @@ pub enum Interp {
     /// `max |error| = |du| |sqrt(r) - 1| / (sqrt(r) + 1)`, r the ratio of w at the vertices.
     Affine,
     /// Each triangle split into n x n in space before clipping, affine within the parts. Parts of a
-    /// side are the same in both triangles that share it, so no T-joint is made. 1..=[`MAX_SUBDIVISIONS`].
+    /// side are the same in both triangles that share it, so no T-junction is made. 1..=[`MAX_SUBDIVISIONS`].
     Subdivided(u32),
-    /// Exact at every n-th pixel of the triangle's row and at the row's last pixel, linear between
-    /// (the runs of Brackeen 2003, chapter 8, but never evaluated outside the triangle).
+    /// Exact at every n-th pixel of the triangle's row and at the row's last pixel, linear between.
+    /// These are the runs of Brackeen 2003, chapter 8, but never evaluated outside the triangle.
     Span(u32),
-    /// Linear between nodes that lie so that no pixel of the first two attributes is off by more than this,
-    /// in attribute units divided by [`DrawCall::interp_scale`]. The nodes come from the closed form: a span from w = a to
-    /// w = b (w here 1/z) is off by at most `K (a^-1/2 - b^-1/2)^2`, K constant along a row.
+    /// Linear between nodes, with no pixel of the first two attributes off by more than this. In attribute units divided
+    /// by [`DrawCall::interp_scale`]. The nodes come from the closed form: a span from w = a to w = b (w here 1/z) is off
+    /// by at most `K (a^-1/2 - b^-1/2)^2`, K constant along a row.
     WithinError(f32),
 }
 
-/// Which triangles are dropped. Front faces are counter-clockwise for the viewer.
+/// The side of triangles that is dropped. Front faces are counter-clockwise for the viewer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Cull {
     /// Both sides are drawn.
@@ -82,7 +82,7 @@ pub enum Cull {
     Front,
 }
 
-/// When a fragment passes the depth test. The buffer is reversed: 1 is the near plane, 0 the far plane.
+/// Condition on which a fragment passes the depth test. The buffer is reversed: 1 is the near plane, 0 the far plane.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum DepthTest {
     /// Strictly nearer than what is there.
@@ -94,7 +94,7 @@ pub enum DepthTest {
     Always,
 }
 
-/// When a draw takes part.
+/// The pass in which a draw takes part.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Pass {
     /// Decides visibility; every covered pixel counts.
@@ -123,22 +123,22 @@ pub struct DrawCall<'a> {
     pub attribute_count: usize,
     /// Bit k set: attribute k is interpolated linearly on the screen (Gouraud), whatever `interp` says.
     pub screen_linear: u32,
-    /// How the other attributes are interpolated.
+    /// Interpolation of the other attributes.
     pub interp: Interp,
-    /// [`Interp::WithinError`] compares its tolerance with the error of attributes 0 and 1 times this (the size of a
-    /// texture, to give the tolerance in texels).
+    /// Factor of the error of attributes 0 and 1 that [`Interp::WithinError`] compares with its tolerance. The size
+    /// of a texture gives the tolerance in texels.
     pub interp_scale: f32,
-    /// Which sides are dropped.
+    /// The side that is dropped.
     pub cull: Cull,
     /// The depth test.
     pub depth_test: DepthTest,
-    /// Whether a fragment that passes writes its depth. Ignored by [`Pass::Blended`], which never does.
+    /// True if a fragment that passes writes its depth. Ignored by [`Pass::Blended`], which never does.
     pub depth_write: bool,
-    /// When the draw takes part.
+    /// The pass in which the draw takes part.
     pub pass: Pass,
-    /// Polygon offset: every triangle's depth is moved away from the eye by this many times what its plane changes in a pixel,
-    /// `|dz/dx| + |dz/dy|`. With r it is the farthest that the plane reaches within r pixels across and down of each pixel. What is
-    /// moved beyond the far plane is behind everything.
+    /// Polygon offset. Every triangle's depth is moved away from the eye by this many times what its plane changes in a pixel,
+    /// `|dz/dx| + |dz/dy|`. With r it is the farthest that the plane reaches within r pixels across and down of each pixel.
+    /// Depths moved beyond the far plane are behind everything.
     pub depth_slope: f32,
 }
 
@@ -200,7 +200,7 @@ impl DrawCall<'_> {
         Ok(())
     }
 
-    /// Whether the indices of the triangles in `range` name vertices.
+    /// True if the indices of the triangles in `range` name vertices.
     #[inline(always)]
     pub(crate) fn check_indices(
         &self,
@@ -231,15 +231,15 @@ impl DrawCall<'_> {
     }
 }
 
-/// What became of the submitted triangles (of their parts, where subdivided).
+/// Number of the submitted triangles (of their parts, where subdivided) by outcome.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Stats {
     /// Triangles in the draws' `indices`.
     pub submitted: usize,
     /// Triangles dropped because a position or an attribute was NaN or infinite, or overflowed in the matrix.
     pub non_finite: usize,
-    /// Dropped because they lie outside the view, or because their box holds no pixel centre, or holds up to 2x2 and none is
-    /// covered.
+    /// Dropped because they lie outside the view or cover no pixel centre. The latter if their box holds no centre, or holds
+    /// up to 2x2 and none is covered.
     pub outside: usize,
     /// Dropped by [`Cull`].
     pub culled: usize,

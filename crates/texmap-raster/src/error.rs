@@ -1,9 +1,9 @@
-//! What can be wrong with a draw or a target, with the offending numbers.
+//! Errors of a draw or a target, with the offending numbers.
 use core::fmt;
 
 use texmap_math::OverBudget;
 
-/// Why a target or a list of draws was refused. Nothing is drawn when one is returned.
+/// Error of a target or a list of draws that was refused. Nothing is drawn when one is returned.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum RasterError {
@@ -29,7 +29,7 @@ pub enum RasterError {
         triangle: usize,
         /// The index found.
         index: u32,
-        /// How many vertices the draw has.
+        /// Number of vertices of the draw.
         vertices: usize,
     },
     /// `attributes` does not hold `attribute_count` values for every vertex.

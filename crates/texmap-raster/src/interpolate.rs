@@ -27,7 +27,8 @@ const ROW: u16 = BLOCKS as u16;
 /// Pixels a run holds at most.
 pub const BATCH_PIXELS: usize = 256;
 
-/// Room of a run's arrays: their distance in memory is no multiple of 4096 bytes, or stores to one would stall loads of another.
+/// Length of a run's arrays. Their distance in memory is no multiple of 4096 bytes, or stores to one would stall loads of
+/// another.
 pub const BATCH_STRIDE: usize = BATCH_PIXELS + 16;
 
 /// One block of a run: which 4x4 block of the tile and which of its pixels.
@@ -46,7 +47,7 @@ pub struct FragmentBlock {
 pub struct Varyings {
     /// 1 / clip w.
     pub inv_w: [f32; BATCH_STRIDE],
-    /// What was asked for, in that order.
+    /// The varyings that were asked for, in that order.
     pub varyings: Vec<Varying>,
 }
 
@@ -101,8 +102,9 @@ impl AttributePlanes {
         });
     }
 
-    /// Stores the values of attributes `wanted` in each block of `run` that has pixels, one attribute a column from column `first` on (nothing where these are missing);
-    /// derivatives only where `D` asks for them. For stages that are generic over the lane width; outside semantic versioning.
+    /// Stores the values of attributes `wanted` in each block of `run` that has pixels, one attribute a column from column
+    /// `first` on. Nothing is stored where columns are missing; derivatives only if `D` asks for them. For stages that are
+    /// generic over the lane width; outside semantic versioning.
     #[inline(never)]
     pub fn each_column<I: Isa, const D: bool>(
         &self,
@@ -163,7 +165,7 @@ impl AttributePlanes {
         }
     }
 
-    /// Shows `sink` the values of two attributes in each block of `run` that has pixels, in registers; derivatives only where
+    /// Shows `sink` the values of two attributes in each block of `run` that has pixels, in registers. Derivatives only where
     /// `D` asks for them. For stages that are generic over the lane width; outside semantic versioning.
     #[inline(always)]
     pub fn each_block<I: Isa, const D: bool, K: BlockSink<I>>(
@@ -206,8 +208,8 @@ impl AttributePlanes {
         }
     }
 
-    /// [`each_block`](Self::each_block) for blocks that all name their slot, where the table [is plain](Self::is_branch_free): what the
-    /// blocks of a row share stays in registers.
+    /// [`each_block`](Self::each_block) for blocks that all name their slot. Only if the table [is plain](Self::is_branch_free):
+    /// what the blocks of a row share stays in registers.
     #[inline(always)]
     pub fn each_named<I: Isa, const D: bool, K: BlockSink<I>>(
         &self,
@@ -239,9 +241,9 @@ impl AttributePlanes {
         }
     }
 
-    /// [`each_block`](Self::each_block) for pixels that lie anywhere in the tile: block k of `run` is the pixels from 16 k on of
-    /// `pixels`, by their places in the tile's blocks (see [`block_index`](crate::block_index)), each of its own slot. Only where
-    /// [`is_branch_free`](Self::is_branch_free).
+    /// [`each_block`](Self::each_block) for pixels that lie anywhere in the tile. Block k of `run` is the pixels from 16 k on of
+    /// `pixels`, by their indices in the tile's blocks (see [`block_index`](crate::block_index)), each of its own slot. Only
+    /// where [`is_branch_free`](Self::is_branch_free).
     #[inline(always)]
     pub fn each_sixteen<I: Isa, const D: bool, K: BlockSink<I>>(
         &self,
@@ -274,7 +276,7 @@ impl AttributePlanes {
         }
     }
 
-    /// Whether f32 planes serve all slots, and all attributes are exact.
+    /// True if f32 planes serve all slots, and all attributes are exact.
     #[must_use]
     pub fn is_branch_free(&self) -> bool {
         self.plain
@@ -308,7 +310,7 @@ impl AttributePlanes {
     }
 }
 
-/// Pixels of a block from place `at` on, as many as there are lanes.
+/// Pixels of a block from pixel `at` on, as many as there are lanes.
 #[derive(Clone, Copy)]
 pub(crate) struct Part {
     pub(crate) block: FragmentBlock,
@@ -316,7 +318,7 @@ pub(crate) struct Part {
 }
 
 impl Part {
-    /// Its pixels in the block's mask.
+    /// Pixels of the part in the block's mask.
     #[inline(always)]
     pub(crate) fn mask<I: Isa>(self, _: I) -> u32 {
         u32::from(self.block.mask) >> self.at & ((1 << I::LANES) - 1)
@@ -331,9 +333,9 @@ impl Part {
 /// The slots of a part's pixels.
 pub(crate) struct Slots<I: Isa> {
     pub(crate) each: I::U32,
-    /// That of the first pixel in the mask.
+    /// Slot of the first pixel in the mask.
     pub(crate) first: u32,
-    /// All are that one.
+    /// True if all slots are the first.
     pub(crate) one: bool,
 }
 
@@ -363,7 +365,7 @@ static CENTRES: [f32; BLOCKS] = {
     centres
 };
 
-/// Pixel centres of a block from place `at` on, from the tile's middle.
+/// Pixel centres of a block from pixel `at` on, from the tile's middle.
 #[inline(always)]
 fn centres<I: Isa>(i: I, block: u16, at: usize) -> [I::F32; 2] {
     let block = usize::from(block);

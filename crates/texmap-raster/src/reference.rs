@@ -16,7 +16,7 @@ pub fn snap(clip: DVec4, size: TargetSize) -> Option<FixedPoint> {
     snap_point(DVec2::new(x, y))
 }
 
-/// Whether the snapped triangle covers a pixel's centre, by exact edge functions and the top-left rule.
+/// True if the snapped triangle covers a pixel's centre, by exact edge functions and the top-left rule.
 #[must_use]
 pub fn covers(triangle: [FixedPoint; 3], x: i32, y: i32) -> bool {
     TriangleEdges::new(triangle).is_some_and(|t| t.covers(FixedPoint::pixel_centre(x, y)))

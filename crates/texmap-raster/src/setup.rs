@@ -22,7 +22,7 @@ use rows::{Rows, rows};
 pub(crate) use wide::WidePixels;
 use wide::bound;
 
-/// Side of a tile in pixels, whatever the target's size: planes are anchored at tile centres, so this decides bits.
+/// Side of a tile in pixels, whatever the target's size. Planes are anchored at tile centres, so this decides bits.
 pub const TILE: u32 = 64;
 
 /// Half a tile: how far a pixel can be from the anchor.
@@ -41,7 +41,7 @@ pub(crate) const DEPTH_RATIO: f64 = 8.0;
 /// A polygon offset that moves any depth beyond the far plane.
 pub(crate) const LEAVES_NOTHING: f32 = 2.0;
 
-/// What is known of a fragment.
+/// Values of a fragment: attributes, derivatives, depth and side.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Fragment {
     /// Attribute values, within the hull of the triangle's vertex values.
@@ -54,11 +54,11 @@ pub struct Fragment {
     pub inv_w: f32,
     /// Reversed depth: 1 at the near plane, 0 at the far plane.
     pub depth: f32,
-    /// Whether the triangle's front (counter-clockwise) side is seen.
+    /// True if the triangle's front (counter-clockwise) side is seen.
     pub front: bool,
-    /// How many attributes are valid; the rest are 0.
+    /// Number of valid attributes; the rest are 0.
     pub count: usize,
-    /// The pixel, from the left and from the top: what computes its own values per pixel needs it.
+    /// The pixel, from the left and from the top, for stages that compute values of their own per pixel.
     pub pixel: [u32; 2],
 }
 
@@ -90,7 +90,7 @@ pub(crate) struct Shape<'a> {
     pub outer: [Hom; 3],
     /// The corners of the piece that is drawn: in front of the eye, in the fixed-point range.
     pub piece: [Hom; 3],
-    /// Weights of each corner of the piece over the triangle's vertices; `None` where the piece is the triangle.
+    /// Weights of each corner of the piece over the triangle's vertices. `None` where the piece is the triangle.
     pub weights: Option<[[f64; 3]; 3]>,
     /// Attributes of the triangle's three vertices.
     pub attributes: [&'a [f32]; 3],
@@ -182,7 +182,7 @@ impl Ranged {
         bound(v, i.f64(f64::from(self.lo)), i.f64(f64::from(self.hi)))
     }
 
-    /// The value at a place on the screen, not divided.
+    /// The value at a point on the screen, not divided.
     #[inline(always)]
     pub(crate) fn at<I: Isa>(&self, i: I, x: I::F64, y: I::F64) -> I::F64 {
         plane_at(i, self.plane, x, y)
@@ -190,7 +190,7 @@ impl Ranged {
 }
 
 impl TriangleSetup {
-    /// `tile_x`, `tile_y`: the tile's place in the grid of [`TILE`].
+    /// `tile_x`, `tile_y`: the tile's coordinates in the grid of [`TILE`].
     pub(crate) fn new(shape: &Shape<'_>, tile_x: u32, tile_y: u32) -> Self {
         let origin = origin(tile_x, tile_y);
         let [ox, oy] = origin.map(f64::from);
@@ -236,7 +236,7 @@ impl TriangleSetup {
         setup
     }
 
-    /// Whether f32 planes about the tile's centre are too coarse. Decided from the triangle and its fixed tile alone.
+    /// True if f32 planes about the tile's centre are too coarse. Decided from the triangle and its fixed tile alone.
     fn needs_f64(&self) -> bool {
         let moderate = |r: &Ranged| is_moderate(Scalar, r.plane, [r.lo, r.hi]);
         !w_is_even(Scalar, self.w.plane, f64::from(self.w.lo))
@@ -261,7 +261,7 @@ impl TriangleSetup {
         }
     }
 
-    /// Whether a pixel needs more than f32 planes and one divide at most.
+    /// True if a pixel needs more than f32 planes and one divide at most.
     pub(crate) fn is_odd(&self) -> bool {
         self.wide || self.uses_rows()
     }
@@ -308,8 +308,8 @@ impl TriangleSetup {
         }
     }
 
-    /// The first two attributes of the 4x4 pixels from (x, y) on, as [`evaluate`](Self::evaluate) finds them; `None` where f32 planes
-    /// do not serve, and where there are fewer.
+    /// The first two attributes of the 4x4 pixels from (x, y) on, as [`evaluate`](Self::evaluate) finds them. `None` if f32
+    /// planes do not serve, or there are fewer attributes.
     #[inline(always)]
     pub(crate) fn uv_block<I: Isa>(&self, i: I, x: u32, y: u32) -> Option<UvBlock> {
         if self.is_odd() || self.count < 2 {

@@ -117,7 +117,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             supersample: 2,
             ..RenderSettings::new(640, 360)
         },
-        &|_, _| (),
+        &texmap_render::no_progress,
     )?;
     let path = std::env::args()
         .nth(1)

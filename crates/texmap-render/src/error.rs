@@ -2,7 +2,7 @@ use texmap_math::OverBudget;
 use texmap_raster::RasterError;
 use texmap_scene::{Scene, SceneError};
 
-/// Why a scene was not drawn. Everything is checked before the first pixel.
+/// Reasons for which a scene is not drawn. Everything but cancelling is checked before the first pixel.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum RenderError {
@@ -46,6 +46,9 @@ pub enum RenderError {
     /// A buffer beyond the memory budget.
     #[error("{0}")]
     Memory(#[from] OverBudget),
+    /// The progress callback ended the work.
+    #[error("cancelled")]
+    Cancelled,
 }
 
 impl RenderError {
@@ -79,6 +82,7 @@ impl RenderError {
             Self::Threads { .. } => "render-threads",
             Self::Raster { .. } => "render-raster",
             Self::Memory(_) => "over-memory-budget",
+            Self::Cancelled => "cancelled",
         }
     }
 }

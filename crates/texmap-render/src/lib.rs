@@ -26,7 +26,7 @@
 //! ```
 //! use texmap_light::PhongMaterial;
 //! use texmap_math::{Camera, glam::DVec3};
-//! use texmap_render::{RenderSettings, render};
+//! use texmap_render::{RenderSettings, no_progress, render};
 //! use texmap_scene::{Material, Mesh, Scene, Shading};
 //!
 //! let camera = Camera {
@@ -45,7 +45,7 @@
 //!     meshes: vec![triangle],
 //!     ..Scene::new(camera)
 //! };
-//! let frame = render(&scene, &RenderSettings::new(64, 64), &|_done, _of| ())?;
+//! let frame = render(&scene, &RenderSettings::new(64, 64), &no_progress)?;
 //! let middle = (32 * 64 + 32) * 4;
 //! assert_eq!(frame.rgba[middle..middle + 4], [255, 0, 0, 255]);
 //! assert_eq!(frame.rgba[..4], [0, 0, 255, 255]);
@@ -84,7 +84,7 @@ mod vertices;
 
 pub use error::RenderError;
 pub use frame::{AovData, Frame, HOLE_BITS, Stats, Times, hash_pixels, pixel_hash};
-pub use render::{Renderer, render, render_ordered};
+pub use render::{Renderer, no_progress, render, render_ordered};
 pub use settings::{Aov, RenderSettings, UnknownAov};
 pub use shadow::{shadow_map, shadow_map_for};
 /// The crate of scenes.

@@ -1,7 +1,8 @@
 //! The frame: passes over blocks of 64 x 64 pixels, one owner thread each.
 
 use std::fmt;
-use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
@@ -18,17 +19,24 @@ use texmap_scene::Scene;
 
 /// Draws a scene: [`Renderer::new`], then [`Renderer::draw`].
 ///
-/// `progress` is called with (blocks done, blocks in all) from the worker threads, in any order.
+/// `progress` is called with (blocks done, blocks in all) from the worker threads, in any order, and ends the work by
+/// [`ControlFlow::Break`]; [`no_progress`] is the callback that does nothing.
 ///
 /// # Errors
-/// Every fault of the scene or the settings, before the first pixel; see [`RenderError`].
+/// Every fault of the scene or the settings, before the first pixel; [`RenderError::Cancelled`] after a break.
 pub fn render(
     scene: &Scene,
     settings: &RenderSettings,
-    progress: &(dyn Fn(usize, usize) + Sync),
+    progress: &(dyn Fn(usize, usize) -> ControlFlow<()> + Sync),
 ) -> Result<Frame, RenderError> {
     settings.check()?;
     Renderer::new(scene, settings)?.draw(progress)
+}
+
+/// The progress callback that neither shows nor ends anything.
+#[must_use]
+pub fn no_progress(_done: usize, _of: usize) -> ControlFlow<()> {
+    ControlFlow::Continue(())
 }
 
 /// A scene made ready: checked, mip chains built, vertex values computed. Drawing it again costs none of that.
@@ -105,8 +113,11 @@ impl<'s> Renderer<'s> {
     /// Draws the frame. A scene in which nothing is visible gives a frame of background and a warning that says why.
     ///
     /// # Errors
-    /// More triangles after clipping than ids; [`RenderError::Memory`].
-    pub fn draw(&self, progress: &(dyn Fn(usize, usize) + Sync)) -> Result<Frame, RenderError> {
+    /// More triangles after clipping than ids; [`RenderError::Memory`]; [`RenderError::Cancelled`] after a break of `progress`.
+    pub fn draw(
+        &self,
+        progress: &(dyn Fn(usize, usize) -> ControlFlow<()> + Sync),
+    ) -> Result<Frame, RenderError> {
         ask_for_frame(&self.settings)?;
         let mut frame = empty_frame(&self.settings);
         self.draw_into(&mut frame, progress, &|blocks| (0..blocks).collect())?;
@@ -153,12 +164,12 @@ impl<'s> Renderer<'s> {
     }
 
     /// [`draw`](Self::draw) over the buffers of an earlier frame of this renderer, with the blocks handed out in another
-    /// order (a permutation of `0..blocks`), which reaches no pixel.
+    /// order (a permutation of `0..blocks`), which reaches no pixel. After an error the frame's contents have no meaning.
     #[doc(hidden)]
     pub fn draw_into(
         &self,
         frame: &mut Frame,
-        progress: &(dyn Fn(usize, usize) + Sync),
+        progress: &(dyn Fn(usize, usize) -> ControlFlow<()> + Sync),
         order: &(dyn Fn(usize) -> Vec<usize> + Sync),
     ) -> Result<(), RenderError> {
         let mut draw = || self.draw_here(frame, progress, order);
@@ -171,7 +182,7 @@ impl<'s> Renderer<'s> {
     fn draw_here(
         &self,
         frame: &mut Frame,
-        progress: &(dyn Fn(usize, usize) + Sync),
+        progress: &(dyn Fn(usize, usize) -> ControlFlow<()> + Sync),
         order: &(dyn Fn(usize) -> Vec<usize> + Sync),
     ) -> Result<(), RenderError> {
         let (scene, settings) = (self.scene, &self.settings);
@@ -190,6 +201,7 @@ impl<'s> Renderer<'s> {
         let blocks = size.0.div_ceil(TILE) as usize * size.1.div_ceil(TILE) as usize;
         let counter = Counter {
             done: AtomicUsize::new(0),
+            cancelled: AtomicBool::new(false),
             of: blocks * (1 + usize::from(self.centres.is_some())),
             progress,
         };
@@ -213,6 +225,9 @@ impl<'s> Renderer<'s> {
             let prepared = self.prepare(size, &draws, false)?;
             let job = Job::new(scene, settings, plan, &prepared, None);
             self.run(&job, None, aovs, &order, &counter);
+        }
+        if counter.cancelled.into_inner() {
+            return Err(RenderError::Cancelled);
         }
         frame.stats.times.draw = start.elapsed();
         count(&mut frame.stats, &prepared, covered);
@@ -274,6 +289,9 @@ impl<'s> Renderer<'s> {
         blocks.into_par_iter().with_max_len(8).for_each_init(
             || ScratchGuard::new(&self.scratch),
             |scratch, block| {
+                if counter.cancelled.load(Ordering::Relaxed) {
+                    return;
+                }
                 covered.fetch_add(job.draw(block, scratch.get()), Ordering::Relaxed);
                 counter.step();
             },
@@ -287,7 +305,7 @@ impl<'s> Renderer<'s> {
 pub fn render_ordered(
     scene: &Scene,
     settings: &RenderSettings,
-    progress: &(dyn Fn(usize, usize) + Sync),
+    progress: &(dyn Fn(usize, usize) -> ControlFlow<()> + Sync),
     order: &(dyn Fn(usize) -> Vec<usize> + Sync),
 ) -> Result<Frame, RenderError> {
     let renderer = Renderer::new(scene, settings)?;
@@ -323,13 +341,17 @@ impl Drop for ScratchGuard<'_> {
 
 struct Counter<'a> {
     done: AtomicUsize,
+    cancelled: AtomicBool,
     of: usize,
-    progress: &'a (dyn Fn(usize, usize) + Sync),
+    progress: &'a (dyn Fn(usize, usize) -> ControlFlow<()> + Sync),
 }
 
 impl Counter<'_> {
     fn step(&self) {
-        (self.progress)(self.done.fetch_add(1, Ordering::Relaxed) + 1, self.of);
+        let done = self.done.fetch_add(1, Ordering::Relaxed) + 1;
+        if (self.progress)(done, self.of).is_break() {
+            self.cancelled.store(true, Ordering::Relaxed);
+        }
     }
 }
 

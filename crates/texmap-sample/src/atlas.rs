@@ -84,8 +84,8 @@ impl AtlasRect {
         Footprint::new(d.du_dx * x, d.dv_dx * y, d.du_dy * x, d.dv_dy * y)
     }
 
-    /// The level up to which a bilinear tap stays within the gutter: log2 of it, less the half texel
-    /// that a tap reaches; 0 for gutters of one texel or none.
+    /// The level up to which a bilinear look-up stays within the gutter: log2 of it, less the half texel
+    /// that a look-up reaches; 0 for gutters of one texel or none.
     pub fn max_lod(&self) -> f32 {
         (u32::BITS - 1).saturating_sub(self.gutter.max(1).leading_zeros()) as f32
     }

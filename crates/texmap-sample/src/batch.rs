@@ -16,7 +16,7 @@ use texmap_math::{
     simd::{ByteIsa, Isa, prelude::*},
 };
 
-/// Samples many places at once; dispatches to the SIMD level once. Results equal
+/// Samples at many coordinates at once; dispatches to the SIMD level once. Results equal
 /// [`Sampler::sample_grad`] (or [`Sampler::sample`] without gradients) bit for bit.
 ///
 /// ```
@@ -58,9 +58,9 @@ pub fn sample_slice(
     })
 }
 
-/// As [`sample_slice`] for [`Precision::Fast`](crate::Precision::Fast) on 8-bit textures (linear,
-/// opaque or cut out), whose results are bytes: packed RGBA, red lowest. Any other pair of sampler
-/// and texture gives its colours rounded to bytes.
+/// As [`sample_slice`] for [`Precision::Fast`](crate::Precision::Fast) on 8-bit textures. Textures
+/// are linear, opaque or cut out; results are packed RGBA bytes, red lowest. Any other pair of
+/// sampler and texture gives its colours rounded to bytes.
 ///
 /// # Errors
 /// Slices of different lengths.
@@ -110,7 +110,7 @@ fn in_parts(
     Ok(())
 }
 
-/// Places to sample, each value in a slice of its own: what a rasterizer's planes give.
+/// Coordinates to sample, each component in a slice of its own: the values that a rasterizer's planes give.
 #[derive(Clone, Copy, Debug)]
 pub struct Places<'a> {
     /// Coordinates.

@@ -20,7 +20,7 @@ pub const RGBA8: u8 = 0;
 pub const RGBA8_EXACT: u8 = 1;
 /// Two words a texel.
 pub const RGBA16: u8 = 2;
-/// Floats, and bytes that are decoded at each look-up: texels are fetched one by one, and filtered in lanes.
+/// Floats, and bytes that are decoded at each look-up. Texels are fetched one by one, and filtered in lanes.
 pub const SCALAR_FETCH: u8 = 3;
 /// No format of a view but of kernels: any of those with f32 weights, asked for at each texel. Rare filters have one compiled form.
 pub const ANY: u8 = 4;

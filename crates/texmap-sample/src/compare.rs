@@ -5,7 +5,7 @@ use crate::{
     texture::Texture2d,
 };
 
-/// Which way a depth comparison goes.
+/// Direction of a depth comparison.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Compare {
     /// Passes where the reference is at most the texel.

@@ -39,7 +39,7 @@ impl Encoded {
             }
             _ => self.bytes.as_chunks().0[i],
         };
-        // What photographs hold needs no more than a table.
+        // Opaque sRGB texels, as of photographs, need no more than a table.
         if a == 255 && self.color == ColorSpace::Srgb {
             return [light16(r), light16(g), light16(b), 65535.0];
         }
@@ -63,9 +63,9 @@ fn light16(c: u8) -> f32 {
 }
 
 impl Texture2d<'static> {
-    /// As [`Texture2d::new`], with the same values, but 8-bit colours that would take 16 bits a channel are kept as they are: 1 to 4
-    /// bytes a texel instead of 8. Each look-up decodes its texels, which takes several times as long; for large pictures that are read
-    /// about once. Straight alpha, rows top to bottom.
+    /// As [`Texture2d::new`], with the same values, in less memory. 8-bit colours that would take 16 bits a channel are kept as
+    /// they are: 1 to 4 bytes a texel instead of 8. Each look-up decodes its texels, which takes several times as long; for large
+    /// pictures that are read about once. Straight alpha, rows top to bottom.
     ///
     /// # Errors
     /// As [`Texture2d::new`].

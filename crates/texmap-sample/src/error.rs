@@ -1,6 +1,6 @@
 use core::fmt;
 
-/// Why a texture or a batch was refused. Every variant carries the numbers that were wrong.
+/// Error of a texture or a batch that is refused. Every variant carries the numbers that were wrong.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum SampleError {
@@ -54,7 +54,7 @@ pub enum SampleError {
     },
     /// Slices of one batch differ in length.
     Mismatch {
-        /// Which slice.
+        /// Name of the slice.
         what: &'static str,
         /// Length of the coordinates.
         expected: usize,

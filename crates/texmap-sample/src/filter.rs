@@ -118,7 +118,7 @@ pub(crate) trait FilterKernel {
 
 /// A filter with 8-bit weights on RGBA8.
 pub(crate) trait ByteKernel {
-    /// Whether sixteen lanes are faster on 128-bit levels than four.
+    /// True if sixteen lanes are faster on 128-bit levels than four.
     const WIDE: bool;
     fn word<I: ByteIsa>(i: I, view: &BoundTexture<'_>, at: &LookUp<I>) -> I::U32;
 }

@@ -4,7 +4,7 @@ use crate::texel_data::{Chain, Format, Level, Words};
 use alloc::{sync::Arc, vec::Vec};
 use texmap_math::float::sqrt_f32;
 
-/// What a level keeps of the base besides the area-weighted mean.
+/// Property of the base that a level keeps besides the area-weighted mean.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Reduce {
     Mean,
@@ -119,7 +119,7 @@ fn owned(words: Words<'_>) -> Vec<u32> {
     }
 }
 
-/// [`build`] where each texel of a level depends on few above it: all levels grow together, row by row,
+/// [`build`] where each texel of a level depends on few above it. All levels grow together, row by row,
 /// so that beside the chain itself no more than three rows a level are held.
 fn stream(base: Chain<'_>, reduce: Reduce) -> Chain<'static> {
     let first = base.levels[0];
@@ -204,8 +204,8 @@ struct Pending {
     next: Level,
     /// The row to come.
     row: i32,
-    /// Row y of the level above stands in place y modulo 3. (Floats, so that rounding does not add up
-    /// along the chain.)
+    /// Row y of the level above stands at index y modulo 3. Floats, so that rounding does not add up
+    /// along the chain.
     rows: [Vec<[f32; 4]>; 3],
 }
 
@@ -329,8 +329,8 @@ fn coverage(texels: &[[f32; 4]], threshold: f32) -> f64 {
     passing as f64 / texels.len() as f64
 }
 
-/// The scale nearest to one at which at least as much passes as in the base, and as little more as there can be (Castano, "Computing
-/// Alpha Mipmaps", 2010). `threshold` and the alphas are in unscaled values, of which `units` are one.
+/// The scale nearest to one at which at least as much passes as in the base, and as little more as there can be. Source: Castano,
+/// "Computing Alpha Mipmaps", 2010. `threshold` and the alphas are in unscaled values, of which `units` are one.
 ///
 /// The same texels pass at every scale of an interval, so that opaque texels stay opaque wherever one is in it.
 fn coverage_scale(texels: &[[f32; 4]], share: f64, threshold: f32, units: f32) -> f32 {

@@ -21,12 +21,12 @@ pub enum Pattern {
     Marble {
         /// 1 to 16.
         octaves: u8,
-        /// How far the sheets are folded, in units; 0 leaves them flat.
+        /// Distance by which the sheets are folded, in units; 0 leaves them flat.
         turbulence: f32,
     },
     /// Rings about the z axis, one a unit, each from 0 to 1 and back at once, as a year's growth is.
     Wood {
-        /// How far the rings leave the circle, in units.
+        /// Distance by which the rings leave the circle, in units.
         grain: f32,
     },
 }
@@ -35,7 +35,7 @@ impl Pattern {
     /// Most octaves.
     pub const MAX_OCTAVES: u8 = 16;
 
-    /// The value at a point, as a pixel `width` units wide sees it: octaves too fine for it fade out, sheets and rings
+    /// The value at a point, as a pixel `width` units wide sees it. Octaves too fine for it fade out, sheets and rings
     /// go to their mean, so that nothing flickers from afar. A width of 0 (or NaN) gives the pattern itself. A point
     /// beyond 2^23, where floats have no fraction, or not finite, reads as the origin.
     pub fn value(&self, p: [f32; 3], width: f32) -> f32 {
@@ -82,8 +82,8 @@ impl Pattern {
     }
 }
 
-/// Sum of noise, or of its magnitude, over octaves, each weighed by how well a pixel of this width resolves it: all up to half a
-/// cell, none from a cell on.
+/// Sum of noise, or of its magnitude, over octaves, each weighed by the pixel's width. An octave counts fully while the pixel is up to
+/// half a cell wide, and not at all from a cell on.
 #[inline(always)]
 fn octave_sum<I: Isa>(i: I, p: [I::F32; 3], width: I::F32, octaves: u8, magnitude: bool) -> I::F32 {
     let (mut sum, mut scale, mut strength) = (i.f32(0.0), 1.0f32, 1.0f32);

@@ -14,7 +14,7 @@ use texmap_math::{
     glam::{DMat3, DVec2, DVec3},
 };
 
-/// What lies beyond the source image.
+/// Colour beyond the edge of the source image.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum EdgeMode {
     /// Nothing: transparent black, with antialiased edges.

@@ -23,7 +23,7 @@ use crate::{
 };
 use texmap_math::simd::{Isa, prelude::*};
 
-/// Whether a sampler takes this path on a texture: floats and 16-bit texels keep f32 weights.
+/// True if a sampler takes this path on a texture: floats and 16-bit texels keep f32 weights.
 #[inline(always)]
 pub(crate) fn applies(s: &Sampler, t: &Chain<'_>) -> bool {
     // A texel that is taken whole needs no weights; a border keeps its floats.

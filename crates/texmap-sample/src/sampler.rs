@@ -22,7 +22,7 @@ pub enum Cubic {
     BSpline,
 }
 
-/// How texels of one level are chosen, in the terms of OpenGL.
+/// Choice of texels within one level, in the terms of OpenGL.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum TexelFilter {
     /// The texel that holds the coordinate.
@@ -31,7 +31,7 @@ pub enum TexelFilter {
     Linear,
 }
 
-/// How levels are chosen, in the terms of OpenGL.
+/// Choice of levels, in the terms of OpenGL.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Mip {
     /// Level 0 only.
@@ -42,7 +42,7 @@ pub enum Mip {
     Linear,
 }
 
-/// How a colour is made from texels.
+/// The rule by which texels make a colour.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Filter {
@@ -90,20 +90,20 @@ impl Filter {
         }
     }
 
-    /// Whether look-ups ask how large a pixel is, so that they need a footprint.
+    /// True if look-ups ask for the size of a pixel, so that they need a footprint.
     #[must_use]
     pub fn reads_derivatives(self) -> bool {
         !matches!(self, Self::Nearest | Self::Bilinear | Self::Bicubic(_))
     }
 
-    /// Whether look-ups leave level 0, so that the texture needs a mip chain.
+    /// True if look-ups leave level 0, so that the texture needs a mip chain.
     #[must_use]
     pub fn reads_mips(self) -> bool {
         self.reads_derivatives() && !matches!(self, Self::Gl { mip: Mip::None, .. })
     }
 }
 
-/// How finely weights are computed.
+/// Precision of filter weights.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Precision {
     /// f32 weights, exact logarithm, anisotropic probes on two blended levels.
@@ -134,22 +134,22 @@ impl Default for Lod {
     }
 }
 
-/// Everything about a look-up but the texture and the place.
+/// Everything about a look-up but the texture and the coordinates.
 ///
 /// Results are linear light, premultiplied. No call allocates.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Sampler {
-    /// How a colour is made from texels.
+    /// The rule by which texels make a colour.
     pub filter: Filter,
     /// Outside `[0, 1)` in u.
     pub wrap_u: Wrap,
     /// Outside `[0, 1)` in v.
     pub wrap_v: Wrap,
-    /// Linear premultiplied colour of [`Wrap::ClampToBorder`]; NaN reads as 0, and values are cut to +-2^100.
+    /// Linear premultiplied colour of [`Wrap::ClampToBorder`]. NaN reads as 0, and values are cut to +-2^100.
     pub border: [f32; 4],
     /// Level of detail.
     pub lod: Lod,
-    /// How finely weights are computed.
+    /// Precision of weights.
     pub precision: Precision,
 }
 
@@ -179,7 +179,7 @@ impl Sampler {
         })
     }
 
-    /// How many trilinear look-ups an anisotropic filter takes for a footprint; 1 for the others.
+    /// Number of trilinear look-ups that an anisotropic filter takes for a footprint; 1 for the others.
     pub fn probes(&self, t: &Texture2d<'_>, d: Footprint) -> u32 {
         match self.filter {
             Filter::Anisotropic(_) => self.view(t).map_or(1, |view| {

@@ -1,4 +1,4 @@
-//! How texels lie in memory: one allocation of 32-bit words for all levels and layers.
+//! Memory layout of texels: one allocation of 32-bit words for all levels and layers.
 
 use crate::encoded::Encoded;
 use alloc::{sync::Arc, vec::Vec};
@@ -56,7 +56,7 @@ impl Format {
         }
     }
 
-    /// What one unit of a fetched value stands for. Filters run on the unscaled values (small
+    /// The value that one unit of a fetched value stands for. Filters run on the unscaled values (small
     /// integers are exact in f32) and scale once at the end.
     pub(crate) const fn scale(self) -> f32 {
         match self {

@@ -6,7 +6,7 @@ use crate::{
 use alloc::{sync::Arc, vec, vec::Vec};
 use texmap_math::color;
 
-/// How colour channels encode light. Alpha is always linear.
+/// Encoding of light in colour channels. Alpha is always linear.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum ColorSpace {
     /// The sRGB transfer curve of IEC 61966-2-1; decoded before filtering.
@@ -16,7 +16,7 @@ pub enum ColorSpace {
     Linear,
 }
 
-/// Which row `v = 0` touches.
+/// The row that `v = 0` touches.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Origin {
     /// The first row in memory (glTF, Direct3D).
@@ -26,7 +26,7 @@ pub enum Origin {
     BottomLeft,
 }
 
-/// What the last of 2 or 4 channels means.
+/// Meaning of the last of 2 or 4 channels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Alpha {
     /// Opacity, not yet multiplied into the colour; done at upload.
@@ -55,7 +55,7 @@ pub struct Image<'a> {
     pub color: ColorSpace,
     /// Meaning of the last channel.
     pub alpha: Alpha,
-    /// Which row `v = 0` touches.
+    /// The row that `v = 0` touches.
     pub origin: Origin,
 }
 
@@ -200,7 +200,7 @@ impl<'a> Texture2d<'a> {
         Ok(Self { chain })
     }
 
-    /// The same image with its whole mip chain: every level is the area-weighted mean of the base,
+    /// The same image with its whole mip chain. Every level is the area-weighted mean of the base,
     /// in linear light and premultiplied, for odd sizes too. A borrowed texture is copied.
     #[must_use]
     pub fn with_mips(self) -> Texture2d<'static> {
@@ -209,8 +209,8 @@ impl<'a> Texture2d<'a> {
         }
     }
 
-    /// A mip chain for unit vectors stored as (n + 1) / 2 (x, y, z in the first three channels):
-    /// each level's means are made unit vectors again.
+    /// A mip chain for unit vectors stored as (n + 1) / 2 (x, y, z in the first three channels).
+    /// Each level's means are made unit vectors again.
     #[must_use]
     pub fn with_normal_mips(self) -> Texture2d<'static> {
         Texture2d {
@@ -218,7 +218,7 @@ impl<'a> Texture2d<'a> {
         }
     }
 
-    /// A mip chain for cut-outs: alpha (and the premultiplied colour with it) of each level is scaled
+    /// A mip chain for cut-outs. Alpha (and the premultiplied colour with it) of each level is scaled
     /// so that the share of texels at or above `threshold` stays that of the base; by the factor nearest to one that does it, so that an
     /// opaque image stays opaque.
     #[must_use]
@@ -258,12 +258,12 @@ impl<'a> Texture2d<'a> {
             .map(|l| (l.width as u32, l.height as u32))
     }
 
-    /// Whether any texel of any level is not fully opaque (float alphas above one are).
+    /// True if any texel of any level is not fully opaque (float alphas above one are).
     pub fn has_alpha(&self) -> bool {
         !self.chain.opaque
     }
 
-    /// Which row `v = 0` touches.
+    /// The row that `v = 0` touches.
     pub fn origin(&self) -> Origin {
         if self.chain.flip {
             Origin::BottomLeft

@@ -1,5 +1,5 @@
-//! A ray through a volume of emitting and absorbing matter, front to back (Max 1995, "Optical Models for Direct Volume
-//! Rendering", emission and absorption).
+//! A ray through a volume of emitting and absorbing matter, front to back. Source: Max 1995, "Optical Models for
+//! Direct Volume Rendering", emission and absorption.
 
 use crate::{
     address::{lod, wrap::Wrap},
@@ -13,7 +13,7 @@ use crate::{
 use alloc::boxed::Box;
 use texmap_math::{Level, deterministic_f32, float, simd::Scalar};
 
-/// What is left to see through below which a ray ends: less than one code of 255, even of white in the dark.
+/// Transmittance below which a ray ends: less than one code of 255, even of white in the dark.
 pub const OPAQUE: f32 = 1.0 / 4096.0;
 
 /// Most steps of a ray; a finer step is widened.
@@ -34,7 +34,7 @@ pub struct VolumeIntegrator<'a> {
     lanes: Option<Box<Lanes<'a>>>,
 }
 
-/// What looks sixteen steps up at once.
+/// Bound textures for look-ups of sixteen steps at once.
 #[derive(Clone, Debug)]
 struct Lanes<'a> {
     level: Level,
@@ -47,7 +47,7 @@ const STEPS: usize = 16;
 /// So few steps cost less one by one.
 const FEW: u32 = 4;
 
-/// What a ray has seen.
+/// Colour and number of look-ups of one ray.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RayRadiance {
     /// Premultiplied colour, linear light; alpha is what the volume hides of that behind it.
@@ -57,7 +57,7 @@ pub struct RayRadiance {
 }
 
 impl<'a> VolumeIntegrator<'a> {
-    /// `density` is the extinction of density 1, per unit of the ray's parameter: through a length L of it shows
+    /// `density` is the extinction of density 1, per unit of the ray's parameter. Through a length L of it shows
     /// `exp(-density L)` of what is behind. `step` is the distance of look-ups in the same unit. With a filter that reads
     /// mip levels a step longer than a voxel reads a level whose voxels are about as long.
     ///
@@ -105,7 +105,7 @@ impl<'a> VolumeIntegrator<'a> {
         self
     }
 
-    /// The ray `origin + t direction` for t in `span`, in the space of the unit cube; the eye may be inside. The part
+    /// The ray `origin + t direction` for t in `span`, in the space of the unit cube. The eye may be inside. The part
     /// inside is cut into equal steps of at most `step`, each looked up at its middle and weighed by
     /// `1 - exp(-density step)`, so the result does not depend on the step where the matter does not change. A ray that
     /// misses, or is not finite, sees nothing.
@@ -244,7 +244,7 @@ fn straight([r, g, b, a]: [f32; 4]) -> ([f32; 3], f32) {
     }
 }
 
-/// The part of a ray that lies in the unit cube, within `span`; `None` if none does (Kay and Kajiya 1986: slabs). A ray
+/// The part of a ray that lies in the unit cube, within `span`. `None` if none does (Kay and Kajiya 1986: slabs). A ray
 /// that runs along a slab is inside of it all the way or not at all; on its face counts as inside.
 fn through(origin: [f64; 3], direction: [f64; 3], span: (f64, f64)) -> Option<(f64, f64)> {
     let (mut near, mut far) = span;

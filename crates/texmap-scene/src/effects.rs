@@ -10,12 +10,12 @@ use crate::TextureSlot;
 /// Effects of a whole scene. None costs anything where it is not named.
 #[derive(Clone, Debug, Default)]
 pub struct Effects {
-    /// Names of lights in their order, for [`Scene::light_named`](crate::Scene::light_named); an empty name, or a list that ends
+    /// Names of lights in their order, for [`Scene::light_named`](crate::Scene::light_named). An empty name, or a list that ends
     /// early, is no name.
     pub light_names: Vec<String>,
-    /// Lights that throw shadows.
+    /// Lights that cast shadows.
     pub shadows: Vec<Shadow>,
-    /// Slide projectors.
+    /// Projectors: lights and decals whose colour is a picture.
     pub projectors: Vec<ProjectorLight>,
     /// Environments and specular maps that materials name by index.
     pub environments: Vec<Environment>,
@@ -32,44 +32,44 @@ pub struct Effects {
 pub struct Shadow {
     /// Index into [`Scene::lights`](crate::Scene::lights).
     pub light: usize,
-    /// Texels a side (of each face, for a point light); `None`: about one texel for each pixel at the middle of the scene, 256 to 4096.
+    /// Texels a side (of each face, for a point light). `None`: about one texel for each pixel at the middle of the scene, 256 to 4096.
     pub size: Option<u32>,
-    /// What keeps a surface from shadowing itself; `None`: [`shadow_bias`](crate::shadow_bias).
+    /// Depth bias that keeps a surface from shadowing itself; `None`: [`shadow_bias`](crate::shadow_bias).
     pub bias: Option<ShadowBias>,
     /// Comparisons a side of the filter, 1 or an odd number up to 15.
     pub pcf_size: u32,
-    /// For a directional light the square that its map shows, by centre and half a side; `None`: all of the scene. For a point light
-    /// one map in place of six, which looks at the centre and shows half a side there: what lies beyond it is lit.
+    /// For a directional light the square that its map shows, by centre and half a side. `None`: all of the scene. For a point light
+    /// one map instead of six, which looks at the centre and shows half a side there: what lies beyond it is lit.
     pub area: Option<(DVec3, f64)>,
 }
 
-/// A slide projector: a lamp whose light is a picture, or paint thrown onto surfaces. Read by surfaces that are lit per pixel.
+/// A projector: a light whose colour is a picture, or paint projected onto surfaces. Read by surfaces that are lit per pixel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ProjectorLight {
-    /// Where it stands and what it covers; made with the aspect of its picture.
+    /// Map from world points to picture coordinates; made with the aspect of the picture.
     pub projector: Projector,
-    /// Where it stands: light comes from here.
+    /// Position of the projector: light comes from here.
     pub position: DVec3,
     /// Index into [`Scene::textures`](crate::Scene::textures), v = 0 at the top.
     pub texture: usize,
-    /// How the picture is read; its wrap modes are not.
+    /// Filter of the picture; the sampler's wrap modes are not read.
     pub sampler: Sampler,
-    /// What lies beyond the picture.
+    /// Colour beyond the picture.
     pub border: ProjectorBorder,
     /// Part of the picture's width and height over which its edge fades, 0..=0.5.
     pub softness: f32,
-    /// Lamp or paint.
+    /// Light or paint.
     pub mode: ProjectorMode,
     /// Texels a side of the depth map that keeps it from shining through things; `None`: it shines through.
     pub shadow: Option<u32>,
 }
 
-/// What a slide does to a surface.
+/// Effect of the projected picture on a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ProjectorMode {
-    /// It is light of this linear colour times the picture, from the projector's position: diffuse, with highlights.
+    /// Light of this linear colour times the picture, from the projector's position: diffuse, with highlights.
     Light([f32; 3]),
-    /// It covers the base colour of what faces the projector, as alpha says.
+    /// Paint over the base colour of surfaces that face the projector, as alpha says.
     Decal,
 }
 
@@ -82,7 +82,7 @@ pub struct SurfaceMaps {
     pub specular: Option<TextureSlot>,
     /// The exponent of the highlight (red channel).
     pub exponent: Option<TextureSlot>,
-    /// How much of the environment is mirrored (red channel).
+    /// Fraction of the environment's light that is mirrored (red channel).
     pub reflectivity: Option<TextureSlot>,
 }
 
@@ -96,7 +96,7 @@ pub struct Emission {
     pub map: Option<TextureSlot>,
 }
 
-/// What turns the normals of a surface, without moving it.
+/// Variation of the normals of a surface, without moving the surface.
 #[derive(Clone, Debug, PartialEq)]
 pub enum NormalDetail {
     /// A height field (red channel), Blinn 1978.
@@ -106,21 +106,21 @@ pub enum NormalDetail {
         /// Height of a white texel over a black one, in units of the object; negative turns it inside out.
         height: f32,
     },
-    /// The slopes of a height field as colours, red along u and green along v (Blinn 1978): half is level. What a bump map measures
-    /// at every look-up is stored, with no loss at fine detail.
+    /// The slopes of a height field as colours, red along u and green along v (Blinn 1978): half is level. The texture stores the
+    /// slopes that a bump map measures at every look-up, with no loss at fine detail.
     Offsets {
         /// The texture: data, not sRGB.
         slot: TextureSlot,
-        /// Change of the height over the whole picture where a channel is 1, in units of the object; negative turns it inside out.
+        /// Change of the height over the whole picture where a channel is 1, in units of the object. Negative turns it inside out.
         slope: f32,
-        /// Which way the height rises where green is more than half.
+        /// Direction in which the height rises where green is more than half.
         green: NormalMapGreen,
     },
-    /// Heights by a formula of the place in the world.
+    /// Heights by a formula of the position in the world.
     Procedural {
         /// The formula.
         heights: ProceduralHeight,
-        /// Where its unit stands in the world; may not be flat.
+        /// Map from the unit space of the formula to the world; may not be flat.
         world_from_solid: DMat4,
         /// Height of 1 over 0, in units of the object; negative turns it inside out.
         height: f32,
@@ -129,7 +129,7 @@ pub enum NormalDetail {
     NormalMap {
         /// The texture: data, not sRGB.
         slot: TextureSlot,
-        /// Which way the green channel points.
+        /// Direction of the green channel.
         green: NormalMapGreen,
         /// Only red and green are stored.
         rebuild_z: bool,
@@ -141,7 +141,7 @@ pub enum NormalDetail {
 }
 
 impl NormalDetail {
-    /// Its texture, if it has one.
+    /// Texture of the normals or heights, if there is one.
     #[must_use]
     pub fn slot(&self) -> Option<&TextureSlot> {
         match self {
@@ -153,7 +153,7 @@ impl NormalDetail {
     }
 }
 
-/// A height of 0 to 1 as a formula of a place, for [`NormalDetail::Procedural`].
+/// A height of 0 to 1 as a formula of a position, for [`NormalDetail::Procedural`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ProceduralHeight {
     /// A pattern in space.
@@ -163,7 +163,7 @@ pub enum ProceduralHeight {
     Waves {
         /// Waves around, 1 to 65535; those along the axis are one unit long.
         around: u16,
-        /// How far noise folds the waves, as a share of one.
+        /// Distance by which noise folds the waves, as a part of one.
         fold: f32,
     },
 }
@@ -175,7 +175,7 @@ pub struct LightMapSlot {
     pub slot: TextureSlot,
     /// Multiplies the texel: maps of 8 bits can hold more than 1 that way.
     pub scale: f32,
-    /// Lights that are in the map, by index, and are not computed again; `None`: all of the scene (not its projectors).
+    /// Lights that are in the map, by index, and are not computed again. `None`: all of the scene (not its projectors).
     pub baked: Option<Vec<usize>>,
 }
 
@@ -191,29 +191,29 @@ pub struct Reflection {
 /// A sky. It is drawn over the background colour and under everything else, and leaves no trace in output arrays.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Background {
-    /// The picture is stretched over the whole frame, whatever its shape and wherever the camera looks: an opaque texel
+    /// The picture is stretched over the whole frame, whatever its shape and wherever the camera looks. An opaque texel
     /// hides the background colour.
     Picture(TextureSlot),
     /// The light of [`Effects::environments`](crate::Effects) in the direction of each pixel.
     Environment(usize),
 }
 
-/// A box of matter, marched through at every pixel up to the solid surface there; blended over everything else, several in
-/// the order of their list. It throws and takes no shadows, and leaves no trace in output arrays.
+/// A box of matter, marched through at every pixel up to the solid surface there. Blended over everything else, several in
+/// the order of their list. It casts and receives no shadows, and leaves no trace in output arrays.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Volume {
     /// Index into [`Effects::grids`].
     pub grid: usize,
-    /// How the grid is read; its wrap modes are not.
+    /// Filter of the grid; the sampler's wrap modes are not read.
     pub sampler: Sampler,
     /// The transfer function: a row of texels along which the grid's first channel is looked up. Its colour shines, its alpha
     /// is the density. Without one, see [`texmap_sample::VolumeIntegrator`].
     pub transfer: Option<TextureSlot>,
-    /// Extinction of density 1 per world unit: through a length L of it shows `exp(-density L)` of what is behind.
+    /// Extinction of density 1 per world unit. Through a length L of it shows `exp(-density L)` of what is behind.
     pub density: f32,
     /// World units between look-ups.
     pub step: f32,
-    /// Where the grid's unit cube stands: column 0 of the grid at x = 0, row 0 at y = 0, slice 0 at z = 0. Not flat.
+    /// Map from the grid's unit cube to the world: column 0 of the grid at x = 0, row 0 at y = 0, slice 0 at z = 0. Not flat.
     pub world_from_volume: DMat4,
 }
 
@@ -221,13 +221,13 @@ pub struct Volume {
 /// [`color_ramp`](crate::Material::color_ramp) its first channel is looked up along that.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SolidTexture {
-    /// What it is made of.
+    /// Source of the colour.
     pub source: SolidTextureSource,
-    /// Where its unit cube (of a grid) or its unit (of a pattern) stands in the world; may not be flat.
+    /// Map from the unit cube (of a grid) or the unit space (of a pattern) to the world; may not be flat.
     pub world_from_solid: DMat4,
 }
 
-/// What a solid texture is made of.
+/// Source of a solid texture's colour.
 #[derive(Clone, Debug, PartialEq)]
 pub enum SolidTextureSource {
     /// A grid over the unit cube.

@@ -1,6 +1,6 @@
 use texmap_math::camera::CameraError;
 
-/// Why a scene is refused.
+/// Error of a scene that is refused.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SceneError {
@@ -10,25 +10,25 @@ pub enum SceneError {
     /// A number of the scene that must be finite (or in a range) is not.
     #[error("{place}: {what} is {value}; {expected}")]
     Value {
-        /// Which mesh, material, light or setting.
+        /// The mesh, material, light or setting at fault.
         place: String,
-        /// Which of its numbers.
+        /// Name of the number.
         what: String,
         /// The offending value, printed.
         value: String,
-        /// What would do.
+        /// The values that are allowed.
         expected: &'static str,
     },
     /// An index without a target.
     #[error("{place}: {what} {index} does not exist; there are {count}")]
     Index {
-        /// Which mesh or material.
+        /// The mesh or material at fault.
         place: String,
-        /// What is named by the index.
+        /// Kind of the thing that the index names.
         what: &'static str,
         /// The offending index.
         index: u64,
-        /// How many there are: indices are below it.
+        /// Number of such things: indices are below it.
         count: usize,
     },
     /// A name that no light has.
@@ -44,13 +44,13 @@ pub enum SceneError {
     Count {
         /// Mesh name.
         mesh: String,
-        /// Which values.
+        /// Kind of the values.
         what: &'static str,
-        /// How many there are.
+        /// Number of values found.
         found: usize,
-        /// What they belong to.
+        /// Kind of the things that the values belong to.
         of: &'static str,
-        /// How many of these there are.
+        /// Number of these things.
         expected: usize,
     },
     /// A textured material on a mesh without coordinates.

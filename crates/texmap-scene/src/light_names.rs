@@ -2,7 +2,7 @@
 
 use crate::{Scene, SceneError};
 
-/// Whether a light may have this name: letters, digits, `-` and `_`, not digits alone (those are its number).
+/// True if a light may have this name: letters, digits, `-` and `_`, not digits alone (those are its number).
 #[must_use]
 pub fn is_light_name(name: &str) -> bool {
     let known = |c: char| c.is_alphanumeric() || c == '-' || c == '_';

@@ -8,14 +8,14 @@ use crate::{
     Emission, LightMapSlot, MetallicRoughness, NormalDetail, Reflection, SolidTexture, SurfaceMaps,
 };
 
-/// How a surface looks.
+/// Appearance of a surface.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Material {
     /// For messages.
     pub name: String,
-    /// Base colour (linear light; raw under [`ColorMode::Raw`](crate::ColorMode::Raw)) and its answer to light.
+    /// Base colour and its answer to light. Linear light; raw under [`ColorMode::Raw`](crate::ColorMode::Raw).
     pub phong: PhongMaterial,
-    /// The metallic-roughness model in place of the numbers of `phong`, whose colour it keeps as base colour. Read by
+    /// The metallic-roughness model instead of the numbers of `phong`; the colour of `phong` stays the base colour. Read by
     /// [`Shading::PerPixel`]; `specular_model`, `maps`, `reflection` and `specular_map` are not read then.
     pub metallic_roughness: Option<MetallicRoughness>,
     /// 0 (clear) to 1; multiplies the alpha of the texture. Read by [`AlphaMode::Test`] and
@@ -25,41 +25,41 @@ pub struct Material {
     pub base_color: Option<TextureSlot>,
     /// Opacity from the alpha of a texture, or from its red channel if it has no alpha.
     pub opacity_map: Option<TextureSlot>,
-    /// The base colour's alpha is an outline: cut at a half, with one pixel of coverage at its edge, however far it is
+    /// The base colour's alpha is an outline. Cut at a half, with one pixel of coverage at its edge, however far it is
     /// magnified (Green 2007, for alpha that falls evenly across the edge). For text and signs.
     pub antialiased_alpha: bool,
     /// A texture that fills space; multiplies the surface colour.
     pub solid: Option<SolidTexture>,
-    /// A row of texels along which the first channel of `solid`, else of `base_color`, is looked up: its colour takes the
-    /// place of theirs. A dependent look-up.
+    /// A row of texels along which the first channel of `solid`, else of `base_color`, is looked up. Its colour replaces theirs.
+    /// A dependent look-up.
     pub color_ramp: Option<TextureSlot>,
     /// A row of texels along which the diffuse light is looked up by its luminance: bands of cel shading. Highlights stay.
     pub light_ramp: Option<TextureSlot>,
     /// A label over the base colour, as its alpha says, under the light. Same coordinates; clamped to a clear border it is
     /// there once.
     pub decal: Option<TextureSlot>,
-    /// What the texel does to the surface colour.
+    /// Effect of the texel on the surface colour.
     pub texture_role: TextureRole,
-    /// Where light is computed.
+    /// Frequency of the light's computation: none, per vertex or per pixel.
     pub shading: Shading,
-    /// What alpha does.
+    /// Effect of alpha.
     pub alpha: AlphaMode,
-    /// How texture coordinates run across a triangle.
+    /// Interpolation of texture coordinates across a triangle.
     pub interp: Interp,
-    /// Which side of a triangle is not drawn. Drawn back sides are lit from the side that is seen.
+    /// The side of a triangle that is not drawn. Drawn back sides are lit from the side that is seen.
     pub cull: Cull,
-    /// How colours of [`Shading::PerVertex`] and vertex colours run across a triangle.
+    /// Interpolation of colours of [`Shading::PerVertex`] and of vertex colours across a triangle.
     pub vertex_color_interp: VertexColorInterp,
-    /// How highlights fall off, per pixel.
+    /// Form of highlights, per pixel.
     pub specular_model: SpecularModel,
     /// Textures for the numbers of `surface`. Read by [`Shading::PerPixel`].
     pub maps: SurfaceMaps,
     /// Light of its own, under every [`Shading`].
     pub emission: Option<Emission>,
-    /// What turns the normal. Read by [`Shading::PerPixel`].
+    /// Normal map, bump map or procedural heights that turn the normal. Read by [`Shading::PerPixel`].
     pub normal_detail: Option<NormalDetail>,
-    /// Normals that a relief turns away from the eye are brought back to the horizon: without, such pixels are as dark or bright as
-    /// the far side of the relief.
+    /// Normals that a normal or bump map turns away from the eye are brought back to the horizon: without, such pixels are as
+    /// dark or bright as the far side of the bump.
     pub horizon_clamp: bool,
     /// Baked light. Read by [`Shading::PerPixel`].
     pub light_map: Option<LightMapSlot>,
@@ -107,7 +107,7 @@ impl Material {
     /// Every texture that the material names.
     pub fn slots(&self) -> impl Iterator<Item = &TextureSlot> {
         let maps = &self.maps;
-        let relief = self.normal_detail.as_ref().and_then(NormalDetail::slot);
+        let normal_detail = self.normal_detail.as_ref().and_then(NormalDetail::slot);
         self.base_color
             .iter()
             .chain(&self.opacity_map)
@@ -125,7 +125,7 @@ impl Material {
                 .flatten(),
             )
             .chain(self.emission.as_ref().and_then(|e| e.map.as_ref()))
-            .chain(relief)
+            .chain(normal_detail)
             .chain(self.light_map.as_ref().map(|map| &map.slot))
             .chain(
                 self.metallic_roughness
@@ -134,7 +134,7 @@ impl Material {
             )
     }
 
-    /// Whether a surface that is lit per pixel reads the first texture coordinates of a mesh beside its base colour.
+    /// True if a surface that is lit per pixel reads the first texture coordinates of a mesh beside its base colour.
     #[must_use]
     pub fn reads_uv(&self) -> bool {
         let maps = &self.maps;
@@ -172,7 +172,7 @@ pub struct TextureSlot {
 /// One of the two sets of texture coordinates of a mesh.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum UvSet {
-    /// [`Mesh::uvs`](crate::Mesh::uvs), or the frame or projection of the mesh in their place.
+    /// [`Mesh::uvs`](crate::Mesh::uvs), or the frame or projection of the mesh instead of them.
     #[default]
     First,
     /// [`Mesh::lightmap_uvs`](crate::Mesh::lightmap_uvs).
@@ -192,11 +192,11 @@ impl TextureSlot {
     }
 }
 
-/// What a texel does to the surface colour.
+/// Effect of a texel on the surface colour.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum TextureRole {
-    /// The texel is copied and ignores the lights: the MIT `tf` face. Where an opaque material's texel is
-    /// (partly) transparent, the lit surface shows through, as around a label.
+    /// The texel is copied and ignores the lights: the MIT `tf` face. If an opaque material's texel is (partly) transparent, the
+    /// lit surface shows through, as around a label.
     Decal,
     /// The texel multiplies the surface colour (and the vertex colour), then light is applied. A white
     /// surface makes it a replacement.
@@ -204,7 +204,7 @@ pub enum TextureRole {
     Modulate,
 }
 
-/// Where light is computed.
+/// Frequency of the light's computation.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Shading {
     /// No light: the base colour is the colour.
@@ -216,17 +216,17 @@ pub enum Shading {
     PerPixel,
 }
 
-/// How colours run across a triangle.
+/// Interpolation of colours across a triangle.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum VertexColorInterp {
-    /// Linear on the screen: what the lecture's rasterizer does, with its seams at T-joints.
+    /// Linear on the screen: what the lecture's rasterizer does, with its seams at T-junctions.
     #[default]
     ScreenLinear,
     /// Linear on the surface.
     Perspective,
 }
 
-/// What alpha does.
+/// Effect of alpha.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum AlphaMode {
     /// Nothing: every covered pixel is opaque. The colour that a texture hides under alpha 0 is lost

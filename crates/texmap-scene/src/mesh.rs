@@ -33,7 +33,7 @@ pub struct Mesh {
     pub material: usize,
     /// Object to world space; may scale unevenly and mirror.
     pub world_from_object: DMat4,
-    /// Where v = 0 lies in the pictures that this mesh's uv speak of: overrides the origin of the texture.
+    /// The row at which v = 0 lies in the pictures that this mesh's uv speak of: overrides the origin of the texture.
     pub uv_origin: Origin,
     /// Object-space O, U, V. If given, uv is computed at every pixel as A.W/C.W, B.W/C.W (Brackeen 2003,
     /// chapter 8) and `uvs` is not read.
@@ -41,9 +41,9 @@ pub struct Mesh {
     /// A sphere or cylinder in world space. If given, uv is computed at every pixel from its position, exact also
     /// across the seam and around the axis, and neither `frame` nor `uvs` is read.
     pub uv_projection: Option<PerPixelProjection>,
-    /// Throws no shadow: shadow maps and the depth maps of projectors do not show it.
+    /// Casts no shadow: shadow maps and the depth maps of projectors do not show it.
     pub casts_no_shadow: bool,
-    /// Bounds a solid, its fronts outwards and no hole in it: maps of parallel and spot lights show its fronts alone, which is half of the
+    /// Bounds a solid, its fronts outwards and no hole in it. Maps of parallel and spot lights show its fronts alone, which is half of the
     /// work and the same shadow. Lights that stand inside of it shine through.
     pub watertight: bool,
     /// A height map that moves the surface, by `texmap_mesh::tessellate`.
@@ -97,16 +97,16 @@ impl Mesh {
         self.uvs = texmap_uv::project(&self.positions, &self.normals, projection, origin);
     }
 
-    /// Whether the mesh is triangles alone: without a displacement or billboards that `texmap_mesh::tessellate` must turn into triangles
-    /// first.
+    /// True if the mesh is triangles alone: without a displacement or billboards that `texmap_mesh::tessellate` must turn into
+    /// triangles first.
     #[must_use]
     pub fn is_tessellated(&self) -> bool {
         self.displacement.is_none() && self.billboards.is_empty()
     }
 
-    /// Angle (radians, 0 to pi/2) between the plane of [`texture_frame`](Self::texture_frame) and that of the mesh's first
-    /// triangle with an area; `None` without a frame or without such a triangle. Beyond 0 the texture lies
-    /// in another plane than the polygon (Brackeen 2003: "at an angle when seen head on").
+    /// Angle between the plane of [`texture_frame`](Self::texture_frame) and that of the mesh's first triangle. The first
+    /// with an area counts; radians, 0 to pi/2. `None` without a frame or without such a triangle. Beyond 0 the texture
+    /// lies in another plane than the polygon (Brackeen 2003: "at an angle when seen head on").
     #[must_use]
     pub fn frame_tilt(&self) -> Option<f64> {
         let frame = self.texture_frame?.normal().normalize_or_zero();

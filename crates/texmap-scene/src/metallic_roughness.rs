@@ -12,7 +12,7 @@ pub struct MetallicRoughness {
     pub roughness: f32,
     /// Multiplies both: roughness by green, metalness by blue. Data, not sRGB.
     pub map: Option<TextureSlot>,
-    /// Share of the environment's light that reaches a point (red channel), and how much of the map counts, 0 to 1. Data.
+    /// Fraction of the environment's light that reaches a point (red channel), and weight of the map, 0 to 1. Data.
     pub occlusion: Option<(TextureSlot, f32)>,
     /// Index of refraction of a dielectric, at least 1; it reflects `((ior - 1) / (ior + 1))^2` head on.
     pub ior: f32,

@@ -39,7 +39,7 @@ impl Mesh {
         mesh
     }
 
-    /// A sphere of radius 1 about the origin, of `columns` x `rows` patches (at least 3 x 2) around the y axis, with normals.
+    /// A sphere of radius 1 about the origin, with normals. `columns` x `rows` patches, at least 3 x 2, around the y axis.
     ///
     /// u runs left to right as seen from outside: -Z at 0, -X at 1/4, +Z at 1/2, +X at 3/4. v is 0 at the upper pole and 1 at the lower;
     /// a pole has a vertex for each triangle, with the u of the middle of that.

@@ -12,15 +12,15 @@ use crate::{Effects, Material, Mesh};
 /// Everything that is drawn. A scene is data: `texmap_render::render` reads it and changes nothing.
 #[derive(Clone, Debug)]
 pub struct Scene {
-    /// Where the picture is taken from.
+    /// Camera of the picture.
     pub camera: Camera,
     /// Colour of pixels that nothing covers: red, green, blue as sRGB values 0..=1 (stored as they are
     /// under [`ColorMode::Raw`]) and alpha, straight. Alpha 0 leaves them transparent.
     pub background: [f32; 4],
-    /// Whether colours are converted between sRGB and linear light.
+    /// Conversion of colours between sRGB and linear light.
     pub color: ColorMode,
-    /// Which of two surfaces at one depth wins: the first drawn (`Less`) or the last (`LessOrEqual`). Without a test (`Always`) the
-    /// last drawn wins at any depth.
+    /// The surface that wins of two at one depth: the first drawn (`Less`) or the last (`LessOrEqual`). Without a test (`Always`)
+    /// the last drawn wins at any depth.
     pub depth_test: DepthTest,
     /// Light sources, in world space. Read only by materials that are shaded.
     pub lights: Vec<Light>,
@@ -32,7 +32,7 @@ pub struct Scene {
     pub meshes: Vec<Mesh>,
     /// Shadows, projectors and environments; none by default.
     pub effects: Effects,
-    /// What the loader had to decide, one sentence each; carried into the warnings of a frame.
+    /// Choices that the loader made for the scene, one sentence each; carried into the warnings of a frame.
     pub warnings: Vec<String>,
 }
 
@@ -67,7 +67,7 @@ impl<'s> From<&'s Scene> for Cow<'s, Scene> {
     }
 }
 
-/// Whether colours are converted.
+/// Conversion of colours.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ColorMode {
     /// sRGB in files and in the picture, linear light between them.

@@ -200,7 +200,7 @@ pub fn texel_in_pixels(scene: &Scene, kind: &ShadowKind, width: u32) -> f64 {
     side / pixel
 }
 
-/// Whether a point lies inside of a closed mesh: a ray in an odd direction leaves through an odd number of triangles.
+/// True if a point lies inside of a closed mesh: a ray in an odd direction leaves through an odd number of triangles.
 #[must_use]
 pub fn encloses(mesh: &Mesh, point: DVec3) -> bool {
     let d = DVec3::new(0.612, 0.354, 0.709);

@@ -9,11 +9,12 @@ use crate::TextureSlot;
 pub struct Displacement {
     /// The heights: red channel, data. A filter with mip levels reads the level whose texels are as far apart as the vertices.
     pub slot: TextureSlot,
-    /// How far a value of 1 above `middle` moves the surface along its normal, in units of the object; negative moves it in.
+    /// Distance by which a value of 1 above `middle` moves the surface along its normal. In units of the object; negative moves
+    /// it in.
     pub height: f32,
     /// The value that leaves the surface where it is.
     pub middle: f32,
-    /// How fine triangles become.
+    /// The longest edge of the finer triangles.
     pub budget: EdgeBudget,
     /// More triangles than this, of all displaced meshes together, are refused.
     pub max_triangles: u32,
@@ -41,23 +42,23 @@ impl Displacement {
 pub enum EdgeBudget {
     /// Texels of the height map.
     Texels(f32),
-    /// Pixels of the picture, as a line of this length square to the view at the middle of the edge would have, wherever the
-    /// camera looks; but no edge below half a texel is halved.
+    /// Pixels of the picture that a line of this length has, square to the view at the middle of the edge. The direction of
+    /// the camera does not matter. No edge below half a texel is halved.
     Pixels(f32),
 }
 
 /// A rectangle that faces the camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Billboard {
-    /// Its middle, in world space.
+    /// Middle of the billboard, in world space.
     pub position: DVec3,
     /// Width and height, both above 0.
     pub size: [f64; 2],
-    /// How it turns.
+    /// Orientation towards the camera.
     pub facing: Facing,
 }
 
-/// How a billboard turns.
+/// Orientation of a billboard.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Facing {
     /// Parallel to the picture, its top where the picture's top is: never seen edge-on.

@@ -61,7 +61,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             supersample: SUPERSAMPLE,
             ..RenderSettings::new(size.0, size.1)
         };
-        let frame = render(&scene, &settings, &|_, _| {})?;
+        let frame = render(&scene, &settings, &texmap_render::no_progress)?;
         let began = Instant::now();
         let found = verify(&scene, &frame, SAMPLES)?;
         let name = name(&file);

@@ -64,7 +64,7 @@ impl Buffer {
     /// Reads a `.npy` array, or else an image of any format that textures may have.
     ///
     /// # Errors
-    /// When the file cannot be read or decoded.
+    /// If the file cannot be read or decoded.
     pub fn read(path: &Path) -> Result<Self, IoError> {
         if path
             .extension()
@@ -163,8 +163,8 @@ impl Buffer {
         }
     }
 
-    /// [`hash_pixels`] of the width, the height and the values as little-endian bytes of the file's own depth:
-    /// what `render --json` calls `pixel_hash`, for an 8-bit image.
+    /// [`hash_pixels`] of the width, the height and the values as little-endian bytes of the file's own depth.
+    /// For an 8-bit image it is the `pixel_hash` of `render --json`.
     #[must_use]
     pub fn hash(&self) -> String {
         let bytes: Cow<'_, [u8]> = match &self.values {
@@ -184,7 +184,7 @@ impl Buffer {
     /// Compares with the expected values; `limit` is the largest difference that does not count as over.
     ///
     /// # Errors
-    /// When the sizes differ or are empty.
+    /// If the sizes differ or are empty.
     pub fn compare(&self, expected: &Self, limit: f64) -> Result<Comparison, MetricsError> {
         check(expected.shape, expected.len(), self.len())?;
         let pair = |index: usize| (expected.value(index), self.value(index));

@@ -27,7 +27,7 @@ impl Pinhole {
     /// sight is 1, so that [`Hit::t`] is the clip w of the point met.
     ///
     /// # Errors
-    /// When the camera has no view.
+    /// If the camera has no view.
     pub fn of_camera(camera: &Camera, width: u32, height: u32) -> Result<Self, CameraError> {
         let (columns, rows) = (f64::from(width), f64::from(height));
         let corner = camera.ray(width, height, 0.0, 0.0)?;
@@ -193,7 +193,7 @@ fn lens(pinhole: &Pinhole, width: u32, height: u32, corners: &[DVec3; 3]) -> Opt
     })
 }
 
-/// The inverse of `[P0 - eye, P1 - eye, P2 - eye]`; none for a plane that holds the eye or a corner that is not finite.
+/// The inverse of `[P0 - eye, P1 - eye, P2 - eye]`. None for a plane that holds the eye or a corner that is not finite.
 fn inverse(pinhole: &Pinhole, corners: &[DVec3; 3]) -> Option<DMat3> {
     let [a, b, c] = corners.map(|p| p - pinhole.eye);
     let inverse = DMat3::from_cols(a, b, c).inverse();

@@ -73,7 +73,7 @@ pub struct Metrics {
 }
 
 impl Metrics {
-    /// Peak signal-to-noise ratio in decibels for values of the range `0..=peak`; infinite for equal images.
+    /// Peak signal-to-noise ratio in decibels for values of the range `0..=peak`. Infinite for equal images.
     pub fn psnr(&self, peak: f64) -> f64 {
         if self.rmse == 0.0 {
             f64::INFINITY
@@ -88,7 +88,7 @@ impl Metrics {
     }
 }
 
-/// Why two images cannot be compared.
+/// Error of two images that cannot be compared.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum MetricsError {
@@ -119,7 +119,7 @@ pub enum MetricsError {
 /// over; it and all differences are in the values' own unit (code values, 0..=255, for bytes).
 ///
 /// # Errors
-/// When the shape is empty or a slice has another length than the shape.
+/// If the shape is empty or a slice has another length than the shape.
 pub fn compare<T: Copy + Into<f64>>(
     shape: Shape,
     expected: &[T],

@@ -1,4 +1,4 @@
-//! An RGBA8 canvas with a bitmap font: what strips, heat pictures and demos are assembled on.
+//! An RGBA8 picture with a bitmap font, from which strips, heat pictures and demos are assembled.
 //!
 //! Everything drawn is integer work, so a picture has the same bytes on every machine.
 

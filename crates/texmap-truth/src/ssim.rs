@@ -25,9 +25,9 @@ const WEIGHTS: [f64; WINDOW] = [
 /// Rows of a thread's share.
 const BAND: usize = 64;
 
-/// Mean structural similarity (Wang, Bovik, Sheikh and Simoncelli, "Image quality assessment: from error visibility to structural
-/// similarity", 2004) over all windows of 11 x 11 pixels inside the image and over `channels` of the shape's: 1 for equal images, about 0
-/// for unlike ones. `pair` gives both values at an index, `peak` is the range of the values (L of the paper).
+/// Mean structural similarity over all windows of 11 x 11 pixels inside the image and over `channels`. 1 for equal images, about
+/// 0 for unlike ones. Source: Wang, Bovik, Sheikh and Simoncelli, "Image quality assessment: from error visibility to structural
+/// similarity", 2004. `pair` gives both values at an index, `peak` is the range of the values (L of the paper).
 ///
 /// Windows that hold a value that is not finite do not count. `None` for images narrower or lower than a window, and where no window
 /// counts. The same bits on any number of threads.
@@ -205,7 +205,7 @@ mod tests {
     #[test]
     fn holes_cost_their_windows_and_small_images_have_none() {
         let a = wave();
-        // What differs lies under a hole.
+        // The values that differ lie under a hole.
         let b = |i: usize| if i == 4000 { f64::NAN } else { a[i] };
         assert_eq!(ssim(SHAPE, 3, 1.0, |i| (a[i], b(i))), Some(1.0));
         assert_eq!(ssim(SHAPE, 3, 1.0, |_| (f64::NAN, 0.0)), None);

@@ -21,7 +21,7 @@ pub struct Verified {
     pub max: f64,
     /// Column and row of `max`.
     pub max_at: Option<(u32, u32)>,
-    /// Pixels judged: something is drawn there, they and their eight neighbours see the same meshes, and no shadow ends there.
+    /// Pixels judged. Something is drawn there, they and their eight neighbours see the same meshes, and no shadow ends there.
     pub judged: usize,
     /// Pixels left out: at outlines, where one sample a pixel errs whatever the filter.
     pub outlines: usize,
@@ -29,7 +29,7 @@ pub struct Verified {
     pub shadow_edges: usize,
     /// Root mean square over those.
     pub shadow_rmse: f64,
-    /// Black where the picture is right, white from an error of 0.25; outlines are grey, edges of shadows blue-grey.
+    /// Black where the picture is right, white from an error of 0.25. Outlines are grey, edges of shadows blue-grey.
     pub heat: Picture,
     /// The reference itself.
     pub truth: Picture,
@@ -39,7 +39,7 @@ pub struct Verified {
 /// `samples` x `samples` samples a pixel, each read by anisotropic:16 over its own share of the pixel.
 ///
 /// # Errors
-/// When the scene does not pass its own check.
+/// If the scene does not pass its own check.
 pub fn verify(scene: &Scene, frame: &Frame, samples: u32) -> Result<Verified, TruthError> {
     let truth = reference(scene, (frame.width, frame.height), samples)?;
     Ok(judge(scene, frame, &truth))
@@ -48,10 +48,10 @@ pub fn verify(scene: &Scene, frame: &Frame, samples: u32) -> Result<Verified, Tr
 /// As [`verify`] for several frames of one size, with the reference drawn once. Empty for no frames.
 ///
 /// # Errors
-/// When the scene does not pass its own check.
+/// If the scene does not pass its own check.
 ///
 /// # Panics
-/// When the frames' sizes differ.
+/// If the frames' sizes differ.
 pub fn verify_all(
     scene: &Scene,
     frames: &[Frame],
@@ -97,19 +97,19 @@ fn reference(
     if let Some(Background::Picture(slot)) = &mut effects.background {
         sharpen(&mut slot.sampler);
     }
-    let slides = effects.projectors.iter_mut().map(|p| &mut p.sampler);
+    let projectors = effects.projectors.iter_mut().map(|p| &mut p.sampler);
     let volumes = effects.volumes.iter_mut().map(|v| &mut v.sampler);
-    slides.chain(volumes).for_each(sharpen);
+    projectors.chain(volumes).for_each(sharpen);
     frame(&reference, width, height, samples)
 }
 
 /// The samplers of everything that is filtered over the surface. Ramps are tables, and are read as they say.
 fn surface_samplers(material: &mut Material) -> impl Iterator<Item = &mut Sampler> {
     let maps = &mut material.maps;
-    let relief = material
+    let normal_detail = material
         .normal_detail
         .as_mut()
-        .and_then(|relief| match relief {
+        .and_then(|detail| match detail {
             NormalDetail::Bump { slot, .. }
             | NormalDetail::Offsets { slot, .. }
             | NormalDetail::NormalMap { slot, .. } => Some(slot),
@@ -124,7 +124,7 @@ fn surface_samplers(material: &mut Material) -> impl Iterator<Item = &mut Sample
         .chain(&mut maps.specular)
         .chain(&mut maps.exponent)
         .chain(&mut maps.reflectivity)
-        .chain(relief)
+        .chain(normal_detail)
         .chain(material.emission.as_mut().and_then(|e| e.map.as_mut()))
         .chain(material.light_map.as_mut().map(|map| &mut map.slot))
         .map(|slot| &mut slot.sampler)
@@ -211,7 +211,7 @@ impl Sum {
         self.count += 1;
     }
 
-    /// Their root mean; 0 of none.
+    /// Root mean of the squares; 0 of none.
     fn root(&self) -> f64 {
         (self.squares / self.count.max(1) as f64).sqrt()
     }

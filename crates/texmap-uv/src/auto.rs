@@ -12,19 +12,20 @@ use crate::solid::ShapeFace;
 use crate::topology::Topology;
 use crate::{Origin, UvError, parallel};
 
-/// A surface that folds over itself is divided in this many rounds, one layer each. What folds more often is divided at once.
+/// A surface that folds over itself is divided in this many rounds, one layer each. A surface that folds more often is divided at
+/// once.
 const ROUNDS: u32 = 8;
 
-/// Maps every face by the plane of one of the six axis directions, the one its normal is nearest to (equal ones are
-/// settled z before y before x), and packs the connected regions into one page.
+/// Maps every face by the nearest of six axis planes, and packs the connected regions into one atlas. The plane is
+/// that of the axis direction nearest to the face's normal; equal ones are settled z before y before x.
 ///
 /// A face whose neighbours mostly lie on another plane joins them if it faces that plane by less than 70 degrees. A
 /// region that folds over itself is divided until no two of its triangles overlap. Faces without area follow a
 /// neighbour.
 ///
 /// # Errors
-/// More charts than the page can hold.
-pub fn auto_planes(mesh: &Mesh<'_>, page: AtlasSize, origin: Origin) -> Result<UvSet, UvError> {
+/// More islands than the atlas can hold.
+pub fn auto_planes(mesh: &Mesh<'_>, atlas: AtlasSize, origin: Origin) -> Result<UvSet, UvError> {
     let topology = Topology::new(mesh);
     let faces = mesh.faces().len();
     let normals = parallel::collect_chunks(faces, |range| {
@@ -39,7 +40,7 @@ pub fn auto_planes(mesh: &Mesh<'_>, page: AtlasSize, origin: Origin) -> Result<U
     let values: Vec<[f64; 2]> = (0..mesh.faces().corners().len()).map(corner).collect();
     let group = divide(mesh, &topology, &sides, &values);
     let flat: Vec<[f32; 2]> = values.iter().map(|v| v.map(|c| c as f32)).collect();
-    // One index per position and chart.
+    // One index per position and island.
     let mut known = alloc::collections::BTreeMap::new();
     let mut set = UvSet {
         uvs: Vec::new(),
@@ -55,7 +56,7 @@ pub fn auto_planes(mesh: &Mesh<'_>, page: AtlasSize, origin: Origin) -> Result<U
             set.uvs.len() as u32 - 1
         }));
     }
-    pack(mesh, &set, page)
+    pack(mesh, &set, atlas)
 }
 
 const SIDES: [ShapeFace; 6] = [
@@ -97,7 +98,7 @@ fn sides(mesh: &Mesh<'_>, topology: &Topology, normals: &[DVec3]) -> Vec<ShapeFa
     sides
 }
 
-/// A chart number per face: connected faces of one side that do not overlap in its plane.
+/// An island number per face: connected faces of one side that do not overlap in its plane.
 fn divide(
     mesh: &Mesh<'_>,
     topology: &Topology,
@@ -119,16 +120,16 @@ fn divide(
             });
         }
     }
-    let shells = |layer: &[u32]| {
+    let islands = |layer: &[u32]| {
         Islands::linked(faces, topology, |k| {
             let [a, b] = [k, topology.twin[k] as usize].map(|k| topology.face[k] as usize);
             sides[a] == sides[b] && layer[a] == layer[b]
         })
     };
     for round in 0..ROUNDS {
-        let found = overlap::find(&triangles, Some(&shells(&layer).of_face));
+        let found = overlap::find(&triangles, Some(&islands(&layer).of_face));
         if found.later.is_empty() && found.unfinished.is_empty() {
-            return shells(&layer).of_face;
+            return islands(&layer).of_face;
         }
         if !found.unfinished.is_empty() {
             break;
@@ -138,12 +139,12 @@ fn divide(
             layer[face as usize] = round + 1;
         }
     }
-    first_fit(&triangles, &shells(&layer).of_face, &mut layer);
-    shells(&layer).of_face
+    first_fit(&triangles, &islands(&layer).of_face, &mut layer);
+    islands(&layer).of_face
 }
 
-/// Moves each face that overlaps earlier ones of its group to the first layer where it overlaps none; faces that cannot be
-/// compared with all others, since too many lie in one place, to layers of their own.
+/// Moves each face that overlaps earlier ones of its group to the first layer where it overlaps none. Faces that cannot be
+/// compared with all others, since too many lie at one point, to layers of their own.
 fn first_fit(triangles: &[Flat], group: &[u32], layer: &mut [u32]) {
     let (pairs, unfinished) = overlap::pairs(triangles, Some(group));
     let old = layer.to_vec();
@@ -194,7 +195,7 @@ mod tests {
             (report.overlapping, report.outside, report.collapsed),
             (0, 0, 0)
         );
-        assert!(report.islands >= 3, "{} shells", report.islands);
+        assert!(report.islands >= 3, "{} islands", report.islands);
         assert!(report.angle_max < 1.05, "{}", report.angle_max);
     }
 }

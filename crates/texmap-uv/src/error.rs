@@ -1,9 +1,9 @@
-//! What can be wrong with a mesh or a request.
+//! Errors of a mesh or a request.
 
 use alloc::string::String;
 use core::fmt;
 
-/// Why a mesh could not be mapped, packed or reported on. Faces and vertices are counted from 0.
+/// Error of a mesh that could not be mapped, packed or reported on. Faces and vertices are counted from 0.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum UvError {
@@ -13,16 +13,16 @@ pub enum UvError {
     TooFewCorners {
         /// The face.
         face: usize,
-        /// Its corners.
+        /// Number of corners of the face.
         corners: usize,
     },
     /// A corner that names no vertex (or no texture coordinate).
     BadIndex {
         /// The face.
         face: usize,
-        /// What the corner names.
+        /// The index that the corner names.
         index: u32,
-        /// How many there are.
+        /// Number of vertices or texture coordinates.
         count: usize,
     },
     /// A vertex or texture coordinate with a NaN or an infinity, in use by a face.
@@ -34,9 +34,9 @@ pub enum UvError {
     },
     /// A list whose length does not fit the mesh.
     WrongLength {
-        /// Which list.
+        /// Name of the list.
         what: &'static str,
-        /// Its length.
+        /// Length of the list.
         found: usize,
         /// The length that fits.
         expected: usize,
@@ -48,18 +48,18 @@ pub enum UvError {
     },
     /// A parameter out of its range.
     BadParameter {
-        /// Its name.
+        /// Name of the parameter.
         what: &'static str,
         /// The offending value.
         value: f64,
     },
-    /// Charts that fit no page of this size with these gutters at any scale.
+    /// Islands that fit no atlas of this size with these gutters at any scale.
     DoesNotFit {
-        /// Number of charts.
+        /// Number of islands.
         charts: usize,
-        /// Edge of the page in texels.
+        /// Edge of the atlas in texels.
         size: u32,
-        /// Texels between charts.
+        /// Texels between islands.
         gutter: u32,
     },
     /// A vertex pair of a cut or a sew that is no edge of the mesh.
@@ -73,7 +73,7 @@ pub enum UvError {
     TooManyCorners {
         /// The face.
         face: usize,
-        /// Its corners.
+        /// Number of corners of the face.
         corners: usize,
         /// The most that it takes.
         limit: usize,
@@ -91,7 +91,7 @@ pub enum UvError {
     Cancelled,
     /// The unwrapper gave up.
     Unwrap {
-        /// Its own words.
+        /// The unwrapper's own words.
         reason: String,
     },
 }
@@ -129,7 +129,7 @@ impl fmt::Display for UvError {
             } => {
                 write!(
                     f,
-                    "{charts} charts with gutters of {gutter} do not fit a page of {size} x {size} texels; try a larger page or a smaller gutter"
+                    "{charts} islands with gutters of {gutter} do not fit an atlas of {size} x {size} texels; try a larger atlas or a smaller gutter"
                 )
             }
             Self::NotAnEdge { a, b } => {

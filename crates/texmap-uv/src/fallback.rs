@@ -10,8 +10,8 @@ use crate::solid::{self, Origin, ShapeFace};
 pub enum Projection {
     /// Along -Z on the bounding box's x and y.
     Plane,
-    /// Each vertex on the face of the bounding box that its normal (or, without normals, its direction from
-    /// the middle) points at.
+    /// Each vertex on the face of the bounding box that its normal points at. Without normals, that its
+    /// direction from the middle points at.
     #[default]
     Box,
     /// Longitude and latitude around the middle of the bounding box.

@@ -1,4 +1,4 @@
-//! Shells: which faces hang together in the picture, and what coordinates they share.
+//! Islands: faces that are connected in the picture, and the texture coordinates that they share.
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -10,7 +10,7 @@ use crate::topology::{MANY, RIM, Topology};
 /// Faces grouped into connected pieces of the picture.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Islands {
-    /// Shell of each face; shells are numbered by their lowest face.
+    /// Island of each face; islands are numbered by their lowest face.
     pub(crate) of_face: Vec<u32>,
     pub(crate) count: usize,
 }
@@ -66,16 +66,16 @@ pub(crate) fn root(parent: &mut [u32], mut f: u32) -> u32 {
     f
 }
 
-/// Gives every shell its own coordinates where two shells share one (they touch in a point).
-pub(crate) fn separate(topology: &Topology, shells: &Islands, set: &mut UvSet) {
+/// Gives every island its own coordinates where two islands share one (they touch in a point).
+pub(crate) fn separate(topology: &Topology, islands: &Islands, set: &mut UvSet) {
     let mut owner = vec![RIM; set.uvs.len()];
     let mut copies = alloc::collections::BTreeMap::new();
     for k in 0..set.corners.len() {
-        let (shell, index) = (shells.of_face[topology.face[k] as usize], set.corners[k]);
+        let (island, index) = (islands.of_face[topology.face[k] as usize], set.corners[k]);
         if owner[index as usize] == RIM {
-            owner[index as usize] = shell;
-        } else if owner[index as usize] != shell {
-            set.corners[k] = *copies.entry((shell, index)).or_insert_with(|| {
+            owner[index as usize] = island;
+        } else if owner[index as usize] != island {
+            set.corners[k] = *copies.entry((island, index)).or_insert_with(|| {
                 set.uvs.push(set.uvs[index as usize]);
                 set.uvs.len() as u32 - 1
             });

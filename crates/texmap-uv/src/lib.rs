@@ -1,6 +1,6 @@
 //! Texture coordinates for meshes: projections, seams, unwrapping, packing, tangents and a distortion report.
 //!
-//! Conventions: right-handed, +Y up. A unit solid fills [-0.5, 0.5] on every axis, its side charts have v = 0 at
+//! Conventions: right-handed, +Y up. A unit solid fills [-0.5, 0.5] on every axis, the squares of its sides have v = 0 at
 //! the top (or at the bottom, see [`Origin`]), and u rises to the right of a viewer who stands outside.
 //! Everything is computed with texmap's own `atan2`; the bytes are the same on every machine, SIMD level and thread
 //! count.

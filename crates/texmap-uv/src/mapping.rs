@@ -12,10 +12,10 @@ use crate::placement::{PlacedFrame, Placement};
 use crate::solid::{Origin, Shape, ShapeFace};
 use crate::{UvError, parallel, plane, seam_unwrap, spherical};
 
-/// What a shape maps.
+/// The vector that a shape maps to texture coordinates.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum ProjectionSource {
-    /// The position in the frame, moved along the normals of the shape: a plane drops z, a cylinder the distance
+    /// The position in the frame, moved along the normals of the shape. A plane drops z, a cylinder the distance
     /// from its axis, and a box takes the side that each face's own normal is nearest to (Bier and Sloan's
     /// "intermediate surface normal").
     #[default]
@@ -36,9 +36,9 @@ pub enum ProjectionSource {
 pub struct Mapping {
     /// The shape around the object.
     pub shape: Shape,
-    /// What is mapped.
+    /// The vector that is mapped.
     pub by: ProjectionSource,
-    /// Where the shape stands. `None` fits it to the bounding box: a plane and a box fill it, a cylinder and a cone
+    /// Placement of the shape. `None` fits it to the bounding box: a plane and a box fill it, a cylinder and a cone
     /// keep their round section, a sphere stays round. An axis without extent maps to the middle. A plane by position
     /// turns to the surface: along the normal of a flat one, else along z, or along y or x where that sees it more than
     /// twice as squarely.
@@ -47,11 +47,11 @@ pub struct Mapping {
     /// frame's (or the object's) origin and are left unbounded, to be wrapped by the sampler. Without a frame the plane
     /// looks along z, y or x, as above.
     pub tile: Option<[f64; 2]>,
-    /// How often the picture repeats on each part.
+    /// Number of repeats of the picture on each part.
     pub repeat: [f64; 2],
     /// Unwrap faces across the seam and fan the poles. Without it every vertex has the u of its own formula.
     pub fix_seams: bool,
-    /// Which row is v = 0.
+    /// The row at v = 0.
     pub origin: Origin,
 }
 
@@ -60,7 +60,7 @@ pub struct Mapping {
 pub struct MappedMesh {
     /// The coordinates.
     pub set: UvSet,
-    /// Faces that enclose the axis of a round shape: no vertex coordinates map them right; divide them there.
+    /// Faces that enclose the axis of a round shape: no vertex coordinates map them right. Divide them there.
     pub around_axis: Vec<u32>,
 }
 
@@ -79,7 +79,7 @@ impl Mapping {
         }
     }
 
-    /// Plane by its own normal: a slide projected onto the surface, along z where that sees enough of it.
+    /// Plane by its own normal: a picture projected onto the surface, along z where that sees enough of it.
     #[must_use]
     pub fn slide_projector() -> Self {
         Self::new(Shape::Plane)
@@ -307,7 +307,7 @@ impl Mapping {
         Ok(out)
     }
 
-    /// The ray along `d` on the side of a cylinder or cone, even where it would meet a cap first; its height is
+    /// The ray along `d` on the side of a cylinder or cone, even where it would meet a cap first. Its height is
     /// kept within the solid.
     fn cast_side(&self, d: DVec3) -> DVec3 {
         let out = float::sqrt(d.x * d.x + d.z * d.z);
@@ -381,7 +381,7 @@ impl Mapping {
         }
     }
 
-    /// The place of a vector on a flat part.
+    /// Texture coordinates of a vector on a flat part.
     fn flat(&self, part: ShapeFace, v: DVec3) -> [f32; 2] {
         let place = if self.by == ProjectionSource::Position {
             let mut place = part.flat(v);
@@ -427,7 +427,7 @@ fn centroid(mesh: &Mesh<'_>) -> DVec3 {
     corners.iter().map(|&i| mesh.vertex(i)).sum::<DVec3>() / corners.len() as f64
 }
 
-/// The place of `x` within its tile of `size`, in [0, 1): floored modulo, also for negative `x`. `None` for a size
+/// The position of `x` within its tile of `size`, in [0, 1): floored modulo, also for negative `x`. `None` for a size
 /// that is not positive, or values that are not finite.
 #[must_use]
 pub fn tile(x: f64, size: f64) -> Option<f64> {

@@ -52,7 +52,7 @@ impl Faces {
         self.starts.len() - 1
     }
 
-    /// Whether there is no face.
+    /// True if there is no face.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.len() == 0
@@ -64,7 +64,7 @@ impl Faces {
         &self.corners
     }
 
-    /// Where the corners of a face stand in [`Faces::corners`].
+    /// Range of the corners of a face in [`Faces::corners`].
     #[must_use]
     pub fn range(&self, face: usize) -> Range<usize> {
         self.starts[face] as usize..self.starts[face + 1] as usize
@@ -76,7 +76,7 @@ impl Faces {
         &self.corners[self.range(face)]
     }
 
-    /// Every face as a fan around its first corner: the face, and the places of three corners in
+    /// Every face as a fan around its first corner: the face, and the indices of three corners in
     /// [`Faces::corners`].
     pub fn triangles(&self) -> impl Iterator<Item = (usize, [usize; 3])> + '_ {
         (0..self.len()).flat_map(|f| {
@@ -152,7 +152,7 @@ impl<'a> Mesh<'a> {
         self.faces
     }
 
-    /// Position of a corner, by its place in [`Faces::corners`].
+    /// Position of a corner, by its index into [`Faces::corners`].
     pub(crate) fn point(&self, corner: usize) -> DVec3 {
         self.vertex(self.faces.corners[corner])
     }
@@ -203,10 +203,10 @@ impl<'a> Mesh<'a> {
             .fold((first, first), |(low, high), p| (low.min(p), high.max(p)))
     }
 
-    /// The first position of each group of equal positions, for every position: a mesh split along texture
+    /// The first position of each group of equal positions, for every position. A mesh split along texture
     /// seams or hard edges is one surface again.
     pub(crate) fn welded(&self) -> Vec<u32> {
-        // Hashed keys may meet in one place, by chance or by design: then they are sorted.
+        // Hashed keys may collide, by chance or by design: then they are sorted.
         self.welded_by_hash(self.positions.len() as u64 * 8 + 1024)
             .unwrap_or_else(|| self.welded_by_sorting())
     }
@@ -280,7 +280,7 @@ pub struct UvSet {
 }
 
 impl UvSet {
-    /// Shares equal coordinates among the corners of a position (and of positions equal to it): a vertex is split
+    /// Shares equal coordinates among the corners of a position (and of positions equal to it). A vertex is split
     /// only where its corners differ.
     ///
     /// # Panics
@@ -384,8 +384,8 @@ pub struct VertexBuffer {
 }
 
 impl UvSet {
-    /// Splits the positions of the mesh where coordinates or tangents of its corners differ, and nowhere else; vertices stand in
-    /// the order in which the corners first need them. `tangents` has one entry per corner, or none.
+    /// Splits the positions of the mesh where coordinates or tangents of its corners differ. Nothing else is split. Vertices
+    /// stand in the order in which the corners first need them. `tangents` has one entry per corner, or none.
     ///
     /// # Errors
     /// A set or tangents that do not fit the mesh.
@@ -428,7 +428,7 @@ impl UvSet {
 mod tests {
     use super::*;
 
-    /// A cube's corner has one position and three coordinates; a vertex buffer has 24 vertices, and no more.
+    /// A cube's corner has one position and three coordinates. A vertex buffer has 24 vertices, and no more.
     #[test]
     fn vertices_split_where_corners_differ() {
         let positions: Vec<[f32; 3]> = (0..8)
@@ -545,7 +545,7 @@ mod tests {
         }
     }
 
-    /// A vertex with a coordinate of its own in each of many faces, in pairs: equal ones are shared on either side of the
+    /// A vertex with a coordinate of its own in each of many faces, in pairs. Equal ones are shared on either side of the
     /// longest chain.
     #[test]
     fn a_pole_of_many_coordinates_shares_equal_ones() {

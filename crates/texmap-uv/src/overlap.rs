@@ -34,12 +34,12 @@ impl Flat {
     }
 }
 
-/// Which triangles overlap another of a different face, and by how much.
+/// Triangles that overlap another of a different face, with the area.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Overlaps {
     /// Pairs that share area.
     pub pairs: u64,
-    /// Their common area, summed over the pairs; the whole picture is 1.
+    /// The pairs' common area, summed over the pairs; the whole picture is 1.
     pub area: f64,
     /// The pairs' triangles (of the faces' fans, in order), ascending, each once.
     pub triangles: Vec<u32>,
@@ -47,12 +47,12 @@ pub struct Overlaps {
     pub(crate) later: Vec<u32>,
     /// Faces that were not compared with all others.
     pub(crate) unfinished: Vec<u32>,
-    /// Too many triangles lie in one place to compare them all: the numbers are lower bounds.
+    /// Too many triangles lie at one point to compare them all: the numbers are lower bounds.
     pub at_least: bool,
 }
 
 /// The overlap test of [`crate::report`] alone: exact clipping, at most n log n steps for n triangles on any input (where
-/// very many lie in one place, not every pair is compared), the same on any number of threads.
+/// very many lie at one point, not every pair is compared), the same on any number of threads.
 ///
 /// # Errors
 /// A set that does not fit the mesh or is not finite.

@@ -1,4 +1,4 @@
-//! Charts side by side on one page.
+//! Packing: islands side by side in one atlas.
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -10,12 +10,12 @@ use crate::islands::{Islands, compact, separate};
 use crate::mesh::{Mesh, UvSet, length};
 use crate::topology::Topology;
 
-/// A square page for charts.
+/// A square atlas for islands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct AtlasSize {
     /// Edge in texels.
     pub size: u32,
-    /// Least number of empty texels between charts, and between a chart and the edge.
+    /// Least number of empty texels between islands, and between an island and the edge.
     pub gutter: u32,
 }
 
@@ -29,64 +29,63 @@ impl Default for AtlasSize {
     }
 }
 
-/// Moves the shells of a set side by side into [0, 1], with one texel density for all: every shell is scaled to
-/// its area in space, then all by the same factor, as large as the page allows. Shells stand on whole texels and
-/// lie on their longer side.
+/// Moves the islands of a set side by side into [0, 1], with one texel density for all. Every island is scaled to its area in
+/// space, then all by the same factor, as large as the atlas allows. Islands stand on whole texels and lie on their longer side.
 ///
 /// # Errors
-/// A set that does not fit the mesh, a page of zero size, more gutters than page.
-pub fn pack(mesh: &Mesh<'_>, set: &UvSet, page: AtlasSize) -> Result<UvSet, UvError> {
+/// A set that does not fit the mesh, an atlas of zero size, more gutters than texels.
+pub fn pack(mesh: &Mesh<'_>, set: &UvSet, atlas: AtlasSize) -> Result<UvSet, UvError> {
     set.check(mesh)?;
     let topology = Topology::new(mesh);
-    let shells = Islands::new(mesh, set, &topology);
+    let islands = Islands::new(mesh, set, &topology);
     let mut set = set.clone();
-    separate(&topology, &shells, &mut set);
-    let areas = areas(mesh, &set, &shells);
-    let mut charts: Vec<Island> = vec![Island::EMPTY; shells.count];
+    separate(&topology, &islands, &mut set);
+    let areas = areas(mesh, &set, &islands);
+    let mut charts: Vec<Island> = vec![Island::EMPTY; islands.count];
     for (k, &index) in set.corners.iter().enumerate() {
-        let chart = &mut charts[shells.of_face[topology.face[k] as usize] as usize];
+        let chart = &mut charts[islands.of_face[topology.face[k] as usize] as usize];
         let p = DVec2::from(set.uvs[index as usize].map(f64::from));
         (chart.low, chart.high) = (chart.low.min(p), chart.high.max(p));
     }
     for (chart, [space, picture]) in charts.iter_mut().zip(areas) {
-        // A chart without area on either side keeps its size.
+        // An island without area on either side keeps its size.
         chart.scale = if space > 0.0 && picture > 0.0 {
             float::sqrt(space / picture)
         } else {
             1.0
         };
     }
-    let (scale, corners) = best_scale(&charts, page)?;
-    let texels = f64::from(page.size);
+    let (scale, corners) = best_scale(&charts, atlas)?;
+    let texels = f64::from(atlas.size);
     let mut done = vec![false; set.uvs.len()];
     for (k, &index) in set.corners.iter().enumerate() {
         if core::mem::replace(&mut done[index as usize], true) {
             continue;
         }
-        let shell = shells.of_face[topology.face[k] as usize] as usize;
-        let chart = &charts[shell];
+        let island = islands.of_face[topology.face[k] as usize] as usize;
+        let chart = &charts[island];
         let p = chart.lying(DVec2::from(set.uvs[index as usize].map(f64::from)))
             * (chart.scale * scale);
-        let q = (corners[shell] + p) / texels;
+        let q = (corners[island] + p) / texels;
         set.uvs[index as usize] = [q.x as f32, q.y as f32];
     }
     Ok(compact(&set))
 }
 
-/// Area in space and in the picture of each shell.
-fn areas(mesh: &Mesh<'_>, set: &UvSet, shells: &Islands) -> Vec<[f64; 2]> {
-    let mut areas = vec![[0.0; 2]; shells.count];
+/// Area in space and in the picture of each island.
+fn areas(mesh: &Mesh<'_>, set: &UvSet, islands: &Islands) -> Vec<[f64; 2]> {
+    let mut areas = vec![[0.0; 2]; islands.count];
     for (face, corners) in mesh.faces().triangles() {
         let [a, b, c] = corners.map(|k| mesh.point(k));
         let [p, q, r] = corners.map(|k| DVec2::from(set.at(k).map(f64::from)));
-        let area = &mut areas[shells.of_face[face] as usize];
+        let area = &mut areas[islands.of_face[face] as usize];
         area[0] += length((b - a).cross(c - a)) * 0.5;
         area[1] += (q - p).perp_dot(r - p).abs() * 0.5;
     }
     areas
 }
 
-/// The bounding box of a shell and the factor that gives it the common density.
+/// The bounding box of an island and the factor that gives it the common density.
 #[derive(Clone, Copy)]
 struct Island {
     low: DVec2,
@@ -115,7 +114,7 @@ impl Island {
         }
     }
 
-    /// A point relative to the chart's corner, turned by a quarter where the chart was upright.
+    /// A point relative to the island's corner, turned by a quarter if the island was upright.
     fn lying(&self, p: DVec2) -> DVec2 {
         if self.upright() {
             DVec2::new(self.high.y - p.y, p.x - self.low.x)
@@ -125,19 +124,19 @@ impl Island {
     }
 }
 
-/// The largest scale (texels per unit) at which shelves hold all charts, within 0.1 %, and the charts' corners.
-fn best_scale(charts: &[Island], page: AtlasSize) -> Result<(f64, Vec<DVec2>), UvError> {
+/// The largest scale (texels per unit) at which shelves hold all islands, within 0.1 %, and the islands' corners.
+fn best_scale(charts: &[Island], atlas: AtlasSize) -> Result<(f64, Vec<DVec2>), UvError> {
     let fault = UvError::DoesNotFit {
         charts: charts.len(),
-        size: page.size,
-        gutter: page.gutter,
+        size: atlas.size,
+        gutter: atlas.gutter,
     };
-    let room = f64::from(page.size) - 2.0 * f64::from(page.gutter);
+    let inner = f64::from(atlas.size) - 2.0 * f64::from(atlas.gutter);
     let widest = charts
         .iter()
         .map(|c| c.extent().x)
         .fold(0.0, |a: f64, b| if b > a { b } else { a });
-    if room < 1.0 {
+    if inner < 1.0 {
         return Err(fault);
     }
     let mut order: Vec<usize> = (0..charts.len()).collect();
@@ -148,12 +147,12 @@ fn best_scale(charts: &[Island], page: AtlasSize) -> Result<(f64, Vec<DVec2>), U
             .total_cmp(&charts[a].extent().y)
             .then(a.cmp(&b))
     });
-    let try_at = |scale: f64| shelves(charts, &order, scale, page);
-    let most = if widest > 0.0 { room / widest } else { 1.0 };
+    let try_at = |scale: f64| shelves(charts, &order, scale, atlas);
+    let most = if widest > 0.0 { inner / widest } else { 1.0 };
     if let Some(corners) = try_at(most) {
         return Ok((most, corners));
     }
-    // At a vanishing scale every chart takes one texel: if that does not fit, nothing does.
+    // At a vanishing scale every island takes one texel: if that does not fit, nothing does.
     let (mut low, mut high) = (0.0, most);
     let mut best = try_at(f64::MIN_POSITIVE)
         .map(|corners| (f64::MIN_POSITIVE, corners))
@@ -171,9 +170,9 @@ fn best_scale(charts: &[Island], page: AtlasSize) -> Result<(f64, Vec<DVec2>), U
     Ok(best)
 }
 
-/// Lower left corners on shelves from left to right, the highest charts first; `None` when the page overflows.
-fn shelves(charts: &[Island], order: &[usize], scale: f64, page: AtlasSize) -> Option<Vec<DVec2>> {
-    let (size, gutter) = (f64::from(page.size), f64::from(page.gutter));
+/// Lower left corners on shelves from left to right, the highest islands first. `None` if the atlas overflows.
+fn shelves(charts: &[Island], order: &[usize], scale: f64, atlas: AtlasSize) -> Option<Vec<DVec2>> {
+    let (size, gutter) = (f64::from(atlas.size), f64::from(atlas.gutter));
     let mut corners = vec![DVec2::ZERO; charts.len()];
     let (mut x, mut y, mut shelf) = (gutter, gutter, 0.0);
     for &i in order {
@@ -182,7 +181,7 @@ fn shelves(charts: &[Island], order: &[usize], scale: f64, page: AtlasSize) -> O
         if x > gutter && x + wide + gutter > size {
             (x, y, shelf) = (gutter, y + shelf + gutter, 0.0);
         }
-        // The widest chart may reach the gutter exactly, before rounding.
+        // The widest island may reach the gutter exactly, before rounding.
         if x + e.x + gutter > size * (1.0 + 1e-12) || y + e.y + gutter > size * (1.0 + 1e-12) {
             return None;
         }
@@ -221,11 +220,11 @@ mod tests {
         let (positions, faces, values) = stack(23);
         let mesh = Mesh::new(&positions, &faces).unwrap();
         let set = UvSet::shared(&mesh, &values);
-        let page = AtlasSize {
+        let atlas = AtlasSize {
             size: 256,
             gutter: 5,
         };
-        let packed = pack(&mesh, &set, page).unwrap();
+        let packed = pack(&mesh, &set, atlas).unwrap();
         let boxes: Vec<(DVec2, DVec2)> = (0..faces.len())
             .map(|f| {
                 let points = faces

@@ -30,7 +30,7 @@ pub struct PerPixelProjection {
     shape: CurvedShape,
     /// Takes a point to the unit solid.
     unit_from_point: DMat4,
-    /// Its first three rows.
+    /// First three rows of this matrix.
     rows: [[f32; 4]; 3],
     repeat: [f32; 2],
     origin: Origin,

@@ -8,7 +8,7 @@ use crate::mesh::{Mesh, length, unit_or_zero};
 /// A surface is flat when the mean square of the cosine between its normals and their main direction is no less.
 const FLAT: f64 = 0.9999;
 
-/// The turn of a plane that is fitted to a surface; its columns are the directions to the right, up, and toward the eye.
+/// The turn of a plane that is fitted to a surface. Its columns are the directions to the right, up, and toward the eye.
 ///
 /// A flat surface is seen along its own normal if `tilted` allows it, any other along z, or along y or x where that sees it
 /// more than twice as squarely (by the root mean square of the cosine, weighted by area). A surface that faces away is seen

@@ -1,4 +1,4 @@
-//! How good a mapping is, in figures.
+//! Report: figures that say how good a mapping is.
 
 mod edges;
 mod stretch;
@@ -17,10 +17,10 @@ use triangles::each_triangle;
 
 pub use unmapped::{Unmapped, unmapped};
 
-/// What to look at.
+/// Options of a report.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ReportOptions {
-    /// Which row is v = 0: it decides what counts as flipped.
+    /// The row at v = 0: it decides what counts as flipped.
     pub origin: Origin,
     /// Edge of the picture in texels, for the texel density.
     pub texture_size: u32,
@@ -42,9 +42,9 @@ impl Default for ReportOptions {
 /// One triangle of the fan of a face.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TriangleReport {
-    /// Its face.
+    /// The face of the triangle.
     pub face: u32,
-    /// Places of its corners in the list of corners.
+    /// Indices of its corners in the list of corners.
     pub corners: [u32; 3],
     /// Root mean square stretch over all directions; 1 where the picture keeps lengths on average over the mesh,
     /// infinite where the triangle has no area in the picture.
@@ -59,13 +59,13 @@ pub struct TriangleReport {
     /// Texels per unit of length: the root of its area in the picture over that in space, times the picture's size.
     /// NaN without area in space.
     pub density: f32,
-    /// It has a corner outside [0, 1].
+    /// The triangle has a corner outside [0, 1].
     pub outside: bool,
-    /// Its area in the picture is negative.
+    /// The triangle's area in the picture is negative.
     pub flipped: bool,
-    /// It has area in space but none in the picture.
+    /// The triangle has area in space but none in the picture.
     pub collapsed: bool,
-    /// It lies on a triangle of another face.
+    /// The triangle lies on a triangle of another face.
     pub overlapping: bool,
 }
 
@@ -100,9 +100,9 @@ pub struct Report {
     pub overlapping: usize,
     /// Pairs of such triangles.
     pub overlap_pairs: u64,
-    /// Their common area in the picture, summed over pairs; the whole picture is 1.
+    /// Common area of these pairs in the picture, summed over pairs; the whole picture is 1.
     pub overlap_area: f64,
-    /// So many triangles lie in one place that the overlap figures are lower bounds.
+    /// So many triangles lie at one point that the overlap figures are lower bounds.
     pub overlap_at_least: bool,
     /// Triangles with a corner outside [0, 1].
     pub outside: usize,
@@ -114,7 +114,7 @@ pub struct Report {
     pub surface_area: f64,
     /// Length in space of the edges where the picture is interrupted, each edge once.
     pub seam_length: f64,
-    /// Mean share of that length which is seen, over 14 views from the axes and corners of a cube; NaN without
+    /// Mean share of that length which is seen, over 14 views from the axes and corners of a cube. NaN without
     /// views, 0 without seams.
     pub seam_seen: f64,
     /// Length in space of the mesh's own rim.
@@ -209,7 +209,7 @@ pub fn report(mesh: &Mesh<'_>, set: &UvSet, options: &ReportOptions) -> Result<R
         seam_seen: edges.seam_seen,
         rim_length: edges.rim_length,
         non_manifold_edges: edges.non_manifold,
-        islands: edges.shells,
+        islands: edges.islands,
         t_junctions: edges.t_joints,
         triangles,
     })

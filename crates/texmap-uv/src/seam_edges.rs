@@ -120,8 +120,8 @@ pub fn cut_seams(mesh: &Mesh<'_>, set: &UvSet, cuts: &SeamEdges<'_>) -> Result<U
     Ok(out)
 }
 
-/// Joins the picture across edges, in order: of two shells the smaller one (fewer faces) is moved, turned and scaled
-/// so that the edge fits; within one shell both sides take the mean. At most n log n steps for n corners and edges.
+/// Joins the picture across edges, in order: of two islands the smaller one (fewer faces) is moved, turned and scaled so that the
+/// edge fits; within one island both sides take the mean. At most n log n steps for n corners and edges.
 ///
 /// # Errors
 /// A pair that is no edge between two faces, an edge without length in the picture.
@@ -130,14 +130,14 @@ pub fn sew_seams(mesh: &Mesh<'_>, set: &UvSet, pairs: &[[u32; 2]]) -> Result<UvS
     let topology = Topology::new(mesh);
     let edges = shared_edges(mesh, &topology, pairs)?;
     let mut set = set.clone();
-    let shells = Islands::new(mesh, &set, &topology);
-    separate(&topology, &shells, &mut set);
-    let mut sewing = Sewing::new(&set, shells);
+    let islands = Islands::new(mesh, &set, &topology);
+    separate(&topology, &islands, &mut set);
+    let mut sewing = Sewing::new(&set, islands);
     for (k, there) in edges {
         let here = [k, topology.next[k] as usize];
-        let [one, two] = [here[0], there[0]].map(|k| sewing.shell[topology.face[k] as usize]);
+        let [one, two] = [here[0], there[0]].map(|k| sewing.island[topology.face[k] as usize]);
         if one != two {
-            let size = |shell: u32| sewing.faces[shell as usize].len();
+            let size = |island: u32| sewing.faces[island as usize].len();
             if size(one) >= size(two) {
                 sewing.fit(mesh, there, here, [two, one])?;
             } else {
@@ -183,14 +183,14 @@ fn shared_edges(
         .collect()
 }
 
-/// Shells and coordinates while edges are sewn. The smaller shell moves, so that a face moves log n times at most.
+/// Islands and coordinates while edges are sewn. The smaller island moves, so that a face moves log n times at most.
 struct Sewing<'a> {
     corners: &'a [u32],
     uvs: Vec<[f32; 2]>,
     /// Coordinates that have become one are a tree.
     parent: Vec<u32>,
-    /// Shell of each face, and the faces of each shell.
-    shell: Vec<u32>,
+    /// Island of each face, and the faces of each island.
+    island: Vec<u32>,
     faces: Vec<Vec<u32>>,
     /// The last move of each coordinate.
     moved: Vec<u32>,
@@ -198,16 +198,16 @@ struct Sewing<'a> {
 }
 
 impl<'a> Sewing<'a> {
-    fn new(set: &'a UvSet, shells: Islands) -> Self {
-        let mut faces = vec![Vec::new(); shells.count];
-        for (face, shell) in shells.of_face.iter().enumerate() {
-            faces[*shell as usize].push(face as u32);
+    fn new(set: &'a UvSet, islands: Islands) -> Self {
+        let mut faces = vec![Vec::new(); islands.count];
+        for (face, island) in islands.of_face.iter().enumerate() {
+            faces[*island as usize].push(face as u32);
         }
         Self {
             corners: &set.corners,
             uvs: set.uvs.clone(),
             parent: (0..set.uvs.len() as u32).collect(),
-            shell: shells.of_face,
+            island: islands.of_face,
             faces,
             moved: vec![0; set.uvs.len()],
             moves: 0,
@@ -223,14 +223,14 @@ impl<'a> Sewing<'a> {
         DVec2::from(self.uvs[index].map(f64::from))
     }
 
-    /// Moves a shell, by a similarity, so that the edge between the corners `moved` comes to lie on `still`, and adds it to
-    /// the other shell.
+    /// Moves an island, by a similarity, so that the edge between the corners `moved` comes to lie on `still`. The island then
+    /// becomes part of the other one.
     fn fit(
         &mut self,
         mesh: &Mesh<'_>,
         moved: [usize; 2],
         still: [usize; 2],
-        [shell, other]: [u32; 2],
+        [island, other]: [u32; 2],
     ) -> Result<(), UvError> {
         let ([pivot, p], [target, q]) = (moved.map(|k| self.at(k)), still.map(|k| self.at(k)));
         let (from, to) = (p - pivot, q - target);
@@ -244,9 +244,9 @@ impl<'a> Sewing<'a> {
         // The similarity as one complex factor.
         let factor = DVec2::new(from.dot(to), from.perp_dot(to)) / squared;
         self.moves += 1;
-        let faces = core::mem::take(&mut self.faces[shell as usize]);
+        let faces = core::mem::take(&mut self.faces[island as usize]);
         for &face in &faces {
-            self.shell[face as usize] = other;
+            self.island[face as usize] = other;
             for k in mesh.faces().range(face as usize) {
                 let index = self.index(k);
                 if core::mem::replace(&mut self.moved[index], self.moves) != self.moves {

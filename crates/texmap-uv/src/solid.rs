@@ -1,4 +1,4 @@
-//! The unit solids: a vector in, a place on the unit square out, in f64.
+//! The unit solids: a vector in, a point on the unit square out, in f64.
 //!
 //! Conventions of the Brown "Ray" assignments (the root of SUSTech CS lecture 08): every solid fills [-0.5, 0.5];
 //! the cone stands on its base with the apex at (0, 0.5, 0).
@@ -21,7 +21,7 @@ pub enum Shape {
     Box,
 }
 
-/// A piece of a solid that has a chart of its own, the whole unit square.
+/// A piece of a solid that has texture coordinates of its own, the whole unit square.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum ShapeFace {
     /// All of a plane or of a sphere.
@@ -92,7 +92,7 @@ impl Shape {
         }
     }
 
-    /// The place of a point on one part's chart; the component along the part's normal does not matter.
+    /// The coordinates of a point on one part's unit square. The component along the part's normal does not matter.
     pub(crate) fn place(self, part: ShapeFace, p: DVec3) -> SurfacePoint {
         match (self, part) {
             (Self::Sphere, _) => sphere(p),
@@ -104,8 +104,8 @@ impl Shape {
         }
     }
 
-    /// Where a ray from the middle of the unit solid along `d` meets its surface, and in which part. A plane is
-    /// no solid: there it is the end of the vector of length 0.5. `d` must not be zero.
+    /// Point and part at which a ray from the middle of the unit solid along `d` meets the surface. A plane is no solid: its
+    /// point is the end of the vector of length 0.5. `d` must not be zero.
     pub(crate) fn cast(self, d: DVec3) -> (ShapeFace, DVec3) {
         let out = float::sqrt(d.x * d.x + d.z * d.z);
         match self {
@@ -134,7 +134,7 @@ impl Shape {
     }
 }
 
-/// Which row of the image v = 0 names.
+/// The row of the image that v = 0 names.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Origin {
     /// v = 0 is the top row and v grows downward (glTF, and inside texmap).
@@ -144,8 +144,8 @@ pub enum Origin {
     BottomLeft,
 }
 
-/// A place on the unit square with its height measured from the middle, so that either origin is one exact
-/// addition away and nobody computes `1 - v`.
+/// A point on the unit square with its height measured from the middle. Either origin is one exact
+/// addition away, without `1 - v`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct SurfacePoint {
     /// Horizontal coordinate, 0 left, 1 right.
@@ -164,7 +164,7 @@ impl SurfacePoint {
 }
 
 impl ShapeFace {
-    /// The side of a box of the largest absolute component; equal ones are settled z before y before x, so that
+    /// The side of a box of the largest absolute component. Equal ones are settled z before y before x, so that
     /// a tie has the same answer everywhere.
     pub(crate) fn facing(d: DVec3) -> Self {
         let a = d.abs();

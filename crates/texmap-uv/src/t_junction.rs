@@ -1,4 +1,4 @@
-//! T-joints: vertices that lie inside an edge of a face that does not have them.
+//! T-junctions: vertices that lie inside an edge of a face that does not have them.
 //!
 //! Along such an edge neighbours do not share vertices: rounding leaves gaps of single pixels between them, and a
 //! picture mapped by vertices bends on one side only.
@@ -21,16 +21,16 @@ pub struct TJunction {
     pub edge: [u32; 2],
 }
 
-/// The T-joints of a mesh, by face.
+/// The T-junctions of a mesh, by face.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct TJunctions {
-    /// What was found.
+    /// The T-junctions that were found.
     pub list: Vec<TJunction>,
     /// So many vertices lie along so many edges that the search was broken off: there may be more.
     pub at_least: bool,
 }
 
-/// Finds the T-joints of a mesh, by face. Only edges of a single face have any: an edge that two faces share has no
+/// Finds the T-junctions of a mesh, by face. Only edges of a single face have any: an edge that two faces share has no
 /// gap. A vertex lies in an edge when it is nearer to it than a millionth of its length or what rounding to f32 moves
 /// it, and not within that of its ends. At most n log n steps for n edges on any input; the same list on any number of
 /// threads.
@@ -112,7 +112,7 @@ fn inside(
     )
 }
 
-/// Whether the segment from `a` along `along` meets the box, enlarged by `reach` on all sides (slabs).
+/// True if the segment from `a` along `along` meets the box, enlarged by `reach` on all sides (slabs).
 fn meets(a: DVec3, along: DVec3, [low, high]: &Bounds, reach: f64) -> bool {
     let (mut from, mut to) = (0.0, 1.0);
     for k in 0..3 {

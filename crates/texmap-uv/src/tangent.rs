@@ -1,4 +1,4 @@
-//! Tangent frames after Mikkelsen (2008), "Simulation of Wrinkled Surfaces Revisited", as his program MikkTSpace finds them.
+//! Tangent frames of MikkTSpace. Source: Mikkelsen (2008), "Simulation of Wrinkled Surfaces Revisited".
 //!
 //! The same tangents as that program and its port bevy_mikktspace, which the tests hold against it, with texmap's arc cosine.
 //! Neither of them is used: their time grows with the square of the triangles around a vertex and of those without area, and
@@ -15,11 +15,11 @@ use self::triangles::Input;
 use crate::UvError;
 use crate::mesh::{Mesh, UvSet, unit_or_zero};
 
-/// The tangent of every corner: a unit vector along growing u, square to the normal, and in the fourth place the
+/// The tangent of every corner: a unit vector along growing u, square to the normal, and as the fourth component the
 /// sign of the bitangent, `sign * cross(normal, tangent)`.
 ///
 /// `normals` has one entry per corner; one of zero length is replaced by the normal of its face. Faces of more than
-/// four corners are treated as their fan. Where the picture says nothing (no area, and no neighbour that has some)
+/// four corners are treated as their fan. If the picture says nothing (no area, and no neighbour that has some)
 /// the tangent is MikkTSpace's default, x with the sign -1, made square to the normal; never NaN. The bitangent points along
 /// growing v: down the picture where v = 0 is the top. At most n log n steps on any input: around a vertex of more than 64
 /// triangles, tangents that are exactly opposite are summed with the others, which MikkTSpace keeps apart.

@@ -113,7 +113,7 @@ impl Topology {
         })
     }
 
-    /// The places of both ends of the edge of `k`, the lower one first.
+    /// The positions of both ends of the edge of `k`, as numbers, the lower one first.
     pub(crate) fn ends(&self, mesh: &Mesh<'_>, k: usize) -> [u32; 2] {
         let [a, b] =
             [k, self.next[k] as usize].map(|k| self.welded[mesh.faces().corners()[k] as usize]);
@@ -141,7 +141,7 @@ impl Topology {
         last(k).min(last(self.twin[k] as usize))
     }
 
-    /// Whether the picture goes on across the edge of `k`: both ends use the same texture coordinates.
+    /// True if the picture goes on across the edge of `k`: both ends use the same texture coordinates.
     pub(crate) fn joined(&self, mesh: &Mesh<'_>, set: &UvSet, k: usize) -> bool {
         let here = [k, self.next[k] as usize].map(|c| set.corners[c]);
         self.across(mesh, k)
@@ -149,10 +149,10 @@ impl Topology {
     }
 }
 
-/// Twins on an edge that is not simply that of two faces, its corners in ascending order; the pairs of corners of faces
+/// Twins on an edge that is not simply that of two faces, its corners in ascending order. The pairs of corners of faces
 /// that run along it and back.
 ///
-/// A face that runs along the edge and back (two of its corners lie in one place, as in the fans of quads at a pole)
+/// A face that runs along the edge and back (two of its corners have one position, as in the fans of quads at a pole)
 /// has no area there: it stands between its neighbours like a bridge. Beside such faces two may meet, as on any edge.
 fn link(
     faces: &Faces,
@@ -230,7 +230,7 @@ pub(crate) mod tests {
         UvSet::shared(mesh, &values)
     }
 
-    /// Two quads that meet in a pole, each with a corner of its own there: their fans have faces without area, which
+    /// Two quads that meet in a pole, each with a corner of its own there. Their fans have faces without area, which
     /// are no seam, whether the corners share a position or not.
     #[test]
     fn faces_without_area_stand_between_their_neighbours() {

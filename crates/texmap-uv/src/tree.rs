@@ -14,7 +14,7 @@ const SMALL: usize = 1 << 14;
 /// A box around points, low and high corner.
 pub(crate) type Bounds = [DVec3; 2];
 
-/// Balanced by number: items are halved along the widest axis of their middles, so that no input makes it deep.
+/// Balanced by number. Items are halved along the widest axis of their middles, so that no input makes it deep.
 pub(crate) struct BoxTree {
     /// In pre-order; both halves of a node have the same number of levels.
     nodes: Vec<Bounds>,
@@ -43,7 +43,7 @@ impl BoxTree {
         }
     }
 
-    /// Visits the items of all leaves whose boxes, and those of all nodes above them, are `reached`; others among them.
+    /// Visits the items of all leaves whose boxes, and those of all nodes above them, are `reached`. Others among them.
     /// False when the meter ran out, or `visit` said so, before the end.
     pub(crate) fn search(
         &self,
@@ -159,9 +159,9 @@ pub(crate) fn steps_for(count: usize) -> u64 {
     (count * 256).max((count << 16).min(1 << 28))
 }
 
-/// Finds something around each of `count` items within a number of steps, on all cores, in the order of the items: what was
-/// found, with its item, and the items whose search did not come to its end. Steps are shared out evenly; what items leave
-/// over goes to those that had too few, which begin anew. The same result on any number of threads.
+/// Finds something around each of `count` items within a number of steps, on all cores. Returns the finds, each with its
+/// item, in the order of the items, and the items whose search did not come to its end. Steps are shared out evenly; what
+/// items leave over goes to those that had too few, which begin anew. The same result on any number of threads.
 pub(crate) fn search_each<T: Send>(
     count: usize,
     steps: u64,

@@ -10,17 +10,17 @@ use crate::seam_edges::SeamEdges;
 use crate::topology::Topology;
 use crate::{Origin, UvError};
 
-/// Most corners of a face, and most triangles around a vertex: the unwrapper compares all triangles of a fan with one another,
+/// Most corners of a face, and most triangles around a vertex. The unwrapper compares all triangles of a fan with one another,
 /// and the time for one of these many is a few seconds.
 const AROUND: usize = 2048;
 
-/// Unwraps the mesh into charts on one page, without overlaps and inside [0, 1]; `cuts` are required seams, and the
+/// Unwraps the mesh into islands in one atlas, without overlaps and inside [0, 1]. `cuts` are required seams, and the
 /// polygons of the mesh stay whole. The same bytes on every platform and thread count.
 ///
-/// Half of the gutter, rounded up, is kept around every chart.
+/// Half of the gutter, rounded up, is kept around every island.
 ///
-/// `progress` hears after each step how many of how many (if known) are done in the present stage: charts are found, flattened, packed
-/// and written. It may be called from any thread, and ends the work by [`ControlFlow::Break`].
+/// `progress` hears after each step how many of how many (if known) are done in the present stage: islands are found, flattened,
+/// packed and written. It may be called from any thread, and ends the work by [`ControlFlow::Break`].
 ///
 /// # Errors
 /// [`UvError::Cancelled`] after a break; a cut that is no edge, a face of more than 2048 corners, more than 2048 triangles around a vertex, or whatever the
@@ -28,7 +28,7 @@ const AROUND: usize = 2048;
 pub fn unwrap(
     mesh: &Mesh<'_>,
     cuts: &SeamEdges<'_>,
-    page: AtlasSize,
+    atlas_size: AtlasSize,
     origin: Origin,
     progress: &(dyn Fn(usize, Option<usize>) -> ControlFlow<()> + Sync),
 ) -> Result<UvSet, UvError> {
@@ -56,9 +56,9 @@ pub fn unwrap(
     };
     let options = uvunwrap::Options {
         density: uvunwrap::Density::Auto {
-            page_size: page.size,
+            page_size: atlas_size.size,
         },
-        padding: page.gutter.div_ceil(2),
+        padding: atlas_size.gutter.div_ceil(2),
         packing: uvunwrap::Packing::Fast,
         ..uvunwrap::Options::default()
     };
@@ -74,19 +74,19 @@ pub fn unwrap(
     if atlas.page_count > 1 {
         return Err(UvError::DoesNotFit {
             charts: atlas.chart_count as usize,
-            size: page.size,
-            gutter: page.gutter,
+            size: atlas_size.size,
+            gutter: atlas_size.gutter,
         });
     }
     let out = atlas.meshes.into_iter().next().unwrap_or_default();
-    // The page is cropped in height; on a square page it keeps its texels.
-    let height = f64::from(atlas.height) / f64::from(page.size);
-    let width = f64::from(atlas.width) / f64::from(page.size);
+    // The atlas is cropped in height; made square again, it keeps its texels.
+    let height = f64::from(atlas.height) / f64::from(atlas_size.size);
+    let width = f64::from(atlas.width) / f64::from(atlas_size.size);
     let mut values = alloc::vec![[0.0f32; 2]; corners.len()];
     for ((_, c), indices) in triangles.iter().zip(out.indices.as_chunks::<3>().0) {
         for (k, i) in c.iter().zip(indices) {
             let [u, v] = out.vertices[*i as usize].uv.map(f64::from);
-            // Its charts are counter-clockwise with v upward; for a top-left picture they are mirrored in v.
+            // The unwrapper's islands are counter-clockwise with v upward; for a top-left picture they are mirrored in v.
             let v = v * height;
             values[*k] = [
                 (u * width) as f32,

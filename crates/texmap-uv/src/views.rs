@@ -1,4 +1,4 @@
-//! Which edges are seen from outside: a depth map from each of 14 sides.
+//! Edges seen from outside, by a depth map from each of 14 sides.
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -11,12 +11,12 @@ use crate::topology::{Topology, edge_length};
 /// Edge of a depth map.
 const SIZE: usize = 256;
 
-/// Most pixels that the triangles and edges of one view may meet; very many large ones get a smaller map.
+/// Most pixels that the triangles and edges of one view may meet. Very many large ones get a smaller map.
 const PIXELS: f64 = (1 << 25) as f64;
 
-/// Mean share of the edges' length (each named by one corner) that is seen without perspective from the six axes
-/// and the eight corners of a cube. Depth is compared at the pixels of a 256 x 256 map (a smaller one where triangles
-/// overlap hundreds of times), so the answer is a measure, not a proof.
+/// Mean part of the edges' length that is seen from the six axes and the eight corners of a cube. Views are without
+/// perspective; each edge is named by one corner. Depth is compared at the pixels of a 256 x 256 map (a smaller one
+/// where triangles overlap hundreds of times), so the answer is a measure, not a proof.
 pub(crate) fn seen(mesh: &Mesh<'_>, topology: &Topology, edges: &[usize]) -> f64 {
     let (low, high) = mesh.bounds(&DMat3::IDENTITY);
     let (centre, radius) = ((low + high) * 0.5, length(high - low) * 0.5);

@@ -11,7 +11,7 @@ pub use texmap_math::{Camera, Footprint, Homography, Level};
 #[cfg(feature = "raster")]
 pub use texmap_raster::{BinnedDraws, DrawCall, TargetSize};
 #[cfg(feature = "render")]
-pub use texmap_render::{Frame, RenderSettings, render};
+pub use texmap_render::{Frame, RenderSettings, no_progress, render};
 #[cfg(feature = "sample")]
 pub use texmap_sample::{ColorSpace, Filter, Origin, Sampler, Texture2d, Wrap};
 #[cfg(feature = "scene")]

@@ -1,4 +1,4 @@
-//! What stands in the repository: the README's commands and the committed scenes.
+//! Files of the repository: the README's commands and the committed scenes.
 
 use crate::program::{Desk, root, run};
 

@@ -7,7 +7,7 @@ use std::process::Command;
 
 use crate::program::Desk;
 
-/// Every place of every verb that takes a file to read, as `X`; the ending that it needs.
+/// Every argument of every verb that takes a file to read, as `X`; the ending that it needs.
 const READERS: [(&str, &str); 26] = [
     ("render X -o out.png", "scene"),
     ("render X -o out.png", "obj"),

@@ -56,7 +56,7 @@ fn send(child: &Child, signal: &str) {
     assert!(sent.unwrap().success());
 }
 
-/// How it ended, and what it said.
+/// Exit code and output of a run that has ended.
 fn end(mut child: Child) -> (Option<i32>, String) {
     wait_for("the end", || child.try_wait().unwrap().is_some());
     let out = child.wait_with_output().unwrap();

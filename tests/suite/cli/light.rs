@@ -110,7 +110,7 @@ fn environments_are_refused_with_their_reason() {
     desk.refused("env none.png -o out.png --to cube", 4, "none.png");
 }
 
-/// Light below 0 is kept by EXR and counted where a format has no room for it.
+/// Light below 0 is kept by EXR and counted where a format cannot hold it.
 #[test]
 fn negative_light_is_kept_or_told() {
     let desk = Desk::new();
@@ -140,7 +140,7 @@ fn negative_light_is_kept_or_told() {
     );
 }
 
-/// A floor with coordinates, a board above it, a lamp.
+/// A floor with coordinates, a board above it, a light.
 fn room(desk: &Desk, more: &str) {
     desk.put("floor.obj", "o floor\nv -2 0 2\nv 2 0 2\nv 2 0 -2\nv -2 0 -2\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nf 1/1 2/2 3/3 4/4\n");
     desk.put(
@@ -178,7 +178,7 @@ fn baked_light_is_the_light_that_was_baked() {
     assert!(gray.pixels().all(|p| p[0] == p[1] && p[1] == p[2]));
 }
 
-/// The floor alone under a lamp, with this surface and power, lit or under a light map.
+/// The floor alone under a light, with this surface and power, lit or under a light map.
 fn floor_under_a_lamp(desk: &Desk, kd: f32, power: f32, more: &str) {
     room(desk, "");
     let cool = 0.8 * power;
@@ -213,7 +213,7 @@ fn baked_light_is_live_light_in_every_format() {
             let told = desk.texmap(&bake).ok().stderr.contains("were clipped");
             assert_eq!(told, clipped && format == "png", "{format} {power}");
         }
-        // What bake does not write, but a scene reads: 16 bits of sRGB.
+        // A format that bake does not write, but a scene reads: 16 bits of sRGB.
         let light = image::open(desk.path("map.exr")).unwrap().into_rgb32f();
         let code = |c: f32| (f64::from(color::linear_to_srgb(c)) * 65535.0 + 0.5) as u16;
         image::ImageBuffer::from_fn(256, 256, |x, y| Rgb(light.get_pixel(x, y).0.map(code)))

@@ -1,4 +1,4 @@
-//! Bad inputs: each gives one line that names the place and one that says what to try, exit
+//! Bad inputs: each gives one line that names the position of the fault and one that says what to try, exit
 //! code 4, and leaves the existing picture as it was.
 
 use crate::program::{Desk, MODEL, ROOM};
@@ -8,7 +8,7 @@ struct Case {
     name: &'static str,
     /// Arguments after `render`; `-o out.png` is added.
     input: &'static str,
-    /// What the first line must hold.
+    /// Text that the first line must hold.
     place: &'static str,
     code: &'static str,
     prepare: fn(&Desk),
@@ -422,7 +422,7 @@ fn thirty_and_more_bad_inputs_name_their_place_and_leave_the_old_picture() {
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
-/// The twin: the desk these cases start from is good, and does replace the old picture.
+/// The negative twin: the desk these cases start from is good, and does replace the old picture.
 #[test]
 fn the_unspoilt_inputs_replace_the_old_picture() {
     for input in ["room.scene", "m.obj"] {

@@ -35,7 +35,7 @@ impl Desk {
         assert_eq!(self.names(), before, "{arguments}");
     }
 
-    /// An array of zeros that takes no room on the disk.
+    /// An array of zeros that takes no space on the disk.
     fn put_zeros(&self, name: &str, descr: &str, shape: &str, bytes: u64) {
         let mut header =
             format!("{{'descr': '{descr}', 'fortran_order': False, 'shape': ({shape}), }}");
@@ -162,7 +162,7 @@ fn files_are_small_and_what_they_hold_is_large() {
     }
 }
 
-/// Where a little is missing instead of a lot: whatever the limit, the program ends by itself.
+/// The program ends by itself whatever the limit, also if only a little memory is missing.
 #[test]
 fn no_limit_ends_in_an_abort() {
     let desk = Desk::new();

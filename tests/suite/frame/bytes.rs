@@ -1,5 +1,7 @@
 //! The same scene gives the same bytes, however the work is handed out.
 
+use std::ops::ControlFlow;
+
 use texmap_benches::bench_scenes::{Content, Hidden, SCENES};
 use texmap_light::{
     Environment, EnvironmentLayout, Light, NormalMapGreen, PhongMaterial, ProjectorBorder,
@@ -167,14 +169,14 @@ fn threads_levels_and_block_order_reach_no_pixel() {
     let scene = busy();
     for supersample in [1, 3] {
         let settings = settings(supersample);
-        let expected = render(&scene, &settings, &|_, _| ()).unwrap();
+        let expected = render(&scene, &settings, &texmap_render::no_progress).unwrap();
         for threads in [1, 2, 3, 8] {
             let settings = RenderSettings {
                 threads: Some(threads),
                 ..settings.clone()
             };
             assert_same(
-                &render(&scene, &settings, &|_, _| ()).unwrap(),
+                &render(&scene, &settings, &texmap_render::no_progress).unwrap(),
                 &expected,
                 &format!("{threads} threads"),
             );
@@ -185,7 +187,7 @@ fn threads_levels_and_block_order_reach_no_pixel() {
                 ..settings.clone()
             };
             assert_same(
-                &render(&scene, &settings, &|_, _| ()).unwrap(),
+                &render(&scene, &settings, &texmap_render::no_progress).unwrap(),
                 &expected,
                 name,
             );
@@ -204,7 +206,7 @@ fn threads_levels_and_block_order_reach_no_pixel() {
                 ..settings.clone()
             };
             assert_same(
-                &render_ordered(&scene, &settings, &|_, _| (), order).unwrap(),
+                &render_ordered(&scene, &settings, &texmap_render::no_progress, order).unwrap(),
                 &expected,
                 "block order",
             );
@@ -212,8 +214,9 @@ fn threads_levels_and_block_order_reach_no_pixel() {
     }
 }
 
-/// Every stage of lit surfaces that has lanes: normal maps on both sides, spot, directional and point lights with all biases, slides with
-/// and without shadows, real and whole exponents, mirrors with and without relief, normals in object space, baked light beside computed.
+/// Every stage of lit surfaces that has lanes: normal maps on both sides, spot, directional and point lights with all biases,
+/// projectors with and without shadows, real and whole exponents, mirrors with and without bumps, normals in object space, baked
+/// light beside computed.
 fn lit() -> Scene {
     let bumps = texture(64, 64, |x, y| {
         [
@@ -230,7 +233,7 @@ fn lit() -> Scene {
             [40, 60, 90, 255]
         }
     });
-    let relief = |green, rebuild_z| {
+    let detail = |green, rebuild_z| {
         Some(NormalDetail::NormalMap {
             slot: slot(0, Filter::Trilinear).unwrap(),
             green,
@@ -248,7 +251,7 @@ fn lit() -> Scene {
     });
     let floor = Material {
         base_color: slot(1, Filter::Trilinear),
-        normal_detail: relief(NormalMapGreen::Up, false),
+        normal_detail: detail(NormalMapGreen::Up, false),
         specular_model: SpecularModel::Blinn,
         phong: PhongMaterial {
             ns: 20.5,
@@ -257,7 +260,7 @@ fn lit() -> Scene {
         ..Material::default()
     };
     let metal = Material {
-        normal_detail: relief(NormalMapGreen::Down, true),
+        normal_detail: detail(NormalMapGreen::Down, true),
         horizon_clamp: false,
         reflection,
         phong: PhongMaterial {
@@ -283,7 +286,7 @@ fn lit() -> Scene {
         ..Material::default()
     };
     // Of a texture with alpha, of which only the colour counts.
-    let veil = texture(16, 16, |x, y| {
+    let opacity = texture(16, 16, |x, y| {
         [(x * 16) as u8, (y * 13) as u8, 90, 100 + (8 * x) as u8]
     });
     let baked = Material {
@@ -295,7 +298,7 @@ fn lit() -> Scene {
         }),
         ..Material::default()
     };
-    let lamp = |x: f64, border, softness, shadow, role| {
+    let projector = |x: f64, border, softness, shadow, role| {
         let position = DVec3::new(x, 3.0, 1.0);
         let look = DVec3::new(0.0, -0.5, -4.0);
         ProjectorLight {
@@ -312,11 +315,11 @@ fn lit() -> Scene {
             shadow,
         }
     };
-    let shadow = |light, bias, taps| Shadow {
+    let shadow = |light, bias, pcf_size| Shadow {
         light,
         size: Some(256),
         bias: Some(bias),
-        pcf_size: taps,
+        pcf_size,
         area: (light == 3).then_some((DVec3::new(0.0, 0.0, -3.0), 2.0)),
     };
     let light = ProjectorMode::Light([0.4, 0.5, 0.3]);
@@ -342,7 +345,7 @@ fn lit() -> Scene {
                 position: [0.0, 2.5, -1.0],
             },
         ],
-        textures: vec![bumps, checker, veil],
+        textures: vec![bumps, checker, opacity],
         materials: vec![floor, metal, mirror, carved, baked],
         meshes: vec![
             ground(),
@@ -375,8 +378,8 @@ fn lit() -> Scene {
                 shadow(3, ShadowBias::Constant(0.02), 1),
             ],
             projectors: vec![
-                lamp(1.0, ProjectorBorder::Black, 0.1, Some(128), light),
-                lamp(-1.0, ProjectorBorder::Repeat, 0.0, None, light),
+                projector(1.0, ProjectorBorder::Black, 0.1, Some(128), light),
+                projector(-1.0, ProjectorBorder::Repeat, 0.0, None, light),
             ],
             environments: vec![sky.unwrap().with_mips()],
             ..Effects::default()
@@ -389,7 +392,7 @@ fn lit() -> Scene {
 fn lit_surfaces_have_the_same_bytes_sample_by_sample_and_in_lanes() {
     let scene = lit();
     let settings = RenderSettings::new(200, 150);
-    let expected = render(&scene, &settings, &|_, _| ()).unwrap();
+    let expected = render(&scene, &settings, &texmap_render::no_progress).unwrap();
     for (name, level) in levels() {
         for (supersample, msaa) in [(1, 1), (1, 4), (2, 1)] {
             let settings = |level| RenderSettings {
@@ -398,8 +401,9 @@ fn lit_surfaces_have_the_same_bytes_sample_by_sample_and_in_lanes() {
                 msaa,
                 ..settings.clone()
             };
-            let one = render(&scene, &settings(level), &|_, _| ()).unwrap();
-            let best = render(&scene, &settings(Level::new()), &|_, _| ()).unwrap();
+            let one = render(&scene, &settings(level), &texmap_render::no_progress).unwrap();
+            let best =
+                render(&scene, &settings(Level::new()), &texmap_render::no_progress).unwrap();
             assert_same(&one, &best, name);
         }
     }
@@ -407,7 +411,7 @@ fn lit_surfaces_have_the_same_bytes_sample_by_sample_and_in_lanes() {
     let without = |change: &dyn Fn(&mut Scene)| {
         let mut scene = lit();
         change(&mut scene);
-        let frame = render(&scene, &settings, &|_, _| ()).unwrap();
+        let frame = render(&scene, &settings, &texmap_render::no_progress).unwrap();
         let pairs = frame.rgba.chunks(4).zip(expected.rgba.chunks(4));
         assert!(pairs.filter(|(a, b)| a != b).count() > 100);
     };
@@ -466,11 +470,13 @@ fn benchmark_scenes_have_the_same_bytes_everywhere() {
                 if redrawn {
                     renderer.redraw_shadows().unwrap();
                 }
-                let mut frame = renderer.draw(&|_, _| ()).unwrap();
+                let mut frame = renderer.draw(&texmap_render::no_progress).unwrap();
                 if backwards {
                     // Another order of tiles, over what the frame before has left in the buffers.
                     let order = |blocks| (0..blocks).rev().collect();
-                    renderer.draw_into(&mut frame, &|_, _| (), &order).unwrap();
+                    renderer
+                        .draw_into(&mut frame, &texmap_render::no_progress, &order)
+                        .unwrap();
                 }
                 pixel_hash(&frame)
             };
@@ -491,7 +497,7 @@ fn benchmark_scenes_have_the_same_bytes_everywhere() {
 #[test]
 fn a_change_of_the_scene_reaches_the_hash() {
     let scene = busy();
-    let frame = render(&scene, &settings(1), &|_, _| ()).unwrap();
+    let frame = render(&scene, &settings(1), &texmap_render::no_progress).unwrap();
     let mut seen: Vec<_> = frame.rgba.chunks_exact(4).collect();
     seen.sort_unstable();
     seen.dedup();
@@ -499,7 +505,7 @@ fn a_change_of_the_scene_reaches_the_hash() {
     let mut moved = busy();
     moved.meshes[3].positions[0][0] += 0.02;
     assert_ne!(
-        pixel_hash(&render(&moved, &settings(1), &|_, _| ()).unwrap()),
+        pixel_hash(&render(&moved, &settings(1), &texmap_render::no_progress).unwrap()),
         pixel_hash(&frame)
     );
 }
@@ -507,12 +513,39 @@ fn a_change_of_the_scene_reaches_the_hash() {
 #[test]
 fn progress_counts_every_block_once() {
     let calls = std::sync::Mutex::new(Vec::new());
-    let note = |done, of| calls.lock().unwrap().push((done, of));
+    let note = |done, of| {
+        calls.lock().unwrap().push((done, of));
+        ControlFlow::Continue(())
+    };
     render(&busy(), &settings(2), &note).unwrap();
     let mut calls = calls.into_inner().unwrap();
     calls.sort_unstable();
     // 4 x 3 blocks, twice: AOVs have their own pass under supersampling.
     assert_eq!(calls, (1..=24).map(|done| (done, 24)).collect::<Vec<_>>());
+}
+
+/// A break ends the work before every block is drawn, with an error of its own; without one the same callback draws all.
+#[test]
+fn a_break_of_the_callback_cancels_the_frame() {
+    let calls = std::sync::atomic::AtomicUsize::new(0);
+    let after_three = |_, of| {
+        let done = calls.fetch_add(1, std::sync::atomic::Ordering::Relaxed) + 1;
+        assert_eq!(of, 24);
+        match done {
+            ..3 => ControlFlow::Continue(()),
+            _ => ControlFlow::Break(()),
+        }
+    };
+    let two = RenderSettings {
+        threads: Some(2),
+        ..settings(2)
+    };
+    let error = render(&busy(), &two, &after_three).unwrap_err();
+    assert_eq!(error, RenderError::Cancelled);
+    assert_eq!(error.code(), "cancelled");
+    // Each thread may have one block under way.
+    let calls = calls.into_inner();
+    assert!((3..=3 + 2).contains(&calls), "{calls}");
 }
 
 #[test]
@@ -523,7 +556,7 @@ fn no_threads_is_an_error() {
             threads: Some(0),
             ..settings(1)
         },
-        &|_, _| (),
+        &texmap_render::no_progress,
     )
     .unwrap_err();
     assert!(

@@ -227,7 +227,8 @@ fn they_have_the_same_bytes_everywhere() {
             supersample: if seed / 2 == 2 { 2 } else { 1 },
             ..RenderSettings::new(90, 70)
         };
-        let expected = render(&scene, &settings, &|_, _| ()).expect("a good scene");
+        let expected =
+            render(&scene, &settings, &texmap_render::no_progress).expect("a good scene");
         colours.extend(expected.rgba.chunks_exact(4).map(<[u8]>::to_vec));
         let same = |frame: texmap_render::Frame, what: &str| {
             assert_eq!(
@@ -241,7 +242,9 @@ fn they_have_the_same_bytes_everywhere() {
             .expect("a good scene")
             .staged();
         same(
-            general.draw(&|_, _| ()).expect("a good scene"),
+            general
+                .draw(&texmap_render::no_progress)
+                .expect("a good scene"),
             "all stages",
         );
         for (name, level) in levels() {
@@ -250,7 +253,7 @@ fn they_have_the_same_bytes_everywhere() {
                 ..settings.clone()
             };
             same(
-                render(&scene, &settings, &|_, _| ()).expect("a good scene"),
+                render(&scene, &settings, &texmap_render::no_progress).expect("a good scene"),
                 name,
             );
         }
@@ -260,7 +263,7 @@ fn they_have_the_same_bytes_everywhere() {
                 ..settings.clone()
             };
             let backwards = |n: usize| (0..n).rev().collect();
-            let frame = render_ordered(&scene, &settings, &|_, _| (), &backwards);
+            let frame = render_ordered(&scene, &settings, &texmap_render::no_progress, &backwards);
             same(frame.expect("a good scene"), &format!("{threads} threads"));
         }
     }
@@ -279,8 +282,12 @@ fn a_volume_ends_at_what_is_solid() {
         scene.effects.grids = vec![uniform(1.0)];
         for step in [0.05, 100.0] {
             scene.effects.volumes = vec![fog(0.7, step)];
-            let frame =
-                render(&scene, &RenderSettings::new(65, 65), &|_, _| ()).expect("a good scene");
+            let frame = render(
+                &scene,
+                &RenderSettings::new(65, 65),
+                &texmap_render::no_progress,
+            )
+            .expect("a good scene");
             for (x, y) in [(32u32, 32u32), (50, 10), (3, 60)] {
                 let slope = |i: u32| (f64::from(i) + 0.5 - 32.5) / 32.5;
                 let length = inside * (1.0 + slope(x).powi(2) + slope(y).powi(2)).sqrt();
@@ -294,7 +301,12 @@ fn a_volume_ends_at_what_is_solid() {
         }
         // With a far plane, too.
         scene.camera.far = 50.0;
-        let frame = render(&scene, &RenderSettings::new(65, 65), &|_, _| ()).expect("a good scene");
+        let frame = render(
+            &scene,
+            &RenderSettings::new(65, 65),
+            &texmap_render::no_progress,
+        )
+        .expect("a good scene");
         let found = f64::from(frame.rgba[(32 * 65 + 32) * 4]);
         assert!((found - 255.0 * (1.0 - (-0.7 * inside).exp())).abs() <= 0.6);
     }
@@ -314,7 +326,7 @@ fn a_backdrop_is_background() {
         aovs,
         ..RenderSettings::new(64, 64)
     };
-    let bare = render(&scene, &settings, &|_, _| ()).expect("a good scene");
+    let bare = render(&scene, &settings, &texmap_render::no_progress).expect("a good scene");
     scene.effects.background = Some(Background::Picture(slot(
         0,
         Filter::Nearest,
@@ -325,7 +337,7 @@ fn a_backdrop_is_background() {
         texmap_raster::DepthTest::LessOrEqual,
     ] {
         scene.depth_test = depth_test;
-        let frame = render(&scene, &settings, &|_, _| ()).expect("a good scene");
+        let frame = render(&scene, &settings, &texmap_render::no_progress).expect("a good scene");
         let at = |x: usize, y: usize| &frame.rgba[(y * 64 + x) * 4..][..3];
         assert_eq!(
             (at(2, 2), at(61, 40), at(32, 32)),
@@ -351,7 +363,12 @@ fn crisp_edges_are_one_pixel_wide() {
             textures: vec![mask.clone()],
             ..empty()
         };
-        let frame = render(&scene, &RenderSettings::new(64, 64), &|_, _| ()).expect("a good scene");
+        let frame = render(
+            &scene,
+            &RenderSettings::new(64, 64),
+            &texmap_render::no_progress,
+        )
+        .expect("a good scene");
         let row = &frame.rgba[32 * 64 * 4..33 * 64 * 4];
         row.chunks_exact(4)
             .filter(|p| p[0] > 0 && p[0] < 255)
@@ -373,9 +390,13 @@ fn faults_are_named_before_the_first_pixel() {
         scene
     };
     let says = |scene: Scene, words: &str| {
-        let error = render(&scene, &RenderSettings::new(8, 8), &|_, _| ())
-            .expect_err(words)
-            .to_string();
+        let error = render(
+            &scene,
+            &RenderSettings::new(8, 8),
+            &texmap_render::no_progress,
+        )
+        .expect_err(words)
+        .to_string();
         assert!(error.contains(words), "{error} / {words}");
     };
     let with_volume = |volume: Volume| {

@@ -27,7 +27,8 @@ fn supersampling_averages_light_not_codes() {
                 supersample,
                 ..RenderSettings::new(9, 9)
             };
-            let frame = render(&half_covered(mode), &settings, &|_, _| ()).unwrap();
+            let frame =
+                render(&half_covered(mode), &settings, &texmap_render::no_progress).unwrap();
             assert_eq!(
                 pixel(&frame, 4, 4),
                 [expected, expected, expected, 255],
@@ -49,7 +50,7 @@ fn every_number_of_samples_fills_its_blocks() {
             supersample,
             ..RenderSettings::new(131, 67)
         };
-        let frame = render(&scene, &settings, &|_, _| ()).unwrap();
+        let frame = render(&scene, &settings, &texmap_render::no_progress).unwrap();
         assert!(
             frame.rgba.chunks_exact(4).all(|p| p == [255, 0, 0, 255]),
             "{supersample}"
@@ -68,7 +69,7 @@ fn supersampling_leaves_the_aovs_alone() {
             aovs: Aov::ALL.to_vec(),
             ..RenderSettings::new(33, 21)
         };
-        bits(&render(&scene, &settings, &|_, _| ()).unwrap())
+        bits(&render(&scene, &settings, &texmap_render::no_progress).unwrap())
     };
     assert_eq!(at(2), at(1));
     assert_eq!(at(3), at(1));
@@ -220,7 +221,7 @@ fn float_texels_are_not_clipped_on_any_level() {
                         msaa,
                         ..RenderSettings::new(96, 70)
                     };
-                    render(&scene, &settings, &|_, _| ()).unwrap()
+                    render(&scene, &settings, &texmap_render::no_progress).unwrap()
                 };
                 let best = frame(Level::new());
                 for (name, level) in levels() {

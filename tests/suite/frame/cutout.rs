@@ -73,7 +73,7 @@ fn an_opaque_fence_has_no_holes() {
     assert!(faces(&frame).iter().all(|face| *face == 7));
 }
 
-/// Filtered alpha is cut at one half, wherever the fence is drawn in the order; nearest cuts above zero.
+/// Filtered alpha is cut at one half, wherever the fence is drawn in the order. Nearest cuts above zero.
 #[test]
 fn filtered_alpha_is_cut_at_one_half() {
     let columns_of = |alpha, filter| {
@@ -102,7 +102,7 @@ fn an_override_of_the_filter_moves_the_rule_with_it() {
     let frame = render(
         &fence(AlphaMode::Test(0.0), Filter::Nearest),
         &settings,
-        &|_, _| (),
+        &texmap_render::no_progress,
     )
     .unwrap();
     let kept = faces(&frame)[512..768]
@@ -137,12 +137,12 @@ fn opacity_and_its_map_take_part() {
     assert_eq!(pixel(&frame, 8, 48), [0, 0, 255, 255]);
 }
 
-/// A fence throws the shadow of its boards: light goes through the holes that the camera sees.
+/// A fence casts the shadow of its boards: light goes through the holes that the camera sees.
 #[test]
 fn holes_let_light_through() {
     let mut scene = fence(AlphaMode::Test(0.0), Filter::Nearest);
     scene.materials[1].shading = texmap_scene::Shading::PerPixel;
-    // A point of the fence at x throws its shadow to x + 0.5 on the wall.
+    // A point of the fence at x casts its shadow to x + 0.5 on the wall.
     scene.lights = vec![texmap_light::Light::Directional {
         color: [1.0; 3],
         direction: [0.5, 0.0, -1.0],
@@ -161,7 +161,7 @@ fn holes_let_light_through() {
             threads: Some(threads),
             ..RenderSettings::new(160, 160)
         };
-        render(&scene, &settings, &|_, _| ()).expect("a good scene")
+        render(&scene, &settings, &texmap_render::no_progress).expect("a good scene")
     };
     let frame = shadow(1);
     // Two world units from the eye, 90 degrees wide.

@@ -1,4 +1,4 @@
-//! Shadows, slides, environments, relief and light maps in whole frames.
+//! Shadows, projectors, environments, bump and light maps in whole frames.
 
 use texmap_bake::{BakeOptions, bake};
 use texmap_light::{
@@ -29,7 +29,7 @@ fn shadow(light: usize) -> Shadow {
     }
 }
 
-fn slide(texture: usize, role: ProjectorMode, map: Option<u32>) -> ProjectorLight {
+fn projector_light(texture: usize, role: ProjectorMode, map: Option<u32>) -> ProjectorLight {
     let position = DVec3::new(0.5, 1.5, -0.5);
     ProjectorLight {
         projector: Projector::new(position, DVec3::new(0.0, -0.3, -3.0), DVec3::Y, 0.9, 1.5)
@@ -134,8 +134,8 @@ fn all() -> Scene {
         effects: Effects {
             shadows: vec![shadow(1), shadow(2), shadow(3)],
             projectors: vec![
-                slide(0, ProjectorMode::Light([0.6; 3]), Some(128)),
-                slide(2, ProjectorMode::Decal, None),
+                projector_light(0, ProjectorMode::Light([0.6; 3]), Some(128)),
+                projector_light(2, ProjectorMode::Decal, None),
             ],
             environments: vec![sky],
             ..Effects::default()
@@ -153,7 +153,7 @@ fn settings() -> RenderSettings {
 }
 
 fn rendered(scene: &Scene, settings: &RenderSettings) -> Frame {
-    render(scene, settings, &|_, _| ()).unwrap()
+    render(scene, settings, &texmap_render::no_progress).unwrap()
 }
 
 /// The law of the same bytes holds with every effect on.
@@ -222,7 +222,7 @@ fn every_effect_is_seen() {
 #[test]
 fn no_buffer_holds_a_nan_of_its_own() {
     let mut hostile = all();
-    // Normals without length, coordinates without area, a slide seen edge-on, a light in a vertex.
+    // Normals without length, coordinates without area, a projected picture seen edge-on, a light in a vertex.
     hostile.meshes[1].normals = vec![[0.0; 3]; 4];
     hostile.meshes[2].uvs = vec![[0.5, 0.5]; 4];
     hostile.lights[2] = Light::Point {
@@ -230,10 +230,10 @@ fn no_buffer_holds_a_nan_of_its_own() {
         position: hostile.meshes[2].positions[0],
     };
     let mut scenes = vec![all(), hostile];
-    // Reliefs beyond all measure, on a floor whose coordinates collapse at one corner.
+    // Bumps beyond all measure, on a floor whose coordinates collapse at one corner.
     let slot = || slot(1, Filter::Bilinear).unwrap();
     for size in [1e30, -1e30, 1e-30] {
-        for relief in [
+        for detail in [
             NormalDetail::Bump {
                 slot: slot(),
                 height: size,
@@ -254,7 +254,7 @@ fn no_buffer_holds_a_nan_of_its_own() {
         ] {
             let mut scene = all();
             scene.meshes[0].uvs[2] = scene.meshes[0].uvs[1];
-            scene.materials[0].normal_detail = Some(relief);
+            scene.materials[0].normal_detail = Some(detail);
             scenes.push(scene);
         }
     }
@@ -267,7 +267,7 @@ fn no_buffer_holds_a_nan_of_its_own() {
                     .find(|v| !v.is_finite() && v.to_bits() != HOLE_BITS);
                 assert!(bad.is_none(), "{aov}: {bad:?}");
                 assert!(
-                    // Light 0 is ambient: it throws no shadow.
+                    // Light 0 is ambient: it casts no shadow.
                     values.iter().any(|v| v.is_finite()) || *aov == Aov::Shadow(0),
                     "{aov}"
                 );
@@ -306,7 +306,7 @@ fn blockers_only_darken() {
     }
 }
 
-/// A slide as light is the lamp's own formula at each pixel; property 31: a light map of ones is the surface itself.
+/// A projector as light is the light's own formula at each pixel. Property 31: a light map of ones is the surface itself.
 #[test]
 fn a_white_light_map_is_the_surface() {
     let white = texture(4, 4, |_, _| [255; 4]);
@@ -370,7 +370,7 @@ fn slides_do_not_follow_the_eye() {
                     filter: Filter::Nearest,
                     ..Sampler::default()
                 },
-                ..slide(0, ProjectorMode::Light([1.0; 3]), None)
+                ..projector_light(0, ProjectorMode::Light([1.0; 3]), None)
             }],
             ..Effects::default()
         },
@@ -410,7 +410,7 @@ fn slides_do_not_follow_the_eye() {
     }
 }
 
-/// What stands behind a projector or beside its lens gets nothing of its slide, whatever the border rule: t is tested before the
+/// A point behind a projector or beside its lens gets nothing of its picture, whatever the border rule: t is tested before the
 /// division, on every level.
 #[test]
 fn nothing_behind_a_projector_is_lit() {
@@ -444,7 +444,7 @@ fn nothing_behind_a_projector_is_lit() {
                     filter,
                     ..Sampler::default()
                 },
-                ..slide(0, role, None)
+                ..projector_light(0, role, None)
             }],
             ..Effects::default()
         },
@@ -524,18 +524,18 @@ fn faults_of_effects_are_named() {
     assert!(text(|s| s.effects.projectors[1].softness = 2.0).contains("softness"));
     assert!(text(|s| s.effects.environments.clear()).contains("does not exist"));
     assert!(text(|s| s.materials[0].light_map.as_mut().unwrap().scale = -1.0).contains("scale"));
-    // A slide of no size, a projector that looks nowhere.
-    let thrown = |look: DVec3, up: DVec3, fov: f64, aspect: f64| {
+    // A picture of no size, a projector that looks nowhere.
+    let bad_projector = |look: DVec3, up: DVec3, fov: f64, aspect: f64| {
         Projector::new(DVec3::ZERO, look, up, fov, aspect)
             .unwrap_err()
             .to_string()
     };
     for aspect in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-        assert!(thrown(DVec3::Z, DVec3::Y, 1.0, aspect).contains("width over height"));
+        assert!(bad_projector(DVec3::Z, DVec3::Y, 1.0, aspect).contains("width over height"));
     }
-    assert!(thrown(DVec3::Z, DVec3::Z, 1.0, 1.0).contains("parallel"));
-    assert!(thrown(DVec3::ZERO, DVec3::Y, 1.0, 1.0).contains("same point"));
-    assert!(thrown(DVec3::Z, DVec3::Y, 0.0, 1.0).contains("field of view"));
+    assert!(bad_projector(DVec3::Z, DVec3::Z, 1.0, 1.0).contains("parallel"));
+    assert!(bad_projector(DVec3::ZERO, DVec3::Y, 1.0, 1.0).contains("same point"));
+    assert!(bad_projector(DVec3::Z, DVec3::Y, 0.0, 1.0).contains("field of view"));
     assert!(matches!(
         refused(|s| s.meshes[0].lightmap_uvs.clear()),
         SceneError::MissingLightMapUv { .. }
@@ -607,7 +607,7 @@ fn faults_of_effects_are_named() {
     assert!(acne.check().is_ok());
 }
 
-/// Emission is added to what a surface receives, under every kind of shading, and clipped with it; the bytes are those of
+/// Emission is added to what a surface receives, under every kind of shading, and clipped with it. The bytes are those of
 /// its own formula.
 #[test]
 fn surfaces_give_off_light_of_their_own() {
@@ -641,7 +641,7 @@ fn surfaces_give_off_light_of_their_own() {
                 level,
                 ..RenderSettings::new(16, 8)
             };
-            let other = render(&scene, &settings, &|_, _| ()).expect("a picture");
+            let other = render(&scene, &settings, &texmap_render::no_progress).expect("a picture");
             assert_eq!(frame.rgba, other.rgba, "{shading:?} {name}");
         }
         frame

@@ -230,7 +230,7 @@ fn sizes_out_of_range_are_refused() {
             supersample,
             ..RenderSettings::new(width, height)
         };
-        let error = render(&good(), &settings, &|_, _| ()).unwrap_err();
+        let error = render(&good(), &settings, &texmap_render::no_progress).unwrap_err();
         assert_eq!(error.code(), "render-size", "{error}");
     }
 }

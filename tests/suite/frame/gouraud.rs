@@ -1,4 +1,4 @@
-//! Colours interpolated on the screen tear at T-joints by a known amount (MIT 6.837, lecture 18, slides 14-15).
+//! Colours interpolated on the screen tear at T-junctions by a known amount (MIT 6.837, lecture 18, slides 14-15).
 
 use texmap_scene::{Material, Mesh, Scene, VertexColorInterp};
 

@@ -17,7 +17,7 @@ const SHINY: PhongMaterial = PhongMaterial {
     ns: 12.0,
 };
 
-fn lamps() -> Vec<Light> {
+fn lights() -> Vec<Light> {
     vec![
         Light::Ambient { color: [0.1; 3] },
         Light::Directional {
@@ -38,7 +38,7 @@ fn lit(shading: Shading) -> Scene {
         ..Material::default()
     };
     Scene {
-        lights: lamps(),
+        lights: lights(),
         ..of(material, wall(1.5, 1.5))
     }
 }
@@ -50,7 +50,7 @@ fn per_pixel_light_is_the_formula_at_each_pixel() {
     let mut brightest = 0;
     for (x, y) in (0..65).flat_map(|x| (0..65).map(move |y| (x, y))) {
         let point: [f32; 3] = values(&frame, Aov::Position, x, y).try_into().unwrap();
-        let expected = illuminate(&SHINY, &lamps(), point, [0.0, 0.0, 1.0], [0.0; 3]);
+        let expected = illuminate(&SHINY, &lights(), point, [0.0, 0.0, 1.0], [0.0; 3]);
         let got = pixel(&frame, x, y);
         for (got, expected) in got.iter().zip(expected) {
             assert!(

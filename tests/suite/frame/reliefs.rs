@@ -1,4 +1,4 @@
-//! What turns normals: offset maps, carved heights, and the units of a bump.
+//! Turned normals: offset maps, procedural heights, and the units of a bump.
 
 use texmap_light::{
     Heights, Light, NormalMapGreen, PhongMaterial, ShadowBias, Slope, encode_normal, encode_offsets,
@@ -27,7 +27,7 @@ fn floats(channels: u32, texels: &[f32]) -> Texture2d<'static> {
     Texture2d::new(&image).unwrap()
 }
 
-fn matte(relief: NormalDetail) -> Material {
+fn matte(detail: NormalDetail) -> Material {
     Material {
         phong: PhongMaterial {
             color: [1.0; 3],
@@ -36,7 +36,7 @@ fn matte(relief: NormalDetail) -> Material {
             ks: 0.0,
             ns: 1.0,
         },
-        normal_detail: Some(relief),
+        normal_detail: Some(detail),
         ..Material::default()
     }
 }
@@ -109,15 +109,15 @@ fn most(a: &Frame, b: &Frame) -> u8 {
     each.max().unwrap()
 }
 
-/// An offset map of a height field is that height field's bump map: texel centres hold its differences, bilinear filters of both
+/// An offset map of a height field is that height field's bump map. Texel centres hold its differences, bilinear filters of both
 /// agree between them.
 #[test]
 fn offsets_are_the_bump_map_of_their_heights() {
     for origin in [Origin::TopLeft, Origin::BottomLeft] {
         let (mut scene, slope) = wavy();
         scene.meshes[0].uv_origin = origin;
-        let mut with = |relief: NormalDetail| {
-            scene.materials[0] = matte(relief);
+        let mut with = |detail: NormalDetail| {
+            scene.materials[0] = matte(detail);
             draw(&scene, 120, 120)
         };
         let bumped = with(bump());
@@ -127,7 +127,7 @@ fn offsets_are_the_bump_map_of_their_heights() {
         assert!(most(&bumped, &exact) <= 1, "{}", most(&bumped, &exact));
         let coarse = with(offsets(2, slope, NormalMapGreen::Up));
         assert!(most(&bumped, &coarse) <= 4, "{}", most(&bumped, &coarse));
-        // Twins: green the wrong way round, and inside out.
+        // Negative twins: green the wrong way round, and inside out.
         for wrong in [
             offsets(1, slope, NormalMapGreen::Down),
             offsets(1, -slope, NormalMapGreen::Up),
@@ -171,8 +171,8 @@ fn normals_are_the_bump_map_of_their_heights() {
     };
     for origin in [Origin::TopLeft, Origin::BottomLeft] {
         scene.meshes[0].uv_origin = origin;
-        let mut with = |relief: NormalDetail| {
-            scene.materials[0] = matte(relief);
+        let mut with = |detail: NormalDetail| {
+            scene.materials[0] = matte(detail);
             draw(&scene, 120, 120)
         };
         let bumped = with(bump());
@@ -182,7 +182,7 @@ fn normals_are_the_bump_map_of_their_heights() {
     }
 }
 
-/// Normals of the object go to the world by the inverse transpose: under an uneven scale a map of them is what the mesh's own normals
+/// Normals of the object go to the world by the inverse transpose. Under an uneven scale a map of them is what the mesh's own normals
 /// are, and the matrix itself would be another picture.
 #[test]
 fn object_space_normals_follow_an_uneven_scale() {
@@ -204,7 +204,7 @@ fn object_space_normals_follow_an_uneven_scale() {
         DMat4::from_translation(DVec3::new(0.0, 0.0, -3.0)) * DMat4::from_scale(scale);
     let texel = encode_normal(normal.as_vec3().to_array(), NormalMapGreen::Up);
     let texels = texel.repeat((SIDE * 2) as usize);
-    let relief = NormalDetail::NormalMap {
+    let detail = NormalDetail::NormalMap {
         slot: slot(0, Filter::Bilinear).unwrap(),
         green: NormalMapGreen::Up,
         rebuild_z: false,
@@ -217,7 +217,7 @@ fn object_space_normals_follow_an_uneven_scale() {
             direction: [0.5, -0.6, -1.0],
         }],
         textures: vec![floats(3, &texels)],
-        ..of(matte(relief), mesh)
+        ..of(matte(detail), mesh)
     };
     let mapped = draw(&scene, 60, 60);
     scene.materials[0].normal_detail = None;
@@ -237,7 +237,7 @@ fn object_space_normals_follow_an_uneven_scale() {
     assert!((wrong - truth).abs() > 0.1, "the matrix itself is far off");
 }
 
-/// A lone plane under an uneven scale throws no shadow on itself: the slope of the bias is that of its plane in the world.
+/// A lone plane under an uneven scale casts no shadow on itself. The slope of the bias is that of its plane in the world.
 #[test]
 fn the_slope_of_a_scaled_plane_keeps_it_lit() {
     let mut mesh = quad([
@@ -284,9 +284,9 @@ fn heights_grow_with_the_model() {
         world_from_solid: DMat4::from_scale(DVec3::splat(0.3)),
         height: 0.1,
     };
-    for relief in [bump(), offsets(1, slope, NormalMapGreen::Up), carved] {
+    for detail in [bump(), offsets(1, slope, NormalMapGreen::Up), carved] {
         let mut small = scene.clone();
-        small.materials[0] = matte(relief.clone());
+        small.materials[0] = matte(detail.clone());
         let mut large = small.clone();
         let ten = DMat4::from_scale(DVec3::splat(10.0));
         large.meshes[0].world_from_object = ten;
@@ -298,7 +298,7 @@ fn heights_grow_with_the_model() {
         }
         let small = draw(&small, 90, 90);
         let difference = most(&small, &draw(&large, 90, 90));
-        assert!(difference <= 1, "{relief:?}: {difference}");
+        assert!(difference <= 1, "{detail:?}: {difference}");
     }
     // A tenth of the height is another picture.
     let mut low = scene.clone();
@@ -412,7 +412,7 @@ fn carved_heights_are_steady_everywhere() {
         position: [1.0, 1.0, 0.0],
     }];
     for heights in formulas {
-        let relief = |height| NormalDetail::Procedural {
+        let detail = |height| NormalDetail::Procedural {
             heights,
             // The axis of the waves stands on the wall.
             world_from_solid: DMat4::from_rotation_x(std::f64::consts::FRAC_PI_2)
@@ -421,7 +421,7 @@ fn carved_heights_are_steady_everywhere() {
         };
         let mut scene = Scene {
             lights: lights.clone(),
-            ..of(matte(relief(0.05)), wall(2.0, 2.0))
+            ..of(matte(detail(0.05)), wall(2.0, 2.0))
         };
         let bumped = draw(&scene, 80, 80);
         for (name, level) in levels() {
@@ -430,10 +430,11 @@ fn carved_heights_are_steady_everywhere() {
                 threads: Some(3),
                 ..texmap_render::RenderSettings::new(80, 80)
             };
-            let frame = texmap_render::render(&scene, &settings, &|_, _| ()).unwrap();
+            let frame =
+                texmap_render::render(&scene, &settings, &texmap_render::no_progress).unwrap();
             assert!(frame.rgba == bumped.rgba, "{heights:?} {name}");
         }
-        scene.materials[0] = matte(relief(0.0));
+        scene.materials[0] = matte(detail(0.0));
         let flat = draw(&scene, 80, 80);
         assert!(most(&bumped, &flat) > 10, "{heights:?}");
         // From afar a pixel sees many waves: their mean.
@@ -456,12 +457,12 @@ fn carved_heights_are_steady_everywhere() {
 
 #[test]
 fn faults_of_reliefs_are_named() {
-    let refused = |relief: NormalDetail| {
+    let refused = |detail: NormalDetail| {
         let (mut scene, _) = wavy();
-        scene.materials[0] = matte(relief);
+        scene.materials[0] = matte(detail);
         scene.check().unwrap_err()
     };
-    let text = |relief: NormalDetail| refused(relief).to_string();
+    let text = |detail: NormalDetail| refused(detail).to_string();
     assert!(text(offsets(1, f32::NAN, NormalMapGreen::Up)).contains("slope of the offset map"));
     assert!(matches!(
         refused(offsets(9, 1.0, NormalMapGreen::Up)),

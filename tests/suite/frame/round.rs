@@ -171,7 +171,7 @@ fn the_seam_is_not_seen() {
     }
 }
 
-/// The same bytes on any number of threads and with samples; a moved object takes its shape along in world space.
+/// The same bytes on any number of threads and with samples. A moved object takes its shape along in world space.
 #[test]
 fn bytes_do_not_depend_on_threads() {
     let scene = floor(CurvedShape::Sphere);
@@ -180,7 +180,7 @@ fn bytes_do_not_depend_on_threads() {
             threads: Some(threads),
             ..texmap_render::RenderSettings::new(SIZE, SIZE)
         };
-        texmap_render::render(&scene, &settings, &|_, _| ()).expect("a frame")
+        texmap_render::render(&scene, &settings, &texmap_render::no_progress).expect("a frame")
     };
     let one = of(1);
     assert_ne!(pixel(&one, 60, 100), [0, 0, 0, 255]);

@@ -54,9 +54,9 @@ fn cuts_in_a_plane_do_not_show() {
         msaa: 4,
         ..RenderSettings::new(SIDE, SIDE)
     };
-    let whole = render(&plane(1), &settings, &|_, _| ()).unwrap();
+    let whole = render(&plane(1), &settings, &texmap_render::no_progress).unwrap();
     for cells in [13, 40, 160] {
-        let cut = render(&plane(cells), &settings, &|_, _| ()).unwrap();
+        let cut = render(&plane(cells), &settings, &texmap_render::no_progress).unwrap();
         let pixels = whole.rgba.chunks_exact(4).zip(cut.rgba.chunks_exact(4));
         let off = pixels.filter(|(a, b)| a.iter().zip(*b).any(|(a, b)| a.abs_diff(*b) > 1));
         assert_eq!(off.count(), 0, "{cells} x {cells} cells");
@@ -85,7 +85,7 @@ fn bytes_have_the_mean_of_their_light() {
             let frame = |settings: &RenderSettings, staged: bool| {
                 let renderer = Renderer::new(&scene, settings).unwrap();
                 let renderer = if staged { renderer.staged() } else { renderer };
-                renderer.draw(&|_, _| ()).unwrap()
+                renderer.draw(&texmap_render::no_progress).unwrap()
             };
             let expected = frame(&settings, true);
             for (name, level) in levels() {

@@ -59,7 +59,12 @@ pub(crate) fn texture(
 }
 
 pub(crate) fn draw(scene: &Scene, width: u32, height: u32) -> Frame {
-    render(scene, &RenderSettings::new(width, height), &|_, _| ()).unwrap()
+    render(
+        scene,
+        &RenderSettings::new(width, height),
+        &texmap_render::no_progress,
+    )
+    .unwrap()
 }
 
 pub(crate) fn draw_aovs(scene: &Scene, width: u32, height: u32, aovs: &[Aov]) -> Frame {
@@ -67,7 +72,7 @@ pub(crate) fn draw_aovs(scene: &Scene, width: u32, height: u32, aovs: &[Aov]) ->
         aovs: aovs.to_vec(),
         ..RenderSettings::new(width, height)
     };
-    render(scene, &settings, &|_, _| ()).unwrap()
+    render(scene, &settings, &texmap_render::no_progress).unwrap()
 }
 
 pub(crate) fn pixel(frame: &Frame, x: u32, y: u32) -> [u8; 4] {

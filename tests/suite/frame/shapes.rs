@@ -133,7 +133,7 @@ fn shapes_have_one_picture_on_every_level_and_number_of_threads() {
         ..RenderSettings::new(100, 80)
     };
     let scene = tessellate(scene, 100).expect("a good scene");
-    let expected = render(&scene, &settings, &|_, _| ()).expect("a good scene");
+    let expected = render(&scene, &settings, &texmap_render::no_progress).expect("a good scene");
     assert!(
         expected.stats.triangles_submitted > 2_000,
         "{}",
@@ -144,7 +144,7 @@ fn shapes_have_one_picture_on_every_level_and_number_of_threads() {
             level,
             ..settings.clone()
         };
-        let frame = render(&scene, &settings, &|_, _| ()).expect("a good scene");
+        let frame = render(&scene, &settings, &texmap_render::no_progress).expect("a good scene");
         assert_eq!(bits(&frame), bits(&expected), "{name}");
     }
     for threads in [1, 2, 5] {
@@ -153,8 +153,8 @@ fn shapes_have_one_picture_on_every_level_and_number_of_threads() {
             ..settings.clone()
         };
         let backwards = |n: usize| (0..n).rev().collect();
-        let frame =
-            render_ordered(&scene, &settings, &|_, _| (), &backwards).expect("a good scene");
+        let frame = render_ordered(&scene, &settings, &texmap_render::no_progress, &backwards)
+            .expect("a good scene");
         assert_eq!(bits(&frame), bits(&expected), "{threads} threads");
     }
     // A scene of triangles is left as it is.
@@ -227,7 +227,7 @@ fn a_height_of_zero_changes_no_picture() {
             ..RenderSettings::new(100, 80)
         };
         let scene = tessellate(scene, 100).expect("a good scene");
-        render(&scene, &settings, &|_, _| ()).expect("a good scene")
+        render(&scene, &settings, &texmap_render::no_progress).expect("a good scene")
     };
     let (none, zero, some) = (resting(None), resting(Some(0.0)), resting(Some(0.3)));
     let far = |a: &texmap_render::Frame, b: &texmap_render::Frame| {
@@ -320,7 +320,7 @@ fn cube(apart: bool) -> Mesh {
     mesh
 }
 
-/// Where the positions of a mesh go under a map.
+/// Positions of a mesh after its displacement by a map.
 fn moved(mesh: Mesh, map: texmap_sample::Texture2d<'static>, height: f32) -> Vec<[f32; 3]> {
     let mut scene = empty();
     scene.textures = vec![map];
@@ -349,7 +349,7 @@ fn corners_move_along_the_mean_of_their_different_normals() {
     }
 }
 
-/// Where coordinates jump, both sides go by the mean of their heights.
+/// At a jump of the coordinates, both sides go by the mean of their heights.
 #[test]
 fn seams_move_by_the_mean_of_their_heights() {
     let halves = texture(2, 1, |x, _| if x == 0 { [0, 0, 0, 255] } else { [255; 4] });

@@ -19,19 +19,23 @@ fn random_scenes_have_one_picture() {
     let mut colours = std::collections::BTreeSet::new();
     for seed in 0..200 {
         let (scene, settings) = (scene(seed), settings(seed));
-        let expected = render(&scene, &settings, &|_, _| ()).expect("a good scene");
+        let expected =
+            render(&scene, &settings, &texmap_render::no_progress).expect("a good scene");
         colours.extend(expected.rgba.chunks_exact(4).map(<[u8]>::to_vec));
         let general = Renderer::new(&scene, &settings)
             .expect("a good scene")
             .staged();
-        let general = general.draw(&|_, _| ()).expect("a good scene");
+        let general = general
+            .draw(&texmap_render::no_progress)
+            .expect("a good scene");
         assert_same(&general, &expected, &format!("seed {seed}, all stages"));
         for (name, level) in levels() {
             let settings = RenderSettings {
                 level,
                 ..settings.clone()
             };
-            let frame = render(&scene, &settings, &|_, _| ()).expect("a good scene");
+            let frame =
+                render(&scene, &settings, &texmap_render::no_progress).expect("a good scene");
             assert_same(&frame, &expected, &format!("seed {seed}, {name}"));
         }
         for threads in [1, 2, 3, 8] {
@@ -40,7 +44,7 @@ fn random_scenes_have_one_picture() {
                 ..settings.clone()
             };
             let backwards = |n: usize| (0..n).rev().collect();
-            let frame = render_ordered(&scene, &settings, &|_, _| (), &backwards);
+            let frame = render_ordered(&scene, &settings, &texmap_render::no_progress, &backwards);
             let frame = frame.expect("a good scene");
             assert_same(
                 &frame,
@@ -71,13 +75,18 @@ fn four_samples_smooth_edges_and_nothing_else() {
         msaa: 4,
         ..RenderSettings::new(64, 64)
     };
-    let frame = render(&white, &four, &|_, _| ()).expect("a good scene");
+    let frame = render(&white, &four, &texmap_render::no_progress).expect("a good scene");
     let mut seen: Vec<_> = frame.rgba.chunks_exact(4).map(|p| p[0]).collect();
     seen.sort_unstable();
     seen.dedup();
     // 0, 1/4, 1/2, 3/4 and 1 of white light as sRGB bytes.
     assert_eq!(seen, [0, 137, 188, 225, 255]);
-    let one = render(&white, &RenderSettings::new(64, 64), &|_, _| ()).expect("a good scene");
+    let one = render(
+        &white,
+        &RenderSettings::new(64, 64),
+        &texmap_render::no_progress,
+    )
+    .expect("a good scene");
     let mut edges = 0;
     for (a, b) in frame.rgba.chunks_exact(4).zip(one.rgba.chunks_exact(4)) {
         if a != b {
@@ -107,7 +116,7 @@ fn four_samples_leave_no_seam() {
         aovs: vec![Aov::Depth],
         ..RenderSettings::new(70, 66)
     };
-    let frame = render(&scene, &four, &|_, _| ()).expect("a good scene");
+    let frame = render(&scene, &four, &texmap_render::no_progress).expect("a good scene");
     assert!(frame.rgba.chunks_exact(4).all(|p| p == [0, 255, 0, 255]));
     assert!(values(&frame, Aov::Depth, 35, 33)[0] > 0.0);
 }
@@ -121,7 +130,7 @@ fn samples_other_than_one_or_four_are_refused() {
             supersample,
             ..RenderSettings::new(8, 8)
         };
-        let error = render(&scene, &settings, &|_, _| ()).expect_err("refused");
+        let error = render(&scene, &settings, &texmap_render::no_progress).expect_err("refused");
         assert!(error.to_string().contains("msaa"), "{error}");
     }
 }

@@ -76,7 +76,7 @@ fn mutated(seeds: &[Vec<u8>], words: &[&str], rng: &mut Rng) -> Vec<u8> {
     bytes
 }
 
-/// Runs the seeds and `count` mutations, or mutations for `TEXMAP_FUZZ_SECONDS`; a failure names the input.
+/// Runs the seeds and `count` mutations, or mutations for `TEXMAP_FUZZ_SECONDS`. A failure names the input.
 fn smoke(target: &str, words: &[&str], count: usize, run: fn(&[u8])) {
     let seeds = corpus(target);
     let seconds: Option<u64> = std::env::var("TEXMAP_FUZZ_SECONDS")

@@ -1,4 +1,4 @@
-//! What the lines of light become.
+//! Lines of light: the lights, projectors and maps that they give.
 
 use texmap_light::{Light, NormalMapGreen, ShadowBias};
 use texmap_math::glam::DVec3;
@@ -34,16 +34,21 @@ fn lights_shadows_and_projectors_are_added() {
         (shadows[1].light, shadows[1].size, shadows[1].bias),
         (2, None, None)
     );
-    let slides = &scene.effects.projectors;
-    assert_eq!(slides[0].mode, ProjectorMode::Light([0.5; 3]));
+    let projectors = &scene.effects.projectors;
+    assert_eq!(projectors[0].mode, ProjectorMode::Light([0.5; 3]));
     assert_eq!(
-        (slides[1].mode, slides[1].shadow),
+        (projectors[1].mode, projectors[1].shadow),
         (ProjectorMode::Decal, Some(64))
     );
-    // The slide's own aspect: twice as wide as high.
-    let [q, s, _] = slides[0].projector.rows();
+    // The picture's own aspect: twice as wide as high.
+    let [q, s, _] = projectors[0].projector.rows();
     assert!((s.y.abs() / q.x.abs() - 2.0).abs() < 1e-9);
-    render(&scene, &RenderSettings::new(16, 16), &|_, _| ()).unwrap();
+    render(
+        &scene,
+        &RenderSettings::new(16, 16),
+        &texmap_render::no_progress,
+    )
+    .unwrap();
 }
 
 #[test]
@@ -71,7 +76,12 @@ fn what_throws_shadows_and_how_much_of_it_a_map_shows() {
         let scene = files().scene(&format!(
             "background 1 1 1\neye 0 -9 9\nfov 60\nld 1 1 1 0 0 -1\nshadow 64 taps 1 {words}\n{floor}{lid}f 0 1 2 3\n{setting}f 4 5 6 7\n"
         ));
-        let frame = render(&scene, &RenderSettings::new(64, 64), &|_, _| ()).unwrap();
+        let frame = render(
+            &scene,
+            &RenderSettings::new(64, 64),
+            &texmap_render::no_progress,
+        )
+        .unwrap();
         // The ground under the lid, seen below its edge.
         let at = (0..64).map(|y| frame.rgba[(y * 64 + 32) * 4]);
         (scene, at.filter(|c| *c < 60).count())
@@ -83,7 +93,7 @@ fn what_throws_shadows_and_how_much_of_it_a_map_shows() {
     assert!(!scene.meshes[0].casts_no_shadow && scene.meshes[1].casts_no_shadow);
     let (_, back) = pixel("", "shadowless yes\nshadowless no\n");
     assert_eq!(back, dark);
-    // A map of the lid alone shows its shadow; one of another place does not, and what it does not show is lit.
+    // A map of the lid alone shows its shadow; one of another area does not, and points outside of the map are lit.
     let (scene, there) = pixel("area 0 0 0 1.5", "");
     let area = scene.effects.shadows[0].area.unwrap();
     assert_eq!((area.0.to_array(), area.1), ([0.0; 3], 1.5));
@@ -118,7 +128,12 @@ fn environments_with_levels_and_an_open_horizon() {
     assert_eq!(of(0), (None, true));
     let rest: Vec<_> = (1..scene.meshes.len()).map(of).collect();
     assert_eq!(rest, [(Some(0), true), (Some(1), false), (Some(0), true)]);
-    render(&scene, &RenderSettings::new(16, 16), &|_, _| ()).unwrap();
+    render(
+        &scene,
+        &RenderSettings::new(16, 16),
+        &texmap_render::no_progress,
+    )
+    .unwrap();
 }
 
 #[test]
@@ -160,10 +175,15 @@ fn relief_and_light_maps_reach_models() {
     assert!(
         matches!(material(3).normal_detail, Some(NormalDetail::Bump { height, .. }) if height == 0.3)
     );
-    render(&scene, &RenderSettings::new(16, 16), &|_, _| ()).unwrap();
+    render(
+        &scene,
+        &RenderSettings::new(16, 16),
+        &texmap_render::no_progress,
+    )
+    .unwrap();
 }
 
-/// A second set from a model of other faces, or without coordinates, is refused by name; none at all is a named error of the scene.
+/// A second set from a model of other faces, or without coordinates, is refused by name. None at all is a named error of the scene.
 #[test]
 fn second_coordinates_must_fit() {
     let faces = |corners: &str| {
@@ -181,7 +201,12 @@ fn second_coordinates_must_fit() {
         assert!(error.to_string().contains(words), "{error}");
     }
     let scene = files().scene("lightmap square.png\nobj m.obj\n");
-    let error = render(&scene, &RenderSettings::new(8, 8), &|_, _| ()).unwrap_err();
+    let error = render(
+        &scene,
+        &RenderSettings::new(8, 8),
+        &texmap_render::no_progress,
+    )
+    .unwrap_err();
     assert!(error.to_string().contains("no second uv set"), "{error}");
 }
 
@@ -201,9 +226,9 @@ fn bumps_of_offsets_formulas_and_words() {
          offsetmap square.png 0.5 down\ntf 0 0 0 1 1 0 2 0 1\nscale 2\ncarve waves 0.1 1 2 3 1 0.5 1 around 7 fold 0.25\n\
          tf 0 0 0 1 1 0 2 0 1\nemboss \"CS 184\" -0.02\ntf 0 0 0 1 1 0 2 0 1\ncarve none\ntf 0 0 0 1 1 0 2 0 1\n",
     );
-    let relief = |i: usize| &scene.materials[scene.meshes[i].material].normal_detail;
+    let detail = |i: usize| &scene.materials[scene.meshes[i].material].normal_detail;
     assert!(matches!(
-        relief(0),
+        detail(0),
         Some(NormalDetail::Offsets {
             slope: 0.5,
             green: NormalMapGreen::Down,
@@ -214,9 +239,9 @@ fn bumps_of_offsets_formulas_and_words() {
         heights,
         world_from_solid,
         height,
-    }) = relief(1)
+    }) = detail(1)
     else {
-        panic!("{:?}", relief(1))
+        panic!("{:?}", detail(1))
     };
     assert_eq!(
         (*height, *heights),
@@ -234,17 +259,22 @@ fn bumps_of_offsets_formulas_and_words() {
     let Some(NormalDetail::Bump {
         slot,
         height: -0.02,
-    }) = relief(2)
+    }) = detail(2)
     else {
-        panic!("{:?}", relief(2))
+        panic!("{:?}", detail(2))
     };
     // Six characters and a margin of half of one, eight dots each.
     let words = &scene.textures[slot.texture];
     assert_eq!((words.width(), words.height()), (56, 16));
     let ink = (0..56 * 16).filter(|i| words.texel(0, i % 56, i / 56).unwrap()[0] == 1.0);
     assert!((60..300).contains(&ink.count()));
-    assert!(relief(3).is_none());
-    render(&scene, &RenderSettings::new(16, 16), &|_, _| ()).unwrap();
+    assert!(detail(3).is_none());
+    render(
+        &scene,
+        &RenderSettings::new(16, 16),
+        &texmap_render::no_progress,
+    )
+    .unwrap();
 }
 
 /// Every map of a library and the colours of vertices reach the picture: without its line it is another one.
@@ -283,9 +313,13 @@ fn every_map_of_a_library_is_drawn() {
             .with("m.obj", obj)
             .scene("eye 0 0 4\nlook 0 0 0\nfov 40\nbackground 0 0 0.4\nla 0.3 0.3 0.3\nlp 0.6 0.6 0.6 0.5 0.6 1.5\ndisplace none\nobj m.obj\n");
         let shaped = texmap_mesh::tessellate(&scene, 64).unwrap();
-        render(&shaped, &RenderSettings::new(64, 64), &|_, _| ())
-            .unwrap()
-            .rgba
+        render(
+            &shaped,
+            &RenderSettings::new(64, 64),
+            &texmap_render::no_progress,
+        )
+        .unwrap()
+        .rgba
     };
     // `norm` wins over `map_Bump`: each has its own picture of all the others.
     for other in ["norm", "map_Bump"] {
@@ -376,9 +410,14 @@ fn bumps_that_are_still_set_do_not_reach_faces_without_coordinates() {
         let last = &scene.materials[scene.meshes.last().unwrap().material];
         let reaches = last.normal_detail.is_some() || last.emission.is_some();
         assert_eq!(reaches, line != "lightmap square.png", "{line}");
-        render(&scene, &RenderSettings::new(16, 16), &|_, _| ()).expect("a picture");
+        render(
+            &scene,
+            &RenderSettings::new(16, 16),
+            &texmap_render::no_progress,
+        )
+        .expect("a picture");
     }
-    // What needs no coordinates reaches all faces.
+    // Procedural heights need no coordinates and reach all faces.
     let carved = files().scene(&format!("carve noise 0.1 0 0 0 1 1 1\n{FACE}"));
     assert!(carved.materials[0].normal_detail.is_some() && carved.warnings.is_empty());
 }

@@ -7,7 +7,7 @@ use texmap_io::{CameraPath, FileSource, IoError, LoadOptions, info_with, load, n
 
 use crate::support::Files;
 
-/// Where the program of a stranger keeps its secrets.
+/// Content of a file that a scene must not show.
 const SECRET: &str = "root:x:0:0:hunter2\nlook at hunter2\nv hunter2\nf hunter2 2 3\n";
 
 fn within(files: &Files, folder: &str) -> LoadOptions {
@@ -75,12 +75,12 @@ fn a_root_holds_for_everything_that_a_scene_or_model_names() {
         // Maps that are outside are never stood in for, as missing ones are.
         assert_eq!(error.code(), "outside-root", "{line}: {error}");
         assert!(error.location().is_some(), "{line}");
-        // The twin: in a wider folder the same name is read, or fails for another reason.
+        // The negative twin: in a wider folder the same name is read, or fails for another reason.
         if let Err(error) = load(&scene, &within(&files, ".")) {
             assert_ne!(error.code(), "outside-root", "{line}: {error}");
         }
     }
-    // What a flag names is confined too, and the scene itself.
+    // A file that a flag names is confined too, and the scene itself.
     let error = load(&files.path("out.obj"), &within(&files, "in")).expect_err("outside");
     assert_eq!(error.code(), "outside-root");
     let source = FileSource::within(&files.path("in")).expect("a folder");
@@ -140,7 +140,7 @@ fn messages_keep_the_words_of_files_that_are_no_scenes() {
         .expect("three corners of a text");
     assert!(scene.warnings.len() >= 2, "{:?}", scene.warnings);
     assert!(!scene.warnings.concat().contains("hunter2` is not known"));
-    // The twin: a scene that begins like one is quoted, and so is a model by its name.
+    // The negative twin: a scene that begins like one is quoted, and so is a model by its name.
     let error = Files::new()
         .with("a.scene", "eye 0 0 6\nlok 0 0 0\n")
         .load("a.scene")
@@ -244,7 +244,7 @@ fn arrays_that_are_too_large_are_refused_before_they_are_read() {
         let dict = format!("{dict:<117}\n");
         [b"\x93NUMPY\x01\0\x76\0", dict.as_bytes()].concat()
     };
-    // A hole of 5 GiB takes no room on the disk.
+    // A hole of 5 GiB takes no space on the disk.
     let file = fs::File::create(&path).expect("a file");
     file.write_all_at(&header("(1342177280,)"), 0)
         .expect("a header");

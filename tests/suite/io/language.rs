@@ -127,14 +127,14 @@ fn lines() -> Vec<(&'static str, Vec<BoxedStrategy<Value>>)> {
                 .collect(),
         ),
         (
-            "round",
+            "uv-projection",
             after(
                 vec![word(&["sphere", "cylinder"])],
                 vec![point(), point(), size()],
             ),
         ),
         (
-            "round",
+            "uv-projection",
             after(
                 vec![word(&["sphere", "cylinder"])],
                 vec![
@@ -145,7 +145,7 @@ fn lines() -> Vec<(&'static str, Vec<BoxedStrategy<Value>>)> {
                 ],
             ),
         ),
-        ("round", none()),
+        ("uv-projection", none()),
         (
             "filter",
             vec![method(&[
@@ -276,7 +276,7 @@ fn lines() -> Vec<(&'static str, Vec<BoxedStrategy<Value>>)> {
         ("offsetmap", vec![file(), float(), word(&["up", "down"])]),
         ("offsetmap", none()),
         (
-            "carve",
+            "procedural-bump",
             after(
                 vec![word(&["waves", "noise", "marble", "wood"]), float()],
                 vec![
@@ -292,7 +292,7 @@ fn lines() -> Vec<(&'static str, Vec<BoxedStrategy<Value>>)> {
                 ],
             ),
         ),
-        ("carve", none()),
+        ("procedural-bump", none()),
         ("emboss", vec![text(), float()]),
         ("emboss", none()),
         (
@@ -531,7 +531,7 @@ proptest! {
         prop_assert_eq!(commands(&read(&scribbled)), commands(&scene), "{}", scribbled);
     }
 
-    /// The twin: what is not a comment or a blank does alter it.
+    /// The negative twin: a change that is neither a comment nor a blank does alter it.
     #[test]
     fn a_changed_number_alters_the_scene(x in 0_u32..1000, y in 0_u32..1000) {
         let text = |n: u32| format!("v 1 {n}.5 2 # {x}");

@@ -1,4 +1,4 @@
-//! Broken files: each is refused with a code and the place of the fault, before anything is drawn.
+//! Broken files: each is refused with a code and the position of the fault, before anything is drawn.
 
 use std::fs;
 

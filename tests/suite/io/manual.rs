@@ -83,7 +83,7 @@ fn the_tables_are_those_of_the_language() {
 
 #[test]
 fn the_manual_has_the_words_of_every_choice() {
-    // Where they stand: `filter`, `wrap` and `interp` have too many for the column of values.
+    // True if the words stand in the column of meanings: `filter`, `wrap` and `interp` have too many for the column of values.
     let choices = [
         ("color", false),
         ("filter", true),
@@ -183,4 +183,25 @@ fn a_line_with_the_default_of_the_manual_changes_nothing() {
         assert!(checked.contains(&command), "{command}: {checked:?}");
     }
     assert!(checked.len() >= 30, "{checked:?}");
+}
+
+/// Every `FILE.rs` that the pages on the architecture name is a file of a crate. A name that is not one is found.
+#[test]
+fn files_that_the_architecture_names_exist() {
+    let crates = Path::new(env!("CARGO_MANIFEST_DIR")).join("../crates");
+    let folders = fs::read_dir(crates).expect("the crates are there");
+    let folders: Vec<_> = folders
+        .map(|folder| folder.unwrap().path().join("src"))
+        .collect();
+    let exists = |file: &str| folders.iter().any(|folder| folder.join(file).is_file());
+    let pages = [
+        include_str!("../../../docs/ARCHITECTURE.md"),
+        include_str!("../../../docs/OPTIMISATIONS.md"),
+    ];
+    let quoted = pages.iter().flat_map(|page| page.split('`'));
+    let files: BTreeSet<&str> = quoted.filter(|word| word.ends_with(".rs")).collect();
+    let lost: Vec<_> = files.iter().filter(|file| !exists(file)).collect();
+    assert!(lost.is_empty(), "{lost:?}");
+    assert!(files.len() > 30, "{files:?}");
+    assert!(!exists("shade/direct.rs"));
 }

@@ -68,7 +68,11 @@ fn drawing_asks_the_settings() {
     assert_eq!(refused(&settings(2500, &[], frame)), "");
     let words = refused(&settings(2500, &[Aov::Position], frame));
     assert_eq!(words, "a frame of 2500 x 2500 pixels of 16 bytes");
-    let error = render(&scene, &settings(2500, &[Aov::Position], frame), &|_, _| ());
+    let error = render(
+        &scene,
+        &settings(2500, &[Aov::Position], frame),
+        &texmap_render::no_progress,
+    );
     assert_eq!(error.unwrap_err().code(), "over-memory-budget");
 }
 

@@ -19,7 +19,12 @@ fn files(mtl: &str) -> Files {
 }
 
 fn frame(scene: &Scene) -> Frame {
-    render(scene, &RenderSettings::new(33, 33), &|_, _| {}).expect("a frame")
+    render(
+        scene,
+        &RenderSettings::new(33, 33),
+        &texmap_render::no_progress,
+    )
+    .expect("a frame")
 }
 
 fn pixel(frame: &Frame, x: usize, y: usize) -> [u8; 3] {
@@ -147,7 +152,14 @@ fn missing_coordinates_are_projected_and_told() {
         scene.warnings
     );
     assert_eq!(scene.meshes[0].uvs.len(), scene.meshes[0].positions.len());
-    assert!(render(&scene, &RenderSettings::new(8, 8), &|_, _| {}).is_ok());
+    assert!(
+        render(
+            &scene,
+            &RenderSettings::new(8, 8),
+            &texmap_render::no_progress
+        )
+        .is_ok()
+    );
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! What the commands of a scene become.
+//! Commands of a scene: the meshes, materials and settings that they give.
 
 use texmap_light::Light;
 use texmap_math::glam::DVec3;
@@ -229,7 +229,7 @@ fn uv(scene: &Scene) -> Vec<f32> {
         aovs: vec![Aov::Uv],
         ..RenderSettings::new(64, 64)
     };
-    let frame = render(scene, &settings, &|_, _| {}).expect("a frame");
+    let frame = render(scene, &settings, &texmap_render::no_progress).expect("a frame");
     match &frame.aovs[0].2 {
         AovData::F32(values) => values.clone(),
         AovData::U32(_) => panic!("uv is f32"),
@@ -256,7 +256,7 @@ fn a_framed_face_is_the_textured_face_within_a_millionth() {
         }
     }
     assert!(covered > 500, "{covered}");
-    // The twin: a frame shifted in its plane is another picture.
+    // The negative twin: a frame shifted in its plane is another picture.
     let shifted = textured().scene(&framed_face.replace("frame 0 1 0", "frame 0.01 1 0"));
     assert!(
         uv(&shifted)
@@ -299,7 +299,12 @@ fn later_faces_win_where_depths_are_equal() {
         let scene = Files::new().scene(&format!(
             "color raw\neye 0.5 0.5 3\nlook 0.5 0.5 0\nla 1 1 1\n{SQUARE}{order}"
         ));
-        let frame = render(&scene, &RenderSettings::new(9, 9), &|_, _| {}).expect("a frame");
+        let frame = render(
+            &scene,
+            &RenderSettings::new(9, 9),
+            &texmap_render::no_progress,
+        )
+        .expect("a frame");
         let at = 4 * (9 * 4 + 4);
         [frame.rgba[at], frame.rgba[at + 1]]
     };

@@ -1,4 +1,4 @@
-//! What the lines of shape become: displaced, bent and turned meshes.
+//! Lines of shape: displaced, bent and turned meshes.
 
 use texmap_math::glam::DVec3;
 use texmap_render::{RenderSettings, render};
@@ -62,7 +62,12 @@ fn displaced_faces_and_models_move_by_the_map() {
         "{}",
         top(&scene.meshes[0])
     );
-    render(&scene, &RenderSettings::new(16, 16), &|_, _| ()).expect("a frame");
+    render(
+        &scene,
+        &RenderSettings::new(16, 16),
+        &texmap_render::no_progress,
+    )
+    .expect("a frame");
 }
 
 #[test]

@@ -155,7 +155,7 @@ fn over(seeds: std::ops::Range<u64>) -> (Vec<String>, usize) {
             supersample: choices.supersample,
             ..RenderSettings::new(SIDE, SIDE)
         };
-        let frame = render(&planned, &settings, &|_, _| {}).unwrap();
+        let frame = render(&planned, &settings, &texmap_render::no_progress).unwrap();
         let truth = verify(&scene, &frame, SAMPLES).unwrap();
         assert!(
             truth.judged > 900,
@@ -216,7 +216,12 @@ fn a_plan_is_about_as_cheap_as_the_cheapest_that_would_do() {
                 slot.sampler.filter = p.filter;
                 slot.sampler.precision = p.precision;
             }
-            let frame = render(&fixed, &RenderSettings::new(SIDE, SIDE), &|_, _| {}).unwrap();
+            let frame = render(
+                &fixed,
+                &RenderSettings::new(SIDE, SIDE),
+                &texmap_render::no_progress,
+            )
+            .unwrap();
             verify(&scene, &frame, SAMPLES).unwrap().rmse <= budget.rmse
         };
         let cheapest = prices().iter().find(fits).unwrap();
@@ -233,7 +238,7 @@ fn a_plan_is_about_as_cheap_as_the_cheapest_that_would_do() {
     assert!(within * 2 > ratios.len());
 }
 
-/// What the budget is worth: the cheapest filter everywhere breaks it.
+/// The cheapest filter everywhere breaks the budget.
 #[test]
 fn nearest_everywhere_breaks_the_budget() {
     let broken = (0..12).filter(|&seed| {
@@ -242,7 +247,7 @@ fn nearest_everywhere_breaks_the_budget() {
             filter: Some(Filter::Nearest),
             ..RenderSettings::new(SIDE, SIDE)
         };
-        let frame = render(&scene, &settings, &|_, _| {}).unwrap();
+        let frame = render(&scene, &settings, &texmap_render::no_progress).unwrap();
         verify(&scene, &frame, 2).unwrap().rmse > budget.rmse
     });
     assert!(broken.count() >= 4);

@@ -1,4 +1,4 @@
-//! What the planner predicts and leaves out, against pictures.
+//! Predictions of the planner, and the features that it leaves out, against pictures.
 use std::path::Path;
 
 use texmap_light::Light;
@@ -49,7 +49,7 @@ fn the_error_of_a_filter_is_predicted_without_vertex_coordinates() {
                 supersample: choices.supersample,
                 ..RenderSettings::new(SIZE.0, SIZE.1)
             };
-            let frame = render(&planned, &settings, &|_, _| {}).unwrap();
+            let frame = render(&planned, &settings, &texmap_render::no_progress).unwrap();
             let truth = verify(&scene, &frame, 6).unwrap();
             assert!(choices.met() || rmse < 0.02, "{name}, {rmse}");
             assert!(
@@ -120,7 +120,7 @@ fn predicted(name: &str, scene: &Scene, least: usize, special: impl Fn(usize) ->
             supersample: choices.supersample,
             ..RenderSettings::new(SIZE.0, SIZE.1)
         };
-        let frame = render(&planned, &settings, &|_, _| {}).unwrap();
+        let frame = render(&planned, &settings, &texmap_render::no_progress).unwrap();
         let truth = verify(scene, &frame, 6).unwrap();
         assert!(truth.rmse <= rmse, "{name}: {} for {rmse}", truth.rmse);
         let mut held = 0;
@@ -153,7 +153,7 @@ fn pictures_do_without_idle_lights() {
         material.shading = Shading::PerPixel;
         material.texture_role = TextureRole::Modulate;
     }
-    // Something to throw shadows.
+    // A mesh that casts shadows.
     let mut near = scene.meshes[0].clone();
     near.positions
         .iter_mut()
@@ -194,7 +194,14 @@ fn pictures_do_without_idle_lights() {
         mesh.material = of.material;
     }
     fixed.materials.clone_from(&planned.materials);
-    let draw = |s: &Scene| render(s, &RenderSettings::new(SIZE.0, SIZE.1), &|_, _| {}).unwrap();
+    let draw = |s: &Scene| {
+        render(
+            s,
+            &RenderSettings::new(SIZE.0, SIZE.1),
+            &texmap_render::no_progress,
+        )
+        .unwrap()
+    };
     assert_eq!(draw(&planned).rgba, draw(&fixed).rgba);
     // Negative twins: the lights that stay are seen, and so are their shadows.
     let shows = |change: fn(&mut Scene)| {

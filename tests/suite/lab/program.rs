@@ -94,7 +94,7 @@ fn diff_writes_json_and_heat() {
     );
 }
 
-/// What differs between 3 and 200 is no byte's business.
+/// Floats that differ are found to differ, though both are clipped to one byte.
 #[test]
 fn floats_are_compared_and_hashed_as_floats() {
     let folder = Folder::new();

@@ -11,7 +11,7 @@ fn cow() -> ShadowScene {
     ShadowScene::standing(&path).unwrap()
 }
 
-/// What the case demands: 0.001 %. A picture of 512 x 512 sees enough points for it; at 256 x 256 one is more than that.
+/// The limit of the case: 0.001 %. A picture of 512 x 512 sees enough points for it; at 256 x 256 one is more than that.
 const DEMANDED: f64 = 1e-5;
 const PIXELS: u32 = 512;
 
@@ -71,7 +71,7 @@ fn the_cow_has_the_figures_of_the_cases() {
     assert!(ruled == 0.0 && clamped > 0.002);
 }
 
-/// What a default shadow may get wrong of the points that face the light: .001 %, each way.
+/// Most points that face the light that a default shadow may get wrong: .001 %, each way.
 const ALLOWED: f64 = 1e-5;
 
 fn shapes() -> [(&'static str, ShadowScene); 3] {
@@ -85,8 +85,8 @@ fn shapes() -> [(&'static str, ShadowScene); 3] {
 /// Wrong points of all filters and of two sizes.
 fn all(truth: &ShadowTruth<'_>, bias: ShadowBias) -> Wrong {
     let sizes = [512, 2048].into_iter();
-    let each = sizes.flat_map(|size| [1, 3, 5].map(|taps| (size, taps)));
-    each.map(|(size, taps)| truth.wrong(size, bias, taps).unwrap())
+    let each = sizes.flat_map(|size| [1, 3, 5].map(|pcf_size| (size, pcf_size)));
+    each.map(|(size, pcf_size)| truth.wrong(size, bias, pcf_size).unwrap())
         .sum()
 }
 

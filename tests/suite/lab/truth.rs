@@ -71,7 +71,7 @@ fn what_is_seen_does_not_depend_on_the_number_of_samples() {
     for samples in [2, 3, 6] {
         assert_eq!(seen(samples), one, "{samples}");
     }
-    // Negative twin: the first of 3 x 3 samples is another place.
+    // Negative twin: the first of 3 x 3 samples is another point.
     let fine = frame(&scene, 120, 90, 1).unwrap().seen;
     let first = |i: usize| fine[(i / 40 * 3) * 120 + i % 40 * 3];
     assert!((0..one.len()).any(|i| one[i] != first(i)));
@@ -84,12 +84,12 @@ fn drawn(scene: &Scene, interp: Option<Interp>) -> Frame {
             interp,
             ..RenderSettings::new(WIDTH, HEIGHT)
         },
-        &|_, _| {},
+        &texmap_render::no_progress,
     )
     .unwrap()
 }
 
-/// Sample by sample, with the filters of the scene: shadows, reliefs, mirrors, projectors, solids, volumes, text and skies included.
+/// Sample by sample, with the filters of the scene: shadows, bumps, mirrors, projectors, solids, volumes, text and skies included.
 #[test]
 fn every_scene_is_drawn_as_rays_say() {
     let mut off = Vec::new();
@@ -113,7 +113,7 @@ fn every_scene_is_drawn_as_rays_say() {
     assert!(off.is_empty(), "{}", off.join("\n"));
 }
 
-/// What `--verify` calls the true picture is what the renderer comes to with many samples.
+/// The reference picture of `--verify` is the limit of the renderer with many samples.
 #[test]
 fn the_reference_is_where_supersampling_leads() {
     let (mut off, size) = (Vec::new(), (120, 90));
@@ -124,7 +124,7 @@ fn the_reference_is_where_supersampling_leads() {
             ..RenderSettings::new(size.0, size.1)
         };
         let scene = tessellate(scene, size.0).unwrap();
-        let frame = render(&scene, &settings, &|_, _| {}).unwrap();
+        let frame = render(&scene, &settings, &texmap_render::no_progress).unwrap();
         let found = verify(&scene, &frame, 6).unwrap();
         if !(found.rmse <= 0.01 && found.judged > 1_000) {
             let name = file.file_name().unwrap().display().to_string();

@@ -78,7 +78,7 @@ impl Mesh {
         mesh
     }
 
-    /// How often each pixel of a window around the rectangle is covered, by a rule.
+    /// Number of triangles that cover each pixel of a window around the rectangle, by a rule.
     fn counts(
         &self,
         at: (i32, i32),

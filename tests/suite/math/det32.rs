@@ -84,7 +84,7 @@ const ONE_ARGUMENT: [(&str, Scalar1, Oracle1); 10] = [
     ("log2", deterministic_f32::log2, f64::log2),
 ];
 
-/// Distance in units in the last place of f32 at the exact value; infinite where one is NaN or infinite and the other is not.
+/// Distance in units in the last place of f32 at the exact value. Infinite where one is NaN or infinite and the other is not.
 fn ulps(got: f32, exact: f64) -> f64 {
     let rounded = exact as f32;
     if got.to_bits() == rounded.to_bits() || (got.is_nan() && exact.is_nan()) {

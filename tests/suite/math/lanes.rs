@@ -1,4 +1,4 @@
-//! Lane helpers give the bits of their scalar twins on every level.
+//! Lane helpers give the bits of their scalar versions on every level.
 
 use texmap_math::fearless_simd::{dispatch, f32x16, prelude::*, u16x32, u32x16};
 use texmap_math::lanes;
@@ -216,7 +216,7 @@ fn bytes_are_mixed_alike_on_every_level() {
     }
 }
 
-/// Every part of the table from edge to edge, both sides of every place where the scalar form steps, and what lies outside.
+/// Every part of the table from edge to edge, both sides of every step of the scalar form, and values outside of the table.
 #[test]
 fn srgb_bytes_in_lanes_equal_the_scalar_form() {
     let mut hard = vec![

@@ -80,7 +80,7 @@ fn planar_quad() -> impl Strategy<Value = ([DVec2; 4], [f64; 4])> {
     )
 }
 
-/// uv at a screen point of the quad, cut along the diagonal 0-2 or 1-3; None outside the triangles tried.
+/// uv at a screen point of the quad, cut along the diagonal 0-2 or 1-3. None outside the triangles tried.
 fn through_diagonal(
     screen: [DVec2; 4],
     inv_w: [f64; 4],
@@ -114,7 +114,7 @@ fn through_diagonal(
 proptest! {
     #![proptest_config(config())]
 
-    /// Property 15: a planar quad looks the same whichever diagonal cuts it; affine does not, unless it faces the eye.
+    /// Property 15: a planar quad looks the same whichever diagonal cuts it. Affine does not, unless it faces the eye.
     #[test]
     fn the_diagonal_does_not_show((screen, inv_w) in planar_quad(), at in (0.05..0.95, 0.05..0.95)) {
         let h = Homography::from_square(screen).expect("convex");
@@ -231,7 +231,7 @@ fn bad_quads_are_refused() {
         ),
         "overflow"
     );
-    // Size and place alone are no reason.
+    // Size and position alone are no reason.
     quad([
         (5.0, 5.0),
         (5.0 + 1e-5, 5.0),

@@ -1,4 +1,4 @@
-//! Kernels over lane widths: each operation gives the scalar's bits in every lane, on every level and width.
+//! Kernels over lane widths. Each operation gives the scalar's bits in every lane, on every level and width.
 
 use texmap_math::lanes::GatherTable;
 use texmap_math::simd::{ByteIsa, Isa, Scalar, prelude::*};

@@ -233,7 +233,7 @@ fn samples_reach_the_closed_form() {
     }
     assert_eq!(screen_subdivisions_for(2.0, 256.0, 0.5), Some(16));
     assert_eq!(screen_subdivisions_for(4.0, 256.0, 0.5), Some(37));
-    // It falls with the square of n.
+    // The error falls with the square of n.
     assert!(
         (screen_subdivision_error(4.0, 512) / screen_subdivision_error(4.0, 1024) - 4.0).abs()
             < 0.05

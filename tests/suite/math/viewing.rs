@@ -82,8 +82,8 @@ proptest! {
         prop_assert_eq!(projector.uv(eye - (toward(p.x, p.y) - eye)), None);
     }
 
-    /// Property 23: interpolated homogeneously (times the eye's 1/w) a slide does not depend on the eye's camera; without the
-    /// factor, or divided at the vertices, it does.
+    /// Property 23: interpolated homogeneously (times the eye's 1/w) a projected picture does not depend on the eye's camera;
+    /// without the factor, or divided at the vertices, it does.
     #[test]
     fn slides_do_not_depend_on_the_eye(camera in camera(), other in camera(), triangle in [point3(4.0), point3(4.0), point3(4.0)], l in weights()) {
         let projector = Projector::new(DVec3::new(0.0, 0.0, 9.0), DVec3::ZERO, DVec3::Y, 1.0, 1.5).expect("a good projector");
@@ -118,7 +118,7 @@ proptest! {
     }
 }
 
-/// Negative twins of the slide: screen-linear q, s, t without 1/w, and division at the vertices.
+/// Negative twins of the projected picture: screen-linear q, s, t without 1/w, and division at the vertices.
 #[test]
 fn early_division_bends_a_slide() {
     let projector = Projector::new(DVec3::new(3.0, 2.0, 3.0), DVec3::ZERO, DVec3::Y, 1.0, 1.0)

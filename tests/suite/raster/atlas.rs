@@ -297,7 +297,7 @@ fn touched_texels_overlap_their_face_and_free_ones_none() {
         ..AtlasOptions::default()
     };
     let atlas = Atlas::new(target, &sheet.atlas_mesh(), options).expect("valid");
-    // Whether a triangle and a texel share more than a snapping step: clipped by the texel's four sides.
+    // True if a triangle and a texel share more than a snapping step: clipped by the texel's four sides.
     let overlap = |face: usize, x: usize, y: usize| {
         let corners = sheet.mesh.indices[face].map(|i| sheet.uvs[i as usize]);
         let mut polygon: Vec<[f64; 2]> = corners
@@ -349,7 +349,7 @@ fn touched_texels_overlap_their_face_and_free_ones_none() {
     assert!(touched > 40, "{touched}");
 }
 
-/// Whether a face comes within a snapping step of a texel's square.
+/// True if a face comes within a snapping step of a texel's square.
 fn near(sheet: &Sheet, face: u32, x: usize, y: usize) -> bool {
     let corners = sheet.mesh.indices[face as usize].map(|i| sheet.uvs[i as usize]);
     let close = |v: f64, from: usize| (from as f64 - 0.01..from as f64 + 1.01).contains(&v);

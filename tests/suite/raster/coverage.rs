@@ -222,7 +222,7 @@ fn r4_fill_rule_set() {
     }
 }
 
-/// R7: a T-joint cracks (the negative twin), and subdivision makes none: all parts of a side are the same for both neighbours.
+/// R7: a T-junction cracks (the negative twin), and subdivision makes none: all parts of a side are the same for both neighbours.
 #[test]
 fn r7_subdivision_makes_no_t_joint() {
     let target = size(90, 90);

@@ -37,7 +37,7 @@ fn depth_map_is_the_depth_of_visibility() {
         seen += expected.iter().filter(|&&d| d > 0.0).count();
         for (name, level) in levels() {
             let fast = BinnedDraws::with_level(scene.target, &draws, level, 1).expect("valid");
-            // What an earlier map left behind does not show.
+            // Depths of an earlier map do not show.
             let mut map = vec![0.5; 777];
             fast.depth_map_into(1 + seed as usize % 3, &mut map);
             assert!(

@@ -208,7 +208,7 @@ fn what_a_wall_hides_is_hidden_in_one_lane() {
     assert!(walled > 100_000 && before > 100_000, "{walled}, {before}");
 }
 
-/// Keeps what its first two attributes and their changes say; asked about blocks or about single fragments.
+/// Keeps what its first two attributes and their changes say. Asked about blocks or about single fragments.
 struct Grille {
     by_blocks: bool,
 }
@@ -494,7 +494,7 @@ fn runs_of_blocks_have_the_bits_of_single_pixels() {
     assert!(count > 100_000, "{count}");
 }
 
-/// Samples beside the centres: lanes give the bits of one lane, and the fill rule holds for them as for the centres.
+/// Samples beside the centres. Lanes give the bits of one lane, and the fill rule holds for them as for the centres.
 #[test]
 fn samples_have_the_bits_of_one_lane_and_leave_no_crack() {
     let mut seen = 0;

@@ -310,9 +310,9 @@ fn hostile_meshes() {
     }
 }
 
-/// Ten thousand random meshes of huge, tiny, sliver and non-finite triangles, some behind the eye: a pixel is covered
-/// exactly where the reference says so. What crosses the eye's plane, or reaches so far out that it is clipped, is
-/// cut before it is snapped: it is held against the seen side of its edges in f64, away from them.
+/// Ten thousand random meshes of huge, tiny, sliver and non-finite triangles, some behind the eye. A pixel is covered
+/// exactly where the reference says so. A triangle that crosses the eye's plane, or reaches so far out that it is clipped, is cut
+/// before it is snapped: it is held against the seen side of its edges in f64, away from them.
 #[test]
 fn coverage_of_hostile_meshes_is_the_references() {
     let target = size(20, 70);
@@ -405,7 +405,7 @@ fn coverage_of_hostile_meshes_is_the_references() {
     assert!(covered > 1_000_000 && behind > 1_000, "{covered} {behind}");
 }
 
-/// Whether the centre of a pixel lies in a triangle of which any part may be behind the eye; `None` near an edge, near
+/// True if the centre of a pixel lies in a triangle of which any part may be behind the eye. `None` near an edge, near
 /// the planes of depth, or where f64 cannot say.
 fn seen(clip: &[texmap_math::glam::DVec4; 3], target: TargetSize, x: i32, y: i32) -> Option<bool> {
     let (px, py) = (f64::from(x) + 0.5, f64::from(y) + 0.5);

@@ -1,4 +1,4 @@
-//! What is said of a triangle's derivatives over a tile holds at each of its pixels.
+//! Bounds on a triangle's derivatives over a tile hold at each of its pixels.
 use texmap_math::Level;
 use texmap_raster::{
     AttributePlanes, BinnedDraws, Fragment, NO_PRIMITIVE, NoAlphaTest, SAMPLES_4, TileVisibility,
@@ -75,7 +75,7 @@ fn no_pixel_changes_faster() {
     assert!(known > 100_000 && unknown > 1000, "{known} {unknown}");
 }
 
-/// It is no idle bound: over a tilted plane that fills tiles some pixel comes near it.
+/// The bound is close: over a tilted plane that fills tiles some pixel comes near it.
 #[test]
 fn some_pixel_of_a_full_tile_changes_nearly_as_fast() {
     let corners = [(-4.0, -4.0, 0.5), (4.0, -4.0, 0.6), (0.0, 6.0, 1.0)];

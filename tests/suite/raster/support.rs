@@ -51,7 +51,7 @@ pub(crate) fn free_w(z: f64) -> DMat4 {
     )
 }
 
-/// How often each pixel's centre is covered.
+/// Number of fragments that cover each pixel's centre.
 pub(crate) fn hits(size: TargetSize, draws: &[DrawCall<'_>]) -> Vec<u32> {
     let draws: Vec<_> = draws
         .iter()

@@ -1,4 +1,4 @@
-//! What every filter keeps: constants, texels at centres, weights that sum to one (S10, property 30).
+//! Invariants of every filter: constants, texels at centres, weights that sum to one (S10, property 30).
 
 use crate::support::{
     Random, SIZES, WRAPS, filters, float_texture, largest_difference, random_bytes, random_floats,

@@ -1,4 +1,4 @@
-//! Any value in any public field of a sampler and in any texel: lanes and scalar agree, f64 agrees with both, nothing is NaN.
+//! Any value in any public field of a sampler and in any texel. Lanes and scalar agree, f64 agrees with both, nothing is NaN.
 
 use crate::filters::bound;
 use crate::support::{Random, WRAPS, filters, float_texture, largest_difference, random_floats};

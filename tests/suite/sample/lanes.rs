@@ -2,7 +2,7 @@
 
 use crate::support::{Random, WRAPS, filters, random_bytes, random_floats};
 use texmap_math::simd::{ByteIsa, prelude::*};
-use texmap_math::{Footprint, dispatch_simd};
+use texmap_math::{Footprint, Level, dispatch_simd};
 use texmap_sample::lanes::packed::{self, FootprintLanes};
 use texmap_sample::lanes::{BoundTexture, Kernel};
 use texmap_sample::{
@@ -12,7 +12,7 @@ use texmap_sample::{
 };
 use texmap_tests::levels::levels;
 
-/// Places and footprints: smooth runs, random ones, and the numbers that break things.
+/// Coordinates and footprints: smooth runs, random ones, and the numbers that break things.
 struct Places {
     u: Vec<f32>,
     v: Vec<f32>,
@@ -255,7 +255,7 @@ fn the_masked_path_agrees_with_the_general_one() {
 fn slices_of_different_lengths_are_refused() {
     let t = random_bytes(4, 4, 1);
     let s = Sampler::default();
-    let level = texmap_math::Level::new();
+    let level = Level::new();
     let mut out = [[0.0; 4]; 2];
     let e = sample_slice(level, &s, &t, &[0.0; 2], &[0.0; 3], None, &mut out).unwrap_err();
     assert_eq!(e.to_string(), "v holds 3 entries, the coordinates have 2");
@@ -367,7 +367,7 @@ fn columns_equal_slices() {
         v: &[0.0; 3],
         gradients: Some([&[0.0; 3], &[0.0; 3], &[0.0; 2], &[0.0; 3]]),
     };
-    let e = sample_rgba8_soa(texmap_math::Level::new(), &s, &t, &at, &mut [0; 3]).unwrap_err();
+    let e = sample_rgba8_soa(Level::new(), &s, &t, &at, &mut [0; 3]).unwrap_err();
     assert!(e.to_string().contains("gradients"), "{e}");
 }
 
@@ -414,30 +414,64 @@ fn byte_slices_equal_float_slices() {
     }
 }
 
-/// Look-ups by the functions for stages of one's own, as many at a time as there are lanes.
+/// Look-ups by a function for stages of one's own, as many at a time as there are lanes.
 #[inline(always)]
 fn stage<I: ByteIsa>(
     i: I,
-    view: &BoundTexture<'_>,
     at: &Places,
     d: &[Vec<f32>; 4],
     out: &mut [u32],
+    look_up: impl Fn([I::F32; 2], [I::F32; 4]) -> I::U32,
 ) {
     for (k, out) in out.chunks_exact_mut(I::LANES).enumerate() {
         let k = k * I::LANES;
-        let (u, v) = (i.load_f32(&at.u[k..]), i.load_f32(&at.v[k..]));
-        let [ux, vx, uy, vy] = d.each_ref().map(|d| i.load_f32(&d[k..]));
-        let d = FootprintLanes::new(i, view, ux, vx, uy, vy);
-        match view.kind {
-            Kernel::Nearest => packed::nearest_lanes(i, view, u, v),
-            Kernel::Bilinear => packed::bilinear_lanes(i, view, u, v),
-            Kernel::Trilinear => {
-                packed::trilinear_lanes(i, view, u, v, packed::lod_lanes(i, view, &d))
-            }
-            _ => packed::anisotropic_lanes(i, view, u, v, &d),
-        }
-        .store(out);
+        let uv = [i.load_f32(&at.u[k..]), i.load_f32(&at.v[k..])];
+        look_up(uv, d.each_ref().map(|d| i.load_f32(&d[k..]))).store(out);
     }
+}
+
+/// [`stage`] by the kernel of a bound texture. Each kernel is a function of its own: one with all of them takes minutes to compile.
+macro_rules! stages {
+    ($($name:ident: $i:ident, $view:ident, $uv:ident, $d:ident => $look_up:expr;)*) => {$(
+        #[inline(never)]
+        fn $name(
+            level: Level,
+            wide: bool,
+            $view: &BoundTexture<'_>,
+            at: &Places,
+            d: &[Vec<f32>; 4],
+            out: &mut [u32],
+        ) {
+            #[inline(always)]
+            fn run<I: ByteIsa>(
+                $i: I,
+                $view: &BoundTexture<'_>,
+                at: &Places,
+                d: &[Vec<f32>; 4],
+                out: &mut [u32],
+            ) {
+                stage($i, at, d, out, #[inline(always)] |$uv, $d| $look_up);
+            }
+            if wide {
+                dispatch_simd!(level, wide i => run(i, $view, at, d, out));
+            } else {
+                dispatch_simd!(level, i => run(i, $view, at, d, out));
+            }
+        }
+    )*};
+}
+
+stages! {
+    nearest: i, view, uv, _d => packed::nearest_lanes(i, view, uv[0], uv[1]);
+    bilinear: i, view, uv, _d => packed::bilinear_lanes(i, view, uv[0], uv[1]);
+    trilinear: i, view, uv, d => {
+        let d = FootprintLanes::new(i, view, d[0], d[1], d[2], d[3]);
+        packed::trilinear_lanes(i, view, uv[0], uv[1], packed::lod_lanes(i, view, &d))
+    };
+    anisotropic: i, view, uv, d => {
+        let d = FootprintLanes::new(i, view, d[0], d[1], d[2], d[3]);
+        packed::anisotropic_lanes(i, view, uv[0], uv[1], &d)
+    };
 }
 
 #[test]
@@ -472,13 +506,18 @@ fn stages_give_the_bits_of_single_samples_on_every_level_and_width() {
                         u32::from_le_bytes(c.map(texmap_math::color::unit_to_u8))
                     })
                     .collect();
+                let stage = match view.kind {
+                    Kernel::Nearest => nearest,
+                    Kernel::Bilinear => bilinear,
+                    Kernel::Trilinear => trilinear,
+                    _ => anisotropic,
+                };
                 for (name, level) in levels() {
-                    out.fill(0);
-                    dispatch_simd!(level, i => stage(i, &view, &places, &d, &mut out));
-                    assert_eq!(out, want, "{filter:?} {wrap_u:?} {name}");
-                    out.fill(0);
-                    dispatch_simd!(level, wide i => stage(i, &view, &places, &d, &mut out));
-                    assert_eq!(out, want, "{filter:?} {wrap_u:?} {name}, wide");
+                    for wide in [false, true] {
+                        out.fill(0);
+                        stage(level, wide, &view, &places, &d, &mut out);
+                        assert_eq!(out, want, "{filter:?} {wrap_u:?} {name}, wide: {wide}");
+                    }
                 }
             }
         }

@@ -121,7 +121,7 @@ fn bias_and_limits_apply_in_that_order() {
     );
 }
 
-/// A turned square footprint has no long axis: anisotropic filtering must see one probe's worth, the
+/// A turned square footprint has no long axis. Anisotropic filtering must see one probe's worth, the
 /// column lengths of a sheared one must not be mistaken for its axes.
 #[test]
 fn anisotropy_comes_from_the_true_axes() {

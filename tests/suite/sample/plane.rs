@@ -52,7 +52,7 @@ fn filters_reach_their_accuracy_on_the_tilted_plane() {
     assert!(f64::from(probes) / scene.len() as f64 <= 5.0);
 }
 
-/// Where the short axis is below a texel, probes are a texel apart and leave room for what bilinear filtering blurs.
+/// Probes are a texel apart if the short axis is below a texel, and leave room for the blur of bilinear filtering.
 #[test]
 fn probes_are_no_closer_than_a_texel() {
     let t = TiltedPlane::texture(Pattern::Noise);

@@ -148,7 +148,7 @@ fn counted(map: &Homography, size: [f64; 2], x: usize, y: usize) -> f64 {
     inside as f64 / (SIDE * SIDE) as f64
 }
 
-/// Slanted edges, corners, slivers, images within a pixel and images that end at their horizon: a white image's alpha is the share of the
+/// Slanted edges, corners, slivers, images within a pixel and images that end at their horizon. A white image's alpha is the share of the
 /// pixel's square that it covers.
 #[test]
 fn edges_cover_the_area_of_the_pixel() {
@@ -372,7 +372,7 @@ fn normals_stay_unit_vectors_down_the_chain() {
     assert!(length(&plain, 4) < 0.95);
 }
 
-/// Every scale of an interval keeps the coverage; the one nearest to one is taken, so that levels change no more than they must.
+/// Every scale of an interval keeps the coverage. The one nearest to one is taken, so that levels change no more than they must.
 #[test]
 fn coverage_scales_no_more_than_it_must() {
     let alphas = |texel: fn(u32, u32) -> f32| {

@@ -1,4 +1,4 @@
-//! Textures that are not a plain plane: lines, volumes, cubes, atlases, tables; comparison and
+//! Textures that are not a plain plane: lines, volumes, cubes, atlases, tables. Comparison and
 //! dependent look-ups.
 
 use crate::support::{Random, WRAPS, float_texture, random_bytes, random_floats};

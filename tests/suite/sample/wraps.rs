@@ -162,7 +162,7 @@ fn texels_are_half_open_to_the_last_bit() {
 #[test]
 fn large_coordinates_keep_their_precision() {
     let n = 1024;
-    // A ramp makes the value the place: texel x holds x.
+    // A ramp makes the value the coordinate: texel x holds x.
     let ramp: Vec<f32> = (0..n).map(|i| i as f32).collect();
     let t = crate::support::float_texture(n, 1, 1, &ramp);
     let s = Sampler {
@@ -192,7 +192,7 @@ fn mirrored_coordinates_keep_every_bit() {
         ..Sampler::default()
     };
     for n in [63, 255, 1000] {
-        // A ramp makes the value the place.
+        // A ramp makes the value the coordinate.
         let ramp: Vec<f32> = (0..n).map(|i| i as f32).collect();
         let t = crate::support::float_texture(n, 1, 1, &ramp);
         for (low, high) in [(-3.0, 4.0), (-0.5, 0.5), (-1.0, 0.0)] {

@@ -1,4 +1,4 @@
-//! Meshes that no one models: each is answered, rightly where it is small, and with a bound where it is not.
+//! Meshes that no one models. Each is answered, rightly where it is small, and with a bound where it is not.
 
 use texmap_math::deterministic_f64;
 use texmap_math::glam::{DVec2, DVec3};
@@ -170,11 +170,11 @@ fn many_triangles_are_answered() {
         assert_eq!(found.t_junctions, t_junctions(&mesh), "{kind}");
         let far = |p: &[f32; 3]| p.iter().any(|c| c.abs() > 1e30);
         if !positions.iter().any(far) {
-            let page = AtlasSize {
+            let atlas = AtlasSize {
                 size: 4096,
                 gutter: 1,
             };
-            let auto = auto_planes(&mesh, page, Origin::TopLeft).unwrap();
+            let auto = auto_planes(&mesh, atlas, Origin::TopLeft).unwrap();
             assert!(
                 auto.uvs
                     .as_flattened()
@@ -182,7 +182,7 @@ fn many_triangles_are_answered() {
                     .all(|c| (0.0..=1.0).contains(c)),
                 "{kind}"
             );
-            pack(&mesh, &set, page).unwrap();
+            pack(&mesh, &set, atlas).unwrap();
         }
         let normals = vec![[0.0, 0.0, 1.0]; faces.corners().len()];
         let found = tangents(&mesh, &set, &normals).unwrap();
@@ -225,11 +225,11 @@ fn polygons_of_many_corners_are_cut_and_sewn() {
         uvs: positions.iter().map(|p| [p[0], p[1]]).collect(),
         corners: faces.corners().to_vec(),
     };
-    let shells = |set: &UvSet| {
+    let islands = |set: &UvSet| {
         let found = report(&mesh, set, &ReportOptions::default()).unwrap();
         (found.islands, found.seam_length > 6.0)
     };
-    assert_eq!(shells(&set), (1, false));
+    assert_eq!(islands(&set), (1, false));
     let sharp = SeamEdges {
         angle: Some(1.0),
         ..SeamEdges::default()
@@ -240,7 +240,7 @@ fn polygons_of_many_corners_are_cut_and_sewn() {
     let sewn = sew_seams(&mesh, &parted, &pairs).unwrap();
     assert_eq!(sewn.uvs.len(), count as usize);
     let auto = auto_planes(&mesh, AtlasSize::default(), Origin::TopLeft).unwrap();
-    assert_eq!(shells(&auto), (2, true));
+    assert_eq!(islands(&auto), (2, true));
 }
 
 /// A staircase of three hundred turns over one another: each turn is a chart.
@@ -257,11 +257,11 @@ fn a_long_spiral_is_divided() {
         }
     }
     let mesh = Mesh::new(&positions, &faces).unwrap();
-    let page = AtlasSize {
+    let atlas = AtlasSize {
         size: 8192,
         gutter: 1,
     };
-    let set = auto_planes(&mesh, page, Origin::TopLeft).unwrap();
+    let set = auto_planes(&mesh, atlas, Origin::TopLeft).unwrap();
     let found = report(&mesh, &set, &ReportOptions::default()).unwrap();
     assert_eq!((found.overlapping, found.collapsed), (0, 0));
     assert!((250..700).contains(&found.islands), "{}", found.islands);

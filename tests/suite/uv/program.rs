@@ -70,7 +70,7 @@ fn every_mapping_writes_an_obj_that_differs_in_vt_and_f_alone() {
         let written = std::fs::read_to_string(&path).unwrap();
         assert_eq!(without_uv(&written), without_uv(&source), "{map}");
         assert_ne!(written, source, "{map}");
-        // What was written is read again with the same figures.
+        // The written mesh is read again with the same figures.
         let again = json(&[&out, "--json"]);
         assert_eq!(again["triangles"], 940, "{map}");
     }
@@ -239,7 +239,7 @@ fn bad_input_ends_with_four_and_names_its_place() {
         (
             vec!["--map", "box", "--pack", "8", "--gutter", "5", "--report"],
             4,
-            "do not fit a page of 8 x 8",
+            "do not fit an atlas of 8 x 8",
         ),
     ];
     for (flags, code, expected) in fails {

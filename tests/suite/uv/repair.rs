@@ -14,7 +14,7 @@ use texmap_uv::{
 use crate::meshes::{ball, ramp, tube};
 
 fn mapped(mesh: &Mesh<'_>, shape: Shape, fix_seams: bool) -> UvSet {
-    // A box around an odd number of meridians has its middle off the axis: the shape is placed by hand.
+    // A box around an odd number of meridians has its middle off the axis: the shape's position is set by hand.
     let frame = (shape == Shape::Sphere).then(|| Placement::upright(DVec3::ZERO, DVec3::ONE));
     Mapping {
         fix_seams,
@@ -79,7 +79,7 @@ fn a_face_around_the_axis_is_named() {
 
 #[test]
 fn packed_unwrapped_and_automatic_layouts_are_free_of_overlaps() {
-    let page = AtlasSize {
+    let atlas = AtlasSize {
         size: 512,
         gutter: 4,
     };
@@ -87,19 +87,19 @@ fn packed_unwrapped_and_automatic_layouts_are_free_of_overlaps() {
         let mesh = Mesh::new(&positions, &faces).unwrap();
         let boxed = mapped(&mesh, Shape::Box, true);
         let sets = [
-            ("auto", auto_planes(&mesh, page, Origin::TopLeft).unwrap()),
+            ("auto", auto_planes(&mesh, atlas, Origin::TopLeft).unwrap()),
             (
                 "unwrap",
                 unwrap(
                     &mesh,
                     &SeamEdges::default(),
-                    page,
+                    atlas,
                     Origin::TopLeft,
                     &|_, _| ControlFlow::Continue(()),
                 )
                 .unwrap(),
             ),
-            ("packed box", pack(&mesh, &boxed, page).unwrap()),
+            ("packed box", pack(&mesh, &boxed, atlas).unwrap()),
         ];
         for (name, set) in sets {
             let r = report(&mesh, &set, &ReportOptions::default()).unwrap();
@@ -128,7 +128,7 @@ fn a_tube_cut_along_its_length_and_rings_comes_apart() {
     let (positions, faces) = tube(8, 3, 1.0, 3.0);
     let mesh = Mesh::new(&positions, &faces).unwrap();
     let set = mapped(&mesh, Shape::Cylinder, true);
-    let shells = |set: &UvSet| {
+    let islands = |set: &UvSet| {
         report(
             &mesh,
             &pack(&mesh, set, AtlasSize::default()).unwrap(),
@@ -137,7 +137,7 @@ fn a_tube_cut_along_its_length_and_rings_comes_apart() {
         .unwrap()
         .islands
     };
-    assert_eq!(shells(&set), 1);
+    assert_eq!(islands(&set), 1);
     let ring: Vec<[u32; 2]> = (0..8).map(|i| [8 + i, 8 + (i + 1) % 8]).collect();
     let parted = cut_seams(
         &mesh,
@@ -148,7 +148,7 @@ fn a_tube_cut_along_its_length_and_rings_comes_apart() {
         },
     )
     .unwrap();
-    assert_eq!(shells(&parted), 2);
+    assert_eq!(islands(&parted), 2);
     let creased = cut_seams(
         &mesh,
         &set,
@@ -158,7 +158,7 @@ fn a_tube_cut_along_its_length_and_rings_comes_apart() {
         },
     )
     .unwrap();
-    assert_eq!(shells(&creased), 8);
+    assert_eq!(islands(&creased), 8);
 }
 
 #[test]
@@ -190,14 +190,14 @@ fn required_cuts_part_the_unwrapped_charts() {
     assert_eq!(charts(&across), 2);
 }
 
-/// Progress counts up within a stage and ends at its total; a break ends the work with an error of its own.
+/// Progress counts up within a stage and ends at its total. A break ends the work with an error of its own.
 #[test]
 fn unwrapping_reports_progress_and_can_be_cancelled() {
     let (positions, faces) = ball(24, 12, 1.0);
     let mesh = Mesh::new(&positions, &faces).unwrap();
     let run = |progress: &(dyn Fn(usize, Option<usize>) -> ControlFlow<()> + Sync)| {
-        let (cuts, page) = (SeamEdges::default(), AtlasSize::default());
-        unwrap(&mesh, &cuts, page, Origin::BottomLeft, progress)
+        let (cuts, atlas) = (SeamEdges::default(), AtlasSize::default());
+        unwrap(&mesh, &cuts, atlas, Origin::BottomLeft, progress)
     };
     let heard = Mutex::new(Vec::new());
     run(&|done, of| {

@@ -229,13 +229,13 @@ fn a_plane_map_of_the_teapot_has_no_seam_however_it_is_read() {
         "the case needs triangles without area"
     );
     assert_eq!((plane.seam_length, plane.non_manifold_edges), (0.0, 0));
-    // As many shells as the surface has pieces: body with bottom, lid, handle, spout at most.
-    assert!(plane.islands <= 5, "{} shells", plane.islands);
+    // As many islands as the surface has pieces: body with bottom, lid, handle, spout at most.
+    assert!(plane.islands <= 5, "{} islands", plane.islands);
     // Negative twin: a box tears it.
     assert!(of(Shape::Box).seam_length > 10.0);
 }
 
-/// Two squares with a face without area between them, cut apart on both of its sides: one seam, two shells.
+/// Two squares with a face without area between them, cut apart on both of its sides: one seam, two islands.
 #[test]
 fn a_face_without_area_between_two_others_makes_one_seam() {
     let positions = [
@@ -266,7 +266,7 @@ fn a_face_without_area_between_two_others_makes_one_seam() {
             corners: (0..faces.corners().len() as u32).collect(),
         }
     };
-    for (shift, seam, shells) in [
+    for (shift, seam, islands) in [
         ([0.0, 0.0, 0.0], 0.0, 1),
         ([0.0, 0.0, 5.0], 1.0, 2),
         ([0.0, 5.0, 5.0], 1.0, 2),
@@ -275,7 +275,7 @@ fn a_face_without_area_between_two_others_makes_one_seam() {
         let r = report(&mesh, &by_face(shift), &UPWARD).unwrap();
         assert_eq!(
             (r.seam_length, r.islands, r.degenerate),
-            (seam, shells, 1),
+            (seam, islands, 1),
             "{shift:?}"
         );
     }

@@ -21,7 +21,7 @@ impl Ops for Exact {
     }
 }
 
-/// What the reference reads and writes; faces of three or four corners.
+/// Input and output of the reference; faces of three or four corners.
 struct Reference<'a> {
     positions: &'a [[f32; 3]],
     faces: &'a Faces,
@@ -79,8 +79,8 @@ fn at_corners(mesh: &Mesh<'_>) -> Vec<[f32; 3]> {
     corners.map(|&i| smooth[i as usize]).collect()
 }
 
-/// Compares each tangent with the reference's, made square to the normal: within a hundredth of a degree, and of one sign. How
-/// many corners the reference leaves at its default, x and -1.
+/// Compares each tangent with the reference's, made square to the normal: within a hundredth of a degree, and of one sign.
+/// Returns the number of corners that the reference leaves at its default, x and -1.
 fn compare(positions: &[[f32; 3]], faces: &Faces, set: &UvSet, normals: &[[f32; 3]]) -> usize {
     let mesh = Mesh::new(positions, faces).unwrap();
     let ours = tangents(&mesh, set, normals).unwrap();
@@ -95,7 +95,7 @@ fn compare(positions: &[[f32; 3]], faces: &Faces, set: &UvSet, normals: &[[f32; 
         without += usize::from(r.is_none());
         let r = r.unwrap_or([1.0, 0.0, 0.0, -1.0]);
         let (a, b) = (flat(t), flat(&r));
-        // Where all cancelled to nothing, or the default lies along the normal, there is no direction to compare.
+        // If all cancelled to nothing, or the default lies along the normal, there is no direction to compare.
         if b.length() > 1e-3 {
             let angle = a.cross(b).length().atan2(a.dot(b)).to_degrees();
             assert!(angle < 0.01 && t[3] == r[3], "corner {k}: {t:?}, not {r:?}");
@@ -104,8 +104,8 @@ fn compare(positions: &[[f32; 3]], faces: &Faces, set: &UvSet, normals: &[[f32; 
     without
 }
 
-/// A ball with ridges, as if modelled by hand: triangles, or quads in every other place. Every seventh face is followed by one
-/// without area: two corners in one place, or three in a row.
+/// A ball with ridges, as if modelled by hand: triangles, or quads in every other cell. Every seventh face is followed by one
+/// without area: two corners at one point, or three in a row.
 fn sculpture(quads: bool) -> (Vec<[f32; 3]>, Faces) {
     let (mut positions, round) = ball(48, 24, 1.0);
     for p in &mut positions {
@@ -142,7 +142,7 @@ fn sculpture(quads: bool) -> (Vec<[f32; 3]>, Faces) {
 /// The ways to give it coordinates: one island, many, mirrored halves, one index for each corner, and islands of which some
 /// have no area in the picture.
 fn sets(mesh: &Mesh<'_>) -> Vec<(&'static str, UvSet)> {
-    let page = AtlasSize::default();
+    let atlas = AtlasSize::default();
     let origin = Origin::BottomLeft;
     let sphere = |fix_seams| {
         let mapping = Mapping {
@@ -154,7 +154,7 @@ fn sets(mesh: &Mesh<'_>) -> Vec<(&'static str, UvSet)> {
             .unwrap()
             .set
     };
-    let auto = auto_planes(mesh, page, origin).unwrap();
+    let auto = auto_planes(mesh, atlas, origin).unwrap();
     let corners = mesh.faces().corners().len();
     let apart = UvSet {
         uvs: auto.per_corner(),
@@ -186,7 +186,7 @@ fn sets(mesh: &Mesh<'_>) -> Vec<(&'static str, UvSet)> {
         ("auto", auto),
         (
             "unwrap",
-            unwrap(mesh, &SeamEdges::default(), page, origin, &|_, _| {
+            unwrap(mesh, &SeamEdges::default(), atlas, origin, &|_, _| {
                 std::ops::ControlFlow::Continue(())
             })
             .unwrap(),

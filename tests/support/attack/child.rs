@@ -7,11 +7,11 @@ use std::path::Path;
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
 
-/// Where standard output goes.
+/// Destination of standard output.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Stdout {
     Kept,
-    /// A device without room.
+    /// A device without space.
     Full,
     /// A pipe that nobody reads.
     Closed,
@@ -20,15 +20,15 @@ pub(super) enum Stdout {
 /// A signal and the milliseconds after which it is sent, from when the program is ready for it: nothing of it runs before.
 pub(super) type Interrupt = (&'static str, u64);
 
-/// How a run ended.
+/// Outcome of a run.
 #[derive(Debug)]
 pub(super) struct Ending {
     pub(super) status: Option<ExitStatus>,
     /// Linux: it was seen to be ready for the signal.
     pub(super) ready: bool,
-    /// It did not end within the time; then it was killed.
+    /// The run did not end within the time; then it was killed.
     pub(super) hung: bool,
-    /// It took more memory than allowed; then it was killed.
+    /// The run took more memory than allowed; then it was killed.
     pub(super) large: bool,
     pub(super) stdout: Vec<u8>,
     pub(super) stderr: Vec<u8>,

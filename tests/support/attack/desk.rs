@@ -32,7 +32,7 @@ texture check.png
 tf 0 0 0 3 0 4 2 4 4 1 4 0
 ";
 
-/// Lines that are added to the scene one at a time: each brings one more kind of file, or one more effect.
+/// Lines that are added to the scene one at a time. Each brings one more kind of file, or one more effect.
 const MORE: [&str; 28] = [
     "obj m.obj",
     "env sky.hdr lat-long 0.3\nobj m.obj",

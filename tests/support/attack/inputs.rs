@@ -1,4 +1,4 @@
-//! What is put in place of a good input: spoilt content, special files, and files that are too much.
+//! Bad inputs that replace a good one: spoilt content, special files, and files that are too much.
 
 use std::fmt::Write as _;
 use std::fs::{self, File};

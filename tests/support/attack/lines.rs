@@ -137,9 +137,9 @@ const VALUES: [&str; 30] = [
 #[derive(Debug, Default)]
 pub(super) struct Line {
     pub(super) words: Vec<OsString>,
-    /// Which words are inputs.
+    /// Indices of the words that are inputs.
     pub(super) inputs: Vec<usize>,
-    /// Which words are outputs.
+    /// Indices of the words that are outputs.
     pub(super) outputs: Vec<usize>,
 }
 
@@ -188,7 +188,7 @@ impl Line {
                 }
             }
         }
-        // Which word is what is no longer known.
+        // The roles of the words are no longer known.
         self.inputs.clear();
         self.outputs.clear();
     }

@@ -20,7 +20,7 @@ use desk::{Desk, OLD, SECRET};
 use lines::{LINES, Line, not_unicode, odd_name};
 use rng::Rng;
 
-/// What is done to a good command line.
+/// Change to a good command line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Kind {
     /// An input has wrong content.
@@ -54,7 +54,7 @@ impl Kind {
     ];
 }
 
-/// What a run must never do.
+/// Forbidden outcome of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Fault {
     /// A panic, or exit code 6.
@@ -93,9 +93,9 @@ impl Fault {
 pub struct Finding {
     /// Number of the case: with the seed it repeats the case.
     pub number: u64,
-    /// What was done.
+    /// The change to the command line.
     pub kind: Kind,
-    /// What went wrong.
+    /// The forbidden outcome.
     pub fault: Fault,
     /// The command line, what was changed, and how the run ended.
     pub text: String,
@@ -113,7 +113,7 @@ impl fmt::Display for Finding {
     }
 }
 
-/// What came of all cases.
+/// Counts of all cases, and their findings.
 #[derive(Debug, Clone, Default)]
 pub struct Summary {
     /// Cases by kind.
@@ -127,7 +127,7 @@ pub struct Summary {
 }
 
 impl Summary {
-    /// How often a fault was seen.
+    /// Number of findings of a fault.
     #[must_use]
     pub fn count(&self, fault: Fault) -> usize {
         self.findings.iter().filter(|f| f.fault == fault).count()
@@ -155,10 +155,10 @@ impl fmt::Display for Summary {
     }
 }
 
-/// Runs the cases of these numbers, each for no more than `longest` of the processor; `told` hears what goes wrong at once.
+/// Runs the cases of these numbers, each for no more than `longest` of the processor. `told` hears what goes wrong at once.
 ///
 /// # Errors
-/// When a working folder cannot be made or the program not be started.
+/// If a working folder cannot be made or the program not be started.
 pub fn attack(
     program: &Path,
     seed: u64,
@@ -179,7 +179,7 @@ struct Case {
     kind: Kind,
     desk: Desk,
     line: Line,
-    /// What was changed, in words.
+    /// The change, in words.
     change: String,
     stdout: Stdout,
     interrupt: Option<Interrupt>,
@@ -318,7 +318,7 @@ impl Case {
         Ok(())
     }
 
-    /// Whether files that were finished before a signal came, or before the report could not be written, stay.
+    /// True if files that were finished before a signal came, or before the report could not be written, stay.
     fn may_leave(&self) -> bool {
         self.interrupt.is_some() || matches!(self.stdout, Stdout::Full)
     }
@@ -366,7 +366,7 @@ impl Case {
         faults
     }
 
-    /// Files that were there and are not, or changed though the run failed; outputs that are missing after success.
+    /// Files that were there and are not, or changed though the run failed. Outputs that are missing after success.
     fn lost(&self, code: Option<i32>, before: &State, after: &State) -> Vec<String> {
         let content = |state: &State, name: &Path| {
             let found = state.iter().find(|(known, _)| known == name);
@@ -454,7 +454,7 @@ fn victim(line: &Line, rng: &mut Rng) -> OsString {
 
 /// New files after a failure, and temporary ones after anything.
 fn litter(code: Option<i32>, interrupted: bool, before: &State, after: &State) -> Vec<String> {
-    // What was finished before a signal came, stays.
+    // Files that were finished before a signal came, stay.
     let writes = matches!(code, Some(0 | 1 | 3 | 5)) || interrupted;
     let is_new = |name: &PathBuf| before.iter().all(|(known, _)| known != name);
     let mut litter = Vec::new();
@@ -469,7 +469,7 @@ fn litter(code: Option<i32>, interrupted: bool, before: &State, after: &State) -
     litter
 }
 
-/// Whether a picture ends as it should, as far as its kind says so.
+/// True if a picture ends as it should, as far as its kind says so.
 fn whole(bytes: &[u8]) -> bool {
     bytes == OLD || !bytes.starts_with(b"\x89PNG") || bytes.ends_with(b"IEND\xaeB\x60\x82")
 }

@@ -393,11 +393,11 @@ impl Text<'_> {
         }
     }
 
-    fn relief(&mut self) {
+    fn detail(&mut self) {
         let file = self.heights();
         let green = self.random.pick(&["up", "down"]);
         let height = self.number(0.02, 0.3);
-        let relief = match self.random.next() % 8 {
+        let detail = match self.random.next() % 8 {
             0 => format!("bump {file} {height}"),
             1 => format!("offsetmap {file} {height} {green}"),
             2 => format!("normalmap {file} tangent {green} xyz"),
@@ -407,7 +407,7 @@ impl Text<'_> {
             6 => format!("emboss \"CS 184\" {height}"),
             _ => return,
         };
-        self.line(&relief);
+        self.line(&detail);
     }
 
     fn thing(&mut self, kind: usize) {
@@ -418,11 +418,11 @@ impl Text<'_> {
         );
         match kind % 11 {
             0 => {
-                self.relief();
+                self.detail();
                 self.line(&format!("obj {model}"));
             }
             1 => {
-                self.relief();
+                self.detail();
                 self.quad(0.9);
             }
             2 => {

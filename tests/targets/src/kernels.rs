@@ -1,4 +1,4 @@
-//! What a program calls without a scene: charts of environments, coordinates, warps, functions of angles.
+//! Kernels that a program calls without a scene: layouts of environments, coordinates, warps, functions of angles.
 
 use texmap_light::{Environment, EnvironmentLayout};
 use texmap_math::glam::{DMat3, DVec3};

@@ -47,7 +47,7 @@ pub fn hashes(folders: &Folders, level: Level) -> Result<String, Box<dyn Error>>
                 level,
                 ..random::settings(seed)
             },
-            &|_, _| (),
+            &texmap_render::no_progress,
         )?;
         writeln!(list, "{}", line(&format!("samplers-{seed:02}"), &frame))?;
     }
@@ -57,7 +57,7 @@ pub fn hashes(folders: &Folders, level: Level) -> Result<String, Box<dyn Error>>
             .and_then(|scene| {
                 let settings = effect_settings(seed, &scene, level);
                 let scene = tessellate(scene, settings.width)?;
-                Ok(render(&scene, &settings, &|_, _| ())?)
+                Ok(render(&scene, &settings, &texmap_render::no_progress)?)
             })
             .map_err(|error| format!("{name}: {error}"))?;
         writeln!(list, "{}", line(&name, &frame))?;
@@ -70,7 +70,7 @@ pub fn hashes(folders: &Folders, level: Level) -> Result<String, Box<dyn Error>>
             ..RenderSettings::new(160, 120)
         };
         let scene = tessellate(scene, settings.width)?;
-        let frame = render(&scene, &settings, &|_, _| ())?;
+        let frame = render(&scene, &settings, &texmap_render::no_progress)?;
         writeln!(list, "{}", line(&name_of(&path), &frame))?;
     }
     Ok(list)
@@ -79,7 +79,7 @@ pub fn hashes(folders: &Folders, level: Level) -> Result<String, Box<dyn Error>>
 /// The random scene of a seed, by way of its file.
 ///
 /// # Errors
-/// What the reader refuses.
+/// Every fault that the reader finds.
 pub fn effect_scene(seed: u64, folders: &Folders) -> Result<Scene, Box<dyn Error>> {
     let path = folders.work.join(format!("effects-{seed:02}.scene"));
     std::fs::write(&path, effects::text(seed, folders))?;
@@ -101,7 +101,7 @@ fn effect_settings(seed: u64, scene: &Scene, level: Level) -> RenderSettings {
     }
 }
 
-/// Environments in every chart, as HDR and EXR: both encoders are part of the proof, since what they write is read again.
+/// Environments in every chart, as HDR and EXR. Both encoders are part of the proof, since what they write is read again.
 fn write_skies(folders: &Folders) -> Result<(), Box<dyn Error>> {
     let sky = read_environment(
         &folders.data.join("half_piz.exr"),
@@ -122,7 +122,7 @@ fn write_skies(folders: &Folders) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// What the decoders make of the pictures.
+/// Hashes of the decoded pictures.
 fn decoded(folders: &Folders, list: &mut String) -> Result<(), Box<dyn Error>> {
     let textures = files(&folders.assets.join("textures"), &["png", "gif", "jpg"])?;
     for path in textures.into_iter().chain(files(&folders.data, &["jpg"])?) {

@@ -4,7 +4,7 @@ use texmap_math::Camera;
 use texmap_math::glam::DVec3;
 use texmap_scene::{ColorMode, Mesh, Scene};
 
-/// Raw colours, black opaque background, no light, nothing in it; the camera stands in the origin, looks along -Z and sees
+/// Raw colours, black opaque background, no light, nothing in it. The camera stands in the origin, looks along -Z and sees
 /// 90 degrees.
 #[must_use]
 pub fn empty() -> Scene {

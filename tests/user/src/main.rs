@@ -120,9 +120,9 @@ fn mirrored() -> Scene {
 
 fn draw(scene: &Scene, msaa: u32) {
     let settings = RenderSettings { msaa, aovs: Aov::ALL.to_vec(), ..RenderSettings::new(96, 64) };
-    let frame = render(scene, &settings, &|_, _| ()).expect("a picture");
+    let frame = render(scene, &settings, &texmap_render::no_progress).expect("a picture");
     let alone = RenderSettings { threads: Some(1), ..settings };
-    let again = render(scene, &alone, &|_, _| ()).expect("a picture");
+    let again = render(scene, &alone, &texmap_render::no_progress).expect("a picture");
     assert_eq!(pixel_hash(&frame), pixel_hash(&again));
     assert!(frame.stats.pixels_covered > 1000);
 }

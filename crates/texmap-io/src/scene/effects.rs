@@ -76,7 +76,7 @@ pub(super) fn covered(material: &Material) -> Vec<&'static str> {
         .collect()
 }
 
-const BUMPS: &str = "`bump`, `offsetmap`, `carve`, `emboss` or `normalmap`";
+const BUMPS: &str = "`bump`, `offsetmap`, `procedural-bump`, `emboss` or `normalmap`";
 
 /// The coordinates that faces have.
 #[derive(Debug, Clone, Copy)]
@@ -222,7 +222,7 @@ pub(super) fn normal_map(b: &mut Builder, line: &mut Line<'_>) -> Result<ReliefS
     Ok(ReliefSetting::NormalMap(texture, setting))
 }
 
-/// `carve`.
+/// `procedural-bump`.
 pub(super) fn carved(b: &mut Builder, line: &mut Line<'_>) -> Result<ReliefSetting, IoError> {
     let (formula, height) = (line.word(), line.float());
     let (origin, size) = (DVec3::from(line.numbers()), DVec3::from(line.numbers()));
@@ -292,12 +292,12 @@ mod tests {
             "offsetmap dudv.png -0.5 down\n",
             "offsetmap \"none\" 1\n",
             "offsetmap none\n",
-            "carve waves 0.02 0 1 0 1 0.25 1\n",
-            "carve waves 0.02 0 1 0 1 0.25 1 around 20 fold 0.2\n",
-            "carve noise -0.1 0 0 0 1 1 1 octaves 7\n",
-            "carve marble 0.1 0 0 0 1 1 1 fold 2\n",
-            "carve wood 0.1 0 0 0 1 1 1\n",
-            "carve none\n",
+            "procedural-bump waves 0.02 0 1 0 1 0.25 1\n",
+            "procedural-bump waves 0.02 0 1 0 1 0.25 1 around 20 fold 0.2\n",
+            "procedural-bump noise -0.1 0 0 0 1 1 1 octaves 7\n",
+            "procedural-bump marble 0.1 0 0 0 1 1 1 fold 2\n",
+            "procedural-bump wood 0.1 0 0 0 1 1 1\n",
+            "procedural-bump none\n",
             "emboss \"CS 184\" 0.01\n",
             "emboss none\n",
         ]);
@@ -319,12 +319,24 @@ mod tests {
             ("normalmap a.png left", "unknown-word", 17),
             ("offsetmap a.png", "argument-count", 1),
             ("offsetmap a.png 1 left", "unknown-word", 19),
-            ("carve dots 1 0 0 0 1 1 1", "unknown-word", 7),
-            ("carve waves 1 0 0 0 1 0 1", "out-of-range", 23),
-            ("carve waves 1 0 0 0 1 1", "argument-count", 1),
-            ("carve waves 1 0 0 0 1 1 1 around 0", "out-of-range", 34),
-            ("carve noise 1 0 0 0 1 1 1 octaves 2.5", "out-of-range", 35),
-            ("carve noise 1 0 0 0 1 1 1 bend 2", "unknown-word", 27),
+            ("procedural-bump dots 1 0 0 0 1 1 1", "unknown-word", 17),
+            ("procedural-bump waves 1 0 0 0 1 0 1", "out-of-range", 33),
+            ("procedural-bump waves 1 0 0 0 1 1", "argument-count", 1),
+            (
+                "procedural-bump waves 1 0 0 0 1 1 1 around 0",
+                "out-of-range",
+                44,
+            ),
+            (
+                "procedural-bump noise 1 0 0 0 1 1 1 octaves 2.5",
+                "out-of-range",
+                45,
+            ),
+            (
+                "procedural-bump noise 1 0 0 0 1 1 1 bend 2",
+                "unknown-word",
+                37,
+            ),
             ("emboss \" \" 1", "out-of-range", 8),
             ("emboss A", "argument-count", 1),
         ]);

@@ -29,8 +29,8 @@ use crate::{FileSource, IoError, SourceLocation, obj};
 use build::Builder;
 use settings::Settings;
 
-pub(crate) use table::nearest;
 pub use table::{SECTIONS, Section, Spec, commands};
+pub(crate) use table::{command, nearest};
 pub(crate) use tree::Tree;
 
 /// What the files do not say.

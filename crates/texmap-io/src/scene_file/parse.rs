@@ -5,7 +5,7 @@ use std::path::Path;
 use super::args::Args;
 use super::token::{self, Token};
 use super::{SceneFile, Statement};
-use crate::scene::{Spec, commands, nearest};
+use crate::scene::{Spec, command, nearest};
 use crate::{IoError, SourceLocation};
 
 /// Reads a scene file's text; `file` is only named in errors.
@@ -63,7 +63,7 @@ pub fn parse(file: &Path, text: &str) -> Result<SceneFile, IoError> {
 
 /// The row of the table for the word that begins a line.
 fn spec(file: &Path, line: u32, token: Token<'_>) -> Result<&'static Spec, IoError> {
-    let known = commands().find(|spec| spec.word == token.text && !token.quoted);
+    let known = command(token.text).filter(|_| !token.quoted);
     known.ok_or_else(|| IoError::UnknownCommand {
         location: SourceLocation::new(file, line, token.column),
         word: token.text.chars().take(40).collect(),

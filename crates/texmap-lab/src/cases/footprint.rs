@@ -146,7 +146,7 @@ pub(super) fn s7() -> Result<Vec<Measurement>, LabError> {
     ])
 }
 
-/// S8: a plane to the horizon in two charts that meet at a seam; derivatives per triangle, and by 2x2 quads.
+/// S8: a plane to the horizon in two charts that meet at a seam. Derivatives per triangle, and by 2x2 quads.
 pub(super) fn s8() -> Result<Vec<Measurement>, LabError> {
     const SIDE: u32 = 128;
     let camera = Camera {

@@ -105,7 +105,7 @@ pub(super) fn i1() -> Result<Vec<Measurement>, LabError> {
     Ok(out)
 }
 
-/// I2: sixteen equal spans have the error that they have; spans chosen by the closed form keep the budget.
+/// I2: sixteen equal spans have the error that they have. Spans chosen by the closed form keep the budget.
 pub(super) fn i2() -> Result<Vec<Measurement>, LabError> {
     let mut out = Vec::new();
     for ratio in [2.0, 4.0, 8.0, 16.0] {

@@ -116,7 +116,7 @@ struct File {
 /// The cases that the program carries: `cases.toml` of this package.
 ///
 /// # Errors
-/// When the file does not fit its schema.
+/// If the file does not fit its schema.
 pub fn all() -> Result<Vec<Case>, LabError> {
     parse(include_str!("../../cases.toml"))
 }
@@ -124,7 +124,7 @@ pub fn all() -> Result<Vec<Case>, LabError> {
 /// Reads a file of cases.
 ///
 /// # Errors
-/// When the text is not TOML of this schema, an id comes twice, or a check demands nothing.
+/// If the text is not TOML of this schema, an id comes twice, or a check demands nothing.
 pub fn parse(text: &str) -> Result<Vec<Case>, LabError> {
     let file: File = toml::from_str(text).map_err(|error| LabError::Cases(error.to_string()))?;
     for (index, case) in file.cases.iter().enumerate() {
@@ -233,7 +233,7 @@ pub fn ids() -> impl Iterator<Item = &'static str> {
 /// Measures one case: texmap's own methods and the naive ones.
 ///
 /// # Errors
-/// When no runner has this id.
+/// If no runner has this id.
 pub fn run(id: &str) -> Result<Vec<Measurement>, LabError> {
     let (_, runner) = RUNNERS
         .iter()
@@ -261,7 +261,7 @@ impl Verdict {
 /// Runs a case and judges each of its demands.
 ///
 /// # Errors
-/// When no runner has the id, the runner fails, or it measures something of which nothing is demanded.
+/// If no runner has the id, the runner fails, or it measures something of which nothing is demanded.
 pub fn judge(case: &Case) -> Result<Vec<Verdict>, LabError> {
     let measured = run(&case.id)?;
     let same = |m: &Measurement, c: &Check| m.method == c.method && m.measure == c.measure;

@@ -14,7 +14,7 @@ pub(super) fn edge_plane_f32(a: [f32; 2], b: [f32; 2], p: [f32; 2]) -> f32 {
     ea * p[0] + eb * p[1] + ec
 }
 
-/// True if an edge owns the centres that lie on it: left edges and top edges do, for a triangle whose edge
+/// True if an edge owns the centres that lie on it. Left edges and top edges do, for a triangle whose edge
 /// functions are positive inside and whose y grows downward.
 pub(super) fn top_left(a: [f32; 2], b: [f32; 2]) -> bool {
     let (dx, dy) = (b[0] - a[0], b[1] - a[1]);

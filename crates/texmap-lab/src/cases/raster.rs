@@ -1,4 +1,4 @@
-//! R1 to R8: coverage, overflow, degenerate and huge triangles, T-joints, depth.
+//! R1 to R8: coverage, overflow, degenerate and huge triangles, T-junctions, depth.
 
 use texmap_math::deterministic_f64;
 use texmap_raster::{DrawCall, Interp};
@@ -264,7 +264,7 @@ pub(super) fn r6() -> Result<Vec<Measurement>, LabError> {
     Ok(out)
 }
 
-/// R7: a mesh without T-joints stays without cracks when subdivided; a T-joint cracks.
+/// R7: a mesh without T-junctions stays without cracks when subdivided; a T-junction cracks.
 pub(super) fn r7() -> Result<Vec<Measurement>, LabError> {
     let size = (256, 256);
     let mut random = Random(7);

@@ -30,7 +30,7 @@ fn sampler(filter: Filter, wrap: Wrap) -> Sampler {
     }
 }
 
-/// The column that an exact calculation gives, with u an f32 value: products of f32 and small integers are
+/// The column that an exact calculation gives, with u an f32 value. Products of f32 and small integers are
 /// exact in f64.
 fn column(u: f32, width: u32, wrap: Wrap) -> i64 {
     let n = i64::from(width);

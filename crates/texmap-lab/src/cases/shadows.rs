@@ -1,4 +1,4 @@
-//! P1 to P3 and H1 to H7: slide projectors and shadow maps.
+//! P1 to P3 and H1 to H7: projectors and shadow maps.
 
 use texmap_light::{
     Light, PhongMaterial, ProjectorBorder, ProjectorTexture, ShadowBias, ShadowKind, ShadowMap,
@@ -17,7 +17,7 @@ use super::Measurement;
 use crate::LabError;
 use crate::shadow_scene::{Figures, ShadowScene};
 
-/// A white slide of 45 degrees at the origin, thrown along -Z.
+/// A projector of 45 degrees at the origin, along -Z.
 fn projector() -> Result<Projector, LabError> {
     Ok(Projector::new(
         DVec3::ZERO,
@@ -34,7 +34,7 @@ fn slide_light(border: ProjectorBorder, points: &[[f32; 3]]) -> Result<Vec<[f32;
         filter: Filter::Bilinear,
         ..Sampler::default()
     };
-    let slide = ProjectorTexture {
+    let picture = ProjectorTexture {
         projector: projector()?,
         texture: &texture,
         sampler: &sampler,
@@ -43,7 +43,7 @@ fn slide_light(border: ProjectorBorder, points: &[[f32; 3]]) -> Result<Vec<[f32;
     };
     let mut out = vec![[0.0; 4]; points.len()];
     // Both slices have one length.
-    let _ = slide.light_slice(points, &mut out);
+    let _ = picture.light_slice(points, &mut out);
     Ok(out)
 }
 
@@ -101,7 +101,7 @@ pub(super) fn p2() -> Result<Vec<Measurement>, LabError> {
 
 pub(super) fn p3() -> Result<Vec<Measurement>, LabError> {
     // A slanted wall seen from the side; the projector stands elsewhere.
-    let slide = Projector::new(
+    let projector = Projector::new(
         DVec3::new(-1.0, 2.0, 1.0),
         DVec3::new(1.0, 0.0, -4.0),
         DVec3::Y,
@@ -124,7 +124,7 @@ pub(super) fn p3() -> Result<Vec<Measurement>, LabError> {
     let positions = corners.map(|c| c.as_vec3().to_array());
     let mut attributes = Vec::new();
     for c in corners {
-        let uv = slide.project(c);
+        let uv = projector.project(c);
         attributes.extend(c.as_vec3().to_array());
         attributes.extend([(uv.x / uv.z) as f32, (uv.y / uv.z) as f32]);
     }
@@ -154,7 +154,7 @@ pub(super) fn p3() -> Result<Vec<Measurement>, LabError> {
             prepared.evaluate(id, x, y, &mut fragment);
             let ray = pinhole.direction(f64::from(x) + 0.5, f64::from(y) + 0.5);
             let t = normal.dot(corners[0] - pinhole.eye) / normal.dot(ray);
-            let Some(truth) = slide.uv(pinhole.eye + ray * t) else {
+            let Some(truth) = projector.uv(pinhole.eye + ray * t) else {
                 continue;
             };
             if truth.min_element() < 0.0 || truth.max_element() > 1.0 {
@@ -165,7 +165,7 @@ pub(super) fn p3() -> Result<Vec<Measurement>, LabError> {
                 fragment.values[1].into(),
                 fragment.values[2].into(),
             );
-            if let Some(found) = slide.uv(p) {
+            if let Some(found) = projector.uv(p) {
                 worst = worst.max((found - truth).abs().max_element());
             }
             let early = DVec2::new(fragment.values[3].into(), fragment.values[4].into());
@@ -267,7 +267,7 @@ pub(super) fn h5() -> Result<Vec<Measurement>, LabError> {
             dark += u32::from(lit != 1.0);
         }
     }
-    // The texel as an integer, then the offsets of the taps.
+    // The texel as an integer, then the offsets of the PCF comparisons.
     let wild = [1e6f64, 1e9, 1e18, 1e30, 1e300, f64::INFINITY];
     let overflows = wild.iter().filter(|k| {
         let texel = ((**k * 0.5 + 0.5) * 64.0) as i32;
@@ -383,8 +383,8 @@ pub(super) fn h7() -> Result<Vec<Measurement>, LabError> {
         let lit = f64::from(map.visibility(p, DVec3::Z, ShadowBias::Constant(1e-6), 5));
         let column = ((x * 0.5 + 0.5) * 64.0).floor() as i64;
         let row = ((0.5 - 0.05) * 64.0f64).floor() as i64;
-        let taps = (-2..=2).flat_map(|j| (-2..=2).map(move |i| (i, j)));
-        let depths: Vec<f64> = taps.map(|(i, j)| stored(column + i, row + j)).collect();
+        let offsets = (-2..=2).flat_map(|j| (-2..=2).map(move |i| (i, j)));
+        let depths: Vec<f64> = offsets.map(|(i, j)| stored(column + i, row + j)).collect();
         let share = depths.iter().filter(|d| 0.9 <= **d).count() as f64 / 25.0;
         let mean = depths.iter().sum::<f64>() / 25.0;
         worst = worst.max((lit - share).abs());

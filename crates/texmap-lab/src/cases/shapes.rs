@@ -95,7 +95,7 @@ fn holes(meshes: &[Mesh]) -> Result<f64, LabError> {
         let frame = render(
             &scene(meshes.to_vec(), map, DVec3::ZERO, look),
             &RenderSettings::new(384, 384),
-            &|_, _| (),
+            &texmap_render::no_progress,
         )?;
         count += frame.rgba.chunks_exact(4).filter(|p| p[0] == 0).count();
     }

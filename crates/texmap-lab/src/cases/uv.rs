@@ -76,7 +76,7 @@ pub(super) fn u1() -> Result<Vec<Measurement>, LabError> {
 pub(super) fn u2() -> Result<Vec<Measurement>, LabError> {
     let (positions, faces) = ball();
     let mesh = Mesh::new(&positions, &faces)?;
-    // How far u of the pole is from the mean of the other two.
+    // Distance of u at the pole from the mean of the other two.
     let off = |set: &UvSet| {
         let last = positions.len() as u32 - 1;
         let distance = |f: usize| {

@@ -113,7 +113,7 @@ pub(super) fn v3() -> Result<Vec<Measurement>, LabError> {
         .iter()
         .filter(|(size, voxels)| grid(*size, voxels).is_ok())
         .count();
-    // What a NaN does to a ray that takes it.
+    // Effect of a NaN on a ray that takes it.
     let mut left = 1.0f32;
     for dense in [0.5f32, f32::NAN, 0.5] {
         left *= 1.0 - 0.1 * dense;

@@ -76,7 +76,7 @@ fn methods(magnified: bool) -> Vec<Method> {
 
 pub(super) fn panel(effort: Effort) -> Result<Panel, LabError> {
     let mut charts: Vec<SceneChart> = Vec::new();
-    // What the methods gave on the patterns, which a Gaussian pixel judges anew.
+    // Results of the methods on the patterns, which a Gaussian pixel judges anew.
     let mut given: Vec<(Pattern, Vec<Vec<f64>>)> = Vec::new();
     for scene in PlaneScene::all(effort.grid) {
         let again = given
@@ -264,7 +264,7 @@ impl<'p> Scene<'p> {
         Ok(())
     }
 
-    /// Look-ups at senseless places and footprints that give no number.
+    /// Look-ups at senseless coordinates and footprints that give no number.
     fn failures(&self, method: &Method) -> Vec<String> {
         let mut bad = 0u32;
         for a in SENSELESS {

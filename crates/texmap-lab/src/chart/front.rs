@@ -2,7 +2,7 @@
 
 use super::{Across, Point, SceneChart};
 
-/// A point's place: what it costs and how wrong it is.
+/// Coordinates of a point in the chart: its cost and its error.
 fn place(chart: &SceneChart, point: &Point) -> Option<(f64, f64)> {
     let cost = match chart.across {
         Across::Time => point.time?.median,

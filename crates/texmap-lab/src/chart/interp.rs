@@ -68,7 +68,7 @@ impl QuadScene {
     /// The error of an image over the pixels that both see, in texels, and what it lost or broke.
     ///
     /// # Errors
-    /// When the camera has no view.
+    /// If the camera has no view.
     pub fn judge(&self, found: &UvImage) -> Result<(Error, Vec<String>), LabError> {
         let truth = self.quad.truth()?;
         Ok((error(&self.quad, &truth, found), lost(&truth, found)))

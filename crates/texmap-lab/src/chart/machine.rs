@@ -18,7 +18,7 @@ pub struct Machine {
 }
 
 impl Machine {
-    /// This machine.
+    /// The machine that runs this program.
     pub fn here() -> Self {
         let level = format!("{:?}", Level::new());
         let level = level.split('(').next().unwrap_or("").trim().to_owned();

@@ -159,7 +159,7 @@ const PANELS: &[(&str, Builder)] = &[
 /// Measures all six panels. Other programs stand in them at the error that `external.csv` holds.
 ///
 /// # Errors
-/// When a scene is refused, which would be a bug.
+/// If a scene is refused, which would be a bug.
 pub fn panels(effort: Effort, report: Report<'_>) -> Result<Vec<Panel>, LabError> {
     let mut out = Vec::with_capacity(PANELS.len());
     for (index, (name, build)) in PANELS.iter().enumerate() {

@@ -32,7 +32,7 @@ box.showModal()});box.addEventListener('click',()=>box.close());document.body.da
 /// The page: charts, the picture behind each point, the stability table if there are outcomes, the machine.
 ///
 /// # Errors
-/// When a chart cannot be drawn or a picture not encoded, which would be a bug.
+/// If a chart cannot be drawn or a picture not encoded, which would be a bug.
 pub fn page(
     panels: &[Panel],
     outcomes: &[Outcome],

@@ -88,7 +88,7 @@ impl PlaneScene {
     /// The plane as a scene for renderers of polygons; draw it at 256 x 256 pixels.
     ///
     /// # Errors
-    /// When the texture is refused, which would be a bug.
+    /// If the texture is refused, which would be a bug.
     pub fn scene(&self, sampler: Sampler) -> Result<Scene, LabError> {
         scene(&self.plane, self.pattern, sampler)
     }
@@ -192,7 +192,7 @@ mod tests {
         let settings = RenderSettings::new(SIDE as u32, SIDE as u32);
         let frame = Renderer::new(&scene, &settings)
             .unwrap()
-            .draw(&|_, _| {})
+            .draw(&texmap_render::no_progress)
             .unwrap();
         values(plane, &frame.rgba)
     }
@@ -215,7 +215,7 @@ mod tests {
                 pairs.filter(|(f, e)| (*f - *e).abs() > 1e-6).count()
             };
             let found = off(&drawn(&plane));
-            // A place within a rounding of the border of two texels may fall to either.
+            // A sample within a rounding of the border of two texels may fall to either.
             assert!(found * 1000 < plane.len(), "{found} of {}", plane.len());
             // Negative twin: the texture lies another way.
             let other = TiltedPlane::new(View {

@@ -35,11 +35,11 @@ const INTERPS: [Interp; 4] = [
     Interp::WithinError(0.5),
 ];
 
-/// Renders a scene with every filter, with every interpolation (trilinear), and as it is; errors are against a
+/// Renders a scene with every filter, with every interpolation (trilinear), and as it is. Errors are against a
 /// render with `effort.grid` / 4 x as many samples a side (8 at most) and 16 anisotropic probes in each.
 ///
 /// # Errors
-/// When the renderer refuses the scene.
+/// If the renderer refuses the scene.
 pub fn panel(
     scene: &Scene,
     (width, height): (u32, u32),
@@ -115,7 +115,7 @@ pub fn panel(
         let renderer = Renderer::new(scene, settings)?;
         runs.push(Box::new(move || {
             // Drawn once above without an error.
-            std::hint::black_box(renderer.draw(&|_, _| {}).ok());
+            std::hint::black_box(renderer.draw(&texmap_render::no_progress).ok());
         }));
     }
     timed(&mut points, effort, covered, &mut runs);
@@ -138,7 +138,11 @@ pub fn panel(
 }
 
 fn render(scene: &Scene, settings: &RenderSettings) -> Result<Frame, LabError> {
-    Ok(texmap_render::render(scene, settings, &|_, _| {})?)
+    Ok(texmap_render::render(
+        scene,
+        settings,
+        &texmap_render::no_progress,
+    )?)
 }
 
 /// Red, green and blue of each pixel, linear and premultiplied.

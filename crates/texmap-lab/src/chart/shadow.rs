@@ -149,7 +149,7 @@ impl<'s> Sun<'s> {
     pub(super) fn run(&self, method: Method, map: &ShadowMap, texel: f64, out: &mut [f32]) {
         for ((_, p, n, _), out) in self.points.iter().zip(out) {
             *out = match method.bias(texel) {
-                Some((bias, taps)) => map.visibility(*p, *n, bias, taps),
+                Some((bias, pcf_size)) => map.visibility(*p, *n, bias, pcf_size),
                 None => f32::from(u8::from(self.stage.lit(*p, *n, self.to_light))),
             };
         }
@@ -215,7 +215,7 @@ impl Method {
     ];
 
     fn name(self, size: u32) -> String {
-        let taps = |n: u32| {
+        let comparisons = |n: u32| {
             if n > 1 {
                 format!(", {n} x {n}")
             } else {
@@ -225,8 +225,8 @@ impl Method {
         match self {
             Self::NoBias => format!("{size}: no bias"),
             Self::Constant => format!("{size}: constant bias"),
-            Self::Slope(n) => format!("{size}: slope bias{}", taps(n)),
-            Self::NormalOffset(n) => format!("{size}: normal offset{}", taps(n)),
+            Self::Slope(n) => format!("{size}: slope bias{}", comparisons(n)),
+            Self::NormalOffset(n) => format!("{size}: normal offset{}", comparisons(n)),
             Self::Ray => "shadow ray".to_owned(),
         }
     }

@@ -20,7 +20,7 @@ const BAND: i32 = 46;
 /// Draws a chart. Points that were not timed stand in a band of their own at the right edge. Each carries `data-point`, its index.
 ///
 /// # Errors
-/// When plotters cannot draw, which would be a bug.
+/// If plotters cannot draw, which would be a bug.
 pub fn svg(chart: &SceneChart) -> Result<String, LabError> {
     let bug = |e: &dyn std::fmt::Display| LabError::Chart(format!("{}: {e}", chart.id));
     let costs: Vec<f64> = chart.points.iter().filter_map(|p| cost(chart, p)).collect();
@@ -315,7 +315,7 @@ mod tests {
             .unwrap();
         assert!(hollow.contains("fill=\"white\"") && hollow.contains("4 cracks"));
         assert!(text.trim_end().ends_with("</svg>"));
-        // What was not timed stands in the band, what was does not.
+        // Points without a time stand in the band, those with one do not.
         let left = |index: usize| -> i32 {
             let at = format!("data-point=\"{index}\"");
             let line = text.lines().find(|l| l.contains(&at)).unwrap();

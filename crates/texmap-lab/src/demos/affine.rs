@@ -161,7 +161,7 @@ fn largest_error(wrong: &Shot, right: &Shot, axis: usize, of: impl Fn(u32) -> bo
     right.pixels().filter_map(difference).fold(0.0, f64::max)
 }
 
-/// The largest error in closed form: along a line of equal w the error of a triangle is linear, so its extreme
+/// The largest error in closed form. Along a line of equal w the error of a triangle is linear, so its extreme
 /// lies on an edge, and there it is `|du| |sqrt r - 1| / (sqrt r + 1)`. Taken over the edges of every face
 /// that is turned to the eye, with each triangle cut into `parts` x `parts`.
 fn closed_form(

@@ -163,7 +163,7 @@ fn draw(scene: &Scene, size: u32, supersample: u32, msaa: u32) -> Result<Picture
         msaa,
         ..RenderSettings::new(size, size)
     };
-    Ok(texmap_render::render(scene, &settings, &|_, _| {})?.into())
+    Ok(texmap_render::render(scene, &settings, &texmap_render::no_progress)?.into())
 }
 
 /// RMS difference from the exact coverage over the pixels that an edge cuts, % of full light.

@@ -51,7 +51,7 @@ fn waves() -> Result<Scene, LabError> {
     let normals = heights
         .normals(Slope::Central, strength, NormalMapGreen::Up)
         .map_err(|e| LabError::Cases(e.to_string()))?;
-    // Their y already counts up the picture; the texel stores it so.
+    // The normals' y already counts up the picture; the texel stores it so.
     let bytes: Vec<u8> = normals
         .iter()
         .flat_map(|n| {
@@ -88,8 +88,8 @@ fn truth(scene: &Scene, flat: &Lit) -> Picture {
 
 pub(super) fn bumps(size: u32) -> Result<DemoPicture, LabError> {
     let mut scene = waves()?;
-    let mut take = |relief: Option<NormalDetail>| {
-        scene.materials[0].normal_detail = relief;
+    let mut take = |detail: Option<NormalDetail>| {
+        scene.materials[0].normal_detail = detail;
         Lit::take(&scene, size)
     };
     let normal_map = |green| {
@@ -155,7 +155,7 @@ pub(super) fn bumps(size: u32) -> Result<DemoPicture, LabError> {
     Ok(sheet("Bump and normal maps", panels, claims))
 }
 
-/// A floor with a ball on it under a sun that throws shadows.
+/// A floor with a ball on it under a sun that casts shadows.
 fn yard() -> Scene {
     let mut scene = stage::scene(DVec3::new(1.6, 2.6, 3.6), DVec3::new(0.0, 0.2, 0.0), 45.0);
     scene.lights = stage::daylight(0.1, [0.6, 0.58, 0.5], [0.7, -0.8, -0.4]);

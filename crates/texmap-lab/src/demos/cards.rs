@@ -214,7 +214,7 @@ fn landscape(step: u32, trees: bool) -> Result<Scene, LabError> {
     with_tree(scene, boards)
 }
 
-/// The largest distance of seen ground from its formula, and of its coordinates from its place.
+/// The largest distance of seen ground from its formula, and of its coordinates from its position.
 fn errors(scene: &Scene, size: u32) -> Result<(f64, f64), LabError> {
     let (lit, shot) = (Lit::take(scene, size)?, Shot::take(scene, size)?);
     let (mut height, mut place) = (0.0f64, 0.0f64);

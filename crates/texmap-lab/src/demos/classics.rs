@@ -233,7 +233,7 @@ pub(super) fn labels(size: u32) -> Result<DemoPicture, LabError> {
         .meshes
         .push(stage::cube(DVec3::ZERO, 0.0, labelled));
     let decal = stage::picture(&box_scene, size, 3)?;
-    // Its colours by the formula, unlit and straight on.
+    // The decal's colours by the formula, unlit and straight on.
     let mut flat = stage::scene(DVec3::new(0.0, 0.0, 2.0), DVec3::ZERO, 30.0);
     flat.textures.clone_from(&box_scene.textures);
     let mut over = box_scene.materials[labelled].clone();

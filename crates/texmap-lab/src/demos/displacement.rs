@@ -69,7 +69,7 @@ fn map() -> Result<Texture2d<'static>, LabError> {
     Ok(crate::plane::floats(width, 1, &values)?.with_mips())
 }
 
-/// A ball over a floor under a low sun that throws shadows.
+/// A ball over a floor under a low sun that casts shadows.
 fn scene() -> Result<Scene, LabError> {
     let mut scene = stage::scene(DVec3::new(0.0, 2.4, 5.2), DVec3::new(0.1, 0.95, 0.0), 42.0);
     scene.lights = stage::daylight(0.12, [0.85; 3], [0.8, -0.75, -0.35]);

@@ -16,7 +16,7 @@ use texmap_truth::rays::{RayObject, RayScene};
 /// Half the side of the room.
 const HALF: f64 = 5.0;
 
-/// Colour of a place on the room's walls, linear: tiles of two tints, another pair on each wall.
+/// Colour of a point on the room's walls, linear: tiles of two tints, another pair on each wall.
 fn wall(p: DVec3) -> [f32; 3] {
     let a = p.abs();
     let tile = |x: f64, y: f64| ((x * 0.8).floor() as i64 + (y * 0.8).floor() as i64) & 1 == 0;
@@ -169,7 +169,7 @@ fn worst_angle(room: &RayScene, part: f64) -> f64 {
     worst
 }
 
-/// Pairs of neighbouring pixels in a row that mirror two faces of the cube and differ; not at the rim, where a pixel mirrors much.
+/// Pairs of neighbouring pixels in a row that mirror two faces of the cube and differ. Not at the rim, where a pixel mirrors much.
 fn seams(scene: &Scene, shot: &Lit, picture: &Picture) -> u32 {
     let face = |p: DVec3| {
         let (n, view) = (p.normalize(), (scene.camera.eye - p).normalize());

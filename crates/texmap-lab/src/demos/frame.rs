@@ -1,4 +1,4 @@
-//! The O-U-V frame of Brackeen (2003, chapter 8): one point and two vectors place a texture on a polygon.
+//! The O-U-V frame of Brackeen (2003, chapter 8): one point and two vectors that put a texture on a polygon.
 
 use texmap_math::deterministic_f64;
 use texmap_math::glam::{DVec2, DVec3};

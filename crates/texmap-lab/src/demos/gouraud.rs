@@ -1,4 +1,4 @@
-//! Gouraud shading as wrong interpolation: the seam at a T-joint and the pop of a level-of-detail switch.
+//! Gouraud shading as wrong interpolation: the seam at a T-junction and the pop of a level-of-detail switch.
 
 use texmap_math::glam::DVec3;
 use texmap_math::interpolation;

@@ -132,7 +132,7 @@ impl Lit {
             .collect()
     }
 
-    /// Truth of each pixel whose normal is turned to `toward` by a cosine above `least`; `None` for all others.
+    /// Truth of each pixel whose normal is turned to `toward` by a cosine above `least`. `None` for all others.
     pub(super) fn facing(
         &self,
         least: f64,

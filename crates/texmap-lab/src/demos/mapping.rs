@@ -74,7 +74,7 @@ pub(super) fn forward_inverse(size: u32) -> Result<DemoPicture, LabError> {
     let all = texels * texels;
     let points = points(&wall)?;
     let quads = quads(&wall)?;
-    let (inverse, stray) = inverse(&wall)?;
+    let (inverse, differing) = inverse(&wall)?;
 
     let mut holed = points.picture.clone();
     let mut holes = 0;
@@ -96,7 +96,7 @@ pub(super) fn forward_inverse(size: u32) -> Result<DemoPicture, LabError> {
             quads.pixels() as f64, inverse.pixels() as f64, 0.002 * inverse.pixels() as f64;
         "inverse: pixels written more than once" =>
             f64::from(inverse.total()) - inverse.pixels() as f64, 0.0, 0.0;
-        "inverse: pixels whose texel differs from the homography's" => f64::from(stray), 0.0, 0.0;
+        "inverse: pixels whose texel differs from the homography's" => f64::from(differing), 0.0, 0.0;
     ];
     let panels = panels![
         holed =>
@@ -224,7 +224,7 @@ fn inverse(wall: &Wall) -> Result<(Written, u32), LabError> {
         *corner = project(place(u, v), size)?;
     }
     let to_texture = Homography::from_square(screen)?.inverse();
-    let (mut written, mut stray) = (Written::new(wall), 0);
+    let (mut written, mut differing) = (Written::new(wall), 0);
     let texel_of = |c: f64| {
         (c * f64::from(texels))
             .floor()
@@ -239,10 +239,10 @@ fn inverse(wall: &Wall) -> Result<(Written, u32), LabError> {
             |c: f64| (c * f64::from(texels) - (c * f64::from(texels)).round()).abs() < 1e-3;
         let inner = |truth: &DVec2| !border(truth.x) && !border(truth.y);
         if let Some(truth) = to_texture.apply(centre).filter(inner) {
-            stray += u32::from(texel != texel_of(truth.y) * texels + texel_of(truth.x));
+            differing += u32::from(texel != texel_of(truth.y) * texels + texel_of(truth.x));
         }
     })?;
-    Ok((written, stray))
+    Ok((written, differing))
 }
 
 /// Black for no write, then heat up to the most written pixel.

@@ -191,7 +191,7 @@ pub(crate) fn names() -> String {
 /// A claim that fails is no error: it is drawn in red, and [`Claim::holds`] tells.
 ///
 /// # Errors
-/// When the name is unknown or the size out of range.
+/// If the name is unknown or the size out of range.
 pub fn demo(name: &str, size: u32) -> Result<DemoPicture, LabError> {
     let (_, _, draw) = DEMOS
         .iter()

@@ -15,7 +15,7 @@ pub(super) fn checker(size: u32, cells: u32, dark: Rgba, light: Rgba) -> Picture
     })
 }
 
-/// Four by four fields lettered A1 (top left) to D4: shows at a glance where a texture lies and which way up.
+/// Four by four fields lettered A1 (top left) to D4. Shows at a glance where a texture lies and which way up.
 pub(super) fn letters(size: u32) -> Picture {
     let cell = size / 4;
     let mut picture = Picture::from_fn(size, size, |x, y| {

@@ -1,4 +1,5 @@
-//! Any scene under its slide projectors: on, off, seen from beside, without depth maps, and how many pixels that spoils.
+//! Any scene under its projectors: on, off, seen from beside, without depth maps, and the number of wrong pixels without the
+//! maps.
 
 use texmap_light::Light;
 use texmap_math::glam::DVec3;
@@ -11,11 +12,11 @@ use super::{DemoPicture, stage};
 use crate::LabError;
 use texmap_truth::rays::{RayObject, RayScene};
 
-/// The sheet of a scene with projectors, `size` pixels a panel; `spoiled` is the share of the picture, in percent, that is expected to
+/// The sheet of a scene with projectors, `size` pixels a panel. `spoiled` is the share of the picture, in percent, that is expected to
 /// be wrong without their depth maps.
 ///
-/// The count is taken with white slides on white matte surfaces, so that it is that of places and not of colours, against hard shadow
-/// rays.
+/// The count is taken with white pictures on white matte surfaces, so that it is that of points and not of colours, against hard
+/// shadow rays.
 ///
 /// # Errors
 /// A size out of [`SIZES`](super::SIZES); a scene without projectors or that cannot be drawn.
@@ -34,8 +35,8 @@ pub fn projections(
     let mut dark = scene.clone();
     dark.effects.projectors.clear();
     let mut through = scene.clone();
-    for slide in &mut through.effects.projectors {
-        slide.shadow = None;
+    for projector in &mut through.effects.projectors {
+        projector.shadow = None;
     }
     let mut beside = scene.clone();
     beside.camera.eye = first.position;
@@ -49,9 +50,9 @@ pub fn projections(
     let pixels = f64::from(size * size);
     let rays = RayScene::new(scene.meshes.iter().map(RayObject::Mesh));
     let (mut with, mut without) = (0u32, 0u32);
-    for slide in &scene.effects.projectors {
-        with += spoils(scene, slide, slide.shadow, &rays, size)?;
-        without += spoils(scene, slide, None, &rays, size)?;
+    for projector in &scene.effects.projectors {
+        with += spoils(scene, projector, projector.shadow, &rays, size)?;
+        without += spoils(scene, projector, None, &rays, size)?;
     }
     let claims = claims![
         "wrong pixels, with depth maps" => f64::from(with), 0.0, 5e-4 * pixels;
@@ -63,7 +64,7 @@ pub fn projections(
 /// Pixels that one projector lights or leaves out against the truth of rays.
 fn spoils(
     scene: &Scene,
-    slide: &ProjectorLight,
+    projector: &ProjectorLight,
     shadow: Option<u32>,
     rays: &RayScene,
     size: u32,
@@ -84,24 +85,24 @@ fn spoils(
         texture: bare.textures.len() - 1,
         mode: ProjectorMode::Light([1.0; 3]),
         shadow,
-        ..slide.clone()
+        ..projector.clone()
     }];
     let on = Lit::take(&bare, size)?;
     let truth = off.facing(
         0.15,
-        |p| slide.position - p,
-        |p, n| shone_on(slide, rays, p, n),
+        |p| projector.position - p,
+        |p, n| shone_on(projector, rays, p, n),
     );
     let lit = on.changed(&off, 1);
     Ok(wrong(&truth, &lit, size, i64::from(size / 100).max(1)))
 }
 
-fn shone_on(slide: &ProjectorLight, rays: &RayScene, p: DVec3, n: DVec3) -> bool {
-    let inside = slide
+fn shone_on(projector: &ProjectorLight, rays: &RayScene, p: DVec3, n: DVec3) -> bool {
+    let inside = projector
         .projector
         .uv(p)
         .is_some_and(|uv| uv.min_element() >= 0.0 && uv.max_element() <= 1.0);
     // Above the facets, which the smooth normal may lean over.
-    let scale = 1e-3 * (slide.position - p).length();
-    inside && !rays.blocked(p + n * scale, slide.position)
+    let scale = 1e-3 * (projector.position - p).length();
+    inside && !rays.blocked(p + n * scale, projector.position)
 }

@@ -1,4 +1,4 @@
-//! Slides and shadows: what a lamp must not light, and what a map must not darken.
+//! Projectors and shadows: points that a light must not reach, and points that a shadow map must not darken.
 
 use texmap_light::{Light, ProjectorBorder, ShadowBias};
 use texmap_math::Projector;
@@ -38,7 +38,7 @@ pub(super) fn slides(size: u32) -> Result<DemoPicture, LabError> {
     let index = texture(&mut scene, &paint::cow_photo(256))?;
     let position = DVec3::new(-2.6, 1.9, 2.8);
     let projector = Projector::new(position, DVec3::new(0.1, 0.35, -0.2), DVec3::Y, 0.62, 1.0)?;
-    let slide = |shadow, border| ProjectorLight {
+    let light = |shadow, border| ProjectorLight {
         projector,
         position,
         texture: index,
@@ -48,19 +48,19 @@ pub(super) fn slides(size: u32) -> Result<DemoPicture, LabError> {
         mode: ProjectorMode::Light([1.0; 3]),
         shadow,
     };
-    let mut take = |slides: Vec<ProjectorLight>| {
-        scene.effects.projectors = slides;
+    let mut take = |lights: Vec<ProjectorLight>| {
+        scene.effects.projectors = lights;
         Lit::take(&scene, size)
     };
     let off = take(vec![])?;
-    let on = take(vec![slide(Some(1024), ProjectorBorder::Black)])?;
-    let through = take(vec![slide(None, ProjectorBorder::Black)])?;
-    let repeated = take(vec![slide(Some(1024), ProjectorBorder::Repeat)])?;
+    let on = take(vec![light(Some(1024), ProjectorBorder::Black)])?;
+    let through = take(vec![light(None, ProjectorBorder::Black)])?;
+    let repeated = take(vec![light(Some(1024), ProjectorBorder::Repeat)])?;
     let painted = take(vec![ProjectorLight {
         mode: ProjectorMode::Decal,
-        ..slide(Some(1024), ProjectorBorder::Black)
+        ..light(Some(1024), ProjectorBorder::Black)
     }])?;
-    // Truth by rays: the slide holds the point, and nothing stands between it and the projector.
+    // Truth by rays: the picture holds the point, and nothing stands between the point and the projector.
     let rays = rays(&table());
     let truth = off.facing(
         0.1,
@@ -97,11 +97,11 @@ pub(super) fn shadows(size: u32) -> Result<DemoPicture, LabError> {
         color: [0.9, 0.88, 0.8],
         direction,
     });
-    let shadow = |bias, taps| Shadow {
+    let shadow = |bias, pcf_size| Shadow {
         light: 1,
         size: Some(512),
         bias,
-        pcf_size: taps,
+        pcf_size,
         area: None,
     };
     let mut take = |shadows: Vec<Shadow>| {

@@ -265,7 +265,7 @@ pub(super) fn volumes(size: u32) -> Result<DemoPicture, LabError> {
     cloud.effects.volumes[0].density = 3.0;
     let within = stage::picture(&cloud, size, 1)?;
 
-    // What ending early saves, and costs.
+    // Time and error of ending a ray early.
     let dense = grid(1, |_| 1.0)?;
     let sampler = stage::sampler(Filter::Bilinear, Wrap::ClampToEdge);
     let thick = texmap_sample::VolumeIntegrator::new(&dense, &sampler, None, 40.0, 0.005)?;

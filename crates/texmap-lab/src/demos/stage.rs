@@ -202,7 +202,7 @@ pub(super) fn picture(scene: &Scene, size: u32, supersample: u32) -> Result<Pict
         ..RenderSettings::new(size, size)
     };
     let scene = texmap_mesh::tessellate(scene, size)?;
-    Ok(texmap_render::render(&scene, &settings, &|_, _| {})?.into())
+    Ok(texmap_render::render(&scene, &settings, &texmap_render::no_progress)?.into())
 }
 
 /// A frame at one sample a pixel with further buffers.
@@ -212,7 +212,11 @@ pub(super) fn with_aovs(scene: &Scene, size: u32, aovs: Vec<Aov>) -> Result<Fram
         ..RenderSettings::new(size, size)
     };
     let scene = texmap_mesh::tessellate(scene, size)?;
-    Ok(texmap_render::render(&scene, &settings, &|_, _| {})?)
+    Ok(texmap_render::render(
+        &scene,
+        &settings,
+        &texmap_render::no_progress,
+    )?)
 }
 
 /// The floats of a buffer; none if the frame lacks it.

@@ -8,7 +8,7 @@ use crate::simd::Isa;
 /// tan(pi/8).
 const TAN_PI_8: f64 = 0.414_213_562_373_095_03;
 
-/// The angle of the point (`x`, `y`) from the +x axis, in `[-pi, pi]`; signed zeros and infinities as in C (annex F.10.1.4).
+/// The angle of the point (`x`, `y`) from the +x axis, in `[-pi, pi]`. Signed zeros and infinities as in C (annex F.10.1.4).
 #[inline]
 #[must_use]
 pub fn atan2(y: f32, x: f32) -> f32 {

@@ -35,7 +35,7 @@ pub fn ln(x: f32) -> f32 {
     round(logarithm(f64::from(x)) * LN_2)
 }
 
-/// `x` to the power `y`; NaN for a negative `x` with a `y` that is no integer; `pow(x, 0)` and `pow(1, y)` are 1, for NaN too.
+/// `x` to the power `y`; NaN for a negative `x` with a `y` that is no integer. `pow(x, 0)` and `pow(1, y)` are 1, for NaN too.
 #[inline]
 #[must_use]
 pub fn pow(x: f32, y: f32) -> f32 {
@@ -99,7 +99,7 @@ fn logarithm<W: Wide>(x: W) -> W {
         1.0 / 15.0
     );
     let l = e + s * (2.0 * LOG2_E) * series;
-    // What is left: zero of either sign, infinity, negative numbers and NaN.
+    // The remaining values: zero of either sign, infinity, negative numbers and NaN.
     let special = W::select(x.eq(infinity), infinity, x.constant(f64::NAN));
     let special = W::select(x.eq(zero), x.constant(f64::NEG_INFINITY), special);
     W::select(usable, l, special)

@@ -235,7 +235,7 @@ impl<T: Wide> Vectors for Pair<T> {
 
 type Vector<I> = <<I as Isa>::F64 as Vectors>::Vector;
 
-/// `f` of each of `x`, `N` of them a multiple of the lanes, rounded to f32; every NaN becomes the same one.
+/// `f` of each of `x`, `N` of them a multiple of the lanes, rounded to f32. Every NaN becomes the same one.
 #[inline(always)]
 pub(super) fn each<I: Isa<F64: Vectors>, const N: usize>(
     i: I,

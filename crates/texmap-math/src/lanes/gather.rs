@@ -96,7 +96,7 @@ pub fn gather<S: Simd>(s: S, words: GatherTable<'_>, index: u32x16<S>) -> u32x16
     gather_by_loads(s, words, index)
 }
 
-/// The words at sixteen indices and those behind them. Where one of the two lies beyond the end, both hold no meaning.
+/// The words at sixteen indices and those behind them. If one of the two lies beyond the end, both hold no meaning.
 #[inline(always)]
 pub fn gather_pairs<S: Simd>(s: S, words: GatherTable<'_>, index: u32x16<S>) -> [u32x16<S>; 2] {
     #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
@@ -137,7 +137,7 @@ pub fn gather_pairs<S: Simd>(s: S, words: GatherTable<'_>, index: u32x16<S>) -> 
     [gather(s, words, index), gather(s, words, index + 1)]
 }
 
-/// Whether [`gather_pairs`] costs less than two gathers.
+/// True if [`gather_pairs`] costs less than two gathers.
 #[inline(always)]
 pub fn has_pairs<S: Simd>(s: S) -> bool {
     #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
@@ -151,7 +151,8 @@ pub fn has_pairs<S: Simd>(s: S) -> bool {
     }
 }
 
-/// The words at sixteen indices and the three behind each, where that costs less than [`gather`]s and none lies beyond the end.
+/// The words at sixteen indices and the three behind each. Only if that costs less than [`gather`]s and none lies beyond the
+/// end.
 #[inline(always)]
 pub fn gather_quads<S: Simd>(
     s: S,
@@ -383,7 +384,8 @@ unsafe fn quad(words: GatherTable<'_>, at: u32) -> __m128i {
 
 #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
 fearless_simd::kernel!(
-    /// Of more than three words, each four by one load. What lies beyond the end is not read, and what is read instead has no meaning.
+    /// Of more than three words, each four by one load. Words beyond the end are not read, and those read instead have no
+    /// meaning.
     #[inline(always)]
     fn quads_avx512(token: Avx512, words: GatherTable<'_>, index: __m512i) -> [__m512i; 4] {
         let last = words.last.saturating_sub(3) as i32;
@@ -416,7 +418,7 @@ fearless_simd::kernel!(
 
 #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
 fearless_simd::kernel!(
-    /// Of more than three words. What lies beyond the end is not read, and what is read instead has no meaning.
+    /// Of more than three words. Words beyond the end are not read, and those read instead have no meaning.
     #[inline(always)]
     fn quads_avx2(token: Avx2, words: GatherTable<'_>, index: __m256i) -> [__m256i; 4] {
         let at = indices_avx2(token, index, words.last.saturating_sub(3));

@@ -188,10 +188,10 @@ pub trait Isa: Copy + core::fmt::Debug + Send + Sync + 'static {
 
     /// The words at `index`; an index beyond the end reads the last word.
     fn gather(self, words: GatherTable<'_>, index: Self::U32) -> Self::U32;
-    /// The words at `index` and those behind them. Where one of the two lies beyond the end, both hold no meaning.
+    /// The words at `index` and those behind them. If one of the two lies beyond the end, both hold no meaning.
     fn gather_pairs(self, words: GatherTable<'_>, index: Self::U32) -> [Self::U32; 2];
-    /// The words at `index` and the three behind each, where that costs less than [`gather`](Self::gather)s and none lies beyond
-    /// the end.
+    /// The words at `index` and the three behind each. Only if that costs less than [`gather`](Self::gather)s and none lies
+    /// beyond the end.
     fn gather_quads(self, words: GatherTable<'_>, index: Self::U32) -> Option<[Self::U32; 4]>;
     /// True if [`gather_pairs`](Self::gather_pairs) costs less than two gathers.
     fn has_pairs(self) -> bool;
@@ -204,7 +204,7 @@ pub trait Isa: Copy + core::fmt::Debug + Send + Sync + 'static {
 
     /// Runs `f` with these instructions enabled. `f` must be `#[inline(always)]`.
     fn vectorize<R>(self, f: impl FnOnce() -> R) -> R;
-    /// `f` of `x` by the form of this width: the formula is compiled where `x1`, `x4` and `x16` stand, not in each caller.
+    /// `f` of `x` by the form of this width. The formula is compiled where `x1`, `x4` and `x16` stand, not in each caller.
     fn apply(
         self,
         x: Self::F32,
@@ -236,7 +236,7 @@ pub trait Isa: Copy + core::fmt::Debug + Send + Sync + 'static {
     /// The first lane.
     fn first(self, x: Self::I32) -> i32;
 
-    /// The words at `index` and the two behind each. Where one of them lies beyond the end, it is the last word.
+    /// The words at `index` and the two behind each. If one of them lies beyond the end, it is the last word.
     #[inline(always)]
     fn gather_triples(self, words: GatherTable<'_>, index: Self::U32) -> [Self::U32; 3] {
         if let Some([a, b, c, _]) = self.gather_quads(words, index) {

@@ -25,14 +25,14 @@ impl Floor {
         }
     }
 
-    /// After a group was stamped.
+    /// Raises or resets the bound after a group was drawn.
     #[inline(always)]
     pub(crate) fn rise(&mut self, draw: &DrawCall<'_>, group: &Group) {
         if !draw.depth_write {
             return;
         }
         if draw.depth_test == DepthTest::Always {
-            // What is stored may have become farther.
+            // Stored depths may have become farther.
             self.0 = 0.0;
         } else if draw.pass == Pass::Opaque {
             let mut large = group.live & !group.small;

@@ -13,7 +13,7 @@ pub(crate) const BLOCK_PIXELS: usize = 16;
 /// Boxes of more pixels than this are looked at in 16x16 blocks first.
 const HIERARCHY: i32 = 500;
 
-/// Where a tile's pixel (x, y) lies in buffers of 4x4 blocks: block by block in rows, each block row by row.
+/// Index of a tile's pixel (x, y) in buffers of 4x4 blocks: block by block in rows, each block row by row.
 #[must_use]
 #[inline(always)]
 pub fn block_index(x: u32, y: u32) -> usize {
@@ -21,7 +21,7 @@ pub fn block_index(x: u32, y: u32) -> usize {
     ((y >> 2) * BLOCKS + (x >> 2)) * BLOCK_PIXELS + (y & 3) * 4 + (x & 3)
 }
 
-/// Column and row in a 4x4 block of its pixels from place `at` on.
+/// Column and row in a 4x4 block of its pixels from pixel `at` on.
 #[inline(always)]
 pub(crate) fn block_lanes<I: Isa>(i: I, at: usize) -> [I::I32; 2] {
     let pixel = i.iota() + at as i32;
@@ -30,7 +30,7 @@ pub(crate) fn block_lanes<I: Isa>(i: I, at: usize) -> [I::I32; 2] {
 
 /// Takes covered pixels, in submitted order.
 pub(crate) trait Sink<I: Isa> {
-    /// Pixels of a 4x4 block from `index` of the block order on, one in each lane; `triangle` is its place in the group.
+    /// Pixels of a 4x4 block from `index` of the block order on, one in each lane. `triangle` is its index in the group.
     fn pixels(&mut self, i: I, triangle: usize, index: usize, covered: I::Mask, depth: I::F32);
     /// [`pixels`](Self::pixels) that are all covered.
     #[inline(always)]
@@ -39,12 +39,11 @@ pub(crate) trait Sink<I: Isa> {
     }
     /// One pixel at `index` of the block order.
     fn pixel(&mut self, triangle: usize, index: usize, depth: f32);
-    /// Whether the pixels of a triangle cost less one by one than as parts of blocks where they are few, though they may be more
-    /// than four.
+    /// True if a triangle's few pixels cost less one by one than as parts of blocks. Also for more than four pixels.
     fn takes_pixels(&self) -> bool;
 }
 
-/// Stamps the live triangles of a group, one after the other; the last first if `backwards`.
+/// Covers pixels by the live triangles of a group, one after the other; the last first if `backwards`.
 #[inline(always)]
 pub(crate) fn stamp_group<I: Isa, K: Sink<I>>(i: I, group: &Group, backwards: bool, sink: &mut K) {
     let places = Places::new(i, group.offset);
@@ -316,7 +315,7 @@ impl<'g, I: Isa> Stamp<'g, I> {
         }
     }
 
-    /// Depth at the pixels of a block from place `at` on; `px`, `py` and `first` are those of the first part.
+    /// Depth at the pixels of a block from pixel `at` on. `px`, `py` and `first` are those of the first part.
     #[inline(always)]
     fn depth_at(&self, first: &DepthRow<'g, I>, [px, py]: [I::F32; 2], at: usize) -> I::F32 {
         if at == 0 {
@@ -327,7 +326,7 @@ impl<'g, I: Isa> Stamp<'g, I> {
     }
 }
 
-/// Edges' values at the pixels from place `at` of a block on, from those at the first.
+/// Edges' values at the pixels of a block from pixel `at` on, from those at the first.
 #[inline(always)]
 fn moved<N: Number<i32>>(e: [N; 3], edges: &[[i32; 2]; 3], at: usize) -> [N; 3] {
     let (x, y) = ((at % 4) as i32, (at / 4) as i32);
@@ -339,7 +338,7 @@ fn moved<N: Number<i32>>(e: [N; 3], edges: &[[i32; 2]; 3], at: usize) -> [N; 3] 
     ]
 }
 
-/// How much of a 16x16 block a triangle covers.
+/// Part of a 16x16 block that a triangle covers.
 enum Part {
     None,
     Some,

@@ -40,7 +40,7 @@ pub(crate) struct Piece {
     pub weights: [[f64; 3]; 3],
 }
 
-/// What a chunk of triangles became.
+/// Triangles and pieces that a chunk of submitted triangles gave, by tile.
 #[derive(Debug, Default)]
 pub(crate) struct Chunk {
     /// In submitted order, tile by tile as far as neighbours lie in one.
@@ -66,7 +66,7 @@ impl Chunk {
         }
     }
 
-    /// Makes room for twice the ids, unless the budget of the process refuses it.
+    /// Grows the buffer for as many ids again, unless the budget of the process refuses it.
     #[cold]
     #[inline(never)]
     fn grow(&mut self) -> bool {
@@ -122,7 +122,7 @@ pub(crate) struct Submission<'d, 'a> {
     pub first: u32,
     pub transform: Transform,
     pub snapped: &'d [Snapped],
-    /// How far samples may lie from a pixel's centre, in 1/256 pixel.
+    /// Greatest distance of samples from a pixel's centre, in 1/256 pixel.
     pub margin: i32,
 }
 
@@ -249,7 +249,7 @@ impl Submission<'_, '_> {
         Ok(())
     }
 
-    /// `rows` are the weights of the part's vertices over the triangle's; `whole`: the part is the triangle.
+    /// `rows` are the weights of the part's vertices over the triangle's. `whole`: the part is the triangle.
     fn submit_part(
         &self,
         triangle: usize,
@@ -414,7 +414,7 @@ impl Submission<'_, '_> {
     }
 }
 
-/// Whether the edge's inner side holds a pixel centre of the box, or a point up to `margin` from one.
+/// True if the edge's inner side holds a pixel centre of the box, or a point up to `margin` from one.
 fn reaches(edge: Edge, b: PixelBox, margin: i32) -> bool {
     let x = if edge.a > 0 { b.x1 } else { b.x0 };
     let y = if edge.b > 0 { b.y1 } else { b.y0 };

@@ -74,7 +74,7 @@ impl Polygon {
     }
 }
 
-/// What has to be done with a triangle.
+/// Position of a triangle against the clip planes, which says if it has to be cut.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Region {
     /// No part can be seen.
@@ -85,8 +85,8 @@ pub(crate) enum Region {
     Crossing,
 }
 
-/// Where the triangle lies. `width` and `height` are the target's, in pixels. A triangle that needs no cut is `Inside` even
-/// where no part of it can be seen.
+/// Region of the triangle. `width` and `height` are the target's, in pixels. A triangle that needs no cut is `Inside` even if no
+/// part of it can be seen.
 pub(crate) fn region(v: &[Hom; 3], width: f64, height: f64) -> Region {
     let planes = planes(w_epsilon(v));
     if v.iter()

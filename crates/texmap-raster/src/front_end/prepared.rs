@@ -27,7 +27,7 @@ pub struct Tile {
 }
 
 impl Tile {
-    /// Whether it is not cut by the target's edge.
+    /// True if the target's edge does not cut the tile.
     pub(crate) fn is_whole(self) -> bool {
         self.width == TILE && self.height == TILE
     }
@@ -78,7 +78,7 @@ impl<'a> BinnedDraws<'a> {
         Self::build(size, draws, level, threads, 0)
     }
 
-    /// [`with_level`](Self::with_level) for [`visible_sample`](Self::visible_sample): keeps triangles that cover no pixel's centre
+    /// [`with_level`](Self::with_level) for [`visible_sample`](Self::visible_sample). Keeps triangles that cover no pixel's centre
     /// but may cover a sample up to half a pixel from one.
     ///
     /// # Errors
@@ -117,16 +117,16 @@ impl<'a> BinnedDraws<'a> {
             .map(|d| Transform::new(&d.clip_from_object, size))
             .collect();
         let mut snapped: Vec<_> = draws.iter().map(transform::room).collect();
-        for ((draw, transform), room) in draws.iter().zip(&transforms).zip(&mut snapped) {
+        for ((draw, transform), buffer) in draws.iter().zip(&transforms).zip(&mut snapped) {
             let work = draw
                 .positions
                 .chunks(transform::CHUNK)
-                .zip(room.chunks_mut(transform::CHUNK))
+                .zip(buffer.chunks_mut(transform::CHUNK))
                 .collect();
             for_all(threads, work, |(positions, out)| {
                 transform::snap_all(level, positions, transform, out);
             });
-            transform::mark_bad_attributes(level, draw, room);
+            transform::mark_bad_attributes(level, draw, buffer);
         }
         let mut work = Vec::new();
         for (draw_index, draw) in draws.iter().enumerate() {
@@ -167,7 +167,7 @@ impl<'a> BinnedDraws<'a> {
         Ok(prepared)
     }
 
-    /// Whether a pixel's centre may lie outside a triangle that one of its samples shows.
+    /// True if a pixel's centre may lie outside a triangle that one of its samples shows.
     pub(crate) fn is_sampled(&self) -> bool {
         self.sampled
     }
@@ -218,19 +218,19 @@ impl<'a> BinnedDraws<'a> {
         self.size
     }
 
-    /// What became of the triangles.
+    /// Number of triangles by outcome.
     #[must_use]
     pub fn stats(&self) -> Stats {
         self.stats
     }
 
-    /// How many tiles the target has.
+    /// Number of tiles of the target.
     #[must_use]
     pub fn tiles(&self) -> usize {
         self.bin_start.len() - 1
     }
 
-    /// Whether no triangle reaches a tile.
+    /// True if no triangle reaches a tile.
     #[must_use]
     pub fn is_empty(&self, tile: usize) -> bool {
         self.bin_of(tile).is_empty()
@@ -252,7 +252,7 @@ impl<'a> BinnedDraws<'a> {
         }
     }
 
-    /// Which draw and which of its triangles an id belongs to.
+    /// The draw, and the index of its triangle, that an id belongs to.
     #[must_use]
     pub fn source(&self, id: u32) -> (u32, u32) {
         let whole = self.whole();
@@ -269,14 +269,14 @@ impl<'a> BinnedDraws<'a> {
         self.setup(id, x / TILE, y / TILE).evaluate(x, y, out);
     }
 
-    /// The set-up behind [`evaluate`](Self::evaluate), to be kept while `id` and the tile (`x` and `y` over [`TILE`]) stay the same.
+    /// The set-up behind [`evaluate`](Self::evaluate). Keep it while `id` and the tile (`x` and `y` over [`TILE`]) stay the same.
     #[must_use]
     pub fn setup(&self, id: u32, tile_x: u32, tile_y: u32) -> TriangleSetup {
         let (shape, _) = self.shape(id);
         TriangleSetup::new(&shape, tile_x, tile_y)
     }
 
-    /// Whether the viewer sees the front of an id's triangle.
+    /// True if the viewer sees the front of an id's triangle.
     #[must_use]
     pub fn is_front(&self, id: u32) -> bool {
         self.shape(id).0.front
@@ -371,7 +371,7 @@ impl<'a> BinnedDraws<'a> {
     }
 }
 
-/// Whether a draw decides visibility.
+/// True if a draw decides visibility.
 pub(crate) fn decides_visibility(pass: Pass) -> bool {
     pass != Pass::Blended
 }

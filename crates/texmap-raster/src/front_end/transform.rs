@@ -159,7 +159,7 @@ fn all_finite<I: Isa>(i: I, values: &[f32]) -> bool {
     sum.simd_eq(0.0).all_true() && rest.iter().all(|v| v.is_finite())
 }
 
-/// Room for the snapped vertices of a draw.
+/// Buffer for the snapped vertices of a draw.
 pub(crate) fn room(draw: &DrawCall<'_>) -> Vec<Snapped> {
     alloc::vec![SPECIAL; draw.positions.len()]
 }
@@ -193,7 +193,7 @@ mod tests {
         snap_lanes(Scalar, &positions, &transform, &mut one);
         snap_all(Level::new(), &positions, &transform, &mut lanes);
         assert_eq!(one, lanes);
-        // What is taken as it is has the position of the form for pieces.
+        // A vertex that is not special has the same position as by the formula for pieces.
         for (&position, &found) in positions.iter().zip(&one) {
             if found != SPECIAL {
                 assert_eq!(

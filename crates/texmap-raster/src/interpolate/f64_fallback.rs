@@ -12,24 +12,25 @@ use crate::setup::planes::RowPlane;
 use crate::setup::{Fragment, TriangleSetup, WidePixels};
 use crate::visibility::blocks::pixel_of;
 
-/// What the common way has left to do for pixels of a block.
+/// Pixels of a block whose values the f32 planes do not give.
 enum Rest<'t> {
     Nothing,
     /// All, in lanes.
     Wide(&'t TriangleSetup),
-    /// Those of these slots: the ones whose bits are set, and where attributes are linear.
+    /// Pixels of these slots: those whose bits are set, and those whose attributes are linear.
     Pixels([u32; BLOCK_PIXELS], u32),
 }
 
 /// Takes what is replaced, lane by lane.
 pub(super) trait Patch {
     fn inv_w(&mut self, lane: usize, value: f32);
-    /// Value, and change to the right and down, of the attribute at place `i` of those asked for.
+    /// Value, and change to the right and down, of the attribute at index `i` of those asked for.
     fn attribute(&mut self, i: usize, lane: usize, value: [f32; 3]);
 }
 
 impl AttributePlanes {
-    /// Replaces the values of slots that f32 planes cannot serve, and, where a block has several, those that are linear on the screen.
+    /// Replaces the values of slots that f32 planes cannot serve. In blocks of several slots also those that are linear on the
+    /// screen.
     #[inline(always)]
     pub(super) fn mend<I: Isa, const D: bool>(
         &self,
@@ -58,7 +59,7 @@ impl AttributePlanes {
         }
     }
 
-    /// [`mend`](Self::mend) in the columns of a run, at `place`.
+    /// [`mend`](Self::mend) in the columns of a run, from index `place` on.
     #[inline(always)]
     pub(super) fn mend_columns<I: Isa, const D: bool>(
         &self,
@@ -111,7 +112,7 @@ impl AttributePlanes {
         }
     }
 
-    /// What [`mend`](Self::mend) replaces pixel by pixel, out of its way.
+    /// Replaces values pixel by pixel for [`mend`](Self::mend), in a function of its own.
     #[inline(never)]
     fn repair<I: Isa>(
         &self,

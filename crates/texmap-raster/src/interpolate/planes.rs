@@ -1,4 +1,5 @@
-//! Where the planes of a block's pixels lie, and how they come into lanes. Plane 0 is that of 1/w, plane 1 + k that of attribute k.
+//! Memory layout of the planes of a block's pixels, and their loads into lanes. Plane 0 is that of 1/w, plane 1 + k that of
+//! attribute k.
 
 use texmap_math::lanes::CacheAligned;
 use texmap_math::simd::{GatherTable, Isa, Scalar, prelude::*};
@@ -24,18 +25,18 @@ pub(super) trait PlaneSource<I: Isa> {
     /// Each lane's coefficients of a plane.
     fn plane(&self, i: I, index: usize) -> Plane<I>;
 
-    /// 1 / clip w and its reciprocal, where they are the same at all pixels: their division is the dearest step.
+    /// 1 / clip w and its reciprocal, where they are the same at all pixels. Their division is the dearest step.
     fn constant_w(&self, _: I) -> Option<[I::F32; 2]> {
         None
     }
 
-    /// Whether an attribute is linear on the screen.
+    /// True if an attribute is linear on the screen.
     fn is_linear(&self, _attribute: usize) -> bool {
         false
     }
 }
 
-/// The planes of one slot, where they lie: each block spreads them anew, since a load that spreads costs less than two registers'
+/// The planes of one slot, where they lie. Each block spreads them anew, since a load that spreads costs less than two registers'
 /// worth of memory.
 #[derive(Clone, Copy)]
 pub(crate) struct One<'t> {
@@ -77,7 +78,7 @@ impl<'t> One<'t> {
         plane.each_ref().map(|c| c[self.lane % GROUP])
     }
 
-    /// Whether an attribute is linear on the screen.
+    /// True if an attribute is linear on the screen.
     pub(crate) fn has_linear(&self, attribute: usize) -> bool {
         self.linear >> attribute & 1 == 1
     }
@@ -111,7 +112,7 @@ impl<'t> OnePair<'t> {
         }
     }
 
-    /// What the blocks of a row share.
+    /// Terms that the blocks of a row share.
     #[inline(always)]
     pub(super) fn on_row<I: Isa>(&self, i: I, py: I::F32) -> PairOnRow<I> {
         let [w, first, second] = self.planes;
@@ -182,7 +183,7 @@ pub(super) struct Own<'t, I: Isa> {
     /// Coefficients a group.
     per_group: usize,
     slots: I::U32,
-    /// What the slots of a part share, and where its planes begin.
+    /// The key that the slots of each part share, and the index of the part's planes.
     keys: [u32; GROUP],
     starts: [u32; GROUP],
     parts: usize,
@@ -295,7 +296,7 @@ impl<I: Isa> PlaneSource<I> for Own<'_, I> {
     }
 }
 
-/// Three planes of each lane's own slot. Where slots share registers, parts are found on the way: for so few planes a loop that finds
+/// Three planes of each lane's own slot. If slots share registers, parts are found on the way: for so few planes a loop that finds
 /// them beforehand costs more than it saves.
 #[inline(always)]
 pub(super) fn three_planes<I: Isa>(

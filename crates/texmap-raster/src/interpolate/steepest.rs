@@ -1,4 +1,4 @@
-//! How fast attributes change at most over a triangle's part of a tile: where that is little enough, a stage need not ask for
+//! Bounds on the derivatives of attributes over a triangle's part of a tile: if a bound is small enough, a stage need not ask for
 //! derivatives pixel by pixel.
 
 use texmap_math::simd::Isa;
@@ -11,7 +11,7 @@ use crate::{NO_PRIMITIVE, TileVisibility};
 
 /// Part of its terms below which 1/w is too close to the eye's plane to say anything.
 const NEAR_ZERO: f32 = 1e-3;
-/// What rounding may add, as a part of the terms and of the result.
+/// Error that rounding may add, as a part of the terms and of the result.
 const ROUNDING: f32 = 1e-5;
 const SLACK: f32 = 1.01;
 
@@ -39,8 +39,9 @@ impl AttributePlanes {
         only.filter(|slot| *slot != NO_PRIMITIVE)
     }
 
-    /// The most, in magnitude, that attributes `wanted` change per pixel to the right and down anywhere on a slot's triangle in this
-    /// tile, as [`each_block`](Self::each_block) finds it. `None` where f32 planes do not serve the slot, and near the eye's plane.
+    /// Largest magnitudes of the derivatives of attributes `wanted` on a slot's triangle in this tile. Derivatives are changes
+    /// per pixel to the right and down, as [`each_block`](Self::each_block) finds them. `None` where f32 planes do not serve the
+    /// slot, and near the eye's plane.
     #[must_use]
     pub fn max_gradient<const N: usize>(
         &self,

@@ -29,7 +29,7 @@ impl<I: Isa> core::fmt::Debug for BlockValues<I> {
 
 /// Takes the values of blocks: see [`AttributePlanes::each_block`](crate::AttributePlanes::each_block).
 pub trait BlockSink<I: Isa> {
-    /// Pixels of block `at`, one in each lane; the first is at `place` of the run, of which each block takes sixteen.
+    /// Pixels of block `at`, one in each lane. The first is at index `place` of the run, of which each block takes sixteen.
     fn pixels(&mut self, i: I, place: usize, at: FragmentBlock, values: &BlockValues<I>);
 }
 
@@ -105,7 +105,7 @@ pub(super) struct Columns<'a> {
 }
 
 impl Columns<'_> {
-    /// Stores the values of pixels from place `place` on, an attribute at a time: all together would not stay in registers.
+    /// Stores the values of pixels from index `place` on, an attribute at a time. All together would not stay in registers.
     #[inline(always)]
     pub(super) fn put<I: Isa, P: PlaneSource<I>, const D: bool>(
         &mut self,
@@ -130,7 +130,7 @@ impl Columns<'_> {
 }
 
 impl Varying {
-    /// Stores pixels from place `place` on.
+    /// Stores pixels from index `place` on.
     #[inline(always)]
     pub(super) fn put<I: Isa, const D: bool>(&mut self, place: usize, [u, dx, dy]: [I::F32; 3]) {
         u.store(&mut self.value[place..]);
@@ -141,7 +141,7 @@ impl Varying {
     }
 }
 
-/// [`Columns`] from a place on.
+/// [`Columns`] from an index on.
 pub(super) struct ColumnsAt<'a, 'b>(pub(super) &'a mut Columns<'b>, pub(super) usize);
 
 impl Patch for ColumnsAt<'_, '_> {

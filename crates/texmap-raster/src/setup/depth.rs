@@ -41,7 +41,7 @@ impl DepthPlane {
 #[derive(Clone, Copy)]
 pub(crate) struct Depth<'g, I: Isa> {
     pub(crate) coefficients: [I::F32; COEFFICIENTS],
-    /// The plane in f64 where f32 does not serve. Where it lies: were it part of this, all of this would lie in memory.
+    /// The plane in f64 if f32 does not serve. A reference, since a plane by value would put the whole struct into memory.
     pub(crate) wide: Option<&'g Plane>,
 }
 
@@ -86,7 +86,8 @@ fn wide_depth<I: Isa>(i: I, plane: &Plane, px: I::F32, py: I::F32) -> I::F32 {
     )
 }
 
-/// What a draw's [`depth_slope`](crate::DrawCall::depth_slope) takes off a depth plane. A plane that is seen on edge leaves nothing.
+/// Depth that a draw's [`depth_slope`](crate::DrawCall::depth_slope) takes off a plane. A plane that is seen on edge leaves
+/// nothing.
 #[inline(always)]
 pub(crate) fn depth_offset<I: Isa>(i: I, depth_slope: f32, [a, b, _]: [I::F32; 3]) -> I::F32 {
     ((a.abs() + b.abs()) * depth_slope).below(i.f32(LEAVES_NOTHING))

@@ -37,12 +37,12 @@ pub(crate) struct Group {
     pub small: u32,
     /// The f64 planes of wide lanes.
     pub z_wide: [Plane; GROUP],
-    /// Where the samples lie from the pixels' centres, in 1/256 pixel.
+    /// Offset of the samples from the pixels' centres, in 1/256 pixel.
     pub offset: [i32; 2],
 }
 
 impl Group {
-    /// Whether a live lane covers every pixel of a tile of full size.
+    /// True if a live lane covers every pixel of a tile of full size.
     #[inline(always)]
     pub(crate) fn covers_tile(&self, lane: usize) -> bool {
         let last = TILE as i32 - 1;
@@ -57,7 +57,7 @@ impl Group {
     }
 }
 
-/// What the samples of a pixel share of a [`Group`]: all that does not depend on where they lie.
+/// Parts of a [`Group`] that the samples of a pixel share: all that does not depend on the position of the samples.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Known {
     /// Snapped x and y of the three vertices.
@@ -69,7 +69,7 @@ pub(crate) struct Known {
     care: u32,
 }
 
-/// What becomes of a group's [`Known`].
+/// Use of a group's [`Known`] among the samples of a pixel.
 #[derive(Debug)]
 pub(crate) enum Sharing<'k> {
     Nothing,
@@ -77,7 +77,7 @@ pub(crate) enum Sharing<'k> {
     Use(&'k Known),
 }
 
-/// What sixteen ids of a draw stand for: the corners of whole triangles, and which lanes need a look of their own.
+/// Triangles of sixteen ids of a draw, and a bit for each lane that is a piece of a cut triangle.
 #[derive(Debug)]
 pub(crate) struct Ids {
     /// Triangle in the draw; 0 for pieces.
@@ -104,13 +104,13 @@ impl Ids {
 }
 
 impl Ids {
-    /// The triangles from place `at` on.
+    /// The triangles of the lanes from `at` on.
     #[inline(always)]
     pub(crate) fn lanes<I: Isa>(&self, i: I, at: usize) -> I::I32 {
         i.load_i32(&self.triangle[at..])
     }
 
-    /// True if all lanes from place `at` on are pieces.
+    /// True if all lanes from `at` on are pieces.
     #[inline(always)]
     pub(crate) fn are_pieces<I: Isa>(&self, _: I, at: usize) -> bool {
         let lanes = (1 << I::LANES) - 1;

@@ -11,8 +11,8 @@ use crate::visibility::blocks::Runs;
 use crate::visibility::visible::NO_PRIMITIVE;
 use crate::{BinnedDraws, Interp, MAX_ATTRIBUTES};
 
-/// Planes of 1/w and of every attribute for each slot of a tile (see [`TileVisibility::slot`](crate::TileVisibility)),
-/// coefficient by coefficient in groups of sixteen slots.
+/// Planes of 1/w and of every attribute for each slot of a tile. Slots are those of
+/// [`TileVisibility::slot`](crate::TileVisibility); planes lie coefficient by coefficient in groups of sixteen slots.
 #[derive(Debug, Clone, Default)]
 pub struct AttributePlanes {
     pub(crate) words: Vec<f32>,
@@ -57,10 +57,10 @@ impl AttributePlanes {
         group.copied().unwrap_or(0)
     }
 
-    /// Room for `groups` groups with `attributes` attributes.
+    /// Resizes the buffers for `groups` groups with `attributes` attributes.
     fn reset(&mut self, groups: usize, attributes: usize, corner: [u32; 2]) {
         self.per_group = (1 + attributes) * COEFFICIENTS;
-        // What an earlier tile left stands only where no triangle is, and for attributes that a draw lacks.
+        // Values of an earlier tile remain only where no triangle is, and for attributes that a draw lacks.
         self.words.resize(groups * self.per_group * GROUP, 0.0);
         self.odd.clear();
         self.odd.resize(groups * GROUP, NO_PRIMITIVE);
@@ -205,7 +205,7 @@ impl BinnedDraws<'_> {
         linear & used as u32
     }
 
-    /// The triangles from slot `slot` on, one in each lane; returns the bits in the group of those that need a look of their own.
+    /// The triangles from slot `slot` on, one in each lane. Returns the bits in the group of those that need a look of their own.
     #[inline(always)]
     fn planes_group<I: Isa>(
         &self,
@@ -315,7 +315,7 @@ fn read<I: Isa>(
     2
 }
 
-/// Stores planes with their hulls from slot `slot` on; true where their values are neither too large nor too small for f32.
+/// Stores planes with their hulls from slot `slot` on. True where their values are neither too large nor too small for f32.
 #[inline(always)]
 fn store<I: Isa>(
     i: I,

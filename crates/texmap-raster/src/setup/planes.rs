@@ -36,7 +36,7 @@ pub(crate) fn depth_is_even<I: Isa>(i: I, plane: [I::F64; 3], lo: I::F64) -> I::
     largest.simd_le(1.0) & largest.simd_le(lowest * DEPTH_RATIO)
 }
 
-/// True where a plane is neither too large nor too small for f32; `hull` is that of the vertices' values.
+/// True where a plane is neither too large nor too small for f32. `hull` is that of the vertices' values.
 #[inline(always)]
 pub(crate) fn is_moderate<I: Isa>(i: I, plane: [I::F64; 3], hull: [I::F32; 2]) -> I::Mask64 {
     let size = i.widen(hull[0].abs().above(hull[1].abs()));
@@ -58,7 +58,7 @@ pub(crate) const COEFFICIENTS: usize = 5;
 pub(crate) struct RowPlane<I: Isa> {
     a: I::F32,
     b: I::F32,
-    /// Its value at the tile's middle column.
+    /// Value of the plane at the tile's middle column.
     start: I::F32,
     lo: I::F32,
     hi: I::F32,
@@ -198,7 +198,7 @@ fn cross<I: Isa>(_: I, a: [I::F64; 3], b: [I::F64; 3]) -> [I::F64; 3] {
     ]
 }
 
-/// Twice the signed area of the triangle times the product of the three w: its sign is the facing, also where some w are
+/// Twice the signed area of the triangle times the product of the three w. Its sign is the facing, also where some w are
 /// negative. y points down, so a front face is negative.
 pub(crate) fn determinant(v: &[Hom; 3]) -> f64 {
     let p = v.map(|v| [v.x, v.y, v.w]);

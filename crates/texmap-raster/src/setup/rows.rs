@@ -7,7 +7,7 @@ use super::{Fragment, Shape, TriangleSetup};
 use crate::Interp;
 use crate::coverage::edge::{Edge, row_span};
 
-/// How perspective attributes are evaluated.
+/// Evaluation of perspective attributes.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Rows {
     /// At the pixel.
@@ -59,7 +59,7 @@ impl TriangleSetup {
         let Some((first, last)) = row_span(edges, y as i32, 0, width - 1) else {
             return;
         };
-        // Node positions from the origin, and the pixel's place between them.
+        // Node positions from the origin, and the pixel's position between them.
         let [first, last] = [first, last].map(|x| f64::from(x - self.origin[0]) + 0.5);
         let [a, b] = match spacing {
             Spacing::Pixels(n) => {

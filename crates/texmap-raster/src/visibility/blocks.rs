@@ -26,7 +26,7 @@ const PIXELS: usize = (TILE * TILE) as usize;
 pub struct TileVisibility {
     /// Reversed depth: 0 where nothing was drawn.
     pub depth: Vec<f32>,
-    /// Which of the tile's fragments, [`NO_PRIMITIVE`] where nothing was drawn; `ids` names it.
+    /// Slot of the triangle that is seen, [`NO_PRIMITIVE`] where nothing was drawn; `ids` names it.
     pub slot: Vec<u32>,
     /// Of each 4x4 block, a bit per pixel where something was drawn.
     pub masks: Vec<u16>,
@@ -39,7 +39,7 @@ pub struct TileVisibility {
     group: Group,
 }
 
-/// Room for what [`BinnedDraws::visible_samples`] sets up once for all samples.
+/// Buffers for what [`BinnedDraws::visible_samples`] sets up once for all samples.
 #[derive(Debug, Clone, Default)]
 pub struct SampleSetup {
     known: Vec<Known>,
@@ -66,7 +66,7 @@ impl TileVisibility {
         Self::default()
     }
 
-    /// Without room: what stays behind while the blocks are lent out.
+    /// Without buffers: the value that remains while the blocks are lent out.
     pub(crate) fn empty() -> Self {
         Self {
             depth: Vec::new(),
@@ -134,8 +134,8 @@ impl BinnedDraws<'_> {
         self.visible_sample(tile, [0; 2], alpha, out);
     }
 
-    /// [`visible_blocks`](Self::visible_blocks) at one sample a pixel, `offset` 1/256 pixel to the right of its centre and
-    /// below it, each in -128..=127 (see [`SAMPLES_4`](crate::SAMPLES_4)). Only for what was prepared
+    /// [`visible_blocks`](Self::visible_blocks) at one sample a pixel, `offset` from its centre. In 1/256 pixel to the
+    /// right and down, each in -128..=127 (see [`SAMPLES_4`](crate::SAMPLES_4)). Only for what was prepared
     /// [`with_samples`](Self::with_samples); without, triangles between the centres are missing. Cut-outs are asked at the
     /// centre, so that all samples of a pixel get one answer.
     pub fn visible_sample(
@@ -180,8 +180,8 @@ impl BinnedDraws<'_> {
         out.group.offset = [0; 2];
     }
 
-    /// Where one opaque triangle has the tile for itself and passes every depth test: its pixels, as the `masks` of `out`; all are
-    /// of slot 0, and `slot` and `depth` hold nothing. False, with nothing done, elsewhere.
+    /// Covers a tile that one opaque triangle has for itself, with every depth test passed: its pixels, as the `masks` of `out`;
+    /// all are of slot 0, and `slot` and `depth` hold nothing. False, with nothing done, for other tiles.
     pub fn covering_primitive(&self, tile: usize, out: &mut TileVisibility) -> bool {
         let [id] = self.bin_of(tile) else {
             return false;
@@ -303,7 +303,7 @@ impl BinnedDraws<'_> {
         out.trim(bounds);
     }
 
-    /// Whether of all fragments of a pixel the last is seen, and its depth: none is tested, none cut out.
+    /// True if the last fragment of each pixel is seen, with its depth: none is tested, none cut out.
     fn last_is_seen(&self, out: &TileVisibility) -> bool {
         let all = out.draws.iter().map(|draw| self.draw(*draw));
         let mut deciding = all.filter(|d| decides_visibility(d.pass));
@@ -317,7 +317,7 @@ impl BinnedDraws<'_> {
         })
     }
 
-    /// Stamps from the last triangle to the first what nothing stands before, until all is covered.
+    /// Draws triangles from the last to the first, each only at pixels that are still free, until all are covered.
     #[inline(always)]
     fn last_lanes<I: Isa>(&self, i: I, tile: usize, group: &mut Group, out: &mut TileVisibility) {
         let mut last = Last {

@@ -24,13 +24,13 @@ impl BinnedDraws<'_> {
         map
     }
 
-    /// [`depth_map`](Self::depth_map) in the room of an earlier one.
+    /// [`depth_map`](Self::depth_map) in the buffer of an earlier one.
     pub fn depth_map_into(&self, threads: usize, map: &mut Vec<f32>) {
         self.depth_strips(threads, None, 0.0, map, &|_| {});
     }
 
-    /// [`depth_map_into`](Self::depth_map_into), without the pixels of cut-outs that `alpha` does not keep, and with `empty` in tiles
-    /// that no triangle reaches. Each strip of finished rows is lent to `done` while it is at hand.
+    /// [`depth_map_into`](Self::depth_map_into), without the pixels of cut-outs that `alpha` does not keep. Tiles that no
+    /// triangle reaches hold `empty`. Each strip of finished rows is lent to `done` while it is at hand.
     pub fn depth_strips(
         &self,
         threads: usize,
@@ -139,7 +139,7 @@ pub struct DepthStrip<'a> {
     pub first_row: usize,
     /// One after the other.
     pub rows: &'a mut [f32],
-    /// Whether some triangle reaches each of its tiles.
+    /// True for each tile that some triangle reaches.
     pub reached: &'a [bool],
 }
 

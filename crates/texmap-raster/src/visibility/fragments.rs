@@ -28,8 +28,8 @@ pub struct VisibleFragment<'a> {
 }
 
 impl BinnedDraws<'_> {
-    /// Calls `shade` with the nearest fragment of each covered pixel, tile by tile, and then with the fragments of blended draws in
-    /// front of it, in submitted order. `alpha` decides about cut-out draws ([`NoAlphaTest`](crate::NoAlphaTest) keeps all).
+    /// Calls `shade` with the nearest fragment of each covered pixel, tile by tile. The fragments of blended draws in front of it
+    /// follow, in submitted order. `alpha` decides about cut-out draws ([`NoAlphaTest`](crate::NoAlphaTest) keeps all).
     ///
     /// On one thread and a fragment at a time: stages that need speed read [`AttributePlanes`](crate::AttributePlanes) by blocks.
     pub fn for_each_fragment<A: AlphaTest>(

@@ -10,7 +10,7 @@ use crate::{BinnedDraws, block_index};
 /// The id of a pixel where nothing was drawn.
 pub const NO_PRIMITIVE: u32 = u32::MAX;
 
-/// Depth and fragment id of a tile's pixels: 64x64 values, row by row from the top; the row length is 64 for narrow tiles too.
+/// Depth and fragment id of a tile's pixels: 64x64 values, row by row from the top. The row length is 64 for narrow tiles too.
 #[derive(Debug, Clone)]
 pub struct VisibilityBuffer {
     /// Reversed depth: 0 where nothing was drawn.
@@ -50,11 +50,11 @@ impl VisibilityBuffer {
 
 /// Decides which fragments of a [`Pass::CutOut`](crate::Pass::CutOut) draw exist.
 pub trait AlphaTest {
-    /// Whether the fragment is kept.
+    /// True if the fragment is kept.
     fn keep(&self, draw: u32, triangle: u32, fragment: &Fragment) -> bool;
 
-    /// [`keep`](Self::keep) for those of sixteen fragments that are `asked` for, a bit each, where the first two attributes decide;
-    /// `None` where they do not: the fragments are asked about one by one then.
+    /// [`keep`](Self::keep) for those of sixteen fragments that are `asked` for, a bit each, by the first two attributes. `None`
+    /// if these do not decide: the fragments are asked about one by one then.
     fn keep_by_uv(&self, _draw: u32, _at: &UvBlock, _asked: u16) -> Option<u16> {
         None
     }
@@ -103,8 +103,8 @@ impl BinnedDraws<'_> {
         out.blocks = blocks;
     }
 
-    /// Calls `sink` with each fragment (id, x, y) of the blended draws that passes the depth test against `buffers`, in
-    /// submitted order; within a triangle in 4x4 blocks.
+    /// Calls `sink` with each fragment (id, x, y) of the blended draws that passes the depth test. The test is against
+    /// `buffers`; fragments come in submitted order, within a triangle in 4x4 blocks.
     pub fn blended(
         &self,
         tile: usize,

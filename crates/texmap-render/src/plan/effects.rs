@@ -5,13 +5,20 @@ use texmap_math::glam::{DMat3, DVec3};
 
 use crate::RenderSettings;
 use crate::frame_resources::FrameResources;
-use crate::shade::lighting::MAPS;
-use crate::shade::normal::{NormalSource, NormalSpace, Rise};
+use crate::shade::normal::{NormalSource, NormalSpace};
 use crate::shade::procedural::ProceduralBump;
+use crate::shade::slopes::Rise;
 use crate::textures::{Chains, Slot};
 use crate::vertices::{Values, Vertices};
 use texmap_scene::{LightMapSlot, NormalDetail};
 use texmap_scene::{Material, Mesh, Scene, TextureSlot};
+
+/// Textures in place of numbers of a material: their places in [`SurfaceEffects::maps`].
+pub(super) const AMBIENT: usize = 0;
+pub(super) const SPECULAR: usize = 1;
+pub(super) const EXPONENT: usize = 2;
+pub(super) const REFLECTIVITY: usize = 3;
+pub(super) const MAPS: usize = 4;
 
 /// The maps of one surface, and the attributes that they read.
 pub(crate) struct SurfaceEffects<'s> {

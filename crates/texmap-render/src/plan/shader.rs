@@ -2,23 +2,29 @@
 
 use texmap_light::{Light, ShadowSampler, SpecularExponent};
 
-use super::effects::SurfaceEffects;
+use super::effects::{AMBIENT, EXPONENT, MAPS, REFLECTIVITY, SPECULAR, SurfaceEffects};
 use super::{Plan, Space, Surface};
 use crate::frame_resources::FrameResources;
-use crate::shade::base_color::BaseColor;
+use crate::shade::base_color::{BaseColor, BaseColors, BaseStage};
+use crate::shade::compose::{Compose, Cover};
 use crate::shade::coordinates::Coordinates;
-use crate::shade::environment::Reflections;
+use crate::shade::environment::Reflection;
 use crate::shade::facing::FacingStage;
 use crate::shade::fetch::TexturePair;
-use crate::shade::lighting::{LightStage, Lighting, LitBy, MAPS};
-use crate::shade::normal::{NormalSource, NormalStage};
+use crate::shade::light_maps::{AmbientMap, Emission, LightMap, LightRamp, SpecularMap};
+use crate::shade::lighting::{LightStage, LitBy, PhongLights, VertexTerms};
+use crate::shade::normal::{BumpedNormals, MappedNormals, NormalSource};
+use crate::shade::paint::Paint;
 use crate::shade::projector::ProjectorStage;
 use crate::shade::sky::SkyStage;
+use crate::shade::slopes::SlopeMap;
+use crate::shade::stage::Stage;
 use crate::shade::surface::SurfaceShader;
 use crate::shade::unlit::Unlit;
+use crate::shade::vectors::{SmoothNormals, VectorReader};
 use crate::shade::volume::VolumeStage;
 use crate::textures::Slot;
-use texmap_scene::{AlphaMode, TextureRole};
+use texmap_scene::{AlphaMode, Material, TextureRole};
 
 /// The stages of a draw.
 pub(crate) enum Shader<'a> {
@@ -50,8 +56,10 @@ impl<'a> Shader<'a> {
     }
 }
 
+type Stages<'a> = Vec<Box<dyn Stage + 'a>>;
+
 fn surface_shader<'a>(plan: &'a Plan<'a>, surface: &'a Surface<'a>) -> SurfaceShader<'a> {
-    let (level, ready, material) = (plan.level, &*plan.ready, surface.material);
+    let (ready, material) = (&*plan.ready, surface.material);
     let per_pixel = matches!(surface.light, LightStage::PerPixel);
     let effects = surface.effects.as_deref().filter(|_| per_pixel);
     let covers = surface.base_color.is_some() && material.texture_role == TextureRole::Decal;
@@ -62,23 +70,7 @@ fn surface_shader<'a>(plan: &'a Plan<'a>, surface: &'a Surface<'a>) -> SurfaceSh
         Some(NormalSource::Map(slot, ..)) if fits(surface, slot) => Some(slot),
         _ => None,
     };
-    let normal = NormalStage {
-        detail,
-        paired: normal_map.is_some(),
-        horizon_clamp: material.horizon_clamp,
-    };
     let base = base_color(surface, covers);
-    let pair = TexturePair::new([base.texture.filter(|_| base.paired), normal_map]);
-
-    let environment = |index: usize| &ready.environments[index];
-    let reflection = material.reflection.filter(|_| effects.is_some());
-    let specular = material.specular_map.filter(|_| effects.is_some());
-    let reflections = Reflections {
-        mirror: reflection.map(|r| (environment(r.environment), r.reflectivity)),
-        specular: specular.map(|index| (environment(index), material.phong.ks)),
-        rays: plan.rays,
-    };
-
     let lights = match (per_pixel, effects) {
         (false, _) => Vec::new(),
         (true, None) => plan.lights.iter().map(unshadowed).collect(),
@@ -86,63 +78,240 @@ fn surface_shader<'a>(plan: &'a Plan<'a>, surface: &'a Surface<'a>) -> SurfaceSh
     };
     let paints = ready.projector_decals.iter();
     let paints = paints.filter(|_| effects.is_some() && position.is_some());
-    let shines = lights.iter().any(|by| !by.is_ambient());
-    let lights_all = |by: &LitBy<'_>| !by.is_ambient() && by.projector.is_none();
-    let lighting = Lighting {
-        numbers: material.phong,
-        power: SpecularExponent::new(material.phong.ns),
-        model: material.specular_model,
-        light_map: effects
-            .and_then(|effects| effects.light_map.as_ref())
-            .map(|(map, slot, first)| (material.phong.kd * map.scale, slot, *first)),
-        paints: paints.map(ProjectorStage::new).collect(),
-        maps: effects.map_or([None; MAPS], |effects| {
-            effects.maps.each_ref().map(Option::as_ref)
-        }),
-        eye: plan.eye,
-        sees_eye: (shines && material.phong.ks > 0.0)
-            || (detail.is_some() && material.horizon_clamp),
-        needs_normal: !reflections.is_empty() || lights.iter().any(lights_all),
-        lights,
+    let paint = Paint {
+        projectors: paints.collect(),
+        first: lights.iter().filter(|by| by.projector.is_some()).count(),
     };
+    let of_lights = lights.iter().filter_map(|by| by.projector);
+    let projectors = of_lights.map(|(projected, _)| projected);
+    let projectors = projectors.chain(paint.projectors.iter().copied());
+    let projectors = projectors.map(ProjectorStage::new).collect();
 
-    let mut shadow_maps = lighting.lights.iter().flat_map(LitBy::shadow_maps);
+    let mut shadow_maps = lights.iter().flat_map(LitBy::shadow_maps);
     let by_shadows = shadow_maps.any(ShadowSampler::reads_normals);
     drop(shadow_maps);
     // Paint does not reach what faces away from its projector.
-    let reads_planes = by_shadows || !lighting.paints.is_empty();
-    let emission = surface.emission.as_ref();
-    let emission = emission.map(|(color, map)| (*color, map.as_ref()));
-    let light_ramp = surface.light_ramp.as_ref();
+    let reads_planes = by_shadows || !paint.projectors.is_empty();
+    let reflects =
+        effects.is_some() && (material.reflection.is_some() || material.specular_map.is_some());
+    let lights_all = |by: &LitBy<'_>| !by.is_ambient() && by.projector.is_none();
+    let maps = effects.map_or([None; MAPS], |effects| {
+        effects.maps.each_ref().map(Option::as_ref)
+    });
     let short = per_pixel
         && base.paired
-        && normal.is_short()
-        && lighting.maps.iter().all(Option::is_none)
-        && light_ramp.is_none()
-        && emission.is_none()
-        && reflections.specular.is_none()
-        && lighting.paints.is_empty();
+        && (detail.is_none() || normal_map.is_some())
+        && maps.iter().all(Option::is_none)
+        && surface.light_ramp.is_none()
+        && surface.emission.is_none()
+        && (effects.is_none() || material.specular_map.is_none())
+        && paint.projectors.is_empty();
+    let emission_map = surface.emission.as_ref().and_then(|(_, map)| map.as_ref());
+    let by_map = |detail: &NormalSource<'_>| !matches!(detail, NormalSource::Procedural(_));
+    let reads_uv = base.reads_uv()
+        || (detail.is_some_and(by_map) && normal_map.is_none())
+        || maps.iter().any(Option::is_some)
+        || emission_map.is_some();
+
     SurfaceShader {
-        level,
-        uv: &surface.uv,
-        base,
-        covers,
-        light: surface.light,
-        light_ramp,
-        emission,
-        normal,
-        facing: FacingStage {
+        level: plan.level,
+        uv: reads_uv.then_some(&surface.uv),
+        pair: TexturePair::new([base.texture.filter(|_| base.paired), normal_map]),
+        vectors: VectorReader {
+            normal: surface.normal,
+            position,
+            tangent: detail.and_then(NormalSource::tangent),
+            in_values: !short,
+            normal_everywhere: reflects || lights.iter().any(lights_all),
+            normal_changes: reflects,
+        },
+        facing: per_pixel.then(|| FacingStage {
             cull: material.cull,
             planes: effects
                 .filter(|_| reads_planes)
                 .map(|effects| &effects.planes[..]),
-        },
-        lighting,
-        reflections,
-        pair,
-        normal_attribute: surface.normal,
-        position_attribute: position,
+        }),
+        projectors,
+        stages: stages(
+            plan,
+            surface,
+            base,
+            (covers, normal_map.is_some()),
+            maps,
+            lights,
+            paint,
+        ),
         attributes: (!short).then_some(surface.shaded),
+    }
+}
+
+/// The stages after the vectors and the texels that several of them read.
+fn stages<'a>(
+    plan: &'a Plan<'a>,
+    surface: &'a Surface<'a>,
+    base: BaseColor<'a>,
+    (covers, paired_normals): (bool, bool),
+    maps: [Option<&'a Slot<'a>>; MAPS],
+    lights: Vec<LitBy<'a>>,
+    paint: Paint<'a>,
+) -> Stages<'a> {
+    let mut out: Stages<'a> = Vec::new();
+    let whole = base.opaque_texels && base.decal.is_none();
+    if covers && (base.alpha != AlphaMode::Opaque || whole) {
+        // The surface below shows nowhere.
+        out.push(Box::new(Cover(base)));
+        return out;
+    }
+    let lit = match surface.light {
+        LightStage::None | LightStage::Colors(_) => false,
+        LightStage::Terms { diffuse, highlight } => {
+            out.push(Box::new(VertexTerms { diffuse, highlight }));
+            true
+        }
+        LightStage::PerPixel => {
+            normals(&mut out, plan, surface, &lights, paired_normals);
+            light(&mut out, plan, surface, maps, lights);
+            true
+        }
+    };
+    if let Some(ramp) = surface.light_ramp.as_ref().filter(|_| lit) {
+        out.push(Box::new(LightRamp(ramp)));
+    }
+    let mut colors = match surface.light {
+        LightStage::Colors(first) => BaseColors::Finished(first),
+        _ => BaseColors::Own,
+    };
+    if covers && colors == BaseColors::Own {
+        colors = BaseColors::Material;
+    }
+    let paired = base.paired && lit && paint.projectors.is_empty();
+    if !paired {
+        out.push(Box::new(BaseStage { base, colors }));
+    }
+    if let Some((color, map)) = &surface.emission {
+        out.push(Box::new(Emission {
+            color: *color,
+            map: map.as_ref(),
+            under_light: lit,
+        }));
+    }
+    if lit && !paint.projectors.is_empty() {
+        out.push(Box::new(paint));
+    }
+    out.push(Box::new(Compose {
+        paired: paired.then_some(base),
+        lit,
+        // Finished colors are clipped at the vertices.
+        clips: !matches!(surface.light, LightStage::Colors(_)) || surface.emission.is_some(),
+    }));
+    if covers {
+        out.push(Box::new(Cover(base)));
+    }
+    out
+}
+
+/// Normals, and the directions to the eye that they or the highlights ask for.
+fn normals<'a>(
+    out: &mut Stages<'a>,
+    plan: &Plan<'_>,
+    surface: &'a Surface<'a>,
+    lights: &[LitBy<'_>],
+    paired: bool,
+) {
+    let (material, effects) = (surface.material, surface.effects.as_deref());
+    let detail = effects.and_then(|effects| effects.normal.as_ref());
+    let horizon_clamp = material.horizon_clamp;
+    let shines = lights.iter().any(|by| !by.is_ambient()) && material.phong.ks > 0.0;
+    let sees_eye = shines || (detail.is_some() && horizon_clamp);
+    out.push(Box::new(SmoothNormals {
+        eye: sees_eye.then_some(plan.eye),
+    }));
+    let slopes = |slot, rise: &_, slopes| SlopeMap {
+        slot,
+        rise: *rise,
+        slopes,
+        horizon_clamp,
+    };
+    out.push(match detail {
+        None => return,
+        Some(NormalSource::Bump(slot, rise)) => Box::new(slopes(slot, rise, None)),
+        Some(NormalSource::Offsets(slot, rise, green)) => {
+            Box::new(slopes(slot, rise, Some(*green)))
+        }
+        Some(NormalSource::Procedural(bump)) => Box::new(BumpedNormals {
+            bump,
+            horizon_clamp,
+        }),
+        Some(NormalSource::Map(slot, map, space)) => Box::new(MappedNormals {
+            slot: (!paired).then_some(slot),
+            map: *map,
+            space: *space,
+            horizon_clamp,
+        }),
+    });
+}
+
+/// The light of a surface that is lit per pixel. Another model of light takes the place of [`phong_lights`].
+fn light<'a>(
+    out: &mut Stages<'a>,
+    plan: &'a Plan<'a>,
+    surface: &'a Surface<'a>,
+    maps: [Option<&'a Slot<'a>>; MAPS],
+    lights: Vec<LitBy<'a>>,
+) {
+    let material = surface.material;
+    phong_lights(out, material, maps, lights);
+    let Some(effects) = surface.effects.as_deref() else {
+        return;
+    };
+    if let Some((map, slot, uv)) = &effects.light_map {
+        let (uv, factor) = (*uv, material.phong.kd * map.scale);
+        out.push(Box::new(LightMap { slot, uv, factor }));
+    }
+    let mut reflect = |index: usize, share, map| {
+        out.push(Box::new(Reflection {
+            environment: &plan.ready.environments[index],
+            share,
+            map,
+            rays: plan.rays,
+        }));
+    };
+    if let Some(r) = material.reflection {
+        reflect(r.environment, r.reflectivity, maps[REFLECTIVITY]);
+    }
+    if let Some(index) = material.specular_map {
+        reflect(index, material.phong.ks, None);
+    }
+}
+
+/// Lights by Phong's terms, and the maps of their numbers.
+fn phong_lights<'a>(
+    out: &mut Stages<'a>,
+    material: &'a Material,
+    maps: [Option<&'a Slot<'a>>; MAPS],
+    lights: Vec<LitBy<'a>>,
+) {
+    let numbers = material.phong;
+    // Ambient light of an ambient map is a term of its own.
+    let apart = |by: &LitBy<'_>| maps[AMBIENT].is_some() && by.is_ambient();
+    let (ambient, lights): (Vec<_>, Vec<_>) = lights.into_iter().partition(apart);
+    out.push(Box::new(PhongLights {
+        numbers,
+        power: SpecularExponent::new(numbers.ns),
+        exponents: maps[EXPONENT],
+        model: material.specular_model,
+        lights,
+    }));
+    if let Some(slot) = maps[SPECULAR] {
+        out.push(Box::new(SpecularMap(slot)));
+    }
+    if let Some(slot) = maps[AMBIENT] {
+        let color = |by: &LitBy<'_>| match by.light {
+            Light::Ambient { color } => Some(color.map(|c| c * numbers.ka)),
+            _ => None,
+        };
+        let lights = ambient.iter().filter_map(color).collect();
+        out.push(Box::new(AmbientMap { slot, lights }));
     }
 }
 
@@ -186,6 +355,7 @@ fn unshadowed<'a>(light: &Light) -> LitBy<'a> {
 /// The lights of a surface, their shadow maps and projectors.
 fn lights<'a>(ready: &'a FrameResources<'a>, effects: &'a SurfaceEffects<'a>) -> Vec<LitBy<'a>> {
     let first_lamp = ready.lights.len() - ready.projector_lights.len();
+    let mut lamps = 0..;
     let lights = effects.lights.iter().map(|(index, light)| {
         let projected = index
             .checked_sub(first_lamp)
@@ -193,7 +363,7 @@ fn lights<'a>(ready: &'a FrameResources<'a>, effects: &'a SurfaceEffects<'a>) ->
         LitBy {
             light: *light,
             shadows: &ready.shadows[*index],
-            projector: projected.map(ProjectorStage::new),
+            projector: projected.and_then(|projected| Some((projected, lamps.next()?))),
         }
     });
     lights.collect()

@@ -5,13 +5,15 @@ use texmap_math::Level;
 use texmap_math::simd::{Isa, Scalar};
 use texmap_raster::Varyings;
 
-use super::batch::{Batch, Colors, columns, load_vector, straight};
+use super::batch::{Batch, Colors, columns, load_vector, parts, straight};
 use super::fetch::{PackedTexels, Texels, footprint_at};
 use super::solid::SolidStage;
+use super::stage::{Inputs, Kernel, ShadeColumns};
 use crate::textures::Slot;
 use texmap_scene::AlphaMode;
 
 /// The base color of a surface.
+#[derive(Clone, Copy)]
 pub(crate) struct BaseColor<'a> {
     /// Factors of the straight texel.
     pub(crate) color: [f32; 3],
@@ -143,13 +145,7 @@ impl BaseColor<'_> {
 
     /// Colors times the vertex colors.
     #[inline(always)]
-    pub(crate) fn tinted<I: Isa>(
-        &self,
-        i: I,
-        values: &Varyings,
-        at: usize,
-        base: Vector<I>,
-    ) -> Vector<I> {
+    fn tinted<I: Isa>(&self, i: I, values: &Varyings, at: usize, base: Vector<I>) -> Vector<I> {
         match self.vertex_color {
             Some(first) => {
                 let tint = load_vector(i, columns(values, first), at);
@@ -170,7 +166,7 @@ impl BaseColor<'_> {
 
     /// Straight base colors and their alpha.
     #[inline(always)]
-    pub(crate) fn load<I: Isa>(
+    fn load<I: Isa>(
         &self,
         i: I,
         read: &BaseTexels,
@@ -191,10 +187,51 @@ impl BaseColor<'_> {
         };
         (self.tinted(i, values, at, base), alpha)
     }
+}
 
-    /// The color of the material alone, times the vertex colors.
+/// Base colors as columns.
+pub(crate) struct BaseStage<'a> {
+    pub(crate) base: BaseColor<'a>,
+    pub(crate) colors: BaseColors,
+}
+
+/// The colors that a [`BaseStage`] stores.
+#[derive(Clone, Copy, PartialEq)]
+pub(crate) enum BaseColors {
+    /// Those of the textures.
+    Own,
+    /// The color of the material alone, times the vertex colors; opaque.
+    Material,
+    /// Finished colors of the vertices, from this attribute on; the base color gives their alpha.
+    Finished(usize),
+}
+
+impl Kernel for BaseStage<'_> {
+    fn read(&self, inputs: &Inputs<'_>, columns: &mut ShadeColumns) {
+        if !self.base.paired && self.colors != BaseColors::Material {
+            let out = &mut columns.base;
+            self.base.fetch(inputs.level, inputs.batch, inputs.uv, out);
+        }
+    }
+
     #[inline(always)]
-    pub(crate) fn material_color<I: Isa>(&self, i: I, values: &Varyings, at: usize) -> Vector<I> {
-        self.tinted(i, values, at, splat(i, self.color))
+    fn lanes<I: Isa>(&self, i: I, inputs: &Inputs<'_>, out: &mut ShadeColumns) {
+        let (base, values) = (&self.base, inputs.batch.values);
+        for part in parts(i, inputs.batch.list) {
+            let at = part.at;
+            let (color, alpha) = if self.colors == BaseColors::Material {
+                let color = base.tinted(i, values, at, splat(i, base.color));
+                (color, i.f32(1.0))
+            } else if base.paired {
+                (base.of_pair(i, &inputs.pair[0], at), i.f32(1.0))
+            } else {
+                base.load(i, &out.base, values, at)
+            };
+            let [r, g, b] = match self.colors {
+                BaseColors::Finished(first) => load_vector(i, columns(values, first), at),
+                _ => color,
+            };
+            out.color.store(i, at, [r, g, b, alpha]);
+        }
     }
 }

@@ -63,6 +63,25 @@ pub(crate) struct Part {
     pub(crate) index: usize,
 }
 
+/// The parts of the blocks of a list that have pixels.
+#[inline(always)]
+pub(crate) fn parts<I: Isa>(_: I, list: &[FragmentBlock]) -> impl Iterator<Item = Part> {
+    let all = u32::MAX >> (32 - I::LANES);
+    (0..list.len() * LANES)
+        .step_by(I::LANES)
+        .filter_map(move |at| {
+            let (index, pixel) = (at / LANES, at % LANES);
+            let block = list[index];
+            let some = u32::from(block.mask) >> pixel & all != 0;
+            some.then_some(Part {
+                at,
+                pixel,
+                block,
+                index,
+            })
+        })
+}
+
 impl Part {
     /// The lanes that are set in a mask of the block.
     #[inline(always)]
@@ -99,79 +118,57 @@ impl Facing {
     }
 }
 
-/// Premultiplied colors of a batch, channel by channel.
-pub(crate) struct Colors(pub(crate) [[f32; BATCH_STRIDE]; 4]);
+/// `N` numbers for each pixel of a batch, in columns.
+pub(crate) struct Columns<const N: usize>(pub(crate) [[f32; BATCH_STRIDE]; N]);
 
-impl Default for Colors {
+/// Colors of a batch and their alpha; premultiplied, but for those between stages that say otherwise.
+pub(crate) type Colors = Columns<4>;
+
+impl<const N: usize> Default for Columns<N> {
     fn default() -> Self {
-        Self([[0.0; BATCH_STRIDE]; 4])
+        Self([[0.0; BATCH_STRIDE]; N])
     }
 }
 
-impl Colors {
-    /// The colors from pixel `at` of the batch on.
+impl<const N: usize> Columns<N> {
+    /// The numbers from pixel `at` of the batch on.
     #[inline(always)]
-    pub(crate) fn load<I: Isa>(&self, i: I, at: usize) -> [I::F32; 4] {
-        let [r, g, b, a] = &self.0;
-        [
-            load(i, r, at),
-            load(i, g, at),
-            load(i, b, at),
-            load(i, a, at),
-        ]
+    pub(crate) fn load<I: Isa>(&self, i: I, at: usize) -> [I::F32; N] {
+        let mut out = [i.f32(0.0); N];
+        for (out, column) in out.iter_mut().zip(&self.0) {
+            *out = load(i, column, at);
+        }
+        out
     }
 
-    /// Stores colors from pixel `at` of the batch on.
+    /// Stores numbers from pixel `at` of the batch on.
     #[inline(always)]
-    pub(crate) fn store<I: Isa>(&mut self, _: I, at: usize, colors: [I::F32; 4]) {
-        for (column, color) in self.0.iter_mut().zip(&colors) {
-            color.store(&mut column[at..at + I::LANES]);
+    pub(crate) fn store<I: Isa>(&mut self, _: I, at: usize, values: [I::F32; N]) {
+        for (column, value) in self.0.iter_mut().zip(&values) {
+            value.store(&mut column[at..at + I::LANES]);
         }
     }
 
-    /// Sets the color of pixel `at`.
-    pub(crate) fn set(&mut self, at: usize, color: [f32; 4]) {
-        for (column, value) in self.0.iter_mut().zip(color) {
+    /// Sets the numbers of pixel `at`.
+    pub(crate) fn set(&mut self, at: usize, values: [f32; N]) {
+        for (column, value) in self.0.iter_mut().zip(values) {
             column[at] = value;
         }
     }
 
-    /// The color of pixel `at`.
-    pub(crate) fn get(&self, at: usize) -> [f32; 4] {
+    /// The numbers of pixel `at`.
+    pub(crate) fn get(&self, at: usize) -> [f32; N] {
         self.0.each_ref().map(|column| column[at])
     }
 
-    /// The four channels over the first `count` pixels.
-    pub(crate) fn columns_mut(&mut self, count: usize) -> [&mut [f32]; 4] {
+    /// The columns over the first `count` pixels.
+    pub(crate) fn columns(&self, count: usize) -> [&[f32]; N] {
+        self.0.each_ref().map(|column| &column[..count])
+    }
+
+    /// See [`columns`](Self::columns).
+    pub(crate) fn columns_mut(&mut self, count: usize) -> [&mut [f32]; N] {
         self.0.each_mut().map(|column| &mut column[..count])
-    }
-}
-
-/// Coordinates of a batch.
-pub(crate) struct BatchUv {
-    pub(crate) u: [f32; BATCH_STRIDE],
-    pub(crate) v: [f32; BATCH_STRIDE],
-}
-
-impl Default for BatchUv {
-    fn default() -> Self {
-        Self {
-            u: [0.0; BATCH_STRIDE],
-            v: [0.0; BATCH_STRIDE],
-        }
-    }
-}
-
-impl BatchUv {
-    #[inline(always)]
-    pub(crate) fn load<I: Isa>(&self, i: I, at: usize) -> [I::F32; 2] {
-        [load(i, &self.u, at), load(i, &self.v, at)]
-    }
-
-    #[inline(always)]
-    pub(crate) fn store<I: Isa>(&mut self, _: I, at: usize, [u, v]: [I::F32; 2]) {
-        u.store(&mut self.u[at..at + I::LANES]);
-        v.store(&mut self.v[at..at + I::LANES]);
     }
 }
 
@@ -247,4 +244,34 @@ pub(crate) fn set_bits(mut mask: u16) -> impl Iterator<Item = usize> {
         mask &= mask.wrapping_sub(1);
         (bit < LANES).then_some(bit)
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use texmap_math::simd::Scalar;
+    use texmap_math::{Level, dispatch_simd};
+
+    /// Every pixel that a mask sets is in one part, on every width; parts without pixels are left out.
+    #[test]
+    fn parts_cover_the_pixels_that_are_set() {
+        let list = [0, 1, 0x8000, 0xffff, 0x0f00, 0, 0x0440].map(|mask| FragmentBlock {
+            block: 0,
+            mask,
+            slot: 0,
+        });
+        check(Scalar, &list);
+        dispatch_simd!(Level::new(), i => check(i, &list));
+        fn check<I: Isa>(i: I, list: &[FragmentBlock]) {
+            let mut seen = [0u16; 7];
+            for part in parts(i, list) {
+                let lanes = part.mask(i, part.block.mask).to_bitmask();
+                assert!(lanes != 0 && part.at == part.index * LANES + part.pixel);
+                let lanes = (lanes as u16) << part.pixel;
+                assert_eq!(seen[part.index] & lanes, 0);
+                seen[part.index] |= lanes;
+            }
+            assert_eq!(seen, list.iter().map(|at| at.mask).collect::<Vec<_>>()[..]);
+        }
+    }
 }

@@ -1,17 +1,12 @@
-//! Lighting per pixel: the sum over lights of their contribution times their visibility, light maps, and maps of the material's numbers.
+//! The light of lamps per pixel: the sum over lights of their contribution times what reaches the surface of it.
 
-use texmap_light::lanes::{
-    SpecularExponentLanes, TermsLanes, Vector, dot, evaluate_light, splat, unit,
-};
+use texmap_light::lanes::{SpecularExponentLanes, TermsLanes, Vector, evaluate_light};
 use texmap_light::{Light, PhongMaterial, ShadowSampler, SpecularExponent, SpecularModel};
 use texmap_math::simd::{Isa, prelude::*};
 
-use super::batch::{Batch, Part, flip, load_vector};
-use super::environment::Reflections;
-use super::facing::Side;
-use super::fetch::{PackedTexels, Texels};
-use super::normal::{NormalStage, NormalTexels, Vectors};
-use super::projector::{ProjectorStage, ProjectorTexels};
+use super::batch::{Part, columns, load_vector, parts};
+use super::projector::Projected;
+use super::stage::{Inputs, Kernel, ShadeColumns};
 use crate::textures::Slot;
 
 /// The source of the light of a surface; numbers are attribute indices.
@@ -30,45 +25,22 @@ pub(crate) enum LightStage {
     PerPixel,
 }
 
-/// The lighting stage of a surface that is lit per pixel.
-pub(crate) struct Lighting<'a> {
+/// Light by Phong's terms.
+pub(crate) struct PhongLights<'a> {
     pub(crate) numbers: PhongMaterial,
     pub(crate) power: SpecularExponent,
+    /// A texture that multiplies the exponent.
+    pub(crate) exponents: Option<&'a Slot<'a>>,
     pub(crate) model: SpecularModel,
     pub(crate) lights: Vec<LitBy<'a>>,
-    /// Baked light: the factor of its texels, its map, and the first attribute of the coordinates.
-    pub(crate) light_map: Option<(f32, &'a Slot<'a>, usize)>,
-    /// Projectors that paint, the later over the earlier.
-    pub(crate) paints: Vec<ProjectorStage<'a>>,
-    /// Textures in place of numbers: ambient color, specular color, exponent, reflectivity.
-    pub(crate) maps: [Option<&'a Slot<'a>>; MAPS],
-    pub(crate) eye: [f32; 3],
-    /// Highlights or the horizon of a normal detail ask for the direction to the eye.
-    pub(crate) sees_eye: bool,
-    /// Every block asks for the normal: a light other than the projectors' reaches it, or something is mirrored.
-    pub(crate) needs_normal: bool,
 }
 
 /// A light, its shadow maps and its projected texture.
 pub(crate) struct LitBy<'a> {
     pub(crate) light: Light,
     pub(crate) shadows: &'a [ShadowSampler],
-    pub(crate) projector: Option<ProjectorStage<'a>>,
-}
-
-const AMBIENT: usize = 0;
-const SPECULAR: usize = 1;
-const EXPONENT: usize = 2;
-const REFLECTIVITY: usize = 3;
-pub(crate) const MAPS: usize = 4;
-
-/// Texels that lighting reads.
-#[derive(Default)]
-pub(crate) struct LightTexels {
-    /// Projectors of the lights, then those that paint.
-    pub(crate) projectors: Vec<ProjectorTexels>,
-    pub(crate) light_map: Texels,
-    pub(crate) maps: [Texels; MAPS],
+    /// And its place among the projectors of the surface.
+    pub(crate) projector: Option<(&'a Projected<'a>, usize)>,
 }
 
 impl LitBy<'_> {
@@ -80,187 +52,137 @@ impl LitBy<'_> {
     /// Every shadow map that its light passes.
     pub(crate) fn shadow_maps(&self) -> impl Iterator<Item = &ShadowSampler> {
         let of_projector = self.projector.as_ref();
-        let of_projector = of_projector.and_then(|stage| stage.projected.shadow.as_ref());
+        let of_projector = of_projector.and_then(|(projected, _)| projected.shadow.as_ref());
         self.shadows.iter().chain(of_projector)
+    }
+
+    /// The texels that the light projects on a part, if it projects some; `None` if its projector does not reach the part.
+    #[inline(always)]
+    pub(crate) fn texel<I: Isa>(
+        &self,
+        i: I,
+        inputs: &Inputs<'_>,
+        part: &Part,
+    ) -> Option<Option<[I::F32; 4]>> {
+        match self.projector {
+            None => Some(None),
+            Some((_, k)) => match inputs.projectors[k].load(i, part.index, part.pixel) {
+                None => None,
+                some => Some(some),
+            },
+        }
     }
 
     /// The share of the light that reaches the lanes of `lit`, times the projected texels.
     #[inline(always)]
-    fn visibility<I: Isa>(
+    pub(crate) fn received<I: Isa>(
         &self,
         i: I,
+        (inputs, at): (&Inputs<'_>, usize),
         texel: Option<[I::F32; 4]>,
         lit: I::Mask,
         point: Vector<I>,
-        plane: Vector<I>,
     ) -> Vector<I> {
+        let plane = &inputs.sides.plane;
         let mut share = i.f32(1.0);
         for shadow in self.shadows {
-            share = share * shadow.visibility_lanes(i, lit, point, plane);
+            share = share * visibility(i, shadow, lit, point, plane.load(i, at));
         }
-        let (Some([r, g, b, _]), Some(stage)) = (texel, &self.projector) else {
+        let (Some([r, g, b, _]), Some((projected, _))) = (texel, &self.projector) else {
             return [share; 3];
         };
-        if let Some(shadow) = &stage.projected.shadow {
+        if let Some(shadow) = &projected.shadow {
             let some = r.simd_gt(0.0) | g.simd_gt(0.0) | b.simd_gt(0.0);
-            let left = share * shadow.visibility_lanes(i, lit & some, point, plane);
+            let left = share * visibility(i, shadow, lit & some, point, plane.load(i, at));
             share = some.select(left, share);
         }
         [r * share, g * share, b * share]
     }
 }
 
-impl<'a> Lighting<'a> {
-    /// The projectors of the lights, then those that paint.
-    pub(crate) fn projectors(&self) -> impl Iterator<Item = &ProjectorStage<'a>> {
-        let of_lights = self.lights.iter().filter_map(|by| by.projector.as_ref());
-        of_lights.chain(&self.paints)
+/// The share of a light that a shadow map leaves the lanes of `lit`. Out of line: look-ups are as much code as all else in a stage.
+#[inline(never)]
+pub(crate) fn visibility<I: Isa>(
+    i: I,
+    shadow: &ShadowSampler,
+    lit: I::Mask,
+    point: Vector<I>,
+    plane: Vector<I>,
+) -> I::F32 {
+    i.vectorize(
+        #[inline(always)]
+        || shadow.visibility_lanes(i, lit, point, plane),
+    )
+}
+
+impl Kernel for PhongLights<'_> {
+    fn read(&self, inputs: &Inputs<'_>, columns: &mut ShadeColumns) {
+        if let Some(slot) = self.exponents {
+            columns.fetch(inputs, slot);
+        }
     }
 
-    /// The light of a part. Without `ALL`, there are no maps but that of baked light.
     #[inline(always)]
-    pub(crate) fn terms<I: Isa, const ALL: bool>(
-        &self,
-        i: I,
-        (batch, part): (&Batch<'_>, &Part),
-        vectors: &Vectors<'_>,
-        side: &Side,
-        (normals, reflections): (&NormalStage<'_>, &Reflections<'_>),
-        (pair, of_normals, read): (&PackedTexels, &NormalTexels, &LightTexels),
-    ) -> TermsLanes<I> {
-        let at = part.at;
-        let pixels = part.mask(i, part.block.mask);
-        let back = part.mask(i, side.back);
-        let point = match vectors.position {
-            Some(position) => load_vector(i, position, at),
-            None => [i.f32(0.0); 3],
-        };
-        let (mut smooth, mut normal, mut toward_eye) = (point, point, point);
-        // Without a light that asks for the normal nothing shows it.
-        if self.needs_normal
-            || read
-                .projectors
-                .iter()
-                .any(|texels| texels.reaches(part.index))
-        {
-            smooth = flip(i, back, load_vector(i, vectors.normal, at));
-            if self.sees_eye {
-                for k in 0..3 {
-                    toward_eye[k] = i.f32(self.eye[k]) - point[k];
-                }
-                toward_eye = unit(i, toward_eye);
-            }
-            let texels = (pair, of_normals);
-            let unit_smooth = unit(i, smooth);
-            normal =
-                normals.normal::<I, ALL>(i, at, vectors, texels, back, unit_smooth, toward_eye);
-        }
-        let mut sum = TermsLanes::dark(i);
-        // Ambient light of an ambient map: a color of its own, which multiplies neither the base color nor that of the highlight.
-        let mut ambient = [i.f32(0.0); 3];
-        let power = match self.maps[EXPONENT] {
-            Some(_) if ALL => {
-                let [factor, ..] = read.maps[EXPONENT].straight(i, at);
-                SpecularExponentLanes::Each(factor * self.numbers.ns)
-            }
-            _ => SpecularExponentLanes::Same(self.power),
-        };
-        let mut projectors = read.projectors.iter();
-        for by in &self.lights {
-            let texel = match by.projector.as_ref().and_then(|_| projectors.next()) {
-                None => None,
-                Some(texels) => match texels.load(i, part.index, part.pixel) {
-                    None => continue,
-                    some => some,
-                },
+    fn lanes<I: Isa>(&self, i: I, inputs: &Inputs<'_>, columns: &mut ShadeColumns) {
+        for part in parts(i, inputs.batch.list) {
+            let at = part.at;
+            let pixels = part.mask(i, part.block.mask);
+            let point = match inputs.vectors.position {
+                Some(position) => load_vector(i, position, at),
+                None => [i.f32(0.0); 3],
             };
-            let (numbers, light) = (&self.numbers, &by.light);
-            let given = evaluate_light(
-                i, numbers, power, self.model, light, point, normal, toward_eye,
-            );
-            let lit = given.lit & pixels;
-            if !lit.any_true() {
-                continue;
-            }
-            if ALL && by.is_ambient() && self.maps[AMBIENT].is_some() {
-                let texel = read.maps[AMBIENT].straight(i, at);
-                for k in 0..3 {
-                    ambient[k] = ambient[k] + given.color[k] * given.diffuse * texel[k];
+            let (normal, toward_eye) = (columns.normal.load(i, at), columns.toward_eye.load(i, at));
+            let power = match self.exponents {
+                None => SpecularExponentLanes::Same(self.power),
+                Some(_) => {
+                    let [factor, ..] = columns.texels.straight(i, at);
+                    SpecularExponentLanes::Each(factor * self.numbers.ns)
                 }
-                continue;
-            }
-            let plane = side.plane(i, part);
-            sum.add(&given, lit, by.visibility(i, texel, lit, point, plane));
-        }
-        if let Some((factor, ..)) = self.light_map {
-            let light = read.light_map.straight(i, at);
-            for (sum, light) in sum.diffuse.iter_mut().zip(light) {
-                *sum = *sum + light * factor;
-            }
-        }
-        if ALL && self.maps[SPECULAR].is_some() {
-            let tint = read.maps[SPECULAR].straight(i, at);
-            for (sum, tint) in sum.highlight.iter_mut().zip(tint) {
-                *sum = *sum * tint;
-            }
-        }
-        if ALL && self.maps[AMBIENT].is_some() {
-            for (sum, ambient) in sum.highlight.iter_mut().zip(ambient) {
-                *sum = *sum + ambient;
-            }
-        }
-        if !reflections.is_empty() {
-            let factor = match self.maps[REFLECTIVITY] {
-                Some(_) if ALL => Some(read.maps[REFLECTIVITY].straight(i, at)[0]),
-                _ => None,
             };
-            let of = (batch, part);
-            reflections.add::<I, ALL>(i, of, vectors, back, [smooth, normal], factor, &mut sum);
+            let mut sum = TermsLanes::dark(i);
+            for by in &self.lights {
+                let Some(texel) = by.texel(i, inputs, &part) else {
+                    continue;
+                };
+                let given = evaluate_light(
+                    i,
+                    &self.numbers,
+                    power,
+                    self.model,
+                    &by.light,
+                    point,
+                    normal,
+                    toward_eye,
+                );
+                let lit = given.lit & pixels;
+                if lit.any_true() {
+                    sum.add(&given, lit, by.received(i, (inputs, at), texel, lit, point));
+                }
+            }
+            columns.diffuse.store(i, at, sum.diffuse);
+            columns.highlight.store(i, at, sum.highlight);
         }
-        sum
     }
+}
 
-    /// The paint of all projectors, premultiplied, over base colors.
+/// Terms that were computed at the vertices; numbers are first attributes.
+pub(crate) struct VertexTerms {
+    pub(crate) diffuse: usize,
+    pub(crate) highlight: Option<usize>,
+}
+
+impl Kernel for VertexTerms {
     #[inline(always)]
-    pub(crate) fn painted<I: Isa>(
-        &self,
-        i: I,
-        part: &Part,
-        vectors: &Vectors<'_>,
-        side: &Side,
-        read: &LightTexels,
-        base: Vector<I>,
-    ) -> Vector<I> {
-        let Some(position) = vectors.position else {
-            return base;
-        };
-        if self.paints.is_empty() {
-            return base;
-        }
-        let mut sum = [i.f32(0.0); 4];
-        let (point, plane) = (load_vector(i, position, part.at), side.plane(i, part));
-        let of_lights = read.projectors.len() - self.paints.len();
-        for (stage, texels) in self.paints.iter().zip(&read.projectors[of_lights..]) {
-            let Some(texel) = texels.load(i, part.index, part.pixel) else {
-                continue;
+    fn lanes<I: Isa>(&self, i: I, inputs: &Inputs<'_>, out: &mut ShadeColumns) {
+        let values = inputs.batch.values;
+        for part in parts(i, inputs.batch.list) {
+            let diffuse = load_vector(i, columns(values, self.diffuse), part.at);
+            out.diffuse.store(i, part.at, diffuse);
+            let highlight = match self.highlight {
+                Some(first) => load_vector(i, columns(values, first), part.at),
+                None => [i.f32(0.0); 3],
             };
-            let mut toward = splat(i, stage.projected.position);
-            for k in 0..3 {
-                toward[k] = toward[k] - point[k];
-            }
-            let on = dot(plane, toward).simd_gt(0.0) & texel[3].simd_gt(0.0);
-            let on = on & part.mask(i, part.block.mask);
-            let share = match &stage.projected.shadow {
-                Some(shadow) => shadow.visibility_lanes(i, on, point, plane),
-                None => i.f32(1.0),
-            };
-            let keep = i.f32(1.0) - texel[3] * share;
-            for k in 0..4 {
-                sum[k] = on.select(texel[k] * share + keep * sum[k], sum[k]);
-            }
+            out.highlight.store(i, part.at, highlight);
         }
-        let [r, g, b, a] = sum;
-        let keep = i.f32(1.0) - a;
-        [r + keep * base[0], g + keep * base[1], b + keep * base[2]]
     }
 }

@@ -8,7 +8,7 @@ use texmap_raster::{BATCH_STRIDE, Varying};
 use texmap_sample::lanes::BoundTexture;
 use texmap_sample::{Places, sample_soa};
 
-use super::batch::{BatchUv, LANES, load, load_changes, load_vector};
+use super::batch::{Columns, LANES, load_changes, load_vector};
 use super::fetch::PackedTexels;
 use super::texels::{TexelAddresses, packed_view, read_placed};
 
@@ -40,19 +40,11 @@ pub(crate) struct ProjectorStage<'a> {
 pub(crate) struct ProjectorTexels {
     addresses: TexelAddresses,
     /// Changes of the coordinates, where the filter reads them: to the right, and down.
-    changes: [BatchUv; 2],
-    fade: Fade,
+    changes: [Columns<2>; 2],
+    fade: Columns<1>,
     texels: PackedTexels,
     /// The place of each block of the batch among those; `None` for blocks that are not reached.
     place: [Option<u8>; BATCH_STRIDE / LANES],
-}
-
-struct Fade([f32; BATCH_STRIDE]);
-
-impl Default for Fade {
-    fn default() -> Self {
-        Self([0.0; BATCH_STRIDE])
-    }
 }
 
 impl ProjectorTexels {
@@ -65,7 +57,7 @@ impl ProjectorTexels {
     #[inline(always)]
     pub(crate) fn load<I: Isa>(&self, i: I, block: usize, pixel: usize) -> Option<[I::F32; 4]> {
         let at = usize::from(self.place[block]?) * LANES + pixel;
-        let fade = load(i, &self.fade.0, at);
+        let [fade] = self.fade.load(i, at);
         let [r, g, b, a] = self.texels.load(i, at);
         Some([r * fade, g * fade, b * fade, a * fade])
     }
@@ -105,14 +97,12 @@ impl<'a> ProjectorStage<'a> {
         }
         texels.packed = false;
         let count = reached * LANES;
-        let at = Places {
-            u: &addresses.uv.u[..count],
-            v: &addresses.uv.v[..count],
-            gradients: leveled.then(|| {
-                let [x, y] = &*changes;
-                [&x.u[..count], &x.v[..count], &y.u[..count], &y.v[..count]]
-            }),
-        };
+        let [u, v] = addresses.uv.columns(count);
+        let gradients = leveled.then(|| {
+            let [[ux, vx], [uy, vy]] = changes.each_ref().map(|axis| axis.columns(count));
+            [ux, vx, uy, vy]
+        });
+        let at = Places { u, v, gradients };
         let (view, columns) = (&self.projected.view, texels.colors.columns_mut(count));
         sample_soa(level, &view.sampler, view.texture, &at, columns)
             .expect("the columns have one length");
@@ -136,7 +126,7 @@ impl<'a> ProjectorStage<'a> {
                 let (from, to) = (block * LANES + pixel, count * LANES + pixel);
                 let places = view.uv_at(i, load_vector(i, position, from));
                 let fade = places.reached.select(places.fade, i.f32(0.0));
-                fade.store(&mut out.fade.0[to..to + I::LANES]);
+                out.fade.store(i, to, [fade]);
                 if !places.reached.any_true() {
                     continue;
                 }

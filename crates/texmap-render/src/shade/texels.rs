@@ -11,7 +11,7 @@ use texmap_sample::lanes::packed::{self, FootprintLanes};
 use texmap_sample::lanes::{BoundTexture, Kernel, RGBA8};
 use texmap_sample::{Sampler, Texture2d};
 
-use super::batch::{BatchUv, LANES};
+use super::batch::{Columns, LANES};
 
 /// A texture whose look-ups are RGBA8 words; `None` if they are not.
 pub(crate) fn packed_view<'a>(
@@ -24,7 +24,7 @@ pub(crate) fn packed_view<'a>(
 
 /// Coordinates and mips of the texels that a batch reads.
 pub(crate) struct TexelAddresses {
-    pub(crate) uv: BatchUv,
+    pub(crate) uv: Columns<2>,
     /// In each of two textures, with 8 fraction bits.
     mips: [[i32; BATCH_STRIDE]; 2],
     /// Triangles in a row of which not all texels were magnified.
@@ -34,7 +34,7 @@ pub(crate) struct TexelAddresses {
 impl Default for TexelAddresses {
     fn default() -> Self {
         Self {
-            uv: BatchUv::default(),
+            uv: Columns::default(),
             mips: [[0; BATCH_STRIDE]; 2],
             refusals: 0,
         }
@@ -153,7 +153,7 @@ pub(crate) fn read_placed(
     level: Level,
     view: &BoundTexture<'_>,
     addresses: &mut TexelAddresses,
-    changes: &[BatchUv; 2],
+    changes: &[Columns<2>; 2],
     blocks: usize,
     out: &mut [u32; BATCH_STRIDE],
 ) {
@@ -165,7 +165,7 @@ fn placed<I: ByteIsa>(
     i: I,
     view: &BoundTexture<'_>,
     addresses: &mut TexelAddresses,
-    [dx, dy]: &[BatchUv; 2],
+    [dx, dy]: &[Columns<2>; 2],
     blocks: usize,
     out: &mut [u32; BATCH_STRIDE],
 ) {

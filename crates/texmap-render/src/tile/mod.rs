@@ -410,7 +410,7 @@ impl BatchShader {
         match shader {
             Shader::Surface(surface) => {
                 let scratch = &mut self.surface;
-                surface.shade(&self.planes, &batch, scratch, &mut self.colors);
+                return Shaded::Light(surface.shade(&self.planes, &batch, scratch));
             }
             Shader::Sky(sky) => sky.shade(level, &batch, &mut self.colors),
             Shader::Volume(volume) => volume.shade(&batch, &mut self.colors),

@@ -9,7 +9,7 @@ use texmap_math::{
 
 /// Addresses of the four texels of a bilinear look-up.
 pub(crate) enum Corners<I: Isa> {
-    /// The left ones of both rows: the right ones are the next texels in memory, and reading such pairs is the fast way.
+    /// The left ones of both rows. The right ones are the next texels in memory, and reading such pairs is the fast way.
     Pairs([I::U32; 2]),
     /// Upper left, upper right, lower left, lower right.
     Apart([TexelAddress<I>; 4]),

@@ -1,6 +1,6 @@
 use texmap_math::simd::{Isa, One, Scalar, prelude::*};
 
-/// What happens to coordinates outside `[0, 1)`, per axis.
+/// Treatment of coordinates outside `[0, 1)`, per axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Wrap {
     /// The image repeats.
@@ -67,7 +67,7 @@ impl Axis {
         }
     }
 
-    /// Texel of an index that [`scale`](Self::scale) leads to, on an axis of `n` texels; [`OUTSIDE`] a border.
+    /// Texel of an index that [`scale`](Self::scale) leads to, on an axis of `n` texels. [`OUTSIDE`] a border.
     #[inline(always)]
     pub(crate) fn index<I: Isa>(self, i: I, x: I::I32, n: I::I32) -> I::I32 {
         match self.wrap {

@@ -36,7 +36,7 @@ const fn axes(face: usize) -> [[f32; 3]; 3] {
     [[x[0], y[0], z[0]], [x[1], y[1], z[1]], [x[2], y[2], z[2]]]
 }
 
-/// How a neighbour's axis runs: along the edge or, if not, towards the face that was left or away from it.
+/// Direction of a neighbour's axis: along the edge or, if not, towards the face that was left or away from it.
 const fn step(axis: [f32; 3], along: [f32; 3], left: [f32; 3]) -> u32 {
     let (along, left) = (dot(axis, along), dot(axis, left));
     if along == 0.0 {

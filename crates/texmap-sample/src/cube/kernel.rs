@@ -203,10 +203,10 @@ fn columns<I: Isa, const FORMAT: u8, const LEVELS: u8>(i: I, batch: Batch<'_, '_
     );
 }
 
-/// Blocks whose places are found before the first is looked up: a gather waits for its places alone.
+/// Blocks whose face coordinates are computed before the first look-up. A gather then waits for its own addresses alone.
 const RUN: usize = 8;
 
-/// Places of a run's blocks.
+/// Face coordinates of a run's blocks.
 #[derive(Default)]
 struct Places {
     face: [[i32; 16]; RUN],
@@ -215,7 +215,7 @@ struct Places {
 }
 
 impl Places {
-    /// The places of block `k`.
+    /// The face coordinates of block `k`.
     #[inline(always)]
     fn find<I: Isa>(&mut self, i: I, k: usize, direction: [I::F32; 3]) {
         let (place, usual) = FaceVector::new(i, direction);
@@ -238,7 +238,7 @@ impl Places {
 /// Directions in the axes of their faces.
 pub(super) struct FaceVector<I: Isa> {
     pub(super) face: I::I32,
-    /// To the right and down: (-z, -y) on +X, (x, z) on +Y, (x, -y) on +Z; mirrored on the other sides as OpenGL has it.
+    /// To the right and down: (-z, -y) on +X, (x, z) on +Y, (x, -y) on +Z. Mirrored on the other sides as OpenGL has it.
     pub(super) across: [I::F32; 2],
     /// Out of the face, above 0.
     pub(super) major: I::F32,
@@ -252,7 +252,7 @@ impl<I: Isa> FaceVector<I> {
         let [least, most] = USUAL.map(f32::to_bits);
         let total = ax + ay + az;
         let usual = (total.to_bits() - least).simd_le(most - least);
-        // Where it is not z, it is y; where not y, x.
+        // The major axis; of equal ones z before y before x.
         let y_over_x = ay.simd_ge(ax);
         let major = y_over_x.select(y, x);
         let on_z = az.simd_ge(major.abs());
@@ -363,7 +363,7 @@ impl<I: Isa> Place<I> {
         }
     }
 
-    /// Texels before a place of the face in a level.
+    /// Index of a texel of the face, from the first texel of the level.
     #[inline(always)]
     fn texel(&self, at: &LaneLevel<I>, [x, y]: [I::I32; 2]) -> I::I32 {
         (self.face * at.width + y) * at.width + x

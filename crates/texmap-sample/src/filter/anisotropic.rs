@@ -22,7 +22,7 @@ pub(crate) struct Axes<I: Isa> {
 }
 
 impl<I: Isa> Axes<I> {
-    /// The singular values of the Jacobian (Heckbert 1989, section 3.5.9): the columns of a sheared
+    /// The singular values of the Jacobian (Heckbert 1989, section 3.5.9). The columns of a sheared
     /// Jacobian are not the axes. `J J^T = [p q; q r]`.
     #[inline(always)]
     pub(crate) fn new(i: I, d: &TexelFootprint<I>) -> Self {
@@ -53,8 +53,8 @@ impl<I: Isa> Axes<I> {
         }
     }
 
-    /// How many probes of a round filter cover the ellipse, at most `most`. A probe is a texel wide at least, so that a short axis
-    /// below a texel counts as one.
+    /// Number of probes of a round filter that cover the ellipse, at most `most`. A probe is a texel wide at least, so that a
+    /// short axis below a texel counts as one.
     #[inline(always)]
     pub(crate) fn probes(&self, i: I, most: u8) -> I::F32 {
         let (one, most) = (i.f32(1.0), i.f32(f32::from(most)));
@@ -76,9 +76,9 @@ impl<I: Isa> Axes<I> {
     }
 }
 
-/// Box-weighted trilinear probes along the true long axis (EXT_texture_filter_anisotropic with the
-/// orthogonalised footprint that the Direct3D 11.3 specification asks for), with fewer and closer probes where they would be less
-/// than a texel apart.
+/// Box-weighted trilinear probes along the true long axis of the footprint. This is EXT_texture_filter_anisotropic with the
+/// orthogonalised footprint that the Direct3D 11.3 specification asks for. Probes that would be less than a texel apart are
+/// fewer.
 pub(crate) struct Anisotropic;
 
 impl FilterKernel for Anisotropic {

@@ -15,7 +15,7 @@ use texmap_math::{
 /// Entries of the weight table over squared radius 0..1.
 const STEPS: usize = 128;
 
-/// The Gaussian e^(-2 r^2) of half a pixel, lowered so that it ends at 0 on the ellipse; times 2^-16, so that the sum over an ellipse of
+/// The Gaussian e^(-2 r^2) of half a pixel, lowered so that it ends at 0 on the ellipse. Times 2^-16, so that the sum over an ellipse of
 /// texels of any size stays finite.
 static WEIGHT_BITS: [u32; STEPS] = weight_bits();
 
@@ -46,9 +46,9 @@ pub(crate) fn width(percent: u8) -> f32 {
     f32::from(percent.clamp(25, 200)) / 100.0
 }
 
-/// The exact ellipse of Heckbert 1989 ("Fundamentals of Texture Mapping and Image Warping", section
-/// 3.5): the pixel's Gaussian, as wide as the filter says, through the Jacobian plus one texel for reconstruction, over the level
-/// (`Exact`: two levels) on which the short axis is one to two texels.
+/// Elliptical weighted average, with the exact ellipse. The pixel's Gaussian, as wide as the filter says, goes through the Jacobian plus
+/// one texel for reconstruction, over the level (`Exact`: two levels) on which the short axis is one to two texels. Source: Heckbert
+/// 1989, "Fundamentals of Texture Mapping and Image Warping", section 3.5.
 pub(crate) struct Ewa;
 
 impl FilterKernel for Ewa {
@@ -175,8 +175,8 @@ struct Ellipse<I: Isa> {
     c: I::F32,
     half_width: I::F32,
     half_height: I::F32,
-    /// False where the level is so small (or the chain so short) that the ellipse would span more than its cost allows: there a
-    /// bilinear look-up in the level stands in.
+    /// False if the ellipse spans more texels than its cost allows, on a small level or a short chain. A bilinear look-up
+    /// in the level is taken then.
     fits: I::Mask,
 }
 

@@ -78,7 +78,7 @@ impl<I: Isa> Reads<I> {
             Mip::Linear => lod - fine.to_f32(),
             _ => i.f32(0.0),
         };
-        // What magnifies with the same texels reads level 0 as its fine one.
+        // If both filters are the same, magnified lanes are minified ones with level 0 as the finer level.
         let magnified = if mag == min { i.mask(false) } else { magnified };
         Self {
             lanes: magnified,

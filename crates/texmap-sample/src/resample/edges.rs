@@ -16,7 +16,8 @@ impl Edges {
         Self([x, z * size.x - x, y, z * size.y - y])
     }
 
-    /// The area of the image in the unit square around a position, and the middle of that area (of the square where there is none).
+    /// The area of the image in the unit square around a position, and the middle of that area. Without area, the middle of the
+    /// square.
     pub(super) fn cover(&self, centre: DVec2) -> (f64, DVec2) {
         let mut crossing = Polygon::SQUARE;
         let mut cut = false;

@@ -51,8 +51,8 @@ pub fn anisotropic<I: ByteIsa>(
 ) -> I::U32 {
     let p = d.ux * d.ux + d.uy * d.uy;
     let r = d.vx * d.vx + d.vy * d.vy;
-    // Where the squares of both axes add up to less than one (and the 0.2 % of the root below), there
-    // is one probe on level 0.
+    // If the squares of both axes add up to less than one (and the 0.2 % of the root below) in all lanes, there is one probe on
+    // level 0.
     if view.plain_lod && (p + r).simd_lt(0.99).all_true() {
         let level = LaneLevel::uniform(i, view, 0);
         return i.words(bilinear_in(i, view, &level, [u, v]));

@@ -39,8 +39,8 @@ pub fn trilinear<I: ByteIsa>(
     if weight.simd_eq(0).all_true() {
         return i.words(a);
     }
-    // Powers of two times a coordinate are exact: a level of half the size has half the steps, rounded down. Where a side is one texel
-    // long, all places on it are the same, and where there is no next level it weighs nothing.
+    // Powers of two times a coordinate are exact: a level of half the size has half the steps, rounded down. If a side is one
+    // texel long, all positions on it are the same, and if there is no next level it weighs nothing.
     let at = if view.masked {
         [at[0] >> 1, at[1] >> 1]
     } else {

@@ -159,8 +159,8 @@ impl Scene {
             )?,
             None => {}
         }
-        for (number, slide) in self.effects.projectors.iter().enumerate() {
-            self.check_projector(number, slide)?;
+        for (number, projector) in self.effects.projectors.iter().enumerate() {
+            self.check_projector(number, projector)?;
         }
         for material in &self.materials {
             let unread = read_per_pixel(material);
@@ -203,11 +203,20 @@ impl Scene {
         Ok(())
     }
 
-    fn check_projector(&self, number: usize, slide: &ProjectorLight) -> Result<(), SceneError> {
+    fn check_projector(&self, number: usize, projector: &ProjectorLight) -> Result<(), SceneError> {
         let place = || format!("projector {number}");
-        index(place, "texture", slide.texture as u64, self.textures.len())?;
-        finite(place, || "position".to_owned(), &slide.position.to_array())?;
-        for row in slide.projector.rows() {
+        index(
+            place,
+            "texture",
+            projector.texture as u64,
+            self.textures.len(),
+        )?;
+        finite(
+            place,
+            || "position".to_owned(),
+            &projector.position.to_array(),
+        )?;
+        for row in projector.projector.rows() {
             finite(place, || "matrix".to_owned(), &row.to_array())?;
         }
         let value = |what: &str, value: String, expected| SceneError::Value {
@@ -216,14 +225,14 @@ impl Scene {
             value,
             expected,
         };
-        if !(0.0..=0.5).contains(&slide.softness) {
+        if !(0.0..=0.5).contains(&projector.softness) {
             return Err(value(
                 "softness",
-                slide.softness.to_string(),
+                projector.softness.to_string(),
                 "it must be 0 to 0.5",
             ));
         }
-        if let ProjectorMode::Light(color) = slide.mode
+        if let ProjectorMode::Light(color) = projector.mode
             && !color.iter().all(|c| c.is_finite() && *c >= 0.0)
         {
             return Err(value(
@@ -232,7 +241,7 @@ impl Scene {
                 "finite and not negative",
             ));
         }
-        match slide.shadow.filter(|size| !(1..=MOST).contains(size)) {
+        match projector.shadow.filter(|size| !(1..=MOST).contains(size)) {
             Some(size) => Err(value(
                 "shadow size",
                 size.to_string(),
@@ -244,7 +253,7 @@ impl Scene {
 }
 
 impl Volume {
-    /// What a check of the scene finds wrong with it.
+    /// Error if a number or an index of the volume is out of its range.
     fn check(&self, number: usize, effects: &Effects) -> Result<(), SceneError> {
         let place = || format!("volume {number}");
         index(place, "grid", self.grid as u64, effects.grids.len())?;
@@ -271,7 +280,7 @@ pub(crate) fn fault(number: usize, what: &str, value: String) -> SceneError {
     }
 }
 
-/// Whether a matrix can be turned round.
+/// True if a matrix has a finite inverse.
 fn has_volume(matrix: &DMat4) -> bool {
     let determinant = matrix.determinant();
     let inverse = matrix.inverse();

@@ -8,7 +8,7 @@ use super::environment::{EnvironmentMap, Ray};
 use super::slot::{Place, Slot, Textures};
 use crate::caster::Pinhole;
 
-/// The most places a side at which a sample looks an environment up.
+/// The most directions a side at which a sample looks an environment up.
 const MOST: f64 = 8.0;
 
 /// The background of a scene.

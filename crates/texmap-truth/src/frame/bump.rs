@@ -1,4 +1,4 @@
-//! Normals that a relief turns without moving the surface: heights and offsets (Blinn 1978), normal maps.
+//! Bump: normals that turn without moving the surface, by heights and offsets (Blinn 1978) or normal maps.
 
 use texmap_light::NormalMapGreen;
 use texmap_math::glam::{DMat3, DVec3};
@@ -11,10 +11,10 @@ use super::lighting::Point;
 use super::slot::{Place, Slot, Textures};
 use super::surface::linear;
 
-/// The least cosine between a normal and the direction to the eye, where a relief may not turn it further.
+/// The least cosine between a normal and the direction to the eye, if a bump may not turn it further.
 const HORIZON: f64 = 0.01;
 
-/// A relief on a mesh.
+/// A bump or normal map on a mesh.
 pub(super) enum BumpMap<'s> {
     /// Heights, and the world units of a white texel over a black one.
     Heights(Slot<'s>, f64),
@@ -33,11 +33,11 @@ pub(super) enum BumpMap<'s> {
 }
 
 impl<'s> BumpMap<'s> {
-    pub(super) fn new(relief: &'s NormalDetail, mesh: &Mesh, textures: &mut Textures<'s>) -> Self {
+    pub(super) fn new(detail: &'s NormalDetail, mesh: &Mesh, textures: &mut Textures<'s>) -> Self {
         let origin = mesh.uv_origin;
         // World units of one of the object's: the mean of its axes by volume.
         let unit = linear(mesh).determinant().abs().cbrt();
-        match relief {
+        match detail {
             NormalDetail::Bump { slot, height } => {
                 Self::Heights(textures.slot(slot, origin), f64::from(*height) * unit)
             }
@@ -153,7 +153,7 @@ fn bumped(at: &Point, n: DVec3, place: Place, [b_u, b_v]: [f64; 2]) -> DVec3 {
     raised(n, o_u, o_v, b_u, b_v)
 }
 
-/// The formula itself; coordinates of the other handedness turn the surface, not the relief.
+/// The formula itself; coordinates of the other handedness turn the surface, not the bump.
 pub(super) fn raised(n: DVec3, o_u: DVec3, o_v: DVec3, b_u: f64, b_v: f64) -> DVec3 {
     let raw = o_u.cross(o_v);
     let side = if raw.dot(n) < 0.0 { -1.0 } else { 1.0 };

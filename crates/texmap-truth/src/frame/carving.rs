@@ -1,4 +1,4 @@
-//! Bumps by a formula of the place (Perlin 1985).
+//! Bumps by a formula of the position (Perlin 1985).
 
 use std::f64::consts::TAU;
 
@@ -31,8 +31,8 @@ impl Formula {
         }
     }
 
-    /// The unit normal n turned by the slope of the heights along the surface, measured over half a sample to each side, or a 512th of the
-    /// unit where that is more.
+    /// The unit normal n turned by the slope of the heights along the surface. The slope is measured over half a sample to each
+    /// side, or a 512th of the unit if that is more.
     pub(super) fn normal(&self, at: &Point, n: DVec3) -> DVec3 {
         let width = at.moves[0].length().max(at.moves[1].length());
         let step = (0.5 * width).max(self.side / 512.0);

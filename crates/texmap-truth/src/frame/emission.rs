@@ -21,7 +21,7 @@ impl<'s> Emitter<'s> {
         }
     }
 
-    /// The light that is added at a place to what the surface returns there.
+    /// The emitted light, added to the light that the surface returns.
     pub(super) fn light(&self, place: Place) -> DVec3 {
         let map = self.map.as_ref();
         self.color * map.map_or(DVec3::ONE, |slot| slot.straight(place))

@@ -254,7 +254,7 @@ mod tests {
                     });
                     worst = worst.max((wide(wanted) - found).abs().max_element());
                 }
-                // Its levels of detail are off by .005.
+                // The library's levels of detail are off by .005.
                 assert!(
                     worst < 4e-3,
                     "{chart:?}, {} levels: {worst}",

@@ -1,4 +1,5 @@
-//! The light that a surface returns at a point, light by light (Phong 1975, Blinn 1977; MIT 6.837, Fall 2000, lecture 19).
+//! The light that a surface returns at a point, light by light. Sources: Phong 1975, Blinn 1977; MIT 6.837, Fall 2000,
+//! lecture 19.
 
 use texmap_light::{Light, PhongMaterial as Numbers, SpecularModel};
 use texmap_math::deterministic_f64;
@@ -150,9 +151,9 @@ pub(super) fn terms(world: &World<'_>, surface: &Surface<'_>, at: &Point) -> Ter
             continue;
         };
         let position = cast.projector.position.as_vec3().to_array();
-        let lamp = Light::Point { color, position };
+        let light = Light::Point { color, position };
         let (color, diffuse, highlight) =
-            contribution(&numbers, model, &lamp, at.position, normal, view);
+            contribution(&numbers, model, &light, at.position, normal, view);
         let picture = cast.texel(at.position, at.moves).truncate();
         if diffuse > 0.0 && picture != DVec3::ZERO && world.projector_reaches(index, at) {
             sum.diffuse += color * picture * diffuse;
@@ -175,7 +176,7 @@ fn mirror(world: &World<'_>, surface: &Surface<'_>, at: &Point, normal: DVec3, s
     if material.reflection.is_none() && material.specular_map.is_none() {
         return;
     }
-    // A relief turns the normal; its bends are left to its own texels.
+    // A bump turns the normal; its bends are left to its own texels.
     let mirrored = at.view.mirrored(normal, at.normal.length(), at.turns);
     let light = |index: usize| {
         let sphere = world.environments[index].as_ref();

@@ -59,7 +59,8 @@ pub struct Truth {
     /// A number for the meshes that are drawn over each other at the centre of each pixel: where neighbours have another, an outline
     /// runs between them.
     pub layers: Vec<u64>,
-    /// Pixels beside whose centre the edge of a shadow lies: within a texel more than the taps of its map, or within the pixel.
+    /// Pixels beside whose centre the edge of a shadow lies: within a texel more than the PCF comparisons of its map, or within
+    /// the pixel.
     pub shadow_edges: Vec<bool>,
     /// Pixels in which some sample sees more than a background of one colour.
     pub drawn: Vec<bool>,
@@ -106,11 +107,11 @@ impl Truth {
     }
 }
 
-/// Computes a frame with `samples` x `samples` samples a pixel, on all threads of rayon's pool; the result does not depend on their
+/// Computes a frame with `samples` x `samples` samples a pixel, on all threads of rayon's pool. The result does not depend on their
 /// number. Displaced meshes and billboards are taken as the triangles that [`texmap_mesh::tessellate`] makes of them.
 ///
 /// # Errors
-/// When the scene does not pass its own check.
+/// If the scene does not pass its own check.
 pub fn frame(scene: &Scene, width: u32, height: u32, samples: u32) -> Result<Truth, TruthError> {
     scene.check()?;
     let scene = &*texmap_mesh::tessellate(scene, width)?;

@@ -35,7 +35,7 @@ impl<'s> Cast<'s> {
         }
     }
 
-    /// The premultiplied texel at a point that moves so from sample to sample; nothing behind the projector and beyond its picture.
+    /// The premultiplied texel at a point that moves so from sample to sample. Nothing behind the projector and beyond its picture.
     pub(super) fn texel(&self, point: DVec3, moves: [DVec3; 2]) -> DVec4 {
         let Projector { q, s, t } = self.projector.projector;
         let at = |v: DVec4| DVec3::new(q.dot(v), s.dot(v), t.dot(v));

@@ -179,8 +179,8 @@ impl World<'_> {
         surface.holds_light(triangle, weights)
     }
 
-    /// True if the edge of some shadow is so near to a point that its map, with its texels and its filter, may differ from rays, or that
-    /// a pixel of this width holds the edge.
+    /// True if the edge of some shadow is near to a point. Near means that the shadow's map, with its texels and its filter, may
+    /// differ from rays, or that a pixel of this width holds the edge.
     pub(super) fn near_an_edge(&self, at: &Point, pixel: f64) -> bool {
         let lights = self.shadows.iter().flatten();
         let cast = self.projector_shadows.iter().flatten();
@@ -202,7 +202,7 @@ impl World<'_> {
         }
         let a = direction.any_orthonormal_vector();
         let b = direction.cross(a);
-        // Eight places around, and eight between them half as far.
+        // Eight points around, and eight between them half as far.
         (0..16).any(|k| {
             let (turn, way) = if k < 8 { (0.0, 1.0) } else { (0.5, 0.5) };
             let angle = (f64::from(k) + turn) * std::f64::consts::FRAC_PI_4;
@@ -215,7 +215,7 @@ impl World<'_> {
         })
     }
 
-    /// The surface on a light's ray through a place, nearest to it. A receiver's own plane would run into the body beside it.
+    /// The surface on a light's ray through a point, nearest to it. A receiver's own plane would run into the body beside it.
     fn surface_near(&self, place: DVec3, toward: DVec3) -> Option<(DVec3, (usize, u32))> {
         let range = (0.0, f64::INFINITY);
         let up = self.rays.nearest(place, toward, range);

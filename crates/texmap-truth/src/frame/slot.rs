@@ -59,7 +59,7 @@ pub(super) struct Slot<'s> {
 }
 
 impl Slot<'_> {
-    /// A place of the mesh in the coordinates of the slot.
+    /// Texture coordinates of the mesh in those of the slot.
     pub(super) fn placed(&self, place: Place) -> Place {
         let [[a, b, c], [d, e, f]] = self.rows;
         let turn = |p: DVec2| DVec2::new(a * p.x + b * p.y, d * p.x + e * p.y);
@@ -122,7 +122,7 @@ impl Slot<'_> {
         sampling::lod(self.sampler, &self.texture, gradient)
     }
 
-    /// The share of a sample inside of the outline where the alpha of the bilinear picture is a half; `filtered` is the alpha that the
+    /// The share of a sample inside of the outline where the alpha of the bilinear picture is a half. `filtered` is the alpha that the
     /// filter gave, which is the coverage where a sample sees more than a texel (Green 2007, SIGGRAPH course "Improved Alpha-Tested
     /// Magnification").
     pub(super) fn outline(&self, place: Place, filtered: f64) -> f64 {

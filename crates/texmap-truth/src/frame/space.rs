@@ -1,4 +1,4 @@
-//! Solid textures: colour as a function of the place in space (Perlin 1985; Peachey 1985).
+//! Solid textures: colour as a function of the position in space (Perlin 1985; Peachey 1985).
 
 use texmap_math::glam::{DMat4, DVec3, DVec4};
 use texmap_sample::Pattern;
@@ -37,7 +37,7 @@ impl SampledSolid {
         }
     }
 
-    /// The colour at a point of the world that moves so from sample to sample: linear, premultiplied; grey for a pattern.
+    /// The colour at a point of the world that moves so from sample to sample: linear, premultiplied. Grey for a pattern.
     pub(super) fn color(&self, point: DVec3, moves: [DVec3; 2]) -> DVec4 {
         let at = self.solid_from_world.transform_point3(point);
         let steps = moves.map(|d| self.solid_from_world.transform_vector3(d));

@@ -33,7 +33,7 @@ pub(super) struct Surface<'s> {
     light_ramp: Option<Slot<'s>>,
     decal: Option<Slot<'s>>,
     solid: Option<SampledSolid>,
-    relief: Option<BumpMap<'s>>,
+    bump: Option<BumpMap<'s>>,
     emission: Option<Emitter<'s>>,
     pub(super) ambient: Option<Slot<'s>>,
     pub(super) specular: Option<Slot<'s>>,
@@ -56,11 +56,11 @@ impl<'s> Surface<'s> {
             let world = frame.transform(mesh.world_from_object);
             Ok(TextureFrame::new(world.o - scene.camera.eye, world.u, world.v)?.texgen())
         };
-        let relief = material.normal_detail.as_ref();
-        let relief = relief.map(|relief| BumpMap::new(relief, mesh, textures));
+        let bump = material.normal_detail.as_ref();
+        let bump = bump.map(|bump| BumpMap::new(bump, mesh, textures));
         let emission = material.emission.as_ref();
         let emission = emission.map(|emission| Emitter::new(emission, mesh, textures));
-        let tangents = match &relief {
+        let tangents = match &bump {
             Some(BumpMap::Normals {
                 world_from_normal: None,
                 ..
@@ -100,7 +100,7 @@ impl<'s> Surface<'s> {
                 .solid
                 .as_ref()
                 .map(|solid| SampledSolid::new(solid, &scene.effects)),
-            relief,
+            bump,
             emission,
             frame: mesh.texture_frame.map(frame).transpose()?,
             mirrored: mesh.world_from_object.determinant() < 0.0,
@@ -115,7 +115,7 @@ impl<'s> Surface<'s> {
         self.mesh.triangles[triangle as usize].map(|vertex| self.points[vertex as usize])
     }
 
-    /// The normal of a triangle's counter-clockwise side, of any length; a mirror does not turn a surface inside out.
+    /// The normal of a triangle's counter-clockwise side, of any length. A mirror does not turn a surface inside out.
     pub(super) fn flat(&self, triangle: u32) -> DVec3 {
         let [a, b, c] = self.corners(triangle);
         let normal = (b - a).cross(c - a);
@@ -137,7 +137,7 @@ impl<'s> Surface<'s> {
         }
     }
 
-    /// True if a cut-out blocks light at these weights of a triangle's corners; the coordinates of a texture frame are bound to the
+    /// True if a cut-out blocks light at these weights of a triangle's corners. The coordinates of a texture frame are bound to the
     /// camera, and what has them is whole to the light.
     pub(super) fn holds_light(&self, triangle: u32, weights: DVec3) -> bool {
         let AlphaMode::Test(threshold) = self.material().alpha else {
@@ -281,7 +281,7 @@ impl<'s> Surface<'s> {
                     };
                     return finished(terms).color(base);
                 }
-                // What does not vary is finished, and clipped, at the vertices.
+                // A term that does not vary is finished, and clipped, at the vertices.
                 let color = mix([0, 1, 2].map(|k| light[k].color(base * tint(vertices[k]))));
                 (color + emitted).min(DVec3::ONE)
             }
@@ -313,11 +313,11 @@ impl<'s> Surface<'s> {
         sum
     }
 
-    /// The unit normal that the relief of the surface leaves.
+    /// The unit normal after the bump or normal map of the surface.
     pub(super) fn turned_normal(&self, at: &Point) -> DVec3 {
         let n = at.normal.normalize_or_zero();
-        let Some(relief) = &self.relief else { return n };
-        let turned = relief.normal(at, n);
+        let Some(bump) = &self.bump else { return n };
+        let turned = bump.normal(at, n);
         if self.material().horizon_clamp {
             clamped(turned, at.view.direction.normalize_or_zero())
         } else {

@@ -7,7 +7,7 @@ use texmap_scene::Mesh;
 use super::color::wide;
 use super::surface::{linear, object_normals};
 
-/// World-space tangents of a mesh's corners, and the sign that makes `sign (N x T)` point up the picture; zero where the mesh has no
+/// World-space tangents of a mesh's corners, and the sign that makes `sign (N x T)` point up the picture. Zero if the mesh has no
 /// coordinates.
 pub(super) fn corner_tangents(mesh: &Mesh) -> Vec<(DVec3, f64)> {
     let faces = texmap_uv::Faces::from_triangles(&mesh.triangles);

@@ -46,7 +46,7 @@ impl World<'_> {
                 met.push((owner, hit));
                 let hides = surface.material().alpha != AlphaMode::Blend
                     && self.scene.depth_test != DepthTest::Always;
-                // What lies at the same depth may be drawn over it.
+                // Surfaces at the same depth may be drawn over it.
                 let behind = hit.t * (1.0 + 4.0 * SAME_DEPTH);
                 if hides { end.min(behind) } else { end }
             });
@@ -76,7 +76,7 @@ impl World<'_> {
         }
     }
 
-    /// The colour that the ray through (x, y) leaves, premultiplied linear light, and whether anything blended or a volume is in it.
+    /// Colour of the ray through (x, y), premultiplied linear light. The flag is true if anything blended or a volume is in it.
     pub(super) fn color(&self, visible: &Visible, x: f64, y: f64) -> (DVec4, bool) {
         let shade = |owner: (usize, u32), hit: &Hit| {
             let surface = &self.surfaces[owner.0];

@@ -27,7 +27,7 @@ pub(super) struct World<'s> {
     pub(super) shadows: Vec<Vec<Shadow>>,
     pub(super) projectors: Vec<Cast<'s>>,
     pub(super) projector_shadows: Vec<Option<Shadow>>,
-    /// Those that something reads.
+    /// Environments that something reads.
     pub(super) environments: Vec<Option<EnvironmentMap>>,
     pub(super) volumes: Vec<Medium<'s>>,
     pub(super) behind: SampledBackground<'s>,

@@ -107,8 +107,8 @@ impl Body {
     }
 }
 
-/// Distance of a ray to the plane of a triangle `a, a + u, a + v`, and the corner weights there, if it meets the triangle or its edge
-/// (Moeller and Trumbore 1997).
+/// Distance of a ray to the plane of a triangle `a, a + u, a + v`, and the corner weights there, if it meets the triangle or its
+/// edge. Source: Moeller and Trumbore 1997.
 fn triangle(o: DVec3, d: DVec3, a: DVec3, u: DVec3, v: DVec3) -> Option<(f64, DVec3)> {
     let p = d.cross(v);
     let det = u.dot(p);
@@ -192,7 +192,7 @@ mod tests {
     use super::super::{RayObject, RayScene};
     use super::*;
 
-    /// Normals of a squeezed and mirrored ball by the inverse transpose, against the gradient of its equation; the matrix itself
+    /// Normals of a squeezed and mirrored ball by the inverse transpose, against the gradient of its equation. The matrix itself
     /// must fail.
     #[test]
     fn normals_go_by_the_inverse_transpose() {

@@ -27,7 +27,7 @@ pub struct RayHit {
     pub point: DVec3,
     /// Unit normal in world space, outwards (for triangles: of the counter-clockwise side): interpolated where a mesh has normals.
     pub normal: DVec3,
-    /// Texture coordinates: v down for solids, as they are in the mesh for meshes; `None` for a mesh without.
+    /// Texture coordinates: v down for solids, as they are in the mesh for meshes. `None` for a mesh without.
     pub uv: Option<DVec2>,
     /// The part of a solid, whole for a mesh.
     pub part: ShapeFace,
@@ -88,7 +88,7 @@ impl RayScene {
         best
     }
 
-    /// True if anything stands between a point and a place: hits at `0 < t < 1` of the way count.
+    /// True if anything stands between two points: hits at `0 < t < 1` of the way count.
     pub fn blocked(&self, point: DVec3, place: DVec3) -> bool {
         self.meets(point, place - point, (0.0, 1.0))
     }
@@ -276,7 +276,7 @@ mod tests {
         }
     }
 
-    /// A square before a small lamp: umbra, half shadow and light where similar triangles put them.
+    /// A square before a small area light: umbra, half shadow and light where similar triangles put them.
     #[test]
     fn area_lights_have_penumbrae_of_the_right_width() {
         let plate = RayObject::Solid(
@@ -284,18 +284,18 @@ mod tests {
             DMat4::from_translation(DVec3::new(0.0, 0.0, 1.0)),
         );
         let scene = RayScene::new([plate]);
-        // Lamp of side 0.4 at height 3 over the plate of side 1 at height 1.
-        let lamp = AreaLight {
+        // Light of side 0.4 at height 3 over the plate of side 1 at height 1.
+        let light = AreaLight {
             corner: DVec3::new(-0.2, -0.2, 3.0),
             u: DVec3::X * 0.4,
             v: DVec3::Y * 0.4,
         };
-        let at = |x: f64| scene.sees(DVec3::new(x, 0.0, 0.0), &lamp, 40);
-        // The plate's edge throws the lamp's ends to 0.75 -+ 0.1.
+        let at = |x: f64| scene.sees(DVec3::new(x, 0.0, 0.0), &light, 40);
+        // The plate's edge projects the light's ends to 0.75 -+ 0.1.
         assert_eq!((at(0.0), at(0.64), at(0.86)), (0.0, 0.0, 1.0));
         assert!((at(0.75) - 0.5).abs() < 0.03);
         assert!((at(0.70) - 0.25).abs() < 0.03 && (at(0.80) - 0.75).abs() < 0.03);
-        let hard = |x: f64| scene.sees(DVec3::new(x, 0.0, 0.0), &lamp, 1);
+        let hard = |x: f64| scene.sees(DVec3::new(x, 0.0, 0.0), &light, 1);
         assert_eq!((hard(0.74), hard(0.76)), (0.0, 1.0));
     }
 

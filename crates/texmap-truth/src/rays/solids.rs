@@ -131,7 +131,7 @@ mod tests {
         }
     }
 
-    /// The truth and the uv mapper hold each other: rays to points that the mapper places meet the surface there.
+    /// The truth and the uv mapper hold each other: rays to points that the mapper gives meet the surface there.
     #[test]
     fn rays_meet_the_points_that_the_mapper_places() {
         let mut met = 0;

@@ -1,4 +1,4 @@
-//! What the report says about edges: seams, the rim, edges of too many faces, T-joints and the pieces they part.
+//! Edges of a report: seams, the rim, edges of too many faces, T-junctions and the pieces they part.
 
 use alloc::vec::Vec;
 
@@ -8,13 +8,13 @@ use crate::mesh::{Mesh, UvSet, length};
 use crate::topology::{MANY, RIM, Topology, edge_length};
 use crate::{TJunctions, parallel, t_junction, views};
 
-/// What the report says about edges.
+/// Figures of a report about edges.
 pub(super) struct Edges {
     pub(super) seam_length: f64,
     pub(super) seam_seen: f64,
     pub(super) rim_length: f64,
     pub(super) non_manifold: usize,
-    pub(super) shells: usize,
+    pub(super) islands: usize,
     pub(super) t_joints: TJunctions,
 }
 
@@ -32,7 +32,7 @@ impl Edges {
             },
             rim_length: lengths(mesh, &topology, rim),
             non_manifold: non_manifold(mesh, &topology).len(),
-            shells: islands(mesh, set, &topology),
+            islands: islands(mesh, set, &topology),
             t_joints: t_junction::find(mesh, &topology),
         }
     }
@@ -59,7 +59,7 @@ fn seams(mesh: &Mesh<'_>, set: &UvSet, topology: &Topology) -> Vec<usize> {
     torn
 }
 
-/// As [`Topology::joined`], but equal coordinates count as one whatever their index: the picture goes on there.
+/// As [`Topology::joined`], but equal coordinates count as one whatever their index. The picture goes on there.
 fn meets(mesh: &Mesh<'_>, set: &UvSet, topology: &Topology, k: usize) -> bool {
     let here = [k, topology.next[k] as usize].map(|c| set.at(c));
     topology
@@ -80,12 +80,12 @@ fn non_manifold(mesh: &Mesh<'_>, topology: &Topology) -> Vec<usize> {
 
 /// Pieces of the picture that have area in space.
 fn islands(mesh: &Mesh<'_>, set: &UvSet, topology: &Topology) -> usize {
-    let shells = Islands::linked(mesh.faces().len(), topology, |k| {
+    let islands = Islands::linked(mesh.faces().len(), topology, |k| {
         meets(mesh, set, topology, k)
     });
-    let mut has_area = alloc::vec![false; shells.count];
-    for (face, shell) in shells.of_face.iter().enumerate() {
-        let known = &mut has_area[*shell as usize];
+    let mut has_area = alloc::vec![false; islands.count];
+    for (face, island) in islands.of_face.iter().enumerate() {
+        let known = &mut has_area[*island as usize];
         *known = *known || length(mesh.face_normal(face)) > 0.0;
     }
     has_area.iter().filter(|has| **has).count()

@@ -62,7 +62,7 @@ pub(super) fn raw(
     }
 }
 
-/// The stretch of a triangle where 1 is that of the whole mesh; its place is left open.
+/// The stretch of a triangle, as 1 for the mean of the whole mesh; its face and corners are left open.
 pub(super) fn normalised(r: &Raw, scale: f64) -> TriangleReport {
     let (high, low) = (r.high * scale, r.low * scale);
     let area = high * low;

@@ -1,4 +1,4 @@
-//! What the report says about triangles: each of them, and their sums, counts and ranges.
+//! Triangles of a report: figures of each of them, and their sums, counts and ranges.
 
 use alloc::vec::Vec;
 use texmap_math::float;
@@ -62,7 +62,7 @@ pub(super) struct Sums {
     pub(super) linf_max: f64,
     pub(super) angle_max: f64,
     pub(super) area_max: f64,
-    /// Lowest and highest root of the area in the picture over that in space; none yet when the first is the larger.
+    /// Lowest and highest root of the area in the picture over that in space. None yet when the first is the larger.
     pub(super) density_range: [f64; 2],
 }
 

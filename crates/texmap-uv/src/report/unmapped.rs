@@ -8,16 +8,17 @@ use crate::{UvError, parallel};
 /// Triangles that have area in space and none in the picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Unmapped {
-    /// How many.
+    /// Number of such triangles.
     pub triangles: usize,
-    /// Their part of the surface, 0 to 1.
+    /// These triangles' part of the surface, 0 to 1.
     pub fraction: f64,
     /// The first face that has one.
     pub face: Option<u32>,
 }
 
-/// What is drawn there is a streak of one texel, and what is baked there is lost. A triangle counts when its area in the
-/// picture is less than a millionth of that of an equal area elsewhere. The same bytes on any number of threads.
+/// Triangles that have area in space and none in the picture. Drawn, each is a streak of one texel, and baked light there is
+/// lost. A triangle counts when its area in the picture is less than a millionth of that of an equal area elsewhere. The same
+/// bytes on any number of threads.
 ///
 /// # Errors
 /// A set that does not fit the mesh or is not finite.

@@ -15,7 +15,7 @@ pub(super) fn weld(input: &Input<'_>, triangles: &[Triangle]) -> Vec<[u32; 3]> {
         let (p, n, t) = (input.position(k), input.normal(k), input.uv(k));
         [p.x, p.y, p.z, n.x, n.y, n.z, t.x, t.y].map(|c| (c + 0.0).to_bits())
     };
-    // Equal corners lie in one place: they are sorted by it alone, and further only there.
+    // Equal corners have one position: corners are sorted by the position alone, and further only among equal ones.
     let places = input.mesh.welded();
     let corners = input.mesh.faces().corners();
     let place = |k: u32| places[corners[k as usize] as usize];

@@ -14,7 +14,7 @@ const APART: usize = 64;
 /// The tangent of each corner and the bitangent's sign; `None` where no triangle says anything. O(n log n).
 pub(super) fn corner_tangents(input: &Input<'_>) -> Vec<Option<[f32; 4]>> {
     let (mut triangles, slots) = triangles(input);
-    // Those with area first, each kind in its order.
+    // Triangles with area first, each kind in its order.
     triangles.sort_by_key(|t| t.degenerate);
     let solid = triangles.partition_point(|t| !t.degenerate);
     let vertices = weld(input, &triangles);

@@ -7,7 +7,7 @@ use texmap_math::glam::{Vec2, Vec3};
 
 use crate::mesh::{Mesh, UvSet};
 
-/// What the rule reads of a corner; normals are of unit length.
+/// Mesh, texture coordinates and normals that the rule reads; normals are of unit length.
 pub(super) struct Input<'a> {
     pub(super) mesh: &'a Mesh<'a>,
     pub(super) set: &'a UvSet,
@@ -47,9 +47,9 @@ impl Space {
 /// A triangle, or half of a quad.
 #[derive(Clone, Copy)]
 pub(super) struct Triangle {
-    /// Its corners, as places in the list of corners.
+    /// Corners of the triangle, as indices into the list of corners.
     pub(super) corners: [u32; 3],
-    /// Where their tangents stand in the list of slots.
+    /// Indices of their tangents in the list of slots.
     pub(super) slots: [u32; 3],
     /// Number of the triangle or quad that it belongs to.
     pub(super) piece: u32,
@@ -60,7 +60,7 @@ pub(super) struct Triangle {
     pub(super) upright: bool,
     /// The picture says nothing here: any neighbour's group will do.
     pub(super) vague: bool,
-    /// Two corners lie in one place.
+    /// Two corners have one position.
     pub(super) degenerate: bool,
     /// Of a quad of which one half is degenerate and the other is not.
     pub(super) half_degenerate: bool,
@@ -178,7 +178,7 @@ fn triangle(input: &Input<'_>, corners: [u32; 3], slots: [u32; 3], piece: u32) -
     out
 }
 
-/// Whether a number that is not negative is more than the smallest normal one.
+/// True if a number that is not negative is more than the smallest normal one.
 pub(super) fn counts(x: f32) -> bool {
     x > f32::MIN_POSITIVE
 }

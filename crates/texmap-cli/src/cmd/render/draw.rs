@@ -3,6 +3,7 @@
 use crate::failure::Refusal;
 use std::cell::RefCell;
 use std::collections::BTreeSet;
+use std::ops::ControlFlow;
 use std::path::Path;
 use std::time::Instant;
 use texmap_scene::SceneError;
@@ -268,7 +269,10 @@ impl Context<'_> {
             choices.apply(&mut planned);
             planned
         });
-        let report = |done, of| progress.update(done, of);
+        let report = |done, of| {
+            progress.update(done, of);
+            ControlFlow::Continue(())
+        };
         let scene = planned.as_ref().unwrap_or(scene);
         let mut settings = self.settings(self.aovs(scene)?);
         if let Some(choices) = &choices {

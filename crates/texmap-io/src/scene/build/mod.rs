@@ -151,7 +151,7 @@ impl Builder {
         Ok(())
     }
 
-    /// `round`.
+    /// `uv-projection`.
     pub(super) fn round(&mut self, line: &mut Line<'_>) -> Result<(), IoError> {
         let shape = match line.word() {
             Some("sphere") => CurvedShape::Sphere,

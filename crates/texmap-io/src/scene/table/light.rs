@@ -247,7 +247,7 @@ pub(super) const SPECS: &[Spec] = &[
         }),
     },
     Spec {
-        word: "carve",
+        word: "procedural-bump",
         args: &[Either(&[
             &[
                 OneOf(&["waves", "noise", "marble", "wood"]),

@@ -118,6 +118,16 @@ pub fn commands() -> impl Iterator<Item = &'static Spec> {
     SECTIONS.iter().flat_map(|section| section.specs)
 }
 
+/// Words of earlier versions and the words that took their place; files that were written with them still load.
+const EARLIER: [(&str, &str); 2] = [("carve", "procedural-bump"), ("round", "uv-projection")];
+
+/// The row of the table for a word, also one of an earlier version.
+pub(crate) fn command(word: &str) -> Option<&'static Spec> {
+    let renamed = EARLIER.iter().find(|(earlier, _)| *earlier == word);
+    let word = renamed.map_or(word, |(_, word)| word);
+    commands().find(|spec| spec.word == word)
+}
+
 /// The command that a word is a slip of the pen for.
 pub(crate) fn nearest(word: &str) -> Option<&'static str> {
     let written = word.to_lowercase();
@@ -142,6 +152,15 @@ mod tests {
         assert_eq!(nearest("Eye"), Some("eye"));
         assert_eq!(nearest("hello"), None);
         assert_eq!(nearest("translte"), Some("translate"));
+    }
+
+    #[test]
+    fn words_of_earlier_versions_are_no_rows_of_their_own() {
+        for (earlier, word) in EARLIER {
+            assert_eq!(command(earlier).map(|spec| spec.word), Some(word));
+            assert!(commands().all(|spec| spec.word != earlier), "{earlier}");
+        }
+        assert_eq!(command("carves"), None);
     }
 
     #[test]

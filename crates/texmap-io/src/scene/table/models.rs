@@ -35,7 +35,7 @@ pub(super) const SPECS: &[Spec] = &[
         set: Fallible(|b, line| b.framed_face(line)),
     },
     Spec {
-        word: "round",
+        word: "uv-projection",
         args: &[Either(&[
             &[
                 OneOf(&["sphere", "cylinder"]),

@@ -87,7 +87,7 @@ impl Submission<'_, '_> {
     }
 }
 
-/// Whether any of the (up to 2x2) centres of the box is inside. Only for small triangles; other lanes hold no meaning.
+/// True if any of the (up to 2x2) centres of the box is inside. Only for small triangles; other lanes hold no meaning.
 #[inline(always)]
 fn tiny_hit<I: Isa>(
     i: I,

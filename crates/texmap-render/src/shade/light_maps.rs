@@ -1,0 +1,145 @@
+//! Textures of light: baked light, maps of the material's numbers, emitted light, and the ramp of diffuse light.
+
+use texmap_math::color::luminance;
+use texmap_math::simd::{Isa, Scalar};
+
+use super::batch::{parts, straight};
+use super::stage::{Inputs, Kernel, ShadeColumns, Stage};
+use crate::textures::Slot;
+
+/// Baked light, added to the diffuse light.
+pub(crate) struct LightMap<'a> {
+    pub(crate) slot: &'a Slot<'a>,
+    /// First attribute of its coordinates.
+    pub(crate) uv: usize,
+    pub(crate) factor: f32,
+}
+
+impl Kernel for LightMap<'_> {
+    fn read(&self, inputs: &Inputs<'_>, columns: &mut ShadeColumns) {
+        let (level, batch) = (inputs.level, inputs.batch);
+        let ShadeColumns { uv, texels, .. } = columns;
+        let (wanted, changes) = ([self.uv, self.uv + 1], self.slot.reads_derivatives());
+        let planes = inputs.planes;
+        planes.values(level, batch.blocks, batch.list, &wanted, changes, uv);
+        texels.fetch(level, self.slot, uv, batch.list.len());
+    }
+
+    #[inline(always)]
+    fn lanes<I: Isa>(&self, i: I, inputs: &Inputs<'_>, columns: &mut ShadeColumns) {
+        for part in parts(i, inputs.batch.list) {
+            let light = columns.texels.straight(i, part.at);
+            let mut sum = columns.diffuse.load(i, part.at);
+            for k in 0..3 {
+                sum[k] = sum[k] + light[k] * self.factor;
+            }
+            columns.diffuse.store(i, part.at, sum);
+        }
+    }
+}
+
+/// A texture in place of the color of the highlights.
+pub(crate) struct SpecularMap<'a>(pub(crate) &'a Slot<'a>);
+
+impl Kernel for SpecularMap<'_> {
+    fn read(&self, inputs: &Inputs<'_>, columns: &mut ShadeColumns) {
+        columns.fetch(inputs, self.0);
+    }
+
+    #[inline(always)]
+    fn lanes<I: Isa>(&self, i: I, inputs: &Inputs<'_>, columns: &mut ShadeColumns) {
+        for part in parts(i, inputs.batch.list) {
+            let tint = columns.texels.straight(i, part.at);
+            let mut sum = columns.highlight.load(i, part.at);
+            for k in 0..3 {
+                sum[k] = sum[k] * tint[k];
+            }
+            columns.highlight.store(i, part.at, sum);
+        }
+    }
+}
+
+/// A texture in place of the base color under ambient light: a color of its own, which multiplies neither the base color nor that of the
+/// highlights.
+pub(crate) struct AmbientMap<'a> {
+    pub(crate) slot: &'a Slot<'a>,
+    /// The ambient lights, times the material's share.
+    pub(crate) lights: Vec<[f32; 3]>,
+}
+
+impl Kernel for AmbientMap<'_> {
+    fn read(&self, inputs: &Inputs<'_>, columns: &mut ShadeColumns) {
+        columns.fetch(inputs, self.slot);
+    }
+
+    #[inline(always)]
+    fn lanes<I: Isa>(&self, i: I, inputs: &Inputs<'_>, columns: &mut ShadeColumns) {
+        for part in parts(i, inputs.batch.list) {
+            let texel = columns.texels.straight(i, part.at);
+            let mut sum = columns.highlight.load(i, part.at);
+            for k in 0..3 {
+                let mut ambient = i.f32(0.0);
+                for light in &self.lights {
+                    ambient = ambient + texel[k] * light[k];
+                }
+                sum[k] = sum[k] + ambient;
+            }
+            columns.highlight.store(i, part.at, sum);
+        }
+    }
+}
+
+/// Light that a surface emits.
+pub(crate) struct Emission<'a> {
+    pub(crate) color: [f32; 3],
+    pub(crate) map: Option<&'a Slot<'a>>,
+    /// It is added to the highlights; else to the colors, which have their light already.
+    pub(crate) under_light: bool,
+}
+
+impl Kernel for Emission<'_> {
+    fn read(&self, inputs: &Inputs<'_>, columns: &mut ShadeColumns) {
+        if let Some(slot) = self.map {
+            columns.fetch(inputs, slot);
+        }
+    }
+
+    #[inline(always)]
+    fn lanes<I: Isa>(&self, i: I, inputs: &Inputs<'_>, columns: &mut ShadeColumns) {
+        for part in parts(i, inputs.batch.list) {
+            let at = part.at;
+            let mut emitted = [i.f32(1.0); 3];
+            if self.map.is_some() {
+                emitted = columns.texels.straight(i, at);
+            }
+            for (emitted, color) in emitted.iter_mut().zip(self.color) {
+                *emitted = *emitted * color;
+            }
+            if self.under_light {
+                let mut sum = columns.highlight.load(i, at);
+                for k in 0..3 {
+                    sum[k] = sum[k] + emitted[k];
+                }
+                columns.highlight.store(i, at, sum);
+            } else {
+                let mut sum = columns.color.load(i, at);
+                for k in 0..3 {
+                    sum[k] = sum[k] + emitted[k];
+                }
+                columns.color.store(i, at, sum);
+            }
+        }
+    }
+}
+
+/// Diffuse light along a ramp by its luminance.
+pub(crate) struct LightRamp<'a>(pub(crate) &'a Slot<'a>);
+
+impl Stage for LightRamp<'_> {
+    fn run(&self, inputs: &Inputs<'_>, columns: &mut ShadeColumns) {
+        for (at, ..) in inputs.batch.fragments() {
+            let along = self.0.along(luminance(columns.diffuse.get(at)));
+            columns.diffuse.set(at, straight(Scalar, along));
+        }
+    }
+}

@@ -1,0 +1,80 @@
+//! A stage of a surface: what it reads, and the columns that it shares with the others.
+
+use texmap_math::simd::Isa;
+use texmap_math::{Level, dispatch_simd};
+use texmap_raster::{AttributePlanes, FragmentBlock, Varyings};
+
+use super::base_color::BaseTexels;
+use super::batch::{Batch, Colors, Columns};
+use super::facing::Sides;
+use super::fetch::{PackedTexels, Texels};
+use super::projector::ProjectorTexels;
+use super::slopes::Slopes;
+use super::vectors::Vectors;
+use crate::textures::Slot;
+
+/// A step of shading a batch, from inputs and columns to columns.
+pub(crate) trait Stage: Sync {
+    fn run(&self, inputs: &Inputs<'_>, columns: &mut ShadeColumns);
+}
+
+/// A stage that is a kernel over lanes.
+pub(crate) trait Kernel: Sync {
+    /// Reads textures, before the kernel runs.
+    fn read(&self, _: &Inputs<'_>, _: &mut ShadeColumns) {}
+
+    /// The kernel; `#[inline(always)]`.
+    fn lanes<I: Isa>(&self, i: I, inputs: &Inputs<'_>, columns: &mut ShadeColumns);
+}
+
+impl<K: Kernel> Stage for K {
+    fn run(&self, inputs: &Inputs<'_>, columns: &mut ShadeColumns) {
+        self.read(inputs, columns);
+        dispatch_simd!(inputs.level, i => self.lanes(i, inputs, columns));
+    }
+}
+
+/// What is read before the stages run.
+pub(crate) struct Inputs<'a> {
+    pub(crate) level: Level,
+    pub(crate) planes: &'a AttributePlanes,
+    pub(crate) batch: &'a Batch<'a>,
+    /// Coordinates as columns 0 and 1, where a stage reads a texture by them.
+    pub(crate) uv: &'a Varyings,
+    pub(crate) vectors: Vectors<'a>,
+    /// The blocks of the batch, without the pixels of those whose normals nothing asks for.
+    pub(crate) reached: &'a [FragmentBlock],
+    pub(crate) sides: &'a Sides,
+    /// Texels of the base color and of the normal map, where they are read as a pair.
+    pub(crate) pair: &'a [PackedTexels; 2],
+    /// Texels of the projectors of the lights, then of those that paint.
+    pub(crate) projectors: &'a [ProjectorTexels],
+}
+
+/// The columns between stages. A thread keeps them: those that no stage of a surface writes hold no meaning.
+#[derive(Default)]
+pub(crate) struct ShadeColumns {
+    /// Unit directions to the eye.
+    pub(crate) toward_eye: Columns<3>,
+    /// Unit normals on the side that is seen.
+    pub(crate) normal: Columns<3>,
+    /// Light that multiplies the base color.
+    pub(crate) diffuse: Columns<3>,
+    /// Light in its own color.
+    pub(crate) highlight: Columns<3>,
+    /// Straight base colors and alpha; premultiplied final colors after the last stage.
+    pub(crate) color: Colors,
+    /// Texels and coordinates of the stage that runs; the next one reads its own.
+    pub(crate) texels: Texels,
+    pub(crate) uv: Varyings,
+    pub(crate) base: BaseTexels,
+    pub(crate) slopes: Slopes,
+}
+
+impl ShadeColumns {
+    /// Reads a texture at the coordinates of the batch.
+    pub(crate) fn fetch(&mut self, inputs: &Inputs<'_>, slot: &Slot<'_>) {
+        let blocks = inputs.batch.list.len();
+        self.texels.fetch(inputs.level, slot, inputs.uv, blocks);
+    }
+}
