@@ -217,11 +217,14 @@ impl From<LabError> for Failure {
 }
 
 impl From<TruthError> for Failure {
-    /// A scene that was drawn has a reference: only memory may be missing.
+    /// A scene that was drawn has a reference, if it is of a kind that the reference knows.
     fn from(error: TruthError) -> Self {
         match &error {
             TruthError::Render(RenderError::Memory(refused)) => {
                 Self::over_memory(refused, error.to_string())
+            }
+            TruthError::Unsupported { .. } => {
+                Self::usage(error.to_string(), "the reference is of Phong's light")
             }
             _ => Self::internal(error.to_string()),
         }

@@ -128,6 +128,27 @@ impl Environment {
         }
     }
 
+    /// The first levels of environments of one chart as the levels of one.
+    pub(crate) fn of_levels(first: &Self, others: &[Self]) -> Self {
+        let (mut texels, mut levels) = (Vec::new(), Vec::new());
+        for environment in core::iter::once(first).chain(others) {
+            let level = environment.levels[0];
+            let start = texels.len();
+            let count =
+                first.layout.faces() * (level.width as usize + 2) * (level.height as usize + 2);
+            texels.extend_from_slice(&environment.texels[..count]);
+            levels.push(Level { start, ..level });
+        }
+        Self {
+            layout: first.layout,
+            texels,
+            packed: Vec::new(),
+            table: LevelTable::new(&levels),
+            levels,
+            exponent: None,
+        }
+    }
+
     /// The chart.
     #[must_use]
     pub fn layout(&self) -> EnvironmentLayout {

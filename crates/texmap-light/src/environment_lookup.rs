@@ -39,6 +39,22 @@ impl Environment {
         }
     }
 
+    /// Bilinear on a cube's levels around `lod`. Zero and non-finite directions read as +Z.
+    #[inline(always)]
+    pub(crate) fn level_lanes<I: Isa>(&self, i: I, lod: I::F32, direction: Vector<I>) -> Vector<I> {
+        let (d, _) = usable(i, direction);
+        let side = Side::<I>::of(d);
+        let [sc, tc, m] = side.along(d);
+        let per_m = i.f32(0.5) / m;
+        let Some(words) = GatherTable::new(bytemuck::cast_slice(self.texels.as_flattened())) else {
+            return [i.f32(1.0); 3];
+        };
+        let level = lod.floor_to_i32();
+        let k = lod - level.to_f32();
+        let (u, v) = (sc * per_m + 0.5, tc * per_m + 0.5);
+        self.between::<I, true, false>(i, words, level, k, side.face(i), u, v)
+    }
+
     #[inline(always)]
     fn radiance_of_cube<I: Isa>(&self, i: I, ray: &RayLanes<I>) -> Vector<I> {
         let (d, _) = usable(i, ray.direction);

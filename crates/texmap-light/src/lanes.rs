@@ -5,6 +5,9 @@
 use texmap_math::simd::{Isa, X16};
 
 pub use crate::bump::bump_on;
+pub use crate::metallic_roughness::{
+    ClearcoatLanes, MetallicRoughnessLanes, ReflectanceLanes, SheenLanes,
+};
 pub use crate::normal_map::{clamp_to_horizon, perturb};
 pub use crate::projector_texture::ProjectorUvBatch;
 pub use crate::reflect::{RayLanes, reflect, reflect_across};

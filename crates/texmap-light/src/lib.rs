@@ -37,13 +37,16 @@ macro_rules! every_width {
     };
 }
 
+mod albedo;
 mod bump;
 mod cube_face;
 mod environment;
 mod environment_layout;
+mod environment_light;
 mod environment_lookup;
 mod error;
 pub mod lanes;
+mod metallic_roughness;
 mod normal_map;
 mod packed;
 mod phong;
@@ -57,6 +60,7 @@ mod shadow;
 mod shadow_bounds;
 mod shadow_reader;
 mod share;
+mod tone_map;
 mod vector;
 
 pub use bump::{
@@ -65,7 +69,11 @@ pub use bump::{
 };
 pub use environment::Environment;
 pub use environment_layout::{EnvironmentLayout, UnknownLayout};
+pub use environment_light::EnvironmentLight;
 pub use error::LightError;
+pub use metallic_roughness::{
+    MIN_ROUGHNESS, MetallicRoughnessSurface, SHEEN_MIN_ROUGHNESS, dielectric_f0,
+};
 pub use normal_map::NormalMap;
 pub use phong::{Light, PhongMaterial, SpecularModel};
 pub use points::{
@@ -85,6 +93,7 @@ pub use shadow::{ShadowBias, ShadowKind, ShadowMap};
 pub use shadow_bounds::{FiniteColumns, ShadowBounds, StripBounds};
 pub use shadow_reader::ShadowSampler;
 pub use share::SpecularExponent;
+pub use tone_map::ToneMap;
 
 /// The level of this CPU; no bit depends on it.
 fn level() -> texmap_math::Level {

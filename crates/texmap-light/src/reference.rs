@@ -1,5 +1,10 @@
 //! The same formulae in f64, one point at a time, written for reading. Finite input is assumed.
 
+pub mod metallic_roughness;
+mod tone_map;
+
+pub use tone_map::tone_map;
+
 use texmap_math::deterministic_f64;
 use texmap_math::glam::DVec3;
 

@@ -135,15 +135,46 @@ pub fn evaluate_light<I: Isa>(
     normal: Vector<I>,
     view: Vector<I>,
 ) -> LightContributionLanes<I> {
-    let (color, toward, mut lit) = match *light {
-        Light::Ambient { color } => {
-            return LightContributionLanes {
-                lit: i.mask(true),
-                color: splat(i, color),
-                diffuse: i.f32(surface.ka),
-                specular: i.f32(0.0),
-            };
+    if let Light::Ambient { color } = *light {
+        return LightContributionLanes {
+            lit: i.mask(true),
+            color: splat(i, color),
+            diffuse: i.f32(surface.ka),
+            specular: i.f32(0.0),
+        };
+    }
+    let (color, toward, mut lit) = arriving(i, light, point);
+    let facing = dot(normal, toward);
+    lit = lit & facing.simd_gt(0.0);
+    let mut highlight = i.f32(0.0);
+    if surface.ks > 0.0 && lit.any_true() {
+        let along = match model {
+            SpecularModel::Phong => dot(view, sub(scale(normal, facing * 2.0), toward)),
+            SpecularModel::Blinn => dot(normal, unit(i, add(view, toward))),
+        };
+        let bright = along.simd_gt(0.0);
+        if bright.any_true() {
+            highlight = bright.select(power.of(i, along) * surface.ks, highlight);
         }
+    }
+    LightContributionLanes {
+        lit,
+        color,
+        diffuse: facing * surface.kd,
+        specular: highlight,
+    }
+}
+
+/// Colour of a light at the points of a block, the unit vectors to it, and the lanes that it reaches, whatever way they face. Ambient
+/// light comes from nowhere.
+#[inline(always)]
+pub(crate) fn arriving<I: Isa>(
+    i: I,
+    light: &Light,
+    point: Vector<I>,
+) -> (Vector<I>, Vector<I>, I::Mask) {
+    match *light {
+        Light::Ambient { color } => (splat(i, color), splat(i, [0.0; 3]), i.mask(false)),
         Light::Directional { color, direction } => {
             let toward = crate::unit(scale(direction, -1.0));
             (splat(i, color), splat(i, toward), i.mask(color != [0.0; 3]))
@@ -176,25 +207,6 @@ pub fn evaluate_light<I: Isa>(
             let lit = part.simd_gt(0.0) & i.mask(intensity != [0.0; 3]);
             (scale(splat(i, intensity), part), toward, lit)
         }
-    };
-    let facing = dot(normal, toward);
-    lit = lit & facing.simd_gt(0.0);
-    let mut highlight = i.f32(0.0);
-    if surface.ks > 0.0 && lit.any_true() {
-        let along = match model {
-            SpecularModel::Phong => dot(view, sub(scale(normal, facing * 2.0), toward)),
-            SpecularModel::Blinn => dot(normal, unit(i, add(view, toward))),
-        };
-        let bright = along.simd_gt(0.0);
-        if bright.any_true() {
-            highlight = bright.select(power.of(i, along) * surface.ks, highlight);
-        }
-    }
-    LightContributionLanes {
-        lit,
-        color,
-        diffuse: facing * surface.kd,
-        specular: highlight,
     }
 }
 

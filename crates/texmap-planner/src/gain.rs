@@ -133,6 +133,10 @@ impl<'s> Lighting<'s> {
     /// The most that lights can multiply a base colour by, and the most that they add to it.
     fn most(&self, mesh: &Mesh, material: &Material) -> ([f32; 3], [f32; 3]) {
         let surface = &material.phong;
+        if material.metallic_roughness.is_some() {
+            // Roughness may gather any light; black stays black.
+            return ([1e30; 3], [1.0; 3]);
+        }
         if let Some(ramp) = &material.light_ramp {
             return (self.brightest(ramp.texture), [0.0; 3]);
         }

@@ -50,7 +50,7 @@ use gain::Lighting;
 pub use lights::{IdleLight, ShadowChoice};
 use pilot::PixelSamples;
 pub use prices::{Price, prices};
-use texmap_scene::{Mesh, Scene, Shading, TextureRole};
+use texmap_scene::{Mesh, Scene, Shading, TextureRole, ToneMapping};
 use view::View;
 
 /// The largest errors that a picture may have.
@@ -181,7 +181,7 @@ pub fn choose(
 /// [`choose`] among these numbers of samples a side of a pixel, in this order.
 ///
 /// # Errors
-/// Every fault that [`Scene::check`] finds.
+/// Every fault that [`Scene::check`] finds; [`SceneError::Value`] for a scene with tone mapping.
 pub fn choose_sampled(
     scene: &Scene,
     width: u32,
@@ -191,6 +191,14 @@ pub fn choose_sampled(
 ) -> Result<Choices, SceneError> {
     scene.check()?;
     scene.check_tessellated()?;
+    if scene.effects.tone_mapping != ToneMapping::default() {
+        return Err(SceneError::Value {
+            place: "plan".to_owned(),
+            what: "tone mapping".to_owned(),
+            value: format!("{:?}", scene.effects.tone_mapping),
+            expected: "plans predict the errors of light that is shown as it is: exposure 1, no curve",
+        });
+    }
     let aspect = f64::from(width) / f64::from(height);
     let view_from_world = scene.camera.view().map_err(SceneError::Camera)?;
     let projection = scene.camera.projection(aspect);

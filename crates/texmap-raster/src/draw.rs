@@ -6,7 +6,7 @@ use texmap_math::glam::DMat4;
 use crate::RasterError;
 
 /// Most attributes a vertex can carry.
-pub const MAX_ATTRIBUTES: usize = 16;
+pub const MAX_ATTRIBUTES: usize = 20;
 
 /// Most parts a side for [`Interp::Subdivided`].
 pub const MAX_SUBDIVISIONS: u32 = 256;

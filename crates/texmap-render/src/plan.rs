@@ -10,12 +10,13 @@ mod surface;
 use std::sync::Arc;
 use texmap_scene::SceneError;
 
-use texmap_light::Light;
+use texmap_light::{EnvironmentLight, Light};
 use texmap_math::glam::DMat4;
 use texmap_raster::{AlphaTest, DrawCall, Fragment, UvBlock};
 use texmap_sample::Origin;
 
 use crate::frame_resources::FrameResources;
+use crate::shade::compose::Display;
 use crate::shade::coordinates::{Coordinates, EyeRays};
 use crate::shade::sky::SkyStage;
 use crate::shade::unlit::UnlitColor;
@@ -23,7 +24,7 @@ use crate::shade::volume::VolumeStage;
 use crate::textures::{Chains, Slot};
 use crate::{Aov, RenderError, RenderSettings};
 use texmap_math::ViewRays;
-use texmap_scene::{Background, Scene};
+use texmap_scene::{Background, Scene, ToneMapping};
 
 pub(crate) use alpha_test::{AlphaTestStage, alpha_test};
 pub(crate) use shader::Shader;
@@ -36,6 +37,8 @@ pub(crate) struct Plan<'s> {
     pub(crate) surfaces: Vec<Surface<'s>>,
     pub(crate) lights: &'s [Light],
     pub(crate) ready: Arc<FrameResources<'s>>,
+    pub(crate) environment_light: Option<&'s EnvironmentLight>,
+    pub(crate) tone_mapping: ToneMapping,
     pub(crate) eye: [f32; 3],
     pub(crate) rays: EyeRays,
     pub(crate) level: texmap_math::Level,
@@ -48,7 +51,7 @@ impl AlphaTest for Plan<'_> {
 
     fn keep_by_uv(&self, draw: u32, at: &UvBlock, asked: u16) -> Option<u16> {
         let surface = &self.surfaces[draw as usize];
-        if !matches!(surface.uv, Coordinates::Vertices) {
+        if !matches!(surface.uv, Coordinates::Vertices) || surface.cut_by_second() {
             return None;
         }
         let Some(cut) = surface.cut else {
@@ -105,6 +108,8 @@ impl<'s> Plan<'s> {
         Ok(Self {
             surfaces,
             lights: &scene.lights,
+            environment_light: scene.effects.environment_light.as_ref(),
+            tone_mapping: scene.effects.tone_mapping,
             ready: Arc::clone(ready),
             eye,
             rays: match view.parallel {
@@ -176,7 +181,12 @@ fn sky<'s>(
         Background::Environment(index) => {
             let environment = &scene.effects.environments[*index];
             let rays = view.rays();
-            let stage = SkyStage::new(environment, &rays, view.view_from_world);
+            let stage = SkyStage::new(
+                environment,
+                &rays,
+                view.view_from_world,
+                Display::new(scene.effects.tone_mapping),
+            );
             surface.space = Some(Space::Sky(stage));
             surface.shaded = 0;
         }

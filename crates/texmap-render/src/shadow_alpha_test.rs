@@ -7,7 +7,7 @@ use crate::plan::{AlphaTestStage, alpha_test};
 use crate::shade::coordinates::Coordinates;
 use crate::textures::{Chains, Slot};
 use crate::{RenderError, RenderSettings};
-use texmap_scene::{AlphaMode, Mesh, Scene};
+use texmap_scene::{AlphaMode, Mesh, Scene, UvSet};
 
 /// What the meshes of a scene let through. Those whose coordinates come from a texture frame, which is bound to the camera, let
 /// nothing through.
@@ -96,7 +96,16 @@ impl<'s> AlphaTested<'s> {
         let base_color = material.base_color.as_ref().map(slot);
         let opacity_map = material.opacity_map.as_ref().map(slot);
         let cut = alpha_test(material, base_color.as_ref(), opacity_map.as_ref())?;
+        let by_second = |slot: &Option<Slot<'_>>| {
+            let slot = slot.as_ref();
+            slot.is_some_and(|slot| slot.uv_set == UvSet::Second)
+        };
+        let second = by_second(&base_color) || by_second(&opacity_map);
         let (uv, attributes, attribute_count) = match mesh.uv_projection {
+            _ if second => {
+                let attributes = mesh.lightmap_uvs.as_flattened().to_vec();
+                (Coordinates::Vertices, attributes, 2)
+            }
             Some(map) => {
                 let place =
                     |p: &[f32; 3]| narrow(mesh.world_from_object.transform_point3(wide(*p)));

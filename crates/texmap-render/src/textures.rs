@@ -7,7 +7,7 @@ use texmap_raster::Varyings;
 use texmap_sample::{Origin, Sampler, Texture2d, UvTransform, Wrap};
 
 use crate::{RenderError, RenderSettings};
-use texmap_scene::{Background, Scene, TextureSlot};
+use texmap_scene::{Background, Scene, TextureSlot, UvSet};
 
 /// Mip chains by texture, built once for both passes and only where a sampler reads them.
 pub(crate) struct Chains(pub(crate) Vec<Option<Texture2d<'static>>>);
@@ -52,6 +52,8 @@ pub(crate) struct Slot<'s> {
     pub(crate) sampler: Cow<'s, Sampler>,
     /// Rows of the transform, if there is one.
     transform: Option<[[f32; 3]; 2]>,
+    /// The coordinates that it is read at.
+    pub(crate) uv_set: UvSet,
 }
 
 impl Slot<'_> {
@@ -198,6 +200,7 @@ impl<'s> Slot<'s> {
             texture,
             sampler,
             transform,
+            uv_set: slot.uv_set,
         }
     }
 }

@@ -9,7 +9,7 @@ use texmap_math::glam::{DMat3, DVec3};
 use texmap_raster::Cull;
 use texmap_sample::Origin;
 
-use texmap_scene::{Mesh, Scene};
+use texmap_scene::{Mesh, Scene, UvSet};
 
 /// A group of attributes.
 #[derive(Clone, Copy, PartialEq)]
@@ -27,8 +27,8 @@ pub(crate) enum Values {
     Normal,
     /// World space.
     Position,
-    /// World-space tangent and the sign of the bitangent, of corners: splits vertices where they differ.
-    Tangent,
+    /// World-space tangent of this set of coordinates and the sign of the bitangent, of corners: splits vertices where they differ.
+    Tangent(UvSet),
     /// The second set of coordinates.
     LightMapUv,
 }
@@ -37,7 +37,7 @@ impl Values {
     fn len(self) -> usize {
         match self {
             Self::Uv | Self::LightMapUv => 2,
-            Self::Tangent => 4,
+            Self::Tangent(_) => 4,
             _ => 3,
         }
     }
@@ -99,7 +99,11 @@ impl Vertices {
         let world_from_object = mesh.world_from_object;
         let mut triangles = Cow::Borrowed(mesh.triangles.as_slice());
         let mut positions = Cow::Borrowed(mesh.positions.as_slice());
-        let split = needs(Values::Tangent).then(|| Split::new(mesh));
+        let mut groups = self.groups.iter();
+        let split = groups.find_map(|group| match group {
+            Values::Tangent(set) => Some(Split::new(mesh, *set)),
+            _ => None,
+        });
         if let Some(split) = &split {
             let at = |v: &u32| mesh.positions[*v as usize];
             positions = Cow::Owned(split.vertices.iter().map(at).collect());
@@ -182,9 +186,9 @@ struct Split {
 }
 
 impl Split {
-    fn new(mesh: &Mesh) -> Self {
+    fn new(mesh: &Mesh, set: UvSet) -> Self {
         const NONE: u32 = u32::MAX;
-        let of_corners = corner_tangents(mesh, &mesh.object_normals());
+        let of_corners = corner_tangents(mesh, set, &mesh.object_normals());
         let (mut vertices, mut tangents) = (Vec::new(), Vec::<[f32; 4]>::new());
         // The first part of each vertex, and the next part after each part.
         let mut first = vec![NONE; mesh.positions.len()];
@@ -243,7 +247,7 @@ impl Source<'_> {
                 Values::Highlight => out.extend(terms.highlight),
                 Values::Normal => out.extend(narrow(self.normals[vertex])),
                 Values::Position => out.extend(narrow(self.points[vertex])),
-                Values::Tangent => {
+                Values::Tangent(_) => {
                     let tangents = self.split.as_ref().map(|split| &split.tangents);
                     out.extend(tangents.map_or([0.0; 4], |all| all[part]));
                 }
@@ -293,11 +297,15 @@ fn times(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
 }
 
 /// Tangents of a mesh's corners for normal maps whose y points up the picture: world-space vectors and the sign of the bitangent.
-fn corner_tangents(mesh: &Mesh, normals: &[DVec3]) -> Vec<[f32; 4]> {
+fn corner_tangents(mesh: &Mesh, set: UvSet, normals: &[DVec3]) -> Vec<[f32; 4]> {
     let faces = texmap_uv::Faces::from_triangles(&mesh.triangles);
     let corners: Vec<u32> = mesh.triangles.iter().flatten().copied().collect();
+    let uvs = match set {
+        UvSet::First => &mesh.uvs,
+        UvSet::Second => &mesh.lightmap_uvs,
+    };
     let set = texmap_uv::UvSet {
-        uvs: mesh.uvs.clone(),
+        uvs: uvs.clone(),
         corners: corners.clone(),
     };
     let normal = |v: &u32| normals[*v as usize].normalize_or_zero().to_array();

@@ -1,6 +1,8 @@
 //! Lighting effects as data: what a scene says about shadows, projectors and environments, and materials about maps.
 
-use texmap_light::{Environment, NormalMapGreen, ProjectorBorder, ShadowBias};
+use texmap_light::{
+    Environment, EnvironmentLight, NormalMapGreen, ProjectorBorder, ShadowBias, ToneMap,
+};
 use texmap_math::Projector;
 use texmap_math::glam::{DMat4, DVec3};
 use texmap_sample::{Pattern, Sampler, Texture3d, Wrap};
@@ -25,6 +27,32 @@ pub struct Effects {
     pub volumes: Vec<Volume>,
     /// A sky.
     pub background: Option<Background>,
+    /// Light from every direction on metallic-roughness surfaces. It shows nowhere but on them; a
+    /// [`background`](Self::background) shows it.
+    pub environment_light: Option<EnvironmentLight>,
+    /// The way from light to display light.
+    pub tone_mapping: ToneMapping,
+}
+
+/// Exposure and tone mapping. They act on the light of lit surfaces (per pixel and per vertex) and of environments in the
+/// background, before samples are averaged and surfaces blended: edges between bright and dark stay smooth. Background colours and
+/// pictures, volumes and surfaces of [`Shading::Unlit`](crate::Shading::Unlit) are display light already and stay as they are.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ToneMapping {
+    /// Factor of light, finite and not negative.
+    pub exposure: f32,
+    /// The curve.
+    pub map: ToneMap,
+}
+
+impl Default for ToneMapping {
+    /// Light as it is, cut at 1.
+    fn default() -> Self {
+        Self {
+            exposure: 1.0,
+            map: ToneMap::None,
+        }
+    }
 }
 
 /// A shadow map for a light. Read by surfaces that are lit per pixel.

@@ -71,9 +71,9 @@ pub enum SceneError {
         /// Material name.
         material: String,
     },
-    /// A light map on a mesh without the coordinates for it.
+    /// A light map, or a texture that reads the second set of coordinates, on a mesh without that set.
     #[error(
-        "mesh '{mesh}' has no second uv set but its material '{material}' has a light map: give it Mesh::lightmap_uvs (`lightmapuv` in a scene)"
+        "mesh '{mesh}' has no second uv set but its material '{material}' has a light map or a texture that reads it: give it Mesh::lightmap_uvs (`lightmapuv` in a scene)"
     )]
     MissingLightMapUv {
         /// Mesh name.

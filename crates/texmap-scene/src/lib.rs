@@ -45,7 +45,8 @@ mod solid_field;
 
 pub use effects::{
     Background, Effects, Emission, LightMapSlot, NormalDetail, ProceduralHeight, ProjectorLight,
-    ProjectorMode, Reflection, Shadow, SolidTexture, SolidTextureSource, SurfaceMaps, Volume,
+    ProjectorMode, Reflection, Shadow, SolidTexture, SolidTextureSource, SurfaceMaps, ToneMapping,
+    Volume,
 };
 pub use error::SceneError;
 pub use light_names::is_light_name;

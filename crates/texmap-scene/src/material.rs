@@ -134,25 +134,32 @@ impl Material {
             )
     }
 
-    /// True if a surface that is lit per pixel reads the first texture coordinates of a mesh beside its base colour.
-    #[must_use]
-    pub fn reads_uv(&self) -> bool {
-        let maps = &self.maps;
-        self.normal_detail
-            .as_ref()
-            .is_some_and(|r| r.slot().is_some())
-            || self
-                .metallic_roughness
-                .as_ref()
-                .is_some_and(|m| m.slots().next().is_some())
-            || [
-                &maps.ambient,
-                &maps.specular,
-                &maps.exponent,
-                &maps.reflectivity,
-            ]
+    /// The textures that are read at coordinates of the mesh as their [`TextureSlot::uv_set`] says: neither ramps nor the light map.
+    pub fn uv_slots(&self) -> impl Iterator<Item = &TextureSlot> {
+        let (maps, lit) = (&self.maps, self.shading == Shading::PerPixel);
+        let relief = self.normal_detail.as_ref().and_then(NormalDetail::slot);
+        let model = self.metallic_roughness.iter();
+        let numbers = [
+            &maps.ambient,
+            &maps.specular,
+            &maps.exponent,
+            &maps.reflectivity,
+        ];
+        let lit = numbers
             .into_iter()
-            .any(Option::is_some)
+            .flatten()
+            .chain(relief)
+            .chain(model.flat_map(MetallicRoughness::slots))
+            .filter(move |_| lit);
+        let emission = self.emission.as_ref().and_then(|e| e.map.as_ref());
+        let color = [&self.base_color, &self.opacity_map, &self.decal];
+        color.into_iter().flatten().chain(emission).chain(lit)
+    }
+
+    /// True if a texture is read at this set of coordinates.
+    #[must_use]
+    pub fn reads_uv(&self, set: UvSet) -> bool {
+        self.uv_slots().any(|slot| slot.uv_set == set)
     }
 }
 

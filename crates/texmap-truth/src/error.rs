@@ -21,6 +21,14 @@ pub enum TruthError {
     /// The camera has no view.
     #[error(transparent)]
     Camera(#[from] CameraError),
+    /// The scene has what the reference does not know.
+    #[error("{place}: the f64 reference knows no {what}: draw it without --verify")]
+    Unsupported {
+        /// Material or effect.
+        place: String,
+        /// Its part that is not known.
+        what: &'static str,
+    },
     /// A texture frame without area.
     #[error(transparent)]
     Frame(#[from] FrameError),

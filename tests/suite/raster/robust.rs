@@ -65,10 +65,10 @@ fn wrong_draws_are_refused_by_name() {
     );
     assert_eq!(
         refusal(DrawCall {
-            attribute_count: 17,
+            attribute_count: 21,
             ..good
         }),
-        RasterError::TooManyAttributes { draw: 1, count: 17 }
+        RasterError::TooManyAttributes { draw: 1, count: 21 }
     );
     for parts in [0, 257] {
         assert_eq!(

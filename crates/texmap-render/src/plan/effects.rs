@@ -5,6 +5,7 @@ use texmap_math::glam::{DMat3, DVec3};
 
 use crate::RenderSettings;
 use crate::frame_resources::FrameResources;
+use crate::shade::metallic::{self, METALLIC_MAPS};
 use crate::shade::normal::{NormalSource, NormalSpace};
 use crate::shade::procedural::ProceduralBump;
 use crate::shade::slopes::Rise;
@@ -25,8 +26,12 @@ pub(crate) struct SurfaceEffects<'s> {
     /// Ambient color, specular color, exponent, reflectivity.
     pub(crate) maps: [Option<Slot<'s>>; MAPS],
     pub(crate) normal: Option<NormalSource<'s>>,
+    /// The maps of a metallic-roughness model.
+    pub(crate) metallic: [Option<Slot<'s>>; METALLIC_MAPS],
     /// Baked light, its map, and the first attribute of the coordinates.
     pub(crate) light_map: Option<(&'s LightMapSlot, Slot<'s>, usize)>,
+    /// The model of light asks for the direction to the eye whatever the lights.
+    sees_eye: bool,
     /// Unit normals of the triangles' planes, world space.
     pub(crate) planes: Vec<DVec3>,
     /// The lights that are not baked, by their number.
@@ -68,10 +73,15 @@ impl<'s> SurfaceEffects<'s> {
                 &maps.reflectivity,
             ]
             .map(|map| map.as_ref().map(slot)),
+            metallic: material.metallic_roughness.as_ref().map_or_else(
+                || [const { None }; METALLIC_MAPS],
+                |model| metallic::slots(model).map(|map| map.map(slot)),
+            ),
             normal,
             light_map: light_map
                 .zip(lightmap_uv)
                 .map(|(map, first)| (map, slot(&map.slot), first)),
+            sees_eye: material.metallic_roughness.is_some(),
             planes: mesh.triangle_normals(),
             lights: lights.filter(|(index, _)| !baked(*index)).collect(),
         }))
@@ -80,7 +90,8 @@ impl<'s> SurfaceEffects<'s> {
     /// True if some stage asks for positions. (A mirror asks for the direction to the eye alone.)
     pub(crate) fn reads_positions(&self, ready: &FrameResources<'_>) -> bool {
         let mut lights = self.lights.iter();
-        self.normal.is_some()
+        self.sees_eye
+            || self.normal.is_some()
             || !ready.projector_decals.is_empty()
             || lights.any(|(_, light)| !matches!(light, Light::Ambient { .. }))
     }
@@ -130,7 +141,7 @@ fn normal_detail<'s>(
                 let linear = DMat3::from_mat4(mesh.world_from_object);
                 NormalSpace::Object(linear.inverse().transpose())
             } else {
-                NormalSpace::Tangent(vertices.push(Values::Tangent, false))
+                NormalSpace::Tangent(vertices.push(Values::Tangent(map.uv_set), false))
             };
             let decoder = NormalMap {
                 green: *green,
@@ -152,6 +163,7 @@ fn world_unit(mesh: &Mesh) -> f64 {
 fn has_effects(material: &Material) -> bool {
     let maps = &material.maps;
     material.normal_detail.is_some()
+        || material.metallic_roughness.is_some()
         || material.light_map.is_some()
         || material.reflection.is_some()
         || material.specular_map.is_some()

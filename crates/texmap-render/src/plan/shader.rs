@@ -6,13 +6,14 @@ use super::effects::{AMBIENT, EXPONENT, MAPS, REFLECTIVITY, SPECULAR, SurfaceEff
 use super::{Plan, Space, Surface};
 use crate::frame_resources::FrameResources;
 use crate::shade::base_color::{BaseColor, BaseColors, BaseStage};
-use crate::shade::compose::{Compose, Cover};
+use crate::shade::compose::{Compose, Cover, Display};
 use crate::shade::coordinates::Coordinates;
 use crate::shade::environment::Reflection;
 use crate::shade::facing::FacingStage;
 use crate::shade::fetch::TexturePair;
 use crate::shade::light_maps::{AmbientMap, Emission, LightMap, LightRamp, SpecularMap};
 use crate::shade::lighting::{LightStage, LitBy, PhongLights, VertexTerms};
+use crate::shade::metallic::{METALLIC_MAPS, MetallicLight, MetallicStage};
 use crate::shade::normal::{BumpedNormals, MappedNormals, NormalSource};
 use crate::shade::paint::Paint;
 use crate::shade::projector::ProjectorStage;
@@ -24,7 +25,7 @@ use crate::shade::unlit::Unlit;
 use crate::shade::vectors::{SmoothNormals, VectorReader};
 use crate::shade::volume::VolumeStage;
 use crate::textures::Slot;
-use texmap_scene::{AlphaMode, Material, TextureRole};
+use texmap_scene::{AlphaMode, Material, MetallicRoughness, TextureRole, UvSet};
 
 /// The stages of a draw.
 pub(crate) enum Shader<'a> {
@@ -92,13 +93,17 @@ fn surface_shader<'a>(plan: &'a Plan<'a>, surface: &'a Surface<'a>) -> SurfaceSh
     drop(shadow_maps);
     // Paint does not reach what faces away from its projector.
     let reads_planes = by_shadows || !paint.projectors.is_empty();
-    let reflects =
-        effects.is_some() && (material.reflection.is_some() || material.specular_map.is_some());
+    let metallic = per_pixel && material.metallic_roughness.is_some();
+    let reflects = effects.is_some()
+        && !metallic
+        && (material.reflection.is_some() || material.specular_map.is_some());
     let lights_all = |by: &LitBy<'_>| !by.is_ambient() && by.projector.is_none();
     let maps = effects.map_or([None; MAPS], |effects| {
         effects.maps.each_ref().map(Option::as_ref)
     });
+    let metallic_maps = effects.is_some_and(|e| e.metallic.iter().any(Option::is_some));
     let short = per_pixel
+        && !metallic_maps
         && base.paired
         && (detail.is_none() || normal_map.is_some())
         && maps.iter().all(Option::is_none)
@@ -108,7 +113,8 @@ fn surface_shader<'a>(plan: &'a Plan<'a>, surface: &'a Surface<'a>) -> SurfaceSh
         && paint.projectors.is_empty();
     let emission_map = surface.emission.as_ref().and_then(|(_, map)| map.as_ref());
     let by_map = |detail: &NormalSource<'_>| !matches!(detail, NormalSource::Procedural(_));
-    let reads_uv = base.reads_uv()
+    let reads_uv = metallic_maps
+        || base.reads_uv()
         || (detail.is_some_and(by_map) && normal_map.is_none())
         || maps.iter().any(Option::is_some)
         || emission_map.is_some();
@@ -116,13 +122,14 @@ fn surface_shader<'a>(plan: &'a Plan<'a>, surface: &'a Surface<'a>) -> SurfaceSh
     SurfaceShader {
         level: plan.level,
         uv: reads_uv.then_some(&surface.uv),
+        second_uv: surface.second_uv,
         pair: TexturePair::new([base.texture.filter(|_| base.paired), normal_map]),
         vectors: VectorReader {
             normal: surface.normal,
             position,
             tangent: detail.and_then(NormalSource::tangent),
             in_values: !short,
-            normal_everywhere: reflects || lights.iter().any(lights_all),
+            normal_everywhere: reflects || metallic || lights.iter().any(lights_all),
             normal_changes: reflects,
         },
         facing: per_pixel.then(|| FacingStage {
@@ -162,6 +169,7 @@ fn stages<'a>(
         out.push(Box::new(Cover(base)));
         return out;
     }
+    let display = Display::new(plan.tone_mapping);
     let lit = match surface.light {
         LightStage::None | LightStage::Colors(_) => false,
         LightStage::Terms { diffuse, highlight } => {
@@ -170,6 +178,25 @@ fn stages<'a>(
         }
         LightStage::PerPixel => {
             normals(&mut out, plan, surface, &lights, paired_normals);
+            if let Some(model) = &surface.material.metallic_roughness {
+                let colors = if covers {
+                    BaseColors::Material
+                } else {
+                    BaseColors::Own
+                };
+                metallic(
+                    &mut out,
+                    plan,
+                    surface,
+                    (model, base, colors),
+                    lights,
+                    paint,
+                );
+                if covers {
+                    out.push(Box::new(Cover(base)));
+                }
+                return out;
+            }
             light(&mut out, plan, surface, maps, lights);
             true
         }
@@ -201,13 +228,61 @@ fn stages<'a>(
     out.push(Box::new(Compose {
         paired: paired.then_some(base),
         lit,
-        // Finished colors are clipped at the vertices.
-        clips: !matches!(surface.light, LightStage::Colors(_)) || surface.emission.is_some(),
+        display: match surface.light {
+            LightStage::None => Display::Clipped,
+            // Finished colors are clipped at the vertices.
+            LightStage::Colors(_) if surface.emission.is_none() && display == Display::Clipped => {
+                Display::Done
+            }
+            _ => display,
+        },
     }));
     if covers {
         out.push(Box::new(Cover(base)));
     }
     out
+}
+
+/// The light of a metallic-roughness surface and its final colors.
+fn metallic<'a>(
+    out: &mut Stages<'a>,
+    plan: &'a Plan<'a>,
+    surface: &'a Surface<'a>,
+    (model, base, colors): (&'a MetallicRoughness, BaseColor<'a>, BaseColors),
+    lights: Vec<LitBy<'a>>,
+    paint: Paint<'a>,
+) {
+    let effects = surface.effects.as_deref();
+    let paired = base.paired && paint.projectors.is_empty();
+    if !paired {
+        out.push(Box::new(BaseStage { base, colors }));
+    }
+    if !paint.projectors.is_empty() {
+        out.push(Box::new(paint));
+    }
+    let light_map = effects.and_then(|effects| effects.light_map.as_ref());
+    let maps = effects.map_or([None; METALLIC_MAPS], |effects| {
+        effects.metallic.each_ref().map(Option::as_ref)
+    });
+    out.push(Box::new(MetallicLight {
+        model: MetallicStage::new(model, maps, plan.environment_light),
+        paired: paired.then_some(base),
+        lights,
+        light_map: light_map.map(|(map, slot, uv)| (map.scale, slot, *uv)),
+        bent: effects.is_some_and(|effects| effects.normal.is_some()),
+    }));
+    if let Some((color, map)) = &surface.emission {
+        out.push(Box::new(Emission {
+            color: *color,
+            map: map.as_ref(),
+            under_light: false,
+        }));
+    }
+    out.push(Box::new(Compose {
+        paired: None,
+        lit: false,
+        display: Display::new(plan.tone_mapping),
+    }));
 }
 
 /// Normals, and the directions to the eye that they or the highlights ask for.
@@ -222,7 +297,8 @@ fn normals<'a>(
     let detail = effects.and_then(|effects| effects.normal.as_ref());
     let horizon_clamp = material.horizon_clamp;
     let shines = lights.iter().any(|by| !by.is_ambient()) && material.phong.ks > 0.0;
-    let sees_eye = shines || (detail.is_some() && horizon_clamp);
+    let sees_eye =
+        shines || material.metallic_roughness.is_some() || (detail.is_some() && horizon_clamp);
     out.push(Box::new(SmoothNormals {
         eye: sees_eye.then_some(plan.eye),
     }));
@@ -372,5 +448,6 @@ fn lights<'a>(ready: &'a FrameResources<'a>, effects: &'a SurfaceEffects<'a>) ->
 /// True if a texture is opaque and read at the coordinates of the vertices as they are.
 fn fits(surface: &Surface<'_>, slot: &Slot<'_>) -> bool {
     let uv = matches!(surface.uv, Coordinates::Vertices);
-    uv && !slot.is_transformed() && !slot.can_be_transparent()
+    let first = slot.uv_set == UvSet::First;
+    uv && first && !slot.is_transformed() && !slot.can_be_transparent()
 }

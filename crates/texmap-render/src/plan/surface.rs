@@ -7,7 +7,7 @@ use super::effects::SurfaceEffects;
 use super::light_stage::{light_stage, lights_depend_on_place};
 use super::{AlphaTestStage, View, alpha_test};
 use crate::frame_resources::FrameResources;
-use crate::shade::coordinates::Coordinates;
+use crate::shade::coordinates::{Coordinates, uv_of_attributes};
 use crate::shade::lighting::LightStage;
 use crate::shade::sky::SkyStage;
 use crate::shade::solid::SolidStage;
@@ -18,7 +18,7 @@ use crate::vertices::{Values, VertexData, Vertices};
 use crate::{Aov, RenderSettings};
 use texmap_math::CameraFrame;
 use texmap_scene::{
-    AlphaMode, Material, Mesh, Scene, Shading, TextureRole, TextureSlot, VertexColorInterp,
+    AlphaMode, Material, Mesh, Scene, TextureRole, TextureSlot, UvSet, VertexColorInterp,
 };
 
 /// One mesh, ready for the rasterizer and the stages.
@@ -38,6 +38,8 @@ pub(crate) struct Surface<'s> {
     /// The only stage of what is no surface.
     pub(crate) space: Option<Space<'s>>,
     pub(crate) uv: Coordinates,
+    /// First attribute of the second set of coordinates.
+    pub(crate) second_uv: Option<usize>,
     pub(crate) light: LightStage,
     /// What a surface lit per pixel is under beside plain lights.
     pub(crate) effects: Option<Box<SurfaceEffects<'s>>>,
@@ -90,6 +92,7 @@ impl<'s> Surface<'s> {
             emission: None,
             space: None,
             uv: Coordinates::None,
+            second_uv: None,
             light: LightStage::None,
             effects: None,
             color: None,
@@ -113,7 +116,18 @@ impl Surface<'_> {
     pub(super) fn kept(&self, fragment: &Fragment) -> bool {
         let Some(cut) = self.cut else { return true };
         let maps = [&self.base_color, &self.opacity_map].map(Option::as_ref);
-        cut.keeps(self.uv.at(fragment), maps, self.material.opacity)
+        let place = match self.second_uv.filter(|_| self.cut_by_second()) {
+            Some(first) => Some(uv_of_attributes(fragment, first)),
+            None => self.uv.at(fragment),
+        };
+        cut.keeps(place, maps, self.material.opacity)
+    }
+
+    /// True if the maps of the alpha test are read at the second set of coordinates.
+    pub(super) fn cut_by_second(&self) -> bool {
+        let maps = [&self.base_color, &self.opacity_map];
+        let mut maps = maps.into_iter().flatten();
+        maps.any(|slot| slot.uv_set == UvSet::Second)
     }
 }
 
@@ -172,7 +186,8 @@ pub(super) fn surface<'s>(
         || opacity_map.is_some()
         || decal.is_some()
         || emission.as_ref().is_some_and(|e| e.1.is_some())
-        || material.shading == Shading::PerPixel && material.reads_uv();
+        || material.reads_uv(UvSet::First);
+    let second = material.reads_uv(UvSet::Second);
 
     let mut position = None;
     let uv = match mesh.texture_frame {
@@ -197,6 +212,7 @@ pub(super) fn surface<'s>(
         }
         _ => Coordinates::None,
     };
+    let second_uv = second.then(|| vertices.push(Values::LightMapUv, false));
     let screen = material.vertex_color_interp == VertexColorInterp::ScreenLinear;
     let covered = base_color.is_some() && material.texture_role == TextureRole::Decal;
     let varies = base_color.is_some() || material.solid.is_some() || decal.is_some();
@@ -228,7 +244,10 @@ pub(super) fn surface<'s>(
     if position.is_none() && aovs.contains(&Aov::Position) {
         position = Some(vertices.push(Values::Position, false));
     }
-    let at_a_vertex = matches!(uv, Coordinates::Vertices) || base_color.is_none();
+    let second_base = base_color
+        .as_ref()
+        .is_some_and(|slot| slot.uv_set == UvSet::Second);
+    let at_a_vertex = matches!(uv, Coordinates::Vertices) && !second_base || base_color.is_none();
     let is_unlit = matches!(light, LightStage::None) && color.is_none() && opacity_map.is_none();
     let plain = !material.antialiased_alpha
         && color_ramp.is_none()
@@ -254,6 +273,7 @@ pub(super) fn surface<'s>(
         emission,
         space: None,
         uv,
+        second_uv,
         light,
         effects,
         color,

@@ -1,11 +1,10 @@
 //! Base color and opacity: texture, color ramp, antialiased alpha, solid texture, decal, vertex colors, opacity map.
 
 use texmap_light::lanes::{Vector, splat};
-use texmap_math::Level;
 use texmap_math::simd::{Isa, Scalar};
 use texmap_raster::Varyings;
 
-use super::batch::{Batch, Colors, columns, load_vector, parts, straight};
+use super::batch::{Colors, columns, load_vector, parts, straight};
 use super::fetch::{PackedTexels, Texels, footprint_at};
 use super::solid::SolidStage;
 use super::stage::{Inputs, Kernel, ShadeColumns};
@@ -52,16 +51,12 @@ impl BaseColor<'_> {
             && (self.texture.is_some() || self.decal.is_some() || self.opacity_map.is_some())
     }
 
-    /// Reads what a batch is colored by, but for the texels of the pair; columns 0 and 1 of `uv` are its coordinates.
-    pub(crate) fn fetch(
-        &self,
-        level: Level,
-        batch: &Batch<'_>,
-        uv: &Varyings,
-        out: &mut BaseTexels,
-    ) {
+    /// Reads what a batch is colored by, but for the texels of the pair.
+    pub(crate) fn fetch(&self, inputs: &Inputs<'_>, out: &mut BaseTexels) {
+        let (level, batch) = (inputs.level, inputs.batch);
         let blocks = batch.list.len();
         if let Some(slot) = self.texture {
+            let uv = inputs.uv_of(slot);
             out.texture.fetch(level, slot, uv, blocks);
             let colors = &mut out.texture.colors;
             if let (Some(ramp), None) = (self.ramp, self.solid) {
@@ -82,10 +77,10 @@ impl BaseColor<'_> {
             }
         }
         if let Some(slot) = self.decal {
-            out.decal.fetch(level, slot, uv, blocks);
+            out.decal.fetch(level, slot, inputs.uv_of(slot), blocks);
         }
         if let Some(slot) = self.opacity_map {
-            out.opacity.fetch(level, slot, uv, blocks);
+            out.opacity.fetch(level, slot, inputs.uv_of(slot), blocks);
         }
         if let Some(solid) = self.solid {
             solid.fetch(level, batch, &mut out.solid);
@@ -209,8 +204,7 @@ pub(crate) enum BaseColors {
 impl Kernel for BaseStage<'_> {
     fn read(&self, inputs: &Inputs<'_>, columns: &mut ShadeColumns) {
         if !self.base.paired && self.colors != BaseColors::Material {
-            let out = &mut columns.base;
-            self.base.fetch(inputs.level, inputs.batch, inputs.uv, out);
+            self.base.fetch(inputs, &mut columns.base);
         }
     }
 

@@ -1,7 +1,8 @@
 //! Final colors: the base color under its light, and decals that cover their surface.
 
+use texmap_light::lanes::Vector;
 use texmap_math::simd::{Isa, prelude::*};
-use texmap_scene::AlphaMode;
+use texmap_scene::{AlphaMode, ToneMapping};
 
 use super::base_color::BaseColor;
 use super::batch::{parts, straight};
@@ -13,8 +14,48 @@ pub(crate) struct Compose<'a> {
     pub(crate) paired: Option<BaseColor<'a>>,
     /// `base * diffuse + highlight`; else the colors have their light already.
     pub(crate) lit: bool,
-    /// Colors are clipped at 1.
-    pub(crate) clips: bool,
+    pub(crate) display: Display,
+}
+
+/// The way from the light of a surface to display light.
+#[derive(Clone, Copy, PartialEq)]
+pub(crate) enum Display {
+    /// As it is.
+    Done,
+    /// Clipped at 1.
+    Clipped,
+    Mapped(ToneMapping),
+}
+
+impl Display {
+    pub(crate) fn new(mapping: ToneMapping) -> Self {
+        if mapping == ToneMapping::default() {
+            Self::Clipped
+        } else {
+            Self::Mapped(mapping)
+        }
+    }
+
+    #[inline(always)]
+    pub(crate) fn of<I: Isa>(self, i: I, light: Vector<I>) -> Vector<I> {
+        match self {
+            Self::Done => light,
+            Self::Clipped => {
+                let (one, [r, g, b]) = (i.f32(1.0), light);
+                [r.below(one), g.below(one), b.below(one)]
+            }
+            Self::Mapped(mapping) => mapped(i, mapping, light),
+        }
+    }
+}
+
+/// Out of line: most scenes have no curve.
+#[inline(never)]
+fn mapped<I: Isa>(i: I, mapping: ToneMapping, light: Vector<I>) -> Vector<I> {
+    i.vectorize(
+        #[inline(always)]
+        || mapping.map.apply_lanes(i, mapping.exposure, light),
+    )
 }
 
 impl Kernel for Compose<'_> {
@@ -37,12 +78,7 @@ impl Kernel for Compose<'_> {
                     color[k] = color[k] * diffuse[k] + highlight[k];
                 }
             }
-            if self.clips {
-                for c in &mut color {
-                    *c = c.below(one);
-                }
-            }
-            let [r, g, b] = color;
+            let [r, g, b] = self.display.of(i, color);
             let color = [r * alpha, g * alpha, b * alpha, alpha];
             columns.color.store(i, at, color);
         }
@@ -54,8 +90,7 @@ pub(crate) struct Cover<'a>(pub(crate) BaseColor<'a>);
 
 impl Kernel for Cover<'_> {
     fn read(&self, inputs: &Inputs<'_>, columns: &mut ShadeColumns) {
-        let base = &mut columns.base;
-        self.0.fetch(inputs.level, inputs.batch, inputs.uv, base);
+        self.0.fetch(inputs, &mut columns.base);
     }
 
     #[inline(always)]

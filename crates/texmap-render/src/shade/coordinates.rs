@@ -34,10 +34,7 @@ impl Coordinates {
         } = fragment;
         match self {
             Self::None => None,
-            Self::Vertices => {
-                let d = Footprint::new(ddx[0], ddx[1], ddy[0], ddy[1]);
-                Some(([values[0], values[1]], d))
-            }
+            Self::Vertices => Some(uv_of_attributes(fragment, 0)),
             Self::Frame(frame) => frame.uv(fragment.pixel[0], fragment.pixel[1]),
             Self::Round(map, first) => {
                 let three = |of: &[f32]| [of[*first], of[first + 1], of[first + 2]];
@@ -104,6 +101,16 @@ impl Coordinates {
         }
         out
     }
+}
+
+/// Coordinates that are attributes of a fragment, from this one on.
+pub(crate) fn uv_of_attributes(fragment: &Fragment, first: usize) -> ([f32; 2], Footprint) {
+    let Fragment {
+        values, ddx, ddy, ..
+    } = fragment;
+    let (u, v) = (first, first + 1);
+    let d = Footprint::new(ddx[u], ddx[v], ddy[u], ddy[v]);
+    ([values[u], values[v]], d)
 }
 
 /// Directions to the eye from the samples of a grid, world space. Their length is that of the ray where it is 1 along the camera's axis,

@@ -20,6 +20,7 @@ pub(crate) mod facing;
 pub(crate) mod fetch;
 pub(crate) mod light_maps;
 pub(crate) mod lighting;
+pub(crate) mod metallic;
 pub(crate) mod normal;
 pub(crate) mod paint;
 pub(crate) mod procedural;

@@ -3,10 +3,11 @@
 use texmap_light::Environment;
 use texmap_light::lanes::RayLanes;
 use texmap_math::glam::DMat4;
-use texmap_math::simd::{Isa, prelude::*};
+use texmap_math::simd::Isa;
 use texmap_math::{Level, ViewRays, dispatch_simd};
 
 use super::batch::{Batch, Colors, LANES};
+use super::compose::Display;
 use super::coordinates::EyeRays;
 
 /// An environment as a sky.
@@ -14,6 +15,7 @@ pub(crate) struct SkyStage<'s> {
     environment: &'s Environment,
     /// Through the positions in a pixel that are looked up: one or more for each texel that it sees.
     rays: Vec<EyeRays>,
+    display: Display,
 }
 
 impl<'s> SkyStage<'s> {
@@ -21,6 +23,7 @@ impl<'s> SkyStage<'s> {
         environment: &'s Environment,
         rays: &ViewRays,
         view_from_world: DMat4,
+        display: Display,
     ) -> Self {
         let (width, height) = environment.size();
         let texels = f64::from(width) * f64::from(height) * environment.layout().faces() as f64;
@@ -31,13 +34,14 @@ impl<'s> SkyStage<'s> {
         let places = (0..side).flat_map(|j| (0..side).map(move |i| (i, j)));
         Self {
             environment,
+            display,
             rays: places
                 .map(|(i, j)| middle.beside([inside(i), inside(j)]))
                 .collect(),
         }
     }
 
-    /// The light behind the fragments of a batch, clipped at 1.
+    /// The light behind the fragments of a batch, as display light.
     pub(crate) fn shade(&self, level: Level, batch: &Batch<'_>, out: &mut Colors) {
         dispatch_simd!(level, i => for (index, block) in batch.list.iter().enumerate() {
             self.shade_block(i, batch.sample(*block, 0), index * LANES, out);
@@ -63,11 +67,8 @@ impl<'s> SkyStage<'s> {
             }
             let count = self.rays.len() as f32;
             let [r, g, b] = [sum[0] / count, sum[1] / count, sum[2] / count];
-            out.store(
-                i,
-                first + pixel,
-                [r.below(one), g.below(one), b.below(one), one],
-            );
+            let [r, g, b] = self.display.of(i, [r, g, b]);
+            out.store(i, first + pixel, [r, g, b, one]);
         }
     }
 }

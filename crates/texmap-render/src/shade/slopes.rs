@@ -48,7 +48,7 @@ impl Kernel for SlopeMap<'_> {
     fn read(&self, inputs: &Inputs<'_>, columns: &mut ShadeColumns) {
         let (slot, rise, slopes) = (self.slot, &self.rise, &mut columns.slopes);
         let (level, blocks) = (inputs.level, inputs.batch.list.len());
-        slopes.place(slot, inputs.uv, blocks);
+        slopes.place(slot, inputs.uv_of(slot), blocks);
         let Some(green) = self.slopes else {
             return slopes.differences(level, slot, blocks, rise);
         };

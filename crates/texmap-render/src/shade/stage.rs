@@ -12,6 +12,7 @@ use super::projector::ProjectorTexels;
 use super::slopes::Slopes;
 use super::vectors::Vectors;
 use crate::textures::Slot;
+use texmap_scene::UvSet;
 
 /// A step of shading a batch, from inputs and columns to columns.
 pub(crate) trait Stage: Sync {
@@ -41,6 +42,8 @@ pub(crate) struct Inputs<'a> {
     pub(crate) batch: &'a Batch<'a>,
     /// Coordinates as columns 0 and 1, where a stage reads a texture by them.
     pub(crate) uv: &'a Varyings,
+    /// The same of the second set.
+    pub(crate) second_uv: &'a Varyings,
     pub(crate) vectors: Vectors<'a>,
     /// The blocks of the batch, without the pixels of those whose normals nothing asks for.
     pub(crate) reached: &'a [FragmentBlock],
@@ -49,6 +52,16 @@ pub(crate) struct Inputs<'a> {
     pub(crate) pair: &'a [PackedTexels; 2],
     /// Texels of the projectors of the lights, then of those that paint.
     pub(crate) projectors: &'a [ProjectorTexels],
+}
+
+impl Inputs<'_> {
+    /// The coordinates that a texture is read at.
+    pub(crate) fn uv_of(&self, slot: &Slot<'_>) -> &Varyings {
+        match slot.uv_set {
+            UvSet::First => self.uv,
+            UvSet::Second => self.second_uv,
+        }
+    }
 }
 
 /// The columns between stages. A thread keeps them: those that no stage of a surface writes hold no meaning.
@@ -69,12 +82,15 @@ pub(crate) struct ShadeColumns {
     pub(crate) uv: Varyings,
     pub(crate) base: BaseTexels,
     pub(crate) slopes: Slopes,
+    /// Texels of the maps of a metallic-roughness model.
+    pub(crate) metallic: Vec<Texels>,
 }
 
 impl ShadeColumns {
     /// Reads a texture at the coordinates of the batch.
     pub(crate) fn fetch(&mut self, inputs: &Inputs<'_>, slot: &Slot<'_>) {
         let blocks = inputs.batch.list.len();
-        self.texels.fetch(inputs.level, slot, inputs.uv, blocks);
+        self.texels
+            .fetch(inputs.level, slot, inputs.uv_of(slot), blocks);
     }
 }

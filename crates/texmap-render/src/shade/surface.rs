@@ -16,6 +16,8 @@ pub(crate) struct SurfaceShader<'a> {
     pub(crate) level: Level,
     /// Coordinates of the textures, where a stage reads some by them.
     pub(crate) uv: Option<&'a Coordinates>,
+    /// First attribute of the second set of coordinates, where a stage reads some by them.
+    pub(crate) second_uv: Option<usize>,
     pub(crate) pair: TexturePair<'a>,
     pub(crate) vectors: VectorReader,
     /// Where lights are computed per pixel.
@@ -34,6 +36,7 @@ pub(crate) struct SurfaceScratch {
     vectors: VectorScratch,
     /// Coordinates that are no attributes.
     uv: Varyings,
+    second_uv: Varyings,
     coordinates: UvScratch,
     pair: PairScratch,
     pair_texels: [PackedTexels; 2],
@@ -53,6 +56,7 @@ impl SurfaceShader<'_> {
         let SurfaceScratch {
             vectors,
             uv,
+            second_uv,
             coordinates,
             pair,
             pair_texels,
@@ -67,6 +71,10 @@ impl SurfaceShader<'_> {
             Some(from) => from.columns(level, batch, coordinates, uv),
             None => batch.values,
         };
+        if let Some(first) = self.second_uv {
+            let wanted = [first, first + 1];
+            planes.values(level, batch.blocks, batch.list, &wanted, true, second_uv);
+        }
         let (of, texels) = (&self.projectors, &mut *projectors);
         let (vectors, reached) = self.vectors.read(level, planes, batch, of, vectors, texels);
         if let Some(facing) = &self.facing {
@@ -77,6 +85,7 @@ impl SurfaceShader<'_> {
             planes,
             batch,
             uv,
+            second_uv,
             vectors,
             reached,
             sides,

@@ -140,6 +140,15 @@ impl Scene {
 
     pub(crate) fn check_effects(&self, warnings: &mut Vec<String>) -> Result<(), SceneError> {
         self.check_light_names()?;
+        let exposure = self.effects.tone_mapping.exposure;
+        if !(exposure.is_finite() && exposure >= 0.0) {
+            return Err(SceneError::Value {
+                place: "tone mapping".to_owned(),
+                what: "exposure".to_owned(),
+                value: exposure.to_string(),
+                expected: "it must be finite and not negative",
+            });
+        }
         for shadow in &self.effects.shadows {
             self.check_shadow(shadow, warnings)?;
         }
@@ -189,8 +198,9 @@ impl Scene {
         if shadow.pcf_size.is_multiple_of(2) || shadow.pcf_size > 15 {
             return Err(value("taps", shadow.pcf_size, "an odd number, 1 to 15"));
         }
-        if let Light::Point { position, .. } | Light::Spot { position, .. } =
-            self.lights[shadow.light]
+        if let Light::Point { position, .. }
+        | Light::Spot { position, .. }
+        | Light::Punctual { position, .. } = self.lights[shadow.light]
         {
             let position = DVec3::from(position.map(f64::from));
             if let Some(mesh) = self.meshes.iter().find(|mesh| encloses(mesh, position)) {

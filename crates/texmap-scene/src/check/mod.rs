@@ -3,7 +3,7 @@
 mod effects;
 mod shapes;
 
-use crate::{Background, Material, Mesh, Scene, SceneError, Shading, TextureSlot};
+use crate::{Background, Material, Mesh, Scene, SceneError, Shading, TextureSlot, UvSet};
 
 impl Scene {
     /// Checks every number and index of the scene and returns warnings: one sentence for each thing that
@@ -104,6 +104,16 @@ impl Scene {
         for slot in material.slots() {
             self.check_slot(slot, place)?;
         }
+        if let (Some(color), Some(opacity)) = (&material.base_color, &material.opacity_map)
+            && color.uv_set != opacity.uv_set
+        {
+            return Err(SceneError::Value {
+                place: place(),
+                what: "set of coordinates of the opacity map".to_owned(),
+                value: format!("{:?}", opacity.uv_set),
+                expected: "it must be that of the base colour",
+            });
+        }
         self.check_material_effects(material)
     }
 
@@ -192,12 +202,9 @@ impl Scene {
         mesh.check_shape()?;
         let material = &self.materials[mesh.material];
         let lit = material.shading == Shading::PerPixel;
-        let textured = material.base_color.is_some()
-            || material.opacity_map.is_some()
-            || material.decal.is_some()
-            || material.emission.as_ref().is_some_and(|e| e.map.is_some())
-            || lit && material.reads_uv();
-        if lit && material.light_map.is_some() && mesh.lightmap_uvs.is_empty() {
+        let textured = material.reads_uv(UvSet::First);
+        let second = material.reads_uv(UvSet::Second) && !mesh.triangles.is_empty();
+        if (lit && material.light_map.is_some() || second) && mesh.lightmap_uvs.is_empty() {
             return Err(SceneError::MissingLightMapUv {
                 mesh: mesh.name.clone(),
                 material: material.name.clone(),

@@ -30,7 +30,7 @@ mod world;
 
 use rayon::prelude::*;
 use texmap_math::glam::{DVec3, DVec4};
-use texmap_scene::{ColorMode, Mesh, Scene};
+use texmap_scene::{ColorMode, Mesh, Scene, Shading, ToneMapping, UvSet};
 
 use crate::TruthError;
 use crate::picture::Picture;
@@ -107,13 +107,42 @@ impl Truth {
     }
 }
 
+/// Refuses what would be drawn wrongly.
+fn known(scene: &Scene) -> Result<(), TruthError> {
+    let used = scene
+        .meshes
+        .iter()
+        .map(|mesh| &scene.materials[mesh.material]);
+    for material in used {
+        let per_pixel = material.shading == Shading::PerPixel;
+        let what = if per_pixel && material.metallic_roughness.is_some() {
+            "metallic-roughness model"
+        } else if material.reads_uv(UvSet::Second) {
+            "texture at the second set of coordinates"
+        } else {
+            continue;
+        };
+        let place = format!("material '{}'", material.name);
+        return Err(TruthError::Unsupported { place, what });
+    }
+    if scene.effects.tone_mapping == ToneMapping::default() {
+        return Ok(());
+    }
+    Err(TruthError::Unsupported {
+        place: "scene".to_owned(),
+        what: "exposure or tone mapping",
+    })
+}
+
 /// Computes a frame with `samples` x `samples` samples a pixel, on all threads of rayon's pool. The result does not depend on their
 /// number. Displaced meshes and billboards are taken as the triangles that [`texmap_mesh::tessellate`] makes of them.
 ///
 /// # Errors
-/// If the scene does not pass its own check.
+/// If the scene does not pass its own check; [`TruthError::Unsupported`] for metallic-roughness materials, second sets of coordinates
+/// beside that of light maps, and tone mapping.
 pub fn frame(scene: &Scene, width: u32, height: u32, samples: u32) -> Result<Truth, TruthError> {
     scene.check()?;
+    known(scene)?;
     let scene = &*texmap_mesh::tessellate(scene, width)?;
     let samples = samples.max(1);
     let world = World::new(scene, (width, height), samples)?;

@@ -1,0 +1,320 @@
+//! Sums over the texels of a cube by a lobe around a direction: near texels one by one, far ones by the means of sixteen.
+
+use alloc::vec::Vec;
+use core::f64::consts::PI;
+
+use texmap_math::glam::{DVec2, DVec3};
+use texmap_math::lanes::LANES;
+use texmap_math::simd::{Isa, prelude::*};
+use texmap_math::{Level, deterministic_f32, deterministic_f64, dispatch_simd};
+
+use crate::EnvironmentLayout;
+use crate::environment::Environment;
+use crate::lanes::Vector;
+use crate::vector::{dot, narrow, splat};
+
+/// Weights of directions by the cosine `c` of their angle from the lobe's axis.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Kernel {
+    /// GGX of this squared width, seen head on: `D(H) c`.
+    Ggx(f32),
+    /// `max(0, c)`.
+    Cosine,
+    /// `exp(-(angle / sigma)^2 / 2)` for small angles, by `1 / sigma^2`.
+    Gaussian(f32),
+}
+
+impl Kernel {
+    pub(super) fn ggx(alpha: f32) -> Self {
+        Self::Ggx(alpha * alpha)
+    }
+
+    pub(super) fn gaussian(sigma: f32) -> Self {
+        Self::Gaussian(1.0 / (sigma * sigma))
+    }
+
+    /// Cosine of the angle from a patch within which its texels are weighted one by one: where the weight changes much over it.
+    fn near(self, radius: f64) -> f32 {
+        let width = match self {
+            Self::Ggx(a2) => 2.0 * texmap_math::float::sqrt(f64::from(a2)),
+            Self::Cosine => 1.0,
+            Self::Gaussian(scale) => {
+                // Five times sigma; nothing lies beyond.
+                let sigma = 1.0 / texmap_math::float::sqrt(f64::from(scale));
+                return deterministic_f64::cos(radius + 5.0 * sigma) as f32;
+            }
+        };
+        // A patch of a third of the weight's own scale is fine: that is the width and half the distance.
+        let reach = 2.0 * (3.0 * radius - width);
+        let reach = if reach > radius { reach } else { radius };
+        deterministic_f64::cos(if reach < PI { reach } else { PI }) as f32
+    }
+
+    #[inline(always)]
+    fn weight<I: Isa>(self, i: I, c: I::F32) -> I::F32 {
+        let (zero, one) = (i.f32(0.0), i.f32(1.0));
+        match self {
+            Self::Ggx(a2) => {
+                // The squared cosine of the half vector is (1 + c) / 2.
+                let q = (one - c).above(zero) + (c + 1.0) * a2;
+                c.above(zero) / (q * q)
+            }
+            Self::Cosine => c.above(zero),
+            Self::Gaussian(scale) => {
+                let x = (one - c).above(zero) * scale;
+                let near = x.simd_lt(12.0);
+                if !near.any_true() {
+                    return zero;
+                }
+                let power = deterministic_f32::exp2_lanes(i, x * -core::f32::consts::LOG2_E);
+                near.select(power, zero)
+            }
+        }
+    }
+}
+
+/// Sixteen texels or means: direction; light times solid angle, and solid angle.
+#[derive(Clone, Copy)]
+struct Sixteen {
+    direction: [[f32; LANES]; 3],
+    light: [[f32; LANES]; 4],
+}
+
+impl Default for Sixteen {
+    fn default() -> Self {
+        Self {
+            direction: [[0.0; LANES]; 3],
+            light: [[0.0; LANES]; 4],
+        }
+    }
+}
+
+impl Sixteen {
+    fn put(&mut self, lane: usize, direction: [f32; 3], light: [f64; 4]) {
+        for (column, c) in self.direction.iter_mut().zip(direction) {
+            column[lane] = c;
+        }
+        for (column, c) in self.light.iter_mut().zip(light) {
+            column[lane] = c as f32;
+        }
+    }
+
+    #[inline(always)]
+    fn cosine<I: Isa>(&self, i: I, at: usize, to: Vector<I>) -> I::F32 {
+        let [x, y, z] = &self.direction;
+        let d = [
+            i.load_f32(&x[at..]),
+            i.load_f32(&y[at..]),
+            i.load_f32(&z[at..]),
+        ];
+        dot(d, to)
+    }
+
+    #[inline(always)]
+    fn add<I: Isa>(&self, i: I, at: usize, weight: I::F32, sums: &mut [I::F32; 4]) {
+        for (sum, light) in sums.iter_mut().zip(&self.light) {
+            *sum = *sum + i.load_f32(&light[at..]) * weight;
+        }
+    }
+}
+
+/// The texels of a level of a cube in patches of four by four, and the patches' means.
+pub(super) struct Texels {
+    patches: Vec<Sixteen>,
+    means: Vec<Sixteen>,
+    /// Largest angle between a patch's direction and one of its texels.
+    radius: f64,
+}
+
+impl Texels {
+    /// Texels a side of a patch.
+    const SIDE: u32 = 4;
+
+    pub(super) fn new(cube: &Environment, level: usize) -> Self {
+        let level = cube.levels[level];
+        let size = level.width;
+        let mut this = Self {
+            patches: Vec::new(),
+            means: Vec::new(),
+            radius: 0.0,
+        };
+        let mut least = 1.0f64;
+        // The faces are alike.
+        let texels = (0..size).flat_map(|y| (0..size).map(move |x| (x, y)));
+        let angles = texels.map(|at| EnvironmentLayout::Cube.solid_angle(0, at, (size, size)));
+        let angles: Vec<f64> = angles.collect();
+        for face in 0..6 {
+            for y0 in (0..size).step_by(Self::SIDE as usize) {
+                for x0 in (0..size).step_by(Self::SIDE as usize) {
+                    let (mut patch, mut all) = (Sixteen::default(), [0.0; 4]);
+                    let mut directions = [DVec3::ZERO; LANES];
+                    for lane in 0..LANES {
+                        let (x, y) = (x0 + lane as u32 % 4, y0 + lane as u32 / 4);
+                        if x >= size || y >= size {
+                            continue;
+                        }
+                        let centre = |c: u32| (f64::from(c) + 0.5) / f64::from(size);
+                        let uv = DVec2::new(centre(x), centre(y));
+                        let d = EnvironmentLayout::Cube.direction(face, uv);
+                        let angle = angles[(y * size + x) as usize];
+                        let at = level.index(face, x as usize + 1, y as usize + 1);
+                        let [r, g, b] = cube.texels[at].map(|c| f64::from(c) * angle);
+                        patch.put(lane, narrow(d), [r, g, b, angle]);
+                        all = [all[0] + r, all[1] + g, all[2] + b, all[3] + angle];
+                        directions[lane] = d;
+                    }
+                    let axis = directions.iter().sum::<DVec3>().normalize_or_zero();
+                    for d in directions.iter().filter(|d| **d != DVec3::ZERO) {
+                        let c = d.dot(axis);
+                        least = if c < least { c } else { least };
+                    }
+                    let lane = this.patches.len() % LANES;
+                    if lane == 0 {
+                        this.means.push(Sixteen::default());
+                    }
+                    if let Some(means) = this.means.last_mut() {
+                        means.put(lane, narrow(axis), all);
+                    }
+                    this.patches.push(patch);
+                }
+            }
+        }
+        this.radius = deterministic_f64::acos(least);
+        this
+    }
+
+    /// The mean light by a kernel around a direction.
+    pub(super) fn gather(&self, level: Level, kernel: Kernel, r: DVec3) -> [f32; 3] {
+        let mut sums = [[0.0; LANES]; 4];
+        dispatch_simd!(level, i => self.sum(i, kernel, narrow(r), &mut sums));
+        let [r, g, b, weight] = sums.map(|lanes| lanes.into_iter().map(f64::from).sum::<f64>());
+        [r, g, b].map(|c| (c / weight) as f32)
+    }
+
+    /// The sums of sixteen columns: far patches, then the texels of near ones.
+    #[inline(always)]
+    fn sum<I: Isa>(&self, i: I, kernel: Kernel, r: [f32; 3], sums: &mut [[f32; LANES]; 4]) {
+        let to = splat(i, r);
+        let limit = kernel.near(self.radius);
+        let mut near = Vec::new();
+        for at in (0..LANES).step_by(I::LANES) {
+            let mut lanes = [i.f32(0.0); 4];
+            for (k, means) in self.means.iter().enumerate() {
+                let c = means.cosine(i, at, to);
+                let far = c.simd_lt(limit);
+                let bits = !far.to_bitmask() & (u32::MAX >> (32 - I::LANES));
+                if bits != 0 {
+                    near.push((k * LANES + at, bits));
+                }
+                let weight = far.select(kernel.weight(i, c), i.f32(0.0));
+                means.add(i, at, weight, &mut lanes);
+            }
+            for (lanes, sum) in lanes.iter().zip(&mut *sums) {
+                lanes.store(&mut sum[at..]);
+            }
+        }
+        // By their number, whatever the width.
+        near.sort_unstable();
+        for at in (0..LANES).step_by(I::LANES) {
+            let mut lanes = [i.f32(0.0); 4];
+            for (lanes, sum) in lanes.iter_mut().zip(&*sums) {
+                *lanes = i.load_f32(&sum[at..]);
+            }
+            for (first, bits) in &near {
+                let mut bits = *bits;
+                while bits != 0 {
+                    let patch = self.patches.get(first + bits.trailing_zeros() as usize);
+                    if let Some(patch) = patch {
+                        let weight = kernel.weight(i, patch.cosine(i, at, to));
+                        patch.add(i, at, weight, &mut lanes);
+                    }
+                    bits &= bits - 1;
+                }
+            }
+            for (lanes, sum) in lanes.iter().zip(&mut *sums) {
+                lanes.store(&mut sum[at..]);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use texmap_math::simd::Scalar;
+
+    fn noise(size: u32) -> Environment {
+        let mut seed = 1u32;
+        let texel = |_| {
+            seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            [8, 12, 16].map(|shift| f32::from((seed >> shift) as u8))
+        };
+        Environment::from_fn(EnvironmentLayout::Cube, size, texel).unwrap()
+    }
+
+    const KERNELS: [Kernel; 5] = [
+        Kernel::Ggx(1e-4),
+        Kernel::Ggx(0.04),
+        Kernel::Ggx(1.0),
+        Kernel::Cosine,
+        Kernel::Gaussian(625.0),
+    ];
+
+    #[test]
+    fn widths_agree() {
+        for size in [3, 16, 22] {
+            let texels = Texels::new(&noise(size), 0);
+            for (kernel, d) in KERNELS
+                .into_iter()
+                .zip([DVec3::X, DVec3::Y, DVec3::NEG_Z].into_iter().cycle())
+            {
+                let mut plain = [[0.0; LANES]; 4];
+                texels.sum(Scalar, kernel, narrow(d), &mut plain);
+                every_width!(i => {
+                    let mut sums = [[0.0; LANES]; 4];
+                    texels.sum(i, kernel, narrow(d), &mut sums);
+                    assert_eq!(sums, plain, "{size} {kernel:?}");
+                });
+            }
+        }
+    }
+
+    /// Noise, the worst of environments, against the sum of its texels one by one; and near texels matter.
+    #[test]
+    fn far_patches_stand_for_their_texels() {
+        let environment = noise(32);
+        let texels = Texels::new(&environment, 0);
+        let mut blind = 0.0f64;
+        for kernel in KERNELS {
+            for d in [
+                DVec3::X,
+                DVec3::new(0.36, -0.48, 0.8),
+                DVec3::ONE.normalize(),
+            ] {
+                let mut exact = [0.0f64; 4];
+                let mut coarse = [0.0f64; 4];
+                for (sixteen, sum) in texels
+                    .patches
+                    .iter()
+                    .map(|p| (p, true))
+                    .chain(texels.means.iter().map(|p| (p, false)))
+                {
+                    let to = if sum { &mut exact } else { &mut coarse };
+                    for lane in 0..LANES {
+                        let at = sixteen.direction.map(|c| c[lane]);
+                        let c = dot(at, narrow(d));
+                        let weight = f64::from(kernel.weight(Scalar, c));
+                        for (to, light) in to.iter_mut().zip(sixteen.light) {
+                            *to += weight * f64::from(light[lane]);
+                        }
+                    }
+                }
+                let got = f64::from(texels.gather(crate::level(), kernel, d)[1]);
+                let off = (got / (exact[1] / exact[3]) - 1.0).abs();
+                assert!(off < 0.02, "{kernel:?} {d}: {off}");
+                blind = blind.max((coarse[1] / coarse[3] / (exact[1] / exact[3]) - 1.0).abs());
+            }
+        }
+        assert!(blind > 0.05, "{blind}");
+    }
+}

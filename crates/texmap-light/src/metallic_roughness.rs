@@ -1,0 +1,371 @@
+//! Metallic-roughness surfaces (glTF 2.0, appendix B, and its extensions `KHR_materials_ior`, `_specular`, `_clearcoat` and
+//! `_sheen`) under lights and environments. [`reference::metallic_roughness`](crate::reference::metallic_roughness) says what is
+//! computed.
+
+mod lobes;
+
+use texmap_math::simd::{Isa, Scalar, prelude::*};
+
+use crate::lanes::Vector;
+use crate::share::arriving;
+use crate::vector::{add, cross, dot, scale, splat, unit};
+use crate::{EnvironmentLight, Light, albedo};
+
+/// Perceptual roughnesses below this count as this: lights have no size, and a mirror would not show them.
+pub const MIN_ROUGHNESS: f32 = 0.03;
+/// The same for sheen: the formula of smoother cloth returns more light than it gets.
+pub const SHEEN_MIN_ROUGHNESS: f32 = 0.2;
+/// Cosines to the eye below this count as this.
+const MIN_COSINE: f32 = 1e-4;
+/// Shares below this count as this where they divide. Smooth surfaces (of a roughness up to 0.25) scatter less than that more than
+/// once, and get less than all of it back.
+pub(crate) const MIN_SHARE: f32 = 0.01;
+
+/// A surface at the points of a block. Colours are linear; all numbers are within 0 to 1 but colours of metals, which may be above.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MetallicRoughnessLanes<I: Isa> {
+    /// Colour of the diffuse base, and of a metal head on.
+    pub base_color: [I::F32; 3],
+    /// 0 (dielectric) to 1 (metal).
+    pub metallic: I::F32,
+    /// Perceptual roughness: the square root of the GGX width.
+    pub roughness: I::F32,
+    /// Reflectance of the dielectric head on: see [`dielectric_f0`].
+    pub f0: [I::F32; 3],
+    /// Reflectance of the dielectric at grazing incidence: the strength of its reflection.
+    pub f90: I::F32,
+    /// A clear layer over everything.
+    pub clearcoat: Option<ClearcoatLanes<I>>,
+    /// Cloth between clear layer and base.
+    pub sheen: Option<SheenLanes<I>>,
+}
+
+/// A clear layer of index 1.5.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ClearcoatLanes<I: Isa> {
+    /// Strength.
+    pub factor: I::F32,
+    /// Perceptual roughness.
+    pub roughness: I::F32,
+}
+
+/// Back-scattering fibres.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SheenLanes<I: Isa> {
+    /// Linear colour.
+    pub color: [I::F32; 3],
+    /// Perceptual roughness.
+    pub roughness: I::F32,
+}
+
+/// A surface at one point.
+pub type MetallicRoughnessSurface = MetallicRoughnessLanes<Scalar>;
+
+/// Reflectance head on of a dielectric: `min(((ior - 1) / (ior + 1))^2 color, 1) strength`.
+#[must_use]
+pub fn dielectric_f0(ior: f32, strength: f32, color: [f32; 3]) -> [f32; 3] {
+    let root = (ior - 1.0) / (ior + 1.0);
+    color.map(|c| (root * root * c).below(1.0) * strength)
+}
+
+impl<I: Isa> MetallicRoughnessLanes<I> {
+    /// A dielectric of index 1.5 without layers.
+    #[inline(always)]
+    pub fn new(i: I, base_color: [I::F32; 3], metallic: I::F32, roughness: I::F32) -> Self {
+        Self {
+            base_color,
+            metallic,
+            roughness,
+            f0: splat(i, [0.04; 3]),
+            f90: i.f32(1.0),
+            clearcoat: None,
+            sheen: None,
+        }
+    }
+}
+
+/// A surface as one eye sees it, ready for any number of lights: outside of semantic versioning.
+#[derive(Clone, Copy, Debug)]
+pub struct ReflectanceLanes<I: Isa> {
+    normal: Vector<I>,
+    smooth: Vector<I>,
+    view: Vector<I>,
+    nv: I::F32,
+    /// Perceptual, at least the least.
+    roughness: I::F32,
+    alpha: I::F32,
+    f0: Vector<I>,
+    f90: I::F32,
+    /// What the GGX lobe returns of even light at the first bounce, and at further ones.
+    once: Vector<I>,
+    again: Vector<I>,
+    /// What the diffuse base returns of even light.
+    diffuse: Vector<I>,
+    /// Of further bounces and of the base for one light, but for the factors of its direction.
+    again_of_light: Vector<I>,
+    diffuse_of_light: Vector<I>,
+    /// The dielectric's reflectances, the brightest channel's, and what it returns of light that it scatters further.
+    dielectric: [I::F32; 3],
+    coat: Option<Coat<I>>,
+    sheen: Option<Sheen<I>>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Coat<I: Isa> {
+    factor: I::F32,
+    roughness: I::F32,
+    alpha: I::F32,
+    nv: I::F32,
+    /// Returned of even light, and left for what is below.
+    albedo: I::F32,
+    left: I::F32,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Sheen<I: Isa> {
+    color: Vector<I>,
+    most: I::F32,
+    roughness: I::F32,
+    alpha: I::F32,
+    albedo: I::F32,
+    left: I::F32,
+}
+
+impl<I: Isa> ReflectanceLanes<I> {
+    /// Of a surface with a unit normal (bent by maps), the unit normal of its clear layer, and the unit vector to the eye. Normals
+    /// that look away from the eye count as seen at grazing incidence.
+    #[inline(always)]
+    pub fn new(
+        i: I,
+        surface: &MetallicRoughnessLanes<I>,
+        normal: Vector<I>,
+        smooth: Vector<I>,
+        view: Vector<I>,
+    ) -> Self {
+        let (one, least) = (i.f32(1.0), i.f32(MIN_SHARE));
+        let nv = dot(normal, view).clamp(i.f32(MIN_COSINE), one);
+        let roughness = surface.roughness.clamp(i.f32(MIN_ROUGHNESS), one);
+        let metallic = surface.metallic;
+        let f90 = surface.f90 + (one - surface.f90) * metallic;
+        let [a, b] = albedo::ggx(i, roughness, nv);
+        let [mean_a, mean_b] = albedo::ggx_average(i, roughness);
+        let mean = mean_a + mean_b;
+        let (missing, lost) = (one - a - b, one - mean);
+        let per_lost = one / lost.above(least);
+        let often = |f0: I::F32, f90: I::F32| {
+            let average = f0 + (f90 - f0) * (1.0 / 21.0);
+            average * average * mean / (one - average * lost).above(least)
+        };
+        let most = surface.f0[0].above(surface.f0[1]).above(surface.f0[2]);
+        let more = often(most, surface.f90);
+        let left = one - (most * a + surface.f90 * b + more * missing);
+        let left_average = one - (most * mean_a + surface.f90 * mean_b + more * lost);
+        let diffuse = scale(surface.base_color, (one - metallic) * left);
+        let mut f0 = surface.f0;
+        let (mut once, mut again, mut again_of_light) = (f0, f0, f0);
+        for k in 0..3 {
+            let more = often(f0[k], surface.f90);
+            let more = more + (often(surface.base_color[k], one) - more) * metallic;
+            let more = more * missing;
+            f0[k] = f0[k] + (surface.base_color[k] - f0[k]) * metallic;
+            once[k] = f0[k] * a + f90 * b;
+            again[k] = more;
+            again_of_light[k] = more * per_lost;
+        }
+        Self {
+            normal,
+            smooth,
+            view,
+            nv,
+            roughness,
+            alpha: roughness * roughness,
+            f0,
+            f90,
+            once,
+            again,
+            diffuse,
+            again_of_light,
+            diffuse_of_light: scale(diffuse, one / left_average.above(least)),
+            dielectric: [most, surface.f90, more],
+            coat: surface.clearcoat.map(
+                #[inline(always)]
+                |coat| Coat::new(i, &coat, dot(smooth, view)),
+            ),
+            sheen: surface.sheen.map(
+                #[inline(always)]
+                |sheen| Sheen::new(i, &sheen, nv),
+            ),
+        }
+    }
+
+    /// Radiance towards the eye of a light at the points of a block, and the lanes that it reaches; the values of the others have no
+    /// meaning.
+    #[inline(always)]
+    pub fn under_light(&self, i: I, light: &Light, point: Vector<I>) -> (Vector<I>, I::Mask) {
+        if let Light::Ambient { color } = *light {
+            let light = splat(i, color);
+            return (self.under_even(i, light, light, light), i.mask(true));
+        }
+        let (color, toward, lit) = arriving(i, light, point);
+        let nl = dot(self.normal, toward);
+        let lit = lit & nl.simd_gt(0.0);
+        if !lit.any_true() {
+            return (splat(i, [0.0; 3]), lit);
+        }
+        let part = self.of_direction(i, toward, nl.above(i.f32(1e-6)));
+        let mut out = part;
+        for k in 0..3 {
+            out[k] = part[k] * color[k];
+        }
+        (out, lit)
+    }
+
+    /// `pi f (N.L)` for a unit vector to the light and its cosine to the normal, which is above 0.
+    #[inline(always)]
+    fn of_direction(&self, i: I, toward: Vector<I>, nl: I::F32) -> Vector<I> {
+        let (zero, one, pi) = (i.f32(0.0), i.f32(1.0), core::f32::consts::PI);
+        let half = unit(i, add(self.view, toward));
+        let (nh, sine) = cosine_and_sine(self.normal, half);
+        let fresnel = lobes::power5(i, (one - dot(self.view, half)).clamp(zero, one));
+        let lobe = lobes::ggx(i, self.alpha, nh, sine, self.nv, nl) * pi;
+        let [a, b] = albedo::ggx(i, self.roughness, nl.below(one));
+        let missing = one - a - b;
+        let [most, f90, more] = self.dielectric;
+        let left = (one - (most * a + f90 * b + more * missing)) * nl;
+        let missing = missing * nl;
+        let mut out = self.f0;
+        for k in 0..3 {
+            let f = self.f0[k] + (self.f90 - self.f0[k]) * fresnel;
+            out[k] = f * lobe + self.again_of_light[k] * missing + self.diffuse_of_light[k] * left;
+        }
+        if let Some(sheen) = &self.sheen {
+            let albedo = albedo::sheen(i, sheen.roughness, nl.below(one));
+            let left = sheen.left.below(one - sheen.most * albedo);
+            let lobe = lobes::charlie(i, sheen.alpha, sine, self.nv, nl) * pi;
+            for k in 0..3 {
+                out[k] = out[k] * left + sheen.color[k] * lobe;
+            }
+        }
+        if let Some(coat) = &self.coat {
+            let cl = dot(self.smooth, toward);
+            let [a, b] = albedo::ggx(i, coat.roughness, cl.clamp(zero, one));
+            let left = coat.left.below(one - coat.factor * (a * 0.04 + b));
+            let (ch, sine) = cosine_and_sine(self.smooth, half);
+            let lobe = lobes::ggx(i, coat.alpha, ch, sine, coat.nv, cl.above(i.f32(1e-6)));
+            let lobe = coat.factor * (fresnel * 0.96 + 0.04) * lobe * pi;
+            let lobe = cl.simd_gt(0.0).select(lobe, zero);
+            for out in &mut out {
+                *out = *out * left + lobe;
+            }
+        }
+        out
+    }
+
+    /// Radiance towards the eye of an environment, of which `share` reaches the points.
+    #[inline(always)]
+    pub fn under_environment(&self, i: I, light: &EnvironmentLight, share: I::F32) -> Vector<I> {
+        let irradiance = light.irradiance_lanes(i, self.normal);
+        let mirrored = crate::reflect::reflect(self.view, self.normal);
+        // Wide lobes lean to the normal, where the cosine of the light is greatest.
+        let lean = self.alpha * self.roughness;
+        let mut direction = mirrored;
+        for k in 0..3 {
+            direction[k] = mirrored[k] + (self.normal[k] - mirrored[k]) * lean;
+        }
+        let glossy = light.radiance_lanes(i, self.roughness, direction);
+        let coat = match &self.coat {
+            Some(coat) => {
+                let mirrored = crate::reflect::reflect(self.view, self.smooth);
+                light.radiance_lanes(i, coat.roughness, mirrored)
+            }
+            None => glossy,
+        };
+        scale(self.under_even(i, irradiance, glossy, coat), share)
+    }
+
+    /// Radiance towards the eye of diffuse light alone: irradiance over pi, as light maps hold it.
+    #[inline(always)]
+    pub fn under_irradiance(&self, light: Vector<I>) -> Vector<I> {
+        let mut out = light;
+        for k in 0..3 {
+            out[k] = light[k] * self.diffuse[k];
+            if let Some(sheen) = &self.sheen {
+                out[k] = out[k] * sheen.left;
+            }
+            if let Some(coat) = &self.coat {
+                out[k] = out[k] * coat.left;
+            }
+        }
+        out
+    }
+
+    /// Under light that is even within each lobe: of the base, its GGX lobe, and that of the clear layer.
+    #[inline(always)]
+    fn under_even(
+        &self,
+        _: I,
+        irradiance: Vector<I>,
+        glossy: Vector<I>,
+        coating: Vector<I>,
+    ) -> Vector<I> {
+        let mut out = irradiance;
+        for k in 0..3 {
+            out[k] = irradiance[k] * (self.diffuse[k] + self.again[k]) + glossy[k] * self.once[k];
+            if let Some(sheen) = &self.sheen {
+                out[k] = out[k] * sheen.left + irradiance[k] * sheen.color[k] * sheen.albedo;
+            }
+            if let Some(coat) = &self.coat {
+                out[k] = out[k] * coat.left + coating[k] * coat.albedo;
+            }
+        }
+        out
+    }
+}
+
+impl<I: Isa> Coat<I> {
+    #[inline(always)]
+    fn new(i: I, coat: &ClearcoatLanes<I>, cosine: I::F32) -> Self {
+        let one = i.f32(1.0);
+        let roughness = coat.roughness.clamp(i.f32(MIN_ROUGHNESS), one);
+        let nv = cosine.clamp(i.f32(MIN_COSINE), one);
+        let [a, b] = albedo::ggx(i, roughness, nv);
+        let albedo = coat.factor * (a * 0.04 + b);
+        Self {
+            factor: coat.factor,
+            roughness,
+            alpha: roughness * roughness,
+            nv,
+            albedo,
+            left: one - albedo,
+        }
+    }
+}
+
+impl<I: Isa> Sheen<I> {
+    #[inline(always)]
+    fn new(i: I, sheen: &SheenLanes<I>, nv: I::F32) -> Self {
+        let one = i.f32(1.0);
+        let roughness = sheen.roughness.clamp(i.f32(SHEEN_MIN_ROUGHNESS), one);
+        let albedo = albedo::sheen(i, roughness, nv);
+        let [r, g, b] = sheen.color;
+        let most = r.above(g).above(b);
+        Self {
+            color: sheen.color,
+            most,
+            roughness,
+            alpha: roughness * roughness,
+            albedo,
+            left: one - most * albedo,
+        }
+    }
+}
+
+/// Cosine between unit vectors, at least 0, and the square of the sine without cancellation.
+#[inline(always)]
+fn cosine_and_sine<T: Number<f32>>(a: [T; 3], b: [T; 3]) -> (T, T) {
+    let across = cross(a, b);
+    (dot(a, b), dot(across, across))
+}
+
+#[cfg(test)]
+mod tests;

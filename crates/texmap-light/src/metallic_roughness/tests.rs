@@ -1,0 +1,271 @@
+//! Laws of the model: nothing lost in a white furnace, reciprocity, no more light than there is; and lanes against the f64 reference.
+
+use alloc::vec::Vec;
+use texmap_math::deterministic_f64;
+use texmap_math::glam::DVec3;
+
+use super::*;
+use crate::reference::metallic_roughness::Reflectance;
+use crate::vector::select;
+use crate::vector::{columns, load};
+
+fn surface(metallic: f32, roughness: f32) -> MetallicRoughnessSurface {
+    MetallicRoughnessLanes::new(Scalar, [1.0; 3], metallic, roughness)
+}
+
+fn layered(metallic: f32, roughness: f32) -> MetallicRoughnessSurface {
+    MetallicRoughnessLanes {
+        base_color: [0.9, 0.5, 0.1],
+        f0: dielectric_f0(1.8, 0.7, [1.0, 0.6, 0.2]),
+        f90: 0.7,
+        clearcoat: Some(ClearcoatLanes {
+            factor: 0.8,
+            roughness: 0.3,
+        }),
+        sheen: Some(SheenLanes {
+            color: [0.3, 0.6, 0.2],
+            roughness: 0.5,
+        }),
+        ..surface(metallic, roughness)
+    }
+}
+
+/// Directions over the upper hemisphere.
+fn direction(k: usize, n: usize) -> DVec3 {
+    let z = (k as f64 + 0.5) / n as f64;
+    let (sin, cos) = deterministic_f64::sin_cos(k as f64 * 2.399_963_229_728_653);
+    let s = (1.0 - z * z).sqrt();
+    DVec3::new(s * cos, s * sin, z)
+}
+
+fn towards(nv: f64) -> DVec3 {
+    DVec3::new((1.0 - nv * nv).sqrt(), 0.0, nv)
+}
+
+/// What is returned of even light of 1: an integral over half vectors for the lobes, directions for the rest.
+fn furnace(surface: &MetallicRoughnessSurface, nv: f64) -> DVec3 {
+    let reflectance = Reflectance::new(surface);
+    let (n, view) = (DVec3::Z, towards(nv));
+    let mut sum = DVec3::ZERO;
+    // Even steps of the lobe's own distribution: half of the samples by half vectors, half by the cosine, weighted by the balance
+    // heuristic.
+    let alpha = f64::from(surface.roughness.max(MIN_ROUGHNESS)).powi(2);
+    let steps = 160;
+    for i in 0..steps {
+        for j in 0..steps {
+            let u = (f64::from(i) + 0.5) / f64::from(steps);
+            let phi = (f64::from(j) + 0.5) / f64::from(steps) * core::f64::consts::TAU;
+            let (sin, cos) = deterministic_f64::sin_cos(phi);
+            let c = ((1.0 - u) / (1.0 + (alpha * alpha - 1.0) * u)).sqrt();
+            let half = DVec3::new((1.0 - c * c).sqrt() * cos, (1.0 - c * c).sqrt() * sin, c);
+            let mirrored = 2.0 * view.dot(half) * half - view;
+            let s = u.sqrt();
+            let spread = DVec3::new(s * cos, s * sin, (1.0 - u).sqrt());
+            for light in [mirrored, spread] {
+                if light.z <= 1e-9 {
+                    continue;
+                }
+                let h = (view + light).normalize();
+                let lobe = crate::reference::metallic_roughness::ggx(alpha, h.z) * h.z
+                    / (4.0 * view.dot(h));
+                let density = lobe + light.z * core::f64::consts::FRAC_1_PI;
+                sum += reflectance.brdf(n, n, view, light) * light.z / density;
+            }
+        }
+    }
+    sum / f64::from(steps * steps)
+}
+
+#[test]
+fn a_white_furnace_shows_no_surface() {
+    for metallic in [0.0, 0.5, 1.0] {
+        for roughness in [0.1, 0.4, 0.7, 1.0] {
+            for nv in [0.2, 0.6, 1.0] {
+                let got = furnace(&surface(metallic, roughness), nv);
+                assert!(
+                    (got - 1.0).abs().max_element() < 0.01,
+                    "{metallic} {roughness} {nv}: {got}"
+                );
+            }
+        }
+    }
+}
+
+/// Without light that is scattered more than once, a rough metal returns less than half.
+#[test]
+fn one_bounce_loses_light() {
+    let [a, b] = crate::reference::metallic_roughness::ggx_albedo(1.0, 1.0, 128);
+    assert!(a + b < 0.5, "{}", a + b);
+}
+
+#[test]
+fn layers_return_no_more_light_than_there_is() {
+    for (metallic, roughness) in [(0.0, 0.3), (1.0, 0.2), (0.5, 1.0)] {
+        for nv in [0.05, 0.3, 1.0] {
+            let white = MetallicRoughnessSurface {
+                base_color: [1.0; 3],
+                sheen: Some(SheenLanes {
+                    color: [1.0; 3],
+                    roughness: 0.4,
+                }),
+                ..layered(metallic, roughness)
+            };
+            let got = furnace(&white, nv);
+            assert!(
+                got.max_element() < 1.01,
+                "{metallic} {roughness} {nv}: {got}"
+            );
+            assert!(
+                got.min_element() > 0.6,
+                "{metallic} {roughness} {nv}: {got}"
+            );
+        }
+    }
+}
+
+#[test]
+fn eye_and_light_may_change_places() {
+    let smooth = DVec3::new(0.1, -0.05, 1.0).normalize();
+    for (metallic, roughness) in [(0.0, 0.2), (0.4, 0.6), (1.0, 1.0)] {
+        let reflectance = Reflectance::new(&layered(metallic, roughness));
+        for k in 0..40 {
+            let (v, l) = (direction(k, 40), direction((k * 7 + 3) % 40, 40));
+            let there = reflectance.brdf(DVec3::Z, smooth, v, l);
+            let back = reflectance.brdf(DVec3::Z, smooth, l, v);
+            let off = (there - back).abs().max_element();
+            assert!(off <= 1e-9 * there.max_element(), "{k}: {there} {back}");
+        }
+    }
+}
+
+fn sun(light: DVec3) -> Light {
+    Light::Directional {
+        color: [1.0, 0.5, 2.0],
+        direction: (-light.as_vec3()).to_array(),
+    }
+}
+
+#[test]
+fn lights_give_what_the_reference_says() {
+    let smooth = DVec3::new(0.1, -0.05, 1.0).normalize();
+    let mut worst = 0.0f64;
+    for layers in [false, true] {
+        for (metallic, roughness) in [(0.0, 0.2), (0.4, 0.6), (1.0, 1.0), (1.0, 0.1)] {
+            let surface = if layers {
+                layered(metallic, roughness)
+            } else {
+                surface(metallic, roughness)
+            };
+            let reflectance = Reflectance::new(&surface);
+            for k in 0..60 {
+                let (v, l) = (direction(k, 60), direction((k * 7 + 3) % 60, 60));
+                // Near the mirrored direction too.
+                let l = if k % 3 == 0 {
+                    (DVec3::new(-v.x, -v.y, v.z) + 0.02 * l).normalize()
+                } else {
+                    l
+                };
+                let right = reflectance.brdf(DVec3::Z, smooth, v, l)
+                    * (l.z * core::f64::consts::PI)
+                    * DVec3::new(1.0, 0.5, 2.0);
+                let narrow = |v: DVec3| v.as_vec3().to_array();
+                let ready = ReflectanceLanes::new(
+                    Scalar,
+                    &surface,
+                    [0.0, 0.0, 1.0],
+                    narrow(smooth),
+                    narrow(v),
+                );
+                let (got, lit) = ready.under_light(Scalar, &sun(l), [0.0; 3]);
+                assert!(lit);
+                let got = DVec3::from(got.map(f64::from));
+                // Albedos are off by 0.005, of which the lobes take parts.
+                let off = ((got - right) / (right + 0.1)).abs().max_element();
+                worst = worst.max(off);
+                assert!(
+                    off < 0.03,
+                    "{layers} {metallic} {roughness} {k}: {got} {right}"
+                );
+            }
+        }
+    }
+    assert!(worst > 1e-7, "the comparison compares nothing");
+}
+
+#[test]
+fn lights_behind_reach_nothing_and_ambient_light_is_a_furnace() {
+    let view = [0.0, 0.6, 0.8];
+    let up = [0.0, 0.0, 1.0];
+    let ready = ReflectanceLanes::new(Scalar, &surface(1.0, 0.7), up, up, view);
+    let below = sun(DVec3::new(0.0, 0.3, -0.5));
+    assert!(!ready.under_light(Scalar, &below, [0.0; 3]).1);
+    let ambient = Light::Ambient { color: [0.5; 3] };
+    let (got, lit) = ready.under_light(Scalar, &ambient, [0.0; 3]);
+    assert!(lit && got.iter().all(|c| (c - 0.5).abs() < 2e-3), "{got:?}");
+}
+
+/// Vectors, roughnesses and layers of every kind; also far out of range, where values must stay finite.
+#[test]
+fn lanes_have_the_bits_of_one_point() {
+    let all: Vec<[f32; 3]> = (0..48)
+        .map(|i| [3, 5, 7].map(|k| ((i * k) % 11) as f32 * 0.3 - 1.4))
+        .collect();
+    let studio = EnvironmentLight::studio();
+    every_width!(i => check(i, &all, &studio));
+    fn one<I: Isa>(
+        i: I,
+        all: &[[f32; 3]],
+        first: usize,
+        studio: &EnvironmentLight,
+    ) -> [[f32; 16]; 6] {
+        let v = |k: usize| load(i, &all[k..], first);
+        let share = |x: I::F32| x.abs().below(i.f32(1.0));
+        let numbers = v(0);
+        let surface = MetallicRoughnessLanes {
+            base_color: v(1).map(share),
+            metallic: share(numbers[0]),
+            roughness: share(numbers[1]),
+            f0: splat(i, dielectric_f0(1.5, 1.0, [1.0; 3])),
+            f90: i.f32(1.0),
+            clearcoat: Some(ClearcoatLanes {
+                factor: i.f32(0.5),
+                roughness: share(numbers[2]),
+            }),
+            sheen: Some(SheenLanes {
+                color: v(2).map(share),
+                roughness: share(numbers[0]),
+            }),
+        };
+        let (normal, smooth, view) = (unit(i, v(3)), unit(i, v(4)), unit(i, v(5)));
+        let ready = ReflectanceLanes::new(i, &surface, normal, smooth, view);
+        let lamp = Light::Punctual {
+            intensity: [3.0; 3],
+            position: [0.2, 0.4, 1.0],
+            range: 9.0,
+            cone: None,
+        };
+        let (direct, lit) = ready.under_light(i, &lamp, v(6));
+        let direct = select(lit, direct, splat(i, [0.0; 3]));
+        let indirect = ready.under_environment(i, studio, i.f32(0.5));
+        let [a, b, c] = direct;
+        let [d, e, f] = indirect;
+        columns(i, [a, b, c, d, e, f])
+    }
+    fn check<I: Isa>(i: I, all: &[[f32; 3]], studio: &EnvironmentLight) {
+        for first in (0..32).step_by(I::LANES) {
+            let got = one(i, all, first, studio);
+            for lane in 0..I::LANES {
+                let right = one(Scalar, all, first + lane, studio);
+                for (got, right) in got.iter().zip(right) {
+                    assert!(
+                        right[0].is_finite() && right[0] >= 0.0,
+                        "{}: {}",
+                        first + lane,
+                        right[0]
+                    );
+                    assert_eq!(got[lane].to_bits(), right[0].to_bits(), "{}", first + lane);
+                }
+            }
+        }
+    }
+}

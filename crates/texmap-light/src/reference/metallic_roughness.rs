@@ -1,0 +1,277 @@
+//! Metallic-roughness surfaces in f64: the lobes, their directional albedos by quadrature, and the whole BRDF.
+//!
+//! Microfacets are glTF 2.0's (appendix B: GGX, height-correlated Smith, Schlick). Layers are scaled by directional albedos, so that
+//! the BRDF is reciprocal, returns no more light than it gets, and all of it where the base is white:
+//! - light that scatters more than once between facets (Kulla and Conty 2017) is added to the specular lobe,
+//! - a diffuse base gets what the dielectric lobe leaves, on the way in and on the way out,
+//! - sheen and clearcoat leave to what is below them the lesser of what they pass on both ways (`KHR_materials_sheen`).
+
+use alloc::vec::Vec;
+use core::f64::consts::{FRAC_1_PI, TAU};
+
+use texmap_math::deterministic_f64;
+use texmap_math::float::sqrt;
+use texmap_math::glam::DVec3;
+
+use crate::metallic_roughness::MIN_SHARE;
+use crate::{MIN_ROUGHNESS, MetallicRoughnessSurface, SHEEN_MIN_ROUGHNESS};
+
+/// GGX distribution of half vectors (Trowbridge and Reitz) for a width `alpha` and the cosine `nh` to the normal.
+#[must_use]
+pub fn ggx(alpha: f64, nh: f64) -> f64 {
+    let k = alpha / (1.0 - nh * nh + nh * nh * alpha * alpha);
+    k * k * FRAC_1_PI
+}
+
+/// Smith's height-correlated masking and shadowing over `4 (N.V) (N.L)`.
+#[must_use]
+pub fn smith(alpha: f64, nv: f64, nl: f64) -> f64 {
+    let a2 = alpha * alpha;
+    let v = nl * sqrt(nv * nv * (1.0 - a2) + a2);
+    let l = nv * sqrt(nl * nl * (1.0 - a2) + a2);
+    0.5 / (v + l)
+}
+
+/// Charlie's distribution of cloth (Estevez and Kulla 2017).
+#[must_use]
+pub fn charlie(alpha: f64, nh: f64) -> f64 {
+    let inverse = 1.0 / alpha;
+    let sine = (1.0 - nh * nh).max(0.0);
+    (2.0 + inverse) * deterministic_f64::pow(sine, inverse * 0.5) / TAU
+}
+
+/// Masking and shadowing of Charlie's cloth over `4 (N.V) (N.L)`, at most 1.
+#[must_use]
+pub fn cloth(alpha: f64, nv: f64, nl: f64) -> f64 {
+    let fit = |x: f64| {
+        let t = (1.0 - alpha) * (1.0 - alpha);
+        let mix = |a: f64, b: f64| a + (b - a) * t;
+        let power = deterministic_f64::pow(x, mix(0.198_23, 0.168_01));
+        mix(21.5473, 25.3245) / (1.0 + mix(3.829_87, 3.324_35) * power)
+            + mix(-1.977_60, -1.273_93) * x
+            + mix(-4.320_54, -4.859_67)
+    };
+    let lambda = |x: f64| {
+        let exponent = if x < 0.5 {
+            fit(x)
+        } else {
+            2.0 * fit(0.5) - fit(1.0 - x)
+        };
+        deterministic_f64::pow(core::f64::consts::E, exponent)
+    };
+    (1.0 / ((1.0 + lambda(nv) + lambda(nl)) * 4.0 * nv * nl)).clamp(0.0, 1.0)
+}
+
+/// Directional albedo of the GGX lobe under Schlick's Fresnel, as factors of the reflectances head on and at grazing incidence: the
+/// mean over `steps x steps / 2` half vectors.
+#[must_use]
+pub fn ggx_albedo(alpha: f64, nv: f64, steps: u32) -> [f64; 2] {
+    let n = f64::from(steps);
+    let view = DVec3::new(sqrt((1.0 - nv * nv).max(0.0)), 0.0, nv);
+    let mut sum = [0.0; 2];
+    for j in 0..steps / 2 {
+        // The other half mirrors this one.
+        let (sin, cos) = deterministic_f64::sin_cos((f64::from(j) + 0.5) / n * TAU);
+        for i in 0..steps {
+            let u = (f64::from(i) + 0.5) / n;
+            let c = sqrt((1.0 - u) / (1.0 + (alpha * alpha - 1.0) * u));
+            let s = sqrt((1.0 - c * c).max(0.0));
+            let half = DVec3::new(s * cos, s * sin, c);
+            let vh = view.dot(half);
+            let nl = 2.0 * vh * c - nv;
+            if vh > 0.0 && nl > 0.0 {
+                let weight = smith(alpha, nv, nl) * nl * 4.0 * vh / c;
+                let fresnel = power5(1.0 - vh);
+                sum[0] += weight * (1.0 - fresnel);
+                sum[1] += weight * fresnel;
+            }
+        }
+    }
+    sum.map(|s| s * 2.0 / (n * n))
+}
+
+/// Directional albedo of white sheen: an integral over `steps x steps / 2` directions of light, even in the cosine's square root.
+#[must_use]
+pub fn sheen_albedo(alpha: f64, nv: f64, steps: u32) -> f64 {
+    let n = f64::from(steps);
+    let view = DVec3::new(sqrt((1.0 - nv * nv).max(0.0)), 0.0, nv);
+    let mut sum = 0.0;
+    for i in 0..steps {
+        let t = (f64::from(i) + 0.5) / n;
+        let (nl, step) = (t * t, 2.0 * t / n);
+        let s = sqrt(1.0 - nl * nl);
+        let shadowing = cloth(alpha, nv, nl);
+        for j in 0..steps / 2 {
+            let (sin, cos) = deterministic_f64::sin_cos((f64::from(j) + 0.5) / n * TAU);
+            let half = (view + DVec3::new(s * cos, s * sin, nl)).normalize();
+            sum += charlie(alpha, half.z) * shadowing * nl * step;
+        }
+    }
+    sum * 2.0 * TAU / n
+}
+
+fn power5(x: f64) -> f64 {
+    let square = x * x;
+    square * square * x
+}
+
+/// A function of the cosine from its values at even steps of the cosine's square root.
+struct Curve<const N: usize>(Vec<[f64; N]>);
+
+impl<const N: usize> Curve<N> {
+    const STEPS: usize = 96;
+
+    fn new(mut value: impl FnMut(f64) -> [f64; N]) -> Self {
+        let at = |k: usize| {
+            let t = k as f64 / Self::STEPS as f64;
+            value((t * t).max(1e-5))
+        };
+        Self((0..=Self::STEPS).map(at).collect())
+    }
+
+    fn at(&self, cosine: f64) -> [f64; N] {
+        let x = sqrt(cosine.clamp(0.0, 1.0)) * Self::STEPS as f64;
+        let low = (x as usize).min(Self::STEPS - 1);
+        let k = x - low as f64;
+        let (p, q) = (self.0[low], self.0[low + 1]);
+        core::array::from_fn(|i| p[i] + (q[i] - p[i]) * k)
+    }
+
+    /// The mean over a hemisphere, weighted by the cosine.
+    fn average(&self) -> [f64; N] {
+        let mut sum = [0.0; N];
+        let n = 8 * Self::STEPS;
+        for k in 0..n {
+            let t = (k as f64 + 0.5) / n as f64;
+            let value = self.at(t * t);
+            // 2 c dc for c = t^2.
+            let weight = 4.0 * t * t * t / n as f64;
+            for (sum, value) in sum.iter_mut().zip(value) {
+                *sum += value * weight;
+            }
+        }
+        sum
+    }
+}
+
+/// A surface with the albedos of its lobes.
+pub struct Reflectance {
+    surface: MetallicRoughnessSurface,
+    base: Curve<2>,
+    base_average: [f64; 2],
+    coat: Curve<2>,
+    sheen: Curve<1>,
+}
+
+impl core::fmt::Debug for Reflectance {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.debug_tuple("Reflectance").field(&self.surface).finish()
+    }
+}
+
+impl Reflectance {
+    /// Of a surface; some 10 ms.
+    #[must_use]
+    pub fn new(surface: &MetallicRoughnessSurface) -> Self {
+        let curve = |roughness: f32| {
+            let alpha = width(roughness);
+            Curve::new(|nv| ggx_albedo(alpha, nv, 128))
+        };
+        let base = curve(surface.roughness);
+        let coat = surface.clearcoat.map_or(0.0, |coat| coat.roughness);
+        let sheen = surface.sheen.map(|sheen| {
+            let roughness = f64::from(sheen.roughness.max(SHEEN_MIN_ROUGHNESS));
+            Curve::new(|nv| [sheen_albedo(roughness * roughness, nv, 64)])
+        });
+        Self {
+            surface: *surface,
+            base_average: base.average(),
+            base,
+            coat: curve(coat),
+            sheen: sheen.unwrap_or(Curve(alloc::vec![[0.0]; Curve::<1>::STEPS + 1])),
+        }
+    }
+
+    /// The BRDF, 1 / steradian, for unit vectors: the normal of the base, that of the clearcoat, to the eye and to the light. 0 where
+    /// the light or the eye is behind the surface.
+    #[must_use]
+    pub fn brdf(&self, normal: DVec3, smooth: DVec3, view: DVec3, light: DVec3) -> DVec3 {
+        let (nv, nl) = (normal.dot(view), normal.dot(light));
+        if nv <= 0.0 || nl <= 0.0 {
+            return DVec3::ZERO;
+        }
+        let surface = &self.surface;
+        let half = (view + light).normalize_or_zero();
+        let (nh, vh) = (normal.dot(half).min(1.0), view.dot(half));
+        let mut sum = self.base(nv, nl, nh, vh);
+        if let Some(sheen) = surface.sheen {
+            let color = wide(sheen.color);
+            let most = color.max_element();
+            let left = |c: f64| 1.0 - most * self.sheen.at(c)[0];
+            let roughness = f64::from(sheen.roughness.max(SHEEN_MIN_ROUGHNESS));
+            let alpha = roughness * roughness;
+            sum = sum * left(nv).min(left(nl)) + color * charlie(alpha, nh) * cloth(alpha, nv, nl);
+        }
+        if let Some(coat) = surface.clearcoat {
+            let factor = f64::from(coat.factor);
+            let (cv, cl) = (smooth.dot(view), smooth.dot(light));
+            let left = |c: f64| {
+                let [a, b] = self.coat.at(c);
+                1.0 - factor * (0.04 * a + b)
+            };
+            sum *= left(cv).min(left(cl));
+            if cv > 0.0 && cl > 0.0 {
+                let alpha = width(coat.roughness);
+                let fresnel = 0.04 + 0.96 * power5(1.0 - vh);
+                let lobe = ggx(alpha, smooth.dot(half).min(1.0)) * smith(alpha, cv, cl);
+                sum += DVec3::splat(factor * fresnel * lobe);
+            }
+        }
+        sum
+    }
+
+    /// The base without its layers.
+    fn base(&self, nv: f64, nl: f64, nh: f64, vh: f64) -> DVec3 {
+        let surface = &self.surface;
+        let metallic = f64::from(surface.metallic);
+        let color = wide(surface.base_color);
+        let dielectric = (wide(surface.f0), f64::from(surface.f90));
+        let f0 = dielectric.0.lerp(color, metallic);
+        let f90 = dielectric.1 + (1.0 - dielectric.1) * metallic;
+        let [a, b] = self.base_average;
+        let mean = a + b;
+        let missing = |c: f64| {
+            let [a, b] = self.base.at(c);
+            1.0 - a - b
+        };
+        let often = |f0: DVec3, f90: f64| {
+            let average = f0 + (DVec3::splat(f90) - f0) / 21.0;
+            average * average * mean / (DVec3::ONE - average * (1.0 - mean))
+        };
+        let alpha = width(surface.roughness);
+        let fresnel = f0 + (DVec3::splat(f90) - f0) * power5(1.0 - vh);
+        let once = fresnel * ggx(alpha, nh) * smith(alpha, nv, nl);
+        let lost = 1.0 - mean;
+        let more = often(dielectric.0, dielectric.1).lerp(often(color, 1.0), metallic);
+        let again = more * (missing(nv) * missing(nl) / lost.max(MIN_SHARE.into()) * FRAC_1_PI);
+        let most = dielectric.0.max_element();
+        let once_more = often(DVec3::splat(most), dielectric.1).x;
+        let left = |c: f64| {
+            let [a, b] = self.base.at(c);
+            1.0 - (most * a + dielectric.1 * b + once_more * (1.0 - a - b))
+        };
+        let left_average = 1.0 - (most * a + dielectric.1 * b + once_more * lost);
+        let left_average = left_average.max(MIN_SHARE.into());
+        let diffuse = color * ((1.0 - metallic) * left(nv) * left(nl) / left_average * FRAC_1_PI);
+        once + again + diffuse
+    }
+}
+
+fn width(roughness: f32) -> f64 {
+    let roughness = f64::from(roughness.max(MIN_ROUGHNESS));
+    roughness * roughness
+}
+
+fn wide(a: [f32; 3]) -> DVec3 {
+    DVec3::from(a.map(f64::from))
+}

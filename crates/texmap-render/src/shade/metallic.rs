@@ -1,0 +1,259 @@
+//! Metallic-roughness surfaces: their numbers by maps, and their light.
+
+use texmap_light::lanes::{
+    ClearcoatLanes, MetallicRoughnessLanes, ReflectanceLanes, SheenLanes, Vector, splat, unit,
+};
+use texmap_light::{EnvironmentLight, Light};
+use texmap_math::simd::{Isa, prelude::*};
+
+use super::base_color::BaseColor;
+use super::batch::{flip, load_vector, parts};
+use super::fetch::Texels;
+use super::lighting::LitBy;
+use super::stage::{Inputs, Kernel, ShadeColumns};
+use crate::textures::Slot;
+use texmap_scene::{MetallicRoughness, TextureSlot};
+
+/// The maps of a model, by their number in [`MetallicStage::maps`].
+const ROUGHNESS: usize = 0;
+const OCCLUSION: usize = 1;
+const SPECULAR: usize = 2;
+const SPECULAR_COLOR: usize = 3;
+const COAT: usize = 4;
+const COAT_ROUGHNESS: usize = 5;
+const SHEEN_COLOR: usize = 6;
+const SHEEN_ROUGHNESS: usize = 7;
+pub(crate) const METALLIC_MAPS: usize = 8;
+
+/// The textures of a model in the order of the stage.
+pub(crate) fn slots(model: &MetallicRoughness) -> [Option<&TextureSlot>; METALLIC_MAPS] {
+    let (coat, sheen) = (model.clearcoat.as_ref(), model.sheen.as_ref());
+    [
+        model.map.as_ref(),
+        model.occlusion.as_ref().map(|(slot, _)| slot),
+        model.specular_map.as_ref(),
+        model.specular_color_map.as_ref(),
+        coat.and_then(|coat| coat.map.as_ref()),
+        coat.and_then(|coat| coat.roughness_map.as_ref()),
+        sheen.and_then(|sheen| sheen.color_map.as_ref()),
+        sheen.and_then(|sheen| sheen.roughness_map.as_ref()),
+    ]
+}
+
+/// The numbers of a metallic-roughness surface.
+pub(crate) struct MetallicStage<'a> {
+    pub(crate) model: &'a MetallicRoughness,
+    pub(crate) maps: [Option<&'a Slot<'a>>; METALLIC_MAPS],
+    /// Occlusion is the red channel of the first map, which is read once.
+    pub(crate) shared_occlusion: bool,
+    pub(crate) environment: Option<&'a EnvironmentLight>,
+}
+
+impl<'a> MetallicStage<'a> {
+    pub(crate) fn new(
+        model: &'a MetallicRoughness,
+        mut maps: [Option<&'a Slot<'a>>; METALLIC_MAPS],
+        environment: Option<&'a EnvironmentLight>,
+    ) -> Self {
+        let [roughness, occlusion, ..] = slots(model);
+        let shared_occlusion = occlusion.is_some() && roughness == occlusion;
+        if shared_occlusion {
+            maps[OCCLUSION] = None;
+        }
+        Self {
+            model,
+            maps,
+            shared_occlusion,
+            environment,
+        }
+    }
+
+    /// The surface from pixel `at` on, and the share of indirect light that reaches it.
+    #[inline(always)]
+    fn surface<I: Isa>(
+        &self,
+        i: I,
+        at: usize,
+        read: &[Texels],
+        base_color: Vector<I>,
+    ) -> (MetallicRoughnessLanes<I>, I::F32) {
+        let (model, one) = (self.model, i.f32(1.0));
+        let texel = |map: usize| {
+            let texels = self.maps[map].and_then(|_| read.get(map));
+            texels.map(|texels| texels.straight(i, at))
+        };
+        let alpha = |map: usize| {
+            let texels = self.maps[map].and_then(|_| read.get(map));
+            texels.map_or(one, |texels| texels.colors.load(i, at)[3])
+        };
+        let factor = |map: usize, channel: usize, factor: f32| match texel(map) {
+            Some(texel) => texel[channel] * factor,
+            None => i.f32(factor),
+        };
+        let specular = alpha(SPECULAR) * model.specular;
+        let tint = texel(SPECULAR_COLOR);
+        let root = (model.ior - 1.0) / (model.ior + 1.0);
+        let mut f0 = splat(i, model.specular_color.map(|c| c * root * root));
+        for (k, f0) in f0.iter_mut().enumerate() {
+            if let Some(tint) = tint {
+                *f0 = *f0 * tint[k];
+            }
+            *f0 = f0.below(one) * specular;
+        }
+        let occluded = if self.shared_occlusion {
+            ROUGHNESS
+        } else {
+            OCCLUSION
+        };
+        let share = match (&model.occlusion, texel(occluded)) {
+            (Some((_, strength)), Some([r, ..])) => (r - one) * *strength + one,
+            _ => one,
+        };
+        let surface = MetallicRoughnessLanes {
+            base_color,
+            metallic: factor(ROUGHNESS, 2, model.metallic),
+            roughness: factor(ROUGHNESS, 1, model.roughness),
+            f0,
+            f90: specular,
+            clearcoat: model.clearcoat.as_ref().map(|coat| ClearcoatLanes {
+                factor: factor(COAT, 0, coat.factor),
+                roughness: factor(COAT_ROUGHNESS, 1, coat.roughness),
+            }),
+            sheen: model.sheen.as_ref().map(|sheen| {
+                let mut color = splat(i, sheen.color);
+                if let Some(texel) = texel(SHEEN_COLOR) {
+                    for k in 0..3 {
+                        color[k] = color[k] * texel[k];
+                    }
+                }
+                SheenLanes {
+                    color,
+                    roughness: alpha(SHEEN_ROUGHNESS) * sheen.roughness,
+                }
+            }),
+        };
+        (surface, share)
+    }
+}
+
+/// The light of a metallic-roughness surface: base colors become light, not clipped.
+pub(crate) struct MetallicLight<'a> {
+    pub(crate) model: MetallicStage<'a>,
+    /// The base color, where no stage has stored it: its texels are those of the pair.
+    pub(crate) paired: Option<BaseColor<'a>>,
+    pub(crate) lights: Vec<LitBy<'a>>,
+    /// Factor and map of baked light, and the first attribute of its coordinates.
+    pub(crate) light_map: Option<(f32, &'a Slot<'a>, usize)>,
+    /// Normals are bent: the clear layer has those of the vertices.
+    pub(crate) bent: bool,
+}
+
+impl Kernel for MetallicLight<'_> {
+    fn read(&self, inputs: &Inputs<'_>, columns: &mut ShadeColumns) {
+        let (level, batch) = (inputs.level, inputs.batch);
+        let ShadeColumns {
+            metallic,
+            uv,
+            texels,
+            ..
+        } = columns;
+        metallic.resize_with(METALLIC_MAPS, Texels::default);
+        for (slot, texels) in self.model.maps.iter().zip(metallic) {
+            if let Some(slot) = slot {
+                texels.fetch(level, slot, inputs.uv_of(slot), batch.list.len());
+            }
+        }
+        if let Some((_, slot, first)) = self.light_map {
+            let (wanted, changes) = ([first, first + 1], slot.reads_derivatives());
+            let planes = inputs.planes;
+            planes.values(level, batch.blocks, batch.list, &wanted, changes, uv);
+            texels.fetch(level, slot, uv, batch.list.len());
+        }
+    }
+
+    #[inline(always)]
+    fn lanes<I: Isa>(&self, i: I, inputs: &Inputs<'_>, columns: &mut ShadeColumns) {
+        for part in parts(i, inputs.batch.list) {
+            let at = part.at;
+            let [r, g, b, alpha] = match &self.paired {
+                Some(base) => {
+                    let [r, g, b] = base.of_pair(i, &inputs.pair[0], at);
+                    [r, g, b, i.f32(1.0)]
+                }
+                None => columns.color.load(i, at),
+            };
+            let (surface, share) = self.model.surface(i, at, &columns.metallic, [r, g, b]);
+            let normal = columns.normal.load(i, at);
+            let mut smooth = normal;
+            if self.bent && surface.clearcoat.is_some() {
+                let back = part.mask(i, inputs.sides.back[part.index]);
+                smooth = unit(i, flip(i, back, load_vector(i, inputs.vectors.normal, at)));
+            }
+            let view = columns.toward_eye.load(i, at);
+            let reflectance = ReflectanceLanes::new(i, &surface, normal, smooth, view);
+            let mut sum = splat(i, [0.0; 3]);
+            if let Some(light) = self.model.environment {
+                sum = environment(i, &reflectance, light, share);
+            }
+            if let Some((factor, ..)) = self.light_map {
+                let light = columns.texels.straight(i, at).map(|c| c * factor);
+                let baked = reflectance.under_irradiance(light);
+                for k in 0..3 {
+                    sum[k] = sum[k] + baked[k];
+                }
+            }
+            let point = match inputs.vectors.position {
+                Some(position) => load_vector(i, position, at),
+                None => [i.f32(0.0); 3],
+            };
+            for by in &self.lights {
+                let Some(texel) = by.texel(i, inputs, &part) else {
+                    continue;
+                };
+                let (light, lit) = contribution(i, &reflectance, &by.light, point);
+                let lit = lit & part.mask(i, part.block.mask);
+                if !lit.any_true() {
+                    continue;
+                }
+                let received = if by.is_ambient() {
+                    [share; 3]
+                } else {
+                    by.received(i, (inputs, at), texel, lit, point)
+                };
+                for k in 0..3 {
+                    sum[k] = lit.select(sum[k] + light[k] * received[k], sum[k]);
+                }
+            }
+            let [r, g, b] = sum;
+            columns.color.store(i, at, [r, g, b, alpha]);
+        }
+    }
+}
+
+/// Out of line, as look-ups are much code.
+#[inline(never)]
+fn environment<I: Isa>(
+    i: I,
+    reflectance: &ReflectanceLanes<I>,
+    light: &EnvironmentLight,
+    share: I::F32,
+) -> Vector<I> {
+    i.vectorize(
+        #[inline(always)]
+        || reflectance.under_environment(i, light, share),
+    )
+}
+
+/// Out of line, as lobes are much code.
+#[inline(never)]
+fn contribution<I: Isa>(
+    i: I,
+    reflectance: &ReflectanceLanes<I>,
+    light: &Light,
+    point: Vector<I>,
+) -> (Vector<I>, I::Mask) {
+    i.vectorize(
+        #[inline(always)]
+        || reflectance.under_light(i, light, point),
+    )
+}
