@@ -6,8 +6,9 @@ use serde::{Serialize, Serializer};
 use texmap_scene::{Mesh, Scene};
 use texmap_uv::TJunctions;
 
+use crate::files::is_called;
 use crate::framing::Bounds;
-use crate::scene::{self, Kind, LoadOptions};
+use crate::scene::{self, LoadOptions};
 use crate::{FileSource, IoError, image_io};
 
 /// A file in figures.
@@ -17,13 +18,13 @@ pub struct FileInfo {
     /// The file; in JSON with U+FFFD for what is no Unicode.
     #[serde(serialize_with = "lossy")]
     pub file: PathBuf,
-    /// `scene`, `obj` or `image`.
+    /// `scene`, `obj`, `ply`, `stl` or `image`.
     pub kind: &'static str,
     /// In the order of drawing.
     pub meshes: Vec<MeshInfo>,
     /// Images that it is or names, and models and libraries that it names in vain.
     pub files: Vec<NamedFile>,
-    /// Number of lights; an OBJ by itself has none.
+    /// Number of lights; a model by itself has none.
     pub lights: usize,
     /// Centre and radius of a sphere around all meshes, world units.
     pub sphere: Option<([f64; 3], f64)>,
@@ -78,7 +79,7 @@ pub struct NamedFile {
     pub problem: Option<String>,
 }
 
-/// Reads a `.scene`, `.obj` or image file and everything that it names. Named files that are missing or broken do not
+/// Reads a scene, model or image file and everything that it names. Named files that are missing or broken do not
 /// stop it; they are listed.
 ///
 /// # Errors
@@ -92,12 +93,12 @@ pub fn info(path: &Path) -> Result<FileInfo, IoError> {
 /// # Errors
 /// As [`info`], and [`IoError::OutsideRoot`] for the file itself.
 pub fn info_with(path: &Path, options: &LoadOptions) -> Result<FileInfo, IoError> {
-    let (kind, (scene, textures)) = match scene::kind(path, &options.files) {
-        Ok(Kind::Scene) => ("scene", scene::read_scene(path, options, true)?),
-        Ok(Kind::Obj) => ("obj", scene::read_obj(path, options, true)?),
+    let format = match scene::format(path, &options.files) {
+        Ok(format) => format,
         Err(error @ IoError::UnknownFormat { .. }) => return image(path, &options.files, error),
         Err(error) => return Err(error),
     };
+    let (scene, textures) = (format.read)(path, options, true)?;
     let files = textures.files.into_iter().map(|f| {
         let (found, problem) = match f.found {
             Ok(found) => (Some(found), None),
@@ -114,10 +115,13 @@ pub fn info_with(path: &Path, options: &LoadOptions) -> Result<FileInfo, IoError
     let t_joints = t_joints(&scene);
     Ok(FileInfo {
         file: path.to_path_buf(),
-        kind,
+        kind: format.name,
         meshes: scene.meshes.iter().map(|m| mesh(m, &scene)).collect(),
         files: files.collect(),
-        lights: if kind == "obj" { 0 } else { scene.lights.len() },
+        lights: match format.has_lights {
+            true => scene.lights.len(),
+            false => 0,
+        },
         t_joints: t_joints.list.len(),
         t_joints_at_least: t_joints.at_least,
         sphere: Bounds::of(&scene).map(|b| (b.center.to_array(), b.radius)),
@@ -179,13 +183,10 @@ fn range(uvs: &[[f32; 2]]) -> Option<[[f32; 2]; 2]> {
 }
 
 fn image(path: &Path, files: &FileSource, unknown: IoError) -> Result<FileInfo, IoError> {
-    let known = ["png", "jpg", "jpeg", "gif", "hdr", "exr"];
-    let extension = path
-        .extension()
-        .and_then(|e| e.to_str())
-        .unwrap_or_default()
-        .to_lowercase();
-    if !known.contains(&extension.as_str()) {
+    if !image_io::ENDINGS
+        .iter()
+        .any(|ending| is_called(path, ending))
+    {
         return Err(unknown);
     }
     let image = image_io::read_named(files, path, None)?;

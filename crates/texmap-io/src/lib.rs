@@ -1,6 +1,6 @@
-//! Files in and out of texmap: the scene language, OBJ/MTL models, images, `.npy` arrays. The only crate that sees files.
+//! Files in and out of texmap: the scene language, models (OBJ with MTL, PLY, STL), images, `.npy` arrays. The only crate that sees files.
 //!
-//! - [`load`] reads a `.scene` or `.obj` with everything that it names into a [`texmap_scene::Scene`]; [`info`] lists
+//! - [`load`] reads a scene or model with everything that it names into a [`texmap_scene::Scene`]; [`info`] lists
 //!   what a file holds and what it names in vain.
 //! - [`scene_file`] is the language alone: text to statements and back.
 //! - [`image_io`], [`write_pixels`], [`npy`], [`CameraPath`]: pictures, arrays, walks. [`framing`]: cameras that show a whole model.
@@ -37,11 +37,14 @@ pub mod framing;
 mod grids;
 pub mod image_io;
 mod info;
+mod models;
 pub mod npy;
 mod obj;
 mod picture_format;
+mod ply;
 mod scene;
 pub mod scene_file;
+mod stl;
 mod textures;
 
 pub use camera_path::{CameraPath, Keyframe};
@@ -53,4 +56,4 @@ pub use grids::read_grid;
 pub use info::{FileInfo, MeshInfo, NamedFile, info, info_with};
 pub use obj::ObjText;
 pub use picture_format::{Lost, PictureFormat, PixelCode, write_pixels};
-pub use scene::{LoadOptions, load, load_obj, load_scene};
+pub use scene::{LoadOptions, load, load_model, load_scene};

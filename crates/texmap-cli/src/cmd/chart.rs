@@ -22,7 +22,7 @@ use crate::values::Resolution;
                   one thread; leave the machine alone meanwhile."
 )]
 pub(crate) struct ChartArgs {
-    /// A .scene or .obj to chart in place of the six panels
+    /// A scene or model to chart in place of the six panels
     scene: Option<PathBuf>,
     /// The .html page, or the .csv of all points
     #[arg(short, long, value_name = "OUT", required = true)]

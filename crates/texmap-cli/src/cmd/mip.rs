@@ -18,7 +18,7 @@ use crate::values;
 /// Levels of a 16-bit PNG are 16-bit PNGs. HDR and EXR are linear light, read and written as floats.
 #[derive(Args, Debug)]
 pub(crate) struct MipArgs {
-    /// The image: PNG, JPEG, GIF, HDR or EXR
+    /// The image: PNG, JPEG, WebP, GIF, BMP, TGA, TIFF, QOI, HDR or EXR
     image: PathBuf,
     /// Name of the files with %d or %02d for the level; their ending is .png, .hdr or .exr
     #[arg(short, long, value_name = "OUT%02d.png")]

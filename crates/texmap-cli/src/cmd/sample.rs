@@ -22,7 +22,7 @@ use crate::values;
 /// levels are floats. v = 0 is the top row.
 #[derive(Args, Debug)]
 pub(crate) struct SampleArgs {
-    /// The image: PNG, JPEG, GIF, HDR or EXR
+    /// The image: PNG, JPEG, WebP, GIF, BMP, TGA, TIFF, QOI, HDR or EXR
     image: PathBuf,
     /// Coordinates: .npy of shape (N, 2), or lines `u,v`
     #[arg(long, value_name = "FILE")]

@@ -22,10 +22,12 @@ use texmap_math::glam::DVec3;
 use texmap_raster::DepthTest;
 use texmap_scene::{ColorMode, Scene};
 
+use crate::files::is_called;
 use crate::framing::{AUTO_FOV, Bounds, View, auto_lights};
+use crate::models::{self, Request};
 use crate::scene_file::Missing;
 use crate::textures::Textures;
-use crate::{FileSource, IoError, SourceLocation, obj};
+use crate::{FileSource, IoError, SourceLocation};
 use build::Builder;
 use settings::Settings;
 
@@ -40,7 +42,7 @@ pub struct LoadOptions {
     pub missing: Missing,
     /// Width / height of the picture that an automatic camera has to fill.
     pub aspect: f64,
-    /// Whether colours are converted, instead of what the scene says (an OBJ: that they are).
+    /// Whether colours are converted, instead of what the scene says (a model: that they are).
     pub color: Option<ColorMode>,
     /// Where all files are read from, the one that is loaded too.
     pub files: FileSource,
@@ -58,15 +60,58 @@ impl Default for LoadOptions {
     }
 }
 
-/// Reads a `.scene` or `.obj` file.
+/// A kind of file that holds a scene or a model.
+pub(crate) struct Format {
+    /// Its name in reports, and the ending of its names.
+    pub(crate) name: &'static str,
+    /// Whether it may hold lights; a model without them gets [`auto_lights`].
+    pub(crate) has_lights: bool,
+    pub(crate) read: Read,
+}
+
+/// Reads a file; `tolerant`: faults of named files are noted in the textures' list and do not stop.
+type Read = fn(&Path, &LoadOptions, tolerant: bool) -> Result<(Scene, Textures), IoError>;
+
+/// Every kind of file that [`load`] reads, in the order in which messages name them.
+pub(crate) const FORMATS: [Format; 4] = [
+    Format {
+        name: "scene",
+        has_lights: true,
+        read: read_scene,
+    },
+    model("obj"),
+    model("ply"),
+    model("stl"),
+];
+
+const fn model(name: &'static str) -> Format {
+    Format {
+        name,
+        has_lights: false,
+        read: read_model,
+    }
+}
+
+/// The kind of file that the ending of a name says, in capitals or not.
+pub(crate) fn format(path: &Path, files: &FileSource) -> Result<&'static Format, IoError> {
+    let found = FORMATS.iter().find(|format| is_called(path, format.name));
+    match found {
+        Some(format) => Ok(format),
+        // A name that does not exist is that, whatever its ending.
+        None => files.check(path, None).and(Err(IoError::UnknownFormat {
+            path: path.to_path_buf(),
+        })),
+    }
+}
+
+/// Reads a `.scene` file, or a model: `.obj`, `.ply` or `.stl`.
 ///
 /// # Errors
 /// Whatever is wrong with it or with a file it names, see [`IoError`]; [`IoError::UnknownFormat`] for other names.
 pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene, IoError> {
-    match kind(path, &options.files)? {
-        Kind::Scene => load_scene(path, options),
-        Kind::Obj => load_obj(path, options),
-    }
+    let format = format(path, &options.files)?;
+    let (scene, _) = (format.read)(path, options, false)?;
+    drawable(scene, path)
 }
 
 /// Reads a scene file and all files that it names.
@@ -75,6 +120,11 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene, IoError> {
 /// The first fault, see [`IoError`]. [`IoError::EmptyScene`] where nothing would be drawn.
 pub fn load_scene(path: &Path, options: &LoadOptions) -> Result<Scene, IoError> {
     let (scene, _) = read_scene(path, options, false)?;
+    drawable(scene, path)
+}
+
+/// Refuses a scene in which nothing would be drawn.
+fn drawable(scene: Scene, path: &Path) -> Result<Scene, IoError> {
     let bare = scene.effects.volumes.is_empty() && scene.effects.background.is_none();
     if bare && scene.meshes.iter().all(|m| m.triangles.is_empty()) {
         return Err(IoError::EmptyScene {
@@ -84,33 +134,16 @@ pub fn load_scene(path: &Path, options: &LoadOptions) -> Result<Scene, IoError> 
     Ok(scene)
 }
 
-/// Reads an OBJ model by itself: the camera shows its bounding sphere from the front, right and above, the light is
-/// [`auto_lights`]; faces without a material are light grey.
+/// Reads a model by itself, an OBJ where its ending does not say PLY or STL: the camera shows its bounding sphere from the front, right
+/// and above, the light is [`auto_lights`]; faces without a material are light grey.
 ///
 /// # Errors
 /// The first fault, see [`IoError`]. [`IoError::EmptyMesh`] where nothing would be drawn.
-pub fn load_obj(path: &Path, options: &LoadOptions) -> Result<Scene, IoError> {
-    Ok(read_obj(path, options, false)?.0)
+pub fn load_model(path: &Path, options: &LoadOptions) -> Result<Scene, IoError> {
+    Ok(read_model(path, options, false)?.0)
 }
 
-pub(crate) enum Kind {
-    Scene,
-    Obj,
-}
-
-pub(crate) fn kind(path: &Path, files: &FileSource) -> Result<Kind, IoError> {
-    match path.extension().and_then(|e| e.to_str()) {
-        Some(e) if e.eq_ignore_ascii_case("scene") => Ok(Kind::Scene),
-        Some(e) if e.eq_ignore_ascii_case("obj") => Ok(Kind::Obj),
-        // A name that does not exist is that, whatever its ending.
-        _ => files.check(path, None).and(Err(IoError::UnknownFormat {
-            path: path.to_path_buf(),
-        })),
-    }
-}
-
-/// `tolerant`: faults of named files are noted in the textures' list and do not stop.
-pub(crate) fn read_scene(
+fn read_scene(
     path: &Path,
     options: &LoadOptions,
     tolerant: bool,
@@ -127,14 +160,20 @@ pub(crate) fn read_scene(
     builder.finish()
 }
 
-pub(crate) fn read_obj(
+fn read_model(
     path: &Path,
     options: &LoadOptions,
     tolerant: bool,
 ) -> Result<(Scene, Textures), IoError> {
     let color = options.color.unwrap_or_default();
     let mut textures = Textures::new(options.files.clone(), color == ColorMode::Raw, tolerant);
-    let model = obj::read(path, None, options.missing, false, &mut textures)?;
+    let request = Request {
+        path,
+        named_by: None,
+        missing: options.missing,
+        textured: false,
+    };
+    let model = models::read(&request, &mut textures)?;
     let matte = PhongMaterial {
         color: [0.8; 3],
         ka: 1.0,

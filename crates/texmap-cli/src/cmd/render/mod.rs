@@ -21,14 +21,14 @@ pub(crate) mod plan;
 mod report;
 mod sheet;
 
-/// Draw scenes and models: .scene or .obj in, .png out.
+/// Draw scenes and models: .scene, .obj, .ply or .stl in, .png out.
 #[derive(Args, Debug)]
 #[command(
     after_help = "Several inputs: -o is a folder, or a name with {model} (the input's name without its ending). \
     One bad input does not stop the others; the exit code is then 3."
 )]
 pub(crate) struct RenderArgs {
-    /// .scene and .obj files; an OBJ alone gets an automatic camera and light
+    /// .scene, .obj, .ply and .stl files; a model alone gets an automatic camera and light
     #[arg(required = true, value_name = "IN")]
     inputs: Vec<PathBuf>,
     /// The PNG to write; `-` is standard output; with --frames a name with %04d
