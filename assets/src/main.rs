@@ -10,6 +10,7 @@ mod effect_scenes;
 mod gltf;
 mod mesh;
 mod picture;
+mod polygons;
 mod scenes;
 mod shapes;
 mod teapot;
@@ -195,6 +196,11 @@ fn files() -> Vec<(String, Vec<u8>)> {
     let text = shapes::plate().obj(heading, "plate.mtl", "plate");
     files.push(("models/plate.obj".to_owned(), text.into_bytes()));
     files.push(("models/plate.mtl".to_owned(), PLATE.as_bytes().to_vec()));
+    let heading = "A house with a gable roof. Made by texmap-assets.";
+    let house = shapes::house().ply(heading, "../textures/uv_grid.png");
+    files.push(("models/house.ply".to_owned(), house));
+    let twisted = shapes::twisted_box().stl("A twisted box. Made by texmap-assets.");
+    files.push(("models/twisted_box.stl".to_owned(), twisted));
     files.extend(
         scenes::SCENES
             .into_iter()

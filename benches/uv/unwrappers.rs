@@ -15,7 +15,7 @@ use std::time::{Duration, Instant};
 
 use nalgebra::Vector3;
 use texmap_benches::meshes::{self, knot};
-use texmap_io::{LoadOptions, load_obj};
+use texmap_io::{LoadOptions, load_model};
 use texmap_uv::{
     AtlasSize, Faces, Mesh, Origin, ReportOptions, SeamEdges, UvSet, auto_planes, report, unwrap,
 };
@@ -218,7 +218,7 @@ fn uvgen(mesh: &Mesh<'_>) -> Result<UvSet, Box<dyn Error>> {
 
 /// Positions and triangles of an OBJ, its materials joined.
 fn read(path: &Path) -> Result<meshes::Mesh, Box<dyn Error>> {
-    let scene = load_obj(path, &LoadOptions::default())?;
+    let scene = load_model(path, &LoadOptions::default())?;
     let (mut positions, mut triangles) = (Vec::new(), Vec::new());
     for mesh in &scene.meshes {
         let base = positions.len() as u32;

@@ -49,6 +49,16 @@ pub fn gltf(bytes: &[u8]) {
     }
 }
 
+/// A polygon file: refused by name, or drawn.
+pub fn ply(bytes: &[u8]) {
+    binary(bytes, "fuzz.ply");
+}
+
+/// A stereolithography file: refused by name, or drawn.
+pub fn stl(bytes: &[u8]) {
+    binary(bytes, "fuzz.stl");
+}
+
 /// A library of materials beside a model that uses it.
 pub fn mtl(bytes: &[u8]) {
     let model = "mtllib fuzz.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nvn 0 0 1\n\
@@ -173,15 +183,24 @@ pub fn planner(bytes: &[u8]) {
 }
 
 fn file(bytes: &[u8], name: &str) {
+    drawn(bytes, name, &String::from_utf8_lossy(bytes));
+}
+
+/// A file that is not made of lines.
+fn binary(bytes: &[u8], name: &str) {
+    drawn(bytes, name, "");
+}
+
+fn drawn(bytes: &[u8], name: &str, text: &str) {
     in_folder(&[(name, bytes)], |folder| {
         let path = folder.join(name);
         match texmap_io::load(&path, &LoadOptions::default()) {
             Ok(scene) => picture(&scene),
-            Err(error) => named(&error, &String::from_utf8_lossy(bytes)),
+            Err(error) => named(&error, text),
         }
         // What a file holds is told or refused likewise.
         if let Err(error) = texmap_io::info(&path) {
-            named(&error, &String::from_utf8_lossy(bytes));
+            named(&error, text);
         }
     });
 }

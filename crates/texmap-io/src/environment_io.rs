@@ -13,7 +13,7 @@ use crate::files::FileSource;
 use crate::picture_format::{Lost, PictureFormat, PixelCode, write_pixels};
 use crate::{IoError, SourceLocation, image_io};
 
-/// Reads an image as an environment in a chart. Whole numbers (PNG, JPEG, GIF) are sRGB, floats (HDR, EXR) linear light, also below 0;
+/// Reads an image as an environment in a chart. Whole numbers (PNG, JPEG and the like) are sRGB, floats (HDR, EXR) linear light, also below 0;
 /// alpha is not read.
 ///
 /// # Errors

@@ -7,6 +7,8 @@ use std::io::{self, Cursor, Read};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+#[cfg(unix)]
+use rayon::prelude::*;
 use texmap_math::MemoryBudget;
 
 use crate::held::{Held, Input};
@@ -157,13 +159,11 @@ impl FileSource {
         let Opened { file, bytes: size } = self.open(path, named_by, limit)?;
         let what = format_args!("the {size} bytes of {}", path.display());
         self.ask(size, what, "split the file", named_by)?;
-        let mut bytes = Vec::new();
-        bytes
-            .try_reserve_exact(size as usize)
-            .map_err(io::Error::other)
-            .and_then(|()| file.take(size).read_to_end(&mut bytes))
-            .map_err(|source| unreadable(path, named_by, source))?;
-        Ok(bytes)
+        let bytes = match file {
+            Input::File(file) if size >= LARGE => read_at_once(file, size),
+            input => read_whole(input, size),
+        };
+        bytes.map_err(|source| unreadable(path, named_by, source))
     }
 
     pub(crate) fn text_named(
@@ -355,6 +355,34 @@ fn missing(path: &Path, named_by: Option<&SourceLocation>) -> IoError {
     }
 }
 
+/// Files from this size on are read by every thread, a piece of this size each: 4 MiB.
+const LARGE: u64 = 1 << 22;
+
+fn read_whole(file: impl Read, size: u64) -> io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    bytes
+        .try_reserve_exact(size as usize)
+        .map_err(io::Error::other)?;
+    file.take(size).read_to_end(&mut bytes)?;
+    Ok(bytes)
+}
+
+#[cfg(unix)]
+fn read_at_once(file: File, size: u64) -> io::Result<Vec<u8>> {
+    use std::os::unix::fs::FileExt;
+
+    // Zeroed pages come with the first byte that is written to each, which is most of the time of reading.
+    let mut bytes = vec![0; size as usize];
+    let pieces = bytes.par_chunks_mut(LARGE as usize).enumerate();
+    pieces.try_for_each(|(number, piece)| file.read_exact_at(piece, number as u64 * LARGE))?;
+    Ok(bytes)
+}
+
+#[cfg(not(unix))]
+fn read_at_once(file: File, size: u64) -> io::Result<Vec<u8>> {
+    read_whole(file, size)
+}
+
 fn unreadable(path: &Path, named_by: Option<&SourceLocation>, source: io::Error) -> IoError {
     IoError::Read {
         path: path.to_path_buf(),
@@ -382,6 +410,17 @@ mod tests {
         assert_eq!(error.location().map(|p| (p.line, p.column)), Some((2, 6)));
         fs::write(&path, "\u{feff}eye 0 0 6").unwrap();
         assert_eq!(text().unwrap(), "eye 0 0 6");
+    }
+
+    #[test]
+    fn large_files_are_read_whole() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("a.obj");
+        let bytes: Vec<u8> = (0..3 * LARGE + 7).map(|i| (i / 977) as u8).collect();
+        for size in [LARGE - 1, LARGE, LARGE + 1, 3 * LARGE + 7] {
+            fs::write(&path, &bytes[..size as usize]).unwrap();
+            assert!(read(&path).unwrap() == bytes[..size as usize], "{size}");
+        }
     }
 
     #[test]

@@ -6,9 +6,9 @@ use serde::{Serialize, Serializer};
 use texmap_scene::{Mesh, Scene};
 use texmap_uv::TJunctions;
 
+use crate::files::is_called;
 use crate::framing::Bounds;
-use crate::gltf::{self, Contents};
-use crate::scene::{self, Kind, LoadOptions};
+use crate::scene::{self, LoadOptions};
 use crate::textures::Textures;
 use crate::{FileSource, IoError, image_io};
 
@@ -19,7 +19,7 @@ pub struct FileInfo {
     /// The file; in JSON with U+FFFD for what is no Unicode.
     #[serde(serialize_with = "lossy")]
     pub file: PathBuf,
-    /// `scene`, `obj`, `gltf` or `image`.
+    /// `scene`, `obj`, `gltf`, `ply`, `stl` or `image`.
     pub kind: &'static str,
     /// In the order of drawing.
     pub meshes: Vec<MeshInfo>,
@@ -33,7 +33,7 @@ pub struct FileInfo {
     pub animations: Vec<AnimationInfo>,
     /// Extensions that a glTF names, and what becomes of them.
     pub extensions: Vec<ExtensionInfo>,
-    /// Number of lights; an OBJ by itself has none.
+    /// Number of lights; a model by itself has none, but for those of a glTF.
     pub lights: usize,
     /// Centre and radius of a sphere around all meshes, world units.
     pub sphere: Option<([f64; 3], f64)>,
@@ -122,7 +122,7 @@ pub struct NamedFile {
     pub problem: Option<String>,
 }
 
-/// Reads a `.scene`, `.obj`, `.gltf`, `.glb` or image file and everything that it names. Named files that are missing or broken do not
+/// Reads a scene, model or image file and everything that it names. Named files that are missing or broken do not
 /// stop it; they are listed.
 ///
 /// # Errors
@@ -136,27 +136,16 @@ pub fn info(path: &Path) -> Result<FileInfo, IoError> {
 /// # Errors
 /// As [`info`], and [`IoError::OutsideRoot`] for the file itself.
 pub fn info_with(path: &Path, options: &LoadOptions) -> Result<FileInfo, IoError> {
-    let (kind, scene, contents) = match scene::kind(path, &options.files) {
-        Ok(Kind::Scene) => {
-            let (scene, textures) = scene::read_scene(path, options, true)?;
-            let lights = scene.lights.len();
-            ("scene", scene, contents(textures, lights))
-        }
-        Ok(Kind::Obj) => {
-            let (scene, textures) = scene::read_obj(path, options, true)?;
-            ("obj", scene, contents(textures, 0))
-        }
-        Ok(Kind::Gltf) => {
-            let (scene, contents) = gltf::read(path, options, true)?;
-            ("gltf", scene, contents)
-        }
+    let format = match scene::format(path, &options.files) {
+        Ok(format) => format,
         Err(error @ IoError::UnknownFormat { .. }) => return image(path, &options.files, error),
         Err(error) => return Err(error),
     };
+    let (scene, contents) = (format.read)(path, options, true)?;
     let t_joints = t_joints(&scene);
     Ok(FileInfo {
         file: path.to_path_buf(),
-        kind,
+        kind: format.kind,
         meshes: scene.meshes.iter().map(|m| mesh(m, &scene)).collect(),
         files: contents.files,
         materials: scene.materials.iter().map(|m| m.name.clone()).collect(),
@@ -171,8 +160,19 @@ pub fn info_with(path: &Path, options: &LoadOptions) -> Result<FileInfo, IoError
     })
 }
 
-/// What a scene file or an OBJ says beside its scene.
-fn contents(textures: Textures, lights: usize) -> Contents {
+/// What a file says beside its scene.
+#[derive(Debug, Default)]
+pub(crate) struct Contents {
+    pub(crate) files: Vec<NamedFile>,
+    pub(crate) cameras: Vec<CameraInfo>,
+    pub(crate) animations: Vec<AnimationInfo>,
+    pub(crate) extensions: Vec<ExtensionInfo>,
+    /// Lights of the file; a model without them has others.
+    pub(crate) lights: usize,
+}
+
+/// The contents of a file whose maps were read by [`Textures`].
+pub(crate) fn contents(textures: Textures, lights: usize) -> Contents {
     let files = textures.files.into_iter().map(|f| {
         let (found, problem) = match f.found {
             Ok(found) => (Some(found), None),
@@ -250,13 +250,10 @@ fn range(uvs: &[[f32; 2]]) -> Option<[[f32; 2]; 2]> {
 }
 
 fn image(path: &Path, files: &FileSource, unknown: IoError) -> Result<FileInfo, IoError> {
-    let known = ["png", "jpg", "jpeg", "gif", "webp", "hdr", "exr"];
-    let extension = path
-        .extension()
-        .and_then(|e| e.to_str())
-        .unwrap_or_default()
-        .to_lowercase();
-    if !known.contains(&extension.as_str()) {
+    if !image_io::ENDINGS
+        .iter()
+        .any(|ending| is_called(path, ending))
+    {
         return Err(unknown);
     }
     let image = image_io::read_named(files, path, None)?;

@@ -1,6 +1,7 @@
-//! Files in and out of texmap: the scene language, OBJ/MTL and glTF models, images, `.npy` arrays. The only crate that sees files.
+//! Files in and out of texmap: the scene language, models (OBJ with MTL, glTF, PLY, STL), images, `.npy` arrays. The only crate that sees
+//! files.
 //!
-//! - [`load`] reads a `.scene`, `.obj`, `.gltf` or `.glb` with everything that it names into a [`texmap_scene::Scene`]; [`info`] lists
+//! - [`load`] reads a scene or model with everything that it names into a [`texmap_scene::Scene`]; [`info`] lists
 //!   what a file holds and what it names in vain.
 //! - [`scene_file`] is the language alone: text to statements and back.
 //! - [`image_io`], [`write_pixels`], [`npy`], [`CameraPath`]: pictures, arrays, walks. [`framing`]: cameras that show a whole model.
@@ -42,11 +43,14 @@ mod grids;
 mod held;
 pub mod image_io;
 mod info;
+mod models;
 pub mod npy;
 mod obj;
 mod picture_format;
+mod ply;
 mod scene;
 pub mod scene_file;
+mod stl;
 mod textures;
 
 pub use animation::{Animation, AnimationFormat, write_animation};
@@ -63,4 +67,4 @@ pub use info::{
 };
 pub use obj::ObjText;
 pub use picture_format::{Lost, PictureFormat, PixelCode, write_pixels};
-pub use scene::{LoadOptions, load, load_bytes, load_gltf, load_obj, load_scene};
+pub use scene::{LoadOptions, load, load_bytes, load_model, load_scene};

@@ -255,7 +255,7 @@ pub fn write_pixels(
         encoder.set_color(png::ColorType::Rgba);
         encoder.set_depth(depth);
         encoder.set_compression(png::Compression::Fast);
-        encoder.set_filter(png::Filter::Adaptive);
+        encoder.set_filter(png::Filter::Paeth);
         let mut writer = encoder.write_header()?;
         let mut stream = writer.stream_writer()?;
         rows(&mut stream)?;

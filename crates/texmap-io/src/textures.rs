@@ -3,6 +3,7 @@
 use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 
+use rayon::prelude::*;
 use texmap_sample::{Alpha, ColorSpace, Image, Origin, TexelData, Texture2d, Texture3d};
 
 use crate::files::MAX_TEXT;
@@ -15,7 +16,7 @@ use crate::{grids, image_io};
 const MAX_REPEATED: usize = 1 << 27;
 
 /// What a map holds.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(crate) enum Content {
     /// Colours: sRGB, or linear light where they are floats.
     Color,
@@ -34,6 +35,9 @@ pub(crate) struct MapFile {
     pub(crate) found: Result<(u32, u32, u32), String>,
 }
 
+/// A texture, and the width, height and bits of its file.
+type Decoded = (Texture2d<'static>, (u32, u32, u32));
+
 #[derive(Debug, Default)]
 pub(crate) struct Textures {
     pub(crate) textures: Vec<Texture2d<'static>>,
@@ -51,6 +55,8 @@ pub(crate) struct Textures {
     pub(crate) tolerant: bool,
     loaded: Vec<(PathBuf, Content, usize)>,
     loaded_grids: Vec<(PathBuf, usize)>,
+    /// Files that were decoded before they are loaded.
+    ahead: HashMap<(PathBuf, Content), Result<Decoded, IoError>>,
     /// Models and libraries that were read.
     texts: HashSet<PathBuf>,
     /// Models that were read twice, and the bytes of their texts: scenes that name one a hundred times need not parse it as often.
@@ -84,6 +90,19 @@ impl Textures {
         }
         self.read_again(path, named_by, command, text.len())
             .map(|()| text)
+    }
+
+    /// The same for a model that is no text.
+    pub(crate) fn bytes(
+        &mut self,
+        path: &Path,
+        named_by: Option<&SourceLocation>,
+    ) -> Result<Vec<u8>, IoError> {
+        let bytes = self.source.read_named(path, named_by, MAX_TEXT)?;
+        if !self.texts.insert(path.to_path_buf()) {
+            self.read_again(path, named_by, "obj", bytes.len())?;
+        }
+        Ok(bytes)
     }
 
     /// For a model of which only the coordinates matter: its maps are loaded apart, what is read twice is counted here.
@@ -125,6 +144,42 @@ impl Textures {
         }
     }
 
+    /// Decodes files that will be loaded, all at once. Their faults come up when they are loaded; nothing is decoded ahead where the
+    /// memory budget does not hold all of them.
+    pub(crate) fn decode_ahead(&mut self, wanted: Vec<(PathBuf, SourceLocation, Content)>) {
+        let mut new: Vec<(PathBuf, SourceLocation, Content)> = Vec::new();
+        for (path, location, content) in wanted {
+            let same = |p: &Path, c: Content| *p == *path && c == content;
+            if !self.loaded.iter().any(|(p, c, _)| same(p, *c))
+                && !new.iter().any(|(p, _, c)| same(p, *c))
+            {
+                new.push((path, location, content));
+            }
+        }
+        if new.len() < 2 {
+            return;
+        }
+        let sizes = new.par_iter().map(|(path, ..)| {
+            let size = image_io::stated_size(&self.source, path);
+            size.map_or(0, |(width, height)| u64::from(width) * u64::from(height))
+        });
+        // Decoded, with four channels, and with a mip chain.
+        let bytes = sizes.sum::<u64>().saturating_mul(4 + 4 + 11);
+        let what = format_args!("{} images at once", new.len());
+        if self.source.ask(bytes, what, "", None).is_err() {
+            return;
+        }
+        let read = |(path, location, content): (PathBuf, SourceLocation, Content)| {
+            let read = self.read(&path, &location, content);
+            (
+                (path, content),
+                read.map(|(texture, size)| (texture.with_mips(), size)),
+            )
+        };
+        let read: Vec<_> = new.into_par_iter().map(read).collect();
+        self.ahead.extend(read);
+    }
+
     /// Index of the texture of a file.
     pub(crate) fn load(
         &mut self,
@@ -140,17 +195,22 @@ impl Textures {
         if let Some((_, _, index)) = known {
             return Ok(*index);
         }
-        let texture = match self.read(path, location, content) {
+        let ahead = self.ahead.remove(&(path.to_path_buf(), content));
+        let read = ahead.unwrap_or_else(|| {
+            let (texture, size) = self.read(path, location, content)?;
+            Ok((texture.with_mips(), size))
+        });
+        let texture = match read {
             Ok((texture, size)) => {
                 self.note(path, location, Ok(size));
                 texture
             }
             Err(error) => {
                 self.forgive(path, location, error, missing)?;
-                stand_in(missing, content)
+                stand_in(missing, content).with_mips()
             }
         };
-        self.textures.push(texture.with_mips());
+        self.textures.push(texture);
         let index = self.textures.len() - 1;
         self.loaded.push((path.to_path_buf(), content, index));
         Ok(index)
@@ -222,7 +282,7 @@ impl Textures {
         path: &Path,
         location: &SourceLocation,
         content: Content,
-    ) -> Result<(Texture2d<'static>, (u32, u32, u32)), IoError> {
+    ) -> Result<Decoded, IoError> {
         let image = image_io::read_named(&self.source, path, Some(location))?;
         let bits = image.texels.bits();
         let linear = match content {

@@ -66,7 +66,7 @@ impl ShadowScene {
     /// # Errors
     /// If the file cannot be read.
     pub fn standing(path: &Path) -> Result<Self, LabError> {
-        let mut loaded = texmap_io::load_obj(path, &texmap_io::LoadOptions::default())
+        let mut loaded = texmap_io::load_model(path, &texmap_io::LoadOptions::default())
             .map_err(|e| LabError::Cases(e.to_string()))?;
         let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
         for p in loaded.meshes.iter().flat_map(|m| &m.positions) {

@@ -41,6 +41,62 @@ fn a_scene_and_a_model_become_pictures_and_say_so() {
     }
 }
 
+/// The house with its texture and the twisted box of the assets, as PLY and STL.
+#[test]
+fn polygon_and_stereolithography_files_become_pictures() {
+    let desk = Desk::new();
+    let assets = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../assets/models");
+    for name in ["house.ply", "twisted_box.stl"] {
+        let input = assets.join(name).display().to_string();
+        let run = desk.texmap(&format!(
+            "render {input} --resolution 64x48 -o out.png --json"
+        ));
+        let json = run.ok().json();
+        let found = json["items"][0]["scene"]["triangles"].as_u64().unwrap();
+        assert!(found > 100, "{name}: {found}");
+        let picture = pixels(&desk, "out.png");
+        let first = picture.get_pixel(0, 0);
+        let drawn = picture.pixels().filter(|p| *p != first).count();
+        assert!(drawn > 64 * 48 / 10, "{name} draws nothing");
+        let info = desk.texmap(&format!("info {input} --json")).ok().json();
+        assert_eq!(info["kind"].as_str(), name.rsplit('.').next());
+    }
+    desk.put("points.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\nend_header\n0 0 0\n");
+    let run = desk.texmap("render points.ply -o out.png");
+    assert!(
+        run.code != 0 && run.stderr.contains("point-cloud"),
+        "{}",
+        run.stderr
+    );
+}
+
+/// New coordinates in another folder: the materials beside the old file are still found.
+#[test]
+fn coordinates_written_elsewhere_keep_their_materials() {
+    let desk = Desk::new();
+    std::fs::create_dir_all(desk.path("in")).unwrap();
+    std::fs::create_dir_all(desk.path("out/deep")).unwrap();
+    desk.put("in/a.mtl", "newmtl red\nKd 1 0 0\n");
+    desk.put(
+        "in/a.obj",
+        "# kept\nmtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl red\nf 1 2 3\n",
+    );
+    desk.texmap("uv in/a.obj --map box -o out/deep/b.obj").ok();
+    let text = String::from_utf8(desk.read("out/deep/b.obj")).unwrap();
+    assert!(
+        text.starts_with("# kept\nmtllib ../../in/a.mtl\nv 0 0 0\n"),
+        "{text}"
+    );
+    let info = desk.texmap("info out/deep/b.obj --json").ok().json();
+    assert_eq!(info["meshes"][0]["material"], "red");
+    desk.texmap("uv in/a.obj --map box -o in/b.obj").ok();
+    assert!(
+        String::from_utf8(desk.read("in/b.obj"))
+            .unwrap()
+            .contains("\nmtllib a.mtl\n")
+    );
+}
+
 #[test]
 fn several_inputs_fill_a_folder_and_one_bad_one_stops_no_other() {
     let desk = Desk::new();

@@ -186,6 +186,50 @@ fn models() {
 }
 
 #[test]
+fn polygon_files() {
+    let words = [
+        "nan",
+        "1e39",
+        "-1",
+        "0",
+        "3",
+        "255",
+        "4294967295",
+        "element face 1\n",
+        "element vertex 0\n",
+        "property list uchar int vertex_indices\n",
+        "property float s\nproperty float t\n",
+        "property list uchar float texcoord\n",
+        "property int texnumber\n",
+        "comment TextureFile a.png\n",
+        "end_header\n",
+        "\r\n",
+        "double",
+        "binary_big_endian",
+        "ascii",
+        "\0",
+        "\u{fffd}",
+    ];
+    smoke("ply", &words, 6000, targets::ply);
+}
+
+#[test]
+fn stereolithography_files() {
+    let words = [
+        "solid",
+        "facet\n",
+        "vertex 0 0 0\n",
+        "endfacet\n",
+        "nan",
+        "1e39",
+        "\n",
+        "\0",
+        "\u{fffd}",
+    ];
+    smoke("stl", &words, 4000, targets::stl);
+}
+
+#[test]
 fn material_libraries() {
     let words = [
         "nan",

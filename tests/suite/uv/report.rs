@@ -206,7 +206,7 @@ fn degenerate_and_non_manifold_meshes_are_reported_not_refused() {
 #[test]
 fn a_plane_map_of_the_teapot_has_no_seam_however_it_is_read() {
     let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../assets/models/teapot.obj");
-    let scene = texmap_io::load_obj(&path, &texmap_io::LoadOptions::default()).unwrap();
+    let scene = texmap_io::load_model(&path, &texmap_io::LoadOptions::default()).unwrap();
     let (mut positions, mut triangles) = (Vec::new(), Vec::new());
     for mesh in &scene.meshes {
         let base = positions.len() as u32;

@@ -25,7 +25,7 @@ use crate::values::Resolution;
                   Own scene:   texmap chart room.scene -o room.html"
 )]
 pub(crate) struct ChartArgs {
-    /// A .scene or .obj to chart in place of the six panels
+    /// A scene or model to chart in place of the six panels
     scene: Option<PathBuf>,
     /// The .html page, or the .csv of all points
     #[arg(short, long, value_name = "OUT", required = true)]

@@ -13,7 +13,7 @@ use crate::failure::{self, Exit, Failure, say_always};
 #[derive(Args, Debug)]
 #[command(after_help = "Exit code 3 when a file that it names is missing or broken.")]
 pub(crate) struct InfoArgs {
-    /// A .scene, .obj, .gltf, .glb or image file
+    /// A .scene, .obj, .gltf, .glb, .ply, .stl or image file
     file: PathBuf,
     #[command(flatten)]
     root: Root,

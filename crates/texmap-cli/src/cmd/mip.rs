@@ -21,7 +21,7 @@ use crate::values;
 #[command(after_help = "All levels:  texmap mip brick.png -o 'brick%02d.png'\n\
                   A cut-out:   texmap mip leaf.png --keep-coverage 0.5 -o 'leaf%d.png'")]
 pub(crate) struct MipArgs {
-    /// The image: PNG, JPEG, GIF, HDR or EXR
+    /// The image: PNG, JPEG, WebP, GIF, BMP, TGA, TIFF, QOI, HDR or EXR
     image: PathBuf,
     /// Name of the files with %d or %02d for the level; their ending is .png, .jpg, .webp, .hdr or .exr
     #[arg(short, long, value_name = "OUT%02d.png")]

@@ -27,7 +27,7 @@ use crate::values;
                   Minified:               texmap sample brick.png --uv uv.npy --grad gradients.npy --filter anisotropic:16 -o values.npy"
 )]
 pub(crate) struct SampleArgs {
-    /// The image: PNG, JPEG, GIF, HDR or EXR
+    /// The image: PNG, JPEG, WebP, GIF, BMP, TGA, TIFF, QOI, HDR or EXR
     image: PathBuf,
     /// Coordinates: .npy of shape (N, 2), or lines `u,v`
     #[arg(long, value_name = "FILE")]

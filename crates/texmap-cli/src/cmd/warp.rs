@@ -30,7 +30,7 @@ use crate::values::{self, Resolution};
                   Turn by 45 degrees: texmap warp in.png --rotate 45 -o out.png"
 )]
 pub(crate) struct WarpArgs {
-    /// The image: PNG, JPEG, GIF, HDR or EXR
+    /// The image: PNG, JPEG, WebP, GIF, BMP, TGA, TIFF, QOI, HDR or EXR
     image: PathBuf,
     /// The file to write; its ending (.png, .jpg, .webp, .hdr, .exr) says what it becomes; `-` is standard output, PNG
     #[arg(short, long, value_name = "OUT")]

@@ -14,7 +14,11 @@ impl IoError {
             Self::Write { .. } => "check that the directory exists and may be written; an older file of this name was left as it was".into(),
             Self::FileTooLarge { .. } => "split the file, or store the model or array in parts".into(),
             Self::NotUtf8 { .. } => "scene, OBJ and MTL files are UTF-8 text; convert the file (for example with iconv)".into(),
-            Self::UnknownFormat { .. } => "texmap reads .scene, .obj, .gltf and .glb models and .png, .jpg, .gif, .webp, .hdr and .exr images".into(),
+            Self::UnknownFormat { .. } => {
+                let models = crate::scene::FORMATS.iter().map(|format| format.name);
+                let images = crate::image_io::ENDINGS.iter().copied();
+                format!("texmap reads {} files, and {} images", endings(models), endings(images))
+            }
             Self::UnknownCommand { nearest: Some(nearest), .. } => format!("did you mean `{nearest}`? docs/SCENE_FORMAT.md lists the commands"),
             Self::UnknownCommand { .. } => "docs/SCENE_FORMAT.md lists the commands; `#` begins a comment".into(),
             Self::StrayNumber { .. } => "a line that begins with a number continues the command above it; begin with a command".into(),
@@ -36,14 +40,15 @@ impl IoError {
             Self::DegenerateFrame { .. } => "give U and V two directions of the texture's plane, neither zero nor parallel".into(),
             Self::BadCamera { .. } => "eye and look must differ, up must not point along the line of sight, and 0 < near < far".into(),
             Self::BadProjector { .. } => "its position and look must differ, and up must not be zero or point along the line of projection".into(),
-            Self::BrokenImage { .. } => "the file is damaged or of another kind than PNG, JPEG, GIF, WebP, HDR or EXR; write it again".into(),
+            Self::BrokenImage { .. } => format!("the file is damaged or of a kind that is not read; write it again ({})", endings(crate::image_io::ENDINGS.iter().copied())),
             Self::ImageSize { .. } => format!("textures have 1 to {} texels a side and {} in all", crate::image_io::MAX_SIDE, crate::image_io::MAX_TEXELS),
             Self::EnvironmentSize { chart, expected, .. } => format!("a {chart} map is {expected}; name the chart that the image is in, or convert it with `texmap env`"),
             Self::BadShape { .. } => "docs/SCENE_FORMAT.md says what the line takes, and from which sizes on it is refused".into(),
             Self::EmptyScene { .. } => "nothing would be drawn; add `f`, `tf`, `ff` or `obj` lines".into(),
             Self::EmptyMesh { .. } => "nothing would be drawn; the model needs faces (points and lines are not drawn)".into(),
             Self::UnknownMaterial { .. } => "define it in the MTL library, correct the name, or draw without it (`missing warn`)".into(),
-            Self::BrokenModel { .. } => "export the model again as plain OBJ polygons".into(),
+            Self::BrokenModel { .. } | Self::BrokenModelLine { .. } => "export the model again, or convert it to OBJ".into(),
+            Self::PointCloud { .. } => "only faces are drawn; make a surface of the points first (MeshLab and Open3D do), and export it with faces".into(),
             Self::BrokenGltf { .. } => "export the model again; the glTF validator of Khronos lists every fault of a file".into(),
             Self::UnsupportedGltf { instead, .. } => instead.clone(),
             Self::NamedByGltf { error, .. } => match **error {
@@ -58,6 +63,15 @@ impl IoError {
             Self::Memory { refused, .. } => format!("{}, or raise the memory budget", refused.lower),
             Self::BrokenPath { .. } => "a camera path is a JSON list of {\"eye\":[x,y,z],\"look\":[x,y,z]} with optional \"up\" and \"fov\" (degrees); a list of cameras may have \"matrix\" and \"fx\", too".into(),
         }
+    }
+}
+
+/// `.a, .b and .c`.
+fn endings(names: impl Iterator<Item = &'static str>) -> String {
+    let names: Vec<String> = names.map(|name| format!(".{name}")).collect();
+    match names.split_last() {
+        Some((last, rest)) if !rest.is_empty() => format!("{} and {last}", rest.join(", ")),
+        _ => names.concat(),
     }
 }
 

@@ -45,6 +45,7 @@ impl IoError {
             | Self::ImageSize { named_by, .. }
             | Self::EnvironmentSize { named_by, .. }
             | Self::EmptyMesh { named_by, .. }
+            | Self::PointCloud { named_by, .. }
             | Self::Memory { named_by, .. } => named_by.as_ref(),
             Self::NotUtf8 { location }
             | Self::UnknownCommand { location, .. }
@@ -65,6 +66,7 @@ impl IoError {
             | Self::BadCamera { location, .. }
             | Self::BadProjector { location, .. }
             | Self::BadShape { location, .. }
+            | Self::BrokenModelLine { location, .. }
             | Self::UnknownMaterial { location, .. }
             | Self::BrokenPath { location, .. } => Some(location),
             Self::Write { .. }

@@ -313,7 +313,27 @@ pub enum IoError {
         /// The name.
         name: String,
     },
-    /// A model that the OBJ reader refuses.
+    /// A line of a model that its reader refuses.
+    #[error("{location}: {problem}", problem = one_message(.problem))]
+    BrokenModelLine {
+        /// The line.
+        location: SourceLocation,
+        /// What is wrong with it.
+        problem: String,
+    },
+    /// A model of points without faces.
+    #[error("{}{}: {points} {kind} without faces", line_of(.named_by), shown(.path))]
+    PointCloud {
+        /// The model.
+        path: PathBuf,
+        /// The line that names it, if a file does.
+        named_by: Option<SourceLocation>,
+        /// How many points there are.
+        points: usize,
+        /// `points` or `Gaussian splats`.
+        kind: &'static str,
+    },
+    /// A model that its reader refuses.
     #[error("{}: {problem}", shown(.path), problem = one_message(.problem))]
     BrokenModel {
         /// The model.
@@ -440,6 +460,8 @@ impl IoError {
             Self::UnsupportedGltf { .. } => "unsupported-gltf",
             Self::NamedByGltf { error, .. } => error.code(),
             Self::UnknownName { .. } => "unknown-name",
+            Self::BrokenModelLine { .. } => "broken-model-line",
+            Self::PointCloud { .. } => "point-cloud",
             Self::BrokenArray { .. } => "broken-array",
             Self::BrokenPath { .. } => "broken-camera-path",
             Self::Memory { .. } => "over-memory-budget",

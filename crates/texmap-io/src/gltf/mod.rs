@@ -25,23 +25,12 @@ use std::path::Path;
 
 use texmap_scene::{ColorMode, Scene};
 
-use crate::info::{AnimationInfo, CameraInfo, ExtensionInfo, NamedFile};
+use crate::info::{AnimationInfo, Contents};
 use crate::scene::{LoadOptions, empty_scene, present};
 use crate::{IoError, shortened};
 use animation::Pose;
 use model::Model;
 use nodes::{Tree, Trs};
-
-/// What a report says beside the scene.
-#[derive(Debug, Default)]
-pub(crate) struct Contents {
-    pub(crate) files: Vec<NamedFile>,
-    pub(crate) cameras: Vec<CameraInfo>,
-    pub(crate) animations: Vec<AnimationInfo>,
-    pub(crate) extensions: Vec<ExtensionInfo>,
-    /// Lights of the file; a scene without has others.
-    pub(crate) lights: usize,
-}
 
 /// Reads a model as a scene of its own. `tolerant`: files that it names in vain are noted and do not stop.
 pub(crate) fn read(

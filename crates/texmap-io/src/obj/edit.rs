@@ -5,7 +5,8 @@ use std::path::Path;
 
 use texmap_uv::{Faces, UvSet};
 
-use super::read::{self, NONE, Obj, Spans};
+use super::pieces;
+use super::read::{NONE, Obj, Spans};
 use super::source::Span;
 use crate::files::{MAX_TEXT, is_called};
 use crate::{FileSource, IoError};
@@ -39,7 +40,7 @@ impl ObjText {
 
     fn parse(path: &Path, text: String) -> Result<Self, IoError> {
         let mut spans = Spans::default();
-        let obj = read::read(path, &text, Some(&mut spans))?;
+        let obj = pieces::read(path, &text, Some(&mut spans))?;
         let (mut faces, mut corners) = (Faces::new(), obj.corners.as_slice());
         let mut vertices = Vec::new();
         for face in &obj.faces {
@@ -109,6 +110,36 @@ impl ObjText {
     /// before the first face), and each corner names its new index.
     #[must_use]
     pub fn with(&self, set: &UvSet) -> String {
+        self.edited(set, |_| None)
+    }
+
+    /// The same for a file in another folder: `mtllib` names lead from there to the libraries of this one. Both folders exist; a name
+    /// that is absolute or cannot be found from there stays as it is.
+    #[must_use]
+    pub fn with_in(&self, set: &UvSet, file: &Path, folder: &Path) -> String {
+        let here = folder_of(file).canonicalize();
+        let (Ok(here), Ok(there)) = (here, folder.canonicalize()) else {
+            return self.with(set);
+        };
+        let Some(way) = way(&there, &here).filter(|_| here != there) else {
+            return self.with(set);
+        };
+        let moved = |name: &str| match Path::new(name).is_absolute() {
+            true => name.to_owned(),
+            false => format!("{way}/{name}"),
+        };
+        self.edited(set, |line| {
+            // As they are read: one name with blanks, or several.
+            if here.join(line).exists() {
+                return Some(moved(line));
+            }
+            let names: Vec<String> = line.split_whitespace().map(moved).collect();
+            Some(names.join(" "))
+        })
+    }
+
+    /// `library`: what takes the place of the names in a `mtllib` line.
+    fn edited(&self, set: &UvSet, library: impl Fn(&str) -> Option<String>) -> String {
         let first_face = self.spans.first_face.unwrap_or(0);
         let first_uv = self.spans.uvs.first();
         let at = first_uv.map_or(first_face, |span| span.start.min(first_face));
@@ -118,6 +149,8 @@ impl ObjText {
         let corners = self.spans.corners.iter().zip(&set.corners);
         edits.extend(corners.map(|(span, index)| (*span, Edit::Corner(*index))));
         edits.extend(self.spans.others.iter().map(|span| (*span, Edit::Vertex)));
+        let libraries = self.spans.libraries.iter().zip(&self.obj.libraries);
+        edits.extend(libraries.map(|(span, (_, names))| (*span, Edit::Library(names))));
         edits.sort_by_key(|(span, _)| span.start);
         let (mut out, mut done) = (String::with_capacity(self.text.len() * 2), 0);
         for (span, edit) in edits {
@@ -129,6 +162,10 @@ impl ObjText {
                 Edit::Block => self.push_coordinates(&mut out, set),
                 Edit::Remove => {}
                 Edit::Vertex => out.push_str(vertex),
+                Edit::Library(names) => {
+                    let kept = &self.text[span.range()];
+                    out.push_str(library(names).as_deref().unwrap_or(kept));
+                }
                 Edit::Corner(index) => {
                     let _ = write!(out, "{vertex}/{}", index + 1);
                     if let Some(normal) = parts.nth(1).filter(|n| !n.is_empty()) {
@@ -155,7 +192,7 @@ impl ObjText {
 }
 
 /// The replacement of a span.
-enum Edit {
+enum Edit<'a> {
     /// The new `vt` lines.
     Block,
     Remove,
@@ -163,6 +200,29 @@ enum Edit {
     Corner(u32),
     /// The corner without coordinates and normal.
     Vertex,
+    /// Names of libraries.
+    Library(&'a str),
+}
+
+/// The folder that a file is in.
+fn folder_of(file: &Path) -> &Path {
+    match file.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    }
+}
+
+/// The name of a folder as seen from another, with slashes; both are canonical. `None` where there is none in Unicode.
+fn way(from: &Path, to: &Path) -> Option<String> {
+    let (from, to): (Vec<_>, Vec<_>) = (from.components().collect(), to.components().collect());
+    let shared = from.iter().zip(&to).take_while(|(a, b)| a == b).count();
+    if shared == 0 {
+        return None;
+    }
+    let up = from[shared..].iter().map(|_| Some(".."));
+    let down = to[shared..].iter().map(|part| part.as_os_str().to_str());
+    let parts: Option<Vec<&str>> = up.chain(down).collect();
+    Some(parts?.join("/"))
 }
 
 #[cfg(test)]
@@ -218,6 +278,38 @@ mod tests {
         assert_eq!(
             obj.with(&set),
             "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\ng a\nvt 0 0.5\nf 1/1 2/1 3/1\nf 1/1/1 2/1/1 3/1/1"
+        );
+    }
+
+    #[test]
+    fn libraries_are_found_from_another_folder() {
+        let dir = tempfile::tempdir().unwrap();
+        let at = |name: &str| dir.path().join(name);
+        std::fs::create_dir_all(at("in/deep")).unwrap();
+        std::fs::create_dir_all(at("out")).unwrap();
+        std::fs::write(at("in/two words.mtl"), "").unwrap();
+        let text = "# mtllib x\nmtllib a.mtl ../b.mtl # c\n  mtllib two words.mtl\nmtllib /abs.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+        let obj = parse(text).unwrap();
+        let set = UvSet {
+            uvs: vec![[0.0, 0.5]],
+            corners: vec![0; 3],
+        };
+        let head = |folder: &str| {
+            let new = obj.with_in(&set, &at("in/a.obj"), &at(folder));
+            new.lines().take(4).collect::<Vec<_>>().join("\n")
+        };
+        assert_eq!(
+            head("in"),
+            text.lines().take(4).collect::<Vec<_>>().join("\n")
+        );
+        assert_eq!(
+            head("out"),
+            "# mtllib x\nmtllib ../in/a.mtl ../in/../b.mtl # c\n  mtllib ../in/two words.mtl\nmtllib /abs.mtl"
+        );
+        assert!(head("in/deep").contains("mtllib ../a.mtl ../../b.mtl # c"));
+        assert_eq!(
+            way(Path::new("/a"), Path::new("/a/b/c")).as_deref(),
+            Some("b/c")
         );
     }
 

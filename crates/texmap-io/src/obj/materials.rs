@@ -75,7 +75,35 @@ pub(super) fn check_names(
     Ok(())
 }
 
-pub(super) fn material(
+/// Decodes the maps of all materials at once.
+pub(crate) fn decode_maps(descriptions: &[Description], textures: &mut Textures) {
+    let maps = descriptions
+        .iter()
+        .flat_map(|d| d.maps.iter().zip(CONTENTS));
+    let wanted = maps.filter_map(|(map, content)| {
+        let map = map.as_ref()?;
+        let path = textures.source.beside(&map.location.file, &map.name);
+        Some((path, map.location.clone(), content))
+    });
+    let wanted = wanted.collect();
+    textures.decode_ahead(wanted);
+}
+
+/// What each of [`mtl::MAPS`] holds.
+const CONTENTS: [Content; mtl::MAPS.len()] = [
+    Content::Color,
+    Content::Data,
+    Content::Color,
+    Content::Color,
+    Content::Data,
+    Content::Data,
+    Content::Data,
+    Content::Data,
+    Content::Color,
+];
+
+/// The material of a description, its maps loaded.
+pub(crate) fn material(
     description: Description,
     missing: Missing,
     textures: &mut Textures,

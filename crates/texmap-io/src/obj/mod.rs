@@ -7,14 +7,23 @@ mod mtl;
 mod normals;
 mod not_drawn;
 mod parts;
+mod pieces;
 mod read;
 mod source;
+mod vertices;
 
 use texmap_sample::UvTransform;
 
 pub use edit::ObjText;
+pub(crate) use materials::{decode_maps, material};
 pub(crate) use model::read;
+pub(crate) use mtl::Description;
 pub(crate) use normals::unit;
+pub(crate) use parts::parts;
+pub(crate) use read::{Corner, Face, Group, NONE, Obj};
+
+/// The name of a part that has none.
+pub(crate) const UNNAMED: &str = "unnamed_object";
 
 /// A model as its files describe it, not yet dressed for a scene.
 #[derive(Debug, Clone)]

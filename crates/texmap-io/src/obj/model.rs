@@ -2,53 +2,46 @@
 
 use std::path::Path;
 
-use super::materials::{check_names, libraries, material};
+use super::materials::{check_names, decode_maps, libraries, material};
 use super::parts::parts;
-use super::read::{self, Obj};
+use super::pieces;
+use super::read::Obj;
 use super::{Model, Part};
+use crate::IoError;
 use crate::error::{shortened, shown};
 use crate::files::is_called;
+use crate::models::Request;
 use crate::scene_file::Missing;
 use crate::textures::Textures;
-use crate::{IoError, SourceLocation};
 
-/// Reads a model, its libraries and their maps. `missing` tells what an absent library, material or map is;
-/// `textured`, whether faces without a material will get a texture and so need coordinates.
+/// Reads a model, its libraries and their maps, and says how many bytes its text has.
 pub(crate) fn read(
-    path: &Path,
-    named_by: Option<&SourceLocation>,
-    missing: Missing,
-    textured: bool,
+    request: &Request<'_>,
     textures: &mut Textures,
-) -> Result<Model, IoError> {
-    let key = (path.to_path_buf(), missing, textured);
-    if let Some((known, bytes)) = textures.models.get(&key) {
-        let (model, bytes) = (known.clone(), *bytes);
-        textures.read_again(path, named_by, "obj", bytes)?;
-        return Ok(model);
-    }
-    let again = textures.was_read(path);
-    let text = textures.text(path, named_by, "obj")?;
+) -> Result<(Model, usize), IoError> {
+    let (path, missing) = (request.path, request.missing);
+    let text = textures.text(path, request.named_by, "obj")?;
     let bytes = text.len();
     let quotes = is_called(path, "obj");
     let hidden = |error: IoError| match quotes {
         true => error,
         false => error.without_words(),
     };
-    let obj = read::read(path, &text, None).map_err(hidden)?;
+    let obj = pieces::read(path, &text, None).map_err(hidden)?;
     drop(text);
     if obj.faces.is_empty() {
         return Err(IoError::EmptyMesh {
             path: path.to_path_buf(),
-            named_by: named_by.cloned(),
+            named_by: request.named_by.cloned(),
         });
     }
     let mut warnings = Vec::new();
     let descriptions = libraries(path, &obj, missing, textures, &mut warnings)?;
     let lenient = missing.is_lenient() || textures.tolerant;
     check_names(&obj, &descriptions, lenient, &mut warnings).map_err(hidden)?;
-    let parts = parts(&obj, &descriptions, textured);
+    let parts = parts(&obj, &descriptions, request.textured);
     report(path, &obj, &parts, &mut warnings);
+    decode_maps(&descriptions, textures);
     let mut materials = Vec::new();
     for description in descriptions {
         materials.push(material(description, missing, textures, &mut warnings)?);
@@ -59,15 +52,7 @@ pub(crate) fn read(
         colored: !obj.colors.is_empty(),
         warnings,
     };
-    if again {
-        // It will be named a third time; its warnings were reported.
-        let silent = Model {
-            warnings: Vec::new(),
-            ..model.clone()
-        };
-        textures.models.insert(key, (silent, bytes));
-    }
-    Ok(model)
+    Ok((model, bytes))
 }
 
 fn report(path: &Path, obj: &Obj, parts: &[Part], warnings: &mut Vec<String>) {
@@ -110,7 +95,13 @@ pub(super) fn read_text(obj: &str) -> Model {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("a.obj");
     std::fs::write(&path, obj).unwrap();
-    read(&path, None, Missing::Error, false, &mut Textures::default()).unwrap()
+    let request = Request {
+        path: &path,
+        named_by: None,
+        missing: Missing::Error,
+        textured: false,
+    };
+    read(&request, &mut Textures::default()).unwrap().0
 }
 
 #[cfg(test)]

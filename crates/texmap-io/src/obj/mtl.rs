@@ -13,7 +13,7 @@ use crate::{IoError, SourceLocation};
 
 /// A material as its library describes it.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Description {
+pub(crate) struct Description {
     pub(super) name: String,
     /// sRGB, 0 to 1.
     pub(super) kd: Option<[f32; 3]>,
@@ -42,6 +42,20 @@ impl Description {
             maps: Default::default(),
             highlight: true,
         }
+    }
+
+    /// A white material with a map of its colour, which `location` names.
+    pub(crate) fn of_texture(name: &str, location: SourceLocation, file: &str) -> Self {
+        let mut material = Self::new(name);
+        material.maps[0] = Some(Map {
+            location,
+            name: file.to_owned(),
+            scale: [1.0; 2],
+            offset: [0.0; 2],
+            clamp: false,
+            height: None,
+        });
+        material
     }
 
     /// Whether faces need coordinates.

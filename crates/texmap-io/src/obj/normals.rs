@@ -1,40 +1,120 @@
-//! Normals for faces that bring none: the area-weighted mean over each smoothing group.
+//! Normals of corners: those of the file, and for faces that bring none the area-weighted mean over each smoothing group.
 
 use std::collections::HashMap;
 
+use rayon::prelude::*;
 use texmap_math::glam::DVec3;
 
-use super::read::{Corner, Face};
+use super::read::{Corner, Face, NONE, Obj};
 
-/// Sums of area normals per vertex and smoothing group.
+/// A normal for every corner of a model.
+///
+/// Normals have numbers: first those of the file, then one for each vertex in its first smoothing group, then those of corners that
+/// have one of their own.
 #[derive(Debug)]
-pub(super) struct Smooth {
-    /// Of each vertex: its first group (0 before there is one) and the sum in it.
-    first: Vec<(u32, DVec3)>,
+pub(super) struct Normals<'a> {
+    obj: &'a Obj,
+    smooth: Smooth,
+    own: Vec<[f32; 3]>,
+}
+
+impl<'a> Normals<'a> {
+    pub(super) fn of(obj: &'a Obj) -> Self {
+        let lacks = |c: &Corner| c.normal == NONE;
+        let complete =
+            obj.normals.par_iter().all(|n| has_direction(*n)) && !obj.corners.par_iter().any(lacks);
+        Self {
+            obj,
+            smooth: match complete {
+                true => Smooth::default(),
+                false => Smooth::of(obj),
+            },
+            own: Vec::new(),
+        }
+    }
+
+    /// Number of the normal at a corner of a face whose area normal is `area`.
+    pub(super) fn at(&mut self, face: &Face, corner: Corner, area: impl Fn() -> DVec3) -> u32 {
+        let given = self.obj.normals.get(corner.normal as usize);
+        if given.is_some_and(|n| has_direction(*n)) {
+            return corner.normal;
+        }
+        let vertex = corner.vertex as usize;
+        let mean = self.smooth.means[vertex];
+        if face.smoothing != 0 && self.smooth.groups[vertex] == face.smoothing && !mean[0].is_nan()
+        {
+            return (self.obj.normals.len() + vertex) as u32;
+        }
+        let normal = self.smooth.at(face, corner.vertex, area());
+        if self.own.last() != Some(&normal) {
+            self.own.push(normal);
+        }
+        (self.obj.normals.len() + self.smooth.means.len() + self.own.len() - 1) as u32
+    }
+
+    /// The normal of this number: of the file of any length, else a unit vector.
+    pub(super) fn get(&self, number: u32) -> [f32; 3] {
+        let (given, means) = (&self.obj.normals, &self.smooth.means);
+        let number = number as usize;
+        match number.checked_sub(given.len()) {
+            None => given[number],
+            Some(mean) if mean < means.len() => means[mean],
+            Some(own) => self.own[own - means.len()],
+        }
+    }
+}
+
+/// Whether a finite vector is not zero.
+fn has_direction(v: [f32; 3]) -> bool {
+    v != [0.0; 3]
+}
+
+/// Means of area normals per vertex and smoothing group.
+#[derive(Debug, Default)]
+struct Smooth {
+    /// The first group of each vertex, 0 where there is none.
+    groups: Vec<u32>,
+    /// The unit mean in it; NaN where it has no direction.
+    means: Vec<[f32; 3]>,
     /// The sums in other groups, by vertex and group.
     others: HashMap<(u32, u32), DVec3>,
 }
 
 impl Smooth {
-    pub(super) fn new(vertices: usize) -> Self {
-        Self {
-            first: vec![(0, DVec3::ZERO); vertices],
-            others: HashMap::new(),
+    fn of(obj: &Obj) -> Self {
+        let mut smooth = Self {
+            groups: vec![0; obj.positions.len()],
+            ..Self::default()
+        };
+        let mut sums = vec![[0.0; 3]; obj.positions.len()];
+        let (mut corners, mut points) = (&obj.corners[..], Vec::new());
+        for face in &obj.faces {
+            let (own, rest) = corners.split_at(face.corners as usize);
+            corners = rest;
+            smooth.add(face, own, obj.area_normal(own, &mut points), &mut sums);
         }
+        smooth.means = (sums.into_par_iter())
+            .map(|sum| {
+                let mean = unit(DVec3::from(sum));
+                mean.map_or([f32::NAN; 3], |n| n.as_vec3().to_array())
+            })
+            .collect();
+        smooth
     }
 
     /// Adds a face of this area normal.
-    pub(super) fn add(&mut self, face: &Face, corners: &[Corner], area: DVec3) {
+    fn add(&mut self, face: &Face, corners: &[Corner], area: DVec3, sums: &mut [[f64; 3]]) {
         if face.smoothing == 0 {
             return;
         }
         for corner in corners {
-            let (group, sum) = &mut self.first[corner.vertex as usize];
+            let group = &mut self.groups[corner.vertex as usize];
             if *group == 0 {
                 *group = face.smoothing;
             }
             if *group == face.smoothing {
-                *sum += area;
+                let sum = &mut sums[corner.vertex as usize];
+                *sum = (DVec3::from(*sum) + area).to_array();
             } else {
                 let key = (corner.vertex, face.smoothing);
                 *self.others.entry(key).or_default() += area;
@@ -42,14 +122,11 @@ impl Smooth {
         }
     }
 
-    /// Unit normal at a corner: of the group, or of the face where the group is flat or cancels out.
-    pub(super) fn at(&self, face: &Face, vertex: u32, area: DVec3) -> [f32; 3] {
-        let sum = match self.first[vertex as usize] {
-            _ if face.smoothing == 0 => Some(area),
-            (group, sum) if group == face.smoothing => Some(sum),
-            _ => self.others.get(&(vertex, face.smoothing)).copied(),
-        };
-        unit(sum.unwrap_or(area))
+    /// Unit normal at a corner that has not the mean of its first group: of another group, or of the face where the group is flat or
+    /// cancels out.
+    fn at(&self, face: &Face, vertex: u32, area: DVec3) -> [f32; 3] {
+        let sum = self.others.get(&(vertex, face.smoothing));
+        (sum.and_then(|sum| unit(*sum)))
             .or_else(|| unit(area))
             .unwrap_or(DVec3::Z)
             .as_vec3()
@@ -57,8 +134,20 @@ impl Smooth {
     }
 }
 
+impl Obj {
+    /// The area normal of a face; `points` is room for its corners.
+    pub(super) fn area_normal(&self, corners: &[Corner], points: &mut Vec<DVec3>) -> DVec3 {
+        points.clear();
+        points.extend(corners.iter().map(|c| {
+            let point = self.positions[c.vertex as usize];
+            DVec3::from(point.map(f64::from))
+        }));
+        area_normal(points)
+    }
+}
+
 /// Sum of the cross products of the fan: twice the area, along the normal.
-pub(super) fn area_normal(polygon: &[DVec3]) -> DVec3 {
+fn area_normal(polygon: &[DVec3]) -> DVec3 {
     let Some((&first, rest)) = polygon.split_first() else {
         return DVec3::ZERO;
     };
@@ -77,7 +166,6 @@ pub(crate) fn unit(v: DVec3) -> Option<DVec3> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::read::NONE;
     use super::*;
 
     fn face(smoothing: u32) -> Face {
@@ -97,24 +185,61 @@ mod tests {
         }
     }
 
+    /// A model of triangles with these groups, whose corners are given by their positions.
+    fn model(triangles: &[(u32, [u32; 3])], positions: &[[f32; 3]]) -> Obj {
+        let faces = triangles.iter().map(|(group, _)| face(*group)).collect();
+        let corners = triangles.iter().flat_map(|(_, t)| t.map(corner)).collect();
+        Obj {
+            positions: positions.to_vec(),
+            faces,
+            corners,
+            ..Obj::default()
+        }
+    }
+
+    fn at(obj: &Obj, triangle: usize, vertex: u32) -> [f32; 3] {
+        let mut normals = Normals::of(obj);
+        let own = &obj.corners[3 * triangle..][..3];
+        let area = || obj.area_normal(own, &mut Vec::new());
+        let number = normals.at(&obj.faces[triangle], corner(vertex), area);
+        normals.get(number)
+    }
+
     #[test]
     fn larger_faces_weigh_more_and_flat_ones_stand_alone() {
-        let mut smooth = Smooth::new(6);
-        smooth.add(&face(1), &[corner(0)], DVec3::new(0.0, 0.0, 3.0));
-        smooth.add(&face(1), &[corner(0)], DVec3::new(0.0, 4.0, 0.0));
-        smooth.add(&face(0), &[corner(0)], DVec3::new(9.0, 0.0, 0.0));
-        assert_eq!(smooth.at(&face(1), 0, DVec3::Z), [0.0, 0.8, 0.6]);
-        assert_eq!(smooth.at(&face(0), 0, DVec3::X * 7.0), [1.0, 0.0, 0.0]);
-        assert_eq!(smooth.at(&face(2), 0, DVec3::Y), [0.0, 1.0, 0.0]);
+        // Normals of areas 3 along z and 4 along y at the vertex 0.
+        let positions = [
+            [0.0; 3],
+            [3.0, 0.0, 0.0],
+            [0.0, 1.0, 0.0],
+            [0.0, 0.0, 4.0],
+            [1.0, 0.0, 0.0],
+        ];
+        let obj = model(
+            &[
+                (1, [0, 1, 2]),
+                (1, [0, 3, 4]),
+                (0, [0, 2, 3]),
+                (2, [0, 2, 3]),
+            ],
+            &positions,
+        );
+        assert_eq!(at(&obj, 0, 0), [0.0, 0.8, 0.6]);
+        assert_eq!(at(&obj, 2, 0), [1.0, 0.0, 0.0]);
+        assert_eq!(at(&obj, 3, 0), [1.0, 0.0, 0.0]);
+        assert_eq!(at(&obj, 1, 3), [0.0, 1.0, 0.0]);
     }
 
     #[test]
     fn opposite_faces_and_slivers_still_have_normals() {
-        let mut smooth = Smooth::new(6);
-        smooth.add(&face(1), &[corner(0)], DVec3::Z);
-        smooth.add(&face(1), &[corner(0)], DVec3::NEG_Z);
-        assert_eq!(smooth.at(&face(1), 0, DVec3::NEG_Z), [0.0, 0.0, -1.0]);
-        assert_eq!(smooth.at(&face(1), 5, DVec3::ZERO), [0.0, 0.0, 1.0]);
+        let positions = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+        let obj = model(
+            &[(1, [0, 1, 2]), (1, [0, 2, 1]), (0, [0, 1, 1])],
+            &positions,
+        );
+        assert_eq!(at(&obj, 0, 0), [0.0, 0.0, 1.0]);
+        assert_eq!(at(&obj, 1, 0), [0.0, 0.0, -1.0]);
+        assert_eq!(at(&obj, 2, 0), [0.0, 0.0, 1.0]);
         assert_eq!(
             unit(DVec3::splat(1e-200)).map(|v| v.x),
             unit(DVec3::splat(1e200)).map(|v| v.x)

@@ -3,53 +3,35 @@
 use std::collections::HashMap;
 use std::ops::Range;
 
-use texmap_math::glam::DVec3;
+use rayon::prelude::*;
 use texmap_uv::{Origin, Projection, project};
 
-use super::Part;
 use super::mtl::Description;
-use super::normals::{Smooth, area_normal, unit};
+use super::normals::Normals;
 use super::read::{Corner, Face, NONE, Obj};
+use super::vertices::{Vertex, Vertices};
+use super::{Part, UNNAMED};
 
-pub(super) fn parts(obj: &Obj, descriptions: &[Description], textured: bool) -> Vec<Part> {
-    let mut corners = &obj.corners[..];
-    let polygons: Vec<Polygon<'_>> = (obj.faces.iter().zip(0..))
-        .map(|(face, number)| {
-            let (own, rest) = corners.split_at(face.corners as usize);
-            corners = rest;
-            let points: Vec<DVec3> = own.iter().map(|c| obj.point(c.vertex)).collect();
-            Polygon {
-                number,
-                face,
-                corners: own,
-                area: area_normal(&points),
-            }
-        })
-        .collect();
-    let mut smooth = Smooth::new(obj.positions.len());
-    for p in &polygons {
-        smooth.add(p.face, p.corners, p.area);
-    }
+pub(crate) fn parts(obj: &Obj, descriptions: &[Description], textured: bool) -> Vec<Part> {
     let mut builder = Builder {
         obj,
-        smooth,
-        bounds: bounds(obj),
-        newest: vec![(NONE, NONE); obj.positions.len()],
-        known: HashMap::new(),
+        normals: Normals::of(obj),
+        vertices: Vertices::new(obj.positions.len()),
+        corners: &obj.corners,
     };
-    let sections = sections(obj, descriptions);
-    let build = |(section, number): (Section<'_>, u32)| {
-        let polygons = &polygons[section.faces];
+    let sections = sections(obj, descriptions).into_iter();
+    let build = |section: Section<'_>| {
         let has_map = |i: usize| descriptions.get(i).is_some_and(Description::has_map);
         let needs_uv = section.material.map_or(textured, has_map);
-        let uv = needs_uv || polygons.iter().any(|p| p.face.has_uv);
+        let faces = &obj.faces[section.faces.clone()];
+        let uv = needs_uv || faces.iter().any(|face| face.has_uv);
         Part {
             name: section.name.to_owned(),
             material: section.material,
-            ..builder.part(polygons, number, uv)
+            ..builder.part(faces, section.faces.start as u32, uv)
         }
     };
-    sections.into_iter().zip(0..).map(build).collect()
+    sections.map(build).collect()
 }
 
 /// Faces of one object or group with one material.
@@ -67,7 +49,7 @@ fn sections<'a>(obj: &'a Obj, descriptions: &[Description]) -> Vec<Section<'a>> 
     let known: HashMap<&str, usize> = known.collect();
     let mut materials = obj.materials.iter();
     let mut now = Section {
-        name: "unnamed_object",
+        name: UNNAMED,
         material: None,
         faces: 0..0,
     };
@@ -83,11 +65,7 @@ fn sections<'a>(obj: &'a Obj, descriptions: &[Description]) -> Vec<Section<'a>> 
         match group.name.as_deref() {
             Some(name) => {
                 end_at(&mut now, group.first_face);
-                now.name = if name.is_empty() {
-                    "unnamed_object"
-                } else {
-                    name
-                };
+                now.name = if name.is_empty() { UNNAMED } else { name };
             }
             None => {
                 let name = materials.next().map_or("", |(_, name)| name);
@@ -103,100 +81,77 @@ fn sections<'a>(obj: &'a Obj, descriptions: &[Description]) -> Vec<Section<'a>> 
     sections
 }
 
-/// One face with everything that its file says about it.
-struct Polygon<'a> {
-    number: u32,
-    face: &'a Face,
-    corners: &'a [Corner],
-    area: DVec3,
-}
-
-impl Obj {
-    fn point(&self, vertex: u32) -> DVec3 {
-        DVec3::from(self.positions[vertex as usize].map(f64::from))
-    }
-
-    /// The file's normal, unless it has none or it has no direction.
-    fn normal(&self, corner: Corner) -> Option<[f32; 3]> {
-        let normal = *self.normals.get(corner.normal as usize)?;
-        unit(DVec3::from(normal.map(f64::from))).map(|_| normal)
-    }
-}
-
 struct Builder<'a> {
     obj: &'a Obj,
-    smooth: Smooth,
-    bounds: [[f32; 3]; 2],
-    /// Of each vertex of the file: the part and the vertex in it that was made last.
-    newest: Vec<(u32, u32)>,
-    /// Vertices of the part by vertex of the file, bits of coordinates and normal, and projected face.
-    known: HashMap<[u32; 7], u32>,
+    normals: Normals<'a>,
+    vertices: Vertices,
+    /// Of the faces that no part has yet.
+    corners: &'a [Corner],
 }
 
 impl Builder<'_> {
-    /// `uv`: every vertex gets coordinates, projected ones where the file has none.
-    fn part(&mut self, polygons: &[Polygon<'_>], number: u32, uv: bool) -> Part {
+    /// The next faces, counted through the file from `first`. `uv`: every vertex gets coordinates, projected ones where the file has
+    /// none.
+    fn part(&mut self, faces: &[Face], first: u32, uv: bool) -> Part {
         let obj = self.obj;
         let mut part = Part::default();
-        self.known.clear();
-        // Keys of the part's vertices.
-        let mut keys: Vec<[u32; 7]> = Vec::new();
+        let corners: usize = faces.iter().map(|face| face.corners as usize).sum();
+        part.triangles.reserve_exact(corners - 2 * faces.len());
+        part.faces.reserve_exact(corners - 2 * faces.len());
+        self.vertices.next_part();
         // Vertices whose coordinates are projected, and the normals of their faces.
         let (mut bare, mut towards) = (Vec::new(), Vec::new());
-        let mut corners: Vec<u32> = Vec::new();
-        for p in polygons {
-            let project = uv && !p.face.has_uv;
-            corners.clear();
-            for &corner in p.corners {
-                let vertex = corner.vertex as usize;
-                let uv = match p.face.has_uv {
-                    true => obj.uvs[corner.uv as usize],
-                    false => [0.0; 2],
-                };
-                let normal = obj.normal(corner);
-                let normal =
-                    normal.unwrap_or_else(|| self.smooth.at(p.face, corner.vertex, p.area));
-                let [u, v] = uv.map(f32::to_bits);
-                let [x, y, z] = normal.map(f32::to_bits);
-                // Projection looks at the face, so its corners are not shared.
-                let alone = if project { p.number } else { NONE };
-                let key = [corner.vertex, u, v, x, y, z, alone];
-                let (of, newest) = self.newest[vertex];
-                if of == number && keys[newest as usize] == key {
-                    corners.push(newest);
-                    continue;
-                }
-                let index = *self.known.entry(key).or_insert_with(|| {
-                    part.positions.push(obj.positions[vertex]);
-                    part.normals.push(normal);
-                    part.uvs.push(uv);
-                    part.colors.extend(obj.colors.get(vertex));
-                    keys.push(key);
-                    let new = keys.len() as u32 - 1;
-                    if project {
-                        bare.push(new);
-                        towards.push(p.area.as_vec3().to_array());
-                    }
-                    new
+        let (mut fan, mut points): (Vec<u32>, _) = (Vec::new(), Vec::new());
+        for (face, number) in faces.iter().zip(first..) {
+            let (own, rest) = self.corners.split_at(face.corners as usize);
+            self.corners = rest;
+            // Projection looks at the face, so its corners are not shared.
+            let alone = uv && !face.has_uv;
+            let area = (alone || face.smoothing == 0).then(|| obj.area_normal(own, &mut points));
+            fan.clear();
+            for &corner in own {
+                let normal = self.normals.at(face, corner, || {
+                    area.unwrap_or_else(|| obj.area_normal(own, &mut Vec::new()))
                 });
-                self.newest[vertex] = (number, index);
-                corners.push(index);
+                let vertex = Vertex {
+                    of: corner.vertex,
+                    uv: if face.has_uv { corner.uv } else { NONE },
+                    normal,
+                    face: if alone { number } else { NONE },
+                };
+                let (index, new) = self.vertices.find(vertex, obj, &self.normals);
+                if let Some(area) = area.filter(|_| new && alone) {
+                    bare.push(index);
+                    towards.push(area.as_vec3().to_array());
+                }
+                fan.push(index);
             }
-            for pair in corners[1..].windows(2) {
-                part.triangles.push([corners[0], pair[0], pair[1]]);
-                part.faces.push(p.number);
+            for pair in fan[1..].windows(2) {
+                part.triangles.push([fan[0], pair[0], pair[1]]);
+                part.faces.push(number);
             }
-            if project {
-                let (count, _) = part.projected.get_or_insert((0, p.face.line));
+            if alone {
+                let (count, _) = part.projected.get_or_insert((0, face.line));
                 *count += 1;
             }
         }
-        if !uv {
-            part.uvs.clear();
+        let vertices = self.vertices.of_part().par_iter();
+        let position = |v: &Vertex| obj.positions[v.of as usize];
+        part.positions = vertices.clone().map(position).collect();
+        let normal = |v: &Vertex| self.normals.get(v.normal);
+        part.normals = vertices.clone().map(normal).collect();
+        if uv {
+            part.uvs = vertices.clone().map(|v| obj.uv(v.uv)).collect();
+        }
+        if !obj.colors.is_empty() {
+            part.colors = vertices.map(|v| obj.colors[v.of as usize]).collect();
+        }
+        if bare.is_empty() {
+            return part;
         }
         // The corners of the whole model's box keep parts in one scale.
         let mut points: Vec<_> = bare.iter().map(|&i| part.positions[i as usize]).collect();
-        points.extend(self.bounds);
+        points.extend(bounds(obj));
         towards.extend([[0.0; 3]; 2]);
         let projected = project(&points, &towards, Projection::Box, Origin::BottomLeft);
         for (&i, uv) in bare.iter().zip(projected) {

@@ -1,70 +1,71 @@
-//! The one reader of OBJ text: every line is checked where it stands and parsed once.
+//! The statements of a piece of an OBJ text: every line is checked where it stands.
 //!
 //! Source of the format: Wavefront, "Advanced Visualizer Manual", appendix B1.
 
+use std::ops::Range;
 use std::path::Path;
 
 use super::source::{Source, Span};
 use crate::{IoError, SourceLocation};
 
 /// The index of what a corner lacks.
-pub(super) const NONE: u32 = u32::MAX;
+pub(crate) const NONE: u32 = u32::MAX;
 
 /// The group of faces before the first `s` line: smooth, as most programs show them.
 const UNSET_GROUP: u32 = u32::MAX;
 
 /// The contents of an OBJ file, as its lines give them.
 #[derive(Debug, Default)]
-pub(super) struct Obj {
+pub(crate) struct Obj {
     /// Positions, divided by their weights.
-    pub(super) positions: Vec<[f32; 3]>,
+    pub(crate) positions: Vec<[f32; 3]>,
     /// sRGB, one per position; empty where no vertex has a colour.
-    pub(super) colors: Vec<[f32; 3]>,
+    pub(crate) colors: Vec<[f32; 3]>,
     /// v grows upwards.
-    pub(super) uvs: Vec<[f32; 2]>,
+    pub(crate) uvs: Vec<[f32; 2]>,
     /// Normals of any length.
-    pub(super) normals: Vec<[f32; 3]>,
+    pub(crate) normals: Vec<[f32; 3]>,
     /// Faces in the order of the file.
-    pub(super) faces: Vec<Face>,
+    pub(crate) faces: Vec<Face>,
     /// Corners of all faces, one face after the other.
-    pub(super) corners: Vec<Corner>,
+    pub(crate) corners: Vec<Corner>,
     /// `o`, `g` and `usemtl` lines.
-    pub(super) groups: Vec<Group>,
+    pub(crate) groups: Vec<Group>,
     /// `usemtl` lines.
-    pub(super) materials: Vec<(SourceLocation, String)>,
+    pub(crate) materials: Vec<(SourceLocation, String)>,
     /// `mtllib` lines.
-    pub(super) libraries: Vec<(SourceLocation, String)>,
+    pub(crate) libraries: Vec<(SourceLocation, String)>,
     /// Lines and points, which are not drawn.
-    pub(super) lines_and_points: usize,
+    pub(crate) lines_and_points: usize,
     /// The first statement that is not known, and its location.
-    pub(super) unknown: Option<(SourceLocation, String)>,
+    pub(crate) unknown: Option<(SourceLocation, String)>,
 }
 
 /// One corner of a face: indices from 0, or [`NONE`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Corner {
-    pub(super) vertex: u32,
-    pub(super) uv: u32,
-    pub(super) normal: u32,
+pub(crate) struct Corner {
+    pub(crate) vertex: u32,
+    pub(crate) uv: u32,
+    pub(crate) normal: u32,
 }
 
 /// One face of the file.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Face {
-    pub(super) line: u32,
-    pub(super) corners: u32,
-    pub(super) has_uv: bool,
+pub(crate) struct Face {
+    pub(crate) line: u32,
+    pub(crate) corners: u32,
+    pub(crate) has_uv: bool,
     /// Faces of one smoothing group share computed normals; 0 is flat.
-    pub(super) smoothing: u32,
+    pub(crate) smoothing: u32,
 }
 
 /// A line that later faces belong to.
 #[derive(Debug)]
-pub(super) struct Group {
+pub(crate) struct Group {
     /// Faces above it.
-    pub(super) first_face: usize,
+    pub(crate) first_face: usize,
     /// The name of an object or group; `None` for the next of `materials`.
-    pub(super) name: Option<String>,
+    pub(crate) name: Option<String>,
 }
 
 /// Byte ranges of the text that new texture coordinates replace.
@@ -76,33 +77,86 @@ pub(super) struct Spans {
     pub(super) others: Vec<Span>,
     /// `vt` statements with their line ends.
     pub(super) uvs: Vec<Span>,
+    /// Names in `mtllib` statements.
+    pub(super) libraries: Vec<Span>,
     /// Start of the first face.
     pub(super) first_face: Option<u32>,
 }
 
-/// Reads the text of a model.
-///
-/// With `spans`, the text is read to be given new coordinates: those of the file may be anything, and faces may have them at some
-/// corners.
-pub(super) fn read(file: &Path, text: &str, spans: Option<&mut Spans>) -> Result<Obj, IoError> {
+/// What the text above a piece holds: lines, and what indices and faces of the piece refer to.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub(super) struct Above {
+    pub(super) lines: u32,
+    pub(super) positions: usize,
+    pub(super) uvs: usize,
+    pub(super) normals: usize,
+    /// The last `s` line.
+    pub(super) smoothing: Option<u32>,
+}
+
+impl Above {
+    /// Counts what the statements of a piece hold, by their first words.
+    pub(super) fn of(text: &str, piece: Range<usize>) -> Self {
+        let mut source = Source::new(Path::new(""), text, piece.clone(), 0);
+        let mut above = Self::default();
+        let mut words = Vec::new();
+        while source.next(&mut words, 1) {
+            let Some(&word) = words.first() else { continue };
+            match source.bytes(word) {
+                b"v" => above.positions += 1,
+                b"vt" => above.uvs += 1,
+                b"vn" => above.normals += 1,
+                b"s" => {
+                    source.again(&mut words);
+                    above.smoothing = Some(smoothing(&source, &words[1..]));
+                }
+                _ => {}
+            }
+        }
+        above.lines = source.line_after();
+        above
+    }
+
+    /// Of two pieces, one after the other.
+    pub(super) fn and(self, next: Self) -> Self {
+        Self {
+            lines: self.lines + next.lines,
+            positions: self.positions + next.positions,
+            uvs: self.uvs + next.uvs,
+            normals: self.normals + next.normals,
+            smoothing: next.smoothing.or(self.smoothing),
+        }
+    }
+}
+
+/// Reads the statements of a piece of a model, of which everything `above` is known.
+pub(super) fn read_piece(
+    file: &Path,
+    text: &str,
+    piece: Range<usize>,
+    above: Above,
+    spans: bool,
+) -> Result<(Obj, Option<Spans>), IoError> {
     let mut reader = Reader {
-        source: Source::new(file, text),
+        source: Source::new(file, text, piece, above.lines + 1),
         obj: Obj::default(),
-        smoothing: UNSET_GROUP,
-        spans,
+        above,
+        smoothing: above.smoothing.unwrap_or(UNSET_GROUP),
+        spans: spans.then(Spans::default),
     };
     let mut words = Vec::new();
-    while reader.source.next(&mut words) {
+    while reader.source.next(&mut words, usize::MAX) {
         reader.statement(&words)?;
     }
-    Ok(reader.obj)
+    Ok((reader.obj, reader.spans))
 }
 
 struct Reader<'a> {
     source: Source<'a>,
     obj: Obj,
+    above: Above,
     smoothing: u32,
-    spans: Option<&'a mut Spans>,
+    spans: Option<Spans>,
 }
 
 impl<'a> Reader<'a> {
@@ -149,15 +203,14 @@ impl<'a> Reader<'a> {
             "mtllib" => {
                 let name = self.source.name("mtllib", word, values)?;
                 self.obj.libraries.push((self.source.location(word), name));
+                if let (Some(spans), [first, ..], [.., last]) = (&mut self.spans, values, values) {
+                    spans.libraries.push(Span {
+                        start: first.start,
+                        end: last.end,
+                    });
+                }
             }
-            "s" => {
-                let group = values.first().map_or("off", |w| self.source.of(*w));
-                self.smoothing = if group == "off" {
-                    0
-                } else {
-                    group.parse().unwrap_or(UNSET_GROUP)
-                };
-            }
+            "s" => self.smoothing = smoothing(&self.source, values),
             "l" | "p" => {
                 self.obj.lines_and_points += 1;
                 if let Some(spans) = &mut self.spans {
@@ -256,47 +309,73 @@ impl<'a> Reader<'a> {
     /// `v`, `v/vt`, `v//vn` or `v/vt/vn`; indices count from 1, or from -1 backwards.
     fn corner(&self, word: Span) -> Result<Corner, IoError> {
         let counts = [
-            ("vertex", self.obj.positions.len()),
-            ("texture coordinate", self.obj.uvs.len()),
-            ("normal", self.obj.normals.len()),
+            self.above.positions + self.obj.positions.len(),
+            self.above.uvs + self.obj.uvs.len(),
+            self.above.normals + self.obj.normals.len(),
         ];
-        let not_a_corner = || IoError::NotANumber {
+        let bytes = self.source.bytes(word);
+        let mut indices = [NONE; 3];
+        // Another part after these three.
+        let (mut at, mut more) = (0, true);
+        for (kind, index) in indices.iter_mut().enumerate() {
+            let (start, mut value, mut plain) = (at, 0_u32, true);
+            while at < bytes.len() && bytes[at] != b'/' {
+                let digit = bytes[at].wrapping_sub(b'0');
+                plain &= digit < 10;
+                value = value.wrapping_mul(10).wrapping_add(u32::from(digit));
+                at += 1;
+            }
+            // Nine digits are below 2^32; 0 becomes the largest index of all.
+            let counted = value.wrapping_sub(1);
+            if plain && at - start < 10 && (counted as usize) < counts[kind] {
+                *index = counted;
+            } else if at > start {
+                let part = Span {
+                    start: word.start + start as u32,
+                    end: word.start + at as u32,
+                };
+                *index = self.index(word, part, kind, counts[kind])?;
+            }
+            if at == bytes.len() {
+                more = false;
+                break;
+            }
+            at += 1;
+        }
+        let [vertex, uv, normal] = indices;
+        if vertex == NONE || more {
+            return Err(self.not_a_corner(word));
+        }
+        Ok(Corner { vertex, uv, normal })
+    }
+
+    /// An index that is not a plain number of those that exist, or why it is none.
+    #[cold]
+    fn index(&self, word: Span, part: Span, kind: usize, count: usize) -> Result<u32, IoError> {
+        let text = self.source.of(part);
+        // More digits than an index can have are one out of range.
+        let given = text.parse().map_err(|_| self.not_a_corner(word))?;
+        let resolved: i128 = match given {
+            i128::MIN..0 => count as i128 + given,
+            _ => given - 1,
+        };
+        match (0..count as i128).contains(&resolved) {
+            true => Ok(resolved as u32),
+            false => Err(IoError::BadIndex {
+                location: self.source.location(word),
+                of: ["vertex", "texture coordinate", "normal"][kind],
+                index: text.into(),
+                count,
+            }),
+        }
+    }
+
+    fn not_a_corner(&self, word: Span) -> IoError {
+        IoError::NotANumber {
             location: self.source.location(word),
             command: "f",
             text: self.source.of(word).into(),
-        };
-        let mut indices = [NONE; 3];
-        let mut parts = self.source.of(word).split('/');
-        for ((of, count), index) in counts.into_iter().zip(&mut indices) {
-            let Some(part) = parts.next() else { break };
-            if part.is_empty() {
-                continue;
-            }
-            // More digits than an index can have are one out of range.
-            let given = part.parse().map(|i: i64| i128::from(i));
-            let given = given
-                .or_else(|_| part.parse())
-                .map_err(|_| not_a_corner())?;
-            let resolved = if given < 0 {
-                count as i128 + given
-            } else {
-                given - 1
-            };
-            if !(0..count as i128).contains(&resolved) {
-                return Err(IoError::BadIndex {
-                    location: self.source.location(word),
-                    of,
-                    index: part.into(),
-                    count,
-                });
-            }
-            *index = resolved as u32;
         }
-        let [vertex, uv, normal] = indices;
-        if vertex == NONE || parts.next().is_some() {
-            return Err(not_a_corner());
-        }
-        Ok(Corner { vertex, uv, normal })
     }
 
     fn group(&mut self, name: Option<String>) {
@@ -305,8 +384,17 @@ impl<'a> Reader<'a> {
     }
 }
 
+/// The group of an `s` line with these values; 0 is flat.
+fn smoothing(source: &Source<'_>, values: &[Span]) -> u32 {
+    match values.first().map_or("off", |word| source.of(*word)) {
+        "off" => 0,
+        group => group.parse().unwrap_or(UNSET_GROUP),
+    }
+}
+
 #[cfg(test)]
 mod tests {
+    use super::super::pieces::read;
     use super::*;
 
     const QUAD: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvn 0 0 1\n";

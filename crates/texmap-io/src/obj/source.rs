@@ -3,6 +3,8 @@
 use std::ops::{Range, RangeInclusive};
 use std::path::Path;
 
+use memchr::memchr;
+
 use crate::{IoError, SourceLocation};
 
 /// A range of bytes; texts have at most 2 GiB.
@@ -18,11 +20,13 @@ impl Span {
     }
 }
 
-/// The text, and the statement that is read.
+/// A piece of the text, and the statement in it that is read.
 #[derive(Debug)]
 pub(super) struct Source<'a> {
     file: &'a Path,
     text: &'a str,
+    /// End of the piece.
+    end: usize,
     /// The statement with its line ends.
     pub(super) statement: Span,
     /// Line of its start.
@@ -32,31 +36,31 @@ pub(super) struct Source<'a> {
 }
 
 impl<'a> Source<'a> {
-    pub(super) fn new(file: &'a Path, text: &'a str) -> Self {
+    /// The statements that begin in `piece`, whose first byte begins the line `line` and a statement.
+    pub(super) fn new(file: &'a Path, text: &'a str, piece: Range<usize>, line: u32) -> Self {
+        let start = piece.start as u32;
         Self {
             file,
             text,
-            statement: Span { start: 0, end: 0 },
-            first_line: 1,
-            next_line: 1,
+            end: piece.end,
+            statement: Span { start, end: start },
+            first_line: line,
+            next_line: line,
         }
     }
 
-    /// Goes on to the next statement and finds its words; `false` at the end. A backslash at the end of a line joins the next one.
-    pub(super) fn next(&mut self, words: &mut Vec<Span>) -> bool {
-        let text = self.text;
+    /// Goes on to the next statement and finds its words, up to `most` of them; `false` at the end. A backslash at the end of a line
+    /// joins the next one.
+    pub(super) fn next(&mut self, words: &mut Vec<Span>, most: usize) -> bool {
         words.clear();
         self.first_line = self.next_line;
         self.statement.start = self.statement.end;
         let mut at = self.statement.end as usize;
-        while at < text.len() {
-            let end = text[at..].find('\n').map_or(text.len(), |n| at + n);
-            let content = text[at..end].trim_end();
-            let joined = content.strip_suffix('\\');
-            push_words(text, at..at + joined.unwrap_or(content).len(), words);
-            at = (end + 1).min(text.len());
+        while at < self.end {
+            let joined;
+            (at, joined) = self.read_line(at, words, most);
             self.next_line += 1;
-            if joined.is_none() {
+            if !joined {
                 break;
             }
         }
@@ -64,8 +68,92 @@ impl<'a> Source<'a> {
         self.statement.start < self.statement.end
     }
 
+    /// All words of the statement.
+    pub(super) fn again(&mut self, words: &mut Vec<Span>) {
+        self.statement.end = self.statement.start;
+        self.next_line = self.first_line;
+        self.next(words, usize::MAX);
+    }
+
+    /// The line after the statement.
+    pub(super) fn line_after(&self) -> u32 {
+        self.next_line
+    }
+
+    /// Words of the line at `at`: blanks separate them; one that begins with `#` begins a comment. Gives the start of the next line, and
+    /// whether this one is joined to it.
+    fn read_line(&self, mut at: usize, words: &mut Vec<Span>, most: usize) -> (usize, bool) {
+        let bytes = &self.text.as_bytes()[..self.end];
+        let known = words.len();
+        while at < bytes.len() {
+            match CLASSES[usize::from(bytes[at])] {
+                Class::Blank => at += 1,
+                Class::LineEnd => return (at + 1, self.ends_with_backslash(known, words)),
+                class => {
+                    if let Some(blank) = self.wide_blank(class, at) {
+                        at += blank;
+                        continue;
+                    }
+                    if bytes[at] == b'#' || words.len() == most {
+                        return self.rest(at);
+                    }
+                    let start = at;
+                    while at < bytes.len() {
+                        let class = CLASSES[usize::from(bytes[at])];
+                        let ends = matches!(class, Class::Blank | Class::LineEnd);
+                        if ends || self.wide_blank(class, at).is_some() {
+                            break;
+                        }
+                        at += 1;
+                    }
+                    words.push(Span {
+                        start: start as u32,
+                        end: at as u32,
+                    });
+                }
+            }
+        }
+        (at, self.ends_with_backslash(known, words))
+    }
+
+    /// Length of the blank of several bytes that begins at `at`; within a character there is none.
+    fn wide_blank(&self, class: Class, at: usize) -> Option<usize> {
+        if class != Class::Wide {
+            return None;
+        }
+        let next = self.text.get(at..)?.chars().next()?;
+        next.is_whitespace().then(|| next.len_utf8())
+    }
+
+    /// Takes the backslash off the last word of a line, if it ends with one.
+    fn ends_with_backslash(&self, known: usize, words: &mut Vec<Span>) -> bool {
+        match words[known..].last_mut() {
+            Some(last) if self.text.as_bytes()[last.end as usize - 1] == b'\\' => {
+                last.end -= 1;
+                if last.start == last.end {
+                    words.pop();
+                }
+                true
+            }
+            _ => false,
+        }
+    }
+
+    /// The end of a line of which nothing more is read.
+    fn rest(&self, at: usize) -> (usize, bool) {
+        let rest = &self.text[at..self.end];
+        let end = memchr(b'\n', rest.as_bytes());
+        let content = &rest[..end.unwrap_or(rest.len())];
+        let joined = content.trim_end().ends_with('\\');
+        (end.map_or(self.end, |n| at + n + 1), joined)
+    }
+
     pub(super) fn of(&self, word: Span) -> &'a str {
         &self.text[word.range()]
+    }
+
+    pub(super) fn bytes(&self, word: Span) -> &'a [u8] {
+        &self.text.as_bytes()[word.range()]
     }
 
     pub(super) fn joined(&self, words: &[Span]) -> String {
@@ -86,7 +174,10 @@ impl<'a> Source<'a> {
     }
 
     pub(super) fn number(&self, command: &'static str, word: Span) -> Result<f32, IoError> {
-        finite(|| self.location(word), command, self.of(word))
+        match fast_float2::parse::<f32, _>(self.bytes(word)) {
+            Ok(x) if x.is_finite() => Ok(x),
+            _ => finite(|| self.location(word), command, self.of(word)),
+        }
     }
 
     pub(super) fn name(
@@ -155,38 +246,30 @@ impl<'a> Source<'a> {
     }
 }
 
-/// Blanks separate words; a word that begins with `#` begins a comment.
-fn push_words(text: &str, line: Range<usize>, words: &mut Vec<Span>) {
-    let bytes = text.as_bytes();
-    let mut at = line.start;
-    // Length of the blank at a byte.
-    let blank = |at: usize| match bytes[at] {
-        b' ' | b'\t'..=b'\r' => Some(1),
-        byte if byte.is_ascii() => None,
-        _ => text[at..]
-            .chars()
-            .next()
-            .filter(|c| c.is_whitespace())
-            .map(char::len_utf8),
-    };
-    while at < line.end {
-        if let Some(length) = blank(at) {
-            at += length;
-            continue;
-        }
-        if bytes[at] == b'#' {
-            break;
-        }
-        let start = at;
-        while at < line.end && (bytes[at] & 0xc0 == 0x80 || blank(at).is_none()) {
-            at += 1;
-        }
-        words.push(Span {
-            start: start as u32,
-            end: at as u32,
-        });
-    }
+/// A byte of a text, as far as words are concerned.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Class {
+    Blank,
+    LineEnd,
+    Word,
+    /// Part of a character of several bytes, which may be a blank.
+    Wide,
 }
+
+const CLASSES: [Class; 256] = {
+    let mut classes = [Class::Word; 256];
+    let mut byte = 0;
+    while byte < 256 {
+        classes[byte] = match byte as u8 {
+            b'\n' => Class::LineEnd,
+            b' ' | b'\t'..=b'\r' => Class::Blank,
+            0x80.. => Class::Wide,
+            _ => Class::Word,
+        };
+        byte += 1;
+    }
+    classes
+};
 
 /// A finite 32-bit number.
 pub(super) fn finite(

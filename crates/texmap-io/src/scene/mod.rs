@@ -22,10 +22,13 @@ use texmap_math::glam::DVec3;
 use texmap_raster::DepthTest;
 use texmap_scene::{ColorMode, Scene};
 
+use crate::files::is_called;
 use crate::framing::{Framing, auto_lights};
+use crate::info::{self, Contents};
+use crate::models::{self, Request};
 use crate::scene_file::Missing;
 use crate::textures::Textures;
-use crate::{FileSource, IoError, SourceLocation, gltf, obj};
+use crate::{FileSource, IoError, SourceLocation, gltf};
 use build::Builder;
 use settings::Settings;
 
@@ -42,7 +45,7 @@ pub struct LoadOptions {
     pub aspect: f64,
     /// The camera of a model that brings none.
     pub framing: Framing,
-    /// Whether colours are converted, instead of what the scene says (an OBJ: that they are).
+    /// Whether colours are converted, instead of what the scene says (a model: that they are).
     pub color: Option<ColorMode>,
     /// Where all files are read from, the one that is loaded too. From [`FileSource::anywhere`] a glTF model reads nothing outside of
     /// its own folder.
@@ -71,35 +74,94 @@ impl Default for LoadOptions {
     }
 }
 
-/// Reads a `.scene`, `.obj`, `.gltf` or `.glb` file.
+/// A kind of file that holds a scene or a model.
+pub(crate) struct Format {
+    /// The ending of its names.
+    pub(crate) name: &'static str,
+    /// Its name in reports.
+    pub(crate) kind: &'static str,
+    pub(crate) read: Read,
+}
+
+/// Reads a file; `tolerant`: faults of named files are noted in the contents' list and do not stop.
+type Read = fn(&Path, &LoadOptions, tolerant: bool) -> Result<(Scene, Contents), IoError>;
+
+/// Every kind of file that [`load`] reads, in the order in which messages name them.
+pub(crate) const FORMATS: [Format; 6] = [
+    Format {
+        name: "scene",
+        kind: "scene",
+        read: |path, options, tolerant| {
+            let (scene, textures) = read_scene(path, options, tolerant)?;
+            let lights = scene.lights.len();
+            Ok((scene, info::contents(textures, lights)))
+        },
+    },
+    model("obj"),
+    gltf("gltf"),
+    gltf("glb"),
+    model("ply"),
+    model("stl"),
+];
+
+const fn model(name: &'static str) -> Format {
+    Format {
+        name,
+        kind: name,
+        read: |path, options, tolerant| {
+            let (scene, textures) = read_model(path, options, tolerant)?;
+            Ok((scene, info::contents(textures, 0)))
+        },
+    }
+}
+
+const fn gltf(name: &'static str) -> Format {
+    Format {
+        name,
+        kind: "gltf",
+        read: gltf::read,
+    }
+}
+
+/// The kind of file that the ending of a name says, in capitals or not.
+pub(crate) fn format(path: &Path, files: &FileSource) -> Result<&'static Format, IoError> {
+    let found = FORMATS.iter().find(|format| is_called(path, format.name));
+    match found {
+        Some(format) => Ok(format),
+        // A name that does not exist is that, whatever its ending.
+        None => files.check(path, None).and(Err(IoError::UnknownFormat {
+            path: path.to_path_buf(),
+        })),
+    }
+}
+
+/// Reads a `.scene` file, or a model: `.obj`, `.gltf`, `.glb`, `.ply` or `.stl`.
 ///
 /// # Errors
 /// Whatever is wrong with it or with a file it names, see [`IoError`]; [`IoError::UnknownFormat`] for other names.
 pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene, IoError> {
-    let read = match kind(path, &options.files)? {
-        Kind::Gltf => return load_gltf(path, options),
-        Kind::Scene => load_scene,
-        Kind::Obj => load_obj,
-    };
-    for (of, asked) in [
-        ("camera", &options.camera),
-        ("animation", &options.animation),
-    ] {
-        if let Some(name) = asked.clone() {
-            return Err(IoError::UnknownName {
-                path: path.to_path_buf(),
-                of,
-                name,
-                known: String::new(),
-            });
+    let format = format(path, &options.files)?;
+    if format.kind != "gltf" {
+        for (of, asked) in [
+            ("camera", &options.camera),
+            ("animation", &options.animation),
+        ] {
+            if let Some(name) = asked.clone() {
+                return Err(IoError::UnknownName {
+                    path: path.to_path_buf(),
+                    of,
+                    name,
+                    known: String::new(),
+                });
+            }
         }
     }
-    let mut scene = read(path, options)?;
-    if options.time.is_some() {
+    let (mut scene, _) = (format.read)(path, options, false)?;
+    if options.time.is_some() && format.kind != "gltf" {
         let warning = "the file has no animation: every time shows the same";
         scene.warnings.push(warning.into());
     }
-    Ok(scene)
+    drawable(scene, path)
 }
 
 /// Reads one file from memory, called `name`: its ending says what it is. Files that it names are not there; see
@@ -125,6 +187,11 @@ pub fn load_bytes(name: &Path, bytes: Vec<u8>, options: &LoadOptions) -> Result<
 /// The first fault, see [`IoError`]. [`IoError::EmptyScene`] where nothing would be drawn.
 pub fn load_scene(path: &Path, options: &LoadOptions) -> Result<Scene, IoError> {
     let (scene, _) = read_scene(path, options, false)?;
+    drawable(scene, path)
+}
+
+/// Refuses a scene in which nothing would be drawn.
+fn drawable(scene: Scene, path: &Path) -> Result<Scene, IoError> {
     let bare = scene.effects.volumes.is_empty() && scene.effects.background.is_none();
     if bare && scene.meshes.iter().all(|m| m.triangles.is_empty()) {
         return Err(IoError::EmptyScene {
@@ -134,46 +201,18 @@ pub fn load_scene(path: &Path, options: &LoadOptions) -> Result<Scene, IoError> 
     Ok(scene)
 }
 
-/// Reads an OBJ model by itself: the camera is that of [`LoadOptions::framing`], the light is [`auto_lights`]; faces without a material
-/// are light grey.
+/// Reads a model by itself, an OBJ where its ending does not say glTF, PLY or STL: the camera is that of [`LoadOptions::framing`], the light
+/// is [`auto_lights`] unless it brings lights; faces without a material are light grey. `docs/GLTF.md` says what is read of a glTF.
 ///
 /// # Errors
 /// The first fault, see [`IoError`]. [`IoError::EmptyMesh`] where nothing would be drawn.
-pub fn load_obj(path: &Path, options: &LoadOptions) -> Result<Scene, IoError> {
-    Ok(read_obj(path, options, false)?.0)
+pub fn load_model(path: &Path, options: &LoadOptions) -> Result<Scene, IoError> {
+    let models = FORMATS.iter().filter(|format| format.kind != "scene");
+    let format = models.into_iter().find(|format| is_called(path, format.name));
+    Ok((format.unwrap_or(&model("obj")).read)(path, options, false)?.0)
 }
 
-/// Reads a glTF 2.0 model (`.gltf` or `.glb`, told apart by content) by itself, at rest or at a time of an animation. The camera is the
-/// one asked for, or shows the whole model; without lights of its own it gets [`auto_lights`]. `docs/GLTF.md` says what is read.
-///
-/// # Errors
-/// The first fault, with its JSON pointer, see [`IoError`]. [`IoError::EmptyMesh`] where nothing would be drawn.
-pub fn load_gltf(path: &Path, options: &LoadOptions) -> Result<Scene, IoError> {
-    Ok(gltf::read(path, options, false)?.0)
-}
-
-pub(crate) enum Kind {
-    Scene,
-    Obj,
-    Gltf,
-}
-
-pub(crate) fn kind(path: &Path, files: &FileSource) -> Result<Kind, IoError> {
-    match path.extension().and_then(|e| e.to_str()) {
-        Some(e) if e.eq_ignore_ascii_case("scene") => Ok(Kind::Scene),
-        Some(e) if e.eq_ignore_ascii_case("obj") => Ok(Kind::Obj),
-        Some(e) if e.eq_ignore_ascii_case("gltf") || e.eq_ignore_ascii_case("glb") => {
-            Ok(Kind::Gltf)
-        }
-        // A name that does not exist is that, whatever its ending.
-        _ => files.check(path, None).and(Err(IoError::UnknownFormat {
-            path: path.to_path_buf(),
-        })),
-    }
-}
-
-/// `tolerant`: faults of named files are noted in the textures' list and do not stop.
-pub(crate) fn read_scene(
+fn read_scene(
     path: &Path,
     options: &LoadOptions,
     tolerant: bool,
@@ -191,7 +230,7 @@ pub(crate) fn read_scene(
     builder.finish()
 }
 
-pub(crate) fn read_obj(
+fn read_model(
     path: &Path,
     options: &LoadOptions,
     tolerant: bool,
@@ -199,7 +238,13 @@ pub(crate) fn read_obj(
     let color = options.color.unwrap_or_default();
     let mut textures = Textures::new(options.files.clone(), color == ColorMode::Raw, tolerant);
     let missing = options.missing.unwrap_or_default();
-    let model = obj::read(path, None, missing, false, &mut textures)?;
+    let request = Request {
+        path,
+        named_by: None,
+        missing,
+        textured: false,
+    };
+    let model = models::read(&request, &mut textures)?;
     let matte = PhongMaterial {
         color: [0.8; 3],
         ka: 1.0,

@@ -5,9 +5,10 @@ use std::path::Path;
 
 use texmap_scene::Mesh;
 
+use crate::models::{self, Request};
 use crate::scene_file::Missing;
 use crate::textures::Textures;
-use crate::{IoError, SourceLocation, obj, shortened};
+use crate::{IoError, SourceLocation, shortened};
 
 /// Gives the meshes of a model the coordinates of another model of the same faces as their second set. Vertices whose corners
 /// differ there are split.
@@ -18,7 +19,13 @@ pub(super) fn second_uvs(
     location: &SourceLocation,
 ) -> Result<(), IoError> {
     let mut unused = textures.for_coordinates();
-    let other = obj::read(path, Some(location), Missing::Checker, false, &mut unused);
+    let request = Request {
+        path,
+        named_by: Some(location),
+        missing: Missing::Checker,
+        textured: false,
+    };
+    let other = models::read(&request, &mut unused);
     textures.take_counts(unused);
     let other = other?;
     let broken = |problem: String| IoError::BrokenModel {

@@ -35,8 +35,8 @@ mod write;
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct RenderArgs {
-    /// Scenes (.scene) and models (.obj, .gltf, .glb); a model gets an automatic camera, and light where it has none. `-` is standard
-    /// input, @LIST a file that names one input a line
+    /// Scenes (.scene) and models (.obj, .gltf, .glb, .ply, .stl); a model gets an automatic camera, and light where it has none. `-` is
+    /// standard input, @LIST a file that names one input a line
     #[arg(required = true, value_name = "IN")]
     inputs: Vec<PathBuf>,
     /// The picture to write: .png, .jpg, .webp, .exr (linear light, --aov as layers), .hdr; `-` is standard output, PNG. Several pictures:

@@ -26,7 +26,7 @@ use crate::values::Triple;
 /// Give a mesh texture coordinates, or report on the ones it has.
 ///
 /// Without --map the coordinates of the file are cut, sewn, packed or reported as they are. Only `vt` lines and the
-/// corners of `f` lines change; everything else in the file is kept.
+/// corners of `f` lines change, and `mtllib` names where the output lies in another folder; everything else in the file is kept.
 #[derive(Args, Debug)]
 pub(crate) struct UvArgs {
     /// An OBJ file
@@ -156,7 +156,8 @@ pub(crate) fn run(args: &UvArgs) -> Result<Exit, Failure> {
         let mut stage = Stage::new(&main)?;
         if let Some(path) = &args.output {
             let place = stage.add(Destination::new(path)?, "obj");
-            fs::write(&place, source.obj.with(&set)).map_err(|e| write_failed(path, &e))?;
+            let text = source.text(&set, path);
+            fs::write(&place, text).map_err(|e| write_failed(path, &e))?;
             written.push(format!(
                 "{}: {} coordinates for {} corners",
                 path.display(),

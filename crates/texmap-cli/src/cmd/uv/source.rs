@@ -34,6 +34,15 @@ impl<'a> Source<'a> {
         Ok(set)
     }
 
+    /// The text with these coordinates, for a file of this name.
+    pub(in crate::cmd) fn text(&self, set: &UvSet, output: &Path) -> String {
+        let folder = match output.parent() {
+            Some(folder) if !folder.as_os_str().is_empty() => folder,
+            _ => Path::new("."),
+        };
+        self.obj.with_in(set, self.path, folder)
+    }
+
     /// Refuses coordinates to be written that are not finite: large positions over small sizes go beyond what floats hold, and
     /// an unused `vt` may be anything.
     pub(in crate::cmd) fn finite(&self, mesh: &Mesh<'_>, set: &UvSet) -> Result<(), Failure> {

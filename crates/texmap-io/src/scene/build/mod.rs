@@ -16,7 +16,7 @@ use super::facets::{Facet, Facets};
 use super::settings::{CurrentTexture, Settings};
 use super::shapes::Bones;
 use super::tree::Tree;
-use crate::scene_file::Line;
+use crate::scene_file::{Line, Value};
 use crate::textures::{Content, Textures};
 use crate::{IoError, SourceLocation};
 
@@ -86,6 +86,8 @@ impl Builder {
     pub(super) fn file(&mut self, tree: &Tree) -> Result<(), IoError> {
         let settings = self.settings.clone();
         let outer = std::mem::take(&mut self.facets);
+        self.textures
+            .decode_ahead(named_textures(tree, &self.textures));
         let mut included = tree.included.iter();
         for statement in &tree.file.statements {
             let command = &statement.command;
@@ -367,6 +369,21 @@ impl Builder {
             ));
         }
     }
+}
+
+/// The files of `texture` lines.
+fn named_textures(tree: &Tree, textures: &Textures) -> Vec<(PathBuf, SourceLocation, Content)> {
+    let lines = tree.file.statements.iter();
+    let named = lines.filter(|statement| statement.command.word() == "texture");
+    let named = named.filter_map(|statement| match statement.command.values() {
+        [Value::File(name)] => {
+            let location = SourceLocation::new(&tree.path, statement.line, statement.column);
+            let path = textures.source.beside(&tree.path, name);
+            Some((path, location, Content::Color))
+        }
+        _ => None,
+    });
+    named.collect()
 }
 
 fn check_camera(camera: &Camera) -> Result<(), CameraError> {

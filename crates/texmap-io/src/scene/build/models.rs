@@ -1,10 +1,11 @@
-//! OBJ models to meshes under the current settings.
+//! Models to meshes under the current settings.
 
 use texmap_light::PhongMaterial;
 use texmap_sample::Origin;
 use texmap_scene::{AlphaMode, Displacement, Emission, Material, Mesh, TextureRole};
 
 use super::Builder;
+use crate::models::{self, Request};
 use crate::obj::{self, Model};
 use crate::scene::effects::Coordinates;
 use crate::scene::second_uvs::second_uvs;
@@ -19,13 +20,13 @@ impl Builder {
     ) -> Result<(), IoError> {
         let path = self.textures.source.beside(&location.file, name);
         let textured = self.settings.texture.is_some() || self.settings.effects.reads_uv();
-        match obj::read(
-            &path,
-            Some(location),
-            self.settings.missing,
+        let request = Request {
+            path: &path,
+            named_by: Some(location),
+            missing: self.settings.missing,
             textured,
-            &mut self.textures,
-        ) {
+        };
+        match models::read(&request, &mut self.textures) {
             Ok(model) => {
                 let stem = path
                     .file_stem()
@@ -94,7 +95,7 @@ impl Builder {
             let mesh = Mesh {
                 // Names are for people and messages.
                 name: shortened(match part.name.as_str() {
-                    "unnamed_object" => stem,
+                    obj::UNNAMED => stem,
                     name => name,
                 })
                 .to_string(),

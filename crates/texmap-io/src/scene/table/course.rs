@@ -109,7 +109,7 @@ pub(super) const SPECS: &[Spec] = &[
         word: "texture",
         args: &[Either(&[&[File], &[OneOf(&["none"])]])],
         default: "none",
-        help: "setting: the texture of later `tf`, `ff` and `obj` (PNG, JPEG, GIF, HDR or EXR)",
+        help: "setting: the texture of later `tf`, `ff` and `obj` (PNG, JPEG, WebP, GIF, BMP, TGA, TIFF, QOI, HDR or EXR)",
         set: Fallible(|b, line| b.texture(line)),
     },
     Spec {

@@ -13,7 +13,7 @@ pub(super) const SPECS: &[Spec] = &[
         word: "obj",
         args: &[File],
         default: "",
-        help: "adds a Wavefront model under the current settings",
+        help: "adds a model under the current settings: `.ply`, `.stl`, else Wavefront OBJ",
         set: Fallible(|b, line| b.obj(line.name(), &line.location)),
     },
     Spec {

@@ -1,0 +1,50 @@
+//! Models by the endings of their names.
+
+use std::path::Path;
+
+use crate::files::is_called;
+use crate::obj::Model;
+use crate::scene_file::Missing;
+use crate::textures::Textures;
+use crate::{IoError, SourceLocation, obj, ply, stl};
+
+/// A model that a line or a user asks for.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Request<'a> {
+    pub(crate) path: &'a Path,
+    pub(crate) named_by: Option<&'a SourceLocation>,
+    /// What an absent library, material or map is.
+    pub(crate) missing: Missing,
+    /// Whether faces without a material will get a texture and so need coordinates.
+    pub(crate) textured: bool,
+}
+
+/// Reads a model with what it names, and says how many bytes its own file has.
+type Reader = fn(&Request<'_>, &mut Textures) -> Result<(Model, usize), IoError>;
+
+/// The reader for each ending.
+const READERS: [(&str, Reader); 3] = [("obj", obj::read), ("ply", ply::read), ("stl", stl::read)];
+
+/// Reads a model with what it names; a file with an unknown ending is taken for an OBJ.
+pub(crate) fn read(request: &Request<'_>, textures: &mut Textures) -> Result<Model, IoError> {
+    let Request { path, named_by, .. } = *request;
+    let key = (path.to_path_buf(), request.missing, request.textured);
+    if let Some((known, bytes)) = textures.models.get(&key) {
+        let (model, bytes) = (known.clone(), *bytes);
+        textures.read_again(path, named_by, "obj", bytes)?;
+        return Ok(model);
+    }
+    let again = textures.was_read(path);
+    let reader = READERS.iter().find(|(ending, _)| is_called(path, ending));
+    let reader = reader.map_or(obj::read as Reader, |(_, reader)| *reader);
+    let (model, bytes) = reader(request, textures)?;
+    if again {
+        // It will be named a third time; its warnings were reported.
+        let silent = Model {
+            warnings: Vec::new(),
+            ..model.clone()
+        };
+        textures.models.insert(key, (silent, bytes));
+    }
+    Ok(model)
+}

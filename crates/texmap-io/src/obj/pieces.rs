@@ -1,0 +1,193 @@
+//! The one reader of OBJ text: cut into pieces, which every core reads at once, and joined.
+//!
+//! A first pass counts what the indices of a piece refer to, so that the second one checks every line where it stands, as if there
+//! were no pieces. Their number follows from the text alone.
+
+use std::ops::Range;
+use std::path::Path;
+
+use memchr::{memchr, memrchr};
+use rayon::prelude::*;
+
+use super::read::{Above, Group, Obj, Spans, read_piece};
+use crate::IoError;
+
+/// Bytes of a piece, and of the rest of its last statement.
+const PIECE: usize = 1 << 20;
+
+/// Reads the text of a model.
+///
+/// With `spans`, the text is read to be given new coordinates: those of the file may be anything, and faces may have them at some
+/// corners.
+pub(super) fn read(file: &Path, text: &str, spans: Option<&mut Spans>) -> Result<Obj, IoError> {
+    read_in(file, text, spans, PIECE)
+}
+
+fn read_in(
+    file: &Path,
+    text: &str,
+    spans: Option<&mut Spans>,
+    size: usize,
+) -> Result<Obj, IoError> {
+    let pieces = cut(text, size);
+    if let [piece] = &pieces[..] {
+        let above = Above::default();
+        let (obj, found) = read_piece(file, text, piece.clone(), above, spans.is_some())?;
+        if let (Some(spans), Some(found)) = (spans, found) {
+            *spans = found;
+        }
+        return Ok(obj);
+    }
+    let counts: Vec<Above> = (pieces.par_iter())
+        .map(|piece| Above::of(text, piece.clone()))
+        .collect();
+    let above = counts.iter().scan(Above::default(), |sum, own| {
+        let above = *sum;
+        *sum = above.and(*own);
+        Some(above)
+    });
+    let jobs: Vec<_> = pieces.into_iter().zip(above).collect();
+    let read: Vec<_> = (jobs.into_par_iter())
+        .map(|(piece, above)| read_piece(file, text, piece, above, spans.is_some()))
+        .collect();
+    // The first fault of the text, whichever was found first.
+    let read = read.into_iter().collect::<Result<Vec<_>, IoError>>()?;
+    let (objs, found): (Vec<_>, Vec<_>) = read.into_iter().unzip();
+    if let Some(spans) = spans {
+        for found in found.into_iter().flatten() {
+            spans.corners.extend(found.corners);
+            spans.others.extend(found.others);
+            spans.uvs.extend(found.uvs);
+            spans.libraries.extend(found.libraries);
+            spans.first_face = spans.first_face.or(found.first_face);
+        }
+    }
+    Ok(join(objs))
+}
+
+/// Cuts a text into pieces of whole statements, one at least.
+fn cut(text: &str, size: usize) -> Vec<Range<usize>> {
+    let bytes = text.as_bytes();
+    let (mut pieces, mut start) = (Vec::new(), 0);
+    loop {
+        let mut end = start + size.max(1) - 1;
+        // The first line end from there on that ends a statement, too.
+        loop {
+            let found = bytes.get(end..).and_then(|rest| memchr(b'\n', rest));
+            let Some(found) = found else {
+                pieces.push(start..bytes.len());
+                return pieces;
+            };
+            let line_end = end + found;
+            let line = memrchr(b'\n', &bytes[start..line_end]).map_or(start, |n| start + n + 1);
+            end = line_end + 1;
+            if !text[line..line_end].trim_end().ends_with('\\') {
+                break;
+            }
+        }
+        pieces.push(start..end);
+        start = end;
+    }
+}
+
+/// The model of all pieces; each is given back to the system when it is copied.
+fn join(pieces: Vec<Obj>) -> Obj {
+    let sum = |count: fn(&Obj) -> usize| pieces.iter().map(count).sum::<usize>();
+    let colored = pieces.iter().any(|piece| !piece.colors.is_empty());
+    let positions = sum(|p| p.positions.len());
+    let mut all = Obj {
+        positions: Vec::with_capacity(positions),
+        colors: Vec::with_capacity(if colored { positions } else { 0 }),
+        uvs: Vec::with_capacity(sum(|p| p.uvs.len())),
+        normals: Vec::with_capacity(sum(|p| p.normals.len())),
+        faces: Vec::with_capacity(sum(|p| p.faces.len())),
+        corners: Vec::with_capacity(sum(|p| p.corners.len())),
+        ..Obj::default()
+    };
+    for piece in pieces {
+        let first = all.faces.len();
+        all.groups
+            .extend(piece.groups.into_iter().map(|group| Group {
+                first_face: first + group.first_face,
+                ..group
+            }));
+        all.positions.extend(piece.positions);
+        all.colors.extend(piece.colors);
+        if colored {
+            all.colors.resize(all.positions.len(), [1.0; 3]);
+        }
+        all.uvs.extend(piece.uvs);
+        all.normals.extend(piece.normals);
+        all.faces.extend(piece.faces);
+        all.corners.extend(piece.corners);
+        all.materials.extend(piece.materials);
+        all.libraries.extend(piece.libraries);
+        all.lines_and_points += piece.lines_and_points;
+        all.unknown = all.unknown.or(piece.unknown);
+    }
+    all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TEXT: &str = "# made by hand \\\nv 9 9 9\nmtllib a.mtl\r\no Wall\n\\\nv 0 0 0\nv 1 0 \\\n 0 0 1 0\nv 1 1 0\nvt 0 0\n\
+        vn 0 0 1\nusemtl brick\ns 3\nf 1/1/1 2/-1/1 \\\n\t\\\n3/1/1\n\ng \u{e9}t\u{e9}\u{3000}x\nwhat 1\ns off\nv 0 0 5 1 0 0\nf -1 -2 \\\n-3 -4\nl 1/1 2\nl 1 \\\n\
+        2\nusemtl b\nf 1 2 4\nwhy\np 1\n\\";
+
+    fn debug(text: &str, size: usize) -> String {
+        let mut spans = Spans::default();
+        let plain = read_in(Path::new("a.obj"), text, None, size);
+        let spanned = read_in(Path::new("a.obj"), text, Some(&mut spans), size);
+        format!("{plain:?} {spanned:?} {spans:?}")
+    }
+
+    /// Whatever the size of the pieces, the model, the places in the text and the first fault are those of the whole.
+    #[test]
+    fn pieces_change_nothing() {
+        let whole = debug(TEXT, usize::MAX / 2);
+        assert!(
+            whole.contains("lines_and_points: 3") && whole.contains("Wall"),
+            "{whole}"
+        );
+        for size in 1..TEXT.len() {
+            assert_eq!(debug(TEXT, size), whole, "{size}");
+        }
+        for fault in [
+            "f 1 2 5",
+            "f 1/2 2/1 3/1",
+            "f 1 2 -5",
+            "v 0 0 nan",
+            "f 1//1 2/1 3",
+            "vt",
+            "usemtl",
+        ] {
+            let text = format!("{TEXT} 1\n# {TEXT}\n{fault}\nv 1\n{TEXT}");
+            let whole = debug(&text, usize::MAX / 2);
+            assert!(whole.starts_with("Err"), "{whole}");
+            for size in 1..text.len() {
+                assert_eq!(debug(&text, size), whole, "{fault} {size}");
+            }
+        }
+    }
+
+    /// A cut within a statement would be seen: its two halves are other statements.
+    #[test]
+    fn joined_lines_stay_together() {
+        let pieces = |text: &str, size| {
+            let pieces: Vec<_> = cut(text, size)
+                .into_iter()
+                .map(|p| text[p].to_owned())
+                .collect();
+            assert_eq!(pieces.concat(), text);
+            pieces
+        };
+        assert_eq!(
+            pieces("f 1 \\ \n2 3\ng a\n", 1),
+            ["f 1 \\ \n2 3\n", "g a\n", ""]
+        );
+        assert_eq!(pieces("a\nb\n\nc", 2), ["a\n", "b\n", "\nc"]);
+        assert_eq!(pieces("", 5), [""]);
+    }
+}
