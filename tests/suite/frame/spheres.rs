@@ -62,6 +62,7 @@ fn scene() -> Scene {
             fov_x: 0.07,
             near: 1.0,
             far: 1000.0,
+            lens: Default::default(),
         })
     }
 }

@@ -11,7 +11,6 @@ use crate::IoError;
 use crate::error::{shortened, shown};
 use crate::files::is_called;
 use crate::models::Request;
-use crate::scene_file::Missing;
 use crate::textures::Textures;
 
 /// Reads a model, its libraries and their maps, and says how many bytes its text has.
@@ -98,7 +97,7 @@ pub(super) fn read_text(obj: &str) -> Model {
     let request = Request {
         path: &path,
         named_by: None,
-        missing: Missing::Error,
+        missing: crate::scene_file::Missing::Error,
         textured: false,
     };
     read(&request, &mut Textures::default()).unwrap().0

@@ -208,7 +208,9 @@ fn drawable(scene: Scene, path: &Path) -> Result<Scene, IoError> {
 /// The first fault, see [`IoError`]. [`IoError::EmptyMesh`] where nothing would be drawn.
 pub fn load_model(path: &Path, options: &LoadOptions) -> Result<Scene, IoError> {
     let models = FORMATS.iter().filter(|format| format.kind != "scene");
-    let format = models.into_iter().find(|format| is_called(path, format.name));
+    let format = models
+        .into_iter()
+        .find(|format| is_called(path, format.name));
     Ok((format.unwrap_or(&model("obj")).read)(path, options, false)?.0)
 }
 
