@@ -199,8 +199,8 @@ fn files() -> Vec<(String, Vec<u8>)> {
     let heading = "A house with a gable roof. Made by texmap-assets.";
     let house = shapes::house().ply(heading, "../textures/uv_grid.png");
     files.push(("models/house.ply".to_owned(), house));
-    let twisted = shapes::twisted_box().stl("A twisted box. Made by texmap-assets.");
-    files.push(("models/twisted_box.stl".to_owned(), twisted));
+    let cube = shapes::cube().stl("The unit cube. Made by texmap-assets.");
+    files.push(("models/cube.stl".to_owned(), cube));
     files.extend(
         scenes::SCENES
             .into_iter()

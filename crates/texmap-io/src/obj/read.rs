@@ -172,8 +172,8 @@ impl<'a> Reader<'a> {
                 let any = self.spans.is_some();
                 let mut uv = [0.0; 2];
                 for (i, value) in values.iter().enumerate() {
-                    let x = match self.source.of(*value).parse::<f32>() {
-                        Ok(x) if any || x.is_finite() => x,
+                    let x = match self.source.float(*value) {
+                        Some(x) if any || x.is_finite() => x,
                         _ => self.source.number("vt", *value)?,
                     };
                     if let Some(c) = uv.get_mut(i) {

@@ -98,10 +98,12 @@ impl<'a> Source<'a> {
                         return self.rest(at);
                     }
                     let start = at;
-                    while at < bytes.len() {
-                        let class = CLASSES[usize::from(bytes[at])];
-                        let ends = matches!(class, Class::Blank | Class::LineEnd);
-                        if ends || self.wide_blank(class, at).is_some() {
+                    loop {
+                        let rest = &bytes[at..];
+                        let ends = |b: &u8| CLASSES[usize::from(*b)] != Class::Word;
+                        at += rest.iter().position(ends).unwrap_or(rest.len());
+                        let wide = at < bytes.len() && bytes[at] >= 0x80;
+                        if !wide || self.wide_blank(Class::Wide, at).is_some() {
                             break;
                         }
                         at += 1;
@@ -174,10 +176,15 @@ impl<'a> Source<'a> {
     }
 
     pub(super) fn number(&self, command: &'static str, word: Span) -> Result<f32, IoError> {
-        match fast_float2::parse::<f32, _>(self.bytes(word)) {
-            Ok(x) if x.is_finite() => Ok(x),
+        match self.float(word) {
+            Some(x) if x.is_finite() => Ok(x),
             _ => finite(|| self.location(word), command, self.of(word)),
         }
+    }
+
+    /// A number, which may be NaN or infinite.
+    pub(super) fn float(&self, word: Span) -> Option<f32> {
+        fast_float2::parse(self.bytes(word)).ok()
     }
 
     pub(super) fn name(
