@@ -137,14 +137,13 @@ const SHADOWS: [&str; 16] = [
 ];
 
 impl Aov {
-    /// Every AOV of surfaces but the shadows, which belong to lights.
-    pub const ALL: [Self; 8] = [
+    /// The values of a surface: all but the shadows, which belong to lights, the ids of meshes, and the picture itself.
+    pub const ALL: [Self; 7] = [
         Self::Depth,
         Self::InvW,
         Self::Uv,
         Self::Lod,
         Self::Face,
-        Self::Mesh,
         Self::Normal,
         Self::Position,
     ];
@@ -206,7 +205,7 @@ impl FromStr for Aov {
     fn from_str(s: &str) -> Result<Self, UnknownAov> {
         Self::ALL
             .into_iter()
-            .chain([Self::Color])
+            .chain([Self::Mesh, Self::Color])
             .chain((0..16).map(Self::Shadow))
             .find(|aov| aov.name() == s)
             .ok_or_else(|| UnknownAov(s.to_owned()))
@@ -226,7 +225,9 @@ mod tests {
 
     #[test]
     fn names_round_trip() {
-        let others = [Aov::Color].into_iter().chain((0..16).map(Aov::Shadow));
+        let others = [Aov::Mesh, Aov::Color]
+            .into_iter()
+            .chain((0..16).map(Aov::Shadow));
         for aov in Aov::ALL.into_iter().chain(others) {
             assert_eq!(aov.name().parse(), Ok(aov));
         }

@@ -21,7 +21,7 @@ fn a_chart_is_a_page_or_a_table() {
     let desk = Desk::new();
     assert_eq!(desk.texmap("chart -o chart.txt").code, 2);
     // Refused before anything is measured, which would take minutes.
-    desk.refused("chart -o chart.html --svg m.obj", 4, "nowhere");
+    desk.refused("chart -o chart.html --svg m.obj", 4, "m.obj is no folder");
     desk.texmap("chart room.scene -o room.csv -r 32x24 --quick")
         .ok();
     let table = std::fs::read_to_string(desk.path("room.csv")).unwrap();

@@ -77,7 +77,11 @@ fn every_look_is_another_picture() {
     hashes.dedup();
     assert_eq!(hashes.len(), count);
     // A face that looks at the front has the normal (0, 0, 1).
-    desk.texmap("render m.obj --material normals --view front --resolution 60x60 -o n.png")
+    desk.put(
+        "flat.obj",
+        "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n",
+    );
+    desk.texmap("render flat.obj --material normals --view front --resolution 60x60 -o n.png")
         .ok();
     assert_eq!(
         desk.picture("n.png").get_pixel(30, 12).0,

@@ -512,7 +512,7 @@ fn unwritable_outputs_are_found_before_anything_is_read() {
     for output in [
         "check.png/such/out.png",
         "m.obj/out.png",
-        "taken.png/out.jpg/x.png",
+        "check.png/out.jpg/x.png",
     ] {
         let run = desk.texmap(&format!("render no.scene -o {output}"));
         assert_eq!(run.code, 4, "{}", run.stderr);

@@ -486,7 +486,7 @@ fn endings_that_no_verb_writes_are_refused() {
         }
     }
     desk.refused(
-        "mip photo.png -o x%d.jpg",
+        "mip photo.png -o x%d.bmp",
         2,
         ".png, .jpg, .webp, .hdr or .exr",
     );

@@ -4,7 +4,7 @@ use texmap_math::color::{linear_to_srgb8, unit_to_u8};
 use texmap_math::glam::{DMat4, DVec3};
 use texmap_render::{Aov, AovData, HOLE_BITS, RenderSettings, render};
 use texmap_sample::{Filter, UvTransform};
-use texmap_scene::{AlphaMode, Material, Mesh, Scene, TextureRole};
+use texmap_scene::{AlphaMode, ColorMode, Material, Mesh, Scene, TextureRole};
 
 use crate::scenes::{draw_aovs, empty, faces, quad, slot, texture, unlit, values, wall};
 
@@ -240,7 +240,14 @@ fn mesh_ids_are_those_of_the_scene() {
 fn colours_are_the_light_behind_the_bytes() {
     let mut scene = mixed();
     scene.background = [0.2, 0.4, 0.6, 0.5];
-    for (supersample, msaa) in [(1, 1), (1, 4), (2, 1)] {
+    for (color, supersample, msaa) in [
+        (ColorMode::Raw, 1, 1),
+        (ColorMode::Srgb, 1, 1),
+        (ColorMode::Srgb, 1, 4),
+        (ColorMode::Raw, 1, 4),
+        (ColorMode::Srgb, 2, 1),
+    ] {
+        scene.color = color;
         let settings = RenderSettings {
             supersample,
             msaa,
@@ -254,13 +261,16 @@ fn colours_are_the_light_behind_the_bytes() {
             };
             let frame = render(&scene, &asked, &texmap_render::no_progress).unwrap();
             assert!(frame.rgba == plain.rgba, "{supersample} {msaa}");
-            let color = frame.aovs.iter().find(|(aov, ..)| *aov == Aov::Color);
-            let Some((_, 4, AovData::F32(color))) = color else {
+            let array = frame.aovs.iter().find(|(aov, ..)| *aov == Aov::Color);
+            let Some((_, 4, AovData::F32(pixels))) = array else {
                 panic!("four floats")
             };
-            for (light, bytes) in color.chunks(4).zip(plain.rgba.chunks(4)) {
+            for (light, bytes) in pixels.chunks(4).zip(plain.rgba.chunks(4)) {
                 let alpha = light[3];
-                let encoded = [0, 1, 2].map(|k| linear_to_srgb8(light[k] / alpha));
+                let encoded = [0, 1, 2].map(|k| match color {
+                    ColorMode::Srgb => linear_to_srgb8(light[k] / alpha),
+                    ColorMode::Raw => unit_to_u8(light[k] / alpha),
+                });
                 assert_eq!(
                     (encoded, unit_to_u8(alpha)),
                     ([bytes[0], bytes[1], bytes[2]], bytes[3])

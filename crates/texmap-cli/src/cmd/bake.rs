@@ -77,7 +77,7 @@ pub(crate) fn run(args: &BakeArgs) -> Result<Exit, Failure> {
     let outputs = outputs(args, &scene, &meshes)?;
     distinct(&outputs, [&args.scene])?;
     let mut written = Written::new("bake");
-    let bare = |mesh: &&Mesh| meshes.len() > 1 && !has_coordinates(mesh);
+    let bare = |mesh: &&Mesh| args.object == "all" && !has_coordinates(mesh);
     for mesh in scene.meshes.iter().filter(bare) {
         let warning = format!("`{}` has no texture coordinates and is left out", mesh.name);
         say(&format!("warning: {warning}\n"));

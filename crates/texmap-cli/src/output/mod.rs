@@ -51,7 +51,12 @@ impl Destination {
                 fs::canonicalize(path).unwrap_or_else(|_| path.to_owned()),
             )),
             Ok(_) => Ok(Self::Device(path.to_owned())),
-            Err(e) if e.kind() == io::ErrorKind::NotFound => {
+            Err(e)
+                if matches!(
+                    e.kind(),
+                    io::ErrorKind::NotFound | io::ErrorKind::NotADirectory
+                ) =>
+            {
                 match made::existing(folder_of(path)) {
                     folder if folder.is_dir() => Ok(Self::File(path.to_owned())),
                     folder => Err(unwritable(

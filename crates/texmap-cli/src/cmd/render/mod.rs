@@ -19,6 +19,7 @@ use crate::values::{self, AovArg, Background, LevelName, Resolution};
 mod budget;
 mod camera;
 mod draw;
+mod files;
 mod inputs;
 mod look;
 pub(crate) mod plan;
