@@ -1,5 +1,7 @@
 //! The metallic-roughness model of a surface (glTF 2.0, appendix B) with its extensions, as data.
 
+use texmap_light::PhongMaterial;
+
 use crate::TextureSlot;
 
 /// Reflectance by metalness and roughness: a GGX lobe over a diffuse base, both lit by lights and by the environment light of
@@ -76,6 +78,17 @@ pub struct Sheen {
 }
 
 impl MetallicRoughness {
+    /// A dielectric with highlights about as wide as those of Phong's model: the roughness is `sqrt(2 / (ns + 2))`, the mean slope of
+    /// a Blinn lobe (Walter and others 2007), and `ks` is the strength of the reflection, at most 1.
+    #[must_use]
+    pub fn of_phong(phong: &PhongMaterial) -> Self {
+        Self {
+            roughness: (2.0 / (phong.ns + 2.0)).sqrt().min(1.0),
+            specular: phong.ks.min(1.0),
+            ..Self::default()
+        }
+    }
+
     /// Every texture that the model names.
     pub fn slots(&self) -> impl Iterator<Item = &TextureSlot> {
         let coat = self
@@ -146,6 +159,20 @@ mod tests {
         textures.sort_unstable();
         assert_eq!(textures, [0, 1, 2, 3, 4, 5, 6, 7]);
         assert_eq!(MetallicRoughness::default().slots().count(), 0);
+    }
+
+    #[test]
+    fn shiny_surfaces_are_smooth() {
+        let of = |ns, ks| {
+            MetallicRoughness::of_phong(&PhongMaterial {
+                ns,
+                ks,
+                ..PhongMaterial::default()
+            })
+        };
+        assert!((of(6.0, 0.5).roughness - 0.5).abs() < 1e-6 && of(0.0, 0.0).roughness == 1.0);
+        assert!(of(198.0, 3.0).roughness < 0.11 && of(198.0, 3.0).specular == 1.0);
+        assert!(of(1e9, 0.0).is_valid() && of(0.0, 1e9).is_valid());
     }
 
     #[test]

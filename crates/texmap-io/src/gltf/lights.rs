@@ -1,7 +1,7 @@
 //! The lights of a document (`KHR_lights_punctual`).
 
-use texmap_light::{Light, LightCone};
-use texmap_scene::Scene;
+use texmap_light::{EnvironmentLight, Light, LightCone, ToneMap};
+use texmap_scene::{ColorMode, Scene};
 
 use super::json;
 use super::model::Model;
@@ -76,8 +76,14 @@ fn light(
     }
 }
 
-/// Replaces the lights of a scene by those of the file, if it has any.
+/// Lights a scene by the lights of the file and the neutral studio, under PBR Neutral. Raw colours are not light: they keep the lights of
+/// other models where the file has none.
 pub(super) fn illuminate(scene: &mut Scene, lights: Vec<(String, Light)>) {
+    if scene.color == ColorMode::Srgb {
+        scene.effects.environment_light = Some(EnvironmentLight::studio());
+        scene.effects.tone_mapping.map = ToneMap::PbrNeutral;
+        scene.lights.clear();
+    }
     if lights.is_empty() {
         return;
     }
@@ -89,7 +95,9 @@ pub(super) fn illuminate(scene: &mut Scene, lights: Vec<(String, Light)>) {
         });
     scene.effects.light_names = named.collect();
     scene.lights = lights.into_iter().map(|(_, light)| light).collect();
-    scene.lights.push(Light::Ambient {
-        color: [AMBIENT; 3],
-    });
+    if scene.effects.environment_light.is_none() {
+        scene.lights.push(Light::Ambient {
+            color: [AMBIENT; 3],
+        });
+    }
 }

@@ -256,7 +256,7 @@ fn lost_and_broken_pictures() {
         "{error}"
     );
     let lenient = LoadOptions {
-        missing: Missing::Checker,
+        missing: Some(Missing::Checker),
         ..LoadOptions::default()
     };
     let scene = load(&files.path("a.gltf"), &lenient).expect("a stand-in");

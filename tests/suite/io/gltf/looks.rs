@@ -6,7 +6,7 @@ use texmap_raster::Cull;
 use texmap_sample::{Filter, Wrap};
 use texmap_scene::{AlphaMode, Material, NormalDetail, Scene, Shading, TextureSlot, UvSet};
 
-use super::{read, read_with};
+use super::{asset, read, read_with};
 
 fn material<'s>(scene: &'s Scene, name: &str) -> &'s Material {
     scene
@@ -229,11 +229,20 @@ fn lights_in_physical_units() {
     }
     assert!(endless.is_infinite());
     assert_eq!(scene.light_named("bulb"), Ok(1));
-    // Without lights of its own a model has those of every model.
+    // The studio lights all models, beside the lights of their own; raw colours are not light.
+    assert!(scene.effects.environment_light.is_some());
+    let dark = read("box.glb");
+    assert!(dark.lights.is_empty() && dark.effects.environment_light.is_some());
+    let options = LoadOptions {
+        color: Some(texmap_scene::ColorMode::Raw),
+        ..LoadOptions::default()
+    };
+    let raw = texmap_io::load(&asset("box.glb"), &options).expect("a box");
     assert_eq!(
-        read("box.glb").lights,
+        raw.lights,
         texmap_io::framing::auto_lights(texmap_io::framing::Up::Y)
     );
+    assert!(raw.effects.environment_light.is_none());
 }
 
 #[test]

@@ -65,6 +65,8 @@ pub(crate) fn item(
         scene.background = background.0;
     }
     args.look.dress(&mut scene)?;
+    args.light
+        .light(&mut scene, scene_file, options.framing.up)?;
     let load = milliseconds(began.elapsed());
     let sampled = args.supersample.is_some() || args.budget().is_some();
     let context = Context {

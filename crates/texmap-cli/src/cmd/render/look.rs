@@ -9,7 +9,8 @@ use texmap_light::PhongMaterial;
 use texmap_math::color::srgb_to_linear;
 use texmap_sample::{ColorSpace, Filter, Origin, Texture2d};
 use texmap_scene::{
-    AlphaMode, ColorMode, Material, Mesh, Scene, Shading, TextureSlot, VertexColorInterp,
+    AlphaMode, ColorMode, Material, Mesh, MetallicRoughness, Scene, Shading, TextureSlot,
+    VertexColorInterp,
 };
 use texmap_uv::Projection;
 
@@ -95,7 +96,11 @@ fn clay(color: [f32; 3]) -> Material {
 }
 
 /// Gives every mesh one material and no colours of its own.
-fn one_material(scene: &mut Scene, material: Material) {
+fn one_material(scene: &mut Scene, mut material: Material) {
+    // Light from all around shows on metallic-roughness surfaces alone.
+    if scene.effects.environment_light.is_some() {
+        material.metallic_roughness = Some(MetallicRoughness::default());
+    }
     scene.materials = vec![material];
     for mesh in &mut scene.meshes {
         mesh.material = 0;

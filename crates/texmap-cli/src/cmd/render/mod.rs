@@ -11,6 +11,7 @@ use crate::cmd::Root;
 use crate::cmd::render::budget::{MaxError, Quality};
 use crate::cmd::render::camera::CameraArgs;
 use crate::cmd::render::inputs::Inputs;
+use crate::cmd::render::light::LightArgs;
 use crate::cmd::render::look::LookArgs;
 use crate::cmd::render::report::{ItemReport, Report};
 use crate::failure::{self, Exit, Failure};
@@ -21,6 +22,7 @@ mod camera;
 mod draw;
 mod files;
 mod inputs;
+mod light;
 mod look;
 pub(crate) mod plan;
 mod report;
@@ -130,6 +132,8 @@ pub(crate) struct RenderArgs {
     camera: CameraArgs,
     #[command(flatten)]
     look: LookArgs,
+    #[command(flatten)]
+    light: LightArgs,
 }
 
 const EXAMPLES: &str = "\
