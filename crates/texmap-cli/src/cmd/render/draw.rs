@@ -7,7 +7,7 @@ use std::path::Path;
 use std::time::Instant;
 
 use texmap_io::scene_file::Missing;
-use texmap_io::{FileSource, LoadOptions, npy};
+use texmap_io::{FileSource, LoadOptions, PictureFormat, npy};
 use texmap_math::Level;
 use texmap_math::camera::Camera;
 use texmap_planner as planner;
@@ -65,8 +65,14 @@ pub(crate) fn item(
         scene.background = background.0;
     }
     args.look.dress(&mut scene)?;
-    args.light
-        .light(&mut scene, scene_file, options.framing.up)?;
+    let floats = item.pictures().into_iter().any(|path| {
+        matches!(
+            PictureFormat::of(path),
+            Some(PictureFormat::Hdr | PictureFormat::Exr)
+        )
+    });
+    let up = options.framing.up;
+    args.light.light(&mut scene, scene_file, floats, up)?;
     let load = milliseconds(began.elapsed());
     let sampled = args.supersample.is_some() || args.budget().is_some();
     let context = Context {

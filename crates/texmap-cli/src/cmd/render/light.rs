@@ -28,8 +28,8 @@ pub(crate) struct LightArgs {
     /// Factor of light before tone mapping [default: 1]
     #[arg(long, value_name = "FACTOR", value_parser = factor)]
     exposure: Option<f32>,
-    /// The way of bright light to display light: pbr-neutral, aces, agx, none [default: pbr-neutral under light from all around, none
-    /// otherwise]
+    /// The way of bright light to display light: pbr-neutral, aces, agx, none [default: pbr-neutral under light from all around and
+    /// for pictures of 8 or 16 bits, none otherwise]
     #[arg(long, value_name = "CURVE", value_parser = tone_map)]
     tone_map: Option<ToneMap>,
 }
@@ -79,8 +79,15 @@ fn tone_map(text: &str) -> Result<ToneMap, String> {
 }
 
 impl LightArgs {
-    /// Lights a scene, after it was dressed; `scene_file`: it has the light that it says.
-    pub(crate) fn light(&self, scene: &mut Scene, scene_file: bool, up: Up) -> Result<(), Failure> {
+    /// Lights a scene, after it was dressed; `scene_file`: it has the light that it says; `floats`: it is written as light without an
+    /// upper end, which no curve may bend unless one is asked for.
+    pub(crate) fn light(
+        &self,
+        scene: &mut Scene,
+        scene_file: bool,
+        floats: bool,
+        up: Up,
+    ) -> Result<(), Failure> {
         match self.shading {
             Some(Model::Classic) => {
                 for material in &mut scene.materials {
@@ -127,8 +134,10 @@ impl LightArgs {
         if let Some(exposure) = self.exposure {
             scene.effects.tone_mapping.exposure = exposure;
         }
-        if let Some(map) = self.tone_map {
-            scene.effects.tone_mapping.map = map;
+        match self.tone_map {
+            Some(map) => scene.effects.tone_mapping.map = map,
+            None if floats => scene.effects.tone_mapping.map = ToneMap::None,
+            None => {}
         }
         // A model is never dark for want of light.
         if !scene_file && scene.lights.is_empty() && needs_lights(scene) {
@@ -202,19 +211,21 @@ mod tests {
         let mut scene = model();
         let shading = Some(Model::MetallicRoughness);
         let modern = LightArgs { shading, ..args() };
-        modern.light(&mut scene, false, Up::Y).unwrap();
+        modern.light(&mut scene, false, false, Up::Y).unwrap();
         assert!(scene.materials[0].metallic_roughness.is_some() && scene.lights.is_empty());
         assert!(scene.effects.environment_light.is_some());
         assert_eq!(scene.effects.tone_mapping.map, ToneMap::PbrNeutral);
+        modern.light(&mut scene, false, true, Up::Y).unwrap();
+        assert_eq!(scene.effects.tone_mapping.map, ToneMap::None);
         let shading = Some(Model::Classic);
         let classic = LightArgs { shading, ..args() };
-        classic.light(&mut scene, false, Up::Y).unwrap();
+        classic.light(&mut scene, false, false, Up::Y).unwrap();
         assert_eq!(scene.lights, auto_lights(Up::Y));
         assert!(scene.effects.environment_light.is_none());
         // A scene keeps its darkness.
         let mut dark = model();
         dark.lights.clear();
-        args().light(&mut dark, true, Up::Y).unwrap();
+        args().light(&mut dark, true, false, Up::Y).unwrap();
         assert!(dark.lights.is_empty());
     }
 
@@ -223,12 +234,12 @@ mod tests {
         let mut scene = model();
         let env = Some(Env::Neutral);
         let lit = LightArgs { env, ..args() };
-        lit.light(&mut scene, false, Up::Y).unwrap();
+        lit.light(&mut scene, false, false, Up::Y).unwrap();
         assert_eq!(scene.warnings.len(), 1);
         let shading = Some(Model::MetallicRoughness);
         let mut scene = model();
         LightArgs { shading, ..lit }
-            .light(&mut scene, false, Up::Y)
+            .light(&mut scene, false, false, Up::Y)
             .unwrap();
         assert!(scene.warnings.is_empty());
     }

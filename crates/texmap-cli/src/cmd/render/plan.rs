@@ -37,7 +37,7 @@ pub(crate) enum Kind {
 
 impl Item {
     /// The files of its pictures.
-    fn pictures(&self) -> Vec<&Path> {
+    pub(super) fn pictures(&self) -> Vec<&Path> {
         match &self.kind {
             Kind::Series(names) => names.iter().flatten().map(PathBuf::as_path).collect(),
             _ => self.output.iter().map(PathBuf::as_path).collect(),
