@@ -164,9 +164,17 @@ fn missing_coordinates_are_projected_and_told() {
 
 #[test]
 fn mirroring_keeps_the_outside_outside() {
-    let scene = files("newmtl m\n").scene("scale -1 1 1\nobj a.obj\n");
-    assert_eq!(scene.meshes[0].triangles, [[0, 2, 1], [0, 3, 2]]);
-    assert!(scene.meshes[0].world_from_object.determinant() < 0.0);
+    let covered = |scale: &str, cull: &str| {
+        let lines = format!("eye 0 0 6\nlook 0 0 0\n{scale}\ncull {cull}\nobj a.obj\n");
+        let scene = files("newmtl m\n").scene(&lines);
+        frame(&scene).stats.pixels_covered
+    };
+    for scale in ["scale 1 1 1", "scale -1 1 1", "scale -1 -1 1"] {
+        assert!(covered(scale, "back") > 10, "{scale}");
+        assert_eq!(covered(scale, "front"), 0, "{scale}");
+    }
+    // Turned about by half a turn it shows its back.
+    assert_eq!(covered("rotate 180 0 1 0", "back"), 0);
 }
 
 #[test]

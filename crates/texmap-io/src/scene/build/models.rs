@@ -60,7 +60,6 @@ impl Builder {
         let color = self.scene.color;
         self.scene.warnings.extend(model.warnings);
         let transform = self.settings.transform;
-        let mirrored = transform.determinant() < 0.0;
         for part in model.parts {
             let described = part.material.and_then(|i| model.materials.get(i));
             let displacement = described
@@ -82,11 +81,6 @@ impl Builder {
                 second: true,
             };
             let material = self.material(material, coordinates, named_by);
-            let mut triangles = part.triangles;
-            if mirrored {
-                // What was outside stays outside.
-                triangles.iter_mut().for_each(|t| t.swap(1, 2));
-            }
             let colors = if model.colored {
                 part.colors
             } else {
@@ -103,7 +97,7 @@ impl Builder {
                 normals: part.normals,
                 uvs: part.uvs,
                 colors: colors.into_iter().map(|c| light(c, color)).collect(),
-                triangles,
+                triangles: part.triangles,
                 faces: part.faces,
                 material,
                 world_from_object: transform,
