@@ -252,6 +252,8 @@ impl<I: Isa> ReflectanceLanes<I> {
             let left = coat.left.below(one - coat.factor * (a * 0.04 + b));
             let (ch, sine) = cosine_and_sine(self.smooth, half);
             let lobe = lobes::ggx(i, coat.alpha, ch, sine, coat.nv, cl.above(i.f32(1e-6)));
+            // The lobe has the cosine to its own normal; all layers take that to the base, which keeps eye and light exchangeable.
+            let lobe = lobe * (nl / cl.above(i.f32(1e-6)));
             let lobe = coat.factor * (fresnel * 0.96 + 0.04) * lobe * pi;
             let lobe = cl.simd_gt(0.0).select(lobe, zero);
             for out in &mut out {

@@ -475,7 +475,7 @@ mod tests {
             .collect();
         assert_eq!(left, [(1, Some(choices.shadows[0].size)), (0, Some(512))]);
         planned.check().unwrap();
-        // A lamp three units away of which only one has the range.
+        // Two lamps three units away from squares that reach 2.83 around their middles: one has the range.
         let lamp = |range| Light::Punctual {
             intensity: [1.0; 3],
             position: [0.0, 0.0, 3.0],
@@ -483,7 +483,7 @@ mod tests {
             cone: None,
         };
         let lamps = Scene {
-            lights: vec![lamp(1.5), lamp(9.0)],
+            lights: vec![lamp(0.1), lamp(9.0)],
             effects: Effects::default(),
             ..scene.clone()
         };

@@ -9,12 +9,12 @@ use texmap_math::glam::DVec3;
 use texmap_render::{Aov, RenderSettings, no_progress, render};
 use texmap_sample::Filter;
 use texmap_scene::{
-    AlphaMode, Clearcoat, Effects, Emission, Material, MetallicRoughness, NormalDetail, Scene,
-    SceneError, Shading, Shadow, Sheen, TextureSlot, ToneMapping, UvSet,
+    AlphaMode, Clearcoat, ColorMode, Effects, Emission, Material, Mesh, MetallicRoughness,
+    NormalDetail, Scene, SceneError, Shading, Shadow, Sheen, TextureSlot, ToneMapping, UvSet,
 };
 use texmap_tests::levels::levels;
 
-use crate::scenes::{draw, draw_aovs, of, pixel, slot, texture, values, wall};
+use crate::scenes::{self, draw, draw_aovs, pixel, slot, texture, values, wall};
 
 fn metallic(color: [f32; 3], model: MetallicRoughness) -> Material {
     Material {
@@ -24,6 +24,14 @@ fn metallic(color: [f32; 3], model: MetallicRoughness) -> Material {
         },
         metallic_roughness: Some(model),
         ..Material::default()
+    }
+}
+
+/// A mesh of one material, with colours in sRGB.
+fn of(material: Material, mesh: Mesh) -> Scene {
+    Scene {
+        color: ColorMode::Srgb,
+        ..scenes::of(material, mesh)
     }
 }
 

@@ -1,5 +1,7 @@
 //! The lights of a document (`KHR_lights_punctual`).
 
+use std::sync::OnceLock;
+
 use texmap_light::{EnvironmentLight, Light, LightCone, ToneMap};
 use texmap_scene::{ColorMode, Scene};
 
@@ -80,7 +82,10 @@ fn light(
 /// other models where the file has none.
 pub(super) fn illuminate(scene: &mut Scene, lights: Vec<(String, Light)>) {
     if scene.color == ColorMode::Srgb {
-        scene.effects.environment_light = Some(EnvironmentLight::studio());
+        // Made once: it takes longer than many a model.
+        static STUDIO: OnceLock<EnvironmentLight> = OnceLock::new();
+        let studio = STUDIO.get_or_init(EnvironmentLight::studio);
+        scene.effects.environment_light = Some(studio.clone());
         scene.effects.tone_mapping.map = ToneMap::PbrNeutral;
         scene.lights.clear();
     }

@@ -146,7 +146,7 @@ fn radiance(solids: &[Solid], d: DVec3) -> f64 {
 
 impl EnvironmentLight {
     /// A neutral studio: a white room with bright windows on four sides and boxes on its floor, for looking at a model that brings
-    /// no light of its own. Its irradiance is about pi from above. Made in a few milliseconds.
+    /// no light of its own. Its irradiance from above is about 1.4 pi.
     #[must_use]
     pub fn studio() -> Self {
         let solids = Solid::all();

@@ -213,7 +213,6 @@ fn lights_in_physical_units() {
             range: endless,
             ..
         },
-        Light::Ambient { .. },
     ] = &scene.lights[..]
     else {
         panic!("{:?}", scene.lights)
