@@ -194,7 +194,7 @@ fn everything() -> Scene {
             },
             ..Effects::default()
         },
-        ..crate::scenes::empty()
+        ..scenes::empty()
     }
 }
 
