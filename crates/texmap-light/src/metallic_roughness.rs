@@ -116,6 +116,8 @@ struct Coat<I: Isa> {
     roughness: I::F32,
     alpha: I::F32,
     nv: I::F32,
+    /// The eye is in front of the layer.
+    seen: I::Mask,
     /// Returned of even light, and left for what is below.
     albedo: I::F32,
     left: I::F32,
@@ -255,7 +257,7 @@ impl<I: Isa> ReflectanceLanes<I> {
             // The lobe has the cosine to its own normal; all layers take that to the base, which keeps eye and light exchangeable.
             let lobe = lobe * (nl / cl.above(i.f32(1e-6)));
             let lobe = coat.factor * (fresnel * 0.96 + 0.04) * lobe * pi;
-            let lobe = cl.simd_gt(0.0).select(lobe, zero);
+            let lobe = (coat.seen & cl.simd_gt(0.0)).select(lobe, zero);
             for out in &mut out {
                 *out = *out * left + lobe;
             }
@@ -337,6 +339,7 @@ impl<I: Isa> Coat<I> {
             roughness,
             alpha: roughness * roughness,
             nv,
+            seen: cosine.simd_gt(0.0),
             albedo,
             left: one - albedo,
         }
