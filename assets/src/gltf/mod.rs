@@ -236,7 +236,7 @@ fn quantized() -> Vec<u8> {
         "meshes": [{"name": "plate", "primitives": [{"attributes": attributes, "indices": indices, "material": 0}]}],
         "materials": [{"name": "turned", "pbrMetallicRoughness": {"metallicFactor": 0.0, "baseColorTexture": {
             "index": 0, "extensions": {"KHR_texture_transform": {
-                "offset": [0.0, 1.0], "rotation": 1.570_796_326_794_896_6, "scale": [1.0, 1.0],
+                "offset": [0.0, 1.0], "rotation": std::f64::consts::FRAC_PI_2, "scale": [1.0, 1.0],
             }},
         }}}],
         "textures": [{"source": 0}],

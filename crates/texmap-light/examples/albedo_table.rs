@@ -1,4 +1,5 @@
 //! Prints `src/albedo/table.rs`: `cargo run --release -p texmap-light --example albedo_table > crates/texmap-light/src/albedo/table.rs`.
+#![allow(clippy::print_stdout, reason = "the table goes to standard output")]
 use texmap_light::reference::metallic_roughness::{ggx_albedo, sheen_albedo};
 use texmap_light::{MIN_ROUGHNESS, SHEEN_MIN_ROUGHNESS};
 

@@ -236,16 +236,16 @@ impl<I: Isa> ReflectanceLanes<I> {
         let left = (one - (most * a + f90 * b + more * missing)) * nl;
         let missing = missing * nl;
         let mut out = self.f0;
-        for k in 0..3 {
-            let f = self.f0[k] + (self.f90 - self.f0[k]) * fresnel;
-            out[k] = f * lobe + self.again_of_light[k] * missing + self.diffuse_of_light[k] * left;
+        for (k, out) in out.iter_mut().enumerate() {
+            let f = *out + (self.f90 - *out) * fresnel;
+            *out = f * lobe + self.again_of_light[k] * missing + self.diffuse_of_light[k] * left;
         }
         if let Some(sheen) = &self.sheen {
             let albedo = albedo::sheen(i, sheen.roughness, nl.below(one));
             let left = sheen.left.below(one - sheen.most * albedo);
             let lobe = lobes::charlie(i, sheen.alpha, sine, self.nv, nl) * pi;
-            for k in 0..3 {
-                out[k] = out[k] * left + sheen.color[k] * lobe;
+            for (out, color) in out.iter_mut().zip(sheen.color) {
+                *out = *out * left + color * lobe;
             }
         }
         if let Some(coat) = &self.coat {

@@ -34,7 +34,6 @@ pub fn render(
 }
 
 /// The progress callback that neither shows nor ends anything.
-#[must_use]
 pub fn no_progress(_done: usize, _of: usize) -> ControlFlow<()> {
     ControlFlow::Continue(())
 }

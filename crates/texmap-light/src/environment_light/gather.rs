@@ -148,7 +148,7 @@ impl Texels {
                 for x0 in (0..size).step_by(Self::SIDE as usize) {
                     let (mut patch, mut all) = (Sixteen::default(), [0.0; 4]);
                     let mut directions = [DVec3::ZERO; LANES];
-                    for lane in 0..LANES {
+                    for (lane, direction) in directions.iter_mut().enumerate() {
                         let (x, y) = (x0 + lane as u32 % 4, y0 + lane as u32 / 4);
                         if x >= size || y >= size {
                             continue;
@@ -161,7 +161,7 @@ impl Texels {
                         let [r, g, b] = cube.texels[at].map(|c| f64::from(c) * angle);
                         patch.put(lane, narrow(d), [r, g, b, angle]);
                         all = [all[0] + r, all[1] + g, all[2] + b, all[3] + angle];
-                        directions[lane] = d;
+                        *direction = d;
                     }
                     let axis = directions.iter().sum::<DVec3>().normalize_or_zero();
                     for d in directions.iter().filter(|d| **d != DVec3::ZERO) {

@@ -48,7 +48,7 @@ fn mutate(bytes: &mut Vec<u8>, rng: &mut Rng) {
     let at = text.start + rng.below(text.len());
     match rng.below(8) {
         0..=3 if !digits.is_empty() => {
-            bytes[digits[rng.below(digits.len())]] = b'0' + rng.below(10) as u8
+            bytes[digits[rng.below(digits.len())]] = b'0' + rng.below(10) as u8;
         }
         4 if !digits.is_empty() => {
             const NUMBERS: [&str; 8] = [
