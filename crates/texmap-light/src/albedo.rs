@@ -18,9 +18,10 @@ pub(crate) fn ggx<I: Isa>(i: I, roughness: I::F32, cosine: I::F32) -> [I::F32; 2
     let Some(around) = Around::read(i, &table::GGX, roughness, cosine) else {
         return [i.f32(0.0); 2];
     };
+    let [a, b, c, d] = around.words;
     [
-        around.mean(around.words.map(low::<I>)),
-        around.mean(around.words.map(high::<I>)),
+        around.mean([low::<I>(a), low::<I>(b), low::<I>(c), low::<I>(d)]),
+        around.mean([high::<I>(a), high::<I>(b), high::<I>(c), high::<I>(d)]),
     ]
 }
 
@@ -41,8 +42,11 @@ pub(crate) fn ggx_average<I: Isa>(i: I, roughness: I::F32) -> [I::F32; 2] {
 /// White sheen; both arguments within 0 to 1.
 #[inline(always)]
 pub(crate) fn sheen<I: Isa>(i: I, roughness: I::F32, cosine: I::F32) -> I::F32 {
-    let around = Around::read(i, &table::SHEEN, roughness, cosine);
-    around.map_or(i.f32(0.0), |around| around.mean(around.words.map(low::<I>)))
+    let Some(around) = Around::read(i, &table::SHEEN, roughness, cosine) else {
+        return i.f32(0.0);
+    };
+    let [a, b, c, d] = around.words;
+    around.mean([low::<I>(a), low::<I>(b), low::<I>(c), low::<I>(d)])
 }
 
 /// The four words around a place of a table, and its distances from the first.

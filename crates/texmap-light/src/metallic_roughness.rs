@@ -154,20 +154,17 @@ impl<I: Isa> ReflectanceLanes<I> {
         let mean = mean_a + mean_b;
         let (missing, lost) = (one - a - b, one - mean);
         let per_lost = one / lost.above(least);
-        let often = |f0: I::F32, f90: I::F32| {
-            let average = f0 + (f90 - f0) * (1.0 / 21.0);
-            average * average * mean / (one - average * lost).above(least)
-        };
+        let bounces = Bounces::<I> { mean, lost, least };
         let most = surface.f0[0].above(surface.f0[1]).above(surface.f0[2]);
-        let more = often(most, surface.f90);
+        let more: I::F32 = bounces.share(one, most, surface.f90);
         let left = one - (most * a + surface.f90 * b + more * missing);
-        let left_average = one - (most * mean_a + surface.f90 * mean_b + more * lost);
+        let left_average: I::F32 = one - (most * mean_a + surface.f90 * mean_b + more * lost);
         let diffuse = scale(surface.base_color, (one - metallic) * left);
         let mut f0 = surface.f0;
         let (mut once, mut again, mut again_of_light) = (f0, f0, f0);
         for k in 0..3 {
-            let more = often(f0[k], surface.f90);
-            let more = more + (often(surface.base_color[k], one) - more) * metallic;
+            let more = bounces.share(one, f0[k], surface.f90);
+            let more = more + (bounces.share(one, surface.base_color[k], one) - more) * metallic;
             let more = more * missing;
             f0[k] = f0[k] + (surface.base_color[k] - f0[k]) * metallic;
             once[k] = f0[k] * a + f90 * b;
@@ -189,14 +186,14 @@ impl<I: Isa> ReflectanceLanes<I> {
             again_of_light,
             diffuse_of_light: scale(diffuse, one / left_average.above(least)),
             dielectric: [most, surface.f90, more],
-            coat: surface.clearcoat.map(
-                #[inline(always)]
-                |coat| Coat::new(i, &coat, dot(smooth, view)),
-            ),
-            sheen: surface.sheen.map(
-                #[inline(always)]
-                |sheen| Sheen::new(i, &sheen, nv),
-            ),
+            coat: match &surface.clearcoat {
+                Some(coat) => Some(Coat::new(i, coat, dot(smooth, view))),
+                None => None,
+            },
+            sheen: match &surface.sheen {
+                Some(sheen) => Some(Sheen::new(i, sheen, nv)),
+                None => None,
+            },
         }
     }
 
@@ -323,6 +320,23 @@ impl<I: Isa> ReflectanceLanes<I> {
             }
         }
         out
+    }
+}
+
+/// Light that leaves a rough surface after more than one bounce (Kulla and Conty 2017).
+struct Bounces<I: Isa> {
+    /// Mean albedo of the lobe, the rest of it, and the least share.
+    mean: I::F32,
+    lost: I::F32,
+    least: I::F32,
+}
+
+impl<I: Isa> Bounces<I> {
+    /// The share of the lost light that leaves after all, by the reflectances head on and at grazing incidence.
+    #[inline(always)]
+    fn share(&self, one: I::F32, f0: I::F32, f90: I::F32) -> I::F32 {
+        let average = f0 + (f90 - f0) * (1.0 / 21.0);
+        average * average * self.mean / (one - average * self.lost).above(self.least)
     }
 }
 

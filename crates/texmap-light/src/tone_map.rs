@@ -179,11 +179,11 @@ fn agx<I: Isa>(i: I, c: Vector<I>) -> Vector<I> {
 
 #[inline(always)]
 fn rows<I: Isa>(_: I, rows: &[[f32; 3]; 3], c: Vector<I>, scale: f32) -> Vector<I> {
-    let row = |k: usize| {
-        let [x, y, z] = rows[k];
-        (c[0] * x + c[1] * y + c[2] * z) * scale
-    };
-    [row(0), row(1), row(2)]
+    let mut out = c;
+    for (out, [x, y, z]) in out.iter_mut().zip(rows) {
+        *out = (c[0] * *x + c[1] * *y + c[2] * *z) * scale;
+    }
+    out
 }
 
 #[cfg(test)]

@@ -42,21 +42,27 @@ pub(super) fn charlie<I: Isa>(i: I, alpha: I::F32, sine: I::F32, nv: I::F32, nl:
 fn shadowing<I: Isa>(i: I, alpha: I::F32, cosine: I::F32) -> I::F32 {
     let t = i.f32(1.0) - alpha;
     let t = t * t;
-    let mix = |a: f32, b: f32| t * (b - a) + a;
+    // Parameters of the fit at both ends of the roughness, and between them.
     let (a, b, c) = (
-        mix(21.5473, 25.3245),
-        mix(3.829_87, 3.324_35),
-        mix(0.198_23, 0.168_01),
+        t * (25.3245 - 21.5473) + 21.5473,
+        t * (3.324_35 - 3.829_87) + 3.829_87,
+        t * (0.168_01 - 0.198_23) + 0.198_23,
     );
-    let (d, e) = (mix(-1.977_60, -1.273_93), mix(-4.320_54, -4.859_67));
-    let fit = |x: I::F32| {
-        let power = deterministic_f32::pow_lanes(i, x.above(i.f32(1e-30)), c);
-        a / (b * power + 1.0) + d * x + e
-    };
+    let (d, e) = (
+        t * (-1.273_93 - -1.977_60) + -1.977_60,
+        t * (-4.859_67 - -4.320_54) + -4.320_54,
+    );
+    let numbers = [a, b, c, d, e];
     let near = cosine.simd_lt(0.5);
-    let one = fit(near.select(cosine, i.f32(1.0) - cosine));
-    let exponent = near.select(one, fit(i.f32(0.5)) * 2.0 - one);
+    let one = fit(i, numbers, near.select(cosine, i.f32(1.0) - cosine));
+    let exponent = near.select(one, fit(i, numbers, i.f32(0.5)) * 2.0 - one);
     deterministic_f32::exp2_lanes(i, exponent * LOG2_E)
+}
+
+#[inline(always)]
+fn fit<I: Isa>(i: I, [a, b, c, d, e]: [I::F32; 5], x: I::F32) -> I::F32 {
+    let power = deterministic_f32::pow_lanes(i, x.above(i.f32(1e-30)), c);
+    a / (b * power + 1.0) + d * x + e
 }
 
 /// `x^5`.

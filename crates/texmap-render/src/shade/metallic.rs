@@ -68,6 +68,40 @@ impl<'a> MetallicStage<'a> {
         }
     }
 
+    /// The straight color of a map from pixel `at` on, if there is the map.
+    #[inline(always)]
+    fn texel<I: Isa>(&self, i: I, at: usize, read: &[Texels], map: usize) -> Option<Vector<I>> {
+        match (self.maps[map], read.get(map)) {
+            (Some(_), Some(texels)) => Some(texels.straight(i, at)),
+            _ => None,
+        }
+    }
+
+    /// The alpha of a map, 1 without.
+    #[inline(always)]
+    fn alpha<I: Isa>(&self, i: I, at: usize, read: &[Texels], map: usize) -> I::F32 {
+        match (self.maps[map], read.get(map)) {
+            (Some(_), Some(texels)) => texels.colors.load(i, at)[3],
+            _ => i.f32(1.0),
+        }
+    }
+
+    /// A factor times a channel of a map.
+    #[inline(always)]
+    fn factor<I: Isa>(
+        &self,
+        i: I,
+        at: usize,
+        read: &[Texels],
+        (map, channel): (usize, usize),
+        factor: f32,
+    ) -> I::F32 {
+        match self.texel(i, at, read, map) {
+            Some(texel) => texel[channel] * factor,
+            None => i.f32(factor),
+        }
+    }
+
     /// The surface from pixel `at` on, and the share of indirect light that reaches it.
     #[inline(always)]
     fn surface<I: Isa>(
@@ -78,20 +112,8 @@ impl<'a> MetallicStage<'a> {
         base_color: Vector<I>,
     ) -> (MetallicRoughnessLanes<I>, I::F32) {
         let (model, one) = (self.model, i.f32(1.0));
-        let texel = |map: usize| {
-            let texels = self.maps[map].and_then(|_| read.get(map));
-            texels.map(|texels| texels.straight(i, at))
-        };
-        let alpha = |map: usize| {
-            let texels = self.maps[map].and_then(|_| read.get(map));
-            texels.map_or(one, |texels| texels.colors.load(i, at)[3])
-        };
-        let factor = |map: usize, channel: usize, factor: f32| match texel(map) {
-            Some(texel) => texel[channel] * factor,
-            None => i.f32(factor),
-        };
-        let specular = alpha(SPECULAR) * model.specular;
-        let tint = texel(SPECULAR_COLOR);
+        let specular = self.alpha(i, at, read, SPECULAR) * model.specular;
+        let tint = self.texel(i, at, read, SPECULAR_COLOR);
         let root = (model.ior - 1.0) / (model.ior + 1.0);
         let mut f0 = splat(i, model.specular_color.map(|c| c * root * root));
         for (k, f0) in f0.iter_mut().enumerate() {
@@ -105,32 +127,38 @@ impl<'a> MetallicStage<'a> {
         } else {
             OCCLUSION
         };
-        let share = match (&model.occlusion, texel(occluded)) {
+        let share = match (&model.occlusion, self.texel(i, at, read, occluded)) {
             (Some((_, strength)), Some([r, ..])) => (r - one) * *strength + one,
             _ => one,
         };
         let surface = MetallicRoughnessLanes {
             base_color,
-            metallic: factor(ROUGHNESS, 2, model.metallic),
-            roughness: factor(ROUGHNESS, 1, model.roughness),
+            metallic: self.factor(i, at, read, (ROUGHNESS, 2), model.metallic),
+            roughness: self.factor(i, at, read, (ROUGHNESS, 1), model.roughness),
             f0,
             f90: specular,
-            clearcoat: model.clearcoat.as_ref().map(|coat| ClearcoatLanes {
-                factor: factor(COAT, 0, coat.factor),
-                roughness: factor(COAT_ROUGHNESS, 1, coat.roughness),
-            }),
-            sheen: model.sheen.as_ref().map(|sheen| {
-                let mut color = splat(i, sheen.color);
-                if let Some(texel) = texel(SHEEN_COLOR) {
-                    for k in 0..3 {
-                        color[k] = color[k] * texel[k];
+            clearcoat: match &model.clearcoat {
+                Some(coat) => Some(ClearcoatLanes {
+                    factor: self.factor(i, at, read, (COAT, 0), coat.factor),
+                    roughness: self.factor(i, at, read, (COAT_ROUGHNESS, 1), coat.roughness),
+                }),
+                None => None,
+            },
+            sheen: match &model.sheen {
+                Some(sheen) => {
+                    let mut color = splat(i, sheen.color);
+                    if let Some(texel) = self.texel(i, at, read, SHEEN_COLOR) {
+                        for k in 0..3 {
+                            color[k] = color[k] * texel[k];
+                        }
                     }
+                    Some(SheenLanes {
+                        color,
+                        roughness: self.alpha(i, at, read, SHEEN_ROUGHNESS) * sheen.roughness,
+                    })
                 }
-                SheenLanes {
-                    color,
-                    roughness: alpha(SHEEN_ROUGHNESS) * sheen.roughness,
-                }
-            }),
+                None => None,
+            },
         };
         (surface, share)
     }
@@ -196,7 +224,8 @@ impl Kernel for MetallicLight<'_> {
                 sum = environment(i, &reflectance, light, share);
             }
             if let Some((factor, ..)) = self.light_map {
-                let light = columns.texels.straight(i, at).map(|c| c * factor);
+                let [r, g, b] = columns.texels.straight(i, at);
+                let light = [r * factor, g * factor, b * factor];
                 let baked = reflectance.under_irradiance(light);
                 for k in 0..3 {
                     sum[k] = sum[k] + baked[k];
