@@ -68,15 +68,17 @@ fn blend_block<I: Isa>(
         let front = colors.load(i, first + part);
         let pixels = i.mask_from_bits(u32::from(at.mask) >> part);
         let (solid, keep) = (front[3].simd_ge(1.0), i.f32(1.0) - front[3]);
-        let whole = at.mask == u16::MAX && !solid.any_true();
-        for c in 0..4 {
-            let to = &mut to[c * LANES + part..c * LANES + part + I::LANES];
-            let back = i.load_f32(to);
-            let mixed = front[c] + keep * back;
-            if whole {
-                mixed.store(to);
-            } else {
-                let mixed = solid.select(front[c], mixed);
+        // Two loops: one with a choice inside keeps both sides' vectors on the stack.
+        if at.mask == u16::MAX && !solid.any_true() {
+            for c in 0..4 {
+                let to = &mut to[c * LANES + part..c * LANES + part + I::LANES];
+                (front[c] + keep * i.load_f32(to)).store(to);
+            }
+        } else {
+            for c in 0..4 {
+                let to = &mut to[c * LANES + part..c * LANES + part + I::LANES];
+                let back = i.load_f32(to);
+                let mixed = solid.select(front[c], front[c] + keep * back);
                 pixels.select(mixed, back).store(to);
             }
         }
