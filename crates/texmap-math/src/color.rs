@@ -105,30 +105,22 @@ const SRGB8_THRESHOLD_TABLE: [f32; 256] = {
     table
 };
 
-/// The bits of the thresholds, for gathers.
-pub(crate) static SRGB8_THRESHOLD_BITS: [u32; 256] = {
-    let mut table = [0; 256];
-    let mut i = 0;
-    while i < 256 {
-        table[i] = SRGB8_THRESHOLD_TABLE[i].to_bits();
-        i += 1;
-    }
-    table
-};
-
 /// Bits of the f32 below which everything is sRGB 0: 2^-13.
 pub(crate) const SRGB8_FIRST: u32 = 0x3900_0000;
 
-/// The 8-bit sRGB value of the f32 with the upper bits `SRGB8_FIRST >> 16` + i: the finest parts that hold one threshold at most.
-pub(crate) static SRGB8_BASE: [u32; 1665] = {
+/// Encoding of the f32 whose upper bits are `SRGB8_FIRST >> 16` + i, by one look-up and one addition: the upper half of an entry plus
+/// the lower 16 bits of the f32 is its 8-bit sRGB value. An entry holds the value at the start of its part in the upper half, and in
+/// the lower one what the bits of the threshold within that part lack of a carry. These are the finest parts with one threshold at most.
+pub(crate) static SRGB8_STEPS: [u32; 1665] = {
     let mut table = [0; 1665];
     let (mut i, mut count) = (0, 0);
     while i < 1665 {
-        let start = f32::from_bits(SRGB8_FIRST + ((i as u32) << 16));
-        while start >= SRGB8_THRESHOLD_TABLE[count] {
+        let start = SRGB8_FIRST + ((i as u32) << 16);
+        while f32::from_bits(start) >= SRGB8_THRESHOLD_TABLE[count] {
             count += 1;
         }
-        table[i] = count as u32;
+        let above = SRGB8_THRESHOLD_TABLE[count].to_bits() - start;
+        table[i] = ((count as u32) << 16) + (0x1_0000_u32).saturating_sub(above);
         i += 1;
     }
     table

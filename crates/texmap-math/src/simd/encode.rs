@@ -1,7 +1,7 @@
 //! Light to 8-bit codes.
 
 use super::{GatherTable, prelude::*};
-use crate::color::{SRGB8_BASE, SRGB8_FIRST, SRGB8_THRESHOLD_BITS};
+use crate::color::{SRGB8_FIRST, SRGB8_STEPS};
 
 /// `round(255 x)` of `x` within 0..=1: [`color::unit_to_u8`](crate::color::unit_to_u8). NaN gives 0.
 #[inline(always)]
@@ -15,13 +15,10 @@ pub fn encode_unorm8<I: Isa>(i: I, x: I::F32) -> I::U32 {
 #[inline(always)]
 pub fn encode_srgb8<I: Isa>(i: I, x: I::F32) -> I::U32 {
     let x = x.clamp(i.f32(f32::from_bits(SRGB8_FIRST)), i.f32(1.0));
-    let (Some(base), Some(thresholds)) = (
-        GatherTable::new(&SRGB8_BASE),
-        GatherTable::new(&SRGB8_THRESHOLD_BITS),
-    ) else {
+    let Some(steps) = GatherTable::new(&SRGB8_STEPS) else {
         return i.u32(0);
     };
-    let base = i.gather(base, (x.to_bits() >> 16) - (SRGB8_FIRST >> 16));
-    let threshold = i.gather(thresholds, base).to_f32_bits();
-    base + x.simd_ge(threshold).select(i.u32(1), i.u32(0))
+    let bits = x.to_bits();
+    let step = i.gather(steps, (bits >> 16) - (SRGB8_FIRST >> 16));
+    (step + (bits & 0xffff)) >> 16
 }
