@@ -10,10 +10,14 @@ use std::cell::Cell;
 use glow::HasContext as _;
 use texmap_benches::bench_scenes::{
     BASE_SIZE, BenchScene, Content, DEPTH_SIZE, FACE_SIZE, GlMatrix, LIGHT, LIT_EYE, PROJECTOR,
-    cube_face, light_matrix, lit_meshes, mip_chain, normal, slide, slide_matrix, turn,
+    cube_face, light_matrix, lit_meshes, normal, slide, slide_matrix, turn,
 };
 
-use crate::gl::{GpuMesh, Target, levels, program_of, target, target_texture, upload};
+use texmap_scene::ColorMode;
+
+use crate::gl::{
+    GpuMesh, Target, color_mips, format, levels, program_of, target, target_texture, upload,
+};
 
 /// Positions, normals and tangents in world space; the coordinates of map or projected picture.
 const VERTEX: &str = "#version 330 core
@@ -85,23 +89,31 @@ impl Effects {
         )
     }
 
-    pub(crate) unsafe fn new(gl: &glow::Context, base: glow::Texture) -> Result<Self, String> {
+    pub(crate) unsafe fn new(
+        gl: &glow::Context,
+        color: ColorMode,
+        base: glow::Texture,
+    ) -> Result<Self, String> {
         unsafe {
-            let two = |texels: Vec<u8>, size: u32| {
+            let two = |color: ColorMode, texels: Vec<u8>, size: u32| {
                 let texture = gl.create_texture()?;
                 gl.bind_texture(glow::TEXTURE_2D, Some(texture));
-                levels(gl, glow::TEXTURE_2D, &mip_chain(texels, size), size);
+                let chain = color_mips(color, texels, size);
+                levels(gl, (glow::TEXTURE_2D, format(color)), &chain, size);
                 Ok::<_, String>(texture)
             };
-            let (normals, picture) = (two(normal(), BASE_SIZE)?, two(slide(), FACE_SIZE)?);
+            let (normals, picture) = (
+                two(ColorMode::Raw, normal(), BASE_SIZE)?,
+                two(color, slide(), FACE_SIZE)?,
+            );
             let cube = gl.create_texture()?;
             gl.bind_texture(glow::TEXTURE_CUBE_MAP, Some(cube));
             for face in 0..6 {
                 let target = glow::TEXTURE_CUBE_MAP_POSITIVE_X + face;
                 levels(
                     gl,
-                    target,
-                    &mip_chain(cube_face(face), FACE_SIZE),
+                    (target, format(color)),
+                    &color_mips(color, cube_face(face), FACE_SIZE),
                     FACE_SIZE,
                 );
             }

@@ -7,7 +7,8 @@
 
 use glow::HasContext as _;
 use khronos_egl as egl;
-use texmap_benches::bench_scenes::{BenchMesh, Lookup};
+use texmap_benches::bench_scenes::{BenchMesh, Lookup, mip_chain, mip_chain_srgb};
+use texmap_scene::ColorMode;
 
 const PLATFORM_SURFACELESS_MESA: egl::Enum = 0x31DD;
 const TEXTURE_MAX_ANISOTROPY: u32 = 0x84FE;
@@ -102,15 +103,36 @@ pub(crate) unsafe fn program_of(
     }
 }
 
+/// Format of colours in textures and targets.
+pub(crate) fn format(color: ColorMode) -> u32 {
+    match color {
+        ColorMode::Raw => glow::RGBA8,
+        ColorMode::Srgb => glow::SRGB8_ALPHA8,
+    }
+}
+
+/// The mip chain of a picture of colours.
+pub(crate) fn color_mips(color: ColorMode, texels: Vec<u8>, size: u32) -> Vec<Vec<u8>> {
+    match color {
+        ColorMode::Raw => mip_chain(texels, size),
+        ColorMode::Srgb => mip_chain_srgb(texels, size),
+    }
+}
+
 /// Uploads the mip chain of a texture or of a face of a cube.
-pub(crate) unsafe fn levels(gl: &glow::Context, target: u32, chain: &[Vec<u8>], size: u32) {
+pub(crate) unsafe fn levels(
+    gl: &glow::Context,
+    (target, format): (u32, u32),
+    chain: &[Vec<u8>],
+    size: u32,
+) {
     for (level, texels) in chain.iter().enumerate() {
         let size = (size as i32 >> level).max(1);
         unsafe {
             gl.tex_image_2d(
                 target,
                 level as i32,
-                glow::RGBA8 as i32,
+                format as i32,
                 size,
                 size,
                 0,
@@ -163,7 +185,7 @@ pub(crate) unsafe fn target_texture(
             );
         } else {
             let (layout, kind) = match format {
-                glow::RGBA8 => (glow::RGBA, glow::UNSIGNED_BYTE),
+                glow::RGBA8 | glow::SRGB8_ALPHA8 => (glow::RGBA, glow::UNSIGNED_BYTE),
                 glow::RGBA32F => (glow::RGBA, glow::FLOAT),
                 _ => (glow::DEPTH_COMPONENT, glow::UNSIGNED_INT),
             };

@@ -8,13 +8,16 @@
 use glow::HasContext as _;
 use texmap_benches::bench_scenes::{
     BASE_SIZE, BenchScene, CLEAR, Content, DEPTH_SIZE, FLAT, GlMatrix, HEIGHT, Lookup, SCENES,
-    WIDTH, base, mip_chain,
+    WIDTH, base,
 };
+
+use texmap_math::color::srgb_to_linear;
+use texmap_scene::ColorMode;
 
 use crate::effects::Effects;
 use crate::gl::{
-    GpuMesh, TEXTURED, Target, VERTEX, context, levels, program_of, sampler, target,
-    target_texture, upload,
+    GpuMesh, TEXTURED, Target, VERTEX, color_mips, context, format, levels, program_of, sampler,
+    target, target_texture, upload,
 };
 
 const HALF_TEXTURED: &str = "#version 330 core
@@ -46,16 +49,20 @@ pub(crate) struct Llvmpipe {
 }
 
 impl Llvmpipe {
-    /// Opens Mesa and uploads the textures and the meshes of the selected scenes.
+    /// Opens Mesa and uploads the textures and the meshes of the selected scenes, whose colours are all of this mode.
     /// `Err` says what is missing on this machine.
-    pub(crate) fn open(scenes: &[BenchScene]) -> Result<Self, String> {
+    pub(crate) fn open(color: ColorMode, scenes: &[BenchScene]) -> Result<Self, String> {
         let gl = context()?;
         // SAFETY: the context is current on this thread for the life of the process; every object
         // is made by it, and every upload passes slices whose length matches the stated size.
-        unsafe { Self::set_up(gl, scenes) }
+        unsafe { Self::set_up(gl, color, scenes) }
     }
 
-    unsafe fn set_up(gl: glow::Context, scenes: &[BenchScene]) -> Result<Self, String> {
+    unsafe fn set_up(
+        gl: glow::Context,
+        color: ColorMode,
+        scenes: &[BenchScene],
+    ) -> Result<Self, String> {
         unsafe {
             let renderer = gl.get_parameter_string(glow::RENDERER);
             let version = gl.get_parameter_string(glow::VERSION);
@@ -64,8 +71,8 @@ impl Llvmpipe {
             gl.bind_texture(glow::TEXTURE_2D, Some(texture));
             levels(
                 &gl,
-                glow::TEXTURE_2D,
-                &mip_chain(base(), BASE_SIZE),
+                (glow::TEXTURE_2D, format(color)),
+                &color_mips(color, base(), BASE_SIZE),
                 BASE_SIZE,
             );
             let samplers = [
@@ -76,9 +83,9 @@ impl Llvmpipe {
             ]
             .map(|lookup| sampler(&gl, lookup));
             let [s0, s1, s2, s3] = samplers;
-            let colour = target_texture(&gl, glow::RGBA8, WIDTH, HEIGHT, 1)?;
+            let colour = target_texture(&gl, format(color), WIDTH, HEIGHT, 1)?;
             let depth = target_texture(&gl, glow::DEPTH_COMPONENT24, WIDTH, HEIGHT, 1)?;
-            let colour4 = target_texture(&gl, glow::RGBA8, WIDTH, HEIGHT, 4)?;
+            let colour4 = target_texture(&gl, format(color), WIDTH, HEIGHT, 4)?;
             let depth4 = target_texture(&gl, glow::DEPTH_COMPONENT24, WIDTH, HEIGHT, 4)?;
             let map = target_texture(&gl, glow::DEPTH_COMPONENT24, DEPTH_SIZE, DEPTH_SIZE, 1)?;
             let (both, size) = (
@@ -109,10 +116,17 @@ impl Llvmpipe {
                 gl,
             };
             peer.gl.bind_texture(glow::TEXTURE_2D, Some(texture));
-            peer.gl.clear_color(CLEAR[0], CLEAR[1], CLEAR[2], CLEAR[3]);
+            let mut clear = CLEAR;
+            if color == ColorMode::Srgb {
+                peer.gl.enable(glow::FRAMEBUFFER_SRGB);
+                // GL encodes it, texmap's background is encoded.
+                let [r, g, b, a] = CLEAR;
+                clear = [srgb_to_linear(r), srgb_to_linear(g), srgb_to_linear(b), a];
+            }
+            peer.gl.clear_color(clear[0], clear[1], clear[2], clear[3]);
             let under_effects = |scene: &BenchScene| Effects::draws(scene.content);
             if scenes.iter().any(under_effects) {
-                peer.effects = Some(Effects::new(&peer.gl, texture)?);
+                peer.effects = Some(Effects::new(&peer.gl, color, texture)?);
             }
             for scene in scenes {
                 let own = scene.content != Content::Clear && !under_effects(scene);

@@ -1,11 +1,12 @@
 //! The race: the benchmark scenes drawn by texmap and by Mesa's llvmpipe, interleaved in one run.
 //!
 //! `cargo run --release -p texmap-benches --features peers --bin peers -- [--only a:b]
-//! [--threads 0,2] [--rounds N] [--frames N] [--budget-ms N] [--mode NAME] [--alone] [--out DIR]
+//! [--threads 0,2] [--level NAME] [--rounds N] [--frames N] [--budget-ms N] [--mode NAME] [--alone] [--out DIR]
 //! [--csv FILE] [--table FILE]`
 //!
-//! One child process a thread count, since Mesa reads LP_NUM_THREADS once, and one more for the lit scenes: Mesa 22.3's anisotropic
-//! filter does not end in a process that has opened them. 0 means that everything
+//! One child process a thread count and colour mode, since Mesa reads LP_NUM_THREADS once and a context here has one format of
+//! colours, and one more for the lit scenes: Mesa 22.3's anisotropic filter does not end in a process that has opened them.
+//! `--level` holds both to vectors of one width: texmap's SIMD level, Mesa's LP_NATIVE_VECTOR_WIDTH. 0 means that everything
 //! runs in the calling thread (texmap: one thread); the process is then pinned to one core. In every
 //! round each scene is drawn by both, one after the other; minima and medians pool the rounds. The
 //! pictures are compared before any time is: a row whose pictures differ by more than 1 of 255 on
@@ -25,10 +26,14 @@ use std::process::{Command, ExitCode};
 use std::time::{Duration, Instant};
 use texmap::{Mode, Texmap};
 use texmap_benches::bench_scenes::BenchScene;
+use texmap_math::Level;
+use texmap_scene::ColorMode;
 
 struct Options {
     only: Option<String>,
     threads: Vec<usize>,
+    /// texmap's SIMD level.
+    level: Level,
     rounds: usize,
     frames: usize,
     budget: Duration,
@@ -39,6 +44,8 @@ struct Options {
     child: bool,
     /// A child's part: the lit scenes, or the others.
     lit: bool,
+    /// A child's part: the sRGB rows, or the raw ones.
+    srgb: bool,
     /// Without a peer.
     alone: bool,
     /// Only this of texmap's modes.
@@ -50,7 +57,7 @@ fn main() -> ExitCode {
         Ok(options) => options,
         Err(why) => {
             eprintln!(
-                "peers: {why}\nusage: peers [--only a:b] [--threads 0,2] [--rounds N] [--frames N] [--budget-ms N] [--mode NAME] [--alone] [--out DIR] [--csv FILE] [--table FILE]"
+                "peers: {why}\nusage: peers [--only a:b] [--threads 0,2] [--level NAME] [--rounds N] [--frames N] [--budget-ms N] [--mode NAME] [--alone] [--out DIR] [--csv FILE] [--table FILE]"
             );
             return ExitCode::from(2);
         }
@@ -63,9 +70,10 @@ fn main() -> ExitCode {
     let children = options
         .threads
         .iter()
-        .flat_map(|t| [(*t, false), (*t, true)]);
-    for (threads, lit) in children {
-        match run_child(threads, lit) {
+        .flat_map(|t| [false, true].map(|srgb| (*t, srgb)))
+        .flat_map(|(t, srgb)| [false, true].map(|lit| (t, srgb, lit)));
+    for (threads, srgb, lit) in children {
+        match run_child(options.level, threads, srgb, lit) {
             Ok(rows) => all.push_str(&rows),
             Err(why) => {
                 eprintln!("peers: {why}");
@@ -88,7 +96,7 @@ fn main() -> ExitCode {
     ExitCode::SUCCESS
 }
 
-const HEADER: &str = "scene,filter,mode,threads,texmap_min_ms,texmap_median_ms,texmap_first_ms,peer,peer_min_ms,peer_median_ms,peer_first_ms,ratio,within_1_percent,valid\n";
+const HEADER: &str = "scene,filter,color,mode,threads,level,texmap_min_ms,texmap_median_ms,texmap_first_ms,peer,peer_min_ms,peer_median_ms,peer_first_ms,ratio,within_1_percent,valid\n";
 
 /// The rows as Markdown: the ratio of the least times, and why a row does not count.
 fn table(csv: &str) -> String {
@@ -98,8 +106,10 @@ fn table(csv: &str) -> String {
         let [
             scene,
             filter,
+            color,
             mode,
             threads,
+            level,
             ours,
             _,
             first,
@@ -117,7 +127,7 @@ fn table(csv: &str) -> String {
         let note = if valid == "true" { "" } else { " (void)" };
         let _ = writeln!(
             out,
-            "| {scene} | {filter} | {mode} | {threads} | {ours} | {theirs} | **{ratio}**{note} | {within} | {first} | {their_first} |"
+            "| {scene} | {filter} | {color} | {mode} | {threads} | {level} | {ours} | {theirs} | **{ratio}**{note} | {within} | {first} | {their_first} |"
         );
     }
     out
@@ -133,17 +143,19 @@ on one thread, pinned. *fast* has 8-bit filter weights as llvmpipe has, *exact* 
 layer; without a depth buffer llvmpipe drops hidden opaque layers itself, so that there is no other row. A row whose pictures differ by more than 1 of 255 on more than 1 % of the values is void; anisotropic rows are void if texmap's error
 against supersampling is above the peer's, rows with normal maps if its error against f32 weights is. First frames include llvmpipe's compiler and texmap's mip chains and buffers.
 
-| scene | filter | mode | threads | texmap ms | llvmpipe ms | ratio | % within 1 | first texmap | first llvmpipe |
-|---|---|---|---|---|---|---|---|---|---|
+| scene | filter | color | mode | threads | level | texmap ms | llvmpipe ms | ratio | % within 1 | first texmap | first llvmpipe |
+|---|---|---|---|---|---|---|---|---|---|---|---|
 ";
 
 /// One thread count in a process of its own; returns its CSV rows and passes on what it says.
-fn run_child(threads: usize, lit: bool) -> Result<String, String> {
+fn run_child(level: Level, threads: usize, srgb: bool, lit: bool) -> Result<String, String> {
     let program = std::env::current_exe().map_err(|e| e.to_string())?;
     let output = Command::new(program)
         .args(std::env::args().skip(1))
         .args(["--child", &threads.to_string()])
         .args(lit.then_some("--lit"))
+        .args(srgb.then_some("--srgb"))
+        .env("LP_NATIVE_VECTOR_WIDTH", vector_bits(level).to_string())
         .env("LP_NUM_THREADS", threads.to_string())
         .env("LIBGL_ALWAYS_SOFTWARE", "1")
         .env("MESA_SHADER_CACHE_DISABLE", "1")
@@ -206,14 +218,21 @@ fn race(options: &Options) {
         core_affinity::set_for_current(*core);
     }
     let mut scenes = llvmpipe::scenes(options.only.as_deref());
-    scenes.retain(|scene| effects::Effects::draws(scene.content) == options.lit);
+    let color = if options.srgb {
+        ColorMode::Srgb
+    } else {
+        ColorMode::Raw
+    };
+    scenes.retain(|scene| {
+        scene.color == color && effects::Effects::draws(scene.content) == options.lit
+    });
     if scenes.is_empty() {
         return;
     }
     let peer = if options.alone {
         Err("not asked for".to_owned())
     } else {
-        llvmpipe::Llvmpipe::open(&scenes)
+        llvmpipe::Llvmpipe::open(color, &scenes)
     };
     match &peer {
         Ok(peer) => eprintln!("# {}, {}, {threads} threads", peer.renderer, peer.version),
@@ -225,7 +244,7 @@ fn race(options: &Options) {
             Mode::of(scene)
                 .into_iter()
                 .filter(|mode| options.mode.as_ref().is_none_or(|name| name == mode.name()))
-                .map(|mode| Run::new(*scene, mode, threads))
+                .map(|mode| Run::new(*scene, mode, options.level, threads))
         })
         .collect();
     for _ in 0..options.rounds {
@@ -254,7 +273,7 @@ fn race(options: &Options) {
             &format!("texmap-{}", run.mode.name()),
             &picture,
         );
-        println!("{}", row(run, threads, peer.is_ok(), &match_));
+        println!("{}", row(run, options, peer.is_ok(), &match_));
     }
 }
 
@@ -268,9 +287,9 @@ struct Run {
 }
 
 impl Run {
-    fn new(scene: BenchScene, mode: Mode, threads: usize) -> Self {
+    fn new(scene: BenchScene, mode: Mode, level: Level, threads: usize) -> Self {
         let start = Instant::now();
-        let texmap = Texmap::new(&scene, mode, threads.max(1));
+        let texmap = Texmap::new(&scene, mode, level, threads.max(1));
         let first = start.elapsed().as_secs_f64() * 1e3;
         let ours = Times {
             first,
@@ -331,7 +350,7 @@ fn rms(a: &[u8], b: &[u8]) -> f64 {
     (squares.sum::<f64>() / a.len() as f64).sqrt()
 }
 
-fn row(run: &Run, threads: usize, raced: bool, match_: &Match) -> String {
+fn row(run: &Run, options: &Options, raced: bool, match_: &Match) -> String {
     let Run {
         scene,
         mode,
@@ -341,16 +360,17 @@ fn row(run: &Run, threads: usize, raced: bool, match_: &Match) -> String {
     } = run;
     let mode = mode.name();
     let mut out = format!(
-        "{},{},{mode},{threads},{:.3},{:.3},{:.1},",
-        scene.name,
-        scene.filter,
+        "{},{mode},{},{},{:.3},{:.3},{:.1},",
+        scene.key(),
+        options.threads[0],
+        level_name(options.level),
         ours.min(),
         ours.median(),
         ours.first
     );
     if !raced {
         out.push_str(",,,,,,");
-        eprintln!("{:<32} {mode:<13} {:>8.2} ms", scene.key(), ours.min());
+        eprintln!("{:<36} {mode:<13} {:>8.2} ms", scene.key(), ours.min());
         return out;
     }
     let ratio = theirs.min() / ours.min();
@@ -363,7 +383,7 @@ fn row(run: &Run, threads: usize, raced: bool, match_: &Match) -> String {
         theirs.first
     );
     eprintln!(
-        "{:<32} {mode:<13} {:>8.2} ms  llvmpipe {:>8.2} ms  ratio {ratio:>5.2}  {}{}",
+        "{:<36} {mode:<13} {:>8.2} ms  llvmpipe {:>8.2} ms  ratio {ratio:>5.2}  {}{}",
         scene.key(),
         ours.min(),
         theirs.min(),
@@ -387,7 +407,7 @@ fn agreement(a: &[u8], b: &[u8]) -> f64 {
 fn save(options: &Options, scene: &BenchScene, who: &str, picture: &[u8]) {
     let Some(dir) = &options.out else { return };
     let (w, h) = scene.size();
-    let path = dir.join(format!("{}_{}_{who}.png", scene.name, scene.filter));
+    let path = dir.join(format!("{}_{who}.png", scene.key().replace(',', "_")));
     let kind = if picture.len() == (w * h * 3) as usize {
         image::ExtendedColorType::Rgb8
     } else {
@@ -409,6 +429,35 @@ fn save(options: &Options, scene: &BenchScene, who: &str, picture: &[u8]) {
     }
 }
 
+/// The level of a name, if the CPU has it.
+fn level(name: &str) -> Result<Level, String> {
+    let best = Level::new();
+    let found = match name {
+        "avx512" => best.as_avx512().map(Level::Avx512),
+        "avx2" => best.as_avx2().map(Level::Avx2),
+        "sse2" => best.as_sse2().map(Level::Sse2),
+        _ => return Err(format!("no level {name}: avx512, avx2, sse2")),
+    };
+    found.ok_or_else(|| format!("this CPU has no {name}"))
+}
+
+fn level_name(level: Level) -> &'static str {
+    match vector_bits(level) {
+        512 => "avx512",
+        256 => "avx2",
+        _ => "sse2",
+    }
+}
+
+/// Bits of a vector of the level: what Mesa is held to.
+fn vector_bits(level: Level) -> u32 {
+    match level {
+        Level::Avx512(_) => 512,
+        Level::Avx2(_) => 256,
+        _ => 128,
+    }
+}
+
 fn parse(mut args: impl Iterator<Item = String>) -> Result<Options, String> {
     let mut options = Options {
         only: None,
@@ -421,6 +470,8 @@ fn parse(mut args: impl Iterator<Item = String>) -> Result<Options, String> {
         table: None,
         child: false,
         lit: false,
+        srgb: false,
+        level: Level::new(),
         alone: false,
         mode: None,
     };
@@ -444,6 +495,8 @@ fn parse(mut args: impl Iterator<Item = String>) -> Result<Options, String> {
             "--mode" => options.mode = Some(value()?),
             "--alone" => options.alone = true,
             "--lit" => options.lit = true,
+            "--srgb" => options.srgb = true,
+            "--level" => options.level = level(&value()?)?,
             "--out" => options.out = Some(value()?.into()),
             "--table" => options.table = Some(value()?.into()),
             "--csv" => options.csv = Some(value()?.into()),

@@ -93,7 +93,12 @@ impl Peer {
             let texture = self.gl.create_texture()?;
             self.gl.bind_texture(glow::TEXTURE_2D, Some(texture));
             let chain = mip_chain(given.texels.into_flattened(), given.side);
-            levels(&self.gl, glow::TEXTURE_2D, &chain, given.side);
+            levels(
+                &self.gl,
+                (glow::TEXTURE_2D, glow::RGBA8),
+                &chain,
+                given.side,
+            );
             Ok(Drawn {
                 peer: self,
                 mesh: upload(&self.gl, &mesh)?,

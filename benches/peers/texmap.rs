@@ -69,13 +69,19 @@ pub(crate) enum Texmap {
     Depth {
         mesh: Box<BenchMesh>,
         clip_from_object: DMat4,
+        level: Level,
         pool: rayon::ThreadPool,
         map: Vec<f32>,
     },
 }
 
 impl Texmap {
-    pub(crate) fn new(scene: &BenchScene, mode: Mode, threads: usize) -> Option<Self> {
+    pub(crate) fn new(
+        scene: &BenchScene,
+        mode: Mode,
+        level: Level,
+        threads: usize,
+    ) -> Option<Self> {
         let (width, height) = scene.size();
         if let Content::Depth { .. } = scene.content {
             // From -w..w to 0..w, 1 at the near plane.
@@ -87,6 +93,7 @@ impl Texmap {
             let mut this = Self::Depth {
                 mesh: Box::new(scene.mesh()),
                 clip_from_object: reversed * clip,
+                level,
                 pool: pool.build().ok()?,
                 map: Vec::new(),
             };
@@ -98,6 +105,7 @@ impl Texmap {
         let data: &'static Scene = Box::leak(Box::new(data));
         let mut settings = RenderSettings::new(width, height);
         settings.threads = Some(threads);
+        settings.level = level;
         if let Content::Sphere { samples, .. } = scene.content {
             settings.msaa = samples;
         }
@@ -130,6 +138,7 @@ impl Texmap {
             Self::Depth {
                 mesh,
                 clip_from_object,
+                level,
                 pool,
                 map,
             } => {
@@ -143,7 +152,7 @@ impl Texmap {
                 let threads = pool.current_num_threads();
                 let drawn = pool.install(|| {
                     let size = TargetSize::new(DEPTH_SIZE, DEPTH_SIZE)?;
-                    let prepared = BinnedDraws::with_level(size, &[draw], Level::new(), threads)?;
+                    let prepared = BinnedDraws::with_level(size, &[draw], *level, threads)?;
                     prepared.depth_map_into(threads, map);
                     Ok::<_, RasterError>(())
                 });

@@ -5,6 +5,7 @@ use texmap_light::{
     ShadowBias, SpecularModel,
 };
 use texmap_math::Projector;
+use texmap_math::color::srgb8_to_linear;
 use texmap_math::glam::{DMat4, DVec3};
 use texmap_raster::Cull;
 use texmap_sample::{ColorSpace, Filter, Origin, Precision, SampleError, Sampler, Texture2d};
@@ -66,9 +67,12 @@ pub fn lit_meshes() -> [(BenchMesh, GlMatrix); 2] {
 
 /// A scene in texmap's terms.
 pub(super) fn scene(scene: &BenchScene, precision: Precision) -> Result<Scene, SampleError> {
-    let picture = |side: u32, texels: Vec<u8>| {
-        Texture2d::from_rgba8(side, side, texels, ColorSpace::Linear, Origin::TopLeft)
+    let with = |space: ColorSpace| {
+        move |side: u32, texels: Vec<u8>| {
+            Texture2d::from_rgba8(side, side, texels, space, Origin::TopLeft)
+        }
     };
+    let (picture, data) = (with(scene.color_space()), with(ColorSpace::Linear));
     let slot = |texture: usize, filter: Filter| TextureSlot {
         sampler: Sampler {
             filter,
@@ -79,7 +83,7 @@ pub(super) fn scene(scene: &BenchScene, precision: Precision) -> Result<Scene, S
     };
     let mut out = Scene {
         background: CLEAR,
-        color: ColorMode::Raw,
+        color: scene.color,
         ..Scene::new(scene.camera())
     };
     let surface = |ka: f32, kd: f32, ks: f32| PhongMaterial {
@@ -97,7 +101,7 @@ pub(super) fn scene(scene: &BenchScene, precision: Precision) -> Result<Scene, S
     let white = [1.0; 3];
     match scene.content {
         Content::Mirror => {
-            out.effects.environments = environment().into_iter().collect();
+            out.effects.environments = environment(scene.color).into_iter().collect();
             out.materials.push(Material {
                 phong: surface(0.0, 0.0, 0.0),
                 reflection: Some(Reflection {
@@ -120,7 +124,7 @@ pub(super) fn scene(scene: &BenchScene, precision: Precision) -> Result<Scene, S
             });
         }
         _ => {
-            out.textures = vec![picture(BASE_SIZE, base())?, picture(BASE_SIZE, normal())?];
+            out.textures = vec![picture(BASE_SIZE, base())?, data(BASE_SIZE, normal())?];
             out.lights = vec![
                 Light::Ambient { color: white },
                 Light::Point {
@@ -179,12 +183,17 @@ fn mesh(mesh: BenchMesh, world_from_object: DMat4) -> Mesh {
     }
 }
 
-fn environment() -> Option<Environment> {
+fn environment(color: ColorMode) -> Option<Environment> {
     let texels: Vec<[f32; 3]> = (0..6)
         .flat_map(cube_face)
         .collect::<Vec<u8>>()
         .chunks_exact(4)
-        .map(|t| [t[0], t[1], t[2]].map(|c| f32::from(c) / 255.0))
+        .map(|t| {
+            [t[0], t[1], t[2]].map(|c| match color {
+                ColorMode::Raw => f32::from(c) / 255.0,
+                ColorMode::Srgb => srgb8_to_linear(c),
+            })
+        })
         .collect();
     let faces = Environment::from_texels(EnvironmentLayout::Cube, (FACE_SIZE, FACE_SIZE), &texels);
     faces.ok().map(Environment::with_mips)

@@ -1,7 +1,8 @@
 //! The benchmark scenes: the yardstick for speed, drawn alike by texmap and by its peers.
 //!
 //! Colour target 1920 x 1080 RGBA8 cleared to (0.1, 0.2, 0.3, 1), depth cleared to the far plane,
-//! test LESS, no sRGB anywhere. Depth scenes draw into a 2048 x 2048 depth target. Window y is up
+//! test LESS. Each row with colours exists twice: raw, no sRGB anywhere, and sRGB, where pictures are decoded, filtered and blended as
+//! light, and encoded into the target. Depth scenes draw into a 2048 x 2048 depth target. Window y is up
 //! in clip space; row 0 of a picture is its top.
 
 mod geometry;
@@ -16,7 +17,10 @@ pub use lit::{
 };
 pub use matrices::GlMatrix;
 pub use scene::Hidden;
-pub use textures::{BASE_SIZE, FACE_SIZE, base, cube_face, hash, mip_chain, normal, slide};
+use texmap_scene::ColorMode;
+pub use textures::{
+    BASE_SIZE, FACE_SIZE, base, cube_face, hash, mip_chain, mip_chain_srgb, normal, slide,
+};
 
 /// Side of the depth target of the depth scenes and of the shadow map.
 pub const DEPTH_SIZE: u32 = 2048;
@@ -96,15 +100,26 @@ pub struct BenchScene {
     pub content: Content,
     /// The texture look-up.
     pub lookup: Lookup,
+    /// Decoding and encoding of colours.
+    pub color: ColorMode,
     /// True if a ratio to the peer is promised.
     pub has_goal: bool,
 }
 
 impl BenchScene {
-    /// `name,filter`: the key that `--only` selects by substring.
+    /// `name,filter,color`: the key that `--only` selects by substring.
     #[must_use]
     pub fn key(&self) -> String {
-        format!("{},{}", self.name, self.filter)
+        format!("{},{},{}", self.name, self.filter, self.color_name())
+    }
+
+    /// `raw` or `srgb`.
+    #[must_use]
+    pub fn color_name(&self) -> &'static str {
+        match self.color {
+            ColorMode::Raw => "raw",
+            ColorMode::Srgb => "srgb",
+        }
     }
 
     /// Width and height of the target.
@@ -164,8 +179,27 @@ impl BenchScene {
     }
 }
 
-/// The scenes, in the order of the table.
+/// The scenes, in the order of the table: the raw rows, then those of them that have colours in sRGB.
 pub const SCENES: &[BenchScene] = &{
+    let mut all = [RAW[0]; 2 * RAW.len() - DEPTH_ROWS];
+    let (mut i, mut count) = (0, RAW.len());
+    while i < RAW.len() {
+        all[i] = RAW[i];
+        if !matches!(RAW[i].content, Content::Depth { .. }) {
+            all[count] = BenchScene {
+                color: ColorMode::Srgb,
+                ..RAW[i]
+            };
+            count += 1;
+        }
+        i += 1;
+    }
+    all
+};
+
+const DEPTH_ROWS: usize = 2;
+
+const RAW: [BenchScene; 23] = {
     const fn row(
         name: &'static str,
         filter: &'static str,
@@ -177,6 +211,7 @@ pub const SCENES: &[BenchScene] = &{
             filter,
             content,
             lookup,
+            color: ColorMode::Raw,
             has_goal: !matches!(content, Content::Clear),
         }
     }

@@ -47,7 +47,7 @@ impl BenchScene {
             BASE_SIZE,
             BASE_SIZE,
             base(),
-            ColorSpace::Linear,
+            self.color_space(),
             Origin::TopLeft,
         )?;
         let mesh = self.mesh();
@@ -75,7 +75,7 @@ impl BenchScene {
         };
         Ok(Some(Scene {
             background: CLEAR,
-            color: ColorMode::Raw,
+            color: self.color,
             depth_test: match self.content {
                 Content::Layers { depth: false, .. } => DepthTest::Always,
                 _ => DepthTest::Less,
@@ -89,6 +89,14 @@ impl BenchScene {
             },
             ..Scene::new(self.camera())
         }))
+    }
+
+    /// Of the pictures, not of normal maps.
+    pub(super) fn color_space(&self) -> ColorSpace {
+        match self.color {
+            ColorMode::Raw => ColorSpace::Linear,
+            ColorMode::Srgb => ColorSpace::Srgb,
+        }
     }
 
     pub(super) fn camera(&self) -> Camera {

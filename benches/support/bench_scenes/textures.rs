@@ -2,6 +2,8 @@
 //!
 //! Every generator gives straight RGBA8 rows with alpha 255; row 0 is texture coordinate t = 0.
 
+use texmap_math::color::{linear_to_srgb8, srgb8_to_linear, unit_to_u8};
+
 /// Side of the base and the normal texture in texels.
 pub const BASE_SIZE: u32 = 1024;
 /// Side of a cube face and of the projector's picture in texels.
@@ -94,19 +96,47 @@ pub fn slide() -> Vec<u8> {
 /// each level from the one above, down to 1x1. Level 0 comes first.
 #[must_use]
 pub fn mip_chain(level0: Vec<u8>, size: u32) -> Vec<Vec<u8>> {
+    halved(level0, size, |four| {
+        ((four.map(u32::from).iter().sum::<u32>() + 2) >> 2) as u8
+    })
+}
+
+/// [`mip_chain`] of sRGB texels: means of the light of level 0, each level encoded once.
+#[must_use]
+pub fn mip_chain_srgb(level0: Vec<u8>, size: u32) -> Vec<Vec<u8>> {
+    let light = level0
+        .iter()
+        .enumerate()
+        .map(|(i, c)| match i % 4 {
+            3 => f32::from(*c) / 255.0,
+            _ => srgb8_to_linear(*c),
+        })
+        .collect();
+    let chain = halved(light, size, |four| four.iter().sum::<f32>() * 0.25);
+    let encode = |(i, c): (usize, &f32)| match i % 4 {
+        3 => unit_to_u8(*c),
+        _ => linear_to_srgb8(*c),
+    };
+    chain
+        .iter()
+        .map(|level| level.iter().enumerate().map(encode).collect())
+        .collect()
+}
+
+/// The levels of a square power-of-two texture of four channels, each of the means of four of the level above.
+fn halved<T: Copy>(level0: Vec<T>, size: u32, mean: impl Fn([T; 4]) -> T) -> Vec<Vec<T>> {
     let mut levels = vec![level0];
     let mut n = size as usize;
     while n > 1 {
         let above = &levels[levels.len() - 1];
         let m = n / 2;
-        let mut next = vec![0; m * m * 4];
-        for (i, texel) in next.chunks_exact_mut(4).enumerate() {
-            let (x, y) = (i % m, i / m);
-            for (c, value) in texel.iter_mut().enumerate() {
-                let at = |dx, dy| u32::from(above[((2 * y + dy) * n + 2 * x + dx) * 4 + c]);
-                *value = ((at(0, 0) + at(1, 0) + at(0, 1) + at(1, 1) + 2) >> 2) as u8;
-            }
-        }
+        let next = (0..m * m * 4)
+            .map(|i| {
+                let (x, y, c) = (i / 4 % m, i / 4 / m, i % 4);
+                let at = |dx, dy| above[((2 * y + dy) * n + 2 * x + dx) * 4 + c];
+                mean([at(0, 0), at(1, 0), at(0, 1), at(1, 1)])
+            })
+            .collect();
         levels.push(next);
         n = m;
     }
