@@ -313,7 +313,7 @@ mod tests {
         (
             surface.vertices.attribute_count,
             surface.pass,
-            chains.0[0].is_some(),
+            chains.mips[0].is_some(),
         )
     }
 

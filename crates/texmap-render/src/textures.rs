@@ -4,13 +4,17 @@ use std::borrow::Cow;
 
 use texmap_math::Footprint;
 use texmap_raster::Varyings;
-use texmap_sample::{Origin, Sampler, Texture2d, UvTransform, Wrap};
+use texmap_sample::{Filter, Origin, Sampler, Texture2d, UvTransform, Wrap};
 
 use crate::{RenderError, RenderSettings};
-use texmap_scene::{Background, Scene, TextureSlot, UvSet};
+use texmap_scene::{Background, ColorMode, Scene, Shading, TextureSlot, UvSet};
 
 /// Mip chains by texture, built once for both passes and only where a sampler reads them.
-pub(crate) struct Chains(pub(crate) Vec<Option<Texture2d<'static>>>);
+pub(crate) struct Chains {
+    pub(crate) mips: Vec<Option<Texture2d<'static>>>,
+    /// Texels as encoded pixels, where an unlit surface shows them one by one and there are no more of them than pixels.
+    codes: Vec<Option<Texture2d<'static>>>,
+}
 
 impl Chains {
     pub(crate) fn new(scene: &Scene, settings: &RenderSettings) -> Result<Self, RenderError> {
@@ -36,19 +40,51 @@ impl Chains {
                 *chain = Some(texture.clone().with_mips());
             }
         }
-        Ok(Self(chains))
+        Ok(Self {
+            mips: chains,
+            codes: codes(scene, settings)?,
+        })
     }
 
     /// The texture of a slot, with the levels that were built for it.
     fn of(&self, slot: &TextureSlot, scene: &Scene) -> Texture2d<'static> {
         let own = &scene.textures[slot.texture];
-        self.0[slot.texture].as_ref().unwrap_or(own).clone()
+        self.mips[slot.texture].as_ref().unwrap_or(own).clone()
     }
+}
+
+fn codes(
+    scene: &Scene,
+    settings: &RenderSettings,
+) -> Result<Vec<Option<Texture2d<'static>>>, RenderError> {
+    let mut codes = vec![None; scene.textures.len()];
+    let pixels = u64::from(settings.width) * u64::from(settings.height);
+    for mesh in &scene.meshes {
+        let material = &scene.materials[mesh.material];
+        let Some(slot) = &material.base_color else {
+            continue;
+        };
+        let texture = &scene.textures[slot.texture];
+        let texels = u64::from(texture.width()) * u64::from(texture.height());
+        let nearest = settings.filter.unwrap_or(slot.sampler.filter) == Filter::Nearest;
+        let shown = scene.color == ColorMode::Srgb && material.shading == Shading::Unlit;
+        if shown && nearest && texels <= pixels && codes[slot.texture].is_none() {
+            settings.memory.ask(
+                texels * 4,
+                format_args!("the encoded texels of a texture"),
+                "take a smaller texture",
+            )?;
+            codes[slot.texture] = texture.srgb8_codes(settings.level);
+        }
+    }
+    Ok(codes)
 }
 
 /// A texture as one mesh reads it.
 pub(crate) struct Slot<'s> {
     pub(crate) texture: Texture2d<'static>,
+    /// Its texels as encoded pixels: see [`Texture2d::srgb8_codes`].
+    pub(crate) codes: Option<Texture2d<'static>>,
     pub(crate) sampler: Cow<'s, Sampler>,
     /// Rows of the transform, if there is one.
     transform: Option<[[f32; 3]; 2]>,
@@ -181,7 +217,11 @@ impl<'s> Slot<'s> {
         if let Some(wrap) = settings.wrap {
             (sampler.to_mut().wrap_u, sampler.to_mut().wrap_v) = (wrap, wrap);
         }
-        Self::with_sampler(texture, sampler, slot)
+        let codes = chains.codes[slot.texture].clone();
+        Self {
+            codes: codes.map(|codes| codes.with_origin(origin)),
+            ..Self::with_sampler(texture, sampler, slot)
+        }
     }
 
     /// A ramp: no override of the settings reaches it.
@@ -198,6 +238,7 @@ impl<'s> Slot<'s> {
         let transform = (slot.transform != UvTransform::default()).then(|| slot.transform.rows());
         Self {
             texture,
+            codes: None,
             sampler,
             transform,
             uv_set: slot.uv_set,

@@ -143,12 +143,26 @@ pub fn sample_soa(
     at: &Places<'_>,
     out: [&mut [f32]; 4],
 ) -> Result<(), SampleError> {
+    match BoundTexture::new(sampler, t) {
+        Some(view) => sample_bound_soa(level, (sampler, &view), at, out),
+        None => Ok(()),
+    }
+}
+
+/// [`sample_soa`] in a texture that was bound with this sampler.
+///
+/// # Errors
+/// Slices of different lengths.
+pub fn sample_bound_soa(
+    level: Level,
+    (sampler, view): (&Sampler, &BoundTexture<'_>),
+    at: &Places<'_>,
+    out: [&mut [f32]; 4],
+) -> Result<(), SampleError> {
     for column in &out {
         at.check(column.len())?;
     }
-    if let Some(view) = BoundTexture::new(sampler, t) {
-        Batch::new(sampler, &view, at.u, at.v, at.gradients).columns(level, out);
-    }
+    Batch::new(sampler, view, at.u, at.v, at.gradients).columns(level, out);
     Ok(())
 }
 

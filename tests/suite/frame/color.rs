@@ -3,8 +3,8 @@
 use texmap_light::{Light, PhongMaterial};
 use texmap_math::{Level, color};
 use texmap_render::{Aov, RenderSettings, render};
-use texmap_sample::{Alpha, ColorSpace, Filter, Image, Origin, TexelData, Texture2d};
-use texmap_scene::{AlphaMode, ColorMode, Material, Scene, Shading, TextureRole};
+use texmap_sample::{Alpha, ColorSpace, Filter, Image, Origin, TexelData, Texture2d, Wrap};
+use texmap_scene::{AlphaMode, ColorMode, Material, Mesh, Scene, Shading, TextureRole};
 use texmap_tests::levels::levels;
 
 use crate::scenes::{bits, draw, of, pixel, slot, texture, unlit, wall};
@@ -99,6 +99,91 @@ fn srgb_bytes_survive_the_way_and_raw_bytes_too() {
             assert_eq!(pixel(&frame, x, 20), bytes(x), "{mode:?}");
         }
     }
+}
+
+/// Nearest texels that were encoded once give the pixels that are encoded one by one: a clear pane in front of everything keeps the
+/// light, and with it the encoding of each pixel. A tint takes effect on both ways.
+#[test]
+fn texels_encoded_once_are_the_pixels_encoded_one_by_one() {
+    let texels: Vec<u16> = (0..64 * 64 * 3u32)
+        .map(|i| (i.wrapping_mul(2_654_435_761) >> 16) as u16)
+        .collect();
+    let image = Image {
+        width: 64,
+        height: 64,
+        channels: 3,
+        texels: TexelData::U16(&texels),
+        color: ColorSpace::Srgb,
+        alpha: Alpha::Straight,
+        origin: Origin::TopLeft,
+    };
+    let wide = Texture2d::new(&image).unwrap();
+    let bytes = texels.chunks_exact(3);
+    let bytes = bytes.flat_map(|t| [t[0] as u8, t[1] as u8, t[2] as u8, 255]);
+    let narrow =
+        Texture2d::from_rgba8(64, 64, bytes.collect(), ColorSpace::Srgb, Origin::TopLeft).unwrap();
+    let pane = Material {
+        alpha: AlphaMode::Blend,
+        opacity: 0.0,
+        ..unlit([1.0; 3])
+    };
+    let mut pictures = Vec::new();
+    for texture in [wide, narrow] {
+        for (wrap, tint) in [
+            (Wrap::Repeat, 1.0),
+            (Wrap::MirroredRepeat, 1.0),
+            (Wrap::ClampToBorder, 1.0),
+            (Wrap::Repeat, 0.5),
+        ] {
+            let mut base = slot(0, Filter::Nearest);
+            let sampler = &mut base.as_mut().unwrap().sampler;
+            (sampler.wrap_u, sampler.wrap_v) = (wrap, wrap);
+            let material = Material {
+                base_color: base,
+                ..unlit([tint; 3])
+            };
+            let mut mesh = wall(0.9, 1.0);
+            // A slanted quad, so that texels are read in perspective.
+            mesh.positions[2][2] = -3.0;
+            mesh.uvs = vec![[-0.4, -0.3], [1.7, -0.2], [1.4, 1.6], [-0.2, 1.3]];
+            let scene = Scene {
+                textures: vec![texture.clone()],
+                ..of(material, mesh)
+            };
+            let mut behind_glass = scene.clone();
+            behind_glass.materials.push(pane.clone());
+            behind_glass.meshes.push(Mesh {
+                material: 1,
+                ..wall(0.5, 0.2)
+            });
+            for (name, level) in levels() {
+                for (msaa, threads) in [(1, 1), (1, 3), (4, 1)] {
+                    let settings = RenderSettings {
+                        level,
+                        msaa,
+                        threads: Some(threads),
+                        ..RenderSettings::new(96, 70)
+                    };
+                    let bytes = |scene: &Scene| {
+                        render(scene, &settings, &texmap_render::no_progress)
+                            .unwrap()
+                            .rgba
+                    };
+                    let picture = bytes(&scene);
+                    let same = picture == bytes(&behind_glass);
+                    assert!(same, "{wrap:?} {tint} {name} {msaa}");
+                    pictures.push((wrap, tint, msaa, picture));
+                }
+            }
+        }
+    }
+    let plain = |tint: f32| {
+        let found = pictures
+            .iter()
+            .find(|(wrap, t, msaa, _)| *wrap == Wrap::Repeat && *t == tint && *msaa == 1);
+        found.unwrap().3.clone()
+    };
+    assert_ne!(plain(1.0), plain(0.5));
 }
 
 #[test]

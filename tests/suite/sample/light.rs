@@ -1,7 +1,7 @@
 //! Colour and alpha: S5, S6, origin, transforms.
 
 use crate::support::{Random, float_texture, random_bytes};
-use texmap_math::{Footprint, color};
+use texmap_math::{Footprint, Level, color};
 use texmap_sample::{
     Alpha, ColorSpace, Filter, Image, Origin, SampleError, Sampler, TexelData, Texture2d,
     UvTransform, Wrap,
@@ -37,6 +37,63 @@ fn srgb_bytes_survive_the_texture() {
     for b in 0..=255_u8 {
         let c = t.texel(0, u32::from(b), 0).unwrap();
         assert_eq!(color::linear_to_srgb8(c[0]), b);
+    }
+}
+
+/// The codes of a texture are the bytes of an 8-bit image, the rounded encodings of a 16-bit one, and there are none of bytes in
+/// linear light, of floats, or of what is transparent.
+#[test]
+fn codes_of_a_texture_are_the_encodings_of_its_texels() {
+    let mut random = Random::new(5);
+    let bytes: Vec<u8> = (0..37 * 11)
+        .flat_map(|_| {
+            let [r, g, b, _] = random.word().to_le_bytes();
+            [r, g, b, 255]
+        })
+        .collect();
+    let of = |bytes: &[u8], color| {
+        Texture2d::from_rgba8(37, 11, bytes.to_vec(), color, Origin::TopLeft).unwrap()
+    };
+    let wide: Vec<u16> = (0..37 * 11 * 3)
+        .map(|i| (i * 7919 % 65536) as u16)
+        .collect();
+    let image = Image {
+        width: 37,
+        height: 11,
+        channels: 3,
+        texels: TexelData::U16(&wide),
+        color: ColorSpace::Linear,
+        alpha: Alpha::Straight,
+        origin: Origin::TopLeft,
+    };
+    let (narrow, wide) = (
+        of(&bytes, ColorSpace::Srgb),
+        Texture2d::new(&image).unwrap(),
+    );
+    for level in [Level::new(), Level::baseline()] {
+        for texture in [&narrow, &wide] {
+            let codes = texture.srgb8_codes(level).unwrap();
+            for (x, y) in (0..37).flat_map(|x| (0..11).map(move |y| (x, y))) {
+                let [r, g, b, a] = codes.texel(0, x, y).unwrap();
+                let light = texture.texel(0, x, y).unwrap();
+                let code = |c: f32| f32::from(color::linear_to_srgb8(c)) * (1.0 / 255.0);
+                assert_eq!(
+                    [r, g, b, a],
+                    [code(light[0]), code(light[1]), code(light[2]), 1.0]
+                );
+            }
+        }
+        let codes = narrow.srgb8_codes(level).unwrap();
+        let [r, ..] = codes.texel(0, 3, 0).unwrap();
+        assert_eq!(r, f32::from(bytes[12]) * (1.0 / 255.0));
+        let clear: Vec<u8> = bytes.iter().map(|b| b / 2).collect();
+        assert!(of(&bytes, ColorSpace::Linear).srgb8_codes(level).is_none());
+        assert!(of(&clear, ColorSpace::Srgb).srgb8_codes(level).is_none());
+        assert!(
+            float_texture(2, 2, 4, &[0.5; 16])
+                .srgb8_codes(level)
+                .is_none()
+        );
     }
 }
 

@@ -30,6 +30,8 @@ pub(crate) enum Shaded<'a> {
     Words(&'a [u32; BATCH_STRIDE]),
     /// RGBA8 texels, still without the factors of their surface.
     Texels(UnlitColor, &'a [u32; BATCH_STRIDE]),
+    /// Texels as light, still without the factors of their surface.
+    Untinted(UnlitColor, &'a Colors),
     /// Premultiplied light.
     Light(&'a Colors),
 }
@@ -40,6 +42,7 @@ impl Shaded<'_> {
     pub(super) fn load<I: Isa>(&self, i: I, at: usize) -> [I::F32; 4] {
         match self {
             Self::Light(colors) => colors.load(i, at),
+            Self::Untinted(color, colors) => color.tint(i, colors.load(i, at)),
             Self::Texels(color, words) => {
                 let word = i.load_u32(&words[at..at + I::LANES]);
                 color.tint(i, unpack_lanes(i, word))

@@ -4,8 +4,8 @@
 use texmap_math::simd::Isa;
 use texmap_math::{Footprint, Level};
 use texmap_raster::{AttributePlanes, BATCH_STRIDE, FragmentBlock, TileVisibility, Varyings};
-use texmap_sample::lanes::BoundTexture;
 use texmap_sample::lanes::packed::unpack_lanes;
+use texmap_sample::lanes::{BoundTexture, sample_bound_soa};
 use texmap_sample::{Places, sample_soa};
 
 use super::batch::{Colors, LANES, straight};
@@ -97,6 +97,8 @@ impl PackedTexels {
 #[derive(Default)]
 pub(crate) struct TexturePair<'a> {
     slots: [Option<&'a Slot<'a>>; 2],
+    /// The textures of the slots.
+    bound: [Option<BoundTexture<'a>>; 2],
     /// All of them, if all are packed.
     views: Option<[Option<BoundTexture<'a>>; 2]>,
     /// The mips of both are the same.
@@ -120,8 +122,11 @@ impl<'a> TexturePair<'a> {
             _ => false,
         };
         let derivatives = slots.into_iter().flatten().any(Slot::reads_derivatives);
+        let bound =
+            slots.map(|slot| slot.and_then(|slot| BoundTexture::new(&slot.sampler, &slot.texture)));
         Self {
             slots,
+            bound,
             views,
             same_mips,
             derivatives,
@@ -161,14 +166,14 @@ impl<'a> TexturePair<'a> {
         }
         planes.values(level, blocks, batch, &[0, 1], self.derivatives, values);
         let count = batch.len() * LANES;
-        for (slot, out) in self.slots.iter().zip(out) {
-            if let Some(slot) = slot {
+        for ((slot, view), out) in self.slots.iter().zip(&self.bound).zip(out) {
+            if let (Some(slot), Some(view)) = (slot, view) {
                 out.packed = false;
                 let (at, columns) = (
                     pixel_samples(slot, values, count),
                     out.colors.columns_mut(count),
                 );
-                sample_soa(level, &slot.sampler, &slot.texture, &at, columns)
+                sample_bound_soa(level, (&slot.sampler, view), &at, columns)
                     .expect("the columns have one length");
             }
         }

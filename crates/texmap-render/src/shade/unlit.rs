@@ -1,10 +1,10 @@
 //! Unlit surfaces whose color is a texel or one color, times a constant: they need no other stage.
 
+use texmap_math::Level;
 use texmap_math::simd::{Isa, prelude::*};
-use texmap_math::{Level, dispatch_simd};
 use texmap_raster::{BATCH_STRIDE, FragmentBlock, Varyings};
-use texmap_sample::lanes::BoundTexture;
-use texmap_sample::{is_exact_in_rgba8, sample_rgba8_soa, sample_soa};
+use texmap_sample::lanes::{BoundTexture, sample_bound_soa};
+use texmap_sample::{is_exact_in_rgba8, sample_rgba8_soa};
 
 use super::batch::{Colors, LANES, straight};
 use super::fetch::pixel_samples;
@@ -62,6 +62,11 @@ impl UnlitColor {
         !self.blends || (self.opaque_texels && self.opacity >= 1.0)
     }
 
+    /// True if encoded texels are the encoded pixels of the surface.
+    fn shows_texels(&self) -> bool {
+        self.is_opaque() && self.opaque_texels && self.tint == [1.0; 3]
+    }
+
     /// True if packed texels are the encoded pixels of the surface.
     pub(crate) fn is_exact(&self) -> bool {
         self.exact && self.is_opaque()
@@ -93,17 +98,25 @@ impl UnlitColor {
 pub(crate) struct Unlit<'a> {
     color: UnlitColor,
     slot: Option<&'a Slot<'a>>,
+    /// The texture, where texels are read channel by channel.
+    bound: Option<BoundTexture<'a>>,
     /// Where texels are read as packed words.
     view: Option<BoundTexture<'a>>,
+    /// Where texels can be read as encoded pixels.
+    codes: Option<BoundTexture<'a>>,
 }
 
 impl<'a> Unlit<'a> {
     pub(crate) fn new(color: UnlitColor, slot: Option<&'a Slot<'a>>) -> Self {
-        let packed = slot.filter(|slot| color.bytes && !slot.is_transformed());
+        let plain = slot.filter(|slot| !slot.is_transformed());
+        let codes = plain.filter(|_| color.shows_texels());
+        let packed = plain.filter(|_| color.bytes);
         Self {
             color,
             slot,
+            bound: slot.and_then(|slot| BoundTexture::new(&slot.sampler, &slot.texture)),
             view: packed.and_then(|slot| packed_view(&slot.sampler, &slot.texture)),
+            codes: codes.and_then(|slot| packed_view(&slot.sampler, slot.codes.as_ref()?)),
         }
     }
 
@@ -114,6 +127,11 @@ impl<'a> Unlit<'a> {
     /// The view by which encoded pixels are read straight from the texture.
     pub(crate) fn exact_view(&self) -> Option<&BoundTexture<'a>> {
         self.view.as_ref().filter(|_| self.color.is_exact())
+    }
+
+    /// The view whose texels are encoded pixels.
+    pub(crate) fn encoded_view(&self) -> Option<&BoundTexture<'a>> {
+        self.exact_view().or(self.codes.as_ref())
     }
 
     pub(crate) fn has_texture(&self) -> bool {
@@ -145,7 +163,7 @@ impl<'a> Unlit<'a> {
             .expect("the columns have one length");
     }
 
-    /// The colors of a batch.
+    /// The texels of a batch, still without the factors of the surface.
     pub(crate) fn shade(
         &self,
         level: Level,
@@ -154,27 +172,20 @@ impl<'a> Unlit<'a> {
         scratch: &mut UnlitScratch,
         out: &mut Colors,
     ) {
-        let mut count = batch.len() * LANES;
-        match self.slot {
-            Some(slot) => {
-                count = scratch.read_uv(level, slot, pixels, batch);
+        match (self.slot, &self.bound) {
+            (Some(slot), Some(view)) => {
+                let count = scratch.read_uv(level, slot, pixels, batch);
                 let (at, columns) = (
                     pixel_samples(slot, &scratch.values, count),
                     out.columns_mut(count),
                 );
-                sample_soa(level, &slot.sampler, &slot.texture, &at, columns)
+                sample_bound_soa(level, (&slot.sampler, view), &at, columns)
                     .expect("the columns have one length");
             }
-            None => out.columns_mut(count).into_iter().for_each(|c| c.fill(1.0)),
-        }
-        dispatch_simd!(level, i => self.tint_batch(i, count, out));
-    }
-
-    #[inline(always)]
-    fn tint_batch<I: Isa>(&self, i: I, count: usize, out: &mut Colors) {
-        for at in (0..count).step_by(I::LANES) {
-            let color = self.color.tint(i, out.load(i, at));
-            out.store(i, at, color);
+            _ => {
+                let columns = out.columns_mut(batch.len() * LANES);
+                columns.into_iter().for_each(|c| c.fill(1.0));
+            }
         }
     }
 }

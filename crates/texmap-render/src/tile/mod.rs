@@ -20,8 +20,8 @@ use crate::resolve::rows::AovRows;
 use crate::resolve::tile_buffer::{Shaded, TileBuffer};
 use crate::shade::batch::{Batch, Colors, LANES};
 use crate::shade::surface::SurfaceScratch;
-use crate::shade::texels::{Pixels, read_nearest};
-use crate::shade::unlit::UnlitScratch;
+use crate::shade::texels::{Pixels, read_nearest, read_texels};
+use crate::shade::unlit::{Unlit, UnlitScratch};
 pub(crate) use fragments::is_whole;
 use fragments::{FragmentList, blended};
 use msaa::{SampleReuse, Strays};
@@ -169,7 +169,7 @@ impl Painter {
         let blocks = &self.samples[0].blocks;
         let exact = |draw: &u32| {
             let unlit = context.shaders[*draw as usize].0.unlit();
-            unlit.is_some_and(|unlit| unlit.exact_view().is_some())
+            unlit.is_some_and(|unlit| unlit.encoded_view().is_some())
         };
         if !rows_fit(rows)
             || !is_whole(&blocks.masks)
@@ -186,26 +186,24 @@ impl Painter {
         } = &mut self.shader;
         let (level, pixels) = (context.plan.level, Pixels::Blocks(planes, blocks));
         for (draw, blocks_of) in self.list.parts() {
-            let Some(unlit) = context.shaders[draw as usize].0.unlit() else {
+            let unlit = context.shaders[draw as usize].0.unlit();
+            let Some(view) = unlit.and_then(Unlit::encoded_view) else {
                 continue;
             };
             for batch in blocks_of.chunks(BATCH_BLOCKS) {
                 prefetch_rows(rows, batch);
-                let view = unlit.exact_view();
-                let stored = view.is_some_and(|view| {
-                    read_nearest(
-                        level,
-                        view,
-                        &pixels,
-                        batch,
-                        #[inline(always)]
-                        |at, pixel, words| put_pixels_rows(rows, at, pixel % LANES, words),
-                    )
-                });
+                let stored = read_nearest(
+                    level,
+                    view,
+                    &pixels,
+                    batch,
+                    #[inline(always)]
+                    |at, pixel, words| put_pixels_rows(rows, at, pixel % LANES, words),
+                );
                 if stored {
                     continue;
                 }
-                unlit.read_words(level, &pixels, batch, scratch, words);
+                read_texels(level, view, &pixels, batch, &mut scratch.addresses, words);
                 for (at, words) in batch.iter().zip(words.as_chunks().0) {
                     put_block_rows(rows, *at, words);
                 }
@@ -396,6 +394,11 @@ impl BatchShader {
         let (shader, word) = &context.shaders[draw as usize];
         if let Shader::Unlit(unlit) = shader {
             let pixels = Pixels::Blocks(&self.planes, blocks);
+            if let Some(view) = unlit.encoded_view().filter(|_| encoded) {
+                let addresses = &mut self.unlit.addresses;
+                read_texels(level, view, &pixels, batch, addresses, &mut self.words);
+                return Shaded::Words(&self.words);
+            }
             if unlit.gives_words() {
                 unlit.read_words(level, &pixels, batch, &mut self.unlit, &mut self.words);
                 return if encoded && unlit.color().is_exact() {
@@ -408,7 +411,7 @@ impl BatchShader {
                 return Shaded::Word(*word);
             }
             unlit.shade(level, &pixels, batch, &mut self.unlit, &mut self.colors);
-            return Shaded::Light(&self.colors);
+            return Shaded::Untinted(*unlit.color(), &self.colors);
         }
         if let Shader::Surface(surface) = shader
             && let Some(count) = surface.attributes.filter(|count| *count > 0)
