@@ -379,7 +379,7 @@ mod tests {
             let b_v = -2.0 * amplitude * (3.0 * u).sin() * (2.0 * v).sin();
             let narrow = |a: DVec3| a.to_array().map(|c| c as f32);
             let got = if unit_first {
-                // The slide's reading, with N overwritten by its unit vector.
+                // The lecture's reading, with N overwritten by its unit vector.
                 let n = o_v.cross(o_u).normalize();
                 n + n.cross(o_u) * b_v - n.cross(o_v) * b_u
             } else {

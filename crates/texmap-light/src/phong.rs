@@ -5,7 +5,7 @@ use crate::LightCone;
 /// Falloff of a highlight.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum SpecularModel {
-    /// `max(0, V.R)^ns`, the angle between the eye and the mirrored light (Phong 1975; the lecture's).
+    /// `max(0, V.R)^ns`, the angle between the eye and the mirrored light (Phong 1975, and MIT 6.837).
     #[default]
     Phong,
     /// `max(0, N.H)^ns`, the angle between the normal and the vector halfway to the light (Blinn 1977). For small angles as
@@ -57,7 +57,7 @@ impl PhongMaterial {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Light {
-    /// The same from everywhere.
+    /// Ambient light, the same from everywhere.
     Ambient {
         /// Linear intensity per channel.
         color: [f32; 3],

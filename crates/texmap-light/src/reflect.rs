@@ -8,11 +8,11 @@ use crate::vector::dot;
 /// A direction and its change for one pixel to the right and one down, in each lane.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RayLanes<I: Isa> {
-    /// Of any length.
+    /// The direction, of any length.
     pub direction: [I::F32; 3],
-    /// To the right.
+    /// Change for one pixel to the right.
     pub dx: [I::F32; 3],
-    /// Down.
+    /// Change for one pixel down.
     pub dy: [I::F32; 3],
 }
 

@@ -40,7 +40,7 @@ impl<I: Isa> TermsLanes<I> {
         }
     }
 
-    /// Adds the contribution of a light in the lanes of `lit`, of which so much is received.
+    /// Adds the contribution of a light in the lanes of `lit`, times its visibility `received`.
     #[inline(always)]
     pub fn add(&mut self, given: &LightContributionLanes<I>, lit: I::Mask, received: Vector<I>) {
         let (diffuse, highlight) = (&mut self.diffuse, &mut self.highlight);
@@ -86,7 +86,7 @@ fn sum_over_lights<I: Isa>(
 /// With N, L, V of unit length and `R = 2(N.L)N - L`:
 /// `diffuse = sum_ambient ka La + sum kd max(0, N.L) Ll`, `highlight = sum ks max(0, V.R)^ns Ll`, where a
 /// light behind the surface (`N.L <= 0`) gives neither. There is no attenuation. Source: MIT 6.837 (Fall
-/// 2000), lecture 19, slides 20-22.
+/// 2000), lecture 19, pages 20-22.
 ///
 /// A zero or non-finite normal leaves the ambient light alone; a light or an eye that stands in the point
 /// has no direction and gives nothing. Finite input of reasonable size (products within f32) gives finite
@@ -111,9 +111,9 @@ pub fn lighting(
     )
 }
 
-/// [`lighting`] with a choice of highlight and with what reaches the point of each light: `received(i)` is asked for light i (not for
-/// ambient ones, nor for those behind the surface) and multiplies its colour, per channel: the share that a shadow leaves, the colour
-/// of a slide. With ones everywhere it has the bits of [`lighting`].
+/// [`lighting`] with a choice of highlight and with the visibility of each light. `received(i)` is asked for light i (not for ambient
+/// ones, nor for those behind the surface) and multiplies its colour, per channel: the fraction that a shadow leaves, the colour of a
+/// projected picture. With ones everywhere the result has the bits of [`lighting`].
 #[must_use]
 pub fn shade_with_visibility(
     surface: &PhongMaterial,

@@ -170,7 +170,7 @@ impl core::fmt::Debug for Reflectance {
 }
 
 impl Reflectance {
-    /// Of a surface; some 10 ms.
+    /// The reflectance of a surface; takes some 10 ms.
     #[must_use]
     pub fn new(surface: &MetallicRoughnessSurface) -> Self {
         let curve = |roughness: f32| {

@@ -12,7 +12,7 @@ pub(super) enum Bias {
     Planes(f32),
     Constant(f32),
     Slope(f32),
-    /// In texels.
+    /// Offset along the normal, in texels.
     NormalOffset(f32),
 }
 
@@ -25,7 +25,7 @@ pub(super) struct Taps {
     pub(super) radius: i32,
     pub(super) bounds: ShadowBounds,
     pub(super) bias: Bias,
-    /// Comparisons that say nothing where they contradict all others.
+    /// Number of comparisons that are ignored if they contradict all others.
     stray: f32,
 }
 
@@ -34,12 +34,13 @@ pub(super) struct Receiver<I: Isa> {
     depth: I::F32,
     /// Change of the depth per texel right and down.
     slope: [I::F32; 2],
-    /// From the receiver to the middle of its texel.
+    /// Vector from the receiver to the middle of its texel.
     middle: [I::F32; 2],
 }
 
 impl<I: Isa> Receiver<I> {
-    /// `slope` per texel, `steepest` at most, of a receiver at `place` (texels) in the texel whose column and row are `texel`.
+    /// Depths of a receiver at `place` (texels) in the texel whose column and row are `texel`. Its depth changes by `slope` per texel,
+    /// at most by `steepest`.
     #[inline(always)]
     pub(super) fn new(
         i: I,
@@ -61,7 +62,7 @@ impl<I: Isa> Receiver<I> {
         out
     }
 
-    /// Of one depth.
+    /// Depths that are one depth at all comparisons.
     #[inline(always)]
     pub(super) fn level(i: I, depth: I::F32) -> Self {
         Self {
@@ -71,7 +72,8 @@ impl<I: Isa> Receiver<I> {
         }
     }
 
-    /// At the texel `di` columns and `dj` rows away: on its plane where that is nearer to the light; its one depth unless `PLANES`.
+    /// Depth of the receiver at the texel `di` columns and `dj` rows away. With `PLANES` it is that of the receiver's plane where that
+    /// is nearer to the light, else one depth.
     #[inline(always)]
     pub(super) fn at<const PLANES: bool>(&self, i: I, di: i32, dj: i32) -> I::F32 {
         if !PLANES {
@@ -118,7 +120,7 @@ impl Taps {
         side * side
     }
 
-    /// The share of the light that `lit` comparisons leave.
+    /// Fraction of the light by the number of comparisons that pass.
     #[inline(always)]
     pub(super) fn share<I: Isa>(&self, i: I, lit: I::F32) -> I::F32 {
         let share = (lit - self.stray) / (self.count() - 2.0 * self.stray);
