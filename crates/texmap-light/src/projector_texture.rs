@@ -68,8 +68,8 @@ impl ProjectorTexture<'_> {
 
     /// Premultiplied texel of the picture at homogeneous coordinates `(q, s, t)`. Multiply a light's colour with it, or
     /// compose it over a surface. Zero where `t <= 0` (nothing behind a projector is lit), where a coordinate is not finite,
-    /// and beyond the picture under [`ProjectorBorder::Black`]. Source: MIT 6.837, lecture 18, pages 21-26; the tests of t and
-    /// of the border are not in the lecture.
+    /// and beyond the picture under [`ProjectorBorder::Black`]. Source: MIT 6.837, lecture 18, slides 21-26; the tests of t and
+    /// of the border are not on the slides.
     ///
     /// `step` holds the change of (q, s, t) per pixel to the right and per pixel down, for the level of detail:
     /// `du/dx = (q_x - u t_x) / t`.

@@ -86,7 +86,7 @@ fn sum_over_lights<I: Isa>(
 /// With N, L, V of unit length and `R = 2(N.L)N - L`:
 /// `diffuse = sum_ambient ka La + sum kd max(0, N.L) Ll`, `highlight = sum ks max(0, V.R)^ns Ll`, where a
 /// light behind the surface (`N.L <= 0`) gives neither. There is no attenuation. Source: MIT 6.837 (Fall
-/// 2000), lecture 19, pages 20-22.
+/// 2000), lecture 19, slides 20-22.
 ///
 /// A zero or non-finite normal leaves the ambient light alone; a light or an eye that stands in the point
 /// has no direction and gives nothing. Finite input of reasonable size (products within f32) gives finite
