@@ -2,7 +2,7 @@
 //! files.
 //!
 //! - [`load`] reads a scene or model with everything that it names into a [`texmap_scene::Scene`]; [`info`] lists
-//!   what a file holds and what it names in vain.
+//!   the contents of a file and the files that it names in vain.
 //! - [`scene_file`] is the language alone: text to statements and back.
 //! - [`image_io`], [`write_pixels`], [`npy`], [`CameraPath`]: pictures, arrays, walks. [`framing`]: cameras that show a whole model.
 //! - [`atomic`]: files that are written whole or not at all; every writer here uses it.

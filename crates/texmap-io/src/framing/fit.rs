@@ -1,6 +1,6 @@
-//! The nearest camera of a direction that shows every vertex within a share of the picture.
+//! The nearest camera of a direction that shows every vertex within a fraction of the picture.
 //!
-//! In the axes of the picture (x to the right, y up, z to the eye) a vertex is at most the share `t` of the half width at distance 1 from
+//! In the axes of the picture (x to the right, y up, z to the eye) a vertex is at most the fraction `t` of the half width at distance 1 from
 //! the line of sight where `x - ex <= t (ez - z)` and `ex - x <= t (ez - z)`. With `A = max(x + t z)` and `B = max(-x + t z)` over all
 //! vertices that is `ez >= (A + B) / 2t`, and at the least `ez` the eye is at `ex = (A - B) / 2`. The same holds for y; the larger `ez`
 //! serves both.
@@ -89,7 +89,7 @@ impl Extent {
     }
 }
 
-/// The share of the half width and half height at distance 1 that vertices may reach.
+/// Fractions of the half width and half height at distance 1 that vertices may reach.
 fn share(framing: &Framing, aspect: f64) -> [f64; 2] {
     let tx = Framing::FILL * deterministic_f64::tan(0.5 * framing.fov_x);
     [tx, tx / aspect]

@@ -26,7 +26,7 @@ pub(super) struct Geometry {
     pub(super) in_world: bool,
 }
 
-/// What a node does to the meshes that it places.
+/// Deformation of a node's meshes: weights of morph targets and a skin.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Shape {
     /// Weights of the morph targets.
@@ -35,7 +35,7 @@ pub(super) struct Shape {
     pub(super) joints: Option<Vec<DMat4>>,
 }
 
-/// How the coordinates and normals of a primitive are read.
+/// Selection of the coordinates and normals of a primitive.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Reads {
     pub(super) sets: Sets,

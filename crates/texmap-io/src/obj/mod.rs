@@ -76,7 +76,7 @@ pub(crate) struct Material {
     pub(crate) displacement: Option<(Map, f32)>,
 }
 
-/// What a relief map holds.
+/// Content of a map of normal detail.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum ReliefKind {
     /// Heights; white over black in units of the model (`-bm`).

@@ -1,8 +1,8 @@
-//! MTL statements that are known and not drawn: each is reported once for its library, where it changes a picture at all.
+//! MTL statements that are known and not drawn. Each is reported once for its library if it changes a picture.
 
 use crate::SourceLocation;
 
-/// Statements and what is lost without them.
+/// Statements and their effects that are lost.
 const STATEMENTS: [(&str, &str); 21] = [
     ("Ka", "ambient light takes the colour of `Kd`"),
     ("Tf", "light is not coloured on its way through"),
@@ -33,7 +33,7 @@ const STATEMENTS: [(&str, &str); 21] = [
 /// Statements of one library that are not drawn.
 #[derive(Debug, Default)]
 pub(super) struct NotDrawn {
-    /// Word, what is lost, the first line and how many there are.
+    /// Word, lost effect, first line and number of statements.
     told: Vec<(String, &'static str, SourceLocation, u32)>,
     /// Of the material that is read.
     kd: Option<Vec<f32>>,

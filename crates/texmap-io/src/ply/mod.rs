@@ -179,7 +179,7 @@ fn refuse_points(request: &Request<'_>, header: &Header) -> Result<(), IoError> 
     })
 }
 
-/// Warnings of elements and properties that a picture would show and this one does not.
+/// Warnings of elements and properties that would change a picture and are not drawn.
 fn left_out(path: &Path, header: &Header) -> Vec<String> {
     let mut warnings = Vec::new();
     for element in header.elements.iter().filter(|element| element.count > 0) {

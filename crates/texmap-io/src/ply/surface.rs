@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use super::records::{Field, Records};
 use crate::obj::{Corner, Face, NONE, Obj};
 
-/// What is wrong with a record.
+/// A fault of a record.
 #[derive(Debug)]
 pub(super) struct Fault {
     pub(super) record: usize,
