@@ -37,7 +37,7 @@ struct Lines {
     size: [usize; 2],
     /// Depth that a line needs to be seen at a pixel.
     behind: Vec<f32>,
-    /// Share of each pixel that lines cover.
+    /// Fraction of each pixel that lines cover.
     cover: Vec<f32>,
 }
 
