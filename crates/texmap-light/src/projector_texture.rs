@@ -153,17 +153,17 @@ pub struct ProjectorUvBatch<I: Isa> {
 impl<'a> BoundProjectorTexture<'a> {
     /// Prepares a projected picture for look-ups.
     #[must_use]
-    pub fn new(slide: &ProjectorTexture<'a>) -> Self {
+    pub fn new(projected: &ProjectorTexture<'a>) -> Self {
         let row = |row: DVec4| row.to_array().map(|c| c as f32);
         Self {
-            rows: slide.projector.rows().map(row),
-            texture: slide.texture,
-            sampler: slide.bordered(),
-            border: slide.border,
-            softness: slide.softness,
-            dark_edge: slide.border == ProjectorBorder::Clamp
-                && matches!(slide.sampler.filter, Filter::Nearest | Filter::Bilinear)
-                && has_dark_edge(slide.texture),
+            rows: projected.projector.rows().map(row),
+            texture: projected.texture,
+            sampler: projected.bordered(),
+            border: projected.border,
+            softness: projected.softness,
+            dark_edge: projected.border == ProjectorBorder::Clamp
+                && matches!(projected.sampler.filter, Filter::Nearest | Filter::Bilinear)
+                && has_dark_edge(projected.texture),
         }
     }
 
@@ -315,14 +315,14 @@ mod tests {
                 ..Sampler::default()
             },
         );
-        let slide = ProjectorTexture {
+        let projected = ProjectorTexture {
             projector,
             texture: &texture,
             sampler: &sampler,
             border,
             softness,
         };
-        test(&|p| slide.light(projector.project(DVec3::from(p)), None));
+        test(&|p| projected.light(projector.project(DVec3::from(p)), None));
     }
 
     const RED: [f32; 4] = [1.0, 0.0, 0.0, 1.0];

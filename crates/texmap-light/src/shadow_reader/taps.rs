@@ -26,7 +26,7 @@ pub(super) struct Taps {
     pub(super) bounds: ShadowBounds,
     pub(super) bias: Bias,
     /// Number of comparisons that are ignored if they contradict all others.
-    stray: f32,
+    outliers: f32,
 }
 
 /// The receiver's depth at the comparisons around a texel.
@@ -104,7 +104,7 @@ impl Taps {
             size: map.size() as i32,
             radius: radius(taps) as i32,
             bounds: ShadowBounds::fitting(bounds, map.depths(), map.size() as usize, taps),
-            stray: bias.outliers(taps) as f32,
+            outliers: bias.outliers(taps) as f32,
             bias: match bias {
                 ShadowBias::Planes(constant) => Bias::Planes(constant as f32),
                 ShadowBias::Constant(constant) => Bias::Constant(constant as f32),
@@ -123,7 +123,7 @@ impl Taps {
     /// Fraction of the light by the number of comparisons that pass.
     #[inline(always)]
     pub(super) fn share<I: Isa>(&self, i: I, lit: I::F32) -> I::F32 {
-        let share = (lit - self.stray) / (self.count() - 2.0 * self.stray);
+        let share = (lit - self.outliers) / (self.count() - 2.0 * self.outliers);
         share.clamp(i.f32(0.0), i.f32(1.0))
     }
 
