@@ -5,7 +5,7 @@
 //! cut-out surfaces first, each visible pixel shaded once, blended surfaces over them in submission order. A stage that a
 //! material lacks is not run.
 //!
-//! Meshes are drawn as triangles. Where a scene has displacement maps or billboards, `texmap_mesh::tessellate` comes first; a scene that
+//! Meshes are drawn as triangles. If a scene has displacement maps or billboards, `texmap_mesh::tessellate` comes first; a scene that
 //! still holds them is refused.
 //!
 //! # Conventions

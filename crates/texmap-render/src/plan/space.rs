@@ -74,7 +74,7 @@ static VOLUME_MATERIAL: LazyLock<Material> = LazyLock::new(|| Material {
     ..Material::default()
 });
 
-/// The far sides of a volume's box, whatever stands before them. They still lack their stage.
+/// The far sides of a volume's box, drawn behind all surfaces. They still lack their stage.
 pub(crate) fn far_sides<'s>(volume: &Volume, clip_from_world: DMat4) -> Surface<'s> {
     let mesh = &*CUBE;
     let mut vertices = VertexData::of(mesh, Vec::new(), 0);

@@ -141,7 +141,7 @@ mod tests {
     use super::*;
     use texmap_math::simd::Scalar;
 
-    /// In f32 the mean of the light of four bytes is never on the wrong side of a half.
+    /// The mean of the light of four bytes in f32 is never on the wrong side of a half.
     #[test]
     fn mean_of_bytes_is_that_of_their_light() {
         let mut buffer = TileBuffer::new();

@@ -24,7 +24,7 @@ pub(crate) struct Job<'a> {
 
 /// A block and the parts of the frame that it owns.
 pub(crate) struct Block<'r, 'a> {
-    /// In blocks, from the left and from the top.
+    /// Position in blocks, from the left and from the top.
     pub(super) column: u32,
     pub(super) row: u32,
     /// Empty if this pass has no color.
