@@ -19,7 +19,7 @@ use crate::output::{Destination, Stage, distinct};
 /// Writes PREFIX.face.npy (number of the face in the file, from 0), PREFIX.triangle.npy (row of PREFIX.triangles.npy,
 /// which lists face and three vertices), PREFIX.barycentric.npy (weights of these vertices), PREFIX.position.npy,
 /// PREFIX.normal.npy and PREFIX.coverage.npy (0 free, 1 centre covered, 2 touched, 3 gutter), and each of them as PNG.
-/// Rows run from the top, so v = 1 is row 0. Free texels have face 4294967295. Where faces overlap the first one wins.
+/// Rows run from the top, so v = 1 is row 0. Free texels have face 4294967295. The first of overlapping faces wins.
 #[derive(Args, Debug)]
 #[command(
     after_help = "Needs texture coordinates: `texmap uv MESH -o OUT.obj --map unwrap` makes some."
