@@ -65,7 +65,7 @@
         unused_imports,
         unused_mut,
         unused_variables,
-        reason = "without a vector unit the scalar twins of the kernels do all of the work"
+        reason = "without a vector unit the scalar versions of the kernels do all of the work"
     )
 )]
 

@@ -54,17 +54,17 @@ impl Extent {
         }
         let [a, b, c, d] = self.reach;
         // Nothing touches the eye: a needle along the line of sight has no width.
-        let room = match size.max_element() {
+        let gap = match size.max_element() {
             largest if largest > 0.0 => 0.1 * largest,
             _ => 1.0,
         };
         let ez = ((a + b) / (2.0 * tx))
             .max((c + d) / (2.0 * ty))
-            .max(self.high.z + room);
+            .max(self.high.z + gap);
         let (eye, parallel_width) = if framing.parallel {
             let middle = (self.low + self.high) * 0.5;
             let width = size.x.max(size.y * aspect) / Framing::FILL;
-            let width = if width > 0.0 { width } else { room };
+            let width = if width > 0.0 { width } else { gap };
             (DVec3::new(middle.x, middle.y, ez), Some(width))
         } else {
             (DVec3::new((a - b) * 0.5, (c - d) * 0.5, ez), None)
@@ -78,7 +78,7 @@ impl Extent {
             fov_x: framing.fov_x,
             near: (distance * 1e-3).min(nearest * 0.5),
             far: match framing.parallel {
-                true => ez - self.low.z + room,
+                true => ez - self.low.z + gap,
                 false => f64::INFINITY,
             },
             lens: Lens {

@@ -93,8 +93,8 @@ impl ShadowMap {
                 );
             }
         }
-        let stray = bias.outliers(taps);
-        let lit = lit.saturating_sub(stray) as f32 / (count - 2 * stray) as f32;
+        let outliers = bias.outliers(taps);
+        let lit = lit.saturating_sub(outliers) as f32 / (count - 2 * outliers) as f32;
         if lit < 1.0 { lit } else { 1.0 }
     }
 

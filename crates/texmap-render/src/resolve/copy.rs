@@ -243,9 +243,9 @@ mod tests {
             // Rows at any offset in their cache lines.
             let places = [0, 4, 16, 32, 48].map(|ahead| (Level::new(), ahead));
             for (level, ahead) in places.into_iter().chain([(Level::baseline(), 0)]) {
-                let mut room = vec![0; 64 + ahead + 4 * width * height];
-                let start = room.as_ptr().align_offset(64) + ahead;
-                let bytes = &mut room[start..start + 4 * width * height];
+                let mut memory = vec![0; 64 + ahead + 4 * width * height];
+                let start = memory.as_ptr().align_offset(64) + ahead;
+                let bytes = &mut memory[start..start + 4 * width * height];
                 let mut rows: Vec<&mut [u8]> = bytes.chunks_mut(4 * width).collect();
                 buffer.copy_to(level, &mut rows);
                 for (i, pixel) in bytes.chunks(4).enumerate() {

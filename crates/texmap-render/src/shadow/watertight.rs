@@ -40,7 +40,7 @@ mod tests {
     /// A watertight mesh casts the shadow of an open one, mirrored too. Only texels at its outline may lie deeper. The negative twin
     /// has its fronts inwards.
     #[test]
-    fn fronts_of_closed_meshes_throw_the_whole_shadow() {
+    fn fronts_of_watertight_meshes_cast_the_whole_shadow() {
         let spot = Light::spot([1.0; 3], [0.3, 4.0, 0.5], [0.0, -1.0, -0.1], 0.5, 0.7);
         let down = [0.1, -1.0, 0.2];
         let sun = Light::Directional {

@@ -54,7 +54,7 @@ pub(crate) fn numbered(output: &Path, n: u32) -> Option<PathBuf> {
     Some(os_name::of_bytes(parts.concat()).into())
 }
 
-/// Names all outputs and checks them: endings, numbers, twins, and that each can be written. `shots` are the names of the pictures of
+/// Names all outputs and checks them: endings, numbers, duplicates, and that each can be written. `shots` are the names of the pictures of
 /// each input, if there are several.
 pub(crate) fn items(
     args: &RenderArgs,

@@ -300,14 +300,14 @@ fn coordinates(
     cuts: &SeamEdges<'_>,
     seams: &[[u32; 2]],
 ) -> Result<(UvSet, Vec<u32>), UvError> {
-    let page = AtlasSize {
+    let atlas = AtlasSize {
         size: args.pack.unwrap_or(1024),
         gutter: args.gutter,
     };
     let (mut set, mut around) = match args.map {
-        Some(Map::Auto) => (auto_planes(mesh, page, Origin::BottomLeft)?, Vec::new()),
+        Some(Map::Auto) => (auto_planes(mesh, atlas, Origin::BottomLeft)?, Vec::new()),
         Some(Map::Unwrap) => (
-            unwrap(mesh, cuts, page, Origin::BottomLeft, &|_, _| {
+            unwrap(mesh, cuts, atlas, Origin::BottomLeft, &|_, _| {
                 ControlFlow::Continue(())
             })?,
             Vec::new(),
@@ -329,7 +329,7 @@ fn coordinates(
     if args.pack.is_some()
         && (cutting || !seams.is_empty() || !matches!(args.map, Some(Map::Auto | Map::Unwrap)))
     {
-        set = pack(mesh, &set, page)?;
+        set = pack(mesh, &set, atlas)?;
     }
     if !args.fix_seams {
         around.clear();
